@@ -1,0 +1,85 @@
+#ifndef SONOPACK_NETWORK_H
+#define SONOPACK_NETWORK_H
+/* The network that carries sound: springs between the grains that are not rattlers, and K as an operator and as a
+ * sparse matrix. M u'' = -K u (Eq. (1) of Somfai et al. 2005) with both walls fixed. */
+
+#include <sonopack/packing.h>
+#include <sonopack/status.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct sp_network_options {
+    double threshold;  /* contacts with fn > threshold x p (x d^2) carry; 1e-4 */
+    bool prestress;    /* add the transverse -F_n/r term (translations only); false as in the paper */
+    bool sliding_free; /* k_t = 0 on contacts at the Coulomb limit (within 1e-6); false as in the paper */
+} sp_network_options;
+sp_network_options sp_network_options_default(void);
+
+/* One spring. The relative displacement at the contact point is B u = (u_j - u_i) - (rotations with lever arms). */
+typedef struct sp_spring {
+    int32_t i, j;    /* grains of the network (0 .. n-1); j may be SP_BOTTOM or SP_TOP (fixed) */
+    int32_t contact; /* its row in the packing */
+    double n[3];     /* unit normal from i to j */
+    double kn, kt;   /* stiffnesses [E* d] */
+    double kp;       /* -F_n / r, transverse stiffness of the prestress; 0 if not asked for */
+    double ri, rj;   /* lever arms: radii; rj = 0 for a rigid wall [d] */
+} sp_spring;
+
+/* Degrees of freedom a grain: 1D 1; 2D 3 (x, y, angle) or 2 without friction; 3D 6 or 3. Order: translations, then
+ * rotations. Vectors over the network are [n][dof]. */
+typedef struct sp_network {
+    int dim, dof;
+    int32_t n;     /* grains that carry */
+    int32_t n_all; /* grains of the packing */
+    int32_t rattlers;
+    int32_t n_springs;
+    int32_t *grain; /* [n] index in the packing */
+    double *mass;   /* [n][dof] masses, then moments of inertia */
+    double *x;      /* [n][3] centres */
+    double *r;      /* [n] radii */
+    sp_spring *springs;
+    double box[3];
+    double pressure;
+} sp_network;
+
+sp_network sp_network_none(void);
+/* SP_EREFUSED when no grain carries. */
+sp_status sp_network_make(const sp_packing *p, const sp_network_options *opt, sp_network *out, sp_error *err);
+void sp_network_free(sp_network *net);
+int64_t sp_network_dofs(const sp_network *net); /* n x dof */
+
+/* out = K u, [n][dof] each, must not overlap. Allocates nothing, cannot fail. */
+void sp_network_apply(const sp_network *net, const double *restrict u, double *restrict out);
+/* u^T K u as a sum of squares over springs (prestress: of signed squares): accurate for soft modes where u . (K u) is
+ * not. */
+double sp_network_energy2(const sp_network *net, const double *u);
+/* An upper bound of the largest eigenfrequency that needs no iteration (row sums of the scaled matrix). */
+double sp_network_omega_bound(const sp_network *net);
+
+typedef enum sp_source {
+    SP_SOURCE_IMPULSE = 0, /* momentum of each bottom grain = k_n of its wall contact (times the normal) */
+    SP_SOURCE_VELOCITY,    /* velocity = k_n, literally as in the paper */
+    SP_SOURCE_DISPLACEMENT /* displacement = k_n: initial condition B */
+} sp_source;
+
+/* Source as a vector [n][dof] of momenta (impulse, velocity) or displacements; detector as a row: F_sig = det . u.
+ * Component: normal (along up). Walls without springs give SP_EREFUSED. */
+sp_status sp_network_source(const sp_network *net, sp_source source, double *out, sp_error *err);
+sp_status sp_network_detector(const sp_network *net, double *out, sp_error *err);
+
+/* K assembled: the lower triangle by columns (CSC, rows ascending, diagonal first). */
+typedef struct sp_sparse {
+    int64_t n;
+    int64_t *p; /* [n+1] */
+    int64_t *i; /* [p[n]] rows */
+    double *x;  /* [p[n]] */
+} sp_sparse;
+sp_status sp_network_assemble(const sp_network *net, sp_sparse *out, sp_error *err);
+void sp_sparse_free(sp_sparse *a);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,66 @@
+#ifndef SONOPACK_SCENE_H
+#define SONOPACK_SCENE_H
+/* A scene: what the user describes and wants, checked. Files in libconfig syntax; one field table gives name, unit,
+ * range, default and meaning to the parser, to `sonopack help scene` and to the stored copy. */
+
+#include <sonopack/packing.h>
+#include <sonopack/signal.h>
+#include <sonopack/status.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Bits of sp_scene.want. */
+enum {
+    SP_WANT_CTOF = 1,    /* first front of each sample, hence c_tof */
+    SP_WANT_STATICS = 2, /* Table I */
+    SP_WANT_MODULI = 4,  /* Table II */
+    SP_WANT_SIGNAL = 8   /* the signal itself is stored */
+};
+
+/* One swept key: study runs every combination of the values of all sweeps. */
+typedef struct sp_sweep {
+    char key[64];
+    int count;
+    double *values;
+} sp_sweep;
+
+enum { SP_SWEEPS_MAX = 8 };
+
+typedef struct sp_scene {
+    sp_pack_spec pack;
+    sp_network_options network;
+    sp_signal_options signal; /* until = 0: the window of sp_signal_window() */
+    int32_t samples;          /* study.samples: seeds pack.seed .. pack.seed + samples - 1 a combination */
+    unsigned want;            /* study.want */
+    int sweeps;
+    sp_sweep sweep[SP_SWEEPS_MAX];
+} sp_scene;
+
+sp_scene sp_scene_default(void);
+void sp_scene_free(sp_scene *s);
+
+/* Reads a scene file, then applies overrides "key=value" (as --set gives them), then checks every value and the
+ * combination (sp_pack_spec_check). path may be NULL (defaults and overrides only).
+ * Errors name file, line, key, value and range; unknown keys are errors with the nearest known name.
+ * SP_EINVAL for every wrong scene, a missing or unreadable file included. */
+sp_status sp_scene_read(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err);
+/* The same from text; name stands for the file in messages. */
+sp_status sp_scene_parse(const char *text, const char *name, int overrides, char *const *override, sp_scene *out,
+                         sp_error *err);
+/* Sets one numeric key (used by sweeps), checked against its range. */
+sp_status sp_scene_set(sp_scene *s, const char *key, double value, sp_error *err);
+/* A numeric key's value; NAN for an unknown key. */
+double sp_scene_get(const sp_scene *s, const char *key);
+
+/* Every key of group ("packing", "network", "signal", "study" or NULL for all) with its value at full precision, in
+ * the syntax of a scene file: reading it back gives the same scene bit for bit. Caller frees. NULL: no memory. */
+char *sp_scene_text(const sp_scene *s, const char *group);
+/* The field table as text for `sonopack help scene`. Caller frees. */
+char *sp_scene_help(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

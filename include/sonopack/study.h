@@ -1,0 +1,88 @@
+#ifndef SONOPACK_STUDY_H
+#define SONOPACK_STUDY_H
+/* An ensemble: samples of a scene's sweep, what each needs, and the tables made of their results. */
+
+#include <sonopack/elastic.h>
+#include <sonopack/front.h>
+#include <sonopack/packing.h>
+#include <sonopack/scene.h>
+#include <sonopack/signal.h>
+#include <sonopack/table.h>
+#include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { SP_NAME_MAX = 33 };
+
+/* Results of one sample. `have` says which of the SP_WANT_ parts are filled. */
+typedef struct sp_sample {
+    char name[SP_NAME_MAX]; /* hash of what made it: 32 hexadecimal digits (sp_sample_name) */
+    int32_t dim, grains;
+    double width, pressure, friction;
+    uint64_t seed;
+    double height; /* source-detector distance [d] */
+    bool failed;
+    char reason[256]; /* why it failed, else "" */
+    unsigned have;
+    sp_front front;
+    sp_statics statics;
+    sp_moduli moduli;
+} sp_sample;
+
+/* Name of a scene's sample: 128-bit hash of its packing and network keys, the source, and the library's algorithm
+ * version. */
+void sp_sample_name(const sp_scene *scene, char name[SP_NAME_MAX]);
+
+/* Where results come from and go to; the store implements it, a test may keep them in memory. Calls are serialised. */
+typedef struct sp_study_sink {
+    void *user;
+    /* true if a finished sample (or a recorded failure) of that name with all of `want` is there */
+    bool (*has)(void *user, const char *name, unsigned want);
+    /* the packing of that name if it is there (then only what is missing is computed): SP_OK and found = true */
+    sp_status (*load)(void *user, const char *name, sp_packing *packing, sp_sample *sample, bool *found, sp_error *err);
+    /* takes one finished sample; packing NULL for a failed one; signal NULL unless wanted */
+    sp_status (*save)(void *user, const sp_scene *scene, const sp_sample *sample, const sp_packing *packing,
+                      const sp_signal *signal, sp_error *err);
+} sp_study_sink;
+
+typedef struct sp_study_progress {
+    int64_t total, done, computed, failed; /* samples; done counts those found in the store too */
+    double seconds, seconds_left;          /* wall clock; left NAN at first */
+} sp_study_progress;
+/* Return false to stop after the samples under way. */
+typedef bool (*sp_study_watch)(const sp_study_progress *progress, void *user);
+
+typedef struct sp_study_options {
+    int jobs;          /* threads, >= 1 */
+    int shard, shards; /* this process takes samples shard-1 (mod shards); 1, 1: all */
+} sp_study_options;
+
+int64_t sp_study_count(const sp_scene *scene);
+/* The scene of sample k, 0 <= k < count: sweep values and seed set. Samples are ordered so that every combination gets
+ * its first seed before any gets its second. */
+sp_status sp_study_scene(const sp_scene *study, int64_t k, sp_scene *out, sp_error *err);
+
+/* Computes what is missing. A sample that fails is saved as failed and does not stop the study. SP_EINTERRUPTED when
+ * the watch said so; SP_EIO when the sink failed. */
+sp_status sp_study_run(const sp_scene *scene, const sp_study_options *opt, const sp_study_sink *sink,
+                       sp_study_watch watch, void *user, sp_study_progress *out, sp_error *err);
+
+/* One sample: packing (made unless given), and every part in `want` that is missing in *sample. */
+sp_status sp_sample_make(const sp_scene *scene, unsigned want, sp_packing *packing, sp_sample *sample,
+                         sp_signal *signal, sp_error *err);
+
+/* Tables from samples in any order (they are sorted first): "ctof" (INTERFACE: p samples c_tof c_tof_err c_peak c_zero
+ * c_l c_t, from the lowest and the highest boxes of each pressure), "statics" and "moduli" (means, then standard
+ * deviations, a row a pressure and size), "ensemble" (one row a sample). Standard errors by bootstrap over samples. */
+sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples, sp_table *out, sp_error *err);
+
+/* Exponent of y ~ x^a with its standard error, from n >= 3 points with errors (relative weights). */
+sp_status sp_fit_power(int64_t n, const double *x, const double *y, const double *y_err, double *exponent,
+                       double *exponent_err, double *prefactor, sp_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

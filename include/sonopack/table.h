@@ -1,0 +1,53 @@
+#ifndef SONOPACK_TABLE_H
+#define SONOPACK_TABLE_H
+/* A table in memory: what every command prints and every figure is drawn from. */
+
+#include <sonopack/status.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum sp_cell_kind { SP_CELL_NUMBER = 0, SP_CELL_INTEGER, SP_CELL_TEXT } sp_cell_kind;
+
+typedef union sp_cell {
+    double number;
+    int64_t integer;
+    char *text; /* owned by the table */
+} sp_cell;
+
+typedef struct sp_column {
+    char name[40];
+    char unit[40]; /* "" if none */
+    sp_cell_kind kind;
+} sp_column;
+
+typedef struct sp_table {
+    int columns;
+    int64_t rows, capacity;
+    sp_column column[32];
+    sp_cell *cells; /* [rows][columns] */
+    int comments;
+    char **comment; /* lines without '#', e.g. "pressure = 0.0001" */
+} sp_table;
+
+sp_table sp_table_none(void);
+void sp_table_free(sp_table *t);
+/* All columns before the first row. */
+sp_status sp_table_add_column(sp_table *t, const char *name, const char *unit, sp_cell_kind kind, sp_error *err);
+/* One value a column in order: double, int64_t or const char * (copied) as the column's kind says. */
+sp_status sp_table_add_row(sp_table *t, sp_error *err, ...);
+/* printf-style comment line; by convention "key = value" or a sentence. */
+sp_status sp_table_add_comment(sp_table *t, sp_error *err, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+int sp_table_find_column(const sp_table *t, const char *name); /* -1 if there is none */
+/* Value of a comment "key = value" as text inside the table, NULL if there is none. */
+const char *sp_table_comment_value(const sp_table *t, const char *key);
+/* A cell as a number: integers converted, NAN for text. */
+double sp_table_number(const sp_table *t, int64_t row, int column);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,100 @@
+#include "base/base.h"
+
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+const char *sp_status_name(sp_status status) {
+    switch (status) {
+    case SP_OK: return "ok";
+    case SP_EINVAL: return "invalid";
+    case SP_EIO: return "i/o";
+    case SP_EFORMAT: return "format";
+    case SP_ENOMEM: return "memory";
+    case SP_EFAILED: return "failed";
+    case SP_EREFUSED: return "refused";
+    case SP_EINTERRUPTED: return "interrupted";
+    }
+    return "unknown";
+}
+
+/* A reason is one line: control characters from file names or hostile input become spaces. */
+static void one_line(char *text) {
+    for (; *text; text++)
+        if ((unsigned char)*text < ' ' || *text == 127)
+            *text = ' ';
+}
+
+sp_status sp_fail(sp_error *err, sp_status status, const char *format, ...) {
+    if (err) {
+        va_list args;
+        va_start(args, format);
+        err->status = status;
+        vsnprintf(err->text, sizeof err->text, format, args);
+        va_end(args);
+        one_line(err->text);
+    }
+    return status;
+}
+
+sp_status sp_fail_prefix(sp_error *err, const char *format, ...) {
+    if (!err)
+        return SP_EFAILED;
+    char old[SP_ERROR_TEXT], prefix[SP_ERROR_TEXT / 2];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(prefix, sizeof prefix, format, args);
+    va_end(args);
+    memcpy(old, err->text, sizeof old);
+    int used = snprintf(err->text, sizeof err->text, "%s: ", prefix);
+    size_t room = sizeof err->text - (size_t)used;
+    size_t length = strnlen(old, room - 1);
+    memcpy(err->text + used, old, length);
+    err->text[(size_t)used + length] = '\0';
+    one_line(err->text);
+    return err->status;
+}
+
+static atomic_int_fast64_t fail_after = -1;
+
+void sp_alloc_fail_after(int64_t count) { atomic_store(&fail_after, count); }
+
+void *sp_alloc(size_t count, size_t size) {
+    if (atomic_load(&fail_after) >= 0 && atomic_fetch_sub(&fail_after, 1) == 0)
+        return NULL;
+    if (count == 0)
+        count = 1;
+    if (size == 0 || count > (PTRDIFF_MAX - 63) / size)
+        return NULL;
+    size_t bytes = (count * size + 63) / 64 * 64;
+    void *memory = aligned_alloc(64, bytes);
+    if (memory)
+        memset(memory, 0, bytes);
+    return memory;
+}
+
+void sp_free(void *memory) { free(memory); }
+
+char *sp_strdup(const char *text) {
+    size_t size = strlen(text) + 1;
+    char *copy = sp_alloc(size, 1);
+    if (copy)
+        memcpy(copy, text, size);
+    return copy;
+}
+
+sp_status sp_fail_memory(sp_error *err, size_t bytes) {
+    return sp_fail(err, SP_ENOMEM, "no memory for %.3g MB", (double)bytes / 1e6);
+}
+
+static double seconds(clockid_t clock) {
+    struct timespec now;
+    clock_gettime(clock, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double sp_clock_cpu(void) { return seconds(CLOCK_THREAD_CPUTIME_ID); }
+double sp_clock_wall(void) { return seconds(CLOCK_MONOTONIC); }

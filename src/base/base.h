@@ -1,0 +1,25 @@
+#ifndef SP_BASE_H
+#define SP_BASE_H
+/* Status and error text, checked allocation, clocks: the ground floor of every room. */
+
+#include <sonopack/status.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Writes the reason into err (may be NULL) and returns status: `return sp_fail(err, SP_EINVAL, "...", ...)`. */
+sp_status sp_fail(sp_error *err, sp_status status, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/* Puts "prefix: " in front of a reason (where an outer function knows the file, say). */
+sp_status sp_fail_prefix(sp_error *err, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Zeroed memory for count elements, aligned to 64 bytes; NULL on overflow or lack (count 0 gives one element). */
+void *sp_alloc(size_t count, size_t size);
+void sp_free(void *memory);
+char *sp_strdup(const char *text); /* free with sp_free */
+/* Test seam: the allocation after `count` more successful ones fails, once; < 0 switches it off. */
+void sp_alloc_fail_after(int64_t count);
+sp_status sp_fail_memory(sp_error *err, size_t bytes);
+
+double sp_clock_cpu(void);  /* seconds of CPU time of this thread */
+double sp_clock_wall(void); /* seconds of a monotonic clock */
+
+#endif

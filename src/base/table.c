@@ -1,0 +1,125 @@
+#include "base/base.h"
+
+#include <math.h>
+#include <sonopack/table.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+sp_table sp_table_none(void) { return (sp_table){0}; }
+
+void sp_table_free(sp_table *t) {
+    for (int64_t k = 0; k < t->rows * t->columns; k++)
+        if (t->column[k % t->columns].kind == SP_CELL_TEXT)
+            sp_free(t->cells[k].text);
+    for (int c = 0; c < t->comments; c++)
+        sp_free(t->comment[c]);
+    sp_free(t->comment);
+    sp_free(t->cells);
+    *t = sp_table_none();
+}
+
+sp_status sp_table_add_column(sp_table *t, const char *name, const char *unit, sp_cell_kind kind, sp_error *err) {
+    const int most = (int)(sizeof t->column / sizeof *t->column);
+    if (t->rows > 0 || t->columns >= most)
+        return sp_fail(err, SP_EINVAL, "column %s: columns come before rows, %d at the most", name, most);
+    sp_column *c = &t->column[t->columns++];
+    snprintf(c->name, sizeof c->name, "%s", name);
+    snprintf(c->unit, sizeof c->unit, "%s", unit);
+    c->kind = kind;
+    return SP_OK;
+}
+
+/* Doubles the room for rows; old cells are kept. */
+static sp_status grow(sp_table *t, sp_error *err) {
+    int64_t capacity = t->capacity ? 2 * t->capacity : 64;
+    size_t columns = (size_t)t->columns;
+    sp_cell *cells = sp_alloc((size_t)capacity * columns, sizeof *cells);
+    if (!cells)
+        return sp_fail_memory(err, (size_t)capacity * columns * sizeof *cells);
+    if (t->rows > 0)
+        memcpy(cells, t->cells, (size_t)t->rows * columns * sizeof *cells);
+    sp_free(t->cells);
+    t->cells = cells;
+    t->capacity = capacity;
+    return SP_OK;
+}
+
+sp_status sp_table_add_row(sp_table *t, sp_error *err, ...) {
+    if (t->rows == t->capacity) {
+        sp_status status = grow(t, err);
+        if (status != SP_OK)
+            return status;
+    }
+    sp_cell *row = t->cells + t->rows * t->columns;
+    sp_status status = SP_OK;
+    va_list args;
+    va_start(args, err);
+    for (int c = 0; c < t->columns; c++) {
+        switch (t->column[c].kind) {
+        case SP_CELL_NUMBER: row[c].number = va_arg(args, double); break;
+        case SP_CELL_INTEGER: row[c].integer = va_arg(args, int64_t); break;
+        case SP_CELL_TEXT:
+            row[c].text = sp_strdup(va_arg(args, const char *));
+            if (!row[c].text)
+                status = sp_fail_memory(err, 1);
+            break;
+        }
+    }
+    va_end(args);
+    t->rows++; /* a text cell without memory is NULL, which free accepts */
+    return status;
+}
+
+sp_status sp_table_add_comment(sp_table *t, sp_error *err, const char *format, ...) {
+    char line[2048];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(line, sizeof line, format, args);
+    va_end(args);
+    char **comment = sp_alloc((size_t)t->comments + 1, sizeof *comment);
+    char *copy = sp_strdup(line);
+    if (!comment || !copy) {
+        sp_free(comment);
+        sp_free(copy);
+        return sp_fail_memory(err, sizeof line);
+    }
+    if (t->comments > 0)
+        memcpy(comment, t->comment, (size_t)t->comments * sizeof *comment);
+    sp_free(t->comment);
+    t->comment = comment;
+    t->comment[t->comments++] = copy;
+    return SP_OK;
+}
+
+int sp_table_find_column(const sp_table *t, const char *name) {
+    for (int c = 0; c < t->columns; c++)
+        if (strcmp(t->column[c].name, name) == 0)
+            return c;
+    return -1;
+}
+
+const char *sp_table_comment_value(const sp_table *t, const char *key) {
+    size_t length = strlen(key);
+    for (int c = 0; c < t->comments; c++) {
+        const char *line = t->comment[c] + strspn(t->comment[c], " \t");
+        if (strncmp(line, key, length) != 0)
+            continue;
+        line += length;
+        line += strspn(line, " \t");
+        if (*line == '=')
+            return line + 1 + strspn(line + 1, " \t");
+    }
+    return NULL;
+}
+
+double sp_table_number(const sp_table *t, int64_t row, int column) {
+    const sp_cell *cell = &t->cells[row * t->columns + column];
+    switch (t->column[column].kind) {
+    case SP_CELL_NUMBER: return cell->number;
+    case SP_CELL_INTEGER: return (double)cell->integer;
+    case SP_CELL_TEXT: break;
+    }
+    return NAN;
+}
