@@ -10,8 +10,8 @@ extern "C" {
 
 typedef struct sp_moduli {
     double c11, c12, c22, c33; /* [E*]; NAN where not computed */
-    double c_l, c_t; /* sqrt(C22/Phi3*), sqrt(C33/Phi3*), Eq. (8) [sqrt(E*/rho)] */
-	double residual;           /* largest relative residual |K u - f| / |f| of the solves */
+    double c_l, c_t;           /* sqrt(C22/Phi3*), sqrt(C33/Phi3*), Eq. (8) [sqrt(E* / rho)] */
+    double residual;           /* largest relative residual |K u - f| / |f| of the solves */
 } sp_moduli;
 
 /* Sparse Cholesky, one factorisation for all strains. The walls' contact points are strained affinely too, so C12 =

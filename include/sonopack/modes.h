@@ -18,13 +18,13 @@ sp_modes_options sp_modes_options_default(void);
  * u^(n) = M^(-1/2) e^(n) with e orthonormal. Signal: F(t) = sum a_n b_n sin(omega_n t) (Eq. (3)), or cos for a
  * displacement source. */
 typedef struct sp_modes {
-    int64_t n;         /* rows below: n_zero rattler modes and one for each degree of freedom of the network */
-    int64_t n_rattler; /* zero modes that belong to rattlers: rows 0 .. n_rattler-1 */
-    int64_t n_zero;    /* all modes with omega reported as 0, those included */
-    int64_t dofs;      /* length of a vector: network n x dof */
-    double *omega; /* [n] sqrt(E*/rho)/d */
-	double *error;         /* [n] bound of the error of omega */
-    double *a, *b;             /* [n] source and detector amplitudes; NULL without vectors */
+    int64_t n;             /* rows below: n_zero rattler modes and one for each degree of freedom of the network */
+    int64_t n_rattler;     /* zero modes that belong to rattlers: rows 0 .. n_rattler-1 */
+    int64_t n_zero;        /* all modes with omega reported as 0, those included */
+    int64_t dofs;          /* length of a vector: network n x dof */
+    double *omega;         /* [n] sqrt(E* / rho)/d */
+    double *error;         /* [n] bound of the error of omega */
+    double *a, *b;         /* [n] source and detector amplitudes; NULL without vectors */
     double *participation; /* [n] (sum w)^2 / (N sum w^2), w = |e|^2 of each of all N grains; NULL without vectors */
     double *vectors;       /* [n - n_rattler][dofs], e^(n) (mass weighted), the sign makes the largest part positive;
                               NULL without vectors */

@@ -6,6 +6,7 @@
 #include <sonopack/packing.h>
 #include <sonopack/study.h>
 #include <sonopack/table.h>
+#include <stddef.h>
 
 #ifdef __cplusplus
 extern "C" {
