@@ -25,7 +25,13 @@ typedef struct sp_front {
     double width;     /* t_zero - t10 */
 } sp_front;
 
-/* t ascending, n >= 3, finite. SP_EREFUSED with the reason when there is no front. */
+/* The rule. L: the largest value in the window, which must be positive. First peak: the first local maximum above
+ * prominence x L, where a maximum counts once the signal has fallen 0.01 L below it (so noise of 1e-3 of the peak makes
+ * none) inside the window; of a plateau the middle. t10: the first time at rise x amplitude. t_zero: the first time at
+ * or below 0 after the peak. Swings below zero count for nothing, and neither does what comes after t_zero.
+ *
+ * t strictly ascending, n >= 3, everything finite, else SP_EINVAL. SP_EREFUSED with the reason when there is no front:
+ * never positive, no maximum before the window ends, or a trace that starts at or above rise x amplitude already. */
 sp_status sp_front_find(int64_t n, const double *t, const double *f, const sp_front_options *opt, sp_front *out,
                         sp_error *err);
 

@@ -42,6 +42,10 @@ typedef struct sp_network {
     sp_spring *springs;
     double box[3];
     double pressure;
+    int32_t n_bulk;     /* springs between grains come first: rows 0 .. n_bulk-1; those of walls follow */
+    double *length;     /* [n_springs] from centre i to centre j, or to the wall [d] */
+    bool prestress;     /* some kp is not 0 */
+    double omega_bound; /* what sp_network_omega_bound returns */
 } sp_network;
 
 sp_network sp_network_none(void);
@@ -51,11 +55,11 @@ void sp_network_free(sp_network *net);
 int64_t sp_network_dofs(const sp_network *net); /* n x dof */
 
 /* out = K u, [n][dof] each, must not overlap. Allocates nothing, cannot fail. */
-void sp_network_apply(const sp_network *net, const double *restrict u, double *restrict out);
+void sp_network_apply(const sp_network *net, const double *u, double *out);
 /* u^T K u as a sum of squares over springs (prestress: of signed squares): accurate for soft modes where u . (K u) is
  * not. */
 double sp_network_energy2(const sp_network *net, const double *u);
-/* An upper bound of the largest eigenfrequency that needs no iteration (row sums of the scaled matrix). */
+/* An upper bound of the largest eigenfrequency, a few percent above it (Collatz and Wielandt, from row sums). */
 double sp_network_omega_bound(const sp_network *net);
 
 typedef enum sp_source {

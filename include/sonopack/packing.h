@@ -34,13 +34,14 @@ typedef struct sp_packing {
     int dim;   /* 1, 2 or 3 */
     int32_t n; /* grains */
     int32_t n_contacts;
-    double *x;            /* [n][3] centres, unused axes 0 [d] */
-    double *r;            /* [n] radii [d] */
-    sp_contact *contacts; /* [n_contacts], sorted by (i, j) with walls last */
-    double box[3];        /* periods; box[dim-1] is the height; unused axes 1 [d] */
-    double pressure;      /* force on a wall over its area (2D: width x d; 1D: d^2) [E*] */
-    double friction;      /* Coulomb's mu; 0: no tangential springs, no rotations */
-    double poisson;       /* nu of the grain material */
+    double *x; /* [n][3] centres, unused axes 0 [d] */
+    double *r; /* [n] radii [d] */
+    sp_contact
+        *contacts;   /* [n_contacts], in order: pairs by (i, j), then the bottom wall's by i, then the top wall's */
+    double box[3];   /* periods; box[dim-1] is the height; unused axes 1 [d] */
+    double pressure; /* force on a wall over its area (2D: width x d; 1D: d^2) [E*] */
+    double friction; /* Coulomb's mu; 0: no tangential springs, no rotations */
+    double poisson;  /* nu of the grain material */
     sp_wall wall;
     /* how it was made; 0, NAN or NULL where unknown (imported packings) */
     uint64_t seed;
@@ -55,6 +56,9 @@ sp_packing sp_packing_none(void);
 /* Arrays for n grains and n_contacts contacts, zeroed. */
 sp_status sp_packing_alloc(sp_packing *p, int dim, int32_t n, int32_t n_contacts, sp_error *err);
 void sp_packing_free(sp_packing *p);
+
+/* Puts the contacts into their order. */
+void sp_packing_sort(sp_packing *p);
 
 /* Area of a wall [d^2], and height between walls [d]. */
 double sp_packing_wall_area(const sp_packing *p);
@@ -114,7 +118,8 @@ typedef struct sp_pack_spec {
     double pressure;                   /* [E*] */
     double friction;                   /* mu */
     double poisson;                    /* nu */
-    double diameter_min, diameter_max; /* uniform diameters [d]; equal: monodisperse */
+    double diameter_min, diameter_max; /* uniform diameters [d]; equal: monodisperse; both 0: the kind's own, 0.8 .. 1.2
+                                          for the piston, 1 for ordered packings */
     uint64_t seed;
     double tolerance;    /* largest elastic acceleration at the end [E* / (rho d)]; 0: min(1e-10, 1e-6 p) */
     double damping;      /* zeta, fraction of critical at a contact, while the packing forms */
@@ -122,7 +127,7 @@ typedef struct sp_pack_spec {
     double gas_fraction; /* area fraction of the starting gas */
     double time_step;    /* dt / sqrt(m_min / k_max) */
     double calm;         /* global damping starts once the largest acceleration is below calm x p */
-    double drag;         /* rate of the global damping at p = 1e-4 [sqrt(E* / rho)/d]; scales as p^(1/6) */
+    double drag;         /* rate of the global damping at p = 1e-4 [sqrt(E* / rho)/d]; scales as p^(1/3) */
     int64_t max_steps;   /* refuse after that many; 0: a bound from the pressure and the height */
 } sp_pack_spec;
 

@@ -2,6 +2,7 @@
 #define SONOPACK_PLOT_H
 /* Figures from plain arrays and tables: PNG, SVG or PDF by the ending of the path. */
 
+#include <sonopack/packing.h>
 #include <sonopack/status.h>
 #include <sonopack/table.h>
 
@@ -21,6 +22,12 @@ typedef struct sp_plot_trace {
 } sp_plot_trace;
 /* F(t) of one or several signals. */
 sp_status sp_plot_signal(int traces, const sp_plot_trace *trace, const char *path, sp_error *err);
+
+/* Width of the lines from grain to grain: proportional to the normal force, or to k_n = 2 E12 sqrt(R12 overlap). */
+typedef enum sp_plot_links { SP_PLOT_FORCES = 0, SP_PLOT_STIFFNESS } sp_plot_links;
+/* A 1D or 2D packing (SP_EREFUSED in 3D): grains, rattlers grey, walls, and the contacts that carry (threshold as in
+ * sp_packing_rattlers) as lines; images at the periodic edges. */
+sp_status sp_plot_network(const sp_packing *p, sp_plot_links links, double threshold, const char *path, sp_error *err);
 
 #ifdef __cplusplus
 }

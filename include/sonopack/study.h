@@ -51,7 +51,8 @@ typedef struct sp_study_progress {
     int64_t total, done, computed, failed; /* samples; done counts those found in the store too */
     double seconds, seconds_left;          /* wall clock; left NAN at first */
 } sp_study_progress;
-/* Return false to stop after the samples under way. */
+/* Called about 4 times a second by the thread that called sp_study_run, and at the end. Return false to stop: packings
+ * under way are given up, finished samples are kept. */
 typedef bool (*sp_study_watch)(const sp_study_progress *progress, void *user);
 
 typedef struct sp_study_options {
@@ -64,12 +65,16 @@ int64_t sp_study_count(const sp_scene *scene);
  * its first seed before any gets its second. */
 sp_status sp_study_scene(const sp_scene *study, int64_t k, sp_scene *out, sp_error *err);
 
-/* Computes what is missing. A sample that fails is saved as failed and does not stop the study. SP_EINTERRUPTED when
- * the watch said so; SP_EIO when the sink failed. */
+/* Computes what is missing. A sample whose packing fails is saved as failed and does not stop the study; where only a
+ * part of the results fails (no front, a floppy network), packing and other parts are saved and the sample counts as
+ * failed here. SP_EINVAL before any work when a combination makes no scene; SP_EINTERRUPTED when the watch said so;
+ * SP_EIO when the sink failed. *out, if not NULL, is filled in every case but SP_EINVAL. */
 sp_status sp_study_run(const sp_scene *scene, const sp_study_options *opt, const sp_study_sink *sink,
                        sp_study_watch watch, void *user, sp_study_progress *out, sp_error *err);
 
-/* One sample: packing (made unless given), and every part in `want` that is missing in *sample. */
+/* One sample: packing (made unless given: n > 0), and every part in `want` that is missing in *sample. Where one part
+ * fails the others are made all the same: the first reason is returned, and kept in sample->reason. *signal is filled
+ * when it is wanted, or was there before and something new was computed. */
 sp_status sp_sample_make(const sp_scene *scene, unsigned want, sp_packing *packing, sp_sample *sample,
                          sp_signal *signal, sp_error *err);
 

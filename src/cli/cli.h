@@ -52,8 +52,13 @@ void cli_progress_end(const cli_common *common);
 /* Whether an existing file may be replaced: a file of another kind (by its ending and content) never, one of the same
  * kind only with --force. SP_EINVAL with the reason. Call before the work. */
 sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err);
+/* cli_may_write for common->output (which may be NULL), and whether its ending and --format name one table format. */
+sp_status cli_may_write_table(const cli_common *common, sp_error *err);
 /* The table on stdout, or in common->output with the format its ending names. Adds a comment with the version. */
 sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err);
+/* The scene of --set alone, for commands that read finished packings: only keys of `groups` ("network", "network
+ * signal") are taken. Free with sp_scene_free. */
+sp_status cli_scene_of_sets(const cli_common *common, const char *groups, sp_scene *out, sp_error *err);
 /* Turns on clean stopping by Ctrl-C and SIGTERM; cli_stopped() says whether one came. A second one ends at once. */
 void cli_catch_signals(void);
 bool cli_stopped(void);

@@ -1,0 +1,56 @@
+# bash completion for sonopack. Options are asked from `sonopack COMMAND --help`, so that they are always true.
+
+_sonopack_options() {
+    "$1" "$2" --help 2>/dev/null | grep -oE -- '(^|[ ,])--[a-z][a-z0-9-]*' | tr -d ' ,' | sort -u
+}
+
+_sonopack() {
+    local program=${COMP_WORDS[0]} current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}
+    local commands='pack check statics moduli modes signal front study table plot convert bench help'
+    local command='' word
+    COMPREPLY=()
+    for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
+        case $word in
+        -*) ;;
+        *)
+            command=$word
+            break
+            ;;
+        esac
+    done
+    if [ -z "$command" ]; then
+        mapfile -t COMPREPLY < <(compgen -W "$commands --help --version" -- "$current")
+        return
+    fi
+    case $previous in
+    --format)
+        mapfile -t COMPREPLY < <(compgen -W 'tsv csv json' -- "$current")
+        return
+        ;;
+    --source)
+        mapfile -t COMPREPLY < <(compgen -W 'impulse velocity displacement' -- "$current")
+        return
+        ;;
+    --method)
+        mapfile -t COMPREPLY < <(compgen -W 'auto chebyshev dense' -- "$current")
+        return
+        ;;
+    esac
+    case $command in
+    help) mapfile -t COMPREPLY < <(compgen -W "$commands scene" -- "$current") ;;
+    *)
+        if [[ $current == -* ]]; then
+            mapfile -t COMPREPLY < <(compgen -W "$(_sonopack_options "$program" "$command")" -- "$current")
+        elif [ "$command" = table ] && [ "$previous" = table ]; then
+            mapfile -t COMPREPLY < <(compgen -W 'ctof statics moduli ensemble' -- "$current")
+        elif [ "$command" = plot ] && [ "$previous" = plot ]; then
+            mapfile -t COMPREPLY < <(compgen -W 'ctof signal' -- "$current")
+        else
+            compopt -o filenames 2>/dev/null
+            mapfile -t COMPREPLY < <(compgen -f -- "$current")
+        fi
+        ;;
+    esac
+}
+
+complete -F _sonopack sonopack

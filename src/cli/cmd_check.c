@@ -1,0 +1,144 @@
+/* sonopack check: whether packings are what they say they are. */
+#include "base/base.h"
+#include "cli/cli.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct arguments {
+    cli_common common;
+    double tolerance;
+    int files;
+    char **file;
+} arguments;
+
+enum { KEY_TOLERANCE = 0x1000 };
+
+static const struct argp_option options[] = {
+    {"tolerance", KEY_TOLERANCE, "EPS", 0, "Largest relative error that is ok (1e-6)", 0}, {0}};
+static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+    arguments *a = state->input;
+    sp_error err;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
+    case KEY_TOLERANCE:
+        if (cli_number("--tolerance", arg, 0, 1, &a->tolerance, &err) != SP_OK)
+            argp_error(state, "%s", err.text);
+        return 0;
+    case ARGP_KEY_ARGS:
+        a->file = state->argv + state->next;
+        a->files = state->argc - state->next;
+        return 0;
+    case ARGP_KEY_NO_ARGS: argp_error(state, "no file: must be one packing or more"); return 0;
+    default: return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp argp = {
+    options,
+    parse,
+    "FILE...",
+    "Audits packings: structure, overlaps, force law, balance of forces and torques, "
+    "Coulomb, walls against the pressure.\v"
+    "residual is the largest relative error of all measures, reason the first fault (- if there is none). The exit "
+    "status is 1 if any file is not ok. A packing that was made with a larger packing.tolerance, or read from a file "
+    "with few digits, may need a larger EPS.",
+    children,
+    NULL,
+    NULL};
+
+/* The relative measures of an audit, in the order in which they are judged. */
+static const struct measure {
+    size_t offset;
+    const char *fault;
+} measures[] = {
+    {offsetof(sp_audit, geometry_residual), "overlaps do not follow from the positions"},
+    {offsetof(sp_audit, law_residual), "normal forces do not follow from the overlaps (Hertz)"},
+    {offsetof(sp_audit, force_residual), "forces on a grain do not balance"},
+    {offsetof(sp_audit, torque_residual), "torques on a grain do not balance"},
+    {offsetof(sp_audit, coulomb_excess), "a tangential force is above friction times the normal force"},
+    {offsetof(sp_audit, wall_residual), "the force on a wall is not pressure times area"},
+};
+
+/* Judges an audit: the largest measure, and the first fault in reason ("-" if there is none). */
+static double judge(const sp_audit *audit, double tolerance, char *reason, size_t size) {
+    double largest = 0;
+    snprintf(reason, size, "-");
+    if (audit->missing > 0)
+        snprintf(reason, size, "%d pairs overlap that are not listed as contacts: must be 0", audit->missing);
+    for (size_t k = 0; k < sizeof measures / sizeof *measures; k++) {
+        double value;
+        memcpy(&value, (const char *)audit + measures[k].offset, sizeof value);
+        if (!(value <= largest))
+            largest = isnan(largest) ? largest : value;
+        if (!(value <= tolerance) && strcmp(reason, "-") == 0)
+            snprintf(reason, size, "%s: relative error %.3g, must be at most %.3g", measures[k].fault, value,
+                     tolerance);
+    }
+    return largest;
+}
+
+/* One row of the table; *good says whether the file is ok. */
+static sp_status check_file(const arguments *a, const char *path, double threshold, sp_table *t, bool *good,
+                            sp_error *err) {
+    sp_packing p = sp_packing_none();
+    sp_audit audit;
+    sp_error fault = {0};
+    char reason[SP_ERROR_TEXT];
+    double residual = NAN;
+    sp_status status = sp_packing_read(path, &p, &fault);
+    if (status == SP_OK)
+        status = sp_packing_audit(&p, threshold, &audit, &fault);
+    if (status == SP_OK)
+        residual = judge(&audit, a->tolerance, reason, sizeof reason);
+    else
+        snprintf(reason, sizeof reason, "%s", fault.text);
+    *good = strcmp(reason, "-") == 0;
+    if (!*good) {
+        const bool named = strncmp(reason, path, strlen(path)) == 0;
+        sp_fail(&fault, SP_EFAILED, "%s%s%s", named ? "" : path, named ? "" : ": ", reason);
+        cli_fail(&fault);
+    }
+    sp_packing_free(&p);
+    return sp_table_add_row(t, err, path, *good ? "yes" : "no", residual, reason);
+}
+
+static sp_status work(const arguments *a, bool *all_good, sp_error *err) {
+    sp_scene scene = sp_scene_default();
+    sp_table t = sp_table_none();
+    sp_status status = cli_may_write_table(&a->common, err);
+    if (status == SP_OK)
+        status = cli_scene_of_sets(&a->common, "network", &scene, err);
+    if (status == SP_OK)
+        status = sp_table_add_column(&t, "file", "", SP_CELL_TEXT, err);
+    if (status == SP_OK)
+        status = sp_table_add_column(&t, "ok", "", SP_CELL_TEXT, err);
+    if (status == SP_OK)
+        status = sp_table_add_column(&t, "residual", "", SP_CELL_NUMBER, err);
+    if (status == SP_OK)
+        status = sp_table_add_column(&t, "reason", "", SP_CELL_TEXT, err);
+    for (int k = 0; k < a->files && status == SP_OK; k++) {
+        bool good = false;
+        status = check_file(a, a->file[k], scene.network.threshold, &t, &good, err);
+        *all_good = *all_good && good;
+    }
+    if (status == SP_OK)
+        status = cli_write_table(&a->common, &t, err);
+    sp_table_free(&t);
+    sp_scene_free(&scene);
+    return status;
+}
+
+int cmd_check(int argc, char **argv) {
+    arguments a = {.tolerance = 1e-6};
+    argp_parse(&argp, argc, argv, 0, NULL, &a);
+    sp_error err = {0};
+    bool all_good = true;
+    if (work(&a, &all_good, &err) != SP_OK)
+        return cli_fail(&err);
+    return all_good ? CLI_OK : CLI_FAILED;
+}

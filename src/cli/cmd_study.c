@@ -1,0 +1,150 @@
+/* sonopack study: an ensemble of samples, kept in a store, and its tables. */
+#include "base/base.h"
+#include "cli/tables.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct arguments {
+    cli_common common;
+    const char *scene, *store;
+    int64_t jobs; /* 0: as many as --threads */
+    sp_study_options study;
+} arguments;
+
+enum { KEY_STORE = 0x1000, KEY_JOBS, KEY_SHARD };
+
+static const struct argp_option options[] = {
+    {"store", KEY_STORE, "DIR", 0, "Folder of the samples; made if it is not there", 0},
+    {"jobs", KEY_JOBS, "N", 0, "Samples made at the same time (as many as there are cores)", 0},
+    {"shard", KEY_SHARD, "I/N", 0, "Make only every N-th sample, beginning with the I-th", 0},
+    {0}};
+static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
+
+static void parse_shard(arguments *a, const char *arg, struct argp_state *state) {
+    char first[24];
+    const char *slash = strchr(arg, '/');
+    int64_t shard, shards;
+    snprintf(first, sizeof first, "%.*s", slash ? (int)strcspn(arg, "/") : 0, arg);
+    if (!slash || cli_integer("--shard", slash + 1, 1, INT32_MAX, &shards, NULL) != SP_OK ||
+        cli_integer("--shard", first, 1, shards, &shard, NULL) != SP_OK) {
+        argp_error(state, "--shard %.60s: must be I/N with 1 <= I <= N, as in 2/8", arg);
+        return;
+    }
+    a->study.shard = (int)shard;
+    a->study.shards = (int)shards;
+}
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+    arguments *a = state->input;
+    sp_error err;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
+    case KEY_STORE: a->store = arg; return 0;
+    case KEY_JOBS:
+        if (cli_integer("--jobs", arg, 1, 4096, &a->jobs, &err) != SP_OK)
+            argp_error(state, "%s", err.text);
+        return 0;
+    case KEY_SHARD: parse_shard(a, arg, state); return 0;
+    case ARGP_KEY_ARG:
+        if (a->scene)
+            argp_error(state, "%s: one scene only", arg);
+        a->scene = arg;
+        return 0;
+    case ARGP_KEY_END:
+        if (!a->scene && a->common.sets == 0)
+            argp_error(state, "no scene: must be a scene file, or --set KEY=VALUE");
+        if (!a->store)
+            argp_error(state, "no store: must be --store DIR");
+        return 0;
+    default: return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp argp = {
+    options,
+    parse,
+    "[SCENE] --store DIR",
+    "Makes every sample of a scene that is not in the store yet, and prints the tables that the scene wants.\v"
+    "A sample is known by what made it, so an interrupted study goes on where it stopped, more samples or more wishes "
+    "add to what is there, several studies may share a store, and several processes may fill one at the same time. "
+    "Several tables follow each other with a blank line between; with -o FILE.tsv the first goes there and the others "
+    "beside it (FILE-moduli.tsv). Values of swept keys other than packing.pressure and packing.grains have tables of "
+    "their own.\n\n"
+    "  sonopack study packings/ctof-quick.cfg --store results/quick\n"
+    "  sonopack study big.cfg --store results/big --shard 3/16 --jobs 1",
+    children,
+    NULL,
+    NULL};
+
+/* The tables of study.want, in their usual order. */
+static cli_tables wanted_tables(const cli_common *common, const sp_scene *scene) {
+    static const struct {
+        unsigned want;
+        const char *name;
+    } all[] = {{SP_WANT_CTOF, "ctof"}, {SP_WANT_STATICS, "statics"}, {SP_WANT_MODULI, "moduli"}};
+    cli_tables tables = {.common = common, .scene = scene};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+        if (scene->want & all[k].want)
+            tables.name[tables.count++] = all[k].name;
+    return tables;
+}
+
+static bool watch(const sp_study_progress *now, void *user) {
+    char text[120];
+    int length = snprintf(text, sizeof text, "%lld/%lld samples", (long long)now->done, (long long)now->total);
+    if (now->failed > 0)
+        snprintf(text + length, sizeof text - (size_t)length, ", %lld failed", (long long)now->failed);
+    cli_progress(user, text, now->total > 0 ? (double)now->done / (double)now->total : 1, now->seconds_left);
+    return !cli_stopped();
+}
+
+static sp_status run(arguments *a, const sp_scene *scene, sp_store *store, sp_error *err) {
+    sp_study_progress done = {0};
+    sp_study_sink sink = sp_store_sink(store);
+    a->study.jobs = a->jobs > 0 ? (int)a->jobs : a->common.threads;
+    cli_catch_signals();
+    sp_status status = sp_study_run(scene, &a->study, &sink, watch, (void *)(uintptr_t)&a->common, &done, err);
+    cli_progress_end(&a->common);
+    if (status == SP_EINTERRUPTED)
+        return sp_fail(err, status, "stopped with %lld of %lld samples done, all kept in %s: the same command goes on",
+                       (long long)done.done, (long long)done.total, a->store);
+    if (status == SP_OK)
+        cli_note(&a->common, "%lld samples, %lld of them made now in %.1f s", (long long)done.total,
+                 (long long)done.computed, done.seconds);
+    if (status == SP_OK && done.failed > 0)
+        cli_note(&a->common,
+                 "%lld samples failed, or lack a part that is wanted: see `sonopack table ensemble --store %s'",
+                 (long long)done.failed, a->store);
+    return status;
+}
+
+static sp_status work(arguments *a, sp_scene *scene, sp_store **store, sp_error *err) {
+    sp_status status = sp_scene_read(a->scene, a->common.sets, a->common.set, scene, err);
+    if (status != SP_OK)
+        return status;
+    cli_tables tables = wanted_tables(&a->common, scene);
+    if (a->common.output && tables.count == 0)
+        return sp_fail(err, SP_EINVAL, "-o %s: study.want names no table", a->common.output);
+    status = cli_tables_may_write(&tables, err);
+    if (status == SP_OK)
+        status = sp_store_open(a->store, true, store, err);
+    if (status == SP_OK)
+        status = run(a, scene, *store, err);
+    return status == SP_OK && tables.count > 0 ? cli_tables_write(&tables, *store, err) : status;
+}
+
+int cmd_study(int argc, char **argv) {
+    arguments a = {.study = {.jobs = 1, .shard = 1, .shards = 1}};
+    argp_parse(&argp, argc, argv, 0, NULL, &a);
+    sp_error err = {0};
+    sp_scene scene = sp_scene_default();
+    sp_store *store = NULL;
+    sp_status status = work(&a, &scene, &store, &err);
+    if (store)
+        sp_store_close(store);
+    sp_scene_free(&scene);
+    return status == SP_OK ? CLI_OK : cli_fail(&err);
+}

@@ -1,0 +1,119 @@
+/* What goes to stderr: reasons, log and progress; and being stopped. */
+#include "cli/cli.h"
+
+#include "base/base.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static bool progress_shown; /* a progress line stands on the terminal */
+
+static void clear_progress(void) {
+    if (progress_shown)
+        fputs("\r\033[K", stderr);
+    progress_shown = false;
+}
+
+static void say(const char *format, va_list args) {
+    clear_progress();
+    fputs("sonopack: ", stderr);
+    vfprintf(stderr, format, args);
+    fputc('\n', stderr);
+}
+
+int cli_fail(const sp_error *err) {
+    clear_progress();
+    fprintf(stderr, "sonopack: %s\n", err->text[0] ? err->text : sp_status_name(err->status));
+    return err->status == SP_EINVAL ? CLI_USAGE : CLI_FAILED;
+}
+
+int cli_usage(const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    say(format, args);
+    va_end(args);
+    return CLI_USAGE;
+}
+
+void cli_note(const cli_common *common, const char *format, ...) {
+    if (common->quiet)
+        return;
+    va_list args;
+    va_start(args, format);
+    say(format, args);
+    va_end(args);
+}
+
+void cli_debug(const cli_common *common, const char *format, ...) {
+    if (!common->verbose)
+        return;
+    va_list args;
+    va_start(args, format);
+    say(format, args);
+    va_end(args);
+}
+
+static void duration_text(double seconds, char *buf, size_t size) {
+    const long s = lround(seconds);
+    if (s >= 3600)
+        snprintf(buf, size, "%ld h %02ld min", s / 3600, s / 60 % 60);
+    else if (s >= 60)
+        snprintf(buf, size, "%ld min %02ld s", s / 60, s % 60);
+    else
+        snprintf(buf, size, "%ld s", s);
+}
+
+void cli_progress(const cli_common *common, const char *text, double fraction, double seconds_left) {
+    static double shown_at;
+    const double now = sp_clock_wall();
+    if (common->quiet || !isatty(STDERR_FILENO) || (progress_shown && now - shown_at < 0.1))
+        return;
+    char line[240], bar[40] = "", left[64] = "", duration[32];
+    if (fraction >= 0) {
+        enum { WIDTH = 20 };
+        const int full = (int)(fmin(fraction, 1) * WIDTH);
+        snprintf(bar, sizeof bar, " [%.*s%.*s] %3d%%", full, "====================", WIDTH - full,
+                 "                    ", (int)(100 * fmin(fraction, 1)));
+    }
+    if (seconds_left >= 0 && seconds_left < 1e8) {
+        duration_text(seconds_left, duration, sizeof duration);
+        snprintf(left, sizeof left, ", %s left", duration);
+    }
+    snprintf(line, sizeof line, "%.120s%s%s", text, bar, left);
+    fprintf(stderr, "\r\033[K%.79s", line);
+    fflush(stderr);
+    progress_shown = true;
+    shown_at = now;
+}
+
+void cli_progress_end(const cli_common *common) {
+    (void)common; /* nothing was shown if it is quiet */
+    clear_progress();
+}
+
+static atomic_bool stopped;
+
+static void stop(int signal_number) {
+    if (atomic_exchange(&stopped, true)) {
+        signal(signal_number, SIG_DFL);
+        raise(signal_number);
+    }
+}
+
+void cli_catch_signals(void) {
+    static const int signals[] = {SIGINT, SIGTERM};
+    for (size_t k = 0; k < sizeof signals / sizeof *signals; k++) {
+        struct sigaction before, action = {.sa_handler = stop, .sa_flags = SA_RESTART};
+        sigemptyset(&action.sa_mask);
+        /* what the caller has told us to ignore (nohup, a job in the background) stays ignored */
+        if (sigaction(signals[k], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+            sigaction(signals[k], &action, NULL);
+    }
+}
+
+bool cli_stopped(void) { return atomic_load(&stopped); }

@@ -1,0 +1,196 @@
+#include "cli/tables.h"
+
+#include "base/base.h"
+#include "store/file.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- cases ------------------------------------------------------------------------------------------------------ */
+
+/* Keys that a table has rows for. */
+static bool has_rows(const sp_sweep *sweep) {
+    return strcmp(sweep->key, "packing.pressure") == 0 || strcmp(sweep->key, "packing.grains") == 0;
+}
+
+static int64_t cases_of(const sp_scene *scene) {
+    int64_t cases = 1;
+    for (int s = 0; scene && s < scene->sweeps; s++)
+        cases *= has_rows(&scene->sweep[s]) ? 1 : scene->sweep[s].count;
+    return cases;
+}
+
+/* The scene with the other sweeps at their values of case c; the sweeps that are left stay the scene's own. */
+static sp_status case_scene(const sp_scene *scene, int64_t c, sp_scene *out, sp_error *err) {
+    sp_scene one = *scene;
+    sp_status status = SP_OK;
+    one.sweeps = 0;
+    for (int s = 0; s < scene->sweeps && status == SP_OK; s++) {
+        const sp_sweep *sweep = &scene->sweep[s];
+        if (has_rows(sweep)) {
+            one.sweep[one.sweeps++] = *sweep;
+            continue;
+        }
+        status = sp_scene_set(&one, sweep->key, sweep->values[c % sweep->count], err);
+        c /= sweep->count;
+    }
+    *out = one;
+    return status;
+}
+
+static sp_status add_case(sp_table *t, const sp_scene *scene, const sp_scene *one, sp_error *err) {
+    sp_status status = SP_OK;
+    for (int s = 0; s < scene->sweeps && status == SP_OK; s++)
+        if (!has_rows(&scene->sweep[s]))
+            status =
+                sp_table_add_comment(t, err, "%s = %.15g", scene->sweep[s].key, sp_scene_get(one, scene->sweep[s].key));
+    return status;
+}
+
+/* ---- files ------------------------------------------------------------------------------------------------------ */
+
+/* Where table k of case c goes: the file of -o itself for the first of all. */
+static sp_status path_of(const cli_tables *tables, int k, int64_t c, char path[SP_PATH_MAX], sp_error *err) {
+    const char *output = tables->common->output, *slash = strrchr(output, '/');
+    const char *name = slash ? slash + 1 : output, *dot = strrchr(name, '.');
+    const int stem = (int)(dot && dot > name ? dot - output : (ptrdiff_t)strlen(output));
+    char number[32] = "";
+    if (c > 0)
+        snprintf(number, sizeof number, "-%lld", (long long)c + 1);
+    int length;
+    if (k == 0 && c == 0)
+        length = snprintf(path, SP_PATH_MAX, "%s", output);
+    else
+        length = snprintf(path, SP_PATH_MAX, "%.*s-%s%s%s", stem, output, tables->name[k], number, output + stem);
+    if (length >= SP_PATH_MAX)
+        return sp_fail(err, SP_EINVAL, "-o: a name of %d bytes: must be below %d", length, SP_PATH_MAX);
+    return SP_OK;
+}
+
+sp_status cli_tables_may_write(const cli_tables *tables, sp_error *err) {
+    cli_common common = *tables->common;
+    if (!common.output)
+        return cli_may_write_table(&common, err);
+    sp_status status = SP_OK;
+    for (int64_t c = 0; c < cases_of(tables->scene); c++)
+        for (int k = 0; k < tables->count && status == SP_OK; k++) {
+            char path[SP_PATH_MAX];
+            common.output = path;
+            status = path_of(tables, k, c, path, err);
+            if (status == SP_OK)
+                status = cli_may_write_table(&common, err);
+        }
+    return status;
+}
+
+static sp_status write_one(const cli_tables *tables, int k, int64_t c, sp_table *t, sp_error *err) {
+    cli_common common = *tables->common;
+    char path[SP_PATH_MAX];
+    if (!common.output) {
+        if (k > 0 || c > 0)
+            putchar('\n');
+        return cli_write_table(&common, t, err);
+    }
+    sp_status status = path_of(tables, k, c, path, err);
+    common.output = path;
+    if (status == SP_OK)
+        status = cli_write_table(&common, t, err);
+    if (status == SP_OK && (k > 0 || c > 0))
+        cli_note(&common, "table %s: %s", tables->name[k], path);
+    return status;
+}
+
+/* ---- samples ---------------------------------------------------------------------------------------------------- */
+
+/* The samples that a table is made of. */
+typedef struct choice {
+    int64_t n, missing; /* missing: samples of the scene that the store does not have */
+    sp_sample *sample;
+} choice;
+
+static int by_name(const void *a, const void *b) { return strcmp(((const sp_sample *)a)->name, b); }
+
+static int by_names(const void *a, const void *b) { return by_name(a, ((const sp_sample *)b)->name); }
+
+static int find_name(const void *name, const void *sample) { return -by_name(sample, name); }
+
+/* Those of `all` (sorted by name) that a scene makes. One without a part that the scene wants counts as failed. */
+static sp_status choose(const sp_scene *scene, int64_t n, const sp_sample *all, choice *out, sp_error *err) {
+    int64_t count = sp_study_count(scene);
+    choice c = {.sample = sp_alloc((size_t)(count < n ? count : n), sizeof *c.sample)};
+    if (!c.sample)
+        return sp_fail_memory(err, (size_t)n * sizeof *c.sample);
+    sp_status status = SP_OK;
+    for (int64_t k = 0; k < count && status == SP_OK; k++) {
+        sp_scene one;
+        char name[SP_NAME_MAX];
+        status = sp_study_scene(scene, k, &one, err);
+        if (status != SP_OK)
+            break;
+        sp_sample_name(&one, name);
+        if (name[0] == '\0')
+            status = sp_fail_memory(err, 4096);
+        const sp_sample *found = bsearch(name, all, (size_t)n, sizeof *all, find_name);
+        if (!found || c.n == n) {
+            c.missing++;
+            continue;
+        }
+        sp_sample *s = &c.sample[c.n++];
+        *s = *found;
+        if (!s->failed && (s->have & scene->want) != scene->want) {
+            s->failed = true;
+            snprintf(s->reason, sizeof s->reason, "a wanted part of its results could not be made");
+        }
+    }
+    if (status == SP_OK)
+        *out = c;
+    else
+        sp_free(c.sample);
+    return status;
+}
+
+static sp_status write_case(const cli_tables *tables, int64_t c, int64_t n, const sp_sample *all, sp_error *err) {
+    sp_scene one = {0};
+    choice chosen = {0};
+    sp_status status = SP_OK;
+    if (tables->scene) {
+        status = case_scene(tables->scene, c, &one, err);
+        if (status == SP_OK)
+            status = choose(&one, n, all, &chosen, err);
+    }
+    for (int k = 0; k < tables->count && status == SP_OK; k++) {
+        sp_table t = sp_table_none();
+        status =
+            sp_study_table(tables->name[k], tables->scene ? chosen.n : n, tables->scene ? chosen.sample : all, &t, err);
+        if (status == SP_OK && tables->scene)
+            status = add_case(&t, tables->scene, &one, err);
+        if (status == SP_OK && chosen.missing > 0)
+            status = sp_table_add_comment(&t, err, "missing = %lld samples of the scene that are not in the store yet",
+                                          (long long)chosen.missing);
+        if (status == SP_OK)
+            status = write_one(tables, k, c, &t, err);
+        sp_table_free(&t);
+    }
+    sp_free(chosen.sample);
+    return status;
+}
+
+sp_status cli_tables_write(const cli_tables *tables, sp_store *store, sp_error *err) {
+    sp_sample *all = NULL;
+    int64_t n = 0, bad = 0;
+    sp_error reason = {0};
+    sp_status status = sp_store_samples(store, &n, &all, &bad, &reason);
+    if (status != SP_OK) {
+        *err = reason;
+        return status;
+    }
+    if (bad > 0)
+        cli_note(tables->common, "%lld files of the store are left out: %s", (long long)bad, reason.text);
+    if (n > 0)
+        qsort(all, (size_t)n, sizeof *all, by_names);
+    for (int64_t c = 0; c < cases_of(tables->scene) && status == SP_OK; c++)
+        status = write_case(tables, c, n, all, err);
+    sp_free(all);
+    return status;
+}

@@ -1,0 +1,24 @@
+#ifndef SP_CLI_TABLES_H
+#define SP_CLI_TABLES_H
+/* Tables of a store, for `study' and `table'. */
+
+#include "cli/cli.h"
+
+/* What is printed: `count` tables of the samples of a scene, or of all samples of the store where scene is NULL.
+ *
+ * A table has rows for pressures and sizes only, so every combination of the values of other swept keys is a case with
+ * tables of its own, its keys in the comments. On stdout the tables follow each other with a blank line between; with
+ * -o the first goes to that file and the others beside it: results.tsv, results-moduli.tsv, and of further cases
+ * results-ctof-2.tsv, ... */
+typedef struct cli_tables {
+    const cli_common *common;
+    const sp_scene *scene;
+    int count;
+    const char *name[4];
+} cli_tables;
+
+/* Whether all files of -o may be written. Call before the work. */
+sp_status cli_tables_may_write(const cli_tables *tables, sp_error *err);
+sp_status cli_tables_write(const cli_tables *tables, sp_store *store, sp_error *err);
+
+#endif

@@ -1,0 +1,92 @@
+#include "linalg/cholesky.h"
+#include "base/base.h"
+#include "linalg/blas.h"
+
+#include <cholmod.h>
+#include <string.h>
+
+struct sp_cholesky {
+    cholmod_common common;
+    cholmod_factor *factor;
+};
+
+/* A copy: CHOLMOD takes no constant input. Lower triangle: stype -1. */
+static cholmod_sparse *copy_matrix(const sp_sparse *a, cholmod_common *common) {
+    const size_t n = (size_t)a->n, entries = (size_t)a->p[a->n];
+    cholmod_sparse *m = cholmod_l_allocate_sparse(n, n, entries, 1, 1, -1, CHOLMOD_REAL, common);
+    if (!m)
+        return NULL;
+    SuiteSparse_long *p = m->p, *i = m->i;
+    for (size_t k = 0; k <= n; k++)
+        p[k] = a->p[k];
+    for (size_t k = 0; k < entries; k++)
+        i[k] = a->i[k];
+    memcpy(m->x, a->x, entries * sizeof(double));
+    return m;
+}
+
+/* A failed factorisation returns TRUE and the next call clears its status: look at once. A singular matrix may pass
+ * with a pivot that is rounding alone, hence the bound on the ratio of pivots. */
+static sp_status factorize(sp_cholesky *c, cholmod_sparse *m, sp_error *err) {
+    cholmod_common *common = &c->common;
+    c->factor = cholmod_l_analyze(m, common);
+    if (c->factor)
+        cholmod_l_factorize(m, c->factor, common);
+    if (common->status == CHOLMOD_OUT_OF_MEMORY)
+        return sp_fail(err, SP_ENOMEM, "CHOLMOD: no memory for the factor");
+    if (!c->factor || (common->status != CHOLMOD_OK && common->status != CHOLMOD_NOT_POSDEF))
+        return sp_fail(err, SP_EFAILED, "CHOLMOD: factorisation failed (status %d)", common->status);
+    if (common->status == CHOLMOD_NOT_POSDEF || c->factor->minor != c->factor->n)
+        return sp_fail(err, SP_EREFUSED, "the matrix is not positive definite (pivot %lld of %lld)",
+                       (long long)c->factor->minor, (long long)c->factor->n);
+    const double ratio = cholmod_l_rcond(c->factor, common);
+    if (!(ratio > 1e-13))
+        return sp_fail(err, SP_EREFUSED, "the matrix is singular (ratio of pivots %.2g, must be above 1e-13)", ratio);
+    return SP_OK;
+}
+
+sp_status sp_cholesky_make(const sp_sparse *a, sp_cholesky **out, sp_error *err) {
+    sp_blas_one_thread();
+    sp_cholesky *c = sp_alloc(1, sizeof *c);
+    if (!c)
+        return sp_fail_memory(err, sizeof *c);
+    sp_status status = SP_OK;
+    cholmod_l_start(&c->common);
+    c->common.print = 0;
+    c->common.try_catch = 1; /* errors come back as a status, nothing is printed */
+    cholmod_sparse *m = copy_matrix(a, &c->common);
+    if (!m)
+        status = sp_fail_memory(err, 16 * (size_t)a->p[a->n]);
+    else
+        status = factorize(c, m, err);
+    cholmod_l_free_sparse(&m, &c->common);
+    if (status == SP_OK)
+        *out = c;
+    else
+        sp_cholesky_free(c);
+    return status;
+}
+
+sp_status sp_cholesky_solve(sp_cholesky *c, int columns, const double *b, double *x, sp_error *err) {
+    const size_t n = c->factor->n, size = n * (size_t)columns;
+    cholmod_dense *right = cholmod_l_allocate_dense(n, (size_t)columns, n, CHOLMOD_REAL, &c->common);
+    cholmod_dense *solution = NULL;
+    if (right) {
+        memcpy(right->x, b, size * sizeof *b);
+        solution = cholmod_l_solve(CHOLMOD_A, c->factor, right, &c->common);
+    }
+    if (solution)
+        memcpy(x, solution->x, size * sizeof *x);
+    sp_status status = solution ? SP_OK : sp_fail_memory(err, size * sizeof *x);
+    cholmod_l_free_dense(&solution, &c->common);
+    cholmod_l_free_dense(&right, &c->common);
+    return status;
+}
+
+void sp_cholesky_free(sp_cholesky *c) {
+    if (!c)
+        return;
+    cholmod_l_free_factor(&c->factor, &c->common);
+    cholmod_l_finish(&c->common);
+    sp_free(c);
+}

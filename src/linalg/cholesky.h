@@ -1,0 +1,16 @@
+#ifndef SP_CHOLESKY_H
+#define SP_CHOLESKY_H
+/* Sparse Cholesky: the only door to CHOLMOD. */
+
+#include <sonopack/network.h>
+
+typedef struct sp_cholesky sp_cholesky;
+
+/* Factor of a symmetric positive definite matrix. SP_EREFUSED for one that is singular or indefinite in double
+ * precision. */
+sp_status sp_cholesky_make(const sp_sparse *a, sp_cholesky **out, sp_error *err);
+/* x = A^-1 b for `columns` right-hand sides, [columns][n]. */
+sp_status sp_cholesky_solve(sp_cholesky *c, int columns, const double *b, double *x, sp_error *err);
+void sp_cholesky_free(sp_cholesky *c);
+
+#endif

@@ -1,0 +1,113 @@
+#include "modes/refine.h"
+#include "base/base.h"
+#include "network/kernel.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Vectors of unresolved eigenvalues up to this many are looked at pair by pair. */
+enum { CLUSTER_MAX = 12 };
+
+double sp_lapack_error(const sp_network *net) {
+    const double omega = sp_network_omega_bound(net);
+    return (8 + sqrt((double)sp_network_dofs(net))) * DBL_EPSILON * omega * omega;
+}
+
+/* Scratch vectors over the degrees of freedom. */
+typedef struct scratch {
+    double *u, *ku;
+} scratch;
+
+/* u = M^-1/2 (e + sign f); returns u . M u. */
+static double displacement(const sp_network *net, const double *e, const double *f, double sign, double *u) {
+    const int64_t n = sp_network_dofs(net);
+    double norm = 0;
+    for (int64_t k = 0; k < n; k++) {
+        u[k] = (e[k] + (f ? sign * f[k] : 0)) / sqrt(net->mass[k]);
+        norm += net->mass[k] * u[k] * u[k];
+    }
+    return norm;
+}
+
+/* Rayleigh quotient, its rounding (left in error), and the residual. */
+static void rayleigh(const sp_network *net, const double *e, scratch s, sp_ritz *r) {
+    const int64_t n = sp_network_dofs(net);
+    double rounding, sum = 0;
+    const double norm = displacement(net, e, NULL, 0, s.u);
+    r->lambda = sp_network_energy2_bound(net, s.u, &rounding) / norm;
+    /* the sum of n squares in norm is right to sqrt(n) roundings as these come, n at the worst */
+    r->error = rounding / norm + fabs(r->lambda) * DBL_EPSILON * (4 + sqrt((double)n));
+    sp_network_apply(net, s.u, s.ku);
+    for (int64_t k = 0; k < n; k++) {
+        const double root = sqrt(net->mass[k]), rest = s.ku[k] / root - r->lambda * root * s.u[k];
+        sum += rest * rest;
+    }
+    r->residual = sqrt(sum / norm);
+}
+
+/* Bound of |e . A f| for two of the vectors: (E(e+f) - E(e-f))/4. */
+static double coupling(const sp_network *net, const double *e, const double *f, scratch s) {
+    double rounding[2], energy[2];
+    for (int q = 0; q < 2; q++) {
+        displacement(net, e, f, q == 0 ? 1 : -1, s.u);
+        energy[q] = sp_network_energy2_bound(net, s.u, &rounding[q]);
+    }
+    return 0.25 * (fabs(energy[0] - energy[1]) + rounding[0] + rounding[1]);
+}
+
+/* Vectors first .. last belong to eigenvalues that LAPACK cannot tell apart; gap: the distance to all others. The
+ * eigenvalues of H = V^T A V are within |R|^2/gap of A's, R = A V - V H (Kato and Temple), and the diagonal of H is
+ * within the sum of a row's other entries of them. Without a gap an eigenvalue is within |R| (Weyl). */
+static void bound_cluster(const sp_network *net, const double *vectors, int64_t first, int64_t last, double gap,
+                          scratch s, sp_ritz *ritz) {
+    const int64_t n = sp_network_dofs(net), members = last - first + 1;
+    const double omega = sp_network_omega_bound(net), noise = 8 * DBL_EPSILON * omega * omega;
+    double squares = 0, row[CLUSTER_MAX] = {0};
+    for (int64_t m = first; m <= last; m++)
+        squares += (ritz[m].residual + noise) * (ritz[m].residual + noise);
+    if (members <= CLUSTER_MAX)
+        for (int64_t a = 0; a < members; a++)
+            for (int64_t b = a + 1; b < members; b++) {
+                const double c = coupling(net, vectors + (first + a) * n, vectors + (first + b) * n, s);
+                row[a] += c;
+                row[b] += c;
+            }
+    double most = 0;
+    for (int64_t a = 0; a < members && a < CLUSTER_MAX; a++)
+        most = fmax(most, row[a]);
+    double bound = sqrt(squares);
+    if (members <= CLUSTER_MAX && gap > 0)
+        bound = fmin(bound, most + squares / gap);
+    for (int64_t m = first; m <= last; m++)
+        ritz[m].error += bound;
+}
+
+sp_status sp_modes_refine(const sp_network *net, const double *values, int64_t count, const double *vectors,
+                          sp_ritz *ritz, sp_error *err) {
+    const int64_t n = sp_network_dofs(net);
+    const double blur = 2 * sp_lapack_error(net);
+    scratch s = {sp_alloc((size_t)n, sizeof(double)), sp_alloc((size_t)n, sizeof(double))};
+    sp_status status = SP_OK;
+    if (!s.u || !s.ku) {
+        status = sp_fail_memory(err, 2 * (size_t)n * sizeof(double));
+        goto out;
+    }
+    for (int64_t m = 0; m < count; m++)
+        rayleigh(net, vectors + m * n, s, &ritz[m]);
+    for (int64_t first = 0, last; first < count; first = last + 1) {
+        for (last = first; last + 1 < count && values[last + 1] - values[last] <= 4 * blur; last++)
+            ;
+        double gap = HUGE_VAL;
+        if (first > 0)
+            gap = values[first] - values[first - 1] - blur;
+        if (last + 1 < n)
+            gap = fmin(gap, values[last + 1] - values[last] - blur);
+        if (n == last - first + 1) /* nothing else is there */
+            gap = sp_network_omega_bound(net) * sp_network_omega_bound(net);
+        bound_cluster(net, vectors, first, last, gap, s, ritz);
+    }
+out:
+    sp_free(s.ku);
+    sp_free(s.u);
+    return status;
+}

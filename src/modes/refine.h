@@ -1,0 +1,23 @@
+#ifndef SP_REFINE_H
+#define SP_REFINE_H
+/* Eigenvalues better than LAPACK's. The error of a dense solver is some DBL_EPSILON of the LARGEST eigenvalue, which
+ * is everything for a soft mode. The Rayleigh quotient of its vector, with the energy as a sum of squares over springs,
+ * is right to DBL_EPSILON of the mode's own value. */
+
+#include <sonopack/network.h>
+
+typedef struct sp_ritz {
+    double lambda;   /* omega^2 */
+    double error;    /* |lambda - exact| is at most this */
+    double residual; /* |A e - lambda e| */
+} sp_ritz;
+
+/* How far LAPACK's eigenvalues of A = M^-1/2 K M^-1/2 may be off. */
+double sp_lapack_error(const sp_network *net);
+
+/* values: all n of LAPACK, ascending; vectors: the lowest `count`, [count][n], mass weighted and orthonormal. Fills
+ * ritz [count], in the order of the vectors. */
+sp_status sp_modes_refine(const sp_network *net, const double *values, int64_t count, const double *vectors,
+                          sp_ritz *ritz, sp_error *err);
+
+#endif

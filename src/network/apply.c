@@ -1,0 +1,196 @@
+/* K applied without being assembled. One body serves every dimension, with and without rotations, for one vector and
+ * for two interleaved ones: its first arguments are constants where it is called. */
+#include "network/kernel.h"
+
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+
+/* Values of two vectors at one degree of freedom; with one vector the second is idle. */
+typedef double pair __attribute__((vector_size(16)));
+typedef pair pair_memory __attribute__((may_alias));
+
+typedef struct shape {
+    int dim, rotations, lanes;
+    bool prestress;
+} shape;
+
+static ALWAYS_INLINE pair load(shape s, const double *p) {
+    pair x = {p[0], 0};
+    if (s.lanes == 2)
+        x = *(const pair_memory *)p;
+    return x;
+}
+
+static ALWAYS_INLINE void add(shape s, double *p, pair x) {
+    if (s.lanes == 2)
+        *(pair_memory *)p += x;
+    else
+        p[0] += x[0];
+}
+
+/* The relative displacement of a spring, Appendix A: along n; transverse without rotations; tangential at the contact
+ * point, rotations included. 2D: one tangential component, along (-ny, nx). */
+typedef struct stretch {
+    pair normal, transverse[3], tangential[3];
+} stretch;
+
+static ALWAYS_INLINE stretch stretch_of(shape s, const sp_spring *c, const double *ui, const double *uj) {
+    const pair zero = {0, 0};
+    stretch e = {zero, {zero, zero, zero}, {zero, zero, zero}};
+    pair d[3] = {zero, zero, zero}, turn[3] = {zero, zero, zero};
+    for (int a = 0; a < s.dim; a++)
+        d[a] = (uj ? load(s, uj + a * s.lanes) : zero) - load(s, ui + a * s.lanes);
+    for (int a = 0; a < s.rotations; a++) {
+        const int at = (s.dim + a) * s.lanes;
+        turn[a] = c->ri * load(s, ui + at) + (uj ? c->rj * load(s, uj + at) : zero);
+    }
+    e.normal = c->n[0] * d[0];
+    for (int a = 1; a < s.dim; a++)
+        e.normal += c->n[a] * d[a];
+    if (s.dim == 2) {
+        e.transverse[0] = c->n[0] * d[1] - c->n[1] * d[0];
+        e.tangential[0] = e.transverse[0] - turn[0];
+    } else if (s.dim == 3) {
+        for (int a = 0; a < 3; a++) {
+            const int b = (a + 1) % 3, g = (a + 2) % 3;
+            e.transverse[a] = d[a] - e.normal * c->n[a];
+            e.tangential[a] = e.transverse[a] - (turn[b] * c->n[g] - turn[g] * c->n[b]);
+        }
+    }
+    return e;
+}
+
+/* Adds the gradient of the spring's energy. */
+static ALWAYS_INLINE void add_spring(shape s, const sp_spring *c, const double *ui, const double *uj, double *oi,
+                                     double *oj) {
+    const stretch e = stretch_of(s, c, ui, uj);
+    const pair along = c->kn * e.normal;
+    pair f[3], q[3] = {{0, 0}, {0, 0}, {0, 0}}, side[3];
+    for (int a = 0; a < 3; a++) {
+        if (s.rotations)
+            q[a] = c->kt * e.tangential[a];
+        side[a] = s.prestress ? q[a] + c->kp * e.transverse[a] : q[a];
+    }
+    for (int a = 0; a < s.dim; a++)
+        f[a] = along * c->n[a];
+    if (s.dim == 2 && (s.rotations || s.prestress)) {
+        f[0] -= side[0] * c->n[1];
+        f[1] += side[0] * c->n[0];
+    } else if (s.dim == 3) {
+        for (int a = 0; a < 3; a++)
+            f[a] += side[a];
+    }
+    for (int a = 0; a < s.dim; a++) {
+        add(s, oi + a * s.lanes, -f[a]);
+        if (oj)
+            add(s, oj + a * s.lanes, f[a]);
+    }
+    for (int a = 0; a < s.rotations; a++) {
+        const int b = (a + 1) % 3, g = (a + 2) % 3, at = (s.dim + a) * s.lanes;
+        const pair torque = s.dim == 2 ? -q[0] : c->n[g] * q[b] - c->n[b] * q[g]; /* -n x q */
+        add(s, oi + at, c->ri * torque);
+        if (oj)
+            add(s, oj + at, c->rj * torque);
+    }
+}
+
+static ALWAYS_INLINE void apply_body(shape s, const sp_network *net, const double *restrict u, double *restrict out) {
+    const int stride = (s.dim + s.rotations) * s.lanes;
+    const sp_spring *c = net->springs;
+    for (int32_t k = 0; k < net->n_bulk; k++, c++) {
+        const ptrdiff_t i = (ptrdiff_t)c->i * stride, j = (ptrdiff_t)c->j * stride;
+        add_spring(s, c, u + i, u + j, out + i, out + j);
+    }
+    for (int32_t k = net->n_bulk; k < net->n_springs; k++, c++) {
+        const ptrdiff_t i = (ptrdiff_t)c->i * stride;
+        add_spring(s, c, u + i, NULL, out + i, NULL);
+    }
+}
+
+static ALWAYS_INLINE void apply_shapes(int lanes, bool prestress, const sp_network *net, const double *restrict u,
+                                       double *restrict out) {
+    switch (10 * net->dim + net->dof) {
+    case 11: apply_body((shape){1, 0, lanes, false}, net, u, out); break;
+    case 22: apply_body((shape){2, 0, lanes, prestress}, net, u, out); break;
+    case 23: apply_body((shape){2, 1, lanes, prestress}, net, u, out); break;
+    case 33: apply_body((shape){3, 0, lanes, prestress}, net, u, out); break;
+    case 36: apply_body((shape){3, 3, lanes, prestress}, net, u, out); break;
+    default: break;
+    }
+}
+
+void sp_network_apply(const sp_network *net, const double *u, double *out) {
+    memset(out, 0, (size_t)sp_network_dofs(net) * sizeof *out);
+    if (net->prestress)
+        apply_shapes(1, true, net, u, out);
+    else
+        apply_shapes(1, false, net, u, out);
+}
+
+void sp_network_add_pair(const sp_network *net, const double *restrict u, double *restrict out) {
+    if (net->prestress)
+        apply_shapes(2, true, net, u, out);
+    else
+        apply_shapes(2, false, net, u, out);
+}
+
+/* A sum that loses no digits to its length (Neumaier 1974). */
+typedef struct exact_sum {
+    double sum, lost;
+} exact_sum;
+
+static inline void sum_add(exact_sum *s, double x) {
+    const double t = s->sum + x;
+    s->lost += fabs(s->sum) >= fabs(x) ? (s->sum - t) + x : (x - t) + s->sum;
+    s->sum = t;
+}
+
+/* The size of the terms that make up a stretch, against which it is rounded. */
+static void stretch_size(const sp_network *net, const sp_spring *c, const double *ui, const double *uj, double *normal,
+                         double *side) {
+    const int dim = net->dim, rotations = net->dof - net->dim;
+    double n = 0, all = 0, turn = 0;
+    for (int a = 0; a < dim; a++) {
+        const double d = fabs((uj ? uj[a] : 0) - ui[a]);
+        n += fabs(c->n[a]) * d;
+        all += d;
+    }
+    for (int a = 0; a < rotations; a++)
+        turn += c->ri * fabs(ui[dim + a]) + (uj ? c->rj * fabs(uj[dim + a]) : 0);
+    *normal = n;
+    *side = 2 * all + 2 * turn;
+}
+
+double sp_network_energy2_bound(const sp_network *net, const double *u, double *rounding) {
+    const shape s = {net->dim, net->dof - net->dim, 1, net->prestress};
+    exact_sum energy = {0, 0};
+    double magnitude = 0, sizes = 0;
+    for (int32_t k = 0; k < net->n_springs; k++) {
+        const sp_spring *c = &net->springs[k];
+        const double *ui = u + (ptrdiff_t)c->i * net->dof, *uj = c->j >= 0 ? u + (ptrdiff_t)c->j * net->dof : NULL;
+        const stretch e = stretch_of(s, c, ui, uj);
+        double side = 0, transverse = 0, normal_size, side_size;
+        for (int a = 0; a < 3; a++) {
+            side += e.tangential[a][0] * e.tangential[a][0];
+            transverse += e.transverse[a][0] * e.transverse[a][0];
+        }
+        side *= s.rotations ? c->kt : 0;
+        const double along = c->kn * (e.normal[0] * e.normal[0]);
+        sum_add(&energy, along);
+        sum_add(&energy, side);
+        sum_add(&energy, c->kp * transverse);
+        stretch_size(net, c, ui, uj, &normal_size, &side_size);
+        magnitude += along + side + fabs(c->kp) * transverse;
+        sizes += c->kn * normal_size * normal_size + (c->kt + fabs(c->kp)) * side_size * side_size;
+    }
+    /* Each stretch is off by at most 3 roundings of its terms; Cauchy-Schwarz over the springs for the cross term. */
+    if (rounding)
+        *rounding = DBL_EPSILON * (4 * magnitude + 4 * sqrt(magnitude * sizes) + 9 * DBL_EPSILON * sizes);
+    return energy.sum + energy.lost;
+}
+
+double sp_network_energy2(const sp_network *net, const double *u) { return sp_network_energy2_bound(net, u, NULL); }

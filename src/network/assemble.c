@@ -1,0 +1,184 @@
+/* K as a sparse matrix, and the bound of the spectrum that its entries give. */
+#include "base/base.h"
+#include "network/bound.h"
+#include "network/rows.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+void sp_sparse_free(sp_sparse *a) {
+    sp_free(a->p);
+    sp_free(a->i);
+    sp_free(a->x);
+    *a = (sp_sparse){0};
+}
+
+/* For each grain its neighbours of higher index, ascending and once each: rows start[g] .. start[g+1]-1 of list. */
+typedef struct neighbours {
+    int64_t *start;
+    int32_t *list;
+} neighbours;
+
+static int by_index(const void *a, const void *b) {
+    const int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+    return (x > y) - (x < y);
+}
+
+static sp_status find_neighbours(const sp_network *net, neighbours *nb, sp_error *err) {
+    const size_t n = (size_t)net->n;
+    nb->start = sp_alloc(n + 2, sizeof *nb->start);
+    nb->list = sp_alloc((size_t)net->n_bulk, sizeof *nb->list);
+    if (!nb->start || !nb->list)
+        return sp_fail_memory(err, (n + 2) * sizeof *nb->start + (size_t)net->n_bulk * sizeof *nb->list);
+    /* counts are kept two places on, so that filling turns start[g+1] into the end of row g */
+    for (int32_t k = 0; k < net->n_bulk; k++) {
+        const sp_spring *s = &net->springs[k];
+        nb->start[(s->i < s->j ? s->i : s->j) + 2]++;
+    }
+    for (size_t g = 2; g < n + 2; g++)
+        nb->start[g] += nb->start[g - 1];
+    for (int32_t k = 0; k < net->n_bulk; k++) {
+        const sp_spring *s = &net->springs[k];
+        nb->list[nb->start[(s->i < s->j ? s->i : s->j) + 1]++] = s->i < s->j ? s->j : s->i;
+    }
+    int64_t kept = 0, begin = 0;
+    for (size_t g = 0; g < n; g++) {
+        const int64_t end = nb->start[g + 1], first = kept;
+        qsort(nb->list + begin, (size_t)(end - begin), sizeof *nb->list, by_index);
+        for (int64_t k = begin; k < end; k++)
+            if (kept == first || nb->list[kept - 1] != nb->list[k])
+                nb->list[kept++] = nb->list[k];
+        begin = end;
+        nb->start[g + 1] = kept;
+    }
+    return SP_OK;
+}
+
+/* Where entry (row dof a of grain g, column dof b of grain h) lies, g > h or g = h and a >= b. */
+static int64_t entry(const neighbours *nb, const sp_sparse *m, int dof, int32_t g, int a, int32_t h, int b) {
+    const int64_t column = m->p[(int64_t)h * dof + b];
+    if (g == h)
+        return column + a - b;
+    int64_t low = nb->start[h], high = nb->start[h + 1] - 1;
+    while (low < high) {
+        const int64_t middle = low + (high - low) / 2;
+        if (nb->list[middle] < g)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return column + dof - b + (low - nb->start[h]) * dof + a;
+}
+
+static void make_pattern(const sp_network *net, const neighbours *nb, sp_sparse *m) {
+    const int dof = net->dof;
+    int64_t at = 0;
+    for (int32_t h = 0; h < net->n; h++)
+        for (int b = 0; b < dof; b++) {
+            m->p[(int64_t)h * dof + b] = at;
+            for (int a = b; a < dof; a++)
+                m->i[at++] = (int64_t)h * dof + a;
+            for (int64_t k = nb->start[h]; k < nb->start[h + 1]; k++)
+                for (int a = 0; a < dof; a++)
+                    m->i[at++] = (int64_t)nb->list[k] * dof + a;
+        }
+    m->p[m->n] = at;
+}
+
+/* K = sum over springs of B^T diag(k) B. */
+static void add_spring(const sp_network *net, const neighbours *nb, const sp_spring *s, sp_sparse *m) {
+    const int dof = net->dof;
+    const int32_t grain[2] = {s->i, s->j};
+    sp_rows rows;
+    sp_network_rows(net, s, &rows);
+    for (int a = 0; a < rows.width; a++)
+        for (int b = 0; b < rows.width; b++) {
+            const int32_t g = grain[a / dof], h = grain[b / dof];
+            if (g < h || (g == h && a < b))
+                continue;
+            double sum = 0;
+            for (int q = 0; q < rows.count; q++)
+                sum += rows.k[q] * (rows.b[q][a] * rows.b[q][b]);
+            m->x[entry(nb, m, dof, g, a % dof, h, b % dof)] += sum;
+        }
+}
+
+sp_status sp_network_assemble(const sp_network *net, sp_sparse *out, sp_error *err) {
+    sp_sparse m = {.n = sp_network_dofs(net)};
+    neighbours nb = {NULL, NULL};
+    sp_status status = find_neighbours(net, &nb, err);
+    if (status != SP_OK)
+        goto out;
+    const int64_t dof = net->dof, entries = net->n * dof * (dof + 1) / 2 + nb.start[net->n] * dof * dof;
+    m.p = sp_alloc((size_t)m.n + 1, sizeof *m.p);
+    m.i = sp_alloc((size_t)entries, sizeof *m.i);
+    m.x = sp_alloc((size_t)entries, sizeof *m.x);
+    if (!m.p || !m.i || !m.x) {
+        status = sp_fail_memory(err, (size_t)entries * 16 + (size_t)m.n * 8);
+        goto out;
+    }
+    make_pattern(net, &nb, &m);
+    for (int32_t k = 0; k < net->n_springs; k++)
+        add_spring(net, &nb, &net->springs[k], &m);
+out:
+    sp_free(nb.start);
+    sp_free(nb.list);
+    if (status == SP_OK)
+        *out = m;
+    else
+        sp_sparse_free(&m);
+    return status;
+}
+
+/* Perron and Frobenius: the spectral radius of A = M^-1/2 K M^-1/2 is at most that of |A|, which is at most
+ * max (|A| v)_i / v_i for every v > 0 (Collatz and Wielandt). Here with v = M^1/2 w, w improved by power steps, the
+ * smallest of their maxima taken. Values: K's entries made absolute. */
+static double collatz_wielandt(const sp_sparse *m, const double *mass, double *w, double *next) {
+    double best = HUGE_VAL;
+    for (int64_t k = 0; k < m->n; k++)
+        w[k] = 1 / sqrt(mass[k]);
+    for (int step = 0; step < 16; step++) {
+        double largest = 0;
+        for (int64_t k = 0; k < m->n; k++)
+            next[k] = 0;
+        for (int64_t c = 0; c < m->n; c++) {
+            double sum = m->x[m->p[c]] * w[c];
+            for (int64_t k = m->p[c] + 1; k < m->p[c + 1]; k++) {
+                next[m->i[k]] += m->x[k] * w[c];
+                sum += m->x[k] * w[m->i[k]];
+            }
+            next[c] += sum;
+        }
+        for (int64_t k = 0; k < m->n; k++) {
+            next[k] /= mass[k];
+            largest = fmax(largest, next[k] / w[k]);
+        }
+        best = fmin(best, largest);
+        for (int64_t k = 0; k < m->n; k++) /* the old part keeps every entry positive */
+            w[k] = next[k] / largest + 0.05 * w[k];
+    }
+    return best;
+}
+
+sp_status sp_network_find_bound(const sp_network *net, double *omega, sp_error *err) {
+    sp_sparse m = {0};
+    double *w = NULL, *next = NULL;
+    sp_status status = sp_network_assemble(net, &m, err);
+    if (status != SP_OK)
+        return status;
+    w = sp_alloc((size_t)m.n, sizeof *w);
+    next = sp_alloc((size_t)m.n, sizeof *next);
+    if (!w || !next) {
+        status = sp_fail_memory(err, (size_t)m.n * 16);
+        goto out;
+    }
+    for (int64_t k = 0; k < m.p[m.n]; k++)
+        m.x[k] = fabs(m.x[k]);
+    /* room for the rounding of sums of some tens of terms */
+    *omega = sqrt(collatz_wielandt(&m, net->mass, w, next)) * (1 + 1e-13);
+out:
+    sp_free(next);
+    sp_free(w);
+    sp_sparse_free(&m);
+    return status;
+}

@@ -1,0 +1,191 @@
+/* Contacts to springs; source and detector as vectors. */
+#include "base/base.h"
+#include "network/bound.h"
+#include "packing/contact.h"
+
+#include <math.h>
+#include <sonopack/network.h>
+
+sp_network_options sp_network_options_default(void) { return (sp_network_options){.threshold = 1e-4}; }
+
+sp_network sp_network_none(void) { return (sp_network){0}; }
+
+int64_t sp_network_dofs(const sp_network *net) { return (int64_t)net->n * net->dof; }
+
+double sp_network_omega_bound(const sp_network *net) { return net->omega_bound; }
+
+void sp_network_free(sp_network *net) {
+    sp_free(net->grain);
+    sp_free(net->mass);
+    sp_free(net->x);
+    sp_free(net->r);
+    sp_free(net->springs);
+    sp_free(net->length);
+    *net = sp_network_none();
+}
+
+/* Moment of inertia of a sphere over its mass: d^2/10. */
+static double inertia_over_mass(double r) { return 0.4 * r * r; }
+
+static sp_status make_grains(const sp_packing *p, const uint8_t *rattler, int32_t *row, sp_network *net,
+                             sp_error *err) {
+    const size_t n = (size_t)net->n, dof = (size_t)net->dof;
+    net->grain = sp_alloc(n, sizeof *net->grain);
+    net->mass = sp_alloc(n * dof, sizeof *net->mass);
+    net->x = sp_alloc(3 * n, sizeof *net->x);
+    net->r = sp_alloc(n, sizeof *net->r);
+    if (!net->grain || !net->mass || !net->x || !net->r)
+        return sp_fail_memory(err, n * (dof + 5) * sizeof(double));
+    int32_t k = 0;
+    for (int32_t i = 0; i < p->n; i++) {
+        row[i] = rattler[i] ? -1 : k;
+        if (rattler[i])
+            continue;
+        const double mass = grain_mass(p->r[i]);
+        net->grain[k] = i;
+        net->r[k] = p->r[i];
+        for (size_t a = 0; a < 3; a++)
+            net->x[3 * (size_t)k + a] = p->x[3 * (size_t)i + a];
+        for (size_t a = 0; a < dof; a++)
+            net->mass[(size_t)k * dof + a] = a < (size_t)net->dim ? mass : mass * inertia_over_mass(p->r[i]);
+        k++;
+    }
+    return SP_OK;
+}
+
+/* Whether a contact slides: at the Coulomb limit within 1e-6. */
+static bool slides(const sp_packing *p, const sp_contact *c) {
+    const double ft = sqrt(c->ft[0] * c->ft[0] + c->ft[1] * c->ft[1] + c->ft[2] * c->ft[2]);
+    return ft >= p->friction * c->fn * (1 - 1e-6);
+}
+
+/* (A1), (A2), (A4). A wall does not rotate (no lever arm), and turns no force as a grain moves along it (no prestress
+ * term). */
+static sp_status make_spring(const sp_packing *p, const sp_network_options *opt, int32_t contact, const int32_t *row,
+                             sp_network *net, sp_error *err) {
+    const sp_contact *c = &p->contacts[contact];
+    const bool wall = c->j < 0;
+    const double ri = p->r[c->i], rj = wall ? 0 : p->r[c->j];
+    const double e = wall ? contact_wall_stiffness(ri, p->wall) : contact_stiffness(ri, rj);
+    const double length = ri + rj - c->overlap, kn = contact_normal_stiffness(e, c->overlap);
+    if (!(c->overlap > 0 && length > 0 && kn > 0 && isfinite(kn)))
+        return sp_fail(err, SP_EFORMAT,
+                       "contact %d: overlap = %g, must be above 0 and below %g where a force is carried", contact,
+                       c->overlap, ri + rj);
+    sp_spring *s = &net->springs[net->n_springs];
+    net->length[net->n_springs++] = length;
+    *s = (sp_spring){.i = row[c->i], .j = wall ? c->j : row[c->j], .contact = contact, .kn = kn, .ri = ri, .rj = rj};
+    for (int a = 0; a < net->dim; a++)
+        s->n[a] = c->n[a];
+    if (net->dof > net->dim && !(opt->sliding_free && slides(p, c)))
+        s->kt = contact_eta(p->poisson) * kn;
+    if (opt->prestress && !wall && net->dim > 1) {
+        s->kp = -c->fn / length;
+        net->prestress = true;
+    }
+    return SP_OK;
+}
+
+static sp_status make_springs(const sp_packing *p, const sp_network_options *opt, const uint8_t *carrying,
+                              const int32_t *row, sp_network *net, sp_error *err) {
+    size_t count = 0;
+    for (int32_t c = 0; c < p->n_contacts; c++)
+        count += carrying[c];
+    net->springs = sp_alloc(count, sizeof *net->springs);
+    net->length = sp_alloc(count, sizeof *net->length);
+    if (!net->springs || !net->length)
+        return sp_fail_memory(err, count * (sizeof *net->springs + sizeof *net->length));
+    sp_status status = SP_OK;
+    for (int walls = 0; walls < 2; walls++) {
+        for (int32_t c = 0; c < p->n_contacts && status == SP_OK; c++)
+            if (carrying[c] && (p->contacts[c].j < 0) == walls)
+                status = make_spring(p, opt, c, row, net, err);
+        if (!walls)
+            net->n_bulk = net->n_springs;
+    }
+    return status;
+}
+
+static int degrees_of_freedom(const sp_packing *p) {
+    if (p->dim == 1 || !(p->friction > 0))
+        return p->dim;
+    return p->dim == 2 ? 3 : 6;
+}
+
+sp_status sp_network_make(const sp_packing *p, const sp_network_options *opt, sp_network *out, sp_error *err) {
+    sp_network net = sp_network_none();
+    uint8_t *rattler = NULL, *carrying = NULL;
+    int32_t *row = NULL;
+    sp_status status;
+    if (!(opt->threshold >= 0 && isfinite(opt->threshold)))
+        return sp_fail(err, SP_EINVAL, "threshold = %g, must be a fraction of the pressure, 0 or more", opt->threshold);
+    if (p->dim < 1 || p->dim > 3)
+        return sp_fail(err, SP_EINVAL, "packing of dimension %d, must be 1, 2 or 3", p->dim);
+    rattler = sp_alloc((size_t)p->n, 1);
+    carrying = sp_alloc((size_t)p->n_contacts, 1);
+    row = sp_alloc((size_t)p->n, sizeof *row);
+    if (!rattler || !carrying || !row) {
+        status = sp_fail_memory(err, 5 * (size_t)p->n + (size_t)p->n_contacts);
+        goto out;
+    }
+    status = sp_packing_rattlers(p, opt->threshold, rattler, carrying, &net.rattlers, err);
+    if (status != SP_OK)
+        goto out;
+    net.dim = p->dim;
+    net.dof = degrees_of_freedom(p);
+    net.n_all = p->n;
+    net.n = p->n - net.rattlers;
+    net.pressure = p->pressure;
+    for (int a = 0; a < 3; a++)
+        net.box[a] = p->box[a];
+    if (net.n == 0) {
+        status = sp_fail(err, SP_EREFUSED, "no grain carries: all %d are rattlers above %g p", p->n, opt->threshold);
+        goto out;
+    }
+    status = make_grains(p, rattler, row, &net, err);
+    if (status == SP_OK)
+        status = make_springs(p, opt, carrying, row, &net, err);
+    if (status == SP_OK)
+        status = sp_network_find_bound(&net, &net.omega_bound, err);
+out:
+    sp_free(row);
+    sp_free(carrying);
+    sp_free(rattler);
+    if (status == SP_OK)
+        *out = net;
+    else
+        sp_network_free(&net);
+    return status;
+}
+
+/* Adds k_n along up at the grains of one wall; returns the number of its springs. */
+static int32_t add_wall(const sp_network *net, int32_t wall, double *out) {
+    const int up = net->dim - 1;
+    int32_t count = 0;
+    for (int64_t k = 0; k < sp_network_dofs(net); k++)
+        out[k] = 0;
+    for (int32_t k = net->n_bulk; k < net->n_springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        if (s->j != wall)
+            continue;
+        out[(int64_t)s->i * net->dof + up] += s->kn * fabs(s->n[up]);
+        count++;
+    }
+    return count;
+}
+
+sp_status sp_network_source(const sp_network *net, sp_source source, double *out, sp_error *err) {
+    if (source != SP_SOURCE_IMPULSE && source != SP_SOURCE_VELOCITY && source != SP_SOURCE_DISPLACEMENT)
+        return sp_fail(err, SP_EINVAL, "source %d, must be impulse, velocity or displacement", (int)source);
+    if (add_wall(net, SP_BOTTOM, out) == 0)
+        return sp_fail(err, SP_EREFUSED, "no carrying contact at the bottom wall: nothing can be sent in");
+    for (int64_t k = 0; source == SP_SOURCE_VELOCITY && k < sp_network_dofs(net); k++)
+        out[k] *= net->mass[k];
+    return SP_OK;
+}
+
+sp_status sp_network_detector(const sp_network *net, double *out, sp_error *err) {
+    if (add_wall(net, SP_TOP, out) == 0)
+        return sp_fail(err, SP_EREFUSED, "no carrying contact at the top wall: nothing can be detected");
+    return SP_OK;
+}

@@ -1,0 +1,29 @@
+#ifndef SP_STATISTICS_H
+#define SP_STATISTICS_H
+/* Mean, spread and bootstrap errors of samples. NAN in, NAN out: nothing is left out silently. */
+
+#include <sonopack/status.h>
+#include <stdint.h>
+
+double sp_mean(int64_t n, const double *x);           /* NAN for n < 1 */
+double sp_sd(int64_t n, const double *x);             /* one standard deviation, n - 1 below; NAN for n < 2 */
+double sp_standard_error(int64_t n, const double *x); /* of the mean: sd / sqrt(n) */
+
+enum { SP_BOOTSTRAP_GROUPS = 4 };
+
+/* A statistic of samples in groups: of group g the samples pick[g][0 .. size[g]-1], numbered from 0. */
+typedef double (*sp_statistic)(const int64_t *size, const int64_t *const *pick, void *user);
+
+typedef struct sp_bootstrap_options {
+    int32_t resamples; /* 1000 */
+    uint64_t seed;     /* fixed: the same samples in the same order give the same error, bit for bit */
+} sp_bootstrap_options;
+sp_bootstrap_options sp_bootstrap_options_default(void);
+
+/* Standard error of a statistic: its standard deviation over resamples in which every group is drawn anew, with
+ * replacement and by itself. *standard_error is NAN where a group has fewer than 2 samples (resampling one sample says
+ * nothing) or the statistic is not finite in more than one resample in ten. */
+sp_status sp_bootstrap(int groups, const int64_t *size, sp_statistic statistic, void *user,
+                       const sp_bootstrap_options *opt, double *standard_error, sp_error *err);
+
+#endif

@@ -1,0 +1,153 @@
+#include "base/base.h"
+
+#include <math.h>
+#include <sonopack/packing.h>
+#include <stdlib.h>
+#include <string.h>
+
+sp_packing sp_packing_none(void) { return (sp_packing){.residual = NAN, .seconds = NAN, .box = {1, 1, 1}}; }
+
+void sp_packing_free(sp_packing *p) {
+    sp_free(p->x);
+    sp_free(p->r);
+    sp_free(p->contacts);
+    sp_free(p->scene);
+    *p = sp_packing_none();
+}
+
+sp_status sp_packing_alloc(sp_packing *p, int dim, int32_t n, int32_t n_contacts, sp_error *err) {
+    if (dim < 1 || dim > 3 || n < 0 || n_contacts < 0)
+        return sp_fail(err, SP_EINVAL, "packing of %d grains, %d contacts in %d dimensions: must be >= 0 and 1..3", n,
+                       n_contacts, dim);
+    sp_packing q = sp_packing_none();
+    q.dim = dim;
+    q.n = n;
+    q.n_contacts = n_contacts;
+    q.x = sp_alloc((size_t)n * 3, sizeof *q.x);
+    q.r = sp_alloc((size_t)n, sizeof *q.r);
+    q.contacts = sp_alloc((size_t)n_contacts, sizeof *q.contacts);
+    if (!q.x || !q.r || !q.contacts) {
+        sp_packing_free(&q);
+        return sp_fail_memory(err, (size_t)n * 32 + (size_t)n_contacts * sizeof *q.contacts);
+    }
+    *p = q;
+    return SP_OK;
+}
+
+double sp_packing_height(const sp_packing *p) { return p->box[p->dim - 1]; }
+
+double sp_packing_wall_area(const sp_packing *p) {
+    double area = 1.0;
+    for (int k = 0; k < p->dim - 1; k++)
+        area *= p->box[k];
+    return area;
+}
+
+/* ---- structure ------------------------------------------------------------------------------------------------- */
+
+static sp_status check_globals(const sp_packing *p, sp_error *err) {
+    if (p->dim < 1 || p->dim > 3)
+        return sp_fail(err, SP_EFORMAT, "dimension %d: must be 1, 2 or 3", p->dim);
+    if (p->n < 1)
+        return sp_fail(err, SP_EFORMAT, "%d grains: must be at least 1", p->n);
+    if (p->n_contacts < 0)
+        return sp_fail(err, SP_EFORMAT, "%d contacts: must be >= 0", p->n_contacts);
+    for (int k = 0; k < 3; k++)
+        if (!(p->box[k] > 0) || !isfinite(p->box[k]))
+            return sp_fail(err, SP_EFORMAT, "box edge %d is %g: must be positive and finite", k, p->box[k]);
+    if (!(p->pressure > 0) || !isfinite(p->pressure))
+        return sp_fail(err, SP_EFORMAT, "pressure %g: must be positive and finite", p->pressure);
+    if (!(p->friction >= 0) || !isfinite(p->friction))
+        return sp_fail(err, SP_EFORMAT, "friction %g: must be >= 0 and finite", p->friction);
+    if (!(p->poisson >= 0 && p->poisson <= 0.5))
+        return sp_fail(err, SP_EFORMAT, "Poisson ratio %g: must be in 0..0.5", p->poisson);
+    if (p->wall != SP_WALL_RIGID && p->wall != SP_WALL_GRAIN)
+        return sp_fail(err, SP_EFORMAT, "wall kind %d: must be 0 (rigid) or 1 (grain)", (int)p->wall);
+    return SP_OK;
+}
+
+static sp_status check_grains(const sp_packing *p, sp_error *err) {
+    for (int32_t i = 0; i < p->n; i++) {
+        if (!(p->r[i] > 0) || !isfinite(p->r[i]))
+            return sp_fail(err, SP_EFORMAT, "grain %d: radius %g must be positive and finite", i, p->r[i]);
+        for (int k = 0; k < p->dim; k++) {
+            double x = p->x[3 * i + k];
+            if (!(x >= 0 && x <= p->box[k]))
+                return sp_fail(err, SP_EFORMAT, "grain %d: coordinate %d is %.17g, outside the box 0..%.17g", i, k, x,
+                               p->box[k]);
+        }
+    }
+    return SP_OK;
+}
+
+static sp_status check_contact(const sp_packing *p, int32_t c, sp_error *err) {
+    const sp_contact *k = &p->contacts[c];
+    if (k->i < 0 || k->i >= p->n || k->j < SP_TOP || k->j >= p->n || (k->j >= 0 && k->j <= k->i))
+        return sp_fail(err, SP_EFORMAT,
+                       "contact %d: grains %d and %d; must be 0 <= i < j < %d, or j = %d (bottom) or %d (top)", c, k->i,
+                       k->j, p->n, SP_BOTTOM, SP_TOP);
+    double length2 = 0, ft2 = 0, along = 0;
+    for (int a = 0; a < 3; a++) {
+        length2 += k->n[a] * k->n[a];
+        ft2 += k->ft[a] * k->ft[a];
+        along += k->ft[a] * k->n[a];
+        if (a >= p->dim && (k->n[a] != 0 || k->ft[a] != 0))
+            return sp_fail(err, SP_EFORMAT, "contact %d: component %d of n or ft is not 0 in %d dimensions", c, a,
+                           p->dim);
+    }
+    if (!(fabs(length2 - 1.0) <= 1e-9))
+        return sp_fail(err, SP_EFORMAT, "contact %d: the normal's length is %.12g, must be 1", c, sqrt(length2));
+    if (!isfinite(k->overlap) || !(k->overlap >= 0))
+        return sp_fail(err, SP_EFORMAT, "contact %d: overlap %g must be >= 0 and finite", c, k->overlap);
+    if (!isfinite(k->fn) || !(k->fn >= 0))
+        return sp_fail(err, SP_EFORMAT, "contact %d: normal force %g must be >= 0 and finite", c, k->fn);
+    if (!isfinite(ft2) || !(fabs(along) <= 1e-6 * sqrt(ft2)))
+        return sp_fail(err, SP_EFORMAT, "contact %d: the tangential force must be finite and normal to n", c);
+    double reach = k->j >= 0 ? p->r[k->i] + p->r[k->j] : p->r[k->i];
+    if (!(k->overlap < reach))
+        return sp_fail(err, SP_EFORMAT, "contact %d: overlap %g is not below the radii %g", c, k->overlap, reach);
+    return SP_OK;
+}
+
+/* Order of contacts: pairs by (i, j), then the bottom wall's, then the top wall's. */
+static int compare_contacts(const void *a, const void *b) {
+    const sp_contact *p = a, *q = b;
+    int wall_p = p->j < 0 ? -p->j : 0, wall_q = q->j < 0 ? -q->j : 0;
+    if (wall_p != wall_q)
+        return wall_p - wall_q;
+    if (p->i != q->i)
+        return p->i < q->i ? -1 : 1;
+    return (p->j > q->j) - (p->j < q->j);
+}
+
+static sp_status check_contacts(const sp_packing *p, sp_error *err) {
+    for (int32_t c = 0; c < p->n_contacts; c++) {
+        sp_status status = check_contact(p, c, err);
+        if (status != SP_OK)
+            return status;
+    }
+    for (int32_t c = 1; c < p->n_contacts; c++) {
+        const sp_contact *b = &p->contacts[c];
+        int order = compare_contacts(b - 1, b);
+        if (order == 0)
+            return sp_fail(err, SP_EFORMAT, "contact %d: grains %d and %d touch twice", c, b->i, b->j);
+        if (order > 0)
+            return sp_fail(err, SP_EFORMAT,
+                           "contact %d is out of order: pairs by (i, j), then bottom wall, then top wall", c);
+    }
+    return SP_OK;
+}
+
+void sp_packing_sort(sp_packing *p) {
+    if (p->n_contacts > 0)
+        qsort(p->contacts, (size_t)p->n_contacts, sizeof *p->contacts, compare_contacts);
+}
+
+sp_status sp_packing_check(const sp_packing *p, sp_error *err) {
+    sp_status status = check_globals(p, err);
+    if (status == SP_OK)
+        status = check_grains(p, err);
+    if (status == SP_OK)
+        status = check_contacts(p, err);
+    return status;
+}

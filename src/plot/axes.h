@@ -1,0 +1,46 @@
+#ifndef SP_AXES_H
+#define SP_AXES_H
+/* Two axes with ticks, and the map from values to the canvas. */
+
+#include "plot/text.h"
+
+#include <stdbool.h>
+
+enum { TICKS_MAX = 256 };
+
+typedef struct tick {
+    double at; /* axis units */
+    bool major;
+    char label[48]; /* markup, "" if none */
+} tick;
+
+/* Positions along an axis are in axis units: log10(value), or value/10^power on a linear axis, so that neither huge nor
+ * tiny values overflow. */
+typedef struct axis {
+    bool log;
+    int power;        /* linear: the power of ten taken out of the values */
+    double low, high; /* axis units, low < high */
+    char label[192];  /* markup */
+    double from, to;  /* where low and high are on the canvas [pt] */
+    int ticks;
+    tick tick[TICKS_MAX];
+} axis;
+
+typedef struct axes {
+    axis x, y;
+} axes;
+
+/* A linear axis over the finite values of low and high: takes out a power of ten where numbers would be long, and
+ * widens an empty range. A logarithmic one over decades: log10 values, at least `least` wide. */
+void axis_linear(axis *a, double low, double high);
+void axis_log(axis *a, double low, double high, double least);
+/* A value in axis units, and axis units on the canvas. */
+double axis_unit(const axis *a, double value);
+double axis_place(const axis *a, double unit);
+
+/* Chooses ticks, and margins that hold their labels. */
+void axes_layout(axes *a, canvas *c);
+/* Frame, ticks on all four sides, labels. */
+void axes_draw(const axes *a, canvas *c);
+
+#endif

@@ -1,0 +1,173 @@
+#include "plot/figure.h"
+
+#include "plot/legend.h"
+
+#include <math.h>
+
+colour figure_ink(int k) {
+    static const colour okabe_ito[INKS] = {
+        {0.00, 0.00, 0.00}, /* black */
+        {0.00, 0.45, 0.70}, /* blue */
+        {0.84, 0.37, 0.00}, /* vermilion */
+        {0.00, 0.62, 0.45}, /* bluish green */
+        {0.80, 0.47, 0.65}, /* reddish purple */
+        {0.90, 0.62, 0.00}, /* orange */
+        {0.35, 0.70, 0.90}, /* sky blue */
+    };
+    return okabe_ito[k % INKS];
+}
+
+void figure_dash(canvas *c, int dash) {
+    static const double pattern[DASHES][4] = {{0}, {4.0, 2.0}, {1.2, 1.4}, {5.0, 1.6, 1.2, 1.6}};
+    static const int parts[DASHES] = {0, 2, 2, 4};
+    cairo_set_dash(c->cr, pattern[dash], parts[dash], 0.0);
+}
+
+void marker_draw(canvas *c, marker shape, double x, double y, bool open, colour ink) {
+    const double r = 2.4; /* half a marker; the others have about the circle's area */
+    cairo_t *cr = c->cr;
+    cairo_new_path(cr);
+    switch (shape) {
+    case MARKER_NONE: return;
+    case MARKER_CIRCLE: cairo_arc(cr, x, y, r, 0.0, 6.283185307179586); break;
+    case MARKER_SQUARE: cairo_rectangle(cr, x - 0.89 * r, y - 0.89 * r, 1.78 * r, 1.78 * r); break;
+    case MARKER_TRIANGLE:
+        cairo_move_to(cr, x, y - 1.30 * r);
+        cairo_line_to(cr, x + 1.13 * r, y + 0.75 * r);
+        cairo_line_to(cr, x - 1.13 * r, y + 0.75 * r);
+        break;
+    case MARKER_DIAMOND:
+        cairo_move_to(cr, x, y - 1.3 * r);
+        cairo_line_to(cr, x + 1.1 * r, y);
+        cairo_line_to(cr, x, y + 1.3 * r);
+        cairo_line_to(cr, x - 1.1 * r, y);
+        break;
+    }
+    cairo_close_path(cr);
+    canvas_colour(c, open ? (colour){1, 1, 1} : ink);
+    cairo_fill_preserve(cr);
+    canvas_colour(c, ink);
+    cairo_set_line_width(cr, 0.9);
+    cairo_stroke(cr);
+}
+
+/* ---- lines ---------------------------------------------------------------------------------------------------- */
+
+/* Columns of a line: points that fall into one column of 0.06 pt (four to a dot of the PNG) are drawn as first, lowest,
+ * highest and last, so that a signal of a million points is neither slow nor large, and looks the same. */
+typedef struct pen {
+    cairo_t *cr;
+    bool down; /* a line is under way */
+    double column;
+    int64_t first, last, lowest, highest; /* points of the column; first < 0: none */
+} pen;
+
+static double place_x(const figure *f, const series *s, int64_t k) { return axis_place(&f->axes.x, s->x[k]); }
+static double place_y(const figure *f, const series *s, int64_t k) { return axis_place(&f->axes.y, s->y[k]); }
+
+static void pen_to(pen *p, const figure *f, const series *s, int64_t k) {
+    if (p->down)
+        cairo_line_to(p->cr, place_x(f, s, k), place_y(f, s, k));
+    else
+        cairo_move_to(p->cr, place_x(f, s, k), place_y(f, s, k));
+    p->down = true;
+}
+
+static void pen_flush(pen *p, const figure *f, const series *s) {
+    if (p->first < 0)
+        return;
+    const int64_t one = p->lowest < p->highest ? p->lowest : p->highest;
+    const int64_t two = p->lowest < p->highest ? p->highest : p->lowest;
+    pen_to(p, f, s, p->first);
+    if (one != p->first)
+        pen_to(p, f, s, one);
+    if (two != one && two != p->first)
+        pen_to(p, f, s, two);
+    if (p->last != two && p->last != p->first)
+        pen_to(p, f, s, p->last);
+    p->first = -1;
+}
+
+static void draw_line(const figure *f, const series *s) {
+    pen p = {.cr = f->canvas->cr, .first = -1};
+    for (int64_t k = 0; k < s->n; k++) {
+        if (!isfinite(s->x[k]) || !isfinite(s->y[k])) {
+            pen_flush(&p, f, s);
+            p.down = false;
+            continue;
+        }
+        double column = floor(place_x(f, s, k) / 0.06);
+        if (p.first >= 0 && column == p.column) {
+            p.last = k;
+            p.lowest = s->y[k] < s->y[p.lowest] ? k : p.lowest;
+            p.highest = s->y[k] > s->y[p.highest] ? k : p.highest;
+            continue;
+        }
+        pen_flush(&p, f, s);
+        p.column = column;
+        p.first = p.last = p.lowest = p.highest = k;
+    }
+    pen_flush(&p, f, s);
+    canvas_colour(f->canvas, s->ink);
+    cairo_set_line_width(p.cr, s->width);
+    figure_dash(f->canvas, s->dash);
+    cairo_stroke(p.cr);
+    figure_dash(f->canvas, DASH_SOLID);
+}
+
+static void draw_errors(const figure *f, const series *s) {
+    const double cap = 1.8;
+    cairo_t *cr = f->canvas->cr;
+    for (int64_t k = 0; k < s->n; k++) {
+        if (!isfinite(s->low[k]) || !isfinite(s->high[k]) || !isfinite(s->x[k]))
+            continue;
+        double x = place_x(f, s, k), low = axis_place(&f->axes.y, s->low[k]), high = axis_place(&f->axes.y, s->high[k]);
+        cairo_move_to(cr, x, low);
+        cairo_line_to(cr, x, high);
+        cairo_move_to(cr, x - cap, low);
+        cairo_line_to(cr, x + cap, low);
+        cairo_move_to(cr, x - cap, high);
+        cairo_line_to(cr, x + cap, high);
+    }
+    canvas_colour(f->canvas, s->ink);
+    cairo_set_line_width(cr, 0.7);
+    cairo_stroke(cr);
+}
+
+static void draw_markers(const figure *f, const series *s) {
+    for (int64_t k = 0; k < s->n; k++)
+        if (isfinite(s->x[k]) && isfinite(s->y[k]))
+            marker_draw(f->canvas, s->marker, place_x(f, s, k), place_y(f, s, k), s->open, s->ink);
+}
+
+/* ---- the whole ------------------------------------------------------------------------------------------------ */
+
+void figure_draw(figure *f) {
+    canvas *c = f->canvas;
+    axes_layout(&f->axes, c);
+    legend_box box[LEGEND_GROUPS];
+    legend_place(f, box);
+    cairo_save(c->cr);
+    cairo_rectangle(c->cr, f->axes.x.from, f->axes.y.to, f->axes.x.to - f->axes.x.from, f->axes.y.from - f->axes.y.to);
+    cairo_clip(c->cr);
+    if (f->zero_line) {
+        double y = axis_place(&f->axes.y, 0.0);
+        canvas_colour(c, (colour){0.6, 0.6, 0.6});
+        cairo_set_line_width(c->cr, 0.5);
+        cairo_move_to(c->cr, f->axes.x.from, y);
+        cairo_line_to(c->cr, f->axes.x.to, y);
+        cairo_stroke(c->cr);
+    }
+    for (int k = 0; k < f->n; k++) {
+        if (f->series[k].dash != DASH_NONE)
+            draw_line(f, &f->series[k]);
+        if (f->series[k].low)
+            draw_errors(f, &f->series[k]);
+    }
+    cairo_restore(c->cr);
+    axes_draw(&f->axes, c);
+    for (int k = 0; k < f->n; k++)
+        if (f->series[k].marker != MARKER_NONE)
+            draw_markers(f, &f->series[k]);
+    legend_draw(f, box);
+}

@@ -1,0 +1,43 @@
+#ifndef SP_FIGURE_H
+#define SP_FIGURE_H
+/* Series on axes, with a legend where it hides nothing. Colours are those of Okabe and Ito (2008), which the
+ * colour-blind tell apart; markers and dashes differ too, so that the figure reads in grey. */
+
+#include "plot/axes.h"
+
+#include <stdint.h>
+
+typedef enum marker { MARKER_NONE = 0, MARKER_CIRCLE, MARKER_SQUARE, MARKER_TRIANGLE, MARKER_DIAMOND } marker;
+enum { DASH_NONE = -1, DASH_SOLID = 0, DASH_DASHED, DASH_DOTTED, DASH_DASH_DOT, DASHES };
+enum { INKS = 7, LEGEND_GROUPS = 2 }; /* figure_ink(0) is black */
+
+typedef struct series {
+    int64_t n;
+    const double *x, *y;      /* [n] axis units; not finite: a gap */
+    const double *low, *high; /* [n] ends of error bars, axis units; NULL: none */
+    colour ink;
+    int dash; /* DASH_NONE: no line */
+    double width;
+    marker marker;
+    bool open;         /* a marker filled with white */
+    const char *label; /* markup for the legend; NULL: not in it */
+    int group;         /* 0 .. LEGEND_GROUPS-1: each group of labels finds its own corner */
+} series;
+
+typedef struct figure {
+    canvas *canvas;
+    axes axes;
+    int n;
+    const series *series;
+    bool zero_line; /* a thin line at y = 0 */
+} figure;
+
+colour figure_ink(int k);
+/* Lays out (the y axis grows upwards if the legend finds no free corner) and draws everything. */
+void figure_draw(figure *f);
+
+/* Parts that other drawings use. */
+void figure_dash(canvas *c, int dash);
+void marker_draw(canvas *c, marker shape, double x, double y, bool open, colour ink);
+
+#endif

@@ -1,0 +1,153 @@
+#include "plot/legend.h"
+
+#include <math.h>
+
+#define LINE   11.0 /* from entry to entry [pt] */
+#define SAMPLE 17.0 /* length of a line sample */
+#define INSET  6.0  /* from the frame */
+
+static bool listed(const series *s, int group) { return s->label && s->group == group; }
+
+static legend_box size_of(const figure *f, int group) {
+    legend_box box = {0};
+    for (int k = 0; k < f->n; k++) {
+        const series *s = &f->series[k];
+        if (!listed(s, group))
+            continue;
+        box.height += LINE;
+        box.width = fmax(box.width, SAMPLE + 5.0 + text_width(f->canvas, s->label, TEXT_LEGEND));
+    }
+    return box;
+}
+
+static bool overlap(const legend_box *a, const legend_box *b) {
+    return a->height > 0.0 && b->height > 0.0 && a->x < b->x + b->width && b->x < a->x + a->width &&
+           a->y < b->y + b->height && b->y < a->y + a->height;
+}
+
+/* Whether the segment a b meets the box: clipped by each side in turn (Liang and Barsky). */
+static bool meets(const legend_box *box, double ax, double ay, double bx, double by) {
+    const double delta[2] = {bx - ax, by - ay}, start[2] = {ax, ay};
+    const double low[2] = {box->x, box->y}, high[2] = {box->x + box->width, box->y + box->height};
+    double from = 0.0, to = 1.0;
+    for (int d = 0; d < 2; d++) {
+        if (delta[d] == 0.0) {
+            if (start[d] < low[d] || start[d] > high[d])
+                return false;
+            continue;
+        }
+        double one = (low[d] - start[d]) / delta[d], two = (high[d] - start[d]) / delta[d];
+        from = fmax(from, fmin(one, two));
+        to = fmin(to, fmax(one, two));
+    }
+    return from <= to;
+}
+
+/* Points and segments of a series that the box would cover. */
+static int64_t covered_by(const figure *f, const series *s, const legend_box *box) {
+    int64_t count = 0;
+    bool before = false;
+    double last_x = 0.0, last_y = 0.0;
+    for (int64_t k = 0; k < s->n; k++) {
+        bool here = isfinite(s->x[k]) && isfinite(s->y[k]);
+        double x = here ? axis_place(&f->axes.x, s->x[k]) : 0.0, y = here ? axis_place(&f->axes.y, s->y[k]) : 0.0;
+        if (here) {
+            bool joined = before && s->dash != DASH_NONE;
+            count += joined ? meets(box, last_x, last_y, x, y) : meets(box, x, y, x, y);
+            if (s->low && isfinite(s->low[k]) && isfinite(s->high[k]))
+                count += meets(box, x, axis_place(&f->axes.y, s->low[k]), x, axis_place(&f->axes.y, s->high[k]));
+        }
+        before = here;
+        last_x = x;
+        last_y = y;
+    }
+    return count;
+}
+
+static int64_t covered(const figure *f, legend_box box) {
+    const double margin = 3.0;
+    box.x -= margin;
+    box.y -= margin;
+    box.width += 2.0 * margin;
+    box.height += 2.0 * margin;
+    int64_t count = 0;
+    for (int k = 0; k < f->n; k++)
+        count += covered_by(f, &f->series[k], &box);
+    if (f->zero_line) {
+        double y = axis_place(&f->axes.y, 0.0);
+        count += meets(&box, f->axes.x.from, y, f->axes.x.to, y);
+    }
+    return count;
+}
+
+/* The best of the four corners, upper ones first, that no other box takes; NULL: there is no other. */
+static legend_box best_corner(const figure *f, legend_box box, const legend_box *other) {
+    const axis *x = &f->axes.x, *y = &f->axes.y;
+    const double left = x->from + INSET, right = x->to - INSET - box.width;
+    const double top = y->to + INSET, bottom = y->from - INSET - box.height;
+    const double corner[4][2] = {{left, top}, {right, top}, {left, bottom}, {right, bottom}};
+    legend_box best = box;
+    best.x = left;
+    best.y = top;
+    best.covers = INT64_MAX;
+    for (int k = 0; k < 4; k++) {
+        box.x = corner[k][0];
+        box.y = corner[k][1];
+        box.covers = covered(f, box);
+        if (box.covers < best.covers && !(other && overlap(&box, other)))
+            best = box;
+    }
+    return best;
+}
+
+void legend_place(figure *f, legend_box box[LEGEND_GROUPS]) {
+    const double step = 0.04 * (f->axes.y.high - f->axes.y.low);
+    for (int g = 0; g < LEGEND_GROUPS; g++)
+        box[g] = size_of(f, g);
+    for (int k = 0; k < 26; k++) {
+        int64_t covers = 0;
+        for (int g = 0; g < LEGEND_GROUPS; g++) {
+            if (box[g].height == 0.0)
+                continue;
+            box[g] = best_corner(f, box[g], g > 0 ? &box[g - 1] : NULL);
+            covers = box[g].covers > covers ? box[g].covers : covers;
+        }
+        if (covers == 0)
+            return;
+        f->axes.y.high += step;
+        axes_layout(&f->axes, f->canvas);
+    }
+}
+
+static void draw_entry(canvas *c, const series *s, double x, double y) {
+    if (s->dash != DASH_NONE) {
+        canvas_colour(c, s->ink);
+        cairo_set_line_width(c->cr, s->width);
+        figure_dash(c, s->dash);
+        cairo_move_to(c->cr, x, y);
+        cairo_line_to(c->cr, x + SAMPLE, y);
+        cairo_stroke(c->cr);
+        figure_dash(c, DASH_SOLID);
+    }
+    marker_draw(c, s->marker, x + 0.5 * SAMPLE, y, s->open, s->ink);
+    canvas_colour(c, figure_ink(0));
+    text_draw(c, s->label, x + SAMPLE + 5.0, y, (text_style){TEXT_LEGEND, 0.0, 0.5, 0.0});
+}
+
+void legend_draw(const figure *f, const legend_box box[LEGEND_GROUPS]) {
+    canvas *c = f->canvas;
+    for (int g = 0; g < LEGEND_GROUPS; g++) {
+        const legend_box *b = &box[g];
+        if (b->height > 0.0 && b->covers > 0) {
+            canvas_colour(c, (colour){1, 1, 1});
+            cairo_rectangle(c->cr, b->x - 2.0, b->y - 2.0, b->width + 4.0, b->height + 4.0);
+            cairo_fill(c->cr);
+        }
+        double y = b->y + 0.5 * LINE;
+        for (int k = 0; k < f->n; k++)
+            if (listed(&f->series[k], g)) {
+                draw_entry(c, &f->series[k], b->x, y);
+                y += LINE;
+            }
+    }
+}

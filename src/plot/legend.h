@@ -1,0 +1,16 @@
+#ifndef SP_LEGEND_H
+#define SP_LEGEND_H
+/* The legend of a figure and the search for a place where it covers no data. */
+
+#include "plot/figure.h"
+
+typedef struct legend_box {
+    double x, y, width, height; /* upper left corner and size [pt]; height 0: empty */
+    int64_t covers;             /* parts of the data that it hides; 0 where a free place was found */
+} legend_box;
+
+/* Free corners for the groups; if there are none, the y axis grows upwards until there are. */
+void legend_place(figure *f, legend_box box[LEGEND_GROUPS]);
+void legend_draw(const figure *f, const legend_box box[LEGEND_GROUPS]);
+
+#endif

@@ -1,0 +1,239 @@
+#include "scene/field.h"
+
+#include "base/base.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const sp_word pack_kinds[] = {
+    {"piston", SP_PACK_PISTON}, {"triangular", SP_PACK_TRIANGULAR}, {"chain", SP_PACK_CHAIN}, {NULL, 0}};
+static const sp_word methods[] = {
+    {"auto", SP_SIGNAL_AUTO}, {"chebyshev", SP_SIGNAL_CHEBYSHEV}, {"dense", SP_SIGNAL_DENSE}, {NULL, 0}};
+static const sp_word sources[] = {{"impulse", SP_SOURCE_IMPULSE},
+                                  {"velocity", SP_SOURCE_VELOCITY},
+                                  {"displacement", SP_SOURCE_DISPLACEMENT},
+                                  {NULL, 0}};
+static const sp_word wants[] = {{"packings", 0},
+                                {"ctof", SP_WANT_CTOF},
+                                {"statics", SP_WANT_STATICS},
+                                {"moduli", SP_WANT_MODULI},
+                                {"signal", SP_WANT_SIGNAL},
+                                {NULL, 0}};
+
+_Static_assert(sizeof(sp_pack_kind) == sizeof(unsigned) && sizeof(sp_signal_method) == sizeof(unsigned) &&
+                   sizeof(sp_source) == sizeof(unsigned) && sizeof(int) == sizeof(int32_t),
+               "words are stored as unsigned, integers as 32 bits");
+
+#define AT(member) offsetof(sp_scene, member)
+
+const sp_field sp_fields[] = {
+    {"packing", "kind", SP_FIELD_WORD, AT(pack.kind), "", 0, 0, pack_kinds,
+     "random grains compressed by a piston, a triangular lattice, or a one-dimensional chain"},
+    {"packing", "dimension", SP_FIELD_INT, AT(pack.dim), "", 1, 3, NULL, "of space; a chain has 1 unless told"},
+    {"packing", "grains", SP_FIELD_INT, AT(pack.grains), "", 1, 1e8, NULL, "number of grains"},
+    {"packing", "width", SP_FIELD_REAL, AT(pack.width), "d", 0.01, 1e6, NULL,
+     "period sideways; a piston needs four of the largest grains"},
+    {"packing", "pressure", SP_FIELD_REAL, AT(pack.pressure), "E*", 1e-10, 1e-2, NULL, "confining pressure"},
+    {"packing", "friction", SP_FIELD_REAL, AT(pack.friction), "", 0, 1e6, NULL,
+     "Coulomb's coefficient; 0: no tangential forces, no rotations"},
+    {"packing", "poisson", SP_FIELD_REAL, AT(pack.poisson), "", 0, 0.5, NULL, "Poisson's ratio of the grain material"},
+    {"packing", "diameter_min", SP_FIELD_REAL, AT(pack.diameter_min), "d", 0, 100, NULL,
+     "smallest diameter; both 0: 0.8 .. 1.2 under a piston, equal grains in lattice and chain"},
+    {"packing", "diameter_max", SP_FIELD_REAL, AT(pack.diameter_max), "d", 0, 100, NULL,
+     "largest diameter; diameters are uniform between the two"},
+    {"packing", "seed", SP_FIELD_INT64, AT(pack.seed), "", 0, 0x1p63, NULL, "of the random streams"},
+    {"packing", "tolerance", SP_FIELD_REAL, AT(pack.tolerance), "E* / (rho d)", 0, 1, NULL,
+     "largest elastic acceleration at rest; 0: the smaller of 1e-10 and 1e-6 p"},
+    {"packing", "damping", SP_FIELD_REAL, AT(pack.damping), "critical", 1e-3, 2, NULL,
+     "viscosity of contacts while the packing forms"},
+    {"packing", "piston_mass", SP_FIELD_REAL, AT(pack.piston_mass), "rho d", 1e-2, 1e6, NULL,
+     "mass of the piston per area of wall"},
+    {"packing", "gas_fraction", SP_FIELD_REAL, AT(pack.gas_fraction), "", 0.01, 0.45, NULL,
+     "area fraction of the gas of grains at the start"},
+    {"packing", "time_step", SP_FIELD_REAL, AT(pack.time_step), "sqrt(m/k)", 1e-3, 0.15, NULL,
+     "step over sqrt(smallest mass / largest stiffness); 0.2 is unstable with damping"},
+    {"packing", "calm", SP_FIELD_REAL, AT(pack.calm), "p", 0, 1, NULL,
+     "global damping begins once every acceleration is below this"},
+    {"packing", "drag", SP_FIELD_REAL, AT(pack.drag), "sqrt(E* / rho)/d", 0, 0.1, NULL,
+     "rate of the global damping at p = 1e-4, grows as p^(1/6)"},
+    {"packing", "max_steps", SP_FIELD_INT64, AT(pack.max_steps), "", 0, 1e15, NULL,
+     "give up after that many steps; 0: a bound from pressure and height"},
+
+    {"network", "threshold", SP_FIELD_REAL, AT(network.threshold), "p d^2", 0, 1, NULL,
+     "contacts carry above this normal force"},
+    {"network", "prestress", SP_FIELD_BOOL, AT(network.prestress), "", 0, 0, NULL,
+     "add the transverse stiffness -F_n/r of the prestress"},
+    {"network", "sliding_free", SP_FIELD_BOOL, AT(network.sliding_free), "", 0, 0, NULL,
+     "no tangential stiffness at contacts on the Coulomb limit"},
+
+    {"signal", "method", SP_FIELD_WORD, AT(signal.method), "", 0, 0, methods, "how the force on the top wall is found"},
+    {"signal", "source", SP_FIELD_WORD, AT(signal.source), "", 0, 0, sources,
+     "what the bottom wall does: momentum, velocity or displacement in proportion to the stiffness"},
+    {"signal", "until", SP_FIELD_REAL, AT(signal.until), "d/sqrt(E* / rho)", 0, 1e9, NULL,
+     "last time; 0: when the first front has passed"},
+    {"signal", "points", SP_FIELD_INT, AT(signal.points), "", 2, 1e8, NULL, "equally spaced times from 0 on"},
+    {"signal", "tolerance", SP_FIELD_REAL, AT(signal.tolerance), "max |F|", 1e-15, 0.1, NULL, "error asked for"},
+
+    {"study", "samples", SP_FIELD_INT, AT(samples), "", 1, 1e7, NULL,
+     "seeds of each combination: packing.seed and those that follow"},
+    {"study", "want", SP_FIELD_LIST, AT(want), "", 0, 0, wants,
+     "results to make; packings: nothing but the packings themselves"},
+    {"study", "sweep", SP_FIELD_SWEEP, AT(sweep), "", 0, 0, NULL,
+     "every combination of these: ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... )"},
+};
+
+_Static_assert(sizeof sp_fields / sizeof *sp_fields == SP_FIELDS, "the table is complete");
+
+int sp_field_index(const sp_field *f) { return (int)(f - sp_fields); }
+
+const sp_field *sp_field_find(const char *key) {
+    for (int k = 0; k < SP_FIELDS; k++) {
+        const size_t length = strlen(sp_fields[k].group);
+        if (strncmp(key, sp_fields[k].group, length) == 0 && key[length] == '.' &&
+            strcmp(key + length + 1, sp_fields[k].name) == 0)
+            return &sp_fields[k];
+    }
+    return NULL;
+}
+
+const sp_field *sp_field_nearest(const char *group, const char *name) {
+    const sp_field *nearest = NULL;
+    int least = 1000;
+    for (int k = 0; k < SP_FIELDS; k++) {
+        /* a right name in the wrong group is nearer than any wrong name in the right group */
+        const int names = sp_edit_distance(name, sp_fields[k].name);
+        const int groups = sp_edit_distance(group, sp_fields[k].group) > 0;
+        if (2 * names + groups < least && sp_is_near(name, names)) {
+            least = 2 * names + groups;
+            nearest = &sp_fields[k];
+        }
+    }
+    return nearest;
+}
+
+bool sp_field_is_number(const sp_field *f) {
+    return f->type == SP_FIELD_REAL || f->type == SP_FIELD_INT || f->type == SP_FIELD_INT64;
+}
+
+bool sp_field_is_swept(const sp_field *f) {
+    return sp_field_is_number(f) && f->offset != AT(pack.seed) &&
+           (strcmp(f->group, "packing") == 0 || strcmp(f->group, "network") == 0);
+}
+
+const char *sp_real_text(double value, char *buf, size_t size) {
+    for (int digits = 15; digits <= 17; digits++) {
+        snprintf(buf, size, "%.*g", digits, value);
+        if (strtod(buf, NULL) == value)
+            break;
+    }
+    for (char *c = buf; *c; c++) /* whatever locale the program has chosen */
+        if (*c == ',')
+            *c = '.';
+    return buf;
+}
+
+const char *sp_limit_text(const sp_field *f, double limit, char *buf, size_t size) {
+    if (f->type == SP_FIELD_REAL)
+        return sp_real_text(limit, buf, size);
+    snprintf(buf, size, "%lld", limit >= 0x1p63 ? (long long)INT64_MAX : (long long)limit);
+    return buf;
+}
+
+static void words_text(const sp_word *words, char *buf, size_t size) {
+    size_t used = 0;
+    for (int k = 0; words[k].word && used < size; k++) {
+        const char *comma = k == 0 ? "" : words[k + 1].word ? ", " : " or ";
+        used += (size_t)snprintf(buf + used, size - used, "%s%s", comma, words[k].word);
+    }
+}
+
+const char *sp_field_right(const sp_field *f, char *buf, size_t size) {
+    char low[32], high[32], words[200];
+    switch (f->type) {
+    case SP_FIELD_REAL:
+    case SP_FIELD_INT:
+    case SP_FIELD_INT64:
+        snprintf(buf, size, "%s%s .. %s%s%s", f->type == SP_FIELD_REAL ? "" : "an integer ",
+                 sp_limit_text(f, f->low, low, sizeof low), sp_limit_text(f, f->high, high, sizeof high),
+                 f->unit[0] ? " " : "", f->unit);
+        break;
+    case SP_FIELD_BOOL: snprintf(buf, size, "true or false"); break;
+    case SP_FIELD_WORD: words_text(f->words, buf, size); break;
+    case SP_FIELD_LIST:
+        words_text(f->words, words, sizeof words);
+        snprintf(buf, size, "a list [\"...\", ...] of %s", words);
+        break;
+    case SP_FIELD_SWEEP:
+        snprintf(buf, size, "a list ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... )");
+        break;
+    }
+    return buf;
+}
+
+/* The integer a number stands for; false for a fraction or more than 64 bits. */
+static bool whole(const sp_number *number, int64_t *out) {
+    if (number->integral) {
+        *out = number->integer;
+        return true;
+    }
+    if (!(fabs(number->real) < 0x1p63) || number->real != floor(number->real))
+        return false;
+    *out = (int64_t)number->real;
+    return true;
+}
+
+sp_status sp_field_check(const sp_field *f, const sp_number *number, sp_error *err) {
+    char value[32], right[200];
+    int64_t integer = 0;
+    bool good = isfinite(number->real) && number->real >= f->low && number->real <= f->high;
+    if (f->type != SP_FIELD_REAL)
+        good = good && whole(number, &integer);
+    if (good)
+        return SP_OK;
+    if (number->integral)
+        snprintf(value, sizeof value, "%lld", (long long)number->integer);
+    else
+        sp_real_text(number->real, value, sizeof value);
+    return sp_fail(err, SP_EINVAL, "%s.%s = %s: must be %s", f->group, f->name, value,
+                   sp_field_right(f, right, sizeof right));
+}
+
+sp_status sp_field_store(sp_scene *s, const sp_field *f, const sp_number *number, sp_error *err) {
+    sp_status status = sp_field_check(f, number, err);
+    if (status != SP_OK)
+        return status;
+    char *place = (char *)s + f->offset;
+    if (f->type == SP_FIELD_REAL) {
+        const double real = number->real + 0.0; /* no negative zero, which would be written as the integer 0 */
+        memcpy(place, &real, sizeof real);
+        return SP_OK;
+    }
+    int64_t wide = 0;
+    whole(number, &wide);
+    const int32_t narrow = (int32_t)wide;
+    if (f->type == SP_FIELD_INT)
+        memcpy(place, &narrow, sizeof narrow);
+    else
+        memcpy(place, &wide, sizeof wide);
+    return SP_OK;
+}
+
+sp_number sp_field_load(const sp_scene *s, const sp_field *f) {
+    const char *place = (const char *)s + f->offset;
+    sp_number number = {.integral = f->type != SP_FIELD_REAL};
+    int32_t narrow;
+    if (f->type == SP_FIELD_REAL) {
+        memcpy(&number.real, place, sizeof number.real);
+        return number;
+    }
+    if (f->type == SP_FIELD_INT) {
+        memcpy(&narrow, place, sizeof narrow);
+        number.integer = narrow;
+    } else {
+        memcpy(&number.integer, place, sizeof number.integer);
+    }
+    number.real = (double)number.integer;
+    return number;
+}

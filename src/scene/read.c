@@ -1,0 +1,288 @@
+/* From a scene's text to a checked sp_scene. */
+#include "base/base.h"
+#include "scene/reader.h"
+#include "scene/source.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+/* A value as it stands in the file, shortened, for messages. */
+static const char *setting_text(const config_setting_t *setting, char *buf, size_t size) {
+    switch (config_setting_type(setting)) {
+    case CONFIG_TYPE_INT:
+    case CONFIG_TYPE_INT64: snprintf(buf, size, "%lld", config_setting_get_int64(setting)); break;
+    case CONFIG_TYPE_FLOAT: sp_real_text(config_setting_get_float(setting), buf, size); break;
+    case CONFIG_TYPE_BOOL: snprintf(buf, size, "%s", config_setting_get_bool(setting) ? "true" : "false"); break;
+    case CONFIG_TYPE_STRING: snprintf(buf, size, "\"%.40s\"", config_setting_get_string(setting)); break;
+    case CONFIG_TYPE_GROUP: snprintf(buf, size, "{ ... }"); break;
+    default: snprintf(buf, size, "a list"); break;
+    }
+    return buf;
+}
+
+sp_status sp_reader_wrong(const sp_reader *r, const sp_field *f, const config_setting_t *setting) {
+    char value[64], right[200];
+    return sp_fail(r->err, SP_EINVAL, "%s.%s = %s: must be %s", f->group, f->name,
+                   setting_text(setting, value, sizeof value), sp_field_right(f, right, sizeof right));
+}
+
+bool sp_reader_number(const config_setting_t *setting, sp_number *out) {
+    const int type = config_setting_type(setting);
+    if (type == CONFIG_TYPE_FLOAT) {
+        *out = (sp_number){.real = config_setting_get_float(setting)};
+        return true;
+    }
+    if (type != CONFIG_TYPE_INT && type != CONFIG_TYPE_INT64)
+        return false;
+    *out = (sp_number){.integral = true, .integer = config_setting_get_int64(setting)};
+    out->real = (double)out->integer;
+    return true;
+}
+
+static const sp_word *find_word(const sp_field *f, const config_setting_t *setting) {
+    if (config_setting_type(setting) != CONFIG_TYPE_STRING)
+        return NULL;
+    for (const sp_word *w = f->words; w->word; w++)
+        if (strcmp(w->word, config_setting_get_string(setting)) == 0)
+            return w;
+    return NULL;
+}
+
+static sp_status read_list(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
+    const bool list = config_setting_is_list(setting);
+    const int count = list ? config_setting_length(setting) : 1;
+    unsigned bits = 0;
+    for (int k = 0; k < count; k++) {
+        const config_setting_t *one = list ? config_setting_get_elem(setting, (unsigned)k) : setting;
+        r->line = config_setting_source_line(one);
+        const sp_word *word = find_word(f, one);
+        if (!word)
+            return sp_reader_wrong(r, f, one);
+        bits |= word->value;
+    }
+    memcpy((char *)&r->scene + f->offset, &bits, sizeof bits);
+    return SP_OK;
+}
+
+static sp_status read_field(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
+    sp_number number;
+    const sp_word *word;
+    char *place = (char *)&r->scene + f->offset;
+    switch (f->type) {
+    case SP_FIELD_REAL:
+    case SP_FIELD_INT:
+    case SP_FIELD_INT64:
+        return sp_reader_number(setting, &number) ? sp_field_store(&r->scene, f, &number, r->err)
+                                                  : sp_reader_wrong(r, f, setting);
+    case SP_FIELD_BOOL:
+        if (config_setting_type(setting) != CONFIG_TYPE_BOOL)
+            return sp_reader_wrong(r, f, setting);
+        *(bool *)place = config_setting_get_bool(setting);
+        return SP_OK;
+    case SP_FIELD_WORD:
+        word = find_word(f, setting);
+        if (!word)
+            return sp_reader_wrong(r, f, setting);
+        memcpy(place, &word->value, sizeof word->value);
+        return SP_OK;
+    case SP_FIELD_LIST: return read_list(r, f, setting);
+    case SP_FIELD_SWEEP: return sp_read_sweeps(r, f, setting);
+    }
+    return SP_EINVAL;
+}
+
+static sp_status unknown(const sp_reader *r, const char *group, const char *name) {
+    const sp_field *near = sp_field_nearest(group, name);
+    if (near)
+        return sp_fail(r->err, SP_EINVAL, "unknown key %s%s%.60s: did you mean %s.%s?", group, group[0] ? "." : "",
+                       name, near->group, near->name);
+    return sp_fail(r->err, SP_EINVAL, "unknown key %s%s%.60s: must be one that `sonopack help scene` lists", group,
+                   group[0] ? "." : "", name);
+}
+
+static sp_status unknown_group(const sp_reader *r, const char *name) {
+    const char *near = NULL;
+    for (int k = 0, least = 1000; k < SP_FIELDS; k++) {
+        const int distance = sp_edit_distance(name, sp_fields[k].group);
+        if (distance < least && sp_is_near(name, distance)) {
+            least = distance;
+            near = sp_fields[k].group;
+        }
+    }
+    if (near)
+        return sp_fail(r->err, SP_EINVAL, "unknown group %.60s: did you mean %s?", name, near);
+    return sp_fail(r->err, SP_EINVAL, "unknown group %.60s: must be packing, network, signal or study", name);
+}
+
+static sp_status read_key(sp_reader *r, const char *group, const config_setting_t *setting) {
+    const char *name = config_setting_name(setting);
+    char key[128];
+    snprintf(key, sizeof key, "%s.%s", group, name);
+    const sp_field *f = sp_field_find(key);
+    if (!f)
+        return unknown(r, group, name);
+    r->given[sp_field_index(f)] = (int)r->line;
+    return read_field(r, f, setting);
+}
+
+/* One group of the file and its keys. */
+static sp_status read_group(sp_reader *r, const config_setting_t *group) {
+    const char *name = config_setting_name(group);
+    bool known = false;
+    for (int k = 0; k < SP_FIELDS; k++)
+        known = known || strcmp(name, sp_fields[k].group) == 0;
+    r->line = config_setting_source_line(group);
+    sp_status status = SP_OK;
+    if (known && !config_setting_is_group(group))
+        status = sp_fail(r->err, SP_EINVAL, "%s: must be a group, %s = { ... };", name, name);
+    else if (!known)
+        status = config_setting_is_group(group) ? unknown_group(r, name) : unknown(r, "", name);
+    const int keys = status == SP_OK ? config_setting_length(group) : 0;
+    for (int k = 0; k < keys && status == SP_OK; k++) {
+        const config_setting_t *setting = config_setting_get_elem(group, (unsigned)k);
+        r->line = config_setting_source_line(setting);
+        status = read_key(r, name, setting);
+    }
+    if (status == SP_EINVAL)
+        sp_fail_prefix(r->err, "%s:%u", r->name, r->line);
+    return status;
+}
+
+static sp_status read_text(sp_reader *r, const char *text) {
+    char *clean = NULL;
+    sp_status status = sp_source_clean(text, r->name, &clean, r->err);
+    if (status != SP_OK)
+        return status;
+    config_t config;
+    config_init(&config);
+    if (!config_read_string(&config, clean)) {
+        status =
+            sp_fail(r->err, SP_EINVAL, "%s:%d: %s", r->name, config_error_line(&config), config_error_text(&config));
+        goto out;
+    }
+    const config_setting_t *root = config_root_setting(&config);
+    const int groups = config_setting_length(root);
+    if (groups == 0)
+        status = sp_fail(r->err, SP_EINVAL, "%s: an empty scene: must hold at least packing = { ... };", r->name);
+    for (int k = 0; k < groups && status == SP_OK; k++)
+        status = read_group(r, config_setting_get_elem(root, (unsigned)k));
+out:
+    config_destroy(&config);
+    sp_free(clean);
+    return status;
+}
+
+/* A value of --set in the syntax of a scene: words need no quotes there, lists of words no brackets. */
+static char *override_text(const sp_field *f, const char *value) {
+    bool bare = isalpha((unsigned char)value[0]) && f->type != SP_FIELD_BOOL;
+    for (const char *c = value; *c; c++)
+        bare = bare && (isalnum((unsigned char)*c) || strchr("_-,", *c));
+    const size_t room = 4 * strlen(value) + 32;
+    char *text = sp_alloc(room, 1);
+    if (!text)
+        return NULL;
+    if (!bare) {
+        snprintf(text, room, "value = %s\n", value);
+        return text;
+    }
+    const bool list = f->type == SP_FIELD_LIST;
+    char *to = text + snprintf(text, room, "value = %s\"", list ? "[" : "");
+    for (const char *c = value; *c; c++) {
+        if (list && *c == ',')
+            to += sprintf(to, "\",\"");
+        else
+            *to++ = *c;
+    }
+    sprintf(to, "\"%s\n", list ? "]" : "");
+    return text;
+}
+
+static sp_status read_override_value(sp_reader *r, const sp_field *f, const char *value) {
+    char *text = override_text(f, value), *clean = NULL, right[200];
+    if (!text)
+        return sp_fail_memory(r->err, strlen(value));
+    config_t config;
+    config_init(&config);
+    sp_status status = sp_source_clean(text, "value", &clean, r->err);
+    if (status != SP_OK)
+        goto out;
+    if (!config_read_string(&config, clean) || config_setting_length(config_root_setting(&config)) != 1)
+        status = sp_fail(r->err, SP_EINVAL, "%s.%s = %.60s: must be %s", f->group, f->name, value,
+                         sp_field_right(f, right, sizeof right));
+    else
+        status = read_field(r, f, config_setting_get_elem(config_root_setting(&config), 0));
+out:
+    config_destroy(&config);
+    sp_free(clean);
+    sp_free(text);
+    return status;
+}
+
+static sp_status read_override(sp_reader *r, const char *override) {
+    const char *equals = strchr(override, '=');
+    if (!equals)
+        return sp_fail(r->err, SP_EINVAL, "%.60s: must be key=value, as in packing.pressure=1e-4", override);
+    char key[128];
+    snprintf(key, sizeof key, "%.*s", (int)(equals - override < 127 ? equals - override : 127), override);
+    key[strcspn(key, " \t")] = '\0';
+    const sp_field *f = sp_field_find(key);
+    if (!f) {
+        char *dot = strchr(key, '.');
+        if (dot)
+            *dot = '\0';
+        return unknown(r, dot ? key : "", dot ? dot + 1 : key);
+    }
+    r->given[sp_field_index(f)] = SP_FROM_OVERRIDE;
+    return read_override_value(r, f, equals + 1);
+}
+
+/* Puts in front of a reason that begins with a key where that key was given. */
+static sp_status locate(const sp_reader *r, sp_status status) {
+    if (status != SP_EINVAL)
+        return status;
+    char key[128];
+    snprintf(key, sizeof key, "%.*s", (int)strcspn(r->err->text, " :"), r->err->text);
+    const sp_field *f = sp_field_find(key);
+    const int line = f ? r->given[sp_field_index(f)] : 0;
+    if (line > 0)
+        return sp_fail_prefix(r->err, "%s:%d", r->name, line);
+    if (line == SP_FROM_OVERRIDE)
+        return sp_fail_prefix(r->err, "--set");
+    return r->name ? sp_fail_prefix(r->err, "%s", r->name) : status;
+}
+
+static sp_status read_all(const char *text, const char *name, int overrides, char *const *override, sp_scene *out,
+                          sp_error *err) {
+    sp_error own = {0}; /* so that reasons can be built up where the caller wants none */
+    sp_reader r = {.scene = sp_scene_default(), .name = text && !name ? "scene" : name, .err = err ? err : &own};
+    sp_status status = text ? read_text(&r, text) : SP_OK;
+    for (int k = 0; k < overrides && status == SP_OK; k++) {
+        status = read_override(&r, override[k]);
+        if (status == SP_EINVAL)
+            sp_fail_prefix(r.err, "--set");
+    }
+    if (status == SP_OK)
+        status = locate(&r, sp_reader_check(&r));
+    if (status == SP_OK)
+        *out = r.scene;
+    else
+        sp_scene_free(&r.scene);
+    return status;
+}
+
+sp_status sp_scene_parse(const char *text, const char *name, int overrides, char *const *override, sp_scene *out,
+                         sp_error *err) {
+    return read_all(text, name, overrides, override, out, err);
+}
+
+sp_status sp_scene_read(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err) {
+    if (!path)
+        return read_all(NULL, NULL, overrides, override, out, err);
+    char *text = NULL;
+    sp_status status = sp_source_load(path, &text, err);
+    if (status == SP_OK)
+        status = read_all(text, path, overrides, override, out, err);
+    sp_free(text);
+    return status;
+}

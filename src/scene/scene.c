@@ -1,0 +1,36 @@
+#include "scene/field.h"
+
+#include "base/base.h"
+
+#include <math.h>
+#include <string.h>
+
+sp_scene sp_scene_default(void) {
+    sp_scene s = {.pack = sp_pack_spec_default(),
+                  .network = sp_network_options_default(),
+                  .signal = sp_signal_options_default(),
+                  .samples = 1,
+                  .want = SP_WANT_CTOF};
+    s.signal.until = 0; /* as far as each packing needs: sp_signal_window() */
+    return s;
+}
+
+void sp_scene_free(sp_scene *s) {
+    for (int k = 0; k < SP_SWEEPS_MAX; k++) {
+        sp_free(s->sweep[k].values);
+        s->sweep[k] = (sp_sweep){0};
+    }
+    s->sweeps = 0;
+}
+
+sp_status sp_scene_set(sp_scene *s, const char *key, double value, sp_error *err) {
+    const sp_field *f = sp_field_find(key);
+    if (!f || !sp_field_is_number(f))
+        return sp_fail(err, SP_EINVAL, "key \"%.60s\": must be a numeric key of a scene", key);
+    return sp_field_store(s, f, &(sp_number){.real = value}, err);
+}
+
+double sp_scene_get(const sp_scene *s, const char *key) {
+    const sp_field *f = sp_field_find(key);
+    return f && sp_field_is_number(f) ? sp_field_load(s, f).real : NAN;
+}

@@ -1,0 +1,138 @@
+/* A scene as text, and the table of fields as help. */
+#include "base/base.h"
+#include "scene/field.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Text that grows; failed once memory lacks, and then stays as it is. */
+typedef struct writer {
+    char *text;
+    size_t used, room;
+    bool failed;
+} writer;
+
+static void put(writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void put(writer *w, const char *format, ...) {
+    va_list args, again;
+    va_start(args, format);
+    va_copy(again, args);
+    const size_t length = (size_t)vsnprintf(NULL, 0, format, args);
+    va_end(args);
+    if (!w->failed && w->used + length + 1 > w->room) {
+        const size_t room = 2 * (w->used + length) + 1024;
+        char *more = sp_alloc(room, 1);
+        w->failed = more == NULL;
+        if (more) {
+            if (w->used > 0)
+                memcpy(more, w->text, w->used);
+            sp_free(w->text);
+            w->text = more;
+            w->room = room;
+        }
+    }
+    if (!w->failed) {
+        vsnprintf(w->text + w->used, w->room - w->used, format, again);
+        w->used += length;
+    }
+    va_end(again);
+}
+
+/* The finished text, NULL if memory lacked. */
+static char *finish(writer *w) {
+    put(w, "%s", "");
+    if (!w->failed)
+        return w->text;
+    sp_free(w->text);
+    return NULL;
+}
+
+static void put_list(writer *w, const sp_field *f, unsigned bits) {
+    const char *comma = "";
+    put(w, "[");
+    for (const sp_word *word = f->words; word->word; word++) {
+        if (bits == 0 ? word->value == 0 : (bits & word->value) != 0) {
+            put(w, "%s\"%s\"", comma, word->word);
+            comma = ", ";
+        }
+    }
+    put(w, "]");
+}
+
+static void put_sweeps(writer *w, const sp_scene *s) {
+    char value[32];
+    put(w, "(");
+    for (int k = 0; k < s->sweeps; k++) {
+        put(w, "%s\n    { key = \"%s\"; values = (", k > 0 ? "," : "", s->sweep[k].key);
+        for (int i = 0; i < s->sweep[k].count; i++)
+            put(w, "%s%s", i > 0 ? ", " : "", sp_real_text(s->sweep[k].values[i], value, sizeof value));
+        put(w, "); }");
+    }
+    put(w, s->sweeps > 0 ? "\n  )" : ")");
+}
+
+static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
+    const char *place = (const char *)s + f->offset;
+    char value[32];
+    unsigned bits;
+    switch (f->type) {
+    case SP_FIELD_REAL: put(w, "%s", sp_real_text(sp_field_load(s, f).real, value, sizeof value)); break;
+    case SP_FIELD_INT: put(w, "%lld", (long long)sp_field_load(s, f).integer); break;
+    case SP_FIELD_INT64: put(w, "%lldL", (long long)sp_field_load(s, f).integer); break;
+    case SP_FIELD_BOOL: put(w, "%s", *(const bool *)place ? "true" : "false"); break;
+    case SP_FIELD_WORD:
+        memcpy(&bits, place, sizeof bits);
+        for (const sp_word *word = f->words; word->word; word++)
+            if (word->value == bits)
+                put(w, "\"%s\"", word->word);
+        break;
+    case SP_FIELD_LIST:
+        memcpy(&bits, place, sizeof bits);
+        put_list(w, f, bits);
+        break;
+    case SP_FIELD_SWEEP: put_sweeps(w, s); break;
+    }
+}
+
+char *sp_scene_text(const sp_scene *s, const char *group) {
+    writer w = {0};
+    const char *open = NULL; /* the group under way */
+    for (int k = 0; k < SP_FIELDS; k++) {
+        const sp_field *f = &sp_fields[k];
+        if (group && strcmp(group, f->group) != 0)
+            continue;
+        if (!open || strcmp(open, f->group) != 0)
+            put(&w, "%s%s = {\n", open ? "};\n" : "", f->group);
+        open = f->group;
+        put(&w, "  %s = ", f->name);
+        put_value(&w, s, f);
+        put(&w, ";\n");
+    }
+    put(&w, "%s", open ? "};\n" : "");
+    return finish(&w);
+}
+
+char *sp_scene_help(void) {
+    static const char head[] = "A scene says what to make, in libconfig syntax:\n\n"
+                               "  packing = { kind = \"piston\"; grains = 600; pressure = 1e-4; };\n"
+                               "  study = { samples = 30; want = [\"ctof\", \"statics\"]; sweep = (\n"
+                               "    { key = \"packing.pressure\"; values = [1e-7, 1e-6, 1e-5, 1e-4]; },\n"
+                               "    { key = \"packing.grains\"; values = [200, 600]; } ); };\n\n"
+                               "Every key may be left out; --set key=value overrides it. # begins a comment.\n"
+                               "Lengths in mean grain diameters d, pressures in E*, times in d/sqrt(E* / rho).\n";
+    writer w = {0};
+    sp_scene s = sp_scene_default();
+    put(&w, "%s", head);
+    for (int k = 0; k < SP_FIELDS; k++) {
+        const sp_field *f = &sp_fields[k];
+        char right[200];
+        put(&w, "\n%s.%s = ", f->group, f->name);
+        put_value(&w, &s, f);
+        put(&w, "\n    %s\n", f->meaning);
+        if (f->type != SP_FIELD_SWEEP)
+            put(&w, "    must be %s\n", sp_field_right(f, right, sizeof right));
+    }
+    sp_scene_free(&s);
+    return finish(&w);
+}

@@ -1,0 +1,206 @@
+#include "store/file.h"
+
+#include "base/base.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <sonopack/store.h>
+#include <stdatomic.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* No text that this program reads is larger; a device without end stops here. */
+static const size_t text_limit = (size_t)1 << 31;
+
+static sp_status fail_errno(sp_error *err, const char *what, const char *path, int code) {
+    return sp_fail(err, SP_EIO, "cannot %s %s: %s", what, path, strerror(code));
+}
+
+/* ---- reading --------------------------------------------------------------------------------------------------- */
+
+/* Doubles a buffer that is full. */
+static bool grow(char **buffer, size_t *capacity) {
+    char *larger = sp_alloc(2 * *capacity, 1);
+    if (!larger)
+        return false;
+    memcpy(larger, *buffer, *capacity);
+    sp_free(*buffer);
+    *buffer = larger;
+    *capacity *= 2;
+    return true;
+}
+
+static sp_status read_all(int fd, const char *path, char **text, size_t *size, sp_error *err) {
+    struct stat info;
+    if (fstat(fd, &info) != 0)
+        return fail_errno(err, "read", path, errno);
+    if (S_ISDIR(info.st_mode))
+        return fail_errno(err, "read", path, EISDIR);
+    if (S_ISREG(info.st_mode) && (uint64_t)info.st_size > text_limit)
+        return sp_fail(err, SP_EFORMAT, "%s: %.3g GB are too large for a text file", path, (double)info.st_size * 1e-9);
+    /* two more than a regular file's size: the closing zero, and room in which read() finds the end */
+    size_t capacity = S_ISREG(info.st_mode) ? (size_t)info.st_size + 2 : 65536, used = 0;
+    char *buffer = sp_alloc(capacity, 1);
+    sp_status status = buffer ? SP_OK : sp_fail_memory(err, capacity);
+    while (status == SP_OK) {
+        if (used + 1 == capacity && !grow(&buffer, &capacity)) {
+            status = sp_fail_memory(err, 2 * capacity);
+            break;
+        }
+        ssize_t got = read(fd, buffer + used, capacity - 1 - used);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            status = fail_errno(err, "read", path, errno);
+        if (got <= 0)
+            break;
+        if (memchr(buffer + used, 0, (size_t)got))
+            status = sp_fail(err, SP_EFORMAT, "%s: not a text file (a zero byte within the first %zu bytes)", path,
+                             used + (size_t)got);
+        used += (size_t)got;
+        if (used > text_limit)
+            status =
+                sp_fail(err, SP_EFORMAT, "%s: more than %zu bytes are too large for a text file", path, text_limit);
+    }
+    if (status != SP_OK) {
+        sp_free(buffer);
+        return status;
+    }
+    buffer[used] = '\0';
+    *text = buffer;
+    *size = used;
+    return SP_OK;
+}
+
+sp_status sp_file_read_text(const char *path, char **text, size_t *size, sp_error *err) {
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return fail_errno(err, "open", path, errno);
+    sp_status status = read_all(fd, path, text, size, err);
+    close(fd);
+    return status;
+}
+
+/* ---- writing --------------------------------------------------------------------------------------------------- */
+
+static int write_all(int fd, const char *data, size_t size) {
+    while (size > 0) {
+        ssize_t put = write(fd, data, size < ((size_t)1 << 30) ? size : (size_t)1 << 30);
+        if (put < 0 && errno == EINTR)
+            continue;
+        if (put < 0)
+            return errno;
+        data += put;
+        size -= (size_t)put;
+    }
+    return 0;
+}
+
+/* The folder part of a path: "." for a bare name. */
+static void folder_of(const char *path, char folder[SP_PATH_MAX]) {
+    const char *slash = strrchr(path, '/');
+    if (!slash)
+        snprintf(folder, SP_PATH_MAX, ".");
+    else
+        snprintf(folder, SP_PATH_MAX, "%.*s", slash == path ? 1 : (int)(slash - path), path);
+}
+
+/* Opens a new temporary file in the folder. Its name is its own (process, counter), and of fixed length, so that it
+ * fits where the final name fits; an old one of a dead process with the same number is stepped over. */
+static int open_temporary(const char *folder, char name[SP_PATH_MAX]) {
+    static atomic_uint counter;
+    for (int attempt = 0; attempt < 10000; attempt++) {
+        int length = snprintf(name, SP_PATH_MAX, "%s/.sonopack-%ld-%u.tmp", folder, (long)getpid(),
+                              atomic_fetch_add(&counter, 1));
+        if (length >= SP_PATH_MAX) {
+            errno = ENAMETOOLONG;
+            return -1;
+        }
+        int fd = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd >= 0 || errno != EEXIST)
+            return fd;
+    }
+    return -1;
+}
+
+/* Makes the rename itself last. Some file systems cannot sync a folder; the file's data are safe then all the same. */
+static void sync_folder(const char *folder) {
+    int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd >= 0) {
+        fsync(fd);
+        close(fd);
+    }
+}
+
+static sp_status write_renamed(const char *path, const void *data, size_t size, const struct stat *old, sp_error *err) {
+    char folder[SP_PATH_MAX], temporary[SP_PATH_MAX];
+    folder_of(path, folder);
+    int fd = open_temporary(folder, temporary);
+    if (fd < 0)
+        return fail_errno(err, "write", path, errno);
+    int code = write_all(fd, data, size);
+    if (code == 0 && old && fchmod(fd, old->st_mode & 07777) != 0)
+        code = errno;
+    if (code == 0 && fsync(fd) != 0)
+        code = errno;
+    if (close(fd) != 0 && code == 0)
+        code = errno;
+    if (code == 0 && rename(temporary, path) != 0)
+        code = errno;
+    if (code != 0) {
+        unlink(temporary);
+        return fail_errno(err, "write", path, code);
+    }
+    sync_folder(folder);
+    return SP_OK;
+}
+
+/* A device or a pipe is not replaced by a file: renaming over /dev/null would take it away from everybody. */
+static sp_status write_direct(const char *path, const void *data, size_t size, sp_error *err) {
+    int fd = open(path, O_WRONLY | O_CLOEXEC);
+    if (fd < 0)
+        return fail_errno(err, "write", path, errno);
+    int code = write_all(fd, data, size);
+    if (close(fd) != 0 && code == 0)
+        code = errno;
+    return code ? fail_errno(err, "write", path, code) : SP_OK;
+}
+
+sp_status sp_file_write(const char *path, const void *data, size_t size, sp_error *err) {
+    if (!path || !*path)
+        return sp_fail(err, SP_EINVAL, "the name of the file to write is empty");
+    if (strlen(path) >= SP_PATH_MAX)
+        return fail_errno(err, "write", "a file", ENAMETOOLONG);
+    struct stat info;
+    char target[PATH_MAX];
+    if (stat(path, &info) != 0) { /* a link that leads nowhere is no place for a file */
+        bool missing = errno == ENOENT && lstat(path, &info) != 0;
+        return missing ? write_renamed(path, data, size, NULL, err) : fail_errno(err, "write", path, errno);
+    }
+    if (S_ISDIR(info.st_mode))
+        return fail_errno(err, "write", path, EISDIR);
+    if (!S_ISREG(info.st_mode))
+        return write_direct(path, data, size, err);
+    if (!realpath(path, target) || access(target, W_OK) != 0)
+        return fail_errno(err, "write", path, errno);
+    return write_renamed(target, data, size, &info, err);
+}
+
+sp_status sp_text_save(const char *path, const char *text, size_t size, sp_error *err) {
+    return sp_file_write(path, text, size, err);
+}
+
+sp_status sp_folder_probe(const char *folder, sp_error *err) {
+    char temporary[SP_PATH_MAX];
+    int fd = open_temporary(folder, temporary);
+    if (fd < 0)
+        return fail_errno(err, "write in", folder, errno);
+    close(fd);
+    unlink(temporary);
+    return SP_OK;
+}

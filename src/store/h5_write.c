@@ -1,0 +1,158 @@
+#include "base/base.h"
+#include "store/h5.h"
+
+#include <string.h>
+
+/* Data up to this size lie in the object's header, larger ones in chunks: both carry a checksum. */
+static const size_t compact_limit = 32768, chunk_limit = (size_t)1 << 19;
+
+static hid_t disk_type(sp_h5_type type) {
+    switch (type) {
+    case SP_H5_F64: return H5T_IEEE_F64LE;
+    case SP_H5_I32: return H5T_STD_I32LE;
+    case SP_H5_I64: return H5T_STD_I64LE;
+    case SP_H5_U64: return H5T_STD_U64LE;
+    case SP_H5_U8: return H5T_STD_U8LE;
+    }
+    return H5I_INVALID_HID;
+}
+
+static sp_status fail_put(sp_h5 *h, const char *path, sp_error *err) {
+    return sp_h5_fail(h, err, SP_ENOMEM, "cannot put %s into the file", path);
+}
+
+sp_status sp_h5_group(sp_h5 *h, const char *path, sp_error *err) {
+    hid_t gcpl = H5Pcreate(H5P_GROUP_CREATE), group = H5I_INVALID_HID;
+    /* no time stamps, so that equal contents are equal bytes; links in the group's header up to 64 */
+    if (gcpl >= 0 && H5Pset_obj_track_times(gcpl, false) >= 0 && H5Pset_link_phase_change(gcpl, 64, 32) >= 0)
+        group = H5Gcreate2(h->file, path, H5P_DEFAULT, gcpl, H5P_DEFAULT);
+    H5Pclose(gcpl);
+    return group >= 0 && H5Gclose(group) >= 0 ? SP_OK : fail_put(h, path, err);
+}
+
+/* ---- attributes ------------------------------------------------------------------------------------------------ */
+
+static hid_t text_type(size_t length) {
+    hid_t type = H5Tcopy(H5T_C_S1);
+    if (type >= 0 && (H5Tset_size(type, length ? length : 1) < 0 || H5Tset_cset(type, H5T_CSET_UTF8) < 0 ||
+                      H5Tset_strpad(type, H5T_STR_NULLPAD) < 0)) {
+        H5Tclose(type);
+        type = H5I_INVALID_HID;
+    }
+    return type;
+}
+
+static sp_status put_attribute(sp_h5 *h, const char *object, const char *name, int count, hid_t type, const void *data,
+                               sp_error *err) {
+    hsize_t dim = (hsize_t)count;
+    hid_t space = count ? H5Screate_simple(1, &dim, NULL) : H5Screate(H5S_SCALAR);
+    hid_t attribute = H5I_INVALID_HID;
+    if (space >= 0 && type >= 0)
+        attribute = H5Acreate_by_name(h->file, object, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    bool good = attribute >= 0 && H5Awrite(attribute, type, data) >= 0;
+    good = (attribute < 0 || H5Aclose(attribute) >= 0) && good;
+    H5Sclose(space);
+    return good ? SP_OK
+                : sp_h5_fail(h, err, SP_ENOMEM, "cannot put the attribute %s of %s into the file", name, object);
+}
+
+sp_status sp_h5_attribute_texts(sp_h5 *h, const char *object, const char *name, int count, const char *const *text,
+                                sp_error *err) {
+    size_t width = 1;
+    const int texts = count ? count : 1;
+    for (int k = 0; k < texts; k++)
+        width = strlen(text[k]) > width ? strlen(text[k]) : width;
+    char *packed = sp_alloc((size_t)texts, width);
+    if (!packed)
+        return sp_fail_memory(err, (size_t)texts * width);
+    for (int k = 0; k < texts; k++)
+        memcpy(packed + (size_t)k * width, text[k], strlen(text[k]));
+    hid_t type = text_type(width);
+    sp_status status = put_attribute(h, object, name, count, type, packed, err);
+    H5Tclose(type);
+    sp_free(packed);
+    return status;
+}
+
+sp_status sp_h5_attribute_ints(sp_h5 *h, const char *object, const char *name, int count, const int32_t *value,
+                               sp_error *err) {
+    return put_attribute(h, object, name, count, H5T_NATIVE_INT32, value, err);
+}
+
+sp_status sp_h5_attribute_reference(sp_h5 *h, const char *object, const char *name, const char *target, sp_error *err) {
+    hobj_ref_t reference;
+    if (H5Rcreate(&reference, h->file, target, H5R_OBJECT, H5I_INVALID_HID) < 0)
+        return sp_h5_fail(h, err, SP_ENOMEM, "cannot refer to %s", target);
+    return put_attribute(h, object, name, 0, H5T_STD_REF_OBJ, &reference, err);
+}
+
+static sp_status describe(sp_h5 *h, const sp_h5_name *name, sp_error *err) {
+    sp_status status = sp_h5_attribute_texts(h, name->path, "unit", 0, &name->unit, err);
+    if (status == SP_OK)
+        status = sp_h5_attribute_texts(h, name->path, "description", 0, &name->description, err);
+    return status;
+}
+
+/* ---- datasets -------------------------------------------------------------------------------------------------- */
+
+/* Layout for `bytes` of data: in the header, or in chunks of whole rows with Fletcher checksums. */
+static hid_t creation_list(int rank, const hsize_t *dims, size_t bytes) {
+    hid_t dcpl = H5Pcreate(H5P_DATASET_CREATE);
+    bool good = dcpl >= 0 && H5Pset_obj_track_times(dcpl, false) >= 0;
+    if (good && bytes <= compact_limit) {
+        good = H5Pset_layout(dcpl, H5D_COMPACT) >= 0;
+    } else if (good && rank > 0) {
+        hsize_t chunk[SP_H5_RANK];
+        memcpy(chunk, dims, (size_t)rank * sizeof *dims);
+        int split = 0; /* the first axis longer than 1 */
+        while (split < rank - 1 && dims[split] == 1)
+            split++;
+        hsize_t rows = dims[split] * chunk_limit / bytes;
+        chunk[split] = rows < 1 ? 1 : rows > dims[split] ? dims[split] : rows;
+        good = H5Pset_chunk(dcpl, rank, chunk) >= 0 && H5Pset_fletcher32(dcpl) >= 0;
+    }
+    if (!good && dcpl >= 0) {
+        H5Pclose(dcpl);
+        dcpl = H5I_INVALID_HID;
+    }
+    return dcpl;
+}
+
+static sp_status put_dataset(sp_h5 *h, const sp_h5_name *name, const hid_t type[2], hid_t space, hid_t dcpl,
+                             const void *data, sp_error *err) {
+    hid_t set = H5I_INVALID_HID;
+    if (type[0] >= 0 && space >= 0 && dcpl >= 0)
+        set = H5Dcreate2(h->file, name->path, type[0], space, H5P_DEFAULT, dcpl, H5P_DEFAULT);
+    bool good = set >= 0 && (H5Sget_simple_extent_npoints(space) == 0 ||
+                             H5Dwrite(set, type[1], H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
+    good = (set < 0 || H5Dclose(set) >= 0) && good;
+    return good ? describe(h, name, err) : fail_put(h, name->path, err);
+}
+
+sp_status sp_h5_put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, const void *data,
+                    sp_error *err) {
+    hsize_t dims[SP_H5_RANK];
+    size_t bytes = sp_h5_type_size(type);
+    for (int k = 0; k < shape->rank; k++) {
+        dims[k] = (hsize_t)shape->dim[k];
+        bytes *= (size_t)shape->dim[k];
+    }
+    hid_t space = shape->rank ? H5Screate_simple(shape->rank, dims, NULL) : H5Screate(H5S_SCALAR);
+    hid_t dcpl = creation_list(shape->rank, dims, bytes);
+    const hid_t types[2] = {disk_type(type), sp_h5_memory_type(type)};
+    sp_status status = put_dataset(h, name, types, space, dcpl, data, err);
+    H5Pclose(dcpl);
+    H5Sclose(space);
+    return status;
+}
+
+sp_status sp_h5_put_text(sp_h5 *h, const sp_h5_name *name, const char *text, sp_error *err) {
+    size_t length = strlen(text);
+    hid_t type = text_type(length), space = H5Screate(H5S_SCALAR), dcpl = creation_list(0, NULL, length);
+    const hid_t types[2] = {type, type};
+    sp_status status = put_dataset(h, name, types, space, dcpl, length ? text : "\0", err);
+    H5Pclose(dcpl);
+    H5Sclose(space);
+    H5Tclose(type);
+    return status;
+}

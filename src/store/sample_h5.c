@@ -1,0 +1,199 @@
+#include "store/sample_h5.h"
+
+#include "base/base.h"
+#include "store/packing_h5.h"
+
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#define SAMPLE(member, type, unit, description)                                                                        \
+    { {"/results/sample/" #member, unit, description}, type, offsetof(sp_sample, member) }
+#define FRONT(member, unit, description)                                                                               \
+    { {"/results/front/" #member, unit, description}, SP_H5_F64, offsetof(sp_front, member) }
+#define STATICS(member, unit, description)                                                                             \
+    { {"/results/statics/" #member, unit, description}, SP_H5_F64, offsetof(sp_statics, member) }
+#define MODULI(member, unit, description)                                                                              \
+    { {"/results/moduli/" #member, unit, description}, SP_H5_F64, offsetof(sp_moduli, member) }
+#define TIME  "d / sqrt(E* / rho)"
+#define SPEED "sqrt(E* / rho)"
+
+static const sp_h5_field sample_field[] = {
+    SAMPLE(dim, SP_H5_I32, "1", "dimension"),
+    SAMPLE(grains, SP_H5_I32, "1", "number of grains"),
+    SAMPLE(width, SP_H5_F64, "d", "period sideways"),
+    SAMPLE(pressure, SP_H5_F64, "E*", "pressure on the walls"),
+    SAMPLE(friction, SP_H5_F64, "1", "Coulomb's coefficient"),
+    SAMPLE(seed, SP_H5_U64, "1", "seed of the random streams"),
+    SAMPLE(height, SP_H5_F64, "d", "distance from source to detector"),
+};
+static const sp_h5_field front_field[] = {
+    FRONT(t10, TIME, "arrival: first time at a tenth of the first peak's height"),
+    FRONT(t_peak, TIME, "time of the first peak"),
+    FRONT(t_zero, TIME, "first zero crossing after the peak"),
+    FRONT(amplitude, "E* d^2", "height of the first peak, for the source of the scene at unit strength"),
+    FRONT(width, TIME, "t_zero - t10"),
+};
+static const sp_h5_field statics_field[] = {
+    STATICS(phi2, "1", "area fraction Phi_2 of the bulk"),
+    STATICS(phi3, "1", "volume fraction Phi_3 in a layer one diameter thick"),
+    STATICS(phi3s, "1", "volume fraction Phi_3* without rattlers"),
+    STATICS(zs, "1", "coordination number z*: force-carrying contacts, without rattlers"),
+    STATICS(f0, "%", "rattlers in percent of the grains"),
+    STATICS(n_over_p, "d^2", "mean normal force over the pressure"),
+    STATICS(z2, "1", "second moment Z(2) of the normal forces"),
+    STATICS(z3, "1", "third moment Z(3) of the normal forces"),
+    STATICS(f2, "1", "mean square vertical component of the normals, all contacts"),
+    STATICS(f2s, "1", "the same over contacts above the mean force"),
+    STATICS(s1_over_s2, "1", "horizontal over vertical stress"),
+};
+static const sp_h5_field moduli_field[] = {
+    MODULI(c11, "E*", "modulus C11"),
+    MODULI(c12, "E*", "modulus C12"),
+    MODULI(c22, "E*", "modulus C22"),
+    MODULI(c33, "E*", "shear modulus C33"),
+    MODULI(c_l, SPEED, "speed of long longitudinal waves sqrt(C22/Phi_3*)"),
+    MODULI(c_t, SPEED, "speed of long transverse waves sqrt(C33/Phi_3*)"),
+    MODULI(residual, "1", "largest relative residual of the solves"),
+};
+
+static const struct part {
+    unsigned want;
+    const char *group;
+    int count;
+    const sp_h5_field *field;
+    size_t offset;
+} part[] = {
+    {SP_WANT_CTOF, "/results/front", sizeof front_field / sizeof *front_field, front_field, offsetof(sp_sample, front)},
+    {SP_WANT_STATICS, "/results/statics", sizeof statics_field / sizeof *statics_field, statics_field,
+     offsetof(sp_sample, statics)},
+    {SP_WANT_MODULI, "/results/moduli", sizeof moduli_field / sizeof *moduli_field, moduli_field,
+     offsetof(sp_sample, moduli)},
+};
+enum { PARTS = sizeof part / sizeof *part, SAMPLE_FIELDS = sizeof sample_field / sizeof *sample_field };
+
+static const sp_h5_field signal_field[] = {
+    {{"/signal/error", "E* d^2", "bound of the error of F"}, SP_H5_F64, offsetof(sp_signal, error)},
+    {{"/signal/omega_max", "sqrt(E* / rho) / d", "bound of the spectrum that was used"},
+     SP_H5_F64,
+     offsetof(sp_signal, omega_max)},
+    {{"/signal/products", "1", "matrix products that it took"}, SP_H5_I32, offsetof(sp_signal, products)},
+};
+enum { SIGNAL_FIELDS = sizeof signal_field / sizeof *signal_field };
+static const sp_h5_name name_t = {"/signal/t", TIME, "time since the pulse at the bottom wall"};
+static const sp_h5_name name_f = {"/signal/F", "E* d^2",
+                                  "force on the top wall beyond that at rest, positive in "
+                                  "compression, for the source of the scene at unit strength"};
+static const sp_h5_name name_method = {"/signal/method", "1", "how it was computed: chebyshev or dense"};
+static const sp_h5_name name_name = {"/results/sample/name", "1", "hash of everything that made the sample"};
+static const sp_h5_name name_scene = {"/results/sample/scene", "1", "the sample's scene, with every value"};
+
+void sp_record_free(sp_record *r) {
+    sp_free(r->signal.t);
+    sp_free(r->signal.f);
+    sp_free(r->scene);
+    *r = (sp_record){0};
+}
+
+/* ---- writing --------------------------------------------------------------------------------------------------- */
+
+static sp_status put_signal(sp_h5 *h, const sp_signal *s, sp_error *err) {
+    const sp_h5_shape shape = {1, {s->n}};
+    sp_status status = sp_h5_group(h, "/signal", err);
+    if (status == SP_OK)
+        status = sp_h5_put(h, &name_t, SP_H5_F64, &shape, s->t, err);
+    if (status == SP_OK)
+        status = sp_h5_put(h, &name_f, SP_H5_F64, &shape, s->f, err);
+    if (status == SP_OK)
+        status = sp_h5_put_fields(h, SIGNAL_FIELDS, signal_field, s, err);
+    if (status == SP_OK)
+        status = sp_h5_put_text(h, &name_method, s->method == SP_SIGNAL_DENSE ? "dense" : "chebyshev", err);
+    return status;
+}
+
+sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err) {
+    sp_status status = sp_h5_group(h, "/results", err);
+    if (status == SP_OK)
+        status = sp_h5_group(h, "/results/sample", err);
+    if (status == SP_OK)
+        status = sp_h5_put_text(h, &name_name, r->sample.name, err);
+    if (status == SP_OK)
+        status = sp_h5_put_fields(h, SAMPLE_FIELDS, sample_field, &r->sample, err);
+    if (status == SP_OK && r->scene)
+        status = sp_h5_put_text(h, &name_scene, r->scene, err);
+    for (int k = 0; status == SP_OK && k < PARTS; k++) {
+        if (!(r->sample.have & part[k].want))
+            continue;
+        status = sp_h5_group(h, part[k].group, err);
+        if (status == SP_OK)
+            status = sp_h5_put_fields(h, part[k].count, part[k].field, (const char *)&r->sample + part[k].offset, err);
+    }
+    if (status == SP_OK && r->signal.n > 0)
+        status = put_signal(h, &r->signal, err);
+    return status;
+}
+
+/* ---- reading --------------------------------------------------------------------------------------------------- */
+
+static sp_status get_signal(sp_h5 *h, sp_signal *s, sp_error *err) {
+    sp_h5_shape shape;
+    sp_status status = sp_h5_find(h, name_t.path, SP_H5_F64, 1, &shape, err);
+    if (status != SP_OK)
+        return status;
+    s->n = (int32_t)shape.dim[0];
+    s->t = sp_alloc((size_t)s->n, sizeof *s->t);
+    s->f = sp_alloc((size_t)s->n, sizeof *s->f);
+    if (!s->t || !s->f)
+        return sp_fail_memory(err, (size_t)s->n * 16);
+    char *method = NULL;
+    status = sp_h5_get(h, name_t.path, SP_H5_F64, &shape, s->t, err);
+    if (status == SP_OK)
+        status = sp_h5_get(h, name_f.path, SP_H5_F64, &shape, s->f, err);
+    if (status == SP_OK)
+        status = sp_h5_get_fields(h, SIGNAL_FIELDS, signal_field, s, err);
+    if (status == SP_OK)
+        status = sp_h5_get_text(h, name_method.path, &method, err);
+    if (status == SP_OK)
+        s->method = strcmp(method, "dense") == 0 ? SP_SIGNAL_DENSE : SP_SIGNAL_CHEBYSHEV;
+    sp_free(method);
+    return status;
+}
+
+static sp_status get_name(sp_h5 *h, char name[SP_NAME_MAX], sp_error *err) {
+    char *text = NULL;
+    sp_status status = sp_h5_get_text(h, name_name.path, &text, err);
+    if (status == SP_OK && strlen(text) >= SP_NAME_MAX)
+        status = sp_h5_fail(h, err, SP_EFORMAT, "%s has %zu characters; at most %d", name_name.path, strlen(text),
+                            SP_NAME_MAX - 1);
+    if (status == SP_OK)
+        snprintf(name, SP_NAME_MAX, "%s", text);
+    sp_free(text);
+    return status;
+}
+
+sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *err) {
+    sp_record r = {0};
+    if (!sp_h5_has(h, "/results/sample"))
+        return sp_h5_fail(h, err, SP_EFORMAT, "no group /results/sample: not a sample of a store");
+    sp_status status = get_name(h, r.sample.name, err);
+    if (status == SP_OK)
+        status = sp_h5_get_fields(h, SAMPLE_FIELDS, sample_field, &r.sample, err);
+    for (int k = 0; status == SP_OK && k < PARTS; k++) {
+        if (!sp_h5_has(h, part[k].group))
+            continue;
+        status = sp_h5_get_fields(h, part[k].count, part[k].field, (char *)&r.sample + part[k].offset, err);
+        r.sample.have |= part[k].want;
+    }
+    if (status == SP_OK && sp_h5_has(h, "/signal")) {
+        r.sample.have |= SP_WANT_SIGNAL;
+        if (with_signal)
+            status = get_signal(h, &r.signal, err);
+    }
+    if (status == SP_OK && with_signal && sp_h5_has(h, name_scene.path))
+        status = sp_h5_get_text(h, name_scene.path, &r.scene, err);
+    if (status == SP_OK)
+        *out = r;
+    else
+        sp_record_free(&r);
+    return status;
+}

@@ -1,0 +1,359 @@
+/* A store: NAME.h5 for each sample, NAME.failed for each that could not be made, NAME.bad for damaged files that a new
+ * one took the place of. Everything else in the folder is left alone. */
+#include "base/base.h"
+#include "store/failure.h"
+#include "store/file.h"
+#include "store/packing_h5.h"
+#include "store/sample_h5.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <sonopack/store.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct sp_store {
+    char dir[SP_PATH_MAX];
+};
+
+/* ---- names ----------------------------------------------------------------------------------------------------- */
+
+static bool is_name(const char *name) { return strlen(name) == 32 && strspn(name, "0123456789abcdef") == 32; }
+
+/* DIR/NAME.ENDING; the folder's length was checked when the store was opened. */
+static void path_of(const sp_store *store, const char *name, const char *ending, char path[SP_PATH_MAX]) {
+    if ((size_t)snprintf(path, SP_PATH_MAX, "%s/%.32s.%s", store->dir, name, ending) >= SP_PATH_MAX)
+        *path = '\0';
+}
+
+static bool exists(const sp_store *store, const char *name, const char *ending) {
+    char path[SP_PATH_MAX];
+    path_of(store, name, ending, path);
+    return access(path, F_OK) == 0;
+}
+
+/* ---- opening --------------------------------------------------------------------------------------------------- */
+
+static sp_status check_folder(const char *dir, sp_error *err) {
+    DIR *folder = opendir(dir);
+    if (!folder)
+        return sp_fail(err, SP_EIO, "cannot open the store %s: %s", dir, strerror(errno));
+    closedir(folder);
+    return SP_OK;
+}
+
+sp_status sp_store_open(const char *dir, bool create, sp_store **out, sp_error *err) {
+    if (!*dir || strlen(dir) >= SP_PATH_MAX - 64)
+        return sp_fail(err, SP_EIO, "cannot open the store '%.100s': its path must have 1..%d characters", dir,
+                       SP_PATH_MAX - 65);
+    if (create && mkdir(dir, 0777) != 0 && errno != EEXIST)
+        return sp_fail(err, SP_EIO, "cannot make the store %s: %s", dir, strerror(errno));
+    sp_status status = check_folder(dir, err);
+    if (status == SP_OK && create)
+        status = sp_folder_probe(dir, err);
+    if (status != SP_OK)
+        return status;
+    sp_store *store = sp_alloc(1, sizeof *store);
+    if (!store)
+        return sp_fail_memory(err, sizeof *store);
+    memcpy(store->dir, dir, strlen(dir));
+    *out = store;
+    return SP_OK;
+}
+
+void sp_store_close(sp_store *store) { sp_free(store); }
+
+/* ---- one file -------------------------------------------------------------------------------------------------- */
+
+/* Reads NAME.h5: the packing too if packing is not NULL. */
+static sp_status read_file(const sp_store *store, const char *name, sp_packing *packing, bool with_signal,
+                           sp_record *out, sp_error *err) {
+    char path[SP_PATH_MAX];
+    path_of(store, name, "h5", path);
+    sp_record r = {0};
+    sp_packing p = sp_packing_none();
+    sp_h5 h;
+    sp_status status = sp_h5_open(&h, path, err);
+    if (status == SP_OK)
+        status = sp_record_get(&h, with_signal, &r, err);
+    if (status == SP_OK && strcmp(r.sample.name, name) != 0)
+        status = sp_fail(err, SP_EFORMAT, "%s: holds the sample %s, which is not its name", path, r.sample.name);
+    if (status == SP_OK && packing)
+        status = sp_packing_get(&h, &p, err);
+    sp_h5_close(&h);
+    if (status != SP_OK) {
+        sp_record_free(&r);
+        return status;
+    }
+    *out = r;
+    if (packing)
+        *packing = p;
+    return SP_OK;
+}
+
+static sp_status write_file(const sp_store *store, const sp_record *r, const sp_packing *packing, sp_error *err) {
+    char path[SP_PATH_MAX];
+    path_of(store, r->sample.name, "h5", path);
+    sp_h5 h;
+    sp_status status = sp_h5_create(&h, path, err);
+    if (status == SP_OK)
+        status = sp_packing_put(&h, packing, err);
+    if (status == SP_OK)
+        status = sp_record_put(&h, r, err);
+    return sp_h5_finish(&h, status, path, err);
+}
+
+/* ---- the sink -------------------------------------------------------------------------------------------------- */
+
+static bool sink_has(void *user, const char *name, unsigned want) {
+    const sp_store *store = user;
+    if (!is_name(name))
+        return false;
+    if (exists(store, name, "failed"))
+        return true;
+    sp_record r;
+    if (!exists(store, name, "h5") || read_file(store, name, NULL, false, &r, NULL) != SP_OK)
+        return false;
+    bool has = (r.sample.have & want) == want;
+    sp_record_free(&r);
+    return has;
+}
+
+static sp_status sink_load(void *user, const char *name, sp_packing *packing, sp_sample *sample, bool *found,
+                           sp_error *err) {
+    const sp_store *store = user;
+    *found = false;
+    if (!is_name(name) || !exists(store, name, "h5"))
+        return SP_OK;
+    sp_record r;
+    sp_status status = read_file(store, name, packing, false, &r, err);
+    if (status == SP_EFORMAT)
+        return SP_OK; /* a damaged sample is one to make anew */
+    if (status != SP_OK)
+        return status;
+    *sample = r.sample;
+    *found = true;
+    sp_record_free(&r);
+    return SP_OK;
+}
+
+/* Adds to `fresh` what only the old record has. The signal and the scene change hands. */
+static void keep_old_parts(sp_record *fresh, sp_record *old) {
+    const unsigned missing = old->sample.have & ~fresh->sample.have;
+    if (missing & SP_WANT_CTOF)
+        fresh->sample.front = old->sample.front;
+    if (missing & SP_WANT_STATICS)
+        fresh->sample.statics = old->sample.statics;
+    if (missing & SP_WANT_MODULI)
+        fresh->sample.moduli = old->sample.moduli;
+    fresh->sample.have |= missing;
+    if (fresh->signal.n == 0) {
+        sp_signal none = fresh->signal;
+        fresh->signal = old->signal;
+        old->signal = none;
+    }
+    if (!fresh->scene) {
+        fresh->scene = old->scene;
+        old->scene = NULL;
+    }
+}
+
+static sp_status copy_signal(const sp_signal *from, sp_signal *to, sp_error *err) {
+    const size_t bytes = (size_t)from->n * sizeof(double);
+    sp_signal s = *from;
+    s.t = sp_alloc((size_t)from->n, sizeof *s.t);
+    s.f = sp_alloc((size_t)from->n, sizeof *s.f);
+    if (!s.t || !s.f) {
+        sp_free(s.t);
+        sp_free(s.f);
+        return sp_fail_memory(err, 2 * bytes);
+    }
+    memcpy(s.t, from->t, bytes);
+    memcpy(s.f, from->f, bytes);
+    *to = s;
+    return SP_OK;
+}
+
+/* What is in the store already goes into *fresh and, if the caller brings none, *packing. A damaged file makes room. */
+static sp_status merge_old(const sp_store *store, sp_record *fresh, bool need_packing, sp_packing *packing,
+                           sp_error *err) {
+    const char *name = fresh->sample.name;
+    sp_record old = {0};
+    if (!exists(store, name, "h5"))
+        return need_packing ? sp_fail(err, SP_EINVAL, "sample %s: no packing, neither given nor stored", name) : SP_OK;
+    sp_status status = read_file(store, name, need_packing ? packing : NULL, true, &old, err);
+    if (status == SP_OK) {
+        keep_old_parts(fresh, &old);
+    } else if (status == SP_EFORMAT && !need_packing) {
+        char path[SP_PATH_MAX], bad[SP_PATH_MAX];
+        path_of(store, name, "h5", path);
+        path_of(store, name, "bad", bad);
+        rename(path, bad);
+        status = SP_OK;
+    }
+    sp_record_free(&old);
+    return status;
+}
+
+static sp_status save_made(const sp_store *store, const sp_scene *scene, const sp_sample *sample,
+                           const sp_packing *given, const sp_signal *signal, sp_error *err) {
+    sp_record fresh = {.sample = *sample};
+    sp_packing stored = sp_packing_none();
+    sp_status status = SP_OK;
+    if (signal && signal->n > 0)
+        status = copy_signal(signal, &fresh.signal, err);
+    if (status == SP_OK && scene && !(fresh.scene = sp_scene_text(scene, NULL)))
+        status = sp_fail_memory(err, 1);
+    if (status == SP_OK)
+        status = merge_old(store, &fresh, given == NULL, &stored, err);
+    if (status == SP_OK)
+        status = write_file(store, &fresh, given ? given : &stored, err);
+    if (status == SP_OK) {
+        char path[SP_PATH_MAX];
+        path_of(store, sample->name, "failed", path);
+        unlink(path); /* it did not fail for good */
+    }
+    sp_packing_free(&stored);
+    sp_record_free(&fresh);
+    return status;
+}
+
+/* Between reading the old parts and writing the new file no other process may write: a lock on the folder itself, which
+ * leaves no file behind. Where a file system has no locks, a part may be lost that is then computed again. */
+static int lock_folder(const sp_store *store) {
+    int fd = open(store->dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    while (fd >= 0 && flock(fd, LOCK_EX) != 0)
+        if (errno != EINTR)
+            break;
+    return fd;
+}
+
+static sp_status sink_save(void *user, const sp_scene *scene, const sp_sample *sample, const sp_packing *packing,
+                           const sp_signal *signal, sp_error *err) {
+    const sp_store *store = user;
+    if (!is_name(sample->name))
+        return sp_fail(err, SP_EINVAL, "sample name '%.40s': must be 32 hexadecimal digits", sample->name);
+    if (sample->failed) {
+        char path[SP_PATH_MAX];
+        path_of(store, sample->name, "failed", path);
+        return sp_failure_save(path, sample, err);
+    }
+    if (packing) {
+        sp_status status = sp_packing_check(packing, err);
+        if (status != SP_OK)
+            return status;
+    }
+    int lock = lock_folder(store);
+    sp_status status = save_made(store, scene, sample, packing, signal, err);
+    if (lock >= 0)
+        close(lock);
+    return status;
+}
+
+sp_study_sink sp_store_sink(sp_store *store) {
+    return (sp_study_sink){.user = store, .has = sink_has, .load = sink_load, .save = sink_save};
+}
+
+/* ---- all samples ----------------------------------------------------------------------------------------------- */
+
+typedef struct name_list {
+    int64_t count, capacity;
+    char (*name)[SP_NAME_MAX];
+} name_list;
+
+static sp_status add_name(name_list *list, const char *name, sp_error *err) {
+    if (list->count == list->capacity) {
+        size_t capacity = list->capacity ? 2 * (size_t)list->capacity : 256;
+        char(*larger)[SP_NAME_MAX] = sp_alloc(capacity, sizeof *larger);
+        if (!larger)
+            return sp_fail_memory(err, capacity * sizeof *larger);
+        if (list->count > 0)
+            memcpy(larger, list->name, (size_t)list->count * sizeof *larger);
+        sp_free(list->name);
+        list->name = larger;
+        list->capacity = (int64_t)capacity;
+    }
+    memcpy(list->name[list->count++], name, SP_NAME_MAX);
+    return SP_OK;
+}
+
+static int compare_names(const void *a, const void *b) { return strcmp(a, b); }
+
+/* Names with a sample or a failure, sorted, each once. */
+static sp_status list_names(const sp_store *store, name_list *list, sp_error *err) {
+    DIR *folder = opendir(store->dir);
+    if (!folder)
+        return sp_fail(err, SP_EIO, "cannot read the store %s: %s", store->dir, strerror(errno));
+    sp_status status = SP_OK;
+    for (struct dirent *entry; status == SP_OK && (entry = readdir(folder));) {
+        char name[SP_NAME_MAX];
+        snprintf(name, sizeof name, "%.32s", entry->d_name);
+        if (!is_name(name))
+            continue;
+        const char *ending = entry->d_name + 32;
+        if (strcmp(ending, ".h5") == 0 || strcmp(ending, ".failed") == 0)
+            status = add_name(list, name, err);
+    }
+    closedir(folder);
+    if (status != SP_OK || list->count == 0)
+        return status;
+    qsort(list->name, (size_t)list->count, sizeof *list->name, compare_names);
+    int64_t kept = 1;
+    for (int64_t k = 1; k < list->count; k++)
+        if (strcmp(list->name[k], list->name[kept - 1]) != 0)
+            memmove(list->name[kept++], list->name[k], SP_NAME_MAX);
+    list->count = kept;
+    return SP_OK;
+}
+
+/* The sample of a name: its results, or else its failure. */
+static sp_status read_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
+    char path[SP_PATH_MAX];
+    path_of(store, name, "failed", path);
+    if (!exists(store, name, "h5"))
+        return sp_failure_read(path, name, out, err);
+    sp_record r;
+    sp_status status = read_file(store, name, NULL, false, &r, err);
+    if (status == SP_OK) {
+        *out = r.sample;
+        sp_record_free(&r);
+    }
+    return status;
+}
+
+sp_status sp_store_samples(sp_store *store, int64_t *n, sp_sample **samples, int64_t *bad, sp_error *err) {
+    name_list list = {0};
+    sp_sample *all = NULL;
+    int64_t good = 0, damaged = 0;
+    sp_error first = {0};
+    sp_status status = list_names(store, &list, err);
+    if (status == SP_OK && !(all = sp_alloc((size_t)list.count, sizeof *all)))
+        status = sp_fail_memory(err, (size_t)list.count * sizeof *all);
+    for (int64_t k = 0; status == SP_OK && k < list.count; k++) {
+        sp_error reason = {0};
+        sp_status one = read_sample(store, list.name[k], &all[good], &reason);
+        if (one == SP_OK) {
+            good++;
+        } else if (one == SP_ENOMEM) {
+            status = sp_fail(err, one, "%s", reason.text);
+        } else if (damaged++ == 0) {
+            first = reason;
+        }
+    }
+    sp_free(list.name);
+    if (status != SP_OK) {
+        sp_free(all);
+        return status;
+    }
+    if (damaged > 0)
+        sp_fail(err, SP_OK, "%s", first.text); /* why the first of them is bad */
+    *n = good;
+    *samples = all;
+    *bad = damaged;
+    return SP_OK;
+}

@@ -1,0 +1,35 @@
+#include "base/base.h"
+#include "study/sample.h"
+
+#include <sonopack/version.h>
+#include <stdio.h>
+#include <string.h>
+
+void sp_hash128(const void *data, size_t size, char text[SP_NAME_MAX]) {
+    /* offset basis and prime of FNV-1a, 128 bits (Fowler, Noll, Vo, Eastlake) */
+    unsigned __int128 hash = (unsigned __int128)0x6c62272e07bb0142u << 64 | 0x62b821756295c58du;
+    const unsigned __int128 prime = (unsigned __int128)1 << 88 | 0x13bu;
+    const unsigned char *byte = data;
+    for (size_t k = 0; k < size; k++)
+        hash = (hash ^ byte[k]) * prime;
+    snprintf(text, SP_NAME_MAX, "%016llx%016llx", (unsigned long long)(hash >> 64), (unsigned long long)hash);
+}
+
+void sp_sample_name(const sp_scene *scene, char name[SP_NAME_MAX]) {
+    name[0] = '\0';
+    char *packing = sp_scene_text(scene, "packing"), *network = sp_scene_text(scene, "network");
+    if (packing && network) {
+        char tail[64];
+        snprintf(tail, sizeof tail, "signal.source = %d\nalgorithm = %d\n", (int)scene->signal.source,
+                 SONOPACK_ALGORITHM);
+        size_t size = strlen(packing) + strlen(network) + strlen(tail) + 1;
+        char *text = sp_alloc(size, 1);
+        if (text) {
+            snprintf(text, size, "%s%s%s", packing, network, tail);
+            sp_hash128(text, strlen(text), name);
+        }
+        sp_free(text);
+    }
+    sp_free(packing);
+    sp_free(network);
+}

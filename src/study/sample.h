@@ -1,0 +1,21 @@
+#ifndef SP_STUDY_SAMPLE_H
+#define SP_STUDY_SAMPLE_H
+/* What the files of this room, and the command `front`, share. */
+
+#include <sonopack/front.h>
+#include <sonopack/study.h>
+#include <stddef.h>
+
+/* FNV-1a of 128 bits as 32 hexadecimal digits. */
+void sp_hash128(const void *data, size_t size, char text[SP_NAME_MAX]);
+
+/* Spacing of the times at which a signal is sampled for its front. */
+double sp_front_spacing(double pressure);
+/* The front of a network's signal on that grid, over the times 0 .. window (<= 0: sp_signal_window). */
+sp_status sp_network_front(const sp_network *net, sp_source source, double window, sp_front *out, sp_error *err);
+
+/* sp_sample_make with a watch for the making of the packing. */
+sp_status sp_sample_make_watched(const sp_scene *scene, unsigned want, sp_packing *packing, sp_sample *sample,
+                                 sp_signal *signal, sp_pack_watch watch, void *user, sp_error *err);
+
+#endif

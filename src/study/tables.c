@@ -1,0 +1,177 @@
+#include "base/base.h"
+#include "numeric/statistics.h"
+#include "study/groups.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* One averaged quantity: where a sample keeps it. */
+typedef struct quantity {
+    const char *name, *unit;
+    size_t offset;
+} quantity;
+
+enum { QUANTITIES_MAX = 11 };
+
+static const quantity statics_columns[] = {{"Phi2", "", offsetof(sp_sample, statics.phi2)},
+                                           {"Phi3", "", offsetof(sp_sample, statics.phi3)},
+                                           {"Phi3s", "", offsetof(sp_sample, statics.phi3s)},
+                                           {"zs", "", offsetof(sp_sample, statics.zs)},
+                                           {"f0", "%", offsetof(sp_sample, statics.f0)},
+                                           {"N_over_p", "d^2", offsetof(sp_sample, statics.n_over_p)},
+                                           {"Z2", "", offsetof(sp_sample, statics.z2)},
+                                           {"Z3", "", offsetof(sp_sample, statics.z3)},
+                                           {"F2", "", offsetof(sp_sample, statics.f2)},
+                                           {"F2S", "", offsetof(sp_sample, statics.f2s)},
+                                           {"s1_over_s2", "", offsetof(sp_sample, statics.s1_over_s2)}};
+
+static const quantity moduli_columns[] = {
+    {"C11", "E*", offsetof(sp_sample, moduli.c11)},           {"C12", "E*", offsetof(sp_sample, moduli.c12)},
+    {"C22", "E*", offsetof(sp_sample, moduli.c22)},           {"C33", "E*", offsetof(sp_sample, moduli.c33)},
+    {"c_l", "sqrt(E*/rho)", offsetof(sp_sample, moduli.c_l)}, {"c_t", "sqrt(E*/rho)", offsetof(sp_sample, moduli.c_t)}};
+
+static double value_of(const sp_sample *s, const quantity *q) {
+    double value;
+    memcpy(&value, (const char *)s + q->offset, sizeof value);
+    return value;
+}
+
+static sp_status means_columns(int quantities, const quantity *q, sp_table *t, sp_error *err) {
+    sp_status status = sp_table_add_column(t, "p", "E*", SP_CELL_NUMBER, err);
+    if (status == SP_OK)
+        status = sp_table_add_column(t, "grains", "", SP_CELL_INTEGER, err);
+    if (status == SP_OK)
+        status = sp_table_add_column(t, "samples", "", SP_CELL_INTEGER, err);
+    for (int k = 0; k < quantities && status == SP_OK; k++) {
+        char name[40];
+        snprintf(name, sizeof name, "%s_sd", q[k].name);
+        status = sp_table_add_column(t, q[k].name, q[k].unit, SP_CELL_NUMBER, err);
+        if (status == SP_OK)
+            status = sp_table_add_column(t, name, q[k].unit, SP_CELL_NUMBER, err);
+    }
+    return status;
+}
+
+/* One row: mean and standard deviation of each quantity over the samples of one pressure and size that have `part`. */
+static sp_status add_means(int64_t n, const sp_sample *const *s, unsigned part, int quantities, const quantity *q,
+                           double *x, sp_table *t, sp_error *err) {
+    double m[QUANTITIES_MAX] = {0}, sd[QUANTITIES_MAX] = {0};
+    int64_t samples = 0;
+    for (int k = 0; k < quantities; k++) {
+        samples = 0;
+        for (int64_t i = 0; i < n; i++)
+            if (s[i]->have & part)
+                x[samples++] = value_of(s[i], &q[k]);
+        m[k] = sp_mean(samples, x);
+        sd[k] = sp_sd(samples, x);
+    }
+    if (samples == 0 && sp_samples_failed(n, s) == 0)
+        return SP_OK; /* nobody asked for this part */
+    /* a table takes as many of these as it has columns */
+    return sp_table_add_row(t, err, s[0]->pressure, (int64_t)s[0]->grains, samples, m[0], sd[0], m[1], sd[1], m[2],
+                            sd[2], m[3], sd[3], m[4], sd[4], m[5], sd[5], m[6], sd[6], m[7], sd[7], m[8], sd[8], m[9],
+                            sd[9], m[10], sd[10]);
+}
+
+static sp_status fill_means(int64_t n, const sp_sample *const *s, unsigned part, sp_table *t, sp_error *err) {
+    const quantity *q = part == SP_WANT_STATICS ? statics_columns : moduli_columns;
+    int quantities =
+        part == SP_WANT_STATICS ? (int)(sizeof statics_columns / sizeof *q) : (int)(sizeof moduli_columns / sizeof *q);
+    double *x = sp_alloc((size_t)n, sizeof *x);
+    if (!x)
+        return sp_fail_memory(err, (size_t)n * sizeof *x);
+    sp_status status = means_columns(quantities, q, t, err);
+    for (int64_t begin = 0, end; begin < n && status == SP_OK; begin = end) {
+        end = sp_size_end(n, s, begin);
+        status = add_means(end - begin, s + begin, part, quantities, q, x, t, err);
+    }
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err, "means over the samples, and one standard deviation (_sd)");
+    sp_free(x);
+    return status;
+}
+
+static sp_status ensemble_columns(sp_table *t, sp_error *err) {
+    static const struct {
+        const char *name, *unit;
+        sp_cell_kind kind;
+    } first[] = {{"p", "E*", SP_CELL_NUMBER},
+                 {"grains", "", SP_CELL_INTEGER},
+                 {"seed", "", SP_CELL_INTEGER},
+                 {"height", "d", SP_CELL_NUMBER},
+                 {"t10", "d/sqrt(E*/rho)", SP_CELL_NUMBER},
+                 {"t_peak", "d/sqrt(E*/rho)", SP_CELL_NUMBER},
+                 {"t_zero", "d/sqrt(E*/rho)", SP_CELL_NUMBER},
+                 {"amplitude", "E* d^2", SP_CELL_NUMBER},
+                 {"width", "d/sqrt(E*/rho)", SP_CELL_NUMBER}},
+      last[] = {{"dimension", "", SP_CELL_INTEGER}, {"Lx", "d", SP_CELL_NUMBER},  {"friction", "", SP_CELL_NUMBER},
+                {"failed", "", SP_CELL_INTEGER},    {"reason", "", SP_CELL_TEXT}, {"name", "", SP_CELL_TEXT}};
+    sp_status status = SP_OK;
+    for (size_t k = 0; k < sizeof first / sizeof *first && status == SP_OK; k++)
+        status = sp_table_add_column(t, first[k].name, first[k].unit, first[k].kind, err);
+    for (size_t k = 0; k < sizeof statics_columns / sizeof *statics_columns && status == SP_OK; k++)
+        status = sp_table_add_column(t, statics_columns[k].name, statics_columns[k].unit, SP_CELL_NUMBER, err);
+    for (size_t k = 0; k < sizeof moduli_columns / sizeof *moduli_columns && status == SP_OK; k++)
+        status = sp_table_add_column(t, moduli_columns[k].name, moduli_columns[k].unit, SP_CELL_NUMBER, err);
+    for (size_t k = 0; k < sizeof last / sizeof *last && status == SP_OK; k++)
+        status = sp_table_add_column(t, last[k].name, last[k].unit, last[k].kind, err);
+    return status;
+}
+
+/* One row of everything; NAN for parts that are not there. */
+static sp_status add_sample(const sp_sample *s, sp_table *t, sp_error *err) {
+    const sp_front none = {NAN, NAN, NAN, NAN, NAN};
+    const sp_front f = s->have & SP_WANT_CTOF ? s->front : none;
+    double v[QUANTITIES_MAX], c[QUANTITIES_MAX];
+    for (size_t k = 0; k < sizeof statics_columns / sizeof *statics_columns; k++)
+        v[k] = s->have & SP_WANT_STATICS ? value_of(s, &statics_columns[k]) : NAN;
+    for (size_t k = 0; k < sizeof moduli_columns / sizeof *moduli_columns; k++)
+        c[k] = s->have & SP_WANT_MODULI ? value_of(s, &moduli_columns[k]) : NAN;
+    const char *reason = s->failed ? s->reason : "-";
+    return sp_table_add_row(t, err, s->pressure, (int64_t)s->grains, (int64_t)s->seed, s->height, f.t10, f.t_peak,
+                            f.t_zero, f.amplitude, f.width, v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9],
+                            v[10], c[0], c[1], c[2], c[3], c[4], c[5], (int64_t)s->dim, s->width, s->friction,
+                            (int64_t)s->failed, reason, (const char *)s->name);
+}
+
+static sp_status fill_ensemble(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err) {
+    sp_status status = ensemble_columns(t, err);
+    for (int64_t k = 0; k < n && status == SP_OK; k++)
+        status = add_sample(s[k], t, err);
+    return status;
+}
+
+sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples, sp_table *out, sp_error *err) {
+    static const char *const names[] = {"ctof", "statics", "moduli", "ensemble"};
+    enum { CTOF, STATICS, MODULI, ENSEMBLE, TABLES };
+    int which = 0;
+    while (which < TABLES && strcmp(table, names[which]) != 0)
+        which++;
+    if (which == TABLES)
+        return sp_fail(err, SP_EINVAL, "table \"%s\": ctof, statics, moduli or ensemble", table);
+    sp_table t = sp_table_none();
+    const sp_sample **sorted = NULL;
+    int64_t count = 0;
+    sp_status status = sp_samples_sorted(n, samples, &sorted, &count, err);
+    if (status == SP_OK && which != ENSEMBLE)
+        status = sp_samples_alike(count, sorted, err);
+    if (status != SP_OK)
+        goto out;
+    switch (which) {
+    case CTOF: status = sp_ctof_fill(count, sorted, &t, err); break;
+    case STATICS: status = fill_means(count, sorted, SP_WANT_STATICS, &t, err); break;
+    case MODULI: status = fill_means(count, sorted, SP_WANT_MODULI, &t, err); break;
+    default: status = fill_ensemble(count, sorted, &t, err); break;
+    }
+    if (status == SP_OK)
+        status = sp_table_add_comment(&t, err, "failed = %lld", (long long)sp_samples_failed(count, sorted));
+    if (status != SP_OK)
+        goto out;
+    *out = t;
+    t = sp_table_none();
+out:
+    sp_table_free(&t);
+    sp_free(sorted);
+    return status;
+}

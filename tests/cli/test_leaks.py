@@ -1,0 +1,71 @@
+"""valgrind finds no leak and no invalid access in short runs of the command, failures included.
+
+usage: test_leaks.py COMMAND SOURCE_DIR
+"""
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+CHAIN = ["--set", "packing.kind=chain", "--set", "packing.dimension=1", "--set", "packing.grains=20",
+         "--set", "packing.friction=0"]
+ERROR = 99
+# (expected status, arguments); the work of each is small: valgrind slows it fifty times
+RUNS = [
+    (0, ["pack", "scene.cfg", *CHAIN, "-o", "chain.h5"]),
+    (0, ["check", "chain.h5"]),
+    (0, ["signal", "chain.h5", "--until", "40", "--points", "50", "-o", "chain.tsv"]),
+    (0, ["front", "chain.tsv"]),
+    (0, ["modes", "chain.h5", "--all"]),
+    (0, ["convert", "chain.h5", "chain.txt"]),
+    (0, ["signal", "chain.txt", "--until", "40", "--points", "50"]),
+    (0, ["help"]),
+    (0, ["--version"]),
+    (1, ["check", "truncated.h5"]),
+    (2, ["pack", "wrong.cfg", "-o", "never.h5"]),
+    (2, ["signal"]),
+]
+
+
+def sanitized(command):
+    """A build with the sanitizers finds leaks itself and does not run under valgrind."""
+    libraries = subprocess.run(["ldd", command], text=True, capture_output=True).stdout
+    return "libasan" in libraries
+
+
+def main():
+    if not shutil.which("valgrind"):
+        print("valgrind is not installed")
+        sys.exit(77)
+    if sanitized(COMMAND):
+        print("a build with sanitizers")
+        sys.exit(77)
+    # a plain kernel of the linear algebra: valgrind does not know every instruction of the newest processors
+    env = dict(os.environ, OPENBLAS_CORETYPE="Prescott", OPENBLAS_NUM_THREADS="1")
+    faults = []
+    with tempfile.TemporaryDirectory(prefix="sonopack-leaks-") as folder:
+        scratch = pathlib.Path(folder)
+        (scratch / "scene.cfg").write_text("packing = { pressure = 1e-4; };\n")
+        (scratch / "wrong.cfg").write_text("packing = { presure = 1e-4; };\n")
+        for status, arguments in RUNS:
+            chain = scratch / "chain.h5"
+            if "truncated.h5" in arguments and chain.exists():
+                (scratch / "truncated.h5").write_bytes(chain.read_bytes()[:-500])
+            log = scratch / "valgrind.log"
+            result = subprocess.run(["valgrind", "--quiet", "--leak-check=full", "--errors-for-leak-kinds=definite",
+                                     "--show-leak-kinds=definite", f"--error-exitcode={ERROR}", f"--log-file={log}",
+                                     COMMAND, *arguments], cwd=scratch, env=env, text=True, capture_output=True)
+            print("sonopack", *arguments, "->", result.returncode, flush=True)
+            report = log.read_text()
+            if result.returncode != status or report.strip():
+                faults.append(f"sonopack {' '.join(arguments)}: exit status {result.returncode}, expected {status}\n"
+                              f"{result.stderr}{report}")
+    print(*faults, sep="\n")
+    sys.exit(1 if faults else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,223 @@
+"""The plan of the house holds: no include climbs the ranks, foreign headers stay in their rooms, functions and files
+are short, sources are formatted, nothing unfinished or local is left in the text. The checker itself is tried on a
+planted tree first.
+
+usage: test_structure.py COMMAND SOURCE_DIR
+"""
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+RANKS = {"base": 0, "numeric": 1, "linalg": 1, "scene": 2, "front": 2, "packing": 3, "column": 3, "network": 4,
+         "modes": 5, "elastic": 5, "signal": 6, "study": 7, "store": 8, "plot": 8, "cli": 9}
+# headers of other libraries, and the rooms that may see them
+FOREIGN = [(r"hdf5(_hl)?\.h|H5\w*\.h|zlib\.h", {"store"}),
+           (r"(suitesparse/)?(cholmod|SuiteSparse\w*|amd|umfpack)\.h", {"linalg"}),
+           (r"(lapacke|lapack|cblas|openblas\w*|f77blas)\.h|arpack/.*", {"linalg"}),
+           (r"libconfig\.h", {"scene"}), (r"(cairo/)?cairo[\w-]*\.h", {"plot"}), (r"argp\.h|getopt\.h", {"cli"}),
+           (r"gsl/.*|Random123/.*", {"numeric"})]
+LIBC = set("""assert ctype errno fcntl fenv float inttypes limits locale math pthread setjmp signal stdalign stdarg
+    stdatomic stdbool stddef stdint stdio stdlib string strings tgmath threads time unistd dirent ftw libgen sched
+    """.split())
+# what only the command may do: speak, and end the process
+SPEECH = re.compile(r"(?<![\w.>])(printf|vprintf|puts|putchar|perror|exit|_exit|_Exit|quick_exit|abort|err|errx|warn|"
+                    r"warnx)\s*\(|(?<!\w)(stdout|stderr)(?!\w)")
+LONGEST_FUNCTION, USUAL_FUNCTION, LONGEST_FILE = 120, 60, 800
+UNFINISHED = re.compile(r"\b(" + "|".join(("TO" "DO", "FIX" "ME", "X" "XX", "HA" "CK")) + r")\b")
+LOCAL_PATH = re.compile(r"(?<![\w.}~$-])/(home|root|Users|work|scratch|mnt)/")
+
+
+def without_comments(text):
+    """The code with comments and the insides of literals blanked, line by line as before."""
+    pattern = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
+
+    def blank(match):
+        kept = re.sub(r"[^\n]", " ", match.group())
+        return match.group()[0] + kept[1:-1] + match.group()[-1] if match.group()[0] in "\"'" else kept
+
+    return pattern.sub(blank, text)
+
+
+def functions(text):
+    """(name, first line, lines) of every function definition."""
+    code = without_comments(text)
+    code = re.sub(r"^[ \t]*#(?:[^\n]*\\\n)*[^\n]*", lambda m: "\n" * m.group().count("\n"), code, flags=re.M)
+    found, depth, opened, line, start = [], 0, None, 1, 0
+    for position, letter in enumerate(code):
+        if letter == "\n":
+            line += 1
+        elif letter == "{":
+            head = code[start:position].strip()
+            if depth == 0 and head.startswith("extern"):
+                start = position + 1
+                continue
+            if depth == 0 and head.endswith(")"):
+                opened = (re.search(r"(\w+)\s*\(", head).group(1), line - head.count("\n"))
+            depth += 1
+        elif letter == "}":
+            depth = max(0, depth - 1)
+            if depth == 0:
+                start = position + 1
+                if opened:
+                    found.append((*opened, line - opened[1] + 1))
+                    opened = None
+        elif letter == ";" and depth == 0:
+            start = position + 1
+    return found
+
+
+def check_includes(root):
+    """Includes of every file of src/ against the ranks of the rooms."""
+    faults = []
+    for path in sorted((root / "src").rglob("*.[ch]")):
+        room = path.relative_to(root / "src").parts[0]
+        name = path.relative_to(root)
+        if room not in RANKS:
+            faults.append(f"{name}: no room of the plan is called {room}")
+            continue
+        for number, line in enumerate(path.read_text().split("\n"), 1):
+            match = re.match(r'\s*#\s*include\s*([<"])([^>"]+)[>"]', line)
+            if not match:
+                continue
+            form, header = match.groups()
+            where = f"{name}:{number}: {header}"
+            if header.startswith("sonopack/"):
+                if not (root / "include" / header).exists():
+                    faults.append(f"{where}: no such public header")
+            elif form == '"':
+                other = header.split("/")[0]
+                if other not in RANKS or not (root / "src" / header).exists():
+                    faults.append(f'{where}: private headers are named "room/file.h" from src/')
+                elif other != room and RANKS[other] >= RANKS[room]:
+                    faults.append(f"{where}: {room} (rank {RANKS[room]}) may not include {other} (rank {RANKS[other]})")
+            else:
+                rooms = next((rooms for pattern, rooms in FOREIGN if re.fullmatch(pattern, header)), None)
+                if rooms is not None and room not in rooms:
+                    faults.append(f"{where}: only for {', '.join(sorted(rooms))}")
+                elif rooms is None and header.removesuffix(".h") not in LIBC and not header.startswith("sys/"):
+                    faults.append(f"{where}: a library that the plan does not know")
+    for path in sorted((root / "include").rglob("*.h")):
+        for number, line in enumerate(path.read_text().split("\n"), 1):
+            match = re.match(r'\s*#\s*include\s*[<"]([^>"]+)', line)
+            if match and not match.group(1).startswith("sonopack/") and match.group(1).removesuffix(".h") not in LIBC:
+                faults.append(f"{path.relative_to(root)}:{number}: a public header shows {match.group(1)}")
+    return faults
+
+
+def check_speech(root):
+    faults = []
+    for path in sorted((root / "src").rglob("*.[ch]")):
+        if path.relative_to(root / "src").parts[0] == "cli":
+            continue
+        for number, line in enumerate(without_comments(path.read_text()).split("\n"), 1):
+            match = SPEECH.search(line)
+            if match:
+                faults.append(f"{path.relative_to(root)}:{number}: {match.group().strip('( ')}: "
+                              "the library never prints, exits or aborts")
+    return faults
+
+
+def sources(root):
+    for folder in ("include", "src", "tests", "benchmarks"):
+        yield from sorted((root / folder).rglob("*.[ch]"))
+
+
+def check_lengths(root):
+    faults, lengths = [], []
+    for path in sources(root):
+        name = path.relative_to(root)
+        text = path.read_text()
+        if text.count("\n") > LONGEST_FILE:
+            faults.append(f"{name}: {text.count(chr(10))} lines, at most {LONGEST_FILE}")
+        for function, line, length in functions(text):
+            lengths.append(length)
+            if length > LONGEST_FUNCTION:
+                faults.append(f"{name}:{line}: {function} has {length} lines, at most {LONGEST_FUNCTION}")
+    usual = sum(length <= USUAL_FUNCTION for length in lengths)
+    if lengths and usual < 0.9 * len(lengths):
+        faults.append(f"only {usual} of {len(lengths)} functions have up to {USUAL_FUNCTION} lines, not nine in ten")
+    return faults
+
+
+def check_words(root):
+    faults = []
+    endings = {".c", ".h", ".py", ".md", ".txt", ".cmake", ".cfg", ".json", ".in", ".1", ".bash", ".sh", ""}
+    for path in sorted(root.rglob("*")):
+        parts = path.relative_to(root).parts
+        if parts[0] in (".git", "build", "results") or path.suffix not in endings or not path.is_file():
+            continue
+        for number, line in enumerate(path.read_text(errors="replace").split("\n"), 1):
+            for pattern, complaint in ((UNFINISHED, "unfinished"), (LOCAL_PATH, "a path of one machine")):
+                match = pattern.search(line)
+                if match:
+                    faults.append(f"{path.relative_to(root)}:{number}: {match.group()}: {complaint}")
+    return faults
+
+
+def check_format(root):
+    files = [str(path) for path in sources(root)]
+    result = subprocess.run(["clang-format", "--dry-run", "-Werror", *files], text=True, capture_output=True, cwd=root)
+    if result.returncode == 0:
+        return []
+    return sorted(set(re.findall(r"^(\S+?:\d+):\d+: error: code should be", result.stderr, re.M))) or [result.stderr]
+
+
+def write(root, name, text):
+    path = root / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+
+
+def check_the_checker(with_format):
+    """Each rule finds its planted fault and passes the same tree without it."""
+    with tempfile.TemporaryDirectory(prefix="sonopack-structure-") as folder:
+        root = pathlib.Path(folder)
+        shutil.copy(pathlib.Path(sys.argv[2], ".clang-format"), root)
+        good = '#include <sonopack/a.h>\n\n#include "base/base.h"\n\nint f(int x) { return x; }\n'
+        write(root, "include/sonopack/a.h", "int f(int x);\n")
+        write(root, "src/base/base.h", "#include <stddef.h>\n")
+        write(root, "src/study/study.h", "")
+        write(root, "src/network/network.c", good)
+        write(root, "tests/test.h", "")
+        rules = [check_includes, check_speech, check_lengths, check_words] + ([check_format] if with_format else [])
+        for rule in rules:
+            assert rule(root) == [], f"{rule.__name__} finds a fault in a good tree: {rule(root)}"
+        body = "    x++;\n"
+        planted = [(check_includes, '#include "study/study.h"\n'), (check_includes, "#include <hdf5.h>\n"),
+                   (check_includes, "#include <cairo/cairo-svg.h>\n"), (check_includes, '#include "network.h"\n'),
+                   (check_includes, "#include <sonopack/nothing.h>\n"), (check_includes, "#include <curl/curl.h>\n"),
+                   (check_speech, 'void g(void) { printf("x"); }\n'), (check_speech, "void g(void) { exit(1); }\n"),
+                   (check_lengths, "int g(int x) {\n" + body * LONGEST_FUNCTION + "    return x;\n}\n"),
+                   (check_lengths, "int x;\n" * LONGEST_FILE), (check_words, "/* FIX" "ME */\n"),
+                   (check_words, "/* see /ho" "me/someone/x */\n"), (check_format, "int  x;\n")]
+        for rule, fault in planted:
+            write(root, "src/network/network.c", good + fault)
+            if rule in rules:
+                assert rule(root), f"{rule.__name__} does not find {fault[:60]!r}"
+        # neither comments nor snprintf nor a name that ends in exit are speech
+        write(root, "src/network/network.c", good + 'void g(char *x) { snprintf(x, 2, "exit(1) %s", ""); on_exit(); }\n'
+              "/* printf(x) */\n")
+        assert check_speech(root) == [], check_speech(root)
+
+
+def main():
+    root = pathlib.Path(sys.argv[2])
+    with_format = shutil.which("clang-format") is not None
+    check_the_checker(with_format)
+    rules = [check_includes, check_speech, check_lengths, check_words] + ([check_format] if with_format else [])
+    faults = [fault for rule in rules for fault in rule(root)]
+    for fault in faults:
+        print(fault)
+    if faults:
+        sys.exit(f"{len(faults)} faults")
+    if not with_format:
+        print("clang-format is not installed: formatting not checked")
+        sys.exit(77)
+    print("the plan holds")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,290 @@
+"""What scripts rely on: exit statuses, one-line reasons, streams, overwriting, interruption, the tables of pack, check
+and statics.
+
+usage: test_usage.py COMMAND SOURCE_DIR
+"""
+import json
+import os
+import pathlib
+import pty
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+COMMAND = str(pathlib.Path(sys.argv[1]).resolve())
+SMALL = ["--set", "packing.grains=60", "--set", "packing.width=8"]
+LONG = ["--set", "packing.grains=3000", "--set", "packing.pressure=1e-8"]  # minutes, if nobody stopped it
+faults = []
+
+
+def run(*arguments, **options):
+    return subprocess.run([COMMAND, *map(str, arguments)], text=True, stdin=subprocess.DEVNULL, timeout=120,
+                          **{"capture_output": True, **options})
+
+
+def expect(good, what):
+    if not good:
+        faults.append(what)
+
+
+def expect_status(status, *arguments, reason="", **options):
+    """Runs, and wants this exit status and for a failure a first line on stderr that is the reason."""
+    result = run(*arguments, **options)
+    line = (result.stderr or "").split("\n")[0]
+    expect(result.returncode == status, f"{arguments}: exit status {result.returncode}, expected {status}: {line}")
+    if status:
+        expect(line.startswith("sonopack") and reason in line, f"{arguments}: {line!r} does not say {reason!r}")
+        expect(status == 1 or not result.stdout, f"{arguments}: data on stdout after wrong usage")
+    return result
+
+
+def rows(text):
+    """Of a TSV table: a dictionary a row."""
+    lines = [line.split("\t") for line in text.splitlines() if not line.startswith("#")]
+    return [dict(zip(lines[0], line, strict=True)) for line in lines[1:]]
+
+
+def check_wrong_usage():
+    nothing = run()
+    expect(nothing.returncode == 2 and not nothing.stdout and "pack" in nothing.stderr, "no command: help on stderr")
+    expect_status(2, "pak", reason="did you mean pack?")
+    expect_status(2, "xyzzy", reason="unknown command xyzzy")
+    expect_status(2, "--frobnicate", reason="--frobnicate")
+    expect_status(2, "help", "nothing", reason="unknown command nothing")
+    expect_status(2, "pack", "--frobnicate", reason="--frobnicate")
+    expect_status(2, "pack", "-o", "x.h5", reason="no scene")
+    expect_status(2, "pack", *SMALL, reason="no output")
+    expect_status(2, "pack", "a.cfg", "b.cfg", "-o", "x.h5", reason="one scene only")
+    expect_status(2, "pack", *SMALL, "--seed", "-1", "-o", "x.h5", reason="--seed -1")
+    expect_status(2, "pack", *SMALL, "--seed", "1.5", "-o", "x.h5", reason="--seed 1.5")
+    expect_status(2, "pack", *SMALL, "--threads", "0", "-o", "x.h5", reason="--threads 0")
+    expect_status(2, "pack", *SMALL, "--threads", "nan", "-o", "x.h5", reason="--threads nan")
+    expect_status(2, "pack", *SMALL, "--format", "xml", "-o", "x.h5", reason="--format xml")
+    expect_status(2, "check", reason="no file")
+    expect_status(2, "statics", reason="no file")
+    expect_status(2, "check", "x.h5", "--tolerance", "0x1", reason="--tolerance 0x1")
+    expect_status(2, "statics", "x.h5", "--margin", "inf", reason="--margin inf")
+    expect_status(2, "statics", "x.h5", "--set", "packing.grains=3", reason="packing.grains")
+    expect_status(2, "statics", "x.h5", "--set", "network.threshold=7", reason="network.threshold = 7")
+    expect_status(2, "pack", *SMALL, *["--set", "packing.friction=0.5"] * 300, "-o", "x.h5", reason="--set")
+
+
+def check_help():
+    for arguments in (["help"], ["--help"], ["help", "help"]):
+        result = expect_status(0, *arguments)
+        expect(result.stdout.startswith("Usage: sonopack") and not result.stderr, f"{arguments}: the overview")
+    commands = re.findall(r"^  ([a-z]+) ", run("help").stdout, re.M)
+    expect({"pack", "check", "statics", "signal", "study", "help"} <= set(commands), f"commands: {commands}")
+    for command in commands:
+        if command != "help":
+            by_name, by_option = expect_status(0, "help", command), expect_status(0, command, "--help")
+            expect(by_name.stdout == by_option.stdout and f"sonopack {command}" in by_name.stdout, f"help {command}")
+    for arguments in (["--version"], ["pack", "--version"]):
+        expect(re.fullmatch(r"sonopack \d+\.\d+\.\d+\n", run(*arguments).stdout), f"{arguments}")
+
+
+def check_streams(folder):
+    """A full disk, a closed stdout and a closed pipe are failures with a reason; a reader that has had enough is not."""
+    for arguments in (["help"], ["help", "scene"], ["--version"]):
+        with open("/dev/full", "w") as full:
+            expect_status(1, *arguments, reason="standard output: No space left", capture_output=False, stdout=full,
+                          stderr=subprocess.PIPE)
+        closed = subprocess.run(["bash", "-c", '"$@" >&-', "bash", COMMAND, *arguments], text=True, capture_output=True)
+        expect(closed.returncode == 1 and "standard output" in closed.stderr, f"{arguments} with stdout closed: {closed}")
+    piped = subprocess.run(["bash", "-c", f"trap '' PIPE; '{COMMAND}' help scene; echo $? >&2"], text=True,
+                           stdout=broken_pipe(), stderr=subprocess.PIPE)
+    expect("Broken pipe\n1\n" in piped.stderr, f"a broken pipe with SIGPIPE ignored: {piped.stderr!r}")
+    quiet = subprocess.run([COMMAND, "help", "scene"], stdout=broken_pipe(), stderr=subprocess.PIPE, restore_signals=True)
+    expect(quiet.returncode == -signal.SIGPIPE and not quiet.stderr, f"a broken pipe ends quietly: {quiet}")
+    # with stdout closed no result file may become file 1 and get the summary
+    closed = subprocess.run(["bash", "-c", '"$@" >&-', "bash", COMMAND, "pack", *SMALL, "-o", folder / "closed.txt"],
+                            text=True, capture_output=True)
+    expect(closed.returncode == 1 and "standard output" in closed.stderr, f"pack with stdout closed: {closed}")
+    expect("grains\theight" not in (folder / "closed.txt").read_text(), "the summary went into the packing")
+
+
+def broken_pipe():
+    reader, writer = os.pipe()
+    os.close(reader)
+    return os.fdopen(writer, "w")
+
+
+def check_overwriting(folder):
+    packing = folder / "p.txt"
+    result = expect_status(0, "pack", *SMALL, "-o", packing)
+    before = packing.read_bytes()
+    expect(not result.stderr, f"progress without a terminal: {result.stderr!r}")
+    expect_status(2, "pack", *SMALL, "-o", packing, reason="exists already")
+    expect(packing.read_bytes() == before, "an existing file was replaced silently")
+    expect_status(0, "pack", *SMALL, "--seed", "2", "-o", packing, "--force")
+    expect(packing.read_bytes() != before, "--force does not replace")
+    for name, content in (("foreign.h5", b"a letter to my aunt\n"), ("image.txt", b"\x89PNG\r\n\x1a\n" + bytes(50)),
+                          ("page.txt", b"<html></html>\n")):
+        path = folder / name
+        path.write_bytes(content)
+        expect_status(2, "pack", *SMALL, "-o", path, "--force", reason="another kind")
+        expect(path.read_bytes() == content, f"{name} was replaced")
+    (folder / "folder.h5").mkdir()
+    expect_status(2, "pack", *SMALL, "-o", folder / "folder.h5", "--force", reason="is a folder")
+    expect_status(1, "pack", *SMALL, "-o", folder / "nowhere/p.h5", reason="nowhere")
+    expect_status(2, "pack", *SMALL, "-o", folder / "p.dat", reason="ending")
+    expect_status(2, "pack", *SMALL, "-o", "", reason="ending")
+    expect_status(2, "statics", packing, "-o", folder / "t.h5", reason="ending")
+    expect_status(2, "statics", packing, "-o", folder / "t.tsv", "--format", "csv", reason="--format")
+    for name in ("t.tsv", "t.csv", "t.json"):
+        expect_status(0, "statics", packing, "-o", folder / name)
+    expect(json.loads((folder / "t.json").read_text()), "JSON")
+    expect_status(0, "statics", packing, "-o", folder / "t.dat", "--format", "tsv")
+    expect((folder / "t.dat").read_text() == (folder / "t.tsv").read_text(), "--format names the format of t.dat")
+
+
+def check_summary(folder):
+    result = expect_status(0, "pack", *SMALL, "--seed", "5", "-o", folder / "s.txt")
+    (row,) = rows(result.stdout)
+    expect(list(row) == "grains height p z_star rattlers residual steps seconds".split(), f"columns {list(row)}")
+    expect(row["grains"] == "60" and float(row["p"]) == 1e-4, f"summary {row}")
+    # 60 grains in a box 8 wide at an area fraction of 0.7 .. 0.9, and rest by the rule min(1e-10, 1e-6 p)
+    area = 60 * 3.14159 / 4 * (1 + 0.4**2 / 12)
+    expect(0.65 < area / (8 * float(row["height"])) < 0.9, f"height {row['height']}")
+    expect(0 <= float(row["residual"]) <= 1e-10 and int(row["steps"]) > 0, f"residual {row['residual']}")
+    expect(0 <= int(row["rattlers"]) < 30, f"rattlers {row['rattlers']}")
+    text = expect_status(0, "pack", *SMALL, "--seed", "5", "-o", folder / "s5.txt", "--format", "json").stdout
+    expect("z_star" in json.dumps(json.loads(text)), "--format json")
+    expect((folder / "s.txt").read_bytes() == (folder / "s5.txt").read_bytes(), "a seed is not a packing, bit for bit")
+
+
+def change_grain(lines, n):
+    """The first grain that carries, moved by a hundredth of a diameter."""
+    words = lines[2 + carrying_grain(lines, n)].split()
+    words[0] = repr(float(words[0]) + 0.01)
+    lines[2 + carrying_grain(lines, n)] = " ".join(words)
+
+
+def carrying_grain(lines, n):
+    return next(int(line.split()[0]) for line in lines[2 + n:] if float(line.split()[5]) > 1e-5)
+
+
+def strongest_pair(lines, n):
+    return max(range(2 + n, len(lines)), key=lambda k: (int(lines[k].split()[1]) >= 0, float(lines[k].split()[5])))
+
+
+def change_force(lines, n):
+    words = lines[strongest_pair(lines, n)].split()
+    words[5] = repr(1.01 * float(words[5]))
+    lines[strongest_pair(lines, n)] = " ".join(words)
+
+
+def change_tangential_force(lines, n):
+    words = lines[strongest_pair(lines, n)].split()
+    words[6] = repr(float(words[6]) + 0.1 * float(words[5]))
+    lines[strongest_pair(lines, n)] = " ".join(words)
+
+
+def change_header(word, factor):
+    def change(lines, n):
+        words = lines[1].split()
+        words[words.index(word) + 1] = repr(factor * float(words[words.index(word) + 1]))
+        lines[1] = " ".join(words)
+    return change
+
+
+def check_audit(folder):
+    good = folder / "good.txt"
+    expect_status(0, "pack", *SMALL, "-o", good)
+    result = expect_status(0, "check", good)
+    (row,) = rows(result.stdout)
+    expect(list(row) == "file ok residual reason".split(), f"columns {list(row)}")
+    expect(row["ok"] == "yes" and row["file"] == str(good), f"a packing that was just made: {row}")
+    expect(0 <= float(row["residual"]) <= 1e-6, f"residual {row['residual']}")
+    expect_status(1, "check", good, "--tolerance", "0", reason="must be at most 0")
+    changes = {"grain": (change_grain, "positions|overlap|unit|normal"), "force": (change_force, "Hertz"),
+               "tangential": (change_tangential_force, "balance"), "pressure": (change_header("p", 2), "wall|balance"),
+               "friction": (change_header("mu", 0.1), "friction|tangential|Coulomb"),
+               "nan": (change_header("p", float("nan")), ""), "negative": (change_header("p", -1), "")}
+    for name, (change, reason) in changes.items():
+        lines = good.read_text().splitlines()
+        change(lines, 60)
+        path = folder / f"{name}.txt"
+        path.write_text("\n".join(lines) + "\n")
+        bad = run("check", good, path)
+        table = rows(bad.stdout)
+        expect(bad.returncode == 1 and [row["ok"] for row in table] == ["yes", "no"], f"check {name}: {bad}")
+        expect(re.search(reason, table[-1]["reason"]), f"check {name}: reason {table[-1]['reason']}")
+        expect(str(path) in bad.stderr.split("\n")[0], f"check {name}: stderr {bad.stderr!r}")
+    (folder / "empty.h5").write_bytes(b"")
+    (folder / "noise.h5").write_bytes(bytes(range(256)) * 40)
+    for name in ("empty.h5", "noise.h5", "absent.h5", "folder.h5"):
+        result = expect_status(1, "check", folder / name, reason=name)
+        expect([row["ok"] for row in rows(result.stdout)] == ["no"], f"check {name}: {result.stdout}")
+
+
+def check_statics(folder):
+    good = folder / "good.txt"
+    result = run("statics", folder / "noise.h5", good, "--margin", "0.5")
+    expect(result.returncode == 1 and "noise.h5" in result.stderr.split("\n")[0], f"statics of a bad file: {result}")
+    (row,) = rows(result.stdout)
+    expect(list(row) == "file p Phi2 Phi3 Phi3s zs f0 N_over_p Z2 Z3 F2 F2S s1_over_s2".split(), f"columns {list(row)}")
+    value = {name: float(text) for name, text in row.items() if name != "file"}
+    # a disk of diameter 1 is pi/4 of its square, a sphere pi/6 of its cube: Phi3/Phi2 = 2/3 <d^3>/<d^2> for the
+    # uniform diameters 0.8 .. 1.2, in a layer one mean diameter thick
+    expect(abs(value["Phi3"] / value["Phi2"] - 2 / 3 * 1.04 / (1 + 0.16 / 12)) < 0.02, f"Phi3/Phi2 in {row}")
+    expect(2 < value["zs"] < 4 and 0 < value["Phi3s"] <= value["Phi3"] and value["Z2"] >= 1, f"statics {row}")
+    none = run("statics", folder / "noise.h5")
+    expect(none.returncode == 1 and not none.stdout, f"statics without any good file: {none}")
+
+
+def check_interruption(folder):
+    for kind in (signal.SIGINT, signal.SIGTERM):
+        place = folder / f"stop{kind}"
+        place.mkdir()
+        process = subprocess.Popen([COMMAND, "pack", *LONG, "-o", place / "p.h5"], text=True, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE)
+        time.sleep(0.5)
+        process.send_signal(kind)
+        output, error = process.communicate(timeout=60)
+        expect(process.returncode == 1 and not output, f"{kind!r}: exit status {process.returncode}, {output!r}")
+        expect(re.fullmatch(r"sonopack: stopped .*\n", error), f"{kind!r}: {error!r}")
+        expect(not list(place.iterdir()), f"{kind!r} leaves {list(place.iterdir())}")
+
+
+def check_progress(folder):
+    """On a terminal a line that rewrites itself, none with --quiet."""
+    for option, shown in (([], True), (["--quiet"], False)):
+        master, slave = pty.openpty()
+        process = subprocess.Popen([COMMAND, "pack", *LONG, *option, "-o", folder / "never.h5"], stderr=slave,
+                                   stdout=subprocess.DEVNULL)
+        os.close(slave)
+        time.sleep(0.7)
+        process.send_signal(signal.SIGINT)
+        process.wait(timeout=60)
+        seen = os.read(master, 65536).decode()
+        os.close(master)
+        expect(("steps" in seen and "\r" in seen) == shown, f"progress with {option}: {seen!r}")
+        expect(seen.replace("\r\n", "\n").endswith("start it again\n"), f"the last line: {seen[-200:]!r}")
+
+
+def main():
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="sonopack-usage-"))
+    os.chdir(folder)
+    try:
+        check_wrong_usage()
+        check_help()
+        check_streams(folder)
+        check_overwriting(folder)
+        check_summary(folder)
+        check_audit(folder)
+        check_statics(folder)
+        check_interruption(folder)
+        check_progress(folder)
+    finally:
+        shutil.rmtree(folder)
+    print(*faults, sep="\n")
+    sys.exit(1 if faults else 0)
+
+
+if __name__ == "__main__":
+    main()
