@@ -67,8 +67,6 @@ static sp_status choose_direction(arguments *a, sp_error *err) {
                        "%s and both tables exist: must be `convert %s %s --contacts ...' to write the tables, or "
                        "`convert %s %s --contacts ...' to read them",
                        a->in, a->in, a->grains, a->grains, a->in);
-    if (!tables && !packing && cli_has_ending(a->in, ".tsv"))
-        return sp_fail(err, SP_EINVAL, "%s: must be a packing, .h5 or .txt", a->in);
     if (tables || (!packing && (is_file(a->grains) || is_file(a->contacts)))) {
         a->out = a->in;
         a->in = NULL;
@@ -76,8 +74,8 @@ static sp_status choose_direction(arguments *a, sp_error *err) {
     return SP_OK;
 }
 
-/* Puts what the command line says in order: afterwards `in` is the packing to read (NULL: the tables), `out` the
- * packing to write (NULL: the tables). */
+/* Puts what the command line says in order: afterwards `in` is the packing to read (NULL: the tables) and `out` the
+ * packing to write (NULL: none); tables that are not read are written. */
 static sp_status understand(arguments *a, sp_error *err) {
     if (a->common.output && a->in && a->out)
         return sp_fail(err, SP_EINVAL, "OUT is given twice: %s and -o %s", a->out, a->common.output);

@@ -188,9 +188,7 @@ static sp_status trace_front(const arguments *a, const char *path, double *dista
         rule.window = sp_signal_window(height, pressure);
     *distance = height;
     status = sp_front_find(t.rows, memory, memory + n, &rule, out, err);
-    if (status == SP_EINVAL)
-        status = sp_fail(err, SP_EFORMAT, "%s: %.900s", path, err->text);
-    else if (status != SP_OK)
+    if (status != SP_OK)
         sp_fail_prefix(err, "%s", path);
 out:
     sp_free(memory);

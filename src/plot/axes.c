@@ -61,7 +61,7 @@ static void decimal(char *out, size_t size, double value, int decimals) {
     char plain[40];
     snprintf(plain, sizeof plain, "%.*f", decimals, fabs(value));
     bool zero = strspn(plain, "0.") == strlen(plain);
-    snprintf(out, size, "%s%s", value < 0.0 && !zero ? "\xe2\x88\x92" : "", plain);
+    snprintf(out, size, "%s%s", value < 0.0 && !zero ? MINUS : "", plain);
 }
 
 /* Steps 1, 2, 5 x 10^k; about `count` of them in `range`. *minor: how many parts a step has. */

@@ -177,13 +177,14 @@ static sp_status draw(const sp_table *t, speeds *s, const char *path, sp_error *
         char label[128];
         tof_label(t, s, label, sizeof label);
         /* c_tof = 0.26 (p/1e-4)^(1/6): Somfai et al. 2005, IV C and D */
-        const double line_x[2] = {s->low_p - 0.15, s->high_p + 0.15};
+        const double beyond = fmax(0.15, 0.5 - 0.5 * (s->high_p - s->low_p));
+        const double line_x[2] = {s->low_p - beyond, s->high_p + beyond};
         const double line_y[2] = {log10(0.26) + (line_x[0] + 4.0) / 6.0, log10(0.26) + (line_x[1] + 4.0) / 6.0};
         series all[4] = {points(s, C_TOF, 1, MARKER_CIRCLE, label)};
         all[0].low = s->column[C_LOW];
         all[0].high = s->column[C_HIGH];
         all[1] = (series){.n = 2, .x = line_x, .y = line_y, .ink = figure_ink(0), .dash = DASH_DASHED, .width = 0.8};
-        all[1].label = "0.26 (|p|/10^{â4}|E|*)^{1/6}, Somfai |et al.|";
+        all[1].label = "0.26 (|p|/10^{" MINUS "4}|E|*)^{1/6}, Somfai |et al.|";
         all[2] = points(s, C_L, 2, MARKER_SQUARE, "|c|_{l}");
         all[3] = points(s, C_T, 3, MARKER_TRIANGLE, "|c|_{t}");
         figure f = {.canvas = &c, .n = 4, .series = all};

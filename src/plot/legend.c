@@ -100,19 +100,45 @@ static legend_box best_corner(const figure *f, legend_box box, const legend_box 
     return best;
 }
 
+/* Each group in a corner of its own; gives how much they hide. */
+static int64_t place_apart(const figure *f, legend_box box[LEGEND_GROUPS]) {
+    int64_t covers = 0;
+    for (int g = 0; g < LEGEND_GROUPS; g++) {
+        if (box[g].height == 0.0)
+            continue;
+        box[g] = best_corner(f, box[g], g > 0 ? &box[g - 1] : NULL);
+        covers = box[g].covers > covers ? box[g].covers : covers;
+    }
+    return covers;
+}
+
+/* One below the other in one corner. */
+static int64_t place_together(const figure *f, legend_box box[LEGEND_GROUPS]) {
+    legend_box all = {0};
+    for (int g = 0; g < LEGEND_GROUPS; g++) {
+        all.width = fmax(all.width, box[g].width);
+        all.height += box[g].height;
+    }
+    all = best_corner(f, all, NULL);
+    double y = all.y;
+    for (int g = 0; g < LEGEND_GROUPS; g++) {
+        box[g].x = all.x;
+        box[g].y = y;
+        box[g].covers = all.covers;
+        y += box[g].height;
+    }
+    return all.covers;
+}
+
 void legend_place(figure *f, legend_box box[LEGEND_GROUPS]) {
     const double step = 0.04 * (f->axes.y.high - f->axes.y.low);
-    for (int g = 0; g < LEGEND_GROUPS; g++)
+    bool empty = true;
+    for (int g = 0; g < LEGEND_GROUPS; g++) {
         box[g] = size_of(f, g);
-    for (int k = 0; k < 26; k++) {
-        int64_t covers = 0;
-        for (int g = 0; g < LEGEND_GROUPS; g++) {
-            if (box[g].height == 0.0)
-                continue;
-            box[g] = best_corner(f, box[g], g > 0 ? &box[g - 1] : NULL);
-            covers = box[g].covers > covers ? box[g].covers : covers;
-        }
-        if (covers == 0)
+        empty = empty && box[g].height == 0.0;
+    }
+    for (int k = 0; k < 40 && !empty; k++) {
+        if (place_apart(f, box) == 0 || place_together(f, box) == 0)
             return;
         f->axes.y.high += step;
         axes_layout(&f->axes, f->canvas);

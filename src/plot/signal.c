@@ -76,7 +76,7 @@ static void make_label(const drawing *d, canvas *c, int j) {
     const char *raw = d->trace[j].label ? d->trace[j].label : "";
     for (int most = LABEL_MOST; most >= 6; most -= 2) {
         text_escape(d->label[j], sizeof d->label[j], raw, most);
-        if (text_width(c, d->label[j], TEXT_LEGEND) < 0.55 * c->width)
+        if (text_width(c, d->label[j], TEXT_LEGEND) < 0.42 * c->width)
             break;
     }
 }
@@ -112,7 +112,7 @@ static void add_traces(drawing *d, figure *f) {
 /* The symbols of Fig. 6 of Somfai et al. 2005, explained in a group of their own. */
 static void add_marks(drawing *d, figure *f) {
     static const marker shape[MARKS] = {MARKER_TRIANGLE, MARKER_CIRCLE, MARKER_SQUARE};
-    static const char *const name[MARKS] = {"10% of first peak", "first peak", "zero crossing"};
+    static const char *const name[MARKS] = {"|t|_{10}", "|t|_{peak}", "|t|_{zero}"};
     for (int m = 0; m < MARKS; m++) {
         series mark = {.dash = DASH_NONE, .marker = shape[m], .open = true, .group = 1};
         const int before = f->n;
@@ -143,9 +143,12 @@ static void add_marks(drawing *d, figure *f) {
 static sp_status draw(drawing *d, const char *path, sp_error *err) {
     canvas c = {0};
     figure f = {.canvas = &c, .series = d->series, .zero_line = true};
+    /* a long legend gets room of its own */
+    const double room = d->traces > 4 && d->traces <= LEGEND_MOST ? 10.0 * (d->traces - 4) : 0.0;
     sp_status status = set_axes(d, &f.axes, err);
     if (status == SP_OK)
-        status = canvas_open(&c, path, "Signals: force on the top wall", CANVAS_COLUMN, 0.66 * CANVAS_COLUMN, err);
+        status =
+            canvas_open(&c, path, "Signals: force on the top wall", CANVAS_COLUMN, 0.66 * CANVAS_COLUMN + room, err);
     if (status == SP_OK) {
         add_traces(d, &f);
         add_marks(d, &f);

@@ -10,7 +10,6 @@
 /* Helvetica's own heights, near enough for every grotesque that fontconfig puts in its place. */
 static const char family[] = "Helvetica";
 #define CAPITAL 0.73 /* height of a capital, in sizes */
-#define MINUS   "\xe2\x88\x92"
 #define TIMES   "\xc3\x97"
 
 /* ---- markup --------------------------------------------------------------------------------------------------- */

@@ -10,6 +10,9 @@
 #define TEXT_LEGEND 8.0
 #define TEXT_SCRIPT 7.0
 
+/* The minus sign of print, in UTF-8. */
+#define MINUS "\xe2\x88\x92"
+
 typedef struct text_style {
     double size;   /* pt */
     double across; /* 0: x is the left end, 0.5: the middle, 1: the right end */

@@ -179,6 +179,18 @@ static sp_status copy_token(scanner *s) {
     return copy_structure(s);
 }
 
+/* libconfig knows @include at the beginning of a line only; refused in comments too, to be sure. */
+static sp_status refuse_include(const scanner *s) {
+    int number = 1;
+    for (const char *line = s->at; line; number++) {
+        if (strncmp(line + strspn(line, " \t\r\f\v"), "@include", 8) == 0)
+            return fault(s, number, "@include is not supported: a scene must be one file");
+        const char *end = strchr(line, '\n');
+        line = end ? end + 1 : NULL;
+    }
+    return SP_OK;
+}
+
 sp_status sp_source_clean(const char *text, const char *name, char **clean, sp_error *err) {
     if (strncmp(text, "\xef\xbb\xbf", 3) == 0) /* the byte order mark of some editors */
         text += 3;
@@ -187,15 +199,7 @@ sp_status sp_source_clean(const char *text, const char *name, char **clean, sp_e
     if (!copied)
         return sp_fail_memory(err, 2 * size);
     scanner s = {.at = text, .to = copied, .name = name, .line = 1, .err = err};
-    sp_status status = SP_OK;
-    /* libconfig knows @include at the beginning of a line only; refused in comments too, to be sure */
-    for (const char *line = text; line && status == SP_OK; line = strchr(line, '\n')) {
-        line += *line == '\n';
-        s.line += line > text && line[-1] == '\n';
-        if (strncmp(line + strspn(line, " \t\r\f\v"), "@include", 8) == 0)
-            status = fault(&s, s.line, "@include is not supported: a scene must be one file");
-    }
-    s.line = 1;
+    sp_status status = refuse_include(&s);
     bool comment = false;
     while (status == SP_OK && *s.at) {
         const char first = *s.at;

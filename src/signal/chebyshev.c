@@ -22,7 +22,7 @@ void sp_expansion_free(sp_expansion *e) {
 static double weight(bool velocity, int64_t k) { return velocity ? 2 * (double)k + 1 : 1; }
 
 /* Rounding: see rounding(). */
-#define MOMENT_ROUNDING 1.0
+#define MOMENT_ROUNDING 5.0
 #define PHASE_ROUNDING  1.0
 
 /* J_(2k+1) or J_2k at x for k < *n, all that are not negligible there. Above x they fall with the order and rise with
@@ -42,7 +42,7 @@ static sp_status bessel_terms(double x, bool velocity, int64_t *n, double **j, s
 
 sp_status sp_expansion_terms(double omega, double until, bool velocity, double tail, int64_t *terms, sp_error *err) {
     double *j = NULL, sum = 0;
-    int64_t n;
+    int64_t n = 0;
     sp_status status = bessel_terms(omega * until, velocity, &n, &j, err);
     if (status != SP_OK)
         return status;

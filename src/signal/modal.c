@@ -8,17 +8,17 @@
 /* Leaves room for 5 times what is seen. */
 #define BACKWARD 1.0
 
-/* Error of the sum at the last time: every frequency's own error turns its phase; the solver's backward error, some
- * DBL_EPSILON of A, acts on the sum as a whole like a shift of all frequencies at the top of the spectrum; and the sine
- * and the sum are rounded. */
+/* Error of the sum at the last time. Every frequency's own error turns its phase, independently of the others; the
+ * solver's backward error, some DBL_EPSILON of A, acts like a shift at the top of the spectrum; sine and sum are
+ * rounded. */
 static double modal_error(const sp_modes *m, double omega, double last) {
     double phases = 0, squares = 0;
     for (int64_t row = 0; row < m->n; row++) {
-        const double ab = fabs(m->a[row] * m->b[row]);
-        phases += ab * fmin(2, m->error[row] * last);
+        const double ab = fabs(m->a[row] * m->b[row]), turn = fmin(2, m->error[row] * last);
+        phases += ab * ab * turn * turn;
         squares += ab * ab;
     }
-    return phases + BACKWARD * DBL_EPSILON * (1 + omega * last) * sqrt(squares);
+    return 2 * sqrt(phases) + BACKWARD * DBL_EPSILON * (1 + omega * last) * sqrt(squares);
 }
 
 sp_status sp_signal_by_modes(const sp_network *net, const sp_signal_options *opt, sp_signal *s, sp_error *err) {

@@ -57,7 +57,7 @@ void sp_tangent_vector(const double n[3], double scalar, double ft[3]) {
 
 double sp_wrap(double x, double period) {
     if (x >= 0 && x < period)
-        return x;
+        return x + 0.0; /* no negative zero */
     double inside = fmod(x, period);
     if (inside < 0)
         inside += period;

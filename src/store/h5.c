@@ -69,11 +69,12 @@ hid_t sp_h5_memory_type(sp_h5_type type) {
     return H5I_INVALID_HID;
 }
 
-/* Properties for files: current format, whose metadata carry checksums; no lock files, since a file never changes. */
+/* Properties for files: the format of HDF5 1.8, whose object headers carry checksums; no file locks, since a file never
+ * changes. */
 static hid_t file_access(bool memory) {
     hid_t fapl = H5Pcreate(H5P_FILE_ACCESS);
     if (fapl >= 0 && (H5Pset_fclose_degree(fapl, H5F_CLOSE_STRONG) < 0 || H5Pset_file_locking(fapl, false, true) < 0 ||
-                      (memory && (H5Pset_libver_bounds(fapl, H5F_LIBVER_V110, H5F_LIBVER_V110) < 0 ||
+                      (memory && (H5Pset_libver_bounds(fapl, H5F_LIBVER_V18, H5F_LIBVER_V18) < 0 ||
                                   H5Pset_fapl_core(fapl, (size_t)1 << 20, false) < 0)))) {
         H5Pclose(fapl);
         fapl = H5I_INVALID_HID;
@@ -86,9 +87,11 @@ sp_status sp_h5_create(sp_h5 *h, const char *path, sp_error *err) {
     hid_t fapl = file_access(true), fcpl = H5Pcreate(H5P_FILE_CREATE);
     if (fapl >= 0 && fcpl >= 0 && H5Pset_obj_track_times(fcpl, false) >= 0)
         h->file = H5Fcreate("sonopack", H5F_ACC_TRUNC, fcpl, fapl);
+    sp_status status =
+        h->file >= 0 ? SP_OK : sp_h5_fail(h, err, SP_ENOMEM, "no memory: cannot make an HDF5 file there");
     H5Pclose(fcpl);
     H5Pclose(fapl);
-    return h->file >= 0 ? SP_OK : sp_h5_fail(h, err, SP_ENOMEM, "cannot make an HDF5 file in memory");
+    return status;
 }
 
 sp_status sp_h5_open(sp_h5 *h, const char *path, sp_error *err) {
@@ -97,25 +100,10 @@ sp_status sp_h5_open(sp_h5 *h, const char *path, sp_error *err) {
     hsize_t size = 0;
     if (fapl >= 0)
         h->file = H5Fopen(path, H5F_ACC_RDONLY, fapl);
-    H5Pclose(fapl);
+    sp_status status = SP_OK;
     if (h->file < 0 || H5Fget_filesize(h->file, &size) < 0)
-        return sp_h5_fail(h, err, SP_EFORMAT, "not an intact HDF5 file");
+        status = sp_h5_fail(h, err, SP_EFORMAT, "not an intact HDF5 file");
+    H5Pclose(fapl); /* after the reason was taken, which the next call clears */
     h->size = size;
-    return SP_OK;
-}
-
-sp_status sp_h5_image(sp_h5 *h, void **data, size_t *size, sp_error *err) {
-    ssize_t bytes = H5Fflush(h->file, H5F_SCOPE_GLOBAL) < 0 ? -1 : H5Fget_file_image(h->file, NULL, 0);
-    if (bytes <= 0)
-        return sp_h5_fail(h, err, SP_ENOMEM, "cannot finish the HDF5 file in memory");
-    void *image = sp_alloc((size_t)bytes, 1);
-    if (!image)
-        return sp_fail_memory(err, (size_t)bytes);
-    if (H5Fget_file_image(h->file, image, (size_t)bytes) != bytes) {
-        sp_free(image);
-        return sp_h5_fail(h, err, SP_ENOMEM, "cannot copy the HDF5 file in memory");
-    }
-    *data = image;
-    *size = (size_t)bytes;
-    return SP_OK;
+    return status;
 }

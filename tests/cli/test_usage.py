@@ -15,7 +15,7 @@ import sys
 import tempfile
 import time
 
-COMMAND = str(pathlib.Path(sys.argv[1]).resolve())
+COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 SMALL = ["--set", "packing.grains=60", "--set", "packing.width=8"]
 LONG = ["--set", "packing.grains=3000", "--set", "packing.pressure=1e-8"]  # minutes, if nobody stopped it
 faults = []
@@ -199,8 +199,12 @@ def check_audit(folder):
     (row,) = rows(result.stdout)
     expect(list(row) == "file ok residual reason".split(), f"columns {list(row)}")
     expect(row["ok"] == "yes" and row["file"] == str(good), f"a packing that was just made: {row}")
-    expect(0 <= float(row["residual"]) <= 1e-6, f"residual {row['residual']}")
+    # at rest by the rule 1e-6 p: forces balance to 1e-6 of p d^2 (masses are below 1), the piston of 12.5 to 1.25e-5
+    expect(0 <= float(row["residual"]) <= 1.25e-5, f"residual {row['residual']}")
     expect_status(1, "check", good, "--tolerance", "0", reason="must be at most 0")
+    references = sorted((SOURCE / "packings/reference").glob("packing_*.txt"))
+    expect(references and {row["ok"] for row in rows(expect_status(0, "check", *references).stdout)} == {"yes"},
+           f"reference packings: {references}")
     changes = {"grain": (change_grain, "positions|overlap|unit|normal"), "force": (change_force, "Hertz"),
                "tangential": (change_tangential_force, "balance"), "pressure": (change_header("p", 2), "wall|balance"),
                "friction": (change_header("mu", 0.1), "friction|tangential|Coulomb"),

@@ -270,7 +270,7 @@ static void test_allocation_failures(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_stiffness_is_jacobian), cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_stiffness_is_jacobian),   cmocka_unit_test(test_momentum),
         cmocka_unit_test(test_lists_equal_brute_force), cmocka_unit_test(test_energy),
         cmocka_unit_test(test_allocation_failures),
     };

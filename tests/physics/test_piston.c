@@ -1,0 +1,126 @@
+/* Packings under the piston: at rest, sound, and a function of scene and seed alone. Their statistics against the paper
+ * are in benchmarks/ (they need many samples). */
+#include "test.h"
+
+#include "base/base.h"
+
+#include <sonopack/packing.h>
+
+static sp_packing make(const sp_pack_spec *spec) {
+    sp_packing p = sp_packing_none();
+    assert_ok(sp_packing_make(spec, NULL, NULL, &p, &err));
+    return p;
+}
+
+/* The default tolerance 1e-6 p bounds |F|/(p d^2) of a grain by 1e-6 m: largest m is 0.9. Coulomb holds to rounding:
+ * the spring was cut at mu F_n a step ago, and F_n has changed since by the residual motion only. */
+static void assert_at_rest(const sp_packing *p) {
+    sp_audit a;
+    assert_ok(sp_packing_check(p, &err));
+    assert_ok(sp_packing_audit(p, 1e-4, &a, &err));
+    assert_true(a.force_residual < 2e-6);
+    assert_true(a.torque_residual < 1e-6);
+    assert_true(a.wall_residual < 1e-5);
+    assert_true(a.law_residual < 1e-12);
+    assert_true(a.geometry_residual < 1e-9);
+    assert_true(a.coulomb_excess < 1e-6);
+    assert_int_equal(a.missing, 0);
+}
+
+static void test_rest(void **state) {
+    (void)state;
+    const double pressure[] = {1e-4, 1e-5, 1e-6}, friction[] = {0.5, 0.1, 0};
+    for (int k = 0; k < 9; k++) {
+        sp_pack_spec spec = sp_pack_spec_default();
+        spec.grains = 120;
+        spec.width = 12;
+        spec.pressure = pressure[k % 3];
+        spec.friction = friction[k / 3];
+        spec.poisson = k % 2 ? 0.3 : 0;
+        spec.seed = 100 + (uint64_t)k;
+        sp_packing p = make(&spec);
+        assert_at_rest(&p);
+        double height = sp_packing_height(&p);
+        assert_true(height > 8 && height < 11); /* 120 x pi/4 x 1.013/(12 phi), phi from 0.75 to 0.9 */
+        sp_packing_free(&p);
+    }
+}
+
+static bool same(const sp_packing *p, const sp_packing *q) {
+    return p->n == q->n && p->n_contacts == q->n_contacts && p->steps == q->steps &&
+           memcmp(p->x, q->x, (size_t)p->n * 24) == 0 && memcmp(p->r, q->r, (size_t)p->n * 8) == 0 &&
+           memcmp(p->contacts, q->contacts, (size_t)p->n_contacts * sizeof *p->contacts) == 0 &&
+           memcmp(p->box, q->box, sizeof p->box) == 0;
+}
+
+static bool count_calls(const sp_pack_progress *progress, void *user) {
+    assert_true(progress->steps >= 0 && progress->height > 0);
+    ++*(int *)user;
+    return true;
+}
+
+static void test_determinism(void **state) {
+    (void)state;
+    sp_pack_spec spec = sp_pack_spec_default();
+    spec.grains = 80;
+    spec.width = 10;
+    spec.seed = 5;
+    sp_packing p = make(&spec), q = sp_packing_none();
+    int calls = 0;
+    assert_ok(sp_packing_make(&spec, count_calls, &calls, &q, &err));
+    assert_true(calls > 3);
+    assert_true(same(&p, &q));
+    sp_packing_free(&q);
+    spec.seed = 6;
+    q = make(&spec);
+    assert_false(same(&p, &q));
+    sp_packing_free(&q);
+    sp_packing_free(&p);
+}
+
+static bool stop_soon(const sp_pack_progress *progress, void *user) {
+    (void)user;
+    return progress->steps < 8000;
+}
+
+static void test_stops(void **state) {
+    (void)state;
+    sp_pack_spec spec = sp_pack_spec_default();
+    sp_packing p = sp_packing_none();
+    assert_fails(sp_packing_make(&spec, stop_soon, NULL, &p, &err), SP_EINTERRUPTED, "stopped after 8000 steps");
+    spec.grains = 40;
+    spec.width = 6;
+    spec.max_steps = 2000;
+    assert_fails(sp_packing_make(&spec, NULL, NULL, &p, &err), SP_EFAILED, "not at rest after 2000 steps");
+    spec.max_steps = 0;
+    spec.pressure = 1e-2; /* the piston arrives faster than grains can stop it */
+    spec.grains = 300;
+    assert_fails(sp_packing_make(&spec, NULL, NULL, &p, &err), SP_EFAILED, "went through");
+    assert_null(p.x);
+}
+
+static void test_few_grains(void **state) {
+    (void)state;
+    for (int n = 1; n <= 5; n++) {
+        sp_pack_spec spec = sp_pack_spec_default();
+        spec.grains = n;
+        spec.width = 5;
+        spec.seed = (uint64_t)n;
+        sp_packing p = make(&spec);
+        int32_t rattlers;
+        assert_at_rest(&p);
+        assert_ok(sp_packing_rattlers(&p, 1e-4, NULL, NULL, &rattlers, &err));
+        assert_true(rattlers < n); /* somebody holds the piston */
+        sp_packing_free(&p);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_rest),
+        cmocka_unit_test(test_determinism),
+        cmocka_unit_test(test_stops),
+        cmocka_unit_test(test_few_grains),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

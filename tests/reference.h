@@ -1,0 +1,85 @@
+#ifndef TEST_REFERENCE_H
+#define TEST_REFERENCE_H
+/* The reference packings and signals of packings/reference, read by a reader of their own, and small packings made by
+ * hand: so that the rooms of network, modes and signal are tested without those of files and compression. */
+
+#include "packing/contact.h"
+#include "test.h"
+
+#include <sonopack/packing.h>
+
+#define REFERENCE(name) SOURCE_DIR "/packings/reference/" name
+
+static inline sp_packing reference_packing(const char *path) {
+    sp_packing p = sp_packing_none();
+    FILE *file = fopen(path, "r");
+    char line[512];
+    int n, pairs, bottom, top;
+    double width, height, pressure, mu, nu;
+    unsigned long long seed;
+    assert_non_null(file);
+    assert_non_null(fgets(line, sizeof line, file));
+    assert_int_equal(fscanf(file, "N %d Lx %lf Ly %lf p %lf mu %lf nu %lf contacts %d bottom %d top %d seed %llu", &n,
+                            &width, &height, &pressure, &mu, &nu, &pairs, &bottom, &top, &seed),
+                     10);
+    assert_ok(sp_packing_alloc(&p, 2, n, pairs + bottom + top, &err));
+    for (int i = 0; i < n; i++)
+        assert_int_equal(fscanf(file, "%lf %lf %lf %*d", &p.x[3 * i], &p.x[3 * i + 1], &p.r[i]), 3);
+    for (int k = 0; k < p.n_contacts; k++) {
+        sp_contact *c = &p.contacts[k];
+        double ft;
+        assert_int_equal(
+            fscanf(file, "%d %d %lf %lf %lf %lf %lf", &c->i, &c->j, &c->n[0], &c->n[1], &c->overlap, &c->fn, &ft), 7);
+        c->ft[0] = -ft * c->n[1];
+        c->ft[1] = ft * c->n[0];
+    }
+    fclose(file);
+    p.box[0] = width;
+    p.box[1] = height;
+    p.box[2] = 1;
+    p.pressure = pressure;
+    p.friction = mu;
+    p.poisson = nu;
+    p.wall = SP_WALL_RIGID;
+    sp_packing_sort(&p);
+    return p;
+}
+
+/* Columns t, F_vel, F_imp; returns the number of rows, at most `most`. */
+static inline int reference_signal(const char *path, int most, double *t, double *velocity, double *impulse) {
+    FILE *file = fopen(path, "r");
+    char line[1024];
+    int n = 0;
+    assert_non_null(file);
+    while (n < most && fgets(line, sizeof line, file))
+        if (sscanf(line, "%lf %lf %lf", &t[n], &velocity[n], &impulse[n]) == 3)
+            n++;
+    fclose(file);
+    return n;
+}
+
+/* n equal balls in a row, all springs equal (Somfai et al. 2005, Appendix C). */
+static inline sp_packing chain_packing(int n, double pressure) {
+    sp_packing p = sp_packing_none();
+    assert_ok(sp_packing_alloc(&p, 1, n, n + 1, &err));
+    const double e = contact_stiffness(0.5, 0.5), overlap = contact_overlap(e, pressure);
+    for (int i = 0; i < n; i++) {
+        p.r[i] = 0.5;
+        p.x[3 * i] = 0.5 - overlap + i * (1 - overlap);
+    }
+    for (int k = 0; k <= n; k++) {
+        sp_contact *c = &p.contacts[k];
+        *c = (sp_contact){.i = k == 0 ? 0 : k - 1, .j = k == 0 ? SP_BOTTOM : k == n ? SP_TOP : k};
+        c->n[0] = k == 0 ? -1 : 1;
+        c->overlap = overlap;
+        c->fn = contact_force(e, overlap);
+    }
+    p.box[0] = n - (n + 1) * overlap;
+    p.box[1] = p.box[2] = 1;
+    p.pressure = pressure;
+    p.wall = SP_WALL_GRAIN;
+    sp_packing_sort(&p);
+    return p;
+}
+
+#endif

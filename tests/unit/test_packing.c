@@ -1,0 +1,257 @@
+/* Structure checks, rattlers, audit, statics, and the ordered packings whose every number is known. */
+#include "test.h"
+
+#include "base/base.h"
+#include "numeric/random.h"
+#include "packing/contact.h"
+
+#include <sonopack/packing.h>
+
+static sp_packing make_triangular(int rows, int columns, double pressure) {
+    sp_pack_spec spec = sp_pack_spec_default();
+    spec.kind = SP_PACK_TRIANGULAR;
+    spec.width = columns;
+    spec.grains = rows * columns;
+    spec.pressure = pressure;
+    sp_packing p = sp_packing_none();
+    assert_ok(sp_packing_make(&spec, NULL, NULL, &p, &err));
+    return p;
+}
+
+static sp_packing make_chain(int n, double low, double high) {
+    sp_pack_spec spec = sp_pack_spec_default();
+    spec.kind = SP_PACK_CHAIN;
+    spec.dim = 1;
+    spec.grains = n;
+    spec.diameter_min = low;
+    spec.diameter_max = high;
+    sp_packing p = sp_packing_none();
+    assert_ok(sp_packing_make(&spec, NULL, NULL, &p, &err));
+    return p;
+}
+
+static void assert_sound(const sp_packing *p) {
+    sp_audit a;
+    assert_ok(sp_packing_check(p, &err));
+    assert_ok(sp_packing_audit(p, 1e-4, &a, &err));
+    assert_true(a.force_residual < 1e-11);
+    assert_true(a.torque_residual < 1e-11);
+    assert_true(a.wall_residual < 1e-11);
+    assert_true(a.law_residual < 1e-12);
+    assert_true(a.geometry_residual < 1e-9); /* 24 d x 2^-52 over an overlap of 2e-3 d */
+    assert_true(a.coulomb_excess <= 0);
+    assert_int_equal(a.missing, 0);
+    assert_int_equal(a.rattlers, 0);
+    assert_int_equal(a.carrying, p->n_contacts);
+}
+
+static void test_triangular(void **state) {
+    (void)state;
+    sp_packing p = make_triangular(25, 24, 1e-4);
+    assert_sound(&p);
+    assert_int_equal(p.n_contacts, 2 * 600);
+    /* F = p d^2/(2 cos) of the oblique contacts, close to p/sqrt(3) */
+    assert_relative(p.contacts[0].fn, 1e-4 / sqrt(3.0), 0.01);
+    sp_packing_free(&p);
+    p = make_triangular(2, 2, 1e-2);
+    assert_sound(&p);
+    sp_packing_free(&p);
+    p = make_triangular(1, 5, 1e-9);
+    assert_sound(&p);
+    sp_packing_free(&p);
+}
+
+static void test_chain(void **state) {
+    (void)state;
+    sp_packing p = make_chain(10, 0, 0);
+    assert_sound(&p);
+    assert_int_equal(p.n_contacts, 11);
+    /* F = n^(3/2)/3 between balls of diameter 1 (E12 = 1/2, R12 = 1/4), walls the same */
+    for (int c = 0; c < 11; c++)
+        assert_relative(p.contacts[c].overlap, pow(3e-4, 2.0 / 3.0), 1e-14);
+    assert_relative(p.box[0], 10 - 11 * pow(3e-4, 2.0 / 3.0), 1e-14);
+    sp_packing_free(&p);
+    p = make_chain(50, 0.5, 1.5);
+    assert_sound(&p);
+    assert_true(p.r[0] != p.r[1]);
+    sp_packing_free(&p);
+    p = make_chain(1, 0, 0);
+    assert_sound(&p);
+    sp_packing_free(&p);
+}
+
+/* One pass after another over everything: the definition itself. */
+static int naive_rattlers(const sp_packing *p, double threshold, uint8_t *rattler) {
+    int needed = p->friction > 0 ? 2 : p->dim + 1, total = 0, found = 1;
+    memset(rattler, 0, (size_t)p->n);
+    while (found > 0) {
+        found = 0;
+        for (int32_t i = 0; i < p->n; i++) {
+            int count = 0;
+            for (int32_t c = 0; c < p->n_contacts; c++) {
+                const sp_contact *k = &p->contacts[c];
+                bool mine = k->i == i || k->j == i, loose = rattler[k->i] || (k->j >= 0 && rattler[k->j]);
+                count += mine && !loose && k->fn > threshold * p->pressure;
+            }
+            if (!rattler[i] && count < needed) {
+                rattler[i] = 1;
+                found++;
+            }
+        }
+        total += found;
+    }
+    return total;
+}
+
+static void test_rattlers(void **state) {
+    (void)state;
+    uint8_t want[100], got[100], carrying[400];
+    for (uint64_t seed = 1; seed <= 200; seed++) {
+        sp_packing p = make_triangular(10, 10, 1e-4);
+        sp_random r = sp_random_make(seed, 77);
+        p.friction = seed % 2 ? 0.5 : 0;
+        for (int32_t c = 0; c < p.n_contacts; c++)
+            p.contacts[c].fn *= sp_random_uniform(&r) < 0.45 ? 1e-6 : 1; /* open some */
+        int32_t n;
+        assert_ok(sp_packing_rattlers(&p, 1e-4, got, carrying, &n, &err));
+        if (n != naive_rattlers(&p, 1e-4, want) || memcmp(want, got, 100) != 0)
+            fail_msg("seed %d: %d rattlers", (int)seed, n);
+        for (int32_t c = 0; c < p.n_contacts; c++) {
+            const sp_contact *k = &p.contacts[c];
+            bool loose = got[k->i] || (k->j >= 0 && got[k->j]);
+            assert_int_equal(carrying[c], !loose && k->fn > 1e-8);
+        }
+        sp_packing_free(&p);
+    }
+}
+
+static void test_check_finds(void **state) {
+    (void)state;
+    sp_packing p = make_triangular(4, 5, 1e-4), q;
+#define BROKEN(change, text)                                                                                           \
+    do {                                                                                                               \
+        q = make_triangular(4, 5, 1e-4);                                                                               \
+        change;                                                                                                        \
+        assert_fails(sp_packing_check(&q, &err), SP_EFORMAT, text);                                                    \
+        sp_packing_free(&q);                                                                                           \
+    } while (0)
+    BROKEN(q.r[3] = 0, "grain 3: radius");
+    BROKEN(q.r[3] = NAN, "grain 3: radius");
+    BROKEN(q.x[0] = -1, "outside the box");
+    BROKEN(q.x[1] = NAN, "outside the box");
+    BROKEN(q.box[0] = INFINITY, "box edge 0");
+    BROKEN(q.pressure = 0, "pressure");
+    BROKEN(q.friction = -1, "friction");
+    BROKEN(q.poisson = 0.6, "Poisson");
+    BROKEN(q.contacts[2].j = 99, "contact 2");
+    BROKEN(q.contacts[2].i = -1, "contact 2");
+    BROKEN(q.contacts[2].j = -3, "contact 2");
+    BROKEN(q.contacts[2].n[0] = 2, "normal's length");
+    BROKEN(q.contacts[2].n[2] = 1e-3, "component 2");
+    BROKEN(q.contacts[2].overlap = -1e-3, "overlap");
+    BROKEN(q.contacts[2].overlap = 5, "overlap");
+    BROKEN(q.contacts[2].fn = NAN, "normal force");
+    BROKEN(q.contacts[2].ft[0] = 1, "tangential force");
+    BROKEN(q.contacts[2] = q.contacts[1], "touch twice");
+    BROKEN(q.contacts[1] = q.contacts[2], "touch twice");
+    BROKEN(q.wall = (sp_wall)7, "wall kind");
+    BROKEN(q.n = 0, "0 grains");
+    sp_packing_free(&p);
+}
+
+static void test_audit_finds(void **state) {
+    (void)state;
+    sp_audit a;
+    sp_packing p = make_triangular(6, 6, 1e-4);
+    p.contacts[10].fn *= 1.01;
+    assert_ok(sp_packing_audit(&p, 1e-4, &a, &err));
+    assert_true(a.force_residual > 1e-3 && a.law_residual > 1e-3);
+    sp_packing_free(&p);
+
+    p = make_triangular(6, 6, 1e-4);
+    p.contacts[10].ft[0] = -p.contacts[10].n[1] * p.contacts[10].fn;
+    p.contacts[10].ft[1] = p.contacts[10].n[0] * p.contacts[10].fn;
+    assert_ok(sp_packing_audit(&p, 1e-4, &a, &err));
+    assert_close(a.coulomb_excess, 1.0, 1e-9); /* |ft| = fn at mu = 0.5 */
+    assert_true(a.torque_residual > 0.1);
+    sp_packing_free(&p);
+
+    p = make_triangular(6, 6, 1e-4); /* a contact that nobody lists */
+    p.contacts[0] = p.contacts[p.n_contacts - 1];
+    p.n_contacts--;
+    sp_packing_sort(&p);
+    assert_ok(sp_packing_audit(&p, 1e-4, &a, &err));
+    assert_int_equal(a.missing, 1);
+    sp_packing_free(&p);
+
+    p = make_triangular(6, 6, 1e-4);
+    p.x[3 * 14] += 1e-3;
+    assert_ok(sp_packing_audit(&p, 1e-4, &a, &err));
+    assert_true(a.geometry_residual > 0.1);
+    sp_packing_free(&p);
+
+    p = make_triangular(6, 6, 1e-4);
+    p.pressure *= 1.001;
+    assert_ok(sp_packing_audit(&p, 1e-4, &a, &err));
+    assert_relative(a.wall_residual, 1e-3, 1e-2);
+    sp_packing_free(&p);
+}
+
+static void test_statics(void **state) {
+    (void)state;
+    sp_packing p = make_triangular(60, 20, 1e-6);
+    sp_statics s;
+    assert_ok(sp_statics_make(&p, 1e-4, 3, &s, &err));
+    /* hexagonal packing of discs pi/(2 sqrt 3), of balls in a layer pi/(3 sqrt 3); the bulk cuts rows: 1/50 */
+    assert_relative(s.phi2, 0.9069, 0.02);
+    assert_relative(s.phi3, 0.6046, 0.02);
+    assert_close(s.phi3s, s.phi3, 1e-15);
+    assert_close(s.zs, 4.0, 1e-12);
+    assert_close(s.f0, 0.0, 0);
+    assert_relative(s.n_over_p, 1 / sqrt(3.0), 1e-3);
+    assert_close(s.z2, 1.0, 1e-12);
+    assert_close(s.z3, 1.0, 1e-12);
+    assert_close(s.f2, 0.75, 1e-3); /* cos^2 30 */
+    assert_relative(s.s1_over_s2, 1.0 / 3.0, 0.02);
+    sp_packing_free(&p);
+    p = make_triangular(4, 5, 1e-4); /* no bulk: says so with NAN */
+    assert_ok(sp_statics_make(&p, 1e-4, 3, &s, &err));
+    assert_true(isnan(s.phi2) && isnan(s.zs));
+    sp_packing_free(&p);
+}
+
+static void test_spec_refuses(void **state) {
+    (void)state;
+    sp_pack_spec s;
+#define REFUSED(change, text)                                                                                          \
+    do {                                                                                                               \
+        s = sp_pack_spec_default();                                                                                    \
+        change;                                                                                                        \
+        assert_fails(sp_pack_spec_check(&s, &err), SP_EINVAL, text);                                                   \
+    } while (0)
+    s = sp_pack_spec_default();
+    assert_ok(sp_pack_spec_check(&s, &err));
+    REFUSED(s.grains = 0, "packing.grains");
+    REFUSED(s.width = 3, "packing.width");
+    REFUSED(s.width = NAN, "packing.width");
+    REFUSED(s.pressure = 1e-12, "packing.pressure");
+    REFUSED(s.pressure = 10, "packing.pressure");
+    REFUSED(s.pressure = NAN, "packing.pressure");
+    REFUSED(s.friction = -0.1, "packing.friction");
+    REFUSED(s.poisson = 0.51, "packing.poisson");
+    REFUSED(s.time_step = 0.2, "packing.time_step");
+    REFUSED(s.dim = 3, "packing.dimension");
+    REFUSED(s.gas_fraction = 0.8, "packing.gas_fraction");
+    REFUSED((s.diameter_min = 1.2, s.diameter_max = 0.8), "packing.diameter_min");
+    REFUSED((s.kind = SP_PACK_CHAIN), "packing.dimension");
+    REFUSED((s.kind = SP_PACK_TRIANGULAR, s.grains = 601), "multiple of the 24");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_triangular),   cmocka_unit_test(test_chain),       cmocka_unit_test(test_rattlers),
+        cmocka_unit_test(test_check_finds),  cmocka_unit_test(test_audit_finds), cmocka_unit_test(test_statics),
+        cmocka_unit_test(test_spec_refuses),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

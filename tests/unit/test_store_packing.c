@@ -1,0 +1,483 @@
+/* Packing files: HDF5, one text file, two tables. Round trips bit for bit; every wrong file has its reason. */
+#include "test_store_fixture.h"
+
+#include "store/exchange.h"
+
+static char *folder;
+
+static int make_folder(void **state) {
+    (void)state;
+    folder = fixture_folder();
+    return 0;
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    fixture_remove(folder);
+    return 0;
+}
+
+/* ---- round trips ----------------------------------------------------------------------------------------------- */
+
+static void hdf5_keeps_every_bit(void **state) {
+    (void)state;
+    for (int dim = 1; dim <= 3; dim++)
+        for (uint64_t seed = 0; seed < 12; seed++) {
+            sp_packing p = fixture_packing(seed, dim, seed < 4 ? 1 + (int32_t)seed : 40), q = sp_packing_none();
+            const char *path = fixture_path(folder, "p.h5");
+            assert_ok(sp_packing_save(&p, path, &err));
+            assert_ok(sp_packing_read(path, &q, &err));
+            assert_same_packing(&p, &q);
+            assert_same_bits("residual", &p.residual, &q.residual, 1);
+            assert_same_bits("seconds", &p.seconds, &q.seconds, 1);
+            assert_true(p.steps == q.steps);
+            assert_true(p.scene ? q.scene && strcmp(p.scene, q.scene) == 0 : !q.scene);
+            sp_packing_free(&p);
+            sp_packing_free(&q);
+        }
+    assert_int_equal(fixture_count_files(folder), 1);
+}
+
+/* Large enough for several chunks: 20000 grains in 3D. */
+static void hdf5_keeps_large_packings(void **state) {
+    (void)state;
+    sp_packing p = fixture_packing(5, 3, 40000), q = sp_packing_none();
+    const char *path = fixture_path(folder, "p.h5");
+    assert_ok(sp_packing_save(&p, path, &err));
+    assert_ok(sp_packing_read(path, &q, &err));
+    assert_same_packing(&p, &q);
+    sp_packing_free(&p);
+    sp_packing_free(&q);
+}
+
+static char *slurp(const char *path, size_t *size) {
+    FILE *f = fopen(path, "rb");
+    assert_non_null(f);
+    char *data = malloc(1 << 22);
+    *size = fread(data, 1, 1 << 22, f);
+    fclose(f);
+    return data;
+}
+
+static void equal_packings_are_equal_files(void **state) {
+    (void)state;
+    sp_packing p = fixture_packing(3, 2, 30);
+    size_t size_a, size_b;
+    assert_ok(sp_packing_save(&p, fixture_path(folder, "a.h5"), &err));
+    sleep(1); /* a time stamp would differ */
+    assert_ok(sp_packing_save(&p, fixture_path(folder, "b.h5"), &err));
+    char *a = slurp(fixture_path(folder, "a.h5"), &size_a), *b = slurp(fixture_path(folder, "b.h5"), &size_b);
+    assert_int_equal(size_a, size_b);
+    assert_memory_equal(a, b, size_a);
+    free(a);
+    free(b);
+    sp_packing_free(&p);
+}
+
+static void text_keeps_every_bit(void **state) {
+    (void)state;
+    for (int dim = 1; dim <= 3; dim++)
+        for (uint64_t seed = 0; seed < 12; seed++) {
+            sp_packing p = fixture_packing(seed, dim, 50), q = sp_packing_none();
+            const char *path = fixture_path(folder, "p.txt");
+            assert_ok(sp_packing_save_text(&p, path, &err));
+            assert_ok(sp_packing_read(path, &q, &err));
+            assert_same_packing(&p, &q);
+            sp_packing_free(&p);
+            sp_packing_free(&q);
+        }
+}
+
+static void tables_keep_every_bit(void **state) {
+    (void)state;
+    for (int dim = 1; dim <= 3; dim++)
+        for (uint64_t seed = 0; seed < 12; seed++) {
+            sp_packing p = fixture_packing(seed, dim, 50), q = sp_packing_none();
+            const char *grains = fixture_path(folder, "g.tsv"), *contacts = fixture_path(folder, "c.tsv");
+            assert_ok(sp_packing_save_tables(&p, grains, contacts, &err));
+            assert_ok(sp_packing_read_tables(grains, contacts, 0, NULL, &q, &err));
+            assert_same_packing(&p, &q);
+            sp_packing_free(&p);
+            sp_packing_free(&q);
+        }
+}
+
+/* Ft as a scalar is exact both ways, although the rounded product is neither one to one nor onto. */
+static void tangential_scalar_survives(void **state) {
+    (void)state;
+    uint64_t random = 11;
+    int collisions = 0;
+    for (int k = 0; k < 200000; k++) {
+        double n[3] = {0}, ft[3], product[3];
+        fixture_normal(&random, 2, n);
+        double scalar = (fixture_uniform(&random) - 0.5) * pow(10, -10 * fixture_uniform(&random));
+        sp_tangent_vector(n, scalar, ft);
+        assert_true(sp_tangent_scalar(n, ft) == scalar);
+        product[0] = scalar * -n[1];
+        product[1] = scalar * n[0];
+        product[2] = 0;
+        collisions += product[0] != ft[0] || product[1] != ft[1];
+        assert_close(ft[0], product[0], 3e-16 * fabs(product[0]));
+        assert_close(ft[1], product[1], 3e-16 * fabs(product[1]));
+        double back[3];
+        sp_tangent_vector(n, sp_tangent_scalar(n, product), back);
+        assert_true(back[0] == product[0] && back[1] == product[1]);
+    }
+    assert_in_range(collisions, 1, 100000); /* the case does occur */
+}
+
+/* ---- reference packings ---------------------------------------------------------------------------------------- */
+
+static void reference_packing_reads(void **state) {
+    (void)state;
+    const char *path = SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt";
+    sp_packing p = sp_packing_none(), q = sp_packing_none();
+    assert_ok(sp_packing_read(path, &p, &err));
+    assert_int_equal(p.dim, 2);
+    assert_int_equal(p.n, 200);
+    assert_int_equal(p.n_contacts, 264 + 15 + 16);
+    assert_true(p.seed == 1);
+    assert_true(p.box[0] == 24 && p.box[1] == 8.6958069203285007);
+    assert_true(p.x[0] == 6.4461863482947761 && p.x[1] == 0.51397880012711539 && p.r[0] == 0.51821614797177595);
+    const sp_contact *first = &p.contacts[0]; /* '0 74' comes after '0 171' in the file */
+    assert_int_equal(first->i, 0);
+    assert_int_equal(first->j, 74);
+    assert_true(first->overlap == 0.00907087189449 && first->fn == 0.000290888672502);
+    assert_true(sp_tangent_scalar(first->n, first->ft) == -7.23039767138e-06);
+    const sp_contact *last = &p.contacts[p.n_contacts - 1];
+    assert_int_equal(last->i, 194);
+    assert_int_equal(last->j, SP_TOP);
+    assert_true(last->n[1] == 1 && last->ft[0] == -2.57238623674e-05 && last->ft[1] == 0);
+
+    /* text -> HDF5 -> text -> packing: every number of the file is still the same */
+    assert_ok(sp_packing_save(&p, fixture_path(folder, "r.h5"), &err));
+    assert_ok(sp_packing_read(fixture_path(folder, "r.h5"), &q, &err));
+    assert_same_packing(&p, &q);
+    assert_ok(sp_packing_save_text(&q, fixture_path(folder, "r.txt"), &err));
+    sp_packing_free(&q);
+    assert_ok(sp_packing_read(fixture_path(folder, "r.txt"), &q, &err));
+    assert_same_packing(&p, &q);
+    for (int32_t c = 0; c < p.n_contacts; c++)
+        assert_true(sp_tangent_scalar(p.contacts[c].n, p.contacts[c].ft) ==
+                    sp_tangent_scalar(q.contacts[c].n, q.contacts[c].ft));
+    sp_packing_free(&p);
+    sp_packing_free(&q);
+}
+
+/* ---- the text form --------------------------------------------------------------------------------------------- */
+
+#define HEADER   "N 3 Lx 10 Ly 4 p 1e-4 mu 0.5 nu 0.1 contacts 2 bottom 1 top 0\n"
+#define GRAINS   "1 0.5 0.5 0\n1.9 0.5 0.5 0\n5 2 0.5 1\n"
+#define CONTACTS "0 1 1 0 0.1 0.01 0.002\n2 1 0.6 0.8 0.05 0.001 -0.0001\n0 -1 0 -1 0.001 0.002 0\n"
+
+static sp_status read_text(const char *text, sp_packing *p, sp_error *err) {
+    const char *path = fixture_path(folder, "t.txt");
+    fixture_write(path, text);
+    return sp_packing_read(path, p, err);
+}
+
+static void reversed_contacts_turn_round(void **state) {
+    (void)state;
+    sp_packing p;
+    assert_ok(read_text("# a comment\n\n" HEADER GRAINS CONTACTS, &p, &err));
+    const sp_contact *c = &p.contacts[1];
+    assert_int_equal(c->i, 1);
+    assert_int_equal(c->j, 2);
+    assert_true(c->n[0] == -0.6 && c->n[1] == -0.8);
+    /* force on grain 2 along t = (-0.8, 0.6) was -1e-4 t; on grain 1 it is the opposite */
+    assert_close(c->ft[0], -1e-4 * 0.8, 1e-19);
+    assert_close(c->ft[1], 1e-4 * 0.6, 1e-19);
+    assert_true(sp_tangent_scalar(c->n, c->ft) == -1e-4);
+    assert_true(p.contacts[2].j == SP_BOTTOM && p.seed == 0);
+    sp_packing_free(&p);
+}
+
+static void positions_are_wrapped(void **state) {
+    (void)state;
+    assert_true(sp_wrap(3.5, 10) == 3.5 && sp_wrap(-1, 10) == 9 && sp_wrap(10, 10) == 0 && sp_wrap(31, 10) == 1);
+    assert_true(sp_wrap(-1e-30, 10) == 0 && !signbit(sp_wrap(-0.0, 10)));
+    sp_packing p;
+    assert_ok(
+        read_text("N 1 Lx 10 Ly 4 p 1e-4 mu 0.5 nu 0 contacts 0 bottom 0 top 0 seed 7\r\n-0.5 1 0.5 0\r\n", &p, &err));
+    assert_true(p.x[0] == 9.5 && p.seed == 7);
+    sp_packing_free(&p);
+}
+
+static void wrong_texts_have_reasons(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *reason;
+    } wrong[] = {
+        {"", "neither an HDF5 packing nor"},
+        {"N", "neither an HDF5 packing nor"},
+        {"hello world\n", "neither an HDF5 packing nor"},
+        {"N 3 Lx 10\n" GRAINS, "has no contacts"},
+        {"N 3 Lx 10 Ly\n" GRAINS, "no header of keys"},
+        {"N 3 N 3 Lx 10 Ly 4 p 1 mu 0 nu 0 contacts 0 bottom 0 top 0\n", "N is given twice"},
+        {"N 2000000000 Lx 10 Ly 4 p 1e-4 mu 0.5 nu 0 contacts 0 bottom 0 top 0\n", "truncated"},
+        {"N 3 Lx 10 Ly 4 p nan mu 0.5 nu 0 contacts 0 bottom 0 top 0\n" GRAINS, "p is 'nan'"},
+        {"N 3 Lx 10 Ly -4 p 1e-4 mu 0.5 nu 0 contacts 0 bottom 0 top 0\n" GRAINS, "Ly is '-4'"},
+        {"N 3 Lx 10 Ly 4 p 1e-4 mu 0.5 nu 0.6 contacts 0 bottom 0 top 0\n" GRAINS, "Poisson ratio 0.6"},
+        {"N 3 Lx 10 Ly 4 p 1e-4 mu 0.5 nu 0 contacts 0 bottom 0 top 0 wall soft\n" GRAINS, "wall is 'soft'"},
+        {"N 3 Lx 10 Ly 4 p 1e-4 mu 0.5 nu 0 contacts 0 bottom 0 top 0 seed -1\n" GRAINS, "seed is '-1'"},
+        {"N 3 Lx 10 Ly 4 p 1e-4 mu 0.5 nu 0 contacts 0x2 bottom 0 top 0\n" GRAINS, "contacts is '0x2'"},
+        {HEADER GRAINS, "ends after line 4, where a contact"},
+        {HEADER "1 0.5 0.5 0\n1.9 0.5 0.5 0\n5 2 nan 1\n" CONTACTS, "t.txt:4: R is 'nan'"},
+        {HEADER "1 0.5 0.5 0\n1.9 0.5 0.5 0\n5 2 0x1p-1 1\n" CONTACTS, "t.txt:4: R is '0x1p-1'"},
+        {HEADER "1 0.5 0.5 0\n1.9 0.5 0 0\n5 2 0.5 1\n" CONTACTS, "t.txt:3: R is 0"},
+        {HEADER "1 0.5 0.5 0\n1.9 0.5\n5 2 0.5 1\n" CONTACTS, "t.txt:3: 2 words"},
+        {HEADER "1 0.5 0.5 0 7\n1.9 0.5 0.5\n5 2 0.5 1\n" CONTACTS, "t.txt:2: more than 4 words"},
+        {HEADER "1 4.5 0.5 0\n1.9 0.5 0.5 0\n5 2 0.5 1\n" CONTACTS, "outside the box"},
+        {HEADER GRAINS "0 1 1 0 0.1 0.01 0.002\n0 3 0.6 0.8 0.05 0.001 0\n0 -1 0 -1 0.001 0.002 0\n",
+         "t.txt:6: contact"},
+        {HEADER GRAINS "0 1 1 0 0.1 0.01 0.002\n0 -3 0.6 0.8 0.05 0.001 0\n0 -1 0 -1 0.001 0.002 0\n",
+         "t.txt:6: contact"},
+        {HEADER GRAINS "0 1 1 0 0.1 0.01 0.002\n2 2 0.6 0.8 0.05 0.001 0\n0 -1 0 -1 0.001 0.002 0\n",
+         "t.txt:6: a contact of 2 and 2"},
+        {HEADER GRAINS "0 1 1 0 0.1 0.01 0.002\n-1 -2 0.6 0.8 0.05 0.001 0\n0 -1 0 -1 0.001 0.002 0\n",
+         "t.txt:6: a contact of -1 and -2"},
+        {HEADER GRAINS "0 1 1 0 0.1 0.01 0.002\n2 1 0.6 0.80001 0.05 0.001 0\n0 -1 0 -1 0.001 0.002 0\n",
+         "t.txt:6: the normal's length"},
+        {HEADER GRAINS "0 1 1 0 0.1 0.01 0.002\n2 1 0.6 0.8 -0.05 0.001 0\n0 -1 0 -1 0.001 0.002 0\n",
+         "t.txt:6: overlap -0.05"},
+        {HEADER GRAINS "0 1 1 0 0.1 0.01 0.002\n2 1 0.6 0.8 0.05 1e999 0\n0 -1 0 -1 0.001 0.002 0\n",
+         "t.txt:6: Fn is '1e999'"},
+        {HEADER GRAINS "0 1 1 0 0.1 0.01 0.002\n1 0 0.6 0.8 0.05 0.001 0\n0 -1 0 -1 0.001 0.002 0\n", "touch twice"},
+        {HEADER GRAINS "0 1 1 0 0.1 0.01 0.002\n2 1 0.6 0.8 0.05 0.001 0\n0 -2 0 -1 0.001 0.002 0\n",
+         "the header says 1 and 0"},
+        {HEADER GRAINS CONTACTS "0 2 1 0 0.1 0.01 0.002\n", "more lines than the header says"},
+    };
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        sp_packing p;
+        assert_fails(read_text(wrong[k].text, &p, &err), SP_EFORMAT, wrong[k].reason);
+    }
+}
+
+static void every_truncated_text_fails(void **state) {
+    (void)state;
+    const char whole[] = HEADER GRAINS CONTACTS;
+    for (size_t length = 0; length + 14 < sizeof whole; length++) { /* short of the last line's end */
+        char part[sizeof whole];
+        memcpy(part, whole, length);
+        part[length] = '\0';
+        sp_packing p;
+        sp_error err = {0};
+        if (read_text(part, &p, &err) != SP_EFORMAT)
+            fail_msg("%zu bytes: \"%s\"", length, err.text);
+    }
+}
+
+static void missing_files_are_io(void **state) {
+    (void)state;
+    sp_packing p;
+    assert_fails(sp_packing_read(fixture_path(folder, "nowhere.h5"), &p, &err), SP_EIO, "nowhere.h5: No such file");
+    assert_fails(sp_packing_read(folder, &p, &err), SP_EIO, "Is a directory");
+    assert_fails(sp_packing_read("/dev/zero", &p, &err), SP_EFORMAT, "not a text file");
+    assert_fails(sp_packing_read("/dev/null", &p, &err), SP_EFORMAT, "neither");
+}
+
+/* ---- two tables ------------------------------------------------------------------------------------------------ */
+
+#define BOX "# width = 10\n# height = 4\n# pressure = 1e-4\n# friction = 0.5\n# poisson = 0.1\n"
+#define G   BOX "id\tx\ty\tradius\na\t1\t0.5\t0.5\nb\t1.9\t0.5\t0.5\n17\t5\t2\t0.5\n"
+#define C                                                                                                              \
+    "i\tj\tnx\tny\toverlap\tFn\tFt\na\tb\t1\t0\t0.1\t0.01\t0.002\n17\tb\t0.6\t0.8\t0.05\t0.001\t-1e-"                  \
+    "4\na\tbottom\t0\t-1\t1e-3\t0.002\t0\n"
+
+static sp_status read_tables(const char *grains, const char *contacts, int keys, char *const *key, sp_packing *p,
+                             sp_error *err) {
+    const char *g = fixture_path(folder, "g.tsv"), *c = fixture_path(folder, "c.tsv");
+    fixture_write(g, grains);
+    fixture_write(c, contacts);
+    return sp_packing_read_tables(g, c, keys, key, p, err);
+}
+
+static void tables_read(void **state) {
+    (void)state;
+    sp_packing p, q;
+    assert_ok(read_tables(G, C, 0, NULL, &p, &err));
+    assert_ok(read_text(HEADER GRAINS CONTACTS, &q, &err)); /* the same packing */
+    assert_same_packing(&q, &p);
+    sp_packing_free(&q);
+    sp_packing_free(&p);
+
+    char first[] = "pressure=2e-5", second[] = "packing.friction=0", third[] = "wall=grain";
+    char *keys[] = {first, second, third};
+    assert_ok(read_tables(G, C, 3, keys, &p, &err));
+    assert_true(p.pressure == 2e-5 && p.friction == 0 && p.wall == SP_WALL_GRAIN && p.poisson == 0.1);
+    sp_packing_free(&p);
+
+    /* blanks instead of tabs, columns in another order, a column nobody asks for, few digits in the normals */
+    assert_ok(read_tables(BOX "radius id  x y colour\n0.5 1 1 0.5 red\n0.5 2 1.9 0.5 blue\n",
+                          "j i ny nx Fn\n1 2 0.02 -0.9998 1e-3\n", 0, NULL, &p, &err));
+    assert_int_equal(p.n_contacts, 1);
+    assert_true(p.contacts[0].i == 0 && p.contacts[0].n[0] > 0.999 && p.contacts[0].ft[0] == 0);
+    assert_close(hypot(p.contacts[0].n[0], p.contacts[0].n[1]), 1, 1e-15);
+    sp_packing_free(&p);
+}
+
+/* Hertz: F_n = 4/3 E12 sqrt(R12) n^(3/2) with E12 = 1/2, R12 = R1 R2/(R1 + R2); at a rigid wall E12 = 1, R12 = R. */
+static void hertz_fills_what_is_missing(void **state) {
+    (void)state;
+    sp_packing p;
+    const char *grains = BOX "id x y radius\n1 1 0.5 0.5\n2 1.9 0.5 0.4\n";
+    assert_ok(read_tables(grains, "i j nx ny overlap\n1 2 1 0 0.01\n1 bottom 0 -1 0.02\n", 0, NULL, &p, &err));
+    assert_relative(p.contacts[0].fn, 4. / 3 * 0.5 * sqrt(0.2 / 0.9) * 1e-3, 1e-15);
+    assert_relative(p.contacts[1].fn, 4. / 3 * sqrt(0.5) * pow(0.02, 1.5), 1e-15);
+    double fn[2] = {p.contacts[0].fn, p.contacts[1].fn};
+    sp_packing_free(&p);
+    char text[200];
+    snprintf(text, sizeof text, "i j nx ny Fn\n1 2 1 0 %.17g\nbottom 1 0 1 %.17g\n", fn[0], fn[1]);
+    assert_ok(read_tables(grains, text, 0, NULL, &p, &err));
+    assert_relative(p.contacts[0].overlap, 0.01, 4e-16);
+    assert_relative(p.contacts[1].overlap, 0.02, 4e-16);
+    assert_true(p.contacts[1].j == SP_BOTTOM && p.contacts[1].n[1] == -1);
+    sp_packing_free(&p);
+}
+
+static void tables_in_one_and_three_dimensions(void **state) {
+    (void)state;
+    sp_packing p;
+    const char *box3 = "# width = 10\n# depth = 9\n# height = 4\n# pressure = 1e-4\n# friction = 0.5\n";
+    char grains[400];
+    snprintf(grains, sizeof grains, "%sid x y z radius\n1 1 -1 2 0.5\n2 1.9 8 2 0.5\n", box3);
+    assert_ok(read_tables(grains, "i j nx ny nz overlap Fn Ftx Fty Ftz\n2 1 -1 0 0 0.1 0.01 0 1e-3 2e-3\n", 0, NULL, &p,
+                          &err));
+    assert_true(p.dim == 3 && p.x[1] == 8 && p.box[1] == 9);
+    assert_true(p.contacts[0].n[0] == 1 && p.contacts[0].ft[1] == -1e-3 && p.contacts[0].ft[2] == -2e-3);
+    sp_packing_free(&p);
+    assert_ok(read_tables("# height = 4\n# pressure = 1e-4\n# friction = 0\nid x radius\n1 1 0.5\n2 1.9 0.5\n",
+                          "i j nx overlap\n1 2 1 0.1\n1 bottom -1 0.01\n", 0, NULL, &p, &err));
+    assert_true(p.dim == 1 && p.box[0] == 4 && p.box[1] == 1);
+    sp_packing_free(&p);
+}
+
+static void wrong_tables_have_reasons(void **state) {
+    (void)state;
+    static const struct {
+        const char *grains, *contacts, *reason;
+    } wrong[] = {
+        {BOX "id x y\n1 1 1\n", C, "g.tsv: no column 'radius'"},
+        {BOX "id x y radius\n1 1 1 0.5\n2 2 1\n", C, "g.tsv:8: 3 cells where the first row has 4"},
+        {BOX "id\tx\ty\tradius\na\t1\t1\t\n", C, "g.tsv:7: radius is ''"},
+        {BOX "id x y radius\n1 1 1 nan\n", C, "g.tsv:7: radius is 'nan'"},
+        {BOX "id x y radius\n1 1 1 -0.5\n", C, "g.tsv:7: radius is -0.5"},
+        {BOX "id x y radius\n1 1 inf 0.5\n", C, "g.tsv:7: y is 'inf'"},
+        {BOX "id x y radius\n1 1 1 0.5\n2 1 2 0.5\n1 2 2 0.5\n", C, "g.tsv:9: id 1 stands already in line 7"},
+        {BOX "id x y radius\n1 1 1 0.5\nbottom 1 2 0.5\n", C, "g.tsv:8: id is 'bottom'"},
+        {BOX "id x y radius\n", C, "g.tsv: 0 grains"},
+        {BOX "1 1 1 0.5\n", C, "no column 'id'"},
+        {"", C, "no table"},
+        {"# width = 1e\n# height = 4\n# pressure = 1\n# friction = 0\nid x y radius\n1 1 1 0.5\n", C, "width is '1e'"},
+        {"# width = 10\n# pressure = 1\n# friction = 0\nid x y radius\n1 1 1 0.5\n", C, "no height"},
+        {"# width = 10\n# height = 4\n# friction = 0\nid x y radius\n1 1 1 0.5\n", C, "no pressure"},
+        {"# width = 10\n# height = 0\n# pressure = 1\n# friction = 0\nid x y radius\n1 1 1 0.5\n", C, "height is 0"},
+        {"# dimension = 3\nid x y radius\n1 1 1 0.5\n", C, "there is no column 'z'"},
+        {G, "i j nx ny overlap\na c 1 0 0.1\n", "c.tsv:2: j is 'c'"},
+        {G, "i j nx ny overlap\na b 1 0 nan\n", "c.tsv:2: overlap is 'nan'"},
+        {G, "i j nx ny overlap\na b 1 0.1 0.1\n", "c.tsv:2: the normal's length"},
+        {G, "i j nx ny overlap\na a 1 0 0.1\n", "c.tsv:2: a contact of 0 and 0"},
+        {G, "i j nx ny overlap\ntop bottom 1 0 0.1\n", "c.tsv:2: a contact of -2 and -1"},
+        {G, "i j nx ny overlap\na b 1 0 -0.1\n", "c.tsv:2: overlap -0.1"},
+        {G, "i j nx ny overlap\na b 1 0 0.1\nb a -1 0 0.1\n", "touch twice"},
+        {G, "i j nx ny\na b 1 0\n", "neither a column 'overlap' nor 'Fn'"},
+        {G, "i\tj\tnx\tny\toverlap\tFn\na\tb\t1\t0\t\t\n", "c.tsv:2: neither overlap nor Fn"},
+        {G, "i j nx overlap\na b 1 0.1\n", "no column 'ny'"},
+        {G, "i j nx ny overlap Ftx\na b 1 0 0.1 0\n", "1 of the 2 columns"},
+    };
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        sp_packing p;
+        assert_fails(read_tables(wrong[k].grains, wrong[k].contacts, 0, NULL, &p, &err), SP_EFORMAT, wrong[k].reason);
+    }
+    sp_packing p;
+    char unknown[] = "colour=red", number[] = "pressure=high";
+    char *key = unknown;
+    assert_fails(read_tables(G, C, 1, &key, &p, &err), SP_EINVAL, "'colour=red'");
+    key = number;
+    assert_fails(read_tables(G, C, 1, &key, &p, &err), SP_EINVAL, "pressure is 'high'");
+}
+
+/* ---- no memory ------------------------------------------------------------------------------------------------- */
+
+/* Each allocation in turn fails: an error, no leak (the sanitizer's part), no file under the final name. */
+static void lack_of_memory_is_an_error(void **state) {
+    (void)state;
+    sp_packing p = fixture_packing(9, 2, 20), q;
+    assert_ok(sp_packing_save(&p, fixture_path(folder, "good.h5"), &err));
+    assert_ok(sp_packing_save_text(&p, fixture_path(folder, "good.txt"), &err));
+    assert_ok(sp_packing_save_tables(&p, fixture_path(folder, "good_g.tsv"), fixture_path(folder, "good_c.tsv"), &err));
+    const int files = fixture_count_files(folder);
+    for (int action = 0; action < 6; action++) {
+        sp_status status = SP_ENOMEM;
+        for (int64_t k = 0; status != SP_OK; k++) {
+            sp_error err = {0};
+            sp_alloc_fail_after(k);
+            switch (action) {
+            case 0: status = sp_packing_save(&p, fixture_path(folder, "new.h5"), &err); break;
+            case 1: status = sp_packing_save_text(&p, fixture_path(folder, "new.txt"), &err); break;
+            case 2:
+                status =
+                    sp_packing_save_tables(&p, fixture_path(folder, "n_g.tsv"), fixture_path(folder, "n_c.tsv"), &err);
+                break;
+            case 3: status = sp_packing_read(fixture_path(folder, "good.h5"), &q, &err); break;
+            case 4: status = sp_packing_read(fixture_path(folder, "good.txt"), &q, &err); break;
+            case 5:
+                status = sp_packing_read_tables(fixture_path(folder, "good_g.tsv"), fixture_path(folder, "good_c.tsv"),
+                                                0, NULL, &q, &err);
+                break;
+            }
+            sp_alloc_fail_after(-1);
+            assert_true(k < 1000);
+            if (status == SP_OK && action >= 3)
+                sp_packing_free(&q);
+            if (status != SP_OK) {
+                assert_int_equal(status, SP_ENOMEM);
+                assert_non_null(strstr(err.text, "no memory"));
+                if (action < 3)
+                    assert_int_equal(fixture_count_files(folder), files);
+            }
+        }
+        unlink(fixture_path(folder, "new.h5"));
+        unlink(fixture_path(folder, "new.txt"));
+        unlink(fixture_path(folder, "n_g.tsv"));
+        unlink(fixture_path(folder, "n_c.tsv"));
+    }
+    sp_packing_free(&p);
+}
+
+static void wrong_packings_are_not_saved(void **state) {
+    (void)state;
+    sp_packing p = fixture_packing(9, 2, 20);
+    p.r[3] = NAN;
+    assert_fails(sp_packing_save(&p, fixture_path(folder, "p.h5"), &err), SP_EFORMAT, "grain 3");
+    assert_fails(sp_packing_save_text(&p, fixture_path(folder, "p.txt"), &err), SP_EFORMAT, "grain 3");
+    assert_fails(sp_packing_save_tables(&p, fixture_path(folder, "g.tsv"), fixture_path(folder, "c.tsv"), &err),
+                 SP_EFORMAT, "grain 3");
+    assert_int_equal(fixture_count_files(folder), 0);
+    sp_packing_free(&p);
+}
+
+int main(void) {
+#define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
+    const struct CMUnitTest tests[] = {
+        TEST(hdf5_keeps_every_bit),
+        TEST(hdf5_keeps_large_packings),
+        TEST(equal_packings_are_equal_files),
+        TEST(text_keeps_every_bit),
+        TEST(tables_keep_every_bit),
+        TEST(tangential_scalar_survives),
+        TEST(reference_packing_reads),
+        TEST(reversed_contacts_turn_round),
+        TEST(positions_are_wrapped),
+        TEST(wrong_texts_have_reasons),
+        TEST(every_truncated_text_fails),
+        TEST(missing_files_are_io),
+        TEST(tables_read),
+        TEST(hertz_fills_what_is_missing),
+        TEST(tables_in_one_and_three_dimensions),
+        TEST(wrong_tables_have_reasons),
+        TEST(lack_of_memory_is_an_error),
+        TEST(wrong_packings_are_not_saved),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
