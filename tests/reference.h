@@ -82,4 +82,59 @@ static inline sp_packing chain_packing(int n, double pressure) {
     return p;
 }
 
+/* Overlapping grains scattered around a square or cubic lattice, cells^dim of them, every overlap a contact: no
+ * equilibrium, but all kinds of springs in general position. */
+static inline sp_packing scattered_packing(int dim, int cells, double friction, unsigned seed) {
+    const double spacing = 0.9;
+    const int n = dim == 2 ? cells * cells : cells * cells * cells, up = dim - 1;
+    sp_packing p = sp_packing_none();
+    int count = 0;
+    assert_ok(sp_packing_alloc(&p, dim, n, 16 * n, &err));
+    srand(seed);
+    for (int a = 0; a < 3; a++)
+        p.box[a] = a < dim ? cells * spacing : 1;
+    for (int i = 0, rest = 0; i < n; i++) {
+        rest = i;
+        for (int a = 0; a < dim; a++, rest /= cells)
+            p.x[3 * i + a] = spacing * (rest % cells + 0.5 + 0.1 * (rand() / (double)RAND_MAX - 0.5));
+        p.r[i] = 0.46 + 0.1 * (rand() / (double)RAND_MAX);
+    }
+    p.pressure = 1e-4;
+    p.friction = friction;
+    p.poisson = 0.2;
+    for (int i = 0; i < n; i++) {
+        for (int j = i + 1; j < n; j++) {
+            sp_contact c = {.i = i, .j = j};
+            double d[3] = {0}, r = 0;
+            for (int a = 0; a < dim; a++) {
+                d[a] = p.x[3 * j + a] - p.x[3 * i + a];
+                if (a != up)
+                    d[a] -= p.box[a] * round(d[a] / p.box[a]);
+                r += d[a] * d[a];
+            }
+            r = sqrt(r);
+            c.overlap = p.r[i] + p.r[j] - r;
+            if (c.overlap <= 0)
+                continue;
+            for (int a = 0; a < dim; a++)
+                c.n[a] = d[a] / r;
+            c.fn = contact_force(contact_stiffness(p.r[i], p.r[j]), c.overlap);
+            p.contacts[count++] = c;
+        }
+        for (int wall = 0; wall < 2; wall++) {
+            sp_contact c = {.i = i, .j = wall ? SP_TOP : SP_BOTTOM};
+            const double x = p.x[3 * i + up];
+            c.overlap = p.r[i] - (wall ? p.box[up] - x : x);
+            if (c.overlap <= 0)
+                continue;
+            c.n[up] = wall ? 1 : -1;
+            c.fn = contact_force(contact_wall_stiffness(p.r[i], p.wall), c.overlap);
+            p.contacts[count++] = c;
+        }
+    }
+    p.n_contacts = count;
+    sp_packing_sort(&p);
+    return p;
+}
+
 #endif

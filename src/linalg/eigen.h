@@ -1,7 +1,6 @@
 #ifndef SP_EIGEN_H
 #define SP_EIGEN_H
-/* Symmetric eigenproblems, dense (LAPACK) and the largest eigenvalue of an operator (Lanczos). Matrices are n x n by
- * columns, the lower triangle given. */
+/* Dense symmetric eigenproblems (LAPACK). Matrices are n x n by columns, the lower triangle given. */
 
 #include <sonopack/status.h>
 #include <stdint.h>
@@ -24,11 +23,5 @@ sp_status sp_tridiagonal_vectors(const sp_tridiagonal *t, int64_t count, double 
 
 /* Largest |x . y - (same vector)| over all pairs of `count` vectors of length n, [count][n]. */
 sp_status sp_orthogonality(int64_t n, int64_t count, const double *vectors, double *largest, sp_error *err);
-
-/* y = A x. */
-typedef void (*sp_operator)(void *user, const double *x, double *y);
-/* The largest Ritz value of `steps` Lanczos steps from `start` [n]: a lower bound of the largest eigenvalue. */
-sp_status sp_lanczos_largest(int64_t n, sp_operator apply, void *user, const double *start, int steps, double *largest,
-                             sp_error *err);
 
 #endif

@@ -264,13 +264,13 @@ bool dynamics_sane(const dynamics *d) {
         return false;
     for (int32_t i = 0; i < d->n; i++) {
         const grain *g = &d->g[i];
-        if (!(g->y > 0.5 * g->r) || !(d->piston_y - g->y > 0.5 * g->r) || !isfinite(g->x) || !isfinite(g->w))
+        if (!(g->y > 0.2 * g->r) || !(d->piston_y - g->y > 0.2 * g->r) || !isfinite(g->x) || !isfinite(g->w))
             return false;
     }
     for (int32_t k = 0; k < d->inner.n; k++) {
         const grain *a = &d->g[d->inner.i[k]], *b = &d->g[d->inner.j[k]];
         double x = b->x - a->x + d->inner.shift[k], y = b->y - a->y;
-        if (sqrt(x * x + y * y) < d->inner.reach[k] - 0.5 * fmin(a->r, b->r))
+        if (sqrt(x * x + y * y) < d->inner.reach[k] - 0.8 * fmin(a->r, b->r))
             return false;
     }
     return true;

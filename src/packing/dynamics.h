@@ -89,7 +89,7 @@ double dynamics_acceleration(const dynamics *d);
 /* How far from rest: largest acceleration by elastic forces alone (angular: times R; the piston's included), and the
  * difference between the elastic pressure on the piston and p. */
 double dynamics_residual(dynamics *d, double *wall_imbalance);
-/* Finite and nowhere absurd: no grain through a wall, no overlap above half a radius. */
+/* Finite and nowhere absurd: no grain through a wall, no overlap above 0.8 radii. */
 bool dynamics_sane(const dynamics *d);
 
 #endif

@@ -67,10 +67,10 @@ static bool at_rest(const piston_run *run) {
 static sp_status inspect(piston_run *run, bool *done, sp_error *err) {
     if (!dynamics_sane(&run->d))
         return sp_fail(err, SP_EFAILED,
-                       "seed %llu: a grain went through a wall or another grain at step %lld; a smaller "
-                       "packing.time_step (%g) or packing.pressure (%g) may help",
-                       (unsigned long long)run->spec->seed, (long long)run->steps, run->spec->time_step,
-                       run->spec->pressure);
+                       "seed %llu: a grain went through a wall or another grain at step %lld: the piston arrives too "
+                       "fast (packing.pressure = %g, 1e-3 at the most), or packing.time_step = %g is too large",
+                       (unsigned long long)run->spec->seed, (long long)run->steps, run->spec->pressure,
+                       run->spec->time_step);
     /* creep is slow motion in which viscous forces balance the elastic ones: no acceleration, but not yet rest */
     if (!run->calm && run->steps > 0 && dynamics_acceleration(&run->d) < run->spec->calm * run->spec->pressure)
         start_calm(run);

@@ -228,14 +228,13 @@ sp_status sp_h5_attribute_int(sp_h5 *h, const char *object, const char *name, in
 
 /* Entries of fixed width, compared to the expected ones. */
 static bool fixed_texts_equal(hid_t attribute, hid_t type, int count, const char *const *text) {
+    char buffer[SP_H5_RANK * 64 + 1] = {0};
     size_t width = H5Tget_size(type);
-    if (width == 0 || width > 4096)
+    if (width == 0 || width > 64 || count > SP_H5_RANK || H5Aread(attribute, type, buffer) < 0)
         return false;
-    char *buffer = sp_alloc((size_t)count + 1, width); /* a zero after the last */
-    bool equal = buffer && H5Aread(attribute, type, buffer) >= 0;
-    for (int k = 0; equal && k < count; k++)
-        equal = strncmp(buffer + (size_t)k * width, text[k], width) == 0 && strlen(text[k]) <= width;
-    sp_free(buffer);
+    bool equal = true;
+    for (int k = 0; k < count; k++)
+        equal = equal && strncmp(buffer + (size_t)k * width, text[k], width) == 0 && strlen(text[k]) <= width;
     return equal;
 }
 
