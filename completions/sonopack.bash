@@ -44,7 +44,7 @@ _sonopack() {
         elif [ "$command" = table ] && [ "$previous" = table ]; then
             mapfile -t COMPREPLY < <(compgen -W 'ctof statics moduli ensemble' -- "$current")
         elif [ "$command" = plot ] && [ "$previous" = plot ]; then
-            mapfile -t COMPREPLY < <(compgen -W 'ctof signal' -- "$current")
+            mapfile -t COMPREPLY < <(compgen -W 'ctof signal network stiffness' -- "$current")
         else
             compopt -o filenames 2>/dev/null
             mapfile -t COMPREPLY < <(compgen -f -- "$current")

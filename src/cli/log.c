@@ -73,7 +73,7 @@ void cli_progress(const cli_common *common, const char *text, double fraction, d
     const double now = sp_clock_wall();
     if (common->quiet || !isatty(STDERR_FILENO) || (progress_shown && now - shown_at < 0.1))
         return;
-    char line[240], bar[40] = "", left[64] = "", duration[32];
+    char line[240], bar[64] = "", left[64] = "", duration[32];
     if (fraction >= 0) {
         enum { WIDTH = 20 };
         const int full = (int)(fmin(fraction, 1) * WIDTH);

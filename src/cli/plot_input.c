@@ -44,37 +44,177 @@ static bool csv_number(const char *cell, double *out) {
     return !*cell || (end > cell && end[strspn(end, " ")] == '\0');
 }
 
-/* A row of as many numbers as there are columns; cells behind them stay empty. */
+/* Columns, and room for `rows` rows. */
+static sp_status csv_header(const char *path, char *text, int64_t rows, sp_table *t, sp_error *err) {
+    for (char *cell; (cell = csv_cell(&text)) != NULL;) {
+        sp_status status = sp_table_add_column(t, cell, "", SP_CELL_NUMBER, err);
+        if (status != SP_OK)
+            return sp_fail(err, SP_EFORMAT, "%s: more than %d columns", path, CSV_COLUMNS);
+    }
+    t->cells = sp_alloc((size_t)rows, (size_t)t->columns * sizeof *t->cells);
+    t->capacity = rows;
+    return t->cells ? SP_OK : sp_fail_memory(err, (size_t)rows * (size_t)t->columns * sizeof *t->cells);
+}
+
 static sp_status csv_row(const char *path, int64_t line, char *text, sp_table *t, sp_error *err) {
-    double value[CSV_COLUMNS];
+    sp_cell *row = t->cells + t->rows * t->columns;
     int count = 0;
     for (char *cell; (cell = csv_cell(&text)) != NULL; count++) {
-        if (count == t->columns)
-            return sp_fail(err, SP_EFORMAT, "%s:%lld: more cells than the %d columns", path, (long long)line,
-                           t->columns);
-        if (!csv_number(cell, &value[count]))
+        if (count < t->columns && !csv_number(cell, &row[count].number))
             return sp_fail(err, SP_EFORMAT, "%s:%lld: %s = \"%.40s\": must be a number or empty", path, (long long)line,
                            t->column[count].name, cell);
     }
     if (count != t->columns)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: %d cells where there are %d columns", path, (long long)line, count,
                        t->columns);
-    /* the variadic call reads one cell for each column and ignores the others */
-    sp_table row = *t;
-    row.rows = row.capacity = 0;
-    if (t->rows == t->capacity) {
-        const int64_t capacity = t->capacity ? 2 * t->capacity : 64;
-        sp_cell *cells = sp_alloc((size_t)capacity * (size_t)t->columns, sizeof *cells);
-        if (!cells)
-            return sp_fail_memory(err, (size_t)capacity * (size_t)t->columns * sizeof *cells);
-        if (t->rows > 0)
-            memcpy(cells, t->cells, (size_t)(t->rows * t->columns) * sizeof *cells);
-        sp_free(t->cells);
-        t->cells = cells;
-        t->capacity = capacity;
-    }
-    for (int c = 0; c < t->columns; c++)
-        t->cells[t->rows * t->columns + c].number = value[c];
     t->rows++;
     return SP_OK;
+}
+
+/* Lines of a CSV file: comments behind '#', a header, rows. `lines` is their number. */
+static sp_status csv_lines(const char *path, char *text, int64_t lines, sp_table *t, sp_error *err) {
+    sp_status status = SP_OK;
+    char *rest = text;
+    for (int64_t number = 1; rest && status == SP_OK; number++) {
+        char *line = strsep(&rest, "\n");
+        line[strcspn(line, "\r")] = '\0';
+        if (*line == '#')
+            status = sp_table_add_comment(t, err, "%s", line + 1 + (line[1] == ' '));
+        else if (*line && t->columns == 0)
+            status = csv_header(path, line, lines, t, err);
+        else if (*line)
+            status = csv_row(path, number, line, t, err);
+    }
+    if (status == SP_OK && t->columns == 0)
+        status = sp_fail(err, SP_EFORMAT, "%s: no table: no header", path);
+    return status;
+}
+
+static sp_status read_csv(const char *path, sp_table *out, sp_error *err) {
+    sp_table t = sp_table_none();
+    char *text = NULL;
+    size_t size = 0;
+    sp_status status = sp_file_read_text(path, &text, &size, err);
+    if (status != SP_OK)
+        return status;
+    int64_t lines = 1;
+    for (const char *c = text; *c; c++)
+        lines += *c == '\n';
+    status = csv_lines(path, text, lines, &t, err);
+    sp_free(text);
+    if (status == SP_OK)
+        *out = t;
+    else
+        sp_table_free(&t);
+    return status;
+}
+
+sp_status plot_read_table(const char *path, sp_table *out, sp_error *err) {
+    return cli_has_ending(path, ".csv") ? read_csv(path, out, err) : sp_table_read(path, out, err);
+}
+
+/* ---- signals ---------------------------------------------------------------------------------------------------- */
+
+/* Whether a file is a packing rather than a table: binary, or text with a packing's header. A pipe, which cannot be
+ * looked into without using it up, is taken for a table. */
+static sp_status is_packing(const char *path, bool *yes, sp_error *err) {
+    struct stat info;
+    char head[8192];
+    *yes = false;
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
+        return SP_OK;
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return sp_fail(err, SP_EIO, "cannot open %s: %s", path, strerror(errno));
+    const size_t size = fread(head, 1, sizeof head - 1, file);
+    fclose(file);
+    head[size] = '\0';
+    *yes = strlen(head) < size || sp_packing_text_looks(head);
+    return SP_OK;
+}
+
+static sp_status packing_signal(const char *path, const sp_scene *scene, plot_signal *out, sp_error *err) {
+    sp_packing p = sp_packing_none();
+    sp_network net = sp_network_none();
+    sp_signal signal = sp_signal_none();
+    sp_signal_options options = scene->signal;
+    sp_status status = sp_packing_read(path, &p, err);
+    if (status != SP_OK)
+        return status;
+    const double window = sp_signal_window(sp_packing_height(&p), p.pressure);
+    if (!(options.until > 0.0))
+        options.until = window;
+    status = sp_network_make(&p, &scene->network, &net, err);
+    if (status == SP_OK)
+        status = sp_signal_make(&net, &options, &signal, err);
+    double *t = status == SP_OK ? sp_alloc((size_t)signal.n, 2 * sizeof *t) : NULL;
+    if (t) {
+        memcpy(t, signal.t, (size_t)signal.n * sizeof *t);
+        memcpy(t + signal.n, signal.f, (size_t)signal.n * sizeof *t);
+        *out = (plot_signal){signal.n, t, t + signal.n, window};
+    } else if (status == SP_OK) {
+        status = sp_fail_memory(err, (size_t)signal.n * 2 * sizeof *t);
+    } else {
+        sp_fail_prefix(err, "%s", path);
+    }
+    sp_signal_free(&signal);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+    return status;
+}
+
+/* A positive number in a comment; 0 if there is none. */
+static double comment_number(const sp_table *t, const char *key) {
+    const char *text = sp_table_comment_value(t, key);
+    const double value = text ? strtod(text, NULL) : 0.0;
+    return value > 0.0 && isfinite(value) ? value : 0.0;
+}
+
+/* The columns t and F, or the first two of numbers in a table that has neither. */
+static sp_status find_columns(const char *path, const sp_table *t, int column[2], sp_error *err) {
+    column[0] = sp_table_find_column(t, "t");
+    column[1] = sp_table_find_column(t, "F");
+    if (column[0] < 0 && column[1] < 0) {
+        int found = 0;
+        for (int c = 0; c < t->columns && found < 2; c++)
+            if (t->column[c].kind != SP_CELL_TEXT)
+                column[found++] = c;
+    }
+    for (int k = 0; k < 2; k++)
+        if (column[k] < 0 || t->column[column[k]].kind == SP_CELL_TEXT)
+            return sp_fail(err, SP_EFORMAT, "%s: a signal needs columns of numbers t and F, times and forces", path);
+    return SP_OK;
+}
+
+static sp_status table_signal(const char *path, plot_signal *out, sp_error *err) {
+    sp_table table = sp_table_none();
+    int column[2];
+    sp_status status = plot_read_table(path, &table, err);
+    if (status != SP_OK)
+        return status;
+    status = find_columns(path, &table, column, err);
+    if (status == SP_OK) {
+        const int64_t n = table.rows;
+        double *t = sp_alloc((size_t)n, 2 * sizeof *t);
+        if (!t)
+            status = sp_fail_memory(err, (size_t)n * 2 * sizeof *t);
+        for (int64_t k = 0; t && k < n; k++) {
+            t[k] = sp_table_number(&table, k, column[0]);
+            t[n + k] = sp_table_number(&table, k, column[1]);
+        }
+        const double height = comment_number(&table, "height"), pressure = comment_number(&table, "pressure");
+        if (t)
+            *out =
+                (plot_signal){n, t, t + n, height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0};
+    }
+    sp_table_free(&table);
+    return status;
+}
+
+sp_status plot_read_signal(const char *path, const sp_scene *scene, plot_signal *out, sp_error *err) {
+    bool packing;
+    sp_status status = is_packing(path, &packing, err);
+    if (status != SP_OK)
+        return status;
+    return packing ? packing_signal(path, scene, out, err) : table_signal(path, out, err);
 }

@@ -3,8 +3,8 @@
 #include <Random123/philox.h>
 
 uint64_t sp_random_bits(sp_random *r) {
-    philox4x32_ctr_t counter = {{(uint32_t)r->count, (uint32_t)(r->count >> 32), (uint32_t)r->stream,
-                                 (uint32_t)(r->stream >> 32)}};
+    philox4x32_ctr_t counter = {
+        {(uint32_t)r->count, (uint32_t)(r->count >> 32), (uint32_t)r->stream, (uint32_t)(r->stream >> 32)}};
     philox4x32_key_t key = {{(uint32_t)r->seed, (uint32_t)(r->seed >> 32)}};
     philox4x32_ctr_t bits = philox4x32(counter, key);
     r->count++;

@@ -37,12 +37,14 @@ sp_status sp_bootstrap(int groups, const int64_t *size, sp_statistic statistic, 
         return sp_fail(err, SP_EINVAL, "bootstrap: %d groups and %d resamples; 1 to %d groups and at least 2 resamples",
                        groups, opt->resamples, SP_BOOTSTRAP_GROUPS);
     size_t total = 0;
+    int64_t drawn[SP_BOOTSTRAP_GROUPS] = {0};
     for (int g = 0; g < groups; g++) {
         if (size[g] < 2) {
             *standard_error = NAN;
             return SP_OK;
         }
-        total += (size_t)size[g];
+        drawn[g] = size[g] - 1;
+        total += (size_t)drawn[g];
     }
     sp_status status = SP_OK;
     int64_t *numbers = sp_alloc(total, sizeof *numbers);
@@ -58,10 +60,10 @@ sp_status sp_bootstrap(int groups, const int64_t *size, sp_statistic statistic, 
         int64_t *next = numbers;
         for (int g = 0; g < groups; g++) {
             pick[g] = next;
-            for (int64_t s = 0; s < size[g]; s++)
+            for (int64_t s = 0; s < drawn[g]; s++)
                 *next++ = (int64_t)sp_random_below(&random, (uint64_t)size[g]);
         }
-        double v = statistic(size, pick, user);
+        double v = statistic(drawn, pick, user);
         if (isfinite(v))
             value[finite++] = v;
     }

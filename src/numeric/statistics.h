@@ -11,7 +11,8 @@ double sp_standard_error(int64_t n, const double *x); /* of the mean: sd / sqrt(
 
 enum { SP_BOOTSTRAP_GROUPS = 4 };
 
-/* A statistic of samples in groups: of group g the samples pick[g][0 .. size[g]-1], numbered from 0. */
+/* A statistic of samples in groups: of group g the samples pick[g][0 .. size[g]-1], numbered from 0; some may be there
+ * several times. */
 typedef double (*sp_statistic)(const int64_t *size, const int64_t *const *pick, void *user);
 
 typedef struct sp_bootstrap_options {
@@ -21,8 +22,10 @@ typedef struct sp_bootstrap_options {
 sp_bootstrap_options sp_bootstrap_options_default(void);
 
 /* Standard error of a statistic: its standard deviation over resamples in which every group is drawn anew, with
- * replacement and by itself. *standard_error is NAN where a group has fewer than 2 samples (resampling one sample says
- * nothing) or the statistic is not finite in more than one resample in ten. */
+ * replacement and by itself. One sample fewer is drawn than a group has (size[g] - 1 is what the statistic gets): the
+ * error of a mean is then sd / sqrt(n) on average, while n drawn ones make it too small by sqrt((n-1)/n), which is 30%
+ * for two samples (McCarthy and Snowden, Vital Health Stat. 2, no. 95, 1985). *standard_error is NAN where a group has
+ * fewer than 2 samples or the statistic is not finite in more than one resample in ten. */
 sp_status sp_bootstrap(int groups, const int64_t *size, sp_statistic statistic, void *user,
                        const sp_bootstrap_options *opt, double *standard_error, sp_error *err);
 

@@ -64,6 +64,9 @@ static sp_status read_speeds(const sp_table *t, speeds *s, sp_error *err) {
             return sp_fail(err, SP_EINVAL, "the table has no column %s; a ctof table has p, c_tof, c_tof_err, c_l, c_t",
                            name[k]);
     }
+    for (int k = 0; k < 4; k++)
+        if (column[k] >= 0 && t->column[column[k]].kind == SP_CELL_TEXT)
+            return sp_fail(err, SP_EINVAL, "column %s holds text: must be numbers, nan where there is none", name[k]);
     const int tof[2] = {column[1], sp_table_find_column(t, "c_tof_err")};
     for (int64_t row = 0; row < t->rows; row++) {
         for (int k = 0; k < 4; k++) {

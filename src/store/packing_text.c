@@ -253,23 +253,21 @@ static void add_numbers(sp_text *t, const double *value, int count) {
     }
 }
 
+/* Of the comment line, by dimension. */
+static const char *const centre[3] = {"x", "x y", "x y z"}, *const normal[3] = {"nx", "nx ny", "nx ny nz"};
+static const char *const columns[3] = {"", " Ft", " Ftx Fty Ftz"};
+static const char *const meaning[3] = {"", "; Ft = force on i along t=(-ny,nx)", "; Ft = force on i"};
+
 static void add_header(sp_text *t, const sp_packing *p) {
     int32_t bottom = 0, top = 0;
     for (int32_t c = 0; c < p->n_contacts; c++) {
         bottom += p->contacts[c].j == SP_BOTTOM;
         top += p->contacts[c].j == SP_TOP;
     }
-    static const char *const legend[4] = {
-        "",
-        "N grain lines 'x R rattler', then contact lines 'i j nx overlap Fn' (j=-1 bottom wall, j=-2 top wall; n from "
-        "i "
-        "to j)",
-        "N grain lines 'x y R rattler', then contact lines 'i j nx ny overlap Fn Ft' (j=-1 bottom wall, j=-2 top wall; "
-        "n "
-        "from i to j; Ft = force on i along t=(-ny,nx))",
-        "N grain lines 'x y z R rattler', then contact lines 'i j nx ny nz overlap Fn Ftx Fty Ftz' (j=-1 bottom wall, "
-        "j=-2 top wall; n from i to j; Ft = force on i)"};
-    sp_text_add(t, "# packing: header, then %s\nN %d ", legend[p->dim], p->n);
+    sp_text_add(t,
+                "# packing: header, then N grain lines '%s R rattler', then contact lines 'i j %s overlap Fn%s' (j=-1 "
+                "bottom wall, j=-2 top wall; n from i to j%s)\nN %d ",
+                centre[p->dim - 1], normal[p->dim - 1], columns[p->dim - 1], meaning[p->dim - 1], p->n);
     for (int k = 0; k < p->dim; k++)
         sp_text_add(t, "L%s %.17g ", axis[k], p->box[k]);
     sp_text_add(t, "p %.17g mu %.17g nu %.17g contacts %d bottom %d top %d", p->pressure, p->friction, p->poisson,

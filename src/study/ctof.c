@@ -127,12 +127,12 @@ static sp_status add_pressure(int64_t n, const sp_sample *const *s, sp_table *t,
         sp_bootstrap_options options = sp_bootstrap_options_default();
         status = sp_bootstrap(2, size, speed, &f, &options, &error, err);
         if (status == SP_OK)
-            status = sp_table_add_comment(t, err, "p = %.17g: grains %d and %d, heights %.6g and %.6g", p, low.grains,
+            status = sp_table_add_comment(t, err, "p = %.6g: grains %d and %d, heights %.6g and %.6g", p, low.grains,
                                           high.grains, sp_mean(low.n[T10], low.height[T10]),
                                           sp_mean(high.n[T10], high.height[T10]));
     } else {
         status =
-            sp_table_add_comment(t, err, "p = %.17g: c_tof, c_peak and c_zero need two heights with fronts; here is %s",
+            sp_table_add_comment(t, err, "p = %.6g: c_tof, c_peak and c_zero need two heights with fronts; here is %s",
                                  p, high.n[T10] > 0 ? "one" : "none");
     }
     int64_t samples = low.n[T10] < high.n[T10] ? low.n[T10] : high.n[T10];
@@ -184,12 +184,12 @@ sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, sp_table *t, sp_err
         sp_cell_kind kind;
     } column[] = {{"p", "E*", SP_CELL_NUMBER},
                   {"samples", "", SP_CELL_INTEGER},
-                  {"c_tof", "sqrt(E*/rho)", SP_CELL_NUMBER},
-                  {"c_tof_err", "sqrt(E*/rho)", SP_CELL_NUMBER},
-                  {"c_peak", "sqrt(E*/rho)", SP_CELL_NUMBER},
-                  {"c_zero", "sqrt(E*/rho)", SP_CELL_NUMBER},
-                  {"c_l", "sqrt(E*/rho)", SP_CELL_NUMBER},
-                  {"c_t", "sqrt(E*/rho)", SP_CELL_NUMBER}};
+                  {"c_tof", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_tof_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_peak", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_zero", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_l", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_t", "sqrt(E* / rho)", SP_CELL_NUMBER}};
     sp_status status = SP_OK;
     for (size_t k = 0; k < sizeof column / sizeof *column && status == SP_OK; k++)
         status = sp_table_add_column(t, column[k].name, column[k].unit, column[k].kind, err);

@@ -26,10 +26,12 @@ static const quantity statics_columns[] = {{"Phi2", "", offsetof(sp_sample, stat
                                            {"F2S", "", offsetof(sp_sample, statics.f2s)},
                                            {"s1_over_s2", "", offsetof(sp_sample, statics.s1_over_s2)}};
 
-static const quantity moduli_columns[] = {
-    {"C11", "E*", offsetof(sp_sample, moduli.c11)},           {"C12", "E*", offsetof(sp_sample, moduli.c12)},
-    {"C22", "E*", offsetof(sp_sample, moduli.c22)},           {"C33", "E*", offsetof(sp_sample, moduli.c33)},
-    {"c_l", "sqrt(E*/rho)", offsetof(sp_sample, moduli.c_l)}, {"c_t", "sqrt(E*/rho)", offsetof(sp_sample, moduli.c_t)}};
+static const quantity moduli_columns[] = {{"C11", "E*", offsetof(sp_sample, moduli.c11)},
+                                          {"C12", "E*", offsetof(sp_sample, moduli.c12)},
+                                          {"C22", "E*", offsetof(sp_sample, moduli.c22)},
+                                          {"C33", "E*", offsetof(sp_sample, moduli.c33)},
+                                          {"c_l", "sqrt(E* / rho)", offsetof(sp_sample, moduli.c_l)},
+                                          {"c_t", "sqrt(E* / rho)", offsetof(sp_sample, moduli.c_t)}};
 
 static double value_of(const sp_sample *s, const quantity *q) {
     double value;
@@ -100,11 +102,11 @@ static sp_status ensemble_columns(sp_table *t, sp_error *err) {
                  {"grains", "", SP_CELL_INTEGER},
                  {"seed", "", SP_CELL_INTEGER},
                  {"height", "d", SP_CELL_NUMBER},
-                 {"t10", "d/sqrt(E*/rho)", SP_CELL_NUMBER},
-                 {"t_peak", "d/sqrt(E*/rho)", SP_CELL_NUMBER},
-                 {"t_zero", "d/sqrt(E*/rho)", SP_CELL_NUMBER},
+                 {"t10", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                 {"t_peak", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                 {"t_zero", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
                  {"amplitude", "E* d^2", SP_CELL_NUMBER},
-                 {"width", "d/sqrt(E*/rho)", SP_CELL_NUMBER}},
+                 {"width", "d/sqrt(E* / rho)", SP_CELL_NUMBER}},
       last[] = {{"dimension", "", SP_CELL_INTEGER}, {"Lx", "d", SP_CELL_NUMBER},  {"friction", "", SP_CELL_NUMBER},
                 {"failed", "", SP_CELL_INTEGER},    {"reason", "", SP_CELL_TEXT}, {"name", "", SP_CELL_TEXT}};
     sp_status status = SP_OK;

@@ -37,7 +37,7 @@ static double mean_statistic(const int64_t *size, const int64_t *const *pick, vo
     return sum / (double)size[0];
 }
 
-/* The bootstrap error of a mean is sqrt((n-1)/n) times the standard error, up to 1/sqrt(2 resamples). */
+/* The bootstrap error of a mean is the standard error, up to 1/sqrt(2 resamples), for few samples too. */
 static void bootstrap_of_a_mean(void **state) {
     (void)state;
     double x[50];
@@ -50,7 +50,11 @@ static void bootstrap_of_a_mean(void **state) {
     double error = 0, again = 1, other = 0;
     assert_ok(sp_bootstrap(1, size, mean_statistic, x, &o, &error, &err));
     /* four standard deviations of the estimate from 20000 resamples */
-    assert_relative(error, sqrt(49.0 / 50) * sp_standard_error(50, x), 4 / sqrt(2 * 20000.0));
+    assert_relative(error, sp_standard_error(50, x), 4 / sqrt(2 * 20000.0));
+    const int64_t few[] = {3};
+    assert_ok(sp_bootstrap(1, few, mean_statistic, x, &o, &error, &err));
+    assert_relative(error, sp_standard_error(3, x), 4 / sqrt(2 * 20000.0));
+    assert_ok(sp_bootstrap(1, size, mean_statistic, x, &o, &error, &err));
     assert_ok(sp_bootstrap(1, size, mean_statistic, x, &o, &again, &err));
     assert_true(error == again);
     o.seed = 2;
@@ -87,7 +91,7 @@ static void groups_are_drawn_by_themselves(void **state) {
     two w = {a, b, 0, 0};
     double error = 0;
     assert_ok(sp_bootstrap(2, size, difference, &w, &o, &error, &err));
-    double ea = sp_standard_error(30, a) * sqrt(29.0 / 30), eb = sp_standard_error(20, b) * sqrt(19.0 / 20);
+    double ea = sp_standard_error(30, a), eb = sp_standard_error(20, b);
     assert_relative(error, hypot(ea, eb), 4 / sqrt(2 * 10000.0));
     w.ruined = 20; /* 5% of the resamples give nothing: left out */
     assert_ok(sp_bootstrap(2, size, difference, &w, &o, &error, &err));

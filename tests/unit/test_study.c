@@ -98,11 +98,12 @@ typedef struct shelf {
     int signal_points[ROOM];
     int fail_at; /* the save of that number fails, 0: none */
     atomic_int inside;
-    bool broken; /* load says that files are damaged */
+    atomic_int wrong; /* calls that should not have been: asserts must not fail on a worker's thread */
+    bool broken;      /* load says that files are damaged */
 } shelf;
 
 static void enter(shelf *s) {
-    assert_int_equal(atomic_fetch_add(&s->inside, 1), 0); /* one call at a time */
+    s->wrong += atomic_fetch_add(&s->inside, 1) != 0; /* one call at a time */
     usleep(100);
 }
 
@@ -166,22 +167,21 @@ static sp_status shelf_save(void *user, const sp_scene *scene, const sp_sample *
     shelf *s = user;
     enter(s);
     char name[SP_NAME_MAX];
-    sp_sample_name(scene, name);
-    assert_string_equal(name, sample->name);
-    assert_true(sample->failed == (packing == NULL));
-    assert_true(sample->failed == (sample->reason[0] != '\0'));
+    sp_sample_name(scene, name); /* empty where a test lets it have no memory */
+    s->wrong += name[0] && strcmp(name, sample->name) != 0;
+    s->wrong += sample->failed != (packing == NULL) || sample->failed != (sample->reason[0] != '\0');
+    s->wrong += packing && !packing->scene;
     sp_status status = SP_OK;
     int k = find(s, sample->name);
     if (k < 0)
         k = s->n++;
-    assert_true(k < ROOM);
+    if (k >= ROOM)
+        return sp_fail(err, SP_EIO, "no room");
     sp_packing_free(&s->packing[k]);
     s->sample[k] = *sample;
     s->signal_points[k] = signal ? signal->n : 0;
-    if (packing) {
-        assert_non_null(packing->scene);
+    if (packing)
         status = copy_packing(packing, &s->packing[k]);
-    }
     if (++s->saves == s->fail_at)
         status = sp_fail(err, SP_EIO, "disk full");
     leave(s);
@@ -195,6 +195,7 @@ static shelf *shelf_new(void) {
 }
 
 static void shelf_free(shelf *s) {
+    assert_int_equal(s->wrong, 0);
     for (int k = 0; k < s->n; k++)
         sp_packing_free(&s->packing[k]);
     free(s);
@@ -589,14 +590,14 @@ static void error_of_the_speed(void **state) {
     sp_sample s[MADE];
     make_up(s);
     for (int k = 0; k < MADE; k++)
-        s[k].front.t10 += s[k].seed % 2 ? 2 : -3; /* mean 0, variance 6 over the five */
+        s[k].front.t10 += s[k].seed % 2 ? 2 : -3; /* mean 0, squares 30 over the five */
     sp_table t = sp_table_none();
     assert_ok(sp_study_table("ctof", MADE, s, &t, &err));
     for (int k = 0; k < 4; k++) {
         double c = 0.3 * pow(10, (k - 3) / 6.0), flight = 17 / c;
         assert_relative(cell(&t, k, "c_tof"), c, 1e-12);
         /* heights scatter by 0.02 d^2, which moves H and t10 together and c not at all */
-        assert_relative(cell(&t, k, "c_tof_err"), c * sqrt(2 * 6.0 / 5) / flight, 0.15);
+        assert_relative(cell(&t, k, "c_tof_err"), c * sqrt(2 * 30.0 / (5 * 4)) / flight, 0.15);
     }
     sp_table_free(&t);
 }

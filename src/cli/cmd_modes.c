@@ -1,0 +1,139 @@
+/* sonopack modes: eigenfrequencies and eigenmodes, all of them, dense. */
+#include "base/base.h"
+#include "cli/springs.h"
+
+typedef struct arguments {
+    cli_common common;
+    cli_springs springs;
+    bool frequencies_only;
+    sp_source source;
+    int64_t lowest;
+    char *file;
+} arguments;
+
+enum { KEY_ALL = 0x1000, KEY_FREQUENCIES, KEY_SOURCE, KEY_LOWEST };
+
+static const struct argp_option options[] = {
+    {"all", KEY_ALL, NULL, 0, "All modes (the default)", 0},
+    {"lowest", KEY_LOWEST, "K", 0, "Only the first K rows, zero modes included", 0},
+    {"frequencies-only", KEY_FREQUENCIES, NULL, 0, "No amplitudes and participation: columns n, omega, error", 0},
+    {"source", KEY_SOURCE, "impulse|velocity|displacement", 0, "Of the amplitudes a (impulse)", 0},
+    {0}};
+static const struct argp_child children[] = {
+    {&cli_springs_argp, 0, "Springs:", 50}, {&cli_common_argp, 0, "Common options:", 90}, {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+    arguments *a = state->input;
+    sp_error err = {0};
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &a->springs;
+        state->child_inputs[1] = &a->common;
+        return 0;
+    case KEY_ALL: a->lowest = INT64_MAX; return 0;
+    case KEY_FREQUENCIES: a->frequencies_only = true; return 0;
+    case KEY_LOWEST:
+        if (cli_integer("--lowest", arg, 1, 1000000000, &a->lowest, &err) != SP_OK)
+            argp_error(state, "%s", err.text);
+        return 0;
+    case KEY_SOURCE:
+        if (!cli_source_of(arg, &a->source))
+            argp_error(state, "--source %.60s: must be impulse, velocity or displacement", arg);
+        return 0;
+    case ARGP_KEY_ARG:
+        if (a->file)
+            argp_error(state, "%.200s: a second file; must be one packing at a time", arg);
+        a->file = arg;
+        return 0;
+    case ARGP_KEY_END:
+        if (!a->file)
+            argp_error(state, "no file: must be one packing");
+        return 0;
+    default: return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp argp = {
+    options,
+    parse,
+    "FILE",
+    "Eigenfrequencies and eigenmodes of the network of springs, both walls fixed.\v"
+    "omega ascends, rattlers' zero modes first. F(t) = sum of ab sin(omega t) (cos for displacements); participation "
+    "= (sum w)^2/(N sum w^2) with w a grain's share of the mode; error bounds that of omega. --set takes keys of the "
+    "group network.",
+    children,
+    NULL,
+    NULL};
+
+static sp_status add_columns(bool vectors, sp_table *t, sp_error *err) {
+    static const char *const names[] = {"omega", "a", "b", "ab", "participation", "error"};
+    const int count = sizeof names / sizeof *names;
+    sp_status status = sp_table_add_column(t, "n", "", SP_CELL_INTEGER, err);
+    for (int k = 0; k < count && status == SP_OK; k++)
+        if (vectors || k == 0 || k == count - 1)
+            status = sp_table_add_column(t, names[k], k == 0 || k == count - 1 ? "sqrt(E* / rho)/d" : "",
+                                         SP_CELL_NUMBER, err);
+    return status;
+}
+
+static sp_status fill(const arguments *a, const sp_packing *p, const sp_modes *m, sp_table *t, sp_error *err) {
+    sp_status status = add_columns(m->vectors != NULL, t, err);
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err, "file = %s", a->file);
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err, "pressure = %.17g", p->pressure);
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err, "zero_modes = %lld", (long long)m->n_zero);
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err, "rattler_modes = %lld", (long long)m->n_rattler);
+    if (status == SP_OK && m->vectors)
+        status = sp_table_add_comment(t, err, "source = %s", cli_source_name(a->source));
+    if (status == SP_OK && m->vectors)
+        status = sp_table_add_comment(t, err, "residual = %.3g", m->residual);
+    if (status == SP_OK && m->vectors)
+        status = sp_table_add_comment(t, err, "orthogonality = %.3g", m->orthogonality);
+    for (int64_t k = 0; k < m->n && k < a->lowest && status == SP_OK; k++) {
+        if (m->vectors)
+            status = sp_table_add_row(t, err, k, m->omega[k], m->a[k], m->b[k], m->a[k] * m->b[k], m->participation[k],
+                                      m->error[k]);
+        else
+            status = sp_table_add_row(t, err, k, m->omega[k], m->error[k]);
+    }
+    return status;
+}
+
+static sp_status work(const arguments *a, sp_error *err) {
+    sp_scene scene = sp_scene_default();
+    sp_packing p = sp_packing_none();
+    sp_network net = sp_network_none();
+    sp_modes m = sp_modes_none();
+    sp_table t = sp_table_none();
+    sp_status status = cli_may_write_table(&a->common, err);
+    if (status == SP_OK)
+        status = cli_springs_scene(&a->common, &a->springs, "network", &scene, err);
+    if (status == SP_OK)
+        status = cli_read_network(a->file, &scene.network, &p, &net, err);
+    if (status == SP_OK) {
+        const sp_modes_options o = {.vectors = !a->frequencies_only, .source = a->source};
+        status = sp_modes_dense(&net, &o, &m, err);
+        if (status != SP_OK)
+            sp_fail_prefix(err, "%s", a->file);
+    }
+    if (status == SP_OK)
+        status = fill(a, &p, &m, &t, err);
+    if (status == SP_OK)
+        status = cli_write_table(&a->common, &t, err);
+    sp_table_free(&t);
+    sp_modes_free(&m);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+    sp_scene_free(&scene);
+    return status;
+}
+
+int cmd_modes(int argc, char **argv) {
+    arguments a = {.lowest = INT64_MAX, .source = SP_SOURCE_IMPULSE};
+    argp_parse(&argp, argc, argv, 0, NULL, &a);
+    sp_error err = {0};
+    return work(&a, &err) == SP_OK ? CLI_OK : cli_fail(&err);
+}

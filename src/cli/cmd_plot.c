@@ -1,0 +1,235 @@
+/* sonopack plot: figures of tables, signals and packings. */
+#include "base/base.h"
+#include "cli/cli.h"
+#include "cli/output.h"
+#include "cli/plot_input.h"
+
+#include <math.h>
+#include <string.h>
+
+#if defined(__SANITIZE_ADDRESS__)
+/* fontconfig, behind cairo, keeps offsets in place of pointers: the leak checker cannot see that its memory is held. */
+const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void) { return "leak:libfontconfig"; }
+const char *__lsan_default_options(void);
+const char *__lsan_default_options(void) { return "print_suppressions=0"; }
+#endif
+
+typedef struct arguments arguments;
+
+typedef struct kind {
+    const char *name;
+    sp_status (*draw)(const arguments *a, const sp_scene *scene, sp_error *err);
+    int most; /* files */
+    bool store;
+    const char *sets; /* groups of keys that --set may change */
+} kind;
+
+struct arguments {
+    cli_common common;
+    const kind *kind;
+    const char *store;
+    int files;
+    char **file;
+};
+
+/* ---- kinds ------------------------------------------------------------------------------------------------------ */
+
+/* A figure that cannot be made of a file is that file's fault, not one of usage. */
+static sp_status blame(sp_status status, const char *path, sp_error *err) {
+    if (status == SP_EINVAL)
+        status = err->status = SP_EFORMAT;
+    if (status == SP_EREFUSED || status == SP_EFORMAT)
+        sp_fail_prefix(err, "%s", path);
+    return status;
+}
+
+static sp_status store_table(const arguments *a, sp_table *out, sp_error *err) {
+    sp_store *store = NULL;
+    sp_sample *samples = NULL;
+    int64_t n = 0, bad = 0;
+    sp_error reason = {0};
+    sp_status status = sp_store_open(a->store, false, &store, err);
+    if (status != SP_OK)
+        return status;
+    status = sp_store_samples(store, &n, &samples, &bad, &reason);
+    if (status != SP_OK)
+        *err = reason;
+    else if (bad > 0)
+        cli_note(&a->common, "%lld files of the store are left out: %s", (long long)bad, reason.text);
+    if (status == SP_OK)
+        status = blame(sp_study_table("ctof", n, samples, out, err), a->store, err);
+    sp_free(samples);
+    sp_store_close(store);
+    return status;
+}
+
+static sp_status draw_ctof(const arguments *a, const sp_scene *scene, sp_error *err) {
+    (void)scene;
+    sp_table t = sp_table_none();
+    sp_status status = a->store ? store_table(a, &t, err) : plot_read_table(a->file[0], &t, err);
+    if (status == SP_OK)
+        status = blame(sp_plot_ctof(&t, a->common.output, err), a->store ? a->store : a->file[0], err);
+    sp_table_free(&t);
+    return status;
+}
+
+/* File name without folders and ending. */
+static char *label_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    char *label = sp_strdup(slash && slash[1] ? slash + 1 : path);
+    char *dot = label ? strrchr(label, '.') : NULL;
+    if (dot && dot > label)
+        *dot = '\0';
+    return label;
+}
+
+static sp_status read_trace(const arguments *a, const sp_scene *scene, const char *path, sp_plot_trace *out,
+                            sp_error *err) {
+    plot_signal s = {0};
+    char *label = label_of(path);
+    if (!label)
+        return sp_fail_memory(err, strlen(path));
+    sp_status status = plot_read_signal(path, scene, &s, err);
+    if (status != SP_OK) {
+        sp_free(label);
+        return status;
+    }
+    sp_front front = {.t10 = NAN, .t_peak = NAN, .t_zero = NAN};
+    sp_front_options rule = sp_front_options_default();
+    sp_error reason = {0};
+    rule.window = s.window;
+    if (sp_front_find(s.n, s.t, s.f, &rule, &front, &reason) != SP_OK)
+        cli_note(&a->common, "%s: no first front is marked: %s", path, reason.text);
+    *out = (sp_plot_trace){label, s.n, s.t, s.f, front.t10, front.t_peak, front.t_zero};
+    return SP_OK;
+}
+
+static sp_status draw_signal(const arguments *a, const sp_scene *scene, sp_error *err) {
+    sp_plot_trace *trace = sp_alloc((size_t)a->files, sizeof *trace);
+    if (!trace)
+        return sp_fail_memory(err, (size_t)a->files * sizeof *trace);
+    sp_status status = SP_OK;
+    for (int k = 0; k < a->files && status == SP_OK; k++)
+        status = read_trace(a, scene, a->file[k], &trace[k], err);
+    if (status == SP_OK)
+        status = blame(sp_plot_signal(a->files, trace, a->common.output, err), a->file[0], err);
+    for (int k = 0; k < a->files; k++) {
+        sp_free((void *)trace[k].label);
+        sp_free((void *)trace[k].t);
+    }
+    sp_free(trace);
+    return status;
+}
+
+static sp_status draw_links(const arguments *a, const sp_scene *scene, sp_plot_links links, sp_error *err) {
+    sp_packing p = sp_packing_none();
+    sp_status status = sp_packing_read(a->file[0], &p, err);
+    if (status == SP_OK)
+        status = blame(sp_plot_network(&p, links, scene->network.threshold, a->common.output, err), a->file[0], err);
+    sp_packing_free(&p);
+    return status;
+}
+
+static sp_status draw_network(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return draw_links(a, scene, SP_PLOT_FORCES, err);
+}
+
+static sp_status draw_stiffness(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return draw_links(a, scene, SP_PLOT_STIFFNESS, err);
+}
+
+static const kind kinds[] = {{"ctof", draw_ctof, 1, true, ""},
+                             {"signal", draw_signal, 1 << 16, false, "network signal"},
+                             {"network", draw_network, 1, false, "network"},
+                             {"stiffness", draw_stiffness, 1, false, "network"}};
+
+/* ---- the command ------------------------------------------------------------------------------------------------ */
+
+enum { KEY_STORE = 0x1000 };
+
+static const struct argp_option options[] = {
+    {"store", KEY_STORE, "DIR", 0, "ctof: of the samples in this folder, instead of a table", 0}, {0}};
+static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
+
+static const kind *find_kind(const char *name) {
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+        if (strcmp(kinds[k].name, name) == 0)
+            return &kinds[k];
+    return NULL;
+}
+
+static void check(const arguments *a, struct argp_state *state) {
+    if (!a->kind)
+        argp_error(state, "no kind: must be ctof, signal, network or stiffness");
+    else if (a->store && !a->kind->store)
+        argp_error(state, "--store: only plot ctof draws a store");
+    else if (a->store && a->files > 0)
+        argp_error(state, "%s: must be a file or --store, not both", a->file[0]);
+    else if (!a->store && a->files == 0)
+        argp_error(state, "plot %s: no file to draw", a->kind->name);
+    else if (a->files > a->kind->most)
+        argp_error(state, "plot %s: %d files, must be %d at the most", a->kind->name, a->files, a->kind->most);
+    else if (a->common.sets > 0 && !a->kind->sets[0])
+        argp_error(state, "--set: no key of a scene changes a figure of %s", a->kind->name);
+    else if (!a->common.output)
+        argp_error(state, "no -o FILE: must end in .svg, .png or .pdf");
+}
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+    arguments *a = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
+    case KEY_STORE: a->store = arg; return 0;
+    case ARGP_KEY_ARG:
+        if (a->kind)
+            return ARGP_ERR_UNKNOWN; /* the rest are files */
+        a->kind = find_kind(arg);
+        if (!a->kind)
+            argp_error(state, "unknown kind %.60s: must be ctof, signal, network or stiffness", arg);
+        return 0;
+    case ARGP_KEY_ARGS:
+        a->file = state->argv + state->next;
+        a->files = state->argc - state->next;
+        return 0;
+    case ARGP_KEY_END: check(a, state); return 0;
+    default: return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp argp = {
+    options,
+    parse,
+    "KIND FILE... -o FIGURE\nctof --store DIR -o FIGURE",
+    "Figures at the width of a column of print: PNG (300 dpi), SVG or PDF by the ending of FIGURE.\v"
+    "ctof: speeds against pressure with the published c_tof = 0.26 (p/1e-4)^(1/6), from a table that `sonopack table "
+    "ctof' prints (TSV or CSV). signal: F(t) of one or more tables with columns t and F, or of packings (their signal "
+    "is made), with the first front marked: a triangle at 10% of its peak, a circle at the peak, a square at the zero "
+    "crossing. network: a packing with its contacts that carry as lines, as wide as their normal force is large; "
+    "rattlers are grey. stiffness: the same with the normal stiffness. --set changes keys of network and signal.",
+    children,
+    NULL,
+    NULL};
+
+static sp_status may_write(const arguments *a, sp_error *err) {
+    const char *path = a->common.output;
+    if (!cli_has_ending(path, ".svg") && !cli_has_ending(path, ".png") && !cli_has_ending(path, ".pdf"))
+        return sp_fail(err, SP_EINVAL, "-o %s: a figure's ending must be .svg, .png or .pdf", path);
+    if (a->common.format_given)
+        return sp_fail(err, SP_EINVAL, "--format: is for tables; the ending of -o names a figure's format");
+    return cli_may_write(&a->common, path, err);
+}
+
+int cmd_plot(int argc, char **argv) {
+    arguments a = {0};
+    argp_parse(&argp, argc, argv, 0, NULL, &a);
+    sp_error err = {0};
+    sp_scene scene = sp_scene_default();
+    sp_status status = may_write(&a, &err);
+    if (status == SP_OK)
+        status = cli_scene_of_sets(&a.common, a.kind->sets, &scene, &err);
+    if (status == SP_OK)
+        status = a.kind->draw(&a, &scene, &err);
+    sp_scene_free(&scene);
+    return status == SP_OK ? CLI_OK : cli_fail(&err);
+}

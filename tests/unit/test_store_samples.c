@@ -1,0 +1,326 @@
+/* A store: a folder of samples that many processes may work on. */
+#include "test_store_fixture.h"
+
+#include <pthread.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+static char *folder;
+
+static int make_folder(void **state) {
+    (void)state;
+    folder = fixture_folder();
+    return 0;
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    fixture_remove(folder);
+    return 0;
+}
+
+static sp_sample example(unsigned have, uint64_t seed) {
+    uint64_t random = seed;
+    sp_sample s = {.dim = 2, .grains = 20, .width = 24, .pressure = 1e-4, .friction = 0.5, .height = 8.7, .have = have};
+    snprintf(s.name, sizeof s.name, "%016llx%016llx", (unsigned long long)fixture_next(&random),
+             (unsigned long long)fixture_next(&random));
+    s.seed = fixture_next(&random);
+    double *parts[] = {&s.front.t10, &s.statics.phi2, &s.moduli.c11};
+    const size_t counts[] = {sizeof s.front / 8, sizeof s.statics / 8, sizeof s.moduli / 8};
+    for (int part = 0; part < 3; part++)
+        for (size_t k = 0; k < counts[part]; k++)
+            if (have & (1u << part))
+                parts[part][k] = k == 2 ? NAN : fixture_uniform(&random);
+    return s;
+}
+
+static void assert_same_sample(const sp_sample *a, const sp_sample *b) {
+    assert_string_equal(a->name, b->name);
+    assert_string_equal(a->reason, b->reason);
+    assert_int_equal(a->failed, b->failed);
+    assert_int_equal(a->have, b->have);
+    assert_true(a->dim == b->dim && a->grains == b->grains && a->seed == b->seed && a->width == b->width);
+    assert_true(a->pressure == b->pressure && a->friction == b->friction && a->height == b->height);
+    assert_same_bits("front", &a->front.t10, &b->front.t10, sizeof a->front / 8);
+    assert_same_bits("statics", &a->statics.phi2, &b->statics.phi2, sizeof a->statics / 8);
+    assert_same_bits("moduli", &a->moduli.c11, &b->moduli.c11, sizeof a->moduli / 8);
+}
+
+static void saves_and_loads(void **state) {
+    (void)state;
+    sp_store *store;
+    assert_ok(sp_store_open(folder, true, &store, &err));
+    sp_study_sink sink = sp_store_sink(store);
+    sp_scene scene = sp_scene_default();
+    sp_packing p = fixture_packing(1, 2, 20), q = sp_packing_none();
+    sp_sample s = example(SP_WANT_CTOF | SP_WANT_STATICS, 1), back;
+    bool found = true;
+    assert_ok(sink.load(sink.user, s.name, &q, &back, &found, &err));
+    assert_false(found);
+    assert_false(sink.has(sink.user, s.name, 0));
+    assert_ok(sink.save(sink.user, &scene, &s, &p, NULL, &err));
+    assert_true(sink.has(sink.user, s.name, 0));
+    assert_true(sink.has(sink.user, s.name, SP_WANT_CTOF | SP_WANT_STATICS));
+    assert_false(sink.has(sink.user, s.name, SP_WANT_CTOF | SP_WANT_MODULI));
+    assert_ok(sink.load(sink.user, s.name, &q, &back, &found, &err));
+    assert_true(found);
+    assert_same_sample(&s, &back);
+    assert_same_packing(&p, &q);
+    sp_packing_free(&q);
+
+    /* a packing file like any other */
+    char path[600];
+    snprintf(path, sizeof path, "%s/%s.h5", folder, s.name);
+    assert_ok(sp_packing_read(path, &q, &err));
+    assert_same_packing(&p, &q);
+    sp_packing_free(&q);
+
+    /* other parts join, without the packing being given again; the signal stays too */
+    double t[3] = {0, 1, 2}, f[3] = {0, 0.5, -0.25};
+    sp_signal signal = {.n = 3, .t = t, .f = f, .error = 1e-12, .omega_max = 1.4, .products = 12};
+    sp_sample more = example(SP_WANT_MODULI | SP_WANT_SIGNAL, 1);
+    assert_ok(sink.save(sink.user, &scene, &more, NULL, &signal, &err));
+    sp_sample again = example(SP_WANT_STATICS, 1);
+    assert_ok(sink.save(sink.user, &scene, &again, &p, NULL, &err));
+    assert_true(sink.has(sink.user, s.name, SP_WANT_CTOF | SP_WANT_STATICS | SP_WANT_MODULI | SP_WANT_SIGNAL));
+    assert_ok(sink.load(sink.user, s.name, &q, &back, &found, &err));
+    assert_same_bits("front", &s.front.t10, &back.front.t10, sizeof s.front / 8);
+    assert_same_bits("statics", &again.statics.phi2, &back.statics.phi2, sizeof s.statics / 8);
+    assert_same_bits("moduli", &more.moduli.c11, &back.moduli.c11, sizeof s.moduli / 8);
+    assert_same_packing(&p, &q);
+    sp_packing_free(&q);
+    sp_packing_free(&p);
+    assert_int_equal(fixture_count_files(folder), 1);
+    sp_scene_free(&scene);
+    sp_store_close(store);
+}
+
+static void failures_are_kept(void **state) {
+    (void)state;
+    sp_store *store;
+    assert_ok(sp_store_open(folder, true, &store, &err));
+    sp_study_sink sink = sp_store_sink(store);
+    sp_sample s = example(0, 3), *all;
+    s.failed = true;
+    s.height = 0;
+    snprintf(s.reason, sizeof s.reason, "no equilibrium after 1e7 steps: residual = 3e-9");
+    assert_ok(sink.save(sink.user, NULL, &s, NULL, NULL, &err));
+    assert_true(sink.has(sink.user, s.name, SP_WANT_CTOF));
+    int64_t n, bad;
+    assert_ok(sp_store_samples(store, &n, &all, &bad, &err));
+    assert_true(n == 1 && bad == 0);
+    assert_same_sample(&s, &all[0]);
+    sp_free(all);
+    /* made after all: the failure is forgotten */
+    sp_packing p = fixture_packing(1, 2, 20);
+    sp_sample good = example(SP_WANT_CTOF, 3);
+    assert_ok(sink.save(sink.user, NULL, &good, &p, NULL, &err));
+    assert_int_equal(fixture_count_files(folder), 1);
+    assert_false(sink.has(sink.user, s.name, SP_WANT_MODULI));
+    sp_packing_free(&p);
+    sp_store_close(store);
+}
+
+static void samples_skip_what_is_damaged(void **state) {
+    (void)state;
+    sp_store *store;
+    assert_ok(sp_store_open(folder, true, &store, &err));
+    sp_study_sink sink = sp_store_sink(store);
+    sp_packing p = fixture_packing(1, 2, 20), q;
+    sp_sample s[5], *all, back;
+    for (uint64_t k = 0; k < 5; k++) {
+        s[k] = example(SP_WANT_CTOF, 10 + k);
+        assert_ok(sink.save(sink.user, NULL, &s[k], &p, NULL, &err));
+    }
+    char path[600], other[600];
+    snprintf(path, sizeof path, "%s/%s.h5", folder, s[2].name);
+    assert_int_equal(truncate(path, 5000), 0);
+    snprintf(path, sizeof path, "%s/%s.h5", folder, s[3].name); /* under a name that is not its own */
+    snprintf(other, sizeof other, "%s/%032x.h5", folder, 7);
+    rename(path, other);
+    fixture_write(fixture_path(folder, "README"), "not a sample");
+    fixture_write(fixture_path(folder, ".sonopack-1-1.tmp"), "left by a dead process");
+    int64_t n, bad;
+    sp_error reason = {0};
+    assert_int_equal(sp_store_samples(store, &n, &all, &bad, &reason), SP_OK);
+    assert_true(n == 3 && bad == 2);
+    assert_true(reason.status == SP_OK && strstr(reason.text, ".h5"));
+    for (int64_t k = 1; k < n; k++)
+        assert_true(strcmp(all[k - 1].name, all[k].name) < 0);
+    sp_free(all);
+
+    /* a damaged sample is one to make anew; its remains are put aside */
+    bool found = true;
+    assert_false(sink.has(sink.user, s[2].name, 0));
+    assert_ok(sink.load(sink.user, s[2].name, &q, &back, &found, &err));
+    assert_false(found);
+    assert_ok(sink.save(sink.user, NULL, &s[2], &p, NULL, &err));
+    assert_true(sink.has(sink.user, s[2].name, SP_WANT_CTOF));
+    snprintf(path, sizeof path, "%s/%s.bad", folder, s[2].name);
+    assert_int_equal(access(path, F_OK), 0);
+    sp_packing_free(&p);
+    sp_store_close(store);
+}
+
+static void wrong_saves(void **state) {
+    (void)state;
+    sp_store *store;
+    assert_ok(sp_store_open(folder, true, &store, &err));
+    sp_study_sink sink = sp_store_sink(store);
+    sp_packing p = fixture_packing(1, 2, 20);
+    sp_sample s = example(SP_WANT_CTOF, 3);
+    assert_fails(sink.save(sink.user, NULL, &s, NULL, NULL, &err), SP_EINVAL, "no packing");
+    snprintf(s.name, sizeof s.name, "../../../etc/passwd");
+    assert_fails(sink.save(sink.user, NULL, &s, &p, NULL, &err), SP_EINVAL, "32 hexadecimal digits");
+    assert_false(sink.has(sink.user, s.name, 0));
+    s = example(SP_WANT_CTOF, 3);
+    p.r[0] = -1;
+    assert_fails(sink.save(sink.user, NULL, &s, &p, NULL, &err), SP_EFORMAT, "grain 0");
+    assert_int_equal(fixture_count_files(folder), 0);
+    sp_packing_free(&p);
+    sp_store_close(store);
+}
+
+static void opening(void **state) {
+    (void)state;
+    sp_store *store;
+    const char *new = fixture_path(folder, "new"), *file = fixture_path(folder, "file");
+    assert_fails(sp_store_open(new, false, &store, &err), SP_EIO, "No such file");
+    assert_fails(sp_store_open("", true, &store, &err), SP_EIO, "1..");
+    assert_fails(sp_store_open(fixture_path(folder, "no/where"), true, &store, &err), SP_EIO, "No such file");
+    assert_ok(sp_store_open(new, true, &store, &err));
+    sp_store_close(store);
+    assert_ok(sp_store_open(new, false, &store, &err));
+    int64_t n, bad;
+    sp_sample *all;
+    assert_ok(sp_store_samples(store, &n, &all, &bad, &err));
+    assert_true(n == 0 && bad == 0);
+    sp_free(all);
+    sp_store_close(store);
+    rmdir(new);
+    fixture_write(file, "x");
+    assert_fails(sp_store_open(file, true, &store, &err), SP_EIO, "Not a directory");
+    assert_fails(sp_store_open("/proc", true, &store, &err), SP_EIO,
+                 "/proc"); /* no place for files, not for root either */
+    if (geteuid() != 0) {
+        chmod(folder, 0555);
+        assert_fails(sp_store_open(folder, true, &store, &err), SP_EIO, "Permission denied");
+        assert_ok(sp_store_open(folder, false, &store, &err));
+        sp_store_close(store);
+        chmod(folder, 0755);
+    }
+}
+
+/* Processes that add different parts to the same sample at once: no part is lost. */
+static void processes_save_together(void **state) {
+    (void)state;
+    const unsigned part[] = {SP_WANT_CTOF, SP_WANT_STATICS, SP_WANT_MODULI};
+    for (uint64_t round = 0; round < 10; round++) {
+        for (int k = 0; k < 3; k++) {
+            if (fork() != 0)
+                continue;
+            sp_store *store;
+            sp_packing p = fixture_packing(round, 2, 20);
+            sp_sample s = example(part[k], round);
+            bool good = sp_store_open(folder, true, &store, NULL) == SP_OK;
+            sp_study_sink sink = sp_store_sink(store);
+            good = good && sink.save(sink.user, NULL, &s, &p, NULL, NULL) == SP_OK;
+            _exit(good ? 0 : 1);
+        }
+        for (int k = 0; k < 3; k++) {
+            int status;
+            wait(&status);
+            assert_int_equal(status, 0);
+        }
+    }
+    sp_store *store;
+    sp_sample *all;
+    int64_t n, bad;
+    assert_ok(sp_store_open(folder, false, &store, &err));
+    assert_ok(sp_store_samples(store, &n, &all, &bad, &err));
+    assert_true(n == 10 && bad == 0);
+    for (int64_t k = 0; k < n; k++)
+        assert_int_equal(all[k].have, SP_WANT_CTOF | SP_WANT_STATICS | SP_WANT_MODULI);
+    assert_int_equal(fixture_count_files(folder), 10);
+    sp_free(all);
+    sp_store_close(store);
+}
+
+static void *save_and_read(void *user) {
+    uint64_t id = *(uint64_t *)user;
+    char path[600];
+    snprintf(path, sizeof path, "%s/%llu.h5", folder, (unsigned long long)id);
+    for (uint64_t round = 0; round < 10; round++) {
+        sp_packing p = fixture_packing(10 * id + round, 2, 20), q = sp_packing_none();
+        sp_error err = {0};
+        bool good = sp_packing_save(&p, path, &err) == SP_OK && sp_packing_read(path, &q, &err) == SP_OK &&
+                    q.x[0] == p.x[0] && sp_packing_read("/dev/null", &q, &err) == SP_EFORMAT;
+        sp_packing_free(&p);
+        sp_packing_free(&q);
+        if (!good)
+            return user;
+    }
+    return NULL;
+}
+
+static void threads_save_together(void **state) {
+    (void)state;
+    pthread_t thread[4];
+    uint64_t id[4] = {0, 1, 2, 3};
+    for (int k = 0; k < 4; k++)
+        assert_int_equal(pthread_create(&thread[k], NULL, save_and_read, &id[k]), 0);
+    for (int k = 0; k < 4; k++) {
+        void *bad;
+        pthread_join(thread[k], &bad);
+        assert_null(bad);
+    }
+}
+
+static void lack_of_memory(void **state) {
+    (void)state;
+    sp_store *store = NULL;
+    sp_packing p = fixture_packing(1, 2, 20), q;
+    sp_scene scene = sp_scene_default();
+    sp_sample s = example(SP_WANT_CTOF, 3), back, *all;
+    sp_alloc_fail_after(0);
+    assert_fails(sp_store_open(folder, true, &store, &err), SP_ENOMEM, "no memory");
+    assert_ok(sp_store_open(folder, true, &store, &err));
+    sp_study_sink sink = sp_store_sink(store);
+    assert_ok(sink.save(sink.user, &scene, &s, &p, NULL, &err));
+    for (int action = 0; action < 4; action++) {
+        sp_status status = SP_ENOMEM;
+        for (int64_t k = 0; status != SP_OK; k++) {
+            bool found;
+            int64_t n, bad;
+            sp_error err = {0};
+            sp_alloc_fail_after(k);
+            switch (action) {
+            case 0: status = sink.save(sink.user, &scene, &s, NULL, NULL, &err); break;
+            case 1: status = sink.save(sink.user, &scene, &s, &p, NULL, &err); break;
+            case 2: status = sink.load(sink.user, s.name, &q, &back, &found, &err); break;
+            case 3: status = sp_store_samples(store, &n, &all, &bad, &err); break;
+            }
+            sp_alloc_fail_after(-1);
+            assert_true(k < 1000 && (status == SP_OK || status == SP_ENOMEM));
+            assert_int_equal(fixture_count_files(folder), 1);
+            if (status == SP_OK && action == 2) {
+                assert_true(found);
+                sp_packing_free(&q);
+            }
+            if (status == SP_OK && action == 3)
+                sp_free(all);
+        }
+    }
+    sp_packing_free(&p);
+    sp_scene_free(&scene);
+    sp_store_close(store);
+}
+
+int main(void) {
+#define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
+    const struct CMUnitTest tests[] = {
+        TEST(saves_and_loads), TEST(failures_are_kept),       TEST(samples_skip_what_is_damaged), TEST(wrong_saves),
+        TEST(opening),         TEST(processes_save_together), TEST(threads_save_together),        TEST(lack_of_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,229 @@
+/* Tables as text and back. */
+#include "test_store_fixture.h"
+
+#include <locale.h>
+
+static char *folder;
+
+static int make_folder(void **state) {
+    (void)state;
+    folder = fixture_folder();
+    return 0;
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    fixture_remove(folder);
+    return 0;
+}
+
+static sp_table example(void) {
+    sp_table t = sp_table_none();
+    assert_ok(sp_table_add_column(&t, "file", "", SP_CELL_TEXT, &err));
+    assert_ok(sp_table_add_column(&t, "p", "E*", SP_CELL_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "n", "", SP_CELL_INTEGER, &err));
+    assert_ok(sp_table_add_column(&t, "c_l", "sqrt(E* / rho)", SP_CELL_NUMBER, &err));
+    assert_ok(sp_table_add_comment(&t, &err, "pressure = %g", 1e-4));
+    assert_ok(sp_table_add_row(&t, &err, "a b.h5", 0.1, (int64_t)-7, NAN));
+    assert_ok(sp_table_add_row(&t, &err, "#tab\tline\nback\\slash,\"q\"", 1.0 / 3, INT64_MAX, -INFINITY));
+    assert_ok(sp_table_add_row(&t, &err, "\xc3\xa9\xff", 5e-324, (int64_t)0, 1.7976931348623157e308));
+    return t;
+}
+
+static void assert_text(const sp_table *t, sp_table_format format, const char *expected) {
+    char *text = sp_table_text(t, format);
+    assert_non_null(text);
+    assert_string_equal(text, expected);
+    sp_free(text);
+}
+
+static void texts(void **state) {
+    (void)state;
+    sp_table t = example();
+    assert_text(&t, SP_TSV,
+                "# pressure = 0.0001\n# units: p [E*] c_l [sqrt(E* / rho)]\nfile\tp\tn\tc_l\n"
+                "a b.h5\t0.10000000000000001\t-7\tnan\n"
+                "\\#tab\\tline\\nback\\\\slash,\"q\"\t0.33333333333333331\t9223372036854775807\t-inf\n"
+                "\xc3\xa9\xff\t4.9406564584124654e-324\t0\t1.7976931348623157e+308\n");
+    assert_text(&t, SP_CSV,
+                "file,p,n,c_l\n"
+                "a b.h5,0.10000000000000001,-7,nan\n"
+                "\"#tab\tline\nback\\slash,\"\"q\"\"\",0.33333333333333331,9223372036854775807,-inf\n"
+                "\xc3\xa9\xff,4.9406564584124654e-324,0,1.7976931348623157e+308\n");
+    assert_text(&t, SP_JSON,
+                "{\"comments\":[\"pressure = 0.0001\"],\n\"columns\":[\"file\",\"p\",\"n\",\"c_l\"],\n"
+                "\"units\":[\"\",\"E*\",\"\",\"sqrt(E* / rho)\"],\n\"rows\":[\n"
+                "[\"a b.h5\",0.10000000000000001,-7,null],\n"
+                "[\"#tab\\u0009line\\u000aback\\\\slash,\\\"q\\\"\",0.33333333333333331,9223372036854775807,null],\n"
+                "[\"\xc3\xa9\\ufffd\",4.9406564584124654e-324,0,1.7976931348623157e+308]]}\n");
+    sp_table_free(&t);
+    sp_table empty = sp_table_none();
+    assert_text(&empty, SP_JSON, "{\"comments\":[],\n\"columns\":[],\n\"units\":[],\n\"rows\":[]}\n");
+}
+
+static void tsv_round_trip(void **state) {
+    (void)state;
+    sp_table t = example(), back = sp_table_none();
+    char *text = sp_table_text(&t, SP_TSV);
+    const char *path = fixture_path(folder, "t.tsv");
+    assert_ok(sp_text_save(path, text, strlen(text), &err));
+    assert_ok(sp_table_read(path, &back, &err));
+    assert_int_equal(back.columns, 4);
+    assert_int_equal(back.rows, 3);
+    assert_string_equal(back.column[3].unit, "sqrt(E* / rho)");
+    assert_string_equal(back.column[0].unit, "");
+    assert_string_equal(sp_table_comment_value(&back, "pressure"), "0.0001");
+    for (int64_t row = 0; row < 3; row++) {
+        assert_string_equal(back.cells[row * 4].text, t.cells[row * 4].text);
+        for (int c = 1; c < 4; c++) {
+            double a = sp_table_number(&t, row, c), b = sp_table_number(&back, row, c);
+            assert_true(a == b || (isnan(a) && isnan(b)));
+        }
+    }
+    sp_free(text);
+    sp_table_free(&t);
+    sp_table_free(&back);
+}
+
+static sp_status read_text(const char *text, sp_table *t, sp_error *err) {
+    const char *path = fixture_path(folder, "t.tsv");
+    fixture_write(path, text);
+    return sp_table_read(path, t, err);
+}
+
+static void lenient_reading(void **state) {
+    (void)state;
+    sp_table t;
+    /* plain columns at any blanks, CRLF, blank lines, no newline at the end, a byte order mark */
+    assert_ok(read_text("\xef\xbb\xbf# a comment\r\n\r\n 0  1.5\t\t-2e3\r\n   \n1\t2 3", &t, &err));
+    assert_int_equal(t.columns, 3);
+    assert_int_equal(t.rows, 2);
+    assert_string_equal(t.column[2].name, "c3");
+    assert_string_equal(t.comment[0], "a comment");
+    assert_true(sp_table_number(&t, 0, 2) == -2e3 && sp_table_number(&t, 1, 2) == 3);
+    sp_table_free(&t);
+    /* a header at blanks; one column is text because one cell is no number */
+    assert_ok(read_text("t F who\n0 1 2\n1 nan x\n", &t, &err));
+    assert_int_equal(t.column[1].kind, SP_CELL_NUMBER);
+    assert_int_equal(t.column[2].kind, SP_CELL_TEXT);
+    assert_true(isnan(sp_table_number(&t, 1, 1)));
+    assert_string_equal(t.cells[2].text, "2");
+    sp_table_free(&t);
+    /* cells with blanks and empty cells between tabs */
+    assert_ok(read_text("file\tnote\nmy file.h5\t\nb\tfine\n", &t, &err));
+    assert_string_equal(t.cells[0].text, "my file.h5");
+    assert_string_equal(t.cells[1].text, "");
+    sp_table_free(&t);
+    /* a header and no rows */
+    assert_ok(read_text("t\tF\n", &t, &err));
+    assert_true(t.columns == 2 && t.rows == 0);
+    sp_table_free(&t);
+}
+
+static void reference_signal_reads(void **state) {
+    (void)state;
+    sp_table t;
+    assert_ok(sp_table_read(SOURCE_DIR "/packings/reference/signal_N200_p1e-4.txt", &t, &err));
+    assert_true(t.columns == 3 && t.rows > 100 && t.comments >= 3);
+    assert_true(sp_table_number(&t, 0, 0) == 0);
+    sp_table_free(&t);
+}
+
+static void refusals(void **state) {
+    (void)state;
+    sp_table t;
+    assert_fails(read_text("", &t, &err), SP_EFORMAT, "no table");
+    assert_fails(read_text("# only a comment\n", &t, &err), SP_EFORMAT, "no table");
+    assert_fails(read_text("1 2\n\n3 4 5\n", &t, &err), SP_EFORMAT, "t.tsv:3: 3 cells where the first row has 2");
+    assert_fails(read_text("a\tb\n1\n", &t, &err), SP_EFORMAT, "t.tsv:2: 1 cells");
+    assert_fails(sp_table_read(fixture_path(folder, "nowhere"), &t, &err), SP_EIO, "nowhere: No such file");
+    assert_fails(sp_table_read(folder, &t, &err), SP_EIO, "Is a directory");
+    assert_fails(sp_table_read("/dev/zero", &t, &err), SP_EFORMAT, "zero byte");
+    char name[64];
+    memset(name, 'n', sizeof name);
+    name[63] = '\0';
+    assert_fails(read_text(name, &t, &err), SP_EFORMAT, "name of column 1");
+    const size_t length = 70000;
+    char *line = malloc(length + 1);
+    memset(line, '1', length);
+    line[length] = '\0';
+    assert_fails(read_text(line, &t, &err), SP_EFORMAT, "t.tsv:1: a line of 70000 bytes");
+    for (size_t k = 0; k < 66; k++)
+        line[k] = k % 2 ? ' ' : '1';
+    line[66] = '\0';
+    assert_fails(read_text(line, &t, &err), SP_EFORMAT, "t.tsv:1: more than 32 columns");
+    for (size_t k = 0; k < 10000; k++)
+        memcpy(line + 2 * k, "#\n", 2);
+    line[20000] = '\0';
+    assert_fails(read_text(line, &t, &err), SP_EFORMAT, "t.tsv:4097: more than 4096 comment lines");
+    free(line);
+}
+
+/* Arbitrary bytes: an error or a table, nothing else. */
+static void noise_is_survived(void **state) {
+    (void)state;
+    static const char letters[] = "0123456789.-+eE \t\n\r#\\abnif[]:=,\"";
+    uint64_t random = 2024;
+    for (int k = 0; k < 3000; k++) {
+        char text[200];
+        size_t length = fixture_next(&random) % sizeof text;
+        for (size_t c = 0; c < length; c++)
+            text[c] = letters[fixture_next(&random) % (sizeof letters - 1)];
+        text[length ? length - 1 : 0] = '\0';
+        sp_table t;
+        sp_error err = {0};
+        sp_status status = read_text(text, &t, &err);
+        if (status == SP_OK)
+            sp_table_free(&t);
+        else
+            assert_true(status == SP_EFORMAT && *err.text);
+    }
+}
+
+static void lack_of_memory(void **state) {
+    (void)state;
+    sp_table t = example(), back;
+    char *text = sp_table_text(&t, SP_TSV);
+    const char *path = fixture_path(folder, "t.tsv");
+    assert_ok(sp_text_save(path, text, strlen(text), &err));
+    sp_free(text);
+    for (int format = SP_TSV; format <= SP_JSON; format++) {
+        sp_alloc_fail_after(0);
+        assert_null(sp_table_text(&t, (sp_table_format)format));
+        sp_alloc_fail_after(-1);
+    }
+    sp_status status = SP_ENOMEM;
+    for (int64_t k = 0; status != SP_OK; k++) {
+        sp_alloc_fail_after(k);
+        status = sp_table_read(path, &back, NULL);
+        sp_alloc_fail_after(-1);
+        assert_true(status == SP_OK || status == SP_ENOMEM);
+    }
+    sp_table_free(&back);
+    sp_table_free(&t);
+}
+
+/* The program around us may have set a locale with a decimal comma. */
+static void decimal_comma(void **state) {
+    (void)state;
+    if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "fr_FR.UTF-8"))
+        skip(); /* none is installed */
+    sp_table t = example(), back;
+    char *text = sp_table_text(&t, SP_TSV);
+    assert_non_null(strstr(text, "0.10000000000000001"));
+    assert_ok(read_text("1.5 2.5\n", &back, &err));
+    assert_true(sp_table_number(&back, 0, 0) == 1.5);
+    setlocale(LC_ALL, "C");
+    sp_free(text);
+    sp_table_free(&t);
+    sp_table_free(&back);
+}
+
+int main(void) {
+#define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
+    const struct CMUnitTest tests[] = {
+        TEST(texts),    TEST(tsv_round_trip),    TEST(lenient_reading), TEST(reference_signal_reads),
+        TEST(refusals), TEST(noise_is_survived), TEST(lack_of_memory),  TEST(decimal_comma),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
