@@ -216,7 +216,7 @@ static sp_status add_file(const arguments *a, const sp_scene *scene, const char 
                           sp_error *err) {
     sp_front f;
     sp_error fault = {0};
-    bool packing;
+    bool packing = false;
     double distance = NAN;
     sp_status status = is_packing(path, &packing, &fault);
     if (status == SP_OK)

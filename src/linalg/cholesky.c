@@ -53,6 +53,7 @@ sp_status sp_cholesky_make(const sp_sparse *a, sp_cholesky **out, sp_error *err)
     sp_status status = SP_OK;
     cholmod_l_start(&c->common);
     c->common.print = 0;
+    c->common.final_ll = 1;  /* LL': an LDL' would take an indefinite matrix without a word */
     c->common.try_catch = 1; /* errors come back as a status, nothing is printed */
     cholmod_sparse *m = copy_matrix(a, &c->common);
     if (!m)

@@ -67,16 +67,16 @@ void sp_bessel_j(double x, int64_t n, double *j) {
         j[k] *= scale;
 }
 
-/* Two recurrences at an even order: here = J_m, above = J_(m+1), up to normalisation. 2/x in two parts, for a rounded
- * 2/x would shift the argument. */
+/* Two recurrences at an even order: here = J_m, above = J_(m+1), up to normalisation. 2/x in two parts, the first so
+ * short that its products with orders are exact: a rounded 2/x would shift the argument. */
 typedef struct recurrence {
-    pair here, above, even, squares, series, two_over_x, rest;
+    pair here, above, even, squares, series, high, low;
 } recurrence;
 
 /* One order down: J_(m-1) from here = J_m and above = J_(m+1), in place of above. */
 static inline void step_down(const recurrence *r, int64_t m, const pair *here, pair *above) {
     const double order = (double)m;
-    *above = (order * r->two_over_x + order * r->rest) * *here - *above;
+    *above = (order * r->high + order * r->low) * *here - *above;
 }
 
 /* From even order m down to even order `stop`. */
@@ -108,10 +108,10 @@ static void group_series(int64_t n, const double *c, int parity, const double *x
     recurrence r[CHAINS] = {0};
     int64_t start[LANES];
     for (int l = 0; l < LANES; l++) {
-        const long double at = x[l];
+        const double high = (float)(2 / x[l]), head = (float)x[l]; /* 24 bits each: high x head is exact */
         start[l] = sp_bessel_orders(x[l]);
-        r[l / 2].two_over_x[l % 2] = 2 / x[l];
-        r[l / 2].rest[l % 2] = (double)((2 - r[l / 2].two_over_x[l % 2] * at) / at);
+        r[l / 2].high[l % 2] = high;
+        r[l / 2].low[l % 2] = ((2 - high * head) - high * (x[l] - head)) / x[l];
     }
     for (int l = LANES - 1; l >= 0; l--) { /* a lane is 0 until its own starting order */
         r[l / 2].here[l % 2] = START;

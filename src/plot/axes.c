@@ -58,7 +58,7 @@ static void add_tick(axis *a, double at, bool major, const char *label) {
 
 /* A plain decimal with the minus of print. */
 static void decimal(char *out, size_t size, double value, int decimals) {
-    char plain[40];
+    char plain[28];
     snprintf(plain, sizeof plain, "%.*f", decimals, fabs(value));
     bool zero = strspn(plain, "0.") == strlen(plain);
     snprintf(out, size, "%s%s", value < 0.0 && !zero ? MINUS : "", plain);

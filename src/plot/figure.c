@@ -5,16 +5,17 @@
 #include <math.h>
 
 colour figure_ink(int k) {
-    static const colour okabe_ito[INKS] = {
-        {0.00, 0.00, 0.00}, /* black */
-        {0.00, 0.45, 0.70}, /* blue */
-        {0.84, 0.37, 0.00}, /* vermilion */
-        {0.00, 0.62, 0.45}, /* bluish green */
-        {0.80, 0.47, 0.65}, /* reddish purple */
-        {0.90, 0.62, 0.00}, /* orange */
-        {0.35, 0.70, 0.90}, /* sky blue */
+    static const unsigned char okabe_ito[INKS][3] = {
+        {0, 0, 0},       /* black */
+        {0, 114, 178},   /* blue */
+        {213, 94, 0},    /* vermilion */
+        {0, 158, 115},   /* bluish green */
+        {204, 121, 167}, /* reddish purple */
+        {230, 159, 0},   /* orange */
+        {86, 180, 233},  /* sky blue */
     };
-    return okabe_ito[k % INKS];
+    const unsigned char *rgb = okabe_ito[k % INKS];
+    return (colour){rgb[0] / 255.0, rgb[1] / 255.0, rgb[2] / 255.0};
 }
 
 void figure_dash(canvas *c, int dash) {

@@ -17,7 +17,7 @@ static int character(const char *s, bool *valid) {
     *valid = true;
     if (u[0] < 0x80)
         return u[0] != 0;
-    int length = u[0] >= 0xf0 ? 4 : u[0] >= 0xe0 ? 3 : u[0] >= 0xc2 ? 2 : 0;
+    int length = u[0] >= 0xf5 ? 0 : u[0] >= 0xf0 ? 4 : u[0] >= 0xe0 ? 3 : u[0] >= 0xc2 ? 2 : 0;
     uint32_t code = length == 4 ? u[0] & 0x07u : length == 3 ? u[0] & 0x0fu : u[0] & 0x1fu;
     for (int k = 1; k < length; k++) {
         if ((u[k] & 0xc0) != 0x80)

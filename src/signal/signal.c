@@ -91,9 +91,7 @@ static sp_status vouch(const sp_signal_options *o, const sp_signal *s, double sc
     for (int32_t l = 0; l < s->n; l++)
         largest = fmax(largest, fabs(s->f[l]));
     if (!(s->error <= o->tolerance * fmax(largest, 1e-6 * scale)))
-        return sp_fail(err, SP_EREFUSED,
-                       "error bound %.3g is %.2g of the largest |F| = %.3g, tolerance %.2g: a larger tolerance or an "
-                       "earlier last time would do",
+        return sp_fail(err, SP_EREFUSED, "error bound %.3g is %.2g of the largest |F| = %.3g, must be at most %.2g",
                        s->error, s->error / largest, largest, o->tolerance);
     return SP_OK;
 }

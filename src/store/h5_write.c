@@ -1,6 +1,7 @@
 #include "base/base.h"
 #include "store/h5.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Data up to this size lie in the object's header, larger ones in chunks: both carry a checksum. */
@@ -95,10 +96,19 @@ static sp_status describe(sp_h5 *h, const sp_h5_name *name, sp_error *err) {
 
 /* ---- datasets -------------------------------------------------------------------------------------------------- */
 
+/* What stands where a damaged index lost a chunk: nothing that a check would take for data. */
+static bool set_fill(hid_t dcpl, hid_t disk) {
+    const double no_number = NAN;
+    const int64_t no_index = INT32_MIN;
+    if (H5Tget_class(disk) == H5T_FLOAT)
+        return H5Pset_fill_value(dcpl, H5T_NATIVE_DOUBLE, &no_number) >= 0;
+    return H5Tget_class(disk) != H5T_INTEGER || H5Pset_fill_value(dcpl, H5T_NATIVE_INT64, &no_index) >= 0;
+}
+
 /* Layout for `bytes` of data: in the header, or in chunks of whole rows with Fletcher checksums. */
-static hid_t creation_list(int rank, const hsize_t *dims, size_t bytes) {
+static hid_t creation_list(int rank, const hsize_t *dims, hid_t disk, size_t bytes) {
     hid_t dcpl = H5Pcreate(H5P_DATASET_CREATE);
-    bool good = dcpl >= 0 && H5Pset_obj_track_times(dcpl, false) >= 0;
+    bool good = dcpl >= 0 && H5Pset_obj_track_times(dcpl, false) >= 0 && set_fill(dcpl, disk);
     if (good && bytes <= compact_limit) {
         good = H5Pset_layout(dcpl, H5D_COMPACT) >= 0;
     } else if (good && rank > 0) {
@@ -138,7 +148,7 @@ sp_status sp_h5_put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_
         bytes *= (size_t)shape->dim[k];
     }
     hid_t space = shape->rank ? H5Screate_simple(shape->rank, dims, NULL) : H5Screate(H5S_SCALAR);
-    hid_t dcpl = creation_list(shape->rank, dims, bytes);
+    hid_t dcpl = creation_list(shape->rank, dims, disk_type(type), bytes);
     const hid_t types[2] = {disk_type(type), sp_h5_memory_type(type)};
     sp_status status = put_dataset(h, name, types, space, dcpl, data, err);
     H5Pclose(dcpl);
@@ -148,7 +158,7 @@ sp_status sp_h5_put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_
 
 sp_status sp_h5_put_text(sp_h5 *h, const sp_h5_name *name, const char *text, sp_error *err) {
     size_t length = strlen(text);
-    hid_t type = text_type(length), space = H5Screate(H5S_SCALAR), dcpl = creation_list(0, NULL, length);
+    hid_t type = text_type(length), space = H5Screate(H5S_SCALAR), dcpl = creation_list(0, NULL, type, length);
     const hid_t types[2] = {type, type};
     sp_status status = put_dataset(h, name, types, space, dcpl, length ? text : "\0", err);
     H5Pclose(dcpl);

@@ -9,9 +9,9 @@
 /* Layers left out at both walls for bulk averages (Somfai et al. 2005, Table I) [d]. */
 static const double bulk_margin = 3;
 
-/* Measured at p = 1e-4 and 1e-7: marks within 2e-5 of those on a grid 20 times finer for packings of 200 and 600 grains,
- * within 7e-5 for a chain of 3 grains, at a cost of 2 ms; twice the spacing makes the errors three to five times
- * larger. */
+/* Measured at p = 1e-4 and 1e-7: marks within 2e-5 of those on a grid 20 times finer for packings of 200 and 600
+ * grains, within 7e-5 for a chain of 3 grains, at a cost of 2 ms; twice the spacing makes the errors three to five
+ * times larger. */
 double sp_front_spacing(double pressure) { return 0.1 * pow(pressure / 1e-4, -1.0 / 6); }
 
 sp_status sp_network_front(const sp_network *net, sp_source source, double window, sp_front *out, sp_error *err) {

@@ -193,6 +193,9 @@ static void plateaus(void **state) {
     assert_close(front.amplitude, 1, 0);
     assert_close(front.t_zero, 4.5, 1e-15);
     assert_close(front.t10, 0.1, 1e-15);
+    const double touch[] = {0, 1, 0, 0.1, 0.05, -0.5, 0};
+    assert_ok(sp_front_find(7, t, touch, &o, &front, &err));
+    assert_close(front.t_zero, 2, 0);
     const double shoulder[] = {0, 0.5, 0.5, 0.5, 1, 0.2, 0.1};
     assert_ok(sp_front_find(7, t, shoulder, &o, &front, &err));
     assert_close(front.t_peak, 4, 0.5);

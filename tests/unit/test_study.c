@@ -290,6 +290,12 @@ static void only_what_is_missing_is_made(void **state) {
         assert_int_equal(s->signal_points[k], 33);
         assert_true(s->packing[k].seconds == 12345);
     }
+    scene.want = SP_WANT_STATICS; /* a file written anew keeps the signal that it had */
+    run(&scene, s, 1, 1, 1);
+    for (int k = 0; k < s->n; k++) {
+        assert_int_equal(s->sample[k].have, SP_WANT_CTOF | SP_WANT_SIGNAL | SP_WANT_STATICS);
+        assert_int_equal(s->signal_points[k], 33);
+    }
     s->broken = true; /* damaged files are made again */
     assert_int_equal(run(&scene, s, 1, 1, 1).computed, 18);
     for (int k = 0; k < s->n; k++)
@@ -461,6 +467,29 @@ static void a_sample_without_memory(void **state) {
     sp_scene_free(&scene);
 }
 
+/* A lack of memory goes before a part that is refused: what is missing then is no property of the sample. */
+static void a_refused_part_without_memory(void **state) {
+    (void)state;
+    sp_scene scene = parse(chains);
+    scene.network.threshold = 10;
+    int lacking = 0;
+    for (int64_t k = 0; k < 60; k++) {
+        sp_packing packing = sp_packing_none();
+        sp_sample sample = {0};
+        sp_alloc_fail_after(k);
+        sp_status status = sp_sample_make(&scene, SP_WANT_CTOF | SP_WANT_STATICS, &packing, &sample, NULL, NULL);
+        sp_alloc_fail_after(-1);
+        assert_true(status == SP_ENOMEM || status == SP_EREFUSED);
+        assert_true(sample.failed == (status == SP_EREFUSED));
+        if (status == SP_EREFUSED)
+            assert_int_equal(sample.have, SP_WANT_STATICS);
+        lacking += status == SP_ENOMEM;
+        sp_packing_free(&packing);
+    }
+    assert_true(lacking > 5 && lacking < 60);
+    sp_scene_free(&scene);
+}
+
 static void a_study_without_memory(void **state) {
     (void)state;
     sp_scene scene = parse(chains);
@@ -487,6 +516,7 @@ static void a_study_without_memory(void **state) {
  * dense eigensolution; here, the marks on the default grid against those on a grid 50 times finer. */
 static void marks_on_the_default_grid(void **state) {
     (void)state;
+    assert_relative(sp_front_spacing(1e-10) / sp_front_spacing(1e-4), 10.0, 1e-12); /* times go as p^(-1/6) */
     const double pressure[] = {1e-7, 1e-4};
     for (int k = 0; k < 2; k++)
         for (int grains = 5; grains <= 80; grains *= 4) {
@@ -600,6 +630,21 @@ static void error_of_the_speed(void **state) {
         assert_relative(cell(&t, k, "c_tof_err"), c * sqrt(2 * 30.0 / (5 * 4)) / flight, 0.15);
     }
     sp_table_free(&t);
+    int n = 0; /* two high boxes, without scatter, leave the error of the five low ones */
+    make_up(s);
+    for (int k = 0; k < MADE; k++) {
+        if (s[k].grains == 200)
+            s[k].front.t10 += s[k].seed % 2 ? 2 : -3;
+        if (s[k].grains == 200 || s[k].seed <= 2)
+            s[n++] = s[k];
+    }
+    assert_ok(sp_study_table("ctof", n, s, &t, &err));
+    for (int k = 0; k < 4; k++) {
+        double c = 0.3 * pow(10, (k - 3) / 6.0);
+        assert_relative(cell(&t, k, "c_tof_err"), c * sqrt(30.0 / (5 * 4)) * c / 17, 0.15);
+        assert_close(cell(&t, k, "samples"), 2, 0);
+    }
+    sp_table_free(&t);
 }
 
 static void any_order_of_samples(void **state) {
@@ -675,6 +720,13 @@ static void groups_with_holes(void **state) {
     assert_true(isnan(cell(&t, 3, "c_tof_err"))); /* one sample has no spread */
     assert_string_equal(sp_table_comment_value(&t, "failed"), "11");
     sp_table_free(&t);
+    assert_ok(sp_study_table("moduli", MADE, s, &t, &err));
+    const int with_moduli[8] = {5, 5, 2, 2, 4, 4, 1, 1};
+    assert_int_equal(t.rows, 8);
+    for (int k = 0; k < 8; k++)
+        assert_close(cell(&t, k, "samples"), with_moduli[k], 0);
+    assert_close(cell(&t, 5, "c_l"), 0.2 - 0.025, 1e-12);
+    sp_table_free(&t);
     /* one size only */
     assert_ok(sp_study_table("ctof", 1, s, &t, &err));
     assert_int_equal(t.rows, 1);
@@ -685,6 +737,38 @@ static void groups_with_holes(void **state) {
     assert_ok(sp_study_table("ctof", 0, s, &t, &err));
     assert_int_equal(t.rows, 0);
     assert_int_equal(t.columns, 8);
+    sp_table_free(&t);
+}
+
+/* The highest boxes that have fronts count, however many they are. */
+static void three_sizes(void **state) {
+    (void)state;
+    sp_sample s[16];
+    int n = 0;
+    for (int seed = 1; seed <= 9; seed++)
+        s[n++] = made_up(1e-4, 200, seed, 0.1 * seed);
+    for (int seed = 1; seed <= 3; seed++) {
+        s[n++] = made_up(1e-4, 400, seed, -5); /* height 20 */
+        s[n] = made_up(1e-4, 600, seed, 0);
+        s[n].have = 0;
+        s[n++].failed = true;
+    }
+    sp_table t = sp_table_none();
+    assert_ok(sp_study_table("ctof", n, s, &t, &err));
+    assert_int_equal(t.rows, 1);
+    assert_close(cell(&t, 0, "samples"), 3, 0);
+    assert_relative(cell(&t, 0, "c_tof"), 0.3, 1e-12);
+    assert_true(cell(&t, 0, "c_tof_err") < 1e-12);
+    assert_non_null(strstr(t.comment[1], "grains 200 and 400"));
+    sp_table_free(&t);
+    /* the same sample twice, once with what it lacked before */
+    s[n] = s[n - 1];
+    s[n].failed = false;
+    s[n++].have = SP_WANT_CTOF;
+    assert_ok(sp_study_table("ctof", n, s, &t, &err));
+    assert_non_null(strstr(t.comment[1], "grains 200 and 600"));
+    assert_close(cell(&t, 0, "samples"), 1, 0);
+    assert_string_equal(sp_table_comment_value(&t, "failed"), "2");
     sp_table_free(&t);
 }
 
@@ -785,12 +869,14 @@ int main(void) {
         cmocka_unit_test(a_sink_that_fails_ends_the_study),
         cmocka_unit_test(wrong_runs),
         cmocka_unit_test(a_sample_without_memory),
+        cmocka_unit_test(a_refused_part_without_memory),
         cmocka_unit_test(a_study_without_memory),
         cmocka_unit_test(marks_on_the_default_grid),
         cmocka_unit_test(table_of_speeds),
         cmocka_unit_test(error_of_the_speed),
         cmocka_unit_test(any_order_of_samples),
         cmocka_unit_test(groups_with_holes),
+        cmocka_unit_test(three_sizes),
         cmocka_unit_test(table_of_means),
         cmocka_unit_test(what_is_not_averaged),
         cmocka_unit_test(tables_without_memory),

@@ -1,0 +1,224 @@
+"""sonopack study and table: an ensemble, its tables, resuming, sharing a store, stopping by Ctrl-C, what is refused.
+
+usage: test_study.py COMMAND SOURCE_DIR
+"""
+import io
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import h5py
+import numpy as np
+
+COMMAND = sys.argv[1]
+CTOF = "p samples c_tof c_tof_err c_peak c_zero c_l c_t".split()
+STATICS = "Phi2 Phi3 Phi3s zs f0 N_over_p Z2 Z3 F2 F2S s1_over_s2".split()
+MODULI = "C11 C12 C22 C33 c_l c_t".split()
+
+# small and at rest soon: this tests the command, not the physics of large boxes
+SCENE = """
+packing = { width = 8; grains = 40; tolerance = 1e-9; seed = 3; };
+study = { samples = 3; want = ["ctof", "moduli"]; sweep = (
+  { key = "packing.pressure"; values = [1e-4, 1e-3]; },
+  { key = "packing.grains"; values = [40, 120]; } ); };
+"""
+
+
+def run(*args, status=0):
+    done = subprocess.run([COMMAND, *map(str, args)], capture_output=True, text=True)
+    assert done.returncode == status, (args, done.returncode, done.stdout, done.stderr)
+    return done
+
+
+def tables(text):
+    """Every table of a stream: [(comments, names, rows of words)]."""
+    found = []
+    for block in text.split("\n\n"):
+        lines = block.strip("\n").splitlines()
+        comments = [line[1:].strip() for line in lines if line.startswith("#")]
+        rows = [line.split("\t") for line in lines if not line.startswith("#")]
+        found.append((comments, rows[0], rows[1:]))
+    return found
+
+
+def column(table, name):
+    return np.array([float(row[table[1].index(name)]) for row in table[2]])
+
+
+def comment(table, key):
+    return next(line.split("=", 1)[1].strip() for line in table[0] if line.startswith(key + " ="))
+
+
+def an_ensemble(folder):
+    scene, store = folder / "scene.cfg", folder / "store"
+    scene.write_text(SCENE)
+    text = run("study", scene, "--store", store, "--jobs", 2).stdout
+    ctof, moduli = tables(text)
+    assert ctof[1] == CTOF
+    assert list(column(ctof, "p")) == [1e-4, 1e-3] and list(column(ctof, "samples")) == [3, 3]
+    assert comment(ctof, "failed") == "0"
+    assert moduli[1] == ["p", "grains", "samples"] + [name + end for name in MODULI for end in ("", "_sd")]
+    assert list(column(moduli, "grains")) == [40, 120, 40, 120]
+    # c_tof from the rows of the ensemble
+    (rows,) = tables(run("table", "ensemble", "--store", store).stdout)
+    assert len(rows[2]) == 12 and len({row[rows[1].index("name")] for row in rows[2]}) == 12
+    p, grains = column(rows, "p"), column(rows, "grains")
+    assert all(np.diff(np.lexsort((column(rows, "seed"), grains, p))) == 1)
+    for k, pressure in enumerate((1e-4, 1e-3)):
+        low, high = (p == pressure) & (grains == 40), (p == pressure) & (grains == 120)
+        rise = column(rows, "height")[high].mean() - column(rows, "height")[low].mean()
+        for mark, name in (("t10", "c_tof"), ("t_peak", "c_peak"), ("t_zero", "c_zero")):
+            time_ = column(rows, mark)[high].mean() - column(rows, mark)[low].mean()
+            assert np.isclose(column(ctof, name)[k], rise / time_, rtol=1e-12), name
+        assert np.isclose(column(ctof, "c_l")[k], column(rows, "c_l")[high].mean(), rtol=1e-12)
+        assert np.isclose(column(moduli, "C33_sd")[2 * k], column(rows, "C33")[low].std(ddof=1), rtol=1e-9)
+        # first order propagation of the three samples' spread: the bootstrap must be of that size
+        spread = np.hypot(*(np.hypot(column(rows, "t10")[g].std(ddof=1), column(rows, "height")[g].std(ddof=1)
+                                     / column(ctof, "c_tof")[k]) / 3 ** 0.5 for g in (low, high)))
+        ratio = column(ctof, "c_tof_err")[k] / (column(ctof, "c_tof")[k] * spread / (rise / column(ctof, "c_tof")[k]))
+        assert 0.2 < ratio < 2, ratio
+    # a sample's file: packing and results, made by that seed
+    name = rows[2][0][rows[1].index("name")]
+    file = store / f"{name}.h5"
+    run("check", file)
+    (front,) = tables(run("front", file).stdout)
+    assert column(front, "t10")[0] == column(rows, "t10")[0]
+    with h5py.File(file) as stored:
+        assert "signal" not in stored  # nobody wanted it
+    return scene, store, text
+
+
+def resumed_and_shared(folder, scene, store, text):
+    before = {path.name: path.stat().st_mtime_ns for path in store.iterdir()}
+    again = run("study", scene, "--store", store, "--jobs", 1)
+    assert again.stdout == text and " 0 of them made now" in again.stderr
+    assert {path.name: path.stat().st_mtime_ns for path in store.iterdir()} == before
+    # lost and damaged files are made again, bit for bit
+    victims = sorted(store.iterdir())
+    victims[0].unlink()
+    victims[1].write_bytes(victims[1].read_bytes()[:1000])
+    again = run("study", scene, "--store", store)
+    assert again.stdout == text and " 2 of them made now" in again.stderr
+    # shards in any order, and more than one process at a time, give the same bytes
+    shared = folder / "shared"
+    parts = [subprocess.Popen([COMMAND, "study", scene, "--store", shared, "--shard", f"{k}/3", "--jobs", "1"],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for k in (3, 1, 2)]
+    for part in parts:
+        assert part.wait() == 0, part.stderr.read()
+        part.stdout.close(), part.stderr.close()
+    assert run("study", scene, "--store", shared).stdout == text
+    assert run("table", "ctof", "--store", shared).stdout == text.split("\n\n")[0] + "\n"
+    # more wishes: only they are made, the packings stay
+    more = run("study", scene, "--store", shared, "--set", 'study.want=["ctof","statics","signal"]')
+    ctof, statics = tables(more.stdout)
+    assert statics[1] == ["p", "grains", "samples"] + [name + end for name in STATICS for end in ("", "_sd")]
+    assert ctof[2] == tables(text)[0][2]
+    for path in shared.iterdir():
+        with h5py.File(path) as stored:
+            assert "signal" in stored
+    # more samples: the scene's own table has them, the first scene's table does not
+    larger = run("study", scene, "--store", shared, "--set", "study.samples=4", "-q")
+    assert list(column(tables(larger.stdout)[0], "samples")) == [4, 4] and not larger.stderr
+    assert run("table", "ctof", "--store", shared, scene).stdout == text.split("\n\n")[0] + "\n"
+    (all_of_it,) = tables(run("table", "ctof", "--store", shared).stdout)
+    assert list(column(all_of_it, "samples")) == [4, 4]
+    # what is not there yet is counted
+    (early,) = tables(run("table", "ctof", "--store", shared, scene, "--set", "study.samples=6").stdout)
+    assert comment(early, "missing").startswith("8 ")
+
+
+def files_of_tables(folder, scene, store, text):
+    out = folder / "tables.tsv"
+    run("study", scene, "--store", store, "-o", out)
+    ctof, moduli = text.split("\n\n")
+    assert out.read_text() == ctof + "\n" and (folder / "tables-moduli.tsv").read_text() == moduli
+    run("study", scene, "--store", store, "-o", out, status=2)
+    run("study", scene, "--store", store, "-o", out, "--force")
+    out.unlink()
+    run("study", scene, "--store", store, "-o", out, status=2)  # the other table is in the way
+    assert not out.exists()
+    run("table", "moduli", "--store", store, "-o", folder / "m.csv")
+    assert len(np.genfromtxt(io.StringIO((folder / "m.csv").read_text()), delimiter=",", names=True)) == 4
+
+
+def other_sweeps(folder):
+    """A sweep over what has no rows: a table for each value, and no average over them."""
+    store = folder / "frictions"
+    args = ["--store", store, "--set", "study.samples=2", "--set", "packing.width=8", "--set", "packing.grains=120",
+            "--set", "packing.tolerance=1e-7", "--set", "study.want=statics", "--set",
+            'study.sweep=({ key = "packing.friction"; values = [0.0, 0.5]; })']
+    both = tables(run("study", *args).stdout)
+    assert [comment(table, "packing.friction") for table in both] == ["0", "0.5"]
+    assert column(both[0], "zs")[0] > column(both[1], "zs")[0] + 0.3  # 4 against 3 and more
+    done = run("table", "statics", "--store", store, status=1)
+    assert "friction" in done.stderr and "scene" in done.stderr
+    assert len(tables(run("table", "ensemble", "--store", store).stdout)[0][2]) == 4
+
+
+def failures(folder):
+    """Packings that cannot be finished are recorded and counted; the rest of the study goes on."""
+    store = folder / "failures"
+    args = ["--store", store, "--set", "packing.width=8", "--set", "packing.grains=40", "--set", "packing.max_steps=50",
+            "--set", "study.samples=2"]
+    done = run("study", *args)
+    assert "2 samples failed" in done.stderr
+    (table,) = tables(done.stdout)
+    assert comment(table, "failed") == "2" and np.isnan(column(table, "c_tof")).all()
+    (rows,) = tables(run("table", "ensemble", "--store", store).stdout)
+    assert list(column(rows, "failed")) == [1, 1] and "step" in rows[2][0][rows[1].index("reason")]
+    assert " 0 of them made now" in run("study", *args).stderr
+
+
+def stopped(folder):
+    """Ctrl-C: finished samples stay, the exit status is 1, and the same command goes on to the same bytes."""
+    store, whole = folder / "stopped", folder / "whole"
+    args = ["--set", "packing.width=8", "--set", "packing.grains=60", "--set", "packing.pressure=1e-5",
+            "--set", "study.samples=40", "--jobs", "1"]
+    for number in (signal.SIGINT, signal.SIGTERM):
+        process = subprocess.Popen([COMMAND, "study", "--store", store, *args], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        had = len(list(store.glob("*.h5"))) if store.exists() else 0
+        limit = time.monotonic() + 60
+        while time.monotonic() < limit and (not store.exists() or len(list(store.glob("*.h5"))) < had + 2):
+            time.sleep(0.01)
+        process.send_signal(number)
+        out, err = process.communicate(timeout=30)
+        assert process.returncode == 1 and not out, (process.returncode, out)
+        assert "of 40 samples" in err and "the same command goes on" in err and len(err.splitlines()) == 1, err
+        there = sorted(path.name for path in store.iterdir())
+        assert had + 2 <= len(there) < 40 and all(name.endswith(".h5") for name in there), there
+        run("check", *store.glob("*.h5"))
+    resumed, straight = run("study", "--store", store, *args), run("study", "--store", whole, *args)
+    assert resumed.stdout == straight.stdout
+    assert sorted(path.name for path in store.iterdir()) == sorted(path.name for path in whole.iterdir())
+
+
+def wrong_usage(folder, scene, store):
+    for args in (["study"], ["study", scene], ["study", "--store", store], ["study", folder / "absent.cfg", "--store", store],
+                 ["study", scene, "--store", store, "--jobs", "0"], ["study", scene, "--store", store, "--shard", "0/2"],
+                 ["study", scene, "--store", store, "--shard", "3/2"], ["study", scene, "--store", store, "--shard", "2"],
+                 ["study", scene, "--store", store, "--shard", "1/2/3"], ["study", scene, scene, "--store", store],
+                 ["study", scene, "--store", store, "--set", "packing.grain=3"],
+                 ["study", scene, "--store", store, "--set", "study.want=signal", "-o", folder / "x.tsv"],
+                 ["study", scene, "--store", store, "-o", folder / "x.png"],
+                 ["table"], ["table", "ctof"], ["table", "--store", store], ["table", "spectra", "--store", store],
+                 ["table", "ctof", scene, scene, "--store", store]):
+        done = run(*args, status=2)
+        assert done.stderr.startswith("sonopack") and not done.stdout, (args, done.stderr)
+    assert "absent" in run("table", "ctof", "--store", folder / "absent", status=1).stderr
+    assert not (folder / "absent").exists()
+    (folder / "file").write_text("x")
+    run("study", scene, "--store", folder / "file", status=1)
+
+
+with tempfile.TemporaryDirectory() as name:
+    folder = pathlib.Path(name)
+    scene, store, text = an_ensemble(folder)
+    print("an_ensemble ok")
+    for test, arguments in ((resumed_and_shared, (scene, store, text)), (files_of_tables, (scene, store, text)),
+                            (other_sweeps, ()), (failures, ()), (stopped, ()), (wrong_usage, (scene, store))):
+        test(folder, *arguments)
+        print(test.__name__, "ok")

@@ -1,0 +1,325 @@
+"""HDF5 packings seen from outside: the layout as h5py reads it, and forged, damaged and foreign files, each of which must
+give its reason (exit status 1) and never a crash or a wrong packing."""
+import os
+import random
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+import h5py
+import numpy as np
+
+COMMAND, SOURCE = sys.argv[1], sys.argv[2]
+REFERENCE = os.path.join(SOURCE, "packings", "reference", "packing_N200_p1e-4.txt")
+SEED = 20240611
+FOLDER = tempfile.mkdtemp(prefix="sonopack-hdf5-")
+failures = []
+
+
+def expect(condition, what):
+    if not condition:
+        failures.append(what)
+        print("FAILED:", what)
+
+
+def limit_memory():
+    """A file must not make the reader ask for the moon."""
+    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+
+
+# A build with sanitizers maps terabytes, and cannot run under the limit at all.
+trial = subprocess.run([COMMAND, "help", "convert"], capture_output=True, preexec_fn=limit_memory)
+LIMIT = limit_memory if trial.returncode == 0 else None
+
+
+def run(*words):
+    return subprocess.run([COMMAND, *words], capture_output=True, text=True, timeout=120, preexec_fn=LIMIT)
+
+
+def path(name):
+    return os.path.join(FOLDER, name)
+
+
+def to_text(source):
+    """Reads a packing by converting it: its exit status, what it says, and the text (None if it failed)."""
+    out = path("out.txt")
+    if os.path.exists(out):
+        os.remove(out)
+    result = run("convert", source, out)
+    text = open(out).read() if os.path.exists(out) else None
+    expect((result.returncode == 0) == (text is not None), f"{source}: status {result.returncode} and a file, or not")
+    return result.returncode, result.stderr, text
+
+
+GOOD = path("good.h5")
+made = run("convert", REFERENCE, GOOD)
+expect(made.returncode == 0, "convert to HDF5: " + made.stderr)
+GOOD_TEXT = to_text(GOOD)[2]
+
+
+# ---- the layout ------------------------------------------------------------------------------------------------------
+def test_layout():
+    lines = open(REFERENCE).read().split("\n")
+    grains = np.array([line.split() for line in lines[2:202]], dtype=float)
+    contacts = np.array([line.split() for line in lines[202:] if line], dtype=float)
+    with h5py.File(GOOD, "r") as f:
+        names = []
+        f.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+        for name in names:
+            for attribute in ("unit", "description"):
+                expect(len(f[name].attrs.get(attribute, b"")) > 0, f"{name} has the attribute {attribute}")
+        expect(list(f["h5md"].attrs["version"]) == [1, 1], "version of H5MD")
+        expect(f["h5md/author"].attrs["name"] and f["h5md/creator"].attrs["name"] == b"sonopack", "author, creator")
+        box = f["particles/grains/box"]
+        expect(box.attrs["dimension"] == 2 and list(box.attrs["boundary"]) == [b"periodic", b"none"], "box")
+        expect(list(box["edges"]) == [24, 8.6958069203285007], "edges")
+        x = f["particles/grains/position/value"]
+        expect(x.shape == (1, 200, 2) and (x[0] == grains[:, :2]).all(), "positions, bit for bit")
+        expect(f["particles/grains/position/step"].shape == (1,), "step")
+        r = f["particles/grains/radius"][:]
+        expect((r == grains[:, 2]).all(), "radii")
+        expect(np.allclose(f["particles/grains/mass"], 4 / 3 * np.pi * r**3, rtol=1e-15), "masses")
+        expect((f["sonopack/rattler"][:] == grains[:, 3]).all(), "rattlers")
+        pairs = f["connectivity/contacts"]
+        expect(f[pairs.attrs["particles_group"]].name == "/particles/grains", "reference to the particles")
+        order = np.lexsort((contacts[:, 1], contacts[:, 0], -np.minimum(contacts[:, 1], 0)))
+        contacts = contacts[order]
+        expect((pairs[:] == contacts[:, :2]).all(), "pairs")
+        expect((f["sonopack/contacts/normal"][:] == contacts[:, 2:4]).all(), "normals")
+        expect((f["sonopack/contacts/overlap"][:] == contacts[:, 4]).all(), "overlaps")
+        expect((f["sonopack/contacts/normal_force"][:] == contacts[:, 5]).all(), "normal forces")
+        tangent = np.column_stack((-contacts[:, 3], contacts[:, 2])) * contacts[:, 6:7]
+        ft = f["sonopack/contacts/tangential_force"][:]
+        expect(np.allclose(ft, tangent, rtol=3e-16, atol=0), "tangential forces to an ulp")
+        expect(f["sonopack/seed"][()] == 1 and f["sonopack"].attrs["format"] == 1, "seed, format")
+
+
+# ---- forgeries -------------------------------------------------------------------------------------------------------
+ARRAYS = ["particles/grains/position/value", "particles/grains/radius", "particles/grains/box/edges",
+          "sonopack/contacts/normal", "sonopack/contacts/overlap", "sonopack/contacts/normal_force",
+          "sonopack/contacts/tangential_force"]
+NUMBERS = ["sonopack/pressure", "sonopack/friction", "sonopack/poisson", "sonopack/residual", "sonopack/seconds"]
+INTEGERS = ["sonopack/dimension", "sonopack/seed", "sonopack/steps", "connectivity/contacts"]
+
+
+def replace(f, name, data, **options):
+    del f[name]
+    f.create_dataset(name, data=data, **options)
+
+
+def forgery(forge, *parts):
+    """Applies forge to a copy: it must fail with all parts in the reason, the file's name among them."""
+    copy = path("forged.h5")
+    shutil.copy(GOOD, copy)
+    with h5py.File(copy, "r+") as f:
+        forge(f)
+    status, reason, _ = to_text(copy)
+    expect(status == 1, f"{parts}: exit status {status}")
+    for part in ("forged.h5",) + parts:
+        expect(part in reason, f"'{part}' in: {reason}")
+    expect(reason.count("\n") == 1, f"one line: {reason}")
+
+
+def variation(change, what):
+    """Applies a harmless change: the packing must read the same."""
+    copy = path("changed.h5")
+    shutil.copy(GOOD, copy)
+    with h5py.File(copy, "r+") as f:
+        change(f)
+    status, reason, text = to_text(copy)
+    expect(status == 0 and text == GOOD_TEXT, f"{what}: {reason}")
+
+
+def set_element(name, index, value):
+    def forge(f):
+        data = np.array(f[name][()])
+        data[index] = value
+        replace(f, name, data)
+    return forge
+
+
+def test_missing():
+    for name in ARRAYS + NUMBERS + INTEGERS + ["sonopack/wall"]:
+        forgery(lambda f: f.pop(name), "/" + name)
+    for group in ("sonopack", "connectivity", "particles", "particles/grains/box", "sonopack/contacts"):
+        forgery(lambda f: f.pop(group), group.split("/")[0])
+    forgery(lambda f: f["sonopack"].attrs.pop("format"), "format")
+    forgery(lambda f: f["particles/grains/box"].attrs.pop("boundary"), "boundary")
+
+
+def test_types_and_shapes():
+    for name in ARRAYS + NUMBERS:
+        forgery(lambda f: replace(f, name, np.zeros(f[name].shape, dtype="i8")), "/" + name, "wrong type")
+        forgery(lambda f: replace(f, name, "text"), "/" + name, "wrong type")
+        forgery(lambda f: replace(f, name, np.zeros(f[name].shape, dtype="c16")), "/" + name, "wrong type")
+    for name in INTEGERS:
+        forgery(lambda f: replace(f, name, np.zeros(f[name].shape)), "/" + name, "wrong type")
+    for name in ARRAYS + ["connectivity/contacts"]:
+        forgery(lambda f: replace(f, name, f[name][()][..., np.newaxis]), "/" + name, "axes")
+        forgery(lambda f: replace(f, name, f[name][()].ravel()[0]), "/" + name, "axes")
+        if name != "particles/grains/radius" and not name.startswith("conn"):
+            forgery(lambda f: replace(f, name, np.concatenate([f[name]] * 2, axis=-1)), "/" + name, "must be")
+    forgery(lambda f: replace(f, "connectivity/contacts", np.zeros((295, 3), "i4")), "/connectivity/contacts", "must be 2")
+    forgery(lambda f: replace(f, "particles/grains/radius", np.full(199, 0.5)), "/particles/grains/", "must be 199")
+    forgery(lambda f: replace(f, "particles/grains/radius", h5py.Empty("f8")), "/particles/grains/radius")
+    forgery(lambda f: replace(f, "sonopack/pressure", [1e-4]), "/sonopack/pressure", "axes")
+    forgery(lambda f: replace(f, "sonopack/wall", 1), "/sonopack/wall", "wrong type")
+    forgery(lambda f: replace(f, "sonopack/wall", "rubber"), "/sonopack/wall", "rigid or grain")
+
+    def group_for_dataset(f):
+        del f["sonopack/pressure"]
+        f.create_group("sonopack/pressure")
+    forgery(group_for_dataset, "/sonopack/pressure")
+    for value in ("1", 1.0, [1, 1]):
+        forgery(lambda f: f["sonopack"].attrs.__setitem__("format", value), "format")
+    forgery(lambda f: f["sonopack"].attrs.__setitem__("format", 2), "format 2", "reads format 1")
+    boundary = [b"periodic", b"periodic"]
+    forgery(lambda f: f["particles/grains/box"].attrs.__setitem__("boundary", boundary), "boundary", "periodic, none")
+
+
+def test_values():
+    for name in ARRAYS[:-1] + NUMBERS[:3]:
+        for value in (np.nan, np.inf, -np.inf):
+            forgery(set_element(name, () if name in NUMBERS else (0,) * (3 if "position" in name else 1), value))
+    forgery(set_element("sonopack/contacts/tangential_force", (5, 0), np.nan), "contact 5")
+    forgery(set_element("particles/grains/radius", 3, 0.0), "grain 3")
+    forgery(set_element("particles/grains/radius", 3, -0.5), "grain 3")
+    forgery(set_element("particles/grains/position/value", (0, 7, 0), 24.5), "grain 7")
+    for value in (200, 2**31 - 1, -3):
+        forgery(set_element("connectivity/contacts", (9, 1), value), "contact 9")
+        forgery(set_element("connectivity/contacts", (9, 0), value), "contact 9")
+    huge = lambda f: replace(f, "connectivity/contacts", f["connectivity/contacts"][()].astype("i8") + 2**40)
+    forgery(huge, "contact 0")
+    forgery(set_element("sonopack/contacts/normal", (9, 0), 0.9), "contact 9")
+    forgery(set_element("sonopack/contacts/overlap", 9, -0.1), "contact 9")
+    forgery(set_element("sonopack/contacts/normal_force", 9, -1e-9), "contact 9")
+    forgery(lambda f: replace(f, "connectivity/contacts", f["connectivity/contacts"][()][::-1]), "contact")
+    for value in (0, 4, -1):
+        forgery(lambda f: replace(f, "sonopack/dimension", value), "dimension")
+    for name, value in (("pressure", -1e-4), ("pressure", 0.0), ("friction", -0.1), ("poisson", 0.6)):
+        forgery(lambda f: replace(f, "sonopack/" + name, value))
+
+
+def test_data_from_elsewhere():
+    name = "particles/grains/radius"
+    other = path("other.h5")
+    with h5py.File(other, "w") as f:
+        f["radius"] = np.full(200, 0.5)
+    with open(path("raw"), "wb") as raw:
+        raw.write(bytes(1600))
+
+    def external_link(f):
+        del f[name]
+        f[name] = h5py.ExternalLink(other, "/radius")
+
+    def soft_link(f):
+        f["elsewhere"] = f[name][()]
+        del f[name]
+        f[name] = h5py.SoftLink("/elsewhere")
+
+    def external_data(f):
+        del f[name]
+        f.create_dataset(name, (200,), "f8", external=[(path("raw"), 0, 1600)])
+
+    def virtual_data(f):
+        del f[name]
+        layout = h5py.VirtualLayout((200,), "f8")
+        layout[:] = h5py.VirtualSource(other, "radius", (200,))
+        f.create_virtual_dataset(name, layout)
+
+    for forge in (external_link, soft_link, external_data, virtual_data):
+        forgery(forge, "/" + name)
+
+
+def test_sizes_nobody_has():
+    def claim(name, shape, **options):
+        def forge(f):
+            kind = f[name].dtype
+            del f[name]
+            f.create_dataset(name, shape, kind, **options)
+        return forge
+    most = 2**31 - 2
+    forgery(claim("particles/grains/radius", (most,), chunks=(1024,)), "/particles/grains/radius")
+    forgery(claim("particles/grains/radius", (most // 4,), chunks=(1024,)), "/particles/grains/radius", "does not hold")
+    forgery(claim("particles/grains/radius", (most // 4,)), "/particles/grains/radius", "does not hold")
+    forgery(claim("particles/grains/radius", (2**60,), chunks=(1024,)), "/particles/grains/radius", "at most")
+    forgery(claim("connectivity/contacts", (most // 4, 2), chunks=(1024, 2)), "/connectivity/contacts", "does not hold")
+
+    def one_chunk_of_many(f):
+        claim("particles/grains/radius", (most // 4,), chunks=(1024,))(f)
+        f["particles/grains/radius"][:1024] = 0.5
+    forgery(one_chunk_of_many, "/particles/grains/radius", "does not hold")
+    forgery(lambda f: replace(f, "particles/grains/radius", np.zeros(0)), "must be")
+
+
+def test_harmless_changes():
+    name = "sonopack/contacts/normal"
+    variation(lambda f: replace(f, name, f[name][()], compression="gzip", shuffle=True), "compressed")
+    variation(lambda f: replace(f, name, f[name][()].astype(">f8")), "big endian")
+    variation(lambda f: replace(f, "connectivity/contacts", f["connectivity/contacts"][()].astype("i8")), "64-bit indices")
+    variation(lambda f: replace(f, "sonopack/wall", "rigid"), "text of variable length")
+    variation(lambda f: replace(f, "sonopack/wall", np.bytes_("rigid")), "text of fixed length")
+    variation(lambda f: f.create_dataset("notes", data="mine"), "a dataset of somebody else")
+    variation(lambda f: f.pop("sonopack/rattler"), "rattlers are derived")
+
+
+# ---- damage ----------------------------------------------------------------------------------------------------------
+def test_truncation():
+    data = open(GOOD, "rb").read()
+    lengths = sorted(set(list(range(0, 100, 7)) + [len(data) * k // 40 for k in range(40)] + [len(data) - 1]))
+    for length in lengths:
+        with open(path("short.h5"), "wb") as f:
+            f.write(data[:length])
+        status, reason, _ = to_text(path("short.h5"))
+        expect(status == 1 and "short.h5" in reason, f"first {length} of {len(data)} bytes: {status} {reason}")
+
+
+def test_foreign_files():
+    with h5py.File(path("foreign.h5"), "w") as f:
+        f["data/temperature"] = np.arange(10.0)
+    status, reason, _ = to_text(path("foreign.h5"))
+    expect(status == 1 and "/sonopack" in reason and "foreign.h5" in reason, reason)
+    with open(path("picture.h5"), "wb") as f:
+        f.write(b"\x89PNG\r\n\x1a\n" + bytes(100))
+    for name, part in (("picture.h5", "not a text file"), ("nowhere.h5", "No such file"), ("", "Is a directory")):
+        status, reason, _ = to_text(path(name))
+        expect(status == 1 and part in reason, f"{name}: {status} {reason}")
+    with open(path("words.h5"), "w") as f:
+        f.write("nothing of the kind\n")
+    status, reason, _ = to_text(path("words.h5"))
+    expect(status == 1 and "neither" in reason, reason)
+
+
+def test_flipped_bytes(seconds=25, most=1200):
+    """All that the packing needs lies under checksums: a flipped bit gives a reason, or hits what nobody reads."""
+    data = bytearray(open(GOOD, "rb").read())
+    draw = random.Random(SEED)
+    print("seed of the flips:", SEED)
+    start, runs, noticed = time.time(), 0, 0
+    while runs < most and time.time() - start < seconds:
+        copy = bytearray(data)
+        at = draw.randrange(len(copy))
+        for _ in range(draw.choice((1, 1, 1, 4, 64))):
+            copy[at] ^= 1 << draw.randrange(8)
+            at = min(len(copy) - 1, at + draw.randrange(1, 9))
+        with open(path("flipped.h5"), "wb") as f:
+            f.write(copy)
+        status, reason, text = to_text(path("flipped.h5"))
+        runs += 1
+        noticed += status == 1
+        expect(status in (0, 1), f"flip at {at}: status {status} {reason[-300:]}")
+        expect(status == 1 or text == GOOD_TEXT, f"flip at {at}: another packing was read")
+    print(f"{runs} damaged files, {noticed} noticed")
+    expect(runs > 100 and noticed > runs // 2, "flips were tried and noticed")
+
+
+for name, test in list(globals().items()):
+    if name.startswith("test_"):
+        before = len(failures)
+        test()
+        print("ok" if len(failures) == before else "FAILED", name)
+shutil.rmtree(FOLDER)
+sys.exit(1 if failures else 0)

@@ -1,0 +1,189 @@
+#include "base/base.h"
+#include "linalg/cholesky.h"
+#include "linalg/eigen.h"
+#include "test.h"
+
+#include <float.h>
+
+/* Symmetric with entries in -1 .. 1; the upper triangle is spoiled, for only the lower may be read. */
+static double *random_matrix(int n, unsigned seed) {
+    double *a = calloc((size_t)(n * n), sizeof *a);
+    srand(seed);
+    for (int c = 0; c < n; c++)
+        for (int r = 0; r < n; r++)
+            a[c * n + r] = r >= c ? 2.0 * rand() / RAND_MAX - 1 : 1e30;
+    return a;
+}
+
+static double lower(const double *a, int n, int r, int c) { return r >= c ? a[c * n + r] : a[r * n + c]; }
+
+static void check_vectors(int n, int count, const double *a, const double *w, const double *v) {
+    double orthogonality;
+    for (int m = 0; m < count; m++)
+        for (int r = 0; r < n; r++) {
+            double sum = 0;
+            for (int c = 0; c < n; c++)
+                sum += lower(a, n, r, c) * v[m * n + c];
+            assert_close(sum, w[m] * v[m * n + r], 60 * DBL_EPSILON * sqrt(n));
+        }
+    assert_ok(sp_orthogonality(n, count, v, &orthogonality, &err));
+    assert_close(orthogonality, 0, 1e-13);
+}
+
+static void test_dense(void **state) {
+    (void)state;
+    const int sizes[] = {1, 2, 3, 17, 90};
+    for (size_t q = 0; q < sizeof sizes / sizeof *sizes; q++) {
+        const int n = sizes[q];
+        double *a = random_matrix(n, 1), *copy = random_matrix(n, 1), w[90], values[90], v[90 * 90];
+        sp_tridiagonal t;
+        assert_ok(sp_eigen_all(n, a, w, &err));
+        for (int m = 1; m < n; m++)
+            assert_true(w[m] >= w[m - 1]);
+        check_vectors(n, n, copy, w, a);
+        memcpy(a, copy, (size_t)(n * n) * sizeof *a);
+        assert_ok(sp_tridiagonal_make(n, a, &t, &err));
+        assert_ok(sp_tridiagonal_values(&t, values, &err));
+        for (int m = 0; m < n; m++)
+            assert_close(values[m], w[m], 60 * DBL_EPSILON * sqrt(n));
+        for (int count = 1; count <= n; count += 1 + n / 3) {
+            assert_ok(sp_tridiagonal_vectors(&t, count, v, &err));
+            check_vectors(n, count, copy, w, v);
+        }
+        assert_fails(sp_tridiagonal_vectors(&t, n + 1, v, &err), SP_EINVAL, "eigenvectors asked for");
+        assert_fails(sp_tridiagonal_vectors(&t, 0, v, &err), SP_EINVAL, "eigenvectors asked for");
+        sp_tridiagonal_free(&t);
+        free(copy);
+        free(a);
+    }
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    double a[4] = {1, 0, 0, 1}, w[2];
+    sp_tridiagonal t;
+    const double bad[] = {NAN, INFINITY};
+    assert_fails(sp_eigen_all(0, a, w, &err), SP_EINVAL, "order 0");
+    assert_fails(sp_eigen_all(40000, a, w, &err), SP_EINVAL, "order 40000");
+    for (int k = 0; k < 2; k++) {
+        a[1] = bad[k];
+        assert_fails(sp_eigen_all(2, a, w, &err), SP_EINVAL, "not finite");
+        assert_fails(sp_tridiagonal_make(2, a, &t, &err), SP_EINVAL, "not finite");
+    }
+}
+
+static void test_orthogonality_sees(void **state) {
+    (void)state;
+    enum { N = 200 };
+    double *v = calloc(N * N, sizeof *v), largest;
+    for (int k = 0; k < N; k++)
+        v[k * N + k] = 1;
+    assert_ok(sp_orthogonality(N, N, v, &largest, &err));
+    assert_true(largest == 0);
+    v[150 * N + 3] = 1e-5; /* vectors of different blocks */
+    assert_ok(sp_orthogonality(N, N, v, &largest, &err));
+    assert_close(largest, 1e-5, 1e-15);
+    v[199 * N + 199] = 1.5;
+    assert_ok(sp_orthogonality(N, N, v, &largest, &err));
+    assert_close(largest, 1.25, 1e-15);
+    free(v);
+}
+
+/* The chain matrix 2, -1 with `middle` on the diagonal of row n/2. Its inverse is known. */
+enum { N = 50 };
+typedef struct chain_matrix {
+    int64_t p[N + 1], i[2 * N];
+    double x[2 * N];
+    sp_sparse a;
+} chain_matrix;
+
+static void fill_chain(chain_matrix *m, double middle) {
+    int64_t at = 0;
+    for (int c = 0; c < N; c++) {
+        m->p[c] = at;
+        m->i[at] = c;
+        m->x[at++] = c == N / 2 ? middle : 2;
+        if (c + 1 < N) {
+            m->i[at] = c + 1;
+            m->x[at++] = -1;
+        }
+    }
+    m->p[N] = at;
+    m->a = (sp_sparse){N, m->p, m->i, m->x};
+}
+
+static void test_cholesky(void **state) {
+    (void)state;
+    chain_matrix m;
+    sp_cholesky *c = NULL;
+    double b[2 * N] = {0}, x[2 * N];
+    fill_chain(&m, 2);
+    assert_ok(sp_cholesky_make(&m.a, &c, &err));
+    b[7] = 1;
+    b[N + 30] = 2;
+    assert_ok(sp_cholesky_solve(c, 2, b, x, &err));
+    for (int k = 0; k < N; k++) { /* (A^-1)_kl = min(k,l) (N + 1 - max(k,l))/(N + 1), counted from 1 */
+        assert_relative(x[k], (k < 7 ? k + 1.0 : 8.0) * (N - (k < 7 ? 7.0 : k)) / (N + 1), 1e-13);
+        assert_relative(x[N + k], 2 * (k < 30 ? k + 1.0 : 31.0) * (N - (k < 30 ? 30.0 : k)) / (N + 1), 1e-13);
+    }
+    sp_cholesky_free(c);
+    sp_cholesky_free(NULL);
+}
+
+static void test_cholesky_refuses(void **state) {
+    (void)state;
+    chain_matrix m;
+    sp_cholesky *c = NULL;
+    fill_chain(&m, -2); /* indefinite */
+    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_EREFUSED, "not positive definite");
+    fill_chain(&m, 2); /* both ends free: singular, by rounding perhaps not quite */
+    m.x[0] = m.x[m.p[N - 1]] = 1;
+    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_EREFUSED, "the matrix is");
+    m.x[0] = m.x[m.p[N - 1]] = 1.1 / 1.1 - 1e-17;
+    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_EREFUSED, "the matrix is");
+    fill_chain(&m, 2);
+    m.x[0] = NAN;
+    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_EREFUSED, "");
+    sp_alloc_fail_after(0);
+    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_ENOMEM, "no memory");
+    sp_alloc_fail_after(-1);
+    assert_null(c);
+}
+
+static void test_no_memory(void **state) {
+    (void)state;
+    for (int k = 0;; k++) {
+        double *a = random_matrix(5, 2), w[5], v[25];
+        sp_tridiagonal t = {0};
+        sp_error err = {0};
+        sp_alloc_fail_after(k);
+        sp_status status = sp_eigen_all(5, a, w, &err);
+        free(a);
+        a = random_matrix(5, 2);
+        if (status == SP_OK)
+            status = sp_tridiagonal_make(5, a, &t, &err);
+        if (status == SP_OK)
+            status = sp_tridiagonal_values(&t, w, &err);
+        if (status == SP_OK)
+            status = sp_tridiagonal_vectors(&t, 3, v, &err);
+        if (status == SP_OK)
+            status = sp_orthogonality(5, 3, v, w, &err);
+        sp_alloc_fail_after(-1);
+        sp_tridiagonal_free(&t);
+        free(a);
+        if (status == SP_OK)
+            break;
+        assert_int_equal(status, SP_ENOMEM);
+        assert_true(k < 30);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_dense),
+                                       cmocka_unit_test(test_refusals),
+                                       cmocka_unit_test(test_orthogonality_sees),
+                                       cmocka_unit_test(test_cholesky),
+                                       cmocka_unit_test(test_cholesky_refuses),
+                                       cmocka_unit_test(test_no_memory)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

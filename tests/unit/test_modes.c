@@ -1,0 +1,294 @@
+#include "base/base.h"
+#include "modes/refine.h"
+#include "reference.h"
+
+#include <float.h>
+#include <sonopack/modes.h>
+
+static sp_network network_of(const sp_packing *p, bool prestress) {
+    sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    o.prestress = prestress;
+    assert_ok(sp_network_make(p, &o, &net, &err));
+    return net;
+}
+
+static sp_modes modes_of(const sp_network *net, bool vectors, sp_source source) {
+    const sp_modes_options o = {.vectors = vectors, .source = source};
+    sp_modes m = sp_modes_none();
+    assert_ok(sp_modes_dense(net, &o, &m, &err));
+    return m;
+}
+
+/* Zero modes, lowest and highest frequency as the signal files state them (15 digits). */
+static void test_reference(void **state) {
+    (void)state;
+    const struct {
+        const char *path;
+        int zero;
+        double lowest, highest;
+    } files[] = {{REFERENCE("packing_N200_p1e-4.txt"), 75, 0.021510778807657, 1.32075118533096},
+                 {REFERENCE("packing_N600_p1e-4.txt"), 117, 0.00978025096601649, 1.39444106040785}};
+    for (int q = 0; q < 2; q++) {
+        sp_packing p = reference_packing(files[q].path);
+        sp_network net = network_of(&p, false);
+        sp_modes m = modes_of(&net, false, SP_SOURCE_IMPULSE);
+        assert_int_equal(m.n, 3 * p.n);
+        assert_int_equal(m.n_rattler, files[q].zero);
+        assert_int_equal(m.n_zero, files[q].zero);
+        for (int64_t k = 0; k < m.n; k++)
+            assert_true(k < m.n_zero ? m.omega[k] == 0 : m.omega[k] > 0 && m.omega[k] >= m.omega[k - 1]);
+        /* theirs come from a dense solver alone, right to some DBL_EPSILON of the highest squared */
+        const double blur = 100 * DBL_EPSILON * files[q].highest * files[q].highest;
+        assert_close(m.omega[m.n_zero], files[q].lowest, blur / files[q].lowest + 1e-14);
+        assert_close(m.omega[m.n - 1], files[q].highest, 1e-13);
+        assert_null(m.vectors);
+        assert_true(isnan(m.residual) && isnan(m.orthogonality));
+        const double bound = sp_network_omega_bound(&net);
+        assert_true(bound >= m.omega[m.n - 1] && bound < 1.06 * m.omega[m.n - 1]);
+        sp_modes_free(&m);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+static sp_packing shape_packing(int shape) {
+    switch (shape) {
+    case 0: return chain_packing(40, 1e-4);
+    case 1: return scattered_packing(2, 8, 0.5, 1);
+    case 2: return scattered_packing(2, 8, 0, 2);
+    case 3: return scattered_packing(3, 4, 0.5, 3);
+    case 4: return scattered_packing(3, 4, 0, 4);
+    default: return reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    }
+}
+enum { SHAPES = 6 };
+
+/* Both ways to the frequencies agree within their bounds, soft modes relative to themselves. */
+static void test_two_ways(void **state) {
+    (void)state;
+    for (int shape = 0; shape < SHAPES; shape++) {
+        sp_packing p = shape_packing(shape);
+        sp_network net = network_of(&p, false);
+        sp_modes whole = modes_of(&net, true, SP_SOURCE_IMPULSE), bare = modes_of(&net, false, SP_SOURCE_IMPULSE);
+        assert_int_equal(whole.n, bare.n);
+        assert_int_equal(whole.n_zero, bare.n_zero);
+        for (int64_t k = 0; k < whole.n; k++) {
+            assert_close(bare.omega[k], whole.omega[k], whole.error[k] + bare.error[k]);
+            if (k >= whole.n_zero && whole.omega[k] > 1e-3 * whole.omega[whole.n - 1]) {
+                assert_relative(bare.omega[k], whole.omega[k], 1e-13);
+                assert_true(bare.error[k] < 1e-12 * whole.omega[k] && whole.error[k] < 1e-12 * whole.omega[k]);
+            }
+        }
+        assert_true(whole.residual < 1e-14 && whole.orthogonality < 1e-13);
+        assert_true(sp_network_omega_bound(&net) >= whole.omega[whole.n - 1]);
+        sp_modes_free(&bare);
+        sp_modes_free(&whole);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* Vectors are eigenvectors of K, orthonormal, largest part positive; the squares of the frequencies add up to the trace
+ * of M^-1 K. */
+static void test_vectors(void **state) {
+    (void)state;
+    for (int shape = 0; shape < SHAPES - 1; shape++) {
+        sp_packing p = shape_packing(shape);
+        sp_network net = network_of(&p, false);
+        sp_modes m = modes_of(&net, true, SP_SOURCE_IMPULSE);
+        const int64_t n = m.dofs;
+        double *u = calloc(2 * (size_t)n, sizeof *u), *ku = u + n, trace = 0, sum = 0;
+        const double top = m.omega[m.n - 1] * m.omega[m.n - 1];
+        for (int64_t k = 0; k < n; k++) {
+            const double *e = m.vectors + k * n, omega = m.omega[m.n_rattler + k];
+            double largest = 0;
+            for (int64_t q = 0; q < n; q++) {
+                u[q] = e[q] / sqrt(net.mass[q]);
+                largest = fabs(e[q]) > fabs(largest) ? e[q] : largest;
+            }
+            assert_true(largest > 0);
+            sp_network_apply(&net, u, ku);
+            for (int64_t q = 0; q < n; q++)
+                assert_close(ku[q] / sqrt(net.mass[q]), omega * omega * e[q], 100 * DBL_EPSILON * top);
+            sum += omega * omega;
+        }
+        sp_sparse a;
+        assert_ok(sp_network_assemble(&net, &a, &err));
+        for (int64_t q = 0; q < n; q++)
+            trace += a.x[a.p[q]] / net.mass[q];
+        assert_relative(sum, trace, 1e-13);
+        sp_sparse_free(&a);
+        free(u);
+        sp_modes_free(&m);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* Completeness: sum a_n u_n is the initial displacement, sum a_n omega_n u_n the initial velocity, and b_n what the
+ * detector sees of a mode. */
+static void test_amplitudes(void **state) {
+    (void)state;
+    sp_packing p = shape_packing(5);
+    sp_network net = network_of(&p, false);
+    const int64_t n = sp_network_dofs(&net);
+    double *sent = calloc(3 * (size_t)n, sizeof *sent), *seen = sent + n, *sum = sent + 2 * n;
+    const sp_source sources[] = {SP_SOURCE_IMPULSE, SP_SOURCE_VELOCITY, SP_SOURCE_DISPLACEMENT};
+    assert_ok(sp_network_detector(&net, seen, &err));
+    for (int q = 0; q < 3; q++) {
+        sp_modes m = modes_of(&net, true, sources[q]);
+        assert_ok(sp_network_source(&net, sources[q], sent, &err));
+        for (int64_t d = 0; d < n; d++)
+            sum[d] = 0;
+        for (int64_t k = m.n_rattler; k < m.n; k++) {
+            const double *e = m.vectors + (k - m.n_rattler) * n;
+            double b = 0;
+            for (int64_t d = 0; d < n; d++) {
+                const double u = e[d] / sqrt(net.mass[d]);
+                sum[d] += m.a[k] * u * (sources[q] == SP_SOURCE_DISPLACEMENT ? 1 : m.omega[k]);
+                b += seen[d] * u;
+            }
+            assert_close(m.b[k], b, 1e-14);
+            assert_true(m.participation[k] > 0.9 / net.n && m.participation[k] <= 1);
+        }
+        for (int64_t d = 0; d < n; d++)
+            assert_close(sum[d], sources[q] == SP_SOURCE_DISPLACEMENT ? sent[d] : sent[d] / net.mass[d], 1e-13);
+        for (int64_t k = 0; k < m.n_rattler; k++)
+            assert_true(m.a[k] == 0 && m.b[k] == 0);
+        sp_modes_free(&m);
+    }
+    free(sent);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* Without friction nothing holds the grains along the walls: one floppy mode, found as exactly 0, and modes much softer
+ * than sqrt(DBL_EPSILON) of the highest are told from it. */
+static void test_floppy(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 12, 0, 1);
+    sp_network net = network_of(&p, false);
+    for (int vectors = 0; vectors < 2; vectors++) {
+        sp_modes m = modes_of(&net, vectors, SP_SOURCE_IMPULSE);
+        assert_int_equal(m.n_rattler, 0);
+        assert_int_equal(m.n_zero, 1);
+        assert_true(m.omega[0] == 0 && m.error[0] < 1e-7 && m.omega[1] > 0);
+        if (vectors)
+            assert_true(m.a[0] == 0 && fabs(m.b[0]) < 1e-12); /* moves along the walls: no force on them */
+        sp_modes_free(&m);
+    }
+    sp_network_free(&net);
+    /* chains side by side, all the same: every frequency many times, and bounds that hold all the same */
+    sp_packing_free(&p);
+    enum { CHAINS = 5, LONG = 30 };
+    sp_packing one = chain_packing(LONG, 1e-4);
+    p = sp_packing_none();
+    assert_ok(sp_packing_alloc(&p, 1, CHAINS * LONG, CHAINS * (LONG + 1), &err));
+    for (int c = 0; c < CHAINS; c++) {
+        memcpy(p.x + 3 * c * LONG, one.x, 3 * LONG * sizeof *one.x);
+        memcpy(p.r + c * LONG, one.r, LONG * sizeof *one.r);
+        for (int k = 0; k <= LONG; k++) {
+            sp_contact *to = &p.contacts[c * (LONG + 1) + k];
+            *to = one.contacts[k];
+            to->i += c * LONG;
+            to->j += to->j < 0 ? 0 : c * LONG;
+        }
+    }
+    memcpy(p.box, one.box, sizeof p.box);
+    p.pressure = one.pressure;
+    p.wall = one.wall;
+    sp_packing_sort(&p);
+    net = network_of(&p, false);
+    for (int vectors = 0; vectors < 2; vectors++) {
+        sp_modes m = modes_of(&net, vectors, SP_SOURCE_IMPULSE);
+        const long double top = 2 * sqrtl((long double)net.springs[0].kn / net.mass[0]);
+        for (int64_t k = 0; k < m.n; k++) {
+            const double exact =
+                (double)(top * sinl((long double)(k / CHAINS + 1) * 3.14159265358979323846264L / (2 * (LONG + 1))));
+            assert_close(m.omega[k], exact, m.error[k]);
+            assert_true(m.error[k] < 1e-12 * exact);
+        }
+        sp_modes_free(&m);
+    }
+    sp_network_free(&net);
+    sp_packing_free(&one);
+    sp_packing_free(&p);
+}
+
+static void test_prestress(void **state) {
+    (void)state;
+    sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    sp_network net = network_of(&p, true);
+    sp_modes with = modes_of(&net, true, SP_SOURCE_IMPULSE);
+    sp_network_free(&net);
+    net = network_of(&p, false);
+    sp_modes without = modes_of(&net, true, SP_SOURCE_IMPULSE);
+    /* compression softens every mode (Weyl: the added term is negative) */
+    for (int64_t k = with.n_zero; k < with.n; k++)
+        assert_true(with.omega[k] < without.omega[k]);
+    assert_true(with.omega[with.n_zero] < 0.99 * without.omega[with.n_zero]);
+    sp_modes_free(&with);
+    sp_modes_free(&without);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+    p = scattered_packing(2, 6, 0, 1); /* nothing but prestress acts sideways: unstable */
+    net = network_of(&p, true);
+    const sp_modes_options o = sp_modes_options_default();
+    sp_modes m = sp_modes_none();
+    assert_fails(sp_modes_dense(&net, &o, &m, &err), SP_EREFUSED, "unstable");
+    assert_null(m.omega);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+static void test_participation(void **state) {
+    (void)state;
+    enum { N = 60 };
+    sp_packing p = chain_packing(N, 1e-4);
+    sp_network net = network_of(&p, false);
+    sp_modes m = modes_of(&net, true, SP_SOURCE_IMPULSE);
+    for (int n = 1; n <= N; n++) /* of w_i = sin^2: 2(N+1)/(3N) */
+        assert_relative(m.participation[n - 1], 2.0 * (N + 1) / (3.0 * N), 1e-11);
+    sp_modes_free(&m);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    sp_packing p = chain_packing(20001, 1e-4);
+    sp_network net = network_of(&p, false);
+    const sp_modes_options o = sp_modes_options_default();
+    sp_modes m = sp_modes_none();
+    assert_fails(sp_modes_dense(&net, &o, &m, &err), SP_EREFUSED, "20001 degrees of freedom");
+    sp_network_free(&net);
+    sp_packing_free(&p);
+    p = chain_packing(12, 1e-4);
+    net = network_of(&p, false);
+    for (int vectors = 0; vectors < 2; vectors++)
+        for (int k = 0;; k++) {
+            const sp_modes_options how = {.vectors = vectors, .source = SP_SOURCE_IMPULSE};
+            sp_error err = {0};
+            sp_alloc_fail_after(k);
+            const sp_status status = sp_modes_dense(&net, &how, &m, &err);
+            sp_alloc_fail_after(-1);
+            if (status == SP_OK) {
+                assert_true(k > 8);
+                sp_modes_free(&m);
+                break;
+            }
+            assert_int_equal(status, SP_ENOMEM);
+            assert_null(m.omega);
+        }
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_reference),     cmocka_unit_test(test_two_ways),
+                                       cmocka_unit_test(test_vectors),       cmocka_unit_test(test_amplitudes),
+                                       cmocka_unit_test(test_floppy),        cmocka_unit_test(test_prestress),
+                                       cmocka_unit_test(test_participation), cmocka_unit_test(test_refusals)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,224 @@
+#include "base/base.h"
+#include "elastic/stiffness.h"
+#include "reference.h"
+
+#include <sonopack/elastic.h>
+
+static sp_network network_of(const sp_packing *p, bool sliding_free) {
+    sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    o.sliding_free = sliding_free;
+    assert_ok(sp_network_make(p, &o, &net, &err));
+    return net;
+}
+
+/* C is symmetric although each entry is measured by itself; the wall feels the stress; the solves are exact. */
+static void test_symmetric(void **state) {
+    (void)state;
+    for (int q = 0; q < 3; q++) {
+        sp_packing p = q == 0   ? reference_packing(REFERENCE("packing_N200_p1e-4.txt"))
+                       : q == 1 ? reference_packing(REFERENCE("packing_N600_p1e-4.txt"))
+                                : scattered_packing(2, 8, 0.5, 1);
+        sp_network net = network_of(&p, false);
+        sp_stiffness s;
+        assert_ok(sp_stiffness_make(&net, &s, &err));
+        const double scale = sqrt(s.c[STRAIN_11][STRAIN_11] * s.c[STRAIN_22][STRAIN_22]);
+        for (int a = 0; a < STRAINS; a++) {
+            assert_true(s.c[a][a] > 0);
+            for (int b = 0; b < STRAINS; b++) {
+                assert_close(s.c[a][b], s.c[b][a], 1e-12 * scale);
+                assert_true(a == b || s.c[a][b] * s.c[a][b] < s.c[a][a] * s.c[b][b]); /* positive definite */
+            }
+            assert_close(s.wall[a], s.c[STRAIN_22][a], (q < 2 ? 1e-10 : 10) * scale);
+        }
+        assert_relative(s.c[STRAIN_11][STRAIN_22], s.c[STRAIN_22][STRAIN_11], 1e-12);
+        assert_true(s.residual < 1e-13);
+        sp_moduli m;
+        assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
+        assert_true(m.c11 == s.c[STRAIN_11][STRAIN_11] && m.c22 == s.c[STRAIN_22][STRAIN_22]);
+        assert_true(m.c12 == s.c[STRAIN_11][STRAIN_22] && m.c33 == s.c[STRAIN_SHEAR][STRAIN_SHEAR]);
+        assert_relative(m.c_l * m.c_l * 0.5, m.c22, 1e-14); /* Eq. (8) */
+        assert_relative(m.c_t * m.c_t * 0.5, m.c33, 1e-14);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* Table II at p = 1e-4: 600 grains, mean and standard deviation of 30 samples; ours is one. */
+static void test_table(void **state) {
+    (void)state;
+    sp_packing p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
+    sp_network net = network_of(&p, false);
+    sp_moduli m;
+    assert_ok(sp_moduli_make(&net, 0.52, &m, &err));
+    assert_close(m.c11, 1.35e-2, 4 * 0.09e-2);
+    assert_close(m.c12, 6.8e-3, 4 * 0.4e-3);
+    assert_close(m.c22, 1.88e-2, 4 * 0.08e-2);
+    assert_close(m.c33, 4.0e-3, 4 * 0.5e-3);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* N + 1 equal springs in a row: C22 = K H/(N + 1). */
+static void test_chain(void **state) {
+    (void)state;
+    sp_packing p = chain_packing(25, 1e-4);
+    sp_network net = network_of(&p, false);
+    sp_moduli m;
+    assert_ok(sp_moduli_make(&net, NAN, &m, &err));
+    assert_relative(m.c22, net.springs[0].kn * p.box[0] / 26, 1e-12);
+    assert_true(isnan(m.c11) && isnan(m.c12) && isnan(m.c33) && isnan(m.c_l) && isnan(m.c_t));
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* A square lattice of equal touching grains between walls is springs in a row: with k_n along the rows and columns,
+ * C11 = k_n of a row's contact, C22 from the column with its two walls, C12 = 0, C33 from the tangential springs, all
+ * grains held from turning by their neighbours' symmetry. */
+static void test_square_lattice(void **state) {
+    (void)state;
+    enum { N = 6 };
+    const double overlap = 0.01, spacing = 1 - overlap;
+    sp_packing p = sp_packing_none();
+    int count = 0;
+    assert_ok(sp_packing_alloc(&p, 2, N * N, 2 * N * N + N, &err));
+    const double e = contact_stiffness(0.5, 0.5), kn = contact_normal_stiffness(e, overlap);
+    for (int i = 0; i < N * N; i++) {
+        p.r[i] = 0.5;
+        p.x[3 * i] = spacing * (i % N + 0.5);
+        p.x[3 * i + 1] = 0.5 - overlap + spacing * (i / N);
+        const int right = i % N == N - 1 ? i - N + 1 : i + 1;
+        p.contacts[count++] = (sp_contact){.i = i < right ? i : right,
+                                           .j = i < right ? right : i,
+                                           .n = {i < right ? 1 : -1, 0, 0},
+                                           .overlap = overlap,
+                                           .fn = contact_force(e, overlap)};
+        if (i >= N * (N - 1) || i < N)
+            p.contacts[count++] = (sp_contact){.i = i,
+                                               .j = i < N ? SP_BOTTOM : SP_TOP,
+                                               .n = {0, i < N ? -1 : 1, 0},
+                                               .overlap = overlap,
+                                               .fn = contact_force(e, overlap)};
+        if (i < N * (N - 1))
+            p.contacts[count++] =
+                (sp_contact){.i = i, .j = i + N, .n = {0, 1, 0}, .overlap = overlap, .fn = contact_force(e, overlap)};
+    }
+    assert_int_equal(count, p.n_contacts);
+    p.box[0] = N * spacing;
+    p.box[1] = (N - 1) * spacing + 2 * (0.5 - overlap);
+    p.box[2] = 1;
+    p.pressure = 1e-3;
+    p.friction = 0.5;
+    p.poisson = 0.3;
+    p.wall = SP_WALL_GRAIN;
+    sp_packing_sort(&p);
+    sp_network net = network_of(&p, false);
+    for (int k = net.n_bulk; k < net.n_springs; k++) { /* walls that do not give: the lattice between them is known */
+        net.springs[k].kn *= 1e6;
+        net.springs[k].kt *= 1e6;
+    }
+    sp_moduli m;
+    assert_ok(sp_moduli_make(&net, 1, &m, &err));
+    const double height = p.box[1], bulk = (N - 1) * spacing;
+    assert_relative(m.c11, kn * spacing * spacing / spacing * N / height, 1e-5);
+    assert_relative(m.c22, kn * height / bulk * spacing / spacing, 1e-5);
+    assert_close(m.c12, 0, 1e-9);
+    assert_true(m.c33 > 0 && m.c33 < net.springs[0].kt * height / bulk);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* Smooth walls cannot shear: C33 is withheld, the rest is there, though the whole may float sideways. */
+static void test_frictionless(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 12, 0, 1);
+    sp_network net = network_of(&p, false);
+    sp_stiffness s;
+    assert_ok(sp_stiffness_make(&net, &s, &err));
+    assert_true(isnan(s.c[STRAIN_SHEAR][STRAIN_SHEAR]) && isnan(s.c[STRAIN_SHEAR][STRAIN_11]) &&
+                isnan(s.c[STRAIN_22][STRAIN_SHEAR]) && isnan(s.wall[STRAIN_SHEAR]));
+    assert_true(s.c[STRAIN_11][STRAIN_11] > 0 && s.c[STRAIN_22][STRAIN_22] > 0);
+    assert_relative(s.c[STRAIN_11][STRAIN_22], s.c[STRAIN_22][STRAIN_11], 1e-9);
+    sp_moduli m;
+    assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
+    assert_true(isnan(m.c33) && isnan(m.c_t) && m.c_l > 0);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* Where every contact of a grain slides it turns freely: no stiffness, and no reason to refuse. */
+static void test_free_rotation(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 8, 0.5, 1);
+    for (int k = 0; k < p.n_contacts; k++) {
+        sp_contact *c = &p.contacts[k];
+        if (c->i != 20 && c->j != 20)
+            continue;
+        c->ft[0] = -0.5 * c->fn * c->n[1];
+        c->ft[1] = 0.5 * c->fn * c->n[0];
+    }
+    sp_network net = network_of(&p, true), stick = network_of(&p, false);
+    sp_moduli m, hard;
+    assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
+    assert_ok(sp_moduli_make(&stick, 0.5, &hard, &err));
+    assert_true(m.c22 < hard.c22 && m.c33 < hard.c33); /* springs taken away soften */
+    sp_network_free(&stick);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    sp_moduli m;
+    sp_packing p = scattered_packing(3, 4, 0.5, 1);
+    sp_network net = network_of(&p, false);
+    assert_fails(sp_moduli_make(&net, 0.5, &m, &err), SP_EREFUSED, "3D");
+    sp_network_free(&net);
+    sp_packing_free(&p);
+    p = scattered_packing(2, 6, 0.5, 1);
+    net = network_of(&p, false);
+    const int springs = net.n_springs;
+    net.n_springs = net.n_bulk; /* no walls */
+    assert_fails(sp_moduli_make(&net, 0.5, &m, &err), SP_EREFUSED, "both walls");
+    net.n_springs = springs;
+    int kept = 0; /* a grain on its own */
+    for (int k = 0; k < springs; k++)
+        if (net.springs[k].i != 14 && net.springs[k].j != 14) {
+            net.length[kept] = net.length[k];
+            net.springs[kept++] = net.springs[k];
+            net.n_bulk -= 0;
+        }
+    net.n_bulk -= springs - kept;
+    net.n_springs = kept;
+    assert_fails(sp_moduli_make(&net, 0.5, &m, &err), SP_EREFUSED, "floppy or in several parts");
+    sp_network_free(&net);
+    net = network_of(&p, false);
+    for (int k = 0; k < net.n_springs; k++) /* two grains that touch each other alone: parts, with springs */
+        if ((net.springs[k].i == 14 && net.springs[k].j != 15) || (net.springs[k].i == 15) || net.springs[k].j == 14 ||
+            (net.springs[k].j == 15 && net.springs[k].i != 14))
+            net.springs[k].kn = net.springs[k].kt = 0;
+    assert_fails(sp_moduli_make(&net, 0.5, &m, &err), SP_EREFUSED, "floppy or in several parts");
+    sp_network_free(&net);
+    net = network_of(&p, false);
+    for (int k = 0;; k++) {
+        sp_error err = {0};
+        sp_alloc_fail_after(k);
+        const sp_status status = sp_moduli_make(&net, 0.5, &m, &err);
+        sp_alloc_fail_after(-1);
+        if (status == SP_OK) {
+            assert_true(k > 5);
+            break;
+        }
+        assert_int_equal(status, SP_ENOMEM);
+    }
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_symmetric),    cmocka_unit_test(test_table),
+                                       cmocka_unit_test(test_chain),        cmocka_unit_test(test_square_lattice),
+                                       cmocka_unit_test(test_frictionless), cmocka_unit_test(test_free_rotation),
+                                       cmocka_unit_test(test_refusals)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

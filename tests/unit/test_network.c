@@ -1,0 +1,471 @@
+#include "base/base.h"
+#include "network/kernel.h"
+#include "reference.h"
+
+#include <float.h>
+#include <sonopack/network.h>
+
+static sp_network network_of(const sp_packing *p, bool prestress, bool sliding_free) {
+    sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    o.prestress = prestress;
+    o.sliding_free = sliding_free;
+    assert_ok(sp_network_make(p, &o, &net, &err));
+    return net;
+}
+
+static double *random_vector(int64_t n) {
+    double *u = calloc((size_t)n, sizeof *u);
+    for (int64_t k = 0; k < n; k++)
+        u[k] = 2.0 * rand() / RAND_MAX - 1;
+    return u;
+}
+
+/* Every shape of the kernel: 1D, 2D and 3D, with and without rotations. */
+enum { SHAPES = 6 };
+static sp_packing shape_packing(int shape) {
+    switch (shape) {
+    case 0: return chain_packing(9, 1e-4);
+    case 1: return scattered_packing(2, 6, 0.5, 1);
+    case 2: return scattered_packing(2, 6, 0, 2);
+    case 3: return scattered_packing(3, 4, 0.5, 3);
+    case 4: return scattered_packing(3, 4, 0, 4);
+    default: return reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    }
+}
+
+static void test_reference_counts(void **state) {
+    (void)state;
+    sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    sp_network net = network_of(&p, false, false);
+    assert_int_equal(net.rattlers, 25);
+    assert_int_equal(net.n, 175);
+    assert_int_equal(net.n_all, 200);
+    assert_int_equal(net.dof, 3);
+    assert_int_equal(sp_network_dofs(&net), 525);
+    assert_int_equal(net.n_springs, 295); /* every contact of the file carries */
+    assert_int_equal(net.n_springs - net.n_bulk, 31);
+    for (int k = 0; k < net.n_springs; k++) {
+        const sp_spring *s = &net.springs[k];
+        const sp_contact *c = &p.contacts[s->contact];
+        assert_int_equal(net.grain[s->i], c->i);
+        assert_int_equal(s->j < 0 ? s->j : net.grain[s->j], c->j);
+        /* F_n = (2/3) k_n n for Hertz; eta = 1 at nu = 0. The file gives 12 digits. */
+        assert_relative(2.0 / 3.0 * s->kn * c->overlap, c->fn, 1e-10);
+        assert_true(s->kt == s->kn && s->kp == 0);
+        assert_true(s->ri == p.r[c->i] && s->rj == (c->j < 0 ? 0 : p.r[c->j]));
+    }
+    for (int i = 0; i < net.n; i++) {
+        const double r = p.r[net.grain[i]], m = 4.0 / 3.0 * 3.14159265358979323846 * r * r * r;
+        assert_relative(net.mass[3 * i], m, 1e-15);
+        assert_relative(net.mass[3 * i + 2], 0.4 * m * r * r, 1e-15);
+    }
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* Against the definition, formed by hand for one pair: k_n = 2 E12 sqrt(R12 n), eta = (1-nu)/(1-nu/2). */
+static void test_stiffness(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 6, 0.5, 1);
+    sp_network net = network_of(&p, true, false);
+    for (int k = 0; k < net.n_springs; k++) {
+        const sp_spring *s = &net.springs[k];
+        const double n = p.contacts[s->contact].overlap, r1 = s->ri, r2 = s->rj;
+        const double kn = s->j < 0 ? 2 * sqrt(r1 * n) : sqrt(r1 * r2 / (r1 + r2) * n);
+        assert_relative(s->kn, kn, 1e-14);
+        assert_relative(s->kt, kn * (1 - 0.2) / (1 - 0.1), 1e-14);
+        assert_relative(net.length[k], r1 + r2 - n, 1e-15);
+        if (s->j < 0)
+            assert_true(s->kp == 0);
+        else
+            assert_relative(s->kp, -2.0 / 3.0 * kn * n / (r1 + r2 - n), 1e-14);
+    }
+    sp_network_free(&net);
+    p.wall = SP_WALL_GRAIN; /* like a fixed grain of the same kind */
+    net = network_of(&p, false, false);
+    for (int k = net.n_bulk; k < net.n_springs; k++) {
+        const sp_spring *s = &net.springs[k];
+        assert_relative(s->kn, sqrt(0.5 * s->ri * p.contacts[s->contact].overlap), 1e-14);
+    }
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+static void test_sliding(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 6, 0.5, 1);
+    for (int k = 0; k < p.n_contacts; k++) { /* a third far from sliding, a third at the limit, a third just below */
+        sp_contact *c = &p.contacts[k];
+        const double ft = c->fn * (k % 3 == 0 ? 0.1 : k % 3 == 1 ? 0.5 : 0.5 * (1 - 1e-4)) * (k % 2 ? 1 : -1);
+        c->ft[0] = -ft * c->n[1];
+        c->ft[1] = ft * c->n[0];
+    }
+    sp_network stick = network_of(&p, false, false), slip = network_of(&p, false, true);
+    int free = 0;
+    for (int k = 0; k < slip.n_springs; k++) {
+        assert_true((slip.springs[k].kt == 0) == (slip.springs[k].contact % 3 == 1));
+        assert_true(stick.springs[k].kt > 0 && slip.springs[k].kn == stick.springs[k].kn);
+        free += slip.springs[k].kt == 0;
+    }
+    assert_true(free > 10);
+    sp_network_free(&slip);
+    sp_network_free(&stick);
+    sp_packing_free(&p);
+}
+
+/* The force on the grains of a network moved by u, from Hertz's law at displaced centres; walls flat. */
+static void hertz_force(const sp_packing *p, const sp_network *net, const double *u, double h, double *f) {
+    const int dim = net->dim, up = dim - 1;
+    memset(f, 0, (size_t)sp_network_dofs(net) * sizeof *f);
+    for (int k = 0; k < net->n_springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        const double length = net->length[k],
+                     e = s->j < 0 ? contact_wall_stiffness(s->ri, p->wall) : contact_stiffness(s->ri, s->rj);
+        double d[3], r = 0;
+        for (int a = 0; a < dim; a++) {
+            d[a] = length * s->n[a] - h * u[s->i * dim + a] + (s->j < 0 ? 0 : h * u[s->j * dim + a]);
+            if (s->j < 0 && a != up) /* a flat wall is felt along its normal alone */
+                d[a] = 0;
+            r += d[a] * d[a];
+        }
+        r = sqrt(r);
+        const double force = contact_force(e, s->ri + s->rj - r);
+        for (int a = 0; a < dim; a++) {
+            f[s->i * dim + a] -= force * d[a] / r;
+            if (s->j >= 0)
+                f[s->j * dim + a] += force * d[a] / r;
+        }
+    }
+}
+
+static double jacobian_error(const sp_packing *p, const sp_network *net, const double *u, double h) {
+    const size_t n = (size_t)sp_network_dofs(net);
+    double *f = calloc(3 * n, sizeof *f), worst = 0, largest = 0;
+    hertz_force(p, net, u, h, f);
+    hertz_force(p, net, u, -h, f + n);
+    sp_network_apply(net, u, f + 2 * n);
+    for (size_t k = 0; k < n; k++) {
+        worst = fmax(worst, fabs((f[k] - f[n + k]) / (2 * h) + f[2 * n + k]));
+        largest = fmax(largest, fabs(f[2 * n + k]));
+    }
+    free(f);
+    return worst / largest;
+}
+
+/* Without tangential springs K, prestress included, is the Jacobian of the forces: the error of a central difference
+ * falls as h^2. */
+static void test_jacobian(void **state) {
+    (void)state;
+    srand(11);
+    for (int dim = 1; dim <= 3; dim++) {
+        sp_packing p = dim == 1 ? chain_packing(20, 1e-3) : scattered_packing(dim, dim == 2 ? 6 : 4, 0, 5);
+        sp_network net = network_of(&p, true, false);
+        double *u = random_vector(sp_network_dofs(&net));
+        const double h = 2e-4, e1 = jacobian_error(&p, &net, u, h), e2 = jacobian_error(&p, &net, u, h / 2);
+        const double slope = log2(e1 / e2);
+        assert_true(e1 < 1e-3);
+        assert_close(slope, 2, 0.1);
+        sp_network plain = network_of(&p, false, false); /* which can tell whether the prestress is there */
+        if (dim > 1)
+            assert_true(jacobian_error(&p, &plain, u, h / 2) > 10 * e1);
+        sp_network_free(&plain);
+        free(u);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* Tangential springs feel the velocity of the contact points: u + theta x arm on either side. */
+static void test_tangential(void **state) {
+    (void)state;
+    srand(12);
+    for (int shape = 1; shape <= 3; shape += 2) {
+        sp_packing p = shape_packing(shape);
+        sp_network net = network_of(&p, false, false);
+        const int dim = net.dim, dof = net.dof;
+        double *u = random_vector(sp_network_dofs(&net)), energy = 0;
+        for (int k = 0; k < net.n_springs; k++) {
+            const sp_spring *s = &net.springs[k];
+            double slip[3] = {0}, along = 0;
+            for (int side = 0; side < 2; side++) {
+                const int g = side ? s->j : s->i;
+                if (g < 0)
+                    continue;
+                const double *x = u + g * dof, arm = side ? -s->rj : s->ri, sign = side ? 1 : -1;
+                const double spin[3] = {dim == 3 ? x[3] : 0, dim == 3 ? x[4] : 0, dim == 3 ? x[5] : x[2]};
+                for (int a = 0; a < 3; a++) {
+                    const int b = (a + 1) % 3, c = (a + 2) % 3;
+                    const double turned = arm * (spin[b] * s->n[c] - spin[c] * s->n[b]);
+                    slip[a] += sign * ((a < dim ? x[a] : 0) + turned);
+                }
+            }
+            for (int a = 0; a < 3; a++)
+                along += slip[a] * s->n[a];
+            energy += s->kn * along * along;
+            for (int a = 0; a < 3; a++)
+                energy += s->kt * (slip[a] - along * s->n[a]) * (slip[a] - along * s->n[a]);
+        }
+        assert_relative(sp_network_energy2(&net, u), energy, 1e-13);
+        free(u);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* The assembled matrix, the kernel for one vector and for two, and the energy are the same K; it is symmetric by its
+ * storage and positive semidefinite without prestress. */
+static void test_assembled(void **state) {
+    (void)state;
+    srand(13);
+    for (int shape = 0; shape < SHAPES; shape++)
+        for (int prestress = 0; prestress < 2; prestress++) {
+            sp_packing p = shape_packing(shape);
+            sp_network net = network_of(&p, prestress, false);
+            const int64_t n = sp_network_dofs(&net);
+            double *u = random_vector(2 * n), *v = random_vector(2 * n), *pair = calloc(4 * (size_t)n, sizeof *pair);
+            double *one = calloc(3 * (size_t)n, sizeof *one), *two = one + n, *whole = one + 2 * n;
+            sp_sparse k;
+            /* aligned as vectors of two */
+            double *in = sp_alloc(2 * (size_t)n, sizeof *in), *out = sp_alloc(2 * (size_t)n, sizeof *out);
+            assert_ok(sp_network_assemble(&net, &k, &err));
+            assert_int_equal(k.n, n);
+            double largest = 0;
+            for (int64_t c = 0; c < n; c++) {
+                assert_int_equal(k.i[k.p[c]], c);
+                for (int64_t q = k.p[c]; q < k.p[c + 1]; q++) {
+                    assert_true(q == k.p[c] || k.i[q] > k.i[q - 1]);
+                    whole[k.i[q]] += k.x[q] * u[c];
+                    if (k.i[q] != c)
+                        whole[c] += k.x[q] * u[k.i[q]];
+                    largest = fmax(largest, fabs(k.x[q]));
+                }
+            }
+            for (int64_t q = 0; q < n; q++) {
+                in[2 * q] = u[q];
+                in[2 * q + 1] = v[q];
+                out[2 * q] = 1; /* is added to */
+            }
+            sp_network_apply(&net, u, one);
+            sp_network_apply(&net, v, two);
+            sp_network_add_pair(&net, in, out);
+            double uku = 0, vku = 0, ukv = 0;
+            for (int64_t q = 0; q < n; q++) {
+                assert_close(one[q], whole[q], 20 * DBL_EPSILON * largest);
+                assert_close(out[2 * q] - 1, one[q], 40 * DBL_EPSILON * fmax(1, largest));
+                assert_close(out[2 * q + 1], two[q], 20 * DBL_EPSILON * largest);
+                uku += u[q] * one[q];
+                vku += v[q] * one[q];
+                ukv += u[q] * two[q];
+            }
+            assert_relative(sp_network_energy2(&net, u), uku, 1e-13);
+            assert_close(vku, ukv, 1e-13 * fabs(uku)); /* symmetric */
+            if (!prestress)
+                assert_true(uku > 0);
+            sp_sparse_free(&k);
+            sp_free(in);
+            sp_free(out);
+            free(pair);
+            free(one);
+            free(u);
+            free(v);
+            sp_network_free(&net);
+            sp_packing_free(&p);
+        }
+}
+
+/* Moving all grains along the walls costs nothing but the walls' tangential springs; across, their normal ones. */
+static void test_translation(void **state) {
+    (void)state;
+    for (int shape = 1; shape < SHAPES; shape++) {
+        sp_packing p = shape_packing(shape);
+        sp_network net = network_of(&p, true, false);
+        const int up = net.dim - 1;
+        double *u = calloc((size_t)sp_network_dofs(&net), sizeof *u), grip = 0, hold = 0;
+        for (int k = net.n_bulk; k < net.n_springs; k++) {
+            grip += net.springs[k].kt;
+            hold += net.springs[k].kn;
+        }
+        for (int a = 0; a < net.dim; a++) {
+            for (int64_t q = 0; q < sp_network_dofs(&net); q++)
+                u[q] = q % net.dof == a;
+            assert_relative(sp_network_energy2(&net, u), a == up ? hold : grip, 1e-13);
+        }
+        assert_true((grip == 0) == (p.friction == 0));
+        free(u);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* The bound of the energy's rounding holds against long double, for soft and for rough displacements. */
+static void test_energy_rounding(void **state) {
+    (void)state;
+    srand(14);
+    for (int shape = 0; shape < SHAPES; shape++)
+        for (int soft = 0; soft < 2; soft++) {
+            sp_packing p = shape_packing(shape);
+            sp_network net = network_of(&p, false, false);
+            const int64_t n = sp_network_dofs(&net);
+            double *u = random_vector(n), rounding;
+            for (int64_t q = 0; q < n && soft; q++)
+                u[q] = 1 + 1e-7 * u[q]; /* nearly a translation: the stretches cancel */
+            long double exact = 0;
+            for (int k = 0; k < net.n_springs; k++) {
+                const sp_spring *s = &net.springs[k];
+                if (net.dof != net.dim)
+                    continue;
+                long double along = 0;
+                for (int a = 0; a < net.dim; a++)
+                    along += s->n[a] * ((s->j < 0 ? 0 : (long double)u[s->j * net.dof + a]) - u[s->i * net.dof + a]);
+                exact += s->kn * along * along;
+            }
+            const double energy = sp_network_energy2_bound(&net, u, &rounding);
+            assert_true(rounding >= 0 && rounding < 1e-6 * energy);
+            if (net.dof == net.dim)
+                assert_close(energy, (double)exact, rounding);
+            free(u);
+            sp_network_free(&net);
+            sp_packing_free(&p);
+        }
+}
+
+static void test_source_detector(void **state) {
+    (void)state;
+    sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    sp_network net = network_of(&p, false, false);
+    const int64_t n = sp_network_dofs(&net);
+    double *impulse = calloc(4 * (size_t)n, sizeof *impulse), *velocity = impulse + n, *displacement = impulse + 2 * n,
+           *seen = impulse + 3 * n, bottom = 0, top = 0;
+    assert_ok(sp_network_source(&net, SP_SOURCE_IMPULSE, impulse, &err));
+    assert_ok(sp_network_source(&net, SP_SOURCE_VELOCITY, velocity, &err));
+    assert_ok(sp_network_source(&net, SP_SOURCE_DISPLACEMENT, displacement, &err));
+    assert_ok(sp_network_detector(&net, seen, &err));
+    for (int64_t q = 0; q < n; q++) {
+        assert_true(velocity[q] == impulse[q] * net.mass[q] && displacement[q] == impulse[q]);
+        assert_true(impulse[q] >= 0 && seen[q] >= 0); /* up, both */
+        assert_true(q % 3 == 1 || (impulse[q] == 0 && seen[q] == 0));
+        bottom += impulse[q];
+        top += seen[q];
+    }
+    for (int k = 0; k < net.n_springs; k++) {
+        bottom -= net.springs[k].j == SP_BOTTOM ? net.springs[k].kn : 0;
+        top -= net.springs[k].j == SP_TOP ? net.springs[k].kn : 0;
+    }
+    assert_close(bottom, 0, 1e-14);
+    assert_close(top, 0, 1e-14);
+    assert_fails(sp_network_source(&net, (sp_source)9, impulse, &err), SP_EINVAL, "source 9");
+    int kept = net.n_bulk; /* a network without top */
+    for (int k = net.n_bulk; k < net.n_springs; k++)
+        if (net.springs[k].j == SP_BOTTOM)
+            net.springs[kept++] = net.springs[k];
+    net.n_springs = kept;
+    assert_fails(sp_network_detector(&net, seen, &err), SP_EREFUSED, "top wall");
+    net.n_springs = net.n_bulk;
+    assert_fails(sp_network_source(&net, SP_SOURCE_IMPULSE, seen, &err), SP_EREFUSED, "bottom wall");
+    free(impulse);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    sp_packing p = chain_packing(5, 1e-4);
+    sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    o.threshold = NAN;
+    assert_fails(sp_network_make(&p, &o, &net, &err), SP_EINVAL, "threshold");
+    o.threshold = -1;
+    assert_fails(sp_network_make(&p, &o, &net, &err), SP_EINVAL, "threshold");
+    o.threshold = 10; /* above every force */
+    assert_fails(sp_network_make(&p, &o, &net, &err), SP_EREFUSED, "no grain carries");
+    o.threshold = 1e-4;
+    const double overlap = p.contacts[2].overlap, bad[] = {0, -1e-3, NAN, INFINITY, 2};
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        p.contacts[2].overlap = bad[k];
+        assert_fails(sp_network_make(&p, &o, &net, &err), SP_EFORMAT, "contact 2: overlap");
+    }
+    p.contacts[2].overlap = overlap;
+    p.dim = 4;
+    assert_fails(sp_network_make(&p, &o, &net, &err), SP_EINVAL, "dimension 4");
+    p.dim = 1;
+    assert_null(net.springs); /* nothing was written */
+    p.contacts[0].fn = 0;     /* without one contact the chain falls apart, ball by ball */
+    assert_fails(sp_network_make(&p, &o, &net, &err), SP_EREFUSED, "all 5 are rattlers");
+    sp_packing_free(&p);
+    sp_network_free(&net);
+    p = sp_packing_none();
+    p.dim = 2;
+    assert_fails(sp_network_make(&p, &o, &net, &err), SP_EREFUSED, "no grain carries");
+}
+
+static void test_no_memory(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 5, 0.5, 1);
+    sp_network_options o = sp_network_options_default();
+    int k = 0;
+    for (;; k++) {
+        sp_network net = sp_network_none();
+        sp_sparse a = {0};
+        sp_error err = {0};
+        sp_alloc_fail_after(k);
+        sp_status status = sp_network_make(&p, &o, &net, &err);
+        if (status == SP_OK)
+            status = sp_network_assemble(&net, &a, &err);
+        sp_alloc_fail_after(-1);
+        sp_sparse_free(&a);
+        sp_network_free(&net);
+        if (status == SP_OK)
+            break;
+        assert_int_equal(status, SP_ENOMEM);
+        assert_int_equal(err.status, SP_ENOMEM);
+    }
+    assert_true(k > 15);
+    sp_packing_free(&p);
+}
+
+/* Two springs between the same grains, as through both sides of a narrow periodic box, add up. */
+static void test_double_contact(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 2, 0.5, 3);
+    sp_network net = network_of(&p, false, false);
+    int pairs = 0;
+    sp_sparse a, b;
+    assert_ok(sp_network_assemble(&net, &a, &err));
+    net.springs[0].kn *= 2; /* twice the spring ... */
+    net.springs[0].kt *= 2;
+    assert_ok(sp_network_assemble(&net, &b, &err));
+    net.springs[0].kn /= 2;
+    net.springs[0].kt /= 2;
+    sp_spring *both = sp_alloc((size_t)net.n_springs + 1, sizeof *both);
+    both[0] = net.springs[0]; /* ... or the spring twice */
+    memcpy(both + 1, net.springs, (size_t)net.n_springs * sizeof *both);
+    sp_free(net.springs);
+    net.springs = both;
+    net.n_springs++;
+    net.n_bulk++;
+    sp_sparse c;
+    assert_ok(sp_network_assemble(&net, &c, &err));
+    assert_int_equal(c.p[c.n], a.p[a.n]);
+    for (int64_t q = 0; q < c.p[c.n]; q++) {
+        assert_int_equal(c.i[q], b.i[q]);
+        assert_close(c.x[q], b.x[q], 1e-15);
+        pairs += b.x[q] != a.x[q];
+    }
+    assert_true(pairs > 10);
+    sp_sparse_free(&a);
+    sp_sparse_free(&b);
+    sp_sparse_free(&c);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_reference_counts), cmocka_unit_test(test_stiffness),
+                                       cmocka_unit_test(test_sliding),          cmocka_unit_test(test_jacobian),
+                                       cmocka_unit_test(test_tangential),       cmocka_unit_test(test_assembled),
+                                       cmocka_unit_test(test_translation),      cmocka_unit_test(test_energy_rounding),
+                                       cmocka_unit_test(test_source_detector),  cmocka_unit_test(test_refusals),
+                                       cmocka_unit_test(test_no_memory),        cmocka_unit_test(test_double_contact)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
