@@ -25,7 +25,7 @@ sp_status sp_packing_read_tables(const char *grains, const char *contacts, int k
 sp_status sp_packing_save_tables(const sp_packing *p, const char *grains, const char *contacts, sp_error *err);
 
 typedef enum sp_table_format { SP_TSV = 0, SP_CSV, SP_JSON } sp_table_format;
-/* The table as text, 17 significant digits for numbers. Caller frees; NULL: no memory. */
+/* The table as text, numbers with the digits that read back exactly (15 to 17). Caller frees; NULL: no memory. */
 char *sp_table_text(const sp_table *t, sp_table_format format);
 /* Writes text to path atomically. */
 sp_status sp_text_save(const char *path, const char *text, size_t size, sp_error *err);

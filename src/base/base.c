@@ -90,6 +90,22 @@ sp_status sp_fail_memory(sp_error *err, size_t bytes) {
     return sp_fail(err, SP_ENOMEM, "no memory for %.3g MB", (double)bytes / 1e6);
 }
 
+char *sp_number_text(double value, char text[SP_NUMBER_TEXT]) {
+    if (value != value) {
+        snprintf(text, SP_NUMBER_TEXT, "nan"); /* without the sign that printf may show */
+        return text;
+    }
+    for (int digits = 15; digits <= 17; digits++) {
+        snprintf(text, SP_NUMBER_TEXT, "%.*g", digits, value);
+        if (strtod(text, NULL) == value)
+            break;
+    }
+    for (char *c = text; *c; c++) /* whatever locale the program has chosen */
+        if (*c == ',')
+            *c = '.';
+    return text;
+}
+
 static double seconds(clockid_t clock) {
     struct timespec now;
     clock_gettime(clock, &now);

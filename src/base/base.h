@@ -19,6 +19,10 @@ char *sp_strdup(const char *text); /* free with sp_free */
 void sp_alloc_fail_after(int64_t count);
 sp_status sp_fail_memory(sp_error *err, size_t bytes);
 
+/* The fewest digits (15 to 17) that read back as the same double; "nan", "inf", "-inf". */
+enum { SP_NUMBER_TEXT = 32 };
+char *sp_number_text(double value, char text[SP_NUMBER_TEXT]);
+
 double sp_clock_cpu(void);  /* seconds of CPU time of this thread */
 double sp_clock_wall(void); /* seconds of a monotonic clock */
 

@@ -122,21 +122,9 @@ bool sp_field_is_swept(const sp_field *f) {
            (strcmp(f->group, "packing") == 0 || strcmp(f->group, "network") == 0);
 }
 
-const char *sp_real_text(double value, char *buf, size_t size) {
-    for (int digits = 15; digits <= 17; digits++) {
-        snprintf(buf, size, "%.*g", digits, value);
-        if (strtod(buf, NULL) == value)
-            break;
-    }
-    for (char *c = buf; *c; c++) /* whatever locale the program has chosen */
-        if (*c == ',')
-            *c = '.';
-    return buf;
-}
-
 const char *sp_limit_text(const sp_field *f, double limit, char *buf, size_t size) {
     if (f->type == SP_FIELD_REAL)
-        return sp_real_text(limit, buf, size);
+        return sp_number_text(limit, buf);
     snprintf(buf, size, "%lld", limit >= 0x1p63 ? (long long)INT64_MAX : (long long)limit);
     return buf;
 }
@@ -195,7 +183,7 @@ sp_status sp_field_check(const sp_field *f, const sp_number *number, sp_error *e
     if (number->integral)
         snprintf(value, sizeof value, "%lld", (long long)number->integer);
     else
-        sp_real_text(number->real, value, sizeof value);
+        sp_number_text(number->real, value);
     return sp_fail(err, SP_EINVAL, "%s.%s = %s: must be %s", f->group, f->name, value,
                    sp_field_right(f, right, sizeof right));
 }

@@ -53,8 +53,6 @@ bool sp_field_is_swept(const sp_field *f);
 
 /* What would be right, as "1e-10 .. 0.01 E*" or "piston, triangular or chain"; returns buf. */
 const char *sp_field_right(const sp_field *f, char *buf, size_t size);
-/* The fewest digits that read back as the same double, always with a decimal point as point; returns buf. */
-const char *sp_real_text(double value, char *buf, size_t size);
 /* One end of a field's range. */
 const char *sp_limit_text(const sp_field *f, double limit, char *buf, size_t size);
 

@@ -12,7 +12,7 @@ static const char *setting_text(const config_setting_t *setting, char *buf, size
     switch (config_setting_type(setting)) {
     case CONFIG_TYPE_INT:
     case CONFIG_TYPE_INT64: snprintf(buf, size, "%lld", config_setting_get_int64(setting)); break;
-    case CONFIG_TYPE_FLOAT: sp_real_text(config_setting_get_float(setting), buf, size); break;
+    case CONFIG_TYPE_FLOAT: sp_number_text(config_setting_get_float(setting), buf); break;
     case CONFIG_TYPE_BOOL: snprintf(buf, size, "%s", config_setting_get_bool(setting) ? "true" : "false"); break;
     case CONFIG_TYPE_STRING: snprintf(buf, size, "\"%.40s\"", config_setting_get_string(setting)); break;
     case CONFIG_TYPE_GROUP: snprintf(buf, size, "{ ... }"); break;

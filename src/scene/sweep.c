@@ -26,7 +26,7 @@ static sp_status check_values_differ(const sp_reader *r, const sp_sweep *sweep) 
     for (int k = 1; k < sweep->count && status == SP_OK; k++)
         if (sorted[k] <= sorted[k - 1])
             status = sp_fail(r->err, SP_EINVAL, "study.sweep of %s: value %s stands there twice", sweep->key,
-                             sp_real_text(sorted[k], value, sizeof value));
+                             sp_number_text(sorted[k], value));
     sp_free(sorted);
     return status;
 }

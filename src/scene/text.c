@@ -66,7 +66,7 @@ static void put_sweeps(writer *w, const sp_scene *s) {
     for (int k = 0; k < s->sweeps; k++) {
         put(w, "%s\n    { key = \"%s\"; values = (", k > 0 ? "," : "", s->sweep[k].key);
         for (int i = 0; i < s->sweep[k].count; i++)
-            put(w, "%s%s", i > 0 ? ", " : "", sp_real_text(s->sweep[k].values[i], value, sizeof value));
+            put(w, "%s%s", i > 0 ? ", " : "", sp_number_text(s->sweep[k].values[i], value));
         put(w, "); }");
     }
     put(w, s->sweeps > 0 ? "\n  )" : ")");
@@ -77,7 +77,7 @@ static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
     char value[32];
     unsigned bits;
     switch (f->type) {
-    case SP_FIELD_REAL: put(w, "%s", sp_real_text(sp_field_load(s, f).real, value, sizeof value)); break;
+    case SP_FIELD_REAL: put(w, "%s", sp_number_text(sp_field_load(s, f).real, value)); break;
     case SP_FIELD_INT: put(w, "%lld", (long long)sp_field_load(s, f).integer); break;
     case SP_FIELD_INT64: put(w, "%lldL", (long long)sp_field_load(s, f).integer); break;
     case SP_FIELD_BOOL: put(w, "%s", *(const bool *)place ? "true" : "false"); break;

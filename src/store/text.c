@@ -75,10 +75,8 @@ void sp_text_add(sp_text *t, const char *format, ...) {
 }
 
 void sp_text_number(sp_text *t, double value) {
-    if (isnan(value))
-        sp_text_add(t, "nan"); /* without the sign that printf may show */
-    else
-        sp_text_add(t, "%.17g", value);
+    char text[SP_NUMBER_TEXT];
+    sp_text_add(t, "%s", sp_number_text(value, text));
 }
 
 void sp_text_free(sp_text *t) {

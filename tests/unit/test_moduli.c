@@ -29,7 +29,7 @@ static void test_symmetric(void **state) {
                 assert_close(s.c[a][b], s.c[b][a], 1e-12 * scale);
                 assert_true(a == b || s.c[a][b] * s.c[a][b] < s.c[a][a] * s.c[b][b]); /* positive definite */
             }
-            assert_close(s.wall[a], s.c[STRAIN_22][a], (q < 2 ? 1e-10 : 10) * scale);
+            assert_close(s.wall[a], s.c[STRAIN_22][a], 1e-10 * scale);
         }
         assert_relative(s.c[STRAIN_11][STRAIN_22], s.c[STRAIN_22][STRAIN_11], 1e-12);
         assert_true(s.residual < 1e-13);
@@ -120,8 +120,8 @@ static void test_square_lattice(void **state) {
     sp_moduli m;
     assert_ok(sp_moduli_make(&net, 1, &m, &err));
     const double height = p.box[1], bulk = (N - 1) * spacing;
-    assert_relative(m.c11, kn * spacing * spacing / spacing * N / height, 1e-5);
-    assert_relative(m.c22, kn * height / bulk * spacing / spacing, 1e-5);
+    assert_relative(m.c11, kn * spacing * N / height, 1e-5);
+    assert_relative(m.c22, kn * height / bulk, 1e-5);
     assert_close(m.c12, 0, 1e-9);
     assert_true(m.c33 > 0 && m.c33 < net.springs[0].kt * height / bulk);
     sp_network_free(&net);
@@ -186,7 +186,6 @@ static void test_refusals(void **state) {
         if (net.springs[k].i != 14 && net.springs[k].j != 14) {
             net.length[kept] = net.length[k];
             net.springs[kept++] = net.springs[k];
-            net.n_bulk -= 0;
         }
     net.n_bulk -= springs - kept;
     net.n_springs = kept;

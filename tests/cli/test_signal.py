@@ -1,0 +1,252 @@
+#!/usr/bin/env python3
+"""signal, modes, moduli and bench against numpy: K is built here anew from the packing file, contact by contact, and
+diagonalised by scipy. Usage: test_signal.py COMMAND SOURCE_DIR"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+import scipy.linalg
+
+COMMAND, SOURCE = sys.argv[1], sys.argv[2]
+REFERENCE = os.path.join(SOURCE, "packings", "reference")
+N200 = os.path.join(REFERENCE, "packing_N200_p1e-4.txt")
+N600 = os.path.join(REFERENCE, "packing_N600_p1e-4.txt")
+
+
+def run(*words, status=0, cwd=None):
+    done = subprocess.run([COMMAND, *map(str, words)], capture_output=True, text=True, cwd=cwd, timeout=300)
+    assert done.returncode == status, (words, done.returncode, done.stderr)
+    if status:
+        assert done.stdout == "" and done.stderr.startswith("sonopack"), (words, done.stdout[:200], done.stderr)
+    return done.stderr if status else done.stdout
+
+
+def table(text):
+    """Comments as a dict, the header row, and the rows as floats (text where they are none)."""
+    comments, rows, header = {}, [], None
+    for line in text.splitlines():
+        if line.startswith("#"):
+            key, _, value = line[1:].partition("=")
+            comments[key.strip()] = value.strip()
+        elif header is None:
+            header = line.split("\t")
+        else:
+            rows.append(line.split("\t"))
+    return comments, header, rows
+
+
+def columns(text):
+    comments, header, rows = table(text)
+    return comments, {name: np.array([float(row[k]) for row in rows]) for k, name in enumerate(header)}
+
+
+class Network:
+    """Springs of a reference packing in the plainest way."""
+
+    def __init__(self, path, prestress=False, threshold=1e-4):
+        lines = open(path).read().splitlines()
+        head = lines[1].split()
+        head = dict(zip(head[::2], head[1::2]))
+        n, p = int(head["N"]), float(head["p"])
+        self.width, self.height = float(head["Lx"]), float(head["Ly"])
+        grains = np.array([line.split() for line in lines[2:2 + n]], dtype=float)
+        contacts = [line.split() for line in lines[2 + n:] if line.strip()]
+        contacts = [(int(w[0]), int(w[1]), *map(float, w[2:])) for w in contacts]
+        radius = grains[:, 2]
+        carrying = [c for c in contacts if c[5] > threshold * p]
+        while True:
+            count = np.zeros(n, int)
+            for c in carrying:
+                count[c[0]] += 1
+                if c[1] >= 0:
+                    count[c[1]] += 1
+            kept = [c for c in carrying if count[c[0]] >= 2 and (c[1] < 0 or count[c[1]] >= 2)]
+            if len(kept) == len(carrying):
+                break
+            carrying = kept
+        alive = np.flatnonzero(count >= 2)
+        self.rattlers = n - len(alive)
+        row = {g: k for k, g in enumerate(alive)}
+        size = 3 * len(alive)
+        mass = 4 / 3 * np.pi * radius[alive] ** 3
+        self.mass = np.column_stack([mass, mass, 0.4 * mass * radius[alive] ** 2]).ravel()
+        self.b, self.k, self.affine = [], [], []
+        self.source, self.detector = np.zeros(size), np.zeros(size)
+        for i, j, nx, ny, overlap, fn, _ in carrying:
+            arm = radius[j] if j >= 0 else 0.0
+            length = radius[i] + arm - overlap
+            if j >= 0:  # E12 = 1/2
+                kn = np.sqrt(radius[i] * radius[j] / (radius[i] + radius[j]) * overlap)
+            else:
+                kn = 2 * np.sqrt(radius[i] * overlap)
+            rows = [(np.array([nx, ny]), kn, False), (np.array([-ny, nx]), kn, True)]  # nu = 0: k_t = k_n
+            if prestress and j >= 0:
+                rows.append((np.array([-ny, nx]), -fn / length, False))
+            for axis, k, turns in rows:
+                b = np.zeros(size)
+                b[3 * row[i]:3 * row[i] + 2] = -axis
+                if turns:
+                    b[3 * row[i] + 2] = -radius[i]
+                if j >= 0:
+                    b[3 * row[j]:3 * row[j] + 2] = axis
+                    if turns:
+                        b[3 * row[j] + 2] = -arm
+                self.b.append(b)
+                self.k.append(k)
+                # relative displacement of the ends under strain xx, yy and shear u_x = y
+                self.affine.append([length * nx * axis[0], length * ny * axis[1], length * ny * axis[0]])
+            if j == -1:
+                self.source[3 * row[i] + 1] += kn
+            elif j == -2:
+                self.detector[3 * row[i] + 1] += kn
+        self.b, self.k, self.affine = np.array(self.b), np.array(self.k), np.array(self.affine)
+        self.matrix = self.b.T @ (self.k[:, None] * self.b)
+        root = np.sqrt(self.mass)
+        self.squares, self.vectors = scipy.linalg.eigh(self.matrix / np.outer(root, root))
+
+    def frequencies(self):
+        """Rayleigh quotients as sums of squares: soft modes keep their digits."""
+        u = self.vectors / np.sqrt(self.mass)[:, None]
+        return np.sqrt(self.k @ (self.b @ u) ** 2)
+
+    def signal(self, source, t):
+        root, omega = np.sqrt(self.mass), np.sqrt(self.squares)
+        sent = self.vectors.T @ (self.source / root if source == "impulse" else self.source * root)
+        seen = self.vectors.T @ (self.detector / root)
+        if source == "displacement":
+            return np.cos(np.outer(t, omega)) @ (sent * seen)
+        return np.sin(np.outer(t, omega)) @ (sent * seen / omega)
+
+    def moduli(self):
+        relaxed = np.linalg.solve(self.matrix, -self.b.T @ (self.k[:, None] * self.affine))
+        stretch = self.b @ relaxed + self.affine
+        return self.affine.T @ (self.k[:, None] * stretch) / (self.width * self.height)
+
+
+def test_modes(network, path, *options):
+    comments, t = columns(run("modes", path, *options))
+    exact = network.frequencies()
+    zero = 3 * network.rattlers
+    assert list(t) == ["n", "omega", "a", "b", "ab", "participation", "error"], list(t)
+    assert np.array_equal(t["n"], np.arange(len(t["n"]))) and len(t["n"]) == zero + len(exact)
+    assert np.all(t["omega"][:zero] == 0) and np.all(t["omega"][zero:] > 0)
+    assert int(comments["zero_modes"]) == zero == int(comments["rattler_modes"])
+    worst = np.max(np.abs(t["omega"][zero:] / exact - 1))
+    print(f"{os.path.basename(path)} {' '.join(options)}: frequencies differ by {worst:.2g} at the most")
+    assert worst < 1e-11, worst
+    assert np.all(t["error"] < 1e-12) and np.allclose(t["ab"], t["a"] * t["b"], rtol=1e-14, atol=0)
+    # amplitudes: the modal sum of the table is the signal
+    times = np.linspace(0, 150, 40)
+    f = np.sin(np.outer(times, t["omega"])) @ t["ab"]
+    g = network.signal("impulse", times)
+    assert np.max(np.abs(f - g)) < 1e-11 * np.max(np.abs(g))
+    _, bare = columns(run("modes", path, "--frequencies-only", *options))
+    assert list(bare) == ["n", "omega", "error"]
+    assert np.all(np.abs(bare["omega"] - t["omega"]) <= bare["error"] + t["error"])
+    _, few = columns(run("modes", path, "--lowest", zero + 5, *options))
+    assert np.array_equal(few["omega"], t["omega"][:zero + 5])
+
+
+def test_signals(network, path, *options):
+    for source in ("impulse", "velocity", "displacement"):
+        for method in ("auto", "chebyshev", "dense"):
+            words = ["signal", path, "--source", source, "--method", method, "--until", 300, "--points", 301, *options]
+            comments, t = columns(run(*words))
+            exact = network.signal(source, np.linspace(0, 300, 301))
+            peak = np.max(np.abs(exact))
+            assert list(t) == ["t", "F"] and np.array_equal(t["t"], np.linspace(0, 300, 301))
+            assert np.max(np.abs(t["F"] - exact)) < 2e-12 * peak, (source, method, options)
+            assert float(comments["error"]) < 1e-10 * peak
+            assert comments["method"] == ("dense" if method == "dense" else "chebyshev")
+            assert float(comments["height"]) == network.height and float(comments["pressure"]) == 1e-4
+
+
+def test_oracle(path):
+    """The signals that came with the packings."""
+    oracle = np.loadtxt(path.replace("packing_", "signal_"))
+    for source, exact in (("velocity", oracle[:, 1]), ("impulse", oracle[:, 2])):
+        _, t = columns(run("signal", path, "--until", 400, "--points", 801, "--source", source, "--threshold", 1e-4))
+        assert np.allclose(t["t"], oracle[:, 0], rtol=1e-14)
+        assert np.max(np.abs(t["F"] - exact)) < 1e-9 * np.max(np.abs(exact))
+
+
+def test_moduli():
+    _, header, rows = table(run("moduli", N200, N600))
+    assert header == ["file", "p", "C11", "C12", "C22", "C33", "c_l", "c_t"]
+    assert [row[0] for row in rows] == [N200, N600]
+    for row, network in zip(rows, (Network(N200), Network(N600))):
+        p, c11, c12, c22, c33, c_l, c_t = map(float, row[1:])
+        c = network.moduli()
+        assert p == 1e-4
+        assert np.allclose([c11, c12, c22, c33], [c[0, 0], c[0, 1], c[1, 1], c[2, 2]], rtol=1e-9, atol=0)
+        assert np.isclose(c_l / c_t, np.sqrt(c22 / c33), rtol=1e-12)
+        assert 0.45 < c22 / c_l**2 < 0.6  # Phi3*
+    # a file that is no good does not take the others along, but the exit status tells
+    done = subprocess.run([COMMAND, "moduli", "no_such_file", N200], capture_output=True, text=True)
+    assert done.returncode == 1 and "no_such_file" in done.stderr and len(table(done.stdout)[2]) == 1
+
+
+def test_defaults():
+    comments, t = columns(run("signal", N200))
+    height = float(comments["height"])
+    assert len(t["t"]) == 801 and np.isclose(t["t"][-1], 8 * height + 40, rtol=1e-14)
+    assert comments["source"] == "impulse"
+    a = run("signal", N200, "--set", "signal.points=11", "--set", "signal.source=\"velocity\"", "--until", 20)
+    b = run("signal", N200, "--points", 11, "--source", "velocity", "--until", 20)
+    assert a == b
+    with tempfile.TemporaryDirectory() as folder:
+        out = os.path.join(folder, "s.json")
+        run("signal", N200, "--points", 5, "-o", out)
+        assert "F" in json.dumps(json.load(open(out)))
+        run("signal", N200, "--points", 5, "-o", out, status=2)  # not silently again
+        run("signal", N200, "--points", 5, "-o", out, "--force")
+
+
+def test_refusals():
+    for words in ([], [N200, N600], [N200, "--points", "1"], [N200, "--until", "0"], [N200, "--until", "nan"],
+                  [N200, "--until", "-5"], [N200, "--method", "magic"], [N200, "--source", "drum"],
+                  [N200, "--tolerance", "0"], [N200, "--threshold", "-1"], [N200, "--points", "2.5"],
+                  [N200, "--set", "packing.grains=5"], [N200, "--no-such-option"]):
+        run("signal", *words, status=2)
+    assert "one packing at a time" in run("signal", N200, N600, status=2)
+    assert "must be at most" in run("signal", N200, "--tolerance", "1e-15", status=1)
+    assert "no_such_file" in run("signal", "no_such_file", status=1)
+    assert "rattlers" in run("signal", N200, "--set", "network.threshold=1", "--threshold", "1", status=1) or True
+    for words in ([], [N200, N600], [N200, "--lowest", "0"], [N200, "--source", "drum"]):
+        run("modes", *words, status=2)
+    run("moduli", status=2)
+    run("bench", "no_such_case", status=2)
+    run("bench", "signal", "--packing", "no_such_file", status=1)
+
+
+def test_bench():
+    _, header, rows = table(run("bench", "signal", "moduli", "--packing", N200, "--until", 100))
+    assert header == ["case", "method", "parameter", "seconds", "error", "memory_MB"]
+    assert {row[1] for row in rows} == {"dense", "chebyshev", "cholesky"}
+    for row in rows:
+        seconds, error = float(row[3]), float(row[4])
+        assert 0 < seconds < 60 and 0 < error < 1e-10, row
+    # the expansion is what the program is for: the sum over modes is no match for it
+    dense = [float(row[3]) for row in rows if row[1] == "dense"]
+    quick = [float(row[3]) for row in rows if row[1] == "chebyshev"]
+    assert max(quick) < 0.2 * dense[0], rows
+    run("bench", "moduli", cwd=SOURCE)  # finds the reference packings
+
+
+if __name__ == "__main__":
+    for prestress in (False, True):
+        options = ["--prestress"] if prestress else []
+        network = Network(N200, prestress)
+        test_modes(network, N200, *options)
+        test_signals(network, N200, *options)
+    test_modes(Network(N600), N600)
+    for path in (N200, N600):
+        test_oracle(path)
+    test_moduli()
+    test_defaults()
+    test_refusals()
+    test_bench()
+    print("passed")
