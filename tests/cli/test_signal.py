@@ -214,7 +214,6 @@ def test_refusals():
     assert "one packing at a time" in run("signal", N200, N600, status=2)
     assert "must be at most" in run("signal", N200, "--tolerance", "1e-15", status=1)
     assert "no_such_file" in run("signal", "no_such_file", status=1)
-    assert "rattlers" in run("signal", N200, "--set", "network.threshold=1", "--threshold", "1", status=1) or True
     for words in ([], [N200, N600], [N200, "--lowest", "0"], [N200, "--source", "drum"]):
         run("modes", *words, status=2)
     run("moduli", status=2)
