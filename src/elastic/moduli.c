@@ -107,11 +107,11 @@ static void hold_free(const sp_network *net, bool slips, sp_sparse *k) {
         k->x[k->p[0]] += largest;
 }
 
-/* u = K^-1 f with one step of refinement, which brings the residual down to rounding; |K u - f| into *residual. */
-static sp_status solve(const sp_network *net, sp_cholesky *factor, const double *f, double *u, double *rest,
-                       double *residual, sp_error *err) {
+/* work: f, u and two of scratch, [4][dofs]. u = K^-1 f with one step of refinement, which brings the residual down to
+ * rounding; |K u - f| into *residual. */
+static sp_status solve(const sp_network *net, sp_cholesky *factor, double *work, double *residual, sp_error *err) {
     const int64_t n = sp_network_dofs(net);
-    double *more = rest + n, sum = 0;
+    double *f = work, *u = work + n, *rest = work + 2 * n, *more = work + 3 * n, sum = 0;
     for (int64_t k = 0; k < n; k++) {
         u[k] = 0;
         rest[k] = f[k];
@@ -148,14 +148,14 @@ static bool wanted(const sp_network *net, int strain, bool grips) {
 static sp_status strain_all(const sp_network *net, sp_cholesky *factor, bool grips, double *work, sp_stiffness *out,
                             sp_error *err) {
     const int64_t n = sp_network_dofs(net);
-    double *f = work, *u = work + n, *rest = work + 2 * n;
+    double *f = work, *u = work + n;
     sp_status status = SP_OK;
     for (int a = 0; a < STRAINS; a++) {
         if (!wanted(net, a, grips))
             continue;
         double residual = 0, norm = 0;
         const double scale = load(net, a, f);
-        status = solve(net, factor, f, u, rest, &residual, err);
+        status = solve(net, factor, work, &residual, err);
         if (status != SP_OK)
             return status;
         for (int64_t k = 0; k < n; k++)

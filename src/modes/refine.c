@@ -55,12 +55,16 @@ static double coupling(const sp_network *net, const double *e, const double *f, 
     return 0.25 * (fabs(energy[0] - energy[1]) + rounding[0] + rounding[1]);
 }
 
-/* Vectors first .. last belong to eigenvalues that LAPACK cannot tell apart; gap: the distance to all others. The
- * eigenvalues of H = V^T A V are within |R|^2/gap of A's, R = A V - V H (Kato and Temple), and the diagonal of H is
+/* Vectors first .. last belong to eigenvalues that LAPACK cannot tell apart; gap: the distance to all others. */
+typedef struct cluster {
+    int64_t first, last;
+    double gap;
+} cluster;
+
+/* The eigenvalues of H = V^T A V are within |R|^2/gap of A's, R = A V - V H (Kato and Temple), and the diagonal of H is
  * within the sum of a row's other entries of them. Without a gap an eigenvalue is within |R| (Weyl). */
-static void bound_cluster(const sp_network *net, const double *vectors, int64_t first, int64_t last, double gap,
-                          scratch s, sp_ritz *ritz) {
-    const int64_t n = sp_network_dofs(net), members = last - first + 1;
+static void bound_cluster(const sp_network *net, const double *vectors, const cluster *c, scratch s, sp_ritz *ritz) {
+    const int64_t n = sp_network_dofs(net), first = c->first, last = c->last, members = last - first + 1;
     const double omega = sp_network_omega_bound(net), noise = 8 * DBL_EPSILON * omega * omega;
     double squares = 0, row[CLUSTER_MAX] = {0};
     for (int64_t m = first; m <= last; m++)
@@ -68,16 +72,16 @@ static void bound_cluster(const sp_network *net, const double *vectors, int64_t 
     if (members <= CLUSTER_MAX)
         for (int64_t a = 0; a < members; a++)
             for (int64_t b = a + 1; b < members; b++) {
-                const double c = coupling(net, vectors + (first + a) * n, vectors + (first + b) * n, s);
-                row[a] += c;
-                row[b] += c;
+                const double shared = coupling(net, vectors + (first + a) * n, vectors + (first + b) * n, s);
+                row[a] += shared;
+                row[b] += shared;
             }
     double most = 0;
     for (int64_t a = 0; a < members && a < CLUSTER_MAX; a++)
         most = fmax(most, row[a]);
     double bound = sqrt(squares);
-    if (members <= CLUSTER_MAX && gap > 0)
-        bound = fmin(bound, most + squares / gap);
+    if (members <= CLUSTER_MAX && c->gap > 0)
+        bound = fmin(bound, most + squares / c->gap);
     for (int64_t m = first; m <= last; m++)
         ritz[m].error += bound;
 }
@@ -104,7 +108,7 @@ sp_status sp_modes_refine(const sp_network *net, const double *values, int64_t c
             gap = fmin(gap, values[last + 1] - values[last] - blur);
         if (n == last - first + 1) /* nothing else is there */
             gap = sp_network_omega_bound(net) * sp_network_omega_bound(net);
-        bound_cluster(net, vectors, first, last, gap, s, ritz);
+        bound_cluster(net, vectors, &(cluster){first, last, gap}, s, ritz);
     }
 out:
     sp_free(s.ku);

@@ -54,11 +54,10 @@ static sp_status find_neighbours(const sp_network *net, neighbours *nb, sp_error
     return SP_OK;
 }
 
-/* Where entry (row dof a of grain g, column dof b of grain h) lies, g > h or g = h and a >= b. */
-static int64_t entry(const neighbours *nb, const sp_sparse *m, int dof, int32_t g, int a, int32_t h, int b) {
-    const int64_t column = m->p[(int64_t)h * dof + b];
-    if (g == h)
-        return column + a - b;
+/* Where the entries of column dof b of grain h in the rows of grain g begin, g > h; those of h itself begin with the
+ * diagonal, at p. */
+static int64_t block_start(const neighbours *nb, const sp_sparse *m, int dof, int32_t g, int64_t column) {
+    const int64_t h = column / dof, b = column % dof;
     int64_t low = nb->start[h], high = nb->start[h + 1] - 1;
     while (low < high) {
         const int64_t middle = low + (high - low) / 2;
@@ -67,7 +66,7 @@ static int64_t entry(const neighbours *nb, const sp_sparse *m, int dof, int32_t 
         else
             high = middle;
     }
-    return column + dof - b + (low - nb->start[h]) * dof + a;
+    return m->p[column] + dof - b + (low - nb->start[h]) * dof;
 }
 
 static void make_pattern(const sp_network *net, const neighbours *nb, sp_sparse *m) {
@@ -94,12 +93,13 @@ static void add_spring(const sp_network *net, const neighbours *nb, const sp_spr
     for (int a = 0; a < rows.width; a++)
         for (int b = 0; b < rows.width; b++) {
             const int32_t g = grain[a / dof], h = grain[b / dof];
+            const int64_t column = (int64_t)h * dof + b % dof;
             if (g < h || (g == h && a < b))
                 continue;
             double sum = 0;
             for (int q = 0; q < rows.count; q++)
                 sum += rows.k[q] * (rows.b[q][a] * rows.b[q][b]);
-            m->x[entry(nb, m, dof, g, a % dof, h, b % dof)] += sum;
+            m->x[g == h ? m->p[column] + a - b : block_start(nb, m, dof, g, column) + a % dof] += sum;
         }
 }
 

@@ -42,7 +42,7 @@ static sp_signal_method choose_method(const sp_network *net, const sp_signal_opt
 }
 
 /* Moments beyond what fits any machine's patience and memory. */
-enum { TERMS_MAX = 200000000 };
+enum { TERMS_MAX = 20000000 };
 
 static sp_status by_chebyshev(const sp_network *net, const sp_signal_options *o, sp_signal *s, sp_error *err) {
     sp_expansion e = {0};
