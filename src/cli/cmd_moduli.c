@@ -94,7 +94,7 @@ static sp_status add_file(const arguments *a, const char *path, const sp_network
         *failed = true;
         return SP_OK;
     }
-    if (isnan(m.c33))
+    if (isnan(m.c33) && !isnan(m.c11))
         cli_note(&a->common, "%s: C33 and c_t are nan: walls that do not grip cannot shear", path);
     return sp_table_add_row(t, err, path, pressure, m.c11, m.c12, m.c22, m.c33, m.c_l, m.c_t);
 }

@@ -23,7 +23,7 @@ static double weight(bool velocity, int64_t k) { return velocity ? 2 * (double)k
 
 /* Rounding: see rounding(). */
 #define MOMENT_ROUNDING 5.0
-#define PHASE_ROUNDING  1.0
+#define PHASE_ROUNDING  5.0
 
 /* J_(2k+1) or J_2k at x for k < *n, all that are not negligible there. Above x they fall with the order and rise with
  * x, so the last time has the largest tail. */
