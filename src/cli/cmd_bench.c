@@ -1,5 +1,6 @@
 /* sonopack bench: run time against error of the methods. */
 #include "base/base.h"
+#include "cli/bench.h"
 #include "cli/springs.h"
 
 #include <math.h>
@@ -16,7 +17,8 @@ typedef struct arguments {
     int packings;
     const char *packing[PACKINGS_MAX];
     double until;
-    unsigned cases; /* bits */
+    unsigned cases; /* bits of the cases that run on a network */
+    bool pack;      /* time the making of packings */
 } arguments;
 
 /* What is timed, on one network. Returns the error of the result, relative. */
@@ -71,11 +73,6 @@ static sp_status run_moduli(const job *j, double *error, sp_error *err) {
     return status;
 }
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Median CPU time of up to REPEATS_MAX runs, fewer of long ones. */
 static sp_status measure_time(job_run run, const job *j, double *seconds, double *error, sp_error *err) {
     double each[REPEATS_MAX], total = 0;
@@ -88,8 +85,7 @@ static sp_status measure_time(job_run run, const job *j, double *seconds, double
         each[count] = sp_clock_cpu() - start;
         total += each[count++];
     }
-    qsort(each, (size_t)count, sizeof *each, ascending);
-    *seconds = count % 2 ? each[count / 2] : 0.5 * (each[count / 2 - 1] + each[count / 2]);
+    *seconds = bench_median(count, each);
     return SP_OK;
 }
 
@@ -208,8 +204,10 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         for (unsigned k = 0; k < CASES; k++)
             if (strcmp(arg, cases[k].name) == 0)
                 bit = 1u << k;
-        if (!bit)
-            argp_error(state, "no case %.60s: must be signal, modes or moduli", arg);
+        if (strcmp(arg, "pack") == 0)
+            a->pack = true;
+        else if (!bit)
+            argp_error(state, "no case %.60s: must be signal, modes, moduli or pack", arg);
         a->cases |= bit;
         return 0;
     default: return ARGP_ERR_UNKNOWN;
@@ -220,10 +218,13 @@ static const struct argp argp = {
     options,
     parse,
     "[CASE...]",
-    "Run time against error. Cases: signal, modes, moduli; all if none is named.\v"
+    "Run time against error. Cases: signal, modes, moduli (these if none is named), and pack: the making of packings "
+    "at "
+    "1e-4 .. 1e-7, of 600 grains or as --set says (a minute).\v"
     "seconds: median CPU time; error: of a signal its largest difference from the dense sum over the peak (of the "
     "dense sum itself its own bound), of modes the largest bound of a frequency's relative error, of moduli the "
-    "relative residual; parameter: the tolerance; memory_MB: growth of the resident set.",
+    "relative residual, of packings the largest acceleration over p (five seeds); parameter: the tolerance, or p; "
+    "memory_MB: growth of the resident set.",
     children,
     NULL,
     NULL};
@@ -258,15 +259,21 @@ static sp_status bench_packing(const arguments *a, const char *path, sp_table *t
 
 static sp_status work(const arguments *a, sp_error *err) {
     sp_table t = sp_table_none();
+    sp_scene scene = sp_scene_default();
     sp_status status = cli_may_write_table(&a->common, err);
-    if (status == SP_OK && a->common.sets > 0)
-        status = sp_fail(err, SP_EINVAL, "--set %.60s: bench takes no keys", a->common.set[0]);
+    if (status == SP_OK && a->common.sets > 0 && !a->pack)
+        status = sp_fail(err, SP_EINVAL, "--set %.60s: of the cases only pack takes keys", a->common.set[0]);
+    if (status == SP_OK)
+        status = sp_scene_read(NULL, a->common.sets, a->common.set, &scene, err);
     if (status == SP_OK)
         status = add_columns(&t, err);
-    for (int k = 0; k < a->packings && status == SP_OK; k++)
+    for (int k = 0; k < a->packings && a->cases && status == SP_OK; k++)
         status = bench_packing(a, a->packing[k], &t, err);
+    if (status == SP_OK && a->pack)
+        status = bench_pack(&a->common, &scene, &t, err);
     if (status == SP_OK)
         status = cli_write_table(&a->common, &t, err);
+    sp_scene_free(&scene);
     sp_table_free(&t);
     return status;
 }
@@ -279,7 +286,7 @@ int cmd_bench(int argc, char **argv) {
     if (a.packings == 0)
         for (; a.packings < 2; a.packings++)
             a.packing[a.packings] = reference[a.packings];
-    if (a.cases == 0)
+    if (a.cases == 0 && !a.pack)
         a.cases = (1u << CASES) - 1;
     sp_error err = {0};
     return work(&a, &err) == SP_OK ? CLI_OK : cli_fail(&err);

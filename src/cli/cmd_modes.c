@@ -77,11 +77,12 @@ static sp_status add_columns(bool vectors, sp_table *t, sp_error *err) {
 }
 
 static sp_status fill(const arguments *a, const sp_packing *p, const sp_modes *m, sp_table *t, sp_error *err) {
+    char number[SP_NUMBER_TEXT];
     sp_status status = add_columns(m->vectors != NULL, t, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "file = %s", a->file);
     if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "pressure = %.17g", p->pressure);
+        status = sp_table_add_comment(t, err, "pressure = %s", sp_number_text(p->pressure, number));
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "zero_modes = %lld", (long long)m->n_zero);
     if (status == SP_OK)

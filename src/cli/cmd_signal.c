@@ -106,6 +106,7 @@ static sp_signal_options wanted(const arguments *a, const sp_scene *scene, const
 
 static sp_status fill(const arguments *a, const sp_packing *p, const sp_signal_options *o, const sp_signal *s,
                       sp_table *t, sp_error *err) {
+    char number[SP_NUMBER_TEXT];
     const struct {
         const char *key;
         double value;
@@ -122,7 +123,7 @@ static sp_status fill(const arguments *a, const sp_packing *p, const sp_signal_o
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "source = %s", cli_source_name(o->source));
     for (size_t k = 0; k < sizeof comments / sizeof *comments && status == SP_OK; k++)
-        status = sp_table_add_comment(t, err, "%s = %.17g", comments[k].key, comments[k].value);
+        status = sp_table_add_comment(t, err, "%s = %s", comments[k].key, sp_number_text(comments[k].value, number));
     for (int32_t l = 0; l < s->n && status == SP_OK; l++)
         status = sp_table_add_row(t, err, s->t[l], s->f[l]);
     return status;
