@@ -1,7 +1,7 @@
 #ifndef SONOPACK_FRONT_H
 #define SONOPACK_FRONT_H
 /* The first wave front of a signal, from plain arrays only: simulations, chains, columns and laboratory traces share
- * this one definition (PHYSICS 6). */
+ * this one definition (docs/physics.md, "The front"). */
 
 #include <sonopack/status.h>
 #include <stdint.h>

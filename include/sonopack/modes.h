@@ -25,7 +25,8 @@ typedef struct sp_modes {
     double *omega;         /* [n] sqrt(E* / rho)/d */
     double *error;         /* [n] bound of the error of omega */
     double *a, *b;         /* [n] source and detector amplitudes; NULL without vectors */
-    double *participation; /* [n] (sum w)^2 / (N sum w^2), w = |e|^2 of each of all N grains; NULL without vectors */
+    double *participation; /* [n] (sum w)^2 / (N sum w^2), w = |e|^2 of each of the network's N grains, rattlers left
+                              out (1/N for a mode of a rattler); NULL without vectors */
     double *vectors;       /* [n - n_rattler][dofs], e^(n) (mass weighted), the sign makes the largest part positive;
                               NULL without vectors */
     double residual;       /* largest |A e - omega^2 e| / omega_max^2 over modes; NAN without vectors */

@@ -26,7 +26,7 @@ typedef struct sp_contact {
     double ft[3];   /* tangential elastic force on i [E* d^2] */
 } sp_contact;
 
-/* How walls answer a grain: rigid plane (Hertz with R = inf, E* of one grain, PHYSICS "walls"), or as if the wall
+/* How walls answer a grain: rigid plane (Hertz with R = inf, E* of one grain), or as if the wall
  * were a fixed grain like its neighbour ("identical springs" of the 1D chain, Somfai et al. 2005, App. C). */
 typedef enum sp_wall { SP_WALL_RIGID = 0, SP_WALL_GRAIN = 1 } sp_wall;
 
@@ -88,7 +88,7 @@ sp_status sp_packing_audit(const sp_packing *p, double threshold, sp_audit *audi
 
 /* Which grains are rattlers: fewer than 2 force-carrying contacts (friction = 0: fewer than dim + 1; 1D: 2), walls
  * included, removed again and again until none is left. carrying[c] says whether contact c belongs to the network.
- * Either array may be NULL. threshold as a fraction of the pressure (PHYSICS 4: 1e-4). */
+ * Either array may be NULL. threshold as a fraction of the pressure (1e-4 by default). */
 sp_status sp_packing_rattlers(const sp_packing *p, double threshold, uint8_t *rattler, uint8_t *carrying,
                               int32_t *n_rattlers, sp_error *err);
 
@@ -109,7 +109,7 @@ sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, 
 
 typedef enum sp_pack_kind { SP_PACK_PISTON = 0, SP_PACK_CHAIN, SP_PACK_TRIANGULAR } sp_pack_kind;
 
-/* Everything that decides a packing. sp_pack_spec_default() fills it with PHYSICS 3's defaults. */
+/* Everything that decides a packing. sp_pack_spec_default() fills it with the defaults of docs/physics.md. */
 typedef struct sp_pack_spec {
     sp_pack_kind kind;
     int dim;

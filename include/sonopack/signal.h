@@ -33,8 +33,7 @@ sp_signal sp_signal_none(void);
 sp_status sp_signal_make(const sp_network *net, const sp_signal_options *opt, sp_signal *out, sp_error *err);
 void sp_signal_free(sp_signal *s);
 
-/* The time in which the first front certainly has passed: [0, 8 H + 40] at p = 1e-4, scaled with p^(-1/6) (PHYSICS 6).
- */
+/* The time in which the first front certainly has passed: [0, 8 H + 40] at p = 1e-4, scaled with p^(-1/6). */
 double sp_signal_window(double height, double pressure);
 
 #ifdef __cplusplus

@@ -71,8 +71,7 @@ static sp_status moduli_of(const arguments *a, const char *path, const sp_networ
     if (status != SP_OK)
         goto out;
     *pressure = p.pressure;
-    if (p.dim == 2)
-        status = sp_statics_make(&p, o->threshold, a->margin, &s, err);
+    status = sp_statics_make(&p, o->threshold, a->margin, &s, err);
     if (status == SP_OK)
         status = sp_moduli_make(&net, s.phi3s, m, err);
     if (status != SP_OK)

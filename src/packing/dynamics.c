@@ -16,7 +16,7 @@
 #define CLONES
 #endif
 
-typedef double v4 __attribute__((vector_size(32), aligned(32)));
+typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
 
 sp_status dynamics_make(const sp_pack_spec *spec, const double *r, const double *x, double height, dynamics *out,
                         sp_error *err) {
@@ -82,7 +82,8 @@ CLONES static void pair_law(int32_t n, const pair_list *p, const contact_law *la
     const double *restrict d = p->d;
     const double *restrict shift = p->shift, *restrict reach = p->reach, *restrict e = p->e, *restrict c = p->c;
     const double *restrict spin = p->spin;
-    double *restrict ft = p->ft, *restrict stiffness = p->kn, *restrict f = p->f;
+    double *restrict ft = p->ft, *restrict stiffness = p->kn;
+    double *restrict fx = p->f, *restrict fy = p->f + p->capacity, *restrict turn = p->f + 2 * p->capacity;
     const double mu = law->friction, eta_dt = law->eta * dt, sqrt_eta = law->sqrt_eta;
     const double mu_viscous = law->limit_viscous ? mu : 1e300;
 #pragma GCC ivdep
@@ -105,10 +106,9 @@ CLONES static void pair_law(int32_t n, const pair_list *p, const contact_law *la
         double total = t + viscous * sqrt_eta * vt, limit = mu_viscous * normal;
         total = total > limit ? limit : total;
         total = total < -limit ? -limit : total;
-        f[4 * k + 0] = -normal * nx - total * ny;
-        f[4 * k + 1] = -normal * ny + total * nx;
-        f[4 * k + 2] = total;
-        f[4 * k + 3] = 0;
+        fx[k] = -normal * nx - total * ny;
+        fy[k] = -normal * ny + total * nx;
+        turn[k] = total;
         stiffness[k] = kn;
     }
 }
@@ -116,11 +116,12 @@ CLONES static void pair_law(int32_t n, const pair_list *p, const contact_law *la
 /* Adds pair forces to both grains: opposite forces, and the same turning force. */
 CLONES static void scatter(const pair_list *p, grain_force *restrict f) {
     const v4 other = {-1.0, -1.0, 1.0, 1.0};
+    const double *fx = p->f, *fy = p->f + p->capacity, *turn = p->f + 2 * p->capacity;
     for (int32_t k = 0; k < p->n;) {
         const int32_t i = p->i[k]; /* a row of pairs with the same i: its sum stays in a register */
         v4 sum = *(v4 *)&f[i];
         for (; k < p->n && p->i[k] == i; k++) {
-            v4 force = *(const v4 *)&p->f[4 * k];
+            v4 force = {fx[k], fy[k], turn[k], 0};
             sum += force;
             *(v4 *)&f[p->j[k]] += other * force;
         }

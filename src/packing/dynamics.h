@@ -32,7 +32,7 @@ typedef struct pair_list {
     double *ft;    /* elastic tangential force on i along (-ny, nx) */
     double *d;     /* scratch, 4 a pair: x, y, vx, vy of j minus those of i */
     double *spin;  /* scratch: w_i + w_j */
-    double *f;     /* scratch, 4 a pair: fx, fy, t, 0 */
+    double *f;     /* scratch: fx of all pairs, then fy, then t (capacity each) */
     double *kn;    /* scratch: normal stiffness, 0 if open */
 } pair_list;
 

@@ -121,7 +121,7 @@ static void add_pair(const dynamics *d, int32_t k, sp_packing *p, int32_t *count
                                            .n = {nx, ny},
                                            .overlap = overlap,
                                            .fn = contact_force(contact_stiffness(p->r[i], p->r[j]), overlap),
-                                           .ft = {-t * ny, t * nx}};
+                                           .ft = {-t * ny + 0.0, t * nx + 0.0}}; /* no negative zero */
 }
 
 static void add_wall(const dynamics *d, int side, int32_t i, sp_packing *p, int32_t *count) {
@@ -134,7 +134,7 @@ static void add_wall(const dynamics *d, int side, int32_t i, sp_packing *p, int3
                                            .n = {0, sign},
                                            .overlap = overlap,
                                            .fn = contact_force(contact_wall_stiffness(p->r[i], p->wall), overlap),
-                                           .ft = {-sign * d->wall_ft[side][i], 0}};
+                                           .ft = {-sign * d->wall_ft[side][i] + 0.0, 0}};
 }
 
 static sp_status freeze(const piston_run *run, sp_packing *out, sp_error *err) {

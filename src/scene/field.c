@@ -57,7 +57,7 @@ const sp_field sp_fields[] = {
     {"packing", "calm", SP_FIELD_REAL, AT(pack.calm), "p", 0, 1, NULL,
      "global damping begins once every acceleration is below this"},
     {"packing", "drag", SP_FIELD_REAL, AT(pack.drag), "sqrt(E* / rho)/d", 0, 0.1, NULL,
-     "rate of the global damping at p = 1e-4, grows as p^(1/6)"},
+     "rate of the global damping at p = 1e-4, grows as p^(1/3)"},
     {"packing", "max_steps", SP_FIELD_INT64, AT(pack.max_steps), "", 0, 1e15, NULL,
      "give up after that many steps; 0: a bound from pressure and height"},
 

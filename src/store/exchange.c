@@ -24,7 +24,7 @@ static double steps_from(double x, int steps) {
 double sp_tangent_scalar(const double n[3], const double ft[3]) {
     long double along = (long double)ft[0] * -(long double)n[1] + (long double)ft[1] * (long double)n[0];
     long double length2 = (long double)n[0] * (long double)n[0] + (long double)n[1] * (long double)n[1];
-    double middle = (double)(along / length2);
+    double middle = (double)(along / length2) + 0.0; /* no negative zero */
     static const int steps[] = {0, 1, -1, 2, -2};
     for (size_t k = 0; k < sizeof steps / sizeof *steps; k++) {
         double scalar = steps_from(middle, steps[k]), product[3];
@@ -98,7 +98,7 @@ sp_status sp_contact_from_row(const sp_packing *p, const sp_contact_row *row, sp
             c.n[k] /= sqrt(length2);
     if (row->vector)
         for (int k = 0; k < p->dim; k++)
-            c.ft[k] = row->ft3[k];
+            c.ft[k] = row->ft3[k] + 0.0;
     else if (p->dim == 2)
         sp_tangent_vector(c.n, row->ft, c.ft);
     if (c.i < 0 || (c.j >= 0 && c.i > c.j)) {

@@ -255,7 +255,7 @@ static sp_status optional_number(const sp_sheet *s, int64_t row, int column, dou
     return cell_number(s, row, column, out, err);
 }
 
-/* Of overlap and normal force each gives the other by Hertz's law (PHYSICS 2; walls by their kind). */
+/* Of overlap and normal force each gives the other by Hertz's law (A1 of docs/physics.md; walls by their kind). */
 static sp_status complete(const sp_packing *p, sp_contact_row *row, sp_error *err) {
     if (isnan(row->overlap) && isnan(row->fn))
         return sp_fail(err, SP_EFORMAT, "neither overlap nor Fn");

@@ -67,6 +67,23 @@ def test_reference_round_trips():
             os.remove(path(file))
 
 
+def test_no_friction_round_trip():
+    """A force of zero has no sign: packings without friction survive every way, too."""
+    made = subprocess.run([COMMAND, "pack", "--set", "packing.grains=40", "--set", "packing.width=8", "--set",
+                           "packing.friction=0", "--quiet", "-o", "a.txt"], capture_output=True, text=True, cwd=FOLDER)
+    expect(made.returncode == 0, "pack: " + made.stderr)
+    convert("a.txt", "a.h5")
+    convert("a.h5", "b.txt")
+    expect(read("a.txt") == read("b.txt"), "no friction: text -> HDF5 -> text, every byte the same")
+    convert("a.h5", "--grains", "g.tsv", "--contacts", "c.tsv")
+    convert("--grains", "g.tsv", "--contacts", "c.tsv", "d.h5")
+    expect(read("a.h5") == read("d.h5"), "no friction: HDF5 -> tables -> HDF5, every byte the same")
+    convert("d.h5", "--grains", "g2.tsv", "--contacts", "c2.tsv")
+    expect(read("c.tsv") == read("c2.tsv") and b"-0\n" not in read("c.tsv"), "no friction: tables, no negative zero")
+    for file in os.listdir(FOLDER):
+        os.remove(path(file))
+
+
 GRAINS = """# width = 10
 # height = 4
 # pressure = 1e-4

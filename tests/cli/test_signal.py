@@ -143,6 +143,11 @@ def test_modes(network, path, *options):
     f = np.sin(np.outer(times, t["omega"])) @ t["ab"]
     g = network.signal("impulse", times)
     assert np.max(np.abs(f - g)) < 1e-11 * np.max(np.abs(g))
+    share = (network.vectors ** 2).reshape(-1, 3, len(exact)).sum(axis=1)  # of each grain that is no rattler
+    gap = np.diff(network.squares) / network.squares[-1]
+    lone = np.minimum(np.append(gap, 1), np.append(1, gap)) > 1e-6  # close modes may mix
+    ratio = 1 / (len(share) * (share ** 2).sum(axis=0))
+    assert np.max(np.abs(t["participation"][zero:] - ratio)[lone]) < 1e-8
     _, bare = columns(run("modes", path, "--frequencies-only", *options))
     assert list(bare) == ["n", "omega", "error"]
     assert np.all(np.abs(bare["omega"] - t["omega"]) <= bare["error"] + t["error"])
@@ -184,6 +189,16 @@ def test_moduli():
         assert np.allclose([c11, c12, c22, c33], [c[0, 0], c[0, 1], c[1, 1], c[2, 2]], rtol=1e-9, atol=0)
         assert np.isclose(c_l / c_t, np.sqrt(c22 / c33), rtol=1e-12)
         assert 0.45 < c22 / c_l**2 < 0.6  # Phi3*
+    # a chain has C22 and c_l only; c_l is l sqrt(K/m) (C3) but for its ends
+    grains, pressure = 1000, 1e-4
+    with tempfile.TemporaryDirectory() as folder:
+        chain = os.path.join(folder, "chain.h5")
+        run("pack", "--set", "packing.kind=chain", "--set", f"packing.grains={grains}", "-o", chain)
+        c22, c_l = (float(table(run("moduli", chain))[2][0][k]) for k in (4, 6))
+    overlap = (3 * pressure) ** (2 / 3)  # (A1) with E12 = 1/2, R12 = 1/4
+    k = np.sqrt(overlap / 4)
+    assert np.isclose(c_l, (1 - overlap) * np.sqrt(k / (np.pi / 6)), rtol=1 / grains)
+    assert np.isclose(c22, (1 - overlap) * k, rtol=2 / grains)
     # a file that is no good does not take the others along, but the exit status tells
     done = subprocess.run([COMMAND, "moduli", "no_such_file", N200], capture_output=True, text=True)
     assert done.returncode == 1 and "no_such_file" in done.stderr and len(table(done.stdout)[2]) == 1

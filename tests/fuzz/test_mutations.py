@@ -1,0 +1,116 @@
+"""Files with random damage never crash the command: it does its work or says in one line why not.
+
+usage: test_mutations.py COMMAND SOURCE_DIR [SEED [CASES]]
+"""
+import os
+import pathlib
+import random
+import re
+import subprocess
+import sys
+import tempfile
+
+COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+SEED = int(sys.argv[3]) if len(sys.argv) > 3 else 20050201
+CASES = int(sys.argv[4]) if len(sys.argv) > 4 else 40
+HOSTILE = [b"nan", b"inf", b"-inf", b"-1", b"0", b"1e308", b"-1e-320", b"99999999999999999999", b"2147483648", b"0x1p3",
+           b"", b"1,5", b"top", b"\x00", b"\xff\xfe", b"%s%n", b"(" * 2000, b"9" * 5000, b"bottom", b'"', b"}", b"/*"]
+
+
+def mutate(data, rng):
+    """One to four faults: in a number, a line, a range of bytes, a bit, or at the end."""
+    for _ in range(rng.randint(1, 4)):
+        kind = rng.randrange(6)
+        if kind == 0 and (numbers := list(re.finditer(rb"[-+.\w]+", data))):
+            spot = rng.choice(numbers)
+            data = data[:spot.start()] + rng.choice(HOSTILE) + data[spot.end():]
+        elif kind == 1:
+            lines = data.split(b"\n")
+            i, j = rng.randrange(len(lines)), rng.randrange(len(lines))
+            if rng.random() < 0.5:
+                lines[i], lines[j] = lines[j], lines[i]
+            else:
+                lines[i:i] = [lines[j]] * rng.choice((0, 1, 100))
+                del lines[i]
+            data = b"\n".join(lines)
+        elif kind == 2 and data:
+            start = rng.randrange(len(data))
+            data = data[:start] + data[start + rng.randrange(1, 200):]
+        elif kind == 3 and data:
+            spot = rng.randrange(len(data))
+            data = data[:spot] + bytes([data[spot] ^ 1 << rng.randrange(8)]) + data[spot + 1:]
+        elif kind == 4:
+            data = data[:rng.randrange(len(data) + 1)]
+        else:
+            spot = rng.randrange(len(data) + 1)
+            data = data[:spot] + rng.choice(HOSTILE) + data[spot:]
+    return data
+
+
+def run(arguments, folder):
+    # HDF5 1.10 itself loses memory when a checksum of a file's metadata is wrong
+    (folder / "suppressions").write_text("leak:libhdf5\n")
+    env = dict(os.environ, LSAN_OPTIONS=f"suppressions={folder / 'suppressions'}:print_suppressions=0")
+    return subprocess.run([COMMAND, *arguments], cwd=folder, env=env, capture_output=True, timeout=60,
+                          stdin=subprocess.DEVNULL)
+
+
+def fault_of(result):
+    """What is wrong with the way in which the command ended, or None."""
+    stderr = result.stderr.decode(errors="replace")
+    if result.returncode not in (0, 1, 2):
+        return f"ended with {result.returncode}: {stderr}"
+    if "Sanitizer" in stderr or "runtime error" in stderr:
+        return stderr
+    if result.returncode and not re.match(r"sonopack[ \w]*: \S", stderr):
+        return f"gave no reason: {stderr!r}"
+    return None
+
+
+def prepare(folder):
+    """The sound files, and the commands that read them."""
+    chain = ["--set", "packing.kind=chain", "--set", "packing.grains=12", "--set", "packing.friction=0"]
+    for arguments in (["pack", *chain, "-o", "good.h5"], ["pack", *chain, "-o", "good.txt"],
+                      ["convert", "good.h5", "--grains", "grains.tsv", "--contacts", "contacts.tsv"],
+                      ["signal", "good.h5", "--points", "100", "-o", "trace.tsv"]):
+        result = run(arguments, folder)
+        assert result.returncode == 0, (arguments, result)
+    scene = (SOURCE / "packings/chain.cfg").read_bytes() + (
+        b'study = { samples = 2; want = ["ctof"]; sweep = ( { key = "packing.pressure"; values = [1e-6, 1e-4]; } ); };\n')
+    (folder / "scene.cfg").write_bytes(scene)
+    # grains = 3 on the command line keeps damaged scenes from asking for much work
+    small = ["--set", "packing.kind=chain", "--set", "packing.dimension=1", "--set", "packing.grains=3",
+             "--set", "packing.friction=0"]
+    return [("good.txt", ["signal", "damaged.txt", "--points", "20", "--until", "20"]), ("good.txt", ["check", "damaged.txt"]),
+            ("good.h5", ["check", "damaged.h5"]), ("trace.tsv", ["front", "damaged.tsv"]),
+            ("grains.tsv", ["convert", "--force", "out.h5", "--grains", "damaged.tsv", "--contacts", "contacts.tsv"]),
+            ("contacts.tsv", ["convert", "--force", "out.h5", "--grains", "grains.tsv", "--contacts", "damaged.tsv"]),
+            ("scene.cfg", ["pack", "damaged.cfg", *small, "--force", "-o", "out.h5"])]
+
+
+def main():
+    print(f"seed {SEED}, {CASES} cases each")
+    faults, ended = [], {0: 0, 1: 0, 2: 0}
+    with tempfile.TemporaryDirectory(prefix="sonopack-fuzz-") as scratch:
+        folder = pathlib.Path(scratch)
+        for number, (good, arguments) in enumerate(prepare(folder)):
+            data = (folder / good).read_bytes()
+            damaged = folder / next(word for word in arguments if word.startswith("damaged"))
+            for case in range(CASES):
+                damaged.write_bytes(mutate(data, random.Random(f"{SEED} {number} {case}")))
+                (folder / "out.h5").unlink(missing_ok=True)
+                result = run(arguments, folder)
+                ended[result.returncode] = ended.get(result.returncode, 0) + 1
+                fault = fault_of(result)
+                if fault:
+                    faults.append(f"seed {SEED}, {' '.join(arguments)}, case {case}: {fault}")
+            damaged.unlink()
+    print("exit statuses:", ended)
+    # a check that never refuses, or always does, would test nothing
+    assert ended[0] and ended[1], ended
+    print(*faults[:20], sep="\n")
+    sys.exit(1 if faults else 0)
+
+
+if __name__ == "__main__":
+    main()
