@@ -43,6 +43,8 @@ _sonopack() {
             mapfile -t COMPREPLY < <(compgen -W "$(_sonopack_options "$program" "$command")" -- "$current")
         elif [ "$command" = table ] && [ "$previous" = table ]; then
             mapfile -t COMPREPLY < <(compgen -W 'ctof statics moduli ensemble' -- "$current")
+        elif [ "$command" = bench ]; then
+            mapfile -t COMPREPLY < <(compgen -W 'signal modes moduli pack' -- "$current")
         elif [ "$command" = plot ] && [ "$previous" = plot ]; then
             mapfile -t COMPREPLY < <(compgen -W 'ctof signal network stiffness' -- "$current")
         else

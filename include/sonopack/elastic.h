@@ -15,7 +15,8 @@ typedef struct sp_moduli {
 } sp_moduli;
 
 /* Sparse Cholesky, one factorisation for all strains. The walls' contact points are strained affinely too, so C12 =
- * C21. phi3s: Phi3* of sp_statics. SP_EREFUSED for a packing without walls, a floppy or disconnected network. */
+ * C21. phi3s: Phi3* of sp_statics. Floppy parts carry nothing and do no harm. SP_EREFUSED for
+ * a packing without walls, or one where no springs lead from wall to wall. */
 sp_status sp_moduli_make(const sp_network *net, double phi3s, sp_moduli *out, sp_error *err);
 
 #ifdef __cplusplus

@@ -107,16 +107,68 @@ static void hold_free(const sp_network *net, bool slips, sp_sparse *k) {
         k->x[k->p[0]] += largest;
 }
 
-/* work: f, u and two of scratch, [4][dofs]. u = K^-1 f with one step of refinement, which brings the residual down to
- * rounding; |K u - f| into *residual. */
+/* Floppy parts (a cluster that hangs on too few contacts, say) make K singular. Yet K u = f can always be solved, as f
+ * is made of spring forces and does no work on a motion that stretches no spring, and the stress is that of any of the
+ * solutions. So the diagonal is raised by this fraction, and the refinement below takes the change out again. */
+static const double RAISE = 1e-9;
+
+static void raise_diagonal(sp_sparse *k) {
+    double largest = 0;
+    for (int64_t c = 0; c < k->n; c++)
+        largest = fmax(largest, k->x[k->p[c]]);
+    for (int64_t c = 0; c < k->n; c++)
+        k->x[k->p[c]] += RAISE * (k->x[k->p[c]] > 0 ? k->x[k->p[c]] : largest);
+}
+
+/* Whether springs lead from wall to wall: else there is nothing that could carry a stress. Grains reached from the
+ * bottom are marked until no more are found; a sweep in either direction follows long paths at once. */
+static sp_status check_connected(const sp_network *net, sp_error *err) {
+    uint8_t *reached = sp_alloc((size_t)net->n, 1);
+    bool more = true, top = false;
+    if (!reached)
+        return sp_fail_memory(err, (size_t)net->n);
+    while (more && !top) {
+        more = false;
+        for (int32_t pass = 0; pass < 2 * net->n_springs; pass++) {
+            const sp_spring *s = &net->springs[pass < net->n_springs ? pass : 2 * net->n_springs - 1 - pass];
+            if (s->kn == 0)
+                continue;
+            if (s->j == SP_TOP) {
+                top = top || reached[s->i];
+            } else if (s->j == SP_BOTTOM) {
+                more = more || !reached[s->i];
+                reached[s->i] = 1;
+            } else if (reached[s->i] != reached[s->j]) {
+                reached[s->i] = reached[s->j] = 1;
+                more = true;
+            }
+        }
+    }
+    sp_free(reached);
+    return top ? SP_OK : sp_fail(err, SP_EREFUSED, "the network is in parts: no springs lead from wall to wall");
+}
+
+static double length(int64_t n, const double *x) {
+    double sum = 0;
+    for (int64_t k = 0; k < n; k++)
+        sum += x[k] * x[k];
+    return sqrt(sum);
+}
+
+/* work: f, u and two of scratch, [4][dofs]. u = K^-1 f with refinement until the residual |K u - f|, which goes into
+ * *residual, stays the same: one step for a factor of K itself, a few for one with a raised diagonal. */
 static sp_status solve(const sp_network *net, sp_cholesky *factor, double *work, double *residual, sp_error *err) {
+    enum { PASSES_MAX = 60 };
     const int64_t n = sp_network_dofs(net);
-    double *f = work, *u = work + n, *rest = work + 2 * n, *more = work + 3 * n, sum = 0;
+    double *f = work, *u = work + n, *rest = work + 2 * n, *more = work + 3 * n, before;
     for (int64_t k = 0; k < n; k++) {
         u[k] = 0;
         rest[k] = f[k];
     }
-    for (int pass = 0; pass < 2; pass++) {
+    *residual = length(n, rest);
+    int pass = 0;
+    do {
+        before = *residual;
         sp_status status = sp_cholesky_solve(factor, 1, rest, more, err);
         if (status != SP_OK)
             return status;
@@ -125,10 +177,8 @@ static sp_status solve(const sp_network *net, sp_cholesky *factor, double *work,
         sp_network_apply(net, u, more);
         for (int64_t k = 0; k < n; k++)
             rest[k] = f[k] - more[k];
-    }
-    for (int64_t k = 0; k < n; k++)
-        sum += rest[k] * rest[k];
-    *residual = sqrt(sum);
+        *residual = length(n, rest);
+    } while (++pass < 2 || (*residual < 0.5 * before && pass < PASSES_MAX));
     return SP_OK;
 }
 
@@ -190,8 +240,12 @@ sp_status sp_stiffness_make(const sp_network *net, sp_stiffness *out, sp_error *
     hold_free(net, slips, &k);
     work = sp_alloc(4 * (size_t)k.n, sizeof *work);
     status = work ? sp_cholesky_make(&k, &factor, err) : sp_fail_memory(err, 4 * (size_t)k.n * sizeof *work);
-    if (status == SP_EREFUSED)
-        sp_fail_prefix(err, "the network is floppy or in several parts");
+    if (status == SP_EREFUSED) {
+        status = check_connected(net, err);
+        raise_diagonal(&k);
+        if (status == SP_OK)
+            status = sp_cholesky_make(&k, &factor, err);
+    }
     if (status == SP_OK)
         status = strain_all(net, factor, grips, work, &c, err);
     if (status == SP_OK && !(c.residual < 1e-8))

@@ -53,22 +53,18 @@ sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err
     return SP_OK;
 }
 
-/* The overlap n of the oblique contacts and the spacing h of the rows: 2 F(n) h/(d - n) = p d^2 with
- * h^2 = (d - n)^2 - d^2/4; neighbours of a row just touch. Newton from F = p/sqrt(3). */
-static double lattice_overlap(double d, double pressure, double *spacing) {
-    const double e = contact_stiffness(0.5 * d, 0.5 * d), load = pressure * d * d;
-    double overlap = contact_overlap(e, load / sqrt(3.0)), h = 0;
+/* The overlap n of the lattice's contacts. Under an isotropic pressure all carry the same force F, and two of them hold
+ * a piece of wall as long as their spacing d - n: sqrt(3) F(n) = p d (d - n). Newton. */
+static double lattice_overlap(double d, double pressure) {
+    const double e = contact_stiffness(0.5 * d, 0.5 * d), load = pressure * d;
+    double overlap = contact_overlap(e, load * d / sqrt(3.0));
     for (int step = 0; step < 50; step++) {
-        double r = d - overlap;
-        h = sqrt(r * r - 0.25 * d * d);
-        double f = contact_force(e, overlap);
-        double slope = contact_normal_stiffness(e, overlap) * h / r - f * (0.25 * d * d) / (h * r * r);
-        double change = (0.5 * load - f * h / r) / slope;
+        double excess = sqrt(3.0) * contact_force(e, overlap) - load * (d - overlap);
+        double change = -excess / (sqrt(3.0) * contact_normal_stiffness(e, overlap) + load);
         overlap += change;
         if (fabs(change) < 1e-16 * overlap)
             break;
     }
-    *spacing = h;
     return overlap;
 }
 
@@ -77,47 +73,54 @@ static void add_contact(sp_packing *p, int32_t *count, int32_t i, int32_t j, con
     sp_contact *c = &p->contacts[(*count)++];
     c->i = flip ? j : i;
     c->j = flip ? i : j;
-    c->n[0] = flip ? -n[0] : n[0];
-    c->n[1] = flip ? -n[1] : n[1];
+    c->n[0] = flip ? 0.0 - n[0] : n[0];
+    c->n[1] = flip ? 0.0 - n[1] : n[1];
 }
 
-/* Rows parallel to the walls, each shifted by half a diameter (section V B of the paper). */
+/* The contacts of grain m of row k with the walls, the next grain of its row, and the row above. */
+static void add_lattice_contacts(sp_packing *p, int32_t *count, int32_t row, int32_t rows, int32_t k, int32_t m) {
+    static const double down[] = {0, -1}, up[] = {0, 1}, right[] = {1, 0};
+    const double left_up[] = {-0.5, sqrt(0.75)}, right_up[] = {0.5, sqrt(0.75)};
+    const int32_t i = k * row + m, next = (m + 1) % row, last = (m + row - 1) % row, above = (k + 1) * row;
+    if (k == 0)
+        add_contact(p, count, i, SP_BOTTOM, down);
+    if (k == rows - 1)
+        add_contact(p, count, i, SP_TOP, up);
+    add_contact(p, count, i, k * row + next, right);
+    if (k == rows - 1)
+        return;
+    add_contact(p, count, i, above + (k % 2 ? m : last), left_up);
+    add_contact(p, count, i, above + (k % 2 ? next : m), right_up);
+}
+
+/* Rows parallel to the walls, each shifted by half a spacing, six equal contacts a grain (section V B of the paper):
+ * the box is as wide as a row that is compressed like the rest. */
 sp_status sp_triangular_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err) {
     const double d = spec->diameter_max;
     const int32_t row = (int32_t)floor(spec->width / d + 1e-9), rows = spec->grains / row;
     sp_packing p = sp_packing_none();
-    sp_status status = sp_packing_alloc(&p, 2, spec->grains, 2 * row * rows, err);
+    sp_status status = sp_packing_alloc(&p, 2, spec->grains, 3 * row * rows, err);
     if (status != SP_OK)
         return status;
     set_globals(&p, spec);
-    double h;
-    const double overlap = lattice_overlap(d, spec->pressure, &h);
-    const double e_wall = contact_wall_stiffness(0.5 * d, p.wall);
-    const double wall_overlap = contact_overlap(e_wall, spec->pressure * d * d);
-    p.box[0] = row * d;
+    const double e = contact_stiffness(0.5 * d, 0.5 * d), e_wall = contact_wall_stiffness(0.5 * d, p.wall);
+    const double overlap = lattice_overlap(d, spec->pressure), spacing = d - overlap, h = sqrt(0.75) * spacing;
+    const double wall_overlap = contact_overlap(e_wall, spec->pressure * d * spacing);
+    p.box[0] = row * spacing;
     p.box[1] = 2 * (0.5 * d - wall_overlap) + (rows - 1) * h;
     int32_t count = 0;
     for (int32_t k = 0; k < rows; k++)
         for (int32_t m = 0; m < row; m++) {
-            int32_t i = k * row + m;
+            const size_t i = (size_t)k * (size_t)row + (size_t)m;
             p.r[i] = 0.5 * d;
-            p.x[3 * (size_t)i] = (m + (k % 2 ? 0.75 : 0.25)) * d;
-            p.x[3 * (size_t)i + 1] = 0.5 * d - wall_overlap + k * h;
-            if (k == 0)
-                add_contact(&p, &count, i, SP_BOTTOM, (double[]){0, -1});
-            if (k == rows - 1) {
-                add_contact(&p, &count, i, SP_TOP, (double[]){0, 1});
-                continue;
-            }
-            int32_t left = k % 2 ? m : (m + row - 1) % row, right = k % 2 ? (m + 1) % row : m;
-            double c = 0.5 * d / (d - overlap), s = h / (d - overlap);
-            add_contact(&p, &count, i, (k + 1) * row + left, (double[]){-c, s});
-            add_contact(&p, &count, i, (k + 1) * row + right, (double[]){c, s});
+            p.x[3 * i] = (m + (k % 2 ? 0.75 : 0.25)) * spacing;
+            p.x[3 * i + 1] = 0.5 * d - wall_overlap + k * h;
+            add_lattice_contacts(&p, &count, row, rows, k, m);
         }
     for (int32_t c = 0; c < count; c++) {
         sp_contact *k = &p.contacts[c];
         k->overlap = k->j < 0 ? wall_overlap : overlap;
-        k->fn = contact_force(k->j < 0 ? e_wall : contact_stiffness(0.5 * d, 0.5 * d), k->overlap);
+        k->fn = contact_force(k->j < 0 ? e_wall : e, k->overlap);
     }
     sp_packing_sort(&p);
     *out = p;

@@ -71,10 +71,10 @@ static sp_status check_ordered(const sp_pack_spec *s, sp_error *err) {
                            "packing.diameter_max = %g: a triangular lattice needs equal diameters, diameter_min = %g",
                            s->diameter_max, s->diameter_min);
         double row = floor(s->width / s->diameter_max + 1e-9);
-        if (row < 2 || fmod(s->grains, row) != 0)
+        if (row < 3 || fmod(s->grains, row) != 0)
             return sp_fail(err, SP_EINVAL,
                            "packing.grains = %d: must be a multiple of the %g grains of a row (packing.width = %g), "
-                           "at least 2 a row",
+                           "at least 3 a row",
                            s->grains, row, s->width);
     }
     return SP_OK;

@@ -34,7 +34,7 @@ const sp_field sp_fields[] = {
     {"packing", "dimension", SP_FIELD_INT, AT(pack.dim), "", 1, 3, NULL, "of space; a chain has 1 unless told"},
     {"packing", "grains", SP_FIELD_INT, AT(pack.grains), "", 1, 1e8, NULL, "number of grains"},
     {"packing", "width", SP_FIELD_REAL, AT(pack.width), "d", 0.01, 1e6, NULL,
-     "period sideways; a piston needs four of the largest grains"},
+     "period sideways; a piston needs four of the largest grains, a lattice has whole grains"},
     {"packing", "pressure", SP_FIELD_REAL, AT(pack.pressure), "E*", 1e-10, 1e-2, NULL, "confining pressure"},
     {"packing", "friction", SP_FIELD_REAL, AT(pack.friction), "", 0, 1e6, NULL,
      "Coulomb's coefficient; 0: no tangential forces, no rotations"},
