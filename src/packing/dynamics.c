@@ -144,7 +144,7 @@ static double largest(int32_t n, const double *restrict x) {
 static void wall_law(dynamics *d, int side, double dt) {
     const double sign = side == 0 ? -1 : 1, wall_v = side == 0 ? 0 : d->piston_v;
     const contact_law *law = &d->law;
-    double sum = 0;
+    double sum = 0, stiffness = 0;
     for (int32_t k = 0; k < d->wall[side].n; k++) {
         const int32_t i = d->wall[side].i[k];
         const grain *g = &d->g[i];
@@ -167,9 +167,12 @@ static void wall_law(dynamics *d, int side, double dt) {
         d->f[i].y -= sign * normal;
         d->f[i].t += total;
         sum += normal;
+        stiffness += kn;
         d->k_max = fmax(d->k_max, kn);
     }
     d->wall_force[side] = sum;
+    if (side == 1)
+        d->piston_k = stiffness;
 }
 
 void dynamics_forces(dynamics *d, double dt_past) {

@@ -63,6 +63,7 @@ typedef struct dynamics {
     double outer_travel, inner_travel; /* bound of relative displacement since the lists were made */
     double v_max;                      /* largest speed of a grain or the piston */
     double k_max, m_min;               /* largest stiffness at the last evaluation; smallest mass */
+    double piston_k;                   /* sum of the stiffnesses that carried the piston then */
     double drag;                       /* rate of the global damping, 0 at first */
     double dt;                         /* last step */
     int64_t rebuilds, refills;

@@ -32,6 +32,8 @@ static double next_step(const piston_run *run) {
     double soon = 2.0 * sqrt(run->r_max * 2.0 * d->v_max * past); /* k_n = 2 E* sqrt(R n) at a wall, n = 2 v dt */
     double k = fmax(d->k_max, 0.16 * soon);                       /* 0.16 = 1/2.5^2: a factor of 2.5 time_step */
     double dt = k > 0 ? factor * sqrt(d->m_min / k) : INFINITY;
+    if (d->piston_k > 0) /* a light piston on many grains */
+        dt = fmin(dt, factor * sqrt(d->piston_mass / d->piston_k));
     return fmin(dt, past > 0 ? 1.5 * past : INFINITY);
 }
 
@@ -60,7 +62,8 @@ static bool at_rest(const piston_run *run) {
     bool still = run->d.drag == 0 || run->d.v_max * run->d.drag < run->spec->tolerance;
     /* the piston weighs as much as hundreds of grains: its acceleration alone would leave the pressure wrong by 1e-5 */
     bool balanced = run->wall_imbalance < run->spec->tolerance;
-    return run->calm && still && balanced && run->residual < run->spec->tolerance;
+    bool calm = run->calm || run->spec->calm == 0;
+    return calm && still && balanced && run->residual < run->spec->tolerance;
 }
 
 /* Every CHECK_STEPS: sane, calm, at rest? */
