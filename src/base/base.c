@@ -1,11 +1,14 @@
 #include "base/base.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <time.h>
+#include <unistd.h>
 
 const char *sp_status_name(sp_status status) {
     switch (status) {
@@ -88,6 +91,15 @@ char *sp_strdup(const char *text) {
 
 sp_status sp_fail_memory(sp_error *err, size_t bytes) {
     return sp_fail(err, SP_ENOMEM, "no memory for %.3g MB", (double)bytes / 1e6);
+}
+
+double sp_memory_limit(void) {
+    const double pages = (double)sysconf(_SC_PHYS_PAGES), size = (double)sysconf(_SC_PAGESIZE);
+    double bytes = pages > 0 && size > 0 ? pages * size : INFINITY;
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+        bytes = fmin(bytes, (double)limit.rlim_cur);
+    return bytes;
 }
 
 char *sp_number_text(double value, char text[SP_NUMBER_TEXT]) {

@@ -18,6 +18,9 @@ char *sp_strdup(const char *text); /* free with sp_free */
 /* Test seam: the allocation after `count` more successful ones fails, once; < 0 switches it off. */
 void sp_alloc_fail_after(int64_t count);
 sp_status sp_fail_memory(sp_error *err, size_t bytes);
+/* Bytes that this process may hope for: the machine's memory, or a lower limit that is set (ulimit -v). What is asked
+ * beyond it is not refused by malloc as a rule, but ends in swapping, or in being killed. */
+double sp_memory_limit(void);
 
 /* The fewest digits (15 to 17) that read back as the same double; "nan", "inf", "-inf". */
 enum { SP_NUMBER_TEXT = 32 };

@@ -103,7 +103,7 @@ static sp_status check_file(const arguments *a, const char *path, double thresho
         snprintf(reason, sizeof reason, "%s", fault.text);
     *good = strcmp(reason, "-") == 0;
     if (!*good) {
-        const bool named = strncmp(reason, path, strlen(path)) == 0;
+        const bool named = strstr(reason, path) != NULL;
         sp_fail(&fault, SP_EFAILED, "%s%s%s", named ? "" : path, named ? "" : ": ", reason);
         cli_fail(&fault);
     }

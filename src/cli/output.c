@@ -3,6 +3,7 @@
 
 #include "base/base.h"
 #include "store/file.h"
+#include "store/packing_text.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -15,14 +16,23 @@
 
 /* ---- kinds of files --------------------------------------------------------------------------------------------- */
 
-typedef enum file_kind { KIND_UNKNOWN, KIND_HDF5, KIND_PNG, KIND_PDF, KIND_MARKUP, KIND_JSON, KIND_TEXT } file_kind;
+typedef enum file_kind {
+    KIND_UNKNOWN,
+    KIND_HDF5,
+    KIND_PNG,
+    KIND_PDF,
+    KIND_MARKUP,
+    KIND_JSON,
+    KIND_PACKING, /* as text */
+    KIND_TEXT
+} file_kind;
 
 static const struct {
     const char *ending;
     file_kind kind;
 } endings[] = {{".h5", KIND_HDF5},    {".hdf5", KIND_HDF5},   {".png", KIND_PNG},   {".pdf", KIND_PDF},
                {".svg", KIND_MARKUP}, {".vtp", KIND_MARKUP},  {".json", KIND_JSON}, {".tsv", KIND_TEXT},
-               {".csv", KIND_TEXT},   {".txt", KIND_TEXT},    {".xyz", KIND_TEXT},  {".extxyz", KIND_TEXT},
+               {".csv", KIND_TEXT},   {".txt", KIND_PACKING}, {".xyz", KIND_TEXT},  {".extxyz", KIND_TEXT},
                {".data", KIND_TEXT},  {".lammps", KIND_TEXT}, {".dump", KIND_TEXT}};
 
 static const char *ending_of(const char *path) {
@@ -39,7 +49,8 @@ static file_kind kind_by_ending(const char *path) {
     return KIND_UNKNOWN;
 }
 
-static file_kind kind_by_content(const unsigned char *head, size_t size) {
+/* head[size] is 0. */
+static file_kind kind_by_content(const char *head, size_t size) {
     static const struct {
         const char *magic;
         file_kind kind;
@@ -49,22 +60,25 @@ static file_kind kind_by_content(const unsigned char *head, size_t size) {
             return magics[k].kind;
     if (memchr(head, 0, size))
         return KIND_UNKNOWN;
+    if (sp_packing_text_looks(head))
+        return KIND_PACKING;
     size_t first = 0;
-    while (first < size && isspace(head[first]))
+    while (first < size && isspace((unsigned char)head[first]))
         first++;
-    const int c = first < size ? head[first] : 0;
+    const char c = head[first];
     return c == '<' ? KIND_MARKUP : c == '{' || c == '[' ? KIND_JSON : KIND_TEXT;
 }
 
 /* Whether what lies under the name is of the kind that the name promises. */
 static sp_status check_kind(const char *path, file_kind kind, sp_error *err) {
-    unsigned char head[4096];
+    char head[4096];
     FILE *file = fopen(path, "rb");
     if (!file)
         return sp_fail(err, SP_EIO, "%s: %s", path, strerror(errno));
-    const size_t size = fread(head, 1, sizeof head, file);
+    const size_t size = fread(head, 1, sizeof head - 1, file);
     const bool failed = ferror(file);
     fclose(file);
+    head[size] = '\0';
     if (failed)
         return sp_fail(err, SP_EIO, "%s: cannot be read", path);
     if (size > 0 && kind_by_content(head, size) != kind)

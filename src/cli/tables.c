@@ -185,6 +185,8 @@ sp_status cli_tables_write(const cli_tables *tables, sp_store *store, sp_error *
         *err = reason;
         return status;
     }
+    if (n == 0)
+        cli_note(tables->common, "there is no sample in the store");
     if (bad > 0)
         cli_note(tables->common, "%lld files of the store are left out: %s", (long long)bad, reason.text);
     if (n > 0)

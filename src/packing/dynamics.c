@@ -212,13 +212,16 @@ static double largest_acceleration(const dynamics *d) {
     double worst = 0;
     for (int32_t i = 0; i < d->n; i++) {
         const grain_force *f = &d->f[i];
-        worst = fmax(worst, d->g[i].inv_m * fmax(fmax(fabs(f->x), fabs(f->y)), 2.5 * fabs(f->t)));
+        worst = fmax(worst, d->g[i].inv_m * fmax(sqrt(f->x * f->x + f->y * f->y), 2.5 * fabs(f->t)));
     }
     return worst;
 }
 
 double dynamics_acceleration(const dynamics *d) {
-    return fmax(largest_acceleration(d), fabs(d->wall_force[1] - d->pressure * d->area) / d->piston_mass);
+    const double load = d->pressure * d->area, imbalance = fabs(d->wall_force[1] - load);
+    if (imbalance > 0.5 * load) /* a heavy piston in free fall accelerates little, but is not carried */
+        return INFINITY;
+    return fmax(largest_acceleration(d), imbalance / d->piston_mass);
 }
 
 /* ---- how far from rest --------------------------------------------------------------------------------------- */

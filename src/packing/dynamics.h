@@ -85,7 +85,7 @@ void dynamics_forces(dynamics *d, double dt_past);
 void dynamics_advance(dynamics *d, double dt);
 
 /* Largest acceleration in the last evaluation of dynamics_forces, viscous forces included (angular: times R; the
- * piston's included). */
+ * piston's included); infinite as long as the grains carry less than half of the piston's load. */
 double dynamics_acceleration(const dynamics *d);
 /* How far from rest: largest acceleration by elastic forces alone (angular: times R; the piston's included), and the
  * difference between the elastic pressure on the piston and p. */

@@ -25,7 +25,7 @@ static bool overlaps(const gas_cells *cells, const sp_pack_spec *spec, const dou
             int ny = cy + oy, nx = (cx + ox + cells->nx) % cells->nx;
             if (ny < 0 || ny >= cells->ny)
                 continue;
-            for (int32_t j = cells->head[ny * cells->nx + nx]; j >= 0; j = cells->next[j]) {
+            for (int32_t j = cells->head[(size_t)ny * (size_t)cells->nx + (size_t)nx]; j >= 0; j = cells->next[j]) {
                 double dx = x[3 * (size_t)j] - xi[0], dy = x[3 * (size_t)j + 1] - xi[1], reach = r[i] + r[j];
                 dx -= spec->width * nearbyint(dx / spec->width);
                 if (dx * dx + dy * dy < reach * reach)

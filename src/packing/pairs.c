@@ -66,14 +66,15 @@ static cell_grid grid_for(const dynamics *d, double range) {
     return grid;
 }
 
+/* Whatever a motion that has blown up gives, not a number included, ends in some cell: it is found out later. */
 static int64_t row_of(const cell_grid *grid, double y) {
-    int64_t row = (int64_t)floor(y / grid->wy);
-    return row < 0 ? 0 : row >= grid->ny ? grid->ny - 1 : row;
+    const double row = floor(y / grid->wy);
+    return row >= (double)grid->ny ? grid->ny - 1 : row > 0 ? (int64_t)row : 0;
 }
 
 static int64_t column_of(const cell_grid *grid, double x) {
-    int64_t column = (int64_t)floor(x / grid->wx);
-    return column >= grid->nx ? grid->nx - 1 : column;
+    const double column = floor(x / grid->wx);
+    return column >= (double)grid->nx ? grid->nx - 1 : column > 0 ? (int64_t)column : 0;
 }
 
 static sp_status sort_into_cells(dynamics *d, const cell_grid *grid, sp_error *err) {
@@ -143,7 +144,7 @@ static sp_status pairs_of(const dynamics *d, const cell_grid *grid, double gap, 
                 double dx = h->x - g->x, dy = h->y - g->y, shift = -d->width * nearbyint(dx / d->width);
                 double reach = g->r + h->r;
                 dx += shift;
-                if (dx * dx + dy * dy >= (reach + gap) * (reach + gap))
+                if (!(dx * dx + dy * dy < (reach + gap) * (reach + gap)))
                     continue;
                 sp_status status = push_pair(p, i, j, err);
                 if (status != SP_OK)

@@ -46,7 +46,8 @@ static double first_step(const piston_run *run) {
 /* Gas, compaction and creep of 600 grains take 1e5 steps at 1e-4 and 6.5e5 at 1e-7, with the height (the number of
  * grains across) and the grains' mass ratio: thirty times that means that it never comes to rest. */
 static int64_t default_max_steps(const sp_pack_spec *spec, double height) {
-    double layers = fmax(1.0, height / 75.0), slowness = pow(spec->pressure / 1e-4, -0.3);
+    const double diameter = 0.5 * (spec->diameter_min + spec->diameter_max);
+    double layers = fmax(1.0, height / (75.0 * diameter)), slowness = pow(spec->pressure / 1e-4, -0.3);
     double roughness = pow(spec->diameter_max / spec->diameter_min, 1.5) * 0.1 / spec->time_step;
     return (int64_t)(4e6 * layers * fmax(1, slowness) * roughness);
 }
@@ -66,12 +67,19 @@ static bool at_rest(const piston_run *run) {
     return calm && still && balanced && run->residual < run->spec->tolerance;
 }
 
+/* Steps between two calls of the watch: some tenths of a second for many grains, too. */
+static int64_t watch_steps(int32_t grains) {
+    const int32_t checks = 60000 / grains;
+    return (int64_t)CHECK_STEPS * (checks > 100 ? 100 : checks > 1 ? checks : 1);
+}
+
 /* Every CHECK_STEPS: sane, calm, at rest? */
 static sp_status inspect(piston_run *run, bool *done, sp_error *err) {
     if (!dynamics_sane(&run->d))
         return sp_fail(err, SP_EFAILED,
-                       "seed %llu: a grain went through a wall or another grain at step %lld: the piston arrives too "
-                       "fast (packing.pressure = %g, 1e-3 at the most), or packing.time_step = %g is too large",
+                       "seed %llu: a grain went through a wall or another grain at step %lld: packing.pressure = %g is "
+                       "too much for it or arrives too fast (a larger packing.piston_mass is slower), or "
+                       "packing.time_step = %g is too large",
                        (unsigned long long)run->spec->seed, (long long)run->steps, run->spec->pressure,
                        run->spec->time_step);
     /* creep is slow motion in which viscous forces balance the elastic ones: no acceleration, but not yet rest */
@@ -82,9 +90,11 @@ static sp_status inspect(piston_run *run, bool *done, sp_error *err) {
     *done = run->rest_checks >= REST_STEPS / CHECK_STEPS;
     if (!*done && run->steps >= run->max_steps)
         return sp_fail(err, SP_EFAILED,
-                       "seed %llu: not at rest after %lld steps: largest acceleration %.3g, packing.tolerance %.3g",
-                       (unsigned long long)run->spec->seed, (long long)run->steps, run->residual, run->spec->tolerance);
-    if (run->watch && run->steps % (100 * CHECK_STEPS) == 0) {
+                       "seed %llu: not at rest after %lld steps: largest acceleration %.3g, pressure on the piston off "
+                       "by %.3g: both must be below packing.tolerance = %.3g",
+                       (unsigned long long)run->spec->seed, (long long)run->steps, run->residual, run->wall_imbalance,
+                       run->spec->tolerance);
+    if (run->watch && run->steps % watch_steps(run->d.n) == 0) {
         sp_pack_progress progress = {run->calm ? "equilibration" : "compaction", run->steps, run->d.piston_y,
                                      run->residual};
         if (!run->watch(&progress, run->user))

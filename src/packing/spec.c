@@ -92,6 +92,38 @@ sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     return s;
 }
 
+/* What a piston's grains would never come to rest with, or not where they should. */
+static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
+    const double slack = 1 + 1e-9, mean = 0.5 * (s->diameter_min + s->diameter_max);
+    if (s->dim != 2)
+        return sp_fail(err, SP_EINVAL, "packing.dimension = %d: packing.kind = \"piston\" makes 2D packings only",
+                       s->dim);
+    if (s->width < 4 * s->diameter_max)
+        return sp_fail(err, SP_EINVAL,
+                       "packing.width = %g: a box narrower than four of the largest grains (%g) would see itself "
+                       "through the periodic sides",
+                       s->width, 4 * s->diameter_max);
+    if (mean < 0.1 || mean > 10)
+        return sp_fail(err, SP_EINVAL,
+                       "packing.diameter_min = %g, packing.diameter_max = %g: must be 0.1 .. 10 in the mean, which is "
+                       "the unit of length",
+                       s->diameter_min, s->diameter_max);
+    if (s->diameter_max > 100 * slack * s->diameter_min)
+        return sp_fail(err, SP_EINVAL, "packing.diameter_max = %g: must be at most 100 times packing.diameter_min = %g",
+                       s->diameter_max, s->diameter_min);
+    if (s->damping * s->time_step > 0.12 * slack)
+        return sp_fail(err, SP_EINVAL,
+                       "packing.damping = %g: must be at most %.3g with packing.time_step = %g, or the viscous forces "
+                       "are unstable",
+                       s->damping, 0.12 / s->time_step, s->time_step);
+    if (s->tolerance > 0.1 * slack * s->pressure)
+        return sp_fail(err, SP_EINVAL,
+                       "packing.tolerance = %g: must be at most 0.1 of packing.pressure = %g, no packing is at rest "
+                       "above that",
+                       s->tolerance, s->pressure);
+    return SP_OK;
+}
+
 sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
     const sp_pack_spec resolved = sp_pack_spec_resolve(given), *s = &resolved;
     sp_status status = check_ranges(s, err);
@@ -101,13 +133,5 @@ sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
         return check_ordered(s, err);
     if (s->kind != SP_PACK_PISTON)
         return sp_fail(err, SP_EINVAL, "packing.kind = %d: must be piston, chain or triangular", (int)s->kind);
-    if (s->dim != 2)
-        return sp_fail(err, SP_EINVAL, "packing.dimension = %d: packing.kind = \"piston\" makes 2D packings only",
-                       s->dim);
-    if (s->width < 4 * s->diameter_max)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.width = %g: a box narrower than four of the largest grains (%g) would see itself "
-                       "through the periodic sides",
-                       s->width, 4 * s->diameter_max);
-    return SP_OK;
+    return check_piston(s, err);
 }

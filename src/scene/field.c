@@ -55,7 +55,7 @@ const sp_field sp_fields[] = {
     {"packing", "time_step", SP_FIELD_REAL, AT(pack.time_step), "sqrt(m/k)", 1e-3, 0.15, NULL,
      "step over sqrt(smallest mass / largest stiffness); 0.2 is unstable with damping"},
     {"packing", "calm", SP_FIELD_REAL, AT(pack.calm), "p", 0, 1, NULL,
-     "global damping begins once every acceleration is below this"},
+     "global damping begins once every acceleration is below this; 0: never"},
     {"packing", "drag", SP_FIELD_REAL, AT(pack.drag), "sqrt(E* / rho)/d", 0, 0.1, NULL,
      "rate of the global damping at p = 1e-4, grows as p^(1/3)"},
     {"packing", "max_steps", SP_FIELD_INT64, AT(pack.max_steps), "", 0, 1e15, NULL,

@@ -18,6 +18,7 @@ import time
 COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 SMALL = ["--set", "packing.grains=60", "--set", "packing.width=8"]
 LONG = ["--set", "packing.grains=3000", "--set", "packing.pressure=1e-8"]  # minutes, if nobody stopped it
+LARGE = ["--set", "packing.grains=300000", "--set", "packing.width=500"]
 faults = []
 
 
@@ -253,6 +254,22 @@ def check_interruption(folder):
         expect(process.returncode == 1 and not output, f"{kind!r}: exit status {process.returncode}, {output!r}")
         expect(re.fullmatch(r"sonopack: stopped .*\n", error), f"{kind!r}: {error!r}")
         expect(not list(place.iterdir()), f"{kind!r} leaves {list(place.iterdir())}")
+    # a step of many grains takes long, which stopping must not
+    process = subprocess.Popen([COMMAND, "pack", *LARGE, "-o", folder / "large.h5"], stderr=subprocess.DEVNULL)
+    time.sleep(2)
+    begun = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    expect(process.wait(timeout=110) == 1, "a large packing is stopped")
+    expect(time.monotonic() - begun < 10, f"{time.monotonic() - begun:.1f} s to stop a large packing")
+
+
+def check_memory(folder):
+    """More grains than fit are refused at once, before the machine is brought to its knees."""
+    if os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGESIZE") < 100e9:
+        begun = time.monotonic()
+        expect_status(1, "pack", "--set", "packing.grains=100000000", "-o", folder / "huge.h5",
+                      reason="packing.grains = 100000000: needs")
+        expect(time.monotonic() - begun < 10, "it takes long to see that memory does not suffice")
 
 
 def check_progress(folder):
@@ -283,6 +300,7 @@ def main():
         check_audit(folder)
         check_statics(folder)
         check_interruption(folder)
+        check_memory(folder)
         check_progress(folder)
     finally:
         shutil.rmtree(folder)

@@ -99,6 +99,36 @@ static void test_stops(void **state) {
     assert_null(p.x);
 }
 
+/* Protocols at the ends of their ranges end in packings like others: a piston lighter than a grain, one that falls for
+ * long before it is carried, no phase with global damping, and no such damping in it. */
+static void test_odd_protocols(void **state) {
+    (void)state;
+    sp_pack_spec base = sp_pack_spec_default();
+    base.grains = 40;
+    base.width = 6;
+    enum { PROTOCOLS = 9 };
+    sp_pack_spec spec[PROTOCOLS];
+    for (int k = 0; k < PROTOCOLS; k++)
+        spec[k] = base;
+    spec[0].piston_mass = 0.01;
+    spec[1].piston_mass = 1e3;
+    spec[2].calm = 0;
+    spec[3].drag = 0;
+    spec[4].gas_fraction = 0.01;
+    spec[5].damping = 2;
+    spec[5].time_step = 0.06;
+    spec[6].diameter_min = 0.2;
+    spec[6].diameter_max = 1.5;
+    spec[7].diameter_min = spec[7].diameter_max = 1;
+    spec[8].friction = 1e6;
+    for (int k = 0; k < PROTOCOLS; k++) {
+        print_message("protocol %d\n", k);
+        sp_packing p = make(&spec[k]);
+        assert_at_rest(&p);
+        sp_packing_free(&p);
+    }
+}
+
 static void test_few_grains(void **state) {
     (void)state;
     for (int n = 1; n <= 5; n++) {
@@ -121,6 +151,7 @@ int main(void) {
         cmocka_unit_test(test_determinism),
         cmocka_unit_test(test_stops),
         cmocka_unit_test(test_few_grains),
+        cmocka_unit_test(test_odd_protocols),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -249,6 +249,11 @@ static void test_spec_refuses(void **state) {
     REFUSED(s.dim = 3, "packing.dimension");
     REFUSED(s.gas_fraction = 0.8, "packing.gas_fraction");
     REFUSED((s.diameter_min = 1.2, s.diameter_max = 0.8), "packing.diameter_min");
+    REFUSED((s.diameter_min = 0.01, s.diameter_max = 2), "at most 100 times");
+    REFUSED((s.diameter_min = s.diameter_max = 100, s.width = 500), "unit of length");
+    REFUSED(s.damping = 2, "packing.damping = 2: must be at most 1.2 ");
+    REFUSED((s.damping = 0.9, s.time_step = 0.15), "packing.damping");
+    REFUSED(s.tolerance = 1, "packing.tolerance = 1: must be at most 0.1 of packing.pressure");
     REFUSED((s.kind = SP_PACK_CHAIN), "packing.dimension");
     REFUSED((s.kind = SP_PACK_TRIANGULAR, s.grains = 601), "multiple of the 24");
 }

@@ -142,7 +142,9 @@ static void text_reads_back_bit_for_bit(void **state) {
         for (int k = 0; k < SP_FIELDS; k++)
             if (sp_field_is_number(&sp_fields[k]))
                 draw_number(&s, &sp_fields[k], &random);
-        s.pack.diameter_min = s.pack.diameter_max = fmax(s.pack.diameter_max, 0.01);
+        s.pack.diameter_min = s.pack.diameter_max = fmin(fmax(s.pack.diameter_max, 0.1), 10);
+        s.pack.damping = fmin(s.pack.damping, 0.12 / s.pack.time_step);
+        s.pack.tolerance = fmin(s.pack.tolerance, 0.1 * s.pack.pressure);
         s.pack.width = 10 * s.pack.diameter_max;
         s.pack.dim = 2;
         s.pack.seed = draw(&random) >> 2;
