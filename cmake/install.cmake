@@ -1,4 +1,4 @@
-# `cmake --install`: command, library, headers, man page, completions, CMake and pkg-config files.
+# `cmake --install`: command, library, headers, man page, documentation, completions, CMake and pkg-config files.
 include(CMakePackageConfigHelpers)
 
 install(TARGETS sonopack EXPORT sonopackTargets
@@ -10,6 +10,9 @@ install(FILES docs/man/sonopack.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES completions/sonopack.bash RENAME sonopack
   DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# with what their links lead to
+install(DIRECTORY docs packings DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN man EXCLUDE)
+install(FILES tests/package/consumer.c DESTINATION ${CMAKE_INSTALL_DOCDIR}/tests/package)
 
 # The command finds a shared library beside it wherever the tree is moved.
 file(RELATIVE_PATH bin_to_lib /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})

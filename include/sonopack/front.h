@@ -23,6 +23,8 @@ typedef struct sp_front {
     double t_zero;    /* first zero crossing after it, linearly interpolated; NAN if there is none in the window */
     double amplitude; /* height of that parabola */
     double width;     /* t_zero - t10 */
+    int64_t crossings; /* upward crossings of rise x amplitude before the peak, the one of t10 included: above 1, noise
+                          or a precursor makes t10 early; 0 in what a store gives back */
 } sp_front;
 
 /* The rule. L: the largest value in the window, which must be positive. First peak: the first local maximum above
@@ -31,7 +33,8 @@ typedef struct sp_front {
  * or below 0 after the peak. Swings below zero count for nothing, and neither does what comes after t_zero.
  *
  * t strictly ascending, n >= 3, everything finite, else SP_EINVAL. SP_EREFUSED with the reason when there is no front:
- * never positive, no maximum before the window ends, or a trace that starts at or above rise x amplitude already. */
+ * never positive, no maximum before the window ends, or a trace that starts at or above rise x amplitude already (an
+ * offset must be subtracted first). */
 sp_status sp_front_find(int64_t n, const double *t, const double *f, const sp_front_options *opt, sp_front *out,
                         sp_error *err);
 

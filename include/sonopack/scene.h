@@ -6,6 +6,7 @@
 #include <sonopack/packing.h>
 #include <sonopack/signal.h>
 #include <sonopack/status.h>
+#include <stdbool.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -24,6 +25,7 @@ typedef struct sp_sweep {
     char key[64];
     int count;
     double *values;
+    bool overridden; /* an override gave the key a value too, which no sample of the study would have */
 } sp_sweep;
 
 enum { SP_SWEEPS_MAX = 8 };
@@ -49,6 +51,9 @@ sp_status sp_scene_read(const char *path, int overrides, char *const *override, 
 /* The same from text; name stands for the file in messages. */
 sp_status sp_scene_parse(const char *text, const char *name, int overrides, char *const *override, sp_scene *out,
                          sp_error *err);
+/* SP_EINVAL if an override is hidden by a sweep of the same key: for what makes all samples of a scene. One packing
+ * (`sonopack pack') takes the override and no sweep. */
+sp_status sp_scene_check_sweeps(const sp_scene *s, sp_error *err);
 /* Sets one numeric key (used by sweeps), checked against its range. */
 sp_status sp_scene_set(sp_scene *s, const char *key, double value, sp_error *err);
 /* A numeric key's value; NAN for an unknown key. */

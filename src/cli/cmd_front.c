@@ -73,14 +73,24 @@ static const struct argp argp = {
     parse,
     "FILE...",
     "Arrival, peak and width of the first wave front of packings (their signal is computed) and of traces.\v"
-    "First peak: the first maximum above 0.2 of the largest value. t10: first time at a tenth of its height; t_zero: "
-    "first zero crossing after it; width: t_zero - t10. A trace is a table of numbers, times and forces; its comments "
+    "First peak: the first maximum above 0.2 of the largest value, and followed by a fall of 0.01 of it. t10: first "
+    "time at a tenth of its height; t_zero: first zero crossing after it; width: t_zero - t10. A trace is a table of "
+    "numbers, times and forces; its comments "
     "`# height = H' and `# pressure = P' give distance and window, [0, 8 H + 40] times (P/1e-4)^(-1/6). Without them "
     "the whole trace is used, and its first maximum above 0.2 of the largest value of all. Two distances make a speed, "
     "(D2 - D1)/(t10_2 - t10_1); one distance over one time does not.",
     children,
     NULL,
     NULL};
+
+/* What is found in one file, and its units. */
+typedef struct measured {
+    double distance;
+    sp_front front;
+    char length[sizeof((sp_column *)0)->unit], time[sizeof((sp_column *)0)->unit], force[sizeof((sp_column *)0)->unit];
+} measured;
+
+static const char *const time_unit = "d/sqrt(E* / rho)"; /* of packings and their signals */
 
 /* ---- packings --------------------------------------------------------------------------------------------------- */
 
@@ -104,8 +114,8 @@ static sp_status is_packing(const char *path, bool *yes, sp_error *err) {
     return SP_OK;
 }
 
-static sp_status packing_front(const arguments *a, const sp_scene *scene, const char *path, double *distance,
-                               sp_front *out, sp_error *err) {
+static sp_status packing_front(const arguments *a, const sp_scene *scene, const char *path, measured *out,
+                               sp_error *err) {
     sp_packing p = sp_packing_none();
     sp_network net = sp_network_none();
     sp_status status = sp_packing_read(path, &p, err);
@@ -113,9 +123,10 @@ static sp_status packing_front(const arguments *a, const sp_scene *scene, const 
         return status;
     status = sp_network_make(&p, &scene->network, &net, err);
     if (status == SP_OK) {
-        *distance = sp_packing_height(&p);
+        *out = (measured){.distance = sp_packing_height(&p), .length = "d", .force = "E* d^2"};
+        snprintf(out->time, sizeof out->time, "%s", time_unit);
         status = sp_network_front(&net, a->source_given ? a->source : scene->signal.source,
-                                  isnan(a->window) ? 0 : a->window, out, err);
+                                  isnan(a->window) ? 0 : a->window, &out->front, err);
     }
     if (status != SP_OK)
         sp_fail_prefix(err, "%s", path);
@@ -160,7 +171,7 @@ static sp_status find_columns(const arguments *a, const sp_table *t, const char 
     return SP_OK;
 }
 
-static sp_status trace_front(const arguments *a, const char *path, double *distance, sp_front *out, sp_error *err) {
+static sp_status trace_front(const arguments *a, const char *path, measured *out, sp_error *err) {
     sp_table t = sp_table_none();
     int time, force;
     double *memory = NULL;
@@ -186,8 +197,12 @@ static sp_status trace_front(const arguments *a, const char *path, double *dista
         rule.window = a->window;
     else if (!isnan(height) && !isnan(pressure))
         rule.window = sp_signal_window(height, pressure);
-    *distance = height;
-    status = sp_front_find(t.rows, memory, memory + n, &rule, out, err);
+    *out = (measured){.distance = height};
+    snprintf(out->time, sizeof out->time, "%s", t.column[time].unit);
+    snprintf(out->force, sizeof out->force, "%s", t.column[force].unit);
+    if (strcmp(out->time, time_unit) == 0)
+        snprintf(out->length, sizeof out->length, "d");
+    status = sp_front_find(t.rows, memory, memory + n, &rule, &out->front, err);
     if (status != SP_OK)
         sp_fail_prefix(err, "%s", path);
 out:
@@ -199,37 +214,62 @@ out:
 /* ---- the table -------------------------------------------------------------------------------------------------- */
 
 static sp_status add_columns(sp_table *t, sp_error *err) {
-    static const char *const columns[][2] = {{"distance", "d"},
-                                             {"t10", "d/sqrt(E* / rho)"},
-                                             {"t_peak", "d/sqrt(E* / rho)"},
-                                             {"t_zero", "d/sqrt(E* / rho)"},
-                                             {"amplitude", "E* d^2"},
-                                             {"width", "d/sqrt(E* / rho)"}};
+    static const char *const names[] = {"distance", "t10", "t_peak", "t_zero", "amplitude", "width"};
     sp_status status = sp_table_add_column(t, "file", "", SP_CELL_TEXT, err);
-    for (size_t k = 0; k < sizeof columns / sizeof *columns && status == SP_OK; k++)
-        status = sp_table_add_column(t, columns[k][0], columns[k][1], SP_CELL_NUMBER, err);
+    for (size_t k = 0; k < sizeof names / sizeof *names && status == SP_OK; k++)
+        status = sp_table_add_column(t, names[k], "", SP_CELL_NUMBER, err);
     return status;
+}
+
+/* The units of a row, which is the table's last: a column keeps those that all of its rows have. */
+static void merge_units(sp_table *t, const measured *m) {
+    const char *const unit[] = {"", m->length, m->time, m->time, m->time, m->force, m->time};
+    for (int c = 1; c < t->columns; c++) {
+        char *common = t->column[c].unit;
+        if (t->rows == 1)
+            snprintf(common, sizeof t->column[c].unit, "%s", unit[c]);
+        else if (strcmp(common, unit[c]) != 0)
+            common[0] = '\0';
+    }
+}
+
+/* Options that say nothing about this kind of file, and a first crossing that may be noise. */
+static void add_notes(const arguments *a, const char *path, bool packing, const sp_front *f) {
+    if (packing && a->column)
+        cli_note(&a->common, "%s: is a packing: --column is not used", path);
+    if (!packing && a->source_given)
+        cli_note(&a->common, "%s: is a trace: --source is not used", path);
+    if (!packing && a->common.sets > 0)
+        cli_note(&a->common, "%s: is a trace: --set is not used", path);
+    if (f->crossings > 1)
+        cli_note(&a->common,
+                 "%s: F crosses a tenth of the peak %lld times before it: noise or a precursor; t10 is the first, "
+                 "filter the trace",
+                 path, (long long)f->crossings);
 }
 
 /* One row; a file without a front is told on stderr and sets *failed. */
 static sp_status add_file(const arguments *a, const sp_scene *scene, const char *path, sp_table *t, bool *failed,
                           sp_error *err) {
-    sp_front f;
+    measured m;
     sp_error fault = {0};
     bool packing = false;
-    double distance = NAN;
     sp_status status = is_packing(path, &packing, &fault);
     if (status == SP_OK)
-        status = packing ? packing_front(a, scene, path, &distance, &f, &fault)
-                         : trace_front(a, path, &distance, &f, &fault);
+        status = packing ? packing_front(a, scene, path, &m, &fault) : trace_front(a, path, &m, &fault);
     if (status != SP_OK) {
         cli_fail(&fault);
         *failed = true;
         return SP_OK;
     }
     if (!isnan(a->distance))
-        distance = a->distance;
-    return sp_table_add_row(t, err, path, distance, f.t10, f.t_peak, f.t_zero, f.amplitude, f.width);
+        m.distance = a->distance;
+    const sp_front *f = &m.front;
+    add_notes(a, path, packing, f);
+    status = sp_table_add_row(t, err, path, m.distance, f->t10, f->t_peak, f->t_zero, f->amplitude, f->width);
+    if (status == SP_OK)
+        merge_units(t, &m);
+    return status;
 }
 
 static sp_status work(const arguments *a, bool *failed, sp_error *err) {

@@ -81,8 +81,9 @@ static const struct argp argp = {
     "FILE",
     "The force on the top wall, above its value at rest, after a short pulse at the bottom wall, by the linear "
     "equation of motion with both walls fixed.\v"
-    "Columns t and F; comments say height, pressure, method and the bound of the error of F. The work fails rather "
-    "than exceed the tolerance. --set takes keys of the groups network and signal.",
+    "Columns t and F, the response to a pulse of unit strength; comments say height, pressure, method and the bound of "
+    "the error of F. The work fails rather than exceed the tolerance. --set takes keys of the groups network and "
+    "signal.",
     children,
     NULL,
     NULL};
@@ -115,7 +116,7 @@ static sp_status fill(const arguments *a, const sp_packing *p, const sp_signal_o
                     {"products", (double)s->products}};
     sp_status status = sp_table_add_column(t, "t", "d/sqrt(E* / rho)", SP_CELL_NUMBER, err);
     if (status == SP_OK)
-        status = sp_table_add_column(t, "F", "", SP_CELL_NUMBER, err);
+        status = sp_table_add_column(t, "F", "E* d^2", SP_CELL_NUMBER, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "file = %s", a->file);
     if (status == SP_OK)

@@ -41,9 +41,10 @@ static const struct argp argp = {
     "FILE...",
     "Densities, contacts, forces and stress of packings, averaged over the bulk.\v"
     "Phi2, Phi3: area and volume fraction; Phi3s: without rattlers; zs: contacts per grain that carries; f0: rattlers "
-    "in percent; N_over_p: mean normal force; Z2, Z3: reduced moments of the normal force; F2, F2S: mean square of the "
-    "upward normal over all contacts and over those above the mean force; s1_over_s2: horizontal over vertical stress. "
-    "nan: the packing is too low to have a bulk, see --margin. --set network.threshold=T changes what carries.",
+    "in percent; N_over_p: mean normal force over p d^2; Z2, Z3: reduced moments of the normal force; F2, F2S: mean "
+    "square of the upward normal over all contacts and over those above the mean force; s1_over_s2: horizontal over "
+    "vertical stress of the whole packing, walls included. nan: the packing is too low to have a bulk, see --margin. "
+    "--set network.threshold=T changes what carries.",
     children,
     NULL,
     NULL};
@@ -53,7 +54,7 @@ static sp_status add_columns(sp_table *t, sp_error *err) {
                                         "N_over_p", "Z2",   "Z3",   "F2",    "F2S", "s1_over_s2"};
     sp_status status = sp_table_add_column(t, "file", "", SP_CELL_TEXT, err);
     for (size_t k = 0; k < sizeof names / sizeof *names && status == SP_OK; k++) {
-        const char *unit = k == 0 ? "E*" : strcmp(names[k], "f0") == 0 ? "percent" : "";
+        const char *unit = k == 0 ? "E*" : strcmp(names[k], "f0") == 0 ? "%" : "";
         status = sp_table_add_column(t, names[k], unit, SP_CELL_NUMBER, err);
     }
     return status;

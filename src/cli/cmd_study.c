@@ -123,6 +123,8 @@ static sp_status run(arguments *a, const sp_scene *scene, sp_store *store, sp_er
 
 static sp_status work(arguments *a, sp_scene *scene, sp_store **store, sp_error *err) {
     sp_status status = sp_scene_read(a->scene, a->common.sets, a->common.set, scene, err);
+    if (status == SP_OK)
+        status = sp_scene_check_sweeps(scene, err);
     if (status != SP_OK)
         return status;
     cli_tables tables = wanted_tables(&a->common, scene);

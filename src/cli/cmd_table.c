@@ -40,6 +40,8 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
             argp_error(state, "no table: must be ctof, statics, moduli or ensemble");
         if (!a->store)
             argp_error(state, "no store: must be --store DIR");
+        if (a->common.sets > 0 && !a->scene)
+            argp_error(state, "--set: needs the SCENE that made the store, whose samples it chooses");
         return 0;
     default: return ARGP_ERR_UNKNOWN;
     }

@@ -74,6 +74,15 @@ static void vertex(const double *t, const double *f, int64_t first, int64_t last
     *height = f[first] * (1 + 0.5 * slope * step);
 }
 
+/* Upward crossings of the level up to point `peak`; *at is the point behind the first of them. */
+static int64_t upward_crossings(const double *f, int64_t peak, double level, int64_t *at) {
+    int64_t count = 0;
+    for (int64_t k = 1; k <= peak; k++)
+        if (f[k - 1] < level && f[k] >= level && count++ == 0)
+            *at = k;
+    return count;
+}
+
 sp_status sp_front_find(int64_t n, const double *t, const double *f, const sp_front_options *opt, sp_front *out,
                         sp_error *err) {
     sp_status status = check(n, t, f, opt, err);
@@ -95,15 +104,16 @@ sp_status sp_front_find(int64_t n, const double *t, const double *f, const sp_fr
                        opt->prominence, largest, t[n - 1]);
     sp_front front = {.t_zero = NAN};
     vertex(t, f, first, last, &front.t_peak, &front.amplitude);
-    double level = opt->rise * front.amplitude;
+    double level = fmin(opt->rise * front.amplitude, f[first]); /* the parabola rises above its points */
     if (f[0] >= level)
-        return sp_fail(err, SP_EREFUSED, "no front: the trace starts at F = %g, above %g of the first peak's height %g",
+        return sp_fail(err, SP_EREFUSED,
+                       "no front: the trace starts at F = %g, above %g of the first peak's height %g: an offset must be "
+                       "subtracted first",
                        f[0], opt->rise, front.amplitude);
-    int64_t k = 1;
-    while (f[k] < level)
-        k++;
-    front.t10 = crossing(t, f, k, level);
-    for (k = last + 1; k < n && isnan(front.t_zero); k++)
+    int64_t arrival = 1;
+    front.crossings = upward_crossings(f, first, level, &arrival);
+    front.t10 = crossing(t, f, arrival, level);
+    for (int64_t k = last + 1; k < n && isnan(front.t_zero); k++)
         if (f[k] <= 0)
             front.t_zero = crossing(t, f, k, 0);
     front.width = front.t_zero - front.t10;

@@ -31,7 +31,8 @@ _Static_assert(sizeof(sp_pack_kind) == sizeof(unsigned) && sizeof(sp_signal_meth
 const sp_field sp_fields[] = {
     {"packing", "kind", SP_FIELD_WORD, AT(pack.kind), "", 0, 0, pack_kinds,
      "random grains compressed by a piston, a triangular lattice, or a one-dimensional chain"},
-    {"packing", "dimension", SP_FIELD_INT, AT(pack.dim), "", 1, 3, NULL, "of space; a chain has 1 unless told"},
+    {"packing", "dimension", SP_FIELD_INT, AT(pack.dim), "", 1, 3, NULL,
+     "of space: a chain has 1, the others 2; packings in 3 come by import only, see `sonopack help convert'"},
     {"packing", "grains", SP_FIELD_INT, AT(pack.grains), "", 1, 1e8, NULL, "number of grains"},
     {"packing", "width", SP_FIELD_REAL, AT(pack.width), "d", 0.01, 1e6, NULL,
      "period sideways; a piston needs four of the largest grains, a lattice has whole grains"},

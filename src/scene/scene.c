@@ -23,6 +23,15 @@ void sp_scene_free(sp_scene *s) {
     s->sweeps = 0;
 }
 
+sp_status sp_scene_check_sweeps(const sp_scene *s, sp_error *err) {
+    for (int k = 0; k < s->sweeps; k++)
+        if (s->sweep[k].overridden)
+            return sp_fail(err, SP_EINVAL,
+                           "--set %s: the key is swept by study.sweep: must be another key, or be taken out of the sweep",
+                           s->sweep[k].key);
+    return SP_OK;
+}
+
 sp_status sp_scene_set(sp_scene *s, const char *key, double value, sp_error *err) {
     const sp_field *f = sp_field_find(key);
     if (!f || !sp_field_is_number(f))

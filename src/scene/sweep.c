@@ -123,8 +123,11 @@ sp_status sp_reader_check(sp_reader *r) {
     if (r->scene.pack.kind == SP_PACK_CHAIN && r->given[sp_field_index(dimension)] == 0)
         r->scene.pack.dim = 1;
     double combinations = 1;
-    for (int i = 0; i < r->scene.sweeps; i++)
-        combinations *= r->scene.sweep[i].count;
+    for (int i = 0; i < r->scene.sweeps; i++) {
+        sp_sweep *sweep = &r->scene.sweep[i];
+        combinations *= sweep->count;
+        sweep->overridden = r->given[sp_field_index(sp_field_find(sweep->key))] == SP_FROM_OVERRIDE;
+    }
     if (combinations * r->scene.samples > MOST_SAMPLES)
         return sp_fail(r->err, SP_EINVAL,
                        "study.samples = %d: %d samples of %.0f combinations: must be %.0f together at the most",

@@ -76,7 +76,7 @@ static sp_status number_key(const keys *k, const char *name, double fallback, do
     if (!find_value(k, name, value, &where)) {
         *out = fallback;
         return isnan(fallback)
-                   ? sp_fail(err, SP_EFORMAT, "%s: no %s; must be in a comment line '# %s = ...' or an option %s=...",
+                   ? sp_fail(err, SP_EFORMAT, "%s: no %s; must be in a comment line '# %s = ...' or `--set %s=...'",
                              k->grains->file, name, name, name)
                    : SP_OK;
     }

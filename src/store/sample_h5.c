@@ -40,7 +40,7 @@ static const sp_h5_field statics_field[] = {
     STATICS(phi3s, "1", "volume fraction Phi_3* without rattlers"),
     STATICS(zs, "1", "coordination number z*: force-carrying contacts, without rattlers"),
     STATICS(f0, "%", "rattlers in percent of the grains"),
-    STATICS(n_over_p, "d^2", "mean normal force over the pressure"),
+    STATICS(n_over_p, "1", "mean normal force over p d^2"),
     STATICS(z2, "1", "second moment Z(2) of the normal forces"),
     STATICS(z3, "1", "third moment Z(3) of the normal forces"),
     STATICS(f2, "1", "mean square vertical component of the normals, all contacts"),

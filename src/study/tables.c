@@ -19,7 +19,7 @@ static const quantity statics_columns[] = {{"Phi2", "", offsetof(sp_sample, stat
                                            {"Phi3s", "", offsetof(sp_sample, statics.phi3s)},
                                            {"zs", "", offsetof(sp_sample, statics.zs)},
                                            {"f0", "%", offsetof(sp_sample, statics.f0)},
-                                           {"N_over_p", "d^2", offsetof(sp_sample, statics.n_over_p)},
+                                           {"N_over_p", "", offsetof(sp_sample, statics.n_over_p)},
                                            {"Z2", "", offsetof(sp_sample, statics.z2)},
                                            {"Z3", "", offsetof(sp_sample, statics.z3)},
                                            {"F2", "", offsetof(sp_sample, statics.f2)},
@@ -123,7 +123,7 @@ static sp_status ensemble_columns(sp_table *t, sp_error *err) {
 
 /* One row of everything; NAN for parts that are not there. */
 static sp_status add_sample(const sp_sample *s, sp_table *t, sp_error *err) {
-    const sp_front none = {NAN, NAN, NAN, NAN, NAN};
+    const sp_front none = {NAN, NAN, NAN, NAN, NAN, 0};
     const sp_front f = s->have & SP_WANT_CTOF ? s->front : none;
     double v[QUANTITIES_MAX], c[QUANTITIES_MAX];
     for (size_t k = 0; k < sizeof statics_columns / sizeof *statics_columns; k++)

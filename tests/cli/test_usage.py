@@ -124,7 +124,7 @@ def check_overwriting(folder):
     expect_status(0, "pack", *SMALL, "--seed", "2", "-o", packing, "--force")
     expect(packing.read_bytes() != before, "--force does not replace")
     for name, content in (("foreign.h5", b"a letter to my aunt\n"), ("image.txt", b"\x89PNG\r\n\x1a\n" + bytes(50)),
-                          ("page.txt", b"<html></html>\n")):
+                          ("page.txt", b"<html></html>\n"), ("program.txt", b"int main(void) { return 0; }\n")):
         path = folder / name
         path.write_bytes(content)
         expect_status(2, "pack", *SMALL, "-o", path, "--force", reason="another kind")
@@ -136,6 +136,8 @@ def check_overwriting(folder):
     expect_status(2, "pack", *SMALL, "-o", "", reason="ending")
     expect_status(2, "statics", packing, "-o", folder / "t.h5", reason="ending")
     expect_status(2, "statics", packing, "-o", folder / "t.tsv", "--format", "csv", reason="--format")
+    shutil.copy(packing, folder / "packing.tsv")
+    expect_status(2, "statics", packing, "-o", folder / "packing.tsv", "--force", reason="another kind")
     for name in ("t.tsv", "t.csv", "t.json"):
         expect_status(0, "statics", packing, "-o", folder / name)
     expect(json.loads((folder / "t.json").read_text()), "JSON")

@@ -146,6 +146,34 @@ static void precursors_do_not_count(void **state) {
     free(w);
 }
 
+static void crossings_before_the_peak_are_counted(void **state) {
+    (void)state;
+    trace *w = sampled(0, 100, 0.1);
+    sp_front clean = find(w, 0);
+    assert_int_equal(clean.crossings, 1);
+    for (int bump = 1; bump <= 3; bump++) { /* each above a tenth, below the prominence */
+        for (int64_t k = 0; k < 5; k++)
+            w->f[20 * bump + k] += 0.15;
+        sp_front front = find(w, 0);
+        assert_int_equal(front.crossings, 1 + bump);
+        assert_true(front.t10 < 2.1 && front.t10 > 1.9); /* the first, by definition */
+        assert_close(front.t_peak, clean.t_peak, 1e-13);
+    }
+    for (int64_t k = 600; k < 700; k++) /* after the peak nothing counts */
+        w->f[k] += k % 2;
+    assert_int_equal(find(w, 0).crossings, 4);
+    free(w);
+}
+
+static void an_offset_is_told(void **state) {
+    (void)state;
+    trace *w = sampled(0, 100, 0.1);
+    for (int64_t k = 0; k < w->n; k++)
+        w->f[k] += 0.5;
+    assert_no_front(w, SP_EREFUSED, "an offset must be subtracted first");
+    free(w);
+}
+
 static void a_second_higher_peak_does_not_count(void **state) {
     (void)state;
     trace *w = sampled(0, 300, 0.1);
@@ -325,7 +353,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(marks_converge_with_the_sampling),
                                        cmocka_unit_test(noise_moves_the_marks_little),
                                        cmocka_unit_test(precursors_do_not_count),
-                                       cmocka_unit_test(a_second_higher_peak_does_not_count),
+                                       cmocka_unit_test(crossings_before_the_peak_are_counted),
+        cmocka_unit_test(an_offset_is_told),
+        cmocka_unit_test(a_second_higher_peak_does_not_count),
                                        cmocka_unit_test(noise_within_a_maximum_and_real_dips),
                                        cmocka_unit_test(plateaus),
                                        cmocka_unit_test(uneven_times),

@@ -357,6 +357,10 @@ static void overrides_win_and_are_checked(void **state) {
     assert_true(s.network.prestress);
     assert_int_equal(s.sweeps, 1);
     assert_int_equal(s.sweep[0].count, 3);
+    assert_fails(sp_scene_check_sweeps(&s, &err), SP_EINVAL, "--set packing.grains: the key is swept by study.sweep");
+    sp_scene_free(&s);
+    assert_ok(sp_scene_parse("packing = { grains = 100; };", "s.cfg", 5, list, &s, &err)); /* none of a swept key */
+    assert_ok(sp_scene_check_sweeps(&s, &err));
     sp_scene_free(&s);
 
     refuses_set("packing.pressure=10", "packing.pressure = 10: must be 1e-10 .. 0.01 E*");
