@@ -18,11 +18,11 @@ typedef struct sp_front_options {
 sp_front_options sp_front_options_default(void);
 
 typedef struct sp_front {
-    double t10;       /* first time at `rise` of the peak's height, linearly interpolated */
-    double t_peak;    /* of the parabola through the three points of the maximum */
-    double t_zero;    /* first zero crossing after it, linearly interpolated; NAN if there is none in the window */
-    double amplitude; /* height of that parabola */
-    double width;     /* t_zero - t10 */
+    double t10;        /* first time at `rise` of the peak's height, linearly interpolated */
+    double t_peak;     /* of the parabola through the three points of the maximum */
+    double t_zero;     /* first zero crossing after it, linearly interpolated; NAN if there is none in the window */
+    double amplitude;  /* height of that parabola */
+    double width;      /* t_zero - t10 */
     int64_t crossings; /* upward crossings of rise x amplitude before the peak, the one of t10 included: above 1, noise
                           or a precursor makes t10 early; 0 in what a store gives back */
 } sp_front;

@@ -13,7 +13,7 @@ extern "C" {
 typedef struct sp_network_options {
     double threshold;  /* contacts with fn > threshold x p (x d^2) carry; 1e-4 */
     bool prestress;    /* add the transverse -F_n/r term (translations only); false as in the paper */
-    bool sliding_free; /* k_t = 0 on contacts at the Coulomb limit (within 1e-6); false as in the paper */
+    bool sliding_free; /* k_t = 0 on contacts at the Coulomb limit (within 1%); false as in the paper */
 } sp_network_options;
 sp_network_options sp_network_options_default(void);
 

@@ -47,7 +47,7 @@ typedef struct sp_packing {
     uint64_t seed;
     int64_t steps;   /* time steps of the compression */
     double residual; /* largest elastic acceleration (angular: times R) at the end [E* / (rho d)] */
-    double seconds;  /* CPU time that the making took; never part of a comparison */
+    double seconds;  /* CPU time that the making took; in no file, for equal packings make equal files */
     char *scene;     /* text of the scene with every value, as sp_scene_text gives it; may be NULL */
 } sp_packing;
 

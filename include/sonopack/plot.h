@@ -18,9 +18,10 @@ typedef struct sp_plot_trace {
     const char *label;
     int64_t n;
     const double *t, *f;
-    double t10, t_peak, t_zero; /* marks of the first front, NAN: none */
+    double t10, t_peak, t_zero;  /* marks of the first front, NAN: none */
+    const char *t_unit, *f_unit; /* of a trace from elsewhere, "" unknown; t_unit NULL: those of sp_signal */
 } sp_plot_trace;
-/* F(t) of one or several signals. */
+/* F(t) of one or several signals. The axes name the units that all of them have. */
 sp_status sp_plot_signal(int traces, const sp_plot_trace *trace, const char *path, sp_error *err);
 
 /* Width of the lines from grain to grain: proportional to the normal force, or to k_n = 2 E12 sqrt(R12 overlap). */

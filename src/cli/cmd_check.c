@@ -48,7 +48,10 @@ static const struct argp argp = {
     "FILE...",
     "Audits packings: structure, overlaps, force law, balance of forces and torques, "
     "Coulomb, walls against the pressure.\v"
-    "residual is the largest relative error of all measures, reason the first fault (- if there is none). The exit "
+    "residual is the largest relative error of all measures, reason the first fault (- if there is none). Then each "
+    "measure: force and torque, what is left of them on a grain over p d^2; walls, their force against pressure times "
+    "area; law, normal forces against Hertz's; geometry, overlaps against positions; coulomb, the largest tangential "
+    "force above friction times the normal force. The exit "
     "status is 1 if any file is not ok. A packing that was made with a larger packing.tolerance, or read from a file "
     "with few digits, may need a larger EPS.",
     children,
@@ -86,11 +89,25 @@ static double judge(const sp_audit *audit, double tolerance, char *reason, size_
     return largest;
 }
 
+static sp_status add_columns(sp_table *t, sp_error *err) {
+    static const struct {
+        const char *name;
+        sp_cell_kind kind;
+    } columns[] = {{"file", SP_CELL_TEXT},     {"ok", SP_CELL_TEXT},      {"residual", SP_CELL_NUMBER},
+                   {"reason", SP_CELL_TEXT},   {"force", SP_CELL_NUMBER}, {"torque", SP_CELL_NUMBER},
+                   {"walls", SP_CELL_NUMBER},  {"law", SP_CELL_NUMBER},   {"geometry", SP_CELL_NUMBER},
+                   {"coulomb", SP_CELL_NUMBER}};
+    sp_status status = SP_OK;
+    for (size_t k = 0; k < sizeof columns / sizeof *columns && status == SP_OK; k++)
+        status = sp_table_add_column(t, columns[k].name, "", columns[k].kind, err);
+    return status;
+}
+
 /* One row of the table; *good says whether the file is ok. */
 static sp_status check_file(const arguments *a, const char *path, double threshold, sp_table *t, bool *good,
                             sp_error *err) {
     sp_packing p = sp_packing_none();
-    sp_audit audit;
+    sp_audit audit = {NAN, NAN, NAN, NAN, NAN, NAN, 0, 0, 0};
     sp_error fault = {0};
     char reason[SP_ERROR_TEXT];
     double residual = NAN;
@@ -108,7 +125,9 @@ static sp_status check_file(const arguments *a, const char *path, double thresho
         cli_fail(&fault);
     }
     sp_packing_free(&p);
-    return sp_table_add_row(t, err, path, *good ? "yes" : "no", residual, reason);
+    return sp_table_add_row(t, err, path, *good ? "yes" : "no", residual, reason, audit.force_residual,
+                            audit.torque_residual, audit.wall_residual, audit.law_residual, audit.geometry_residual,
+                            audit.coulomb_excess);
 }
 
 static sp_status work(const arguments *a, bool *all_good, sp_error *err) {
@@ -118,13 +137,7 @@ static sp_status work(const arguments *a, bool *all_good, sp_error *err) {
     if (status == SP_OK)
         status = cli_scene_of_sets(&a->common, "network", &scene, err);
     if (status == SP_OK)
-        status = sp_table_add_column(&t, "file", "", SP_CELL_TEXT, err);
-    if (status == SP_OK)
-        status = sp_table_add_column(&t, "ok", "", SP_CELL_TEXT, err);
-    if (status == SP_OK)
-        status = sp_table_add_column(&t, "residual", "", SP_CELL_NUMBER, err);
-    if (status == SP_OK)
-        status = sp_table_add_column(&t, "reason", "", SP_CELL_TEXT, err);
+        status = add_columns(&t, err);
     for (int k = 0; k < a->files && status == SP_OK; k++) {
         bool good = false;
         status = check_file(a, a->file[k], scene.network.threshold, &t, &good, err);

@@ -75,10 +75,10 @@ static const struct argp argp = {
     "Arrival, peak and width of the first wave front of packings (their signal is computed) and of traces.\v"
     "First peak: the first maximum above 0.2 of the largest value, and followed by a fall of 0.01 of it. t10: first "
     "time at a tenth of its height; t_zero: first zero crossing after it; width: t_zero - t10. A trace is a table of "
-    "numbers, times and forces; its comments "
-    "`# height = H' and `# pressure = P' give distance and window, [0, 8 H + 40] times (P/1e-4)^(-1/6). Without them "
-    "the whole trace is used, and its first maximum above 0.2 of the largest value of all. Two distances make a speed, "
-    "(D2 - D1)/(t10_2 - t10_1); one distance over one time does not.",
+    "numbers, times and forces; its comments `# height = H' and `# pressure = P' give distance and window, [0, 8 H + "
+    "40] times (P/1e-4)^(-1/6). Without them the whole trace is used, and its first maximum above 0.2 of the largest "
+    "value of all. Two distances make a speed, (D2 - D1)/(t10_2 - t10_1); one distance over one time does not. Units "
+    "are those of the files, as far as all agree.",
     children,
     NULL,
     NULL};

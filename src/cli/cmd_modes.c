@@ -13,9 +13,11 @@ typedef struct arguments {
 
 enum { KEY_ALL = 0x1000, KEY_FREQUENCIES, KEY_SOURCE, KEY_LOWEST };
 
+#define ALL_MODES INT64_MAX /* of arguments.lowest */
+
 static const struct argp_option options[] = {
     {"all", KEY_ALL, NULL, 0, "All modes (the default)", 0},
-    {"lowest", KEY_LOWEST, "K", 0, "Only the first K rows, zero modes included", 0},
+    {"lowest", KEY_LOWEST, "K", 0, "Only the K lowest that are not zero modes of rattlers; n counts on from those", 0},
     {"frequencies-only", KEY_FREQUENCIES, NULL, 0, "No amplitudes and participation: columns n, omega, error", 0},
     {"source", KEY_SOURCE, "impulse|velocity|displacement", 0, "Of the amplitudes a (impulse)", 0},
     {0}};
@@ -30,7 +32,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         state->child_inputs[0] = &a->springs;
         state->child_inputs[1] = &a->common;
         return 0;
-    case KEY_ALL: a->lowest = INT64_MAX; return 0;
+    case KEY_ALL: a->lowest = ALL_MODES; return 0;
     case KEY_FREQUENCIES: a->frequencies_only = true; return 0;
     case KEY_LOWEST:
         if (cli_integer("--lowest", arg, 1, 1000000000, &a->lowest, &err) != SP_OK)
@@ -93,7 +95,8 @@ static sp_status fill(const arguments *a, const sp_packing *p, const sp_modes *m
         status = sp_table_add_comment(t, err, "residual = %.3g", m->residual);
     if (status == SP_OK && m->vectors)
         status = sp_table_add_comment(t, err, "orthogonality = %.3g", m->orthogonality);
-    for (int64_t k = 0; k < m->n && k < a->lowest && status == SP_OK; k++) {
+    const int64_t first = a->lowest == ALL_MODES ? 0 : m->n_rattler;
+    for (int64_t k = first; k < m->n && k - first < a->lowest && status == SP_OK; k++) {
         if (m->vectors)
             status = sp_table_add_row(t, err, k, m->omega[k], m->a[k], m->b[k], m->a[k] * m->b[k], m->participation[k],
                                       m->error[k]);
@@ -133,7 +136,7 @@ static sp_status work(const arguments *a, sp_error *err) {
 }
 
 int cmd_modes(int argc, char **argv) {
-    arguments a = {.lowest = INT64_MAX, .source = SP_SOURCE_IMPULSE};
+    arguments a = {.lowest = ALL_MODES, .source = SP_SOURCE_IMPULSE};
     argp_parse(&argp, argc, argv, 0, NULL, &a);
     sp_error err = {0};
     return work(&a, &err) == SP_OK ? CLI_OK : cli_fail(&err);

@@ -84,13 +84,13 @@ static char *label_of(const char *path) {
     return label;
 }
 
-static sp_status read_trace(const arguments *a, const sp_scene *scene, const char *path, sp_plot_trace *out,
-                            sp_error *err) {
-    plot_signal s = {0};
+/* s: its arrays and units are what the trace points to. */
+static sp_status read_trace(const arguments *a, const sp_scene *scene, const char *path, plot_signal *s,
+                            sp_plot_trace *out, sp_error *err) {
     char *label = label_of(path);
     if (!label)
         return sp_fail_memory(err, strlen(path));
-    sp_status status = plot_read_signal(path, scene, &s, err);
+    sp_status status = plot_read_signal(path, scene, s, err);
     if (status != SP_OK) {
         sp_free(label);
         return status;
@@ -98,27 +98,36 @@ static sp_status read_trace(const arguments *a, const sp_scene *scene, const cha
     sp_front front = {.t10 = NAN, .t_peak = NAN, .t_zero = NAN};
     sp_front_options rule = sp_front_options_default();
     sp_error reason = {0};
-    rule.window = s.window;
-    if (sp_front_find(s.n, s.t, s.f, &rule, &front, &reason) != SP_OK)
+    rule.window = s->window;
+    if (sp_front_find(s->n, s->t, s->f, &rule, &front, &reason) != SP_OK)
         cli_note(&a->common, "%s: no first front is marked: %s", path, reason.text);
-    *out = (sp_plot_trace){label, s.n, s.t, s.f, front.t10, front.t_peak, front.t_zero};
+    *out = (sp_plot_trace){.label = label,
+                           .n = s->n,
+                           .t = s->t,
+                           .f = s->f,
+                           .t10 = front.t10,
+                           .t_peak = front.t_peak,
+                           .t_zero = front.t_zero,
+                           .t_unit = s->foreign ? s->t_unit : NULL,
+                           .f_unit = s->foreign ? s->f_unit : NULL};
     return SP_OK;
 }
 
 static sp_status draw_signal(const arguments *a, const sp_scene *scene, sp_error *err) {
     sp_plot_trace *trace = sp_alloc((size_t)a->files, sizeof *trace);
-    if (!trace)
-        return sp_fail_memory(err, (size_t)a->files * sizeof *trace);
-    sp_status status = SP_OK;
+    plot_signal *signal = sp_alloc((size_t)a->files, sizeof *signal);
+    sp_status status =
+        trace && signal ? SP_OK : sp_fail_memory(err, (size_t)a->files * (sizeof *trace + sizeof *signal));
     for (int k = 0; k < a->files && status == SP_OK; k++)
-        status = read_trace(a, scene, a->file[k], &trace[k], err);
+        status = read_trace(a, scene, a->file[k], &signal[k], &trace[k], err);
     if (status == SP_OK)
         status = blame(sp_plot_signal(a->files, trace, a->common.output, err), a->file[0], err);
-    for (int k = 0; k < a->files; k++) {
+    for (int k = 0; k < a->files && trace && signal; k++) {
         sp_free((void *)trace[k].label);
         sp_free((void *)trace[k].t);
     }
     sp_free(trace);
+    sp_free(signal);
     return status;
 }
 

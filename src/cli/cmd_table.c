@@ -53,21 +53,21 @@ static const struct argp argp = {
     "NAME --store DIR [SCENE]",
     "Prints a table of the samples in a store.\v"
     "ctof: speed of the first front, a row a pressure. statics, moduli: means and standard deviations, a row a "
-    "pressure "
-    "and size. ensemble: a row a sample, with everything that is known of it. With SCENE (or --set) only the samples "
-    "of "
-    "that scene: a store may hold several ensembles, and those that differ in more than pressure and size are not "
-    "averaged.",
+    "pressure and size. ensemble: a row a sample, with everything that is known of it. With SCENE (and its --set) only "
+    "the samples of that scene, at least one of which must be there: a store may hold several ensembles, and those "
+    "that differ in more than pressure and size are not averaged.",
     children,
     NULL,
     NULL};
 
 static sp_status work(const arguments *a, sp_scene *scene, sp_store **store, sp_error *err) {
     sp_status status = SP_OK;
-    const bool chosen = a->scene || a->common.sets > 0;
-    if (chosen)
+    if (a->scene)
         status = sp_scene_read(a->scene, a->common.sets, a->common.set, scene, err);
-    cli_tables tables = {.common = &a->common, .scene = chosen ? scene : NULL, .count = 1, .name = {a->name}};
+    if (status == SP_OK)
+        status = sp_scene_check_sweeps(scene, err);
+    cli_tables tables = {
+        .common = &a->common, .scene = a->scene ? scene : NULL, .needs_samples = true, .count = 1, .name = {a->name}};
     if (status == SP_OK)
         status = cli_tables_may_write(&tables, err);
     if (status == SP_OK)

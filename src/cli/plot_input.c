@@ -151,7 +151,7 @@ static sp_status packing_signal(const char *path, const sp_scene *scene, plot_si
     if (t) {
         memcpy(t, signal.t, (size_t)signal.n * sizeof *t);
         memcpy(t + signal.n, signal.f, (size_t)signal.n * sizeof *t);
-        *out = (plot_signal){signal.n, t, t + signal.n, window};
+        *out = (plot_signal){.n = signal.n, .t = t, .f = t + signal.n, .window = window};
     } else if (status == SP_OK) {
         status = sp_fail_memory(err, (size_t)signal.n * 2 * sizeof *t);
     } else {
@@ -203,9 +203,14 @@ static sp_status table_signal(const char *path, plot_signal *out, sp_error *err)
             t[n + k] = sp_table_number(&table, k, column[1]);
         }
         const double height = comment_number(&table, "height"), pressure = comment_number(&table, "pressure");
-        if (t)
-            *out =
-                (plot_signal){n, t, t + n, height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0};
+        const sp_column *time = &table.column[column[0]], *force = &table.column[column[1]];
+        if (t) {
+            *out = (plot_signal){.n = n, .t = t, .f = t + n};
+            out->window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
+            out->foreign = strcmp(time->unit, "d/sqrt(E* / rho)") != 0;
+            snprintf(out->t_unit, sizeof out->t_unit, "%s", time->unit);
+            snprintf(out->f_unit, sizeof out->f_unit, "%s", force->unit);
+        }
     }
     sp_table_free(&table);
     return status;

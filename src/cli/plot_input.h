@@ -11,6 +11,8 @@ typedef struct plot_signal {
     int64_t n;
     double *t, *f; /* one block, t its start */
     double window; /* times in which the first front is looked for; 0: all */
+    bool foreign;  /* a table whose times are not in d/sqrt(E* / rho) */
+    char t_unit[sizeof((sp_column *)0)->unit], f_unit[sizeof((sp_column *)0)->unit]; /* of a foreign one, "" unknown */
 } plot_signal;
 
 /* A signal: the columns t and F of a table (or its first two of numbers), or that of a packing file, made with the

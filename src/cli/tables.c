@@ -150,6 +150,23 @@ static sp_status choose(const sp_scene *scene, int64_t n, const sp_sample *all, 
     return status;
 }
 
+/* SP_EREFUSED if the store has no sample, or none of the scene. */
+static sp_status check_samples(const sp_scene *scene, int64_t n, const sp_sample *all, sp_error *err) {
+    if (n == 0)
+        return sp_fail(err, SP_EREFUSED, "no table: there is no sample in the store");
+    if (!scene)
+        return SP_OK;
+    choice chosen = {0};
+    sp_status status = choose(scene, n, all, &chosen, err);
+    if (status == SP_OK && chosen.n == 0)
+        status = sp_fail(err, SP_EREFUSED,
+                         "no table: none of the %lld samples of the scene is among the %lld in the store: must be the "
+                         "scene (and --set) that made them, see `sonopack table ensemble'",
+                         (long long)chosen.missing, (long long)n);
+    sp_free(chosen.sample);
+    return status;
+}
+
 static sp_status write_case(const cli_tables *tables, int64_t c, int64_t n, const sp_sample *all, sp_error *err) {
     sp_scene one = {0};
     choice chosen = {0};
@@ -185,12 +202,14 @@ sp_status cli_tables_write(const cli_tables *tables, sp_store *store, sp_error *
         *err = reason;
         return status;
     }
-    if (n == 0)
+    if (n == 0 && !tables->needs_samples)
         cli_note(tables->common, "there is no sample in the store");
     if (bad > 0)
         cli_note(tables->common, "%lld files of the store are left out: %s", (long long)bad, reason.text);
     if (n > 0)
         qsort(all, (size_t)n, sizeof *all, by_names);
+    if (tables->needs_samples)
+        status = check_samples(tables->scene, n, all, err);
     for (int64_t c = 0; c < cases_of(tables->scene) && status == SP_OK; c++)
         status = write_case(tables, c, n, all, err);
     sp_free(all);

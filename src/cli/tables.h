@@ -13,6 +13,7 @@
 typedef struct cli_tables {
     const cli_common *common;
     const sp_scene *scene;
+    bool needs_samples; /* refuse where the store has none of them */
     int count;
     const char *name[4];
 } cli_tables;

@@ -106,10 +106,11 @@ sp_status sp_front_find(int64_t n, const double *t, const double *f, const sp_fr
     vertex(t, f, first, last, &front.t_peak, &front.amplitude);
     double level = fmin(opt->rise * front.amplitude, f[first]); /* the parabola rises above its points */
     if (f[0] >= level)
-        return sp_fail(err, SP_EREFUSED,
-                       "no front: the trace starts at F = %g, above %g of the first peak's height %g: an offset must be "
-                       "subtracted first",
-                       f[0], opt->rise, front.amplitude);
+        return sp_fail(
+            err, SP_EREFUSED,
+            "no front: the trace starts at F = %g, above %g of the first peak's height %g: an offset must be "
+            "subtracted first",
+            f[0], opt->rise, front.amplitude);
     int64_t arrival = 1;
     front.crossings = upward_crossings(f, first, level, &arrival);
     front.t10 = crossing(t, f, arrival, level);

@@ -167,6 +167,7 @@ static series points(const speeds *s, int column, int ink, marker shape, const c
     series out = {.n = s->n, .x = s->column[C_P], .y = s->column[column], .ink = figure_ink(ink), .dash = DASH_NONE};
     out.marker = shape;
     out.open = column != C_TOF;
+    out.group = column != C_TOF; /* two low legends leave the points more height than a high one */
     for (int64_t k = 0; k < s->n; k++)
         if (!isnan(out.x[k]) && !isnan(out.y[k]))
             out.label = label;

@@ -10,6 +10,7 @@
 enum {
     LEGEND_MOST = 10,      /* more traces are told by their number */
     LABEL_MOST = 28,       /* characters of a trace's label */
+    UNIT_MOST = 24,        /* of a unit */
     MARKS = 3,             /* t10, peak, zero crossing */
     TRACES_MOST = 1 << 16, /* beyond reason */
 };
@@ -25,6 +26,49 @@ typedef struct drawing {
 } drawing;
 
 static bool finite_point(const sp_plot_trace *t, int64_t k) { return isfinite(t->t[k]) && isfinite(t->f[k]); }
+
+/* A unit as markup: "" unless all traces have it. */
+static void common_unit(const drawing *d, bool force, char *out, size_t size) {
+    const char *common = NULL;
+    bool same = true;
+    for (int j = 0; j < d->traces; j++) {
+        const sp_plot_trace *t = &d->trace[j];
+        const char *unit = force ? t->f_unit : t->t_unit;
+        unit = unit && t->t_unit ? unit : "";
+        same = same && (!common || strcmp(unit, common) == 0);
+        common = unit;
+    }
+    text_escape(out, size, same ? common : "", UNIT_MOST);
+}
+
+/* "name  [10^power unit]", as much of it as there is. */
+static void label_axis(axis *a, const char *name, const char *unit) {
+    char number[32] = "", ten[48] = "";
+    if (a->power != 0) {
+        text_number(number, sizeof number, a->power, 4);
+        snprintf(ten, sizeof ten, "10^{%s}%s", number, *unit ? " " : "");
+    }
+    if (*ten || *unit)
+        snprintf(a->label, sizeof a->label, "%s  [%s%s]", name, ten, unit);
+    else
+        snprintf(a->label, sizeof a->label, "%s", name);
+}
+
+static void label_axes(const drawing *d, axes *a) {
+    bool ours = true;
+    for (int j = 0; j < d->traces; j++)
+        ours = ours && !d->trace[j].t_unit;
+    if (ours) {
+        label_axis(&a->x, "|t|", "|d| (|\xcf\x81|/|E|*)^{1/2}");
+        label_axis(&a->y, "|F|_{sig}", "|E|* |d|^{2}");
+        return;
+    }
+    char unit[160];
+    common_unit(d, false, unit, sizeof unit);
+    label_axis(&a->x, "|t|", unit);
+    common_unit(d, true, unit, sizeof unit);
+    label_axis(&a->y, "|F|", unit);
+}
 
 /* Sizes and ranges: t from the first to the last point, F with zero and some room. */
 static sp_status set_axes(const drawing *d, axes *a, sp_error *err) {
@@ -46,18 +90,7 @@ static sp_status set_axes(const drawing *d, axes *a, sp_error *err) {
     double room = 0.06 * (a->y.high - a->y.low);
     a->y.low -= room;
     a->y.high += room;
-    char number[32] = "", unit[64] = "";
-    if (a->x.power != 0) {
-        text_number(number, sizeof number, a->x.power, 4);
-        snprintf(unit, sizeof unit, "10^{%s} ", number);
-    }
-    snprintf(a->x.label, sizeof a->x.label, "|t|  [%s|d| (|\xcf\x81|/|E|*)^{1/2}]", unit);
-    unit[0] = '\0';
-    if (a->y.power != 0) {
-        text_number(number, sizeof number, a->y.power, 4);
-        snprintf(unit, sizeof unit, "10^{%s} ", number);
-    }
-    snprintf(a->y.label, sizeof a->y.label, "|F|_{sig}  [%s|E|* |d|^{2}]", unit);
+    label_axes(d, a);
     return SP_OK;
 }
 

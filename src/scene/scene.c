@@ -26,9 +26,10 @@ void sp_scene_free(sp_scene *s) {
 sp_status sp_scene_check_sweeps(const sp_scene *s, sp_error *err) {
     for (int k = 0; k < s->sweeps; k++)
         if (s->sweep[k].overridden)
-            return sp_fail(err, SP_EINVAL,
-                           "--set %s: the key is swept by study.sweep: must be another key, or be taken out of the sweep",
-                           s->sweep[k].key);
+            return sp_fail(
+                err, SP_EINVAL,
+                "--set %s: the key is swept by study.sweep: must be another key, or be taken out of the sweep",
+                s->sweep[k].key);
     return SP_OK;
 }
 

@@ -2,10 +2,13 @@
 
 #include "base/base.h"
 
+#include <errno.h>
 #include <pthread.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 static pthread_mutex_t library = PTHREAD_MUTEX_INITIALIZER;
 
@@ -94,8 +97,21 @@ sp_status sp_h5_create(sp_h5 *h, const char *path, sp_error *err) {
     return status;
 }
 
+/* A file that cannot be reached is not damaged; and of a pipe or a device the library would never see the end. */
+static sp_status look_at_file(const char *path, sp_error *err) {
+    struct stat info;
+    if (stat(path, &info) != 0 || (S_ISREG(info.st_mode) && access(path, R_OK) != 0))
+        return sp_fail(err, SP_EIO, "cannot read %s: %s", path, strerror(errno));
+    if (!S_ISREG(info.st_mode))
+        return sp_fail(err, SP_EFORMAT, "%s: not a regular file, which an HDF5 file must be", path);
+    return SP_OK;
+}
+
 sp_status sp_h5_open(sp_h5 *h, const char *path, sp_error *err) {
     enter(h, path);
+    sp_status seen = look_at_file(path, err);
+    if (seen != SP_OK)
+        return seen;
     hid_t fapl = file_access(false);
     hsize_t size = 0;
     if (fapl >= 0)

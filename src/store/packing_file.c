@@ -22,13 +22,13 @@ static bool has_signature(int fd, int64_t size) {
 
 static sp_status is_hdf5(const char *path, bool *yes, sp_error *err) {
     struct stat info;
-    int fd = open(path, O_RDONLY | O_CLOEXEC), code = fd < 0 ? errno : 0;
-    if (code == 0 && fstat(fd, &info) != 0)
-        code = errno;
-    if (code == 0 && S_ISDIR(info.st_mode))
-        code = EISDIR;
-    /* a pipe can be read once only: it is taken for text */
-    *yes = code == 0 && S_ISREG(info.st_mode) && has_signature(fd, info.st_size);
+    int fd = -1, code = stat(path, &info) != 0 ? errno : S_ISDIR(info.st_mode) ? EISDIR : 0;
+    *yes = false;
+    if (code == 0 && S_ISREG(info.st_mode)) { /* a pipe can be opened and read once only: it is taken for text */
+        fd = open(path, O_RDONLY | O_CLOEXEC);
+        code = fd < 0 ? errno : 0;
+        *yes = fd >= 0 && has_signature(fd, info.st_size);
+    }
     if (fd >= 0)
         close(fd);
     return code ? sp_fail(err, SP_EIO, "cannot read %s: %s", path, strerror(code)) : SP_OK;

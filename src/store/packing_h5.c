@@ -41,7 +41,6 @@ static const sp_h5_field field[] = {
     {{"/sonopack/residual", "E* / (rho d)", "largest elastic acceleration at the end (angular: times R)"},
      SP_H5_F64,
      offsetof(sp_packing, residual)},
-    {{"/sonopack/seconds", "s", "CPU time that the making took"}, SP_H5_F64, offsetof(sp_packing, seconds)},
 };
 enum { FIELDS = sizeof field / sizeof *field };
 

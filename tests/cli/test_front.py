@@ -116,6 +116,47 @@ def traces(folder):
     run("front", path, "--column", "4", status=1)
 
 
+def units_and_notes(folder):
+    """Units are the trace's own, or none; what says nothing, or may be wrong, is told on stderr."""
+    t = np.arange(0, 100, 0.25)
+    pulse = np.exp(-((t - 60) / 8) ** 2 / 2) * np.cos((t - 60) / 16)
+    packing, ours, lab, noisy = REFERENCE / "packing_N200_p1e-4.txt", *(folder / f"{k}.tsv" for k in range(3))
+    run("signal", packing, "-o", ours)
+
+    def write(path, f, comment=""):
+        path.write_text(comment + "t\tF\n" + "".join(f"{x:.17g}\t{y:.17g}\n" for x, y in zip(t, f)))
+
+    def units(*paths):
+        lines = [line for line in run("front", *paths).stdout.splitlines() if line.startswith("# units: ")]
+        return lines[0] if lines else ""
+
+    times = "t10 [{0}] t_peak [{0}] t_zero [{0}]"
+    write(lab, pulse)
+    assert units(lab) == "" and units(lab, packing) == "" and units(packing, lab) == ""
+    assert units(packing) == ("# units: distance [d] " + times.format("d/sqrt(E* / rho)")
+                              + " amplitude [E* d^2] width [d/sqrt(E* / rho)]")
+    assert units(ours) == units(packing, ours) == units(packing)
+    write(lab, pulse, "# units: t [ms] F [N]\n")
+    assert units(lab) == units(lab, lab) == "# units: " + times.format("ms") + " amplitude [N] width [ms]"
+    # options that are for the other kind of file
+    for args, reasons in ((["--source", "velocity"], ["--source is not used"]),
+                          (["--set", "signal.source=velocity"], ["--set is not used"]), ([], [])):
+        lines = run("front", lab, *args).stderr.splitlines()
+        assert len(lines) == len(reasons) and all(r in line for r, line in zip(reasons, lines)), (args, lines)
+        assert run("front", lab, *args).stdout == run("front", lab).stdout
+        assert not run("front", packing, *args).stderr and not run("front", lab, *args, "-q").stderr
+    assert "--column is not used" in run("front", packing, "--column", 2).stderr
+    # a precursor above a tenth: t10 is its, and that is told; an offset has no front
+    write(noisy, pulse + 0.15 * np.exp(-((t - 20) / 2) ** 2 / 2))
+    done = run("front", noisy)
+    assert f"{noisy}: F crosses a tenth of the peak 2 times before it" in done.stderr, done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    (row,) = front(noisy)
+    assert 15 < float(row["t10"]) < 20 and abs(float(row["t_peak"]) - 60) < 0.5
+    write(noisy, pulse + 0.3)
+    assert "an offset must be subtracted" in run("front", noisy, status=1).stderr
+
+
 def faults(folder):
     bad = folder / "bad.tsv"
     good = REFERENCE / "packing_N200_p1e-4.txt"
@@ -144,6 +185,6 @@ def faults(folder):
 
 
 with tempfile.TemporaryDirectory() as name:
-    for test in (reference_packings, packing_and_its_signal, traces, faults):
+    for test in (reference_packings, packing_and_its_signal, traces, units_and_notes, faults):
         test(pathlib.Path(name))
         print(test.__name__, "ok")

@@ -121,12 +121,21 @@ def check_signals(scratch):
     t = numpy.linspace(0, 100, 501)
     pulse = numpy.exp(-0.5 * ((t - 40) / 5) ** 2) - 0.5 * numpy.exp(-0.5 * ((t - 55) / 5) ** 2)
     trace = scratch / "pulse_a.tsv"
-    trace.write_text("t\tF\n" + "".join(f"{a:.17g}\t{3e-3 * b:.17g}\n" for a, b in zip(t, pulse)))
+    rows = "".join(f"{a:.17g}\t{3e-3 * b:.17g}\n" for a, b in zip(t, pulse))
+    trace.write_text("t\tF\n" + rows)
     plain = scratch / "b<&>.txt"
     plain.write_text("".join(f"{a:.17g} {2e-3 * b:.17g} 7\n" for a, b in zip(t, pulse)))
     text = words(drawn(scratch, "signal.svg", "signal", trace, plain))
-    for label in ("pulse_a", "b<&>", "t_10", "t_peak", "t_zero", "F_sig  [10^\u22123 E* d^2]"):
+    for label in ("pulse_a", "b<&>", "t_10", "t_peak", "t_zero", "t", "F  [10^\u22123]"):
         expect(label in text, f"signal: no label {label!r} in {text}")
+    # the units are the trace's own; a packing's are d/sqrt(E*/rho) and E* d^2
+    volts, ours = scratch / "volts.tsv", scratch / "ours.tsv"
+    volts.write_text("# units: t [ms] F [V]\nt\tF\n" + rows)
+    ours.write_text("# units: t [d/sqrt(E* / rho)] F [E* d^2]\nt\tF\n" + rows)
+    for name, label in (("volts", ["t  [ms]", "F  [10^\u22123 V]"]),
+                        ("ours", ["t  [d (\u03c1/E*)^1/2]", "F_sig  [10^\u22123 E* d^2]"])):
+        text = words(drawn(scratch, f"{name}.svg", "signal", scratch / f"{name}.tsv"))
+        expect(set(label) <= set(text), f"signal: {label} not in {text}")
     png(drawn(scratch, "signal.png", "signal", trace))
     flat = scratch / "flat.tsv"
     flat.write_text("t\tF\n0\t0\n1\t0\n2\t0\n")

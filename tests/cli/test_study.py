@@ -3,7 +3,9 @@
 usage: test_study.py COMMAND SOURCE_DIR
 """
 import io
+import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -102,6 +104,18 @@ def resumed_and_shared(folder, scene, store, text):
     victims[1].write_bytes(victims[1].read_bytes()[:1000])
     again = run("study", scene, "--store", store)
     assert again.stdout == text and " 2 of them made now" in again.stderr
+    # a pipe, a folder, an endless device, another sample's file: put aside, not read for ever
+    strange = folder / "strange"
+    shutil.copytree(store, strange, ignore=shutil.ignore_patterns("*.bad"))
+    names = sorted(path.name for path in strange.glob("*.h5"))
+    for name in names[:3]:
+        (strange / name).unlink()
+    os.mkfifo(strange / names[0])
+    (strange / names[1]).mkdir()
+    (strange / names[2]).symlink_to("/dev/zero")
+    shutil.copy(strange / names[4], strange / names[3])
+    again = run("study", scene, "--store", strange)
+    assert again.stdout == text and " 4 of them made now" in again.stderr
     # shards in any order, and more than one process at a time, give the same bytes
     shared = folder / "shared"
     parts = [subprocess.Popen([COMMAND, "study", scene, "--store", shared, "--shard", f"{k}/3", "--jobs", "1"],
@@ -125,6 +139,9 @@ def resumed_and_shared(folder, scene, store, text):
     assert run("table", "ctof", "--store", shared, scene).stdout == text.split("\n\n")[0] + "\n"
     (all_of_it,) = tables(run("table", "ctof", "--store", shared).stdout)
     assert list(column(all_of_it, "samples")) == [4, 4]
+    # nothing of the scene is there: no empty table
+    assert "none of the 12 samples" in run("table", "ctof", "--store", shared, scene, "--set", "packing.seed=77",
+                                           status=1).stderr
     # what is not there yet is counted
     (early,) = tables(run("table", "ctof", "--store", shared, scene, "--set", "study.samples=6").stdout)
     assert comment(early, "missing").startswith("8 ")
@@ -202,6 +219,9 @@ def wrong_usage(folder, scene, store):
                  ["study", scene, "--store", store, "--shard", "3/2"], ["study", scene, "--store", store, "--shard", "2"],
                  ["study", scene, "--store", store, "--shard", "1/2/3"], ["study", scene, scene, "--store", store],
                  ["study", scene, "--store", store, "--set", "packing.grain=3"],
+                 ["study", scene, "--store", store, "--set", "packing.pressure=1e-5"],
+                 ["table", "ctof", scene, "--store", store, "--set", "packing.grains=60"],
+                 ["table", "ctof", "--store", store, "--set", "packing.seed=3"],
                  ["study", scene, "--store", store, "--set", "study.want=signal", "-o", folder / "x.tsv"],
                  ["study", scene, "--store", store, "-o", folder / "x.png"],
                  ["table"], ["table", "ctof"], ["table", "--store", store], ["table", "spectra", "--store", store],
@@ -210,6 +230,12 @@ def wrong_usage(folder, scene, store):
         assert done.stderr.startswith("sonopack") and not done.stdout, (args, done.stderr)
     assert "absent" in run("table", "ctof", "--store", folder / "absent", status=1).stderr
     assert not (folder / "absent").exists()
+    assert "packing.pressure: the key is swept by study.sweep" in run(
+        "study", scene, "--store", store, "--set", "packing.pressure=1e-5", status=2).stderr
+    (folder / "empty").mkdir()
+    assert "no sample in the store" in run("table", "ctof", "--store", folder / "empty", status=1).stderr
+    one = ["pack", scene, "--set", "packing.pressure=1e-3", "-o"]  # one packing: the sweep does not hide it
+    assert run(*one, folder / "one.h5").stdout.splitlines()[-1].split("\t")[2] == "0.001"
     (folder / "file").write_text("x")
     run("study", scene, "--store", folder / "file", status=1)
 

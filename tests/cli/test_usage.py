@@ -158,6 +158,9 @@ def check_summary(folder):
     text = expect_status(0, "pack", *SMALL, "--seed", "5", "-o", folder / "s5.txt", "--format", "json").stdout
     expect("z_star" in json.dumps(json.loads(text)), "--format json")
     expect((folder / "s.txt").read_bytes() == (folder / "s5.txt").read_bytes(), "a seed is not a packing, bit for bit")
+    for name in ("one.h5", "two.h5"):
+        expect_status(0, "pack", *SMALL, "--seed", "5", "-o", folder / name)
+    expect((folder / "one.h5").read_bytes() == (folder / "two.h5").read_bytes(), "equal packings, unequal HDF5 files")
 
 
 def change_grain(lines, n):
@@ -200,7 +203,10 @@ def check_audit(folder):
     expect_status(0, "pack", *SMALL, "-o", good)
     result = expect_status(0, "check", good)
     (row,) = rows(result.stdout)
-    expect(list(row) == "file ok residual reason".split(), f"columns {list(row)}")
+    measures = "force torque walls law geometry coulomb".split()
+    expect(list(row) == "file ok residual reason".split() + measures, f"columns {list(row)}")
+    expect(max(float(row[name]) for name in measures) == float(row["residual"]), f"measures {row}")
+    expect(float(row["force"]) > 0 and float(row["coulomb"]) >= 0, f"measures {row}")
     expect(row["ok"] == "yes" and row["file"] == str(good), f"a packing that was just made: {row}")
     # at rest by the rule 1e-6 p: forces balance to 1e-6 of p d^2 (masses are below 1), the piston of 12.5 to 1.25e-5
     expect(0 <= float(row["residual"]) <= 1.25e-5, f"residual {row['residual']}")
@@ -227,6 +233,7 @@ def check_audit(folder):
     for name in ("empty.h5", "noise.h5", "absent.h5", "folder.h5"):
         result = expect_status(1, "check", folder / name, reason=name)
         expect([row["ok"] for row in rows(result.stdout)] == ["no"], f"check {name}: {result.stdout}")
+        expect({row[name] for row in rows(result.stdout) for name in measures} == {"nan"}, f"measures of {name}")
 
 
 def check_statics(folder):

@@ -147,11 +147,8 @@ static void test_few_grains(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rest),
-        cmocka_unit_test(test_determinism),
-        cmocka_unit_test(test_stops),
-        cmocka_unit_test(test_few_grains),
-        cmocka_unit_test(test_odd_protocols),
+        cmocka_unit_test(test_rest),       cmocka_unit_test(test_determinism),   cmocka_unit_test(test_stops),
+        cmocka_unit_test(test_few_grains), cmocka_unit_test(test_odd_protocols),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

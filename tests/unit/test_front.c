@@ -160,7 +160,7 @@ static void crossings_before_the_peak_are_counted(void **state) {
         assert_close(front.t_peak, clean.t_peak, 1e-13);
     }
     for (int64_t k = 600; k < 700; k++) /* after the peak nothing counts */
-        w->f[k] += k % 2;
+        w->f[k] += (double)(k % 2);
     assert_int_equal(find(w, 0).crossings, 4);
     free(w);
 }
@@ -354,8 +354,8 @@ int main(void) {
                                        cmocka_unit_test(noise_moves_the_marks_little),
                                        cmocka_unit_test(precursors_do_not_count),
                                        cmocka_unit_test(crossings_before_the_peak_are_counted),
-        cmocka_unit_test(an_offset_is_told),
-        cmocka_unit_test(a_second_higher_peak_does_not_count),
+                                       cmocka_unit_test(an_offset_is_told),
+                                       cmocka_unit_test(a_second_higher_peak_does_not_count),
                                        cmocka_unit_test(noise_within_a_maximum_and_real_dips),
                                        cmocka_unit_test(plateaus),
                                        cmocka_unit_test(uneven_times),

@@ -194,14 +194,15 @@ static void test_points_are_where_the_data_are(void **state) {
     while (blobs < 8 && next_blob(&p, 0x0072b2, 200, 24, seen, &at, centre[blobs]))
         blobs++;
     assert_int_equal(blobs, 5);
-    /* the highest is the legend's; then p = 1e-4, 1e-5, ... downwards, as c falls */
-    double per_decade = (centre[1][0] - centre[4][0]) / 3;
-    double scale = (centre[4][1] - centre[1][1]) / log(reference[0][1] / reference[3][1]);
+    /* p = 1e-4, 1e-5, ... downwards, as c falls; the lowest is the legend's, in the free corner below them */
+    double per_decade = (centre[0][0] - centre[3][0]) / 3;
+    double scale = (centre[3][1] - centre[0][1]) / log(reference[0][1] / reference[3][1]);
     assert_true(per_decade > 100 && scale > 50);
     for (int k = 0; k < 4; k++) {
-        assert_close(centre[1 + k][0], centre[1][0] - k * per_decade, 1.0);
-        assert_close(centre[1 + k][1], centre[1][1] + scale * log(reference[0][1] / reference[k][1]), 1.0);
+        assert_close(centre[k][0], centre[0][0] - k * per_decade, 1.0);
+        assert_close(centre[k][1], centre[0][1] + scale * log(reference[0][1] / reference[k][1]), 1.0);
     }
+    assert_true(centre[0][1] < 0.25 * p.height); /* no half of the figure is left to the legend */
     free(seen);
     cairo_surface_destroy(p.surface);
 }
@@ -224,7 +225,7 @@ static void test_signal_follows_its_data(void **state) {
         t[k] = 0.1 * k;
         f[k] = 3e-3 * (1 - fabs(k - 500.0) / 500);
     }
-    const sp_plot_trace trace = {NULL, N, t, f, NAN, NAN, NAN};
+    const sp_plot_trace trace = {NULL, N, t, f, NAN, NAN, NAN, NULL, NULL};
     assert_ok(sp_plot_signal(1, &trace, in_folder("pulse.png"), &err));
     picture p = open_picture(in_folder("pulse.png"));
     frame at = find_frame(&p);
@@ -258,7 +259,7 @@ static void test_dense_signal_keeps_its_spikes(void **state) {
         t[k] = k;
         f[k] = k == N / 2 + 7 ? 1 : k == N / 4 + 3 ? -1 : 0;
     }
-    const sp_plot_trace trace = {NULL, N, t, f, NAN, NAN, NAN};
+    const sp_plot_trace trace = {NULL, N, t, f, NAN, NAN, NAN, NULL, NULL};
     assert_ok(sp_plot_signal(1, &trace, in_folder("spikes.png"), &err));
     free(t);
     picture p = open_picture(in_folder("spikes.png"));
@@ -357,6 +358,32 @@ static void test_exponent_is_fitted(void **state) {
     free(text);
 }
 
+/* The axes claim sonopack's units for sonopack's signals only. */
+static void test_units(void **state) {
+    (void)state;
+    const double t[3] = {0, 1, 2}, f[3] = {0, 1, 0};
+    static const struct {
+        const char *unit[2][2]; /* of two traces: t, F */
+        const char *x, *y;
+    } cases[] = {{{{NULL, NULL}, {NULL, NULL}}, "\nt  [d (", "\nF_sig  [E"},
+                 {{{"s", "N"}, {"s", "N"}}, "\nt  [s]\n", "\nF  [N]\n"},
+                 {{{"s", "N"}, {"s", "V"}}, "\nt  [s]\n", "\nF\n"},
+                 {{{"s", "N"}, {NULL, NULL}}, "\nt\n", "\nF\n"},
+                 {{{"", ""}, {"", ""}}, "\nt\n", "\nF\n"},
+                 {{{"|m|^_{s}", ""}, {"|m|^_{s}", ""}}, "\nt  [|m|^_{s}]\n", "\nF\n"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        sp_plot_trace trace[2];
+        for (int j = 0; j < 2; j++)
+            trace[j] = (sp_plot_trace){"x", 3, t, f, 0.1, 1, 2, cases[k].unit[j][0], cases[k].unit[j][1]};
+        assert_ok(sp_plot_signal(2, trace, in_folder("units.svg"), &err));
+        size_t size;
+        char *text = read_file(in_folder("units.svg"), &size);
+        if (!strstr(text, cases[k].x) || !strstr(text, cases[k].y))
+            fail_msg("case %zu: %.400s", k, text);
+        free(text);
+    }
+}
+
 /* File names of any bytes in the legend: still well-formed, shortened, signs of markup and XML kept. */
 static void test_hostile_labels(void **state) {
     (void)state;
@@ -370,7 +397,7 @@ static void test_hostile_labels(void **state) {
                                         "\xf0\x9d\x94\xbb"};
     sp_plot_trace trace[7];
     for (int k = 0; k < 7; k++)
-        trace[k] = (sp_plot_trace){label[k], 3, t, f, 0.1, 1, 2};
+        trace[k] = (sp_plot_trace){label[k], 3, t, f, 0.1, 1, 2, NULL, NULL};
     static const char *const name[] = {"odd.svg", "odd.png", "odd.pdf"};
     for (int k = 0; k < 3; k++)
         assert_ok(sp_plot_signal(7, trace, in_folder(name[k]), &err));
@@ -562,7 +589,7 @@ static void test_refused_tables_leave_no_file(void **state) {
     assert_fails(sp_plot_ctof(&t, path, &err), SP_EINVAL, "column c_tof holds text");
     sp_table_free(&t);
     const double time[2] = {NAN, 1}, force[2] = {1, INFINITY};
-    sp_plot_trace trace = {"x", 2, time, force, NAN, NAN, NAN};
+    sp_plot_trace trace = {"x", 2, time, force, NAN, NAN, NAN, NULL, NULL};
     assert_fails(sp_plot_signal(1, &trace, path, &err), SP_EREFUSED, "no finite point");
     trace.n = 0;
     assert_fails(sp_plot_signal(1, &trace, path, &err), SP_EREFUSED, "no finite point");
@@ -590,14 +617,14 @@ static void test_extreme_data_are_drawn(void **state) {
             f[i] = scale[k] * (i % 2 ? 1 : -1);
         }
         f[3] = NAN; /* a gap */
-        sp_plot_trace trace = {"x", 5, t, f, start[k] + 0.5, -INFINITY, 1e300};
+        sp_plot_trace trace = {"x", 5, t, f, start[k] + 0.5, -INFINITY, 1e300, NULL, NULL};
         assert_ok(sp_plot_signal(1, &trace, in_folder("extreme.svg"), &err));
     }
     for (size_t n = 1; n <= 40; n += 13) {
         sp_plot_trace many[40];
         const double t[2] = {0, 1}, f[2] = {1, 1};
         for (size_t k = 0; k < n; k++)
-            many[k] = (sp_plot_trace){"many", 2, t, f, 0.5, NAN, NAN};
+            many[k] = (sp_plot_trace){"many", 2, t, f, 0.5, NAN, NAN, NULL, NULL};
         assert_ok(sp_plot_signal((int)n, many, in_folder("many.png"), &err));
     }
 }
@@ -648,7 +675,7 @@ static sp_status draw_one(const work *w, int figure, const char *path, sp_error 
 static void test_lack_of_memory(void **state) {
     (void)state;
     const double t[3] = {0, 1, 2}, f[3] = {0, 1, 0};
-    const sp_plot_trace trace = {"x", 3, t, f, 0.1, 1, 2};
+    const sp_plot_trace trace = {"x", 3, t, f, 0.1, 1, 2, NULL, NULL};
     sp_table table = table_of(4, reference);
     sp_packing p = pair_across_the_edge();
     const work w = {&table, &trace, &p};
@@ -704,6 +731,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_pdf_repeats, clear),
         cmocka_unit_test_teardown(test_exponent_of_the_table_comes_first, clear),
         cmocka_unit_test_teardown(test_exponent_is_fitted, clear),
+        cmocka_unit_test_teardown(test_units, clear),
         cmocka_unit_test_teardown(test_hostile_labels, clear),
         cmocka_unit_test_teardown(test_markup_of_numbers, clear),
         cmocka_unit_test_teardown(test_contact_across_the_periodic_edge, clear),

@@ -29,7 +29,7 @@ static void hdf5_keeps_every_bit(void **state) {
             assert_ok(sp_packing_read(path, &q, &err));
             assert_same_packing(&p, &q);
             assert_same_bits("residual", &p.residual, &q.residual, 1);
-            assert_same_bits("seconds", &p.seconds, &q.seconds, 1);
+            assert_true(isnan(q.seconds)); /* in no file */
             assert_true(p.steps == q.steps);
             assert_true(p.scene ? q.scene && strcmp(p.scene, q.scene) == 0 : !q.scene);
             sp_packing_free(&p);
