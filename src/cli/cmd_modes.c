@@ -59,7 +59,7 @@ static const struct argp argp = {
     options,
     parse,
     "FILE",
-    "Eigenfrequencies and eigenmodes of the network of springs, both walls fixed.\v"
+    "Eigenfrequencies of the network of springs, both walls fixed, with their weights in the signal.\v"
     "omega ascends, rattlers' zero modes first. F(t) = sum of ab sin(omega t) (cos for displacements); participation "
     "= (sum w)^2/(N sum w^2) with w a grain's share of the mode, N grains without the rattlers; error bounds that of "
     "omega. --set takes keys of the group network.",
