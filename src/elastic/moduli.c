@@ -188,7 +188,7 @@ static sp_status check_network(const sp_network *net, sp_error *err) {
     if (wall_hold(net, SP_BOTTOM).springs == 0 || wall_hold(net, SP_TOP).springs == 0)
         return sp_fail(err, SP_EREFUSED, "moduli need carrying contacts at both walls, there are %d and %d",
                        wall_hold(net, SP_BOTTOM).springs, wall_hold(net, SP_TOP).springs);
-    return SP_OK;
+    return check_connected(net, err);
 }
 
 static bool wanted(const sp_network *net, int strain, bool grips) {
@@ -241,10 +241,8 @@ sp_status sp_stiffness_make(const sp_network *net, sp_stiffness *out, sp_error *
     work = sp_alloc(4 * (size_t)k.n, sizeof *work);
     status = work ? sp_cholesky_make(&k, &factor, err) : sp_fail_memory(err, 4 * (size_t)k.n * sizeof *work);
     if (status == SP_EREFUSED) {
-        status = check_connected(net, err);
         raise_diagonal(&k);
-        if (status == SP_OK)
-            status = sp_cholesky_make(&k, &factor, err);
+        status = sp_cholesky_make(&k, &factor, err);
     }
     if (status == SP_OK)
         status = strain_all(net, factor, grips, work, &c, err);
@@ -258,7 +256,10 @@ sp_status sp_stiffness_make(const sp_network *net, sp_stiffness *out, sp_error *
     return status;
 }
 
-static double speed(double modulus, double density) { return density > 0 ? sqrt(modulus / density) : NAN; }
+/* A modulus below zero is one of a mechanism, zero but for rounding: what is unstable has no Cholesky factor. */
+static double speed(double modulus, double density) {
+    return density > 0 ? sqrt((modulus < 0 ? 0 : modulus) / density) : NAN;
+}
 
 sp_status sp_moduli_make(const sp_network *net, double phi3s, sp_moduli *out, sp_error *err) {
     sp_stiffness s;

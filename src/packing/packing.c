@@ -70,6 +70,9 @@ static sp_status check_grains(const sp_packing *p, sp_error *err) {
     for (int32_t i = 0; i < p->n; i++) {
         if (!(p->r[i] > 0) || !isfinite(p->r[i]))
             return sp_fail(err, SP_EFORMAT, "grain %d: radius %g must be positive and finite", i, p->r[i]);
+        if (p->r[i] > sp_packing_height(p))
+            return sp_fail(err, SP_EFORMAT, "grain %d: radius %g must be below the height %g", i, p->r[i],
+                           sp_packing_height(p));
         for (int k = 0; k < p->dim; k++) {
             double x = p->x[3 * i + k];
             if (!(x >= 0 && x <= p->box[k]))
@@ -79,6 +82,10 @@ static sp_status check_grains(const sp_packing *p, sp_error *err) {
     }
     return SP_OK;
 }
+
+/* Hertz's law gives at most 4/3 of the radii squared at the deepest overlap. Other laws may give more; what is far more
+ * is no force in units of E* d^2. */
+static const double FORCE_MAX = 1e6;
 
 static sp_status check_contact(const sp_packing *p, int32_t c, sp_error *err) {
     const sp_contact *k = &p->contacts[c];
@@ -106,6 +113,9 @@ static sp_status check_contact(const sp_packing *p, int32_t c, sp_error *err) {
     double reach = k->j >= 0 ? p->r[k->i] + p->r[k->j] : p->r[k->i];
     if (!(k->overlap < reach))
         return sp_fail(err, SP_EFORMAT, "contact %d: overlap %g is not below the radii %g", c, k->overlap, reach);
+    if (!(k->fn <= FORCE_MAX * reach * reach))
+        return sp_fail(err, SP_EFORMAT, "contact %d: normal force %g must be below %g E* d^2 between radii of %g", c,
+                       k->fn, FORCE_MAX * reach * reach, reach);
     return SP_OK;
 }
 

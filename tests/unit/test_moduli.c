@@ -215,6 +215,12 @@ static void test_refusals(void **state) {
     assert_fails(sp_moduli_make(&net, 0.5, &m, &err), SP_EREFUSED, "wall to wall");
     sp_network_free(&net);
     net = network_of(&p, false);
+    for (int k = 0; k < net.n_bulk; k++) /* either half holds on to its wall */
+        if ((net.springs[k].i < 18) != (net.springs[k].j < 18))
+            net.springs[k].kn = net.springs[k].kt = 0;
+    assert_fails(sp_moduli_make(&net, 0.5, &m, &err), SP_EREFUSED, "wall to wall");
+    sp_network_free(&net);
+    net = network_of(&p, false);
     for (int k = 0;; k++) {
         sp_error err = {0};
         sp_alloc_fail_after(k);
