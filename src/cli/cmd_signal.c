@@ -50,7 +50,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         state->child_inputs[1] = &a->common;
         return 0;
     case KEY_UNTIL: status = cli_number("--until", arg, 1e-9, 1e9, &a->until, &err); break;
-    case KEY_POINTS: status = cli_integer("--points", arg, 2, 100000000, &a->points, &err); break;
+    case KEY_POINTS: status = cli_integer("--points", arg, 2, 10000000, &a->points, &err); break;
     case KEY_TOLERANCE: status = cli_number("--tolerance", arg, 1e-15, 0.1, &a->tolerance, &err); break;
     case KEY_METHOD: parse_method(a, arg, state); break;
     case KEY_SOURCE:

@@ -3,6 +3,7 @@
 
 #include "base/base.h"
 #include "scene/field.h"
+#include "store/file.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -109,6 +110,7 @@ static void keep_standard_files(void) {
 
 int main(int argc, char **argv) {
     keep_standard_files();
+    sp_hdf5_exit_silently();
     if (atexit(cli_close_stdout) != 0)
         return CLI_FAILED;
     argp_err_exit_status = CLI_USAGE;

@@ -74,7 +74,7 @@ const sp_field sp_fields[] = {
      "what the bottom wall does: momentum, velocity or displacement in proportion to the stiffness"},
     {"signal", "until", SP_FIELD_REAL, AT(signal.until), "d/sqrt(E* / rho)", 0, 1e9, NULL,
      "last time; 0: when the first front has passed"},
-    {"signal", "points", SP_FIELD_INT, AT(signal.points), "", 2, 1e8, NULL, "equally spaced times from 0 on"},
+    {"signal", "points", SP_FIELD_INT, AT(signal.points), "", 2, 1e7, NULL, "equally spaced times from 0 on"},
     {"signal", "tolerance", SP_FIELD_REAL, AT(signal.tolerance), "max |F|", 1e-15, 0.1, NULL, "error asked for"},
 
     {"study", "samples", SP_FIELD_INT, AT(samples), "", 1, 1e7, NULL,

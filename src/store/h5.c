@@ -1,6 +1,7 @@
 #include "store/h5.h"
 
 #include "base/base.h"
+#include "store/file.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -96,6 +97,8 @@ sp_status sp_h5_create(sp_h5 *h, const char *path, sp_error *err) {
     H5Pclose(fapl);
     return status;
 }
+
+void sp_hdf5_exit_silently(void) { H5dont_atexit(); }
 
 /* A file that cannot be reached is not damaged; and of a pipe or a device the library would never see the end. */
 static sp_status look_at_file(const char *path, sp_error *err) {

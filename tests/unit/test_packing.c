@@ -143,6 +143,7 @@ static void test_check_finds(void **state) {
     } while (0)
     BROKEN(q.r[3] = 0, "grain 3: radius");
     BROKEN(q.r[3] = NAN, "grain 3: radius");
+    BROKEN(q.r[3] = 1e200, "grain 3: radius 1e+200 must be below the height");
     BROKEN(q.x[0] = -1, "outside the box");
     BROKEN(q.x[1] = NAN, "outside the box");
     BROKEN(q.box[0] = INFINITY, "box edge 0");
@@ -157,6 +158,7 @@ static void test_check_finds(void **state) {
     BROKEN(q.contacts[2].overlap = -1e-3, "overlap");
     BROKEN(q.contacts[2].overlap = 5, "overlap");
     BROKEN(q.contacts[2].fn = NAN, "normal force");
+    BROKEN(q.contacts[2].fn = 1e300, "normal force");
     BROKEN(q.contacts[2].ft[0] = 1, "tangential force");
     BROKEN(q.contacts[2] = q.contacts[1], "touch twice");
     BROKEN(q.contacts[1] = q.contacts[2], "touch twice");
