@@ -8,7 +8,7 @@
 static double peak_memory(const sp_pack_spec *s) {
     const double n = s->grains, a = s->diameter_min, b = s->diameter_max;
     if (s->kind != SP_PACK_PISTON)
-        return n * (32 + (s->kind == SP_PACK_CHAIN ? 2 : 4) * (double)sizeof(sp_contact));
+        return n * (32 + (s->kind == SP_PACK_CHAIN ? 2 : 6) * (double)sizeof(sp_contact));
     const double area = 3.14159265358979323846 / 4 * (a * a + a * b + b * b) / 3;
     return 1500 * n + 4 * (n * area / s->gas_fraction / (b * b) + 2 * s->width / b);
 }

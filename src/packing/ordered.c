@@ -25,6 +25,7 @@ sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err
     sp_radii_draw(spec, p.r);
     const double force = spec->pressure;
     double wall = 0; /* where the next surface is */
+    bool crushed = false;
     for (int32_t i = 0; i <= n; i++) {
         sp_contact *c = &p.contacts[i < n ? (i > 0 ? i - 1 : n - 1) : n];
         double e;
@@ -41,11 +42,20 @@ sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err
         }
         c->fn = force;
         c->overlap = contact_overlap(e, force);
+        crushed = crushed || !(c->overlap < p.r[c->i]);
         wall -= c->overlap;
         if (i < n) {
             p.x[3 * (size_t)i] = wall + p.r[i];
             wall += 2 * p.r[i];
         }
+    }
+    if (crushed) {
+        sp_packing_free(&p);
+        return sp_fail(
+            err, SP_EFAILED,
+            "packing.pressure = %g: is too much for the smallest grains of this chain: overlaps are not below "
+            "their radii",
+            spec->pressure);
     }
     p.box[0] = wall;
     sp_packing_sort(&p);
@@ -54,9 +64,10 @@ sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err
 }
 
 /* The overlap n of the lattice's contacts. Under an isotropic pressure all carry the same force F, and two of them hold
- * a piece of wall as long as their spacing d - n: sqrt(3) F(n) = p d (d - n). Newton. */
+ * a piece of wall as long as their spacing d - n, and as thick as the unit of length: sqrt(3) F(n) = p (d - n) 1.
+ * Newton. */
 static double lattice_overlap(double d, double pressure) {
-    const double e = contact_stiffness(0.5 * d, 0.5 * d), load = pressure * d;
+    const double e = contact_stiffness(0.5 * d, 0.5 * d), load = pressure;
     double overlap = contact_overlap(e, load * d / sqrt(3.0));
     for (int step = 0; step < 50; step++) {
         double excess = sqrt(3.0) * contact_force(e, overlap) - load * (d - overlap);
@@ -105,7 +116,7 @@ sp_status sp_triangular_make(const sp_pack_spec *spec, sp_packing *out, sp_error
     set_globals(&p, spec);
     const double e = contact_stiffness(0.5 * d, 0.5 * d), e_wall = contact_wall_stiffness(0.5 * d, p.wall);
     const double overlap = lattice_overlap(d, spec->pressure), spacing = d - overlap, h = sqrt(0.75) * spacing;
-    const double wall_overlap = contact_overlap(e_wall, spec->pressure * d * spacing);
+    const double wall_overlap = contact_overlap(e_wall, spec->pressure * spacing);
     p.box[0] = row * spacing;
     p.box[1] = 2 * (0.5 * d - wall_overlap) + (rows - 1) * h;
     int32_t count = 0;

@@ -67,6 +67,29 @@ static void test_triangular(void **state) {
     sp_packing_free(&p);
 }
 
+/* Walls bear p times their area, whatever the size of the grains. */
+static void test_other_sizes(void **state) {
+    (void)state;
+    sp_pack_spec spec = sp_pack_spec_default();
+    spec.kind = SP_PACK_TRIANGULAR;
+    spec.width = 20;
+    for (double d = 0.5; d <= 2; d *= 2) {
+        spec.diameter_min = spec.diameter_max = d;
+        spec.grains = (int32_t)(5 * 20 / d);
+        sp_packing p = sp_packing_none();
+        assert_ok(sp_packing_make(&spec, NULL, NULL, &p, &err));
+        assert_sound(&p);
+        sp_packing_free(&p);
+    }
+    spec = sp_pack_spec_default();
+    spec.kind = SP_PACK_CHAIN;
+    spec.dim = 1;
+    spec.pressure = 1e-2;
+    spec.diameter_min = spec.diameter_max = 0.02; /* crushed */
+    sp_packing p = sp_packing_none();
+    assert_fails(sp_packing_make(&spec, NULL, NULL, &p, &err), SP_EFAILED, "overlaps are not below");
+}
+
 static void test_chain(void **state) {
     (void)state;
     sp_packing p = make_chain(10, 0, 0);
@@ -262,9 +285,9 @@ static void test_spec_refuses(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_triangular),   cmocka_unit_test(test_chain),       cmocka_unit_test(test_rattlers),
-        cmocka_unit_test(test_check_finds),  cmocka_unit_test(test_audit_finds), cmocka_unit_test(test_statics),
-        cmocka_unit_test(test_spec_refuses),
+        cmocka_unit_test(test_triangular), cmocka_unit_test(test_other_sizes),  cmocka_unit_test(test_chain),
+        cmocka_unit_test(test_rattlers),   cmocka_unit_test(test_check_finds),  cmocka_unit_test(test_audit_finds),
+        cmocka_unit_test(test_statics),    cmocka_unit_test(test_spec_refuses),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
