@@ -9,6 +9,7 @@
 
 #include <sonopack/status.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -107,28 +108,61 @@ sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, 
 
 /* ---- making packings ---------------------------------------------------------------------------------------- */
 
-typedef enum sp_pack_kind { SP_PACK_PISTON = 0, SP_PACK_CHAIN, SP_PACK_TRIANGULAR } sp_pack_kind;
+/* SP_PACK_FILE: a packing that is there already is compressed or decompressed further. */
+typedef enum sp_pack_kind { SP_PACK_PISTON = 0, SP_PACK_CHAIN, SP_PACK_TRIANGULAR, SP_PACK_FILE } sp_pack_kind;
 
-/* Everything that decides a packing. sp_pack_spec_default() fills it with the defaults of docs/physics.md. */
+/* Laws of the diameters, see docs/physics.md. */
+typedef enum sp_sizes { SP_SIZES_UNIFORM = 0, SP_SIZES_BIDISPERSE, SP_SIZES_LOGNORMAL, SP_SIZES_LIST } sp_sizes;
+enum { SP_DIAMETERS_MAX = 1000000 }; /* numbers in a list of diameters */
+enum { SP_HISTORY_MAX = 1000 };      /* pressures in a history */
+
+/* What shrinks under the pressure: the height, or the sides as well until the horizontal stress is the pressure too. */
+typedef enum sp_compression { SP_COMPRESSION_PISTON = 0, SP_COMPRESSION_ISOTROPIC } sp_compression;
+
+/* Where the damping, the piston, the gas and the time step come from that the spec leaves open. */
+typedef enum sp_protocol { SP_PROTOCOL_DEFAULT = 0, SP_PROTOCOL_SOMFAI2005 } sp_protocol;
+
+/* Everything that decides a packing. sp_pack_spec_default() fills it with the defaults of docs/physics.md. A plain
+ * value: copies share the list of diameters, which whoever made it keeps until the last copy has been used. */
 typedef struct sp_pack_spec {
     sp_pack_kind kind;
     int dim;
     int32_t grains;
-    double width;                      /* period sideways [d] */
-    double pressure;                   /* [E*] */
-    double friction;                   /* mu */
-    double poisson;                    /* nu */
-    double diameter_min, diameter_max; /* uniform diameters [d]; equal: monodisperse; both 0: the kind's own, 0.8 .. 1.2
-                                          for the piston, 1 for ordered packings */
+    double width;    /* period along x [d] */
+    double depth;    /* period along y in three dimensions [d]; 0: the width */
+    double pressure; /* [E*] */
+    double friction; /* mu */
+    double poisson;  /* nu */
+    sp_sizes sizes;
+    double diameter_min, diameter_max; /* limits of the law [d]; both 0: its own, for uniform diameters 0.8 .. 1.2 under
+                                          the piston and 1 in ordered packings */
+    double large_fraction;             /* bidisperse: grains with diameter_max over all */
+    double size_spread;                /* lognormal: standard deviation of ln d */
+    const double *diameters;           /* list: of the grains in their order [d]; NULL: none */
+    int32_t diameter_count;            /* at least as many as grains */
+    sp_compression compression;
+    sp_protocol protocol;
+    bool reference; /* the plain path: no tricks that change rounding or skip steps */
     uint64_t seed;
-    double tolerance;    /* largest elastic acceleration at the end [E* / (rho d)]; 0: min(1e-10, 1e-6 p) */
-    double damping;      /* zeta, fraction of critical at a contact, while the packing forms */
-    double piston_mass;  /* per unit of wall area [rho d] */
-    double gas_fraction; /* area fraction of the starting gas */
-    double time_step;    /* dt / sqrt(m_min / k_max) */
-    double calm;         /* global damping starts once the largest acceleration is below calm x p */
-    double drag;         /* rate of the global damping at p = 1e-4 [sqrt(E* / rho)/d]; scales as p^(1/3) */
-    int64_t max_steps;   /* refuse after that many; 0: a bound from the pressure and the height */
+    double tolerance;     /* largest elastic acceleration at the end [E* / (rho d)]; 0: min(1e-10, 1e-6 p) */
+    double damping;       /* zeta, fraction of critical at a contact, while the packing forms; 0: the protocol's own */
+    double piston_mass;   /* per unit of wall area [rho d]; 0: the protocol's own */
+    double gas_fraction;  /* of the starting gas: area (2D) or volume (3D) fraction; 0: the protocol's own */
+    double time_step;     /* over the largest stable one (packing/piston.c); 0: the protocol's own */
+    double calm;          /* global damping starts once the largest acceleration is below calm x p; 0: never, < 0: the
+                             protocol's own */
+    double drag;          /* rate of the global damping at p = 1e-4 [sqrt(E* / rho)/d]; scales as p^(1/3); < 0: the
+                             protocol's own */
+    double calm_damping;  /* zeta once the global damping has started; 0: the protocol's own */
+    double viscous_limit; /* Coulomb's limit of the whole tangential force, viscous part included, over that of its
+                             elastic part, until the global damping starts (from then on 1); 0: the protocol's own */
+    double rebound;    /* rate at which the piston's upward motion is braked, at p = 1e-4 [sqrt(E* / rho)/d]; scales as
+                          p^(1/6); < 0: the protocol's own */
+    int64_t max_steps; /* refuse after that many; 0: a bound from the pressure and the height */
+    const double
+        *history; /* pressures that are gone through first, each to its equilibrium [E*]; shared like diameters */
+    int32_t history_count;
+    uint64_t content; /* SP_PACK_FILE: sp_packing_content of the packing to start from; 0: whatever is given */
 } sp_pack_spec;
 
 sp_pack_spec sp_pack_spec_default(void);
@@ -137,15 +171,43 @@ sp_status sp_pack_spec_check(const sp_pack_spec *spec, sp_error *err);
 
 /* Progress of a making; return false to stop it (SP_EINTERRUPTED). */
 typedef struct sp_pack_progress {
-    const char *phase; /* "compaction" or "equilibration" */
+    const char *phase; /* "flight" of the gas, "compaction", or "equilibration" */
     int64_t steps;
-    double height, residual;
+    double height, strain; /* strain: 1 - height / height at the start */
+    double residual;       /* largest elastic acceleration now, to be brought below the tolerance */
+    double fraction;       /* of the work that is done, a guess in 0 .. 1 */
 } sp_pack_progress;
 typedef bool (*sp_pack_watch)(const sp_pack_progress *progress, void *user);
 
 /* Makes one packing: a function of spec alone, bit for bit. SP_EFAILED when it never comes to rest, blows up or a
  * grain escapes: never a wrong packing. watch may be NULL. */
 sp_status sp_packing_make(const sp_pack_spec *spec, sp_pack_watch watch, void *user, sp_packing *out, sp_error *err);
+
+/* What a making may use and tell beside its spec; none of it changes the packing. */
+typedef struct sp_pack_hooks {
+    sp_pack_watch watch; /* may be NULL */
+    void *user;          /* passed to watch, save and stage */
+    int threads;         /* for packings of thousands of grains; 0 and 1: none beside the caller's */
+    /* Called now and then with the whole state as bytes, to be kept until the next call; may be NULL. */
+    sp_status (*save)(const void *state, size_t size, void *user, sp_error *err);
+    const void *state; /* bytes that save was given by a making of the same spec that did not end; NULL: from the start.
+                          The packing is the same, bit for bit. SP_EFORMAT if they are not, or are damaged. */
+    size_t state_size;
+    const sp_packing *from; /* the packing that kind SP_PACK_FILE starts from */
+    /* Called with the packing at each pressure of the history, index from 0; may be NULL. */
+    sp_status (*stage)(const sp_packing *packing, int32_t index, void *user, sp_error *err);
+} sp_pack_hooks;
+sp_status sp_packing_make_with(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err);
+
+/* Whether these bytes are the whole state of a making of this spec, and at which step: else SP_EFORMAT. For
+ * SP_PACK_FILE the spec must have gone through sp_pack_spec_from. */
+sp_status sp_pack_state_check(const sp_pack_spec *spec, const void *state, size_t size, int64_t *steps, sp_error *err);
+
+/* What a packing is made of as one number, 63 bits: the same for equal grains, contacts and box only. */
+uint64_t sp_packing_content(const sp_packing *p);
+/* Fills in what SP_PACK_FILE takes from the packing: dimension, grains, box, sizes and content. SP_EINVAL where the
+ * spec has another value for one of them (its default is none), or the packing is no start. */
+sp_status sp_pack_spec_from(sp_pack_spec *spec, const sp_packing *from, sp_error *err);
 
 #ifdef __cplusplus
 }

@@ -28,7 +28,7 @@ typedef struct sp_sweep {
     bool overridden; /* an override gave the key a value too, which no sample of the study would have */
 } sp_sweep;
 
-enum { SP_SWEEPS_MAX = 8 };
+enum { SP_SWEEPS_MAX = 8, SP_FROM_MAX = 1024 };
 
 typedef struct sp_scene {
     sp_pack_spec pack;
@@ -38,6 +38,9 @@ typedef struct sp_scene {
     unsigned want;            /* study.want */
     int sweeps;
     sp_sweep sweep[SP_SWEEPS_MAX];
+    double *diameters;      /* of a list, where this scene owns it: pack.diameters points there */
+    double *history;        /* likewise */
+    char from[SP_FROM_MAX]; /* packing.file, from the current folder; "": none. Whoever makes packings of it reads it */
 } sp_scene;
 
 sp_scene sp_scene_default(void);

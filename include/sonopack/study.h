@@ -58,11 +58,13 @@ typedef bool (*sp_study_watch)(const sp_study_progress *progress, void *user);
 typedef struct sp_study_options {
     int jobs;          /* threads, >= 1 */
     int shard, shards; /* this process takes samples shard-1 (mod shards); 1, 1: all */
+    int threads;       /* for one large packing at a time; 0, and with several jobs: one */
+    const sp_packing *from; /* what packing.file names; NULL: nothing */
 } sp_study_options;
 
 int64_t sp_study_count(const sp_scene *scene);
 /* The scene of sample k, 0 <= k < count: sweep values and seed set. Samples are ordered so that every combination gets
- * its first seed before any gets its second. */
+ * its first seed before any gets its second. It shares the study's list of diameters. */
 sp_status sp_study_scene(const sp_scene *study, int64_t k, sp_scene *out, sp_error *err);
 
 /* Computes what is missing. A sample whose packing fails is saved as failed and does not stop the study; where only a

@@ -1,5 +1,6 @@
 /* sonopack study: an ensemble of samples, kept in a store, and its tables. */
 #include "base/base.h"
+#include "cli/output.h"
 #include "cli/tables.h"
 
 #include <math.h>
@@ -105,6 +106,7 @@ static sp_status run(arguments *a, const sp_scene *scene, sp_store *store, sp_er
     sp_study_progress done = {0};
     sp_study_sink sink = sp_store_sink(store);
     a->study.jobs = a->jobs > 0 ? (int)a->jobs : a->common.threads;
+    a->study.threads = a->common.threads;
     cli_catch_signals();
     sp_status status = sp_study_run(scene, &a->study, &sink, watch, (void *)(uintptr_t)&a->common, &done, err);
     cli_progress_end(&a->common);
@@ -121,12 +123,18 @@ static sp_status run(arguments *a, const sp_scene *scene, sp_store *store, sp_er
     return status;
 }
 
-static sp_status work(arguments *a, sp_scene *scene, sp_store **store, sp_error *err) {
+static sp_status work(arguments *a, sp_scene *scene, sp_packing *from, sp_store **store, sp_error *err) {
     sp_status status = sp_scene_read(a->scene, a->common.sets, a->common.set, scene, err);
     if (status == SP_OK)
         status = sp_scene_check_sweeps(scene, err);
     if (status != SP_OK)
         return status;
+    if (scene->pack.kind == SP_PACK_FILE) {
+        status = cli_load_start(scene, from, err);
+        if (status != SP_OK)
+            return status;
+        a->study.from = from;
+    }
     cli_tables tables = wanted_tables(&a->common, scene);
     if (a->common.output && tables.count == 0)
         return sp_fail(err, SP_EINVAL, "-o %s: study.want names no table", a->common.output);
@@ -144,9 +152,11 @@ int cmd_study(int argc, char **argv) {
     sp_error err = {0};
     sp_scene scene = sp_scene_default();
     sp_store *store = NULL;
-    sp_status status = work(&a, &scene, &store, &err);
+    sp_packing from = sp_packing_none();
+    sp_status status = work(&a, &scene, &from, &store, &err);
     if (store)
         sp_store_close(store);
+    sp_packing_free(&from);
     sp_scene_free(&scene);
     return status == SP_OK ? CLI_OK : cli_fail(&err);
 }

@@ -121,6 +121,13 @@ sp_status cli_may_write(const cli_common *common, const char *path, sp_error *er
     return sp_folder_probe(folder, err);
 }
 
+sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err) {
+    sp_status status = sp_packing_read(scene->from, from, err);
+    if (status != SP_OK)
+        return sp_fail_prefix(err, "packing.file");
+    return sp_pack_spec_from(&scene->pack, from, err);
+}
+
 /* ---- tables ----------------------------------------------------------------------------------------------------- */
 
 static sp_status table_format(const cli_common *common, sp_table_format *out, sp_error *err) {

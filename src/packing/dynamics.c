@@ -2,52 +2,67 @@
 
 #include "base/base.h"
 #include "packing/contact.h"
+#include "packing/kernel.h"
 #include "packing/pairs.h"
+#include "packing/plain.h"
 
 #include <math.h>
 #include <string.h>
 
-/* One binary that uses the vector units of the machine it runs on; the bits do not depend on it, as nothing is
- * contracted or reassociated. Sanitizers and clang cannot resolve the clones. */
-#if defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&     \
-    defined(__x86_64__)
-#define CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#else
-#define CLONES
-#endif
+static const grain_layout layout_2d = {.stride = 8, .v = 2, .w = 4, .r = 5, .inv_m = 6, .row = 4, .turn = 2};
+static const grain_layout layout_3d = {.stride = 16, .v = 4, .w = 8, .r = 12, .inv_m = 13, .row = 8, .turn = 4};
 
-typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
+static bool alloc_arrays(dynamics *d) {
+    const size_t n = (size_t)d->n;
+    d->g = sp_alloc((n + 1) * (size_t)d->at.stride, sizeof *d->g);
+    d->cell_next = sp_alloc(n, sizeof *d->cell_next);
+    d->rows.slot = sp_alloc(n * SLOTS, sizeof *d->rows.slot);
+    d->rows.count = sp_alloc(n, sizeof *d->rows.count);
+    d->rows.further = sp_alloc(n, sizeof *d->rows.further);
+    d->plain_f = d->plain ? sp_alloc(6 * n, sizeof *d->plain_f) : NULL;
+    bool ok = d->g && d->cell_next && d->rows.slot && d->rows.count && d->rows.further && (d->plain_f || !d->plain);
+    for (int side = 0; side < 2; side++) {
+        d->wall_ft[side] = sp_alloc(n * (size_t)(d->dim - 1), sizeof(double));
+        d->wall[side].i = sp_alloc(n, sizeof(int32_t));
+        ok = ok && d->wall_ft[side] && d->wall[side].i;
+    }
+    return ok;
+}
 
 sp_status dynamics_make(const sp_pack_spec *spec, const double *r, const double *x, double height, dynamics *out,
                         sp_error *err) {
-    dynamics d = {.n = spec->grains,
-                  .width = spec->width,
-                  .area = spec->width,
+    const double depth = spec->dim == 3 ? (spec->depth > 0 ? spec->depth : spec->width) : 1;
+    dynamics d = {.dim = spec->dim,
+                  .at = spec->dim == 3 ? layout_3d : layout_2d,
+                  .n = spec->grains,
+                  .side = {spec->width, depth},
+                  .area = spec->width * depth,
                   .pressure = spec->pressure,
+                  .plain = spec->reference,
                   .piston_y = height,
-                  .piston_mass = spec->piston_mass * spec->width,
+                  .piston_mass = spec->piston_mass * spec->width * depth,
                   .m_min = INFINITY,
                   .outer_travel = INFINITY};
-    const size_t n = (size_t)d.n;
     d.law.friction = spec->friction;
     d.law.eta = spec->friction > 0 ? contact_eta(spec->poisson) : 0;
     d.law.sqrt_eta = sqrt(d.law.eta);
     d.law.damping = spec->damping;
-    d.g = sp_alloc(n, sizeof *d.g);
-    d.f = sp_alloc(n, sizeof *d.f);
-    d.cell_next = sp_alloc(n, sizeof *d.cell_next);
-    for (int side = 0; side < 2; side++) {
-        d.wall_ft[side] = sp_alloc(n, sizeof(double));
-        d.wall[side].i = sp_alloc(n, sizeof(int32_t));
-    }
-    if (!d.g || !d.f || !d.cell_next || !d.wall_ft[0] || !d.wall_ft[1] || !d.wall[0].i || !d.wall[1].i) {
+    d.law.viscous_limit = spec->viscous_limit;
+    d.rebound = spec->rebound * pow(spec->pressure / 1e-4, 1.0 / 6.0);
+    if (!alloc_arrays(&d)) {
         dynamics_free(&d);
-        return sp_fail_memory(err, n * (sizeof *d.g + sizeof *d.f + 28));
+        return sp_fail_memory(err, (size_t)d.n * (size_t)(8 * d.at.stride + 100));
     }
-    for (size_t i = 0; i < n; i++) {
-        double m = grain_mass(r[i]);
-        d.g[i] = (grain){.x = x[3 * i], .y = x[3 * i + 1], .r = r[i], .inv_m = 1.0 / m};
+    for (int32_t i = 0; i < d.n; i++) {
+        double *g = dynamics_grain(&d, i);
+        const double m = grain_mass(r[i]);
+        memcpy(g, x + 3 * (size_t)i, (size_t)d.dim * sizeof *g);
+        g[d.at.r] = r[i];
+        g[d.at.inv_m] = 1.0 / m;
+        if (d.dim == 3)
+            g[d.at.inv_m + 1] = 1.0 / r[i];
         d.m_min = fmin(d.m_min, m);
+        d.r_max = fmax(d.r_max, r[i]);
     }
     *out = d;
     return SP_OK;
@@ -60,224 +75,305 @@ void dynamics_free(dynamics *d) {
         sp_free(d->wall_ft[side]);
         sp_free(d->wall[side].i);
     }
+    sp_free(d->rows.row);
+    sp_free(d->rows.slot);
+    sp_free(d->rows.count);
+    sp_free(d->rows.further);
+    sp_free(d->rows.chain);
     sp_free(d->cell_head);
     sp_free(d->cell_next);
-    sp_free(d->f);
+    sp_free(d->plain_f);
     sp_free(d->g);
+    sp_team_free(d->team);
     *d = (dynamics){0};
 }
 
-/* Differences of all pairs, so that the law below runs over plain arrays. */
-CLONES static void gather(const pair_list *p, const grain *restrict g) {
-    for (int32_t k = 0; k < p->n; k++) {
-        const grain *a = &g[p->i[k]], *b = &g[p->j[k]];
-        *(v4 *)&p->d[4 * k] = *(const v4 *)&b->x - *(const v4 *)&a->x;
-        p->spin[k] = a->w + b->w;
-    }
-}
+/* ---- one step ------------------------------------------------------------------------------------------------ */
 
-/* Appendix A of the paper for all listed pairs. Open pairs come out with zero force and forget their tangential force.
- * dt: time over which the tangential spring stretches with the present relative velocity. */
-CLONES static void pair_law(int32_t n, const pair_list *p, const contact_law *law, double dt) {
-    const double *restrict d = p->d;
-    const double *restrict shift = p->shift, *restrict reach = p->reach, *restrict e = p->e, *restrict c = p->c;
-    const double *restrict spin = p->spin;
-    double *restrict ft = p->ft, *restrict stiffness = p->kn;
-    double *restrict fx = p->f, *restrict fy = p->f + p->capacity, *restrict turn = p->f + 2 * p->capacity;
-    const double mu = law->friction, eta_dt = law->eta * dt, sqrt_eta = law->sqrt_eta;
-    const double mu_viscous = law->limit_viscous ? mu : 1e300;
-#pragma GCC ivdep
-    for (int32_t k = 0; k < n; k++) {
-        double x = d[4 * k + 0] + shift[k], y = d[4 * k + 1], vx = d[4 * k + 2], vy = d[4 * k + 3];
-        double r = sqrt(x * x + y * y), inverse = 1.0 / r;
-        double nx = x * inverse, ny = y * inverse, gap = reach[k] - r;
-        double overlap = gap > 0 ? gap : 0;
-        double kn = 2.0 * e[k] * sqrt(overlap);      /* k_n = 2 E12 sqrt(R12 n) */
-        double elastic = (2.0 / 3.0) * kn * overlap; /* (A1) */
-        double viscous = c[k] * sqrt(kn);            /* 2 zeta sqrt(m_eff k_n) */
-        double vt = vy * nx - vx * ny - spin[k];     /* relative velocity along (-ny, nx), rotations included */
-        double normal = elastic - viscous * (vx * nx + vy * ny);
-        normal = normal > 0 ? normal : 0;    /* never attracts */
-        double cap = mu * elastic;           /* (A3), on the elastic spring */
-        double t = ft[k] + eta_dt * kn * vt; /* (A2): k_t = eta k_n */
-        t = t > cap ? cap : t;
-        t = t < -cap ? -cap : t;
-        ft[k] = t;
-        double total = t + viscous * sqrt_eta * vt, limit = mu_viscous * normal;
-        total = total > limit ? limit : total;
-        total = total < -limit ? -limit : total;
-        fx[k] = -normal * nx - total * ny;
-        fy[k] = -normal * ny + total * nx;
-        turn[k] = total;
-        stiffness[k] = kn;
-    }
-}
-
-/* Adds pair forces to both grains: opposite forces, and the same turning force. */
-CLONES static void scatter(const pair_list *p, grain_force *restrict f) {
-    const v4 other = {-1.0, -1.0, 1.0, 1.0};
-    const double *fx = p->f, *fy = p->f + p->capacity, *turn = p->f + 2 * p->capacity;
-    for (int32_t k = 0; k < p->n;) {
-        const int32_t i = p->i[k]; /* a row of pairs with the same i: its sum stays in a register */
-        v4 sum = *(v4 *)&f[i];
-        for (; k < p->n && p->i[k] == i; k++) {
-            v4 force = {fx[k], fy[k], turn[k], 0};
-            sum += force;
-            *(v4 *)&f[p->j[k]] += other * force;
-        }
-        *(v4 *)&f[i] = sum;
-    }
-}
-
-static double largest(int32_t n, const double *restrict x) {
-    double m[4] = {0, 0, 0, 0};
-    int32_t k = 0;
-    for (; k + 4 <= n; k += 4)
-        for (int l = 0; l < 4; l++)
-            m[l] = x[k + l] > m[l] ? x[k + l] : m[l];
-    for (; k < n; k++)
-        m[0] = x[k] > m[0] ? x[k] : m[0];
-    return fmax(fmax(m[0], m[1]), fmax(m[2], m[3]));
-}
-
-/* A wall is a grain of infinite radius, E12 = E*, which does not turn: normal n = (0, sign), t = (-sign, 0). */
-static void wall_law(dynamics *d, int side, double dt) {
-    const double sign = side == 0 ? -1 : 1, wall_v = side == 0 ? 0 : d->piston_v;
+/* A wall is a grain of infinite radius, E12 = E*, which does not turn; its normal is (0, sign) or (0, 0, sign). */
+static void wall_pair(dynamics *d, int side, int32_t i, double *row, double dt) {
     const contact_law *law = &d->law;
-    double sum = 0, stiffness = 0;
-    for (int32_t k = 0; k < d->wall[side].n; k++) {
-        const int32_t i = d->wall[side].i[k];
-        const grain *g = &d->g[i];
-        double distance = side == 0 ? g->y : d->piston_y - g->y, overlap = g->r - distance;
-        double *ft = &d->wall_ft[side][i];
-        if (!(overlap > 0)) {
-            *ft = 0;
-            continue;
-        }
-        double kn = contact_normal_stiffness(sqrt(g->r), overlap), elastic = 2.0 / 3.0 * kn * overlap;
-        double viscous = 2.0 * law->damping * sqrt(kn / g->inv_m);
-        double vt = sign * g->vx - g->w; /* (0 - v).t - R omega */
-        double normal = fmax(0, elastic - viscous * sign * (wall_v - g->vy));
-        double cap = law->friction * elastic;
-        *ft = fmax(-cap, fmin(cap, *ft + law->eta * dt * kn * vt));
-        double total = *ft + viscous * law->sqrt_eta * vt;
-        if (law->limit_viscous)
-            total = fmax(-law->friction * normal, fmin(law->friction * normal, total));
-        d->f[i].x -= sign * total;
-        d->f[i].y -= sign * normal;
-        d->f[i].t += total;
-        sum += normal;
-        stiffness += kn;
-        d->k_max = fmax(d->k_max, kn);
+    const int up = d->dim - 1;
+    const double sign = side == 0 ? -1 : 1, *g = dynamics_grain(d, i), *v = g + d->at.v, *w = g + d->at.w;
+    const double overlap = g[d->at.r] - (side == 0 ? g[up] : d->piston_y - g[up]);
+    double *ft = d->wall_ft[side] + (int64_t)up * i, t[2] = {0, 0}, old = 0, new = 0, size = 0;
+    memset(row, 0, (size_t)d->at.row * sizeof *row);
+    if (!(overlap > 0)) {
+        memset(ft, 0, (size_t)up * sizeof *ft);
+        return;
     }
-    d->wall_force[side] = sum;
-    if (side == 1)
-        d->piston_k = stiffness;
+    const double kn = contact_normal_stiffness(sqrt(g[d->at.r]), overlap), elastic = 2.0 / 3.0 * kn * overlap;
+    const double s = sqrt(kn / g[d->at.inv_m]), viscous = 2.0 * law->damping * s, cap = law->friction * elastic;
+    const double normal = fmax(0, elastic - viscous * sign * ((side == 0 ? 0 : d->piston_v) - v[up]));
+    /* slip velocity -v - W x n, W = R omega */
+    const double slip[2] = {-v[0] - sign * (up == 2 ? w[1] : -w[0]), up == 2 ? -v[1] + sign * w[0] : 0};
+    const double twist = up == 2 ? 0.5 * dt * sign * w[2] * g[d->at.inv_m + 1] : 0;
+    for (int a = 0; a < up; a++) {
+        t[a] = ft[a] + (up == 2 ? sign * twist * (a == 0 ? -ft[1] : ft[0]) : 0);
+        old += ft[a] * ft[a];
+        new += t[a] * t[a];
+    }
+    for (int a = 0; a < up; a++) {
+        t[a] = (up == 2 && new > 0 ? sqrt(old / new) : 1) * t[a] + law->eta * dt * kn * slip[a];
+        size += t[a] * t[a];
+    }
+    size = sqrt(size);
+    for (int a = 0; a < up; a++) {
+        ft[a] = size > cap ? t[a] * (cap / size) : t[a];
+        t[a] = ft[a] + viscous * law->sqrt_eta * slip[a];
+    }
+    size = sqrt(t[0] * t[0] + t[1] * t[1]);
+    const double limit = law->friction * law->viscous_limit * normal;
+    for (int a = 0; a < up; a++)
+        row[a] = size > limit ? t[a] * (limit / size) : t[a];
+    row[up] = -sign * normal;
+    if (up == 1) { /* n x f_t */
+        row[2] = -sign * row[0];
+    } else {
+        row[4] = -sign * row[1];
+        row[5] = sign * row[0];
+    }
+    row[3] = s;
+    d->wall_force[side] += normal;
+    d->piston_k += side == 1 ? kn : 0;
+}
+
+typedef struct step_work {
+    dynamics *d;
+    double dt;
+    kernel_seen seen[256];
+} step_work;
+
+static void forces_part(void *data, int part, int parts) {
+    step_work *work = data;
+    dynamics *d = work->d;
+    if (part == 0) {
+        d->wall_force[0] = d->wall_force[1] = d->piston_k = 0;
+        for (int side = 0; side < 2; side++)
+            for (int32_t k = 0; k < d->wall[side].n; k++)
+                wall_pair(d, side, d->wall[side].i[k], d->rows.row + (int64_t)d->at.row * (d->rows.wall[side] + k),
+                          work->dt);
+    }
+    const int64_t blocks = (d->inner.padded + BLOCK - 1) / BLOCK;
+    for (int64_t b = blocks * part / parts; b < blocks * (part + 1) / parts; b++) {
+        const int32_t first = (int32_t)(b * BLOCK), left = d->inner.padded - first;
+        (d->dim == 2 ? kernel_pairs_2d : kernel_pairs_3d)(d, work->dt, first, left < BLOCK ? left : BLOCK);
+    }
 }
 
 void dynamics_forces(dynamics *d, double dt_past) {
-    memset(d->f, 0, (size_t)d->n * sizeof *d->f);
-    gather(&d->inner, d->g);
-    pair_law(d->inner.n, &d->inner, &d->law, dt_past);
-    scatter(&d->inner, d->f);
-    d->k_max = largest(d->inner.n, d->inner.kn);
-    wall_law(d, 0, dt_past);
-    wall_law(d, 1, dt_past);
+    step_work work = {.d = d, .dt = dt_past};
+    if (d->plain)
+        plain_forces(d, dt_past);
+    else
+        sp_team_run(d->team, forces_part, &work);
+}
+
+static void move_part(void *data, int part, int parts) {
+    step_work *work = data;
+    const dynamics *d = work->d;
+    const int32_t first = (int32_t)((int64_t)d->n * part / parts), last = (int32_t)((int64_t)d->n * (part + 1) / parts);
+    work->seen[part] = (d->dim == 2 ? kernel_move_2d : kernel_move_3d)(d, work->dt, first, last);
+}
+
+static void move_grains(dynamics *d, double dt) {
+    step_work work = {.d = d, .dt = dt};
+    kernel_seen all = {0, 0};
+    sp_team_run(d->team, move_part, &work);
+    for (int part = 0; part < (int)(sizeof work.seen / sizeof *work.seen); part++) {
+        all.v2 = work.seen[part].v2 > all.v2 ? work.seen[part].v2 : all.v2;
+        all.rate = work.seen[part].rate > all.rate ? work.seen[part].rate : all.rate;
+    }
+    d->v_max = sqrt(all.v2);
+    d->rate = all.rate;
 }
 
 void dynamics_advance(dynamics *d, double dt) {
-    const double keep = 1.0 - d->drag * dt;
-    double v2 = 0;
-    for (int32_t i = 0; i < d->n; i++) {
-        grain *g = &d->g[i];
-        const grain_force *f = &d->f[i];
-        double kick = dt * g->inv_m;
-        g->vx = keep * g->vx + kick * f->x;
-        g->vy = keep * g->vy + kick * f->y;
-        g->w = keep * g->w + 2.5 * kick * f->t; /* I = 0.4 m R^2 */
-        g->x += dt * g->vx;
-        g->y += dt * g->vy;
-        double s = g->vx * g->vx + g->vy * g->vy;
-        v2 = s > v2 ? s : v2;
-    }
+    if (d->plain)
+        plain_advance(d, dt);
+    else
+        move_grains(d, dt);
+    const double keep = 1.0 - (d->drag + (d->piston_v > 0 ? d->rebound : 0)) * dt;
     d->piston_v = keep * d->piston_v + dt * (d->wall_force[1] - d->pressure * d->area) / d->piston_mass;
     d->piston_y += dt * d->piston_v;
-    d->v_max = fmax(sqrt(v2), fabs(d->piston_v));
-    d->inner_travel += 2 * d->v_max * dt;
-    d->outer_travel += 2 * d->v_max * dt;
+    d->v_max = fmax(d->v_max, fabs(d->piston_v));
+    double strain = 0;
+    for (int a = 0; a < d->dim - 1; a++) {
+        d->side[a] *= 1 + d->side_rate[a] * dt;
+        strain += fabs(d->side_rate[a]) * d->side[a];
+    }
+    if (strain > 0)
+        d->area = d->side[0] * d->side[1];
+    d->inner_travel += (2 * d->v_max + strain) * dt;
+    d->outer_travel += (2 * d->v_max + strain) * dt;
     d->dt = dt;
 }
 
-static double largest_acceleration(const dynamics *d) {
-    double worst = 0;
-    for (int32_t i = 0; i < d->n; i++) {
-        const grain_force *f = &d->f[i];
-        worst = fmax(worst, d->g[i].inv_m * fmax(sqrt(f->x * f->x + f->y * f->y), 2.5 * fabs(f->t)));
+/* ---- what acts on a grain ------------------------------------------------------------------------------------ */
+
+static void add_row(const dynamics *d, int64_t at, double force[3], double turn[3]) {
+    const double *row = d->rows.row + at;
+    for (int a = 0; a < d->dim; a++)
+        force[a] += row[a];
+    for (int a = 0; a < (d->dim == 3 ? 3 : 1); a++)
+        turn[a] += row[d->at.turn + a];
+}
+
+void dynamics_force_on(const dynamics *d, int32_t i, double force[3], double turn[3]) {
+    memset(force, 0, 3 * sizeof *force);
+    memset(turn, 0, 3 * sizeof *turn);
+    if (d->plain) {
+        const double *f = d->plain_f + 6 * (int64_t)i;
+        memcpy(force, f, 3 * sizeof *f);
+        memcpy(turn, d->dim == 3 ? f + 3 : f + 5, (d->dim == 3 ? 3 : 1) * sizeof *f);
+        return;
     }
-    return worst;
+    const force_rows *rows = &d->rows;
+    for (int s = 0; s < SLOTS && s < rows->count[i]; s++)
+        add_row(d, rows->slot[SLOTS * (int64_t)i + s], force, turn);
+    for (int32_t c = rows->further[i]; c >= 0; c = rows->chain[2 * (int64_t)c + 1])
+        add_row(d, rows->chain[2 * (int64_t)c], force, turn);
+}
+
+static double acceleration(const dynamics *d, int32_t i, const double force[3], const double turn[3]) {
+    const double f = sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
+    const double q = sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]);
+    return dynamics_grain(d, i)[d->at.inv_m] * fmax(f, 2.5 * q);
 }
 
 double dynamics_acceleration(const dynamics *d) {
     const double load = d->pressure * d->area, imbalance = fabs(d->wall_force[1] - load);
     if (imbalance > 0.5 * load) /* a heavy piston in free fall accelerates little, but is not carried */
         return INFINITY;
-    return fmax(largest_acceleration(d), imbalance / d->piston_mass);
+    double worst = imbalance / d->piston_mass;
+    for (int32_t i = 0; i < d->n; i++) {
+        double force[3], turn[3];
+        dynamics_force_on(d, i, force, turn);
+        worst = fmax(worst, acceleration(d, i, force, turn));
+    }
+    return worst;
 }
 
 /* ---- how far from rest --------------------------------------------------------------------------------------- */
 
-static void elastic_pair_forces(dynamics *d) {
-    const pair_list *p = &d->inner;
-    for (int32_t k = 0; k < p->n; k++) {
-        const grain *a = &d->g[p->i[k]], *b = &d->g[p->j[k]];
-        double x = b->x - a->x + p->shift[k], y = b->y - a->y, r = sqrt(x * x + y * y), overlap = p->reach[k] - r;
-        if (!(overlap > 0))
-            continue;
-        double normal = contact_force(p->e[k], overlap), nx = x / r, ny = y / r, t = p->ft[k];
-        double fx = -normal * nx - t * ny, fy = -normal * ny + t * nx;
-        grain_force *fa = &d->f[p->i[k]], *fb = &d->f[p->j[k]];
-        *fa = (grain_force){fa->x + fx, fa->y + fy, fa->t + t, 0};
-        *fb = (grain_force){fb->x - fx, fb->y - fy, fb->t + t, 0};
-    }
+/* The list that holds the tangential forces. */
+static const pair_list *present_list(const dynamics *d) { return d->plain ? &d->outer : &d->inner; }
+
+/* From grain i to grain j of a pair, and its length. */
+static double separation(const dynamics *d, const pair_list *p, int32_t k, double x[3]) {
+    const double *g = dynamics_grain(d, p->i[k]), *h = dynamics_grain(d, p->j[k]);
+    x[2] = 0;
+    for (int a = 0; a < d->dim; a++)
+        x[a] = h[a] - g[a] + (a < d->dim - 1 ? p->image[k + (int64_t)a * p->capacity] * d->side[a] : 0);
+    return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
 }
 
-static double elastic_wall_forces(dynamics *d, int side) {
+/* Elastic force on i of a pair, and its turning force. False for an open pair. */
+static bool elastic_pair(const dynamics *d, const pair_list *p, int32_t k, double force[3], double turn[3]) {
+    double x[3], r = separation(d, p, k, x), overlap = p->reach[k] - r, t[3] = {0, 0, 0};
+    if (!(overlap > 0))
+        return false;
+    const double e = contact_stiffness(dynamics_radius(d, p->i[k]), dynamics_radius(d, p->j[k]));
+    const double normal = contact_force(e, overlap), n[3] = {x[0] / r, x[1] / r, x[2] / r};
+    if (d->dim == 2) {
+        t[0] = -p->ft[k] * n[1];
+        t[1] = p->ft[k] * n[0];
+        turn[0] = p->ft[k];
+        turn[1] = turn[2] = 0;
+    } else {
+        for (int a = 0; a < 3; a++)
+            t[a] = p->ft[k + (int64_t)a * p->capacity];
+        for (int a = 0; a < 3; a++)
+            turn[a] = n[(a + 1) % 3] * t[(a + 2) % 3] - n[(a + 2) % 3] * t[(a + 1) % 3];
+    }
+    for (int a = 0; a < 3; a++)
+        force[a] = t[a] - normal * n[a];
+    return true;
+}
+
+/* f: [n][6], force and turning force. Returns the wall's total normal force. */
+static double add_elastic_walls(const dynamics *d, int side, double *f) {
+    const int up = d->dim - 1;
     const double sign = side == 0 ? -1 : 1;
     double sum = 0;
     for (int32_t k = 0; k < d->wall[side].n; k++) {
         const int32_t i = d->wall[side].i[k];
-        double overlap = d->g[i].r - (side == 0 ? d->g[i].y : d->piston_y - d->g[i].y);
+        const double *g = dynamics_grain(d, i), *t = d->wall_ft[side] + (int64_t)up * i;
+        const double overlap = g[d->at.r] - (side == 0 ? g[up] : d->piston_y - g[up]);
         if (!(overlap > 0))
             continue;
-        double normal = contact_force(sqrt(d->g[i].r), overlap), t = d->wall_ft[side][i];
-        grain_force *f = &d->f[i];
-        *f = (grain_force){f->x - sign * t, f->y - sign * normal, f->t + t, 0};
+        const double normal = contact_force(sqrt(g[d->at.r]), overlap);
+        double *on = f + 6 * (int64_t)i;
+        for (int a = 0; a < up; a++)
+            on[a] += t[a];
+        on[up] -= sign * normal;
+        if (up == 1) {
+            on[3] -= sign * t[0];
+        } else {
+            on[3] -= sign * t[1];
+            on[4] += sign * t[0];
+        }
         sum += normal;
     }
     return sum;
 }
 
-double dynamics_residual(dynamics *d, double *wall_imbalance) {
-    memset(d->f, 0, (size_t)d->n * sizeof *d->f);
-    elastic_pair_forces(d);
-    elastic_wall_forces(d, 0);
-    double top = elastic_wall_forces(d, 1);
+sp_status dynamics_residual(const dynamics *d, double *residual, double *wall_imbalance, sp_error *err) {
+    const pair_list *p = present_list(d);
+    double *f = sp_alloc((size_t)d->n * 6, sizeof *f), worst = 0;
+    if (!f)
+        return sp_fail_memory(err, (size_t)d->n * 6 * sizeof *f);
+    for (int32_t k = 0; k < p->n; k++) {
+        double force[3], turn[3];
+        if (!elastic_pair(d, p, k, force, turn))
+            continue;
+        double *on_i = f + 6 * (int64_t)p->i[k], *on_j = f + 6 * (int64_t)p->j[k];
+        for (int a = 0; a < 3; a++) {
+            on_i[a] += force[a];
+            on_j[a] -= force[a];
+            on_i[3 + a] += turn[a];
+            on_j[3 + a] += turn[a];
+        }
+    }
+    add_elastic_walls(d, 0, f);
+    const double top = add_elastic_walls(d, 1, f);
+    for (int32_t i = 0; i < d->n; i++)
+        worst = fmax(worst, acceleration(d, i, f + 6 * (int64_t)i, f + 6 * (int64_t)i + 3));
+    sp_free(f);
     *wall_imbalance = fabs(top / d->area - d->pressure);
-    return fmax(largest_acceleration(d), fabs(top - d->pressure * d->area) / d->piston_mass);
+    *residual = fmax(worst, fabs(top - d->pressure * d->area) / d->piston_mass);
+    return SP_OK;
+}
+
+double dynamics_side_pressure(const dynamics *d, int a) {
+    const pair_list *p = present_list(d);
+    double sum = 0;
+    for (int32_t k = 0; k < p->n; k++) {
+        double x[3], force[3], turn[3];
+        if (elastic_pair(d, p, k, force, turn)) {
+            separation(d, p, k, x);
+            sum -= force[a] * x[a];
+        }
+    }
+    return sum / (d->area * d->piston_y);
 }
 
 bool dynamics_sane(const dynamics *d) {
+    const int up = d->dim - 1;
     if (!isfinite(d->piston_y) || !isfinite(d->v_max))
         return false;
     for (int32_t i = 0; i < d->n; i++) {
-        const grain *g = &d->g[i];
-        if (!(g->y > 0.2 * g->r) || !(d->piston_y - g->y > 0.2 * g->r) || !isfinite(g->x) || !isfinite(g->w))
+        const double *g = dynamics_grain(d, i), r = g[d->at.r];
+        if (!(g[up] > 0.2 * r) || !(d->piston_y - g[up] > 0.2 * r))
             return false;
+        for (int a = 0; a < d->at.r; a++)
+            if (!isfinite(g[a]))
+                return false;
     }
-    for (int32_t k = 0; k < d->inner.n; k++) {
-        const grain *a = &d->g[d->inner.i[k]], *b = &d->g[d->inner.j[k]];
-        double x = b->x - a->x + d->inner.shift[k], y = b->y - a->y;
-        if (sqrt(x * x + y * y) < d->inner.reach[k] - 0.8 * fmin(a->r, b->r))
+    const pair_list *p = present_list(d);
+    for (int32_t k = 0; k < p->n; k++) {
+        double x[3], smaller = fmin(dynamics_radius(d, p->i[k]), dynamics_radius(d, p->j[k]));
+        if (separation(d, p, k, x) < p->reach[k] - 0.8 * smaller)
             return false;
     }
     return true;

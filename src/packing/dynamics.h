@@ -1,74 +1,96 @@
 #ifndef SP_DYNAMICS_H
 #define SP_DYNAMICS_H
-/* The motion of grains under a piston in 2D: state, neighbour lists, forces and one time step. The protocol that makes
- * a packing of it is in piston.c. */
+/* The motion of grains under a piston in 2D and 3D: state, neighbour lists, forces and one time step. The protocol that
+ * makes a packing of it is in piston.c. */
+
+#include "base/team.h"
 
 #include <sonopack/packing.h>
 #include <stdbool.h>
 #include <stdint.h>
 
-/* One grain, one cache line: what a contact reads of it lies together. */
-typedef struct grain {
-    double x, y, vx, vy; /* centre (x not wrapped between list rebuilds) and velocity */
-    double w;            /* R times angular velocity */
-    double r, inv_m, pad;
-} grain;
-
-/* Force on a grain: components, and the sum of tangential forces, which turns it: R x torque = R^2 t. */
-typedef struct grain_force {
-    double x, y, t, pad;
-} grain_force;
+/* Where a grain's numbers lie in its line of `stride` doubles (one cache line in 2D, two in 3D): what a contact reads
+ * of a grain lies together. Positions first (x not wrapped between list rebuilds), then velocities; w is R times the
+ * angular velocity (2D: one number). */
+typedef struct grain_layout {
+    int stride, v, w, r, inv_m;
+    int row, turn; /* doubles of a row of forces, and where its turning force begins */
+} grain_layout;
 
 /* Pairs that may touch. Two of these exist: `outer`, from cells, with all pairs closer than a wide gap, which keeps the
- * tangential forces; and `inner`, the few of them that can touch within the next steps, on which the kernel works. */
+ * tangential forces; and `inner`, the few of them that can touch within the next steps, on which the kernel works.
+ * Arrays with more than one number a pair are planes of `capacity` numbers each. */
 typedef struct pair_list {
     int32_t n, capacity;
+    int32_t padded; /* inner: n and as many pairs that never touch as fill whole vectors */
     int32_t *i, *j;
+    int32_t *at_i, *at_j; /* inner: where their lines of numbers begin */
     int32_t *from; /* inner: place in outer */
-    double *shift; /* added to x_j - x_i: the periodic image */
+    double *image; /* [dim-1] periods to be added to x_j - x_i */
     double *reach; /* R_i + R_j */
-    double *e;     /* E12 sqrt(R12) */
-    double *c;     /* 2 zeta sqrt(m_eff) */
-    double *ft;    /* elastic tangential force on i along (-ny, nx) */
-    double *d;     /* scratch, 4 a pair: x, y, vx, vy of j minus those of i */
-    double *spin;  /* scratch: w_i + w_j */
-    double *f;     /* scratch: fx of all pairs, then fy, then t (capacity each) */
-    double *kn;    /* scratch: normal stiffness, 0 if open */
+    double *ft;    /* elastic tangential force on i: 2D along (-ny, nx), 3D [3] */
+    double *e2;    /* inner: 2 E12 sqrt(R12) */
+    double *sm;    /* inner: sqrt(m_eff 2 E12 sqrt(R12)) */
 } pair_list;
 
-/* Grains near a wall, in the order of their numbers. ft lives with the grain: walls[side][i]. */
+/* Grains near a wall, in the order of their numbers. */
 typedef struct wall_list {
     int32_t n;
     int32_t *i;
 } wall_list;
 
+/* Where the forces on each grain are found: rows of the pair's (i, then j further down), the walls' rows, and a row of
+ * zeros that fills up. Grains with more than SLOTS neighbours have the rest in a chain. */
+enum { SLOTS = 6 };
+typedef struct force_rows {
+    int64_t rows, capacity;
+    double *row;      /* [rows][layout.row]: force, turning force (2D: fx fy t s; 3D: fx fy fz s, q, 0) */
+    int32_t *slot;    /* [n][SLOTS] where rows begin */
+    int32_t *count;   /* [n] rows of this grain */
+    int32_t *further; /* [n] head of the chain, -1 */
+    int32_t *chain;   /* [2 capacity] pairs (where the row begins, next) */
+    int32_t chained, chain_capacity;
+    int32_t other, wall[2], zero; /* where the rows of the j, of the walls, and the row of zeros are */
+} force_rows;
+
 /* Contact parameters of a run. */
 typedef struct contact_law {
     double friction, eta, sqrt_eta, damping;
-    bool limit_viscous; /* Coulomb limits the viscous tangential force too (end of the preparation) */
+    double viscous_limit; /* Coulomb's limit of the whole tangential force over that of its elastic part */
 } contact_law;
 
 typedef struct dynamics {
+    int dim;
+    grain_layout at;
     int32_t n;
-    double width, area, pressure;
+    double side[2];      /* periods */
+    double side_rate[2]; /* their relative rates of change */
+    double area, pressure;
     contact_law law;
-    grain *g;
-    grain_force *f;
+    bool plain;        /* the reference path: all pairs near, one at a time, no tricks (plain.c) */
+    double *g;         /* [n + 1][stride]: the last one is nowhere */
+    double *plain_f;   /* [n][6] forces of the plain path */
     double piston_y, piston_v, piston_mass;
     double wall_force[2]; /* total force on bottom and top wall, last evaluation */
-    double *wall_ft[2];   /* [n] elastic tangential force at the bottom and top wall */
+    double *wall_ft[2];   /* [n][dim-1] elastic tangential force on the grain at the bottom and top wall */
     wall_list wall[2];
     pair_list outer, inner;
+    force_rows rows;
+    double r_max, m_min;
     double outer_gap, inner_gap;       /* gaps up to which pairs are listed */
     double outer_travel, inner_travel; /* bound of relative displacement since the lists were made */
     double v_max;                      /* largest speed of a grain or the piston */
-    double k_max, m_min;               /* largest stiffness at the last evaluation; smallest mass */
-    double piston_k;                   /* sum of the stiffnesses that carried the piston then */
-    double drag;                       /* rate of the global damping, 0 at first */
-    double dt;                         /* last step */
+    double rate;     /* largest sum of sqrt(m_eff k_n)/m over the contacts of a grain, last step: 1/5 of the largest
+                        eigenvalue of the contacts' viscous rates at critical damping (measured within 5%) */
+    double k_max;    /* plain path: largest stiffness */
+    double piston_k; /* sum of the stiffnesses that carried the piston then */
+    double drag;     /* rate of the global damping, 0 at first */
+    double rebound;  /* rate at which the piston's upward motion is braked */
+    double dt;       /* last step */
     int64_t rebuilds, refills;
     int32_t *cell_head, *cell_next; /* cells of the outer list */
     int64_t cells;
+    sp_team *team; /* may be NULL */
 } dynamics;
 
 /* Grains at rest at x [n][3] with radii r between walls at 0 and height. */
@@ -76,20 +98,27 @@ sp_status dynamics_make(const sp_pack_spec *spec, const double *r, const double 
                         sp_error *err);
 void dynamics_free(dynamics *d);
 
+static inline double *dynamics_grain(const dynamics *d, int32_t i) { return d->g + (int64_t)d->at.stride * i; }
+static inline double dynamics_radius(const dynamics *d, int32_t i) { return dynamics_grain(d, i)[d->at.r]; }
+
 /* Makes the lists anew where the grains may have outrun them. SP_ENOMEM. */
 sp_status dynamics_refresh(dynamics *d, sp_error *err);
 /* Forces at the present positions and velocities; tangential springs advance by the relative velocity times dt_past,
- * the time of the last drift. Fills f, wall_force, k_max. The lists must be fresh. */
+ * the time of the last drift. The lists must be fresh. */
 void dynamics_forces(dynamics *d, double dt_past);
 /* Kick and drift by dt with the forces above (leapfrog: velocities half a step behind positions). */
 void dynamics_advance(dynamics *d, double dt);
 
+/* The force on a grain in the last evaluation, and its turning force (torque/R; 2D: turn[0]). */
+void dynamics_force_on(const dynamics *d, int32_t i, double force[3], double turn[3]);
+/* Mean pressure on the sides along axis a (0 or 1) by the contacts' elastic forces: sum of F_a r_a over the volume. */
+double dynamics_side_pressure(const dynamics *d, int a);
 /* Largest acceleration in the last evaluation of dynamics_forces, viscous forces included (angular: times R; the
  * piston's included); infinite as long as the grains carry less than half of the piston's load. */
 double dynamics_acceleration(const dynamics *d);
 /* How far from rest: largest acceleration by elastic forces alone (angular: times R; the piston's included), and the
- * difference between the elastic pressure on the piston and p. */
-double dynamics_residual(dynamics *d, double *wall_imbalance);
+ * difference between the elastic pressure on the piston and p. Needs fresh lists. SP_ENOMEM. */
+sp_status dynamics_residual(const dynamics *d, double *residual, double *wall_imbalance, sp_error *err);
 /* Finite and nowhere absurd: no grain through a wall, no overlap above 0.8 radii. */
 bool dynamics_sane(const dynamics *d);
 

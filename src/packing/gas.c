@@ -1,81 +1,203 @@
+/* The gas of grains that a packing starts from: each is dropped at random places until it overlaps no other. */
 #include "base/base.h"
 #include "numeric/random.h"
 #include "packing/making.h"
 
 #include <math.h>
+#include <string.h>
 
-void sp_radii_draw(const sp_pack_spec *spec, double *r) {
-    sp_random stream = sp_random_make(spec->seed, SP_STREAM_DIAMETERS);
-    for (int32_t i = 0; i < spec->grains; i++)
-        r[i] = 0.5 * (spec->diameter_min + (spec->diameter_max - spec->diameter_min) * sp_random_uniform(&stream));
+static const double PI = 3.14159265358979323846;
+
+enum { MOST_TRIES = 1000000, MOST_LEVELS = 64 };
+
+/* Grains within a factor of two in size, and cells at least as wide as the largest of them. Larger levels are filled
+ * first: between small grains there would be no room left for large ones. */
+typedef struct gas_level {
+    int32_t grains;
+    double r_max;
+    int n[3]; /* cells along each axis */
+    double width[3];
+    int32_t *head; /* first grain of each cell; -1: none */
+} gas_level;
+
+typedef struct gas {
+    int dim, up, levels;
+    double box[3];
+    const double *r;
+    double *x;
+    int32_t *next;  /* grain that follows in a cell, of its own level; -1: none */
+    int32_t *order; /* by levels, and in each as they are numbered */
+    uint8_t *level_of;
+    gas_level level[MOST_LEVELS];
+} gas;
+
+static int cell_along(const gas_level *level, int axis, double x) {
+    const int cell = (int)(x / level->width[axis]);
+    return cell < level->n[axis] ? cell : level->n[axis] - 1; /* x / width may be rounded up to n */
 }
 
-/* Square cells, each at least a largest diameter wide, with the grains in them as linked lists. */
-typedef struct gas_cells {
-    int nx, ny;
-    double wx, wy;
-    int32_t *head, *next;
-} gas_cells;
+/* Squared distance through the periodic sides. */
+static inline double distance2(const gas *g, const int dim, const double *a, const double *b) {
+    double sum = 0;
+    for (int k = 0; k < dim; k++) {
+        double d = a[k] - b[k];
+        if (k < dim - 1)
+            d -= g->box[k] * nearbyint(d / g->box[k]);
+        sum += d * d;
+    }
+    return sum;
+}
 
-static bool overlaps(const gas_cells *cells, const sp_pack_spec *spec, const double *r, const double *x, int32_t i) {
-    const double *xi = x + 3 * (size_t)i;
-    int cx = (int)(xi[0] / cells->wx), cy = (int)(xi[1] / cells->wy);
-    for (int oy = -1; oy <= 1; oy++)
-        for (int ox = -1; ox <= 1; ox++) {
-            int ny = cy + oy, nx = (cx + ox + cells->nx) % cells->nx;
-            if (ny < 0 || ny >= cells->ny)
-                continue;
-            for (int32_t j = cells->head[(size_t)ny * (size_t)cells->nx + (size_t)nx]; j >= 0; j = cells->next[j]) {
-                double dx = x[3 * (size_t)j] - xi[0], dy = x[3 * (size_t)j + 1] - xi[1], reach = r[i] + r[j];
-                dx -= spec->width * nearbyint(dx / spec->width);
-                if (dx * dx + dy * dy < reach * reach)
-                    return true;
-            }
-        }
+static inline bool overlaps_in_cell(const gas *g, const int dim, int32_t i, int32_t j) {
+    for (; j >= 0; j = g->next[j]) {
+        const double reach = g->r[i] + g->r[j];
+        if (distance2(g, dim, g->x + 3 * (size_t)i, g->x + 3 * (size_t)j) < reach * reach)
+            return true;
+    }
     return false;
 }
 
-sp_status sp_gas_make(const sp_pack_spec *spec, const double *r, double *x, double *height, sp_error *err) {
-    sp_status status = SP_OK;
-    double area = 0;
+static inline bool overlaps_level(const gas *g, const int dim, const gas_level *level, int32_t i) {
+    int low[3] = {0}, high[3] = {0};
+    for (int k = 0; k < dim; k++) {
+        const int cell = cell_along(level, k, g->x[3 * (size_t)i + (size_t)k]), n = level->n[k];
+        const bool periodic = k < dim - 1;
+        low[k] = periodic || cell > 0 ? cell - 1 : 0;
+        high[k] = periodic || cell + 1 < n ? cell + 1 : n - 1;
+        if (periodic && n < 3) {
+            low[k] = 0;
+            high[k] = n - 1;
+        }
+    }
+    for (int c = low[2]; c <= high[2]; c++)
+        for (int b = low[1]; b <= high[1]; b++)
+            for (int a = low[0]; a <= high[0]; a++) {
+                const int *n = level->n;
+                const size_t ca = (size_t)((a + n[0]) % n[0]), cb = (size_t)((b + n[1]) % n[1]), cc = (size_t)c;
+                if (overlaps_in_cell(g, dim, i, level->head[(cc * (size_t)n[1] + cb) * (size_t)n[0] + ca]))
+                    return true;
+            }
+    return false;
+}
+
+static inline bool overlaps(const gas *g, const int dim, int last, int32_t i) {
+    for (int l = 0; l <= last; l++)
+        if (g->level[l].grains > 0 && overlaps_level(g, dim, &g->level[l], i))
+            return true;
+    return false;
+}
+
+static void enter(gas *g, gas_level *level, int32_t i) {
+    size_t cell = 0;
+    for (int k = g->dim - 1; k >= 0; k--)
+        cell = cell * (size_t)level->n[k] + (size_t)cell_along(level, k, g->x[3 * (size_t)i + (size_t)k]);
+    g->next[i] = level->head[cell];
+    level->head[cell] = i;
+}
+
+/* Which grains are in which level, and the order of placing. */
+static void sort_levels(gas *g, int32_t n, double r_max) {
+    int32_t at[MOST_LEVELS + 1] = {0};
+    for (int32_t i = 0; i < n; i++) {
+        int l = 0;
+        for (double limit = 0.5 * r_max; g->r[i] < limit && l < MOST_LEVELS - 1; limit *= 0.5)
+            l++;
+        g->level_of[i] = (uint8_t)l;
+        g->level[l].grains++;
+        g->level[l].r_max = fmax(g->level[l].r_max, g->r[i]);
+        g->levels = l + 1 > g->levels ? l + 1 : g->levels;
+    }
+    for (int l = 0; l < g->levels; l++)
+        at[l + 1] = at[l] + g->level[l].grains;
+    for (int32_t i = 0; i < n; i++)
+        g->order[at[g->level_of[i]]++] = i;
+}
+
+/* No more cells than grains, however small these are: few small grains in a large box need none. */
+static sp_status make_cells(gas *g, gas_level *level, sp_error *err) {
+    double volume = 1;
+    for (int k = 0; k < g->dim; k++)
+        volume *= g->box[k];
+    const double side = fmax(2 * level->r_max, pow(volume / level->grains, 1.0 / g->dim));
+    size_t cells = 1;
+    for (int k = 0; k < 3; k++) {
+        level->n[k] = k < g->dim ? (int)fmax(1, floor(g->box[k] / side)) : 1;
+        level->width[k] = k < g->dim ? g->box[k] / level->n[k] : 1;
+        cells *= (size_t)level->n[k];
+    }
+    level->head = sp_alloc(cells, sizeof *level->head);
+    if (!level->head)
+        return sp_fail_memory(err, cells * sizeof *level->head);
+    memset(level->head, 0xff, cells * sizeof *level->head);
+    return SP_OK;
+}
+
+static sp_status place(gas *g, const sp_pack_spec *spec, sp_random *stream, int32_t i, sp_error *err) {
+    const int l = g->level_of[i];
+    double *x = g->x + 3 * (size_t)i;
+    int tries = 0;
+    bool taken;
+    do {
+        if (++tries > MOST_TRIES)
+            return sp_fail(err, SP_EFAILED,
+                           "packing.gas_fraction = %g: must be less, there is no room for grain %d of the starting gas",
+                           spec->gas_fraction, i);
+        for (int k = 0; k < g->dim; k++) {
+            const double u = sp_random_uniform(stream);
+            x[k] = k < g->up ? g->box[k] * u : g->r[i] + (g->box[k] - 2 * g->r[i]) * u;
+        }
+        taken = g->dim == 2 ? overlaps(g, 2, l, i) : overlaps(g, 3, l, i);
+    } while (taken);
+    enter(g, &g->level[l], i);
+    return SP_OK;
+}
+
+static double gas_height(const sp_pack_spec *spec, const double *r, double r_max) {
+    const bool flat = spec->dim == 2;
+    double volume = 0;
     for (int32_t i = 0; i < spec->grains; i++)
-        area += 3.14159265358979323846 * r[i] * r[i];
-    /* few grains: still room for the largest to lie anywhere */
-    const double h = fmax(area / (spec->gas_fraction * spec->width), 2.0 * spec->diameter_max);
-    gas_cells cells = {.nx = (int)fmax(1, floor(spec->width / spec->diameter_max)),
-                       .ny = (int)fmax(1, floor(h / spec->diameter_max))};
-    cells.wx = spec->width / cells.nx;
-    cells.wy = h / cells.ny;
-    const size_t count = (size_t)cells.nx * (size_t)cells.ny;
-    cells.head = sp_alloc(count, sizeof *cells.head);
-    cells.next = sp_alloc((size_t)spec->grains, sizeof *cells.next);
-    if (!cells.head || !cells.next) {
-        status = sp_fail_memory(err, count * 4 + (size_t)spec->grains * 4);
+        volume += flat ? PI * r[i] * r[i] : 4.0 / 3.0 * PI * r[i] * r[i] * r[i];
+    const double floor_area = flat ? spec->width : spec->width * spec->depth;
+    return fmax(volume / (spec->gas_fraction * floor_area), 4 * r_max); /* few grains: room for the largest anywhere */
+}
+
+double sp_gas_memory(const sp_pack_spec *spec) {
+    return (double)spec->grains * (3 * sizeof(int32_t) + sizeof(uint8_t)) + MOST_LEVELS * sizeof(gas_level);
+}
+
+sp_status sp_gas_make(const sp_pack_spec *spec, const double *r, double *x, double *height, sp_error *err) {
+    const size_t n = (size_t)spec->grains;
+    double r_max = 0;
+    for (size_t i = 0; i < n; i++)
+        r_max = fmax(r_max, r[i]);
+    const double h = gas_height(spec, r, r_max);
+    gas g = {.dim = spec->dim, .up = spec->dim - 1, .box = {spec->width, h, 1}, .r = r, .x = x};
+    if (g.dim == 3) {
+        g.box[1] = spec->depth;
+        g.box[2] = h;
+    }
+    g.next = sp_alloc(n, sizeof *g.next);
+    g.order = sp_alloc(n, sizeof *g.order);
+    g.level_of = sp_alloc(n, sizeof *g.level_of);
+    sp_status status = SP_OK;
+    if (!g.next || !g.order || !g.level_of) {
+        status = sp_fail_memory(err, n * 9);
         goto out;
     }
-    for (size_t k = 0; k < count; k++)
-        cells.head[k] = -1;
+    sort_levels(&g, spec->grains, r_max);
+    for (int l = 0; l < g.levels && status == SP_OK; l++)
+        if (g.level[l].grains > 0)
+            status = make_cells(&g, &g.level[l], err);
     sp_random stream = sp_random_make(spec->seed, SP_STREAM_GAS);
-    for (int32_t i = 0; i < spec->grains; i++) {
-        double *xi = x + 3 * (size_t)i;
-        int64_t tries = 0;
-        do {
-            if (++tries > 1000000) {
-                status = sp_fail(err, SP_EFAILED,
-                                 "no room for grain %d of the starting gas: packing.gas_fraction = %g is too dense", i,
-                                 spec->gas_fraction);
-                goto out;
-            }
-            xi[0] = spec->width * sp_random_uniform(&stream);
-            xi[1] = r[i] + (h - 2 * r[i]) * sp_random_uniform(&stream);
-        } while (overlaps(&cells, spec, r, x, i));
-        size_t cell = (size_t)((int)(xi[1] / cells.wy)) * (size_t)cells.nx + (size_t)((int)(xi[0] / cells.wx));
-        cells.next[i] = cells.head[cell];
-        cells.head[cell] = i;
-    }
-    *height = h;
+    for (size_t k = 0; k < n && status == SP_OK; k++)
+        status = place(&g, spec, &stream, g.order[k], err);
+    if (status == SP_OK)
+        *height = h;
 out:
-    sp_free(cells.next);
-    sp_free(cells.head);
+    for (int l = 0; l < g.levels; l++)
+        sp_free(g.level[l].head);
+    sp_free(g.level_of);
+    sp_free(g.order);
+    sp_free(g.next);
     return status;
 }

@@ -3,14 +3,20 @@
 
 #include <math.h>
 
-/* Bytes that making takes at its peak: contacts are sorted in a copy; a piston's grains have lists of neighbours, of
- * which two lie side by side while they are made anew, and the gas has cells. */
+/* Whether it is compressed step by step. */
+static bool is_compressed(const sp_pack_spec *s) {
+    return s->kind == SP_PACK_PISTON || s->kind == SP_PACK_FILE ||
+           (s->kind == SP_PACK_TRIANGULAR && s->diameter_min < s->diameter_max);
+}
+
+/* Bytes that making takes at its peak: contacts are sorted in a copy; grains that are compressed have lists of
+ * neighbours, of which two lie side by side while they are made anew, and the gas has cells. */
 static double peak_memory(const sp_pack_spec *s) {
-    const double n = s->grains, a = s->diameter_min, b = s->diameter_max;
-    if (s->kind != SP_PACK_PISTON)
+    const double n = s->grains;
+    if (!is_compressed(s))
         return n * (32 + (s->kind == SP_PACK_CHAIN ? 2 : 6) * (double)sizeof(sp_contact));
-    const double area = 3.14159265358979323846 / 4 * (a * a + a * b + b * b) / 3;
-    return 1500 * n + 4 * (n * area / s->gas_fraction / (b * b) + 2 * s->width / b);
+    const double lists = (s->dim == 3 ? 6000 : 1500) * n;
+    return s->kind == SP_PACK_PISTON ? fmax(lists, 32 * n + sp_gas_memory(s)) : lists;
 }
 
 static sp_status check_memory(const sp_pack_spec *s, sp_error *err) {
@@ -21,21 +27,40 @@ static sp_status check_memory(const sp_pack_spec *s, sp_error *err) {
                    1e-9 * need, 1e-9 * have, s->grains * have / need);
 }
 
-sp_status sp_packing_make(const sp_pack_spec *given, sp_pack_watch watch, void *user, sp_packing *out, sp_error *err) {
-    sp_status status = sp_pack_spec_check(given, err);
-    if (status != SP_OK)
-        return status;
-    const sp_pack_spec spec = sp_pack_spec_resolve(given);
-    status = check_memory(&spec, err);
+sp_status sp_packing_make(const sp_pack_spec *spec, sp_pack_watch watch, void *user, sp_packing *out, sp_error *err) {
+    const sp_pack_hooks hooks = {.watch = watch, .user = user};
+    return sp_packing_make_with(spec, &hooks, out, err);
+}
+
+/* The spec with everything filled in, checked. */
+static sp_status complete(const sp_pack_spec *given, const sp_pack_hooks *hooks, sp_pack_spec *out, sp_error *err) {
+    sp_pack_spec spec = *given;
+    sp_status status = SP_OK;
+    if (spec.kind == SP_PACK_FILE)
+        status = sp_pack_spec_from(&spec, hooks->from, err);
+    if (status == SP_OK)
+        status = sp_pack_spec_check(&spec, err);
+    if (status == SP_OK)
+        *out = sp_pack_spec_resolve(&spec);
+    return status;
+}
+
+static sp_status make_ordered(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err) {
+    if (hooks->state)
+        return sp_fail(err, SP_EFORMAT, "a packing that is made at once has no state to go on from");
+    return spec->kind == SP_PACK_CHAIN ? sp_chain_make(spec, out, err) : sp_triangular_make(spec, out, err);
+}
+
+sp_status sp_packing_make_with(const sp_pack_spec *given, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err) {
+    sp_pack_spec spec;
+    sp_status status = complete(given, hooks, &spec, err);
+    if (status == SP_OK)
+        status = check_memory(&spec, err);
     if (status != SP_OK)
         return status;
     const double start = sp_clock_cpu();
     sp_packing p = sp_packing_none();
-    switch (spec.kind) {
-    case SP_PACK_CHAIN: status = sp_chain_make(&spec, &p, err); break;
-    case SP_PACK_TRIANGULAR: status = sp_triangular_make(&spec, &p, err); break;
-    case SP_PACK_PISTON: status = sp_piston_make(&spec, watch, user, &p, err); break;
-    }
+    status = is_compressed(&spec) ? sp_piston_make(&spec, hooks, &p, err) : make_ordered(&spec, hooks, &p, err);
     if (status != SP_OK)
         return status;
     p.seconds = sp_clock_cpu() - start;

@@ -12,6 +12,14 @@ static void set_globals(sp_packing *p, const sp_pack_spec *spec) {
     p->residual = 0;
 }
 
+/* Hertz's law is for overlaps that are small beside both grains; beyond this it is not even a packing. */
+static sp_status crushed(const sp_pack_spec *spec, sp_error *err) {
+    return sp_fail(err, SP_EFAILED,
+                   "packing.pressure = %g: is too much for these grains: overlaps are not below their radii, or grains "
+                   "touch their second neighbours",
+                   spec->pressure);
+}
+
 /* N balls between two walls that answer like their neighbours, so that all springs of equal balls are equal
  * (Somfai et al. 2005, Appendix C); every contact carries p d^2. */
 sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err) {
@@ -25,7 +33,7 @@ sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err
     sp_radii_draw(spec, p.r);
     const double force = spec->pressure;
     double wall = 0; /* where the next surface is */
-    bool crushed = false;
+    bool too_much = false;
     for (int32_t i = 0; i <= n; i++) {
         sp_contact *c = &p.contacts[i < n ? (i > 0 ? i - 1 : n - 1) : n];
         double e;
@@ -42,20 +50,16 @@ sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err
         }
         c->fn = force;
         c->overlap = contact_overlap(e, force);
-        crushed = crushed || !(c->overlap < p.r[c->i]);
+        too_much = too_much || !(c->overlap < p.r[c->i]) || (c->j >= 0 && !(c->overlap < p.r[c->j]));
         wall -= c->overlap;
         if (i < n) {
             p.x[3 * (size_t)i] = wall + p.r[i];
             wall += 2 * p.r[i];
         }
     }
-    if (crushed) {
+    if (too_much) {
         sp_packing_free(&p);
-        return sp_fail(
-            err, SP_EFAILED,
-            "packing.pressure = %g: is too much for the smallest grains of this chain: overlaps are not below "
-            "their radii",
-            spec->pressure);
+        return crushed(spec, err);
     }
     p.box[0] = wall;
     sp_packing_sort(&p);
@@ -104,36 +108,98 @@ static void add_lattice_contacts(sp_packing *p, int32_t *count, int32_t row, int
     add_contact(p, count, i, above + (k % 2 ? next : m), right_up);
 }
 
+/* A lattice of grains with diameter d under pressure: all lengths of it. */
+typedef struct lattice {
+    int32_t row, rows;                     /* grains a row, and rows */
+    double overlap, wall_overlap, spacing; /* between neighbours, with a wall; of neighbours' centres */
+    double width, height;
+} lattice;
+
+static sp_status make_lattice(const sp_pack_spec *spec, double d, lattice *out, sp_error *err) {
+    /* as sp_pack_spec_check counts them, with the mean diameter of the law */
+    lattice l = {.row = (int32_t)floor(spec->width / sp_sizes_moment(spec, 1) + 1e-9)};
+    l.rows = spec->grains / l.row;
+    l.overlap = lattice_overlap(d, spec->pressure);
+    l.spacing = d - l.overlap;
+    l.wall_overlap = contact_overlap(contact_wall_stiffness(0.5 * d, SP_WALL_RIGID), spec->pressure * l.spacing);
+    if (!(sqrt(3.0) * l.spacing > d && l.wall_overlap < 0.5 * d))
+        return crushed(spec, err);
+    l.width = l.row * l.spacing;
+    l.height = 2 * (0.5 * d - l.wall_overlap) + (l.rows - 1) * (sqrt(0.75) * l.spacing);
+    *out = l;
+    return SP_OK;
+}
+
+/* Centres with the first row at `bottom`. */
+static void place_rows(const lattice *l, double spacing, double bottom, double *x) {
+    for (int32_t k = 0; k < l->rows; k++)
+        for (int32_t m = 0; m < l->row; m++) {
+            double *at = x + 3 * ((size_t)k * (size_t)l->row + (size_t)m);
+            at[0] = (m + (k % 2 ? 0.75 : 0.25)) * spacing;
+            at[1] = bottom + k * (sqrt(0.75) * spacing);
+            at[2] = 0;
+        }
+}
+
 /* Rows parallel to the walls, each shifted by half a spacing, six equal contacts a grain (section V B of the paper):
  * the box is as wide as a row that is compressed like the rest. */
 sp_status sp_triangular_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err) {
     const double d = spec->diameter_max;
-    const int32_t row = (int32_t)floor(spec->width / d + 1e-9), rows = spec->grains / row;
+    if (spec->diameter_min != d)
+        return sp_fail(err, SP_EINVAL,
+                       "packing.diameter_min = %g: must be packing.diameter_max = %g in a perfect "
+                       "lattice",
+                       spec->diameter_min, d);
+    lattice l;
     sp_packing p = sp_packing_none();
-    sp_status status = sp_packing_alloc(&p, 2, spec->grains, 3 * row * rows, err);
+    sp_status status = make_lattice(spec, d, &l, err);
+    if (status == SP_OK)
+        status = sp_packing_alloc(&p, 2, spec->grains, 3 * l.row * l.rows, err);
     if (status != SP_OK)
         return status;
     set_globals(&p, spec);
     const double e = contact_stiffness(0.5 * d, 0.5 * d), e_wall = contact_wall_stiffness(0.5 * d, p.wall);
-    const double overlap = lattice_overlap(d, spec->pressure), spacing = d - overlap, h = sqrt(0.75) * spacing;
-    const double wall_overlap = contact_overlap(e_wall, spec->pressure * spacing);
-    p.box[0] = row * spacing;
-    p.box[1] = 2 * (0.5 * d - wall_overlap) + (rows - 1) * h;
+    p.box[0] = l.width;
+    p.box[1] = l.height;
+    place_rows(&l, l.spacing, 0.5 * d - l.wall_overlap, p.x);
     int32_t count = 0;
-    for (int32_t k = 0; k < rows; k++)
-        for (int32_t m = 0; m < row; m++) {
-            const size_t i = (size_t)k * (size_t)row + (size_t)m;
-            p.r[i] = 0.5 * d;
-            p.x[3 * i] = (m + (k % 2 ? 0.75 : 0.25)) * spacing;
-            p.x[3 * i + 1] = 0.5 * d - wall_overlap + k * h;
-            add_lattice_contacts(&p, &count, row, rows, k, m);
+    for (int32_t k = 0; k < l.rows; k++)
+        for (int32_t m = 0; m < l.row; m++) {
+            p.r[k * l.row + m] = 0.5 * d;
+            add_lattice_contacts(&p, &count, l.row, l.rows, k, m);
         }
     for (int32_t c = 0; c < count; c++) {
         sp_contact *k = &p.contacts[c];
-        k->overlap = k->j < 0 ? wall_overlap : overlap;
+        k->overlap = k->j < 0 ? l.wall_overlap : l.overlap;
         k->fn = contact_force(k->j < 0 ? e_wall : e, k->overlap);
     }
     sp_packing_sort(&p);
     *out = p;
     return SP_OK;
+}
+
+sp_status sp_triangular_start(const sp_pack_spec *spec, double *r, double *x, sp_lattice_start *out, sp_error *err) {
+    const int32_t n = spec->grains;
+    double *drawn = sp_alloc((size_t)n, sizeof *drawn), sum = 0, r_max = 0;
+    if (!drawn)
+        return sp_fail_memory(err, (size_t)n * sizeof *drawn);
+    sp_radii_draw(spec, drawn);
+    for (int32_t i = 0; i < n; i++) {
+        sum += drawn[i];
+        r_max = fmax(r_max, drawn[i]);
+    }
+    lattice l;
+    sp_status status = make_lattice(spec, 2 * sum / n, &l, err);
+    if (status == SP_OK) {
+        const double apart = 2 * r_max * (1 + 1e-6); /* far above rounding, far below an overlap */
+        for (int32_t i = 0; i < n; i++)
+            r[i] = drawn[i];
+        place_rows(&l, apart, 0.5 * apart, x);
+        *out = (sp_lattice_start){.width = l.row * apart,
+                                  .height = apart + (l.rows - 1) * (sqrt(0.75) * apart),
+                                  .width_end = l.width,
+                                  .height_end = l.height};
+    }
+    sp_free(drawn);
+    return status;
 }

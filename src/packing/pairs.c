@@ -2,83 +2,148 @@
 
 #include "base/base.h"
 #include "packing/contact.h"
+#include "packing/kernel.h"
 
 #include <math.h>
 #include <string.h>
+
+/* ---- lists --------------------------------------------------------------------------------------------------- */
 
 void pair_list_free(pair_list *p) {
     sp_free(p->i);
     sp_free(p->j);
     sp_free(p->from);
-    sp_free(p->shift);
+    sp_free(p->image);
     sp_free(p->reach);
-    sp_free(p->e);
-    sp_free(p->c);
     sp_free(p->ft);
-    sp_free(p->d);
-    sp_free(p->spin);
-    sp_free(p->f);
-    sp_free(p->kn);
+    sp_free(p->e2);
+    sp_free(p->sm);
+    sp_free(p->at_i);
+    sp_free(p->at_j);
     *p = (pair_list){0};
 }
 
-/* A list with room for capacity pairs; inner lists carry the kernel's scratch. */
-static sp_status pair_list_alloc(pair_list *p, int32_t capacity, bool inner, sp_error *err) {
-    const size_t n = (size_t)capacity;
+static int planes_of_force(int dim) { return dim == 2 ? 1 : 3; }
+
+/* A list with room for capacity pairs; inner lists carry what the kernel reads. */
+static sp_status pair_list_alloc(pair_list *p, int dim, int32_t capacity, bool inner, sp_error *err) {
+    const size_t n = (size_t)capacity, sides = (size_t)dim - 1, forces = (size_t)planes_of_force(dim);
     pair_list q = {.capacity = capacity};
     q.i = sp_alloc(n, sizeof *q.i);
     q.j = sp_alloc(n, sizeof *q.j);
-    q.shift = sp_alloc(n, sizeof *q.shift);
+    q.image = sp_alloc(sides * n, sizeof *q.image);
     q.reach = sp_alloc(n, sizeof *q.reach);
-    q.ft = sp_alloc(n, sizeof *q.ft);
-    bool ok = q.i && q.j && q.shift && q.reach && q.ft;
+    q.ft = sp_alloc(forces * n, sizeof *q.ft);
+    bool ok = q.i && q.j && q.image && q.reach && q.ft;
     if (inner) {
         q.from = sp_alloc(n, sizeof *q.from);
-        q.e = sp_alloc(n, sizeof *q.e);
-        q.c = sp_alloc(n, sizeof *q.c);
-        q.d = sp_alloc(4 * n, sizeof *q.d);
-        q.spin = sp_alloc(n, sizeof *q.spin);
-        q.f = sp_alloc(4 * n, sizeof *q.f);
-        q.kn = sp_alloc(n, sizeof *q.kn);
-        ok = ok && q.from && q.e && q.c && q.d && q.spin && q.f && q.kn;
+        q.e2 = sp_alloc(n, sizeof *q.e2);
+        q.sm = sp_alloc(n, sizeof *q.sm);
+        q.at_i = sp_alloc(n, sizeof *q.at_i);
+        q.at_j = sp_alloc(n, sizeof *q.at_j);
+        ok = ok && q.from && q.e2 && q.sm && q.at_i && q.at_j;
     }
     if (!ok) {
         pair_list_free(&q);
-        return sp_fail_memory(err, n * (inner ? 136 : 32));
+        return sp_fail_memory(err, n * 8 * (4 + sides + forces));
     }
     *p = q;
     return SP_OK;
 }
 
+static sp_status grow(pair_list *p, int dim, sp_error *err) {
+    pair_list more;
+    sp_status status = pair_list_alloc(&more, dim, 2 * p->capacity, false, err);
+    if (status != SP_OK)
+        return status;
+    const size_t n = (size_t)p->n;
+    memcpy(more.i, p->i, n * sizeof *p->i);
+    memcpy(more.j, p->j, n * sizeof *p->j);
+    memcpy(more.reach, p->reach, n * sizeof *p->reach);
+    for (int a = 0; a < dim - 1; a++)
+        memcpy(more.image + (int64_t)a * more.capacity, p->image + (int64_t)a * p->capacity, n * sizeof *p->image);
+    for (int a = 0; a < planes_of_force(dim); a++)
+        memcpy(more.ft + (int64_t)a * more.capacity, p->ft + (int64_t)a * p->capacity, n * sizeof *p->ft);
+    more.n = p->n;
+    pair_list_free(p);
+    *p = more;
+    return SP_OK;
+}
+
+void pairs_return(dynamics *d) {
+    for (int a = 0; a < planes_of_force(d->dim); a++) {
+        const double *from = d->inner.ft + (int64_t)a * d->inner.capacity;
+        double *to = d->outer.ft + (int64_t)a * d->outer.capacity;
+        for (int32_t k = 0; k < d->inner.n; k++)
+            to[d->inner.from[k]] = from[k];
+    }
+}
+
 /* ---- outer list ---------------------------------------------------------------------------------------------- */
 
+/* One grid for each octave of sizes: a cell holds a few grains whatever the range of sizes is. A pair belongs to its
+ * smaller grain's octave and is looked for in the larger one's grid. */
+enum { OCTAVES = 8 };
 typedef struct cell_grid {
-    int64_t nx, ny;
-    double wx, wy;
+    int64_t n[3], first; /* cells along each axis; place of the first in cell_head */
+    double width[3];
+    double r_max; /* of the octave */
+    bool used;
 } cell_grid;
 
-static cell_grid grid_for(const dynamics *d, double range) {
-    cell_grid grid = {.nx = (int64_t)(d->width / range), .ny = (int64_t)(d->piston_y / range)};
-    grid.nx = grid.nx > 0 ? grid.nx : 1;
-    grid.ny = grid.ny > 0 ? grid.ny : 1;
-    grid.wx = d->width / (double)grid.nx;
-    grid.wy = d->piston_y / (double)grid.ny;
+static int octave_of(const dynamics *d, double r) {
+    int octave = 0;
+    for (double limit = 0.5 * d->r_max; r < limit && octave < OCTAVES - 1; limit *= 0.5)
+        octave++;
+    return octave;
+}
+
+static cell_grid grid_for(const dynamics *d, double range, int64_t grains) {
+    cell_grid grid = {.n = {1, 1, 1}, .width = {1, 1, 1}};
+    int64_t cells = 1;
+    for (int a = 0; a < d->dim; a++) {
+        const double length = a < d->dim - 1 ? d->side[a] : d->piston_y;
+        const double most = fmin(floor(length / range), 1e6);
+        grid.n[a] = most > 1 ? (int64_t)most : 1;
+        cells *= grid.n[a];
+    }
+    for (; cells > 8 * grains + 64;) { /* a thin gas: more cells than grains serve nobody */
+        int64_t *longest = &grid.n[0];
+        for (int a = 1; a < d->dim; a++)
+            longest = grid.n[a] > *longest ? &grid.n[a] : longest;
+        cells = cells / *longest * ((*longest + 1) / 2);
+        *longest = (*longest + 1) / 2;
+    }
+    for (int a = 0; a < d->dim; a++)
+        grid.width[a] = (a < d->dim - 1 ? d->side[a] : d->piston_y) / (double)grid.n[a];
     return grid;
 }
 
 /* Whatever a motion that has blown up gives, not a number included, ends in some cell: it is found out later. */
-static int64_t row_of(const cell_grid *grid, double y) {
-    const double row = floor(y / grid->wy);
-    return row >= (double)grid->ny ? grid->ny - 1 : row > 0 ? (int64_t)row : 0;
+static int64_t place_of(const cell_grid *grid, int a, double x) {
+    const double place = floor(x / grid->width[a]);
+    return place >= (double)grid->n[a] ? grid->n[a] - 1 : place > 0 ? (int64_t)place : 0;
 }
 
-static int64_t column_of(const cell_grid *grid, double x) {
-    const double column = floor(x / grid->wx);
-    return column >= (double)grid->nx ? grid->nx - 1 : column > 0 ? (int64_t)column : 0;
+static int64_t cell_of(const cell_grid *grid, int dim, const double *x) {
+    int64_t cell = 0;
+    for (int a = dim - 1; a >= 0; a--)
+        cell = cell * grid->n[a] + place_of(grid, a, x[a]);
+    return grid->first + cell;
 }
 
-static sp_status sort_into_cells(dynamics *d, const cell_grid *grid, sp_error *err) {
-    const int64_t cells = grid->nx * grid->ny;
+static sp_status sort_into_cells(dynamics *d, double gap, cell_grid grids[OCTAVES], sp_error *err) {
+    int64_t population[OCTAVES] = {0}, cells = 0;
+    for (int32_t i = 0; i < d->n; i++)
+        population[octave_of(d, dynamics_radius(d, i))]++;
+    for (int o = 0; o < OCTAVES; o++) {
+        const double r_max = ldexp(d->r_max, -o);
+        grids[o] = grid_for(d, 2 * r_max + gap, population[o]);
+        grids[o].r_max = r_max;
+        grids[o].used = population[o] > 0;
+        grids[o].first = cells;
+        cells += grids[o].used ? grids[o].n[0] * grids[o].n[1] * grids[o].n[2] : 0;
+    }
     if (cells > d->cells) {
         sp_free(d->cell_head);
         d->cell_head = sp_alloc((size_t)cells, sizeof *d->cell_head);
@@ -89,100 +154,152 @@ static sp_status sort_into_cells(dynamics *d, const cell_grid *grid, sp_error *e
     for (int64_t c = 0; c < cells; c++)
         d->cell_head[c] = -1;
     for (int32_t i = d->n - 1; i >= 0; i--) {
-        grain *g = &d->g[i];
-        g->x -= d->width * floor(g->x / d->width);
-        int64_t cell = row_of(grid, g->y) * grid->nx + column_of(grid, g->x);
+        double *g = dynamics_grain(d, i);
+        for (int a = 0; a < d->dim - 1; a++)
+            g[a] -= d->side[a] * floor(g[a] / d->side[a]);
+        const int64_t cell = cell_of(&grids[octave_of(d, g[d->at.r])], d->dim, g);
         d->cell_next[i] = d->cell_head[cell];
         d->cell_head[cell] = i;
     }
     return SP_OK;
 }
 
-/* The tangential force that the old list has for a pair: its pairs are in rows by i. */
-static double old_force(const pair_list *old, const int32_t *row, int32_t i, int32_t j) {
-    for (int32_t k = row[i]; k < row[i + 1]; k++)
-        if (old->j[k] == j)
-            return old->ft[k];
-    return 0;
+/* The tangential forces that the old list has for a pair: its pairs are in rows by i. */
+static void carry_forces(const dynamics *d, const int32_t *row, pair_list *p, int32_t first) {
+    const pair_list *old = &d->outer;
+    for (int32_t k = first; k < p->n; k++)
+        for (int32_t q = row[p->i[k]]; q < row[p->i[k] + 1]; q++)
+            if (old->j[q] == p->j[k])
+                for (int a = 0; a < planes_of_force(d->dim); a++)
+                    p->ft[k + (int64_t)a * p->capacity] = old->ft[q + (int64_t)a * old->capacity];
 }
 
-static sp_status push_pair(pair_list *p, int32_t i, int32_t j, sp_error *err) {
-    if (p->n == p->capacity) {
-        pair_list more;
-        sp_status status = pair_list_alloc(&more, 2 * p->capacity, false, err);
-        if (status != SP_OK)
-            return status;
-        const size_t n = (size_t)p->n;
-        memcpy(more.i, p->i, n * sizeof *p->i);
-        memcpy(more.j, p->j, n * sizeof *p->j);
-        memcpy(more.shift, p->shift, n * sizeof *p->shift);
-        memcpy(more.reach, p->reach, n * sizeof *p->reach);
-        memcpy(more.ft, p->ft, n * sizeof *p->ft);
-        more.n = p->n;
-        pair_list_free(p);
-        *p = more;
+/* Which of the two grains is i is decided where pairs are found: either way is given. */
+sp_status pairs_give(dynamics *d, const pair_force *force, int32_t count, sp_error *err) {
+    const int32_t n = 2 * count;
+    const int forces = planes_of_force(d->dim);
+    pair_list p = {0};
+    int32_t *next = sp_alloc((size_t)d->n + 1, sizeof *next);
+    sp_status status = next ? SP_OK : sp_fail_memory(err, (size_t)d->n * sizeof *next);
+    if (status == SP_OK)
+        status = pair_list_alloc(&p, d->dim, n + 1, false, err);
+    if (status != SP_OK)
+        goto out;
+    for (int32_t k = 0; k < n; k++)
+        next[(k % 2 ? force[k / 2].j : force[k / 2].i) + 1]++;
+    for (int32_t i = 0; i < d->n; i++)
+        next[i + 1] += next[i];
+    for (int32_t k = 0; k < n; k++) {
+        const pair_force *f = &force[k / 2];
+        const double sign = k % 2 && d->dim == 3 ? -1 : 1;
+        const int32_t at = next[k % 2 ? f->j : f->i]++;
+        p.i[at] = k % 2 ? f->j : f->i;
+        p.j[at] = k % 2 ? f->i : f->j;
+        for (int a = 0; a < forces; a++)
+            p.ft[at + (int64_t)a * p.capacity] = sign * f->ft[a];
     }
+    p.n = n;
+    pair_list_free(&d->outer);
+    d->outer = p;
+    d->outer_travel = INFINITY;
+out:
+    sp_free(next);
+    return status;
+}
+
+/* Adds the pair if it is nearer than the gap. */
+static sp_status try_pair(const dynamics *d, double gap, int32_t i, int32_t j, pair_list *p, sp_error *err) {
+    const double *g = dynamics_grain(d, i), *h = dynamics_grain(d, j);
+    const double reach = g[d->at.r] + h[d->at.r];
+    double image[2] = {0, 0}, square = 0;
+    for (int a = 0; a < d->dim; a++) {
+        double x = h[a] - g[a];
+        if (a < d->dim - 1) { /* both lie in [0, side) */
+            image[a] = x > 0.5 * d->side[a] ? -1 : x < -0.5 * d->side[a] ? 1 : 0;
+            x += image[a] * d->side[a];
+        }
+        square += x * x;
+    }
+    if (!(square < (reach + gap) * (reach + gap)))
+        return SP_OK;
+    sp_status status = p->n == p->capacity ? grow(p, d->dim, err) : SP_OK;
+    if (status != SP_OK)
+        return status;
     p->i[p->n] = i;
     p->j[p->n] = j;
+    p->reach[p->n] = reach;
+    for (int a = 0; a < d->dim - 1; a++)
+        p->image[p->n + (int64_t)a * p->capacity] = image[a];
     p->n++;
     return SP_OK;
 }
 
-/* All j > i near i, from the 3 x 3 cells around it (each column once, however few there are). */
-static sp_status pairs_of(const dynamics *d, const cell_grid *grid, double gap, int32_t i, pair_list *p,
-                          sp_error *err) {
-    const grain *g = &d->g[i];
-    const int64_t row = row_of(grid, g->y), column = column_of(grid, g->x);
-    const int64_t columns = grid->nx < 3 ? grid->nx : 3;
-    for (int64_t y = row - 1; y <= row + 1; y++)
-        for (int64_t k = 0; y >= 0 && y < grid->ny && k < columns; k++) {
-            int64_t x = (column - 1 + k + grid->nx) % grid->nx;
-            for (int32_t j = d->cell_head[y * grid->nx + x]; j >= 0; j = d->cell_next[j]) {
-                if (j <= i)
-                    continue;
-                const grain *h = &d->g[j];
-                double dx = h->x - g->x, dy = h->y - g->y, shift = -d->width * nearbyint(dx / d->width);
-                double reach = g->r + h->r;
-                dx += shift;
-                if (!(dx * dx + dy * dy < (reach + gap) * (reach + gap)))
-                    continue;
-                sp_status status = push_pair(p, i, j, err);
-                if (status != SP_OK)
-                    return status;
-                p->shift[p->n - 1] = shift;
-                p->reach[p->n - 1] = reach;
-            }
+/* All j in the cells of one grid around grain i (each cell once, however few there are). same: i's own octave, where a
+ * pair belongs to the smaller number. */
+static sp_status pairs_in_grid(const dynamics *d, const cell_grid *grid, double gap, int32_t i, bool same, pair_list *p,
+                               sp_error *err) {
+    const double *g = dynamics_grain(d, i);
+    int64_t from[3] = {0, 0, 0}, count[3] = {1, 1, 1};
+    for (int a = 0; a < d->dim; a++) {
+        const int64_t place = place_of(grid, a, g[a]);
+        if (a == d->dim - 1) {
+            from[a] = place > 0 ? place - 1 : 0;
+            count[a] = (place + 1 < grid->n[a] ? place + 1 : grid->n[a] - 1) - from[a] + 1;
+        } else {
+            from[a] = place - 1 + grid->n[a];
+            count[a] = grid->n[a] < 3 ? grid->n[a] : 3;
         }
+    }
+    for (int64_t z = 0; z < count[2]; z++)
+        for (int64_t y = 0; y < count[1]; y++)
+            for (int64_t x = 0; x < count[0]; x++) {
+                const int64_t cell =
+                    ((from[2] + z) % grid->n[2] * grid->n[1] + (from[1] + y) % grid->n[1]) * grid->n[0] +
+                    (from[0] + x) % grid->n[0];
+                for (int32_t j = d->cell_head[grid->first + cell]; j >= 0; j = d->cell_next[j]) {
+                    sp_status status = same && j <= i ? SP_OK : try_pair(d, gap, i, j, p, err);
+                    if (status != SP_OK)
+                        return status;
+                }
+            }
     return SP_OK;
+}
+
+static sp_status find_pairs(dynamics *d, double gap, const cell_grid grids[OCTAVES], const int32_t *row, pair_list *p,
+                            sp_error *err) {
+    sp_status status = SP_OK;
+    for (int32_t i = 0; i < d->n && status == SP_OK; i++) {
+        const int octave = octave_of(d, dynamics_radius(d, i));
+        const int32_t first = p->n;
+        for (int o = octave; o >= 0 && status == SP_OK; o--)
+            if (grids[o].used)
+                status = pairs_in_grid(d, &grids[o], gap, i, o == octave, p, err);
+        carry_forces(d, row, p, first);
+    }
+    return status;
 }
 
 sp_status pairs_rebuild(dynamics *d, double gap, sp_error *err) {
     pair_list p = {0};
-    double r_max = 0;
-    for (int32_t i = 0; i < d->n; i++)
-        r_max = fmax(r_max, d->g[i].r);
-    const cell_grid grid = grid_for(d, 2 * r_max + gap);
+    cell_grid grids[OCTAVES];
     pairs_return(d);
     int32_t *row = sp_alloc((size_t)d->n + 1, sizeof *row);
     sp_status status = row ? SP_OK : sp_fail_memory(err, (size_t)d->n * sizeof *row);
     if (status == SP_OK)
-        status = sort_into_cells(d, &grid, err);
-    if (status == SP_OK)
-        status = pair_list_alloc(&p, 4 * d->n + 16, false, err);
+        status = sort_into_cells(d, gap, grids, err);
+    if (status == SP_OK) {
+        const int32_t room = d->outer.n + d->outer.n / 8 + 16, usual = 4 * d->n + 16;
+        status = pair_list_alloc(&p, d->dim, room > usual ? room : usual, false, err);
+    }
     if (status != SP_OK)
         goto out;
     for (int32_t k = 0; k < d->outer.n; k++)
         row[d->outer.i[k] + 1]++;
     for (int32_t i = 0; i < d->n; i++)
         row[i + 1] += row[i];
-    for (int32_t i = 0; i < d->n; i++) {
-        int32_t first = p.n;
-        status = pairs_of(d, &grid, gap, i, &p, err);
-        if (status != SP_OK)
-            goto out;
-        for (int32_t k = first; k < p.n; k++)
-            p.ft[k] = old_force(&d->outer, row, i, p.j[k]);
-    }
+    status = find_pairs(d, gap, grids, row, &p, err);
+    if (status != SP_OK)
+        goto out;
     pair_list_free(&d->outer);
     d->outer = p;
     p = (pair_list){0};
@@ -198,66 +315,153 @@ out:
 
 /* ---- inner list ---------------------------------------------------------------------------------------------- */
 
-void pairs_return(dynamics *d) {
-    for (int32_t k = 0; k < d->inner.n; k++)
-        d->outer.ft[d->inner.from[k]] = d->inner.ft[k];
-}
-
 static void refill_walls(dynamics *d, double gap) {
+    const int up = d->dim - 1;
     for (int side = 0; side < 2; side++) {
         wall_list *wall = &d->wall[side];
         wall->n = 0;
         for (int32_t i = 0; i < d->n; i++) {
-            double distance = side == 0 ? d->g[i].y : d->piston_y - d->g[i].y;
-            if (distance - d->g[i].r < gap)
+            const double *g = dynamics_grain(d, i);
+            double distance = side == 0 ? g[up] : d->piston_y - g[up];
+            if (distance - g[d->at.r] < gap)
                 wall->i[wall->n++] = i;
         }
     }
 }
 
-sp_status pairs_refill(dynamics *d, double gap, sp_error *err) {
-    pairs_return(d);
+/* The pairs of the outer list that are nearer than the gap, then pairs of nobody that fill up the last vector. */
+static void select_pairs(dynamics *d, double gap) {
     pair_list *inner = &d->inner;
     const pair_list *outer = &d->outer;
-    if (inner->capacity < outer->n) {
-        pair_list more;
-        sp_status status = pair_list_alloc(&more, outer->n + outer->n / 4, true, err);
-        if (status != SP_OK)
-            return status;
-        pair_list_free(inner);
-        *inner = more;
-    }
+    const int sides = d->dim - 1, forces = planes_of_force(d->dim);
     int32_t n = 0;
     for (int32_t k = 0; k < outer->n; k++) {
-        const grain *a = &d->g[outer->i[k]], *b = &d->g[outer->j[k]];
-        double x = b->x - a->x + outer->shift[k], y = b->y - a->y, range = outer->reach[k] + gap;
-        if (x * x + y * y >= range * range)
+        const double *g = dynamics_grain(d, outer->i[k]), *h = dynamics_grain(d, outer->j[k]);
+        const double range = outer->reach[k] + gap;
+        double square = 0;
+        for (int a = 0; a < d->dim; a++) {
+            double x = h[a] - g[a] + (a < sides ? outer->image[k + (int64_t)a * outer->capacity] * d->side[a] : 0);
+            square += x * x;
+        }
+        if (square >= range * range)
             continue;
+        const double e2 = 2.0 * contact_stiffness(g[d->at.r], h[d->at.r]);
         inner->i[n] = outer->i[k];
         inner->j[n] = outer->j[k];
+        inner->at_i[n] = d->at.stride * outer->i[k];
+        inner->at_j[n] = d->at.stride * outer->j[k];
         inner->from[n] = k;
-        inner->shift[n] = outer->shift[k];
         inner->reach[n] = outer->reach[k];
-        inner->e[n] = contact_stiffness(a->r, b->r);
-        inner->c[n] = 2.0 * d->law.damping / sqrt(a->inv_m + b->inv_m); /* 1/m_eff = 1/m_i + 1/m_j */
-        inner->ft[n] = outer->ft[k];
+        inner->e2[n] = e2;
+        inner->sm[n] = sqrt(e2 / (g[d->at.inv_m] + h[d->at.inv_m])); /* 1/m_eff = 1/m_i + 1/m_j */
+        for (int a = 0; a < sides; a++)
+            inner->image[n + (int64_t)a * inner->capacity] = outer->image[k + (int64_t)a * outer->capacity];
+        for (int a = 0; a < forces; a++)
+            inner->ft[n + (int64_t)a * inner->capacity] = outer->ft[k + (int64_t)a * outer->capacity];
         n++;
     }
     inner->n = n;
+    inner->padded = (n + 7) / 8 * 8;
+    for (int32_t k = n; k < inner->padded; k++) {
+        inner->i[k] = inner->j[k] = d->n;
+        inner->at_i[k] = inner->at_j[k] = d->at.stride * d->n;
+        inner->reach[k] = -1;
+        inner->e2[k] = inner->sm[k] = 0;
+        for (int a = 0; a < sides; a++)
+            inner->image[k + (int64_t)a * inner->capacity] = 1;
+        for (int a = 0; a < forces; a++)
+            inner->ft[k + (int64_t)a * inner->capacity] = 0;
+    }
+}
+
+/* row: where it begins */
+static void give_row(force_rows *f, int32_t i, int32_t row) {
+    if (f->count[i] < SLOTS) {
+        f->slot[SLOTS * (int64_t)i + f->count[i]++] = row;
+        return;
+    }
+    f->count[i]++;
+    f->chain[2 * (int64_t)f->chained] = row;
+    f->chain[2 * (int64_t)f->chained + 1] = f->further[i];
+    f->further[i] = f->chained++;
+}
+
+static sp_status rows_alloc(dynamics *d, int64_t rows, sp_error *err) {
+    force_rows *f = &d->rows;
+    if (rows <= f->capacity)
+        return SP_OK;
+    const int64_t capacity = rows + rows / 4;
+    sp_free(f->row);
+    sp_free(f->chain);
+    f->row = sp_alloc((size_t)(capacity * d->at.row), sizeof *f->row);
+    f->chain = sp_alloc((size_t)(2 * capacity), sizeof *f->chain);
+    f->capacity = f->row && f->chain ? capacity : 0;
+    return f->capacity ? SP_OK : sp_fail_memory(err, (size_t)capacity * 8 * (size_t)(d->at.row + 1));
+}
+
+/* Which rows each grain adds up. */
+static sp_status assign_rows(dynamics *d, sp_error *err) {
+    force_rows *f = &d->rows;
+    const pair_list *p = &d->inner;
+    const int32_t size = d->at.row;
+    f->rows = 2 * (int64_t)p->padded + d->wall[0].n + d->wall[1].n + 1;
+    if (f->rows > INT32_MAX / d->at.row)
+        return sp_fail(err, SP_ENOMEM, "%d pairs of neighbours: more than a list can number", p->n);
+    sp_status status = rows_alloc(d, f->rows, err);
+    if (status != SP_OK)
+        return status;
+    f->other = p->padded;
+    f->wall[0] = 2 * p->padded;
+    f->wall[1] = f->wall[0] + d->wall[0].n;
+    f->zero = f->wall[1] + d->wall[1].n;
+    memset(f->row + (int64_t)f->zero * d->at.row, 0, (size_t)d->at.row * sizeof *f->row);
+    memset(f->count, 0, (size_t)d->n * sizeof *f->count);
+    f->chained = 0;
+    for (int32_t i = 0; i < d->n; i++)
+        f->further[i] = -1;
+    for (int64_t s = 0; s < SLOTS * (int64_t)d->n; s++)
+        f->slot[s] = size * f->zero;
+    for (int32_t k = 0; k < p->n; k++) {
+        give_row(f, p->i[k], size * k);
+        give_row(f, p->j[k], size * (f->other + k));
+    }
+    for (int side = 0; side < 2; side++)
+        for (int32_t k = 0; k < d->wall[side].n; k++)
+            give_row(f, d->wall[side].i[k], size * (f->wall[side] + k));
+    return SP_OK;
+}
+
+sp_status pairs_refill(dynamics *d, double gap, sp_error *err) {
+    pairs_return(d);
+    if (d->inner.capacity < d->outer.n + 8) {
+        pair_list more;
+        sp_status status = pair_list_alloc(&more, d->dim, d->outer.n + d->outer.n / 4 + 8, true, err);
+        if (status != SP_OK)
+            return status;
+        pair_list_free(&d->inner);
+        d->inner = more;
+    }
+    select_pairs(d, gap);
     refill_walls(d, gap);
     d->inner_gap = gap;
     d->inner_travel = 0;
     d->refills++;
-    return SP_OK;
+    return assign_rows(d, err);
 }
 
-/* Steps that an inner list should last, and the widest outer gap in diameters. */
+/* Steps that an inner list should last, and the gaps in diameters. */
 enum { REFILL_STEPS = 12 };
 static const double OUTER_GAP = 0.4, INNER_GAP_MIN = 2e-3, INNER_GAP_MAX = 0.15;
 
 sp_status dynamics_refresh(dynamics *d, sp_error *err) {
     if (d->inner_travel < d->inner_gap && d->outer_travel < d->outer_gap)
         return SP_OK;
+    if (d->plain) {
+        sp_status status = pairs_rebuild(d, OUTER_GAP, err);
+        refill_walls(d, OUTER_GAP);
+        d->inner_gap = INFINITY;
+        return status;
+    }
     const double gap = fmin(INNER_GAP_MAX, fmax(INNER_GAP_MIN, 2 * d->v_max * d->dt * REFILL_STEPS));
     if (!(d->outer_travel + gap < d->outer_gap)) {
         sp_status status = pairs_rebuild(d, OUTER_GAP, err);

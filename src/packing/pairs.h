@@ -8,6 +8,13 @@ void pair_list_free(pair_list *p);
 sp_status pairs_rebuild(dynamics *d, double gap, sp_error *err);
 /* The inner list out of the outer one. */
 sp_status pairs_refill(dynamics *d, double gap, sp_error *err);
+/* The tangential force on i of a pair (2D: ft[0] along (-ny, nx)). */
+typedef struct pair_force {
+    int32_t i, j;
+    double ft[3];
+} pair_force;
+/* Before the lists are made: what their pairs shall carry. Each pair at most once. */
+sp_status pairs_give(dynamics *d, const pair_force *force, int32_t count, sp_error *err);
 /* Brings the inner list's tangential forces back to the outer list. */
 void pairs_return(dynamics *d);
 

@@ -7,8 +7,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const sp_word pack_kinds[] = {
-    {"piston", SP_PACK_PISTON}, {"triangular", SP_PACK_TRIANGULAR}, {"chain", SP_PACK_CHAIN}, {NULL, 0}};
+static const sp_word pack_kinds[] = {{"piston", SP_PACK_PISTON},
+                                     {"triangular", SP_PACK_TRIANGULAR},
+                                     {"chain", SP_PACK_CHAIN},
+                                     {"file", SP_PACK_FILE},
+                                     {NULL, 0}};
+static const sp_word laws[] = {{"uniform", SP_SIZES_UNIFORM},
+                               {"bidisperse", SP_SIZES_BIDISPERSE},
+                               {"lognormal", SP_SIZES_LOGNORMAL},
+                               {"list", SP_SIZES_LIST},
+                               {NULL, 0}};
+static const sp_word compressions[] = {
+    {"piston", SP_COMPRESSION_PISTON}, {"isotropic", SP_COMPRESSION_ISOTROPIC}, {NULL, 0}};
+static const sp_word protocols[] = {
+    {"default", SP_PROTOCOL_DEFAULT}, {"somfai2005", SP_PROTOCOL_SOMFAI2005}, {NULL, 0}};
 static const sp_word methods[] = {
     {"auto", SP_SIGNAL_AUTO}, {"chebyshev", SP_SIGNAL_CHEBYSHEV}, {"dense", SP_SIGNAL_DENSE}, {NULL, 0}};
 static const sp_word sources[] = {{"impulse", SP_SOURCE_IMPULSE},
@@ -23,42 +35,75 @@ static const sp_word wants[] = {{"packings", 0},
                                 {NULL, 0}};
 
 _Static_assert(sizeof(sp_pack_kind) == sizeof(unsigned) && sizeof(sp_signal_method) == sizeof(unsigned) &&
-                   sizeof(sp_source) == sizeof(unsigned) && sizeof(int) == sizeof(int32_t),
+                   sizeof(sp_source) == sizeof(unsigned) && sizeof(sp_sizes) == sizeof(unsigned) &&
+                   sizeof(sp_compression) == sizeof(unsigned) && sizeof(sp_protocol) == sizeof(unsigned) &&
+                   sizeof(int) == sizeof(int32_t),
                "words are stored as unsigned, integers as 32 bits");
 
 #define AT(member) offsetof(sp_scene, member)
 
 const sp_field sp_fields[] = {
     {"packing", "kind", SP_FIELD_WORD, AT(pack.kind), "", 0, 0, pack_kinds,
-     "random grains compressed by a piston, a triangular lattice, or a one-dimensional chain"},
+     "random grains compressed by a piston, a triangular lattice, a one-dimensional chain, or a packing from a file"},
+    {"packing", "file", SP_FIELD_PATH, AT(from), "", 0, 0, NULL,
+     "packing to start from with kind = \"file\"; relative to the scene, in --set to the current folder"},
+    {"packing", "content", SP_FIELD_INT64, AT(pack.content), "", 0, 0x1p63, NULL,
+     "number that tells the packing of packing.file from others; 0: any will do"},
     {"packing", "dimension", SP_FIELD_INT, AT(pack.dim), "", 1, 3, NULL,
-     "of space: a chain has 1, the others 2; packings in 3 come by import only, see `sonopack help convert'"},
+     "of space: a chain has 1, a lattice 2, packings under a piston 2 or 3"},
     {"packing", "grains", SP_FIELD_INT, AT(pack.grains), "", 1, 1e8, NULL, "number of grains"},
     {"packing", "width", SP_FIELD_REAL, AT(pack.width), "d", 0.01, 1e6, NULL,
      "period sideways; a piston needs four of the largest grains, a lattice has whole grains"},
+    {"packing", "depth", SP_FIELD_REAL, AT(pack.depth), "d", 0, 1e6, NULL,
+     "the other period sideways in dimension 3; 0: like the width"},
     {"packing", "pressure", SP_FIELD_REAL, AT(pack.pressure), "E*", 1e-10, 1e-2, NULL, "confining pressure"},
+    {"packing", "history", SP_FIELD_REALS, 0, "E*", 1e-10, 1e-2, NULL,
+     "pressures that are gone through first, each to its equilibrium"},
     {"packing", "friction", SP_FIELD_REAL, AT(pack.friction), "", 0, 1e6, NULL,
      "Coulomb's coefficient; 0: no tangential forces, no rotations"},
     {"packing", "poisson", SP_FIELD_REAL, AT(pack.poisson), "", 0, 0.5, NULL, "Poisson's ratio of the grain material"},
+    {"packing", "sizes", SP_FIELD_WORD, AT(pack.sizes), "", 0, 0, laws,
+     "law of the diameters: uniform between the limits; one of the two; lognormal of mean 1; or a list"},
     {"packing", "diameter_min", SP_FIELD_REAL, AT(pack.diameter_min), "d", 0, 100, NULL,
-     "smallest diameter; both 0: 0.8 .. 1.2 under a piston, equal grains in lattice and chain"},
+     "smallest diameter; both 0: the law's own, as 0.8 .. 1.2 under a piston and equal grains in lattice and chain"},
     {"packing", "diameter_max", SP_FIELD_REAL, AT(pack.diameter_max), "d", 0, 100, NULL,
-     "largest diameter; diameters are uniform between the two"},
+     "largest diameter, at most 100 times the smallest"},
+    {"packing", "large_fraction", SP_FIELD_REAL, AT(pack.large_fraction), "", 0, 1, NULL,
+     "of bidisperse grains: number of the large ones over all"},
+    {"packing", "size_spread", SP_FIELD_REAL, AT(pack.size_spread), "", 0, 2, NULL,
+     "of lognormal grains: standard deviation of ln d"},
+    {"packing", "diameters", SP_FIELD_REALS, 0, "d", 0.01, 100, NULL,
+     "of the grains in their order, for packing.sizes = \"list\""},
+    {"packing", "diameter_file", SP_FIELD_FILE, 0, "", 0, 0, NULL,
+     "diameters from a text file, a number a line; its name is relative to the scene, in --set to the current folder"},
+    {"packing", "compression", SP_FIELD_WORD, AT(pack.compression), "", 0, 0, compressions,
+     "what yields to the pressure: the piston alone, or the sides as well"},
+    {"packing", "protocol", SP_FIELD_WORD, AT(pack.protocol), "", 0, 0, protocols,
+     "decides damping, piston, gas and time step where these are not given"},
+    {"packing", "reference", SP_FIELD_BOOL, AT(pack.reference), "", 0, 0, NULL,
+     "the plain and slow way, to compare with"},
     {"packing", "seed", SP_FIELD_INT64, AT(pack.seed), "", 0, 0x1p63, NULL, "of the random streams"},
     {"packing", "tolerance", SP_FIELD_REAL, AT(pack.tolerance), "E* / (rho d)", 0, 1, NULL,
      "largest elastic acceleration at rest; 0: the smaller of 1e-10 and 1e-6 p"},
-    {"packing", "damping", SP_FIELD_REAL, AT(pack.damping), "critical", 1e-3, 2, NULL,
-     "viscosity of contacts while the packing forms"},
-    {"packing", "piston_mass", SP_FIELD_REAL, AT(pack.piston_mass), "rho d", 1e-2, 1e6, NULL,
-     "mass of the piston per area of wall"},
-    {"packing", "gas_fraction", SP_FIELD_REAL, AT(pack.gas_fraction), "", 0.01, 0.45, NULL,
-     "area fraction of the gas of grains at the start"},
-    {"packing", "time_step", SP_FIELD_REAL, AT(pack.time_step), "sqrt(m/k)", 1e-3, 0.15, NULL,
-     "step over sqrt(smallest mass / largest stiffness); 0.2 is unstable with damping"},
-    {"packing", "calm", SP_FIELD_REAL, AT(pack.calm), "p", 0, 1, NULL,
-     "global damping begins once every acceleration is below this; 0: never"},
-    {"packing", "drag", SP_FIELD_REAL, AT(pack.drag), "sqrt(E* / rho)/d", 0, 0.1, NULL,
-     "rate of the global damping at p = 1e-4, grows as p^(1/3)"},
+    {"packing", "damping", SP_FIELD_REAL, AT(pack.damping), "critical", 0, 2, NULL,
+     "viscosity of contacts while the packing forms, from 0.001; 0: the protocol's own"},
+    {"packing", "piston_mass", SP_FIELD_REAL, AT(pack.piston_mass), "rho d", 0, 1e4, NULL,
+     "mass of the piston per area of wall, from 0.1; 0: the protocol's own"},
+    {"packing", "gas_fraction", SP_FIELD_REAL, AT(pack.gas_fraction), "", 0, 0.45, NULL,
+     "area or volume fraction of the gas of grains at the start, 0.01 .. 0.3 in dimension 3; 0: the protocol's own"},
+    {"packing", "time_step", SP_FIELD_REAL, AT(pack.time_step), "", 0, 0.9, NULL,
+     "over the largest stable one, from 0.001; 0: the protocol's own"},
+    {"packing", "calm", SP_FIELD_REAL, AT(pack.calm), "p", -1, 1, NULL,
+     "global damping begins once every acceleration is below this; 0: never, below 0: the protocol's own"},
+    {"packing", "drag", SP_FIELD_REAL, AT(pack.drag), "sqrt(E* / rho)/d", -1, 0.1, NULL,
+     "rate of the global damping at p = 1e-4, grows as p^(1/3); below 0: the protocol's own"},
+    {"packing", "calm_damping", SP_FIELD_REAL, AT(pack.calm_damping), "critical", 0, 2, NULL,
+     "viscosity of contacts once the global damping has begun; 0: the protocol's own"},
+    {"packing", "viscous_limit", SP_FIELD_REAL, AT(pack.viscous_limit), "", 0, 1e6, NULL,
+     "Coulomb's limit of the whole tangential force over that of its elastic part, until the global damping begins; 0: "
+     "the protocol's own"},
+    {"packing", "rebound", SP_FIELD_REAL, AT(pack.rebound), "sqrt(E* / rho)/d", -1, 1, NULL,
+     "rate at which the piston's upward motion is braked at p = 1e-4, grows as p^(1/6); below 0: the protocol's own"},
     {"packing", "max_steps", SP_FIELD_INT64, AT(pack.max_steps), "", 0, 1e15, NULL,
      "give up after that many steps; 0: a bound from pressure and height"},
 
@@ -118,13 +163,15 @@ bool sp_field_is_number(const sp_field *f) {
     return f->type == SP_FIELD_REAL || f->type == SP_FIELD_INT || f->type == SP_FIELD_INT64;
 }
 
+bool sp_field_is_history(const sp_field *f) { return strcmp(f->name, "history") == 0; }
+
 bool sp_field_is_swept(const sp_field *f) {
-    return sp_field_is_number(f) && f->offset != AT(pack.seed) &&
+    return sp_field_is_number(f) && f->offset != AT(pack.seed) && f->offset != AT(pack.content) &&
            (strcmp(f->group, "packing") == 0 || strcmp(f->group, "network") == 0);
 }
 
 const char *sp_limit_text(const sp_field *f, double limit, char *buf, size_t size) {
-    if (f->type == SP_FIELD_REAL)
+    if (f->type == SP_FIELD_REAL || f->type == SP_FIELD_REALS)
         return sp_number_text(limit, buf);
     snprintf(buf, size, "%lld", limit >= 0x1p63 ? (long long)INT64_MAX : (long long)limit);
     return buf;
@@ -157,6 +204,13 @@ const char *sp_field_right(const sp_field *f, char *buf, size_t size) {
     case SP_FIELD_SWEEP:
         snprintf(buf, size, "a list ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... )");
         break;
+    case SP_FIELD_REALS:
+        snprintf(buf, size, "a list [%s, ...] of numbers %s .. %s %s",
+                 sp_field_is_history(f) ? "1e-3, 1e-5" : "0.9, 1.1", sp_limit_text(f, f->low, low, sizeof low),
+                 sp_limit_text(f, f->high, high, sizeof high), f->unit);
+        break;
+    case SP_FIELD_PATH:
+    case SP_FIELD_FILE: snprintf(buf, size, "the name of a file in quotes"); break;
     }
     return buf;
 }
@@ -177,7 +231,7 @@ sp_status sp_field_check(const sp_field *f, const sp_number *number, sp_error *e
     char value[32], right[200];
     int64_t integer = 0;
     bool good = isfinite(number->real) && number->real >= f->low && number->real <= f->high;
-    if (f->type != SP_FIELD_REAL)
+    if (f->type != SP_FIELD_REAL && f->type != SP_FIELD_REALS)
         good = good && whole(number, &integer);
     if (good)
         return SP_OK;

@@ -12,9 +12,12 @@ typedef enum sp_field_type {
     SP_FIELD_INT,   /* int or int32_t */
     SP_FIELD_INT64, /* int64_t or uint64_t: no range reaches above INT64_MAX */
     SP_FIELD_BOOL,
-    SP_FIELD_WORD, /* an enumeration: one of words */
-    SP_FIELD_LIST, /* unsigned bits: a list of words */
-    SP_FIELD_SWEEP /* sp_scene.sweep */
+    SP_FIELD_WORD,  /* an enumeration: one of words */
+    SP_FIELD_LIST,  /* unsigned bits: a list of words */
+    SP_FIELD_SWEEP, /* sp_scene.sweep */
+    SP_FIELD_REALS, /* a list that the scene owns and `pack' shows: diameters or history */
+    SP_FIELD_FILE,  /* name of a file that is read in place of SP_FIELD_REALS, and forgotten */
+    SP_FIELD_PATH   /* name of a file that is kept: char [SP_FROM_MAX] */
 } sp_field_type;
 
 typedef struct sp_word {
@@ -39,7 +42,7 @@ typedef struct sp_number {
     double real; /* also set for integers */
 } sp_number;
 
-enum { SP_FIELDS = 29 };
+enum { SP_FIELDS = 44 };
 extern const sp_field sp_fields[SP_FIELDS];
 int sp_field_index(const sp_field *f);
 /* The field of "group.name", NULL if there is none. */
@@ -48,7 +51,7 @@ const sp_field *sp_field_find(const char *key);
 const sp_field *sp_field_nearest(const char *group, const char *name);
 
 bool sp_field_is_number(const sp_field *f);
-/* Whether a study may sweep it: a number that makes another sample, the seed excepted (study.samples counts seeds). */
+/* Whether a study may sweep it: a number that makes another sample, the seed excepted (study.samples counts seeds) and the content. */
 bool sp_field_is_swept(const sp_field *f);
 
 /* What would be right, as "1e-10 .. 0.01 E*" or "piston, triangular or chain"; returns buf. */
@@ -63,6 +66,14 @@ sp_status sp_field_check(const sp_field *f, const sp_number *number, sp_error *e
 sp_status sp_field_store(sp_scene *s, const sp_field *f, const sp_number *number, sp_error *err);
 /* Value of a numeric field. */
 sp_number sp_field_load(const sp_scene *s, const sp_field *f);
+
+/* Frees the sweeps only. */
+void sp_scene_free_sweeps(sp_scene *s);
+/* Makes these the scene's diameters; they are freed with it. NULL and 0: none. */
+void sp_scene_take_diameters(sp_scene *s, double *diameters, int32_t count);
+void sp_scene_take_history(sp_scene *s, double *history, int32_t count);
+/* Whether a list is packing.history, and not packing.diameters. */
+bool sp_field_is_history(const sp_field *f);
 
 /* Number of single-letter changes, insertions, removals and swaps of neighbours that turn one word into the other;
  * letters above 63 are left out. */

@@ -88,6 +88,9 @@ static sp_status read_field(sp_reader *r, const sp_field *f, const config_settin
         return SP_OK;
     case SP_FIELD_LIST: return read_list(r, f, setting);
     case SP_FIELD_SWEEP: return sp_read_sweeps(r, f, setting);
+    case SP_FIELD_REALS: return sp_read_reals(r, f, setting);
+    case SP_FIELD_PATH: return sp_read_path(r, f, setting);
+    case SP_FIELD_FILE: return sp_read_list_name(r, f, setting);
     }
     return SP_EINVAL;
 }
@@ -173,8 +176,23 @@ out:
     return status;
 }
 
+/* The name of a file as a string of libconfig. */
+static char *quoted(const char *name) {
+    char *text = sp_alloc(2 * strlen(name) + 32, 1);
+    if (!text)
+        return NULL;
+    char *to = text + sprintf(text, "value = \"");
+    for (; *name; *to++ = *name++)
+        if (*name == '"' || *name == '\\')
+            *to++ = '\\';
+    strcpy(to, "\"\n");
+    return text;
+}
+
 /* A value of --set in the syntax of a scene: words need no quotes there, lists of words no brackets. */
 static char *override_text(const sp_field *f, const char *value) {
+    if ((f->type == SP_FIELD_FILE || f->type == SP_FIELD_PATH) && value[0] != '"')
+        return quoted(value);
     bool bare = isalpha((unsigned char)value[0]) && f->type != SP_FIELD_BOOL;
     for (const char *c = value; *c; c++)
         bare = bare && (isalnum((unsigned char)*c) || strchr("_-,", *c));
@@ -234,6 +252,7 @@ static sp_status read_override(sp_reader *r, const char *override) {
         return unknown(r, dot ? key : "", dot ? dot + 1 : key);
     }
     r->given[sp_field_index(f)] = SP_FROM_OVERRIDE;
+    r->overrides = true;
     return read_override_value(r, f, equals + 1);
 }
 
@@ -280,7 +299,7 @@ sp_status sp_scene_read(const char *path, int overrides, char *const *override, 
     if (!path)
         return read_all(NULL, NULL, overrides, override, out, err);
     char *text = NULL;
-    sp_status status = sp_source_load(path, &text, err);
+    sp_status status = sp_source_load(path, "scene", &text, err);
     if (status == SP_OK)
         status = read_all(text, path, overrides, override, out, err);
     sp_free(text);

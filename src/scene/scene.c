@@ -15,12 +15,34 @@ sp_scene sp_scene_default(void) {
     return s;
 }
 
-void sp_scene_free(sp_scene *s) {
+void sp_scene_free_sweeps(sp_scene *s) {
     for (int k = 0; k < SP_SWEEPS_MAX; k++) {
         sp_free(s->sweep[k].values);
         s->sweep[k] = (sp_sweep){0};
     }
     s->sweeps = 0;
+}
+
+void sp_scene_take_diameters(sp_scene *s, double *diameters, int32_t count) {
+    sp_free(s->diameters);
+    s->diameters = diameters;
+    s->pack.diameters = diameters;
+    s->pack.diameter_count = count;
+}
+
+void sp_scene_take_history(sp_scene *s, double *history, int32_t count) {
+    sp_free(s->history);
+    s->history = history;
+    s->pack.history = history;
+    s->pack.history_count = count;
+}
+
+void sp_scene_free(sp_scene *s) {
+    if (s->history)
+        sp_scene_take_history(s, NULL, 0);
+    sp_scene_free_sweeps(s);
+    if (s->diameters)
+        sp_scene_take_diameters(s, NULL, 0);
 }
 
 sp_status sp_scene_check_sweeps(const sp_scene *s, sp_error *err) {

@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_BYTES = 16 << 20, MAX_DEPTH = 32, MAX_SETTINGS = 10000 };
+enum { MAX_BYTES = 32 << 20, MAX_DEPTH = 32, MAX_SETTINGS = 10000 };
 
-sp_status sp_source_load(const char *path, char **text, sp_error *err) {
+sp_status sp_source_load(const char *path, const char *what, char **text, sp_error *err) {
     sp_status status = SP_OK;
     char *data = NULL;
     size_t size = 0, room = 1 << 16;
@@ -36,13 +36,14 @@ sp_status sp_source_load(const char *path, char **text, sp_error *err) {
         if (size < room)
             break;
         if (room >= MAX_BYTES) {
-            status = sp_fail(err, SP_EINVAL, "%s: too large for a scene: must be below %d MB", path, MAX_BYTES >> 20);
+            status =
+                sp_fail(err, SP_EINVAL, "%s: too large for a %s: must be below %d MB", path, what, MAX_BYTES >> 20);
             goto out;
         }
         room *= 2;
     }
     if (memchr(data, 0, size)) {
-        status = sp_fail(err, SP_EINVAL, "%s: binary data, not a scene: must be text in libconfig syntax", path);
+        status = sp_fail(err, SP_EINVAL, "%s: binary data, not a %s: must be text", path, what);
         goto out;
     }
     *text = data;

@@ -5,8 +5,9 @@
 #include <sonopack/status.h>
 #include <stddef.h>
 
-/* The whole file as a string; refuses what is no text file of reasonable size. Free with sp_free. */
-sp_status sp_source_load(const char *path, char **text, sp_error *err);
+/* The whole file as a string; refuses what is no text file of reasonable size. what: "scene", for messages. Free with
+ * sp_free. */
+sp_status sp_source_load(const char *path, const char *what, char **text, sp_error *err);
 
 /* A copy that libconfig reads safely: integers carry the suffix L (libconfig wraps longer ones silently), arrays are
  * lists (its arrays do not take 1 beside 0.5), and what it would take without a word or at any cost is refused:

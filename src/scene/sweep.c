@@ -84,7 +84,7 @@ static sp_status read_sweep(sp_reader *r, const config_setting_t *one, sp_sweep 
 }
 
 sp_status sp_read_sweeps(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
-    sp_scene_free(&r->scene);
+    sp_scene_free_sweeps(&r->scene);
     if (!config_setting_is_list(setting))
         return sp_reader_wrong(r, f, setting);
     const int count = config_setting_length(setting);
@@ -119,9 +119,19 @@ static sp_status check_combinations(const sp_reader *r, int64_t combinations) {
 }
 
 sp_status sp_reader_check(sp_reader *r) {
+    if (r->list[0]) {
+        sp_status listed = sp_reader_load_list(r);
+        if (listed != SP_OK)
+            return listed;
+    }
     const sp_field *dimension = sp_field_find("packing.dimension");
     if (r->scene.pack.kind == SP_PACK_CHAIN && r->given[sp_field_index(dimension)] == 0)
         r->scene.pack.dim = 1;
+    if (r->scene.pack.kind == SP_PACK_FILE && !r->scene.from[0])
+        return sp_fail(r->err, SP_EINVAL, "packing.file = \"\": must name a packing for packing.kind = \"file\"");
+    if (r->scene.pack.kind != SP_PACK_FILE && r->scene.from[0])
+        return sp_fail(r->err, SP_EINVAL, "packing.kind: must be \"file\" where packing.file = \"%.200s\" is given",
+                       r->scene.from);
     double combinations = 1;
     for (int i = 0; i < r->scene.sweeps; i++) {
         sp_sweep *sweep = &r->scene.sweep[i];

@@ -72,6 +72,22 @@ static void put_sweeps(writer *w, const sp_scene *s) {
     put(w, s->sweeps > 0 ? "\n  )" : ")");
 }
 
+static void put_reals(writer *w, const double *values, int32_t count) {
+    char value[32];
+    put(w, "(");
+    for (int32_t k = 0; k < count; k++)
+        put(w, "%s%s", k == 0 ? "" : k % 8 ? ", " : ",\n    ", sp_number_text(values[k], value));
+    put(w, ")");
+}
+
+/* A name as a string of libconfig. */
+static void put_name(writer *w, const char *name) {
+    put(w, "\"");
+    for (; *name; name++)
+        put(w, "%s%c", *name == '"' || *name == '\\' ? "\\" : "", *name);
+    put(w, "\"");
+}
+
 static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
     const char *place = (const char *)s + f->offset;
     char value[32];
@@ -92,6 +108,14 @@ static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
         put_list(w, f, bits);
         break;
     case SP_FIELD_SWEEP: put_sweeps(w, s); break;
+    case SP_FIELD_REALS:
+        if (sp_field_is_history(f))
+            put_reals(w, s->pack.history, s->pack.history_count);
+        else
+            put_reals(w, s->pack.diameters, s->pack.diameter_count);
+        break;
+    case SP_FIELD_PATH: put_name(w, place); break;
+    case SP_FIELD_FILE: put(w, "\"\""); break; /* its numbers stand in the list */
     }
 }
 

@@ -17,7 +17,9 @@ void sp_hash128(const void *data, size_t size, char text[SP_NAME_MAX]) {
 
 void sp_sample_name(const sp_scene *scene, char name[SP_NAME_MAX]) {
     name[0] = '\0';
-    char *packing = sp_scene_text(scene, "packing"), *network = sp_scene_text(scene, "network");
+    sp_scene nameless = *scene; /* its packing is known by content, wherever it lies */
+    nameless.from[0] = '\0';
+    char *packing = sp_scene_text(&nameless, "packing"), *network = sp_scene_text(scene, "network");
     if (packing && network) {
         char tail[64];
         snprintf(tail, sizeof tail, "signal.source = %d\nalgorithm = %d\n", (int)scene->signal.source,

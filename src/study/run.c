@@ -21,6 +21,7 @@ typedef struct task {
 typedef struct run {
     const sp_scene *study;
     const sp_study_sink *sink;
+    const sp_study_options *options;
     int64_t tasks;
     task *task;
     atomic_int_fast64_t next; /* first task that nobody has taken */
@@ -117,7 +118,9 @@ static void run_task(run *r, const task *t) {
     if (status != SP_OK || j.done)
         goto out;
 
-    status = sp_sample_make_watched(&j.scene, j.scene.want, &j.packing, &j.sample, &j.signal, go_on, r, &reason);
+    const sp_study_options *o = r->options;
+    const sp_pack_hooks hooks = {.watch = go_on, .user = r, .threads = o->jobs == 1 ? o->threads : 1, .from = o->from};
+    status = sp_sample_make_with(&j.scene, j.scene.want, &hooks, &j.packing, &j.sample, &j.signal, &reason);
 
     pthread_mutex_lock(&r->lock);
     if (status == SP_OK || j.sample.failed)
@@ -264,7 +267,7 @@ sp_status sp_study_run(const sp_scene *scene, const sp_study_options *opt, const
     sp_status status = check(scene, opt, sink, err);
     if (status != SP_OK)
         return status;
-    run r = {.study = scene, .sink = sink, .begun = sp_clock_wall()};
+    run r = {.study = scene, .sink = sink, .options = opt, .begun = sp_clock_wall()};
     pthread_condattr_t attributes;
     pthread_condattr_init(&attributes);
     pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);

@@ -115,8 +115,8 @@ static bool of_the_sample(sp_status status) {
     return status == SP_EFAILED || status == SP_EREFUSED || status == SP_EINVAL || status == SP_EFORMAT;
 }
 
-sp_status sp_sample_make_watched(const sp_scene *scene, unsigned want, sp_packing *packing, sp_sample *sample,
-                                 sp_signal *signal, sp_pack_watch watch, void *user, sp_error *err) {
+sp_status sp_sample_make_with(const sp_scene *scene, unsigned want, const sp_pack_hooks *hooks, sp_packing *packing,
+                              sp_sample *sample, sp_signal *signal, sp_error *err) {
     sp_error reason = {0};
     sp_status status = describe(scene, sample, err);
     if (status != SP_OK)
@@ -126,7 +126,7 @@ sp_status sp_sample_make_watched(const sp_scene *scene, unsigned want, sp_packin
     if (packing->n == 0) {
         sample->have = 0;
         sample->height = NAN;
-        status = sp_packing_make(&scene->pack, watch, user, packing, &reason);
+        status = sp_packing_make_with(&scene->pack, hooks, packing, &reason);
     }
     if (status == SP_OK && !packing->scene && !(packing->scene = sp_scene_text(scene, NULL)))
         status = sp_fail_memory(&reason, 4096);
@@ -150,5 +150,6 @@ sp_status sp_sample_make_watched(const sp_scene *scene, unsigned want, sp_packin
 
 sp_status sp_sample_make(const sp_scene *scene, unsigned want, sp_packing *packing, sp_sample *sample,
                          sp_signal *signal, sp_error *err) {
-    return sp_sample_make_watched(scene, want, packing, sample, signal, NULL, NULL, err);
+    const sp_pack_hooks hooks = {0};
+    return sp_sample_make_with(scene, want, &hooks, packing, sample, signal, err);
 }

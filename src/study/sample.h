@@ -14,8 +14,8 @@ double sp_front_spacing(double pressure);
 /* The front of a network's signal on that grid, over the times 0 .. window (<= 0: sp_signal_window). */
 sp_status sp_network_front(const sp_network *net, sp_source source, double window, sp_front *out, sp_error *err);
 
-/* sp_sample_make with a watch for the making of the packing. */
-sp_status sp_sample_make_watched(const sp_scene *scene, unsigned want, sp_packing *packing, sp_sample *sample,
-                                 sp_signal *signal, sp_pack_watch watch, void *user, sp_error *err);
+/* sp_sample_make with hooks for the making of the packing. */
+sp_status sp_sample_make_with(const sp_scene *scene, unsigned want, const sp_pack_hooks *hooks, sp_packing *packing,
+                              sp_sample *sample, sp_signal *signal, sp_error *err);
 
 #endif

@@ -11,11 +11,13 @@ import tempfile
 
 COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 SMALL = ["--set", "packing.grains=20", "--set", "packing.width=6"]
-KEYS = """packing.kind packing.dimension packing.grains packing.width packing.pressure packing.friction packing.poisson
-    packing.diameter_min packing.diameter_max packing.seed packing.tolerance packing.damping packing.piston_mass
-    packing.gas_fraction packing.time_step packing.calm packing.drag packing.max_steps network.threshold
-    network.prestress network.sliding_free signal.method signal.source signal.until signal.points signal.tolerance
-    study.samples study.want study.sweep""".split()
+KEYS = """packing.kind packing.dimension packing.grains packing.width packing.depth packing.pressure
+    packing.friction packing.poisson packing.sizes packing.diameter_min packing.diameter_max packing.large_fraction
+    packing.size_spread packing.diameters packing.diameter_file packing.compression packing.protocol
+    packing.reference packing.seed packing.tolerance packing.damping packing.piston_mass packing.gas_fraction
+    packing.time_step packing.calm packing.drag packing.max_steps network.threshold network.prestress
+    network.sliding_free signal.method signal.source signal.until signal.points signal.tolerance study.samples
+    study.want study.sweep""".split()
 WRONG = [  # a scene, and what its reason must say
     ("packing = {\n  pressure = 10;\n};", "SCENE:2: packing.pressure = 10: must be 1e-10 .. 0.01"),
     ("packing = { pressure = 1e-12; };", "packing.pressure = 1e-12: must be"),
@@ -119,7 +121,8 @@ def check_wrong(scratch):
                              ("packing.pressure=abc", "packing.pressure = \"abc\""), ("packing.pressure=", "must be"),
                              ("packing.presure=1e-4", "did you mean packing.pressure?"), ("=", "unknown key"),
                              ("packing.width=3.9", "packing.width = 3.9"), ("packing.seed=18446744073709551616", "64 bits"),
-                             ("packing.dimension=3", "packing.dimension = 3")):
+                             ("packing.dimension=1", "packing.dimension = 1"), ("packing.depth=6", "packing.depth = 6"),
+                             ("packing.diameter_file=absent.txt", "absent.txt: No such file")):
         expect_refused(reason, "--set", override)
         expect_refused("--set", "--set", override)
 

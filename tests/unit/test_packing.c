@@ -88,6 +88,24 @@ static void test_other_sizes(void **state) {
     spec.diameter_min = spec.diameter_max = 0.02; /* crushed */
     sp_packing p = sp_packing_none();
     assert_fails(sp_packing_make(&spec, NULL, NULL, &p, &err), SP_EFAILED, "overlaps are not below");
+    /* a pressure at which the overlap of the first two is between their radii, and all others are less */
+    const double radius[] = {0.0102, 0.01, 5}, diameter[] = {0.0204, 0.02, 10};
+    spec.grains = spec.diameter_count = 3;
+    spec.sizes = SP_SIZES_LIST;
+    spec.diameters = diameter;
+    spec.diameter_min = spec.diameter_max = 0;
+    spec.pressure = contact_force(contact_stiffness(radius[0], radius[1]), 0.0101);
+    assert_fails(sp_packing_make(&spec, NULL, NULL, &p, &err), SP_EFAILED, "overlaps are not below");
+    spec.pressure *= 0.9;
+    assert_ok(sp_packing_make(&spec, NULL, NULL, &p, &err));
+    sp_packing_free(&p);
+    spec = sp_pack_spec_default(); /* of a lattice the second neighbours would touch */
+    spec.kind = SP_PACK_TRIANGULAR;
+    spec.pressure = 1e-2;
+    spec.width = 0.4;
+    spec.grains = 100;
+    spec.diameter_min = spec.diameter_max = 0.02;
+    assert_fails(sp_packing_make(&spec, NULL, NULL, &p, &err), SP_EFAILED, "touch their second neighbours");
 }
 
 static void test_chain(void **state) {
@@ -271,15 +289,71 @@ static void test_spec_refuses(void **state) {
     REFUSED(s.friction = -0.1, "packing.friction");
     REFUSED(s.poisson = 0.51, "packing.poisson");
     REFUSED(s.time_step = 0.2, "packing.time_step");
-    REFUSED(s.dim = 3, "packing.dimension");
+    REFUSED(s.time_step = 5e-4, "packing.time_step");
+    REFUSED(s.dim = 1, "packing.dimension = 1: must be 2 or 3");
+    REFUSED(s.dim = 4, "packing.dimension");
+    REFUSED(s.depth = 24, "packing.depth = 24: must be 0");
+    REFUSED((s.dim = 3, s.depth = 4), "packing.depth = 4: a box narrower than four of the largest grains (4.8)");
+    REFUSED((s.dim = 3, s.width = 4, s.depth = 9), "packing.width = 4: a box narrower");
+    REFUSED(s.depth = NAN, "packing.depth");
     REFUSED(s.gas_fraction = 0.8, "packing.gas_fraction");
+    REFUSED(s.gas_fraction = 0.46, "packing.gas_fraction = 0.46: must be 0.01 .. 0.45");
+    REFUSED((s.dim = 3, s.gas_fraction = 0.31), "packing.gas_fraction = 0.31: must be at most 0.3 in 3 dimensions");
+    REFUSED(s.gas_fraction = 0.001, "packing.gas_fraction");
+    REFUSED(s.gas_fraction = NAN, "packing.gas_fraction");
+    REFUSED(s.piston_mass = 0.09, "packing.piston_mass = 0.09: must be 0.1 (less");
+    REFUSED(s.piston_mass = 2e4, "(more would oscillate");
+    REFUSED(s.calm = NAN, "packing.calm");
+    REFUSED(s.drag = 0.2, "packing.drag");
+    REFUSED(s.sizes = (sp_sizes)4, "packing.sizes");
+    REFUSED(s.protocol = (sp_protocol)2, "packing.protocol");
+    REFUSED(s.compression = (sp_compression)7, "packing.compression");
+    REFUSED(s.large_fraction = 1.1, "packing.large_fraction");
+    REFUSED(s.size_spread = -0.1, "packing.size_spread");
     REFUSED((s.diameter_min = 1.2, s.diameter_max = 0.8), "packing.diameter_min");
     REFUSED((s.diameter_min = 0.01, s.diameter_max = 2), "at most 100 times");
     REFUSED((s.diameter_min = s.diameter_max = 100, s.width = 500), "unit of length");
     REFUSED(s.damping = 2, "packing.damping = 2: must be at most 1.2 ");
     REFUSED((s.damping = 0.9, s.time_step = 0.15), "packing.damping");
     REFUSED(s.tolerance = 1, "packing.tolerance = 1: must be at most 0.1 of packing.pressure");
+    REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.diameter_min = 2, s.diameter_max = 3), "has 0.0001");
+    REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.diameter_min = s.diameter_max = 1), "has 0 of its grains");
+    REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.size_spread = 0, s.diameter_min = 1.1, s.diameter_max = 1.2),
+            "all grains have diameter 1");
+    REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.size_spread = 0.8), "at most 100 times");
+    REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.size_spread = 0.7), "packing.width = 24: a box narrower"); /* 6.4 d */
+    REFUSED((s.sizes = SP_SIZES_BIDISPERSE, s.diameter_min = 1, s.diameter_max = 7), "packing.width = 24");
+    REFUSED(s.sizes = SP_SIZES_LIST, "packing.diameters = (0 numbers): must be one for each of packing.grains = 600");
+    const double list[] = {1, 1.1, 0.9, 1, 1.2}, torn[] = {1, NAN, 1}, wide[] = {1, 1, 0.009};
+    REFUSED((s.sizes = SP_SIZES_LIST, s.diameters = list, s.diameter_count = 5), "(5 numbers)");
+    REFUSED((s.sizes = SP_SIZES_LIST, s.grains = 3, s.diameters = torn, s.diameter_count = 3), "number 2 = nan");
+    REFUSED((s.sizes = SP_SIZES_LIST, s.grains = 2, s.diameters = wide, s.diameter_count = 3), "number 3 = 0.009");
+    REFUSED((s.sizes = SP_SIZES_LIST, s.grains = 5, s.diameters = list, s.diameter_count = 5, s.diameter_max = 1.3),
+            "packing.diameter_max = 1.3: must be 0 (not given)");
+    REFUSED((s.grains = 5, s.diameters = list, s.diameter_count = 5), "packing.sizes = \"uniform\": must be \"list\"");
+    REFUSED((s.diameters = list, s.diameter_count = -1), "packing.diameters");
+    s = sp_pack_spec_default();
+    s.sizes = SP_SIZES_LIST;
+    s.grains = 5;
+    s.diameters = list;
+    s.diameter_count = 5;
+    assert_ok(sp_pack_spec_check(&s, &err));
+    s = sp_pack_spec_default();
+    s.dim = 3;
+    assert_ok(sp_pack_spec_check(&s, &err));
+    s.diameter_min = s.diameter_max = 1;
+    s.width = s.depth = 4;
+    assert_ok(sp_pack_spec_check(&s, &err));
+    s = sp_pack_spec_default();
+    s.kind = SP_PACK_TRIANGULAR;
+    s.diameter_min = 0.9;
+    s.diameter_max = 1.1;
+    assert_ok(sp_pack_spec_check(&s, &err));
+    REFUSED((s.kind = SP_PACK_TRIANGULAR, s.diameter_min = 0.5, s.diameter_max = 7.5, s.grains = 6),
+            "narrower than four");
+    REFUSED((s.kind = SP_PACK_TRIANGULAR, s.diameter_min = 0.9, s.diameter_max = 1.1, s.tolerance = 1), "tolerance");
     REFUSED((s.kind = SP_PACK_CHAIN), "packing.dimension");
+    REFUSED((s.kind = SP_PACK_CHAIN, s.dim = 1, s.compression = SP_COMPRESSION_ISOTROPIC), "which has no sides");
     REFUSED((s.kind = SP_PACK_TRIANGULAR, s.grains = 601), "multiple of the 24");
 }
 

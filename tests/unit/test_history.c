@@ -1,0 +1,247 @@
+/* Packings that are compressed further: from a packing, through a history of pressures, with sides that yield, and from
+ * a lattice that is not perfect. */
+#include "test.h"
+
+#include "base/base.h"
+#include "packing/making.h"
+
+static sp_pack_spec small(int dim, int32_t grains, double width, double pressure) {
+    sp_pack_spec s = sp_pack_spec_default();
+    s.dim = dim;
+    s.grains = grains;
+    s.width = width;
+    s.pressure = pressure;
+    s.tolerance = 1e-6 * pressure;
+    s.seed = 5;
+    return s;
+}
+
+static sp_packing make(const sp_pack_spec *spec) {
+    sp_packing p = sp_packing_none();
+    assert_ok(sp_packing_make(spec, NULL, NULL, &p, &err));
+    return p;
+}
+
+static sp_packing make_from(const sp_packing *from, double pressure, double tolerance) {
+    sp_pack_spec s = sp_pack_spec_default();
+    s.kind = SP_PACK_FILE;
+    s.pressure = pressure;
+    s.tolerance = tolerance;
+    s.friction = from->friction;
+    const sp_pack_hooks hooks = {.from = from};
+    sp_packing p = sp_packing_none();
+    assert_ok(sp_packing_make_with(&s, &hooks, &p, &err));
+    return p;
+}
+
+/* tolerance: of accelerations; the lightest grain of the default sizes has a mass of 0.27, the heaviest 0.9. */
+static sp_audit audited(const sp_packing *p, double tolerance) {
+    sp_audit a;
+    assert_ok(sp_packing_check(p, &err));
+    assert_ok(sp_packing_audit(p, 1e-4, &a, &err));
+    print_message(
+        "p %.3g: height %.8g, %d carry, %d rattle, force %.2g, torque %.2g, wall %.2g, geometry %.2g, Coulomb "
+        "%.2g, %d missing, %lld steps\n",
+        p->pressure, sp_packing_height(p), a.carrying, a.rattlers, a.force_residual, a.torque_residual, a.wall_residual,
+        a.geometry_residual, a.coulomb_excess, a.missing, (long long)p->steps);
+    assert_true(a.force_residual < 2 * tolerance / p->pressure);
+    assert_true(a.torque_residual < 2 * tolerance / p->pressure);
+    assert_true(a.wall_residual < 20 * tolerance / p->pressure);
+    assert_true(a.geometry_residual < 1e-9);
+    assert_true(a.coulomb_excess < tolerance / p->pressure);
+    assert_int_equal(a.missing, 0);
+    return a;
+}
+
+static double mean_x(const sp_packing *p, int axis) {
+    double sum = 0;
+    for (int32_t i = 0; i < p->n; i++)
+        sum += p->x[3 * (size_t)i + (size_t)axis];
+    return sum / p->n;
+}
+
+/* Ten times less pressure, and back: less height than at first, as sliding is not undone. */
+static void a_cycle_of_pressure(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        const sp_pack_spec s = dim == 2 ? small(2, 80, 8, 1e-4) : small(3, 90, 5, 1e-4);
+        sp_packing first = make(&s), low = make_from(&first, 1e-5, 1e-11), again = make_from(&low, 1e-4, 1e-10);
+        const sp_audit a = audited(&first, 1e-10), b = audited(&low, 1e-11), c = audited(&again, 1e-10);
+        assert_true(b.carrying < a.carrying);
+        assert_true(c.carrying > b.carrying);
+        const double h = sp_packing_height(&first);
+        assert_true(sp_packing_height(&low) > h * 1.001);
+        assert_true(fabs(sp_packing_height(&again) / h - 1) < (sp_packing_height(&low) / h - 1));
+        assert_true(fabs(mean_x(&low, dim - 1) / sp_packing_height(&low) - mean_x(&first, dim - 1) / h) < 0.01);
+        assert_true(low.box[0] == first.box[0]);
+        sp_packing_free(&again);
+        sp_packing_free(&low);
+        sp_packing_free(&first);
+    }
+}
+
+static void the_same_pressure_again(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        const sp_pack_spec s = dim == 2 ? small(2, 80, 8, 1e-4) : small(3, 90, 5, 1e-4);
+        sp_packing first = make(&s), again = make_from(&first, 1e-4, 1e-10);
+        const double change = sp_packing_height(&again) / sp_packing_height(&first) - 1;
+        double worst = 0;
+        assert_int_equal(again.n_contacts, first.n_contacts);
+        for (int32_t c = 0; c < first.n_contacts; c++) {
+            const sp_contact *k = &first.contacts[c], *l = &again.contacts[c];
+            assert_true(k->i == l->i && k->j == l->j);
+            for (int a = 0; a < 3; a++)
+                worst = fmax(worst, fabs(k->ft[a] - l->ft[a]));
+        }
+        print_message("%d dimensions: height %.2g, tangential forces %.2g p d^2, %lld steps\n", dim, change,
+                      worst / s.pressure, (long long)again.steps);
+        assert_true(fabs(change) < 1e-6);
+        assert_true(worst < 1e-4 * s.pressure);
+        sp_packing_free(&again);
+        sp_packing_free(&first);
+    }
+}
+
+typedef struct stages {
+    int count;
+    sp_packing last;
+} stages;
+
+static sp_status keep_stage(const sp_packing *p, int32_t index, void *user, sp_error *err) {
+    stages *s = user;
+    (void)err;
+    assert_int_equal(index, s->count);
+    static const double pressures[] = {1e-4, 2e-5, 5e-4};
+    assert_true(p->pressure == pressures[index]);
+    const double tolerances[] = {1e-10, 2e-11, 1e-10};
+    audited(p, tolerances[index]);
+    s->count++;
+    return SP_OK;
+}
+
+static sp_status refuse_stage(const sp_packing *p, int32_t index, void *user, sp_error *err) {
+    (void)p;
+    (void)user;
+    return sp_fail(err, SP_EIO, "stage %d has no place", index);
+}
+
+static void a_history_in_one_making(void **state) {
+    (void)state;
+    static const double history[] = {1e-4, 2e-5, 5e-4};
+    sp_pack_spec s = small(2, 80, 8, 1e-4);
+    s.history = history;
+    s.history_count = 3;
+    stages seen = {0};
+    sp_pack_hooks hooks = {.stage = keep_stage, .user = &seen};
+    sp_packing p = sp_packing_none(), q = sp_packing_none();
+    assert_ok(sp_packing_make_with(&s, &hooks, &p, &err));
+    assert_int_equal(seen.count, 3);
+    assert_true(p.pressure == 1e-4);
+    audited(&p, 1e-10);
+    hooks.stage = refuse_stage;
+    assert_fails(sp_packing_make_with(&s, &hooks, &q, &err), SP_EIO, "stage 0 has no place");
+    s.history_count = 0;
+    q = make(&s); /* the same grains, but no history */
+    assert_true(memcmp(p.r, q.r, (size_t)p.n * sizeof *p.r) == 0);
+    assert_true(sp_packing_height(&p) < sp_packing_height(&q));
+    sp_packing_free(&q);
+    sp_packing_free(&p);
+}
+
+static void sides_that_yield(void **state) {
+    (void)state;
+    const double pressures[] = {1e-3, 1e-5, 1e-8};
+    for (int dim = 2; dim <= 3; dim++)
+        for (int k = 0; k < 3; k++) {
+            if (dim == 3 && k != 1)
+                continue;
+            sp_pack_spec s = dim == 2 ? small(2, 80, 8, pressures[k]) : small(3, 90, 5, pressures[k]);
+            s.tolerance = 1e-5 * s.pressure;
+            s.compression = SP_COMPRESSION_ISOTROPIC;
+            sp_packing p = make(&s);
+            audited(&p, s.tolerance);
+            sp_statics t;
+            assert_ok(sp_statics_make(&p, 1e-4, 1, &t, &err));
+            print_message("p %g: width %.6g of %g, stress ratio - 1: %.2g\n", s.pressure, p.box[0], s.width,
+                          t.s1_over_s2 - 1);
+            assert_true(fabs(t.s1_over_s2 - 1) < 2e-3); /* contacts below the threshold are left out there */
+            assert_true(p.box[0] < s.width);
+            sp_packing_free(&p);
+        }
+}
+
+/* P* = 3 p/alpha^1.5, alpha the width of the diameters' distribution. */
+static double closed_part(double alpha, double reduced) {
+    sp_pack_spec s = small(2, 96, 8, reduced * pow(alpha, 1.5) / 3);
+    s.kind = SP_PACK_TRIANGULAR;
+    s.diameter_min = 1 - 0.5 * alpha;
+    s.diameter_max = 1 + 0.5 * alpha;
+    s.tolerance = 1e-5 * s.pressure;
+    sp_packing p = make(&s);
+    const sp_audit a = audited(&p, s.tolerance);
+    const double part = a.carrying / (3.0 * p.n);
+    print_message("P* = %g, alpha %g: %.4f of the lattice's contacts, width %.6g\n", reduced, alpha, part, p.box[0]);
+    sp_packing_free(&p);
+    return part;
+}
+
+static void a_lattice_of_unequal_grains(void **state) {
+    (void)state;
+    assert_true(closed_part(1e-3, 30) > 0.99);
+    assert_true(closed_part(0.02, 0.01) < 0.8);
+    assert_true(closed_part(1e-3, 0.01) < 0.8);
+}
+
+static void what_is_refused(void **state) {
+    (void)state;
+    sp_pack_spec s = sp_pack_spec_default(), c = sp_pack_spec_default();
+    sp_packing p = sp_packing_none(), chain, lattice;
+    sp_pack_hooks hooks = {0};
+    s.kind = SP_PACK_FILE;
+    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.file");
+    c.kind = SP_PACK_CHAIN;
+    c.dim = 1;
+    c.grains = 20;
+    chain = make(&c);
+    c.kind = SP_PACK_TRIANGULAR;
+    c.dim = 2;
+    c.width = 10;
+    c.grains = 100;
+    lattice = make(&c);
+    hooks.from = &chain;
+    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "chain");
+    hooks.from = &lattice;
+    s.grains = 99;
+    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.grains = 99");
+    s.grains = 100;
+    s.width = 10;
+    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.width = 10");
+    s.width = lattice.box[0];
+    s.diameter_max = 1.2;
+    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.diameter_max = 1.2");
+    s.diameter_max = 1;
+    s.content = sp_packing_content(&lattice) + 1;
+    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.content");
+    lattice.wall = SP_WALL_GRAIN;
+    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "walls answer like grains");
+    c.history = &c.pressure;
+    c.history_count = 1;
+    assert_fails(sp_packing_make(&c, NULL, NULL, &p, &err), SP_EINVAL, "packing.history");
+    c = sp_pack_spec_default();
+    static const double wrong[] = {1e-4, 1};
+    c.history = wrong;
+    c.history_count = 2;
+    assert_fails(sp_packing_make(&c, NULL, NULL, &p, &err), SP_EINVAL, "packing.history: number 2 = 1");
+    sp_packing_free(&lattice);
+    sp_packing_free(&chain);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_cycle_of_pressure),         cmocka_unit_test(the_same_pressure_again),
+        cmocka_unit_test(a_history_in_one_making),     cmocka_unit_test(sides_that_yield),
+        cmocka_unit_test(a_lattice_of_unequal_grains), cmocka_unit_test(what_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,275 @@
+/* The kernel against the plain path from one dense state, threads against none, and the root that the kernel takes. */
+#include "test.h"
+
+#include "base/base.h"
+#include "base/team.h"
+#include "packing/contact.h"
+#include "packing/dynamics.h"
+#include "packing/making.h"
+#include "packing/roots.h"
+
+typedef struct dense {
+    int dim;
+    bool wide; /* diameters 0.2 .. 2 */
+    sp_packing p;
+} dense;
+
+static sp_pack_spec dense_spec(int dim, bool wide) {
+    sp_pack_spec spec = sp_pack_spec_default();
+    spec.dim = dim;
+    spec.grains = dim == 2 ? 80 : 120;
+    spec.width = wide ? 8 : dim == 2 ? 8 : 5;
+    spec.seed = 21;
+    if (wide) {
+        spec.diameter_min = 0.2;
+        spec.diameter_max = 2;
+    }
+    spec.tolerance = 0.01 * spec.pressure;
+    return sp_pack_spec_resolve(&spec);
+}
+
+static dense states[4];
+
+static int make_states(void **state) {
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        states[k] = (dense){.dim = 2 + k / 2, .wide = k % 2, .p = sp_packing_none()};
+        const sp_pack_spec spec = dense_spec(states[k].dim, states[k].wide);
+        assert_ok(sp_packing_make(&spec, NULL, NULL, &states[k].p, &err));
+    }
+    return 0;
+}
+
+static int free_states(void **state) {
+    (void)state;
+    for (int k = 0; k < 4; k++)
+        sp_packing_free(&states[k].p);
+    return 0;
+}
+
+/* A number in [-1, 1) that depends on what it is for only (a 32-bit finaliser of avalanche type). */
+static double noise(uint32_t what, uint32_t i, uint32_t j, uint32_t axis) {
+    uint32_t h = what * 0x9e3779b1u + i * 0x85ebca77u + j * 0xc2b2ae3du + axis * 0x27d4eb2fu;
+    for (int round = 0; round < 3; round++) {
+        h ^= h >> 15;
+        h *= 0x2c1b3c6du;
+        h ^= h >> 13;
+    }
+    return ldexp((double)h, -31) - 1;
+}
+
+typedef struct conditions {
+    double friction, viscous_limit, dt;
+} conditions;
+
+static double separation(const dynamics *d, int32_t i, int32_t j) {
+    const double *g = dynamics_grain(d, i), *h = dynamics_grain(d, j);
+    double square = 0;
+    for (int a = 0; a < d->dim; a++) {
+        double x = h[a] - g[a];
+        x -= a < d->dim - 1 ? d->side[a] * nearbyint(x / d->side[a]) : 0;
+        square += x * x;
+    }
+    return sqrt(square);
+}
+
+/* The number of a tangential force: of the pair in its list's order, planes of the list apart. */
+static double *tangential(pair_list *p, int32_t k, int axis) { return p->ft + k + (int64_t)axis * p->capacity; }
+
+/* A packing that moves and whose tangential forces are of the size of friction's limit, below and above it. */
+static dynamics make_moving(const dense *from, const conditions *c, bool plain) {
+    const int dim = from->dim, planes = dim == 2 ? 1 : 3;
+    sp_pack_spec spec = dense_spec(dim, from->wide);
+    dynamics d;
+    spec.friction = c->friction;
+    spec.viscous_limit = c->viscous_limit;
+    spec.poisson = 0.3;
+    spec.reference = plain;
+    spec.width = from->p.box[0];
+    assert_ok(dynamics_make(&spec, from->p.r, from->p.x, sp_packing_height(&from->p), &d, &err));
+    d.v_max = 0.01; /* lists with many open pairs */
+    d.dt = 0.5;
+    assert_ok(dynamics_refresh(&d, &err));
+    for (int32_t i = 0; i < d.n; i++) {
+        double *g = dynamics_grain(&d, i);
+        for (int a = 0; a < dim; a++)
+            g[d.at.v + a] = 1e-3 * noise(1, (uint32_t)i, 0, (uint32_t)a);
+        for (int a = 0; a < planes; a++)
+            g[d.at.w + a] = 1e-3 * noise(2, (uint32_t)i, 0, (uint32_t)a);
+    }
+    d.piston_v = -2e-4;
+    pair_list *list = plain ? &d.outer : &d.inner;
+    for (int32_t k = 0; k < list->n; k++) {
+        const int32_t i = list->i[k], j = list->j[k], low = i < j ? i : j, high = i < j ? j : i;
+        const double overlap = list->reach[k] - separation(&d, i, j), sign = dim == 3 && i > j ? -1 : 1;
+        const double normal = contact_force(contact_stiffness(d.r_max, d.r_max), fmax(overlap, 1e-4));
+        for (int a = 0; a < planes; a++)
+            *tangential(list, k, a) = sign * normal * noise(3, (uint32_t)low, (uint32_t)high, (uint32_t)a);
+    }
+    for (int side = 0; side < 2; side++)
+        for (int32_t i = 0; i < d.n; i++) {
+            const double *g = dynamics_grain(&d, i), y = side == 0 ? g[dim - 1] : d.piston_y - g[dim - 1];
+            for (int a = 0; a < dim - 1 && y - g[d.at.r] < 0.05; a++) /* nearer than any gap */
+                d.wall_ft[side][i * (dim - 1) + a] = 1e-4 * noise(4, (uint32_t)i, (uint32_t)side, (uint32_t)a);
+        }
+    return d;
+}
+
+static int32_t find_pair(const pair_list *p, int32_t i, int32_t j) {
+    for (int32_t k = 0; k < p->n; k++)
+        if ((p->i[k] == i && p->j[k] == j) || (p->i[k] == j && p->j[k] == i))
+            return k;
+    return -1;
+}
+
+typedef struct difference {
+    double worst, scale;
+} difference;
+
+static void differ(difference *d, double one, double other) {
+    d->worst = fmax(d->worst, fabs(one - other));
+    d->scale = fmax(d->scale, fabs(other));
+}
+
+static void assert_same_tangential(dynamics *fast, dynamics *plain) {
+    const int planes = fast->dim == 2 ? 1 : 3;
+    difference all = {0, 0};
+    int32_t open = 0, closed = 0;
+    for (int32_t k = 0; k < fast->inner.n; k++) {
+        const int32_t i = fast->inner.i[k], j = fast->inner.j[k], q = find_pair(&plain->outer, i, j);
+        assert_true(q >= 0);
+        const double flip = planes == 3 && plain->outer.i[q] != i ? -1 : 1;
+        double error = 0, size = 0;
+        for (int a = 0; a < planes; a++) {
+            const double one = *tangential(&fast->inner, k, a), other = flip * *tangential(&plain->outer, q, a);
+            differ(&all, one, other);
+            error = fmax(error, fabs(one - other));
+            size = fmax(size, fabs(other));
+        }
+        assert_true(error <= 1e-11 * size);
+        const bool touch = separation(fast, i, j) < fast->inner.reach[k];
+        assert_true(touch || size == 0);
+        open += !touch;
+        closed += touch;
+    }
+    assert_true(open >= 10 && closed >= fast->n);
+    assert_true(all.worst <= 1e-13 * all.scale);
+    for (int side = 0; side < 2; side++)
+        for (int32_t i = 0; i < fast->n * (fast->dim - 1); i++)
+            assert_close(fast->wall_ft[side][i], plain->wall_ft[side][i], 1e-13 * 1e-4);
+}
+
+static void assert_same_forces(dynamics *fast, dynamics *plain) {
+    difference forces = {0, 0}, turns = {0, 0};
+    for (int32_t i = 0; i < fast->n; i++) {
+        double f[2][3], t[2][3];
+        dynamics_force_on(fast, i, f[0], t[0]);
+        dynamics_force_on(plain, i, f[1], t[1]);
+        for (int a = 0; a < 3; a++) {
+            differ(&forces, f[0][a], f[1][a]);
+            differ(&turns, t[0][a], t[1][a]);
+        }
+    }
+    assert_true(forces.scale > 1e-6);
+    assert_true(forces.worst <= 1e-13 * forces.scale);
+    assert_true(turns.worst <= 1e-13 * forces.scale);
+    assert_true((turns.scale > 1e-7) == (fast->law.friction > 0));
+    for (int side = 0; side < 2; side++)
+        assert_relative(fast->wall_force[side], plain->wall_force[side], 1e-13);
+    assert_relative(fast->piston_k, plain->piston_k, 1e-13);
+}
+
+static void assert_same_motion(dynamics *fast, dynamics *plain, double dt) {
+    dynamics_advance(fast, dt);
+    dynamics_advance(plain, dt);
+    for (int32_t i = 0; i < fast->n; i++) {
+        const double *g = dynamics_grain(fast, i), *h = dynamics_grain(plain, i);
+        for (int a = 0; a < fast->at.stride; a++)
+            assert_close(g[a], h[a], 1e-13 * fmax(fabs(h[a]), a < fast->dim ? 1 : 1e-3));
+    }
+    assert_relative(fast->piston_y, plain->piston_y, 1e-15);
+    assert_relative(fast->v_max, plain->v_max, 1e-13);
+}
+
+static void test_kernel_equals_plain(void **state) {
+    (void)state;
+    const double friction[] = {0, 0.5, 1e6}, limit[] = {1, 1e6}, dt[] = {0, 0.01, 0.3, 1};
+    for (int k = 0; k < 4 * 3 * 2 * 4; k++) {
+        const conditions c = {friction[k / 8 % 3], limit[k / 4 % 2], dt[k % 4]};
+        dynamics fast = make_moving(&states[k / 24], &c, false), plain = make_moving(&states[k / 24], &c, true);
+        if (k % 3 == 0) /* sides that shrink */
+            for (int a = 0; a < fast.dim - 1; a++)
+                fast.side_rate[a] = plain.side_rate[a] = -1e-4 * (a + 1);
+        dynamics_forces(&fast, c.dt);
+        dynamics_forces(&plain, c.dt);
+        assert_same_forces(&fast, &plain);
+        assert_same_tangential(&fast, &plain);
+        fast.drag = plain.drag = 0.01;
+        assert_same_motion(&fast, &plain, 0.3);
+        dynamics_free(&plain);
+        dynamics_free(&fast);
+    }
+}
+
+/* The state after some hundred steps, as bytes. */
+static void test_threads(void **state) {
+    (void)state;
+    const conditions c = {0.5, 1e6, 0.1};
+    for (int k = 0; k < 4; k++) {
+        dynamics alone = make_moving(&states[k], &c, false);
+        for (int threads = 1; threads <= 3; threads++) {
+            dynamics d = make_moving(&states[k], &c, false);
+            assert_ok(sp_team_make(threads, &d.team, &err));
+            assert_true((d.team != NULL) == (threads > 1));
+            dynamics *run = threads == 1 ? &alone : &d;
+            for (int step = 0; step < 300; step++) {
+                if (step % 30 == 0) /* new lists now and then, as if the grains had gone far */
+                    *(step % 60 == 0 ? &run->outer_travel : &run->inner_travel) = INFINITY;
+                assert_ok(dynamics_refresh(run, &err));
+                dynamics_forces(run, 0.1);
+                dynamics_advance(run, 0.1);
+            }
+            if (run == &d) {
+                const size_t lines = (size_t)(d.n * d.at.stride), planes = d.dim == 2 ? 1 : 3;
+                assert_memory_equal(d.g, alone.g, lines * sizeof *d.g);
+                assert_int_equal(d.inner.n, alone.inner.n);
+                for (size_t a = 0; a < planes; a++)
+                    assert_memory_equal(tangential(&d.inner, 0, (int)a), tangential(&alone.inner, 0, (int)a),
+                                        (size_t)d.inner.n * sizeof(double));
+                assert_memory_equal(&d.piston_y, &alone.piston_y, sizeof d.piston_y);
+                assert_memory_equal(&d.v_max, &alone.v_max, sizeof d.v_max);
+                assert_memory_equal(&d.rate, &alone.rate, sizeof d.rate);
+            }
+            dynamics_free(&d);
+        }
+        assert_true(alone.refills >= 5 && alone.rebuilds >= 5);
+        dynamics_free(&alone);
+    }
+}
+
+/* Against long double, over all exponents of normal numbers, at mantissas that are dense and odd. */
+static void test_fourth_root(void **state) {
+    (void)state;
+    double worst = 0;
+    for (int exponent = -1021; exponent <= 1022; exponent++)
+        for (int k = 0; k < 257; k++) {
+            const double x = ldexp(1 + k / 257.0, exponent);
+            const long double right = 1 / sqrtl(sqrtl((long double)x)), ulp = ldexpl(1, ilogbl(right) - 52);
+            worst = fmax(worst, (double)(fabsl(inverse_fourth_root(x) - right) / ulp));
+        }
+    printf("inverse fourth root: %.3f ulp\n", worst);
+    assert_true(worst < 1.1);
+    for (int k = 0; k <= 20; k++) { /* powers of 16 are exact */
+        assert_true(inverse_fourth_root(ldexp(1, 4 * k)) == ldexp(1, -k));
+        assert_true(inverse_fourth_root(ldexp(1, -4 * k)) == ldexp(1, k));
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_kernel_equals_plain),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_fourth_root),
+    };
+    return cmocka_run_group_tests(tests, make_states, free_states);
+}
