@@ -156,8 +156,6 @@ typedef struct sp_pack_spec {
     double calm_damping;  /* zeta once the global damping has started; 0: the protocol's own */
     double viscous_limit; /* Coulomb's limit of the whole tangential force, viscous part included, over that of its
                              elastic part, until the global damping starts (from then on 1); 0: the protocol's own */
-    double rebound;    /* rate at which the piston's upward motion is braked, at p = 1e-4 [sqrt(E* / rho)/d]; scales as
-                          p^(1/6); < 0: the protocol's own */
     int64_t max_steps; /* refuse after that many; 0: a bound from the pressure and the height */
     const double
         *history; /* pressures that are gone through first, each to its equilibrium [E*]; shared like diameters */
@@ -199,6 +197,8 @@ typedef struct sp_pack_hooks {
 } sp_pack_hooks;
 sp_status sp_packing_make_with(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err);
 
+/* Whether bytes are the state of some making. */
+bool sp_pack_state_looks(const void *state, size_t size);
 /* Whether these bytes are the whole state of a making of this spec, and at which step: else SP_EFORMAT. For
  * SP_PACK_FILE the spec must have gone through sp_pack_spec_from. */
 sp_status sp_pack_state_check(const sp_pack_spec *spec, const void *state, size_t size, int64_t *steps, sp_error *err);

@@ -56,9 +56,9 @@ typedef struct sp_study_progress {
 typedef bool (*sp_study_watch)(const sp_study_progress *progress, void *user);
 
 typedef struct sp_study_options {
-    int jobs;          /* threads, >= 1 */
-    int shard, shards; /* this process takes samples shard-1 (mod shards); 1, 1: all */
-    int threads;       /* for one large packing at a time; 0, and with several jobs: one */
+    int jobs;               /* threads, >= 1 */
+    int shard, shards;      /* this process takes samples shard-1 (mod shards); 1, 1: all */
+    int threads;            /* for one large packing at a time; 0, and with several jobs: one */
     const sp_packing *from; /* what packing.file names; NULL: nothing */
 } sp_study_options;
 

@@ -48,7 +48,6 @@ sp_status dynamics_make(const sp_pack_spec *spec, const double *r, const double 
     d.law.sqrt_eta = sqrt(d.law.eta);
     d.law.damping = spec->damping;
     d.law.viscous_limit = spec->viscous_limit;
-    d.rebound = spec->rebound * pow(spec->pressure / 1e-4, 1.0 / 6.0);
     if (!alloc_arrays(&d)) {
         dynamics_free(&d);
         return sp_fail_memory(err, (size_t)d.n * (size_t)(8 * d.at.stride + 100));
@@ -193,7 +192,7 @@ void dynamics_advance(dynamics *d, double dt) {
         plain_advance(d, dt);
     else
         move_grains(d, dt);
-    const double keep = 1.0 - (d->drag + (d->piston_v > 0 ? d->rebound : 0)) * dt;
+    const double keep = 1.0 - d->drag * dt;
     d->piston_v = keep * d->piston_v + dt * (d->wall_force[1] - d->pressure * d->area) / d->piston_mass;
     d->piston_y += dt * d->piston_v;
     d->v_max = fmax(d->v_max, fabs(d->piston_v));

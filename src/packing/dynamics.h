@@ -29,8 +29,8 @@ typedef struct pair_list {
     double *image; /* [dim-1] periods to be added to x_j - x_i */
     double *reach; /* R_i + R_j */
     double *ft;    /* elastic tangential force on i: 2D along (-ny, nx), 3D [3] */
-    double *e2;    /* inner: 2 E12 sqrt(R12) */
-    double *sm;    /* inner: sqrt(m_eff 2 E12 sqrt(R12)) */
+    double *e2;    /* 2 E12 sqrt(R12) */
+    double *sm;    /* sqrt(m_eff 2 E12 sqrt(R12)) */
 } pair_list;
 
 /* Grains near a wall, in the order of their numbers. */
@@ -85,7 +85,6 @@ typedef struct dynamics {
     double k_max;    /* plain path: largest stiffness */
     double piston_k; /* sum of the stiffnesses that carried the piston then */
     double drag;     /* rate of the global damping, 0 at first */
-    double rebound;  /* rate at which the piston's upward motion is braked */
     double dt;       /* last step */
     int64_t rebuilds, refills;
     int32_t *cell_head, *cell_next; /* cells of the outer list */

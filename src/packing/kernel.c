@@ -24,7 +24,7 @@ static const double NO_OVERLAP = 1e-40;
 
 typedef struct block2 {
     _Alignas(64) double d[4 * BLOCK]; /* x, y, vx, vy of j minus those of i */
-    double spin[BLOCK];  /* w_i + w_j */
+    double spin[BLOCK];               /* w_i + w_j */
     double x[BLOCK], y[BLOCK], r[BLOCK], vx[BLOCK], vy[BLOCK];
     double fx[BLOCK], fy[BLOCK], t[BLOCK], s[BLOCK];
 } block2;
@@ -107,7 +107,8 @@ static inline void rows2(const dynamics *d, int32_t first, int32_t count, const 
         const v4 xy0 = __builtin_shufflevector(x, y, 0, 4, 2, 6), xy1 = __builtin_shufflevector(x, y, 1, 5, 3, 7);
         const v4 ts0 = __builtin_shufflevector(t, s, 0, 4, 2, 6), ts1 = __builtin_shufflevector(t, s, 1, 5, 3, 7);
         const v4 row[4] = {__builtin_shufflevector(xy0, ts0, 0, 1, 4, 5), __builtin_shufflevector(xy1, ts1, 0, 1, 4, 5),
-                           __builtin_shufflevector(xy0, ts0, 2, 3, 6, 7), __builtin_shufflevector(xy1, ts1, 2, 3, 6, 7)};
+                           __builtin_shufflevector(xy0, ts0, 2, 3, 6, 7),
+                           __builtin_shufflevector(xy1, ts1, 2, 3, 6, 7)};
         for (int l = 0; l < 4; l++) {
             *(v4 *)&on_i[4 * (k + l)] = row[l];
             *(v4 *)&on_j[4 * (k + l)] = other * row[l];

@@ -34,18 +34,18 @@ static sp_status pair_list_alloc(pair_list *p, int dim, int32_t capacity, bool i
     q.image = sp_alloc(sides * n, sizeof *q.image);
     q.reach = sp_alloc(n, sizeof *q.reach);
     q.ft = sp_alloc(forces * n, sizeof *q.ft);
-    bool ok = q.i && q.j && q.image && q.reach && q.ft;
+    q.e2 = sp_alloc(n, sizeof *q.e2);
+    q.sm = sp_alloc(n, sizeof *q.sm);
+    bool ok = q.i && q.j && q.image && q.reach && q.ft && q.e2 && q.sm;
     if (inner) {
         q.from = sp_alloc(n, sizeof *q.from);
-        q.e2 = sp_alloc(n, sizeof *q.e2);
-        q.sm = sp_alloc(n, sizeof *q.sm);
         q.at_i = sp_alloc(n, sizeof *q.at_i);
         q.at_j = sp_alloc(n, sizeof *q.at_j);
-        ok = ok && q.from && q.e2 && q.sm && q.at_i && q.at_j;
+        ok = ok && q.from && q.at_i && q.at_j;
     }
     if (!ok) {
         pair_list_free(&q);
-        return sp_fail_memory(err, n * 8 * (4 + sides + forces));
+        return sp_fail_memory(err, n * 8 * (6 + sides + forces));
     }
     *p = q;
     return SP_OK;
@@ -60,6 +60,8 @@ static sp_status grow(pair_list *p, int dim, sp_error *err) {
     memcpy(more.i, p->i, n * sizeof *p->i);
     memcpy(more.j, p->j, n * sizeof *p->j);
     memcpy(more.reach, p->reach, n * sizeof *p->reach);
+    memcpy(more.e2, p->e2, n * sizeof *p->e2);
+    memcpy(more.sm, p->sm, n * sizeof *p->sm);
     for (int a = 0; a < dim - 1; a++)
         memcpy(more.image + (int64_t)a * more.capacity, p->image + (int64_t)a * p->capacity, n * sizeof *p->image);
     for (int a = 0; a < planes_of_force(dim); a++)
@@ -207,62 +209,79 @@ out:
     return status;
 }
 
-/* Adds the pair if it is nearer than the gap. */
-static sp_status try_pair(const dynamics *d, double gap, int32_t i, int32_t j, pair_list *p, sp_error *err) {
+/* Adds the pair, which is nearer than the gap. */
+static sp_status push_pair(const dynamics *d, int32_t i, int32_t j, const double image[2], pair_list *p,
+                           sp_error *err) {
     const double *g = dynamics_grain(d, i), *h = dynamics_grain(d, j);
-    const double reach = g[d->at.r] + h[d->at.r];
-    double image[2] = {0, 0}, square = 0;
-    for (int a = 0; a < d->dim; a++) {
-        double x = h[a] - g[a];
-        if (a < d->dim - 1) { /* both lie in [0, side) */
-            image[a] = x > 0.5 * d->side[a] ? -1 : x < -0.5 * d->side[a] ? 1 : 0;
-            x += image[a] * d->side[a];
-        }
-        square += x * x;
-    }
-    if (!(square < (reach + gap) * (reach + gap)))
-        return SP_OK;
     sp_status status = p->n == p->capacity ? grow(p, d->dim, err) : SP_OK;
     if (status != SP_OK)
         return status;
-    p->i[p->n] = i;
-    p->j[p->n] = j;
-    p->reach[p->n] = reach;
+    const int32_t k = p->n++;
+    p->i[k] = i;
+    p->j[k] = j;
+    p->reach[k] = g[d->at.r] + h[d->at.r];
+    p->e2[k] = 2.0 * contact_stiffness(g[d->at.r], h[d->at.r]);
+    p->sm[k] = sqrt(p->e2[k] / (g[d->at.inv_m] + h[d->at.inv_m])); /* 1/m_eff = 1/m_i + 1/m_j */
     for (int a = 0; a < d->dim - 1; a++)
-        p->image[p->n + (int64_t)a * p->capacity] = image[a];
-    p->n++;
+        p->image[k + (int64_t)a * p->capacity] = image[a];
     return SP_OK;
 }
 
-/* All j in the cells of one grid around grain i (each cell once, however few there are). same: i's own octave, where a
- * pair belongs to the smaller number. */
+/* The grains of one cell that are nearer to grain i than the gap. same: i's own octave, where a pair belongs to the
+ * smaller number. One body for both dimensions. */
+static inline sp_status pairs_in_cell(const dynamics *d, int64_t cell, double gap, int32_t i, bool same, pair_list *p,
+                                      const int dim, sp_error *err) {
+    const double *g = dynamics_grain(d, i), r = g[d->at.r] + gap;
+    for (int32_t j = d->cell_head[cell]; j >= 0; j = d->cell_next[j]) {
+        if (same && j <= i)
+            continue;
+        const double *h = dynamics_grain(d, j), range = r + h[d->at.r];
+        double image[2] = {0, 0}, square = 0;
+        for (int a = 0; a < dim; a++) {
+            double x = h[a] - g[a];
+            if (a < dim - 1) { /* both lie in [0, side) */
+                image[a] = x > 0.5 * d->side[a] ? -1 : x < -0.5 * d->side[a] ? 1 : 0;
+                x += image[a] * d->side[a];
+            }
+            square += x * x;
+        }
+        sp_status status = square < range * range ? push_pair(d, i, j, image, p, err) : SP_OK;
+        if (status != SP_OK)
+            return status;
+    }
+    return SP_OK;
+}
+
+/* All j in the cells of one grid around grain i (each cell once, however few there are). */
 static sp_status pairs_in_grid(const dynamics *d, const cell_grid *grid, double gap, int32_t i, bool same, pair_list *p,
                                sp_error *err) {
     const double *g = dynamics_grain(d, i);
-    int64_t from[3] = {0, 0, 0}, count[3] = {1, 1, 1};
+    int64_t from[3] = {0, 0, 0}, count[3] = {1, 1, 1}, next[3];
+    sp_status status = SP_OK;
     for (int a = 0; a < d->dim; a++) {
         const int64_t place = place_of(grid, a, g[a]);
         if (a == d->dim - 1) {
             from[a] = place > 0 ? place - 1 : 0;
             count[a] = (place + 1 < grid->n[a] ? place + 1 : grid->n[a] - 1) - from[a] + 1;
         } else {
-            from[a] = place - 1 + grid->n[a];
+            from[a] = place > 0 ? place - 1 : grid->n[a] - 1;
             count[a] = grid->n[a] < 3 ? grid->n[a] : 3;
         }
     }
-    for (int64_t z = 0; z < count[2]; z++)
-        for (int64_t y = 0; y < count[1]; y++)
-            for (int64_t x = 0; x < count[0]; x++) {
-                const int64_t cell =
-                    ((from[2] + z) % grid->n[2] * grid->n[1] + (from[1] + y) % grid->n[1]) * grid->n[0] +
-                    (from[0] + x) % grid->n[0];
-                for (int32_t j = d->cell_head[grid->first + cell]; j >= 0; j = d->cell_next[j]) {
-                    sp_status status = same && j <= i ? SP_OK : try_pair(d, gap, i, j, p, err);
-                    if (status != SP_OK)
-                        return status;
-                }
+    next[2] = from[2];
+    for (int64_t z = 0; z < count[2] && status == SP_OK; z++, next[2] = next[2] + 1 < grid->n[2] ? next[2] + 1 : 0) {
+        next[1] = from[1];
+        for (int64_t y = 0; y < count[1]; y++, next[1] = next[1] + 1 < grid->n[1] ? next[1] + 1 : 0) {
+            next[0] = from[0];
+            for (int64_t x = 0; x < count[0] && status == SP_OK; x++) {
+                const int64_t cell = grid->first + (next[2] * grid->n[1] + next[1]) * grid->n[0] + next[0];
+                status = d->dim == 2 ? pairs_in_cell(d, cell, gap, i, same, p, 2, err)
+                                     : pairs_in_cell(d, cell, gap, i, same, p, 3, err);
+                next[0] = next[0] + 1 < grid->n[0] ? next[0] + 1 : 0;
             }
-    return SP_OK;
+        }
+    }
+    return status;
 }
 
 static sp_status find_pairs(dynamics *d, double gap, const cell_grid grids[OCTAVES], const int32_t *row, pair_list *p,
@@ -329,47 +348,54 @@ static void refill_walls(dynamics *d, double gap) {
     }
 }
 
-/* The pairs of the outer list that are nearer than the gap, then pairs of nobody that fill up the last vector. */
-static void select_pairs(dynamics *d, double gap) {
+/* The pairs of the outer list that are nearer than the gap. One body for both dimensions. */
+static inline int32_t select_near(dynamics *d, double gap, const int dim) {
     pair_list *inner = &d->inner;
     const pair_list *outer = &d->outer;
-    const int sides = d->dim - 1, forces = planes_of_force(d->dim);
+    const int stride = dim == 2 ? 8 : 16, forces = dim == 2 ? 1 : 3;
     int32_t n = 0;
     for (int32_t k = 0; k < outer->n; k++) {
-        const double *g = dynamics_grain(d, outer->i[k]), *h = dynamics_grain(d, outer->j[k]);
-        const double range = outer->reach[k] + gap;
+        const int32_t i = stride * outer->i[k], j = stride * outer->j[k];
+        const double *g = d->g + i, *h = d->g + j, range = outer->reach[k] + gap;
         double square = 0;
-        for (int a = 0; a < d->dim; a++) {
-            double x = h[a] - g[a] + (a < sides ? outer->image[k + (int64_t)a * outer->capacity] * d->side[a] : 0);
+        for (int a = 0; a < dim; a++) {
+            double x = h[a] - g[a];
+            if (a < dim - 1)
+                x += outer->image[k + (int64_t)a * outer->capacity] * d->side[a];
             square += x * x;
         }
         if (square >= range * range)
             continue;
-        const double e2 = 2.0 * contact_stiffness(g[d->at.r], h[d->at.r]);
         inner->i[n] = outer->i[k];
         inner->j[n] = outer->j[k];
-        inner->at_i[n] = d->at.stride * outer->i[k];
-        inner->at_j[n] = d->at.stride * outer->j[k];
+        inner->at_i[n] = i;
+        inner->at_j[n] = j;
         inner->from[n] = k;
         inner->reach[n] = outer->reach[k];
-        inner->e2[n] = e2;
-        inner->sm[n] = sqrt(e2 / (g[d->at.inv_m] + h[d->at.inv_m])); /* 1/m_eff = 1/m_i + 1/m_j */
-        for (int a = 0; a < sides; a++)
+        inner->e2[n] = outer->e2[k];
+        inner->sm[n] = outer->sm[k];
+        for (int a = 0; a < dim - 1; a++)
             inner->image[n + (int64_t)a * inner->capacity] = outer->image[k + (int64_t)a * outer->capacity];
         for (int a = 0; a < forces; a++)
             inner->ft[n + (int64_t)a * inner->capacity] = outer->ft[k + (int64_t)a * outer->capacity];
         n++;
     }
-    inner->n = n;
-    inner->padded = (n + 7) / 8 * 8;
-    for (int32_t k = n; k < inner->padded; k++) {
+    return n;
+}
+
+/* The inner list, and pairs of nobody that fill up its last vector. */
+static void select_pairs(dynamics *d, double gap) {
+    pair_list *inner = &d->inner;
+    inner->n = d->dim == 2 ? select_near(d, gap, 2) : select_near(d, gap, 3);
+    inner->padded = (inner->n + 7) / 8 * 8;
+    for (int32_t k = inner->n; k < inner->padded; k++) {
         inner->i[k] = inner->j[k] = d->n;
         inner->at_i[k] = inner->at_j[k] = d->at.stride * d->n;
         inner->reach[k] = -1;
         inner->e2[k] = inner->sm[k] = 0;
-        for (int a = 0; a < sides; a++)
+        for (int a = 0; a < d->dim - 1; a++)
             inner->image[k + (int64_t)a * inner->capacity] = 1;
-        for (int a = 0; a < forces; a++)
+        for (int a = 0; a < planes_of_force(d->dim); a++)
             inner->ft[k + (int64_t)a * inner->capacity] = 0;
     }
 }
@@ -450,7 +476,7 @@ sp_status pairs_refill(dynamics *d, double gap, sp_error *err) {
 }
 
 /* Steps that an inner list should last, and the gaps in diameters. */
-enum { REFILL_STEPS = 12 };
+enum { REFILL_STEPS = 10 };
 static const double OUTER_GAP = 0.4, INNER_GAP_MIN = 2e-3, INNER_GAP_MAX = 0.15;
 
 sp_status dynamics_refresh(dynamics *d, sp_error *err) {

@@ -151,7 +151,6 @@ static sp_status pass_state(piston_run *run, sp_error *err) {
     sp_status status = SP_OK;
     if (run->hooks->save && !run->resumed && run->steps > 0)
         status = state_save(run, err);
-    run->resumed = false;
     run->d.outer_travel = INFINITY;
     return status;
 }
@@ -177,6 +176,7 @@ static sp_status compress(piston_run *run, sp_error *err) {
     const int64_t states = state_steps(run->whole);
     for (bool done = false;; run->steps++) {
         sp_status status = run->steps % states == 0 ? pass_state(run, err) : SP_OK;
+        run->resumed = false;
         if (status == SP_OK)
             status = dynamics_refresh(&run->d, err);
         if (status == SP_OK && run->steps % CHECK_STEPS == 0)
@@ -205,7 +205,6 @@ static void next_stage(piston_run *run) {
     d->drag = 0;
     d->law.viscous_limit = run->spec->viscous_limit;
     d->law.damping = run->spec->damping;
-    d->rebound = run->spec->rebound * pow(run->spec->pressure / 1e-4, 1.0 / 6.0);
 }
 
 static sp_status hand_out_stage(piston_run *run, sp_error *err) {
@@ -228,6 +227,8 @@ sp_status sp_piston_make(const sp_pack_spec *spec, const sp_pack_hooks *hooks, s
             break;
         status = hand_out_stage(&run, err);
         next_stage(&run);
+        if (status == SP_OK)
+            status = pass_state(&run, err);
     }
     if (status == SP_OK)
         status = run_freeze(&run, out, err);

@@ -6,20 +6,19 @@
 
 /* What a protocol decides where the spec leaves it open. */
 typedef struct protocol {
-    double damping, piston_mass, gas_fraction[4], time_step, calm, drag, viscous_limit, rebound,
+    double damping, piston_mass, gas_fraction[4], time_step, calm, drag, viscous_limit,
         calm_damping; /* gas_fraction by dimension */
 } protocol;
 
 static const protocol protocols[] = {
-    [SP_PROTOCOL_DEFAULT] = {.damping = 0.8,
-                             .piston_mass = 12.5,
-                             .gas_fraction = {0.3, 0.3, 0.3, 0.2},
+    [SP_PROTOCOL_DEFAULT] = {.damping = 0.5,
+                             .piston_mass = 2,
+                             .gas_fraction = {0.45, 0.45, 0.45, 0.25},
                              .time_step = 0.7,
-                             .calm = 0.01,
+                             .calm = 1,
                              .drag = 0.01,
-                             .viscous_limit = 1e6,
-                             .rebound = 0,
-                             .calm_damping = 0.8},
+                             .viscous_limit = 1,
+                             .calm_damping = 0.2},
     [SP_PROTOCOL_SOMFAI2005] = {.damping = 0.8,
                                 .piston_mass = 12.5,
                                 .gas_fraction = {0.3, 0.3, 0.3, 0.2},
@@ -27,7 +26,6 @@ static const protocol protocols[] = {
                                 .calm = 0.01,
                                 .drag = 0.01,
                                 .viscous_limit = 1e6,
-                                .rebound = 0,
                                 .calm_damping = 0.8},
 };
 enum { PROTOCOLS = sizeof protocols / sizeof *protocols };
@@ -43,8 +41,7 @@ sp_pack_spec sp_pack_spec_default(void) {
                           .size_spread = 0.2,
                           .seed = 1,
                           .calm = -1,
-                          .drag = -1,
-                          .rebound = -1};
+                          .drag = -1};
 }
 
 typedef struct range {
@@ -79,7 +76,6 @@ static sp_status check_ranges(const sp_pack_spec *s, sp_error *err) {
         {"packing.drag", s->drag, 0, 0.1, "0 .. 0.1, or below 0 (the protocol's own)"},
         {"packing.viscous_limit", s->viscous_limit, 1, 1e6, "1 .. 1e6, or 0 (the protocol's own)"},
         {"packing.calm_damping", s->calm_damping, 1e-3, 2, "0.001 .. 2 of critical, or 0 (the protocol's own)"},
-        {"packing.rebound", s->rebound, 0, 1, "0 .. 1, or below 0 (the protocol's own)"},
         {"packing.max_steps", (double)s->max_steps, 0, 1e15, "0 (a bound of its own) .. 1e15"},
     };
     for (size_t k = 0; k < sizeof ranges / sizeof *ranges; k++)
@@ -284,8 +280,6 @@ sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
         s.calm_damping = own->calm_damping;
     if (s.viscous_limit == 0)
         s.viscous_limit = own->viscous_limit;
-    if (s.rebound < 0)
-        s.rebound = own->rebound;
     return s;
 }
 

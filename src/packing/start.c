@@ -161,7 +161,7 @@ static sp_status start_packing(piston_run *run, sp_error *err) {
         return status;
     run->d.pressure = from->pressure;
     run->phase = PHASE_COMPACTION;
-    run->sides_free = 1;
+    run->sides_free = run->spec->compression == SP_COMPRESSION_ISOTROPIC;
     return measure_step(run, err);
 }
 

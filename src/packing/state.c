@@ -79,7 +79,7 @@ static uint64_t spec_hash(const sp_pack_spec *s) {
     const double numbers[] = {s->width,        s->depth,         s->pressure,       s->friction,    s->poisson,
                               s->diameter_min, s->diameter_max,  s->large_fraction, s->size_spread, s->tolerance,
                               s->damping,      s->piston_mass,   s->gas_fraction,   s->time_step,   s->calm,
-                              s->drag,         s->viscous_limit, s->rebound,        s->calm_damping};
+                              s->drag,         s->viscous_limit, s->calm_damping};
     uint64_t hash = add_bytes(first_hash, SONOPACK_VERSION, sizeof SONOPACK_VERSION);
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++)
         hash = add_integer(hash, integers[k]);
@@ -152,7 +152,6 @@ static void pass_run(stream *s, piston_run *run) {
                                &d->k_max,
                                &d->piston_k,
                                &d->drag,
-                               &d->rebound,
                                &d->dt};
     int32_t phase = (int32_t)run->phase, rest_checks = run->rest_checks;
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
@@ -231,10 +230,14 @@ static sp_status damaged(sp_error *err, const char *what) {
     return sp_fail(err, SP_EFORMAT, "the state is damaged: %s", what);
 }
 
+bool sp_pack_state_looks(const void *state, size_t size) {
+    return size >= sizeof magic && memcmp(state, magic, sizeof magic) == 0;
+}
+
 static sp_status check_header(const sp_pack_spec *spec, const void *state, size_t size, header *out, sp_error *err) {
     header h;
     uint64_t sum;
-    if (size < sizeof h + sizeof sum || memcmp(state, magic, sizeof magic) != 0)
+    if (!sp_pack_state_looks(state, size) || size < sizeof h + sizeof sum)
         return sp_fail(err, SP_EFORMAT, "these are no state of a packing's making");
     memcpy(&h, state, sizeof h);
     if (h.version != STATE_VERSION || h.order != BYTE_ORDER_MARK)
@@ -310,7 +313,6 @@ static sp_status read_grains(stream *s, piston_run *run, sp_error *err) {
     d->k_max = kept.k_max;
     d->piston_k = kept.piston_k;
     d->drag = kept.drag;
-    d->rebound = kept.rebound;
     d->dt = kept.dt;
 out:
     sp_free(seen);

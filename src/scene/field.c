@@ -102,8 +102,6 @@ const sp_field sp_fields[] = {
     {"packing", "viscous_limit", SP_FIELD_REAL, AT(pack.viscous_limit), "", 0, 1e6, NULL,
      "Coulomb's limit of the whole tangential force over that of its elastic part, until the global damping begins; 0: "
      "the protocol's own"},
-    {"packing", "rebound", SP_FIELD_REAL, AT(pack.rebound), "sqrt(E* / rho)/d", -1, 1, NULL,
-     "rate at which the piston's upward motion is braked at p = 1e-4, grows as p^(1/6); below 0: the protocol's own"},
     {"packing", "max_steps", SP_FIELD_INT64, AT(pack.max_steps), "", 0, 1e15, NULL,
      "give up after that many steps; 0: a bound from pressure and height"},
 

@@ -42,7 +42,7 @@ typedef struct sp_number {
     double real; /* also set for integers */
 } sp_number;
 
-enum { SP_FIELDS = 44 };
+enum { SP_FIELDS = 43 };
 extern const sp_field sp_fields[SP_FIELDS];
 int sp_field_index(const sp_field *f);
 /* The field of "group.name", NULL if there is none. */
@@ -51,7 +51,8 @@ const sp_field *sp_field_find(const char *key);
 const sp_field *sp_field_nearest(const char *group, const char *name);
 
 bool sp_field_is_number(const sp_field *f);
-/* Whether a study may sweep it: a number that makes another sample, the seed excepted (study.samples counts seeds) and the content. */
+/* Whether a study may sweep it: a number that makes another sample, the seed excepted (study.samples counts seeds) and
+ * the content. */
 bool sp_field_is_swept(const sp_field *f);
 
 /* What would be right, as "1e-10 .. 0.01 E*" or "piston, triangular or chain"; returns buf. */

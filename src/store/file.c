@@ -35,14 +35,14 @@ static bool grow(char **buffer, size_t *capacity) {
     return true;
 }
 
-static sp_status read_all(int fd, const char *path, char **text, size_t *size, sp_error *err) {
+static sp_status read_all(int fd, const char *path, bool any, char **text, size_t *size, sp_error *err) {
     struct stat info;
     if (fstat(fd, &info) != 0)
         return fail_errno(err, "read", path, errno);
     if (S_ISDIR(info.st_mode))
         return fail_errno(err, "read", path, EISDIR);
     if (S_ISREG(info.st_mode) && (uint64_t)info.st_size > text_limit)
-        return sp_fail(err, SP_EFORMAT, "%s: %.3g GB are too large for a text file", path, (double)info.st_size * 1e-9);
+        return sp_fail(err, SP_EFORMAT, "%s: %.3g GB are too large", path, (double)info.st_size * 1e-9);
     /* two more than a regular file's size: the closing zero, and room in which read() finds the end */
     size_t capacity = S_ISREG(info.st_mode) ? (size_t)info.st_size + 2 : 65536, used = 0;
     char *buffer = sp_alloc(capacity, 1);
@@ -59,13 +59,12 @@ static sp_status read_all(int fd, const char *path, char **text, size_t *size, s
             status = fail_errno(err, "read", path, errno);
         if (got <= 0)
             break;
-        if (memchr(buffer + used, 0, (size_t)got))
+        if (!any && memchr(buffer + used, 0, (size_t)got))
             status = sp_fail(err, SP_EFORMAT, "%s: not a text file (a zero byte within the first %zu bytes)", path,
                              used + (size_t)got);
         used += (size_t)got;
         if (used > text_limit)
-            status =
-                sp_fail(err, SP_EFORMAT, "%s: more than %zu bytes are too large for a text file", path, text_limit);
+            status = sp_fail(err, SP_EFORMAT, "%s: more than %zu bytes are too large", path, text_limit);
     }
     if (status != SP_OK) {
         sp_free(buffer);
@@ -77,13 +76,21 @@ static sp_status read_all(int fd, const char *path, char **text, size_t *size, s
     return SP_OK;
 }
 
-sp_status sp_file_read_text(const char *path, char **text, size_t *size, sp_error *err) {
+static sp_status read_file(const char *path, bool any, char **data, size_t *size, sp_error *err) {
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0)
         return fail_errno(err, "open", path, errno);
-    sp_status status = read_all(fd, path, text, size, err);
+    sp_status status = read_all(fd, path, any, data, size, err);
     close(fd);
     return status;
+}
+
+sp_status sp_file_read_text(const char *path, char **text, size_t *size, sp_error *err) {
+    return read_file(path, false, text, size, err);
+}
+
+sp_status sp_file_read(const char *path, char **data, size_t *size, sp_error *err) {
+    return read_file(path, true, data, size, err);
 }
 
 /* ---- writing --------------------------------------------------------------------------------------------------- */

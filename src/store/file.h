@@ -13,6 +13,9 @@ enum { SP_PATH_MAX = 4096 };
  * SP_EFORMAT when it holds a zero byte (no text) or is beyond reason. Caller frees with sp_free. */
 sp_status sp_file_read_text(const char *path, char **text, size_t *size, sp_error *err);
 
+/* Any file, likewise. */
+sp_status sp_file_read(const char *path, char **data, size_t *size, sp_error *err);
+
 /* Writes data to a temporary file in the folder of path, syncs it, and renames it. Devices and pipes are written to
  * directly; a symbolic link stays one. On failure (SP_EIO) nothing has changed under the name. */
 sp_status sp_file_write(const char *path, const void *data, size_t size, sp_error *err);

@@ -314,7 +314,7 @@ static void check_lists(const sp_pack_spec *spec, double dt) {
     printf("%dD: %d contacts in 2000 steps, %lld outer and %lld inner lists\n", d.dim, contacts, (long long)d.rebuilds,
            (long long)d.refills);
     assert_true(contacts > 500);
-    assert_true(d.rebuilds > 3 && d.refills < 1000);
+    assert_true(d.rebuilds > 3 && d.refills < 1500); /* not in every step */
     sp_free(seen);
     dynamics_free(&d);
 }

@@ -254,7 +254,8 @@ static void values_of_the_wrong_type(void **state) {
     refuses("packing = { pressure = [1e-4]; };", "packing.pressure = a list: must be");
     refuses("packing = { pressure = { a = 1; }; };", "packing.pressure = { ... }: must be");
     refuses("packing = { kind = 1; };", "packing.kind = 1: must be piston, triangular, chain or file");
-    refuses("packing = { kind = \"Piston\"; };", "packing.kind = \"Piston\": must be piston, triangular, chain or file");
+    refuses("packing = { kind = \"Piston\"; };",
+            "packing.kind = \"Piston\": must be piston, triangular, chain or file");
     refuses("network = { prestress = 1; };", "network.prestress = 1: must be true or false");
     refuses("study = { want = [\"modes\"]; };", "study.want = \"modes\": must be a list");
     refuses("study = { want = (1); };", "study.want = 1: must be a list");

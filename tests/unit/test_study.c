@@ -204,7 +204,7 @@ static void shelf_free(shelf *s) {
 static sp_study_sink sink_of(shelf *s) { return (sp_study_sink){s, shelf_has, shelf_load, shelf_save}; }
 
 static sp_study_progress run(const sp_scene *scene, shelf *s, int jobs, int shard, int shards) {
-    sp_study_options o = {jobs, shard, shards};
+    sp_study_options o = {.jobs = jobs, .shard = shard, .shards = shards};
     sp_study_sink sink = sink_of(s);
     sp_study_progress done = {0};
     assert_ok(sp_study_run(scene, &o, &sink, NULL, NULL, &done, &err));
@@ -326,7 +326,7 @@ static void stopping_keeps_what_is_finished(void **state) {
     sp_scene scene = parse("packing = { grains = 5000; width = 100; pressure = 1e-7; }; study = { samples = 4; };");
     shelf *s = shelf_new();
     sp_study_sink sink = sink_of(s);
-    sp_study_options o = {2, 1, 1};
+    sp_study_options o = {.jobs = 2, .shard = 1, .shards = 1};
     sp_study_progress done = {0};
     guard g = {.caller = pthread_self(), .stop_at = 0};
     double begun = sp_clock_wall();
@@ -345,7 +345,7 @@ static void the_watch_sees_the_end(void **state) {
     sp_scene scene = parse(chains);
     shelf *s = shelf_new();
     sp_study_sink sink = sink_of(s);
-    sp_study_options o = {2, 1, 1};
+    sp_study_options o = {.jobs = 2, .shard = 1, .shards = 1};
     guard g = {.caller = pthread_self(), .stop_at = INT64_MAX};
     assert_ok(sp_study_run(&scene, &o, &sink, watch, &g, NULL, &err));
     assert_int_equal(g.last, 18);
@@ -404,7 +404,7 @@ static void a_sink_that_fails_ends_the_study(void **state) {
     shelf *s = shelf_new();
     s->fail_at = 5;
     sp_study_sink sink = sink_of(s);
-    sp_study_options o = {1, 1, 1};
+    sp_study_options o = {.jobs = 1, .shard = 1, .shards = 1};
     sp_study_progress done = {0};
     assert_fails(sp_study_run(&scene, &o, &sink, NULL, NULL, &done, &err), SP_EIO, "disk full");
     assert_int_equal(done.done, 4);
@@ -418,10 +418,14 @@ static void wrong_runs(void **state) {
     sp_scene scene = parse(chains);
     shelf *s = shelf_new();
     sp_study_sink sink = sink_of(s), none = {0};
-    const sp_study_options bad[] = {{0, 1, 1}, {-1, 1, 1}, {1, 0, 1}, {1, 3, 2}, {1, 1, 0}};
+    const sp_study_options bad[] = {{.jobs = 0, .shard = 1, .shards = 1},
+                                    {.jobs = -1, .shard = 1, .shards = 1},
+                                    {.jobs = 1, .shard = 0, .shards = 1},
+                                    {.jobs = 1, .shard = 3, .shards = 2},
+                                    {.jobs = 1, .shard = 1, .shards = 0}};
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
         assert_fails(sp_study_run(&scene, &bad[k], &sink, NULL, NULL, NULL, &err), SP_EINVAL, k < 2 ? "jobs" : "shard");
-    sp_study_options o = {1, 1, 1};
+    sp_study_options o = {.jobs = 1, .shard = 1, .shards = 1};
     assert_fails(sp_study_run(&scene, &o, &none, NULL, NULL, NULL, &err), SP_EINVAL, "save");
     scene.sweep[1].values[2] = -5; /* a combination that is none, found before any work */
     assert_fails(sp_study_run(&scene, &o, &sink, NULL, NULL, NULL, &err), SP_EINVAL, "grains");
@@ -430,7 +434,7 @@ static void wrong_runs(void **state) {
     assert_fails(sp_study_run(&scene, &o, &sink, NULL, NULL, NULL, &err), SP_EINVAL, "samples");
     scene.samples = 40; /* shards without work are done at once */
     scene.sweep[1].values[2] = 30;
-    o = (sp_study_options){1, 1000, 1000};
+    o = (sp_study_options){.jobs = 1, .shard = 1000, .shards = 1000};
     assert_ok(sp_study_run(&scene, &o, &sink, NULL, NULL, NULL, &err));
     assert_int_equal(s->saves, 0);
     shelf_free(s);
@@ -497,7 +501,7 @@ static void a_study_without_memory(void **state) {
     sp_status status = SP_ENOMEM;
     for (int64_t k = 0; status != SP_OK; k += 7) {
         shelf *s = shelf_new();
-        sp_study_options o = {2, 1, 1};
+        sp_study_options o = {.jobs = 2, .shard = 1, .shards = 1};
         sp_study_sink sink = sink_of(s);
         sink.save = shelf_save;
         sp_error err = {0};
