@@ -156,7 +156,7 @@ typedef struct sp_pack_spec {
     double calm_damping;  /* zeta once the global damping has started; 0: the protocol's own */
     double viscous_limit; /* Coulomb's limit of the whole tangential force, viscous part included, over that of its
                              elastic part, until the global damping starts (from then on 1); 0: the protocol's own */
-    int64_t max_steps; /* refuse after that many; 0: a bound from the pressure and the height */
+    int64_t max_steps;    /* refuse after that many; 0: a bound from the pressure and the height */
     const double
         *history; /* pressures that are gone through first, each to its equilibrium [E*]; shared like diameters */
     int32_t history_count;

@@ -6,7 +6,7 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
-enum { TEAM_MAX = 256, SPINS = 4000 };
+enum { TEAM_MAX = 256, SPINS = 1000 };
 
 typedef struct member {
     sp_team *team;

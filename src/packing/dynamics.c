@@ -15,12 +15,13 @@ static const grain_layout layout_3d = {.stride = 16, .v = 4, .w = 8, .r = 12, .i
 static bool alloc_arrays(dynamics *d) {
     const size_t n = (size_t)d->n;
     d->g = sp_alloc((n + 1) * (size_t)d->at.stride, sizeof *d->g);
+    d->listed = sp_alloc(n * (size_t)d->dim, sizeof *d->listed);
     d->cell_next = sp_alloc(n, sizeof *d->cell_next);
     d->rows.slot = sp_alloc(n * SLOTS, sizeof *d->rows.slot);
     d->rows.count = sp_alloc(n, sizeof *d->rows.count);
     d->rows.further = sp_alloc(n, sizeof *d->rows.further);
     d->plain_f = d->plain ? sp_alloc(6 * n, sizeof *d->plain_f) : NULL;
-    bool ok = d->g && d->cell_next && d->rows.slot && d->rows.count && d->rows.further && (d->plain_f || !d->plain);
+    bool ok = d->g && d->listed && d->cell_next && d->rows.slot && d->rows.count && d->rows.further && (d->plain_f || !d->plain);
     for (int side = 0; side < 2; side++) {
         d->wall_ft[side] = sp_alloc(n * (size_t)(d->dim - 1), sizeof(double));
         d->wall[side].i = sp_alloc(n, sizeof(int32_t));
@@ -82,6 +83,7 @@ void dynamics_free(dynamics *d) {
     sp_free(d->cell_head);
     sp_free(d->cell_next);
     sp_free(d->plain_f);
+    sp_free(d->listed);
     sp_free(d->g);
     sp_team_free(d->team);
     *d = (dynamics){0};
@@ -205,6 +207,7 @@ void dynamics_advance(dynamics *d, double dt) {
         d->area = d->side[0] * d->side[1];
     d->inner_travel += (2 * d->v_max + strain) * dt;
     d->outer_travel += (2 * d->v_max + strain) * dt;
+    d->outer_strain += strain * dt;
     d->dt = dt;
 }
 

@@ -79,6 +79,8 @@ typedef struct dynamics {
     double r_max, m_min;
     double outer_gap, inner_gap;       /* gaps up to which pairs are listed */
     double outer_travel, inner_travel; /* bound of relative displacement since the lists were made */
+    double outer_strain;               /* the part of it by the sides' motion */
+    double *listed;                    /* [n][dim] where the grains were when the outer list was made */
     double v_max;                      /* largest speed of a grain or the piston */
     double rate;     /* largest sum of sqrt(m_eff k_n)/m over the contacts of a grain, last step: 1/5 of the largest
                         eigenvalue of the contacts' viscous rates at critical damping (measured within 5%) */

@@ -4,6 +4,21 @@
 #include <math.h>
 #include <string.h>
 
+/* The forces are those of the last evaluation, before the last step: in the packing, too, Coulomb's law holds for the
+ * overlaps that are stored, and tangential forces are normal to n. */
+static void finish_contact(const dynamics *d, sp_contact *c) {
+    double along = 0, square = 0;
+    for (int a = 0; a < 3; a++)
+        along += c->ft[a] * c->n[a];
+    for (int a = 0; a < 3; a++) {
+        c->ft[a] -= d->dim == 3 ? along * c->n[a] : 0;
+        square += c->ft[a] * c->ft[a];
+    }
+    const double size = sqrt(square), limit = d->law.friction * c->fn;
+    for (int a = 0; a < 3; a++)
+        c->ft[a] = (size > limit ? c->ft[a] * (limit / size) : c->ft[a]) + 0.0; /* no negative zero */
+}
+
 /* Adds the pair k of the list as a contact if it is closed, from the lower grain number to the higher one. */
 static void add_pair(const piston_run *run, const pair_list *list, int32_t k, sp_packing *p, int32_t *count) {
     const dynamics *d = &run->d;
@@ -27,16 +42,11 @@ static void add_pair(const piston_run *run, const pair_list *list, int32_t k, sp
     } else {
         for (int a = 0; a < 3; a++)
             t[a] = flip * list->ft[k + (int64_t)a * list->capacity];
-        const double along = t[0] * n[0] + t[1] * n[1] + t[2] * n[2]; /* normal to n it was a step ago */
-        for (int a = 0; a < 3; a++)
-            t[a] -= along * n[a];
     }
-    p->contacts[(*count)++] = (sp_contact){.i = i,
-                                           .j = j,
-                                           .n = {n[0], n[1], n[2]},
-                                           .overlap = overlap,
-                                           .fn = contact_force(contact_stiffness(p->r[i], p->r[j]), overlap),
-                                           .ft = {t[0] + 0.0, t[1] + 0.0, t[2] + 0.0}}; /* no negative zero */
+    sp_contact *c = &p->contacts[(*count)++];
+    *c = (sp_contact){.i = i, .j = j, .overlap = overlap, .n = {n[0], n[1], n[2]}, .ft = {t[0], t[1], t[2]}};
+    c->fn = contact_force(contact_stiffness(p->r[i], p->r[j]), overlap);
+    finish_contact(d, c);
 }
 
 static void add_wall(const piston_run *run, int side, int32_t at, sp_packing *p, int32_t *count) {
@@ -51,7 +61,8 @@ static void add_wall(const piston_run *run, int side, int32_t at, sp_packing *p,
     c.fn = contact_force(contact_wall_stiffness(p->r[i], p->wall), overlap);
     c.n[up] = side == 0 ? -1 : 1;
     for (int a = 0; a < up; a++)
-        c.ft[a] = ft[a] + 0.0;
+        c.ft[a] = ft[a];
+    finish_contact(d, &c);
     p->contacts[(*count)++] = c;
 }
 

@@ -14,6 +14,9 @@
 #define CLONES
 #endif
 
+/* A function that is not inlined would be there for the plainest machine only. */
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+
 typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
 
 /* Of open pairs: small, but its fourth root's powers are normal numbers: others take the processor a hundred times as
@@ -159,7 +162,7 @@ typedef struct block3 {
     double turn[3][BLOCK];           /* sum of the angular velocities */
 } block3;
 
-static inline void gather3(const dynamics *d, int32_t first, int32_t count, block3 *b) {
+static ALWAYS_INLINE void gather3(const dynamics *d, int32_t first, int32_t count, block3 *b) {
     const int32_t *restrict i = d->inner.at_i + first, *restrict j = d->inner.at_j + first;
     const double *restrict g = d->g;
     for (int32_t k = 0; k < count; k++) {
@@ -176,7 +179,7 @@ static inline void gather3(const dynamics *d, int32_t first, int32_t count, bloc
 /* As law2. The tangential force is a vector that is carried along: it turns about the normal with the pair's mean
  * rotation, follows the normal's direction, and keeps its size in both. What a pair gives takes the place of what it
  * took: force in x, turning force in w, s in turn[0]. */
-static inline void law3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b) {
+static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b) {
     const pair_list *p = &d->inner;
     const double *restrict ix = p->image + first, *restrict iy = ix + p->capacity;
     const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
@@ -192,8 +195,8 @@ static inline void law3(const dynamics *d, double dt, int32_t first, int32_t cou
         double nx = x * inverse, ny = y * inverse, nz = z * inverse, gap = reach[k] - r;
         double overlap = 0.5 * (gap + fabs(gap)) + NO_OVERLAP;
         double u = inverse_fourth_root(overlap), root = overlap * u * u;
-        double kn = gap > 0 ? e2[k] * root : 0;
-        double s = gap > 0 ? sm[k] * (overlap * u * u * u) : 0;
+        double kn_closed = e2[k] * root, s_closed = sm[k] * (overlap * u * u * u);
+        double kn = gap > 0 ? kn_closed : 0, s = gap > 0 ? s_closed : 0;
         double elastic = (2.0 / 3.0) * kn * overlap, viscous = two_zeta * s;
         double vn = vx * nx + vy * ny + vz * nz;
         double normal = elastic - viscous * vn;
@@ -214,8 +217,8 @@ static inline void law3(const dynamics *d, double dt, int32_t first, int32_t cou
         fx = same * fx + stretch * gx;
         fy = same * fy + stretch * gy;
         fz = same * fz + stretch * gz;
-        double cap = mu * elastic, size = sqrt(fx * fx + fy * fy + fz * fz), keep = cap / (size + 1e-300);
-        keep = keep < 1 ? keep : 1;
+        double cap = mu * elastic, size = sqrt(fx * fx + fy * fy + fz * fz);
+        double keep = cap / ((size > cap ? size : cap) + 1e-300);
         fx *= keep;
         fy *= keep;
         fz *= keep;
@@ -226,8 +229,8 @@ static inline void law3(const dynamics *d, double dt, int32_t first, int32_t cou
         fx += c * gx;
         fy += c * gy;
         fz += c * gz;
-        double total = sqrt(fx * fx + fy * fy + fz * fz), cut = limit / (total + 1e-300);
-        cut = cut < 1 ? cut : 1;
+        double total = sqrt(fx * fx + fy * fy + fz * fz);
+        double cut = limit / ((total > limit ? total : limit) + 1e-300);
         fx *= cut;
         fy *= cut;
         fz *= cut;
@@ -243,7 +246,7 @@ static inline void law3(const dynamics *d, double dt, int32_t first, int32_t cou
     }
 }
 
-static inline void rows3(const dynamics *d, int32_t first, int32_t count, const block3 *b) {
+static ALWAYS_INLINE void rows3(const dynamics *d, int32_t first, int32_t count, const block3 *b) {
     double *on_i = d->rows.row + 8 * (int64_t)first, *on_j = d->rows.row + 8 * ((int64_t)d->rows.other + first);
     for (int32_t k = 0; k < count; k++) {
         const v4 force = {b->x[0][k], b->x[1][k], b->x[2][k], b->turn[0][k]};

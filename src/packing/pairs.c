@@ -73,6 +73,8 @@ static sp_status grow(pair_list *p, int dim, sp_error *err) {
 }
 
 void pairs_return(dynamics *d) {
+    if (d->inner.n == 0)
+        return; /* nor are there any arrays at first */
     for (int a = 0; a < planes_of_force(d->dim); a++) {
         const double *from = d->inner.ft + (int64_t)a * d->inner.capacity;
         double *to = d->outer.ft + (int64_t)a * d->outer.capacity;
@@ -324,7 +326,9 @@ sp_status pairs_rebuild(dynamics *d, double gap, sp_error *err) {
     p = (pair_list){0};
     d->inner.n = 0;
     d->outer_gap = gap;
-    d->outer_travel = 0;
+    d->outer_travel = d->outer_strain = 0;
+    for (int32_t i = 0; i < d->n; i++)
+        memcpy(d->listed + (int64_t)d->dim * i, dynamics_grain(d, i), (size_t)d->dim * sizeof *d->listed);
     d->rebuilds++;
 out:
     pair_list_free(&p);
@@ -479,6 +483,20 @@ sp_status pairs_refill(dynamics *d, double gap, sp_error *err) {
 enum { REFILL_STEPS = 10 };
 static const double OUTER_GAP = 0.4, INNER_GAP_MIN = 2e-3, INNER_GAP_MAX = 0.15;
 
+/* Bound of the relative displacement since the outer list was made, from where the grains are: grains that swing to and
+ * fro travel far, but get nowhere. */
+static double displacement(const dynamics *d) {
+    double worst = 0;
+    for (int32_t i = 0; i < d->n; i++) {
+        const double *g = dynamics_grain(d, i), *from = d->listed + (int64_t)d->dim * i;
+        double square = 0;
+        for (int a = 0; a < d->dim; a++)
+            square += (g[a] - from[a]) * (g[a] - from[a]);
+        worst = square > worst ? square : worst;
+    }
+    return 2 * sqrt(worst) + d->outer_strain;
+}
+
 sp_status dynamics_refresh(dynamics *d, sp_error *err) {
     if (d->inner_travel < d->inner_gap && d->outer_travel < d->outer_gap)
         return SP_OK;
@@ -489,6 +507,8 @@ sp_status dynamics_refresh(dynamics *d, sp_error *err) {
         return status;
     }
     const double gap = fmin(INNER_GAP_MAX, fmax(INNER_GAP_MIN, 2 * d->v_max * d->dt * REFILL_STEPS));
+    if (!(d->outer_travel + gap < d->outer_gap))
+        d->outer_travel = isfinite(d->outer_travel) ? fmin(d->outer_travel, displacement(d)) : INFINITY;
     if (!(d->outer_travel + gap < d->outer_gap)) {
         sp_status status = pairs_rebuild(d, OUTER_GAP, err);
         if (status != SP_OK)

@@ -173,9 +173,8 @@ static void look_for_calm(piston_run *run) {
 }
 
 static sp_status compress(piston_run *run, sp_error *err) {
-    const int64_t states = state_steps(run->whole);
     for (bool done = false;; run->steps++) {
-        sp_status status = run->steps % states == 0 ? pass_state(run, err) : SP_OK;
+        sp_status status = run->steps % STATE_STEPS == 0 ? pass_state(run, err) : SP_OK;
         run->resumed = false;
         if (status == SP_OK)
             status = dynamics_refresh(&run->d, err);

@@ -4,8 +4,9 @@
  * as bytes (state.c) and its end (freeze.c). */
 #include "packing/dynamics.h"
 
-/* Forces every so many steps: inspected; sides' rates chosen; at rest for so long: done. */
-enum { CHECK_STEPS = 40, SIDE_STEPS = 10, REST_STEPS = 200 };
+/* Forces every so many steps: inspected; sides' rates chosen; at rest for so long: done. Every so many: the lists are
+ * made anew, at the cost of some ten steps, and the state may be saved. */
+enum { CHECK_STEPS = 40, SIDE_STEPS = 10, REST_STEPS = 200, STATE_STEPS = 4000 };
 
 typedef enum run_phase { PHASE_FLIGHT = 0, PHASE_COMPACTION, PHASE_EQUILIBRATION } run_phase;
 
@@ -54,8 +55,6 @@ bool run_pressed(const piston_run *run);
 /* And the sides press with nearly the same. */
 bool run_driven(const piston_run *run);
 
-/* Where the lists are made anew and the state is saved: a function of the spec. */
-int64_t state_steps(const sp_pack_spec *spec);
 sp_status state_save(piston_run *run, sp_error *err);
 /* Fills *run, which has spec and hooks and nothing else, from hooks->state. */
 sp_status state_load(piston_run *run, sp_error *err);

@@ -72,7 +72,7 @@ static sp_status check_ranges(const sp_pack_spec *s, sp_error *err) {
         {"packing.gas_fraction", s->gas_fraction, 0.01, 0.45, "0.01 .. 0.45, or 0 (the protocol's own)"},
         {"packing.time_step", s->time_step, 1e-3, 0.9,
          "0.001 .. 0.9 of the largest stable one, or 0 (the protocol's own)"},
-        {"packing.calm", s->calm, 0, 1, "0 .. 1, or below 0 (the protocol's own)"},
+        {"packing.calm", s->calm, 0, 100, "0 .. 100, or below 0 (the protocol's own)"},
         {"packing.drag", s->drag, 0, 0.1, "0 .. 0.1, or below 0 (the protocol's own)"},
         {"packing.viscous_limit", s->viscous_limit, 1, 1e6, "1 .. 1e6, or 0 (the protocol's own)"},
         {"packing.calm_damping", s->calm_damping, 1e-3, 2, "0.001 .. 2 of critical, or 0 (the protocol's own)"},

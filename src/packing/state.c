@@ -14,12 +14,6 @@
 static const char magic[8] = {'S', 'N', 'P', 'K', 'S', 'T', 'A', 'T'};
 enum { STATE_VERSION = 1, BYTE_ORDER_MARK = 0x01020304 };
 
-/* Some tenths of a second for small packings, half a minute for large ones. */
-int64_t state_steps(const sp_pack_spec *spec) {
-    const int64_t steps = 200000000 / spec->grains / CHECK_STEPS * CHECK_STEPS;
-    return steps > 10000 ? 10000 : steps < 2000 ? 2000 : steps;
-}
-
 /* ---- hashes -------------------------------------------------------------------------------------------------- */
 
 /* FNV-1a over whole words of 64 bits, and over the bytes that are left; the upper bits are folded down, as a product

@@ -93,7 +93,7 @@ const sp_field sp_fields[] = {
      "area or volume fraction of the gas of grains at the start, 0.01 .. 0.3 in dimension 3; 0: the protocol's own"},
     {"packing", "time_step", SP_FIELD_REAL, AT(pack.time_step), "", 0, 0.9, NULL,
      "over the largest stable one, from 0.001; 0: the protocol's own"},
-    {"packing", "calm", SP_FIELD_REAL, AT(pack.calm), "p", -1, 1, NULL,
+    {"packing", "calm", SP_FIELD_REAL, AT(pack.calm), "p", -1, 100, NULL,
      "global damping begins once every acceleration is below this; 0: never, below 0: the protocol's own"},
     {"packing", "drag", SP_FIELD_REAL, AT(pack.drag), "sqrt(E* / rho)/d", -1, 0.1, NULL,
      "rate of the global damping at p = 1e-4, grows as p^(1/3); below 0: the protocol's own"},

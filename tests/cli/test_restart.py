@@ -15,7 +15,7 @@ import time
 import h5py
 
 COMMAND = sys.argv[1]
-HISTORY = ["--set", "packing.grains=120", "--set", "packing.width=10", "--set", "packing.tolerance=1e-9",
+HISTORY = ["--set", "packing.grains=300", "--set", "packing.width=15", "--set", "packing.tolerance=1e-9",
            "--set", "packing.history=[1e-5, 3e-4]"]
 
 
@@ -99,9 +99,9 @@ def from_a_file(folder):
     run("pack", "--set", "packing.kind=file", "--set", f"packing.file={low}", "-o", back)
     run("check", first, low, back, *stages_of(first))
     with h5py.File(low) as f, h5py.File(first) as g:
-        assert len(f["particles/grains/position/value"][-1]) == len(g["particles/grains/position/value"][-1]) == 120
-    refused = run("pack", scene, "--set", "packing.grains=81", "-o", folder / "x.h5", status=2).stderr
-    assert "packing.grains = 81: must be that of packing.file, 120" in refused, refused
+        assert len(f["particles/grains/position/value"][-1]) == len(g["particles/grains/position/value"][-1]) == 300
+    refused = run("pack", scene, "--set", "packing.grains=301", "-o", folder / "x.h5", status=2).stderr
+    assert "packing.grains = 301: must be that of packing.file, 300" in refused, refused
     refused = run("pack", scene, "--set", "packing.content=5", "-o", folder / "x.h5", status=2).stderr
     assert "packing.content = 5" in refused, refused
     assert "packing.file" in run("pack", "--set", "packing.kind=file", "-o", folder / "x.h5", status=2).stderr

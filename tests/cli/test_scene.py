@@ -30,7 +30,7 @@ WRONG = [  # a scene, and what its reason must say
     ("packing = { grains = 1.5; };", "packing.grains = 1.5"),
     ("packing = { grains = \"many\"; };", "packing.grains = \"many\""),
     ("packing = { width = 2; };", "SCENE:1: packing.width = 2"),
-    ("packing = { kind = \"box\"; };", "must be piston, triangular or chain"),
+    ("packing = { kind = \"box\"; };", "must be piston, triangular, chain or file"),
     ("packing = { kind = \"chain\"; dimension = 2; };", "packing.dimension = 2"),
     ("packing = { poisson = 0.6; };", "packing.poisson = 0.6"),
     ("packing = { friction = -0.1; };", "packing.friction = -0.1"),
