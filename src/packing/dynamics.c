@@ -21,7 +21,8 @@ static bool alloc_arrays(dynamics *d) {
     d->rows.count = sp_alloc(n, sizeof *d->rows.count);
     d->rows.further = sp_alloc(n, sizeof *d->rows.further);
     d->plain_f = d->plain ? sp_alloc(6 * n, sizeof *d->plain_f) : NULL;
-    bool ok = d->g && d->listed && d->cell_next && d->rows.slot && d->rows.count && d->rows.further && (d->plain_f || !d->plain);
+    bool ok = d->g && d->listed && d->cell_next && d->rows.slot && d->rows.count && d->rows.further &&
+              (d->plain_f || !d->plain);
     for (int side = 0; side < 2; side++) {
         d->wall_ft[side] = sp_alloc(n * (size_t)(d->dim - 1), sizeof(double));
         d->wall[side].i = sp_alloc(n, sizeof(int32_t));

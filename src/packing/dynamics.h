@@ -25,12 +25,12 @@ typedef struct pair_list {
     int32_t padded; /* inner: n and as many pairs that never touch as fill whole vectors */
     int32_t *i, *j;
     int32_t *at_i, *at_j; /* inner: where their lines of numbers begin */
-    int32_t *from; /* inner: place in outer */
-    double *image; /* [dim-1] periods to be added to x_j - x_i */
-    double *reach; /* R_i + R_j */
-    double *ft;    /* elastic tangential force on i: 2D along (-ny, nx), 3D [3] */
-    double *e2;    /* 2 E12 sqrt(R12) */
-    double *sm;    /* sqrt(m_eff 2 E12 sqrt(R12)) */
+    int32_t *from;        /* inner: place in outer */
+    double *image;        /* [dim-1] periods to be added to x_j - x_i */
+    double *reach;        /* R_i + R_j */
+    double *ft;           /* elastic tangential force on i: 2D along (-ny, nx), 3D [3] */
+    double *e2;           /* 2 E12 sqrt(R12) */
+    double *sm;           /* sqrt(m_eff 2 E12 sqrt(R12)) */
 } pair_list;
 
 /* Grains near a wall, in the order of their numbers. */
@@ -67,9 +67,9 @@ typedef struct dynamics {
     double side_rate[2]; /* their relative rates of change */
     double area, pressure;
     contact_law law;
-    bool plain;        /* the reference path: all pairs near, one at a time, no tricks (plain.c) */
-    double *g;         /* [n + 1][stride]: the last one is nowhere */
-    double *plain_f;   /* [n][6] forces of the plain path */
+    bool plain;      /* the reference path: all pairs near, one at a time, no tricks (plain.c) */
+    double *g;       /* [n + 1][stride]: the last one is nowhere */
+    double *plain_f; /* [n][6] forces of the plain path */
     double piston_y, piston_v, piston_mass;
     double wall_force[2]; /* total force on bottom and top wall, last evaluation */
     double *wall_ft[2];   /* [n][dim-1] elastic tangential force on the grain at the bottom and top wall */

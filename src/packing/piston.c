@@ -43,16 +43,35 @@ static double plain_step(const piston_run *run) {
 
 /* ---- rest ---------------------------------------------------------------------------------------------------- */
 
+static double full_drag(const piston_run *run) { return run->spec->drag * cbrt(run->spec->pressure / 1e-4); }
+
 static void start_calm(piston_run *run) {
     run->phase = PHASE_EQUILIBRATION;
+    run->ease = 1;
+    run->stall_step = run->steps;
+    run->stall_residual = INFINITY;
     run->d.law.viscous_limit = 1;
     run->d.law.damping = run->spec->calm_damping;
-    run->d.drag = run->spec->drag * cbrt(run->spec->pressure / 1e-4);
+    run->d.drag = full_drag(run);
+}
+
+/* Grains that roll along a mechanism without stiffness (a ball between two strong contacts, say) do so at the speed at
+ * which the drag balances a tiny force, and would come to the end of it after 1e7 steps only. Where the residual has
+ * not halved for long, the drag makes way for as long, each time more, so that they fall towards their next contact. */
+static void ease_drag(piston_run *run) {
+    if (run->phase != PHASE_EQUILIBRATION || run->steps - run->stall_step < STALL_STEPS)
+        return;
+    const bool stalled = run->residual > 0.5 * run->stall_residual, full = run->d.drag == full_drag(run);
+    if (stalled && full)
+        run->ease = fmax(0.3 * run->ease, 1e-3);
+    run->d.drag = full_drag(run) * (stalled && full ? run->ease : 1);
+    run->stall_step = run->steps;
+    run->stall_residual = run->residual;
 }
 
 static bool at_rest(const piston_run *run) {
     /* rattlers in free flight have no elastic force on them: they must have stopped, too */
-    bool still = run->d.drag == 0 || run->d.v_max * run->d.drag < run->spec->tolerance;
+    bool still = run->d.drag == 0 || run->d.v_max * full_drag(run) < run->spec->tolerance;
     /* the piston weighs as much as hundreds of grains: its acceleration alone would leave the pressure wrong by 1e-5 */
     bool balanced = run->wall_imbalance < run->spec->tolerance;
     bool calm = run->phase == PHASE_EQUILIBRATION || run->spec->calm == 0;
@@ -134,6 +153,7 @@ static sp_status inspect(piston_run *run, bool *done, sp_error *err) {
     if (status != SP_OK)
         return status;
     find_side_imbalance(run);
+    ease_drag(run);
     guess_rest(run);
     run->rest_checks = at_rest(run) ? run->rest_checks + 1 : 0;
     *done = run->rest_checks >= REST_STEPS / CHECK_STEPS;

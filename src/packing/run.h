@@ -5,8 +5,9 @@
 #include "packing/dynamics.h"
 
 /* Forces every so many steps: inspected; sides' rates chosen; at rest for so long: done. Every so many: the lists are
- * made anew, at the cost of some ten steps, and the state may be saved. */
-enum { CHECK_STEPS = 40, SIDE_STEPS = 10, REST_STEPS = 200, STATE_STEPS = 4000 };
+ * made anew, at the cost of some ten steps, and the state may be saved. In so many the residual of grains that come to
+ * rest at all has halved. */
+enum { CHECK_STEPS = 40, SIDE_STEPS = 10, REST_STEPS = 200, STATE_STEPS = 4000, STALL_STEPS = 20000 };
 
 typedef enum run_phase { PHASE_FLIGHT = 0, PHASE_COMPACTION, PHASE_EQUILIBRATION } run_phase;
 
@@ -28,6 +29,8 @@ typedef struct piston_run {
     int rest_checks; /* checks in a row that found equilibrium */
     run_phase phase;
     double residual, wall_imbalance, side_imbalance;
+    double ease, stall_residual; /* equilibration: the last share of the drag, and the residual since stall_step */
+    int64_t stall_step;
     double first_acceleration, first_residual; /* of the phase under way; 0: not yet known */
     double fraction;                           /* of the work, as told last */
     bool resumed;                              /* the state of the step under way need not be saved */

@@ -128,6 +128,8 @@ static void pass_run(stream *s, piston_run *run) {
                                &run->side_imbalance,
                                &run->first_acceleration,
                                &run->first_residual,
+                               &run->ease,
+                               &run->stall_residual,
                                &run->fraction,
                                &d->side[0],
                                &d->side[1],
@@ -151,6 +153,7 @@ static void pass_run(stream *s, piston_run *run) {
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         pass(s, numbers[k], sizeof **numbers);
     pass(s, &run->steps, sizeof run->steps);
+    pass(s, &run->stall_step, sizeof run->stall_step);
     pass(s, &run->stage, sizeof run->stage);
     pass(s, &run->sides_free, sizeof run->sides_free);
     pass(s, &phase, sizeof phase);
