@@ -31,9 +31,16 @@ static bool alloc_arrays(dynamics *d) {
     return ok;
 }
 
+static double power_of_two(double x) {
+    int exponent;
+    const double part = frexp(x, &exponent); /* 0.5 .. 1 */
+    return ldexp(1, part < 0.70710678118654752440 ? exponent - 1 : exponent);
+}
+
 sp_status dynamics_make(const sp_pack_spec *spec, const double *r, const double *x, double height, dynamics *out,
                         sp_error *err) {
     const double depth = spec->dim == 3 ? (spec->depth > 0 ? spec->depth : spec->width) : 1;
+    double sum = 0;
     dynamics d = {.dim = spec->dim,
                   .at = spec->dim == 3 ? layout_3d : layout_2d,
                   .n = spec->grains,
@@ -64,7 +71,9 @@ sp_status dynamics_make(const sp_pack_spec *spec, const double *r, const double 
             g[d.at.inv_m + 1] = 1.0 / r[i];
         d.m_min = fmin(d.m_min, m);
         d.r_max = fmax(d.r_max, r[i]);
+        sum += r[i];
     }
+    d.scale = power_of_two(2 * sum / d.n);
     *out = d;
     return SP_OK;
 }

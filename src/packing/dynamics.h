@@ -77,6 +77,7 @@ typedef struct dynamics {
     pair_list outer, inner;
     force_rows rows;
     double r_max, m_min;
+    double scale; /* of the grains: the power of two that is nearest to their mean diameter */
     double outer_gap, inner_gap;       /* gaps up to which pairs are listed */
     double outer_travel, inner_travel; /* bound of relative displacement since the lists were made */
     double outer_strain;               /* the part of it by the sides' motion */
@@ -122,5 +123,7 @@ double dynamics_acceleration(const dynamics *d);
 sp_status dynamics_residual(const dynamics *d, double *residual, double *wall_imbalance, sp_error *err);
 /* Finite and nowhere absurd: no grain through a wall, no overlap above 0.8 radii. */
 bool dynamics_sane(const dynamics *d);
+/* Sides nearer to each other than this would let two grains touch through both, of which one is listed. */
+double dynamics_narrowest(const dynamics *d);
 
 #endif

@@ -479,7 +479,7 @@ sp_status pairs_refill(dynamics *d, double gap, sp_error *err) {
     return assign_rows(d, err);
 }
 
-/* Steps that an inner list should last, and the gaps in diameters. */
+/* Steps that an inner list should last, and the gaps over the scale of the grains. */
 enum { REFILL_STEPS = 10 };
 static const double OUTER_GAP = 0.4, INNER_GAP_MIN = 2e-3, INNER_GAP_MAX = 0.15;
 
@@ -497,20 +497,24 @@ static double displacement(const dynamics *d) {
     return 2 * sqrt(worst) + d->outer_strain;
 }
 
+double dynamics_narrowest(const dynamics *d) { return 2 * (2 * d->r_max + OUTER_GAP * d->scale); }
+
 sp_status dynamics_refresh(dynamics *d, sp_error *err) {
     if (d->inner_travel < d->inner_gap && d->outer_travel < d->outer_gap)
         return SP_OK;
+    const double outer = OUTER_GAP * d->scale;
     if (d->plain) {
-        sp_status status = pairs_rebuild(d, OUTER_GAP, err);
-        refill_walls(d, OUTER_GAP);
+        sp_status status = pairs_rebuild(d, outer, err);
+        refill_walls(d, outer);
         d->inner_gap = INFINITY;
         return status;
     }
-    const double gap = fmin(INNER_GAP_MAX, fmax(INNER_GAP_MIN, 2 * d->v_max * d->dt * REFILL_STEPS));
+    const double soon = 2 * d->v_max * d->dt * REFILL_STEPS;
+    const double gap = fmin(INNER_GAP_MAX * d->scale, fmax(INNER_GAP_MIN * d->scale, soon));
     if (!(d->outer_travel + gap < d->outer_gap))
         d->outer_travel = isfinite(d->outer_travel) ? fmin(d->outer_travel, displacement(d)) : INFINITY;
     if (!(d->outer_travel + gap < d->outer_gap)) {
-        sp_status status = pairs_rebuild(d, OUTER_GAP, err);
+        sp_status status = pairs_rebuild(d, outer, err);
         if (status != SP_OK)
             return status;
     }

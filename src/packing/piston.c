@@ -96,6 +96,20 @@ static sp_status fail_insane(const piston_run *run, sp_error *err) {
         (unsigned long long)run->spec->seed, (long long)run->steps, run->spec->pressure, run->spec->time_step);
 }
 
+/* Isotropic: sides that too few grains hold apart close up. */
+static sp_status check_sides(const piston_run *run, sp_error *err) {
+    const dynamics *d = &run->d;
+    const double narrowest = dynamics_narrowest(d);
+    for (int a = 0; a < d->dim - 1; a++)
+        if (!(d->side[a] > narrowest) && run->side_end[a] == 0 && run->sides_free)
+            return sp_fail(err, SP_EFAILED,
+                           "packing.grains = %d: too few for packing.compression = \"isotropic\" in this box: the sides "
+                           "have come as near as %.3g, must stay above %.3g (two of the largest grains and the gaps "
+                           "around them)",
+                           d->n, d->side[a], narrowest);
+    return SP_OK;
+}
+
 /* Parts of the work: a guess from packings of hundreds of grains. */
 static const double FLIGHT_PART = 0.1, CALM_PART = 0.6;
 
@@ -149,7 +163,9 @@ static sp_status inspect(piston_run *run, bool *done, sp_error *err) {
         return fail_insane(run, err);
     if (run->phase == PHASE_FLIGHT && run->d.wall_force[1] > 0.5 * run->d.pressure * run->d.area)
         run->phase = PHASE_COMPACTION;
-    sp_status status = dynamics_residual(&run->d, &run->residual, &run->wall_imbalance, err);
+    sp_status status = check_sides(run, err);
+    if (status == SP_OK)
+        status = dynamics_residual(&run->d, &run->residual, &run->wall_imbalance, err);
     if (status != SP_OK)
         return status;
     find_side_imbalance(run);

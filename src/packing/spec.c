@@ -215,6 +215,20 @@ static sp_status check_ordered(const sp_pack_spec *s, sp_error *err) {
     return chain ? SP_OK : check_triangular(s, err);
 }
 
+/* Sides close on grains that do not fill the floor, or push them on top of each other, until there is no box. */
+static sp_status check_layer(const sp_pack_spec *s, sp_error *err) {
+    if (s->compression != SP_COMPRESSION_ISOTROPIC)
+        return SP_OK;
+    const double solid = s->dim == 2 ? sp_sizes_mean_area(s) / 0.8 : sp_sizes_mean_volume(s) / 0.6;
+    const double layer = s->width * (s->dim == 2 ? 1 : s->depth) * s->diameter_max, least = ceil(layer / solid);
+    if (s->grains >= least)
+        return SP_OK;
+    return sp_fail(err, SP_EINVAL,
+                   "packing.grains = %d: must be at least %g for packing.compression = \"isotropic\", a layer as high "
+                   "as the largest grain in a box this wide",
+                   s->grains, least);
+}
+
 static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
     if (s->dim != 2 && s->dim != 3)
         return sp_fail(err, SP_EINVAL, "packing.dimension = %d: must be 2 or 3 for packing.kind = \"piston\"", s->dim);
@@ -229,7 +243,8 @@ static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
                        "packing.gas_fraction = %g: must be at most %g in %d dimensions, grains that are dropped at "
                        "random jam at %g",
                        s->gas_fraction, densest, s->dim, s->dim == 2 ? 0.547 : 0.38);
-    return check_motion(s, err);
+    status = check_layer(s, err);
+    return status == SP_OK ? check_motion(s, err) : status;
 }
 
 static sp_status check_history(const sp_pack_spec *s, sp_error *err) {
