@@ -31,7 +31,7 @@ static double swing_time(const piston_run *run) {
 static void ramp_pressure(piston_run *run, double dt) {
     dynamics *d = &run->d;
     const double end = run->spec->pressure;
-    if (d->pressure == end)
+    if (d->pressure == end || run->phase == PHASE_FLIGHT)
         return;
     if (run->ramp_time == 0 || run->steps % CHECK_STEPS == 0)
         run->ramp_time = 8 * swing_time(run);

@@ -29,7 +29,7 @@ typedef struct piston_run {
     int rest_checks; /* checks in a row that found equilibrium */
     run_phase phase;
     double residual, wall_imbalance, side_imbalance;
-    double ease, stall_residual; /* equilibration: the last share of the drag, and the residual since stall_step */
+    double full_drag, ease, stall_residual; /* equilibration: the drag, its last share, the residual at stall_step */
     int64_t stall_step;
     double first_acceleration, first_residual; /* of the phase under way; 0: not yet known */
     double fraction;                           /* of the work, as told last */

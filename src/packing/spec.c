@@ -229,6 +229,18 @@ static sp_status check_layer(const sp_pack_spec *s, sp_error *err) {
                    s->grains, least);
 }
 
+/* The most that a wall of nothing but the largest grains carries before these are flat: Hertz, 0.8 radii deep. */
+static sp_status check_load(const sp_pack_spec *s, sp_error *err) {
+    const double r = 0.5 * s->diameter_max, area = s->width * (s->dim == 2 ? 1 : s->depth);
+    const double most = 4.0 / 3.0 * sqrt(r) * pow(0.8 * r, 1.5) * s->grains / area;
+    if (s->pressure <= most)
+        return SP_OK;
+    return sp_fail(err, SP_EINVAL,
+                   "packing.pressure = %g: must be at most %.3g, packing.grains = %d cannot carry more in a box of "
+                   "packing.width = %g",
+                   s->pressure, most, s->grains, s->width);
+}
+
 static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
     if (s->dim != 2 && s->dim != 3)
         return sp_fail(err, SP_EINVAL, "packing.dimension = %d: must be 2 or 3 for packing.kind = \"piston\"", s->dim);
@@ -244,6 +256,8 @@ static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
                        "random jam at %g",
                        s->gas_fraction, densest, s->dim, s->dim == 2 ? 0.547 : 0.38);
     status = check_layer(s, err);
+    if (status == SP_OK)
+        status = check_load(s, err);
     return status == SP_OK ? check_motion(s, err) : status;
 }
 

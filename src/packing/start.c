@@ -167,6 +167,13 @@ static sp_status start_packing(piston_run *run, sp_error *err) {
 
 /* ---- all together -------------------------------------------------------------------------------------------- */
 
+/* A piston that falls with more than this drives grains through one another where it strikes, small ones between large
+ * ones first, which carry what these do: what is missing comes on once it rests on them. */
+static double gentle_pressure(const piston_run *run) {
+    const double small = run->spec->diameter_min / run->d.scale;
+    return 1e-3 * fmin(1, 4 * small * small);
+}
+
 static sp_status start_new(piston_run *run, sp_error *err) {
     const size_t n = (size_t)run->spec->grains;
     double *r = sp_alloc(n, sizeof *r), *x = sp_alloc(3 * n, sizeof *x);
@@ -178,8 +185,10 @@ static sp_status start_new(piston_run *run, sp_error *err) {
     case SP_PACK_TRIANGULAR: status = start_lattice(run, r, x, err); break;
     default: status = start_gas(run, r, x, err); break;
     }
-    if (status == SP_OK && run->spec->kind != SP_PACK_FILE)
+    if (status == SP_OK && run->spec->kind != SP_PACK_FILE) {
         run->d.dt = run_first_step(run);
+        run->d.pressure = fmin(run->d.pressure, gentle_pressure(run));
+    }
 out:
     sp_free(x);
     sp_free(r);

@@ -128,6 +128,7 @@ static void pass_run(stream *s, piston_run *run) {
                                &run->side_imbalance,
                                &run->first_acceleration,
                                &run->first_residual,
+                               &run->full_drag,
                                &run->ease,
                                &run->stall_residual,
                                &run->fraction,

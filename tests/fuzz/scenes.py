@@ -275,8 +275,8 @@ def campaign(command, seed, cases, most_grains, seconds, spread=True):
                 reasons[what + ": " + re.sub(r"-?\d[\d.e+-]*", "#", why)] += 1
             if what == "FAULT":
                 faults.append(f"case {case}: {why}\n    {line}")
-            if what in ("FAULT", "gave up"):
-                print(f"case {case}: {what}: {why}\n    {line}", flush=True)
+            if what in ("FAULT", "gave up") or took > 10:
+                print(f"case {case}: {what} after {took:.1f} s: {why}\n    {line}", flush=True)
     print(dict(counts))
     for reason, count in reasons.most_common():
         print(f"{count:5d} {reason}")
