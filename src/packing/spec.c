@@ -14,7 +14,7 @@ static const protocol protocols[] = {
     [SP_PROTOCOL_DEFAULT] = {.damping = 0.5,
                              .piston_mass = 2,
                              .gas_fraction = {0.45, 0.45, 0.45, 0.25},
-                             .time_step = 0.7,
+                             .time_step = 0.5,
                              .calm = 3,
                              .drag = 0.01,
                              .viscous_limit = 1,
