@@ -376,7 +376,7 @@ bool dynamics_sane(const dynamics *d) {
         return false;
     for (int32_t i = 0; i < d->n; i++) {
         const double *g = dynamics_grain(d, i), r = g[d->at.r];
-        if (!(g[up] > 0.2 * r) || !(d->piston_y - g[up] > 0.2 * r))
+        if (!(g[up] > 0.2 * r) || !(d->piston_y - g[up] > 0.2 * r) || !(d->piston_y > r))
             return false;
         for (int a = 0; a < d->at.r; a++)
             if (!isfinite(g[a]))

@@ -132,6 +132,7 @@ static sp_status make_cells(gas *g, gas_level *level, sp_error *err) {
     return SP_OK;
 }
 
+/* Grains for which there is no room leave *full. */
 static sp_status place(gas *g, const sp_pack_spec *spec, sp_random *stream, int32_t i, sp_error *err) {
     const int l = g->level_of[i];
     double *x = g->x + 3 * (size_t)i;

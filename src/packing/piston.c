@@ -18,11 +18,19 @@ static double stable_step(double zeta) {
     return sqrt(viscous * viscous + 4) - viscous;
 }
 
+/* While the packing forms, steps of 0.7 of the stable one make it a little denser (Phi2 by 0.2 standard deviations);
+ * while it comes to rest they only have to be stable, which in lattices of equal disks they would not be. */
+static double step_fraction(const piston_run *run) {
+    const sp_pack_spec *spec = run->spec;
+    const bool lattice = spec->diameter_max < 1.2 * spec->diameter_min;
+    return run->phase == PHASE_EQUILIBRATION && !lattice ? fmax(spec->time_step, 0.7) : spec->time_step;
+}
+
 /* Explicit steps follow the stiffest grain. A contact that closes within the step counts as well, with the stiffness
  * it has after a step at the largest speed and a looser factor, as it is one step only. */
 static double next_step(const piston_run *run) {
     const dynamics *d = &run->d;
-    const double factor = run->spec->time_step * stable_step(d->law.damping), past = d->dt;
+    const double factor = step_fraction(run) * stable_step(d->law.damping), past = d->dt;
     double soon = 2.0 * sqrt(run->r_min * 2.0 * d->v_max * past); /* k_n = 2 E* sqrt(R n) at a wall, n = 2 v dt */
     double rate = fmax(d->rate, 0.5 * sqrt(soon / d->m_min));
     double dt = rate > 0 ? factor / rate : INFINITY;
