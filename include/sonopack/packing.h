@@ -144,7 +144,8 @@ typedef struct sp_pack_spec {
     sp_protocol protocol;
     bool reference; /* the plain path: no tricks that change rounding or skip steps */
     uint64_t seed;
-    double tolerance;     /* largest elastic acceleration at the end [E* / (rho d)]; 0: min(1e-10, 1e-6 p) */
+    double tolerance;     /* largest elastic acceleration at the end [E* / (rho d)]; 0: min(1e-10, 1e-6 p), over the
+                             smallest diameter where that is above 1 */
     double damping;       /* zeta, fraction of critical at a contact, while the packing forms; 0: the protocol's own */
     double piston_mass;   /* per unit of wall area [rho d]; 0: the protocol's own */
     double gas_fraction;  /* of the starting gas: area (2D) or volume (3D) fraction; 0: the protocol's own */

@@ -77,7 +77,7 @@ typedef struct dynamics {
     pair_list outer, inner;
     force_rows rows;
     double r_max, m_min;
-    double scale; /* of the grains: the power of two that is nearest to their mean diameter */
+    double scale;                      /* of the grains: the power of two that is nearest to their mean diameter */
     double outer_gap, inner_gap;       /* gaps up to which pairs are listed */
     double outer_travel, inner_travel; /* bound of relative displacement since the lists were made */
     double outer_strain;               /* the part of it by the sides' motion */

@@ -8,7 +8,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-enum { MOST_TRIES = 1000000, MOST_LEVELS = 64 };
+enum { MOST_TRIES = 1000000, MOST_ATTEMPTS = 10, MOST_LEVELS = 64 };
 
 /* Grains within a factor of two in size, and cells at least as wide as the largest of them. Larger levels are filled
  * first: between small grains there would be no room left for large ones. */
@@ -132,7 +132,6 @@ static sp_status make_cells(gas *g, gas_level *level, sp_error *err) {
     return SP_OK;
 }
 
-/* Grains for which there is no room leave *full. */
 static sp_status place(gas *g, const sp_pack_spec *spec, sp_random *stream, int32_t i, sp_error *err) {
     const int l = g->level_of[i];
     double *x = g->x + 3 * (size_t)i;
@@ -166,37 +165,48 @@ double sp_gas_memory(const sp_pack_spec *spec) {
     return (double)spec->grains * (3 * sizeof(int32_t) + sizeof(uint8_t)) + MOST_LEVELS * sizeof(gas_level);
 }
 
+/* Drops the grains into the box. */
+static sp_status fill(gas *g, const sp_pack_spec *spec, sp_random *stream, sp_error *err) {
+    sp_status status = SP_OK;
+    for (int l = 0; l < g->levels && status == SP_OK; l++)
+        if (g->level[l].grains > 0)
+            status = make_cells(g, &g->level[l], err);
+    for (int32_t k = 0; k < spec->grains && status == SP_OK; k++)
+        status = place(g, spec, stream, g->order[k], err);
+    for (int l = 0; l < g->levels; l++) {
+        sp_free(g->level[l].head);
+        g->level[l].head = NULL;
+    }
+    return status;
+}
+
 sp_status sp_gas_make(const sp_pack_spec *spec, const double *r, double *x, double *height, sp_error *err) {
     const size_t n = (size_t)spec->grains;
     double r_max = 0;
     for (size_t i = 0; i < n; i++)
         r_max = fmax(r_max, r[i]);
-    const double h = gas_height(spec, r, r_max);
-    gas g = {.dim = spec->dim, .up = spec->dim - 1, .box = {spec->width, h, 1}, .r = r, .x = x};
-    if (g.dim == 3) {
-        g.box[1] = spec->depth;
-        g.box[2] = h;
-    }
+    double h = gas_height(spec, r, r_max);
+    gas g = {.dim = spec->dim, .up = spec->dim - 1, .box = {spec->width, spec->depth, 1}, .r = r, .x = x};
     g.next = sp_alloc(n, sizeof *g.next);
     g.order = sp_alloc(n, sizeof *g.order);
     g.level_of = sp_alloc(n, sizeof *g.level_of);
-    sp_status status = SP_OK;
+    sp_status status = SP_EFAILED;
     if (!g.next || !g.order || !g.level_of) {
         status = sp_fail_memory(err, n * 9);
         goto out;
     }
     sort_levels(&g, spec->grains, r_max);
-    for (int l = 0; l < g.levels && status == SP_OK; l++)
-        if (g.level[l].grains > 0)
-            status = make_cells(&g, &g.level[l], err);
     sp_random stream = sp_random_make(spec->seed, SP_STREAM_GAS);
-    for (size_t k = 0; k < n && status == SP_OK; k++)
-        status = place(&g, spec, &stream, g.order[k], err);
+    /* beside walls there is less room: a few layers of what is no dense gas may need a higher box */
+    const int attempts = spec->gas_fraction <= (spec->dim == 2 ? 0.45 : 0.3) ? MOST_ATTEMPTS : 1;
+    for (int attempt = 0; attempt < attempts && status == SP_EFAILED; attempt++) {
+        h *= attempt > 0 ? 1.1 : 1;
+        g.box[g.up] = h;
+        status = fill(&g, spec, &stream, err);
+    }
     if (status == SP_OK)
         *height = h;
 out:
-    for (int l = 0; l < g.levels; l++)
-        sp_free(g.level[l].head);
     sp_free(g.level_of);
     sp_free(g.order);
     sp_free(g.next);

@@ -70,8 +70,8 @@ static sp_status check_ranges(const sp_pack_spec *s, sp_error *err) {
          "0.1 (less than a layer of grains would be kicked about by single ones) .. 1e4 (more would oscillate long "
          "after the grains have come to rest), or 0 (the protocol's own)"},
         {"packing.gas_fraction", s->gas_fraction, 0.01, 0.45, "0.01 .. 0.45, or 0 (the protocol's own)"},
-        {"packing.time_step", s->time_step, 1e-3, 0.9,
-         "0.001 .. 0.9 of the largest stable one, or 0 (the protocol's own)"},
+        {"packing.time_step", s->time_step, 1e-3, 0.8,
+         "0.001 .. 0.8 of the largest stable one, or 0 (the protocol's own)"},
         {"packing.calm", s->calm, 0, 100, "0 .. 100, or below 0 (the protocol's own)"},
         {"packing.drag", s->drag, 0, 0.1, "0 .. 0.1, or below 0 (the protocol's own)"},
         {"packing.viscous_limit", s->viscous_limit, 1, 1e6, "1 .. 1e6, or 0 (the protocol's own)"},
@@ -175,6 +175,12 @@ static sp_status check_scale(const sp_pack_spec *s, sp_error *err) {
 /* ---- kinds ----------------------------------------------------------------------------------------------------- */
 
 /* What compressed grains would never come to rest with, or not where they should. */
+/* Places in the box are rounded, and contacts have stiffnesses of about p^(1/3): 2e-15 were reached at 1e-4. */
+static double least_tolerance(const sp_pack_spec *s) {
+    const double area = s->dim == 3 ? s->width * s->depth : s->width;
+    return 1e-13 * cbrt(s->pressure) * fmax(1, fmax(s->width, s->grains / area) / 25);
+}
+
 static sp_status check_motion(const sp_pack_spec *s, sp_error *err) {
     const double slack = 1 + 1e-9;
     if (s->tolerance > 0.1 * slack * s->pressure)
@@ -182,6 +188,17 @@ static sp_status check_motion(const sp_pack_spec *s, sp_error *err) {
                        "packing.tolerance = %g: must be at most 0.1 of packing.pressure = %g, no packing is at rest "
                        "above that",
                        s->tolerance, s->pressure);
+    const double least = least_tolerance(s);
+    if (s->tolerance < least)
+        return sp_fail(
+            err, SP_EINVAL,
+            "packing.tolerance = %g: must be at least %.2g, or 0 (the default rule): accelerations below that "
+            "are rounding",
+            s->tolerance, least);
+    if (s->calm > 0 && s->calm < 1e-6)
+        return sp_fail(err, SP_EINVAL,
+                       "packing.calm = %g: must be at least 1e-6, or 0 (never), or below 0 (the protocol's own)",
+                       s->calm);
     return SP_OK;
 }
 
@@ -289,7 +306,8 @@ sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     if (s.dim == 3 && s.depth == 0)
         s.depth = s.width;
     if (s.tolerance == 0)
-        s.tolerance = fmin(1e-10, 1e-6 * s.pressure);
+        s.tolerance = fmax(fmin(1e-10, 1e-6 * s.pressure) / fmax(1, s.diameter_min), /* heavy grains push harder */
+                           least_tolerance(&s));
     if (s.dim < 1 || s.dim > 3 || (unsigned)s.protocol >= PROTOCOLS)
         return s; /* no spec that a check would pass */
     const protocol *own = &protocols[s.protocol];

@@ -91,7 +91,7 @@ const sp_field sp_fields[] = {
      "mass of the piston per area of wall, from 0.1; 0: the protocol's own"},
     {"packing", "gas_fraction", SP_FIELD_REAL, AT(pack.gas_fraction), "", 0, 0.45, NULL,
      "area or volume fraction of the gas of grains at the start, 0.01 .. 0.3 in dimension 3; 0: the protocol's own"},
-    {"packing", "time_step", SP_FIELD_REAL, AT(pack.time_step), "", 0, 0.9, NULL,
+    {"packing", "time_step", SP_FIELD_REAL, AT(pack.time_step), "", 0, 0.8, NULL,
      "over the largest stable one, from 0.001; 0: the protocol's own"},
     {"packing", "calm", SP_FIELD_REAL, AT(pack.calm), "p", -1, 100, NULL,
      "global damping begins once every acceleration is below this; 0: never, below 0: the protocol's own"},

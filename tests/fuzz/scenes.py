@@ -61,6 +61,41 @@ def settings(scene):
     return [word for key, value in scene.items() for word in ("--set", f"packing.{key}={value}")]
 
 
+# Scenes that a random search has found to go wrong, and what must become of them.
+ONCE_WRONG = (
+    # the sides closed up, turned over and went on
+    ("refused", dict(kind="piston", dimension=2, grains=5, pressure=3e-9, width=18.5, compression="isotropic")),
+    ("refused", dict(kind="piston", dimension=2, grains=1, pressure=3e-3, width=8, compression="isotropic")),
+    # a load that the grains cannot carry was found out only when they were flat
+    ("refused", dict(kind="piston", dimension=3, grains=4, pressure=6.6e-3, width=25.5)),
+    ("gave up", dict(kind="piston", dimension=2, grains=2, pressure=9.5e-3, width=28.58, diameter_min=1, diameter_max=1,
+                     protocol="somfai2005", seed=3904452093, poisson=0.5, friction=0.7)),
+    # beside the walls there was no room for the gas
+    ("packed", dict(kind="piston", dimension=2, grains=18, pressure=3.8e-7, friction=0, poisson=0.5, seed=2595161220,
+                    sizes="uniform", diameter_min=0.702171868921938, diameter_max=1.297828131078062,
+                    width=6.834691184746246)),
+    # the piston struck too hard
+    ("packed", dict(kind="piston", dimension=2, grains=600, pressure=1e-2, width=24, seed=1)),
+    # grains much smaller and larger than the unit of length, in the narrowest box
+    ("packed", dict(kind="piston", dimension=2, grains=40, pressure=1e-5, width=0.6, diameter_min=0.1,
+                    diameter_max=0.15, seed=1)),
+    ("packed", dict(kind="piston", dimension=2, grains=40, pressure=1e-5, width=48, diameter_min=8, diameter_max=12,
+                    seed=1)),
+)
+
+
+def known(command):
+    """The scenes above; those that end otherwise."""
+    faults = []
+    with tempfile.TemporaryDirectory(prefix="sonopack-scenes-") as scratch:
+        for wanted, scene in ONCE_WRONG:
+            what, why = outcome(command, {"seed": 1, **scene}, pathlib.Path(scratch), 60)
+            if what != wanted:
+                faults.append(f"{what} {why}, not {wanted}: {scene}")
+    print(*faults, sep="\n")
+    return faults
+
+
 # ---- the judge ------------------------------------------------------------------------------------------------------
 
 

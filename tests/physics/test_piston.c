@@ -68,7 +68,7 @@ static void test_determinism(void **state) {
     sp_packing p = make(&spec), q = sp_packing_none();
     int calls = 0;
     assert_ok(sp_packing_make(&spec, count_calls, &calls, &q, &err));
-    assert_true(calls > 3);
+    assert_true(calls >= 2 && calls <= 1 + q.steps / 40);
     assert_true(same(&p, &q));
     sp_packing_free(&q);
     spec.seed = 6;
@@ -80,21 +80,24 @@ static void test_determinism(void **state) {
 
 static bool stop_soon(const sp_pack_progress *progress, void *user) {
     (void)user;
-    return progress->steps < 8000;
+    return progress->steps < 4000;
 }
 
 static void test_stops(void **state) {
     (void)state;
     sp_pack_spec spec = sp_pack_spec_default();
     sp_packing p = sp_packing_none();
-    assert_fails(sp_packing_make(&spec, stop_soon, NULL, &p, &err), SP_EINTERRUPTED, "stopped after 8000 steps");
+    assert_fails(sp_packing_make(&spec, stop_soon, NULL, &p, &err), SP_EINTERRUPTED, "stopped after 4000 steps");
     spec.grains = 40;
     spec.width = 6;
     spec.max_steps = 2000;
     assert_fails(sp_packing_make(&spec, NULL, NULL, &p, &err), SP_EFAILED, "not at rest after 2000 steps");
     spec.max_steps = 0;
-    spec.pressure = 1e-2; /* the piston arrives faster than grains can stop it */
+    spec.pressure = 1e-2; /* flattens small grains between large ones */
     spec.grains = 300;
+    spec.width = 16;
+    spec.diameter_min = 0.02;
+    spec.diameter_max = 1.98;
     assert_fails(sp_packing_make(&spec, NULL, NULL, &p, &err), SP_EFAILED, "went through");
     assert_null(p.x);
 }
@@ -106,21 +109,27 @@ static void test_odd_protocols(void **state) {
     sp_pack_spec base = sp_pack_spec_default();
     base.grains = 40;
     base.width = 6;
-    enum { PROTOCOLS = 9 };
+    enum { PROTOCOLS = 11 };
     sp_pack_spec spec[PROTOCOLS];
     for (int k = 0; k < PROTOCOLS; k++)
         spec[k] = base;
-    spec[0].piston_mass = 0.01;
+    spec[0].piston_mass = 0.1;
     spec[1].piston_mass = 1e3;
     spec[2].calm = 0;
     spec[3].drag = 0;
     spec[4].gas_fraction = 0.01;
     spec[5].damping = 2;
-    spec[5].time_step = 0.06;
+    spec[5].time_step = 0.8;
     spec[6].diameter_min = 0.2;
     spec[6].diameter_max = 1.5;
     spec[7].diameter_min = spec[7].diameter_max = 1;
     spec[8].friction = 1e6;
+    spec[9].damping = spec[9].calm_damping = 0.001; /* two grains alone swing faster than any in a packing */
+    spec[9].friction = 1e6;
+    spec[9].time_step = 0.8;
+    spec[9].diameter_min = spec[9].diameter_max = 1;
+    spec[10].grains = 150; /* the piston would strike too hard */
+    spec[10].pressure = 1e-2;
     for (int k = 0; k < PROTOCOLS; k++) {
         print_message("protocol %d\n", k);
         sp_packing p = make(&spec[k]);

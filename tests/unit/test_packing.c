@@ -288,7 +288,7 @@ static void test_spec_refuses(void **state) {
     REFUSED(s.pressure = NAN, "packing.pressure");
     REFUSED(s.friction = -0.1, "packing.friction");
     REFUSED(s.poisson = 0.51, "packing.poisson");
-    REFUSED(s.time_step = 0.2, "packing.time_step");
+    REFUSED(s.time_step = 0.85, "packing.time_step = 0.85: must be 0.001 .. 0.8 of the largest stable one");
     REFUSED(s.time_step = 5e-4, "packing.time_step");
     REFUSED(s.dim = 1, "packing.dimension = 1: must be 2 or 3");
     REFUSED(s.dim = 4, "packing.dimension");
@@ -313,8 +313,11 @@ static void test_spec_refuses(void **state) {
     REFUSED((s.diameter_min = 1.2, s.diameter_max = 0.8), "packing.diameter_min");
     REFUSED((s.diameter_min = 0.01, s.diameter_max = 2), "at most 100 times");
     REFUSED((s.diameter_min = s.diameter_max = 100, s.width = 500), "unit of length");
-    REFUSED(s.damping = 2, "packing.damping = 2: must be at most 1.2 ");
-    REFUSED((s.damping = 0.9, s.time_step = 0.15), "packing.damping");
+    REFUSED(s.damping = 3, "packing.damping = 3: must be 0.001 .. 2");
+    REFUSED(s.piston_mass = 0.01, "packing.piston_mass = 0.01: must be 0.1");
+    REFUSED(s.piston_mass = 1e5, "packing.piston_mass");
+    REFUSED((s.grains = 2, s.width = 500, s.pressure = 0.01), "packing.pressure = 0.01: must be at most");
+    REFUSED((s.grains = 10, s.compression = SP_COMPRESSION_ISOTROPIC), "packing.grains = 10: must be at least 29");
     REFUSED(s.tolerance = 1, "packing.tolerance = 1: must be at most 0.1 of packing.pressure");
     REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.diameter_min = 2, s.diameter_max = 3), "has 0.0001");
     REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.diameter_min = s.diameter_max = 1), "has 0 of its grains");

@@ -144,7 +144,10 @@ static void text_reads_back_bit_for_bit(void **state) {
                 draw_number(&s, &sp_fields[k], &random);
         s.pack.diameter_min = s.pack.diameter_max = fmin(fmax(s.pack.diameter_max, 0.1), 10);
         s.pack.time_step = fmax(s.pack.time_step, 1e-3); /* ranges begin at 0, the protocol's own */
-        s.pack.damping = fmin(fmax(s.pack.damping, 1e-3), 0.12 / s.pack.time_step);
+        s.pack.damping = fmax(s.pack.damping, 1e-3);
+        s.pack.calm_damping = fmax(s.pack.calm_damping, 1e-3);
+        s.pack.viscous_limit = fmax(s.pack.viscous_limit, 1);
+        s.pack.grains = s.pack.grains > 100 ? s.pack.grains : 100; /* fewer cannot carry any pressure */
         s.pack.piston_mass = fmax(s.pack.piston_mass, 0.1);
         s.pack.gas_fraction = fmax(s.pack.gas_fraction, 0.01);
         s.pack.depth = 0;
