@@ -155,7 +155,8 @@ static void text_reads_back_bit_for_bit(void **state) {
         s.pack.protocol = draw(&random) % 2;
         s.pack.sizes = draw(&random) % 2;
         s.pack.reference = draw(&random) & 1;
-        s.pack.tolerance = fmin(s.pack.tolerance, 0.1 * s.pack.pressure);
+        s.pack.tolerance = fmin(fmax(s.pack.tolerance, 0.01 * s.pack.pressure), 0.1 * s.pack.pressure);
+        s.pack.calm = fmax(s.pack.calm, 1e-6);
         s.pack.width = 10 * s.pack.diameter_max;
         s.pack.dim = 2;
         s.pack.seed = draw(&random) >> 2;
