@@ -1,4 +1,5 @@
 #include "base/base.h"
+#include "packing/contact.h"
 #include "packing/making.h"
 
 #include <math.h>
@@ -175,6 +176,14 @@ static sp_status check_scale(const sp_pack_spec *s, sp_error *err) {
 /* ---- kinds ----------------------------------------------------------------------------------------------------- */
 
 /* What compressed grains would never come to rest with, or not where they should. */
+/* Accelerations of heavy grains are small for large forces: by this much less is allowed where all grains, or the
+ * largest among smaller ones, are so heavy that forces would be off by more than 1e-5 of those that are usual. 1 for
+ * diameters up to 2.6. */
+static double heaviness(const sp_pack_spec *s) {
+    const double mean = sp_sizes_moment(s, 1);
+    return fmax(fmax(1, s->diameter_min), grain_mass(0.5 * s->diameter_max) / (10 * mean * mean));
+}
+
 /* Places in the box are rounded, and contacts have stiffnesses of about p^(1/3): 2e-15 were reached at 1e-4. */
 static double least_tolerance(const sp_pack_spec *s) {
     const double area = s->dim == 3 ? s->width * s->depth : s->width;
@@ -306,8 +315,7 @@ sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     if (s.dim == 3 && s.depth == 0)
         s.depth = s.width;
     if (s.tolerance == 0)
-        s.tolerance = fmax(fmin(1e-10, 1e-6 * s.pressure) / fmax(1, s.diameter_min), /* heavy grains push harder */
-                           least_tolerance(&s));
+        s.tolerance = fmax(fmin(1e-10, 1e-6 * s.pressure) / heaviness(&s), least_tolerance(&s));
     if (s.dim < 1 || s.dim > 3 || (unsigned)s.protocol >= PROTOCOLS)
         return s; /* no spec that a check would pass */
     const protocol *own = &protocols[s.protocol];
