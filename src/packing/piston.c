@@ -23,7 +23,8 @@ static double stable_step(double zeta) {
 static double step_fraction(const piston_run *run) {
     const sp_pack_spec *spec = run->spec;
     const bool lattice = spec->diameter_max < 1.2 * spec->diameter_min;
-    return run->phase == PHASE_EQUILIBRATION && !lattice ? fmax(spec->time_step, 0.7) : spec->time_step;
+    const double longer = fmax(spec->time_step, fmin(0.7, 1.4 * spec->time_step));
+    return run->phase == PHASE_EQUILIBRATION && !lattice ? longer : spec->time_step;
 }
 
 /* The same for two equal grains that touch nothing else, which matters where there is little damping: their frequency
@@ -207,9 +208,9 @@ static sp_status inspect(piston_run *run, bool *done, sp_error *err) {
     if (!*done && run->steps >= run->max_steps)
         return sp_fail(err, SP_EFAILED,
                        "seed %llu: not at rest after %lld steps: largest acceleration %.3g, pressure on the piston off "
-                       "by %.3g: both must be below packing.tolerance = %.3g",
+                       "by %.3g: both must be below packing.tolerance = %.3g before packing.max_steps = %lld",
                        (unsigned long long)run->spec->seed, (long long)run->steps, run->residual, run->wall_imbalance,
-                       run->spec->tolerance);
+                       run->spec->tolerance, (long long)run->max_steps);
     return tell(run, err);
 }
 

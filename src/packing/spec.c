@@ -140,6 +140,9 @@ static sp_status check_sizes(const sp_pack_spec *given, const sp_pack_spec *s, s
                        "packing.sizes = \"%s\": must be \"list\" where packing.diameters or packing.diameter_file is "
                        "given",
                        laws[s->sizes]);
+    if ((given->diameter_min == 0) != (given->diameter_max == 0))
+        return sp_fail(err, SP_EINVAL, "packing.diameter_%s = 0: must be given if packing.diameter_%s is, or neither",
+                       given->diameter_min == 0 ? "min" : "max", given->diameter_min == 0 ? "max" : "min");
     const range limits[] = {{"packing.diameter_min", s->diameter_min, 0.01, 100, "0.01 .. 100 d"},
                             {"packing.diameter_max", s->diameter_max, 0.01, 100, "0.01 .. 100 d"}};
     for (int k = 0; k < 2; k++)
