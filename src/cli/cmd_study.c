@@ -116,9 +116,6 @@ static sp_status run(arguments *a, const sp_scene *scene, sp_store *store, sp_er
     if (status == SP_OK)
         cli_note(&a->common, "%lld samples, %lld of them made now in %.1f s", (long long)done.total,
                  (long long)done.computed, done.seconds);
-    if (status == SP_OK && done.total > 0 && done.failed == done.total)
-        return sp_fail(err, SP_EFAILED, "all %lld samples failed: see `sonopack table ensemble --store %s'",
-                       (long long)done.failed, a->store);
     if (status == SP_OK && done.failed > 0)
         cli_note(&a->common,
                  "%lld samples failed, or lack a part that is wanted: see `sonopack table ensemble --store %s'",

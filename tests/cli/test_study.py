@@ -180,7 +180,7 @@ def failures(folder):
     store = folder / "failures"
     args = ["--store", store, "--set", "packing.width=8", "--set", "packing.grains=40", "--set", "packing.max_steps=50",
             "--set", "study.samples=2"]
-    done = run("study", *args, status=1)
+    done = run("study", *args)
     assert "2 samples failed" in done.stderr
     (table,) = tables(done.stdout)
     assert comment(table, "failed") == "2" and np.isnan(column(table, "c_tof")).all()
