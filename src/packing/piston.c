@@ -112,6 +112,12 @@ static int64_t watch_steps(int32_t grains) {
 
 static sp_status fail_insane(const piston_run *run, sp_error *err) {
     const sp_pack_spec *s = run->spec;
+    const double layer = run->d.area / (s->dim == 2 ? sp_sizes_moment(s, 1) : sp_sizes_moment(s, 2));
+    if (run->d.n < layer)
+        return sp_fail(err, SP_EFAILED,
+                       "seed %llu: a grain went through a wall or another grain at step %lld: packing.grains = %d are "
+                       "less than a layer, %.3g, of this box, and each carries more than packing.pressure = %g",
+                       (unsigned long long)s->seed, (long long)run->steps, run->d.n, layer, s->pressure);
     if (s->diameter_max > 3 * s->diameter_min)
         return sp_fail(err, SP_EFAILED,
                        "seed %llu: a grain went through a wall or another grain at step %lld: packing.pressure = %g is "
