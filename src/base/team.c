@@ -3,10 +3,11 @@
 #include "base/base.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 
-enum { TEAM_MAX = 256, SPINS = 1000 };
+enum { TEAM_MAX = 256, SPINS = 40000, SPINS_A_YIELD = 256 };
 
 typedef struct member {
     sp_team *team;
@@ -26,7 +27,13 @@ struct sp_team {
     member *members;
 };
 
-static void relax(void) {
+/* Waiting costs a processor; sleeping costs the time of a whole round of work to wake up. So one waits for a
+ * millisecond or two, and lets others have the processor now and then. */
+static void relax(int spin) {
+    if (spin % SPINS_A_YIELD == SPINS_A_YIELD - 1) {
+        sched_yield();
+        return;
+    }
 #if defined(__x86_64__)
     __builtin_ia32_pause();
 #endif
@@ -37,7 +44,7 @@ static void *member_main(void *argument) {
     sp_team *team = self->team;
     for (unsigned seen = 0;;) {
         for (int spin = 0; spin < SPINS && atomic_load(&team->round) == seen; spin++)
-            relax();
+            relax(spin);
         if (atomic_load(&team->round) == seen) {
             pthread_mutex_lock(&team->lock);
             while (atomic_load(&team->round) == seen)
@@ -100,7 +107,7 @@ void sp_team_run(sp_team *team, sp_team_work work, void *data) {
     start_round(team);
     work(data, 0, team->parts);
     for (int spin = 0; spin < SPINS && atomic_load(&team->working) > 0; spin++)
-        relax();
+        relax(spin);
     if (atomic_load(&team->working) > 0) {
         pthread_mutex_lock(&team->lock);
         while (atomic_load(&team->working) > 0)

@@ -67,9 +67,9 @@ def killed_and_resumed(folder, seed=3, kills=6):
 def stopped_politely(folder):
     """Ctrl-C: the last state is written whatever the interval, and the way on is told."""
     path = folder / "stopped.h5"
-    args = ["pack", "--set", "packing.grains=2000", "-o", path]
+    args = ["pack", "--set", "packing.grains=6000", "-o", path]  # far longer than what follows
     making = subprocess.Popen([COMMAND, *map(str, args)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    time.sleep(1.5)
+    time.sleep(1.0)
     making.send_signal(signal.SIGINT)
     said = making.communicate()[1]
     assert making.returncode == 1 and "the same command goes on" in said and str(state_of(path)) in said, said
