@@ -9,8 +9,12 @@
 #include <math.h>
 #include <string.h>
 
-static const grain_layout layout_2d = {.stride = 8, .v = 2, .w = 4, .r = 5, .inv_m = 6, .row = 4, .turn = 2};
-static const grain_layout layout_3d = {.stride = 16, .v = 4, .w = 8, .r = 12, .inv_m = 13, .row = 8, .turn = 4};
+static const grain_layout layout_2d = {
+    .stride = 8, .v = 2, .w = 4, .r = 5, .inv_m = 6, .row = 4, .turn = 2, .forces = 1};
+static const grain_layout layout_3d = {
+    .stride = 16, .v = 4, .w = 8, .r = 12, .inv_m = 13, .row = 8, .turn = 4, .forces = 3};
+
+grain_layout dynamics_layout(int dim) { return dim == 3 ? layout_3d : layout_2d; }
 
 static bool alloc_arrays(dynamics *d) {
     const size_t n = (size_t)d->n;
@@ -42,7 +46,7 @@ sp_status dynamics_make(const sp_pack_spec *spec, const double *r, const double 
     const double depth = spec->dim == 3 ? (spec->depth > 0 ? spec->depth : spec->width) : 1;
     double sum = 0;
     dynamics d = {.dim = spec->dim,
-                  .at = spec->dim == 3 ? layout_3d : layout_2d,
+                  .at = dynamics_layout(spec->dim),
                   .n = spec->grains,
                   .side = {spec->width, depth},
                   .area = spec->width * depth,
@@ -268,9 +272,6 @@ double dynamics_acceleration(const dynamics *d) {
 
 /* ---- how far from rest --------------------------------------------------------------------------------------- */
 
-/* The list that holds the tangential forces. */
-static const pair_list *present_list(const dynamics *d) { return d->plain ? &d->outer : &d->inner; }
-
 /* From grain i to grain j of a pair, and its length. */
 static double separation(const dynamics *d, const pair_list *p, int32_t k, double x[3]) {
     const double *g = dynamics_grain(d, p->i[k]), *h = dynamics_grain(d, p->j[k]);
@@ -331,7 +332,7 @@ static double add_elastic_walls(const dynamics *d, int side, double *f) {
 }
 
 sp_status dynamics_residual(const dynamics *d, double *residual, double *wall_imbalance, sp_error *err) {
-    const pair_list *p = present_list(d);
+    const pair_list *p = dynamics_pairs(d);
     double *f = sp_alloc((size_t)d->n * 6, sizeof *f), worst = 0;
     if (!f)
         return sp_fail_memory(err, (size_t)d->n * 6 * sizeof *f);
@@ -358,7 +359,7 @@ sp_status dynamics_residual(const dynamics *d, double *residual, double *wall_im
 }
 
 double dynamics_side_pressure(const dynamics *d, int a) {
-    const pair_list *p = present_list(d);
+    const pair_list *p = dynamics_pairs(d);
     double sum = 0;
     for (int32_t k = 0; k < p->n; k++) {
         double x[3], force[3], turn[3];
@@ -382,7 +383,7 @@ bool dynamics_sane(const dynamics *d) {
             if (!isfinite(g[a]))
                 return false;
     }
-    const pair_list *p = present_list(d);
+    const pair_list *p = dynamics_pairs(d);
     for (int32_t k = 0; k < p->n; k++) {
         double x[3], smaller = fmin(dynamics_radius(d, p->i[k]), dynamics_radius(d, p->j[k]));
         if (separation(d, p, k, x) < p->reach[k] - 0.8 * smaller)

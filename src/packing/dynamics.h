@@ -15,6 +15,7 @@
 typedef struct grain_layout {
     int stride, v, w, r, inv_m;
     int row, turn; /* doubles of a row of forces, and where its turning force begins */
+    int forces;    /* numbers of a pair's tangential force */
 } grain_layout;
 
 /* Pairs that may touch. Two of these exist: `outer`, from cells, with all pairs closer than a wide gap, which keeps the
@@ -43,13 +44,13 @@ typedef struct wall_list {
  * zeros that fills up. Grains with more than SLOTS neighbours have the rest in a chain. */
 enum { SLOTS = 6 };
 typedef struct force_rows {
-    int64_t rows, capacity;
+    int64_t capacity;
     double *row;      /* [rows][layout.row]: force, turning force (2D: fx fy t s; 3D: fx fy fz s, q, 0) */
     int32_t *slot;    /* [n][SLOTS] where rows begin */
     int32_t *count;   /* [n] rows of this grain */
     int32_t *further; /* [n] head of the chain, -1 */
     int32_t *chain;   /* [2 capacity] pairs (where the row begins, next) */
-    int32_t chained, chain_capacity;
+    int32_t chained;
     int32_t other, wall[2], zero; /* where the rows of the j, of the walls, and the row of zeros are */
 } force_rows;
 
@@ -95,6 +96,8 @@ typedef struct dynamics {
     sp_team *team; /* may be NULL */
 } dynamics;
 
+grain_layout dynamics_layout(int dim);
+
 /* Grains at rest at x [n][3] with radii r between walls at 0 and height. */
 sp_status dynamics_make(const sp_pack_spec *spec, const double *r, const double *x, double height, dynamics *out,
                         sp_error *err);
@@ -102,6 +105,9 @@ void dynamics_free(dynamics *d);
 
 static inline double *dynamics_grain(const dynamics *d, int32_t i) { return d->g + (int64_t)d->at.stride * i; }
 static inline double dynamics_radius(const dynamics *d, int32_t i) { return dynamics_grain(d, i)[d->at.r]; }
+
+/* The list that holds the tangential forces. */
+static inline const pair_list *dynamics_pairs(const dynamics *d) { return d->plain ? &d->outer : &d->inner; }
 
 /* Makes the lists anew where the grains may have outrun them. SP_ENOMEM. */
 sp_status dynamics_refresh(dynamics *d, sp_error *err);

@@ -69,7 +69,7 @@ static void add_wall(const piston_run *run, int side, int32_t at, sp_packing *p,
 sp_status run_freeze(const piston_run *run, sp_packing *out, sp_error *err) {
     const dynamics *d = &run->d;
     const sp_pack_spec *spec = run->spec;
-    const pair_list *list = d->plain ? &d->outer : &d->inner;
+    const pair_list *list = dynamics_pairs(d);
     sp_packing p = sp_packing_none();
     sp_status status = sp_packing_alloc(&p, d->dim, d->n, list->n + d->wall[0].n + d->wall[1].n, err);
     if (status != SP_OK)

@@ -35,6 +35,8 @@ double sp_sizes_within(const sp_pack_spec *spec);
 double sp_sizes_moment(const sp_pack_spec *spec, int k);
 double sp_sizes_mean_area(const sp_pack_spec *spec);
 double sp_sizes_mean_volume(const sp_pack_spec *spec);
+/* Grains so alike that they may lie in a lattice. */
+bool sp_sizes_alike(const sp_pack_spec *spec);
 /* Radii of all grains, random ones from the stream SP_STREAM_DIAMETERS. */
 void sp_radii_draw(const sp_pack_spec *spec, double *r);
 

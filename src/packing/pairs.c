@@ -23,11 +23,9 @@ void pair_list_free(pair_list *p) {
     *p = (pair_list){0};
 }
 
-static int planes_of_force(int dim) { return dim == 2 ? 1 : 3; }
-
 /* A list with room for capacity pairs; inner lists carry what the kernel reads. */
 static sp_status pair_list_alloc(pair_list *p, int dim, int32_t capacity, bool inner, sp_error *err) {
-    const size_t n = (size_t)capacity, sides = (size_t)dim - 1, forces = (size_t)planes_of_force(dim);
+    const size_t n = (size_t)capacity, sides = (size_t)dim - 1, forces = (size_t)dynamics_layout(dim).forces;
     pair_list q = {.capacity = capacity};
     q.i = sp_alloc(n, sizeof *q.i);
     q.j = sp_alloc(n, sizeof *q.j);
@@ -64,7 +62,7 @@ static sp_status grow(pair_list *p, int dim, sp_error *err) {
     memcpy(more.sm, p->sm, n * sizeof *p->sm);
     for (int a = 0; a < dim - 1; a++)
         memcpy(more.image + (int64_t)a * more.capacity, p->image + (int64_t)a * p->capacity, n * sizeof *p->image);
-    for (int a = 0; a < planes_of_force(dim); a++)
+    for (int a = 0; a < dynamics_layout(dim).forces; a++)
         memcpy(more.ft + (int64_t)a * more.capacity, p->ft + (int64_t)a * p->capacity, n * sizeof *p->ft);
     more.n = p->n;
     pair_list_free(p);
@@ -75,7 +73,7 @@ static sp_status grow(pair_list *p, int dim, sp_error *err) {
 void pairs_return(dynamics *d) {
     if (d->inner.n == 0)
         return; /* nor are there any arrays at first */
-    for (int a = 0; a < planes_of_force(d->dim); a++) {
+    for (int a = 0; a < d->at.forces; a++) {
         const double *from = d->inner.ft + (int64_t)a * d->inner.capacity;
         double *to = d->outer.ft + (int64_t)a * d->outer.capacity;
         for (int32_t k = 0; k < d->inner.n; k++)
@@ -91,7 +89,6 @@ enum { OCTAVES = 8 };
 typedef struct cell_grid {
     int64_t n[3], first; /* cells along each axis; place of the first in cell_head */
     double width[3];
-    double r_max; /* of the octave */
     bool used;
 } cell_grid;
 
@@ -143,7 +140,6 @@ static sp_status sort_into_cells(dynamics *d, double gap, cell_grid grids[OCTAVE
     for (int o = 0; o < OCTAVES; o++) {
         const double r_max = ldexp(d->r_max, -o);
         grids[o] = grid_for(d, 2 * r_max + gap, population[o]);
-        grids[o].r_max = r_max;
         grids[o].used = population[o] > 0;
         grids[o].first = cells;
         cells += grids[o].used ? grids[o].n[0] * grids[o].n[1] * grids[o].n[2] : 0;
@@ -174,14 +170,14 @@ static void carry_forces(const dynamics *d, const int32_t *row, pair_list *p, in
     for (int32_t k = first; k < p->n; k++)
         for (int32_t q = row[p->i[k]]; q < row[p->i[k] + 1]; q++)
             if (old->j[q] == p->j[k])
-                for (int a = 0; a < planes_of_force(d->dim); a++)
+                for (int a = 0; a < d->at.forces; a++)
                     p->ft[k + (int64_t)a * p->capacity] = old->ft[q + (int64_t)a * old->capacity];
 }
 
 /* Which of the two grains is i is decided where pairs are found: either way is given. */
 sp_status pairs_give(dynamics *d, const pair_force *force, int32_t count, sp_error *err) {
     const int32_t n = 2 * count;
-    const int forces = planes_of_force(d->dim);
+    const int forces = d->at.forces;
     pair_list p = {0};
     int32_t *next = sp_alloc((size_t)d->n + 1, sizeof *next);
     sp_status status = next ? SP_OK : sp_fail_memory(err, (size_t)d->n * sizeof *next);
@@ -399,7 +395,7 @@ static void select_pairs(dynamics *d, double gap) {
         inner->e2[k] = inner->sm[k] = 0;
         for (int a = 0; a < d->dim - 1; a++)
             inner->image[k + (int64_t)a * inner->capacity] = 1;
-        for (int a = 0; a < planes_of_force(d->dim); a++)
+        for (int a = 0; a < d->at.forces; a++)
             inner->ft[k + (int64_t)a * inner->capacity] = 0;
     }
 }
@@ -434,10 +430,10 @@ static sp_status assign_rows(dynamics *d, sp_error *err) {
     force_rows *f = &d->rows;
     const pair_list *p = &d->inner;
     const int32_t size = d->at.row;
-    f->rows = 2 * (int64_t)p->padded + d->wall[0].n + d->wall[1].n + 1;
-    if (f->rows > INT32_MAX / d->at.row)
+    const int64_t rows = 2 * (int64_t)p->padded + d->wall[0].n + d->wall[1].n + 1;
+    if (rows > INT32_MAX / d->at.row)
         return sp_fail(err, SP_ENOMEM, "%d pairs of neighbours: more than a list can number", p->n);
-    sp_status status = rows_alloc(d, f->rows, err);
+    sp_status status = rows_alloc(d, rows, err);
     if (status != SP_OK)
         return status;
     f->other = p->padded;

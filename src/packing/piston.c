@@ -22,9 +22,8 @@ static double stable_step(double zeta) {
  * while it comes to rest they only have to be stable, which in lattices of equal disks they would not be. */
 static double step_fraction(const piston_run *run) {
     const sp_pack_spec *spec = run->spec;
-    const bool lattice = spec->diameter_max < 1.2 * spec->diameter_min;
     const double longer = fmax(spec->time_step, fmin(0.7, 1.4 * spec->time_step));
-    return run->phase == PHASE_EQUILIBRATION && !lattice ? longer : spec->time_step;
+    return run->phase == PHASE_EQUILIBRATION && !sp_sizes_alike(spec) ? longer : spec->time_step;
 }
 
 /* The same for two equal grains that touch nothing else, which matters where there is little damping: their frequency

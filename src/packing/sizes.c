@@ -134,6 +134,8 @@ static void draw_lognormal(const sp_pack_spec *s, sp_random *stream, double *r) 
     }
 }
 
+bool sp_sizes_alike(const sp_pack_spec *spec) { return spec->diameter_max < 1.2 * spec->diameter_min; }
+
 void sp_radii_draw(const sp_pack_spec *s, double *r) {
     sp_random stream = sp_random_make(s->seed, SP_STREAM_DIAMETERS);
     switch (s->sizes) {

@@ -310,7 +310,6 @@ static sp_status check_file(const sp_pack_spec *s, sp_error *err) {
 /* Where disks of one size lie in a lattice, all turning the same way has 1.6 times the viscous rate that is the largest
  * in other packings: above 0.65 of their stable step the turning grows. */
 static const double LATTICE_STEP = 0.5;
-static bool crystallise(const sp_pack_spec *s) { return s->dim == 2 && s->diameter_max < 1.2 * s->diameter_min; }
 
 sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     sp_pack_spec s = *given;
@@ -329,7 +328,7 @@ sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     if (s.gas_fraction == 0)
         s.gas_fraction = own->gas_fraction[s.dim];
     if (s.time_step == 0)
-        s.time_step = crystallise(&s) ? fmin(own->time_step, LATTICE_STEP) : own->time_step;
+        s.time_step = s.dim == 2 && sp_sizes_alike(&s) ? fmin(own->time_step, LATTICE_STEP) : own->time_step;
     if (s.calm < 0)
         s.calm = own->calm;
     if (s.drag < 0)

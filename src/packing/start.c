@@ -15,8 +15,9 @@ double run_first_step(const piston_run *run) {
     return 0.1 * sqrt(run->d.m_min / contact_normal_stiffness(e, overlap));
 }
 
-/* Gas, compaction and creep of 600 grains take 1e5 steps at 1e-4 and 6.5e5 at 1e-7, with the height (the number of
- * grains across) and the grains' mass ratio: thirty times that means that it never comes to rest. */
+/* Gas, compaction and creep of 600 grains take 1e5 steps at 1e-4 and 3e5 at 1e-7 by the slower protocol, more with the
+ * height (the number of grains across) and the grains' mass ratio: forty times that means that it never comes to
+ * rest. */
 static int64_t default_max_steps(const piston_run *run) {
     const sp_pack_spec *spec = run->whole;
     const double diameter = sp_sizes_moment(spec, 1);

@@ -163,12 +163,10 @@ static void pass_run(stream *s, piston_run *run) {
     run->rest_checks = rest_checks;
 }
 
-static int numbers_of_force(int dim) { return dim == 2 ? 1 : 3; }
-
 /* Springs that are stretched: the others are known without being written. */
 static void write_pairs(stream *s, const dynamics *d) {
     const pair_list *p = &d->outer;
-    const int forces = numbers_of_force(d->dim);
+    const int forces = d->at.forces;
     const size_t place = s->at;
     int32_t count = 0;
     pass(s, &count, sizeof count);
@@ -263,7 +261,8 @@ sp_status sp_pack_state_check(const sp_pack_spec *spec, const void *state, size_
 /* Grains' numbers and lines, and with them the rooms of the dynamics. */
 static sp_status read_grains(stream *s, piston_run *run, sp_error *err) {
     const sp_pack_spec *spec = run->whole;
-    const size_t n = (size_t)spec->grains, stride = spec->dim == 3 ? 16 : 8, r_at = spec->dim == 3 ? 12 : 5;
+    const grain_layout at = dynamics_layout(spec->dim);
+    const size_t n = (size_t)spec->grains, stride = (size_t)at.stride, r_at = (size_t)at.r;
     double *g = sp_alloc(n * stride, sizeof *g), *r = sp_alloc(n, sizeof *r), *x = sp_alloc(3 * n, sizeof *x);
     uint8_t *seen = sp_alloc(n, 1);
     run->id = sp_alloc(n, sizeof *run->id);
@@ -288,7 +287,6 @@ static sp_status read_grains(stream *s, piston_run *run, sp_error *err) {
         status = damaged(err, "grains are missing");
     if (status != SP_OK)
         goto out;
-    dynamics kept = run->d; /* what pass_run has read */
     sp_pack_spec start = *spec;
     start.width = run->start_side[0];
     start.depth = run->start_side[1];
@@ -296,22 +294,6 @@ static sp_status read_grains(stream *s, piston_run *run, sp_error *err) {
     if (status != SP_OK)
         goto out;
     memcpy(run->d.g, g, n * stride * sizeof *g);
-    dynamics *d = &run->d;
-    memcpy(d->side, kept.side, sizeof d->side);
-    memcpy(d->side_rate, kept.side_rate, sizeof d->side_rate);
-    memcpy(d->wall_force, kept.wall_force, sizeof d->wall_force);
-    d->area = kept.area;
-    d->pressure = kept.pressure;
-    d->law.viscous_limit = kept.law.viscous_limit;
-    d->law.damping = kept.law.damping;
-    d->piston_y = kept.piston_y;
-    d->piston_v = kept.piston_v;
-    d->v_max = kept.v_max;
-    d->rate = kept.rate;
-    d->k_max = kept.k_max;
-    d->piston_k = kept.piston_k;
-    d->drag = kept.drag;
-    d->dt = kept.dt;
 out:
     sp_free(seen);
     sp_free(x);
@@ -322,7 +304,7 @@ out:
 
 static sp_status read_pairs(stream *s, dynamics *d, sp_error *err) {
     int32_t count = 0;
-    const int forces = numbers_of_force(d->dim);
+    const int forces = d->at.forces;
     pass(s, &count, sizeof count);
     const size_t one = 2 * sizeof(int32_t) + (size_t)forces * sizeof(double);
     if (s->short_of || count < 0 || (size_t)count > (s->size - s->at) / one)
@@ -369,6 +351,7 @@ sp_status state_load(piston_run *run, sp_error *err) {
     status = read_grains(&s, run, err);
     if (status != SP_OK)
         return status;
+    pass_run(&(stream){.from = s.from, .at = sizeof h, .size = s.size}, run); /* into the dynamics that there are now */
     pass_walls(&s, &run->d);
     status = read_pairs(&s, &run->d, err);
     if (status == SP_OK && s.at != s.size)
