@@ -1,25 +1,10 @@
 /* Statistics of packings in three dimensions: near jamming as published, far enough from the walls, and the same by the
  * kernel as by the plain path. benchmarks/spheres makes the table with larger boxes. */
-#include "test.h"
+#include "making.h"
 
 #include "base/base.h"
 
 #include <sonopack/packing.h>
-
-static sp_pack_spec spheres(int32_t grains, double width, double friction) {
-    sp_pack_spec spec = sp_pack_spec_default();
-    spec.dim = 3;
-    spec.grains = grains;
-    spec.width = width;
-    spec.friction = friction;
-    return spec;
-}
-
-static sp_packing make(const sp_pack_spec *spec) {
-    sp_packing p = sp_packing_none();
-    assert_ok(sp_packing_make(spec, NULL, NULL, &p, &err));
-    return p;
-}
 
 static sp_statics statics_of(const sp_packing *p, double margin) {
     sp_statics s;
@@ -28,10 +13,10 @@ static sp_statics statics_of(const sp_packing *p, double margin) {
 }
 
 static sp_packing make_equal(double friction, double pressure) {
-    sp_pack_spec spec = spheres(1000, 8, friction);
+    sp_pack_spec spec = spheres(1000, 8, friction, 1);
     spec.diameter_min = spec.diameter_max = 1;
     spec.pressure = pressure;
-    sp_packing p = make(&spec);
+    sp_packing p = make_packing(&spec);
     const sp_statics s = statics_of(&p, 3);
     printf("mu = %g, p = %g: z %.3f, phi %.4f, rattlers %.2f%%\n", friction, pressure, s.zs, s.phi3, s.f0);
     return p;
@@ -72,11 +57,11 @@ static void test_friction(void **state) {
 enum { SAMPLES = 40, QUANTITIES = 6 };
 
 static void sample(bool reference, double friction, uint64_t seed, double value[QUANTITIES]) {
-    sp_pack_spec spec = spheres(100, 5, friction);
+    sp_pack_spec spec = spheres(100, 5, friction, 1);
     spec.seed = seed;
     spec.reference = reference;
     spec.tolerance = 1e-4 * spec.pressure;
-    sp_packing p = make(&spec);
+    sp_packing p = make_packing(&spec);
     const sp_statics s = statics_of(&p, 0.5);
     const double values[QUANTITIES] = {sp_packing_height(&p), s.zs, s.f0, s.n_over_p, s.z2, s.s1_over_s2};
     memcpy(value, values, sizeof values);

@@ -1,6 +1,6 @@
 /* Packings that are compressed further: from a packing, through a history of pressures, with sides that yield, and from
  * a lattice that is not perfect. */
-#include "test.h"
+#include "making.h"
 
 #include "base/base.h"
 #include "packing/making.h"
@@ -16,12 +16,6 @@ static sp_pack_spec small(int dim, int32_t grains, double width, double pressure
     s.tolerance = 1e-6 * pressure;
     s.seed = 5;
     return s;
-}
-
-static sp_packing make(const sp_pack_spec *spec) {
-    sp_packing p = sp_packing_none();
-    assert_ok(sp_packing_make(spec, NULL, NULL, &p, &err));
-    return p;
 }
 
 static sp_packing make_from(const sp_packing *from, double pressure, double tolerance) {
@@ -67,7 +61,7 @@ static void a_cycle_of_pressure(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++) {
         const sp_pack_spec s = dim == 2 ? small(2, 80, 8, 1e-4) : small(3, 90, 5, 1e-4);
-        sp_packing first = make(&s), low = make_from(&first, 1e-5, 1e-11), again = make_from(&low, 1e-4, 1e-10);
+        sp_packing first = make_packing(&s), low = make_from(&first, 1e-5, 1e-11), again = make_from(&low, 1e-4, 1e-10);
         const sp_audit a = audited(&first, 1e-10), b = audited(&low, 1e-11), c = audited(&again, 1e-10);
         assert_true(b.carrying < a.carrying);
         assert_true(c.carrying > b.carrying);
@@ -86,7 +80,7 @@ static void the_same_pressure_again(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++) {
         const sp_pack_spec s = dim == 2 ? small(2, 80, 8, 1e-4) : small(3, 90, 5, 1e-4);
-        sp_packing first = make(&s), again = make_from(&first, 1e-4, 1e-10);
+        sp_packing first = make_packing(&s), again = make_from(&first, 1e-4, 1e-10);
         const double change = sp_packing_height(&again) / sp_packing_height(&first) - 1;
         double worst = 0;
         assert_int_equal(again.n_contacts, first.n_contacts);
@@ -144,7 +138,7 @@ static void a_history_in_one_making(void **state) {
     hooks.stage = refuse_stage;
     assert_fails(sp_packing_make_with(&s, &hooks, &q, &err), SP_EIO, "stage 0 has no place");
     s.history_count = 0;
-    q = make(&s); /* the same grains, but no history */
+    q = make_packing(&s); /* the same grains, but no history */
     assert_true(memcmp(p.r, q.r, (size_t)p.n * sizeof *p.r) == 0);
     assert_true(sp_packing_height(&p) < sp_packing_height(&q));
     sp_packing_free(&q);
@@ -161,7 +155,7 @@ static void sides_that_yield(void **state) {
             sp_pack_spec s = dim == 2 ? small(2, 80, 8, pressures[k]) : small(3, 90, 5, pressures[k]);
             s.tolerance = 1e-5 * s.pressure;
             s.compression = SP_COMPRESSION_ISOTROPIC;
-            sp_packing p = make(&s);
+            sp_packing p = make_packing(&s);
             audited(&p, s.tolerance);
             sp_statics t;
             assert_ok(sp_statics_make(&p, 1e-4, 1, &t, &err));
@@ -180,7 +174,7 @@ static double closed_part(double alpha, double reduced) {
     s.diameter_min = 1 - 0.5 * alpha;
     s.diameter_max = 1 + 0.5 * alpha;
     s.tolerance = 1e-5 * s.pressure;
-    sp_packing p = make(&s);
+    sp_packing p = make_packing(&s);
     const sp_audit a = audited(&p, s.tolerance);
     const double part = a.carrying / (3.0 * p.n);
     print_message("P* = %g, alpha %g: %.4f of the lattice's contacts, width %.6g\n", reduced, alpha, part, p.box[0]);
@@ -205,12 +199,12 @@ static void what_is_refused(void **state) {
     c.kind = SP_PACK_CHAIN;
     c.dim = 1;
     c.grains = 20;
-    chain = make(&c);
+    chain = make_packing(&c);
     c.kind = SP_PACK_TRIANGULAR;
     c.dim = 2;
     c.width = 10;
     c.grains = 100;
-    lattice = make(&c);
+    lattice = make_packing(&c);
     hooks.from = &chain;
     assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "chain");
     hooks.from = &lattice;
