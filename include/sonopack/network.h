@@ -68,8 +68,29 @@ typedef enum sp_source {
     SP_SOURCE_DISPLACEMENT /* displacement = k_n: initial condition B */
 } sp_source;
 
-/* Source as a vector [n][dof] of momenta (impulse, velocity) or displacements; detector as a row: F_sig = det . u.
- * Component: normal (along up). Walls without springs give SP_EREFUSED. */
+/* Where a source acts or a detector listens. */
+typedef enum sp_place_kind {
+    SP_PLACE_WALL = 0, /* the bottom wall of a source, the top wall of a detector */
+    SP_PLACE_PART,     /* a part of that wall: the grains whose centres lie in from <= x < to */
+    SP_PLACE_GRAIN, /* one grain: what its contact with that wall is to the whole wall; a grain without such a contact
+                       is given a unit of momentum, velocity or displacement, and felt by the net force on it */
+    SP_PLACE_PLANE  /* detectors only: momentum flux through a horizontal plane, the force of all that lies below
+                       (by centres) on what lies above */
+} sp_place_kind;
+typedef struct sp_place {
+    sp_place_kind kind;
+    bool shear;      /* along x; false: normal, along up */
+    double from, to; /* part [d] */
+    double height;   /* plane [d] */
+    int32_t grain;   /* index in the packing */
+} sp_place;
+sp_place sp_place_wall(void); /* the whole wall, normal */
+
+/* Source as a vector [n][dof] of momenta (impulse, velocity) or displacements; detector as a row: F_sig = det . u, the
+ * force on the wall, along up (or x). SP_EINVAL for a place that is none, SP_EREFUSED for one without springs. */
+sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp_place *at, double *out, sp_error *err);
+sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, double *out, sp_error *err);
+/* The same for the whole walls, normal. */
 sp_status sp_network_source(const sp_network *net, sp_source source, double *out, sp_error *err);
 sp_status sp_network_detector(const sp_network *net, double *out, sp_error *err);
 

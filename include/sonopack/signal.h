@@ -15,18 +15,27 @@ typedef struct sp_signal_options {
     sp_source source;
     double until;     /* last time; > 0 */
     int32_t points;   /* equally spaced times 0 .. until, >= 2 */
-    double tolerance; /* error asked for, as a fraction of the largest |F|: 1e-10 */
+    double tolerance; /* error asked for, as a fraction of the largest |F| of each signal: 1e-10 */
+    int32_t threads;  /* for networks large enough to gain by them; the same numbers for any: 1 */
+    /* where; NULL: the whole wall, normal. All signals come from one pass. */
+    int32_t sources, detectors; /* numbers of places; 0 or 1 with NULL */
+    const sp_place *from, *to;
 } sp_signal_options;
 sp_signal_options sp_signal_options_default(void);
 
 typedef struct sp_signal {
     int32_t n;
-    double *t, *f;           /* [n] */
-    double error;            /* bound of the error of f, in units of f (tail of the expansion and rounding) */
+    int32_t sources, detectors;
+    double *t;               /* [n] */
+    double *f;               /* [sources][detectors][n] */
+    double *errors;          /* [sources][detectors] bound of the error of f, in units of f */
+    double error;            /* the largest of them */
     double omega_max;        /* bound of the spectrum that was used */
     int32_t products;        /* matrix products (0 for dense) */
     sp_signal_method method; /* the one that was used */
 } sp_signal;
+
+const char *sp_signal_method_name(sp_signal_method method); /* "chebyshev"; NULL for none */
 
 sp_signal sp_signal_none(void);
 /* SP_EREFUSED if the error bound exceeds the tolerance. */

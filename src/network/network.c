@@ -1,4 +1,4 @@
-/* Contacts to springs; source and detector as vectors. */
+/* Contacts to springs. */
 #include "base/base.h"
 #include "network/bound.h"
 #include "packing/contact.h"
@@ -156,36 +156,4 @@ out:
     else
         sp_network_free(&net);
     return status;
-}
-
-/* Adds k_n along up at the grains of one wall; returns the number of its springs. */
-static int32_t add_wall(const sp_network *net, int32_t wall, double *out) {
-    const int up = net->dim - 1;
-    int32_t count = 0;
-    for (int64_t k = 0; k < sp_network_dofs(net); k++)
-        out[k] = 0;
-    for (int32_t k = net->n_bulk; k < net->n_springs; k++) {
-        const sp_spring *s = &net->springs[k];
-        if (s->j != wall)
-            continue;
-        out[(int64_t)s->i * net->dof + up] += s->kn * fabs(s->n[up]);
-        count++;
-    }
-    return count;
-}
-
-sp_status sp_network_source(const sp_network *net, sp_source source, double *out, sp_error *err) {
-    if (source != SP_SOURCE_IMPULSE && source != SP_SOURCE_VELOCITY && source != SP_SOURCE_DISPLACEMENT)
-        return sp_fail(err, SP_EINVAL, "source %d, must be impulse, velocity or displacement", (int)source);
-    if (add_wall(net, SP_BOTTOM, out) == 0)
-        return sp_fail(err, SP_EREFUSED, "no carrying contact at the bottom wall: nothing can be sent in");
-    for (int64_t k = 0; source == SP_SOURCE_VELOCITY && k < sp_network_dofs(net); k++)
-        out[k] *= net->mass[k];
-    return SP_OK;
-}
-
-sp_status sp_network_detector(const sp_network *net, double *out, sp_error *err) {
-    if (add_wall(net, SP_TOP, out) == 0)
-        return sp_fail(err, SP_EREFUSED, "no carrying contact at the top wall: nothing can be detected");
-    return SP_OK;
 }

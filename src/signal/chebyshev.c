@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "network/kernel.h"
 #include "numeric/bessel.h"
+#include "signal/job.h"
 
 #include <float.h>
 #include <math.h>
@@ -111,7 +112,8 @@ static void state_free(state *s) {
     sp_free(s->step);
 }
 
-static sp_status state_make(const sp_network *net, sp_source source, double omega, state *s, sp_error *err) {
+static sp_status state_make(const sp_network *net, const double *sent, const double *seen, bool velocity, double omega,
+                            state *s, sp_error *err) {
     const size_t dofs = (size_t)sp_network_dofs(net);
     *s = (state){.dofs = (int64_t)dofs, .mass = net->mass};
     s->u = sp_alloc(2 * dofs, sizeof *s->u);
@@ -120,18 +122,9 @@ static sp_status state_make(const sp_network *net, sp_source source, double omeg
     s->step = sp_alloc(dofs, sizeof *s->step);
     if (!s->u || !s->v || !s->force || !s->step)
         return sp_fail_memory(err, 7 * dofs * sizeof(double));
-    double *row = s->step;
-    sp_status status = sp_network_source(net, source, row, err);
-    if (status != SP_OK)
-        return status;
-    const bool velocity = source != SP_SOURCE_DISPLACEMENT;
-    for (size_t k = 0; k < dofs; k++)
-        s->u[2 * k] = velocity ? row[k] / net->mass[k] : row[k];
-    status = sp_network_detector(net, row, err);
-    if (status != SP_OK)
-        return status;
     for (size_t k = 0; k < dofs; k++) {
-        s->u[2 * k + 1] = row[k] / net->mass[k];
+        s->u[2 * k] = velocity ? sent[k] / net->mass[k] : sent[k];
+        s->u[2 * k + 1] = seen[k] / net->mass[k];
         /* W_(-1) = -1; T_(-1) = T_1 is met by half a first step */
         s->v[2 * k] = velocity ? 2 * s->u[2 * k] : 0;
         s->step[k] = 4 / (omega * omega * net->mass[k]);
@@ -173,11 +166,11 @@ static void find_moments(const sp_network *net, state *s, sp_expansion *e) {
     e->bounded = last[0] <= growth * growth * first[0] && last[1] <= 1.0002 * first[1];
 }
 
-sp_status sp_expansion_make(const sp_network *net, sp_source source, double omega, int64_t terms, sp_expansion *out,
-                            sp_error *err) {
-    sp_expansion e = {.n = terms, .omega = omega, .velocity = source != SP_SOURCE_DISPLACEMENT};
+sp_status sp_expansion_make(const sp_network *net, const double *sent, const double *seen, bool velocity, double omega,
+                            int64_t terms, sp_expansion *out, sp_error *err) {
+    sp_expansion e = {.n = terms, .omega = omega, .velocity = velocity};
     state s = {0};
-    sp_status status = state_make(net, source, omega, &s, err);
+    sp_status status = state_make(net, sent, seen, velocity, omega, &s, err);
     if (status != SP_OK)
         goto out;
     e.mu = sp_alloc((size_t)terms, sizeof *e.mu);
@@ -232,5 +225,31 @@ sp_status sp_expansion_sum(const sp_expansion *e, int32_t n, const double *t, do
 out:
     sp_free(x);
     sp_free(j);
+    return status;
+}
+
+/* Moments beyond what fits any machine's patience and memory. */
+enum { TERMS_MAX = 20000000 };
+
+sp_status sp_signal_by_chebyshev(const signal_job *job, sp_signal *s, sp_error *err) {
+    const sp_signal_options *o = job->options;
+    int64_t terms;
+    if (0.5 * s->omega_max * o->until > TERMS_MAX)
+        return sp_fail(err, SP_EREFUSED, "until = %g needs %.3g matrix products, %d at the most; take the dense method",
+                       o->until, 0.5 * s->omega_max * o->until, TERMS_MAX);
+    sp_status status = sp_expansion_terms(s->omega_max, o->until, job_moves(job), 1e-8 * o->tolerance, &terms, err);
+    for (int32_t a = 0; a < s->sources; a++)
+        for (int32_t b = 0; b < s->detectors && status == SP_OK; b++) {
+            sp_expansion e = {0};
+            status = sp_expansion_make(job->net, job_source(job, a), job_detector(job, b), job_moves(job), s->omega_max,
+                                       terms, &e, err);
+            if (status == SP_OK && !e.bounded)
+                status =
+                    sp_fail(err, SP_EREFUSED, "the motion grows without bound: the network is unstable (prestress)");
+            if (status == SP_OK)
+                status = sp_expansion_sum(&e, s->n, s->t, signal_pair(s, a, b), &s->errors[a * s->detectors + b], err);
+            sp_expansion_free(&e);
+        }
+    s->products = (int32_t)(terms - 1);
     return status;
 }

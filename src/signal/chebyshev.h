@@ -20,8 +20,9 @@ typedef struct sp_expansion {
 
 /* Number of terms whose tail is at most `tail`, in units of 2 reach/Omega (or 2 reach), for times up to `until`. */
 sp_status sp_expansion_terms(double omega, double until, bool velocity, double tail, int64_t *terms, sp_error *err);
-sp_status sp_expansion_make(const sp_network *net, sp_source source, double omega, int64_t terms, sp_expansion *out,
-                            sp_error *err);
+/* sent: [dofs] momenta or, without velocity, displacements; seen: [dofs] the detector. */
+sp_status sp_expansion_make(const sp_network *net, const double *sent, const double *seen, bool velocity, double omega,
+                            int64_t terms, sp_expansion *out, sp_error *err);
 void sp_expansion_free(sp_expansion *e);
 /* F at n ascending times, and a bound of its error: the tail and rounding. */
 sp_status sp_expansion_sum(const sp_expansion *e, int32_t n, const double *t, double *f, double *error, sp_error *err);

@@ -84,7 +84,7 @@ static const sp_h5_name name_t = {"/signal/t", TIME, "time since the pulse at th
 static const sp_h5_name name_f = {"/signal/F", "E* d^2",
                                   "force on the top wall beyond that at rest, positive in "
                                   "compression, for the source of the scene at unit strength"};
-static const sp_h5_name name_method = {"/signal/method", "1", "how it was computed: chebyshev or dense"};
+static const sp_h5_name name_method = {"/signal/method", "1", "how it was computed: chebyshev, dense, ..."};
 static const sp_h5_name name_name = {"/results/sample/name", "1", "hash of everything that made the sample"};
 static const sp_h5_name name_scene = {"/results/sample/scene", "1", "the sample's scene, with every value"};
 
@@ -107,7 +107,7 @@ static sp_status put_signal(sp_h5 *h, const sp_signal *s, sp_error *err) {
     if (status == SP_OK)
         status = sp_h5_put_fields(h, SIGNAL_FIELDS, signal_field, s, err);
     if (status == SP_OK)
-        status = sp_h5_put_text(h, &name_method, s->method == SP_SIGNAL_DENSE ? "dense" : "chebyshev", err);
+        status = sp_h5_put_text(h, &name_method, sp_signal_method_name(s->method), err);
     return status;
 }
 
@@ -141,6 +141,7 @@ static sp_status get_signal(sp_h5 *h, sp_signal *s, sp_error *err) {
     if (status != SP_OK)
         return status;
     s->n = (int32_t)shape.dim[0];
+    s->sources = s->detectors = 1;
     s->t = sp_alloc((size_t)s->n, sizeof *s->t);
     s->f = sp_alloc((size_t)s->n, sizeof *s->f);
     if (!s->t || !s->f)
@@ -154,7 +155,9 @@ static sp_status get_signal(sp_h5 *h, sp_signal *s, sp_error *err) {
     if (status == SP_OK)
         status = sp_h5_get_text(h, name_method.path, &method, err);
     if (status == SP_OK)
-        s->method = strcmp(method, "dense") == 0 ? SP_SIGNAL_DENSE : SP_SIGNAL_CHEBYSHEV;
+        for (int k = 0; sp_signal_method_name((sp_signal_method)k); k++)
+            if (strcmp(method, sp_signal_method_name((sp_signal_method)k)) == 0)
+                s->method = (sp_signal_method)k;
     sp_free(method);
     return status;
 }

@@ -166,6 +166,7 @@ static void keep_old_parts(sp_record *fresh, sp_record *old) {
 static sp_status copy_signal(const sp_signal *from, sp_signal *to, sp_error *err) {
     const size_t bytes = (size_t)from->n * sizeof(double);
     sp_signal s = *from;
+    s.errors = NULL;
     s.t = sp_alloc((size_t)from->n, sizeof *s.t);
     s.f = sp_alloc((size_t)from->n, sizeof *s.f);
     if (!s.t || !s.f) {

@@ -1,0 +1,166 @@
+/* Sources and detectors: walls, parts of them, single grains, planes. */
+#include "base/base.h"
+#include "network/rows.h"
+
+#include <math.h>
+
+sp_place sp_place_wall(void) { return (sp_place){.kind = SP_PLACE_WALL}; }
+
+static int axis_of(const sp_network *net, const sp_place *at) { return at->shear ? 0 : net->dim - 1; }
+
+static void clear(const sp_network *net, double *out) {
+    for (int64_t k = 0; k < sp_network_dofs(net); k++)
+        out[k] = 0;
+}
+
+/* A spring's energy is 1/2 sum k (b . u + gap . w)^2, w its wall's displacement: a unit of w along the axis pushes the
+ * grain with -k b gap, and a displacement u of the grain pushes the wall with the same numbers. */
+static void add_wall_spring(const sp_network *net, const sp_spring *s, int axis, double *out) {
+    sp_rows rows;
+    sp_network_rows(net, s, &rows);
+    for (int q = 0; q < rows.count; q++)
+        for (int a = 0; a < net->dof; a++)
+            out[(int64_t)s->i * net->dof + a] -= rows.k[q] * rows.b[q][a] * rows.gap[q][axis];
+}
+
+/* x of a grain's centre, between 0 and the period. */
+static double wrapped(const sp_network *net, int32_t grain) {
+    const double period = net->box[0], x = net->x[3 * (int64_t)grain];
+    return x - period * floor(x / period);
+}
+
+static bool belongs(const sp_network *net, const sp_place *at, const sp_spring *s) {
+    if (at->kind == SP_PLACE_GRAIN)
+        return net->grain[s->i] == at->grain;
+    if (at->kind != SP_PLACE_PART)
+        return true;
+    const double x = wrapped(net, s->i);
+    return x >= at->from && x < at->to;
+}
+
+/* Adds the springs of one wall that belong to the place; returns their number. */
+static int32_t add_wall(const sp_network *net, const sp_place *at, int32_t wall, double *out) {
+    int32_t count = 0;
+    for (int32_t k = net->n_bulk; k < net->n_springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        if (s->j != wall || !belongs(net, at, s) || (at->shear && s->kt == 0))
+            continue;
+        add_wall_spring(net, s, axis_of(net, at), out);
+        count++;
+    }
+    return count;
+}
+
+static sp_status find_grain(const sp_network *net, const sp_place *at, int32_t *row, sp_error *err) {
+    if (at->grain < 0 || at->grain >= net->n_all)
+        return sp_fail(err, SP_EINVAL, "grain %d, must be 0 .. %d", at->grain, net->n_all - 1);
+    for (int32_t k = 0; k < net->n; k++)
+        if (net->grain[k] == at->grain) {
+            *row = k;
+            return SP_OK;
+        }
+    return sp_fail(err, SP_EREFUSED, "grain %d is a rattler: it carries no sound", at->grain);
+}
+
+static sp_status check_place(const sp_network *net, const sp_place *at, sp_error *err) {
+    const double height = net->box[net->dim - 1];
+    if (at->shear && net->dim < 2)
+        return sp_fail(err, SP_EINVAL, "shear in one dimension, must be normal");
+    if (at->kind == SP_PLACE_PLANE && !(at->height > 0 && at->height < height))
+        return sp_fail(err, SP_EINVAL, "plane at %g, must be above 0 and below the height %.6g", at->height, height);
+    if (at->kind == SP_PLACE_PART && !(net->dim > 1 && at->from >= 0 && at->from < at->to && at->to <= net->box[0]))
+        return sp_fail(err, SP_EINVAL, "part %g .. %g of a wall, must be an interval in 0 .. %.6g", at->from, at->to,
+                       net->dim > 1 ? net->box[0] : 0);
+    return SP_OK;
+}
+
+static sp_status nothing_there(const sp_place *at, const char *wall, const char *what, sp_error *err) {
+    return sp_fail(err, SP_EREFUSED, "no carrying contact%s at the %s wall%s: nothing can be %s",
+                   at->shear ? " with friction" : "", wall, at->kind == SP_PLACE_PART ? " in this part" : "", what);
+}
+
+sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp_place *at, double *out,
+                               sp_error *err) {
+    if (source != SP_SOURCE_IMPULSE && source != SP_SOURCE_VELOCITY && source != SP_SOURCE_DISPLACEMENT)
+        return sp_fail(err, SP_EINVAL, "source %d, must be impulse, velocity or displacement", (int)source);
+    if (at->kind == SP_PLACE_PLANE)
+        return sp_fail(err, SP_EINVAL, "a plane is no source, must be a wall, a part of it or a grain");
+    sp_status status = check_place(net, at, err);
+    int32_t row = -1;
+    if (status == SP_OK && at->kind == SP_PLACE_GRAIN)
+        status = find_grain(net, at, &row, err);
+    if (status != SP_OK)
+        return status;
+    clear(net, out);
+    if (add_wall(net, at, SP_BOTTOM, out) == 0) {
+        if (row < 0)
+            return nothing_there(at, "bottom", "sent in", err);
+        out[(int64_t)row * net->dof + axis_of(net, at)] = 1;
+    }
+    for (int64_t k = 0; source == SP_SOURCE_VELOCITY && k < sp_network_dofs(net); k++)
+        out[k] *= net->mass[k];
+    return SP_OK;
+}
+
+/* Force on side `upper` of a spring (0: i, 1: j or j's wall). */
+static void add_force(const sp_network *net, const sp_spring *s, int upper, int axis, double *out) {
+    sp_rows rows;
+    sp_network_rows(net, s, &rows);
+    for (int q = 0; q < rows.count; q++) {
+        const double push = upper == 0 ? rows.b[q][axis] : rows.gap[q][axis];
+        for (int a = 0; a < rows.width; a++)
+            out[(int64_t)(a < net->dof ? s->i : s->j) * net->dof + a % net->dof] -= rows.k[q] * rows.b[q][a] * push;
+    }
+}
+
+static double height_of(const sp_network *net, int32_t grain) {
+    if (grain == SP_BOTTOM)
+        return -HUGE_VAL;
+    return grain == SP_TOP ? HUGE_VAL : net->x[3 * (int64_t)grain + net->dim - 1];
+}
+
+static int32_t add_plane(const sp_network *net, const sp_place *at, double *out) {
+    int32_t count = 0;
+    for (int32_t k = 0; k < net->n_springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        const bool above = height_of(net, s->i) > at->height;
+        if (above == (height_of(net, s->j) > at->height))
+            continue;
+        add_force(net, s, above ? 0 : 1, axis_of(net, at), out);
+        count++;
+    }
+    return count;
+}
+
+sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, double *out, sp_error *err) {
+    sp_status status = check_place(net, at, err);
+    int32_t row = -1;
+    if (status == SP_OK && at->kind == SP_PLACE_GRAIN)
+        status = find_grain(net, at, &row, err);
+    if (status != SP_OK)
+        return status;
+    clear(net, out);
+    if (at->kind == SP_PLACE_PLANE) {
+        if (add_plane(net, at, out) == 0)
+            return sp_fail(err, SP_EREFUSED, "no carrying contact crosses the plane at %g", at->height);
+        return SP_OK;
+    }
+    if (add_wall(net, at, SP_TOP, out) > 0)
+        return SP_OK;
+    if (row < 0)
+        return nothing_there(at, "top", "detected", err);
+    for (int32_t k = 0; k < net->n_springs; k++)
+        if (net->springs[k].i == row || net->springs[k].j == row)
+            add_force(net, &net->springs[k], net->springs[k].i == row ? 0 : 1, axis_of(net, at), out);
+    return SP_OK;
+}
+
+sp_status sp_network_source(const sp_network *net, sp_source source, double *out, sp_error *err) {
+    const sp_place wall = sp_place_wall();
+    return sp_network_source_at(net, source, &wall, out, err);
+}
+
+sp_status sp_network_detector(const sp_network *net, double *out, sp_error *err) {
+    const sp_place wall = sp_place_wall();
+    return sp_network_detector_at(net, &wall, out, err);
+}
