@@ -1,0 +1,215 @@
+/* Places of sources and detectors: the parts make the whole, and momentum is balanced. */
+#include "reference.h"
+
+#include <sonopack/network.h>
+#include <sonopack/signal.h>
+
+static sp_network network_of(sp_packing *p, bool prestress) {
+    sp_network net = sp_network_none();
+    sp_network_options o = sp_network_options_default();
+    o.threshold = 0;
+    o.prestress = prestress;
+    assert_ok(sp_network_make(p, &o, &net, &err));
+    sp_packing_free(p);
+    return net;
+}
+
+static double *random_vector(const sp_network *net, unsigned seed) {
+    double *u = malloc((size_t)sp_network_dofs(net) * sizeof *u);
+    srand(seed);
+    for (int64_t k = 0; k < sp_network_dofs(net); k++)
+        u[k] = rand() / (double)RAND_MAX - 0.5;
+    return u;
+}
+
+static double seen(const sp_network *net, const sp_place *at, const double *u) {
+    double *row = malloc((size_t)sp_network_dofs(net) * sizeof *row), sum = 0;
+    assert_ok(sp_network_detector_at(net, at, row, &err));
+    for (int64_t k = 0; k < sp_network_dofs(net); k++)
+        sum += row[k] * u[k];
+    free(row);
+    return sum;
+}
+
+/* The force on all that lies above a plane: what comes through the plane, less what goes on to the top wall. */
+static void planes_balance(sp_packing p, bool prestress, bool shear) {
+    sp_network net = network_of(&p, prestress);
+    double *u = random_vector(&net, 7), *ku = malloc((size_t)sp_network_dofs(&net) * sizeof *ku);
+    const int axis = shear ? 0 : net.dim - 1;
+    const sp_place top = {.shear = shear};
+    double scale = 0;
+    sp_network_apply(&net, u, ku);
+    for (int64_t k = 0; k < sp_network_dofs(&net); k++)
+        scale += fabs(ku[k]);
+    for (int part = 1; part < 8; part++) {
+        const sp_place plane = {.kind = SP_PLACE_PLANE, .shear = shear, .height = part * net.box[net.dim - 1] / 8};
+        double force = 0;
+        for (int32_t i = 0; i < net.n; i++)
+            if (net.x[3 * i + net.dim - 1] > plane.height)
+                force -= ku[(int64_t)i * net.dof + axis];
+        assert_close(seen(&net, &plane, u) - seen(&net, &top, u), force, 1e-15 * scale);
+    }
+    free(ku);
+    free(u);
+    sp_network_free(&net);
+}
+
+static void momentum_is_balanced(void **state) {
+    (void)state;
+    for (int prestress = 0; prestress < 2; prestress++)
+        for (int dim = 2; dim <= 3; dim++) {
+            planes_balance(scattered_packing(dim, 5, 0.5, 3), prestress, false);
+            planes_balance(scattered_packing(dim, 5, 0.5, 4), prestress, true);
+            planes_balance(scattered_packing(dim, 5, 0, 5), prestress, false);
+        }
+    planes_balance(chain_packing(9, 1e-4), false, false);
+}
+
+static void parts_make_the_whole(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 6, 0.5, 11);
+    sp_network net = network_of(&p, false);
+    double *u = random_vector(&net, 12);
+    for (int shear = 0; shear < 2; shear++) {
+        const sp_place whole = {.shear = shear};
+        const double cut = 0.37 * net.box[0];
+        const sp_place left = {.kind = SP_PLACE_PART, .shear = shear, .to = cut};
+        const sp_place right = {.kind = SP_PLACE_PART, .shear = shear, .from = cut, .to = net.box[0]};
+        const double all = seen(&net, &whole, u);
+        double grains = 0;
+        assert_close(seen(&net, &left, u) + seen(&net, &right, u), all, 1e-14);
+        for (int32_t k = net.n_bulk; k < net.n_springs; k++)
+            if (net.springs[k].j == SP_TOP) {
+                const sp_place one = {SP_PLACE_GRAIN, shear, 0, 0, 0, net.grain[net.springs[k].i]};
+                grains += seen(&net, &one, u);
+            }
+        assert_close(grains, all, 1e-14);
+    }
+    free(u);
+    sp_network_free(&net);
+}
+
+/* A grain inside: the net force on it; as a source a unit of momentum. */
+static void grains_inside(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 6, 0.5, 13);
+    sp_network net = network_of(&p, true);
+    const int64_t n = sp_network_dofs(&net);
+    double *u = random_vector(&net, 14), *ku = malloc((size_t)n * sizeof *ku);
+    sp_network_apply(&net, u, ku);
+    int32_t inside = -1;
+    for (int32_t i = 0; i < net.n; i++)
+        if (fabs(net.x[3 * i + 1] - 0.5 * net.box[1]) < 0.6)
+            inside = i;
+    for (int shear = 0; shear < 2; shear++) {
+        const sp_place at = {SP_PLACE_GRAIN, shear, 0, 0, 0, net.grain[inside]};
+        const int64_t dof = (int64_t)inside * net.dof + (shear ? 0 : 1);
+        assert_close(seen(&net, &at, u), -ku[dof], 1e-14);
+        const sp_source kinds[] = {SP_SOURCE_IMPULSE, SP_SOURCE_VELOCITY, SP_SOURCE_DISPLACEMENT};
+        for (int q = 0; q < 3; q++) {
+            assert_ok(sp_network_source_at(&net, kinds[q], &at, ku, &err));
+            for (int64_t k = 0; k < n; k++)
+                assert_close(ku[k], k != dof ? 0 : q == 1 ? net.mass[dof] : 1, 0);
+        }
+        sp_network_apply(&net, u, ku);
+    }
+    free(ku);
+    free(u);
+    sp_network_free(&net);
+}
+
+/* A wall that moves along x pushes its grains and turns them: force balance of a single grain on the wall. */
+static void shear_turns(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 5, 0.5, 15);
+    sp_network net = network_of(&p, false);
+    double *out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
+    const sp_place at = {.shear = true};
+    assert_ok(sp_network_source_at(&net, SP_SOURCE_IMPULSE, &at, out, &err));
+    for (int32_t k = net.n_bulk; k < net.n_springs; k++) {
+        const sp_spring *s = &net.springs[k];
+        if (s->j != SP_BOTTOM)
+            continue;
+        assert_relative(out[3 * s->i], s->kt, 1e-15);
+        assert_close(out[3 * s->i + 1], 0, 0);
+        /* the wall below drags the grain's lowest point to the right: it turns against the clock */
+        assert_relative(out[3 * s->i + 2], s->kt * s->ri, 1e-15);
+    }
+    free(out);
+    sp_network_free(&net);
+}
+
+static void wrong_places(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 5, 0, 17), chain = chain_packing(4, 1e-4);
+    sp_network net = network_of(&p, false), row = network_of(&chain, false);
+    double *out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
+    const double heights[] = {0, -1, NAN, INFINITY, net.box[1]};
+    for (int k = 0; k < 5; k++) {
+        const sp_place at = {.kind = SP_PLACE_PLANE, .height = heights[k]};
+        assert_fails(sp_network_detector_at(&net, &at, out, &err), SP_EINVAL, "must be above 0");
+    }
+    const sp_place plane = {.kind = SP_PLACE_PLANE, .height = 1};
+    assert_fails(sp_network_source_at(&net, SP_SOURCE_IMPULSE, &plane, out, &err), SP_EINVAL, "no source");
+    const sp_place bad[] = {{SP_PLACE_PART, false, 2, 1, 0, 0},
+                            {SP_PLACE_PART, false, NAN, 1, 0, 0},
+                            {SP_PLACE_PART, false, -1, 1, 0, 0},
+                            {SP_PLACE_PART, false, 0, 1e3, 0, 0}};
+    for (int k = 0; k < 4; k++)
+        assert_fails(sp_network_detector_at(&net, &bad[k], out, &err), SP_EINVAL, "interval");
+    const sp_place empty = {SP_PLACE_PART, false, 0, 1e-9, 0, 0};
+    assert_fails(sp_network_detector_at(&net, &empty, out, &err), SP_EREFUSED, "in this part");
+    const sp_place shear = {.shear = true};
+    assert_fails(sp_network_detector_at(&net, &shear, out, &err), SP_EREFUSED, "with friction");
+    assert_fails(sp_network_source_at(&net, SP_SOURCE_IMPULSE, &shear, out, &err), SP_EREFUSED, "with friction");
+    assert_fails(sp_network_source_at(&row, SP_SOURCE_IMPULSE, &shear, out, &err), SP_EINVAL, "one dimension");
+    const sp_place far = {.kind = SP_PLACE_GRAIN, .grain = 1000}, none = {.kind = SP_PLACE_GRAIN, .grain = -1};
+    assert_fails(sp_network_detector_at(&net, &far, out, &err), SP_EINVAL, "grain 1000");
+    assert_fails(sp_network_detector_at(&net, &none, out, &err), SP_EINVAL, "grain -1");
+    free(out);
+    sp_network_free(&net);
+    sp_network_free(&row);
+}
+
+/* Signals are linear in source and detector: those of the parts add up, whatever the method. */
+static void signals_add_up(void **state) {
+    (void)state;
+    const sp_signal_method methods[] = {SP_SIGNAL_CHEBYSHEV, SP_SIGNAL_DENSE};
+    sp_packing p = scattered_packing(2, 6, 0.5, 19);
+    sp_network net = network_of(&p, false);
+    const double cut = 0.5 * net.box[0];
+    const sp_place places[] = {{SP_PLACE_WALL, false, 0, 0, 0, 0},
+                               {SP_PLACE_PART, false, 0, cut, 0, 0},
+                               {SP_PLACE_PART, false, cut, net.box[0], 0, 0}};
+    for (int q = 0; q < 2; q++) {
+        sp_signal s = sp_signal_none();
+        sp_signal_options o = sp_signal_options_default();
+        o.method = methods[q];
+        o.until = 60;
+        o.points = 61;
+        o.sources = o.detectors = 3;
+        o.from = o.to = places;
+        assert_ok(sp_signal_make(&net, &o, &s, &err));
+        assert_int_equal(s.sources, 3);
+        assert_int_equal(s.detectors, 3);
+        double peak = 0, off = 0;
+        const double *f[3][3];
+        for (int a = 0; a < 9; a++)
+            f[a / 3][a % 3] = s.f + (int64_t)a * s.n;
+        for (int l = 0; l < s.n; l++) {
+            peak = fmax(peak, fabs(f[0][0][l]));
+            off = fmax(off, fabs(f[1][1][l] + f[1][2][l] + f[2][1][l] + f[2][2][l] - f[0][0][l]));
+            off = fmax(off, fabs(f[1][0][l] + f[2][0][l] - f[0][0][l]));
+        }
+        assert_true(off < 1e-12 * peak);
+        sp_signal_free(&s);
+    }
+    sp_network_free(&net);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(momentum_is_balanced), cmocka_unit_test(parts_make_the_whole),
+                                       cmocka_unit_test(grains_inside),        cmocka_unit_test(shear_turns),
+                                       cmocka_unit_test(wrong_places),         cmocka_unit_test(signals_add_up)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
