@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""signal, modes, moduli and bench against numpy: K is built here anew from the packing file, contact by contact, and
-diagonalised by scipy. Usage: test_signal.py COMMAND SOURCE_DIR"""
+"""signal, modes, moduli and bench against numpy (network_oracle.py). Usage: test_signal.py COMMAND SOURCE_DIR"""
 import json
 import os
 import subprocess
@@ -8,7 +7,8 @@ import sys
 import tempfile
 
 import numpy as np
-import scipy.linalg
+
+from network_oracle import Network
 
 COMMAND, SOURCE = sys.argv[1], sys.argv[2]
 REFERENCE = os.path.join(SOURCE, "packings", "reference")
@@ -41,89 +41,6 @@ def table(text):
 def columns(text):
     comments, header, rows = table(text)
     return comments, {name: np.array([float(row[k]) for row in rows]) for k, name in enumerate(header)}
-
-
-class Network:
-    """Springs of a reference packing in the plainest way."""
-
-    def __init__(self, path, prestress=False, threshold=1e-4):
-        lines = open(path).read().splitlines()
-        head = lines[1].split()
-        head = dict(zip(head[::2], head[1::2]))
-        n, p = int(head["N"]), float(head["p"])
-        self.width, self.height = float(head["Lx"]), float(head["Ly"])
-        grains = np.array([line.split() for line in lines[2:2 + n]], dtype=float)
-        contacts = [line.split() for line in lines[2 + n:] if line.strip()]
-        contacts = [(int(w[0]), int(w[1]), *map(float, w[2:])) for w in contacts]
-        radius = grains[:, 2]
-        carrying = [c for c in contacts if c[5] > threshold * p]
-        while True:
-            count = np.zeros(n, int)
-            for c in carrying:
-                count[c[0]] += 1
-                if c[1] >= 0:
-                    count[c[1]] += 1
-            kept = [c for c in carrying if count[c[0]] >= 2 and (c[1] < 0 or count[c[1]] >= 2)]
-            if len(kept) == len(carrying):
-                break
-            carrying = kept
-        alive = np.flatnonzero(count >= 2)
-        self.rattlers = n - len(alive)
-        row = {g: k for k, g in enumerate(alive)}
-        size = 3 * len(alive)
-        mass = 4 / 3 * np.pi * radius[alive] ** 3
-        self.mass = np.column_stack([mass, mass, 0.4 * mass * radius[alive] ** 2]).ravel()
-        self.b, self.k, self.affine = [], [], []
-        self.source, self.detector = np.zeros(size), np.zeros(size)
-        for i, j, nx, ny, overlap, fn, _ in carrying:
-            arm = radius[j] if j >= 0 else 0.0
-            length = radius[i] + arm - overlap
-            if j >= 0:  # E12 = 1/2
-                kn = np.sqrt(radius[i] * radius[j] / (radius[i] + radius[j]) * overlap)
-            else:
-                kn = 2 * np.sqrt(radius[i] * overlap)
-            rows = [(np.array([nx, ny]), kn, False), (np.array([-ny, nx]), kn, True)]  # nu = 0: k_t = k_n
-            if prestress and j >= 0:
-                rows.append((np.array([-ny, nx]), -fn / length, False))
-            for axis, k, turns in rows:
-                b = np.zeros(size)
-                b[3 * row[i]:3 * row[i] + 2] = -axis
-                if turns:
-                    b[3 * row[i] + 2] = -radius[i]
-                if j >= 0:
-                    b[3 * row[j]:3 * row[j] + 2] = axis
-                    if turns:
-                        b[3 * row[j] + 2] = -arm
-                self.b.append(b)
-                self.k.append(k)
-                # relative displacement of the ends under strain xx, yy and shear u_x = y
-                self.affine.append([length * nx * axis[0], length * ny * axis[1], length * ny * axis[0]])
-            if j == -1:
-                self.source[3 * row[i] + 1] += kn
-            elif j == -2:
-                self.detector[3 * row[i] + 1] += kn
-        self.b, self.k, self.affine = np.array(self.b), np.array(self.k), np.array(self.affine)
-        self.matrix = self.b.T @ (self.k[:, None] * self.b)
-        root = np.sqrt(self.mass)
-        self.squares, self.vectors = scipy.linalg.eigh(self.matrix / np.outer(root, root))
-
-    def frequencies(self):
-        """Rayleigh quotients as sums of squares: soft modes keep their digits."""
-        u = self.vectors / np.sqrt(self.mass)[:, None]
-        return np.sqrt(self.k @ (self.b @ u) ** 2)
-
-    def signal(self, source, t):
-        root, omega = np.sqrt(self.mass), np.sqrt(self.squares)
-        sent = self.vectors.T @ (self.source / root if source == "impulse" else self.source * root)
-        seen = self.vectors.T @ (self.detector / root)
-        if source == "displacement":
-            return np.cos(np.outer(t, omega)) @ (sent * seen)
-        return np.sin(np.outer(t, omega)) @ (sent * seen / omega)
-
-    def moduli(self):
-        relaxed = np.linalg.solve(self.matrix, -self.b.T @ (self.k[:, None] * self.affine))
-        stretch = self.b @ relaxed + self.affine
-        return self.affine.T @ (self.k[:, None] * stretch) / (self.width * self.height)
 
 
 def test_modes(network, path, *options):
