@@ -29,7 +29,7 @@ install(FILES ${PROJECT_BINARY_DIR}/sonopackConfig.cmake ${PROJECT_BINARY_DIR}/s
 
 # A static library alone needs its dependencies on every link line, so that they are public ones there.
 set(pc_requires "cairo libconfig lapacke lapack blas ${HDF5_MODULE_NAME}")
-set(pc_libs "-lcholmod -pthread -lm")
+set(pc_libs "-lumfpack -lcholmod -pthread -lm")
 if(BUILD_SHARED_LIBS)
   set(PC_REQUIRES "")
   set(PC_REQUIRES_PRIVATE "${pc_requires}")

@@ -6,7 +6,7 @@ _sonopack_options() {
 
 _sonopack() {
     local program=${COMP_WORDS[0]} current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}
-    local commands='pack check statics moduli modes signal front study table plot convert bench help'
+    local commands='pack check statics moduli modes spectrum signal front study table plot convert bench help'
     local command='' word
     COMPREPLY=()
     for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
@@ -31,8 +31,24 @@ _sonopack() {
         mapfile -t COMPREPLY < <(compgen -W 'impulse velocity displacement' -- "$current")
         return
         ;;
+    --norm)
+        mapfile -t COMPREPLY < <(compgen -W 'grain one modes' -- "$current")
+        return
+        ;;
+    --direction)
+        mapfile -t COMPREPLY < <(compgen -W 'x up' -- "$current")
+        return
+        ;;
+    --component)
+        mapfile -t COMPREPLY < <(compgen -W 'normal shear' -- "$current")
+        return
+        ;;
     --method)
-        mapfile -t COMPREPLY < <(compgen -W 'auto chebyshev dense' -- "$current")
+        if [ "$command" = spectrum ]; then
+            mapfile -t COMPREPLY < <(compgen -W 'auto exact kpm count' -- "$current")
+            return
+        fi
+        mapfile -t COMPREPLY < <(compgen -W 'auto chebyshev dense sparse verlet lax-wendroff faber dynamics' -- "$current")
         return
         ;;
     esac
@@ -46,7 +62,10 @@ _sonopack() {
         elif [ "$command" = bench ]; then
             mapfile -t COMPREPLY < <(compgen -W 'signal modes moduli pack' -- "$current")
         elif [ "$command" = plot ] && [ "$previous" = plot ]; then
-            mapfile -t COMPREPLY < <(compgen -W 'ctof signal network stiffness' -- "$current")
+            mapfile -t COMPREPLY < <(compgen -W 'ctof signal network stiffness pareto spectrum dispersion mode' -- \
+                "$current")
+        elif [ "$command" = spectrum ] && [ "$previous" = spectrum ]; then
+            mapfile -t COMPREPLY < <(compgen -W 'dos transmission dispersion harmonic participation' -- "$current")
         else
             compopt -o filenames 2>/dev/null
             mapfile -t COMPREPLY < <(compgen -f -- "$current")

@@ -45,16 +45,14 @@ static inline void extended_bessel(extended x, int orders, extended *j) {
         j[k] /= here + 2 * even;
 }
 
-static inline void extended_signal(const sp_network *net, sp_source source, int points, const double *t, double *f) {
+/* sent: momenta, or displacements without `velocity`. */
+static inline void extended_signal_of(const sp_network *net, const double *sent, const double *seen, bool velocity,
+                                      int points, const double *t, double *f) {
     const size_t n = (size_t)sp_network_dofs(net);
-    const bool velocity = source != SP_SOURCE_DISPLACEMENT;
     const extended omega = 1.01L * sp_network_omega_bound(net), last = omega * t[points - 1];
     const int terms = (int)(last / 2 + 40 + 10 * cbrtl(last));
     extended *v = calloc(4 * n, sizeof *v), *mu = calloc((size_t)terms, sizeof *mu), *now = v, *old = v + n,
              *ku = v + 2 * n;
-    double *sent = calloc(2 * n, sizeof *sent), *seen = sent + n;
-    assert_ok(sp_network_source(net, source, sent, &err));
-    assert_ok(sp_network_detector(net, seen, &err));
     for (size_t k = 0; k < n; k++)
         now[k] = velocity ? sent[k] / (extended)net->mass[k] : sent[k];
     for (int step = 0; step < terms; step++) {
@@ -83,9 +81,18 @@ static inline void extended_signal(const sp_network *net, sp_source source, int 
         f[l] = (double)sum;
     }
     free(j);
-    free(sent);
     free(mu);
     free(v);
+}
+
+/* From wall to wall. */
+static inline void extended_signal(const sp_network *net, sp_source source, int points, const double *t, double *f) {
+    const size_t n = (size_t)sp_network_dofs(net);
+    double *sent = calloc(2 * n, sizeof *sent), *seen = sent + n;
+    assert_ok(sp_network_source(net, source, sent, &err));
+    assert_ok(sp_network_detector(net, seen, &err));
+    extended_signal_of(net, sent, seen, source != SP_SOURCE_DISPLACEMENT, points, t, f);
+    free(sent);
 }
 
 #endif

@@ -9,9 +9,10 @@ extern "C" {
 #endif
 
 typedef struct sp_moduli {
-    double c11, c12, c22, c33; /* [E*]; NAN where not computed */
-    double c_l, c_t;           /* sqrt(C22/Phi3*), sqrt(C33/Phi3*), Eq. (8) [sqrt(E* / rho)] */
-    double residual;           /* largest relative residual |K u - f| / |f| of the solves */
+    double c11, c12, c22, c33;                 /* [E*]; NAN where not computed */
+    double c_l, c_t;                           /* sqrt(C22/Phi3*), sqrt(C33/Phi3*), Eq. (8) [sqrt(E* / rho)] */
+    double residual;                           /* largest relative residual |K u - f| / |f| of the solves */
+    double error11, error12, error22, error33; /* bounds of the errors of C11 .. C33, for these springs [E*] */
 } sp_moduli;
 
 /* Sparse Cholesky, one factorisation for all strains. The walls' contact points are strained affinely too, so C12 =

@@ -14,11 +14,15 @@ typedef struct sp_modes_options {
 } sp_modes_options;
 sp_modes_options sp_modes_options_default(void);
 
-/* Modes in ascending order; the zero modes of rattlers (dof each) come first and have no vector here.
- * u^(n) = M^(-1/2) e^(n) with e orthonormal. Signal: F(t) = sum a_n b_n sin(omega_n t) (Eq. (3)), or cos for a
- * displacement source. */
+enum { SP_MODES_DENSE_MAX = 20000 }; /* degrees of freedom that the dense solver takes */
+
+typedef enum sp_modes_method { SP_MODES_DENSE = 0, SP_MODES_SPARSE } sp_modes_method;
+
+/* A set of modes: the whole spectrum, or a part of it without a hole. In ascending order; the zero modes of rattlers
+ * (dof each) come first and have no vector here. u^(n) = M^(-1/2) e^(n) with e orthonormal. Signal: F(t) = sum a_n b_n
+ * sin(omega_n t) (Eq. (3)), or cos for a displacement source. */
 typedef struct sp_modes {
-    int64_t n;             /* rows below: n_zero rattler modes and one for each degree of freedom of the network */
+    int64_t n;             /* rows below: n_rattler, and those with vectors; all that there are, or a part */
     int64_t n_rattler;     /* zero modes that belong to rattlers: rows 0 .. n_rattler-1 */
     int64_t n_zero;        /* all modes with omega reported as 0, those included */
     int64_t dofs;          /* length of a vector: network n x dof */
@@ -31,12 +35,58 @@ typedef struct sp_modes {
                               NULL without vectors */
     double residual;       /* largest |A e - omega^2 e| / omega_max^2 over modes; NAN without vectors */
     double orthogonality;  /* largest |e_m . e_n - delta|; NAN without vectors */
+    int64_t first;         /* modes of the whole spectrum below row 0; 0 for a set that starts at omega = 0 */
+    sp_modes_method method;
+    double certified_from, certified_to; /* no mode with a frequency between these is missing: by the number of rows
+                                            (dense), by the inertia of K - omega^2 M at both (sparse) */
+    int64_t on_edge;                     /* rows of which the error bound does not tell whether they lie in the band */
+    int64_t factors, solves;             /* sparse: factorisations, and right-hand sides solved for */
 } sp_modes;
 
 sp_modes sp_modes_none(void);
 /* All modes with LAPACK (dense: memory 8 (n dof)^2 bytes twice; refuses above 20000 degrees of freedom). */
 sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_modes *out, sp_error *err);
+
+/* Which modes. */
+typedef struct sp_modes_range {
+    int64_t lowest;  /* > 0: that many, counted from the lowest of the network, rattlers' zero modes in front beside
+                        them;  0: the band below */
+    double from, to; /* omega, limits included; 0 and infinity: all */
+} sp_modes_range;
+sp_modes_range sp_modes_range_all(void);
+sp_modes_range sp_modes_range_lowest(int64_t count);
+sp_modes_range sp_modes_range_band(double from, double to);
+
+/* A part of the spectrum, or all of it, by block Lanczos on (K - sigma M)^-1 in slices, each counted by the inertia of
+ * K - sigma M: memory 8 bytes for each element of the vectors that are kept, and for the factor. A mode within its own
+ * error of a limit of the band is in the set, and counted in on_edge. SP_EINVAL for a range that is none; SP_EREFUSED
+ * where no count can be vouched for, for an unstable network, and for more memory than there is. */
+sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
+                          sp_modes *out, sp_error *err);
+/* Either solver, whichever is expected to be faster; the dense one's set is cut to the range. */
+sp_status sp_modes_make(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range, sp_modes *out,
+                        sp_error *err);
 void sp_modes_free(sp_modes *m);
+
+enum { SP_DAMPED_MODES_MAX = 2000 }; /* degrees of freedom */
+
+/* Modes u e^(lambda t) of M u'' + C u' + K u = 0, the dashpots C those of sp_network_damping: one row for a pair lambda
+ * = -decay +- i omega, or for a real lambda (omega = 0). Ascending by omega, then decay; without rattlers. Signal: F(t)
+ * = sum e^(-decay t) (cosine cos(omega t) + sine sin(omega t)), the force of springs and dashpots on the top wall after
+ * the whole bottom wall's source, as long as no two lambda coincide. */
+typedef struct sp_damped_modes {
+    int64_t n;
+    double *omega, *decay; /* [n] sqrt(E* / rho)/d */
+    double *cosine, *sine; /* [n] */
+    double *error;         /* [n] of lambda, to first order in rounding (of the second where two lambda coincide) */
+    double residual; /* largest |(lambda^2 M + lambda C + K) u| over (|lambda|^2 + |lambda| c + omega_max^2) |u|, in
+                        the metric of the masses, c the largest eigenvalue of M^-1 C */
+} sp_damped_modes;
+sp_damped_modes sp_damped_modes_none(void);
+/* Dense, of twice the size: a minute at 2000 degrees of freedom, beyond which SP_EREFUSED. zeta > 0. */
+sp_status sp_damped_modes_make(const sp_network *net, double zeta, sp_source source, sp_damped_modes *out,
+                               sp_error *err);
+void sp_damped_modes_free(sp_damped_modes *m);
 
 #ifdef __cplusplus
 }

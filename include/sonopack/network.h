@@ -94,6 +94,11 @@ sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, doub
 sp_status sp_network_source(const sp_network *net, sp_source source, double *out, sp_error *err);
 sp_status sp_network_detector(const sp_network *net, double *out, sp_error *err);
 
+/* The dashpots of the contacts as a network of their own, whose K is the damping matrix C of M u'' + C u' + K u = 0: a
+ * fraction zeta > 0 of critical damping, c = 2 zeta sqrt(m_eff k) for k = k_n and k_t, 1/m_eff = 1/m_i + 1/m_j (at a
+ * wall the grain's mass). */
+sp_status sp_network_damping(const sp_network *net, double zeta, sp_network *out, sp_error *err);
+
 /* K assembled: the lower triangle by columns (CSC, rows ascending, diagonal first). */
 typedef struct sp_sparse {
     int64_t n;

@@ -2,6 +2,7 @@
 #define SONOPACK_PLOT_H
 /* Figures from plain arrays and tables: PNG, SVG or PDF by the ending of the path. */
 
+#include <sonopack/network.h>
 #include <sonopack/packing.h>
 #include <sonopack/status.h>
 #include <sonopack/table.h>
@@ -13,6 +14,11 @@ extern "C" {
 /* c_tof (with error bars), c_l and c_t against p, log-log, with the published c_tof ~ 0.26 (p/1e-4)^(1/6). `ctof` is
  * the table of sp_study_table("ctof"). */
 sp_status sp_plot_ctof(const sp_table *ctof, const char *path, sp_error *err);
+
+/* Run time against error, log-log, one symbol a method, from the table of `sonopack bench` (columns case, method,
+ * seconds, error); the methods of rivals, which have a blank in their names, hollow, and the frontier of what is
+ * fastest for its error as a line. only: the case; NULL: that of the first row. */
+sp_status sp_plot_pareto(const sp_table *bench, const char *only, const char *path, sp_error *err);
 
 typedef struct sp_plot_trace {
     const char *label;
@@ -29,6 +35,21 @@ typedef enum sp_plot_links { SP_PLOT_FORCES = 0, SP_PLOT_STIFFNESS } sp_plot_lin
 /* A 1D or 2D packing (SP_EREFUSED in 3D): grains, rattlers grey, walls, and the contacts that carry (threshold as in
  * sp_packing_rattlers) as lines; images at the periodic edges. */
 sp_status sp_plot_network(const sp_packing *p, sp_plot_links links, double threshold, const char *path, sp_error *err);
+
+typedef struct sp_plot_table {
+    const char *label; /* in the legend; NULL or "": none */
+    const sp_table *table;
+} sp_plot_table;
+/* Tables of one kind of `sonopack spectrum': density of states (also of a table of modes), spectrum of the signal,
+ * harmonic response, or participation ratios, against the frequency. SP_EINVAL for tables that are none of these. */
+sp_status sp_plot_spectrum(int tables, const sp_plot_table *table, const char *path, sp_error *err);
+/* Peaks of the spectral functions of waves against the wave number, with their half widths as bars. */
+sp_status sp_plot_dispersion(int tables, const sp_plot_table *table, const char *path, sp_error *err);
+
+/* One mode of a 1D or 2D packing: u [net's dofs] displacements as arrows on the grains, the longest a diameter and a
+ * half; grains that turn are tinted, one way or the other. omega and number are for the key below. */
+sp_status sp_plot_mode(const sp_packing *p, const sp_network *net, const double *u, int64_t number, double omega,
+                       const char *path, sp_error *err);
 
 #ifdef __cplusplus
 }

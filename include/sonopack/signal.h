@@ -8,7 +8,16 @@
 extern "C" {
 #endif
 
-typedef enum sp_signal_method { SP_SIGNAL_AUTO = 0, SP_SIGNAL_CHEBYSHEV, SP_SIGNAL_DENSE } sp_signal_method;
+typedef enum sp_signal_method {
+    SP_SIGNAL_AUTO = 0,
+    SP_SIGNAL_CHEBYSHEV,
+    SP_SIGNAL_DENSE,
+    SP_SIGNAL_VERLET,       /* time stepping, second order */
+    SP_SIGNAL_LAX_WENDROFF, /* time stepping, fourth order */
+    SP_SIGNAL_FABER,        /* expansion in matrix products that allows for damping */
+    SP_SIGNAL_SPARSE,       /* the lowest modes, as many as the tolerance needs */
+    SP_SIGNAL_DYNAMICS,     /* the packing's own nonlinear motion: sp_signal_dynamics */
+} sp_signal_method;
 
 typedef struct sp_signal_options {
     sp_signal_method method;
@@ -20,6 +29,20 @@ typedef struct sp_signal_options {
     /* where; NULL: the whole wall, normal. All signals come from one pass. */
     int32_t sources, detectors; /* numbers of places; 0 or 1 with NULL */
     const sp_place *from, *to;
+    double damping;   /* zeta, the dashpots' fraction of critical damping (sp_network_damping): M u'' + C u' + K u = 0,
+                         and the force on a detector is that of springs and dashpots. 0: none */
+    double amplitude; /* of dynamics: largest displacement of a grain at the start, or velocity over omega_max, over the
+                         mean overlap of the carrying contacts; 0.001 */
+    double step; /* of time stepping, made shorter so as to divide the spacing of the points; the error is then whatever
+                    its bound says. 0: found from the tolerance */
+    /* The signals end soon after their first fronts (Chebyshev only): they are followed in parts of 1/48 of `until`
+       until sp_front_find, applied to what is known, gives every one of them a zero crossing and an amplitude above
+       1e-6 of |a||b|/Omega, a and b source and detector with the mass. n is then smaller than `points`, all times and
+       values are those of the longer signals. The rule's largest value is that of the part that was followed: a signal
+       that goes on and becomes more than five times as large has another first peak by the rule than the part has. */
+    bool front;
+    int64_t modes; /* sparse: that many of the lowest modes of the network, and the error is then whatever its bound
+                      says. 0: found from the tolerance, all of them if need be */
 } sp_signal_options;
 sp_signal_options sp_signal_options_default(void);
 
@@ -32,7 +55,10 @@ typedef struct sp_signal {
     double error;            /* the largest of them */
     double omega_max;        /* bound of the spectrum that was used */
     int32_t products;        /* matrix products (0 for dense) */
+    double step;             /* of time stepping; 0 for other methods */
+    double amplitude;        /* of dynamics: what the first source was multiplied with; 0 for other methods */
     sp_signal_method method; /* the one that was used */
+    int64_t modes;           /* sparse: that were summed; 0 for other methods */
 } sp_signal;
 
 const char *sp_signal_method_name(sp_signal_method method); /* "chebyshev"; NULL for none */
@@ -40,6 +66,12 @@ const char *sp_signal_method_name(sp_signal_method method); /* "chebyshev"; NULL
 sp_signal sp_signal_none(void);
 /* SP_EREFUSED if the error bound exceeds the tolerance. */
 sp_status sp_signal_make(const sp_network *net, const sp_signal_options *opt, sp_signal *out, sp_error *err);
+/* The same for every method, SP_SIGNAL_DYNAMICS among them, which needs the packing that the network was made of: the
+ * motion from rest of all its grains and contacts, which open, close and slide, after the source times the amplitude; F
+ * is the change of the force over that factor. Errors are estimates, from steps twice as long. SP_EFAILED if a grain
+ * moves too far for the packing to be itself. */
+sp_status sp_signal_dynamics(const sp_packing *p, const sp_network *net, const sp_signal_options *opt, sp_signal *out,
+                             sp_error *err);
 void sp_signal_free(sp_signal *s);
 
 /* The time in which the first front certainly has passed: [0, 8 H + 40] at p = 1e-4, scaled with p^(-1/6). */

@@ -7,8 +7,10 @@
 #include <sonopack/network.h>
 #include <sonopack/packing.h>
 #include <sonopack/plot.h>
+#include <sonopack/pulse.h>
 #include <sonopack/scene.h>
 #include <sonopack/signal.h>
+#include <sonopack/spectrum.h>
 #include <sonopack/status.h>
 #include <sonopack/store.h>
 #include <sonopack/study.h>

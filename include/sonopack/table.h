@@ -23,11 +23,13 @@ typedef struct sp_column {
     sp_cell_kind kind;
 } sp_column;
 
+enum { SP_COLUMNS_MAX = 1000000 };
+
 typedef struct sp_table {
     int columns;
     int64_t rows, capacity;
-    sp_column column[32];
-    sp_cell *cells; /* [rows][columns] */
+    sp_column *column; /* [columns] */
+    sp_cell *cells;    /* [rows][columns] */
     int comments;
     char **comment; /* lines without '#', e.g. "pressure = 0.0001" */
 } sp_table;
@@ -38,6 +40,8 @@ void sp_table_free(sp_table *t);
 sp_status sp_table_add_column(sp_table *t, const char *name, const char *unit, sp_cell_kind kind, sp_error *err);
 /* One value a column in order: double, int64_t or const char * (copied) as the column's kind says. */
 sp_status sp_table_add_row(sp_table *t, sp_error *err, ...);
+/* The same where every column is of numbers: [columns] of them. */
+sp_status sp_table_add_numbers(sp_table *t, const double *values, sp_error *err);
 /* printf-style comment line; by convention "key = value" or a sentence. */
 sp_status sp_table_add_comment(sp_table *t, sp_error *err, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
@@ -65,6 +66,9 @@ static atomic_int_fast64_t fail_after = -1;
 
 void sp_alloc_fail_after(int64_t count) { atomic_store(&fail_after, count); }
 
+/* From HUGE_FROM bytes on memory comes in pages of 2 MiB, where the system has them. */
+enum { HUGE_PAGE = 2 << 20, HUGE_FROM = 16 << 20 };
+
 void *sp_alloc(size_t count, size_t size) {
     if (atomic_load(&fail_after) >= 0 && atomic_fetch_sub(&fail_after, 1) == 0)
         return NULL;
@@ -72,8 +76,15 @@ void *sp_alloc(size_t count, size_t size) {
         count = 1;
     if (size == 0 || count > (PTRDIFF_MAX - 63) / size)
         return NULL;
-    size_t bytes = (count * size + 63) / 64 * 64;
-    void *memory = aligned_alloc(64, bytes);
+    const size_t wanted = count * size, align = wanted >= HUGE_FROM ? HUGE_PAGE : 64;
+    if (wanted > PTRDIFF_MAX - align)
+        return NULL;
+    const size_t bytes = (wanted + align - 1) / align * align;
+    void *memory = aligned_alloc(align, bytes);
+#ifdef MADV_HUGEPAGE
+    if (memory && align == HUGE_PAGE)
+        madvise(memory, bytes, MADV_HUGEPAGE); /* a hint: a fraction of the page faults, and of the address lookups */
+#endif
     if (memory)
         memset(memory, 0, bytes);
     return memory;

@@ -17,13 +17,23 @@ void sp_table_free(sp_table *t) {
         sp_free(t->comment[c]);
     sp_free(t->comment);
     sp_free(t->cells);
+    sp_free(t->column);
     *t = sp_table_none();
 }
 
 sp_status sp_table_add_column(sp_table *t, const char *name, const char *unit, sp_cell_kind kind, sp_error *err) {
-    const int most = (int)(sizeof t->column / sizeof *t->column);
-    if (t->rows > 0 || t->columns >= most)
-        return sp_fail(err, SP_EINVAL, "column %s: columns come before rows, %d at the most", name, most);
+    if (t->rows > 0 || t->columns >= SP_COLUMNS_MAX)
+        return sp_fail(err, SP_EINVAL, "column %s: columns come before rows, %d at the most", name, SP_COLUMNS_MAX);
+    if ((t->columns & (t->columns - 1)) == 0) { /* none, or as many as there is room for */
+        const size_t room = t->columns > 0 ? 2 * (size_t)t->columns : 1;
+        sp_column *columns = sp_alloc(room, sizeof *columns);
+        if (!columns)
+            return sp_fail_memory(err, room * sizeof *columns);
+        if (t->columns > 0)
+            memcpy(columns, t->column, (size_t)t->columns * sizeof *columns);
+        sp_free(t->column);
+        t->column = columns;
+    }
     sp_column *c = &t->column[t->columns++];
     snprintf(c->name, sizeof c->name, "%s", name);
     snprintf(c->unit, sizeof c->unit, "%s", unit);
@@ -44,6 +54,17 @@ static sp_status grow(sp_table *t, sp_error *err) {
     t->cells = cells;
     t->capacity = capacity;
     return SP_OK;
+}
+
+sp_status sp_table_add_numbers(sp_table *t, const double *values, sp_error *err) {
+    sp_status status = t->rows == t->capacity ? grow(t, err) : SP_OK;
+    for (int c = 0; c < t->columns && status == SP_OK; c++) {
+        if (t->column[c].kind != SP_CELL_NUMBER)
+            return sp_fail(err, SP_EINVAL, "column %s is not one of numbers", t->column[c].name);
+        t->cells[t->rows * t->columns + c].number = values[c];
+    }
+    t->rows += status == SP_OK;
+    return status;
 }
 
 sp_status sp_table_add_row(sp_table *t, sp_error *err, ...) {

@@ -34,6 +34,7 @@ int cmd_moduli(int argc, char **argv);
 int cmd_pack(int argc, char **argv);
 int cmd_plot(int argc, char **argv);
 int cmd_signal(int argc, char **argv);
+int cmd_spectrum(int argc, char **argv);
 int cmd_statics(int argc, char **argv);
 int cmd_study(int argc, char **argv);
 int cmd_table(int argc, char **argv);

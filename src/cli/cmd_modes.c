@@ -1,28 +1,53 @@
-/* sonopack modes: eigenfrequencies and eigenmodes, all of them, dense. */
+/* sonopack modes: eigenfrequencies and eigenmodes, all of them or a part. */
 #include "base/base.h"
+#include "cli/modes_damped.h"
 #include "cli/springs.h"
+
+#include <stdlib.h>
+#include <string.h>
 
 typedef struct arguments {
     cli_common common;
     cli_springs springs;
     bool frequencies_only;
     sp_source source;
-    int64_t lowest;
+    sp_modes_range range;
+    bool part;      /* --lowest or --band */
+    double damping; /* 0: none */
     char *file;
 } arguments;
 
-enum { KEY_ALL = 0x1000, KEY_FREQUENCIES, KEY_SOURCE, KEY_LOWEST };
-
-#define ALL_MODES INT64_MAX /* of arguments.lowest */
+enum { KEY_ALL = 0x1000, KEY_FREQUENCIES, KEY_SOURCE, KEY_LOWEST, KEY_BAND, KEY_DAMPING };
 
 static const struct argp_option options[] = {
     {"all", KEY_ALL, NULL, 0, "All modes (the default)", 0},
     {"lowest", KEY_LOWEST, "K", 0, "Only the K lowest that are not zero modes of rattlers; n counts on from those", 0},
+    {"band", KEY_BAND, "LO:HI", 0,
+     "Only the modes with LO <= omega <= HI; n counts from the lowest of all. HI may be inf", 0},
     {"frequencies-only", KEY_FREQUENCIES, NULL, 0, "No amplitudes and participation: columns n, omega, error", 0},
+    {"damping", KEY_DAMPING, "ZETA", 0,
+     "With dashpots, a fraction ZETA of critical: columns n, omega, decay, cosine, sine, error (up to 2000 degrees of "
+     "freedom)",
+     0},
     {"source", KEY_SOURCE, "impulse|velocity|displacement", 0, "Of the amplitudes a (impulse)", 0},
     {0}};
 static const struct argp_child children[] = {
     {&cli_springs_argp, 0, "Springs:", 50}, {&cli_common_argp, 0, "Common options:", 90}, {0}};
+
+/* LO:HI */
+static bool band_of(char *text, sp_modes_range *out) {
+    char *colon = strchr(text, ':'), *end = text;
+    if (!colon)
+        return false;
+    const double from = strtod(text, &end);
+    if (end == text || end != colon)
+        return false;
+    const double to = strtod(colon + 1, &end);
+    if (end == colon + 1 || *end || !(from >= 0 && from < to))
+        return false;
+    *out = sp_modes_range_band(from, to);
+    return true;
+}
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
     arguments *a = state->input;
@@ -32,11 +57,22 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         state->child_inputs[0] = &a->springs;
         state->child_inputs[1] = &a->common;
         return 0;
-    case KEY_ALL: a->lowest = ALL_MODES; return 0;
+    case KEY_ALL: a->range = sp_modes_range_all(); return 0;
     case KEY_FREQUENCIES: a->frequencies_only = true; return 0;
     case KEY_LOWEST:
-        if (cli_integer("--lowest", arg, 1, 1000000000, &a->lowest, &err) != SP_OK)
+        a->range = sp_modes_range_all();
+        a->part = true;
+        if (cli_integer("--lowest", arg, 1, 1000000000, &a->range.lowest, &err) != SP_OK)
             argp_error(state, "%s", err.text);
+        return 0;
+    case KEY_DAMPING:
+        if (cli_number("--damping", arg, 1e-12, 100, &a->damping, &err) != SP_OK)
+            argp_error(state, "%s", err.text);
+        return 0;
+    case KEY_BAND:
+        a->part = true;
+        if (!band_of(arg, &a->range))
+            argp_error(state, "--band %.60s: must be LO:HI, frequencies with 0 <= LO < HI", arg);
         return 0;
     case KEY_SOURCE:
         if (!cli_source_of(arg, &a->source))
@@ -50,6 +86,8 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case ARGP_KEY_END:
         if (!a->file)
             argp_error(state, "no file: must be one packing");
+        if (a->damping > 0 && (a->part || a->frequencies_only))
+            argp_error(state, "--damping: must be without --lowest, --band and --frequencies-only");
         return 0;
     default: return ARGP_ERR_UNKNOWN;
     }
@@ -62,7 +100,9 @@ static const struct argp argp = {
     "Eigenfrequencies of the network of springs, both walls fixed, with their weights in the signal.\v"
     "omega ascends, rattlers' zero modes first. F(t) = sum of ab sin(omega t) (cos for displacements); participation "
     "= (sum w)^2/(N sum w^2) with w a grain's share of the mode, N grains without the rattlers; error bounds that of "
-    "omega. --set takes keys of the group network.",
+    "omega. --set takes keys of the group network.\n\n"
+    "With --damping, F(t) = sum of exp(-decay t) (cosine cos(omega t) + sine sin(omega t)), one row a conjugate pair; "
+    "what is overdamped has rows of its own with omega = 0.",
     children,
     NULL,
     NULL};
@@ -78,7 +118,22 @@ static sp_status add_columns(bool vectors, sp_table *t, sp_error *err) {
     return status;
 }
 
-static sp_status fill(const arguments *a, const sp_packing *p, const sp_modes *m, sp_table *t, sp_error *err) {
+/* How the modes were found, and between which frequencies none is missing. */
+static sp_status add_proof(const sp_modes *m, sp_table *t, sp_error *err) {
+    char from[SP_NUMBER_TEXT], to[SP_NUMBER_TEXT];
+    sp_status status = sp_table_add_comment(t, err, "method = %s", m->method == SP_MODES_SPARSE ? "sparse" : "dense");
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err, "complete = %s:%s", sp_number_text(m->certified_from, from),
+                                      sp_number_text(m->certified_to, to));
+    if (status == SP_OK && m->method == SP_MODES_SPARSE)
+        status = sp_table_add_comment(t, err, "factors = %lld", (long long)m->factors);
+    if (status == SP_OK && m->on_edge > 0)
+        status = sp_table_add_comment(t, err, "on_edge = %lld", (long long)m->on_edge);
+    return status;
+}
+
+static sp_status fill(const arguments *a, const sp_packing *p, int64_t rattlers, const sp_modes *m, sp_table *t,
+                      sp_error *err) {
     char number[SP_NUMBER_TEXT];
     sp_status status = add_columns(m->vectors != NULL, t, err);
     if (status == SP_OK)
@@ -88,20 +143,22 @@ static sp_status fill(const arguments *a, const sp_packing *p, const sp_modes *m
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "zero_modes = %lld", (long long)m->n_zero);
     if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "rattler_modes = %lld", (long long)m->n_rattler);
+        status = sp_table_add_comment(t, err, "rattler_modes = %lld", (long long)rattlers);
     if (status == SP_OK && m->vectors)
         status = sp_table_add_comment(t, err, "source = %s", cli_source_name(a->source));
     if (status == SP_OK && m->vectors)
         status = sp_table_add_comment(t, err, "residual = %.3g", m->residual);
     if (status == SP_OK && m->vectors)
         status = sp_table_add_comment(t, err, "orthogonality = %.3g", m->orthogonality);
-    const int64_t first = a->lowest == ALL_MODES ? 0 : m->n_rattler;
-    for (int64_t k = first; k < m->n && k - first < a->lowest && status == SP_OK; k++) {
+    if (status == SP_OK)
+        status = add_proof(m, t, err);
+    for (int64_t k = a->range.lowest > 0 ? m->n_rattler : 0; k < m->n && status == SP_OK; k++) {
+        const int64_t n = m->first + k;
         if (m->vectors)
-            status = sp_table_add_row(t, err, k, m->omega[k], m->a[k], m->b[k], m->a[k] * m->b[k], m->participation[k],
+            status = sp_table_add_row(t, err, n, m->omega[k], m->a[k], m->b[k], m->a[k] * m->b[k], m->participation[k],
                                       m->error[k]);
         else
-            status = sp_table_add_row(t, err, k, m->omega[k], m->error[k]);
+            status = sp_table_add_row(t, err, n, m->omega[k], m->error[k]);
     }
     return status;
 }
@@ -117,14 +174,19 @@ static sp_status work(const arguments *a, sp_error *err) {
         status = cli_springs_scene(&a->common, &a->springs, "network", &scene, err);
     if (status == SP_OK)
         status = cli_read_network(a->file, &scene.network, &p, &net, err);
-    if (status == SP_OK) {
-        const sp_modes_options o = {.vectors = !a->frequencies_only, .source = a->source};
-        status = sp_modes_dense(&net, &o, &m, err);
+    if (status == SP_OK && a->damping > 0) {
+        status = cli_damped_modes(&p, &net, a->damping, a->source, &t, err);
         if (status != SP_OK)
             sp_fail_prefix(err, "%s", a->file);
     }
-    if (status == SP_OK)
-        status = fill(a, &p, &m, &t, err);
+    if (status == SP_OK && !(a->damping > 0)) {
+        const sp_modes_options o = {.vectors = !a->frequencies_only, .source = a->source};
+        status = sp_modes_make(&net, &o, &a->range, &m, err);
+        if (status != SP_OK)
+            sp_fail_prefix(err, "%s", a->file);
+    }
+    if (status == SP_OK && !(a->damping > 0))
+        status = fill(a, &p, (int64_t)net.rattlers * net.dof, &m, &t, err);
     if (status == SP_OK)
         status = cli_write_table(&a->common, &t, err);
     sp_table_free(&t);
@@ -136,7 +198,7 @@ static sp_status work(const arguments *a, sp_error *err) {
 }
 
 int cmd_modes(int argc, char **argv) {
-    arguments a = {.lowest = ALL_MODES, .source = SP_SOURCE_IMPULSE};
+    arguments a = {.range = sp_modes_range_all(), .source = SP_SOURCE_IMPULSE};
     argp_parse(&argp, argc, argv, 0, NULL, &a);
     sp_error err = {0};
     return work(&a, &err) == SP_OK ? CLI_OK : cli_fail(&err);

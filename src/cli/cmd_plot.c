@@ -3,6 +3,7 @@
 #include "cli/cli.h"
 #include "cli/output.h"
 #include "cli/plot_input.h"
+#include "cli/plot_spectrum.h"
 
 #include <math.h>
 #include <string.h>
@@ -28,7 +29,8 @@ typedef struct kind {
 struct arguments {
     cli_common common;
     const kind *kind;
-    const char *store;
+    const char *store, *only;
+    int64_t mode; /* < 0: not given */
     int files;
     char **file;
 };
@@ -148,17 +150,47 @@ static sp_status draw_stiffness(const arguments *a, const sp_scene *scene, sp_er
     return draw_links(a, scene, SP_PLOT_STIFFNESS, err);
 }
 
+static sp_status draw_pareto(const arguments *a, const sp_scene *scene, sp_error *err) {
+    (void)scene;
+    sp_table t = sp_table_none();
+    sp_status status = plot_read_table(a->file[0], &t, err);
+    if (status == SP_OK)
+        status = blame(sp_plot_pareto(&t, a->only, a->common.output, err), a->file[0], err);
+    sp_table_free(&t);
+    return status;
+}
+
+static sp_status draw_spectrum(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return blame(plot_spectrum_files(&a->common, scene, false, a->files, a->file, err), a->file[0], err);
+}
+
+static sp_status draw_dispersion(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return blame(plot_spectrum_files(&a->common, scene, true, a->files, a->file, err), a->file[0], err);
+}
+
+static sp_status draw_mode(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return plot_mode_file(&a->common, scene, a->file[0], a->mode, err);
+}
+
 static const kind kinds[] = {{"ctof", draw_ctof, 1, true, ""},
                              {"signal", draw_signal, 1 << 16, false, "network signal"},
                              {"network", draw_network, 1, false, "network"},
-                             {"stiffness", draw_stiffness, 1, false, "network"}};
+                             {"stiffness", draw_stiffness, 1, false, "network"},
+                             {"pareto", draw_pareto, 1, false, ""},
+                             {"spectrum", draw_spectrum, 32, false, "network"},
+                             {"dispersion", draw_dispersion, 2, false, "network"},
+                             {"mode", draw_mode, 1, false, "network"}};
+#define KIND_NAMES "ctof, signal, network, stiffness, pareto, spectrum, dispersion or mode"
 
 /* ---- the command ------------------------------------------------------------------------------------------------ */
 
-enum { KEY_STORE = 0x1000 };
+enum { KEY_STORE = 0x1000, KEY_CASE, KEY_MODE };
 
 static const struct argp_option options[] = {
-    {"store", KEY_STORE, "DIR", 0, "ctof: of the samples in this folder, instead of a table", 0}, {0}};
+    {"store", KEY_STORE, "DIR", 0, "ctof: of the samples in this folder, instead of a table", 0},
+    {"case", KEY_CASE, "CASE", 0, "pareto: of this case, instead of the table's first", 0},
+    {"mode", KEY_MODE, "N", 0, "mode: its number in `sonopack modes' (the first that is no zero mode)", 0},
+    {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 
 static const kind *find_kind(const char *name) {
@@ -170,11 +202,15 @@ static const kind *find_kind(const char *name) {
 
 static void check(const arguments *a, struct argp_state *state) {
     if (!a->kind)
-        argp_error(state, "no kind: must be ctof, signal, network or stiffness");
+        argp_error(state, "no kind: must be " KIND_NAMES);
     else if (a->store && !a->kind->store)
         argp_error(state, "--store: only plot ctof draws a store");
+    else if (a->mode >= 0 && a->kind->draw != draw_mode)
+        argp_error(state, "--mode: only plot mode draws a mode");
     else if (a->store && a->files > 0)
         argp_error(state, "%s: must be a file or --store, not both", a->file[0]);
+    else if (a->only && a->kind->draw != draw_pareto)
+        argp_error(state, "--case: only plot pareto draws a case of a table");
     else if (!a->store && a->files == 0)
         argp_error(state, "plot %s: no file to draw", a->kind->name);
     else if (a->files > a->kind->most)
@@ -187,15 +223,21 @@ static void check(const arguments *a, struct argp_state *state) {
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
     arguments *a = state->input;
+    sp_error err = {0};
     switch (key) {
     case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
     case KEY_STORE: a->store = arg; return 0;
+    case KEY_MODE:
+        if (cli_integer("--mode", arg, 0, 1000000000, &a->mode, &err) != SP_OK)
+            argp_error(state, "%s", err.text);
+        return 0;
+    case KEY_CASE: a->only = arg; return 0;
     case ARGP_KEY_ARG:
         if (a->kind)
             return ARGP_ERR_UNKNOWN; /* the rest are files */
         a->kind = find_kind(arg);
         if (!a->kind)
-            argp_error(state, "unknown kind %.60s: must be ctof, signal, network or stiffness", arg);
+            argp_error(state, "unknown kind %.60s: must be " KIND_NAMES, arg);
         return 0;
     case ARGP_KEY_ARGS:
         a->file = state->argv + state->next;
@@ -215,7 +257,12 @@ static const struct argp argp = {
     "ctof' prints (TSV or CSV). signal: F(t) of one or more tables with columns t and F, or of packings (their signal "
     "is made), with the first front marked: a triangle at 10% of its peak, a circle at the peak, a square at the zero "
     "crossing. network: a packing with its contacts that carry as lines, as wide as their normal force is large; "
-    "rattlers are grey. stiffness: the same with the normal stiffness. --set changes keys of network and signal.",
+    "rattlers are grey. stiffness: the same with the normal stiffness. pareto: run time against error of a table of "
+    "`sonopack bench', a symbol a method, hollow for those of other programs, and the frontier. spectrum: tables of "
+    "`sonopack spectrum' dos, transmission, harmonic or participation, of `sonopack modes', or packings (their density "
+    "of states). dispersion: a table of `sonopack spectrum dispersion', or a packing. mode: the displacements of a "
+    "mode "
+    "as arrows on the grains of a packing, tinted where they turn. --set changes keys of network and signal.",
     children,
     NULL,
     NULL};
@@ -230,7 +277,7 @@ static sp_status may_write(const arguments *a, sp_error *err) {
 }
 
 int cmd_plot(int argc, char **argv) {
-    arguments a = {0};
+    arguments a = {.mode = -1};
     argp_parse(&argp, argc, argv, 0, NULL, &a);
     sp_error err = {0};
     sp_scene scene = sp_scene_default();

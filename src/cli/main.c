@@ -24,6 +24,7 @@ static const struct command {
     {"statics", cmd_statics, "densities, contacts, forces and stress of packings"},
     {"moduli", cmd_moduli, "elastic moduli and the speeds of long waves"},
     {"modes", cmd_modes, "eigenfrequencies, and what each mode adds to the signal"},
+    {"spectrum", cmd_spectrum, "density of states, transmission, waves and harmonic driving"},
     {"signal", cmd_signal, "force on the top wall after a short pulse at the bottom wall"},
     {"front", cmd_front, "arrival, peak and width of the first wave front"},
     {"study", cmd_study, "an ensemble of packings and what is wanted of them; resumes by itself"},

@@ -14,8 +14,6 @@
 
 /* ---- CSV -------------------------------------------------------------------------------------------------------- */
 
-enum { CSV_COLUMNS = sizeof((sp_table *)0)->column / sizeof *((sp_table *)0)->column };
-
 /* Next cell of a line, in place; quotes as in RFC 4180. NULL behind the last. */
 static char *csv_cell(char **at) {
     char *from = *at, *to = *at, *cell = *at;
@@ -48,8 +46,10 @@ static bool csv_number(const char *cell, double *out) {
 static sp_status csv_header(const char *path, char *text, int64_t rows, sp_table *t, sp_error *err) {
     for (char *cell; (cell = csv_cell(&text)) != NULL;) {
         sp_status status = sp_table_add_column(t, cell, "", SP_CELL_NUMBER, err);
-        if (status != SP_OK)
-            return sp_fail(err, SP_EFORMAT, "%s: more than %d columns", path, CSV_COLUMNS);
+        if (status != SP_OK) {
+            sp_fail_prefix(err, "%s", path);
+            return status;
+        }
     }
     t->cells = sp_alloc((size_t)rows, (size_t)t->columns * sizeof *t->cells);
     t->capacity = rows;
@@ -115,9 +115,7 @@ sp_status plot_read_table(const char *path, sp_table *out, sp_error *err) {
 
 /* ---- signals ---------------------------------------------------------------------------------------------------- */
 
-/* Whether a file is a packing rather than a table: binary, or text with a packing's header. A pipe, which cannot be
- * looked into without using it up, is taken for a table. */
-static sp_status is_packing(const char *path, bool *yes, sp_error *err) {
+sp_status plot_is_packing(const char *path, bool *yes, sp_error *err) {
     struct stat info;
     char head[8192];
     *yes = false;
@@ -218,7 +216,7 @@ static sp_status table_signal(const char *path, plot_signal *out, sp_error *err)
 
 sp_status plot_read_signal(const char *path, const sp_scene *scene, plot_signal *out, sp_error *err) {
     bool packing;
-    sp_status status = is_packing(path, &packing, err);
+    sp_status status = plot_is_packing(path, &packing, err);
     if (status != SP_OK)
         return status;
     return packing ? packing_signal(path, scene, out, err) : table_signal(path, out, err);

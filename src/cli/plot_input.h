@@ -7,6 +7,10 @@
 /* A table of numbers, TSV or (by its ending .csv) CSV. */
 sp_status plot_read_table(const char *path, sp_table *out, sp_error *err);
 
+/* Whether a file is a packing rather than a table: binary, or text with a packing's header. A pipe, which cannot be
+ * looked into without using it up, is taken for a table. */
+sp_status plot_is_packing(const char *path, bool *yes, sp_error *err);
+
 typedef struct plot_signal {
     int64_t n;
     double *t, *f; /* one block, t its start */

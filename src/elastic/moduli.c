@@ -7,6 +7,7 @@
 #include "linalg/cholesky.h"
 #include "network/rows.h"
 
+#include <float.h>
 #include <math.h>
 #include <sonopack/elastic.h>
 
@@ -76,6 +77,34 @@ static void stresses(const sp_network *net, int strain, const double *u, sp_stif
     for (int b = 0; b < STRAINS; b++)
         out->c[b][strain] = sum[b] / volume;
     out->wall[strain] = wall / area;
+}
+
+/* The sums of absolute values that stand behind a residual and a stress, against which they are rounded. size[i]: of
+ * the terms of (K u - f)_i; sum[a]: of the terms of the stress sum k d_a (d + B u). */
+static void rounding_sizes(const sp_network *net, int strain, const double *u, double *size, double sum[STRAINS]) {
+    sum[0] = sum[1] = sum[2] = 0;
+    for (int64_t k = 0; k < sp_network_dofs(net); k++)
+        size[k] = 0;
+    for (int32_t k = 0; k < net->n_springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        double gap[STRAINS][3], along[STRAINS];
+        sp_rows rows;
+        sp_network_rows(net, s, &rows);
+        for (int b = 0; b < STRAINS; b++)
+            affine(net, b, s, net->length[k], gap[b]);
+        for (int q = 0; q < rows.count; q++) {
+            for (int b = 0; b < STRAINS; b++)
+                along[b] = fabs(rows.gap[q][0] * gap[b][0]) + fabs(rows.gap[q][1] * gap[b][1]) +
+                           fabs(rows.gap[q][2] * gap[b][2]);
+            double stretch = along[strain];
+            for (int a = 0; a < rows.width; a++)
+                stretch += fabs(rows.b[q][a] * u[place(net, s, a)]);
+            for (int a = 0; a < rows.width; a++)
+                size[place(net, s, a)] += fabs(rows.k[q] * rows.b[q][a]) * stretch;
+            for (int b = 0; b < STRAINS; b++)
+                sum[b] += fabs(rows.k[q]) * stretch * along[b];
+        }
+    }
 }
 
 /* What the walls hold: count of springs and their tangential stiffness. */
@@ -155,8 +184,9 @@ static double length(int64_t n, const double *x) {
     return sqrt(sum);
 }
 
-/* work: f, u and two of scratch, [4][dofs]. u = K^-1 f with refinement until the residual |K u - f|, which goes into
- * *residual, stays the same: one step for a factor of K itself, a few for one with a raised diagonal. */
+/* work: f, u and two of scratch, [4][dofs] (and the solutions of all strains). u = K^-1 f with refinement until the
+ * residual |K u - f|, which goes into *residual, stays the same: one step for a factor of K itself, a few for one with
+ * a raised diagonal. */
 static sp_status solve(const sp_network *net, sp_cholesky *factor, double *work, double *residual, sp_error *err) {
     enum { PASSES_MAX = 60 };
     const int64_t n = sp_network_dofs(net);
@@ -191,6 +221,25 @@ static sp_status check_network(const sp_network *net, sp_error *err) {
     return check_connected(net, err);
 }
 
+/* A stress computed from u_b is off by u_a . (K u_b - f_b) over the volume, u_a being the exact solution of the strain
+ * that belongs to it, and by rounding. solutions: of all strains, [STRAINS][n]; work: [4][n]. Twice the first part
+ * makes up for the second order. */
+static void put_errors(const sp_network *net, int strain, const double *solutions, double *work, sp_stiffness *out) {
+    const int64_t n = sp_network_dofs(net);
+    double *f = work, *ku = work + n, *size = work + 2 * n, sum[STRAINS];
+    const double *u = solutions + strain * n, area = net->dim == 2 ? net->box[0] : 1;
+    const double noise = DBL_EPSILON * (16 + sqrt((double)net->n_springs)), volume = area * net->box[net->dim - 1];
+    rounding_sizes(net, strain, u, size, sum);
+    load(net, strain, f);
+    sp_network_apply(net, u, ku);
+    for (int a = 0; a < STRAINS; a++) {
+        double off = 0;
+        for (int64_t k = 0; k < n; k++)
+            off += fabs(solutions[a * n + k]) * (fabs(f[k] - ku[k]) + noise * size[k]);
+        out->error[a][strain] = (2 * off + noise * sum[a]) / volume;
+    }
+}
+
 static bool wanted(const sp_network *net, int strain, bool grips) {
     return net->dim == 1 ? strain == STRAIN_22 : strain != STRAIN_SHEAR || grips;
 }
@@ -198,7 +247,7 @@ static bool wanted(const sp_network *net, int strain, bool grips) {
 static sp_status strain_all(const sp_network *net, sp_cholesky *factor, bool grips, double *work, sp_stiffness *out,
                             sp_error *err) {
     const int64_t n = sp_network_dofs(net);
-    double *f = work, *u = work + n;
+    double *f = work, *u = work + n, *solutions = work + 4 * n;
     sp_status status = SP_OK;
     for (int a = 0; a < STRAINS; a++) {
         if (!wanted(net, a, grips))
@@ -213,7 +262,12 @@ static sp_status strain_all(const sp_network *net, sp_cholesky *factor, bool gri
         /* in a lattice f is rounding alone */
         out->residual = fmax(out->residual, residual / fmax(sqrt(norm), 1e-6 * scale));
         stresses(net, a, u, out);
+        for (int64_t k = 0; k < n; k++)
+            solutions[a * n + k] = u[k];
     }
+    for (int a = 0; a < STRAINS; a++)
+        if (wanted(net, a, grips))
+            put_errors(net, a, solutions, work, out);
     for (int a = 0; a < STRAINS; a++)
         for (int b = 0; b < STRAINS; b++)
             if (!wanted(net, a, grips) || !wanted(net, b, grips))
@@ -238,8 +292,9 @@ sp_status sp_stiffness_make(const sp_network *net, sp_stiffness *out, sp_error *
     if (status != SP_OK)
         return status;
     hold_free(net, slips, &k);
-    work = sp_alloc(4 * (size_t)k.n, sizeof *work);
-    status = work ? sp_cholesky_make(&k, &factor, err) : sp_fail_memory(err, 4 * (size_t)k.n * sizeof *work);
+    work = sp_alloc((4 + STRAINS) * (size_t)k.n, sizeof *work);
+    status =
+        work ? sp_cholesky_make(&k, &factor, err) : sp_fail_memory(err, (4 + STRAINS) * (size_t)k.n * sizeof *work);
     if (status == SP_EREFUSED) {
         raise_diagonal(&k);
         status = sp_cholesky_make(&k, &factor, err);
@@ -274,6 +329,10 @@ sp_status sp_moduli_make(const sp_network *net, double phi3s, sp_moduli *out, sp
         .c_l = speed(s.c[STRAIN_22][STRAIN_22], phi3s),
         .c_t = speed(s.c[STRAIN_SHEAR][STRAIN_SHEAR], phi3s),
         .residual = s.residual,
+        .error11 = s.error[STRAIN_11][STRAIN_11],
+        .error12 = s.error[STRAIN_11][STRAIN_22],
+        .error22 = s.error[STRAIN_22][STRAIN_22],
+        .error33 = s.error[STRAIN_SHEAR][STRAIN_SHEAR],
     };
     return SP_OK;
 }

@@ -10,7 +10,8 @@ enum { STRAIN_11 = 0, STRAIN_22, STRAIN_SHEAR, STRAINS };
 typedef struct sp_stiffness {
     double c[STRAINS][STRAINS]; /* stress a from strain b, each by itself; NAN where not defined */
     double wall[STRAINS];       /* normal force on the top wall over its area, for strain b: c[STRAIN_22][b] again */
-    double residual;            /* largest |K u - f| / |f| */
+    double error[STRAINS][STRAINS]; /* bounds of the errors of c */
+    double residual;                /* largest |K u - f| / |f| */
 } sp_stiffness;
 
 sp_status sp_stiffness_make(const sp_network *net, sp_stiffness *out, sp_error *err);

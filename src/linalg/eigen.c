@@ -134,6 +134,12 @@ out:
     return status;
 }
 
+void sp_project(int64_t n, int64_t count, const double *vectors, int columns, const double *column, double *out) {
+    sp_blas_one_thread();
+    cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, (int)count, columns, (int)n, 1, vectors, (int)n, column,
+                (int)n, 0, out, (int)count);
+}
+
 sp_status sp_orthogonality(int64_t n, int64_t count, const double *vectors, double *largest, sp_error *err) {
     const int64_t block = 64;
     double *product = sp_alloc((size_t)(block * count), sizeof *product), most = 0;

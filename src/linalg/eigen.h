@@ -21,6 +21,8 @@ sp_status sp_tridiagonal_values(const sp_tridiagonal *t, double *w, sp_error *er
 /* Orthonormal eigenvectors of the `count` lowest, [count][n]. */
 sp_status sp_tridiagonal_vectors(const sp_tridiagonal *t, int64_t count, double *vectors, sp_error *err);
 
+/* out[c][v] = column c . vector v, for columns [columns][n] and vectors [count][n]. */
+void sp_project(int64_t n, int64_t count, const double *vectors, int columns, const double *column, double *out);
 /* Largest |x . y - (same vector)| over all pairs of `count` vectors of length n, [count][n]. */
 sp_status sp_orthogonality(int64_t n, int64_t count, const double *vectors, double *largest, sp_error *err);
 

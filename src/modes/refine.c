@@ -6,7 +6,7 @@
 #include <math.h>
 
 /* Vectors of unresolved eigenvalues up to this many are looked at pair by pair. */
-enum { CLUSTER_MAX = 12 };
+enum { CLUSTER_MAX = 32 };
 
 double sp_lapack_error(const sp_network *net) {
     const double omega = sp_network_omega_bound(net);
@@ -86,31 +86,42 @@ static void bound_cluster(const sp_network *net, const double *vectors, const cl
         ritz[m].error += bound;
 }
 
-sp_status sp_modes_refine(const sp_network *net, const double *values, int64_t count, const double *vectors,
-                          sp_ritz *ritz, sp_error *err) {
-    const int64_t n = sp_network_dofs(net);
-    const double blur = 2 * sp_lapack_error(net);
+/* The gap between a cluster and all other eigenvalues. */
+static double gap_of(const sp_network *net, const sp_refine_set *set, const double *values, double blur,
+                     const cluster *c) {
+    const double low = c->first > 0 ? values[c->first - 1] : set->below,
+                 high = c->last + 1 < set->count ? values[c->last + 1] : set->above;
+    const double gap = fmin(values[c->first] - low, high - values[c->last]) - blur;
+    return isfinite(gap) ? gap : sp_network_omega_bound(net) * sp_network_omega_bound(net); /* nothing else is there */
+}
+
+sp_status sp_modes_refine(const sp_network *net, const sp_refine_set *set, sp_ritz *ritz, sp_error *err) {
+    const int64_t n = sp_network_dofs(net), count = set->count;
+    double blur = set->blur;
     scratch s = {sp_alloc((size_t)n, sizeof(double)), sp_alloc((size_t)n, sizeof(double))};
+    double *values = sp_alloc((size_t)count, sizeof *values);
     sp_status status = SP_OK;
-    if (!s.u || !s.ku) {
-        status = sp_fail_memory(err, 2 * (size_t)n * sizeof(double));
+    if (!s.u || !s.ku || !values) {
+        status = sp_fail_memory(err, (2 * (size_t)n + (size_t)count) * sizeof(double));
         goto out;
     }
-    for (int64_t m = 0; m < count; m++)
-        rayleigh(net, vectors + m * n, s, &ritz[m]);
+    for (int64_t m = 0; m < count; m++) {
+        rayleigh(net, set->vectors + m * n, s, &ritz[m]);
+        values[m] = set->values ? set->values[m] : ritz[m].lambda;
+        if (!set->values)
+            blur = fmax(blur, set->blur + ritz[m].residual);
+    }
     for (int64_t first = 0, last; first < count; first = last + 1) {
-        for (last = first; last + 1 < count && values[last + 1] - values[last] <= 4 * blur; last++)
+        for (last = first; last + 1 < count &&
+                           values[last + 1] - values[last] <= fmax(4 * blur, set->cluster * fabs(values[last + 1]));
+             last++)
             ;
-        double gap = HUGE_VAL;
-        if (first > 0)
-            gap = values[first] - values[first - 1] - blur;
-        if (last + 1 < n)
-            gap = fmin(gap, values[last + 1] - values[last] - blur);
-        if (n == last - first + 1) /* nothing else is there */
-            gap = sp_network_omega_bound(net) * sp_network_omega_bound(net);
-        bound_cluster(net, vectors, &(cluster){first, last, gap}, s, ritz);
+        cluster c = {first, last, 0};
+        c.gap = gap_of(net, set, values, blur, &c);
+        bound_cluster(net, set->vectors, &c, s, ritz);
     }
 out:
+    sp_free(values);
     sp_free(s.ku);
     sp_free(s.u);
     return status;

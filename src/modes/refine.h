@@ -15,9 +15,19 @@ typedef struct sp_ritz {
 /* How far LAPACK's eigenvalues of A = M^-1/2 K M^-1/2 may be off. */
 double sp_lapack_error(const sp_network *net);
 
-/* values: all n of LAPACK, ascending; vectors: the lowest `count`, [count][n], mass weighted and orthonormal. Fills
- * ritz [count], in the order of the vectors. */
-sp_status sp_modes_refine(const sp_network *net, const double *values, int64_t count, const double *vectors,
-                          sp_ritz *ritz, sp_error *err);
+/* Vectors of which every eigenvalue's error is to be bounded. */
+typedef struct sp_refine_set {
+    int64_t count;
+    const double *vectors; /* [count][n], mass weighted and orthonormal */
+    const double *values;  /* [count] ascending, right to `blur`; NULL: the Rayleigh quotients are that, the larger of
+                              the  residuals added to the blur */
+    double blur;
+    double cluster;      /* eigenvalues nearer than this, relative to themselves, are looked at together; beside those
+                            that the blur does not resolve */
+    double below, above; /* no other eigenvalue of A lies between these; infinite where nothing is there */
+} sp_refine_set;
+
+/* Fills ritz [count], in the order of the vectors. */
+sp_status sp_modes_refine(const sp_network *net, const sp_refine_set *set, sp_ritz *ritz, sp_error *err);
 
 #endif

@@ -1,9 +1,7 @@
-/* K as a sparse matrix, and the bound of the spectrum that its entries give. */
+/* K as a sparse matrix. */
 #include "base/base.h"
-#include "network/bound.h"
 #include "network/rows.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 void sp_sparse_free(sp_sparse *a) {
@@ -127,58 +125,5 @@ out:
         *out = m;
     else
         sp_sparse_free(&m);
-    return status;
-}
-
-/* Perron and Frobenius: the spectral radius of A = M^-1/2 K M^-1/2 is at most that of |A|, which is at most
- * max (|A| v)_i / v_i for every v > 0 (Collatz and Wielandt). Here with v = M^1/2 w, w improved by power steps, the
- * smallest of their maxima taken. Values: K's entries made absolute. */
-static double collatz_wielandt(const sp_sparse *m, const double *mass, double *w, double *next) {
-    double best = HUGE_VAL;
-    for (int64_t k = 0; k < m->n; k++)
-        w[k] = 1 / sqrt(mass[k]);
-    for (int step = 0; step < 16; step++) {
-        double largest = 0;
-        for (int64_t k = 0; k < m->n; k++)
-            next[k] = 0;
-        for (int64_t c = 0; c < m->n; c++) {
-            double sum = m->x[m->p[c]] * w[c];
-            for (int64_t k = m->p[c] + 1; k < m->p[c + 1]; k++) {
-                next[m->i[k]] += m->x[k] * w[c];
-                sum += m->x[k] * w[m->i[k]];
-            }
-            next[c] += sum;
-        }
-        for (int64_t k = 0; k < m->n; k++) {
-            next[k] /= mass[k];
-            largest = fmax(largest, next[k] / w[k]);
-        }
-        best = fmin(best, largest);
-        for (int64_t k = 0; k < m->n; k++) /* the old part keeps every entry positive */
-            w[k] = next[k] / largest + 0.05 * w[k];
-    }
-    return best;
-}
-
-sp_status sp_network_find_bound(const sp_network *net, double *omega, sp_error *err) {
-    sp_sparse m = {0};
-    double *w = NULL, *next = NULL;
-    sp_status status = sp_network_assemble(net, &m, err);
-    if (status != SP_OK)
-        return status;
-    w = sp_alloc((size_t)m.n, sizeof *w);
-    next = sp_alloc((size_t)m.n, sizeof *next);
-    if (!w || !next) {
-        status = sp_fail_memory(err, (size_t)m.n * 16);
-        goto out;
-    }
-    for (int64_t k = 0; k < m.p[m.n]; k++)
-        m.x[k] = fabs(m.x[k]);
-    /* room for the rounding of sums of some tens of terms */
-    *omega = sqrt(collatz_wielandt(&m, net->mass, w, next)) * (1 + 1e-13);
-out:
-    sp_free(next);
-    sp_free(w);
-    sp_sparse_free(&m);
     return status;
 }

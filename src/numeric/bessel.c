@@ -4,6 +4,7 @@
 #include "numeric/bessel.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The recurrence starts with this. From it values grow by less than 1e165 (x >= TINY), and neither they nor their
  * squares leave the range of double. */
@@ -11,12 +12,34 @@
 /* Below this argument two terms of the power series are exact. */
 #define TINY 1e-4
 
-/* Arguments are taken LANES at a time: independent chains, CHAINS vectors of two, hide the latency of each. */
-enum { CHAINS = 2, LANES = 2 * CHAINS };
-typedef double pair __attribute__((vector_size(16)));
+/* Arguments are taken LANES at a time: independent chains, CHAINS vectors of WIDTH, hide the latency of each. */
+enum { WIDTH = 8, CHAINS = 2, LANES = WIDTH * CHAINS };
+typedef double v8 __attribute__((vector_size(8 * WIDTH)));
+
+/* One binary that uses the vector units of the machine it runs on, with the same bits on all. Sanitizers and clang
+ * cannot resolve the clones. */
+#if defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&     \
+    defined(__x86_64__)
+#define CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#else
+#define CLONES
+#endif
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+
+/* The cube root to 1e-4: a third of the exponent, and two steps of Newton's. */
+static double cube_root(double x) {
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    bits = bits / 3 + UINT64_C(0x2a9f7893782da1ce);
+    double root;
+    memcpy(&root, &bits, sizeof root);
+    for (int k = 0; k < 2; k++)
+        root -= (root - x / (root * root)) / 3;
+    return root;
+}
 
 int64_t sp_bessel_orders(double x) {
-    const int64_t order = (int64_t)(x + 30 + 15 * cbrt(x));
+    const int64_t order = (int64_t)(x + 30 + 15 * cube_root(x));
     return order + order % 2;
 }
 
@@ -31,11 +54,11 @@ static void tiny_j(double x, int64_t n, double *j) {
     }
 }
 
-static double tiny_series(int64_t n, const double *c, int parity, double x) {
+static double tiny_series(int64_t n, int64_t columns, const double *c, int parity, double x) {
     double power = 1, sum = 0;
     for (int64_t m = 0; m < 2 * n && power > 0; m++) {
         if (m % 2 == parity)
-            sum += c[m / 2] * first_terms(x, power, m);
+            sum += c[m / 2 * columns] * first_terms(x, power, m);
         power *= 0.5 * x / (double)(m + 1);
     }
     return sum;
@@ -67,79 +90,165 @@ void sp_bessel_j(double x, int64_t n, double *j) {
         j[k] *= scale;
 }
 
-/* Two recurrences at an even order: here = J_m, above = J_(m+1), up to normalisation. 2/x in two parts, the first so
- * short that its products with orders are exact: a rounded 2/x would shift the argument. */
+/* Recurrences at an even order: here = J_m, above = J_(m+1), up to normalisation. 2/x in two parts, the first so short
+ * that its products with orders are exact: a rounded 2/x would shift the argument. */
 typedef struct recurrence {
-    pair here, above, even, squares, series, high, low;
+    v8 here[CHAINS], above[CHAINS], even[CHAINS], squares[CHAINS], series[CHAINS], high[CHAINS], low[CHAINS];
 } recurrence;
 
-/* One order down: J_(m-1) from here = J_m and above = J_(m+1), in place of above. */
-static inline void step_down(const recurrence *r, int64_t m, const pair *here, pair *above) {
-    const double order = (double)m;
-    *above = (order * r->high + order * r->low) * *here - *above;
-}
+/* What is done with the values: summed with coefficients, or kept as rows of a table. */
+typedef struct purpose {
+    int64_t n;
+    int parity;
+    const double *c; /* [n], or NULL */
+    double *table;   /* [n][LANES], or NULL */
+} purpose;
 
-/* From even order m down to even order `stop`. */
-static inline __attribute__((always_inline)) void descend(recurrence *out, int64_t m, int64_t stop, int64_t n,
-                                                          const double *c, int parity) {
-    recurrence r[CHAINS];
-    for (int q = 0; q < CHAINS; q++)
-        r[q] = out[q];
-    for (; m > stop; m -= 2) {
-        const int64_t k = m / 2; /* J_2k is here, J_(2k-1) is next */
-        const double even = parity == 0 && k < n ? c[k] : 0, odd = parity == 1 && k <= n ? c[k - 1] : 0;
-        for (int q = 0; q < CHAINS; q++) {
-            r[q].even += r[q].here;
-            r[q].squares += r[q].here * r[q].here;
-            if (parity == 0)
-                r[q].series += even * r[q].here;
-            step_down(&r[q], m, &r[q].here, &r[q].above);
-            r[q].squares += r[q].above * r[q].above;
-            if (parity == 1)
-                r[q].series += odd * r[q].above;
-            step_down(&r[q], m - 1, &r[q].above, &r[q].here);
-        }
+static ALWAYS_INLINE void take(const purpose *p, int64_t k, const v8 *value, v8 *series) {
+    if (k < 0 || k >= p->n)
+        return;
+    for (int q = 0; q < CHAINS; q++) {
+        if (p->c)
+            series[q] += p->c[k] * value[q];
+        else
+            *(v8 *)(p->table + k * LANES + q * WIDTH) = value[q];
     }
-    for (int q = 0; q < CHAINS; q++)
-        out[q] = r[q];
 }
 
-static void group_series(int64_t n, const double *c, int parity, const double *x, double *f) {
-    recurrence r[CHAINS] = {0};
+/* From even order m down to even order `stop`. Locals: the compiler keeps them in registers. */
+static ALWAYS_INLINE void descend(recurrence *r, int64_t m, int64_t stop, int parity, const purpose *p) {
+    v8 here[CHAINS], above[CHAINS], even[CHAINS], squares[CHAINS], series[CHAINS];
+    for (int q = 0; q < CHAINS; q++) {
+        here[q] = r->here[q];
+        above[q] = r->above[q];
+        even[q] = r->even[q];
+        squares[q] = r->squares[q];
+        series[q] = r->series[q];
+    }
+    for (; m > stop; m -= 2) {
+        const double order = (double)m, next = (double)(m - 1);
+        if (parity == 0)
+            take(p, m / 2, here, series);
+        for (int q = 0; q < CHAINS; q++) {
+            even[q] += here[q];
+            squares[q] += here[q] * here[q];
+            above[q] = (order * r->high[q] + order * r->low[q]) * here[q] - above[q];
+            squares[q] += above[q] * above[q];
+        }
+        if (parity == 1)
+            take(p, m / 2 - 1, above, series);
+        for (int q = 0; q < CHAINS; q++)
+            here[q] = (next * r->high[q] + next * r->low[q]) * above[q] - here[q];
+    }
+    for (int q = 0; q < CHAINS; q++) {
+        r->here[q] = here[q];
+        r->above[q] = above[q];
+        r->even[q] = even[q];
+        r->squares[q] = squares[q];
+        r->series[q] = series[q];
+    }
+}
+
+/* The recurrences of a group of arguments down to J_0, and by what their values are to be divided. */
+static ALWAYS_INLINE void run_group(const double *x, const purpose *p, recurrence *r, double *norm) {
     int64_t start[LANES];
+    *r = (recurrence){0};
     for (int l = 0; l < LANES; l++) {
         const double high = (float)(2 / x[l]), head = (float)x[l]; /* 24 bits each: high x head is exact */
         start[l] = sp_bessel_orders(x[l]);
-        r[l / 2].high[l % 2] = high;
-        r[l / 2].low[l % 2] = ((2 - high * head) - high * (x[l] - head)) / x[l];
+        r->high[l / WIDTH][l % WIDTH] = high;
+        r->low[l / WIDTH][l % WIDTH] = ((2 - high * head) - high * (x[l] - head)) / x[l];
     }
     for (int l = LANES - 1; l >= 0; l--) { /* a lane is 0 until its own starting order */
-        r[l / 2].here[l % 2] = START;
+        r->here[l / WIDTH][l % WIDTH] = START;
         const int64_t stop = l > 0 ? start[l - 1] : 0;
-        if (parity == 0)
-            descend(r, start[l], stop, n, c, 0);
+        if (p->parity == 0)
+            descend(r, start[l], stop, 0, p);
         else
-            descend(r, start[l], stop, n, c, 1);
+            descend(r, start[l], stop, 1, p);
     }
+    if (p->parity == 0)
+        take(p, 0, r->here, r->series);
     for (int l = 0; l < LANES; l++) {
-        const recurrence *s = &r[l / 2];
-        const double j0 = s->here[l % 2], norm = sqrt(j0 * j0 + 2 * s->squares[l % 2]);
-        const double sum = s->series[l % 2] + (parity == 0 && n > 0 ? c[0] * j0 : 0);
-        f[l] = sum / copysign(norm, j0 + 2 * s->even[l % 2]);
+        const double j0 = r->here[l / WIDTH][l % WIDTH], squares = r->squares[l / WIDTH][l % WIDTH];
+        norm[l] = copysign(sqrt(j0 * j0 + 2 * squares), j0 + 2 * r->even[l / WIDTH][l % WIDTH]);
     }
 }
 
+CLONES static void group_series(const double *x, const purpose *p, double *f) {
+    recurrence r;
+    double norm[LANES];
+    run_group(x, p, &r, norm);
+    for (int l = 0; l < LANES; l++)
+        f[l] = r.series[l / WIDTH][l % WIDTH] / norm[l];
+}
+
+/* Sums over rows 0 .. n-1 of the table for `columns` series at once, c[k][columns], f[columns][LANES]. */
+static ALWAYS_INLINE void table_sums(int64_t n, int64_t columns, int many, const double *c, const double *table,
+                                     const double *norm, double *f) {
+    enum { MOST = 4 };
+    v8 sum[MOST][CHAINS] = {0};
+    for (int64_t k = n - 1; k >= 0; k--) /* small ones first, as in a single series */
+        for (int q = 0; q < CHAINS; q++) {
+            const v8 value = *(const v8 *)(table + k * LANES + q * WIDTH);
+            for (int s = 0; s < many; s++)
+                sum[s][q] += c[k * columns + s] * value;
+        }
+    for (int s = 0; s < many; s++)
+        for (int l = 0; l < LANES; l++)
+            f[s * LANES + l] = sum[s][l / WIDTH][l % WIDTH] / norm[l];
+}
+
+CLONES static void group_series_many(const double *x, int64_t columns, const double *c, const purpose *p, double *f) {
+    recurrence r;
+    double norm[LANES];
+    run_group(x, p, &r, norm);
+    const int64_t reached = sp_bessel_orders(x[LANES - 1]) / 2 + (p->parity == 0), n = reached < p->n ? reached : p->n;
+    int64_t s = 0;
+    for (; s + 4 <= columns; s += 4)
+        table_sums(n, columns, 4, c + s, p->table, norm, f + s * LANES);
+    for (; s < columns; s++)
+        table_sums(n, columns, 1, c + s, p->table, norm, f + s * LANES);
+}
+
+/* The next LANES arguments; a last group is filled up with its last argument. Returns how many are there. */
+static int64_t take_group(int64_t count, const double *x, double *at) {
+    const int64_t many = count < LANES ? count : LANES;
+    for (int64_t l = 0; l < LANES; l++)
+        at[l] = x[l < many ? l : many - 1];
+    return many;
+}
+
 void sp_bessel_series(int64_t n, const double *c, int parity, int64_t count, const double *x, double *f) {
-    int64_t first = 0;
+    const purpose p = {.n = n, .parity = parity, .c = c};
+    int64_t first = 0, many;
     for (; first < count && x[first] < TINY; first++)
-        f[first] = tiny_series(n, c, parity, x[first]);
-    for (; first < count; first += LANES) {
-        const int64_t many = count - first < LANES ? count - first : LANES;
+        f[first] = tiny_series(n, 1, c, parity, x[first]);
+    for (; first < count; first += many) {
         double at[LANES], value[LANES];
-        for (int l = 0; l < LANES; l++) /* a last group is filled up with its last argument */
-            at[l] = x[first + (l < many ? l : many - 1)];
-        group_series(n, c, parity, at, value);
+        many = take_group(count - first, x + first, at);
+        group_series(at, &p, value);
         for (int64_t l = 0; l < many; l++)
             f[first + l] = value[l];
+    }
+}
+
+int64_t sp_bessel_room(int64_t n, int64_t columns) { return LANES * (n + columns); }
+
+void sp_bessel_series_many(int64_t n, int64_t columns, const double *c, int parity, int64_t count, const double *x,
+                           double *f, int64_t stride, double *room) {
+    const purpose p = {.n = n, .parity = parity, .table = room};
+    double *value = room + LANES * n;
+    int64_t first = 0, many;
+    for (; first < count && x[first] < TINY; first++)
+        for (int64_t s = 0; s < columns; s++)
+            f[s * stride + first] = tiny_series(n, columns, c + s, parity, x[first]);
+    for (; first < count; first += many) {
+        double at[LANES];
+        many = take_group(count - first, x + first, at);
+        group_series_many(at, columns, c, &p, value);
+        for (int64_t s = 0; s < columns; s++)
+            for (int64_t l = 0; l < many; l++)
+                f[s * stride + first + l] = value[s * LANES + l];
     }
 }

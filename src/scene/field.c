@@ -22,7 +22,9 @@ static const sp_word compressions[] = {
 static const sp_word protocols[] = {
     {"default", SP_PROTOCOL_DEFAULT}, {"somfai2005", SP_PROTOCOL_SOMFAI2005}, {NULL, 0}};
 static const sp_word methods[] = {
-    {"auto", SP_SIGNAL_AUTO}, {"chebyshev", SP_SIGNAL_CHEBYSHEV}, {"dense", SP_SIGNAL_DENSE}, {NULL, 0}};
+    {"auto", SP_SIGNAL_AUTO},     {"chebyshev", SP_SIGNAL_CHEBYSHEV},       {"dense", SP_SIGNAL_DENSE},
+    {"verlet", SP_SIGNAL_VERLET}, {"lax-wendroff", SP_SIGNAL_LAX_WENDROFF}, {"faber", SP_SIGNAL_FABER},
+    {"sparse", SP_SIGNAL_SPARSE}, {"dynamics", SP_SIGNAL_DYNAMICS},         {NULL, 0}};
 static const sp_word sources[] = {{"impulse", SP_SOURCE_IMPULSE},
                                   {"velocity", SP_SOURCE_VELOCITY},
                                   {"displacement", SP_SOURCE_DISPLACEMENT},

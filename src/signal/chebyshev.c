@@ -1,255 +1,216 @@
 #include "signal/chebyshev.h"
 #include "base/base.h"
-#include "network/kernel.h"
-#include "numeric/bessel.h"
 #include "signal/job.h"
 
-#include <float.h>
 #include <math.h>
+#include <sonopack/front.h>
+#include <string.h>
 
-typedef double pair __attribute__((vector_size(16)));
-typedef pair pair_memory __attribute__((may_alias));
-typedef int64_t bits __attribute__((vector_size(16)));
+/* Moments beyond what fits any machine's patience and memory; times summed at once; parts of the time in which a front
+ * is looked for. */
+enum { TERMS_MAX = 20000000, TIMES = 4096, PARTS = 48 };
 
-static inline pair absolute(pair x) { return (pair)((bits)x & (bits){INT64_MAX, INT64_MAX}); }
+/* Sources or detectors, as rows in the operator's order. */
+typedef struct places {
+    int32_t n;
+    sparse_row *row;
+    int64_t *at;
+    double *value;
+} places;
 
-void sp_expansion_free(sp_expansion *e) {
-    sp_free(e->mu);
-    sp_free(e->size);
-    *e = (sp_expansion){0};
+static void places_free(places *p) {
+    sp_free(p->row);
+    sp_free(p->at);
+    sp_free(p->value);
 }
 
-/* Weight of |J_(2k+1)| or |J_2k| in the tail: |b^T W_k a| <= (2k+1) |a||b|, |b^T T_k a| <= |a||b|. */
-static double weight(bool velocity, int64_t k) { return velocity ? 2 * (double)k + 1 : 1; }
-
-/* Rounding: see rounding(). */
-#define MOMENT_ROUNDING 5.0
-#define PHASE_ROUNDING  5.0
-
-/* J_(2k+1) or J_2k at x for k < *n, all that are not negligible there. Above x they fall with the order and rise with
- * x, so the last time has the largest tail. */
-static sp_status bessel_terms(double x, bool velocity, int64_t *n, double **j, sp_error *err) {
-    const int64_t orders = sp_bessel_orders(x);
-    double *all = sp_alloc((size_t)orders, sizeof *all);
-    if (!all)
-        return sp_fail_memory(err, (size_t)orders * sizeof *all);
-    sp_bessel_j(x, orders, all);
-    *n = orders / 2;
-    for (int64_t k = 0; k < *n; k++)
-        all[k] = all[2 * k + velocity];
-    *j = all;
-    return SP_OK;
-}
-
-sp_status sp_expansion_terms(double omega, double until, bool velocity, double tail, int64_t *terms, sp_error *err) {
-    double *j = NULL, sum = 0;
-    int64_t n = 0;
-    sp_status status = bessel_terms(omega * until, velocity, &n, &j, err);
-    if (status != SP_OK)
-        return status;
-    while (n > 1) {
-        sum += weight(velocity, n - 1) * fabs(j[n - 1]);
-        if (sum > tail)
-            break;
-        n--;
-    }
-    sp_free(j);
-    *terms = n;
-    return SP_OK;
-}
-
-/* Two vectors, interleaved by degree of freedom: a-side (from the source, U_k = W_k a or T_k a) and b-side (from the
- * detector, T_k b), as displacements. */
-typedef struct state {
-    int64_t dofs;
-    double *u, *v, *force; /* [dofs][2]: U_k, U_k - U_(k-1), K U_k */
-    double *step;          /* [dofs] 4/(Omega^2 m) */
-    const double *mass;    /* [dofs] */
-} state;
-
-/* Moments of one step: b_(k+1) . a_k and b_(k+1) . a_(k+1), and the same with absolute values. */
-typedef struct products {
-    pair dot, size;
-} products;
-
-/* One step of both recurrences, U_(k+1) = U_k + V_(k+1), V_(k+1) = V_k - (4/Omega^2) M^-1 K U_k: the three-term
- * recurrence of T and W in the form that keeps rounding small. Clears the forces. */
-static products advance(const state *s, pair factor) {
-    enum { WAYS = 4 }; /* independent sums, added in a fixed order */
-    pair dot[WAYS] = {{0, 0}}, size[WAYS] = {{0, 0}};
-    pair_memory *restrict u = (pair_memory *)s->u, *restrict v = (pair_memory *)s->v;
-    pair_memory *restrict force = (pair_memory *)s->force;
-    const double *restrict mass = s->mass, *restrict step = s->step;
-    for (int64_t k = 0; k < s->dofs; k += WAYS) {
-        const int many = s->dofs - k < WAYS ? (int)(s->dofs - k) : WAYS;
-        for (int q = 0; q < many; q++) {
-            const pair old = u[k + q], push = v[k + q] - (factor * step[k + q]) * force[k + q], now = old + push;
-            const pair product = (mass[k + q] * now[1]) * (pair){old[0], now[0]};
-            force[k + q] = (pair){0, 0};
-            v[k + q] = push;
-            u[k + q] = now;
-            dot[q] += product;
-            size[q] += absolute(product);
+/* mass: what displacements are multiplied with to be like forces, or NULL. */
+static sp_status places_make(const sp_operator *op, const signal_rows *from, const double *mass, places *out,
+                             sp_error *err) {
+    const size_t count = (size_t)from->first[from->n];
+    out->n = from->n;
+    out->row = sp_alloc((size_t)from->n, sizeof *out->row);
+    out->at = sp_alloc(count, sizeof *out->at);
+    out->value = sp_alloc(count, sizeof *out->value);
+    if (!out->row || !out->at || !out->value)
+        return sp_fail_memory(err, count * 16);
+    for (int32_t q = 0; q < from->n; q++) {
+        const int64_t first = from->first[q];
+        out->row[q] = (sparse_row){from->first[q + 1] - first, out->at + first, out->value + first};
+        for (int64_t k = first; k < from->first[q + 1]; k++) {
+            const int64_t dof = from->dof[k], row = op->row_of[dof / op->dof], a = dof % op->dof;
+            out->at[k] = row * op->row + 2 * a;
+            out->value[k] = from->value[k] * (mass ? mass[dof] : 1) / op->scale[row * op->dof + a];
         }
     }
-    return (products){(dot[0] + dot[1]) + (dot[2] + dot[3]), (size[0] + size[1]) + (size[2] + size[3])};
-}
-
-/* Squares of the norms |a-side|, |b-side| with the mass. */
-static pair squares(const state *s) {
-    pair sum = {0, 0};
-    for (int64_t k = 0; k < s->dofs; k++) {
-        const pair x = ((const pair_memory *)s->u)[k];
-        sum += s->mass[k] * (x * x);
-    }
-    return sum;
-}
-
-static void state_free(state *s) {
-    sp_free(s->u);
-    sp_free(s->v);
-    sp_free(s->force);
-    sp_free(s->step);
-}
-
-static sp_status state_make(const sp_network *net, const double *sent, const double *seen, bool velocity, double omega,
-                            state *s, sp_error *err) {
-    const size_t dofs = (size_t)sp_network_dofs(net);
-    *s = (state){.dofs = (int64_t)dofs, .mass = net->mass};
-    s->u = sp_alloc(2 * dofs, sizeof *s->u);
-    s->v = sp_alloc(2 * dofs, sizeof *s->v);
-    s->force = sp_alloc(2 * dofs, sizeof *s->force);
-    s->step = sp_alloc(dofs, sizeof *s->step);
-    if (!s->u || !s->v || !s->force || !s->step)
-        return sp_fail_memory(err, 7 * dofs * sizeof(double));
-    for (size_t k = 0; k < dofs; k++) {
-        s->u[2 * k] = velocity ? sent[k] / net->mass[k] : sent[k];
-        s->u[2 * k + 1] = seen[k] / net->mass[k];
-        /* W_(-1) = -1; T_(-1) = T_1 is met by half a first step */
-        s->v[2 * k] = velocity ? 2 * s->u[2 * k] : 0;
-        s->step[k] = 4 / (omega * omega * net->mass[k]);
-    }
     return SP_OK;
 }
 
-/* Both sides are carried half the way only, for b^T T_m W_k a = 1/2 b^T (W_(k+m) + W_(k-m)) a, W_(-k-1) = -W_k, and
- * T_m T_k = 1/2 (T_(k+m) + T_|k-m|). */
-static void find_moments(const sp_network *net, state *s, sp_expansion *e) {
-    const pair first = squares(s);
-    e->reach = sqrt(first[0]) * sqrt(first[1]);
-    for (int64_t k = 0; k < s->dofs; k++) {
-        const double term = s->mass[k] * s->u[2 * k] * s->u[2 * k + 1];
-        e->mu[0] += term;
-        e->size[0] += fabs(term);
-    }
-    int64_t k = 0;
-    for (; 2 * k + 1 < e->n; k++) {
-        pair factor = {1, 1};
-        if (k == 0)
-            factor = (pair){e->velocity ? 1 : 0.5, 0.5};
-        sp_network_add_pair(net, s->u, s->force);
-        const products p = advance(s, factor);
-        double back = e->velocity ? e->mu[0] : -e->mu[1];
-        if (k == 0)
-            back = e->velocity ? e->mu[0] : -p.dot[0];
-        e->mu[2 * k + 1] = 2 * p.dot[0] + back;
-        e->size[2 * k + 1] = 2 * p.size[0];
-        if (2 * k + 2 < e->n) {
-            e->mu[2 * k + 2] = 2 * p.dot[1] - e->mu[0];
-            e->size[2 * k + 2] = 2 * p.size[1];
-        }
-    }
-    if (!e->velocity)
-        e->mu[0] *= 0.5;
-    const pair last = squares(s);
-    const double growth = weight(e->velocity, k) * 1.0001;
-    e->bounded = last[0] <= growth * growth * first[0] && last[1] <= 1.0002 * first[1];
+/* All passes of a signal. Sources are carried, or detectors if they are fewer, two in a pass. */
+typedef struct passes {
+    const signal_job *job;
+    sp_operator op;
+    places from, to;
+    bool doubled, turned; /* turned: detectors are carried */
+    int32_t n;
+    int64_t terms;
+    double omega;
+    pass *pass;         /* [n] */
+    double *f, *errors; /* of one pass, [columns][TIMES] and [columns] */
+} passes;
+
+static void passes_free(passes *a) {
+    for (int32_t q = 0; a->pass && q < a->n; q++)
+        pass_free(&a->pass[q]);
+    sp_free(a->pass);
+    sp_free(a->f);
+    sp_free(a->errors);
+    places_free(&a->from);
+    places_free(&a->to);
+    sp_operator_free(&a->op);
 }
 
-sp_status sp_expansion_make(const sp_network *net, const double *sent, const double *seen, bool velocity, double omega,
-                            int64_t terms, sp_expansion *out, sp_error *err) {
-    sp_expansion e = {.n = terms, .omega = omega, .velocity = velocity};
-    state s = {0};
-    sp_status status = state_make(net, sent, seen, velocity, omega, &s, err);
-    if (status != SP_OK)
-        goto out;
-    e.mu = sp_alloc((size_t)terms, sizeof *e.mu);
-    e.size = sp_alloc((size_t)terms, sizeof *e.size);
-    if (!e.mu || !e.size) {
-        status = sp_fail_memory(err, 2 * (size_t)terms * sizeof *e.mu);
-        goto out;
-    }
-    find_moments(net, &s, &e);
-out:
-    state_free(&s);
+static sp_status passes_make(const signal_job *job, double omega, int64_t terms, passes *a, sp_error *err) {
+    *a = (passes){.job = job, .omega = omega, .terms = terms};
+    a->doubled = job->sources == 1 && job->detectors == 1;
+    a->turned = job->detectors < job->sources;
+    const int32_t carried = a->turned ? job->detectors : job->sources, seen = a->turned ? job->sources : job->detectors;
+    a->n = (carried + 1) / 2;
+    sp_status status = sp_operator_make(job->net, &a->op, err);
     if (status == SP_OK)
-        *out = e;
-    else
-        sp_expansion_free(&e);
-    return status;
-}
-
-/* Rounding, as it adds up: moment k carries the independent errors of some k/2 steps, each a few DBL_EPSILON of its
- * terms; Omega t is known to DBL_EPSILON of itself. The factors leave room for 5 times what is seen. */
-static double rounding(const sp_expansion *e, double x, int64_t n, const double *j) {
-    double moments = 0, signal = 0;
-    for (int64_t k = 0; k < n && k < e->n; k++) {
-        const double own = j[k] * e->size[k] * sqrt(1 + (double)k), term = j[k] * e->mu[k];
-        moments += own * own;
-        signal += term * term;
-    }
-    return DBL_EPSILON * (MOMENT_ROUNDING * sqrt(moments) + PHASE_ROUNDING * (1 + x) * sqrt(signal));
-}
-
-sp_status sp_expansion_sum(const sp_expansion *e, int32_t n, const double *t, double *f, double *error, sp_error *err) {
-    const double scale = e->velocity ? 2 / e->omega : 2, last = e->omega * t[n - 1];
-    double *x = NULL, *j = NULL, tail = 0;
-    int64_t terms = 0;
-    sp_status status = bessel_terms(last, e->velocity, &terms, &j, err);
+        status = places_make(&a->op, &job->from, job_moves(job) ? NULL : job->net->mass, &a->from, err);
+    if (status == SP_OK)
+        status = places_make(&a->op, &job->to, NULL, &a->to, err);
     if (status != SP_OK)
         return status;
-    x = sp_alloc((size_t)n, sizeof *x);
-    if (!x) {
-        status = sp_fail_memory(err, (size_t)n * sizeof *x);
-        goto out;
+    const size_t columns = (carried > 1 ? 2 : 1) * (size_t)seen;
+    a->pass = sp_alloc((size_t)a->n, sizeof *a->pass);
+    a->f = sp_alloc(columns, TIMES * sizeof *a->f);
+    a->errors = sp_alloc(columns, sizeof *a->errors);
+    return a->pass && a->f && a->errors ? SP_OK : sp_fail_memory(err, columns * TIMES * sizeof *a->f);
+}
+
+static sp_status begin_pass(passes *a, int32_t q, sp_error *err) {
+    const places *carried = a->turned ? &a->to : &a->from, *seen = a->turned ? &a->from : &a->to;
+    const pass_plan plan = {.op = &a->op,
+                            .mass = a->job->net->mass,
+                            .omega = a->omega,
+                            .threads = a->job->options->threads,
+                            .velocity = job_moves(a->job),
+                            .doubled = a->doubled,
+                            .terms = a->terms,
+                            .lanes = carried->n - 2 * q < 2 ? 1 : 2,
+                            .others = seen->n,
+                            .carried = carried->row + 2 * q,
+                            .seen = seen->row};
+    return pass_make(&plan, &a->pass[q], err);
+}
+
+/* Where column c of pass q goes. */
+static int64_t pair_of(const passes *a, int32_t q, int64_t c) {
+    const int32_t others = a->pass[q].others;
+    const int64_t carried = 2 * (int64_t)q + c / others, other = c % others;
+    return a->turned ? other * a->job->detectors + carried : carried * a->job->detectors + other;
+}
+
+/* What moments suffice for at times first .. end-1 into s. */
+static sp_status sum_pass(const passes *a, int32_t q, int32_t first, int32_t end, sp_signal *s, sp_error *err) {
+    const pass *p = &a->pass[q];
+    sp_status status = SP_OK;
+    for (int32_t at = first; at < end && status == SP_OK; at += TIMES) {
+        const int32_t count = end - at < TIMES ? end - at : TIMES;
+        status = sp_expansion_sum(p, a->omega, count, s->t + at, TIMES, a->f, a->errors, err);
+        for (int64_t c = 0; c < p->columns && status == SP_OK; c++) {
+            const int64_t to = pair_of(a, q, c);
+            memcpy(s->f + to * s->n + at, a->f + c * TIMES, (size_t)count * sizeof *s->f);
+            s->errors[to] = fmax(s->errors[to], a->errors[c]);
+        }
     }
-    for (int32_t l = 0; l < n; l++)
-        x[l] = e->omega * t[l];
-    sp_bessel_series(e->n, e->mu, e->velocity, n, x, f);
-    for (int32_t l = 0; l < n; l++)
-        f[l] *= scale;
-    for (int64_t k = e->n; k < terms; k++)
-        tail += weight(e->velocity, k) * fabs(j[k]);
-    tail += 2 * weight(e->velocity, terms) * fabs(j[terms - 1]); /* those left out as negligible */
-    *error = scale * (e->reach * tail + rounding(e, last, terms, j));
-out:
-    sp_free(x);
-    sp_free(j);
     return status;
 }
 
-/* Moments beyond what fits any machine's patience and memory. */
-enum { TERMS_MAX = 20000000 };
+/* At the end of a pass. */
+static sp_status end_pass(const passes *a, const pass *p, sp_signal *s, sp_error *err) {
+    s->products += (int32_t)(a->doubled ? p->n - 1 : p->lanes * (p->n - 1));
+    if (!pass_bounded(p))
+        return sp_fail(err, SP_EREFUSED, "the motion grows without bound: the network is unstable (prestress)");
+    return SP_OK;
+}
+
+static sp_status follow_all(passes *a, sp_signal *s, sp_error *err) {
+    sp_status status = SP_OK;
+    for (int32_t q = 0; q < a->n && status == SP_OK; q++) {
+        status = begin_pass(a, q, err);
+        if (status != SP_OK)
+            break;
+        pass_extend(&a->pass[q], a->terms);
+        status = end_pass(a, &a->pass[q], s, err);
+        if (status == SP_OK)
+            status = sum_pass(a, q, 0, s->n, s, err);
+        pass_free(&a->pass[q]);
+    }
+    return status;
+}
+
+/* ---- as far as the first front -------------------------------------------------------------------------------- */
+
+/* Whether every signal has its front, with its zero crossing, in the first n points. Before it arrives there is next to
+ * nothing, whose ripples are none. */
+static bool fronts_known(const passes *a, const sp_signal *s, int32_t n) {
+    const sp_front_options options = sp_front_options_default();
+    for (int64_t k = 0; k < (int64_t)s->sources * s->detectors; k++) {
+        sp_front front;
+        if (n < 3 || sp_front_find(n, s->t, s->f + k * s->n, &options, &front, NULL) != SP_OK)
+            return false;
+        const double hop = job_hop(a->job, (int32_t)(k / s->detectors), (int32_t)(k % s->detectors));
+        if (!(isfinite(front.t_zero) && front.amplitude > 1e-6 * hop))
+            return false;
+    }
+    return true;
+}
+
+static void shorten(sp_signal *s, int32_t n) {
+    for (int64_t k = 1; k < (int64_t)s->sources * s->detectors; k++)
+        memmove(s->f + k * n, s->f + k * s->n, (size_t)n * sizeof *s->f);
+    s->n = n;
+}
+
+static sp_status follow_front(passes *a, sp_signal *s, sp_error *err) {
+    const double tail = 1e-8 * a->job->options->tolerance;
+    sp_status status = SP_OK;
+    int32_t known = 0;
+    for (int32_t q = 0; q < a->n && status == SP_OK; q++)
+        status = begin_pass(a, q, err);
+    while (status == SP_OK && known < s->n && !fronts_known(a, s, known)) {
+        const int32_t more = s->n / PARTS > 8 ? s->n / PARTS : 8, end = s->n - known < more ? s->n : known + more;
+        int64_t terms;
+        status = sp_expansion_terms(a->omega, s->t[end - 1], job_moves(a->job), tail, &terms, err);
+        for (int32_t q = 0; q < a->n && status == SP_OK; q++) {
+            pass_extend(&a->pass[q], terms);
+            status = sum_pass(a, q, known, end, s, err);
+        }
+        known = end;
+    }
+    for (int32_t q = 0; q < a->n && status == SP_OK; q++)
+        status = end_pass(a, &a->pass[q], s, err);
+    if (status == SP_OK && known < s->n)
+        shorten(s, known);
+    return status;
+}
 
 sp_status sp_signal_by_chebyshev(const signal_job *job, sp_signal *s, sp_error *err) {
     const sp_signal_options *o = job->options;
     int64_t terms;
+    passes all;
     if (0.5 * s->omega_max * o->until > TERMS_MAX)
         return sp_fail(err, SP_EREFUSED, "until = %g needs %.3g matrix products, %d at the most; take the dense method",
                        o->until, 0.5 * s->omega_max * o->until, TERMS_MAX);
     sp_status status = sp_expansion_terms(s->omega_max, o->until, job_moves(job), 1e-8 * o->tolerance, &terms, err);
-    for (int32_t a = 0; a < s->sources; a++)
-        for (int32_t b = 0; b < s->detectors && status == SP_OK; b++) {
-            sp_expansion e = {0};
-            status = sp_expansion_make(job->net, job_source(job, a), job_detector(job, b), job_moves(job), s->omega_max,
-                                       terms, &e, err);
-            if (status == SP_OK && !e.bounded)
-                status =
-                    sp_fail(err, SP_EREFUSED, "the motion grows without bound: the network is unstable (prestress)");
-            if (status == SP_OK)
-                status = sp_expansion_sum(&e, s->n, s->t, signal_pair(s, a, b), &s->errors[a * s->detectors + b], err);
-            sp_expansion_free(&e);
-        }
-    s->products = (int32_t)(terms - 1);
+    if (status != SP_OK)
+        return status;
+    status = passes_make(job, s->omega_max, terms, &all, err);
+    if (status == SP_OK)
+        status = o->front ? follow_front(&all, s, err) : follow_all(&all, s, err);
+    passes_free(&all);
     return status;
 }

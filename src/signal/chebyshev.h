@@ -6,25 +6,14 @@
  * for momenta at t = 0, and for displacements
  *   F(t) = J_0 b^T a + 2 sum_(k>0) J_2k(Omega t) b^T T_k(X) a,   T_k = cos(k theta). */
 
-#include <sonopack/signal.h>
+#include "signal/pass.h"
 
-typedef struct sp_expansion {
-    int64_t n;     /* terms */
-    double omega;  /* Omega */
-    bool velocity; /* W_k, else T_k */
-    double *mu;    /* [n] b^T W_k a, or b^T T_k a with the zeroth halved */
-    double *size;  /* [n] the sum of the absolute values of its terms */
-    double reach;  /* |a| |b| */
-    bool bounded;  /* |T_k b| and |W_k a| stayed within their bounds: no frequency above Omega, none imaginary */
-} sp_expansion;
-
-/* Number of terms whose tail is at most `tail`, in units of 2 reach/Omega (or 2 reach), for times up to `until`. */
+/* Number of terms whose tail is at most `tail`, in units of 2 |a| |b|/Omega (or 2 |a| |b|), for times up to `until`. */
 sp_status sp_expansion_terms(double omega, double until, bool velocity, double tail, int64_t *terms, sp_error *err);
-/* sent: [dofs] momenta or, without velocity, displacements; seen: [dofs] the detector. */
-sp_status sp_expansion_make(const sp_network *net, const double *sent, const double *seen, bool velocity, double omega,
-                            int64_t terms, sp_expansion *out, sp_error *err);
-void sp_expansion_free(sp_expansion *e);
-/* F at n ascending times, and a bound of its error: the tail and rounding. */
-sp_status sp_expansion_sum(const sp_expansion *e, int32_t n, const double *t, double *f, double *error, sp_error *err);
+
+/* F of all columns of a pass at n ascending times, f[column * stride + l], and bounds of their errors: the tail and
+ * rounding. */
+sp_status sp_expansion_sum(const pass *p, double omega, int64_t n, const double *t, int64_t stride, double *f,
+                           double *errors, sp_error *err);
 
 #endif

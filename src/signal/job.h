@@ -4,13 +4,27 @@
 
 #include <sonopack/signal.h>
 
+/* Vectors over the dofs of the network, without what is 0 in them. */
+typedef struct signal_rows {
+    int32_t n;
+    int64_t *first; /* [n + 1] */
+    int64_t *dof;   /* [first[n]] */
+    double *value;
+    int64_t room;
+} signal_rows;
+
 typedef struct signal_job {
     const sp_network *net;
+    const sp_packing *packing; /* that the network was made of; NULL: not known */
     const sp_signal_options *options;
     int32_t sources, detectors;
-    double *sent; /* [sources][dofs] momenta, or displacements, at t = 0 */
-    double *seen; /* [detectors][dofs] */
+    signal_rows from, to; /* sources: momenta, or displacements, at t = 0; detectors */
+    double *sent, *seen;  /* the same, [sources][dofs] and [detectors][dofs]; NULL for methods that take sparse rows */
 } signal_job;
+
+/* dense: sent and seen are wanted. */
+sp_status job_make(const sp_network *net, const sp_signal_options *o, bool dense, signal_job *job, sp_error *err);
+void job_free(signal_job *job);
 
 /* The method fills s->f and s->errors, s->products, and s->omega_max if it knows better than the network's bound; t, n,
  * sources and detectors are given, f and errors are zero. */
@@ -28,7 +42,16 @@ static inline double *signal_pair(const sp_signal *s, int32_t source, int32_t de
 }
 static inline bool job_moves(const signal_job *job) { return job->options->source != SP_SOURCE_DISPLACEMENT; }
 
+/* |a||b|/Omega, or |a||b| for displacements: the scale of the signal of a single hop. */
+double job_hop(const signal_job *job, int32_t source, int32_t detector);
+
+sp_status sp_signal_by_verlet(const signal_job *job, sp_signal *s, sp_error *err);
+sp_status sp_signal_by_lax_wendroff(const signal_job *job, sp_signal *s, sp_error *err);
+sp_status sp_signal_by_faber(const signal_job *job, sp_signal *s, sp_error *err);
+sp_status sp_signal_by_dynamics(const signal_job *job, sp_signal *s, sp_error *err);
 sp_status sp_signal_by_chebyshev(const signal_job *job, sp_signal *s, sp_error *err);
+/* The sum over the lowest modes, with a bound of what the others contribute. */
+sp_status sp_signal_by_lowest_modes(const signal_job *job, sp_signal *s, sp_error *err);
 /* The sum over all modes of the dense solver, Eq. (3). */
 sp_status sp_signal_by_modes(const signal_job *job, sp_signal *s, sp_error *err);
 

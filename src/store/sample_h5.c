@@ -3,6 +3,7 @@
 #include "base/base.h"
 #include "store/packing_h5.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
@@ -175,7 +176,7 @@ static sp_status get_name(sp_h5 *h, char name[SP_NAME_MAX], sp_error *err) {
 }
 
 sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *err) {
-    sp_record r = {0};
+    sp_record r = {.sample.moduli = {.error11 = NAN, .error12 = NAN, .error22 = NAN, .error33 = NAN}}; /* not kept */
     if (!sp_h5_has(h, "/results/sample"))
         return sp_h5_fail(h, err, SP_EFORMAT, "no group /results/sample: not a sample of a store");
     sp_status status = get_name(h, r.sample.name, err);

@@ -5,7 +5,7 @@
 #include <sonopack/status.h>
 #include <stdint.h>
 
-enum { SP_SHEET_COLUMNS = 32 };
+enum { SP_SHEET_COLUMNS = 1024 };
 
 typedef struct sp_sheet {
     const char *file; /* for messages; belongs to the caller */

@@ -129,6 +129,8 @@ bool sp_word_unsigned(const char *word, uint64_t *out) {
 }
 
 sp_lines sp_lines_of(const char *file, char *text, size_t size) {
+    if (!text)
+        return (sp_lines){.file = file};
     size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     return (sp_lines){.file = file, .next = text + mark, .end = text + size};
 }

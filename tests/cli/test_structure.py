@@ -12,14 +12,14 @@ import sys
 import tempfile
 
 RANKS = {"base": 0, "numeric": 1, "linalg": 1, "scene": 2, "front": 2, "packing": 3, "column": 3, "network": 4,
-         "modes": 5, "elastic": 5, "signal": 6, "study": 7, "store": 8, "plot": 8, "cli": 9}
+         "modes": 5, "elastic": 5, "spectrum": 5, "signal": 6, "study": 7, "store": 8, "plot": 8, "cli": 9}
 # headers of other libraries, and the rooms that may see them
 FOREIGN = [(r"hdf5(_hl)?\.h|H5\w*\.h|zlib\.h", {"store"}),
            (r"(suitesparse/)?(cholmod|SuiteSparse\w*|amd|umfpack)\.h", {"linalg"}),
            (r"(lapacke|lapack|cblas|openblas\w*|f77blas)\.h|arpack/.*", {"linalg"}),
            (r"libconfig\.h", {"scene"}), (r"(cairo/)?cairo[\w-]*\.h", {"plot"}), (r"argp\.h|getopt\.h", {"cli"}),
            (r"gsl/.*|Random123/.*", {"numeric"})]
-LIBC = set("""assert ctype errno fcntl fenv float inttypes limits locale math pthread setjmp signal stdalign stdarg
+LIBC = set("""assert complex ctype errno fcntl fenv float inttypes limits locale math pthread setjmp signal stdalign stdarg
     stdatomic stdbool stddef stdint stdio stdlib string strings tgmath threads time unistd dirent ftw libgen sched
     """.split())
 # what only the command may do: speak, and end the process

@@ -273,8 +273,8 @@ static void test_refusals(void **state) {
     o.points = 1;
     assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "points = 1");
     o = good;
-    o.method = (sp_signal_method)7;
-    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "method 7");
+    o.method = (sp_signal_method)99;
+    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "method 99");
     o = good;
     o.source = (sp_source)7;
     assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "source 7");

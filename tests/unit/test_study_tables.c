@@ -27,7 +27,7 @@ static sp_sample made_up(double p, int grains, int seed, double offset) {
     s.front.amplitude = 1 / s.height;
     s.front.width = s.front.t_zero - s.front.t10;
     s.statics = (sp_statics){0.81, 0.55, 0.5, 3.2 + offset, 10, 1.2, 1.5, 2.8, 0.52, 0.56, 0.8};
-    s.moduli = (sp_moduli){1, 2, 3, 4, grains == 600 ? 0.2 + offset : 9, grains == 600 ? 0.1 : 9, 0};
+    s.moduli = (sp_moduli){1, 2, 3, 4, grains == 600 ? 0.2 + offset : 9, grains == 600 ? 0.1 : 9, 0, 0, 0, 0, 0};
     return s;
 }
 

@@ -1,0 +1,124 @@
+/* Time and memory of one run, and what the table says of the choice of methods. */
+#include "base/base.h"
+#include "cli/bench.h"
+
+#include <math.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { REPEATS_MAX = 15 };
+
+/* What a process of its own tells. */
+typedef struct outcome {
+    sp_status status;
+    double seconds, error, megabytes;
+    sp_error reason;
+} outcome;
+
+static double largest_resident(void) {
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return (double)usage.ru_maxrss / 1024;
+}
+
+/* The first run is asked for its memory, all for their time. */
+static void run_all(const bench_row *row, outcome *o) {
+    double each[REPEATS_MAX], total = 0;
+    int count = 0;
+    memset(o, 0, sizeof *o);
+    const double before = largest_resident();
+    while (o->status == SP_OK && (count == 0 || (count < REPEATS_MAX && total < 1))) {
+        const double start = sp_clock_cpu();
+        o->status = row->run(row->job, &o->error, &o->reason);
+        each[count] = sp_clock_cpu() - start;
+        total += each[count++];
+        if (count == 1)
+            o->megabytes = largest_resident() - before;
+    }
+    o->seconds = bench_median(count, each);
+}
+
+static bool read_all(int end, void *to, size_t size) {
+    char *at = to;
+    while (size > 0) {
+        const ssize_t got = read(end, at, size);
+        if (got <= 0)
+            return false;
+        at += got;
+        size -= (size_t)got;
+    }
+    return true;
+}
+
+/* In a child: what a process has given back to its own heap would not be seen to grow again. Where no child can be had
+ * the runs are done here, without a figure of their memory. */
+static void run_apart(const bench_row *row, outcome *o) {
+    int ends[2];
+    bool told = false;
+    if (pipe(ends) == 0) {
+        const pid_t child = fork();
+        if (child == 0) {
+            run_all(row, o);
+            _exit(write(ends[1], o, sizeof *o) == (ssize_t)sizeof *o ? 0 : 1);
+        }
+        close(ends[1]);
+        told = child > 0 && read_all(ends[0], o, sizeof *o);
+        close(ends[0]);
+        if (child > 0)
+            waitpid(child, NULL, 0);
+    }
+    if (!told) {
+        run_all(row, o);
+        o->megabytes = NAN;
+    }
+}
+
+sp_status bench_measure(const bench_subject *s, const bench_row *row, sp_error *err) {
+    char name[256];
+    outcome o;
+    snprintf(name, sizeof name, "%s:%s", row->name, s->name);
+    run_apart(row, &o);
+    if (o.status == SP_EREFUSED) {
+        cli_note(s->common, "%s, %s %g: %s", name, row->method, row->parameter, o.reason.text);
+        return SP_OK;
+    }
+    if (o.status != SP_OK) {
+        *err = o.reason;
+        return o.status;
+    }
+    return sp_table_add_row(s->table, err, name, row->method, row->parameter, o.seconds, o.error, o.megabytes);
+}
+
+enum { CASE = 0, METHOD, PARAMETER, SECONDS, ERROR };
+
+/* The fastest row of the case of row `of` whose error is at most what was asked of it there. */
+static double fastest(const sp_table *t, int64_t of) {
+    const char *name = t->cells[of * t->columns + CASE].text;
+    const double asked = sp_table_number(t, of, PARAMETER);
+    double best = HUGE_VAL;
+    for (int64_t row = 0; row < t->rows; row++)
+        if (strcmp(t->cells[row * t->columns + CASE].text, name) == 0 &&
+            strcmp(t->cells[row * t->columns + METHOD].text, "auto") != 0 && sp_table_number(t, row, ERROR) <= asked)
+            best = fmin(best, sp_table_number(t, row, SECONDS));
+    return best;
+}
+
+sp_status bench_judge_auto(sp_table *t, sp_error *err) {
+    int64_t worst = -1;
+    double most = 0;
+    for (int64_t row = 0; row < t->rows; row++) {
+        if (strcmp(t->cells[row * t->columns + METHOD].text, "auto") != 0)
+            continue;
+        const double ratio = sp_table_number(t, row, SECONDS) / fastest(t, row);
+        if (ratio > most) {
+            most = ratio;
+            worst = row;
+        }
+    }
+    if (worst < 0)
+        return SP_OK;
+    return sp_table_add_comment(t, err, "auto = %.2f times the fastest at the most (%s, %g)", most,
+                                t->cells[worst * t->columns + CASE].text, sp_table_number(t, worst, PARAMETER));
+}

@@ -1,0 +1,14 @@
+#ifndef SP_CLI_PLOT_SPECTRUM_H
+#define SP_CLI_PLOT_SPECTRUM_H
+/* Figures of spectra and modes. */
+
+#include "cli/cli.h"
+
+/* Tables of `sonopack spectrum', or packings: their density of states, or the dispersion of their waves. */
+sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, bool waves, int files, char **file,
+                              sp_error *err);
+/* A mode of a packing by its number among all modes; < 0: the first that is no zero mode. */
+sp_status plot_mode_file(const cli_common *common, const sp_scene *scene, const char *path, int64_t number,
+                         sp_error *err);
+
+#endif

@@ -1,0 +1,45 @@
+#ifndef SP_CLI_SPECTRUM_H
+#define SP_CLI_SPECTRUM_H
+/* The kinds of `sonopack spectrum', each a table of one packing. */
+
+#include "cli/springs.h"
+
+typedef struct spectrum_arguments {
+    cli_common common;
+    cli_springs springs;
+    const char *file;
+    const char *method, *norm;                          /* words, NULL: not given */
+    int64_t bins, vectors, seed, waves, layers;         /* -1: not given */
+    double until, resolution, damping, node, tolerance; /* < 0: not given */
+    double range[2];                                    /* heights of the fit; NAN: not given */
+    const char *at;                                     /* frequencies */
+    const char *direction;                              /* of waves */
+    sp_source source;
+    bool lines, profile;
+} spectrum_arguments;
+
+spectrum_arguments spectrum_arguments_default(void); /* nothing given */
+
+/* Adds columns, comments and rows. */
+typedef sp_status (*spectrum_table)(const spectrum_arguments *a, const sp_packing *p, const sp_network *net,
+                                    sp_table *t, sp_error *err);
+sp_status spectrum_dos(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
+                       sp_error *err);
+sp_status spectrum_transmission(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
+                                sp_error *err);
+sp_status spectrum_dispersion(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
+                              sp_error *err);
+sp_status spectrum_participation(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
+                                 sp_error *err);
+sp_status spectrum_harmonic(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
+                            sp_error *err);
+
+/* "key = value" with a number that reads back as it is. */
+sp_status spectrum_comment(sp_table *t, const char *key, double value, sp_error *err);
+/* Columns of numbers: pairs of name and unit, ended by NULL. */
+sp_status spectrum_columns(sp_table *t, const char *const *names, sp_error *err);
+
+#define SPECTRUM_FREQUENCY "sqrt(E* / rho)/d"
+#define SPECTRUM_TIME      "d/sqrt(E* / rho)"
+
+#endif

@@ -1,0 +1,144 @@
+/* sonopack spectrum harmonic. */
+#include "base/base.h"
+#include "cli/spectrum.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { FREQUENCIES_MAX = 100000 };
+
+/* W, or W1,W2,..., or LOW:HIGH:N. */
+static sp_status one_number(const char *text, size_t length, double *out, sp_error *err) {
+    char word[64];
+    if (length >= sizeof word)
+        return sp_fail(err, SP_EINVAL, "--at %.60s: must be W1,W2,... or LOW:HIGH:N", text);
+    memcpy(word, text, length);
+    word[length] = '\0';
+    return cli_number("--at", word, 1e-12, 1e9, out, err);
+}
+
+static sp_status parse_list(const char *text, int32_t *n, double *omega, sp_error *err) {
+    sp_status status = SP_OK;
+    for (*n = 0; status == SP_OK; text++) {
+        const size_t length = strcspn(text, ",");
+        if (*n == FREQUENCIES_MAX)
+            return sp_fail(err, SP_EINVAL, "--at: more than %d frequencies", FREQUENCIES_MAX);
+        status = one_number(text, length, &omega[(*n)++], err);
+        text += length;
+        if (*text == '\0')
+            break;
+    }
+    return status;
+}
+
+static sp_status parse_range(const char *text, int32_t *n, double *omega, sp_error *err) {
+    const char *one = strchr(text, ':'), *two = strchr(one + 1, ':');
+    double low, high;
+    int64_t count;
+    if (!two)
+        return sp_fail(err, SP_EINVAL, "--at %.60s: must be W1,W2,... or LOW:HIGH:N", text);
+    sp_status status = one_number(text, (size_t)(one - text), &low, err);
+    if (status == SP_OK)
+        status = one_number(one + 1, (size_t)(two - one - 1), &high, err);
+    if (status == SP_OK)
+        status = cli_integer("--at: N", two + 1, 2, FREQUENCIES_MAX, &count, err);
+    if (status == SP_OK && !(low < high))
+        status = sp_fail(err, SP_EINVAL, "--at %.60s: LOW must be below HIGH", text);
+    if (status != SP_OK)
+        return status;
+    *n = (int32_t)count;
+    for (int32_t l = 0; l < *n; l++)
+        omega[l] = l < *n - 1 ? low + (high - low) * l / (*n - 1) : high;
+    return SP_OK;
+}
+
+static sp_status put_responses(const sp_harmonic *h, sp_table *t, sp_error *err) {
+    static const char *const columns[] = {"omega",     SPECTRUM_FREQUENCY,
+                                          "magnitude", "",
+                                          "re",        "",
+                                          "im",        "",
+                                          "error",     "",
+                                          "k",         "1/d",
+                                          "k_err",     "1/d",
+                                          "speed",     "sqrt(E* / rho)",
+                                          "speed_err", "sqrt(E* / rho)",
+                                          "alpha",     "1/d",
+                                          "alpha_err", "1/d",
+                                          "misfit",    "",
+                                          NULL};
+    sp_status status = spectrum_columns(t, columns, err);
+    for (int32_t l = 0; l < h->n && status == SP_OK; l++) {
+        const sp_wave_fit *w = &h->fit[l];
+        const double *f = h->f + 2 * l, speed = h->omega[l] / w->k;
+        status = sp_table_add_row(t, err, h->omega[l], hypot(f[0], f[1]), f[0], f[1], h->error[l], w->k, w->k_err,
+                                  speed, speed * w->k_err / w->k, w->alpha, w->alpha_err, w->misfit);
+    }
+    return status;
+}
+
+static sp_status put_profile(const sp_harmonic *h, sp_table *t, sp_error *err) {
+    static const char *const columns[] = {
+        "omega", SPECTRUM_FREQUENCY, "height", "d", "magnitude", "", "re", "", "im", "", "error", "", NULL};
+    sp_status status = spectrum_columns(t, columns, err);
+    for (int32_t l = 0; l < h->n; l++)
+        for (int32_t k = 0; k < h->planes && status == SP_OK; k++) {
+            const int64_t at = (int64_t)l * h->planes + k;
+            const double *f = h->flux + 2 * at;
+            status =
+                sp_table_add_row(t, err, h->omega[l], h->height[k], hypot(f[0], f[1]), f[0], f[1], h->flux_error[at]);
+        }
+    return status;
+}
+
+static sp_status set_options(const spectrum_arguments *a, const sp_network *net, double *omega, sp_harmonic_options *o,
+                             sp_error *err) {
+    sp_status status = SP_OK;
+    *o = sp_harmonic_options_default();
+    o->source = a->source;
+    o->omega = omega;
+    if (a->damping >= 0)
+        o->damping = a->damping;
+    if (a->layers >= 0)
+        o->planes = (int32_t)a->layers - 1;
+    if (a->tolerance >= 0)
+        o->tolerance = a->tolerance;
+    if (!isnan(a->range[0])) {
+        o->range[0] = a->range[0];
+        o->range[1] = a->range[1];
+    }
+    if (a->at && strchr(a->at, ':'))
+        status = parse_range(a->at, &o->n, omega, err);
+    else if (a->at)
+        status = parse_list(a->at, &o->n, omega, err);
+    else
+        for (o->n = 0; o->n < 20; o->n++)
+            omega[o->n] = sp_network_omega_bound(net) * (o->n + 1) / 20;
+    return status;
+}
+
+sp_status spectrum_harmonic(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
+                            sp_error *err) {
+    sp_harmonic_options o;
+    sp_harmonic h = sp_harmonic_none();
+    double *omega = sp_alloc(FREQUENCIES_MAX, sizeof *omega);
+    sp_status status = omega ? SP_OK : sp_fail_memory(err, FREQUENCIES_MAX * sizeof *omega);
+    if (status == SP_OK)
+        status = set_options(a, net, omega, &o, err);
+    if (status == SP_OK)
+        status = sp_harmonic_make(net, &o, &h, err);
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err, "source = %s", cli_source_name(o.source));
+    if (status == SP_OK)
+        status = spectrum_comment(t, "damping", o.damping, err);
+    if (status == SP_OK)
+        status = spectrum_comment(t, "height", sp_packing_height(p), err);
+    if (status == SP_OK)
+        status = spectrum_comment(t, "planes", h.planes, err);
+    if (status == SP_OK)
+        status = spectrum_comment(t, "tolerance", o.tolerance, err);
+    if (status == SP_OK)
+        status = a->profile ? put_profile(&h, t, err) : put_responses(&h, t, err);
+    sp_harmonic_free(&h);
+    sp_free(omega);
+    return status;
+}

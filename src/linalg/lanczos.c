@@ -1,0 +1,421 @@
+/* The basis is kept orthonormal to rounding, so that degenerate eigenvalues cause no ghosts; directions that die out
+ * (fewer distinct eigenvalues than steps) are replaced by random ones, so that further copies of an eigenvalue are
+ * found. A full basis is restarted from its best vectors (Wu and Simon, SIAM J. Matrix Anal. Appl. 22, 602, 2000). */
+#include "linalg/lanczos.h"
+#include "base/base.h"
+#include "linalg/blas.h"
+#include "linalg/eigen.h"
+
+#include <cblas.h>
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BLOCK = SP_LDL_LANES, PASSES_MAX = 4, RESTARTS_MAX = 60 };
+
+typedef struct lanczos {
+    sp_ldl *factor;
+    const sp_lanczos_spec *spec;
+    int64_t n, capacity, m; /* m: columns of the basis, the last block included, whose products are in h */
+    int64_t first;          /* of the columns that the last block's product overlaps with in exact arithmetic */
+    double *basis;          /* [capacity + BLOCK][n] */
+    double *h;       /* basis^T (A - sigma)^-1 basis, by columns, the upper triangle; leading dimension capacity */
+    double *next;    /* [BLOCK][n]: the products on the way to the next block */
+    double *copy;    /* the same */
+    double *overlap; /* [BLOCK][capacity + locked] */
+    double b[BLOCK * BLOCK];          /* (A - sigma)^-1 last = basis h + next b, by columns */
+    double *small, *theta, *residual; /* eigenvectors [m][m] by columns, eigenvalues of h, |b s| of each */
+    int64_t *rank;                    /* Ritz pairs, the largest |theta| first */
+    uint64_t random;
+    sp_lanczos_pairs *out;
+} lanczos;
+
+/* SplitMix64: starting directions need no more. */
+static double random_number(uint64_t *state) {
+    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    z ^= z >> 31;
+    return (double)(z >> 11) * 0x1p-53 - 0.5;
+}
+
+/* w -= q (q^T w) for `count` columns of each; the coefficients are added to h (may be NULL, leading dimension ld). */
+static void project(int64_t n, const double *q, int64_t count, double *w, int columns, double *overlap, double *h,
+                    int64_t ld) {
+    if (count == 0)
+        return;
+    cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, (int)count, columns, (int)n, 1, q, (int)n, w, (int)n, 0,
+                overlap, (int)count);
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)n, columns, (int)count, -1, q, (int)n, overlap,
+                (int)count, 1, w, (int)n);
+    for (int c = 0; h && c < columns; c++)
+        for (int64_t r = 0; r < count; r++)
+            h[c * ld + r] += overlap[c * count + r];
+}
+
+static void project_all(lanczos *z, double *w, int columns, int64_t known, double *h) {
+    project(z->n, z->spec->locked, z->spec->locked_count, w, columns, z->overlap, NULL, 0);
+    project(z->n, z->basis, known, w, columns, z->overlap, h, z->capacity);
+}
+
+/* Nothing here is near the ends of the range of doubles, which dnrm2 is slow to guard. */
+static double norm(int64_t n, const double *x) { return sqrt(cblas_ddot((int)n, x, 1, x, 1)); }
+
+/* Upper Cholesky factor of a Gram matrix of the block, in place; false where a direction is all but dependent on the
+ * others. */
+static bool cholesky(double g[BLOCK * BLOCK]) {
+    for (int c = 0; c < BLOCK; c++) {
+        const double whole = g[c * BLOCK + c];
+        for (int r = 0; r <= c; r++) {
+            double sum = g[c * BLOCK + r];
+            for (int k = 0; k < r; k++)
+                sum -= g[r * BLOCK + k] * g[c * BLOCK + k];
+            if (r < c)
+                g[c * BLOCK + r] = sum / g[r * BLOCK + r];
+            else if (!(sum > 1e-10 * whole) || !(sum > 0))
+                return false;
+            else
+                g[c * BLOCK + c] = sqrt(sum);
+        }
+    }
+    return true;
+}
+
+/* w = q r with q orthonormal, twice over, as once is right to the square of the condition only. false: dependent. */
+static bool orthonormalise(int64_t n, double *w, double r[BLOCK * BLOCK]) {
+    double g[2][BLOCK * BLOCK] = {{0}};
+    for (int pass = 0; pass < 2; pass++) {
+        cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, BLOCK, BLOCK, (int)n, 1, w, (int)n, w, (int)n, 0, g[pass],
+                    BLOCK);
+        if (!cholesky(g[pass]))
+            return false;
+        cblas_dtrsm(CblasColMajor, CblasRight, CblasUpper, CblasNoTrans, CblasNonUnit, (int)n, BLOCK, 1, g[pass], BLOCK,
+                    w, (int)n);
+    }
+    for (int c = 0; c < BLOCK; c++)
+        for (int k = 0; k < BLOCK; k++) {
+            double sum = 0;
+            for (int q = k; q <= c; q++)
+                sum += g[1][q * BLOCK + k] * g[0][c * BLOCK + q];
+            r[c * BLOCK + k] = k <= c ? sum : 0;
+        }
+    return true;
+}
+
+/* Column by column; a column of which nothing is left beyond rounding (of `scale`) becomes a random direction. */
+static void orthonormalise_weak(lanczos *z, double *w, int64_t known, const double scale[BLOCK]) {
+    const int64_t n = z->n;
+    for (int c = 0; c < BLOCK; c++) {
+        double *x = w + c * n, before = norm(n, x);
+        bool fresh = !(before > 1e-12 * scale[c]);
+        for (int trial = 0; trial < 100; trial++) {
+            if (fresh)
+                for (int64_t k = 0; k < n; k++)
+                    x[k] = random_number(&z->random);
+            before = norm(n, x);
+            cblas_dscal((int)n, 1 / before, x, 1);
+            double left = 0;
+            for (int pass = 0; pass < PASSES_MAX; pass++) {
+                project_all(z, x, 1, known, NULL);
+                project(n, w, c, x, 1, z->overlap, NULL, 0);
+                left = norm(n, x);
+                if (!(left > 1e-10))
+                    break;
+                cblas_dscal((int)n, 1 / left, x, 1);
+                if (left > 0.7)
+                    break;
+            }
+            if (left > 0.7)
+                break;
+            fresh = true;
+        }
+    }
+}
+
+/* The next block: w, made orthogonal to all that is known, and orthonormal. h: the columns of the last block, or NULL
+ * for the first block. */
+static void next_block(lanczos *z, double *w, double *h) {
+    const int64_t n = z->n, known = h ? z->m : 0;
+    double before[BLOCK], scale[BLOCK];
+    for (int c = 0; c < BLOCK; c++)
+        scale[c] = norm(n, w + c * n);
+    if (h && z->first > 0) { /* what is there in exact arithmetic */
+        const int64_t first = z->first;
+        project(n, z->basis + first * n, known - first, w, BLOCK, z->overlap, h + first, z->capacity);
+    }
+    for (int pass = 0; pass < PASSES_MAX; pass++) {
+        double kept = 1;
+        for (int c = 0; c < BLOCK; c++)
+            before[c] = norm(n, w + c * n);
+        project_all(z, w, BLOCK, known, h);
+        for (int c = 0; c < BLOCK; c++) {
+            const double after = norm(n, w + c * n);
+            if (after > 1e-12 * scale[c])
+                kept = fmin(kept, after / before[c]);
+        }
+        if (kept > 0.5)
+            break;
+    }
+    memcpy(z->copy, w, (size_t)(BLOCK * n) * sizeof *w);
+    bool weak = false;
+    for (int c = 0; c < BLOCK; c++)
+        weak = weak || !(norm(n, w + c * n) > 1e-12 * scale[c]);
+    if (weak || !orthonormalise(n, w, z->b)) {
+        memcpy(w, z->copy, (size_t)(BLOCK * n) * sizeof *w);
+        orthonormalise_weak(z, w, known, scale);
+        cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, BLOCK, BLOCK, (int)n, 1, w, (int)n, z->copy, (int)n, 0,
+                    z->b, BLOCK);
+    }
+}
+
+/* One block more. */
+static void step(lanczos *z) {
+    const int64_t n = z->n;
+    const double clock = sp_clock_cpu();
+    double *last = z->basis + (z->m - BLOCK) * n;
+    sp_ldl_solve(z->factor, last, z->next);
+    z->out->solves += BLOCK;
+    const double solved = sp_clock_cpu();
+    double *h = z->h + (z->m - BLOCK) * z->capacity;
+    for (int c = 0; c < BLOCK; c++)
+        memset(h + c * z->capacity, 0, (size_t)z->capacity * sizeof *h);
+    next_block(z, z->next, h);
+    z->out->seconds[0] += solved - clock;
+    z->out->seconds[1] += sp_clock_cpu() - solved;
+}
+
+static int by_magnitude(const void *a, const void *b, void *context) {
+    const double *theta = context;
+    const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
+    const double x = fabs(theta[p]), y = fabs(theta[q]);
+    return x != y ? (x > y ? -1 : 1) : (p > q) - (p < q);
+}
+
+/* Ritz values and residuals of the projected operator. */
+static sp_status ritz(lanczos *z, sp_error *err) {
+    const int64_t m = z->m;
+    for (int64_t c = 0; c < m; c++)
+        for (int64_t r = 0; r <= c; r++) /* as a lower triangle */
+            z->small[r * m + c] = z->h[c * z->capacity + r];
+    sp_status status = sp_eigen_all(m, z->small, z->theta, err);
+    if (status != SP_OK)
+        return status;
+    for (int64_t k = 0; k < m; k++) {
+        double squares = 0;
+        for (int r = 0; r < BLOCK; r++) {
+            double sum = 0;
+            for (int c = 0; c < BLOCK; c++)
+                sum += z->b[c * BLOCK + r] * z->small[k * m + m - BLOCK + c];
+            squares += sum * sum;
+        }
+        z->residual[k] = sqrt(squares);
+        z->rank[k] = k;
+    }
+    qsort_r(z->rank, (size_t)m, sizeof *z->rank, by_magnitude, z->theta);
+    return SP_OK;
+}
+
+static double value_of(const lanczos *z, int64_t k) { return sp_ldl_sigma(z->factor) + 1 / z->theta[k]; }
+
+/* How many of the wanted interval are there, before the first of them that has not converged. */
+static int64_t converged(const lanczos *z) {
+    int64_t count = 0;
+    for (int64_t q = 0; q < z->m; q++) {
+        const int64_t k = z->rank[q];
+        const double value = value_of(z, k);
+        if (!(value > z->spec->low && value < z->spec->high))
+            continue;
+        const double own = fmax(fabs(value), z->spec->floor) * fabs(z->theta[k]); /* |lambda|/|lambda - sigma| */
+        if (!(z->residual[k] <= z->spec->tolerance * fabs(z->theta[k]) * fmin(1, own)))
+            break;
+        count++;
+    }
+    return count;
+}
+
+/* basis <- basis times the best `keep` Ritz vectors, by strips of rows as there is no room for both. */
+static sp_status restart(lanczos *z, int64_t keep, sp_error *err) {
+    enum { STRIP = 128 };
+    const int64_t n = z->n, m = z->m;
+    double *chosen = sp_alloc((size_t)(m * keep), sizeof *chosen), *strip = sp_alloc((size_t)m, STRIP * sizeof *strip);
+    sp_status status = chosen && strip ? SP_OK : sp_fail_memory(err, (size_t)(m * (keep + STRIP)) * sizeof *chosen);
+    if (status != SP_OK)
+        goto out;
+    for (int64_t q = 0; q < keep; q++)
+        memcpy(chosen + q * m, z->small + z->rank[q] * m, (size_t)m * sizeof *chosen);
+    for (int64_t row = 0; row < n; row += STRIP) {
+        const int64_t rows = n - row < STRIP ? n - row : STRIP;
+        for (int64_t c = 0; c < m; c++)
+            memcpy(strip + c * STRIP, z->basis + c * n + row, (size_t)rows * sizeof *strip);
+        cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)rows, (int)keep, (int)m, 1, strip, STRIP, chosen,
+                    (int)m, 0, z->basis + row, (int)n);
+    }
+    memset(z->h, 0, (size_t)(z->capacity * z->capacity) * sizeof *z->h);
+    for (int64_t q = 0; q < keep; q++)
+        z->h[q * z->capacity + q] = z->theta[z->rank[q]];
+    z->m = keep;
+out:
+    sp_free(strip);
+    sp_free(chosen);
+    return status;
+}
+
+static int by_value(const void *a, const void *b, void *context) {
+    const double *theta = context;
+    const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
+    const double x = 1 / theta[p], y = 1 / theta[q];
+    return x != y ? (x < y ? -1 : 1) : (p > q) - (p < q);
+}
+
+/* x = basis s + next b s/theta, one step of inverse iteration that costs no solve: (A - sigma) x = basis s/theta. */
+static sp_status put_pairs(lanczos *z, int64_t count, sp_error *err) {
+    const int64_t n = z->n, m = z->m;
+    double *chosen = sp_alloc((size_t)(m * count), sizeof *chosen);
+    double *tail = sp_alloc((size_t)count, BLOCK * sizeof *tail);
+    int64_t *which = sp_alloc((size_t)count, sizeof *which), found = 0;
+    sp_lanczos_pairs *p = z->out;
+    sp_status status = SP_OK;
+    p->value = sp_alloc((size_t)count, sizeof *p->value);
+    p->vector = sp_alloc((size_t)count, (size_t)n * sizeof *p->vector);
+    if (!chosen || !tail || !which || !p->value || !p->vector) {
+        status = sp_fail_memory(err, (size_t)(count * (n + m + BLOCK + 2)) * sizeof *chosen);
+        goto out;
+    }
+    for (int64_t q = 0; q < m && found < count; q++) {
+        const double value = value_of(z, z->rank[q]);
+        if (value > z->spec->low && value < z->spec->high)
+            which[found++] = z->rank[q];
+    }
+    qsort_r(which, (size_t)count, sizeof *which, by_value, z->theta);
+    for (int64_t q = 0; q < count; q++) {
+        const double *s = z->small + which[q] * m;
+        p->value[q] = value_of(z, which[q]);
+        memcpy(chosen + q * m, s, (size_t)m * sizeof *s);
+        for (int r = 0; r < BLOCK; r++)
+            for (int c = 0; c < BLOCK; c++)
+                tail[q * BLOCK + r] += z->b[c * BLOCK + r] * s[m - BLOCK + c] / z->theta[which[q]];
+    }
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)n, (int)count, (int)m, 1, z->basis, (int)n, chosen,
+                (int)m, 0, p->vector, (int)n);
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)n, (int)count, BLOCK, 1, z->next, (int)n, tail, BLOCK,
+                1, p->vector, (int)n);
+    for (int64_t q = 0; q < count; q++)
+        cblas_dscal((int)n, 1 / norm(n, p->vector + q * n), p->vector + q * n, 1);
+    p->count = count;
+out:
+    sp_free(which);
+    sp_free(tail);
+    sp_free(chosen);
+    return status;
+}
+
+static sp_status allocate(lanczos *z, sp_error *err) {
+    const size_t n = (size_t)z->n, capacity = (size_t)z->capacity;
+    const size_t overlap = capacity > (size_t)z->spec->locked_count ? capacity : (size_t)z->spec->locked_count;
+    z->basis = sp_alloc(capacity, n * sizeof *z->basis);
+    z->next = sp_alloc(BLOCK, n * sizeof *z->next);
+    z->copy = sp_alloc(BLOCK, n * sizeof *z->copy);
+    z->h = sp_alloc(capacity, capacity * sizeof *z->h);
+    z->small = sp_alloc(capacity, capacity * sizeof *z->small);
+    z->overlap = sp_alloc(overlap, BLOCK * sizeof *z->overlap);
+    z->theta = sp_alloc(capacity, sizeof *z->theta);
+    z->residual = sp_alloc(capacity, sizeof *z->residual);
+    z->rank = sp_alloc(capacity, sizeof *z->rank);
+    if (!z->basis || !z->next || !z->copy || !z->h || !z->small || !z->overlap || !z->theta || !z->residual || !z->rank)
+        return sp_fail_memory(err, ((capacity + 2 * BLOCK) * n + 2 * capacity * capacity) * sizeof(double));
+    return SP_OK;
+}
+
+static void free_scratch(lanczos *z) {
+    sp_free(z->basis);
+    sp_free(z->next);
+    sp_free(z->copy);
+    sp_free(z->h);
+    sp_free(z->small);
+    sp_free(z->overlap);
+    sp_free(z->theta);
+    sp_free(z->residual);
+    sp_free(z->rank);
+}
+
+static void append(lanczos *z) {
+    memcpy(z->basis + z->m * z->n, z->next, (size_t)(BLOCK * z->n) * sizeof *z->next);
+    z->m += BLOCK;
+}
+
+static sp_status iterate(lanczos *z, sp_error *err) {
+    const int64_t wanted = z->spec->wanted;
+    int64_t check = wanted + wanted / 2 + 3 * BLOCK, then = wanted / 2, before = 0;
+    for (int restarts = 0;;) {
+        append(z);
+        step(z);
+        const bool full = z->m + BLOCK > z->capacity;
+        z->first = z->m - BLOCK;
+        if (z->m < check && !full)
+            continue;
+        const double clock = sp_clock_cpu();
+        sp_status status = ritz(z, err);
+        if (status != SP_OK)
+            return status;
+        const int64_t count = converged(z);
+        if (count >= wanted) {
+            status = put_pairs(z, count, err);
+            z->out->seconds[2] += sp_clock_cpu() - clock;
+            return status;
+        }
+        /* pairs converge in proportion to the columns beyond the first ones */
+        const double slope = (double)(count - before + 1) / (double)(z->m - then);
+        const double more = fmin(fmax(0.9 * (double)(wanted - count) / slope, BLOCK), 0.25 * (double)z->m);
+        before = count;
+        then = z->m;
+        check = z->m + (int64_t)more;
+        if (full) {
+            if (restarts++ == RESTARTS_MAX)
+                return sp_fail(err, SP_EREFUSED, "Lanczos: %lld of %lld modes near omega^2 = %.6g converged",
+                               (long long)count, (long long)wanted, sp_ldl_sigma(z->factor));
+            int64_t keep = count + (z->m - count) / 2;
+            keep = keep < z->capacity - 2 * BLOCK ? keep : z->capacity - 2 * BLOCK;
+            status = restart(z, keep, err);
+            if (status != SP_OK)
+                return status;
+            z->first = 0;
+            check = keep + (z->capacity - keep) / 2;
+            then = keep - BLOCK;
+        }
+        z->out->seconds[2] += sp_clock_cpu() - clock;
+    }
+}
+
+sp_status sp_lanczos(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_lanczos_pairs *out, sp_error *err) {
+    sp_lanczos_pairs pairs = {0};
+    lanczos z = {.factor = factor, .spec = spec, .n = n, .random = 1, .out = &pairs};
+    const int64_t room = n - spec->locked_count - BLOCK;
+    z.capacity = spec->wanted * 5 / 2 + 8 * BLOCK;
+    z.capacity = z.capacity < room ? z.capacity : room;
+    z.capacity -= z.capacity % BLOCK;
+    if (spec->wanted < 1 || z.capacity < spec->wanted + 4 * BLOCK || n > INT32_MAX / BLOCK)
+        return sp_fail(err, SP_EREFUSED, "Lanczos: %lld modes of %lld degrees of freedom, must be fewer",
+                       (long long)spec->wanted, (long long)n);
+    sp_blas_one_thread();
+    sp_status status = allocate(&z, err);
+    if (status == SP_OK) {
+        for (int64_t k = 0; k < BLOCK * n; k++)
+            z.next[k] = random_number(&z.random);
+        sp_ldl_solve(factor, z.next, z.next); /* little of the far end of the spectrum is left */
+        next_block(&z, z.next, NULL);
+        status = iterate(&z, err);
+    }
+    free_scratch(&z);
+    if (status == SP_OK)
+        *out = pairs;
+    else
+        sp_lanczos_free(&pairs);
+    return status;
+}
+
+void sp_lanczos_free(sp_lanczos_pairs *p) {
+    sp_free(p->value);
+    sp_free(p->vector);
+    *p = (sp_lanczos_pairs){0};
+}

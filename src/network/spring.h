@@ -1,0 +1,101 @@
+#ifndef SP_SPRING_H
+#define SP_SPRING_H
+/* One spring's stretch and force. One body serves every dimension, with and without rotations, for one vector and for
+ * two interleaved ones: its first argument is a constant where it is called. */
+
+#include <sonopack/network.h>
+
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+
+/* Values of two vectors at one degree of freedom; with one vector the second is idle. */
+typedef double pair __attribute__((vector_size(16)));
+typedef pair pair_memory __attribute__((may_alias));
+
+typedef struct shape {
+    int dim, rotations, lanes;
+    bool prestress;
+} shape;
+
+static ALWAYS_INLINE pair load(shape s, const double *p) {
+    pair x = {p[0], 0};
+    if (s.lanes == 2)
+        x = *(const pair_memory *)p;
+    return x;
+}
+
+static ALWAYS_INLINE void add(shape s, double *p, pair x) {
+    if (s.lanes == 2)
+        *(pair_memory *)p += x;
+    else
+        p[0] += x[0];
+}
+
+/* The relative displacement of a spring, Appendix A: along n; transverse without rotations; tangential at the contact
+ * point, rotations included. 2D: one tangential component, along (-ny, nx). */
+typedef struct stretch {
+    pair normal, transverse[3], tangential[3];
+} stretch;
+
+static ALWAYS_INLINE stretch stretch_of(shape s, const sp_spring *c, const double *ui, const double *uj) {
+    const pair zero = {0, 0};
+    stretch e = {zero, {zero, zero, zero}, {zero, zero, zero}};
+    pair d[3] = {zero, zero, zero}, turn[3] = {zero, zero, zero};
+    for (int a = 0; a < s.dim; a++)
+        d[a] = (uj ? load(s, uj + a * s.lanes) : zero) - load(s, ui + a * s.lanes);
+    for (int a = 0; a < s.rotations; a++) {
+        const int at = (s.dim + a) * s.lanes;
+        turn[a] = c->ri * load(s, ui + at) + (uj ? c->rj * load(s, uj + at) : zero);
+    }
+    e.normal = c->n[0] * d[0];
+    for (int a = 1; a < s.dim; a++)
+        e.normal += c->n[a] * d[a];
+    if (s.dim == 2) {
+        e.transverse[0] = c->n[0] * d[1] - c->n[1] * d[0];
+        e.tangential[0] = e.transverse[0] - turn[0];
+    } else if (s.dim == 3) {
+        for (int a = 0; a < 3; a++) {
+            const int b = (a + 1) % 3, g = (a + 2) % 3;
+            e.transverse[a] = d[a] - e.normal * c->n[a];
+            e.tangential[a] = e.transverse[a] - (turn[b] * c->n[g] - turn[g] * c->n[b]);
+        }
+    }
+    return e;
+}
+
+/* Adds the gradient of the spring's energy. */
+static ALWAYS_INLINE void add_spring(shape s, const sp_spring *c, const double *ui, const double *uj, double *oi,
+                                     double *oj) {
+    const stretch e = stretch_of(s, c, ui, uj);
+    const pair along = c->kn * e.normal;
+    pair f[3], q[3] = {{0, 0}, {0, 0}, {0, 0}}, side[3];
+    for (int a = 0; a < 3; a++) {
+        if (s.rotations)
+            q[a] = c->kt * e.tangential[a];
+        side[a] = s.prestress ? q[a] + c->kp * e.transverse[a] : q[a];
+    }
+    for (int a = 0; a < s.dim; a++)
+        f[a] = along * c->n[a];
+    if (s.dim == 2 && (s.rotations || s.prestress)) {
+        f[0] -= side[0] * c->n[1];
+        f[1] += side[0] * c->n[0];
+    } else if (s.dim == 3) {
+        /* the energy projects twice: n is a unit vector to rounding only, which shows where k_t is large */
+        const pair off = side[0] * c->n[0] + side[1] * c->n[1] + side[2] * c->n[2];
+        for (int a = 0; a < 3; a++)
+            f[a] += side[a] - off * c->n[a];
+    }
+    for (int a = 0; a < s.dim; a++) {
+        add(s, oi + a * s.lanes, -f[a]);
+        if (oj)
+            add(s, oj + a * s.lanes, f[a]);
+    }
+    for (int a = 0; a < s.rotations; a++) {
+        const int b = (a + 1) % 3, g = (a + 2) % 3, at = (s.dim + a) * s.lanes;
+        const pair torque = s.dim == 2 ? -q[0] : c->n[g] * q[b] - c->n[b] * q[g]; /* -n x q */
+        add(s, oi + at, c->ri * torque);
+        if (oj)
+            add(s, oj + at, c->rj * torque);
+    }
+}
+
+#endif

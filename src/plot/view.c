@@ -1,0 +1,70 @@
+#include "plot/view.h"
+
+#include <math.h>
+
+#define TALLEST (22.0 / 2.54 * 72.0)
+
+double view_across(const view *v, int32_t i) {
+    double x = v->p->dim == 1 ? 0.0 : v->p->x[3 * i];
+    return v->periodic ? x - v->width * floor(x / v->width) : x;
+}
+
+double view_up(const view *v, int32_t i) { return v->p->x[3 * i + v->p->dim - 1]; }
+
+double view_x(const view *v, double x) { return v->left + (x - v->low) * v->scale; }
+double view_y(const view *v, double y) { return v->floor - y * v->scale; }
+
+view view_make(const sp_packing *p) {
+    view v = {.p = p, .periodic = p->dim > 1, .height = sp_packing_height(p)};
+    double largest = 0.0;
+    for (int32_t i = 0; i < p->n; i++) {
+        v.diameter += 2.0 * p->r[i] / p->n;
+        largest = fmax(largest, p->r[i]);
+    }
+    v.low = v.periodic ? 0.0 : -1.1 * largest;
+    v.width = v.periodic ? p->box[0] : 2.2 * largest;
+    v.scale = fmin((CANVAS_COLUMN - 2.0 * MARGIN) / v.width, (TALLEST - 2.0 * (MARGIN + WALL) - KEY) / v.height);
+    v.left = 0.5 * (CANVAS_COLUMN - v.width * v.scale);
+    v.floor = MARGIN + WALL + v.height * v.scale;
+    return v;
+}
+
+void view_grains(const view *v, const colour *fill) {
+    cairo_t *cr = v->c->cr;
+    cairo_set_line_width(cr, fmin(0.4, 0.05 * v->scale));
+    for (int32_t i = 0; i < v->p->n; i++) {
+        double r = v->p->r[i], x = view_across(v, i);
+        for (int image = -1; image <= 1; image++) {
+            double at = x + image * v->width;
+            if (image != 0 && (!v->periodic || at + r < 0.0 || at - r > v->width))
+                continue;
+            cairo_new_path(cr);
+            cairo_arc(cr, view_x(v, at), view_y(v, view_up(v, i)), r * v->scale, 0.0, 6.283185307179586);
+            canvas_colour(v->c, fill[i]);
+            cairo_fill_preserve(cr);
+            canvas_colour(v->c, RIM_GREY);
+            cairo_stroke(cr);
+        }
+    }
+}
+
+void view_walls(const view *v) {
+    cairo_t *cr = v->c->cr;
+    double left = v->left, width = v->width * v->scale, top = view_y(v, v->height);
+    canvas_colour(v->c, (colour){0.25, 0.25, 0.25});
+    cairo_rectangle(cr, left, top - WALL, width, WALL);
+    cairo_rectangle(cr, left, v->floor, width, WALL);
+    cairo_fill(cr);
+    if (!v->periodic)
+        return;
+    /* the periodic edges */
+    const double dash[2] = {2.0, 2.0};
+    cairo_set_dash(cr, dash, 2, 0.0);
+    cairo_set_line_width(cr, 0.5);
+    cairo_move_to(cr, left, top);
+    cairo_line_to(cr, left, v->floor);
+    cairo_move_to(cr, left + width, top);
+    cairo_line_to(cr, left + width, v->floor);
+    cairo_stroke(cr);
+    cairo_set_dash(cr, dash, 0, 0.0);
+}

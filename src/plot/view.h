@@ -1,0 +1,39 @@
+#ifndef SP_VIEW_H
+#define SP_VIEW_H
+/* A 1D or 2D packing on the canvas: its grains and walls. */
+
+#include "plot/figure.h"
+
+#include <sonopack/packing.h>
+
+/* Where packing and canvas meet. across and up are a grain's coordinates, in diameters d. */
+typedef struct view {
+    canvas *c;
+    const sp_packing *p;
+    double scale;              /* pt a diameter */
+    double left, floor;        /* of the box's lower left corner [pt] */
+    double low, width, height; /* lateral start and width, and height of the box [d] */
+    double diameter;           /* mean of the grains [d] */
+    bool periodic;
+} view;
+
+#define MARGIN 3.0  /* [pt] */
+#define WALL   4.0  /* thickness of a wall [pt] */
+#define KEY    15.0 /* line of text below the bottom wall [pt] */
+
+#define RATTLER_GREY ((colour){0.72, 0.72, 0.72})
+#define GRAIN_GREY   ((colour){0.96, 0.96, 0.96})
+#define RIM_GREY     ((colour){0.55, 0.55, 0.55})
+
+view view_make(const sp_packing *p);
+/* A grain's coordinates within the box [d]. */
+double view_across(const view *v, int32_t i);
+double view_up(const view *v, int32_t i);
+/* The same on the canvas. */
+double view_x(const view *v, double across);
+double view_y(const view *v, double up);
+/* Grains with their images at the periodic edges, each of its colour. */
+void view_grains(const view *v, const colour *fill);
+void view_walls(const view *v);
+
+#endif

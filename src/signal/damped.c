@@ -1,0 +1,427 @@
+/* The signal with dashpots, M u'' + C u' + K u = 0, as y(t) = exp(t L) y(0) of the first-order form y = (u, v),
+ * L = (0, 1; -M^-1 K, -M^-1 C), in Faber polynomials of an ellipse (for ellipses, Chebyshev polynomials). With centre c
+ * and half axes A along the real and B along the imaginary axis, a = (A + B)/2 and beta = (A - B)/(A + B),
+ *   exp(t L) = sum_k S_k(t) Q_k,  Q_0 = 1, Q_1 = (L - c)/a, Q_2 = Q_1^2 - 2 beta, Q_(k+1) = Q_1 Q_k - beta Q_(k-1),
+ *   S_k(t) = e^(c t) |beta|^(-k/2) times J_k or I_k of 2 a sqrt|beta| t (beta < 0 or > 0; a Poisson law for beta = 0).
+ * The ellipse decides how many terms it takes, never whether the result is right: the defect of the sum to N,
+ *   y' - L y = a (beta S_(N+1) Q_N - S_N Q_(N+1)) y(0),
+ * is known when it ends, and energy never grows, so its integral bounds the error. */
+#include "base/base.h"
+#include "signal/job.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* e-folds by which an ellipse may reach to the right of the imaginary axis in a substep. */
+#define REACH_WIDE  3.0
+#define REACH_TIGHT 6.0
+/* Largest term of the expansion of a random state, over e^(right h): an ellipse around all that L can do has 1 + sqrt 2
+ * (Crouzeix and Palencia 2017). */
+#define GROWTH          3.0
+#define MOMENT_ROUNDING 5.0
+#define PHASE_ROUNDING  5.0
+#define START           1e-200 /* of the downward recurrence */
+#define PRODUCTS_MAX    2e7
+
+typedef struct ellipse {
+    double centre, a, beta, right; /* right: its rightmost point */
+    double re, im;                 /* half axes */
+    int64_t substeps;
+} ellipse;
+
+typedef struct damped {
+    const signal_job *job;
+    sp_network dashpots;
+    bool has_dashpots;
+    double omega, rate, until; /* rate: of the fastest dashpots, a bound */
+    ellipse e;
+    double h;
+    int64_t room;                          /* terms that fit */
+    double *dash;                          /* [detectors][dofs] the dashpots' part of a detector */
+    double *u, *v, *u_old, *v_old;         /* [dofs] Q_k y, Q_(k-1) y */
+    double *ku, *cv, *u_next, *v_next;     /* [dofs]; y at the end of the substep */
+    double *s, *power;                     /* [room] S_k, beta^k */
+    double *moment, *size;                 /* [detectors][room] */
+    double error_energy, error_u, *square; /* bounds so far; [detectors] squares of rounding */
+    int64_t terms, probed;                 /* all so far; of the random state */
+} damped;
+
+static void damped_free(damped *d) {
+    double *const all[] = {d->dash,   d->u,      d->v, d->u_old, d->v_old,  d->ku,   d->cv,
+                           d->u_next, d->v_next, d->s, d->power, d->moment, d->size, d->square};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+        sp_free(all[k]);
+    sp_network_free(&d->dashpots);
+}
+
+/* ---- the ellipse --------------------------------------------------------------------------------------------- */
+
+static double terms_of(const ellipse *e, double t) {
+    return t * e->im + 9 * sqrt(t * e->re) + 16 * cbrt(t * e->a) + 30;
+}
+
+/* Slow modes lie near 0, overdamped ones on the negative axis. Fast ones lie left of +-i Omega, far left if their
+ * contacts' dashpots are no weaker than others: a tight ellipse has its top there. A wide one goes through -rate, right
+ * and the corners +-i Omega, and holds whatever can be. */
+static ellipse ellipse_of(const damped *d, bool tight, int64_t substeps) {
+    const double h = d->until / (double)substeps, right = fmin(d->rate, (tight ? REACH_TIGHT : REACH_WIDE) / h);
+    ellipse e = {.substeps = substeps, .right = right, .re = 0.5 * (d->rate + right), .im = d->omega};
+    if (right > 0 && !tight)
+        e.im = d->omega * (right + d->rate) / (2 * sqrt(right * d->rate));
+    e.centre = right - e.re;
+    e.a = 0.5 * (e.re + e.im);
+    e.beta = (e.re - e.im) / (e.re + e.im);
+    return e;
+}
+
+static double products_of(const damped *d, const ellipse *e) {
+    const double n = (double)e->substeps, h = d->until / n;
+    return n * (h * e->im + 6 * sqrt(h * e->re) + 6 * cbrt(h * e->a) + 15);
+}
+
+/* The number of substeps that takes the fewest products. */
+static ellipse best_ellipse(const damped *d, bool tight) {
+    ellipse best = ellipse_of(d, tight, 1);
+    for (double n = 2; n < 10 + d->rate * d->until; n = ceil(1.25 * n)) {
+        const ellipse e = ellipse_of(d, tight, (int64_t)n);
+        if (products_of(d, &e) < products_of(d, &best))
+            best = e;
+    }
+    return best;
+}
+
+/* S_k(t), k < room, by downward recurrence S_(k-1) = k/(a t) S_k + beta S_(k+1) from where they are negligible;
+ * normalised by sum_(k>=0) S_k + sum_(k>0) beta^k S_k = e^(right t). Returns how many there are, the rest being 0. */
+static int64_t weights(const damped *d, double t, double *s) {
+    const ellipse *e = &d->e;
+    const int64_t n = d->room;
+    const double x = e->a * t;
+    int64_t top = x < 0.5 ? 16 : (int64_t)terms_of(e, t);
+    if (x < 1e-12)
+        top = 2;
+    double above = 0, here = START, sum = 0;
+    memset(s, 0, (size_t)n * sizeof *s);
+    if (x == 0) {
+        s[0] = 1;
+        return 1;
+    }
+    for (int64_t k = top; k > 0; k--) {
+        if (k < n)
+            s[k] = here;
+        sum += here * (1 + d->power[k]);
+        const double below = (double)k / x * here + e->beta * above;
+        above = here;
+        here = below;
+    }
+    s[0] = here;
+    const double scale = exp(e->right * t) / (sum + here);
+    const int64_t many = top + 1 < n ? top + 1 : n;
+    for (int64_t k = 0; k < many; k++)
+        s[k] *= scale;
+    return many;
+}
+
+/* ---- one term ------------------------------------------------------------------------------------------------ */
+
+/* K u and C v of Q_k y. */
+static void apply(damped *d) {
+    sp_network_apply(d->job->net, d->u, d->ku);
+    if (d->has_dashpots)
+        sp_network_apply(&d->dashpots, d->v, d->cv);
+}
+
+/* Norms of Q_k y: of u in the masses, and of the energy u^T K u + v^T M v; ku must be K u. */
+static void norms(const damped *d, double *size, double *energy) {
+    const double *mass = d->job->net->mass;
+    double uu = 0, all = 0;
+    for (int64_t k = 0; k < sp_network_dofs(d->job->net); k++) {
+        uu += mass[k] * d->u[k] * d->u[k];
+        all += d->u[k] * d->ku[k] + mass[k] * d->v[k] * d->v[k];
+    }
+    *size = sqrt(uu);
+    *energy = all > 0 ? sqrt(all) : 0;
+}
+
+static void swap(double **a, double **b) {
+    double *const old = *a;
+    *a = *b;
+    *b = old;
+}
+
+/* Q_(k+1) y of Q_k y and Q_(k-1) y. */
+static void next_term(damped *d, int64_t k) {
+    const ellipse *e = &d->e;
+    const double *restrict mass = d->job->net->mass, *restrict u = d->u, *restrict v = d->v;
+    double *restrict uo = d->u_old, *restrict vo = d->v_old;
+    const double keep = k == 0 ? 0 : k == 1 ? 2 * e->beta : e->beta, scale = 1 / e->a;
+    for (int64_t q = 0; q < sp_network_dofs(d->job->net); q++) {
+        const double force = d->ku[q] + d->cv[q];
+        uo[q] = scale * (v[q] - e->centre * u[q]) - keep * uo[q];
+        vo[q] = scale * (-force / mass[q] - e->centre * v[q]) - keep * vo[q];
+    }
+    swap(&d->u, &d->u_old);
+    swap(&d->v, &d->v_old);
+}
+
+static void read_moments(damped *d, int64_t k) {
+    const int64_t n = sp_network_dofs(d->job->net);
+    for (int32_t b = 0; b < d->job->detectors; b++) {
+        const double *spring = job_detector(d->job, b), *dash = d->dash + b * n;
+        double sum = 0, size = 0;
+        for (int64_t q = 0; q < n; q++) {
+            const double one = spring[q] * d->u[q], two = dash[q] * d->v[q];
+            sum += one + two;
+            size += fabs(one) + fabs(two);
+        }
+        d->moment[b * d->room + k] = sum;
+        d->size[b * d->room + k] = size;
+    }
+}
+
+static void add_to_end(damped *d, int64_t k) {
+    for (int64_t q = 0; q < sp_network_dofs(d->job->net); q++) {
+        d->u_next[q] += d->s[k] * d->u[q];
+        d->v_next[q] += d->s[k] * d->v[q];
+    }
+}
+
+/* All terms of a substep that starts at y = (u, v). Ends when the integral of the defect is below `enough`. */
+static sp_status expand(damped *d, double enough, int64_t *terms, sp_error *err) {
+    const size_t bytes = (size_t)sp_network_dofs(d->job->net) * sizeof(double);
+    const ellipse *e = &d->e;
+    const int64_t from = (int64_t)(d->h * e->im);
+    double size = 0, energy = 0, size_old, energy_old;
+    memset(d->u_next, 0, bytes);
+    memset(d->v_next, 0, bytes);
+    for (int64_t k = 0; k + 1 < d->room; k++) {
+        size_old = size;
+        energy_old = energy;
+        apply(d);
+        if (k + 1 >= from || k == 0)
+            norms(d, &size, &energy);
+        if (k > from + 1) { /* S_N, S_(N+1) rise with t there; terms up to N = k - 1 are in */
+            const double now = e->a * d->s[k - 1], then = e->a * fabs(e->beta) * d->s[k];
+            const double defect = d->h * (then * energy_old + now * energy);
+            if (defect <= enough) {
+                d->error_energy += defect;
+                d->error_u += d->h * (then * size_old + now * size);
+                *terms = k;
+                return SP_OK;
+            }
+        }
+        read_moments(d, k);
+        if (e->substeps > 1)
+            add_to_end(d, k);
+        next_term(d, k);
+    }
+    return sp_fail(err, SP_EREFUSED,
+                   "the expansion does not converge in %lld terms: the network is unstable (prestress)",
+                   (long long)d->room);
+}
+
+/* ---- which ellipse ------------------------------------------------------------------------------------------- */
+
+static void take_ellipse(damped *d, const ellipse *e) {
+    d->e = *e;
+    d->h = d->until / (double)e->substeps;
+    d->power[0] = 1;
+    for (int64_t k = 1; k < d->room; k++)
+        d->power[k] = d->power[k - 1] * e->beta;
+    weights(d, d->h, d->s);
+}
+
+/* Numbers in -1 .. 1, always the same (splitmix64). */
+static double noise(uint64_t *state) {
+    uint64_t z = *state += 0x9e3779b97f4a7c15;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
+}
+
+/* Whether no term of the expansion of a random state grows as it would outside the ellipse: then rounding does not
+ * either, in whatever direction. */
+static bool behaves(damped *d) {
+    const double *mass = d->job->net->mass;
+    uint64_t seed = 1;
+    double size, energy, first = 0;
+    for (int64_t q = 0; q < sp_network_dofs(d->job->net); q++) {
+        d->u[q] = noise(&seed) / (d->omega * sqrt(mass[q]));
+        d->v[q] = noise(&seed) / sqrt(mass[q]);
+    }
+    const int64_t terms = (int64_t)terms_of(&d->e, d->h);
+    d->probed = terms;
+    for (int64_t k = 0; k < terms; k++) {
+        apply(d);
+        norms(d, &size, &energy);
+        first = k == 0 ? energy : first;
+        if (!(d->s[k] * energy <= GROWTH * exp(d->e.right * d->h) * first))
+            return false;
+        next_term(d, k);
+    }
+    return true;
+}
+
+/* ---- one source ---------------------------------------------------------------------------------------------- */
+
+/* F at the points of a substep. */
+static void sum_points(damped *d, sp_signal *out, int32_t source, int64_t terms, double since, int32_t first,
+                       int32_t last) {
+    for (int32_t l = first; l < last; l++) {
+        const int64_t many = weights(d, out->t[l] - since, d->s), n = many < terms ? many : terms;
+        for (int32_t b = 0; b < out->detectors; b++) {
+            const double *moment = d->moment + b * d->room, *size = d->size + b * d->room;
+            double sum = 0, square = 0, own;
+            for (int64_t k = 0; k < n; k++) {
+                sum += d->s[k] * moment[k];
+                own = d->s[k] * size[k];
+                square += own * own * (1 + (double)(d->terms + k));
+            }
+            signal_pair(out, source, b)[l] = sum;
+            d->square[b] = fmax(d->square[b], square);
+        }
+    }
+}
+
+static void start(damped *d, int32_t source) {
+    const sp_network *net = d->job->net;
+    const double *sent = job_source(d->job, source);
+    for (int64_t k = 0; k < sp_network_dofs(net); k++) {
+        d->u[k] = job_moves(d->job) ? 0 : sent[k];
+        d->v[k] = job_moves(d->job) ? sent[k] / net->mass[k] : 0;
+    }
+    d->error_energy = d->error_u = 0;
+    d->terms = 0;
+    memset(d->square, 0, (size_t)d->job->detectors * sizeof *d->square);
+}
+
+/* Error bound of each detector: truncation, |u| of the error growing by its v; and rounding. */
+static void find_errors(const damped *d, sp_signal *out, int32_t source) {
+    const int64_t n = sp_network_dofs(d->job->net);
+    const double *mass = d->job->net->mass, until = out->t[out->n - 1];
+    for (int32_t b = 0; b < out->detectors; b++) {
+        const double *spring = job_detector(d->job, b), *dash = d->dash + b * n, *f = signal_pair(out, source, b);
+        double one = 0, two = 0, largest = 0;
+        for (int64_t k = 0; k < n; k++) {
+            one += spring[k] * spring[k] / mass[k];
+            two += dash[k] * dash[k] / mass[k];
+        }
+        for (int32_t l = 0; l < out->n; l++)
+            largest = fmax(largest, fabs(f[l]));
+        out->errors[source * out->detectors + b] =
+            sqrt(one) * (d->error_u + until * d->error_energy) + sqrt(two) * d->error_energy +
+            DBL_EPSILON * (MOMENT_ROUNDING * sqrt(d->square[b]) +
+                           PHASE_ROUNDING * (1 + d->omega * until + d->e.re * d->h) * largest);
+    }
+}
+
+static sp_status follow(damped *d, sp_signal *out, int32_t source, sp_error *err) {
+    const double until = out->t[out->n - 1];
+    double size, energy = 0, before;
+    int32_t first = 0;
+    sp_status status = SP_OK;
+    start(d, source);
+    for (int64_t step = 0; step < d->e.substeps && status == SP_OK; step++) {
+        const double since = until * (double)step / (double)d->e.substeps;
+        const bool last = step == d->e.substeps - 1;
+        int64_t terms = 0;
+        before = energy;
+        sp_network_apply(d->job->net, d->u, d->ku);
+        norms(d, &size, &energy);
+        if (step > 0 && !(energy <= before * (1 + 1e-9)))
+            return sp_fail(err, SP_EREFUSED, "energy grows in time: the network is unstable (prestress)");
+        if (step == 0)
+            before = energy;
+        weights(d, d->h, d->s);
+        status =
+            expand(d, 1e-9 * d->job->options->tolerance * before / ((1 + d->omega * until) * (double)d->e.substeps),
+                   &terms, err);
+        int32_t end = first;
+        while (end < out->n && (last || out->t[end] < since + d->h))
+            end++;
+        if (status == SP_OK)
+            sum_points(d, out, source, terms, since, first, end);
+        first = end;
+        d->terms += terms;
+        swap(&d->u, &d->u_next);
+        swap(&d->v, &d->v_next);
+    }
+    if (status == SP_OK)
+        find_errors(d, out, source);
+    return status;
+}
+
+/* ---- all ----------------------------------------------------------------------------------------------------- */
+
+static sp_status allocate(damped *d, sp_error *err) {
+    const size_t n = (size_t)sp_network_dofs(d->job->net), room = (size_t)d->room,
+                 detectors = (size_t)d->job->detectors;
+    double **const vectors[] = {&d->u, &d->v, &d->u_old, &d->v_old, &d->ku, &d->cv, &d->u_next, &d->v_next};
+    bool ok = true;
+    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++) {
+        *vectors[k] = sp_alloc(n, sizeof(double));
+        ok = ok && *vectors[k];
+    }
+    d->dash = sp_alloc(detectors, n * sizeof *d->dash);
+    d->s = sp_alloc(room, sizeof *d->s);
+    d->power = sp_alloc(room, sizeof *d->power);
+    d->moment = sp_alloc(detectors, room * sizeof *d->moment);
+    d->size = sp_alloc(detectors, room * sizeof *d->size);
+    d->square = sp_alloc(detectors, sizeof *d->square);
+    if (!ok || !d->dash || !d->s || !d->power || !d->moment || !d->size || !d->square)
+        return sp_fail_memory(err, ((8 + detectors) * n + (1 + 2 * detectors) * room) * sizeof(double));
+    return SP_OK;
+}
+
+/* What the dashpots at a detector feel: the same rows with c in place of k. */
+static sp_status find_dashes(damped *d, sp_error *err) {
+    const sp_place wall = sp_place_wall(), *to = d->job->options->to;
+    sp_status status = SP_OK;
+    for (int32_t b = 0; b < d->job->detectors && status == SP_OK && d->has_dashpots; b++)
+        status =
+            sp_network_detector_at(&d->dashpots, to ? &to[b] : &wall, d->dash + b * sp_network_dofs(d->job->net), err);
+    return status;
+}
+
+/* The ellipse, and memory for it. */
+static sp_status prepare(damped *d, sp_error *err) {
+    const ellipse wide = best_ellipse(d, false), tight = best_ellipse(d, true);
+    const double h_wide = d->until / (double)wide.substeps, h_tight = d->until / (double)tight.substeps;
+    const double products = products_of(d, &wide) * d->job->sources * (1 + d->has_dashpots);
+    if (!(products <= PRODUCTS_MAX))
+        return sp_fail(err, SP_EREFUSED, "until = %g needs up to %.3g matrix products, must be at most %g", d->until,
+                       products, PRODUCTS_MAX);
+    d->room = (int64_t)fmax(terms_of(&wide, h_wide), terms_of(&tight, h_tight)) + 40;
+    sp_status status = allocate(d, err);
+    if (status == SP_OK)
+        status = find_dashes(d, err);
+    if (status != SP_OK)
+        return status;
+    take_ellipse(d, &tight);
+    const double probe = 1.0 / ((double)tight.substeps * d->job->sources);
+    if (!(products_of(d, &tight) * (1 + probe) < products_of(d, &wide)) || !behaves(d))
+        take_ellipse(d, &wide);
+    return SP_OK;
+}
+
+sp_status sp_signal_by_faber(const signal_job *job, sp_signal *s, sp_error *err) {
+    const double zeta = job->options->damping;
+    damped d = {.job = job,
+                .dashpots = sp_network_none(),
+                .has_dashpots = zeta > 0,
+                .omega = sp_network_omega_bound(job->net),
+                .until = job->options->until};
+    sp_status status = zeta > 0 ? sp_network_damping(job->net, zeta, &d.dashpots, err) : SP_OK;
+    if (status == SP_OK && zeta > 0)
+        d.rate = sp_network_omega_bound(&d.dashpots) * sp_network_omega_bound(&d.dashpots);
+    if (status == SP_OK)
+        status = prepare(&d, err);
+    int64_t terms = d.probed;
+    for (int32_t a = 0; a < job->sources && status == SP_OK; a++) {
+        status = follow(&d, s, a, err);
+        terms += d.terms;
+    }
+    s->products = (int32_t)(terms * (1 + d.has_dashpots));
+    damped_free(&d);
+    return status;
+}

@@ -1,0 +1,162 @@
+"""signal with places, damping, time steps and nonlinear dynamics against numpy (network_oracle.py), and its command line.
+
+usage: test_places.py COMMAND SOURCE_DIR
+"""
+import os
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+from network_oracle import Network
+
+COMMAND, SOURCE = sys.argv[1], sys.argv[2]
+N200 = os.path.join(SOURCE, "packings", "reference", "packing_N200_p1e-4.txt")
+NORMAL, SHEAR = 1, 0
+
+
+def run(*words, status=0):
+    done = subprocess.run([COMMAND, *map(str, words)], capture_output=True, text=True, timeout=300)
+    assert done.returncode == status, (words, done.returncode, done.stderr)
+    if status:
+        assert done.stdout == "" and done.stderr.startswith("sonopack"), (words, done.stdout[:200], done.stderr)
+    return done.stderr if status else done.stdout
+
+
+def signal(*words):
+    """Comments and columns."""
+    comments, rows = {}, []
+    for line in run("signal", *words).splitlines():
+        if line.startswith("#"):
+            key, _, value = line[1:].partition("=")
+            comments[key.strip()] = value.strip()
+        else:
+            rows.append(line.split("\t"))
+    values = np.array(rows[1:], dtype=float)
+    return comments, {name: values[:, k] for k, name in enumerate(rows[0])}
+
+
+def responses(network, sources, detectors, t):
+    """After momenta, by the modes."""
+    root, omega = np.sqrt(network.mass), np.sqrt(network.squares)
+    sent = network.vectors.T @ (np.array(sources) / root).T
+    seen = network.vectors.T @ (np.array(detectors) / root).T
+    waves = np.sin(np.outer(t, omega)) / omega
+    return [[(waves * sent[:, a] * seen[:, b]).sum(axis=1) for b in range(seen.shape[1])] for a in range(sent.shape[1])]
+
+
+def test_places(network):
+    t = np.linspace(0, 60, 31)
+    sources = [network.wall(-1, NORMAL), network.wall(-1, SHEAR), network.wall(-1, NORMAL, network.part(3, 9))]
+    detectors = [network.wall(-2, NORMAL), network.wall(-2, SHEAR), network.wall(-2, SHEAR, network.part(0, 12)),
+                 network.plane(4, NORMAL), network.plane(4, SHEAR)]
+    words = ["--source", "impulse:normal", "--from", "bottom:shear", "--from", "part:3:9",
+             "--detector", "top", "--detector", "shear", "--detector", "part:0:12:shear", "--detector", "plane:4:normal",
+             "--detector", "plane:4:shear"]
+    exact = responses(network, sources, detectors, t)
+    for method, tolerance in (("auto", 1e-10), ("chebyshev", 1e-10), ("dense", 1e-10), ("lax-wendroff", 1e-7),
+                              ("verlet", 1e-4), ("faber", 1e-10)):
+        comments, f = signal(N200, "--until", 60, "--points", 31, "--method", method, "--tolerance", tolerance, *words)
+        assert list(f) == ["t"] + [f"F{k}" for k in range(1, 16)]
+        assert method in ("auto", comments["method"])
+        for a in range(3):
+            for b in range(5):
+                name = f"F{5 * a + b + 1}"
+                assert comments[name].startswith("from " + ["bottom:normal", "bottom:shear", "part:3:9:normal"][a])
+                bound = float(comments[name].rpartition("error ")[2])
+                difference = np.max(np.abs(f[name] - exact[a][b]))
+                assert difference <= bound + 2e-12 * np.max(np.abs(exact[a][b])), (method, name, difference, bound)
+                assert bound <= tolerance * np.max(np.abs(f[name]))
+    # a component for all, and planes in equal layers
+    comments, f = signal(N200, "--until", 60, "--points", 31, "--component", "shear", "--planes", 2, "--detector", "normal")
+    height = network.height
+    rows = [network.wall(-2, NORMAL), network.plane(height / 3, SHEAR), network.plane(2 * height / 3, SHEAR)]
+    for b, exact in enumerate(responses(network, sources[1:2], rows, t)[0]):
+        assert np.max(np.abs(f[f"F{b + 1}"] - exact)) < 1e-11 * np.max(np.abs(exact))
+    # columns serve where tables go
+    with tempfile.TemporaryDirectory() as folder:
+        table = os.path.join(folder, "s.tsv")
+        run("signal", N200, "--planes", 40, "-o", table)
+        assert "F30" not in run("front", table, "--column", "F30", "--distance", 5).splitlines()[0]
+
+
+def test_damping(network):
+    t = np.linspace(0, 80, 41)
+    for zeta in (1e-4, 0.05, 1):
+        rows = [(network.wall(-2, NORMAL), network.wall(-2, NORMAL, stiffness=zeta * network.c)),
+                (network.plane(3, SHEAR), network.plane(3, SHEAR, stiffness=zeta * network.c))]
+        comments, f = signal(N200, "--until", 80, "--points", 41, "--damping", zeta, "--detector", "top", "--detector",
+                             "plane:3:shear")
+        exact = network.damped(zeta, network.source, rows, t)
+        assert comments["method"] == "faber" and float(comments["damping"]) == zeta
+        for b in range(2):
+            assert np.max(np.abs(f[f"F{b + 1}"] - exact[b])) < 1e-10 * np.max(np.abs(exact[b]))
+    # modes of the damped motion
+    rates = np.linalg.eigvals(network.motion(0.1))
+    rates = rates[rates.imag >= 0]
+    lines = [line for line in run("modes", N200, "--damping", 0.1).splitlines() if not line.startswith("#")]
+    assert lines[0].split("\t") == ["n", "omega", "decay", "cosine", "sine", "error"]
+    ours = np.array([line.split("\t") for line in lines[1:]], dtype=float)
+    assert len(ours) == len(rates)
+    for rate in rates:
+        assert np.min(np.hypot(ours[:, 1] - rate.imag, ours[:, 2] + rate.real)) < 1e-10
+
+
+def test_dynamics():
+    """At small amplitudes the packing's own motion is the linear one, but for the tangential forces at rest; contacts at
+    Coulomb's limit slide before that, however gently one knocks."""
+    words = [N200, "--until", 60, "--points", 61]
+    _, linear = signal(*words, "--prestress", "--threshold", 0)
+    peak = np.max(np.abs(linear["F"]))
+    difference = []
+    for amplitude in (1e-2, 1e-3, 1e-6):
+        comments, f = signal(*words, "--prestress", "--threshold", 0, "--method", "dynamics", "--amplitude", amplitude)
+        difference.append(np.max(np.abs(f["F"] - linear["F"])) / peak)
+        assert comments["method"] == "dynamics" and 0 < float(comments["error"]) <= 1e-3 * np.max(np.abs(f["F"]))
+        assert float(comments["amplitude"]) > 0 and float(comments["step"]) > 0
+    print("dynamics against the linear signal:", *(f"{d:.2g}" for d in difference))
+    assert difference[0] > difference[1] > difference[2] and difference[2] < 2e-3
+
+
+def test_refusals():
+    for words, reason in ((["--detector", "plane:nan"], "plane:"), (["--detector", "plane:300"], "below the height"),
+                          (["--detector", "plane:0"], "above 0"), (["--detector", "part:5:2"], "X0 below X1"),
+                          (["--detector", "part:5:5"], "X0 below X1"), (["--detector", "part:0:99"], "interval in 0 .. 24"),
+                          (["--detector", "part:1"], "part:X0:X1"), (["--detector", "grain:-1"], "grain:"),
+                          (["--detector", "grain:1.5"], "grain:"), (["--detector", "grain:200"], "0 .. 199"),
+                          (["--detector", "bottom"], "must be top"), (["--detector", ""], "must be top"),
+                          (["--detector", "top:shear:shear"], "must be top"), (["--detector", "x" * 500], "must be top"),
+                          (["--from", "plane:3"], "must be bottom"), (["--from", "top"], "must be bottom"),
+                          (["--source", "impulse:"], "must be bottom"), (["--source", "drum:shear"], "must be impulse"),
+                          (["--source", "impulse", "--source", "velocity"], "of one kind"),
+                          (["--component", "up"], "normal or shear"), (["--planes", "0"], "--planes 0"),
+                          (["--planes", "1000", "--from", "bottom", "--from", "shear"], "1000 signals"),
+                          (["--damping", "-1"], "--damping -1"), (["--damping", "nan"], "--damping nan"),
+                          (["--damping", "0.1", "--method", "dense"], "must be faber"),
+                          (["--step", "0"], "--step 0"), (["--step", "0.1"], "makes no time steps"),
+                          (["--step", "5", "--method", "verlet", "--points", "2"], "unstable"),
+                          (["--amplitude", "0"], "--amplitude 0"), (["--method", "magic"], "one of auto, chebyshev")):
+        text = run("signal", N200, *words, status=2)
+        assert reason in text.splitlines()[0], (words, text)
+    assert "chebyshev needs none" in run("signal", N200, "--method", "verlet", status=1)
+    assert "must be smaller" in run("signal", N200, "--method", "dynamics", "--amplitude", 900, status=1)
+    with tempfile.TemporaryDirectory() as folder:
+        smooth = os.path.join(folder, "smooth.h5")
+        run("pack", "--set", "packing.friction=0", "--set", "packing.grains=60", "--set", "packing.width=8", "-o", smooth)
+        assert "with friction" in run("signal", smooth, "--detector", "top:shear", status=1)
+    grains = [line.split() for line in open(N200).read().splitlines()[2:202]]
+    rattlers = [k for k, grain in enumerate(grains) if grain[3] == "1"]
+    for grain in rattlers[:2]:
+        assert "rattler" in run("signal", N200, "--detector", f"grain:{grain}", status=1)
+    for words in (["--damping", "0"], ["--damping", "0.1", "--lowest", "3"], ["--damping", "0.1", "--frequencies-only"]):
+        run("modes", N200, *words, status=2)
+
+
+if __name__ == "__main__":
+    reference = Network(N200)
+    test_places(reference)
+    test_damping(reference)
+    test_dynamics()
+    test_refusals()
+    print("passed")

@@ -1,0 +1,286 @@
+/* What the expansion does beyond one pair of small networks: blocks that sleep, threads, many places in one pass,
+ * signals that end with their fronts. */
+#include "base/base.h"
+#include "extended.h"
+#include "reference.h"
+#include "signal/recurrence.h"
+
+#include <sonopack/front.h>
+
+static sp_network network_of(const sp_packing *p, bool prestress) {
+    sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    o.prestress = prestress;
+    assert_ok(sp_network_make(p, &o, &net, &err));
+    return net;
+}
+
+static sp_signal_options options_of(sp_source source, double until, int points) {
+    sp_signal_options o = sp_signal_options_default();
+    o.method = SP_SIGNAL_CHEBYSHEV;
+    o.source = source;
+    o.until = until;
+    o.points = points;
+    return o;
+}
+
+static double largest_of(int n, const double *f) {
+    double largest = 0;
+    for (int k = 0; k < n; k++)
+        largest = fmax(largest, fabs(f[k]));
+    return largest;
+}
+
+static double difference(int n, const double *f, const double *g) {
+    double worst = 0;
+    for (int k = 0; k < n; k++)
+        worst = fmax(worst, fabs(f[k] - g[k]));
+    return worst;
+}
+
+/* All pairs of sources and detectors against long double; the bound is never below the error. */
+static void check_places(const char *name, const sp_network *net, sp_signal_options o) {
+    const size_t n = (size_t)sp_network_dofs(net);
+    double *sent = calloc(2 * n, sizeof *sent), *seen = sent + n, *exact = calloc((size_t)o.points, sizeof *exact);
+    sp_signal s = sp_signal_none();
+    assert_ok(sp_signal_make(net, &o, &s, &err));
+    assert_true(s.sources == (o.from ? o.sources : 1) && s.detectors == (o.to ? o.detectors : 1));
+    for (int a = 0; a < s.sources; a++)
+        for (int b = 0; b < s.detectors; b++) {
+            const sp_place wall = sp_place_wall();
+            assert_ok(sp_network_source_at(net, o.source, o.from ? &o.from[a] : &wall, sent, &err));
+            assert_ok(sp_network_detector_at(net, o.to ? &o.to[b] : &wall, seen, &err));
+            extended_signal_of(net, sent, seen, o.source != SP_SOURCE_DISPLACEMENT, s.n, s.t, exact);
+            const double *f = s.f + ((int64_t)a * s.detectors + b) * s.n, bound = s.errors[a * s.detectors + b];
+            const double error = difference(s.n, f, exact);
+            if (!(error <= bound))
+                fail_msg("%s: source %d of %d, detector %d of %d, until %g: error %g above its bound %g (peak %g)",
+                         name, a, s.sources, b, s.detectors, o.until, error, bound, largest_of(s.n, exact));
+            assert_true(bound <= 1e-9 * fmax(largest_of(s.n, exact), 1e-5));
+        }
+    sp_signal_free(&s);
+    free(exact);
+    free(sent);
+}
+
+static void test_places(void **state) {
+    (void)state;
+    const struct {
+        const char *name;
+        sp_packing p;
+        bool prestress;
+    } all[] = {{"2D", scattered_packing(2, 8, 0.5, 1), false},
+               {"2D without friction", scattered_packing(2, 8, 0, 2), false},
+               {"3D", scattered_packing(3, 4, 0.5, 3), false},
+               {"reference", reference_packing(REFERENCE("packing_N200_p1e-4.txt")), true}};
+    const double spans[] = {2, 12, 90};
+    const int counts[][2] = {{1, 2}, {1, 5}, {3, 1}, {2, 2}, {5, 3}};
+    for (size_t q = 0; q < sizeof all / sizeof *all; q++) {
+        sp_packing p = all[q].p;
+        sp_network net = network_of(&p, all[q].prestress);
+        sp_place from[5], to[5];
+        for (int k = 0; k < 5; k++) {
+            from[k] = (sp_place){.kind = SP_PLACE_GRAIN, .grain = net.grain[k * (net.n - 1) / 5], .shear = k == 2};
+            to[k] = (sp_place){.kind = k == 4 ? SP_PLACE_GRAIN : SP_PLACE_PLANE,
+                               .grain = net.grain[net.n / 2],
+                               .height = net.box[net.dim - 1] * (k + 1.37) / 6};
+        }
+        for (size_t span = 0; span < sizeof spans / sizeof *spans; span++)
+            for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
+                sp_signal_options o = options_of(c % 2 ? SP_SOURCE_DISPLACEMENT : SP_SOURCE_IMPULSE, spans[span], 11);
+                o.from = counts[c][0] > 1 ? from : NULL;
+                o.sources = counts[c][0];
+                o.to = counts[c][1] > 1 ? to : NULL;
+                o.detectors = counts[c][1];
+                o.tolerance = 1e-9;
+                check_places(all[q].name, &net, o);
+            }
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* Blocks that nothing has reached sleep, and the bound allows for what was dropped there. */
+static void test_sleep(void **state) {
+    (void)state;
+    sp_packing p = chain_packing(2600, 1e-4);
+    sp_network net = network_of(&p, false);
+    const double spans[] = {300, 2600}; /* sound takes some 4900 */
+    sp_operator op = {0};
+    recurrence r = {0};
+    int64_t at[2] = {0, 0};
+    double one[2] = {1, 1};
+    assert_ok(sp_operator_make(&net, &op, &err));
+    assert_ok(recurrence_make(&op, net.mass, net.omega_bound, 1, &r, &err));
+    assert_true(op.blocks == 3);
+    at[1] = 2L * op.row_of[net.n - 1];
+    for (int lane = 0; lane < 2; lane++)
+        recurrence_start(&r, lane, true, &(sparse_row){1, &at[lane], &one[lane]});
+    r.doubled = true;
+    for (int k = 0; k < 700; k++) {
+        recurrence_step(&r);
+        assert_true(r.n_active == 3 && r.awake[0] && r.awake[2] && r.awake[1] == 0);
+    }
+    assert_true(r.dropped == 0 || recurrence_dropped(&r, 700) < 1e-25);
+    recurrence_free(&r);
+    sp_operator_free(&op);
+    for (size_t k = 0; k < sizeof spans / sizeof *spans; k++) {
+        const sp_place to[] = {{.kind = SP_PLACE_GRAIN, .grain = 800}, {.kind = SP_PLACE_GRAIN, .grain = 1500}};
+        sp_signal_options o = options_of(SP_SOURCE_IMPULSE, spans[k], 11);
+        if (k == 0) {
+            o.to = to;
+            o.detectors = 2;
+        }
+        check_places("long chain", &net, o);
+    }
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+static sp_packing lattice_packing(int side) {
+    sp_pack_spec spec = sp_pack_spec_default();
+    sp_packing p = sp_packing_none();
+    spec.kind = SP_PACK_TRIANGULAR;
+    spec.grains = side * side;
+    spec.width = side;
+    spec.diameter_min = spec.diameter_max = 1;
+    spec.pressure = 1e-4;
+    assert_ok(sp_packing_make(&spec, NULL, NULL, &p, &err));
+    return p;
+}
+
+/* The same bits for any number of threads, and by any vectors. */
+static void test_threads(void **state) {
+    (void)state;
+    sp_packing p = lattice_packing(185);
+    sp_network net = network_of(&p, false);
+    sp_signal_options o = options_of(SP_SOURCE_IMPULSE, 60, 31);
+    const sp_place to[] = {{.kind = SP_PLACE_PLANE, .height = 11.1}, {.kind = SP_PLACE_PLANE, .height = 5.5}};
+    o.to = to;
+    o.detectors = 2;
+    sp_signal one = sp_signal_none();
+    sp_operator op = {0};
+    assert_ok(sp_signal_make(&net, &o, &one, &err));
+    assert_true(largest_of(one.n, one.f) > 0);
+    for (int threads = 2; threads < 10; threads += 3) {
+        sp_signal s = sp_signal_none();
+        o.threads = threads;
+        assert_ok(sp_signal_make(&net, &o, &s, &err));
+        assert_memory_equal(s.f, one.f, 2 * (size_t)s.n * sizeof *s.f);
+        assert_true(s.error == one.error);
+        sp_signal_free(&s);
+    }
+    sp_signal_free(&one);
+    assert_ok(sp_operator_make(&net, &op, &err));
+    assert_true(op.blocks > 32); /* enough for several threads */
+    recurrence r[2] = {{0}, {0}};
+    int64_t at[2] = {3 * op.row, (op.n - 2) * (int64_t)op.row + 2};
+    double ones[2] = {1, 1};
+    const bool wide = op.wide;
+    for (int q = 0; q < 2; q++) {
+        assert_ok(recurrence_make(&op, net.mass, net.omega_bound, 1 + q, &r[q], &err));
+        r[q].doubled = true;
+        assert_true((r[q].team != NULL) == (q == 1));
+        r[q].past_caches = q == 0;
+        for (int lane = 0; lane < 2; lane++)
+            recurrence_start(&r[q], lane, lane == 0, &(sparse_row){1, &at[lane], &ones[lane]});
+    }
+    for (int k = 0; k < 120; k++) {
+        op.wide = wide;
+        const recurrence_products a = recurrence_step(&r[0]);
+        op.wide = false;
+        const recurrence_products b = recurrence_step(&r[1]);
+        assert_memory_equal(&a, &b, sizeof a);
+    }
+    assert_memory_equal(r[0].u, r[1].u, (size_t)op.n * (size_t)op.row * sizeof *r[0].u);
+    recurrence_free(&r[0]);
+    recurrence_free(&r[1]);
+    sp_operator_free(&op);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* A signal that ends with its front is the beginning of the longer one, ends not long after the zero crossing, and has
+ * the front that the rule finds in the longer one up to there. */
+static void test_front(void **state) {
+    (void)state;
+    const char *const names[] = {REFERENCE("packing_N200_p1e-4.txt"), REFERENCE("packing_N600_p1e-4.txt")};
+    for (int q = 0; q < 2; q++) {
+        sp_packing p = reference_packing(names[q]);
+        sp_network net = network_of(&p, false);
+        sp_signal_options o = options_of(SP_SOURCE_IMPULSE, sp_signal_window(p.box[1], p.pressure), 961);
+        const sp_place to[] = {{.kind = SP_PLACE_WALL}, {.kind = SP_PLACE_PLANE, .height = 0.4 * p.box[1]}};
+        for (int detectors = 1; detectors <= 2; detectors++) {
+            o.to = to;
+            o.detectors = detectors;
+            sp_signal whole = sp_signal_none(), part = sp_signal_none();
+            o.front = false;
+            assert_ok(sp_signal_make(&net, &o, &whole, &err));
+            o.front = true;
+            assert_ok(sp_signal_make(&net, &o, &part, &err));
+            assert_true(part.n < whole.n && part.products < whole.products && part.detectors == detectors);
+            double last = 0;
+            for (int d = 0; d < detectors; d++) {
+                const double *f = part.f + (int64_t)d * part.n, *g = whole.f + (int64_t)d * whole.n;
+                const sp_front_options rule = sp_front_options_default();
+                sp_front a, b;
+                assert_memory_equal(part.t, whole.t, (size_t)part.n * sizeof *part.t);
+                assert_true(difference(part.n, f, g) <= part.errors[d] + whole.errors[d]);
+                assert_ok(sp_front_find(part.n, part.t, f, &rule, &a, &err));
+                assert_ok(sp_front_find(whole.n, whole.t, g, &rule, &b, &err));
+                assert_true(isfinite(a.t_zero));
+                assert_relative(a.t_zero, b.t_zero, 1e-8);
+                assert_relative(a.t10, b.t10, 1e-8);
+                last = fmax(last, a.t_zero);
+            }
+            assert_true(part.t[part.n - 1] < last + 2.1 * o.until / 48);
+            sp_signal_free(&whole);
+            sp_signal_free(&part);
+        }
+        o.to = NULL; /* too short for a front: all of it */
+        o.detectors = 0;
+        o.until = 20;
+        sp_signal s = sp_signal_none();
+        assert_ok(sp_signal_make(&net, &o, &s, &err));
+        assert_int_equal(s.n, o.points);
+        sp_signal_free(&s);
+        o.method = SP_SIGNAL_DENSE;
+        assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "must be chebyshev or auto");
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+static void test_no_memory(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 6, 0.5, 1);
+    sp_network net = network_of(&p, false);
+    const sp_place to[] = {{.kind = SP_PLACE_PLANE, .height = 1}, {.kind = SP_PLACE_PLANE, .height = 2}};
+    for (int k = 0;; k++) {
+        sp_signal_options o = options_of(SP_SOURCE_IMPULSE, 30, 11);
+        sp_signal s = sp_signal_none();
+        sp_error err = {0};
+        o.to = to;
+        o.detectors = 2;
+        o.front = true;
+        sp_alloc_fail_after(k);
+        const sp_status status = sp_signal_make(&net, &o, &s, &err);
+        sp_alloc_fail_after(-1);
+        assert_true(status == SP_OK || s.f == NULL);
+        sp_signal_free(&s);
+        if (status == SP_OK) {
+            assert_true(k > 30);
+            break;
+        }
+        assert_int_equal(status, SP_ENOMEM);
+    }
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_places), cmocka_unit_test(test_sleep),
+                                       cmocka_unit_test(test_threads), cmocka_unit_test(test_front),
+                                       cmocka_unit_test(test_no_memory)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

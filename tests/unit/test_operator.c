@@ -1,0 +1,170 @@
+/* The compact operator against sp_network_apply, for all kinds of networks and any number of blocks. */
+#include "base/base.h"
+#include "network/operator.h"
+#include "reference.h"
+
+#include <float.h>
+
+typedef struct kind {
+    const char *name;
+    sp_packing p;
+    bool prestress;
+    int least, most; /* blocks */
+} kind;
+
+static sp_network network_of(const kind *k) {
+    sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    o.prestress = k->prestress;
+    assert_ok(sp_network_make(&k->p, &o, &net, &err));
+    return net;
+}
+
+/* Rows are a permutation of the grains, blocks and chunks follow each other, and blocks beside each other say so
+ * mutually. */
+static void check_order(const kind *k, const sp_operator *op) {
+    bool *seen = calloc((size_t)op->n, sizeof *seen);
+    if (op->blocks < k->least || op->blocks > k->most)
+        fail_msg("%s: %d blocks, expected %d .. %d", k->name, op->blocks, k->least, k->most);
+    for (int row = 0; row < op->n; row++) {
+        assert_false(seen[op->grain[row]]);
+        seen[op->grain[row]] = true;
+        assert_int_equal(op->row_of[op->grain[row]], row);
+    }
+    assert_int_equal(op->first[0], 0);
+    assert_int_equal(op->first[op->blocks], op->n);
+    for (int b = 0; b < op->blocks; b++) {
+        assert_true(op->first[b + 1] > op->first[b] && op->first[b + 1] - op->first[b] <= op->largest);
+        assert_int_equal(op->chunk_row[op->chunk[b]], op->first[b]);
+        assert_int_equal(op->chunk_row[op->chunk[b + 1]], op->first[b + 1]);
+        for (int q = op->beside_first[b]; q < op->beside_first[b + 1]; q++) {
+            const int other = op->beside[q];
+            bool mutual = false;
+            for (int s = op->beside_first[other]; s < op->beside_first[other + 1]; s++)
+                mutual = mutual || op->beside[s] == b;
+            assert_true(mutual && other != b);
+        }
+    }
+    free(seen);
+}
+
+static void forces_of(const sp_operator *op, const double *u, double *force) {
+    memset(force, 0, (size_t)op->n * (size_t)op->row * sizeof *force);
+    for (int b = 0; b < op->blocks; b++)
+        for (int c = op->chunk[b]; c < op->chunk[b + 1]; c++)
+            sp_operator_force(op, b, c, u, force + (ptrdiff_t)op->first[b] * op->row);
+}
+
+static void check_forces(const kind *k, const sp_network *net, sp_operator *op) {
+    const int64_t n = sp_network_dofs(net);
+    const size_t size = ((size_t)op->n + 1) * (size_t)op->row;
+    double *u = calloc(2 * (size_t)n, sizeof *u), *ku = calloc((size_t)n, sizeof *ku);
+    double *in = sp_alloc(size, sizeof *in), *out = sp_alloc(size, sizeof *out), *plain = sp_alloc(size, sizeof *plain);
+    for (int64_t q = 0; q < 2 * n; q++)
+        u[q] = 2.0 * rand() / RAND_MAX - 1;
+    for (int lane = 0; lane < 2; lane++)
+        for (int64_t q = 0; q < n; q++) {
+            const int64_t row = op->row_of[q / op->dof], a = q % op->dof;
+            in[row * op->row + 2 * a + lane] = u[lane * n + q] * op->scale[row * op->dof + a];
+        }
+    forces_of(op, in, out);
+    for (int lane = 0; lane < 2; lane++) {
+        double largest = 0;
+        sp_network_apply(net, u + lane * n, ku);
+        for (int64_t q = 0; q < n; q++)
+            largest = fmax(largest, fabs(ku[q]));
+        for (int64_t q = 0; q < n; q++) {
+            const int64_t row = op->row_of[q / op->dof], a = q % op->dof;
+            const double force = out[row * op->row + 2 * a + lane] * op->scale[row * op->dof + a];
+            /* a few roundings of each of some ten springs */
+            if (!(fabs(force - ku[q]) <= 50 * DBL_EPSILON * largest))
+                fail_msg("%s: force %g, expected %g (largest %g)", k->name, force, ku[q], largest);
+        }
+    }
+    if (op->wide) {
+        op->wide = false;
+        forces_of(op, in, plain);
+        assert_memory_equal(out, plain, size * sizeof *out);
+    }
+    sp_free(plain);
+    sp_free(out);
+    sp_free(in);
+    free(ku);
+    free(u);
+}
+
+static void test_forces(void **state) {
+    (void)state;
+    kind all[] = {{"one ball", chain_packing(1, 1e-4), false, 1, 1},
+                  {"chain", chain_packing(40, 1e-4), false, 1, 1},
+                  {"long chain", chain_packing(5000, 1e-4), false, 4, 6},
+                  {"2D", scattered_packing(2, 7, 0.5, 1), false, 1, 1},
+                  {"2D, two grains wide", scattered_packing(2, 2, 0.5, 1), false, 1, 1},
+                  {"2D, large", scattered_packing(2, 70, 0.5, 1), false, 4, 9},
+                  {"2D with prestress, large", scattered_packing(2, 60, 0.5, 1), true, 3, 6},
+                  {"2D without friction, large", scattered_packing(2, 60, 0, 2), false, 3, 6},
+                  {"3D", scattered_packing(3, 4, 0.5, 3), false, 1, 1},
+                  {"3D, large", scattered_packing(3, 14, 0.5, 3), false, 2, 5},
+                  {"3D without friction, large", scattered_packing(3, 14, 0, 4), true, 2, 5},
+                  {"reference", reference_packing(REFERENCE("packing_N600_p1e-4.txt")), false, 1, 1}};
+    srand(7);
+    for (size_t q = 0; q < sizeof all / sizeof *all; q++) {
+        sp_network net = network_of(&all[q]);
+        sp_operator op = {0};
+        assert_ok(sp_operator_make(&net, &op, &err));
+        assert_int_equal(op.quad, net.dim == 2 && net.dof == 3 && !net.prestress);
+        check_order(&all[q], &op);
+        check_forces(&all[q], &net, &op);
+        sp_operator_free(&op);
+        sp_network_free(&net);
+        sp_packing_free(&all[q].p);
+    }
+}
+
+/* Lever arms that are not the radii, or unequal masses: no quads, and still the same K. */
+static void test_general(void **state) {
+    (void)state;
+    for (int which = 0; which < 2; which++) {
+        kind k = {"levers", scattered_packing(2, 7, 0.5, 5), false, 1, 1};
+        sp_network net = network_of(&k);
+        sp_operator op = {0};
+        if (which == 0)
+            net.springs[3].rj *= 1.5;
+        else
+            net.mass[6] *= 2;
+        assert_ok(sp_operator_make(&net, &op, &err));
+        assert_false(op.quad);
+        check_forces(&k, &net, &op);
+        sp_operator_free(&op);
+        sp_network_free(&net);
+        sp_packing_free(&k.p);
+    }
+}
+
+static void test_no_memory(void **state) {
+    (void)state;
+    kind k = {"chain", chain_packing(3000, 1e-4), false, 2, 4};
+    sp_network net = network_of(&k);
+    for (int q = 0;; q++) {
+        sp_operator op = {0};
+        sp_error err = {0};
+        sp_alloc_fail_after(q);
+        const sp_status status = sp_operator_make(&net, &op, &err);
+        sp_alloc_fail_after(-1);
+        assert_true(status == SP_OK || op.first == NULL);
+        sp_operator_free(&op);
+        if (status == SP_OK) {
+            assert_true(q > 12);
+            break;
+        }
+        assert_int_equal(status, SP_ENOMEM);
+    }
+    sp_network_free(&net);
+    sp_packing_free(&k.p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_forces), cmocka_unit_test(test_general),
+                                       cmocka_unit_test(test_no_memory)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,325 @@
+/* Parts of spectra by the sparse solver, against all modes by the dense one. */
+#include "base/base.h"
+#include "reference.h"
+
+#include <float.h>
+#include <sonopack/modes.h>
+
+static sp_network network_of(sp_packing p, bool prestress) {
+    sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    o.prestress = prestress;
+    assert_ok(sp_network_make(&p, &o, &net, &err));
+    sp_packing_free(&p);
+    return net;
+}
+
+/* `copies` of a packing that do not touch: every eigenvalue that many times. */
+static sp_packing copies_of(sp_packing one, int copies) {
+    sp_packing p = sp_packing_none();
+    assert_ok(sp_packing_alloc(&p, one.dim, copies * one.n, copies * one.n_contacts, &err));
+    for (int c = 0; c < copies; c++) {
+        memcpy(p.x + 3 * c * one.n, one.x, 3 * (size_t)one.n * sizeof *one.x);
+        memcpy(p.r + c * one.n, one.r, (size_t)one.n * sizeof *one.r);
+        for (int k = 0; k < one.n_contacts; k++) {
+            sp_contact *to = &p.contacts[c * one.n_contacts + k];
+            *to = one.contacts[k];
+            to->i += c * one.n;
+            to->j += to->j < 0 ? 0 : c * one.n;
+        }
+    }
+    memcpy(p.box, one.box, sizeof p.box);
+    p.pressure = one.pressure;
+    p.friction = one.friction;
+    p.poisson = one.poisson;
+    p.wall = one.wall;
+    sp_packing_sort(&p);
+    sp_packing_free(&one);
+    return p;
+}
+
+/* A square lattice, all alike: waves to the left and to the right have one frequency, and pivots vanish at simple
+ * shifts. */
+static sp_packing lattice_packing(int across, int up, double friction) {
+    const double spacing = 0.95, r = 0.5;
+    sp_packing p = sp_packing_none();
+    int count = 0;
+    assert_ok(sp_packing_alloc(&p, 2, across * up, 2 * across * up + across, &err));
+    for (int i = 0; i < across * up; i++) {
+        p.x[3 * i] = spacing * (i % across);
+        p.x[3 * i + 1] = r - 0.05 + spacing * (i / across);
+        p.r[i] = r;
+    }
+    p.box[0] = spacing * across;
+    p.box[1] = spacing * (up - 1) + 2 * r - 0.1;
+    p.box[2] = 1;
+    p.pressure = 1e-4;
+    p.friction = friction;
+    for (int i = 0; i < across * up; i++)
+        for (int side = 0; side < 3; side++) { /* to the right; up, or to the top; to the bottom */
+            sp_contact c = {.i = i, .j = i};
+            c.overlap = 2 * r - spacing;
+            c.n[0] = side == 0;
+            c.n[1] = side == 0 ? 0 : side == 1 ? 1 : -1;
+            if (side == 0)
+                c.j = i % across + 1 < across ? i + 1 : i + 1 - across;
+            else if (side == 1 && i + across < across * up)
+                c.j = i + across;
+            else if (side == 1 || i < across) {
+                c.j = side == 1 ? SP_TOP : SP_BOTTOM;
+                c.overlap = 0.05;
+            } else
+                continue;
+            if (c.j >= 0 && c.j < c.i) {
+                const int32_t other = c.j;
+                c.j = c.i;
+                c.i = other;
+                c.n[0] = -c.n[0];
+            }
+            c.fn = c.j < 0 ? contact_force(contact_wall_stiffness(r, p.wall), c.overlap)
+                           : contact_force(contact_stiffness(r, r), c.overlap);
+            p.contacts[count++] = c;
+        }
+    p.n_contacts = count;
+    sp_packing_sort(&p);
+    return p;
+}
+
+enum { SHAPES = 11 };
+static sp_network shape(int k) {
+    switch (k) {
+    case 0: return network_of(chain_packing(450, 1e-4), false);
+    case 1: return network_of(scattered_packing(2, 12, 0.5, 1), false);
+    case 2: return network_of(scattered_packing(2, 15, 0, 2), false); /* floppy */
+    case 3: return network_of(scattered_packing(3, 5, 0.5, 3), false);
+    case 4: return network_of(scattered_packing(3, 6, 0, 4), false);
+    case 5: return network_of(reference_packing(REFERENCE("packing_N200_p1e-4.txt")), false);
+    case 6: return network_of(reference_packing(REFERENCE("packing_N200_p1e-4.txt")), true);
+    case 7: return network_of(copies_of(scattered_packing(2, 9, 0.5, 5), 2), false);
+    case 8: return network_of(copies_of(chain_packing(30, 1e-4), 20), false);
+    case 9: return network_of(lattice_packing(14, 11, 0.5), false);
+    default: return network_of(lattice_packing(17, 15, 0), false); /* every row and column slides: many zero modes */
+    }
+}
+
+static sp_modes dense_of(const sp_network *net) {
+    const sp_modes_options o = sp_modes_options_default();
+    sp_modes m = sp_modes_none();
+    assert_ok(sp_modes_dense(net, &o, &m, &err));
+    return m;
+}
+
+/* How much of e lies in the dense solver's modes within `apart` of omega. */
+static double share(const sp_modes *all, const double *e, double omega, double apart) {
+    double sum = 0;
+    for (int64_t k = all->n_rattler; k < all->n; k++) {
+        if (fabs(all->omega[k] - omega) > apart)
+            continue;
+        const double *f = all->vectors + (k - all->n_rattler) * all->dofs;
+        double part = 0;
+        for (int64_t q = 0; q < all->dofs; q++)
+            part += e[q] * f[q];
+        sum += part * part;
+    }
+    return sum;
+}
+
+/* Rows of `part` are rows part->first .. of `all`, within both bounds, which are good ones. */
+static void assert_part(const sp_modes *all, const sp_modes *part) {
+    const double top = all->omega[all->n - 1];
+    for (int64_t k = 0; k < part->n; k++) {
+        const int64_t row = part->first + k;
+        assert_true(row < all->n);
+        assert_close(part->omega[k], all->omega[row], part->error[k] + all->error[row]);
+        if (all->omega[row] > 1e-6 * top)
+            assert_close(part->error[k], 0, 1e-10 * part->omega[k]);
+        else
+            assert_true(part->omega[k] == 0 && part->error[k] < 1e-6 * top);
+        if (part->vectors && k >= part->n_rattler && k % 5 == 0) {
+            const double *e = part->vectors + (k - part->n_rattler) * part->dofs;
+            const double found = share(all, e, all->omega[row], 1e-5 * top);
+            assert_true(found > 1 - 1e-6);
+        }
+    }
+    if (part->vectors && part->n > part->n_rattler)
+        assert_true(part->residual < 1e-10 && part->orthogonality < 1e-9);
+}
+
+static void check_lowest(const sp_network *net, const sp_modes *all, int64_t count, bool vectors) {
+    const sp_modes_options o = {.vectors = vectors};
+    const sp_modes_range range = sp_modes_range_lowest(count);
+    sp_modes m = sp_modes_none();
+    assert_ok(sp_modes_sparse(net, &o, &range, &m, &err));
+    assert_int_equal(m.method, SP_MODES_SPARSE);
+    assert_int_equal(m.n, all->n_rattler + count);
+    assert_int_equal(m.n_rattler, all->n_rattler);
+    assert_int_equal(m.first, 0);
+    assert_part(all, &m);
+    assert_true(m.certified_from == 0 && m.certified_to >= m.omega[m.n - 1] - 1e-9);
+    if (m.n < all->n)
+        assert_true(m.certified_to <= all->omega[m.n] + all->error[m.n]);
+    sp_modes_free(&m);
+}
+
+static void check_all(const sp_network *net, const sp_modes *all, bool vectors) {
+    const sp_modes_options o = {.vectors = vectors};
+    const sp_modes_range range = sp_modes_range_all();
+    sp_modes m = sp_modes_none();
+    assert_ok(sp_modes_sparse(net, &o, &range, &m, &err));
+    assert_int_equal(m.n, all->n);
+    assert_int_equal(m.n_zero, all->n_zero);
+    assert_part(all, &m);
+    sp_modes_free(&m);
+}
+
+static void check_band(const sp_network *net, const sp_modes *all, double from, double to, bool vectors) {
+    const sp_modes_options o = {.vectors = vectors};
+    const sp_modes_range range = sp_modes_range_band(from, to);
+    sp_modes m = sp_modes_none();
+    int64_t below = 0, inside = 0, edge = 0;
+    assert_ok(sp_modes_sparse(net, &o, &range, &m, &err));
+    for (int64_t k = 0; k < all->n; k++) {
+        edge += fabs(all->omega[k] - from) <= all->error[k] || fabs(all->omega[k] - to) <= all->error[k];
+        below += all->omega[k] + all->error[k] < from;
+        inside += all->omega[k] + all->error[k] >= from && all->omega[k] - all->error[k] <= to;
+    }
+    if (edge == 0 && m.on_edge == 0) {
+        if (m.n != inside || m.first != below)
+            fail_msg("band %.17g : %.17g: %lld modes after %lld, expected %lld after %lld", from, to, (long long)m.n,
+                     (long long)m.first, (long long)inside, (long long)below);
+    } else /* within its error of a limit a mode may be in or out, but is told of */
+        assert_true(llabs(m.n - inside) <= edge + m.on_edge);
+    assert_part(all, &m);
+    if (m.n > 0) {
+        assert_true(m.certified_from <= m.omega[0] + m.error[0]);
+        assert_true(m.certified_to >= m.omega[m.n - 1] - m.error[m.n - 1]);
+    }
+    sp_modes_free(&m);
+}
+
+static void test_parts(void **state) {
+    (void)state;
+    const unsigned seed = 11;
+    print_message("seed %u\n", seed);
+    srand(seed);
+    for (int k = 0; k < SHAPES; k++) {
+        sp_network net = shape(k);
+        sp_modes all = dense_of(&net);
+        const double top = all.omega[all.n - 1];
+        check_lowest(&net, &all, 1, true);
+        check_lowest(&net, &all, 17, k % 2);
+        check_lowest(&net, &all, 60, !(k % 2));
+        check_lowest(&net, &all, 210, k % 2);
+        check_all(&net, &all, k % 2);
+        for (int q = 0; q < 5; q++) {
+            const double x = 1.05 * top * rand() / RAND_MAX, y = x + 0.2 * top * rand() / RAND_MAX + 1e-9;
+            check_band(&net, &all, x, y, q % 2);
+        }
+        /* limits right beside modes, at the ends of the spectrum, and beyond them */
+        int64_t some = all.n - 40; /* one that stands alone */
+        while (some > 10 && all.omega[some] - all.omega[some - 1] < 1e-6 * top)
+            some--;
+        check_band(&net, &all, all.omega[some] * (1 - 1e-9), all.omega[some] * (1 + 1e-9), true);
+        check_band(&net, &all, all.omega[some] * (1 + 1e-12), all.omega[all.n - 5] * (1 - 1e-12), true);
+        check_band(&net, &all, 0, 0.1 * top, true);
+        check_band(&net, &all, 0.97 * top, HUGE_VAL, false);
+        check_band(&net, &all, 1.2 * top, 1.3 * top, true);
+        check_band(&net, &all, 1.2 * top, HUGE_VAL, false);
+        sp_modes_free(&all);
+        sp_network_free(&net);
+    }
+}
+
+/* A limit that is a mode's own frequency: the mode is in, and told of. */
+static void test_on_the_edge(void **state) {
+    (void)state;
+    sp_network net = shape(5);
+    sp_modes all = dense_of(&net), m = sp_modes_none();
+    const sp_modes_options o = {.vectors = true};
+    const int64_t some = all.n_rattler + 100;
+    const sp_modes_range range = sp_modes_range_band(all.omega[some], all.omega[some + 7]);
+    assert_ok(sp_modes_sparse(&net, &o, &range, &m, &err));
+    assert_int_equal(m.first, some);
+    assert_int_equal(m.n, 8);
+    assert_int_equal(m.on_edge, 2);
+    sp_modes_free(&m);
+    sp_modes_free(&all);
+    sp_network_free(&net);
+}
+
+/* Amplitudes do not depend on the solver: a b of a mode that stands alone. */
+static void test_amplitudes(void **state) {
+    (void)state;
+    sp_network net = shape(5);
+    sp_modes all = dense_of(&net), m = sp_modes_none();
+    const sp_modes_options o = {.vectors = true};
+    const sp_modes_range range = sp_modes_range_lowest(50);
+    assert_ok(sp_modes_sparse(&net, &o, &range, &m, &err));
+    for (int64_t k = m.n_rattler; k < m.n; k++) {
+        assert_close(m.a[k], all.a[k], 1e-8);
+        assert_close(m.b[k], all.b[k], 1e-8);
+        assert_relative(m.participation[k], all.participation[k], 1e-6);
+    }
+    sp_modes_free(&m);
+    sp_modes_free(&all);
+    sp_network_free(&net);
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    sp_network net = shape(5);
+    const sp_modes_options o = sp_modes_options_default();
+    sp_modes m = sp_modes_none();
+    const sp_modes_range bad[] = {{-1, 0, HUGE_VAL}, {sp_network_dofs(&net) + 1, 0, HUGE_VAL},
+                                  {0, 1, 1},         {0, 2, 1},
+                                  {0, -0.1, 1},      {0, NAN, 1},
+                                  {0, 0, NAN},       {0, INFINITY, INFINITY}};
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        assert_fails(sp_modes_sparse(&net, &o, &bad[k], &m, &err), SP_EINVAL, "must be");
+        assert_fails(sp_modes_make(&net, &o, &bad[k], &m, &err), SP_EINVAL, "must be");
+        assert_null(m.omega);
+    }
+    sp_network_free(&net);
+    /* nothing but prestress acts sideways: unstable */
+    net = network_of(scattered_packing(2, 15, 0, 1), true);
+    const sp_modes_range few = sp_modes_range_lowest(5);
+    assert_fails(sp_modes_sparse(&net, &o, &few, &m, &err), SP_EREFUSED, "unstable");
+    sp_network_free(&net);
+    /* one grain, and others too few for a sparse solver */
+    net = network_of(chain_packing(1, 1e-4), false);
+    const sp_modes_range one = sp_modes_range_lowest(1);
+    assert_ok(sp_modes_make(&net, &o, &one, &m, &err));
+    assert_int_equal(m.n, 1);
+    sp_modes_free(&m);
+    sp_network_free(&net);
+}
+
+static void test_no_memory(void **state) {
+    (void)state;
+    sp_network net = shape(0);
+    const sp_modes_range ranges[] = {sp_modes_range_lowest(3), sp_modes_range_band(0.2, 0.21)};
+    for (int q = 0; q < 2; q++)
+        for (int k = 0;; k++) {
+            const sp_modes_options how = {.vectors = true};
+            sp_modes m = sp_modes_none();
+            sp_error err = {0};
+            sp_alloc_fail_after(k);
+            const sp_status status = sp_modes_sparse(&net, &how, &ranges[q], &m, &err);
+            sp_alloc_fail_after(-1);
+            if (status == SP_OK) {
+                assert_true(k > 20);
+                sp_modes_free(&m);
+                break;
+            }
+            assert_int_equal(status, SP_ENOMEM);
+            assert_null(m.omega);
+        }
+    sp_network_free(&net);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_parts), cmocka_unit_test(test_on_the_edge),
+                                       cmocka_unit_test(test_amplitudes), cmocka_unit_test(test_refusals),
+                                       cmocka_unit_test(test_no_memory)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

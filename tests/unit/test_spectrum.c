@@ -1,0 +1,576 @@
+#include "base/base.h"
+#include "extended.h"
+#include "network/bound.h"
+#include "reference.h"
+
+#include <complex.h>
+#include <sonopack/pulse.h>
+#include <sonopack/spectrum.h>
+#undef I
+
+/* CMPLX of C11, which not every compiler has. */
+static double complex number(double re, double im) { return re + im * _Complex_I; }
+
+static sp_network network_of(const sp_packing *p) {
+    const sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    assert_ok(sp_network_make(p, &o, &net, &err));
+    return net;
+}
+
+/* Frequencies of a chain, (C2) of Somfai et al. 2005. */
+static double chain_frequency(const sp_network *net, int n) {
+    return 2 * sqrt(net->springs[0].kn / net->mass[0]) * sin(n * M_PI / (2 * (net->n + 1)));
+}
+
+/* Histogram, cumulative count and normalisation of the exact density of states of a chain. */
+static void test_exact_chain(void **state) {
+    (void)state;
+    enum { GRAINS = 50 };
+    sp_packing p = chain_packing(GRAINS, 1e-4);
+    sp_network net = network_of(&p);
+    sp_dos_options o = sp_dos_options_default();
+    o.bins = 23;
+    for (int norm = 0; norm < 3; norm++) {
+        sp_dos d = sp_dos_none();
+        o.norm = (sp_dos_norm)norm;
+        assert_ok(sp_dos_make(&net, &o, &d, &err));
+        assert_int_equal(d.method, SP_DOS_EXACT);
+        assert_true(d.zero_modes == 0 && d.modes == GRAINS && d.vectors == 0);
+        const double scale = norm == SP_DOS_MODES ? 1 : GRAINS;
+        int before = 0;
+        for (int b = 0; b < d.bins; b++) {
+            int below = 0;
+            for (int n = 1; n <= GRAINS; n++)
+                below += chain_frequency(&net, n) <= d.edge[b + 1];
+            assert_close(d.cumulative[b], below / scale, 1e-14);
+            assert_close(d.density[b] * (d.edge[b + 1] - d.edge[b]), (below - before) / scale, 1e-13);
+            assert_true(d.density_error[b] == 0 && d.cumulative_error[b] == 0 && d.smooth[b] >= 0);
+            before = below;
+        }
+        assert_int_equal(before, GRAINS);
+        sp_dos_free(&d);
+    }
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* The stochastic trace agrees with the exact density, smoothed by the same kernel, within its errors: of many
+ * deviations over their errors the mean square is near 1. Signs of one vector are shared by all frequencies, so that
+ * values of neighbours move together; those here are several widths of the kernel apart. */
+static void test_kpm(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 8, 0.5, 1);
+    sp_network net = network_of(&p);
+    sp_dos_options o = sp_dos_options_default();
+    sp_dos exact = sp_dos_none(), d = sp_dos_none(), again = sp_dos_none();
+    o.bins = 12;
+    o.resolution = 0.1 * sp_network_omega_bound(&net) / o.bins;
+    assert_ok(sp_dos_make(&net, &o, &exact, &err));
+    o.method = SP_DOS_KPM;
+    o.vectors = 40;
+    double squares = 0, count = 0;
+    for (int seed = 1; seed <= 8; seed++) {
+        o.seed = (uint64_t)seed;
+        assert_ok(sp_dos_make(&net, &o, &d, &err));
+        assert_true(d.zero_modes == -1 && d.vectors == 40 && d.moments == exact.moments);
+        assert_close(d.cumulative[o.bins - 1], net.dof, 1e-10); /* every vector has all of them */
+        for (int b = 0; b < o.bins; b++) {
+            const double off = d.smooth[b] - exact.smooth[b];
+            assert_true(d.smooth_error[b] > 0 || off == 0);
+            if (exact.smooth[b] < 1e-3 * exact.smooth[2])
+                continue;
+            squares += off * off / (d.smooth_error[b] * d.smooth_error[b]);
+            count++;
+        }
+        if (seed < 8)
+            sp_dos_free(&d);
+    }
+    /* about 90 nearly independent squares with the mean 39/37: their mean has a standard deviation of 0.16 */
+    assert_close(squares / count, 1.05, 0.5);
+    o.threads = 3;
+    assert_ok(sp_dos_make(&net, &o, &again, &err));
+    for (int b = 0; b < o.bins; b++)
+        assert_true(again.smooth[b] == d.smooth[b] && again.cumulative_error[b] == d.cumulative_error[b]);
+    sp_dos_free(&again);
+    sp_dos_free(&d);
+    sp_dos_free(&exact);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* Counting by inertia gives the histogram of all frequencies, and the zero modes: a packing without friction slides
+ * along its walls. */
+static void test_count(void **state) {
+    (void)state;
+    for (int q = 0; q < 4; q++) {
+        sp_packing p = scattered_packing(q < 2 ? 2 : 3, q < 2 ? 6 : 3, q % 2 ? 0.5 : 0, 5);
+        sp_network net = network_of(&p);
+        sp_dos_options o = sp_dos_options_default();
+        sp_dos exact = sp_dos_none(), d = sp_dos_none();
+        o.bins = 31;
+        o.norm = SP_DOS_MODES;
+        o.method = SP_DOS_EXACT;
+        assert_ok(sp_dos_make(&net, &o, &exact, &err));
+        o.method = SP_DOS_COUNT;
+        assert_ok(sp_dos_make(&net, &o, &d, &err));
+        assert_int_equal(d.zero_modes, exact.zero_modes);
+        assert_true(q % 2 || exact.zero_modes == p.dim - 1);
+        for (int b = 0; b < o.bins; b++) {
+            assert_true(d.cumulative[b] == exact.cumulative[b] && d.density[b] == exact.density[b]);
+            assert_true(d.cumulative_error[b] == 0 && d.smooth_error[b] > 0);
+        }
+        sp_dos_free(&d);
+        sp_dos_free(&exact);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* F^ of a single mode from its definition: sin(omega_n t) is 2 sum J_(2k+1)(Omega t) sin((2k+1) theta_n). */
+static double complex line(double omega_max, int moments, bool velocity, double omega_n, double omega) {
+    const double theta = asin(omega_n / omega_max), psi = asin(omega / omega_max), turn = M_PI / (2.0 * moments + 1);
+    double complex sum = 0;
+    for (int k = 0; k < moments; k++) {
+        const double m = velocity ? 2 * k + 1 : 2 * k;
+        const double g = ((2.0 * moments - m + 1) * cos(turn * m) + sin(turn * m) / tan(turn)) / (2.0 * moments + 1);
+        const double part = velocity ? sin(m * theta) : (k == 0 ? 0.5 : 1) * cos(m * theta);
+        sum += 2 * g * part * cexp(number(0, m * psi));
+    }
+    return sum / (omega_max * cos(psi));
+}
+
+/* Against the sum over all modes, for every source, within the error that is reported. */
+static void test_transmission(void **state) {
+    (void)state;
+    sp_packing all[] = {chain_packing(20, 1e-4), scattered_packing(2, 5, 0.5, 1), scattered_packing(3, 3, 0.3, 2)};
+    for (int q = 0; q < 3; q++) {
+        sp_network net = network_of(&all[q]);
+        for (int source = 0; source < 3; source++) {
+            sp_transmission_options o = sp_transmission_options_default();
+            sp_transmission t = sp_transmission_none();
+            const sp_modes_options mo = {.vectors = true, .source = (sp_source)source};
+            sp_modes m = sp_modes_none();
+            o.source = (sp_source)source;
+            o.points = 60;
+            assert_ok(sp_transmission_make(&net, &o, &t, &err));
+            assert_ok(sp_modes_dense(&net, &mo, &m, &err));
+            const bool velocity = source != SP_SOURCE_DISPLACEMENT;
+            double largest = 0, sizes = 0;
+            for (int64_t n = 0; n < m.n; n++)
+                sizes += fabs(m.a[n] * m.b[n]);
+            for (int l = 0; l < t.n; l++)
+                largest = fmax(largest, hypot(t.re[l], t.im[l]));
+            for (int l = 0; l < t.n; l++) {
+                double complex exact = 0;
+                for (int64_t n = 0; n < m.n; n++)
+                    exact += m.a[n] * m.b[n] * line(t.omega_max, (int)t.moments, velocity, m.omega[n], t.omega[l]);
+                const double off = cabs(exact - number(t.re[l], t.im[l]));
+                /* the modes' own error: amplitudes by LAPACK */
+                const double modes = 1e-13 * sizes * (double)t.moments / t.omega_max;
+                if (!(off <= t.error[l] + modes))
+                    fail_msg("packing %d source %d omega %g: off by %g, bounds %g and %g", q, source, t.omega[l], off,
+                             t.error[l], modes);
+                assert_true(t.error[l] < 1e-9 * largest);
+                assert_close(t.density[l], 2 / M_PI * (velocity ? t.im[l] : t.re[l]), 1e-14 * largest);
+            }
+            sp_modes_free(&m);
+            sp_transmission_free(&t);
+        }
+        sp_network_free(&net);
+        sp_packing_free(&all[q]);
+    }
+}
+
+/* The density is that of the signal: the integral of g sin(omega t) is F(t), but for the kernel, which multiplies it by
+ * about exp(-(resolution t)^2/2). */
+static void test_transmission_is_signal(void **state) {
+    (void)state;
+    enum { POINTS = 11 };
+    sp_packing p = chain_packing(12, 1e-4);
+    sp_network net = network_of(&p);
+    sp_transmission_options o = sp_transmission_options_default();
+    sp_transmission t = sp_transmission_none();
+    sp_signal_options so = sp_signal_options_default();
+    sp_signal s = sp_signal_none();
+    o.points = 20000;
+    o.resolution = sp_network_omega_bound(&net) / 2000;
+    so.until = 100;
+    so.points = POINTS;
+    assert_ok(sp_transmission_make(&net, &o, &t, &err));
+    assert_ok(sp_signal_make(&net, &so, &s, &err));
+    double peak = 0, worst = 0;
+    for (int l = 0; l < POINTS; l++) {
+        double f = 0;
+        for (int q = 0; q < t.n; q++)
+            f += t.density[q] * sin(t.omega[q] * s.t[l]) * t.omega_max / t.n;
+        peak = fmax(peak, fabs(s.f[l]));
+        worst = fmax(worst, fabs(f - s.f[l]));
+    }
+    assert_true(worst < 1e-3 * peak); /* (Omega/2000 x 100)^2/2 = 3e-4 */
+    sp_signal_free(&s);
+    sp_transmission_free(&t);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* Standing waves are the eigenmodes of a chain. */
+static void test_dispersion_chain(void **state) {
+    (void)state;
+    sp_packing p = chain_packing(60, 1e-4);
+    sp_network net = network_of(&p);
+    sp_dispersion_options o = sp_dispersion_options_default();
+    sp_dispersion d = sp_dispersion_none();
+    o.up = true;
+    o.node = 0.5;
+    o.waves = 60;
+    o.profile = 500;
+    assert_ok(sp_dispersion_make(&net, &o, &d, &err));
+    assert_int_equal(d.n, 60);
+    for (int q = 0; q < d.n; q++) {
+        const sp_wave *w = &d.wave[q];
+        const double exact = chain_frequency(&net, q + 1);
+        assert_int_equal(w->polarization, SP_LONGITUDINAL);
+        assert_close(w->k, M_PI * (q + 1) / (p.box[0] + 1), 1e-14);
+        assert_relative(w->rms, exact, 1e-13);
+        assert_true(w->spread < 3e-8 * d.omega_max / w->rms * d.omega_max); /* the root of rounding */
+        assert_close(w->peak, exact, 0.02 * w->resolution);
+        assert_close(w->half_width, 1.18 * w->resolution, 0.1 * w->resolution); /* the kernel's own */
+        double sum = 0;
+        for (int l = 0; l < d.profile; l++)
+            sum += d.s[q * d.profile + l] * d.omega_max / d.profile;
+        if (exact < 0.9 * d.omega_max) /* S ends in a root's singularity */
+            assert_close(sum, 1, 2e-3);
+    }
+    sp_dispersion_free(&d);
+    o.waves = 61; /* which has a node on every grain */
+    assert_fails(sp_dispersion_make(&net, &o, &d, &err), SP_EREFUSED, "moves no grain");
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+static void test_participation(void **state) {
+    (void)state;
+    sp_packing p = chain_packing(30, 1e-4);
+    sp_network net = network_of(&p);
+    const sp_modes_options o = sp_modes_options_default();
+    sp_modes m = sp_modes_none();
+    sp_participation_bin bin[4];
+    assert_ok(sp_modes_dense(&net, &o, &m, &err));
+    assert_ok(sp_participation(&m, 4, 0, bin, &err));
+    int64_t all = 0;
+    for (int b = 0; b < 4; b++) {
+        /* sines: 2 (N + 1)/(3 N), but for one that is commensurate with the chain */
+        assert_true(bin[b].modes > 2);
+        assert_close(bin[b].mean, 2.0 / 3 * 31 / 30, 0.02);
+        assert_true(bin[b].least <= bin[b].mean && bin[b].mean <= bin[b].largest && bin[b].sd < 0.05);
+        all += bin[b].modes;
+    }
+    assert_int_equal(all, 30);
+    assert_fails(sp_participation(&m, 0, 0, bin, &err), SP_EINVAL, "bins = 0");
+    sp_modes_free(&m);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* One ball between two springs and dashpots: F = k (k + i omega c)/(2 k - omega^2 m + 2 i omega c). */
+static void test_harmonic_ball(void **state) {
+    (void)state;
+    sp_packing p = chain_packing(1, 1e-4);
+    sp_network net = network_of(&p);
+    const double k = net.springs[0].kn, m = net.mass[0], own = sqrt(2 * k / m);
+    const double omega[] = {0.01 * own, 0.9 * own, 0.999999 * own, own, 3 * own};
+    for (int q = 0; q < 3; q++) {
+        sp_harmonic_options o = sp_harmonic_options_default();
+        sp_harmonic h = sp_harmonic_none();
+        const double zeta[] = {0, 1e-3, 0.8};
+        o.damping = zeta[q];
+        o.omega = omega;
+        o.n = zeta[q] > 0 ? 5 : 3;
+        assert_ok(sp_harmonic_make(&net, &o, &h, &err));
+        for (int l = 0; l < h.n; l++) {
+            const double c = 2 * o.damping * sqrt(m * k);
+            const double complex f =
+                k * number(k, omega[l] * c) / number(2 * k - omega[l] * omega[l] * m, 2 * omega[l] * c);
+            const double off = cabs(f - number(h.f[2 * l], h.f[2 * l + 1]));
+            assert_true(off <= h.error[l] + 1e-15 * cabs(f) / fmax(1e-6, fabs(1 - omega[l] / own)));
+            assert_true(h.error[l] < 1e-8 * cabs(f));
+        }
+        sp_harmonic_free(&h);
+    }
+    sp_harmonic_options o = sp_harmonic_options_default();
+    sp_harmonic h = sp_harmonic_none();
+    o.omega = &own; /* the resonance */
+    o.n = 1;
+    assert_fails(sp_harmonic_make(&net, &o, &h, &err), SP_EREFUSED, "omega = ");
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* h u = b by elimination with row exchange in long double. */
+static void extended_solve(int n, long double complex *h, long double complex *b) {
+    for (int c = 0; c < n; c++) {
+        int best = c;
+        for (int r = c; r < n; r++)
+            if (cabsl(h[r * n + c]) > cabsl(h[best * n + c]))
+                best = r;
+        for (int k = 0; k <= n; k++) {
+            long double complex *x = k < n ? &h[c * n + k] : &b[c], *y = k < n ? &h[best * n + k] : &b[best];
+            const long double complex old = *x;
+            *x = *y;
+            *y = old;
+        }
+        for (int r = c + 1; r < n; r++) {
+            const long double complex part = h[r * n + c] / h[c * n + c];
+            for (int k = c; k < n; k++)
+                h[r * n + k] -= part * h[c * n + k];
+            b[r] -= part * b[c];
+        }
+    }
+    for (int r = n - 1; r >= 0; r--) {
+        for (int k = r + 1; k < n; k++)
+            b[r] -= h[r * n + k] * b[k];
+        b[r] /= h[r * n + r];
+    }
+}
+
+/* K column by column, in long double. */
+static void extended_matrix(const sp_network *net, long double complex factor, long double complex *h) {
+    const int n = (int)sp_network_dofs(net);
+    extended *unit = calloc(2 * (size_t)n, sizeof *unit), *column = unit + n;
+    for (int c = 0; c < n; c++) {
+        unit[c] = 1;
+        extended_apply(net, unit, column);
+        unit[c] = 0;
+        for (int r = 0; r < n; r++)
+            h[r * n + c] += factor * column[r];
+    }
+    free(unit);
+}
+
+/* The true error, by long double, is below the bound at every frequency, up to next to a resonance; and the bound is no
+ * more than some ten thousand times too large. */
+static void check_harmonic(const sp_network *net, double zeta, double omega) {
+    const int n = (int)sp_network_dofs(net);
+    sp_harmonic_options o = sp_harmonic_options_default();
+    sp_harmonic h = sp_harmonic_none();
+    sp_network dashpots = sp_network_none();
+    long double complex *a = calloc((size_t)(n * n + n), sizeof *a), *u = a + n * n, f = 0;
+    double *sent = calloc(3 * (size_t)n, sizeof *sent), *seen = sent + n, *lost = sent + 2 * n;
+    o.damping = zeta;
+    o.omega = &omega;
+    o.n = 1;
+    o.tolerance = 0.5;
+    assert_ok(sp_network_source(net, SP_SOURCE_IMPULSE, sent, &err));
+    assert_ok(sp_network_detector(net, seen, &err));
+    extended_matrix(net, 1, a);
+    if (zeta > 0) {
+        assert_ok(sp_network_damping(net, zeta, &dashpots, &err));
+        assert_ok(sp_network_detector(&dashpots, lost, &err));
+        extended_matrix(&dashpots, omega * (long double)1 * _Complex_I, a);
+    }
+    for (int k = 0; k < n; k++) {
+        a[k * n + k] -= (long double)omega * omega * net->mass[k];
+        u[k] = sent[k];
+    }
+    extended_solve(n, a, u);
+    for (int k = 0; k < n; k++)
+        f += (seen[k] + (long double)omega * lost[k] * _Complex_I) * u[k];
+    sp_error err = {0};
+    if (sp_harmonic_make(net, &o, &h, &err) == SP_OK) {
+        const double off = (double)cabsl(f - (h.f[0] + h.f[1] * (long double complex)_Complex_I));
+        if (!(off <= h.error[0]))
+            fail_msg("zeta %g omega %.17g: off by %g, bound %g", zeta, omega, off, h.error[0]);
+        assert_true(h.error[0] < 1e5 * fmax(off, 1e-16 * (double)cabsl(f)) || h.error[0] < 1e-10 * (double)cabsl(f));
+    } else {
+        assert_int_equal(err.status, SP_EREFUSED);
+    }
+    sp_harmonic_free(&h);
+    sp_network_free(&dashpots);
+    free(sent);
+    free(a);
+}
+
+static void test_harmonic_bound(void **state) {
+    (void)state;
+    sp_packing all[] = {chain_packing(9, 1e-4), scattered_packing(2, 4, 0.5, 1), scattered_packing(3, 2, 0.5, 3),
+                        scattered_packing(2, 4, 0, 2)};
+    for (int q = 0; q < 4; q++) {
+        sp_network net = network_of(&all[q]);
+        const sp_modes_options mo = {.vectors = false};
+        sp_modes m = sp_modes_none();
+        assert_ok(sp_modes_dense(&net, &mo, &m, &err));
+        const double own = m.omega[m.n - 1 - m.n / 3];
+        const double omega[] = {1e-3 * own, 0.3 * own, own * (1 + 1e-3), own * (1 + 1e-6), own * (1 + 1e-9), 2 * own};
+        for (int l = 0; l < 6; l++)
+            for (int z = 0; z < 3; z++)
+                check_harmonic(&net, (double[]){0, 1e-3, 0.7}[z], omega[l]);
+        sp_modes_free(&m);
+        sp_network_free(&net);
+        sp_packing_free(&all[q]);
+    }
+}
+
+/* Waves in a chain whose dashpots are those of its inside: 2 (K + i omega c)(1 - cos q) = m omega^2. The fit finds q
+ * between the reflecting walls. */
+static void test_attenuation(void **state) {
+    (void)state;
+    enum { GRAINS = 60, FREQUENCIES = 7 };
+    sp_packing p = chain_packing(GRAINS, 1e-4);
+    sp_network net = network_of(&p);
+    const double k = net.springs[0].kn, m = net.mass[0], top = 2 * sqrt(k / m);
+    double omega[FREQUENCIES];
+    sp_harmonic_options o = sp_harmonic_options_default();
+    sp_harmonic h = sp_harmonic_none();
+    for (int l = 0; l < FREQUENCIES; l++)
+        omega[l] = top * (l + 1) / (FREQUENCIES + 1);
+    o.omega = omega;
+    o.n = FREQUENCIES;
+    o.planes = GRAINS - 1; /* one between any two grains */
+    for (int q = 0; q < 2; q++) {
+        o.damping = q == 0 ? 0.02 : 0;
+        assert_ok(sp_harmonic_make(&net, &o, &h, &err));
+        const double step = h.height[1] - h.height[0], c = 2 * o.damping * sqrt(0.5 * m * k);
+        for (int l = 0; l < FREQUENCIES; l++) {
+            const double complex cosine = 1 - m * omega[l] * omega[l] / (2 * number(k, omega[l] * c));
+            const double complex wave = cacos(cosine); /* a grain */
+            assert_close(h.fit[l].k * step, fabs(creal(wave)), 1e-9);
+            assert_close(h.fit[l].alpha * step, o.damping > 0 ? fabs(cimag(wave)) : 0, 1e-9);
+            assert_true(h.fit[l].misfit < 1e-16);
+        }
+        sp_harmonic_free(&h);
+    }
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* Every allocation that fails is told, and nothing leaks (under the sanitizers). */
+static void test_no_memory(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 3, 0.5, 1);
+    sp_network net = network_of(&p);
+    const double omega = 0.3;
+    sp_harmonic_options ho = sp_harmonic_options_default();
+    ho.omega = &omega;
+    ho.n = 1;
+    ho.damping = 0.1;
+    for (int which = 0; which < 4; which++) {
+        sp_status status = SP_ENOMEM;
+        int64_t count = 0;
+        for (; status == SP_ENOMEM && count < 200; count++) {
+            sp_dos d = sp_dos_none();
+            sp_transmission t = sp_transmission_none();
+            sp_dispersion w = sp_dispersion_none();
+            sp_harmonic h = sp_harmonic_none();
+            sp_dos_options dos = sp_dos_options_default();
+            const sp_transmission_options to = sp_transmission_options_default();
+            const sp_dispersion_options wo = sp_dispersion_options_default();
+            sp_error err = {0};
+            dos.method = SP_DOS_KPM;
+            dos.vectors = 4;
+            sp_alloc_fail_after(count);
+            if (which == 0)
+                status = sp_dos_make(&net, &dos, &d, &err);
+            else if (which == 1)
+                status = sp_transmission_make(&net, &to, &t, &err);
+            else if (which == 2)
+                status = sp_dispersion_make(&net, &wo, &w, &err);
+            else
+                status = sp_harmonic_make(&net, &ho, &h, &err);
+            sp_alloc_fail_after(-1);
+            assert_true(status == SP_OK || strstr(err.text, "memory"));
+            sp_dos_free(&d);
+            sp_transmission_free(&t);
+            sp_dispersion_free(&w);
+            sp_harmonic_free(&h);
+        }
+        assert_int_equal(status, SP_OK);
+        assert_true(count > 4);
+    }
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* A negative omega^2 is told by every method. */
+static void test_unstable(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 4, 0.5, 1);
+    sp_network net = network_of(&p);
+    net.prestress = true;
+    for (int k = 0; k < net.n_bulk; k++)
+        net.springs[k].kp = -1.5 * net.springs[k].kn;
+    assert_ok(sp_network_find_bound(&net, &net.omega_bound, &err));
+    sp_dos d = sp_dos_none();
+    sp_transmission t = sp_transmission_none();
+    sp_dispersion w = sp_dispersion_none();
+    const sp_transmission_options to = sp_transmission_options_default();
+    const sp_dispersion_options wo = sp_dispersion_options_default();
+    sp_dos_options o = sp_dos_options_default();
+    for (int method = SP_DOS_EXACT; method <= SP_DOS_COUNT; method++) {
+        o.method = (sp_dos_method)method;
+        assert_fails(sp_dos_make(&net, &o, &d, &err), SP_EREFUSED, "unstable");
+    }
+    assert_fails(sp_transmission_make(&net, &to, &t, &err), SP_EREFUSED, "unstable");
+    assert_fails(sp_dispersion_make(&net, &wo, &w, &err), SP_EREFUSED, "unstable");
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 3, 0.5, 1);
+    sp_network net = network_of(&p);
+    const double bad[] = {NAN, INFINITY, -1};
+    for (int k = 0; k < 3; k++) {
+        sp_dos d = sp_dos_none();
+        sp_transmission t = sp_transmission_none();
+        sp_dispersion w = sp_dispersion_none();
+        sp_harmonic h = sp_harmonic_none();
+        sp_dos_options dos = sp_dos_options_default();
+        sp_transmission_options to = sp_transmission_options_default();
+        sp_dispersion_options wo = sp_dispersion_options_default();
+        sp_harmonic_options ho = sp_harmonic_options_default();
+        dos.resolution = to.resolution = wo.resolution = bad[k];
+        ho.omega = &bad[k];
+        ho.n = 1;
+        assert_fails(sp_dos_make(&net, &dos, &d, &err), SP_EINVAL, "resolution");
+        assert_fails(sp_transmission_make(&net, &to, &t, &err), SP_EINVAL, "resolution");
+        assert_fails(sp_dispersion_make(&net, &wo, &w, &err), SP_EINVAL, "resolution");
+        assert_fails(sp_harmonic_make(&net, &ho, &h, &err), SP_EINVAL, "omega");
+        dos = sp_dos_options_default();
+        dos.until = bad[k];
+        assert_fails(sp_dos_make(&net, &dos, &d, &err), SP_EINVAL, "until");
+        const double one = 0.3;
+        ho.omega = &one;
+        ho.damping = bad[k];
+        assert_fails(sp_harmonic_make(&net, &ho, &h, &err), SP_EINVAL, "damping");
+    }
+    sp_dos d = sp_dos_none();
+    sp_dos_options dos = sp_dos_options_default();
+    dos.vectors = 3;
+    assert_fails(sp_dos_make(&net, &dos, &d, &err), SP_EINVAL, "vectors = 3");
+    dos.vectors = 0;
+    dos.resolution = 1e-12;
+    assert_fails(sp_dos_make(&net, &dos, &d, &err), SP_EINVAL, "moments");
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_exact_chain),
+        cmocka_unit_test(test_kpm),
+        cmocka_unit_test(test_count),
+        cmocka_unit_test(test_transmission),
+        cmocka_unit_test(test_transmission_is_signal),
+        cmocka_unit_test(test_dispersion_chain),
+        cmocka_unit_test(test_participation),
+        cmocka_unit_test(test_harmonic_ball),
+        cmocka_unit_test(test_harmonic_bound),
+        cmocka_unit_test(test_attenuation),
+        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_unstable),
+        cmocka_unit_test(test_refusals),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

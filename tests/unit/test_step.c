@@ -1,0 +1,228 @@
+/* Time stepping of the linear motion: bounds, orders, reciprocity, refusals. */
+#include "base/base.h"
+#include "extended.h"
+#include "reference.h"
+
+#include <sonopack/signal.h>
+
+enum { SCHEMES = 2, POINTS = 33 };
+static const sp_signal_method schemes[SCHEMES] = {SP_SIGNAL_VERLET, SP_SIGNAL_LAX_WENDROFF};
+
+static sp_network network_of(const sp_packing *p, bool prestress) {
+    sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    o.prestress = prestress;
+    assert_ok(sp_network_make(p, &o, &net, &err));
+    return net;
+}
+
+static sp_signal_options options_of(sp_signal_method method, sp_source source, double until, double tolerance) {
+    sp_signal_options o = sp_signal_options_default();
+    o.method = method;
+    o.source = source;
+    o.until = until;
+    o.points = POINTS;
+    o.tolerance = tolerance;
+    return o;
+}
+
+static double difference(int n, const double *f, const double *g) {
+    double worst = 0;
+    for (int k = 0; k < n; k++)
+        worst = fmax(worst, fabs(f[k] - g[k]));
+    return worst;
+}
+
+static double peak_of(int n, const double *f) {
+    double peak = 0;
+    for (int k = 0; k < n; k++)
+        peak = fmax(peak, fabs(f[k]));
+    return peak;
+}
+
+static void exact_signal(const sp_network *net, sp_source source, double until, double *exact) {
+    double t[POINTS];
+    for (int k = 0; k < POINTS; k++)
+        t[k] = k < POINTS - 1 ? until * k / (POINTS - 1) : until;
+    extended_signal(net, source, POINTS, t, exact);
+}
+
+/* The true error, by long double, stays below the bound, and the bound below what was asked for. */
+static void check_bound(const char *name, const sp_network *net, double until, double tolerance) {
+    double exact[POINTS];
+    for (int source = 0; source < 3; source++) {
+        exact_signal(net, (sp_source)source, until, exact);
+        for (int q = 0; q < SCHEMES; q++) {
+            const sp_signal_options o =
+                options_of(schemes[q], (sp_source)source, until, q ? tolerance : 1e2 * tolerance);
+            sp_signal s = sp_signal_none();
+            assert_ok(sp_signal_make(net, &o, &s, &err));
+            const double error = difference(POINTS, s.f, exact);
+            if (!(error <= s.error))
+                fail_msg("%s: %s source %d until %g: error %g above its bound %g", name,
+                         sp_signal_method_name(o.method), source, until, error, s.error);
+            assert_true(s.error <= o.tolerance * fmax(peak_of(POINTS, exact), 1e-5));
+            assert_true(s.products > 0 && s.step * (POINTS - 1) <= until * (1 + 1e-12));
+            sp_signal_free(&s);
+        }
+    }
+}
+
+static void test_error_bound(void **state) {
+    (void)state;
+    const struct {
+        const char *name;
+        sp_packing p;
+        bool prestress;
+    } all[] = {{"one ball", chain_packing(1, 1e-4), false},
+               {"chain", chain_packing(12, 1e-4), false},
+               {"2D", scattered_packing(2, 5, 0.5, 1), false},
+               {"2D without friction", scattered_packing(2, 5, 0, 2), false},
+               {"3D", scattered_packing(3, 3, 0.5, 3), false},
+               {"reference", reference_packing(REFERENCE("packing_N200_p1e-4.txt")), true}};
+    for (size_t q = 0; q < sizeof all / sizeof *all; q++) {
+        sp_packing p = all[q].p;
+        sp_network net = network_of(&p, all[q].prestress);
+        check_bound(all[q].name, &net, 0.3, 1e-5);
+        check_bound(all[q].name, &net, 40, 1e-7);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* Rounding: ten thousands of steps, where the scheme itself is right to a few 1e-13. */
+static void test_rounding(void **state) {
+    (void)state;
+    sp_packing p = chain_packing(6, 1e-4);
+    sp_network net = network_of(&p, false);
+    double exact[POINTS];
+    exact_signal(&net, SP_SOURCE_IMPULSE, 100, exact);
+    sp_signal_options o = options_of(SP_SIGNAL_LAX_WENDROFF, SP_SOURCE_IMPULSE, 100, 1e-10);
+    for (double step = 0.02; step > 5e-4; step /= 4) {
+        sp_signal s = sp_signal_none();
+        o.step = step;
+        assert_ok(sp_signal_make(&net, &o, &s, &err));
+        assert_true(difference(POINTS, s.f, exact) <= s.error);
+        if (step < 2e-3)
+            assert_close(difference(POINTS, s.f, exact), 0, 3e-13 * peak_of(POINTS, exact));
+        sp_signal_free(&s);
+    }
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* Errors fall as the second and the fourth power of the step. */
+static void test_order(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 5, 0.5, 7);
+    sp_network net = network_of(&p, false);
+    for (int source = 0; source < 3; source += 2) {
+        double exact[POINTS];
+        exact_signal(&net, (sp_source)source, 30, exact);
+        for (int q = 0; q < SCHEMES; q++) {
+            double error[4];
+            for (int k = 0; k < 4; k++) {
+                sp_signal_options o = options_of(schemes[q], (sp_source)source, 30, 1e-3);
+                sp_signal s = sp_signal_none();
+                o.step = 30.0 / (POINTS - 1) / (16 << k);
+                assert_ok(sp_signal_make(&net, &o, &s, &err));
+                assert_relative(s.step, o.step, 1e-12);
+                error[k] = difference(POINTS, s.f, exact);
+                assert_true(error[k] <= s.error);
+                sp_signal_free(&s);
+            }
+            for (int k = 1; k < 4; k++) /* leading error, the next one is some (h Omega)^2 of it */
+                assert_close(log2(error[k - 1] / error[k]), q == 0 ? 2 : 4, 0.05);
+        }
+    }
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* Many sources and one detector are followed from the detector's end; the signals are those of Chebyshev. */
+static void test_places(void **state) {
+    (void)state;
+    sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    sp_network net = network_of(&p, false);
+    const sp_place from[] = {
+        {.kind = SP_PLACE_WALL}, {.kind = SP_PLACE_WALL, .shear = true}, {.kind = SP_PLACE_PART, .from = 3, .to = 11}};
+    const sp_place to[] = {{.kind = SP_PLACE_PLANE, .height = 4}, {.kind = SP_PLACE_WALL}};
+    for (int sources = 1; sources <= 3; sources += 2)
+        for (int source = 0; source < 3; source += 2) {
+            sp_signal_options o = options_of(SP_SIGNAL_CHEBYSHEV, (sp_source)source, 50, 1e-6);
+            sp_signal one = sp_signal_none(), two = sp_signal_none();
+            o.from = from;
+            o.sources = sources;
+            o.to = to;
+            o.detectors = 2;
+            assert_ok(sp_signal_make(&net, &o, &one, &err));
+            o.method = SP_SIGNAL_LAX_WENDROFF;
+            assert_ok(sp_signal_make(&net, &o, &two, &err));
+            for (int q = 0; q < sources * 2; q++)
+                assert_true(difference(POINTS, one.f + q * POINTS, two.f + q * POINTS) <=
+                            two.errors[q] + one.errors[q]);
+            sp_signal_free(&one);
+            sp_signal_free(&two);
+        }
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    sp_packing p = chain_packing(10, 1e-4);
+    sp_network net = network_of(&p, false);
+    sp_signal s = sp_signal_none();
+    sp_signal_options o = options_of(SP_SIGNAL_VERLET, SP_SOURCE_IMPULSE, 1e5, 1e-14);
+    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EREFUSED, "for a tolerance of about");
+    o.step = 1.71 / sp_network_omega_bound(&net);
+    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "longer ones are unstable");
+    o.step = 1e-9;
+    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "must be at most 1e9");
+    for (int k = 0; k < 3; k++) {
+        o.step = (double[]){-1, NAN, INFINITY}[k];
+        assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "step =");
+    }
+    o.step = 0.1;
+    o.method = SP_SIGNAL_CHEBYSHEV;
+    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "makes no time steps");
+    /* a spring that pushes: no frequency, no sound */
+    net.prestress = true;
+    for (int k = 0; k < net.n_springs; k++)
+        net.springs[k].kn = -net.springs[k].kn;
+    o = options_of(SP_SIGNAL_VERLET, SP_SOURCE_IMPULSE, 100, 1e-3);
+    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EREFUSED, "unstable");
+    assert_true(s.f == NULL);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+static void test_memory(void **state) {
+    (void)state;
+    sp_packing p = chain_packing(10, 1e-4);
+    sp_network net = network_of(&p, false);
+    const sp_signal_options o = options_of(SP_SIGNAL_VERLET, SP_SOURCE_IMPULSE, 10, 1e-3);
+    int failures = 0;
+    for (int k = 0;; k++) {
+        sp_signal s = sp_signal_none();
+        sp_error err = {0};
+        sp_alloc_fail_after(k);
+        const sp_status status = sp_signal_make(&net, &o, &s, &err);
+        sp_alloc_fail_after(-1);
+        sp_signal_free(&s);
+        if (status == SP_OK)
+            break;
+        assert_int_equal(status, SP_ENOMEM);
+        failures++;
+    }
+    assert_true(failures > 10);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_error_bound), cmocka_unit_test(test_rounding),
+                                       cmocka_unit_test(test_order),       cmocka_unit_test(test_places),
+                                       cmocka_unit_test(test_refusals),    cmocka_unit_test(test_memory)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
