@@ -60,7 +60,7 @@ _sonopack() {
         elif [ "$command" = table ] && [ "$previous" = table ]; then
             mapfile -t COMPREPLY < <(compgen -W 'ctof statics moduli ensemble' -- "$current")
         elif [ "$command" = bench ]; then
-            mapfile -t COMPREPLY < <(compgen -W 'signal modes moduli pack' -- "$current")
+            mapfile -t COMPREPLY < <(compgen -W 'signal long many damped modes moduli pack' -- "$current")
         elif [ "$command" = plot ] && [ "$previous" = plot ]; then
             mapfile -t COMPREPLY < <(compgen -W 'ctof signal network stiffness pareto spectrum dispersion mode' -- \
                 "$current")

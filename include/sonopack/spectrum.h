@@ -164,7 +164,8 @@ typedef struct sp_harmonic_options {
     int32_t planes;      /* horizontal planes that cut the height into equal layers; 0: one a mean diameter */
     double range[2];     /* heights of the planes that the wave is fitted to; both 0: all that are 2 diameters and more
                             from the walls */
-    double tolerance;    /* of each force, over its magnitude: 1e-8; at planes over that of the strongest */
+    double tolerance;    /* of F over its magnitude, or over a millionth of the strongest force at the planes where F is
+                            smaller    still; at planes over that of the strongest: 1e-8 */
 } sp_harmonic_options;
 sp_harmonic_options sp_harmonic_options_default(void);
 

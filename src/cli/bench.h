@@ -34,6 +34,7 @@ sp_status bench_measure(const bench_subject *s, const bench_row *row, sp_error *
 sp_status bench_signal(const bench_subject *s, sp_error *err);
 sp_status bench_long(const bench_subject *s, sp_error *err);
 sp_status bench_many(const bench_subject *s, sp_error *err);
+sp_status bench_damped(const bench_subject *s, sp_error *err);
 sp_status bench_modes(const bench_subject *s, sp_error *err);
 sp_status bench_moduli(const bench_subject *s, sp_error *err);
 

@@ -93,14 +93,14 @@ sp_status bench_measure(const bench_subject *s, const bench_row *row, sp_error *
 
 enum { CASE = 0, METHOD, PARAMETER, SECONDS, ERROR };
 
-/* The fastest row of the case of row `of` whose error is at most what was asked of it there. */
+/* The fastest row of the case of row `of` whose error is at most what was asked of it there; of modes, any. */
 static double fastest(const sp_table *t, int64_t of) {
     const char *name = t->cells[of * t->columns + CASE].text;
     const double asked = sp_table_number(t, of, PARAMETER);
     double best = HUGE_VAL;
     for (int64_t row = 0; row < t->rows; row++)
         if (strcmp(t->cells[row * t->columns + CASE].text, name) == 0 &&
-            strcmp(t->cells[row * t->columns + METHOD].text, "auto") != 0 && sp_table_number(t, row, ERROR) <= asked)
+            strcmp(t->cells[row * t->columns + METHOD].text, "auto") != 0 && !(sp_table_number(t, row, ERROR) > asked))
             best = fmin(best, sp_table_number(t, row, SECONDS));
     return best;
 }

@@ -55,6 +55,13 @@ static bool steps_in_time(sp_signal_method method) {
     return method == SP_SIGNAL_VERLET || method == SP_SIGNAL_LAX_WENDROFF;
 }
 
+/* Whether a method is tried at all: those that find all modes on small networks only, and no motion of another kind. */
+static bool is_tried(sp_signal_method method, const sp_network *net) {
+    if (method == SP_SIGNAL_DENSE || method == SP_SIGNAL_SPARSE)
+        return sp_network_dofs(net) <= DENSE_DOFS;
+    return method != SP_SIGNAL_DYNAMICS;
+}
+
 /* The same signal in several ways, each as exact as it can be; empty where one is not used. */
 enum { WAYS = 16 };
 typedef struct references {
@@ -73,8 +80,7 @@ static sp_status make_references(const sp_network *net, const sp_signal_options 
     for (int m = 0; m < WAYS; m++)
         r->by[m] = sp_signal_none();
     for (int m = SP_SIGNAL_CHEBYSHEV; m < WAYS && sp_signal_method_name((sp_signal_method)m) && status == SP_OK; m++) {
-        if (m == SP_SIGNAL_DYNAMICS || steps_in_time((sp_signal_method)m) || (!all && m > SP_SIGNAL_DENSE) ||
-            (m == SP_SIGNAL_DENSE && sp_network_dofs(net) > DENSE_DOFS))
+        if (!is_tried((sp_signal_method)m, net) || steps_in_time((sp_signal_method)m) || (!all && m > SP_SIGNAL_DENSE))
             continue;
         status = best_of(net, *o, (sp_signal_method)m, &r->by[m], err);
         status = status == SP_EREFUSED ? SP_OK : status;
@@ -137,14 +143,13 @@ static sp_status bench_methods(const bench_subject *s, const char *name, const s
     sp_status status = make_references(s->net, o, all, &r, err);
     for (int m = SP_SIGNAL_AUTO; sp_signal_method_name((sp_signal_method)m) && status == SP_OK; m++) {
         j.options.method = (sp_signal_method)m;
-        if (m == SP_SIGNAL_DYNAMICS) /* another motion */
+        if (!is_tried(j.options.method, s->net))
             continue;
         if (m == SP_SIGNAL_AUTO)
             status = bench_tolerances(s, name, &r, &j, all ? 2 : 1, all ? chosen : loose, err);
         else if (m == SP_SIGNAL_DENSE) {
             j.options.tolerance = 1e-3;
-            if (sp_network_dofs(s->net) <= DENSE_DOFS)
-                status = bench_one(s, name, &r, &j, NAN, err);
+            status = bench_one(s, name, &r, &j, NAN, err);
         } else if (!steps_in_time(j.options.method))
             status = bench_tolerances(s, name, &r, &j, all ? 4 : 1, all ? tight : loose, err);
         else if (all)
@@ -182,4 +187,20 @@ sp_status bench_many(const bench_subject *s, sp_error *err) {
     o.from = from;
     o.to = to;
     return bench_methods(s, "many", &o, false, err);
+}
+
+/* With dashpots at a tenth of critical damping; the error is the method's own bound. */
+sp_status bench_damped(const bench_subject *s, sp_error *err) {
+    static const double tolerances[] = {1e-3, 1e-9};
+    job j = {.net = s->net, .options = sp_signal_options_default()};
+    sp_status status = SP_OK;
+    j.options.until = s->until;
+    j.options.damping = 0.1;
+    j.options.method = SP_SIGNAL_FABER;
+    for (int k = 0; k < 2 && status == SP_OK; k++) {
+        j.options.tolerance = tolerances[k];
+        status = bench_measure(
+            s, &(bench_row){"damped", sp_signal_method_name(j.options.method), tolerances[k], run, &j}, err);
+    }
+    return status;
 }

@@ -20,11 +20,8 @@ typedef struct arguments {
 static const struct bench_case {
     const char *name;
     sp_status (*run)(const bench_subject *, sp_error *);
-} cases[] = {{"signal", bench_signal},
-             {"long", bench_long},
-             {"many", bench_many},
-             {"modes", bench_modes},
-             {"moduli", bench_moduli}};
+} cases[] = {{"signal", bench_signal}, {"long", bench_long},   {"many", bench_many},
+             {"damped", bench_damped}, {"modes", bench_modes}, {"moduli", bench_moduli}};
 enum { CASES = sizeof cases / sizeof *cases };
 
 /* The networks where none is named: two files, and two that are made on the spot. */
@@ -67,7 +64,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         if (strcmp(arg, "pack") == 0)
             a->pack = true;
         else if (!bit)
-            argp_error(state, "no case %.60s: must be signal, long, many, modes, moduli or pack", arg);
+            argp_error(state, "no case %.60s: must be signal, long, many, damped, modes, moduli or pack", arg);
         a->cases |= bit;
         return 0;
     default: return ARGP_ERR_UNKNOWN;
@@ -80,10 +77,13 @@ static const struct argp argp = {
     "[CASE...]",
     "Run time against error, on two packings of packings/reference, one of 30 grains and a lattice of 3600. Cases: "
     "signal (every method and parameter), long (up to 10^6 over the largest frequency, small networks only), many "
-    "(from 12 grains to 12 others), modes, moduli (these if none is named), and pack: the making of packings at 1e-4 "
+    "(from 12 grains to 12 others), damped, modes (the 10 and 100 lowest, all, and all frequencies alone), moduli "
+    "(these if "
+    "none is named), and pack: the making of packings at 1e-4 "
     ".. 1e-7, of 600 grains or as --set says (a minute).\v"
     "seconds: median CPU time; error: of a signal its largest difference, over the peak, from the signal of another "
-    "method, the one that vouches for the least error, of modes the largest bound of a frequency's "
+    "method, the one that vouches for the least error (damped: its own bound), of modes the largest bound of a "
+    "frequency's "
     "relative error, of moduli that of C22, of packings the largest acceleration over p (five seeds); parameter: the "
     "tolerance, the time step of verlet and lax-wendroff, or p; memory_MB: growth of the resident set. "
     "`sonopack plot pareto' draws the table.",

@@ -101,8 +101,9 @@ static const struct argp argp = {
     "omega ascends, rattlers' zero modes first. F(t) = sum of ab sin(omega t) (cos for displacements); participation "
     "= (sum w)^2/(N sum w^2) with w a grain's share of the mode, N grains without the rattlers; error bounds that of "
     "omega. --set takes keys of the group network.\n\n"
-    "With --damping, F(t) = sum of exp(-decay t) (cosine cos(omega t) + sine sin(omega t)), one row a conjugate pair; "
-    "what is overdamped has rows of its own with omega = 0.",
+    "With --damping, F(t) = sum of exp(-decay t) (cosine cos(omega t) + sine sin(omega t)), one row a conjugate pair, "
+    "n "
+    "from 0 without rattlers; what is overdamped has rows of its own with omega = 0.",
     children,
     NULL,
     NULL};
@@ -110,11 +111,11 @@ static const struct argp argp = {
 static sp_status add_columns(bool vectors, sp_table *t, sp_error *err) {
     static const char *const names[] = {"omega", "a", "b", "ab", "participation", "error"};
     const int count = sizeof names / sizeof *names;
+    static const char *const units[] = {"sqrt(E* / rho)/d", "", "", "E* d^2", "", "sqrt(E* / rho)/d"};
     sp_status status = sp_table_add_column(t, "n", "", SP_CELL_INTEGER, err);
     for (int k = 0; k < count && status == SP_OK; k++)
         if (vectors || k == 0 || k == count - 1)
-            status = sp_table_add_column(t, names[k], k == 0 || k == count - 1 ? "sqrt(E* / rho)/d" : "",
-                                         SP_CELL_NUMBER, err);
+            status = sp_table_add_column(t, names[k], units[k], SP_CELL_NUMBER, err);
     return status;
 }
 
@@ -135,7 +136,7 @@ static sp_status add_proof(const sp_modes *m, sp_table *t, sp_error *err) {
 static sp_status fill(const arguments *a, const sp_packing *p, int64_t rattlers, const sp_modes *m, sp_table *t,
                       sp_error *err) {
     char number[SP_NUMBER_TEXT];
-    sp_status status = add_columns(m->vectors != NULL, t, err);
+    sp_status status = add_columns(!a->frequencies_only, t, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "file = %s", a->file);
     if (status == SP_OK)
@@ -144,7 +145,7 @@ static sp_status fill(const arguments *a, const sp_packing *p, int64_t rattlers,
         status = sp_table_add_comment(t, err, "zero_modes = %lld", (long long)m->n_zero);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "rattler_modes = %lld", (long long)rattlers);
-    if (status == SP_OK && m->vectors)
+    if (status == SP_OK && !a->frequencies_only)
         status = sp_table_add_comment(t, err, "source = %s", cli_source_name(a->source));
     if (status == SP_OK && m->vectors)
         status = sp_table_add_comment(t, err, "residual = %.3g", m->residual);
@@ -174,6 +175,8 @@ static sp_status work(const arguments *a, sp_error *err) {
         status = cli_springs_scene(&a->common, &a->springs, "network", &scene, err);
     if (status == SP_OK)
         status = cli_read_network(a->file, &scene.network, &p, &net, err);
+    if (status == SP_OK && a->damping > 0)
+        status = sp_table_add_comment(&t, err, "file = %s", a->file);
     if (status == SP_OK && a->damping > 0) {
         status = cli_damped_modes(&p, &net, a->damping, a->source, &t, err);
         if (status != SP_OK)

@@ -53,7 +53,7 @@ static const struct argp_option options[] = {
      "Strength of the source against time: delta, gauss:WIDTH, ricker:OMEGA, sine:OMEGA:CYCLES, square:WIDTH or "
      "file:PATH (delta)",
      0},
-    {"tolerance", KEY_TOLERANCE, "EPS", 0, "Error asked for, over the largest |F| (1e-10)", 0},
+    {"tolerance", KEY_TOLERANCE, "EPS", 0, "Error asked for, over the largest |F| (1e-10; dynamics: 1e-3)", 0},
     {"modes", KEY_MODES, "K", 0, "Of sparse: the K lowest, whatever the error (as many as the tolerance needs)", 0},
     {"stop-at-front", KEY_FRONT, NULL, 0, "End soon after the first front of every signal, N points or fewer", 0},
     {"damping", KEY_DAMPING, "ZETA", 0, "Dashpots at all contacts, a fraction ZETA of critical damping (0)", 0},
@@ -198,6 +198,8 @@ static sp_status wanted(arguments *a, const sp_scene *scene, const sp_packing *p
         o.amplitude = a->amplitude;
     if (a->method != NOT_GIVEN)
         o.method = (sp_signal_method)a->method;
+    if (a->amplitude >= 0 && o.method != SP_SIGNAL_DYNAMICS)
+        return sp_fail(err, SP_EINVAL, "--amplitude: must be with --method dynamics; linear signals have none");
     if (o.method == SP_SIGNAL_DYNAMICS && a->tolerance < 0)
         o.tolerance = fmax(o.tolerance, DYNAMICS_TOLERANCE);
     if (a->source != NOT_GIVEN)

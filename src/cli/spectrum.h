@@ -41,5 +41,6 @@ sp_status spectrum_columns(sp_table *t, const char *const *names, sp_error *err)
 
 #define SPECTRUM_FREQUENCY "sqrt(E* / rho)/d"
 #define SPECTRUM_TIME      "d/sqrt(E* / rho)"
+#define SPECTRUM_RESPONSE  "E* d^3/sqrt(E* / rho)"
 
 #endif

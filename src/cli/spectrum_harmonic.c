@@ -54,10 +54,10 @@ static sp_status parse_range(const char *text, int32_t *n, double *omega, sp_err
 
 static sp_status put_responses(const sp_harmonic *h, sp_table *t, sp_error *err) {
     static const char *const columns[] = {"omega",     SPECTRUM_FREQUENCY,
-                                          "magnitude", "",
-                                          "re",        "",
-                                          "im",        "",
-                                          "error",     "",
+                                          "magnitude", SPECTRUM_RESPONSE,
+                                          "re",        SPECTRUM_RESPONSE,
+                                          "im",        SPECTRUM_RESPONSE,
+                                          "error",     SPECTRUM_RESPONSE,
                                           "k",         "1/d",
                                           "k_err",     "1/d",
                                           "speed",     "sqrt(E* / rho)",
@@ -77,8 +77,10 @@ static sp_status put_responses(const sp_harmonic *h, sp_table *t, sp_error *err)
 }
 
 static sp_status put_profile(const sp_harmonic *h, sp_table *t, sp_error *err) {
-    static const char *const columns[] = {
-        "omega", SPECTRUM_FREQUENCY, "height", "d", "magnitude", "", "re", "", "im", "", "error", "", NULL};
+    static const char *const columns[] = {"omega",     SPECTRUM_FREQUENCY, "height", "d",
+                                          "magnitude", SPECTRUM_RESPONSE,  "re",     SPECTRUM_RESPONSE,
+                                          "im",        SPECTRUM_RESPONSE,  "error",  SPECTRUM_RESPONSE,
+                                          NULL};
     sp_status status = spectrum_columns(t, columns, err);
     for (int32_t l = 0; l < h->n; l++)
         for (int32_t k = 0; k < h->planes && status == SP_OK; k++) {

@@ -7,7 +7,7 @@
 
 /* Lines: every mode with its weight in the signal. */
 static sp_status lines(const spectrum_arguments *a, const sp_network *net, sp_table *t, sp_error *err) {
-    static const char *const columns[] = {"omega", SPECTRUM_FREQUENCY, "ab", "", "share", "", NULL};
+    static const char *const columns[] = {"omega", SPECTRUM_FREQUENCY, "ab", "E* d^2", "share", "", NULL};
     const sp_modes_options o = {.vectors = true, .source = a->source};
     sp_modes m = sp_modes_none();
     double all = 0, sum = 0;
@@ -32,8 +32,10 @@ static sp_status lines(const spectrum_arguments *a, const sp_network *net, sp_ta
 
 sp_status spectrum_transmission(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
                                 sp_error *err) {
-    static const char *const columns[] = {
-        "omega", SPECTRUM_FREQUENCY, "density", "", "magnitude", "", "re", "", "im", "", "error", "", NULL};
+    static const char *const columns[] = {"omega",     SPECTRUM_FREQUENCY, "density", SPECTRUM_RESPONSE,
+                                          "magnitude", SPECTRUM_RESPONSE,  "re",      SPECTRUM_RESPONSE,
+                                          "im",        SPECTRUM_RESPONSE,  "error",   SPECTRUM_RESPONSE,
+                                          NULL};
     sp_transmission_options o = sp_transmission_options_default();
     sp_transmission s = sp_transmission_none();
     (void)p;

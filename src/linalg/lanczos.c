@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK = SP_LDL_LANES, PASSES_MAX = 4, RESTARTS_MAX = 60 };
+enum { BLOCK = SP_LDL_LANES, PASSES_MAX = 4, RESTARTS_MAX = 15 };
 
 typedef struct lanczos {
     sp_ldl *factor;

@@ -2,6 +2,7 @@
  * grain, at least), so that a solve reads an entry's row once for up to four columns and eight right-hand sides. */
 #include "linalg/ldl.h"
 #include "base/base.h"
+#include "base/clones.h"
 #include "linalg/blas.h"
 
 #include <cholmod.h>
@@ -9,14 +10,6 @@
 #include <limits.h>
 #include <math.h>
 #include <string.h>
-
-#if defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&     \
-    defined(__x86_64__)
-#define CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#else
-#define CLONES
-#endif
-#define ALWAYS_INLINE inline __attribute__((always_inline))
 
 enum { LANES = SP_LDL_LANES, WIDEST = 4 };
 typedef double lanes __attribute__((vector_size(8 * LANES), aligned(64), may_alias));

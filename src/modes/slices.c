@@ -260,15 +260,19 @@ static sp_status lowest_by_slices(slicer *z, int64_t count, double guess, slice_
 static sp_status lowest_of_one_basis(slicer *z, int64_t count, slice_edge *end, sp_error *err) {
     slice_edge bottom;
     sp_lanczos_pairs p = {0};
-    sp_status status = slicer_bottom(z, 1e-3 * slicer_guess(z, (double)count), &bottom, err);
-    if (status != SP_OK)
-        return status;
-    const sp_lanczos_spec spec = {.low = bottom.sigma,
-                                  .high = HUGE_VAL,
-                                  .wanted = count + SPARE,
-                                  .tolerance = z->tolerance,
-                                  .floor = -bottom.sigma};
-    status = sp_lanczos(z->ldl, z->n, &spec, &p, err);
+    sp_status status = SP_EREFUSED;
+    /* from too far below, modes much softer than guessed look all alike */
+    for (double part = 1e-3; part > 1e-12 && status == SP_EREFUSED; part *= 1e-4) {
+        status = slicer_bottom(z, part * slicer_guess(z, (double)count), &bottom, err);
+        if (status != SP_OK)
+            return status;
+        const sp_lanczos_spec spec = {.low = bottom.sigma,
+                                      .high = HUGE_VAL,
+                                      .wanted = count + SPARE,
+                                      .tolerance = z->tolerance,
+                                      .floor = -bottom.sigma};
+        status = sp_lanczos(z->ldl, z->n, &spec, &p, err);
+    }
     if (status != SP_OK)
         return status;
     z->solves += p.solves;

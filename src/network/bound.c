@@ -2,6 +2,7 @@
  * one for each spring between two. */
 #include "network/bound.h"
 #include "base/base.h"
+#include "base/clones.h"
 #include "network/rows.h"
 
 #include <math.h>
@@ -50,7 +51,7 @@ static void add_spring(const sp_network *net, int32_t k, const sizes *m) {
     }
 }
 
-static inline __attribute__((always_inline)) void multiply(int dof, const sp_network *net, const sizes *m) {
+static ALWAYS_INLINE void multiply(int dof, const sp_network *net, const sizes *m) {
     const double *w = m->w;
     double *next = m->next;
     for (ptrdiff_t g = 0; g < net->n; g++)

@@ -59,9 +59,8 @@ typedef int64_t i8 __attribute__((vector_size(64), aligned(64), may_alias));
 
 /* A row is x, y, rotation, nothing, two lanes each; four rows are turned into x of four springs, y of four springs...
  * and back. */
-WIDE static inline __attribute__((always_inline)) void wide_quads(const sp_quad *q, int64_t count, bool both,
-                                                                  int32_t first, const double *restrict u,
-                                                                  double *restrict force) {
+WIDE static ALWAYS_INLINE void wide_quads(const sp_quad *q, int64_t count, bool both, int32_t first,
+                                          const double *restrict u, double *restrict force) {
     const i8 back = {0, 0, 0, 0, INT64_MIN, INT64_MIN, 0, 0};
     const v8 zero = {0};
     for (const sp_quad *end = q + count; q < end; q++) {

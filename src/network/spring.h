@@ -3,9 +3,9 @@
 /* One spring's stretch and force. One body serves every dimension, with and without rotations, for one vector and for
  * two interleaved ones: its first argument is a constant where it is called. */
 
-#include <sonopack/network.h>
+#include "base/clones.h"
 
-#define ALWAYS_INLINE inline __attribute__((always_inline))
+#include <sonopack/network.h>
 
 /* Values of two vectors at one degree of freedom; with one vector the second is idle. */
 typedef double pair __attribute__((vector_size(16)));

@@ -2,6 +2,7 @@
  * J_0^2 + 2 sum J_m^2 = 1, a sum that cancels nothing; its sign by J_0 + 2 sum J_2k = 1 (Abramowitz and Stegun, 9.1.76
  * and 9.1.46). */
 #include "numeric/bessel.h"
+#include "base/clones.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,16 +16,6 @@
 /* Arguments are taken LANES at a time: independent chains, CHAINS vectors of WIDTH, hide the latency of each. */
 enum { WIDTH = 8, CHAINS = 2, LANES = WIDTH * CHAINS };
 typedef double v8 __attribute__((vector_size(8 * WIDTH)));
-
-/* One binary that uses the vector units of the machine it runs on, with the same bits on all. Sanitizers and clang
- * cannot resolve the clones. */
-#if defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&     \
-    defined(__x86_64__)
-#define CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#else
-#define CLONES
-#endif
-#define ALWAYS_INLINE inline __attribute__((always_inline))
 
 /* The cube root to 1e-4: a third of the exponent, and two steps of Newton's. */
 static double cube_root(double x) {

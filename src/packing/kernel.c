@@ -1,21 +1,10 @@
 /* The hot loops. They are plain C over flat arrays, in a form that compilers turn into vectors of any width. */
 #include "packing/kernel.h"
+#include "base/clones.h"
 
 #include "packing/roots.h"
 
 #include <math.h>
-
-/* One binary that uses the vector units of the machine it runs on; the bits do not depend on it, as nothing is
- * contracted or reassociated. Sanitizers and clang cannot resolve the clones. */
-#if defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&     \
-    defined(__x86_64__)
-#define CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#else
-#define CLONES
-#endif
-
-/* A function that is not inlined would be there for the plainest machine only. */
-#define ALWAYS_INLINE inline __attribute__((always_inline))
 
 typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
 

@@ -45,6 +45,18 @@ double axis_place(const axis *a, double unit) {
     return a->from + (unit - a->low) / (a->high - a->low) * (a->to - a->from);
 }
 
+void axis_name(axis *a, const char *name, const char *unit) {
+    char number[32] = "", ten[48] = "";
+    if (a->power != 0) {
+        text_number(number, sizeof number, a->power, 4);
+        snprintf(ten, sizeof ten, "10^{%s}%s", number, *unit ? " " : "");
+    }
+    if (*ten || *unit)
+        snprintf(a->label, sizeof a->label, "%s  [%s%s]", name, ten, unit);
+    else
+        snprintf(a->label, sizeof a->label, "%s", name);
+}
+
 /* ---- ticks ---------------------------------------------------------------------------------------------------- */
 
 static void add_tick(axis *a, double at, bool major, const char *label) {

@@ -37,6 +37,8 @@ void axis_log(axis *a, double low, double high, double least);
 /* A value in axis units, and axis units on the canvas. */
 double axis_unit(const axis *a, double value);
 double axis_place(const axis *a, double unit);
+/* "name  [10^power unit]", as much of it as there is; unit: markup. */
+void axis_name(axis *a, const char *name, const char *unit);
 
 /* Chooses ticks, and margins that hold their labels. */
 void axes_layout(axes *a, canvas *c);

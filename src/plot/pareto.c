@@ -86,7 +86,10 @@ static sp_status read_points(const sp_table *t, const char *only, clouds *c, sp_
             c->point[c->n++] = (point){fmax(log10(error), LOG_LEAST), log10(seconds), method};
     }
     if (status == SP_OK && c->n == 0)
-        status = sp_fail(err, SP_EREFUSED, "nothing to draw: no row of case %.80s has a time and an error", only);
+        status = sp_fail(err, SP_EREFUSED,
+                         "nothing to draw: no row of case %.80s has a time and an error, must be as in "
+                         "the column case",
+                         only);
     return status;
 }
 
@@ -147,8 +150,12 @@ static void set_axes(figure *f, const clouds *c, const char *only) {
     }
     axis_log(&f->axes.x, low[0] - 0.6, high[0] + 0.6, 2.0);
     axis_log(&f->axes.y, low[1] - 0.3, high[1] + 0.3, 2.0);
-    text_escape(name, sizeof name, only, 40);
-    snprintf(f->axes.x.label, sizeof f->axes.x.label, "relative error  (%s)", name);
+    for (int most = 40; most >= 6; most -= 2) {
+        text_escape(name, sizeof name, only, most);
+        snprintf(f->axes.x.label, sizeof f->axes.x.label, "relative error  (%s)", name);
+        if (text_width(f->canvas, f->axes.x.label, TEXT_LABEL) < 0.8 * f->canvas->width)
+            break;
+    }
     snprintf(f->axes.y.label, sizeof f->axes.y.label, "CPU time  [s]");
 }
 

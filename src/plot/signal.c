@@ -41,33 +41,20 @@ static void common_unit(const drawing *d, bool force, char *out, size_t size) {
     text_escape(out, size, same ? common : "", UNIT_MOST);
 }
 
-/* "name  [10^power unit]", as much of it as there is. */
-static void label_axis(axis *a, const char *name, const char *unit) {
-    char number[32] = "", ten[48] = "";
-    if (a->power != 0) {
-        text_number(number, sizeof number, a->power, 4);
-        snprintf(ten, sizeof ten, "10^{%s}%s", number, *unit ? " " : "");
-    }
-    if (*ten || *unit)
-        snprintf(a->label, sizeof a->label, "%s  [%s%s]", name, ten, unit);
-    else
-        snprintf(a->label, sizeof a->label, "%s", name);
-}
-
 static void label_axes(const drawing *d, axes *a) {
     bool ours = true;
     for (int j = 0; j < d->traces; j++)
         ours = ours && !d->trace[j].t_unit;
     if (ours) {
-        label_axis(&a->x, "|t|", "|d| (|\xcf\x81|/|E|*)^{1/2}");
-        label_axis(&a->y, "|F|_{sig}", "|E|* |d|^{2}");
+        axis_name(&a->x, "|t|", "|d| (|\xcf\x81|/|E|*)^{1/2}");
+        axis_name(&a->y, "|F|_{sig}", "|E|* |d|^{2}");
         return;
     }
     char unit[160];
     common_unit(d, false, unit, sizeof unit);
-    label_axis(&a->x, "|t|", unit);
+    axis_name(&a->x, "|t|", unit);
     common_unit(d, true, unit, sizeof unit);
-    label_axis(&a->y, "|F|", unit);
+    axis_name(&a->y, "|F|", unit);
 }
 
 /* Sizes and ranges: t from the first to the last point, F with zero and some room. */

@@ -12,6 +12,10 @@ enum { TABLES_MOST = 32, LABEL_MOST = 28, GROUPS = 3 };
 
 #define OMEGA "\xcf\x89"
 #define RHO   "\xcf\x81"
+/* Units */
+#define FREQUENCY "(|E|*/|" RHO "|)^{1/2}/|d|"
+#define TIME      "|d|(|" RHO "|/|E|*)^{1/2}"
+#define RESPONSE  "|E|* |d|^{3}(|" RHO "|/|E|*)^{1/2}"
 
 typedef enum look { LOOK_LINE = 0, LOOK_STEPS, LOOK_POINTS } look;
 
@@ -22,15 +26,15 @@ typedef struct style {
     const char *y, *error;
     look look;
     bool log;
-    const char *label; /* of the y axis */
+    const char *label, *unit; /* of the y axis */
 } style;
 
 static const style styles[] = {
-    {"dos", "Density of states", "smooth", "smooth_err", LOOK_LINE, false, "|g|(|" OMEGA "|)"},
-    {"transmission", "Spectrum of the signal", "magnitude", NULL, LOOK_LINE, true, "\\||F|(|" OMEGA "|)\\|"},
-    {"harmonic", "Harmonic response", "magnitude", NULL, LOOK_POINTS, true, "\\||F|(|" OMEGA "|)\\|"},
-    {"participation", "Participation ratio", "participation", "sd", LOOK_POINTS, false, "participation ratio"},
-    {"modes", "Density of states", NULL, NULL, LOOK_STEPS, false, "|g|(|" OMEGA "|)  [|d|(|" RHO "|/|E|*)^{1/2}]"}};
+    {"dos", "Density of states", "smooth", "smooth_err", LOOK_LINE, false, "|g|(|" OMEGA "|)", ""},
+    {"transmission", "Spectrum of the signal", "magnitude", NULL, LOOK_LINE, true, "\\||F|(|" OMEGA "|)\\|", RESPONSE},
+    {"harmonic", "Harmonic response", "magnitude", NULL, LOOK_POINTS, true, "\\||F|(|" OMEGA "|)\\|", RESPONSE},
+    {"participation", "Participation ratio", "participation", "sd", LOOK_POINTS, false, "participation ratio", ""},
+    {"modes", "Density of states", NULL, NULL, LOOK_STEPS, false, "|g|(|" OMEGA "|)", TIME}};
 enum { STYLES = sizeof styles / sizeof *styles };
 
 typedef struct drawing {
@@ -61,7 +65,9 @@ static void widen(double *low, double *high, double value) {
 static sp_status find_column(const sp_table *t, const char *name, int *out, sp_error *err) {
     *out = sp_table_find_column(t, name);
     if (*out < 0)
-        return sp_fail(err, SP_EINVAL, "the table has no column %s; must be one of `sonopack spectrum'", name);
+        return sp_fail(err, SP_EINVAL,
+                       "the table has no column %s; must be one of `sonopack spectrum' without --lines and --profile",
+                       name);
     if (t->column[*out].kind == SP_CELL_TEXT)
         return sp_fail(err, SP_EINVAL, "column %s holds text: must be numbers", name);
     return SP_OK;
@@ -192,23 +198,21 @@ static sp_status add_histogram(drawing *d, int j, sp_error *err) {
 }
 
 static void label_y(const drawing *d, axis *a) {
-    char unit[96] = "";
+    char unit[96];
     const char *norm = sp_table_comment_value(d->table[0].table, "norm");
+    snprintf(unit, sizeof unit, "%s", d->style->unit);
     if (strcmp(d->style->kind, "dos") == 0) {
         const char *per = norm && strcmp(norm, "grain") == 0 ? "/grain" : "";
         const char *modes = norm && strcmp(norm, "modes") == 0 ? "modes " : "";
-        snprintf(unit, sizeof unit, "  [%s|d|(|" RHO "|/|E|*)^{1/2}%s]", modes, per);
+        snprintf(unit, sizeof unit, "%s" TIME "%s", modes, per);
     }
-    if (a->power != 0)
-        snprintf(a->label, sizeof a->label, "%s  [10^{%d}]", d->style->label, a->power);
-    else
-        snprintf(a->label, sizeof a->label, "%s%s", d->style->label, unit);
+    axis_name(a, d->style->label, unit);
 }
 
 static void set_axes(drawing *d, figure *f) {
     const double x0 = fmin(0, d->low_x), room = 0.02 * (d->high_x - x0);
     axis_linear(&f->axes.x, x0, d->high_x + (d->style->look == LOOK_POINTS ? room : 0));
-    snprintf(f->axes.x.label, sizeof f->axes.x.label, "|" OMEGA "|  [(|E|*/|" RHO "|)^{1/2}/|d|]");
+    axis_name(&f->axes.x, "|" OMEGA "|", FREQUENCY);
     if (d->style->log) { /* what is ten decades below the largest value is nothing to see */
         const double low = fmax(d->low_y, d->high_y - 10);
         axis_log(&f->axes.y, low - 0.05 * (d->high_y - low), d->high_y + 0.05 * (d->high_y - low) + 0.05, 1.0);
@@ -330,7 +334,7 @@ static void add_waves(drawing *d, int j, int group, const wave_columns *c) {
 }
 
 sp_status sp_plot_dispersion(int tables, const sp_plot_table *table, const char *path, sp_error *err) {
-    static const style waves = {"dispersion", "Dispersion of waves", "peak", NULL, LOOK_POINTS, false, ""};
+    static const style waves = {"dispersion", "Dispersion of waves", "peak", NULL, LOOK_POINTS, false, "", ""};
     drawing d = {0};
     sp_status status = begin(tables, table, path, &d, err);
     d.style = &waves;
@@ -348,8 +352,8 @@ sp_status sp_plot_dispersion(int tables, const sp_plot_table *table, const char 
     figure f = {.canvas = &c, .n = d.count, .series = d.series};
     if (status == SP_OK) {
         set_axes(&d, &f);
-        snprintf(f.axes.x.label, sizeof f.axes.x.label, "|k|  [1/|d|]");
-        snprintf(f.axes.y.label, sizeof f.axes.y.label, "|" OMEGA "|  [(|E|*/|" RHO "|)^{1/2}/|d|]");
+        axis_name(&f.axes.x, "|k|", "1/|d|");
+        axis_name(&f.axes.y, "|" OMEGA "|", FREQUENCY);
         status = canvas_open(&c, path, waves.title, CANVAS_COLUMN, 0.78 * CANVAS_COLUMN, err);
     }
     if (status == SP_OK) {

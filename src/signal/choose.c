@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-enum { DENSE_DOFS = 20000 };
+enum { SPARSE_DOFS = 4000, DENSE_DOFS = 20000 };
 
 /* What is asked, as numbers. */
 typedef struct load {
@@ -30,7 +30,7 @@ static load load_of(const sp_network *net, const sp_signal_options *o) {
 /* Products carry two vectors: source and detector of a single pair, half as often; else two sources (or detectors, of
  * which there are fewer). Bessel functions of every order at every time, for each pass over the network. */
 static double chebyshev_cost(const load *l) {
-    const double terms = l->x / 2 + 4 * cbrt(l->x) + 3,
+    const double terms = l->x / 2 + 6 * cbrt(l->x) + 3,
                  passes = l->pairs > 1 ? ceil(fmin(l->sources, l->detectors) / 2) : 1;
     const double products = l->pairs > 1 ? terms * passes : terms / 2;
     const double product = (l->spatial ? 11.4 : 3.5) * l->springs + 0.42 * l->n + 114;
@@ -46,8 +46,12 @@ static double dense_cost(const load *l) {
            l->n * (0.18 * l->n * l->n + 51 * l->n + 1.3 * l->springs + l->pairs * (11.2 * l->points + 3.3 * l->n));
 }
 
-/* All modes in slices: a tolerance below some percent needs nearly all of them. */
-static double sparse_cost(const load *l) { return l->n * (950 * l->n + l->pairs * (11.2 * l->points + 3.3 * l->n)); }
+/* All modes in slices: a tolerance below some percent needs nearly all of them. Fewer are left to the dense solver. */
+static double sparse_cost(const load *l) {
+    if (l->n < SPARSE_DOFS)
+        return HUGE_VAL;
+    return l->n * (950 * l->n + l->pairs * (11.2 * l->points + 3.3 * l->n));
+}
 
 double signal_cost(sp_signal_method method, const sp_network *net, const sp_signal_options *o) {
     const load l = load_of(net, o);

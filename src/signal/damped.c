@@ -7,6 +7,7 @@
  *   y' - L y = a (beta S_(N+1) Q_N - S_N Q_(N+1)) y(0),
  * is known when it ends, and energy never grows, so its integral bounds the error. */
 #include "base/base.h"
+#include "numeric/random.h"
 #include "signal/job.h"
 
 #include <float.h>
@@ -231,23 +232,15 @@ static void take_ellipse(damped *d, const ellipse *e) {
     weights(d, d->h, d->s);
 }
 
-/* Numbers in -1 .. 1, always the same (splitmix64). */
-static double noise(uint64_t *state) {
-    uint64_t z = *state += 0x9e3779b97f4a7c15;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
-}
-
 /* Whether no term of the expansion of a random state grows as it would outside the ellipse: then rounding does not
  * either, in whatever direction. */
 static bool behaves(damped *d) {
     const double *mass = d->job->net->mass;
-    uint64_t seed = 1;
+    sp_random any = sp_random_make(1, SP_STREAM_PROBE);
     double size, energy, first = 0;
     for (int64_t q = 0; q < sp_network_dofs(d->job->net); q++) {
-        d->u[q] = noise(&seed) / (d->omega * sqrt(mass[q]));
-        d->v[q] = noise(&seed) / sqrt(mass[q]);
+        d->u[q] = (2 * sp_random_uniform(&any) - 1) / (d->omega * sqrt(mass[q]));
+        d->v[q] = (2 * sp_random_uniform(&any) - 1) / sqrt(mass[q]);
     }
     const int64_t terms = (int64_t)terms_of(&d->e, d->h);
     d->probed = terms;

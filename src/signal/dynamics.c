@@ -196,7 +196,7 @@ static sp_status converge(shaking *s, sp_signal *out, double longest, sp_error *
     double each = fmax(2, ceil(s->spacing / (given > 0 ? fmin(given, longest) : 0.5 * longest) * (1 - 1e-12)));
     if (given > longest)
         return sp_fail(err, SP_EINVAL, "step = %g, must be at most %.6g: longer ones are unstable", given, longest);
-    if (!(work(s, out, each) <= 30 * WORK_MAX))
+    if (!(1.5 * work(s, out, each) <= (given > 0 ? 10 : 1) * WORK_MAX))
         return sp_fail(err, SP_EREFUSED, "%.3g steps of %.3g for %d contacts are too many", each * (out->n - 1),
                        s->spacing / each, s->m.count);
     sp_status status = run(s, out, (int64_t)(each / 2), err);

@@ -1,10 +1,9 @@
 #include "signal/recurrence.h"
 #include "base/base.h"
+#include "base/clones.h"
 
 #include <math.h>
 #include <string.h>
-
-#define ALWAYS_INLINE inline __attribute__((always_inline))
 
 typedef pair pair_memory __attribute__((may_alias));
 typedef int64_t bits __attribute__((vector_size(16)));

@@ -11,6 +11,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 
 enum { MOMENTS = 4, ATTEMPTS = 4 };
 /* Springs times products beyond which a step found from the tolerance is refused: half a minute or so. */
@@ -252,12 +253,16 @@ static double work(const stepping *s, const sp_signal *out, double each) {
 }
 
 static sp_status too_much(const stepping *s, const sp_signal *out, double each, sp_error *err) {
-    const double most = WORK_MAX / work(s, out, 1);
-    return sp_fail(err, SP_EREFUSED,
-                   "tolerance %.2g takes %.3g steps of %.3g: at most %.3g are made unless a step is given, for "
-                   "a tolerance of about %.1g; chebyshev needs none",
-                   s->job->options->tolerance, each * (out->n - 1), s->spacing / each, most * (out->n - 1),
-                   s->job->options->tolerance * pow(each / most, s->way.order));
+    const double most = WORK_MAX / work(s, out, 1),
+                 within = s->job->options->tolerance * pow(each / most, s->way.order);
+    char reach[80] = "which are too few for any tolerance";
+    if (within < 0.1)
+        snprintf(reach, sizeof reach, "for a tolerance of about %.1g", within);
+    return sp_fail(
+        err, SP_EREFUSED,
+        "tolerance %.2g takes %.3g steps of %.3g: at most %.3g are made unless a step is given, %s; chebyshev "
+        "needs none",
+        s->job->options->tolerance, each * (out->n - 1), s->spacing / each, most * (out->n - 1), reach);
 }
 
 /* The signal's size is known from a coarse run only, so steps are chosen from it, and once more if it was misleading.

@@ -37,7 +37,7 @@ sp_status counter_make(const sp_network *net, counter *out, sp_error *err) {
 /* A count at limit + side x 64, 256, ... x noise, so far off that what the factor and the entries are off by cannot
  * carry an eigenvalue across the limit; where a pivot vanishes, a little farther. */
 static sp_status count_beside(const counter *c, double limit, double side, int64_t *count, sp_error *err) {
-    enum { TRIES = 8 };
+    enum { TRIES = 12 };
     double off = 64 * c->noise;
     for (int k = 0; k < TRIES; k++, off *= 4) {
         const double sigma = limit + side * off;

@@ -155,20 +155,18 @@ def test_refusals():
 
 
 def test_bench():
-    _, header, rows = table(run("bench", "signal", "moduli", "--packing", N200, "--until", 50))
+    text = run("bench", "signal", "modes", "moduli", "--packing", N200, "--until", 100)
+    assert "# auto = " in text
+    _, header, rows = table(text)
     assert header == ["case", "method", "parameter", "seconds", "error", "memory_MB"]
-    methods = {row[1] for row in rows}
-    assert {"auto", "chebyshev", "dense", "verlet", "sparse", "cholesky"} <= methods, methods
-    for case, method, parameter, seconds, error, memory in rows:
-        assert 0 < float(seconds) < 60 and 0 < float(error) < 1 and float(memory) >= 0, (case, method)
-        if method not in ("verlet", "lax-wendroff"):  # their parameter is the step
-            assert float(error) < 1e-10 or float(error) < float(parameter), (case, method, parameter, error)
-    for method, order in (("verlet", 2), ("lax-wendroff", 4)):
-        # longer steps are cut to the spacing of times, shorter ones to a part of it
-        steps = [(float(row[2]), float(row[4])) for row in rows if row[1] == method]
-        steps = sorted(step for step in steps if step[0] < 50 / 800 and step[1] > 1e-12)
-        (short, fine), (long, coarse) = steps[:2]
-        assert abs(np.log(coarse / fine) / np.log(long / short) / order - 1) < 0.3, (method, steps)
+    assert {"auto", "dense", "chebyshev", "verlet", "sparse", "cholesky"} <= {row[1] for row in rows}
+    for row in rows:
+        seconds, error = float(row[3]), float(row[4])
+        assert 0 < seconds < 60 and 0 <= error < (2 if row[1] in ("verlet", "lax-wendroff") else 1e-10), row
+    # the expansion is what the program is for: the sum over modes is no match for it
+    dense = [float(row[3]) for row in rows if row[0].startswith("signal") and row[1] == "dense"]
+    quick = [float(row[3]) for row in rows if row[1] == "chebyshev"]
+    assert max(quick) < 0.2 * dense[0], rows
     run("bench", "moduli", cwd=SOURCE)  # finds the reference packings
 
 

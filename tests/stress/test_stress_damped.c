@@ -107,7 +107,7 @@ static void run(stress_record *r, const stress_case *c, const sp_network *net, d
         return;
     }
     quad f[POINTS], worst = 0, peak = 0;
-    assert_ok(sp_network_damping(net, zeta, &dashpots, &err));
+    assert_int_equal(sp_network_damping(net, zeta, &dashpots, &err), SP_OK);
     exact_damped(net, &dashpots, o.source == SP_SOURCE_IMPULSE, o.until, f);
     for (int l = 0; l < POINTS; l++) {
         const quad off = quad_abs(s.f[l] - f[l]), size = quad_abs(f[l]);
