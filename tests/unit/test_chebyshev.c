@@ -2,18 +2,10 @@
  * signals that end with their fronts. */
 #include "base/base.h"
 #include "extended.h"
-#include "reference.h"
 #include "signal/recurrence.h"
+#include "signals.h"
 
 #include <sonopack/front.h>
-
-static sp_network network_of(const sp_packing *p, bool prestress) {
-    sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
-    o.prestress = prestress;
-    assert_ok(sp_network_make(p, &o, &net, &err));
-    return net;
-}
 
 static sp_signal_options options_of(sp_source source, double until, int points) {
     sp_signal_options o = sp_signal_options_default();
@@ -22,20 +14,6 @@ static sp_signal_options options_of(sp_source source, double until, int points) 
     o.until = until;
     o.points = points;
     return o;
-}
-
-static double largest_of(int n, const double *f) {
-    double largest = 0;
-    for (int k = 0; k < n; k++)
-        largest = fmax(largest, fabs(f[k]));
-    return largest;
-}
-
-static double difference(int n, const double *f, const double *g) {
-    double worst = 0;
-    for (int k = 0; k < n; k++)
-        worst = fmax(worst, fabs(f[k] - g[k]));
-    return worst;
 }
 
 /* All pairs of sources and detectors against long double; the bound is never below the error. */
@@ -55,8 +33,8 @@ static void check_places(const char *name, const sp_network *net, sp_signal_opti
             const double error = difference(s.n, f, exact);
             if (!(error <= bound))
                 fail_msg("%s: source %d of %d, detector %d of %d, until %g: error %g above its bound %g (peak %g)",
-                         name, a, s.sources, b, s.detectors, o.until, error, bound, largest_of(s.n, exact));
-            assert_true(bound <= 1e-9 * fmax(largest_of(s.n, exact), 1e-5));
+                         name, a, s.sources, b, s.detectors, o.until, error, bound, peak_of(s.n, exact));
+            assert_true(bound <= 1e-9 * fmax(peak_of(s.n, exact), 1e-5));
         }
     sp_signal_free(&s);
     free(exact);
@@ -161,7 +139,7 @@ static void test_threads(void **state) {
     sp_signal one = sp_signal_none();
     sp_operator op = {0};
     assert_ok(sp_signal_make(&net, &o, &one, &err));
-    assert_true(largest_of(one.n, one.f) > 0);
+    assert_true(peak_of(one.n, one.f) > 0);
     for (int threads = 2; threads < 10; threads += 3) {
         sp_signal s = sp_signal_none();
         o.threads = threads;
@@ -256,24 +234,11 @@ static void test_no_memory(void **state) {
     sp_packing p = scattered_packing(2, 6, 0.5, 1);
     sp_network net = network_of(&p, false);
     const sp_place to[] = {{.kind = SP_PLACE_PLANE, .height = 1}, {.kind = SP_PLACE_PLANE, .height = 2}};
-    for (int k = 0;; k++) {
-        sp_signal_options o = options_of(SP_SOURCE_IMPULSE, 30, 11);
-        sp_signal s = sp_signal_none();
-        sp_error err = {0};
-        o.to = to;
-        o.detectors = 2;
-        o.front = true;
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_signal_make(&net, &o, &s, &err);
-        sp_alloc_fail_after(-1);
-        assert_true(status == SP_OK || s.f == NULL);
-        sp_signal_free(&s);
-        if (status == SP_OK) {
-            assert_true(k > 30);
-            break;
-        }
-        assert_int_equal(status, SP_ENOMEM);
-    }
+    sp_signal_options o = options_of(SP_SOURCE_IMPULSE, 30, 11);
+    o.to = to;
+    o.detectors = 2;
+    o.front = true;
+    assert_true(lacks_memory(NULL, &net, &o) > 30);
     sp_network_free(&net);
     sp_packing_free(&p);
 }

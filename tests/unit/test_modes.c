@@ -1,17 +1,9 @@
 #include "base/base.h"
 #include "modes/refine.h"
-#include "reference.h"
+#include "signals.h"
 
 #include <float.h>
 #include <sonopack/modes.h>
-
-static sp_network network_of(const sp_packing *p, bool prestress) {
-    sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
-    o.prestress = prestress;
-    assert_ok(sp_network_make(p, &o, &net, &err));
-    return net;
-}
 
 static sp_modes modes_of(const sp_network *net, bool vectors, sp_source source) {
     const sp_modes_options o = {.vectors = vectors, .source = source};

@@ -1,20 +1,12 @@
 /* Time stepping of the linear motion: bounds, orders, reciprocity, refusals. */
 #include "base/base.h"
 #include "extended.h"
-#include "reference.h"
+#include "signals.h"
 
 #include <sonopack/signal.h>
 
 enum { SCHEMES = 2, POINTS = 33 };
 static const sp_signal_method schemes[SCHEMES] = {SP_SIGNAL_VERLET, SP_SIGNAL_LAX_WENDROFF};
-
-static sp_network network_of(const sp_packing *p, bool prestress) {
-    sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
-    o.prestress = prestress;
-    assert_ok(sp_network_make(p, &o, &net, &err));
-    return net;
-}
 
 static sp_signal_options options_of(sp_signal_method method, sp_source source, double until, double tolerance) {
     sp_signal_options o = sp_signal_options_default();
@@ -24,20 +16,6 @@ static sp_signal_options options_of(sp_signal_method method, sp_source source, d
     o.points = POINTS;
     o.tolerance = tolerance;
     return o;
-}
-
-static double difference(int n, const double *f, const double *g) {
-    double worst = 0;
-    for (int k = 0; k < n; k++)
-        worst = fmax(worst, fabs(f[k] - g[k]));
-    return worst;
-}
-
-static double peak_of(int n, const double *f) {
-    double peak = 0;
-    for (int k = 0; k < n; k++)
-        peak = fmax(peak, fabs(f[k]));
-    return peak;
 }
 
 static void exact_signal(const sp_network *net, sp_source source, double until, double *exact) {
@@ -202,20 +180,7 @@ static void test_memory(void **state) {
     sp_packing p = chain_packing(10, 1e-4);
     sp_network net = network_of(&p, false);
     const sp_signal_options o = options_of(SP_SIGNAL_VERLET, SP_SOURCE_IMPULSE, 10, 1e-3);
-    int failures = 0;
-    for (int k = 0;; k++) {
-        sp_signal s = sp_signal_none();
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_signal_make(&net, &o, &s, &err);
-        sp_alloc_fail_after(-1);
-        sp_signal_free(&s);
-        if (status == SP_OK)
-            break;
-        assert_int_equal(status, SP_ENOMEM);
-        failures++;
-    }
-    assert_true(failures > 10);
+    assert_true(lacks_memory(NULL, &net, &o) > 10);
     sp_network_free(&net);
     sp_packing_free(&p);
 }

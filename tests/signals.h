@@ -1,0 +1,48 @@
+#ifndef TEST_SIGNALS_H
+#define TEST_SIGNALS_H
+/* What tests of signals share: a network with the usual options, and how far two signals are apart. */
+#include "base/base.h"
+#include "reference.h"
+
+#include <sonopack/signal.h>
+
+static inline sp_network network_of(const sp_packing *p, bool prestress) {
+    sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    o.prestress = prestress;
+    assert_ok(sp_network_make(p, &o, &net, &err));
+    return net;
+}
+
+static inline double peak_of(int n, const double *f) {
+    double peak = 0;
+    for (int k = 0; k < n; k++)
+        peak = fmax(peak, fabs(f[k]));
+    return peak;
+}
+
+static inline double difference(int n, const double *f, const double *g) {
+    double worst = 0;
+    for (int k = 0; k < n; k++)
+        worst = fmax(worst, fabs(f[k] - g[k]));
+    return worst;
+}
+
+/* Every allocation fails once: nothing is left behind, and the reason is told. p: of dynamics, else NULL. Returns the
+ * number of allocations. */
+static inline int lacks_memory(const sp_packing *p, const sp_network *net, const sp_signal_options *o) {
+    for (int k = 0;; k++) {
+        sp_signal s = sp_signal_none();
+        sp_error err = {0};
+        sp_alloc_fail_after(k);
+        const sp_status status = sp_signal_dynamics(p, net, o, &s, &err);
+        sp_alloc_fail_after(-1);
+        assert_true(status == SP_OK || s.f == NULL);
+        sp_signal_free(&s);
+        if (status == SP_OK)
+            return k;
+        assert_int_equal(status, SP_ENOMEM);
+    }
+}
+
+#endif
