@@ -43,6 +43,8 @@ typedef struct sp_plot_table {
 /* Tables of one kind of `sonopack spectrum': density of states (also of a table of modes), spectrum of the signal,
  * harmonic response, or participation ratios, against the frequency. SP_EINVAL for tables that are none of these. */
 sp_status sp_plot_spectrum(int tables, const sp_plot_table *table, const char *path, sp_error *err);
+/* Another column of tables of `sonopack spectrum harmonic': alpha, k or speed, with its error. SP_EINVAL for others. */
+sp_status sp_plot_harmonic(int tables, const sp_plot_table *table, const char *column, const char *path, sp_error *err);
 /* Peaks of the spectral functions of waves against the wave number, with their half widths as bars. */
 sp_status sp_plot_dispersion(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 

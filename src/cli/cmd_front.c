@@ -1,6 +1,7 @@
 /* sonopack front: arrival, peak and width of the first wave front, of packings and of traces. */
 #include "base/base.h"
 #include "cli/cli.h"
+#include "cli/plot_input.h"
 #include "store/packing_text.h"
 #include "study/sample.h"
 
@@ -27,7 +28,8 @@ static const struct argp_option options[] = {
     {"window", KEY_WINDOW, "T", 0, "Look for the front up to this time only", 0},
     {"distance", KEY_DISTANCE, "D", 0, "Distance from source to detector, instead of the height", 0},
     {"source", KEY_SOURCE, "impulse|velocity|displacement", 0, "What the bottom wall does (packings)", 0},
-    {"column", KEY_COLUMN, "NAME|N", 0, "Column of the trace, by name or number from 1 (the second of numbers)", 0},
+    {"column", KEY_COLUMN, "NAME|N", 0,
+     "Column of the trace, by name or number from 1 (F; all of F1, F2, ...; or the second of numbers)", 0},
     {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 
@@ -77,8 +79,9 @@ static const struct argp argp = {
     "time at a tenth of its height; t_zero: first zero crossing after it; width: t_zero - t10. A trace is a table of "
     "numbers, times and forces; its comments `# height = H' and `# pressure = P' give distance and window, [0, 8 H + "
     "40] times (P/1e-4)^(-1/6). Without them the whole trace is used, and its first maximum above 0.2 of the largest "
-    "value of all. Two distances make a speed, (D2 - D1)/(t10_2 - t10_1); one distance over one time does not. Units "
-    "are those of the files, as far as all agree.",
+    "value of all. A table of `sonopack signal' with F1, F2, ... gives a row a signal, planes with their distance from "
+    "the bottom. Two distances make a speed, (D2 - D1)/(t10_2 - t10_1); one distance over one time does not. Units are "
+    "those of the files, as far as all agree.",
     children,
     NULL,
     NULL};
@@ -171,43 +174,42 @@ static sp_status find_columns(const arguments *a, const sp_table *t, const char 
     return SP_OK;
 }
 
-static sp_status trace_front(const arguments *a, const char *path, measured *out, sp_error *err) {
-    sp_table t = sp_table_none();
-    int time, force;
-    double *memory = NULL;
-    sp_status status = sp_table_read(path, &t, err);
-    if (status != SP_OK)
-        return status;
-    status = find_columns(a, &t, path, &time, &force, err);
-    if (status != SP_OK)
-        goto out;
-    const size_t n = (size_t)t.rows;
-    memory = sp_alloc(n, 2 * sizeof *memory);
-    if (!memory) {
-        status = sp_fail_memory(err, n * 2 * sizeof *memory);
-        goto out;
-    }
+/* From source to detector by the comment of a signal's column, "F2 = from PLACE to PLACE, ..."; the height where it
+ * says nothing else. */
+static double distance_of(const sp_table *t, const char *column, double height) {
+    const char *text = sp_table_comment_value(t, column), *to = text ? strstr(text, " to ") : NULL;
+    if (!to)
+        return height;
+    if (strstr(text, "grain:"))
+        return NAN;
+    return strncmp(to, " to plane:", 10) == 0 ? strtod(to + 10, NULL) : height;
+}
+
+static sp_status trace_front(const arguments *a, const char *path, const sp_table *t, int time, int force,
+                             measured *out, sp_error *err) {
+    const size_t n = (size_t)t->rows;
+    double *memory = sp_alloc(n, 2 * sizeof *memory);
+    if (!memory)
+        return sp_fail_memory(err, n * 2 * sizeof *memory);
     for (size_t k = 0; k < n; k++) {
-        memory[k] = sp_table_number(&t, (int64_t)k, time);
-        memory[n + k] = sp_table_number(&t, (int64_t)k, force);
+        memory[k] = sp_table_number(t, (int64_t)k, time);
+        memory[n + k] = sp_table_number(t, (int64_t)k, force);
     }
-    const double height = comment_number(&t, "height"), pressure = comment_number(&t, "pressure");
+    const double height = comment_number(t, "height"), pressure = comment_number(t, "pressure");
     sp_front_options rule = sp_front_options_default();
     if (!isnan(a->window))
         rule.window = a->window;
     else if (!isnan(height) && !isnan(pressure))
         rule.window = sp_signal_window(height, pressure);
-    *out = (measured){.distance = height};
-    snprintf(out->time, sizeof out->time, "%s", t.column[time].unit);
-    snprintf(out->force, sizeof out->force, "%s", t.column[force].unit);
+    *out = (measured){.distance = distance_of(t, t->column[force].name, height)};
+    snprintf(out->time, sizeof out->time, "%s", t->column[time].unit);
+    snprintf(out->force, sizeof out->force, "%s", t->column[force].unit);
     if (strcmp(out->time, time_unit) == 0)
         snprintf(out->length, sizeof out->length, "d");
-    status = sp_front_find(t.rows, memory, memory + n, &rule, &out->front, err);
+    const sp_status status = sp_front_find(t->rows, memory, memory + n, &rule, &out->front, err);
     if (status != SP_OK)
         sp_fail_prefix(err, "%s", path);
-out:
     sp_free(memory);
-    sp_table_free(&t);
     return status;
 }
 
@@ -248,28 +250,68 @@ static void add_notes(const arguments *a, const char *path, bool packing, const 
                  path, (long long)f->crossings);
 }
 
-/* One row; a file without a front is told on stderr and sets *failed. */
+/* One row. */
+static sp_status add_front(const arguments *a, const char *name, bool packing, measured *m, sp_table *t,
+                           sp_error *err) {
+    if (!isnan(a->distance))
+        m->distance = a->distance;
+    const sp_front *f = &m->front;
+    add_notes(a, name, packing, f);
+    const sp_status status =
+        sp_table_add_row(t, err, name, m->distance, f->t10, f->t_peak, f->t_zero, f->amplitude, f->width);
+    if (status == SP_OK)
+        merge_units(t, m);
+    return status;
+}
+
+/* A row a signal of the table; those without a front are told on stderr and set *failed. */
+static sp_status add_trace(const arguments *a, const char *path, sp_table *t, bool *failed, sp_error *err) {
+    sp_table read = sp_table_none();
+    measured m;
+    int time = 0, force = 0;
+    sp_error fault = {0};
+    sp_status status = sp_table_read(path, &read, &fault);
+    if (status == SP_OK)
+        status = find_columns(a, &read, path, &time, &force, &fault);
+    const bool readable = status == SP_OK;
+    const int signals = readable && !a->column ? plot_count_signals(&read, force) : 1;
+    char *name = sp_alloc(strlen(path) + 16, 1);
+    if (!readable)
+        cli_fail(&fault);
+    *failed = *failed || !readable;
+    status = name ? SP_OK : sp_fail_memory(err, strlen(path) + 16);
+    for (int k = 0; k < signals && readable && status == SP_OK; k++) {
+        if (signals > 1)
+            snprintf(name, strlen(path) + 16, "%s:F%d", path, k + 1);
+        else
+            snprintf(name, strlen(path) + 16, "%s", path);
+        if (trace_front(a, name, &read, time, force + k, &m, &fault) == SP_OK) {
+            status = add_front(a, name, false, &m, t, err);
+        } else {
+            cli_fail(&fault);
+            *failed = true;
+        }
+    }
+    sp_free(name);
+    sp_table_free(&read);
+    return status;
+}
+
 static sp_status add_file(const arguments *a, const sp_scene *scene, const char *path, sp_table *t, bool *failed,
                           sp_error *err) {
     measured m;
     sp_error fault = {0};
     bool packing = false;
     sp_status status = is_packing(path, &packing, &fault);
+    if (status == SP_OK && !packing)
+        return add_trace(a, path, t, failed, err);
     if (status == SP_OK)
-        status = packing ? packing_front(a, scene, path, &m, &fault) : trace_front(a, path, &m, &fault);
-    if (status != SP_OK) {
-        cli_fail(&fault);
-        *failed = true;
-        return SP_OK;
-    }
-    if (!isnan(a->distance))
-        m.distance = a->distance;
-    const sp_front *f = &m.front;
-    add_notes(a, path, packing, f);
-    status = sp_table_add_row(t, err, path, m.distance, f->t10, f->t_peak, f->t_zero, f->amplitude, f->width);
+        status = packing_front(a, scene, path, &m, &fault);
     if (status == SP_OK)
-        merge_units(t, &m);
-    return status;
+        return add_front(a, path, true, &m, t, err);
+    cli_fail(&fault);
+    *failed = true;
+    return SP_OK;
 }
 
 static sp_status work(const arguments *a, bool *failed, sp_error *err) {

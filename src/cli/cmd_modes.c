@@ -13,6 +13,7 @@ typedef struct arguments {
     sp_source source;
     sp_modes_range range;
     bool part;      /* --lowest or --band */
+    int ranges;     /* how many of --all, --lowest, --band */
     double damping; /* 0: none */
     char *file;
 } arguments;
@@ -57,11 +58,12 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         state->child_inputs[0] = &a->springs;
         state->child_inputs[1] = &a->common;
         return 0;
-    case KEY_ALL: a->range = sp_modes_range_all(); return 0;
+    case KEY_ALL: a->ranges++; return 0;
     case KEY_FREQUENCIES: a->frequencies_only = true; return 0;
     case KEY_LOWEST:
         a->range = sp_modes_range_all();
         a->part = true;
+        a->ranges++;
         if (cli_integer("--lowest", arg, 1, 1000000000, &a->range.lowest, &err) != SP_OK)
             argp_error(state, "%s", err.text);
         return 0;
@@ -71,6 +73,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         return 0;
     case KEY_BAND:
         a->part = true;
+        a->ranges++;
         if (!band_of(arg, &a->range))
             argp_error(state, "--band %.60s: must be LO:HI, frequencies with 0 <= LO < HI", arg);
         return 0;
@@ -86,6 +89,8 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case ARGP_KEY_END:
         if (!a->file)
             argp_error(state, "no file: must be one packing");
+        if (a->ranges > 1)
+            argp_error(state, "--all, --lowest and --band: must be one of them, once");
         if (a->damping > 0 && (a->part || a->frequencies_only))
             argp_error(state, "--damping: must be without --lowest, --band and --frequencies-only");
         return 0;

@@ -6,6 +6,8 @@
 #include "cli/plot_spectrum.h"
 
 #include <math.h>
+#include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -29,7 +31,7 @@ typedef struct kind {
 struct arguments {
     cli_common common;
     const kind *kind;
-    const char *store, *only;
+    const char *store, *only, *column;
     int64_t mode; /* < 0: not given */
     int files;
     char **file;
@@ -41,7 +43,7 @@ struct arguments {
 static sp_status blame(sp_status status, const char *path, sp_error *err) {
     if (status == SP_EINVAL)
         status = err->status = SP_EFORMAT;
-    if (status == SP_EREFUSED || status == SP_EFORMAT)
+    if ((status == SP_EREFUSED || status == SP_EFORMAT) && strncmp(err->text, path, strlen(path)) != 0)
         sp_fail_prefix(err, "%s", path);
     return status;
 }
@@ -76,33 +78,33 @@ static sp_status draw_ctof(const arguments *a, const sp_scene *scene, sp_error *
     return status;
 }
 
-/* File name without folders and ending. */
-static char *label_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    char *label = sp_strdup(slash && slash[1] ? slash + 1 : path);
-    char *dot = label ? strrchr(label, '.') : NULL;
-    if (dot && dot > label)
-        *dot = '\0';
+/* File name without folders and ending; of one signal of several its column, behind the name where there are more
+ * files. */
+static char *label_of(const char *path, const char *column, bool files) {
+    enum { MOST = 256 };
+    const char *slash = strrchr(path, '/'), *name = slash && slash[1] ? slash + 1 : path;
+    const char *dot = strrchr(name, '.');
+    const int length = (int)(dot && dot > name ? dot - name : (ptrdiff_t)strlen(name));
+    char *label = sp_alloc(MOST, 1);
+    if (label && *column)
+        snprintf(label, MOST, "%.*s%s%s", files ? length : 0, name, files ? " " : "", column);
+    else if (label)
+        snprintf(label, MOST, "%.*s", length, name);
     return label;
 }
 
 /* s: its arrays and units are what the trace points to. */
-static sp_status read_trace(const arguments *a, const sp_scene *scene, const char *path, plot_signal *s,
-                            sp_plot_trace *out, sp_error *err) {
-    char *label = label_of(path);
+static sp_status make_trace(const arguments *a, const char *path, const plot_signal *s, sp_plot_trace *out,
+                            sp_error *err) {
+    char *label = label_of(path, s->name, a->files > 1);
     if (!label)
         return sp_fail_memory(err, strlen(path));
-    sp_status status = plot_read_signal(path, scene, s, err);
-    if (status != SP_OK) {
-        sp_free(label);
-        return status;
-    }
     sp_front front = {.t10 = NAN, .t_peak = NAN, .t_zero = NAN};
     sp_front_options rule = sp_front_options_default();
     sp_error reason = {0};
     rule.window = s->window;
     if (sp_front_find(s->n, s->t, s->f, &rule, &front, &reason) != SP_OK)
-        cli_note(&a->common, "%s: no first front is marked: %s", path, reason.text);
+        cli_note(&a->common, "%s%s%s: no first front is marked: %s", path, *s->name ? ", " : "", s->name, reason.text);
     *out = (sp_plot_trace){.label = label,
                            .n = s->n,
                            .t = s->t,
@@ -116,20 +118,29 @@ static sp_status read_trace(const arguments *a, const sp_scene *scene, const cha
 }
 
 static sp_status draw_signal(const arguments *a, const sp_scene *scene, sp_error *err) {
-    sp_plot_trace *trace = sp_alloc((size_t)a->files, sizeof *trace);
-    plot_signal *signal = sp_alloc((size_t)a->files, sizeof *signal);
-    sp_status status =
-        trace && signal ? SP_OK : sp_fail_memory(err, (size_t)a->files * (sizeof *trace + sizeof *signal));
-    for (int k = 0; k < a->files && status == SP_OK; k++)
-        status = read_trace(a, scene, a->file[k], &signal[k], &trace[k], err);
-    if (status == SP_OK)
-        status = blame(sp_plot_signal(a->files, trace, a->common.output, err), a->file[0], err);
-    for (int k = 0; k < a->files && trace && signal; k++) {
-        sp_free((void *)trace[k].label);
-        sp_free((void *)trace[k].t);
+    plot_signals *read = sp_alloc((size_t)a->files, sizeof *read);
+    sp_plot_trace *trace = NULL;
+    int traces = 0, made = 0;
+    sp_status status = read ? SP_OK : sp_fail_memory(err, (size_t)a->files * sizeof *read);
+    for (int k = 0; k < a->files && status == SP_OK; k++) {
+        status = plot_read_signals(a->file[k], scene, &read[k], err);
+        traces += read[k].n;
     }
+    if (status == SP_OK) {
+        trace = sp_alloc((size_t)traces, sizeof *trace);
+        status = trace ? SP_OK : sp_fail_memory(err, (size_t)traces * sizeof *trace);
+    }
+    for (int k = 0; k < a->files && status == SP_OK; k++)
+        for (int j = 0; j < read[k].n && status == SP_OK; j++)
+            status = make_trace(a, a->file[k], &read[k].signal[j], &trace[made++], err);
+    if (status == SP_OK)
+        status = blame(sp_plot_signal(traces, trace, a->common.output, err), a->file[0], err);
+    for (int j = 0; j < made; j++)
+        sp_free((void *)trace[j].label);
+    for (int k = 0; k < a->files && read; k++)
+        plot_signals_free(&read[k]);
     sp_free(trace);
-    sp_free(signal);
+    sp_free(read);
     return status;
 }
 
@@ -161,11 +172,13 @@ static sp_status draw_pareto(const arguments *a, const sp_scene *scene, sp_error
 }
 
 static sp_status draw_spectrum(const arguments *a, const sp_scene *scene, sp_error *err) {
-    return blame(plot_spectrum_files(&a->common, scene, false, a->files, a->file, err), a->file[0], err);
+    const plot_spectra want = {.column = a->column, .files = a->files, .file = a->file};
+    return blame(plot_spectrum_files(&a->common, scene, &want, err), a->file[0], err);
 }
 
 static sp_status draw_dispersion(const arguments *a, const sp_scene *scene, sp_error *err) {
-    return blame(plot_spectrum_files(&a->common, scene, true, a->files, a->file, err), a->file[0], err);
+    const plot_spectra want = {.waves = true, .files = a->files, .file = a->file};
+    return blame(plot_spectrum_files(&a->common, scene, &want, err), a->file[0], err);
 }
 
 static sp_status draw_mode(const arguments *a, const sp_scene *scene, sp_error *err) {
@@ -184,11 +197,12 @@ static const kind kinds[] = {{"ctof", draw_ctof, 1, true, ""},
 
 /* ---- the command ------------------------------------------------------------------------------------------------ */
 
-enum { KEY_STORE = 0x1000, KEY_CASE, KEY_MODE };
+enum { KEY_STORE = 0x1000, KEY_CASE, KEY_MODE, KEY_COLUMN };
 
 static const struct argp_option options[] = {
     {"store", KEY_STORE, "DIR", 0, "ctof: of the samples in this folder, instead of a table", 0},
     {"case", KEY_CASE, "CASE", 0, "pareto: of this case, instead of the table's first", 0},
+    {"column", KEY_COLUMN, "alpha|k|speed", 0, "spectrum, of harmonic: instead of the force", 0},
     {"mode", KEY_MODE, "N", 0, "mode: its number in `sonopack modes' (the first that is no zero mode)", 0},
     {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
@@ -207,6 +221,8 @@ static void check(const arguments *a, struct argp_state *state) {
         argp_error(state, "--store: only plot ctof draws a store");
     else if (a->mode >= 0 && a->kind->draw != draw_mode)
         argp_error(state, "--mode: only plot mode draws a mode");
+    else if (a->column && a->kind->draw != draw_spectrum)
+        argp_error(state, "--column: only plot spectrum draws a column of a harmonic response");
     else if (a->store && a->files > 0)
         argp_error(state, "%s: must be a file or --store, not both", a->file[0]);
     else if (a->only && a->kind->draw != draw_pareto)
@@ -232,6 +248,11 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
             argp_error(state, "%s", err.text);
         return 0;
     case KEY_CASE: a->only = arg; return 0;
+    case KEY_COLUMN:
+        if (strcmp(arg, "alpha") != 0 && strcmp(arg, "k") != 0 && strcmp(arg, "speed") != 0)
+            argp_error(state, "--column %.60s: must be alpha, k or speed", arg);
+        a->column = arg;
+        return 0;
     case ARGP_KEY_ARG:
         if (a->kind)
             return ARGP_ERR_UNKNOWN; /* the rest are files */
@@ -253,16 +274,16 @@ static const struct argp argp = {
     parse,
     "KIND FILE... -o FIGURE\nctof --store DIR -o FIGURE",
     "Figures at the width of a column of print: PNG (300 dpi), SVG or PDF by the ending of FIGURE.\v"
-    "ctof: speeds against pressure with the published c_tof = 0.26 (p/1e-4)^(1/6), from a table that `sonopack table "
-    "ctof' prints (TSV or CSV). signal: F(t) of one or more tables with columns t and F, or of packings (their signal "
-    "is made), with the first front marked: a triangle at 10% of its peak, a circle at the peak, a square at the zero "
-    "crossing. network: a packing with its contacts that carry as lines, as wide as their normal force is large; "
-    "rattlers are grey. stiffness: the same with the normal stiffness. pareto: run time against error of a table of "
-    "`sonopack bench', a symbol a method, hollow for those of other programs, and the frontier. spectrum: tables of "
-    "`sonopack spectrum' dos, transmission, harmonic or participation, of `sonopack modes', or packings (their density "
-    "of states). dispersion: a table of `sonopack spectrum dispersion', or a packing. mode: the displacements of a "
-    "mode "
-    "as arrows on the grains of a packing, tinted where they turn. --set changes keys of network and signal.",
+    "ctof: speeds against pressure with the published c_tof = 0.26 (p/1e-4)^(1/6), from a table that `sonopack "
+    "table ctof' prints (TSV or CSV). signal: F(t) of one or more tables with columns t and F (or F1, F2, ...), or "
+    "of packings (their signal is made), with the first front marked: a triangle at 10% of its peak, a circle at "
+    "the peak, a square at the zero crossing. network: a packing with its contacts that carry as lines, as wide as "
+    "their normal force is large; rattlers are grey. stiffness: the same with the normal stiffness. pareto: run "
+    "time against error of a table of `sonopack bench', a symbol a method, hollow for those of other programs, and "
+    "the frontier. spectrum: tables of `sonopack spectrum' dos, transmission, harmonic or participation, of "
+    "`sonopack modes', or packings (their density of states). dispersion: a table of `sonopack spectrum "
+    "dispersion', or a packing; bars are half widths. mode: the displacements of a mode as arrows on the grains of "
+    "a packing, tinted where they turn. --set changes keys of network and signal.",
     children,
     NULL,
     NULL};

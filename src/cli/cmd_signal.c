@@ -171,9 +171,12 @@ static const struct argp argp = {
     "which. A plane feels the momentum that flows through it; a part of a wall are the grains whose centres lie in X0 "
     "<= x < X1; grain I (from 0) is felt by its contact with the wall, or by the net force on it if it has none.\n\n"
     "Methods: chebyshev (an expansion in matrix products), dense (the sum over all modes), sparse (over the lowest "
-    "modes, as many as the tolerance needs), verlet and lax-wendroff "
-    "(time steps of second and fourth order), faber (an expansion that allows for damping), dynamics (the nonlinear "
-    "motion of the packing itself), auto (the fastest one).",
+    "modes, as many as the tolerance needs), verlet and lax-wendroff (time steps of second and fourth order), faber "
+    "(an expansion that allows for damping), dynamics (the nonlinear motion of the packing itself), auto (the "
+    "fastest one of the linear ones).\n\n"
+    "Pulses: gauss (standard deviation WIDTH) and square have the integral 1; ricker and sine (under a Hann window) "
+    "have the angular frequency OMEGA and heights up to 1. Middle at t = 0: gauss, ricker. A file has times and "
+    "strengths, with straight lines between.",
     children,
     NULL,
     NULL};

@@ -168,11 +168,13 @@ static double comment_number(const sp_table *t, const char *key) {
     return value > 0.0 && isfinite(value) ? value : 0.0;
 }
 
-/* The columns t and F, or the first two of numbers in a table that has neither. */
+/* The columns t and F, or the first two of numbers in a table that has neither nor is of another command. */
 static sp_status find_columns(const char *path, const sp_table *t, int column[2], sp_error *err) {
     column[0] = sp_table_find_column(t, "t");
     column[1] = sp_table_find_column(t, "F");
-    if (column[0] < 0 && column[1] < 0) {
+    if (column[1] < 0)
+        column[1] = sp_table_find_column(t, "F1");
+    if (column[0] < 0 && column[1] < 0 && sp_table_find_column(t, "omega") < 0) {
         int found = 0;
         for (int c = 0; c < t->columns && found < 2; c++)
             if (t->column[c].kind != SP_CELL_TEXT)
@@ -180,44 +182,81 @@ static sp_status find_columns(const char *path, const sp_table *t, int column[2]
     }
     for (int k = 0; k < 2; k++)
         if (column[k] < 0 || t->column[column[k]].kind == SP_CELL_TEXT)
-            return sp_fail(err, SP_EFORMAT, "%s: a signal needs columns of numbers t and F, times and forces", path);
+            return sp_fail(err, SP_EFORMAT,
+                           "%s: a signal needs columns of numbers t and F, or t, F1, F2, ...: times and forces", path);
     return SP_OK;
 }
 
-static sp_status table_signal(const char *path, plot_signal *out, sp_error *err) {
+int plot_count_signals(const sp_table *t, int first) {
+    char name[16];
+    int n = 0;
+    do {
+        n++;
+        snprintf(name, sizeof name, "F%d", n);
+    } while (first + n <= t->columns && strcmp(t->column[first + n - 1].name, name) == 0 &&
+             t->column[first + n - 1].kind != SP_CELL_TEXT);
+    return n > 1 ? n - 1 : 1;
+}
+
+static sp_status column_signal(const sp_table *table, int time, int force, plot_signal *out, sp_error *err) {
+    const int64_t n = table->rows;
+    double *t = sp_alloc((size_t)n, 2 * sizeof *t);
+    if (!t)
+        return sp_fail_memory(err, (size_t)n * 2 * sizeof *t);
+    for (int64_t k = 0; k < n; k++) {
+        t[k] = sp_table_number(table, k, time);
+        t[n + k] = sp_table_number(table, k, force);
+    }
+    const double height = comment_number(table, "height"), pressure = comment_number(table, "pressure");
+    *out = (plot_signal){.n = n, .t = t, .f = t + n};
+    out->window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
+    out->foreign = strcmp(table->column[time].unit, "d/sqrt(E* / rho)") != 0;
+    snprintf(out->t_unit, sizeof out->t_unit, "%s", table->column[time].unit);
+    snprintf(out->f_unit, sizeof out->f_unit, "%s", table->column[force].unit);
+    return SP_OK;
+}
+
+static sp_status begin_signals(int n, plot_signals *out, sp_error *err) {
+    *out = (plot_signals){.n = n, .signal = sp_alloc((size_t)n, sizeof *out->signal)};
+    return out->signal ? SP_OK : sp_fail_memory(err, (size_t)n * sizeof *out->signal);
+}
+
+static sp_status table_signals(const char *path, plot_signals *out, sp_error *err) {
     sp_table table = sp_table_none();
     int column[2];
     sp_status status = plot_read_table(path, &table, err);
     if (status != SP_OK)
         return status;
     status = find_columns(path, &table, column, err);
-    if (status == SP_OK) {
-        const int64_t n = table.rows;
-        double *t = sp_alloc((size_t)n, 2 * sizeof *t);
-        if (!t)
-            status = sp_fail_memory(err, (size_t)n * 2 * sizeof *t);
-        for (int64_t k = 0; t && k < n; k++) {
-            t[k] = sp_table_number(&table, k, column[0]);
-            t[n + k] = sp_table_number(&table, k, column[1]);
-        }
-        const double height = comment_number(&table, "height"), pressure = comment_number(&table, "pressure");
-        const sp_column *time = &table.column[column[0]], *force = &table.column[column[1]];
-        if (t) {
-            *out = (plot_signal){.n = n, .t = t, .f = t + n};
-            out->window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
-            out->foreign = strcmp(time->unit, "d/sqrt(E* / rho)") != 0;
-            snprintf(out->t_unit, sizeof out->t_unit, "%s", time->unit);
-            snprintf(out->f_unit, sizeof out->f_unit, "%s", force->unit);
-        }
+    if (status == SP_OK)
+        status = begin_signals(plot_count_signals(&table, column[1]), out, err);
+    for (int k = 0; status == SP_OK && k < out->n; k++) {
+        status = column_signal(&table, column[0], column[1] + k, &out->signal[k], err);
+        if (status == SP_OK && out->n > 1)
+            snprintf(out->signal[k].name, sizeof out->signal[k].name, "F%d", k + 1);
     }
     sp_table_free(&table);
     return status;
 }
 
-sp_status plot_read_signal(const char *path, const sp_scene *scene, plot_signal *out, sp_error *err) {
+void plot_signals_free(plot_signals *s) {
+    for (int k = 0; s->signal && k < s->n; k++)
+        sp_free(s->signal[k].t);
+    sp_free(s->signal);
+    *s = (plot_signals){0};
+}
+
+sp_status plot_read_signals(const char *path, const sp_scene *scene, plot_signals *out, sp_error *err) {
     bool packing;
+    plot_signals read = {0};
     sp_status status = plot_is_packing(path, &packing, err);
-    if (status != SP_OK)
-        return status;
-    return packing ? packing_signal(path, scene, out, err) : table_signal(path, out, err);
+    if (status == SP_OK && packing)
+        status = begin_signals(1, &read, err);
+    if (status == SP_OK)
+        status = packing ? packing_signal(path, scene, read.signal, err) : table_signals(path, &read, err);
+    if (status == SP_OK)
+        *out = read;
+    else
+        plot_signals_free(&read);
+    return status;
 }

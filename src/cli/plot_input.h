@@ -17,10 +17,20 @@ typedef struct plot_signal {
     double window; /* times in which the first front is looked for; 0: all */
     bool foreign;  /* a table whose times are not in d/sqrt(E* / rho) */
     char t_unit[sizeof((sp_column *)0)->unit], f_unit[sizeof((sp_column *)0)->unit]; /* of a foreign one, "" unknown */
+    char name[16]; /* "F2": of a table of several, else "" */
 } plot_signal;
 
-/* A signal: the columns t and F of a table (or its first two of numbers), or that of a packing file, made with the
- * scene's network and signal options. Free t with sp_free. */
-sp_status plot_read_signal(const char *path, const sp_scene *scene, plot_signal *out, sp_error *err);
+/* Columns F1, F2, ... from column `first` on; 1 where that has another name. */
+int plot_count_signals(const sp_table *t, int first);
+
+typedef struct plot_signals {
+    int n;
+    plot_signal *signal;
+} plot_signals;
+
+/* Signals: the columns t and F of a table, t and F1, F2, ..., or its first two of numbers; or that of a packing file,
+ * made with the scene's network and signal options. */
+sp_status plot_read_signals(const char *path, const sp_scene *scene, plot_signals *out, sp_error *err);
+void plot_signals_free(plot_signals *s);
 
 #endif

@@ -27,8 +27,10 @@ static const char *name_of(const char *path) {
     return slash && slash[1] ? slash + 1 : path;
 }
 
-sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, bool waves, int files, char **file,
+sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, const plot_spectra *want,
                               sp_error *err) {
+    const int files = want->files;
+    char **file = want->file;
     sp_table *table = sp_alloc((size_t)files, sizeof *table);
     sp_plot_table *shown = sp_alloc((size_t)files, sizeof *shown);
     sp_status status = table && shown ? SP_OK : sp_fail_memory(err, (size_t)files * (sizeof *table + sizeof *shown));
@@ -36,13 +38,14 @@ sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, b
         bool packing = false;
         status = plot_is_packing(file[k], &packing, err);
         if (status == SP_OK)
-            status = packing ? packing_table(file[k], scene, waves, &table[k], err)
+            status = packing ? packing_table(file[k], scene, want->waves, &table[k], err)
                              : plot_read_table(file[k], &table[k], err);
         shown[k] = (sp_plot_table){name_of(file[k]), &table[k]};
     }
     if (status == SP_OK)
-        status = waves ? sp_plot_dispersion(files, shown, common->output, err)
-                       : sp_plot_spectrum(files, shown, common->output, err);
+        status = want->waves    ? sp_plot_dispersion(files, shown, common->output, err)
+                 : want->column ? sp_plot_harmonic(files, shown, want->column, common->output, err)
+                                : sp_plot_spectrum(files, shown, common->output, err);
     for (int k = 0; k < files && table; k++)
         sp_table_free(&table[k]);
     sp_free(shown);

@@ -138,6 +138,11 @@ sp_status spectrum_harmonic(const spectrum_arguments *a, const sp_packing *p, co
         status = spectrum_comment(t, "planes", h.planes, err);
     if (status == SP_OK)
         status = spectrum_comment(t, "tolerance", o.tolerance, err);
+    for (int32_t l = 0; l < h.n && !a->profile && status == SP_OK; l++)
+        if (isnan(h.fit[l].k)) {
+            status = sp_table_add_comment(t, err, "nan: no wave could be fitted to the planes");
+            break;
+        }
     if (status == SP_OK)
         status = a->profile ? put_profile(&h, t, err) : put_responses(&h, t, err);
     sp_harmonic_free(&h);

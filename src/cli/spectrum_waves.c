@@ -163,6 +163,8 @@ sp_status spectrum_participation(const spectrum_arguments *a, const sp_packing *
         status = spectrum_comment(t, "zero_modes", (double)(m.n_zero - m.n_rattler), err);
     if (status == SP_OK)
         status = spectrum_comment(t, "rattler_modes", (double)m.n_rattler, err);
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err, "nan: no mode in the bin; sd: fewer than two");
     for (int32_t b = 0; b < bins && status == SP_OK; b++)
         status = sp_table_add_row(t, err, 0.5 * (bin[b].low + bin[b].high), bin[b].low, bin[b].high, bin[b].modes,
                                   bin[b].mean, bin[b].sd, bin[b].least, bin[b].largest);

@@ -41,13 +41,16 @@ static sp_status make_grains(const sp_packing *p, const uint8_t *rattler, int32_
         row[i] = rattler[i] ? -1 : k;
         if (rattler[i])
             continue;
-        const double mass = grain_mass(p->r[i]);
+        const double mass = grain_mass(p->r[i]), inertia = mass * inertia_over_mass(p->r[i]);
+        if (!isnormal(mass) || (net->dof > net->dim && !isnormal(inertia)))
+            return sp_fail(err, SP_EFORMAT, "grain %d: r = %g, mass or moment of inertia is beyond the range of numbers",
+                           i, p->r[i]);
         net->grain[k] = i;
         net->r[k] = p->r[i];
         for (size_t a = 0; a < 3; a++)
             net->x[3 * (size_t)k + a] = p->x[3 * (size_t)i + a];
         for (size_t a = 0; a < dof; a++)
-            net->mass[(size_t)k * dof + a] = a < (size_t)net->dim ? mass : mass * inertia_over_mass(p->r[i]);
+            net->mass[(size_t)k * dof + a] = a < (size_t)net->dim ? mass : inertia;
         k++;
     }
     return SP_OK;

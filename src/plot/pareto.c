@@ -98,15 +98,17 @@ static void add_edge(clouds *c, double x, double y) {
     c->edge_y[c->edges++] = y;
 }
 
-/* From the most exact point to the fastest one, and on to the edges of the figure. */
+/* From the most exact point to the fastest one, and on to the edge of the figure: upwards there is room for the legend.
+ */
 static void find_frontier(clouds *c) {
     const double far = 400;
-    double least = far;
+    double least = HUGE_VAL;
     for (int k = 0; k < c->n; k++) {
         const point *p = &c->point[k];
         if (p->seconds >= least)
             continue;
-        add_edge(c, p->error, least);
+        if (c->edges > 0)
+            add_edge(c, p->error, least);
         add_edge(c, p->error, p->seconds);
         least = p->seconds;
     }
@@ -141,7 +143,7 @@ static void make_series(clouds *c, char label[][64], series *all) {
 
 static void set_axes(figure *f, const clouds *c, const char *only) {
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
-    char name[128];
+    char name[128], plain[128];
     for (int k = 0; k < c->n; k++) {
         low[0] = fmin(low[0], c->point[k].error);
         high[0] = fmax(high[0], c->point[k].error);
@@ -150,8 +152,12 @@ static void set_axes(figure *f, const clouds *c, const char *only) {
     }
     axis_log(&f->axes.x, low[0] - 0.6, high[0] + 0.6, 2.0);
     axis_log(&f->axes.y, low[1] - 0.3, high[1] + 0.3, 2.0);
+    /* a packing's file without its ending */
+    const char *dot = strrchr(only, '.');
+    const int length = (int)(dot && strchr(only, ':') && strlen(dot) <= 4 ? dot - only : (ptrdiff_t)strlen(only));
+    snprintf(plain, sizeof plain, "%.*s", length, only);
     for (int most = 40; most >= 6; most -= 2) {
-        text_escape(name, sizeof name, only, most);
+        text_escape(name, sizeof name, plain, most);
         snprintf(f->axes.x.label, sizeof f->axes.x.label, "relative error  (%s)", name);
         if (text_width(f->canvas, f->axes.x.label, TEXT_LABEL) < 0.8 * f->canvas->width)
             break;

@@ -37,6 +37,13 @@ static const style styles[] = {
     {"modes", "Density of states", NULL, NULL, LOOK_STEPS, false, "|g|(|" OMEGA "|)", TIME}};
 enum { STYLES = sizeof styles / sizeof *styles };
 
+/* Other columns of a harmonic response. */
+static const style responses[] = {
+    {"harmonic", "Attenuation", "alpha", "alpha_err", LOOK_POINTS, false, "|\xce\xb1|", "1/|d|"},
+    {"harmonic", "Wave number", "k", "k_err", LOOK_POINTS, false, "|k|", "1/|d|"},
+    {"harmonic", "Speed of waves", "speed", "speed_err", LOOK_POINTS, false, "speed", "(|E|*/|" RHO "|)^{1/2}"}};
+enum { RESPONSES = sizeof responses / sizeof *responses };
+
 typedef struct drawing {
     int tables;
     const sp_plot_table *table;
@@ -262,12 +269,18 @@ static sp_status begin(int tables, const sp_plot_table *table, const char *path,
     return d->memory ? SP_OK : sp_fail_memory(err, d->room * sizeof *d->memory);
 }
 
-sp_status sp_plot_spectrum(int tables, const sp_plot_table *table, const char *path, sp_error *err) {
+/* column: of a harmonic response, or NULL */
+static sp_status plot_tables(int tables, const sp_plot_table *table, const style *column, const char *path,
+                             sp_error *err) {
     drawing d = {0};
     sp_status status = begin(tables, table, path, &d, err);
     for (int j = 0; j < tables && status == SP_OK; j++) {
         const style *own = NULL;
         status = style_of(table[j].table, &own, err);
+        if (status == SP_OK && column && strcmp(own->kind, column->kind) != 0)
+            status = sp_fail(err, SP_EINVAL, "column %s of a table of %s: must be of `sonopack spectrum harmonic'",
+                             column->y, own->kind);
+        own = column ? column : own;
         if (status == SP_OK && j > 0 && own != d.style)
             status = sp_fail(err, SP_EINVAL, "tables of %s and of %s in one figure, must be of one kind", d.style->kind,
                              own->kind);
@@ -279,6 +292,18 @@ sp_status sp_plot_spectrum(int tables, const sp_plot_table *table, const char *p
         status = draw(&d, path, err);
     sp_free(d.memory);
     return status;
+}
+
+sp_status sp_plot_spectrum(int tables, const sp_plot_table *table, const char *path, sp_error *err) {
+    return plot_tables(tables, table, NULL, path, err);
+}
+
+sp_status sp_plot_harmonic(int tables, const sp_plot_table *table, const char *column, const char *path,
+                           sp_error *err) {
+    for (int k = 0; k < RESPONSES; k++)
+        if (strcmp(column, responses[k].y) == 0)
+            return plot_tables(tables, table, &responses[k], path, err);
+    return sp_fail(err, SP_EINVAL, "column %.60s: must be alpha, k or speed", column);
 }
 
 /* ---- waves ------------------------------------------------------------------------------------------------------ */
@@ -327,9 +352,10 @@ static void add_waves(drawing *d, int j, int group, const wave_columns *c) {
     series s = {.n = n, .x = x, .y = y, .low = low, .high = high, .ink = figure_ink(group + 1), .dash = DASH_NONE};
     s.marker = shapes[group];
     s.open = j > 0;
-    if (j == 0) {
+    if (j == 0)
         s.label = polarizations[group];
-    }
+    else if (!d->label[j][0]) /* hollow is the second file */
+        name_series(d, j, &s);
     d->series[d->count++] = s;
 }
 

@@ -38,12 +38,13 @@ static double chebyshev_cost(const load *l) {
            0.034 * l->pairs * l->points * terms;
 }
 
-/* All eigenvectors, their residuals, a sine for each mode, time and pair, and the coupling of modes for each pair. */
+/* All eigenvectors, their residuals, a sine for each mode and time, and for each pair their sum and the coupling of
+ * modes. */
 static double dense_cost(const load *l) {
     if (l->n > DENSE_DOFS)
         return HUGE_VAL;
-    return 3.5e5 +
-           l->n * (0.18 * l->n * l->n + 51 * l->n + 1.3 * l->springs + l->pairs * (11.2 * l->points + 3.3 * l->n));
+    return 3.5e5 + l->n * (0.18 * l->n * l->n + 51 * l->n + 1.3 * l->springs + 10 * l->points +
+                           l->pairs * (1.2 * l->points + 3.3 * l->n));
 }
 
 /* All modes in slices: a tolerance below some percent needs nearly all of them. Fewer are left to the dense solver. */

@@ -99,21 +99,33 @@ static double at_time(const convolution *c, double t) {
     return sum;
 }
 
+/* Stretches of the pulse and their length, of what is sent before `until`. */
+static double stretches_of(const sp_pulse *p, double until, double *length) {
+    double first, last, count = 1;
+    sp_pulse_span(p, &first, &last);
+    *length = fmax(0, fmin(last, until) - first);
+    if (p->kind == SP_PULSE_TABLE)
+        for (int64_t k = 1; k < p->n && p->t[k - 1] < until; k++)
+            count++;
+    return count;
+}
+
 sp_status sp_convolve(const sp_response *g, const sp_pulse *pulse, const sp_quadrature *rule, int32_t n,
                       const double *t, double *f, sp_error *err) {
     convolution c = {.g = g, .pulse = pulse, .rule = rule};
-    double first, last;
-    sp_pulse_span(pulse, &first, &last);
+    double until = 0, length;
+    for (int32_t l = 0; l < n; l++)
+        until = fmax(until, t[l]);
     c.step = g->step * rule->stride;
     c.last = (g->n - 1) / rule->stride;
     if (c.last + 1 < rule->points || !(rule->panel > 0))
         return sp_fail(err, SP_EINVAL, "pulse: a response of %lld points, must be %d or more", (long long)g->n,
                        rule->points * rule->stride);
-    const double stretches = pulse->kind == SP_PULSE_TABLE ? (double)pulse->n : 1;
-    const double work = ((last - first) / rule->panel + stretches) * rule->nodes * rule->points * n;
+    const double stretches = stretches_of(pulse, until, &length);
+    const double work = (length / rule->panel + stretches) * rule->nodes * rule->points * n;
     if (!(work < WORK_MAX))
         return sp_fail(err, SP_EREFUSED, "pulse of length %g at %d times: too long for its convolution (%.2g products)",
-                       last - first, n, work);
+                       length, n, work);
     gauss_rule(rule->nodes, c.node, c.weight);
     c.barycentric[0] = 1;
     for (int k = 1; k < rule->points; k++)

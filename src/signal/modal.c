@@ -110,18 +110,23 @@ static double modal_error(const signal_job *job, const sp_modes *m, const modal_
     return 2 * sqrt(phases) + 4 * sqrt(p->coupled) + loose + DBL_EPSILON * (1 + omega * last) * sqrt(p->squares);
 }
 
-static void add_modes(const signal_job *job, const sp_modes *m, const modal_pair *p, const sp_signal *s, double *f) {
+/* wave: [modes] scratch. */
+static void add_modes(const sp_modes *m, const modal_pair *pair, bool moves, double *wave, sp_signal *s) {
     const double *omega = omegas(m);
     for (int32_t l = 0; l < s->n; l++) {
-        double sum = 0;
         for (int64_t k = 0; k < m->dofs; k++) {
             const double phase = omega[k] * s->t[l];
-            if (!job_moves(job))
-                sum += p->a[k] * p->b[k] * cos(phase);
-            else if (omega[k] > 0) /* no force is felt of a mode that stretches nothing */
-                sum += p->a[k] / omega[k] * p->b[k] * sin(phase);
+            if (!moves)
+                wave[k] = cos(phase);
+            else /* no force is felt of a mode that stretches nothing */
+                wave[k] = omega[k] > 0 ? sin(phase) / omega[k] : 0;
         }
-        f[l] = sum;
+        for (int64_t q = 0; q < (int64_t)s->sources * s->detectors; q++) {
+            double sum = 0;
+            for (int64_t k = 0; k < m->dofs; k++)
+                sum += pair[q].a[k] * pair[q].b[k] * wave[k];
+            s->f[q * s->n + l] = sum;
+        }
     }
 }
 
@@ -135,7 +140,7 @@ sp_status sp_signal_by_modes(const signal_job *job, sp_signal *s, sp_error *err)
     if (status != SP_OK)
         goto out;
     pair = sp_alloc((size_t)pairs, sizeof *pair);
-    numbers = sp_alloc(2 * (size_t)pairs, (size_t)m.dofs * sizeof *numbers);
+    numbers = sp_alloc(2 * (size_t)pairs + 1, (size_t)m.dofs * sizeof *numbers);
     if (!pair || !numbers) {
         status = sp_fail_memory(err, (size_t)pairs * (sizeof *pair + 2 * (size_t)m.dofs * sizeof *numbers));
         goto out;
@@ -145,8 +150,8 @@ sp_status sp_signal_by_modes(const signal_job *job, sp_signal *s, sp_error *err)
         pair[k].a = numbers + 2 * k * m.dofs;
         pair[k].b = pair[k].a + m.dofs;
         project(job, &m, job_source(job, a), job_detector(job, b), &pair[k]);
-        add_modes(job, &m, &pair[k], s, signal_pair(s, a, b));
     }
+    add_modes(&m, pair, job_moves(job), numbers + 2 * pairs * m.dofs, s);
     status = couple(job, &m, pairs, pair, err);
     for (int64_t k = 0; k < pairs && status == SP_OK; k++)
         s->errors[k] = modal_error(job, &m, &pair[k]);

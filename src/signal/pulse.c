@@ -116,14 +116,15 @@ static double panel_of(const sp_pulse *p, double omega) {
     }
 }
 
-/* The largest |s| and the integral of |s|. */
-static void sizes(const sp_pulse *p, double *most, double *integral) {
+/* The largest |s| and the integral of |s|, of what is sent before `until`. */
+static void sizes(const sp_pulse *p, double until, double *most, double *integral) {
     enum { STEPS = 20000 };
     double first, last;
     sp_pulse_span(p, &first, &last);
+    last = fmax(first, fmin(last, until));
     *most = *integral = 0;
     if (p->kind == SP_PULSE_TABLE) {
-        for (int64_t k = 0; k < p->n; k++) {
+        for (int64_t k = 0; k < p->n && (k == 0 ? p->t[0] : p->t[k - 1]) < until; k++) {
             *most = fmax(*most, fabs(p->s[k]));
             if (k > 0)
                 *integral += (p->t[k] - p->t[k - 1]) * fmax(fabs(p->s[k]), fabs(p->s[k - 1]));
@@ -142,10 +143,10 @@ static void sizes(const sp_pulse *p, double *most, double *integral) {
 /* The error of F from that of the response, by rounding too: interpolation between 16 equally spaced points makes it at
  * most twice as large in the middle and, by interval from the end, 513, 56, 13, 5, 3 times where it has values on one
  * side only, near t = 0 without a mirror. */
-static double response_error(const sp_pulse *p, const sp_response *g, double error, double largest) {
+static double response_error(const sp_pulse *p, const sp_response *g, double until, double error, double largest) {
     const double middle = 2, end = g->mirror == 0 ? 513 : 0, intervals = 1.2;
     double most, integral;
-    sizes(p, &most, &integral);
+    sizes(p, until, &most, &integral);
     return (error + 8 * DBL_EPSILON * largest) * (middle * integral + end * fmin(integral, most * intervals * g->step));
 }
 
@@ -166,7 +167,7 @@ static sp_status convolve_pair(const sp_response *g, const sp_pulse *pulse, doub
     for (int64_t k = 0; k < g->n && status == SP_OK; k++)
         largest = fmax(largest, fabs(g->g[k]));
     if (status == SP_OK)
-        *error = worst + response_error(pulse, g, response_bound, largest);
+        *error = worst + response_error(pulse, g, s->t[s->n - 1], response_bound, largest);
     sp_free(check);
     return status;
 }

@@ -234,7 +234,8 @@ static sp_status run(stepping *s, sp_signal *out, int64_t each, sp_error *err) {
     return SP_OK;
 }
 
-/* Smallest ratio of what is allowed to what the scheme makes, over the signals. */
+/* Smallest ratio of what rounding leaves of the tolerance to what the scheme makes, over the signals: shorter steps help
+ * none of which rounding takes it all. */
 static double room(const stepping *s, const sp_signal *out) {
     double least = INFINITY;
     for (int32_t a = 0; a < out->sources; a++)
@@ -243,7 +244,10 @@ static double room(const stepping *s, const sp_signal *out) {
             double largest = 1e-6 * job_hop(s->job, a, b);
             for (int32_t l = 0; l < out->n; l++)
                 largest = fmax(largest, fabs(f[l]));
-            least = fmin(least, s->job->options->tolerance * largest / error);
+            const double rounded = fmax(0, out->errors[a * out->detectors + b] - error),
+                         left = s->job->options->tolerance * largest - rounded;
+            if (left > 0)
+                least = fmin(least, left / error);
         }
     return least;
 }

@@ -79,6 +79,14 @@ def test_places(network):
         table = os.path.join(folder, "s.tsv")
         run("signal", N200, "--planes", 40, "-o", table)
         assert "F30" not in run("front", table, "--column", "F30", "--distance", 5).splitlines()[0]
+        # a row a plane, with its height
+        run("signal", N200, "--planes", 4, "--detector", "top", "--detector", "grain:3", "-o", table, "--force")
+        rows = [line.split("\t") for line in run("front", table).splitlines() if line.startswith(table)]
+        assert [row[0] for row in rows] == [f"{table}:F{k}" for k in range(1, 7)], rows
+        far = {row[0][len(table) + 1:]: float(row[1]) for row in rows}
+        assert np.isnan(far["F2"]) and far["F1"] == height
+        assert np.allclose([far[f"F{k}"] for k in range(3, 7)], height / 5 * np.arange(1, 5), rtol=1e-14)
+        assert rows[3][2:] == run("front", table, "--column", "F4").splitlines()[-1].split("\t")[2:]
 
 
 def test_damping(network):
@@ -136,7 +144,8 @@ def test_refusals():
                           (["--damping", "0.1", "--method", "dense"], "must be faber"),
                           (["--step", "0"], "--step 0"), (["--step", "0.1"], "makes no time steps"),
                           (["--step", "5", "--method", "verlet", "--points", "2"], "unstable"),
-                          (["--amplitude", "0"], "--amplitude 0"), (["--method", "magic"], "one of auto, chebyshev")):
+                          (["--amplitude", "0"], "--amplitude 0"), (["--amplitude", "0.1"], "must be with --method dynamics"),
+                          (["--method", "magic"], "one of auto, chebyshev")):
         text = run("signal", N200, *words, status=2)
         assert reason in text.splitlines()[0], (words, text)
     assert "chebyshev needs none" in run("signal", N200, "--method", "verlet", status=1)

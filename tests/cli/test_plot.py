@@ -148,6 +148,31 @@ def check_signals(scratch):
     expect("100" not in text, f"signal.until: {text}")
 
 
+def check_several(scratch):
+    """Tables with F1, F2, ... are that many signals; other tables are none. Soft modes name their power of ten."""
+    several, soft, harmonic = (scratch / f"{name}.tsv" for name in ("several", "soft", "harmonic"))
+    t = numpy.linspace(0, 100, 201)
+    pulse = numpy.exp(-0.5 * ((t - 40) / 5) ** 2) - 0.5 * numpy.exp(-0.5 * ((t - 55) / 5) ** 2)
+    several.write_text("t\tF1\tF2\tF3\n" + "".join(f"{a}\t{b}\t{2 * b}\t{3 * b}\n" for a, b in zip(t, pulse)))
+    text = words(drawn(scratch, "several.svg", "signal", several))
+    expect({"F1", "F2", "F3", "t_10"} <= set(text), f"several signals: {text}")
+    text = words(drawn(scratch, "files.svg", "signal", several, scratch / "pulse_a.tsv"))
+    expect({"several F1", "several F3", "pulse_a"} <= set(text), f"several files: {text}")
+    soft.write_text("n\tomega\n" + "".join(f"{k}\t{0.001 * k}\n" for k in range(30)))
+    text = words(drawn(scratch, "soft.svg", "spectrum", soft))
+    expect("\u03c9  [10^\u22122 (E*/\u03c1)^1/2/d]" in text, f"soft modes: {text}")
+    refused(scratch, 1, "needs columns", "signal", soft, "-o", scratch / "no.svg")
+    harmonic.write_text("# spectrum = harmonic\nomega\tmagnitude\talpha\talpha_err\n"
+                        + "".join(f"{k / 10}\t{2.0 ** -k}\t{k * k / 50}\t0.01\n" for k in range(1, 8)))
+    text = words(drawn(scratch, "alpha.svg", "spectrum", harmonic, "--column", "alpha"))
+    expect("\u03b1  [1/d]" in text, f"attenuation: {text}")
+    refused(scratch, 1, "no column speed", "spectrum", harmonic, "--column", "speed", "-o", scratch / "no.svg")
+    refused(scratch, 1, "must be of `sonopack spectrum harmonic'", "spectrum", soft, "--column", "k", "-o",
+            scratch / "no.svg")
+    refused(scratch, 2, "alpha, k or speed", "spectrum", harmonic, "--column", "beta", "-o", scratch / "no.svg")
+    refused(scratch, 2, "only plot spectrum", "signal", several, "--column", "k", "-o", scratch / "no.svg")
+
+
 def check_packings(scratch):
     packing = scratch / "pair.txt"
     packing.write_text(PACKING)
@@ -227,7 +252,7 @@ def check_refusals(scratch):
 def main():
     with tempfile.TemporaryDirectory(prefix="sonopack-plot-") as folder:
         scratch = pathlib.Path(folder)
-        for check in (check_ctof, check_signals, check_packings, check_store, check_refusals):
+        for check in (check_ctof, check_signals, check_several, check_packings, check_store, check_refusals):
             check(scratch)
         left = [path.name for path in scratch.iterdir() if path.name.startswith(".") or path.name.endswith(".tmp")]
         expect(not left, f"temporary files are left: {left}")
