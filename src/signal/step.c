@@ -234,8 +234,8 @@ static sp_status run(stepping *s, sp_signal *out, int64_t each, sp_error *err) {
     return SP_OK;
 }
 
-/* Smallest ratio of what rounding leaves of the tolerance to what the scheme makes, over the signals: shorter steps help
- * none of which rounding takes it all. */
+/* Smallest ratio of what is allowed to what the scheme makes, over the signals. Rounding takes its part of what is
+ * allowed, but never all of it: shorter steps do not make it smaller as they do the other. */
 static double room(const stepping *s, const sp_signal *out) {
     double least = INFINITY;
     for (int32_t a = 0; a < out->sources; a++)
@@ -244,10 +244,9 @@ static double room(const stepping *s, const sp_signal *out) {
             double largest = 1e-6 * job_hop(s->job, a, b);
             for (int32_t l = 0; l < out->n; l++)
                 largest = fmax(largest, fabs(f[l]));
-            const double rounded = fmax(0, out->errors[a * out->detectors + b] - error),
-                         left = s->job->options->tolerance * largest - rounded;
-            if (left > 0)
-                least = fmin(least, left / error);
+            const double allowed = s->job->options->tolerance * largest,
+                         rounded = fmin(fmax(0, out->errors[a * out->detectors + b] - error), 0.9 * allowed);
+            least = fmin(least, (allowed - rounded) / error);
         }
     return least;
 }

@@ -37,12 +37,13 @@ sp_status sp_network_front(const sp_network *net, sp_source source, double windo
 }
 
 /* The signal itself, as the scene describes it. */
-static sp_status wanted_signal(const sp_scene *scene, const sp_network *net, sp_signal *out, sp_error *err) {
+static sp_status wanted_signal(const sp_scene *scene, const sp_packing *packing, const sp_network *net, sp_signal *out,
+                               sp_error *err) {
     sp_signal_options options = scene->signal;
     if (!(options.until > 0))
         options.until = sp_signal_window(net->box[net->dim - 1], net->pressure);
     sp_signal signal = sp_signal_none();
-    sp_status status = sp_signal_make(net, &options, &signal, err);
+    sp_status status = sp_signal_dynamics(packing, net, &options, &signal, err); /* any method */
     if (status == SP_OK) {
         sp_signal_free(out);
         *out = signal;
@@ -102,7 +103,7 @@ static sp_status make_parts(const sp_scene *scene, unsigned missing, const sp_pa
         keep_first(status, &reason, &first, err);
     }
     if (network && missing & SP_WANT_SIGNAL) {
-        status = wanted_signal(scene, &net, signal, &reason);
+        status = wanted_signal(scene, packing, &net, signal, &reason);
         sample->have |= status == SP_OK ? SP_WANT_SIGNAL : 0;
         keep_first(status, &reason, &first, err);
     }

@@ -175,6 +175,23 @@ def other_sweeps(folder):
     assert len(tables(run("table", "ensemble", "--store", store).stdout)[0][2]) == 4
 
 
+def other_methods(folder):
+    """Signals by every method that a scene may name, nonlinear motion included, which needs the packing as well."""
+    found = {}
+    (folder / "one.cfg").write_text("packing = { grains = 60; width = 8.0; }; study = { samples = 1; want = "
+                                    '["signal"]; }; signal = { until = 40.0; points = 41; tolerance = 1e-3; };\n')
+    for method in ("chebyshev", "dense", "dynamics"):
+        store = folder / method
+        run("study", "--store", store, folder / "one.cfg", "--set", f'signal.method="{method}"')
+        (path,) = store.glob("*.h5")
+        with h5py.File(path) as stored:
+            assert stored["signal/method"][()].decode().rstrip("\0") == method, stored["signal/method"][()]
+            found[method] = stored["signal/F"][()]
+    peak = np.max(np.abs(found["dense"]))
+    assert np.max(np.abs(found["chebyshev"] - found["dense"])) < 2e-3 * peak
+    assert 0 < np.max(np.abs(found["dynamics"] - found["dense"])) < 0.5 * peak
+
+
 def failures(folder):
     """Packings that cannot be finished are recorded and counted; the rest of the study goes on."""
     store = folder / "failures"
@@ -245,6 +262,6 @@ with tempfile.TemporaryDirectory() as name:
     scene, store, text = an_ensemble(folder)
     print("an_ensemble ok")
     for test, arguments in ((resumed_and_shared, (scene, store, text)), (files_of_tables, (scene, store, text)),
-                            (other_sweeps, ()), (failures, ()), (stopped, ()), (wrong_usage, (scene, store))):
+                            (other_sweeps, ()), (other_methods, ()), (failures, ()), (stopped, ()), (wrong_usage, (scene, store))):
         test(folder, *arguments)
         print(test.__name__, "ok")
