@@ -266,10 +266,19 @@ static sp_status fill(const arguments *a, const sp_packing *p, const sp_signal_o
     const struct {
         const char *key;
         double value;
-    } comments[] = {{"height", sp_packing_height(p)},  {"pressure", p->pressure},  {"error", s->error},
-                    {"tolerance", o->tolerance},       {"until", o->until},        {"omega_max", s->omega_max},
-                    {"products", (double)s->products}, {"damping", o->damping},    {"step", s->step},
-                    {"amplitude", s->amplitude},       {"modes", (double)s->modes}};
+    } comments[] = {{"height", sp_packing_height(p)},
+                    {"pressure", p->pressure},
+                    {"error", s->error},
+                    {"tolerance", o->tolerance},
+                    {"until", o->until},
+                    {"omega_max", s->omega_max},
+                    {"products", (double)s->products},
+                    {"damping", o->damping},
+                    {"step", s->step},
+                    {"amplitude", s->method == SP_SIGNAL_DYNAMICS ? o->amplitude : 0},
+                    {"factor", s->amplitude},
+                    {"modes", (double)s->modes}};
+    enum { ALWAYS = 7 }; /* the first of them; the others belong to some methods */
     sp_status status = sp_table_add_comment(t, err, "file = %s", a->file);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "method = %s", sp_signal_method_name(s->method));
@@ -278,7 +287,9 @@ static sp_status fill(const arguments *a, const sp_packing *p, const sp_signal_o
     if (status == SP_OK && a->pulse.word)
         status = sp_table_add_comment(t, err, "pulse = %s", a->pulse.word);
     for (size_t k = 0; k < sizeof comments / sizeof *comments && status == SP_OK; k++)
-        status = sp_table_add_comment(t, err, "%s = %s", comments[k].key, sp_number_text(comments[k].value, number));
+        if (k < ALWAYS || comments[k].value != 0)
+            status =
+                sp_table_add_comment(t, err, "%s = %s", comments[k].key, sp_number_text(comments[k].value, number));
     if (status == SP_OK)
         status = name_columns(a, s, t, err);
     return status == SP_OK ? add_rows(s, t, err) : status;
