@@ -43,8 +43,8 @@ static sp_status make_grains(const sp_packing *p, const uint8_t *rattler, int32_
             continue;
         const double mass = grain_mass(p->r[i]), inertia = mass * inertia_over_mass(p->r[i]);
         if (!isnormal(mass) || (net->dof > net->dim && !isnormal(inertia)))
-            return sp_fail(err, SP_EFORMAT, "grain %d: r = %g, mass or moment of inertia is beyond the range of numbers",
-                           i, p->r[i]);
+            return sp_fail(err, SP_EFORMAT,
+                           "grain %d: r = %g, mass or moment of inertia is beyond the range of numbers", i, p->r[i]);
         net->grain[k] = i;
         net->r[k] = p->r[i];
         for (size_t a = 0; a < 3; a++)

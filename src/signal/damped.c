@@ -69,7 +69,7 @@ static ellipse ellipse_of(const damped *d, bool tight, int64_t substeps) {
     const double h = d->until / (double)substeps, right = fmin(d->rate, (tight ? REACH_TIGHT : REACH_WIDE) / h);
     ellipse e = {.substeps = substeps, .right = right, .re = 0.5 * (d->rate + right), .im = d->omega};
     if (right > 0 && !tight)
-        e.im = d->omega * (right + d->rate) / (2 * sqrt(right * d->rate));
+        e.im = d->omega * (right + d->rate) / (2 * sqrt(right) * sqrt(d->rate));
     e.centre = right - e.re;
     e.a = 0.5 * (e.re + e.im);
     e.beta = (e.re - e.im) / (e.re + e.im);

@@ -109,6 +109,7 @@ def refusals():
     for band in ("2:1", "1:1", "nan:1", "0:nan", "-1:2", "1", "1:2:3", ":1", "1:", "a:b"):
         assert "--band" in run("modes", PACKING, "--band", band, status=2).stderr, band
     run("modes", PACKING, "--lowest", "0", status=2)
+    assert "must be one of them" in run("modes", PACKING, "--band", "0:1", "--lowest", "3", status=2).stderr
     assert "must be 1 .." in run("modes", PACKING, "--lowest", "100000", status=2).stderr
     print("bad ranges are refused")
 

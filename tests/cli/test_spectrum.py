@@ -303,6 +303,9 @@ def test_pulses(network, path):
             weight[[0, -1]] = 1
             answer = sum(a * np.sum(weight * s * np.sin(w * (times[l] - at))) for a, w in zip(ab, omega)) * 5 / 6e5
             assert abs(t["F"][l] - answer) < 1e-9 * np.max(np.abs(t["F"])), (l, t["F"][l], answer)
+        open(pulse, "w").write("t\ts\n1e6\t1\n1e7\t1\n")  # sent after the last time
+        _, t = columns(run("signal", path, "--pulse", "file:" + pulse, "--until", 150, "--points", 31))
+        assert np.all(t["F"] == 0)
         open(pulse, "w").write("t\ts\n0\t0\n2\tnan\n5\t0\n")
         assert "not finite" in run("signal", path, "--pulse", "file:" + pulse, status=1)
         run("signal", path, "--pulse", "file:" + os.path.join(folder, "none"), status=1)
