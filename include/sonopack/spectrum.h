@@ -165,12 +165,13 @@ typedef struct sp_harmonic_options {
     double range[2];     /* heights of the planes that the wave is fitted to; both 0: all that are 2 diameters and more
                             from the walls */
     double tolerance;    /* of F over its magnitude, or over a millionth of the strongest force at the planes where F is
-                            smaller    still; at planes over that of the strongest: 1e-8 */
+                            smaller still; at planes over that of the strongest: 1e-8 */
 } sp_harmonic_options;
 sp_harmonic_options sp_harmonic_options_default(void);
 
 /* A wave up and its echo, A exp(-(alpha + i k) y) + B exp((alpha + i k) y), fitted to the forces through planes. One
- * standard error each, from the scatter. */
+ * standard error each, from the scatter. Of the two the wave up is the one that decays on its way, alpha > 0 (k may
+ * then be negative: phases run down); k > 0 where alpha is within three errors of 0. */
 typedef struct sp_wave_fit {
     double k, k_err;         /* wave number [1/d]; phase speed omega/k */
     double alpha, alpha_err; /* attenuation of the amplitude [1/d]; decay length 1/alpha */

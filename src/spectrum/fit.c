@@ -147,8 +147,9 @@ void driven_fit(int32_t n, const double *y, const double *f, sp_wave_fit *out) {
             break;
     }
     newton(&s, q, &p, &slope);
-    if (cimag(q) < 0) /* the same two waves, the other way about */
-        q = -q;
     const double error = slope > 0 && n > 3 ? sqrt(0.5 * p.rest / (n - 3) / slope) : NAN;
+    const bool decays = fabs(creal(q)) > 3 * error;
+    if (decays ? creal(q) < 0 : cimag(q) < 0) /* the same two waves, the other way about */
+        q = -q;
     *out = (sp_wave_fit){.k = cimag(q), .k_err = error, .alpha = creal(q), .alpha_err = error, .misfit = p.rest / all};
 }
