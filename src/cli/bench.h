@@ -25,8 +25,8 @@ typedef struct bench_row {
     sp_status (*run)(const void *job, double *error, sp_error *err);
     const void *job;
 } bench_row;
-/* Adds the row: the median of up to 15 runs, one alone if it takes a second; memory in a process of its own. What
- * refuses has no row, and is told. */
+/* Adds the row: the median of 15 runs and more (short ones), one alone if it takes a second; memory in a process of its
+ * own. What refuses has no row, and is told. */
 sp_status bench_measure(const bench_subject *s, const bench_row *row, sp_error *err);
 
 /* Signals: short ones by every method and parameter; up to a million over Omega; from many sources to many detectors.
