@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 const char *argp_program_version = "sonopack " SONOPACK_VERSION;
 
@@ -109,10 +111,19 @@ static void keep_standard_files(void) {
             _Exit(CLI_FAILED);
 }
 
+/* Where the address space is limited, OpenBLAS cannot start its threads, and at the end of a process would wait for
+ * them for ever. All files are closed by then. */
+static void leave(int status, void *nothing) {
+    struct rlimit space;
+    (void)nothing;
+    if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
+        _exit(status);
+}
+
 int main(int argc, char **argv) {
     keep_standard_files();
     sp_hdf5_exit_silently();
-    if (atexit(cli_close_stdout) != 0)
+    if (on_exit(leave, NULL) != 0 || atexit(cli_close_stdout) != 0) /* the last one first */
         return CLI_FAILED;
     argp_err_exit_status = CLI_USAGE;
     if (argc < 2) {

@@ -280,6 +280,14 @@ def check_memory(folder):
         expect_status(1, "pack", "--set", "packing.grains=100000000", "-o", folder / "huge.h5",
                       reason="packing.grains = 100000000: needs")
         expect(time.monotonic() - begun < 10, "it takes long to see that memory does not suffice")
+    # OpenBLAS cannot start its threads in so little space; a process ends all the same (127: the loader's word)
+    for kilobytes in (100000, 200000):
+        try:
+            done = subprocess.run(f"ulimit -v {kilobytes}; exec {COMMAND} --version", shell=True, text=True,
+                                  capture_output=True, timeout=60)
+            expect(done.returncode in (0, 127), f"--version in {kilobytes} kB: {done.returncode} {done.stderr}")
+        except subprocess.TimeoutExpired:
+            expect(False, f"--version in {kilobytes} kB never ends")
 
 
 def check_progress(folder):
