@@ -82,6 +82,28 @@ static inline sp_packing chain_packing(int n, double pressure) {
     return p;
 }
 
+/* `count` such rows of n balls beside each other, without a spring between them. */
+static inline sp_packing chains_packing(int count, int n, double pressure) {
+    sp_packing one = chain_packing(n, pressure), p = sp_packing_none();
+    assert_ok(sp_packing_alloc(&p, 1, count * n, count * (n + 1), &err));
+    for (int c = 0; c < count; c++) {
+        memcpy(p.x + 3 * c * n, one.x, 3 * (size_t)n * sizeof *one.x);
+        memcpy(p.r + c * n, one.r, (size_t)n * sizeof *one.r);
+        for (int k = 0; k <= n; k++) {
+            sp_contact *to = &p.contacts[c * (n + 1) + k];
+            *to = one.contacts[k];
+            to->i += c * n;
+            to->j += to->j < 0 ? 0 : c * n;
+        }
+    }
+    memcpy(p.box, one.box, sizeof p.box);
+    p.pressure = one.pressure;
+    p.wall = one.wall;
+    sp_packing_free(&one);
+    sp_packing_sort(&p);
+    return p;
+}
+
 /* Overlapping grains scattered around a square or cubic lattice, cells^dim of them, every overlap a contact: no
  * equilibrium, but all kinds of springs in general position. */
 static inline sp_packing scattered_packing(int dim, int cells, double friction, unsigned seed) {

@@ -109,3 +109,18 @@ double job_hop(const signal_job *job, int32_t source, int32_t detector) {
         b += to->value[k] * to->value[k] / mass[to->dof[k]];
     return sqrt(a) * sqrt(b) / (job_moves(job) ? sp_network_omega_bound(job->net) : 1);
 }
+
+sp_status signal_allocate(const sp_signal_options *o, int32_t sources, int32_t detectors, sp_signal *s, sp_error *err) {
+    const size_t pairs = (size_t)sources * (size_t)detectors;
+    s->n = o->points;
+    s->sources = sources;
+    s->detectors = detectors;
+    s->t = sp_alloc((size_t)s->n, sizeof *s->t);
+    s->f = sp_alloc(pairs, (size_t)s->n * sizeof *s->f);
+    s->errors = sp_alloc(pairs, sizeof *s->errors);
+    if (!s->t || !s->f || !s->errors)
+        return sp_fail_memory(err, (1 + pairs) * (size_t)s->n * sizeof *s->t);
+    for (int32_t l = 0; l < s->n; l++)
+        s->t[l] = l < s->n - 1 ? o->until * l / (s->n - 1) : o->until;
+    return SP_OK;
+}

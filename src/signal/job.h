@@ -26,6 +26,9 @@ typedef struct signal_job {
 sp_status job_make(const sp_network *net, const sp_signal_options *o, bool dense, signal_job *job, sp_error *err);
 void job_free(signal_job *job);
 
+/* Room for all pairs in *s, and its times. What there is of it is freed by sp_signal_free, come what may. */
+sp_status signal_allocate(const sp_signal_options *o, int32_t sources, int32_t detectors, sp_signal *s, sp_error *err);
+
 /* The method fills s->f and s->errors, s->products, and s->omega_max if it knows better than the network's bound; t, n,
  * sources and detectors are given, f and errors are zero. */
 typedef sp_status (*signal_way)(const signal_job *job, sp_signal *s, sp_error *err);

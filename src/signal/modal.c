@@ -6,13 +6,17 @@
 #include <math.h>
 #include <sonopack/modes.h>
 
-/* The sum of one source and one detector over the modes of the network. */
+/* A source or a detector in the modes of the network. */
+typedef struct modal_side {
+    double *c;    /* [modes] projections, mass weighted; a source's not yet over omega */
+    double norm;  /* of all of it */
+    double reach; /* sqrt(sum (c w)^2): w = min(t, 1/omega), 1 for displacements */
+} modal_side;
+
+/* One source at one detector. */
 typedef struct modal_pair {
-    double *a, *b;           /* [modes] projections of source and detector, mass weighted; a not yet over omega */
-    double a_norm, b_norm;   /* of source and detector */
-    double reach_a, reach_b; /* sqrt(sum (a w)^2), sqrt(sum (b w)^2): w = min(t, 1/omega), 1 for displacements */
-    double squares;          /* sum (a w b)^2 */
-    double coupled;          /* sum (a_n b_m E_mn g_mn)^2, see add_coupling */
+    const modal_side *a, *b;
+    double coupled; /* sum (a_n b_m E_mn g_mn)^2, see add_coupling */
 } modal_pair;
 
 static const double *omegas(const sp_modes *m) { return m->omega + m->n_rattler; }
@@ -22,31 +26,26 @@ static double weight(const signal_job *job, double omega, bool source) {
     return source && !job_moves(job) ? 1 : omega * t > 1 ? 1 / omega : t;
 }
 
-static void project(const signal_job *job, const sp_modes *m, const double *sent, const double *seen, modal_pair *p) {
-    const double *mass = job->net->mass;
+/* given: momenta, displacements or a detector's row; weighted: [dofs] scratch. */
+static void project(const signal_job *job, const sp_modes *m, const double *given, bool source, double *weighted,
+                    modal_side *side) {
+    const bool displaced = source && !job_moves(job);
     for (int64_t q = 0; q < m->dofs; q++) {
-        p->a_norm += sent[q] * sent[q] * (job_moves(job) ? 1 / mass[q] : mass[q]);
-        p->b_norm += seen[q] * seen[q] / mass[q];
+        const double mass = job->net->mass[q], root = sqrt(mass);
+        weighted[q] = displaced ? given[q] * root : given[q] / root;
+        side->norm += given[q] * given[q] * (displaced ? mass : 1 / mass);
     }
-    p->a_norm = sqrt(p->a_norm);
-    p->b_norm = sqrt(p->b_norm);
+    side->norm = sqrt(side->norm);
     for (int64_t k = 0; k < m->dofs; k++) {
         const double *e = m->vectors + k * m->dofs;
-        double a = 0, b = 0;
-        for (int64_t q = 0; q < m->dofs; q++) {
-            const double root = sqrt(mass[q]);
-            a += e[q] * (job_moves(job) ? sent[q] / root : sent[q] * root);
-            b += e[q] * (seen[q] / root);
-        }
-        p->a[k] = a;
-        p->b[k] = b;
-        const double push = a * weight(job, omegas(m)[k], true), feel = b * weight(job, omegas(m)[k], false);
-        p->reach_a += push * push;
-        p->reach_b += feel * feel;
-        p->squares += push * push * b * b;
+        double sum = 0;
+        for (int64_t q = 0; q < m->dofs; q++)
+            sum += e[q] * weighted[q];
+        side->c[k] = sum;
+        const double moved = sum * weight(job, omegas(m)[k], source);
+        side->reach += moved * moved;
     }
-    p->reach_a = sqrt(p->reach_a);
-    p->reach_b = sqrt(p->reach_b);
+    side->reach = sqrt(side->reach);
 }
 
 /* The solver's modes are those of A - E, E_mn = e_m . (A e_n - omega_n^2 e_n): they couple through
@@ -55,11 +54,11 @@ static void project(const signal_job *job, const sp_modes *m, const double *sent
  * E_mn of one n, for all m. */
 static void add_coupling(const signal_job *job, const sp_modes *m, int64_t n, const double *row, double noise,
                          modal_pair *p) {
-    const double t = job->options->until, *omega = omegas(m), push = p->a[n] * weight(job, omega[n], true);
+    const double t = job->options->until, *omega = omegas(m), push = p->a->c[n] * weight(job, omega[n], true);
     double sum = 0;
     for (int64_t k = 0; k < m->dofs; k++) {
         const double apart = fabs(omega[k] - omega[n]), time = apart * t > 1 ? 1 / apart : t;
-        const double term = p->b[k] * weight(job, omega[k], false) * time;
+        const double term = p->b->c[k] * weight(job, omega[k], false) * time;
         sum += term * term * (row[k] * row[k] + noise * noise);
     }
     p->coupled += push * push * sum;
@@ -100,14 +99,15 @@ static sp_status couple(const signal_job *job, const sp_modes *m, int64_t pairs,
  * projections and orthogonality are rounded; so are sine and sum. */
 static double modal_error(const signal_job *job, const sp_modes *m, const modal_pair *p) {
     const double last = job->options->until, omega = sp_network_omega_bound(job->net);
-    double phases = 0;
+    double phases = 0, squares = 0;
     for (int64_t k = 0; k < m->dofs; k++) {
         const double turn = fmin(2, m->error[m->n_rattler + k] * last);
-        const double term = p->a[k] * p->b[k] * weight(job, omegas(m)[k], true) * turn;
-        phases += term * term;
+        const double size = p->a->c[k] * p->b->c[k] * weight(job, omegas(m)[k], true);
+        phases += size * size * turn * turn;
+        squares += size * size;
     }
-    const double loose = (4 * DBL_EPSILON + m->orthogonality) * (p->a_norm * p->reach_b + p->b_norm * p->reach_a);
-    return 2 * sqrt(phases) + 4 * sqrt(p->coupled) + loose + DBL_EPSILON * (1 + omega * last) * sqrt(p->squares);
+    const double loose = (4 * DBL_EPSILON + m->orthogonality) * (p->a->norm * p->b->reach + p->b->norm * p->a->reach);
+    return 2 * sqrt(phases) + 4 * sqrt(p->coupled) + loose + DBL_EPSILON * (1 + omega * last) * sqrt(squares);
 }
 
 /* wave: [modes] scratch. */
@@ -124,7 +124,7 @@ static void add_modes(const sp_modes *m, const modal_pair *pair, bool moves, dou
         for (int64_t q = 0; q < (int64_t)s->sources * s->detectors; q++) {
             double sum = 0;
             for (int64_t k = 0; k < m->dofs; k++)
-                sum += pair[q].a[k] * pair[q].b[k] * wave[k];
+                sum += pair[q].a->c[k] * pair[q].b->c[k] * wave[k];
             s->f[q * s->n + l] = sum;
         }
     }
@@ -133,30 +133,36 @@ static void add_modes(const sp_modes *m, const modal_pair *pair, bool moves, dou
 sp_status sp_signal_by_modes(const signal_job *job, sp_signal *s, sp_error *err) {
     sp_modes m = sp_modes_none();
     const sp_modes_options how = {.vectors = true, .source = job->options->source};
-    const int64_t pairs = (int64_t)s->sources * s->detectors;
+    const int64_t pairs = (int64_t)s->sources * s->detectors, sides = (int64_t)s->sources + s->detectors;
     modal_pair *pair = NULL;
+    modal_side *side = NULL; /* sources, then detectors */
     double *numbers = NULL;
     sp_status status = sp_modes_dense(job->net, &how, &m, err);
     if (status != SP_OK)
         goto out;
     pair = sp_alloc((size_t)pairs, sizeof *pair);
-    numbers = sp_alloc(2 * (size_t)pairs + 1, (size_t)m.dofs * sizeof *numbers);
-    if (!pair || !numbers) {
-        status = sp_fail_memory(err, (size_t)pairs * (sizeof *pair + 2 * (size_t)m.dofs * sizeof *numbers));
+    side = sp_alloc((size_t)sides, sizeof *side);
+    numbers = sp_alloc((size_t)sides + 1, (size_t)m.dofs * sizeof *numbers);
+    if (!pair || !side || !numbers) {
+        status =
+            sp_fail_memory(err, (size_t)pairs * sizeof *pair + (size_t)(sides + 1) * (size_t)m.dofs * sizeof *numbers);
         goto out;
     }
-    for (int64_t k = 0; k < pairs; k++) {
-        const int32_t a = (int32_t)(k / s->detectors), b = (int32_t)(k % s->detectors);
-        pair[k].a = numbers + 2 * k * m.dofs;
-        pair[k].b = pair[k].a + m.dofs;
-        project(job, &m, job_source(job, a), job_detector(job, b), &pair[k]);
+    double *scratch = numbers + sides * m.dofs;
+    for (int32_t k = 0; k < sides; k++) {
+        const bool source = k < s->sources;
+        side[k].c = numbers + k * m.dofs;
+        project(job, &m, source ? job_source(job, k) : job_detector(job, k - s->sources), source, scratch, &side[k]);
     }
-    add_modes(&m, pair, job_moves(job), numbers + 2 * pairs * m.dofs, s);
+    for (int64_t k = 0; k < pairs; k++)
+        pair[k] = (modal_pair){.a = &side[k / s->detectors], .b = &side[s->sources + k % s->detectors]};
+    add_modes(&m, pair, job_moves(job), scratch, s);
     status = couple(job, &m, pairs, pair, err);
     for (int64_t k = 0; k < pairs && status == SP_OK; k++)
         s->errors[k] = modal_error(job, &m, &pair[k]);
 out:
     sp_free(numbers);
+    sp_free(side);
     sp_free(pair);
     sp_modes_free(&m);
     return status;

@@ -1,6 +1,7 @@
 /* Pulses and the signals that they make. */
 #include "signal/pulse.h"
 #include "base/base.h"
+#include "signal/job.h"
 
 #include <float.h>
 #include <math.h>
@@ -202,24 +203,6 @@ static sp_status vouch(const sp_signal *s, double tolerance, sp_error *err) {
     return SP_OK;
 }
 
-static sp_status allocate(const sp_signal *g, const sp_signal_options *opt, sp_signal *s, sp_error *err) {
-    const size_t pairs = (size_t)g->sources * (size_t)g->detectors;
-    *s = (sp_signal){.n = opt->points, .sources = g->sources, .detectors = g->detectors};
-    s->omega_max = g->omega_max;
-    s->products = g->products;
-    s->method = g->method;
-    s->step = g->step;
-    s->modes = g->modes;
-    s->t = sp_alloc((size_t)s->n, sizeof *s->t);
-    s->f = sp_alloc(pairs, (size_t)s->n * sizeof *s->f);
-    s->errors = sp_alloc(pairs, sizeof *s->errors);
-    if (!s->t || !s->f || !s->errors)
-        return sp_fail_memory(err, (1 + pairs) * (size_t)s->n * sizeof *s->t);
-    for (int32_t l = 0; l < s->n; l++)
-        s->t[l] = l < s->n - 1 ? opt->until * l / (s->n - 1) : opt->until;
-    return SP_OK;
-}
-
 sp_status sp_signal_pulse(const sp_network *net, const sp_signal_options *opt, const sp_pulse *pulse, sp_signal *out,
                           sp_error *err) {
     sp_signal g = sp_signal_none(), s = sp_signal_none();
@@ -240,7 +223,12 @@ sp_status sp_signal_pulse(const sp_network *net, const sp_signal_options *opt, c
     if (status == SP_OK)
         status = sp_signal_make(net, &o, &g, err);
     if (status == SP_OK)
-        status = allocate(&g, opt, &s, err);
+        status = signal_allocate(opt, g.sources, g.detectors, &s, err);
+    s.omega_max = g.omega_max;
+    s.products = g.products;
+    s.method = g.method;
+    s.step = g.step;
+    s.modes = g.modes;
     for (int32_t q = 0; q < g.sources * g.detectors && status == SP_OK; q++) {
         const int mirror = o.damping > 0 ? 0 : o.source == SP_SOURCE_DISPLACEMENT ? 1 : -1;
         const sp_response r = {g.n, o.until / (g.n - 1), g.f + (int64_t)q * g.n, mirror};

@@ -102,21 +102,6 @@ static sp_status vouch(const signal_job *job, sp_signal *s, sp_error *err) {
     return SP_OK;
 }
 
-static sp_status allocate(const signal_job *job, sp_signal *s, sp_error *err) {
-    const size_t pairs = (size_t)job->sources * (size_t)job->detectors;
-    s->n = job->options->points;
-    s->sources = job->sources;
-    s->detectors = job->detectors;
-    s->t = sp_alloc((size_t)s->n, sizeof *s->t);
-    s->f = sp_alloc(pairs, (size_t)s->n * sizeof *s->f);
-    s->errors = sp_alloc(pairs, sizeof *s->errors);
-    if (!s->t || !s->f || !s->errors)
-        return sp_fail_memory(err, (1 + pairs) * (size_t)s->n * sizeof *s->t);
-    for (int32_t l = 0; l < s->n; l++)
-        s->t[l] = l < s->n - 1 ? job->options->until * l / (s->n - 1) : job->options->until;
-    return SP_OK;
-}
-
 sp_status sp_signal_make(const sp_network *net, const sp_signal_options *opt, sp_signal *out, sp_error *err) {
     return sp_signal_dynamics(NULL, net, opt, out, err);
 }
@@ -132,7 +117,7 @@ static sp_status make_by(sp_signal_method method, const sp_packing *p, const sp_
     sp_status status = job_make(net, opt, !methods[method].sparse, &job, err);
     job.packing = p;
     if (status == SP_OK)
-        status = allocate(&job, &s, err);
+        status = signal_allocate(opt, job.sources, job.detectors, &s, err);
     if (status == SP_OK)
         status = methods[method].way(&job, &s, err);
     if (status == SP_OK) {

@@ -221,24 +221,7 @@ static inline sp_network stress_weak_link(double share, uint64_t seed) {
 static inline sp_network stress_chains(double count, uint64_t seed) {
     enum { LONG = 8 };
     (void)seed;
-    const int many = (int)count;
-    sp_packing one = chain_packing(LONG, 1e-4), p = sp_packing_none();
-    assert_ok(sp_packing_alloc(&p, 1, many * LONG, many * (LONG + 1), &err));
-    for (int c = 0; c < many; c++) {
-        memcpy(p.x + 3 * c * LONG, one.x, 3 * LONG * sizeof *one.x);
-        memcpy(p.r + c * LONG, one.r, LONG * sizeof *one.r);
-        for (int k = 0; k <= LONG; k++) {
-            sp_contact *to = &p.contacts[c * (LONG + 1) + k];
-            *to = one.contacts[k];
-            to->i += c * LONG;
-            to->j += to->j < 0 ? 0 : c * LONG;
-        }
-    }
-    memcpy(p.box, one.box, sizeof p.box);
-    p.pressure = one.pressure;
-    p.wall = one.wall;
-    sp_packing_free(&one);
-    sp_packing_sort(&p);
+    sp_packing p = chains_packing((int)count, LONG, 1e-4);
     return stress_network(&p, false);
 }
 static inline bool stress_keep_apart(const sp_network *net, const sp_spring *s, uint64_t *state) {

@@ -174,23 +174,7 @@ static void test_floppy(void **state) {
     /* chains side by side, all the same: every frequency many times, and bounds that hold all the same */
     sp_packing_free(&p);
     enum { CHAINS = 5, LONG = 30 };
-    sp_packing one = chain_packing(LONG, 1e-4);
-    p = sp_packing_none();
-    assert_ok(sp_packing_alloc(&p, 1, CHAINS * LONG, CHAINS * (LONG + 1), &err));
-    for (int c = 0; c < CHAINS; c++) {
-        memcpy(p.x + 3 * c * LONG, one.x, 3 * LONG * sizeof *one.x);
-        memcpy(p.r + c * LONG, one.r, LONG * sizeof *one.r);
-        for (int k = 0; k <= LONG; k++) {
-            sp_contact *to = &p.contacts[c * (LONG + 1) + k];
-            *to = one.contacts[k];
-            to->i += c * LONG;
-            to->j += to->j < 0 ? 0 : c * LONG;
-        }
-    }
-    memcpy(p.box, one.box, sizeof p.box);
-    p.pressure = one.pressure;
-    p.wall = one.wall;
-    sp_packing_sort(&p);
+    p = chains_packing(CHAINS, LONG, 1e-4);
     net = network_of(&p, false);
     for (int vectors = 0; vectors < 2; vectors++) {
         sp_modes m = modes_of(&net, vectors, SP_SOURCE_IMPULSE);
@@ -204,7 +188,6 @@ static void test_floppy(void **state) {
         sp_modes_free(&m);
     }
     sp_network_free(&net);
-    sp_packing_free(&one);
     sp_packing_free(&p);
 }
 
