@@ -13,6 +13,15 @@ double sp_lapack_error(const sp_network *net) {
     return (8 + sqrt((double)sp_network_dofs(net))) * DBL_EPSILON * omega * omega;
 }
 
+void sp_mode_residual(const sp_network *net, const double *e, double lambda, double *u, double *r) {
+    const int64_t n = sp_network_dofs(net);
+    for (int64_t k = 0; k < n; k++)
+        u[k] = e[k] / sqrt(net->mass[k]);
+    sp_network_apply(net, u, r);
+    for (int64_t k = 0; k < n; k++)
+        r[k] = r[k] / sqrt(net->mass[k]) - lambda * e[k];
+}
+
 /* Scratch vectors over the degrees of freedom. */
 typedef struct scratch {
     double *u, *ku;

@@ -30,4 +30,7 @@ typedef struct sp_refine_set {
 /* Fills ritz [count], in the order of the vectors. */
 sp_status sp_modes_refine(const sp_network *net, const sp_refine_set *set, sp_ritz *ritz, sp_error *err);
 
+/* r = A e - lambda e for a mass weighted vector e, by way of u = M^-1/2 e; all [dofs]. */
+void sp_mode_residual(const sp_network *net, const double *e, double lambda, double *u, double *r);
+
 #endif

@@ -1,5 +1,6 @@
 #include "base/base.h"
 #include "linalg/eigen.h"
+#include "modes/refine.h"
 #include "signal/job.h"
 
 #include <float.h>
@@ -64,16 +65,6 @@ static void add_coupling(const signal_job *job, const sp_modes *m, int64_t n, co
     p->coupled += push * push * sum;
 }
 
-/* r = A e - lambda e, by way of u = M^-1/2 e. */
-static void residual(const sp_network *net, const double *e, double lambda, double *u, double *r) {
-    const int64_t n = sp_network_dofs(net);
-    for (int64_t k = 0; k < n; k++)
-        u[k] = e[k] / sqrt(net->mass[k]);
-    sp_network_apply(net, u, r);
-    for (int64_t k = 0; k < n; k++)
-        r[k] = r[k] / sqrt(net->mass[k]) - lambda * e[k];
-}
-
 static sp_status couple(const signal_job *job, const sp_modes *m, int64_t pairs, modal_pair *pair, sp_error *err) {
     enum { BLOCK = 64 };
     const int64_t n = m->dofs;
@@ -85,7 +76,8 @@ static sp_status couple(const signal_job *job, const sp_modes *m, int64_t pairs,
     for (int64_t first = 0; first < n; first += BLOCK) {
         const int many = n - first < BLOCK ? (int)(n - first) : BLOCK;
         for (int c = 0; c < many; c++)
-            residual(job->net, m->vectors + (first + c) * n, omegas(m)[first + c] * omegas(m)[first + c], u, r + c * n);
+            sp_mode_residual(job->net, m->vectors + (first + c) * n, omegas(m)[first + c] * omegas(m)[first + c], u,
+                             r + c * n);
         sp_project(n, n, m->vectors, many, r, product);
         for (int64_t k = 0; k < pairs; k++)
             for (int c = 0; c < many; c++)

@@ -6,6 +6,7 @@
  * The second is at most |b'| |A^-1/2 a'|, or |a'| |A^-1/2 b'|; a solve gives a'^T A^-1 a'. No frequency beyond those
  * found enters: what the bound needs of the left-out modes are these residual moments alone. */
 #include "base/base.h"
+#include "modes/refine.h"
 #include "modes/slices.h"
 #include "signal/job.h"
 
@@ -58,22 +59,17 @@ static sp_status find_residuals(sum *q, sp_error *err) {
     const sp_network *net = q->job->net;
     const int64_t n = q->m.dofs;
     const double noise = 8 * DBL_EPSILON * sp_network_omega_bound(net) * sp_network_omega_bound(net);
-    double *u = sp_alloc((size_t)n, sizeof *u), *ku = sp_alloc((size_t)n, sizeof *ku);
+    double *u = sp_alloc((size_t)n, sizeof *u), *r = sp_alloc((size_t)n, sizeof *r);
     q->residual = sp_alloc((size_t)q->modes, sizeof *q->residual);
-    sp_status status = u && ku && q->residual ? SP_OK : sp_fail_memory(err, 2 * (size_t)n * sizeof *u);
+    sp_status status = u && r && q->residual ? SP_OK : sp_fail_memory(err, 2 * (size_t)n * sizeof *u);
     for (int64_t k = 0; k < q->modes && status == SP_OK; k++) {
-        const double *e = q->m.vectors + k * n;
         double squares = 0;
+        sp_mode_residual(net, q->m.vectors + k * n, q->omega[k] * q->omega[k], u, r);
         for (int64_t i = 0; i < n; i++)
-            u[i] = e[i] / sqrt(net->mass[i]);
-        sp_network_apply(net, u, ku);
-        for (int64_t i = 0; i < n; i++) {
-            const double r = ku[i] / sqrt(net->mass[i]) - q->omega[k] * q->omega[k] * e[i];
-            squares += r * r;
-        }
+            squares += r[i] * r[i];
         q->residual[k] = sqrt(squares) + noise;
     }
-    sp_free(ku);
+    sp_free(r);
     sp_free(u);
     return status;
 }
