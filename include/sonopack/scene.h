@@ -17,7 +17,9 @@ enum {
     SP_WANT_CTOF = 1,    /* first front of each sample, hence c_tof */
     SP_WANT_STATICS = 2, /* Table I */
     SP_WANT_MODULI = 4,  /* Table II */
-    SP_WANT_SIGNAL = 8   /* the signal itself is stored */
+    SP_WANT_SIGNAL = 8,  /* the signal itself is stored */
+    SP_WANT_PROBES = 16, /* Tables IV and V */
+    SP_WANT_PLANES = 32  /* fronts at horizontal planes inside of each sample */
 };
 
 /* One swept key: study runs every combination of the values of all sweeps. */
@@ -28,7 +30,7 @@ typedef struct sp_sweep {
     bool overridden; /* an override gave the key a value too, which no sample of the study would have */
 } sp_sweep;
 
-enum { SP_SWEEPS_MAX = 8, SP_FROM_MAX = 1024 };
+enum { SP_SWEEPS_MAX = 8, SP_FROM_MAX = 1024, SP_PLANES_MAX = 32 };
 
 typedef struct sp_scene {
     sp_pack_spec pack;
@@ -36,6 +38,8 @@ typedef struct sp_scene {
     sp_signal_options signal; /* until = 0: the window of sp_signal_window() */
     int32_t samples;          /* study.samples: seeds pack.seed .. pack.seed + samples - 1 a combination */
     unsigned want;            /* study.want */
+    int32_t planes;           /* signal.planes: heights of planes above the bottom wall [d], ascending */
+    double plane[SP_PLANES_MAX];
     int sweeps;
     sp_sweep sweep[SP_SWEEPS_MAX];
     double *diameters;      /* of a list, where this scene owns it: pack.diameters points there */

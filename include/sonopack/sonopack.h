@@ -1,7 +1,9 @@
 #ifndef SONOPACK_SONOPACK_H
 #define SONOPACK_SONOPACK_H
 /* sonopack: sound in compressed granular packings. All public headers. */
+#include <sonopack/chain.h>
 #include <sonopack/elastic.h>
+#include <sonopack/figure.h>
 #include <sonopack/front.h>
 #include <sonopack/modes.h>
 #include <sonopack/network.h>

@@ -16,6 +16,9 @@ extern "C" {
 
 enum { SP_NAME_MAX = 33 };
 
+/* The probes of Tables IV and V, in this order. */
+typedef enum sp_probe_row { SP_SINE_1 = 0, SP_SINE_2, SP_LINES_1, SP_LINES_3, SP_PROBES } sp_probe_row;
+
 /* Results of one sample. `have` says which of the SP_WANT_ parts are filled. */
 typedef struct sp_sample {
     char name[SP_NAME_MAX]; /* hash of what made it: 32 hexadecimal digits (sp_sample_name) */
@@ -29,6 +32,10 @@ typedef struct sp_sample {
     sp_front front;
     sp_statics statics;
     sp_moduli moduli;
+    sp_probed probe[SP_PROBES];
+    int32_t planes;                      /* of the scene's planes those that lie inside the packing */
+    double plane[SP_PLANES_MAX];         /* their heights above the bottom wall [d] */
+    sp_front plane_front[SP_PLANES_MAX]; /* fronts of the momentum flux through them; NAN where there is none */
 } sp_sample;
 
 /* Name of a scene's sample: 128-bit hash of its packing and network keys, the source, and the library's algorithm

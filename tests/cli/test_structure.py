@@ -11,8 +11,8 @@ import subprocess
 import sys
 import tempfile
 
-RANKS = {"base": 0, "numeric": 1, "linalg": 1, "scene": 2, "front": 2, "packing": 3, "column": 3, "network": 4,
-         "modes": 5, "elastic": 5, "spectrum": 5, "signal": 6, "study": 7, "store": 8, "plot": 8, "cli": 9}
+RANKS = {"base": 0, "numeric": 1, "linalg": 1, "scene": 2, "front": 2, "chain": 2, "packing": 3, "column": 3, "network": 4,
+         "modes": 5, "elastic": 5, "spectrum": 5, "signal": 6, "study": 7, "store": 8, "plot": 8, "paper": 9, "cli": 10}
 # headers of other libraries, and the rooms that may see them
 FOREIGN = [(r"hdf5(_hl)?\.h|H5\w*\.h|zlib\.h", {"store"}),
            (r"(suitesparse/)?(cholmod|SuiteSparse\w*|amd|umfpack)\.h", {"linalg"}),

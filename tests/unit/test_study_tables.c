@@ -27,7 +27,12 @@ static sp_sample made_up(double p, int grains, int seed, double offset) {
     s.front.amplitude = 1 / s.height;
     s.front.width = s.front.t_zero - s.front.t10;
     s.statics = (sp_statics){0.81, 0.55, 0.5, 3.2 + offset, 10, 1.2, 1.5, 2.8, 0.52, 0.56, 0.8};
-    s.moduli = (sp_moduli){1, 2, 3, 4, grains == 600 ? 0.2 + offset : 9, grains == 600 ? 0.1 : 9, 0, 0, 0, 0, 0};
+    s.moduli = (sp_moduli){.c11 = 1,
+                           .c12 = 2,
+                           .c22 = 3,
+                           .c33 = 4,
+                           .c_l = grains == 600 ? 0.2 + offset : 9,
+                           .c_t = grains == 600 ? 0.1 : 9};
     return s;
 }
 
