@@ -6,7 +6,7 @@ _sonopack_options() {
 
 _sonopack() {
     local program=${COMP_WORDS[0]} current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}
-    local commands='pack check statics moduli modes spectrum signal front study table plot convert bench help'
+    local commands='pack check statics moduli modes spectrum signal front wave study table chain plot convert bench help'
     local command='' word
     COMPREPLY=()
     for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
@@ -29,6 +29,10 @@ _sonopack() {
         ;;
     --source)
         mapfile -t COMPREPLY < <(compgen -W 'impulse velocity displacement' -- "$current")
+        return
+        ;;
+    --initial)
+        mapfile -t COMPREPLY < <(compgen -W 'A B' -- "$current")
         return
         ;;
     --norm)
@@ -62,8 +66,10 @@ _sonopack() {
         elif [ "$command" = bench ]; then
             mapfile -t COMPREPLY < <(compgen -W 'signal long many damped modes moduli pack' -- "$current")
         elif [ "$command" = plot ] && [ "$previous" = plot ]; then
-            mapfile -t COMPREPLY < <(compgen -W 'ctof signal network stiffness pareto spectrum dispersion mode' -- \
-                "$current")
+            mapfile -t COMPREPLY < <(compgen -W 'ctof signal network stiffness angles forces snapshot fronts scaling
+                ensemble pareto spectrum dispersion mode modes' -- "$current")
+        elif [ "$command" = chain ] && [ "$previous" = chain ]; then
+            mapfile -t COMPREPLY < <(compgen -W 'front signal modes' -- "$current")
         elif [ "$command" = spectrum ] && [ "$previous" = spectrum ]; then
             mapfile -t COMPREPLY < <(compgen -W 'dos transmission dispersion harmonic participation' -- "$current")
         else

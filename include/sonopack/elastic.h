@@ -12,17 +12,19 @@ extern "C" {
 /* Axes as in the paper: in 2D 1 is along the walls, 2 from wall to wall, C33 the shear modulus of the two. In 3D 1 and
  * 2 are along the walls, 3 from wall to wall, and C44 (23), C55 (13), C66 (12) the shear moduli in Voigt's notation. */
 typedef struct sp_moduli {
-    double c11, c12, c22, c33;                 /* [E*]; NAN where not computed */
-    double c13, c23, c44, c55, c66;            /* 3D [E*]; NAN in 2D */
-    double c_l, c_t;                           /* of waves from wall to wall, Eq. (8) [sqrt(E* / rho)]: sqrt(C22/Phi3*),
-                                                  sqrt(C33/Phi3*); 3D sqrt(C33/Phi3*), sqrt((C44+C55)/(2 Phi3*)) */
-    double residual;                           /* largest relative residual |K u - f| / |f| of the solves */
-    double error11, error12, error22, error33; /* bounds of the errors of C11 .. C33, for these springs [E*] */
+    double c11, c12, c22, c33;      /* [E*]; NAN where not computed */
+    double c13, c23, c44, c55, c66; /* 3D [E*]; NAN in 2D */
+    double c_l, c_t;                /* of waves from wall to wall, Eq. (8) [sqrt(E* / rho)]: sqrt(C22/Phi3*),
+                                       sqrt(C33/Phi3*); 3D sqrt(C33/Phi3*), sqrt((C44+C55)/(2 Phi3*)) */
+    double residual;                /* largest relative residual |K u - f| / |f| of the solves */
+    double error11, error12, error22, error33, error13, error23, error44, error55,
+        error66; /* bounds of the errors of C11 .. C66, for these springs [E*] */
 } sp_moduli;
 
-/* Sparse Cholesky, one factorisation for all strains. The walls' contact points are strained affinely too, so C12 =
- * C21. phi3s: Phi3* of sp_statics. Floppy parts carry nothing and do no harm. SP_EREFUSED for
- * a packing without walls, or one where no springs lead from wall to wall. */
+/* Sparse Cholesky, one factorisation for all strains: along the periodic axes and in their plane through the periodic
+ * images, all others by the top wall. The walls' contact points are strained affinely too, so C12 = C21. phi3s: Phi3*
+ * of sp_statics; without it (NAN) no speeds. Floppy parts carry nothing and do no harm. Shear by walls that do not grip
+ * (no friction) is NAN. SP_EREFUSED for a packing without walls, or one where no springs lead from wall to wall. */
 sp_status sp_moduli_make(const sp_network *net, double phi3s, sp_moduli *out, sp_error *err);
 
 typedef enum sp_probe_kind {
@@ -35,13 +37,47 @@ typedef struct sp_probe {
 } sp_probe;
 /* Apparent moduli from the elastic energy [E*]. */
 typedef struct sp_probed {
-    double along;                    /* of motion from wall to wall: C22, 3D C33 */
-    double shear;                    /* of motion along x: C33, 3D C55 */
+    double along; /* of motion from wall to wall: C22, 3D C33 */
+    double shear; /* of motion along x: C33, 3D C55; NAN for chains, of lines between walls that do not grip, and of the
+                     sine where one wall alone grips */
     double error_along, error_shear; /* bounds of their errors, for these springs */
+    double left_out;                 /* sine: the larger share of the body force, as sum f^2/m, that acts on motions
+                                        of floppy parts that no spring resists, which is left out; 0 where there are none */
+    double concentrated; /* sine: the largest share of one grain in the energy; some 1/grains, near 1 for a grain that
+                            hangs loose, and the moduli are then those of its contacts */
+    int32_t grain;       /* that grain, index in the packing */
 } sp_probed;
-/* out[count] of the probes; *global, if not NULL, as from sp_moduli_make: all that can share a factor do. */
+/* out[count] of the probes; *global, if not NULL, as from sp_moduli_make: all that can share a factor do. Grains on a
+ * line are displaced as the continuum is at their centres, their rotations are free; the lines at the walls are the
+ * walls. Walls that do not grip are sheared by cos(n pi y/L) in place of the sine: it has the same energy (B2) between
+ * walls that feel no shear. SP_EINVAL for an n that is none (lines: even), SP_EREFUSED for one finer than the grains, a
+ * sine without phi3s, and as above. */
 sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, const sp_probe *probe, sp_moduli *global,
                           sp_probed *out, sp_error *err);
+
+/* ---- finite strain ---------------------------------------------------------------------------------------------- */
+
+typedef struct sp_strained_options {
+    double strain; /* one of (7): positive shrinks; 1e-6. Contacts follow it in one stroke. */
+    bool turning;  /* contact normals turn, and their forces with them; false: they stay, as springs without prestress
+                      have it, so that a strain of nothing gives the moduli of sp_moduli_make; true */
+} sp_strained_options;
+sp_strained_options sp_strained_options_default(void);
+
+/* Changes of the nominal stress (forces and areas at rest) over the strain. */
+typedef struct sp_strained {
+    sp_moduli moduli;            /* NAN: errors; c_l and c_t without phi3s */
+    int32_t sliding, lost, made; /* contacts that slide, open, and close: the most under any of the strains */
+    int32_t solves, factors;
+    double residual; /* largest |force on the grains| left over that of the homogeneous strain */
+} sp_strained;
+
+/* The packing with its full contact law (Hertz, incremental friction, Coulomb's limit, contacts that open and close)
+ * strained and brought to equilibrium again, by Newton steps with the factor of K, made anew where contacts have
+ * changed too much. net: of this packing; its springs are the contacts at rest, rattlers stay out. SP_EREFUSED where
+ * the residual does not fall below 1e-9, as where the packing yields, and as sp_moduli_make. */
+sp_status sp_moduli_strained(const sp_packing *p, const sp_network *net, double phi3s, const sp_strained_options *opt,
+                             sp_strained *out, sp_error *err);
 
 #ifdef __cplusplus
 }

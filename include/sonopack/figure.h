@@ -33,7 +33,7 @@ typedef struct sp_curve {
 typedef struct sp_axis {
     const char *label;
     bool log;
-    double low, high; /* limits; NAN: from the curves. Curves are clipped at limits that are given */
+    double low, high; /* limits; NAN, or both 0: from the curves. Curves are clipped at limits that are given */
 } sp_axis;
 
 typedef struct sp_panel {
@@ -53,6 +53,10 @@ typedef struct sp_sheet {
     double aspect;         /* height of a panel over its width; 0: 0.75 */
 } sp_sheet;
 
+/* A point that is not finite is a gap; one that is not positive on a logarithmic axis is SP_EREFUSED, which names the
+ * panel, the curve and the point (ends of error bars and bands may be: they reach the foot of the frame). A panel
+ * without points needs limits. Where legend or inset find no room among the curves, y grows upwards if its upper limit
+ * is not given; failing that the legend goes above the frame. An inset has no inset. */
 sp_status sp_plot_sheet(const sp_sheet *sheet, const char *path, sp_error *err);
 
 #ifdef __cplusplus

@@ -167,6 +167,10 @@ typedef struct sp_pack_spec {
 sp_pack_spec sp_pack_spec_default(void);
 /* Values and their combination (box narrower than 4 grains, gas too dense, ...). SP_EINVAL with the field. */
 sp_status sp_pack_spec_check(const sp_pack_spec *spec, sp_error *err);
+/* How many grains make a box about that high, to one or two percent for the default law: height x width (x depth) over
+ * the mean area (volume) of a grain, times the usual area fraction 0.815 (volume fraction 0.6) of a packing under the
+ * piston. SP_EINVAL for other kinds, whose height follows from the grains, and for more than 1e8 grains. */
+sp_status sp_pack_spec_fill(const sp_pack_spec *spec, double height, int32_t *grains, sp_error *err);
 
 /* Progress of a making; return false to stop it (SP_EINTERRUPTED). */
 typedef struct sp_pack_progress {

@@ -53,6 +53,39 @@ sp_status sp_plot_dispersion(int tables, const sp_plot_table *table, const char 
 sp_status sp_plot_mode(const sp_packing *p, const sp_network *net, const double *u, int64_t number, double omega,
                        const char *path, sp_error *err);
 
+/* Displacements of a 1D or 2D packing at time t, u [net's dofs], as sp_signal_field gives them: arrows on the grains. A
+ * few grains near the source move many times as far as the wave: arrows are cut at the largest length (and drawn in
+ * another colour), the scale is that of the wave, and said below. */
+sp_status sp_plot_snapshot(const sp_packing *p, const sp_network *net, const double *u, double t, const char *path,
+                           sp_error *err);
+
+/* Polar histogram from the table of sp_contact_angles_table, and histograms of normal forces and stiffnesses from that
+ * of sp_contact_values_table. */
+sp_status sp_plot_angles(const sp_table *angles, const char *path, sp_error *err);
+sp_status sp_plot_contact_values(const sp_table *values, const char *path, sp_error *err);
+
+/* Arrival, peak and zero times against distance with fitted lines, from tables of `sonopack table scaling', `table
+ * planes' or `chain front'; sample: a signal whose inset shows what the three marks are, or NULL. */
+sp_status sp_plot_fronts(int tables, const sp_plot_table *table, const sp_plot_trace *sample, const char *path,
+                         sp_error *err);
+/* From the same tables: local exponents gamma and alpha against distance, with amplitude and width in insets. */
+sp_status sp_plot_scaling(int tables, const sp_plot_table *table, const char *path, sp_error *err);
+
+/* Mean and root mean square deviation of the signals of an ensemble, from tables with
+ * columns t, mean and rms. */
+sp_status sp_plot_ensemble(int tables, const sp_plot_table *table, const char *path, sp_error *err);
+
+/* A table of `sonopack modes': omega^2 against the number of the mode, and a b. */
+sp_status sp_plot_modes(const sp_table *modes, const char *path, sp_error *err);
+
+/* Signals at several distances, one above the other: each drawn at its distance, in one scale of its own peak. */
+typedef struct sp_plot_record {
+    double distance; /* of the detector from the source [d] */
+    int64_t n;
+    const double *t, *f;
+} sp_plot_record;
+sp_status sp_plot_section(int records, const sp_plot_record *record, const char *path, sp_error *err);
+
 #ifdef __cplusplus
 }
 #endif

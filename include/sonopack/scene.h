@@ -19,7 +19,8 @@ enum {
     SP_WANT_MODULI = 4,  /* Table II */
     SP_WANT_SIGNAL = 8,  /* the signal itself is stored */
     SP_WANT_PROBES = 16, /* Tables IV and V */
-    SP_WANT_PLANES = 32  /* fronts at horizontal planes inside of each sample */
+    SP_WANT_PLANES = 32, /* fronts at horizontal planes inside of each sample */
+    SP_WANT_SCALING = 64 /* the fronts of SP_WANT_CTOF, as a table over distance: no part of its own */
 };
 
 /* One swept key: study runs every combination of the values of all sweeps. */
@@ -34,6 +35,7 @@ enum { SP_SWEEPS_MAX = 8, SP_FROM_MAX = 1024, SP_PLANES_MAX = 32 };
 
 typedef struct sp_scene {
     sp_pack_spec pack;
+    double height; /* packing.height: aimed-at height [d], from which sp_scene_resolve finds pack.grains; 0: none */
     sp_network_options network;
     sp_signal_options signal; /* until = 0: the window of sp_signal_window() */
     int32_t samples;          /* study.samples: seeds pack.seed .. pack.seed + samples - 1 a combination */
@@ -61,7 +63,11 @@ sp_status sp_scene_parse(const char *text, const char *name, int overrides, char
 /* SP_EINVAL if an override is hidden by a sweep of the same key: for what makes all samples of a scene. One packing
  * (`sonopack pack') takes the override and no sweep. */
 sp_status sp_scene_check_sweeps(const sp_scene *s, sp_error *err);
-/* Sets one numeric key (used by sweeps), checked against its range. */
+/* Puts the number of grains that packing.height asks for into the pack spec, and 0 into the height: what one sample is
+ * made of. Of a study's samples sp_study_scene does so. */
+sp_status sp_scene_resolve(sp_scene *s, sp_error *err);
+/* Sets one numeric key (used by sweeps), checked against its range. Of packing.grains and packing.height the one that
+ * is set last decides. */
 sp_status sp_scene_set(sp_scene *s, const char *key, double value, sp_error *err);
 /* A numeric key's value; NAN for an unknown key. */
 double sp_scene_get(const sp_scene *s, const char *key);

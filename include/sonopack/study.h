@@ -19,6 +19,14 @@ enum { SP_NAME_MAX = 33 };
 /* The probes of Tables IV and V, in this order. */
 typedef enum sp_probe_row { SP_SINE_1 = 0, SP_SINE_2, SP_LINES_1, SP_LINES_3, SP_PROBES } sp_probe_row;
 
+/* What a stored signal was made with. */
+typedef struct sp_signal_made {
+    int32_t points;
+    sp_signal_method method;
+    double until;     /* last time [d / sqrt(E* / rho)] */
+    double tolerance; /* asked for; NAN: unknown */
+} sp_signal_made;
+
 /* Results of one sample. `have` says which of the SP_WANT_ parts are filled. */
 typedef struct sp_sample {
     char name[SP_NAME_MAX]; /* hash of what made it: 32 hexadecimal digits (sp_sample_name) */
@@ -36,16 +44,23 @@ typedef struct sp_sample {
     int32_t planes;                      /* of the scene's planes those that lie inside the packing */
     double plane[SP_PLANES_MAX];         /* their heights above the bottom wall [d] */
     sp_front plane_front[SP_PLANES_MAX]; /* fronts of the momentum flux through them; NAN where there is none */
+    sp_signal_made signal;
 } sp_sample;
 
 /* Name of a scene's sample: 128-bit hash of its packing and network keys, the source, and the library's algorithm
  * version. */
 void sp_sample_name(const sp_scene *scene, char name[SP_NAME_MAX]);
 
+/* The results that SP_WANT_ words of a scene stand for: `scaling' is made of the fronts of `ctof'. */
+unsigned sp_want_parts(unsigned want);
+/* Of the parts that a sample has those that were made as the scene says: a signal with its last time, points, method
+ * and tolerance, and fronts at all of its planes that lie inside. The others are to be made anew. */
+unsigned sp_sample_parts(const sp_scene *scene, const sp_sample *sample);
+
 /* Where results come from and go to; the store implements it, a test may keep them in memory. Calls are serialised. */
 typedef struct sp_study_sink {
     void *user;
-    /* true if a finished sample (or a recorded failure) of that name with all of `want` is there */
+    /* true if a finished sample (or a recorded failure) of that name with all of these parts is there */
     bool (*has)(void *user, const char *name, unsigned want);
     /* the packing of that name if it is there (then only what is missing is computed): SP_OK and found = true */
     sp_status (*load)(void *user, const char *name, sp_packing *packing, sp_sample *sample, bool *found, sp_error *err);
@@ -81,15 +96,20 @@ sp_status sp_study_scene(const sp_scene *study, int64_t k, sp_scene *out, sp_err
 sp_status sp_study_run(const sp_scene *scene, const sp_study_options *opt, const sp_study_sink *sink,
                        sp_study_watch watch, void *user, sp_study_progress *out, sp_error *err);
 
-/* One sample: packing (made unless given: n > 0), and every part in `want` that is missing in *sample. Where one part
+/* One sample: packing (made unless given: n > 0), and every part in `want` that is missing in *sample, or was made
+ * otherwise than the scene says. Planes lie at least a diameter inside of the packing; those of the scene that do not
+ * are left out. Where one part
  * fails the others are made all the same: the first reason is returned, and kept in sample->reason. *signal is filled
  * when it is wanted, or was there before and something new was computed. */
 sp_status sp_sample_make(const sp_scene *scene, unsigned want, sp_packing *packing, sp_sample *sample,
                          sp_signal *signal, sp_error *err);
 
 /* Tables from samples in any order (they are sorted first): "ctof" (INTERFACE: p samples c_tof c_tof_err c_peak c_zero
- * c_l c_t, from the lowest and the highest boxes of each pressure), "statics" and "moduli" (means, then standard
- * deviations, a row a pressure and size), "ensemble" (one row a sample). Standard errors by bootstrap over samples. */
+ * c_l c_t, from the lowest and the highest boxes of each pressure), "scaling" and "planes" (fronts over
+ * distance, see sonopack/scaling.h: a row a height of each pressure, friction and width; a row a plane, of each number
+ * of grains besides), "statics", "moduli" and "probes" (means, then standard deviations, a row a pressure and size),
+ * "ensemble" (one row a sample). Standard errors by bootstrap over samples. SP_EREFUSED for samples that differ in what
+ * has no rows. */
 sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples, sp_table *out, sp_error *err);
 
 /* Exponent of y ~ x^a with its standard error, from n >= 3 points with errors (relative weights). */

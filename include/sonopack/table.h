@@ -40,7 +40,7 @@ void sp_table_free(sp_table *t);
 sp_status sp_table_add_column(sp_table *t, const char *name, const char *unit, sp_cell_kind kind, sp_error *err);
 /* One value a column in order: double, int64_t or const char * (copied) as the column's kind says. */
 sp_status sp_table_add_row(sp_table *t, sp_error *err, ...);
-/* The same where every column is of numbers: [columns] of them. */
+/* The same where no column is of texts: [columns] of them, whole numbers where the column is of integers. */
 sp_status sp_table_add_numbers(sp_table *t, const double *values, sp_error *err);
 /* printf-style comment line; by convention "key = value" or a sentence. */
 sp_status sp_table_add_comment(sp_table *t, sp_error *err, const char *format, ...)

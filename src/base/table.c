@@ -59,9 +59,12 @@ static sp_status grow(sp_table *t, sp_error *err) {
 sp_status sp_table_add_numbers(sp_table *t, const double *values, sp_error *err) {
     sp_status status = t->rows == t->capacity ? grow(t, err) : SP_OK;
     for (int c = 0; c < t->columns && status == SP_OK; c++) {
-        if (t->column[c].kind != SP_CELL_NUMBER)
-            return sp_fail(err, SP_EINVAL, "column %s is not one of numbers", t->column[c].name);
-        t->cells[t->rows * t->columns + c].number = values[c];
+        sp_cell *cell = &t->cells[t->rows * t->columns + c];
+        switch (t->column[c].kind) {
+        case SP_CELL_NUMBER: cell->number = values[c]; break;
+        case SP_CELL_INTEGER: cell->integer = (int64_t)values[c]; break;
+        case SP_CELL_TEXT: return sp_fail(err, SP_EINVAL, "column %s is not one of numbers", t->column[c].name);
+        }
     }
     t->rows += status == SP_OK;
     return status;

@@ -26,6 +26,7 @@ extern const struct argp cli_common_argp;
 /* One command: argv[0] is "sonopack NAME". Returns the exit status. */
 typedef int (*cli_command)(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
+int cmd_chain(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_convert(int argc, char **argv);
 int cmd_front(int argc, char **argv);
@@ -33,11 +34,13 @@ int cmd_modes(int argc, char **argv);
 int cmd_moduli(int argc, char **argv);
 int cmd_pack(int argc, char **argv);
 int cmd_plot(int argc, char **argv);
+int cmd_reproduce(int argc, char **argv);
 int cmd_signal(int argc, char **argv);
 int cmd_spectrum(int argc, char **argv);
 int cmd_statics(int argc, char **argv);
 int cmd_study(int argc, char **argv);
 int cmd_table(int argc, char **argv);
+int cmd_wave(int argc, char **argv);
 
 /* Prints "sonopack: reason" on stderr; returns CLI_USAGE for SP_EINVAL, else CLI_FAILED. */
 int cli_fail(const sp_error *err);
@@ -66,5 +69,7 @@ bool cli_stopped(void);
 /* Strict numbers from options: the whole text, finite, in range; else cli_usage-style SP_EINVAL. */
 sp_status cli_number(const char *option, const char *text, double low, double high, double *out, sp_error *err);
 sp_status cli_integer(const char *option, const char *text, int64_t low, int64_t high, int64_t *out, sp_error *err);
+/* Frequencies of --at: W, or W1,W2,..., or LOW:HIGH:N; omega has room for `most`. */
+sp_status cli_frequencies(const char *text, int32_t most, int32_t *n, double *omega, sp_error *err);
 
 #endif

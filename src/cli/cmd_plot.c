@@ -3,7 +3,9 @@
 #include "cli/cli.h"
 #include "cli/output.h"
 #include "cli/plot_input.h"
+#include "cli/plot_packing.h"
 #include "cli/plot_spectrum.h"
+#include "cli/plot_tables.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -38,8 +40,9 @@ typedef struct kind {
 struct arguments {
     cli_common common;
     const kind *kind;
-    const char *store, *only, *column;
+    const char *store, *only, *column, *sample;
     int64_t mode; /* < 0: not given */
+    double time;  /* < 0: not given */
     int files;
     char **file;
 };
@@ -124,6 +127,31 @@ static sp_status make_trace(const arguments *a, const char *path, const plot_sig
     return SP_OK;
 }
 
+/* Many signals, each at a distance that is known: one above the other. */
+static bool is_section(const arguments *a, int traces, const plot_signals *read) {
+    enum { LEGEND_MOST = 10, SECTION_MOST = 200 };
+    bool known = traces > LEGEND_MOST && traces <= SECTION_MOST;
+    for (int k = 0; k < a->files; k++)
+        for (int j = 0; j < read[k].n; j++)
+            known = known && isfinite(read[k].signal[j].distance) && !read[k].signal[j].foreign;
+    return known;
+}
+
+static sp_status draw_section(const arguments *a, int traces, const plot_signals *read, sp_error *err) {
+    int made = 0;
+    sp_plot_record *record = sp_alloc((size_t)traces, sizeof *record);
+    if (!record)
+        return sp_fail_memory(err, (size_t)traces * sizeof *record);
+    for (int k = 0; k < a->files; k++)
+        for (int j = 0; j < read[k].n; j++) {
+            const plot_signal *s = &read[k].signal[j];
+            record[made++] = (sp_plot_record){.distance = s->distance, .n = s->n, .t = s->t, .f = s->f};
+        }
+    const sp_status status = blame(sp_plot_section(traces, record, a->common.output, err), a->file[0], err);
+    sp_free(record);
+    return status;
+}
+
 static sp_status draw_signal(const arguments *a, const sp_scene *scene, sp_error *err) {
     plot_signals *read = sp_alloc((size_t)a->files, sizeof *read);
     sp_plot_trace *trace = NULL;
@@ -133,14 +161,17 @@ static sp_status draw_signal(const arguments *a, const sp_scene *scene, sp_error
         status = plot_read_signals(a->file[k], scene, &read[k], err);
         traces += read[k].n;
     }
-    if (status == SP_OK) {
+    const bool section = status == SP_OK && is_section(a, traces, read);
+    if (section)
+        status = draw_section(a, traces, read, err);
+    if (status == SP_OK && !section) {
         trace = sp_alloc((size_t)traces, sizeof *trace);
         status = trace ? SP_OK : sp_fail_memory(err, (size_t)traces * sizeof *trace);
     }
-    for (int k = 0; k < a->files && status == SP_OK; k++)
+    for (int k = 0; k < a->files && status == SP_OK && trace; k++)
         for (int j = 0; j < read[k].n && status == SP_OK; j++)
             status = make_trace(a, a->file[k], &read[k].signal[j], &trace[made++], err);
-    if (status == SP_OK)
+    if (status == SP_OK && trace)
         status = blame(sp_plot_signal(traces, trace, a->common.output, err), a->file[0], err);
     for (int j = 0; j < made; j++)
         sp_free((void *)trace[j].label);
@@ -192,6 +223,39 @@ static sp_status draw_mode(const arguments *a, const sp_scene *scene, sp_error *
     return plot_mode_file(&a->common, scene, a->file[0], a->mode, err);
 }
 
+static sp_status draw_angles(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return blame(plot_contacts(&a->common, scene, false, a->files, a->file, err), a->file[0], err);
+}
+
+static sp_status draw_forces(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return blame(plot_contacts(&a->common, scene, true, a->files, a->file, err), a->file[0], err);
+}
+
+static sp_status draw_snapshot(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return plot_snapshot_file(&a->common, scene, a->file[0], a->time, err);
+}
+
+static sp_status draw_tables(const arguments *a, const sp_scene *scene, plot_tables_kind of, sp_error *err) {
+    return blame(plot_tables_files(&a->common, scene, of, a->sample, a->files, a->file, err),
+                 a->sample ? "" : a->file[0], err);
+}
+
+static sp_status draw_fronts(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return draw_tables(a, scene, PLOT_FRONTS, err);
+}
+
+static sp_status draw_scaling(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return draw_tables(a, scene, PLOT_SCALING, err);
+}
+
+static sp_status draw_ensemble(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return draw_tables(a, scene, PLOT_ENSEMBLE, err);
+}
+
+static sp_status draw_modes(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return draw_tables(a, scene, PLOT_MODES, err);
+}
+
 static const kind kinds[] = {{"ctof", draw_ctof, 1, true, ""},
                              {"signal", draw_signal, 1 << 16, false, "network signal"},
                              {"network", draw_network, 1, false, "network"},
@@ -199,18 +263,30 @@ static const kind kinds[] = {{"ctof", draw_ctof, 1, true, ""},
                              {"pareto", draw_pareto, 1, false, ""},
                              {"spectrum", draw_spectrum, 32, false, "network"},
                              {"dispersion", draw_dispersion, 2, false, "network"},
-                             {"mode", draw_mode, 1, false, "network"}};
-#define KIND_NAMES "ctof, signal, network, stiffness, pareto, spectrum, dispersion or mode"
+                             {"mode", draw_mode, 1, false, "network"},
+                             {"modes", draw_modes, 1, false, ""},
+                             {"angles", draw_angles, 1 << 16, false, "network"},
+                             {"forces", draw_forces, 1 << 16, false, "network"},
+                             {"snapshot", draw_snapshot, 1, false, "network signal"},
+                             {"fronts", draw_fronts, 32, false, "network signal"},
+                             {"scaling", draw_scaling, 32, false, ""},
+                             {"ensemble", draw_ensemble, 6, false, ""}};
+#define KIND_NAMES                                                                                                     \
+    "ctof, signal, network, stiffness, angles, forces, snapshot, fronts, scaling, ensemble, pareto, spectrum, "        \
+    "dispersion, mode or modes"
 
 /* ---- the command ------------------------------------------------------------------------------------------------ */
 
-enum { KEY_STORE = 0x1000, KEY_CASE, KEY_MODE, KEY_COLUMN };
+enum { KEY_STORE = 0x1000, KEY_CASE, KEY_MODE, KEY_COLUMN, KEY_TIME, KEY_SIGNAL };
 
 static const struct argp_option options[] = {
     {"store", KEY_STORE, "DIR", 0, "ctof: of the samples in this folder, instead of a table", 0},
     {"case", KEY_CASE, "CASE", 0, "pareto: of this case, instead of the table's first", 0},
     {"column", KEY_COLUMN, "alpha|k|speed", 0, "spectrum, of harmonic: instead of the force", 0},
     {"mode", KEY_MODE, "N", 0, "mode: its number in `sonopack modes' (the first that is no zero mode)", 0},
+    {"time", KEY_TIME, "T", 0, "snapshot: after the pulse (3.2 H (p/1e-4)^(-1/6): the wave is well on its way)", 0},
+    {"signal", KEY_SIGNAL, "FILE", 0, "fronts: a signal or packing whose front shows in an inset what the marks are",
+     0},
     {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 
@@ -228,6 +304,10 @@ static void check(const arguments *a, struct argp_state *state) {
         argp_error(state, "--store: only plot ctof draws a store");
     else if (a->mode >= 0 && a->kind->draw != draw_mode)
         argp_error(state, "--mode: only plot mode draws a mode");
+    else if (a->time >= 0 && a->kind->draw != draw_snapshot)
+        argp_error(state, "--time: only plot snapshot draws one time");
+    else if (a->sample && a->kind->draw != draw_fronts)
+        argp_error(state, "--signal: only plot fronts has an inset with a signal");
     else if (a->column && a->kind->draw != draw_spectrum)
         argp_error(state, "--column: only plot spectrum draws a column of a harmonic response");
     else if (a->store && a->files > 0)
@@ -254,6 +334,11 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         if (cli_integer("--mode", arg, 0, 1000000000, &a->mode, &err) != SP_OK)
             argp_error(state, "%s", err.text);
         return 0;
+    case KEY_TIME:
+        if (cli_number("--time", arg, 0, 1e9, &a->time, &err) != SP_OK)
+            argp_error(state, "%s", err.text);
+        return 0;
+    case KEY_SIGNAL: a->sample = arg; return 0;
     case KEY_CASE: a->only = arg; return 0;
     case KEY_COLUMN:
         if (strcmp(arg, "alpha") != 0 && strcmp(arg, "k") != 0 && strcmp(arg, "speed") != 0)
@@ -284,13 +369,20 @@ static const struct argp argp = {
     "ctof: speeds against pressure with the published c_tof = 0.26 (p/1e-4)^(1/6), from a table that `sonopack "
     "table ctof' prints (TSV or CSV). signal: F(t) of one or more tables with columns t and F (or F1, F2, ...), or "
     "of packings (their signal is made), with the first front marked: a triangle at 10% of its peak, a circle at "
-    "the peak, a square at the zero crossing. network: a packing with its contacts that carry as lines, as wide as "
+    "the peak, a square at the zero crossing; more than ten, of known distances, are drawn one above the other at "
+    "their distances. ensemble: tables with columns t, mean and rms. network: a packing with its contacts that carry "
+    "as lines, as wide as "
     "their normal force is large; rattlers are grey. stiffness: the same with the normal stiffness. pareto: run "
     "time against error of a table of `sonopack bench', a symbol a method, hollow for those of other programs, and "
     "the frontier. spectrum: tables of `sonopack spectrum' dos, transmission, harmonic or participation, of "
     "`sonopack modes', or packings (their density of states). dispersion: a table of `sonopack spectrum "
     "dispersion', or a packing; bars are half widths. mode: the displacements of a mode as arrows on the grains of "
-    "a packing, tinted where they turn. --set changes keys of network and signal.",
+    "a packing, tinted where they turn. modes: a table of `sonopack modes', omega^2 and a b against n. angles: "
+    "directions of the contacts of packings (all, strong and weak ones, 3 d from the walls; a circle of radius 1 where "
+    "they are isotropic). forces: histograms of their normal forces and stiffnesses over the means. snapshot: "
+    "displacements of the grains of a packing some time after the pulse. fronts: arrival times against distance, with "
+    "lines, and scaling: local exponents gamma and alpha, of tables of `sonopack table scaling' or `planes', `sonopack "
+    "chain front' or (fronts) `sonopack front'. --set changes keys of network and signal.",
     children,
     NULL,
     NULL};
@@ -305,7 +397,7 @@ static sp_status may_write(const arguments *a, sp_error *err) {
 }
 
 int cmd_plot(int argc, char **argv) {
-    arguments a = {.mode = -1};
+    arguments a = {.mode = -1, .time = -1};
     argp_parse(&argp, argc, argv, 0, NULL, &a);
     sp_error err = {0};
     sp_scene scene = sp_scene_default();

@@ -72,8 +72,9 @@ static const struct argp argp = {
     "A sample is known by what made it, so an interrupted study goes on where it stopped, more samples or more wishes "
     "add to what is there, several studies may share a store, and several processes may fill one at the same time. "
     "Several tables follow each other with a blank line between; with -o FILE.tsv the first goes there and the others "
-    "beside it (FILE-moduli.tsv). Values of swept keys other than packing.pressure and packing.grains have tables of "
-    "their own.\n\n"
+    "beside it (FILE-moduli.tsv). Values of swept keys other than packing.pressure, packing.grains and packing.height "
+    "have tables of their own (of fronts over distance, scaling and planes, those other than packing.width and "
+    "packing.friction as well).\n\n"
     "  sonopack study packings/ctof-quick.cfg --store results/quick\n"
     "  sonopack study big.cfg --store results/big --shard 3/16 --jobs 1",
     children,
@@ -85,8 +86,9 @@ static cli_tables wanted_tables(const cli_common *common, const sp_scene *scene)
     static const struct {
         unsigned want;
         const char *name;
-    } all[] = {{SP_WANT_CTOF, "ctof"}, {SP_WANT_STATICS, "statics"}, {SP_WANT_MODULI, "moduli"}};
-    cli_tables tables = {.common = common, .scene = scene};
+    } all[] = {{SP_WANT_CTOF, "ctof"},       {SP_WANT_SCALING, "scaling"}, {SP_WANT_PLANES, "planes"},
+               {SP_WANT_STATICS, "statics"}, {SP_WANT_MODULI, "moduli"},   {SP_WANT_PROBES, "probes"}};
+    cli_tables tables = {.common = common, .scene = scene, .filter = cli_filter_none()};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         if (scene->want & all[k].want)
             tables.name[tables.count++] = all[k].name;

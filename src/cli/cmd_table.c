@@ -7,19 +7,38 @@
 typedef struct arguments {
     cli_common common;
     const char *name, *scene, *store;
+    cli_filter filter;
 } arguments;
 
-enum { KEY_STORE = 0x1000 };
+enum { KEY_STORE = 0x1000, KEY_WIDTH, KEY_GRAINS, KEY_PRESSURE, KEY_FRICTION };
 
-static const struct argp_option options[] = {{"store", KEY_STORE, "DIR", 0, "Folder of the samples", 0}, {0}};
+static const struct argp_option options[] = {
+    {"store", KEY_STORE, "DIR", 0, "Folder of the samples", 0},
+    {"width", KEY_WIDTH, "W", 0, "Only samples of boxes so wide [d]", 0},
+    {"grains", KEY_GRAINS, "N", 0, "Only samples of so many grains", 0},
+    {"pressure", KEY_PRESSURE, "P", 0, "Only samples at this pressure [E*]", 0},
+    {"friction", KEY_FRICTION, "MU", 0, "Only samples with this friction", 0},
+    {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 
 static const char *known_table(const char *name) {
-    static const char *const names[] = {"ctof", "statics", "moduli", "ensemble"};
-    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
-        if (strcmp(name, names[k]) == 0)
-            return names[k];
+    for (size_t k = 0; k < CLI_TABLES; k++)
+        if (strcmp(name, cli_table_names[k]) == 0)
+            return cli_table_names[k];
     return NULL;
+}
+
+static void parse_filter(cli_filter *f, int key, const char *arg, struct argp_state *state) {
+    sp_error err = {0};
+    sp_status status = SP_OK;
+    switch (key) {
+    case KEY_WIDTH: status = cli_number("--width", arg, 1e-6, 1e6, &f->width, &err); break;
+    case KEY_GRAINS: status = cli_integer("--grains", arg, 1, INT32_MAX, &f->grains, &err); break;
+    case KEY_PRESSURE: status = cli_number("--pressure", arg, 1e-10, 1e-2, &f->pressure, &err); break;
+    default: status = cli_number("--friction", arg, 0, 1e6, &f->friction, &err); break;
+    }
+    if (status != SP_OK)
+        argp_error(state, "%s", err.text);
 }
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
@@ -27,17 +46,21 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     switch (key) {
     case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
     case KEY_STORE: a->store = arg; return 0;
+    case KEY_WIDTH:
+    case KEY_GRAINS:
+    case KEY_PRESSURE:
+    case KEY_FRICTION: parse_filter(&a->filter, key, arg, state); return 0;
     case ARGP_KEY_ARG:
         if (a->scene)
             argp_error(state, "%s: one table and one scene only", arg);
         else if (a->name)
             a->scene = arg;
         else if (!(a->name = known_table(arg)))
-            argp_error(state, "table %.60s: must be ctof, statics, moduli or ensemble", arg);
+            argp_error(state, "table %.60s: must be ctof, scaling, planes, statics, moduli, probes or ensemble", arg);
         return 0;
     case ARGP_KEY_END:
         if (!a->name)
-            argp_error(state, "no table: must be ctof, statics, moduli or ensemble");
+            argp_error(state, "no table: must be ctof, scaling, planes, statics, moduli, probes or ensemble");
         if (!a->store)
             argp_error(state, "no store: must be --store DIR");
         if (a->common.sets > 0 && !a->scene)
@@ -52,10 +75,12 @@ static const struct argp argp = {
     parse,
     "NAME --store DIR [SCENE]",
     "Prints a table of the samples in a store.\v"
-    "ctof: speed of the first front, a row a pressure. statics, moduli: means and standard deviations, a row a "
-    "pressure and size. ensemble: a row a sample, with everything that is known of it. With SCENE (and its --set) only "
-    "the samples of that scene, at least one of which must be there: a store may hold several ensembles, and those "
-    "that differ in more than pressure and size are not averaged.",
+    "ctof: speed of the first front, a row a pressure. scaling: fronts over distance, with speeds and exponents, a row "
+    "a height of each pressure, friction and width. planes: the same inside of packings, a row a plane, of each number "
+    "of grains besides. statics, moduli, probes: means and standard deviations, a row a pressure and size. ensemble: a "
+    "row a sample, with everything that is known of it. With SCENE (and its --set) only the samples of that scene, at "
+    "least one of which must be there: a store may hold several ensembles, and those that differ in more than pressure "
+    "and size are not averaged. --width, --grains, --pressure and --friction choose among them.",
     children,
     NULL,
     NULL};
@@ -66,8 +91,12 @@ static sp_status work(const arguments *a, sp_scene *scene, sp_store **store, sp_
         status = sp_scene_read(a->scene, a->common.sets, a->common.set, scene, err);
     if (status == SP_OK)
         status = sp_scene_check_sweeps(scene, err);
-    cli_tables tables = {
-        .common = &a->common, .scene = a->scene ? scene : NULL, .needs_samples = true, .count = 1, .name = {a->name}};
+    cli_tables tables = {.common = &a->common,
+                         .scene = a->scene ? scene : NULL,
+                         .needs_samples = true,
+                         .count = 1,
+                         .name = {a->name},
+                         .filter = a->filter};
     if (status == SP_OK)
         status = cli_tables_may_write(&tables, err);
     if (status == SP_OK)
@@ -76,7 +105,7 @@ static sp_status work(const arguments *a, sp_scene *scene, sp_store **store, sp_
 }
 
 int cmd_table(int argc, char **argv) {
-    arguments a = {0};
+    arguments a = {.filter = cli_filter_none()};
     argp_parse(&argp, argc, argv, 0, NULL, &a);
     sp_error err = {0};
     sp_scene scene = sp_scene_default();

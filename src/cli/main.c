@@ -31,6 +31,9 @@ static const struct command {
     {"front", cmd_front, "arrival, peak and width of the first wave front"},
     {"study", cmd_study, "an ensemble of packings and what is wanted of them; resumes by itself"},
     {"table", cmd_table, "tables of a finished or running study"},
+    {"wave", cmd_wave, "phase speed and attenuation of the coherent wave inside packings"},
+    {"chain", cmd_chain, "the chain of equal balls in closed form, of any length"},
+    {"reproduce", cmd_reproduce, "a paper's tables and figures beside our own values"},
     {"plot", cmd_plot, "figures"},
     {"convert", cmd_convert, "import and export of packings"},
     {"bench", cmd_bench, "run time against error of the methods"},
@@ -65,7 +68,7 @@ static void overview(FILE *out) {
           "at\nthe bottom wall, and what that says about the speed of sound.\n\nCommands:\n",
           out);
     for (int k = 0; k < COMMANDS; k++)
-        fprintf(out, "  %-8s %s\n", commands[k].name, commands[k].meaning);
+        fprintf(out, "  %-9s %s\n", commands[k].name, commands[k].meaning);
     fputs("\n`sonopack help COMMAND' explains a command, `sonopack help scene' the scene files; `sonopack --version'.\n"
           "Data go to stdout, log and progress to stderr. Exit status: 0 done, 1 the work failed, 2 wrong usage or "
           "scene.\n",

@@ -150,6 +150,7 @@ static sp_status packing_signal(const char *path, const sp_scene *scene, plot_si
         memcpy(t, signal.t, (size_t)signal.n * sizeof *t);
         memcpy(t + signal.n, signal.f, (size_t)signal.n * sizeof *t);
         *out = (plot_signal){.n = signal.n, .t = t, .f = t + signal.n, .window = window};
+        out->distance = sp_packing_height(&p);
     } else if (status == SP_OK) {
         status = sp_fail_memory(err, (size_t)signal.n * 2 * sizeof *t);
     } else {
@@ -208,12 +209,42 @@ static sp_status column_signal(const sp_table *table, int time, int force, plot_
         t[n + k] = sp_table_number(table, k, force);
     }
     const double height = comment_number(table, "height"), pressure = comment_number(table, "pressure");
-    *out = (plot_signal){.n = n, .t = t, .f = t + n};
+    *out = (plot_signal){.n = n, .t = t, .f = t + n, .distance = NAN};
     out->window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
     out->foreign = strcmp(table->column[time].unit, "d/sqrt(E* / rho)") != 0;
     snprintf(out->t_unit, sizeof out->t_unit, "%s", table->column[time].unit);
     snprintf(out->f_unit, sizeof out->f_unit, "%s", table->column[force].unit);
     return SP_OK;
+}
+
+/* What the comment "F2 = from bottom:normal to plane:25:normal, error 1e-16" says of the detector. One signal of
+ * several is called by it: "y = 25", "top", "part:0:3"; without a comment "F2". */
+static void name_signal(const sp_table *table, int k, bool several, plot_signal *out) {
+    char key[16];
+    const double height = comment_number(table, "height");
+    snprintf(key, sizeof key, "F%d", k + 1);
+    const char *text = sp_table_comment_value(table, key), *to = text ? strstr(text, " to ") : NULL;
+    if (several)
+        snprintf(out->name, sizeof out->name, "%s", key);
+    if (!to) {
+        out->distance = height > 0 && !several ? height : NAN;
+        return;
+    }
+    to += 4;
+    char *end = NULL;
+    const double plane = strncmp(to, "plane:", 6) == 0 ? strtod(to + 6, &end) : NAN;
+    if (end && end > to + 6 && isfinite(plane)) {
+        out->distance = plane;
+        if (several)
+            snprintf(out->name, sizeof out->name, "y = %.4g%s", plane, strncmp(end, ":shear", 6) == 0 ? " shear" : "");
+        return;
+    }
+    const int length = (int)strcspn(to, ",");
+    const int normal = length > 7 && strncmp(to + length - 7, ":normal", 7) == 0 ? 7 : 0;
+    if (several && length > normal)
+        snprintf(out->name, sizeof out->name, "%.*s", length - normal < 40 ? length - normal : 40, to);
+    if (strncmp(to, "top", 3) == 0 && height > 0)
+        out->distance = height;
 }
 
 static sp_status begin_signals(int n, plot_signals *out, sp_error *err) {
@@ -232,8 +263,8 @@ static sp_status table_signals(const char *path, plot_signals *out, sp_error *er
         status = begin_signals(plot_count_signals(&table, column[1]), out, err);
     for (int k = 0; status == SP_OK && k < out->n; k++) {
         status = column_signal(&table, column[0], column[1] + k, &out->signal[k], err);
-        if (status == SP_OK && out->n > 1)
-            snprintf(out->signal[k].name, sizeof out->signal[k].name, "F%d", k + 1);
+        if (status == SP_OK)
+            name_signal(&table, k, out->n > 1, &out->signal[k]);
     }
     sp_table_free(&table);
     return status;

@@ -17,7 +17,8 @@ typedef struct plot_signal {
     double window; /* times in which the first front is looked for; 0: all */
     bool foreign;  /* a table whose times are not in d/sqrt(E* / rho) */
     char t_unit[sizeof((sp_column *)0)->unit], f_unit[sizeof((sp_column *)0)->unit]; /* of a foreign one, "" unknown */
-    char name[16]; /* "F2": of a table of several, else "" */
+    double distance; /* of the detector from the bottom wall; NAN: not known */
+    char name[64];   /* "y = 25", the detector, or "F2": of a table of several, else "" */
 } plot_signal;
 
 /* Columns F1, F2, ... from column `first` on; 1 where that has another name. */

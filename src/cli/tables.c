@@ -3,32 +3,42 @@
 #include "base/base.h"
 #include "store/file.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- cases ------------------------------------------------------------------------------------------------------ */
 
+const char *const cli_table_names[CLI_TABLES] = {"ctof",   "scaling", "planes",  "statics",
+                                                 "moduli", "probes",  "ensemble"};
+
 /* Keys that a table has rows for. */
-static bool has_rows(const sp_sweep *sweep) {
-    return strcmp(sweep->key, "packing.pressure") == 0 || strcmp(sweep->key, "packing.grains") == 0;
+static bool has_rows(const char *table, const sp_sweep *sweep) {
+    static const char *const keys[] = {"packing.pressure", "packing.grains", "packing.height", "packing.width",
+                                       "packing.friction"};
+    const size_t count = strcmp(table, "scaling") == 0 || strcmp(table, "planes") == 0 ? 5 : 3;
+    for (size_t k = 0; k < count; k++)
+        if (strcmp(sweep->key, keys[k]) == 0)
+            return true;
+    return false;
 }
 
-static int64_t cases_of(const sp_scene *scene) {
+static int64_t cases_of(const char *table, const sp_scene *scene) {
     int64_t cases = 1;
     for (int s = 0; scene && s < scene->sweeps; s++)
-        cases *= has_rows(&scene->sweep[s]) ? 1 : scene->sweep[s].count;
+        cases *= has_rows(table, &scene->sweep[s]) ? 1 : scene->sweep[s].count;
     return cases;
 }
 
 /* The scene with the other sweeps at their values of case c; the sweeps that are left stay the scene's own. */
-static sp_status case_scene(const sp_scene *scene, int64_t c, sp_scene *out, sp_error *err) {
+static sp_status case_scene(const char *table, const sp_scene *scene, int64_t c, sp_scene *out, sp_error *err) {
     sp_scene one = *scene;
     sp_status status = SP_OK;
     one.sweeps = 0;
     for (int s = 0; s < scene->sweeps && status == SP_OK; s++) {
         const sp_sweep *sweep = &scene->sweep[s];
-        if (has_rows(sweep)) {
+        if (has_rows(table, sweep)) {
             one.sweep[one.sweeps++] = *sweep;
             continue;
         }
@@ -39,10 +49,10 @@ static sp_status case_scene(const sp_scene *scene, int64_t c, sp_scene *out, sp_
     return status;
 }
 
-static sp_status add_case(sp_table *t, const sp_scene *scene, const sp_scene *one, sp_error *err) {
+static sp_status add_case(sp_table *t, const char *table, const sp_scene *scene, const sp_scene *one, sp_error *err) {
     sp_status status = SP_OK;
     for (int s = 0; s < scene->sweeps && status == SP_OK; s++)
-        if (!has_rows(&scene->sweep[s]))
+        if (!has_rows(table, &scene->sweep[s]))
             status =
                 sp_table_add_comment(t, err, "%s = %.15g", scene->sweep[s].key, sp_scene_get(one, scene->sweep[s].key));
     return status;
@@ -73,8 +83,8 @@ sp_status cli_tables_may_write(const cli_tables *tables, sp_error *err) {
     if (!common.output)
         return cli_may_write_table(&common, err);
     sp_status status = SP_OK;
-    for (int64_t c = 0; c < cases_of(tables->scene); c++)
-        for (int k = 0; k < tables->count && status == SP_OK; k++) {
+    for (int k = 0; k < tables->count; k++)
+        for (int64_t c = 0; c < cases_of(tables->name[k], tables->scene) && status == SP_OK; c++) {
             char path[SP_PATH_MAX];
             common.output = path;
             status = path_of(tables, k, c, path, err);
@@ -84,7 +94,7 @@ sp_status cli_tables_may_write(const cli_tables *tables, sp_error *err) {
     return status;
 }
 
-static sp_status write_one(const cli_tables *tables, int k, int64_t c, sp_table *t, sp_error *err) {
+static sp_status write_table(const cli_tables *tables, int k, int64_t c, sp_table *t, sp_error *err) {
     cli_common common = *tables->common;
     char path[SP_PATH_MAX];
     if (!common.output) {
@@ -138,7 +148,7 @@ static sp_status choose(const sp_scene *scene, int64_t n, const sp_sample *all, 
         }
         sp_sample *s = &c.sample[c.n++];
         *s = *found;
-        if (!s->failed && (s->have & scene->want) != scene->want) {
+        if (!s->failed && sp_want_parts(scene->want) & ~sp_sample_parts(&one, s)) {
             s->failed = true;
             snprintf(s->reason, sizeof s->reason, "a wanted part of its results could not be made");
         }
@@ -149,6 +159,33 @@ static sp_status choose(const sp_scene *scene, int64_t n, const sp_sample *all, 
         sp_free(c.sample);
     return status;
 }
+
+/* ---- the filter ------------------------------------------------------------------------------------------------- */
+
+cli_filter cli_filter_none(void) { return (cli_filter){.width = NAN, .pressure = NAN, .friction = NAN}; }
+
+/* Numbers are given with a few digits: 1e-6 of the value is rounding. */
+static bool is_near(double asked, double value) { return isnan(asked) || fabs(asked - value) <= 1e-6 * fabs(asked); }
+
+static bool passes(const cli_filter *f, const sp_sample *s) {
+    return is_near(f->width, s->width) && is_near(f->pressure, s->pressure) && is_near(f->friction, s->friction) &&
+           (f->grains == 0 || f->grains == s->grains);
+}
+
+/* Moves the samples that pass to the front; the others do not count. */
+static int64_t filter(const cli_filter *f, int64_t n, sp_sample *all) {
+    int64_t kept = 0;
+    for (int64_t k = 0; k < n; k++) {
+        if (!passes(f, &all[k]))
+            continue;
+        if (kept < k)
+            all[kept] = all[k];
+        kept++;
+    }
+    return kept;
+}
+
+/* ---- writing ---------------------------------------------------------------------------------------------------- */
 
 /* SP_EREFUSED if the store has no sample, or none of the scene. */
 static sp_status check_samples(const sp_scene *scene, int64_t n, const sp_sample *all, sp_error *err) {
@@ -167,29 +204,52 @@ static sp_status check_samples(const sp_scene *scene, int64_t n, const sp_sample
     return status;
 }
 
-static sp_status write_case(const cli_tables *tables, int64_t c, int64_t n, const sp_sample *all, sp_error *err) {
+/* Samples of the scene that the filter leaves out are not missing. */
+static sp_status add_missing(const cli_tables *tables, int64_t missing, sp_table *t, sp_error *err) {
+    const cli_filter *f = &tables->filter;
+    if (missing == 0 || f->grains != 0 || !isnan(f->width) || !isnan(f->pressure) || !isnan(f->friction))
+        return SP_OK;
+    return sp_table_add_comment(t, err, "missing = %lld samples of the scene that are not in the store yet",
+                                (long long)missing);
+}
+
+static sp_status write_case(const cli_tables *tables, int k, int64_t c, int64_t n, const sp_sample *all,
+                            sp_error *err) {
+    const char *name = tables->name[k];
     sp_scene one = {0};
     choice chosen = {0};
     sp_status status = SP_OK;
     if (tables->scene) {
-        status = case_scene(tables->scene, c, &one, err);
+        status = case_scene(name, tables->scene, c, &one, err);
         if (status == SP_OK)
             status = choose(&one, n, all, &chosen, err);
     }
-    for (int k = 0; k < tables->count && status == SP_OK; k++) {
-        sp_table t = sp_table_none();
-        status =
-            sp_study_table(tables->name[k], tables->scene ? chosen.n : n, tables->scene ? chosen.sample : all, &t, err);
-        if (status == SP_OK && tables->scene)
-            status = add_case(&t, tables->scene, &one, err);
-        if (status == SP_OK && chosen.missing > 0)
-            status = sp_table_add_comment(&t, err, "missing = %lld samples of the scene that are not in the store yet",
-                                          (long long)chosen.missing);
-        if (status == SP_OK)
-            status = write_one(tables, k, c, &t, err);
-        sp_table_free(&t);
-    }
+    sp_table t = sp_table_none();
+    if (status == SP_OK)
+        status = sp_study_table(name, tables->scene ? chosen.n : n, tables->scene ? chosen.sample : all, &t, err);
+    if (status == SP_OK && tables->scene)
+        status = add_case(&t, name, tables->scene, &one, err);
+    if (status == SP_OK)
+        status = add_missing(tables, chosen.missing, &t, err);
+    if (status == SP_OK)
+        status = write_table(tables, k, c, &t, err);
+    sp_table_free(&t);
     sp_free(chosen.sample);
+    return status;
+}
+
+/* Case by case, all tables of a case together. */
+static sp_status write_all(const cli_tables *tables, int64_t n, const sp_sample *all, sp_error *err) {
+    int64_t most = 1;
+    for (int k = 0; k < tables->count; k++) {
+        const int64_t cases = cases_of(tables->name[k], tables->scene);
+        most = cases > most ? cases : most;
+    }
+    sp_status status = SP_OK;
+    for (int64_t c = 0; c < most; c++)
+        for (int k = 0; k < tables->count && status == SP_OK; k++)
+            if (c < cases_of(tables->name[k], tables->scene))
+                status = write_case(tables, k, c, n, all, err);
     return status;
 }
 
@@ -206,12 +266,19 @@ sp_status cli_tables_write(const cli_tables *tables, sp_store *store, sp_error *
         cli_note(tables->common, "there is no sample in the store");
     if (bad > 0)
         cli_note(tables->common, "%lld files of the store are left out: %s", (long long)bad, reason.text);
+    const int64_t found = n;
+    n = filter(&tables->filter, n, all);
+    if (found > 0 && n == 0)
+        status = sp_fail(err, SP_EREFUSED,
+                         "no table: none of the %lld samples in the store has the width, grains, pressure and friction "
+                         "asked for: see `sonopack table ensemble'",
+                         (long long)found);
     if (n > 0)
         qsort(all, (size_t)n, sizeof *all, by_names);
-    if (tables->needs_samples)
+    if (status == SP_OK && tables->needs_samples)
         status = check_samples(tables->scene, n, all, err);
-    for (int64_t c = 0; c < cases_of(tables->scene) && status == SP_OK; c++)
-        status = write_case(tables, c, n, all, err);
+    if (status == SP_OK)
+        status = write_all(tables, n, all, err);
     sp_free(all);
     return status;
 }

@@ -4,20 +4,32 @@
 
 #include "cli/cli.h"
 
+enum { CLI_TABLES = 7 };
+extern const char *const cli_table_names[CLI_TABLES];
+
+/* Which samples a table takes: those of this width, ...; NAN and 0: any. Pressures, widths and frictions to rounding.
+ */
+typedef struct cli_filter {
+    double width, pressure, friction;
+    int64_t grains;
+} cli_filter;
+
 /* What is printed: `count` tables of the samples of a scene, or of all samples of the store where scene is NULL.
  *
- * A table has rows for pressures and sizes only, so every combination of the values of other swept keys is a case with
- * tables of its own, its keys in the comments. On stdout the tables follow each other with a blank line between; with
- * -o the first goes to that file and the others beside it: results.tsv, results-moduli.tsv, and of further cases
- * results-ctof-2.tsv, ... */
+ * A table has rows for pressures and sizes only (those of fronts over distance for widths and frictions as well), so
+ * every combination of the values of other swept keys is a case with tables of its own, its keys in the comments. On
+ * stdout the tables follow each other with a blank line between; with -o the first goes to that file and the others
+ * beside it: results.tsv, results-moduli.tsv, and of further cases results-ctof-2.tsv, ... */
 typedef struct cli_tables {
     const cli_common *common;
     const sp_scene *scene;
     bool needs_samples; /* refuse where the store has none of them */
     int count;
-    const char *name[4];
+    const char *name[CLI_TABLES];
+    cli_filter filter;
 } cli_tables;
 
+cli_filter cli_filter_none(void);
 /* Whether all files of -o may be written. Call before the work. */
 sp_status cli_tables_may_write(const cli_tables *tables, sp_error *err);
 sp_status cli_tables_write(const cli_tables *tables, sp_store *store, sp_error *err);

@@ -3,6 +3,7 @@
 #include "linalg/blas.h"
 
 #include <cholmod.h>
+#include <stdbool.h>
 #include <string.h>
 
 struct sp_cholesky {
@@ -25,27 +26,17 @@ static cholmod_sparse *copy_matrix(const sp_sparse *a, cholmod_common *common) {
     return m;
 }
 
-/* A failed factorisation returns TRUE and the next call clears its status: look at once. A singular matrix may pass
- * with a pivot that is rounding alone, hence the bound on the ratio of pivots. */
-static sp_status factorize(sp_cholesky *c, cholmod_sparse *m, sp_error *err) {
-    cholmod_common *common = &c->common;
-    c->factor = cholmod_l_analyze(m, common);
-    if (c->factor)
-        cholmod_l_factorize(m, c->factor, common);
-    if (common->status == CHOLMOD_OUT_OF_MEMORY)
+/* Reads the status of the last call, which the next one clears. */
+static sp_status check_call(const sp_cholesky *c, sp_error *err) {
+    const int state = c->common.status;
+    if (state == CHOLMOD_OUT_OF_MEMORY)
         return sp_fail(err, SP_ENOMEM, "CHOLMOD: no memory for the factor");
-    if (!c->factor || (common->status != CHOLMOD_OK && common->status != CHOLMOD_NOT_POSDEF))
-        return sp_fail(err, SP_EFAILED, "CHOLMOD: factorisation failed (status %d)", common->status);
-    if (common->status == CHOLMOD_NOT_POSDEF || c->factor->minor != c->factor->n)
-        return sp_fail(err, SP_EREFUSED, "the matrix is not positive definite (pivot %lld of %lld)",
-                       (long long)c->factor->minor, (long long)c->factor->n);
-    const double ratio = cholmod_l_rcond(c->factor, common);
-    if (!(ratio > 1e-13))
-        return sp_fail(err, SP_EREFUSED, "the matrix is singular (ratio of pivots %.2g, must be above 1e-13)", ratio);
+    if (!c->factor || (state != CHOLMOD_OK && state != CHOLMOD_NOT_POSDEF))
+        return sp_fail(err, SP_EFAILED, "CHOLMOD: factorisation failed (status %d)", state);
     return SP_OK;
 }
 
-sp_status sp_cholesky_make(const sp_sparse *a, sp_cholesky **out, sp_error *err) {
+sp_status sp_cholesky_analyze(const sp_sparse *a, sp_cholesky **out, sp_error *err) {
     sp_blas_one_thread();
     sp_cholesky *c = sp_alloc(1, sizeof *c);
     if (!c)
@@ -56,11 +47,47 @@ sp_status sp_cholesky_make(const sp_sparse *a, sp_cholesky **out, sp_error *err)
     c->common.final_ll = 1;  /* LL': an LDL' would take an indefinite matrix without a word */
     c->common.try_catch = 1; /* errors come back as a status, nothing is printed */
     cholmod_sparse *m = copy_matrix(a, &c->common);
-    if (!m)
+    if (!m) {
         status = sp_fail_memory(err, 16 * (size_t)a->p[a->n]);
-    else
-        status = factorize(c, m, err);
+    } else {
+        c->factor = cholmod_l_analyze(m, &c->common);
+        status = check_call(c, err);
+    }
     cholmod_l_free_sparse(&m, &c->common);
+    if (status == SP_OK)
+        *out = c;
+    else
+        sp_cholesky_free(c);
+    return status;
+}
+
+/* A failed factorisation returns TRUE. A singular matrix may pass with a pivot that is rounding alone, hence the bound
+ * on the ratio of pivots. */
+sp_status sp_cholesky_factorize(sp_cholesky *c, const sp_sparse *a, sp_error *err) {
+    cholmod_common *common = &c->common;
+    cholmod_sparse *m = copy_matrix(a, common);
+    if (!m)
+        return sp_fail_memory(err, 16 * (size_t)a->p[a->n]);
+    cholmod_l_factorize(m, c->factor, common);
+    const bool indefinite = common->status == CHOLMOD_NOT_POSDEF || c->factor->minor != c->factor->n;
+    sp_status status = check_call(c, err);
+    cholmod_l_free_sparse(&m, common);
+    if (status != SP_OK)
+        return status;
+    if (indefinite)
+        return sp_fail(err, SP_EREFUSED, "the matrix is not positive definite (pivot %lld of %lld)",
+                       (long long)c->factor->minor, (long long)c->factor->n);
+    const double ratio = cholmod_l_rcond(c->factor, common);
+    if (!(ratio > 1e-13))
+        return sp_fail(err, SP_EREFUSED, "the matrix is singular (ratio of pivots %.2g, must be above 1e-13)", ratio);
+    return SP_OK;
+}
+
+sp_status sp_cholesky_make(const sp_sparse *a, sp_cholesky **out, sp_error *err) {
+    sp_cholesky *c = NULL;
+    sp_status status = sp_cholesky_analyze(a, &c, err);
+    if (status == SP_OK)
+        status = sp_cholesky_factorize(c, a, err);
     if (status == SP_OK)
         *out = c;
     else

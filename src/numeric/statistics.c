@@ -31,6 +31,16 @@ double sp_standard_error(int64_t n, const double *x) { return sp_sd(n, x) / sqrt
 
 sp_bootstrap_options sp_bootstrap_options_default(void) { return (sp_bootstrap_options){.resamples = 1000, .seed = 1}; }
 
+/* Standard deviation of the finite ones among `n' numbers, which are moved to the front; NAN where more than one in ten
+ * is not. */
+static double spread_of_finite(int64_t n, double *value) {
+    int64_t finite = 0;
+    for (int64_t k = 0; k < n; k++)
+        if (isfinite(value[k]))
+            value[finite++] = value[k];
+    return 10 * finite >= 9 * n ? sp_sd(finite, value) : NAN;
+}
+
 sp_status sp_bootstrap(int groups, const int64_t *size, sp_statistic statistic, void *user,
                        const sp_bootstrap_options *opt, double *standard_error, sp_error *err) {
     if (groups < 1 || groups > SP_BOOTSTRAP_GROUPS || opt->resamples < 2)
@@ -54,7 +64,6 @@ sp_status sp_bootstrap(int groups, const int64_t *size, sp_statistic statistic, 
         goto out;
     }
     sp_random random = sp_random_make(opt->seed, SP_STREAM_BOOTSTRAP);
-    int64_t finite = 0;
     for (int32_t k = 0; k < opt->resamples; k++) {
         const int64_t *pick[SP_BOOTSTRAP_GROUPS] = {0};
         int64_t *next = numbers;
@@ -63,13 +72,54 @@ sp_status sp_bootstrap(int groups, const int64_t *size, sp_statistic statistic, 
             for (int64_t s = 0; s < drawn[g]; s++)
                 *next++ = (int64_t)sp_random_below(&random, (uint64_t)size[g]);
         }
-        double v = statistic(drawn, pick, user);
-        if (isfinite(v))
-            value[finite++] = v;
+        value[k] = statistic(drawn, pick, user);
     }
-    *standard_error = 10 * finite >= 9 * (int64_t)opt->resamples ? sp_sd(finite, value) : NAN;
+    *standard_error = spread_of_finite(opt->resamples, value);
 out:
     sp_free(numbers);
     sp_free(value);
+    return status;
+}
+
+sp_status sp_bootstrap_many(int groups, const int64_t *size, int values, sp_statistics_of statistics, void *user,
+                            const sp_bootstrap_options *opt, double *standard_error, sp_error *err) {
+    if (groups < 1 || values < 1 || opt->resamples < 2)
+        return sp_fail(err, SP_EINVAL,
+                       "bootstrap: %d groups, %d values and %d resamples; at least 1, 1 and 2 are needed", groups,
+                       values, opt->resamples);
+    size_t total = 1;
+    for (int g = 0; g < groups; g++)
+        total += size[g] > 1 ? (size_t)size[g] - 1 : 0;
+    const size_t resamples = (size_t)opt->resamples;
+    sp_status status = SP_OK;
+    int64_t *numbers = sp_alloc(total, sizeof *numbers), *drawn = sp_alloc((size_t)groups, sizeof *drawn);
+    const int64_t **pick = sp_alloc((size_t)groups, sizeof(const int64_t *));
+    double *value = sp_alloc((size_t)values * resamples, sizeof *value);
+    double *one = sp_alloc((size_t)values, sizeof *one);
+    if (!numbers || !drawn || !pick || !value || !one) {
+        status = sp_fail_memory(err, total * sizeof *numbers + (size_t)values * resamples * sizeof *value);
+        goto out;
+    }
+    sp_random random = sp_random_make(opt->seed, SP_STREAM_BOOTSTRAP);
+    for (size_t k = 0; k < resamples; k++) {
+        int64_t *next = numbers;
+        for (int g = 0; g < groups; g++) {
+            pick[g] = next;
+            drawn[g] = size[g] > 1 ? size[g] - 1 : 0;
+            for (int64_t s = 0; s < drawn[g]; s++)
+                *next++ = (int64_t)sp_random_below(&random, (uint64_t)size[g]);
+        }
+        statistics(drawn, pick, one, user);
+        for (int v = 0; v < values; v++)
+            value[(size_t)v * resamples + k] = one[v];
+    }
+    for (int v = 0; v < values; v++)
+        standard_error[v] = spread_of_finite(opt->resamples, value + (size_t)v * resamples);
+out:
+    sp_free(numbers);
+    sp_free(drawn);
+    sp_free(pick);
+    sp_free(value);
+    sp_free(one);
     return status;
 }

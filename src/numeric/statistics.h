@@ -29,4 +29,11 @@ sp_bootstrap_options sp_bootstrap_options_default(void);
 sp_status sp_bootstrap(int groups, const int64_t *size, sp_statistic statistic, void *user,
                        const sp_bootstrap_options *opt, double *standard_error, sp_error *err);
 
+/* Many statistics of the same resamples, so that their errors belong together: writes value[0 .. values-1]. A group of
+ * fewer than 2 samples has size 0 in resamples, where what depends on it must be NAN. */
+typedef void (*sp_statistics_of)(const int64_t *size, const int64_t *const *pick, double *value, void *user);
+/* standard_error[values], by the rule of sp_bootstrap for each; any number of groups. */
+sp_status sp_bootstrap_many(int groups, const int64_t *size, int values, sp_statistics_of statistics, void *user,
+                            const sp_bootstrap_options *opt, double *standard_error, sp_error *err);
+
 #endif

@@ -360,3 +360,24 @@ sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
     }
     return sp_fail(err, SP_EINVAL, "packing.kind = %d: must be piston, chain, triangular or file", (int)s->kind);
 }
+
+sp_status sp_pack_spec_fill(const sp_pack_spec *given, double height, int32_t *grains, sp_error *err) {
+    /* measured: 0.795 .. 0.822 over the whole boxes of 8 .. 400 d, 24 wide, at p = 1e-4, most in the highest */
+    const double disks = 0.815, spheres = 0.6;
+    if (given->kind != SP_PACK_PISTON || given->compression != SP_COMPRESSION_PISTON || given->dim < 2)
+        return sp_fail(err, SP_EINVAL,
+                       "packing.height = %g: must be 0 (packing.grains decides) but for packing.kind = \"piston\" with "
+                       "packing.compression = \"piston\"",
+                       height);
+    sp_pack_spec s = *given;
+    if (s.sizes == SP_SIZES_LIST)
+        s.grains = s.diameter_count; /* the mean of the whole list */
+    s = sp_pack_spec_resolve(&s);
+    const double number = s.dim == 2 ? height * s.width * disks / sp_sizes_mean_area(&s)
+                                     : height * s.width * s.depth * spheres / sp_sizes_mean_volume(&s);
+    if (!(number <= 1e8))
+        return sp_fail(err, SP_EINVAL, "packing.height = %g: must be lower, it takes %.3g grains and 1e8 are the most",
+                       height, number);
+    *grains = number > 1 ? (int32_t)floor(number + 0.5) : 1;
+    return SP_OK;
+}

@@ -232,10 +232,12 @@ static void relative(const touching *t, const double *of, double d[3], double tu
 }
 
 /* Normal, overlap and normal force at the present u. False for an open contact. */
-static bool place(touching *t, const double *u, double change[3]) {
+static bool place(const vibration *m, touching *t, double change[3]) {
     double d[3], turn[3], n[3], stretch = 0, r = 0, overlap;
-    relative(t, u, d, turn);
-    if (t->j < 0) { /* planes have one normal */
+    relative(t, m->u, d, turn);
+    for (int a = 0; a < 3; a++)
+        d[a] += t->shift[a];
+    if (t->j < 0 || m->straight) { /* planes have one normal */
         stretch = dot(t->n0, d);
         memcpy(n, t->n0, sizeof n);
     } else {
@@ -290,14 +292,14 @@ static void drag(const vibration *m, touching *t, double kn_old, const double ch
             t->ft[a] = t->ft[a] * (limit / size) + t->ft0[a] * (limit / size - 1);
 }
 
-/* All contacts at the present u; tangential springs follow `path` times h: the velocity of the step, or with h = 1 the
- * displacement itself. */
-static void follow(vibration *m, const double *path, double h) {
+/* All contacts at the present u; tangential springs follow `path` times h, the velocity of the step, and `shifted`
+ * times the shifts: 0 but for h = 1, with the displacement itself as the path. */
+static void follow(vibration *m, const double *path, double h, double shifted) {
     for (int32_t k = 0; k < m->count; k++) {
         touching *t = &m->touch[k];
         double change[3], moved[3], turn[3];
         const double kn_old = t->kn;
-        if (!place(t, m->u, change)) {
+        if (!place(m, t, change)) {
             for (int a = 0; a < 3; a++)
                 t->ft[a] = -t->ft0[a];
             continue;
@@ -311,10 +313,10 @@ static void follow(vibration *m, const double *path, double h) {
             twist += path[6 * (int64_t)t->j + 3] * t->n[0] + path[6 * (int64_t)t->j + 4] * t->n[1] +
                      path[6 * (int64_t)t->j + 5] * t->n[2];
         for (int a = 0; a < 3; a++) {
-            moved[a] *= h;
+            moved[a] = h * moved[a] + shifted * t->shift[a];
             turn[a] *= h;
         }
-        drag(m, t, kn_old, change, moved, turn, h * twist);
+        drag(m, t, kn_old, change, moved, turn, m->straight ? 0 : h * twist);
     }
 }
 
@@ -368,7 +370,7 @@ static void accelerate(vibration *m) {
 }
 
 void vibration_begin(vibration *m) {
-    follow(m, m->u, 1);
+    follow(m, m->u, 1, 1);
     memcpy(m->now, m->v, 6 * (size_t)m->n * sizeof *m->v);
     accelerate(m);
 }
@@ -380,7 +382,7 @@ void vibration_step(vibration *m, double h) {
         m->u[k] += h * m->v[k];
         m->now[k] = m->v[k] + 0.5 * h * m->a[k]; /* for the dashpots: right to second order */
     }
-    follow(m, m->v, h);
+    follow(m, m->v, h, 0);
     accelerate(m);
     for (int64_t k = 0; k < n; k++)
         m->v[k] += 0.5 * h * m->a[k];

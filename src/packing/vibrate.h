@@ -2,7 +2,8 @@
 #define SP_VIBRATE_H
 /* The motion of a finished packing about its rest, with the full contact law: Hertz, incremental friction with
  * Coulomb's limit, contacts that open and close, fixed walls. Forces are changes against those at rest, computed as
- * such: no small difference of large numbers, and what little the packing is off its equilibrium moves nothing. */
+ * such: no small difference of large numbers, and what little the packing is off its equilibrium moves nothing. Walls
+ * and periodic images may be moved, for strains. */
 
 #include <sonopack/packing.h>
 
@@ -14,6 +15,7 @@ typedef struct touching {
     double e, m_eff;        /* E12 sqrt(R12); 1/(1/m_i + 1/m_j) */
     double arm_i, arm_j;    /* radii; 0 for a wall */
     double fn0, ft0[3];     /* elastic forces at rest; tangential: on i */
+    double shift[3];        /* displacement of j's side beside that of grain j: of moving walls and periodic images */
     double kn;              /* now; 0: open */
     double ft[3];           /* change of the tangential elastic force on i */
     double fn;              /* change of the normal elastic force */
@@ -29,8 +31,9 @@ typedef struct vibration {
     double *a;       /* [n][6] acceleration */
     double *now;     /* [n][6] velocity that the dashpots see */
     double friction, eta, damping;
-    bool turns;   /* grains rotate */
-    double reach; /* gaps up to here are watched: no grain may move by more than half of it */
+    bool turns;    /* grains rotate */
+    bool straight; /* normals stay those at rest, and forces with them: what springs without prestress are */
+    double reach;  /* gaps up to here are watched: no grain may move by more than half of it */
 } vibration;
 
 /* At rest, u = v = 0. damping: zeta of the dashpots; 0 for none. */

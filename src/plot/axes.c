@@ -155,16 +155,18 @@ static int labels(const axis *a) {
     return count;
 }
 
+static double letters(const axis *a) { return a->size > 0.0 ? a->size : TEXT_LABEL; }
+
 static double widest(const axis *a, canvas *c) {
     double width = 0.0;
     for (int k = 0; k < a->ticks; k++)
-        width = fmax(width, text_width(c, a->tick[k].label, TEXT_LABEL));
+        width = fmax(width, text_width(c, a->tick[k].label, letters(a)));
     return width;
 }
 
 /* Room that the labels take along the axis, gaps included. */
 static double crowd(const axis *a, canvas *c, bool across) {
-    return labels(a) * (across ? widest(a, c) + 8.0 : 2.0 * TEXT_LABEL);
+    return labels(a) * (across ? widest(a, c) + 8.0 * letters(a) / TEXT_LABEL : 2.0 * letters(a));
 }
 
 static void log_ticks(axis *a, canvas *c, double length, bool across) {
@@ -204,27 +206,32 @@ static void choose_ticks(axis *a, canvas *c, double length, bool across) {
 /* ---- frame ---------------------------------------------------------------------------------------------------- */
 
 void axes_layout(axes *a, canvas *c) {
-    const double pad = 2.0, line = 1.25 * TEXT_LABEL, top = 5.0;
-    a->y.from = c->height - pad - line - GAP - line;
-    a->y.to = top;
+    const bool whole = !(a->width > 0.0);
+    const double width = whole ? c->width : a->width, height = whole ? c->height : a->height;
+    const double size = letters(&a->x), pad = 2.0, line = 1.25 * size;
+    const double right = a->left + width, bottom = a->top + height;
+    a->y.from = bottom - pad - (a->x.label[0] ? line : 0.0) - GAP - line;
+    a->y.to = a->top + 0.55 * size + a->head;
     choose_ticks(&a->y, c, a->y.from - a->y.to, false);
-    a->x.from = pad + line + 2.0 + widest(&a->y, c) + GAP;
-    choose_ticks(&a->x, c, c->width - a->x.from, true);
+    a->x.from = a->left + pad + (a->y.label[0] ? line + 2.0 : 0.0) + widest(&a->y, c) + GAP;
+    a->x.from = fmax(a->x.from, a->left + a->margin[0]);
+    choose_ticks(&a->x, c, right - a->x.from, true);
     /* the last label may stand out over the end of the axis */
-    a->x.to = c->width - 5.0;
+    a->x.to = right - fmax(5.0, a->margin[1]);
     for (int k = 0; k < a->x.ticks; k++) {
         const tick *t = &a->x.tick[k];
-        double half = 0.5 * text_width(c, t->label, TEXT_LABEL), part = (t->at - a->x.low) / (a->x.high - a->x.low);
+        double half = 0.5 * text_width(c, t->label, size), part = (t->at - a->x.low) / (a->x.high - a->x.low);
         if (t->label[0] && part > 0.5)
-            a->x.to = fmin(a->x.to, a->x.from + (c->width - 2.0 - half - a->x.from) / part);
+            a->x.to = fmin(a->x.to, a->x.from + (right - 2.0 - half - a->x.from) / part);
     }
 }
 
 static void draw_ticks(const axes *a, canvas *c) {
-    cairo_set_line_width(c->cr, 0.6);
+    const double small = letters(&a->x) / TEXT_LABEL;
+    cairo_set_line_width(c->cr, 0.6 * small);
     for (int k = 0; k < a->x.ticks; k++) {
         const tick *t = &a->x.tick[k];
-        double x = axis_place(&a->x, t->at), length = t->major ? MAJOR : MINOR;
+        double x = axis_place(&a->x, t->at), length = (t->major ? MAJOR : MINOR) * small;
         cairo_move_to(c->cr, x, a->y.from);
         cairo_rel_line_to(c->cr, 0.0, -length);
         cairo_move_to(c->cr, x, a->y.to);
@@ -232,7 +239,7 @@ static void draw_ticks(const axes *a, canvas *c) {
     }
     for (int k = 0; k < a->y.ticks; k++) {
         const tick *t = &a->y.tick[k];
-        double y = axis_place(&a->y, t->at), length = t->major ? MAJOR : MINOR;
+        double y = axis_place(&a->y, t->at), length = (t->major ? MAJOR : MINOR) * small;
         cairo_move_to(c->cr, a->x.from, y);
         cairo_rel_line_to(c->cr, length, 0.0);
         cairo_move_to(c->cr, a->x.to, y);
@@ -241,20 +248,36 @@ static void draw_ticks(const axes *a, canvas *c) {
     cairo_stroke(c->cr);
 }
 
+/* A label of an axis, smaller where it is longer than `room`, but never unreadable. */
+static void draw_label(canvas *c, const axis *a, double x, double y, double room, text_style style) {
+    const double least = 6.0, width = text_width(c, a->label, style.size);
+    if (!a->label[0])
+        return;
+    if (width > room)
+        style.size = fmax(least, style.size * room / width);
+    text_draw(c, a->label, x, y, style);
+}
+
 void axes_draw(const axes *a, canvas *c) {
+    const double size = letters(&a->x), bottom = a->width > 0.0 ? a->top + a->height : c->height;
+    const double left = a->left, right = a->width > 0.0 ? a->left + a->width : c->width;
     canvas_colour(c, (colour){0, 0, 0});
     draw_ticks(a, c);
-    cairo_set_line_width(c->cr, 0.8);
+    cairo_set_line_width(c->cr, 0.8 * size / TEXT_LABEL);
     cairo_rectangle(c->cr, a->x.from, a->y.to, a->x.to - a->x.from, a->y.from - a->y.to);
     cairo_stroke(c->cr);
     for (int k = 0; k < a->x.ticks; k++)
         if (a->x.tick[k].label[0])
             text_draw(c, a->x.tick[k].label, axis_place(&a->x, a->x.tick[k].at), a->y.from + GAP + 1.0,
-                      (text_style){TEXT_LABEL, 0.5, 1.0, 0.0});
+                      (text_style){size, 0.5, 1.0, 0.0});
     for (int k = 0; k < a->y.ticks; k++)
         if (a->y.tick[k].label[0])
             text_draw(c, a->y.tick[k].label, a->x.from - GAP, axis_place(&a->y, a->y.tick[k].at),
-                      (text_style){TEXT_LABEL, 1.0, 0.5, 0.0});
-    text_draw(c, a->x.label, 0.5 * (a->x.from + a->x.to), c->height - 5.0, (text_style){TEXT_LABEL, 0.5, 0.0, 0.0});
-    text_draw(c, a->y.label, 3.0, 0.5 * (a->y.from + a->y.to), (text_style){TEXT_LABEL, 0.5, 1.0, 1.5707963267948966});
+                      (text_style){size, 1.0, 0.5, 0.0});
+    draw_label(c, &a->x, 0.5 * (a->x.from + a->x.to), bottom - 0.55 * size,
+               2.0 * fmin(0.5 * (a->x.from + a->x.to) - left, right - 0.5 * (a->x.from + a->x.to)),
+               (text_style){size, 0.5, 0.0, 0.0});
+    draw_label(c, &a->y, left + 3.0, 0.5 * (a->y.from + a->y.to),
+               2.0 * fmin(0.5 * (a->y.from + a->y.to) - a->top, bottom - 0.5 * (a->y.from + a->y.to)) - 2.0,
+               (text_style){size, 0.5, 1.0, 1.5707963267948966});
 }

@@ -22,12 +22,16 @@ typedef struct axis {
     double low, high; /* axis units, low < high */
     char label[192];  /* markup */
     double from, to;  /* where low and high are on the canvas [pt] */
+    double size;      /* of its letters [pt]; 0: TEXT_LABEL */
     int ticks;
     tick tick[TICKS_MAX];
 } axis;
 
 typedef struct axes {
     axis x, y;
+    double left, top, width, height; /* the part of the canvas [pt]; width 0: all of it */
+    double head;                     /* kept free above the frame [pt] */
+    double margin[2];                /* least room left and right of the frame [pt] */
 } axes;
 
 /* A linear axis over the finite values of low and high: takes out a power of ten where numbers would be long, and

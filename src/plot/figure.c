@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#define BAND 0.22 /* opacity of a band */
+
 colour figure_ink(int k) {
     static const unsigned char okabe_ito[INKS][3] = {
         {0, 0, 0},       /* black */
@@ -24,8 +26,16 @@ void figure_dash(canvas *c, int dash) {
     cairo_set_dash(c->cr, pattern[dash], parts[dash], 0.0);
 }
 
+double marker_radius(double letters) { return 2.4 * fmin(1.0, letters / TEXT_LEGEND); }
+
 void marker_draw(canvas *c, marker shape, double x, double y, bool open, colour ink) {
-    const double r = 2.4; /* half a marker; the others have about the circle's area */
+    const double at[2] = {x, y};
+    marker_draw_sized(c, shape, at, open, ink, marker_radius(TEXT_LEGEND));
+}
+
+/* The other shapes have about the circle's area. */
+void marker_draw_sized(canvas *c, marker shape, const double at[2], bool open, colour ink, double r) {
+    const double x = at[0], y = at[1];
     cairo_t *cr = c->cr;
     cairo_new_path(cr);
     switch (shape) {
@@ -48,7 +58,7 @@ void marker_draw(canvas *c, marker shape, double x, double y, bool open, colour 
     canvas_colour(c, open ? (colour){1, 1, 1} : ink);
     cairo_fill_preserve(cr);
     canvas_colour(c, ink);
-    cairo_set_line_width(cr, 0.9);
+    cairo_set_line_width(cr, 0.375 * r);
     cairo_stroke(cr);
 }
 
@@ -116,8 +126,27 @@ static void draw_line(const figure *f, const series *s) {
     figure_dash(f->canvas, DASH_SOLID);
 }
 
+/* Light bands between two curves, one a run of finite points. */
+static void draw_band(const figure *f, const series *s) {
+    cairo_t *cr = f->canvas->cr;
+    for (int64_t first = 0, last; first < s->n; first = last + 1) {
+        for (last = first; last < s->n; last++)
+            if (!isfinite(s->x[last]) || !isfinite(s->fill_low[last]) || !isfinite(s->fill_high[last]))
+                break;
+        for (int64_t k = first; k < last; k++)
+            cairo_line_to(cr, place_x(f, s, k), axis_place(&f->axes.y, s->fill_high[k]));
+        for (int64_t k = last - 1; k >= first; k--)
+            cairo_line_to(cr, place_x(f, s, k), axis_place(&f->axes.y, s->fill_low[k]));
+        if (last > first)
+            cairo_close_path(cr);
+        cairo_new_sub_path(cr);
+    }
+    cairo_set_source_rgba(cr, s->ink.r, s->ink.g, s->ink.b, BAND);
+    cairo_fill(cr);
+}
+
 static void draw_errors(const figure *f, const series *s) {
-    const double cap = 1.8;
+    const double cap = 0.75 * marker_radius(f->legend > 0.0 ? f->legend : TEXT_LEGEND);
     cairo_t *cr = f->canvas->cr;
     for (int64_t k = 0; k < s->n; k++) {
         if (!isfinite(s->low[k]) || !isfinite(s->high[k]) || !isfinite(s->x[k]))
@@ -135,22 +164,30 @@ static void draw_errors(const figure *f, const series *s) {
     cairo_stroke(cr);
 }
 
+/* Markers are not cut by the frame: those whose point lies outside are left out. */
 static void draw_markers(const figure *f, const series *s) {
-    for (int64_t k = 0; k < s->n; k++)
-        if (isfinite(s->x[k]) && isfinite(s->y[k]))
-            marker_draw(f->canvas, s->marker, place_x(f, s, k), place_y(f, s, k), s->open, s->ink);
+    const axis *x = &f->axes.x, *y = &f->axes.y;
+    const double slack_x = 1e-9 * (x->high - x->low), slack_y = 1e-9 * (y->high - y->low);
+    const double radius = marker_radius(f->legend > 0.0 ? f->legend : TEXT_LEGEND);
+    for (int64_t k = 0; k < s->n; k++) {
+        if (!isfinite(s->x[k]) || !isfinite(s->y[k]) || s->x[k] < x->low - slack_x || s->x[k] > x->high + slack_x ||
+            s->y[k] < y->low - slack_y || s->y[k] > y->high + slack_y)
+            continue;
+        const double at[2] = {place_x(f, s, k), place_y(f, s, k)};
+        marker_draw_sized(f->canvas, s->marker, at, s->open, s->ink, radius);
+    }
 }
 
 /* ---- the whole ------------------------------------------------------------------------------------------------ */
 
-void figure_draw(figure *f) {
+static void paint_curves(const figure *f) {
     canvas *c = f->canvas;
-    axes_layout(&f->axes, c);
-    legend_box box[LEGEND_GROUPS];
-    legend_place(f, box);
     cairo_save(c->cr);
     cairo_rectangle(c->cr, f->axes.x.from, f->axes.y.to, f->axes.x.to - f->axes.x.from, f->axes.y.from - f->axes.y.to);
     cairo_clip(c->cr);
+    for (int k = 0; k < f->n; k++)
+        if (f->series[k].fill_low)
+            draw_band(f, &f->series[k]);
     if (f->zero_line) {
         double y = axis_place(&f->axes.y, 0.0);
         canvas_colour(c, (colour){0.6, 0.6, 0.6});
@@ -166,9 +203,20 @@ void figure_draw(figure *f) {
             draw_errors(f, &f->series[k]);
     }
     cairo_restore(c->cr);
-    axes_draw(&f->axes, c);
+}
+
+void figure_paint(const figure *f) {
+    paint_curves(f);
+    axes_draw(&f->axes, f->canvas);
     for (int k = 0; k < f->n; k++)
         if (f->series[k].marker != MARKER_NONE)
             draw_markers(f, &f->series[k]);
+}
+
+void figure_draw(figure *f) {
+    axes_layout(&f->axes, f->canvas);
+    legend_box box[LEGEND_GROUPS];
+    legend_place(f, box);
+    figure_paint(f);
     legend_draw(f, box);
 }

@@ -13,8 +13,9 @@ enum { INKS = 7, LEGEND_GROUPS = 2 }; /* figure_ink(0) is black */
 
 typedef struct series {
     int64_t n;
-    const double *x, *y;      /* [n] axis units; not finite: a gap */
-    const double *low, *high; /* [n] ends of error bars, axis units; NULL: none */
+    const double *x, *y;                /* [n] axis units; not finite: a gap */
+    const double *low, *high;           /* [n] ends of error bars, axis units; NULL: none */
+    const double *fill_low, *fill_high; /* [n] ends of a light band, axis units; NULL: none */
     colour ink;
     int dash; /* DASH_NONE: no line */
     double width;
@@ -30,14 +31,21 @@ typedef struct figure {
     int n;
     const series *series;
     bool zero_line; /* a thin line at y = 0 */
+    double legend;  /* size of the legend's letters [pt]; 0: TEXT_LEGEND */
 } figure;
 
 colour figure_ink(int k);
 /* Lays out (the y axis grows upwards if the legend finds no free corner) and draws everything. */
 void figure_draw(figure *f);
 
+/* Everything but the legend, on axes that are laid out. */
+void figure_paint(const figure *f);
+
 /* Parts that other drawings use. */
 void figure_dash(canvas *c, int dash);
+/* Half the size of a marker beside letters of a size. */
+double marker_radius(double letters);
 void marker_draw(canvas *c, marker shape, double x, double y, bool open, colour ink);
+void marker_draw_sized(canvas *c, marker shape, const double at[2], bool open, colour ink, double radius);
 
 #endif

@@ -4,6 +4,9 @@
 
 #define LINE   11.0 /* from entry to entry [pt] */
 #define SAMPLE 17.0 /* length of a line sample */
+#define POINT  7.0  /* of the sample of a mark */
+#define BESIDE 5.0  /* from the sample to its text */
+#define APART  10.0 /* from column to column */
 #define INSET  6.0  /* from the frame */
 
 static bool listed(const series *s, int group) { return s->label && s->group == group; }
@@ -15,7 +18,7 @@ static legend_box size_of(const figure *f, int group) {
         if (!listed(s, group))
             continue;
         box.height += LINE;
-        box.width = fmax(box.width, SAMPLE + 5.0 + text_width(f->canvas, s->label, TEXT_LEGEND));
+        box.width = fmax(box.width, SAMPLE + BESIDE + text_width(f->canvas, s->label, TEXT_LEGEND));
     }
     return box;
 }
@@ -145,19 +148,64 @@ void legend_place(figure *f, legend_box box[LEGEND_GROUPS]) {
     }
 }
 
-static void draw_entry(canvas *c, const series *s, double x, double y) {
+static double letters(const figure *f) { return f->legend > 0.0 ? f->legend : TEXT_LEGEND; }
+
+/* Length of the samples: that of a mark where no entry has a line or a band. */
+static double sample_of(const figure *f) {
+    double length = POINT;
+    for (int k = 0; k < f->n; k++)
+        if (f->series[k].label && (f->series[k].dash != DASH_NONE || f->series[k].fill_low))
+            length = SAMPLE;
+    return length * letters(f) / TEXT_LEGEND;
+}
+
+static void draw_entry(const figure *f, const series *s, double sample, double x, double y) {
+    canvas *c = f->canvas;
+    const double size = letters(f), at[2] = {x + 0.5 * sample, y};
+    if (s->fill_low) {
+        cairo_set_source_rgba(c->cr, s->ink.r, s->ink.g, s->ink.b, 0.22);
+        cairo_rectangle(c->cr, x, y - 0.4 * size, sample, 0.8 * size);
+        cairo_fill(c->cr);
+    }
     if (s->dash != DASH_NONE) {
         canvas_colour(c, s->ink);
         cairo_set_line_width(c->cr, s->width);
         figure_dash(c, s->dash);
         cairo_move_to(c->cr, x, y);
-        cairo_line_to(c->cr, x + SAMPLE, y);
+        cairo_line_to(c->cr, x + sample, y);
         cairo_stroke(c->cr);
         figure_dash(c, DASH_SOLID);
     }
-    marker_draw(c, s->marker, x + 0.5 * SAMPLE, y, s->open, s->ink);
+    marker_draw_sized(c, s->marker, at, s->open, s->ink, marker_radius(size));
     canvas_colour(c, figure_ink(0));
-    text_draw(c, s->label, x + SAMPLE + 5.0, y, (text_style){TEXT_LEGEND, 0.0, 0.5, 0.0});
+    text_draw(c, s->label, x + sample + BESIDE, y, (text_style){size, 0.0, 0.5, 0.0});
+}
+
+legend_box legend_size(const figure *f, int columns) {
+    legend_box box = {0};
+    int entries = 0;
+    for (int k = 0; k < f->n; k++)
+        if (f->series[k].label) {
+            entries++;
+            box.width = fmax(box.width, text_width(f->canvas, f->series[k].label, letters(f)));
+        }
+    if (entries == 0)
+        return box;
+    box.width = columns * (box.width + sample_of(f) + BESIDE) + (columns - 1) * APART;
+    box.height = (entries + columns - 1) / columns * LINE * letters(f) / TEXT_LEGEND;
+    return box;
+}
+
+void legend_draw_box(const figure *f, const legend_box *box, int columns) {
+    const double line = LINE * letters(f) / TEXT_LEGEND, step = (box->width + APART) / columns;
+    const double sample = sample_of(f);
+    int entry = 0;
+    for (int k = 0; k < f->n; k++)
+        if (f->series[k].label) {
+            draw_entry(f, &f->series[k], sample, box->x + entry % columns * step,
+                       box->y + (entry / columns + 0.5) * line);
+            entry++;
+        }
 }
 
 void legend_draw(const figure *f, const legend_box box[LEGEND_GROUPS]) {
@@ -172,7 +220,7 @@ void legend_draw(const figure *f, const legend_box box[LEGEND_GROUPS]) {
         double y = b->y + 0.5 * LINE;
         for (int k = 0; k < f->n; k++)
             if (listed(&f->series[k], g)) {
-                draw_entry(c, &f->series[k], b->x, y);
+                draw_entry(f, &f->series[k], SAMPLE, b->x, y);
                 y += LINE;
             }
     }

@@ -11,6 +11,9 @@ typedef struct legend_box {
 
 /* Free corners for the groups; if there are none, the y axis grows upwards until there are. */
 void legend_place(figure *f, legend_box box[LEGEND_GROUPS]);
+/* Rows of entries in so many columns, as the sheet places them: their size, and all groups drawn as one. */
+legend_box legend_size(const figure *f, int columns);
+void legend_draw_box(const figure *f, const legend_box *box, int columns);
 void legend_draw(const figure *f, const legend_box box[LEGEND_GROUPS]);
 
 #endif

@@ -40,22 +40,6 @@ static void choose_colours(const motion *m, colour *fill) {
     }
 }
 
-/* An arrow of length hypot(dx, dy) [pt] from (x, y); one too short to be seen is a dot's worth of line. */
-static void arrow(canvas *c, double x, double y, double dx, double dy) {
-    const double length = hypot(dx, dy), head = fmin(3.6, 0.45 * length);
-    if (!(length > 0.15))
-        return;
-    const double ex = dx / length, ey = dy / length, tip_x = x + dx, tip_y = y + dy;
-    cairo_move_to(c->cr, x, y);
-    cairo_line_to(c->cr, tip_x - 0.8 * head * ex, tip_y - 0.8 * head * ey);
-    cairo_stroke(c->cr);
-    cairo_move_to(c->cr, tip_x, tip_y);
-    cairo_line_to(c->cr, tip_x - head * ex - 0.42 * head * ey, tip_y - head * ey + 0.42 * head * ex);
-    cairo_line_to(c->cr, tip_x - head * ex + 0.42 * head * ey, tip_y - head * ey - 0.42 * head * ex);
-    cairo_close_path(c->cr);
-    cairo_fill(c->cr);
-}
-
 /* The longest arrow is a diameter and a half, in a row just below one; its middle is the grain's centre, so that
  * neighbours hide less of it. */
 static void draw_arrows(const view *v, const motion *m) {
@@ -67,7 +51,7 @@ static void draw_arrows(const view *v, const motion *m) {
         const double *u = m->u + (int64_t)i * m->net->dof;
         const double dx = m->net->dim == 1 ? 0 : scale * u[0], dy = -scale * u[m->net->dim - 1];
         const int32_t grain = m->net->grain[i];
-        arrow(v->c, view_x(v, view_across(v, grain)) - 0.5 * dx, view_y(v, view_up(v, grain)) - 0.5 * dy, dx, dy);
+        view_arrow(v, view_x(v, view_across(v, grain)) - 0.5 * dx, view_y(v, view_up(v, grain)) - 0.5 * dy, dx, dy);
     }
 }
 

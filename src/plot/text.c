@@ -48,7 +48,11 @@ static bool next_run(const char **at, bool *italic, int *level, run *out) {
     return n > 0;
 }
 
-static double run_size(const run *r, double size) { return r->level == 0 ? size : fmin(size, TEXT_SCRIPT); }
+static double run_size(const run *r, double size) {
+    if (r->level == 0)
+        return size;
+    return size < TEXT_LEGEND ? fmin(size, TEXT_SMALL) : fmin(size, TEXT_SCRIPT);
+}
 
 static void set_font(canvas *c, const run *r, double size) {
     cairo_select_font_face(c->cr, family, r->italic ? CAIRO_FONT_SLANT_ITALIC : CAIRO_FONT_SLANT_NORMAL,

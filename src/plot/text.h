@@ -1,6 +1,6 @@
 #ifndef SP_PLOT_TEXT_H
 #define SP_PLOT_TEXT_H
-/* Lettering: markup drawn. No letter is smaller than 7 pt. */
+/* Lettering: markup drawn. No letter is smaller than 7 pt, in insets 6 pt. */
 
 #include "plot/canvas.h"
 #include "plot/markup.h"
@@ -9,6 +9,7 @@
 #define TEXT_LABEL  9.0
 #define TEXT_LEGEND 8.0
 #define TEXT_SCRIPT 7.0
+#define TEXT_SMALL  6.0 /* what is raised or lowered in an inset */
 
 typedef struct text_style {
     double size;   /* pt */

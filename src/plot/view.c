@@ -68,3 +68,19 @@ void view_walls(const view *v) {
     cairo_stroke(cr);
     cairo_set_dash(cr, dash, 0, 0.0);
 }
+
+void view_arrow(const view *v, double x, double y, double dx, double dy) {
+    canvas *c = v->c;
+    const double length = hypot(dx, dy), head = fmin(3.6, 0.45 * length);
+    if (!(length > 0.15))
+        return;
+    const double ex = dx / length, ey = dy / length, tip_x = x + dx, tip_y = y + dy;
+    cairo_move_to(c->cr, x, y);
+    cairo_line_to(c->cr, tip_x - 0.8 * head * ex, tip_y - 0.8 * head * ey);
+    cairo_stroke(c->cr);
+    cairo_move_to(c->cr, tip_x, tip_y);
+    cairo_line_to(c->cr, tip_x - head * ex - 0.42 * head * ey, tip_y - head * ey + 0.42 * head * ex);
+    cairo_line_to(c->cr, tip_x - head * ex + 0.42 * head * ey, tip_y - head * ey - 0.42 * head * ex);
+    cairo_close_path(c->cr);
+    cairo_fill(c->cr);
+}

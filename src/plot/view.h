@@ -35,5 +35,7 @@ double view_y(const view *v, double up);
 /* Grains with their images at the periodic edges, each of its colour. */
 void view_grains(const view *v, const colour *fill);
 void view_walls(const view *v);
+/* From (x, y) to (x + dx, y + dy) [pt], in the colour that is set; one too short to be seen is not drawn. */
+void view_arrow(const view *v, double x, double y, double dx, double dy);
 
 #endif

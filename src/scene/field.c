@@ -34,6 +34,9 @@ static const sp_word wants[] = {{"packings", 0},
                                 {"statics", SP_WANT_STATICS},
                                 {"moduli", SP_WANT_MODULI},
                                 {"signal", SP_WANT_SIGNAL},
+                                {"probes", SP_WANT_PROBES},
+                                {"planes", SP_WANT_PLANES},
+                                {"scaling", SP_WANT_SCALING},
                                 {NULL, 0}};
 
 _Static_assert(sizeof(sp_pack_kind) == sizeof(unsigned) && sizeof(sp_signal_method) == sizeof(unsigned) &&
@@ -58,6 +61,8 @@ const sp_field sp_fields[] = {
      "period sideways; a piston needs four of the largest grains, a lattice has whole grains"},
     {"packing", "depth", SP_FIELD_REAL, AT(pack.depth), "d", 0, 1e6, NULL,
      "the other period sideways in dimension 3; 0: like the width"},
+    {"packing", "height", SP_FIELD_REAL, AT(height), "d", 0, 1e6, NULL,
+     "aimed-at height of the box under a piston, from which packing.grains follows; 0: packing.grains decides"},
     {"packing", "pressure", SP_FIELD_REAL, AT(pack.pressure), "E*", 1e-10, 1e-2, NULL, "confining pressure"},
     {"packing", "history", SP_FIELD_REALS, 0, "E*", 1e-10, 1e-2, NULL,
      "pressures that are gone through first, each to its equilibrium"},
@@ -126,6 +131,8 @@ const sp_field sp_fields[] = {
      "last time; 0: when the first front has passed"},
     {"signal", "points", SP_FIELD_INT, AT(signal.points), "", 2, 1e7, NULL, "equally spaced times from 0 on"},
     {"signal", "tolerance", SP_FIELD_REAL, AT(signal.tolerance), "max |F|", 1e-15, 0.1, NULL, "error asked for"},
+    {"signal", "planes", SP_FIELD_REALS, 0, "d", 0.01, 1e6, NULL,
+     "heights above the bottom wall of the planes that planes of study.want listens at, ascending, 32 at the most"},
 
     {"study", "samples", SP_FIELD_INT, AT(samples), "", 1, 1e7, NULL,
      "seeds of each combination: packing.seed and those that follow"},
@@ -170,6 +177,8 @@ bool sp_field_is_number(const sp_field *f) {
 
 bool sp_field_is_history(const sp_field *f) { return strcmp(f->name, "history") == 0; }
 
+bool sp_field_is_planes(const sp_field *f) { return strcmp(f->name, "planes") == 0; }
+
 bool sp_field_is_swept(const sp_field *f) {
     return sp_field_is_number(f) && f->offset != AT(pack.seed) && f->offset != AT(pack.content) &&
            (strcmp(f->group, "packing") == 0 || strcmp(f->group, "network") == 0);
@@ -211,8 +220,10 @@ const char *sp_field_right(const sp_field *f, char *buf, size_t size) {
         break;
     case SP_FIELD_REALS:
         snprintf(buf, size, "a list [%s, ...] of numbers %s .. %s %s",
-                 sp_field_is_history(f) ? "1e-3, 1e-5" : "0.9, 1.1", sp_limit_text(f, f->low, low, sizeof low),
-                 sp_limit_text(f, f->high, high, sizeof high), f->unit);
+                 sp_field_is_history(f)  ? "1e-3, 1e-5"
+                 : sp_field_is_planes(f) ? "12.5, 25"
+                                         : "0.9, 1.1",
+                 sp_limit_text(f, f->low, low, sizeof low), sp_limit_text(f, f->high, high, sizeof high), f->unit);
         break;
     case SP_FIELD_PATH:
     case SP_FIELD_FILE: snprintf(buf, size, "the name of a file in quotes"); break;

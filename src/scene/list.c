@@ -1,4 +1,4 @@
-/* Lists of diameters, in the scene or in a file of their own. */
+/* Lists of numbers in the scene, and of diameters in a file of their own. */
 #include "base/base.h"
 #include "scene/reader.h"
 #include "scene/source.h"
@@ -14,10 +14,34 @@ static sp_status too_many(const sp_reader *r, int64_t count) {
                    SP_DIAMETERS_MAX);
 }
 
+static sp_status read_planes(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
+    const int count = config_setting_length(setting);
+    if (count > SP_PLANES_MAX)
+        return sp_fail(r->err, SP_EINVAL, "signal.planes: %d planes: must be %d at the most", count, SP_PLANES_MAX);
+    double *plane = r->scene.plane;
+    for (int k = 0; k < count; k++) {
+        const config_setting_t *value = config_setting_get_elem(setting, (unsigned)k);
+        sp_number number;
+        r->line = config_setting_source_line(value);
+        sp_status status =
+            sp_reader_number(value, &number) ? sp_field_check(f, &number, r->err) : sp_reader_wrong(r, f, value);
+        if (status != SP_OK)
+            return status;
+        if (k > 0 && !(number.real > plane[k - 1]))
+            return sp_fail(r->err, SP_EINVAL, "signal.planes: %g after %g: must be in ascending order", number.real,
+                           plane[k - 1]);
+        plane[k] = number.real;
+    }
+    r->scene.planes = count;
+    return SP_OK;
+}
+
 sp_status sp_read_reals(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
     const bool history = sp_field_is_history(f);
     if (!config_setting_is_list(setting))
         return sp_reader_wrong(r, f, setting);
+    if (sp_field_is_planes(f))
+        return read_planes(r, f, setting);
     const int count = config_setting_length(setting);
     if (history && count > SP_HISTORY_MAX)
         return sp_fail(r->err, SP_EINVAL, "packing.history: %d pressures: must be %d at the most", count,

@@ -189,7 +189,7 @@ static char *quoted(const char *name) {
     return text;
 }
 
-/* A value of --set in the syntax of a scene: words need no quotes there, lists of words no brackets. */
+/* A value of --set in the syntax of a scene: words need no quotes there, lists no brackets. */
 static char *override_text(const sp_field *f, const char *value) {
     if ((f->type == SP_FIELD_FILE || f->type == SP_FIELD_PATH) && value[0] != '"')
         return quoted(value);
@@ -201,7 +201,9 @@ static char *override_text(const sp_field *f, const char *value) {
     if (!text)
         return NULL;
     if (!bare) {
-        snprintf(text, room, "value = %s\n", value);
+        const bool numbers = f->type == SP_FIELD_REALS && value[strspn(value, "0123456789+-.eE, \t")] == '\0' &&
+                             strpbrk(value, "0123456789");
+        snprintf(text, room, numbers ? "value = [%s]\n" : "value = %s\n", value);
         return text;
     }
     const bool list = f->type == SP_FIELD_LIST;

@@ -22,7 +22,7 @@ typedef struct sp_reader {
 sp_status sp_reader_wrong(const sp_reader *r, const sp_field *f, const config_setting_t *setting);
 bool sp_reader_number(const config_setting_t *setting, sp_number *out);
 
-/* packing.diameters and packing.history. */
+/* packing.diameters, packing.history and signal.planes. */
 sp_status sp_read_reals(sp_reader *r, const sp_field *f, const config_setting_t *setting);
 /* packing.diameter_file: its name is kept, as the override that comes may name another one. */
 sp_status sp_read_list_name(sp_reader *r, const sp_field *f, const config_setting_t *setting);

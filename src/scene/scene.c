@@ -55,11 +55,21 @@ sp_status sp_scene_check_sweeps(const sp_scene *s, sp_error *err) {
     return SP_OK;
 }
 
+sp_status sp_scene_resolve(sp_scene *s, sp_error *err) {
+    sp_status status = s->height > 0 ? sp_pack_spec_fill(&s->pack, s->height, &s->pack.grains, err) : SP_OK;
+    if (status == SP_OK)
+        s->height = 0;
+    return status;
+}
+
 sp_status sp_scene_set(sp_scene *s, const char *key, double value, sp_error *err) {
     const sp_field *f = sp_field_find(key);
     if (!f || !sp_field_is_number(f))
         return sp_fail(err, SP_EINVAL, "key \"%.60s\": must be a numeric key of a scene", key);
-    return sp_field_store(s, f, &(sp_number){.real = value}, err);
+    sp_status status = sp_field_store(s, f, &(sp_number){.real = value}, err);
+    if (status == SP_OK && strcmp(key, "packing.grains") == 0)
+        s->height = 0;
+    return status;
 }
 
 double sp_scene_get(const sp_scene *s, const char *key) {

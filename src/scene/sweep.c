@@ -112,10 +112,54 @@ static sp_status check_combinations(const sp_reader *r, int64_t combinations) {
             sp_field_store(&one, fields[i], &(sp_number){.real = sweep->values[rest % sweep->count]}, NULL);
             rest /= sweep->count;
         }
-        if (sp_pack_spec_check(&one.pack, r->err) != SP_OK)
+        sp_scene sample = one;
+        sp_status status = sp_scene_resolve(&sample, r->err);
+        if (status == SP_OK)
+            status = sp_pack_spec_check(&sample.pack, r->err);
+        if (status != SP_OK)
             return sp_fail_prefix(r->err, "study.sweep");
     }
     return SP_OK;
+}
+
+static bool is_swept(const sp_scene *s, const char *key) {
+    for (int i = 0; i < s->sweeps; i++)
+        if (strcmp(s->sweep[i].key, key) == 0)
+            return true;
+    return false;
+}
+
+/* Grains and height say the same in two ways. */
+static sp_status check_height(const sp_reader *r) {
+    const sp_scene *s = &r->scene;
+    const bool height_swept = is_swept(s, "packing.height"), grains_swept = is_swept(s, "packing.grains");
+    const bool grains = grains_swept || (r->given[sp_field_index(sp_field_find("packing.grains"))] != 0 &&
+                                         s->pack.grains != sp_pack_spec_default().grains);
+    if (!(s->height > 0 || height_swept) || !grains)
+        return SP_OK;
+    char height[32], number[32];
+    snprintf(height, sizeof height, "= %s", sp_number_text(s->height, number));
+    snprintf(number, sizeof number, "= %d", s->pack.grains);
+    return sp_fail(r->err, SP_EINVAL,
+                   "packing.height %s: must not be given beside packing.grains %s: the height says how many grains",
+                   height_swept ? "(swept)" : height, grains_swept ? "(swept)" : number);
+}
+
+/* What is wanted must be said in full. */
+static sp_status check_wants(const sp_scene *s, sp_error *err) {
+    if (s->want & SP_WANT_PLANES && s->planes == 0)
+        return sp_fail(err, SP_EINVAL,
+                       "study.want: planes are those of signal.planes = [12.5, 25], which must be given");
+    return SP_OK;
+}
+
+/* The number of grains of one packing is that of its height. A study keeps the height for its other widths. */
+static sp_status take_height(sp_reader *r) {
+    const double height = r->scene.height;
+    sp_status status = sp_scene_resolve(&r->scene, r->err);
+    if (status == SP_OK && r->scene.sweeps > 0)
+        r->scene.height = height;
+    return status;
 }
 
 sp_status sp_reader_check(sp_reader *r) {
@@ -145,6 +189,12 @@ sp_status sp_reader_check(sp_reader *r) {
     if (r->scene.pack.seed > (uint64_t)(INT64_MAX - r->scene.samples))
         return sp_fail(r->err, SP_EINVAL, "packing.seed = %llu: the seeds of %d samples must stay below %lld",
                        (unsigned long long)r->scene.pack.seed, r->scene.samples, (long long)INT64_MAX);
-    sp_status status = sp_pack_spec_check(&r->scene.pack, r->err);
+    sp_status status = check_height(r);
+    if (status == SP_OK)
+        status = check_wants(&r->scene, r->err);
+    if (status == SP_OK)
+        status = take_height(r);
+    if (status == SP_OK)
+        status = sp_pack_spec_check(&r->scene.pack, r->err);
     return status == SP_OK && r->scene.sweeps > 0 ? check_combinations(r, (int64_t)combinations) : status;
 }

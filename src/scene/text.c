@@ -111,6 +111,8 @@ static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
     case SP_FIELD_REALS:
         if (sp_field_is_history(f))
             put_reals(w, s->pack.history, s->pack.history_count);
+        else if (sp_field_is_planes(f))
+            put_reals(w, s->plane, s->planes);
         else
             put_reals(w, s->pack.diameters, s->pack.diameter_count);
         break;
@@ -119,12 +121,17 @@ static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
     }
 }
 
+/* Of grains and height the one that decides: a scene says the same, whichever it was given by, once it is resolved. */
+static bool left_out(const sp_scene *s, const sp_field *f) {
+    return (strcmp(f->name, "height") == 0 && !(s->height > 0)) || (strcmp(f->name, "grains") == 0 && s->height > 0);
+}
+
 char *sp_scene_text(const sp_scene *s, const char *group) {
     writer w = {0};
     const char *open = NULL; /* the group under way */
     for (int k = 0; k < SP_FIELDS; k++) {
         const sp_field *f = &sp_fields[k];
-        if (group && strcmp(group, f->group) != 0)
+        if ((group && strcmp(group, f->group) != 0) || left_out(s, f))
             continue;
         if (!open || strcmp(open, f->group) != 0)
             put(&w, "%s%s = {\n", open ? "};\n" : "", f->group);

@@ -58,6 +58,26 @@ static const sp_h5_field moduli_field[] = {
     MODULI(residual, "1", "largest relative residual of the solves"),
 };
 
+static const sp_h5_field moduli_3d_field[] = {
+    MODULI(c13, "E*", "modulus C13"),       MODULI(c23, "E*", "modulus C23"),
+    MODULI(c44, "E*", "shear modulus C44"), MODULI(c55, "E*", "shear modulus C55"),
+    MODULI(c66, "E*", "shear modulus C66"),
+};
+#define PROBE(row, name, description)                                                                                  \
+    {{"/results/probes/along_" name, "E*", "apparent modulus of motion from wall to wall, " description},              \
+     SP_H5_F64,                                                                                                        \
+     offsetof(sp_sample, probe[row].along)},                                                                           \
+    {                                                                                                                  \
+        {"/results/probes/shear_" name, "E*", "apparent modulus of motion along x, " description}, SP_H5_F64,          \
+            offsetof(sp_sample, probe[row].shear)                                                                      \
+    }
+static const sp_h5_field probe_field[] = {
+    PROBE(SP_SINE_1, "sine_1", "body force sin(pi y / L)"),
+    PROBE(SP_SINE_2, "sine_2", "body force sin(2 pi y / L)"),
+    PROBE(SP_LINES_1, "lines_1", "grains on one line displaced"),
+    PROBE(SP_LINES_3, "lines_3", "grains on three lines displaced by turns"),
+};
+
 static const struct part {
     unsigned want;
     const char *group;
@@ -70,8 +90,32 @@ static const struct part {
      offsetof(sp_sample, statics)},
     {SP_WANT_MODULI, "/results/moduli", sizeof moduli_field / sizeof *moduli_field, moduli_field,
      offsetof(sp_sample, moduli)},
+    {SP_WANT_PROBES, "/results/probes", sizeof probe_field / sizeof *probe_field, probe_field, 0},
 };
-enum { PARTS = sizeof part / sizeof *part, SAMPLE_FIELDS = sizeof sample_field / sizeof *sample_field };
+enum {
+    PARTS = sizeof part / sizeof *part,
+    SAMPLE_FIELDS = sizeof sample_field / sizeof *sample_field,
+    MODULI_3D_FIELDS = sizeof moduli_3d_field / sizeof *moduli_3d_field
+};
+
+/* Fronts at planes: an array of the members of all planes. */
+static const struct {
+    sp_h5_name name;
+    size_t offset; /* of the first plane's in sp_sample */
+    size_t stride;
+} plane_field[] = {
+    {{"/results/planes/height", "d", "heights of the planes above the bottom wall"},
+     offsetof(sp_sample, plane),
+     sizeof(double)},
+#define PLANE(member, unit, description)                                                                               \
+    { {"/results/planes/" #member, unit, description}, offsetof(sp_sample, plane_front[0].member), sizeof(sp_front) }
+    PLANE(t10, TIME, "arrival of the momentum flux through each plane; nan: no front"),
+    PLANE(t_peak, TIME, "time of the first peak"),
+    PLANE(t_zero, TIME, "first zero crossing after the peak"),
+    PLANE(amplitude, "E* d^2", "height of the first peak, for the source of the scene at unit strength"),
+    PLANE(width, TIME, "t_zero - t10"),
+};
+enum { PLANE_FIELDS = sizeof plane_field / sizeof *plane_field };
 
 static const sp_h5_field signal_field[] = {
     {{"/signal/error", "E* d^2", "bound of the error of F"}, SP_H5_F64, offsetof(sp_signal, error)},
@@ -85,6 +129,9 @@ static const sp_h5_name name_t = {"/signal/t", TIME, "time since the pulse at th
 static const sp_h5_name name_f = {"/signal/F", "E* d^2",
                                   "force on the top wall beyond that at rest, positive in "
                                   "compression, for the source of the scene at unit strength"};
+static const sp_h5_field tolerance_field = {{"/signal/tolerance", "1", "error asked for, over the largest |F|"},
+                                            SP_H5_F64,
+                                            offsetof(sp_signal_made, tolerance)};
 static const sp_h5_name name_method = {"/signal/method", "1", "how it was computed: chebyshev, dense, ..."};
 static const sp_h5_name name_name = {"/results/sample/name", "1", "hash of everything that made the sample"};
 static const sp_h5_name name_scene = {"/results/sample/scene", "1", "the sample's scene, with every value"};
@@ -98,7 +145,31 @@ void sp_record_free(sp_record *r) {
 
 /* ---- writing --------------------------------------------------------------------------------------------------- */
 
-static sp_status put_signal(sp_h5 *h, const sp_signal *s, sp_error *err) {
+static sp_status put_planes(sp_h5 *h, const sp_sample *s, sp_error *err) {
+    const sp_h5_shape shape = {1, {s->planes}};
+    sp_status status = sp_h5_group(h, "/results/planes", err);
+    for (int k = 0; status == SP_OK && k < PLANE_FIELDS; k++) {
+        double x[SP_PLANES_MAX];
+        for (int32_t i = 0; i < s->planes; i++)
+            memcpy(&x[i], (const char *)s + plane_field[k].offset + (size_t)i * plane_field[k].stride, sizeof *x);
+        status = sp_h5_put(h, &plane_field[k].name, SP_H5_F64, &shape, x, err);
+    }
+    return status;
+}
+
+/* Those that are numbers. */
+static sp_status put_moduli_3d(sp_h5 *h, const sp_moduli *m, sp_error *err) {
+    sp_status status = SP_OK;
+    for (int k = 0; status == SP_OK && k < MODULI_3D_FIELDS; k++) {
+        double x;
+        memcpy(&x, (const char *)m + moduli_3d_field[k].offset, sizeof x);
+        if (!isnan(x))
+            status = sp_h5_put_fields(h, 1, &moduli_3d_field[k], m, err);
+    }
+    return status;
+}
+
+static sp_status put_signal(sp_h5 *h, const sp_signal *s, const sp_signal_made *made, sp_error *err) {
     const sp_h5_shape shape = {1, {s->n}};
     sp_status status = sp_h5_group(h, "/signal", err);
     if (status == SP_OK)
@@ -107,6 +178,8 @@ static sp_status put_signal(sp_h5 *h, const sp_signal *s, sp_error *err) {
         status = sp_h5_put(h, &name_f, SP_H5_F64, &shape, s->f, err);
     if (status == SP_OK)
         status = sp_h5_put_fields(h, SIGNAL_FIELDS, signal_field, s, err);
+    if (status == SP_OK && made->tolerance > 0)
+        status = sp_h5_put_fields(h, 1, &tolerance_field, made, err);
     if (status == SP_OK)
         status = sp_h5_put_text(h, &name_method, sp_signal_method_name(s->method), err);
     return status;
@@ -129,12 +202,76 @@ sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err) {
         if (status == SP_OK)
             status = sp_h5_put_fields(h, part[k].count, part[k].field, (const char *)&r->sample + part[k].offset, err);
     }
+    if (status == SP_OK && r->sample.have & SP_WANT_MODULI)
+        status = put_moduli_3d(h, &r->sample.moduli, err);
+    if (status == SP_OK && r->sample.have & SP_WANT_PLANES)
+        status = put_planes(h, &r->sample, err);
     if (status == SP_OK && r->signal.n > 0)
-        status = put_signal(h, &r->signal, err);
+        status = put_signal(h, &r->signal, &r->sample.signal, err);
     return status;
 }
 
 /* ---- reading --------------------------------------------------------------------------------------------------- */
+
+static sp_status get_planes(sp_h5 *h, sp_sample *s, sp_error *err) {
+    sp_h5_shape shape;
+    sp_status status = sp_h5_find(h, plane_field[0].name.path, SP_H5_F64, 1, &shape, err);
+    if (status == SP_OK && shape.dim[0] > SP_PLANES_MAX)
+        status = sp_h5_fail(h, err, SP_EFORMAT, "%s has %lld planes; at most %d", plane_field[0].name.path,
+                            (long long)shape.dim[0], SP_PLANES_MAX);
+    for (int k = 0; status == SP_OK && k < PLANE_FIELDS; k++) {
+        double x[SP_PLANES_MAX] = {0};
+        status = sp_h5_get(h, plane_field[k].name.path, SP_H5_F64, &shape, x, err);
+        for (int64_t i = 0; status == SP_OK && i < shape.dim[0]; i++)
+            memcpy((char *)s + plane_field[k].offset + (size_t)i * plane_field[k].stride, &x[i], sizeof *x);
+    }
+    if (status == SP_OK)
+        s->planes = (int32_t)shape.dim[0];
+    return status;
+}
+
+static sp_status get_moduli_3d(sp_h5 *h, sp_moduli *m, sp_error *err) {
+    sp_status status = SP_OK;
+    m->c13 = m->c23 = m->c44 = m->c55 = m->c66 = NAN;
+    for (int k = 0; status == SP_OK && k < MODULI_3D_FIELDS; k++)
+        if (sp_h5_has(h, moduli_3d_field[k].name.path))
+            status = sp_h5_get_fields(h, 1, &moduli_3d_field[k], m, err);
+    return status;
+}
+
+static sp_status get_method(sp_h5 *h, sp_signal_method *method, sp_error *err) {
+    char *text = NULL;
+    sp_status status = sp_h5_get_text(h, name_method.path, &text, err);
+    for (int k = 0; status == SP_OK && sp_signal_method_name((sp_signal_method)k); k++)
+        if (strcmp(text, sp_signal_method_name((sp_signal_method)k)) == 0)
+            *method = (sp_signal_method)k;
+    sp_free(text);
+    return status;
+}
+
+/* What the signal was made with; the signal itself stays in the file. */
+static sp_status get_made(sp_h5 *h, sp_signal_made *made, sp_error *err) {
+    sp_h5_shape shape;
+    sp_signal_made m = {.tolerance = NAN, .until = NAN};
+    sp_status status = sp_h5_find(h, name_t.path, SP_H5_F64, 1, &shape, err);
+    if (status != SP_OK)
+        return status;
+    double *t = sp_alloc((size_t)shape.dim[0], sizeof *t);
+    if (!t)
+        return sp_fail_memory(err, (size_t)shape.dim[0] * sizeof *t);
+    status = sp_h5_get(h, name_t.path, SP_H5_F64, &shape, t, err);
+    m.points = (int32_t)shape.dim[0];
+    if (status == SP_OK && m.points > 0)
+        m.until = t[m.points - 1];
+    sp_free(t);
+    if (status == SP_OK && sp_h5_has(h, tolerance_field.name.path))
+        status = sp_h5_get_fields(h, 1, &tolerance_field, &m, err);
+    if (status == SP_OK)
+        status = get_method(h, &m.method, err);
+    if (status == SP_OK)
+        *made = m;
+    return status;
+}
 
 static sp_status get_signal(sp_h5 *h, sp_signal *s, sp_error *err) {
     sp_h5_shape shape;
@@ -147,19 +284,13 @@ static sp_status get_signal(sp_h5 *h, sp_signal *s, sp_error *err) {
     s->f = sp_alloc((size_t)s->n, sizeof *s->f);
     if (!s->t || !s->f)
         return sp_fail_memory(err, (size_t)s->n * 16);
-    char *method = NULL;
     status = sp_h5_get(h, name_t.path, SP_H5_F64, &shape, s->t, err);
     if (status == SP_OK)
         status = sp_h5_get(h, name_f.path, SP_H5_F64, &shape, s->f, err);
     if (status == SP_OK)
         status = sp_h5_get_fields(h, SIGNAL_FIELDS, signal_field, s, err);
     if (status == SP_OK)
-        status = sp_h5_get_text(h, name_method.path, &method, err);
-    if (status == SP_OK)
-        for (int k = 0; sp_signal_method_name((sp_signal_method)k); k++)
-            if (strcmp(method, sp_signal_method_name((sp_signal_method)k)) == 0)
-                s->method = (sp_signal_method)k;
-    sp_free(method);
+        status = get_method(h, &s->method, err);
     return status;
 }
 
@@ -177,6 +308,8 @@ static sp_status get_name(sp_h5 *h, char name[SP_NAME_MAX], sp_error *err) {
 
 sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *err) {
     sp_record r = {.sample.moduli = {.error11 = NAN, .error12 = NAN, .error22 = NAN, .error33 = NAN}}; /* not kept */
+    for (int k = 0; k < SP_PROBES; k++)
+        r.sample.probe[k].error_along = r.sample.probe[k].error_shear = NAN;
     if (!sp_h5_has(h, "/results/sample"))
         return sp_h5_fail(h, err, SP_EFORMAT, "no group /results/sample: not a sample of a store");
     sp_status status = get_name(h, r.sample.name, err);
@@ -188,9 +321,16 @@ sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *er
         status = sp_h5_get_fields(h, part[k].count, part[k].field, (char *)&r.sample + part[k].offset, err);
         r.sample.have |= part[k].want;
     }
+    if (status == SP_OK && r.sample.have & SP_WANT_MODULI)
+        status = get_moduli_3d(h, &r.sample.moduli, err);
+    if (status == SP_OK && sp_h5_has(h, "/results/planes")) {
+        status = get_planes(h, &r.sample, err);
+        r.sample.have |= SP_WANT_PLANES;
+    }
     if (status == SP_OK && sp_h5_has(h, "/signal")) {
         r.sample.have |= SP_WANT_SIGNAL;
-        if (with_signal)
+        status = get_made(h, &r.sample.signal, err);
+        if (status == SP_OK && with_signal)
             status = get_signal(h, &r.signal, err);
     }
     if (status == SP_OK && with_signal && sp_h5_has(h, name_scene.path))

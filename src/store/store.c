@@ -151,10 +151,18 @@ static void keep_old_parts(sp_record *fresh, sp_record *old) {
         fresh->sample.statics = old->sample.statics;
     if (missing & SP_WANT_MODULI)
         fresh->sample.moduli = old->sample.moduli;
+    if (missing & SP_WANT_PROBES)
+        memcpy(fresh->sample.probe, old->sample.probe, sizeof fresh->sample.probe);
+    if (missing & SP_WANT_PLANES) {
+        fresh->sample.planes = old->sample.planes;
+        memcpy(fresh->sample.plane, old->sample.plane, sizeof fresh->sample.plane);
+        memcpy(fresh->sample.plane_front, old->sample.plane_front, sizeof fresh->sample.plane_front);
+    }
     fresh->sample.have |= missing;
     if (fresh->signal.n == 0) {
         sp_signal none = fresh->signal;
         fresh->signal = old->signal;
+        fresh->sample.signal = old->sample.signal;
         old->signal = none;
     }
     if (!fresh->scene) {
@@ -325,6 +333,27 @@ static sp_status read_sample(const sp_store *store, const char *name, sp_sample 
         sp_record_free(&r);
     }
     return status;
+}
+
+sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, sp_sample *sample, sp_signal *signal,
+                        sp_error *err) {
+    if (!is_name(name))
+        return sp_fail(err, SP_EINVAL, "sample name '%.40s': must be 32 hexadecimal digits", name);
+    if (!exists(store, name, "h5"))
+        return sp_fail(err, SP_EIO, "no finished sample %s in the store %s%s", name, store->dir,
+                       exists(store, name, "failed") ? ": it failed" : "");
+    sp_record r;
+    sp_status status = read_file(store, name, packing, signal != NULL, &r, err);
+    if (status != SP_OK)
+        return status;
+    if (sample)
+        *sample = r.sample;
+    if (signal) {
+        *signal = r.signal;
+        r.signal = sp_signal_none();
+    }
+    sp_record_free(&r);
+    return SP_OK;
 }
 
 sp_status sp_store_samples(sp_store *store, int64_t *n, sp_sample **samples, int64_t *bad, sp_error *err) {

@@ -47,6 +47,14 @@ sp_status sp_samples_sorted(int64_t n, const sp_sample *samples, const sp_sample
     return SP_OK;
 }
 
+static sp_status same_seed(const sp_sample *a, const sp_sample *b, sp_error *err) {
+    return sp_fail(
+        err, SP_EREFUSED,
+        "samples %s and %s have the same pressure %g, grains %d and seed %llu but come from different scenes: "
+        "choose those of one scene",
+        a->name, b->name, b->pressure, b->grains, (unsigned long long)b->seed);
+}
+
 sp_status sp_samples_alike(int64_t n, const sp_sample *const *s, sp_error *err) {
     for (int64_t k = 1; k < n; k++) {
         const sp_sample *a = s[0], *b = s[k];
@@ -57,12 +65,46 @@ sp_status sp_samples_alike(int64_t n, const sp_sample *const *s, sp_error *err) 
                            "averaged: choose those of one scene",
                            a->name, b->name, what, a->width, b->width, a->friction, b->friction);
         if (by_material_and_seed(s[k - 1], b) == 0)
-            return sp_fail(err, SP_EREFUSED,
-                           "samples %s and %s have the same pressure %g, grains %d and seed %llu but come from "
-                           "different scenes: choose those of one scene",
-                           s[k - 1]->name, b->name, b->pressure, b->grains, (unsigned long long)b->seed);
+            return same_seed(s[k - 1], b, err);
     }
     return SP_OK;
+}
+
+static int by_material(const sp_sample *a, const sp_sample *b) {
+    int order = ORDER(a->pressure, b->pressure);
+    order = order ? order : ORDER(a->friction, b->friction);
+    order = order ? order : ORDER(a->dim, b->dim);
+    return order ? order : ORDER(a->width, b->width);
+}
+
+static int over_heights(const void *left, const void *right) {
+    const sp_sample *a = *(const sp_sample *const *)left, *b = *(const sp_sample *const *)right;
+    int order = by_material(a, b);
+    order = order ? order : ORDER(a->grains, b->grains);
+    order = order ? order : ORDER(a->seed, b->seed);
+    return order ? order : strcmp(a->name, b->name);
+}
+
+sp_status sp_samples_by_material(int64_t n, const sp_sample **s, sp_error *err) {
+    qsort(s, (size_t)n, sizeof *s, over_heights);
+    for (int64_t k = 1; k < n; k++)
+        if (by_material_and_seed(s[k - 1], s[k]) == 0)
+            return same_seed(s[k - 1], s[k], err);
+    return SP_OK;
+}
+
+int64_t sp_material_end(int64_t n, const sp_sample *const *s, int64_t begin) {
+    int64_t k = begin + 1;
+    while (k < n && by_material(s[k], s[begin]) == 0)
+        k++;
+    return k;
+}
+
+int64_t sp_height_end(int64_t n, const sp_sample *const *s, int64_t begin) {
+    int64_t k = begin + 1;
+    while (k < n && by_material(s[k], s[begin]) == 0 && s[k]->grains == s[begin]->grains)
+        k++;
+    return k;
 }
 
 int64_t sp_pressure_end(int64_t n, const sp_sample *const *s, int64_t begin) {

@@ -18,6 +18,15 @@ int64_t sp_pressure_end(int64_t n, const sp_sample *const *s, int64_t begin);
 int64_t sp_size_end(int64_t n, const sp_sample *const *s, int64_t begin);
 int64_t sp_samples_failed(int64_t n, const sp_sample *const *s);
 
+/* Sorts further, for tables that have a row for each height: by pressure, friction, dimension and width, then grains
+ * and seed. SP_EREFUSED for a seed that is there twice. */
+sp_status sp_samples_by_material(int64_t n, const sp_sample **s, sp_error *err);
+/* End of the samples of s[begin]'s pressure, friction, dimension and width, of samples sorted so; of its grains too. */
+int64_t sp_material_end(int64_t n, const sp_sample *const *s, int64_t begin);
+int64_t sp_height_end(int64_t n, const sp_sample *const *s, int64_t begin);
+
+/* Fronts over distance: of whole boxes, a row a height; or of the planes inside of each size of box, a row a plane. */
+sp_status sp_scaling_fill(int64_t n, const sp_sample *const *s, bool planes, sp_table *t, sp_error *err);
 /* The table "ctof", which is more than means. */
 sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err);
 

@@ -71,16 +71,22 @@ typedef struct job {
     unsigned parts;
 } job;
 
-/* What the sink has. A stored file that cannot be read is made again. */
+/* What the sink has. A stored file that cannot be read is made again, and so are parts that the scene now describes
+ * otherwise. */
 static sp_status take_stored(run *r, job *j, sp_error *err) {
+    const sp_study_sink *sink = r->sink;
+    const unsigned want = sp_want_parts(j->scene.want), described = SP_WANT_SIGNAL | SP_WANT_PLANES;
     sp_status status = SP_OK;
-    j->done = r->sink->has && r->sink->has(r->sink->user, j->sample.name, j->scene.want);
-    if (!j->done && r->sink->load)
-        status = r->sink->load(r->sink->user, j->sample.name, &j->packing, &j->sample, &j->stored, err);
-    if (status == SP_EFORMAT)
-        status = SP_OK;
-    j->parts = j->stored ? j->sample.have : 0;
-    return status;
+    j->done = sink->has && sink->has(sink->user, j->sample.name, want);
+    if (!sink->load || (j->done && !(want & described)))
+        return SP_OK;
+    status = sink->load(sink->user, j->sample.name, &j->packing, &j->sample, &j->stored, err);
+    if (j->stored) {
+        j->parts = sp_sample_parts(&j->scene, &j->sample);
+        j->sample.have = j->parts;
+        j->done = j->done && (want & ~j->parts) == 0;
+    }
+    return status == SP_EFORMAT ? SP_OK : status;
 }
 
 /* A sample whose packing failed is saved as failed. Where only a part of the results failed, the packing and the other

@@ -1,22 +1,18 @@
 #include "study/sample.h"
 
 #include "base/base.h"
+#include "study/parts.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-/* Layers left out at both walls for bulk averages (Somfai et al. 2005, Table I) [d]. */
-static const double bulk_margin = 3;
 
 /* Measured at p = 1e-4 and 1e-7: marks within 2e-5 of those on a grid 20 times finer for packings of 200 and 600
  * grains, within 7e-5 for a chain of 3 grains, at a cost of 2 ms; twice the spacing makes the errors three to five
  * times larger. */
 double sp_front_spacing(double pressure) { return 0.1 * pow(pressure / 1e-4, -1.0 / 6); }
 
-sp_status sp_network_front(const sp_network *net, sp_source source, double window, sp_front *out, sp_error *err) {
-    if (!(window > 0))
-        window = sp_signal_window(net->box[net->dim - 1], net->pressure);
+sp_status sp_front_grid(const sp_network *net, sp_source source, double window, sp_signal_options *out, sp_error *err) {
     double points = ceil(window / sp_front_spacing(net->pressure)) + 1;
     if (!(points < 1e8))
         return sp_fail(err, SP_EINVAL, "front: window %g at pressure %g needs %g points, at most 1e8", window,
@@ -26,28 +22,23 @@ sp_status sp_network_front(const sp_network *net, sp_source source, double windo
     options.source = source;
     options.until = window;
     options.points = points > 3 ? (int32_t)points : 3;
+    *out = options;
+    return SP_OK;
+}
+
+sp_status sp_network_front(const sp_network *net, sp_source source, double window, sp_front *out, sp_error *err) {
+    if (!(window > 0))
+        window = sp_signal_window(net->box[net->dim - 1], net->pressure);
+    sp_signal_options options;
     sp_signal signal = sp_signal_none();
-    sp_status status = sp_signal_make(net, &options, &signal, err);
+    sp_status status = sp_front_grid(net, source, window, &options, err);
+    if (status == SP_OK)
+        status = sp_signal_make(net, &options, &signal, err);
     if (status == SP_OK) {
         sp_front_options rule = sp_front_options_default();
         status = sp_front_find(signal.n, signal.t, signal.f, &rule, out, err);
     }
     sp_signal_free(&signal);
-    return status;
-}
-
-/* The signal itself, as the scene describes it. */
-static sp_status wanted_signal(const sp_scene *scene, const sp_packing *packing, const sp_network *net, sp_signal *out,
-                               sp_error *err) {
-    sp_signal_options options = scene->signal;
-    if (!(options.until > 0))
-        options.until = sp_signal_window(net->box[net->dim - 1], net->pressure);
-    sp_signal signal = sp_signal_none();
-    sp_status status = sp_signal_dynamics(packing, net, &options, &signal, err); /* any method */
-    if (status == SP_OK) {
-        sp_signal_free(out);
-        *out = signal;
-    }
     return status;
 }
 
@@ -66,63 +57,22 @@ static sp_status describe(const sp_scene *scene, sp_sample *sample, sp_error *er
     return SP_OK;
 }
 
-/* The first reason stays; no memory is no property of the sample and goes before all others. */
-static void keep_first(sp_status status, const sp_error *reason, sp_status *first, sp_error *err) {
-    if (status == SP_OK || (*first != SP_OK && status != SP_ENOMEM))
-        return;
-    *first = status;
-    if (err)
-        *err = *reason;
-}
-
-/* Every part of `missing` from a packing. */
-static sp_status make_parts(const sp_scene *scene, unsigned missing, const sp_packing *packing, sp_sample *sample,
-                            sp_signal *signal, sp_error *err) {
-    sp_status first = SP_OK, status = SP_OK;
-    sp_error reason = {0};
-    sp_network net = sp_network_none();
-    bool network = false;
-    if (missing & (SP_WANT_CTOF | SP_WANT_MODULI | SP_WANT_SIGNAL)) {
-        status = sp_network_make(packing, &scene->network, &net, &reason);
-        keep_first(status, &reason, &first, err);
-        network = status == SP_OK;
-    }
-    if (missing & SP_WANT_STATICS) {
-        status = sp_statics_make(packing, scene->network.threshold, bulk_margin, &sample->statics, &reason);
-        sample->have |= status == SP_OK ? SP_WANT_STATICS : 0;
-        keep_first(status, &reason, &first, err);
-    }
-    if (network && missing & SP_WANT_CTOF) {
-        status = sp_network_front(&net, scene->signal.source, 0, &sample->front, &reason);
-        sample->have |= status == SP_OK ? SP_WANT_CTOF : 0;
-        keep_first(status, &reason, &first, err);
-    }
-    if (network && missing & SP_WANT_MODULI && sample->have & SP_WANT_STATICS) { /* Phi3* of Eq. (8) is there */
-        status = sp_moduli_make(&net, sample->statics.phi3s, &sample->moduli, &reason);
-        sample->have |= status == SP_OK ? SP_WANT_MODULI : 0;
-        keep_first(status, &reason, &first, err);
-    }
-    if (network && missing & SP_WANT_SIGNAL) {
-        status = wanted_signal(scene, packing, &net, signal, &reason);
-        sample->have |= status == SP_OK ? SP_WANT_SIGNAL : 0;
-        keep_first(status, &reason, &first, err);
-    }
-    sp_network_free(&net);
-    return first;
-}
-
 /* Whether a status says something about the sample, so that it would fail again. */
 static bool of_the_sample(sp_status status) {
     return status == SP_EFAILED || status == SP_EREFUSED || status == SP_EINVAL || status == SP_EFORMAT;
 }
 
-sp_status sp_sample_make_with(const sp_scene *scene, unsigned want, const sp_pack_hooks *hooks, sp_packing *packing,
+sp_status sp_sample_make_with(const sp_scene *given, unsigned want, const sp_pack_hooks *hooks, sp_packing *packing,
                               sp_sample *sample, sp_signal *signal, sp_error *err) {
     sp_error reason = {0};
-    sp_status status = describe(scene, sample, err);
+    sp_scene resolved = *given, *scene = &resolved;
+    sp_status status = sp_scene_resolve(scene, err);
+    if (status == SP_OK)
+        status = describe(scene, sample, err);
     if (status != SP_OK)
         return status;
-    if (want & SP_WANT_MODULI)
+    want = sp_want_parts(want);
+    if (want & (SP_WANT_MODULI | SP_WANT_PROBES)) /* which take their Phi3* from there */
         want |= SP_WANT_STATICS;
     if (packing->n == 0) {
         sample->have = 0;
@@ -133,12 +83,13 @@ sp_status sp_sample_make_with(const sp_scene *scene, unsigned want, const sp_pac
         status = sp_fail_memory(&reason, 4096);
     if (status == SP_OK) {
         sample->height = sp_packing_height(packing);
+        sample->have = sp_sample_parts(scene, sample);
         unsigned missing = want & ~sample->have;
         if (missing && signal) /* a file written anew keeps the signal that it had */
             missing |= sample->have & SP_WANT_SIGNAL;
         if (!signal)
             missing &= ~(unsigned)SP_WANT_SIGNAL;
-        status = make_parts(scene, missing, packing, sample, signal, &reason);
+        status = sp_parts_make(scene, missing, packing, sample, signal, &reason);
     }
     if (of_the_sample(status)) {
         sample->failed = true;

@@ -11,6 +11,8 @@ void sp_hash128(const void *data, size_t size, char text[SP_NAME_MAX]);
 
 /* Spacing of the times at which a signal is sampled for its front. */
 double sp_front_spacing(double pressure);
+/* A signal over the times 0 .. window on that grid. */
+sp_status sp_front_grid(const sp_network *net, sp_source source, double window, sp_signal_options *out, sp_error *err);
 /* The front of a network's signal on that grid, over the times 0 .. window (<= 0: sp_signal_window). */
 sp_status sp_network_front(const sp_network *net, sp_source source, double window, sp_front *out, sp_error *err);
 

@@ -37,10 +37,9 @@ sp_status sp_study_scene(const sp_scene *study, int64_t k, sp_scene *out, sp_err
         left /= sweep->count;
     }
     scene.pack.seed += (uint64_t)(k / combinations(study));
-    sp_status status = sp_pack_spec_check(&scene.pack, err);
-    if (status == SP_OK && scene.pack.dim == 3 && scene.want & SP_WANT_MODULI)
-        status =
-            sp_fail(err, SP_EINVAL, "study.want: moduli are of packing.dimension = 1 or 2, must not be wanted in 3");
+    sp_status status = sp_scene_resolve(&scene, err);
+    if (status == SP_OK)
+        status = sp_pack_spec_check(&scene.pack, err);
     if (status != SP_OK)
         return status;
     *out = scene;

@@ -6,37 +6,50 @@
 #include <stdio.h>
 #include <string.h>
 
-/* One averaged quantity: where a sample keeps it. */
+/* One averaged quantity: where a sample keeps it, and what it is divided by there. */
 typedef struct quantity {
-    const char *name, *unit;
-    size_t offset;
+    char name[24];
+    const char *unit;
+    size_t offset, over; /* over = 0: nothing */
 } quantity;
 
-enum { QUANTITIES_MAX = 11 };
+enum { QUANTITIES_MAX = 16 };
 
-static const quantity statics_columns[] = {{"Phi2", "", offsetof(sp_sample, statics.phi2)},
-                                           {"Phi3", "", offsetof(sp_sample, statics.phi3)},
-                                           {"Phi3s", "", offsetof(sp_sample, statics.phi3s)},
-                                           {"zs", "", offsetof(sp_sample, statics.zs)},
-                                           {"f0", "%", offsetof(sp_sample, statics.f0)},
-                                           {"N_over_p", "", offsetof(sp_sample, statics.n_over_p)},
-                                           {"Z2", "", offsetof(sp_sample, statics.z2)},
-                                           {"Z3", "", offsetof(sp_sample, statics.z3)},
-                                           {"F2", "", offsetof(sp_sample, statics.f2)},
-                                           {"F2S", "", offsetof(sp_sample, statics.f2s)},
-                                           {"s1_over_s2", "", offsetof(sp_sample, statics.s1_over_s2)}};
+static const quantity statics_columns[] = {{"Phi2", "", offsetof(sp_sample, statics.phi2), 0},
+                                           {"Phi3", "", offsetof(sp_sample, statics.phi3), 0},
+                                           {"Phi3s", "", offsetof(sp_sample, statics.phi3s), 0},
+                                           {"zs", "", offsetof(sp_sample, statics.zs), 0},
+                                           {"f0", "%", offsetof(sp_sample, statics.f0), 0},
+                                           {"N_over_p", "", offsetof(sp_sample, statics.n_over_p), 0},
+                                           {"Z2", "", offsetof(sp_sample, statics.z2), 0},
+                                           {"Z3", "", offsetof(sp_sample, statics.z3), 0},
+                                           {"F2", "", offsetof(sp_sample, statics.f2), 0},
+                                           {"F2S", "", offsetof(sp_sample, statics.f2s), 0},
+                                           {"s1_over_s2", "", offsetof(sp_sample, statics.s1_over_s2), 0}};
 
-static const quantity moduli_columns[] = {{"C11", "E*", offsetof(sp_sample, moduli.c11)},
-                                          {"C12", "E*", offsetof(sp_sample, moduli.c12)},
-                                          {"C22", "E*", offsetof(sp_sample, moduli.c22)},
-                                          {"C33", "E*", offsetof(sp_sample, moduli.c33)},
-                                          {"c_l", "sqrt(E* / rho)", offsetof(sp_sample, moduli.c_l)},
-                                          {"c_t", "sqrt(E* / rho)", offsetof(sp_sample, moduli.c_t)}};
+static const quantity moduli_columns[] = {{"C11", "E*", offsetof(sp_sample, moduli.c11), 0},
+                                          {"C12", "E*", offsetof(sp_sample, moduli.c12), 0},
+                                          {"C22", "E*", offsetof(sp_sample, moduli.c22), 0},
+                                          {"C33", "E*", offsetof(sp_sample, moduli.c33), 0},
+                                          {"c_l", "sqrt(E* / rho)", offsetof(sp_sample, moduli.c_l), 0},
+                                          {"c_t", "sqrt(E* / rho)", offsetof(sp_sample, moduli.c_t), 0}};
+
+/* What a sample in three dimensions has besides. */
+static const quantity moduli_3d_columns[] = {{"C13", "E*", offsetof(sp_sample, moduli.c13), 0},
+                                             {"C23", "E*", offsetof(sp_sample, moduli.c23), 0},
+                                             {"C44", "E*", offsetof(sp_sample, moduli.c44), 0},
+                                             {"C55", "E*", offsetof(sp_sample, moduli.c55), 0},
+                                             {"C66", "E*", offsetof(sp_sample, moduli.c66), 0}};
 
 static double value_of(const sp_sample *s, const quantity *q) {
-    double value;
+    double value, over = 1;
     memcpy(&value, (const char *)s + q->offset, sizeof value);
-    return value;
+    if (q->over > 0) {
+        memcpy(&over, (const char *)s + q->over, sizeof over);
+        if (!(s->have & SP_WANT_MODULI))
+            return NAN;
+    }
+    return value / over;
 }
 
 static sp_status means_columns(int quantities, const quantity *q, sp_table *t, sp_error *err) {
@@ -47,7 +60,7 @@ static sp_status means_columns(int quantities, const quantity *q, sp_table *t, s
         status = sp_table_add_column(t, "samples", "", SP_CELL_INTEGER, err);
     for (int k = 0; k < quantities && status == SP_OK; k++) {
         char name[40];
-        snprintf(name, sizeof name, "%s_sd", q[k].name);
+        snprintf(name, sizeof name, "%.23s_sd", q[k].name);
         status = sp_table_add_column(t, q[k].name, q[k].unit, SP_CELL_NUMBER, err);
         if (status == SP_OK)
             status = sp_table_add_column(t, name, q[k].unit, SP_CELL_NUMBER, err);
@@ -58,28 +71,63 @@ static sp_status means_columns(int quantities, const quantity *q, sp_table *t, s
 /* One row: mean and standard deviation of each quantity over the samples of one pressure and size that have `part`. */
 static sp_status add_means(int64_t n, const sp_sample *const *s, unsigned part, int quantities, const quantity *q,
                            double *x, sp_table *t, sp_error *err) {
-    double m[QUANTITIES_MAX] = {0}, sd[QUANTITIES_MAX] = {0};
+    double row[3 + 2 * QUANTITIES_MAX] = {s[0]->pressure, s[0]->grains};
     int64_t samples = 0;
-    for (int k = 0; k < quantities; k++) {
-        samples = 0;
-        for (int64_t i = 0; i < n; i++)
-            if (s[i]->have & part)
-                x[samples++] = value_of(s[i], &q[k]);
-        m[k] = sp_mean(samples, x);
-        sd[k] = sp_sd(samples, x);
-    }
+    for (int64_t i = 0; i < n; i++)
+        samples += (s[i]->have & part) != 0;
     if (samples == 0 && sp_samples_failed(n, s) == 0)
         return SP_OK; /* nobody asked for this part */
-    /* a table takes as many of these as it has columns */
-    return sp_table_add_row(t, err, s[0]->pressure, (int64_t)s[0]->grains, samples, m[0], sd[0], m[1], sd[1], m[2],
-                            sd[2], m[3], sd[3], m[4], sd[4], m[5], sd[5], m[6], sd[6], m[7], sd[7], m[8], sd[8], m[9],
-                            sd[9], m[10], sd[10]);
+    row[2] = (double)samples;
+    for (int k = 0; k < quantities; k++) {
+        int64_t count = 0;
+        for (int64_t i = 0; i < n; i++)
+            if (s[i]->have & part)
+                x[count++] = value_of(s[i], &q[k]);
+        row[3 + 2 * k] = sp_mean(count, x);
+        row[4 + 2 * k] = sp_sd(count, x);
+    }
+    return sp_table_add_numbers(t, row, err);
+}
+
+/* Ratios to the moduli of global strain (Tables IV and V of Somfai et al. 2005), then the apparent moduli. */
+static int probe_quantities(int dim, quantity *q) {
+    static const char *const probe[SP_PROBES] = {"sine1", "sine2", "lines1", "lines3"};
+    static const char *const modulus[2][2] = {{"C22", "C33"}, {"C33", "C55"}};
+    const bool space = dim == 3;
+    const size_t global[2] = {space ? offsetof(sp_sample, moduli.c33) : offsetof(sp_sample, moduli.c22),
+                              space ? offsetof(sp_sample, moduli.c55) : offsetof(sp_sample, moduli.c33)};
+    int count = 0;
+    for (int apparent = 0; apparent < 2; apparent++)
+        for (int k = 0; k < SP_PROBES; k++)
+            for (int shear = 0; shear < 2; shear++) {
+                quantity *one = &q[count++];
+                *one = (quantity){.unit = apparent ? "E*" : "", .over = apparent ? 0 : global[shear]};
+                snprintf(one->name, sizeof one->name, "%s_%s%s", modulus[space][shear], probe[k],
+                         apparent ? "" : "_ratio");
+                one->offset = offsetof(sp_sample, probe) + (size_t)k * sizeof(sp_probed) +
+                              (shear ? offsetof(sp_probed, shear) : offsetof(sp_probed, along));
+            }
+    return count;
+}
+
+/* The quantities of a part; samples of one table are of one dimension. */
+static int quantities_of(unsigned part, int dim, quantity *q) {
+    enum { STATICS = sizeof statics_columns / sizeof *q, MODULI = sizeof moduli_columns / sizeof *q };
+    enum { SPACE = sizeof moduli_3d_columns / sizeof *q };
+    switch (part) {
+    case SP_WANT_STATICS: memcpy(q, statics_columns, sizeof statics_columns); return STATICS;
+    case SP_WANT_PROBES: return probe_quantities(dim, q);
+    default:
+        memcpy(q, moduli_columns, sizeof moduli_columns);
+        if (dim == 3)
+            memcpy(q + MODULI, moduli_3d_columns, sizeof moduli_3d_columns);
+        return MODULI + (dim == 3 ? SPACE : 0);
+    }
 }
 
 static sp_status fill_means(int64_t n, const sp_sample *const *s, unsigned part, sp_table *t, sp_error *err) {
-    const quantity *q = part == SP_WANT_STATICS ? statics_columns : moduli_columns;
-    int quantities =
-        part == SP_WANT_STATICS ? (int)(sizeof statics_columns / sizeof *q) : (int)(sizeof moduli_columns / sizeof *q);
+    quantity q[QUANTITIES_MAX];
+    const int quantities = quantities_of(part, n > 0 ? s[0]->dim : 2, q);
     double *x = sp_alloc((size_t)n, sizeof *x);
     if (!x)
         return sp_fail_memory(err, (size_t)n * sizeof *x);
@@ -89,7 +137,9 @@ static sp_status fill_means(int64_t n, const sp_sample *const *s, unsigned part,
         status = add_means(end - begin, s + begin, part, quantities, q, x, t, err);
     }
     if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "means over the samples, and one standard deviation (_sd)");
+        status = sp_table_add_comment(
+            t, err, "means over the samples, and one standard deviation (_sd)%s",
+            part == SP_WANT_PROBES ? "; _ratio: over the moduli of global strain, sample by sample" : "");
     sp_free(x);
     return status;
 }
@@ -145,25 +195,31 @@ static sp_status fill_ensemble(int64_t n, const sp_sample *const *s, sp_table *t
 }
 
 sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples, sp_table *out, sp_error *err) {
-    static const char *const names[] = {"ctof", "statics", "moduli", "ensemble"};
-    enum { CTOF, STATICS, MODULI, ENSEMBLE, TABLES };
+    static const char *const names[] = {"ctof", "scaling", "planes", "statics", "moduli", "probes", "ensemble"};
+    enum { CTOF, SCALING, PLANES, STATICS, MODULI, PROBED, ENSEMBLE, TABLES };
     int which = 0;
     while (which < TABLES && strcmp(table, names[which]) != 0)
         which++;
     if (which == TABLES)
-        return sp_fail(err, SP_EINVAL, "table \"%s\": ctof, statics, moduli or ensemble", table);
+        return sp_fail(err, SP_EINVAL, "table \"%s\": ctof, scaling, planes, statics, moduli, probes or ensemble",
+                       table);
     sp_table t = sp_table_none();
     const sp_sample **sorted = NULL;
     int64_t count = 0;
     sp_status status = sp_samples_sorted(n, samples, &sorted, &count, err);
-    if (status == SP_OK && which != ENSEMBLE)
+    if (status == SP_OK && (which == SCALING || which == PLANES))
+        status = sp_samples_by_material(count, sorted, err);
+    else if (status == SP_OK && which != ENSEMBLE)
         status = sp_samples_alike(count, sorted, err);
     if (status != SP_OK)
         goto out;
     switch (which) {
     case CTOF: status = sp_ctof_fill(count, sorted, &t, err); break;
+    case SCALING:
+    case PLANES: status = sp_scaling_fill(count, sorted, which == PLANES, &t, err); break;
     case STATICS: status = fill_means(count, sorted, SP_WANT_STATICS, &t, err); break;
     case MODULI: status = fill_means(count, sorted, SP_WANT_MODULI, &t, err); break;
+    case PROBED: status = fill_means(count, sorted, SP_WANT_PROBES, &t, err); break;
     default: status = fill_ensemble(count, sorted, &t, err); break;
     }
     if (status == SP_OK)

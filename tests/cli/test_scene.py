@@ -12,12 +12,13 @@ import tempfile
 COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 SMALL = ["--set", "packing.grains=20", "--set", "packing.width=6"]
 KEYS = """packing.kind packing.file packing.content packing.dimension packing.grains packing.width packing.depth
-    packing.pressure packing.history packing.friction packing.poisson packing.sizes packing.diameter_min
+    packing.height packing.pressure packing.history packing.friction packing.poisson packing.sizes packing.diameter_min
     packing.diameter_max packing.large_fraction packing.size_spread packing.diameters packing.diameter_file
     packing.compression packing.protocol packing.reference packing.seed packing.tolerance packing.damping
     packing.piston_mass packing.gas_fraction packing.time_step packing.calm packing.drag packing.calm_damping
     packing.viscous_limit packing.max_steps network.threshold network.prestress network.sliding_free
-    signal.method signal.source signal.until signal.points signal.tolerance study.samples study.want study.sweep""".split()
+    signal.method signal.source signal.until signal.points signal.tolerance signal.planes study.samples
+    study.want study.sweep""".split()
 WRONG = [  # a scene, and what its reason must say
     ("packing = {\n  pressure = 10;\n};", "SCENE:2: packing.pressure = 10: must be 1e-10 .. 0.01"),
     ("packing = { pressure = 1e-12; };", "packing.pressure = 1e-12: must be"),

@@ -44,6 +44,77 @@ static void test_symmetric(void **state) {
     }
 }
 
+/* In space, too, with and without friction: all six strains, of which smooth walls allow four. */
+static void test_symmetric_3d(void **state) {
+    (void)state;
+    for (int smooth = 0; smooth < 2; smooth++) {
+        sp_packing p = scattered_packing(3, 5, smooth ? 0 : 0.5, 1);
+        sp_network net = network_of(&p, false);
+        sp_stiffness s;
+        sp_moduli m;
+        assert_ok(sp_stiffness_make(&net, &s, &err));
+        const double scale = s.c[STRAIN_33_3D][STRAIN_33_3D];
+        for (int a = 0; a < STRAINS_3D; a++) {
+            const bool grip = a == STRAIN_23_3D || a == STRAIN_13_3D;
+            if (smooth && grip) {
+                assert_true(isnan(s.c[a][a]) && isnan(s.c[a][0]) && isnan(s.c[0][a]) && isnan(s.wall[a]));
+                continue;
+            }
+            assert_true(s.error[a][a] < 1e-7 * scale);
+            /* smooth grains near cubic places hardly resist shear */
+            assert_true(s.c[a][a] > (smooth ? -s.error[a][a] : 0));
+            for (int b = 0; b < STRAINS_3D; b++)
+                if (!isnan(s.c[a][b])) {
+                    assert_close(s.c[a][b], s.c[b][a], 1e-12 * scale);
+                    assert_true(a == b || smooth || s.c[a][b] * s.c[a][b] < s.c[a][a] * s.c[b][b]);
+                }
+            assert_close(s.wall[a], s.c[STRAIN_33_3D][a], 1e-10 * scale);
+        }
+        assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
+        assert_true(m.c11 == s.c[0][0] && m.c22 == s.c[1][1] && m.c33 == s.c[2][2] && m.c66 == s.c[5][5]);
+        assert_true(m.c12 == s.c[0][1] && m.c13 == s.c[0][2] && m.c23 == s.c[1][2]);
+        assert_true(smooth ? isnan(m.c44) && isnan(m.c55) : m.c44 == s.c[3][3] && m.c55 == s.c[4][4]);
+        assert_relative(m.c_l * m.c_l * 0.5, m.c33, 1e-14);
+        if (!smooth)
+            assert_relative(m.c_t * m.c_t, m.c44 + m.c55, 1e-14);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* A sphere with two contacts turns about the line through them: K is singular, the moduli are those of a sphere that
+ * next to nothing more holds. */
+static void test_pivots(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(3, 4, 0.5, 1);
+    sp_network net = network_of(&p, false), held = network_of(&p, false);
+    sp_moduli m, expected;
+    int springs = 0, at = 0;
+    for (int k = 0; k < net.n_springs; k++) {
+        sp_spring *s = &held.springs[k];
+        if ((s->i == 21 || s->j == 21) && springs++ >= 2) {
+            s->kn *= 1e-9;
+            s->kt *= 1e-9;
+        } else {
+            net.length[at] = net.length[k];
+            net.springs[at++] = net.springs[k];
+        }
+    }
+    assert_true(springs > 2);
+    net.n_bulk -= net.n_springs - at;
+    net.n_springs = at;
+    assert_ok(sp_moduli_make(&held, 0.5, &expected, &err));
+    assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
+    assert_true(m.residual < 1e-8);
+    const double got[] = {m.c11, m.c33, m.c13, m.c55, m.c66};
+    const double want[] = {expected.c11, expected.c33, expected.c13, expected.c55, expected.c66};
+    for (int q = 0; q < 5; q++)
+        assert_relative(got[q], want[q], 1e-7);
+    sp_network_free(&held);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
 /* Table II at p = 1e-4: 600 grains, mean and standard deviation of 30 samples; ours is one. */
 static void test_table(void **state) {
     (void)state;
@@ -196,13 +267,8 @@ static void test_floppy_parts(void **state) {
 static void test_refusals(void **state) {
     (void)state;
     sp_moduli m;
-    sp_packing p = scattered_packing(3, 4, 0.5, 1);
+    sp_packing p = scattered_packing(2, 6, 0.5, 1);
     sp_network net = network_of(&p, false);
-    assert_fails(sp_moduli_make(&net, 0.5, &m, &err), SP_EREFUSED, "3D");
-    sp_network_free(&net);
-    sp_packing_free(&p);
-    p = scattered_packing(2, 6, 0.5, 1);
-    net = network_of(&p, false);
     net.n_springs = net.n_bulk; /* no walls */
     assert_fails(sp_moduli_make(&net, 0.5, &m, &err), SP_EREFUSED, "both walls");
     sp_network_free(&net);
@@ -237,7 +303,8 @@ static void test_refusals(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_symmetric),    cmocka_unit_test(test_table),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_symmetric),    cmocka_unit_test(test_symmetric_3d),
+                                       cmocka_unit_test(test_pivots),       cmocka_unit_test(test_table),
                                        cmocka_unit_test(test_chain),        cmocka_unit_test(test_square_lattice),
                                        cmocka_unit_test(test_frictionless), cmocka_unit_test(test_free_rotation),
                                        cmocka_unit_test(test_floppy_parts), cmocka_unit_test(test_refusals)};

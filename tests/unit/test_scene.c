@@ -151,6 +151,7 @@ static void text_reads_back_bit_for_bit(void **state) {
         s.pack.piston_mass = fmax(s.pack.piston_mass, 0.1);
         s.pack.gas_fraction = fmax(s.pack.gas_fraction, 0.01);
         s.pack.depth = 0;
+        s.height = 0; /* in place of the grains: test_scene_heights */
         s.pack.compression = draw(&random) % 2;
         s.pack.protocol = draw(&random) % 2;
         s.pack.sizes = draw(&random) % 2;
@@ -160,7 +161,10 @@ static void text_reads_back_bit_for_bit(void **state) {
         s.pack.width = 10 * s.pack.diameter_max;
         s.pack.dim = 2;
         s.pack.seed = draw(&random) >> 2;
-        s.want = (unsigned)draw(&random) % 16;
+        s.planes = (int32_t)(draw(&random) % (SP_PLANES_MAX + 1));
+        for (int k = 0; k < s.planes; k++)
+            s.plane[k] = (k > 0 ? s.plane[k - 1] : 0.01) + 100 * ((double)(draw(&random) >> 11) * 0x1p-53) + 1e-6;
+        s.want = (unsigned)draw(&random) % 128 & ~(unsigned)(s.planes > 0 ? 0 : SP_WANT_PLANES);
         s.network.prestress = draw(&random) & 1;
         s.signal.method = draw(&random) % 3;
         char *text = sp_scene_text(&s, NULL);
@@ -173,7 +177,8 @@ static void text_reads_back_bit_for_bit(void **state) {
             const double read = sp_field_is_number(&sp_fields[k]) ? sp_field_load(&back, &sp_fields[k]).real : 0;
             assert_memory_equal(&drawn, &read, sizeof drawn);
         }
-        assert_true(s.want == back.want && s.signal.method == back.signal.method);
+        assert_true(s.want == back.want && s.signal.method == back.signal.method && s.planes == back.planes);
+        assert_memory_equal(s.plane, back.plane, sizeof s.plane[0] * (size_t)s.planes);
         assert_true(s.pack.sizes == back.pack.sizes && s.pack.compression == back.pack.compression);
         assert_true(s.pack.protocol == back.pack.protocol && s.pack.reference == back.pack.reference);
         sp_free(again);

@@ -98,6 +98,77 @@ static void saves_and_loads(void **state) {
     sp_store_close(store);
 }
 
+/* Fronts at planes, probes, moduli in three dimensions and what a signal was made with: bit for bit, through joins with
+ * other parts too; and one sample by its name. */
+static void newer_parts_are_kept(void **state) {
+    (void)state;
+    sp_store *store;
+    assert_ok(sp_store_open(folder, true, &store, &err));
+    sp_study_sink sink = sp_store_sink(store);
+    sp_scene scene = sp_scene_default();
+    sp_packing p = fixture_packing(1, 3, 20), q = sp_packing_none();
+    uint64_t random = 77;
+    sp_sample s = example(SP_WANT_CTOF | SP_WANT_MODULI, 5), back;
+    s.have |= SP_WANT_PLANES | SP_WANT_PROBES | SP_WANT_SIGNAL;
+    s.planes = SP_PLANES_MAX;
+    for (int k = 0; k < SP_PLANES_MAX; k++) {
+        s.plane[k] = k + fixture_uniform(&random);
+        double *front = &s.plane_front[k].t10;
+        for (int i = 0; i < FRONT_NUMBERS; i++)
+            front[i] = k == 3 ? NAN : fixture_uniform(&random);
+    }
+    for (int k = 0; k < SP_PROBES; k++)
+        s.probe[k] = (sp_probed){fixture_uniform(&random), k == 2 ? NAN : fixture_uniform(&random), 1, 1};
+    s.signal = (sp_signal_made){.points = 3, .method = SP_SIGNAL_DENSE, .until = 2, .tolerance = 1e-7};
+    double t[3] = {0, 1, 2}, f[3] = {0, 0.5, -0.25};
+    sp_signal signal = {.n = 3, .t = t, .f = f, .method = SP_SIGNAL_DENSE};
+    assert_ok(sink.save(sink.user, &scene, &s, &p, &signal, &err));
+    sp_sample more = example(SP_WANT_STATICS, 5); /* joins what is there */
+    assert_ok(sink.save(sink.user, &scene, &more, NULL, NULL, &err));
+    sp_signal read = sp_signal_none();
+    assert_ok(sp_store_read(store, s.name, &q, &back, &read, &err));
+    assert_int_equal(back.have, s.have | SP_WANT_STATICS);
+    assert_same_packing(&p, &q);
+    assert_same_bits("moduli", &s.moduli.c11, &back.moduli.c11, MODULI_NUMBERS);
+    assert_int_equal(back.planes, SP_PLANES_MAX);
+    assert_same_bits("planes", s.plane, back.plane, SP_PLANES_MAX);
+    for (int k = 0; k < SP_PLANES_MAX; k++)
+        assert_same_bits("front", &s.plane_front[k].t10, &back.plane_front[k].t10, FRONT_NUMBERS);
+    for (int k = 0; k < SP_PROBES; k++)
+        assert_same_bits("probe", &s.probe[k].along, &back.probe[k].along, 2);
+    assert_true(isnan(back.probe[0].error_along)); /* is not kept */
+    assert_true(back.signal.points == 3 && back.signal.method == SP_SIGNAL_DENSE && back.signal.until == 2 &&
+                back.signal.tolerance == 1e-7);
+    assert_int_equal(read.n, 3);
+    assert_same_bits("signal", read.f, f, 3);
+    sp_signal_free(&read);
+    sp_packing_free(&q);
+    /* any of the three alone */
+    assert_ok(sp_store_read(store, s.name, NULL, &back, NULL, &err));
+    assert_ok(sp_store_read(store, s.name, NULL, NULL, &read, &err));
+    assert_int_equal(read.n, 3);
+    sp_signal_free(&read);
+    assert_ok(sp_store_read(store, s.name, &q, NULL, NULL, &err));
+    sp_packing_free(&q);
+    /* no planes inside is a result too, and no signal is n = 0 */
+    s = example(SP_WANT_PLANES, 6);
+    assert_ok(sink.save(sink.user, &scene, &s, &p, NULL, &err));
+    assert_ok(sp_store_read(store, s.name, NULL, &back, &read, &err));
+    assert_true(back.have == SP_WANT_PLANES && back.planes == 0 && read.n == 0 && isnan(back.moduli.error11));
+    sp_signal_free(&read);
+    /* none there */
+    assert_fails(sp_store_read(store, "0123", NULL, &back, NULL, &err), SP_EINVAL, "32 hexadecimal digits");
+    s = example(0, 9);
+    assert_fails(sp_store_read(store, s.name, NULL, &back, NULL, &err), SP_EIO, s.name);
+    s.failed = true;
+    snprintf(s.reason, sizeof s.reason, "no equilibrium");
+    assert_ok(sink.save(sink.user, NULL, &s, NULL, NULL, &err));
+    assert_fails(sp_store_read(store, s.name, NULL, &back, NULL, &err), SP_EIO, "it failed");
+    sp_packing_free(&p);
+    sp_scene_free(&scene);
+    sp_store_close(store);
+}
+
 static void failures_are_kept(void **state) {
     (void)state;
     sp_store *store;

@@ -1,0 +1,132 @@
+#include <sonopack/chain.h>
+
+#include "base/base.h"
+#include "numeric/airy.h"
+#include "numeric/bessel.h"
+
+#include <math.h>
+
+enum { LONGEST = 1000000000 };
+
+double sp_chain_omega(int64_t grains, int64_t n) { return 2 * sin((double)n * M_PI / (2 * ((double)grains + 1))); }
+
+/* Sines of angles that stay below pi/2 are right to rounding; pi less a rounded angle would not be. */
+double sp_chain_amplitude(int64_t grains, int64_t n, sp_chain_source source) {
+    const double length = (double)grains + 1, rest = length - (double)n;
+    if (source == SP_CHAIN_VELOCITY)
+        return 2 / length * sin(rest * M_PI / (2 * length)); /* cos(k/2) */
+    return 2 / length * sin(fmin((double)n, rest) * M_PI / length);
+}
+
+static sp_status check(int64_t grains, sp_chain_source source, int64_t n, const double *t, sp_error *err) {
+    if (grains < 1 || grains > LONGEST)
+        return sp_fail(err, SP_EINVAL, "chain: %lld grains; must be 1 .. %d", (long long)grains, (int)LONGEST);
+    if (source != SP_CHAIN_VELOCITY && source != SP_CHAIN_DISPLACEMENT)
+        return sp_fail(err, SP_EINVAL, "chain: source %d; must be a velocity or a displacement", (int)source);
+    for (int64_t l = 0; l < n; l++)
+        if (!(t[l] >= 0) || !isfinite(t[l]) || (l > 0 && t[l] < t[l - 1]))
+            return sp_fail(err, SP_EINVAL,
+                           "chain: time %lld is %.17g; must be a number >= 0 and not below the one before",
+                           (long long)l, t[l]);
+    return SP_OK;
+}
+
+/* In an infinite chain a displaced ball leaves J_2j(2t) at j balls from it (Neumann's generating function of the
+ * dispersion relation (C2)). Walls are images: balls displaced by +1 at 1 + 2qL and by -1 at -1 + 2qL, L = N + 1, for
+ * all q. At ball N they make, for M = L, 3L, 5L, ...,
+ *     F_B = sum_M  J_(2M-4) - 2 J_2M + J_(2M+4),
+ * and integrated over time, with d/dt J_m(2t) = J_(m-1) - J_(m+1),
+ *     F_A = sum_M  J_(2M-3) + J_(2M-1) - J_(2M+1) - J_(2M+3),   all at 2t.
+ * These coefficients are the moments of the chain with respect to Omega = 2, where a step of the recurrence carries a
+ * pulse by one ball. A wall spring K_wall = (1 - r) K adds r u_1 to a step of the first ball; with z a step, the wave
+ * it sends out becomes z/(1 - r z), what the last ball does of what arrives (1 - z^2)/(1 - r z), and an echo
+ * -z (z - r)/(1 - r z). All moments are those of
+ *     P(z)/((1 - r z)^2 - z^(2N) (z - r)^2),  P_A = z^(N-1) (1 + z)(1 - z^2),  P_B = z^(N-1) (1 - z^2)^2.
+ * c[k] belongs to J_2k (B) or J_(2k+1) (A). */
+static void moments(const sp_chain *chain, int64_t n, double *c) {
+    static const double kick[] = {1, 1, -1, -1, 0}, shift[] = {1, 0, -2, 0, 1};
+    const double *image = chain->source == SP_CHAIN_VELOCITY ? kick : shift;
+    const double r = 1 - chain->wall;
+    const int64_t first = chain->grains - 1, echo = 2 * chain->grains;
+    for (int64_t k = first; k < n; k++) {
+        double value = k - first < 5 ? image[k - first] : 0;
+        if (k > first)
+            value += 2 * r * c[k - 1];
+        if (k > first + 1)
+            value -= r * r * c[k - 2];
+        if (k >= first + echo)
+            value += r * r * c[k - echo];
+        if (k >= first + echo + 1)
+            value -= 2 * r * c[k - echo - 1];
+        if (k >= first + echo + 2)
+            value += c[k - echo - 2];
+        c[k] = value;
+    }
+}
+
+sp_status sp_chain_walls_signal(const sp_chain *chain, int64_t n, const double *t, double *f, sp_error *err) {
+    sp_status status = check(chain->grains, chain->source, n, t, err);
+    if (status == SP_OK && !(chain->wall > 0 && chain->wall < 2))
+        return sp_fail(err, SP_EINVAL, "chain: wall springs of %g times the others; must be above 0 and below 2",
+                       chain->wall);
+    if (status != SP_OK || n < 1)
+        return status;
+    if (!(8 * t[n - 1] < 0.5 * sp_memory_limit()))
+        return sp_fail(err, SP_EINVAL, "chain: t = %g; needs %.3g GB, of which there are %.3g", t[n - 1],
+                       8e-9 * t[n - 1], 0.5e-9 * sp_memory_limit());
+    const int64_t orders = sp_bessel_orders(2 * t[n - 1]) / 2 + 1;
+    double *c = sp_alloc((size_t)orders, sizeof *c), *x = sp_alloc((size_t)n, sizeof *x);
+    if (c && x) {
+        moments(chain, orders, c);
+        for (int64_t l = 0; l < n; l++)
+            x[l] = 2 * t[l];
+        sp_bessel_series(orders, c, chain->source == SP_CHAIN_VELOCITY, n, x, f);
+        for (int64_t l = 0; l < n; l++)
+            f[l] *= chain->wall;
+    } else {
+        status = sp_fail_memory(err, (size_t)(orders + n) * sizeof *c);
+    }
+    sp_free(x);
+    sp_free(c);
+    return status;
+}
+
+sp_status sp_chain_signal(int64_t grains, sp_chain_source source, int64_t n, const double *t, double *f,
+                          sp_error *err) {
+    const sp_chain chain = {.grains = grains, .source = source, .wall = 1};
+    return sp_chain_walls_signal(&chain, n, t, f, err);
+}
+
+sp_status sp_chain_modal(int64_t grains, sp_chain_source source, int64_t n, const double *t, double *f, sp_error *err) {
+    sp_status status = check(grains, source, n, t, err);
+    if (status != SP_OK)
+        return status;
+    for (int64_t l = 0; l < n; l++)
+        f[l] = 0;
+    for (int64_t k = 1; k <= grains; k++) {
+        const double omega = sp_chain_omega(grains, k), length = (double)grains + 1;
+        const double there = sin((double)(k < grains + 1 - k ? k : grains + 1 - k) * M_PI / length); /* |sin(k_n N)| */
+        const double a = sp_chain_amplitude(grains, k, source) * (k % 2 ? there : -there);
+        for (int64_t l = 0; l < n; l++)
+            f[l] += a * (source == SP_CHAIN_VELOCITY ? sin(omega * t[l]) : cos(omega * t[l]));
+    }
+    return SP_OK;
+}
+
+/* Near the front J_m(2t) -> t^(-1/3) Ai((m - 2t)/t^(1/3)), and the combinations of it above are its first and its
+ * second difference: -8 t^(-2/3) Ai' and 16 t^(-1) Ai''. */
+sp_status sp_chain_airy(int64_t grains, sp_chain_source source, int64_t n, const double *t, double *f, sp_error *err) {
+    sp_status status = check(grains, source, n, t, err);
+    if (status != SP_OK)
+        return status;
+    for (int64_t l = 0; l < n; l++) {
+        const double root = cbrt(t[l]), w = 2 * ((double)grains - t[l]) / root;
+        double ai, slope;
+        f[l] = 0;
+        if (!(w < 1e3)) /* exp(-2e4), and t = 0 */
+            continue;
+        sp_airy(w, &ai, &slope);
+        f[l] = source == SP_CHAIN_VELOCITY ? -8 * slope / (root * root) : 16 * w * ai / t[l];
+    }
+    return SP_OK;
+}

@@ -1,0 +1,184 @@
+/* sonopack reproduce: the tables and figures of a paper beside our own values. */
+#include "base/base.h"
+#include "cli/output.h"
+#include "scene/field.h"
+
+#include <sonopack/paper.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct arguments {
+    cli_common common;
+    const char *paper, *store;
+    int64_t samples, jobs; /* jobs 0: as many as --threads */
+    uint32_t items;
+    const char *figures;
+} arguments;
+
+enum { KEY_STORE = 0x1000, KEY_JOBS, KEY_ONLY, KEY_SAMPLES, KEY_FIGURES };
+
+static const struct argp_option options[] = {
+    {"store", KEY_STORE, "DIR", 0, "Folder of the samples; made if it is not there", 0},
+    {"only", KEY_ONLY, "ITEMS", 0, "These alone, as in fig6,table2 (all)", 0},
+    {"samples", KEY_SAMPLES, "N", 0, "Packings of each pressure (30, as in the paper)", 0},
+    {"jobs", KEY_JOBS, "N", 0, "Samples made at the same time (as many as there are cores)", 0},
+    {"figures", KEY_FIGURES, "svg|png|pdf", 0, "Form of the figures (svg)", 0},
+    {0}};
+static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
+
+/* "table1 .. table5, fig1 .. fig12" */
+static void item_names(char *text, size_t size) {
+    size_t used = 0;
+    for (int k = 0; sp_paper_item_name(k) && used < size; k++)
+        used += (size_t)snprintf(text + used, size - used, "%s%s", k > 0 ? ", " : "", sp_paper_item_name(k));
+}
+
+static sp_status find_item(const char *name, int *item, sp_error *err) {
+    int near = -1, least = 1000;
+    for (int k = 0; sp_paper_item_name(k); k++) {
+        const int distance = sp_edit_distance(name, sp_paper_item_name(k));
+        if (distance == 0) {
+            *item = k;
+            return SP_OK;
+        }
+        if (distance < least && sp_is_near(name, distance)) {
+            least = distance;
+            near = k;
+        }
+    }
+    char names[200];
+    item_names(names, sizeof names);
+    if (near >= 0)
+        return sp_fail(err, SP_EINVAL, "--only %.60s: did you mean %s? must be one of %s", name,
+                       sp_paper_item_name(near), names);
+    return sp_fail(err, SP_EINVAL, "--only %.60s: must be one of %s", name, names);
+}
+
+static sp_status read_items(const char *text, uint32_t *items, sp_error *err) {
+    for (;;) {
+        char name[64];
+        const size_t length = strcspn(text, ",");
+        int item = 0;
+        snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), text);
+        sp_status status = find_item(name, &item, err);
+        if (status != SP_OK)
+            return status;
+        *items |= UINT32_C(1) << item;
+        if (text[length] == '\0')
+            return SP_OK;
+        text += length + 1;
+    }
+}
+
+static void check_paper(const char *name, struct argp_state *state) {
+    if (strcmp(name, "somfai2005") == 0)
+        return;
+    if (strcmp(name, "blackmore2011") == 0)
+        argp_error(state, "blackmore2011: is not there yet; the paper that is: somfai2005");
+    else
+        argp_error(state, "paper %.60s: must be somfai2005", name);
+}
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+    arguments *a = state->input;
+    sp_error err;
+    sp_status status = SP_OK;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
+    case KEY_STORE: a->store = arg; return 0;
+    case KEY_JOBS: status = cli_integer("--jobs", arg, 1, 4096, &a->jobs, &err); break;
+    case KEY_SAMPLES: status = cli_integer("--samples", arg, 1, 100000, &a->samples, &err); break;
+    case KEY_ONLY: status = read_items(arg, &a->items, &err); break;
+    case KEY_FIGURES:
+        if (strcmp(arg, "svg") != 0 && strcmp(arg, "png") != 0 && strcmp(arg, "pdf") != 0)
+            argp_error(state, "--figures %.60s: must be svg, png or pdf", arg);
+        a->figures = arg;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (a->paper)
+            argp_error(state, "%.60s: one paper only", arg);
+        check_paper(arg, state);
+        a->paper = arg;
+        return 0;
+    case ARGP_KEY_END:
+        if (!a->paper)
+            argp_error(state, "no paper: must be somfai2005");
+        if (!a->store)
+            argp_error(state, "no store: must be --store DIR");
+        if (a->common.sets > 0)
+            argp_error(state, "--set: has no place here, the paper decides the scenes");
+        return 0;
+    default: return ARGP_ERR_UNKNOWN;
+    }
+    if (status != SP_OK)
+        argp_error(state, "%s", err.text);
+    return 0;
+}
+
+static const struct argp argp = {
+    options,
+    parse,
+    "somfai2005 --store DIR [-o FOLDER]",
+    "Makes the packings of a paper, and prints its values beside ours: E. Somfai, J.-N. Roux, J. H. Snoeijer, M. van "
+    "Hecke, W. van Saarloos, Phys. Rev. E 72, 021301 (2005).\v"
+    "A row a value: the paper's mean and standard deviation, our mean and its standard error, sigma, the difference "
+    "over one standard deviation, and the verdict: agrees within one, else deviates. With -o FOLDER there is a report, "
+    "report.html and report.md, with every figure, and the numbers of each beside it. Items: table1 to table5, fig1 to "
+    "fig12; only what they need is made. The samples stay in the store: an interrupted run goes on where it "
+    "stopped, and more samples or items add to what is there.\n\n"
+    "  sonopack reproduce somfai2005 --store results/somfai2005 -o results/report\n"
+    "  sonopack reproduce somfai2005 --only table2,fig8 --samples 4 --store results/somfai2005",
+    children,
+    NULL,
+    NULL};
+
+static bool watch(const sp_paper_progress *now, void *user) {
+    char text[120];
+    int length = snprintf(text, sizeof text, "%s, %lld samples made", now->what, (long long)now->computed);
+    if (now->failed > 0)
+        snprintf(text + length, sizeof text - (size_t)length, ", %lld failed", (long long)now->failed);
+    cli_progress(user, text, now->fraction, now->seconds_left);
+    return !cli_stopped();
+}
+
+static sp_status work(arguments *a, sp_store **store, sp_table *t, sp_error *err) {
+    sp_paper_options o = sp_paper_options_default();
+    const char *folder = a->common.output;
+    o.items = a->items;
+    o.samples = (int32_t)a->samples;
+    o.jobs = a->jobs > 0 ? (int)a->jobs : a->common.threads;
+    o.threads = a->common.threads;
+    o.folder = folder;
+    o.figures = a->figures;
+    sp_status status = folder ? sp_paper_check_folder(folder, a->common.force, err) : SP_OK;
+    if (status == SP_OK)
+        status = sp_store_open(a->store, true, store, err);
+    if (status != SP_OK)
+        return status;
+    cli_catch_signals();
+    status = sp_paper_reproduce(*store, &o, watch, (void *)(uintptr_t)&a->common, t, err);
+    cli_progress_end(&a->common);
+    if (status == SP_EINTERRUPTED)
+        return sp_fail(err, status, "stopped, all finished samples are in %s: the same command goes on", a->store);
+    if (status != SP_OK)
+        return status;
+    if (folder)
+        cli_note(&a->common, "report: %s/report.html", folder);
+    else if (t->rows == 0)
+        cli_note(&a->common, "no values to compare, and figures need -o FOLDER");
+    a->common.output = NULL; /* the folder has the report; the table is for stdout */
+    return cli_write_table(&a->common, t, err);
+}
+
+int cmd_reproduce(int argc, char **argv) {
+    arguments a = {.samples = sp_paper_options_default().samples, .figures = "svg"};
+    argp_parse(&argp, argc, argv, 0, NULL, &a);
+    sp_error err = {0};
+    sp_store *store = NULL;
+    sp_table t = sp_table_none();
+    sp_status status = work(&a, &store, &t, &err);
+    if (store)
+        sp_store_close(store);
+    sp_table_free(&t);
+    return status == SP_OK ? CLI_OK : cli_fail(&err);
+}

@@ -1,0 +1,12 @@
+#ifndef SP_CLI_PLOT_TABLES_H
+#define SP_CLI_PLOT_TABLES_H
+/* Figures of tables of fronts, of ensembles and of modes. */
+
+#include "cli/cli.h"
+
+typedef enum plot_tables_kind { PLOT_FRONTS = 0, PLOT_SCALING, PLOT_ENSEMBLE, PLOT_MODES } plot_tables_kind;
+/* sample: a signal for the inset of fronts, or NULL. */
+sp_status plot_tables_files(const cli_common *common, const sp_scene *scene, plot_tables_kind kind, const char *sample,
+                            int files, char **file, sp_error *err);
+
+#endif

@@ -1,0 +1,272 @@
+#include "elastic/equilibrium.h"
+
+#include "base/base.h"
+
+#include <math.h>
+#include <string.h>
+
+sp_equilibrium sp_equilibrium_none(void) { return (sp_equilibrium){0}; }
+
+void sp_equilibrium_free(sp_equilibrium *e) {
+    sp_cholesky_free(e->factor);
+    sp_sparse_free(&e->k);
+    sp_free(e->chosen);
+    sp_free(e->work);
+    *e = sp_equilibrium_none();
+}
+
+/* What the walls hold: count of springs and their tangential stiffness. */
+typedef struct hold {
+    int32_t springs;
+    double tangential;
+} hold;
+
+static hold wall_hold(const sp_network *net, int32_t wall) {
+    hold h = {0, 0};
+    for (int32_t k = net->n_bulk; k < net->n_springs; k++)
+        if (net->springs[k].j == wall) {
+            h.springs++;
+            h.tangential += net->springs[k].kt;
+        }
+    return h;
+}
+
+/* Whether springs lead from wall to wall: else there is nothing that could carry a stress. Grains reached from the
+ * bottom are marked until no more are found; a sweep in either direction follows long paths at once. */
+static sp_status check_connected(const sp_network *net, sp_error *err) {
+    uint8_t *reached = sp_alloc((size_t)net->n, 1);
+    bool more = true, top = false;
+    if (!reached)
+        return sp_fail_memory(err, (size_t)net->n);
+    while (more && !top) {
+        more = false;
+        for (int32_t pass = 0; pass < 2 * net->n_springs; pass++) {
+            const sp_spring *s = &net->springs[pass < net->n_springs ? pass : 2 * net->n_springs - 1 - pass];
+            if (s->kn == 0)
+                continue;
+            if (s->j == SP_TOP) {
+                top = top || reached[s->i];
+            } else if (s->j == SP_BOTTOM) {
+                more = more || !reached[s->i];
+                reached[s->i] = 1;
+            } else if (reached[s->i] != reached[s->j]) {
+                reached[s->i] = reached[s->j] = 1;
+                more = true;
+            }
+        }
+    }
+    sp_free(reached);
+    return top ? SP_OK : sp_fail(err, SP_EREFUSED, "the network is in parts: no springs lead from wall to wall");
+}
+
+static sp_status check_network(const sp_network *net, sp_error *err) {
+    const int32_t bottom = wall_hold(net, SP_BOTTOM).springs, top = wall_hold(net, SP_TOP).springs;
+    if (bottom == 0 || top == 0)
+        return sp_fail(err, SP_EREFUSED, "moduli need carrying contacts at both walls, there are %d and %d", bottom,
+                       top);
+    return check_connected(net, err);
+}
+
+static double largest_diagonal(const sp_sparse *k) {
+    double largest = 0;
+    for (int64_t c = 0; c < k->n; c++)
+        largest = fmax(largest, k->x[k->p[c]]);
+    return largest;
+}
+
+/* Degrees of freedom that no strain can move are held, which changes no force: rotations without any tangential
+ * spring, and, between walls that do not grip, the sideways position of the whole, at its first grain. */
+static void hold_free(const sp_equilibrium *e, sp_sparse *k) {
+    const sp_network *net = e->net;
+    const double largest = largest_diagonal(k);
+    for (int64_t c = 0; c < k->n; c++) {
+        const int64_t d = e->chosen ? e->chosen[c] : c;
+        if (d % net->dof >= net->dim && k->x[k->p[c]] == 0)
+            k->x[k->p[c]] = largest;
+    }
+    for (int a = 0; a < net->dim - 1 && e->slips && !e->chosen; a++)
+        k->x[k->p[a]] += largest;
+}
+
+/* Floppy parts (a cluster that hangs on too few contacts, say) make K singular. Yet K u = f can always be solved for a
+ * load f of spring forces, which does no work on a motion that stretches no spring, and the stress is that of any of
+ * the solutions. So the diagonal is raised by this fraction, and refinement takes the change out again. */
+static const double RAISE = 1e-9;
+
+static void raise_diagonal(const sp_equilibrium *e, sp_sparse *k) {
+    const double largest = largest_diagonal(k);
+    for (int64_t c = 0; c < k->n; c++) {
+        double *x = &k->x[k->p[c]];
+        if (e->raised == RAISE_DIAGONAL)
+            *x += RAISE * (*x > 0 ? *x : largest);
+        else if (e->raised == RAISE_MASS)
+            *x += e->raise * e->net->mass[e->chosen ? e->chosen[c] : c];
+    }
+}
+
+/* The factor of K with what is held and raised; K's diagonal is as before afterwards. */
+static sp_status factorize(sp_equilibrium *e, sp_error *err) {
+    sp_sparse *k = &e->k;
+    double *diagonal = e->work;
+    for (int64_t c = 0; c < k->n; c++)
+        diagonal[c] = k->x[k->p[c]];
+    hold_free(e, k);
+    raise_diagonal(e, k);
+    sp_status status = SP_OK;
+    if (!e->factor)
+        status = sp_cholesky_analyze(k, &e->factor, err);
+    if (status == SP_OK)
+        status = sp_cholesky_factorize(e->factor, k, err);
+    for (int64_t c = 0; c < k->n; c++)
+        k->x[k->p[c]] = diagonal[c];
+    return status;
+}
+
+/* A sphere with two contacts turns about the line through them. */
+static sp_status has_pivots(const sp_network *net, bool *out, sp_error *err) {
+    *out = false;
+    if (net->dof < 6)
+        return SP_OK;
+    uint8_t *count = sp_alloc((size_t)net->n, 1);
+    if (!count)
+        return sp_fail_memory(err, (size_t)net->n);
+    for (int32_t k = 0; k < net->n_springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        count[s->i] = (uint8_t)(count[s->i] < 3 ? count[s->i] + 1 : 3);
+        if (s->j >= 0)
+            count[s->j] = (uint8_t)(count[s->j] < 3 ? count[s->j] + 1 : 3);
+    }
+    for (int32_t i = 0; i < net->n; i++)
+        *out = *out || count[i] < 3;
+    sp_free(count);
+    return SP_OK;
+}
+
+/* K as it is if that is regular, else raised. */
+static sp_status factorize_any(sp_equilibrium *e, sp_error *err) {
+    bool pivots;
+    sp_status status = has_pivots(e->net, &pivots, err);
+    if (status == SP_OK && !pivots)
+        status = factorize(e, err);
+    if ((status == SP_OK && pivots) || status == SP_EREFUSED) {
+        e->raised = RAISE_DIAGONAL;
+        status = factorize(e, err);
+    }
+    return status;
+}
+
+static sp_status allocate(sp_equilibrium *e, sp_error *err) {
+    const size_t size = 2 * (size_t)sp_network_dofs(e->net) + 2 * (size_t)e->count;
+    e->work = sp_alloc(size, sizeof *e->work);
+    return e->work ? SP_OK : sp_fail_memory(err, size * sizeof *e->work);
+}
+
+sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_error *err) {
+    sp_equilibrium e = {.net = net, .count = sp_network_dofs(net)};
+    sp_status status = check_network(net, err);
+    if (status != SP_OK)
+        return status;
+    const double bottom = wall_hold(net, SP_BOTTOM).tangential, top = wall_hold(net, SP_TOP).tangential;
+    e.slips = net->dim > 1 && bottom == 0 && top == 0;
+    e.grips = bottom > 0 && top > 0;
+    status = sp_network_assemble(net, &e.k, err);
+    if (status == SP_OK)
+        status = allocate(&e, err);
+    if (status == SP_OK)
+        status = factorize_any(&e, err);
+    if (status == SP_OK)
+        *out = e;
+    else
+        sp_equilibrium_free(&e);
+    return status;
+}
+
+sp_status sp_equilibrium_raise(sp_equilibrium *e, equilibrium_raise raise, sp_error *err) {
+    double fastest = 0;
+    for (int64_t c = 0; c < e->k.n; c++)
+        fastest = fmax(fastest, e->k.x[e->k.p[c]] / e->net->mass[e->chosen ? e->chosen[c] : c]);
+    e->raised = raise;
+    e->raise = RAISE * fastest;
+    return factorize(e, err);
+}
+
+/* The rows and columns of K that are not held. */
+static sp_status choose(const sp_sparse *k, const uint8_t *held, sp_equilibrium *e, sp_error *err) {
+    const size_t n = (size_t)k->n, entries = (size_t)k->p[k->n];
+    int64_t *to = sp_alloc(n, sizeof *to), at = 0;
+    e->chosen = sp_alloc(n, sizeof *e->chosen);
+    e->k.p = sp_alloc(n + 1, sizeof *e->k.p);
+    e->k.i = sp_alloc(entries, sizeof *e->k.i);
+    e->k.x = sp_alloc(entries, sizeof *e->k.x);
+    if (!to || !e->chosen || !e->k.p || !e->k.i || !e->k.x) {
+        sp_free(to);
+        return sp_fail_memory(err, 24 * n + 16 * entries);
+    }
+    for (int64_t c = 0; c < k->n; c++)
+        if (!held[c]) {
+            to[c] = e->count;
+            e->chosen[e->count++] = c;
+        }
+    for (int64_t c = 0; c < e->count; c++) {
+        const int64_t column = e->chosen[c];
+        for (int64_t q = k->p[column]; q < k->p[column + 1]; q++)
+            if (!held[k->i[q]]) {
+                e->k.i[at] = to[k->i[q]];
+                e->k.x[at++] = k->x[q];
+            }
+        e->k.p[c + 1] = at;
+    }
+    e->k.n = e->count;
+    sp_free(to);
+    return SP_OK;
+}
+
+sp_status sp_equilibrium_hold(const sp_equilibrium *whole, const uint8_t *held, sp_equilibrium *out, sp_error *err) {
+    sp_equilibrium e = {.net = whole->net, .slips = whole->slips, .grips = whole->grips};
+    sp_status status = choose(&whole->k, held, &e, err);
+    if (status == SP_OK)
+        status = allocate(&e, err);
+    if (status == SP_OK && e.count > 0)
+        status = factorize_any(&e, err);
+    if (status == SP_OK)
+        *out = e;
+    else
+        sp_equilibrium_free(&e);
+    return status;
+}
+
+double sp_equilibrium_rest(sp_equilibrium *e, const double *f, const double *u, double *rest) {
+    const int64_t n = sp_network_dofs(e->net);
+    double *ku = e->work, sum = 0;
+    sp_network_apply(e->net, u, ku);
+    if (e->chosen)
+        memset(rest, 0, (size_t)n * sizeof *rest);
+    for (int64_t c = 0; c < e->count; c++) {
+        const int64_t d = e->chosen ? e->chosen[c] : c;
+        rest[d] = f[d] - ku[d];
+        sum += rest[d] * rest[d];
+    }
+    return sqrt(sum);
+}
+
+sp_status sp_equilibrium_solve(sp_equilibrium *e, const double *f, double *u, double *residual, sp_error *err) {
+    enum { PASSES_MAX = 60 };
+    const int64_t n = sp_network_dofs(e->net);
+    double *rest = e->work + n, *right = e->work + 2 * n, *more = right + e->count, before;
+    int pass = 0;
+    *residual = sp_equilibrium_rest(e, f, u, rest);
+    if (e->count == 0)
+        return SP_OK;
+    do {
+        before = *residual;
+        for (int64_t c = 0; c < e->count; c++)
+            right[c] = rest[e->chosen ? e->chosen[c] : c];
+        sp_status status = sp_cholesky_solve(e->factor, 1, right, more, err);
+        if (status != SP_OK)
+            return status;
+        for (int64_t c = 0; c < e->count; c++)
+            u[e->chosen ? e->chosen[c] : c] += more[c];
+        *residual = sp_equilibrium_rest(e, f, u, rest);
+    } while (++pass < 2 || (*residual < 0.5 * before && pass < PASSES_MAX));
+    return SP_OK;
+}

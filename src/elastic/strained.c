@@ -1,0 +1,320 @@
+/* Moduli of finite strain: the packing as it is, not its springs, at equilibrium between walls that have moved. */
+#include "base/base.h"
+#include "elastic/moduli.h"
+#include "elastic/strain.h"
+#include "packing/contact.h"
+#include "packing/vibrate.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Where the residual of every strain must come to, over the load; Newton's steps go on to a hundredth of it while they
+ * get on well. */
+static const double TOLERANCE = 1e-9;
+
+sp_strained_options sp_strained_options_default(void) { return (sp_strained_options){.strain = 1e-6, .turning = true}; }
+
+typedef struct run {
+    const sp_packing *p;
+    const sp_network *net;
+    sp_equilibrium rest; /* springs at rest */
+    sp_equilibrium now;  /* those of the contacts as they are now, where these are too far from rest */
+    sp_network springs;  /* of `now`; springs and length are its own */
+    int32_t *row;        /* [p->n] grains of the network, from 1; 0: rattlers */
+    vibration m;
+    double strain, load;             /* extension positive; size of what it loads the grains with */
+    double part;                     /* of its stiffness that a contact which slides or opens keeps in Newton's steps */
+    double *u, *more, *force, *best; /* [dofs] */
+    sp_strained out;
+} run;
+
+static int column(const sp_network *net, int d) { return d < net->dim || net->dim == 3 ? d : 5; }
+
+static double length_of(int64_t n, const double *x) {
+    double sum = 0;
+    for (int64_t k = 0; k < n; k++)
+        sum += x[k] * x[k];
+    return sqrt(sum);
+}
+
+/* Contacts and gaps between grains of the network, the walls included; what touches a little but is no spring is left
+ * out, as there. */
+static sp_status choose_contacts(run *r, sp_error *err) {
+    const sp_network *net = r->net;
+    vibration *m = &r->m;
+    uint8_t *spring = sp_alloc((size_t)r->p->n_contacts, 1);
+    int32_t kept = 0;
+    r->row = sp_alloc((size_t)r->p->n, sizeof *r->row);
+    sp_status status = spring && r->row ? SP_OK : sp_fail_memory(err, (size_t)r->p->n_contacts + 4 * (size_t)r->p->n);
+    for (int32_t k = 0; k < net->n_springs && status == SP_OK; k++)
+        spring[net->springs[k].contact] = 1;
+    for (int32_t k = 0; k < net->n && status == SP_OK; k++)
+        r->row[net->grain[k]] = k + 1;
+    for (int32_t k = 0; k < m->count && status == SP_OK; k++) {
+        const touching *t = &m->touch[k];
+        if (k < r->p->n_contacts ? spring[k] : r->row[t->i] && (t->j < 0 || r->row[t->j]))
+            m->touch[kept++] = *t;
+    }
+    if (status == SP_OK)
+        m->count = kept;
+    sp_free(spring);
+    return status;
+}
+
+static void set_strain(run *r, int strain) {
+    for (int32_t k = 0; k < r->m.count; k++) {
+        touching *t = &r->m.touch[k];
+        double gap[3];
+        sp_strain_gap(r->net, strain, t->n0, t->length, gap);
+        for (int a = 0; a < 3; a++)
+            t->shift[a] = r->strain * gap[a];
+    }
+}
+
+/* Forces on the grains at the displacement u; their size is returned. */
+static double forces(run *r, const double *u, double *force) {
+    const sp_network *net = r->net;
+    vibration_rest(&r->m);
+    for (int32_t i = 0; i < net->n; i++)
+        for (int d = 0; d < net->dof; d++)
+            r->m.u[6 * (int64_t)net->grain[i] + column(net, d)] = u[(int64_t)i * net->dof + d];
+    vibration_begin(&r->m);
+    for (int32_t i = 0; i < net->n; i++)
+        for (int d = 0; d < net->dof; d++) {
+            const int64_t k = (int64_t)i * net->dof + d;
+            force[k] = r->m.a[6 * (int64_t)net->grain[i] + column(net, d)] * net->mass[k];
+        }
+    return length_of(sp_network_dofs(net), force);
+}
+
+static bool slides(const vibration *m, const touching *t) {
+    double size = 0;
+    for (int a = 0; a < 3; a++)
+        size += (t->ft0[a] + t->ft[a]) * (t->ft0[a] + t->ft[a]);
+    return m->turns && t->kn > 0 && sqrt(size) >= m->friction * (t->fn0 + t->fn) * (1 - 1e-12);
+}
+
+/* The spring of a contact as it is now. Contacts that slide keep a part of their tangential stiffness, and those that
+ * are open a part of all: a step must not run away. */
+static void add_spring(run *r, int32_t k) {
+    const double part = r->part;
+    sp_network *net = &r->springs;
+    const touching *t = &r->m.touch[k];
+    const double rest = t->overlap > 0 ? contact_normal_stiffness(t->e, t->overlap) : 0;
+    const double side = r->m.turns ? 0.5 * r->m.eta * (rest + t->kn) : 0;
+    sp_spring s = {.i = r->row[t->i] - 1, .j = t->j < 0 ? t->j : r->row[t->j] - 1, .ri = t->arm_i, .rj = t->arm_j};
+    s.kn = t->kn > 0 ? t->kn : part * rest;
+    s.kt = t->kn > 0 && !slides(&r->m, t) ? side : part * side;
+    for (int a = 0; a < 3; a++)
+        s.n[a] = r->m.straight ? t->n0[a] : t->n[a];
+    net->length[net->n_springs] = t->length;
+    net->springs[net->n_springs++] = s;
+}
+
+static sp_status factor_now(run *r, sp_error *err) {
+    sp_equilibrium e = sp_equilibrium_none();
+    r->springs.n_springs = 0;
+    for (int walls = 0; walls < 2; walls++) {
+        for (int32_t k = 0; k < r->m.count; k++)
+            if ((r->m.touch[k].j < 0) == walls && (r->m.touch[k].overlap > 0 || r->m.touch[k].kn > 0))
+                add_spring(r, k);
+        if (!walls)
+            r->springs.n_bulk = r->springs.n_springs;
+    }
+    sp_status status = sp_equilibrium_make(&r->springs, &e, err);
+    if (status == SP_OK) {
+        sp_equilibrium_free(&r->now);
+        r->now = e;
+        r->out.factors++;
+    }
+    return status;
+}
+
+/* One step of `taken` times more, shorter while it makes things much worse; the size of the forces is returned. */
+static double take_step(run *r, double taken, double before) {
+    const int64_t n = sp_network_dofs(r->net);
+    double size;
+    for (int64_t k = 0; k < n; k++)
+        r->u[k] += taken * r->more[k];
+    size = forces(r, r->u, r->force);
+    for (int turn = 0; turn < 6 && !(size < 2 * before); turn++) {
+        taken *= 0.5;
+        for (int64_t k = 0; k < n; k++)
+            r->u[k] -= taken * r->more[k];
+        size = forces(r, r->u, r->force);
+    }
+    return size;
+}
+
+/* Contacts that stick and slide by turns, or open and close, can make steps go round in circles. After `stalled` steps
+ * without progress other lengths and parts are tried. */
+static double unstick(run *r, int stalled) {
+    static const double part[] = {0.03, 0.1, 0.01, 0.3};
+    r->part = part[stalled / 12 % 4];
+    return 1.0 / (1 << stalled / 6 % 3);
+}
+
+/* Newton's steps from the linear answer, least residual kept. */
+static sp_status equilibrate(run *r, double *residual, sp_error *err) {
+    enum { STEPS_MAX = 500 };
+    const int64_t n = sp_network_dofs(r->net);
+    sp_equilibrium *factor = &r->rest;
+    double size = forces(r, r->u, r->force), least = size;
+    int stalled = 0;
+    memcpy(r->best, r->u, (size_t)n * sizeof *r->u);
+    for (int step = 0; step < STEPS_MAX && size > 0.01 * TOLERANCE * r->load; step++) {
+        const double before = size, taken = unstick(r, stalled);
+        sp_status status = sp_cholesky_solve(factor->factor, 1, r->force, r->more, err);
+        if (status != SP_OK)
+            return status;
+        r->out.solves++;
+        size = take_step(r, taken, before);
+        stalled = size < 0.9 * least ? 0 : stalled + 1;
+        if (size < least) {
+            least = size;
+            memcpy(r->best, r->u, (size_t)n * sizeof *r->u);
+        }
+        if (!isfinite(size) || (size > 0.3 * before && least < TOLERANCE * r->load))
+            break;
+        if (size > 0.3 * before) {
+            status = factor_now(r, err);
+            if (status != SP_OK)
+                return status;
+            factor = &r->now;
+        }
+    }
+    *residual = forces(r, r->best, r->force) / r->load;
+    return SP_OK;
+}
+
+static void count_contacts(run *r) {
+    int32_t sliding = 0, lost = 0, made = 0;
+    for (int32_t k = 0; k < r->m.count; k++) {
+        const touching *t = &r->m.touch[k];
+        sliding += slides(&r->m, t);
+        lost += t->overlap > 0 && t->kn == 0;
+        made += t->overlap <= 0 && t->kn > 0;
+    }
+    r->out.sliding = sliding > r->out.sliding ? sliding : r->out.sliding;
+    r->out.lost = lost > r->out.lost ? lost : r->out.lost;
+    r->out.made = made > r->out.made ? made : r->out.made;
+}
+
+/* Change of the stress, one column of C. The force on i pulls it to j where a contact is stretched. */
+static void put_stress(const run *r, int strain, sp_stiffness *c) {
+    const int strains = sp_strain_count(r->net);
+    double sum[STRAINS_3D] = {0};
+    for (int32_t k = 0; k < r->m.count; k++) {
+        const touching *t = &r->m.touch[k];
+        for (int b = 0; b < strains; b++) {
+            double gap[3];
+            sp_strain_gap(r->net, b, t->n0, t->length, gap);
+            for (int a = 0; a < 3; a++)
+                sum[b] += t->force[a] * gap[a];
+        }
+    }
+    for (int b = 0; b < strains; b++)
+        c->c[b][strain] = sum[b] / (r->strain * sp_strain_volume(r->net));
+}
+
+/* Whether contacts that are not watched could have closed. */
+static bool within_reach(const run *r) {
+    double worst = 0, shift = 0;
+    for (int32_t i = 0; i < r->net->n; i++)
+        worst = fmax(worst, length_of(r->net->dim, r->best + (int64_t)i * r->net->dof));
+    for (int32_t k = 0; k < r->m.count; k++)
+        shift = fmax(shift, fabs(r->strain) * r->m.touch[k].length);
+    return 2 * worst + shift <= r->m.reach;
+}
+
+static sp_status strain_one(run *r, int strain, sp_stiffness *c, sp_error *err) {
+    const int64_t n = sp_network_dofs(r->net);
+    double residual = 0;
+    sp_strain_load(r->net, strain, r->force);
+    memset(r->u, 0, (size_t)n * sizeof *r->u);
+    sp_status status = sp_equilibrium_solve(&r->rest, r->force, r->u, &residual, err);
+    if (status != SP_OK)
+        return status;
+    for (int64_t k = 0; k < n; k++)
+        r->u[k] *= r->strain;
+    r->load = fabs(r->strain) * sp_strain_load(r->net, strain, r->force);
+    set_strain(r, strain);
+    status = equilibrate(r, &residual, err);
+    if (status != SP_OK)
+        return status;
+    if (!(residual < TOLERANCE))
+        return sp_fail(
+            err, SP_EREFUSED,
+            "strain %g: no equilibrium found, residual %.3g, must be below %g: the packing yields, a smaller "
+            "strain may not",
+            -r->strain, residual, TOLERANCE);
+    if (!within_reach(r))
+        return sp_fail(err, SP_EREFUSED, "strain %g: grains move by more than their neighbourhood, must be smaller",
+                       -r->strain);
+    r->out.residual = fmax(r->out.residual, residual);
+    count_contacts(r);
+    put_stress(r, strain, c);
+    return SP_OK;
+}
+
+static sp_status strain_all(run *r, sp_stiffness *c, sp_error *err) {
+    sp_status status = SP_OK;
+    for (int a = 0; a < STRAINS_3D; a++)
+        for (int b = 0; b < STRAINS_3D; b++)
+            c->c[a][b] = c->error[a][b] = NAN;
+    for (int a = 0; a < sp_strain_count(r->net) && status == SP_OK; a++)
+        if (sp_strain_allowed(r->net, a, r->rest.grips))
+            status = strain_one(r, a, c, err);
+    return status;
+}
+
+static sp_status open_run(run *r, sp_error *err) {
+    const size_t n = (size_t)sp_network_dofs(r->net);
+    sp_status status = sp_equilibrium_make(r->net, &r->rest, err);
+    if (status == SP_OK)
+        status = vibration_make(r->p, 0, &r->m, err);
+    if (status == SP_OK)
+        status = choose_contacts(r, err);
+    if (status != SP_OK)
+        return status;
+    r->springs = *r->net;
+    r->springs.springs = NULL;
+    r->springs.length = NULL;
+    r->springs.springs = sp_alloc((size_t)r->m.count, sizeof *r->springs.springs);
+    r->springs.length = sp_alloc((size_t)r->m.count, sizeof *r->springs.length);
+    r->u = sp_alloc(4 * n, sizeof *r->u);
+    if (!r->springs.springs || !r->springs.length || !r->u)
+        return sp_fail_memory(err, 4 * n * sizeof *r->u);
+    r->more = r->u + n;
+    r->force = r->u + 2 * n;
+    r->best = r->u + 3 * n;
+    return SP_OK;
+}
+
+sp_status sp_moduli_strained(const sp_packing *p, const sp_network *net, double phi3s, const sp_strained_options *opt,
+                             sp_strained *out, sp_error *err) {
+    if (!(fabs(opt->strain) >= 1e-12 && fabs(opt->strain) <= 0.01))
+        return sp_fail(err, SP_EINVAL, "strain %g, must be of size 1e-12 .. 0.01", opt->strain);
+    if (net->n_all != p->n)
+        return sp_fail(err, SP_EINVAL, "network of a packing of %d grains, must be of this one, of %d", net->n_all,
+                       p->n);
+    run r = {.p = p, .net = net, .strain = -opt->strain};
+    sp_stiffness c = {0};
+    sp_status status = open_run(&r, err);
+    r.m.straight = !opt->turning;
+    if (status == SP_OK)
+        status = strain_all(&r, &c, err);
+    if (status == SP_OK) {
+        c.residual = r.out.residual;
+        sp_moduli_put(net, phi3s, &c, &r.out.moduli);
+        *out = r.out;
+    }
+    sp_free(r.springs.springs);
+    sp_free(r.springs.length);
+    sp_free(r.row);
+    sp_free(r.u);
+    vibration_free(&r.m);
+    sp_equilibrium_free(&r.now);
+    sp_equilibrium_free(&r.rest);
+    return status;
+}

@@ -1,0 +1,215 @@
+/* Histograms of contacts: Figs. 1(c) and 2 of Somfai et al. 2005. */
+#include "base/base.h"
+#include "packing/contact.h"
+
+#include <math.h>
+#include <sonopack/counts.h>
+
+#define PI          3.14159265358979323846
+#define VALUE_WIDTH 0.1 /* of a bin, over the mean */
+
+sp_contact_counts sp_contact_counts_none(void) { return (sp_contact_counts){0}; }
+
+/* One packing's own histograms, as counts. */
+typedef struct own_counts {
+    double n, strong;
+    double mean_force, mean_stiffness;
+    double all[SP_ANGLE_BINS], strong_of[SP_ANGLE_BINS], weak_of[SP_ANGLE_BINS];
+    double force[SP_VALUE_BINS + 1], stiffness[SP_VALUE_BINS + 1]; /* the last: beyond */
+} own_counts;
+
+static double stiffness_of(const sp_packing *p, const sp_contact *k) {
+    return contact_normal_stiffness(contact_stiffness(p->r[k->i], p->r[k->j]), fmax(k->overlap, 0));
+}
+
+/* Between grains, and its point within the bulk. */
+static bool counts(const sp_packing *p, const sp_contact *k, double margin) {
+    const int up = p->dim - 1;
+    const double y = p->x[3 * (size_t)k->i + (size_t)up] + k->n[up] * (p->r[k->i] - 0.5 * k->overlap);
+    return k->j >= 0 && y >= margin && y <= sp_packing_height(p) - margin;
+}
+
+/* 0 .. pi: a direction and its opposite are one. */
+static int angle_bin(const sp_contact *k) {
+    double angle = atan2(k->n[1], k->n[0]);
+    if (angle < 0)
+        angle += PI;
+    const int bin = (int)(angle / PI * SP_ANGLE_BINS);
+    return bin < SP_ANGLE_BINS ? bin : 0; /* pi is 0 */
+}
+
+static int value_bin(double value, double mean) {
+    const double bin = value / mean / VALUE_WIDTH;
+    return bin < SP_VALUE_BINS ? (int)bin : SP_VALUE_BINS;
+}
+
+static void count_all(const sp_packing *p, const uint8_t *carrying, double margin, own_counts *own) {
+    for (int pass = 0; pass < 2; pass++) {
+        for (int32_t c = 0; c < p->n_contacts; c++) {
+            const sp_contact *k = &p->contacts[c];
+            if (!carrying[c] || !counts(p, k, margin))
+                continue;
+            if (pass == 0) {
+                own->n += 1;
+                own->mean_force += k->fn;
+                own->mean_stiffness += stiffness_of(p, k);
+                continue;
+            }
+            const bool strong = k->fn > own->mean_force;
+            own->force[value_bin(k->fn, own->mean_force)] += 1;
+            own->stiffness[value_bin(stiffness_of(p, k), own->mean_stiffness)] += 1;
+            own->strong += strong;
+            if (p->dim != 2)
+                continue;
+            own->all[angle_bin(k)] += 1;
+            (strong ? own->strong_of : own->weak_of)[angle_bin(k)] += 1;
+        }
+        if (pass == 0 && own->n > 0) {
+            own->mean_force /= own->n;
+            own->mean_stiffness /= own->n;
+        }
+    }
+}
+
+static void add_angles(sp_angle_counts *to, double n, const double *bins) {
+    if (!(n > 0))
+        return;
+    to->packings++;
+    to->contacts += n;
+    for (int b = 0; b < SP_ANGLE_BINS; b++) {
+        const double density = bins[b] * SP_ANGLE_BINS / n;
+        to->sum[b] += density;
+        to->squares[b] += density * density;
+    }
+}
+
+static void add_values(sp_value_counts *to, double n, const double *bins) {
+    for (int b = 0; b < SP_VALUE_BINS; b++) {
+        const double density = bins[b] / (n * VALUE_WIDTH);
+        to->sum[b] += density;
+        to->squares[b] += density * density;
+    }
+    to->beyond += bins[SP_VALUE_BINS] / n;
+}
+
+static sp_status refuse(const sp_packing *p, double margin, sp_error *err) {
+    const double height = sp_packing_height(p);
+    if (height <= 2 * margin)
+        return sp_fail(err, SP_EREFUSED, "height %g is too small for a bulk %g from both walls, must be above %g",
+                       height, margin, 2 * margin);
+    return sp_fail(err, SP_EREFUSED, "no contact between grains carries a force at least %g from both walls", margin);
+}
+
+sp_status sp_contact_counts_add(sp_contact_counts *c, const sp_packing *p, double threshold, double margin,
+                                sp_error *err) {
+    if (!(margin >= 0 && isfinite(margin)))
+        return sp_fail(err, SP_EINVAL, "margin = %g, must be a distance from the walls, 0 or above", margin);
+    if (c->dim != 0 && c->dim != p->dim)
+        return sp_fail(err, SP_EINVAL, "a packing in %d dimensions after one in %d, must be of one kind", p->dim,
+                       c->dim);
+    own_counts *own = sp_alloc(1, sizeof *own);
+    uint8_t *carrying = sp_alloc((size_t)p->n_contacts, 1);
+    sp_status status = own && carrying ? SP_OK : sp_fail_memory(err, sizeof *own + (size_t)p->n_contacts);
+    if (status == SP_OK)
+        status = sp_packing_rattlers(p, threshold, NULL, carrying, NULL, err);
+    if (status == SP_OK)
+        count_all(p, carrying, margin, own);
+    if (status == SP_OK && own->n == 0)
+        status = refuse(p, margin, err);
+    if (status == SP_OK) {
+        c->dim = p->dim;
+        c->packings++;
+        c->contacts += own->n;
+        add_angles(&c->all, own->n, own->all);
+        add_angles(&c->strong, own->strong, own->strong_of);
+        add_angles(&c->weak, own->n - own->strong, own->weak_of);
+        add_values(&c->force, own->n, own->force);
+        add_values(&c->stiffness, own->n, own->stiffness);
+    }
+    sp_free(carrying);
+    sp_free(own);
+    return status;
+}
+
+/* ---- tables ----------------------------------------------------------------------------------------------------- */
+
+static double mean_of(double sum, int64_t n) { return n > 0 ? sum / (double)n : NAN; }
+
+/* Standard error of the mean over packings. */
+static double error_of(double sum, double squares, int64_t n) {
+    if (n < 2)
+        return NAN;
+    const double mean = sum / (double)n;
+    return sqrt(fmax(0, squares / (double)n - mean * mean) / (double)(n - 1));
+}
+
+static sp_status begin(const sp_contact_counts *c, int columns, const char *const *names, sp_table *t, sp_error *err) {
+    if (c->packings == 0)
+        return sp_fail(err, SP_EREFUSED, "no packing was counted");
+    sp_status status = SP_OK;
+    for (int k = 0; k < columns && status == SP_OK; k++)
+        status = sp_table_add_column(t, names[k], "", SP_CELL_NUMBER, err);
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err, "packings = %lld", (long long)c->packings);
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err, "contacts = %.0f", c->contacts);
+    return status;
+}
+
+sp_status sp_contact_angles_table(const sp_contact_counts *c, sp_table *out, sp_error *err) {
+    static const char *const names[] = {"angle", "all", "all_err", "strong", "strong_err", "weak", "weak_err"};
+    const sp_angle_counts *of[] = {&c->all, &c->strong, &c->weak};
+    if (c->packings > 0 && c->dim != 2)
+        return sp_fail(err, SP_EREFUSED, "directions of contacts are counted in 2 dimensions, the packings have %d",
+                       c->dim);
+    sp_table t = sp_table_none();
+    sp_status status = begin(c, 7, names, &t, err);
+    if (status == SP_OK)
+        status = sp_table_add_comment(&t, err,
+                                      "density of contact directions over that of isotropic ones; angle in "
+                                      "degrees from the walls, n and -n are the same");
+    if (status == SP_OK)
+        status = sp_table_add_comment(&t, err, "strong_part = %.6g", c->strong.contacts / c->contacts);
+    for (int b = 0; b < SP_ANGLE_BINS && status == SP_OK; b++) {
+        double row[7] = {180.0 * (b + 0.5) / SP_ANGLE_BINS};
+        for (int k = 0; k < 3; k++) {
+            row[1 + 2 * k] = mean_of(of[k]->sum[b], of[k]->packings);
+            row[2 + 2 * k] = error_of(of[k]->sum[b], of[k]->squares[b], of[k]->packings);
+        }
+        status = sp_table_add_numbers(&t, row, err);
+    }
+    if (status == SP_OK)
+        *out = t;
+    else
+        sp_table_free(&t);
+    return status;
+}
+
+sp_status sp_contact_values_table(const sp_contact_counts *c, sp_table *out, sp_error *err) {
+    static const char *const names[] = {"x", "forces", "forces_err", "stiffnesses", "stiffnesses_err"};
+    const sp_value_counts *of[] = {&c->force, &c->stiffness};
+    sp_table t = sp_table_none();
+    sp_status status = begin(c, 5, names, &t, err);
+    if (status == SP_OK)
+        status = sp_table_add_comment(
+            &t, err, "densities of normal forces and stiffnesses over their means; areas 1, x is the middle of a bin");
+    if (status == SP_OK)
+        status = sp_table_add_comment(&t, err, "beyond = %.6g", mean_of(c->force.beyond, c->packings));
+    int last = 1;
+    for (int b = 0; b < SP_VALUE_BINS; b++)
+        if (c->force.sum[b] > 0 || c->stiffness.sum[b] > 0)
+            last = b;
+    for (int b = 0; b <= last && status == SP_OK; b++) {
+        double row[5] = {VALUE_WIDTH * (b + 0.5)};
+        for (int k = 0; k < 2; k++) {
+            row[1 + 2 * k] = mean_of(of[k]->sum[b], c->packings);
+            row[2 + 2 * k] = error_of(of[k]->sum[b], of[k]->squares[b], c->packings);
+        }
+        status = sp_table_add_numbers(&t, row, err);
+    }
+    if (status == SP_OK)
+        *out = t;
+    else
+        sp_table_free(&t);
+    return status;
+}

@@ -1,0 +1,91 @@
+#include "paper/signals.h"
+
+#include "base/base.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct sums {
+    paper_signals *s;
+    double until;
+    int64_t failed;
+} sums;
+
+static sp_status add_signal(const sp_sample *sample, const sp_packing *packing, const sp_network *net, void *user,
+                            sp_error *err) {
+    (void)packing;
+    sums *all = user;
+    paper_signals *s = all->s;
+    sp_signal_options options = sp_signal_options_default();
+    options.method = SP_SIGNAL_CHEBYSHEV;
+    options.until = all->until;
+    options.points = s->points;
+    sp_signal signal = sp_signal_none();
+    sp_status status = sp_signal_make(net, &options, &signal, err);
+    if (status == SP_OK) {
+        for (int32_t k = 0; k < s->points; k++) {
+            s->t[k] = signal.t[k];
+            s->mean[k] += signal.f[k];
+            s->rms[k] += signal.f[k] * signal.f[k];
+        }
+        if (s->n < PAPER_SINGLES)
+            memcpy(s->single + s->n * s->points, signal.f, (size_t)s->points * sizeof *s->single);
+        s->height += sample->height;
+        s->n++;
+    }
+    sp_signal_free(&signal);
+    return status;
+}
+
+sp_status paper_signals_make(paper *p, paper_ensemble e, int32_t grains, double until, int32_t points,
+                             paper_signals *out, sp_error *err) {
+    const size_t n = (size_t)points;
+    paper_signals s = {.points = points, .t = sp_alloc((3 + PAPER_SINGLES) * n, sizeof *s.t)};
+    if (!s.t)
+        return sp_fail_memory(err, (3 + PAPER_SINGLES) * n * sizeof *s.t);
+    s.mean = s.t + n;
+    s.rms = s.t + 2 * n;
+    s.single = s.t + 3 * n;
+    for (size_t k = 0; k < PAPER_SINGLES * n; k++)
+        s.single[k] = NAN;
+    sums all = {.s = &s, .until = until};
+    sp_status status = paper_walk(p, e, 1e-4, grains, 0, add_signal, &all, err);
+    if (status != SP_OK) {
+        paper_signals_free(&s);
+        return status;
+    }
+    const double count = (double)s.n;
+    s.height /= count;
+    for (size_t k = 0; k < n; k++) {
+        s.mean[k] /= count;
+        const double variance = s.rms[k] / count - s.mean[k] * s.mean[k];
+        s.rms[k] = s.n > 1 ? sqrt(fmax(variance, 0)) : NAN;
+    }
+    *out = s;
+    return SP_OK;
+}
+
+void paper_signals_free(paper_signals *s) {
+    sp_free(s->t);
+    *s = (paper_signals){0};
+}
+
+void paper_signals_over(paper_signals *s, double by) {
+    for (int32_t k = 0; k < s->points; k++) {
+        s->mean[k] /= by;
+        s->rms[k] /= by;
+        for (int one = 0; one < PAPER_SINGLES; one++)
+            s->single[(size_t)one * (size_t)s->points + (size_t)k] /= by;
+    }
+}
+
+double paper_signals_peak(const paper_signals *s) {
+    sp_front front;
+    const sp_front_options rule = sp_front_options_default();
+    if (sp_front_find(s->points, s->t, s->mean, &rule, &front, NULL) == SP_OK)
+        return front.amplitude;
+    double largest = 0;
+    for (int32_t k = 0; k < s->points; k++)
+        largest = fmax(largest, s->mean[k]);
+    return largest > 0 ? largest : 1;
+}

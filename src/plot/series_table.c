@@ -1,0 +1,196 @@
+#include "plot/series_table.h"
+
+#include "base/base.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { TABLES_MOST = 32, LABEL_MOST = 24 };
+/* `chain front' tells exponents between N and 2 N. */
+#define OCTAVE 1.4142135623730951
+
+static const char *const names[Q_BETWEEN] = {
+    [Q_DISTANCE] = "distance",    [Q_T10] = "t10",       [Q_T_PEAK] = "t_peak", [Q_T_ZERO] = "t_zero",
+    [Q_AMPLITUDE] = "amplitude",  [Q_WIDTH] = "width10", [Q_GAMMA] = "gamma",   [Q_ALPHA] = "alpha",
+    [Q_ALPHA_PEAK] = "alpha_peak"};
+
+typedef struct reader {
+    const sp_plot_table *from;
+    int column[Q_BETWEEN], error[Q_BETWEEN]; /* < 0: not there */
+    int pressure, width;
+    bool chain;
+} reader;
+
+static int number_column(const sp_table *t, const char *name) {
+    const int column = sp_table_find_column(t, name);
+    return column >= 0 && t->column[column].kind != SP_CELL_TEXT ? column : -1;
+}
+
+static sp_status find_columns(const sp_plot_table *from, reader *r, sp_error *err) {
+    const sp_table *t = from->table;
+    *r = (reader){.from = from, .pressure = number_column(t, "p"), .width = -1};
+    for (int q = 0; q < Q_BETWEEN; q++) {
+        char error[48];
+        snprintf(error, sizeof error, "%s_err", names[q]);
+        r->column[q] = number_column(t, names[q]);
+        r->error[q] = number_column(t, error);
+    }
+    if (r->column[Q_WIDTH] >= 0)
+        r->width = number_column(t, "width"); /* of the box */
+    else
+        r->column[Q_WIDTH] = number_column(t, "width"); /* of the pulse */
+    if (r->column[Q_DISTANCE] < 0) {
+        r->column[Q_DISTANCE] = number_column(t, "grains");
+        r->chain = r->column[Q_DISTANCE] >= 0;
+    }
+    if (r->column[Q_DISTANCE] < 0 || r->column[Q_T10] < 0)
+        return sp_fail(err, SP_EINVAL,
+                       "the table has no column of numbers %s; must be of `sonopack table scaling' or `planes', `chain "
+                       "front' or `front'",
+                       r->column[Q_DISTANCE] < 0 ? "distance or grains" : "t10");
+    return SP_OK;
+}
+
+static double number(const sp_table *t, int64_t row, int column) {
+    return column < 0 ? NAN : sp_table_number(t, row, column);
+}
+
+static bool same(double a, double b) { return a == b || (isnan(a) && isnan(b)); }
+
+static bool joined(const reader *r, int64_t row) {
+    const sp_table *t = r->from->table;
+    return row > 0 && same(number(t, row, r->pressure), number(t, row - 1, r->pressure)) &&
+           same(number(t, row, r->width), number(t, row - 1, r->width));
+}
+
+static sp_status check_row(const sp_table *t, const reader *r, int64_t row, sp_error *err) {
+    for (int q = 0; q < Q_BETWEEN; q++) {
+        const double value = number(t, row, r->column[q]), error = number(t, row, r->error[q]);
+        const bool positive = q == Q_DISTANCE || q == Q_AMPLITUDE || q == Q_WIDTH;
+        if (isinf(value) || (positive && value <= 0))
+            return sp_fail(err, SP_EREFUSED, "row %lld, %s = %g: must be %s", (long long)row + 1,
+                           t->column[r->column[q]].name, value, positive ? "above 0, or nan" : "finite, or nan");
+        if (error < 0 || isinf(error))
+            return sp_fail(err, SP_EREFUSED, "row %lld, %s = %g: an error is a number >= 0, or nan", (long long)row + 1,
+                           t->column[r->error[q]].name, error);
+    }
+    return SP_OK;
+}
+
+/* A group's rows into its arrays, [QUANTITIES][2][n]. */
+static void fill_group(const reader *r, int64_t first, front_group *g, double *memory) {
+    const sp_table *t = r->from->table;
+    for (int q = 0; q < QUANTITIES; q++) {
+        double *value = memory + 2 * q * g->n, *error = value + g->n;
+        g->value[q] = value;
+        g->error[q] = error;
+        for (int64_t k = 0; k < g->n; k++) {
+            value[k] = q < Q_BETWEEN ? number(t, first + k, r->column[q]) : NAN;
+            error[k] = q < Q_BETWEEN ? number(t, first + k, r->error[q]) : NAN;
+        }
+    }
+    const double *distance = g->value[Q_DISTANCE];
+    double *between = memory + 2 * Q_BETWEEN * g->n;
+    for (int64_t k = 0; k < g->n; k++)
+        between[k] = r->chain ? OCTAVE * distance[k] : k + 1 < g->n ? sqrt(distance[k] * distance[k + 1]) : NAN;
+    g->pressure = number(t, first, r->pressure);
+    g->width = number(t, first, r->width);
+    g->chain = r->chain;
+}
+
+static sp_status add_table(const reader *r, front_groups *out, double **memory, sp_error *err) {
+    const sp_table *t = r->from->table;
+    for (int64_t row = 0, end; row < t->rows; row = end) {
+        for (end = row; end < t->rows && (end == row || joined(r, end)); end++) {
+            sp_status status = check_row(t, r, end, err);
+            if (status != SP_OK)
+                return status;
+        }
+        if (out->n == GROUPS_MOST)
+            return sp_fail(err, SP_EREFUSED, "more than %d groups of rows of one pressure and width, must be fewer",
+                           GROUPS_MOST);
+        front_group *g = &out->group[out->n++];
+        g->n = end - row;
+        fill_group(r, row, g, *memory);
+        *memory += 2 * QUANTITIES * g->n;
+    }
+    return SP_OK;
+}
+
+/* What tells the groups apart: the file, the pressure, the width, as far as they differ. */
+static void label_group(front_group *g, const char *file, bool files, bool pressures, bool widths) {
+    char name[96] = "", p[80] = "", w[48] = "", value[40];
+    if (files && file)
+        text_escape(name, sizeof name, file, LABEL_MOST);
+    if (pressures && isfinite(g->pressure)) {
+        text_number(value, sizeof value, g->pressure, 2);
+        snprintf(p, sizeof p, "%s|p| = %s", *name ? ", " : "", value);
+    }
+    if (widths && isfinite(g->width)) {
+        text_number(value, sizeof value, g->width, 3);
+        snprintf(w, sizeof w, "%swidth %s", *name || *p ? ", " : "", value);
+    }
+    snprintf(g->label, sizeof g->label, "%.95s%.50s%.14s", name, p, w);
+}
+
+static void label_groups(front_groups *out, const int *table_of, int tables, const sp_plot_table *table) {
+    bool pressures = false, widths = false;
+    for (int k = 1; k < out->n; k++) {
+        const front_group *g = &out->group[k];
+        pressures = pressures || (isfinite(g->pressure) && !same(g->pressure, out->group[0].pressure));
+        widths = widths || (isfinite(g->width) && !same(g->width, out->group[0].width));
+    }
+    for (int k = 0; k < out->n; k++)
+        label_group(&out->group[k], table[table_of[k]].label, tables > 1, pressures, widths);
+}
+
+sp_status front_groups_read(int tables, const sp_plot_table *table, front_groups *out, sp_error *err) {
+    int64_t rows = 0;
+    int table_of[GROUPS_MOST];
+    *out = (front_groups){0};
+    if (tables < 1 || tables > TABLES_MOST)
+        return sp_fail(err, SP_EINVAL, "%d tables: a figure shows 1 to %d", tables, TABLES_MOST);
+    for (int j = 0; j < tables; j++)
+        rows += table[j].table->rows;
+    out->group = sp_alloc(GROUPS_MOST, sizeof *out->group);
+    out->memory = sp_alloc((size_t)rows, 2 * QUANTITIES * sizeof *out->memory);
+    if (!out->group || !out->memory)
+        return sp_fail_memory(err, (size_t)rows * 2 * QUANTITIES * sizeof *out->memory);
+    double *memory = out->memory;
+    sp_status status = SP_OK;
+    for (int j = 0; j < tables && status == SP_OK; j++) {
+        reader r;
+        const int before = out->n;
+        status = find_columns(&table[j], &r, err);
+        if (status == SP_OK)
+            status = add_table(&r, out, &memory, err);
+        for (int k = before; k < out->n; k++)
+            table_of[k] = j;
+        if (status != SP_OK && tables > 1)
+            sp_fail_prefix(err, "table %d", j + 1);
+    }
+    if (status == SP_OK && out->n == 0)
+        status = sp_fail(err, SP_EREFUSED, "nothing to draw: no row");
+    if (status == SP_OK)
+        label_groups(out, table_of, tables, table);
+    return status;
+}
+
+void front_groups_free(front_groups *g) {
+    sp_free(g->group);
+    sp_free(g->memory);
+    *g = (front_groups){0};
+}
+
+int group_ink(const front_groups *g, int k) { return g->n == 1 ? 0 : k % 6 + 1; }
+
+sp_mark group_mark(int k) {
+    static const sp_mark marks[] = {SP_MARK_CIRCLE, SP_MARK_SQUARE, SP_MARK_TRIANGLE, SP_MARK_DIAMOND};
+    return marks[k % 4];
+}
+
+sp_dash group_dash(int k) {
+    static const sp_dash dashes[] = {SP_DASH_SOLID, SP_DASH_DASHED, SP_DASH_DOTTED, SP_DASH_DASH_DOT};
+    return dashes[k % 4];
+}

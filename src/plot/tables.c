@@ -1,0 +1,232 @@
+/* Figures of an ensemble's signal, of modes, and of signals at several distances. */
+#include "plot/canvas.h"
+#include "plot/markup.h"
+
+#include "base/base.h"
+
+#include <math.h>
+#include <sonopack/figure.h>
+#include <sonopack/plot.h>
+#include <stdio.h>
+
+enum { ENSEMBLES_MOST = 6, RECORDS_MOST = 200, LABEL_MOST = 20 };
+
+#define TIME_AXIS  "|t|  [|d| (|\xcf\x81|/|E|*)^{1/2}]"
+#define FORCE_AXIS "|F|_{sig}  [|E|* |d|^{2}]"
+
+static sp_status find(const sp_table *t, const char *name, const char *what, int *out, sp_error *err) {
+    *out = sp_table_find_column(t, name);
+    if (*out < 0)
+        return sp_fail(err, SP_EINVAL, "the table has no column %s; %s", name, what);
+    if (t->column[*out].kind == SP_CELL_TEXT)
+        return sp_fail(err, SP_EINVAL, "column %s holds text: must be numbers", name);
+    return SP_OK;
+}
+
+/* A column as numbers; NAN where the cell is infinite. */
+static const double *column_of(const sp_table *t, int column, double *to) {
+    for (int64_t k = 0; k < t->rows; k++) {
+        const double value = sp_table_number(t, k, column);
+        to[k] = isfinite(value) ? value : NAN;
+    }
+    return to;
+}
+
+/* ---- ensembles -------------------------------------------------------------------------------------------------- */
+
+static const char *const ensemble_columns[3] = {"t", "mean", "rms"};
+
+static sp_status draw_ensemble(int tables, const sp_plot_table *table, double *memory, const char *path,
+                               sp_error *err) {
+    static const char *const words[2] = {"mean", "rms deviation"};
+    sp_curve curve[2 * ENSEMBLES_MOST];
+    char label[2 * ENSEMBLES_MOST][160];
+    for (int j = 0; j < tables; j++) {
+        const sp_table *t = table[j].table;
+        const double *column[3];
+        char name[96] = "";
+        if (tables > 1 && table[j].label)
+            text_escape(name, sizeof name, table[j].label, LABEL_MOST);
+        for (int q = 0; q < 3; q++) {
+            int at = 0;
+            sp_status status = find(t, ensemble_columns[q], "a table of an ensemble has t, mean and rms", &at, err);
+            if (status != SP_OK)
+                return status;
+            column[q] = column_of(t, at, memory);
+            memory += t->rows;
+        }
+        for (int q = 0; q < 2; q++) {
+            snprintf(label[2 * j + q], sizeof label[0], "%s%s%s", name, *name ? ", " : "", words[q]);
+            curve[2 * j + q] = (sp_curve){.label = label[2 * j + q],
+                                          .n = t->rows,
+                                          .x = column[0],
+                                          .y = column[1 + q],
+                                          .ink = tables == 1 ? q + 1 : j + 1,
+                                          .dash = q == 0 ? SP_DASH_SOLID : SP_DASH_DASHED};
+        }
+    }
+    const sp_panel panel = {
+        .x = {.label = TIME_AXIS}, .y = {.label = FORCE_AXIS}, .curves = 2 * tables, .curve = curve, .zero_line = true};
+    const sp_sheet sheet = {.title = "Signal of an ensemble", .rows = 1, .columns = 1, .panel = &panel, .aspect = 0.66};
+    return sp_plot_sheet(&sheet, path, err);
+}
+
+sp_status sp_plot_ensemble(int tables, const sp_plot_table *table, const char *path, sp_error *err) {
+    sp_status status = canvas_check(path, err);
+    if (status == SP_OK && (tables < 1 || tables > ENSEMBLES_MOST))
+        status = sp_fail(err, SP_EINVAL, "%d tables: a figure shows 1 to %d", tables, ENSEMBLES_MOST);
+    if (status != SP_OK)
+        return status;
+    size_t rows = 0;
+    for (int j = 0; j < tables; j++)
+        rows += (size_t)table[j].table->rows;
+    double *memory = sp_alloc(3 * rows, sizeof *memory);
+    if (!memory)
+        return sp_fail_memory(err, 3 * rows * sizeof *memory);
+    status = draw_ensemble(tables, table, memory, path, err);
+    sp_free(memory);
+    return status;
+}
+
+/* ---- modes ------------------------------------------------------------------------------------------------------ */
+
+/* Modes of which the inset shows the first. */
+enum { FIRST_MODES = 25 };
+/* Zero modes are zero to rounding: omega^2 over the largest of them. */
+#define ZERO_MODE 1e-12
+
+static void largest_and_first(int64_t n, const double *squares, int64_t *first, int64_t *end) {
+    double largest = 0;
+    for (int64_t k = 0; k < n; k++)
+        largest = fmax(largest, squares[k]);
+    *first = 0;
+    while (*first < n && !(squares[*first] > ZERO_MODE * largest))
+        ++*first;
+    *end = *first + FIRST_MODES < n ? *first + FIRST_MODES : n;
+}
+
+static sp_status draw_modes(const sp_table *modes, const int column[3], double *memory, const char *path,
+                            sp_error *err) {
+    const int64_t rows = modes->rows;
+    const double *n = column_of(modes, column[0], memory);
+    const double *ab = column[2] < 0 ? NULL : column_of(modes, column[2], memory + 2 * rows);
+    double *squares = memory + rows;
+    int64_t first = 0, end = 0;
+    column_of(modes, column[1], squares);
+    for (int64_t k = 0; k < rows; k++)
+        squares[k] *= squares[k];
+    largest_and_first(rows, squares, &first, &end);
+    const int64_t from = first > 3 ? first - 3 : 0; /* with the last zero modes */
+    const sp_curve all = {.n = rows, .x = n, .y = squares, .ink = 1, .width = 1.2};
+    const sp_curve low = {.n = end - from,
+                          .x = n + from,
+                          .y = squares + from,
+                          .ink = 1,
+                          .dash = SP_DASH_NONE,
+                          .mark = SP_MARK_CIRCLE,
+                          .open = true};
+    const sp_curve coupling = {.n = rows, .x = n, .y = ab, .width = 0.5};
+    const sp_panel inset = {
+        .x = {.label = "|n|"}, .y = {.label = "|\xcf\x89|_{|n|}^{2}"}, .curves = 1, .curve = &low, .zero_line = true};
+    const sp_panel panel[2] = {{.tag = ab ? "(a)" : NULL,
+                                .x = {.label = "|n|"},
+                                .y = {.label = "|\xcf\x89|_{|n|}^{2}  [|E|*/(|\xcf\x81 d|^{2})]"},
+                                .curves = 1,
+                                .curve = &all,
+                                .inset = end - first > 1 && end < rows ? &inset : NULL},
+                               {.tag = "(b)",
+                                .x = {.label = "|n|"},
+                                .y = {.label = "|a|_{|n|} |b|_{|n|}  [|E|* |d|^{2}]"},
+                                .curves = 1,
+                                .curve = &coupling,
+                                .zero_line = true}};
+    const sp_sheet sheet = {
+        .title = "Modes of a packing", .rows = ab ? 2 : 1, .columns = 1, .panel = panel, .aspect = 0.66};
+    return sp_plot_sheet(&sheet, path, err);
+}
+
+sp_status sp_plot_modes(const sp_table *modes, const char *path, sp_error *err) {
+    static const char what[] = "a table of modes has n, omega, a, b, ab";
+    int column[3] = {0};
+    sp_status status = canvas_check(path, err);
+    if (status == SP_OK)
+        status = find(modes, "n", what, &column[0], err);
+    if (status == SP_OK)
+        status = find(modes, "omega", what, &column[1], err);
+    column[2] = sp_table_find_column(modes, "ab");
+    if (status == SP_OK && column[2] >= 0)
+        status = find(modes, "ab", what, &column[2], err);
+    if (status == SP_OK && modes->rows == 0)
+        status = sp_fail(err, SP_EREFUSED, "nothing to draw: the table of modes has no row");
+    if (status != SP_OK)
+        return status;
+    double *memory = sp_alloc(3 * (size_t)modes->rows, sizeof *memory);
+    if (!memory)
+        return sp_fail_memory(err, 3 * (size_t)modes->rows * sizeof *memory);
+    status = draw_modes(modes, column, memory, path, err);
+    sp_free(memory);
+    return status;
+}
+
+/* ---- sections --------------------------------------------------------------------------------------------------- */
+
+/* A trace's largest value over the mean distance to the next trace. */
+#define OVERLAP 1.0
+
+static double spacing(int records, const sp_plot_record *record) {
+    double low = INFINITY, high = -INFINITY;
+    for (int k = 0; k < records; k++) {
+        low = fmin(low, record[k].distance);
+        high = fmax(high, record[k].distance);
+    }
+    return high > low ? (high - low) / (records - 1) : 1;
+}
+
+static void lift(const sp_plot_record *r, double scale, double *y) {
+    double largest = 0;
+    for (int64_t l = 0; l < r->n; l++)
+        largest = isfinite(r->f[l]) ? fmax(largest, fabs(r->f[l])) : largest;
+    for (int64_t l = 0; l < r->n; l++)
+        y[l] = isfinite(r->f[l]) ? r->distance + (largest > 0 ? scale * (r->f[l] / largest) : 0) : NAN;
+}
+
+sp_status sp_plot_section(int records, const sp_plot_record *record, const char *path, sp_error *err) {
+    size_t points = 0;
+    sp_status status = canvas_check(path, err);
+    if (status == SP_OK && (records < 1 || records > RECORDS_MOST))
+        status = sp_fail(err, SP_EINVAL, "%d signals: a section shows 1 to %d", records, RECORDS_MOST);
+    for (int k = 0; k < records && status == SP_OK; k++) {
+        if (record[k].n < 0 || !isfinite(record[k].distance))
+            status = sp_fail(err, SP_EINVAL, "signal %d has %lld points and distance %g: must be finite", k + 1,
+                             (long long)record[k].n, record[k].distance);
+        else
+            points += (size_t)record[k].n;
+    }
+    if (status != SP_OK)
+        return status;
+    double *y = sp_alloc(points, sizeof *y);
+    sp_curve *curve = sp_alloc((size_t)records, sizeof *curve);
+    if (!y || !curve) {
+        status = sp_fail_memory(err, points * sizeof *y);
+        goto out;
+    }
+    const double scale = OVERLAP * spacing(records, record);
+    size_t at = 0;
+    for (int k = 0; k < records; k++) {
+        lift(&record[k], scale, y + at);
+        curve[k] = (sp_curve){.n = record[k].n, .x = record[k].t, .y = y + at, .width = 0.6};
+        at += (size_t)record[k].n;
+    }
+    const sp_panel panel = {
+        .x = {.label = TIME_AXIS}, .y = {.label = "distance  [|d|]"}, .curves = records, .curve = curve};
+    const sp_sheet sheet = {.title = "Signals at several distances",
+                            .rows = 1,
+                            .columns = 1,
+                            .panel = &panel,
+                            .aspect = fmin(1.5, 0.75 + 0.02 * records)};
+    status = sp_plot_sheet(&sheet, path, err);
+out:
+    sp_free(y);
+    sp_free(curve);
+    return status;
+}

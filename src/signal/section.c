@@ -1,0 +1,114 @@
+/* Record sections of packings. */
+#include "base/base.h"
+
+#include <math.h>
+#include <sonopack/coherent.h>
+#include <sonopack/front.h>
+#include <sonopack/signal.h>
+#include <string.h>
+
+enum { LEAST_PLANES = 8, MOST_PLANES = 100000 };
+
+sp_section_options sp_section_options_default(void) {
+    return (sp_section_options){.spacing = 1, .low = 4, .part = 0.6};
+}
+
+/* t10 at the top wall, as for the table of fronts. */
+static sp_status arrival(const sp_network *net, const sp_section_options *opt, double height, double *t10,
+                         sp_error *err) {
+    sp_signal_options o = sp_signal_options_default();
+    sp_signal signal = sp_signal_none();
+    sp_front front;
+    const sp_front_options rule = sp_front_options_default();
+    o.method = SP_SIGNAL_CHEBYSHEV;
+    o.source = opt->source;
+    o.until = sp_signal_window(height, net->pressure);
+    o.points = (int32_t)ceil(20 * height) + 200;
+    sp_status status = sp_signal_make(net, &o, &signal, err);
+    if (status == SP_OK)
+        status = sp_front_find(signal.n, signal.t, signal.f, &rule, &front, err);
+    sp_signal_free(&signal);
+    if (status == SP_OK)
+        *t10 = front.t10;
+    return status;
+}
+
+static sp_status alloc_section(int32_t planes, sp_section *s, sp_place **place, sp_error *err) {
+    s->planes = planes;
+    s->y = sp_alloc((size_t)planes, sizeof *s->y);
+    s->arrival = sp_alloc((size_t)planes, sizeof *s->arrival);
+    s->until = sp_alloc((size_t)planes, sizeof *s->until);
+    *place = sp_alloc((size_t)planes, sizeof **place);
+    return s->y && s->arrival && s->until && *place ? SP_OK
+                                                    : sp_fail_memory(err, (size_t)planes * (24 + sizeof **place));
+}
+
+static sp_status check(const sp_network *net, const sp_section_options *opt, double height, int32_t *planes,
+                       sp_error *err) {
+    (void)net;
+    if (!(opt->spacing > 0) || !(opt->low >= 0) || !(opt->part > 0 && opt->part <= 1))
+        return sp_fail(err, SP_EINVAL, "section: spacing = %g, low = %g, part = %g; must be > 0, >= 0, and in 0 .. 1",
+                       opt->spacing, opt->low, opt->part);
+    const double count = floor((opt->part * height - opt->low) / opt->spacing) + 1;
+    if (!(count >= LEAST_PLANES))
+        return sp_fail(err, SP_EREFUSED,
+                       "section: a box %g high has %g planes at distances of %g between %g and %g; at least %d needed",
+                       height, fmax(0, count), opt->spacing, opt->low, opt->part * height, LEAST_PLANES);
+    if (!(count <= MOST_PLANES))
+        return sp_fail(err, SP_EINVAL, "section: %g planes; at most %d", count, MOST_PLANES);
+    *planes = (int32_t)count;
+    return SP_OK;
+}
+
+/* Times up to `until`, so dense that frequencies up to the bound of the spectrum are a third of what they can carry. */
+static sp_status record(const sp_network *net, const sp_section_options *opt, double until, const sp_place *place,
+                        sp_section *s, sp_error *err) {
+    sp_signal_options o = sp_signal_options_default();
+    sp_signal signal = sp_signal_none();
+    const double points = ceil(until / (M_PI / 3 / sp_network_omega_bound(net))) + 1;
+    if (!(points * s->planes < 1e9))
+        return sp_fail(err, SP_EREFUSED, "section: %d planes of %g times; at most 1e9 numbers", s->planes, points);
+    o.method = SP_SIGNAL_CHEBYSHEV;
+    o.source = opt->source;
+    o.until = until;
+    o.points = (int32_t)points;
+    o.detectors = s->planes;
+    o.to = place;
+    sp_status status = sp_signal_make(net, &o, &signal, err);
+    if (status == SP_OK) {
+        s->n = signal.n;
+        s->spacing = until / (signal.n - 1);
+        s->f = signal.f;
+        signal.f = NULL;
+    }
+    sp_signal_free(&signal);
+    return status;
+}
+
+sp_status sp_section_make(const sp_network *net, const sp_section_options *opt, sp_section *out, sp_error *err) {
+    const double height = net->box[net->dim - 1];
+    sp_section s = sp_section_none();
+    sp_place *place = NULL;
+    double t10 = 0;
+    int32_t planes = 0;
+    sp_status status = check(net, opt, height, &planes, err);
+    if (status == SP_OK)
+        status = arrival(net, opt, height, &t10, err);
+    if (status == SP_OK)
+        status = alloc_section(planes, &s, &place, err);
+    for (int32_t j = 0; status == SP_OK && j < planes; j++) {
+        s.y[j] = opt->low + j * opt->spacing;
+        s.arrival[j] = t10 * s.y[j] / height;
+        s.until[j] = 2 * t10 - s.arrival[j];
+        place[j] = (sp_place){.kind = SP_PLACE_PLANE, .height = s.y[j]};
+    }
+    if (status == SP_OK)
+        status = record(net, opt, s.until[0], place, &s, err);
+    sp_free(place);
+    if (status != SP_OK) {
+        sp_section_free(&s);
+        return status;
+    }
+    *out = s;
+    return SP_OK;
+}

@@ -1,0 +1,213 @@
+/* The parts of a sample's results, made of its packing. */
+#include "study/parts.h"
+
+#include "base/base.h"
+#include "study/sample.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Layers left out at both walls for bulk averages (Somfai et al. 2005, Table I) [d]. */
+static const double bulk_margin = 3;
+/* Least distance of a plane from the walls [d]: the grains of a wall are cut by no plane. */
+static const double plane_margin = 1;
+
+unsigned sp_want_parts(unsigned want) {
+    if (want & SP_WANT_SCALING)
+        want |= SP_WANT_CTOF;
+    return want & ~(unsigned)SP_WANT_SCALING;
+}
+
+/* ---- the signal ------------------------------------------------------------------------------------------------ */
+
+static double last_time(const sp_scene *scene, double height) {
+    return scene->signal.until > 0 ? scene->signal.until : sp_signal_window(height, scene->pack.pressure);
+}
+
+static bool signal_fits(const sp_scene *scene, const sp_sample *s) {
+    const sp_signal_options *o = &scene->signal;
+    const sp_signal_made *made = &s->signal;
+    const double until = last_time(scene, s->height);
+    const bool method = o->method == SP_SIGNAL_AUTO ? made->method != SP_SIGNAL_DYNAMICS : made->method == o->method;
+    return method && made->points == o->points && fabs(made->until - until) <= 1e-9 * until &&
+           (isnan(made->tolerance) || made->tolerance == o->tolerance);
+}
+
+/* The signal itself, as the scene describes it. */
+static sp_status make_signal(const part_input *in, sp_sample *sample, sp_signal *out, sp_error *err) {
+    sp_signal_options options = in->scene->signal;
+    options.until = last_time(in->scene, in->net->box[in->net->dim - 1]);
+    sp_signal signal = sp_signal_none();
+    sp_status status = sp_signal_dynamics(in->packing, in->net, &options, &signal, err); /* any method */
+    if (status == SP_OK) {
+        sample->signal = (sp_signal_made){
+            .points = signal.n, .method = signal.method, .until = options.until, .tolerance = options.tolerance};
+        sp_signal_free(out);
+        *out = signal;
+    }
+    return status;
+}
+
+/* ---- planes ---------------------------------------------------------------------------------------------------- */
+
+/* The scene's planes that lie inside. */
+static int32_t planes_inside(const sp_scene *scene, double height, double plane[SP_PLANES_MAX]) {
+    int32_t count = 0;
+    for (int32_t k = 0; k < scene->planes; k++)
+        if (scene->plane[k] >= plane_margin && scene->plane[k] <= height - plane_margin)
+            plane[count++] = scene->plane[k];
+    return count;
+}
+
+static bool planes_fit(const sp_scene *scene, const sp_sample *s) {
+    double plane[SP_PLANES_MAX];
+    const int32_t count = planes_inside(scene, s->height, plane);
+    bool fit = count == s->planes;
+    for (int32_t k = 0; k < count && fit; k++)
+        fit = plane[k] == s->plane[k];
+    return fit;
+}
+
+/* Each plane's front by the rule in the plane's own window, so that echoes from the top wall, which come later than the
+ * window of a low plane ends, are none of it. */
+static sp_status find_fronts(const sp_signal *signal, double pressure, int32_t count, const double *plane,
+                             sp_front *front, sp_error *err) {
+    static const sp_front none = {NAN, NAN, NAN, NAN, NAN, 0};
+    int32_t found = 0;
+    sp_error first = {0};
+    for (int32_t k = 0; k < count; k++) {
+        sp_error reason = {0};
+        sp_front_options rule = sp_front_options_default();
+        rule.window = sp_signal_window(plane[k], pressure);
+        front[k] = none;
+        sp_status status =
+            sp_front_find(signal->n, signal->t, signal->f + (int64_t)k * signal->n, &rule, &front[k], &reason);
+        if (status == SP_OK)
+            found++;
+        else if (first.text[0] == '\0')
+            first = reason;
+    }
+    if (found == 0)
+        return sp_fail(err, SP_EREFUSED, "planes: no front at any of the %d planes: the first says %s", count,
+                       first.text);
+    return SP_OK;
+}
+
+/* All planes listen to one pass, which goes on to the end of the highest one's window: what decides the first peak is
+ * the largest value in the window, so it may not end before. */
+static sp_status make_planes(const part_input *in, sp_sample *sample, sp_error *err) {
+    const sp_network *net = in->net;
+    sp_place detector[SP_PLANES_MAX];
+    double plane[SP_PLANES_MAX];
+    sp_front front[SP_PLANES_MAX];
+    const int32_t count = planes_inside(in->scene, net->box[net->dim - 1], plane);
+    for (int32_t k = 0; k < count; k++)
+        detector[k] = (sp_place){.kind = SP_PLACE_PLANE, .height = plane[k]};
+    sp_status status = SP_OK;
+    if (count > 0) {
+        sp_signal_options options;
+        sp_signal signal = sp_signal_none();
+        status = sp_front_grid(net, in->scene->signal.source, sp_signal_window(plane[count - 1], net->pressure),
+                               &options, err);
+        options.detectors = count;
+        options.to = detector;
+        if (status == SP_OK)
+            status = sp_signal_make(net, &options, &signal, err);
+        if (status == SP_OK)
+            status = find_fronts(&signal, net->pressure, count, plane, front, err);
+        sp_signal_free(&signal);
+    }
+    if (status != SP_OK)
+        return status;
+    sample->planes = count;
+    memcpy(sample->plane, plane, (size_t)count * sizeof *plane);
+    memcpy(sample->plane_front, front, (size_t)count * sizeof *front);
+    return SP_OK;
+}
+
+/* ---- moduli ---------------------------------------------------------------------------------------------------- */
+
+/* Probes, and moduli with them where these are missing too: both share factors. */
+static sp_status make_probes(const part_input *in, bool moduli, sp_sample *sample, sp_error *err) {
+    static const sp_probe probe[SP_PROBES] = {[SP_SINE_1] = {SP_PROBE_SINE, 1},
+                                              [SP_SINE_2] = {SP_PROBE_SINE, 2},
+                                              [SP_LINES_1] = {SP_PROBE_LINES, 1},
+                                              [SP_LINES_3] = {SP_PROBE_LINES, 3}};
+    sp_moduli global;
+    sp_probed probed[SP_PROBES];
+    sp_status status =
+        sp_moduli_probe(in->net, sample->statics.phi3s, SP_PROBES, probe, moduli ? &global : NULL, probed, err);
+    if (status != SP_OK)
+        return status;
+    memcpy(sample->probe, probed, sizeof probed);
+    if (moduli)
+        sample->moduli = global;
+    return SP_OK;
+}
+
+/* ---- all ------------------------------------------------------------------------------------------------------- */
+
+unsigned sp_sample_parts(const sp_scene *scene, const sp_sample *sample) {
+    unsigned parts = sample->have;
+    if (!signal_fits(scene, sample))
+        parts &= ~(unsigned)SP_WANT_SIGNAL;
+    if (!planes_fit(scene, sample))
+        parts &= ~(unsigned)SP_WANT_PLANES;
+    return parts;
+}
+
+/* The first reason stays; no memory is no property of the sample and goes before all others. */
+static void keep_first(sp_status status, const sp_error *reason, sp_status *first, sp_error *err) {
+    if (status == SP_OK || (*first != SP_OK && status != SP_ENOMEM))
+        return;
+    *first = status;
+    if (err)
+        *err = *reason;
+}
+
+/* One part that is no other's by-product. */
+static sp_status make_part(const part_input *in, unsigned part, sp_sample *sample, sp_signal *signal, sp_error *err) {
+    switch (part) {
+    case SP_WANT_STATICS:
+        return sp_statics_make(in->packing, in->scene->network.threshold, bulk_margin, &sample->statics, err);
+    case SP_WANT_CTOF: return sp_network_front(in->net, in->scene->signal.source, 0, &sample->front, err);
+    case SP_WANT_PLANES: return make_planes(in, sample, err);
+    case SP_WANT_MODULI: return sp_moduli_make(in->net, sample->statics.phi3s, &sample->moduli, err);
+    case SP_WANT_PROBES: return make_probes(in, false, sample, err);
+    default: return make_signal(in, sample, signal, err);
+    }
+}
+
+sp_status sp_parts_make(const sp_scene *scene, unsigned missing, const sp_packing *packing, sp_sample *sample,
+                        sp_signal *signal, sp_error *err) {
+    static const unsigned order[] = {SP_WANT_STATICS, SP_WANT_CTOF,   SP_WANT_PLANES,
+                                     SP_WANT_PROBES,  SP_WANT_MODULI, SP_WANT_SIGNAL};
+    const unsigned of_the_network = missing & ~(unsigned)SP_WANT_STATICS;
+    sp_status first = SP_OK, status = SP_OK;
+    sp_error reason = {0};
+    sp_network net = sp_network_none();
+    const part_input in = {scene, packing, &net};
+    bool network = false;
+    unsigned made = 0;
+    if (of_the_network) {
+        status = sp_network_make(packing, &scene->network, &net, &reason);
+        keep_first(status, &reason, &first, err);
+        network = status == SP_OK;
+    }
+    for (size_t k = 0; k < sizeof order / sizeof *order; k++) {
+        const unsigned part = order[k] & missing & ~made;
+        const bool elastic = part == SP_WANT_MODULI || part == SP_WANT_PROBES;
+        if (!part || (part != SP_WANT_STATICS && !network) || (elastic && !(sample->have & SP_WANT_STATICS)))
+            continue;
+        if (part == SP_WANT_PROBES && missing & SP_WANT_MODULI) /* moduli alone are tried next, should both fail */
+            status = make_probes(&in, true, sample, &reason);
+        else
+            status = make_part(&in, part, sample, signal, &reason);
+        if (status == SP_OK)
+            made |= part | (part == SP_WANT_PROBES ? missing & SP_WANT_MODULI : 0);
+        sample->have |= made;
+        keep_first(status, &reason, &first, err);
+    }
+    sp_network_free(&net);
+    return first;
+}

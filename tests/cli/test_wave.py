@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+"""wave: the coherent wave of packings and lattices, its means over packings, and what it refuses.
+Usage: test_wave.py COMMAND SOURCE_DIR"""
+import math
+import os
+import tempfile
+
+from test_signal import N200, N600, columns, run, table
+
+
+def pack(path, **keys):
+    sets = [f"--set=packing.{key}={value}" for key, value in keys.items()]
+    run("pack", "-q", *sets, "-o", path)
+    return path
+
+
+def rows(*arguments):
+    return columns(run("wave", *arguments))[1]
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        # a perfect lattice without friction carries the wave of its rows: omega = 2 sqrt(K/m) sin(k l/2), with K/m of a
+        # row from the speed of long waves, Eq. (18) of Somfai et al. 2005, and no attenuation
+        lattice = pack(os.path.join(folder, "lattice.h5"), kind="triangular", grains=1600, width=8, friction=0,
+                       pressure=1e-6)
+        speed = 3 ** (19 / 12) / math.sqrt(8 * math.pi) * 1e-6 ** (1 / 6)
+        row = math.sqrt(3) / 2
+        found = rows(lattice, "--at", f"{0.1 * 2 * speed / row},{0.3 * 2 * speed / row}")
+        for part, k, alpha, samples in zip((0.1, 0.3), found["k"], found["alpha"], found["samples"]):
+            assert abs(k / (2 * math.asin(part) / row) - 1) < 5e-3, (part, k)
+            assert abs(alpha) < 2e-3 and samples == 1, (part, alpha)
+        # means and standard errors over packings are those of their own rows
+        options = "--at", "0.05,0.1,0.15", "--part", "0.9", "--low", "2", "--spacing", "0.5"
+        one, two, both = (rows(*files, *options) for files in ([N200], [N600], [N200, N600]))
+        for name in "k", "speed", "alpha":
+            for l in range(3):
+                a, b = one[name][l], two[name][l]
+                assert math.isnan(one[name + "_err"][l])
+                if math.isnan(a) or math.isnan(b):
+                    assert both["samples"][l] < 2
+                    continue
+                assert abs(both[name][l] - 0.5 * (a + b)) < 1e-12 * abs(a), (name, l)
+                assert abs(both[name + "_err"][l] - 0.5 * abs(a - b)) < 1e-9 * abs(a), (name, l)
+        # a packing's wave is about as fast as the long waves of `moduli'
+        _, header, cells = table(run("moduli", N600))
+        c_l = float(cells[0][header.index("c_l")])
+        assert 0.8 < two["speed"][0] / c_l < 1.2, two["speed"]
+        assert len(rows(N600)["omega"]) == 24
+        flat = pack(os.path.join(folder, "flat.h5"), grains=100, width=24)
+        for arguments, status, text in (
+                ([flat], 1, "planes at distances of 1"), ([N600, flat], 1, "flat.h5"),
+                (["none.h5"], 1, "none.h5"), ([], 2, "no file"), ([N600, "--at", "0"], 2, "--at"),
+                ([N600, "--at", "nan"], 2, "--at"), ([N600, "--at", "0.2:0.1:3"], 2, "LOW must be below HIGH"),
+                ([N600, "--at", "1e6"], 2, "omega = 1e+06"), ([N600, "--part", "2"], 2, "--part"),
+                ([N600, "--spacing", "0"], 2, "--spacing"), ([N600, "--source", "x"], 2, "--source")):
+            reason = run("wave", *arguments, status=status)
+            assert text in reason, (arguments, reason)
+
+
+main()

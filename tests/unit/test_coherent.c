@@ -1,0 +1,130 @@
+/* The coherent wave of record sections: made-up ones with known waves and noise, and the chain, whose dispersion is
+ * known in closed form (Eq. (C2) of Somfai et al. 2005). */
+#include "numeric/random.h"
+#include "signals.h"
+
+#include <sonopack/coherent.h>
+
+/* A Gaussian pulse e^(-(t - t0)^2 / (2 w^2)) at y = 0 that travels with phase speed c and attenuation a k^3 exactly: at
+ * every plane the inverse Fourier integral of its spectrum, over omega = 0 .. 8/w. */
+enum { PLANES = 60, TIMES = 3000 };
+static const double speed = 0.2, rayleigh = 1.3, pulse = 8, start = 50, step = 0.25;
+
+static sp_section made_up(double noise) {
+    sp_section s = {.planes = PLANES, .n = TIMES, .spacing = step};
+    s.y = sp_alloc(PLANES, sizeof *s.y);
+    s.arrival = sp_alloc(PLANES, sizeof *s.arrival);
+    s.until = sp_alloc(PLANES, sizeof *s.until);
+    s.f = sp_alloc((size_t)PLANES * TIMES, sizeof *s.f);
+    for (int j = 0; j < PLANES; j++) {
+        s.y[j] = 5 + j;
+        s.arrival[j] = start + s.y[j] / speed;
+        s.until[j] = step * (TIMES - 1);
+        for (int q = 0; q < 400; q++) {
+            const double w = q * (8 / pulse) / 400, k = w / speed;
+            const double size = (q == 0 ? 0.5 : 1) * exp(-0.5 * w * w * pulse * pulse - rayleigh * k * k * k * s.y[j]);
+            for (int l = 0; l < TIMES; l++)
+                s.f[j * TIMES + l] += size * cos(w * (l * step - start) - k * s.y[j]);
+        }
+        sp_random stream = sp_random_make(1, (uint64_t)(100 + j));
+        for (int l = 0; l < TIMES; l++)
+            s.f[j * TIMES + l] += noise * (sp_random_uniform(&stream) - 0.5);
+    }
+    return s;
+}
+
+/* Where the wave hardly decays the four periods hold the whole pulse. Where it decays within a few planes, the low
+ * frequencies that are left farther up are longer than the window, and what is cut off of them is felt: 1e-3. */
+static void test_known_wave(void **state) {
+    (void)state;
+    sp_section s = made_up(0);
+    for (double w = 0.04; w < 0.16; w += 0.02) {
+        sp_coherent c;
+        const double k = w / speed;
+        assert_ok(sp_coherent_fit(&s, w, &c, &err));
+        assert_relative(c.k, k, k < 0.3 ? 1e-4 : 4e-3);
+        assert_relative(c.alpha, rayleigh * k * k * k, k < 0.3 ? 2e-3 : 1e-2);
+        assert_true(c.part > 1 - 1e-3);
+    }
+    sp_section_free(&s);
+}
+
+/* Noise on every plane that is independent of the others: k and alpha stay near, and `part` tells of it. */
+static void test_noise(void **state) {
+    (void)state;
+    sp_section s = made_up(20);
+    sp_coherent c;
+    const double w = 0.06, k = w / speed;
+    assert_ok(sp_coherent_fit(&s, w, &c, &err));
+    assert_relative(c.k, k, 0.05);
+    assert_close(c.alpha, rayleigh * k * k * k, 0.03);
+    assert_true(c.part < 0.999);
+    sp_section_free(&s);
+}
+
+/* omega = 2 sqrt(K/m) sin(k l/2), no attenuation. The wave behind the front of a chain is not a pulse: four periods
+ * hold the group that belongs to omega only while that is not much slower than the front: what they miss looks like an
+ * attenuation, 1e-3 at 0.3 of omega_max and 3e-3 at 0.4. */
+static void test_chain(void **state) {
+    (void)state;
+    sp_packing p = chain_packing(300, 1e-4);
+    sp_network net = network_of(&p, false);
+    sp_section s = sp_section_none();
+    const sp_section_options o = sp_section_options_default();
+    assert_ok(sp_section_make(&net, &o, &s, &err));
+    const double root = sqrt(net.springs[0].kn / net.mass[0]), l = net.length[0];
+    for (double part = 0.1; part < 0.5; part += 0.1) {
+        sp_coherent c;
+        assert_ok(sp_coherent_fit(&s, part * 2 * root, &c, &err));
+        assert_relative(c.k, 2 * asin(part) / l, 0.01);
+        assert_close(c.alpha, 0, part < 0.35 ? 1e-3 : 3e-3);
+    }
+    sp_section_free(&s);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    sp_section s = made_up(0);
+    sp_coherent c = {.k = 7};
+    assert_fails(sp_coherent_fit(&s, 0, &c, &err), SP_EINVAL, "omega = 0");
+    assert_fails(sp_coherent_fit(&s, NAN, &c, &err), SP_EINVAL, "omega = nan");
+    assert_fails(sp_coherent_fit(&s, 7, &c, &err), SP_EINVAL, "below 6.28");
+    s.y[3] = s.y[2];
+    assert_fails(sp_coherent_fit(&s, 0.1, &c, &err), SP_EINVAL, "plane 3");
+    assert_true(c.k == 7);
+    s.y[3] = 8;
+    memset(s.f, 0, sizeof *s.f * PLANES * TIMES); /* silence has no wave */
+    assert_ok(sp_coherent_fit(&s, 0.1, &c, &err));
+    assert_true(isnan(c.k) && isnan(c.alpha));
+    sp_section_free(&s);
+    sp_packing p = chain_packing(12, 1e-4);
+    sp_network net = network_of(&p, false);
+    sp_section_options o = sp_section_options_default();
+    assert_fails(sp_section_make(&net, &o, &s, &err), SP_EREFUSED, "at least 8 needed");
+    o.spacing = 0;
+    assert_fails(sp_section_make(&net, &o, &s, &err), SP_EINVAL, "spacing = 0");
+    o.spacing = 1e-9;
+    assert_fails(sp_section_make(&net, &o, &s, &err), SP_EINVAL, "at most");
+    o.spacing = 0.3;
+    for (int k = 0;; k++) {
+        sp_error err = {0};
+        sp_alloc_fail_after(k);
+        const sp_status status = sp_section_make(&net, &o, &s, &err);
+        sp_alloc_fail_after(-1);
+        if (status == SP_OK)
+            break;
+        assert_int_equal(status, SP_ENOMEM);
+        assert_null(s.f);
+    }
+    sp_section_free(&s);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_known_wave), cmocka_unit_test(test_noise),
+                                       cmocka_unit_test(test_chain), cmocka_unit_test(test_refusals)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

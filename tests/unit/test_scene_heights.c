@@ -1,0 +1,234 @@
+/* packing.height, which stands for packing.grains, and signal.planes. */
+#include "base/base.h"
+#include "making.h"
+#include "test.h"
+
+#include <sonopack/study.h>
+
+static sp_status with(const char *text, const char *set, sp_scene *out, sp_error *err) {
+    char value[200];
+    char *sets[] = {value};
+    snprintf(value, sizeof value, "%s", set ? set : "");
+    return sp_scene_parse(text, "s.cfg", set ? 1 : 0, sets, out, err);
+}
+
+static sp_scene parsed(const char *text, const char *set) {
+    sp_scene s;
+    assert_ok(with(text, set, &s, &err));
+    return s;
+}
+
+static void refused(const char *text, const char *set, const char *reason) {
+    sp_scene s;
+    assert_fails(with(text, set, &s, &err), SP_EINVAL, reason);
+}
+
+/* The number that the scene's own words say: height x width (x depth) x fraction over the mean grain, <d^2> and <d^3>
+ * of uniform diameters being (b^3 - a^3)/3(b - a) and (b^4 - a^4)/4(b - a). */
+static void grains_fill_the_height(void **state) {
+    (void)state;
+    sp_scene s = parsed("packing = { height = 25; width = 24; };", NULL);
+    const double area = M_PI / 4 * (1.728 - 0.512) / 3 / 0.4;
+    assert_int_equal(s.pack.grains, (int)lround(25 * 24 * 0.815 / area));
+    assert_true(s.height == 0 && s.pack.grains > 600 && s.pack.grains < 620); /* 600 are about 25 high */
+    sp_scene_free(&s);
+    s = parsed("packing = { dimension = 3; height = 12.5; width = 8.0; depth = 6.0; };", NULL);
+    const double volume = M_PI / 6 * (2.0736 - 0.4096) / 4 / 0.4;
+    assert_int_equal(s.pack.grains, (int)lround(12.5 * 48 * 0.6 / volume));
+    sp_scene_free(&s);
+    s = parsed(
+        "packing = { height = 8; width = 8; sizes = \"list\"; diameters = (1.0, 2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0,"
+        " 1.0, 2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0); };",
+        NULL);
+    assert_int_equal(s.pack.grains, (int)lround(64 * 0.815 / (M_PI / 4 * 2.5))); /* the mean of the list */
+    sp_scene_free(&s);
+    s = parsed("packing = { height = 0.001; };", NULL); /* one grain at the least */
+    assert_int_equal(s.pack.grains, 1);
+    sp_scene_free(&s);
+}
+
+/* The same packing has the same name, by whichever of the two it was asked for. */
+static void names_do_not_tell(void **state) {
+    (void)state;
+    char by_height[SP_NAME_MAX], by_grains[SP_NAME_MAX], set[64];
+    sp_scene high = parsed("packing = { height = 25; };", NULL);
+    snprintf(set, sizeof set, "packing.grains=%d", high.pack.grains);
+    sp_scene many = parsed("packing = { pressure = 1e-4; };", set);
+    sp_sample_name(&high, by_height);
+    sp_sample_name(&many, by_grains);
+    assert_string_equal(by_height, by_grains);
+    char *a = sp_scene_text(&high, NULL), *b = sp_scene_text(&many, NULL);
+    assert_string_equal(a, b);
+    assert_null(strstr(a, "height"));
+    sp_free(a);
+    sp_free(b);
+    sp_scene_free(&many);
+    /* set by a program, it is resolved by whoever needs the grains */
+    assert_ok(sp_scene_set(&high, "packing.grains", 100, &err));
+    assert_ok(sp_scene_set(&high, "packing.height", 25, &err));
+    sp_sample_name(&high, by_height);
+    assert_string_equal(by_height, by_grains);
+    assert_ok(sp_scene_set(&high, "packing.grains", 100, &err)); /* the last one decides */
+    assert_true(high.height == 0);
+    sp_sample_name(&high, by_height);
+    assert_string_not_equal(by_height, by_grains);
+    sp_scene_free(&high);
+}
+
+/* Names of samples that stores hold already: those of the version before heights. */
+static void names_stay(void **state) {
+    (void)state;
+    char name[SP_NAME_MAX];
+    sp_scene s = sp_scene_default();
+    sp_sample_name(&s, name);
+    assert_string_equal(name, "aa4e050b9e3e11ffac63234d289e96a9");
+    sp_scene_free(&s);
+    s = parsed("packing = { kind = \"chain\"; grains = 20; friction = 0; seed = 5; pressure = 1e-6; };", NULL);
+    sp_sample_name(&s, name);
+    assert_string_equal(name, "25c44544cf29865b0a2fdcfe88b9a80d");
+    sp_scene_free(&s);
+}
+
+static void heights_and_widths_are_swept_together(void **state) {
+    (void)state;
+    sp_scene study = parsed("study = { samples = 2; sweep = ( { key = \"packing.width\"; values = [12, 24]; },"
+                            "{ key = \"packing.height\"; values = [10, 20, 0]; } ); };",
+                            NULL);
+    assert_int_equal(sp_study_count(&study), 12);
+    for (int64_t k = 0; k < 12; k++) {
+        const double width = k % 6 < 3 ? 12 : 24, height = 10.0 * (double)(k % 3 + 1);
+        sp_scene one;
+        assert_ok(sp_study_scene(&study, k, &one, &err));
+        char set[2][64], name[2][SP_NAME_MAX];
+        snprintf(set[0], sizeof set[0], k % 3 == 2 ? "packing.grains=600" : "packing.height=%g", height);
+        snprintf(set[1], sizeof set[1], "packing.width=%g", width);
+        char *sets[] = {set[0], set[1]};
+        sp_scene alone;
+        assert_ok(sp_scene_parse("packing = { seed = 1; };", "s.cfg", 2, sets, &alone, &err));
+        alone.pack.seed += (uint64_t)(k / 6);
+        assert_int_equal(one.pack.grains, alone.pack.grains);
+        assert_true(one.height == 0 && one.pack.width == width);
+        sp_sample_name(&one, name[0]);
+        sp_sample_name(&alone, name[1]);
+        assert_string_equal(name[0], name[1]);
+        sp_scene_free(&alone);
+    }
+    /* as text and back, with its sweeps */
+    char *text = sp_scene_text(&study, NULL);
+    sp_scene back = parsed(text, NULL);
+    char *again = sp_scene_text(&back, NULL);
+    assert_string_equal(text, again);
+    sp_free(text);
+    sp_free(again);
+    sp_scene_free(&back);
+    sp_scene_free(&study);
+    /* one height for several widths */
+    study = parsed(
+        "packing = { height = 20; }; study = { sweep = ( { key = \"packing.width\"; values = [12, 24]; } ); };", NULL);
+    assert_true(study.height == 20);
+    text = sp_scene_text(&study, NULL);
+    assert_null(strstr(text, "grains"));
+    back = parsed(text, NULL);
+    assert_true(back.height == 20);
+    sp_free(text);
+    for (int64_t k = 0; k < 2; k++) {
+        sp_scene one;
+        assert_ok(sp_study_scene(&back, k, &one, &err));
+        assert_close(one.pack.grains, 20 * one.pack.width * 0.815 / 0.79587, 0.6);
+    }
+    sp_scene_free(&back);
+    sp_scene_free(&study);
+}
+
+static void heights_that_make_no_sense(void **state) {
+    (void)state;
+    refused("packing = {\n height = 25;\n grains = 200; };", NULL,
+            "s.cfg:2: packing.height = 25: must not be given beside");
+    refused("packing = { grains = 200; };", "packing.height=25", "beside packing.grains = 200");
+    refused("packing = { grains = 200; }; study = { sweep = ( { key = \"packing.height\"; values = [10]; } ); };", NULL,
+            "packing.height (swept)");
+    refused("packing = { height = 9; }; study = { sweep = ( { key = \"packing.grains\"; values = [200]; } ); };", NULL,
+            "packing.grains (swept)");
+    refused("packing = { kind = \"chain\"; height = 25; };", NULL, "packing.grains decides");
+    refused("packing = { kind = \"triangular\"; height = 25; };", NULL, "packing.kind");
+    refused("packing = { compression = \"isotropic\"; height = 25; };", NULL, "packing.compression");
+    refused("packing = { height = 1e6; width = 1e6; };", NULL, "1e8 are the most");
+    refused("packing = { height = -1; };", NULL, "packing.height = -1: must be 0 .. 1000000 d");
+    refused(
+        "study = { sweep = ( { key = \"packing.height\"; values = [10, 1e6]; }, { key = \"packing.width\"; values = "
+        "[12, 1e6]; } ); };",
+        NULL, "study.sweep: packing.height");
+    sp_scene s = parsed("packing = { height = 25; grains = 600; };", NULL); /* the default says nothing */
+    assert_true(s.pack.grains > 600);
+    sp_scene_free(&s);
+}
+
+/* The height that comes out, for packings small enough to be made here. */
+static void boxes_come_out_that_high(void **state) {
+    (void)state;
+    const char *const scene[] = {"packing = { height = 20; tolerance = 1e-7; };",
+                                 "packing = { height = 20; tolerance = 1e-9; pressure = 1e-6; };",
+                                 "packing = { dimension = 3; height = 9; width = 5; tolerance = 1e-7; };"};
+    for (int k = 0; k < 3; k++) {
+        sp_scene s = parsed(scene[k], NULL);
+        sp_packing p = sp_packing_none();
+        assert_ok(sp_packing_make(&s.pack, NULL, NULL, &p, &err));
+        /* walls leave gaps of about a third of a diameter, and low pressure leaves more room; narrow boxes even more */
+        assert_relative(sp_packing_height(&p), k < 2 ? 20.0 : 9.0, k < 2 ? 0.05 : 0.08);
+        sp_packing_free(&p);
+        sp_scene_free(&s);
+    }
+}
+
+/* ---- planes ------------------------------------------------------------------------------------------------------ */
+
+static void planes_are_read(void **state) {
+    (void)state;
+    static const char *const same[] = {"signal.planes=12.5,25", "signal.planes=[12.5, 25.0]",
+                                       "signal.planes=(1.25e1, 25)"};
+    for (int k = 0; k < 3; k++) {
+        sp_scene s = parsed("signal = { planes = [1, 2, 3]; }; study = { want = [\"planes\"]; };", same[k]);
+        assert_int_equal(s.planes, 2);
+        assert_true(s.plane[0] == 12.5 && s.plane[1] == 25 && s.want == SP_WANT_PLANES);
+        sp_scene_free(&s);
+    }
+    sp_scene s = parsed("signal = { planes = [7]; };", NULL);
+    assert_true(s.planes == 1 && s.plane[0] == 7);
+    sp_scene_free(&s);
+    s = parsed("packing = { history = [1e-5]; };", "packing.history=1e-3,1e-5"); /* as all lists of numbers */
+    assert_true(s.pack.history_count == 2 && s.pack.history[0] == 1e-3);
+    sp_scene_free(&s);
+    s = parsed("signal = { planes = [7]; };", "signal.planes=[]");
+    assert_int_equal(s.planes, 0);
+    sp_scene_free(&s);
+}
+
+static void planes_that_make_no_sense(void **state) {
+    (void)state;
+    refused("signal = {\n planes = [2, 1]; };", NULL, "s.cfg:2: signal.planes: 1 after 2: must be in ascending order");
+    refused("signal = { planes = [1, 1]; };", NULL, "ascending");
+    refused("signal = { planes = [0]; };", NULL, "signal.planes = 0: must be");
+    refused("signal = { planes = [\"high\"]; };", NULL, "signal.planes = \"high\": must be a list");
+    refused("signal = { planes = 3; };", NULL, "signal.planes = 3: must be a list [12.5, 25, ...]");
+    refused("study = { want = [\"planes\"]; };", NULL, "signal.planes = [12.5, 25]");
+    refused(
+        "signal = { planes = [1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30,31,32,"
+        "33]; };",
+        NULL, "33 planes: must be 32");
+    refused("signal = { planes = [1]; };", "signal.planes=", "signal.planes");
+    refused("signal = { planes = [1]; };", "signal.planes=1;2", "signal.planes");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(grains_fill_the_height),
+        cmocka_unit_test(names_do_not_tell),
+        cmocka_unit_test(names_stay),
+        cmocka_unit_test(heights_and_widths_are_swept_together),
+        cmocka_unit_test(heights_that_make_no_sense),
+        cmocka_unit_test(boxes_come_out_that_high),
+        cmocka_unit_test(planes_are_read),
+        cmocka_unit_test(planes_that_make_no_sense),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

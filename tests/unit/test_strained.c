@@ -1,0 +1,163 @@
+/* Finite strain of the packing itself against the moduli of its springs. */
+#include "base/base.h"
+#include "making.h"
+#include "reference.h"
+
+#include <sonopack/elastic.h>
+
+static sp_network network_of(const sp_packing *p, bool prestress) {
+    sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    o.prestress = prestress;
+    assert_ok(sp_network_make(p, &o, &net, &err));
+    return net;
+}
+
+static sp_strained strained(const sp_packing *p, const sp_network *net, double strain, bool turning) {
+    sp_strained_options o = sp_strained_options_default();
+    sp_strained out;
+    o.strain = strain;
+    o.turning = turning;
+    assert_ok(sp_moduli_strained(p, net, 0.5, &o, &out, &err));
+    assert_true(out.residual < 1e-9);
+    return out;
+}
+
+static void components(const sp_moduli *m, double c[9]) {
+    const double all[] = {m->c11, m->c12, m->c22, m->c33, m->c13, m->c23, m->c44, m->c55, m->c66};
+    memcpy(c, all, sizeof all);
+}
+
+/* The difference to the moduli of springs falls as the first power of the strain: Hertz's law stiffens, nothing slides.
+ * From one strain to a third of it the second power is 3e-3 of the first at most, and the residual 1e-9 of the stress.
+ */
+static void assert_first_power(const sp_packing *p, bool turning, double strain) {
+    sp_network net = network_of(p, turning);
+    double linear[9], off[2][9];
+    sp_moduli m;
+    assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
+    components(&m, linear);
+    for (int k = 0; k < 2; k++) {
+        double c[9];
+        const sp_strained s = strained(p, &net, k == 0 ? strain : strain / 3, turning);
+        assert_true(s.sliding == 0 && s.lost == 0 && s.made == 0);
+        components(&s.moduli, c);
+        for (int q = 0; q < 9; q++)
+            off[k][q] = fabs(c[q] - linear[q]);
+        assert_relative(s.moduli.c_l * s.moduli.c_l * 0.5, p->dim == 3 ? s.moduli.c33 : s.moduli.c22, 1e-12);
+    }
+    for (int q = 0; q < 9; q++)
+        if (!isnan(linear[q]) && !isnan(off[0][q])) {
+            assert_true(off[0][q] < 0.01 * fabs(linear[2]));
+            assert_close(log(off[0][q] / off[1][q]) / log(3), 1, 0.05);
+        }
+    assert_true(off[0][2] > 1e-7 * linear[2]); /* so that there is something to see */
+    sp_network_free(&net);
+}
+
+static void test_straight(void **state) {
+    (void)state;
+    sp_packing one = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    one.friction = 1e9; /* no contact slides */
+    assert_first_power(&one, false, 1e-6);
+    sp_packing_free(&one);
+    sp_pack_spec spec = sp_pack_spec_default();
+    spec.grains = 100;
+    spec.width = 9;
+    spec.pressure = 1e-6;
+    spec.tolerance = 1e-10;
+    sp_packing two = make_packing(&spec);
+    two.friction = 1e9;
+    assert_first_power(&two, false, 1e-8);
+    sp_packing_free(&two);
+    sp_packing space = scattered_packing(3, 4, 1e9, 1);
+    assert_first_power(&space, false, 1e-6);
+    sp_packing_free(&space);
+    sp_packing chain = chain_packing(20, 1e-4);
+    assert_first_power(&chain, false, 1e-6);
+    sp_packing_free(&chain);
+}
+
+/* Without friction the springs with prestress are all there is to first order, the turning of the normals included. */
+static void test_turning(void **state) {
+    (void)state;
+    sp_pack_spec spec = sp_pack_spec_default();
+    spec.grains = 100;
+    spec.width = 9;
+    spec.friction = 0;
+    spec.tolerance = 1e-10;
+    sp_packing p = make_packing(&spec);
+    assert_first_power(&p, true, 1e-6);
+    /* and without prestress they are not */
+    sp_network net = network_of(&p, false), stiff = network_of(&p, true);
+    sp_moduli m, prestressed;
+    assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
+    assert_ok(sp_moduli_make(&stiff, 0.5, &prestressed, &err));
+    const sp_strained s = strained(&p, &net, 1e-8, true);
+    assert_true(fabs(s.moduli.c22 - prestressed.c22) < 0.01 * fabs(m.c22 - prestressed.c22));
+    assert_true(isnan(s.moduli.c33));
+    sp_network_free(&stiff);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+/* With friction forces that turn with their contacts come in, which no symmetric spring has: they are of the order of
+ * F_t/(k r), 1e-3 here. Larger strains make contacts slide, and the packing softer to shear. */
+static void test_sliding(void **state) {
+    (void)state;
+    sp_packing p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
+    sp_network net = network_of(&p, true);
+    sp_moduli m;
+    assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
+    const sp_strained little = strained(&p, &net, 1e-9, true), much = strained(&p, &net, 5e-5, true);
+    assert_close(little.moduli.c22 / m.c22, 1, 3e-3);
+    assert_close(little.moduli.c33 / m.c33, 1, 3e-3);
+    assert_true(much.sliding > little.sliding && much.factors > 0);
+    assert_true(much.moduli.c33 < little.moduli.c33);
+    const sp_strained other = strained(&p, &net, -5e-5, true); /* extension slides others */
+    assert_true(other.sliding > 0 && other.moduli.c22 != much.moduli.c22);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+static void test_refusals(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 6, 0.5, 1), q = scattered_packing(2, 5, 0.5, 1);
+    sp_network net = network_of(&p, false);
+    sp_strained_options o = sp_strained_options_default();
+    sp_strained out;
+    for (int k = 0; k < 3; k++) {
+        o.strain = (const double[]){0, NAN, 0.5}[k];
+        assert_fails(sp_moduli_strained(&p, &net, 0.5, &o, &out, &err), SP_EINVAL, "strain");
+    }
+    o.strain = 1e-6;
+    assert_fails(sp_moduli_strained(&q, &net, 0.5, &o, &out, &err), SP_EINVAL, "must be of this one");
+    for (int k = 0;; k++) {
+        sp_error error = {0};
+        sp_alloc_fail_after(k);
+        const sp_status status = sp_moduli_strained(&p, &net, 0.5, &o, &out, &error);
+        sp_alloc_fail_after(-1);
+        if (status == SP_OK) {
+            assert_true(k > 15);
+            break;
+        }
+        assert_int_equal(status, SP_ENOMEM);
+    }
+    net.n_springs = net.n_bulk;
+    assert_fails(sp_moduli_strained(&p, &net, 0.5, &o, &out, &err), SP_EREFUSED, "both walls");
+    sp_network_free(&net);
+    sp_packing_free(&q);
+    sp_packing_free(&p);
+    p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    net = network_of(&p, false);
+    o.strain = -0.01; /* more than the contacts' overlaps: they open all over */
+    assert_fails(sp_moduli_strained(&p, &net, 0.5, &o, &out, &err), SP_EREFUSED, "yields");
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_straight), cmocka_unit_test(test_turning),
+                                       cmocka_unit_test(test_sliding), cmocka_unit_test(test_refusals)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
