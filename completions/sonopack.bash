@@ -6,7 +6,7 @@ _sonopack_options() {
 
 _sonopack() {
     local program=${COMP_WORDS[0]} current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}
-    local commands='pack check statics moduli modes spectrum signal front wave study table chain plot convert bench help'
+    local commands='pack check statics moduli modes spectrum signal front wave study table reproduce chain plot convert bench help'
     local command='' word
     COMPREPLY=()
     for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
@@ -33,6 +33,18 @@ _sonopack() {
         ;;
     --initial)
         mapfile -t COMPREPLY < <(compgen -W 'A B' -- "$current")
+        return
+        ;;
+    --figures)
+        mapfile -t COMPREPLY < <(compgen -W 'svg png pdf' -- "$current")
+        return
+        ;;
+    --protocol)
+        mapfile -t COMPREPLY < <(compgen -W 'default somfai2005' -- "$current")
+        return
+        ;;
+    --only)
+        mapfile -t COMPREPLY < <(compgen -W "$(printf 'table%s ' 1 2 3 4 5) $(printf 'fig%s ' {1..12})" -- "$current")
         return
         ;;
     --norm)
@@ -62,7 +74,9 @@ _sonopack() {
         if [[ $current == -* ]]; then
             mapfile -t COMPREPLY < <(compgen -W "$(_sonopack_options "$program" "$command")" -- "$current")
         elif [ "$command" = table ] && [ "$previous" = table ]; then
-            mapfile -t COMPREPLY < <(compgen -W 'ctof statics moduli ensemble' -- "$current")
+            mapfile -t COMPREPLY < <(compgen -W 'ctof scaling planes statics moduli probes ensemble' -- "$current")
+        elif [ "$command" = reproduce ] && [ "$previous" = reproduce ]; then
+            mapfile -t COMPREPLY < <(compgen -W 'somfai2005' -- "$current")
         elif [ "$command" = bench ]; then
             mapfile -t COMPREPLY < <(compgen -W 'signal long many damped modes moduli pack' -- "$current")
         elif [ "$command" = plot ] && [ "$previous" = plot ]; then

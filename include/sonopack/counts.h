@@ -27,8 +27,9 @@ typedef struct sp_contact_counts {
     int dim; /* of the packings; 0: none yet */
     int64_t packings;
     double contacts;
-    sp_angle_counts all, strong, weak; /* bins of 5 degrees from the x axis on, n and -n being the same; 1: isotropic */
-    sp_value_counts force, stiffness;  /* bins of 0.1 of the value over its mean in its own packing */
+    sp_angle_counts all, strong,
+        weak; /* bins around 0, 5, ... degrees from the x axis, n and -n being the same; 1: isotropic */
+    sp_value_counts force, stiffness; /* bins of 0.1 of the value over its mean in its own packing */
 } sp_contact_counts;
 sp_contact_counts sp_contact_counts_none(void);
 

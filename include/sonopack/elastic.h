@@ -75,7 +75,7 @@ typedef struct sp_strained {
 /* The packing with its full contact law (Hertz, incremental friction, Coulomb's limit, contacts that open and close)
  * strained and brought to equilibrium again, by Newton steps with the factor of K, made anew where contacts have
  * changed too much. net: of this packing; its springs are the contacts at rest, rattlers stay out. SP_EREFUSED where
- * the residual does not fall below 1e-9, as where the packing yields, and as sp_moduli_make. */
+ * the residual does not fall below 1e-6, as where the packing yields, and as sp_moduli_make. */
 sp_status sp_moduli_strained(const sp_packing *p, const sp_network *net, double phi3s, const sp_strained_options *opt,
                              sp_strained *out, sp_error *err);
 

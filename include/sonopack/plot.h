@@ -78,7 +78,8 @@ sp_status sp_plot_ensemble(int tables, const sp_plot_table *table, const char *p
 /* A table of `sonopack modes': omega^2 against the number of the mode, and a b. */
 sp_status sp_plot_modes(const sp_table *modes, const char *path, sp_error *err);
 
-/* Signals at several distances, one above the other: each drawn at its distance, in one scale of its own peak. */
+/* Signals at several distances, one above the other: each drawn at its distance, in the scale of its own largest value.
+ * Without any distances (all NAN) they stand at 1, 2, ... in their order. */
 typedef struct sp_plot_record {
     double distance; /* of the detector from the source [d] */
     int64_t n;

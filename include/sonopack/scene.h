@@ -18,7 +18,7 @@ enum {
     SP_WANT_STATICS = 2, /* Table I */
     SP_WANT_MODULI = 4,  /* Table II */
     SP_WANT_SIGNAL = 8,  /* the signal itself is stored */
-    SP_WANT_PROBES = 16, /* Tables IV and V */
+    SP_WANT_PROBES = 16, /* Tables IV and V; Table II is made with them */
     SP_WANT_PLANES = 32, /* fronts at horizontal planes inside of each sample */
     SP_WANT_SCALING = 64 /* the fronts of SP_WANT_CTOF, as a table over distance: no part of its own */
 };

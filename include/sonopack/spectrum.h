@@ -3,8 +3,10 @@
 /* Spectra of the network of springs: what frequencies there are, which of them reach the other wall, and how waves
  * travel. Frequencies are angular, in sqrt(E* / rho)/d. */
 
+#include <sonopack/elastic.h>
 #include <sonopack/modes.h>
 #include <sonopack/network.h>
+#include <stdbool.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -195,6 +197,45 @@ sp_harmonic sp_harmonic_none(void);
 /* SP_EREFUSED where the tolerance is missed, as too near to a frequency of an undamped network. */
 sp_status sp_harmonic_make(const sp_network *net, const sp_harmonic_options *opt, sp_harmonic *out, sp_error *err);
 void sp_harmonic_free(sp_harmonic *h);
+
+/* ---- continuum ----------------------------------------------------------------------------------------------------
+ */
+
+/* A mode of a strip of homogeneous elastic material with the packing's moduli and density, between fixed walls and
+ * periodic along x: u = (v(y) cos, -w(y) sin)(k1 x) and (v sin, w cos)(k1 x), k1 = 2 pi n1/L1. */
+typedef struct sp_strip_mode {
+    double omega;        /* converged to 1e-8 of it */
+    int32_t n1;          /* wave number along x */
+    int32_t n2;          /* half waves between the walls of the strongest sine of v and w; the k2 = n2 pi/L2 of */
+    bool fast;           /* omega+ of the two plane waves, the nearer one; false: omega- */
+    double omega_plane;  /* sqrt(lambda/Phi3*), lambda of the acoustic tensor A(k1, k2) (Somfai et al. 2005, section
+                            IV E): exact for n1 = 0 alone */
+    double v[48], w[48]; /* coefficients of (L_k - L_(k+2))(2 y/L2 - 1)/sqrt(4 k + 6), L Legendre's polynomials */
+} sp_strip_mode;
+/* The lowest modes with wave number n1 along x; out [count], ascending. box: L1, L2. SP_EINVAL for count outside 1 ..
+ * 24, or moduli that are none. */
+sp_status sp_strip_modes(const sp_moduli *m, double phi3s, const double box[2], int32_t n1, int32_t count,
+                         sp_strip_mode *out, sp_error *err);
+
+/* A mode of the packing beside the mode of the strip that it overlaps with most. */
+typedef struct sp_continuum_row {
+    int64_t n;    /* number in the whole spectrum, from 0, zero modes of rattlers in front */
+    double omega; /* of the packing */
+    int32_t n1, n2;
+    bool fast;
+    double omega_plane, omega_continuum;
+    double overlap; /* squared projection, in the metric of the masses, on the two modes of the strip (n1 = 0: one) */
+} sp_continuum_row;
+typedef struct sp_continuum {
+    int32_t n;
+    sp_continuum_row *row; /* [n] ascending by omega */
+    sp_moduli moduli;
+} sp_continuum;
+sp_continuum sp_continuum_none(void);
+/* The `lowest` modes of a 2D packing but for those of frequency 0. SP_EREFUSED for other dimensions, walls that do not
+ * grip, and without phi3s. */
+sp_status sp_continuum_make(const sp_network *net, double phi3s, int32_t lowest, sp_continuum *out, sp_error *err);
+void sp_continuum_free(sp_continuum *c);
 
 #ifdef __cplusplus
 }

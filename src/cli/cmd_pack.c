@@ -232,6 +232,8 @@ static sp_status work(const arguments *a, sp_scene *scene, sp_packing *p, sp_err
     sp_status status = cli_may_write(&a->common, path, err);
     if (status == SP_OK)
         status = sp_scene_read(a->scene, a->common.sets, a->common.set, scene, err);
+    if (status == SP_OK)
+        status = sp_scene_resolve(scene, err); /* the height that a study keeps for its sweeps */
     if (status != SP_OK)
         return status;
     if (a->seed_given)

@@ -127,14 +127,28 @@ static sp_status make_trace(const arguments *a, const char *path, const plot_sig
     return SP_OK;
 }
 
-/* Many signals, each at a distance that is known: one above the other. */
+/* More signals than a legend tells apart stand one above the other, as long as that can be read. */
 static bool is_section(const arguments *a, int traces, const plot_signals *read) {
-    enum { LEGEND_MOST = 10, SECTION_MOST = 200 };
-    bool known = traces > LEGEND_MOST && traces <= SECTION_MOST;
+    enum { LEGEND_MOST = 10, SECTION_MOST = 60 };
+    bool ours = traces > LEGEND_MOST && traces <= SECTION_MOST;
     for (int k = 0; k < a->files; k++)
         for (int j = 0; j < read[k].n; j++)
-            known = known && isfinite(read[k].signal[j].distance) && !read[k].signal[j].foreign;
-    return known;
+            ours = ours && !read[k].signal[j].foreign;
+    return ours;
+}
+
+/* Whether all distances are known and no two nearly the same. */
+static bool apart(int n, const sp_plot_record *record) {
+    double low = INFINITY, high = -INFINITY, least = INFINITY;
+    bool known = true;
+    for (int k = 0; k < n; k++) {
+        known = known && isfinite(record[k].distance);
+        low = fmin(low, record[k].distance);
+        high = fmax(high, record[k].distance);
+        for (int j = 0; j < k; j++)
+            least = fmin(least, fabs(record[k].distance - record[j].distance));
+    }
+    return known && least > 0.1 * (high - low) / (n - 1);
 }
 
 static sp_status draw_section(const arguments *a, int traces, const plot_signals *read, sp_error *err) {
@@ -147,6 +161,9 @@ static sp_status draw_section(const arguments *a, int traces, const plot_signals
             const plot_signal *s = &read[k].signal[j];
             record[made++] = (sp_plot_record){.distance = s->distance, .n = s->n, .t = s->t, .f = s->f};
         }
+    if (!apart(traces, record))
+        for (int k = 0; k < traces; k++)
+            record[k].distance = NAN;
     const sp_status status = blame(sp_plot_section(traces, record, a->common.output, err), a->file[0], err);
     sp_free(record);
     return status;
@@ -369,8 +386,9 @@ static const struct argp argp = {
     "ctof: speeds against pressure with the published c_tof = 0.26 (p/1e-4)^(1/6), from a table that `sonopack "
     "table ctof' prints (TSV or CSV). signal: F(t) of one or more tables with columns t and F (or F1, F2, ...), or "
     "of packings (their signal is made), with the first front marked: a triangle at 10% of its peak, a circle at "
-    "the peak, a square at the zero crossing; more than ten, of known distances, are drawn one above the other at "
-    "their distances. ensemble: tables with columns t, mean and rms. network: a packing with its contacts that carry "
+    "the peak, a square at the zero crossing; more than ten are drawn one above the other, at "
+    "their distances where these are known. ensemble: tables with columns t, mean and rms. network: a packing with its "
+    "contacts that carry "
     "as lines, as wide as "
     "their normal force is large; rattlers are grey. stiffness: the same with the normal stiffness. pareto: run "
     "time against error of a table of `sonopack bench', a symbol a method, hollow for those of other programs, and "

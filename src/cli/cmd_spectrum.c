@@ -23,11 +23,12 @@ enum {
     KEY_LAYERS,
     KEY_RANGE,
     KEY_TOLERANCE,
+    KEY_LOWEST,
     KEY_LAST,
     KEYS = KEY_LAST - KEY_METHOD
 };
 #define BIT(key)   (1u << ((key)-KEY_METHOD))
-#define KIND_NAMES "dos, transmission, dispersion, harmonic or participation"
+#define KIND_NAMES "dos, transmission, dispersion, harmonic, participation or continuum"
 
 static const struct kind {
     const char *name;
@@ -45,6 +46,7 @@ static const struct kind {
      BIT(KEY_SOURCE) | BIT(KEY_AT) | BIT(KEY_DAMPING) | BIT(KEY_LAYERS) | BIT(KEY_RANGE) | BIT(KEY_TOLERANCE) |
          BIT(KEY_PROFILE)},
     {"participation", spectrum_participation, BIT(KEY_BINS) | BIT(KEY_UNTIL)},
+    {"continuum", spectrum_continuum, BIT(KEY_LOWEST)},
 };
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
@@ -78,6 +80,7 @@ static const struct argp_option options[] = {
     {"layers", KEY_LAYERS, "N", 0, "harmonic: equal layers with planes between them (one a diameter)", 0},
     {"range", KEY_RANGE, "LOW:HIGH", 0, "harmonic: heights that the wave is fitted in (2 d from the walls)", 0},
     {"tolerance", KEY_TOLERANCE, "EPS", 0, "harmonic: error asked for, over |F| (1e-8)", 0},
+    {"lowest", KEY_LOWEST, "K", 0, "continuum: the K lowest modes (12)", 0},
     {0}};
 static const struct argp_child children[] = {
     {&cli_springs_argp, 0, "Springs:", 50}, {&cli_common_argp, 0, "Common options:", 90}, {0}};
@@ -160,6 +163,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case KEY_AT: a->at = arg; break;
     case KEY_DAMPING: status = cli_number("--damping", arg, 0, 1e6, &a->damping, &err); break;
     case KEY_LAYERS: status = cli_integer("--layers", arg, 2, 100000, &a->layers, &err); break;
+    case KEY_LOWEST: status = cli_integer("--lowest", arg, 1, 100000, &a->lowest, &err); break;
     case KEY_RANGE: status = parse_heights(arg, a->range, &err); break;
     case KEY_TOLERANCE: status = cli_number("--tolerance", arg, 1e-15, 0.1, &a->tolerance, &err); break;
     case KEY_SEED: status = cli_integer("--seed", arg, 0, INT64_MAX, &a->seed, &err); break;
@@ -181,7 +185,8 @@ static const struct argp argp = {
     "  transmission   spectrum of the signal from wall to wall\n"
     "  dispersion     frequencies of longitudinal, transverse and rotational waves\n"
     "  harmonic       response to steady driving; wave number and attenuation\n"
-    "  participation  participation ratio of modes against frequency\v"
+    "  participation  participation ratio of modes against frequency\n"
+    "  continuum      lowest modes beside those of a homogeneous elastic strip\v"
     "Frequencies are angular, in sqrt(E* / rho)/d. Comments say method, resolution and what is left out. --set takes "
     "keys of the group network.",
     children,

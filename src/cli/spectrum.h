@@ -9,7 +9,7 @@ typedef struct spectrum_arguments {
     cli_springs springs;
     const char *file;
     const char *method, *norm;                          /* words, NULL: not given */
-    int64_t bins, vectors, seed, waves, layers;         /* -1: not given */
+    int64_t bins, vectors, seed, waves, layers, lowest; /* -1: not given */
     double until, resolution, damping, node, tolerance; /* < 0: not given */
     double range[2];                                    /* heights of the fit; NAN: not given */
     const char *at;                                     /* frequencies */
@@ -33,6 +33,8 @@ sp_status spectrum_participation(const spectrum_arguments *a, const sp_packing *
                                  sp_error *err);
 sp_status spectrum_harmonic(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
                             sp_error *err);
+sp_status spectrum_continuum(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
+                             sp_error *err);
 
 /* "key = value" with a number that reads back as it is. */
 sp_status spectrum_comment(sp_table *t, const char *key, double value, sp_error *err);

@@ -6,7 +6,7 @@
 #include <string.h>
 
 spectrum_arguments spectrum_arguments_default(void) {
-    spectrum_arguments a = {.bins = -1, .vectors = -1, .seed = -1, .waves = -1, .layers = -1};
+    spectrum_arguments a = {.bins = -1, .vectors = -1, .seed = -1, .waves = -1, .layers = -1, .lowest = -1};
     a.until = a.resolution = a.damping = a.node = a.tolerance = -1;
     a.range[0] = a.range[1] = NAN;
     return a;

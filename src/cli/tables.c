@@ -125,7 +125,7 @@ static int by_names(const void *a, const void *b) { return by_name(a, ((const sp
 
 static int find_name(const void *name, const void *sample) { return -by_name(sample, name); }
 
-/* Those of `all` (sorted by name) that a scene makes. One without a part that the scene wants counts as failed. */
+/* Those of `all' (sorted by name) that a scene makes. One without a part that the scene wants counts as failed. */
 static sp_status choose(const sp_scene *scene, int64_t n, const sp_sample *all, choice *out, sp_error *err) {
     int64_t count = sp_study_count(scene);
     choice c = {.sample = sp_alloc((size_t)(count < n ? count : n), sizeof *c.sample)};
@@ -148,10 +148,13 @@ static sp_status choose(const sp_scene *scene, int64_t n, const sp_sample *all, 
         }
         sp_sample *s = &c.sample[c.n++];
         *s = *found;
-        if (!s->failed && sp_want_parts(scene->want) & ~sp_sample_parts(&one, s)) {
+        const unsigned parts = sp_sample_parts(&one, s);
+        if (!s->failed && sp_want_parts(scene->want) & ~parts) {
             s->failed = true;
             snprintf(s->reason, sizeof s->reason, "a wanted part of its results could not be made");
         }
+        if (one.planes > 0) /* those of another scene are not asked for */
+            s->have &= parts | ~(unsigned)SP_WANT_PLANES;
     }
     if (status == SP_OK)
         *out = c;

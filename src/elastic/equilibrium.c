@@ -98,7 +98,7 @@ static void raise_diagonal(const sp_equilibrium *e, sp_sparse *k) {
     for (int64_t c = 0; c < k->n; c++) {
         double *x = &k->x[k->p[c]];
         if (e->raised == RAISE_DIAGONAL)
-            *x += RAISE * (*x > 0 ? *x : largest);
+            *x += e->raise * (*x > 0 ? *x : largest);
         else if (e->raised == RAISE_MASS)
             *x += e->raise * e->net->mass[e->chosen ? e->chosen[c] : c];
     }
@@ -150,6 +150,7 @@ static sp_status factorize_any(sp_equilibrium *e, sp_error *err) {
         status = factorize(e, err);
     if ((status == SP_OK && pivots) || status == SP_EREFUSED) {
         e->raised = RAISE_DIAGONAL;
+        e->raise = RAISE;
         status = factorize(e, err);
     }
     return status;
@@ -181,12 +182,12 @@ sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_err
     return status;
 }
 
-sp_status sp_equilibrium_raise(sp_equilibrium *e, equilibrium_raise raise, sp_error *err) {
+sp_status sp_equilibrium_raise(sp_equilibrium *e, equilibrium_raise raise, double fraction, sp_error *err) {
     double fastest = 0;
     for (int64_t c = 0; c < e->k.n; c++)
         fastest = fmax(fastest, e->k.x[e->k.p[c]] / e->net->mass[e->chosen ? e->chosen[c] : c]);
     e->raised = raise;
-    e->raise = RAISE * fastest;
+    e->raise = fmax(fraction, RAISE) * (raise == RAISE_MASS ? fastest : 1);
     return factorize(e, err);
 }
 

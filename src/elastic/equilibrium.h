@@ -18,7 +18,7 @@ typedef struct sp_equilibrium {
     sp_sparse k; /* K itself */
     sp_cholesky *factor;
     equilibrium_raise raised;
-    double raise;    /* RAISE_MASS: so many times M were added */
+    double raise;    /* fraction of the diagonal, or so many times M, that was added */
     bool slips;      /* neither wall grips: the whole floats sideways */
     bool grips;      /* both walls do */
     int64_t count;   /* free degrees of freedom */
@@ -30,8 +30,8 @@ sp_equilibrium sp_equilibrium_none(void);
 /* SP_EREFUSED for a network without springs at both walls, or none that lead from wall to wall, or one that is
  * unstable. */
 sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_error *err);
-/* Another factor of the same, floppy K. */
-sp_status sp_equilibrium_raise(sp_equilibrium *e, equilibrium_raise raise, sp_error *err);
+/* Another factor of the same, floppy K, raised by this fraction; 0: the smallest that serves. */
+sp_status sp_equilibrium_raise(sp_equilibrium *e, equilibrium_raise raise, double fraction, sp_error *err);
 /* A system of those degrees of freedom alone that held[] (dofs) does not hold. */
 sp_status sp_equilibrium_hold(const sp_equilibrium *e, const uint8_t *held, sp_equilibrium *out, sp_error *err);
 void sp_equilibrium_free(sp_equilibrium *e);

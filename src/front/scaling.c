@@ -26,7 +26,7 @@ typedef struct problem {
     means *row;           /* [rows] of the resample under way */
     double *weight[FITS]; /* [rows] errors of the points; NAN: unknown */
     bool weighted[FITS];
-    int64_t used[FITS]; /* rows that have a point */
+    int64_t used[FITS];    /* rows that have a point */
     double *x, *y, *error; /* [rows] of a fit */
     void *memory;
 } problem;

@@ -6,7 +6,8 @@
 #include <sonopack/counts.h>
 
 #define PI          3.14159265358979323846
-#define VALUE_WIDTH 0.1 /* of a bin, over the mean */
+#define VALUE_WIDTH 0.1        /* of a bin, over the mean */
+#define EQUAL       (1 + 1e-9) /* a force that is the mean but for rounding is not above it */
 
 sp_contact_counts sp_contact_counts_none(void) { return (sp_contact_counts){0}; }
 
@@ -29,13 +30,10 @@ static bool counts(const sp_packing *p, const sp_contact *k, double margin) {
     return k->j >= 0 && y >= margin && y <= sp_packing_height(p) - margin;
 }
 
-/* 0 .. pi: a direction and its opposite are one. */
+/* A direction and its opposite are one. Bins lie around 0, 5, ... degrees: bonds of lattices are in their middle. */
 static int angle_bin(const sp_contact *k) {
-    double angle = atan2(k->n[1], k->n[0]);
-    if (angle < 0)
-        angle += PI;
-    const int bin = (int)(angle / PI * SP_ANGLE_BINS);
-    return bin < SP_ANGLE_BINS ? bin : 0; /* pi is 0 */
+    const double angle = atan2(k->n[1], k->n[0]); /* -pi .. pi */
+    return (int)(floor(angle / PI * SP_ANGLE_BINS + 0.5) + SP_ANGLE_BINS) % SP_ANGLE_BINS;
 }
 
 static int value_bin(double value, double mean) {
@@ -55,7 +53,7 @@ static void count_all(const sp_packing *p, const uint8_t *carrying, double margi
                 own->mean_stiffness += stiffness_of(p, k);
                 continue;
             }
-            const bool strong = k->fn > own->mean_force;
+            const bool strong = k->fn > EQUAL * own->mean_force;
             own->force[value_bin(k->fn, own->mean_force)] += 1;
             own->stiffness[value_bin(stiffness_of(p, k), own->mean_stiffness)] += 1;
             own->strong += strong;
@@ -171,7 +169,7 @@ sp_status sp_contact_angles_table(const sp_contact_counts *c, sp_table *out, sp_
     if (status == SP_OK)
         status = sp_table_add_comment(&t, err, "strong_part = %.6g", c->strong.contacts / c->contacts);
     for (int b = 0; b < SP_ANGLE_BINS && status == SP_OK; b++) {
-        double row[7] = {180.0 * (b + 0.5) / SP_ANGLE_BINS};
+        double row[7] = {180.0 * b / SP_ANGLE_BINS};
         for (int k = 0; k < 3; k++) {
             row[1 + 2 * k] = mean_of(of[k]->sum[b], of[k]->packings);
             row[2 + 2 * k] = error_of(of[k]->sum[b], of[k]->squares[b], of[k]->packings);

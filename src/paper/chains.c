@@ -82,6 +82,34 @@ static sp_status lattice_front(const sp_sample *sample, const sp_packing *packin
     return status;
 }
 
+/* Highest point before the first zero crossing of a lattice's front can be; *at: its place. */
+static double first_crest(const scaled *s, double *at) {
+    double highest = 0;
+    *at = NAN;
+    for (int64_t k = 0; k < s->n && s->x[k] < 1; k++)
+        if (s->y[k] > highest) {
+            highest = s->y[k];
+            *at = s->x[k];
+        }
+    return highest;
+}
+
+static sp_status say_lattice(paper *p, int item, const lattice *l, sp_error *err) {
+    sp_front chain;
+    sp_status status = sp_chain_front(ROWS, SP_CHAIN_VELOCITY, &chain, err);
+    double at;
+    const double crest = first_crest(&l->front, &at), third = cbrt((double)ROWS);
+    if (status == SP_OK)
+        paper_say(p, item,
+                  "Lattice of %d rows, its first row as fast as the chain's first ball: the first crest is %.2f times "
+                  "as high "
+                  "as that of %d balls, and comes %.1f l/c earlier; its stiffer walls hold the first row back and "
+                  "shorten the "
+                  "way.",
+                  ROWS, crest / (chain.amplitude * third * third), ROWS, chain.t_peak - (ROWS + at * third));
+    return status;
+}
+
 static sp_status draw(paper *p, int item, const lattice *l, sp_error *err) {
     static const sp_dash dashes[CHAINS] = {SP_DASH_DOTTED, SP_DASH_DASH_DOT, SP_DASH_DASHED};
     scaled *front = sp_alloc(CHAINS + 1, sizeof *front);
@@ -149,5 +177,7 @@ sp_status paper_make_fig12(paper *p, int item, sp_error *err) {
             paper_say(p, item, "Chain of %lld balls: the first peak's height times N^(2/3) is %.2f%% off its limit.",
                       (long long)balls[k], 100 * (front.amplitude * pow((double)balls[k], 2.0 / 3) / limit - 1));
     }
+    if (status == SP_OK)
+        status = say_lattice(p, item, &l, err);
     return status == SP_OK && p->opt->folder ? draw(p, item, &l, err) : status;
 }

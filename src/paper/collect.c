@@ -71,7 +71,7 @@ static sp_status read_samples(paper *p, const sp_scene *scene, paper_set *out, s
 
 static sp_status collect_one(paper *p, stage *s, unsigned want, sp_error *err) {
     sp_scene scene = sp_scene_default();
-    sp_status status = paper_ensemble_scene(s->e, p->opt->samples, &scene, err);
+    sp_status status = paper_ensemble_scene(s->e, p->opt->samples, p->opt->protocol, &scene, err);
     if (status != SP_OK)
         return status;
     scene.want = want;
@@ -91,10 +91,10 @@ sp_status paper_collect(paper *p, sp_error *err) {
     sp_status status = SP_OK;
     p->cost = 1; /* what is done with the samples */
     for (int e = 0; e < PAPER_ENSEMBLES; e++)
-        p->cost += wanted(p, e) ? paper_ensemble_cost(e, p->opt->samples) : 0;
+        p->cost += wanted(p, e) ? paper_ensemble_cost(e, p->opt->samples, p->opt->protocol) : 0;
     for (int e = 0; e < PAPER_ENSEMBLES && status == SP_OK; e++) {
         const unsigned want = wanted(p, e);
-        stage s = {.p = p, .e = e, .cost = paper_ensemble_cost(e, p->opt->samples)};
+        stage s = {.p = p, .e = e, .cost = paper_ensemble_cost(e, p->opt->samples, p->opt->protocol)};
         if (!want)
             continue;
         status = collect_one(p, &s, want, err);

@@ -66,12 +66,17 @@ double paper_chain_spread(paper_ensemble e) {
     return e == PAPER_CHAIN_1 ? 0.1 : e == PAPER_CHAIN_2 ? 0.2 : e == PAPER_CHAIN_4 ? 0.4 : 0;
 }
 
-sp_status paper_ensemble_scene(paper_ensemble e, int32_t samples, sp_scene *out, sp_error *err) {
-    char number[64], *override[] = {number};
+sp_status paper_ensemble_scene(paper_ensemble e, int32_t samples, sp_protocol protocol, sp_scene *out, sp_error *err) {
+    char number[64], slow[] = "packing.protocol=somfai2005", *override[] = {number, slow};
     snprintf(number, sizeof number, "study.samples=%d", count(e, samples));
-    return sp_scene_parse(ensembles[e].scene, ensembles[e].name, 1, override, out, err);
+    const bool piston = e <= PAPER_SPHERES;
+    return sp_scene_parse(ensembles[e].scene, ensembles[e].name, piston && protocol == SP_PROTOCOL_SOMFAI2005 ? 2 : 1,
+                          override, out, err);
 }
 
-double paper_ensemble_cost(paper_ensemble e, int32_t samples) { return ensembles[e].cost * count(e, samples); }
+double paper_ensemble_cost(paper_ensemble e, int32_t samples, sp_protocol protocol) {
+    const double slower = e <= PAPER_SPHERES && protocol == SP_PROTOCOL_SOMFAI2005 ? 5 : 1; /* measured */
+    return slower * ensembles[e].cost * count(e, samples);
+}
 
 const char *paper_ensemble_name(paper_ensemble e) { return ensembles[e].name; }

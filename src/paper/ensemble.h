@@ -23,10 +23,11 @@ typedef enum paper_ensemble {
 
 /* Half of the range of the diameters of the chains. */
 double paper_chain_spread(paper_ensemble e);
-/* The scene of an ensemble where the paper's ensembles have `samples`. Free with sp_scene_free. */
-sp_status paper_ensemble_scene(paper_ensemble e, int32_t samples, sp_scene *out, sp_error *err);
+/* The scene of an ensemble where the paper's ensembles have `samples`; the protocol is that of packings under a piston.
+ * Free with sp_scene_free. */
+sp_status paper_ensemble_scene(paper_ensemble e, int32_t samples, sp_protocol protocol, sp_scene *out, sp_error *err);
 /* What it costs, about, in CPU seconds. */
-double paper_ensemble_cost(paper_ensemble e, int32_t samples);
+double paper_ensemble_cost(paper_ensemble e, int32_t samples, sp_protocol protocol);
 const char *paper_ensemble_name(paper_ensemble e);
 
 #endif

@@ -18,14 +18,11 @@ static sp_curve plain_curve(const char *label, const paper_signals *s, const dou
 /* The single packings (a), or mean and scatter beside one of them. */
 static int fill_panel(int which, const paper_signals *s, sp_curve curve[PANEL_CURVES]) {
     static const char *const names[PAPER_SINGLES] = {"packing 1 (Fig. 1)", "packing 2", "packing 3", "packing 4"};
+    static const int inks[PAPER_SINGLES] = {2, 1, 3, 0};
     int n = 0;
     if (which == 0) {
         for (int k = 0; k < PAPER_SINGLES && k < s->n; k++)
-            curve[n++] = plain_curve(names[k], s, s->single + (size_t)k * (size_t)s->points,
-                                     k == 0   ? 2
-                                     : k == 2 ? 3
-                                              : k,
-                                     SP_DASH_SOLID);
+            curve[n++] = plain_curve(names[k], s, s->single + (size_t)k * (size_t)s->points, inks[k], SP_DASH_SOLID);
         return n;
     }
     if (which > 1)
@@ -96,9 +93,18 @@ static sp_status coherent_curve(paper *p, const paper_distance *d, int ink, pape
                                 sp_error *err) {
     static const sp_dash dashes[] = {SP_DASH_SOLID, SP_DASH_DASHED, SP_DASH_DASH_DOT};
     sp_status status = paper_signals_make(p, d->ensemble, d->grains, 1.15 * d->t_zero.mean, 400, s, err);
-    if (status == SP_OK)
-        *out = (sp_curve){.n = s->points, .x = s->t, .y = s->mean, .ink = ink % 4, .dash = dashes[ink % 3], .width = 1};
-    return status;
+    if (status != SP_OK)
+        return status;
+    int32_t from = 0; /* before the front comes there is nothing to see */
+    while (from < s->points && s->t[from] < 0.75 * d->t10.mean)
+        from++;
+    *out = (sp_curve){.n = s->points - from,
+                      .x = s->t + from,
+                      .y = s->mean + from,
+                      .ink = ink % 4,
+                      .dash = dashes[ink % 3],
+                      .width = 1};
+    return SP_OK;
 }
 
 sp_status paper_make_fig5(paper *p, int item, sp_error *err) {

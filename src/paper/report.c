@@ -296,11 +296,12 @@ static void summary(report *r) {
               "words and our standard error together. A value agrees when σ is within one. s.e.: the difference over "
               "the standard errors of both means together, 30 samples taken for the paper; it shows small differences "
               "that the scatter hides.");
-    snprintf(
-        line, sizeof line,
-        "sonopack %s, reproduce somfai2005 with %d samples a pressure (2400 grains: half as many; spheres: a quarter); "
-        "%lld samples made in this run, %lld that failed or lack a part; %.0f seconds.",
-        SONOPACK_VERSION, p->opt->samples, (long long)p->computed, (long long)p->failed, sp_clock_wall() - p->begun);
+    snprintf(line, sizeof line,
+             "sonopack %s, reproduce somfai2005 with %d samples a pressure (2400 grains: half as many; spheres: a "
+             "quarter), protocol %s; "
+             "%lld samples made in this run, %lld that failed or lack a part; %.0f seconds.",
+             SONOPACK_VERSION, p->opt->samples, p->opt->protocol == SP_PROTOCOL_SOMFAI2005 ? "somfai2005" : "default",
+             (long long)p->computed, (long long)p->failed, sp_clock_wall() - p->begun);
     paragraph(r, "Run.", line);
 }
 

@@ -219,7 +219,7 @@ static sp_status draw(paper *p, int item, const speeds part[3], sp_error *err) {
     }
     const guide sixth = guide_make(1.0 / 6, 0.036), fourth = guide_make(0.25, 0.026);
     const sp_curve curve[CURVES] = {
-        {.label = "lattice with friction, (19)",
+        {.label = "lattice, friction, (19)",
          .n = 2,
          .x = range,
          .y = high,
@@ -232,9 +232,9 @@ static sp_status draw(paper *p, int item, const speeds part[3], sp_error *err) {
         marks("|c|_{|ℓ|}", &part[1], 1, SP_MARK_SQUARE, false),
         marks("2 |c|_{|t|}", &twice, 2, SP_MARK_TRIANGLE, false),
         marks("lattice, |L| = 24", &lattice[0], 3, SP_MARK_DIAMOND, true),
-        marks("the same, with friction", &lattice[1], 4, SP_MARK_SQUARE, true),
+        marks("lattice, friction, |L| = 24", &lattice[1], 4, SP_MARK_SQUARE, true),
         marks("lattice, |L| = 160", &wide[0], 3, SP_MARK_TRIANGLE, true),
-        marks("the same, with friction", &wide[1], 4, SP_MARK_CIRCLE, true),
+        marks("lattice, friction, |L| = 160", &wide[1], 4, SP_MARK_CIRCLE, true),
         {.label = "slope 1/6", .n = 2, .x = sixth.x, .y = sixth.y, .ink = 0, .width = 0.6},
         {.label = "slope 1/4", .n = 2, .x = fourth.x, .y = fourth.y, .ink = 0, .dash = SP_DASH_DOTTED, .width = 0.8}};
     const sp_panel panel = {.x = {"pressure |p| / |E|*", true, range[0], range[1]},

@@ -169,6 +169,23 @@ static double crowd(const axis *a, canvas *c, bool across) {
     return labels(a) * (across ? widest(a, c) + 8.0 * letters(a) / TEXT_LABEL : 2.0 * letters(a));
 }
 
+/* Evenly spaced values crowd together towards the end of a logarithmic axis: labels that would touch the last one that
+ * is kept are left out. */
+static void thin_labels(axis *a, canvas *c, double length, bool across) {
+    const double scale = length / (a->high - a->low), size = letters(a);
+    double end = -INFINITY; /* of the last label that is kept */
+    for (int k = 0; k < a->ticks; k++) {
+        tick *t = &a->tick[k];
+        if (!t->label[0])
+            continue;
+        const double half = across ? 0.5 * text_width(c, t->label, size) : 0.5 * size, at = t->at * scale;
+        if (at - half < end + 0.5 * size)
+            t->label[0] = '\0';
+        else
+            end = at + half;
+    }
+}
+
 static void log_ticks(axis *a, canvas *c, double length, bool across) {
     static const int strides[] = {1, 2, 3, 5, 10, 20, 50, 100, 200};
     const double decades = floor(a->high + 1e-9) - ceil(a->low - 1e-9) + 1.0;
@@ -189,6 +206,7 @@ static void log_ticks(axis *a, canvas *c, double length, bool across) {
             return;
     }
     narrow_ticks(a);
+    thin_labels(a, c, length, across);
 }
 
 static void choose_ticks(axis *a, canvas *c, double length, bool across) {

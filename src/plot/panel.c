@@ -104,8 +104,9 @@ static void size_legend(panel *p) {
 static void place_all(panel *p, room *r) {
     axis *y = &p->figure.axes.y;
     const double high = y->high, step = GROW * (y->high - y->low);
+    const int most = !p->grows ? 0 : p->inset ? 2 * GROW_STEPS : GROW_STEPS;
     for (int above = 0; above < 2; above++)
-        for (int k = 0; k <= (p->grows ? GROW_STEPS : 0); k++) {
+        for (int k = 0; k <= most; k++) {
             y->high = high + k * step;
             if (place_parts(p, r, above) == 0)
                 return;

@@ -5,6 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+enum { MANY = 50000 };
+
 #define CELL   1.5 /* [pt] */
 #define AROUND 2.5 /* kept free around a box [pt] */
 #define STRIDE 3.0 /* between places that are tried [pt] */
@@ -66,9 +68,10 @@ static void mark_segment(room *r, double ax, double ay, double bx, double by) {
 static void mark_series(room *r, const figure *f, const series *s) {
     const axis *ax = &f->axes.x, *ay = &f->axes.y;
     const double reach = s->marker == MARKER_NONE ? 0.3 : 2.6;
+    const int64_t stride = 1 + s->n / MANY; /* of very many points some show where the curve goes */
     bool before = false;
     double last_x = 0.0, last_y = 0.0;
-    for (int64_t k = 0; k < s->n; k++) {
+    for (int64_t k = 0; k < s->n; k += stride) {
         const double x = axis_place(ax, s->x[k]), y = axis_place(ay, s->y[k]);
         if (s->low && isfinite(x) && isfinite(s->low[k]) && isfinite(s->high[k]))
             mark_segment(r, x, axis_place(ay, s->low[k]), x, axis_place(ay, s->high[k]));

@@ -18,7 +18,7 @@ static const char *const names[Q_BETWEEN] = {
 typedef struct reader {
     const sp_plot_table *from;
     int column[Q_BETWEEN], error[Q_BETWEEN]; /* < 0: not there */
-    int pressure, width;
+    int key[GROUP_KEYS];
     bool chain;
 } reader;
 
@@ -29,7 +29,10 @@ static int number_column(const sp_table *t, const char *name) {
 
 static sp_status find_columns(const sp_plot_table *from, reader *r, sp_error *err) {
     const sp_table *t = from->table;
-    *r = (reader){.from = from, .pressure = number_column(t, "p"), .width = -1};
+    *r = (reader){.from = from};
+    r->key[G_PRESSURE] = number_column(t, "p");
+    r->key[G_FRICTION] = number_column(t, "friction");
+    r->key[G_WIDTH] = -1;
     for (int q = 0; q < Q_BETWEEN; q++) {
         char error[48];
         snprintf(error, sizeof error, "%s_err", names[q]);
@@ -37,13 +40,14 @@ static sp_status find_columns(const sp_plot_table *from, reader *r, sp_error *er
         r->error[q] = number_column(t, error);
     }
     if (r->column[Q_WIDTH] >= 0)
-        r->width = number_column(t, "width"); /* of the box */
+        r->key[G_WIDTH] = number_column(t, "width"); /* of the box */
     else
         r->column[Q_WIDTH] = number_column(t, "width"); /* of the pulse */
     if (r->column[Q_DISTANCE] < 0) {
         r->column[Q_DISTANCE] = number_column(t, "grains");
         r->chain = r->column[Q_DISTANCE] >= 0;
     }
+    r->key[G_GRAINS] = r->chain ? -1 : number_column(t, "grains");
     if (r->column[Q_DISTANCE] < 0 || r->column[Q_T10] < 0)
         return sp_fail(err, SP_EINVAL,
                        "the table has no column of numbers %s; must be of `sonopack table scaling' or `planes', `chain "
@@ -58,10 +62,13 @@ static double number(const sp_table *t, int64_t row, int column) {
 
 static bool same(double a, double b) { return a == b || (isnan(a) && isnan(b)); }
 
+/* Rows of one group follow each other with rising distances. */
 static bool joined(const reader *r, int64_t row) {
     const sp_table *t = r->from->table;
-    return row > 0 && same(number(t, row, r->pressure), number(t, row - 1, r->pressure)) &&
-           same(number(t, row, r->width), number(t, row - 1, r->width));
+    bool like = row > 0;
+    for (int k = 0; k < G_GRAINS && like; k++)
+        like = same(number(t, row, r->key[k]), number(t, row - 1, r->key[k]));
+    return like && !(number(t, row, r->column[Q_DISTANCE]) <= number(t, row - 1, r->column[Q_DISTANCE]));
 }
 
 static sp_status check_row(const sp_table *t, const reader *r, int64_t row, sp_error *err) {
@@ -94,8 +101,12 @@ static void fill_group(const reader *r, int64_t first, front_group *g, double *m
     double *between = memory + 2 * Q_BETWEEN * g->n;
     for (int64_t k = 0; k < g->n; k++)
         between[k] = r->chain ? OCTAVE * distance[k] : k + 1 < g->n ? sqrt(distance[k] * distance[k + 1]) : NAN;
-    g->pressure = number(t, first, r->pressure);
-    g->width = number(t, first, r->width);
+    for (int q = 0; q < GROUP_KEYS; q++) {
+        g->key[q] = number(t, first, r->key[q]);
+        for (int64_t k = 1; k < g->n; k++)
+            if (!same(number(t, first + k, r->key[q]), g->key[q]))
+                g->key[q] = NAN;
+    }
     g->chain = r->chain;
 }
 
@@ -108,7 +119,8 @@ static sp_status add_table(const reader *r, front_groups *out, double **memory, 
                 return status;
         }
         if (out->n == GROUPS_MOST)
-            return sp_fail(err, SP_EREFUSED, "more than %d groups of rows of one pressure and width, must be fewer",
+            return sp_fail(err, SP_EREFUSED,
+                           "more than %d groups of rows of one pressure, width and friction, must be fewer",
                            GROUPS_MOST);
         front_group *g = &out->group[out->n++];
         g->n = end - row;
@@ -118,31 +130,33 @@ static sp_status add_table(const reader *r, front_groups *out, double **memory, 
     return SP_OK;
 }
 
-/* What tells the groups apart: the file, the pressure, the width, as far as they differ. */
-static void label_group(front_group *g, const char *file, bool files, bool pressures, bool widths) {
-    char name[96] = "", p[80] = "", w[48] = "", value[40];
-    if (files && file)
-        text_escape(name, sizeof name, file, LABEL_MOST);
-    if (pressures && isfinite(g->pressure)) {
-        text_number(value, sizeof value, g->pressure, 2);
-        snprintf(p, sizeof p, "%s|p| = %s", *name ? ", " : "", value);
-    }
-    if (widths && isfinite(g->width)) {
-        text_number(value, sizeof value, g->width, 3);
-        snprintf(w, sizeof w, "%swidth %s", *name || *p ? ", " : "", value);
-    }
-    snprintf(g->label, sizeof g->label, "%.95s%.50s%.14s", name, p, w);
+static bool differs(const front_groups *g, int k, group_key key) {
+    return isfinite(g->group[k].key[key]) && !same(g->group[k].key[key], g->group[0].key[key]);
 }
 
-static void label_groups(front_groups *out, const int *table_of, int tables, const sp_plot_table *table) {
-    bool pressures = false, widths = false;
-    for (int k = 1; k < out->n; k++) {
-        const front_group *g = &out->group[k];
-        pressures = pressures || (isfinite(g->pressure) && !same(g->pressure, out->group[0].pressure));
-        widths = widths || (isfinite(g->width) && !same(g->width, out->group[0].width));
+/* What tells the groups apart: the file, the pressure, the width, the friction, the grains, as far as they differ. */
+static void label_groups(front_groups *g, const int *table_of, int tables, const sp_plot_table *table) {
+    static const char *const words[GROUP_KEYS] = {"|p| = %s", "width %s", "|\xce\xbc| = %s", "|N| = %s"};
+    bool differ[GROUP_KEYS] = {false};
+    for (int q = 0; q < GROUP_KEYS; q++)
+        for (int k = 1; k < g->n; k++)
+            differ[q] = differ[q] || differs(g, k, (group_key)q);
+    for (int k = 0; k < g->n; k++) {
+        front_group *to = &g->group[k];
+        const char *file = table[table_of[k]].label;
+        size_t used = 0;
+        if (tables > 1 && file)
+            text_escape(to->label, 96, file, LABEL_MOST);
+        for (int q = 0; q < GROUP_KEYS; q++) {
+            char value[40], part[64];
+            if (!differ[q] || !isfinite(to->key[q]))
+                continue;
+            text_number(value, sizeof value, to->key[q], q == G_GRAINS ? 9 : 3);
+            snprintf(part, sizeof part, words[q], value);
+            used = strlen(to->label);
+            snprintf(to->label + used, sizeof to->label - used, "%s%s", used > 0 ? ", " : "", part);
+        }
     }
-    for (int k = 0; k < out->n; k++)
-        label_group(&out->group[k], table[table_of[k]].label, tables > 1, pressures, widths);
 }
 
 sp_status front_groups_read(int tables, const sp_plot_table *table, front_groups *out, sp_error *err) {

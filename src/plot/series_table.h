@@ -22,9 +22,12 @@ typedef enum quantity {
     QUANTITIES
 } quantity;
 
+/* Pressure, width of the box, friction; and the number of grains, which does not cut groups. */
+typedef enum group_key { G_PRESSURE = 0, G_WIDTH, G_FRICTION, G_GRAINS, GROUP_KEYS } group_key;
+
 typedef struct front_group {
     int64_t n;
-    double pressure, width;          /* NAN: not in the table */
+    double key[GROUP_KEYS];          /* what all its rows have; NAN: not in the table, or of several values */
     const double *value[QUANTITIES]; /* [n] NAN: none */
     const double *error[QUANTITIES]; /* [n] NAN: none */
     char label[160];                 /* markup; "" where there is nothing to tell apart */

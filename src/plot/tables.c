@@ -170,38 +170,56 @@ sp_status sp_plot_modes(const sp_table *modes, const char *path, sp_error *err) 
 
 /* ---- sections --------------------------------------------------------------------------------------------------- */
 
-/* A trace's largest value over the mean distance to the next trace. */
-#define OVERLAP 1.0
+typedef struct section {
+    int records;
+    const sp_plot_record *record;
+    bool numbered; /* no distances are known */
+} section;
 
-static double spacing(int records, const sp_plot_record *record) {
+static double level(const section *s, int k) { return s->numbered ? k + 1 : s->record[k].distance; }
+
+static double spacing(const section *s) {
     double low = INFINITY, high = -INFINITY;
-    for (int k = 0; k < records; k++) {
-        low = fmin(low, record[k].distance);
-        high = fmax(high, record[k].distance);
+    for (int k = 0; k < s->records; k++) {
+        low = fmin(low, level(s, k));
+        high = fmax(high, level(s, k));
     }
-    return high > low ? (high - low) / (records - 1) : 1;
+    return high > low ? (high - low) / (s->records - 1) : 1;
 }
 
-static void lift(const sp_plot_record *r, double scale, double *y) {
+/* The largest value reaches as far as the next trace is on average. */
+static void lift(const section *s, int k, double scale, double *y) {
+    const sp_plot_record *r = &s->record[k];
     double largest = 0;
     for (int64_t l = 0; l < r->n; l++)
         largest = isfinite(r->f[l]) ? fmax(largest, fabs(r->f[l])) : largest;
     for (int64_t l = 0; l < r->n; l++)
-        y[l] = isfinite(r->f[l]) ? r->distance + (largest > 0 ? scale * (r->f[l] / largest) : 0) : NAN;
+        y[l] = isfinite(r->f[l]) ? level(s, k) + (largest > 0 ? scale * (r->f[l] / largest) : 0) : NAN;
+}
+
+static sp_status check_section(section *s, size_t *points, sp_error *err) {
+    if (s->records < 1 || s->records > RECORDS_MOST)
+        return sp_fail(err, SP_EINVAL, "%d signals: a section shows 1 to %d", s->records, RECORDS_MOST);
+    s->numbered = true;
+    *points = 0;
+    for (int k = 0; k < s->records; k++)
+        s->numbered = s->numbered && isnan(s->record[k].distance);
+    for (int k = 0; k < s->records; k++) {
+        const sp_plot_record *r = &s->record[k];
+        if (r->n < 0 || (!s->numbered && !isfinite(r->distance)))
+            return sp_fail(err, SP_EINVAL, "signal %d has %lld points and distance %g: must be finite, or nan for all",
+                           k + 1, (long long)r->n, r->distance);
+        *points += (size_t)r->n;
+    }
+    return SP_OK;
 }
 
 sp_status sp_plot_section(int records, const sp_plot_record *record, const char *path, sp_error *err) {
+    section s = {.records = records, .record = record};
     size_t points = 0;
     sp_status status = canvas_check(path, err);
-    if (status == SP_OK && (records < 1 || records > RECORDS_MOST))
-        status = sp_fail(err, SP_EINVAL, "%d signals: a section shows 1 to %d", records, RECORDS_MOST);
-    for (int k = 0; k < records && status == SP_OK; k++) {
-        if (record[k].n < 0 || !isfinite(record[k].distance))
-            status = sp_fail(err, SP_EINVAL, "signal %d has %lld points and distance %g: must be finite", k + 1,
-                             (long long)record[k].n, record[k].distance);
-        else
-            points += (size_t)record[k].n;
-    }
+    if (status == SP_OK)
+        status = check_section(&s, &points, err);
     if (status != SP_OK)
         return status;
     double *y = sp_alloc(points, sizeof *y);
@@ -210,15 +228,17 @@ sp_status sp_plot_section(int records, const sp_plot_record *record, const char 
         status = sp_fail_memory(err, points * sizeof *y);
         goto out;
     }
-    const double scale = OVERLAP * spacing(records, record);
+    const double scale = spacing(&s);
     size_t at = 0;
     for (int k = 0; k < records; k++) {
-        lift(&record[k], scale, y + at);
+        lift(&s, k, scale, y + at);
         curve[k] = (sp_curve){.n = record[k].n, .x = record[k].t, .y = y + at, .width = 0.6};
         at += (size_t)record[k].n;
     }
-    const sp_panel panel = {
-        .x = {.label = TIME_AXIS}, .y = {.label = "distance  [|d|]"}, .curves = records, .curve = curve};
+    const sp_panel panel = {.x = {.label = TIME_AXIS},
+                            .y = {.label = s.numbered ? "number" : "distance  [|d|]"},
+                            .curves = records,
+                            .curve = curve};
     const sp_sheet sheet = {.title = "Signals at several distances",
                             .rows = 1,
                             .columns = 1,

@@ -88,7 +88,7 @@ static void keep_word(canvas *c, const char *markup) {
         size_t length = strlen(r.text);
         if (n + length + 2 > sizeof line)
             break;
-        if (r.level != 0 && before == 0)
+        if (r.level != 0 && r.level != before)
             line[n++] = r.level > 0 ? '^' : '_';
         memcpy(line + n, r.text, length);
         n += length;

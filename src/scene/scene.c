@@ -50,8 +50,11 @@ sp_status sp_scene_check_sweeps(const sp_scene *s, sp_error *err) {
         if (s->sweep[k].overridden)
             return sp_fail(
                 err, SP_EINVAL,
-                "--set %s: the key is swept by study.sweep: must be another key, or be taken out of the sweep",
-                s->sweep[k].key);
+                "--set %s: the key is swept by study.sweep: must be another key, or be taken out of the sweep%s",
+                s->sweep[k].key,
+                strcmp(s->sweep[k].key, "packing.height") == 0 || strcmp(s->sweep[k].key, "packing.grains") == 0
+                    ? " (packing.grains and packing.height say the same)"
+                    : "");
     return SP_OK;
 }
 

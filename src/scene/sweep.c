@@ -129,13 +129,25 @@ static bool is_swept(const sp_scene *s, const char *key) {
     return false;
 }
 
-/* Grains and height say the same in two ways. */
+static int given_by(const sp_reader *r, const char *key) { return r->given[sp_field_index(sp_field_find(key))]; }
+
+/* Whether an override gave the swept key a value, which no sample of the study would have. Grains and height say the
+ * same in two ways. */
+static bool is_overridden(const sp_reader *r, const char *key) {
+    const char *other = strcmp(key, "packing.height") == 0   ? "packing.grains"
+                        : strcmp(key, "packing.grains") == 0 ? "packing.height"
+                                                             : key;
+    return given_by(r, key) == SP_FROM_OVERRIDE || given_by(r, other) == SP_FROM_OVERRIDE;
+}
+
 static sp_status check_height(const sp_reader *r) {
     const sp_scene *s = &r->scene;
     const bool height_swept = is_swept(s, "packing.height"), grains_swept = is_swept(s, "packing.grains");
-    const bool grains = grains_swept || (r->given[sp_field_index(sp_field_find("packing.grains"))] != 0 &&
-                                         s->pack.grains != sp_pack_spec_default().grains);
-    if (!(s->height > 0 || height_swept) || !grains)
+    const bool grains =
+        grains_swept || (given_by(r, "packing.grains") != 0 && s->pack.grains != sp_pack_spec_default().grains);
+    const bool one_overridden = (height_swept && is_overridden(r, "packing.height") && !grains_swept) ||
+                                (grains_swept && is_overridden(r, "packing.grains") && !height_swept);
+    if (!(s->height > 0 || height_swept) || !grains || one_overridden) /* of which a study takes neither */
         return SP_OK;
     char height[32], number[32];
     snprintf(height, sizeof height, "= %s", sp_number_text(s->height, number));
@@ -180,7 +192,7 @@ sp_status sp_reader_check(sp_reader *r) {
     for (int i = 0; i < r->scene.sweeps; i++) {
         sp_sweep *sweep = &r->scene.sweep[i];
         combinations *= sweep->count;
-        sweep->overridden = r->given[sp_field_index(sp_field_find(sweep->key))] == SP_FROM_OVERRIDE;
+        sweep->overridden = is_overridden(r, sweep->key);
     }
     if (combinations * r->scene.samples > MOST_SAMPLES)
         return sp_fail(r->err, SP_EINVAL,

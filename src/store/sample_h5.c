@@ -58,11 +58,6 @@ static const sp_h5_field moduli_field[] = {
     MODULI(residual, "1", "largest relative residual of the solves"),
 };
 
-static const sp_h5_field moduli_3d_field[] = {
-    MODULI(c13, "E*", "modulus C13"),       MODULI(c23, "E*", "modulus C23"),
-    MODULI(c44, "E*", "shear modulus C44"), MODULI(c55, "E*", "shear modulus C55"),
-    MODULI(c66, "E*", "shear modulus C66"),
-};
 #define PROBE(row, name, description)                                                                                  \
     {{"/results/probes/along_" name, "E*", "apparent modulus of motion from wall to wall, " description},              \
      SP_H5_F64,                                                                                                        \
@@ -78,6 +73,35 @@ static const sp_h5_field probe_field[] = {
     PROBE(SP_LINES_3, "lines_3", "grains on three lines displaced by turns"),
 };
 
+/* Numbers of a part that are left out where they are no number, and read so where a file does not have them. */
+#define SHARES(row, name)                                                                                              \
+    {{"/results/probes/left_out_" name, "1", "share of the body force on floppy parts, which is left out"},            \
+     SP_H5_F64,                                                                                                        \
+     offsetof(sp_sample, probe[row].left_out)},                                                                        \
+    {                                                                                                                  \
+        {"/results/probes/concentrated_" name, "1", "largest share of one grain in the energy"}, SP_H5_F64,            \
+            offsetof(sp_sample, probe[row].concentrated)                                                               \
+    }
+#define SPACE(member, description)                                                                                     \
+    { {"/results/moduli/" #member, "E*", description}, SP_H5_F64, offsetof(sp_sample, moduli.member) }
+static const sp_h5_field moduli_3d_field[] = {
+    SPACE(c13, "modulus C13"),       SPACE(c23, "modulus C23"),       SPACE(c44, "shear modulus C44"),
+    SPACE(c55, "shear modulus C55"), SPACE(c66, "shear modulus C66"),
+};
+static const sp_h5_field share_field[] = {
+    SHARES(SP_SINE_1, "sine_1"),
+    SHARES(SP_SINE_2, "sine_2"),
+    SHARES(SP_LINES_1, "lines_1"),
+    SHARES(SP_LINES_3, "lines_3"),
+};
+static const struct {
+    unsigned want;
+    int count;
+    const sp_h5_field *field;
+} optional[] = {{SP_WANT_MODULI, sizeof moduli_3d_field / sizeof *moduli_3d_field, moduli_3d_field},
+                {SP_WANT_PROBES, sizeof share_field / sizeof *share_field, share_field}};
+enum { OPTIONAL = sizeof optional / sizeof *optional };
+
 static const struct part {
     unsigned want;
     const char *group;
@@ -92,11 +116,7 @@ static const struct part {
      offsetof(sp_sample, moduli)},
     {SP_WANT_PROBES, "/results/probes", sizeof probe_field / sizeof *probe_field, probe_field, 0},
 };
-enum {
-    PARTS = sizeof part / sizeof *part,
-    SAMPLE_FIELDS = sizeof sample_field / sizeof *sample_field,
-    MODULI_3D_FIELDS = sizeof moduli_3d_field / sizeof *moduli_3d_field
-};
+enum { PARTS = sizeof part / sizeof *part, SAMPLE_FIELDS = sizeof sample_field / sizeof *sample_field };
 
 /* Fronts at planes: an array of the members of all planes. */
 static const struct {
@@ -157,15 +177,15 @@ static sp_status put_planes(sp_h5 *h, const sp_sample *s, sp_error *err) {
     return status;
 }
 
-/* Those that are numbers. */
-static sp_status put_moduli_3d(sp_h5 *h, const sp_moduli *m, sp_error *err) {
+static sp_status put_optional(sp_h5 *h, const sp_sample *s, sp_error *err) {
     sp_status status = SP_OK;
-    for (int k = 0; status == SP_OK && k < MODULI_3D_FIELDS; k++) {
-        double x;
-        memcpy(&x, (const char *)m + moduli_3d_field[k].offset, sizeof x);
-        if (!isnan(x))
-            status = sp_h5_put_fields(h, 1, &moduli_3d_field[k], m, err);
-    }
+    for (int o = 0; o < OPTIONAL; o++)
+        for (int k = 0; status == SP_OK && s->have & optional[o].want && k < optional[o].count; k++) {
+            double x;
+            memcpy(&x, (const char *)s + optional[o].field[k].offset, sizeof x);
+            if (!isnan(x))
+                status = sp_h5_put_fields(h, 1, &optional[o].field[k], s, err);
+        }
     return status;
 }
 
@@ -202,8 +222,8 @@ sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err) {
         if (status == SP_OK)
             status = sp_h5_put_fields(h, part[k].count, part[k].field, (const char *)&r->sample + part[k].offset, err);
     }
-    if (status == SP_OK && r->sample.have & SP_WANT_MODULI)
-        status = put_moduli_3d(h, &r->sample.moduli, err);
+    if (status == SP_OK)
+        status = put_optional(h, &r->sample, err);
     if (status == SP_OK && r->sample.have & SP_WANT_PLANES)
         status = put_planes(h, &r->sample, err);
     if (status == SP_OK && r->signal.n > 0)
@@ -230,12 +250,16 @@ static sp_status get_planes(sp_h5 *h, sp_sample *s, sp_error *err) {
     return status;
 }
 
-static sp_status get_moduli_3d(sp_h5 *h, sp_moduli *m, sp_error *err) {
+static sp_status get_optional(sp_h5 *h, sp_sample *s, sp_error *err) {
     sp_status status = SP_OK;
-    m->c13 = m->c23 = m->c44 = m->c55 = m->c66 = NAN;
-    for (int k = 0; status == SP_OK && k < MODULI_3D_FIELDS; k++)
-        if (sp_h5_has(h, moduli_3d_field[k].name.path))
-            status = sp_h5_get_fields(h, 1, &moduli_3d_field[k], m, err);
+    for (int o = 0; o < OPTIONAL; o++)
+        for (int k = 0; status == SP_OK && s->have & optional[o].want && k < optional[o].count; k++) {
+            const sp_h5_field *f = &optional[o].field[k];
+            const double none = NAN;
+            memcpy((char *)s + f->offset, &none, sizeof none);
+            if (sp_h5_has(h, f->name.path))
+                status = sp_h5_get_fields(h, 1, f, s, err);
+        }
     return status;
 }
 
@@ -309,7 +333,7 @@ static sp_status get_name(sp_h5 *h, char name[SP_NAME_MAX], sp_error *err) {
 sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *err) {
     sp_record r = {.sample.moduli = {.error11 = NAN, .error12 = NAN, .error22 = NAN, .error33 = NAN}}; /* not kept */
     for (int k = 0; k < SP_PROBES; k++)
-        r.sample.probe[k].error_along = r.sample.probe[k].error_shear = NAN;
+        r.sample.probe[k] = (sp_probed){.error_along = NAN, .error_shear = NAN, .grain = -1};
     if (!sp_h5_has(h, "/results/sample"))
         return sp_h5_fail(h, err, SP_EFORMAT, "no group /results/sample: not a sample of a store");
     sp_status status = get_name(h, r.sample.name, err);
@@ -321,8 +345,8 @@ sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *er
         status = sp_h5_get_fields(h, part[k].count, part[k].field, (char *)&r.sample + part[k].offset, err);
         r.sample.have |= part[k].want;
     }
-    if (status == SP_OK && r.sample.have & SP_WANT_MODULI)
-        status = get_moduli_3d(h, &r.sample.moduli, err);
+    if (status == SP_OK)
+        status = get_optional(h, &r.sample, err);
     if (status == SP_OK && sp_h5_has(h, "/results/planes")) {
         status = get_planes(h, &r.sample, err);
         r.sample.have |= SP_WANT_PLANES;

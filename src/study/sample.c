@@ -72,7 +72,9 @@ sp_status sp_sample_make_with(const sp_scene *given, unsigned want, const sp_pac
     if (status != SP_OK)
         return status;
     want = sp_want_parts(want);
-    if (want & (SP_WANT_MODULI | SP_WANT_PROBES)) /* which take their Phi3* from there */
+    if (want & SP_WANT_PROBES) /* whose ratios are over the moduli */
+        want |= SP_WANT_MODULI;
+    if (want & SP_WANT_MODULI) /* which take their Phi3* from there */
         want |= SP_WANT_STATICS;
     if (packing->n == 0) {
         sample->have = 0;

@@ -125,6 +125,21 @@ static int quantities_of(unsigned part, int dim, quantity *q) {
     }
 }
 
+/* A grain that hangs loose takes most of the energy of a body force, and the modulus is then that of its contacts. */
+static sp_status explain_probes(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err) {
+    int64_t loose = 0;
+    for (int64_t k = 0; k < n; k++)
+        loose += s[k]->have & SP_WANT_PROBES &&
+                 (s[k]->probe[SP_SINE_1].concentrated > 0.5 || s[k]->probe[SP_SINE_2].concentrated > 0.5);
+    sp_status status = sp_table_add_comment(t, err, "_ratio: over the moduli of global strain, sample by sample");
+    if (status == SP_OK && loose > 0)
+        status = sp_table_add_comment(t, err,
+                                      "loose = %lld samples in which one grain takes more than half of the energy of a "
+                                      "sine; they are in the means",
+                                      (long long)loose);
+    return status;
+}
+
 static sp_status fill_means(int64_t n, const sp_sample *const *s, unsigned part, sp_table *t, sp_error *err) {
     quantity q[QUANTITIES_MAX];
     const int quantities = quantities_of(part, n > 0 ? s[0]->dim : 2, q);
@@ -137,9 +152,9 @@ static sp_status fill_means(int64_t n, const sp_sample *const *s, unsigned part,
         status = add_means(end - begin, s + begin, part, quantities, q, x, t, err);
     }
     if (status == SP_OK)
-        status = sp_table_add_comment(
-            t, err, "means over the samples, and one standard deviation (_sd)%s",
-            part == SP_WANT_PROBES ? "; _ratio: over the moduli of global strain, sample by sample" : "");
+        status = sp_table_add_comment(t, err, "means over the samples, and one standard deviation (_sd)");
+    if (status == SP_OK && part == SP_WANT_PROBES)
+        status = explain_probes(n, s, t, err);
     sp_free(x);
     return status;
 }

@@ -194,6 +194,7 @@ def refused(folder, store):
         wrong("somfai2005", *there, "--samples", number, says="--samples")
     wrong("somfai2005", *there, "--jobs", "0", says="--jobs")
     wrong("somfai2005", *there, "--figures", "gif", says="must be svg, png or pdf")
+    wrong("somfai2005", *there, "--protocol", "slow", says="must be default or somfai2005")
     wrong("somfai2005", *there, "--set", "packing.grains=10", says="--set")
     only = ("somfai2005", "--only", "fig12")
     file = folder / "file"

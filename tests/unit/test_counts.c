@@ -82,6 +82,10 @@ static void test_lattice(void **state) {
     }
     assert_close(near, SP_ANGLE_BINS, 1e-9);
     assert_non_null(sp_table_comment_value(&t, "packings"));
+    /* no force is above the mean, which all are */
+    assert_int_equal(c.strong.packings, 0);
+    assert_true(isnan(cell(&t, 0, "strong")));
+    assert_close(cell(&t, 12, "angle"), 60, 1e-12);
     sp_table_free(&t);
     sp_packing_free(&p);
 }

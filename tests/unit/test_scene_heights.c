@@ -140,6 +140,23 @@ static void heights_and_widths_are_swept_together(void **state) {
     sp_scene_free(&study);
 }
 
+/* One packing of a swept scene takes the override of either; a study takes none. */
+static void overrides_of_swept_heights(void **state) {
+    (void)state;
+    static const char *const swept[] = {"packing.height", "packing.grains"};
+    static const char *const set[] = {"packing.grains=30", "packing.height=9"};
+    for (int k = 0; k < 4; k++) {
+        char text[200];
+        snprintf(text, sizeof text, "study = { sweep = ( { key = \"%s\"; values = [10, 20]; } ); };", swept[k / 2]);
+        sp_scene s = parsed(text, set[k % 2]);
+        assert_true(k % 2 ? s.pack.grains > 200 && s.height == 9 : s.pack.grains == 30);
+        assert_ok(sp_scene_resolve(&s, &err));
+        assert_true(s.height == 0);
+        assert_fails(sp_scene_check_sweeps(&s, &err), SP_EINVAL, swept[k / 2]);
+        sp_scene_free(&s);
+    }
+}
+
 static void heights_that_make_no_sense(void **state) {
     (void)state;
     refused("packing = {\n height = 25;\n grains = 200; };", NULL,
@@ -225,6 +242,7 @@ int main(void) {
         cmocka_unit_test(names_do_not_tell),
         cmocka_unit_test(names_stay),
         cmocka_unit_test(heights_and_widths_are_swept_together),
+        cmocka_unit_test(overrides_of_swept_heights),
         cmocka_unit_test(heights_that_make_no_sense),
         cmocka_unit_test(boxes_come_out_that_high),
         cmocka_unit_test(planes_are_read),

@@ -105,6 +105,44 @@ static void groups_are_drawn_by_themselves(void **state) {
     assert_true(isnan(error));
 }
 
+/* Means of three groups, of which the last has one sample; and a value that is no number in some resamples. */
+static void several_means(const int64_t *size, const int64_t *const *pick, double *value, void *user) {
+    const double *x = user;
+    for (int g = 0; g < 3; g++) {
+        value[g] = 0;
+        for (int64_t k = 0; k < size[g]; k++)
+            value[g] += x[pick[g][k]] / (double)size[g];
+        if (size[g] == 0)
+            value[g] = NAN;
+    }
+    value[3] = value[0] + value[0];
+    value[4] = value[0] > 3.5 ? NAN : 1; /* the mean of 1 .. 6: in half of the resamples */
+}
+
+/* Each error is that of the statistic by itself; all see the same resamples. */
+static void many_statistics_of_one_bootstrap(void **state) {
+    (void)state;
+    double x[] = {1, 2, 3, 4, 5, 6}, error[5];
+    const int64_t size[3] = {6, 4, 1};
+    const sp_bootstrap_options o = sp_bootstrap_options_default();
+    assert_ok(sp_bootstrap_many(3, size, 5, several_means, x, &o, error, &err));
+    assert_relative(error[0], sqrt(3.5 / 6), 4 / sqrt(2.0 * o.resamples));
+    assert_relative(error[1], sqrt(5.0 / 3 / 4), 4 / sqrt(2.0 * o.resamples));
+    assert_true(isnan(error[2]) && isnan(error[4]));
+    assert_relative(error[3], 2 * error[0], 1e-14);
+    double again[5];
+    assert_ok(sp_bootstrap_many(3, size, 5, several_means, x, &o, again, &err));
+    assert_memory_equal(error, again, sizeof error);
+    assert_fails(sp_bootstrap_many(0, size, 5, several_means, x, &o, error, &err), SP_EINVAL, "0 groups");
+    assert_fails(sp_bootstrap_many(3, size, 0, several_means, x, &o, error, &err), SP_EINVAL, "0 values");
+    for (int64_t k = 0; k < 5; k++) {
+        sp_error err = {0};
+        sp_alloc_fail_after(k);
+        assert_int_equal(sp_bootstrap_many(3, size, 5, several_means, x, &o, error, &err), SP_ENOMEM);
+        sp_alloc_fail_after(-1);
+    }
+}
+
 static void bootstrap_refuses(void **state) {
     (void)state;
     double x[5] = {1, 2, 3, 4, 5}, error = 7;
@@ -226,11 +264,17 @@ static void power_law(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(moments_by_hand),      cmocka_unit_test(spread_beside_a_large_offset),
-        cmocka_unit_test(bootstrap_of_a_mean),  cmocka_unit_test(groups_are_drawn_by_themselves),
-        cmocka_unit_test(bootstrap_refuses),    cmocka_unit_test(line_by_hand),
-        cmocka_unit_test(line_errors_are_true), cmocka_unit_test(line_far_away_and_in_small_units),
-        cmocka_unit_test(line_refuses),         cmocka_unit_test(power_law),
+        cmocka_unit_test(moments_by_hand),
+        cmocka_unit_test(spread_beside_a_large_offset),
+        cmocka_unit_test(bootstrap_of_a_mean),
+        cmocka_unit_test(groups_are_drawn_by_themselves),
+        cmocka_unit_test(many_statistics_of_one_bootstrap),
+        cmocka_unit_test(bootstrap_refuses),
+        cmocka_unit_test(line_by_hand),
+        cmocka_unit_test(line_errors_are_true),
+        cmocka_unit_test(line_far_away_and_in_small_units),
+        cmocka_unit_test(line_refuses),
+        cmocka_unit_test(power_law),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

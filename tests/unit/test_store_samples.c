@@ -118,7 +118,10 @@ static void newer_parts_are_kept(void **state) {
             front[i] = k == 3 ? NAN : fixture_uniform(&random);
     }
     for (int k = 0; k < SP_PROBES; k++)
-        s.probe[k] = (sp_probed){fixture_uniform(&random), k == 2 ? NAN : fixture_uniform(&random), 1, 1};
+        s.probe[k] = (sp_probed){.along = fixture_uniform(&random),
+                                 .shear = k == 2 ? NAN : fixture_uniform(&random),
+                                 .concentrated = 0.125 * k,
+                                 .left_out = k == 1 ? NAN : 0.5};
     s.signal = (sp_signal_made){.points = 3, .method = SP_SIGNAL_DENSE, .until = 2, .tolerance = 1e-7};
     double t[3] = {0, 1, 2}, f[3] = {0, 0.5, -0.25};
     sp_signal signal = {.n = 3, .t = t, .f = f, .method = SP_SIGNAL_DENSE};
@@ -134,8 +137,10 @@ static void newer_parts_are_kept(void **state) {
     assert_same_bits("planes", s.plane, back.plane, SP_PLANES_MAX);
     for (int k = 0; k < SP_PLANES_MAX; k++)
         assert_same_bits("front", &s.plane_front[k].t10, &back.plane_front[k].t10, FRONT_NUMBERS);
-    for (int k = 0; k < SP_PROBES; k++)
+    for (int k = 0; k < SP_PROBES; k++) {
         assert_same_bits("probe", &s.probe[k].along, &back.probe[k].along, 2);
+        assert_same_bits("shares", &s.probe[k].left_out, &back.probe[k].left_out, 2);
+    }
     assert_true(isnan(back.probe[0].error_along)); /* is not kept */
     assert_true(back.signal.points == 3 && back.signal.method == SP_SIGNAL_DENSE && back.signal.until == 2 &&
                 back.signal.tolerance == 1e-7);
@@ -393,8 +398,15 @@ static void lack_of_memory(void **state) {
 int main(void) {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
     const struct CMUnitTest tests[] = {
-        TEST(saves_and_loads), TEST(failures_are_kept),       TEST(samples_skip_what_is_damaged), TEST(wrong_saves),
-        TEST(opening),         TEST(processes_save_together), TEST(threads_save_together),        TEST(lack_of_memory),
+        TEST(saves_and_loads),
+        TEST(newer_parts_are_kept),
+        TEST(failures_are_kept),
+        TEST(samples_skip_what_is_damaged),
+        TEST(wrong_saves),
+        TEST(opening),
+        TEST(processes_save_together),
+        TEST(threads_save_together),
+        TEST(lack_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

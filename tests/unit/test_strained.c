@@ -19,7 +19,7 @@ static sp_strained strained(const sp_packing *p, const sp_network *net, double s
     o.strain = strain;
     o.turning = turning;
     assert_ok(sp_moduli_strained(p, net, 0.5, &o, &out, &err));
-    assert_true(out.residual < 1e-9);
+    assert_true(out.residual < 1e-6);
     return out;
 }
 
@@ -40,7 +40,7 @@ static void assert_first_power(const sp_packing *p, bool turning, double strain)
     for (int k = 0; k < 2; k++) {
         double c[9];
         const sp_strained s = strained(p, &net, k == 0 ? strain : strain / 3, turning);
-        assert_true(s.sliding == 0 && s.lost == 0 && s.made == 0);
+        assert_true(s.residual < 1e-9 && s.sliding == 0 && s.lost == 0 && s.made == 0);
         components(&s.moduli, c);
         for (int q = 0; q < 9; q++)
             off[k][q] = fabs(c[q] - linear[q]);
