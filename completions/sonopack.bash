@@ -85,7 +85,8 @@ _sonopack() {
         elif [ "$command" = chain ] && [ "$previous" = chain ]; then
             mapfile -t COMPREPLY < <(compgen -W 'front signal modes' -- "$current")
         elif [ "$command" = spectrum ] && [ "$previous" = spectrum ]; then
-            mapfile -t COMPREPLY < <(compgen -W 'dos transmission dispersion harmonic participation' -- "$current")
+            mapfile -t COMPREPLY < <(compgen -W 'dos transmission dispersion harmonic participation
+                continuum' -- "$current")
         else
             compopt -o filenames 2>/dev/null
             mapfile -t COMPREPLY < <(compgen -f -- "$current")

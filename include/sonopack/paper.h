@@ -31,7 +31,7 @@ typedef struct sp_paper_options {
     uint32_t items;  /* bit k: item k; 0: all */
     int32_t samples; /* packings of each pressure; 30 in the paper. Low boxes and those of 1200 grains have as many,
                         2400 grains half, spheres a quarter */
-    sp_protocol protocol; /* how packings are compressed: our own faster way, or one nearer to the paper's */
+    sp_protocol protocol; /* how packings are compressed */
     int jobs, threads;    /* as in sp_study_options */
     const char *folder;   /* for the report, its figures and tables; NULL: none */
     const char *figures;  /* "svg", "png" or "pdf" */

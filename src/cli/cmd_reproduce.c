@@ -25,8 +25,7 @@ static const struct argp_option options[] = {
     {"jobs", KEY_JOBS, "N", 0, "Samples made at the same time (as many as there are cores)", 0},
     {"figures", KEY_FIGURES, "svg|png|pdf", 0, "Form of the figures (svg)", 0},
     {"protocol", KEY_PROTOCOL, "NAME", 0,
-     "How packings are compressed: default, or somfai2005, which is nearer to the paper's and takes five times as long",
-     0},
+     "How packings are compressed: default, or somfai2005 (more damping, a heavier piston), five times as long", 0},
     {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 

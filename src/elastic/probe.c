@@ -52,10 +52,10 @@ static double square_of(const sp_network *net, const double *f) {
     return sum;
 }
 
-/* Takes out of f what accelerates floppy parts. K + s M with a small s passes a load on a motion that K does not resist
- * through unchanged as s M (K + s M)^-1 f and all else nearly not; what rounding leaves is taken out by turns. work:
- * [2][n]. *share: of the square of f that was taken out. */
-static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double *share, sp_error *err) {
+/* Takes out of f what accelerates floppy parts, and puts it into all. K + s M with a small s passes a load on a motion
+ * that K does not resist through unchanged as s M (K + s M)^-1 f and all else nearly not; what rounding leaves is taken
+ * out by turns. work: [2][n]. *share: of the square of f that was taken out. */
+static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double *all, double *share, sp_error *err) {
     enum { TURNS = 3, PASSES = 4 };
     const int64_t n = sp_network_dofs(e->net);
     double *loose = work, *v = work + n;
@@ -69,10 +69,16 @@ static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double 
             for (int64_t k = 0; k < n; k++)
                 loose[k] = e->raise * e->net->mass[k] * v[k];
         }
-        if (turn == 0 && square_of(e->net, loose) > 1e-20 * whole) /* else rounding */
-            *share = fmax(*share, square_of(e->net, loose) / whole);
-        for (int64_t k = 0; k < n; k++)
+        if (turn == 0) {
+            const double part = square_of(e->net, loose) / whole;
+            if (!(part > 1e-20)) /* rounding: nothing is loose, and nothing is taken out */
+                break;
+            *share = fmax(*share, part);
+        }
+        for (int64_t k = 0; k < n; k++) {
             f[k] -= loose[k];
+            all[k] += loose[k];
+        }
     }
     return SP_OK;
 }
@@ -102,19 +108,20 @@ static void find_loosest(const sp_network *net, const double *f, const double *u
     }
 }
 
-/* One direction: apparent modulus and bound of its error. work: [4][n]. */
+/* One direction: apparent modulus and bound of its error. work: [5][n]. */
 static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, double *work, sp_probed *out,
                             sp_error *err) {
     const sp_network *net = e->net;
     const int64_t dofs = sp_network_dofs(net);
     const double height = net->box[net->dim - 1];
-    double *f = work, *u = work + dofs, residual, energy, error;
+    double *f = work, *u = work + dofs, *loose = work + 4 * dofs, residual, energy, error;
     sp_status status = SP_OK;
+    memset(loose, 0, (size_t)dofs * sizeof *loose);
     body_force(e, phi3s, n, axis, f);
     if (e->slips && axis != net->dim - 1)
         drop_net_force(net, axis, f);
     if (e->raised == RAISE_MASS)
-        status = drop_floppy(e, f, work + 2 * dofs, &out->left_out, err);
+        status = drop_floppy(e, f, work + 2 * dofs, loose, &out->left_out, err);
     memset(u, 0, (size_t)dofs * sizeof *u);
     if (status == SP_OK)
         status = sp_equilibrium_solve(e, f, u, &residual, err);
@@ -124,6 +131,7 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     if (!(residual < 1e-8))
         return sp_fail(err, SP_EREFUSED, "probe sine:%d: residual %.3g of the solve, must be below 1e-8", n, residual);
     sine_energy(e, f, u, work + 2 * dofs, &energy, &error);
+    error += 2 * fabs(dot(dofs, u, loose)); /* 0 but for what is soft and not quite floppy */
     find_loosest(net, f, u, energy, out);
     /* (B2) */
     const double c = sp_strain_area(net) * height * height * height / (4.0 * n * n * PI * PI * energy);
@@ -274,7 +282,7 @@ static sp_status check_probe(const sp_network *net, double phi3s, const sp_probe
 
 sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, const sp_probe *probe, sp_moduli *global,
                           sp_probed *out, sp_error *err) {
-    const size_t size = 4 * (size_t)sp_network_dofs(net);
+    const size_t size = 5 * (size_t)sp_network_dofs(net);
     sp_equilibrium e = sp_equilibrium_none();
     sp_moduli m;
     double *work = NULL;

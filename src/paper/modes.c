@@ -5,9 +5,10 @@
 #include <math.h>
 #include <sonopack/modes.h>
 #include <sonopack/plot.h>
+#include <sonopack/spectrum.h>
 #include <stdio.h>
 
-enum { PICKED = 6, LOWEST = 25 };
+enum { PICKED = 6, LOWEST = 25, BODY = 10 }; /* BODY: modes that are compared with those of an elastic body */
 
 /* The modes of Fig. 10: the two lowest above zero, the strongest in the signal in each third of the lower six tenths of
  * the spectrum, and the most localised of the highest tenth. */
@@ -53,6 +54,8 @@ static sp_status make_modes(const sp_network *net, sp_modes *out, int64_t picked
 typedef struct points {
     double *n, *square, *weight; /* [modes], in one piece of memory */
     double picked_n[PICKED], picked_square[PICKED], picked_weight[PICKED];
+    int bodies;
+    double body_n[BODY], body_square[BODY]; /* of the elastic strip, beside the mode that is most like it */
 } points;
 
 static sp_status points_make(const sp_modes *m, const int64_t picked[PICKED], points *out, sp_error *err) {
@@ -75,25 +78,52 @@ static sp_status points_make(const sp_modes *m, const int64_t picked[PICKED], po
     return SP_OK;
 }
 
+/* The strip of elastic material with the packing's moduli and density. Nothing where the packing has no bulk. */
+static sp_status add_bodies(const spectrum *s, const sp_sample *sample, const sp_network *net, points *out,
+                            sp_error *err) {
+    sp_continuum c = sp_continuum_none();
+    out->bodies = 0;
+    if (!(sample->have & SP_WANT_STATICS) || !(sample->statics.phi3s > 0))
+        return SP_OK;
+    sp_status status = sp_continuum_make(net, sample->statics.phi3s, BODY, &c, err);
+    for (int k = 0; status == SP_OK && k < c.n && k < BODY; k++) {
+        const sp_continuum_row *row = &c.row[k];
+        out->body_n[k] = (double)row->n;
+        out->body_square[k] = row->omega_continuum * row->omega_continuum;
+        out->bodies++;
+        if (k < 4)
+            paper_say(s->p, s->item,
+                      "Mode %lld, omega = %.4f: most like the %s wave (%d, %d) of an elastic body with the same moduli "
+                      "between the "
+                      "same walls, omega = %.4f, squared overlap %.2f.",
+                      (long long)row->n, row->omega, row->fast ? "fast" : "slow", row->n1, row->n2,
+                      row->omega_continuum, row->overlap);
+    }
+    sp_continuum_free(&c);
+    return status;
+}
+
 static sp_curve circles(int n, const double *x, const double *y) {
     return (sp_curve){.n = n, .x = x, .y = y, .ink = 2, .dash = SP_DASH_NONE, .mark = SP_MARK_CIRCLE, .open = true};
 }
 
 static sp_status draw_spectrum(const spectrum *s, const sp_modes *m, const points *q, sp_error *err) {
     const int64_t from = m->n_zero > 2 ? m->n_zero - 2 : 0;
-    const sp_curve small[2] = {{.n = LOWEST,
-                                .x = q->n + from,
-                                .y = q->square + from,
-                                .dash = SP_DASH_NONE,
-                                .mark = SP_MARK_SQUARE,
-                                .open = true},
-                               circles(2, q->picked_n, q->picked_square)};
+    const sp_curve small[3] = {
+        {.n = LOWEST,
+         .x = q->n + from,
+         .y = q->square + from,
+         .dash = SP_DASH_NONE,
+         .mark = SP_MARK_SQUARE,
+         .open = true},
+        circles(2, q->picked_n, q->picked_square),
+        {.n = q->bodies, .x = q->body_n, .y = q->body_square, .ink = 1, .dash = SP_DASH_NONE, .mark = SP_MARK_DIAMOND}};
     const sp_curve squares[2] = {{.n = m->n, .x = q->n, .y = q->square},
                                  circles(PICKED, q->picked_n, q->picked_square)};
     const sp_curve weights[2] = {{.n = m->n, .x = q->n, .y = q->weight, .width = 0.5},
                                  circles(PICKED, q->picked_n, q->picked_weight)};
     const sp_panel inset = {
-        .x = {"|n|", false, NAN, NAN}, .y = {"|ω|^{2}", false, 0, NAN}, .curves = 2, .curve = small};
+        .x = {"|n|", false, NAN, NAN}, .y = {"|ω|^{2}", false, 0, NAN}, .curves = 3, .curve = small};
     const sp_panel panel[2] = {{.tag = "(a)",
                                 .x = {"mode |n|", false, 0, (double)m->n},
                                 .y = {"|ω|_{|n|}^{2}", false, 0, NAN},
@@ -110,13 +140,12 @@ static sp_status draw_spectrum(const spectrum *s, const sp_modes *m, const point
     return paper_draw(
         s->p, s->item, "fig9", &sheet,
         "(a) Squared eigenfrequencies of the packing of Fig. 1 and (b) weights of the modes in the signal; "
-        "circles: the modes of Fig. 10.",
+        "circles: the modes of Fig. 10; diamonds: modes of an elastic body with the packing's moduli.",
         err);
 }
 
 static sp_status make_spectrum(const sp_sample *sample, const sp_packing *packing, const sp_network *net, void *user,
                                sp_error *err) {
-    (void)sample;
     (void)packing;
     spectrum *s = user;
     sp_modes m = sp_modes_none();
@@ -125,6 +154,8 @@ static sp_status make_spectrum(const sp_sample *sample, const sp_packing *packin
     sp_status status = make_modes(net, &m, picked, err);
     if (status == SP_OK)
         status = points_make(&m, picked, &q, err);
+    if (status == SP_OK)
+        status = add_bodies(s, sample, net, &q, err);
     if (status == SP_OK)
         status = draw_spectrum(s, &m, &q, err);
     if (status == SP_OK)

@@ -3,6 +3,7 @@
 
 #include "base/base.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -132,8 +133,9 @@ static sp_status set_axis(const maker *m, const sp_axis *a, limits range, double
         return sp_fail(err, SP_EREFUSED, "%s: nothing to draw, no point within its axes", m->name);
     limits l = {low ? a->low : range.low, high ? a->high : range.high};
     if (l.low > l.high || (l.low == l.high && low != high)) { /* all points beyond the limit */
-        const double size = a->log ? 9 * l.low : fmax(fabs(low ? l.low : l.high), 1e-300);
-        l = low ? (limits){l.low, l.low + size} : (limits){a->log ? 0.1 * l.high : l.high - size, l.high};
+        const double one = low ? l.low : l.high, size = a->log ? 9 * one : fmax(fabs(one), 1e-300);
+        l = low ? (limits){one, fmin(one + size, DBL_MAX)}
+                : (limits){a->log ? fmax(0.1 * one, DBL_TRUE_MIN) : fmax(one - size, -DBL_MAX), one};
     }
     if (!a->log) {
         axis_linear(out, l.low, l.high);
