@@ -26,7 +26,10 @@ void room_free(room *r) {
 
 /* ---- what is taken ---------------------------------------------------------------------------------------------- */
 
-static int clamp(double cell, int most) { return cell < 0 ? 0 : cell >= most ? most - 1 : (int)cell; }
+static int clamp(double cell, int most) { return !(cell >= 0) ? 0 : cell >= most ? most - 1 : (int)cell; }
+
+/* Far outside of the canvas; differences stay finite. */
+static double near_enough(double place) { return fmax(-1e7, fmin(1e7, place)); }
 
 void room_mark_box(room *r, const box *b) {
     const int x0 = clamp((b->x - r->left) / CELL, r->across), y0 = clamp((b->y - r->top) / CELL, r->up);
@@ -41,6 +44,10 @@ void room_mark_box(room *r, const box *b) {
 
 /* The part of a segment inside of the frame (Liang and Barsky), in steps of a cell. */
 static void mark_segment(room *r, double ax, double ay, double bx, double by) {
+    ax = near_enough(ax);
+    ay = near_enough(ay);
+    bx = near_enough(bx);
+    by = near_enough(by);
     const double delta[2] = {bx - ax, by - ay}, start[2] = {ax, ay};
     const double low[2] = {r->left, r->top}, high[2] = {r->left + r->width, r->top + r->height};
     double from = 0.0, to = 1.0;

@@ -196,6 +196,20 @@ def test_space():
                 assert np.isclose(float(probe[column]), exact, rtol=1e-6), (name, probe, column, exact)
 
 
+def test_strained():
+    """A strain of next to nothing gives the moduli with prestress, up to the turning of tangential forces (1e-3)."""
+    header, (small, large) = rows(run("moduli", N600, "--strain", "1e-9", "--strain", "5e-5")[0])
+    assert header == "file p strain C11 C12 C22 C33 sliding lost made residual".split()
+    _, (springs,) = rows(run("moduli", N600, "--prestress")[0])
+    for name in ("C11", "C22", "C33"):
+        assert abs(float(small[name]) / float(springs[name]) - 1) < 3e-3, (name, small, springs)
+    assert float(small["residual"]) < 1e-6 and int(small["sliding"]) <= int(large["sliding"])
+    assert int(large["sliding"]) > 0 and float(large["C33"]) < float(small["C33"])
+    for strain in ("0", "1", "-1e-6", "x", ""):
+        assert "--strain" in run("moduli", N200, "--strain", strain, status=2)[1]
+    assert "must be smaller" in run("moduli", N200, "--strain", "0.01", status=1)[1]
+
+
 def test_refusals():
     for probe in ("sine:0", "sine:abc", "sine:", "sine:1.5", "sine:-1", "lines:2", "lines:0", "lines:99999999999", "x",
                   "", "global:1", "sine"):
@@ -221,7 +235,7 @@ def test_refusals():
     out, said = run("moduli", "smooth.h5", "--probe", "sine:1")
     assert float(rows(out)[1][0]["C33"]) > 0 and rows(out)[1][0]["C33_ratio"] == "nan" and "nan" in said
     # two dimensions and three name their moduli otherwise: the first file decides, the other is told
-    run("pack", "--set", "packing.grains=60", "--set", "packing.width=4", "--set", "packing.dimension=3", "--set",
+    run("pack", "--set", "packing.grains=60", "--set", "packing.width=5", "--set", "packing.dimension=3", "--set",
         "packing.tolerance=1e-8", "-q", "-o", "space.h5")
     out, said = run("moduli", "thin.h5", "space.h5", status=1)
     assert len(rows(out)[1]) == 1 and "table of its own" in said
@@ -231,5 +245,6 @@ def test_refusals():
 if __name__ == "__main__":
     test_plane()
     test_space()
+    test_strained()
     test_refusals()
     print("ok")

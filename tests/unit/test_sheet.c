@@ -331,6 +331,26 @@ static void test_odd_values(void **state) {
     const sp_sheet s = {.rows = 2, .columns = 2, .panel = p};
     sp_error err = {0};
     assert_int_equal(sp_plot_sheet(&s, png, &err), SP_EREFUSED); /* the only point is no step */
+    /* values so far outside of the limits that their places overflow */
+    const double x[3] = {1, 2, 3}, huge[3] = {1e300, -1e308, 1e-310}, bars[3] = {1e300, 1e308, 1e307};
+    for (int power = -300; power <= 0; power += 10) {
+        const sp_curve wild = {.label = "wild", .n = 3, .x = x, .y = huge, .error = bars, .mark = SP_MARK_CIRCLE};
+        const sp_panel view = {.y = {"y", false, 0, pow(10, power)}, .curves = 1, .curve = &wild};
+        const sp_sheet flat = one(&view);
+        picture b = draw(&flat);
+        cairo_surface_destroy(b.surface);
+    }
+    /* limits at the end of the range of numbers, and all points beyond them */
+    const double some[2] = {1, 2};
+    const sp_curve plain = {.n = 2, .x = some, .y = some};
+    for (int log = 0; log < 2; log++) {
+        const sp_panel far[2] = {
+            {.x = {"x", log, 1.7e308, NAN}, .y = {"y", log, 1, 2}, .curves = 1, .curve = &plain},
+            {.x = {"x", log, NAN, log ? 5e-324 : -1.7e308}, .y = {"y", log, 1, 2}, .curves = 1, .curve = &plain}};
+        const sp_sheet ends = {.rows = 1, .columns = 2, .panel = far};
+        picture b = draw(&ends);
+        cairo_surface_destroy(b.surface);
+    }
     const double two[2] = {3, 3};
     sp_curve pair = {.n = 2, .x = two, .y = two, .mark = SP_MARK_CIRCLE};
     sp_panel q[4];
