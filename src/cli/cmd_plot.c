@@ -273,6 +273,10 @@ static sp_status draw_modes(const arguments *a, const sp_scene *scene, sp_error 
     return draw_tables(a, scene, PLOT_MODES, err);
 }
 
+static sp_status draw_wave(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return draw_tables(a, scene, PLOT_WAVE, err);
+}
+
 static const kind kinds[] = {{"ctof", draw_ctof, 1, true, ""},
                              {"signal", draw_signal, 1 << 16, false, "network signal"},
                              {"network", draw_network, 1, false, "network"},
@@ -287,10 +291,11 @@ static const kind kinds[] = {{"ctof", draw_ctof, 1, true, ""},
                              {"snapshot", draw_snapshot, 1, false, "network signal"},
                              {"fronts", draw_fronts, 32, false, "network signal"},
                              {"scaling", draw_scaling, 32, false, ""},
-                             {"ensemble", draw_ensemble, 6, false, ""}};
+                             {"ensemble", draw_ensemble, 6, false, ""},
+                             {"wave", draw_wave, 6, false, ""}};
 #define KIND_NAMES                                                                                                     \
     "ctof, signal, network, stiffness, angles, forces, snapshot, fronts, scaling, ensemble, pareto, spectrum, "        \
-    "dispersion, mode or modes"
+    "dispersion, wave, mode or modes"
 
 /* ---- the command ------------------------------------------------------------------------------------------------ */
 
@@ -400,7 +405,9 @@ static const struct argp argp = {
     "they are isotropic). forces: histograms of their normal forces and stiffnesses over the means. snapshot: "
     "displacements of the grains of a packing some time after the pulse. fronts: arrival times against distance, with "
     "lines, and scaling: local exponents gamma and alpha, of tables of `sonopack table scaling' or `planes', `sonopack "
-    "chain front' or (fronts) `sonopack front'. --set changes keys of network and signal.",
+    "chain front' or (fronts) `sonopack front'. wave: phase speed and attenuation against the wave number, of tables "
+    "of "
+    "`sonopack wave'. --set changes keys of network and signal.",
     children,
     NULL,
     NULL};

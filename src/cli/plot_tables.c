@@ -45,6 +45,7 @@ static sp_status draw(const cli_common *common, plot_tables_kind kind, int files
     case PLOT_SCALING: return sp_plot_scaling(files, shown, common->output, err);
     case PLOT_ENSEMBLE: return sp_plot_ensemble(files, shown, common->output, err);
     case PLOT_MODES: return sp_plot_modes(shown[0].table, common->output, err);
+    case PLOT_WAVE: return sp_plot_wave(files, shown, common->output, err);
     }
     return SP_EINVAL;
 }

@@ -1,10 +1,10 @@
 #ifndef SP_CLI_PLOT_TABLES_H
 #define SP_CLI_PLOT_TABLES_H
-/* Figures of tables of fronts, of ensembles and of modes. */
+/* Figures of tables of fronts, of ensembles, of modes and of waves. */
 
 #include "cli/cli.h"
 
-typedef enum plot_tables_kind { PLOT_FRONTS = 0, PLOT_SCALING, PLOT_ENSEMBLE, PLOT_MODES } plot_tables_kind;
+typedef enum plot_tables_kind { PLOT_FRONTS = 0, PLOT_SCALING, PLOT_ENSEMBLE, PLOT_MODES, PLOT_WAVE } plot_tables_kind;
 /* sample: a signal for the inset of fronts, or NULL. */
 sp_status plot_tables_files(const cli_common *common, const sp_scene *scene, plot_tables_kind kind, const char *sample,
                             int files, char **file, sp_error *err);

@@ -90,9 +90,9 @@ static sp_status collect_one(paper *p, stage *s, unsigned want, sp_error *err) {
 sp_status paper_collect(paper *p, sp_error *err) {
     sp_status status = SP_OK;
     p->cost = 1; /* what is done with the samples */
-    for (int e = 0; e < PAPER_ENSEMBLES; e++)
+    for (paper_ensemble e = PAPER_SQUARE; e < PAPER_ENSEMBLES; e++)
         p->cost += wanted(p, e) ? paper_ensemble_cost(e, p->opt->samples, p->opt->protocol) : 0;
-    for (int e = 0; e < PAPER_ENSEMBLES && status == SP_OK; e++) {
+    for (paper_ensemble e = PAPER_SQUARE; e < PAPER_ENSEMBLES && status == SP_OK; e++) {
         const unsigned want = wanted(p, e);
         stage s = {.p = p, .e = e, .cost = paper_ensemble_cost(e, p->opt->samples, p->opt->protocol)};
         if (!want)

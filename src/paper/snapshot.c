@@ -33,7 +33,7 @@ static sp_status save_field(paper *p, const sp_packing *packing, const sp_networ
     return status;
 }
 
-/* Root mean square displacement along y of the grains in the layers of one diameter. */
+/* Root mean square displacements up and down in the quarters of the height. */
 static void say_layers(const snapshot *s, const sp_packing *packing, const sp_network *net, const double *u) {
     enum { PARTS = 4 };
     double sum[PARTS] = {0}, count[PARTS] = {0}, rms[PARTS];

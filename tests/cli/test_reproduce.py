@@ -118,6 +118,9 @@ def a_report(folder):
     for name in ("fig1ab", "fig1c", "fig2", "fig3", "fig6", "fig11", "fig12"):
         lines = (out / f"{name}.tsv").read_text().splitlines()
         assert len([line for line in lines if not line.startswith("#")]) > 10, name
+    # the lattice is a chain with other walls: a sentence that is computed
+    apart = re.search(r"balls with such walls, to (\S+) of the largest", (out / "report.md").read_text()).group(1)
+    assert float(apart) < 1e-11, apart
     assert made(out) == len(list(store.glob("*.h5")))
     return store, out, items, done.stdout
 

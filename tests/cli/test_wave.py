@@ -3,9 +3,10 @@
 Usage: test_wave.py COMMAND SOURCE_DIR"""
 import math
 import os
+import subprocess
 import tempfile
 
-from test_signal import N200, N600, columns, run, table
+from test_signal import COMMAND, N200, N600, columns, run, table
 
 
 def pack(path, **keys):
@@ -47,6 +48,20 @@ def main():
         c_l = float(cells[0][header.index("c_l")])
         assert 0.8 < two["speed"][0] / c_l < 1.2, two["speed"]
         assert len(rows(N600)["omega"]) == 24
+        waves, figure = os.path.join(folder, "waves.tsv"), os.path.join(folder, "waves.svg")
+        run("wave", N600, "-o", waves)
+        run("plot", "wave", waves, "-o", figure)
+        words = open(figure).read()
+        assert "wave" in words and len(words) > 5000
+        for name, text, reason in (("other", "a\tb\n1\t2\n", "no column k"), ("empty", "k\tspeed\n", "no row"),
+                                   ("none", "\t".join(("k", "speed", "speed_err", "alpha", "alpha_err")) +
+                                    "\nnan\tnan\tnan\tnan\tnan\n", "no row has a wave number")):
+            table_file = os.path.join(folder, name + ".tsv")
+            with open(table_file, "w") as file:
+                file.write(text)
+            done = subprocess.run([COMMAND, "plot", "wave", table_file, "-o", figure, "--force"], capture_output=True,
+                                  text=True)
+            assert done.returncode in (1, 2) and reason in done.stderr, (name, done)
         flat = pack(os.path.join(folder, "flat.h5"), grains=100, width=24)
         for arguments, status, text in (
                 ([flat], 1, "planes at distances of 1"), ([N600, flat], 1, "flat.h5"),

@@ -159,7 +159,7 @@ static void ensembles(void **state) {
         [PAPER_SQUARE] = 120,     [PAPER_LOW] = 120,     [PAPER_SHORT] = 60,    [PAPER_TALL] = 30,
         [PAPER_TALLEST] = 15,     [PAPER_SMOOTH] = 30,   [PAPER_SPHERES] = 8,   [PAPER_LATTICE] = 20,
         [PAPER_LATTICE_LONG] = 8, [PAPER_CHAIN_1] = 180, [PAPER_CHAIN_2] = 180, [PAPER_CHAIN_4] = 180};
-    for (int e = 0; e < PAPER_ENSEMBLES; e++)
+    for (paper_ensemble e = PAPER_SQUARE; e < PAPER_ENSEMBLES; e++)
         for (int32_t n = 1; n <= 30; n += 29) {
             sp_scene scene = sp_scene_default();
             assert_ok(paper_ensemble_scene(e, n, n == 1 ? SP_PROTOCOL_SOMFAI2005 : SP_PROTOCOL_DEFAULT, &scene, &err));
