@@ -331,7 +331,15 @@ static sp_status get_name(sp_h5 *h, char name[SP_NAME_MAX], sp_error *err) {
 }
 
 sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *err) {
-    sp_record r = {.sample.moduli = {.error11 = NAN, .error12 = NAN, .error22 = NAN, .error33 = NAN}}; /* not kept */
+    sp_record r = {.sample.moduli = {.error11 = NAN,
+                                     .error12 = NAN,
+                                     .error13 = NAN,
+                                     .error22 = NAN,
+                                     .error23 = NAN,
+                                     .error33 = NAN,
+                                     .error44 = NAN,
+                                     .error55 = NAN,
+                                     .error66 = NAN}}; /* not kept */
     for (int k = 0; k < SP_PROBES; k++)
         r.sample.probe[k] = (sp_probed){.error_along = NAN, .error_shear = NAN, .grain = -1};
     if (!sp_h5_has(h, "/results/sample"))
