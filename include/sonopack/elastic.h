@@ -23,8 +23,10 @@ typedef struct sp_moduli {
 
 /* Sparse Cholesky, one factorisation for all strains: along the periodic axes and in their plane through the periodic
  * images, all others by the top wall. The walls' contact points are strained affinely too, so C12 = C21. phi3s: Phi3*
- * of sp_statics; without it (NAN) no speeds. Floppy parts carry nothing and do no harm. Shear by walls that do not grip
- * (no friction) is NAN. SP_EREFUSED for a packing without walls, or one where no springs lead from wall to wall. */
+ * of sp_statics; without it (NAN) no speeds. Floppy parts carry nothing and do no harm; C11 .. C66 on
+ * the diagonal are 0 where they are within their error of it. Shear by walls that do not grip (no friction) is NAN.
+ * SP_EREFUSED for a packing without walls, one where no springs lead from wall to wall, and one that is floppy as a
+ * whole. */
 sp_status sp_moduli_make(const sp_network *net, double phi3s, sp_moduli *out, sp_error *err);
 
 typedef enum sp_probe_kind {

@@ -122,7 +122,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case KEY_UNTIL: status = cli_number("--until", arg, 1e-9, 1e12, &a->until, &err); break;
     case KEY_POINTS: status = cli_integer("--points", arg, 2, 10000000, &a->points, &err); break;
     case KEY_PRESSURE: status = cli_number("--pressure", arg, 1e-12, 1e-2, &a->pressure, &err); break;
-    case KEY_WALL: status = cli_number("--wall", arg, 1e-6, 2 - 1e-6, &a->wall, &err); break;
+    case KEY_WALL: status = cli_number("--wall", arg, 1e-6, 1.999, &a->wall, &err); break;
     case ARGP_KEY_ARG: positional(a, arg, state); break;
     case ARGP_KEY_END: check_usage(a, state); break;
     default: return ARGP_ERR_UNKNOWN;
@@ -166,7 +166,7 @@ static sp_status multiply(const char *text, int64_t from, int *count, int64_t *l
     int64_t to;
     double factor;
     if (!strchr(text, ':'))
-        return sp_fail(err, SP_EINVAL, "--grains: %lld:%.60s; must be FROM:TO:FACTOR", (long long)from, text);
+        return sp_fail(err, SP_EINVAL, "--grains %lld:%.60s: must be FROM:TO:FACTOR", (long long)from, text);
     sp_status status = next_length(&text, ":", &to, err);
     if (status == SP_OK && to < from)
         status = sp_fail(err, SP_EINVAL, "--grains: from %lld to %lld; must not end before it begins", (long long)from,

@@ -169,7 +169,8 @@ static sp_status find_columns(const arguments *a, const sp_table *t, const char 
     if (*time < 0 || *force < 0 || t->column[*time].kind == SP_CELL_TEXT || t->column[*force].kind == SP_CELL_TEXT) {
         if (a->column)
             return sp_fail(err, SP_EFORMAT, "%s: no column %.60s of numbers beside the times", path, a->column);
-        return sp_fail(err, SP_EFORMAT, "%s: two columns of numbers are needed, times and forces", path);
+        return sp_fail(err, SP_EFORMAT,
+                       "%s: two columns of numbers are needed, times and forces, parted by tabs or blanks", path);
     }
     return SP_OK;
 }

@@ -121,6 +121,19 @@ static sp_status open_subject(const moduli_arguments *a, const char *path, const
     return status;
 }
 
+/* Which strains the network yields to. */
+static void explain_mechanisms(const moduli_arguments *a, const char *path, const sp_moduli *m) {
+    const struct {
+        const char *name;
+        double value;
+    } each[] = {{"C11", m->c11}, {"C22", m->c22}, {"C33", m->c33}, {"C44", m->c44}, {"C55", m->c55}, {"C66", m->c66}};
+    for (size_t k = 0; k < sizeof each / sizeof *each; k++)
+        if (each[k].value == 0)
+            cli_note(&a->common,
+                     "%s: %s is 0: the grains follow this strain and stretch no contact, as rolling ones do", path,
+                     each[k].name);
+}
+
 /* What nan in a row is due to. */
 static void explain(const moduli_arguments *a, const char *path, const subject *s, const sp_moduli *m) {
     const double height = sp_packing_height(&s->p);
@@ -132,6 +145,7 @@ static void explain(const moduli_arguments *a, const char *path, const subject *
                  "%s: %s and c_t are nan: walls that do not grip (no friction) cannot shear, the modulus would be 0 "
                  "whatever the packing; --probe sine:1 shears by a body force",
                  path, space ? "C44, C55" : "C33");
+    explain_mechanisms(a, path, m);
     if (isnan(s->s.phi3s))
         cli_note(
             &a->common,
@@ -231,8 +245,9 @@ static sp_status probe_rows(const moduli_arguments *a, const char *path, subject
     for (int k = 0; k < a->probes && status == SP_OK; k++) {
         const double l = each[k].along, t_ = each[k].shear;
         status = a->probes > 1
-                     ? sp_table_add_row(t, err, path, s->p.pressure, a->probe[k].text, l, t_, l / along, t_ / shear)
-                     : sp_table_add_row(t, err, path, s->p.pressure, l, t_, l / along, t_ / shear);
+                     ? sp_table_add_row(t, err, path, s->p.pressure, a->probe[k].text, l, t_, l / along,
+                                        shear > 0 ? t_ / shear : NAN)
+                     : sp_table_add_row(t, err, path, s->p.pressure, l, t_, l / along, shear > 0 ? t_ / shear : NAN);
     }
     return status;
 }

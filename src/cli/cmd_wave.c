@@ -23,7 +23,7 @@ static const struct argp_option options[] = {
      "Frequencies (24 from four periods in the record up to 0.3 of the bound of the spectrum)", 0},
     {"spacing", KEY_SPACING, "D", 0, "Distance of the planes (1)", 0},
     {"low", KEY_LOW, "Y", 0, "Height of the lowest plane (4)", 0},
-    {"part", KEY_PART, "F", 0, "Planes up to this part of the height, 0 .. 1 (0.6)", 0},
+    {"part", KEY_PART, "F", 0, "Planes up to this part of the height (0.6)", 0},
     {"source", KEY_SOURCE, "impulse|velocity|displacement", 0, "What the bottom wall does, as in signal (impulse)", 0},
     {0}};
 static const struct argp_child children[] = {

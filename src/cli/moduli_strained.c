@@ -45,6 +45,8 @@ sp_status moduli_strained_rows(const moduli_arguments *a, const char *path, cons
             sp_fail_prefix(err, "%s", path);
         else
             status = add_row(path, p, a->strain[k], &s, t, err);
+        if (status == SP_OK && k == 0 && p->dim == 1)
+            cli_note(&a->common, "%s: a chain has C22 alone, the others are nan", path);
         if (status == SP_OK && k == 0 && p->dim > 1 && isnan(p->dim == 3 ? s.moduli.c55 : s.moduli.c33))
             cli_note(&a->common, "%s: moduli of shear by the walls are nan: walls that do not grip cannot shear", path);
         if (status == SP_OK)

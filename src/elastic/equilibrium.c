@@ -152,6 +152,8 @@ static sp_status factorize_any(sp_equilibrium *e, sp_error *err) {
         e->raised = RAISE_DIAGONAL;
         e->raise = RAISE;
         status = factorize(e, err);
+        if (status == SP_EREFUSED && e->net->prestress)
+            sp_fail_prefix(err, "the network is unstable under its prestress");
     }
     return status;
 }

@@ -63,6 +63,20 @@ static sp_status strain_all(sp_equilibrium *e, double *work, sp_stiffness *out, 
     return SP_OK;
 }
 
+/* A modulus on the diagonal that is 0 within its error is that of a mechanism. If that from wall to wall is, springs
+ * lead there, but carry nothing. */
+static sp_status find_mechanisms(const sp_network *net, sp_stiffness *c, sp_error *err) {
+    const int up = net->dim == 3 ? STRAIN_33_3D : STRAIN_22;
+    if (!(c->c[up][up] > c->error[up][up]))
+        return sp_fail(err, SP_EREFUSED,
+                       "the network is floppy: its modulus from wall to wall, %.2g, is 0 within an error of %.2g",
+                       c->c[up][up], c->error[up][up]);
+    for (int a = 0; a < STRAINS_3D; a++)
+        if (c->c[a][a] <= c->error[a][a])
+            c->c[a][a] = 0;
+    return SP_OK;
+}
+
 static sp_status stiffness_of(sp_equilibrium *e, sp_stiffness *out, sp_error *err) {
     const size_t size = (4 + (size_t)sp_strain_count(e->net)) * (size_t)sp_network_dofs(e->net);
     sp_stiffness c = {0};
@@ -72,6 +86,8 @@ static sp_status stiffness_of(sp_equilibrium *e, sp_stiffness *out, sp_error *er
     sp_status status = strain_all(e, work, &c, err);
     if (status == SP_OK && !(c.residual < 1e-8))
         status = sp_fail(err, SP_EREFUSED, "moduli: residual %.3g of the solves, must be below 1e-8", c.residual);
+    if (status == SP_OK)
+        status = find_mechanisms(e->net, &c, err);
     sp_free(work);
     if (status == SP_OK)
         *out = c;

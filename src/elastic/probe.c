@@ -6,6 +6,7 @@
 #include "network/kernel.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
@@ -265,13 +266,16 @@ static sp_status check_probe(const sp_network *net, double phi3s, const sp_probe
                        p->n);
     if (p->kind == SP_PROBE_LINES && p->n % 2 == 0)
         return sp_fail(err, SP_EINVAL, "probe lines:%d, must be an odd number of lines between the walls", p->n);
-    if (height / (p->kind == SP_PROBE_SINE ? p->n : p->n + 1.0) < mean)
+    if (height / (p->kind == SP_PROBE_SINE ? p->n : p->n + 1.0) < mean) {
+        const char *name = p->kind == SP_PROBE_SINE ? "sine" : "lines";
+        const int fit = (int)(height / mean), most = p->kind == SP_PROBE_SINE ? fit : fit / 2 * 2 - 1;
+        char right[40] = "there is none so coarse";
+        if (most > 0)
+            snprintf(right, sizeof right, "must be at most %s:%d", name, most);
         return sp_fail(err, SP_EREFUSED,
-                       "probe %s:%d in a packing %.3g d high is finer than the mean diameter of the grains, %.3g, must "
-                       "be at most %s:%d",
-                       p->kind == SP_PROBE_SINE ? "sine" : "lines", p->n, height, mean,
-                       p->kind == SP_PROBE_SINE ? "sine" : "lines",
-                       p->kind == SP_PROBE_SINE ? (int)(height / mean) : ((int)(height / mean) - 2) / 2 * 2 + 1);
+                       "probe %s:%d in a packing %.3g d high is finer than the mean diameter of the grains, %.3g, %s",
+                       name, p->n, height, mean, right);
+    }
     if (p->kind == SP_PROBE_SINE && !(phi3s > 0))
         return sp_fail(err, SP_EREFUSED,
                        "probe sine:%d needs Phi3*, which the packing, %.3g d high, has not: too low for layers at both "

@@ -197,7 +197,9 @@ static sp_status equilibrate(run *r, double *residual, sp_error *err) {
             factor = &r->now;
         }
     }
-    *residual = forces(r, r->best, r->force) / r->load;
+    *residual = forces(r, r->best, r->force);
+    if (*residual > 0) /* a strain that no contact feels loads nothing */
+        *residual /= r->load;
     return SP_OK;
 }
 
@@ -228,7 +230,8 @@ static void put_stress(const run *r, int strain, sp_stiffness *c) {
         }
     }
     for (int b = 0; b < strains; b++)
-        c->c[b][strain] = sum[b] / (r->strain * sp_strain_volume(r->net));
+        if (sp_strain_allowed(r->net, b, r->rest.grips))
+            c->c[b][strain] = sum[b] / (r->strain * sp_strain_volume(r->net));
 }
 
 /* Whether contacts that are not watched could have closed. */

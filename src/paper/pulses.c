@@ -79,7 +79,7 @@ sp_status paper_make_fig4(paper *p, int item, sp_error *err) {
     const sp_sheet sheet = {.title = "Signals", .rows = 2, .columns = 2, .panel = panel};
     if (status == SP_OK)
         status = paper_draw(p, item, "fig4", &sheet,
-                            "Force on the top wall at p = 1e-4 over the first peak of the ensemble's mean: (a) four "
+                            "Force on the top wall at p = 1e-4 over the first peak of the ensemble's mean: (a) single "
                             "packings with friction, (b) their ensemble, (c) 2D and (d) 3D without friction.",
                             err);
     for (int k = 0; k < PANELS; k++)
@@ -133,11 +133,10 @@ sp_status paper_make_fig5(paper *p, int item, sp_error *err) {
                             .zero_line = true};
     const sp_sheet sheet = {.title = "Coherent parts", .rows = 1, .columns = 1, .panel = &panel};
     if (status == SP_OK && curves > 0)
-        status =
-            paper_draw(p, item, "fig5", &sheet,
-                       "Mean signals of boxes 24 wide and L high at p = 1e-4, up to their zero crossings, over the "
-                       "first peak of the lowest box.",
-                       err);
+        status = paper_draw(p, item, "fig5", &sheet,
+                            "Mean signals of boxes 24 wide and L high at p = 1e-4, until shortly after their zero "
+                            "crossings, over the first peak of the lowest box.",
+                            err);
     if (status == SP_OK && n > first + 1)
         paper_say(
             p, item,

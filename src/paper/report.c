@@ -7,6 +7,7 @@
 #include <math.h>
 #include <sonopack/version.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -146,21 +147,34 @@ static void number(char cell[CELL], const char *format, double x) {
         snprintf(cell, CELL, "–");
 }
 
-/* Digits: down to a tenth of the error. */
-static void value(char cell[CELL], double x, double error) {
-    char head[32], tail[32] = "";
+/* Decimal places of x with so many significant digits; trailing zeros count only if `zeros`. */
+static int decimals(double x, int digits, bool zeros) {
+    char text[40];
+    snprintf(text, sizeof text, "%.*e", digits - 1, x);
+    char *const exponent = strchr(text, 'e');
+    const char *last = exponent - 1;
+    while (!zeros && digits > 1 && *last == '0') {
+        digits--;
+        last--;
+    }
+    const int places = digits - 1 - atoi(exponent + 1);
+    return places < 0 ? 0 : places > 9 ? 9 : places;
+}
+
+/* Both to the same decimal place: ours to two digits of the error, the paper's as it prints them. */
+static void value(char cell[CELL], double x, double error, bool printed) {
     if (!isfinite(x)) {
         snprintf(cell, CELL, "–");
         return;
     }
-    snprintf(head, sizeof head, "%.4g", x);
-    if (isfinite(error) && error > 0) {
-        int digits = (int)floor(log10(fabs(x) / error)) + 2;
-        digits = x == 0 || digits < 2 ? 2 : digits > 7 ? 7 : digits;
-        snprintf(head, sizeof head, "%.*g", digits, x);
-        snprintf(tail, sizeof tail, " ± %.2g", error);
+    if (!isfinite(error) || error <= 0) {
+        snprintf(cell, CELL, "%.4g", x);
+        return;
     }
-    snprintf(cell, CELL, "%s%s", head, tail);
+    int places = decimals(error, 2, !printed);
+    if (printed && decimals(x, 4, false) > places)
+        places = decimals(x, 4, false);
+    snprintf(cell, CELL, "%.*f ± %.*f", places, x, places, error);
 }
 
 static void row_cells(const paper_row *row, bool with_item, char cell[CELLS][CELL]) {
@@ -169,8 +183,11 @@ static void row_cells(const paper_row *row, bool with_item, char cell[CELLS][CEL
         snprintf(cell[n++], CELL, "%s", sp_paper_item_name(row->item));
     snprintf(cell[n++], CELL, "%s", row->quantity);
     number(cell[n++], "%.0e", row->p);
-    value(cell[n++], row->paper, row->paper_sd);
-    value(cell[n++], row->ours, row->err);
+    if (row->scatter == PAPER_SCATTER_BOUND)
+        snprintf(cell[n++], CELL, "≥ %.3g", row->paper);
+    else
+        value(cell[n++], row->paper, row->paper_sd, true);
+    value(cell[n++], row->ours, row->err, false);
     number(cell[n++], "%+.2f", row->sigma);
     number(cell[n++], "%+.1f", row->combined);
     snprintf(cell[n++], CELL, "%s", row->verdict);
@@ -293,7 +310,8 @@ static void summary(report *r) {
               "Paper: mean and one standard deviation of its samples. Ours: mean and its standard error. σ: the "
               "difference over one standard deviation of the paper; where it gives none (normal forces, their moments, "
               "fabric) over that of our samples; for values that the paper states in words over the precision of the "
-              "words and our standard error together. A value agrees when σ is within one. s.e.: the difference over "
+              "words and our standard error together, and 0 above a lower bound (≥). A value agrees when σ is within "
+              "one; with few samples more of them deviate by chance. s.e.: the difference over "
               "the standard errors of both means together, 30 samples taken for the paper; it shows small differences "
               "that the scatter hides.");
     snprintf(line, sizeof line,

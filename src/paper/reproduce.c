@@ -86,15 +86,27 @@ sp_status paper_save_table(paper *p, const char *name, sp_table *t, sp_error *er
     return status;
 }
 
+/* A label without the marks of italics, sub- and superscripts: "|c|_{tof}" is "c_tof". */
+static const char *plain(const char *label, char out[96]) {
+    size_t n = 0;
+    for (; label && *label && n < 95; label++)
+        if (!strchr("|{}", *label))
+            out[n++] = *label;
+    out[n] = '\0';
+    return out;
+}
+
 /* The points of one panel's curves, those of its inset after them. */
 static sp_status add_panel(sp_table *t, const char *tag, const sp_panel *panel, sp_error *err) {
     sp_status status = SP_OK;
+    char label[96];
     for (int c = 0; c < panel->curves; c++) {
         const sp_curve *curve = &panel->curve[c];
+        plain(curve->label, label);
         for (int64_t k = 0; k < curve->n && status == SP_OK; k++)
-            status = sp_table_add_row(t, err, tag, (int64_t)c + 1, curve->label ? curve->label : "", curve->x[k],
-                                      curve->y[k], curve->error ? curve->error[k] : NAN,
-                                      curve->lower ? curve->lower[k] : NAN, curve->upper ? curve->upper[k] : NAN);
+            status = sp_table_add_row(t, err, tag, (int64_t)c + 1, label, curve->x[k], curve->y[k],
+                                      curve->error ? curve->error[k] : NAN, curve->lower ? curve->lower[k] : NAN,
+                                      curve->upper ? curve->upper[k] : NAN);
     }
     char inset[32];
     snprintf(inset, sizeof inset, "%.20s inset", tag);
@@ -102,8 +114,9 @@ static sp_status add_panel(sp_table *t, const char *tag, const sp_panel *panel, 
 }
 
 static sp_status describe_panel(sp_table *t, const char *tag, const sp_panel *panel, sp_error *err) {
-    return sp_table_add_comment(t, err, "%s%sx: %s; y: %s", tag, *tag ? ": " : "", panel->x.label ? panel->x.label : "",
-                                panel->y.label ? panel->y.label : "");
+    char x[96], y[96];
+    return sp_table_add_comment(t, err, "%s%sx: %s; y: %s", tag, *tag ? ": " : "", plain(panel->x.label, x),
+                                plain(panel->y.label, y));
 }
 
 static sp_status sheet_table(const sp_sheet *sheet, sp_table *t, sp_error *err) {
@@ -118,7 +131,8 @@ static sp_status sheet_table(const sp_sheet *sheet, sp_table *t, sp_error *err) 
         status = sp_table_add_column(t, column[k].name, "", column[k].kind, err);
     for (int k = 0; k < sheet->rows * sheet->columns && status == SP_OK; k++) {
         const sp_panel *panel = &sheet->panel[k];
-        const char *tag = panel->tag ? panel->tag : "";
+        char tag[96];
+        plain(panel->tag, tag);
         status = describe_panel(t, tag, panel, err);
         if (status == SP_OK)
             status = add_panel(t, tag, panel, err);

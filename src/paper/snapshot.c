@@ -72,7 +72,7 @@ static sp_status draw(const sp_sample *sample, const sp_packing *packing, const 
     if (status == SP_OK) {
         paper_add_figure(s->p, s->item, "fig3",
                          "Displacements of the grains of the packing of Fig. 1 at t = 80 after the pulse at the bottom "
-                         "wall, magnified.");
+                         "wall, magnified; rattlers grey.");
         say_layers(s, packing, net, u);
     }
     sp_free(u);

@@ -228,13 +228,13 @@ static sp_status draw(paper *p, int item, const speeds part[3], sp_error *err) {
          .ink = -1,
          .width = 0.6},
         {.label = "lattice, (18)", .n = 2, .x = range, .y = plain, .ink = 0, .dash = SP_DASH_DASHED, .width = 0.8},
-        marks("|c|_{tof}", &part[0], 0, SP_MARK_CIRCLE, false),
-        marks("|c|_{|ℓ|}", &part[1], 1, SP_MARK_SQUARE, false),
-        marks("2 |c|_{|t|}", &twice, 2, SP_MARK_TRIANGLE, false),
         marks("lattice, |L| = 24", &lattice[0], 3, SP_MARK_DIAMOND, true),
         marks("lattice, friction, |L| = 24", &lattice[1], 4, SP_MARK_SQUARE, true),
         marks("lattice, |L| = 160", &wide[0], 3, SP_MARK_TRIANGLE, true),
         marks("lattice, friction, |L| = 160", &wide[1], 4, SP_MARK_CIRCLE, true),
+        marks("2 |c|_{|t|}", &twice, 2, SP_MARK_TRIANGLE, false),
+        marks("|c|_{|ℓ|}", &part[1], 1, SP_MARK_SQUARE, false),
+        marks("|c|_{tof}", &part[0], 0, SP_MARK_CIRCLE, false), /* the main data, over all others */
         {.label = "slope 1/6", .n = 2, .x = sixth.x, .y = sixth.y, .ink = 0, .width = 0.6},
         {.label = "slope 1/4", .n = 2, .x = fourth.x, .y = fourth.y, .ink = 0, .dash = SP_DASH_DOTTED, .width = 0.8}};
     const sp_panel panel = {.x = {"pressure |p| / |E|*", true, range[0], range[1]},

@@ -32,7 +32,7 @@ void paper_judge(paper_row *row) {
     if (row->scatter == PAPER_SCATTER_BOUND && difference > 0)
         difference = 0;
     row->sigma = difference / one_sigma(row);
-    row->combined = difference / hypot(paper_error(row), known(row->err));
+    row->combined = isfinite(row->err) ? difference / hypot(paper_error(row), row->err) : NAN;
     if (!isfinite(row->sigma))
         row->verdict = "missing";
     else
@@ -83,7 +83,8 @@ static sp_status add_comments(sp_table *t, sp_error *err) {
         "sigma = (ours - paper)/scatter, agrees within one; scatter paper: paper_sd, its standard deviation",
         "scatter ours: the paper gives none, ours_sd; stated: paper_sd, the precision of the words, and err in square",
         "scatter bound: the paper gives a lower bound, paper_sd is our precision; above it sigma is 0",
-        "combined = (ours - paper) over both standard errors, that of the paper with 30 samples"};
+        "combined = (ours - paper) over both standard errors, that of the paper with 30 samples; nan for one sample",
+        "verdict missing: there is no value of ours, or no scatter, as that of one sample"};
     sp_status status = SP_OK;
     for (size_t k = 0; k < sizeof line / sizeof *line && status == SP_OK; k++)
         status = sp_table_add_comment(t, err, "%s", line[k]);

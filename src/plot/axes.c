@@ -193,7 +193,11 @@ static void log_ticks(axis *a, canvas *c, double length, bool across) {
         for (int k = 0; k < 9; k++) {
             decade_ticks(a, strides[k]);
             if (crowd(a, c, across) <= length)
-                return;
+                break;
+        }
+        if (labels(a) < 2) { /* one label tells no scale: closer ones, as long as they do not touch */
+            decade_ticks(a, 1);
+            thin_labels(a, c, length, across);
         }
         return;
     }

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 enum { TIMES = 3, MARKS_IN_INSET = 4 };
 
@@ -14,8 +15,20 @@ static const sp_mark time_marks[TIMES] = {SP_MARK_TRIANGLE, SP_MARK_CIRCLE, SP_M
 static const sp_dash time_dashes[TIMES] = {SP_DASH_SOLID, SP_DASH_DASHED, SP_DASH_DOTTED};
 static const char *const time_names[TIMES] = {"|t|_{10}", "|t|_{peak}", "|t|_{zero}"};
 
-#define TIME_UNIT     "[|d| (|\xcf\x81|/|E|*)^{1/2}]"
-#define DISTANCE_AXIS "distance  [|d|]"
+enum { AXIS_ROOM = 256 };
+
+/* A name with the unit of the tables behind it. */
+static const char *axis_label(const char *name, const char *unit, char out[AXIS_ROOM]) {
+    static const char *const ours[][2] = {
+        {"d", "|d|"}, {"d/sqrt(E* / rho)", "|d| (|\xcf\x81|/|E|*)^{1/2}"}, {"l/c", "|\xe2\x84\x93|/|c|"}};
+    char markup[200];
+    text_escape(markup, sizeof markup, unit, 24);
+    for (size_t k = 0; k < sizeof ours / sizeof *ours; k++)
+        if (strcmp(unit, ours[k][0]) == 0)
+            snprintf(markup, sizeof markup, "%s", ours[k][1]);
+    snprintf(out, AXIS_ROOM, "%s%s%s%s", name, *unit ? "  [" : "", markup, *unit ? "]" : "");
+    return out;
+}
 
 /* ---- lines ------------------------------------------------------------------------------------------------------ */
 
@@ -152,11 +165,13 @@ static sp_status draw_arrivals(const front_groups *g, const sp_plot_trace *sampl
         sp_panel inset = {0};
         if (sample)
             inset = sample_panel(sample, inner, point);
-        const sp_panel panel = {.x = {.label = DISTANCE_AXIS, .low = 0, .high = NAN},
-                                .y = {.label = "|t|  " TIME_UNIT, .low = lowest(g) < 0 ? NAN : 0, .high = NAN},
-                                .curves = a.curves,
-                                .curve = a.curve,
-                                .inset = sample ? &inset : NULL};
+        char x[AXIS_ROOM], y[AXIS_ROOM];
+        const sp_panel panel = {
+            .x = {.label = axis_label("distance", g->distance_unit, x), .low = 0, .high = NAN},
+            .y = {.label = axis_label("|t|", g->time_unit, y), .low = lowest(g) < 0 ? NAN : 0, .high = NAN},
+            .curves = a.curves,
+            .curve = a.curve,
+            .inset = sample ? &inset : NULL};
         const sp_sheet sheet = {
             .title = "Arrival of the first front", .rows = 1, .columns = 1, .panel = &panel, .aspect = 0.85};
         status = sp_plot_sheet(&sheet, path, err);
@@ -203,7 +218,7 @@ static bool has(const front_groups *g, quantity x, quantity y) {
 }
 
 /* Both panels have the distances of all points. */
-static void distances(const front_groups *g, sp_axis *x) {
+static void distances(const front_groups *g, char label[AXIS_ROOM], sp_axis *x) {
     double low = INFINITY, high = 0;
     for (int k = 0; k < g->n; k++)
         for (int64_t r = 0; r < g->group[k].n; r++) {
@@ -211,7 +226,8 @@ static void distances(const front_groups *g, sp_axis *x) {
             low = isfinite(d) ? fmin(low, d) : low;
             high = isfinite(d) ? fmax(high, d) : high;
         }
-    *x = (sp_axis){.label = DISTANCE_AXIS, .log = true, .low = 0.85 * low, .high = high / 0.85};
+    *x = (sp_axis){
+        .label = axis_label("distance", g->distance_unit, label), .log = true, .low = 0.85 * low, .high = high / 0.85};
 }
 
 static sp_status draw_exponents(const front_groups *g, const char *path, sp_error *err) {
@@ -219,10 +235,11 @@ static sp_status draw_exponents(const front_groups *g, const char *path, sp_erro
     const size_t n = (size_t)g->n;
     sp_curve *curve = sp_alloc(5 * n, sizeof *curve), *upper = curve, *lower = curve + n, *sizes = curve + 3 * n;
     sp_axis x;
+    char label[AXIS_ROOM];
     int lowers = 0;
     if (!curve)
         return sp_fail_memory(err, 5 * n * sizeof *curve);
-    distances(g, &x);
+    distances(g, label, &x);
     for (int k = 0; k < g->n; k++) {
         upper[k] = group_curve(g, k, Q_BETWEEN, Q_GAMMA, true);
         lower[lowers] = group_curve(g, k, Q_BETWEEN, Q_ALPHA, false);

@@ -159,6 +159,20 @@ static void label_groups(front_groups *g, const int *table_of, int tables, const
     }
 }
 
+/* The unit so far and that of one more table. */
+static void join_units(bool first, const char *unit, char joint[UNIT_ROOM]) {
+    if (first)
+        snprintf(joint, UNIT_ROOM, "%s", unit);
+    else if (strcmp(joint, unit) != 0)
+        joint[0] = '\0';
+}
+
+static void add_units(bool first, const reader *r, front_groups *out) {
+    const sp_table *t = r->from->table;
+    join_units(first, r->chain ? "d" : t->column[r->column[Q_DISTANCE]].unit, out->distance_unit);
+    join_units(first, t->column[r->column[Q_T10]].unit, out->time_unit);
+}
+
 sp_status front_groups_read(int tables, const sp_plot_table *table, front_groups *out, sp_error *err) {
     int64_t rows = 0;
     int table_of[GROUPS_MOST];
@@ -177,8 +191,10 @@ sp_status front_groups_read(int tables, const sp_plot_table *table, front_groups
         reader r;
         const int before = out->n;
         status = find_columns(&table[j], &r, err);
-        if (status == SP_OK)
+        if (status == SP_OK) {
+            add_units(j == 0, &r, out);
             status = add_table(&r, out, &memory, err);
+        }
         for (int k = before; k < out->n; k++)
             table_of[k] = j;
         if (status != SP_OK && tables > 1)

@@ -34,10 +34,13 @@ typedef struct front_group {
     bool chain;                      /* distances are in diameters of a chain's balls */
 } front_group;
 
+enum { UNIT_ROOM = 64 };
+
 typedef struct front_groups {
     int n;
     front_group *group;
     double *memory;
+    char distance_unit[UNIT_ROOM], time_unit[UNIT_ROOM]; /* of all tables; "" where they differ or say none */
 } front_groups;
 
 enum { GROUPS_MOST = 24 };

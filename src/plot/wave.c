@@ -107,10 +107,10 @@ static sp_status draw_wave(int tables, const sp_plot_table *table, double *memor
     const sp_panel panel[2] = {
         {.tag = "(a)",
          .x = k,
-         .y = {.label = "\xcf\x89/|k|  [(|E|*/|\xcf\x81|)^{1/2}]"},
+         .y = {.label = "|\xcf\x89|/|k|  [(|E|*/|\xcf\x81|)^{1/2}]"},
          .curves = tables,
          .curve = speed},
-        {.tag = "(b)", .x = k, .y = {.label = "\xce\xb1  [1/|d|]", .log = true}, .curves = curves, .curve = alpha}};
+        {.tag = "(b)", .x = k, .y = {.label = "|\xce\xb1|  [1/|d|]", .log = true}, .curves = curves, .curve = alpha}};
     const sp_sheet sheet = {.title = "Coherent wave", .rows = 2, .columns = 1, .panel = panel, .aspect = 0.62};
     return sp_plot_sheet(&sheet, path, err);
 }

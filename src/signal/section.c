@@ -52,7 +52,8 @@ static sp_status check(const sp_network *net, const sp_section_options *opt, dou
     const double count = floor((opt->part * height - opt->low) / opt->spacing) + 1;
     if (!(count >= LEAST_PLANES))
         return sp_fail(err, SP_EREFUSED,
-                       "section: a box %g high has %g planes at distances of %g between %g and %g; at least %d needed",
+                       "section: a box %g high has %g planes at distances of %g between %g and %g; at least %d needed: "
+                       "a higher box, or closer planes",
                        height, fmax(0, count), opt->spacing, opt->low, opt->part * height, LEAST_PLANES);
     if (!(count <= MOST_PLANES))
         return sp_fail(err, SP_EINVAL, "section: %g planes; at most %d", count, MOST_PLANES);

@@ -330,6 +330,24 @@ static sp_status get_name(sp_h5 *h, char name[SP_NAME_MAX], sp_error *err) {
     return status;
 }
 
+/* What tables sort and divide by. */
+static sp_status check_sample(sp_h5 *h, const sp_sample *s, sp_error *err) {
+    const char *bad = s->dim < 1 || s->dim > 3                                    ? "dim"
+                      : s->grains < 1                                             ? "grains"
+                      : !(s->width > 0 && isfinite(s->width))                     ? "width"
+                      : !(s->pressure > 0 && isfinite(s->pressure))               ? "pressure"
+                      : !(s->friction >= 0 && isfinite(s->friction))              ? "friction"
+                      : !(s->height >= 0 || isnan(s->height)) || isinf(s->height) ? "height"
+                                                                                  : NULL;
+    if (bad)
+        return sp_h5_fail(h, err, SP_EFORMAT, "/results/sample/%s is no value of a sample", bad);
+    for (int32_t k = 0; k < s->planes; k++)
+        if (!(s->plane[k] > (k ? s->plane[k - 1] : 0)) || !isfinite(s->plane[k]))
+            return sp_h5_fail(h, err, SP_EFORMAT, "%s: %g of plane %d must be above 0 and above the one before",
+                              plane_field[0].name.path, s->plane[k], k);
+    return SP_OK;
+}
+
 sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *err) {
     sp_record r = {.sample.moduli = {.error11 = NAN,
                                      .error12 = NAN,
@@ -359,6 +377,8 @@ sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *er
         status = get_planes(h, &r.sample, err);
         r.sample.have |= SP_WANT_PLANES;
     }
+    if (status == SP_OK)
+        status = check_sample(h, &r.sample, err);
     if (status == SP_OK && sp_h5_has(h, "/signal")) {
         r.sample.have |= SP_WANT_SIGNAL;
         status = get_made(h, &r.sample.signal, err);

@@ -68,23 +68,35 @@ static bool planes_fit(const sp_scene *scene, const sp_sample *s) {
     return fit;
 }
 
-/* Each plane's front by the rule in the plane's own window, so that echoes from the top wall, which come later than the
- * window of a low plane ends, are none of it. */
-static sp_status find_fronts(const sp_signal *signal, double pressure, int32_t count, const double *plane,
+/* Whether the first front is over when its echo comes back from the top wall: at its own mean speed, which is not below
+ * that of the way that is left, so that none is taken that the echo has touched. */
+static bool before_echo(const sp_front *f, double plane, double height) {
+    return f->t_zero <= f->t10 * (2 * height - plane) / plane;
+}
+
+/* Each plane's front by the rule in the plane's own window; NAN where there is none, or where its echo comes too
+ * early. */
+static sp_status find_fronts(const sp_signal *signal, const sp_network *net, int32_t count, const double *plane,
                              sp_front *front, sp_error *err) {
     static const sp_front none = {NAN, NAN, NAN, NAN, NAN, 0};
+    const double height = net->box[net->dim - 1];
     int32_t found = 0;
     sp_error first = {0};
     for (int32_t k = 0; k < count; k++) {
         sp_error reason = {0};
         sp_front_options rule = sp_front_options_default();
-        rule.window = sp_signal_window(plane[k], pressure);
-        front[k] = none;
+        rule.window = sp_signal_window(plane[k], net->pressure);
         sp_status status =
             sp_front_find(signal->n, signal->t, signal->f + (int64_t)k * signal->n, &rule, &front[k], &reason);
-        if (status == SP_OK)
+        if (status == SP_OK && !before_echo(&front[k], plane[k], height))
+            status = sp_fail(&reason, SP_EREFUSED, "the echo of the top wall, at %g, comes before the front is over",
+                             height);
+        if (status == SP_OK) {
             found++;
-        else if (first.text[0] == '\0')
+            continue;
+        }
+        front[k] = none;
+        if (first.text[0] == '\0')
             first = reason;
     }
     if (found == 0)
@@ -114,7 +126,7 @@ static sp_status make_planes(const part_input *in, sp_sample *sample, sp_error *
         if (status == SP_OK)
             status = sp_signal_make(net, &options, &signal, err);
         if (status == SP_OK)
-            status = find_fronts(&signal, net->pressure, count, plane, front, err);
+            status = find_fronts(&signal, net, count, plane, front, err);
         sp_signal_free(&signal);
     }
     if (status != SP_OK)

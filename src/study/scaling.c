@@ -72,7 +72,7 @@ static sp_status of_walls(int64_t n, const sp_sample *const *s, fronts *f, sp_er
     return status;
 }
 
-/* All heights of planes of a group, ascending. */
+/* All heights of planes of a group at which any sample has a front, ascending. */
 static int planes_of(int64_t n, const sp_sample *const *s, int64_t room, double *plane) {
     int count = 0;
     for (int64_t k = 0; k < n; k++)
@@ -80,7 +80,7 @@ static int planes_of(int64_t n, const sp_sample *const *s, int64_t room, double 
             int at = 0;
             while (at < count && plane[at] < s[k]->plane[i])
                 at++;
-            if ((at < count && plane[at] == s[k]->plane[i]) || count == room)
+            if (!isfinite(s[k]->plane_front[i].t10) || (at < count && plane[at] == s[k]->plane[i]) || count == room)
                 continue;
             memmove(plane + at + 1, plane + at, (size_t)(count - at) * sizeof *plane);
             plane[at] = s[k]->plane[i];

@@ -237,6 +237,9 @@ sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples,
     case PROBED: status = fill_means(count, sorted, SP_WANT_PROBES, &t, err); break;
     default: status = fill_ensemble(count, sorted, &t, err); break;
     }
+    if (status == SP_OK && count > 0 && t.rows == 0)
+        status = sp_table_add_comment(&t, err, "no row: none of %lld samples has %s", (long long)count,
+                                      which == PLANES ? "a front at a plane inside of it" : "such results");
     if (status == SP_OK)
         status = sp_table_add_comment(&t, err, "failed = %lld", (long long)sp_samples_failed(count, sorted));
     if (status != SP_OK)

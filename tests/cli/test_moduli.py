@@ -242,9 +242,35 @@ def test_refusals():
     assert "--probe" in run("moduli", N200, "--probe", "sine:1", "--strain", "1e-6", status=2)[1]
 
 
+def test_mechanisms():
+    """What yields without a force is told, and no rounding is shown as a modulus: a ball that rolls between the walls,
+    strong contacts alone (which touch both walls and hold nothing), a network that its prestress makes unstable."""
+    run("pack", "--set", "packing.grains=2", "--set", "packing.width=4.8", "-q", "-o", "ball.h5")
+    out, said = run("moduli", "ball.h5")
+    row = rows(out)[1][0]
+    assert float(row["C11"]) == float(row["C33"]) == 0 < float(row["C22"]), row
+    assert "C33 is 0" in said and "C11 is 0" in said and "C22 is 0" not in said, said
+    row = rows(run("moduli", "ball.h5", "--strain", "1e-6")[0])[1][0]  # its uniaxial strain along the walls is free
+    assert abs(float(row["C11"])) < 1e-15 < float(row["C22"]), row
+    assert "there is none so coarse" in run("moduli", "ball.h5", "--probe", "lines:1", status=1)[1]
+    for words in ([], ["--probe", "lines:1"]):
+        out, said = run("moduli", N600, "--threshold", "0.9", *words, status=1)
+        assert out == "" and "floppy" in said, (out, said)
+    out, said = run("moduli", N200, "--threshold", "0.3", "--prestress", status=1)
+    assert out == "" and "unstable under its prestress" in said, said
+    run("pack", "--set", "packing.kind=chain", "--set", "packing.dimension=1", "--set", "packing.grains=9", "-q", "-o",
+        "chain.h5")
+    (linear,) = rows(run("moduli", "chain.h5")[0])[1]
+    out, said = run("moduli", "chain.h5", "--strain", "1e-9")
+    (row,) = rows(out)[1]
+    assert row["C12"] == row["C11"] == row["C33"] == linear["C12"] == "nan" and "C22 alone" in said, (row, said)
+    assert np.isclose(float(row["C22"]), float(linear["C22"]), rtol=1e-6), (row, linear)  # strain over overlap: 1e-7
+
+
 if __name__ == "__main__":
     test_plane()
     test_space()
     test_strained()
     test_refusals()
+    test_mechanisms()
     print("ok")

@@ -81,7 +81,7 @@ static void test_fronts(void **state) {
     const sp_plot_trace sample = {NULL, 5, time, force, .2, 2, 3, NULL, NULL};
     const sp_plot_table single = {"one", &one}, both[2] = {{"a", &two}, {"b", &one}};
     assert_ok(sp_plot_fronts(1, &single, &sample, svg, &err));
-    says((const char *[]){"\nt_10,  c = 0.25\n", "\nt_peak,  c = 0.2", "\nF_sig\n", "\ndistance  [d]\n", NULL});
+    says((const char *[]){"\nt_10,  c = 0.25\n", "\nt_peak,  c = 0.2", "\nF_sig\n", "\ndistance\n", NULL});
     const sp_plot_table widths = {"two", &two};
     assert_ok(sp_plot_fronts(1, &widths, NULL, svg, &err));
     says((const char *[]){"\nwidth 24\n", "\nwidth 48\n", "\nt_10\n", "\nt_zero\n", NULL});
@@ -105,6 +105,32 @@ static void test_groups(void **state) {
     assert_ok(sp_plot_fronts(1, &shown, NULL, svg, &err));
     says((const char *[]){"\n\xce\xbc = 0\n", "\n\xce\xbc = 0.5\n", NULL});
     sp_table_free(&t);
+}
+
+/* The unit of an axis is that of the tables, and none where they differ or say none. */
+static void test_units(void **state) {
+    (void)state;
+    const double cells[2][2] = {{5, 20}, {10, 40}};
+    const char *const unit[3][2] = {{"d", "d/sqrt(E* / rho)"}, {"mm", "us"}, {"", ""}};
+    sp_table t[3];
+    for (int j = 0; j < 3; j++) {
+        t[j] = sp_table_none();
+        assert_ok(sp_table_add_column(&t[j], "distance", unit[j][0], SP_CELL_NUMBER, &err));
+        assert_ok(sp_table_add_column(&t[j], "t10", unit[j][1], SP_CELL_NUMBER, &err));
+        for (int k = 0; k < 2; k++)
+            assert_ok(sp_table_add_numbers(&t[j], cells[k], &err));
+    }
+    const sp_plot_table shown[3] = {{"a", &t[0]}, {"b", &t[1]}, {"c", &t[2]}};
+    assert_ok(sp_plot_fronts(1, &shown[0], NULL, svg, &err));
+    says((const char *[]){"\ndistance  [d]\n", "\nt  [d (", NULL});
+    assert_ok(sp_plot_fronts(1, &shown[1], NULL, svg, &err));
+    says((const char *[]){"\ndistance  [mm]\n", "\nt  [us]\n", NULL});
+    assert_ok(sp_plot_fronts(1, &shown[2], NULL, svg, &err));
+    says((const char *[]){"\ndistance\n", "\nt\n", NULL});
+    assert_ok(sp_plot_fronts(2, shown, NULL, svg, &err));
+    says((const char *[]){"\ndistance\n", "\nt\n", NULL});
+    for (int j = 0; j < 3; j++)
+        sp_table_free(&t[j]);
 }
 
 /* A table of `chain front': width is that of the pulse, grains the distance. */
@@ -276,6 +302,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_fronts),
                                        cmocka_unit_test(test_chain),
                                        cmocka_unit_test(test_groups),
+                                       cmocka_unit_test(test_units),
                                        cmocka_unit_test(test_ensemble_modes_section),
                                        cmocka_unit_test(test_contacts_and_motion),
                                        cmocka_unit_test(test_refusals),
