@@ -45,8 +45,8 @@ typedef struct sp_coherent {
 /* Least squares over the planes' Fourier integrals, by which the planes near the source, where the wave stands out of
  * what is scattered, count most. The integrals end, smoothly, four periods after the arrival: later comes what was
  * scattered. A spacing of planes of D tells wave numbers below pi/D. k and alpha are NAN where the
- * section does not tell them: alpha at an end of its range, -1/range .. 1/D, k at the end of its. omega > 0, below the
- * half of what the spacing of the times can carry. SP_EINVAL. */
+ * section does not tell them: alpha at an end of its range, -1/range .. 1/D, k at the end of its, or alpha above k,
+ * which is no wave. omega > 0, below the half of what the spacing of the times can carry. SP_EINVAL. */
 sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, sp_error *err);
 
 #ifdef __cplusplus

@@ -407,7 +407,8 @@ static const struct argp argp = {
     "lines, and scaling: local exponents gamma and alpha, of tables of `sonopack table scaling' or `planes', `sonopack "
     "chain front' or (fronts) `sonopack front'. wave: phase speed and attenuation against the wave number, of tables "
     "of "
-    "`sonopack wave'. --set changes keys of network and signal.",
+    "`sonopack wave', and alpha = a k^3, the law of two dimensions, through the points with alpha below k/10. --set "
+    "changes keys of network and signal.",
     children,
     NULL,
     NULL};

@@ -75,18 +75,15 @@ static const struct argp argp = {
 /* Sums over packings at one frequency. */
 typedef struct sums {
     int64_t n;
-    double k, kk, speed, ss, alpha, aa, part;
+    double k, kk, alpha, aa, part;
 } sums;
 
 static void add_fit(sums *s, const sp_coherent *c) {
     if (isnan(c->k))
         return;
-    const double speed = c->omega / c->k;
     s->n++;
     s->k += c->k;
     s->kk += c->k * c->k;
-    s->speed += speed;
-    s->ss += speed * speed;
     s->alpha += c->alpha;
     s->aa += c->alpha * c->alpha;
     s->part += c->part;
@@ -148,11 +145,24 @@ static sp_status put(int32_t n, const double *omega, const sums *sum, sp_table *
         status = sp_table_add_column(t, "samples", "", SP_CELL_INTEGER, err);
     for (int32_t l = 0; l < n && status == SP_OK; l++) {
         const sums *s = &sum[l];
-        status = sp_table_add_row(t, err, omega[l], mean(s->k, s->n), error_of_mean(s->k, s->kk, s->n),
-                                  mean(s->speed, s->n), error_of_mean(s->speed, s->ss, s->n), mean(s->alpha, s->n),
+        const double k = mean(s->k, s->n), k_err = error_of_mean(s->k, s->kk, s->n), speed = omega[l] / k;
+        status = sp_table_add_row(t, err, omega[l], k, k_err, speed, speed * k_err / k, mean(s->alpha, s->n),
                                   error_of_mean(s->alpha, s->aa, s->n), mean(s->part, s->n), s->n);
     }
     return status;
+}
+
+/* What rows of nan are due to. */
+static void explain(const arguments *a, int32_t n, const sums *sum) {
+    int32_t none = 0;
+    for (int32_t l = 0; l < n; l++)
+        none += sum[l].n == 0;
+    if (none > 0)
+        cli_note(
+            &a->common,
+            "k and alpha are nan at %d of %d frequencies: no packing tells them (a record shorter than a period, or "
+            "no wave that spans planes)",
+            none, n);
 }
 
 static sp_status work(const arguments *a, sp_error *err) {
@@ -172,8 +182,10 @@ static sp_status work(const arguments *a, sp_error *err) {
         status = sp_table_add_comment(&t, err, "packings = %d", a->files);
     if (status == SP_OK)
         status = sp_table_add_comment(&t, err, "source = %s", cli_source_name(a->section.source));
-    if (status == SP_OK)
+    if (status == SP_OK) {
+        explain(a, n, sum);
         status = put(n, omega, sum, &t, err);
+    }
     if (status == SP_OK)
         status = cli_write_table(&a->common, &t, err);
     sp_table_free(&t);

@@ -89,10 +89,22 @@ static sp_status check(const sp_section *s, double omega, sp_error *err) {
     return SP_OK;
 }
 
+/* Some plane's record holds a period: of less the integrals are those of the front's tail, whatever the frequency. */
+static bool holds_period(const sp_section *s, double omega) {
+    double longest = 0;
+    for (int32_t j = 0; j < s->planes; j++)
+        longest = fmax(longest, s->until[j]);
+    return omega * longest >= 2 * M_PI;
+}
+
 sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, sp_error *err) {
     sp_status status = check(s, omega, err);
     if (status != SP_OK)
         return status;
+    if (!holds_period(s, omega)) {
+        *out = (sp_coherent){.omega = omega, .k = NAN, .alpha = NAN, .part = NAN};
+        return SP_OK;
+    }
     const int32_t n = s->planes;
     const double range = s->y[n - 1] - s->y[0], gap = range / (n - 1), k_most = M_PI / gap, a_most = 1 / gap;
     const double dk = 0.5 / range, a_least = -1 / range;
@@ -117,7 +129,7 @@ sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, s
     if (isfinite(least)) {
         polish(n, s->y, z, (search){fmax(dk, 0.5 * alpha), 0.5 * alpha, a_least}, &k, &alpha);
         fit.part = 1 - misfit(n, s->y, z, k, alpha);
-        if (k > 0 && k < k_most && alpha > a_least && alpha < a_most) {
+        if (k > alpha && k > 0 && k < k_most && alpha > a_least && alpha < a_most) {
             fit.k = k;
             fit.alpha = alpha;
         }

@@ -182,8 +182,8 @@ sp_status paper_make_fig12(paper *p, int item, sp_error *err) {
         sp_front front;
         status = sp_chain_front(balls[k], SP_CHAIN_VELOCITY, &front, err);
         if (status == SP_OK)
-            paper_say(p, item, "Chain of %lld balls: the first peak's height times N^(2/3) is %.2f%% off its limit.",
-                      (long long)balls[k], 100 * (front.amplitude * pow((double)balls[k], 2.0 / 3) / limit - 1));
+            paper_say(p, item, "Chain of %lld balls: the first peak's height times N^(2/3) is %.2f%% below its limit.",
+                      (long long)balls[k], 100 * (1 - front.amplitude * pow((double)balls[k], 2.0 / 3) / limit));
     }
     if (status == SP_OK)
         status = say_lattice(p, item, &l, err);

@@ -140,7 +140,8 @@ static sp_status draw_spectrum(const spectrum *s, const sp_modes *m, const point
     return paper_draw(
         s->p, s->item, "fig9", &sheet,
         "(a) Squared eigenfrequencies of the packing of Fig. 1 and (b) weights of the modes in the signal; "
-        "circles: the modes of Fig. 10; diamonds: modes of an elastic body with the packing's moduli.",
+        "circles: the modes of Fig. 10; inset: the lowest (squares) beside those of an elastic body with the packing's "
+        "moduli (diamonds).",
         err);
 }
 

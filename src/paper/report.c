@@ -311,7 +311,8 @@ static void summary(report *r) {
               "difference over one standard deviation of the paper; where it gives none (normal forces, their moments, "
               "fabric) over that of our samples; for values that the paper states in words over the precision of the "
               "words and our standard error together, and 0 above a lower bound (≥). A value agrees when σ is within "
-              "one; with few samples more of them deviate by chance. s.e.: the difference over "
+              "one; with few samples more of them deviate by chance. Missing: ours has no value, or a single sample no "
+              "scatter. s.e.: the difference over "
               "the standard errors of both means together, 30 samples taken for the paper; it shows small differences "
               "that the scatter hides.");
     snprintf(line, sizeof line,

@@ -70,9 +70,8 @@ static sp_status say_far_off(paper *p, int item, const char *quantity, double pr
     sp_free(x);
     if (count > 0)
         paper_say(p, item,
-                  "%s at p = %g: far off, by more than 8 standard deviations of the others, %lld of %lld samples, down "
-                  "or up to "
-                  "%.3g; the median is %.4g.",
+                  "%s at p = %g: %lld of %lld samples lie more than 8 standard deviations of the others away, the "
+                  "farthest at %.3g; the median is %.4g.",
                   quantity, pressure, (long long)count, (long long)n, worst, middle);
     return SP_OK;
 }

@@ -13,7 +13,8 @@ enum { WAVES_MOST = 6, W_K = 0, W_SPEED, W_SPEED_ERR, W_ALPHA, W_ALPHA_ERR, WAVE
 
 static const char *const names[WAVE_COLUMNS] = {"k", "speed", "speed_err", "alpha", "alpha_err"};
 
-/* Columns of one table in axis units: gaps where a logarithmic axis has no place for a value. */
+/* Columns of one table: gaps where a logarithmic axis has no place for a value, or for an alpha within its error of 0.
+ */
 static sp_status read_wave(const sp_table *t, double *memory, const double *column[WAVE_COLUMNS], sp_error *err) {
     for (int q = 0; q < WAVE_COLUMNS; q++) {
         const int at = sp_table_find_column(t, names[q]);
@@ -30,6 +31,9 @@ static sp_status read_wave(const sp_table *t, double *memory, const double *colu
             to[row] = isfinite(value) && (!positive || value > 0) ? value : NAN;
         }
     }
+    for (int64_t row = 0; row < t->rows; row++) /* of no known order of magnitude */
+        if (memory[W_ALPHA * t->rows + row] < memory[W_ALPHA_ERR * t->rows + row])
+            memory[W_ALPHA * t->rows + row] = NAN;
     return SP_OK;
 }
 

@@ -62,7 +62,7 @@ sp_status sp_samples_alike(int64_t n, const sp_sample *const *s, sp_error *err) 
         if (ORDER(a->dim, b->dim) || ORDER(a->width, b->width) || ORDER(a->friction, b->friction))
             return sp_fail(err, SP_EREFUSED,
                            "samples %s and %s differ in packing.%s (width %g and %g, friction %g and %g) and are not "
-                           "averaged: choose those of one scene",
+                           "averaged: choose those of one width, one friction, or one scene",
                            a->name, b->name, what, a->width, b->width, a->friction, b->friction);
         if (by_material_and_seed(s[k - 1], b) == 0)
             return same_seed(s[k - 1], b, err);

@@ -246,7 +246,9 @@ static sp_status add_fits(const fronts *f, const sp_scaling *s, sp_table *t, sp_
         if (!isfinite(fit->value.value))
             continue;
         snprintf(chi2, sizeof chi2, "equal weights, no chi2");
-        if (isfinite(fit->chi2))
+        if (isfinite(fit->chi2) && fit->freedom < 1)
+            snprintf(chi2, sizeof chi2, "through all of its points, no chi2");
+        else if (isfinite(fit->chi2))
             snprintf(chi2, sizeof chi2, "chi2 %.3g for %lld degrees of freedom", fit->chi2, (long long)fit->freedom);
         status = sp_table_add_comment(t, err, "%s(%s) = %.6g, error %.2g, %s", fits[k].name, where, fit->value.value,
                                       fit->value.error, chi2);

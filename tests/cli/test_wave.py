@@ -48,6 +48,11 @@ def main():
         c_l = float(cells[0][header.index("c_l")])
         assert 0.8 < two["speed"][0] / c_l < 1.2, two["speed"]
         assert len(rows(N600)["omega"]) == 24
+        # a record shorter than a period tells no wave number (the integrals are those of its tail: 0.02 for 0.2)
+        done = subprocess.run([COMMAND, "wave", N600, "--at", "1e-9,1e-3,0.1"], capture_output=True, text=True)
+        short = rows(N600, "--at", "1e-9,1e-3,0.1")
+        assert [math.isnan(k) for k in short["k"]] == [True, True, False] and list(short["samples"]) == [0, 0, 1], short
+        assert "nan at 2 of 3 frequencies" in done.stderr, done.stderr
         waves, figure = os.path.join(folder, "waves.tsv"), os.path.join(folder, "waves.svg")
         run("wave", N600, "-o", waves)
         run("plot", "wave", waves, "-o", figure)

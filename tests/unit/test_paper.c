@@ -34,6 +34,7 @@ static void verdicts(void **state) {
     assert_string_equal(r.verdict, "deviates");
     r = judged(PAPER_SCATTER_PAPER, 3, 0.5, 3.6, NAN); /* one sample: sigma needs no error of ours */
     assert_close(r.sigma, 1.2, 1e-12);
+    assert_true(isnan(r.combined));
     assert_string_equal(r.verdict, "deviates");
     r = judged(PAPER_SCATTER_PAPER, 3, 0.5, NAN, NAN);
     assert_true(isnan(r.sigma));
