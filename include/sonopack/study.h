@@ -30,6 +30,7 @@ typedef struct sp_signal_made {
 /* Results of one sample. `have` says which of the SP_WANT_ parts are filled. */
 typedef struct sp_sample {
     char name[SP_NAME_MAX]; /* hash of what made it: 32 hexadecimal digits (sp_sample_name) */
+    int32_t kind;           /* sp_pack_kind: packings of unlike kinds are never averaged */
     int32_t dim, grains;
     double width, pressure, friction;
     uint64_t seed;

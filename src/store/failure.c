@@ -20,6 +20,8 @@ sp_status sp_failure_save(const char *path, const sp_sample *s, sp_error *err) {
     sp_text_add(&t, "# This sample failed. Remove the file to have it tried again.\nreason = %s\n", reason);
     sp_text_add(&t, "dim = %d\ngrains = %d\nwidth = %.17g\npressure = %.17g\nfriction = %.17g\nseed = %llu\n", s->dim,
                 s->grains, s->width, s->pressure, s->friction, (unsigned long long)s->seed);
+    if (s->kind != SP_PACK_PISTON)
+        sp_text_add(&t, "kind = %d\n", s->kind);
     sp_locale_leave(&locale);
     sp_status status = t.failed ? sp_fail_memory(err, t.capacity) : sp_text_save(path, t.data, t.size, err);
     sp_text_free(&t);
@@ -32,7 +34,10 @@ static bool take_line(const char *key, const char *value, sp_sample *s) {
                      : strcmp(key, "pressure") == 0 ? &s->pressure
                      : strcmp(key, "friction") == 0 ? &s->friction
                                                     : NULL;
-    int32_t *integer = strcmp(key, "dim") == 0 ? &s->dim : strcmp(key, "grains") == 0 ? &s->grains : NULL;
+    int32_t *integer = strcmp(key, "dim") == 0      ? &s->dim
+                       : strcmp(key, "grains") == 0 ? &s->grains
+                       : strcmp(key, "kind") == 0   ? &s->kind
+                                                    : NULL;
     if (number)
         return sp_word_number(value, number) && isfinite(*number);
     if (integer) {

@@ -145,6 +145,8 @@ static const sp_h5_field signal_field[] = {
     {{"/signal/products", "1", "matrix products that it took"}, SP_H5_I32, offsetof(sp_signal, products)},
 };
 enum { SIGNAL_FIELDS = sizeof signal_field / sizeof *signal_field };
+static const sp_h5_field kind_field =
+    SAMPLE(kind, SP_H5_I32, "1", "how it was made: 0 by a piston, 1 a chain, 2 a triangular lattice, 3 from a file");
 static const sp_h5_name name_t = {"/signal/t", TIME, "time since the pulse at the bottom wall"};
 static const sp_h5_name name_f = {"/signal/F", "E* d^2",
                                   "force on the top wall beyond that at rest, positive in "
@@ -213,6 +215,8 @@ sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err) {
         status = sp_h5_put_text(h, &name_name, r->sample.name, err);
     if (status == SP_OK)
         status = sp_h5_put_fields(h, SAMPLE_FIELDS, sample_field, &r->sample, err);
+    if (status == SP_OK && r->sample.kind != SP_PACK_PISTON)
+        status = sp_h5_put_fields(h, 1, &kind_field, &r->sample, err);
     if (status == SP_OK && r->scene)
         status = sp_h5_put_text(h, &name_scene, r->scene, err);
     for (int k = 0; status == SP_OK && k < PARTS; k++) {
@@ -365,6 +369,8 @@ sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *er
     sp_status status = get_name(h, r.sample.name, err);
     if (status == SP_OK)
         status = sp_h5_get_fields(h, SAMPLE_FIELDS, sample_field, &r.sample, err);
+    if (status == SP_OK && sp_h5_has(h, kind_field.name.path))
+        status = sp_h5_get_fields(h, 1, &kind_field, &r.sample, err);
     for (int k = 0; status == SP_OK && k < PARTS; k++) {
         if (!sp_h5_has(h, part[k].group))
             continue;

@@ -13,6 +13,7 @@ static int by_material_and_seed(const sp_sample *a, const sp_sample *b) {
     order = order ? order : ORDER(a->dim, b->dim);
     order = order ? order : ORDER(a->width, b->width);
     order = order ? order : ORDER(a->friction, b->friction);
+    order = order ? order : ORDER(a->kind, b->kind);
     return order ? order : ORDER(a->seed, b->seed);
 }
 
@@ -58,8 +59,12 @@ static sp_status same_seed(const sp_sample *a, const sp_sample *b, sp_error *err
 sp_status sp_samples_alike(int64_t n, const sp_sample *const *s, sp_error *err) {
     for (int64_t k = 1; k < n; k++) {
         const sp_sample *a = s[0], *b = s[k];
-        const char *what = ORDER(a->dim, b->dim) ? "dimension" : ORDER(a->width, b->width) ? "width" : "friction";
-        if (ORDER(a->dim, b->dim) || ORDER(a->width, b->width) || ORDER(a->friction, b->friction))
+        const char *what = ORDER(a->dim, b->dim)             ? "dimension"
+                           : ORDER(a->kind, b->kind)         ? "kind"
+                           : ORDER(a->width, b->width)       ? "width"
+                           : ORDER(a->friction, b->friction) ? "friction"
+                                                             : NULL;
+        if (what)
             return sp_fail(err, SP_EREFUSED,
                            "samples %s and %s differ in packing.%s (width %g and %g, friction %g and %g) and are not "
                            "averaged: choose those of one width, one friction, or one scene",
@@ -74,6 +79,7 @@ static int by_material(const sp_sample *a, const sp_sample *b) {
     int order = ORDER(a->pressure, b->pressure);
     order = order ? order : ORDER(a->friction, b->friction);
     order = order ? order : ORDER(a->dim, b->dim);
+    order = order ? order : ORDER(a->kind, b->kind);
     return order ? order : ORDER(a->width, b->width);
 }
 

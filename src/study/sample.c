@@ -46,6 +46,7 @@ static sp_status describe(const sp_scene *scene, sp_sample *sample, sp_error *er
     sp_sample_name(scene, sample->name);
     if (sample->name[0] == '\0')
         return sp_fail_memory(err, 4096);
+    sample->kind = (int32_t)scene->pack.kind;
     sample->dim = scene->pack.dim;
     sample->grains = scene->pack.grains;
     sample->width = scene->pack.width;

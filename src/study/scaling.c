@@ -238,6 +238,9 @@ static sp_status add_fits(const fronts *f, const sp_scaling *s, sp_table *t, sp_
     char where[160], chi2[80];
     int length =
         snprintf(where, sizeof where, "p=%.6g, width=%.6g, friction=%.6g", one->pressure, one->width, one->friction);
+    if (one->kind == SP_PACK_TRIANGULAR || one->kind == SP_PACK_CHAIN)
+        length += snprintf(where + length, sizeof where - (size_t)length, ", %s",
+                           one->kind == SP_PACK_CHAIN ? "chain" : "triangular");
     if (f->in.joint)
         snprintf(where + length, sizeof where - (size_t)length, ", grains=%d", one->grains);
     sp_status status = SP_OK;

@@ -243,11 +243,34 @@ static void tables_without_memory(void **state) {
     }
 }
 
+/* Lattices and packings of the same box are no rows of one group, and have no common means. */
+static void kinds_are_kept_apart(void **state) {
+    (void)state;
+    sp_sample s[MADE];
+    sp_table t = sp_table_none();
+    make_up(s);
+    for (int k = 0; k < MADE; k++)
+        if (s[k].seed % 2)
+            s[k].kind = SP_PACK_TRIANGULAR;
+    assert_ok(sp_study_table("scaling", MADE, s, &t, &err));
+    assert_int_equal(t.rows, 24);
+    for (int r = 0; r < 24; r++)
+        assert_true(cell(&t, r, "samples") == SEEDS / 2);
+    assert_non_null(sp_table_comment_value(&t, "gamma(p=1e-06, width=24, friction=0.5, triangular)"));
+    assert_non_null(sp_table_comment_value(&t, "gamma(p=1e-06, width=24, friction=0.5)"));
+    sp_table_free(&t);
+    s[1] = s[0];
+    s[1].kind = SP_PACK_CHAIN;
+    s[1].name[0] = 'e';
+    assert_fails(sp_study_table("moduli", 2, s, &t, &err), SP_EREFUSED, "packing.kind");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_row_a_height),  cmocka_unit_test(a_row_a_plane),
-        cmocka_unit_test(means_of_probes), cmocka_unit_test(what_is_refused_and_left_out),
-        cmocka_unit_test(in_any_order),    cmocka_unit_test(tables_without_memory),
+        cmocka_unit_test(a_row_a_height),       cmocka_unit_test(a_row_a_plane),
+        cmocka_unit_test(means_of_probes),      cmocka_unit_test(what_is_refused_and_left_out),
+        cmocka_unit_test(in_any_order),         cmocka_unit_test(tables_without_memory),
+        cmocka_unit_test(kinds_are_kept_apart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
