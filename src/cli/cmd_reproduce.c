@@ -14,6 +14,7 @@ typedef struct arguments {
     uint32_t items;
     const char *figures;
     sp_protocol protocol;
+    int64_t failed; /* samples, as the progress tells */
 } arguments;
 
 enum { KEY_STORE = 0x1000, KEY_JOBS, KEY_ONLY, KEY_SAMPLES, KEY_FIGURES, KEY_PROTOCOL };
@@ -142,11 +143,13 @@ static const struct argp argp = {
     NULL};
 
 static bool watch(const sp_paper_progress *now, void *user) {
+    arguments *a = user;
     char text[120];
+    a->failed = now->failed;
     int length = snprintf(text, sizeof text, "%s, %lld samples made", now->what, (long long)now->computed);
     if (now->failed > 0)
         snprintf(text + length, sizeof text - (size_t)length, ", %lld failed", (long long)now->failed);
-    cli_progress(user, text, now->fraction, now->seconds_left);
+    cli_progress(&a->common, text, now->fraction, now->seconds_left);
     return !cli_stopped();
 }
 
@@ -166,12 +169,15 @@ static sp_status work(arguments *a, sp_store **store, sp_table *t, sp_error *err
     if (status != SP_OK)
         return status;
     cli_catch_signals();
-    status = sp_paper_reproduce(*store, &o, watch, (void *)(uintptr_t)&a->common, t, err);
+    status = sp_paper_reproduce(*store, &o, watch, a, t, err);
     cli_progress_end(&a->common);
     if (status == SP_EINTERRUPTED)
         return sp_fail(err, status, "stopped, all finished samples are in %s: the same command goes on", a->store);
     if (status != SP_OK)
         return status;
+    if (a->failed > 0)
+        cli_note(&a->common, "%lld samples failed or lack a part: column `samples' says how many are left",
+                 (long long)a->failed);
     if (folder)
         cli_note(&a->common, "report: %s/report.html", folder);
     else if (t->rows == 0)

@@ -267,11 +267,11 @@ static void test_texts(void **state) {
     const sp_panel inset = {.x = {"inner", true, NAN, NAN}, .y = {"depth", true, NAN, NAN}, .curves = 1, .curve = &c};
     const sp_panel p[2] = {{.tag = "(a)",
                             .x = {"|t|", .log = false},
-                            .y = {"|F|  [|E|* |d|^{2}]"},
+                            .y = {.label = "|F|  [|E|* |d|^{2}]"},
                             .curves = 1,
                             .curve = &c,
                             .inset = &inset},
-                           {.tag = "(b)", .x = {NULL}, .y = {"|A|"}, .curves = 1, .curve = &c}};
+                           {.tag = "(b)", .x = {.label = NULL}, .y = {.label = "|A|"}, .curves = 1, .curve = &c}};
     const sp_sheet s = {.title = "a <title>", .rows = 2, .columns = 1, .panel = p};
     char *text = text_of(&s);
     static const char *const words[] = {"<title>a &lt;title&gt;</title>",
