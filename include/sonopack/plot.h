@@ -87,8 +87,9 @@ typedef struct sp_plot_record {
 } sp_plot_record;
 sp_status sp_plot_section(int records, const sp_plot_record *record, const char *path, sp_error *err);
 
-/* Phase speed and attenuation against the wave number, of one or several tables of `sonopack wave', with alpha ~ k^3
- * through the long waves. Points where a logarithmic axis has no place for alpha are left out. */
+/* Phase speed and attenuation against the wave number, of one or several tables of `sonopack wave', with Rayleigh's
+ * law alpha ~ k^(dimension + 1) through the long waves. Points where a logarithmic axis has no place for alpha are left
+ * out. */
 sp_status sp_plot_wave(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
 #ifdef __cplusplus

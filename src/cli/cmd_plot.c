@@ -407,7 +407,7 @@ static const struct argp argp = {
     "lines, and scaling: local exponents gamma and alpha, of tables of `sonopack table scaling' or `planes', `sonopack "
     "chain front' or (fronts) `sonopack front'. wave: phase speed and attenuation against the wave number, of tables "
     "of "
-    "`sonopack wave', and alpha = a k^3, the law of two dimensions, through the points with alpha below k/10. --set "
+    "`sonopack wave', and Rayleigh's alpha = a k^(dimension + 1) through the points with alpha below k/10. --set "
     "changes keys of network and signal.",
     children,
     NULL,

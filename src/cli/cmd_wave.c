@@ -78,6 +78,14 @@ typedef struct sums {
     double k, kk, alpha, aa, part;
 } sums;
 
+/* All frequencies, chosen by the first packing. */
+typedef struct waves {
+    int dim; /* of the packings; 0: none read yet */
+    int32_t n;
+    double *omega;
+    sums *sum;
+} waves;
+
 static void add_fit(sums *s, const sp_coherent *c) {
     if (isnan(c->k))
         return;
@@ -108,15 +116,20 @@ static sp_status choose(const arguments *a, const sp_network *net, const sp_sect
     return SP_OK;
 }
 
-/* The fits of one packing. *n frequencies, chosen by the first one. */
-static sp_status add_packing(const arguments *a, const sp_scene *scene, const char *path, int32_t *n, double *omega,
-                             sums *sum, sp_error *err) {
+/* The fits of one packing. */
+static sp_status add_packing(const arguments *a, const sp_scene *scene, const char *path, waves *w, sp_error *err) {
+    int32_t *const n = &w->n;
+    double *const omega = w->omega;
     sp_packing p = sp_packing_none();
     sp_network net = sp_network_none();
     sp_section s = sp_section_none();
     sp_coherent fit;
     sp_status status = cli_read_network(path, &scene->network, &p, &net, err);
     const bool readable = status == SP_OK;
+    if (status == SP_OK && w->dim && w->dim != p.dim)
+        status =
+            sp_fail(err, SP_EREFUSED, "has %d dimensions and the packings before %d: must be alike", p.dim, w->dim);
+    w->dim = p.dim;
     if (status == SP_OK)
         status = sp_section_make(&net, &a->section, &s, err);
     if (status == SP_OK && *n == 0)
@@ -124,7 +137,7 @@ static sp_status add_packing(const arguments *a, const sp_scene *scene, const ch
     for (int32_t l = 0; l < *n && status == SP_OK; l++) {
         status = sp_coherent_fit(&s, omega[l], &fit, err);
         if (status == SP_OK)
-            add_fit(&sum[l], &fit);
+            add_fit(&w->sum[l], &fit);
     }
     if (status != SP_OK && status != SP_EINVAL && readable)
         sp_fail_prefix(err, "%s", path);
@@ -134,7 +147,7 @@ static sp_status add_packing(const arguments *a, const sp_scene *scene, const ch
     return status;
 }
 
-static sp_status put(int32_t n, const double *omega, const sums *sum, sp_table *t, sp_error *err) {
+static sp_status put(const waves *w, sp_table *t, sp_error *err) {
     static const char *const columns[][2] = {
         {"omega", "sqrt(E* / rho)/d"},   {"k", "1/d"},     {"k_err", "1/d"},     {"speed", "sqrt(E* / rho)"},
         {"speed_err", "sqrt(E* / rho)"}, {"alpha", "1/d"}, {"alpha_err", "1/d"}, {"part", ""}};
@@ -143,55 +156,56 @@ static sp_status put(int32_t n, const double *omega, const sums *sum, sp_table *
         status = sp_table_add_column(t, columns[c][0], columns[c][1], SP_CELL_NUMBER, err);
     if (status == SP_OK)
         status = sp_table_add_column(t, "samples", "", SP_CELL_INTEGER, err);
-    for (int32_t l = 0; l < n && status == SP_OK; l++) {
-        const sums *s = &sum[l];
-        const double k = mean(s->k, s->n), k_err = error_of_mean(s->k, s->kk, s->n), speed = omega[l] / k;
-        status = sp_table_add_row(t, err, omega[l], k, k_err, speed, speed * k_err / k, mean(s->alpha, s->n),
+    for (int32_t l = 0; l < w->n && status == SP_OK; l++) {
+        const sums *s = &w->sum[l];
+        const double k = mean(s->k, s->n), k_err = error_of_mean(s->k, s->kk, s->n), speed = w->omega[l] / k;
+        status = sp_table_add_row(t, err, w->omega[l], k, k_err, speed, speed * k_err / k, mean(s->alpha, s->n),
                                   error_of_mean(s->alpha, s->aa, s->n), mean(s->part, s->n), s->n);
     }
     return status;
 }
 
 /* What rows of nan are due to. */
-static void explain(const arguments *a, int32_t n, const sums *sum) {
+static void explain(const arguments *a, const waves *w) {
     int32_t none = 0;
-    for (int32_t l = 0; l < n; l++)
-        none += sum[l].n == 0;
+    for (int32_t l = 0; l < w->n; l++)
+        none += w->sum[l].n == 0;
     if (none > 0)
         cli_note(
             &a->common,
             "k and alpha are nan at %d of %d frequencies: no packing tells them (a record shorter than a period, or "
             "no wave that spans planes)",
-            none, n);
+            none, w->n);
 }
 
 static sp_status work(const arguments *a, sp_error *err) {
     sp_scene scene = sp_scene_default();
     sp_table t = sp_table_none();
-    double *omega = sp_alloc(FREQUENCIES_MAX, sizeof *omega);
-    sums *sum = sp_alloc(FREQUENCIES_MAX, sizeof *sum);
-    int32_t n = 0;
-    sp_status status = omega && sum ? SP_OK : sp_fail_memory(err, FREQUENCIES_MAX * (sizeof *omega + sizeof *sum));
+    waves w = {.omega = sp_alloc(FREQUENCIES_MAX, sizeof *w.omega), .sum = sp_alloc(FREQUENCIES_MAX, sizeof *w.sum)};
+    sp_status status =
+        w.omega && w.sum ? SP_OK : sp_fail_memory(err, FREQUENCIES_MAX * (sizeof *w.omega + sizeof *w.sum));
     if (status == SP_OK)
         status = cli_may_write_table(&a->common, err);
     if (status == SP_OK)
         status = cli_springs_scene(&a->common, &a->springs, "network", &scene, err);
     for (int k = 0; k < a->files && status == SP_OK; k++)
-        status = add_packing(a, &scene, a->file[k], &n, omega, sum, err);
+        status = add_packing(a, &scene, a->file[k], &w, err);
     if (status == SP_OK)
         status = sp_table_add_comment(&t, err, "packings = %d", a->files);
     if (status == SP_OK)
+        status = sp_table_add_comment(&t, err, "dimension = %d", w.dim);
+    if (status == SP_OK)
         status = sp_table_add_comment(&t, err, "source = %s", cli_source_name(a->section.source));
     if (status == SP_OK) {
-        explain(a, n, sum);
-        status = put(n, omega, sum, &t, err);
+        explain(a, &w);
+        status = put(&w, &t, err);
     }
     if (status == SP_OK)
         status = cli_write_table(&a->common, &t, err);
     sp_table_free(&t);
     sp_scene_free(&scene);
-    sp_free(omega);
-    sp_free(sum);
+    sp_free(w.omega);
+    sp_free(w.sum);
     return status;
 }
 

@@ -37,10 +37,24 @@ static sp_status read_wave(const sp_table *t, double *memory, const double *colu
     return SP_OK;
 }
 
-/* alpha = a k^3, the law of long waves in the plane (Rayleigh), through the points with a mean free path above ten
- * wavelengths over 2 pi, each as it weighs; false where there are fewer than three. */
+/* The dimension that all tables say, 0 if none. */
+static int dimension_of(int tables, const sp_plot_table *table) {
+    int common = 0;
+    for (int j = 0; j < tables; j++) {
+        const char *text = sp_table_comment_value(table[j].table, "dimension");
+        const int dim = text && text[0] >= '1' && text[0] <= '3' && text[1] == '\0' ? text[0] - '0' : 0;
+        if (dim == 0 || (common && dim != common))
+            return 0;
+        common = dim;
+    }
+    return common;
+}
+
+/* alpha = a k^(dim + 1), Rayleigh's law of long waves, through the points with a mean free path above ten wavelengths
+ * over 2 pi, each as it weighs; false where there are fewer than three. */
 static bool rayleigh(int tables, const sp_plot_table *table, const double *const column[][WAVE_COLUMNS], double x[2],
                      double y[2]) {
+    const int power = dimension_of(tables, table) + 1;
     double sum = 0, weight = 0;
     int points = 0;
     x[0] = INFINITY;
@@ -51,18 +65,18 @@ static bool rayleigh(int tables, const sp_plot_table *table, const double *const
             if (!(k > 0) || !(alpha > 0) || alpha > 0.1 * k || alpha < 3 * error)
                 continue;
             const double w = error > 0 ? pow(alpha / error, 2) : 1;
-            sum += w * log(alpha / pow(k, 3));
+            sum += w * log(alpha / pow(k, power));
             weight += w;
             x[0] = fmin(x[0], k);
             x[1] = fmax(x[1], k);
             points++;
         }
-    if (points < 3 || !(x[1] > x[0]))
+    if (power < 2 || points < 3 || !(x[1] > x[0]))
         return false;
     x[0] *= 0.8;
     x[1] *= 2;
     for (int e = 0; e < 2; e++)
-        y[e] = exp(sum / weight) * pow(x[e], 3);
+        y[e] = exp(sum / weight) * pow(x[e], power);
     return true;
 }
 
@@ -97,7 +111,8 @@ static sp_status draw_wave(int tables, const sp_plot_table *table, double *memor
         alpha[j].error = column[j][W_ALPHA_ERR];
     }
     if (rayleigh(tables, table, (const double *const(*)[WAVE_COLUMNS])column, x, y)) {
-        snprintf(law, sizeof law, "%.2g |k|^{3}", y[0] / pow(x[0], 3));
+        const int power = dimension_of(tables, table) + 1;
+        snprintf(law, sizeof law, "%.2g |k|^{%d}", y[0] / pow(x[0], power), power);
         alpha[curves++] = (sp_curve){.label = law, .n = 2, .x = x, .y = y, .dash = SP_DASH_DASHED, .width = 0.8};
     }
     sp_axis k = {.label = "|k|  [1/|d|]", .log = true, .low = INFINITY};

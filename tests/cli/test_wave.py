@@ -67,9 +67,22 @@ def main():
             done = subprocess.run([COMMAND, "plot", "wave", table_file, "-o", figure, "--force"], capture_output=True,
                                   text=True)
             assert done.returncode in (1, 2) and reason in done.stderr, (name, done)
+        # Rayleigh's law goes with the dimension that the table says
+        for dimension, law in (("2", "3"), ("3", "4"), (None, None)):
+            made = os.path.join(folder, "law.tsv")
+            with open(made, "w") as file:
+                if dimension:
+                    file.write(f"# dimension = {dimension}\n")
+                file.write("omega\tk\tspeed\tspeed_err\talpha\talpha_err\n")
+                for k in (0.05, 0.1, 0.2):
+                    file.write(f"{0.2 * k}\t{k}\t0.2\t0.001\t{0.5 * k ** int(law or 3)}\t{1e-3 * k ** int(law or 3)}\n")
+            run("plot", "wave", made, "-o", figure, "--force")
+            words = open(figure).read()
+            assert (f"0.5 |k|^{{{law}}}" in words or f"0.5 k^{law}" in words or f"0.5 k{law}" in words) == bool(law), law
         flat = pack(os.path.join(folder, "flat.h5"), grains=100, width=24)
+        spheres = pack(os.path.join(folder, "spheres.h5"), dimension=3, grains=100, width=5, friction=0, tolerance=1e-6)
         for arguments, status, text in (
-                ([flat], 1, "planes at distances of 1"), ([N600, flat], 1, "flat.h5"),
+                ([flat], 1, "planes at distances of 1"), ([N600, spheres], 1, "has 3 dimensions"), ([N600, flat], 1, "flat.h5"),
                 (["none.h5"], 1, "none.h5"), ([], 2, "no file"), ([N600, "--at", "0"], 2, "--at"),
                 ([N600, "--at", "nan"], 2, "--at"), ([N600, "--at", "0.2:0.1:3"], 2, "LOW must be below HIGH"),
                 ([N600, "--at", "1e6"], 2, "omega = 1e+06"), ([N600, "--part", "2"], 2, "--part"),
