@@ -128,17 +128,8 @@ static sp_status draw(const sp_packing *p, snapshot *s, double t, const char *pa
 sp_status sp_plot_snapshot(const sp_packing *p, const sp_network *net, const double *u, double t, const char *path,
                            sp_error *err) {
     snapshot s = {.net = net, .u = u};
-    sp_status status = canvas_check(path, err);
-    if (status == SP_OK)
-        status = sp_packing_check(p, err);
+    const sp_status status = view_check_field(p, net, u, "", path, err);
     if (status != SP_OK)
         return status;
-    if (p->dim == 3)
-        return sp_fail(err, SP_EREFUSED, "%s: a packing in 3 dimensions has no flat picture: must be in 1 or 2", path);
-    if (net->n_all != p->n || net->dim != p->dim)
-        return sp_fail(err, SP_EINVAL, "a network of %d grains for a packing of %d, must be its own", net->n_all, p->n);
-    for (int64_t k = 0; k < sp_network_dofs(net); k++)
-        if (!isfinite(u[k]))
-            return sp_fail(err, SP_EREFUSED, "displacement %lld is not finite", (long long)k);
     return draw(p, &s, t, path, err);
 }

@@ -1,5 +1,7 @@
 #include "plot/view.h"
 
+#include "base/base.h"
+
 #include <math.h>
 
 #define TALLEST (22.0 / 2.54 * 72.0)
@@ -83,4 +85,21 @@ void view_arrow(const view *v, double x, double y, double dx, double dy) {
     cairo_line_to(c->cr, tip_x - head * ex + 0.42 * head * ey, tip_y - head * ey - 0.42 * head * ex);
     cairo_close_path(c->cr);
     cairo_fill(c->cr);
+}
+
+sp_status view_check_field(const sp_packing *p, const sp_network *net, const double *u, const char *of,
+                           const char *path, sp_error *err) {
+    sp_status status = canvas_check(path, err);
+    if (status == SP_OK)
+        status = sp_packing_check(p, err);
+    if (status != SP_OK)
+        return status;
+    if (p->dim == 3)
+        return sp_fail(err, SP_EREFUSED, "%s: a packing in 3 dimensions has no flat picture: must be in 1 or 2", path);
+    if (net->n_all != p->n || net->dim != p->dim)
+        return sp_fail(err, SP_EINVAL, "a network of %d grains for a packing of %d, must be its own", net->n_all, p->n);
+    for (int64_t k = 0; k < sp_network_dofs(net); k++)
+        if (!isfinite(u[k]))
+            return sp_fail(err, SP_EREFUSED, "displacement %lld%s is not finite", (long long)k, of);
+    return SP_OK;
 }

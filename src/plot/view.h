@@ -4,7 +4,7 @@
 
 #include "plot/figure.h"
 
-#include <sonopack/packing.h>
+#include <sonopack/network.h>
 
 /* Where packing and canvas meet. across and up are a grain's coordinates, in diameters d. */
 typedef struct view {
@@ -26,6 +26,10 @@ typedef struct view {
 #define RIM_GREY     ((colour){0.55, 0.55, 0.55})
 
 view view_make(const sp_packing *p);
+/* Whether displacements u of a network can be drawn on this packing, in that file; `of' them is said where they are not
+ * finite. */
+sp_status view_check_field(const sp_packing *p, const sp_network *net, const double *u, const char *of,
+                           const char *path, sp_error *err);
 /* A grain's coordinates within the box [d]. */
 double view_across(const view *v, int32_t i);
 double view_up(const view *v, int32_t i);

@@ -8,14 +8,14 @@ import pathlib
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 
 import h5py
 import numpy as np
 
-COMMAND = sys.argv[1]
+from streams import COMMAND, column, comment, run, tables
+
 CTOF = "p samples c_tof c_tof_err c_peak c_zero c_l c_t".split()
 STATICS = "Phi2 Phi3 Phi3s zs f0 N_over_p Z2 Z3 F2 F2S s1_over_s2".split()
 MODULI = "C11 C12 C22 C33 c_l c_t".split()
@@ -27,31 +27,6 @@ study = { samples = 3; want = ["ctof", "moduli"]; sweep = (
   { key = "packing.pressure"; values = [1e-4, 1e-3]; },
   { key = "packing.grains"; values = [40, 120]; } ); };
 """
-
-
-def run(*args, status=0):
-    done = subprocess.run([COMMAND, *map(str, args)], capture_output=True, text=True)
-    assert done.returncode == status, (args, done.returncode, done.stdout, done.stderr)
-    return done
-
-
-def tables(text):
-    """Every table of a stream: [(comments, names, rows of words)]."""
-    found = []
-    for block in text.split("\n\n"):
-        lines = block.strip("\n").splitlines()
-        comments = [line[1:].strip() for line in lines if line.startswith("#")]
-        rows = [line.split("\t") for line in lines if not line.startswith("#")]
-        found.append((comments, rows[0], rows[1:]))
-    return found
-
-
-def column(table, name):
-    return np.array([float(row[table[1].index(name)]) for row in table[2]])
-
-
-def comment(table, key):
-    return next(line.split("=", 1)[1].strip() for line in table[0] if line.startswith(key + " ="))
 
 
 def an_ensemble(folder):

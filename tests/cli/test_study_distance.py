@@ -5,14 +5,13 @@ usage: test_study_distance.py COMMAND SOURCE_DIR
 """
 import pathlib
 import shutil
-import subprocess
-import sys
 import tempfile
 
 import h5py
 import numpy as np
 
-COMMAND = sys.argv[1]
+from streams import column, comment, run, tables
+
 SCENE = """
 packing = { tolerance = 1e-7; seed = 3; };
 signal = { planes = [3, 5, 40]; };
@@ -20,31 +19,6 @@ study = { samples = 3; want = ["scaling", "planes", "probes"]; sweep = (
   { key = "packing.width"; values = [8, 12]; },
   { key = "packing.height"; values = [7, 14]; } ); };
 """
-
-
-def run(*args, status=0):
-    done = subprocess.run([COMMAND, *map(str, args)], capture_output=True, text=True)
-    assert done.returncode == status, (args, done.returncode, done.stdout, done.stderr)
-    return done
-
-
-def tables(text):
-    """Every table of a stream: [(comments, names, rows of words)]."""
-    found = []
-    for block in text.split("\n\n"):
-        lines = block.strip("\n").splitlines()
-        comments = [line[1:].strip() for line in lines if line.startswith("#")]
-        rows = [line.split("\t") for line in lines if not line.startswith("#")]
-        found.append((comments, rows[0], rows[1:]))
-    return found
-
-
-def column(table, name):
-    return np.array([float(row[table[1].index(name)]) for row in table[2]])
-
-
-def comment(table, key):
-    return next(line.split(" = ", 1)[1].strip() for line in table[0] if line.startswith(key + " ="))
 
 
 def an_ensemble(folder):
