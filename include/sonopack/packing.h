@@ -86,6 +86,9 @@ sp_status sp_packing_check(const sp_packing *p, sp_error *err);
 /* Physics: force and torque balance of the grains that carry (threshold: fraction of p x d^2 above which a contact
  * carries), Coulomb, walls against p, contacts against positions. Never changes the packing. */
 sp_status sp_packing_audit(const sp_packing *p, double threshold, sp_audit *audit, sp_error *err);
+/* The largest relative measure of an audit, and its first fault: a pair that is not listed, or a measure above the
+ * tolerance. reason = "" if there is none. */
+double sp_audit_judge(const sp_audit *audit, double tolerance, char *reason, size_t size);
 
 /* Which grains are rattlers: fewer than 2 force-carrying contacts (friction = 0: fewer than dim + 1; 1D: 2), walls
  * included, removed again and again until none is left. carrying[c] says whether contact c belongs to the network.

@@ -45,6 +45,39 @@ sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, 
                         sp_error *err);
 /* All samples of the store, read without computing. Files that cannot be read are counted and named in *bad. */
 sp_status sp_store_samples(sp_store *store, int64_t *n, sp_sample **samples, int64_t *bad, sp_error *err);
+/* Whether the sink of the store leaves samples that are recorded as failed to be tried again (at first: no). A success
+ * removes the record. */
+void sp_store_retry(sp_store *store, bool retry);
+
+typedef enum sp_verdict {
+    SP_SOUND = 0, /* all of it was read, and is what it should be; a readable record of a failure is sound too */
+    SP_FAULTY,    /* its packing or its results are not what they should be, or it may not be read; left where it is */
+    SP_DAMAGED    /* cannot be read, or is not the sample of its name */
+} sp_verdict;
+
+/* What the check of one file found. */
+typedef struct sp_store_finding {
+    const char *file; /* name within the folder */
+    sp_verdict verdict;
+    const char *reason;  /* of the verdict; of a sound record why the sample failed; else "" */
+    bool record;         /* NAME.failed */
+    bool aside;          /* damaged, and now NAME.bad, so that a study makes the sample anew */
+    int64_t done, names; /* samples looked at, this one included, and samples in all */
+} sp_store_finding;
+
+typedef struct sp_store_check {
+    int64_t names;                                              /* below 0: all samples of the store */
+    const char (*name)[SP_NAME_MAX];                            /* those of them that are in the store are looked at */
+    double tolerance;                                           /* of the audit (sp_audit_judge) */
+    bool (*found)(const sp_store_finding *finding, void *user); /* false: stop */
+    void *user;
+} sp_store_check;
+
+/* Reads every file of the samples: all of the packing, results, signal and scene; the name inside against the file's,
+ * and against the hash of the scene inside where this version can read that; the structure of the packing
+ * (sp_packing_check), its audit, and that results are finite which are made of finite numbers only. Nothing is computed
+ * anew. Damaged files are renamed to NAME.bad where the folder can be written. SP_EINTERRUPTED when `found' said so. */
+sp_status sp_store_verify(sp_store *store, const sp_store_check *check, sp_error *err);
 
 #ifdef __cplusplus
 }

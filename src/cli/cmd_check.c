@@ -1,9 +1,8 @@
 /* sonopack check: whether packings are what they say they are. */
 #include "base/base.h"
-#include "cli/cli.h"
+#include "cli/verify.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -15,10 +14,6 @@ typedef struct arguments {
 } arguments;
 
 enum { KEY_TOLERANCE = 0x1000 };
-
-/* By the default rule grains and walls balance to about 1e-6 of p d^2. Packings from elsewhere that stop at the paper's
- * acceleration of 1e-10, a heavy piston included, have walls that are off by 1e-5. */
-static const double DEFAULT_TOLERANCE = 2e-5;
 
 static const struct argp_option options[] = {
     {"tolerance", KEY_TOLERANCE, "EPS", 0, "Largest relative error that is ok (2e-5)", 0}, {0}};
@@ -58,37 +53,6 @@ static const struct argp argp = {
     NULL,
     NULL};
 
-/* The relative measures of an audit, in the order in which they are judged. */
-static const struct measure {
-    size_t offset;
-    const char *fault;
-} measures[] = {
-    {offsetof(sp_audit, geometry_residual), "overlaps do not follow from the positions"},
-    {offsetof(sp_audit, law_residual), "normal forces do not follow from the overlaps (Hertz)"},
-    {offsetof(sp_audit, force_residual), "forces on a grain do not balance"},
-    {offsetof(sp_audit, torque_residual), "torques on a grain do not balance"},
-    {offsetof(sp_audit, coulomb_excess), "a tangential force is above friction times the normal force"},
-    {offsetof(sp_audit, wall_residual), "the force on a wall is not pressure times area"},
-};
-
-/* Judges an audit: the largest measure, and the first fault in reason ("-" if there is none). */
-static double judge(const sp_audit *audit, double tolerance, char *reason, size_t size) {
-    double largest = 0;
-    snprintf(reason, size, "-");
-    if (audit->missing > 0)
-        snprintf(reason, size, "%d pairs overlap that are not listed as contacts: must be 0", audit->missing);
-    for (size_t k = 0; k < sizeof measures / sizeof *measures; k++) {
-        double value;
-        memcpy(&value, (const char *)audit + measures[k].offset, sizeof value);
-        if (!(value <= largest))
-            largest = isnan(largest) ? largest : value;
-        if (!(value <= tolerance) && strcmp(reason, "-") == 0)
-            snprintf(reason, size, "%s: relative error %.3g, must be at most %.3g", measures[k].fault, value,
-                     tolerance);
-    }
-    return largest;
-}
-
 static sp_status add_columns(sp_table *t, sp_error *err) {
     static const struct {
         const char *name;
@@ -109,23 +73,23 @@ static sp_status check_file(const arguments *a, const char *path, double thresho
     sp_packing p = sp_packing_none();
     sp_audit audit = {NAN, NAN, NAN, NAN, NAN, NAN, 0, 0, 0};
     sp_error fault = {0};
-    char reason[SP_ERROR_TEXT];
+    char reason[SP_ERROR_TEXT] = "";
     double residual = NAN;
     sp_status status = sp_packing_read(path, &p, &fault);
     if (status == SP_OK)
         status = sp_packing_audit(&p, threshold, &audit, &fault);
     if (status == SP_OK)
-        residual = judge(&audit, a->tolerance, reason, sizeof reason);
+        residual = sp_audit_judge(&audit, a->tolerance, reason, sizeof reason);
     else
         snprintf(reason, sizeof reason, "%s", fault.text);
-    *good = strcmp(reason, "-") == 0;
+    *good = status == SP_OK && *reason == '\0';
     if (!*good) {
         const bool named = strstr(reason, path) != NULL;
         sp_fail(&fault, SP_EFAILED, "%s%s%s", named ? "" : path, named ? "" : ": ", reason);
         cli_fail(&fault);
     }
     sp_packing_free(&p);
-    return sp_table_add_row(t, err, path, *good ? "yes" : "no", residual, reason, audit.force_residual,
+    return sp_table_add_row(t, err, path, *good ? "yes" : "no", residual, *good ? "-" : reason, audit.force_residual,
                             audit.torque_residual, audit.wall_residual, audit.law_residual, audit.geometry_residual,
                             audit.coulomb_excess);
 }
@@ -151,7 +115,7 @@ static sp_status work(const arguments *a, bool *all_good, sp_error *err) {
 }
 
 int cmd_check(int argc, char **argv) {
-    arguments a = {.tolerance = DEFAULT_TOLERANCE};
+    arguments a = {.tolerance = CLI_AUDIT_TOLERANCE};
     argp_parse(&argp, argc, argv, 0, NULL, &a);
     sp_error err = {0};
     bool all_good = true;

@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "cli/output.h"
 #include "cli/tables.h"
+#include "cli/verify.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,15 +13,20 @@ typedef struct arguments {
     cli_common common;
     const char *scene, *store;
     int64_t jobs; /* 0: as many as --threads */
+    bool verify, retry;
+    double tolerance; /* of --verify; NAN: not given */
     sp_study_options study;
 } arguments;
 
-enum { KEY_STORE = 0x1000, KEY_JOBS, KEY_SHARD };
+enum { KEY_STORE = 0x1000, KEY_JOBS, KEY_SHARD, KEY_RETRY, KEY_VERIFY, KEY_TOLERANCE };
 
 static const struct argp_option options[] = {
     {"store", KEY_STORE, "DIR", 0, "Folder of the samples; made if it is not there", 0},
     {"jobs", KEY_JOBS, "N", 0, "Samples made at the same time (as many as there are cores)", 0},
     {"shard", KEY_SHARD, "I/N", 0, "Make only every N-th sample, beginning with the I-th", 0},
+    {"retry", KEY_RETRY, NULL, 0, "Try again the samples that are recorded as failed", 0},
+    {"verify", KEY_VERIFY, NULL, 0, "Make nothing: check every file of the scene's samples, or of the store", 0},
+    {"tolerance", KEY_TOLERANCE, "EPS", 0, "With --verify: largest relative error that is ok (2e-5)", 0},
     {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 
@@ -38,6 +44,17 @@ static void parse_shard(arguments *a, const char *arg, struct argp_state *state)
     a->study.shards = (int)shards;
 }
 
+static void check_usage(const arguments *a, struct argp_state *state) {
+    if (!a->scene && a->common.sets == 0 && !a->verify)
+        argp_error(state, "no scene: must be a scene file, or --set KEY=VALUE");
+    if (!a->store)
+        argp_error(state, "no store: must be --store DIR");
+    if (a->verify && (a->retry || a->study.shards > 1 || a->jobs > 0))
+        argp_error(state, "--verify makes no sample: must be without --retry, --shard and --jobs");
+    if (!a->verify && !isnan(a->tolerance))
+        argp_error(state, "--tolerance: only with --verify");
+}
+
 static error_t parse(int key, char *arg, struct argp_state *state) {
     arguments *a = state->input;
     sp_error err;
@@ -49,17 +66,18 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
             argp_error(state, "%s", err.text);
         return 0;
     case KEY_SHARD: parse_shard(a, arg, state); return 0;
+    case KEY_RETRY: a->retry = true; return 0;
+    case KEY_VERIFY: a->verify = true; return 0;
+    case KEY_TOLERANCE:
+        if (cli_number("--tolerance", arg, 0, 1, &a->tolerance, &err) != SP_OK)
+            argp_error(state, "%s", err.text);
+        return 0;
     case ARGP_KEY_ARG:
         if (a->scene)
             argp_error(state, "%s: one scene only", arg);
         a->scene = arg;
         return 0;
-    case ARGP_KEY_END:
-        if (!a->scene && a->common.sets == 0)
-            argp_error(state, "no scene: must be a scene file, or --set KEY=VALUE");
-        if (!a->store)
-            argp_error(state, "no store: must be --store DIR");
-        return 0;
+    case ARGP_KEY_END: check_usage(a, state); return 0;
     default: return ARGP_ERR_UNKNOWN;
     }
 }
@@ -75,6 +93,9 @@ static const struct argp argp = {
     "beside it (FILE-moduli.tsv). Values of swept keys other than packing.pressure, packing.grains and packing.height "
     "have tables of their own (of fronts over distance, scaling and planes, those other than packing.width and "
     "packing.friction as well).\n\n"
+    "--verify reads every file of the samples and prints a table of them: whether each is the sample of its name, and "
+    "its packing passes what `sonopack check' looks at. What cannot be read, or is not the sample of its name, is "
+    "renamed to NAME.bad: the next study makes it anew. The exit status is 1 if any file is not ok.\n\n"
     "  sonopack study packings/ctof-quick.cfg --store results/quick\n"
     "  sonopack study big.cfg --store results/big --shard 3/16 --jobs 1",
     children,
@@ -107,6 +128,7 @@ static bool watch(const sp_study_progress *now, void *user) {
 static sp_status run(arguments *a, const sp_scene *scene, sp_store *store, sp_error *err) {
     sp_study_progress done = {0};
     sp_study_sink sink = sp_store_sink(store);
+    sp_store_retry(store, a->retry);
     a->study.jobs = a->jobs > 0 ? (int)a->jobs : a->common.threads;
     a->study.threads = a->common.threads;
     cli_catch_signals();
@@ -125,22 +147,23 @@ static sp_status run(arguments *a, const sp_scene *scene, sp_store *store, sp_er
     return status;
 }
 
-static sp_status work(arguments *a, sp_scene *scene, sp_packing *from, sp_store **store, sp_error *err) {
+/* The scene, and the packing that it begins with. */
+static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
     sp_status status = sp_scene_read(a->scene, a->common.sets, a->common.set, scene, err);
     if (status == SP_OK)
         status = sp_scene_check_sweeps(scene, err);
-    if (status != SP_OK)
-        return status;
-    if (scene->pack.kind == SP_PACK_FILE) {
+    if (status == SP_OK && scene->pack.kind == SP_PACK_FILE) {
         status = cli_load_start(scene, from, err);
-        if (status != SP_OK)
-            return status;
         a->study.from = from;
     }
+    return status;
+}
+
+static sp_status make(arguments *a, const sp_scene *scene, sp_store **store, sp_error *err) {
     cli_tables tables = wanted_tables(&a->common, scene);
     if (a->common.output && tables.count == 0)
         return sp_fail(err, SP_EINVAL, "-o %s: study.want names no table", a->common.output);
-    status = cli_tables_may_write(&tables, err);
+    sp_status status = cli_tables_may_write(&tables, err);
     if (status == SP_OK)
         status = sp_store_open(a->store, true, store, err);
     if (status == SP_OK)
@@ -149,16 +172,25 @@ static sp_status work(arguments *a, sp_scene *scene, sp_packing *from, sp_store 
 }
 
 int cmd_study(int argc, char **argv) {
-    arguments a = {.study = {.jobs = 1, .shard = 1, .shards = 1}};
+    arguments a = {.study = {.jobs = 1, .shard = 1, .shards = 1}, .tolerance = NAN};
     argp_parse(&argp, argc, argv, 0, NULL, &a);
     sp_error err = {0};
     sp_scene scene = sp_scene_default();
     sp_store *store = NULL;
     sp_packing from = sp_packing_none();
-    sp_status status = work(&a, &scene, &from, &store, &err);
+    const bool whole = !a.scene && a.common.sets == 0; /* of the store: with --verify only */
+    bool good = true;
+    sp_status status = whole ? SP_OK : read_scene(&a, &scene, &from, &err);
+    if (status == SP_OK && a.verify)
+        status = cli_verify(&a.common, a.store, whole ? NULL : &scene,
+                            isnan(a.tolerance) ? CLI_AUDIT_TOLERANCE : a.tolerance, &good, &err);
+    else if (status == SP_OK)
+        status = make(&a, &scene, &store, &err);
     if (store)
         sp_store_close(store);
     sp_packing_free(&from);
     sp_scene_free(&scene);
-    return status == SP_OK ? CLI_OK : cli_fail(&err);
+    if (status != SP_OK)
+        return cli_fail(&err);
+    return good ? CLI_OK : CLI_FAILED;
 }

@@ -21,6 +21,8 @@ static const struct argp_option options[] = {
     {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 
+#define TABLE_NAMES "ctof, scaling, planes, statics, moduli, probes, ensemble or signal"
+
 static const char *known_table(const char *name) {
     for (size_t k = 0; k < CLI_TABLES; k++)
         if (strcmp(name, cli_table_names[k]) == 0)
@@ -56,11 +58,11 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         else if (a->name)
             a->scene = arg;
         else if (!(a->name = known_table(arg)))
-            argp_error(state, "table %.60s: must be ctof, scaling, planes, statics, moduli, probes or ensemble", arg);
+            argp_error(state, "table %.60s: must be " TABLE_NAMES, arg);
         return 0;
     case ARGP_KEY_END:
         if (!a->name)
-            argp_error(state, "no table: must be ctof, scaling, planes, statics, moduli, probes or ensemble");
+            argp_error(state, "no table: must be " TABLE_NAMES);
         if (!a->store)
             argp_error(state, "no store: must be --store DIR");
         if (a->common.sets > 0 && !a->scene)
@@ -78,7 +80,10 @@ static const struct argp argp = {
     "ctof: speed of the first front, a row a pressure. scaling: fronts over distance, with speeds and exponents, a row "
     "a height of each pressure, friction and width. planes: the same inside of packings, a row a plane, of each number "
     "of grains besides. statics, moduli, probes: means and standard deviations, a row a pressure and size. ensemble: a "
-    "row a sample, with everything that is known of it. With SCENE (and its --set) only the samples of that scene, at "
+    "row a sample, with everything that is known of it. signal: mean of the stored signals, their rms deviation from "
+    "it "
+    "and the standard error of the mean, a row a time, of samples of one pressure and size with signals at the same "
+    "times (study.want with signal, and signal.until). With SCENE (and its --set) only the samples of that scene, at "
     "least one of which must be there: a store may hold several ensembles, and those that differ in more than pressure "
     "and size are not averaged. --width, --grains, --pressure and --friction choose among them.",
     children,

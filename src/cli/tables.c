@@ -1,6 +1,7 @@
 #include "cli/tables.h"
 
 #include "base/base.h"
+#include "cli/table_signal.h"
 #include "store/file.h"
 
 #include <math.h>
@@ -10,14 +11,18 @@
 
 /* ---- cases ------------------------------------------------------------------------------------------------------ */
 
-const char *const cli_table_names[CLI_TABLES] = {"ctof",   "scaling", "planes",  "statics",
-                                                 "moduli", "probes",  "ensemble"};
+const char *const cli_table_names[CLI_TABLES] = {"ctof",   "scaling", "planes",   "statics",
+                                                 "moduli", "probes",  "ensemble", "signal"};
 
-/* Keys that a table has rows for. */
+/* Keys that a table has rows for, or, of signals, that the filter chooses by. */
 static bool has_rows(const char *table, const sp_sweep *sweep) {
     static const char *const keys[] = {"packing.pressure", "packing.grains", "packing.height", "packing.width",
                                        "packing.friction"};
-    const size_t count = strcmp(table, "scaling") == 0 || strcmp(table, "planes") == 0 ? 5 : 3;
+    static const char *const means[] = {"ctof", "statics", "moduli", "probes", "ensemble"};
+    size_t count = 5;
+    for (size_t k = 0; k < sizeof means / sizeof *means; k++)
+        if (strcmp(table, means[k]) == 0)
+            count = 3;
     for (size_t k = 0; k < count; k++)
         if (strcmp(sweep->key, keys[k]) == 0)
             return true;
@@ -155,6 +160,8 @@ static sp_status choose(const sp_scene *scene, int64_t n, const sp_sample *all, 
         }
         if (one.planes > 0) /* those of another scene are not asked for */
             s->have &= parts | ~(unsigned)SP_WANT_PLANES;
+        if (scene->want & SP_WANT_SIGNAL)
+            s->have &= parts | ~(unsigned)SP_WANT_SIGNAL;
     }
     if (status == SP_OK)
         *out = c;
@@ -216,8 +223,21 @@ static sp_status add_missing(const cli_tables *tables, int64_t missing, sp_table
                                 (long long)missing);
 }
 
-static sp_status write_case(const cli_tables *tables, int k, int64_t c, int64_t n, const sp_sample *all,
+static sp_status make_table(const char *name, sp_store *store, int64_t n, const sp_sample *samples, sp_table *out,
                             sp_error *err) {
+    if (strcmp(name, "signal") == 0)
+        return cli_table_signal(store, n, samples, out, err);
+    return sp_study_table(name, n, samples, out, err);
+}
+
+/* All samples of the store that pass the filter, sorted by name. */
+typedef struct stored {
+    sp_store *store;
+    int64_t n;
+    sp_sample *sample;
+} stored;
+
+static sp_status write_case(const cli_tables *tables, int k, int64_t c, const stored *all, sp_error *err) {
     const char *name = tables->name[k];
     sp_scene one = {0};
     choice chosen = {0};
@@ -225,11 +245,13 @@ static sp_status write_case(const cli_tables *tables, int k, int64_t c, int64_t 
     if (tables->scene) {
         status = case_scene(name, tables->scene, c, &one, err);
         if (status == SP_OK)
-            status = choose(&one, n, all, &chosen, err);
+            status = choose(&one, all->n, all->sample, &chosen, err);
+    } else {
+        chosen = (choice){.n = all->n, .sample = all->sample};
     }
     sp_table t = sp_table_none();
     if (status == SP_OK)
-        status = sp_study_table(name, tables->scene ? chosen.n : n, tables->scene ? chosen.sample : all, &t, err);
+        status = make_table(name, all->store, chosen.n, chosen.sample, &t, err);
     if (status == SP_OK && tables->scene)
         status = add_case(&t, name, tables->scene, &one, err);
     if (status == SP_OK)
@@ -237,12 +259,13 @@ static sp_status write_case(const cli_tables *tables, int k, int64_t c, int64_t 
     if (status == SP_OK)
         status = write_table(tables, k, c, &t, err);
     sp_table_free(&t);
-    sp_free(chosen.sample);
+    if (tables->scene)
+        sp_free(chosen.sample);
     return status;
 }
 
 /* Case by case, all tables of a case together. */
-static sp_status write_all(const cli_tables *tables, int64_t n, const sp_sample *all, sp_error *err) {
+static sp_status write_all(const cli_tables *tables, const stored *all, sp_error *err) {
     int64_t most = 1;
     for (int k = 0; k < tables->count; k++) {
         const int64_t cases = cases_of(tables->name[k], tables->scene);
@@ -252,7 +275,7 @@ static sp_status write_all(const cli_tables *tables, int64_t n, const sp_sample 
     for (int64_t c = 0; c < most; c++)
         for (int k = 0; k < tables->count && status == SP_OK; k++)
             if (c < cases_of(tables->name[k], tables->scene))
-                status = write_case(tables, k, c, n, all, err);
+                status = write_case(tables, k, c, all, err);
     return status;
 }
 
@@ -281,7 +304,7 @@ sp_status cli_tables_write(const cli_tables *tables, sp_store *store, sp_error *
     if (status == SP_OK && tables->needs_samples)
         status = check_samples(tables->scene, n, all, err);
     if (status == SP_OK)
-        status = write_all(tables, n, all, err);
+        status = write_all(tables, &(stored){store, n, all}, err);
     sp_free(all);
     return status;
 }

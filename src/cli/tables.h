@@ -4,7 +4,7 @@
 
 #include "cli/cli.h"
 
-enum { CLI_TABLES = 7 };
+enum { CLI_TABLES = 8 };
 extern const char *const cli_table_names[CLI_TABLES];
 
 /* Which samples a table takes: those of this width, ...; NAN and 0: any. Pressures, widths and frictions to rounding.

@@ -7,27 +7,24 @@
 
 typedef struct sums {
     paper_signals *s;
+    sp_signals all;
     double until;
-    int64_t failed;
 } sums;
 
 static sp_status add_signal(const sp_sample *sample, const sp_packing *packing, const sp_network *net, void *user,
                             sp_error *err) {
     (void)packing;
-    sums *all = user;
-    paper_signals *s = all->s;
+    sums *sum = user;
+    paper_signals *s = sum->s;
     sp_signal_options options = sp_signal_options_default();
     options.method = SP_SIGNAL_CHEBYSHEV;
-    options.until = all->until;
+    options.until = sum->until;
     options.points = s->points;
     sp_signal signal = sp_signal_none();
     sp_status status = sp_signal_make(net, &options, &signal, err);
+    if (status == SP_OK)
+        status = sp_signals_add(&sum->all, signal.n, signal.t, signal.f, err);
     if (status == SP_OK) {
-        for (int32_t k = 0; k < s->points; k++) {
-            s->t[k] = signal.t[k];
-            s->mean[k] += signal.f[k];
-            s->rms[k] += signal.f[k] * signal.f[k];
-        }
         if (s->n < PAPER_SINGLES)
             memcpy(s->single + s->n * s->points, signal.f, (size_t)s->points * sizeof *s->single);
         s->height += sample->height;
@@ -48,19 +45,19 @@ sp_status paper_signals_make(paper *p, paper_ensemble e, int32_t grains, double 
     s.single = s.t + 3 * n;
     for (size_t k = 0; k < PAPER_SINGLES * n; k++)
         s.single[k] = NAN;
-    sums all = {.s = &s, .until = until};
-    sp_status status = paper_walk(p, e, 1e-4, grains, 0, add_signal, &all, err);
+    sums sum = {.s = &s, .all = sp_signals_none(), .until = until};
+    sp_status status = paper_walk(p, e, 1e-4, grains, 0, add_signal, &sum, err);
+    for (size_t k = 0; k < n && status == SP_OK; k++) {
+        s.t[k] = sum.all.t[k];
+        s.mean[k] = sum.all.mean[k];
+        s.rms[k] = sp_signals_rms(&sum.all, (int32_t)k);
+    }
+    sp_signals_free(&sum.all);
     if (status != SP_OK) {
         paper_signals_free(&s);
         return status;
     }
-    const double count = (double)s.n;
-    s.height /= count;
-    for (size_t k = 0; k < n; k++) {
-        s.mean[k] /= count;
-        const double variance = s.rms[k] / count - s.mean[k] * s.mean[k];
-        s.rms[k] = s.n > 1 ? sqrt(fmax(variance, 0)) : NAN;
-    }
+    s.height /= (double)s.n;
     *out = s;
     return SP_OK;
 }

@@ -17,7 +17,7 @@ sp_status sp_failure_save(const char *path, const sp_sample *s, sp_error *err) {
         if ((unsigned char)*c < ' ')
             *c = ' ';
     sp_locale locale = sp_locale_enter();
-    sp_text_add(&t, "# This sample failed. Remove the file to have it tried again.\nreason = %s\n", reason);
+    sp_text_add(&t, "# This sample failed. `sonopack study --retry' tries it again.\nreason = %s\n", reason);
     sp_text_add(&t, "dim = %d\ngrains = %d\nwidth = %.17g\npressure = %.17g\nfriction = %.17g\nseed = %llu\n", s->dim,
                 s->grains, s->width, s->pressure, s->friction, (unsigned long long)s->seed);
     if (s->kind != SP_PACK_PISTON)

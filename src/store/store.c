@@ -1,10 +1,10 @@
 /* A store: NAME.h5 for each sample, NAME.failed for each that could not be made, NAME.bad for damaged files that a new
- * one took the place of. Everything else in the folder is left alone. */
+ * one took the place of, or that a check put aside. Everything else in the folder is left alone. */
 #include "base/base.h"
 #include "store/failure.h"
 #include "store/file.h"
+#include "store/folder.h"
 #include "store/packing_h5.h"
-#include "store/sample_h5.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -17,23 +17,18 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-struct sp_store {
-    char dir[SP_PATH_MAX];
-};
-
 /* ---- names ----------------------------------------------------------------------------------------------------- */
 
 static bool is_name(const char *name) { return strlen(name) == 32 && strspn(name, "0123456789abcdef") == 32; }
 
-/* DIR/NAME.ENDING; the folder's length was checked when the store was opened. */
-static void path_of(const sp_store *store, const char *name, const char *ending, char path[SP_PATH_MAX]) {
+void sp_store_path(const sp_store *store, const char *name, const char *ending, char path[SP_PATH_MAX]) {
     if ((size_t)snprintf(path, SP_PATH_MAX, "%s/%.32s.%s", store->dir, name, ending) >= SP_PATH_MAX)
         *path = '\0';
 }
 
-static bool exists(const sp_store *store, const char *name, const char *ending) {
+bool sp_store_holds(const sp_store *store, const char *name, const char *ending) {
     char path[SP_PATH_MAX];
-    path_of(store, name, ending, path);
+    sp_store_path(store, name, ending, path);
     return access(path, F_OK) == 0;
 }
 
@@ -68,13 +63,14 @@ sp_status sp_store_open(const char *dir, bool create, sp_store **out, sp_error *
 
 void sp_store_close(sp_store *store) { sp_free(store); }
 
+void sp_store_retry(sp_store *store, bool retry) { store->retry = retry; }
+
 /* ---- one file -------------------------------------------------------------------------------------------------- */
 
-/* Reads NAME.h5: the packing too if packing is not NULL. */
-static sp_status read_file(const sp_store *store, const char *name, sp_packing *packing, bool with_signal,
-                           sp_record *out, sp_error *err) {
+sp_status sp_store_get(const sp_store *store, const char *name, sp_packing *packing, bool with_signal, sp_record *out,
+                       sp_error *err) {
     char path[SP_PATH_MAX];
-    path_of(store, name, "h5", path);
+    sp_store_path(store, name, "h5", path);
     sp_record r = {0};
     sp_packing p = sp_packing_none();
     sp_h5 h;
@@ -98,7 +94,7 @@ static sp_status read_file(const sp_store *store, const char *name, sp_packing *
 
 static sp_status write_file(const sp_store *store, const sp_record *r, const sp_packing *packing, sp_error *err) {
     char path[SP_PATH_MAX];
-    path_of(store, r->sample.name, "h5", path);
+    sp_store_path(store, r->sample.name, "h5", path);
     sp_h5 h;
     sp_status status = sp_h5_create(&h, path, err);
     if (status == SP_OK)
@@ -114,10 +110,10 @@ static bool sink_has(void *user, const char *name, unsigned want) {
     const sp_store *store = user;
     if (!is_name(name))
         return false;
-    if (exists(store, name, "failed"))
+    if (!store->retry && sp_store_holds(store, name, "failed"))
         return true;
     sp_record r;
-    if (!exists(store, name, "h5") || read_file(store, name, NULL, false, &r, NULL) != SP_OK)
+    if (!sp_store_holds(store, name, "h5") || sp_store_get(store, name, NULL, false, &r, NULL) != SP_OK)
         return false;
     bool has = (r.sample.have & want) == want;
     sp_record_free(&r);
@@ -128,10 +124,10 @@ static sp_status sink_load(void *user, const char *name, sp_packing *packing, sp
                            sp_error *err) {
     const sp_store *store = user;
     *found = false;
-    if (!is_name(name) || !exists(store, name, "h5"))
+    if (!is_name(name) || !sp_store_holds(store, name, "h5"))
         return SP_OK;
     sp_record r;
-    sp_status status = read_file(store, name, packing, false, &r, err);
+    sp_status status = sp_store_get(store, name, packing, false, &r, err);
     if (status == SP_EFORMAT)
         return SP_OK; /* a damaged sample is one to make anew */
     if (status != SP_OK)
@@ -193,15 +189,15 @@ static sp_status merge_old(const sp_store *store, sp_record *fresh, bool need_pa
                            sp_error *err) {
     const char *name = fresh->sample.name;
     sp_record old = {0};
-    if (!exists(store, name, "h5"))
+    if (!sp_store_holds(store, name, "h5"))
         return need_packing ? sp_fail(err, SP_EINVAL, "sample %s: no packing, neither given nor stored", name) : SP_OK;
-    sp_status status = read_file(store, name, need_packing ? packing : NULL, true, &old, err);
+    sp_status status = sp_store_get(store, name, need_packing ? packing : NULL, true, &old, err);
     if (status == SP_OK) {
         keep_old_parts(fresh, &old);
     } else if (status == SP_EFORMAT && !need_packing) {
         char path[SP_PATH_MAX], bad[SP_PATH_MAX];
-        path_of(store, name, "h5", path);
-        path_of(store, name, "bad", bad);
+        sp_store_path(store, name, "h5", path);
+        sp_store_path(store, name, "bad", bad);
         rename(path, bad);
         status = SP_OK;
     }
@@ -224,7 +220,7 @@ static sp_status save_made(const sp_store *store, const sp_scene *scene, const s
         status = write_file(store, &fresh, given ? given : &stored, err);
     if (status == SP_OK) {
         char path[SP_PATH_MAX];
-        path_of(store, sample->name, "failed", path);
+        sp_store_path(store, sample->name, "failed", path);
         unlink(path); /* it did not fail for good */
     }
     sp_packing_free(&stored);
@@ -234,7 +230,7 @@ static sp_status save_made(const sp_store *store, const sp_scene *scene, const s
 
 /* Between reading the old parts and writing the new file no other process may write: a lock on the folder itself, which
  * leaves no file behind. Where a file system has no locks, a part may be lost that is then computed again. */
-static int lock_folder(const sp_store *store) {
+int sp_store_lock(const sp_store *store) {
     int fd = open(store->dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     while (fd >= 0 && flock(fd, LOCK_EX) != 0)
         if (errno != EINTR)
@@ -249,7 +245,7 @@ static sp_status sink_save(void *user, const sp_scene *scene, const sp_sample *s
         return sp_fail(err, SP_EINVAL, "sample name '%.40s': must be 32 hexadecimal digits", sample->name);
     if (sample->failed) {
         char path[SP_PATH_MAX];
-        path_of(store, sample->name, "failed", path);
+        sp_store_path(store, sample->name, "failed", path);
         return sp_failure_save(path, sample, err);
     }
     if (packing) {
@@ -257,7 +253,7 @@ static sp_status sink_save(void *user, const sp_scene *scene, const sp_sample *s
         if (status != SP_OK)
             return status;
     }
-    int lock = lock_folder(store);
+    int lock = sp_store_lock(store);
     sp_status status = save_made(store, scene, sample, packing, signal, err);
     if (lock >= 0)
         close(lock);
@@ -270,12 +266,7 @@ sp_study_sink sp_store_sink(sp_store *store) {
 
 /* ---- all samples ----------------------------------------------------------------------------------------------- */
 
-typedef struct name_list {
-    int64_t count, capacity;
-    char (*name)[SP_NAME_MAX];
-} name_list;
-
-static sp_status add_name(name_list *list, const char *name, sp_error *err) {
+static sp_status add_name(sp_name_list *list, const char *name, sp_error *err) {
     if (list->count == list->capacity) {
         size_t capacity = list->capacity ? 2 * (size_t)list->capacity : 256;
         char(*larger)[SP_NAME_MAX] = sp_alloc(capacity, sizeof *larger);
@@ -293,8 +284,7 @@ static sp_status add_name(name_list *list, const char *name, sp_error *err) {
 
 static int compare_names(const void *a, const void *b) { return strcmp(a, b); }
 
-/* Names with a sample or a failure, sorted, each once. */
-static sp_status list_names(const sp_store *store, name_list *list, sp_error *err) {
+sp_status sp_store_names(const sp_store *store, sp_name_list *list, sp_error *err) {
     DIR *folder = opendir(store->dir);
     if (!folder)
         return sp_fail(err, SP_EIO, "cannot read the store %s: %s", store->dir, strerror(errno));
@@ -323,11 +313,11 @@ static sp_status list_names(const sp_store *store, name_list *list, sp_error *er
 /* The sample of a name: its results, or else its failure. */
 static sp_status read_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
     char path[SP_PATH_MAX];
-    path_of(store, name, "failed", path);
-    if (!exists(store, name, "h5"))
+    sp_store_path(store, name, "failed", path);
+    if (!sp_store_holds(store, name, "h5"))
         return sp_failure_read(path, name, out, err);
     sp_record r;
-    sp_status status = read_file(store, name, NULL, false, &r, err);
+    sp_status status = sp_store_get(store, name, NULL, false, &r, err);
     if (status == SP_OK) {
         *out = r.sample;
         sp_record_free(&r);
@@ -339,11 +329,11 @@ sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, 
                         sp_error *err) {
     if (!is_name(name))
         return sp_fail(err, SP_EINVAL, "sample name '%.40s': must be 32 hexadecimal digits", name);
-    if (!exists(store, name, "h5"))
+    if (!sp_store_holds(store, name, "h5"))
         return sp_fail(err, SP_EIO, "no finished sample %s in the store %s%s", name, store->dir,
-                       exists(store, name, "failed") ? ": it failed" : "");
+                       sp_store_holds(store, name, "failed") ? ": it failed" : "");
     sp_record r;
-    sp_status status = read_file(store, name, packing, signal != NULL, &r, err);
+    sp_status status = sp_store_get(store, name, packing, signal != NULL, &r, err);
     if (status != SP_OK)
         return status;
     if (sample)
@@ -357,11 +347,11 @@ sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, 
 }
 
 sp_status sp_store_samples(sp_store *store, int64_t *n, sp_sample **samples, int64_t *bad, sp_error *err) {
-    name_list list = {0};
+    sp_name_list list = {0};
     sp_sample *all = NULL;
     int64_t good = 0, damaged = 0;
     sp_error first = {0};
-    sp_status status = list_names(store, &list, err);
+    sp_status status = sp_store_names(store, &list, err);
     if (status == SP_OK && !(all = sp_alloc((size_t)list.count, sizeof *all)))
         status = sp_fail_memory(err, (size_t)list.count * sizeof *all);
     for (int64_t k = 0; status == SP_OK && k < list.count; k++) {

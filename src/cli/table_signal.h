@@ -1,0 +1,12 @@
+#ifndef SP_CLI_TABLE_SIGNAL_H
+#define SP_CLI_TABLE_SIGNAL_H
+/* Mean and scatter of a store's signals. */
+
+#include <sonopack/store.h>
+
+/* A row a time: t, mean, rms, mean_err, of those of n samples that have a signal; comments say which were left out.
+ * Signals are read one by one. SP_EREFUSED for samples of unlike pressure, size, kind, ... and for signals at unlike
+ * times. */
+sp_status cli_table_signal(sp_store *store, int64_t n, const sp_sample *samples, sp_table *out, sp_error *err);
+
+#endif

@@ -1,0 +1,32 @@
+#ifndef SP_STORE_FOLDER_H
+#define SP_STORE_FOLDER_H
+/* The files of a store, for what works on all of them. */
+
+#include "store/file.h"
+#include "store/sample_h5.h"
+
+#include <sonopack/store.h>
+
+struct sp_store {
+    char dir[SP_PATH_MAX];
+    bool retry; /* recorded failures are no reason to leave a sample */
+};
+
+typedef struct sp_name_list {
+    int64_t count, capacity;
+    char (*name)[SP_NAME_MAX]; /* sp_free */
+} sp_name_list;
+
+/* DIR/NAME.ENDING; the folder's length was checked when the store was opened. */
+void sp_store_path(const sp_store *store, const char *name, const char *ending, char path[SP_PATH_MAX]);
+bool sp_store_holds(const sp_store *store, const char *name, const char *ending);
+/* Reads NAME.h5: the packing too if packing is not NULL. SP_EFORMAT for a file that is damaged, or not that sample. */
+sp_status sp_store_get(const sp_store *store, const char *name, sp_packing *packing, bool with_signal, sp_record *out,
+                       sp_error *err);
+/* Names with a sample or a failure, sorted, each once. The list begins empty and is the caller's to free, also after an
+ * error. */
+sp_status sp_store_names(const sp_store *store, sp_name_list *list, sp_error *err);
+/* Waits for the lock of the folder; closing the descriptor gives it back. Below 0: there is none. */
+int sp_store_lock(const sp_store *store);
+
+#endif
