@@ -60,6 +60,10 @@ sp_status cli_may_write(const cli_common *common, const char *path, sp_error *er
 sp_status cli_may_write_table(const cli_common *common, sp_error *err);
 /* The table on stdout, or in common->output with the format its ending names. Adds a comment with the version. */
 sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err);
+/* A comment "key = value" with a number that reads back as it is. */
+sp_status cli_add_number(sp_table *t, const char *key, double value, sp_error *err);
+/* Columns of numbers: pairs of name and unit, ended by NULL. */
+sp_status cli_add_columns(sp_table *t, const char *const *names, sp_error *err);
 /* The scene of --set alone, for commands that read finished packings: only keys of `groups` ("network", "network
  * signal") are taken. Free with sp_scene_free. */
 sp_status cli_scene_of_sets(const cli_common *common, const char *groups, sp_scene *out, sp_error *err);

@@ -211,19 +211,6 @@ static sp_status refuse_work(double work, sp_error *err) {
 
 /* ---- tables ----------------------------------------------------------------------------------------------------- */
 
-/* Columns of numbers: pairs of name and unit, ended by NULL. */
-static sp_status add_columns(sp_table *t, const char *const *names, sp_error *err) {
-    sp_status status = SP_OK;
-    for (; *names && status == SP_OK; names += 2)
-        status = sp_table_add_column(t, names[0], names[1], SP_CELL_NUMBER, err);
-    return status;
-}
-
-static sp_status number_comment(sp_table *t, const char *key, double value, sp_error *err) {
-    char number[SP_NUMBER_TEXT];
-    return sp_table_add_comment(t, err, "%s = %s", key, sp_number_text(value, number));
-}
-
 /* What the fronts of long chains tend to. */
 static sp_status limit_comments(sp_table *t, const sp_chain_limit *limit, const units *u, sp_error *err) {
     sp_status status = sp_table_add_comment(
@@ -237,7 +224,7 @@ static sp_status limit_comments(sp_table *t, const sp_chain_limit *limit, const 
                    {"width_limit", limit->width * u->time},
                    {"width_peak_limit", limit->width_peak * u->time}};
     for (size_t k = 0; k < sizeof entries / sizeof *entries && status == SP_OK; k++)
-        status = number_comment(t, entries[k].key, entries[k].value, err);
+        status = cli_add_number(t, entries[k].key, entries[k].value, err);
     return status;
 }
 
@@ -274,7 +261,7 @@ static sp_status front_table(const arguments *a, const units *u, sp_table *t, sp
     if (status == SP_OK)
         status = sp_table_add_column(t, "grains", "", SP_CELL_INTEGER, err);
     if (status == SP_OK)
-        status = add_columns(t, columns, err);
+        status = cli_add_columns(t, columns, err);
     for (int k = 0; k < count && status == SP_OK; k++)
         status = front_row(a, u, length[k], t, err);
     return status;
@@ -298,12 +285,12 @@ static sp_status signal_table(const arguments *a, const units *u, sp_table *t, s
         return sp_fail(err, SP_EINVAL, "--from %g: must be below --until, %g", from * u->time, until * u->time);
     status = refuse_work((double)a->points * 0.5 * (from + until), err);
     if (status == SP_OK)
-        status = number_comment(t, "wall", a->wall, err);
+        status = cli_add_number(t, "wall", a->wall, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "airy: of an infinitely long chain, twice (16) of Somfai et al. 2005%s",
                                       a->source == SP_CHAIN_VELOCITY ? "" : ", differentiated");
     if (status == SP_OK)
-        status = add_columns(t, columns, err);
+        status = cli_add_columns(t, columns, err);
     if (status != SP_OK)
         return status;
     const size_t n = (size_t)a->points;
@@ -333,7 +320,7 @@ static sp_status modes_table(const arguments *a, const units *u, sp_table *t, sp
     if (status == SP_OK)
         status = sp_table_add_column(t, "n", "", SP_CELL_INTEGER, err);
     if (status == SP_OK)
-        status = add_columns(t, columns, err);
+        status = cli_add_columns(t, columns, err);
     for (int64_t n = 1; n <= grains && status == SP_OK; n++) {
         const double b = 0.5 * ((double)grains + 1) * sp_chain_amplitude(grains, n, SP_CHAIN_DISPLACEMENT);
         status = sp_table_add_row(t, err, n, sp_chain_omega(grains, n), sp_chain_amplitude(grains, n, a->source),
@@ -360,7 +347,7 @@ static sp_status work(const arguments *a, sp_error *err) {
         status = sp_table_add_comment(&t, err, "chain of equal balls, initial condition %s",
                                       a->source == SP_CHAIN_VELOCITY ? "A: velocity" : "B: displacement");
     if (status == SP_OK && !isnan(a->pressure))
-        status = number_comment(&t, "pressure", a->pressure, err);
+        status = cli_add_number(&t, "pressure", a->pressure, err);
     if (status == SP_OK)
         status = a->kind->table(a, &u, &t, err);
     if (status == SP_OK)

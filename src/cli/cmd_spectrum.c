@@ -209,7 +209,7 @@ static sp_status work(const arguments *all, sp_error *err) {
         if (status == SP_OK)
             status = sp_table_add_comment(&t, err, "file = %s", a->file);
         if (status == SP_OK)
-            status = spectrum_comment(&t, "pressure", p.pressure, err);
+            status = cli_add_number(&t, "pressure", p.pressure, err);
         if (status == SP_OK)
             status = all->kind->table(a, &p, &net, &t, err);
         if (status != SP_OK && status != SP_EINVAL)

@@ -148,12 +148,11 @@ static sp_status add_packing(const arguments *a, const sp_scene *scene, const ch
 }
 
 static sp_status put(const waves *w, sp_table *t, sp_error *err) {
-    static const char *const columns[][2] = {
-        {"omega", "sqrt(E* / rho)/d"},   {"k", "1/d"},     {"k_err", "1/d"},     {"speed", "sqrt(E* / rho)"},
-        {"speed_err", "sqrt(E* / rho)"}, {"alpha", "1/d"}, {"alpha_err", "1/d"}, {"part", ""}};
-    sp_status status = SP_OK;
-    for (size_t c = 0; c < sizeof columns / sizeof *columns && status == SP_OK; c++)
-        status = sp_table_add_column(t, columns[c][0], columns[c][1], SP_CELL_NUMBER, err);
+    static const char *const columns[] = {
+        "omega",     "sqrt(E* / rho)/d", "k",     "1/d", "k_err",     "1/d", "speed", "sqrt(E* / rho)",
+        "speed_err", "sqrt(E* / rho)",   "alpha", "1/d", "alpha_err", "1/d", "part",  "",
+        NULL};
+    sp_status status = cli_add_columns(t, columns, err);
     if (status == SP_OK)
         status = sp_table_add_column(t, "samples", "", SP_CELL_INTEGER, err);
     for (int32_t l = 0; l < w->n && status == SP_OK; l++) {

@@ -192,3 +192,15 @@ void cli_close_stdout(void) {
     }
     _exit(CLI_FAILED);
 }
+
+sp_status cli_add_number(sp_table *t, const char *key, double value, sp_error *err) {
+    char number[SP_NUMBER_TEXT];
+    return sp_table_add_comment(t, err, "%s = %s", key, sp_number_text(value, number));
+}
+
+sp_status cli_add_columns(sp_table *t, const char *const *names, sp_error *err) {
+    sp_status status = SP_OK;
+    for (; *names && status == SP_OK; names += 2)
+        status = sp_table_add_column(t, names[0], names[1], SP_CELL_NUMBER, err);
+    return status;
+}

@@ -36,11 +36,6 @@ sp_status spectrum_harmonic(const spectrum_arguments *a, const sp_packing *p, co
 sp_status spectrum_continuum(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
                              sp_error *err);
 
-/* "key = value" with a number that reads back as it is. */
-sp_status spectrum_comment(sp_table *t, const char *key, double value, sp_error *err);
-/* Columns of numbers: pairs of name and unit, ended by NULL. */
-sp_status spectrum_columns(sp_table *t, const char *const *names, sp_error *err);
-
 #define SPECTRUM_FREQUENCY "sqrt(E* / rho)/d"
 #define SPECTRUM_TIME      "d/sqrt(E* / rho)"
 #define SPECTRUM_RESPONSE  "E* d^3/sqrt(E* / rho)"

@@ -16,7 +16,7 @@ static sp_status add_columns(sp_table *t, sp_error *err) {
         status = sp_table_add_column(t, "n2", "", SP_CELL_INTEGER, err);
     if (status == SP_OK)
         status = sp_table_add_column(t, "branch", "", SP_CELL_TEXT, err);
-    return status == SP_OK ? spectrum_columns(t, last, err) : status;
+    return status == SP_OK ? cli_add_columns(t, last, err) : status;
 }
 
 sp_status spectrum_continuum(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
@@ -28,15 +28,15 @@ sp_status spectrum_continuum(const spectrum_arguments *a, const sp_packing *p, c
     if (status == SP_OK)
         status = sp_continuum_make(net, s.phi3s, a->lowest < 0 ? 12 : (int32_t)a->lowest, &c, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "Phi3s", s.phi3s, err);
+        status = cli_add_number(t, "Phi3s", s.phi3s, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "C11", c.moduli.c11, err);
+        status = cli_add_number(t, "C11", c.moduli.c11, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "C12", c.moduli.c12, err);
+        status = cli_add_number(t, "C12", c.moduli.c12, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "C22", c.moduli.c22, err);
+        status = cli_add_number(t, "C22", c.moduli.c22, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "C33", c.moduli.c33, err);
+        status = cli_add_number(t, "C33", c.moduli.c33, err);
     if (status == SP_OK)
         status = add_columns(t, err);
     for (int32_t k = 0; k < c.n && status == SP_OK; k++) {

@@ -12,18 +12,6 @@ spectrum_arguments spectrum_arguments_default(void) {
     return a;
 }
 
-sp_status spectrum_comment(sp_table *t, const char *key, double value, sp_error *err) {
-    char number[SP_NUMBER_TEXT];
-    return sp_table_add_comment(t, err, "%s = %s", key, sp_number_text(value, number));
-}
-
-sp_status spectrum_columns(sp_table *t, const char *const *names, sp_error *err) {
-    sp_status status = SP_OK;
-    for (; *names && status == SP_OK; names += 2)
-        status = sp_table_add_column(t, names[0], names[1], SP_CELL_NUMBER, err);
-    return status;
-}
-
 /* The number of a word in a list ended by NULL. */
 static sp_status choose(const char *option, const char *word, const char *const *words, int *out, sp_error *err) {
     for (int k = 0; words[k]; k++)
@@ -94,27 +82,27 @@ sp_status spectrum_dos(const spectrum_arguments *a, const sp_packing *p, const s
                                    "smooth_err",
                                    unit,
                                    NULL};
-    status = spectrum_columns(t, columns, err);
+    status = cli_add_columns(t, columns, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "method = %s", methods[d.method]);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "norm = %s", norms[o.norm]);
     if (status == SP_OK)
-        status = spectrum_comment(t, "modes", (double)d.modes, err);
+        status = cli_add_number(t, "modes", (double)d.modes, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "rattler_modes", (double)net->rattlers * net->dof, err);
+        status = cli_add_number(t, "rattler_modes", (double)net->rattlers * net->dof, err);
     if (status == SP_OK && d.zero_modes >= 0)
-        status = spectrum_comment(t, "zero_modes", (double)d.zero_modes, err);
+        status = cli_add_number(t, "zero_modes", (double)d.zero_modes, err);
     if (status == SP_OK && d.zero_modes < 0)
         status = sp_table_add_comment(t, err, "zero modes of the network are not told apart: they are at omega = 0");
     if (status == SP_OK)
-        status = spectrum_comment(t, "resolution", d.resolution, err);
+        status = cli_add_number(t, "resolution", d.resolution, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "omega_max", d.omega_max, err);
+        status = cli_add_number(t, "omega_max", d.omega_max, err);
     if (status == SP_OK && d.vectors > 0)
-        status = spectrum_comment(t, "vectors", d.vectors, err);
+        status = cli_add_number(t, "vectors", d.vectors, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "moments", (double)d.moments, err);
+        status = cli_add_number(t, "moments", (double)d.moments, err);
     for (int32_t b = 0; b < d.bins && status == SP_OK; b++)
         status = sp_table_add_row(t, err, 0.5 * (d.edge[b] + d.edge[b + 1]), d.edge[b], d.edge[b + 1], d.density[b],
                                   d.density_error[b], d.cumulative[b], d.cumulative_error[b], d.smooth[b],

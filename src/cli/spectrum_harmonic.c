@@ -21,7 +21,7 @@ static sp_status put_responses(const sp_harmonic *h, sp_table *t, sp_error *err)
                                           "alpha_err", "1/d",
                                           "misfit",    "",
                                           NULL};
-    sp_status status = spectrum_columns(t, columns, err);
+    sp_status status = cli_add_columns(t, columns, err);
     for (int32_t l = 0; l < h->n && status == SP_OK; l++) {
         const sp_wave_fit *w = &h->fit[l];
         const double *f = h->f + 2 * l, speed = h->omega[l] / w->k;
@@ -36,7 +36,7 @@ static sp_status put_profile(const sp_harmonic *h, sp_table *t, sp_error *err) {
                                           "magnitude", SPECTRUM_RESPONSE,  "re",     SPECTRUM_RESPONSE,
                                           "im",        SPECTRUM_RESPONSE,  "error",  SPECTRUM_RESPONSE,
                                           NULL};
-    sp_status status = spectrum_columns(t, columns, err);
+    sp_status status = cli_add_columns(t, columns, err);
     for (int32_t l = 0; l < h->n; l++)
         for (int32_t k = 0; k < h->planes && status == SP_OK; k++) {
             const int64_t at = (int64_t)l * h->planes + k;
@@ -84,13 +84,13 @@ sp_status spectrum_harmonic(const spectrum_arguments *a, const sp_packing *p, co
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "source = %s", cli_source_name(o.source));
     if (status == SP_OK)
-        status = spectrum_comment(t, "damping", o.damping, err);
+        status = cli_add_number(t, "damping", o.damping, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "height", sp_packing_height(p), err);
+        status = cli_add_number(t, "height", sp_packing_height(p), err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "planes", h.planes, err);
+        status = cli_add_number(t, "planes", h.planes, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "tolerance", o.tolerance, err);
+        status = cli_add_number(t, "tolerance", o.tolerance, err);
     for (int32_t l = 0; l < h.n && !a->profile && status == SP_OK; l++)
         if (isnan(h.fit[l].k)) {
             status = sp_table_add_comment(t, err, "nan: no wave could be fitted to the planes");

@@ -15,7 +15,7 @@ static sp_status lines(const spectrum_arguments *a, const sp_network *net, sp_ta
     if (status == SP_OK)
         status = sp_table_add_column(t, "n", "", SP_CELL_INTEGER, err);
     if (status == SP_OK)
-        status = spectrum_columns(t, columns, err);
+        status = cli_add_columns(t, columns, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "source = %s", cli_source_name(a->source));
     if (status == SP_OK)
@@ -52,15 +52,15 @@ sp_status spectrum_transmission(const spectrum_arguments *a, const sp_packing *p
         o.resolution = a->resolution;
     sp_status status = sp_transmission_make(net, &o, &s, err);
     if (status == SP_OK)
-        status = spectrum_columns(t, columns, err);
+        status = cli_add_columns(t, columns, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "source = %s", cli_source_name(a->source));
     if (status == SP_OK)
-        status = spectrum_comment(t, "resolution", s.resolution, err);
+        status = cli_add_number(t, "resolution", s.resolution, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "omega_max", s.omega_max, err);
+        status = cli_add_number(t, "omega_max", s.omega_max, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "moments", (double)s.moments, err);
+        status = cli_add_number(t, "moments", (double)s.moments, err);
     for (int32_t l = 0; l < s.n && status == SP_OK; l++)
         status =
             sp_table_add_row(t, err, s.omega[l], s.density[l], hypot(s.re[l], s.im[l]), s.re[l], s.im[l], s.error[l]);
@@ -78,7 +78,7 @@ static sp_status put_waves(const sp_dispersion *d, sp_table *t, sp_error *err) {
                                           "half_width", SPECTRUM_FREQUENCY,
                                           "resolution", SPECTRUM_FREQUENCY,
                                           NULL};
-    sp_status status = spectrum_columns(t, columns, err);
+    sp_status status = cli_add_columns(t, columns, err);
     for (int32_t q = 0; q < d->n && status == SP_OK; q++) {
         const sp_wave *w = &d->wave[q];
         status = sp_table_add_row(t, err, polarizations[w->polarization], (int64_t)w->n, w->k, w->rms, w->spread,
@@ -89,7 +89,7 @@ static sp_status put_waves(const sp_dispersion *d, sp_table *t, sp_error *err) {
 
 static sp_status put_profile(const sp_dispersion *d, sp_table *t, sp_error *err) {
     static const char *const columns[] = {"k", "1/d", "omega", SPECTRUM_FREQUENCY, "S", SPECTRUM_TIME, NULL};
-    sp_status status = spectrum_columns(t, columns, err);
+    sp_status status = cli_add_columns(t, columns, err);
     for (int32_t q = 0; q < d->n; q++)
         for (int32_t l = 0; l < d->profile && status == SP_OK; l++)
             status = sp_table_add_row(t, err, polarizations[d->wave[q].polarization], (int64_t)d->wave[q].n,
@@ -127,11 +127,11 @@ sp_status spectrum_dispersion(const spectrum_arguments *a, const sp_packing *p, 
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "direction = %s", direction);
     if (status == SP_OK && o.up)
-        status = spectrum_comment(t, "node", o.node, err);
+        status = cli_add_number(t, "node", o.node, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "omega_max", d.omega_max, err);
+        status = cli_add_number(t, "omega_max", d.omega_max, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "moments", (double)d.moments, err);
+        status = cli_add_number(t, "moments", (double)d.moments, err);
     if (status == SP_OK)
         status = a->profile ? put_profile(&d, t, err) : put_waves(&d, t, err);
     sp_dispersion_free(&d);
@@ -154,15 +154,15 @@ sp_status spectrum_participation(const spectrum_arguments *a, const sp_packing *
     if (status == SP_OK)
         status = sp_participation(&m, bins, a->until >= 0 ? a->until : 0, bin, err);
     if (status == SP_OK)
-        status = spectrum_columns(t, columns, err);
+        status = cli_add_columns(t, columns, err);
     if (status == SP_OK)
         status = sp_table_add_column(t, "modes", "", SP_CELL_INTEGER, err);
     if (status == SP_OK)
-        status = spectrum_columns(t, values, err);
+        status = cli_add_columns(t, values, err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "zero_modes", (double)(m.n_zero - m.n_rattler), err);
+        status = cli_add_number(t, "zero_modes", (double)(m.n_zero - m.n_rattler), err);
     if (status == SP_OK)
-        status = spectrum_comment(t, "rattler_modes", (double)m.n_rattler, err);
+        status = cli_add_number(t, "rattler_modes", (double)m.n_rattler, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "nan: no mode in the bin; sd: fewer than two");
     for (int32_t b = 0; b < bins && status == SP_OK; b++)

@@ -1,4 +1,5 @@
 /* Contacts of packings: Figs. 1(c) and 2 of Somfai et al. 2005. */
+#include "plot/columns.h"
 #include "plot/figure.h"
 
 #include "base/base.h"
@@ -30,15 +31,6 @@ typedef struct rose {
     double x, y, scale;        /* centre, and radius of 1 [pt] */
     double largest;
 } rose;
-
-static sp_status find(const sp_table *t, const char *name, const char *what, int *out, sp_error *err) {
-    *out = sp_table_find_column(t, name);
-    if (*out < 0)
-        return sp_fail(err, SP_EINVAL, "the table has no column %s; %s", name, what);
-    if (t->column[*out].kind == SP_CELL_TEXT)
-        return sp_fail(err, SP_EINVAL, "column %s holds text: must be numbers", name);
-    return SP_OK;
-}
 
 /* Few contacts in narrow bins are noise: two or three rows become one bin. */
 static int64_t merge_of(const sp_table *t) {
@@ -190,12 +182,12 @@ sp_status sp_plot_angles(const sp_table *angles, const char *path, sp_error *err
     rose r = {.t = angles, .column = {-1, -1, -1}};
     sp_status status = canvas_check(path, err);
     if (status == SP_OK)
-        status = find(angles, "angle", what, &r.angle, err);
+        status = column_find(angles, "angle", what, &r.angle, err);
     if (status == SP_OK)
-        status = find(angles, "all", what, &r.column[0], err);
+        status = column_find(angles, "all", what, &r.column[0], err);
     for (int q = 1; q < CURVES && status == SP_OK; q++)
         if (sp_table_find_column(angles, names[q]) >= 0)
-            status = find(angles, names[q], what, &r.column[q], err);
+            status = column_find(angles, names[q], what, &r.column[q], err);
     if (status == SP_OK && (angles->rows < 2 || angles->rows > ROWS_MOST))
         status = sp_fail(err, SP_EREFUSED, "%lld rows of angles, must be 2 or more", (long long)angles->rows);
     if (status == SP_OK)
@@ -240,11 +232,11 @@ sp_status sp_plot_contact_values(const sp_table *values, const char *path, sp_er
     int column[3];
     sp_status status = canvas_check(path, err);
     if (status == SP_OK)
-        status = find(values, "x", what, &column[0], err);
+        status = column_find(values, "x", what, &column[0], err);
     if (status == SP_OK)
-        status = find(values, "forces", what, &column[1], err);
+        status = column_find(values, "forces", what, &column[1], err);
     if (status == SP_OK)
-        status = find(values, "stiffnesses", what, &column[2], err);
+        status = column_find(values, "stiffnesses", what, &column[2], err);
     if (status == SP_OK && values->rows < 2)
         status = sp_fail(err, SP_EREFUSED, "%lld rows of values, must be 2 or more", (long long)values->rows);
     if (status != SP_OK)

@@ -130,12 +130,6 @@ out:
 }
 
 sp_status sp_plot_network(const sp_packing *p, sp_plot_links links, double threshold, const char *path, sp_error *err) {
-    sp_status status = canvas_check(path, err);
-    if (status == SP_OK)
-        status = sp_packing_check(p, err);
-    if (status != SP_OK)
-        return status;
-    if (p->dim == 3)
-        return sp_fail(err, SP_EREFUSED, "%s: a packing in 3 dimensions has no flat picture: must be in 1 or 2", path);
-    return draw(p, links, threshold, path, err);
+    const sp_status status = view_check(p, path, err);
+    return status == SP_OK ? draw(p, links, threshold, path, err) : status;
 }

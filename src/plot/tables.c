@@ -1,5 +1,6 @@
 /* Figures of an ensemble's signal, of modes, and of signals at several distances. */
 #include "plot/canvas.h"
+#include "plot/columns.h"
 #include "plot/markup.h"
 
 #include "base/base.h"
@@ -13,15 +14,6 @@ enum { ENSEMBLES_MOST = 6, RECORDS_MOST = 200, LABEL_MOST = 20 };
 
 #define TIME_AXIS  "|t|  [|d| (|\xcf\x81|/|E|*)^{1/2}]"
 #define FORCE_AXIS "|F|_{sig}  [|E|* |d|^{2}]"
-
-static sp_status find(const sp_table *t, const char *name, const char *what, int *out, sp_error *err) {
-    *out = sp_table_find_column(t, name);
-    if (*out < 0)
-        return sp_fail(err, SP_EINVAL, "the table has no column %s; %s", name, what);
-    if (t->column[*out].kind == SP_CELL_TEXT)
-        return sp_fail(err, SP_EINVAL, "column %s holds text: must be numbers", name);
-    return SP_OK;
-}
 
 /* A column as numbers; NAN where the cell is infinite. */
 static const double *column_of(const sp_table *t, int column, double *to) {
@@ -49,7 +41,8 @@ static sp_status draw_ensemble(int tables, const sp_plot_table *table, double *m
             text_escape(name, sizeof name, table[j].label, LABEL_MOST);
         for (int q = 0; q < 3; q++) {
             int at = 0;
-            sp_status status = find(t, ensemble_columns[q], "a table of an ensemble has t, mean and rms", &at, err);
+            sp_status status =
+                column_find(t, ensemble_columns[q], "a table of an ensemble has t, mean and rms", &at, err);
             if (status != SP_OK)
                 return status;
             column[q] = column_of(t, at, memory);
@@ -150,12 +143,12 @@ sp_status sp_plot_modes(const sp_table *modes, const char *path, sp_error *err) 
     int column[3] = {0};
     sp_status status = canvas_check(path, err);
     if (status == SP_OK)
-        status = find(modes, "n", what, &column[0], err);
+        status = column_find(modes, "n", what, &column[0], err);
     if (status == SP_OK)
-        status = find(modes, "omega", what, &column[1], err);
+        status = column_find(modes, "omega", what, &column[1], err);
     column[2] = sp_table_find_column(modes, "ab");
     if (status == SP_OK && column[2] >= 0)
-        status = find(modes, "ab", what, &column[2], err);
+        status = column_find(modes, "ab", what, &column[2], err);
     if (status == SP_OK && modes->rows == 0)
         status = sp_fail(err, SP_EREFUSED, "nothing to draw: the table of modes has no row");
     if (status != SP_OK)

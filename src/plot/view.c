@@ -87,15 +87,21 @@ void view_arrow(const view *v, double x, double y, double dx, double dy) {
     cairo_fill(c->cr);
 }
 
-sp_status view_check_field(const sp_packing *p, const sp_network *net, const double *u, const char *of,
-                           const char *path, sp_error *err) {
+sp_status view_check(const sp_packing *p, const char *path, sp_error *err) {
     sp_status status = canvas_check(path, err);
     if (status == SP_OK)
         status = sp_packing_check(p, err);
+    if (status == SP_OK && p->dim == 3)
+        status =
+            sp_fail(err, SP_EREFUSED, "%s: a packing in 3 dimensions has no flat picture: must be in 1 or 2", path);
+    return status;
+}
+
+sp_status view_check_field(const sp_packing *p, const sp_network *net, const double *u, const char *of,
+                           const char *path, sp_error *err) {
+    const sp_status status = view_check(p, path, err);
     if (status != SP_OK)
         return status;
-    if (p->dim == 3)
-        return sp_fail(err, SP_EREFUSED, "%s: a packing in 3 dimensions has no flat picture: must be in 1 or 2", path);
     if (net->n_all != p->n || net->dim != p->dim)
         return sp_fail(err, SP_EINVAL, "a network of %d grains for a packing of %d, must be its own", net->n_all, p->n);
     for (int64_t k = 0; k < sp_network_dofs(net); k++)

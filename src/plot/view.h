@@ -26,6 +26,8 @@ typedef struct view {
 #define RIM_GREY     ((colour){0.55, 0.55, 0.55})
 
 view view_make(const sp_packing *p);
+/* Whether a packing can be drawn in that file. */
+sp_status view_check(const sp_packing *p, const char *path, sp_error *err);
 /* Whether displacements u of a network can be drawn on this packing, in that file; `of' them is said where they are not
  * finite. */
 sp_status view_check_field(const sp_packing *p, const sp_network *net, const double *u, const char *of,
