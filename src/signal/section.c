@@ -5,7 +5,6 @@
 #include <sonopack/coherent.h>
 #include <sonopack/front.h>
 #include <sonopack/signal.h>
-#include <string.h>
 
 enum { LEAST_PLANES = 8, MOST_PLANES = 100000 };
 
@@ -43,9 +42,7 @@ static sp_status alloc_section(int32_t planes, sp_section *s, sp_place **place, 
                                                     : sp_fail_memory(err, (size_t)planes * (24 + sizeof **place));
 }
 
-static sp_status check(const sp_network *net, const sp_section_options *opt, double height, int32_t *planes,
-                       sp_error *err) {
-    (void)net;
+static sp_status check(const sp_section_options *opt, double height, int32_t *planes, sp_error *err) {
     if (!(opt->spacing > 0) || !(opt->low >= 0) || !(opt->part > 0 && opt->part <= 1))
         return sp_fail(err, SP_EINVAL, "section: spacing = %g, low = %g, part = %g; must be > 0, >= 0, and in 0 .. 1",
                        opt->spacing, opt->low, opt->part);
@@ -92,7 +89,7 @@ sp_status sp_section_make(const sp_network *net, const sp_section_options *opt, 
     sp_place *place = NULL;
     double t10 = 0;
     int32_t planes = 0;
-    sp_status status = check(net, opt, height, &planes, err);
+    sp_status status = check(opt, height, &planes, err);
     if (status == SP_OK)
         status = arrival(net, opt, height, &t10, err);
     if (status == SP_OK)
