@@ -71,7 +71,8 @@ sp_status sp_plot_fronts(int tables, const sp_plot_table *table, const sp_plot_t
 /* From the same tables: local exponents gamma and alpha against distance, with amplitude and width in insets. */
 sp_status sp_plot_scaling(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
-/* Mean and root mean square deviation of the signals of an ensemble, from tables with
+/* Mean and root mean square deviation of the signals of an ensemble, and as a band the interval low to high of the mean
+ * where the table has one, from tables with
  * columns t, mean and rms. */
 sp_status sp_plot_ensemble(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 

@@ -7,6 +7,8 @@
 #include <sonopack/signal.h>
 #include <sonopack/status.h>
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -27,7 +29,8 @@ enum {
 typedef struct sp_sweep {
     char key[64];
     int count;
-    double *values;
+    double *values;  /* numbers, words as the codes of their enum, booleans as 0 and 1, or lists one after the other */
+    int32_t *begin;  /* of lists: list k is values[begin[k]] .. values[begin[k + 1] - 1]; NULL: a value each */
     bool overridden; /* an override gave the key a value too, which no sample of the study would have */
 } sp_sweep;
 
@@ -43,9 +46,10 @@ typedef struct sp_scene {
     int32_t planes;           /* signal.planes: heights of planes above the bottom wall [d], ascending */
     double plane[SP_PLANES_MAX];
     int sweeps;
-    sp_sweep sweep[SP_SWEEPS_MAX];
-    double *diameters;      /* of a list, where this scene owns it: pack.diameters points there */
-    double *history;        /* likewise */
+    sp_sweep sweep[SP_SWEEPS_MAX]; /* those of study.sweep, then keys that were given lists or ranges */
+    bool dimension_given;          /* else packing.dimension is that of a swept packing.kind */
+    double *diameters;             /* of a list, where this scene owns it: pack.diameters points there */
+    double *history;               /* likewise */
     char from[SP_FROM_MAX]; /* packing.file, from the current folder; "": none. Whoever makes packings of it reads it */
 } sp_scene;
 
@@ -71,6 +75,12 @@ sp_status sp_scene_resolve(sp_scene *s, sp_error *err);
 sp_status sp_scene_set(sp_scene *s, const char *key, double value, sp_error *err);
 /* A numeric key's value; NAN for an unknown key. */
 double sp_scene_get(const sp_scene *s, const char *key);
+/* Value k of a sweep, checked against the key's range. Lists stay the sweep's, which must outlive the scene. Of
+ * packing.grains and packing.height the one that is set last decides. */
+sp_status sp_scene_take(sp_scene *s, const sp_sweep *sweep, int k, sp_error *err);
+/* Value k of a sweep for readers: numbers at full precision, words without quotes, lists in [], true and false; cut
+ * where size is too small. Returns buf, empty where there is no such key or value. */
+const char *sp_sweep_text(const sp_sweep *sweep, int k, char *buf, size_t size);
 
 /* Every key of group ("packing", "network", "signal", "study" or NULL for all) with its value at full precision, in
  * the syntax of a scene file: reading it back gives the same scene bit for bit. Caller frees. NULL: no memory. */

@@ -33,7 +33,10 @@ sp_status sp_text_save(const char *path, const char *text, size_t size, sp_error
  * ...). Numbers where every cell of a column is one. */
 sp_status sp_table_read(const char *path, sp_table *out, sp_error *err);
 
-/* A store: a folder with one HDF5 file a sample. */
+/* A store: a folder with one HDF5 file a sample, and an index of them (manifest.tsv) that is never believed against the
+ * files. Many processes may work on it. create: samples are to be saved; the folder is made if need be, and what
+ * killed processes left half written is removed. Where nothing can be written it is opened all the same if it holds
+ * samples, and refuses to make more. */
 typedef struct sp_store sp_store;
 sp_status sp_store_open(const char *dir, bool create, sp_store **out, sp_error *err);
 void sp_store_close(sp_store *store);
@@ -76,7 +79,8 @@ typedef struct sp_store_check {
 /* Reads every file of the samples: all of the packing, results, signal and scene; the name inside against the file's,
  * and against the hash of the scene inside where this version can read that; the structure of the packing
  * (sp_packing_check), its audit, and that results are finite which are made of finite numbers only. Nothing is computed
- * anew. Damaged files are renamed to NAME.bad where the folder can be written. SP_EINTERRUPTED when `found' said so. */
+ * anew. Damaged files are renamed to NAME.bad where the folder can be written, and the index says all that was found.
+ * SP_EINTERRUPTED when `found' said so. */
 sp_status sp_store_verify(sp_store *store, const sp_store_check *check, sp_error *err);
 
 #ifdef __cplusplus

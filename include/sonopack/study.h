@@ -38,6 +38,8 @@ typedef struct sp_sample {
     bool failed;
     char reason[256]; /* why it failed, else "" */
     unsigned have;
+    unsigned lacks;        /* parts that were tried and could not be made; reason: of the first */
+    uint64_t lacks_signal; /* hash of the scene's signal keys with which SP_WANT_SIGNAL and SP_WANT_PLANES were tried */
     sp_front front;
     sp_statics statics;
     sp_moduli moduli;
@@ -58,11 +60,21 @@ unsigned sp_want_parts(unsigned want);
  * and tolerance, and fronts at all of its planes that lie inside. The others are to be made anew. */
 unsigned sp_sample_parts(const sp_scene *scene, const sp_sample *sample);
 
+/* What there is of a sample before any work: something is to be made; all that its scene wants is there; or it is
+ * recorded that the packing, or a part that is wanted, could not be made. */
+typedef enum sp_stored { SP_STORED_NOT = 0, SP_STORED_ALL, SP_STORED_FAILED } sp_stored;
+/* Of a sample with its results as they are kept: its parts count as sp_sample_parts says. */
+sp_stored sp_sample_stored(const sp_scene *scene, const sp_sample *sample);
+
 /* Where results come from and go to; the store implements it, a test may keep them in memory. Calls are serialised. */
 typedef struct sp_study_sink {
     void *user;
-    /* true if a finished sample (or a recorded failure) of that name with all of these parts is there */
-    bool (*has)(void *user, const char *name, unsigned want);
+    /* what is there of the sample of that name, which the scene makes; NULL: nothing ever is */
+    sp_stored (*has)(void *user, const sp_scene *scene, const char *name);
+    /* Takes the sample for this process until it is released, so that no other makes it as well; *taken = false while
+     * another has it. A failure (nothing can be saved) ends the study. NULL: nobody else is there. */
+    sp_status (*claim)(void *user, const char *name, bool *taken, sp_error *err);
+    void (*release)(void *user, const char *name);
     /* the packing of that name if it is there (then only what is missing is computed): SP_OK and found = true */
     sp_status (*load)(void *user, const char *name, sp_packing *packing, sp_sample *sample, bool *found, sp_error *err);
     /* takes one finished sample; packing NULL for a failed one; signal NULL unless wanted */
@@ -73,6 +85,7 @@ typedef struct sp_study_sink {
 typedef struct sp_study_progress {
     int64_t total, done, computed, failed; /* samples; done counts those found in the store too */
     double seconds, seconds_left;          /* wall clock; left NAN at first */
+    double cost, cost_done, cost_computed; /* expected work of these samples, in units of its own */
 } sp_study_progress;
 /* Called about 4 times a second by the thread that called sp_study_run, and at the end. Return false to stop: packings
  * under way are given up, finished samples are kept. */
@@ -83,6 +96,11 @@ typedef struct sp_study_options {
     int shard, shards;      /* this process takes samples shard-1 (mod shards); 1, 1: all */
     int threads;            /* for one large packing at a time; 0, and with several jobs: one */
     const sp_packing *from; /* what packing.file names; NULL: nothing */
+    /* Where several processes share one study: numbers 0, 1, 2, ... of its samples, each to one process only; below 0:
+     * none is left. Called by the workers, one at a time, while the watch may be running. A study is then over when the
+     * numbers are, whatever this process did of it. NULL: this process counts for itself. */
+    int64_t (*take)(void *user);
+    void *take_user;
 } sp_study_options;
 
 int64_t sp_study_count(const sp_scene *scene);
@@ -91,9 +109,11 @@ int64_t sp_study_count(const sp_scene *scene);
 sp_status sp_study_scene(const sp_scene *study, int64_t k, sp_scene *out, sp_error *err);
 
 /* Computes what is missing. A sample whose packing fails is saved as failed and does not stop the study; where only a
- * part of the results fails (no front, a floppy network), packing and other parts are saved and the sample counts as
- * failed here. SP_EINVAL before any work when a combination makes no scene; SP_EINTERRUPTED when the watch said so;
- * SP_EIO when the sink failed. *out, if not NULL, is filled in every case but SP_EINVAL. */
+ * part of the results fails (no front, a floppy network), packing and other parts are saved with the reason, and the
+ * sample counts as failed too. What failed is not tried again while the sink remembers it. Samples that another process
+ * has claimed are left for the end, and waited for. SP_EINVAL before any work when a combination makes no scene;
+ * SP_EINTERRUPTED when the watch said so; SP_EIO when the sink failed. *out, if not NULL, is filled in every case but
+ * SP_EINVAL. */
 sp_status sp_study_run(const sp_scene *scene, const sp_study_options *opt, const sp_study_sink *sink,
                        sp_study_watch watch, void *user, sp_study_progress *out, sp_error *err);
 
@@ -108,10 +128,17 @@ sp_status sp_sample_make(const sp_scene *scene, unsigned want, sp_packing *packi
 /* Tables from samples in any order (they are sorted first): "ctof" (INTERFACE: p samples c_tof c_tof_err c_peak c_zero
  * c_l c_t, from the lowest and the highest boxes of each pressure), "scaling" and "planes" (fronts over
  * distance, see sonopack/scaling.h: a row a height of each pressure, friction and width; a row a plane, of each number
- * of grains besides), "statics", "moduli" and "probes" (means, then standard deviations, a row a pressure and size),
- * "ensemble" (one row a sample). Standard errors by bootstrap over samples. SP_EREFUSED for samples that differ in what
- * has no rows. */
-sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples, sp_table *out, sp_error *err);
+ * of grains besides), "statics", "moduli" and "probes" (each mean X, then X_sd, X_err, X_low, X_high; a row a pressure
+ * and size), "ensemble" (one row a sample). _sd is one standard deviation of the samples, _err a standard error (sd /
+ * sqrt(n) of means, of speeds by bootstrap over samples), _low to _high an interval of the level asked for, by
+ * studentised bootstrap over samples (docs/physics.md, "Errors and intervals"): NAN with fewer than 2 samples. opt
+ * NULL: the defaults. SP_EREFUSED for samples that differ in what has no rows, SP_EINVAL for a level out of range. */
+typedef struct sp_table_options {
+    double level; /* of the intervals: 0.95; 0.5 to 0.999 */
+} sp_table_options;
+sp_table_options sp_table_options_default(void);
+sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples, const sp_table_options *opt,
+                         sp_table *out, sp_error *err);
 
 /* Mean and scatter of many signals at each of their times, from one signal at a time: none is kept. Start from
  * sp_signals_none(). */

@@ -239,7 +239,7 @@ static sp_status work(const arguments *a, sp_scene *scene, sp_packing *p, sp_err
     if (a->seed_given)
         scene->pack.seed = (uint64_t)a->seed;
     if (scene->sweeps > 0)
-        cli_note(&a->common, "study.sweep is not used by pack: one packing is made, see `sonopack help study'");
+        cli_note(&a->common, "sweeps are not used by pack: one packing is made, see `sonopack help study'");
     sp_packing from = sp_packing_none();
     making m = {.arguments = a, .scene = scene};
     if (scene->pack.kind == SP_PACK_FILE)

@@ -72,7 +72,7 @@ static sp_status store_table(const arguments *a, sp_table *out, sp_error *err) {
     else if (bad > 0)
         cli_note(&a->common, "%lld files of the store are left out: %s", (long long)bad, reason.text);
     if (status == SP_OK)
-        status = blame(sp_study_table("ctof", n, samples, out, err), a->store, err);
+        status = blame(sp_study_table("ctof", n, samples, NULL, out, err), a->store, err);
     sp_free(samples);
     sp_store_close(store);
     return status;
@@ -392,7 +392,8 @@ static const struct argp argp = {
     "table ctof' prints (TSV or CSV). signal: F(t) of one or more tables with columns t and F (or F1, F2, ...), or "
     "of packings (their signal is made), with the first front marked: a triangle at 10% of its peak, a circle at "
     "the peak, a square at the zero crossing; more than ten are drawn one above the other, at "
-    "their distances where these are known. ensemble: tables with columns t, mean and rms. network: a packing with its "
+    "their distances where these are known. ensemble: tables with columns t, mean and rms, and low and high for a band "
+    "around the mean. network: a packing with its "
     "contacts that carry "
     "as lines, as wide as "
     "their normal force is large; rattlers are grey. stiffness: the same with the normal stiffness. pareto: run "

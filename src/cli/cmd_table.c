@@ -8,9 +8,10 @@ typedef struct arguments {
     cli_common common;
     const char *name, *scene, *store;
     cli_filter filter;
+    double level;
 } arguments;
 
-enum { KEY_STORE = 0x1000, KEY_WIDTH, KEY_GRAINS, KEY_PRESSURE, KEY_FRICTION };
+enum { KEY_STORE = 0x1000, KEY_WIDTH, KEY_GRAINS, KEY_PRESSURE, KEY_FRICTION, KEY_INTERVAL };
 
 static const struct argp_option options[] = {
     {"store", KEY_STORE, "DIR", 0, "Folder of the samples", 0},
@@ -18,6 +19,7 @@ static const struct argp_option options[] = {
     {"grains", KEY_GRAINS, "N", 0, "Only samples of so many grains", 0},
     {"pressure", KEY_PRESSURE, "P", 0, "Only samples at this pressure [E*]", 0},
     {"friction", KEY_FRICTION, "MU", 0, "Only samples with this friction", 0},
+    {"interval", KEY_INTERVAL, "LEVEL", 0, "Confidence of the intervals, 0.5 to 0.999 (0.95)", 0},
     {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 
@@ -52,6 +54,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case KEY_GRAINS:
     case KEY_PRESSURE:
     case KEY_FRICTION: parse_filter(&a->filter, key, arg, state); return 0;
+    case KEY_INTERVAL: cli_parse_interval(&a->level, arg, state); return 0;
     case ARGP_KEY_ARG:
         if (a->scene)
             argp_error(state, "%s: one table and one scene only", arg);
@@ -79,11 +82,11 @@ static const struct argp argp = {
     "Prints a table of the samples in a store.\v"
     "ctof: speed of the first front, a row a pressure. scaling: fronts over distance, with speeds and exponents, a row "
     "a height of each pressure, friction and width. planes: the same inside of packings, a row a plane, of each number "
-    "of grains besides. statics, moduli, probes: means and standard deviations, a row a pressure and size. ensemble: a "
-    "row a sample, with everything that is known of it. signal: mean of the stored signals, their rms deviation from "
-    "it "
-    "and the standard error of the mean, a row a time, of samples of one pressure and size with signals at the same "
-    "times (study.want with signal, and signal.until). With SCENE (and its --set) only the samples of that scene, at "
+    "of grains besides. statics, moduli, probes: means X with X_sd, one standard deviation, X_err, the standard error, "
+    "and the interval X_low to X_high, a row a pressure and size. ensemble: a row a sample, with everything that is "
+    "known of it. signal: mean of the stored signals, their rms deviation from it, the standard error and the interval "
+    "of the mean, a row a time, of samples of one pressure and size with signals at the same times (study.want with "
+    "signal, and signal.until). With SCENE (and its --set) only the samples of that scene, at "
     "least one of which must be there: a store may hold several ensembles, and those that differ in more than pressure "
     "and size are not averaged. --width, --grains, --pressure and --friction choose among them.",
     children,
@@ -101,7 +104,8 @@ static sp_status work(const arguments *a, sp_scene *scene, sp_store **store, sp_
                          .needs_samples = true,
                          .count = 1,
                          .name = {a->name},
-                         .filter = a->filter};
+                         .filter = a->filter,
+                         .level = a->level};
     if (status == SP_OK)
         status = cli_tables_may_write(&tables, err);
     if (status == SP_OK)
@@ -110,7 +114,7 @@ static sp_status work(const arguments *a, sp_scene *scene, sp_store **store, sp_
 }
 
 int cmd_table(int argc, char **argv) {
-    arguments a = {.filter = cli_filter_none()};
+    arguments a = {.filter = cli_filter_none(), .level = sp_table_options_default().level};
     argp_parse(&argp, argc, argv, 0, NULL, &a);
     sp_error err = {0};
     sp_scene scene = sp_scene_default();

@@ -2,6 +2,7 @@
 
 #include "base/base.h"
 #include "cli/table_signal.h"
+#include "numeric/interval.h"
 #include "store/file.h"
 
 #include <math.h>
@@ -14,8 +15,10 @@
 const char *const cli_table_names[CLI_TABLES] = {"ctof",   "scaling", "planes",   "statics",
                                                  "moduli", "probes",  "ensemble", "signal"};
 
-/* Keys that a table has rows for, or, of signals, that the filter chooses by. */
+/* Keys that a table has rows for, or, of signals, that the filter chooses by. Seeds are what tables average over. */
 static bool has_rows(const char *table, const sp_sweep *sweep) {
+    if (strcmp(sweep->key, "packing.seed") == 0)
+        return true;
     static const char *const keys[] = {"packing.pressure", "packing.grains", "packing.height", "packing.width",
                                        "packing.friction"};
     static const char *const means[] = {"ctof", "statics", "moduli", "probes", "ensemble"};
@@ -47,19 +50,25 @@ static sp_status case_scene(const char *table, const sp_scene *scene, int64_t c,
             one.sweep[one.sweeps++] = *sweep;
             continue;
         }
-        status = sp_scene_set(&one, sweep->key, sweep->values[c % sweep->count], err);
+        status = sp_scene_take(&one, sweep, (int)(c % sweep->count), err);
         c /= sweep->count;
     }
     *out = one;
     return status;
 }
 
-static sp_status add_case(sp_table *t, const char *table, const sp_scene *scene, const sp_scene *one, sp_error *err) {
+/* The values of case c as comments. */
+static sp_status add_case(sp_table *t, const char *table, const sp_scene *scene, int64_t c, sp_error *err) {
+    char value[200];
     sp_status status = SP_OK;
-    for (int s = 0; s < scene->sweeps && status == SP_OK; s++)
-        if (!has_rows(table, &scene->sweep[s]))
-            status =
-                sp_table_add_comment(t, err, "%s = %.15g", scene->sweep[s].key, sp_scene_get(one, scene->sweep[s].key));
+    for (int s = 0; s < scene->sweeps && status == SP_OK; s++) {
+        const sp_sweep *sweep = &scene->sweep[s];
+        if (has_rows(table, sweep))
+            continue;
+        status = sp_table_add_comment(t, err, "%s = %s", sweep->key,
+                                      sp_sweep_text(sweep, (int)(c % sweep->count), value, sizeof value));
+        c /= sweep->count;
+    }
     return status;
 }
 
@@ -156,7 +165,8 @@ static sp_status choose(const sp_scene *scene, int64_t n, const sp_sample *all, 
         const unsigned parts = sp_sample_parts(&one, s);
         if (!s->failed && sp_want_parts(scene->want) & ~parts) {
             s->failed = true;
-            snprintf(s->reason, sizeof s->reason, "a wanted part of its results could not be made");
+            if (!(s->lacks && s->reason[0]))
+                snprintf(s->reason, sizeof s->reason, "it lacks a part that is wanted: not made yet");
         }
         if (one.planes > 0) /* those of another scene are not asked for */
             s->have &= parts | ~(unsigned)SP_WANT_PLANES;
@@ -223,11 +233,10 @@ static sp_status add_missing(const cli_tables *tables, int64_t missing, sp_table
                                 (long long)missing);
 }
 
-static sp_status make_table(const char *name, sp_store *store, int64_t n, const sp_sample *samples, sp_table *out,
-                            sp_error *err) {
-    if (strcmp(name, "signal") == 0)
-        return cli_table_signal(store, n, samples, out, err);
-    return sp_study_table(name, n, samples, out, err);
+void cli_parse_interval(double *level, const char *arg, struct argp_state *state) {
+    sp_error err = {0};
+    if (cli_number("--interval", arg, SP_LEVEL_LEAST, SP_LEVEL_MOST, level, &err) != SP_OK)
+        argp_error(state, "%s", err.text);
 }
 
 /* All samples of the store that pass the filter, sorted by name. */
@@ -236,6 +245,14 @@ typedef struct stored {
     int64_t n;
     sp_sample *sample;
 } stored;
+
+static sp_status make_table(const cli_tables *tables, const char *name, const stored *all, const choice *of,
+                            sp_table *out, sp_error *err) {
+    const sp_table_options options = {.level = tables->level};
+    if (strcmp(name, "signal") == 0)
+        return cli_table_signal(all->store, of->n, of->sample, &options, out, err);
+    return sp_study_table(name, of->n, of->sample, &options, out, err);
+}
 
 static sp_status write_case(const cli_tables *tables, int k, int64_t c, const stored *all, sp_error *err) {
     const char *name = tables->name[k];
@@ -251,9 +268,9 @@ static sp_status write_case(const cli_tables *tables, int k, int64_t c, const st
     }
     sp_table t = sp_table_none();
     if (status == SP_OK)
-        status = make_table(name, all->store, chosen.n, chosen.sample, &t, err);
+        status = make_table(tables, name, all, &chosen, &t, err);
     if (status == SP_OK && tables->scene)
-        status = add_case(&t, name, tables->scene, &one, err);
+        status = add_case(&t, name, tables->scene, c, err);
     if (status == SP_OK)
         status = add_missing(tables, chosen.missing, &t, err);
     if (status == SP_OK)

@@ -27,7 +27,11 @@ typedef struct cli_tables {
     int count;
     const char *name[CLI_TABLES];
     cli_filter filter;
+    double level; /* of intervals */
 } cli_tables;
+
+/* --interval LEVEL; *level is written only if it is one. */
+void cli_parse_interval(double *level, const char *arg, struct argp_state *state);
 
 cli_filter cli_filter_none(void);
 /* Whether all files of -o may be written. Call before the work. */

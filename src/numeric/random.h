@@ -10,7 +10,14 @@ typedef struct sp_random {
 } sp_random;
 
 /* Streams in use: one name, one number, for ever. */
-enum { SP_STREAM_DIAMETERS = 1, SP_STREAM_GAS = 2, SP_STREAM_BOOTSTRAP = 3, SP_STREAM_TRACE = 4, SP_STREAM_PROBE = 5 };
+enum {
+    SP_STREAM_DIAMETERS = 1,
+    SP_STREAM_GAS = 2,
+    SP_STREAM_BOOTSTRAP = 3,
+    SP_STREAM_TRACE = 4,
+    SP_STREAM_PROBE = 5,
+    SP_STREAM_POISSON = 6
+};
 
 static inline sp_random sp_random_make(uint64_t seed, uint64_t stream) { return (sp_random){seed, stream, 0}; }
 uint64_t sp_random_bits(sp_random *r);

@@ -34,7 +34,7 @@ static sp_status front_speeds(const paper *p, speeds *out, sp_error *err) {
         memcpy(all, low->sample, (size_t)low->n * sizeof *all);
     if (high->n > 0)
         memcpy(all + low->n, high->sample, (size_t)high->n * sizeof *all);
-    sp_status status = n > 0 ? sp_study_table("ctof", n, all, &t, err) : SP_OK;
+    sp_status status = n > 0 ? sp_study_table("ctof", n, all, NULL, &t, err) : SP_OK;
     sp_free(all);
     if (status != SP_OK)
         return status;

@@ -26,7 +26,25 @@ static const double *column_of(const sp_table *t, int column, double *to) {
 
 /* ---- ensembles -------------------------------------------------------------------------------------------------- */
 
-static const char *const ensemble_columns[3] = {"t", "mean", "rms"};
+enum { E_TIME = 0, E_MEAN, E_RMS, E_LOW, E_HIGH, ENSEMBLE_COLUMNS };
+static const char *const ensemble_columns[ENSEMBLE_COLUMNS] = {"t", "mean", "rms", "low", "high"};
+
+/* Times, mean and rms deviation, and the interval of the mean if the table has one; else NULL. */
+static sp_status read_ensemble(const sp_table *t, double **memory, const double *column[ENSEMBLE_COLUMNS],
+                               sp_error *err) {
+    for (int q = 0; q < ENSEMBLE_COLUMNS; q++) {
+        int at = sp_table_find_column(t, ensemble_columns[q]);
+        column[q] = NULL;
+        if (q >= E_LOW && (at < 0 || t->column[at].kind == SP_CELL_TEXT))
+            continue;
+        sp_status status = column_find(t, ensemble_columns[q], "a table of an ensemble has t, mean and rms", &at, err);
+        if (status != SP_OK)
+            return status;
+        column[q] = column_of(t, at, *memory);
+        *memory += t->rows;
+    }
+    return SP_OK;
+}
 
 static sp_status draw_ensemble(int tables, const sp_plot_table *table, double *memory, const char *path,
                                sp_error *err) {
@@ -35,19 +53,13 @@ static sp_status draw_ensemble(int tables, const sp_plot_table *table, double *m
     char label[2 * ENSEMBLES_MOST][160];
     for (int j = 0; j < tables; j++) {
         const sp_table *t = table[j].table;
-        const double *column[3];
+        const double *column[ENSEMBLE_COLUMNS];
         char name[96] = "";
         if (tables > 1 && table[j].label)
             text_escape(name, sizeof name, table[j].label, LABEL_MOST);
-        for (int q = 0; q < 3; q++) {
-            int at = 0;
-            sp_status status =
-                column_find(t, ensemble_columns[q], "a table of an ensemble has t, mean and rms", &at, err);
-            if (status != SP_OK)
-                return status;
-            column[q] = column_of(t, at, memory);
-            memory += t->rows;
-        }
+        const sp_status status = read_ensemble(t, &memory, column, err);
+        if (status != SP_OK)
+            return status;
         for (int q = 0; q < 2; q++) {
             snprintf(label[2 * j + q], sizeof label[0], "%s%s%s", name, *name ? ", " : "", words[q]);
             curve[2 * j + q] = (sp_curve){.label = label[2 * j + q],
@@ -56,6 +68,10 @@ static sp_status draw_ensemble(int tables, const sp_plot_table *table, double *m
                                           .y = column[1 + q],
                                           .ink = tables == 1 ? q + 1 : j + 1,
                                           .dash = q == 0 ? SP_DASH_SOLID : SP_DASH_DASHED};
+        }
+        if (column[E_LOW] && column[E_HIGH]) {
+            curve[2 * j].lower = column[E_LOW];
+            curve[2 * j].upper = column[E_HIGH];
         }
     }
     const sp_panel panel = {
@@ -73,9 +89,9 @@ sp_status sp_plot_ensemble(int tables, const sp_plot_table *table, const char *p
     size_t rows = 0;
     for (int j = 0; j < tables; j++)
         rows += (size_t)table[j].table->rows;
-    double *memory = sp_alloc(3 * rows, sizeof *memory);
+    double *memory = sp_alloc(ENSEMBLE_COLUMNS * rows, sizeof *memory);
     if (!memory)
-        return sp_fail_memory(err, 3 * rows * sizeof *memory);
+        return sp_fail_memory(err, ENSEMBLE_COLUMNS * rows * sizeof *memory);
     status = draw_ensemble(tables, table, memory, path, err);
     sp_free(memory);
     return status;

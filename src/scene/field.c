@@ -139,7 +139,8 @@ const sp_field sp_fields[] = {
     {"study", "want", SP_FIELD_LIST, AT(want), "", 0, 0, wants,
      "results to make; packings: nothing but the packings themselves"},
     {"study", "sweep", SP_FIELD_SWEEP, AT(sweep), "", 0, 0, NULL,
-     "every combination of these: ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... )"},
+     "every combination of these: ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... ), and of keys that "
+     "are given lists or ranges"},
 };
 
 _Static_assert(sizeof sp_fields / sizeof *sp_fields == SP_FIELDS, "the table is complete");
@@ -179,9 +180,20 @@ bool sp_field_is_history(const sp_field *f) { return strcmp(f->name, "history") 
 
 bool sp_field_is_planes(const sp_field *f) { return strcmp(f->name, "planes") == 0; }
 
-bool sp_field_is_swept(const sp_field *f) {
-    return sp_field_is_number(f) && f->offset != AT(pack.seed) && f->offset != AT(pack.content) &&
-           (strcmp(f->group, "packing") == 0 || strcmp(f->group, "network") == 0);
+bool sp_field_is_scalar(const sp_field *f) {
+    return sp_field_is_number(f) || f->type == SP_FIELD_BOOL || f->type == SP_FIELD_WORD;
+}
+
+const char *sp_field_not_swept(const sp_field *f) {
+    if (f->type == SP_FIELD_PATH)
+        return "all samples of a study begin with one packing";
+    if (f->type == SP_FIELD_FILE)
+        return "packing.diameters may be swept in its place";
+    if (f->offset == AT(pack.content) && f->type == SP_FIELD_INT64)
+        return "it follows from packing.file";
+    if (strcmp(f->group, "packing") == 0 || strcmp(f->group, "network") == 0 || f->offset == AT(signal.source))
+        return NULL;
+    return "it makes no other sample, one value of it is kept with each";
 }
 
 const char *sp_limit_text(const sp_field *f, double limit, char *buf, size_t size) {

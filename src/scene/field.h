@@ -51,9 +51,10 @@ const sp_field *sp_field_find(const char *key);
 const sp_field *sp_field_nearest(const char *group, const char *name);
 
 bool sp_field_is_number(const sp_field *f);
-/* Whether a study may sweep it: a number that makes another sample, the seed excepted (study.samples counts seeds) and
- * the content. */
-bool sp_field_is_swept(const sp_field *f);
+/* Of one value each: a number, a word or a boolean. */
+bool sp_field_is_scalar(const sp_field *f);
+/* Why a study may not sweep it; NULL: it may, as it makes another sample. */
+const char *sp_field_not_swept(const sp_field *f);
 
 /* What would be right, as "1e-10 .. 0.01 E*" or "piston, triangular or chain"; returns buf. */
 const char *sp_field_right(const sp_field *f, char *buf, size_t size);
@@ -70,6 +71,9 @@ sp_number sp_field_load(const sp_scene *s, const sp_field *f);
 
 /* Frees the sweeps only. */
 void sp_scene_free_sweeps(sp_scene *s);
+void sp_sweep_free(sp_sweep *sweep);
+/* Value k of a sweep of field f, checked, and nothing but that value. */
+sp_status sp_sweep_store(sp_scene *s, const sp_field *f, const sp_sweep *sweep, int k, sp_error *err);
 /* Makes these the scene's diameters; they are freed with it. NULL and 0: none. */
 void sp_scene_take_diameters(sp_scene *s, double *diameters, int32_t count);
 void sp_scene_take_history(sp_scene *s, double *history, int32_t count);

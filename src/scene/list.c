@@ -14,6 +14,28 @@ static sp_status too_many(const sp_reader *r, int64_t count) {
                    SP_DIAMETERS_MAX);
 }
 
+sp_status sp_reader_length(const sp_reader *r, const sp_field *f, const config_setting_t *list) {
+    const int count = config_setting_length(list);
+    if (sp_field_is_history(f) && count > SP_HISTORY_MAX)
+        return sp_fail(r->err, SP_EINVAL, "packing.history: %d pressures: must be %d at the most", count,
+                       SP_HISTORY_MAX);
+    return count > SP_DIAMETERS_MAX ? too_many(r, count) : SP_OK;
+}
+
+sp_status sp_reader_list(sp_reader *r, const sp_field *f, const config_setting_t *list, double *out) {
+    const int count = config_setting_length(list);
+    sp_status status = SP_OK;
+    for (int k = 0; k < count && status == SP_OK; k++) {
+        const config_setting_t *value = config_setting_get_elem(list, (unsigned)k);
+        sp_number number;
+        r->line = config_setting_source_line(value);
+        status = sp_reader_number(value, &number) ? sp_field_check(f, &number, r->err) : sp_reader_wrong(r, f, value);
+        if (status == SP_OK)
+            out[k] = number.real;
+    }
+    return status;
+}
+
 static sp_status read_planes(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
     const int count = config_setting_length(setting);
     if (count > SP_PLANES_MAX)
@@ -42,26 +64,21 @@ sp_status sp_read_reals(sp_reader *r, const sp_field *f, const config_setting_t 
         return sp_reader_wrong(r, f, setting);
     if (sp_field_is_planes(f))
         return read_planes(r, f, setting);
+    sp_status status = sp_reader_length(r, f, setting);
+    if (status != SP_OK)
+        return status;
     const int count = config_setting_length(setting);
-    if (history && count > SP_HISTORY_MAX)
-        return sp_fail(r->err, SP_EINVAL, "packing.history: %d pressures: must be %d at the most", count,
-                       SP_HISTORY_MAX);
-    if (count > SP_DIAMETERS_MAX)
-        return too_many(r, count);
+    if (count > 0 && config_setting_is_list(config_setting_get_elem(setting, 0)))
+        return sp_fail(r->err, SP_EINVAL,
+                       "%s.%s: a list of lists: must be one list here, study.sweep sweeps it: ( { key = \"%s.%s\"; "
+                       "values = ( [...], [...] ); } )",
+                       f->group, f->name, f->group, f->name);
     if (r->overrides && !history)
         r->list[0] = '\0';
     double *values = count > 0 ? sp_alloc((size_t)count, sizeof *values) : NULL;
     if (count > 0 && !values)
         return sp_fail_memory(r->err, (size_t)count * sizeof *values);
-    sp_status status = SP_OK;
-    for (int k = 0; k < count && status == SP_OK; k++) {
-        const config_setting_t *value = config_setting_get_elem(setting, (unsigned)k);
-        sp_number number;
-        r->line = config_setting_source_line(value);
-        status = sp_reader_number(value, &number) ? sp_field_check(f, &number, r->err) : sp_reader_wrong(r, f, value);
-        if (status == SP_OK)
-            values[k] = number.real;
-    }
+    status = sp_reader_list(r, f, setting, values);
     if (status != SP_OK)
         sp_free(values);
     else if (history)

@@ -40,7 +40,7 @@ bool sp_reader_number(const config_setting_t *setting, sp_number *out) {
     return true;
 }
 
-static const sp_word *find_word(const sp_field *f, const config_setting_t *setting) {
+const sp_word *sp_reader_word(const sp_field *f, const config_setting_t *setting) {
     if (config_setting_type(setting) != CONFIG_TYPE_STRING)
         return NULL;
     for (const sp_word *w = f->words; w->word; w++)
@@ -56,7 +56,7 @@ static sp_status read_list(sp_reader *r, const sp_field *f, const config_setting
     for (int k = 0; k < count; k++) {
         const config_setting_t *one = list ? config_setting_get_elem(setting, (unsigned)k) : setting;
         r->line = config_setting_source_line(one);
-        const sp_word *word = find_word(f, one);
+        const sp_word *word = sp_reader_word(f, one);
         if (!word)
             return sp_reader_wrong(r, f, one);
         bits |= word->value;
@@ -69,6 +69,11 @@ static sp_status read_field(sp_reader *r, const sp_field *f, const config_settin
     sp_number number;
     const sp_word *word;
     char *place = (char *)&r->scene + f->offset;
+    if (sp_field_is_scalar(f)) {
+        if (config_setting_is_list(setting) || config_setting_is_group(setting))
+            return sp_read_direct(r, f, setting);
+        sp_drop_direct(r, f);
+    }
     switch (f->type) {
     case SP_FIELD_REAL:
     case SP_FIELD_INT:
@@ -81,7 +86,7 @@ static sp_status read_field(sp_reader *r, const sp_field *f, const config_settin
         *(bool *)place = config_setting_get_bool(setting);
         return SP_OK;
     case SP_FIELD_WORD:
-        word = find_word(f, setting);
+        word = sp_reader_word(f, setting);
         if (!word)
             return sp_reader_wrong(r, f, setting);
         memcpy(place, &word->value, sizeof word->value);
@@ -189,10 +194,30 @@ static char *quoted(const char *name) {
     return text;
 }
 
-/* A value of --set in the syntax of a scene: words need no quotes there, lists no brackets. */
+/* A list of words, each of which gets the quotes that it lacks. */
+static char *quoted_words(const char *list) {
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+    char *text = sp_alloc(3 * strlen(list) + 32, 1);
+    if (!text)
+        return NULL;
+    char *to = text + sprintf(text, "value = ");
+    bool inside = false; /* of quotes that are there */
+    while (*list) {
+        const int word = inside ? 0 : (int)strspn(list, letters);
+        inside = inside != (*list == '"');
+        to += word > 0 ? sprintf(to, "\"%.*s\"", word, list) : sprintf(to, "%c", *list);
+        list += word > 0 ? word : 1;
+    }
+    strcpy(to, "\n");
+    return text;
+}
+
+/* A value of --set in the syntax of a scene: words need no quotes there, lists of numbers no brackets. */
 static char *override_text(const sp_field *f, const char *value) {
     if ((f->type == SP_FIELD_FILE || f->type == SP_FIELD_PATH) && value[0] != '"')
         return quoted(value);
+    if (f->type == SP_FIELD_WORD && (value[0] == '[' || value[0] == '('))
+        return quoted_words(value);
     bool bare = isalpha((unsigned char)value[0]) && f->type != SP_FIELD_BOOL;
     for (const char *c = value; *c; c++)
         bare = bare && (isalnum((unsigned char)*c) || strchr("_-,", *c));
@@ -289,6 +314,8 @@ static sp_status read_all(const char *text, const char *name, int overrides, cha
         *out = r.scene;
     else
         sp_scene_free(&r.scene);
+    for (int k = 0; k < r.directs; k++)
+        sp_sweep_free(&r.direct[k]);
     return status;
 }
 

@@ -16,10 +16,8 @@ sp_scene sp_scene_default(void) {
 }
 
 void sp_scene_free_sweeps(sp_scene *s) {
-    for (int k = 0; k < SP_SWEEPS_MAX; k++) {
-        sp_free(s->sweep[k].values);
-        s->sweep[k] = (sp_sweep){0};
-    }
+    for (int k = 0; k < SP_SWEEPS_MAX; k++)
+        sp_sweep_free(&s->sweep[k]);
     s->sweeps = 0;
 }
 

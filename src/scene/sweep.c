@@ -1,86 +1,189 @@
-/* The sweeps of a study, and the checks of the whole scene. */
+/* The sweeps of a study: of study.sweep, and of keys that are given lists or ranges. */
 #include "base/base.h"
 #include "scene/reader.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const double MOST_SAMPLES = 1e7; /* of a study: a slip of the keyboard, not an ensemble, is above */
+/* ---- values that differ ----------------------------------------------------------------------------------------- */
 
-static int compare_values(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+/* One value of a sweep. */
+typedef struct piece {
+    const double *number;
+    int count, index;
+} piece;
+
+static int compare_pieces(const void *a, const void *b) {
+    const piece *x = a, *y = b;
+    for (int k = 0; k < x->count && k < y->count; k++)
+        if (x->number[k] < y->number[k] || x->number[k] > y->number[k])
+            return x->number[k] < y->number[k] ? -1 : 1;
+    return (x->count > y->count) - (x->count < y->count);
 }
 
 /* The same value twice would count the same samples twice. */
 static sp_status check_values_differ(const sp_reader *r, const sp_sweep *sweep) {
-    double *sorted = sp_alloc((size_t)sweep->count, sizeof *sorted);
+    piece *sorted = sp_alloc((size_t)sweep->count, sizeof *sorted);
     if (!sorted)
         return sp_fail_memory(r->err, (size_t)sweep->count * sizeof *sorted);
-    memcpy(sorted, sweep->values, (size_t)sweep->count * sizeof *sorted);
-    qsort(sorted, (size_t)sweep->count, sizeof *sorted, compare_values);
+    for (int k = 0; k < sweep->count; k++) {
+        const int begin = sweep->begin ? sweep->begin[k] : k, end = sweep->begin ? sweep->begin[k + 1] : k + 1;
+        sorted[k] = (piece){sweep->values + begin, end - begin, k};
+    }
+    qsort(sorted, (size_t)sweep->count, sizeof *sorted, compare_pieces);
     sp_status status = SP_OK;
-    char value[32];
+    char value[64];
     for (int k = 1; k < sweep->count && status == SP_OK; k++)
-        if (sorted[k] <= sorted[k - 1])
-            status = sp_fail(r->err, SP_EINVAL, "study.sweep of %s: value %s stands there twice", sweep->key,
-                             sp_number_text(sorted[k], value));
+        if (compare_pieces(&sorted[k - 1], &sorted[k]) == 0)
+            status = sp_fail(r->err, SP_EINVAL, "%s: %s stands there twice: the values of a sweep must differ",
+                             sweep->key, sp_sweep_text(sweep, sorted[k].index, value, sizeof value));
     sp_free(sorted);
     return status;
 }
 
-static sp_status read_values(sp_reader *r, const sp_field *f, const config_setting_t *values, sp_sweep *sweep) {
-    if (!config_setting_is_list(values) || config_setting_length(values) < 1)
-        return sp_fail(r->err, SP_EINVAL, "study.sweep of %s: values must be a list of numbers, [1e-7, 1e-4]",
-                       sweep->key);
-    const int count = config_setting_length(values);
-    sweep->values = sp_alloc((size_t)count, sizeof *sweep->values);
-    if (!sweep->values)
-        return sp_fail_memory(r->err, (size_t)count * sizeof *sweep->values);
-    sweep->count = count;
-    for (int k = 0; k < count; k++) {
-        const config_setting_t *value = config_setting_get_elem(values, (unsigned)k);
-        sp_number number;
-        r->line = config_setting_source_line(value);
-        if (!sp_reader_number(value, &number))
-            return sp_reader_wrong(r, f, value);
-        sp_status status = sp_field_check(f, &number, r->err);
-        if (status != SP_OK)
-            return status;
-        sweep->values[k] = number.real + 0.0;
+/* ---- lists ------------------------------------------------------------------------------------------------------ */
+
+sp_status sp_read_sweep_number(sp_reader *r, const sp_field *f, const config_setting_t *setting, double *out) {
+    const double most = 0x1p53; /* integers above are no numbers of 53 bits */
+    sp_number number;
+    r->line = config_setting_source_line(setting);
+    if (!sp_reader_number(setting, &number))
+        return sp_reader_wrong(r, f, setting);
+    sp_status status = sp_field_check(f, &number, r->err);
+    if (status != SP_OK)
+        return status;
+    if (f->type == SP_FIELD_INT64 && (number.integral ? number.integer > (int64_t)most : number.real > most))
+        return sp_fail(r->err, SP_EINVAL, "%s.%s = %.17g: must be %.0f at the most where it is swept", f->group,
+                       f->name, number.real, most);
+    *out = number.real + 0.0;
+    return SP_OK;
+}
+
+/* A value of a key that is no list. */
+static sp_status read_value(sp_reader *r, const sp_field *f, const config_setting_t *setting, double *out) {
+    if (sp_field_is_number(f))
+        return sp_read_sweep_number(r, f, setting, out);
+    r->line = config_setting_source_line(setting);
+    if (f->type == SP_FIELD_BOOL && config_setting_type(setting) == CONFIG_TYPE_BOOL) {
+        *out = config_setting_get_bool(setting) ? 1 : 0;
+        return SP_OK;
     }
+    const sp_word *word = f->type == SP_FIELD_WORD ? sp_reader_word(f, setting) : NULL;
+    if (!word)
+        return sp_reader_wrong(r, f, setting);
+    if (strcmp(f->name, "kind") == 0 && word->value == SP_PACK_FILE)
+        return sp_fail(r->err, SP_EINVAL,
+                       "packing.kind = \"file\": must not be swept: all samples of a study begin with one packing");
+    *out = word->value;
+    return SP_OK;
+}
+
+static sp_status read_scalars(sp_reader *r, const sp_field *f, const config_setting_t *values, sp_sweep *sweep) {
+    sp_status status = SP_OK;
+    sweep->values = sp_alloc((size_t)sweep->count, sizeof *sweep->values);
+    if (!sweep->values)
+        return sp_fail_memory(r->err, (size_t)sweep->count * sizeof *sweep->values);
+    for (int k = 0; k < sweep->count && status == SP_OK; k++)
+        status = read_value(r, f, config_setting_get_elem(values, (unsigned)k), &sweep->values[k]);
+    return status;
+}
+
+static sp_status read_lists(sp_reader *r, const sp_field *f, const config_setting_t *values, sp_sweep *sweep) {
+    size_t total = 0;
+    sp_status status = SP_OK;
+    for (int k = 0; k < sweep->count && status == SP_OK; k++) {
+        const config_setting_t *list = config_setting_get_elem(values, (unsigned)k);
+        r->line = config_setting_source_line(list);
+        status = config_setting_is_list(list) ? sp_reader_length(r, f, list) : sp_reader_wrong(r, f, list);
+        total += status == SP_OK ? (size_t)config_setting_length(list) : 0; /* of one text: below 2^25 */
+    }
+    if (status != SP_OK)
+        return status;
+    sweep->values = sp_alloc(total, sizeof *sweep->values);
+    sweep->begin = sp_alloc((size_t)sweep->count + 1, sizeof *sweep->begin);
+    if (!sweep->values || !sweep->begin)
+        return sp_fail_memory(r->err, total * sizeof *sweep->values);
+    for (int k = 0; k < sweep->count && status == SP_OK; k++) {
+        const config_setting_t *list = config_setting_get_elem(values, (unsigned)k);
+        sweep->begin[k + 1] = sweep->begin[k] + config_setting_length(list);
+        status = sp_reader_list(r, f, list, sweep->values + sweep->begin[k]);
+    }
+    return status;
+}
+
+/* The values of a list or a range; what was read is the sweep's on failure, too. */
+static sp_status read_values(sp_reader *r, const sp_field *f, const config_setting_t *values, sp_sweep *sweep) {
+    const unsigned line = r->line;
+    sp_status status;
+    snprintf(sweep->key, sizeof sweep->key, "%s.%s", f->group, f->name);
+    if (config_setting_is_group(values)) {
+        status = sp_read_range(r, f, values, sweep);
+    } else {
+        sweep->count = config_setting_is_list(values) ? config_setting_length(values) : 0;
+        if (sweep->count < 1)
+            return sp_fail(r->err, SP_EINVAL, "%s: what is swept must be a list of values, such as %s", sweep->key,
+                           f->type == SP_FIELD_REALS  ? "([1e-4], [1e-3, 1e-4])"
+                           : f->type == SP_FIELD_WORD ? "[\"...\", \"...\"]"
+                           : f->type == SP_FIELD_BOOL
+                               ? "[false, true]"
+                               : "[1e-7, 1e-4], or a range { from = 1e-7; to = 1e-4; count = 4; }");
+        status = f->type == SP_FIELD_REALS ? read_lists(r, f, values, sweep) : read_scalars(r, f, values, sweep);
+    }
+    if (status != SP_OK)
+        return status;
+    r->line = line;
     return check_values_differ(r, sweep);
+}
+
+/* ---- study.sweep ------------------------------------------------------------------------------------------------ */
+
+/* The key of an entry, or why there is none. */
+static sp_status find_key(const sp_reader *r, const char *key, const sp_field **out) {
+    const sp_field *f = sp_field_find(key);
+    if (f && sp_field_not_swept(f))
+        return sp_fail(r->err, SP_EINVAL, "study.sweep: key \"%.60s\" cannot be swept: %s", key, sp_field_not_swept(f));
+    if (!f) {
+        const char *dot = strchr(key, '.');
+        char group[64];
+        snprintf(group, sizeof group, "%.*s", dot ? (int)(dot - key < 60 ? dot - key : 60) : 7, dot ? key : "packing");
+        const sp_field *near = sp_field_nearest(group, dot ? dot + 1 : key);
+        const bool hint = near && !sp_field_not_swept(near);
+        return sp_fail(r->err, SP_EINVAL,
+                       "study.sweep: key \"%.60s\" is unknown: must be a key of packing or network, or "
+                       "signal.source%s%s%s%s%s",
+                       key, hint ? " (did you mean " : "", hint ? near->group : "", hint ? "." : "",
+                       hint ? near->name : "", hint ? "?)" : "");
+    }
+    *out = f;
+    return SP_OK;
 }
 
 static sp_status read_sweep(sp_reader *r, const config_setting_t *one, sp_sweep *sweep) {
     const char *key = NULL;
     const config_setting_t *values = NULL;
+    bool range = false;
     r->line = config_setting_source_line(one);
     if (config_setting_is_group(one)) {
         config_setting_lookup_string(one, "key", &key);
         values = config_setting_get_member(one, "values");
+        range = config_setting_get_member(one, "from") || config_setting_get_member(one, "to");
     }
-    if (!key || !values || config_setting_length(one) != 2)
+    if (!key || (!values && !range) || (values && config_setting_length(one) != 2))
         return sp_fail(r->err, SP_EINVAL,
-                       "study.sweep: each entry must be { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }");
-    const sp_field *f = sp_field_find(key);
-    if (!f || !sp_field_is_swept(f)) {
-        const char *dot = strchr(key, '.');
-        const sp_field *near = f ? NULL : sp_field_nearest("packing", dot ? dot + 1 : key);
-        const bool hint = near && sp_field_is_swept(near);
-        return sp_fail(
-            r->err, SP_EINVAL,
-            "study.sweep: key \"%.60s\" %s: must be a numeric key of packing or network, not the seed%s%s%s%s%s", key,
-            f ? "cannot be swept" : "is unknown", hint ? " (did you mean " : "", hint ? near->group : "",
-            hint ? "." : "", hint ? near->name : "", hint ? "?)" : "");
-    }
+                       "study.sweep: each entry must be { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, or { "
+                       "key = \"packing.pressure\"; from = 1e-7; to = 1e-4; count = 4; spacing = \"log\"; }");
+    const sp_field *f = NULL;
+    sp_status status = find_key(r, key, &f);
+    if (status != SP_OK)
+        return status;
     for (const sp_sweep *other = r->scene.sweep; other < sweep; other++)
         if (strcmp(other->key, key) == 0)
             return sp_fail(r->err, SP_EINVAL, "study.sweep: key \"%s\" is swept twice", key);
-    snprintf(sweep->key, sizeof sweep->key, "%s", key);
-    return read_values(r, f, values, sweep);
+    if (values && config_setting_is_group(values))
+        return sp_fail(r->err, SP_EINVAL, "study.sweep of %s: values must be a list, a range has its place beside key",
+                       key);
+    return read_values(r, f, values ? values : one, sweep);
 }
 
 sp_status sp_read_sweeps(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
@@ -99,114 +202,65 @@ sp_status sp_read_sweeps(sp_reader *r, const sp_field *f, const config_setting_t
     return SP_OK;
 }
 
-/* Every combination of the swept values must make a packing. */
-static sp_status check_combinations(const sp_reader *r, int64_t combinations) {
-    sp_scene one = r->scene; /* its sweeps stay the reader's */
-    const sp_field *fields[SP_SWEEPS_MAX];
-    for (int i = 0; i < one.sweeps; i++)
-        fields[i] = sp_field_find(one.sweep[i].key);
-    for (int64_t k = 0; k < combinations; k++) {
-        int64_t rest = k;
-        for (int i = 0; i < one.sweeps; i++) {
-            const sp_sweep *sweep = &one.sweep[i];
-            sp_field_store(&one, fields[i], &(sp_number){.real = sweep->values[rest % sweep->count]}, NULL);
-            rest /= sweep->count;
-        }
-        sp_scene sample = one;
-        sp_status status = sp_scene_resolve(&sample, r->err);
-        if (status == SP_OK)
-            status = sp_pack_spec_check(&sample.pack, r->err);
-        if (status != SP_OK)
-            return sp_fail_prefix(r->err, "study.sweep");
+/* ---- keys that are given lists or ranges ------------------------------------------------------------------------ */
+
+static int find_direct(const sp_reader *r, const sp_field *f) {
+    for (int k = 0; k < r->directs; k++)
+        if (sp_field_find(r->direct[k].key) == f)
+            return k;
+    return -1;
+}
+
+sp_status sp_read_direct(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
+    const char *reason = sp_field_not_swept(f);
+    if (reason)
+        return sp_fail(r->err, SP_EINVAL, "%s.%s cannot be swept: %s: must be one value", f->group, f->name, reason);
+    sp_sweep sweep = {0};
+    int place = find_direct(r, f);
+    sp_status status = read_values(r, f, setting, &sweep);
+    if (status == SP_OK && place < 0 && r->directs == SP_SWEEPS_MAX)
+        status =
+            sp_fail(r->err, SP_EINVAL, "%s: one swept key too many: must be %d at the most", sweep.key, SP_SWEEPS_MAX);
+    if (status == SP_OK)
+        status = sp_sweep_store(&r->scene, f, &sweep, 0, r->err);
+    if (status != SP_OK) {
+        sp_sweep_free(&sweep);
+        return status;
     }
+    if (place < 0)
+        place = r->directs++;
+    else
+        sp_sweep_free(&r->direct[place]);
+    r->direct[place] = sweep;
     return SP_OK;
 }
 
-static bool is_swept(const sp_scene *s, const char *key) {
-    for (int i = 0; i < s->sweeps; i++)
-        if (strcmp(s->sweep[i].key, key) == 0)
-            return true;
-    return false;
+void sp_drop_direct(sp_reader *r, const sp_field *f) {
+    const int place = find_direct(r, f);
+    if (place < 0)
+        return;
+    sp_sweep_free(&r->direct[place]);
+    r->directs--;
+    for (int k = place; k < r->directs; k++)
+        r->direct[k] = r->direct[k + 1];
+    r->direct[r->directs] = (sp_sweep){0};
 }
 
-static int given_by(const sp_reader *r, const char *key) { return r->given[sp_field_index(sp_field_find(key))]; }
-
-/* Whether an override gave the swept key a value, which no sample of the study would have. Grains and height say the
- * same in two ways. */
-static bool is_overridden(const sp_reader *r, const char *key) {
-    const char *other = strcmp(key, "packing.height") == 0   ? "packing.grains"
-                        : strcmp(key, "packing.grains") == 0 ? "packing.height"
-                                                             : key;
-    return given_by(r, key) == SP_FROM_OVERRIDE || given_by(r, other) == SP_FROM_OVERRIDE;
-}
-
-static sp_status check_height(const sp_reader *r) {
-    const sp_scene *s = &r->scene;
-    const bool height_swept = is_swept(s, "packing.height"), grains_swept = is_swept(s, "packing.grains");
-    const bool grains =
-        grains_swept || (given_by(r, "packing.grains") != 0 && s->pack.grains != sp_pack_spec_default().grains);
-    const bool one_overridden = (height_swept && is_overridden(r, "packing.height") && !grains_swept) ||
-                                (grains_swept && is_overridden(r, "packing.grains") && !height_swept);
-    if (!(s->height > 0 || height_swept) || !grains || one_overridden) /* of which a study takes neither */
-        return SP_OK;
-    char height[32], number[32];
-    snprintf(height, sizeof height, "= %s", sp_number_text(s->height, number));
-    snprintf(number, sizeof number, "= %d", s->pack.grains);
-    return sp_fail(r->err, SP_EINVAL,
-                   "packing.height %s: must not be given beside packing.grains %s: the height says how many grains",
-                   height_swept ? "(swept)" : height, grains_swept ? "(swept)" : number);
-}
-
-/* What is wanted must be said in full. */
-static sp_status check_wants(const sp_scene *s, sp_error *err) {
-    if (s->want & SP_WANT_PLANES && s->planes == 0)
-        return sp_fail(err, SP_EINVAL,
-                       "study.want: planes are those of signal.planes = [12.5, 25], which must be given");
+sp_status sp_join_sweeps(sp_reader *r, int *listed) {
+    sp_scene *s = &r->scene;
+    *listed = s->sweeps;
+    for (int k = 0; k < r->directs; k++)
+        for (int i = 0; i < *listed; i++)
+            if (strcmp(s->sweep[i].key, r->direct[k].key) == 0)
+                return sp_fail(r->err, SP_EINVAL, "%s: is swept here and by study.sweep: must be swept in one place",
+                               r->direct[k].key);
+    if (s->sweeps + r->directs > SP_SWEEPS_MAX)
+        return sp_fail(r->err, SP_EINVAL, "%s: one of %d swept keys: must be %d at the most", r->direct[0].key,
+                       s->sweeps + r->directs, SP_SWEEPS_MAX);
+    for (int k = 0; k < r->directs; k++) {
+        s->sweep[s->sweeps++] = r->direct[k];
+        r->direct[k] = (sp_sweep){0};
+    }
+    r->directs = 0;
     return SP_OK;
-}
-
-/* The number of grains of one packing is that of its height. A study keeps the height for its other widths. */
-static sp_status take_height(sp_reader *r) {
-    const double height = r->scene.height;
-    sp_status status = sp_scene_resolve(&r->scene, r->err);
-    if (status == SP_OK && r->scene.sweeps > 0)
-        r->scene.height = height;
-    return status;
-}
-
-sp_status sp_reader_check(sp_reader *r) {
-    if (r->list[0]) {
-        sp_status listed = sp_reader_load_list(r);
-        if (listed != SP_OK)
-            return listed;
-    }
-    const sp_field *dimension = sp_field_find("packing.dimension");
-    if (r->scene.pack.kind == SP_PACK_CHAIN && r->given[sp_field_index(dimension)] == 0)
-        r->scene.pack.dim = 1;
-    if (r->scene.pack.kind == SP_PACK_FILE && !r->scene.from[0])
-        return sp_fail(r->err, SP_EINVAL, "packing.file = \"\": must name a packing for packing.kind = \"file\"");
-    if (r->scene.pack.kind != SP_PACK_FILE && r->scene.from[0])
-        return sp_fail(r->err, SP_EINVAL, "packing.kind: must be \"file\" where packing.file = \"%.200s\" is given",
-                       r->scene.from);
-    double combinations = 1;
-    for (int i = 0; i < r->scene.sweeps; i++) {
-        sp_sweep *sweep = &r->scene.sweep[i];
-        combinations *= sweep->count;
-        sweep->overridden = is_overridden(r, sweep->key);
-    }
-    if (combinations * r->scene.samples > MOST_SAMPLES)
-        return sp_fail(r->err, SP_EINVAL,
-                       "study.samples = %d: %d samples of %.0f combinations: must be %.0f together at the most",
-                       r->scene.samples, r->scene.samples, combinations, MOST_SAMPLES);
-    if (r->scene.pack.seed > (uint64_t)(INT64_MAX - r->scene.samples))
-        return sp_fail(r->err, SP_EINVAL, "packing.seed = %llu: the seeds of %d samples must stay below %lld",
-                       (unsigned long long)r->scene.pack.seed, r->scene.samples, (long long)INT64_MAX);
-    sp_status status = check_height(r);
-    if (status == SP_OK)
-        status = check_wants(&r->scene, r->err);
-    if (status == SP_OK)
-        status = take_height(r);
-    if (status == SP_OK)
-        status = sp_pack_spec_check(&r->scene.pack, r->err);
-    return status == SP_OK && r->scene.sweeps > 0 ? check_combinations(r, (int64_t)combinations) : status;
 }

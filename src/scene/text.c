@@ -60,24 +60,36 @@ static void put_list(writer *w, const sp_field *f, unsigned bits) {
     put(w, "]");
 }
 
-static void put_sweeps(writer *w, const sp_scene *s) {
-    char value[32];
-    put(w, "(");
-    for (int k = 0; k < s->sweeps; k++) {
-        put(w, "%s\n    { key = \"%s\"; values = (", k > 0 ? "," : "", s->sweep[k].key);
-        for (int i = 0; i < s->sweep[k].count; i++)
-            put(w, "%s%s", i > 0 ? ", " : "", sp_number_text(s->sweep[k].values[i], value));
-        put(w, "); }");
-    }
-    put(w, s->sweeps > 0 ? "\n  )" : ")");
-}
-
 static void put_reals(writer *w, const double *values, int32_t count) {
     char value[32];
     put(w, "(");
     for (int32_t k = 0; k < count; k++)
         put(w, "%s%s", k == 0 ? "" : k % 8 ? ", " : ",\n    ", sp_number_text(values[k], value));
     put(w, ")");
+}
+
+/* Value k of a sweep as it is read. */
+static void put_swept(writer *w, const sp_sweep *sweep, int k) {
+    const sp_field *f = sp_field_find(sweep->key);
+    const char *quote = f && f->type == SP_FIELD_WORD ? "\"" : "";
+    char value[64];
+    if (sweep->begin)
+        put_reals(w, sweep->values + sweep->begin[k], sweep->begin[k + 1] - sweep->begin[k]);
+    else
+        put(w, "%s%s%s", quote, sp_sweep_text(sweep, k, value, sizeof value), quote);
+}
+
+static void put_sweeps(writer *w, const sp_scene *s) {
+    put(w, "(");
+    for (int k = 0; k < s->sweeps; k++) {
+        put(w, "%s\n    { key = \"%s\"; values = (", k > 0 ? "," : "", s->sweep[k].key);
+        for (int i = 0; i < s->sweep[k].count; i++) {
+            put(w, i > 0 ? ", " : "");
+            put_swept(w, &s->sweep[k], i);
+        }
+        put(w, "); }");
+    }
+    put(w, s->sweeps > 0 ? "\n  )" : ")");
 }
 
 /* A name as a string of libconfig. */
@@ -121,8 +133,13 @@ static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
     }
 }
 
-/* Of grains and height the one that decides: a scene says the same, whichever it was given by, once it is resolved. */
-static bool left_out(const sp_scene *s, const sp_field *f) {
+/* Of grains and height the one that decides: a scene says the same, whichever it was given by, once it is resolved. Of
+ * a whole scene the dimension that is each kind's own. */
+static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
+    if (strcmp(f->name, "dimension") == 0 && !group && !s->dimension_given)
+        for (int k = 0; k < s->sweeps; k++)
+            if (strcmp(s->sweep[k].key, "packing.kind") == 0)
+                return true;
     return (strcmp(f->name, "height") == 0 && !(s->height > 0)) || (strcmp(f->name, "grains") == 0 && s->height > 0);
 }
 
@@ -131,7 +148,7 @@ char *sp_scene_text(const sp_scene *s, const char *group) {
     const char *open = NULL; /* the group under way */
     for (int k = 0; k < SP_FIELDS; k++) {
         const sp_field *f = &sp_fields[k];
-        if ((group && strcmp(group, f->group) != 0) || left_out(s, f))
+        if ((group && strcmp(group, f->group) != 0) || left_out(s, f, group))
             continue;
         if (!open || strcmp(open, f->group) != 0)
             put(&w, "%s%s = {\n", open ? "};\n" : "", f->group);
@@ -145,13 +162,25 @@ char *sp_scene_text(const sp_scene *s, const char *group) {
 }
 
 char *sp_scene_help(void) {
-    static const char head[] = "A scene says what to make, in libconfig syntax:\n\n"
-                               "  packing = { kind = \"piston\"; grains = 600; pressure = 1e-4; };\n"
-                               "  study = { samples = 30; want = [\"ctof\", \"statics\"]; sweep = (\n"
-                               "    { key = \"packing.pressure\"; values = [1e-7, 1e-6, 1e-5, 1e-4]; },\n"
-                               "    { key = \"packing.grains\"; values = [200, 600]; } ); };\n\n"
-                               "Every key may be left out; --set key=value overrides it. # begins a comment.\n"
-                               "Lengths in mean grain diameters d, pressures in E*, times in d/sqrt(E* / rho).\n";
+    static const char head[] =
+        "A scene says what to make, in libconfig syntax:\n\n"
+        "  packing = { kind = \"piston\"; grains = 600; pressure = 1e-4; };\n"
+        "  study = { samples = 30; want = [\"ctof\", \"statics\"]; sweep = (\n"
+        "    { key = \"packing.pressure\"; values = [1e-7, 1e-6, 1e-5, 1e-4]; },\n"
+        "    { key = \"packing.grains\"; values = [200, 600]; } ); };\n\n"
+        "Every key may be left out; --set key=value overrides it. # begins a comment.\n"
+        "Lengths in mean grain diameters d, pressures in E*, times in d/sqrt(E* / rho).\n\n"
+        "A study sweeps every key that is given a list of values or a range in the place of its value, and those of\n"
+        "study.sweep; it makes every combination:\n\n"
+        "  packing = { pressure = { from = 1e-7; to = 1e-4; count = 4; spacing = \"log\"; };\n"
+        "    friction = { from = 0; to = 0.5; step = 0.1; }; sizes = [\"uniform\", \"bidisperse\"]; };\n"
+        "  study = { sweep = ( { key = \"packing.grains\"; from = 200; to = 600; count = 3; },\n"
+        "    { key = \"packing.history\"; values = ( [], [1e-3], [1e-3, 1e-5] ); } ); };\n\n"
+        "A range has equal steps, or equal ratios (spacing = \"log\", which rounds integers), and both of its ends.\n"
+        "Keys that are lists themselves are swept by study.sweep. What makes another sample may be swept: packing and\n"
+        "network, without packing.file, packing.content and packing.diameter_file, and signal.source. Values of\n"
+        "packing.seed must differ by study.samples. The packing that `sonopack pack' makes has the first value of a\n"
+        "list or range in the place of a value. --set takes both, too.\n";
     writer w = {0};
     sp_scene s = sp_scene_default();
     put(&w, "%s", head);

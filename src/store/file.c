@@ -2,6 +2,7 @@
 
 #include "base/base.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -11,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -117,6 +119,15 @@ static void folder_of(const char *path, char folder[SP_PATH_MAX]) {
         snprintf(folder, SP_PATH_MAX, "%.*s", slash == path ? 1 : (int)(slash - path), path);
 }
 
+/* Whether the file is ours for as long as it is open: whoever removes what the dead have left asks for the same lock
+ * first, and may have been faster than we. Without locks nothing is removed. */
+static bool own(int fd) {
+    struct stat info;
+    if (flock(fd, LOCK_EX | LOCK_NB) != 0)
+        return errno != EWOULDBLOCK;
+    return fstat(fd, &info) == 0 && info.st_nlink > 0;
+}
+
 /* Opens a new temporary file in the folder. Its name is its own (process, counter), and of fixed length, so that it
  * fits where the final name fits; an old one of a dead process with the same number is stepped over. */
 static int open_temporary(const char *folder, char name[SP_PATH_MAX]) {
@@ -129,8 +140,12 @@ static int open_temporary(const char *folder, char name[SP_PATH_MAX]) {
             return -1;
         }
         int fd = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (fd >= 0 || errno != EEXIST)
+        if (fd < 0 && errno != EEXIST)
             return fd;
+        if (fd >= 0 && own(fd))
+            return fd;
+        if (fd >= 0)
+            close(fd);
     }
     return -1;
 }
@@ -155,14 +170,13 @@ static sp_status write_renamed(const char *path, const void *data, size_t size, 
         code = errno;
     if (code == 0 && fsync(fd) != 0)
         code = errno;
-    if (close(fd) != 0 && code == 0)
+    if (code == 0 && rename(temporary, path) != 0) /* while it is open, and so ours */
         code = errno;
-    if (code == 0 && rename(temporary, path) != 0)
-        code = errno;
-    if (code != 0) {
+    if (code != 0)
         unlink(temporary);
+    close(fd); /* all its data are on the disk: nothing can be lost any more */
+    if (code != 0)
         return fail_errno(err, "write", path, code);
-    }
     sync_folder(folder);
     return SP_OK;
 }
@@ -200,6 +214,24 @@ sp_status sp_file_write(const char *path, const void *data, size_t size, sp_erro
 
 sp_status sp_text_save(const char *path, const char *text, size_t size, sp_error *err) {
     return sp_file_write(path, text, size, err);
+}
+
+void sp_folder_clean(const char *folder) {
+    DIR *all = opendir(folder);
+    for (struct dirent *entry; all && (entry = readdir(all));) {
+        char path[SP_PATH_MAX];
+        const char *name = entry->d_name, *ending = strrchr(name, '.');
+        if (strncmp(name, ".sonopack-", 10) != 0 || strcmp(ending, ".tmp") != 0 ||
+            (size_t)snprintf(path, sizeof path, "%s/%s", folder, name) >= sizeof path)
+            continue;
+        const int fd = open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0)
+            unlink(path);
+        if (fd >= 0)
+            close(fd);
+    }
+    if (all)
+        closedir(all);
 }
 
 sp_status sp_folder_probe(const char *folder, sp_error *err) {

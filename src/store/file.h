@@ -23,6 +23,9 @@ sp_status sp_file_write(const char *path, const void *data, size_t size, sp_erro
 /* Whether a file can be made in a folder: makes a temporary and removes it. */
 sp_status sp_folder_probe(const char *folder, sp_error *err);
 
+/* Removes the temporary files that processes left behind which were killed while they wrote. */
+void sp_folder_clean(const char *folder);
+
 /* Leaves out HDF5's clean-up at exit, which after a damaged file prints lines of its own to stderr. For programs whose
  * HDF5 files are all closed by then; to be called before anything else. */
 void sp_hdf5_exit_silently(void);

@@ -2,14 +2,20 @@
 #define SP_STORE_FOLDER_H
 /* The files of a store, for what works on all of them. */
 
+#include "store/claim.h"
 #include "store/file.h"
+#include "store/manifest.h"
 #include "store/sample_h5.h"
 
 #include <sonopack/store.h>
 
 struct sp_store {
     char dir[SP_PATH_MAX];
-    bool retry; /* recorded failures are no reason to leave a sample */
+    bool retry;      /* recorded failures are no reason to leave a sample */
+    bool no_writing; /* nothing can be written; why: */
+    sp_error why;
+    sp_manifest *manifest;
+    sp_claims claims;
 };
 
 typedef struct sp_name_list {
@@ -26,7 +32,12 @@ sp_status sp_store_get(const sp_store *store, const char *name, sp_packing *pack
 /* Names with a sample or a failure, sorted, each once. The list begins empty and is the caller's to free, also after an
  * error. */
 sp_status sp_store_names(const sp_store *store, sp_name_list *list, sp_error *err);
-/* Waits for the lock of the folder; closing the descriptor gives it back. Below 0: there is none. */
-int sp_store_lock(const sp_store *store);
+/* The sample of a name: its results, or else its failure; from the manifest where it speaks of the file as it is. */
+sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
+/* Enters the sample of that file into the manifest. */
+void sp_store_enter(const sp_store *store, const sp_sample *sample);
+/* Waits until no other process makes this sample; true: sp_store_unlock gives it back. */
+bool sp_store_lock(sp_store *store, const char *name);
+void sp_store_unlock(sp_store *store, const char *name);
 
 #endif

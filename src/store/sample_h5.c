@@ -147,6 +147,13 @@ static const sp_h5_field signal_field[] = {
 enum { SIGNAL_FIELDS = sizeof signal_field / sizeof *signal_field };
 static const sp_h5_field kind_field =
     SAMPLE(kind, SP_H5_I32, "1", "how it was made: 0 by a piston, 1 a chain, 2 a triangular lattice, 3 from a file");
+/* Parts that were tried and could not be made, with the reason of the first. */
+static const sp_h5_field lacks_field[] = {
+    SAMPLE(lacks, SP_H5_I32, "1",
+           "parts that could not be made: 1 front, 2 statics, 4 moduli, 8 signal, 16 probes, 32 planes"),
+    SAMPLE(lacks_signal, SP_H5_U64, "1", "hash of the signal's keys with which signal and planes were tried"),
+};
+static const sp_h5_name name_reason = {"/results/sample/reason", "1", "why the first of these could not be made"};
 static const sp_h5_name name_t = {"/signal/t", TIME, "time since the pulse at the bottom wall"};
 static const sp_h5_name name_f = {"/signal/F", "E* d^2",
                                   "force on the top wall beyond that at rest, positive in "
@@ -191,6 +198,11 @@ static sp_status put_optional(sp_h5 *h, const sp_sample *s, sp_error *err) {
     return status;
 }
 
+static sp_status put_lacks(sp_h5 *h, const sp_sample *s, sp_error *err) {
+    sp_status status = sp_h5_put_fields(h, sizeof lacks_field / sizeof *lacks_field, lacks_field, s, err);
+    return status == SP_OK ? sp_h5_put_text(h, &name_reason, s->reason, err) : status;
+}
+
 static sp_status put_signal(sp_h5 *h, const sp_signal *s, const sp_signal_made *made, sp_error *err) {
     const sp_h5_shape shape = {1, {s->n}};
     sp_status status = sp_h5_group(h, "/signal", err);
@@ -217,6 +229,8 @@ sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err) {
         status = sp_h5_put_fields(h, SAMPLE_FIELDS, sample_field, &r->sample, err);
     if (status == SP_OK && r->sample.kind != SP_PACK_PISTON)
         status = sp_h5_put_fields(h, 1, &kind_field, &r->sample, err);
+    if (status == SP_OK && r->sample.lacks)
+        status = put_lacks(h, &r->sample, err);
     if (status == SP_OK && r->scene)
         status = sp_h5_put_text(h, &name_scene, r->scene, err);
     for (int k = 0; status == SP_OK && k < PARTS; k++) {
@@ -334,6 +348,17 @@ static sp_status get_name(sp_h5 *h, char name[SP_NAME_MAX], sp_error *err) {
     return status;
 }
 
+static sp_status get_lacks(sp_h5 *h, sp_sample *s, sp_error *err) {
+    char *text = NULL;
+    sp_status status = sp_h5_get_fields(h, sizeof lacks_field / sizeof *lacks_field, lacks_field, s, err);
+    if (status == SP_OK)
+        status = sp_h5_get_text(h, name_reason.path, &text, err);
+    if (status == SP_OK)
+        snprintf(s->reason, sizeof s->reason, "%s", text);
+    sp_free(text);
+    return status;
+}
+
 /* What tables sort and divide by. */
 static sp_status check_sample(sp_h5 *h, const sp_sample *s, sp_error *err) {
     const char *bad = s->dim < 1 || s->dim > 3                                    ? "dim"
@@ -352,18 +377,41 @@ static sp_status check_sample(sp_h5 *h, const sp_sample *s, sp_error *err) {
     return SP_OK;
 }
 
-sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *err) {
-    sp_record r = {.sample.moduli = {.error11 = NAN,
-                                     .error12 = NAN,
-                                     .error13 = NAN,
-                                     .error22 = NAN,
-                                     .error23 = NAN,
-                                     .error33 = NAN,
-                                     .error44 = NAN,
-                                     .error55 = NAN,
-                                     .error66 = NAN}}; /* not kept */
+sp_sample sp_sample_kept(void) {
+    sp_sample s = {.moduli = {.error11 = NAN,
+                              .error12 = NAN,
+                              .error13 = NAN,
+                              .error22 = NAN,
+                              .error23 = NAN,
+                              .error33 = NAN,
+                              .error44 = NAN,
+                              .error55 = NAN,
+                              .error66 = NAN}};
     for (int k = 0; k < SP_PROBES; k++)
-        r.sample.probe[k] = (sp_probed){.error_along = NAN, .error_shear = NAN, .grain = -1};
+        s.probe[k] = (sp_probed){.error_along = NAN, .error_shear = NAN, .grain = -1};
+    return s;
+}
+
+static int add_results(sp_result *out, int used, int count, const sp_h5_field *field, const sp_result *of) {
+    for (int k = 0; k < count; k++)
+        out[used + k] = (sp_result){&field[k], of->offset + field[k].offset, of->want};
+    return used + count;
+}
+
+int sp_results(sp_result out[SP_RESULTS_MAX]) {
+    const sp_result always = {0};
+    int used = add_results(out, 0, SAMPLE_FIELDS, sample_field, &always);
+    used = add_results(out, used, 1, &kind_field, &always);
+    used = add_results(out, used, sizeof lacks_field / sizeof *lacks_field, lacks_field, &always);
+    for (int k = 0; k < PARTS; k++)
+        used = add_results(out, used, part[k].count, part[k].field, &(sp_result){NULL, part[k].offset, part[k].want});
+    for (int k = 0; k < OPTIONAL; k++)
+        used = add_results(out, used, optional[k].count, optional[k].field, &(sp_result){NULL, 0, optional[k].want});
+    return used;
+}
+
+sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *err) {
+    sp_record r = {.sample = sp_sample_kept()};
     if (!sp_h5_has(h, "/results/sample"))
         return sp_h5_fail(h, err, SP_EFORMAT, "no group /results/sample: not a sample of a store");
     sp_status status = get_name(h, r.sample.name, err);
@@ -371,6 +419,8 @@ sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *er
         status = sp_h5_get_fields(h, SAMPLE_FIELDS, sample_field, &r.sample, err);
     if (status == SP_OK && sp_h5_has(h, kind_field.name.path))
         status = sp_h5_get_fields(h, 1, &kind_field, &r.sample, err);
+    if (status == SP_OK && sp_h5_has(h, lacks_field[0].name.path))
+        status = get_lacks(h, &r.sample, err);
     for (int k = 0; status == SP_OK && k < PARTS; k++) {
         if (!sp_h5_has(h, part[k].group))
             continue;

@@ -1,5 +1,6 @@
 /* A store: NAME.h5 for each sample, NAME.failed for each that could not be made, NAME.bad for damaged files that a new
- * one took the place of, or that a check put aside. Everything else in the folder is left alone. */
+ * one took the place of, or that a check put aside; the index manifest.tsv, and .sonopack-lock. Everything else in the
+ * folder is left alone. */
 #include "base/base.h"
 #include "store/failure.h"
 #include "store/file.h"
@@ -13,7 +14,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -42,6 +42,25 @@ static sp_status check_folder(const char *dir, sp_error *err) {
     return SP_OK;
 }
 
+/* Where nothing can be written there may still be samples to make tables of. */
+static sp_status prepare_writing(sp_store *store, sp_error *err) {
+    sp_name_list list = {0};
+    sp_error why = {0};
+    if (sp_folder_probe(store->dir, &why) == SP_OK) {
+        sp_folder_clean(store->dir);
+        sp_manifest_allow_adding(store->manifest);
+        sp_manifest_tidy(store->manifest);
+        return SP_OK;
+    }
+    sp_status status = sp_store_names(store, &list, err);
+    if (status == SP_OK && list.count == 0)
+        status = sp_fail(err, SP_EIO, "%s", why.text);
+    sp_free(list.name);
+    store->no_writing = true;
+    store->why = why;
+    return status;
+}
+
 sp_status sp_store_open(const char *dir, bool create, sp_store **out, sp_error *err) {
     if (!*dir || strlen(dir) >= SP_PATH_MAX - 64)
         return sp_fail(err, SP_EIO, "cannot open the store '%.100s': its path must have 1..%d characters", dir,
@@ -49,19 +68,29 @@ sp_status sp_store_open(const char *dir, bool create, sp_store **out, sp_error *
     if (create && mkdir(dir, 0777) != 0 && errno != EEXIST)
         return sp_fail(err, SP_EIO, "cannot make the store %s: %s", dir, strerror(errno));
     sp_status status = check_folder(dir, err);
-    if (status == SP_OK && create)
-        status = sp_folder_probe(dir, err);
     if (status != SP_OK)
         return status;
     sp_store *store = sp_alloc(1, sizeof *store);
     if (!store)
         return sp_fail_memory(err, sizeof *store);
     memcpy(store->dir, dir, strlen(dir));
+    store->claims.fd = -1;
+    status = sp_manifest_open(dir, &store->manifest, err);
+    if (status == SP_OK && create)
+        status = prepare_writing(store, err);
+    if (status != SP_OK) {
+        sp_store_close(store);
+        return status;
+    }
     *out = store;
     return SP_OK;
 }
 
-void sp_store_close(sp_store *store) { sp_free(store); }
+void sp_store_close(sp_store *store) {
+    sp_manifest_close(store->manifest);
+    sp_claims_close(&store->claims);
+    sp_free(store);
+}
 
 void sp_store_retry(sp_store *store, bool retry) { store->retry = retry; }
 
@@ -106,19 +135,72 @@ static sp_status write_file(const sp_store *store, const sp_record *r, const sp_
 
 /* ---- the sink -------------------------------------------------------------------------------------------------- */
 
-static bool sink_has(void *user, const char *name, unsigned want) {
-    const sp_store *store = user;
-    if (!is_name(name))
-        return false;
-    if (!store->retry && sp_store_holds(store, name, "failed"))
-        return true;
-    sp_record r;
-    if (!sp_store_holds(store, name, "h5") || sp_store_get(store, name, NULL, false, &r, NULL) != SP_OK)
-        return false;
-    bool has = (r.sample.have & want) == want;
-    sp_record_free(&r);
-    return has;
+/* *info of the file, if it is there. */
+static bool file_of(const sp_store *store, const char *name, const char *ending, struct stat *info) {
+    char path[SP_PATH_MAX];
+    sp_store_path(store, name, ending, path);
+    return stat(path, info) == 0;
 }
+
+void sp_store_enter(const sp_store *store, const sp_sample *sample) {
+    struct stat info;
+    if (file_of(store, sample->name, sample->failed ? "failed" : "h5", &info) && S_ISREG(info.st_mode))
+        sp_manifest_add(store->manifest, &info, sample);
+}
+
+sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
+    char path[SP_PATH_MAX];
+    struct stat info;
+    sp_record r;
+    sp_status status;
+    const bool made = file_of(store, name, "h5", &info);
+    if (!made && !file_of(store, name, "failed", &info))
+        return sp_fail(err, SP_EIO, "no sample %s in the store %s", name, store->dir);
+    if (sp_manifest_find(store->manifest, name, !made, &info, out))
+        return SP_OK;
+    sp_store_path(store, name, "failed", path);
+    status = made ? sp_store_get(store, name, NULL, false, &r, err) : sp_failure_read(path, name, out, err);
+    if (status == SP_OK && made) {
+        *out = r.sample;
+        sp_record_free(&r);
+    }
+    if (status == SP_OK)
+        sp_manifest_add(store->manifest, &info, out); /* as the file was before it was read */
+    return status;
+}
+
+static sp_stored sink_has(void *user, const sp_scene *scene, const char *name) {
+    const sp_store *store = user;
+    sp_sample sample;
+    struct stat info;
+    if (!is_name(name))
+        return SP_STORED_NOT;
+    if (file_of(store, name, "h5", &info) && sp_store_sample(store, name, &sample, NULL) == SP_OK) {
+        const sp_stored stored = sp_sample_stored(scene, &sample);
+        return stored == SP_STORED_FAILED && store->retry ? SP_STORED_NOT : stored;
+    }
+    return !store->retry && sp_store_holds(store, name, "failed") ? SP_STORED_FAILED : SP_STORED_NOT;
+}
+
+static sp_status sink_claim(void *user, const char *name, bool *taken, sp_error *err) {
+    sp_store *store = user;
+    if (store->no_writing)
+        return sp_fail(err, SP_EIO, "%s", store->why.text);
+    *taken = sp_claim_take(&store->claims, store->dir, name, false) != SP_CLAIM_OTHERS;
+    return SP_OK;
+}
+
+static void sink_release(void *user, const char *name) {
+    sp_store *store = user;
+    sp_claim_release(&store->claims, name);
+}
+
+bool sp_store_lock(sp_store *store, const char *name) {
+    return !sp_claim_holds(&store->claims, name) &&
+           sp_claim_take(&store->claims, store->dir, name, true) == SP_CLAIM_MINE;
+}
+
+void sp_store_unlock(sp_store *store, const char *name) { sp_claim_release(&store->claims, name); }
 
 static sp_status sink_load(void *user, const char *name, sp_packing *packing, sp_sample *sample, bool *found,
                            sp_error *err) {
@@ -138,6 +220,18 @@ static sp_status sink_load(void *user, const char *name, sp_packing *packing, sp
     return SP_OK;
 }
 
+/* What could not be made then, and was neither tried nor made now. */
+static void keep_lacks(sp_sample *fresh, const sp_sample *old) {
+    const unsigned described = SP_WANT_SIGNAL | SP_WANT_PLANES, kept = old->lacks & ~fresh->have & ~fresh->lacks;
+    if (kept == 0)
+        return;
+    if (fresh->lacks == 0)
+        memcpy(fresh->reason, old->reason, sizeof fresh->reason);
+    if (!(fresh->lacks & described))
+        fresh->lacks_signal = old->lacks_signal;
+    fresh->lacks |= kept;
+}
+
 /* Adds to `fresh` what only the old record has. The signal and the scene change hands. */
 static void keep_old_parts(sp_record *fresh, sp_record *old) {
     const unsigned missing = old->sample.have & ~fresh->sample.have;
@@ -155,6 +249,7 @@ static void keep_old_parts(sp_record *fresh, sp_record *old) {
         memcpy(fresh->sample.plane_front, old->sample.plane_front, sizeof fresh->sample.plane_front);
     }
     fresh->sample.have |= missing;
+    keep_lacks(&fresh->sample, &old->sample);
     if (fresh->signal.n == 0) {
         sp_signal none = fresh->signal;
         fresh->signal = old->signal;
@@ -222,46 +317,48 @@ static sp_status save_made(const sp_store *store, const sp_scene *scene, const s
         char path[SP_PATH_MAX];
         sp_store_path(store, sample->name, "failed", path);
         unlink(path); /* it did not fail for good */
+        sp_store_enter(store, &fresh.sample);
     }
     sp_packing_free(&stored);
     sp_record_free(&fresh);
     return status;
 }
 
-/* Between reading the old parts and writing the new file no other process may write: a lock on the folder itself, which
- * leaves no file behind. Where a file system has no locks, a part may be lost that is then computed again. */
-int sp_store_lock(const sp_store *store) {
-    int fd = open(store->dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    while (fd >= 0 && flock(fd, LOCK_EX) != 0)
-        if (errno != EINTR)
-            break;
-    return fd;
+static sp_status save_failed(const sp_store *store, const sp_sample *sample, sp_error *err) {
+    char path[SP_PATH_MAX];
+    sp_sample again;
+    sp_store_path(store, sample->name, "failed", path);
+    sp_status status = sp_failure_save(path, sample, err);
+    if (status == SP_OK && sp_failure_read(path, sample->name, &again, NULL) == SP_OK)
+        sp_store_enter(store, &again);
+    return status;
 }
 
+/* Between reading the old parts and writing the new file no other process may write. */
 static sp_status sink_save(void *user, const sp_scene *scene, const sp_sample *sample, const sp_packing *packing,
                            const sp_signal *signal, sp_error *err) {
-    const sp_store *store = user;
+    sp_store *store = user;
     if (!is_name(sample->name))
         return sp_fail(err, SP_EINVAL, "sample name '%.40s': must be 32 hexadecimal digits", sample->name);
-    if (sample->failed) {
-        char path[SP_PATH_MAX];
-        sp_store_path(store, sample->name, "failed", path);
-        return sp_failure_save(path, sample, err);
-    }
-    if (packing) {
-        sp_status status = sp_packing_check(packing, err);
-        if (status != SP_OK)
-            return status;
-    }
-    int lock = sp_store_lock(store);
-    sp_status status = save_made(store, scene, sample, packing, signal, err);
-    if (lock >= 0)
-        close(lock);
+    if (sample->failed)
+        return save_failed(store, sample, err);
+    sp_status status = packing ? sp_packing_check(packing, err) : SP_OK;
+    if (status != SP_OK)
+        return status;
+    const bool locked = sp_store_lock(store, sample->name);
+    status = save_made(store, scene, sample, packing, signal, err);
+    if (locked)
+        sp_store_unlock(store, sample->name);
     return status;
 }
 
 sp_study_sink sp_store_sink(sp_store *store) {
-    return (sp_study_sink){.user = store, .has = sink_has, .load = sink_load, .save = sink_save};
+    return (sp_study_sink){.user = store,
+                           .has = sink_has,
+                           .claim = sink_claim,
+                           .release = sink_release,
+                           .load = sink_load,
+                           .save = sink_save};
 }
 
 /* ---- all samples ----------------------------------------------------------------------------------------------- */
@@ -310,21 +407,6 @@ sp_status sp_store_names(const sp_store *store, sp_name_list *list, sp_error *er
     return SP_OK;
 }
 
-/* The sample of a name: its results, or else its failure. */
-static sp_status read_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
-    char path[SP_PATH_MAX];
-    sp_store_path(store, name, "failed", path);
-    if (!sp_store_holds(store, name, "h5"))
-        return sp_failure_read(path, name, out, err);
-    sp_record r;
-    sp_status status = sp_store_get(store, name, NULL, false, &r, err);
-    if (status == SP_OK) {
-        *out = r.sample;
-        sp_record_free(&r);
-    }
-    return status;
-}
-
 sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, sp_sample *sample, sp_signal *signal,
                         sp_error *err) {
     if (!is_name(name))
@@ -356,7 +438,7 @@ sp_status sp_store_samples(sp_store *store, int64_t *n, sp_sample **samples, int
         status = sp_fail_memory(err, (size_t)list.count * sizeof *all);
     for (int64_t k = 0; status == SP_OK && k < list.count; k++) {
         sp_error reason = {0};
-        sp_status one = read_sample(store, list.name[k], &all[good], &reason);
+        sp_status one = sp_store_sample(store, list.name[k], &all[good], &reason);
         if (one == SP_OK) {
             good++;
         } else if (one == SP_ENOMEM) {

@@ -90,6 +90,8 @@ static sp_status check_sample(const sp_store *store, const char *name, double to
     if (status != SP_OK)
         return status;
     status = check_content(&r, &p, tolerance, err);
+    if (status == SP_OK)
+        sp_store_enter(store, &r.sample);
     if (status != SP_OK && status != SP_ENOMEM)
         status = SP_EFAILED; /* it was read: whatever is wrong with it, it stays */
     sp_packing_free(&p);
@@ -104,6 +106,8 @@ static sp_status check_record(const sp_store *store, const char *name, sp_error 
     sp_store_path(store, name, "failed", path);
     sp_status status = sp_failure_read(path, name, &s, err);
     if (status == SP_OK)
+        sp_store_enter(store, &s);
+    if (status == SP_OK)
         sp_fail(err, SP_OK, "%s", s.reason);
     return status;
 }
@@ -113,20 +117,20 @@ static sp_status check_file(const sp_store *store, const char *name, bool record
 }
 
 /* Under the lock, and only if it is still damaged: another process may have made it anew. */
-static bool put_aside(const sp_store *store, const char *name, bool record) {
+static bool put_aside(sp_store *store, const char *name, bool record) {
     char path[SP_PATH_MAX], bad[SP_PATH_MAX];
     sp_error again = {0};
     sp_store_path(store, name, record ? "failed" : "h5", path);
     sp_store_path(store, name, "bad", bad);
-    int lock = sp_store_lock(store);
+    const bool locked = sp_store_lock(store, name);
     bool aside = check_file(store, name, record, INFINITY, &again) == SP_EFORMAT && rename(path, bad) == 0;
-    if (lock >= 0)
-        close(lock);
+    if (locked)
+        sp_store_unlock(store, name);
     return aside;
 }
 
 /* One file; SP_EINTERRUPTED when the caller has seen enough. */
-static sp_status look(const sp_store *store, const sp_store_check *check, sp_store_finding *f, const char *name,
+static sp_status look(sp_store *store, const sp_store_check *check, sp_store_finding *f, const char *name,
                       sp_error *err) {
     char file[SP_NAME_MAX + 8];
     sp_error reason = {0};
@@ -147,6 +151,8 @@ static sp_status look(const sp_store *store, const sp_store_check *check, sp_sto
 sp_status sp_store_verify(sp_store *store, const sp_store_check *check, sp_error *err) {
     sp_name_list all = {0};
     sp_status status = SP_OK;
+    if (access(store->dir, W_OK) == 0)
+        sp_manifest_allow_adding(store->manifest);
     if (check->names < 0)
         status = sp_store_names(store, &all, err);
     const int64_t names = check->names < 0 ? all.count : check->names;
@@ -157,6 +163,7 @@ sp_status sp_store_verify(sp_store *store, const sp_store_check *check, sp_error
             if (sp_store_holds(store, name[k], record ? "failed" : "h5"))
                 status = look(store, check, &f, name[k], err);
         }
+    sp_manifest_tidy(store->manifest);
     sp_free(all.name);
     return status;
 }

@@ -3,6 +3,7 @@
 #include "base/base.h"
 #include "numeric/statistics.h"
 #include "study/groups.h"
+#include "study/speed.h"
 
 #include <math.h>
 
@@ -65,20 +66,6 @@ static sp_status arm_make(int64_t n, const sp_sample *const *s, arm *out, sp_err
     return SP_OK;
 }
 
-/* Mean long-wave speeds of the samples of one size; NAN without moduli. */
-static void wave_speeds(int64_t n, const sp_sample *const *s, double *c_l, double *c_t) {
-    double sum_l = 0, sum_t = 0;
-    int64_t count = 0;
-    for (int64_t k = 0; k < n; k++)
-        if (s[k]->have & SP_WANT_MODULI) {
-            sum_l += s[k]->moduli.c_l;
-            sum_t += s[k]->moduli.c_t;
-            count++;
-        }
-    *c_l = count > 0 ? sum_l / (double)count : NAN;
-    *c_t = count > 0 ? sum_t / (double)count : NAN;
-}
-
 /* The first and the last size of one pressure that have fronts: s[low_begin .. low_end) and s[high_begin .. high_end).
  * Without fronts: the last size. */
 typedef struct ends {
@@ -108,24 +95,46 @@ static ends find_ends(int64_t n, const sp_sample *const *s) {
     return e;
 }
 
+/* What two heights tell; NAN where there is nothing. */
+typedef struct flown {
+    double c[MARKS], error[MARKS];
+    sp_interval interval; /* of c[T10] */
+} flown;
+
+static sp_status fly(const arm *low, const arm *high, double level, flown *out, sp_error *err) {
+    const sp_bootstrap_options options = sp_bootstrap_options_default();
+    sp_status status = SP_OK;
+    for (int m = 0; m < MARKS && status == SP_OK; m++) {
+        flight f = {low, high, (mark)m};
+        const int64_t size[2] = {low->n[m], high->n[m]};
+        out->c[m] = plain_speed(low, high, (mark)m);
+        status = sp_bootstrap(2, size, speed, &f, &options, &out->error[m], err);
+    }
+    const sp_arrivals near = {low->n[T10], low->height[T10], low->time[T10]},
+                      far = {high->n[T10], high->height[T10], high->time[T10]};
+    return status == SP_OK ? sp_speed_interval(&near, &far, false, level, &out->interval, err) : status;
+}
+
 /* The row of one pressure. */
-static sp_status add_pressure(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err) {
-    ends e = find_ends(n, s);
+static sp_status add_pressure(int64_t n, const sp_sample *const *s, double level, sp_table *t, sp_error *err) {
+    const ends e = find_ends(n, s);
+    const int64_t high_n = e.high_end - e.high_begin;
     arm low = {0}, high = {0};
-    double c[MARKS] = {NAN, NAN, NAN}, error = NAN, c_l, c_t, p = s[0]->pressure;
+    flown v = {{NAN, NAN, NAN}, {NAN, NAN, NAN}, {NAN, NAN}};
+    sp_estimate c_l, c_t;
+    const double p = s[0]->pressure;
     sp_status status = arm_make(e.low_end - e.low_begin, s + e.low_begin, &low, err);
     if (status == SP_OK)
-        status = arm_make(e.high_end - e.high_begin, s + e.high_begin, &high, err);
+        status = arm_make(high_n, s + e.high_begin, &high, err);
+    double *scratch = sp_alloc((size_t)high_n, sizeof *scratch);
+    if (status == SP_OK && !scratch)
+        status = sp_fail_memory(err, (size_t)high_n * sizeof *scratch);
     if (status != SP_OK)
         goto out;
-    wave_speeds(e.high_end - e.high_begin, s + e.high_begin, &c_l, &c_t);
+    c_l = sp_wave_speed(high_n, s + e.high_begin, false, scratch);
+    c_t = sp_wave_speed(high_n, s + e.high_begin, true, scratch);
     if (e.low_begin < e.high_begin) {
-        for (int m = 0; m < MARKS; m++)
-            c[m] = plain_speed(&low, &high, (mark)m);
-        flight f = {&low, &high, T10};
-        const int64_t size[2] = {low.n[T10], high.n[T10]};
-        sp_bootstrap_options options = sp_bootstrap_options_default();
-        status = sp_bootstrap(2, size, speed, &f, &options, &error, err);
+        status = fly(&low, &high, level, &v, err);
         if (status == SP_OK)
             status = sp_table_add_comment(t, err, "p = %.6g: grains %d and %d, heights %.6g and %.6g", p, low.grains,
                                           high.grains, sp_mean(low.n[T10], low.height[T10]),
@@ -137,8 +146,11 @@ static sp_status add_pressure(int64_t n, const sp_sample *const *s, sp_table *t,
     }
     int64_t samples = low.n[T10] < high.n[T10] ? low.n[T10] : high.n[T10];
     if (status == SP_OK)
-        status = sp_table_add_row(t, err, p, samples, c[T10], error, c[T_PEAK], c[T_ZERO], c_l, c_t);
+        status =
+            sp_table_add_row(t, err, p, samples, v.c[T10], v.error[T10], v.c[T_PEAK], v.c[T_ZERO], c_l.value, c_t.value,
+                             v.interval.low, v.interval.high, v.error[T_PEAK], v.error[T_ZERO], c_l.error, c_t.error);
 out:
+    sp_free(scratch);
     sp_free(low.memory);
     sp_free(high.memory);
     return status;
@@ -178,7 +190,7 @@ static sp_status add_exponent(sp_table *t, sp_error *err) {
     return status;
 }
 
-sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err) {
+sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, double level, sp_table *t, sp_error *err) {
     static const struct {
         const char *name, *unit;
         sp_cell_kind kind;
@@ -189,7 +201,13 @@ sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, sp_table *t, sp_err
                   {"c_peak", "sqrt(E* / rho)", SP_CELL_NUMBER},
                   {"c_zero", "sqrt(E* / rho)", SP_CELL_NUMBER},
                   {"c_l", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_t", "sqrt(E* / rho)", SP_CELL_NUMBER}};
+                  {"c_t", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_tof_low", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_tof_high", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_peak_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_zero_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_l_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_t_err", "sqrt(E* / rho)", SP_CELL_NUMBER}};
     sp_status status = SP_OK;
     for (size_t k = 0; k < sizeof column / sizeof *column && status == SP_OK; k++)
         status = sp_table_add_column(t, column[k].name, column[k].unit, column[k].kind, err);
@@ -201,8 +219,14 @@ sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, sp_table *t, sp_err
                                       "number); c_l, c_t: means over the highest boxes");
     for (int64_t begin = 0, end; begin < n && status == SP_OK; begin = end) {
         end = sp_pressure_end(n, s, begin);
-        status = add_pressure(end - begin, s + begin, t, err);
+        status = add_pressure(end - begin, s + begin, level, t, err);
     }
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err,
+                                      "_err: standard errors, of speeds of the front by bootstrap over samples, of the "
+                                      "means c_l and c_t their standard deviation over sqrt(n)");
+    if (status == SP_OK)
+        status = sp_interval_comment(t, level, "c_tof", err);
     if (status == SP_OK)
         status = add_exponent(t, err);
     if (status == SP_OK)

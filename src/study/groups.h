@@ -25,9 +25,10 @@ sp_status sp_samples_by_material(int64_t n, const sp_sample **s, sp_error *err);
 int64_t sp_material_end(int64_t n, const sp_sample *const *s, int64_t begin);
 int64_t sp_height_end(int64_t n, const sp_sample *const *s, int64_t begin);
 
-/* Fronts over distance: of whole boxes, a row a height; or of the planes inside of each size of box, a row a plane. */
-sp_status sp_scaling_fill(int64_t n, const sp_sample *const *s, bool planes, sp_table *t, sp_error *err);
+/* Tables with intervals of a level. Fronts over distance: of whole boxes, a row a height; or of the planes inside of
+ * each size of box, a row a plane. */
+sp_status sp_scaling_fill(int64_t n, const sp_sample *const *s, bool planes, double level, sp_table *t, sp_error *err);
 /* The table "ctof", which is more than means. */
-sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err);
+sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, double level, sp_table *t, sp_error *err);
 
 #endif

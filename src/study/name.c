@@ -5,13 +5,18 @@
 #include <stdio.h>
 #include <string.h>
 
-void sp_hash128(const void *data, size_t size, char text[SP_NAME_MAX]) {
+static unsigned __int128 hash_of(const void *data, size_t size) {
     /* offset basis and prime of FNV-1a, 128 bits (Fowler, Noll, Vo, Eastlake) */
     unsigned __int128 hash = (unsigned __int128)0x6c62272e07bb0142u << 64 | 0x62b821756295c58du;
     const unsigned __int128 prime = (unsigned __int128)1 << 88 | 0x13bu;
     const unsigned char *byte = data;
     for (size_t k = 0; k < size; k++)
         hash = (hash ^ byte[k]) * prime;
+    return hash;
+}
+
+void sp_hash128(const void *data, size_t size, char text[SP_NAME_MAX]) {
+    const unsigned __int128 hash = hash_of(data, size);
     snprintf(text, SP_NAME_MAX, "%016llx%016llx", (unsigned long long)(hash >> 64), (unsigned long long)hash);
 }
 
@@ -36,4 +41,11 @@ void sp_sample_name(const sp_scene *scene, char name[SP_NAME_MAX]) {
     }
     sp_free(packing);
     sp_free(network);
+}
+
+uint64_t sp_signal_keys(const sp_scene *scene) {
+    char *text = sp_scene_text(scene, "signal");
+    const uint64_t hash = text ? (uint64_t)hash_of(text, strlen(text)) : 0;
+    sp_free(text);
+    return hash;
 }

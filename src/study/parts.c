@@ -168,6 +168,24 @@ unsigned sp_sample_parts(const sp_scene *scene, const sp_sample *sample) {
     return parts;
 }
 
+/* Of the parts that could not be made those that the scene describes as it was described then. */
+static unsigned still_lacks(const sp_scene *scene, const sp_sample *sample) {
+    const unsigned described = SP_WANT_SIGNAL | SP_WANT_PLANES;
+    unsigned lacks = sample->lacks & ~sample->have;
+    if (lacks & described && sample->lacks_signal != sp_signal_keys(scene))
+        lacks &= ~described;
+    return lacks;
+}
+
+sp_stored sp_sample_stored(const sp_scene *scene, const sp_sample *sample) {
+    if (sample->failed)
+        return SP_STORED_FAILED;
+    const unsigned missing = sp_want_parts(scene->want) & ~sp_sample_parts(scene, sample);
+    if (missing == 0)
+        return SP_STORED_ALL;
+    return missing & ~still_lacks(scene, sample) ? SP_STORED_NOT : SP_STORED_FAILED;
+}
+
 /* The first reason stays; no memory is no property of the sample and goes before all others. */
 static void keep_first(sp_status status, const sp_error *reason, sp_status *first, sp_error *err) {
     if (status == SP_OK || (*first != SP_OK && status != SP_ENOMEM))

@@ -1,4 +1,6 @@
+/* Samples made by several threads, and by several processes on one store. */
 #include "base/base.h"
+#include "study/order.h"
 #include "study/sample.h"
 
 #include <math.h>
@@ -9,28 +11,24 @@
 #include <string.h>
 #include <time.h>
 
-static const double watch_interval = 0.25; /* seconds between two calls of the watch */
-
-/* One sample to do. */
-typedef struct task {
-    int64_t number; /* in the study */
-    int64_t round;  /* which seed of its combination */
-    double cost;    /* expected, in arbitrary units */
-} task;
+static const double watch_interval = 0.25;         /* seconds between two calls of the watch */
+static const long another_look = 50 * 1000 * 1000; /* nanoseconds between two looks at samples that others have */
 
 typedef struct run {
     const sp_scene *study;
     const sp_study_sink *sink;
     const sp_study_options *options;
-    int64_t tasks;
-    task *task;
-    atomic_int_fast64_t next; /* first task that nobody has taken */
+    sp_order order;
+    int64_t next; /* first place in the order that nobody has taken */
+    int64_t put_off, put_off_room;
+    int64_t *later; /* [put_off] samples that another process has claimed */
     atomic_bool stop;
-    pthread_mutex_t lock; /* of the sink and of all below */
-    pthread_cond_t left;  /* a worker has ended */
+    pthread_mutex_t lock;  /* of the sink and of all below and above */
+    pthread_mutex_t takes; /* of options->take */
+    pthread_cond_t left;   /* a worker has ended */
     int working;
     sp_study_progress progress;
-    double begun, cost_left, cost_computed;
+    double begun;
     sp_status status; /* of the first error that stopped the run */
     sp_error error;
 } run;
@@ -51,63 +49,101 @@ static void stop_run(run *r, sp_status status, const sp_error *reason) {
 }
 
 /* A sample is there: counted, under the lock. */
-static void count_done(run *r, const task *t, bool computed, bool failed) {
+static void count_done(run *r, int64_t number, bool computed, bool failed) {
+    const double cost = sp_order_cost(&r->order, number);
     r->progress.done++;
     r->progress.computed += computed;
     r->progress.failed += failed;
-    r->cost_left -= t->cost;
+    r->progress.cost_done += cost;
     if (computed)
-        r->cost_computed += t->cost;
+        r->progress.cost_computed += cost;
 }
 
 /* One sample on its way. */
 typedef struct job {
+    int64_t number; /* in the study */
     sp_scene scene;
     sp_packing packing;
     sp_sample sample;
     sp_signal signal;
-    bool done;   /* the sink has all of it */
+    bool claimed;
     bool stored; /* the sink has its packing, and of the parts: */
     unsigned parts;
 } job;
 
-/* What the sink has. A stored file that cannot be read is made again, and so are parts that the scene now describes
- * otherwise. */
-static sp_status take_stored(run *r, job *j, sp_error *err) {
+static sp_stored look(const run *r, const job *j) {
     const sp_study_sink *sink = r->sink;
-    const unsigned want = sp_want_parts(j->scene.want), described = SP_WANT_SIGNAL | SP_WANT_PLANES;
+    return sink->has ? sink->has(sink->user, &j->scene, j->sample.name) : SP_STORED_NOT;
+}
+
+/* For the end, when the other process may be done with it, or gone. */
+static sp_status put_off(run *r, int64_t number, sp_error *err) {
+    if (r->put_off == r->put_off_room) {
+        const int64_t room = 2 * r->put_off_room + 64;
+        int64_t *more = sp_alloc((size_t)room, sizeof *more);
+        if (!more)
+            return sp_fail_memory(err, (size_t)room * sizeof *more);
+        if (r->put_off > 0)
+            memcpy(more, r->later, (size_t)r->put_off * sizeof *more);
+        sp_free(r->later);
+        r->later = more;
+        r->put_off_room = room;
+    }
+    r->later[r->put_off++] = number;
+    return SP_OK;
+}
+
+/* What the sink has; *make: the sample is now this thread's to make. What was made while we waited for the claim is
+ * seen by the second look. A stored file that cannot be read is made again, and so are parts that the scene now
+ * describes otherwise. */
+static sp_status take_stored(run *r, job *j, bool *make, sp_error *err) {
+    const sp_study_sink *sink = r->sink;
     sp_status status = SP_OK;
-    j->done = sink->has && sink->has(sink->user, j->sample.name, want);
-    if (!sink->load || (j->done && !(want & described)))
-        return SP_OK;
+    sp_stored stored = look(r, j);
+    if (stored == SP_STORED_NOT && sink->claim) {
+        status = sink->claim(sink->user, j->sample.name, &j->claimed, err);
+        if (status == SP_OK && !j->claimed)
+            return put_off(r, j->number, err);
+        if (status == SP_OK)
+            stored = look(r, j);
+    }
+    if (status == SP_OK && stored != SP_STORED_NOT)
+        count_done(r, j->number, false, stored == SP_STORED_FAILED);
+    *make = status == SP_OK && stored == SP_STORED_NOT;
+    if (!*make || !sink->load)
+        return status;
     status = sink->load(sink->user, j->sample.name, &j->packing, &j->sample, &j->stored, err);
     if (j->stored) {
         j->parts = sp_sample_parts(&j->scene, &j->sample);
         j->sample.have = j->parts;
-        j->done = j->done && (want & ~j->parts) == 0;
     }
     return status == SP_EFORMAT ? SP_OK : status;
 }
 
 /* A sample whose packing failed is saved as failed. Where only a part of the results failed, the packing and the other
- * parts are saved: a study that does not want that part shall find them, one that does will try it again. */
+ * parts are saved with the reason: a study that does not want that part shall find them. */
 static sp_status save(run *r, job *j, sp_error *err) {
     const bool made = j->packing.n > 0;
     sp_sample sample = j->sample;
-    if (made && j->stored && sample.have == j->parts)
-        return SP_OK; /* nothing new */
-    if (made) {
+    sample.lacks = 0;
+    if (made && sample.failed) {
         sample.failed = false;
+        sample.lacks = sp_want_parts(j->scene.want) & ~sample.have;
+        sample.lacks_signal = sp_signal_keys(&j->scene);
+    } else if (made) {
         sample.reason[0] = '\0';
     }
+    if (made && j->stored && sample.have == j->parts && sample.lacks == 0)
+        return SP_OK; /* nothing new */
     return r->sink->save(r->sink->user, &j->scene, &sample, made ? &j->packing : NULL,
                          j->signal.n > 0 ? &j->signal : NULL, err);
 }
 
-static void run_task(run *r, const task *t) {
-    job j = {.packing = sp_packing_none(), .signal = sp_signal_none(), .sample.height = NAN};
+static void run_sample(run *r, int64_t number) {
+    job j = {.number = number, .packing = sp_packing_none(), .signal = sp_signal_none(), .sample.height = NAN};
     sp_error reason = {0};
-    sp_status status = sp_study_scene(r->study, t->number, &j.scene, &reason);
+    bool make = false;
+    sp_status status = sp_study_scene(r->study, number, &j.scene, &reason);
     if (status == SP_OK) {
         sp_sample_name(&j.scene, j.sample.name);
         if (j.sample.name[0] == '\0')
@@ -115,39 +151,71 @@ static void run_task(run *r, const task *t) {
     }
     pthread_mutex_lock(&r->lock);
     if (status == SP_OK)
-        status = take_stored(r, &j, &reason);
+        status = take_stored(r, &j, &make, &reason);
     if (status != SP_OK)
         stop_run(r, status, &reason);
-    else if (j.done)
-        count_done(r, t, false, false);
     pthread_mutex_unlock(&r->lock);
-    if (status != SP_OK || j.done)
-        goto out;
+    if (status == SP_OK && make) {
+        const sp_study_options *o = r->options;
+        const sp_pack_hooks hooks = {
+            .watch = go_on, .user = r, .threads = o->jobs == 1 ? o->threads : 1, .from = o->from};
+        status = sp_sample_make_with(&j.scene, j.scene.want, &hooks, &j.packing, &j.sample, &j.signal, &reason);
 
-    const sp_study_options *o = r->options;
-    const sp_pack_hooks hooks = {.watch = go_on, .user = r, .threads = o->jobs == 1 ? o->threads : 1, .from = o->from};
-    status = sp_sample_make_with(&j.scene, j.scene.want, &hooks, &j.packing, &j.sample, &j.signal, &reason);
-
-    pthread_mutex_lock(&r->lock);
-    if (status == SP_OK || j.sample.failed)
-        status = save(r, &j, &reason);
-    if (status == SP_OK)
-        count_done(r, t, true, j.sample.failed);
-    else if (status != SP_EINTERRUPTED)
-        stop_run(r, status, &reason);
-    pthread_mutex_unlock(&r->lock);
-out:
+        pthread_mutex_lock(&r->lock);
+        if (status == SP_OK || j.sample.failed)
+            status = save(r, &j, &reason);
+        if (status == SP_OK)
+            count_done(r, number, true, j.sample.failed);
+        else if (status != SP_EINTERRUPTED)
+            stop_run(r, status, &reason);
+        pthread_mutex_unlock(&r->lock);
+    }
+    if (j.claimed) {
+        pthread_mutex_lock(&r->lock);
+        r->sink->release(r->sink->user, j.sample.name);
+        pthread_mutex_unlock(&r->lock);
+    }
     sp_packing_free(&j.packing);
     sp_signal_free(&j.signal);
 }
 
+/* Number of the next sample, below 0 when all are taken: from the order of this process, or of all of them. */
+static int64_t take_next(run *r) {
+    const sp_study_options *o = r->options;
+    int64_t number = -1;
+    pthread_mutex_lock(o->take ? &r->takes : &r->lock);
+    do {
+        const int64_t place = o->take ? o->take(o->take_user) : r->next++;
+        if (place < 0 || place >= r->order.count)
+            break;
+        number = sp_order_sample(&r->order, place, o->shard, o->shards);
+    } while (number < 0);
+    pthread_mutex_unlock(o->take ? &r->takes : &r->lock);
+    return number;
+}
+
+/* One of the samples that others have, the longest waiting first. */
+static int64_t take_put_off(run *r) {
+    int64_t number = -1;
+    pthread_mutex_lock(&r->lock);
+    if (r->put_off > 0) {
+        number = r->later[0];
+        memmove(r->later, r->later + 1, (size_t)--r->put_off * sizeof *r->later);
+    }
+    pthread_mutex_unlock(&r->lock);
+    return number;
+}
+
 static void *work(void *user) {
     run *r = user;
-    while (!atomic_load(&r->stop)) {
-        int64_t k = (int64_t)atomic_fetch_add(&r->next, 1);
-        if (k >= r->tasks)
-            break;
-        run_task(r, &r->task[k]);
+    int64_t number;
+    while (!atomic_load(&r->stop) && (number = take_next(r)) >= 0)
+        run_sample(r, number);
+    for (int turn = 0; !atomic_load(&r->stop) && (number = take_put_off(r)) >= 0; turn++) {
+        const struct timespec wait = {.tv_nsec = another_look};
+        if (turn > 0)
+            nanosleep(&wait, NULL);
+        run_sample(r, number);
     }
     pthread_mutex_lock(&r->lock);
     r->working--;
@@ -157,13 +225,13 @@ static void *work(void *user) {
 }
 
 /* The numbers as they are now; under the lock. */
-static sp_study_progress look(const run *r) {
-    sp_study_progress now = r->progress;
-    now.seconds = sp_clock_wall() - r->begun;
-    now.seconds_left = NAN;
-    if (r->cost_computed > 0)
-        now.seconds_left = now.done < now.total ? now.seconds * r->cost_left / r->cost_computed : 0;
-    return now;
+static sp_study_progress now(const run *r) {
+    sp_study_progress p = r->progress;
+    p.seconds = sp_clock_wall() - r->begun;
+    p.seconds_left = NAN;
+    if (p.cost_computed > 0)
+        p.seconds_left = p.done < p.total ? p.seconds * (p.cost - p.cost_done) / p.cost_computed : 0;
+    return p;
 }
 
 /* Waits for the workers, calling the watch, which may ask to stop. */
@@ -178,13 +246,13 @@ static void wait_for_workers(run *r, sp_study_watch watch, void *user) {
         pthread_cond_timedwait(&r->left, &r->lock, &until);
         if (!watch)
             continue;
-        sp_study_progress now = look(r);
+        sp_study_progress p = now(r);
         pthread_mutex_unlock(&r->lock);
-        if (!watch(&now, user))
+        if (!watch(&p, user))
             atomic_store(&r->stop, true);
         pthread_mutex_lock(&r->lock);
     }
-    sp_study_progress last = look(r);
+    sp_study_progress last = now(r);
     pthread_mutex_unlock(&r->lock);
     if (watch)
         watch(&last, user);
@@ -213,47 +281,6 @@ static sp_status run_workers(run *r, int jobs, sp_study_watch watch, void *user,
     return started > 0 ? SP_OK : sp_fail(err, SP_EFAILED, "no thread could be started, of %d wanted", jobs);
 }
 
-/* First seeds first; among equals the longest work first, so that no thread is left with it at the end. */
-static int by_round_and_cost(const void *a, const void *b) {
-    const task *p = a, *q = b;
-    if (p->round != q->round)
-        return p->round < q->round ? -1 : 1;
-    if (p->cost > q->cost || p->cost < q->cost)
-        return p->cost > q->cost ? -1 : 1;
-    return p->number < q->number ? -1 : p->number > q->number;
-}
-
-/* The samples of this shard, in the order in which they are taken. Every combination is checked before any work. */
-static sp_status list_tasks(run *r, const sp_study_options *opt, sp_error *err) {
-    int64_t count = sp_study_count(r->study), rounds = r->study->samples, combinations = count / rounds;
-    size_t most = (size_t)(count / opt->shards + 1);
-    r->task = sp_alloc(most, sizeof *r->task);
-    double *cost = sp_alloc((size_t)combinations, sizeof *cost);
-    sp_status status = SP_OK;
-    if (!r->task || !cost) {
-        status = sp_fail_memory(err, most * sizeof *r->task + (size_t)combinations * sizeof *cost);
-        goto out;
-    }
-    for (int64_t c = 0; c < combinations && status == SP_OK; c++) {
-        sp_scene scene;
-        status = sp_study_scene(r->study, c, &scene, err);
-        /* measured: N^1.6, and p^-0.2 between 1e-4 and 1e-7 */
-        if (status == SP_OK)
-            cost[c] = pow((double)scene.pack.grains, 1.6) * pow(scene.pack.pressure, -0.2);
-    }
-    if (status != SP_OK)
-        goto out;
-    for (int64_t k = opt->shard - 1; k < count; k += opt->shards) {
-        r->task[r->tasks++] = (task){.number = k, .round = k / combinations, .cost = cost[k % combinations]};
-        r->cost_left += cost[k % combinations];
-    }
-    qsort(r->task, (size_t)r->tasks, sizeof *r->task, by_round_and_cost);
-    r->progress.total = r->tasks;
-out:
-    sp_free(cost);
-    return status;
-}
-
 static sp_status check(const sp_scene *scene, const sp_study_options *opt, const sp_study_sink *sink, sp_error *err) {
     if (opt->jobs < 1 || opt->jobs > 4096)
         return sp_fail(err, SP_EINVAL, "jobs = %d: 1 to 4096 threads", opt->jobs);
@@ -268,33 +295,45 @@ static sp_status check(const sp_scene *scene, const sp_study_options *opt, const
     return SP_OK;
 }
 
+static void make_locks(run *r) {
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_mutex_init(&r->lock, NULL);
+    pthread_mutex_init(&r->takes, NULL);
+    pthread_cond_init(&r->left, &attributes);
+    pthread_condattr_destroy(&attributes);
+}
+
 sp_status sp_study_run(const sp_scene *scene, const sp_study_options *opt, const sp_study_sink *sink,
                        sp_study_watch watch, void *user, sp_study_progress *out, sp_error *err) {
     sp_status status = check(scene, opt, sink, err);
     if (status != SP_OK)
         return status;
     run r = {.study = scene, .sink = sink, .options = opt, .begun = sp_clock_wall()};
-    pthread_condattr_t attributes;
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_mutex_init(&r.lock, NULL);
-    pthread_cond_init(&r.left, &attributes);
-    pthread_condattr_destroy(&attributes);
-    status = list_tasks(&r, opt, err);
-    if (status == SP_OK && r.tasks > 0)
-        status = run_workers(&r, opt->jobs < r.tasks ? opt->jobs : (int)r.tasks, watch, user, err);
+    make_locks(&r);
+    status = sp_order_make(scene, opt->shard, opt->shards, &r.order, err);
+    if (status == SP_OK) {
+        r.progress.total = r.order.shard_count;
+        r.progress.cost = r.order.shard_cost;
+        if (r.progress.total > 0)
+            status =
+                run_workers(&r, opt->jobs < r.progress.total ? opt->jobs : (int)r.progress.total, watch, user, err);
+    }
     if (status == SP_OK && r.status != SP_OK) {
         status = r.status;
         if (err)
             *err = r.error;
-    } else if (status == SP_OK && r.progress.done < r.progress.total) {
+    } else if (status == SP_OK && atomic_load(&r.stop) && r.progress.done < r.progress.total) {
         status = sp_fail(err, SP_EINTERRUPTED, "stopped with %lld of %lld samples done", (long long)r.progress.done,
                          (long long)r.progress.total);
     }
     if (out)
-        *out = look(&r);
+        *out = now(&r);
     pthread_cond_destroy(&r.left);
+    pthread_mutex_destroy(&r.takes);
     pthread_mutex_destroy(&r.lock);
-    sp_free(r.task);
+    sp_order_free(&r.order);
+    sp_free(r.later);
     return status;
 }

@@ -9,6 +9,9 @@
 /* FNV-1a of 128 bits as 32 hexadecimal digits. */
 void sp_hash128(const void *data, size_t size, char text[SP_NAME_MAX]);
 
+/* What tells one signal of a sample from another: a hash of the scene's keys of the group `signal'; 0: no memory. */
+uint64_t sp_signal_keys(const sp_scene *scene);
+
 /* Spacing of the times at which a signal is sampled for its front. */
 double sp_front_spacing(double pressure);
 /* A signal over the times 0 .. window on that grid. */

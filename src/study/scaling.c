@@ -1,7 +1,7 @@
 /* Fronts over distance as tables: wall to wall in boxes of several heights, and at planes inside of tall ones. */
 #include "base/base.h"
-#include "numeric/statistics.h"
 #include "study/groups.h"
+#include "study/speed.h"
 
 #include <math.h>
 #include <sonopack/scaling.h>
@@ -163,17 +163,10 @@ static const sp_column columns[] = {
     {"friction", "", SP_CELL_NUMBER},
     {"dimension", "", SP_CELL_INTEGER},
     {"grains", "", SP_CELL_INTEGER},
+    {"speed_low", SPEED, SP_CELL_NUMBER},
+    {"speed_high", SPEED, SP_CELL_NUMBER},
 };
 enum { COLUMNS = sizeof columns / sizeof *columns };
-
-/* Mean long-wave speed of the samples that have moduli. */
-static sp_estimate wave_speed(int64_t n, const sp_sample *const *s, bool transverse, double *scratch) {
-    int64_t count = 0;
-    for (int64_t k = 0; k < n; k++)
-        if (s[k]->have & SP_WANT_MODULI)
-            scratch[count++] = transverse ? s[k]->moduli.c_t : s[k]->moduli.c_l;
-    return (sp_estimate){sp_mean(count, scratch), sp_standard_error(count, scratch)};
-}
 
 /* Samples of a row of the group: of planes all. */
 static int64_t row_samples(const fronts *f, int r, const sp_sample *const **s) {
@@ -185,16 +178,34 @@ static int64_t row_samples(const fronts *f, int r, const sp_sample *const **s) {
     return sp_height_end(f->n, f->first, f->begin[r]) - f->begin[r];
 }
 
-static sp_status add_row(const fronts *f, const sp_scaling *scaling, int r, double *scratch, sp_table *t,
+static sp_arrivals arrivals(const fronts *f, int r, double *time) {
+    const sp_arrivals a = {f->samples[r], f->distance[r], time};
+    for (int64_t k = 0; k < a.n; k++)
+        time[k] = isfinite(f->front[r][k].t10) ? f->front[r][k].t10 : NAN;
+    return a;
+}
+
+/* Of the speed to the next row; NAN in the last. scratch: of the samples of both. */
+static sp_status speed_interval(const fronts *f, int r, double level, double *scratch, sp_interval *out,
+                                sp_error *err) {
+    if (r + 1 >= f->in.rows) {
+        *out = (sp_interval){NAN, NAN};
+        return SP_OK;
+    }
+    const sp_arrivals near = arrivals(f, r, scratch), far = arrivals(f, r + 1, scratch + near.n);
+    return sp_speed_interval(&near, &far, f->in.joint, level, out, err);
+}
+
+static sp_status add_row(const fronts *f, const sp_scaling *scaling, int r, double level, double *scratch, sp_table *t,
                          sp_error *err) {
     const sp_sample *const *s, *const *next;
     const int64_t n = row_samples(f, r, &s);
     const sp_scaling_row *row = &scaling->row[r];
-    const sp_estimate c_l = wave_speed(n, s, false, scratch), c_t = wave_speed(n, s, true, scratch);
+    const sp_estimate c_l = sp_wave_speed(n, s, false, scratch), c_t = sp_wave_speed(n, s, true, scratch);
     double over = NAN;
     if (r + 1 < scaling->rows) {
         const int64_t above = row_samples(f, r + 1, &next);
-        over = row->speed.value / (0.5 * (c_l.value + wave_speed(above, next, false, scratch).value));
+        over = row->speed.value / (0.5 * (c_l.value + sp_wave_speed(above, next, false, scratch).value));
     }
     const sp_estimate *const pairs[] = {&row->t10,
                                         &row->t_peak,
@@ -220,7 +231,13 @@ static sp_status add_row(const fronts *f, const sp_scaling *scaling, int r, doub
     v[at++] = row->between;
     v[at++] = s[0]->friction;
     v[at++] = s[0]->dim;
-    v[at] = s[0]->grains;
+    v[at++] = s[0]->grains;
+    sp_interval interval;
+    const sp_status status = speed_interval(f, r, level, scratch, &interval, err);
+    if (status != SP_OK)
+        return status;
+    v[at++] = interval.low;
+    v[at] = interval.high;
     return sp_table_add_numbers(t, v, err);
 }
 
@@ -259,17 +276,18 @@ static sp_status add_fits(const fronts *f, const sp_scaling *s, sp_table *t, sp_
     return status;
 }
 
-static sp_status add_group(int64_t n, const sp_sample *const *s, bool planes, sp_table *t, sp_error *err) {
+static sp_status add_group(int64_t n, const sp_sample *const *s, bool planes, double level, sp_table *t,
+                           sp_error *err) {
     fronts f = {0};
     sp_scaling scaling = {0};
-    double *scratch = sp_alloc((size_t)n, sizeof *scratch);
-    sp_status status = scratch ? SP_OK : sp_fail_memory(err, (size_t)n * sizeof *scratch);
+    double *scratch = sp_alloc((size_t)n, 2 * sizeof *scratch);
+    sp_status status = scratch ? SP_OK : sp_fail_memory(err, (size_t)n * 2 * sizeof *scratch);
     if (status == SP_OK)
         status = planes ? of_planes(n, s, &f, err) : of_walls(n, s, &f, err);
     if (status == SP_OK && f.in.rows > 0)
         status = sp_scaling_make(&f.in, &scaling, err);
     for (int r = 0; r < scaling.rows && status == SP_OK; r++)
-        status = add_row(&f, &scaling, r, scratch, t, err);
+        status = add_row(&f, &scaling, r, level, scratch, t, err);
     if (status == SP_OK && scaling.rows > 1)
         status = add_fits(&f, &scaling, t, err);
     sp_scaling_free(&scaling);
@@ -278,7 +296,7 @@ static sp_status add_group(int64_t n, const sp_sample *const *s, bool planes, sp
     return status;
 }
 
-static sp_status explain(bool planes, sp_table *t, sp_error *err) {
+static sp_status explain(bool planes, double level, sp_table *t, sp_error *err) {
     sp_status status = sp_table_add_comment(
         t, err,
         planes
@@ -293,18 +311,18 @@ static sp_status explain(bool planes, sp_table *t, sp_error *err) {
             "and exponents are of the interval to the next row: amplitude ~ L^-gamma, width10 ~ L^alpha, at the "
             "distance `between'; speed_over_c_l: over the mean c_l of the two rows; fits below: of all rows, gamma_log "
             "of exp<ln amplitude>, speed of t10 over L");
-    return status;
+    return status == SP_OK ? sp_interval_comment(t, level, "the speed", err) : status;
 }
 
-sp_status sp_scaling_fill(int64_t n, const sp_sample *const *s, bool planes, sp_table *t, sp_error *err) {
+sp_status sp_scaling_fill(int64_t n, const sp_sample *const *s, bool planes, double level, sp_table *t, sp_error *err) {
     sp_status status = SP_OK;
     for (int k = 0; k < COLUMNS && status == SP_OK; k++)
         status = sp_table_add_column(t, columns[k].name, columns[k].unit, columns[k].kind, err);
     if (status == SP_OK)
-        status = explain(planes, t, err);
+        status = explain(planes, level, t, err);
     for (int64_t begin = 0, end; begin < n && status == SP_OK; begin = end) {
         end = planes ? sp_height_end(n, s, begin) : sp_material_end(n, s, begin);
-        status = add_group(end - begin, s + begin, planes, t, err);
+        status = add_group(end - begin, s + begin, planes, level, t, err);
     }
     return status;
 }

@@ -1,6 +1,8 @@
 #include "base/base.h"
+#include "numeric/interval.h"
 #include "numeric/statistics.h"
 #include "study/groups.h"
+#include "study/speed.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,6 +16,9 @@ typedef struct quantity {
 } quantity;
 
 enum { QUANTITIES_MAX = 16 };
+
+/* What the tables of means have of each quantity. */
+enum { MEAN = 0, SD, ERROR, LOW, HIGH, COLUMNS };
 
 static const quantity statics_columns[] = {{"Phi2", "", offsetof(sp_sample, statics.phi2), 0},
                                            {"Phi3", "", offsetof(sp_sample, statics.phi3), 0},
@@ -58,35 +63,53 @@ static sp_status means_columns(int quantities, const quantity *q, sp_table *t, s
         status = sp_table_add_column(t, "grains", "", SP_CELL_INTEGER, err);
     if (status == SP_OK)
         status = sp_table_add_column(t, "samples", "", SP_CELL_INTEGER, err);
-    for (int k = 0; k < quantities && status == SP_OK; k++) {
+    static const char *const end[COLUMNS] = {"", "_sd", "_err", "_low", "_high"};
+    for (int k = 0; k < COLUMNS * quantities && status == SP_OK; k++) {
+        const quantity *of = &q[k / COLUMNS];
         char name[40];
-        snprintf(name, sizeof name, "%.23s_sd", q[k].name);
-        status = sp_table_add_column(t, q[k].name, q[k].unit, SP_CELL_NUMBER, err);
-        if (status == SP_OK)
-            status = sp_table_add_column(t, name, q[k].unit, SP_CELL_NUMBER, err);
+        snprintf(name, sizeof name, "%.23s%s", of->name, end[k % COLUMNS]);
+        status = sp_table_add_column(t, name, of->unit, SP_CELL_NUMBER, err);
     }
     return status;
 }
 
-/* One row: mean and standard deviation of each quantity over the samples of one pressure and size that have `part`. */
-static sp_status add_means(int64_t n, const sp_sample *const *s, unsigned part, int quantities, const quantity *q,
-                           double *x, sp_table *t, sp_error *err) {
-    double row[3 + 2 * QUANTITIES_MAX] = {s[0]->pressure, s[0]->grains};
+/* A table of means under way. */
+typedef struct averaged {
+    unsigned part;
+    int quantities;
+    quantity q[QUANTITIES_MAX];
+    sp_interval_options interval;
+    double *x; /* values of the samples, quantity by quantity */
+} averaged;
+
+/* One row: each quantity over the samples of one pressure and size that have the part. */
+static sp_status add_means(int64_t n, const sp_sample *const *s, const averaged *a, sp_table *t, sp_error *err) {
+    double row[3 + COLUMNS * QUANTITIES_MAX] = {s[0]->pressure, s[0]->grains};
+    const double *x[QUANTITIES_MAX];
+    sp_interval interval[QUANTITIES_MAX];
     int64_t samples = 0;
     for (int64_t i = 0; i < n; i++)
-        samples += (s[i]->have & part) != 0;
+        samples += (s[i]->have & a->part) != 0;
     if (samples == 0 && sp_samples_failed(n, s) == 0)
         return SP_OK; /* nobody asked for this part */
     row[2] = (double)samples;
-    for (int k = 0; k < quantities; k++) {
-        int64_t count = 0;
+    for (int k = 0; k < a->quantities; k++) {
+        double *to = a->x + k * samples;
+        x[k] = to;
         for (int64_t i = 0; i < n; i++)
-            if (s[i]->have & part)
-                x[count++] = value_of(s[i], &q[k]);
-        row[3 + 2 * k] = sp_mean(count, x);
-        row[4 + 2 * k] = sp_sd(count, x);
+            if (s[i]->have & a->part)
+                *to++ = value_of(s[i], &a->q[k]);
     }
-    return sp_table_add_numbers(t, row, err);
+    const sp_status status = sp_intervals_of_means(samples, a->quantities, x, &a->interval, interval, err);
+    for (int k = 0; k < a->quantities && status == SP_OK; k++) {
+        double *of = row + 3 + COLUMNS * k;
+        of[MEAN] = sp_mean(samples, x[k]);
+        of[SD] = sp_sd(samples, x[k]);
+        of[ERROR] = sp_standard_error(samples, x[k]);
+        of[LOW] = interval[k].low;
+        of[HIGH] = interval[k].high;
+    }
+    return status == SP_OK ? sp_table_add_numbers(t, row, err) : status;
 }
 
 /* Ratios to the moduli of global strain (Tables IV and V of Somfai et al. 2005), then the apparent moduli. */
@@ -140,22 +163,28 @@ static sp_status explain_probes(int64_t n, const sp_sample *const *s, sp_table *
     return status;
 }
 
-static sp_status fill_means(int64_t n, const sp_sample *const *s, unsigned part, sp_table *t, sp_error *err) {
-    quantity q[QUANTITIES_MAX];
-    const int quantities = quantities_of(part, n > 0 ? s[0]->dim : 2, q);
-    double *x = sp_alloc((size_t)n, sizeof *x);
-    if (!x)
-        return sp_fail_memory(err, (size_t)n * sizeof *x);
-    sp_status status = means_columns(quantities, q, t, err);
+static sp_status fill_means(int64_t n, const sp_sample *const *s, unsigned part, double level, sp_table *t,
+                            sp_error *err) {
+    averaged a = {.part = part, .interval = sp_interval_options_default()};
+    a.interval.level = level;
+    a.quantities = quantities_of(part, n > 0 ? s[0]->dim : 2, a.q);
+    a.x = sp_alloc((size_t)n, (size_t)a.quantities * sizeof *a.x);
+    if (!a.x)
+        return sp_fail_memory(err, (size_t)n * (size_t)a.quantities * sizeof *a.x);
+    sp_status status = means_columns(a.quantities, a.q, t, err);
     for (int64_t begin = 0, end; begin < n && status == SP_OK; begin = end) {
         end = sp_size_end(n, s, begin);
-        status = add_means(end - begin, s + begin, part, quantities, q, x, t, err);
+        status = add_means(end - begin, s + begin, &a, t, err);
     }
     if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "means over the samples, and one standard deviation (_sd)");
+        status = sp_table_add_comment(t, err,
+                                      "means over the samples, one standard deviation of the samples (_sd), the "
+                                      "standard error of the mean (_err)");
+    if (status == SP_OK)
+        status = sp_interval_comment(t, level, "the mean", err);
     if (status == SP_OK && part == SP_WANT_PROBES)
         status = explain_probes(n, s, t, err);
-    sp_free(x);
+    sp_free(a.x);
     return status;
 }
 
@@ -195,7 +224,7 @@ static sp_status add_sample(const sp_sample *s, sp_table *t, sp_error *err) {
         v[k] = s->have & SP_WANT_STATICS ? value_of(s, &statics_columns[k]) : NAN;
     for (size_t k = 0; k < sizeof moduli_columns / sizeof *moduli_columns; k++)
         c[k] = s->have & SP_WANT_MODULI ? value_of(s, &moduli_columns[k]) : NAN;
-    const char *reason = s->failed ? s->reason : "-";
+    const char *reason = s->reason[0] ? s->reason : "-"; /* of a failure, or of a part that it lacks */
     return sp_table_add_row(t, err, s->pressure, (int64_t)s->grains, (int64_t)s->seed, s->height, f.t10, f.t_peak,
                             f.t_zero, f.amplitude, f.width, v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9],
                             v[10], c[0], c[1], c[2], c[3], c[4], c[5], (int64_t)s->dim, s->width, s->friction,
@@ -209,7 +238,12 @@ static sp_status fill_ensemble(int64_t n, const sp_sample *const *s, sp_table *t
     return status;
 }
 
-sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples, sp_table *out, sp_error *err) {
+sp_table_options sp_table_options_default(void) {
+    return (sp_table_options){.level = sp_interval_options_default().level};
+}
+
+sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples, const sp_table_options *opt,
+                         sp_table *out, sp_error *err) {
     static const char *const names[] = {"ctof", "scaling", "planes", "statics", "moduli", "probes", "ensemble"};
     enum { CTOF, SCALING, PLANES, STATICS, MODULI, PROBED, ENSEMBLE, TABLES };
     int which = 0;
@@ -218,10 +252,13 @@ sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples,
     if (which == TABLES)
         return sp_fail(err, SP_EINVAL, "table \"%s\": ctof, scaling, planes, statics, moduli, probes or ensemble",
                        table);
+    const double level = opt ? opt->level : sp_table_options_default().level;
     sp_table t = sp_table_none();
     const sp_sample **sorted = NULL;
     int64_t count = 0;
-    sp_status status = sp_samples_sorted(n, samples, &sorted, &count, err);
+    sp_status status = sp_level_check(level, err);
+    if (status == SP_OK)
+        status = sp_samples_sorted(n, samples, &sorted, &count, err);
     if (status == SP_OK && (which == SCALING || which == PLANES))
         status = sp_samples_by_material(count, sorted, err);
     else if (status == SP_OK && which != ENSEMBLE)
@@ -229,12 +266,12 @@ sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples,
     if (status != SP_OK)
         goto out;
     switch (which) {
-    case CTOF: status = sp_ctof_fill(count, sorted, &t, err); break;
+    case CTOF: status = sp_ctof_fill(count, sorted, level, &t, err); break;
     case SCALING:
-    case PLANES: status = sp_scaling_fill(count, sorted, which == PLANES, &t, err); break;
-    case STATICS: status = fill_means(count, sorted, SP_WANT_STATICS, &t, err); break;
-    case MODULI: status = fill_means(count, sorted, SP_WANT_MODULI, &t, err); break;
-    case PROBED: status = fill_means(count, sorted, SP_WANT_PROBES, &t, err); break;
+    case PLANES: status = sp_scaling_fill(count, sorted, which == PLANES, level, &t, err); break;
+    case STATICS: status = fill_means(count, sorted, SP_WANT_STATICS, level, &t, err); break;
+    case MODULI: status = fill_means(count, sorted, SP_WANT_MODULI, level, &t, err); break;
+    case PROBED: status = fill_means(count, sorted, SP_WANT_PROBES, level, &t, err); break;
     default: status = fill_ensemble(count, sorted, &t, err); break;
     }
     if (status == SP_OK && count > 0 && t.rows == 0)

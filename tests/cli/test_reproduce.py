@@ -145,7 +145,7 @@ def nothing_twice(folder, store, out, items, text):
     assert rows_of(alone.stdout) == [] and "-o FOLDER" in alone.stderr and not list(empty.iterdir())
     # a sample more: four more packings, and those of before
     more = run("somfai2005", "--only", "table1", "--samples", 2, "--store", store)
-    assert len(list(store.glob("*.h5"))) == len(before) + 4
+    assert len(list(store.glob("*.h5"))) == sum(name.endswith(".h5") for name in before) + 4
     check_rows(rows_of(more.stdout))
     assert {row["samples"] for row in rows_of(more.stdout)} == {"2"}
     # other forms

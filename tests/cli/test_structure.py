@@ -17,7 +17,7 @@ RANKS = {"base": 0, "numeric": 1, "linalg": 1, "scene": 2, "front": 2, "chain": 
 FOREIGN = [(r"hdf5(_hl)?\.h|H5\w*\.h|zlib\.h", {"store"}),
            (r"(suitesparse/)?(cholmod|SuiteSparse\w*|amd|umfpack)\.h", {"linalg"}),
            (r"(lapacke|lapack|cblas|openblas\w*|f77blas)\.h|arpack/.*", {"linalg"}),
-           (r"libconfig\.h", {"scene"}), (r"(cairo/)?cairo[\w-]*\.h", {"plot"}), (r"argp\.h|getopt\.h", {"cli"}),
+           (r"libconfig\.h", {"scene"}), (r"(cairo/)?cairo[\w-]*\.h", {"plot"}), (r"argp\.h|getopt\.h|mpi\.h", {"cli"}),
            (r"gsl/.*|Random123/.*", {"numeric"})]
 LIBC = set("""assert complex ctype errno fcntl fenv float inttypes limits locale math pthread setjmp signal stdalign stdarg
     stdatomic stdbool stddef stdint stdio stdlib string strings tgmath threads time unistd dirent ftw libgen sched

@@ -109,8 +109,8 @@ def filters(store):
 def only_what_changes_is_made(scene, store, text):
     again = run("study", scene, "--store", store)
     assert again.stdout == text and " 0 of them made now" in again.stderr
-    before = {path.name: path.stat().st_mtime_ns for path in store.iterdir()}
-    packings = {path.name: positions(path) for path in store.iterdir()}
+    before = {path.name: path.stat().st_mtime_ns for path in store.glob("*.h5")}
+    packings = {path.name: positions(path) for path in store.glob("*.h5")}
     # planes elsewhere: fronts there, the rest stays
     other = run("study", scene, "--store", store, "--set", "signal.planes=3,4")
     assert " 12 of them made now" in other.stderr
@@ -120,7 +120,7 @@ def only_what_changes_is_made(scene, store, text):
     low = [column(t, "t10")[column(t, "distance") == 3] for t in (planes, was)]
     assert len(low[0]) == 4 and np.allclose(*low, rtol=1e-9)
     assert tables(other.stdout)[0][2] == tables(text)[0][2]
-    assert {path.name: positions(path) for path in store.iterdir()} == packings
+    assert {path.name: positions(path) for path in store.glob("*.h5")} == packings
     assert set(before) == set(packings)
     # a table of the old scene has no samples with its planes any more
     (missing,) = tables(run("table", "planes", "--store", store, scene).stdout)
@@ -131,7 +131,7 @@ def only_what_changes_is_made(scene, store, text):
     signal = ["study", scene, "--store", store, "--set", "study.want=signal", "--set"]
     for setting, count in (("signal.points=31", 12), ("signal.points=31", 0), ("signal.points=41", 12)):
         assert f" {count} of them made now" in run(*signal, setting).stderr
-    assert all(h5py.File(path)["signal/F"].shape == (41,) for path in store.iterdir())
+    assert all(h5py.File(path)["signal/F"].shape == (41,) for path in store.glob("*.h5"))
     assert " 12 of them made now" in run(*signal, "signal.points=41", "--set", "signal.until=20").stderr
     assert " 0 of them made now" in run(*signal, "signal.points=41", "--set", "signal.until=20").stderr
     assert run("study", scene, "--store", store).stdout == text
@@ -144,7 +144,7 @@ def positions(path):
 
 def stores_without_newer_parts(scene, store, text):
     """Files as earlier versions wrote them are read, and get what they lack."""
-    for path in store.iterdir():
+    for path in store.glob("*.h5"):
         with h5py.File(path, "a") as stored:
             for name in ("results/planes", "results/probes", "signal/tolerance"):
                 if name in stored:
@@ -162,7 +162,7 @@ def stores_without_newer_parts(scene, store, text):
 def values_of_no_sample(folder, store):
     """A file whose numbers no sample can have is left out by name, and the table is that of the others; a table
     without rows says why."""
-    name = min(path.name for path in store.iterdir())
+    name = min(path.name for path in store.glob("*.h5"))
     with h5py.File(store / name) as stored:
         fronts = np.isfinite(stored["results/planes/t10"][()]).sum()
     rest = sum(column(tables(run("table", "planes", "--store", store).stdout)[0], "samples")) - fronts

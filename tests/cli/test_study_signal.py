@@ -50,7 +50,7 @@ def mean_and_rms(store):
     t, f = forces(store)
     assert f.shape == (3, 81) and abs(f).max() > 0
     table = signal(store)
-    assert table[1] == ["t", "mean", "rms", "mean_err"] and len(table[2]) == 81
+    assert table[1] == ["t", "mean", "rms", "mean_err", "low", "high"] and len(table[2]) == 81
     check_numbers(table, t, f)
     assert comment(table, "failed") == "0" and not any("without" in line for line in table[0])
     assert comment(table, "pressure").startswith("0.0001, grains = 60, width = 8")
@@ -60,7 +60,7 @@ def formats_and_the_figure(folder, store):
     csv, tsv, drawn = folder / "signal.csv", folder / "signal.tsv", []
     run("table", "signal", "--store", store, "-o", csv)
     lines = [line for line in csv.read_text().splitlines() if not line.startswith("#")]
-    assert lines[0] == "t,mean,rms,mean_err", lines[0]
+    assert lines[0] == "t,mean,rms,mean_err,low,high", lines[0]
     rows = np.array([line.split(",") for line in lines[1:]], dtype=float)
     assert np.array_equal(rows[:, 2], column(signal(store), "rms"))
     run("table", "signal", "--store", store, "-o", tsv)
@@ -70,6 +70,59 @@ def formats_and_the_figure(folder, store):
         drawn.append(figure.read_bytes())
     # two curves of 81 points, the same from both forms of the table
     assert drawn[0] == drawn[1] and drawn[0].count(b" L ") >= 100, drawn[0].count(b" L ")
+
+
+def intervals_of_the_mean(folder):
+    """low and high, made without keeping the signals, against numpy's studentised bootstrap that keeps them."""
+    store = folder / "many"
+    study(store, *GRID, samples=24)
+    table = signal(store)
+    t, f = forces(store)
+    n, size, seed = len(f), 20000, 6
+    assert n == 24
+    print("seed", seed)
+    check_numbers(table, t, f)
+    random = np.random.default_rng(seed)
+    counts = random.multinomial(n, [1 / n] * n, size).astype(float)
+    mean, error = f.mean(axis=0), f.std(axis=0, ddof=1) / n ** 0.5
+    alive = error > 1e-12 * error.max()
+    away = f - mean
+    first, second = counts @ away / n, counts @ away ** 2 / n
+    errors = np.sqrt(np.maximum(second - first ** 2, 0) / (n - 1))
+    t_all = np.clip(np.divide(first, errors, out=np.zeros_like(first), where=errors > 0), -4.137, 4.137)  # 2 Student's
+    ends = mean - np.quantile(t_all, [0.975, 0.025], axis=0) * error
+    low, high = column(table, "low"), column(table, "high")
+    assert np.all(low <= mean + 1e-12 * error.max()) and np.all(high >= mean - 1e-12 * error.max())
+    # an end is a quantile of 1000 resamples, of t beyond 2 in a tail longer than a normal one: known to 0.1 to 0.2 errors
+    off = np.array([low - ends[0], high - ends[1]])[:, alive] / error[alive]
+    assert np.abs(off).max() < 0.8 and np.all(np.abs(off.mean(axis=1)) < 0.3), (np.abs(off).max(), off.mean(axis=1))
+    ratio = ((high - low)[alive] / (ends[1] - ends[0])[alive]).mean()
+    assert 0.93 < ratio < 1.07, ratio
+    # as all tables: the same bytes again, wider for a higher level, the rest the same
+    assert signal(store) == table
+    wide = signal(store, "--interval", "0.99")
+    assert any("at level 0.99," in line for line in wide[0])
+    assert np.all((column(wide, "high") - column(wide, "low"))[alive] > (high - low)[alive])
+    assert np.array_equal(column(wide, "mean_err"), column(table, "mean_err"))
+    # one signal has no interval
+    study(folder / "one", *GRID, samples=1)
+    for name in ("rms", "mean_err", "low", "high"):
+        assert np.all(np.isnan(column(signal(folder / "one"), name)))
+
+
+def many_times(folder):
+    """More times than are resampled at once: the same as in one window, where there are few."""
+    store = folder / "long"
+    study(store, "signal.until=40", "signal.points=6001", samples=2)
+    table = signal(store)
+    t, f = forces(store)
+    check_numbers(table, t, f)
+    low, high = column(table, "low"), column(table, "high")
+    assert np.all(np.isfinite(low)) and len(low) == 6001
+    # two samples: twice Student's interval for one degree of freedom, wherever they differ
+    half = 2 * 12.706204736 * abs(f[0] - f[1]) / 2
+    assert np.allclose(high, f.mean(axis=0) + half, rtol=1e-9, atol=1e-9 * abs(f).max())
+    assert np.allclose(low, f.mean(axis=0) - half, rtol=1e-9, atol=1e-9 * abs(f).max())
 
 
 def samples_without_a_signal(store):
@@ -149,6 +202,7 @@ with tempfile.TemporaryDirectory(prefix="sonopack-signals-") as name:
     folder = pathlib.Path(name)
     store = folder / "store"
     for test, arguments in ((mean_and_rms, (store,)), (formats_and_the_figure, (folder, store)),
+                            (intervals_of_the_mean, (folder,)), (many_times, (folder,)),
                             (samples_without_a_signal, (store,)), (no_signal_at_all, (folder,)),
                             (failed_samples, (folder,)), (unlike_signals, (folder,)), (unlike_samples, (folder, store))):
         test(*arguments)

@@ -76,7 +76,11 @@ def prepare(folder):
         result = run(arguments, folder)
         assert result.returncode == 0, (arguments, result)
     scene = (SOURCE / "packings/chain.cfg").read_bytes() + (
-        b'study = { samples = 2; want = ["ctof"]; sweep = ( { key = "packing.pressure"; values = [1e-6, 1e-4]; } ); };\n')
+        b'network = { prestress = [true, false]; threshold = { from = 1e-5; to = 1e-3; count = 3; spacing = "log"; }; };\n'
+        b'study = { samples = 2; want = ["ctof"]; sweep = ( { key = "packing.pressure"; values = [1e-6, 1e-4]; },\n'
+        b'  { key = "packing.sizes"; values = ["uniform", "lognormal"]; },\n'
+        b'  { key = "packing.poisson"; from = 0; to = 0.4; step = 0.1; },\n'
+        b'  { key = "packing.history"; values = ( [] ); } ); };\n')
     (folder / "scene.cfg").write_bytes(scene)
     # grains = 3 on the command line keeps damaged scenes from asking for much work
     small = ["--set", "packing.kind=chain", "--set", "packing.dimension=1", "--set", "packing.grains=3",

@@ -260,8 +260,8 @@ static void values_of_the_wrong_type(void **state) {
     (void)state;
     refuses("packing = { pressure = \"high\"; };", "packing.pressure = \"high\": must be 1e-10 .. 0.01 E*");
     refuses("packing = { pressure = true; };", "packing.pressure = true: must be");
-    refuses("packing = { pressure = [1e-4]; };", "packing.pressure = a list: must be");
-    refuses("packing = { pressure = { a = 1; }; };", "packing.pressure = { ... }: must be");
+    refuses("packing = { pressure = [[1e-4]]; };", "packing.pressure = a list: must be");
+    refuses("packing = { pressure = [{ a = 1; }]; };", "packing.pressure = { ... }: must be");
     refuses("packing = { kind = 1; };", "packing.kind = 1: must be piston, triangular, chain or file");
     refuses("packing = { kind = \"Piston\"; };",
             "packing.kind = \"Piston\": must be piston, triangular, chain or file");
@@ -289,8 +289,8 @@ static void unknown_names_meet_the_nearest(void **state) {
 
 static void sweeps_that_make_no_sense(void **state) {
     (void)state;
-    refuses("study = { sweep = ( { key = \"packing.kind\"; values = [1]; } ); };", "cannot be swept");
-    refuses("study = { sweep = ( { key = \"packing.seed\"; values = [1]; } ); };", "cannot be swept");
+    refuses("study = { sweep = ( { key = \"packing.kind\"; values = [1]; } ); };", "packing.kind = 1: must be piston");
+    refuses("study = { sweep = ( { key = \"packing.content\"; values = [1]; } ); };", "cannot be swept");
     refuses("study = { sweep = ( { key = \"packing.presure\"; values = [1]; } ); };", "did you mean packing.pressure?");
     refuses("study = { sweep = ( { key = \"packing.grains\"; values = [200]; },\n"
             "{ key = \"packing.grains\"; values = [600]; } ); };",
@@ -298,7 +298,7 @@ static void sweeps_that_make_no_sense(void **state) {
     refuses("study = { sweep = ( { key = \"packing.grains\"; values = [200, 200]; } ); };", "stands there twice");
     refuses("study = { sweep = ( { key = \"packing.grains\"; values = [200,\n 0]; } ); };",
             "s.cfg:2: packing.grains = 0: must be");
-    refuses("study = { sweep = ( { key = \"packing.grains\"; values = []; } ); };", "must be a list of numbers");
+    refuses("study = { sweep = ( { key = \"packing.grains\"; values = []; } ); };", "must be a list of values");
     refuses("study = { sweep = ( { key = \"packing.width\"; values = [5, 6.5); } ); };", "syntax error");
     refuses("study = { sweep = ( { key = \"packing.width\"; values = [24, 2]; } ); };", "packing.width = 2");
     refuses("study = { sweep = ( { key = \"packing.width\"; } ); };", "each entry must be");

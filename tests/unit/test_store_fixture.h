@@ -41,7 +41,8 @@ static inline int fixture_count_files(const char *folder) {
     assert_non_null(d);
     int count = 0;
     for (struct dirent *e; (e = readdir(d));)
-        count += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
+        count += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0 &&
+                 strcmp(e->d_name, "manifest.tsv") != 0 && strcmp(e->d_name, ".sonopack-lock") != 0;
     closedir(d);
     return count;
 }
@@ -139,6 +140,15 @@ static inline void assert_same_bits(const char *what, const double *a, const dou
     for (int64_t k = 0; k < count; k++)
         if (memcmp(&a[k], &b[k], sizeof *a) != 0)
             fail_msg("%s[%lld]: %.17g and %.17g differ", what, (long long)k, a[k], b[k]);
+}
+
+/* Whether the sink has a sample with these parts; its signal as test_store_samples.c makes one. */
+static inline bool fixture_has(const sp_study_sink *sink, const char *name, unsigned want) {
+    sp_scene scene = sp_scene_default();
+    scene.want = want;
+    scene.signal.points = 3;
+    scene.signal.until = 2;
+    return sink->has(sink->user, &scene, name) != SP_STORED_NOT;
 }
 
 /* Grains, contacts, box and material, bit for bit: what every form keeps. */

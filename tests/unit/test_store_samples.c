@@ -60,11 +60,11 @@ static void saves_and_loads(void **state) {
     bool found = true;
     assert_ok(sink.load(sink.user, s.name, &q, &back, &found, &err));
     assert_false(found);
-    assert_false(sink.has(sink.user, s.name, 0));
+    assert_false(fixture_has(&sink, s.name, 0));
     assert_ok(sink.save(sink.user, &scene, &s, &p, NULL, &err));
-    assert_true(sink.has(sink.user, s.name, 0));
-    assert_true(sink.has(sink.user, s.name, SP_WANT_CTOF | SP_WANT_STATICS));
-    assert_false(sink.has(sink.user, s.name, SP_WANT_CTOF | SP_WANT_MODULI));
+    assert_true(fixture_has(&sink, s.name, 0));
+    assert_true(fixture_has(&sink, s.name, SP_WANT_CTOF | SP_WANT_STATICS));
+    assert_false(fixture_has(&sink, s.name, SP_WANT_CTOF | SP_WANT_MODULI));
     assert_ok(sink.load(sink.user, s.name, &q, &back, &found, &err));
     assert_true(found);
     assert_same_sample(&s, &back);
@@ -85,7 +85,7 @@ static void saves_and_loads(void **state) {
     assert_ok(sink.save(sink.user, &scene, &more, NULL, &signal, &err));
     sp_sample again = example(SP_WANT_STATICS, 1);
     assert_ok(sink.save(sink.user, &scene, &again, &p, NULL, &err));
-    assert_true(sink.has(sink.user, s.name, SP_WANT_CTOF | SP_WANT_STATICS | SP_WANT_MODULI | SP_WANT_SIGNAL));
+    assert_true(fixture_has(&sink, s.name, SP_WANT_CTOF | SP_WANT_STATICS | SP_WANT_MODULI | SP_WANT_SIGNAL));
     assert_ok(sink.load(sink.user, s.name, &q, &back, &found, &err));
     assert_same_bits("front", &s.front.t10, &back.front.t10, FRONT_NUMBERS);
     assert_same_bits("statics", &again.statics.phi2, &back.statics.phi2, sizeof s.statics / 8);
@@ -184,7 +184,7 @@ static void failures_are_kept(void **state) {
     s.height = 0;
     snprintf(s.reason, sizeof s.reason, "no equilibrium after 1e7 steps: residual = 3e-9");
     assert_ok(sink.save(sink.user, NULL, &s, NULL, NULL, &err));
-    assert_true(sink.has(sink.user, s.name, SP_WANT_CTOF));
+    assert_true(fixture_has(&sink, s.name, SP_WANT_CTOF));
     int64_t n, bad;
     assert_ok(sp_store_samples(store, &n, &all, &bad, &err));
     assert_true(n == 1 && bad == 0);
@@ -195,7 +195,7 @@ static void failures_are_kept(void **state) {
     sp_sample good = example(SP_WANT_CTOF, 3);
     assert_ok(sink.save(sink.user, NULL, &good, &p, NULL, &err));
     assert_int_equal(fixture_count_files(folder), 1);
-    assert_false(sink.has(sink.user, s.name, SP_WANT_MODULI));
+    assert_false(fixture_has(&sink, s.name, SP_WANT_MODULI));
     sp_packing_free(&p);
     sp_store_close(store);
 }
@@ -230,11 +230,11 @@ static void samples_skip_what_is_damaged(void **state) {
 
     /* a damaged sample is one to make anew; its remains are put aside */
     bool found = true;
-    assert_false(sink.has(sink.user, s[2].name, 0));
+    assert_false(fixture_has(&sink, s[2].name, 0));
     assert_ok(sink.load(sink.user, s[2].name, &q, &back, &found, &err));
     assert_false(found);
     assert_ok(sink.save(sink.user, NULL, &s[2], &p, NULL, &err));
-    assert_true(sink.has(sink.user, s[2].name, SP_WANT_CTOF));
+    assert_true(fixture_has(&sink, s[2].name, SP_WANT_CTOF));
     snprintf(path, sizeof path, "%s/%s.bad", folder, s[2].name);
     assert_int_equal(access(path, F_OK), 0);
     sp_packing_free(&p);
@@ -251,7 +251,7 @@ static void wrong_saves(void **state) {
     assert_fails(sink.save(sink.user, NULL, &s, NULL, NULL, &err), SP_EINVAL, "no packing");
     snprintf(s.name, sizeof s.name, "../../../etc/passwd");
     assert_fails(sink.save(sink.user, NULL, &s, &p, NULL, &err), SP_EINVAL, "32 hexadecimal digits");
-    assert_false(sink.has(sink.user, s.name, 0));
+    assert_false(fixture_has(&sink, s.name, 0));
     s = example(SP_WANT_CTOF, 3);
     p.r[0] = -1;
     assert_fails(sink.save(sink.user, NULL, &s, &p, NULL, &err), SP_EFORMAT, "grain 0");

@@ -125,16 +125,16 @@ static void records_and_retries(void **state) {
     notes n = verify(store, -1, NULL);
     assert_true(n.files == 1 && n.records == 1 && n.sound == 1);
     assert_string_equal(n.last, "no equilibrium");
-    assert_true(sink.has(sink.user, s.name, SP_WANT_CTOF));
+    assert_true(fixture_has(&sink, s.name, SP_WANT_CTOF));
     sp_store_retry(store, true);
-    assert_false(sink.has(sink.user, s.name, SP_WANT_CTOF));
+    assert_false(fixture_has(&sink, s.name, SP_WANT_CTOF));
     sp_store_retry(store, false);
-    assert_true(sink.has(sink.user, s.name, SP_WANT_CTOF));
+    assert_true(fixture_has(&sink, s.name, SP_WANT_CTOF));
     snprintf(path, sizeof path, "%s/%s.failed", folder, s.name);
     fixture_write(path, "seed = many\n");
     n = verify(store, -1, NULL);
     assert_true(n.damaged == 1 && n.aside == 1);
-    assert_false(sink.has(sink.user, s.name, SP_WANT_CTOF));
+    assert_false(fixture_has(&sink, s.name, SP_WANT_CTOF));
     sp_store_close(store);
 }
 

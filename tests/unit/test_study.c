@@ -116,11 +116,11 @@ static int find(const shelf *s, const char *name) {
     return -1;
 }
 
-static bool shelf_has(void *user, const char *name, unsigned want) {
+static sp_stored shelf_has(void *user, const sp_scene *scene, const char *name) {
     shelf *s = user;
     enter(s);
     int k = find(s, name);
-    bool has = !s->broken && k >= 0 && (s->sample[k].failed || (s->sample[k].have & want) == want);
+    sp_stored has = !s->broken && k >= 0 ? sp_sample_stored(scene, &s->sample[k]) : SP_STORED_NOT;
     leave(s);
     return has;
 }
@@ -169,7 +169,7 @@ static sp_status shelf_save(void *user, const sp_scene *scene, const sp_sample *
     char name[SP_NAME_MAX];
     sp_sample_name(scene, name); /* empty where a test lets it have no memory */
     s->wrong += name[0] && strcmp(name, sample->name) != 0;
-    s->wrong += sample->failed != (packing == NULL) || sample->failed != (sample->reason[0] != '\0');
+    s->wrong += sample->failed != (packing == NULL) || (sample->failed || sample->lacks) != (sample->reason[0] != '\0');
     s->wrong += packing && !packing->scene;
     sp_status status = SP_OK;
     int k = find(s, sample->name);
@@ -201,7 +201,9 @@ static void shelf_free(shelf *s) {
     free(s);
 }
 
-static sp_study_sink sink_of(shelf *s) { return (sp_study_sink){s, shelf_has, shelf_load, shelf_save}; }
+static sp_study_sink sink_of(shelf *s) {
+    return (sp_study_sink){.user = s, .has = shelf_has, .load = shelf_load, .save = shelf_save};
+}
 
 static sp_study_progress run(const sp_scene *scene, shelf *s, int jobs, int shard, int shards) {
     sp_study_options o = {.jobs = jobs, .shard = shard, .shards = shards};
@@ -225,7 +227,7 @@ static void assert_same_table(const sp_table *a, const sp_table *b) {
 
 static sp_table table_of(const char *name, const shelf *s) {
     sp_table t = sp_table_none();
-    assert_ok(sp_study_table(name, s->n, s->sample, &t, &err));
+    assert_ok(sp_study_table(name, s->n, s->sample, NULL, &t, &err));
     return t;
 }
 
@@ -389,12 +391,150 @@ static void a_failed_part_leaves_the_others(void **state) {
     assert_false(s->sample[0].failed);
     assert_int_equal(s->sample[0].have, SP_WANT_STATICS);
     assert_true(s->packing[0].n == 20);
+    assert_int_equal(s->sample[0].lacks, SP_WANT_CTOF);
     sp_study_progress done = run(&scene, s, 1, 1, 1);
     assert_int_equal(done.failed, 1);
-    assert_int_equal(s->saves, 1); /* nothing new to save */
+    assert_int_equal(done.computed, 0); /* not tried again */
+    assert_int_equal(s->saves, 1);
     scene.want = SP_WANT_STATICS;
     assert_int_equal(run(&scene, s, 1, 1, 1).computed, 0);
     shelf_free(s);
+    sp_scene_free(&scene);
+}
+
+/* What could not be made of a signal says nothing of a signal with other keys. */
+static void a_lacking_signal_is_one_of_its_keys(void **state) {
+    (void)state;
+    sp_scene scene = parse("packing = { kind = \"chain\"; grains = 20; friction = 0; };"
+                           "study = { want = [\"ctof\", \"signal\"]; };");
+    scene.network.threshold = 10;
+    shelf *s = shelf_new();
+    assert_int_equal(run(&scene, s, 1, 1, 1).failed, 1);
+    assert_int_equal(s->sample[0].lacks, SP_WANT_CTOF | SP_WANT_SIGNAL);
+    assert_int_equal(run(&scene, s, 1, 1, 1).computed, 0);
+    scene.signal.points = 17;
+    assert_int_equal(run(&scene, s, 1, 1, 1).computed, 1);
+    scene.want = SP_WANT_CTOF;
+    assert_int_equal(run(&scene, s, 1, 1, 1).computed, 0);
+    shelf_free(s);
+    sp_scene_free(&scene);
+}
+
+/* ---- several processes ------------------------------------------------------------------------------------------- */
+
+static int64_t every_third(void *user) {
+    int64_t *next = user;
+    *next += 3;
+    return *next < 18 ? *next : -1;
+}
+
+static void numbers_given_from_outside(void **state) {
+    (void)state;
+    sp_scene scene = parse(chains);
+    shelf *whole = shelf_new(), *s = shelf_new();
+    run(&scene, whole, 2, 1, 1);
+    double cost = 0;
+    for (int64_t first = -3; first < 0; first++) {
+        int64_t next = first;
+        sp_study_options o = {.jobs = 2, .shard = 1, .shards = 1, .take = every_third, .take_user = &next};
+        sp_study_sink sink = sink_of(s);
+        sp_study_progress done = {0};
+        assert_ok(sp_study_run(&scene, &o, &sink, NULL, NULL, &done, &err));
+        assert_int_equal(done.total, 18);
+        assert_int_equal(done.done, 6);
+        assert_int_equal(done.computed, 6);
+        cost += done.cost_computed;
+        assert_true(fabs(done.cost_computed - done.cost_done) == 0 && done.cost > done.cost_done);
+        if (first == -1)
+            assert_true(fabs(cost - done.cost) < 1e-12 * cost);
+    }
+    sp_table a = table_of("ensemble", whole), b = table_of("ensemble", s);
+    assert_same_table(&a, &b);
+    sp_table_free(&a);
+    sp_table_free(&b);
+    shelf_free(whole);
+    shelf_free(s);
+    sp_scene_free(&scene);
+}
+
+/* Another process that has the first two samples: one for a while, then it is done; the other until it is gone. */
+typedef struct neighbour {
+    shelf *own;
+    const shelf *theirs;
+    char name[2][SP_NAME_MAX];
+    int asked[2], taken, released;
+} neighbour;
+
+static sp_stored neighbour_has(void *user, const sp_scene *scene, const char *name) {
+    neighbour *n = user;
+    return shelf_has(n->own, scene, name);
+}
+
+static sp_status neighbour_claim(void *user, const char *name, bool *taken, sp_error *out) {
+    neighbour *n = user;
+    (void)out;
+    *taken = true;
+    for (int k = 0; k < 2; k++)
+        if (n->taken >= 2 && strcmp(name, n->name[k]) == 0)
+            *taken = ++n->asked[k] > 3;
+    for (int k = 0; k < 2 && n->taken < 2; k++)
+        if (n->name[k][0] == '\0' && *taken) {
+            memcpy(n->name[k], name, SP_NAME_MAX);
+            n->taken++;
+            *taken = false;
+        }
+    if (*taken && n->asked[0] > 3 && strcmp(name, n->name[0]) == 0) { /* it was made meanwhile */
+        const int there = find((shelf *)n->own, name), k = find((shelf *)n->theirs, name);
+        assert_true(there < 0 && k >= 0);
+        n->own->sample[n->own->n] = n->theirs->sample[k];
+        n->own->n++;
+    }
+    n->released -= *taken;
+    return SP_OK;
+}
+
+static void neighbour_release(void *user, const char *name) {
+    neighbour *n = user;
+    (void)name;
+    n->released++;
+}
+
+static sp_status neighbour_load(void *user, const char *name, sp_packing *packing, sp_sample *sample, bool *found,
+                                sp_error *out) {
+    return shelf_load(((neighbour *)user)->own, name, packing, sample, found, out);
+}
+
+static sp_status neighbour_save(void *user, const sp_scene *scene, const sp_sample *sample, const sp_packing *packing,
+                                const sp_signal *signal, sp_error *out) {
+    return shelf_save(((neighbour *)user)->own, scene, sample, packing, signal, out);
+}
+
+static void samples_of_a_neighbour_come_last(void **state) {
+    (void)state;
+    sp_scene scene = parse(chains);
+    neighbour n = {.own = shelf_new(), .theirs = NULL};
+    shelf *whole = shelf_new();
+    run(&scene, whole, 1, 1, 1);
+    n.theirs = whole;
+    const sp_study_sink sink = {.user = &n,
+                                .has = neighbour_has,
+                                .claim = neighbour_claim,
+                                .release = neighbour_release,
+                                .load = neighbour_load,
+                                .save = neighbour_save};
+    sp_study_options o = {.jobs = 1, .shard = 1, .shards = 1};
+    sp_study_progress done = {0};
+    assert_ok(sp_study_run(&scene, &o, &sink, NULL, NULL, &done, &err));
+    assert_int_equal(done.done, 18);
+    assert_int_equal(done.computed, 17);
+    assert_int_equal(n.released, 0);
+    assert_true(n.asked[0] == 4 && n.asked[1] == 4);
+    sp_table a = table_of("ensemble", whole), b = table_of("ensemble", n.own);
+    assert_same_table(&a, &b);
+    sp_table_free(&a);
+    sp_table_free(&b);
+    shelf_free(n.own);
+    shelf_free(whole);
     sp_scene_free(&scene);
 }
 
@@ -567,6 +707,9 @@ int main(void) {
         cmocka_unit_test(the_watch_sees_the_end),
         cmocka_unit_test(a_failed_packing_is_recorded),
         cmocka_unit_test(a_failed_part_leaves_the_others),
+        cmocka_unit_test(a_lacking_signal_is_one_of_its_keys),
+        cmocka_unit_test(numbers_given_from_outside),
+        cmocka_unit_test(samples_of_a_neighbour_come_last),
         cmocka_unit_test(a_sink_that_fails_ends_the_study),
         cmocka_unit_test(wrong_runs),
         cmocka_unit_test(a_sample_without_memory),

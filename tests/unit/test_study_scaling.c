@@ -62,7 +62,7 @@ static void a_row_a_height(void **state) {
     sp_sample s[MADE];
     make_up(s);
     sp_table t = sp_table_none();
-    assert_ok(sp_study_table("scaling", MADE, s, &t, &err));
+    assert_ok(sp_study_table("scaling", MADE, s, NULL, &t, &err));
     static const char *const columns[] = {
         "p",      "width",      "distance",       "distance_err", "samples",       "t10",       "t10_err",
         "t_peak", "t_peak_err", "t_zero",         "t_zero_err",   "amplitude",     "width10",   "width10_err",
@@ -81,10 +81,13 @@ static void a_row_a_height(void **state) {
         assert_relative(cell(&t, r, "c_l"), r % 3 ? 0.22 : 0.2, 1e-12);
         if (r % 3 == 2) {
             assert_true(isnan(cell(&t, r, "speed")) && isnan(cell(&t, r, "gamma_err")));
+            assert_true(isnan(cell(&t, r, "speed_low")) && isnan(cell(&t, r, "speed_high")));
             continue;
         }
         assert_relative(cell(&t, r, "speed"), speed, 1e-12);
         assert_close(cell(&t, r, "speed_err"), 0, 1e-12); /* heights scatter, the speed does not */
+        assert_relative(cell(&t, r, "speed_low"), speed, 1e-10);
+        assert_relative(cell(&t, r, "speed_high"), speed, 1e-10);
         assert_relative(cell(&t, r, "speed_over_c_l"), speed / (r % 3 ? 0.22 : 0.21), 1e-12);
         assert_close(cell(&t, r, "gamma"), gamma, 1e-12);
         /* 10% sd of independent rows of four, to the noise of a bootstrap of so few */
@@ -107,7 +110,7 @@ static void a_row_a_plane(void **state) {
         if (s[k].grains == 300 && s[k].seed == 1)
             s[k].plane_front[1] = (sp_front){NAN, NAN, NAN, NAN, NAN, 0};
     sp_table t = sp_table_none();
-    assert_ok(sp_study_table("planes", MADE, s, &t, &err));
+    assert_ok(sp_study_table("planes", MADE, s, NULL, &t, &err));
     assert_int_equal(t.rows, 2 * 2 * (2 + 3 + 3));
     for (int r = 0; r < t.rows; r++) {
         const int group = r % 8; /* 3, 6; 3, 6, 12; 3, 6, 12 */
@@ -129,6 +132,34 @@ static void a_row_a_plane(void **state) {
     sp_table_free(&t);
 }
 
+/* Times of planes that scatter: alike in all planes of a packing they leave the speed alone, by themselves they do not.
+ */
+static void intervals_of_speeds(void **state) {
+    (void)state;
+    static const double off[SEEDS] = {0.5, -0.5, -0.3, 0.3};
+    sp_sample s[MADE];
+    for (int own = 0; own < 2; own++) {
+        make_up(s);
+        for (int k = 0; k < MADE; k++)
+            for (int i = 0; i < s[k].planes; i++)
+                s[k].plane_front[i].t10 += off[(s[k].seed - 1 + (own ? (unsigned)i : 0)) % SEEDS];
+        sp_table t = sp_table_none();
+        assert_ok(sp_study_table("planes", MADE, s, NULL, &t, &err));
+        for (int r = 0; r < t.rows; r++) {
+            const double speed = cell(&t, r, "speed"), low = cell(&t, r, "speed_low"), high = cell(&t, r, "speed_high");
+            assert_true(isnan(speed) ? isnan(low) && isnan(high) : low <= speed + 1e-12 && high >= speed - 1e-12);
+            if (isnan(speed))
+                continue;
+            const double error = cell(&t, r, "speed_err");
+            if (!own)
+                assert_close(high - low, 0, 1e-10);
+            else /* four samples: Student's is 3.2, twice of it the most; the errors are of the first order */
+                assert_true(high - low > 2 * 1.6 * error && high - low < 4 * 3.2 * 1.5 * error);
+        }
+        sp_table_free(&t);
+    }
+}
+
 static void means_of_probes(void **state) {
     (void)state;
     sp_sample s[MADE];
@@ -137,9 +168,9 @@ static void means_of_probes(void **state) {
         s[n++] = made_up(1e-4, 24, 1, seed);
     s[0].probe[SP_SINE_2].concentrated = 0.9;
     sp_table t = sp_table_none();
-    assert_ok(sp_study_table("probes", n, s, &t, &err));
+    assert_ok(sp_study_table("probes", n, s, NULL, &t, &err));
     assert_int_equal(t.rows, 1);
-    assert_int_equal(t.columns, 3 + 2 * 16);
+    assert_int_equal(t.columns, 3 + 5 * 16);
     static const char *const probe[SP_PROBES] = {"sine1", "sine2", "lines1", "lines3"};
     for (int k = 0; k < SP_PROBES; k++) {
         char name[40];
@@ -161,11 +192,11 @@ static void means_of_probes(void **state) {
         s[k].moduli.c55 = 0.25;
         s[k].have &= ~(unsigned)(k == 0 ? SP_WANT_MODULI : 0);
     }
-    assert_ok(sp_study_table("probes", n, s, &t, &err));
+    assert_ok(sp_study_table("probes", n, s, NULL, &t, &err));
     assert_true(isnan(cell(&t, 0, "C55_lines3_ratio")) && cell(&t, 0, "C55_lines3") == 2);
     sp_table_free(&t);
-    assert_ok(sp_study_table("moduli", n, s, &t, &err));
-    assert_int_equal(t.columns, 3 + 2 * 11);
+    assert_ok(sp_study_table("moduli", n, s, NULL, &t, &err));
+    assert_int_equal(t.columns, 3 + 5 * 11);
     assert_close(cell(&t, 0, "C55"), 0.25, 1e-15);
     sp_table_free(&t);
 }
@@ -177,20 +208,20 @@ static void what_is_refused_and_left_out(void **state) {
     make_up(s);
     s[MADE] = s[3];
     s[MADE].name[0] = 'f';
-    assert_fails(sp_study_table("scaling", MADE + 1, s, &t, &err), SP_EREFUSED, "different scenes");
-    assert_fails(sp_study_table("planes", MADE + 1, s, &t, &err), SP_EREFUSED, "different scenes");
-    assert_fails(sp_study_table("spectrum", MADE, s, &t, &err), SP_EINVAL, "ctof, scaling, planes");
+    assert_fails(sp_study_table("scaling", MADE + 1, s, NULL, &t, &err), SP_EREFUSED, "different scenes");
+    assert_fails(sp_study_table("planes", MADE + 1, s, NULL, &t, &err), SP_EREFUSED, "different scenes");
+    assert_fails(sp_study_table("spectrum", MADE, s, NULL, &t, &err), SP_EINVAL, "ctof, scaling, planes");
     for (int k = 0; k < MADE; k++) /* no front anywhere: no rows; failures are counted */
         s[k].have = 0;
     s[2].failed = true;
-    assert_ok(sp_study_table("scaling", MADE, s, &t, &err));
+    assert_ok(sp_study_table("scaling", MADE, s, NULL, &t, &err));
     assert_int_equal(t.rows, 0);
     assert_string_equal(sp_table_comment_value(&t, "failed"), "1");
     sp_table_free(&t);
-    assert_ok(sp_study_table("planes", MADE, s, &t, &err));
+    assert_ok(sp_study_table("planes", MADE, s, NULL, &t, &err));
     assert_int_equal(t.rows, 0);
     sp_table_free(&t);
-    assert_ok(sp_study_table("scaling", 0, s, &t, &err));
+    assert_ok(sp_study_table("scaling", 0, s, NULL, &t, &err));
     assert_int_equal(t.rows, 0);
     sp_table_free(&t);
 }
@@ -208,8 +239,8 @@ static void in_any_order(void **state) {
     static const char *const names[] = {"scaling", "planes", "probes"};
     for (int n = 0; n < 2; n++) {
         sp_table a = sp_table_none(), b = sp_table_none();
-        assert_ok(sp_study_table(names[n], MADE, s, &a, &err));
-        assert_ok(sp_study_table(names[n], MADE, turned, &b, &err));
+        assert_ok(sp_study_table(names[n], MADE, s, NULL, &a, &err));
+        assert_ok(sp_study_table(names[n], MADE, turned, NULL, &b, &err));
         char *left = sp_table_text(&a, SP_TSV), *right = sp_table_text(&b, SP_TSV);
         assert_string_equal(left, right);
         sp_free(left);
@@ -233,7 +264,7 @@ static void tables_without_memory(void **state) {
             sp_table t = sp_table_none();
             sp_error err = {0};
             sp_alloc_fail_after(k);
-            status = sp_study_table(names[n], count, s, &t, &err);
+            status = sp_study_table(names[n], count, s, NULL, &t, &err);
             sp_alloc_fail_after(-1);
             assert_true(status == SP_OK || status == SP_ENOMEM);
             if (status == SP_OK)
@@ -252,7 +283,7 @@ static void kinds_are_kept_apart(void **state) {
     for (int k = 0; k < MADE; k++)
         if (s[k].seed % 2)
             s[k].kind = SP_PACK_TRIANGULAR;
-    assert_ok(sp_study_table("scaling", MADE, s, &t, &err));
+    assert_ok(sp_study_table("scaling", MADE, s, NULL, &t, &err));
     assert_int_equal(t.rows, 24);
     for (int r = 0; r < 24; r++)
         assert_true(cell(&t, r, "samples") == SEEDS / 2);
@@ -262,14 +293,18 @@ static void kinds_are_kept_apart(void **state) {
     s[1] = s[0];
     s[1].kind = SP_PACK_CHAIN;
     s[1].name[0] = 'e';
-    assert_fails(sp_study_table("moduli", 2, s, &t, &err), SP_EREFUSED, "packing.kind");
+    assert_fails(sp_study_table("moduli", 2, s, NULL, &t, &err), SP_EREFUSED, "packing.kind");
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_row_a_height),       cmocka_unit_test(a_row_a_plane),
-        cmocka_unit_test(means_of_probes),      cmocka_unit_test(what_is_refused_and_left_out),
-        cmocka_unit_test(in_any_order),         cmocka_unit_test(tables_without_memory),
+        cmocka_unit_test(a_row_a_height),
+        cmocka_unit_test(a_row_a_plane),
+        cmocka_unit_test(intervals_of_speeds),
+        cmocka_unit_test(means_of_probes),
+        cmocka_unit_test(what_is_refused_and_left_out),
+        cmocka_unit_test(in_any_order),
+        cmocka_unit_test(tables_without_memory),
         cmocka_unit_test(kinds_are_kept_apart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,6 +3,7 @@
 
 #include <sonopack/store.h>
 #include <sonopack/study.h>
+#include <stdbool.h>
 
 /* Cells and comments, bit for bit. */
 static void assert_same_table(const sp_table *a, const sp_table *b) {
@@ -57,10 +58,12 @@ static void table_of_speeds(void **state) {
     sp_sample s[MADE];
     make_up(s);
     sp_table t = sp_table_none();
-    assert_ok(sp_study_table("ctof", MADE, s, &t, &err));
-    static const char *const columns[] = {"p", "samples", "c_tof", "c_tof_err", "c_peak", "c_zero", "c_l", "c_t"};
-    assert_int_equal(t.columns, 8);
-    for (int c = 0; c < 8; c++)
+    assert_ok(sp_study_table("ctof", MADE, s, NULL, &t, &err));
+    static const char *const columns[] = {"p",          "samples",    "c_tof",   "c_tof_err", "c_peak",
+                                          "c_zero",     "c_l",        "c_t",     "c_tof_low", "c_tof_high",
+                                          "c_peak_err", "c_zero_err", "c_l_err", "c_t_err"};
+    assert_int_equal(t.columns, 14);
+    for (int c = 0; c < 14; c++)
         assert_string_equal(t.column[c].name, columns[c]);
     assert_int_equal(t.rows, 4);
     for (int k = 0; k < 4; k++) {
@@ -73,6 +76,10 @@ static void table_of_speeds(void **state) {
         assert_relative(cell(&t, k, "c_l"), 0.2, 1e-12); /* of the high boxes */
         assert_relative(cell(&t, k, "c_t"), 0.1, 1e-12);
         assert_close(cell(&t, k, "c_tof_err"), 0, 1e-12); /* heights scatter, the speed does not */
+        assert_relative(cell(&t, k, "c_tof_low"), c, 1e-10);
+        assert_relative(cell(&t, k, "c_tof_high"), c, 1e-10);
+        assert_relative(cell(&t, k, "c_l_err"), 0.1 * sqrt(2.5 / 5), 1e-12);
+        assert_close(cell(&t, k, "c_t_err"), 0, 1e-15);
     }
     assert_close(strtod(sp_table_comment_value(&t, "exponent"), NULL), 1.0 / 6, 1e-6);
     assert_string_equal(sp_table_comment_value(&t, "failed"), "0");
@@ -87,12 +94,18 @@ static void error_of_the_speed(void **state) {
     for (int k = 0; k < MADE; k++)
         s[k].front.t10 += s[k].seed % 2 ? 2 : -3; /* mean 0, squares 30 over the five */
     sp_table t = sp_table_none();
-    assert_ok(sp_study_table("ctof", MADE, s, &t, &err));
+    assert_ok(sp_study_table("ctof", MADE, s, NULL, &t, &err));
     for (int k = 0; k < 4; k++) {
         double c = 0.3 * pow(10, (k - 3) / 6.0), flight = 17 / c;
         assert_relative(cell(&t, k, "c_tof"), c, 1e-12);
         /* heights scatter by 0.02 d^2, which moves H and t10 together and c not at all */
         assert_relative(cell(&t, k, "c_tof_err"), c * sqrt(2 * 30.0 / (5 * 4)) / flight, 0.15);
+        assert_close(cell(&t, k, "c_peak_err"), 0, 1e-12);
+        /* of five samples twice, between 1.96 errors to either side and twice those of Student's for four */
+        const double error = cell(&t, k, "c_tof_err"), low = c - cell(&t, k, "c_tof_low"),
+                     high = cell(&t, k, "c_tof_high") - c;
+        assert_true(low > 1.3 * error && high > 1.3 * error && low + high > 2 * 1.96 * error * 0.85);
+        assert_true(low < 2 * 2.78 * 1.15 * error && high < 2 * 2.78 * 1.15 * error);
     }
     sp_table_free(&t);
     int n = 0; /* two high boxes, without scatter, leave the error of the five low ones */
@@ -103,7 +116,7 @@ static void error_of_the_speed(void **state) {
         if (s[k].grains == 200 || s[k].seed <= 2)
             s[n++] = s[k];
     }
-    assert_ok(sp_study_table("ctof", n, s, &t, &err));
+    assert_ok(sp_study_table("ctof", n, s, NULL, &t, &err));
     for (int k = 0; k < 4; k++) {
         double c = 0.3 * pow(10, (k - 3) / 6.0);
         assert_relative(cell(&t, k, "c_tof_err"), c * sqrt(30.0 / (5 * 4)) * c / 17, 0.15);
@@ -127,7 +140,7 @@ static void any_order_of_samples(void **state) {
     snprintf(s[7].reason, sizeof s[7].reason, "it failed");
     for (int n = 0; n < 4; n++) {
         sp_table t = sp_table_none();
-        assert_ok(sp_study_table(names[n], MADE, s, &t, &err));
+        assert_ok(sp_study_table(names[n], MADE, s, NULL, &t, &err));
         for (int trial = 1; trial < 8; trial++) {
             for (int k = 0; k < MADE; k++)
                 mixed[k] = s[k];
@@ -140,7 +153,7 @@ static void any_order_of_samples(void **state) {
             for (int k = 0; k < 3; k++)
                 mixed[MADE + k] = mixed[k * trial]; /* the same sample again counts once */
             sp_table again = sp_table_none();
-            assert_ok(sp_study_table(names[n], MADE + 3, mixed, &again, &err));
+            assert_ok(sp_study_table(names[n], MADE + 3, mixed, NULL, &again, &err));
             assert_same_table(&t, &again);
             sp_table_free(&again);
         }
@@ -169,7 +182,7 @@ static void groups_with_holes(void **state) {
             s[k] = made_up(1e-4, s[k].grains, 1, -0.2);
     }
     sp_table t = sp_table_none();
-    assert_ok(sp_study_table("ctof", MADE, s, &t, &err));
+    assert_ok(sp_study_table("ctof", MADE, s, NULL, &t, &err));
     assert_int_equal(t.rows, 4);
     assert_true(isnan(cell(&t, 0, "c_tof")) && isnan(cell(&t, 0, "c_tof_err")) && isnan(cell(&t, 0, "c_zero")));
     for (int k = 1; k < 4; k++) {
@@ -182,10 +195,14 @@ static void groups_with_holes(void **state) {
     assert_close(cell(&t, 2, "samples"), 5, 0);
     assert_close(cell(&t, 2, "c_l"), 0.2 - 0.025, 1e-12); /* seeds 1, 2, 3 and 5 */
     assert_close(cell(&t, 3, "samples"), 1, 0);
-    assert_true(isnan(cell(&t, 3, "c_tof_err"))); /* one sample has no spread */
+    /* one sample has no spread */
+    static const char *const spread[] = {"c_tof_err",  "c_tof_low", "c_tof_high", "c_peak_err",
+                                         "c_zero_err", "c_l_err",   "c_t_err"};
+    for (int c = 0; c < 7; c++)
+        assert_true(isnan(cell(&t, 3, spread[c])));
     assert_string_equal(sp_table_comment_value(&t, "failed"), "11");
     sp_table_free(&t);
-    assert_ok(sp_study_table("moduli", MADE, s, &t, &err));
+    assert_ok(sp_study_table("moduli", MADE, s, NULL, &t, &err));
     const int with_moduli[8] = {5, 5, 2, 2, 4, 4, 1, 1};
     assert_int_equal(t.rows, 8);
     for (int k = 0; k < 8; k++)
@@ -193,15 +210,15 @@ static void groups_with_holes(void **state) {
     assert_close(cell(&t, 5, "c_l"), 0.2 - 0.025, 1e-12);
     sp_table_free(&t);
     /* one size only */
-    assert_ok(sp_study_table("ctof", 1, s, &t, &err));
+    assert_ok(sp_study_table("ctof", 1, s, NULL, &t, &err));
     assert_int_equal(t.rows, 1);
     assert_true(isnan(cell(&t, 0, "c_tof")));
     assert_non_null(strstr(t.comment[1], "two heights"));
     sp_table_free(&t);
     /* nothing at all is an empty table */
-    assert_ok(sp_study_table("ctof", 0, s, &t, &err));
+    assert_ok(sp_study_table("ctof", 0, s, NULL, &t, &err));
     assert_int_equal(t.rows, 0);
-    assert_int_equal(t.columns, 8);
+    assert_int_equal(t.columns, 14);
     sp_table_free(&t);
 }
 
@@ -219,7 +236,7 @@ static void three_sizes(void **state) {
         s[n++].failed = true;
     }
     sp_table t = sp_table_none();
-    assert_ok(sp_study_table("ctof", n, s, &t, &err));
+    assert_ok(sp_study_table("ctof", n, s, NULL, &t, &err));
     assert_int_equal(t.rows, 1);
     assert_close(cell(&t, 0, "samples"), 3, 0);
     assert_relative(cell(&t, 0, "c_tof"), 0.3, 1e-12);
@@ -230,7 +247,7 @@ static void three_sizes(void **state) {
     s[n] = s[n - 1];
     s[n].failed = false;
     s[n++].have = SP_WANT_CTOF;
-    assert_ok(sp_study_table("ctof", n, s, &t, &err));
+    assert_ok(sp_study_table("ctof", n, s, NULL, &t, &err));
     assert_non_null(strstr(t.comment[1], "grains 200 and 600"));
     assert_close(cell(&t, 0, "samples"), 1, 0);
     assert_string_equal(sp_table_comment_value(&t, "failed"), "2");
@@ -242,8 +259,8 @@ static void table_of_means(void **state) {
     sp_sample s[MADE];
     make_up(s);
     sp_table t = sp_table_none();
-    assert_ok(sp_study_table("statics", MADE, s, &t, &err));
-    assert_int_equal(t.columns, 3 + 2 * 11);
+    assert_ok(sp_study_table("statics", MADE, s, NULL, &t, &err));
+    assert_int_equal(t.columns, 3 + 5 * 11);
     assert_int_equal(t.rows, 8);
     for (int k = 0; k < 8; k++) {
         assert_relative(cell(&t, k, "p"), pow(10, k / 2 - 7), 1e-15);
@@ -254,16 +271,21 @@ static void table_of_means(void **state) {
         assert_close(cell(&t, k, "Phi2"), 0.81, 1e-15);
         assert_close(cell(&t, k, "s1_over_s2"), 0.8, 1e-15);
         assert_close(cell(&t, k, "s1_over_s2_sd"), 0, 1e-15);
+        assert_close(cell(&t, k, "zs_err"), 0.1 * sqrt(2.5 / 5), 1e-14);
+        /* five symmetric numbers: as far to either side as 1000 resamples know it */
+        const double low = 3.2 - cell(&t, k, "zs_low"), high = cell(&t, k, "zs_high") - 3.2;
+        assert_true(low > 1.96 * 0.07 && low < 2 * 2.78 * 0.071 && high > 1.96 * 0.07 && high < 2 * 2.78 * 0.071);
+        assert_true(cell(&t, k, "s1_over_s2_low") <= 0.8 + 1e-15 && cell(&t, k, "s1_over_s2_high") >= 0.8 - 1e-15);
     }
     sp_table_free(&t);
-    assert_ok(sp_study_table("moduli", MADE, s, &t, &err));
-    assert_int_equal(t.columns, 3 + 2 * 6);
+    assert_ok(sp_study_table("moduli", MADE, s, NULL, &t, &err));
+    assert_int_equal(t.columns, 3 + 5 * 6);
     assert_close(cell(&t, 0, "C12"), 2, 0);
     assert_close(cell(&t, 0, "C33"), 4, 0);
     assert_close(cell(&t, 1, "c_l"), 0.2, 1e-15);
     assert_close(cell(&t, 1, "c_l_sd"), 0.1 * sqrt(2.5), 1e-14);
     sp_table_free(&t);
-    assert_ok(sp_study_table("ensemble", MADE, s, &t, &err));
+    assert_ok(sp_study_table("ensemble", MADE, s, NULL, &t, &err));
     assert_int_equal(t.rows, MADE);
     for (int k = 1; k < MADE; k++) {
         double p = cell(&t, k, "p"), before = cell(&t, k - 1, "p");
@@ -275,24 +297,65 @@ static void table_of_means(void **state) {
     sp_table_free(&t);
 }
 
+/* A level more is a wider interval; means and errors stay. */
+static void levels_of_intervals(void **state) {
+    (void)state;
+    static const struct {
+        const char *table, *low, *high, *rest;
+    } all[] = {{"ctof", "c_tof_low", "c_tof_high", "c_tof_err"},
+               {"moduli", "c_l_low", "c_l_high", "c_l_err"},
+               {"statics", "zs_low", "zs_high", "zs_err"}};
+    sp_sample s[MADE];
+    make_up(s);
+    for (int k = 0; k < MADE; k++)
+        s[k].front.t10 += s[k].seed % 2 ? 2 : -3;
+    assert_true(sp_table_options_default().level == 0.95);
+    for (int n = 0; n < 3; n++) {
+        sp_table t[3] = {sp_table_none(), sp_table_none(), sp_table_none()}, none = sp_table_none();
+        static const double levels[] = {0.5, 0.95, 0.999};
+        for (int k = 0; k < 3; k++) {
+            const sp_table_options o = {levels[k]};
+            char text[60];
+            assert_ok(sp_study_table(all[n].table, MADE, s, &o, &t[k], &err));
+            snprintf(text, sizeof text, "at level %g,", levels[k]);
+            bool told = false;
+            for (int c = 0; c < t[k].comments; c++)
+                told = told || strstr(t[k].comment[c], text);
+            assert_true(told);
+            const int64_t last = t[k].rows - 1;
+            assert_true(cell(&t[k], last, all[n].rest) == cell(&t[0], last, all[n].rest));
+            if (k > 0)
+                assert_true(cell(&t[k], last, all[n].low) < cell(&t[k - 1], last, all[n].low) &&
+                            cell(&t[k], last, all[n].high) > cell(&t[k - 1], last, all[n].high));
+        }
+        assert_ok(sp_study_table(all[n].table, MADE, s, NULL, &none, &err));
+        assert_same_table(&none, &t[1]);
+        for (int k = 0; k < 3; k++)
+            sp_table_free(&t[k]);
+        sp_table_free(&none);
+        const sp_table_options wrong = {95};
+        assert_fails(sp_study_table(all[n].table, MADE, s, &wrong, &none, &err), SP_EINVAL, "must be 0.5 to 0.999");
+    }
+}
+
 static void what_is_not_averaged(void **state) {
     (void)state;
     sp_sample s[MADE];
     sp_table t = sp_table_none();
     make_up(s);
     s[3].friction = 0;
-    assert_fails(sp_study_table("ctof", MADE, s, &t, &err), SP_EREFUSED, "friction");
-    assert_fails(sp_study_table("statics", MADE, s, &t, &err), SP_EREFUSED, "friction");
-    assert_ok(sp_study_table("ensemble", MADE, s, &t, &err));
+    assert_fails(sp_study_table("ctof", MADE, s, NULL, &t, &err), SP_EREFUSED, "friction");
+    assert_fails(sp_study_table("statics", MADE, s, NULL, &t, &err), SP_EREFUSED, "friction");
+    assert_ok(sp_study_table("ensemble", MADE, s, NULL, &t, &err));
     sp_table_free(&t);
     make_up(s);
     s[3].width = 48;
-    assert_fails(sp_study_table("ctof", MADE, s, &t, &err), SP_EREFUSED, "width");
+    assert_fails(sp_study_table("ctof", MADE, s, NULL, &t, &err), SP_EREFUSED, "width");
     make_up(s);
     s[8] = s[0]; /* the same seed under another name: of another scene */
     s[8].name[0] = 'f';
-    assert_fails(sp_study_table("moduli", MADE, s, &t, &err), SP_EREFUSED, "different scenes");
-    assert_fails(sp_study_table("spectra", MADE, s, &t, &err), SP_EINVAL, "spectra");
+    assert_fails(sp_study_table("moduli", MADE, s, NULL, &t, &err), SP_EREFUSED, "different scenes");
+    assert_fails(sp_study_table("spectra", MADE, s, NULL, &t, &err), SP_EINVAL, "spectra");
     assert_null(t.cells);
 }
 
@@ -308,7 +371,7 @@ static void tables_without_memory(void **state) {
             sp_table t = sp_table_none();
             sp_error err = {0};
             sp_alloc_fail_after(k);
-            status = sp_study_table(names[n], MADE, s, &t, &err);
+            status = sp_study_table(names[n], MADE, s, NULL, &t, &err);
             sp_alloc_fail_after(-1);
             if (status != SP_OK)
                 assert_int_equal(status, SP_ENOMEM);
@@ -322,10 +385,11 @@ static void tables_without_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(table_of_speeds),      cmocka_unit_test(error_of_the_speed),
-        cmocka_unit_test(any_order_of_samples), cmocka_unit_test(groups_with_holes),
-        cmocka_unit_test(three_sizes),          cmocka_unit_test(table_of_means),
-        cmocka_unit_test(what_is_not_averaged), cmocka_unit_test(tables_without_memory),
+        cmocka_unit_test(table_of_speeds),       cmocka_unit_test(error_of_the_speed),
+        cmocka_unit_test(any_order_of_samples),  cmocka_unit_test(groups_with_holes),
+        cmocka_unit_test(three_sizes),           cmocka_unit_test(table_of_means),
+        cmocka_unit_test(levels_of_intervals),   cmocka_unit_test(what_is_not_averaged),
+        cmocka_unit_test(tables_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,61 @@
+#!/bin/bash
+# A study as an array of Slurm: every task makes its share of the samples, all of them into one store.
+#
+#   sbatch packings/slurm.sh my.cfg store
+#   sbatch --array=1-64 --time=12:00:00 packings/slurm.sh my.cfg store
+#
+# The store is a folder that all nodes see. Tasks may run in any order, at any time, and again: nothing that is in the
+# store is made twice. A job that waits for the array and writes the tables, and the same study as one job of MPI:
+#
+#   sbatch --dependency=afterok:ARRAY_JOB_ID --wrap 'sonopack study my.cfg --store store --jobs 1 -o tables.tsv'
+#   sbatch --ntasks=64 --wrap 'mpirun sonopack study my.cfg --store store -o tables.tsv'
+#
+# What to adapt is marked with <--, and may as well be given to sbatch. More in docs/cluster.md.
+
+#SBATCH --job-name=sonopack
+#SBATCH --array=1-16             # <-- tasks
+#SBATCH --cpus-per-task=1        # <-- samples that a task makes at the same time
+#SBATCH --mem-per-cpu=1G         # <-- enough for samples of 10 000 grains
+#SBATCH --time=04:00:00          # <-- then a task is queued again, and goes on
+#SBATCH --signal=B:USR1@120      # how it hears of that, in seconds before
+#SBATCH --requeue
+#SBATCH --open-mode=append
+#SBATCH --output=sonopack-%A_%a.log
+
+scene=${1:?the scene, as in: sbatch slurm.sh my.cfg store}
+store=${2:?the store, as in: sbatch slurm.sh my.cfg store}
+sonopack=${SONOPACK:-sonopack}   # <-- the command, where it is not in PATH
+most_restarts=50
+
+# The task's shard from its place in the array: 0-15 and 1-31:2 are as good as 1-16. An array with holes, as of some
+# tasks again (--array=3,7,8), is not cut into shards: its tasks take what is missing, one sample after the other.
+id=${SLURM_ARRAY_TASK_ID:-1} first=${SLURM_ARRAY_TASK_MIN:-1} last=${SLURM_ARRAY_TASK_MAX:-1}
+tasks=${SLURM_ARRAY_TASK_COUNT:-1} step=${SLURM_ARRAY_TASK_STEP:-1}
+shard=()
+if [ "$tasks" -gt 1 ] && [ $(((last - first) / step + 1)) -eq "$tasks" ]; then
+    shard=(--shard "$(((id - first) / step + 1))/$tasks")
+fi
+
+# bash hears signals while it waits for a command in the background, and not for one in the foreground.
+restart=no heard=no
+stop() {
+    heard=yes
+    kill -TERM "$study" 2>/dev/null # finishes no sample, and loses none that is finished
+}
+trap 'restart=yes; stop' USR1 # the time is nearly over
+trap stop TERM INT            # scancel
+
+export OPENBLAS_NUM_THREADS=1
+echo "$(date '+%F %T') $(hostname): sonopack study $scene --store $store ${shard[*]}"
+"$sonopack" study "$scene" --store "$store" "${shard[@]}" --jobs "${SLURM_CPUS_PER_TASK:-1}" >/dev/null &
+study=$!
+while # a signal ends the wait, but not yet the study
+    heard=no
+    wait "$study"
+    status=$?
+    [ "$heard" = yes ]
+do :; done
+if [ "$restart" = yes ] && [ "$status" -ne 0 ] && [ "${SLURM_RESTART_COUNT:-0}" -lt "$most_restarts" ]; then
+    scontrol requeue "${SLURM_ARRAY_JOB_ID:-$SLURM_JOB_ID}${SLURM_ARRAY_TASK_ID:+_$SLURM_ARRAY_TASK_ID}"
+fi
+exit "$status"

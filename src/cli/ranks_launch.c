@@ -1,0 +1,26 @@
+/* Who has started this process, from the variables that launchers set. */
+#include "cli/ranks.h"
+
+#include <stdlib.h>
+
+static int number_of(const char *variable) {
+    const char *text = getenv(variable);
+    int64_t number;
+    return text && cli_integer(variable, text, 1, INT32_MAX, &number, NULL) == SP_OK ? (int)number : 0;
+}
+
+cli_launch cli_launch_look(void) {
+    /* mpirun of OpenMPI; of MPICH, Intel and srun --mpi=pmi2; of MVAPICH; steps of srun, last: the others say more */
+    static const char *const sizes[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE",
+                                        "SLURM_STEP_NUM_TASKS"};
+    static const char *const marks[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "MV2_COMM_WORLD_SIZE",
+                                        "PMIX_RANK"};
+    cli_launch launch = {.variable = ""};
+    for (size_t k = 0; k < sizeof marks / sizeof *marks; k++)
+        launch.mpi = launch.mpi || getenv(marks[k]);
+    for (size_t k = 0; k < sizeof sizes / sizeof *sizes && launch.processes == 0; k++) {
+        launch.processes = number_of(sizes[k]);
+        launch.variable = sizes[k];
+    }
+    return launch;
+}

@@ -1,0 +1,233 @@
+"""sonopack study by mpirun: ranks share the samples as they come free, and give the bytes of one process; a killed,
+interrupted or failed job loses nothing that was finished; errors are told once; waiting ranks sleep.
+
+usage: test_mpi.py COMMAND SOURCE_DIR MPI_COMMAND      MPI_COMMAND: a build with -DSONOPACK_MPI=ON, or none
+"""
+import os
+import pathlib
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+COMMAND, SOURCE, MPI_COMMAND = sys.argv[1:4]
+
+ENVIRONMENT = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI", "PMI", "SLURM", "MV2"))}
+ENVIRONMENT.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", LC_ALL="C.UTF-8")
+
+SCENE = """packing = { width = 8; grains = 120; tolerance = 1e-9; };
+study = { samples = 6; want = ["ctof", "moduli"]; sweep = (
+  { key = "packing.pressure"; values = [1e-4, 1e-3]; },
+  { key = "packing.grains"; values = [60, 120]; } ); };
+"""
+SAMPLES = 24
+# long enough to be stopped in the middle
+LONGER = """packing = { width = 12; grains = 240; };
+study = { samples = 40; want = ["statics"]; };
+"""
+LONGER_SAMPLES = 40
+
+
+def start(ranks, *arguments, command=MPI_COMMAND):
+    return subprocess.Popen(["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks), command,
+                             *map(str, arguments)], env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                            text=True)
+
+
+def mpirun(ranks, *arguments, command=MPI_COMMAND, status=0):
+    job = start(ranks, *arguments, command=command)
+    out, err = job.communicate(timeout=120)
+    assert job.returncode == status, (ranks, arguments, job.returncode, out, err)
+    return out, err
+
+
+def plain(*arguments, command=COMMAND, status=0):
+    done = subprocess.run([command, *map(str, arguments)], env=ENVIRONMENT, capture_output=True, text=True)
+    assert done.returncode == status, (arguments, done.returncode, done.stdout, done.stderr)
+    return done.stdout, done.stderr
+
+
+def samples(store):
+    return {path.name: path.read_bytes() for path in store.glob("*.h5")}
+
+
+def modified(store):
+    return {path.name: path.stat().st_mtime_ns for path in store.glob("*.h5")}
+
+
+def made(err):
+    return int(re.search(r"(\d+) of them made now", err).group(1))
+
+
+def processes(store):
+    """Ranks that work on a store: {process: ID of its parent}, found by their command lines."""
+    found = {}
+    for folder in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            words = (folder / "cmdline").read_bytes().split(b"\0")
+            state = (folder / "stat").read_text().rsplit(")", 1)[1].split()
+        except OSError:
+            continue
+        if words[0] == os.fsencode(MPI_COMMAND) and os.fsencode(store) in words and state[0] != "Z":
+            found[int(folder.name)] = int(state[1])
+    return found
+
+
+def wait_until(condition, what, seconds=60):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, f"waited {seconds} s for {what}"
+        time.sleep(0.05)
+
+
+def same_bytes(folder, scene, text, expected):
+    for ranks, jobs in ((1, None), (2, None), (4, None), (2, 2), (4, 2)):
+        store = folder / f"ranks-{ranks}-{jobs}"
+        more = ["--jobs", jobs] if jobs else []
+        out, err = mpirun(ranks, "study", scene, "--store", store, *more)
+        assert out == text, (ranks, jobs)
+        assert samples(store) == expected, (ranks, jobs)
+        assert made(err) == SAMPLES and err.count("sonopack:") == 1, err  # each once, and told once
+        assert (f"by {ranks} ranks" in err) == (ranks > 1), err
+        before = modified(store)
+        out, err = mpirun(ranks, "study", scene, "--store", store, *more)
+        assert out == text and made(err) == 0 and modified(store) == before
+    # shards of several ranks, and tables in a file
+    store, table = folder / "shards", folder / "table.tsv"
+    for shard in (1, 2):
+        _, err = mpirun(2, "study", scene, "--store", store, "--shard", f"{shard}/2", "-q")
+        assert err == ""
+    mpirun(2, "study", scene, "--store", store, "-o", table)
+    assert samples(store) == expected
+    assert table.read_text() + "\n" + table.with_name("table-moduli.tsv").read_text() == text
+    # the same command without a launcher
+    out, err = plain("study", scene, "--store", store, command=MPI_COMMAND)
+    assert out == text and made(err) == 0
+
+
+def dynamic(folder):
+    """One rank is slowed down (stopped for a while): the others make the samples meanwhile."""
+    scene, store = folder / "longer.cfg", folder / "dynamic"
+    scene.write_text(LONGER)
+    job = start(3, "study", scene, "--store", store)
+    wait_until(lambda: len(samples(store)) >= 3, "three samples")
+    ranks = sorted(processes(store))
+    assert len(ranks) == 3, ranks
+    os.kill(ranks[-1], signal.SIGSTOP)  # the last one to be started: not rank 0
+    wait_until(lambda: len(samples(store)) >= LONGER_SAMPLES - 1, "the samples of the other ranks")
+    assert job.poll() is None
+    os.kill(ranks[-1], signal.SIGCONT)
+    out, err = job.communicate(timeout=60)
+    assert job.returncode == 0 and made(err) == LONGER_SAMPLES, err
+    return scene, out, samples(store)
+
+
+def stopped(folder, scene, text, expected):
+    """mpirun or a rank killed, Ctrl-C to mpirun, SIGTERM to one rank: what was finished stays, and the job goes on."""
+    def ends(name, act, told):
+        store = folder / name
+        job = start(4, "study", scene, "--store", store)
+        wait_until(lambda: len(samples(store)) >= 5, "five samples")
+        act(job, sorted(processes(store)))
+        before = modified(store)
+        out, err = job.communicate(timeout=60)
+        assert job.returncode != 0 and out == "", (name, job.returncode, out)
+        if told:
+            assert err.count("the same command goes on") == 1, (name, err)
+        wait_until(lambda: not processes(store), f"the ranks to end ({name})", 20)
+        kept = modified(store)
+        assert before.items() <= kept.items() and len(kept) < LONGER_SAMPLES, (name, len(before), len(kept))
+        out, err = mpirun(2, "study", scene, "--store", store)
+        assert out == text and made(err) == LONGER_SAMPLES - len(kept), (name, err)
+        assert samples(store) == expected and kept.items() <= modified(store).items(), name
+
+    ends("mpirun killed", lambda job, ranks: job.kill(), False)
+    ends("rank 0 killed", lambda job, ranks: os.kill(ranks[0], signal.SIGKILL), False)
+    ends("last rank killed", lambda job, ranks: os.kill(ranks[-1], signal.SIGKILL), False)
+    ends("interrupted", lambda job, ranks: job.send_signal(signal.SIGINT), False)
+    ends("one rank ended", lambda job, ranks: os.kill(ranks[-1], signal.SIGTERM), True)
+
+
+def failed_samples(folder):
+    """What cannot be made is counted once, and is the same as without MPI."""
+    args = ["study", "--set", "packing.width=8", "--set", "packing.grains=60", "--set", "study.samples=4", "--set",
+            "study.want=statics", "--set", 'study.sweep=({ key = "packing.max_steps"; values = [100, 1000000]; })']
+    _, err = plain(*args, "--store", folder / "failing")
+    expected = re.search(r"(\d+) samples failed", err)
+    assert expected and int(expected.group(1)) == 4, err
+    _, err = mpirun(3, *args, "--store", folder / "failing-3")
+    assert re.search(r"(\d+) samples failed", err).group(1) == expected.group(1), err
+    assert len(list((folder / "failing-3").glob("*.failed"))) == len(list((folder / "failing").glob("*.failed")))
+
+
+def refused(folder, scene):
+    store = folder / "refused"
+    for arguments, status, reason in (
+            (["study", scene], 2, "no store"), (["study", scene, "--store", store, "--jobz"], 2, "--jobz"),
+            (["study", "--store", store, "--verify"], 2, "one process"),
+            (["study", folder / "none.cfg", "--store", store], 2, "none.cfg"),
+            (["study", scene, "--store", scene], 1, str(scene))):
+        out, err = mpirun(3, *arguments, status=status)
+        assert out == "" and sum(line.startswith("sonopack") for line in err.splitlines()) == 1 and reason in err, err
+    assert "Usage" in mpirun(3, "study", "--help")[0]
+    # ranks that do not make the same
+    out, err = mpirun(1, "study", scene, "--store", store, ":", "-n", "1", MPI_COMMAND, "study", scene, "--store", store,
+                      "--set", "packing.seed=7", status=2)
+    assert "rank 1" in err and "the same study" in err and out == ""
+    out, err = mpirun(1, "study", scene, "--store", store, ":", "-n", "1", MPI_COMMAND, "study", folder / "none.cfg",
+                      "--store", store, status=2)
+    assert "rank 1" in err and "none.cfg" in err and out == ""
+
+
+def without_mpi(folder, scene, text):
+    """A build without MPI says so where several of its processes would each do everything."""
+    store = folder / "single"
+    _, err = mpirun(2, "study", scene, "--store", store, command=COMMAND, status=2)
+    assert "-DSONOPACK_MPI=ON" in err and not store.exists()
+    done = subprocess.run([COMMAND, "study", scene, "--store", store], env={**ENVIRONMENT, "PMI_SIZE": "2"},
+                          capture_output=True, text=True)
+    assert done.returncode == 2 and "-DSONOPACK_MPI=ON" in done.stderr
+    shards = f'exec "{COMMAND}" study "{scene}" --store "{store}" -q --shard $((OMPI_COMM_WORLD_RANK + 1))/2'
+    mpirun(2, "-c", shards, command="sh")
+    assert plain("study", scene, "--store", store)[0] == text
+
+
+def sleepers(folder):
+    """Three ranks wait for the one that makes the only sample: they may not take its cores."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    begun = time.monotonic()
+    mpirun(4, "study", "--store", folder / "one", "--set", "packing.width=24", "--set", "packing.grains=1500", "--set",
+           "study.samples=1", "--set", "study.want=statics")
+    wall = time.monotonic() - begun
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+    # one core for the sample; the rest is the start of four processes and of mpirun, 0.5 s here, and looking for mail
+    assert cpu < wall + 1, (cpu, wall)
+    return wall, cpu
+
+
+def main():
+    if MPI_COMMAND == "none" or not shutil.which("mpirun"):
+        print("skipped: no MPI here (Debian: openmpi-bin, libopenmpi-dev)")
+        sys.exit(77)
+    with tempfile.TemporaryDirectory(prefix="sonopack-mpi-") as name:
+        folder = pathlib.Path(name)
+        scene = folder / "scene.cfg"
+        scene.write_text(SCENE)
+        text, _ = plain("study", scene, "--store", folder / "plain")
+        expected = samples(folder / "plain")
+        assert len(expected) == SAMPLES
+        same_bytes(folder, scene, text, expected)
+        stopped(folder, *dynamic(folder))
+        failed_samples(folder)
+        refused(folder, scene)
+        if COMMAND != MPI_COMMAND:
+            without_mpi(folder, scene, text)
+        print("four ranks and one sample: {:.1f} s, {:.1f} s of CPU time".format(*sleepers(folder)))
+
+
+main()

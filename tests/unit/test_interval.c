@@ -1,0 +1,331 @@
+#include "base/base.h"
+#include "numeric/interval.h"
+#include "numeric/random.h"
+#include "numeric/resampled.h"
+#include "numeric/statistics.h"
+#include "test.h"
+
+#include <stdbool.h>
+
+static double gauss(sp_random *r) {
+    const double radius = sqrt(-2 * log1p(-sp_random_uniform(r)));
+    return radius * cos(6.283185307179586 * sp_random_uniform(r));
+}
+
+static double exponential(sp_random *r) { return -log1p(-sp_random_uniform(r)); }
+
+static void quantiles_by_hand(void **state) {
+    (void)state;
+    const double x[] = {1, 2, 4, 8};
+    assert_close(sp_quantile(4, x, 0.2), 1, 1e-15);
+    assert_close(sp_quantile(4, x, 0.5), 3, 1e-15);
+    assert_close(sp_quantile(4, x, 0.7), 6, 1e-14);
+    assert_true(sp_quantile(4, x, 0) == 1 && sp_quantile(4, x, 0.1) == 1 && sp_quantile(4, x, 0.95) == 8);
+    assert_true(sp_quantile(1, x, 0.3) == 1 && sp_quantile(4, x, 1) == 8);
+}
+
+static void student_quantiles(void **state) {
+    (void)state;
+    static const struct {
+        double p;
+        int64_t freedom;
+        double t;
+    } table[] = {{0.975, 1, 12.706204736432095},
+                 {0.975, 2, 4.302652729911275},
+                 {0.975, 3, 3.182446305284263},
+                 {0.975, 4, 2.7764451051977987},
+                 {0.975, 9, 2.2621571627409915},
+                 {0.9995, 10, 4.586893858702636},
+                 {0.75, 1, 1},
+                 {0.975, 1000, 1.962339080805162},
+                 {0.975, 99, 1.9842169515086827}};
+    for (size_t k = 0; k < sizeof table / sizeof *table; k++) {
+        assert_relative(sp_student_quantile(table[k].p, table[k].freedom), table[k].t, 1e-9);
+        assert_relative(sp_student_quantile(1 - table[k].p, table[k].freedom), -table[k].t, 1e-9);
+    }
+    assert_close(sp_student_quantile(0.5, 7), 0, 1e-12);
+}
+
+/* How often the interval of n samples' mean holds the true one, in percent; the median width over Student's. */
+static double coverage(int64_t n, bool skew, double level, int trials, double *width) {
+    enum { TOGETHER = 200 }; /* means of unlike samples, whose resamples are drawn alike */
+    static double x[TOGETHER][100];
+    const double *of[TOGETHER];
+    const uint64_t seed = 17;
+    const double truth = skew ? 1 : 0, student = sp_student_quantile(0.5 * (1 + level), n - 1);
+    sp_random r = sp_random_make(seed, 99);
+    sp_interval interval[TOGETHER];
+    int held = 0;
+    *width = 0;
+    for (int k = 0; k < trials; k += TOGETHER) {
+        for (int v = 0; v < TOGETHER; v++) {
+            of[v] = x[v];
+            for (int64_t i = 0; i < n; i++)
+                x[v][i] = skew ? exponential(&r) : gauss(&r);
+        }
+        const sp_interval_options o = {.level = level, .seed = (uint64_t)k + 1};
+        assert_ok(sp_intervals_of_means(n, TOGETHER, of, &o, interval, &err));
+        for (int v = 0; v < TOGETHER; v++) {
+            held += interval[v].low <= truth && truth <= interval[v].high;
+            *width += (interval[v].high - interval[v].low) / (2 * student * sp_standard_error(n, x[v])) / trials;
+        }
+    }
+    return 100.0 * held / trials;
+}
+
+/* The numbers that the header states, to four standard deviations of so many trials, and 0.5 for resamples that the
+ * trials share. */
+static void coverage_of_the_mean(void **state) {
+    (void)state;
+    static const struct {
+        int64_t n;
+        double level;
+        int trials;
+        double stated[2]; /* normal, exponential */
+    } table[] = {{2, 0.95, 800, {97.6, 95.0}},   {3, 0.95, 800, {98.9, 95.5}},   {5, 0.95, 2000, {95.1, 92.6}},
+                 {10, 0.95, 2000, {95.0, 94.1}}, {30, 0.95, 2000, {94.7, 94.8}}, {100, 0.95, 1600, {94.6, 94.8}},
+                 {10, 0.68, 1000, {68.5, 66.5}}, {30, 0.99, 1000, {99.0, 98.6}}};
+    for (size_t k = 0; k < sizeof table / sizeof *table; k++)
+        for (int skew = 0; skew < 2; skew++) {
+            double width;
+            const double found = coverage(table[k].n, skew, table[k].level, table[k].trials, &width);
+            const double p = table[k].stated[skew] / 100;
+            print_message("n %lld, level %g, %s: %.2f%%, mean width over Student's %.2f\n", (long long)table[k].n,
+                          table[k].level, skew ? "exponential" : "normal", found, width);
+            assert_close(found, 100 * p, 400 * sqrt(p * (1 - p) / table[k].trials) + 0.5);
+        }
+}
+
+/* Bit for bit, whatever other quantities there are; others with another seed. */
+static void the_same_again(void **state) {
+    (void)state;
+    double x[2][30];
+    const double *of[2] = {x[0], x[1]};
+    sp_random r = sp_random_make(3, 99);
+    for (int k = 0; k < 60; k++)
+        x[k / 30][k % 30] = gauss(&r);
+    sp_interval a[2], b[2], one;
+    sp_interval_options o = sp_interval_options_default();
+    assert_ok(sp_intervals_of_means(30, 2, of, &o, a, &err));
+    assert_ok(sp_intervals_of_means(30, 2, of, &o, b, &err));
+    assert_memory_equal(a, b, sizeof a);
+    assert_ok(sp_intervals_of_means(30, 1, of + 1, &o, &one, &err));
+    assert_memory_equal(&one, &a[1], sizeof one);
+    o.seed = 2;
+    assert_ok(sp_intervals_of_means(30, 2, of, &o, b, &err));
+    assert_true(b[0].low != a[0].low && b[1].high != a[1].high);
+    /* a higher level is a wider interval, of the same middle for the most part */
+    double width = 0;
+    for (double level = 0.5; level < 0.9995; level += level < 0.98 ? 0.05 : 0.001) {
+        o = (sp_interval_options){level, 1};
+        assert_ok(sp_intervals_of_means(30, 1, of, &o, &one, &err));
+        assert_true(one.high - one.low > 0.98 * width);
+        width = one.high - one.low;
+    }
+    assert_int_equal(sp_interval_resamples(0.95), 1000);
+    assert_int_equal(sp_interval_resamples(0.99), 1000);
+    assert_int_equal(sp_interval_resamples(0.999), 10000);
+}
+
+static void where_there_is_none(void **state) {
+    (void)state;
+    const double x[] = {1, 2, 5}, same[] = {0.1, 0.1, 0.1}, bad[] = {1, NAN, 2}, far[] = {1, INFINITY, 2};
+    const double *const of[] = {x, same, bad, far};
+    sp_interval i[4];
+    sp_interval_options o = sp_interval_options_default();
+    assert_ok(sp_intervals_of_means(3, 4, of, &o, i, &err));
+    assert_true(i[0].low < 8.0 / 3 && 8.0 / 3 < i[0].high);
+    assert_close(i[1].low, 0.1, 1e-15);
+    assert_close(i[1].high, 0.1, 1e-15);
+    assert_true(isnan(i[2].low) && isnan(i[2].high) && isnan(i[3].low) && isnan(i[3].high));
+    for (int64_t n = 0; n < 2; n++) {
+        i[0] = (sp_interval){0, 0};
+        assert_ok(sp_intervals_of_means(n, 1, of, &o, i, &err));
+        assert_true(isnan(i[0].low) && isnan(i[0].high));
+    }
+    /* two samples: at most twice Student's interval, of one degree of freedom */
+    assert_ok(sp_intervals_of_means(2, 1, of, &o, i, &err));
+    assert_relative(i[0].high, 1.5 + 2 * 12.706204736 * 0.5, 1e-8);
+    assert_relative(i[0].low, 1.5 - 2 * 12.706204736 * 0.5, 1e-8);
+    i[0].low = 7;
+    static const double levels[] = {0.49, 0.9991, NAN, -1};
+    for (int k = 0; k < 4; k++) {
+        o.level = levels[k];
+        assert_fails(sp_intervals_of_means(3, 1, of, &o, i, &err), SP_EINVAL, "must be 0.5 to 0.999");
+    }
+    o.level = 0.95;
+    const sp_interval_problem nothing = {0};
+    assert_fails(sp_intervals(&nothing, &o, i, &err), SP_EINVAL, "0 groups");
+    for (int64_t k = 0; k < 5; k++) {
+        sp_alloc_fail_after(k);
+        assert_fails(sp_intervals_of_means(3, 1, of, &o, i, &err), SP_ENOMEM, "memory");
+        sp_alloc_fail_after(-1);
+    }
+    assert_true(i[0].low == 7);
+}
+
+/* 1000 samples of 11 quantities: a row of a table. */
+static void fast_enough(void **state) {
+    (void)state;
+    enum { N = 1000, M = 11 };
+    static double x[M][N];
+    const double *of[M];
+    sp_interval i[M];
+    for (int v = 0; v < M; v++) {
+        of[v] = x[v];
+        for (int k = 0; k < N; k++)
+            x[v][k] = sin(k * (v + 1.5));
+    }
+    const sp_interval_options o = sp_interval_options_default();
+    const double begin = sp_clock_cpu();
+    assert_ok(sp_intervals_of_means(N, M, of, &o, i, &err));
+    const double seconds = sp_clock_cpu() - begin;
+    print_message("%d quantities of %d samples: %.3f s\n", M, N, seconds);
+    assert_true(seconds < 1);
+    for (int v = 0; v < M; v++) /* many samples: Student's, to 8% for 1000 resamples */
+        assert_relative(i[v].high - i[v].low, 2 * 1.96 * sp_standard_error(N, x[v]), 0.15);
+}
+
+/* ---- one at a time ---------------------------------------------------------------------------------------------- */
+
+/* Mean and variance 1, and no correlation of neighbours: to four standard deviations. The law's fourth central moment
+ * is 4, so that the variance of 1e6 weights has the deviation sqrt(3e-6). */
+static void weights_of_poisson(void **state) {
+    (void)state;
+    enum { SAMPLES = 1000, RESAMPLES = 1000 };
+    double sum = 0, squares = 0, along = 0, across = 0, none = 0;
+    for (uint64_t s = 0; s < SAMPLES; s++)
+        for (uint64_t b = 0; b < RESAMPLES; b++) {
+            const double w = sp_poisson_weight(1, s, b) - 1;
+            sum += w;
+            squares += w * w;
+            along += w * (sp_poisson_weight(1, s, b + 1) - 1);
+            across += w * (sp_poisson_weight(1, s + 1, b) - 1);
+            none += w < 0;
+        }
+    const double n = (double)SAMPLES * RESAMPLES;
+    assert_close(sum / n, 0, 4e-3);
+    assert_close(squares / n, 1, 4 * sqrt(3) * 1e-3);
+    assert_close(along / n, 0, 4e-3);
+    assert_close(across / n, 0, 4e-3);
+    assert_close(none / n, exp(-1), 4 * sqrt(exp(-1) * (1 - exp(-1))) * 1e-3);
+}
+
+enum { NUMBERS = 300, SAMPLES = 53 }; /* more than a block of numbers, and not a whole number of those waiting */
+
+static void fill(double x[SAMPLES][NUMBERS], double offset) {
+    sp_random r = sp_random_make(5, 99);
+    for (int s = 0; s < SAMPLES; s++)
+        for (int k = 0; k < NUMBERS; k++)
+            x[s][k] = offset + (k % 2 ? exponential(&r) : gauss(&r));
+}
+
+static void resample(double x[SAMPLES][NUMBERS], int n, double level, sp_interval *out) {
+    sp_resampled r = sp_resampled_none();
+    assert_ok(sp_resampled_make(NUMBERS, level, &r, &err));
+    for (int s = 0; s < n; s++)
+        sp_resampled_add(&r, x[s]);
+    assert_ok(sp_resampled_intervals(&r, out, &err));
+    sp_resampled_free(&r);
+}
+
+/* Against the bootstrap that keeps the samples. An end is a quantile of 1000 resamples, known to
+ * sqrt(q (1 - q) / 1000) / density(z) = 0.085 errors; of a difference of two ends, and 300 numbers, less on average.
+ * The numbers are independent but share the weights: their average offset has the deviation of one. */
+static void like_the_bootstrap(void **state) {
+    (void)state;
+    static double x[SAMPLES][NUMBERS], column[NUMBERS][SAMPLES];
+    const double *of[NUMBERS];
+    static sp_interval one[NUMBERS], kept[NUMBERS];
+    fill(x, 0);
+    for (int k = 0; k < NUMBERS; k++) {
+        of[k] = column[k];
+        for (int s = 0; s < SAMPLES; s++)
+            column[k][s] = x[s][k];
+    }
+    const sp_interval_options o = sp_interval_options_default();
+    resample(x, SAMPLES, o.level, one);
+    assert_ok(sp_intervals_of_means(SAMPLES, NUMBERS, of, &o, kept, &err));
+    double low = 0, high = 0;
+    for (int k = 0; k < NUMBERS; k++) {
+        const double error = sp_standard_error(SAMPLES, column[k]);
+        /* of an end of skewed samples, where t has a long tail, twice the deviation of a normal one */
+        assert_close(one[k].low, kept[k].low, 5 * 2 * sqrt(2) * 0.085 * error);
+        assert_close(one[k].high, kept[k].high, 5 * 2 * sqrt(2) * 0.085 * error);
+        low += (one[k].low - kept[k].low) / error / NUMBERS;
+        high += (one[k].high - kept[k].high) / error / NUMBERS;
+    }
+    print_message("ends differ by %.3f and %.3f errors on average\n", low, high);
+    assert_close(low, 0, 0.1);
+    assert_close(high, 0, 0.1);
+}
+
+static void one_at_a_time_again(void **state) {
+    (void)state;
+    static double x[SAMPLES][NUMBERS];
+    static sp_interval a[NUMBERS], b[NUMBERS];
+    fill(x, 0);
+    resample(x, SAMPLES, 0.95, a);
+    resample(x, SAMPLES, 0.95, b);
+    assert_memory_equal(a, b, sizeof a);
+    /* looking at them in between changes rounding at most, and a window of the numbers is as good as all */
+    sp_resampled r = sp_resampled_none();
+    assert_ok(sp_resampled_make(20, 0.95, &r, &err));
+    for (int s = 0; s < SAMPLES; s++) {
+        sp_resampled_add(&r, x[s] + 70);
+        if (s % 10 == 3)
+            assert_ok(sp_resampled_intervals(&r, b, &err));
+    }
+    assert_ok(sp_resampled_intervals(&r, b, &err));
+    sp_resampled_free(&r);
+    for (int k = 0; k < 20; k++) {
+        assert_close(b[k].low, a[k + 70].low, 1e-12);
+        assert_close(b[k].high, a[k + 70].high, 1e-12);
+    }
+    /* sums are of differences: an offset of 1e6 leaves 10 digits of them */
+    fill(x, 1e6);
+    resample(x, SAMPLES, 0.95, b);
+    for (int k = 0; k < NUMBERS; k++)
+        assert_close(b[k].low - 1e6, a[k].low, 1e-8);
+}
+
+static void few_at_a_time(void **state) {
+    (void)state;
+    static double x[SAMPLES][NUMBERS];
+    static sp_interval a[NUMBERS];
+    fill(x, 0);
+    resample(x, 0, 0.95, a);
+    assert_true(isnan(a[0].low) && isnan(a[0].high));
+    resample(x, 1, 0.95, a);
+    assert_true(isnan(a[0].low) && isnan(a[0].high));
+    for (int s = 0; s < SAMPLES; s++)
+        x[s][7] = 0.1;
+    x[40][8] = NAN;
+    x[41][9] = INFINITY;
+    resample(x, 2, 0.95, a);
+    assert_true(a[0].low < fmin(x[0][0], x[1][0]) && a[0].high > fmax(x[0][0], x[1][0]));
+    resample(x, SAMPLES, 0.95, a);
+    assert_true(a[7].low == 0.1 && a[7].high == 0.1);
+    for (int k = 8; k < 10; k++)
+        assert_true(isnan(a[k].low) && isnan(a[k].high));
+    sp_resampled r = sp_resampled_none();
+    assert_fails(sp_resampled_make(0, 0.95, &r, &err), SP_EINVAL, "0 numbers");
+    assert_fails(sp_resampled_make(1, 1.5, &r, &err), SP_EINVAL, "must be 0.5 to 0.999");
+    for (int64_t k = 0; k < 2; k++) {
+        sp_alloc_fail_after(k);
+        assert_fails(sp_resampled_make(5, 0.95, &r, &err), SP_ENOMEM, "memory");
+    }
+    assert_null(r.sums);
+    sp_alloc_fail_after(-1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(quantiles_by_hand),    cmocka_unit_test(student_quantiles),
+        cmocka_unit_test(coverage_of_the_mean), cmocka_unit_test(the_same_again),
+        cmocka_unit_test(where_there_is_none),  cmocka_unit_test(fast_enough),
+        cmocka_unit_test(weights_of_poisson),   cmocka_unit_test(like_the_bootstrap),
+        cmocka_unit_test(one_at_a_time_again),  cmocka_unit_test(few_at_a_time),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

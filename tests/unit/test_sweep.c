@@ -1,0 +1,544 @@
+/* Sweeps of a study: words, booleans, lists and ranges, in study.sweep and in the place of a key's value. */
+#include "test.h"
+
+#include "base/base.h"
+#include "scene/field.h"
+#include <sonopack/scene.h>
+#include <sonopack/study.h>
+
+static sp_scene parsed(const char *text) {
+    sp_scene s;
+    assert_ok(sp_scene_parse(text, "s.cfg", 0, NULL, &s, &err));
+    return s;
+}
+
+static sp_scene parsed_set(const char *text, const char *override) {
+    char *list[] = {(char *)(uintptr_t) override};
+    sp_scene s;
+    assert_ok(sp_scene_parse(text, "s.cfg", 1, list, &s, &err));
+    return s;
+}
+
+static void refuses(const char *text, const char *reason) {
+    sp_scene s;
+    memset(&s, 0x5a, sizeof s);
+    const sp_scene before = s;
+    assert_fails(sp_scene_parse(text, "s.cfg", 0, NULL, &s, &err), SP_EINVAL, reason);
+    assert_fails(sp_scene_parse(text, "s.cfg", 0, NULL, &s, &err), SP_EINVAL, "s.cfg");
+    assert_memory_equal(&s, &before, sizeof s); /* outputs are written on success only */
+}
+
+static void refuses_set(const char *text, const char *override, const char *reason) {
+    char *list[] = {(char *)(uintptr_t) override};
+    sp_scene s;
+    assert_fails(sp_scene_parse(text, "s.cfg", 1, list, &s, &err), SP_EINVAL, "--set");
+    assert_fails(sp_scene_parse(text, "s.cfg", 1, list, &s, &err), SP_EINVAL, reason);
+}
+
+/* The sweeps as they stand in messages: "key=value|value; key=value". */
+static void check_sweeps(const sp_scene *s, const char *expected) {
+    char text[2000] = "", value[100];
+    for (int k = 0; k < s->sweeps; k++) {
+        const sp_sweep *sweep = &s->sweep[k];
+        size_t used = strlen(text);
+        snprintf(text + used, sizeof text - used, "%s%s=", k > 0 ? "; " : "", sweep->key);
+        for (int i = 0; i < sweep->count; i++) {
+            used = strlen(text);
+            snprintf(text + used, sizeof text - used, "%s%s", i > 0 ? "|" : "",
+                     sp_sweep_text(sweep, i, value, sizeof value));
+        }
+    }
+    assert_string_equal(text, expected);
+}
+
+/* Sweeps and every sample of the scene are the same after text and back. */
+static void check_round_trip(const sp_scene *s) {
+    char *text = sp_scene_text(s, NULL);
+    sp_scene back = parsed(text);
+    char *again = sp_scene_text(&back, NULL);
+    assert_string_equal(text, again);
+    assert_int_equal(back.sweeps, s->sweeps);
+    const int64_t count = sp_study_count(s);
+    assert_int_equal(sp_study_count(&back), count);
+    for (int64_t k = 0; k < count; k++) {
+        sp_scene a, b;
+        assert_ok(sp_study_scene(s, k, &a, &err));
+        assert_ok(sp_study_scene(&back, k, &b, &err));
+        char *one = sp_scene_text(&a, NULL), *other = sp_scene_text(&b, NULL);
+        assert_string_equal(one, other);
+        sp_free(one);
+        sp_free(other);
+    }
+    sp_free(again);
+    sp_free(text);
+    sp_scene_free(&back);
+}
+
+static void is_swept(const char *text, const char *expected) {
+    sp_scene s = parsed(text);
+    check_sweeps(&s, expected);
+    check_round_trip(&s);
+    sp_scene_free(&s);
+}
+
+/* ---- values ----------------------------------------------------------------------------------------------------- */
+
+static void words_booleans_and_lists(void **state) {
+    (void)state;
+    is_swept("study = { sweep = ( { key = \"packing.sizes\"; values = [\"uniform\", \"bidisperse\"]; },"
+             "{ key = \"network.prestress\"; values = [false, true]; },"
+             "{ key = \"signal.source\"; values = [\"velocity\", \"impulse\"]; },"
+             "{ key = \"packing.history\"; values = ( [], [1e-4], [1e-3, 1e-4] ); } ); };",
+             "packing.sizes=uniform|bidisperse; network.prestress=false|true; signal.source=velocity|impulse; "
+             "packing.history=[]|[0.0001]|[0.001, 0.0001]");
+    is_swept("packing = { sizes = \"list\"; kind = \"chain\"; grains = 2; };"
+             "study = { sweep = ( { key = \"packing.diameters\"; values = ( [1, 1.1], [1.1, 0.9, 1] ); } ); };",
+             "packing.diameters=[1, 1.1]|[1.1, 0.9, 1]");
+}
+
+static void samples_get_the_values(void **state) {
+    (void)state;
+    sp_scene s = parsed("packing = { seed = 7; history = [1e-5]; }; study = { samples = 2; sweep = ("
+                        "{ key = \"packing.history\"; values = ( [1e-3, 1e-4], [] ); },"
+                        "{ key = \"packing.compression\"; values = [\"isotropic\", \"piston\"]; },"
+                        "{ key = \"packing.reference\"; values = [true, false]; } ); };");
+    assert_int_equal(sp_study_count(&s), 16);
+    for (int k = 0; k < 16; k++) {
+        sp_scene one;
+        assert_ok(sp_study_scene(&s, k, &one, &err));
+        assert_int_equal(one.pack.seed, 7 + k / 8);
+        assert_int_equal(one.pack.reference, k % 2 == 0);
+        assert_int_equal(one.pack.compression, k / 2 % 2 == 0 ? SP_COMPRESSION_ISOTROPIC : SP_COMPRESSION_PISTON);
+        assert_int_equal(one.pack.history_count, k % 8 < 4 ? 2 : 0);
+        if (k % 8 < 4)
+            assert_true(one.pack.history[0] == 1e-3 && one.pack.history[1] == 1e-4);
+        else
+            assert_null(one.pack.history);
+    }
+    assert_int_equal(s.pack.history_count, 1); /* of a packing that is made alone */
+    sp_scene_free(&s);
+}
+
+static void each_kind_has_its_dimension(void **state) {
+    (void)state;
+    static const char *const first[] = {"\"piston\", \"chain\", \"triangular\"",
+                                        "\"chain\", \"triangular\", \"piston\""};
+    for (int k = 0; k < 2; k++) {
+        char text[200];
+        snprintf(text, sizeof text, "packing = { kind = [%s]; grains = 240; friction = 0; };", first[k]);
+        sp_scene s = parsed(text);
+        assert_int_equal(s.pack.dim, k == 0 ? 2 : 1);
+        for (int i = 0; i < 3; i++) {
+            sp_scene one;
+            assert_ok(sp_study_scene(&s, i, &one, &err));
+            assert_int_equal(one.pack.dim, one.pack.kind == SP_PACK_CHAIN ? 1 : 2);
+        }
+        check_round_trip(&s);
+        char *text_alone = sp_scene_text(&s, "packing"); /* kept with a packing that is made alone */
+        assert_non_null(strstr(text_alone, "dimension = "));
+        sp_free(text_alone);
+        sp_scene_free(&s);
+    }
+    refuses("packing = { kind = [\"piston\", \"chain\"]; dimension = 2; };", "packing.dimension = 2: must be 1");
+    refuses("packing = { kind = [\"piston\", \"file\"]; };", "packing.kind = \"file\": must not be swept");
+    refuses("packing = { file = \"p.h5\"; kind = [\"piston\", \"chain\"]; };",
+            "s.cfg:1: packing.kind: must not be swept");
+    is_swept("packing = { dimension = [2, 3]; width = 6; };", "packing.dimension=2|3");
+}
+
+/* What only the scene's own packing lacks is no matter of a study. */
+static void combinations_count(void **state) {
+    (void)state;
+    const char *text =
+        "packing = { sizes = \"list\"; grains = 3; kind = \"chain\"; };"
+        "study = { sweep = ( { key = \"packing.diameters\"; values = ( [1, 1, 1], [1, 1, 1.1] ); } ); };";
+    sp_scene s = parsed(text);
+    assert_int_equal(sp_study_count(&s), 2);
+    assert_fails(sp_pack_spec_check(&s.pack, &err), SP_EINVAL, "packing.diameters = (0 numbers)");
+    check_round_trip(&s);
+    sp_scene_free(&s);
+    refuses("packing = { sizes = \"list\"; grains = 3; kind = \"chain\"; };"
+            "study = {\n sweep = ( { key = \"packing.diameters\"; values = ( [1, 1, 1], [1, 1] ); } ); };",
+            "s.cfg:2: study.sweep: packing.diameters = (2 numbers): must be one for each");
+    refuses("packing = {\n width = 3;\n pressure = [1e-5, 1e-4]; };", "s.cfg:2: packing.width = 3: ");
+    refuses("packing = {\n width = [24,\n 3]; };", "s.cfg:2: packing.width = 3: ");
+}
+
+static void seeds(void **state) {
+    (void)state;
+    sp_scene s = parsed("packing = { seed = [100, 1]; }; study = { samples = 99; };");
+    check_sweeps(&s, "packing.seed=100|1");
+    sp_scene one;
+    assert_ok(sp_study_scene(&s, 197, &one, &err));
+    assert_int_equal(one.pack.seed, 99);
+    assert_ok(sp_study_scene(&s, 196, &one, &err));
+    assert_int_equal(one.pack.seed, 198);
+    check_round_trip(&s);
+    sp_scene_free(&s);
+    refuses("packing = {\n seed = [100, 1]; }; study = { samples = 100; };",
+            "s.cfg:2: packing.seed: 1 and 100 are swept: must differ by study.samples = 100 at least");
+    is_swept("packing = { seed = [9007199254740991, 9007199254740992, 4503599627370497]; };",
+             "packing.seed=9007199254740991|9007199254740992|4503599627370497");
+    is_swept("packing = { seed = { from = 9007199254740980; to = 9007199254740992; step = 4; }; };",
+             "packing.seed=9007199254740980|9007199254740984|9007199254740988|9007199254740992");
+    refuses("packing = { seed = [1, 9007199254740993]; };", "must be 9007199254740992 at the most where it is swept");
+    refuses("packing = { seed = [1, -1]; };", "packing.seed = -1: must be an integer");
+}
+
+/* ---- ranges ----------------------------------------------------------------------------------------------------- */
+
+static void ranges(void **state) {
+    (void)state;
+    is_swept("packing = { pressure = { from = 1e-7; to = 1e-4; count = 4; spacing = \"log\"; }; };",
+             "packing.pressure=1e-07|1e-06|1e-05|0.0001");
+    is_swept("packing = { friction = { from = 0; to = 0.5; step = 0.1; }; };",
+             "packing.friction=0|0.1|0.2|0.3|0.4|0.5");
+    is_swept("packing = { friction = { to = 0.5; from = 0; spacing = \"linear\", count = 6; }; };",
+             "packing.friction=0|0.1|0.2|0.3|0.4|0.5");
+    is_swept("packing = { friction = { from = 0.3; to = 0; step = -0.1; }; };", "packing.friction=0.3|0.2|0.1|0");
+    is_swept("packing = { drag = { from = -0.03; to = 0.03; count = 7; }; };",
+             "packing.drag=-0.03|-0.02|-0.01|0|0.01|0.02|0.03");
+    is_swept("packing = { grains = { from = 100; to = 1e3; count = 5; }; };", "packing.grains=100|325|550|775|1000");
+    is_swept("packing = { grains = { from = 100; to = 1000; count = 4; spacing = \"log\"; }; };",
+             "packing.grains=100|215|464|1000");
+    is_swept("study = { sweep = ( { from = 200; key = \"packing.grains\"; to = 600; step = 200; } ); };",
+             "packing.grains=200|400|600");
+    is_swept("packing = { pressure = { from = 1e-10; to = 1e-2; count = 9; spacing = \"log\"; }; };",
+             "packing.pressure=1e-10|1e-09|1e-08|1e-07|1e-06|1e-05|0.0001|0.001|0.01");
+}
+
+/* Ends to the bit; what lies between, to two units in the last place of a formula in another arithmetic. */
+static void ranges_are_exact(void **state) {
+    (void)state;
+    const double from = 1.0 / 3 * 1e-9, to = 0.00987654321012345678;
+    char text[200];
+    for (int log_ = 0; log_ < 2; log_++) {
+        snprintf(text, sizeof text,
+                 "packing = { pressure = { from = %.17g; to = %.17g; count = 1000; spacing = \"%s\"; }; };", from, to,
+                 log_ ? "log" : "linear");
+        sp_scene s = parsed(text);
+        const double *p = s.sweep[0].values;
+        assert_int_equal(s.sweep[0].count, 1000);
+        assert_true(p[0] == from && p[999] == to && s.pack.pressure == from);
+        for (int k = 1; k < 999; k++) {
+            const double expected =
+                log_ ? exp((log(from) * (999 - k) + log(to) * k) / 999) : from + (to - from) * k / 999;
+            /* logarithms up to 22 are rounded to 4e-15, what is neat to 1e-14 */
+            assert_relative(p[k], expected, 3e-14);
+        }
+        sp_scene_free(&s);
+    }
+}
+
+/* Every number of few digits that a range goes through is met to the bit. */
+static void neat_values_are_met(void **state) {
+    (void)state;
+    char text[200], value[32];
+    for (int low = -10; low < -2; low++)
+        for (int high = low + 1; high <= -2; high++)
+            for (int part = 1; part <= 2; part++) {
+                snprintf(text, sizeof text,
+                         "packing = { pressure = { from = 1e%d; to = 1e%d; count = %d; spacing = \"log\"; }; };", low,
+                         high, part * (high - low) + 1);
+                sp_scene s = parsed(text);
+                for (int k = 0; k <= high - low; k++) {
+                    snprintf(value, sizeof value, "1e%d", low + k);
+                    assert_true(s.sweep[0].values[part * k] == strtod(value, NULL));
+                }
+                sp_scene_free(&s);
+            }
+    for (int count = 2; count <= 200; count++) { /* steps of 0.01 .. 0.07 from -1 on */
+        const int step = count % 7 + 1;
+        const int last = 100 - step * (count - 1);
+        if (last <= 0)
+            continue;
+        snprintf(text, sizeof text, "packing = { drag = { from = -1; to = -0.%02d; count = %d; }; };", last, count);
+        sp_scene s = parsed(text);
+        for (int k = 0; k < count; k++) {
+            const int cents = 100 - step * k;
+            snprintf(value, sizeof value, "-%d.%02d", cents / 100, cents % 100);
+            assert_true(s.sweep[0].values[k] == strtod(value, NULL));
+        }
+        sp_scene_free(&s);
+    }
+}
+
+static void ranges_that_make_no_sense(void **state) {
+    (void)state;
+    static const char *const wrong[][2] = {
+        {"pressure = { from = 1e-7; to = 1e-4; }", "packing.pressure: a range without count and step: must be { from"},
+        {"pressure = { from = 1e-7; count = 3; }", "packing.pressure: a range without to"},
+        {"pressure = { to = 1e-7; count = 3; }", "packing.pressure: a range without from"},
+        {"pressure = { }", "packing.pressure: a range without from"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 3; step = 1e-6; }", "with both count and step"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 1; }", "count of a range must be an integer 2 .. 10000"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 1000000000; }",
+         "count of a range must be an integer 2 .. 10000"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 1e999; }", "count of a range must be"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = -1e999; }", "count of a range must be"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 2.5; }", "count of a range must be"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = \"4\"; }", "count of a range must be"},
+        {"pressure = { from = 1e-7; to = 1e-7; count = 4; }", "must have two ends"},
+        {"pressure = { from = 1e-7; to = 1; count = 4; }", "packing.pressure = 1: must be 1e-10 .. 0.01 E*"},
+        {"pressure = { from = 1e-7; to = \"high\"; count = 4; }", "packing.pressure = \"high\": must be"},
+        {"pressure = { from = [1e-7]; to = 1e-4; count = 4; }", "packing.pressure = a list: must be"},
+        {"pressure = { from = 1e999; to = 1e-4; count = 4; }", "packing.pressure = inf: must be"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 4; spacing = \"cubic\"; }", "must be \"linear\" or \"log\""},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 4; spacing = 3; }", "must be \"linear\" or \"log\""},
+        {"pressure = { from = 1e-7; to = 1e-4; cuont = 4; }",
+         "a range has no \"cuont\": must be from, to, count or step"},
+        {"pressure = { from = 1e-7; to = 1e-4; cuont = 4; }", "(did you mean count?)"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 4; key = 1; }", "a range has no \"key\""},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 4; values = [1]; }", "a range has no \"values\""},
+        {"friction = { from = 0; to = 1; count = 4; spacing = \"log\"; }", "must be above 0"},
+        {"drag = { from = -1; to = -0.1; count = 4; spacing = \"log\"; }", "must be above 0"},
+        {"friction = { from = 0.1; to = 1; step = 0.1; spacing = \"log\"; }", "must have a count, not a step"},
+        {"friction = { from = 0; to = 1; step = 0.3; }", "step = 0.3 of a range must divide its length 1, not 3.33333"},
+        {"friction = { from = 0; to = 1; step = 3; }", "must divide its length"},
+        {"friction = { from = 0; to = 1; step = -0.1; }", "step = -0.1 of a range must lead from 0 to 1"},
+        {"friction = { from = 0; to = 1; step = 0; }", "step of a range must be a number other than 0"},
+        {"friction = { from = 0; to = 1; step = 1e999; }", "step of a range must be a number"},
+        {"friction = { from = 0; to = 1; step = 1e-9; }", "makes 1e+09 values: must be 10000 at the most"},
+        {"friction = { from = 0; to = 1; step = 1e-320; }", "must be 10000 at the most"},
+        {"grains = { from = 200; to = 601; count = 3; }", "has 400.5 as value 2 of 3: must be integers"},
+        {"grains = { from = 200; to = 205; step = 2.5; }", "has 202.5 as value 2 of 3: must be integers"},
+        {"grains = { from = 200; to = 600.5; count = 3; }", "packing.grains = 600.5: must be an integer"},
+        {"grains = { from = 1; to = 10; count = 30; spacing = \"log\"; }", "has 1 twice: must be fewer"},
+        {"sizes = { from = 1; to = 2; count = 2; }", "packing.sizes: a range must be one of numbers"},
+        {"reference = { from = 0; to = 1; count = 2; }", "packing.reference: a range must be one of numbers"},
+        {"history = { from = 1e-4; to = 1e-3; count = 2; }", "packing.history = { ... }: must be a list"},
+    };
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        char text[300], reason[200];
+        snprintf(text, sizeof text, "packing = {\n %s; };", wrong[k][0]);
+        refuses(text, wrong[k][1]);
+        snprintf(reason, sizeof reason, "s.cfg:2: packing.");
+        refuses(text, reason);
+        const char *equals = strchr(wrong[k][0], '=');
+        snprintf(text, sizeof text, "packing.%.*s=%s", (int)(equals - wrong[k][0]), wrong[k][0], equals + 1);
+        refuses_set("packing = { };", text, wrong[k][1]);
+    }
+    refuses("study = { sweep = ( { key = \"packing.friction\"; values = { from = 0; to = 1; count = 3; }; } ); };",
+            "a range has its place beside key");
+    refuses("study = { sweep = ( { key = \"packing.friction\"; from = 0; to = 1; count = 3; values = [1]; } ); };",
+            "each entry must be");
+    refuses("study = { sweep = (\n { key = \"packing.friction\"; from = 0; to = 1; coumt = 3; } ); };",
+            "s.cfg:2: packing.friction: a range has no \"coumt\"");
+}
+
+/* ---- keys that are given lists or ranges ------------------------------------------------------------------------ */
+
+static void lists_in_the_place_of_values(void **state) {
+    (void)state;
+    const char *text = "packing = { pressure = [1e-7, 1e-4]; friction = { from = 0; to = 0.5; count = 2; };"
+                       "sizes = [\"bidisperse\", \"uniform\"]; }; network = { prestress = [true]; };"
+                       "study = { sweep = ( { key = \"packing.grains\"; values = [200, 600]; } ); };";
+    is_swept(text, "packing.grains=200|600; packing.pressure=1e-07|0.0001; packing.friction=0|0.5; "
+                   "packing.sizes=bidisperse|uniform; network.prestress=true");
+    sp_scene s = parsed(text);
+    assert_true(s.pack.pressure == 1e-7 && s.pack.friction == 0 && s.pack.sizes == SP_SIZES_BIDISPERSE);
+    assert_true(s.network.prestress && s.pack.grains == 600); /* the default */
+    assert_int_equal(sp_study_count(&s), 16);
+    assert_ok(sp_scene_check_sweeps(&s, &err));
+    sp_scene_free(&s);
+    refuses("packing = {\n pressure = [1e-5, 1e-4]; };"
+            "study = { sweep = ( { key = \"packing.pressure\"; values = [1e-7]; } ); };",
+            "s.cfg:2: packing.pressure: is swept here and by study.sweep: must be swept in one place");
+    refuses("packing = { pressure = []; };", "packing.pressure: what is swept must be a list of values, such as [1e-7");
+    refuses("packing = { sizes = [\"uniform\", \"bidispers\"]; };", "\"bidispers\": must be uniform, bidisperse");
+    refuses("packing = { sizes = [\"uniform\",\n \"uniform\"]; };",
+            "s.cfg:1: packing.sizes: uniform stands there twice");
+    refuses("packing = { reference = [true, false, true]; };", "packing.reference: true stands there twice");
+    refuses("packing = { pressure = [1e-4, [1e-5]]; };", "packing.pressure = a list: must be 1e-10 .. 0.01 E*");
+    refuses("packing = { pressure = [1e-4,\n 1e999]; };", "s.cfg:2: packing.pressure = inf: must be");
+    refuses("packing = { friction = [0.0, -0.0]; };", "packing.friction: 0 stands there twice");
+    refuses("network = { prestress = [true, 1]; };", "network.prestress = 1: must be true or false");
+    refuses("signal = {\n method = [\"dense\"]; };",
+            "s.cfg:2: signal.method cannot be swept: it makes no other sample");
+    refuses("signal = { until = [10, 20]; };", "signal.until cannot be swept: it makes no other sample");
+    refuses("signal = { points = { from = 10; to = 20; count = 2; }; };", "signal.points cannot be swept");
+    refuses("study = { samples = [10, 20]; };", "study.samples cannot be swept");
+    refuses("packing = { content = [10, 20]; };", "packing.content cannot be swept: it follows from packing.file");
+    refuses("packing = {\n history = ([1e-3], [1e-4]); };",
+            "s.cfg:2: packing.history: a list of lists: must be one list");
+    refuses("packing = { history = [1e-3, [1e-4]]; };", "packing.history = a list: must be a list");
+    refuses("packing = { file = [\"a.h5\"]; };", "packing.file = a list: must be the name of a file");
+    refuses("packing = { height = [10, 20]; grains = 200; };", "packing.height (swept): must not be given beside");
+    refuses("packing = { height = 20; grains = [200, 400]; };", "must not be given beside packing.grains (swept)");
+    refuses("packing = { damping = [0.1, 1]; calm = [1]; drag = [0]; poisson = [0]; tolerance = [0]; width = [24];"
+            " friction = [0]; seed = [1]; pressure = [1e-4]; };",
+            "packing.pressure: one swept key too many: must be 8 at the most");
+    refuses(
+        "packing = { damping = [0.1, 1]; calm = [1]; drag = [0]; poisson = [0]; tolerance = [0]; width = [24];"
+        " friction = [0]; seed = [1]; }; study = { sweep = ( { key = \"packing.pressure\"; values = [1e-4]; } ); };",
+        "one of 9 swept keys: must be 8 at the most");
+    refuses("packing = { pressure = { from = 1e-5; to = 1e-3; count = 10000; };"
+            "friction = { from = 0; to = 1; count = 10000; }; };",
+            "1 samples of 100000000 combinations");
+}
+
+static void entries_that_make_no_sense(void **state) {
+    (void)state;
+    static const char *const wrong[][2] = {
+        {"key = \"signal.method\"; values = [\"dense\"]",
+         "\"signal.method\" cannot be swept: it makes no other sample"},
+        {"key = \"study.want\"; values = [\"ctof\"]", "\"study.want\" cannot be swept: it makes no other sample"},
+        {"key = \"study.sweep\"; values = [1]", "\"study.sweep\" cannot be swept"},
+        {"key = \"signal.planes\"; values = ([1])", "\"signal.planes\" cannot be swept"},
+        {"key = \"packing.file\"; values = [\"a.h5\"]",
+         "cannot be swept: all samples of a study begin with one packing"},
+        {"key = \"packing.diameter_file\"; values = [\"a\"]", "cannot be swept: packing.diameters may be swept"},
+        {"key = \"signal.sourse\"; values = [\"impulse\"]", "(did you mean signal.source?)"},
+        {"key = \"presure\"; values = [1]", "(did you mean packing.pressure?)"},
+        {"key = \"\"; values = [1]", "key \"\" is unknown"},
+        {"key = \"packing.sizes\"; values = [\"uniform\", 1]", "packing.sizes = 1: must be uniform"},
+        {"key = \"packing.history\"; values = [1e-3, 1e-4]", "packing.history = 0.001: must be a list"},
+        {"key = \"packing.history\"; values = ([1e-3], [[1e-4]])", "packing.history = a list: must be a list"},
+        {"key = \"packing.history\"; values = ([1e-3], [1])", "packing.history = 1: must be a list"},
+        {"key = \"packing.history\"; values = ([1e-3, 1e-4], [], [1e-3, 1e-4])", "[0.001, 0.0001] stands there twice"},
+        {"key = \"packing.history\"; values = ([], [])", "packing.history: [] stands there twice"},
+        {"key = \"packing.history\"; values = []", "must be a list of values, such as ([1e-4], [1e-3, 1e-4])"},
+        {"key = \"packing.history\"; from = 1e-4; to = 1e-3; count = 2",
+         "packing.history: a range must be one of numbers"},
+        {"key = \"packing.history\"; values = 1e-3", "packing.history: what is swept must be a list of values"},
+        {"key = \"packing.pressure\"; values = [\"x\"]", "packing.pressure = \"x\": must be"},
+    };
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        char text[300];
+        snprintf(text, sizeof text, "study = { sweep = (\n { %s; } ); };", wrong[k][0]);
+        refuses(text, wrong[k][1]);
+        refuses(text, "s.cfg:2: ");
+    }
+    char *text = calloc(1, 20000);
+    strcpy(text, "study = { sweep = ( { key = \"packing.history\"; values = ( [");
+    for (int k = 0; k < SP_HISTORY_MAX + 1; k++)
+        strcat(text, "1e-3, ");
+    strcat(text, "1e-3] ); } ); };");
+    refuses(text, "packing.history: 1002 pressures: must be 1000 at the most");
+    free(text);
+}
+
+static void overrides(void **state) {
+    (void)state;
+    const char *text = "packing = { pressure = [1e-7, 1e-4]; friction = [0, 0.5]; };"
+                       "study = { sweep = ( { key = \"packing.grains\"; values = [200, 600]; } ); };";
+    static const char *const sets[][2] = {
+        {"packing.pressure=1e-5", "packing.grains=200|600; packing.friction=0|0.5"},
+        {"packing.friction=0.3", "packing.grains=200|600; packing.pressure=1e-07|0.0001"},
+        {"packing.pressure=[1e-6, 1e-5]",
+         "packing.grains=200|600; packing.pressure=1e-06|1e-05; packing.friction=0|0.5"},
+        {"packing.friction={from=0;to=1;count=3;}",
+         "packing.grains=200|600; packing.pressure=1e-07|0.0001; packing.friction=0|0.5|1"},
+        {"packing.sizes=[uniform,bidisperse]",
+         "packing.grains=200|600; packing.pressure=1e-07|0.0001; packing.friction=0|0.5; "
+         "packing.sizes=uniform|bidisperse"},
+        {"packing.protocol=( \"default\", somfai2005 )",
+         "packing.grains=200|600; packing.pressure=1e-07|0.0001; packing.friction=0|0.5; "
+         "packing.protocol=default|somfai2005"},
+        {"study.sweep=( { key = \"packing.width\"; values = [20, 24]; } )",
+         "packing.width=20|24; packing.pressure=1e-07|0.0001; packing.friction=0|0.5"},
+    };
+    for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) {
+        sp_scene s = parsed_set(text, sets[k][0]);
+        check_sweeps(&s, sets[k][1]);
+        assert_ok(sp_scene_check_sweeps(&s, &err));
+        check_round_trip(&s);
+        sp_scene_free(&s);
+    }
+    sp_scene s = parsed_set(text, "packing.grains=100"); /* study.sweep is not replaced */
+    assert_fails(sp_scene_check_sweeps(&s, &err), SP_EINVAL, "--set packing.grains: the key is swept by study.sweep");
+    sp_scene_free(&s);
+    refuses_set(text, "packing.grains=[100, 200]", "packing.grains: is swept here and by study.sweep");
+    refuses_set(text, "packing.pressure=[1e-6, x]", "must be");
+    refuses_set(text, "packing.sizes=[uniform, box]", "packing.sizes = \"box\": must be uniform, bidisperse");
+    refuses_set(text, "packing.sizes=[uniform", "must be");
+    char grains[] = "packing.grains=300", *other[] = {grains};
+    assert_fails(sp_scene_parse("packing = { height = [10, 20]; };", "s.cfg", 1, other, &s, &err), SP_EINVAL,
+                 "s.cfg:1: packing.height (swept): must not be given beside packing.grains = 300");
+    sp_scene lists = parsed_set("packing = { kind = \"chain\"; sizes = \"list\"; diameters = [1, 1]; grains = 2; };"
+                                "study = { sweep = ( { key = \"packing.diameters\"; values = ([1, 1], [1, 2]); } ); };",
+                                "packing.diameters=1,3");
+    assert_fails(sp_scene_check_sweeps(&lists, &err), SP_EINVAL, "--set packing.diameters: the key is swept");
+    sp_scene_free(&lists);
+}
+
+/* ---- the functions alone ---------------------------------------------------------------------------------------- */
+
+static void take_and_text(void **state) {
+    (void)state;
+    double pressures[] = {1e-6, -1}, words[] = {1, 77}, list[] = {1e-3, 0.1, 1e-4};
+    int32_t begin[] = {0, 0, 1, 3};
+    char buf[64], small[11];
+    sp_scene s = sp_scene_default();
+    sp_sweep pressure = {.key = "packing.pressure", .count = 2, .values = pressures};
+    assert_ok(sp_scene_take(&s, &pressure, 0, &err));
+    assert_true(s.pack.pressure == 1e-6);
+    assert_fails(sp_scene_take(&s, &pressure, 1, &err), SP_EINVAL, "packing.pressure = -1: must be");
+    assert_fails(sp_scene_take(&s, &pressure, 2, &err), SP_EINVAL, "value 3 of 2");
+    assert_fails(sp_scene_take(&s, &pressure, -1, &err), SP_EINVAL, "value 0 of 2");
+    assert_string_equal(sp_sweep_text(&pressure, 2, buf, sizeof buf), "");
+    sp_sweep sizes = {.key = "packing.sizes", .count = 2, .values = words};
+    assert_ok(sp_scene_take(&s, &sizes, 0, &err));
+    assert_int_equal(s.pack.sizes, SP_SIZES_BIDISPERSE);
+    assert_fails(sp_scene_take(&s, &sizes, 1, &err), SP_EINVAL, "must be uniform, bidisperse");
+    sp_sweep history = {.key = "packing.history", .count = 3, .values = list, .begin = begin};
+    assert_ok(sp_scene_take(&s, &history, 1, &err));
+    assert_true(s.pack.history_count == 1 && s.pack.history == list);
+    assert_ok(sp_scene_take(&s, &history, 0, &err));
+    assert_true(s.pack.history_count == 0 && !s.pack.history);
+    assert_fails(sp_scene_take(&s, &history, 2, &err), SP_EINVAL, "packing.history = 0.1: must be");
+    assert_string_equal(sp_sweep_text(&history, 2, buf, sizeof buf), "[0.1, 0.0001]");
+    assert_string_equal(sp_sweep_text(&history, 2, small, sizeof small), "[...]");
+    history.begin = NULL;
+    assert_fails(sp_scene_take(&s, &history, 0, &err), SP_EINVAL, "must be one of lists");
+    sp_sweep none = {.key = "packing.nothing", .count = 1, .values = list};
+    assert_fails(sp_scene_take(&s, &none, 0, &err), SP_EINVAL, "there is no such key");
+    assert_string_equal(sp_sweep_text(&none, 0, buf, sizeof buf), "");
+    sp_sweep grains = {.key = "packing.grains", .count = 1, .values = (double[]){50}};
+    s.height = 20;
+    assert_ok(sp_scene_take(&s, &grains, 0, &err));
+    assert_true(s.height == 0 && s.pack.grains == 50); /* the last one decides */
+    sp_scene_free(&s);
+}
+
+/* Every allocation fails once: a reason, no leak (the sanitizers look), nothing written. */
+static void lack_of_memory(void **state) {
+    (void)state;
+    char set[] = "packing.friction=[0.1, 0.2]", again[] = "packing.pressure=1e-4", *list[] = {set, again};
+    const char *text =
+        "packing = { pressure = [1e-7, 1e-4]; friction = { from = 0; to = 1; count = 3; }; seed = [1, 2]; };"
+        "study = { sweep = ( { key = \"packing.history\"; values = ([], [1e-4]); } ); };";
+    sp_status status = SP_ENOMEM;
+    int64_t failures = 0;
+    for (int64_t after = 0; status == SP_ENOMEM; after++) {
+        sp_scene s;
+        sp_alloc_fail_after(after);
+        status = sp_scene_parse(text, "s.cfg", 2, list, &s, NULL);
+        sp_alloc_fail_after(-1);
+        failures += status == SP_ENOMEM;
+        if (status == SP_OK)
+            sp_scene_free(&s);
+    }
+    assert_int_equal(status, SP_OK);
+    assert_true(failures >= 12);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(words_booleans_and_lists),
+        cmocka_unit_test(samples_get_the_values),
+        cmocka_unit_test(each_kind_has_its_dimension),
+        cmocka_unit_test(combinations_count),
+        cmocka_unit_test(seeds),
+        cmocka_unit_test(ranges),
+        cmocka_unit_test(ranges_are_exact),
+        cmocka_unit_test(neat_values_are_met),
+        cmocka_unit_test(ranges_that_make_no_sense),
+        cmocka_unit_test(lists_in_the_place_of_values),
+        cmocka_unit_test(entries_that_make_no_sense),
+        cmocka_unit_test(overrides),
+        cmocka_unit_test(take_and_text),
+        cmocka_unit_test(lack_of_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
