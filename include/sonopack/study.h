@@ -84,6 +84,7 @@ typedef struct sp_study_sink {
 
 typedef struct sp_study_progress {
     int64_t total, done, computed, failed; /* samples; done counts those found in the store too */
+    int64_t elsewhere;                     /* samples that other processes have, waited for at the end */
     double seconds, seconds_left;          /* wall clock; left NAN at first */
     double cost, cost_done, cost_computed; /* expected work of these samples, in units of its own */
 } sp_study_progress;

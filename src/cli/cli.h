@@ -49,8 +49,8 @@ int cli_usage(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* Log line on stderr unless quiet; cli_debug only with --verbose. */
 void cli_note(const cli_common *common, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void cli_debug(const cli_common *common, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Progress: one line rewritten in place, on a terminal only; fraction < 0: unknown. seconds_left NAN: unknown.
- * cli_progress_end clears it. */
+/* Progress: one line rewritten in place on a terminal, a line a minute elsewhere with --verbose; fraction < 0: unknown.
+ * seconds_left NAN: unknown. cli_progress_end clears it. */
 void cli_progress(const cli_common *common, const char *text, double fraction, double seconds_left);
 void cli_progress_end(const cli_common *common);
 /* Whether an existing file may be replaced: a file of another kind (by its ending and content) never, one of the same

@@ -109,7 +109,8 @@ static const struct argp argp = {
     "its packing passes what `sonopack check' looks at. What cannot be read, or is not the sample of its name, is "
     "renamed to NAME.bad: the next study makes it anew. The exit status is 1 if any file is not ok.\n\n"
     "  sonopack study packings/ctof-quick.cfg --store results/quick\n"
-    "  sonopack study big.cfg --store results/big --shard 3/16 --jobs 1",
+    "  sonopack study big.cfg --store results/big --shard 3/16 --jobs 1\n"
+    "  mpirun -n 16 sonopack study big.cfg --store results/big          (a build with -DSONOPACK_MPI=ON)",
     children,
     NULL,
     NULL};
@@ -134,7 +135,9 @@ static bool watch(const sp_study_progress *progress, void *user) {
     char text[120];
     int length = snprintf(text, sizeof text, "%lld/%lld samples", (long long)now.done, (long long)now.total);
     if (now.failed > 0)
-        snprintf(text + length, sizeof text - (size_t)length, ", %lld failed", (long long)now.failed);
+        length += snprintf(text + length, sizeof text - (size_t)length, ", %lld failed", (long long)now.failed);
+    if (now.elsewhere > 0)
+        snprintf(text + length, sizeof text - (size_t)length, ", %lld at other processes", (long long)now.elsewhere);
     cli_progress(user, text, now.total > 0 ? (double)now.done / (double)now.total : 1, now.seconds_left);
     return go_on;
 }

@@ -11,6 +11,8 @@
 #include <string.h>
 #include <unistd.h>
 
+static const double log_interval = 60; /* seconds between two lines of progress in a log */
+
 static bool progress_shown; /* a progress line stands on the terminal */
 
 static void clear_progress(void) {
@@ -68,23 +70,39 @@ static void duration_text(double seconds, char *buf, size_t size) {
         snprintf(buf, size, "%ld s", s);
 }
 
-void cli_progress(const cli_common *common, const char *text, double fraction, double seconds_left) {
-    static double shown_at;
-    const double now = sp_clock_wall();
-    if (common->quiet || !isatty(STDERR_FILENO) || (progress_shown && now - shown_at < 0.1))
-        return;
-    char line[240], bar[64] = "", left[64] = "", duration[32];
-    if (fraction >= 0) {
-        enum { WIDTH = 20 };
-        const int full = (int)(fmin(fraction, 1) * WIDTH);
+/* The share of the work that is done, on a terminal with a bar; remaining time where it is known. */
+static void progress_text(double fraction, double seconds_left, bool with_bar, char *buf, size_t size) {
+    enum { WIDTH = 20 };
+    char bar[64] = "", left[64] = "", duration[32];
+    const int full = (int)(fmin(fmax(fraction, 0), 1) * WIDTH), percent = (int)(100 * fmin(fmax(fraction, 0), 1));
+    if (fraction >= 0 && with_bar)
         snprintf(bar, sizeof bar, " [%.*s%.*s] %3d%%", full, "====================", WIDTH - full,
-                 "                    ", (int)(100 * fmin(fraction, 1)));
-    }
+                 "                    ", percent);
+    else if (fraction >= 0)
+        snprintf(bar, sizeof bar, ", %d%%", percent);
     if (seconds_left >= 0 && seconds_left < 1e8) {
         duration_text(seconds_left, duration, sizeof duration);
         snprintf(left, sizeof left, ", %s left", duration);
     }
-    snprintf(line, sizeof line, "%.120s%s%s", text, bar, left);
+    snprintf(buf, size, "%s%s", bar, left);
+}
+
+void cli_progress(const cli_common *common, const char *text, double fraction, double seconds_left) {
+    static double shown_at, logged_at = -INFINITY;
+    const double now = sp_clock_wall();
+    char line[240], state[140];
+    if (common->quiet)
+        return;
+    const bool terminal = isatty(STDERR_FILENO);
+    if (terminal ? progress_shown && now - shown_at < 0.1 : !common->verbose || now - logged_at < log_interval)
+        return;
+    progress_text(fraction, seconds_left, terminal, state, sizeof state);
+    snprintf(line, sizeof line, "%.90s%s", text, state);
+    if (!terminal) {
+        fprintf(stderr, "sonopack: %s\n", line);
+        logged_at = now;
+        return;
+    }
     fprintf(stderr, "\r\033[K%.79s", line);
     fflush(stderr);
     progress_shown = true;

@@ -36,8 +36,5 @@ sp_status sp_store_names(const sp_store *store, sp_name_list *list, sp_error *er
 sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
 /* Enters the sample of that file into the manifest. */
 void sp_store_enter(const sp_store *store, const sp_sample *sample);
-/* Waits until no other process makes this sample; true: sp_store_unlock gives it back. */
-bool sp_store_lock(sp_store *store, const char *name);
-void sp_store_unlock(sp_store *store, const char *name);
 
 #endif

@@ -195,13 +195,6 @@ static void sink_release(void *user, const char *name) {
     sp_claim_release(&store->claims, name);
 }
 
-bool sp_store_lock(sp_store *store, const char *name) {
-    return !sp_claim_holds(&store->claims, name) &&
-           sp_claim_take(&store->claims, store->dir, name, true) == SP_CLAIM_MINE;
-}
-
-void sp_store_unlock(sp_store *store, const char *name) { sp_claim_release(&store->claims, name); }
-
 static sp_status sink_load(void *user, const char *name, sp_packing *packing, sp_sample *sample, bool *found,
                            sp_error *err) {
     const sp_store *store = user;
@@ -345,10 +338,12 @@ static sp_status sink_save(void *user, const sp_scene *scene, const sp_sample *s
     sp_status status = packing ? sp_packing_check(packing, err) : SP_OK;
     if (status != SP_OK)
         return status;
-    const bool locked = sp_store_lock(store, sample->name);
+    const bool ours = sp_claim_holds(&store->claims, sample->name);
+    if (!ours)
+        sp_claim_take(&store->claims, store->dir, sample->name, true);
     status = save_made(store, scene, sample, packing, signal, err);
-    if (locked)
-        sp_store_unlock(store, sample->name);
+    if (!ours)
+        sp_claim_release(&store->claims, sample->name);
     return status;
 }
 

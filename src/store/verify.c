@@ -116,16 +116,16 @@ static sp_status check_file(const sp_store *store, const char *name, bool record
     return record ? check_record(store, name, err) : check_sample(store, name, tolerance, err);
 }
 
-/* Under the lock, and only if it is still damaged: another process may have made it anew. */
+/* Under the lock, and only if it is still damaged: another process may have made it anew, or be about to. */
 static bool put_aside(sp_store *store, const char *name, bool record) {
     char path[SP_PATH_MAX], bad[SP_PATH_MAX];
     sp_error again = {0};
     sp_store_path(store, name, record ? "failed" : "h5", path);
     sp_store_path(store, name, "bad", bad);
-    const bool locked = sp_store_lock(store, name);
+    if (sp_claim_take(&store->claims, store->dir, name, false) == SP_CLAIM_OTHERS)
+        return false;
     bool aside = check_file(store, name, record, INFINITY, &again) == SP_EFORMAT && rename(path, bad) == 0;
-    if (locked)
-        sp_store_unlock(store, name);
+    sp_claim_release(&store->claims, name);
     return aside;
 }
 

@@ -227,6 +227,7 @@ static void *work(void *user) {
 /* The numbers as they are now; under the lock. */
 static sp_study_progress now(const run *r) {
     sp_study_progress p = r->progress;
+    p.elsewhere = r->put_off;
     p.seconds = sp_clock_wall() - r->begun;
     p.seconds_left = NAN;
     if (p.cost_computed > 0)

@@ -15,7 +15,7 @@ import time
 
 import h5py
 
-from store_faults import (ENVIRONMENT, SMALL, Reference, calls_of, content, ensemble, identities, one_line, refused_at,
+from store_faults import (ENVIRONMENT, SMALL, STAGES, Reference, calls_of, content, ensemble, identities, one_line, refused_at,
                           samples, shim, with_faults)
 from streams import COMMAND, column, run, tables
 
@@ -25,7 +25,7 @@ SIX = SMALL.replace("1e-6, 1e-3", "1e-4, 1e-3").replace("samples = 2", "samples 
 
 def study(reference, store, status=0, **keywords):
     command = reference.command(store, 1)
-    done = subprocess.run(command, capture_output=True, text=True, env=ENVIRONMENT, timeout=120, **keywords)
+    done = subprocess.run(command, capture_output=True, text=True, env=ENVIRONMENT, timeout=60, **keywords)
     assert done.returncode == status, (status, done)
     return done
 
@@ -55,6 +55,7 @@ def refused_calls(folder):
         print(f"stage {stage}: {failed} of {calls} calls end the study")
         assert failed >= 3 * len(reference.content[0]) / 2
     store = folder / "no-locks"
+    assert calls_of(library, reference, folder, 0, "ENOLCK") > 0
     done = with_faults(library, reference.command(store, 0), store, "ENOLCK", 1)  # as on some network file systems
     assert done.returncode == 0 and done.stdout == reference.stdout[0], done
     reference.check_end(store, 0)
@@ -288,6 +289,35 @@ def damaged_files(folder):
         damage_one(reference, store, what)
 
 
+RECORD_DAMAGES = {
+    "empty": lambda path: path.write_bytes(b""),
+    "zeros": lambda path: path.write_bytes(bytes(path.stat().st_size)),
+    "without its last line": lambda path: path.write_bytes(path.read_bytes()[:path.read_bytes().rindex(b"seed")]),
+    "without its end": lambda path: path.write_bytes(path.read_bytes()[:-2]),
+    "the half": lambda path: path.write_bytes(path.read_bytes()[:path.stat().st_size // 2]),
+    "no number": lambda path: path.write_bytes(path.read_bytes().replace(b"seed = 3", b"seed = x")),
+    "a folder": replaced(lambda path: path.mkdir()),
+    "a FIFO": replaced(os.mkfifo),
+    "an endless device": replaced(lambda path: path.symlink_to("/dev/zero")),
+}
+
+
+def damaged_records(folder):
+    """Records of failed samples are files like others: a damaged one is put aside, and the sample is tried again."""
+    reference = Reference(folder / "records", SMALL, (STAGES[0],) * 2)
+    for what, damage in RECORD_DAMAGES.items():
+        store = fresh(reference, folder)
+        study(reference, store)
+        victim = sorted(store.glob("*.failed"))[0]
+        damage(victim)
+        done = subprocess.run([COMMAND, "table", "ensemble", "--store", store], capture_output=True, text=True, timeout=20)
+        assert done.returncode == 0 and set(done.stdout.splitlines()[-3:]) < set(reference.table[1].splitlines()), what
+        done = study(reference, store)
+        assert done.stdout == reference.stdout[1] and " 1 of them made now" in done.stderr, (what, done)
+        assert content(store) == reference.content[1], what
+        assert os.path.lexists(victim.with_suffix(".bad")), what
+
+
 def flipped_packings(folder):
     """A flipped byte of the packing, which no table shows: --verify puts the file aside if the study did not."""
     reference = Reference(folder / "flips", SIX)
@@ -466,8 +496,8 @@ def inside_the_namespace(folder):
 
 def main():
     skipped = False
-    for test in (refused_calls, small_disks, not_ours, damaged_files, flipped_packings, manifests, stale_manifest,
-                 old_temporaries):
+    for test in (refused_calls, small_disks, not_ours, damaged_files, damaged_records, flipped_packings,
+                 manifests, stale_manifest, old_temporaries):
         with tempfile.TemporaryDirectory() as name:
             reason = test(pathlib.Path(name))
         print(test.__name__, f"skipped: {reason}" if reason else "ok")

@@ -109,14 +109,20 @@ def same_bytes(folder, scene, text, expected):
     assert out == text and made(err) == 0
 
 
+def cpu_time(process):
+    return int(pathlib.Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[11])
+
+
 def dynamic(folder):
     """One rank is slowed down (stopped for a while): the others make the samples meanwhile."""
     scene, store = folder / "longer.cfg", folder / "dynamic"
     scene.write_text(LONGER)
     job = start(3, "study", scene, "--store", store)
-    wait_until(lambda: len(samples(store)) >= 3, "three samples")
+    wait_until(lambda: len(modified(store)) >= 12, "twelve samples")
     ranks = sorted(processes(store))
     assert len(ranks) == 3, ranks
+    busy = [cpu_time(rank) for rank in ranks]
+    assert min(busy) > 0.25 * max(busy), busy  # all of them make samples
     os.kill(ranks[-1], signal.SIGSTOP)  # the last one to be started: not rank 0
     wait_until(lambda: len(samples(store)) >= LONGER_SAMPLES - 1, "the samples of the other ranks")
     assert job.poll() is None
