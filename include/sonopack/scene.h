@@ -16,13 +16,14 @@ extern "C" {
 
 /* Bits of sp_scene.want. */
 enum {
-    SP_WANT_CTOF = 1,    /* first front of each sample, hence c_tof */
-    SP_WANT_STATICS = 2, /* Table I */
-    SP_WANT_MODULI = 4,  /* Table II */
-    SP_WANT_SIGNAL = 8,  /* the signal itself is stored */
-    SP_WANT_PROBES = 16, /* Tables IV and V; Table II is made with them */
-    SP_WANT_PLANES = 32, /* fronts at horizontal planes inside of each sample */
-    SP_WANT_SCALING = 64 /* the fronts of SP_WANT_CTOF, as a table over distance: no part of its own */
+    SP_WANT_CTOF = 1,      /* first front of each sample, hence c_tof */
+    SP_WANT_STATICS = 2,   /* Table I */
+    SP_WANT_MODULI = 4,    /* Table II */
+    SP_WANT_SIGNAL = 8,    /* the signal itself is stored */
+    SP_WANT_PROBES = 16,   /* Tables IV and V; Table II is made with them */
+    SP_WANT_PLANES = 32,   /* fronts at horizontal planes inside of each sample */
+    SP_WANT_SCALING = 64,  /* the fronts of SP_WANT_CTOF, as a table over distance: no part of its own */
+    SP_WANT_SPECTRUM = 128 /* every frequency of each sample's network, hence the density of states */
 };
 
 /* One swept key: study runs every combination of the values of all sweeps. */

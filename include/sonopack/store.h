@@ -42,10 +42,10 @@ sp_status sp_store_open(const char *dir, bool create, sp_store **out, sp_error *
 void sp_store_close(sp_store *store);
 /* A sink for sp_study_run; valid until the store is closed. */
 sp_study_sink sp_store_sink(sp_store *store);
-/* One finished sample by its name: packing, results and signal; each may be NULL, a signal that is not stored has n =
- * 0. SP_EIO if there is none. */
-sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, sp_sample *sample, sp_signal *signal,
-                        sp_error *err);
+/* One finished sample by its name: packing, results, and the signal and frequencies; each may be NULL, what is not
+ * stored of the last has n = 0 or modes = 0. SP_EIO if there is none. */
+sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, sp_sample *sample,
+                        sp_sample_arrays *arrays, sp_error *err);
 /* All samples of the store, read without computing. Files that cannot be read are counted and named in *bad. */
 sp_status sp_store_samples(sp_store *store, int64_t *n, sp_sample **samples, int64_t *bad, sp_error *err);
 /* Whether the sink of the store leaves samples that are recorded as failed to be tried again (at first: no). A success

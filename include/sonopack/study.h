@@ -27,6 +27,14 @@ typedef struct sp_signal_made {
     double tolerance; /* asked for; NAN: unknown */
 } sp_signal_made;
 
+/* The network whose frequencies are kept: rattlers are left out. */
+typedef struct sp_spectrum_made {
+    int32_t carrying;   /* its grains */
+    int32_t dof;        /* degrees of freedom of a grain: it has carrying x dof frequencies */
+    int32_t zero_modes; /* of these at omega = 0 */
+    double omega_max;   /* the largest [sqrt(E* / rho)/d] */
+} sp_spectrum_made;
+
 /* Results of one sample. `have` says which of the SP_WANT_ parts are filled. */
 typedef struct sp_sample {
     char name[SP_NAME_MAX]; /* hash of what made it: 32 hexadecimal digits (sp_sample_name) */
@@ -48,7 +56,17 @@ typedef struct sp_sample {
     double plane[SP_PLANES_MAX];         /* their heights above the bottom wall [d] */
     sp_front plane_front[SP_PLANES_MAX]; /* fronts of the momentum flux through them; NAN where there is none */
     sp_signal_made signal;
+    sp_spectrum_made spectrum;
 } sp_sample;
+
+/* Results that are too large for an sp_sample. */
+typedef struct sp_sample_arrays {
+    sp_signal signal; /* n = 0: none */
+    int64_t modes;    /* 0: none */
+    double *omega;    /* [modes] frequencies of the network, ascending [sqrt(E* / rho)/d]; zero modes are 0 */
+} sp_sample_arrays;
+sp_sample_arrays sp_sample_arrays_none(void);
+void sp_sample_arrays_free(sp_sample_arrays *a);
 
 /* Name of a scene's sample: 128-bit hash of its packing and network keys, the source, and the library's algorithm
  * version. */
@@ -77,9 +95,10 @@ typedef struct sp_study_sink {
     void (*release)(void *user, const char *name);
     /* the packing of that name if it is there (then only what is missing is computed): SP_OK and found = true */
     sp_status (*load)(void *user, const char *name, sp_packing *packing, sp_sample *sample, bool *found, sp_error *err);
-    /* takes one finished sample; packing NULL for a failed one; signal NULL unless wanted */
+    /* takes one finished sample; packing NULL for a failed one; of the arrays, which may be NULL, those that were made
+     * now: frequencies that the sample has and that are not among them stay as they are there */
     sp_status (*save)(void *user, const sp_scene *scene, const sp_sample *sample, const sp_packing *packing,
-                      const sp_signal *signal, sp_error *err);
+                      const sp_sample_arrays *arrays, sp_error *err);
 } sp_study_sink;
 
 typedef struct sp_study_progress {
@@ -121,10 +140,11 @@ sp_status sp_study_run(const sp_scene *scene, const sp_study_options *opt, const
 /* One sample: packing (made unless given: n > 0), and every part in `want` that is missing in *sample, or was made
  * otherwise than the scene says. Planes lie at least a diameter inside of the packing; those of the scene that do not
  * are left out. Where one part
- * fails the others are made all the same: the first reason is returned, and kept in sample->reason. *signal is filled
- * when it is wanted, or was there before and something new was computed. */
+ * fails the others are made all the same: the first reason is returned, and kept in sample->reason. arrays NULL: no
+ * signal and no frequencies are made. arrays->signal is filled when it is wanted and missing, or was there before and
+ * something new was computed; the frequencies only when they are wanted and missing. */
 sp_status sp_sample_make(const sp_scene *scene, unsigned want, sp_packing *packing, sp_sample *sample,
-                         sp_signal *signal, sp_error *err);
+                         sp_sample_arrays *arrays, sp_error *err);
 
 /* Tables from samples in any order (they are sorted first): "ctof" (INTERFACE: p samples c_tof c_tof_err c_peak c_zero
  * c_l c_t, from the lowest and the highest boxes of each pressure), "scaling" and "planes" (fronts over

@@ -120,9 +120,10 @@ static cli_tables wanted_tables(const cli_common *common, const sp_scene *scene)
     static const struct {
         unsigned want;
         const char *name;
-    } all[] = {{SP_WANT_CTOF, "ctof"},       {SP_WANT_SCALING, "scaling"}, {SP_WANT_PLANES, "planes"},
-               {SP_WANT_STATICS, "statics"}, {SP_WANT_MODULI, "moduli"},   {SP_WANT_PROBES, "probes"}};
-    cli_tables tables = {.common = common, .scene = scene, .filter = cli_filter_none()};
+    } all[] = {{SP_WANT_CTOF, "ctof"},        {SP_WANT_SCALING, "scaling"}, {SP_WANT_PLANES, "planes"},
+               {SP_WANT_STATICS, "statics"},  {SP_WANT_MODULI, "moduli"},   {SP_WANT_PROBES, "probes"},
+               {SP_WANT_SPECTRUM, "spectrum"}};
+    cli_tables tables = {.common = common, .scene = scene, .filter = cli_filter_none(), .bins = cli_bins_default()};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         if (scene->want & all[k].want)
             tables.name[tables.count++] = all[k].name;

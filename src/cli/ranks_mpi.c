@@ -287,8 +287,8 @@ sp_status cli_ranks_check(const cli_ranks *group, int shards, sp_error *err) {
         return SP_OK;
     return sp_fail(
         err, SP_EINVAL,
-        "%d processes were started (%s) that MPI does not join, so that each would do the whole study: must be "
-        "started by mpirun, or srun --mpi=pmix, or each process told its --shard I/%d",
+        "%d processes were started (%s) that MPI does not join, and each would print all tables: must be started "
+        "by mpirun, or srun --mpi=pmix, or each process told its --shard I/%d",
         launch.processes, launch.variable, launch.processes);
 }
 

@@ -13,11 +13,10 @@ sp_status cli_ranks_check(const cli_ranks *ranks, int shards, sp_error *err) {
     const cli_launch launch = cli_launch_look();
     if (launch.processes <= ranks->size || shards > 1)
         return SP_OK;
-    return sp_fail(
-        err, SP_EINVAL,
-        "%d processes were started (%s), and this build knows no MPI, so that each would do the whole study: "
-        "must be built with -DSONOPACK_MPI=ON, or each process told its --shard I/%d",
-        launch.processes, launch.variable, launch.processes);
+    return sp_fail(err, SP_EINVAL,
+                   "%d processes were started (%s), and this build knows no MPI, so that each would print all tables: "
+                   "must be built with -DSONOPACK_MPI=ON, or each process told its --shard I/%d",
+                   launch.processes, launch.variable, launch.processes);
 }
 
 void cli_ranks_begin(const char *what) { (void)what; }

@@ -12,13 +12,15 @@
 
 /* ---- cases ------------------------------------------------------------------------------------------------------ */
 
-const char *const cli_table_names[CLI_TABLES] = {"ctof",   "scaling", "planes",   "statics",
-                                                 "moduli", "probes",  "ensemble", "signal"};
+const char *const cli_table_names[CLI_TABLES] = {"ctof",   "scaling",  "planes",   "statics", "moduli",
+                                                 "probes", "spectrum", "ensemble", "signal"};
 
-/* Keys that a table has rows for, or, of signals, that the filter chooses by. Seeds are what tables average over. */
+/* Keys that a table has rows for. Seeds are what tables average over. */
 static bool has_rows(const char *table, const sp_sweep *sweep) {
     if (strcmp(sweep->key, "packing.seed") == 0)
         return true;
+    if (strcmp(table, "signal") == 0 || strcmp(table, "spectrum") == 0)
+        return false;
     static const char *const keys[] = {"packing.pressure", "packing.grains", "packing.height", "packing.width",
                                        "packing.friction"};
     static const char *const means[] = {"ctof", "statics", "moduli", "probes", "ensemble"};
@@ -182,6 +184,8 @@ static sp_status choose(const sp_scene *scene, int64_t n, const sp_sample *all, 
 
 /* ---- the filter ------------------------------------------------------------------------------------------------- */
 
+cli_bins cli_bins_default(void) { return (cli_bins){.bins = 100}; }
+
 cli_filter cli_filter_none(void) { return (cli_filter){.width = NAN, .pressure = NAN, .friction = NAN}; }
 
 /* Numbers are given with a few digits: 1e-6 of the value is rounding. */
@@ -190,6 +194,10 @@ static bool is_near(double asked, double value) { return isnan(asked) || fabs(as
 static bool passes(const cli_filter *f, const sp_sample *s) {
     return is_near(f->width, s->width) && is_near(f->pressure, s->pressure) && is_near(f->friction, s->friction) &&
            (f->grains == 0 || f->grains == s->grains);
+}
+
+static bool is_filter(const cli_filter *f) {
+    return f->grains != 0 || !isnan(f->width) || !isnan(f->pressure) || !isnan(f->friction);
 }
 
 /* Moves the samples that pass to the front; the others do not count. */
@@ -226,8 +234,7 @@ static sp_status check_samples(const sp_scene *scene, int64_t n, const sp_sample
 
 /* Samples of the scene that the filter leaves out are not missing. */
 static sp_status add_missing(const cli_tables *tables, int64_t missing, sp_table *t, sp_error *err) {
-    const cli_filter *f = &tables->filter;
-    if (missing == 0 || f->grains != 0 || !isnan(f->width) || !isnan(f->pressure) || !isnan(f->friction))
+    if (missing == 0 || is_filter(&tables->filter))
         return SP_OK;
     return sp_table_add_comment(t, err, "missing = %lld samples of the scene that are not in the store yet",
                                 (long long)missing);
@@ -251,10 +258,14 @@ static sp_status make_table(const cli_tables *tables, const char *name, const st
     const sp_table_options options = {.level = tables->level};
     if (strcmp(name, "signal") == 0)
         return cli_table_signal(all->store, of->n, of->sample, &options, out, err);
+    if (strcmp(name, "spectrum") == 0)
+        return cli_table_spectrum(all->store, of->n, of->sample, &options, &tables->bins, out, err);
     return sp_study_table(name, of->n, of->sample, &options, out, err);
 }
 
-static sp_status write_case(const cli_tables *tables, int k, int64_t c, const stored *all, sp_error *err) {
+/* *written: how many of table k there are so far. */
+static sp_status write_case(const cli_tables *tables, int k, int64_t c, const stored *all, int64_t *written,
+                            sp_error *err) {
     const char *name = tables->name[k];
     sp_scene one = {0};
     choice chosen = {0};
@@ -267,6 +278,8 @@ static sp_status write_case(const cli_tables *tables, int k, int64_t c, const st
         chosen = (choice){.n = all->n, .sample = all->sample};
     }
     sp_table t = sp_table_none();
+    if (status == SP_OK && chosen.n == 0 && tables->scene && is_filter(&tables->filter))
+        goto out; /* another case is what it chooses */
     if (status == SP_OK)
         status = make_table(tables, name, all, &chosen, &t, err);
     if (status == SP_OK && tables->scene)
@@ -274,7 +287,8 @@ static sp_status write_case(const cli_tables *tables, int k, int64_t c, const st
     if (status == SP_OK)
         status = add_missing(tables, chosen.missing, &t, err);
     if (status == SP_OK)
-        status = write_table(tables, k, c, &t, err);
+        status = write_table(tables, k, (*written)++, &t, err);
+out:
     sp_table_free(&t);
     if (tables->scene)
         sp_free(chosen.sample);
@@ -283,7 +297,7 @@ static sp_status write_case(const cli_tables *tables, int k, int64_t c, const st
 
 /* Case by case, all tables of a case together. */
 static sp_status write_all(const cli_tables *tables, const stored *all, sp_error *err) {
-    int64_t most = 1;
+    int64_t most = 1, written[CLI_TABLES] = {0};
     for (int k = 0; k < tables->count; k++) {
         const int64_t cases = cases_of(tables->name[k], tables->scene);
         most = cases > most ? cases : most;
@@ -292,7 +306,7 @@ static sp_status write_all(const cli_tables *tables, const stored *all, sp_error
     for (int64_t c = 0; c < most; c++)
         for (int k = 0; k < tables->count && status == SP_OK; k++)
             if (c < cases_of(tables->name[k], tables->scene))
-                status = write_case(tables, k, c, all, err);
+                status = write_case(tables, k, c, all, &written[k], err);
     return status;
 }
 

@@ -17,7 +17,7 @@ enum { TABLES_MOST = 32, LABEL_MOST = 28, GROUPS = 3 };
 #define TIME      "|d|(|" RHO "|/|E|*)^{1/2}"
 #define RESPONSE  "|E|* |d|^{3}(|" RHO "|/|E|*)^{1/2}"
 
-typedef enum look { LOOK_LINE = 0, LOOK_STEPS, LOOK_POINTS } look;
+typedef enum look { LOOK_LINE = 0, LOOK_STEPS, LOOK_POINTS, LOOK_BINS } look;
 
 /* How a kind of table is drawn: columns of value and error, and whether the values span decades. */
 typedef struct style {
@@ -31,6 +31,7 @@ typedef struct style {
 
 static const style styles[] = {
     {"dos", "Density of states", "smooth", "smooth_err", LOOK_LINE, false, "|g|(|" OMEGA "|)", ""},
+    {"ensemble", "Density of states", "density", NULL, LOOK_BINS, false, "|g|(|" OMEGA "|)", ""},
     {"transmission", "Spectrum of the signal", "magnitude", NULL, LOOK_LINE, true, "\\||F|(|" OMEGA "|)\\|", RESPONSE},
     {"harmonic", "Harmonic response", "magnitude", NULL, LOOK_POINTS, true, "\\||F|(|" OMEGA "|)\\|", RESPONSE},
     {"participation", "Participation ratio", "participation", "sd", LOOK_POINTS, false, "participation ratio", ""},
@@ -84,6 +85,8 @@ static sp_status style_of(const sp_table *t, const style **out, sp_error *err) {
     const char *kind = sp_table_comment_value(t, "spectrum");
     if (!kind && sp_table_find_column(t, "omega") >= 0 && sp_table_find_column(t, "n") >= 0)
         kind = "modes";
+    if (!kind && sp_table_find_column(t, "density_low") >= 0) /* a CSV file has no comments */
+        kind = "ensemble";
     for (int k = 0; kind && k < STYLES; k++)
         if (strcmp(kind, styles[k].kind) == 0) {
             *out = &styles[k];
@@ -91,7 +94,7 @@ static sp_status style_of(const sp_table *t, const style **out, sp_error *err) {
         }
     return sp_fail(err, SP_EINVAL,
                    "no table to draw here: must be of `sonopack spectrum' dos, transmission, harmonic or "
-                   "participation, or of `sonopack modes'");
+                   "participation, of `sonopack modes', or of `sonopack table spectrum'");
 }
 
 /* Value as it is drawn before axes are known. */
@@ -167,6 +170,37 @@ static sp_status add_curve(drawing *d, int j, sp_error *err) {
     return SP_OK;
 }
 
+/* Means over samples as steps from low to high, and their intervals as a band. */
+static sp_status add_bins(drawing *d, int j, sp_error *err) {
+    static const char *const names[] = {"low", "high", "density", "density_low", "density_high"};
+    const sp_table *t = d->table[j].table;
+    int column[5];
+    sp_status status = SP_OK;
+    for (int k = 0; k < 5 && status == SP_OK; k++)
+        status = find_column(t, names[k], &column[k], err);
+    if (status != SP_OK)
+        return status;
+    double *x = take(d, 2 * t->rows), *y = take(d, 2 * t->rows), *low = take(d, 2 * t->rows),
+           *high = take(d, 2 * t->rows);
+    for (int64_t k = 0; k < 2 * t->rows; k++) {
+        x[k] = sp_table_number(t, k / 2, column[k % 2]);
+        y[k] = sp_table_number(t, k / 2, column[2]);
+        const double end = sp_table_number(t, k / 2, column[3]);
+        low[k] = end < 0 ? 0 : end; /* no density is below */
+        high[k] = sp_table_number(t, k / 2, column[4]);
+        widen(&d->low_x, &d->high_x, x[k]);
+        widen(&d->low_y, &d->high_y, y[k]);
+        widen(&d->low_y, &d->high_y, low[k]);
+        widen(&d->low_y, &d->high_y, high[k]);
+    }
+    series s = {.n = 2 * t->rows, .x = x, .y = y, .fill_low = low, .fill_high = high, .ink = figure_ink(j + 1)};
+    s.dash = j % DASHES;
+    s.width = 0.9;
+    name_series(d, j, &s);
+    d->series[d->count++] = s;
+    return SP_OK;
+}
+
 /* A histogram of the frequencies of a table of modes, with the integral 1. */
 static sp_status add_histogram(drawing *d, int j, sp_error *err) {
     enum { BINS_MOST = 60 };
@@ -208,7 +242,7 @@ static void label_y(const drawing *d, axis *a) {
     char unit[96];
     const char *norm = sp_table_comment_value(d->table[0].table, "norm");
     snprintf(unit, sizeof unit, "%s", d->style->unit);
-    if (strcmp(d->style->kind, "dos") == 0) {
+    if (strcmp(d->style->kind, "dos") == 0 || d->style->look == LOOK_BINS) {
         const char *per = norm && strcmp(norm, "grain") == 0 ? "/grain" : "";
         const char *modes = norm && strcmp(norm, "modes") == 0 ? "modes " : "";
         snprintf(unit, sizeof unit, "%s" TIME "%s", modes, per);
@@ -229,8 +263,9 @@ static void set_axes(drawing *d, figure *f) {
     }
     label_y(d, &f->axes.y);
     for (int k = 0; k < d->count; k++) { /* into axis units */
-        double *arrays[] = {(double *)d->series[k].y, (double *)d->series[k].low, (double *)d->series[k].high};
-        for (int q = 0; q < 3 && !d->style->log; q++)
+        double *arrays[] = {(double *)d->series[k].y, (double *)d->series[k].low, (double *)d->series[k].high,
+                            (double *)d->series[k].fill_low, (double *)d->series[k].fill_high};
+        for (int q = 0; q < 5 && !d->style->log; q++)
             for (int64_t l = 0; arrays[q] && l < d->series[k].n; l++)
                 arrays[q][l] = axis_unit(&f->axes.y, arrays[q][l]);
         double *x = (double *)d->series[k].x;
@@ -286,7 +321,9 @@ static sp_status plot_tables(int tables, const sp_plot_table *table, const style
                              own->kind);
         d.style = j == 0 ? own : d.style;
         if (status == SP_OK)
-            status = own->look == LOOK_STEPS ? add_histogram(&d, j, err) : add_curve(&d, j, err);
+            status = own->look == LOOK_STEPS  ? add_histogram(&d, j, err)
+                     : own->look == LOOK_BINS ? add_bins(&d, j, err)
+                                              : add_curve(&d, j, err);
     }
     if (status == SP_OK)
         status = draw(&d, path, err);

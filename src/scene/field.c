@@ -37,6 +37,7 @@ static const sp_word wants[] = {{"packings", 0},
                                 {"probes", SP_WANT_PROBES},
                                 {"planes", SP_WANT_PLANES},
                                 {"scaling", SP_WANT_SCALING},
+                                {"spectrum", SP_WANT_SPECTRUM},
                                 {NULL, 0}};
 
 _Static_assert(sizeof(sp_pack_kind) == sizeof(unsigned) && sizeof(sp_signal_method) == sizeof(unsigned) &&

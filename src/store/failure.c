@@ -8,6 +8,7 @@
 #include <sonopack/store.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 sp_status sp_failure_save(const char *path, const sp_sample *s, sp_error *err) {
     sp_text t = {0};
@@ -27,6 +28,10 @@ sp_status sp_failure_save(const char *path, const sp_sample *s, sp_error *err) {
     sp_text_free(&t);
     return status;
 }
+
+/* What every record has. */
+static const char *const keys[] = {"reason", "dim", "grains", "width", "pressure", "friction", "seed"};
+enum { KEYS = sizeof keys / sizeof *keys };
 
 /* One "key = value" line into the sample; lines that nobody knows are passed over. */
 static bool take_line(const char *key, const char *value, sp_sample *s) {
@@ -54,9 +59,14 @@ static bool take_line(const char *key, const char *value, sp_sample *s) {
 }
 
 static sp_status parse(sp_lines *lines, sp_sample *s, sp_error *err) {
+    bool given[KEYS] = {false};
     for (;;) {
         char *line;
         sp_status status = sp_lines_next_data(lines, &line, err);
+        for (int k = 0; k < KEYS && status == SP_OK && !line; k++)
+            if (!given[k])
+                status = sp_fail(err, SP_EFORMAT, "%s: no line '%s = ...': not a whole record of a failed sample",
+                                 lines->file, keys[k]);
         if (status != SP_OK || !line)
             return status;
         char *equal = strstr(line, " = ");
@@ -65,6 +75,8 @@ static sp_status parse(sp_lines *lines, sp_sample *s, sp_error *err) {
         if (!equal || !take_line(line, equal + 3, s))
             return sp_fail(err, SP_EFORMAT, "%s:%lld: '%.60s' is no 'key = value' of a failed sample", lines->file,
                            (long long)lines->number, line);
+        for (int k = 0; k < KEYS; k++)
+            given[k] = given[k] || strcmp(line, keys[k]) == 0;
     }
 }
 
@@ -72,8 +84,15 @@ sp_status sp_failure_read(const char *path, const char *name, sp_sample *out, sp
     char *text = NULL;
     size_t size = 0;
     sp_sample s = {.failed = true};
+    struct stat info;
     snprintf(s.name, sizeof s.name, "%s", name);
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) /* of a pipe or a device one would never see the end */
+        return sp_fail(err, SP_EFORMAT, "%s: not a regular file, which a record of a failed sample must be", path);
     sp_status status = sp_file_read_text(path, &text, &size, err);
+    if (status == SP_OK && (size == 0 || text[size - 1] != '\n')) {
+        sp_free(text);
+        status = sp_fail(err, SP_EFORMAT, "%s: its last line has no end: not a whole record of a failed sample", path);
+    }
     if (status != SP_OK)
         return status;
     sp_lines lines = sp_lines_of(path, text, size);

@@ -14,6 +14,7 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 /* No text that this program reads is larger; a device without end stops here. */
@@ -128,12 +129,24 @@ static bool own(int fd) {
     return fstat(fd, &info) == 0 && info.st_nlink > 0;
 }
 
-/* Opens a new temporary file in the folder. Its name is its own (process, counter), and of fixed length, so that it
+/* What the names of this machine's temporary files begin with: some file systems have locks within a machine only. */
+static void own_prefix(char prefix[32]) {
+    char host[256] = "";
+    uint32_t hash = 0x811c9dc5u; /* FNV-1a of 32 bits (Fowler, Noll, Vo, Eastlake) */
+    gethostname(host, sizeof host - 1);
+    for (const char *c = host; *c; c++)
+        hash = (hash ^ (unsigned char)*c) * 0x01000193u;
+    snprintf(prefix, 32, ".sonopack-%08x-", hash);
+}
+
+/* Opens a new temporary file in the folder. Its name is its own (machine, process, counter), and short, so that it
  * fits where the final name fits; an old one of a dead process with the same number is stepped over. */
 static int open_temporary(const char *folder, char name[SP_PATH_MAX]) {
     static atomic_uint counter;
+    char prefix[32];
+    own_prefix(prefix);
     for (int attempt = 0; attempt < 10000; attempt++) {
-        int length = snprintf(name, SP_PATH_MAX, "%s/.sonopack-%ld-%u.tmp", folder, (long)getpid(),
+        int length = snprintf(name, SP_PATH_MAX, "%s/%s%ld-%u.tmp", folder, prefix, (long)getpid(),
                               atomic_fetch_add(&counter, 1));
         if (length >= SP_PATH_MAX) {
             errno = ENAMETOOLONG;
@@ -216,7 +229,17 @@ sp_status sp_text_save(const char *path, const char *text, size_t size, sp_error
     return sp_file_write(path, text, size, err);
 }
 
+/* Nobody writes it any more: its lock is free, and if it is another machine's, whose locks may not be seen here, it is
+ * a day old. */
+static bool is_left_behind(int fd, bool own_machine) {
+    struct stat info;
+    return flock(fd, LOCK_EX | LOCK_NB) == 0 &&
+           (own_machine || (fstat(fd, &info) == 0 && time(NULL) - info.st_mtime > 86400));
+}
+
 void sp_folder_clean(const char *folder) {
+    char prefix[32];
+    own_prefix(prefix);
     DIR *all = opendir(folder);
     for (struct dirent *entry; all && (entry = readdir(all));) {
         char path[SP_PATH_MAX];
@@ -225,7 +248,7 @@ void sp_folder_clean(const char *folder) {
             (size_t)snprintf(path, sizeof path, "%s/%s", folder, name) >= sizeof path)
             continue;
         const int fd = open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-        if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0)
+        if (fd >= 0 && is_left_behind(fd, strncmp(name, prefix, strlen(prefix)) == 0))
             unlink(path);
         if (fd >= 0)
             close(fd);

@@ -26,8 +26,10 @@ typedef struct sp_name_list {
 /* DIR/NAME.ENDING; the folder's length was checked when the store was opened. */
 void sp_store_path(const sp_store *store, const char *name, const char *ending, char path[SP_PATH_MAX]);
 bool sp_store_holds(const sp_store *store, const char *name, const char *ending);
+/* Renames it to NAME.bad, or NAME.bad2 and so on where that is there. */
+bool sp_store_put_aside(const sp_store *store, const char *name, const char *ending);
 /* Reads NAME.h5: the packing too if packing is not NULL. SP_EFORMAT for a file that is damaged, or not that sample. */
-sp_status sp_store_get(const sp_store *store, const char *name, sp_packing *packing, bool with_signal, sp_record *out,
+sp_status sp_store_get(const sp_store *store, const char *name, sp_packing *packing, bool with_arrays, sp_record *out,
                        sp_error *err);
 /* Names with a sample or a failure, sorted, each once. The list begins empty and is the caller's to free, also after an
  * error. */

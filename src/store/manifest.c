@@ -12,6 +12,8 @@
 #include <string.h>
 #include <unistd.h>
 
+static const int64_t tidy_from = 1 << 18; /* bytes that are not worth a tidying */
+
 /* Where the last line of a sample stands. */
 typedef struct slot {
     uint64_t key[2]; /* the name as a number */
@@ -25,7 +27,6 @@ struct sp_manifest {
     bool adding;
     bool torn;       /* the last line may have no end */
     int64_t read_to; /* lines up to here are in the table */
-    int64_t lines;   /* sound ones that were seen, those that a later one replaced included */
     int64_t samples; /* slots in use */
     int64_t slots;   /* a power of two */
     slot *slot;      /* by open addressing */
@@ -88,7 +89,6 @@ static sp_status take_line(sp_manifest *m, const char *line, size_t length, int6
     }
     slot *s = find_slot(m, key);
     m->samples += s->length == 0;
-    m->lines++;
     *s = (slot){.key = {key[0], key[1]}, .at = at, .length = (int32_t)length};
     return SP_OK;
 }
@@ -101,7 +101,7 @@ static void forget(sp_manifest *m) {
     m->fd = -1;
     if (m->samples > 0)
         memset(m->slot, 0, (size_t)m->slots * sizeof *m->slot);
-    m->read_to = m->lines = m->samples = 0;
+    m->read_to = m->samples = 0;
     m->torn = false;
 }
 
@@ -276,7 +276,12 @@ void sp_manifest_add(sp_manifest *m, const struct stat *file, const sp_sample *s
 }
 
 void sp_manifest_tidy(sp_manifest *m) {
-    if (!m->adding || refresh(m, NULL) != SP_OK || m->fd < 0 || m->lines < 2 * m->samples + 1000)
+    int64_t bytes = (int64_t)strlen(m->head);
+    if (!m->adding || refresh(m, NULL) != SP_OK || m->fd < 0)
+        return;
+    for (int64_t k = 0; k < m->slots; k++)
+        bytes += m->slot[k].length;
+    if (m->read_to < 2 * bytes + tidy_from)
         return;
     sp_text text = {0};
     sp_text_add(&text, "%s", m->head);

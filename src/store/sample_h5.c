@@ -16,8 +16,11 @@
     { {"/results/statics/" #member, unit, description}, SP_H5_F64, offsetof(sp_statics, member) }
 #define MODULI(member, unit, description)                                                                              \
     { {"/results/moduli/" #member, unit, description}, SP_H5_F64, offsetof(sp_moduli, member) }
-#define TIME  "d / sqrt(E* / rho)"
-#define SPEED "sqrt(E* / rho)"
+#define SPECTRUM(member, type, unit, description)                                                                      \
+    { {"/results/spectrum/" #member, unit, description}, type, offsetof(sp_spectrum_made, member) }
+#define TIME      "d / sqrt(E* / rho)"
+#define SPEED     "sqrt(E* / rho)"
+#define FREQUENCY "sqrt(E* / rho) / d"
 
 static const sp_h5_field sample_field[] = {
     SAMPLE(dim, SP_H5_I32, "1", "dimension"),
@@ -56,6 +59,13 @@ static const sp_h5_field moduli_field[] = {
     MODULI(c_l, SPEED, "speed of long longitudinal waves sqrt(C22/Phi_3*)"),
     MODULI(c_t, SPEED, "speed of long transverse waves sqrt(C33/Phi_3*)"),
     MODULI(residual, "1", "largest relative residual of the solves"),
+};
+
+static const sp_h5_field spectrum_field[] = {
+    SPECTRUM(carrying, SP_H5_I32, "1", "grains of the network: without rattlers"),
+    SPECTRUM(dof, SP_H5_I32, "1", "degrees of freedom of a grain"),
+    SPECTRUM(zero_modes, SP_H5_I32, "1", "how many of the frequencies are 0"),
+    SPECTRUM(omega_max, SP_H5_F64, FREQUENCY, "the largest frequency"),
 };
 
 #define PROBE(row, name, description)                                                                                  \
@@ -115,6 +125,8 @@ static const struct part {
     {SP_WANT_MODULI, "/results/moduli", sizeof moduli_field / sizeof *moduli_field, moduli_field,
      offsetof(sp_sample, moduli)},
     {SP_WANT_PROBES, "/results/probes", sizeof probe_field / sizeof *probe_field, probe_field, 0},
+    {SP_WANT_SPECTRUM, "/results/spectrum", sizeof spectrum_field / sizeof *spectrum_field, spectrum_field,
+     offsetof(sp_sample, spectrum)},
 };
 enum { PARTS = sizeof part / sizeof *part, SAMPLE_FIELDS = sizeof sample_field / sizeof *sample_field };
 
@@ -150,10 +162,13 @@ static const sp_h5_field kind_field =
 /* Parts that were tried and could not be made, with the reason of the first. */
 static const sp_h5_field lacks_field[] = {
     SAMPLE(lacks, SP_H5_I32, "1",
-           "parts that could not be made: 1 front, 2 statics, 4 moduli, 8 signal, 16 probes, 32 planes"),
+           "parts that could not be made: 1 front, 2 statics, 4 moduli, 8 signal, 16 probes, 32 planes, "
+           "128 spectrum"),
     SAMPLE(lacks_signal, SP_H5_U64, "1", "hash of the signal's keys with which signal and planes were tried"),
 };
 static const sp_h5_name name_reason = {"/results/sample/reason", "1", "why the first of these could not be made"};
+static const sp_h5_name name_omega = {"/results/spectrum/omega", FREQUENCY,
+                                      "frequencies of all vibrations of the network, ascending; zero modes are 0"};
 static const sp_h5_name name_t = {"/signal/t", TIME, "time since the pulse at the bottom wall"};
 static const sp_h5_name name_f = {"/signal/F", "E* d^2",
                                   "force on the top wall beyond that at rest, positive in "
@@ -166,8 +181,7 @@ static const sp_h5_name name_name = {"/results/sample/name", "1", "hash of every
 static const sp_h5_name name_scene = {"/results/sample/scene", "1", "the sample's scene, with every value"};
 
 void sp_record_free(sp_record *r) {
-    sp_free(r->signal.t);
-    sp_free(r->signal.f);
+    sp_sample_arrays_free(&r->arrays);
     sp_free(r->scene);
     *r = (sp_record){0};
 }
@@ -244,8 +258,10 @@ sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err) {
         status = put_optional(h, &r->sample, err);
     if (status == SP_OK && r->sample.have & SP_WANT_PLANES)
         status = put_planes(h, &r->sample, err);
-    if (status == SP_OK && r->signal.n > 0)
-        status = put_signal(h, &r->signal, &r->sample.signal, err);
+    if (status == SP_OK && r->sample.have & SP_WANT_SPECTRUM)
+        status = sp_h5_put(h, &name_omega, SP_H5_F64, &(sp_h5_shape){1, {r->arrays.modes}}, r->arrays.omega, err);
+    if (status == SP_OK && r->arrays.signal.n > 0)
+        status = put_signal(h, &r->arrays.signal, &r->sample.signal, err);
     return status;
 }
 
@@ -336,6 +352,25 @@ static sp_status get_signal(sp_h5 *h, sp_signal *s, sp_error *err) {
     return status;
 }
 
+/* The frequencies, as many as the network has degrees of freedom. *omega NULL where data = false. */
+static sp_status get_omega(sp_h5 *h, const sp_spectrum_made *made, bool data, sp_sample_arrays *out, sp_error *err) {
+    const int64_t modes = (int64_t)made->carrying * made->dof;
+    sp_h5_shape shape;
+    sp_status status = sp_h5_find(h, name_omega.path, SP_H5_F64, 1, &shape, err);
+    if (status != SP_OK)
+        return status;
+    if (modes < 1 || shape.dim[0] != modes || made->dof < 1)
+        return sp_h5_fail(h, err, SP_EFORMAT, "%s has %lld frequencies of %d grains with %d degrees of freedom each",
+                          name_omega.path, (long long)shape.dim[0], made->carrying, made->dof);
+    if (!data)
+        return SP_OK;
+    out->omega = sp_alloc((size_t)modes, sizeof *out->omega);
+    if (!out->omega)
+        return sp_fail_memory(err, (size_t)modes * sizeof *out->omega);
+    out->modes = modes;
+    return sp_h5_get(h, name_omega.path, SP_H5_F64, &shape, out->omega, err);
+}
+
 static sp_status get_name(sp_h5 *h, char name[SP_NAME_MAX], sp_error *err) {
     char *text = NULL;
     sp_status status = sp_h5_get_text(h, name_name.path, &text, err);
@@ -410,7 +445,7 @@ int sp_results(sp_result out[SP_RESULTS_MAX]) {
     return used;
 }
 
-sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *err) {
+sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out, sp_error *err) {
     sp_record r = {.sample = sp_sample_kept()};
     if (!sp_h5_has(h, "/results/sample"))
         return sp_h5_fail(h, err, SP_EFORMAT, "no group /results/sample: not a sample of a store");
@@ -438,10 +473,12 @@ sp_status sp_record_get(sp_h5 *h, bool with_signal, sp_record *out, sp_error *er
     if (status == SP_OK && sp_h5_has(h, "/signal")) {
         r.sample.have |= SP_WANT_SIGNAL;
         status = get_made(h, &r.sample.signal, err);
-        if (status == SP_OK && with_signal)
-            status = get_signal(h, &r.signal, err);
+        if (status == SP_OK && with_arrays)
+            status = get_signal(h, &r.arrays.signal, err);
     }
-    if (status == SP_OK && with_signal && sp_h5_has(h, name_scene.path))
+    if (status == SP_OK && r.sample.have & SP_WANT_SPECTRUM)
+        status = get_omega(h, &r.sample.spectrum, with_arrays, &r.arrays, err);
+    if (status == SP_OK && with_arrays && sp_h5_has(h, name_scene.path))
         status = sp_h5_get_text(h, name_scene.path, &r.scene, err);
     if (status == SP_OK)
         *out = r;

@@ -32,6 +32,32 @@ bool sp_store_holds(const sp_store *store, const char *name, const char *ending)
     return access(path, F_OK) == 0;
 }
 
+/* Whatever it is that has the name, a link that leads nowhere included. */
+static bool is_taken(const char *path) {
+    struct stat info;
+    return lstat(path, &info) == 0;
+}
+
+bool sp_store_put_aside(const sp_store *store, const char *name, const char *ending) {
+    char path[SP_PATH_MAX], bad[SP_PATH_MAX], last[16] = "bad";
+    sp_store_path(store, name, ending, path);
+    sp_store_path(store, name, last, bad);
+    for (int k = 2; is_taken(bad) && k < 1000; k++) {
+        snprintf(last, sizeof last, "bad%d", k);
+        sp_store_path(store, name, last, bad);
+    }
+    return rename(path, bad) == 0;
+}
+
+/* Where a new file is to come. SP_EIO if what has the name is in the way. */
+static sp_status make_room(const sp_store *store, const char *name, const char *ending, sp_error *err) {
+    char path[SP_PATH_MAX];
+    sp_store_path(store, name, ending, path);
+    if (!is_taken(path) || sp_store_put_aside(store, name, ending))
+        return SP_OK;
+    return sp_fail(err, SP_EIO, "cannot rename %s, which is damaged, to .bad: %s", path, strerror(errno));
+}
+
 /* ---- opening --------------------------------------------------------------------------------------------------- */
 
 static sp_status check_folder(const char *dir, sp_error *err) {
@@ -96,7 +122,7 @@ void sp_store_retry(sp_store *store, bool retry) { store->retry = retry; }
 
 /* ---- one file -------------------------------------------------------------------------------------------------- */
 
-sp_status sp_store_get(const sp_store *store, const char *name, sp_packing *packing, bool with_signal, sp_record *out,
+sp_status sp_store_get(const sp_store *store, const char *name, sp_packing *packing, bool with_arrays, sp_record *out,
                        sp_error *err) {
     char path[SP_PATH_MAX];
     sp_store_path(store, name, "h5", path);
@@ -105,7 +131,7 @@ sp_status sp_store_get(const sp_store *store, const char *name, sp_packing *pack
     sp_h5 h;
     sp_status status = sp_h5_open(&h, path, err);
     if (status == SP_OK)
-        status = sp_record_get(&h, with_signal, &r, err);
+        status = sp_record_get(&h, with_arrays, &r, err);
     if (status == SP_OK && strcmp(r.sample.name, name) != 0)
         status = sp_fail(err, SP_EFORMAT, "%s: holds the sample %s, which is not its name", path, r.sample.name);
     if (status == SP_OK && packing)
@@ -169,6 +195,16 @@ sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *ou
     return status;
 }
 
+/* Whether it is recorded that the sample failed. A damaged record says nothing. */
+static bool has_failed(const sp_store *store, const char *name) {
+    char path[SP_PATH_MAX];
+    struct stat info;
+    sp_sample sample;
+    sp_store_path(store, name, "failed", path);
+    return file_of(store, name, "failed", &info) && (sp_manifest_find(store->manifest, name, true, &info, &sample) ||
+                                                     sp_failure_read(path, name, &sample, NULL) == SP_OK);
+}
+
 static sp_stored sink_has(void *user, const sp_scene *scene, const char *name) {
     const sp_store *store = user;
     sp_sample sample;
@@ -179,7 +215,7 @@ static sp_stored sink_has(void *user, const sp_scene *scene, const char *name) {
         const sp_stored stored = sp_sample_stored(scene, &sample);
         return stored == SP_STORED_FAILED && store->retry ? SP_STORED_NOT : stored;
     }
-    return !store->retry && sp_store_holds(store, name, "failed") ? SP_STORED_FAILED : SP_STORED_NOT;
+    return !store->retry && has_failed(store, name) ? SP_STORED_FAILED : SP_STORED_NOT;
 }
 
 static sp_status sink_claim(void *user, const char *name, bool *taken, sp_error *err) {
@@ -225,7 +261,7 @@ static void keep_lacks(sp_sample *fresh, const sp_sample *old) {
     fresh->lacks |= kept;
 }
 
-/* Adds to `fresh` what only the old record has. The signal and the scene change hands. */
+/* Adds to `fresh` what only the old record has. Arrays and the scene change hands. */
 static void keep_old_parts(sp_record *fresh, sp_record *old) {
     const unsigned missing = old->sample.have & ~fresh->sample.have;
     if (missing & SP_WANT_CTOF)
@@ -243,11 +279,18 @@ static void keep_old_parts(sp_record *fresh, sp_record *old) {
     }
     fresh->sample.have |= missing;
     keep_lacks(&fresh->sample, &old->sample);
-    if (fresh->signal.n == 0) {
-        sp_signal none = fresh->signal;
-        fresh->signal = old->signal;
+    if (fresh->arrays.signal.n == 0) {
+        sp_signal none = fresh->arrays.signal;
+        fresh->arrays.signal = old->arrays.signal;
         fresh->sample.signal = old->sample.signal;
-        old->signal = none;
+        old->arrays.signal = none;
+    }
+    if (fresh->arrays.modes == 0) {
+        fresh->arrays.modes = old->arrays.modes;
+        fresh->arrays.omega = old->arrays.omega;
+        fresh->sample.spectrum = old->sample.spectrum;
+        old->arrays.modes = 0;
+        old->arrays.omega = NULL;
     }
     if (!fresh->scene) {
         fresh->scene = old->scene;
@@ -272,44 +315,58 @@ static sp_status copy_signal(const sp_signal *from, sp_signal *to, sp_error *err
     return SP_OK;
 }
 
+static sp_status copy_arrays(const sp_sample_arrays *from, sp_sample_arrays *to, sp_error *err) {
+    sp_status status = from->signal.n > 0 ? copy_signal(&from->signal, &to->signal, err) : SP_OK;
+    if (status != SP_OK || from->modes == 0)
+        return status;
+    const size_t bytes = (size_t)from->modes * sizeof *from->omega;
+    to->omega = sp_alloc(bytes, 1);
+    if (!to->omega)
+        return sp_fail_memory(err, bytes);
+    memcpy(to->omega, from->omega, bytes);
+    to->modes = from->modes;
+    return SP_OK;
+}
+
 /* What is in the store already goes into *fresh and, if the caller brings none, *packing. A damaged file makes room. */
 static sp_status merge_old(const sp_store *store, sp_record *fresh, bool need_packing, sp_packing *packing,
                            sp_error *err) {
     const char *name = fresh->sample.name;
     sp_record old = {0};
-    if (!sp_store_holds(store, name, "h5"))
-        return need_packing ? sp_fail(err, SP_EINVAL, "sample %s: no packing, neither given nor stored", name) : SP_OK;
+    if (!sp_store_holds(store, name, "h5")) /* at the most a link that leads nowhere */
+        return need_packing ? sp_fail(err, SP_EINVAL, "sample %s: no packing, neither given nor stored", name)
+                            : make_room(store, name, "h5", err);
     sp_status status = sp_store_get(store, name, need_packing ? packing : NULL, true, &old, err);
-    if (status == SP_OK) {
+    if (status == SP_OK)
         keep_old_parts(fresh, &old);
-    } else if (status == SP_EFORMAT && !need_packing) {
-        char path[SP_PATH_MAX], bad[SP_PATH_MAX];
-        sp_store_path(store, name, "h5", path);
-        sp_store_path(store, name, "bad", bad);
-        rename(path, bad);
-        status = SP_OK;
-    }
+    else if (status == SP_EFORMAT && !need_packing)
+        status = make_room(store, name, "h5", err);
     sp_record_free(&old);
     return status;
 }
 
 static sp_status save_made(const sp_store *store, const sp_scene *scene, const sp_sample *sample,
-                           const sp_packing *given, const sp_signal *signal, sp_error *err) {
+                           const sp_packing *given, const sp_sample_arrays *arrays, sp_error *err) {
     sp_record fresh = {.sample = *sample};
     sp_packing stored = sp_packing_none();
     sp_status status = SP_OK;
-    if (signal && signal->n > 0)
-        status = copy_signal(signal, &fresh.signal, err);
+    if (arrays)
+        status = copy_arrays(arrays, &fresh.arrays, err);
     if (status == SP_OK && scene && !(fresh.scene = sp_scene_text(scene, NULL)))
         status = sp_fail_memory(err, 1);
     if (status == SP_OK)
         status = merge_old(store, &fresh, given == NULL, &stored, err);
+    if (fresh.arrays.modes == 0) /* they were in a file that has gone bad since */
+        fresh.sample.have &= ~(unsigned)SP_WANT_SPECTRUM;
     if (status == SP_OK)
         status = write_file(store, &fresh, given ? given : &stored, err);
     if (status == SP_OK) {
         char path[SP_PATH_MAX];
         sp_store_path(store, sample->name, "failed", path);
-        unlink(path); /* it did not fail for good */
+        if (sp_failure_read(path, sample->name, &(sp_sample){0}, NULL) == SP_OK)
+            unlink(path); /* it did not fail for good */
+        else
+            make_room(store, sample->name, "failed", NULL);
         sp_store_enter(store, &fresh.sample);
     }
     sp_packing_free(&stored);
@@ -321,7 +378,11 @@ static sp_status save_failed(const sp_store *store, const sp_sample *sample, sp_
     char path[SP_PATH_MAX];
     sp_sample again;
     sp_store_path(store, sample->name, "failed", path);
-    sp_status status = sp_failure_save(path, sample, err);
+    sp_status status = SP_OK;
+    if (sp_failure_read(path, sample->name, &again, NULL) != SP_OK)
+        status = make_room(store, sample->name, "failed", err);
+    if (status == SP_OK)
+        status = sp_failure_save(path, sample, err);
     if (status == SP_OK && sp_failure_read(path, sample->name, &again, NULL) == SP_OK)
         sp_store_enter(store, &again);
     return status;
@@ -329,7 +390,7 @@ static sp_status save_failed(const sp_store *store, const sp_sample *sample, sp_
 
 /* Between reading the old parts and writing the new file no other process may write. */
 static sp_status sink_save(void *user, const sp_scene *scene, const sp_sample *sample, const sp_packing *packing,
-                           const sp_signal *signal, sp_error *err) {
+                           const sp_sample_arrays *arrays, sp_error *err) {
     sp_store *store = user;
     if (!is_name(sample->name))
         return sp_fail(err, SP_EINVAL, "sample name '%.40s': must be 32 hexadecimal digits", sample->name);
@@ -341,7 +402,7 @@ static sp_status sink_save(void *user, const sp_scene *scene, const sp_sample *s
     const bool ours = sp_claim_holds(&store->claims, sample->name);
     if (!ours)
         sp_claim_take(&store->claims, store->dir, sample->name, true);
-    status = save_made(store, scene, sample, packing, signal, err);
+    status = save_made(store, scene, sample, packing, arrays, err);
     if (!ours)
         sp_claim_release(&store->claims, sample->name);
     return status;
@@ -402,22 +463,22 @@ sp_status sp_store_names(const sp_store *store, sp_name_list *list, sp_error *er
     return SP_OK;
 }
 
-sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, sp_sample *sample, sp_signal *signal,
-                        sp_error *err) {
+sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, sp_sample *sample,
+                        sp_sample_arrays *arrays, sp_error *err) {
     if (!is_name(name))
         return sp_fail(err, SP_EINVAL, "sample name '%.40s': must be 32 hexadecimal digits", name);
     if (!sp_store_holds(store, name, "h5"))
         return sp_fail(err, SP_EIO, "no finished sample %s in the store %s%s", name, store->dir,
                        sp_store_holds(store, name, "failed") ? ": it failed" : "");
     sp_record r;
-    sp_status status = sp_store_get(store, name, packing, signal != NULL, &r, err);
+    sp_status status = sp_store_get(store, name, packing, arrays != NULL, &r, err);
     if (status != SP_OK)
         return status;
     if (sample)
         *sample = r.sample;
-    if (signal) {
-        *signal = r.signal;
-        r.signal = sp_signal_none();
+    if (arrays) {
+        *arrays = r.arrays;
+        r.arrays = sp_sample_arrays_none();
     }
     sp_record_free(&r);
     return SP_OK;

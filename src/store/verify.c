@@ -25,6 +25,24 @@ static sp_status check_signal(const sp_signal *s, sp_error *err) {
     return SP_OK;
 }
 
+static sp_status check_spectrum(const sp_spectrum_made *made, const sp_sample_arrays *a, sp_error *err) {
+    int64_t zeros = 0;
+    for (int64_t k = 0; k < a->modes; k++) {
+        if (!isfinite(a->omega[k]) || a->omega[k] < (k > 0 ? a->omega[k - 1] : 0))
+            return sp_fail(err, SP_EFAILED,
+                           "/results/spectrum/omega: %g of mode %lld: must be finite, not below 0, and not below the "
+                           "one before",
+                           a->omega[k], (long long)k);
+        zeros += !(a->omega[k] > 0);
+    }
+    if (a->modes > 0 && (zeros != made->zero_modes || a->omega[a->modes - 1] != made->omega_max))
+        return sp_fail(err, SP_EFAILED,
+                       "/results/spectrum: zero_modes = %d, omega_max = %g beside frequencies of which %lld are 0 and "
+                       "%g is the largest",
+                       made->zero_modes, made->omega_max, (long long)zeros, a->omega[a->modes - 1]);
+    return SP_OK;
+}
+
 /* Averages over nothing, and places without a front, are not numbers by right; what a front or a solve gave is one. */
 static sp_status check_results(const sp_record *r, sp_error *err) {
     const sp_sample *s = &r->sample;
@@ -43,7 +61,8 @@ static sp_status check_results(const sp_record *r, sp_error *err) {
     for (int32_t k = 0; s->have & SP_WANT_PLANES && k < s->planes; k++)
         if (any_infinite(&s->plane_front[k].t10, offsetof(sp_front, crossings)))
             return sp_fail(err, SP_EFAILED, "/results/planes: an infinite number at plane %d", k);
-    return check_signal(&r->signal, err);
+    sp_status status = check_signal(&r->arrays.signal, err);
+    return status == SP_OK ? check_spectrum(&s->spectrum, &r->arrays, err) : status;
 }
 
 /* The sample as its packing and its scene have it. A scene of a version with other keys says nothing. */
@@ -118,13 +137,11 @@ static sp_status check_file(const sp_store *store, const char *name, bool record
 
 /* Under the lock, and only if it is still damaged: another process may have made it anew, or be about to. */
 static bool put_aside(sp_store *store, const char *name, bool record) {
-    char path[SP_PATH_MAX], bad[SP_PATH_MAX];
     sp_error again = {0};
-    sp_store_path(store, name, record ? "failed" : "h5", path);
-    sp_store_path(store, name, "bad", bad);
     if (sp_claim_take(&store->claims, store->dir, name, false) == SP_CLAIM_OTHERS)
         return false;
-    bool aside = check_file(store, name, record, INFINITY, &again) == SP_EFORMAT && rename(path, bad) == 0;
+    bool aside = check_file(store, name, record, INFINITY, &again) == SP_EFORMAT &&
+                 sp_store_put_aside(store, name, record ? "failed" : "h5");
     sp_claim_release(&store->claims, name);
     return aside;
 }

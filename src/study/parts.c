@@ -5,6 +5,7 @@
 #include "study/sample.h"
 
 #include <math.h>
+#include <sonopack/modes.h>
 #include <string.h>
 
 /* Layers left out at both walls for bulk averages (Somfai et al. 2005, Table I) [d]. */
@@ -45,6 +46,33 @@ static sp_status make_signal(const part_input *in, sp_sample *sample, sp_signal 
         sp_signal_free(out);
         *out = signal;
     }
+    return status;
+}
+
+/* ---- the spectrum ----------------------------------------------------------------------------------------------- */
+
+/* Every frequency of the network, those of rattlers left out. */
+static sp_status make_spectrum(const sp_network *net, sp_sample *sample, sp_sample_arrays *arrays, sp_error *err) {
+    const sp_modes_options frequencies = {.vectors = false};
+    sp_modes modes = sp_modes_none();
+    sp_status status = sp_modes_dense(net, &frequencies, &modes, err);
+    const int64_t count = status == SP_OK ? modes.n - modes.n_rattler : 0;
+    if (status == SP_OK && count == 0)
+        status = sp_fail(err, SP_EREFUSED, "spectrum: the network has no grain, and no frequency");
+    double *omega = status == SP_OK ? sp_alloc((size_t)count, sizeof *omega) : NULL;
+    if (status == SP_OK && !omega)
+        status = sp_fail_memory(err, (size_t)count * sizeof *omega);
+    if (status == SP_OK) {
+        memcpy(omega, modes.omega + modes.n_rattler, (size_t)count * sizeof *omega);
+        sample->spectrum = (sp_spectrum_made){.carrying = net->n,
+                                              .dof = net->dof,
+                                              .zero_modes = (int32_t)(modes.n_zero - modes.n_rattler),
+                                              .omega_max = omega[count - 1]};
+        sp_free(arrays->omega);
+        arrays->omega = omega;
+        arrays->modes = count;
+    }
+    sp_modes_free(&modes);
     return status;
 }
 
@@ -196,7 +224,8 @@ static void keep_first(sp_status status, const sp_error *reason, sp_status *firs
 }
 
 /* One part that is no other's by-product. */
-static sp_status make_part(const part_input *in, unsigned part, sp_sample *sample, sp_signal *signal, sp_error *err) {
+static sp_status make_part(const part_input *in, unsigned part, sp_sample *sample, sp_sample_arrays *arrays,
+                           sp_error *err) {
     switch (part) {
     case SP_WANT_STATICS:
         return sp_statics_make(in->packing, in->scene->network.threshold, bulk_margin, &sample->statics, err);
@@ -204,14 +233,15 @@ static sp_status make_part(const part_input *in, unsigned part, sp_sample *sampl
     case SP_WANT_PLANES: return make_planes(in, sample, err);
     case SP_WANT_MODULI: return sp_moduli_make(in->net, sample->statics.phi3s, &sample->moduli, err);
     case SP_WANT_PROBES: return make_probes(in, false, sample, err);
-    default: return make_signal(in, sample, signal, err);
+    case SP_WANT_SPECTRUM: return make_spectrum(in->net, sample, arrays, err);
+    default: return make_signal(in, sample, &arrays->signal, err);
     }
 }
 
 sp_status sp_parts_make(const sp_scene *scene, unsigned missing, const sp_packing *packing, sp_sample *sample,
-                        sp_signal *signal, sp_error *err) {
-    static const unsigned order[] = {SP_WANT_STATICS, SP_WANT_CTOF,   SP_WANT_PLANES,
-                                     SP_WANT_PROBES,  SP_WANT_MODULI, SP_WANT_SIGNAL};
+                        sp_sample_arrays *arrays, sp_error *err) {
+    static const unsigned order[] = {SP_WANT_STATICS, SP_WANT_CTOF,   SP_WANT_PLANES,  SP_WANT_PROBES,
+                                     SP_WANT_MODULI,  SP_WANT_SIGNAL, SP_WANT_SPECTRUM};
     const unsigned of_the_network = missing & ~(unsigned)SP_WANT_STATICS;
     sp_status first = SP_OK, status = SP_OK;
     sp_error reason = {0};
@@ -232,7 +262,7 @@ sp_status sp_parts_make(const sp_scene *scene, unsigned missing, const sp_packin
         if (part == SP_WANT_PROBES && missing & SP_WANT_MODULI) /* moduli alone are tried next, should both fail */
             status = make_probes(&in, true, sample, &reason);
         else
-            status = make_part(&in, part, sample, signal, &reason);
+            status = make_part(&in, part, sample, arrays, &reason);
         if (status == SP_OK)
             made |= part | (part == SP_WANT_PROBES ? missing & SP_WANT_MODULI : 0);
         sample->have |= made;

@@ -13,6 +13,6 @@ typedef struct part_input {
 /* Every part of `missing' from a packing, as far as it can be made: *sample's `have' says which could. The first
  * reason is returned. */
 sp_status sp_parts_make(const sp_scene *scene, unsigned missing, const sp_packing *packing, sp_sample *sample,
-                        sp_signal *signal, sp_error *err);
+                        sp_sample_arrays *arrays, sp_error *err);
 
 #endif

@@ -65,7 +65,7 @@ typedef struct job {
     sp_scene scene;
     sp_packing packing;
     sp_sample sample;
-    sp_signal signal;
+    sp_sample_arrays arrays;
     bool claimed;
     bool stored; /* the sink has its packing, and of the parts: */
     unsigned parts;
@@ -135,12 +135,11 @@ static sp_status save(run *r, job *j, sp_error *err) {
     }
     if (made && j->stored && sample.have == j->parts && sample.lacks == 0)
         return SP_OK; /* nothing new */
-    return r->sink->save(r->sink->user, &j->scene, &sample, made ? &j->packing : NULL,
-                         j->signal.n > 0 ? &j->signal : NULL, err);
+    return r->sink->save(r->sink->user, &j->scene, &sample, made ? &j->packing : NULL, &j->arrays, err);
 }
 
 static void run_sample(run *r, int64_t number) {
-    job j = {.number = number, .packing = sp_packing_none(), .signal = sp_signal_none(), .sample.height = NAN};
+    job j = {.number = number, .packing = sp_packing_none(), .arrays = sp_sample_arrays_none(), .sample.height = NAN};
     sp_error reason = {0};
     bool make = false;
     sp_status status = sp_study_scene(r->study, number, &j.scene, &reason);
@@ -159,7 +158,7 @@ static void run_sample(run *r, int64_t number) {
         const sp_study_options *o = r->options;
         const sp_pack_hooks hooks = {
             .watch = go_on, .user = r, .threads = o->jobs == 1 ? o->threads : 1, .from = o->from};
-        status = sp_sample_make_with(&j.scene, j.scene.want, &hooks, &j.packing, &j.sample, &j.signal, &reason);
+        status = sp_sample_make_with(&j.scene, j.scene.want, &hooks, &j.packing, &j.sample, &j.arrays, &reason);
 
         pthread_mutex_lock(&r->lock);
         if (status == SP_OK || j.sample.failed)
@@ -176,7 +175,7 @@ static void run_sample(run *r, int64_t number) {
         pthread_mutex_unlock(&r->lock);
     }
     sp_packing_free(&j.packing);
-    sp_signal_free(&j.signal);
+    sp_sample_arrays_free(&j.arrays);
 }
 
 /* Number of the next sample, below 0 when all are taken: from the order of this process, or of all of them. */

@@ -42,6 +42,14 @@ sp_status sp_network_front(const sp_network *net, sp_source source, double windo
     return status;
 }
 
+sp_sample_arrays sp_sample_arrays_none(void) { return (sp_sample_arrays){.signal = sp_signal_none()}; }
+
+void sp_sample_arrays_free(sp_sample_arrays *a) {
+    sp_signal_free(&a->signal);
+    sp_free(a->omega);
+    *a = sp_sample_arrays_none();
+}
+
 static sp_status describe(const sp_scene *scene, sp_sample *sample, sp_error *err) {
     sp_sample_name(scene, sample->name);
     if (sample->name[0] == '\0')
@@ -64,7 +72,7 @@ static bool of_the_sample(sp_status status) {
 }
 
 sp_status sp_sample_make_with(const sp_scene *given, unsigned want, const sp_pack_hooks *hooks, sp_packing *packing,
-                              sp_sample *sample, sp_signal *signal, sp_error *err) {
+                              sp_sample *sample, sp_sample_arrays *arrays, sp_error *err) {
     sp_error reason = {0};
     sp_scene resolved = *given, *scene = &resolved;
     sp_status status = sp_scene_resolve(scene, err);
@@ -88,11 +96,11 @@ sp_status sp_sample_make_with(const sp_scene *given, unsigned want, const sp_pac
         sample->height = sp_packing_height(packing);
         sample->have = sp_sample_parts(scene, sample);
         unsigned missing = want & ~sample->have;
-        if (missing && signal) /* a file written anew keeps the signal that it had */
+        if (missing && arrays) /* a file written anew keeps the signal that it had */
             missing |= sample->have & SP_WANT_SIGNAL;
-        if (!signal)
-            missing &= ~(unsigned)SP_WANT_SIGNAL;
-        status = sp_parts_make(scene, missing, packing, sample, signal, &reason);
+        if (!arrays)
+            missing &= ~(unsigned)(SP_WANT_SIGNAL | SP_WANT_SPECTRUM);
+        status = sp_parts_make(scene, missing, packing, sample, arrays, &reason);
     }
     if (of_the_sample(status)) {
         sample->failed = true;
@@ -104,7 +112,7 @@ sp_status sp_sample_make_with(const sp_scene *given, unsigned want, const sp_pac
 }
 
 sp_status sp_sample_make(const sp_scene *scene, unsigned want, sp_packing *packing, sp_sample *sample,
-                         sp_signal *signal, sp_error *err) {
+                         sp_sample_arrays *arrays, sp_error *err) {
     const sp_pack_hooks hooks = {0};
-    return sp_sample_make_with(scene, want, &hooks, packing, sample, signal, err);
+    return sp_sample_make_with(scene, want, &hooks, packing, sample, arrays, err);
 }

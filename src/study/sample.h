@@ -21,6 +21,6 @@ sp_status sp_network_front(const sp_network *net, sp_source source, double windo
 
 /* sp_sample_make with hooks for the making of the packing. */
 sp_status sp_sample_make_with(const sp_scene *scene, unsigned want, const sp_pack_hooks *hooks, sp_packing *packing,
-                              sp_sample *sample, sp_signal *signal, sp_error *err);
+                              sp_sample *sample, sp_sample_arrays *arrays, sp_error *err);
 
 #endif

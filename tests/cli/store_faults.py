@@ -66,11 +66,12 @@ class Reference:
         self.count = len(self.content[-1])
 
     def command(self, store, stage, *args):
-        return [str(self.program), "study", str(self.scene), "--store", str(store), *self.stages[stage], *map(str, args)]
+        words = [self.program, "study", self.scene, "--store", store, *self.stages[stage], *args]
+        return [str(word) for word in words]
 
     def look(self, store, stage, finished):
         """At any moment: every file is whole, and of this stage or the one before; none that was finished is gone, or
-        was made again. Their number."""
+        was made again. The number of those."""
         for name, data in content(store).items():
             done = data == self.content[stage][name]
             assert done or (stage > 0 and data == self.content[stage - 1][name]), (name, "is not whole")

@@ -192,7 +192,7 @@ def wrong_scenes(folder, scene):
                          ([scene, "--set", "signal.planes=[]"], "signal.planes"),
                          ([scene, "--set", "packing.grains=100"], "packing.height"),
                          (["--set", "packing.height=10", "--set", "packing.kind=chain"], "packing.height"),
-                         (["--set", "study.want=spectrum"], "spectrum")):
+                         (["--set", "study.want=spectra"], "spectrum")):
         done = run("study", "--store", folder / "never", *args, status=2)
         assert reason in done.stderr and not (folder / "never").exists(), done.stderr
 

@@ -10,7 +10,7 @@ import tempfile
 from streams import COMMAND
 
 FEW, MANY = 60, 1200
-A_SAMPLE = 4.0     # kB: its row in a table, three times over, is two
+A_SAMPLE = 4.0     # kB: sp_sample is 2.7
 CONSTANT = 4096.0  # kB: what the allocator and the libraries keep or not
 LARGEST = 200000   # kB: that a study may take at all
 CHAINS = ("--set", 'packing.kind="chain"', "--set", "packing.grains=12", "--set", "signal.until=20.0", "--set",

@@ -164,7 +164,7 @@ static void text_reads_back_bit_for_bit(void **state) {
         s.planes = (int32_t)(draw(&random) % (SP_PLANES_MAX + 1));
         for (int k = 0; k < s.planes; k++)
             s.plane[k] = (k > 0 ? s.plane[k - 1] : 0.01) + 100 * ((double)(draw(&random) >> 11) * 0x1p-53) + 1e-6;
-        s.want = (unsigned)draw(&random) % 128 & ~(unsigned)(s.planes > 0 ? 0 : SP_WANT_PLANES);
+        s.want = (unsigned)draw(&random) % 256 & ~(unsigned)(s.planes > 0 ? 0 : SP_WANT_PLANES);
         s.network.prestress = draw(&random) & 1;
         s.signal.method = draw(&random) % 3;
         char *text = sp_scene_text(&s, NULL);

@@ -49,6 +49,8 @@ static sp_sample example(unsigned have, uint64_t number) {
         snprintf(s.reason, sizeof s.reason, "no contact, \"that\" carries");
     if (have & SP_WANT_SIGNAL)
         s.signal = (sp_signal_made){.points = 801, .method = SP_SIGNAL_FABER, .until = 1.0 / 3, .tolerance = NAN};
+    if (have & SP_WANT_SPECTRUM)
+        s.spectrum = (sp_spectrum_made){.carrying = 533, .dof = 6, .zero_modes = 7, .omega_max = 1.0 / 3};
     s.planes = have & SP_WANT_PLANES ? SP_PLANES_MAX : 0;
     for (int32_t k = 0; k < s.planes; k++) {
         s.plane[k] = k + fixture_uniform(&random);
@@ -76,8 +78,8 @@ static struct stat file_of(int64_t size, int64_t seconds) {
 
 static void lines_keep_every_bit(void **state) {
     (void)state;
-    const unsigned all =
-        SP_WANT_CTOF | SP_WANT_STATICS | SP_WANT_MODULI | SP_WANT_SIGNAL | SP_WANT_PROBES | SP_WANT_PLANES;
+    const unsigned all = SP_WANT_CTOF | SP_WANT_STATICS | SP_WANT_MODULI | SP_WANT_SIGNAL | SP_WANT_PROBES |
+                         SP_WANT_PLANES | SP_WANT_SPECTRUM;
     for (unsigned have = 0; have <= all; have += have < 8 ? 1 : 7) {
         const sp_sample s = example(have & all, have + 1);
         const sp_manifest_line line = {.bytes = 12345, .modified = INT64_C(1700000000123456789), .sample = s};

@@ -80,9 +80,10 @@ static void saves_and_loads(void **state) {
 
     /* other parts join, without the packing being given again; the signal stays too */
     double t[3] = {0, 1, 2}, f[3] = {0, 0.5, -0.25};
-    sp_signal signal = {.n = 3, .t = t, .f = f, .error = 1e-12, .omega_max = 1.4, .products = 12};
+    const sp_sample_arrays arrays = {
+        .signal = {.n = 3, .t = t, .f = f, .error = 1e-12, .omega_max = 1.4, .products = 12}};
     sp_sample more = example(SP_WANT_MODULI | SP_WANT_SIGNAL, 1);
-    assert_ok(sink.save(sink.user, &scene, &more, NULL, &signal, &err));
+    assert_ok(sink.save(sink.user, &scene, &more, NULL, &arrays, &err));
     sp_sample again = example(SP_WANT_STATICS, 1);
     assert_ok(sink.save(sink.user, &scene, &again, &p, NULL, &err));
     assert_true(fixture_has(&sink, s.name, SP_WANT_CTOF | SP_WANT_STATICS | SP_WANT_MODULI | SP_WANT_SIGNAL));
@@ -109,7 +110,7 @@ static void newer_parts_are_kept(void **state) {
     sp_packing p = fixture_packing(1, 3, 20), q = sp_packing_none();
     uint64_t random = 77;
     sp_sample s = example(SP_WANT_CTOF | SP_WANT_MODULI, 5), back;
-    s.have |= SP_WANT_PLANES | SP_WANT_PROBES | SP_WANT_SIGNAL;
+    s.have |= SP_WANT_PLANES | SP_WANT_PROBES | SP_WANT_SIGNAL | SP_WANT_SPECTRUM;
     s.planes = SP_PLANES_MAX;
     for (int k = 0; k < SP_PLANES_MAX; k++) {
         s.plane[k] = k + fixture_uniform(&random);
@@ -124,11 +125,14 @@ static void newer_parts_are_kept(void **state) {
                                  .left_out = k == 1 ? NAN : 0.5};
     s.signal = (sp_signal_made){.points = 3, .method = SP_SIGNAL_DENSE, .until = 2, .tolerance = 1e-7};
     double t[3] = {0, 1, 2}, f[3] = {0, 0.5, -0.25};
-    sp_signal signal = {.n = 3, .t = t, .f = f, .method = SP_SIGNAL_DENSE};
-    assert_ok(sink.save(sink.user, &scene, &s, &p, &signal, &err));
+    double omega[6] = {0, 0.25, 0.5, 1e-300, 0.1, 0.7}; /* a store keeps them as they are */
+    const sp_sample_arrays arrays = {
+        .signal = {.n = 3, .t = t, .f = f, .method = SP_SIGNAL_DENSE}, .modes = 6, .omega = omega};
+    s.spectrum = (sp_spectrum_made){.carrying = 2, .dof = 3, .zero_modes = 1, .omega_max = 0.7};
+    assert_ok(sink.save(sink.user, &scene, &s, &p, &arrays, &err));
     sp_sample more = example(SP_WANT_STATICS, 5); /* joins what is there */
     assert_ok(sink.save(sink.user, &scene, &more, NULL, NULL, &err));
-    sp_signal read = sp_signal_none();
+    sp_sample_arrays read = sp_sample_arrays_none();
     assert_ok(sp_store_read(store, s.name, &q, &back, &read, &err));
     assert_int_equal(back.have, s.have | SP_WANT_STATICS);
     assert_same_packing(&p, &q);
@@ -144,23 +148,28 @@ static void newer_parts_are_kept(void **state) {
     assert_true(isnan(back.probe[0].error_along)); /* is not kept */
     assert_true(back.signal.points == 3 && back.signal.method == SP_SIGNAL_DENSE && back.signal.until == 2 &&
                 back.signal.tolerance == 1e-7);
-    assert_int_equal(read.n, 3);
-    assert_same_bits("signal", read.f, f, 3);
-    sp_signal_free(&read);
+    assert_true(back.spectrum.carrying == 2 && back.spectrum.dof == 3 && back.spectrum.zero_modes == 1 &&
+                back.spectrum.omega_max == 0.7);
+    assert_int_equal(read.signal.n, 3);
+    assert_same_bits("signal", read.signal.f, f, 3);
+    assert_int_equal(read.modes, 6);
+    assert_same_bits("omega", read.omega, omega, 6);
+    sp_sample_arrays_free(&read);
     sp_packing_free(&q);
     /* any of the three alone */
     assert_ok(sp_store_read(store, s.name, NULL, &back, NULL, &err));
     assert_ok(sp_store_read(store, s.name, NULL, NULL, &read, &err));
-    assert_int_equal(read.n, 3);
-    sp_signal_free(&read);
+    assert_true(read.signal.n == 3 && read.modes == 6);
+    sp_sample_arrays_free(&read);
     assert_ok(sp_store_read(store, s.name, &q, NULL, NULL, &err));
     sp_packing_free(&q);
-    /* no planes inside is a result too, and no signal is n = 0 */
+    /* no planes inside is a result too; no signal is n = 0, and no frequencies are modes = 0 */
     s = example(SP_WANT_PLANES, 6);
     assert_ok(sink.save(sink.user, &scene, &s, &p, NULL, &err));
     assert_ok(sp_store_read(store, s.name, NULL, &back, &read, &err));
-    assert_true(back.have == SP_WANT_PLANES && back.planes == 0 && read.n == 0 && isnan(back.moduli.error11));
-    sp_signal_free(&read);
+    assert_true(back.have == SP_WANT_PLANES && back.planes == 0 && read.signal.n == 0 && isnan(back.moduli.error11));
+    assert_true(read.modes == 0 && !read.omega);
+    sp_sample_arrays_free(&read);
     /* none there */
     assert_fails(sp_store_read(store, "0123", NULL, &back, NULL, &err), SP_EINVAL, "32 hexadecimal digits");
     s = example(0, 9);
@@ -169,6 +178,52 @@ static void newer_parts_are_kept(void **state) {
     snprintf(s.reason, sizeof s.reason, "no equilibrium");
     assert_ok(sink.save(sink.user, NULL, &s, NULL, NULL, &err));
     assert_fails(sp_store_read(store, s.name, NULL, &back, NULL, &err), SP_EIO, "it failed");
+    sp_packing_free(&p);
+    sp_scene_free(&scene);
+    sp_store_close(store);
+}
+
+/* Frequencies stay when other parts join, new ones take the place of the old, and a sample whose old file has gone bad
+ * has none. */
+static void frequencies_stay(void **state) {
+    (void)state;
+    sp_store *store;
+    assert_ok(sp_store_open(folder, true, &store, &err));
+    sp_study_sink sink = sp_store_sink(store);
+    sp_scene scene = sp_scene_default();
+    sp_packing p = fixture_packing(1, 2, 20);
+    sp_sample s = example(SP_WANT_SPECTRUM, 4), back;
+    double omega[3] = {0, 0.5, 1.5}, fresh[6] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
+    sp_sample_arrays arrays = {.modes = 3, .omega = omega}, read = sp_sample_arrays_none();
+    s.spectrum = (sp_spectrum_made){.carrying = 1, .dof = 3, .zero_modes = 1, .omega_max = 1.5};
+    assert_ok(sink.save(sink.user, &scene, &s, &p, &arrays, &err));
+    assert_true(fixture_has(&sink, s.name, SP_WANT_SPECTRUM));
+    sp_sample more =
+        example(SP_WANT_SPECTRUM | SP_WANT_STATICS, 4); /* as a study has it, which has loaded the sample */
+    more.spectrum = s.spectrum;
+    assert_ok(sink.save(sink.user, &scene, &more, &p, NULL, &err));
+    assert_ok(sp_store_read(store, s.name, NULL, &back, &read, &err));
+    assert_int_equal(back.have, SP_WANT_SPECTRUM | SP_WANT_STATICS);
+    assert_int_equal(read.modes, 3);
+    assert_same_bits("omega", read.omega, omega, 3);
+    sp_sample_arrays_free(&read);
+
+    arrays = (sp_sample_arrays){.modes = 6, .omega = fresh};
+    more.spectrum = (sp_spectrum_made){.carrying = 2, .dof = 3, .zero_modes = 0, .omega_max = 0.6};
+    assert_ok(sink.save(sink.user, &scene, &more, NULL, &arrays, &err));
+    assert_ok(sp_store_read(store, s.name, NULL, &back, &read, &err));
+    assert_true(read.modes == 6 && back.spectrum.carrying == 2 && back.spectrum.omega_max == 0.6);
+    assert_same_bits("omega", read.omega, fresh, 6);
+    sp_sample_arrays_free(&read);
+
+    char path[600];
+    snprintf(path, sizeof path, "%s/%s.h5", folder, s.name);
+    assert_int_equal(truncate(path, 4000), 0);
+    assert_ok(sink.save(sink.user, &scene, &more, &p, NULL, &err));
+    assert_false(fixture_has(&sink, s.name, SP_WANT_SPECTRUM));
+    assert_true(fixture_has(&sink, s.name, SP_WANT_STATICS));
+    assert_ok(sp_store_read(store, s.name, NULL, &back, &read, &err));
+    assert_true(read.modes == 0 && back.have == SP_WANT_STATICS);
     sp_packing_free(&p);
     sp_scene_free(&scene);
     sp_store_close(store);
@@ -360,13 +415,17 @@ static void lack_of_memory(void **state) {
     sp_store *store = NULL;
     sp_packing p = fixture_packing(1, 2, 20), q;
     sp_scene scene = sp_scene_default();
-    sp_sample s = example(SP_WANT_CTOF, 3), back, *all;
+    sp_sample s = example(SP_WANT_CTOF | SP_WANT_SPECTRUM, 3), back, *all;
+    double omega[3] = {0.25, 0.5, 1}, t[2] = {0, 1}, f[2] = {0, 1};
+    const sp_sample_arrays arrays = {.signal = {.n = 2, .t = t, .f = f}, .modes = 3, .omega = omega};
+    sp_sample_arrays read;
+    s.spectrum = (sp_spectrum_made){.carrying = 1, .dof = 3, .omega_max = 1};
     sp_alloc_fail_after(0);
     assert_fails(sp_store_open(folder, true, &store, &err), SP_ENOMEM, "no memory");
     assert_ok(sp_store_open(folder, true, &store, &err));
     sp_study_sink sink = sp_store_sink(store);
-    assert_ok(sink.save(sink.user, &scene, &s, &p, NULL, &err));
-    for (int action = 0; action < 4; action++) {
+    assert_ok(sink.save(sink.user, &scene, &s, &p, &arrays, &err));
+    for (int action = 0; action < 6; action++) {
         sp_status status = SP_ENOMEM;
         for (int64_t k = 0; status != SP_OK; k++) {
             bool found;
@@ -378,6 +437,8 @@ static void lack_of_memory(void **state) {
             case 1: status = sink.save(sink.user, &scene, &s, &p, NULL, &err); break;
             case 2: status = sink.load(sink.user, s.name, &q, &back, &found, &err); break;
             case 3: status = sp_store_samples(store, &n, &all, &bad, &err); break;
+            case 4: status = sink.save(sink.user, &scene, &s, &p, &arrays, &err); break;
+            case 5: status = sp_store_read(store, s.name, NULL, NULL, &read, &err); break;
             }
             sp_alloc_fail_after(-1);
             assert_true(k < 1000 && (status == SP_OK || status == SP_ENOMEM));
@@ -388,6 +449,10 @@ static void lack_of_memory(void **state) {
             }
             if (status == SP_OK && action == 3)
                 sp_free(all);
+            if (status == SP_OK && action == 5) {
+                assert_true(read.modes == 3 && read.signal.n == 2);
+                sp_sample_arrays_free(&read);
+            }
         }
     }
     sp_packing_free(&p);
@@ -398,14 +463,9 @@ static void lack_of_memory(void **state) {
 int main(void) {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
     const struct CMUnitTest tests[] = {
-        TEST(saves_and_loads),
-        TEST(newer_parts_are_kept),
-        TEST(failures_are_kept),
-        TEST(samples_skip_what_is_damaged),
-        TEST(wrong_saves),
-        TEST(opening),
-        TEST(processes_save_together),
-        TEST(threads_save_together),
+        TEST(saves_and_loads),   TEST(newer_parts_are_kept),         TEST(frequencies_stay),
+        TEST(failures_are_kept), TEST(samples_skip_what_is_damaged), TEST(wrong_saves),
+        TEST(opening),           TEST(processes_save_together),      TEST(threads_save_together),
         TEST(lack_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -163,7 +163,7 @@ static sp_status shelf_load(void *user, const char *name, sp_packing *packing, s
 }
 
 static sp_status shelf_save(void *user, const sp_scene *scene, const sp_sample *sample, const sp_packing *packing,
-                            const sp_signal *signal, sp_error *err) {
+                            const sp_sample_arrays *arrays, sp_error *err) {
     shelf *s = user;
     enter(s);
     char name[SP_NAME_MAX];
@@ -179,7 +179,7 @@ static sp_status shelf_save(void *user, const sp_scene *scene, const sp_sample *
         return sp_fail(err, SP_EIO, "no room");
     sp_packing_free(&s->packing[k]);
     s->sample[k] = *sample;
-    s->signal_points[k] = signal ? signal->n : 0;
+    s->signal_points[k] = arrays ? arrays->signal.n : 0;
     if (packing)
         status = copy_packing(packing, &s->packing[k]);
     if (++s->saves == s->fail_at)
@@ -505,8 +505,8 @@ static sp_status neighbour_load(void *user, const char *name, sp_packing *packin
 }
 
 static sp_status neighbour_save(void *user, const sp_scene *scene, const sp_sample *sample, const sp_packing *packing,
-                                const sp_signal *signal, sp_error *out) {
-    return shelf_save(((neighbour *)user)->own, scene, sample, packing, signal, out);
+                                const sp_sample_arrays *arrays, sp_error *out) {
+    return shelf_save(((neighbour *)user)->own, scene, sample, packing, arrays, out);
 }
 
 static void samples_of_a_neighbour_come_last(void **state) {
@@ -592,10 +592,11 @@ static void a_sample_without_memory(void **state) {
     for (int64_t k = 0; status != SP_OK; k++) {
         sp_packing packing = sp_packing_none();
         sp_sample sample = {0};
-        sp_signal signal = sp_signal_none();
+        sp_sample_arrays arrays = sp_sample_arrays_none();
         sp_error err = {0};
         sp_alloc_fail_after(k);
-        status = sp_sample_make(&scene, SP_WANT_CTOF | SP_WANT_SIGNAL, &packing, &sample, &signal, &err);
+        status =
+            sp_sample_make(&scene, SP_WANT_CTOF | SP_WANT_SIGNAL | SP_WANT_SPECTRUM, &packing, &sample, &arrays, &err);
         sp_alloc_fail_after(-1);
         if (status != SP_OK) {
             assert_int_equal(status, SP_ENOMEM);
@@ -603,8 +604,9 @@ static void a_sample_without_memory(void **state) {
             assert_false(sample.failed); /* it may go well another time */
             failures++;
         }
+        assert_int_equal(arrays.modes > 0, !!(sample.have & SP_WANT_SPECTRUM));
         sp_packing_free(&packing);
-        sp_signal_free(&signal);
+        sp_sample_arrays_free(&arrays);
         assert_true(k < 1000);
     }
     assert_true(failures > 10);

@@ -1,9 +1,10 @@
 /* Parts of a sample that a scene describes, and that are made again when it describes them otherwise: fronts at planes,
- * the signal; and probes. */
+ * the signal; and probes and frequencies. */
 #include "base/base.h"
 #include "study/sample.h"
 #include "test.h"
 
+#include <sonopack/modes.h>
 #include <sonopack/study.h>
 
 static const char text[] = "packing = { width = 8; grains = 120; tolerance = 1e-7; };"
@@ -121,8 +122,8 @@ static void another_signal_is_made_anew(void **state) {
     (void)state;
     sp_scene scene = parse(NULL);
     sp_sample s = {0};
-    sp_signal signal = sp_signal_none();
-    assert_ok(sp_sample_make(&scene, SP_WANT_SIGNAL, &packing, &s, &signal, &err));
+    sp_sample_arrays arrays = sp_sample_arrays_none();
+    assert_ok(sp_sample_make(&scene, SP_WANT_SIGNAL, &packing, &s, &arrays, &err));
     assert_true(s.signal.points == 51 && s.signal.until == 30 && s.signal.tolerance == 1e-10);
     static const struct {
         const char *set;
@@ -139,16 +140,75 @@ static void another_signal_is_made_anew(void **state) {
     s.signal.tolerance = NAN; /* of a file that does not say */
     assert_int_equal(sp_sample_parts(&scene, &s), SP_WANT_SIGNAL);
     sp_scene longer = parse("signal.points=77");
-    assert_ok(sp_sample_make(&longer, SP_WANT_SIGNAL, &packing, &s, &signal, &err));
-    assert_true(signal.n == 77 && s.signal.points == 77);
+    assert_ok(sp_sample_make(&longer, SP_WANT_SIGNAL, &packing, &s, &arrays, &err));
+    assert_true(arrays.signal.n == 77 && s.signal.points == 77);
     /* until = 0: the window of the packing's own height */
     sp_scene whole = parse("signal.until=0");
-    assert_ok(sp_sample_make(&whole, SP_WANT_SIGNAL, &packing, &s, &signal, &err));
+    assert_ok(sp_sample_make(&whole, SP_WANT_SIGNAL, &packing, &s, &arrays, &err));
     assert_relative(s.signal.until, 8 * sp_packing_height(&packing) + 40, 1e-12);
     assert_int_equal(sp_sample_parts(&whole, &s), SP_WANT_SIGNAL);
-    sp_signal_free(&signal);
+    sp_sample_arrays_free(&arrays);
     sp_scene_free(&whole);
     sp_scene_free(&longer);
+    sp_scene_free(&scene);
+}
+
+/* ---- the spectrum ------------------------------------------------------------------------------------------------ */
+
+/* The frequencies are those of the dense solver, but for the rattlers' zero modes; nothing else is made. */
+static void every_frequency(void **state) {
+    (void)state;
+    sp_scene scene = parse(NULL);
+    sp_sample s = {0};
+    sp_sample_arrays arrays = sp_sample_arrays_none();
+    sp_network net = sp_network_none();
+    sp_modes modes = sp_modes_none();
+    const sp_modes_options options = {.vectors = false};
+    assert_ok(sp_sample_make(&scene, SP_WANT_SPECTRUM, &packing, &s, &arrays, &err));
+    assert_int_equal(s.have, SP_WANT_SPECTRUM);
+    assert_int_equal(arrays.signal.n, 0);
+    assert_ok(sp_network_make(&packing, &scene.network, &net, &err));
+    assert_ok(sp_modes_dense(&net, &options, &modes, &err));
+    assert_true(net.rattlers > 0 && modes.n_rattler > 0);
+    assert_true(s.spectrum.carrying == net.n && s.spectrum.dof == 3 && s.spectrum.zero_modes == 0);
+    assert_int_equal(arrays.modes, 3 * net.n);
+    assert_int_equal(arrays.modes, modes.n - modes.n_rattler);
+    for (int64_t k = 0; k < arrays.modes; k++)
+        assert_true(arrays.omega[k] == modes.omega[modes.n_rattler + k] && arrays.omega[k] > 0);
+    assert_true(s.spectrum.omega_max == arrays.omega[arrays.modes - 1]);
+    sp_modes_free(&modes);
+    sp_network_free(&net);
+    /* they are there whatever the scene says of signals and planes, and are not made a second time */
+    sp_scene other = parse("signal.until=31");
+    assert_int_equal(sp_sample_parts(&other, &s), SP_WANT_SPECTRUM);
+    sp_sample_arrays_free(&arrays);
+    assert_ok(sp_sample_make(&other, SP_WANT_SPECTRUM | SP_WANT_STATICS, &packing, &s, &arrays, &err));
+    assert_int_equal(s.have, SP_WANT_SPECTRUM | SP_WANT_STATICS);
+    assert_true(arrays.modes == 0 && !arrays.omega && s.spectrum.carrying > 0);
+    /* nowhere to put them */
+    s = (sp_sample){0};
+    assert_ok(sp_sample_make(&scene, SP_WANT_SPECTRUM | SP_WANT_STATICS, &packing, &s, NULL, &err));
+    assert_int_equal(s.have, SP_WANT_STATICS);
+    sp_scene_free(&other);
+    sp_scene_free(&scene);
+}
+
+static void no_frequency(void **state) {
+    (void)state;
+    sp_scene scene = parse(NULL);
+    scene.network.threshold = 50; /* no network */
+    scene.want = SP_WANT_SPECTRUM | SP_WANT_STATICS;
+    sp_sample s = {0};
+    sp_sample_arrays arrays = sp_sample_arrays_none();
+    assert_fails(sp_sample_make(&scene, scene.want, &packing, &s, &arrays, &err), SP_EREFUSED, "no");
+    assert_true(s.failed && s.have == SP_WANT_STATICS && arrays.modes == 0 && !arrays.omega);
+    /* it is known that they cannot be made */
+    s.failed = false;
+    assert_int_equal(sp_sample_stored(&scene, &s), SP_STORED_NOT);
+    s.lacks = SP_WANT_SPECTRUM;
+    assert_int_equal(sp_sample_stored(&scene, &s), SP_STORED_FAILED);
+    s.have |= SP_WANT_SPECTRUM;
+    assert_int_equal(sp_sample_stored(&scene, &s), SP_STORED_ALL);
     sp_scene_free(&scene);
 }
 
@@ -187,6 +247,7 @@ static void wants_and_parts(void **state) {
     assert_int_equal(sp_want_parts(SP_WANT_SCALING), SP_WANT_CTOF);
     assert_int_equal(sp_want_parts(SP_WANT_SCALING | SP_WANT_PLANES), SP_WANT_CTOF | SP_WANT_PLANES);
     assert_int_equal(sp_want_parts(SP_WANT_MODULI), SP_WANT_MODULI);
+    assert_int_equal(sp_want_parts(SP_WANT_SPECTRUM | SP_WANT_SCALING), SP_WANT_SPECTRUM | SP_WANT_CTOF);
     sp_scene scene = parse(NULL);
     sp_sample s = {0};
     assert_ok(sp_sample_make(&scene, SP_WANT_SCALING, &packing, &s, NULL, &err));
@@ -200,10 +261,13 @@ static void lack_of_memory(void **state) {
     sp_status status = SP_ENOMEM;
     for (int64_t k = 0; status != SP_OK; k += 1 + k / 8) {
         sp_sample s = {0};
+        sp_sample_arrays arrays = sp_sample_arrays_none();
         sp_error err = {0};
         sp_alloc_fail_after(k);
-        status = sp_sample_make(&scene, SP_WANT_PLANES | SP_WANT_PROBES, &packing, &s, NULL, &err);
+        status =
+            sp_sample_make(&scene, SP_WANT_PLANES | SP_WANT_PROBES | SP_WANT_SPECTRUM, &packing, &s, &arrays, &err);
         sp_alloc_fail_after(-1);
+        sp_sample_arrays_free(&arrays);
         assert_true(status == SP_OK || (status == SP_ENOMEM && !s.failed && strstr(err.text, "memory")));
         assert_true(k < 20000);
     }
@@ -214,6 +278,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(planes_one_by_one),     cmocka_unit_test(other_planes_are_made_anew),
         cmocka_unit_test(planes_without_fronts), cmocka_unit_test(another_signal_is_made_anew),
+        cmocka_unit_test(every_frequency),       cmocka_unit_test(no_frequency),
         cmocka_unit_test(probes_beside_moduli),  cmocka_unit_test(wants_and_parts),
         cmocka_unit_test(lack_of_memory),
     };
