@@ -74,7 +74,7 @@ _sonopack() {
         if [[ $current == -* ]]; then
             mapfile -t COMPREPLY < <(compgen -W "$(_sonopack_options "$program" "$command")" -- "$current")
         elif [ "$command" = table ] && [ "$previous" = table ]; then
-            mapfile -t COMPREPLY < <(compgen -W 'ctof scaling planes statics moduli probes ensemble signal' -- "$current")
+            mapfile -t COMPREPLY < <(compgen -W 'ctof scaling planes statics moduli probes spectrum ensemble signal' -- "$current")
         elif [ "$command" = reproduce ] && [ "$previous" = reproduce ]; then
             mapfile -t COMPREPLY < <(compgen -W 'somfai2005' -- "$current")
         elif [ "$command" = bench ]; then

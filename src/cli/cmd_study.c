@@ -104,7 +104,7 @@ static const struct argp argp = {
     "Several tables follow each other with a blank line between; with -o FILE.tsv the first goes there and the others "
     "beside it (FILE-moduli.tsv). Values of swept keys other than packing.pressure, packing.grains, packing.height and "
     "packing.seed have tables of their own (of fronts over distance, scaling and planes, those other than "
-    "packing.width and packing.friction as well).\n\n"
+    "packing.width and packing.friction as well; of spectrum all but packing.seed).\n\n"
     "--verify reads every file of the samples and prints a table of them: whether each is the sample of its name, and "
     "its packing passes what `sonopack check' looks at. What cannot be read, or is not the sample of its name, is "
     "renamed to NAME.bad: the next study makes it anew. The exit status is 1 if any file is not ok.\n\n"

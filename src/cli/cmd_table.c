@@ -108,7 +108,8 @@ static const struct argp argp = {
     "spectrum). signal: mean of the stored signals, their rms deviation from it, the standard error and the interval "
     "of the mean, a row a time, of samples of one pressure and size with signals at the same times (study.want with "
     "signal, and signal.until). With SCENE (and its --set) only the samples of that scene, at "
-    "least one of which must be there: a store may hold several ensembles, and those that differ in more than pressure "
+    "least one of which must be there (of keys that it sweeps signal and spectrum have a table a value): a store may "
+    "hold several ensembles, and those that differ in more than pressure "
     "and size are not averaged. --width, --grains, --pressure and --friction choose among them.",
     children,
     NULL,

@@ -96,6 +96,33 @@ sp_status sp_file_read(const char *path, char **data, size_t *size, sp_error *er
     return read_file(path, true, data, size, err);
 }
 
+/* Fowler, Noll, Vo, Eastlake. */
+uint64_t sp_hash64(uint64_t begin, const void *data, size_t size) {
+    const unsigned char *byte = data;
+    for (size_t k = 0; k < size; k++)
+        begin = (begin ^ byte[k]) * 0x100000001b3u;
+    return begin;
+}
+
+sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err) {
+    enum { CHUNK = 1 << 16 };
+    unsigned char buffer[CHUNK];
+    const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0)
+        return fail_errno(err, "open", path, errno);
+    uint64_t sum = SP_HASH64_BEGIN;
+    ssize_t got;
+    while ((got = read(fd, buffer, CHUNK)) > 0 || (got < 0 && errno == EINTR))
+        if (got > 0)
+            sum = sp_hash64(sum, buffer, (size_t)got);
+    const int code = got < 0 ? errno : 0;
+    close(fd);
+    if (code)
+        return fail_errno(err, "read", path, code);
+    *hash = sum;
+    return SP_OK;
+}
+
 /* ---- writing --------------------------------------------------------------------------------------------------- */
 
 static int write_all(int fd, const char *data, size_t size) {

@@ -5,6 +5,7 @@
 #include <sonopack/status.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /* Longest path that is handled, the terminating zero included. */
 enum { SP_PATH_MAX = 4096 };
@@ -15,6 +16,11 @@ sp_status sp_file_read_text(const char *path, char **text, size_t *size, sp_erro
 
 /* Any file, likewise. */
 sp_status sp_file_read(const char *path, char **data, size_t *size, sp_error *err);
+
+/* FNV-1a of 64 bits over the bytes of a file. SP_EIO. */
+sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err);
+uint64_t sp_hash64(uint64_t begin, const void *data, size_t size);
+#define SP_HASH64_BEGIN 0xcbf29ce484222325u
 
 /* Writes data to a temporary file in the folder of path, syncs it, and renames it. Devices and pipes are written to
  * directly; a symbolic link stays one. On failure (SP_EIO) nothing has changed under the name. */

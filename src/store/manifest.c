@@ -2,7 +2,6 @@
 
 #include "base/base.h"
 #include "store/file.h"
-#include "store/manifest_line.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -107,10 +106,8 @@ static void forget(sp_manifest *m) {
 
 /* Reads the lines that have been added since. A line without an end is left for the next time. */
 static sp_status read_on(sp_manifest *m, sp_error *err) {
-    enum { CHUNK = 1 << 18 };
-    char *buffer = sp_alloc(CHUNK, 1);
-    if (!buffer)
-        return sp_fail_memory(err, CHUNK);
+    enum { CHUNK = 4 * SP_MANIFEST_LINE_MAX };
+    char buffer[CHUNK];
     sp_status status = SP_OK;
     bool skip = false; /* within a line that is too long */
     while (status == SP_OK) {
@@ -130,7 +127,6 @@ static sp_status read_on(sp_manifest *m, sp_error *err) {
         skip = skip || line == buffer;
         m->read_to += line == buffer ? got : line - buffer;
     }
-    sp_free(buffer);
     return status;
 }
 
@@ -207,7 +203,7 @@ void sp_manifest_allow_adding(sp_manifest *m) {
 
 /* ---- lines ----------------------------------------------------------------------------------------------------- */
 
-static int64_t nanoseconds(const struct stat *file) {
+int64_t sp_manifest_time(const struct stat *file) {
     return (int64_t)file->st_mtim.tv_sec * 1000000000 + file->st_mtim.tv_nsec;
 }
 
@@ -219,22 +215,19 @@ static bool get_line(const sp_manifest *m, const slot *s, sp_manifest_line *out)
     return sp_manifest_get(line, out);
 }
 
-static bool find(const sp_manifest *m, const char *name, bool failed, const struct stat *file, sp_sample *out) {
+static bool find(const sp_manifest *m, const char *name, bool failed, sp_manifest_line *out) {
     uint64_t key[2];
-    sp_manifest_line line;
     if (m->fd < 0 || !name_key(name, key))
         return false;
     const slot *s = find_slot(m, key);
-    if (s->length == 0 || !get_line(m, s, &line) || strcmp(line.sample.name, name) != 0 ||
-        line.sample.failed != failed || line.bytes != file->st_size || line.modified != nanoseconds(file))
-        return false;
-    *out = line.sample;
-    return true;
+    return s->length > 0 && get_line(m, s, out) && strcmp(out->sample.name, name) == 0 && out->sample.failed == failed;
 }
 
-bool sp_manifest_find(sp_manifest *m, const char *name, bool failed, const struct stat *file, sp_sample *out) {
-    return find(m, name, failed, file, out) ||
-           (refresh(m, NULL) == SP_OK && find(m, name, failed, file, out)); /* another process may have added it */
+bool sp_manifest_find(sp_manifest *m, const char *name, bool failed, const struct stat *file, sp_manifest_line *out) {
+    const bool known = find(m, name, failed, out);
+    if (known && out->bytes == file->st_size && out->modified == sp_manifest_time(file))
+        return true;
+    return refresh(m, NULL) == SP_OK ? find(m, name, failed, out) : known;
 }
 
 /* Begins the file where there is none, or one of another form; what is no file is left alone. */
@@ -257,7 +250,7 @@ static bool says(const sp_manifest *m, const char *name, const sp_text *text) {
            memcmp(line, text->data, (size_t)s->length) == 0;
 }
 
-void sp_manifest_add(sp_manifest *m, const struct stat *file, const sp_sample *sample) {
+void sp_manifest_add(sp_manifest *m, const sp_manifest_line *line) {
     if (!m->adding || refresh(m, NULL) != SP_OK)
         return;
     if (m->fd < 0)
@@ -265,9 +258,8 @@ void sp_manifest_add(sp_manifest *m, const struct stat *file, const sp_sample *s
     if (m->fd < 0)
         return;
     sp_text text = {0};
-    const sp_manifest_line line = {.bytes = file->st_size, .modified = nanoseconds(file), .sample = *sample};
-    sp_manifest_put(&text, &line);
-    if (!text.failed && !says(m, sample->name, &text)) {
+    sp_manifest_put(&text, line);
+    if (!text.failed && !says(m, line->sample.name, &text)) {
         if (m->torn && write(m->fd, "\n", 1) != 1)
             text.size = 0;
         m->torn = write(m->fd, text.data, text.size) != (ssize_t)text.size;

@@ -1,6 +1,7 @@
 #include "store/manifest_line.h"
 
 #include "base/base.h"
+#include "store/file.h"
 #include "store/sample_h5.h"
 
 #include <stdio.h>
@@ -9,20 +10,12 @@
 
 enum { SUM_DIGITS = 16 };
 
-/* FNV-1a of 64 bits (Fowler, Noll, Vo, Eastlake). */
-static uint64_t sum_of(const char *bytes, size_t size) {
-    uint64_t hash = 0xcbf29ce484222325u;
-    for (size_t k = 0; k < size; k++)
-        hash = (hash ^ (unsigned char)bytes[k]) * 0x100000001b3u;
-    return hash;
-}
-
 /* ---- writing --------------------------------------------------------------------------------------------------- */
 
 void sp_manifest_head(sp_text *out) {
     sp_result result[SP_RESULTS_MAX];
     const int results = sp_results(result);
-    sp_text_add(out, "name\tfile\tbytes\tmodified\tparts");
+    sp_text_add(out, "name\tfile\tbytes\tmodified\tcontent\tparts");
     for (int k = 0; k < results; k++)
         sp_text_add(out, "\t%s", result[k].field->name.path + strlen("/results/"));
     sp_text_add(out, "\tsignal\tplanes\treason\tchecksum\n");
@@ -84,8 +77,8 @@ void sp_manifest_put(sp_text *out, const sp_manifest_line *line) {
         if ((unsigned char)*c < ' ')
             *c = ' ';
     sp_locale locale = sp_locale_enter();
-    sp_text_add(out, "%s\t%s\t%lld\t%lld\t%u", s->name, s->failed ? "failed" : "h5", (long long)line->bytes,
-                (long long)line->modified, s->have);
+    sp_text_add(out, "%s\t%s\t%lld\t%lld\t%016llx\t%u", s->name, s->failed ? "failed" : "h5", (long long)line->bytes,
+                (long long)line->modified, (unsigned long long)line->content, s->have);
     for (int k = 0; k < results; k++) {
         sp_text_add(out, "\t");
         if (result[k].want && !(s->have & result[k].want))
@@ -98,7 +91,8 @@ void sp_manifest_put(sp_text *out, const sp_manifest_line *line) {
     sp_text_add(out, "\t%s\t", reason);
     sp_locale_leave(&locale);
     if (!out->failed)
-        sp_text_add(out, "%016llx\n", (unsigned long long)sum_of(out->data + begin, out->size - begin));
+        sp_text_add(out, "%016llx\n",
+                    (unsigned long long)sp_hash64(SP_HASH64_BEGIN, out->data + begin, out->size - begin));
 }
 
 /* ---- reading --------------------------------------------------------------------------------------------------- */
@@ -107,7 +101,7 @@ bool sp_manifest_sound(const char *line, size_t length) {
     if (length <= SUM_DIGITS || line[length - SUM_DIGITS - 1] != '\t')
         return false;
     char sum[SUM_DIGITS + 1];
-    snprintf(sum, sizeof sum, "%016llx", (unsigned long long)sum_of(line, length - SUM_DIGITS));
+    snprintf(sum, sizeof sum, "%016llx", (unsigned long long)sp_hash64(SP_HASH64_BEGIN, line, length - SUM_DIGITS));
     return memcmp(sum, line + length - SUM_DIGITS, SUM_DIGITS) == 0;
 }
 
@@ -192,11 +186,13 @@ static bool get_planes(char *cell, sp_sample *s) {
 static bool get_file(char **rest, sp_manifest_line *l) {
     int64_t have;
     const char *name = next_cell(rest), *file = next_cell(rest), *bytes = next_cell(rest), *modified = next_cell(rest),
-               *parts = next_cell(rest);
-    if (!parts || strlen(name) >= SP_NAME_MAX || !sp_word_integer(bytes, &l->bytes) ||
-        !sp_word_integer(modified, &l->modified) || !sp_word_integer(parts, &have) || have < 0 || have > INT32_MAX)
+               *content = next_cell(rest), *parts = next_cell(rest);
+    if (!parts || strlen(content) != SUM_DIGITS || strspn(content, "0123456789abcdef") != SUM_DIGITS ||
+        strlen(name) >= SP_NAME_MAX || !sp_word_integer(bytes, &l->bytes) || !sp_word_integer(modified, &l->modified) ||
+        !sp_word_integer(parts, &have) || have < 0 || have > INT32_MAX)
         return false;
     snprintf(l->sample.name, sizeof l->sample.name, "%s", name);
+    l->content = strtoull(content, NULL, 16);
     l->sample.failed = strcmp(file, "failed") == 0;
     l->sample.have = (unsigned)have;
     return l->sample.failed || strcmp(file, "h5") == 0;

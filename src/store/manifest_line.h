@@ -11,6 +11,7 @@ enum { SP_MANIFEST_LINE_MAX = 16384 };
 
 typedef struct sp_manifest_line {
     int64_t bytes, modified; /* of the file: size, and time of change [ns since 1970] */
+    uint64_t content;        /* and sp_file_hash of it */
     sp_sample sample;        /* failed: the file is NAME.failed */
 } sp_manifest_line;
 

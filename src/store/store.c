@@ -10,6 +10,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <sonopack/store.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -161,61 +162,16 @@ static sp_status write_file(const sp_store *store, const sp_record *r, const sp_
 
 /* ---- the sink -------------------------------------------------------------------------------------------------- */
 
-/* *info of the file, if it is there. */
-static bool file_of(const sp_store *store, const char *name, const char *ending, struct stat *info) {
-    char path[SP_PATH_MAX];
-    sp_store_path(store, name, ending, path);
-    return stat(path, info) == 0;
-}
-
-void sp_store_enter(const sp_store *store, const sp_sample *sample) {
-    struct stat info;
-    if (file_of(store, sample->name, sample->failed ? "failed" : "h5", &info) && S_ISREG(info.st_mode))
-        sp_manifest_add(store->manifest, &info, sample);
-}
-
-sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
-    char path[SP_PATH_MAX];
-    struct stat info;
-    sp_record r;
-    sp_status status;
-    const bool made = file_of(store, name, "h5", &info);
-    if (!made && !file_of(store, name, "failed", &info))
-        return sp_fail(err, SP_EIO, "no sample %s in the store %s", name, store->dir);
-    if (sp_manifest_find(store->manifest, name, !made, &info, out))
-        return SP_OK;
-    sp_store_path(store, name, "failed", path);
-    status = made ? sp_store_get(store, name, NULL, false, &r, err) : sp_failure_read(path, name, out, err);
-    if (status == SP_OK && made) {
-        *out = r.sample;
-        sp_record_free(&r);
-    }
-    if (status == SP_OK)
-        sp_manifest_add(store->manifest, &info, out); /* as the file was before it was read */
-    return status;
-}
-
-/* Whether it is recorded that the sample failed. A damaged record says nothing. */
-static bool has_failed(const sp_store *store, const char *name) {
-    char path[SP_PATH_MAX];
-    struct stat info;
-    sp_sample sample;
-    sp_store_path(store, name, "failed", path);
-    return file_of(store, name, "failed", &info) && (sp_manifest_find(store->manifest, name, true, &info, &sample) ||
-                                                     sp_failure_read(path, name, &sample, NULL) == SP_OK);
-}
-
 static sp_stored sink_has(void *user, const sp_scene *scene, const char *name) {
     const sp_store *store = user;
     sp_sample sample;
-    struct stat info;
     if (!is_name(name))
         return SP_STORED_NOT;
-    if (file_of(store, name, "h5", &info) && sp_store_sample(store, name, &sample, NULL) == SP_OK) {
+    if (sp_store_trusted(store, name, &sample)) {
         const sp_stored stored = sp_sample_stored(scene, &sample);
         return stored == SP_STORED_FAILED && store->retry ? SP_STORED_NOT : stored;
     }
-    return !store->retry && has_failed(store, name) ? SP_STORED_FAILED : SP_STORED_NOT;
+    return !store->retry && sp_store_has_failed(store, name) ? SP_STORED_FAILED : SP_STORED_NOT;
 }
 
 static sp_status sink_claim(void *user, const char *name, bool *taken, sp_error *err) {
@@ -238,7 +194,11 @@ static sp_status sink_load(void *user, const char *name, sp_packing *packing, sp
     if (!is_name(name) || !sp_store_holds(store, name, "h5"))
         return SP_OK;
     sp_record r;
-    sp_status status = sp_store_get(store, name, packing, false, &r, err);
+    sp_status status =
+        sp_store_trusted(store, name, sample) ? SP_OK : sp_store_check_sample(store, name, INFINITY, NULL);
+    if (status == SP_EFORMAT || status == SP_EFAILED)
+        return make_room(store, name, "h5", err); /* one to make anew */
+    status = sp_store_get(store, name, packing, false, &r, err);
     if (status == SP_EFORMAT)
         return SP_OK; /* a damaged sample is one to make anew */
     if (status != SP_OK)

@@ -101,11 +101,12 @@ static sp_status check_content(const sp_record *r, const sp_packing *p, double t
     return status;
 }
 
-/* SP_OK: sound. SP_EFORMAT: damaged. SP_ENOMEM. Else faulty. */
-static sp_status check_sample(const sp_store *store, const char *name, double tolerance, sp_error *err) {
+sp_status sp_store_check_sample(const sp_store *store, const char *name, double tolerance, sp_error *err) {
     sp_record r = {0};
     sp_packing p = sp_packing_none();
-    sp_status status = sp_store_get(store, name, &p, true, &r, err);
+    sp_status status = sp_store_check_bytes(store, name, err);
+    if (status == SP_OK)
+        status = sp_store_get(store, name, &p, true, &r, err);
     if (status != SP_OK)
         return status;
     status = check_content(&r, &p, tolerance, err);
@@ -132,7 +133,7 @@ static sp_status check_record(const sp_store *store, const char *name, sp_error 
 }
 
 static sp_status check_file(const sp_store *store, const char *name, bool record, double tolerance, sp_error *err) {
-    return record ? check_record(store, name, err) : check_sample(store, name, tolerance, err);
+    return record ? check_record(store, name, err) : sp_store_check_sample(store, name, tolerance, err);
 }
 
 /* Under the lock, and only if it is still damaged: another process may have made it anew, or be about to. */

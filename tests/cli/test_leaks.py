@@ -13,7 +13,7 @@ COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
 CHAIN = ["--set", "packing.kind=chain", "--set", "packing.dimension=1", "--set", "packing.grains=20",
          "--set", "packing.friction=0"]
 STUDY = """packing = { kind = "chain"; friction = 0; };
-study = { samples = 1; want = ["ctof"]; sweep = ( { key = "packing.grains"; values = [10, 20]; } ); };
+study = { samples = 1; want = ["ctof", "spectrum"]; sweep = ( { key = "packing.grains"; values = [10, 20]; } ); };
 """
 # fontconfig keeps the patterns that it has once read; what cairo or we lose is still told
 SUPPRESSIONS = """{
@@ -39,6 +39,7 @@ RUNS = [
     (0, ["study", "study.cfg", "--store", "store", "--jobs", "2"]),
     (0, ["study", "study.cfg", "--store", "store", "--jobs", "2"]),
     (0, ["table", "ensemble", "--store", "store", "--format", "json"]),
+    (0, ["table", "spectrum", "study.cfg", "--store", "store", "--bins", "5"]),
     (0, ["plot", "signal", "chain.tsv", "-o", "signal.svg"]),
     (0, ["help"]),
     (0, ["--version"]),

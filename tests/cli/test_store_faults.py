@@ -346,6 +346,43 @@ def flipped_packings(folder):
         assert content(store) == reference.content[1], dataset
 
 
+def rotten_bytes(folder):
+    """Bytes that changed by themselves, file and time as they were: any of them is found by --verify."""
+    reference = Reference(folder / "rot", SIX)
+    store = fresh(reference, folder)
+    study(reference, store)
+    seed = random.randrange(10 ** 6)
+    dice = random.Random(seed)
+    print("seed", seed)
+    for _ in range(12):
+        victim = dice.choice(samples(store))
+        times = victim.stat()
+        flip(victim, dice.randrange(times.st_size))
+        os.utime(victim, ns=(times.st_atime_ns, times.st_mtime_ns))
+        done = run("study", "--store", store, "--verify", "--tolerance", "0.01", status=1)
+        assert "other bytes than were written" in done.stderr and "1 files are not ok" in done.stderr, done.stderr
+        again = study(reference, store)
+        assert " 1 of them made now" in again.stderr and again.stdout == reference.stdout[1]
+        assert content(store) == reference.content[1]
+
+
+def copied_stores(folder):
+    """Files with other times and the same bytes are as good: nothing is made, and the manifest has the new times."""
+    reference = Reference(folder / "copied", SIX)
+    store, other = fresh(reference, folder), folder / "other"
+    study(reference, store)
+    shutil.copytree(store, other, copy_function=shutil.copyfile)
+    before = (other / "manifest.tsv").read_text()
+    done = study(reference, other)
+    assert " 0 of them made now" in done.stderr and done.stdout == reference.stdout[1]
+    lines = (other / "manifest.tsv").read_text().removeprefix(before).splitlines()
+    assert len(lines) == reference.count, lines
+    assert {line.split("\t")[3] for line in lines} == {str(path.stat().st_mtime_ns) for path in samples(other)}
+    again = study(reference, other)
+    assert again.stdout == reference.stdout[1] and len((other / "manifest.tsv").read_text().removeprefix(
+        before).splitlines()) == reference.count
+
+
 # ---- damaged manifests --------------------------------------------------------------------------------------------
 
 
@@ -531,7 +568,7 @@ def inside_the_namespace(folder):
 
 def main():
     skipped = False
-    for test in (refused_calls, small_disks, not_ours, damaged_files, damaged_records, flipped_packings,
+    for test in (refused_calls, small_disks, not_ours, damaged_files, damaged_records, flipped_packings, rotten_bytes, copied_stores,
                  manifests, odd_locks, stale_manifest, old_temporaries):
         with tempfile.TemporaryDirectory() as name:
             reason = test(pathlib.Path(name))

@@ -125,6 +125,25 @@ def histograms(store):
     assert np.allclose(column(one, "density"), counts / carrying / (1.5 / 40), rtol=1e-12)
 
 
+def zero_modes(folder):
+    """Of a network without its weak contacts: told, and in no bin."""
+    store = folder / "floppy"
+    study(store, "network.threshold=1", samples=3)
+    zeros = []
+    for path, (omega, carrying) in zip(sorted(store.glob("*.h5")), stored(store)):
+        run("convert", path, folder / "packing.txt", "--force")
+        network = Network(folder / "packing.txt", threshold=1)
+        zeros.append(np.count_nonzero(network.squares < 1e-12))
+        assert carrying == 60 - network.rattlers and np.all(omega[:zeros[-1]] == 0) and omega[zeros[-1]] > 0
+        assert np.allclose(omega[zeros[-1]:], np.sort(network.frequencies())[zeros[-1]:], rtol=1e-10, atol=0)
+    assert max(zeros) > 0
+    table = spectrum(store)
+    check_histogram(table, stored(store))
+    assert float(comment(table, "mean_zero_modes")) == np.mean(zeros)
+    assert abs(column(table, "cumulative")[-1] + float(comment(table, "mean_zero_modes_per_grain")) - 3) < 1e-12
+    assert "3 samples are sound" in run("study", "--store", store, "--verify").stderr
+
+
 def intervals(folder):
     """Of two samples twice Student's interval for one degree of freedom; of one none."""
     store = folder / "two"
@@ -331,7 +350,8 @@ def figure(folder, store):
 with tempfile.TemporaryDirectory(prefix="sonopack-spectra-") as name:
     folder = pathlib.Path(name)
     store = folder / "store"
-    for test, arguments in ((frequencies, (folder, store)), (histograms, (store,)), (intervals, (folder,)),
+    for test, arguments in ((frequencies, (folder, store)), (histograms, (store,)), (zero_modes, (folder,)),
+                            (intervals, (folder,)),
                             (other_parts_join, (folder, store)), (resumed, (folder, store)),
                             (verified, (folder, store)), (refused, (folder, store)), (too_large, (folder,)),
                             (chains, (folder,)), (sweeps, (folder,)), (figure, (folder, store))):

@@ -65,6 +65,32 @@ static void test_kinds(void **state) {
     sp_table_free(&two);
 }
 
+/* Means over samples: steps with a band, one or several; known by its columns where the comments are lost. */
+static void test_ensembles(void **state) {
+    (void)state;
+    static const char *const columns[] = {"omega", "low", "high", "density", "density_low", "density_high"};
+    sp_table one = table_of("ensemble", columns, 6), bare = sp_table_none(), two = dos_table(3);
+    for (int k = 0; k < 6; k++)
+        assert_ok(sp_table_add_column(&bare, columns[k], "", SP_CELL_NUMBER, &err));
+    for (int k = 0; k < 20; k++) {
+        const double w = k + 0.5, g = w * (20 - w), off = k == 7 ? NAN : k < 3 ? 2 * g : 0.1 * g;
+        assert_ok(sp_table_add_row(&one, &err, w, w - 0.5, w + 0.5, g, g - off, g + off));
+        assert_ok(sp_table_add_row(&bare, &err, w, w - 0.5, w + 0.5, g, NAN, NAN));
+    }
+    const sp_plot_table shown[] = {{"first", &one}, {"second", &bare}, {"third", &two}};
+    assert_ok(sp_plot_spectrum(1, shown, figure, &err));
+    assert_true(drawn("Density of states"));
+    assert_ok(sp_plot_spectrum(2, shown, figure, &err));
+    assert_true(drawn("second"));
+    assert_fails(sp_plot_spectrum(2, shown + 1, figure, &err), SP_EINVAL, "one kind");
+    sp_table_free(&one);
+    one = table_of("ensemble", columns, 5);
+    assert_fails(sp_plot_spectrum(1, shown, figure, &err), SP_EINVAL, "density_high");
+    sp_table_free(&one);
+    sp_table_free(&bare);
+    sp_table_free(&two);
+}
+
 static void test_refusals(void **state) {
     (void)state;
     static const char *const columns[] = {"omega", "smooth"};
@@ -146,8 +172,8 @@ static void test_no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kinds), cmocka_unit_test(test_refusals),  cmocka_unit_test(test_dispersion),
-        cmocka_unit_test(test_mode),  cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_kinds),      cmocka_unit_test(test_ensembles), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_dispersion), cmocka_unit_test(test_mode),      cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

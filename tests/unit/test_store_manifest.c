@@ -82,7 +82,8 @@ static void lines_keep_every_bit(void **state) {
                          SP_WANT_PLANES | SP_WANT_SPECTRUM;
     for (unsigned have = 0; have <= all; have += have < 8 ? 1 : 7) {
         const sp_sample s = example(have & all, have + 1);
-        const sp_manifest_line line = {.bytes = 12345, .modified = INT64_C(1700000000123456789), .sample = s};
+        const sp_manifest_line line = {
+            .bytes = 12345, .modified = INT64_C(1700000000123456789), .content = 0x00fedcba98765432u, .sample = s};
         sp_manifest_line back;
         sp_text text = {0};
         sp_manifest_put(&text, &line);
@@ -91,13 +92,31 @@ static void lines_keep_every_bit(void **state) {
         text.data[text.size - 1] = '\0';
         assert_true(sp_manifest_sound(text.data, text.size - 1));
         assert_true(sp_manifest_get(text.data, &back));
-        assert_true(back.bytes == line.bytes && back.modified == line.modified);
+        assert_true(back.bytes == line.bytes && back.modified == line.modified && back.content == line.content);
         assert_same_bits("front", &s.front.t10, &back.sample.front.t10, 5);
         assert_same_bits("statics", &s.statics.phi2, &back.sample.statics.phi2, sizeof s.statics / 8);
         assert_int_equal(back.sample.signal.points, s.signal.points);
         assert_same(&s, &back.sample);
         sp_text_free(&text);
     }
+}
+
+static void add(sp_manifest *m, const struct stat *file, const sp_sample *s) {
+    sp_manifest_add(m, &(sp_manifest_line){.bytes = file->st_size,
+                                           .modified = sp_manifest_time(file),
+                                           .content = (uint64_t)file->st_size * 77,
+                                           .sample = *s});
+}
+
+/* Whether the manifest speaks of this very file. */
+static bool found(sp_manifest *m, const char *name, bool failed, const struct stat *file, sp_sample *out) {
+    sp_manifest_line line;
+    if (!sp_manifest_find(m, name, failed, file, &line) || line.bytes != file->st_size ||
+        line.modified != sp_manifest_time(file))
+        return false;
+    assert_true(line.content == (uint64_t)file->st_size * 77);
+    *out = line.sample;
+    return true;
 }
 
 static sp_manifest *open_manifest(bool adding) {
@@ -115,28 +134,28 @@ static void speaks_of_files_as_they_are(void **state) {
     memcpy(failed.name, example(0, 9).name, SP_NAME_MAX);
     const struct stat file = file_of(1000, 50), longer = file_of(1001, 50), later = file_of(1000, 51);
     sp_manifest *m = open_manifest(true), *other = open_manifest(false);
-    assert_false(sp_manifest_find(m, s.name, false, &file, &back));
-    sp_manifest_add(m, &file, &s);
-    sp_manifest_add(m, &file, &failed);
+    assert_false(found(m, s.name, false, &file, &back));
+    add(m, &file, &s);
+    add(m, &file, &failed);
     for (int turn = 0; turn < 2; turn++) { /* one who opened it before, and one who opens it now */
-        assert_true(sp_manifest_find(other, s.name, false, &file, &back));
+        assert_true(found(other, s.name, false, &file, &back));
         assert_same(&s, &back);
-        assert_false(sp_manifest_find(other, s.name, false, &longer, &back));
-        assert_false(sp_manifest_find(other, s.name, false, &later, &back));
-        assert_false(sp_manifest_find(other, s.name, true, &file, &back));
-        assert_true(sp_manifest_find(other, failed.name, true, &file, &back));
+        assert_false(found(other, s.name, false, &longer, &back));
+        assert_false(found(other, s.name, false, &later, &back));
+        assert_false(found(other, s.name, true, &file, &back));
+        assert_true(found(other, failed.name, true, &file, &back));
         assert_string_equal(back.reason, "no rest");
         assert_true(back.failed);
-        assert_false(sp_manifest_find(other, "no name of a sample, but 32 long", false, &file, &back));
+        assert_false(found(other, "no name of a sample, but 32 long", false, &file, &back));
         sp_manifest_close(other);
         other = open_manifest(false);
     }
     changed.height = 77;
-    sp_manifest_add(other, &later, &changed); /* which may not add */
-    assert_false(sp_manifest_find(other, s.name, false, &later, &back));
-    sp_manifest_add(m, &later, &changed);
-    assert_true(sp_manifest_find(other, s.name, false, &later, &back) && back.height == 77);
-    assert_false(sp_manifest_find(other, s.name, false, &file, &back));
+    add(other, &later, &changed); /* which may not add */
+    assert_false(found(other, s.name, false, &later, &back));
+    add(m, &later, &changed);
+    assert_true(found(other, s.name, false, &later, &back) && back.height == 77);
+    assert_false(found(other, s.name, false, &file, &back));
     sp_manifest_close(m);
     sp_manifest_close(other);
 }
@@ -163,12 +182,12 @@ static void damage_is_never_believed(void **state) {
     sp_manifest *m = open_manifest(true);
     for (int k = 0; k < SAMPLES; k++) {
         s[k] = example(SP_WANT_CTOF | SP_WANT_MODULI, (uint64_t)k + 1);
-        sp_manifest_add(m, &file, &s[k]);
+        add(m, &file, &s[k]);
     }
     sp_manifest_close(m);
     size_t size;
     char *whole = read_text(&size), *text = sp_alloc(size + 1, 1);
-    int found = 0, lost = 0;
+    int kept = 0, lost = 0;
     for (size_t at = 0; at < size; at += at < 64 ? 1 : 13)
         for (int kind = 0; kind < 4; kind++) { /* another byte, an end of line, cut, cut and added to */
             memcpy(text, whole, size);
@@ -177,9 +196,9 @@ static void damage_is_never_believed(void **state) {
             m = open_manifest(kind == 3);
             for (int k = 0; k < SAMPLES; k++) {
                 if (kind == 3)
-                    sp_manifest_add(m, &file, &s[k]);
-                const bool there = sp_manifest_find(m, s[k].name, false, &file, &back);
-                found += there;
+                    add(m, &file, &s[k]);
+                const bool there = found(m, s[k].name, false, &file, &back);
+                kept += there;
                 lost += !there;
                 if (there)
                     assert_same(&s[k], &back);
@@ -187,7 +206,7 @@ static void damage_is_never_believed(void **state) {
             }
             sp_manifest_close(m);
         }
-    assert_true(4 * found > lost && lost > 0);
+    assert_true(4 * kept > lost && lost > 0);
     sp_free(text);
     sp_free(whole);
 }
@@ -198,33 +217,33 @@ static void made_anew_by_another(void **state) {
     char path[200];
     sp_sample s = example(SP_WANT_STATICS, 3), back;
     sp_manifest *a = open_manifest(true), *b = open_manifest(true);
-    sp_manifest_add(a, &file, &s);
+    add(a, &file, &s);
     snprintf(path, sizeof path, "%s/manifest.tsv", folder);
     assert_int_equal(unlink(path), 0);
-    assert_false(sp_manifest_find(a, s.name, false, &file, &back));
-    sp_manifest_add(b, &file, &s);
-    assert_true(sp_manifest_find(a, s.name, false, &file, &back));
+    assert_false(found(a, s.name, false, &file, &back));
+    add(b, &file, &s);
+    assert_true(found(a, s.name, false, &file, &back));
     /* of another form, a folder, a link, a pipe: nothing is known, and nothing is harmed */
     write_text("name\tfile\n", 10);
     sp_manifest *fresh = open_manifest(false);
-    assert_false(sp_manifest_find(fresh, s.name, false, &file, &back));
+    assert_false(found(fresh, s.name, false, &file, &back));
     sp_manifest_close(fresh);
-    sp_manifest_add(a, &file, &s);
-    assert_true(sp_manifest_find(b, s.name, false, &file, &back));
+    add(a, &file, &s);
+    assert_true(found(b, s.name, false, &file, &back));
     for (int kind = 0; kind < 3; kind++) {
         assert_int_equal(unlink(path), 0);
         assert_int_equal(kind == 0   ? mkdir(path, 0777)
                          : kind == 1 ? symlink("/dev/zero", path)
                                      : mkfifo(path, 0666),
                          0);
-        sp_manifest_add(a, &file, &s);
-        assert_false(sp_manifest_find(a, s.name, false, &file, &back));
+        add(a, &file, &s);
+        assert_false(found(a, s.name, false, &file, &back));
         sp_manifest *c = open_manifest(true);
-        assert_false(sp_manifest_find(c, s.name, false, &file, &back));
+        assert_false(found(c, s.name, false, &file, &back));
         sp_manifest_close(c);
         assert_int_equal(kind == 0 ? rmdir(path) : unlink(path), 0);
-        sp_manifest_add(a, &file, &s);
-        assert_true(sp_manifest_find(b, s.name, false, &file, &back));
+        add(a, &file, &s);
+        assert_true(found(b, s.name, false, &file, &back));
     }
     sp_manifest_close(a);
     sp_manifest_close(b);
@@ -240,7 +259,7 @@ static void tidied(void **state) {
     for (int turn = 0; turn < 4; turn++)
         for (uint64_t k = 0; k < SAMPLES; k++) {
             const sp_sample s = example(SP_WANT_CTOF, k);
-            sp_manifest_add(m, &(struct stat){.st_size = turn}, &s);
+            add(m, &(struct stat){.st_size = turn}, &s);
         }
     sp_free(read_text(&before));
     sp_manifest *other = open_manifest(true);
@@ -249,8 +268,8 @@ static void tidied(void **state) {
     assert_true(after < before / 3);
     for (uint64_t k = 0; k < SAMPLES; k++) {
         const sp_sample s = example(SP_WANT_CTOF, k);
-        sp_manifest_add(m, &(struct stat){.st_size = 3}, &s); /* is there already */
-        assert_true(sp_manifest_find(m, s.name, false, &(struct stat){.st_size = 3}, &back));
+        add(m, &(struct stat){.st_size = 3}, &s); /* is there already */
+        assert_true(found(m, s.name, false, &(struct stat){.st_size = 3}, &back));
         assert_same(&s, &back);
     }
     size_t again;

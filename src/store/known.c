@@ -1,0 +1,106 @@
+/* What a store knows of its files: from the manifest where it speaks of them as they are, and else from themselves. */
+#include "base/base.h"
+#include "store/failure.h"
+#include "store/folder.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* A file of the store, as it is. */
+typedef struct place {
+    char path[SP_PATH_MAX];
+    struct stat info;
+} place;
+
+static bool find_file(const sp_store *store, const char *name, const char *ending, place *out) {
+    sp_store_path(store, name, ending, out->path);
+    return stat(out->path, &out->info) == 0;
+}
+
+static void enter(const sp_store *store, const place *file, uint64_t content, const sp_sample *sample) {
+    const sp_manifest_line line = {
+        .bytes = file->info.st_size, .modified = sp_manifest_time(&file->info), .content = content, .sample = *sample};
+    sp_manifest_add(store->manifest, &line);
+}
+
+void sp_store_enter(const sp_store *store, const sp_sample *sample) {
+    place file;
+    uint64_t content;
+    if (find_file(store, sample->name, sample->failed ? "failed" : "h5", &file) && S_ISREG(file.info.st_mode) &&
+        sp_file_hash(file.path, &content, NULL) == SP_OK)
+        enter(store, &file, content, sample);
+}
+
+/* The last line of the sample speaks of this file: same size and time, or the same bytes at another time, as after it
+ * was copied. */
+static bool recall(const sp_store *store, const char *name, bool failed, const place *file, sp_sample *out) {
+    sp_manifest_line line;
+    uint64_t content;
+    if (!sp_manifest_find(store->manifest, name, failed, &file->info, &line) || line.bytes != file->info.st_size)
+        return false;
+    if (line.modified != sp_manifest_time(&file->info)) {
+        if (!S_ISREG(file->info.st_mode) || sp_file_hash(file->path, &content, NULL) != SP_OK ||
+            content != line.content)
+            return false;
+        enter(store, file, content, &line.sample);
+    }
+    *out = line.sample;
+    return true;
+}
+
+sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
+    place file;
+    sp_record r;
+    const bool made = find_file(store, name, "h5", &file);
+    if (!made && !find_file(store, name, "failed", &file))
+        return sp_fail(err, SP_EIO, "no sample %s in the store %s", name, store->dir);
+    if (recall(store, name, !made, &file, out))
+        return SP_OK;
+    sp_status status =
+        made ? sp_store_get(store, name, NULL, false, &r, err) : sp_failure_read(file.path, name, out, err);
+    if (status == SP_OK && made) {
+        *out = r.sample;
+        sp_record_free(&r);
+    }
+    return status;
+}
+
+bool sp_store_trusted(const sp_store *store, const char *name, sp_sample *out) {
+    place file;
+    if (!find_file(store, name, "h5", &file))
+        return false;
+    if (recall(store, name, false, &file, out))
+        return true;
+    return sp_store_check_sample(store, name, INFINITY, NULL) == SP_OK &&
+           sp_store_sample(store, name, out, NULL) == SP_OK;
+}
+
+bool sp_store_has_failed(const sp_store *store, const char *name) {
+    place file;
+    sp_sample sample;
+    if (!find_file(store, name, "failed", &file))
+        return false;
+    if (recall(store, name, true, &file, &sample))
+        return true;
+    if (sp_failure_read(file.path, name, &sample, NULL) != SP_OK)
+        return false;
+    sp_store_enter(store, &sample);
+    return true;
+}
+
+sp_status sp_store_check_bytes(const sp_store *store, const char *name, sp_error *err) {
+    place file;
+    sp_manifest_line line;
+    uint64_t content;
+    if (!find_file(store, name, "h5", &file) || !S_ISREG(file.info.st_mode) ||
+        !sp_manifest_find(store->manifest, name, false, &file.info, &line) || line.bytes != file.info.st_size ||
+        line.modified != sp_manifest_time(&file.info))
+        return SP_OK;
+    sp_status status = sp_file_hash(file.path, &content, err);
+    if (status == SP_OK && content != line.content)
+        status =
+            sp_fail(err, SP_EFORMAT, "%s: other bytes than were written there, with the same size and time", file.path);
+    return status;
+}
