@@ -141,39 +141,79 @@ static int by_names(const void *a, const void *b) { return by_name(a, ((const sp
 
 static int find_name(const void *name, const void *sample) { return -by_name(sample, name); }
 
-/* Those of `all' (sorted by name) that a scene makes. One without a part that the scene wants counts as failed. */
-static sp_status choose(const sp_scene *scene, int64_t n, const sp_sample *all, choice *out, sp_error *err) {
-    int64_t count = sp_study_count(scene);
-    choice c = {.sample = sp_alloc((size_t)(count < n ? count : n), sizeof *c.sample)};
+/* What the scene says of one of its samples: without a part that it wants it counts as failed. */
+static void judge(const sp_scene *scene, sp_sample *s) {
+    const unsigned parts = sp_sample_parts(scene, s);
+    if (!s->failed && sp_want_parts(scene->want) & ~parts) {
+        s->failed = true;
+        if (!(s->lacks && s->reason[0]))
+            snprintf(s->reason, sizeof s->reason, "it lacks a part that is wanted: not made yet");
+    }
+    if (scene->planes > 0) /* those of another scene are not asked for */
+        s->have &= parts | ~(unsigned)SP_WANT_PLANES;
+    if (scene->want & SP_WANT_SIGNAL)
+        s->have &= parts | ~(unsigned)SP_WANT_SIGNAL;
+}
+
+/* Where sample k of the scene stands among `all' (sorted by name); below 0: nowhere. */
+static sp_status find_sample(const sp_scene *scene, int64_t k, const choice *all, sp_scene *one, int64_t *place,
+                             sp_error *err) {
+    char name[SP_NAME_MAX];
+    sp_status status = sp_study_scene(scene, k, one, err);
+    if (status != SP_OK)
+        return status;
+    sp_sample_name(one, name);
+    if (name[0] == '\0')
+        return sp_fail_memory(err, 4096);
+    const sp_sample *found = bsearch(name, all->sample, (size_t)all->n, sizeof *found, find_name);
+    *place = found ? found - all->sample : -1;
+    return SP_OK;
+}
+
+/* Those of `all' that a scene makes. They are `all' no more: their memory is out's. */
+static sp_status keep(const sp_scene *scene, choice *all, sp_error *err) {
+    const int64_t count = sp_study_count(scene);
+    bool *chosen = sp_alloc((size_t)all->n, sizeof *chosen);
+    sp_status status = chosen ? SP_OK : sp_fail_memory(err, (size_t)all->n * sizeof *chosen);
+    for (int64_t k = 0; k < count && status == SP_OK; k++) {
+        sp_scene one;
+        int64_t place = -1;
+        status = find_sample(scene, k, all, &one, &place, err);
+        all->missing += status == SP_OK && place < 0;
+        if (place >= 0) {
+            chosen[place] = true;
+            judge(&one, &all->sample[place]);
+        }
+    }
+    int64_t kept = 0;
+    for (int64_t k = 0; k < all->n && status == SP_OK; k++)
+        if (chosen[k])
+            all->sample[kept++] = all->sample[k];
+    if (status == SP_OK)
+        all->n = kept;
+    sp_free(chosen);
+    return status;
+}
+
+/* Copies of those that a scene makes. */
+static sp_status choose(const sp_scene *scene, const choice *all, choice *out, sp_error *err) {
+    const int64_t count = sp_study_count(scene);
+    choice c = {.sample = sp_alloc((size_t)(count < all->n ? count : all->n), sizeof *c.sample)};
     if (!c.sample)
-        return sp_fail_memory(err, (size_t)n * sizeof *c.sample);
+        return sp_fail_memory(err, (size_t)all->n * sizeof *c.sample);
     sp_status status = SP_OK;
     for (int64_t k = 0; k < count && status == SP_OK; k++) {
         sp_scene one;
-        char name[SP_NAME_MAX];
-        status = sp_study_scene(scene, k, &one, err);
+        int64_t place = -1;
+        status = find_sample(scene, k, all, &one, &place, err);
         if (status != SP_OK)
             break;
-        sp_sample_name(&one, name);
-        if (name[0] == '\0')
-            status = sp_fail_memory(err, 4096);
-        const sp_sample *found = bsearch(name, all, (size_t)n, sizeof *all, find_name);
-        if (!found || c.n == n) {
+        if (place < 0 || c.n == all->n) {
             c.missing++;
             continue;
         }
-        sp_sample *s = &c.sample[c.n++];
-        *s = *found;
-        const unsigned parts = sp_sample_parts(&one, s);
-        if (!s->failed && sp_want_parts(scene->want) & ~parts) {
-            s->failed = true;
-            if (!(s->lacks && s->reason[0]))
-                snprintf(s->reason, sizeof s->reason, "it lacks a part that is wanted: not made yet");
-        }
-        if (one.planes > 0) /* those of another scene are not asked for */
-            s->have &= parts | ~(unsigned)SP_WANT_PLANES;
-        if (scene->want & SP_WANT_SIGNAL)
-            s->have &= parts | ~(unsigned)SP_WANT_SIGNAL;
+        c.sample[c.n] = all->sample[place];
+        judge(&one, &c.sample[c.n++]);
     }
     if (status == SP_OK)
         *out = c;
@@ -215,23 +255,6 @@ static int64_t filter(const cli_filter *f, int64_t n, sp_sample *all) {
 
 /* ---- writing ---------------------------------------------------------------------------------------------------- */
 
-/* SP_EREFUSED if the store has no sample, or none of the scene. */
-static sp_status check_samples(const sp_scene *scene, int64_t n, const sp_sample *all, sp_error *err) {
-    if (n == 0)
-        return sp_fail(err, SP_EREFUSED, "no table: there is no sample in the store");
-    if (!scene)
-        return SP_OK;
-    choice chosen = {0};
-    sp_status status = choose(scene, n, all, &chosen, err);
-    if (status == SP_OK && chosen.n == 0)
-        status = sp_fail(err, SP_EREFUSED,
-                         "no table: none of the %lld samples of the scene is among the %lld in the store: must be the "
-                         "scene (and --set) that made them, see `sonopack table ensemble'",
-                         (long long)chosen.missing, (long long)n);
-    sp_free(chosen.sample);
-    return status;
-}
-
 /* Samples of the scene that the filter leaves out are not missing. */
 static sp_status add_missing(const cli_tables *tables, int64_t missing, sp_table *t, sp_error *err) {
     if (missing == 0 || is_filter(&tables->filter))
@@ -246,11 +269,11 @@ void cli_parse_interval(double *level, const char *arg, struct argp_state *state
         argp_error(state, "%s", err.text);
 }
 
-/* All samples of the store that pass the filter, sorted by name. */
+/* The samples of all tables, sorted by name: those of the store, or of the scene, that pass the filter. */
 typedef struct stored {
     sp_store *store;
-    int64_t n;
-    sp_sample *sample;
+    choice of;
+    int64_t cases; /* of the table that has most */
 } stored;
 
 static sp_status make_table(const cli_tables *tables, const char *name, const stored *all, const choice *of,
@@ -270,12 +293,13 @@ static sp_status write_case(const cli_tables *tables, int k, int64_t c, const st
     sp_scene one = {0};
     choice chosen = {0};
     sp_status status = SP_OK;
-    if (tables->scene) {
+    const bool copied = tables->scene && all->cases > 1;
+    if (copied) {
         status = case_scene(name, tables->scene, c, &one, err);
         if (status == SP_OK)
-            status = choose(&one, all->n, all->sample, &chosen, err);
+            status = choose(&one, &all->of, &chosen, err);
     } else {
-        chosen = (choice){.n = all->n, .sample = all->sample};
+        chosen = all->of;
     }
     sp_table t = sp_table_none();
     if (status == SP_OK && chosen.n == 0 && tables->scene && is_filter(&tables->filter))
@@ -290,52 +314,71 @@ static sp_status write_case(const cli_tables *tables, int k, int64_t c, const st
         status = write_table(tables, k, (*written)++, &t, err);
 out:
     sp_table_free(&t);
-    if (tables->scene)
+    if (copied)
         sp_free(chosen.sample);
     return status;
 }
 
-/* Case by case, all tables of a case together. */
-static sp_status write_all(const cli_tables *tables, const stored *all, sp_error *err) {
-    int64_t most = 1, written[CLI_TABLES] = {0};
+static int64_t most_cases(const cli_tables *tables) {
+    int64_t most = 1;
     for (int k = 0; k < tables->count; k++) {
         const int64_t cases = cases_of(tables->name[k], tables->scene);
         most = cases > most ? cases : most;
     }
+    return most;
+}
+
+/* Case by case, all tables of a case together. */
+static sp_status write_all(const cli_tables *tables, const stored *all, sp_error *err) {
+    int64_t written[CLI_TABLES] = {0};
     sp_status status = SP_OK;
-    for (int64_t c = 0; c < most; c++)
+    for (int64_t c = 0; c < all->cases; c++)
         for (int k = 0; k < tables->count && status == SP_OK; k++)
             if (c < cases_of(tables->name[k], tables->scene))
                 status = write_case(tables, k, c, all, &written[k], err);
     return status;
 }
 
+/* Leaves those that pass the filter and, if there is a scene, belong to it. SP_EREFUSED where none is left for a table
+ * that needs one. */
+static sp_status take_samples(const cli_tables *tables, choice *of, sp_error *err) {
+    const int64_t stored_ones = of->n;
+    of->n = filter(&tables->filter, of->n, of->sample);
+    const int64_t found = of->n;
+    if (stored_ones > 0 && found == 0)
+        return sp_fail(err, SP_EREFUSED,
+                       "no table: none of the %lld samples in the store has the width, grains, pressure and friction "
+                       "asked for: see `sonopack table ensemble'",
+                       (long long)stored_ones);
+    if (found == 0 && tables->needs_samples)
+        return sp_fail(err, SP_EREFUSED, "no table: there is no sample in the store");
+    if (found > 0)
+        qsort(of->sample, (size_t)found, sizeof *of->sample, by_names);
+    sp_status status = tables->scene ? keep(tables->scene, of, err) : SP_OK;
+    if (status == SP_OK && of->n == 0 && tables->needs_samples)
+        status = sp_fail(err, SP_EREFUSED,
+                         "no table: none of the %lld samples of the scene is among the %lld in the store: must be the "
+                         "scene (and --set) that made them, see `sonopack table ensemble'",
+                         (long long)of->missing, (long long)found);
+    return status;
+}
+
 sp_status cli_tables_write(const cli_tables *tables, sp_store *store, sp_error *err) {
-    sp_sample *all = NULL;
-    int64_t n = 0, bad = 0;
+    stored all = {.store = store, .cases = most_cases(tables)};
+    int64_t bad = 0;
     sp_error reason = {0};
-    sp_status status = sp_store_samples(store, &n, &all, &bad, &reason);
+    sp_status status = sp_store_samples(store, &all.of.n, &all.of.sample, &bad, &reason);
     if (status != SP_OK) {
         *err = reason;
         return status;
     }
-    if (n == 0 && !tables->needs_samples)
+    if (all.of.n == 0 && !tables->needs_samples)
         cli_note(tables->common, "there is no sample in the store");
     if (bad > 0)
         cli_note(tables->common, "%lld files of the store are left out: %s", (long long)bad, reason.text);
-    const int64_t found = n;
-    n = filter(&tables->filter, n, all);
-    if (found > 0 && n == 0)
-        status = sp_fail(err, SP_EREFUSED,
-                         "no table: none of the %lld samples in the store has the width, grains, pressure and friction "
-                         "asked for: see `sonopack table ensemble'",
-                         (long long)found);
-    if (n > 0)
-        qsort(all, (size_t)n, sizeof *all, by_names);
-    if (status == SP_OK && tables->needs_samples)
-        status = check_samples(tables->scene, n, all, err);
+    status = take_samples(tables, &all.of, err);
     if (status == SP_OK)
-        status = write_all(tables, &(stored){store, n, all}, err);
-    sp_free(all);
+        status = write_all(tables, &all, err);
+    sp_free(all.of.sample);
     return status;
 }

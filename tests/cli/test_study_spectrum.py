@@ -351,8 +351,7 @@ with tempfile.TemporaryDirectory(prefix="sonopack-spectra-") as name:
     folder = pathlib.Path(name)
     store = folder / "store"
     for test, arguments in ((frequencies, (folder, store)), (histograms, (store,)), (zero_modes, (folder,)),
-                            (intervals, (folder,)),
-                            (other_parts_join, (folder, store)), (resumed, (folder, store)),
+                            (intervals, (folder,)), (other_parts_join, (folder, store)), (resumed, (folder, store)),
                             (verified, (folder, store)), (refused, (folder, store)), (too_large, (folder,)),
                             (chains, (folder,)), (sweeps, (folder,)), (figure, (folder, store))):
         test(*arguments)
