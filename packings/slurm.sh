@@ -5,25 +5,30 @@
 #   sbatch --array=1-64 --time=12:00:00 packings/slurm.sh my.cfg store
 #
 # The store is a folder that all nodes see. Tasks may run in any order, at any time, and again: nothing that is in the
-# store is made twice. A job that waits for the array and writes the tables, and the same study as one job of MPI:
+# store is made twice. A job that waits for the array and writes the tables (--force: also in the place of older ones),
+# and the same study as one job of MPI:
 #
-#   sbatch --dependency=afterok:ARRAY_JOB_ID --wrap 'sonopack study my.cfg --store store --jobs 1 -o tables.tsv'
-#   sbatch --ntasks=64 --wrap 'mpirun sonopack study my.cfg --store store -o tables.tsv'
+#   sbatch --dependency=afterok:ARRAY_JOB_ID \
+#     --wrap 'sonopack study my.cfg --store store --jobs 1 -o tables.tsv --force'
+#   sbatch --ntasks=64 --wrap 'mpirun sonopack study my.cfg --store store -o tables.tsv --force'
 #
-# What to adapt is marked with <--, and may as well be given to sbatch. More in docs/cluster.md.
+# What to adapt is marked with <--, and may as well be given to sbatch. How to choose it, and more, in docs/cluster.md.
 
 #SBATCH --job-name=sonopack
 #SBATCH --array=1-16             # <-- tasks
 #SBATCH --cpus-per-task=1        # <-- samples that a task makes at the same time
 #SBATCH --mem-per-cpu=1G         # <-- enough for samples of 10 000 grains
-#SBATCH --time=04:00:00          # <-- then a task is queued again, and goes on
+#SBATCH --time=04:00:00          # <-- more than the longest sample takes; then a task is queued again, and goes on
 #SBATCH --signal=B:USR1@120      # how it hears of that, in seconds before
 #SBATCH --requeue
 #SBATCH --open-mode=append
 #SBATCH --output=sonopack-%A_%a.log
 
-scene=${1:?the scene, as in: sbatch slurm.sh my.cfg store}
-store=${2:?the store, as in: sbatch slurm.sh my.cfg store}
+if [ $# -ne 2 ]; then
+    echo "usage: sbatch [OPTIONS] slurm.sh SCENE STORE, as in: sbatch --array=1-16 slurm.sh my.cfg store" >&2
+    exit 2
+fi
+scene=$1 store=$2
 sonopack=${SONOPACK:-sonopack}   # <-- the command, where it is not in PATH
 most_restarts=50
 
@@ -47,7 +52,7 @@ trap stop TERM INT            # scancel
 
 export OPENBLAS_NUM_THREADS=1
 echo "$(date '+%F %T') $(hostname): sonopack study $scene --store $store ${shard[*]}"
-"$sonopack" study "$scene" --store "$store" "${shard[@]}" --jobs "${SLURM_CPUS_PER_TASK:-1}" >/dev/null &
+"$sonopack" study "$scene" --store "$store" "${shard[@]}" --jobs "${SLURM_CPUS_PER_TASK:-1}" -v >/dev/null &
 study=$!
 while # a signal ends the wait, but not yet the study
     heard=no

@@ -96,7 +96,7 @@ typedef struct sp_study_sink {
     /* the packing of that name if it is there (then only what is missing is computed): SP_OK and found = true */
     sp_status (*load)(void *user, const char *name, sp_packing *packing, sp_sample *sample, bool *found, sp_error *err);
     /* takes one finished sample; packing NULL for a failed one; of the arrays, which may be NULL, those that were made
-     * now: frequencies that the sample has and that are not among them stay as they are there */
+     * now: a signal and frequencies that the sample has and that are not among them stay as they are there */
     sp_status (*save)(void *user, const sp_scene *scene, const sp_sample *sample, const sp_packing *packing,
                       const sp_sample_arrays *arrays, sp_error *err);
 } sp_study_sink;
@@ -140,9 +140,8 @@ sp_status sp_study_run(const sp_scene *scene, const sp_study_options *opt, const
 /* One sample: packing (made unless given: n > 0), and every part in `want` that is missing in *sample, or was made
  * otherwise than the scene says. Planes lie at least a diameter inside of the packing; those of the scene that do not
  * are left out. Where one part
- * fails the others are made all the same: the first reason is returned, and kept in sample->reason. arrays NULL: no
- * signal and no frequencies are made. arrays->signal is filled when it is wanted and missing, or was there before and
- * something new was computed; the frequencies only when they are wanted and missing. */
+ * fails the others are made all the same: the first reason is returned, and kept in sample->reason. Of *arrays, signal
+ * and frequencies are filled where they are wanted and missing; NULL: neither is made. */
 sp_status sp_sample_make(const sp_scene *scene, unsigned want, sp_packing *packing, sp_sample *sample,
                          sp_sample_arrays *arrays, sp_error *err);
 

@@ -60,18 +60,37 @@ static sp_status case_scene(const char *table, const sp_scene *scene, int64_t c,
 }
 
 /* The values of case c as comments. */
+/* Sweep s of a scene at case c of a table; NULL: the table has rows for it. *c is what is left for the sweeps after. */
+static const char *case_value(const char *table, const sp_scene *scene, int s, int64_t *c, char *buf, size_t size) {
+    const sp_sweep *sweep = &scene->sweep[s];
+    if (has_rows(table, sweep))
+        return NULL;
+    const int k = (int)(*c % sweep->count);
+    *c /= sweep->count;
+    return sp_sweep_text(sweep, k, buf, size);
+}
+
 static sp_status add_case(sp_table *t, const char *table, const sp_scene *scene, int64_t c, sp_error *err) {
-    char value[200];
+    char buf[200];
     sp_status status = SP_OK;
     for (int s = 0; s < scene->sweeps && status == SP_OK; s++) {
-        const sp_sweep *sweep = &scene->sweep[s];
-        if (has_rows(table, sweep))
-            continue;
-        status = sp_table_add_comment(t, err, "%s = %s", sweep->key,
-                                      sp_sweep_text(sweep, (int)(c % sweep->count), value, sizeof value));
-        c /= sweep->count;
+        const char *value = case_value(table, scene, s, &c, buf, sizeof buf);
+        if (value)
+            status = sp_table_add_comment(t, err, "%s = %s", scene->sweep[s].key, value);
     }
     return status;
+}
+
+/* Case c of a table, in words: ", packing.friction = 0.1"; "" where there is one only. */
+static void case_text(const char *table, const sp_scene *scene, int64_t c, char *text, size_t size) {
+    char buf[200];
+    size_t used = 0;
+    *text = '\0';
+    for (int s = 0; scene && s < scene->sweeps && used < size; s++) {
+        const char *value = case_value(table, scene, s, &c, buf, sizeof buf);
+        if (value)
+            used += (size_t)snprintf(text + used, size - used, ", %s = %s", scene->sweep[s].key, value);
+    }
 }
 
 /* ---- files ------------------------------------------------------------------------------------------------------ */
@@ -110,7 +129,8 @@ sp_status cli_tables_may_write(const cli_tables *tables, sp_error *err) {
     return status;
 }
 
-static sp_status write_table(const cli_tables *tables, int k, int64_t c, sp_table *t, sp_error *err) {
+/* The c-th of table k that there is; of: which case it is, in words. */
+static sp_status write_table(const cli_tables *tables, int k, int64_t c, const char *of, sp_table *t, sp_error *err) {
     cli_common common = *tables->common;
     char path[SP_PATH_MAX];
     if (!common.output) {
@@ -122,8 +142,8 @@ static sp_status write_table(const cli_tables *tables, int k, int64_t c, sp_tabl
     common.output = path;
     if (status == SP_OK)
         status = cli_write_table(&common, t, err);
-    if (status == SP_OK && (k > 0 || c > 0))
-        cli_note(&common, "table %s: %s", tables->name[k], path);
+    if (status == SP_OK && (tables->count > 1 || *of))
+        cli_note(&common, "table %s%s: %s", tables->name[k], of, path);
     return status;
 }
 
@@ -141,13 +161,13 @@ static int by_names(const void *a, const void *b) { return by_name(a, ((const sp
 
 static int find_name(const void *name, const void *sample) { return -by_name(sample, name); }
 
-/* What the scene says of one of its samples: without a part that it wants it counts as failed. */
+/* What the scene says of one of its samples: which parts it should have, and does not. */
 static void judge(const sp_scene *scene, sp_sample *s) {
-    const unsigned parts = sp_sample_parts(scene, s);
-    if (!s->failed && sp_want_parts(scene->want) & ~parts) {
-        s->failed = true;
-        if (!(s->lacks && s->reason[0]))
+    const unsigned parts = sp_sample_parts(scene, s), missing = sp_want_parts(scene->want) & ~parts;
+    if (!s->failed && missing) {
+        if (!(s->lacks & missing) || !s->reason[0])
             snprintf(s->reason, sizeof s->reason, "it lacks a part that is wanted: not made yet");
+        s->lacks = missing;
     }
     if (scene->planes > 0) /* those of another scene are not asked for */
         s->have &= parts | ~(unsigned)SP_WANT_PLANES;
@@ -228,8 +248,8 @@ cli_bins cli_bins_default(void) { return (cli_bins){.bins = 100}; }
 
 cli_filter cli_filter_none(void) { return (cli_filter){.width = NAN, .pressure = NAN, .friction = NAN}; }
 
-/* Numbers are given with a few digits: 1e-6 of the value is rounding. */
-static bool is_near(double asked, double value) { return isnan(asked) || fabs(asked - value) <= 1e-6 * fabs(asked); }
+/* Numbers are given with a few digits. */
+static bool is_near(double asked, double value) { return isnan(asked) || fabs(asked - value) <= 1e-3 * fabs(asked); }
 
 static bool passes(const cli_filter *f, const sp_sample *s) {
     return is_near(f->width, s->width) && is_near(f->pressure, s->pressure) && is_near(f->friction, s->friction) &&
@@ -290,6 +310,7 @@ static sp_status make_table(const cli_tables *tables, const char *name, const st
 static sp_status write_case(const cli_tables *tables, int k, int64_t c, const stored *all, int64_t *written,
                             sp_error *err) {
     const char *name = tables->name[k];
+    char of[400];
     sp_scene one = {0};
     choice chosen = {0};
     sp_status status = SP_OK;
@@ -310,8 +331,9 @@ static sp_status write_case(const cli_tables *tables, int k, int64_t c, const st
         status = add_case(&t, name, tables->scene, c, err);
     if (status == SP_OK)
         status = add_missing(tables, chosen.missing, &t, err);
+    case_text(name, tables->scene, c, of, sizeof of);
     if (status == SP_OK)
-        status = write_table(tables, k, (*written)++, &t, err);
+        status = write_table(tables, k, (*written)++, of, &t, err);
 out:
     sp_table_free(&t);
     if (copied)

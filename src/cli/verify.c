@@ -9,6 +9,7 @@ typedef struct verification {
     const cli_common *common;
     sp_table table;
     int64_t samples, failed, bad; /* files: sound ones, sound records of failures, others */
+    int64_t wanted, there, last;  /* samples of the scene, 0: no scene; those that have a file; the last of them */
     double begun;
     sp_status status; /* of the table */
     sp_error error;
@@ -19,6 +20,8 @@ static bool found(const sp_store_finding *f, void *user) {
     char text[120];
     const double seconds = sp_clock_wall() - v->begun, fraction = (double)f->done / (double)f->names;
     const bool sound = f->verdict == SP_SOUND;
+    v->there += f->done != v->last;
+    v->last = f->done;
     v->samples += sound && !f->record;
     v->failed += sound && f->record;
     v->bad += !sound;
@@ -71,6 +74,8 @@ static sp_status verify(verification *v, sp_store *store, const sp_scene *scene,
         status = sp_table_add_column(&v->table, columns[k], "", SP_CELL_TEXT, err);
     if (status == SP_OK && scene)
         status = scene_names(scene, &check, &name, err);
+    if (status == SP_OK && scene)
+        v->wanted = check.names;
     if (status == SP_OK)
         status = sp_store_verify(store, &check, err);
     if (v->status != SP_OK) {
@@ -98,6 +103,9 @@ sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *
     if (status == SP_OK)
         cli_note(common, "%lld samples are sound, %lld failed when they were made, %lld files are not ok",
                  (long long)v.samples, (long long)v.failed, (long long)v.bad);
+    if (status == SP_OK && v.wanted > v.there)
+        cli_note(common, "%lld of the %lld samples of the scene are not in the store", (long long)(v.wanted - v.there),
+                 (long long)v.wanted);
     *good = v.bad == 0;
     if (store)
         sp_store_close(store);

@@ -318,6 +318,8 @@ static sp_status save_made(const sp_store *store, const sp_scene *scene, const s
         status = merge_old(store, &fresh, given == NULL, &stored, err);
     if (fresh.arrays.modes == 0) /* they were in a file that has gone bad since */
         fresh.sample.have &= ~(unsigned)SP_WANT_SPECTRUM;
+    if (fresh.arrays.signal.n == 0)
+        fresh.sample.have &= ~(unsigned)SP_WANT_SIGNAL;
     if (status == SP_OK)
         status = write_file(store, &fresh, given ? given : &stored, err);
     if (status == SP_OK) {

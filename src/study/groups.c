@@ -133,3 +133,10 @@ int64_t sp_samples_failed(int64_t n, const sp_sample *const *s) {
         failed += s[k]->failed;
     return failed;
 }
+
+int64_t sp_samples_lacking(int64_t n, const sp_sample *const *s, unsigned part) {
+    int64_t lacking = 0;
+    for (int64_t k = 0; k < n; k++)
+        lacking += !s[k]->failed && (s[k]->lacks & ~s[k]->have & part) != 0;
+    return lacking;
+}

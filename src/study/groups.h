@@ -17,6 +17,8 @@ sp_status sp_samples_alike(int64_t n, const sp_sample *const *s, sp_error *err);
 int64_t sp_pressure_end(int64_t n, const sp_sample *const *s, int64_t begin);
 int64_t sp_size_end(int64_t n, const sp_sample *const *s, int64_t begin);
 int64_t sp_samples_failed(int64_t n, const sp_sample *const *s);
+/* Those with a packing that were to have the part, and do not. */
+int64_t sp_samples_lacking(int64_t n, const sp_sample *const *s, unsigned part);
 
 /* Sorts further, for tables that have a row for each height: by pressure, friction, dimension and width, then grains
  * and seed. SP_EREFUSED for a seed that is there twice. */

@@ -96,8 +96,6 @@ sp_status sp_sample_make_with(const sp_scene *given, unsigned want, const sp_pac
         sample->height = sp_packing_height(packing);
         sample->have = sp_sample_parts(scene, sample);
         unsigned missing = want & ~sample->have;
-        if (missing && arrays) /* a file written anew keeps the signal that it had */
-            missing |= sample->have & SP_WANT_SIGNAL;
         if (!arrays)
             missing &= ~(unsigned)(SP_WANT_SIGNAL | SP_WANT_SPECTRUM);
         status = sp_parts_make(scene, missing, packing, sample, arrays, &reason);

@@ -82,6 +82,29 @@ typedef struct averaged {
     double *x; /* values of the samples, quantity by quantity */
 } averaged;
 
+/* A value that one sample does not have is none of a mean: leaving the sample out would choose among the samples. */
+static sp_status explain_no_means(const sp_sample *row, int64_t samples, const averaged *a, sp_table *t,
+                                  sp_error *err) {
+    char list[400] = "";
+    size_t used = 0;
+    int64_t most = 0;
+    for (int k = 0; k < a->quantities; k++) {
+        int64_t none = 0;
+        for (int64_t i = 0; i < samples; i++)
+            none += !isfinite(a->x[k * samples + i]);
+        most = none > most ? none : most;
+        if (none > 0 && used < sizeof list)
+            used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", used > 0 ? ", " : "", a->q[k].name);
+    }
+    if (most == 0)
+        return SP_OK;
+    return sp_table_add_comment(t, err, "p = %.6g, %d grains: up to %lld of %lld samples have no %s%s", row->pressure,
+                                row->grains, (long long)most, (long long)samples, list,
+                                a->part == SP_WANT_STATICS ? " (a box below six diameters has no bulk)"
+                                : !(row->friction > 0)     ? " (walls do not grip grains without friction)"
+                                                           : "");
+}
+
 /* One row: each quantity over the samples of one pressure and size that have the part. */
 static sp_status add_means(int64_t n, const sp_sample *const *s, const averaged *a, sp_table *t, sp_error *err) {
     double row[3 + COLUMNS * QUANTITIES_MAX] = {s[0]->pressure, s[0]->grains};
@@ -90,7 +113,7 @@ static sp_status add_means(int64_t n, const sp_sample *const *s, const averaged 
     int64_t samples = 0;
     for (int64_t i = 0; i < n; i++)
         samples += (s[i]->have & a->part) != 0;
-    if (samples == 0 && sp_samples_failed(n, s) == 0)
+    if (samples == 0 && sp_samples_failed(n, s) == 0 && sp_samples_lacking(n, s, a->part) == 0)
         return SP_OK; /* nobody asked for this part */
     row[2] = (double)samples;
     for (int k = 0; k < a->quantities; k++) {
@@ -100,7 +123,7 @@ static sp_status add_means(int64_t n, const sp_sample *const *s, const averaged 
             if (s[i]->have & a->part)
                 *to++ = value_of(s[i], &a->q[k]);
     }
-    const sp_status status = sp_intervals_of_means(samples, a->quantities, x, &a->interval, interval, err);
+    sp_status status = sp_intervals_of_means(samples, a->quantities, x, &a->interval, interval, err);
     for (int k = 0; k < a->quantities && status == SP_OK; k++) {
         double *of = row + 3 + COLUMNS * k;
         of[MEAN] = sp_mean(samples, x[k]);
@@ -109,6 +132,8 @@ static sp_status add_means(int64_t n, const sp_sample *const *s, const averaged 
         of[LOW] = interval[k].low;
         of[HIGH] = interval[k].high;
     }
+    if (status == SP_OK)
+        status = explain_no_means(s[0], samples, a, t, err);
     return status == SP_OK ? sp_table_add_numbers(t, row, err) : status;
 }
 
@@ -242,10 +267,23 @@ sp_table_options sp_table_options_default(void) {
     return (sp_table_options){.level = sp_interval_options_default().level};
 }
 
+static sp_status explain_missing(int64_t n, const sp_sample *const *s, unsigned part, sp_table *t, sp_error *err) {
+    const int64_t lacking = sp_samples_lacking(n, s, part);
+    sp_status status = sp_table_add_comment(t, err, "failed = %lld", (long long)sp_samples_failed(n, s));
+    if (status == SP_OK && lacking > 0)
+        status = sp_table_add_comment(t, err,
+                                      "lacking = %lld samples with a packing, but without what they should have here: "
+                                      "reasons in the table ensemble",
+                                      (long long)lacking);
+    return status;
+}
+
 sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples, const sp_table_options *opt,
                          sp_table *out, sp_error *err) {
     static const char *const names[] = {"ctof", "scaling", "planes", "statics", "moduli", "probes", "ensemble"};
     enum { CTOF, SCALING, PLANES, STATICS, MODULI, PROBED, ENSEMBLE, TABLES };
+    static const unsigned parts[] = {SP_WANT_CTOF,   SP_WANT_CTOF, SP_WANT_PLANES, SP_WANT_STATICS, SP_WANT_MODULI,
+                                     SP_WANT_PROBES, ~0u};
     int which = 0;
     while (which < TABLES && strcmp(table, names[which]) != 0)
         which++;
@@ -278,7 +316,7 @@ sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples,
         status = sp_table_add_comment(&t, err, "no row: none of %lld samples has %s", (long long)count,
                                       which == PLANES ? "a front at a plane inside of it" : "such results");
     if (status == SP_OK)
-        status = sp_table_add_comment(&t, err, "failed = %lld", (long long)sp_samples_failed(count, sorted));
+        status = explain_missing(count, sorted, parts[which], &t, err);
     if (status != SP_OK)
         goto out;
     *out = t;

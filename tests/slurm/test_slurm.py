@@ -226,7 +226,8 @@ def show(slurm, folder):
     slurm.environment["PATH"] = f"{pathlib.Path(COMMAND).parent}:{slurm.environment['PATH']}"
     del slurm.environment["SONOPACK"]
     for line in ("cat my.cfg", "sbatch --array=1-4 slurm.sh my.cfg store",
-                 "sbatch --dependency=afterok:1 --wrap 'sonopack study my.cfg --store store --jobs 1 -o tables.tsv'",
+                 "sbatch --dependency=afterok:1 --wrap 'sonopack study my.cfg --store store --jobs 1 -o tables.tsv "
+                 "--force'",
                  "squeue", "cat sonopack-1_*.log", "cut -f 1-7 tables.tsv"):
         if line.startswith("squeue"):
             time.sleep(2)
