@@ -42,6 +42,7 @@ typedef struct sp_panel {
     int curves;
     const sp_curve *curve;
     bool zero_line;               /* a thin line at y = 0 */
+    bool tight;                   /* y never grows for legend or inset */
     const struct sp_panel *inset; /* NULL: none; it takes the corner that hides least */
 } sp_panel;
 
@@ -56,7 +57,7 @@ typedef struct sp_sheet {
 /* A point that is not finite is a gap; one that is not positive on a logarithmic axis is SP_EREFUSED, which names the
  * panel, the curve and the point (ends of error bars and bands may be: they reach the foot of the frame). A panel
  * without points needs limits. Where legend or inset find no room among the curves, y grows upwards if its upper limit
- * is not given; failing that the legend goes above the frame. An inset has no inset. */
+ * is not given and the panel is not `tight'; failing that the legend goes above the frame. An inset has no inset. */
 sp_status sp_plot_sheet(const sp_sheet *sheet, const char *path, sp_error *err);
 
 #ifdef __cplusplus

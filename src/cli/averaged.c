@@ -4,6 +4,8 @@
 #include "numeric/resampled.h"
 #include "study/groups.h"
 
+#include <stdio.h>
+
 /* ---- which samples --------------------------------------------------------------------------------------------- */
 
 /* Moves the samples with the part to the front, in their order. */
@@ -153,6 +155,14 @@ sp_status cli_averaged_sum(const cli_averaged *a, double level, int32_t interval
     else
         cli_sums_free(&sums);
     return status;
+}
+
+const char *cli_interval_rule(const cli_averaged *a, double level, char *out, size_t size) {
+    if (a->n < sp_resampled_least(level))
+        snprintf(out, size, "by Student's t (of fewer than %lld samples)", (long long)sp_resampled_least(level));
+    else
+        snprintf(out, size, "by studentised Poisson bootstrap (%d resamples)", sp_interval_resamples(level));
+    return out;
 }
 
 void cli_sums_free(cli_sums *s) {

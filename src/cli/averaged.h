@@ -40,6 +40,8 @@ typedef struct cli_sums {
  * flat in samples and numbers. SP_EREFUSED for arrays at unlike places, and for one that changed meanwhile. */
 sp_status cli_averaged_sum(const cli_averaged *a, double level, int32_t intervals, cli_array_read read, void *user,
                            cli_sums *out, sp_error *err);
+/* How the intervals are made: "by studentised Poisson bootstrap (1000 resamples)", or by Student's t of few samples. */
+const char *cli_interval_rule(const cli_averaged *a, double level, char *out, size_t size);
 void cli_sums_free(cli_sums *s);
 
 #endif

@@ -27,7 +27,7 @@ enum { KEY_STORE = 0x1000, KEY_JOBS, KEY_SHARD, KEY_RETRY, KEY_VERIFY, KEY_TOLER
 
 static const struct argp_option options[] = {
     {"store", KEY_STORE, "DIR", 0, "Folder of the samples; made if it is not there", 0},
-    {"jobs", KEY_JOBS, "N", 0, "Samples made at the same time (as many as there are cores)", 0},
+    {"jobs", KEY_JOBS, "N", 0, "Samples made at the same time (as many as cores it may use)", 0},
     {"shard", KEY_SHARD, "I/N", 0, "Make only every N-th sample, beginning with the I-th", 0},
     {"retry", KEY_RETRY, NULL, 0, "Try again the samples that are recorded as failed", 0},
     {"verify", KEY_VERIFY, NULL, 0, "Make nothing: check every file of the scene's samples, or of the store", 0},
@@ -103,8 +103,12 @@ static const struct argp argp = {
     "add to what is there, several studies may share a store, and several processes may fill one at the same time. "
     "Several tables follow each other with a blank line between; with -o FILE.tsv the first goes there and the others "
     "beside it (FILE-moduli.tsv). Values of swept keys other than packing.pressure, packing.grains, packing.height and "
-    "packing.seed have tables of their own (of fronts over distance, scaling and planes, those other than "
+    "packing.seed have tables of their own, from the second value on in FILE-ctof-2.tsv, FILE-moduli-2.tsv and so on, "
+    "with a comment that says the value (of fronts over distance, scaling and planes, those other than "
     "packing.width and packing.friction as well; of spectrum all but packing.seed).\n\n"
+    "Samples that cannot be made are recorded with their reasons and counted, also in the tables; the exit status is 0 "
+    "all the same. They would fail again in the same way: --retry is for another version of the program. The words "
+    "packings and signal of study.want only keep something in the store and have no table here.\n\n"
     "--verify reads every file of the samples and prints a table of them: whether each is the sample of its name, and "
     "its packing passes what `sonopack check' looks at. What cannot be read, or is not the sample of its name, is "
     "renamed to NAME.bad: the next study makes it anew. The exit status is 1 if any file is not ok.\n\n"

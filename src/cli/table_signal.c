@@ -2,7 +2,6 @@
 
 #include "base/base.h"
 #include "cli/averaged.h"
-#include "numeric/interval.h"
 
 /* The signal of one sample after the other. */
 typedef struct reader {
@@ -47,13 +46,14 @@ static sp_status add_rows(const cli_sums *sums, sp_table *t, sp_error *err) {
 }
 
 static sp_status explain(const cli_averaged *of, double level, sp_table *t, sp_error *err) {
+    char rule[80];
     sp_status status = cli_averaged_head(of, t, err);
     if (status == SP_OK && of->n > 0)
         status = sp_table_add_comment(t, err,
                                       "rms: root mean square deviation of the samples from their mean (over their "
                                       "number); mean_err: standard error of the mean; low, high: its interval at "
-                                      "level %.15g, by studentised Poisson bootstrap (%d resamples)",
-                                      level, sp_interval_resamples(level));
+                                      "level %.15g, %s",
+                                      level, cli_interval_rule(of, level, rule, sizeof rule));
     return status == SP_OK ? cli_averaged_left_out(of, t, err) : status;
 }
 

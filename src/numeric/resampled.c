@@ -98,6 +98,19 @@ static double mean_of(const sp_resampled *r, int32_t b, int32_t number, double *
     return mean;
 }
 
+int64_t sp_resampled_least(double level) {
+    const double tail = 0.5 * (1 - level);
+    int64_t n = 2;
+    while ((double)n * exp(1 - (double)n) * (1 - exp(-1)) >= 0.25 * tail)
+        n++;
+    return n;
+}
+
+static sp_interval student(int64_t n, double level, double mean, double error) {
+    const double half = sp_student_quantile(0.5 * (1 + level), n - 1) * error;
+    return isfinite(mean) && isfinite(half) ? (sp_interval){mean - half, mean + half} : (sp_interval){NAN, NAN};
+}
+
 sp_status sp_resampled_intervals(sp_resampled *r, sp_interval *out, sp_error *err) {
     double *t = sp_alloc((size_t)r->resamples, sizeof *t);
     if (!t)
@@ -108,6 +121,10 @@ sp_status sp_resampled_intervals(sp_resampled *r, sp_interval *out, sp_error *er
         double error, one_error;
         int32_t count = 0;
         const double mean = mean_of(r, r->resamples, k, &error);
+        if (r->count < sp_resampled_least(r->level)) {
+            out[k] = r->count > 1 ? student(r->count, r->level, r->first[k] + mean, error) : (sp_interval){NAN, NAN};
+            continue;
+        }
         for (int32_t b = 0; b < r->resamples; b++) {
             if (!(r->weight[b] > 0))
                 continue; /* an empty one */

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 /* Columns of the figure, log10 of their values; NAN where a cell is empty. */
-enum { C_P = 0, C_TOF, C_LOW, C_HIGH, C_L, C_T, C_COLUMNS };
+enum { C_P = 0, C_TOF, C_L, C_T, C_LOW, C_HIGH = C_LOW + 3, C_COLUMNS = C_HIGH + 3, SPEEDS = 3 };
 
 typedef struct speeds {
     int64_t n;
@@ -37,26 +37,28 @@ static sp_status cell_log(const sp_table *t, int64_t row, int column, double *ou
     return SP_OK;
 }
 
-/* Ends of the error bar; one that reaches zero ends at the foot of the figure. */
-static sp_status error_bar(const sp_table *t, int64_t row, const int *column, speeds *s, sp_error *err) {
+/* Ends of the error bar of speed k; one that reaches zero ends at the foot of the figure. column: of it and its error,
+ * or -1. */
+static sp_status error_bar(const sp_table *t, int64_t row, int k, const int column[2], speeds *s, sp_error *err) {
+    double *low = &s->column[C_LOW + k][row], *high = &s->column[C_HIGH + k][row];
     double error = column[1] < 0 ? NAN : sp_table_number(t, row, column[1]);
-    double value = sp_table_number(t, row, column[0]);
-    s->column[C_LOW][row] = s->column[C_HIGH][row] = NAN;
+    double value = column[0] < 0 ? NAN : sp_table_number(t, row, column[0]);
+    *low = *high = NAN;
     if (isnan(error) || isnan(value) || isnan(s->column[C_P][row]))
         return SP_OK;
     if (error < 0.0 || isinf(error))
-        return sp_fail(err, SP_EREFUSED, "row %lld, c_tof_err = %g: an error is a number >= 0", (long long)row + 1,
-                       error);
-    s->column[C_HIGH][row] = widen(&s->low_c, &s->high_c, log10(value) + log1p(error / value) / M_LN10);
-    s->column[C_LOW][row] = error < value ? log10(value) + log1p(-error / value) / M_LN10 : -1e3;
+        return sp_fail(err, SP_EREFUSED, "row %lld, %s = %g: an error is a number >= 0", (long long)row + 1,
+                       t->column[column[1]].name, error);
+    *high = widen(&s->low_c, &s->high_c, log10(value) + log1p(error / value) / M_LN10);
+    *low = error < value ? log10(value) + log1p(-error / value) / M_LN10 : -1e3;
     if (error < 0.9 * value)
-        widen(&s->low_c, &s->high_c, s->column[C_LOW][row]);
+        widen(&s->low_c, &s->high_c, *low);
     return SP_OK;
 }
 
 static sp_status read_speeds(const sp_table *t, speeds *s, sp_error *err) {
     static const char *const name[] = {"p", "c_tof", "c_l", "c_t"};
-    static const int target[] = {C_P, C_TOF, C_L, C_T};
+    static const char *const errors[] = {"c_tof_err", "c_l_err", "c_t_err"};
     int column[4];
     for (int k = 0; k < 4; k++) {
         column[k] = sp_table_find_column(t, name[k]);
@@ -67,10 +69,9 @@ static sp_status read_speeds(const sp_table *t, speeds *s, sp_error *err) {
     for (int k = 0; k < 4; k++)
         if (column[k] >= 0 && t->column[column[k]].kind == SP_CELL_TEXT)
             return sp_fail(err, SP_EINVAL, "column %s holds text: must be numbers, nan where there is none", name[k]);
-    const int tof[2] = {column[1], sp_table_find_column(t, "c_tof_err")};
     for (int64_t row = 0; row < t->rows; row++) {
         for (int k = 0; k < 4; k++) {
-            double *to = &s->column[target[k]][row];
+            double *to = &s->column[k][row];
             *to = NAN;
             if (column[k] < 0)
                 continue;
@@ -83,9 +84,12 @@ static sp_status read_speeds(const sp_table *t, speeds *s, sp_error *err) {
             widen(&s->low_p, &s->high_p, s->column[C_P][row]);
             s->points++;
         }
-        sp_status status = error_bar(t, row, tof, s, err);
-        if (status != SP_OK)
-            return status;
+        for (int k = 0; k < SPEEDS; k++) {
+            const int bar[2] = {column[1 + k], sp_table_find_column(t, errors[k])};
+            sp_status status = error_bar(t, row, k, bar, s, err);
+            if (status != SP_OK)
+                return status;
+        }
     }
     if (s->points == 0)
         return sp_fail(err, SP_EREFUSED, "nothing to draw: no row of %lld has a pressure and a speed",
@@ -140,15 +144,47 @@ static double comment_number(const sp_table *t, const char *key) {
     return end > text && isfinite(value) ? value : NAN;
 }
 
-static void tof_label(const sp_table *t, const speeds *s, char *label, size_t size) {
-    char number[64];
-    double exponent = comment_number(t, "exponent"), error = comment_number(t, "exponent_err");
-    if (isnan(exponent) && !fit_exponent(s, &exponent, &error)) {
-        snprintf(label, size, "|c|_{tof}");
-        return;
+/* The power law of c_tof: its exponent from the table, or else fitted, and its value in the middle of the points, each
+ * with the weight that its error gives it. */
+typedef struct power_law {
+    bool known;
+    double exponent, error;
+    double x[2], y[2]; /* ends of its line, log10 */
+} power_law;
+
+static power_law find_law(const sp_table *t, const speeds *s) {
+    power_law law = {.exponent = comment_number(t, "exponent"), .error = comment_number(t, "exponent_err")};
+    law.known = !isnan(law.exponent) || fit_exponent(s, &law.exponent, &law.error);
+    double sum[2] = {0.0, 0.0}, weights[2] = {0.0, 0.0}; /* by the errors, and all alike */
+    bool errors = true;
+    law.x[0] = INFINITY;
+    law.x[1] = -INFINITY;
+    for (int64_t k = 0; k < s->n && law.known; k++) {
+        const double x = s->column[C_P][k], y = s->column[C_TOF][k], off = y - law.exponent * x;
+        const double bar = s->column[C_HIGH][k] - y;
+        if (isnan(off))
+            continue;
+        widen(&law.x[0], &law.x[1], x);
+        errors = errors && bar > 0.0;
+        sum[0] += bar > 0.0 ? off / (bar * bar) : 0.0;
+        weights[0] += bar > 0.0 ? 1.0 / (bar * bar) : 0.0;
+        sum[1] += off;
+        weights[1] += 1.0;
     }
-    text_measured(number, sizeof number, exponent, error);
-    snprintf(label, size, "|c|_{tof} ~ |p|^{%s}", number);
+    const double off = errors ? sum[0] / weights[0] : sum[1] / weights[1];
+    for (int k = 0; k < 2; k++)
+        law.y[k] = off + law.exponent * law.x[k];
+    law.known = law.known && law.x[0] < law.x[1] && isfinite(law.y[0]) && isfinite(law.y[1]);
+    return law;
+}
+
+static void tof_label(const power_law *law, char *label, size_t size) {
+    char number[64];
+    text_measured(number, sizeof number, law->exponent, law->error);
+    if (law->known)
+        snprintf(label, size, "|c|_{tof} ~ |p|^{%s}", number);
+    else
+        snprintf(label, size, "|c|_{tof}");
 }
 
 /* Equal frames on all sides of the points, and of the published line beside them. */
@@ -167,7 +203,9 @@ static series points(const speeds *s, int column, int ink, marker shape, const c
     series out = {.n = s->n, .x = s->column[C_P], .y = s->column[column], .ink = figure_ink(ink), .dash = DASH_NONE};
     out.marker = shape;
     out.open = column != C_TOF;
-    out.group = column != C_TOF; /* two low legends leave the points more height than a high one */
+    out.group = column != C_TOF; /* where one high legend covers points, two low ones may not */
+    out.low = s->column[column - C_TOF + C_LOW];
+    out.high = s->column[column - C_TOF + C_HIGH];
     for (int64_t k = 0; k < s->n; k++)
         if (!isnan(out.x[k]) && !isnan(out.y[k]))
             out.label = label;
@@ -179,19 +217,21 @@ static sp_status draw(const sp_table *t, speeds *s, const char *path, sp_error *
     sp_status status = canvas_open(&c, path, "Sound speeds against pressure", CANVAS_COLUMN, 0.78 * CANVAS_COLUMN, err);
     if (status == SP_OK) {
         char label[128];
-        tof_label(t, s, label, sizeof label);
+        const power_law law = find_law(t, s);
+        tof_label(&law, label, sizeof label);
         /* c_tof = 0.26 (p/1e-4)^(1/6): Somfai et al. 2005, IV C and D */
         const double beyond = fmax(0.15, 0.5 - 0.5 * (s->high_p - s->low_p));
         const double line_x[2] = {s->low_p - beyond, s->high_p + beyond};
         const double line_y[2] = {log10(0.26) + (line_x[0] + 4.0) / 6.0, log10(0.26) + (line_x[1] + 4.0) / 6.0};
-        series all[4] = {points(s, C_TOF, 1, MARKER_CIRCLE, label)};
-        all[0].low = s->column[C_LOW];
-        all[0].high = s->column[C_HIGH];
+        series all[5] = {{.n = law.known ? 2 : 0, .x = law.x, .y = law.y, .ink = figure_ink(1), .width = 0.6}};
+        all[0].key = MARKER_CIRCLE;
+        all[0].label = law.known ? label : NULL;
         all[1] = (series){.n = 2, .x = line_x, .y = line_y, .ink = figure_ink(0), .dash = DASH_DASHED, .width = 0.8};
-        all[1].label = "0.26 (|p|/10^{" MINUS "4}|E|*)^{1/6}, Somfai |et al.|";
-        all[2] = points(s, C_L, 2, MARKER_SQUARE, "|c|_{l}");
-        all[3] = points(s, C_T, 3, MARKER_TRIANGLE, "|c|_{t}");
-        figure f = {.canvas = &c, .n = 4, .series = all};
+        all[1].label = "~ |p|^{1/6}, Somfai |et al.|";
+        all[2] = points(s, C_TOF, 1, MARKER_CIRCLE, law.known ? NULL : label);
+        all[3] = points(s, C_L, 2, MARKER_SQUARE, "|c|_{l}");
+        all[4] = points(s, C_T, 3, MARKER_TRIANGLE, "|c|_{t}");
+        figure f = {.canvas = &c, .n = 5, .series = all};
         set_axes(&f, s, line_y);
         figure_draw(&f);
         status = canvas_save(&c, err);

@@ -20,6 +20,7 @@ typedef struct series {
     int dash; /* DASH_NONE: no line */
     double width;
     marker marker;
+    marker key;        /* in the legend, of a series without marks */
     bool open;         /* a marker filled with white */
     const char *label; /* markup for the legend; NULL: not in it */
     int group;         /* 0 .. LEGEND_GROUPS-1: each group of labels finds its own corner */

@@ -141,7 +141,7 @@ void legend_place(figure *f, legend_box box[LEGEND_GROUPS]) {
         empty = empty && box[g].height == 0.0;
     }
     for (int k = 0; k < 40 && !empty; k++) {
-        if (place_apart(f, box) == 0 || place_together(f, box) == 0)
+        if (place_together(f, box) == 0 || place_apart(f, box) == 0)
             return;
         f->axes.y.high += step;
         axes_layout(&f->axes, f->canvas);
@@ -176,7 +176,7 @@ static void draw_entry(const figure *f, const series *s, double sample, double x
         cairo_stroke(c->cr);
         figure_dash(c, DASH_SOLID);
     }
-    marker_draw_sized(c, s->marker, at, s->open, s->ink, marker_radius(size));
+    marker_draw_sized(c, s->marker != MARKER_NONE ? s->marker : s->key, at, s->open, s->ink, marker_radius(size));
     canvas_colour(c, figure_ink(0));
     text_draw(c, s->label, x + sample + BESIDE, y, (text_style){size, 0.0, 0.5, 0.0});
 }

@@ -190,7 +190,7 @@ static sp_status set_axes(const maker *m, sp_error *err) {
     settle_y(m, &a->y);
     name_axis(&a->x, s->x.label);
     name_axis(&a->y, s->y.label);
-    m->p->grows = !isfinite(s->y.high);
+    m->p->grows = !isfinite(s->y.high) && !s->tight;
     return SP_OK;
 }
 

@@ -1,7 +1,7 @@
 /* Figures of an ensemble's signal, of modes, and of signals at several distances. */
 #include "plot/canvas.h"
 #include "plot/columns.h"
-#include "plot/markup.h"
+#include "plot/settings.h"
 
 #include "base/base.h"
 
@@ -9,6 +9,7 @@
 #include <sonopack/figure.h>
 #include <sonopack/plot.h>
 #include <stdio.h>
+#include <string.h>
 
 enum { ENSEMBLES_MOST = 6, RECORDS_MOST = 200, LABEL_MOST = 20 };
 
@@ -46,37 +47,75 @@ static sp_status read_ensemble(const sp_table *t, double **memory, const double 
     return SP_OK;
 }
 
+/* Mean with its band, and rms deviation of table j. */
+static sp_status add_ensemble(int tables, const sp_plot_table *table, int j, double **memory, sp_curve *curve,
+                              sp_error *err) {
+    const double *column[ENSEMBLE_COLUMNS];
+    const sp_status status = read_ensemble(table[j].table, memory, column, err);
+    if (status != SP_OK)
+        return status;
+    for (int q = 0; q < 2; q++)
+        curve[q] = (sp_curve){.n = table[j].table->rows,
+                              .x = column[0],
+                              .y = column[1 + q],
+                              .ink = tables == 1 ? q + 1 : j + 1,
+                              .dash = q == 0 ? SP_DASH_SOLID : SP_DASH_DASHED};
+    if (column[E_LOW] && column[E_HIGH]) {
+        curve[0].lower = column[E_LOW];
+        curve[0].upper = column[E_HIGH];
+    }
+    return SP_OK;
+}
+
+/* "mean, 95% interval" where all bands are of one level. */
+static void name_mean(int tables, const sp_plot_table *table, const sp_curve *curve, char *out, size_t size) {
+    char interval[64] = "", other[64];
+    for (int j = 0; j < tables; j++) {
+        if (!curve[2 * j].lower)
+            continue;
+        settings_interval(table[j].table, other, sizeof other);
+        if (*interval && strcmp(interval, other) != 0)
+            snprintf(other, sizeof other, "interval");
+        snprintf(interval, sizeof interval, "%s", other);
+    }
+    snprintf(out, size, "mean%s%s", *interval ? ", " : "", interval);
+}
+
 static sp_status draw_ensemble(int tables, const sp_plot_table *table, double *memory, const char *path,
                                sp_error *err) {
-    static const char *const words[2] = {"mean", "rms deviation"};
-    sp_curve curve[2 * ENSEMBLES_MOST];
-    char label[2 * ENSEMBLES_MOST][160];
+    static const double nowhere[1] = {NAN};
+    sp_curve curve[2 * ENSEMBLES_MOST + 2];
+    char label[ENSEMBLES_MOST][SETTINGS_LABEL], mean[80];
+    int curves = 2 * tables;
     for (int j = 0; j < tables; j++) {
-        const sp_table *t = table[j].table;
-        const double *column[ENSEMBLE_COLUMNS];
-        char name[96] = "";
-        if (tables > 1 && table[j].label)
-            text_escape(name, sizeof name, table[j].label, LABEL_MOST);
-        const sp_status status = read_ensemble(t, &memory, column, err);
+        const sp_status status = add_ensemble(tables, table, j, &memory, &curve[2 * j], err);
         if (status != SP_OK)
             return status;
-        for (int q = 0; q < 2; q++) {
-            snprintf(label[2 * j + q], sizeof label[0], "%s%s%s", name, *name ? ", " : "", words[q]);
-            curve[2 * j + q] = (sp_curve){.label = label[2 * j + q],
-                                          .n = t->rows,
-                                          .x = column[0],
-                                          .y = column[1 + q],
-                                          .ink = tables == 1 ? q + 1 : j + 1,
-                                          .dash = q == 0 ? SP_DASH_SOLID : SP_DASH_DASHED};
-        }
-        if (column[E_LOW] && column[E_HIGH]) {
-            curve[2 * j].lower = column[E_LOW];
-            curve[2 * j].upper = column[E_HIGH];
-        }
     }
-    const sp_panel panel = {
-        .x = {.label = TIME_AXIS}, .y = {.label = FORCE_AXIS}, .curves = 2 * tables, .curve = curve, .zero_line = true};
-    const sp_sheet sheet = {.title = "Signal of an ensemble", .rows = 1, .columns = 1, .panel = &panel, .aspect = 0.66};
+    name_mean(tables, table, curve, mean, sizeof mean);
+    if (tables == 1) {
+        curve[0].label = mean;
+        curve[1].label = "rms deviation";
+    } else { /* colours are the tables, and dashes what is drawn of them */
+        for (int j = 0; j < tables; j++) {
+            settings_label(tables, table, j, LABEL_MOST, label[j]);
+            curve[2 * j].label = label[j];
+        }
+        curve[curves++] = (sp_curve){.label = mean};
+        curve[curves++] = (sp_curve){.label = "rms deviation", .dash = SP_DASH_DASHED};
+        if (strcmp(mean, "mean") != 0)
+            curve[curves - 2].lower = curve[curves - 2].upper = nowhere;
+    }
+    const sp_panel panel = {.x = {.label = TIME_AXIS},
+                            .y = {.label = FORCE_AXIS},
+                            .curves = curves,
+                            .curve = curve,
+                            .zero_line = true,
+                            .tight = tables > 1};
+    /* the legend may stand above the frame */
+    const double aspect = tables == 1 ? 0.66 : 0.70 + 0.03 * tables;
+    const sp_sheet sheet = {
+        .title = "Signal of an ensemble", .rows = 1, .columns = 1, .panel = &panel, .aspect = aspect};
     return sp_plot_sheet(&sheet, path, err);
 }
 

@@ -138,8 +138,8 @@ const sp_field sp_fields[] = {
     {"study", "samples", SP_FIELD_INT, AT(samples), "", 1, 1e7, NULL,
      "seeds of each combination: packing.seed and those that follow"},
     {"study", "want", SP_FIELD_LIST, AT(want), "", 0, 0, wants,
-     "results to make; packings: nothing but the packings themselves; spectrum: every frequency, for the density of "
-     "states"},
+     "results to make; packings: nothing but the packings themselves; signal: signals are kept, for `sonopack table "
+     "signal' (study has no table of these two); spectrum: every frequency, for the density of states"},
     {"study", "sweep", SP_FIELD_SWEEP, AT(sweep), "", 0, 0, NULL,
      "every combination of these: ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... ), and of keys that "
      "are given lists or ranges"},

@@ -253,8 +253,9 @@ static sp_status read_override_value(sp_reader *r, const sp_field *f, const char
     if (status != SP_OK)
         goto out;
     if (!config_read_string(&config, clean) || config_setting_length(config_root_setting(&config)) != 1)
-        status = sp_fail(r->err, SP_EINVAL, "%s.%s = %.60s: must be %s", f->group, f->name, value,
-                         sp_field_right(f, right, sizeof right));
+        status = sp_fail(r->err, SP_EINVAL, "%s.%s = %.60s: must be %s%s", f->group, f->name, value,
+                         sp_field_right(f, right, sizeof right),
+                         sp_field_is_number(f) ? "; of several, [a, b] or { from = a; to = b; count = 5; }" : "");
     else
         status = read_field(r, f, config_setting_get_elem(config_root_setting(&config), 0));
 out:

@@ -85,7 +85,15 @@ def check_ensemble_and_modes(scratch):
     text = words(out, "ensemble", ensemble)
     expect({"mean", "rms deviation"} <= set(text), f"ensemble: {text}")
     text = words(out, "ensemble", ensemble, ensemble)
-    expect("ensemble, mean" in text, f"two ensembles: {text}")
+    expect({"ensemble", "mean", "rms deviation"} <= set(text), f"two ensembles: {text}")
+    head = "# pressure = 0.0001, grains = 200, friction = {}\n# low, high: its interval at level 0.9, by bootstrap\n"
+    rows = "t\tmean\trms\tlow\thigh\n0\t0\t0\t0\t0\n1\t2e-3\t2e-3\t1e-3\t3e-3\n"
+    for friction in ("0", "0.5"):
+        (scratch / f"of{friction}.tsv").write_text(head.format(friction) + rows)
+    text = words(out, "ensemble", scratch / "of0.tsv", scratch / "of0.5.tsv")
+    expect({"\u03bc = 0", "\u03bc = 0.5", "mean, 90% interval", "rms deviation"} <= set(text), f"frictions: {text}")
+    text = words(out, "ensemble", scratch / "of0.tsv")
+    expect("mean, 90% interval" in text and "\u03bc = 0" not in text, f"one friction: {text}")
     refused(scratch, 1, "a signal needs columns", "signal", ensemble)
     modes = table(scratch, "modes.tsv", "modes", N200)
     text = words(out, "modes", modes)

@@ -319,6 +319,79 @@ static void few_at_a_time(void **state) {
     sp_alloc_fail_after(-1);
 }
 
+/* Signals of a few frequencies, at times much closer than their periods: the width of the interval over the error
+ * changes little from one to the next, for any number of samples. Of few samples it is Student's. */
+static void smooth_in_time(void **state) {
+    (void)state;
+    enum { TIMES = 800, WAVES = 6, MOST = 20 };
+    static double x[MOST][TIMES];
+    static sp_interval i[TIMES];
+    sp_random random = sp_random_make(11, 99);
+    for (int s = 0; s < MOST; s++)
+        for (int w = 0; w < WAVES; w++) {
+            const double size = gauss(&random), omega = 0.3 + 0.7 * sp_random_uniform(&random);
+            const double phase = 6.283185307179586 * sp_random_uniform(&random);
+            for (int k = 0; k < TIMES; k++)
+                x[s][k] += size * cos(0.075 * omega * k + phase);
+        }
+    assert_int_equal(sp_resampled_least(0.95), 8);
+    assert_int_equal(sp_resampled_least(0.99), 10);
+    for (int n = 2; n <= MOST; n++) {
+        sp_resampled r = sp_resampled_none();
+        assert_ok(sp_resampled_make(TIMES, 0.95, &r, &err));
+        for (int s = 0; s < n; s++)
+            sp_resampled_add(&r, x[s]);
+        assert_ok(sp_resampled_intervals(&r, i, &err));
+        sp_resampled_free(&r);
+        double before = 0, largest = 0;
+        for (int k = 0; k < TIMES; k++) {
+            double column[MOST];
+            for (int s = 0; s < n; s++)
+                column[s] = x[s][k];
+            const double width = (i[k].high - i[k].low) / sp_standard_error(n, column);
+            if (n < sp_resampled_least(0.95))
+                assert_relative(width, 2 * sp_student_quantile(0.975, n - 1), 1e-6);
+            largest = k > 0 ? fmax(largest, fabs(log(width / before))) : 0;
+            before = width;
+        }
+        print_message("%d samples: widths of neighbours differ by %.3f at the most\n", n, largest);
+        assert_true(largest < 0.25);
+    }
+}
+
+/* The numbers that the header states of intervals from one sample at a time, to four standard deviations of so many
+ * trials, and 1 for weights that the trials of one seed share. */
+static void coverage_one_at_a_time(void **state) {
+    (void)state;
+    enum { TRIALS = 2000, TOGETHER = 200, MOST = 10 };
+    static const int numbers[] = {3, 5, 8, 10};
+    static const double stated[][2] = {{94.8, 89.0}, {94.9, 88.3}, {96.0, 94.9}, {95.6, 94.6}};
+    static double x[MOST][TOGETHER];
+    static sp_interval i[TOGETHER];
+    sp_random random = sp_random_make(23, 99);
+    for (int q = 0; q < 8; q++) {
+        const int n = numbers[q / 2], skew = q % 2;
+        int held = 0;
+        for (int k = 0; k < TRIALS; k += TOGETHER) {
+            sp_resampled r = sp_resampled_none();
+            assert_ok(sp_resampled_make(TOGETHER, 0.95, &r, &err));
+            r.seed = (uint64_t)k + 1;
+            for (int s = 0; s < n; s++) {
+                for (int v = 0; v < TOGETHER; v++)
+                    x[s][v] = skew ? exponential(&random) - 1 : gauss(&random);
+                sp_resampled_add(&r, x[s]);
+            }
+            assert_ok(sp_resampled_intervals(&r, i, &err));
+            sp_resampled_free(&r);
+            for (int v = 0; v < TOGETHER; v++)
+                held += i[v].low <= 0 && 0 <= i[v].high;
+        }
+        const double p = stated[q / 2][skew] / 100;
+        print_message("%d samples, %s: %.2f%%\n", n, skew ? "exponential" : "normal", 100.0 * held / TRIALS);
+        assert_close(100.0 * held / TRIALS, 100 * p, 400 * sqrt(p * (1 - p) / TRIALS) + 1);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(quantiles_by_hand),    cmocka_unit_test(student_quantiles),
@@ -326,6 +399,7 @@ int main(void) {
         cmocka_unit_test(where_there_is_none),  cmocka_unit_test(fast_enough),
         cmocka_unit_test(weights_of_poisson),   cmocka_unit_test(like_the_bootstrap),
         cmocka_unit_test(one_at_a_time_again),  cmocka_unit_test(few_at_a_time),
+        cmocka_unit_test(smooth_in_time),       cmocka_unit_test(coverage_one_at_a_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -341,6 +341,45 @@ static void test_exponent_of_the_table_comes_first(void **state) {
     free(text);
 }
 
+/* Pixels of one colour in a column above and below a point, in a row without gaps. */
+static int run_of(const picture *p, uint32_t colour, int x, int y) {
+    int count = 0;
+    for (int step = -1; step <= 1; step += 2)
+        for (int k = y + (step > 0); pixel(p, x, k) == colour; k += step)
+            count++;
+    return count;
+}
+
+/* c_l has bars as long as its errors are: of half its value ln(1.5/0.5) in the scale of the points, and of 0.1 less. */
+static void test_bars_of_long_waves(void **state) {
+    (void)state;
+    static const double part[2] = {0.5, 0.3};
+    int length[2];
+    for (int q = 0; q < 2; q++) {
+        sp_table t = sp_table_none();
+        static const char *const name[] = {"p", "c_tof", "c_l", "c_l_err"};
+        for (int c = 0; c < 4; c++)
+            assert_ok(sp_table_add_column(&t, name[c], "", SP_CELL_NUMBER, &err));
+        for (int r = 0; r < 3; r++) { /* ranges that the bars do not change */
+            const double c = r == 1 ? 0.1 : r == 0 ? 0.01 : 1;
+            assert_ok(sp_table_add_row(&t, &err, pow(10, r - 7), c, r == 1 ? 0.1 : NAN, part[q] * 0.1));
+        }
+        assert_ok(sp_plot_ctof(&t, in_folder("bars.png"), &err));
+        sp_table_free(&t);
+        picture p = open_picture(in_folder("bars.png"));
+        length[q] = 0;
+        for (int y = 0; y < p.height; y++)
+            for (int x = 0; x < p.width; x++)
+                if (pixel(&p, x, y) == 0xd55e00) {
+                    const int run = run_of(&p, 0xd55e00, x, y);
+                    length[q] = run > length[q] ? run : length[q];
+                }
+        cairo_surface_destroy(p.surface);
+    }
+    /* the run is the part of the bar outside of the hollow mark */
+    assert_true(length[1] > 10 && length[0] > length[1] + 10);
+}
+
 /* An exact power law: the fit's exponent is exact, and its error, rounding, is left out. */
 static void test_exponent_is_fitted(void **state) {
     (void)state;
@@ -730,6 +769,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_svg_holds_labels_and_repeats, clear),
         cmocka_unit_test_teardown(test_pdf_repeats, clear),
         cmocka_unit_test_teardown(test_exponent_of_the_table_comes_first, clear),
+        cmocka_unit_test_teardown(test_bars_of_long_waves, clear),
         cmocka_unit_test_teardown(test_exponent_is_fitted, clear),
         cmocka_unit_test_teardown(test_units, clear),
         cmocka_unit_test_teardown(test_hostile_labels, clear),

@@ -146,6 +146,41 @@ static void test_chain(void **state) {
     sp_table_free(&t);
 }
 
+/* Comments tell tables apart where they differ in them, and names where they do not, or not all of them. */
+static void test_labels_of_ensembles(void **state) {
+    (void)state;
+    const double cells[3][5] = {{0, 0, 0, 0, 0}, {1, 1e-3, 2e-3, 5e-4, 2e-3}, {2, -1e-3, 1e-3, -2e-3, 0}};
+    static const char *const friction[] = {"0", "0.5", "0.5"}, *const pressure[] = {"1e-06", "1e-06", "0.0001"};
+    sp_table t[3];
+    sp_plot_table shown[3];
+    static const char *const names[] = {"x", "y", "z"};
+    for (int k = 0; k < 3; k++) {
+        t[k] = table_of("t mean rms low high", 3, cells[0]);
+        assert_ok(sp_table_add_comment(&t[k], &err, "samples = %d", k + 2));
+        assert_ok(
+            sp_table_add_comment(&t[k], &err, "pressure = %s, width = 24, friction = %s", pressure[k], friction[k]));
+        assert_ok(sp_table_add_comment(&t[k], &err, "packing.friction = %s", friction[k]));
+        assert_ok(sp_table_add_comment(&t[k], &err, "mean_err: error; low, high: its interval at level %s, by t",
+                                       k < 2 ? "0.95" : "0.68"));
+        shown[k] = (sp_plot_table){names[k], &t[k]};
+    }
+    assert_ok(sp_plot_ensemble(1, shown, svg, &err));
+    says((const char *[]){"\nmean, 95% interval\n", NULL});
+    assert_ok(sp_plot_ensemble(2, shown, svg, &err));
+    says((const char *[]){"\n\xce\xbc = 0\n", "\n\xce\xbc = 0.5\n", "\nmean, 95% interval\n", NULL});
+    assert_ok(sp_plot_ensemble(3, shown, svg, &err)); /* levels differ */
+    says((const char *[]){"\np = 10^\xe2\x88\x92"
+                          "6, \xce\xbc = 0\n",
+                          "\np = 10^\xe2\x88\x92"
+                          "4, \xce\xbc = 0.5\n",
+                          "\nmean, interval\n", NULL});
+    shown[2].table = &t[1]; /* twice the same: names */
+    assert_ok(sp_plot_ensemble(3, shown, svg, &err));
+    says((const char *[]){"\nx\n", "\ny\n", "\nz\n", NULL});
+    for (int k = 0; k < 3; k++)
+        sp_table_free(&t[k]);
+}
+
 static void test_ensemble_modes_section(void **state) {
     (void)state;
     const double cells[3][3] = {{0, 0, 0}, {1, 1e-3, 2e-3}, {2, -1e-3, INFINITY}};
@@ -157,7 +192,7 @@ static void test_ensemble_modes_section(void **state) {
                           "3 E* d^2]\n",
                           NULL});
     assert_ok(sp_plot_ensemble(2, shown, svg, &err));
-    says((const char *[]){"\nx, mean\n", "\ny, rms deviation\n", NULL});
+    says((const char *[]){"\nx\n", "\ny\n", "\nmean\n", "\nrms deviation\n", NULL});
     sp_table_free(&t);
     double modes[60][3];
     for (int k = 0; k < 60; k++) {
@@ -303,6 +338,7 @@ int main(void) {
                                        cmocka_unit_test(test_chain),
                                        cmocka_unit_test(test_groups),
                                        cmocka_unit_test(test_units),
+                                       cmocka_unit_test(test_labels_of_ensembles),
                                        cmocka_unit_test(test_ensemble_modes_section),
                                        cmocka_unit_test(test_contacts_and_motion),
                                        cmocka_unit_test(test_refusals),
