@@ -42,7 +42,8 @@ typedef struct sp_sample {
     int32_t dim, grains;
     double width, pressure, friction;
     uint64_t seed;
-    double height; /* source-detector distance [d] */
+    uint64_t material; /* hash of all other keys that make it (sp_sample_material); 0: not known */
+    double height;     /* source-detector distance [d] */
     bool failed;
     char reason[256]; /* why it failed, else "" */
     unsigned have;
@@ -71,6 +72,10 @@ void sp_sample_arrays_free(sp_sample_arrays *a);
 /* Name of a scene's sample: 128-bit hash of its packing and network keys, the source, and the library's algorithm
  * version. */
 void sp_sample_name(const sp_scene *scene, char name[SP_NAME_MAX]);
+
+/* Hash of a scene's packing and network keys and source, pressure, grains, width, friction, seed, packing.content and
+ * max_steps left out: samples that differ in it are not averaged. 0: no memory. */
+uint64_t sp_sample_material(const sp_scene *scene);
 
 /* The results that SP_WANT_ words of a scene stand for: `scaling' is made of the fronts of `ctof'. */
 unsigned sp_want_parts(unsigned want);

@@ -203,6 +203,29 @@ static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_
     return status;
 }
 
+/* The store of rank 0 has what all ranks made, unless theirs is another folder of the same name. */
+static sp_status check_whole(const arguments *a, const sp_scene *scene, sp_store *store, sp_error *err) {
+    const sp_study_sink sink = sp_store_sink(store);
+    const int64_t count = a->ranks.size > 1 && a->ranks.rank == 0 ? sp_study_count(scene) : 0;
+    int64_t missing = 0;
+    sp_status status = SP_OK;
+    for (int64_t k = a->study.shard - 1; k < count && status == SP_OK; k += a->study.shards) {
+        sp_scene one;
+        char name[SP_NAME_MAX];
+        status = sp_study_scene(scene, k, &one, err);
+        if (status != SP_OK)
+            break;
+        sp_sample_name(&one, name);
+        missing += sink.has(sink.user, &one, name) == SP_STORED_NOT;
+    }
+    if (status == SP_OK && missing > 0 && !a->retry)
+        status = sp_fail(err, SP_EIO,
+                         "%lld samples that were made are not in %s, as rank 0 sees it: --store must be one folder for "
+                         "all ranks",
+                         (long long)missing, a->store);
+    return status;
+}
+
 /* The samples, then their tables. Of several ranks each makes samples, whatever became of the scene there: all of them
  * are to know when one cannot. */
 static sp_status make(arguments *a, sp_scene *scene, sp_packing *from, sp_store **store, sp_error *err) {
@@ -223,6 +246,8 @@ static sp_status make(arguments *a, sp_scene *scene, sp_packing *from, sp_store 
         status = run(a, scene, *store, &done, err);
     status = cli_ranks_join(status, done.total > 0 ? watch : NULL, &a->common, &done, err);
     status = tell(a, status, &done, err);
+    if (status == SP_OK)
+        status = check_whole(a, scene, *store, err);
     return status == SP_OK && tables.count > 0 && a->ranks.rank == 0 ? cli_tables_write(&tables, *store, err) : status;
 }
 

@@ -22,7 +22,7 @@ static const struct argp_option options[] = {
     {"pressure", KEY_PRESSURE, "P", 0, "Only samples at this pressure [E*]", 0},
     {"friction", KEY_FRICTION, "MU", 0, "Only samples with this friction", 0},
     {"interval", KEY_INTERVAL, "LEVEL", 0, "Confidence of the intervals, 0.5 to 0.999 (0.95)", 0},
-    {"bins", KEY_BINS, "N", 0, "spectrum: bins of equal width (100)", 0},
+    {"bins", KEY_BINS, "N", 0, "spectrum: bins of equal width (20 to 100, by the number of modes)", 0},
     {"until", KEY_UNTIL, "OMEGA", 0, "spectrum: last frequency (the largest there is, rounded up)", 0},
     {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};

@@ -2,6 +2,7 @@
 
 #include "base/base.h"
 #include "cli/plot_input.h"
+#include "cli/plot_tables.h"
 #include "cli/spectrum.h"
 
 #include <math.h>
@@ -22,25 +23,23 @@ static sp_status packing_table(const char *path, const sp_scene *scene, bool wav
     return status;
 }
 
-static const char *name_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash && slash[1] ? slash + 1 : path;
-}
-
 sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, const plot_spectra *want,
                               sp_error *err) {
     const int files = want->files;
     char **file = want->file;
     sp_table *table = sp_alloc((size_t)files, sizeof *table);
     sp_plot_table *shown = sp_alloc((size_t)files, sizeof *shown);
-    sp_status status = table && shown ? SP_OK : sp_fail_memory(err, (size_t)files * (sizeof *table + sizeof *shown));
+    char(*name)[PLOT_NAME] = sp_alloc((size_t)files, sizeof *name);
+    sp_status status = table && shown && name
+                           ? SP_OK
+                           : sp_fail_memory(err, (size_t)files * (sizeof *table + sizeof *shown + sizeof *name));
     for (int k = 0; k < files && status == SP_OK; k++) {
         bool packing = false;
         status = plot_is_packing(file[k], &packing, err);
         if (status == SP_OK)
             status = packing ? packing_table(file[k], scene, want->waves, &table[k], err)
                              : plot_read_table(file[k], &table[k], err);
-        shown[k] = (sp_plot_table){name_of(file[k]), &table[k]};
+        shown[k] = (sp_plot_table){plot_name(file[k], name[k]), &table[k]};
     }
     if (status == SP_OK)
         status = want->waves    ? sp_plot_dispersion(files, shown, common->output, err)
@@ -48,6 +47,7 @@ sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, c
                                 : sp_plot_spectrum(files, shown, common->output, err);
     for (int k = 0; k < files && table; k++)
         sp_table_free(&table[k]);
+    sp_free(name);
     sp_free(shown);
     sp_free(table);
     return status;

@@ -7,10 +7,10 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *name_of(const char *path, char *out, size_t size) {
+const char *plot_name(const char *path, char out[PLOT_NAME]) {
     const char *slash = strrchr(path, '/'), *name = slash && slash[1] ? slash + 1 : path, *dot = strrchr(name, '.');
     const size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
-    snprintf(out, size, "%.*s", (int)(length < size ? length : size - 1), name);
+    snprintf(out, PLOT_NAME, "%.*s", (int)(length < PLOT_NAME ? length : PLOT_NAME - 1), name);
     return out;
 }
 
@@ -52,10 +52,9 @@ static sp_status draw(const cli_common *common, plot_tables_kind kind, int files
 
 sp_status plot_tables_files(const cli_common *common, const sp_scene *scene, plot_tables_kind kind, const char *sample,
                             int files, char **file, sp_error *err) {
-    enum { NAME = 96 };
     sp_table *table = sp_alloc((size_t)files, sizeof *table);
     sp_plot_table *shown = sp_alloc((size_t)files, sizeof *shown);
-    char(*name)[NAME] = sp_alloc((size_t)files, sizeof *name);
+    char(*name)[PLOT_NAME] = sp_alloc((size_t)files, sizeof *name);
     sp_status status = table && shown && name ? SP_OK : sp_fail_memory(err, (size_t)files * sizeof *table);
     bool packing = false;
     for (int k = 0; k < files && status == SP_OK; k++) {
@@ -65,7 +64,7 @@ sp_status plot_tables_files(const cli_common *common, const sp_scene *scene, plo
         if (status == SP_OK)
             status = plot_read_table(file[k], &table[k], err);
         if (status == SP_OK)
-            shown[k] = (sp_plot_table){name_of(file[k], name[k], NAME), &table[k]};
+            shown[k] = (sp_plot_table){plot_name(file[k], name[k]), &table[k]};
     }
     if (status == SP_OK)
         status =

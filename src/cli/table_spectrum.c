@@ -3,7 +3,6 @@
 #include "base/base.h"
 #include "cli/averaged.h"
 #include "cli/spectrum.h"
-#include "numeric/interval.h"
 
 #include <math.h>
 
@@ -53,20 +52,31 @@ static double largest(const cli_averaged *of) {
     return most;
 }
 
+/* So few that steps stand out of their noise: that of 20 modes is a fourth or a fifth. */
+static int32_t bins_for(const cli_averaged *of) {
+    enum { MODES = 20, LEAST = 20, MOST = 100 };
+    double modes = 0;
+    for (int64_t k = 0; k < of->n; k++) {
+        const sp_spectrum_made *made = &of->sample[k]->spectrum;
+        modes += (double)made->dof * made->carrying - made->zero_modes;
+    }
+    return (int32_t)fmax(LEAST, fmin(MOST, floor(modes / MODES)));
+}
+
 static sp_status make_bins(const cli_averaged *of, const cli_bins *bins, reader *r, sp_error *err) {
     const double most = largest(of), until = bins->until > 0 ? bins->until : most > 0 ? rounded_up(most) : 1;
-    const size_t n = (size_t)bins->bins;
+    r->bins = bins->bins > 0 ? bins->bins : bins_for(of);
+    const size_t n = (size_t)r->bins;
     r->edge = sp_alloc(5 * n + 1, sizeof *r->edge);
     if (!r->edge)
         return sp_fail_memory(err, (5 * n + 1) * sizeof *r->edge);
-    r->bins = bins->bins;
     r->place = r->edge + n + 1;
     r->numbers = r->place + 2 * n;
-    for (int32_t b = 0; b <= bins->bins; b++)
-        r->edge[b] = b < bins->bins ? until * b / bins->bins : until;
-    for (int32_t b = 0; b < bins->bins; b++) {
+    for (int32_t b = 0; b <= r->bins; b++)
+        r->edge[b] = b < r->bins ? until * b / r->bins : until;
+    for (int32_t b = 0; b < r->bins; b++) {
         r->place[b] = 0.5 * (r->edge[b] + r->edge[b + 1]);
-        r->place[bins->bins + b] = r->edge[b + 1];
+        r->place[r->bins + b] = r->edge[b + 1];
     }
     return SP_OK;
 }
@@ -80,13 +90,14 @@ static sp_status add_rows(const reader *r, const cli_sums *sums, sp_table *t, sp
     const sp_signals *s = &sums->all;
     sp_status status = cli_add_columns(t, columns, err);
     for (int32_t b = 0; 2 * b < s->points && status == SP_OK; b++) {
+        const bool empty = !(s->mean[b] > 0); /* in all samples: nothing tells how rare its modes are */
         const double row[] = {r->place[b],
                               r->edge[b],
                               r->edge[b + 1],
                               s->mean[b],
                               sp_signals_mean_err(s, b),
-                              sums->interval[b].low,
-                              sums->interval[b].high,
+                              empty ? NAN : sums->interval[b].low,
+                              empty ? NAN : sums->interval[b].high,
                               s->mean[r->bins + b],
                               sp_signals_mean_err(s, r->bins + b)};
         status = sp_table_add_numbers(t, row, err);
@@ -116,6 +127,7 @@ static sp_status add_means(const cli_averaged *of, sp_table *t, sp_error *err) {
 }
 
 static sp_status explain(const cli_averaged *of, double level, sp_table *t, sp_error *err) {
+    char rule[80];
     sp_status status = cli_averaged_head(of, t, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "spectrum = ensemble");
@@ -131,8 +143,8 @@ static sp_status explain(const cli_averaged *of, double level, sp_table *t, sp_e
     if (status == SP_OK && of->n > 0)
         status = sp_table_add_comment(t, err,
                                       "_err: standard error of the mean; density_low, density_high: its interval at "
-                                      "level %.15g, by studentised Poisson bootstrap (%d resamples)",
-                                      level, sp_interval_resamples(level));
+                                      "level %.15g, %s; nan in bins without a mode in any sample",
+                                      level, cli_interval_rule(of, level, rule, sizeof rule));
     return status == SP_OK ? cli_averaged_left_out(of, t, err) : status;
 }
 
@@ -146,7 +158,7 @@ sp_status cli_table_spectrum(sp_store *store, int64_t n, const sp_sample *sample
     if (status == SP_OK)
         status = make_bins(&of, bins, &from, err);
     if (status == SP_OK)
-        status = cli_averaged_sum(&of, opt->level, bins->bins, read_histogram, &from, &sums, err);
+        status = cli_averaged_sum(&of, opt->level, from.bins, read_histogram, &from, &sums, err);
     if (status == SP_OK)
         status = add_rows(&from, &sums, &t, err);
     if (status == SP_OK)

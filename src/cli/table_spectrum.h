@@ -7,7 +7,7 @@
 enum { CLI_BINS_MAX = 10000 };
 
 typedef struct cli_bins {
-    int32_t bins; /* of equal width */
+    int32_t bins; /* of equal width; 0: one for each 20 modes of all samples, 20 to 100 */
     double until; /* last frequency; 0: the largest of all samples, rounded up to two digits */
 } cli_bins;
 

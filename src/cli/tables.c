@@ -219,22 +219,25 @@ static sp_status keep(const sp_scene *scene, choice *all, sp_error *err) {
 static sp_status choose(const sp_scene *scene, const choice *all, choice *out, sp_error *err) {
     const int64_t count = sp_study_count(scene);
     choice c = {.sample = sp_alloc((size_t)(count < all->n ? count : all->n), sizeof *c.sample)};
-    if (!c.sample)
-        return sp_fail_memory(err, (size_t)all->n * sizeof *c.sample);
+    bool *taken = sp_alloc((size_t)all->n, sizeof *taken); /* two heights may make one number of grains */
     sp_status status = SP_OK;
+    if (!c.sample || !taken)
+        status = sp_fail_memory(err, (size_t)all->n * (sizeof *c.sample + sizeof *taken));
     for (int64_t k = 0; k < count && status == SP_OK; k++) {
         sp_scene one;
         int64_t place = -1;
         status = find_sample(scene, k, all, &one, &place, err);
         if (status != SP_OK)
             break;
-        if (place < 0 || c.n == all->n) {
-            c.missing++;
+        if (place < 0 || taken[place]) {
+            c.missing += place < 0;
             continue;
         }
+        taken[place] = true;
         c.sample[c.n] = all->sample[place];
         judge(&one, &c.sample[c.n++]);
     }
+    sp_free(taken);
     if (status == SP_OK)
         *out = c;
     else
@@ -244,7 +247,7 @@ static sp_status choose(const sp_scene *scene, const choice *all, choice *out, s
 
 /* ---- the filter ------------------------------------------------------------------------------------------------- */
 
-cli_bins cli_bins_default(void) { return (cli_bins){.bins = 100}; }
+cli_bins cli_bins_default(void) { return (cli_bins){0}; }
 
 cli_filter cli_filter_none(void) { return (cli_filter){.width = NAN, .pressure = NAN, .friction = NAN}; }
 

@@ -227,7 +227,7 @@ static sp_status draw(const sp_table *t, speeds *s, const char *path, sp_error *
         all[0].key = MARKER_CIRCLE;
         all[0].label = law.known ? label : NULL;
         all[1] = (series){.n = 2, .x = line_x, .y = line_y, .ink = figure_ink(0), .dash = DASH_DASHED, .width = 0.8};
-        all[1].label = "~ |p|^{1/6}, Somfai |et al.|";
+        all[1].label = "|p|^{1/6}, Somfai |et al.|";
         all[2] = points(s, C_TOF, 1, MARKER_CIRCLE, law.known ? NULL : label);
         all[3] = points(s, C_L, 2, MARKER_SQUARE, "|c|_{l}");
         all[4] = points(s, C_T, 3, MARKER_TRIANGLE, "|c|_{t}");

@@ -46,7 +46,7 @@ static bool meets(const legend_box *box, double ax, double ay, double bx, double
     return from <= to;
 }
 
-/* Points and segments of a series that the box would cover. */
+/* Points, segments, error bars and parts of the band of a series that the box would cover. */
 static int64_t covered_by(const figure *f, const series *s, const legend_box *box) {
     int64_t count = 0;
     bool before = false;
@@ -59,6 +59,9 @@ static int64_t covered_by(const figure *f, const series *s, const legend_box *bo
             count += joined ? meets(box, last_x, last_y, x, y) : meets(box, x, y, x, y);
             if (s->low && isfinite(s->low[k]) && isfinite(s->high[k]))
                 count += meets(box, x, axis_place(&f->axes.y, s->low[k]), x, axis_place(&f->axes.y, s->high[k]));
+            if (s->fill_low && isfinite(s->fill_low[k]) && isfinite(s->fill_high[k]))
+                count +=
+                    meets(box, x, axis_place(&f->axes.y, s->fill_low[k]), x, axis_place(&f->axes.y, s->fill_high[k]));
         }
         before = here;
         last_x = x;

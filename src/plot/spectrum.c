@@ -1,5 +1,6 @@
 /* Figures of the tables of `sonopack spectrum'. */
 #include "plot/figure.h"
+#include "plot/settings.h"
 
 #include "base/base.h"
 
@@ -53,7 +54,7 @@ typedef struct drawing {
     size_t used, room;
     series series[2 * TABLES_MOST + GROUPS];
     int count;
-    char label[TABLES_MOST][160];
+    char label[TABLES_MOST][SETTINGS_LABEL], band[80];
     double low_x, high_x, low_y, high_y; /* of what is shown; log10 where the axis is so */
 } drawing;
 
@@ -105,11 +106,10 @@ static double shown(const drawing *d, double value) {
 }
 
 static void name_series(drawing *d, int j, series *s) {
-    const char *label = d->table[j].label;
-    if (d->tables < 2 || !label || !*label)
+    if (d->tables < 2)
         return;
-    text_escape(d->label[j], sizeof d->label[j], label, LABEL_MOST);
-    s->label = d->label[j];
+    settings_label(d->tables, d->table, j, LABEL_MOST, d->label[j]);
+    s->label = d->label[j][0] ? d->label[j] : NULL;
 }
 
 /* The bins of a density of states as steps behind its smooth curve. */
@@ -199,6 +199,22 @@ static sp_status add_bins(drawing *d, int j, sp_error *err) {
     name_series(d, j, &s);
     d->series[d->count++] = s;
     return SP_OK;
+}
+
+/* What steps and bands are, said once below the names of the tables. */
+static void add_key(drawing *d) {
+    char first[64], other[64];
+    settings_interval(d->table[0].table, first, sizeof first);
+    for (int j = 1; j < d->tables; j++) {
+        settings_interval(d->table[j].table, other, sizeof other);
+        if (strcmp(first, other) != 0)
+            snprintf(first, sizeof first, "interval");
+    }
+    snprintf(d->band, sizeof d->band, "mean, %s", first);
+    if (d->tables == 1)
+        d->series[0].label = d->band;
+    else
+        d->series[d->count++] = (series){.fill_low = d->memory, .fill_high = d->memory, .width = 0.9, .label = d->band};
 }
 
 /* A histogram of the frequencies of a table of modes, with the integral 1. */
@@ -325,6 +341,8 @@ static sp_status plot_tables(int tables, const sp_plot_table *table, const style
                      : own->look == LOOK_BINS ? add_bins(&d, j, err)
                                               : add_curve(&d, j, err);
     }
+    if (status == SP_OK && d.style->look == LOOK_BINS)
+        add_key(&d);
     if (status == SP_OK)
         status = draw(&d, path, err);
     sp_free(d.memory);

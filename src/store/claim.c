@@ -63,6 +63,8 @@ sp_claimed sp_claim_take(sp_claims *c, const char *dir, const char *name, bool w
     open_file(c, dir);
     if (c->none)
         return SP_CLAIM_FREE;
+    if (place_of(c, byte) >= 0) /* another thread makes it */
+        return SP_CLAIM_OTHERS;
     const int code = set_lock(c, byte, F_WRLCK, wait);
     if (code == EAGAIN || code == EACCES)
         return SP_CLAIM_OTHERS;
@@ -77,8 +79,7 @@ void sp_claim_release(sp_claims *c, const char *name) {
     if (k < 0)
         return;
     c->byte[k] = c->byte[--c->held];
-    if (place_of(c, byte) < 0) /* two samples of one byte are both made by this process */
-        set_lock(c, byte, F_UNLCK, false);
+    set_lock(c, byte, F_UNLCK, false);
 }
 
 bool sp_claim_holds(const sp_claims *c, const char *name) { return place_of(c, byte_of(name)) >= 0; }

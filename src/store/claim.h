@@ -19,8 +19,8 @@ typedef struct sp_claims {
 typedef enum sp_claimed { SP_CLAIM_FREE = 0, SP_CLAIM_MINE, SP_CLAIM_OTHERS } sp_claimed;
 
 void sp_claims_close(sp_claims *c);
-/* Takes the sample, unless another process has it. SP_CLAIM_MINE: this process has it now; SP_CLAIM_FREE: there are no
- * locks here. With wait it waits until the other one is done. */
+/* Takes the sample, unless another process, or another thread of this one, has it. SP_CLAIM_MINE: this process has it
+ * now; SP_CLAIM_FREE: there are no locks here. With wait it waits until the other one is done. */
 sp_claimed sp_claim_take(sp_claims *c, const char *dir, const char *name, bool wait);
 void sp_claim_release(sp_claims *c, const char *name);
 bool sp_claim_holds(const sp_claims *c, const char *name);

@@ -159,6 +159,9 @@ static const sp_h5_field signal_field[] = {
 enum { SIGNAL_FIELDS = sizeof signal_field / sizeof *signal_field };
 static const sp_h5_field kind_field =
     SAMPLE(kind, SP_H5_I32, "1", "how it was made: 0 by a piston, 1 a chain, 2 a triangular lattice, 3 from a file");
+/* Missing in files of earlier versions. */
+static const sp_h5_field material_field =
+    SAMPLE(material, SP_H5_U64, "1", "hash of the keys beside those above: samples that differ in it are not averaged");
 /* Parts that were tried and could not be made, with the reason of the first. */
 static const sp_h5_field lacks_field[] = {
     SAMPLE(lacks, SP_H5_I32, "1",
@@ -243,6 +246,8 @@ sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err) {
         status = sp_h5_put_fields(h, SAMPLE_FIELDS, sample_field, &r->sample, err);
     if (status == SP_OK && r->sample.kind != SP_PACK_PISTON)
         status = sp_h5_put_fields(h, 1, &kind_field, &r->sample, err);
+    if (status == SP_OK && r->sample.material)
+        status = sp_h5_put_fields(h, 1, &material_field, &r->sample, err);
     if (status == SP_OK && r->sample.lacks)
         status = put_lacks(h, &r->sample, err);
     if (status == SP_OK && r->scene)
@@ -437,6 +442,7 @@ int sp_results(sp_result out[SP_RESULTS_MAX]) {
     const sp_result always = {0};
     int used = add_results(out, 0, SAMPLE_FIELDS, sample_field, &always);
     used = add_results(out, used, 1, &kind_field, &always);
+    used = add_results(out, used, 1, &material_field, &always);
     used = add_results(out, used, sizeof lacks_field / sizeof *lacks_field, lacks_field, &always);
     for (int k = 0; k < PARTS; k++)
         used = add_results(out, used, part[k].count, part[k].field, &(sp_result){NULL, part[k].offset, part[k].want});
@@ -454,6 +460,8 @@ sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out, sp_error *er
         status = sp_h5_get_fields(h, SAMPLE_FIELDS, sample_field, &r.sample, err);
     if (status == SP_OK && sp_h5_has(h, kind_field.name.path))
         status = sp_h5_get_fields(h, 1, &kind_field, &r.sample, err);
+    if (status == SP_OK && sp_h5_has(h, material_field.name.path))
+        status = sp_h5_get_fields(h, 1, &material_field, &r.sample, err);
     if (status == SP_OK && sp_h5_has(h, lacks_field[0].name.path))
         status = get_lacks(h, &r.sample, err);
     for (int k = 0; status == SP_OK && k < PARTS; k++) {

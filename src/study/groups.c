@@ -48,6 +48,26 @@ sp_status sp_samples_sorted(int64_t n, const sp_sample *samples, const sp_sample
     return SP_OK;
 }
 
+/* Files of earlier versions do not say, and failures have nothing to average. */
+static bool is_known(const sp_sample *s) { return s->material != 0 && !s->failed; }
+
+/* Samples of one material (up to what tables have rows for, and check by themselves). */
+static sp_status one_material(int64_t n, const sp_sample *const *s, sp_error *err) {
+    const sp_sample *first = NULL;
+    for (int64_t k = 0; k < n; k++) {
+        if (!is_known(s[k]))
+            continue;
+        if (first && s[k]->material != first->material)
+            return sp_fail(err, SP_EREFUSED,
+                           "samples %s and %s differ in keys of packing or network, or in signal.source, that have no "
+                           "rows here (sizes, protocol, history, poisson, ...) and are not averaged: choose those of "
+                           "one scene",
+                           first->name, s[k]->name);
+        first = s[k];
+    }
+    return SP_OK;
+}
+
 static sp_status same_seed(const sp_sample *a, const sp_sample *b, sp_error *err) {
     return sp_fail(
         err, SP_EREFUSED,
@@ -72,7 +92,7 @@ sp_status sp_samples_alike(int64_t n, const sp_sample *const *s, sp_error *err) 
         if (by_material_and_seed(s[k - 1], b) == 0)
             return same_seed(s[k - 1], b, err);
     }
-    return SP_OK;
+    return one_material(n, s, err);
 }
 
 static int by_material(const sp_sample *a, const sp_sample *b) {
@@ -96,7 +116,7 @@ sp_status sp_samples_by_material(int64_t n, const sp_sample **s, sp_error *err) 
     for (int64_t k = 1; k < n; k++)
         if (by_material_and_seed(s[k - 1], s[k]) == 0)
             return same_seed(s[k - 1], s[k], err);
-    return SP_OK;
+    return one_material(n, s, err);
 }
 
 int64_t sp_material_end(int64_t n, const sp_sample *const *s, int64_t begin) {

@@ -49,3 +49,27 @@ uint64_t sp_signal_keys(const sp_scene *scene) {
     sp_free(text);
     return hash;
 }
+
+uint64_t sp_sample_material(const sp_scene *scene) {
+    const sp_pack_spec plain = sp_pack_spec_default();
+    sp_scene rest = *scene;
+    rest.from[0] = '\0';
+    rest.height = 0;
+    rest.pack.grains = plain.grains;
+    rest.pack.pressure = plain.pressure;
+    rest.pack.width = plain.width;
+    rest.pack.friction = plain.friction;
+    rest.pack.seed = plain.seed;
+    rest.pack.content = plain.content;
+    rest.pack.max_steps = plain.max_steps;
+    char *packing = sp_scene_text(&rest, "packing"), *network = sp_scene_text(&rest, "network");
+    uint64_t hash = 0;
+    if (packing && network) {
+        const uint64_t part[3] = {(uint64_t)hash_of(packing, strlen(packing)),
+                                  (uint64_t)hash_of(network, strlen(network)), (uint64_t)scene->signal.source};
+        hash = (uint64_t)hash_of(part, sizeof part);
+    }
+    sp_free(packing);
+    sp_free(network);
+    return hash;
+}

@@ -199,7 +199,7 @@ unsigned sp_sample_parts(const sp_scene *scene, const sp_sample *sample) {
 /* Of the parts that could not be made those that the scene describes as it was described then. */
 static unsigned still_lacks(const sp_scene *scene, const sp_sample *sample) {
     const unsigned described = SP_WANT_SIGNAL | SP_WANT_PLANES;
-    unsigned lacks = sample->lacks & ~sample->have;
+    unsigned lacks = sample->lacks; /* beside which there may be the same part of another description */
     if (lacks & described && sample->lacks_signal != sp_signal_keys(scene))
         lacks &= ~described;
     return lacks;

@@ -21,7 +21,8 @@ typedef struct run {
     sp_order order;
     int64_t next; /* first place in the order that nobody has taken */
     int64_t put_off, put_off_room;
-    int64_t *later; /* [put_off] samples that another process has claimed */
+    int64_t looked_at; /* of those that were put off, the ones that are looked at now */
+    int64_t *later;    /* [put_off] samples that another process has claimed */
     atomic_bool stop;
     pthread_mutex_t lock;  /* of the sink and of all below and above */
     pthread_mutex_t takes; /* of options->take */
@@ -200,6 +201,7 @@ static int64_t take_put_off(run *r) {
     if (r->put_off > 0) {
         number = r->later[0];
         memmove(r->later, r->later + 1, (size_t)--r->put_off * sizeof *r->later);
+        r->looked_at++;
     }
     pthread_mutex_unlock(&r->lock);
     return number;
@@ -215,6 +217,9 @@ static void *work(void *user) {
         if (turn > 0)
             nanosleep(&wait, NULL);
         run_sample(r, number);
+        pthread_mutex_lock(&r->lock);
+        r->looked_at--;
+        pthread_mutex_unlock(&r->lock);
     }
     pthread_mutex_lock(&r->lock);
     r->working--;
@@ -226,10 +231,10 @@ static void *work(void *user) {
 /* The numbers as they are now; under the lock. */
 static sp_study_progress now(const run *r) {
     sp_study_progress p = r->progress;
-    p.elsewhere = r->put_off;
+    p.elsewhere = r->put_off + r->looked_at;
     p.seconds = sp_clock_wall() - r->begun;
     p.seconds_left = NAN;
-    if (p.cost_computed > 0)
+    if (p.cost_computed > 0 && (p.done + p.elsewhere < p.total || p.elsewhere == 0)) /* else it is up to others */
         p.seconds_left = p.done < p.total ? p.seconds * (p.cost - p.cost_done) / p.cost_computed : 0;
     return p;
 }

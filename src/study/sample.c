@@ -61,6 +61,9 @@ static sp_status describe(const sp_scene *scene, sp_sample *sample, sp_error *er
     sample->pressure = scene->pack.pressure;
     sample->friction = scene->pack.friction;
     sample->seed = scene->pack.seed;
+    sample->material = sp_sample_material(scene);
+    if (sample->material == 0)
+        return sp_fail_memory(err, 4096);
     sample->failed = false;
     sample->reason[0] = '\0';
     return SP_OK;

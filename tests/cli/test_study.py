@@ -230,6 +230,48 @@ def other_sweeps(folder):
     assert len(tables(run("table", "ensemble", "--store", store).stdout)[0][2]) == 4
 
 
+def unlike_scenes(folder):
+    """Samples of unlike scenes in one store are averaged by nobody, whatever their seeds; a scene chooses its own."""
+    store, base = folder / "unlike", ["packing.width=8", "packing.grains=60", "study.samples=2", 'study.want=["statics"]']
+    changes = {11: ["packing.sizes=bidisperse", "packing.large_fraction=0.3"], 21: ["packing.protocol=somfai2005"],
+               31: ["network.prestress=true"], 41: ["packing.history=[1e-3]"], 51: ["packing.poisson=0.3"],
+               61: ["signal.source=velocity"], 71: ["packing.max_steps=1000000"]}
+
+    def keys(settings):
+        return [word for setting in [*base, *settings] for word in ("--set", setting)]
+    alone = tables(run("study", "--store", store, *keys([])).stdout)[0]
+    for seed, change in changes.items():
+        one = folder / f"unlike-{seed}"
+        for place in (one, store):
+            own = run("study", "--store", place, *keys([f"packing.seed={seed}", *change])).stdout
+        run("study", "--store", one, *keys([]))
+        both = run("table", "statics", "--store", one, status=0 if seed == 71 else 1)
+        if seed == 71:  # how long one tries does not change what is found
+            assert list(column(tables(both.stdout)[0], "samples")) == [4]
+        else:
+            assert "one scene" in both.stderr and not both.stdout, (seed, both.stderr)
+        (folder / "unlike.cfg").write_text("study = { samples = 2; };")
+        assert run("table", "statics", "--store", store, folder / "unlike.cfg",
+                   *keys([f"packing.seed={seed}", *change])).stdout == own
+    (folder / "unlike.cfg").write_text("study = { samples = 2; };")
+    assert tables(run("table", "statics", "--store", store, folder / "unlike.cfg", *keys([])).stdout)[0] == alone
+
+
+def heights_of_equal_boxes(folder):
+    """Two heights that take the same number of grains are one box: made once, counted once."""
+    store = folder / "equal"
+    (folder / "equal.cfg").write_text('packing = { width = 6; height = [8, 8.01, 9]; tolerance = 1e-7; };'
+                                      'study = { samples = 3; want = ["statics"]; };')
+    done = run("study", folder / "equal.cfg", "--store", store, "--jobs", 2)
+    (table,) = tables(done.stdout)
+    assert " 6 of them made now" in done.stderr and len(list(store.glob("*.h5"))) == 6
+    assert list(column(table, "samples")) == [3, 3] and not any("missing" in line for line in table[0])
+    # by cases as well
+    sweep = run("study", folder / "equal.cfg", "--store", store, "--set", "packing.poisson=[0,0.1]")
+    for table in tables(sweep.stdout):
+        assert list(column(table, "samples")) == [3, 3] and not any("missing" in line for line in table[0])
+
+
 def other_methods(folder):
     """Signals by every method that a scene may name, nonlinear motion included, which needs the packing as well."""
     found = {}
@@ -318,6 +360,7 @@ with tempfile.TemporaryDirectory() as name:
     print("an_ensemble ok")
     for test, arguments in ((resumed_and_shared, (scene, store, text)), (files_of_tables, (scene, store, text)),
                             (intervals, ()),
-                            (other_sweeps, ()), (other_methods, ()), (failures, ()), (stopped, ()), (wrong_usage, (scene, store))):
+                            (other_sweeps, ()), (unlike_scenes, ()), (heights_of_equal_boxes, ()),
+                            (other_methods, ()), (failures, ()), (stopped, ()), (wrong_usage, (scene, store))):
         test(folder, *arguments)
         print(test.__name__, "ok")

@@ -127,6 +127,12 @@ def only_what_changes_is_made(scene, store, text):
     assert comment(missing, "lacking").startswith("12 ") and comment(missing, "failed") == "0" and not missing[2]
     back = run("study", scene, "--store", store)
     assert back.stdout == text
+    # planes without a front: recorded, though the file has others, and not tried again
+    for count in (12, 0, 0):
+        beyond = run("study", scene, "--store", store, "--set", "signal.planes=1.0")
+        assert f" {count} of them made now" in beyond.stderr and "samples failed" in beyond.stderr, beyond.stderr
+    back = run("study", scene, "--store", store)
+    assert back.stdout == text
     # the signal: made, kept, and made anew when its description changes
     signal = ["study", scene, "--store", store, "--set", "study.want=signal", "--set"]
     for setting, count in (("signal.points=31", 12), ("signal.points=31", 0), ("signal.points=41", 12)):

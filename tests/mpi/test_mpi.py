@@ -189,6 +189,17 @@ def refused(folder, scene):
     assert "rank 1" in err and "none.cfg" in err and out == ""
 
 
+def unlike_folders(folder):
+    """One name of a store, and a folder of its own for each rank: nothing is printed as if it were whole."""
+    script = folder / "elsewhere.sh"
+    script.write_text(f'#!/bin/sh\nmkdir -p "{folder}/r$OMPI_COMM_WORLD_RANK"\ncd "{folder}/r$OMPI_COMM_WORLD_RANK"\n'
+                      f'exec "{MPI_COMMAND}" "$@"\n')
+    script.chmod(0o755)
+    out, err = mpirun(2, "study", "--store", "store", "--set", "study.samples=12", "--set", "packing.grains=60",
+                      "--set", "packing.width=8", command=script, status=1)
+    assert not out and "one folder for all ranks" in err, (out, err)
+
+
 def without_mpi(folder, scene, text):
     """A build without MPI says so where several of its processes would each do everything."""
     store = folder / "single"
@@ -231,6 +242,7 @@ def main():
         stopped(folder, *dynamic(folder))
         failed_samples(folder)
         refused(folder, scene)
+        unlike_folders(folder)
         if COMMAND != MPI_COMMAND:
             without_mpi(folder, scene, text)
         print("four ranks and one sample: {:.1f} s, {:.1f} s of CPU time".format(*sleepers(folder)))

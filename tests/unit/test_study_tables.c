@@ -254,6 +254,29 @@ static void three_sizes(void **state) {
     sp_table_free(&t);
 }
 
+/* Other sizes, another protocol: whatever the seeds. Files that do not say are taken as they are. */
+static void unlike_materials(void **state) {
+    (void)state;
+    static const char *const names[] = {"ctof", "scaling", "planes", "statics", "moduli", "probes"};
+    sp_sample s[MADE];
+    make_up(s);
+    for (int k = 0; k < MADE; k++)
+        s[k].material = k % 3 == 0 ? 0 : 77;
+    sp_table t = sp_table_none();
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        assert_ok(sp_study_table(names[k], MADE, s, NULL, &t, &err));
+        sp_table_free(&t);
+    }
+    s[MADE - 1].material = 78;
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+        assert_fails(sp_study_table(names[k], MADE, s, NULL, &t, &err), SP_EREFUSED, "one scene");
+    assert_ok(sp_study_table("ensemble", MADE, s, NULL, &t, &err));
+    sp_table_free(&t);
+    s[MADE - 1].failed = true; /* which has nothing to average */
+    assert_ok(sp_study_table("statics", MADE, s, NULL, &t, &err));
+    sp_table_free(&t);
+}
+
 static void table_of_means(void **state) {
     (void)state;
     sp_sample s[MADE];
@@ -385,11 +408,11 @@ static void tables_without_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(table_of_speeds),       cmocka_unit_test(error_of_the_speed),
-        cmocka_unit_test(any_order_of_samples),  cmocka_unit_test(groups_with_holes),
-        cmocka_unit_test(three_sizes),           cmocka_unit_test(table_of_means),
-        cmocka_unit_test(levels_of_intervals),   cmocka_unit_test(what_is_not_averaged),
-        cmocka_unit_test(tables_without_memory),
+        cmocka_unit_test(table_of_speeds),      cmocka_unit_test(error_of_the_speed),
+        cmocka_unit_test(any_order_of_samples), cmocka_unit_test(groups_with_holes),
+        cmocka_unit_test(three_sizes),          cmocka_unit_test(unlike_materials),
+        cmocka_unit_test(table_of_means),       cmocka_unit_test(levels_of_intervals),
+        cmocka_unit_test(what_is_not_averaged), cmocka_unit_test(tables_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
