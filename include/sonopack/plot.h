@@ -11,8 +11,9 @@
 extern "C" {
 #endif
 
-/* c_tof (with error bars), c_l and c_t against p, log-log, with the published c_tof ~ 0.26 (p/1e-4)^(1/6). `ctof` is
- * the table of sp_study_table("ctof"). */
+/* c_tof, c_l and c_t with their error bars against p, log-log, with the power law of c_tof (the table's exponent; from
+ * three points on a fitted one if it has none) and the published c_tof = 0.26 (p/1e-4)^(1/6). `ctof` is the table of
+ * sp_study_table("ctof"). */
 sp_status sp_plot_ctof(const sp_table *ctof, const char *path, sp_error *err);
 
 /* Run time against error, log-log, one symbol a method, from the table of `sonopack bench` (columns case, method,
@@ -72,8 +73,8 @@ sp_status sp_plot_fronts(int tables, const sp_plot_table *table, const sp_plot_t
 sp_status sp_plot_scaling(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
 /* Mean and root mean square deviation of the signals of an ensemble, and as a band the interval low to high of the mean
- * where the table has one, from tables with
- * columns t, mean and rms. */
+ * where the table has one, from tables with columns t, mean and rms. Several tables are called by
+ * what their comments say differently (friction, ...), or else by their labels; sp_plot_spectrum calls them so, too. */
 sp_status sp_plot_ensemble(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
 /* A table of `sonopack modes': omega^2 against the number of the mode, and a b. */

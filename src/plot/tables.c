@@ -113,7 +113,7 @@ static sp_status draw_ensemble(int tables, const sp_plot_table *table, double *m
                             .zero_line = true,
                             .tight = tables > 1};
     /* the legend may stand above the frame */
-    const double aspect = tables == 1 ? 0.66 : 0.70 + 0.03 * tables;
+    const double aspect = tables == 1 ? 0.66 : 0.67 + 0.045 * tables;
     const sp_sheet sheet = {
         .title = "Signal of an ensemble", .rows = 1, .columns = 1, .panel = &panel, .aspect = aspect};
     return sp_plot_sheet(&sheet, path, err);

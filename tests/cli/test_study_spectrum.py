@@ -100,7 +100,8 @@ def check_histogram(table, samples):
 def histograms(store):
     samples = stored(store)
     table = spectrum(store)
-    assert table[1] == COLUMNS and len(table[2]) == 100
+    default = sum(len(omega) for omega, _ in samples) // 20
+    assert table[1] == COLUMNS and len(table[2]) == default and 20 < default < 100
     density = check_histogram(table, samples)
     # all modes are there: the integral and the zero modes are the degrees of freedom of a grain
     zeros = float(comment(table, "mean_zero_modes_per_grain"))
@@ -109,12 +110,19 @@ def histograms(store):
     largest = float(comment(table, "omega_max"))
     assert largest <= until < 1.1 * largest and until == float(f"{until:.1e}")
     mean, low, high = density.mean(axis=0), column(table, "density_low"), column(table, "density_high")
-    assert np.all(low <= mean + 1e-12) and np.all(high >= mean - 1e-12) and np.all(np.isfinite(low + high))
+    full = mean > 0
+    assert np.all(low[full] <= mean[full] + 1e-12) and np.all(high[full] >= mean[full] - 1e-12)
+    # where no sample has a mode nothing is known of the scatter
+    assert np.array_equal(np.isnan(low), ~full) and np.array_equal(np.isnan(high), ~full)
+    (table,) = tables(run("table", "spectrum", "--store", store, "--until", "4", "--bins", "50").stdout)
+    empty = column(table, "density") == 0
+    assert empty.sum() > 20 and np.array_equal(np.isnan(column(table, "density_high")), empty)
+    assert np.array_equal(column(table, "density_err")[empty], np.zeros(empty.sum()))
     for args in (("--bins", "7"), ("--bins", "1"), ("--until", "0.5"), ("--bins", "40", "--until", "3.7")):
         table = spectrum(store, *args)
         check_histogram(table, samples)
         options = dict(zip(args[::2], args[1::2]))
-        assert len(table[2]) == int(options.get("--bins", 100))
+        assert len(table[2]) == int(options.get("--bins", default))
         assert column(table, "high")[-1] == float(options.get("--until", until))
     assert column(spectrum(store, "--until", "0.5"), "cumulative")[-1] < 2.5  # modes above are not in it
     # the same as of one packing
@@ -145,28 +153,32 @@ def zero_modes(folder):
 
 
 def intervals(folder):
-    """Of two samples twice Student's interval for one degree of freedom; of one none."""
+    """Of two samples Student's interval for one degree of freedom; of one none."""
     store = folder / "two"
     study(store, samples=2)
     table = spectrum(store, "--bins", "10")
     density = check_histogram(table, stored(store))
-    half = 2 * 12.706204736 * abs(density[0] - density[1]) / 2
-    assert np.allclose(column(table, "density_high"), density.mean(axis=0) + half, rtol=1e-9, atol=1e-9)
-    assert np.allclose(column(table, "density_low"), density.mean(axis=0) - half, rtol=1e-9, atol=1e-9)
+    half = 12.706204736 * abs(density[0] - density[1]) / 2
+    half[density.sum(axis=0) == 0] = np.nan
+    for name, end in (("density_high", density.mean(axis=0) + half), ("density_low", density.mean(axis=0) - half)):
+        assert np.allclose(column(table, name), end, rtol=1e-9, atol=1e-9, equal_nan=True), name
     wide = spectrum(store, "--bins", "10", "--interval", "0.99")
     assert any("at level 0.99," in line for line in wide[0])
-    differ = abs(density[0] - density[1]) > 0
+    differ = half > 0
     assert differ.any()
     assert np.all(column(wide, "density_high")[differ] > column(table, "density_high")[differ])
     # more bins than are resampled at once: the same as of a few
     many = spectrum(store, "--bins", "4000")
     density = check_histogram(many, stored(store))
-    half = 2 * 12.706204736 * abs(density[0] - density[1]) / 2
-    assert np.allclose(column(many, "density_high"), density.mean(axis=0) + half, rtol=1e-9, atol=1e-9 * density.max())
+    half = 12.706204736 * abs(density[0] - density[1]) / 2
+    half[density.sum(axis=0) == 0] = np.nan
+    assert np.allclose(column(many, "density_high"), density.mean(axis=0) + half, rtol=1e-9,
+                       atol=1e-9 * density.max(), equal_nan=True)
     shutil.rmtree(store)
     study(store, samples=1)
     table = spectrum(store)
     check_histogram(table, stored(store))
+    assert len(table[2]) == 20  # the least
     for name in ("density_err", "density_low", "density_high", "cumulative_err"):
         assert np.all(np.isnan(column(table, name)))
 
@@ -340,7 +352,13 @@ def figure(folder, store):
     drawn = (folder / "dos.svg").read_text()
     # 60 corners of the steps, and a band of 120
     assert drawn.count(" L ") >= 150, drawn.count(" L ")
+    assert "\nmean, 95% interval\n" in drawn and "\ndos\n" not in drawn
     run("plot", "spectrum", tsv, csv, "-o", folder / "both.png")
+    run("table", "spectrum", "--store", store, "--bins", "30", "-o", folder / "again.tsv")
+    run("plot", "spectrum", tsv, folder / "again.tsv", "-o", folder / "both.svg")
+    drawn = (folder / "both.svg").read_text()
+    # names without endings: the comments are the same
+    assert "\ndos\nagain\nmean, 95% interval\n" in drawn, drawn[:600]
     (packing,) = [path for path in sorted(store.glob("*.h5"))[:1]]
     run("spectrum", "dos", packing, "-o", folder / "one.tsv")
     assert "one kind" in run("plot", "spectrum", tsv, folder / "one.tsv", "-o", folder / "x.svg", status=1).stderr

@@ -181,6 +181,26 @@ static void test_labels_of_ensembles(void **state) {
         sp_table_free(&t[k]);
 }
 
+/* Curves that fill the frame: the legend of two tables stands above it, and y ends where the curves do. */
+static void test_range_of_ensembles(void **state) {
+    (void)state;
+    enum { N = 400 };
+    static double cells[N][3];
+    for (int k = 0; k < N; k++) {
+        cells[k][0] = k;
+        cells[k][1] = k % 2 * 1e-3;
+        cells[k][2] = 5e-4;
+    }
+    sp_table t = table_of("t mean rms", N, cells[0]);
+    const sp_plot_table shown[2] = {{"x", &t}, {"y", &t}};
+    assert_ok(sp_plot_ensemble(2, shown, svg, &err));
+    char *text = drawn();
+    assert_non_null(strstr(text, "\n1.0\n"));
+    assert_null(strstr(text, "\n1.2\n"));
+    free(text);
+    sp_table_free(&t);
+}
+
 static void test_ensemble_modes_section(void **state) {
     (void)state;
     const double cells[3][3] = {{0, 0, 0}, {1, 1e-3, 2e-3}, {2, -1e-3, INFINITY}};
@@ -339,6 +359,7 @@ int main(void) {
                                        cmocka_unit_test(test_groups),
                                        cmocka_unit_test(test_units),
                                        cmocka_unit_test(test_labels_of_ensembles),
+                                       cmocka_unit_test(test_range_of_ensembles),
                                        cmocka_unit_test(test_ensemble_modes_section),
                                        cmocka_unit_test(test_contacts_and_motion),
                                        cmocka_unit_test(test_refusals),
