@@ -78,7 +78,7 @@ static sp_stored look(const run *r, const job *j) {
 }
 
 /* For the end, when the other process may be done with it, or gone. */
-static sp_status put_off(run *r, int64_t number, sp_error *err) {
+static sp_status remember(run *r, int64_t number, sp_error *err) {
     if (r->put_off == r->put_off_room) {
         const int64_t room = 2 * r->put_off_room + 64;
         int64_t *more = sp_alloc((size_t)room, sizeof *more);
@@ -97,14 +97,15 @@ static sp_status put_off(run *r, int64_t number, sp_error *err) {
 /* What the sink has; *make: the sample is now this thread's to make. What was made while we waited for the claim is
  * seen by the second look. A stored file that cannot be read is made again, and so are parts that the scene now
  * describes otherwise. */
-static sp_status take_stored(run *r, job *j, bool *make, sp_error *err) {
+static sp_status take_stored(run *r, job *j, bool *make, bool *put_off, sp_error *err) {
     const sp_study_sink *sink = r->sink;
     sp_status status = SP_OK;
     sp_stored stored = look(r, j);
     if (stored == SP_STORED_NOT && sink->claim) {
         status = sink->claim(sink->user, j->sample.name, &j->claimed, err);
-        if (status == SP_OK && !j->claimed)
-            return put_off(r, j->number, err);
+        *put_off = status == SP_OK && !j->claimed;
+        if (*put_off)
+            return remember(r, j->number, err);
         if (status == SP_OK)
             stored = look(r, j);
     }
@@ -139,10 +140,11 @@ static sp_status save(run *r, job *j, sp_error *err) {
     return r->sink->save(r->sink->user, &j->scene, &sample, made ? &j->packing : NULL, &j->arrays, err);
 }
 
-static void run_sample(run *r, int64_t number) {
+/* False: another process has it, and it was put off (again). */
+static bool run_sample(run *r, int64_t number) {
     job j = {.number = number, .packing = sp_packing_none(), .arrays = sp_sample_arrays_none(), .sample.height = NAN};
     sp_error reason = {0};
-    bool make = false;
+    bool make = false, put_off = false;
     sp_status status = sp_study_scene(r->study, number, &j.scene, &reason);
     if (status == SP_OK) {
         sp_sample_name(&j.scene, j.sample.name);
@@ -151,7 +153,7 @@ static void run_sample(run *r, int64_t number) {
     }
     pthread_mutex_lock(&r->lock);
     if (status == SP_OK)
-        status = take_stored(r, &j, &make, &reason);
+        status = take_stored(r, &j, &make, &put_off, &reason);
     if (status != SP_OK)
         stop_run(r, status, &reason);
     pthread_mutex_unlock(&r->lock);
@@ -177,6 +179,7 @@ static void run_sample(run *r, int64_t number) {
     }
     sp_packing_free(&j.packing);
     sp_sample_arrays_free(&j.arrays);
+    return !put_off;
 }
 
 /* Number of the next sample, below 0 when all are taken: from the order of this process, or of all of them. */
@@ -212,11 +215,10 @@ static void *work(void *user) {
     int64_t number;
     while (!atomic_load(&r->stop) && (number = take_next(r)) >= 0)
         run_sample(r, number);
-    for (int turn = 0; !atomic_load(&r->stop) && (number = take_put_off(r)) >= 0; turn++) {
+    while (!atomic_load(&r->stop) && (number = take_put_off(r)) >= 0) {
         const struct timespec wait = {.tv_nsec = another_look};
-        if (turn > 0)
+        if (!run_sample(r, number)) /* nor is it likely that the next one is free already */
             nanosleep(&wait, NULL);
-        run_sample(r, number);
         pthread_mutex_lock(&r->lock);
         r->looked_at--;
         pthread_mutex_unlock(&r->lock);
