@@ -27,7 +27,9 @@ static void check_vectors(int n, int count, const double *a, const double *w, co
             assert_close(sum, w[m] * v[m * n + r], 60 * DBL_EPSILON * sqrt(n));
         }
     assert_ok(sp_orthogonality(n, count, v, &orthogonality, &err));
-    assert_close(orthogonality, 0, 1e-13);
+    /* a small multiple of n eps (Dhillon, Parlett and Voemel, ACM Trans. Math. Softw. 32, 533, 2006); 1.0e-13 with the
+     * kernels that BLAS has for some processors, less with others */
+    assert_close(orthogonality, 0, 20 * n * DBL_EPSILON);
 }
 
 static void test_dense(void **state) {
