@@ -4,6 +4,7 @@
 #include "cli/ranks.h"
 #include "cli/tables.h"
 #include "cli/verify.h"
+#include "study/sample.h"
 
 #include <fcntl.h>
 #include <math.h>
@@ -212,11 +213,8 @@ static sp_status check_whole(const arguments *a, const sp_scene *scene, sp_store
     for (int64_t k = a->study.shard - 1; k < count && status == SP_OK; k += a->study.shards) {
         sp_scene one;
         char name[SP_NAME_MAX];
-        status = sp_study_scene(scene, k, &one, err);
-        if (status != SP_OK)
-            break;
-        sp_sample_name(&one, name);
-        missing += sink.has(sink.user, &one, name) == SP_STORED_NOT;
+        status = sp_study_sample(scene, k, &one, name, err);
+        missing += status == SP_OK && sink.has(sink.user, &one, name) == SP_STORED_NOT;
     }
     if (status == SP_OK && missing > 0 && !a->retry)
         status = sp_fail(err, SP_EIO,

@@ -5,6 +5,7 @@
 #include "cli/ranks.h"
 
 #include "base/base.h"
+#include "store/file.h"
 
 #include <math.h>
 #include <mpi.h>
@@ -69,14 +70,6 @@ static struct {
 } ranks = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 static const double settle = 2e-3; /* seconds of quick looks after something has come */
-
-/* 64-bit FNV-1a, never 0. */
-static uint64_t hash(const char *text) {
-    uint64_t h = 0xcbf29ce484222325U;
-    for (; *text; text++)
-        h = (h ^ (unsigned char)*text) * 0x100000001b3U;
-    return h ? h : 1;
-}
 
 static void ask_zero(ask kind) {
     question q = {
@@ -294,7 +287,7 @@ sp_status cli_ranks_check(const cli_ranks *group, int shards, sp_error *err) {
 
 void cli_ranks_begin(const char *what) {
     pthread_mutex_lock(&ranks.lock);
-    ranks.study = hash(what);
+    ranks.study = sp_hash64(SP_HASH64_BEGIN, what, strlen(what)) | 1; /* 0: not known yet */
     pthread_mutex_unlock(&ranks.lock);
 }
 

@@ -4,6 +4,7 @@
 #include "cli/table_signal.h"
 #include "numeric/interval.h"
 #include "store/file.h"
+#include "study/sample.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -179,12 +180,9 @@ static void judge(const sp_scene *scene, sp_sample *s) {
 static sp_status find_sample(const sp_scene *scene, int64_t k, const choice *all, sp_scene *one, int64_t *place,
                              sp_error *err) {
     char name[SP_NAME_MAX];
-    sp_status status = sp_study_scene(scene, k, one, err);
+    sp_status status = sp_study_sample(scene, k, one, name, err);
     if (status != SP_OK)
         return status;
-    sp_sample_name(one, name);
-    if (name[0] == '\0')
-        return sp_fail_memory(err, 4096);
     const sp_sample *found = bsearch(name, all->sample, (size_t)all->n, sizeof *found, find_name);
     *place = found ? found - all->sample : -1;
     return SP_OK;

@@ -1,6 +1,7 @@
 #include "cli/verify.h"
 
 #include "base/base.h"
+#include "study/sample.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -53,12 +54,9 @@ static sp_status scene_names(const sp_scene *scene, sp_store_check *check, char 
     *out = name;
     for (int64_t k = 0; k < count; k++) {
         sp_scene one;
-        sp_status status = sp_study_scene(scene, k, &one, err);
+        sp_status status = sp_study_sample(scene, k, &one, name[k], err);
         if (status != SP_OK)
             return status;
-        sp_sample_name(&one, name[k]);
-        if (name[k][0] == '\0')
-            return sp_fail_memory(err, 4096);
     }
     check->names = count;
     check->name = (const char(*)[SP_NAME_MAX])name;

@@ -1,6 +1,7 @@
 /* From the items that are wanted to the samples that they need. */
 #include "base/base.h"
 #include "paper/paper.h"
+#include "study/sample.h"
 
 #include <math.h>
 #include <string.h>
@@ -53,11 +54,9 @@ static sp_status read_samples(paper *p, const sp_scene *scene, paper_set *out, s
         sp_packing packing = sp_packing_none();
         char name[SP_NAME_MAX];
         bool found = false;
-        status = sp_study_scene(scene, k / scene->samples + k % scene->samples * combinations, &one, err);
-        if (status != SP_OK)
-            break;
-        sp_sample_name(&one, name);
-        status = sink.load(sink.user, name, &packing, &set.sample[set.n], &found, err);
+        status = sp_study_sample(scene, k / scene->samples + k % scene->samples * combinations, &one, name, err);
+        if (status == SP_OK)
+            status = sink.load(sink.user, name, &packing, &set.sample[set.n], &found, err);
         set.n += status == SP_OK && found;
         sp_packing_free(&packing);
     }

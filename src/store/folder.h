@@ -37,8 +37,8 @@ sp_status sp_store_names(const sp_store *store, sp_name_list *list, sp_error *er
 /* The sample of a name: its results, or else its failure; from the manifest where it speaks of the file as it is. */
 sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
 /* The sample, if its file is one that the manifest speaks of, or else passes the checks of sp_store_verify, how good
- * its balance is excepted: that is what the scene asked for. */
-bool sp_store_trusted(const sp_store *store, const char *name, sp_sample *out);
+ * its balance is excepted: that is what the scene asked for. Otherwise as sp_store_check_sample. */
+sp_status sp_store_trusted(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
 /* Whether it is recorded that the sample failed. A damaged record says nothing. */
 bool sp_store_has_failed(const sp_store *store, const char *name);
 /* SP_EFORMAT if the file's bytes are not those that the manifest speaks of, though size and time are. */

@@ -67,14 +67,14 @@ sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *ou
     return status;
 }
 
-bool sp_store_trusted(const sp_store *store, const char *name, sp_sample *out) {
+sp_status sp_store_trusted(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
     place file;
     if (!find_file(store, name, "h5", &file))
-        return false;
+        return sp_fail(err, SP_EIO, "no finished sample %s in the store %s", name, store->dir);
     if (recall(store, name, false, &file, out))
-        return true;
-    return sp_store_check_sample(store, name, INFINITY, NULL) == SP_OK &&
-           sp_store_sample(store, name, out, NULL) == SP_OK;
+        return SP_OK;
+    sp_status status = sp_store_check_sample(store, name, INFINITY, err);
+    return status == SP_OK ? sp_store_sample(store, name, out, err) : status;
 }
 
 bool sp_store_has_failed(const sp_store *store, const char *name) {

@@ -10,7 +10,6 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <math.h>
 #include <sonopack/store.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -167,7 +166,7 @@ static sp_stored sink_has(void *user, const sp_scene *scene, const char *name) {
     sp_sample sample;
     if (!is_name(name))
         return SP_STORED_NOT;
-    if (sp_store_trusted(store, name, &sample)) {
+    if (sp_store_trusted(store, name, &sample, NULL) == SP_OK) {
         const sp_stored stored = sp_sample_stored(scene, &sample);
         return stored == SP_STORED_FAILED && store->retry ? SP_STORED_NOT : stored;
     }
@@ -194,8 +193,7 @@ static sp_status sink_load(void *user, const char *name, sp_packing *packing, sp
     if (!is_name(name) || !sp_store_holds(store, name, "h5"))
         return SP_OK;
     sp_record r;
-    sp_status status =
-        sp_store_trusted(store, name, sample) ? SP_OK : sp_store_check_sample(store, name, INFINITY, NULL);
+    sp_status status = sp_store_trusted(store, name, sample, NULL);
     if (status == SP_EFORMAT || status == SP_EFAILED)
         return make_room(store, name, "h5", err); /* one to make anew */
     status = sp_store_get(store, name, packing, false, &r, err);

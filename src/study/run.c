@@ -145,12 +145,7 @@ static bool run_sample(run *r, int64_t number) {
     job j = {.number = number, .packing = sp_packing_none(), .arrays = sp_sample_arrays_none(), .sample.height = NAN};
     sp_error reason = {0};
     bool make = false, put_off = false;
-    sp_status status = sp_study_scene(r->study, number, &j.scene, &reason);
-    if (status == SP_OK) {
-        sp_sample_name(&j.scene, j.sample.name);
-        if (j.sample.name[0] == '\0')
-            status = sp_fail_memory(&reason, 4096);
-    }
+    sp_status status = sp_study_sample(r->study, number, &j.scene, j.sample.name, &reason);
     pthread_mutex_lock(&r->lock);
     if (status == SP_OK)
         status = take_stored(r, &j, &make, &put_off, &reason);

@@ -9,6 +9,9 @@
 /* FNV-1a of 128 bits as 32 hexadecimal digits. */
 void sp_hash128(const void *data, size_t size, char text[SP_NAME_MAX]);
 
+/* Scene and name of sample k of a study. */
+sp_status sp_study_sample(const sp_scene *study, int64_t k, sp_scene *scene, char name[SP_NAME_MAX], sp_error *err);
+
 /* What tells one signal of a sample from another: a hash of the scene's keys of the group `signal'; 0: no memory. */
 uint64_t sp_signal_keys(const sp_scene *scene);
 

@@ -1,4 +1,5 @@
 #include "base/base.h"
+#include "study/sample.h"
 
 #include <sonopack/study.h>
 #include <string.h>
@@ -44,4 +45,11 @@ sp_status sp_study_scene(const sp_scene *study, int64_t k, sp_scene *out, sp_err
         return status;
     *out = scene;
     return SP_OK;
+}
+
+sp_status sp_study_sample(const sp_scene *study, int64_t k, sp_scene *scene, char name[SP_NAME_MAX], sp_error *err) {
+    sp_status status = sp_study_scene(study, k, scene, err);
+    if (status == SP_OK)
+        sp_sample_name(scene, name);
+    return status == SP_OK && name[0] == '\0' ? sp_fail_memory(err, 4096) : status;
 }
