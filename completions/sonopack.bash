@@ -6,7 +6,7 @@ _sonopack_options() {
 
 _sonopack() {
     local program=${COMP_WORDS[0]} current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}
-    local commands='pack check statics moduli modes spectrum signal front wave study table reproduce chain plot convert bench help'
+    local commands='pack check statics moduli modes spectrum signal front wave study table reproduce chain column plot convert bench help'
     local command='' word
     COMPREPLY=()
     for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
@@ -81,7 +81,7 @@ _sonopack() {
             mapfile -t COMPREPLY < <(compgen -W 'signal long many damped modes moduli pack' -- "$current")
         elif [ "$command" = plot ] && [ "$previous" = plot ]; then
             mapfile -t COMPREPLY < <(compgen -W 'ctof signal network stiffness angles forces snapshot fronts scaling
-                ensemble pareto spectrum dispersion mode modes' -- "$current")
+                ensemble pareto spectrum dispersion wave column mode modes' -- "$current")
         elif [ "$command" = chain ] && [ "$previous" = chain ]; then
             mapfile -t COMPREPLY < <(compgen -W 'front signal modes' -- "$current")
         elif [ "$command" = spectrum ] && [ "$previous" = spectrum ]; then

@@ -13,7 +13,15 @@
 extern "C" {
 #endif
 
-typedef enum sp_mark { SP_MARK_NONE = 0, SP_MARK_CIRCLE, SP_MARK_SQUARE, SP_MARK_TRIANGLE, SP_MARK_DIAMOND } sp_mark;
+/* Dots are small and let each other shine through: clouds of up to millions of points, drawn as an image. */
+typedef enum sp_mark {
+    SP_MARK_NONE = 0,
+    SP_MARK_CIRCLE,
+    SP_MARK_SQUARE,
+    SP_MARK_TRIANGLE,
+    SP_MARK_DIAMOND,
+    SP_MARK_DOT
+} sp_mark;
 typedef enum sp_dash { SP_DASH_SOLID = 0, SP_DASH_DASHED, SP_DASH_DOTTED, SP_DASH_DASH_DOT, SP_DASH_NONE } sp_dash;
 
 typedef struct sp_curve {

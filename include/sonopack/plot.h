@@ -6,6 +6,7 @@
 #include <sonopack/packing.h>
 #include <sonopack/status.h>
 #include <sonopack/table.h>
+#include <stdbool.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -93,6 +94,17 @@ sp_status sp_plot_section(int records, const sp_plot_record *record, const char 
  * law alpha ~ k^(dimension + 1) through the long waves. Points where a logarithmic axis has no place for alpha are left
  * out. */
 sp_status sp_plot_wave(int tables, const sp_plot_table *table, const char *path, sp_error *err);
+
+typedef struct sp_plot_column_options {
+    bool surface;       /* of a trajectory or densities: y over particle and time, as of several tables */
+    const char *column; /* of a bifurcation: y1, y2, ...; NULL: y1 */
+} sp_plot_column_options;
+/* Tables of `sonopack column', by their columns: trajectories with the floor and the starts of the taps; several of
+ * them, or densities, as surfaces of one scale and view; density and positions after each tap; Lyapunov exponents;
+ * bifurcations, as dots, with a table of Lyapunov exponents below; differences of the models; density along the column;
+ * energies. options may be NULL. SP_EINVAL for others, and for several that make no figure together. */
+sp_status sp_plot_column(int tables, const sp_plot_table *table, const sp_plot_column_options *options,
+                         const char *path, sp_error *err);
 
 #ifdef __cplusplus
 }

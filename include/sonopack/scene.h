@@ -3,6 +3,7 @@
 /* A scene: what the user describes and wants, checked. Files in libconfig syntax; one field table gives name, unit,
  * range, default and meaning to the parser, to `sonopack help scene` and to the stored copy. */
 
+#include <sonopack/column.h>
 #include <sonopack/packing.h>
 #include <sonopack/signal.h>
 #include <sonopack/status.h>
@@ -51,6 +52,8 @@ typedef struct sp_scene {
     bool dimension_given;          /* else packing.dimension is that of a swept packing.kind */
     double *diameters;             /* of a list, where this scene owns it: pack.diameters points there */
     double *history;               /* likewise */
+    sp_column_spec column;         /* no packing, and no sample of a study, depends on it */
+    double *masses, *radii;        /* of lists, where this scene owns them: column.mass and column.radius point there */
     char from[SP_FROM_MAX]; /* packing.file, from the current folder; "": none. Whoever makes packings of it reads it */
 } sp_scene;
 
@@ -62,7 +65,9 @@ void sp_scene_free(sp_scene *s);
  * Errors name file, line, key, value and range; unknown keys are errors with the nearest known name.
  * SP_EINVAL for every wrong scene, a missing or unreadable file included. */
 sp_status sp_scene_read(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err);
-/* The same from text; name stands for the file in messages. */
+/* The same for the tapped column: the column is checked (sp_column_check), and no packing. */
+sp_status sp_scene_read_column(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err);
+/* sp_scene_read from text; name stands for the file in messages. */
 sp_status sp_scene_parse(const char *text, const char *name, int overrides, char *const *override, sp_scene *out,
                          sp_error *err);
 /* SP_EINVAL if an override is hidden by a sweep of the same key: for what makes all samples of a scene. One packing
@@ -83,8 +88,9 @@ sp_status sp_scene_take(sp_scene *s, const sp_sweep *sweep, int k, sp_error *err
  * where size is too small. Returns buf, empty where there is no such key or value. */
 const char *sp_sweep_text(const sp_sweep *sweep, int k, char *buf, size_t size);
 
-/* Every key of group ("packing", "network", "signal", "study" or NULL for all) with its value at full precision, in
- * the syntax of a scene file: reading it back gives the same scene bit for bit. Caller frees. NULL: no memory. */
+/* Every key of group ("packing", "network", "signal", "study", "column", or NULL for all but "column", of which no
+ * sample is made) with its value at full precision, in the syntax of a scene file: reading it back gives the same
+ * values bit for bit. Caller frees. NULL: no memory. */
 char *sp_scene_text(const sp_scene *s, const char *group);
 /* The field table as text for `sonopack help scene`. Caller frees. */
 char *sp_scene_help(void);

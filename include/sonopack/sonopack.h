@@ -3,6 +3,7 @@
 /* sonopack: sound in compressed granular packings. All public headers. */
 #include <sonopack/chain.h>
 #include <sonopack/coherent.h>
+#include <sonopack/column.h>
 #include <sonopack/counts.h>
 #include <sonopack/elastic.h>
 #include <sonopack/figure.h>

@@ -41,6 +41,7 @@ struct arguments {
     cli_common common;
     const kind *kind;
     const char *store, *only, *column, *sample;
+    bool surface;
     int64_t mode; /* < 0: not given */
     double time;  /* < 0: not given */
     int files;
@@ -277,6 +278,12 @@ static sp_status draw_wave(const arguments *a, const sp_scene *scene, sp_error *
     return draw_tables(a, scene, PLOT_WAVE, err);
 }
 
+static sp_status draw_column(const arguments *a, const sp_scene *scene, sp_error *err) {
+    (void)scene;
+    const sp_plot_column_options options = {.surface = a->surface, .column = a->column};
+    return blame(plot_column_files(&a->common, &options, a->files, a->file, err), a->file[0], err);
+}
+
 static const kind kinds[] = {{"ctof", draw_ctof, 1, true, ""},
                              {"signal", draw_signal, 1 << 16, false, "network signal"},
                              {"network", draw_network, 1, false, "network"},
@@ -292,23 +299,27 @@ static const kind kinds[] = {{"ctof", draw_ctof, 1, true, ""},
                              {"fronts", draw_fronts, 32, false, "network signal"},
                              {"scaling", draw_scaling, 32, false, ""},
                              {"ensemble", draw_ensemble, 6, false, ""},
-                             {"wave", draw_wave, 6, false, ""}};
+                             {"wave", draw_wave, 6, false, ""},
+                             {"column", draw_column, 6, false, ""}};
 #define KIND_NAMES                                                                                                     \
     "ctof, signal, network, stiffness, angles, forces, snapshot, fronts, scaling, ensemble, pareto, spectrum, "        \
-    "dispersion, wave, mode or modes"
+    "dispersion, wave, column, mode or modes"
 
 /* ---- the command ------------------------------------------------------------------------------------------------ */
 
-enum { KEY_STORE = 0x1000, KEY_CASE, KEY_MODE, KEY_COLUMN, KEY_TIME, KEY_SIGNAL };
+enum { KEY_STORE = 0x1000, KEY_CASE, KEY_MODE, KEY_COLUMN, KEY_TIME, KEY_SIGNAL, KEY_SURFACE };
 
 static const struct argp_option options[] = {
     {"store", KEY_STORE, "DIR", 0, "ctof: of the samples in this folder, instead of a table", 0},
     {"case", KEY_CASE, "CASE", 0, "pareto: of this case, instead of the table's first", 0},
-    {"column", KEY_COLUMN, "alpha|k|speed", 0, "spectrum, of harmonic: instead of the force", 0},
+    {"column", KEY_COLUMN, "NAME", 0,
+     "spectrum, of harmonic: alpha, k or speed instead of the force; column, of bifurcations: y2, ... instead of y1",
+     0},
     {"mode", KEY_MODE, "N", 0, "mode: its number in `sonopack modes' (the first that is no zero mode)", 0},
     {"time", KEY_TIME, "T", 0, "snapshot: after the pulse (3.2 H (p/1e-4)^(-1/6): the wave is well on its way)", 0},
     {"signal", KEY_SIGNAL, "FILE", 0, "fronts: a signal or packing whose front shows in an inset what the marks are",
      0},
+    {"surface", KEY_SURFACE, NULL, 0, "column: a trajectory or densities as a surface over particle and time", 0},
     {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 
@@ -317,6 +328,13 @@ static const kind *find_kind(const char *name) {
         if (strcmp(kinds[k].name, name) == 0)
             return &kinds[k];
     return NULL;
+}
+
+static bool column_fits(const arguments *a) {
+    const char *c = a->column;
+    if (a->kind->draw == draw_column)
+        return c[0] == 'y' && c[1] >= '1' && c[1] <= '9' && c[1 + strspn(c + 1, "0123456789")] == '\0';
+    return strcmp(c, "alpha") == 0 || strcmp(c, "k") == 0 || strcmp(c, "speed") == 0;
 }
 
 static void check(const arguments *a, struct argp_state *state) {
@@ -330,8 +348,15 @@ static void check(const arguments *a, struct argp_state *state) {
         argp_error(state, "--time: only plot snapshot draws one time");
     else if (a->sample && a->kind->draw != draw_fronts)
         argp_error(state, "--signal: only plot fronts has an inset with a signal");
-    else if (a->column && a->kind->draw != draw_spectrum)
-        argp_error(state, "--column: only plot spectrum draws a column of a harmonic response");
+    else if (a->column && a->kind->draw != draw_spectrum && a->kind->draw != draw_column)
+        argp_error(state,
+                   "--column: only plot spectrum draws a column of a harmonic response, and plot column one of a "
+                   "bifurcation");
+    else if (a->column && !column_fits(a))
+        argp_error(state, "--column %.60s: must be %s", a->column,
+                   a->kind->draw == draw_column ? "y1, y2, ..." : "alpha, k or speed");
+    else if (a->surface && a->kind->draw != draw_column)
+        argp_error(state, "--surface: only plot column draws one");
     else if (a->store && a->files > 0)
         argp_error(state, "%s: must be a file or --store, not both", a->file[0]);
     else if (a->only && a->kind->draw != draw_pareto)
@@ -362,11 +387,8 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         return 0;
     case KEY_SIGNAL: a->sample = arg; return 0;
     case KEY_CASE: a->only = arg; return 0;
-    case KEY_COLUMN:
-        if (strcmp(arg, "alpha") != 0 && strcmp(arg, "k") != 0 && strcmp(arg, "speed") != 0)
-            argp_error(state, "--column %.60s: must be alpha, k or speed", arg);
-        a->column = arg;
-        return 0;
+    case KEY_COLUMN: a->column = arg; return 0;
+    case KEY_SURFACE: a->surface = true; return 0;
     case ARGP_KEY_ARG:
         if (a->kind)
             return ARGP_ERR_UNKNOWN; /* the rest are files */
@@ -409,7 +431,10 @@ static const struct argp argp = {
     "lines, and scaling: local exponents gamma and alpha, of tables of `sonopack table scaling' or `planes', `sonopack "
     "chain front' or (fronts) `sonopack front'. wave: phase speed and attenuation against the wave number, of tables "
     "of "
-    "`sonopack wave', and Rayleigh's alpha = a k^(dimension + 1) through the points with alpha below k/10. --set "
+    "`sonopack wave', and Rayleigh's alpha = a k^(dimension + 1) through the points with alpha below k/10. column: a "
+    "table of `sonopack column' (trajectory, strobe, lyapunov, bifurcation, compare, density or energy); several "
+    "trajectories, of lattice, longwave and bsr, as surfaces side by side, two columns of print wide; a bifurcation "
+    "and a table of lyapunov one above the other. --set "
     "changes keys of network and signal.",
     children,
     NULL,

@@ -33,6 +33,7 @@ static const struct command {
     {"table", cmd_table, "tables of a finished or running study"},
     {"wave", cmd_wave, "phase speed and attenuation of the coherent wave inside packings"},
     {"chain", cmd_chain, "the chain of equal balls in closed form, of any length"},
+    {"column", cmd_column, "the tapped column of particles, as lattice and as continuum"},
     {"reproduce", cmd_reproduce, "a paper's tables and figures beside our own values"},
     {"plot", cmd_plot, "figures"},
     {"convert", cmd_convert, "import and export of packings"},

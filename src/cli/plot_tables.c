@@ -50,29 +50,59 @@ static sp_status draw(const cli_common *common, plot_tables_kind kind, int files
     return SP_EINVAL;
 }
 
-sp_status plot_tables_files(const cli_common *common, const sp_scene *scene, plot_tables_kind kind, const char *sample,
-                            int files, char **file, sp_error *err) {
-    sp_table *table = sp_alloc((size_t)files, sizeof *table);
-    sp_plot_table *shown = sp_alloc((size_t)files, sizeof *shown);
-    char(*name)[PLOT_NAME] = sp_alloc((size_t)files, sizeof *name);
-    sp_status status = table && shown && name ? SP_OK : sp_fail_memory(err, (size_t)files * sizeof *table);
+/* Tables of files, with the names that they have in a legend. */
+typedef struct tables {
+    int files;
+    sp_table *table;
+    sp_plot_table *shown;
+    char (*name)[PLOT_NAME];
+} tables;
+
+static sp_status read_tables(int files, char **file, tables *out, sp_error *err) {
+    *out = (tables){.files = files, .table = sp_alloc((size_t)files, sizeof *out->table)};
+    out->shown = sp_alloc((size_t)files, sizeof *out->shown);
+    out->name = sp_alloc((size_t)files, sizeof *out->name);
+    if (!out->table || !out->shown || !out->name)
+        return sp_fail_memory(err, (size_t)files * sizeof *out->table);
+    sp_status status = SP_OK;
     bool packing = false;
     for (int k = 0; k < files && status == SP_OK; k++) {
         status = plot_is_packing(file[k], &packing, err);
         if (status == SP_OK && packing)
             status = sp_fail(err, SP_EFORMAT, "%s: a packing, must be a table", file[k]);
         if (status == SP_OK)
-            status = plot_read_table(file[k], &table[k], err);
+            status = plot_read_table(file[k], &out->table[k], err);
         if (status == SP_OK)
-            shown[k] = (sp_plot_table){plot_name(file[k], name[k]), &table[k]};
+            out->shown[k] = (sp_plot_table){plot_name(file[k], out->name[k]), &out->table[k]};
     }
+    return status;
+}
+
+static void free_tables(tables *t) {
+    for (int k = 0; k < t->files && t->table; k++)
+        sp_table_free(&t->table[k]);
+    sp_free(t->table);
+    sp_free(t->shown);
+    sp_free(t->name);
+}
+
+sp_status plot_tables_files(const cli_common *common, const sp_scene *scene, plot_tables_kind kind, const char *sample,
+                            int files, char **file, sp_error *err) {
+    tables t;
+    sp_status status = read_tables(files, file, &t, err);
     if (status == SP_OK)
-        status =
-            sample ? draw_with_sample(common, scene, sample, files, shown, err) : draw(common, kind, files, shown, err);
-    for (int k = 0; k < files && table; k++)
-        sp_table_free(&table[k]);
-    sp_free(table);
-    sp_free(shown);
-    sp_free(name);
+        status = sample ? draw_with_sample(common, scene, sample, files, t.shown, err)
+                        : draw(common, kind, files, t.shown, err);
+    free_tables(&t);
+    return status;
+}
+
+sp_status plot_column_files(const cli_common *common, const sp_plot_column_options *options, int files, char **file,
+                            sp_error *err) {
+    tables t;
+    sp_status status = read_tables(files, file, &t, err);
+    if (status == SP_OK)
+        status = sp_plot_column(files, t.shown, options, common->output, err);
+    free_tables(&t);
     return status;
 }

@@ -1,6 +1,6 @@
 #ifndef SP_CLI_PLOT_TABLES_H
 #define SP_CLI_PLOT_TABLES_H
-/* Figures of tables of fronts, of ensembles, of modes and of waves. */
+/* Figures of tables of fronts, of ensembles, of modes, of waves and of the tapped column. */
 
 #include "cli/cli.h"
 
@@ -12,5 +12,8 @@ const char *plot_name(const char *path, char out[PLOT_NAME]);
 /* sample: a signal for the inset of fronts, or NULL. */
 sp_status plot_tables_files(const cli_common *common, const sp_scene *scene, plot_tables_kind kind, const char *sample,
                             int files, char **file, sp_error *err);
+/* Tables of `sonopack column'. */
+sp_status plot_column_files(const cli_common *common, const sp_plot_column_options *options, int files, char **file,
+                            sp_error *err);
 
 #endif

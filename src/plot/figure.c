@@ -40,6 +40,7 @@ void marker_draw_sized(canvas *c, marker shape, const double at[2], bool open, c
     cairo_new_path(cr);
     switch (shape) {
     case MARKER_NONE: return;
+    case MARKER_DOT: cairo_arc(cr, x, y, 0.5 * r, 0.0, 6.283185307179586); break;
     case MARKER_CIRCLE: cairo_arc(cr, x, y, r, 0.0, 6.283185307179586); break;
     case MARKER_SQUARE: cairo_rectangle(cr, x - 0.89 * r, y - 0.89 * r, 1.78 * r, 1.78 * r); break;
     case MARKER_TRIANGLE:
@@ -209,7 +210,9 @@ void figure_paint(const figure *f) {
     paint_curves(f);
     axes_draw(&f->axes, f->canvas);
     for (int k = 0; k < f->n; k++)
-        if (f->series[k].marker != MARKER_NONE)
+        if (f->series[k].marker == MARKER_DOT)
+            figure_dots(f, &f->series[k]);
+        else if (f->series[k].marker != MARKER_NONE)
             draw_markers(f, &f->series[k]);
 }
 

@@ -7,7 +7,14 @@
 
 #include <stdint.h>
 
-typedef enum marker { MARKER_NONE = 0, MARKER_CIRCLE, MARKER_SQUARE, MARKER_TRIANGLE, MARKER_DIAMOND } marker;
+typedef enum marker {
+    MARKER_NONE = 0,
+    MARKER_CIRCLE,
+    MARKER_SQUARE,
+    MARKER_TRIANGLE,
+    MARKER_DIAMOND,
+    MARKER_DOT
+} marker;
 enum { DASH_NONE = -1, DASH_SOLID = 0, DASH_DASHED, DASH_DOTTED, DASH_DASH_DOT, DASHES };
 enum { INKS = 7, LEGEND_GROUPS = 2 }; /* figure_ink(0) is black */
 
@@ -41,6 +48,9 @@ void figure_draw(figure *f);
 
 /* Everything but the legend, on axes that are laid out. */
 void figure_paint(const figure *f);
+
+/* The points of a series as a cloud of dots, by their number the smaller and the lighter; an image in every format. */
+void figure_dots(const figure *f, const series *s);
 
 /* Parts that other drawings use. */
 void figure_dash(canvas *c, int dash);

@@ -41,7 +41,7 @@ static sp_status check_curve(const maker *m, int j, sp_error *err) {
     if (!k->lower != !k->upper)
         return sp_fail(err, SP_EINVAL, "%s, curve %d: one edge of a band, must be both or none", m->name, j + 1);
     if (k->ink < -1 || k->ink >= INKS || (int)k->dash < 0 || k->dash > SP_DASH_NONE || (int)k->mark < 0 ||
-        k->mark > SP_MARK_DIAMOND)
+        k->mark > SP_MARK_DOT)
         return sp_fail(err, SP_EINVAL, "%s, curve %d: ink %d, dash %d, mark %d: no such one", m->name, j + 1, k->ink,
                        (int)k->dash, (int)k->mark);
     if (!(k->width >= 0) || isinf(k->width))

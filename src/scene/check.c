@@ -211,3 +211,9 @@ sp_status sp_reader_check(sp_reader *r) {
         status = check_wants(&r->scene, r->err);
     return status == SP_OK ? check_packings(r, combinations, listed) : status;
 }
+
+sp_status sp_reader_check_column(sp_reader *r) {
+    int listed = 0;
+    sp_status status = sp_join_sweeps(r, &listed);
+    return status == SP_OK ? sp_column_check(&r->scene.column, r->err) : status;
+}

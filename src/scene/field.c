@@ -39,11 +39,31 @@ static const sp_word wants[] = {{"packings", 0},
                                 {"scaling", SP_WANT_SCALING},
                                 {"spectrum", SP_WANT_SPECTRUM},
                                 {NULL, 0}};
+static const sp_word column_models[] = {{"lattice", SP_COLUMN_LATTICE}, {"longwave", SP_COLUMN_LONGWAVE},
+                                        {"bsr", SP_COLUMN_BSR},         {"eq35", SP_COLUMN_EQ35},
+                                        {"eq37", SP_COLUMN_EQ37},       {NULL, 0}};
+static const sp_word column_methods[] = {
+    {"event", SP_COLUMN_EVENT}, {"smooth", SP_COLUMN_SMOOTH}, {"rk4", SP_COLUMN_RK4}, {NULL, 0}};
+static const sp_word column_bsrs[] = {{"conservative", SP_COLUMN_BSR_CONSERVATIVE},
+                                      {"literal", SP_COLUMN_BSR_LITERAL},
+                                      {"signed", SP_COLUMN_BSR_SIGNED},
+                                      {NULL, 0}};
+static const sp_word column_outputs[] = {{"trajectory", SP_COLUMN_TRAJECTORY}, {"strobe", SP_COLUMN_STROBE},
+                                         {"lyapunov", SP_COLUMN_LYAPUNOV},     {"bifurcation", SP_COLUMN_BIFURCATION},
+                                         {"energy", SP_COLUMN_ENERGY},         {"density", SP_COLUMN_DENSITY},
+                                         {"compare", SP_COLUMN_COMPARE},       {NULL, 0}};
+static const sp_word column_parameters[] = {{"amplitude", SP_COLUMN_BY_AMPLITUDE},
+                                            {"period", SP_COLUMN_BY_PERIOD},
+                                            {"frequency", SP_COLUMN_BY_FREQUENCY},
+                                            {"e", SP_COLUMN_BY_RESTITUTION},
+                                            {NULL, 0}};
 
 _Static_assert(sizeof(sp_pack_kind) == sizeof(unsigned) && sizeof(sp_signal_method) == sizeof(unsigned) &&
                    sizeof(sp_source) == sizeof(unsigned) && sizeof(sp_sizes) == sizeof(unsigned) &&
                    sizeof(sp_compression) == sizeof(unsigned) && sizeof(sp_protocol) == sizeof(unsigned) &&
-                   sizeof(int) == sizeof(int32_t),
+                   sizeof(sp_column_model) == sizeof(unsigned) && sizeof(sp_column_method) == sizeof(unsigned) &&
+                   sizeof(sp_column_bsr) == sizeof(unsigned) && sizeof(sp_column_output) == sizeof(unsigned) &&
+                   sizeof(sp_column_parameter) == sizeof(unsigned) && sizeof(int) == sizeof(int32_t),
                "words are stored as unsigned, integers as 32 bits");
 
 #define AT(member) offsetof(sp_scene, member)
@@ -143,6 +163,57 @@ const sp_field sp_fields[] = {
     {"study", "sweep", SP_FIELD_SWEEP, AT(sweep), "", 0, 0, NULL,
      "every combination of these: ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... ), and of keys that "
      "are given lists or ranges"},
+
+    {"column", "particles", SP_FIELD_INT, AT(column.particles), "", 1, 1e6, NULL,
+     "of the tapped column (cm, g, s), one above the other on a floor"},
+    {"column", "frequency", SP_FIELD_REAL, AT(column.frequency), "Hz", 1e-6, 1e9, NULL,
+     "of the half sine that the floor goes through at the start of each period"},
+    {"column", "period", SP_FIELD_REAL, AT(column.period), "s", 1e-9, 1e9, NULL,
+     "from the start of a tap to that of the next: at least the length of a tap, 1/(2 frequency)"},
+    {"column", "taps", SP_FIELD_INT, AT(column.taps), "", 0, 1e8, NULL,
+     "how many, of diagrams those that count; 0: 4, of lyapunov 1000, of bifurcation 50"},
+    {"column", "amplitude", SP_FIELD_REAL, AT(column.amplitude), "cm", 0, 1e6, NULL,
+     "height of the half sine; 0: the floor rests"},
+    {"column", "e", SP_FIELD_REAL, AT(column.e), "", 0, 1, NULL,
+     "of Walton and Braun, below 1: the stiffness is K(1 + e) while a contact closes and K(1 - e) while it opens"},
+    {"column", "stiffness", SP_FIELD_REAL, AT(column.stiffness), "g/s^2", 0, 1e30, NULL,
+     "K of the contacts, large enough to carry the column; 0: 2 N m g/r"},
+    {"column", "gravity", SP_FIELD_REAL, AT(column.gravity), "cm/s^2", 1e-9, 1e9, NULL, "acceleration downwards"},
+    {"column", "drop", SP_FIELD_REAL, AT(column.drop), "cm", -1, 1e6, NULL,
+     "height from which the column, just touching, falls onto the floor; below 0: it starts at rest"},
+    {"column", "mass", SP_FIELD_REALS, 0, "g", 1e-12, 1e12, NULL,
+     "of the particles, one number or several, repeated from the floor upwards"},
+    {"column", "radius", SP_FIELD_REALS, 0, "cm", 1e-12, 1e12, NULL,
+     "of the particles, one number or several, repeated from the floor upwards"},
+    {"column", "model", SP_FIELD_WORD, AT(column.model), "", 0, 0, column_models,
+     "particles; a long-wave continuum; density and velocity over the height; equations that are refused with a "
+     "reason"},
+    {"column", "method", SP_FIELD_WORD, AT(column.method), "", 0, 0, column_methods,
+     "of the lattice: from event to event, exact; smoothed contacts; fixed steps, of first order, which creeps"},
+    {"column", "bsr", SP_FIELD_WORD, AT(column.bsr), "", 0, 0, column_bsrs,
+     "which: one that carries a column; as it was printed; with signs put right (both of these collapse)"},
+    {"column", "output", SP_FIELD_WORD, AT(column.output), "", 0, 0, column_outputs,
+     "the table that is made; compare: long wave and bsr against the lattice"},
+    {"column", "step", SP_FIELD_REAL, AT(column.step), "s", 0, 1e9, NULL,
+     "between the rows of trajectory, density and compare; 0: period/100"},
+    {"column", "alpha_v", SP_FIELD_REAL, AT(column.alpha_v), "s/cm", 1e-9, 1e9, NULL,
+     "slope of tanh in the place of the sign of velocities, where that is smoothed"},
+    {"column", "alpha_x", SP_FIELD_REAL, AT(column.alpha_x), "1/cm", 0, 1e12, NULL,
+     "slope of tanh in the place of the step at touching, method smooth; 0: the step itself"},
+    {"column", "time_step", SP_FIELD_REAL, AT(column.time_step), "s", 0, 1e9, NULL,
+     "of longwave, bsr and rk4; 0: the largest stable one, of rk4 one that resolves a contact"},
+    {"column", "tolerance", SP_FIELD_REAL, AT(column.tolerance), "", 1e-14, 0.1, NULL,
+     "relative, of a step of method smooth"},
+    {"column", "cells", SP_FIELD_INT, AT(column.cells), "", 1, 1000, NULL,
+     "of the grid of longwave and bsr, for each particle"},
+    {"column", "parameter", SP_FIELD_WORD, AT(column.parameter), "", 0, 0, column_parameters,
+     "what the diagrams lyapunov and bifurcation go through"},
+    {"column", "from", SP_FIELD_REAL, AT(column.from), "", 0, 1e9, NULL,
+     "first value of the parameter; 0 with one point: the one that the scene gives it"},
+    {"column", "to", SP_FIELD_REAL, AT(column.to), "", 0, 1e9, NULL, "last value of the parameter"},
+    {"column", "points", SP_FIELD_INT, AT(column.points), "", 1, 1e8, NULL, "equally spaced values of the parameter"},
+    {"column", "transient", SP_FIELD_INT, AT(column.transient), "", 0, 1e8, NULL,
+     "taps of each point of a diagram before those that count"},
 };
 
 _Static_assert(sizeof sp_fields / sizeof *sp_fields == SP_FIELDS, "the table is complete");
@@ -182,11 +253,19 @@ bool sp_field_is_history(const sp_field *f) { return strcmp(f->name, "history") 
 
 bool sp_field_is_planes(const sp_field *f) { return strcmp(f->name, "planes") == 0; }
 
+bool sp_field_is_column(const sp_field *f) { return strcmp(f->group, "column") == 0; }
+
+bool sp_field_is_masses(const sp_field *f) { return sp_field_is_column(f) && strcmp(f->name, "mass") == 0; }
+
+bool sp_field_is_radii(const sp_field *f) { return sp_field_is_column(f) && strcmp(f->name, "radius") == 0; }
+
 bool sp_field_is_scalar(const sp_field *f) {
     return sp_field_is_number(f) || f->type == SP_FIELD_BOOL || f->type == SP_FIELD_WORD;
 }
 
 const char *sp_field_not_swept(const sp_field *f) {
+    if (sp_field_is_column(f))
+        return "its diagrams go through column.parameter, from column.from to column.to";
     if (f->type == SP_FIELD_PATH)
         return "all samples of a study begin with one packing";
     if (f->type == SP_FIELD_FILE)
@@ -233,7 +312,7 @@ const char *sp_field_right(const sp_field *f, char *buf, size_t size) {
         snprintf(buf, size, "a list ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... )");
         break;
     case SP_FIELD_REALS:
-        snprintf(buf, size, "a list [%s, ...] of numbers %s .. %s %s",
+        snprintf(buf, size, "%sa list [%s, ...] of numbers %s .. %s %s", sp_field_is_column(f) ? "one number or " : "",
                  sp_field_is_history(f)  ? "1e-3, 1e-5"
                  : sp_field_is_planes(f) ? "12.5, 25"
                                          : "0.9, 1.1",

@@ -15,7 +15,7 @@ typedef enum sp_field_type {
     SP_FIELD_WORD,  /* an enumeration: one of words */
     SP_FIELD_LIST,  /* unsigned bits: a list of words */
     SP_FIELD_SWEEP, /* sp_scene.sweep */
-    SP_FIELD_REALS, /* a list: diameters and history, which the scene owns and `pack' shows, or planes */
+    SP_FIELD_REALS, /* a list: diameters, history, masses and radii, which the scene owns, or planes */
     SP_FIELD_FILE,  /* name of a file that is read in place of SP_FIELD_REALS, and forgotten */
     SP_FIELD_PATH   /* name of a file that is kept: char [SP_FROM_MAX] */
 } sp_field_type;
@@ -42,7 +42,7 @@ typedef struct sp_number {
     double real; /* also set for integers */
 } sp_number;
 
-enum { SP_FIELDS = 45 };
+enum { SP_FIELDS = 71 };
 extern const sp_field sp_fields[SP_FIELDS];
 int sp_field_index(const sp_field *f);
 /* The field of "group.name", NULL if there is none. */
@@ -77,9 +77,14 @@ sp_status sp_sweep_store(sp_scene *s, const sp_field *f, const sp_sweep *sweep, 
 /* Makes these the scene's diameters; they are freed with it. NULL and 0: none. */
 void sp_scene_take_diameters(sp_scene *s, double *diameters, int32_t count);
 void sp_scene_take_history(sp_scene *s, double *history, int32_t count);
-/* Whether a list is packing.history, or signal.planes, and not packing.diameters. */
+void sp_scene_take_masses(sp_scene *s, double *masses, int32_t count);
+void sp_scene_take_radii(sp_scene *s, double *radii, int32_t count);
+/* Whether a list is packing.history, signal.planes, column.mass or column.radius, and not packing.diameters. */
 bool sp_field_is_history(const sp_field *f);
 bool sp_field_is_planes(const sp_field *f);
+bool sp_field_is_masses(const sp_field *f);
+bool sp_field_is_radii(const sp_field *f);
+bool sp_field_is_column(const sp_field *f); /* of the group column */
 
 /* Number of single-letter changes, insertions, removals and swaps of neighbours that turn one word into the other;
  * letters above 63 are left out. */

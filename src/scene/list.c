@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static sp_status too_many(const sp_reader *r, int64_t count) {
-    return sp_fail(r->err, SP_EINVAL, "packing.diameters: %lld numbers: must be %d at the most", (long long)count,
-                   SP_DIAMETERS_MAX);
+static sp_status too_many(const sp_reader *r, const sp_field *f, int64_t count) {
+    return sp_fail(r->err, SP_EINVAL, "%s.%s: %lld numbers: must be %d at the most", f->group, f->name,
+                   (long long)count, SP_DIAMETERS_MAX);
 }
 
 sp_status sp_reader_length(const sp_reader *r, const sp_field *f, const config_setting_t *list) {
@@ -19,7 +19,7 @@ sp_status sp_reader_length(const sp_reader *r, const sp_field *f, const config_s
     if (sp_field_is_history(f) && count > SP_HISTORY_MAX)
         return sp_fail(r->err, SP_EINVAL, "packing.history: %d pressures: must be %d at the most", count,
                        SP_HISTORY_MAX);
-    return count > SP_DIAMETERS_MAX ? too_many(r, count) : SP_OK;
+    return count > SP_DIAMETERS_MAX ? too_many(r, f, count) : SP_OK;
 }
 
 sp_status sp_reader_list(sp_reader *r, const sp_field *f, const config_setting_t *list, double *out) {
@@ -58,8 +58,43 @@ static sp_status read_planes(sp_reader *r, const sp_field *f, const config_setti
     return SP_OK;
 }
 
+/* The scene owns the values now. */
+static void take(sp_scene *s, const sp_field *f, double *values, int32_t count) {
+    if (sp_field_is_history(f))
+        sp_scene_take_history(s, values, count);
+    else if (sp_field_is_masses(f))
+        sp_scene_take_masses(s, values, count);
+    else if (sp_field_is_radii(f))
+        sp_scene_take_radii(s, values, count);
+    else
+        sp_scene_take_diameters(s, values, count);
+}
+
+/* One number of a key that may have several. */
+static sp_status read_single(sp_reader *r, const sp_field *f, const sp_number *number) {
+    sp_status status = sp_field_check(f, number, r->err);
+    double *values = status == SP_OK ? sp_alloc(1, sizeof *values) : NULL;
+    if (!values)
+        return status == SP_OK ? sp_fail_memory(r->err, sizeof *values) : status;
+    values[0] = number->real;
+    take(&r->scene, f, values, 1);
+    return SP_OK;
+}
+
+static sp_status list_of_lists(const sp_reader *r, const sp_field *f) {
+    const char *reason = sp_field_not_swept(f);
+    if (reason)
+        return sp_fail(r->err, SP_EINVAL, "%s.%s cannot be swept: %s: must be one list", f->group, f->name, reason);
+    return sp_fail(r->err, SP_EINVAL,
+                   "%s.%s: a list of lists: must be one list here, study.sweep sweeps it: ( { key = \"%s.%s\"; "
+                   "values = ( [...], [...] ); } )",
+                   f->group, f->name, f->group, f->name);
+}
+
 sp_status sp_read_reals(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
-    const bool history = sp_field_is_history(f);
+    sp_number number;
+    if (sp_field_is_column(f) && sp_reader_number(setting, &number))
+        return read_single(r, f, &number);
     if (!config_setting_is_list(setting))
         return sp_reader_wrong(r, f, setting);
     if (sp_field_is_planes(f))
@@ -69,11 +104,8 @@ sp_status sp_read_reals(sp_reader *r, const sp_field *f, const config_setting_t 
         return status;
     const int count = config_setting_length(setting);
     if (count > 0 && config_setting_is_list(config_setting_get_elem(setting, 0)))
-        return sp_fail(r->err, SP_EINVAL,
-                       "%s.%s: a list of lists: must be one list here, study.sweep sweeps it: ( { key = \"%s.%s\"; "
-                       "values = ( [...], [...] ); } )",
-                       f->group, f->name, f->group, f->name);
-    if (r->overrides && !history)
+        return list_of_lists(r, f);
+    if (r->overrides && strcmp(f->name, "diameters") == 0)
         r->list[0] = '\0';
     double *values = count > 0 ? sp_alloc((size_t)count, sizeof *values) : NULL;
     if (count > 0 && !values)
@@ -81,10 +113,8 @@ sp_status sp_read_reals(sp_reader *r, const sp_field *f, const config_setting_t 
     status = sp_reader_list(r, f, setting, values);
     if (status != SP_OK)
         sp_free(values);
-    else if (history)
-        sp_scene_take_history(&r->scene, values, count);
     else
-        sp_scene_take_diameters(&r->scene, values, count);
+        take(&r->scene, f, values, count);
     return status;
 }
 
@@ -148,7 +178,7 @@ static sp_status read_lines(sp_reader *r, const sp_field *range, const char *tex
         if (!is_blank(line, end)) {
             double value = NAN;
             if (used == SP_DIAMETERS_MAX)
-                return too_many(r, (int64_t)used + 1);
+                return too_many(r, range, (int64_t)used + 1);
             if (!number_of_line(line, end, &value) || !(value >= range->low && value <= range->high))
                 return sp_fail(r->err, SP_EINVAL,
                                "%s:%lld: \"%.*s\": must be one number %g .. %g %s, # begins a comment", r->list,

@@ -120,7 +120,7 @@ static sp_status unknown_group(const sp_reader *r, const char *name) {
     }
     if (near)
         return sp_fail(r->err, SP_EINVAL, "unknown group %.60s: did you mean %s?", name, near);
-    return sp_fail(r->err, SP_EINVAL, "unknown group %.60s: must be packing, network, signal or study", name);
+    return sp_fail(r->err, SP_EINVAL, "unknown group %.60s: must be packing, network, signal, study or column", name);
 }
 
 static sp_status read_key(sp_reader *r, const char *group, const config_setting_t *setting) {
@@ -299,8 +299,11 @@ static sp_status locate(const sp_reader *r, sp_status status) {
     return r->name ? sp_fail_prefix(r->err, "%s", r->name) : status;
 }
 
-static sp_status read_all(const char *text, const char *name, int overrides, char *const *override, sp_scene *out,
-                          sp_error *err) {
+/* The finished scene as a whole. */
+typedef sp_status (*scene_check)(sp_reader *r);
+
+static sp_status read_all(const char *text, const char *name, int overrides, char *const *override, scene_check check,
+                          sp_scene *out, sp_error *err) {
     sp_error own = {0}; /* so that reasons can be built up where the caller wants none */
     sp_reader r = {.scene = sp_scene_default(), .name = text && !name ? "scene" : name, .err = err ? err : &own};
     sp_status status = text ? read_text(&r, text) : SP_OK;
@@ -310,7 +313,7 @@ static sp_status read_all(const char *text, const char *name, int overrides, cha
             sp_fail_prefix(r.err, "--set");
     }
     if (status == SP_OK)
-        status = locate(&r, sp_reader_check(&r));
+        status = locate(&r, check(&r));
     if (status == SP_OK)
         *out = r.scene;
     else
@@ -322,16 +325,25 @@ static sp_status read_all(const char *text, const char *name, int overrides, cha
 
 sp_status sp_scene_parse(const char *text, const char *name, int overrides, char *const *override, sp_scene *out,
                          sp_error *err) {
-    return read_all(text, name, overrides, override, out, err);
+    return read_all(text, name, overrides, override, sp_reader_check, out, err);
 }
 
-sp_status sp_scene_read(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err) {
+static sp_status read_file(const char *path, int overrides, char *const *override, scene_check check, sp_scene *out,
+                           sp_error *err) {
     if (!path)
-        return read_all(NULL, NULL, overrides, override, out, err);
+        return read_all(NULL, NULL, overrides, override, check, out, err);
     char *text = NULL;
     sp_status status = sp_source_load(path, "scene", &text, err);
     if (status == SP_OK)
-        status = read_all(text, path, overrides, override, out, err);
+        status = read_all(text, path, overrides, override, check, out, err);
     sp_free(text);
     return status;
+}
+
+sp_status sp_scene_read(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err) {
+    return read_file(path, overrides, override, sp_reader_check, out, err);
+}
+
+sp_status sp_scene_read_column(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err) {
+    return read_file(path, overrides, override, sp_reader_check_column, out, err);
 }

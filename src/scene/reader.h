@@ -26,9 +26,9 @@ bool sp_reader_number(const config_setting_t *setting, sp_number *out);
 /* NULL: none of the field's words. */
 const sp_word *sp_reader_word(const sp_field *f, const config_setting_t *setting);
 
-/* packing.diameters, packing.history and signal.planes. */
+/* packing.diameters, packing.history, signal.planes, column.mass and column.radius. */
 sp_status sp_read_reals(sp_reader *r, const sp_field *f, const config_setting_t *setting);
-/* The numbers of a list of packing.diameters or packing.history, checked; out has room for its length. */
+/* The numbers of such a list but signal.planes, checked; out has room for its length. */
 sp_status sp_reader_list(sp_reader *r, const sp_field *f, const config_setting_t *list, double *out);
 /* SP_EINVAL for a list that is longer than such a list may be. */
 sp_status sp_reader_length(const sp_reader *r, const sp_field *f, const config_setting_t *list);
@@ -54,5 +54,7 @@ sp_status sp_read_range(sp_reader *r, const sp_field *f, const config_setting_t 
 sp_status sp_read_sweep_number(sp_reader *r, const sp_field *f, const config_setting_t *setting, double *out);
 /* The finished scene as a whole; a reason begins with the key where one is to blame. */
 sp_status sp_reader_check(sp_reader *r);
+/* Of its column alone. */
+sp_status sp_reader_check_column(sp_reader *r);
 
 #endif

@@ -10,7 +10,8 @@ sp_scene sp_scene_default(void) {
                   .network = sp_network_options_default(),
                   .signal = sp_signal_options_default(),
                   .samples = 1,
-                  .want = SP_WANT_CTOF};
+                  .want = SP_WANT_CTOF,
+                  .column = sp_column_spec_default()};
     s.signal.until = 0; /* as far as each packing needs: sp_signal_window() */
     return s;
 }
@@ -35,9 +36,27 @@ void sp_scene_take_history(sp_scene *s, double *history, int32_t count) {
     s->pack.history_count = count;
 }
 
+void sp_scene_take_masses(sp_scene *s, double *masses, int32_t count) {
+    sp_free(s->masses);
+    s->masses = masses;
+    s->column.mass = masses;
+    s->column.masses = count;
+}
+
+void sp_scene_take_radii(sp_scene *s, double *radii, int32_t count) {
+    sp_free(s->radii);
+    s->radii = radii;
+    s->column.radius = radii;
+    s->column.radii = count;
+}
+
 void sp_scene_free(sp_scene *s) {
     if (s->history)
         sp_scene_take_history(s, NULL, 0);
+    if (s->masses)
+        sp_scene_take_masses(s, NULL, 0);
+    if (s->radii)
+        sp_scene_take_radii(s, NULL, 0);
     sp_scene_free_sweeps(s);
     if (s->diameters)
         sp_scene_take_diameters(s, NULL, 0);

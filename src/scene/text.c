@@ -125,6 +125,10 @@ static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
             put_reals(w, s->pack.history, s->pack.history_count);
         else if (sp_field_is_planes(f))
             put_reals(w, s->plane, s->planes);
+        else if (sp_field_is_masses(f))
+            put_reals(w, s->column.mass, s->column.masses);
+        else if (sp_field_is_radii(f))
+            put_reals(w, s->column.radius, s->column.radii);
         else
             put_reals(w, s->pack.diameters, s->pack.diameter_count);
         break;
@@ -148,7 +152,9 @@ char *sp_scene_text(const sp_scene *s, const char *group) {
     const char *open = NULL; /* the group under way */
     for (int k = 0; k < SP_FIELDS; k++) {
         const sp_field *f = &sp_fields[k];
-        if ((group && strcmp(group, f->group) != 0) || left_out(s, f, group))
+        if (group ? strcmp(group, f->group) != 0 : sp_field_is_column(f))
+            continue;
+        if (left_out(s, f, group))
             continue;
         if (!open || strcmp(open, f->group) != 0)
             put(&w, "%s%s = {\n", open ? "};\n" : "", f->group);
@@ -180,7 +186,10 @@ char *sp_scene_help(void) {
         "Keys that are lists themselves are swept by study.sweep. What makes another sample may be swept: packing and\n"
         "network, without packing.file, packing.content and packing.diameter_file, and signal.source. Values of\n"
         "packing.seed must differ by study.samples. The packing that `sonopack pack' makes has the first value of a\n"
-        "list or range in the place of a value. --set takes both, too.\n";
+        "list or range in the place of a value. --set takes both, too.\n\n"
+        "The group column is that of `sonopack column' alone, in cm, g and s; what is made of the other groups does "
+        "not\n"
+        "depend on it, nor the column on them.\n";
     writer w = {0};
     sp_scene s = sp_scene_default();
     put(&w, "%s", head);

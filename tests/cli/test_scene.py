@@ -18,7 +18,10 @@ KEYS = """packing.kind packing.file packing.content packing.dimension packing.gr
     packing.piston_mass packing.gas_fraction packing.time_step packing.calm packing.drag packing.calm_damping
     packing.viscous_limit packing.max_steps network.threshold network.prestress network.sliding_free
     signal.method signal.source signal.until signal.points signal.tolerance signal.planes study.samples
-    study.want study.sweep""".split()
+    study.want study.sweep column.particles column.frequency column.period column.taps column.amplitude column.e
+    column.stiffness column.gravity column.drop column.mass column.radius column.model column.method column.bsr
+    column.output column.step column.alpha_v column.alpha_x column.time_step column.tolerance column.cells
+    column.parameter column.from column.to column.points column.transient""".split()
 WRONG = [  # a scene, and what its reason must say
     ("packing = {\n  pressure = 10;\n};", "SCENE:2: packing.pressure = 10: must be 1e-10 .. 0.01"),
     ("packing = { pressure = 1e-12; };", "packing.pressure = 1e-12: must be"),

@@ -133,6 +133,20 @@ static void draw_number(sp_scene *s, const sp_field *f, uint64_t *random) {
     assert_ok(sp_field_store(s, f, &(sp_number){.real = value}, &err));
 }
 
+/* Every key: the column has to be asked for. */
+static char *text_of_all(const sp_scene *s) {
+    char *samples = sp_scene_text(s, NULL), *column = sp_scene_text(s, "column");
+    assert_non_null(samples);
+    assert_non_null(column);
+    assert_null(strstr(samples, "column"));
+    char *text = sp_alloc(strlen(samples) + strlen(column) + 1, 1);
+    assert_non_null(text);
+    strcat(strcpy(text, samples), column);
+    sp_free(samples);
+    sp_free(column);
+    return text;
+}
+
 static void text_reads_back_bit_for_bit(void **state) {
     (void)state;
     uint64_t random = 20240607;
@@ -167,11 +181,23 @@ static void text_reads_back_bit_for_bit(void **state) {
         s.want = (unsigned)draw(&random) % 256 & ~(unsigned)(s.planes > 0 ? 0 : SP_WANT_PLANES);
         s.network.prestress = draw(&random) & 1;
         s.signal.method = draw(&random) % 3;
-        char *text = sp_scene_text(&s, NULL);
-        assert_non_null(text);
+        double lists[8];
+        for (int k = 0; k < 8; k++)
+            lists[k] = exp(4 * ((double)(draw(&random) >> 11) * 0x1p-53) - 2);
+        s.column.masses = 1 + (int32_t)(draw(&random) % 4);
+        s.column.radii = 1 + (int32_t)(draw(&random) % 4);
+        s.column.mass = lists;
+        s.column.radius = lists + 4;
+        s.column.output = draw(&random) % 7;
+        s.column.parameter = draw(&random) % 4;
+        char *text = text_of_all(&s);
         assert_ok(parse(text, &back, &err));
-        char *again = sp_scene_text(&back, NULL);
+        char *again = text_of_all(&back);
         assert_string_equal(text, again);
+        assert_true(s.column.output == back.column.output && s.column.parameter == back.column.parameter);
+        assert_true(s.column.masses == back.column.masses && s.column.radii == back.column.radii);
+        assert_memory_equal(lists, back.column.mass, sizeof *lists * (size_t)s.column.masses);
+        assert_memory_equal(lists + 4, back.column.radius, sizeof *lists * (size_t)s.column.radii);
         for (int k = 0; k < SP_FIELDS; k++) {
             const double drawn = sp_field_is_number(&sp_fields[k]) ? sp_field_load(&s, &sp_fields[k]).real : 0;
             const double read = sp_field_is_number(&sp_fields[k]) ? sp_field_load(&back, &sp_fields[k]).real : 0;
@@ -278,7 +304,7 @@ static void unknown_names_meet_the_nearest(void **state) {
     refuses("pressure = 1e-4;", "s.cfg:1: unknown key pressure: did you mean packing.pressure?");
     refuses("packin = { pressure = 1e-4; };", "unknown group packin: did you mean packing?");
     refuses("qqqqqqqqqq = { pressure = 1e-4; };",
-            "unknown group qqqqqqqqqq: must be packing, network, signal or study");
+            "unknown group qqqqqqqqqq: must be packing, network, signal, study or column");
     refuses("packing = { xyzzy = 1; };", "unknown key packing.xyzzy: must be one");
     refuses_set("packing.presure=1e-4", "did you mean packing.pressure?");
     refuses_set("=1", "unknown key");

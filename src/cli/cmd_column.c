@@ -1,0 +1,98 @@
+/* sonopack column: a stack of particles on a floor that is tapped. */
+#include "base/base.h"
+#include "cli/cli.h"
+#include "column/table.h"
+
+#include <string.h>
+
+typedef struct arguments {
+    cli_common common;
+    const char *scene;
+    double begun;
+} arguments;
+
+static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+    arguments *a = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
+    case ARGP_KEY_ARG:
+        if (a->scene)
+            argp_error(state, "%.60s: must be one scene only", arg);
+        a->scene = arg;
+        return 0;
+    default: return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp argp = {
+    NULL,
+    parse,
+    "[SCENE]",
+    "A vertical column of particles on a floor that is tapped, by the keys column.* of a scene (cm, g, s); "
+    "column.output "
+    "says which table.\v"
+    "trajectory: floor and particles at every column.step. strobe: particles and density of the whole at .99T, 1.99T, "
+    "... of each tap. energy: work of the floor and what the contacts took, a row a tap, with the time to rest (nan: "
+    "none) and the smallest separation of two centres, when, and at which contact (0 is that with the floor). density: "
+    "along the column. compare: distance of the long-wave and the bsr continuum from the particles. lyapunov: largest "
+    "exponent a tap over column.parameter; bifurcation: particles at .99T, ... over it, after column.transient "
+    "taps.\n\n"
+    "Without a SCENE it is that of packings/column.cfg. Comments say every parameter that was used. Lines \"warning: "
+    "...\", which stand in the table and on stderr, say "
+    "where the model is at its end: where a particle is pressed beyond its neighbour's centre (1), or a method or "
+    "equation does not give what the column does.\n\n"
+    "  sonopack column packings/column.cfg\n"
+    "  sonopack column packings/column.cfg --set column.output=strobe --set column.particles=10 -o strobe.tsv\n"
+    "  sonopack column --set column.particles=1 --set column.amplitude=0 --set column.drop=1",
+    children,
+    NULL,
+    NULL};
+
+static bool watch(double share, void *user) {
+    const arguments *a = user;
+    const double spent = sp_clock_wall() - a->begun;
+    if (spent > 1) /* what takes less needs no bar */
+        cli_progress(&a->common, "column", share, spent * (1 - share) / share);
+    return !cli_stopped();
+}
+
+/* What its comments warn of, on stderr. */
+static void warn(const arguments *a, const sp_table *t) {
+    for (int k = 0; k < t->comments; k++)
+        if (strncmp(t->comment[k], "warning: ", strlen("warning: ")) == 0)
+            cli_note(&a->common, "%s", t->comment[k]);
+}
+
+static sp_status make(arguments *a, const sp_scene *scene, sp_table *t, sp_error *err) {
+    cli_catch_signals();
+    a->begun = sp_clock_wall();
+    sp_status status =
+        sp_column_table_watched(&scene->column, a->common.threads, (sp_column_watcher){watch, a}, t, err);
+    cli_progress_end(&a->common);
+    return status;
+}
+
+static sp_status work(arguments *a, sp_scene *scene, sp_table *t, sp_error *err) {
+    sp_status status = cli_may_write_table(&a->common, err);
+    if (status == SP_OK)
+        status = sp_scene_read_column(a->scene, a->common.sets, a->common.set, scene, err);
+    if (status == SP_OK)
+        status = make(a, scene, t, err);
+    if (status == SP_OK)
+        warn(a, t);
+    return status == SP_OK ? cli_write_table(&a->common, t, err) : status;
+}
+
+int cmd_column(int argc, char **argv) {
+    arguments a = {0};
+    argp_parse(&argp, argc, argv, 0, NULL, &a);
+    sp_error err = {0};
+    sp_scene scene = sp_scene_default();
+    sp_table t = sp_table_none();
+    sp_status status = work(&a, &scene, &t, &err);
+    sp_table_free(&t);
+    sp_scene_free(&scene);
+    return status == SP_OK ? CLI_OK : cli_fail(&err);
+}

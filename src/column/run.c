@@ -1,0 +1,62 @@
+/* One column, one run: the chosen model, and what it reports. */
+#include "base/base.h"
+#include "column/column.h"
+
+static sp_column_solver *solver_of(const sp_column_spec *c) {
+    switch (c->model) {
+    case SP_COLUMN_LATTICE:
+        return c->method == SP_COLUMN_EVENT    ? sp_column_run_events
+               : c->method == SP_COLUMN_SMOOTH ? sp_column_run_smooth
+                                               : sp_column_run_rk4;
+    case SP_COLUMN_LONGWAVE: return sp_column_run_longwave;
+    case SP_COLUMN_BSR:
+        return c->bsr == SP_COLUMN_BSR_CONSERVATIVE ? sp_column_run_conservative : sp_column_run_literal;
+    case SP_COLUMN_EQ35:
+    case SP_COLUMN_EQ37: break;
+    }
+    return sp_column_refuse_printed;
+}
+
+static sp_status make_report(const sp_column_spec *c, sp_column_report *r, sp_error *err) {
+    *r = (sp_column_report){.violated_at = NAN, .violated = -1};
+    r->tap = sp_alloc((size_t)c->taps, sizeof *r->tap);
+    if (!r->tap)
+        return sp_fail_memory(err, (size_t)c->taps * sizeof *r->tap);
+    r->taps = c->taps;
+    for (int32_t k = 0; k < c->taps; k++)
+        r->tap[k] = (sp_column_tap){.rest = NAN, .separation = INFINITY, .at = NAN};
+    return SP_OK;
+}
+
+void sp_column_report_free(sp_column_report *r) {
+    sp_free(r->tap);
+    *r = (sp_column_report){.violated_at = NAN, .violated = -1};
+}
+
+static sp_status check_times(const sp_column_spec *c, int64_t n, const double *t, sp_error *err) {
+    double end = c->taps * c->period * (1 + 1e-12);
+    for (int64_t i = 0; i < n; i++)
+        if (!(t[i] >= (i > 0 ? t[i - 1] : 0) && t[i] <= end))
+            return sp_fail(err, SP_EINVAL, "time %lld, %.17g s: must be ascending, from 0 to %.17g s", (long long)i + 1,
+                           t[i], c->taps * c->period);
+    return SP_OK;
+}
+
+sp_status sp_column_run(const sp_column_spec *spec, int64_t n, const double *t, sp_column_row row, void *user,
+                        sp_column_report *report, sp_error *err) {
+    sp_column_report made = {0};
+    sp_column_spec own = *spec, *c = &own;
+    own.taps = sp_column_taps(spec);
+    sp_status status = sp_column_check(c, err);
+    if (status == SP_OK)
+        status = check_times(c, n, t, err);
+    if (status == SP_OK)
+        status = make_report(c, &made, err);
+    if (status == SP_OK)
+        status = solver_of(c)(c, n, t, row, user, &made, err);
+    if (status == SP_OK && report)
+        *report = made;
+    else
+        sp_column_report_free(&made);
+    return status;
+}

@@ -1,0 +1,90 @@
+/* Figures of the tapped column: which one the tables make. */
+#include "plot/canvas.h"
+#include "plot/column_table.h"
+
+#include "base/base.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { TABLES_MOST = 6 };
+
+static bool all_have_shape(int tables, const stack_table *s) {
+    bool all = true;
+    for (int k = 0; k < tables; k++)
+        all = all && (s[k].output == STACK_TRAJECTORY || s[k].output == STACK_DENSITY);
+    return all;
+}
+
+/* Bifurcation and exponents, in any order. */
+static bool make_diagram(int tables, const stack_table *s, const stack_table *of[2]) {
+    of[0] = of[1] = NULL;
+    for (int k = 0; k < tables; k++) {
+        if (s[k].output != STACK_BIFURCATION && s[k].output != STACK_LYAPUNOV)
+            return false;
+        const int which = s[k].output == STACK_LYAPUNOV;
+        if (of[which])
+            return false;
+        of[which] = &s[k];
+    }
+    return true;
+}
+
+static sp_status draw_diagram(const stack_table *const of[2], const char *wanted, const char *path, sp_error *err) {
+    int column = -1;
+    if (of[0]) {
+        column = stack_column(of[0], wanted ? wanted : "y1");
+        if (column < of[0]->first || column >= of[0]->first + of[0]->particles)
+            return sp_fail(err, SP_EINVAL, "the table has no column %.40s of positions, must be y1 to y%d", wanted,
+                           of[0]->particles);
+    }
+    return stack_draw_diagram(of[0], column, of[1], path, err);
+}
+
+static sp_status draw_one(const stack_table *s, const char *path, sp_error *err) {
+    switch (s->output) {
+    case STACK_STROBE: return stack_draw_strobe(s, path, err);
+    case STACK_COMPARE: return stack_draw_compare(s, path, err);
+    case STACK_DENSITY: return stack_draw_density(s, path, err);
+    case STACK_ENERGY: return stack_draw_energy(s, path, err);
+    case STACK_TRAJECTORY:
+    case STACK_LYAPUNOV:
+    case STACK_BIFURCATION: break;
+    }
+    return stack_draw_trajectory(s, path, err);
+}
+
+static sp_status draw(int tables, const stack_table *s, const sp_plot_column_options *o, const char *path,
+                      sp_error *err) {
+    const stack_table *of[2];
+    const bool diagram = make_diagram(tables, s, of), surface = tables > 1 || o->surface;
+    if (o->column && !(diagram && of[0]))
+        return sp_fail(err, SP_EINVAL, "column %.40s: only a bifurcation is drawn of one column", o->column);
+    if (o->surface && !all_have_shape(tables, s))
+        return sp_fail(err, SP_EINVAL, "a surface is drawn of trajectories (t y0 y1 ...) or densities alone");
+    if (diagram)
+        return draw_diagram(of, o->column, path, err);
+    if (surface && all_have_shape(tables, s))
+        return stack_draw_surfaces(tables, s, path, err);
+    if (tables > 1)
+        return sp_fail(err, SP_EINVAL,
+                       "%d tables that make no figure together: must be trajectories, or a bifurcation and Lyapunov "
+                       "exponents",
+                       tables);
+    return draw_one(s, path, err);
+}
+
+sp_status sp_plot_column(int tables, const sp_plot_table *table, const sp_plot_column_options *options,
+                         const char *path, sp_error *err) {
+    static const sp_plot_column_options none = {0};
+    stack_table s[TABLES_MOST];
+    sp_status status = canvas_check(path, err);
+    if (status == SP_OK && (tables < 1 || tables > TABLES_MOST))
+        status = sp_fail(err, SP_EINVAL, "%d tables: a figure shows 1 to %d", tables, TABLES_MOST);
+    for (int k = 0; k < tables && status == SP_OK; k++) {
+        status = stack_find(&table[k], &s[k], err);
+        if (status != SP_OK && tables > 1)
+            sp_fail_prefix(err, "table %d", k + 1);
+    }
+    return status == SP_OK ? draw(tables, s, options ? options : &none, path, err) : status;
+}

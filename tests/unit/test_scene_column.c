@@ -1,0 +1,155 @@
+/* The group column of a scene: its lists, its check, and that nothing else depends on it. */
+#include "test.h"
+
+#include "base/base.h"
+#include "scene/field.h"
+#include "study/sample.h"
+
+#include <sonopack/scene.h>
+#include <sonopack/study.h>
+
+static sp_status parse(const char *text, sp_scene *out, sp_error *err) {
+    return sp_scene_parse(text, "s.cfg", 0, NULL, out, err);
+}
+
+static sp_status column_of(const char *override, sp_scene *out, sp_error *err) {
+    char *list[] = {(char *)(uintptr_t) override};
+    return sp_scene_read_column(NULL, override ? 1 : 0, list, out, err);
+}
+
+static void refuses(const char *override, const char *reason) {
+    sp_scene s;
+    memset(&s, 0x5a, sizeof s);
+    const sp_scene before = s;
+    assert_fails(column_of(override, &s, &err), SP_EINVAL, reason);
+    assert_fails(column_of(override, &s, &err), SP_EINVAL, "--set");
+    assert_memory_equal(&s, &before, sizeof s);
+}
+
+static void defaults_are_those_of_the_column(void **state) {
+    (void)state;
+    const sp_column_spec c = sp_column_spec_default();
+    sp_scene s;
+    assert_ok(column_of(NULL, &s, &err));
+    assert_true(s.column.particles == c.particles && s.column.frequency == c.frequency && s.column.e == c.e);
+    assert_true(s.column.masses == 1 && s.column.mass[0] == 1 && s.column.radii == 1 && s.column.radius[0] == 1);
+    assert_true(s.masses == NULL && s.radii == NULL);
+    sp_scene_free(&s);
+    assert_true(sp_scene_get(&s, "column.amplitude") == c.amplitude);
+}
+
+static void lists_are_one_number_or_several(void **state) {
+    (void)state;
+    sp_scene s;
+    assert_ok(parse("column = { mass = 2; radius = [1, 0.5, 1]; };", &s, &err));
+    assert_int_equal(s.column.masses, 1);
+    assert_int_equal(s.column.radii, 3);
+    assert_true(s.column.mass[0] == 2 && s.column.radius[1] == 0.5);
+    assert_ptr_equal(s.column.mass, s.masses);
+    sp_scene_free(&s);
+    assert_ok(column_of("column.mass=1,2, 3", &s, &err));
+    assert_true(s.column.masses == 3 && s.column.mass[2] == 3);
+    sp_scene_free(&s);
+    assert_ok(column_of("column.mass=0.5", &s, &err));
+    assert_true(s.column.masses == 1 && s.column.mass[0] == 0.5);
+    sp_scene_free(&s);
+
+    refuses("column.mass=0", "column.mass = 0: must be one number or a list");
+    refuses("column.mass=[1, 0]", "column.mass = 0: must be");
+    refuses("column.radius=[1, -1]", "column.radius = -1: must be");
+    refuses("column.radius=1e13", "1e-12 .. 1000000000000 cm");
+    refuses("column.mass=[]", "column.mass: must have one value or more");
+    refuses("column.mass=heavy", "column.mass = \"heavy\"");
+}
+
+static void each_check_is_for_its_own(void **state) {
+    (void)state;
+    char bad_packing[] = "packing.width=1", bad_column[] = "column.e=1", *packing[] = {bad_packing},
+         *column[] = {bad_column};
+    sp_scene s;
+    assert_ok(sp_scene_read(NULL, 1, column, &s, &err)); /* a packing has nothing to do with it */
+    sp_scene_free(&s);
+    assert_fails(sp_scene_read_column(NULL, 1, column, &s, &err), SP_EINVAL, "column.e = 1: must be");
+    assert_fails(sp_scene_read(NULL, 1, packing, &s, &err), SP_EINVAL, "packing.width");
+    assert_ok(sp_scene_read_column(NULL, 1, packing, &s, &err));
+    sp_scene_free(&s);
+}
+
+static void bounds_are_named(void **state) {
+    (void)state;
+    refuses("column.particles=0", "column.particles = 0: must be an integer 1 .. 1000000");
+    refuses("column.e=1", "column.e = 1: must be at least 0 and below 1");
+    refuses("column.e=1.5", "column.e = 1.5: must be 0 .. 1");
+    refuses("column.e=nan", "column.e = \"nan\"");
+    refuses("column.stiffness=4903", "must be above 4903.");
+    refuses("column.period=0.05", "column.frequency");
+    refuses("column.step=-0.01", "column.step = -0.01: must be");
+    refuses("column.model=string", "must be lattice, longwave, bsr, eq35 or eq37");
+}
+
+static void columns_are_not_swept(void **state) {
+    (void)state;
+    sp_scene s;
+    refuses("column.amplitude=[1, 1.06]", "column.amplitude cannot be swept: its diagrams go through column.parameter");
+    refuses("column.model=[lattice, bsr]", "column.model cannot be swept");
+    refuses("column.mass=([1], [2])", "column.mass cannot be swept");
+    assert_fails(parse("study = { sweep = ( { key = \"column.e\"; values = [0, 0.1]; } ); };", &s, &err), SP_EINVAL,
+                 "study.sweep: key \"column.e\" cannot be swept: its diagrams go through");
+}
+
+/* A store that was made without this group is found again with it. */
+static void samples_do_not_know_it(void **state) {
+    (void)state;
+    sp_scene plain, other;
+    char names[2][SP_NAME_MAX];
+    assert_ok(parse("packing = { kind = \"chain\"; grains = 5; };", &plain, &err));
+    assert_ok(parse("packing = { kind = \"chain\"; grains = 5; };"
+                    "column = { e = 0.5; mass = [1, 2]; output = \"energy\"; };",
+                    &other, &err));
+    sp_sample_name(&plain, names[0]);
+    sp_sample_name(&other, names[1]);
+    assert_string_equal(names[0], names[1]);
+    assert_string_not_equal(names[0], "");
+    assert_true(sp_signal_keys(&plain) == sp_signal_keys(&other));
+    char *one = sp_scene_text(&plain, NULL), *two = sp_scene_text(&other, NULL);
+    assert_string_equal(one, two);
+    sp_free(one);
+    sp_free(two);
+    sp_scene sample;
+    assert_ok(sp_study_scene(&other, 0, &sample, &err));
+    sp_scene_free(&sample); /* lists stay the study's */
+    assert_true(other.column.mass[1] == 2);
+    sp_scene_free(&plain);
+    sp_scene_free(&other);
+}
+
+static void lack_of_memory(void **state) {
+    (void)state;
+    char mass[] = "column.mass=[1, 2]", radius[] = "column.radius=2", *list[] = {mass, radius};
+    sp_status status = SP_ENOMEM;
+    int failures = 0;
+    for (int64_t after = 0; status == SP_ENOMEM; after++) {
+        sp_scene s;
+        sp_alloc_fail_after(after);
+        status = sp_scene_read_column(NULL, 2, list, &s, NULL);
+        sp_alloc_fail_after(-1);
+        failures += status == SP_ENOMEM;
+        if (status == SP_OK)
+            sp_scene_free(&s);
+    }
+    assert_int_equal(status, SP_OK);
+    assert_true(failures >= 4); /* texts and lists of two keys */
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(defaults_are_those_of_the_column),
+        cmocka_unit_test(lists_are_one_number_or_several),
+        cmocka_unit_test(each_check_is_for_its_own),
+        cmocka_unit_test(bounds_are_named),
+        cmocka_unit_test(columns_are_not_swept),
+        cmocka_unit_test(samples_do_not_know_it),
+        cmocka_unit_test(lack_of_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
