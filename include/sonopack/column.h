@@ -79,9 +79,9 @@ typedef struct sp_column_spec {
     double step;           /* between rows of a trajectory [s]; 0: T/100 */
     double alpha_v;        /* of (30), for velocities [s/cm]; long wave, BSR and smooth lattice */
     double alpha_x;        /* of (30), for lengths [1/cm], smooth lattice; 0: the sharp step */
-    double time_step;      /* of continua and of RK4 [s]; 0: the largest stable one (RK4: one that resolves it) */
-    double tolerance;      /* of the smooth lattice, relative */
-    int32_t cells;         /* of continua: grid cells a particle */
+    double time_step; /* of continua and of RK4 [s]; 0: one that resolves the fastest motion, as far as it is stable */
+    double tolerance; /* of the smooth lattice, relative */
+    int32_t cells;    /* of continua: grid cells a particle */
     sp_column_parameter parameter;
     double from, to;   /* of the parameter */
     int32_t points;    /* of it, equally spaced; 1 and from 0: the spec's own value */
@@ -129,7 +129,7 @@ typedef struct sp_column_report {
     double violated_at;    /* first time at which ordering (1) was violated [s]; NAN: never */
     int32_t violated;      /* contact of that violation, -1: none */
     int64_t events, steps;
-    double error;     /* bound of what one step leaves out, relative (lattice); of mass (BSR) */
+    double error;     /* largest part of the state that a step leaves out (lattice); of mass (BSR) */
     double time_step; /* that was used, where it is fixed [s] */
 } sp_column_report;
 void sp_column_report_free(sp_column_report *r);
@@ -141,6 +141,16 @@ sp_status sp_column_run(const sp_column_spec *c, int64_t n, const double *t, sp_
                         sp_column_report *report, sp_error *err);
 /* The table of c->output; diagrams with `threads` threads, the same for any number of them. */
 sp_status sp_column_table(const sp_column_spec *c, int threads, sp_table *out, sp_error *err);
+/* The share of the work that is done, 0 .. 1. false stops it: SP_EINTERRUPTED. */
+typedef bool (*sp_column_watch)(double share, void *user);
+typedef struct sp_column_watcher {
+    sp_column_watch watch; /* NULL: nobody watches */
+    void *user;
+} sp_column_watcher;
+
+/* The same under the eyes of somebody who may stop it; one thread watches. */
+sp_status sp_column_table_watched(const sp_column_spec *c, int threads, sp_column_watcher watcher, sp_table *out,
+                                  sp_error *err);
 
 /* ---- continua --------------------------------------------------------------------------------------------------- */
 

@@ -1,7 +1,6 @@
 /* sonopack column: a stack of particles on a floor that is tapped. */
 #include "base/base.h"
 #include "cli/cli.h"
-#include "column/table.h"
 
 #include <string.h>
 

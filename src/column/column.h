@@ -2,8 +2,6 @@
 #define SP_COLUMN_COLUMN_H
 /* What the models of the column share. */
 
-#include "column/table.h"
-
 #include <math.h>
 #include <sonopack/column.h>
 

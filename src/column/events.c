@@ -326,6 +326,7 @@ sp_status sp_column_run_events(const sp_column_spec *c, int64_t n, const double 
         r.last = k + 1 == c->taps;
         status = sp_run_tap(&r, k, err);
     }
+    report->error = r.l.truncation;
     sp_run_free(&r);
     return status;
 }

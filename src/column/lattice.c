@@ -191,19 +191,22 @@ static void hold_released(const sp_lattice *l, double *c) {
             c[2 * (size_t)l->stride + (size_t)j] = 0;
 }
 
-/* The power from which on terms of e^x are below 1e-18. */
-static int order_for(double x) {
+/* The power from which on terms of e^x are below 1e-18; *rest bounds their sum. */
+static int order_for(double x, double *rest) {
     double term = 1;
     int p = 0;
     do
         term *= x / ++p;
     while (p < LATTICE_ORDER && (p < 3 || term > 1e-18));
+    *rest = term * x / (p + 1 - fmin(x, p));
     return p;
 }
 
 void sp_lattice_expand(sp_lattice *l, double h) {
     double rate = fmax(l->closed > 0 ? l->fastest : 0, l->lifted ? l->omega : 0);
-    l->order = order_for(rate * h);
+    double rest;
+    l->order = order_for(rate * h, &rest);
+    l->truncation = fmax(l->truncation, rest);
     expand_floor(l);
     for (int32_t j = 0; j < l->movers; j++) {
         l->c[j] = l->delta[l->mover[j]];

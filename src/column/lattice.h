@@ -34,6 +34,7 @@ typedef struct sp_lattice {
     double *stiffness, *inverse_mass; /* of movers, and of the clusters above them */
     double *carried;                  /* [n]: mass above a contact inside of its cluster */
 
+    double truncation; /* largest part that a step's series left out, of the state */
     int order; /* of the series at s; c[power * stride + mover] of the overlaps, floor[power] of y0'' (+ g in power 0)
                 */
     int32_t stride;

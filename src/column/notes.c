@@ -126,6 +126,11 @@ static sp_status note_violation(const sp_column_report *r, sp_table *t, sp_error
                                 sp_number_text(r->violated_at, time), pair);
 }
 
+/* What sp_column_report.error is. */
+static const char *error_of(const sp_column_spec *c) {
+    return c->model == SP_COLUMN_BSR ? "mass_error" : c->method == SP_COLUMN_EVENT ? "truncation" : "error";
+}
+
 sp_status sp_column_note_report(const sp_column_spec *c, const sp_column_report *r, sp_table *t, sp_error *err) {
     const sp_column_tap *least = NULL;
     for (int32_t k = 0; k < r->taps; k++)
@@ -146,7 +151,7 @@ sp_status sp_column_note_report(const sp_column_spec *c, const sp_column_report 
     if (status == SP_OK && r->time_step > 0)
         status = note(t, "time_step", r->time_step, err);
     if (status == SP_OK && r->error > 0)
-        status = note(t, c->model == SP_COLUMN_BSR ? "mass_error" : "error", r->error, err);
+        status = note(t, error_of(c), r->error, err);
     return status == SP_OK ? note_violation(r, t, err) : status;
 }
 

@@ -96,6 +96,8 @@ double sp_column_density(const sp_column_spec *c, const double *y) {
 
 /* ---- checks ----------------------------------------------------------------------------------------------------- */
 
+static const double least_e = 1e-9;
+
 typedef struct range {
     const char *key;
     size_t at;
@@ -129,20 +131,23 @@ static const range integers[] = {
 };
 
 static sp_status check_list(const char *key, int32_t n, const double *list, sp_error *err) {
+    char text[SP_NUMBER_TEXT];
     if (n < 1)
         return sp_fail(err, SP_EINVAL, "column.%s: must have one value or more", key);
     for (int32_t i = 0; i < n; i++)
         if (!(list[i] >= 1e-12 && list[i] <= 1e12))
-            return sp_fail(err, SP_EINVAL, "column.%s = %.17g (value %d): must be in 1e-12 .. 1e12", key, list[i],
-                           i + 1);
+            return sp_fail(err, SP_EINVAL, "column.%s = %s (value %d): must be in 1e-12 .. 1e12", key,
+                           sp_number_text(list[i], text), i + 1);
     return SP_OK;
 }
 
 static sp_status check_ranges(const sp_column_spec *c, sp_error *err) {
+    char text[SP_NUMBER_TEXT];
     for (size_t k = 0; k < sizeof reals / sizeof *reals; k++) {
         double value = *(const double *)(const void *)((const char *)c + reals[k].at);
         if (!(value >= reals[k].low && value <= reals[k].high))
-            return sp_fail(err, SP_EINVAL, "column.%s = %.17g: must be %s", reals[k].key, value, reals[k].should);
+            return sp_fail(err, SP_EINVAL, "column.%s = %s: must be %s", reals[k].key, sp_number_text(value, text),
+                           reals[k].should);
     }
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++) {
         int32_t value = *(const int32_t *)(const void *)((const char *)c + integers[k].at);
@@ -154,19 +159,25 @@ static sp_status check_ranges(const sp_column_spec *c, sp_error *err) {
 }
 
 sp_status sp_column_check(const sp_column_spec *c, sp_error *err) {
+    char value[SP_NUMBER_TEXT], other[SP_NUMBER_TEXT], limit[SP_NUMBER_TEXT];
     sp_status status = check_ranges(c, err);
     if (status != SP_OK)
         return status;
-    if (c->amplitude > 0 && 0.5 / c->frequency > c->period)
+    double tap = 0.5 / c->frequency, bound = sp_column_stiffness_bound(c), stiffness = sp_column_stiffness(c);
+    if (c->e > 0 && c->e < least_e)
         return sp_fail(err, SP_EINVAL,
-                       "column.period = %.17g s: must be at least the length of a tap, half a period of "
-                       "column.frequency: 1/(2 * %.17g Hz) = %.17g s",
-                       c->period, c->frequency, 0.5 / c->frequency);
-    double bound = sp_column_stiffness_bound(c), stiffness = sp_column_stiffness(c);
-    if (!(stiffness > bound))
+                       "column.e = %s: must be 0, or at least 1e-9: bands of friction below that are lost in rounding",
+                       sp_number_text(c->e, value));
+    if (c->amplitude > 0 && tap > c->period * (1 + 1e-12))
         return sp_fail(err, SP_EINVAL,
-                       "column.stiffness = %.17g g/s^2: the column collapses under its own weight; must be above "
-                       "%.17g g/s^2 (condition (28), for equal particles N m g/r)",
-                       stiffness, bound);
+                       "column.period = %s s: must be at least the length of a tap, half a period of "
+                       "column.frequency: 1/(2 * %s Hz) = %s s",
+                       sp_number_text(c->period, value), sp_number_text(c->frequency, other),
+                       sp_number_text(tap, limit));
+    if (!(stiffness > bound * (1 + 1e-12))) /* what equals it, but for rounding, is refused */
+        return sp_fail(err, SP_EINVAL,
+                       "column.stiffness = %s g/s^2: the column collapses under its own weight; must be above "
+                       "%s g/s^2 (condition (28), for equal particles N m g/r)",
+                       sp_number_text(stiffness, value), sp_number_text(bound, limit));
     return SP_OK;
 }
