@@ -46,20 +46,6 @@ static void note_all_separations(sp_run *r) {
         note_separation(r, i, r->l.delta[i], r->l.s);
 }
 
-/* Elastic contacts have no event where they turn: the deepest overlap inside of a step. */
-static void note_turn(sp_run *r, int32_t j, double tau) {
-    sp_lattice *l = &r->l;
-    double f[LATTICE_ORDER + 1];
-    for (int p = 1; p <= l->order; p++)
-        f[p - 1] = -p * l->c[(size_t)p * (size_t)l->stride + (size_t)j];
-    double at = sp_first_root(f, l->order - 1, tau);
-    double overlap, opening;
-    if (at <= tau) {
-        sp_lattice_motion(l, j, at, &overlap, &opening);
-        note_separation(r, l->mover[j], overlap, l->s + at);
-    }
-}
-
 static void note_violation(sp_run *r, int32_t j, double tau) {
     sp_lattice *l = &r->l;
     double f[LATTICE_ORDER + 1];
@@ -73,31 +59,37 @@ static void note_violation(sp_run *r, int32_t j, double tau) {
     }
 }
 
+/* Elastic contacts have no event where they turn: the deepest overlap inside of a step. */
+static double deepest(sp_run *r, int32_t j, double tau) {
+    sp_lattice *l = &r->l;
+    double f[LATTICE_ORDER + 1], overlap, opening;
+    for (int p = 1; p <= l->order; p++)
+        f[p - 1] = -p * l->c[(size_t)p * (size_t)l->stride + (size_t)j];
+    double at = fmin(tau, sp_first_root(f, l->order - 1, tau));
+    sp_lattice_motion(l, j, at, &overlap, &opening);
+    note_separation(r, l->mover[j], overlap, l->s + at);
+    return overlap;
+}
+
 /* After sp_lattice_advance, with the series and l->s still those of the step's start. */
 static void watch_order(sp_run *r, double tau) {
     sp_lattice *l = &r->l;
     bool kept = r->report->violated < 0;
     for (int32_t j = 0; j < l->movers; j++) {
         int32_t i = l->mover[j];
-        if (kept && l->delta[i] >= l->distance[i] && l->c[j] < l->distance[i])
+        bool turned = l->e == 0 && l->c[l->stride + j] > 0 && l->w[i] > 0;
+        double most = turned ? deepest(r, j, tau) : l->delta[i];
+        if (kept && most >= l->distance[i] && l->c[j] < l->distance[i])
             note_violation(r, j, tau);
-        if (l->e == 0 && l->c[l->stride + j] > 0 && l->w[i] > 0)
-            note_turn(r, j, tau);
     }
 }
 
 /* int F_0 dy_0 over tau, from the product of the two series. */
 static void add_work(sp_run *r, double tau) {
     sp_lattice *l = &r->l;
-    double velocity[LATTICE_ORDER + 1], sum = 0, power = tau;
-    double even = l->a * l->omega * cos(l->omega * l->s), odd = sp_lattice_floor_acceleration(l);
-    for (int p = 0; p <= l->order; p += 2) {
-        velocity[p] = even;
-        if (p < LATTICE_ORDER)
-            velocity[p + 1] = odd / (p + 1);
-        even *= -l->omega * l->omega / ((p + 1) * (p + 2));
-        odd *= -l->omega * l->omega / ((p + 1) * (p + 2));
-    }
+    double velocity[LATTICE_ORDER + 2] = {l->a * l->omega * cos(l->omega * l->s)}, sum = 0, power = tau;
+    for (int p = 0; p <= l->order; p++)
+        velocity[p + 1] = (l->floor[p] - (p == 0 ? l->g : 0)) / (p + 1);
     double force[LATTICE_ORDER + 1], carried = l->movers == 0 || l->mover[0] > 0 ? l->carried[0] : 0;
     for (int p = 0; p <= l->order; p++)
         force[p] = (l->movers > 0 ? l->stiffness[0] * l->c[(size_t)p * (size_t)l->stride] : 0) + carried * l->floor[p];
