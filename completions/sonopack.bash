@@ -44,6 +44,10 @@ _sonopack() {
         return
         ;;
     --only)
+        if [[ " ${COMP_WORDS[*]} " == *" blackmore2011 "* ]]; then
+            mapfile -t COMPREPLY < <(compgen -W 'errata fig1 fig2 symbols chaos' -- "$current")
+            return
+        fi
         mapfile -t COMPREPLY < <(compgen -W "$(printf 'table%s ' 1 2 3 4 5) $(printf 'fig%s ' {1..12})" -- "$current")
         return
         ;;
@@ -76,7 +80,7 @@ _sonopack() {
         elif [ "$command" = table ] && [ "$previous" = table ]; then
             mapfile -t COMPREPLY < <(compgen -W 'ctof scaling planes statics moduli probes spectrum ensemble signal' -- "$current")
         elif [ "$command" = reproduce ] && [ "$previous" = reproduce ]; then
-            mapfile -t COMPREPLY < <(compgen -W 'somfai2005' -- "$current")
+            mapfile -t COMPREPLY < <(compgen -W 'somfai2005 blackmore2011' -- "$current")
         elif [ "$command" = bench ]; then
             mapfile -t COMPREPLY < <(compgen -W 'signal long many damped modes moduli pack' -- "$current")
         elif [ "$command" = plot ] && [ "$previous" = plot ]; then

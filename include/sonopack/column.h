@@ -194,7 +194,8 @@ void sp_column_positions(const sp_column_spec *c, const sp_column_state *s, doub
  * taps (Benettin et al., Meccanica 15, 1980) in a smooth average. -INFINITY where tangents vanish. */
 typedef struct sp_column_exponent {
     double lambda;
-    double error;  /* difference from the next time round the cycle, or from the average over the first half */
+    double error;  /* difference from the next time round the cycle, or from the average over the first half; of chaos
+                      the standard error by blocks of taps, if that is larger */
     int32_t cycle; /* taps; 0: none */
 } sp_column_exponent;
 sp_status sp_column_lyapunov(const sp_column_spec *c, sp_column_exponent *out, sp_error *err);

@@ -1,7 +1,10 @@
 #ifndef SONOPACK_PAPER_H
 #define SONOPACK_PAPER_H
-/* A published paper computed again: each of its tables and figures beside our own values. The paper is E. Somfai, J.-N.
- * Roux, J. H. Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, 021301 (2005), cond-mat/0408128. */
+/* Published papers computed again: tables and figures beside our own values. One is E. Somfai, J.-N. Roux, J. H.
+ * Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, 021301 (2005), cond-mat/0408128; the other, of the tapped
+ * column, D. Blackmore, A. Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. Mater. Struct. 6 (2011), is at the
+ * end.
+ */
 
 #include <sonopack/store.h>
 #include <sonopack/table.h>
@@ -48,6 +51,29 @@ sp_status sp_paper_check_folder(const char *folder, bool replace, sp_error *err)
  * both standard errors; the comments say it all. SP_EINTERRUPTED when the watch said so. */
 sp_status sp_paper_reproduce(sp_store *store, const sp_paper_options *opt, sp_paper_watch watch, void *user,
                              sp_table *out, sp_error *err);
+
+/* ---- the tapped column ------------------------------------------------------------------------------------------ */
+
+enum { SP_PAPER_COLUMN_ITEMS = 5 }; /* errata, fig1, fig2, symbols, chaos */
+
+const char *sp_paper_column_item_name(int item); /* NULL for others */
+const char *sp_paper_column_item_title(int item);
+
+typedef struct sp_paper_column_options {
+    uint32_t items; /* bit k: item k; 0: all */
+    int threads;
+    const char *folder;  /* for the report, its figures and tables (sp_paper_check_folder); NULL: none */
+    const char *figures; /* "svg", "png" or "pdf" */
+} sp_paper_column_options;
+sp_paper_column_options sp_paper_column_options_default(void); /* all items, one thread, no folder, svg */
+
+/* Everything is computed anew, in seconds. One row a value: item equation quantity unit relation paper precision ours
+ * err verdict note. paper: what is printed, or what a printed equation or claim gives (relation: that ours should be
+ * equal, above or below); precision: how sharply it is printed. verdict: "agrees", "deviates"; "erratum" where the
+ * paper is wrong by its own premises and ours is what is right; "not given" where it has no number; "missing" where we
+ * have none. SP_EINTERRUPTED when the watch said so. */
+sp_status sp_paper_column_reproduce(const sp_paper_column_options *opt, sp_paper_watch watch, void *user, sp_table *out,
+                                    sp_error *err);
 
 #ifdef __cplusplus
 }

@@ -30,21 +30,21 @@ static const struct argp argp = {
     parse,
     "[SCENE]",
     "A vertical column of particles on a floor that is tapped, by the keys column.* of a scene (cm, g, s); "
-    "column.output "
-    "says which table.\v"
-    "trajectory: floor and particles at every column.step. strobe: particles and density of the whole at .99T, 1.99T, "
-    "... of each tap. energy: work of the floor and what the contacts took, a row a tap, with the time to rest (nan: "
-    "none) and the smallest separation of two centres, when, and at which contact (0 is that with the floor). density: "
-    "along the column. compare: distance of the long-wave and the bsr continuum from the particles. lyapunov: largest "
-    "exponent a tap over column.parameter; bifurcation: particles at .99T, ... over it, after column.transient "
-    "taps.\n\n"
-    "Without a SCENE it is that of packings/column.cfg. Comments say every parameter that was used. Lines \"warning: "
-    "...\", which stand in the table and on stderr, say "
-    "where the model is at its end: where a particle is pressed beyond its neighbour's centre (1), or a method or "
-    "equation does not give what the column does.\n\n"
-    "  sonopack column packings/column.cfg\n"
-    "  sonopack column packings/column.cfg --set column.output=strobe --set column.particles=10 -o strobe.tsv\n"
-    "  sonopack column --set column.particles=1 --set column.amplitude=0 --set column.drop=1",
+    "column.output says which table.\v"
+    "trajectory: heights of the floor (y0) and of the particles, a row each column.step. strobe: the particles and "
+    "the density of the whole at the end of each tap, at .99T, 1.99T, ... energy: a row a tap, with the work of the "
+    "floor, what the contacts took of it, the time until all rests (nan: it does not), and the smallest separation "
+    "of two neighbouring centres, when, and at which contact: 0 is that with the floor, i that between particles i and "
+    "i + 1. density: along the column. compare: distances of the continua longwave and bsr from the particles. "
+    "bifurcation: the particles at .99T, ... for each of column.points values of column.parameter from column.from "
+    "to column.to. lyapunov: the largest Lyapunov exponent a tap over the same.\n\n"
+    "Without a SCENE it is that of packings/column.cfg. Comments of the table say every parameter that was used. "
+    "Those that begin with \"warning:\", which go to stderr, too, say where the model is at its end: where a "
+    "particle is pressed beyond its neighbour's centre, so that no contact law holds, or where a method or an equation "
+    "does not give what the column does.\n\n"
+    "  sonopack column packings/column.cfg -o column.tsv\n"
+    "  sonopack column --set column.output=strobe\n"
+    "  sonopack column packings/column-bifurcation.cfg -o b.tsv",
     children,
     NULL,
     NULL};

@@ -9,8 +9,10 @@
 
 typedef struct arguments {
     cli_common common;
-    const char *paper, *store;
+    const char *paper, *store, *only;
+    bool column;           /* the paper of the tapped column, which makes no packings */
     int64_t samples, jobs; /* jobs 0: as many as --threads */
+    const char *idle;      /* an option that is for packings alone */
     uint32_t items;
     const char *figures;
     sp_protocol protocol;
@@ -20,9 +22,9 @@ typedef struct arguments {
 enum { KEY_STORE = 0x1000, KEY_JOBS, KEY_ONLY, KEY_SAMPLES, KEY_FIGURES, KEY_PROTOCOL };
 
 static const struct argp_option options[] = {
-    {"store", KEY_STORE, "DIR", 0, "Folder of the samples; made if it is not there", 0},
-    {"only", KEY_ONLY, "ITEMS", 0, "These alone, as in fig6,table2 (all)", 0},
-    {"samples", KEY_SAMPLES, "N", 0, "Packings of each pressure (30, as in the paper)", 0},
+    {"store", KEY_STORE, "DIR", 0, "Folder of the samples; made if it is not there (somfai2005)", 0},
+    {"only", KEY_ONLY, "ITEMS", 0, "These alone, as in fig6,table2, or fig1,chaos (all)", 0},
+    {"samples", KEY_SAMPLES, "N", 0, "Packings of each pressure (30, as in the paper; somfai2005)", 0},
     {"jobs", KEY_JOBS, "N", 0, "Samples made at the same time (as many as there are cores)", 0},
     {"figures", KEY_FIGURES, "svg|png|pdf", 0, "Form of the figures (svg)", 0},
     {"protocol", KEY_PROTOCOL, "NAME", 0,
@@ -30,17 +32,21 @@ static const struct argp_option options[] = {
     {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 
-/* "table1 .. table5, fig1 .. fig12" */
-static void item_names(char *text, size_t size) {
-    size_t used = 0;
-    for (int k = 0; sp_paper_item_name(k) && used < size; k++)
-        used += (size_t)snprintf(text + used, size - used, "%s%s", k > 0 ? ", " : "", sp_paper_item_name(k));
+static const char *item_name(const arguments *a, int item) {
+    return a->column ? sp_paper_column_item_name(item) : sp_paper_item_name(item);
 }
 
-static sp_status find_item(const char *name, int *item, sp_error *err) {
+/* "table1 .. table5, fig1 .. fig12" */
+static void item_names(const arguments *a, char *text, size_t size) {
+    size_t used = 0;
+    for (int k = 0; item_name(a, k) && used < size; k++)
+        used += (size_t)snprintf(text + used, size - used, "%s%s", k > 0 ? ", " : "", item_name(a, k));
+}
+
+static sp_status find_item(const arguments *a, const char *name, int *item, sp_error *err) {
     int near = -1, least = 1000;
-    for (int k = 0; sp_paper_item_name(k); k++) {
-        const int distance = sp_edit_distance(name, sp_paper_item_name(k));
+    for (int k = 0; item_name(a, k); k++) {
+        const int distance = sp_edit_distance(name, item_name(a, k));
         if (distance == 0) {
             *item = k;
             return SP_OK;
@@ -51,36 +57,49 @@ static sp_status find_item(const char *name, int *item, sp_error *err) {
         }
     }
     char names[200];
-    item_names(names, sizeof names);
+    item_names(a, names, sizeof names);
     if (near >= 0)
-        return sp_fail(err, SP_EINVAL, "--only %.60s: did you mean %s? must be one of %s", name,
-                       sp_paper_item_name(near), names);
+        return sp_fail(err, SP_EINVAL, "--only %.60s: did you mean %s? must be one of %s", name, item_name(a, near),
+                       names);
     return sp_fail(err, SP_EINVAL, "--only %.60s: must be one of %s", name, names);
 }
 
-static sp_status read_items(const char *text, uint32_t *items, sp_error *err) {
-    for (;;) {
+static sp_status read_items(arguments *a, sp_error *err) {
+    for (const char *text = a->only;;) {
         char name[64];
         const size_t length = strcspn(text, ",");
         int item = 0;
         snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), text);
-        sp_status status = find_item(name, &item, err);
+        sp_status status = find_item(a, name, &item, err);
         if (status != SP_OK)
             return status;
-        *items |= UINT32_C(1) << item;
+        a->items |= UINT32_C(1) << item;
         if (text[length] == '\0')
             return SP_OK;
         text += length + 1;
     }
 }
 
-static void check_paper(const char *name, struct argp_state *state) {
-    if (strcmp(name, "somfai2005") == 0)
-        return;
-    if (strcmp(name, "blackmore2011") == 0)
-        argp_error(state, "blackmore2011: is not there yet; the paper that is: somfai2005");
-    else
-        argp_error(state, "paper %.60s: must be somfai2005", name);
+static void set_paper(arguments *a, const char *name, struct argp_state *state) {
+    if (a->paper)
+        argp_error(state, "%.60s: one paper only", name);
+    if (strcmp(name, "somfai2005") != 0 && strcmp(name, "blackmore2011") != 0)
+        argp_error(state, "paper %.60s: must be somfai2005 or blackmore2011", name);
+    a->paper = name;
+    a->column = strcmp(name, "blackmore2011") == 0;
+}
+
+/* What can be said when the paper is known. */
+static void check(arguments *a, struct argp_state *state) {
+    sp_error err;
+    if (!a->paper)
+        argp_error(state, "no paper: must be somfai2005 or blackmore2011");
+    if (!a->store && !a->column)
+        argp_error(state, "no store: must be --store DIR");
+    if (a->common.sets > 0)
+        argp_error(state, "--set: has no place here, the paper decides the scenes");
+    if (a->only && read_items(a, &err) != SP_OK)
+        argp_error(state, "%s", err.text);
 }
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
@@ -90,9 +109,15 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     switch (key) {
     case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
     case KEY_STORE: a->store = arg; return 0;
-    case KEY_JOBS: status = cli_integer("--jobs", arg, 1, 4096, &a->jobs, &err); break;
-    case KEY_SAMPLES: status = cli_integer("--samples", arg, 1, 100000, &a->samples, &err); break;
-    case KEY_ONLY: status = read_items(arg, &a->items, &err); break;
+    case KEY_JOBS:
+        a->idle = "--jobs";
+        status = cli_integer("--jobs", arg, 1, 4096, &a->jobs, &err);
+        break;
+    case KEY_SAMPLES:
+        a->idle = "--samples";
+        status = cli_integer("--samples", arg, 1, 100000, &a->samples, &err);
+        break;
+    case KEY_ONLY: a->only = arg; return 0;
     case KEY_FIGURES:
         if (strcmp(arg, "svg") != 0 && strcmp(arg, "png") != 0 && strcmp(arg, "pdf") != 0)
             argp_error(state, "--figures %.60s: must be svg, png or pdf", arg);
@@ -101,22 +126,11 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case KEY_PROTOCOL:
         if (strcmp(arg, "default") != 0 && strcmp(arg, "somfai2005") != 0)
             argp_error(state, "--protocol %.60s: must be default or somfai2005", arg);
+        a->idle = "--protocol";
         a->protocol = strcmp(arg, "default") == 0 ? SP_PROTOCOL_DEFAULT : SP_PROTOCOL_SOMFAI2005;
         return 0;
-    case ARGP_KEY_ARG:
-        if (a->paper)
-            argp_error(state, "%.60s: one paper only", arg);
-        check_paper(arg, state);
-        a->paper = arg;
-        return 0;
-    case ARGP_KEY_END:
-        if (!a->paper)
-            argp_error(state, "no paper: must be somfai2005");
-        if (!a->store)
-            argp_error(state, "no store: must be --store DIR");
-        if (a->common.sets > 0)
-            argp_error(state, "--set: has no place here, the paper decides the scenes");
-        return 0;
+    case ARGP_KEY_ARG: set_paper(a, arg, state); return 0;
+    case ARGP_KEY_END: check(a, state); return 0;
     default: return ARGP_ERR_UNKNOWN;
     }
     if (status != SP_OK)
@@ -127,17 +141,22 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
 static const struct argp argp = {
     options,
     parse,
-    "somfai2005 --store DIR [-o FOLDER]",
-    "Makes the packings of a paper, and prints its values beside ours: E. Somfai, J.-N. Roux, J. H. Snoeijer, M. van "
-    "Hecke, W. van Saarloos, Phys. Rev. E 72, 021301 (2005).\v"
-    "A row a value: the paper's mean and standard deviation, our mean and its standard error, sigma, the difference "
-    "over one standard deviation, and the verdict: agrees within one, else deviates, or missing without a value or a "
-    "scatter. With -o FOLDER there is a report, "
-    "report.html and report.md, with every figure, and the numbers of each beside it. Items: table1 to table5, fig1 to "
-    "fig12; only what they need is made. The samples stay in the store: an interrupted run goes on where it "
-    "stopped, and more samples or items add to what is there.\n\n"
+    "somfai2005 --store DIR [-o FOLDER]\nblackmore2011 [-o FOLDER]",
+    "Computes a paper again and prints its values beside ours. somfai2005: E. Somfai, J.-N. Roux, J. H. Snoeijer, M. "
+    "van "
+    "Hecke, W. van Saarloos, Phys. Rev. E 72, 021301 (2005), whose packings are made; blackmore2011: D. Blackmore, A. "
+    "Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. Mater. Struct. 6 (2011), on the tapped column.\v"
+    "With -o FOLDER there is a report, report.html and report.md, with every figure, and the numbers of each beside "
+    "it.\n\n"
+    "somfai2005: a row a value: the paper's mean and standard deviation, our mean and its standard error, sigma, the "
+    "difference over one standard deviation, and the verdict: agrees within one, else deviates, or missing without a "
+    "value or a scatter. Items: table1 to table5, fig1 to fig12; only what they need is made. The samples stay in the "
+    "store: an interrupted run goes on where it stopped, and more samples or items add to what is there.\n\n"
+    "blackmore2011: a row a value: what is printed or follows from what is printed, ours with its error, the verdict "
+    "(agrees, deviates, erratum, not given), and why. Items: errata, fig1, fig2, symbols, chaos. Seconds, no store.\n\n"
     "  sonopack reproduce somfai2005 --store results/somfai2005 -o results/report\n"
-    "  sonopack reproduce somfai2005 --only table2,fig8 --samples 4 --store results/somfai2005",
+    "  sonopack reproduce somfai2005 --only table2,fig8 --samples 4 --store results/somfai2005\n"
+    "  sonopack reproduce blackmore2011 --only errata",
     children,
     NULL,
     NULL};
@@ -146,11 +165,44 @@ static bool watch(const sp_paper_progress *now, void *user) {
     arguments *a = user;
     char text[120];
     a->failed = now->failed;
+    if (a->column) {
+        cli_progress(&a->common, now->what, now->fraction, now->seconds_left);
+        return !cli_stopped();
+    }
     int length = snprintf(text, sizeof text, "%s, %lld samples made", now->what, (long long)now->computed);
     if (now->failed > 0)
         snprintf(text + length, sizeof text - (size_t)length, ", %lld failed", (long long)now->failed);
     cli_progress(&a->common, text, now->fraction, now->seconds_left);
     return !cli_stopped();
+}
+
+static sp_status finish(arguments *a, sp_table *t, sp_error *err) {
+    const char *folder = a->common.output;
+    if (folder)
+        cli_note(&a->common, "report: %s/report.html", folder);
+    else if (t->rows == 0)
+        cli_note(&a->common, "no values to compare, and figures need -o FOLDER");
+    a->common.output = NULL; /* the folder has the report; the table is for stdout */
+    return cli_write_table(&a->common, t, err);
+}
+
+static sp_status work_column(arguments *a, sp_table *t, sp_error *err) {
+    sp_paper_column_options o = sp_paper_column_options_default();
+    o.items = a->items;
+    o.threads = a->common.threads;
+    o.folder = a->common.output;
+    o.figures = a->figures;
+    sp_status status = o.folder ? sp_paper_check_folder(o.folder, a->common.force, err) : SP_OK;
+    if (status != SP_OK)
+        return status;
+    if (a->idle)
+        cli_note(&a->common, "%s: without effect, blackmore2011 makes no packings", a->idle);
+    cli_catch_signals();
+    status = sp_paper_column_reproduce(&o, watch, a, t, err);
+    cli_progress_end(&a->common);
+    if (status == SP_EINTERRUPTED)
+        return sp_fail(err, status, "stopped, nothing is kept: the same command starts anew");
+    return status == SP_OK ? finish(a, t, err) : status;
 }
 
 static sp_status work(arguments *a, sp_store **store, sp_table *t, sp_error *err) {
@@ -178,12 +230,7 @@ static sp_status work(arguments *a, sp_store **store, sp_table *t, sp_error *err
     if (a->failed > 0)
         cli_note(&a->common, "%lld samples failed or lack a part: column `samples' says how many are left",
                  (long long)a->failed);
-    if (folder)
-        cli_note(&a->common, "report: %s/report.html", folder);
-    else if (t->rows == 0)
-        cli_note(&a->common, "no values to compare, and figures need -o FOLDER");
-    a->common.output = NULL; /* the folder has the report; the table is for stdout */
-    return cli_write_table(&a->common, t, err);
+    return finish(a, t, err);
 }
 
 int cmd_reproduce(int argc, char **argv) {
@@ -192,7 +239,7 @@ int cmd_reproduce(int argc, char **argv) {
     sp_error err = {0};
     sp_store *store = NULL;
     sp_table t = sp_table_none();
-    sp_status status = work(&a, &store, &t, &err);
+    sp_status status = a.column ? work_column(&a, &t, &err) : work(&a, &store, &t, &err);
     if (store)
         sp_store_close(store);
     sp_table_free(&t);

@@ -6,8 +6,9 @@
 #include <string.h>
 
 enum {
-    CYCLE_MAX = 32,      /* taps of the longest cycle that is looked for */
-    CYCLE_PARTICLES = 64 /* beyond that the matrix costs more than the average */
+    CYCLE_MAX = 32,       /* taps of the longest cycle that is looked for */
+    CYCLE_PARTICLES = 64, /* beyond that the matrix costs more than the average */
+    BLOCKS = 16
 };
 
 static const double closes = 1e-9; /* a cycle does so within this, times the size of the state */
@@ -99,6 +100,29 @@ static double smooth_mean(const double *value, int32_t n) {
     return sum / weights;
 }
 
+/* Standard error of a mean of values that remember little, from the means of BLOCKS pieces. */
+static double block_error(const double *value, int32_t n) {
+    double sum = 0, squares = 0;
+    int32_t length = n / BLOCKS;
+    for (int32_t b = 0; b < BLOCKS; b++) {
+        double mean = 0;
+        for (int32_t k = b * length; k < (b + 1) * length; k++)
+            mean += value[k] / length;
+        sum += mean;
+        squares += mean * mean;
+    }
+    return sqrt(fmax(0, squares / BLOCKS - sum * sum / (BLOCKS * BLOCKS)) / (BLOCKS - 1));
+}
+
+/* The change since half of the taps is the error where the orbit is regular; a chaotic one scatters. The smooth weights
+ * count a third more than equal ones would. */
+static double error_of(const double *growth, int32_t n, double lambda) {
+    if (n < 2)
+        return NAN;
+    double change = fabs(lambda - smooth_mean(growth, n / 2));
+    return lambda > 0 && n >= 2 * BLOCKS ? fmax(change, 1.3 * block_error(growth, n)) : change;
+}
+
 static double scale_tangent(sp_lattice *l) {
     double sum = 0;
     for (int32_t i = 0; i < l->n; i++)
@@ -137,7 +161,7 @@ static sp_status of_average(orbit *o, int32_t taps, sp_column_exponent *out, sp_
     }
     if (status == SP_OK) {
         out->lambda = vanished ? -INFINITY : smooth_mean(growth, taps);
-        out->error = vanished ? 0 : taps > 1 ? fabs(out->lambda - smooth_mean(growth, taps / 2)) : NAN;
+        out->error = vanished ? 0 : error_of(growth, taps, out->lambda);
         out->cycle = 0;
     }
     sp_free(growth);

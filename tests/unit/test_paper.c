@@ -1,5 +1,6 @@
 /* The paper beside our values: verdicts, constants, ensembles, folders. */
 #include "base/base.h"
+#include "paper/blackmore.h"
 #include "paper/fronts.h"
 #include "paper/paper.h"
 #include "test.h"
@@ -39,6 +40,43 @@ static void verdicts(void **state) {
     r = judged(PAPER_SCATTER_PAPER, 3, 0.5, NAN, NAN);
     assert_true(isnan(r.sigma));
     assert_string_equal(r.verdict, "missing");
+}
+
+static const char *verdict_of(tapped_row row) {
+    tapped_judge(&row);
+    return row.verdict;
+}
+
+static void verdicts_on_the_column(void **state) {
+    (void)state;
+    tapped_row row = {.paper = 2.5, .precision = 0.05, .ours = 2.54, .err = 0};
+    assert_string_equal(verdict_of(row), "agrees");
+    row.ours = 2.56;
+    assert_string_equal(verdict_of(row), "deviates");
+    row.err = 0.02;
+    assert_string_equal(verdict_of(row), "agrees");
+    row.err = NAN; /* no bound: none is taken */
+    assert_string_equal(verdict_of(row), "deviates");
+    row.misprint = true;
+    assert_string_equal(verdict_of(row), "erratum");
+    row.ours = 2.5; /* what is printed is right after all */
+    assert_string_equal(verdict_of(row), "agrees");
+    row.paper = NAN;
+    assert_string_equal(verdict_of(row), "erratum");
+    row.misprint = false;
+    assert_string_equal(verdict_of(row), "not given");
+    row.ours = NAN;
+    assert_string_equal(verdict_of(row), "missing");
+    row = (tapped_row){.relation = TAPPED_ABOVE, .paper = 0, .ours = 0.1, .err = 0.05};
+    assert_string_equal(verdict_of(row), "agrees");
+    row.err = 0.2; /* above by less than its error */
+    assert_string_equal(verdict_of(row), "deviates");
+    row = (tapped_row){.relation = TAPPED_BELOW, .paper = 0, .ours = -0.1, .err = 0.05};
+    assert_string_equal(verdict_of(row), "agrees");
+    row.ours = 0;
+    assert_string_equal(verdict_of(row), "deviates");
+    row = (tapped_row){.misprint = true, .paper = -INFINITY, .ours = 0};
+    assert_string_equal(verdict_of(row), "erratum");
 }
 
 static void verdicts_without_scatter(void **state) {
@@ -301,11 +339,17 @@ static void failing_allocations(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(verdicts),  cmocka_unit_test(verdicts_without_scatter),
-                                       cmocka_unit_test(means),     cmocka_unit_test(table_of_rows),
-                                       cmocka_unit_test(constants), cmocka_unit_test(items),
-                                       cmocka_unit_test(ensembles), cmocka_unit_test(lines),
-                                       cmocka_unit_test(folders),   cmocka_unit_test(failing_allocations),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(verdicts),
+                                       cmocka_unit_test(verdicts_on_the_column),
+                                       cmocka_unit_test(verdicts_without_scatter),
+                                       cmocka_unit_test(means),
+                                       cmocka_unit_test(table_of_rows),
+                                       cmocka_unit_test(constants),
+                                       cmocka_unit_test(items),
+                                       cmocka_unit_test(ensembles),
+                                       cmocka_unit_test(lines),
+                                       cmocka_unit_test(folders),
+                                       cmocka_unit_test(failing_allocations),
                                        cmocka_unit_test(options)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

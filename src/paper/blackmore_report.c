@@ -1,0 +1,131 @@
+/* The report on the paper of the tapped column. */
+#include "base/base.h"
+#include "paper/blackmore.h"
+
+#include <sonopack/version.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { CELL = 96, CELLS = 7 };
+
+static const char *sign(tapped_relation relation) {
+    return relation == TAPPED_ABOVE ? "> " : relation == TAPPED_BELOW ? "< " : "";
+}
+
+static void number(char cell[CELL], const char *before, double x, double error) {
+    if (isnan(x))
+        snprintf(cell, CELL, "–");
+    else if (isinf(x))
+        snprintf(cell, CELL, "%s%s∞", before, x < 0 ? "-" : "");
+    else if (error > 1e-6 * fabs(x))
+        snprintf(cell, CELL, "%s%.7g +- %.2g", before, x, error);
+    else
+        snprintf(cell, CELL, "%s%.7g", before, x);
+}
+
+static void add_row(paper_page *page, const tapped_row *row, bool with_item) {
+    char text[CELLS][CELL], note[sizeof row->note + 8];
+    const char *cell[CELLS + 1];
+    int n = 0;
+    if (with_item)
+        snprintf(text[n++], CELL, "%s", tapped_items[row->item].name);
+    snprintf(text[n++], CELL, "%s", row->equation);
+    snprintf(text[n++], CELL, "%s%s%s%s", row->quantity, *row->unit ? " [" : "", row->unit, *row->unit ? "]" : "");
+    number(text[n++], sign(row->relation), row->paper, row->precision);
+    number(text[n++], "", row->ours, row->err);
+    snprintf(text[n++], CELL, "%s", row->verdict);
+    snprintf(note, sizeof note, "%s", row->note);
+    for (int k = 0; k < n; k++)
+        cell[k] = text[k];
+    cell[n++] = note;
+    paper_page_row(page, n, cell, row->verdict, n - 1);
+}
+
+/* Rows of an item, or (item < 0) all that deviate. */
+static bool in_table(const tapped_row *row, int item) {
+    return item >= 0 ? row->item == item && !row->detail : strcmp(row->verdict, "deviates") == 0;
+}
+
+static void table(const tapped *p, paper_page *page, int item) {
+    static const char *const head[CELLS] = {"item", "in [B]", "quantity", "paper", "ours", "verdict", "note"};
+    const int first = item >= 0;
+    int64_t rows = 0;
+    for (int64_t k = 0; k < p->rows; k++)
+        rows += in_table(&p->row[k], item);
+    if (rows == 0)
+        return;
+    paper_page_table(page, CELLS - first, head + first);
+    for (int64_t k = 0; k < p->rows; k++)
+        if (in_table(&p->row[k], item))
+            add_row(page, &p->row[k], item < 0);
+    paper_page_table_end(page);
+}
+
+static int64_t count(const tapped *p, const char *verdict) {
+    int64_t rows = 0;
+    for (int64_t k = 0; k < p->rows; k++)
+        rows += strcmp(p->row[k].verdict, verdict) == 0;
+    return rows;
+}
+
+static void summary(const tapped *p, paper_page *page) {
+    char line[600];
+    paper_page_heading(page, "summary", "Summary");
+    snprintf(line, sizeof line,
+             "Of %lld values %lld agree with the paper, %lld deviate, %lld are errata, and %lld are not given there.%s",
+             (long long)p->rows, (long long)count(p, "agrees"), (long long)count(p, "deviates"),
+             (long long)count(p, "erratum"), (long long)count(p, "not given"),
+             count(p, "deviates") > 0 ? " What deviates:" : "");
+    paper_page_paragraph(page, "", line);
+    table(p, page, -1);
+    paper_page_paragraph(
+        page, "How to read the tables.",
+        "Paper: what is printed, with the precision of the print, or what follows from a printed equation or claim. "
+        "Ours: with a bound of our error where it is not rounding alone. Agrees: within both. Deviates: not so. "
+        "Erratum: the paper is wrong by its own premises, and ours is right. Not given: the paper has no number, "
+        "often only a picture.");
+    snprintf(line, sizeof line, "sonopack %s, reproduce blackmore2011; %.1f seconds.", SONOPACK_VERSION,
+             sp_clock_wall() - p->begun);
+    paper_page_paragraph(page, "Run.", line);
+}
+
+static sp_status section(tapped *p, paper_page *page, int item, sp_error *err) {
+    const tapped_section *s = &p->section[item];
+    if (s->text.failed)
+        return sp_fail_memory(err, s->text.capacity);
+    paper_page_heading(page, tapped_items[item].name, tapped_items[item].title);
+    paper_page_paragraph(page, "In the paper.", tapped_items[item].shows);
+    paper_page_paragraphs(page, "Here.", s->text.data);
+    table(p, page, item);
+    for (int k = 0; k < s->figures; k++)
+        paper_page_figure(page, s->file[k], strcmp(p->opt->figures, "pdf") != 0, s->caption[k]);
+    sp_table rows = sp_table_none();
+    sp_status status = tapped_rows_table(p->rows, p->row, item, &rows, err);
+    if (status == SP_OK)
+        status = tapped_save(p, tapped_items[item].name, &rows, err);
+    sp_table_free(&rows);
+    return status;
+}
+
+sp_status tapped_report(tapped *p, sp_error *err) {
+    paper_page page = {0};
+    sp_status status = SP_OK;
+    paper_page_open(&page, "Tapping dynamics for a column of particles and beyond, computed again");
+    paper_page_paragraph(
+        &page, "",
+        "Figures, equations and claims of D. Blackmore, A. Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. "
+        "Mater. Struct. 6 (2011), [B], beside what its model gives. Units: cm, g, s. The lattice is solved exactly, "
+        "from event to event, with contacts that stick.");
+    summary(p, &page);
+    for (int item = 0; item < SP_PAPER_COLUMN_ITEMS && status == SP_OK; item++)
+        if (tapped_wants(p, item))
+            status = section(p, &page, item, err);
+    paper_page_heading(&page, "files", "Files");
+    paper_page_paragraph(&page, "",
+                         "The rows of each item are in a file of its name: errata.tsv, fig1.tsv; the numbers behind "
+                         "each figure in files whose names begin with that of the item.");
+    if (status == SP_OK)
+        status = paper_page_save(&page, p->opt->folder, err);
+    paper_page_free(&page);
+    return status;
+}
