@@ -197,6 +197,7 @@ typedef struct sp_column_exponent {
     double error;  /* difference from the next time round the cycle, or from the average over the first half; of chaos
                       the standard error by blocks of taps, if that is larger */
     int32_t cycle; /* taps; 0: none */
+    bool violated; /* ordering (1), within the transient or the cycle looked for */
 } sp_column_exponent;
 sp_status sp_column_lyapunov(const sp_column_spec *c, sp_column_exponent *out, sp_error *err);
 

@@ -132,7 +132,8 @@ static void search_stuck(search *s, int32_t j, int32_t i) {
     double at_top = above * c_top[0], at_bottom = j >= 0 ? below * l->c[j] : at_top + carried * l->floor[0];
     double force = j >= 0 ? at_top + share * (at_bottom - at_top) : at_bottom;
     double reach_top = top < l->movers ? above * l->value[top] : 0;
-    double reach = j >= 0 ? fmax(reach_top, below * l->value[j]) : reach_top + carried * s->reach_floor;
+    double reach =
+        j >= 0 ? reach_top + share * (below * l->value[j] - reach_top) : reach_top + carried * s->reach_floor;
     double low = l->k * (1 - l->e) * l->delta[i] - l->slack[i], high = l->k * (1 + l->e) * l->delta[i] + l->slack[i];
     if (force - reach > low && force + reach < high)
         return;
@@ -145,8 +146,10 @@ static void search_stuck(search *s, int32_t j, int32_t i) {
     }
     f[0] -= high;
     g[0] += low;
-    take(s, EVENT_SLIP, i, f, l->order);
-    take(s, EVENT_SLIP, i, g, l->order);
+    if (force + reach >= high)
+        take(s, EVENT_SLIP, i, f, l->order);
+    if (force - reach <= low)
+        take(s, EVENT_SLIP, i, g, l->order);
 }
 
 lattice_event sp_lattice_next_event(sp_lattice *l, double h) {

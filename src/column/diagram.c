@@ -18,6 +18,7 @@ typedef struct diagram {
     int32_t values;
     double *value;     /* [points][kept][values] */
     sp_status *status; /* [points] */
+    bool *violated;    /* [points]: ordering (1) */
     sp_error *reason;  /* the first failure's */
     atomic_int next, done, failed;
     atomic_bool stop;
@@ -58,7 +59,7 @@ static sp_status keep(double t, const double *y, const double *v, void *user, sp
     return SP_OK;
 }
 
-static sp_status bifurcate(const sp_column_spec *c, double *value, sp_error *err) {
+static sp_status bifurcate(const sp_column_spec *c, double *value, bool *violated, sp_error *err) {
     sp_column_tap tap;
     sp_column_report report = {.taps = 1, .tap = &tap, .violated_at = NAN, .violated = -1};
     sp_run r;
@@ -73,6 +74,7 @@ static sp_status bifurcate(const sp_column_spec *c, double *value, sp_error *err
         r.next = 0;
         status = sp_run_tap(&r, 0, err);
     }
+    *violated = report.violated >= 0;
     sp_run_free(&r);
     return status;
 }
@@ -81,11 +83,13 @@ static sp_status make_point(diagram *d, int32_t point, sp_error *err) {
     sp_column_spec c = spec_at(d->c, point);
     double *value = d->value + (size_t)point * (size_t)d->kept * (size_t)d->values;
     if (c.output == SP_COLUMN_BIFURCATION)
-        return bifurcate(&c, value, err);
+        return bifurcate(&c, value, &d->violated[point], err);
     sp_column_exponent found;
     sp_status status = sp_column_lyapunov(&c, &found, err);
-    if (status == SP_OK)
+    if (status == SP_OK) {
         value[0] = found.lambda, value[1] = found.error, value[2] = found.cycle;
+        d->violated[point] = found.violated;
+    }
     return status;
 }
 
@@ -158,6 +162,23 @@ static sp_status add_point(const diagram *d, int32_t point, double *row, sp_tabl
     return status;
 }
 
+static sp_status note_violations(const diagram *d, sp_table *t, sp_error *err) {
+    int32_t count = 0, first = -1;
+    char value[SP_NUMBER_TEXT];
+    for (int32_t k = 0; k < d->points; k++)
+        if (d->violated[k]) {
+            count++;
+            first = first < 0 ? k : first;
+        }
+    if (count == 0)
+        return SP_OK;
+    return sp_table_add_comment(t, err,
+                                "warning: ordering (1) violated at %d of %d points, first at %s = %s: overlaps reached "
+                                "the distance of the centres, beyond which no contact law holds",
+                                count, d->points, names[d->c->parameter],
+                                sp_number_text(parameter_at(d->c, first), value));
+}
+
 static sp_status write_table(const diagram *d, sp_table *t, sp_error *err) {
     double *row = sp_alloc((size_t)d->values + 2, sizeof *row);
     sp_status status = row ? add_columns(d, t, err) : sp_fail_memory(err, (size_t)d->values * sizeof *row);
@@ -165,6 +186,8 @@ static sp_status write_table(const diagram *d, sp_table *t, sp_error *err) {
     if (status == SP_OK && failed > 0)
         status =
             sp_table_add_comment(t, err, "%d points could not be made (nan); the first: %s", failed, d->reason->text);
+    if (status == SP_OK)
+        status = note_violations(d, t, err);
     for (int32_t k = 0; status == SP_OK && k < d->points; k++)
         status = add_point(d, k, row, t, err);
     sp_free(row);
@@ -205,10 +228,12 @@ sp_status sp_column_diagram(const sp_column_spec *spec, int threads, sp_column_w
         return status;
     d.value = sp_alloc((size_t)d.points * (size_t)d.kept * (size_t)d.values, sizeof *d.value);
     d.status = sp_alloc((size_t)d.points, sizeof *d.status);
-    status = d.value && d.status ? run_team(&d, threads, err) : sp_fail_memory(err, (size_t)bytes);
+    d.violated = sp_alloc((size_t)d.points, sizeof *d.violated);
+    status = d.value && d.status && d.violated ? run_team(&d, threads, err) : sp_fail_memory(err, (size_t)bytes);
     if (status == SP_OK)
         status = write_table(&d, out, err);
     sp_free(d.value);
     sp_free(d.status);
+    sp_free(d.violated);
     return status;
 }

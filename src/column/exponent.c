@@ -205,8 +205,10 @@ sp_status sp_column_lyapunov(const sp_column_spec *spec, sp_column_exponent *out
         status = make_orbit(&c, 0, &o, err);
     if (status == SP_OK)
         status = find_exponent(&c, &o, &s, &found, err);
-    if (status == SP_OK)
+    if (status == SP_OK) {
         *out = found;
+        out->violated = o.report.violated >= 0;
+    }
     sp_run_free(&o.run);
     sp_column_state_free(&s);
     return status;
