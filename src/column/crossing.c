@@ -6,20 +6,25 @@
 
 typedef struct jet {
     double value, slope, noise;
-    double bend; /* upper bound of f'' in [0, end] */
 } jet;
 
-static jet evaluate(const double *f, int n, double tau, double end) {
-    jet j = {f[n], 0, fabs(f[n]), 0};
+static jet evaluate(const double *f, int n, double tau) {
+    jet j = {f[n], 0, fabs(f[n])};
     for (int k = n - 1; k >= 0; k--) {
         j.slope = j.slope * tau + j.value;
         j.value = j.value * tau + f[k];
         j.noise = j.noise * tau + fabs(f[k]);
     }
-    for (int k = n; k >= 2; k--)
-        j.bend = j.bend * end + (k == 2 || f[k] > 0 ? k * (k - 1) * f[k] : 0);
     j.noise *= 4 * DBL_EPSILON;
     return j;
+}
+
+/* Upper bound of f'' in [0, end]. */
+static double curvature(const double *f, int n, double end) {
+    double bound = 0;
+    for (int k = n; k > 2; k--)
+        bound = bound * end + (f[k] > 0 ? (double)(k * (k - 1)) * f[k] : 0);
+    return n >= 2 ? bound * end + 2 * f[2] : 0;
 }
 
 /* f stays below the parabola through its value and slope with the largest curvature ahead: up to the parabola's zero
@@ -31,23 +36,27 @@ double sp_first_root(const double *f, int n, double h) {
         return INFINITY;
     if (f[0] > 0)
         return 0;
-    for (double tau = 0;;) {
-        double end = fmin(h, fmax(2 * tau, 0.25 * h));
-        jet j = evaluate(f, n, tau, end);
-        if (j.value >= -j.noise)
-            return tau;
-        double square = j.slope * j.slope - 2 * j.bend * j.value, step = INFINITY;
+    jet j = {f[0], n > 0 ? f[1] : 0, 4 * DBL_EPSILON * -f[0]};
+    double tau = 0, end = 0.5 * h, bend = curvature(f, n, end);
+    while (j.value < -j.noise) {
+        double square = j.slope * j.slope - 2 * bend * j.value, step = INFINITY;
         if (square >= 0 && j.slope >= 0)
             step = -2 * j.value / (j.slope + sqrt(square));
-        else if (square >= 0 && j.bend > 0)
-            step = (sqrt(square) - j.slope) / j.bend;
-        double next = fmin(end, tau + step);
-        if (next >= h && tau + step > h)
+        else if (square >= 0 && bend > 0)
+            step = (sqrt(square) - j.slope) / bend;
+        double next = tau + step;
+        if (next > end && end >= h)
             return INFINITY;
-        if (next == tau)
-            return tau;
+        if (next > end) { /* none up to there */
+            next = end;
+            end = h;
+            bend = curvature(f, n, end);
+        } else if (next == tau)
+            break;
         tau = next;
+        j = evaluate(f, n, tau);
     }
+    return tau;
 }
 
 typedef struct search {
@@ -155,7 +164,7 @@ static void search_stuck(search *s, int32_t j, int32_t i) {
 lattice_event sp_lattice_next_event(sp_lattice *l, double h) {
     search s = {l, {EVENT_NONE, -1, h}, 0};
     double power = h;
-    for (int p = 1; p <= l->order; p++, power *= h)
+    for (int p = 1; l->lifted && p <= l->order; p++, power *= h)
         s.reach_floor += fabs(l->floor[p]) * power;
     find_reach(l, h);
     for (int32_t j = 0; j < l->movers; j++)

@@ -87,6 +87,8 @@ static void watch_order(sp_run *r, double tau) {
 /* int F_0 dy_0 over tau, from the product of the two series. */
 static void add_work(sp_run *r, double tau) {
     sp_lattice *l = &r->l;
+    if (l->movers > 0 && l->mover[0] == 0 && l->stiffness[0] == 0)
+        return; /* nothing is on the floor */
     double velocity[LATTICE_ORDER + 2] = {l->a * l->omega * cos(l->omega * l->s)}, sum = 0, power = tau;
     for (int p = 0; p <= l->order; p++)
         velocity[p + 1] = (l->floor[p] - (p == 0 ? l->g : 0)) / (p + 1);

@@ -138,16 +138,22 @@ double sp_lattice_floor_jerk(const sp_lattice *l) {
     return l->lifted ? -l->a * l->omega * l->omega * l->omega * cos(l->omega * l->s) : 0;
 }
 
+/* 1/((p + 1)(p + 2)): divisions would take longer than the rest of the recurrence. */
+#define SHARE(p)  1.0 / (((p) + 1) * ((p) + 2))
+#define SHARES(p) SHARE(p), SHARE((p) + 1), SHARE((p) + 2), SHARE((p) + 3), SHARE((p) + 4)
+static const double shares[LATTICE_ORDER] = {SHARES(0), SHARES(5), SHARES(10), SHARES(15), SHARES(20), SHARES(25)};
+
+/* y0'' as a series, up to l->order, and gravity. */
 static void expand_floor(sp_lattice *l) {
-    double even = sp_lattice_floor_acceleration(l), odd = sp_lattice_floor_jerk(l), square = -l->omega * l->omega;
-    for (int p = 0; p <= LATTICE_ORDER; p += 2) {
-        l->floor[p] = even;
-        if (p < LATTICE_ORDER)
-            l->floor[p + 1] = odd / (p + 1);
-        even *= square / ((p + 1) * (p + 2));
-        odd *= square / ((p + 2) * (p + 1));
+    const double acceleration = sp_lattice_floor_acceleration(l), square = -l->omega * l->omega;
+    memset(l->floor, 0, sizeof l->floor);
+    if (l->lifted) {
+        l->floor[0] = acceleration;
+        l->floor[1] = sp_lattice_floor_jerk(l);
+        for (int p = 0; p + 2 <= l->order; p++)
+            l->floor[p + 2] = l->floor[p] * square * shares[p];
     }
-    l->floor[0] += l->g;
+    l->floor[0] = acceleration + l->g;
 }
 
 /* One power from the second last: c_(p+2) (p+1) (p+2) = A_below - A_above, accelerations of the clusters. Called with
@@ -162,7 +168,7 @@ static inline void raise_lanes(const sp_lattice *l, double *c, int p, double flo
     a[0] = floor;
     for (int32_t j = 0; j < lanes; j++)
         a[j + 1] = (f[j] - f[j + 1]) * im[j];
-    double share = 1.0 / ((p + 1) * (p + 2));
+    const double share = shares[p];
     for (int32_t j = 0; j < lanes; j++)
         next[j] = (a[j] - a[j + 1]) * share;
 }
@@ -174,7 +180,7 @@ static void raise_power(const sp_lattice *l, double *c, int p, double floor) {
     }
     size_t stride = (size_t)l->stride; /* in registers: memory would be read before it is written */
     const double *now = c + (size_t)p * stride;
-    double *next = c + (size_t)(p + 2) * stride, share = 1.0 / ((p + 1) * (p + 2));
+    double *next = c + (size_t)(p + 2) * stride, share = shares[p];
     double below = floor, force = l->stiffness[0] * now[0];
     for (int32_t j = 0; j < l->movers; j++) {
         double above = j + 1 < l->movers ? l->stiffness[j + 1] * now[j + 1] : 0;
@@ -193,11 +199,10 @@ static void hold_released(const sp_lattice *l, double *c) {
 
 /* The power from which on terms of e^x are below 1e-18; *rest bounds their sum. */
 static int order_for(double x, double *rest) {
-    double term = 1;
-    int p = 0;
-    do
-        term *= x / ++p;
-    while (p < LATTICE_ORDER && (p < 3 || term > 1e-18));
+    double term = x * x * x / 6;
+    int p = 3;
+    for (; p + 2 < LATTICE_ORDER && term > 1e-18; p += 2) /* two at a time, for a division less */
+        term *= x * x * shares[p];
     *rest = term * x / (p + 1 - fmin(x, p));
     return p;
 }
