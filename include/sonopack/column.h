@@ -83,9 +83,12 @@ typedef struct sp_column_spec {
     double tolerance; /* of the smooth lattice, relative */
     int32_t cells;    /* of continua: grid cells a particle */
     sp_column_parameter parameter;
-    double from, to;   /* of the parameter */
-    int32_t points;    /* of it, equally spaced; 1 and from 0: the spec's own value */
-    int32_t transient; /* taps of a diagram before the first that counts */
+    double from, to;             /* of the parameter */
+    int32_t points;              /* of it, equally spaced; 1 and from 0: the spec's own value */
+    int32_t transient;           /* taps of a diagram before the first that counts */
+    bool (*stopped)(void *user); /* asked many times a second, of a diagram by all its threads; true ends the work with
+                                    SP_EINTERRUPTED. NULL: nobody stops it */
+    void *user;
 } sp_column_spec;
 /* [B]'s five particles: m = r = 1, a = 1.06, e = 0.09, g = 980.67, K = 2 N m g/r, T = 1 s, f = 7.5 Hz, four taps. */
 sp_column_spec sp_column_spec_default(void);
@@ -115,7 +118,8 @@ typedef struct sp_column_tap {
     double work;       /* of the floor, int F0 dy0 */
     double dissipated; /* sum over contacts of int e K delta |w| dt */
     double energy;     /* E at the end, kinetic, of gravity (0 at y = 0), and K delta^2/2 */
-    double residual;   /* of the balance E - E_before = work - dissipated, over the larger of work and dissipated */
+    double residual;   /* of the balance E - E_before = work - dissipated, over the largest of work, dissipated and
+                          |E|/1000 */
     double rest;       /* time after the start of the tap when everything had come to rest; NAN: it had not */
     double separation; /* the smallest y_(i+1) - y_i [cm]; below 0: (1) is violated */
     double at;         /* when that was [s] */

@@ -49,6 +49,11 @@ static const struct argp argp = {
     NULL,
     NULL};
 
+static bool stopped(void *user) {
+    (void)user;
+    return cli_stopped();
+}
+
 static bool watch(double share, void *user) {
     const arguments *a = user;
     const double spent = sp_clock_wall() - a->begun;
@@ -64,8 +69,9 @@ static void warn(const arguments *a, const sp_table *t) {
             cli_note(&a->common, "%s", t->comment[k]);
 }
 
-static sp_status make(arguments *a, const sp_scene *scene, sp_table *t, sp_error *err) {
+static sp_status make(arguments *a, sp_scene *scene, sp_table *t, sp_error *err) {
     cli_catch_signals();
+    scene->column.stopped = stopped;
     a->begun = sp_clock_wall();
     sp_status status =
         sp_column_table_watched(&scene->column, a->common.threads, (sp_column_watcher){watch, a}, t, err);

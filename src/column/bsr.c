@@ -74,7 +74,10 @@ static sp_status between(const sp_column_spec *c, const sp_column_frame frame[2]
 
 sp_status sp_column_frames_pass(const sp_column_spec *c, sp_column_frame frame[2], sp_column_sink *sink,
                                 sp_column_report *report, sp_error *err) {
-    sp_status status = SP_OK;
+    const int64_t most = (int64_t)SP_COLUMN_MOST_STEPS * sp_column_taps(c);
+    sp_status status = sp_column_go_on(c, report->steps, most, frame[1].t, err);
+    if (status != SP_OK)
+        return status;
     frame[1].y[0] = sp_column_floor(c, frame[1].t);
     note(c, &frame[1], report);
     bool last = frame[1].t >= sp_column_taps(c) * c->period; /* times that only rounding puts behind it belong to it */

@@ -16,6 +16,11 @@ sp_column_solver sp_column_run_events, sp_column_run_smooth, sp_column_run_rk4, 
 /* (35) and (37): SP_EREFUSED, with the symbol in the text. */
 sp_column_solver sp_column_refuse_printed;
 
+/* Whether a run may go on after so many steps: SP_EINTERRUPTED if it is stopped, SP_EFAILED above `most` (0: any). */
+sp_status sp_column_go_on(const sp_column_spec *c, int64_t steps, int64_t most, double t, sp_error *err);
+/* Most steps of one tap of continua, smooth lattice and RK4: what needs more is refused. */
+enum { SP_COLUMN_MOST_STEPS = 10000000 };
+
 /* Contact i (0 .. N - 1) has particle i + 1 above it. */
 static inline double sp_column_distance(const sp_column_spec *c, int32_t contact) {
     return sp_column_radius(c, contact + 1) + (contact > 0 ? sp_column_radius(c, contact) : 0);

@@ -202,8 +202,9 @@ static sp_status step(sp_run *r, double left, sp_error *err) {
     sp_lattice_expand(l, h);
     lattice_event event = sp_lattice_next_event(l, h);
     bool ends = event.kind == EVENT_NONE && h == left;
-    r->report->steps++;
-    sp_status status = hand_over(r, event.tau, err);
+    sp_status status = sp_column_go_on(l->spec, ++r->report->steps, 0, r->begin + l->s, err);
+    if (status == SP_OK)
+        status = hand_over(r, event.tau, err);
     if (status != SP_OK)
         return status;
     if (l->lifted)
@@ -264,6 +265,9 @@ static void kick(sp_run *r, double jump) {
 sp_status sp_run_tap(sp_run *r, int32_t tap, sp_error *err) {
     sp_lattice *l = &r->l;
     double energy = energy_of(l), spent = l->spent;
+    sp_status status = sp_column_go_on(l->spec, 0, 0, tap * l->period, err);
+    if (status != SP_OK)
+        return status;
     r->tap = &r->report->tap[r->report->taps > tap ? tap : 0];
     *r->tap = (sp_column_tap){.rest = NAN, .separation = INFINITY, .at = NAN};
     r->begin = tap * l->period;
@@ -272,13 +276,13 @@ sp_status sp_run_tap(sp_run *r, int32_t tap, sp_error *err) {
     if (l->a > 0) {
         kick(r, l->a * l->omega);
         l->lifted = true;
-        sp_status status = go_to(r, l->tap_end, err);
+        status = go_to(r, l->tap_end, err);
         if (status != SP_OK)
             return status;
         l->lifted = false;
         kick(r, l->a * l->omega);
     }
-    sp_status status = go_to(r, l->period, err);
+    status = go_to(r, l->period, err);
     if (status != SP_OK)
         return status;
     for (int32_t i = 0; i < l->n; i++)
@@ -287,6 +291,7 @@ sp_status sp_run_tap(sp_run *r, int32_t tap, sp_error *err) {
     r->tap->dissipated = l->spent - spent;
     r->tap->energy = energy_of(l);
     double scale = fmax(fabs(r->tap->work), r->tap->dissipated);
+    scale = fmax(scale, 1e-3 * fmax(fabs(energy), fabs(r->tap->energy)));
     r->tap->residual = scale > 0 ? (r->tap->energy - energy - r->tap->work + r->tap->dissipated) / scale : 0;
     return SP_OK;
 }

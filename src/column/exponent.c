@@ -8,7 +8,8 @@
 enum {
     CYCLE_MAX = 32,       /* taps of the longest cycle that is looked for */
     CYCLE_PARTICLES = 64, /* beyond that the matrix costs more than the average */
-    BLOCKS = 16
+    BLOCKS = 16,
+    LEAST_TAPS = 10
 };
 
 static const double closes = 1e-9; /* a cycle does so within this, times the size of the state */
@@ -201,6 +202,9 @@ sp_status sp_column_lyapunov(const sp_column_spec *spec, sp_column_exponent *out
     sp_column_state s = {0};
     sp_column_exponent found = {0};
     sp_status status = sp_column_state_make(&c, &s, err);
+    if (status == SP_OK && c.taps < LEAST_TAPS)
+        status = sp_fail(err, SP_EINVAL, "column.taps = %d: must be at least %d for an exponent, or 0 for 1000", c.taps,
+                         LEAST_TAPS);
     if (status == SP_OK)
         status = make_orbit(&c, 0, &o, err);
     if (status == SP_OK)

@@ -100,7 +100,9 @@ static sp_status through(march *w, sp_column_tap *tap, double s, double end, sp_
     while (status == SP_OK && s < end) {
         double longest = m->longest(m->model, s, w->state);
         double left = end - s, parts = ceil(left / longest * (1 - 1e-9)), h = left / fmax(1, parts);
-        w->steps++;
+        status = sp_column_go_on(w->c, ++w->steps, 0, w->start + s, err);
+        if (status != SP_OK)
+            return status;
         if (hopeless(w, s, parts) || !(s + h > s))
             return too_many(w, s, h, err);
         double error = m->step(m->model, s, h, w->state, w->next);
@@ -138,7 +140,7 @@ static sp_status one_tap(march *w, sp_column_tap *tap, double *energy, sp_error 
     tap->work = work[0];
     tap->dissipated = work[1];
     tap->energy = w->m->energy(w->m->model, 0, w->state);
-    double scale = fmax(fmax(fabs(tap->work), tap->dissipated), 1e-9 * fabs(*energy));
+    double scale = fmax(fmax(fabs(tap->work), tap->dissipated), 1e-3 * fabs(*energy));
     tap->residual = (tap->energy - *energy - tap->work + tap->dissipated) / scale;
     *energy = tap->energy;
     w->report->steps += w->steps;

@@ -36,9 +36,6 @@ typedef struct sp_column_marcher {
     const char *stiff; /* the key that makes steps short */
 } sp_column_marcher;
 
-/* Most steps of one tap: what needs more is refused. */
-enum { SP_COLUMN_MOST_STEPS = 10000000 };
-
 /* As sp_column_run, from the state given, which is overwritten. */
 typedef struct sp_column_rows {
     int64_t n;

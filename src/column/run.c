@@ -17,6 +17,20 @@ static sp_column_solver *solver_of(const sp_column_spec *c) {
     return sp_column_refuse_printed;
 }
 
+sp_status sp_column_go_on(const sp_column_spec *c, int64_t steps, int64_t most, double t, sp_error *err) {
+    enum { SELDOM = 256 };
+    if (steps % SELDOM != 0)
+        return SP_OK;
+    if (c->stopped && c->stopped(c->user))
+        return sp_fail(err, SP_EINTERRUPTED, "stopped at t = %.6g s: nothing is written, start it again", t);
+    if (most > 0 && steps > most)
+        return sp_fail(err, SP_EFAILED,
+                       "t = %.6g s: more than %lld steps a tap; make column.time_step, column.stiffness or "
+                       "column.amplitude such that longer ones do",
+                       t, (long long)(most / sp_column_taps(c)));
+    return SP_OK;
+}
+
 static sp_status make_report(const sp_column_spec *c, sp_column_report *r, sp_error *err) {
     *r = (sp_column_report){.violated_at = NAN, .violated = -1};
     r->tap = sp_alloc((size_t)c->taps, sizeof *r->tap);

@@ -168,6 +168,9 @@ sp_status sp_column_check(const sp_column_spec *c, sp_error *err) {
         return sp_fail(err, SP_EINVAL,
                        "column.e = %s: must be 0, or at least 1e-9: bands of friction below that are lost in rounding",
                        sp_number_text(c->e, value));
+    if (c->drop < 0 && c->drop != -1)
+        return sp_fail(err, SP_EINVAL, "column.drop = %s: must be 0 .. 1e6 cm, or -1 to start at rest",
+                       sp_number_text(c->drop, value));
     if (c->amplitude > 0 && tap > c->period * (1 + 1e-12))
         return sp_fail(err, SP_EINVAL,
                        "column.period = %s s: must be at least the length of a tap, half a period of "

@@ -77,18 +77,16 @@ static run find_run(sp_lattice *l, int32_t at) {
         high++;
     size_t stride = (size_t)l->stride;
     double *room = l->c + 3 * stride; /* series are made anew after this */
-    run r = {l,
-             low,
-             high,
-             high - low + 1,
-             room,
-             room + stride,
-             room + 2 * stride,
-             room + 3 * stride,
-             room + 4 * stride,
-             3e-13 * l->weight,
-             3e-12 * l->weight};
-    double x = 0, lightest = INFINITY;
+    run r = {.l = l, .low = low, .high = high, .n = high - low + 1};
+    r.x = room;
+    r.lo = room + stride;
+    r.hi = room + 2 * stride;
+    r.f = room + 3 * stride;
+    r.bend = room + 4 * stride;
+    double x = 0, lightest = low > 0 ? l->mass[low - 1] : INFINITY, most = l->weight;
+    most = fmax(most, fabs(force_of(l, high + 1, high + 1 < l->n ? l->delta[high + 1] : 0)));
+    if (low > 0)
+        most = fmax(most, fabs(force_of(l, low - 1, l->delta[low - 1])));
     for (int32_t k = 0; k < r.n; k++) {
         int32_t i = high - k;
         x += l->mass[i];
@@ -97,7 +95,8 @@ static run find_run(sp_lattice *l, int32_t at) {
         r.lo[k] = l->k * (1 - l->e) * l->delta[i];
         r.hi[k] = l->k * (1 + l->e) * l->delta[i];
     }
-    r.straight /= lightest;
+    r.edge = 3e-13 * most;
+    r.straight = 3e-12 * most / lightest;
     return r;
 }
 

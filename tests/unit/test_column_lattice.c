@@ -139,6 +139,47 @@ static void test_energy_balance(void **state) {
     }
 }
 
+/* Impacts of unlike balls on stiff contacts: forces are thousands of weights then, and what decides which contacts
+ * stick must be judged by them. Energies round with the ratio of the masses. */
+static void test_unlike_masses(void **state) {
+    (void)state;
+    const uint64_t seed = 505;
+    sp_random r = sp_random_make(seed, 1);
+    for (int k = 0; k < 300; k++) {
+        double mass[3], ratio = pow(10, 4 * sp_random_uniform(&r));
+        for (int i = 0; i < 3; i++)
+            mass[i] = 1.3 * pow(ratio, sp_random_uniform(&r));
+        sp_column_spec c = sp_column_spec_default();
+        c.particles = 2 + (int32_t)sp_random_below(&r, 4);
+        c.masses = 2 + k % 2;
+        c.mass = mass;
+        c.e = k % 5 == 0 ? 0.9 : 0.01 + 0.5 * sp_random_uniform(&r);
+        c.stiffness = sp_column_stiffness(&c) * pow(10, 1 + 6 * sp_random_uniform(&r));
+        c.amplitude = 0;
+        c.drop = 5 * sp_random_uniform(&r);
+        c.taps = 1;
+        c.period = 0.3;
+        sp_column_report report;
+        sp_error err = {0};
+        if (sp_column_run(&c, 0, NULL, NULL, NULL, &report, &err) != SP_OK)
+            fail_msg("seed %d, column %d: %s", (int)seed, k, err.text);
+        assert_close(report.tap[0].residual, 0, 1e-9);
+        sp_column_report_free(&report);
+    }
+    const double pair[] = {1.3, 5}, far[] = {1.3, 40};
+    sp_column_spec c = sp_column_spec_default();
+    c.particles = c.masses = 2;
+    c.amplitude = 0;
+    c.drop = 4.7;
+    c.taps = 1;
+    for (int k = 0; k < 2; k++) {
+        c.mass = k == 0 ? pair : far;
+        c.e = k == 0 ? 0.9 : 0.09;
+        c.stiffness = k == 0 ? 123564419999999.98 : 8100334199999.999;
+        assert_ok(sp_column_run(&c, 0, NULL, NULL, NULL, NULL, &err));
+    }
+}
+
 /* Any state within the band n_i M/(1 + e) .. n_i M/(1 - e) rests for ever, to the last bit; one outside does not. */
 static void test_rest_states_are_a_band(void **state) {
     (void)state;
@@ -246,6 +287,7 @@ int main(void) {
         cmocka_unit_test(test_drop),
         cmocka_unit_test(test_elastic_modes),
         cmocka_unit_test(test_energy_balance),
+        cmocka_unit_test(test_unlike_masses),
         cmocka_unit_test(test_rest_states_are_a_band),
         cmocka_unit_test(test_units),
         cmocka_unit_test(test_rows_change_nothing),
