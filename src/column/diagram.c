@@ -113,6 +113,8 @@ static sp_status check_range(const sp_column_spec *c, sp_error *err) {
     const char *name = names[c->parameter];
     if (c->model != SP_COLUMN_LATTICE || c->method != SP_COLUMN_EVENT)
         return sp_fail(err, SP_EINVAL, "column.output: diagrams are made with model = \"lattice\", method = \"event\"");
+    if (c->points == 1 && c->to > c->from)
+        return sp_fail(err, SP_EINVAL, "column.points = 1: must be 2 or more to go from column.from to column.to");
     if (c->points > 1 && !(c->from < c->to))
         return sp_fail(err, SP_EINVAL,
                        "column.to = %.17g: must be above column.from = %.17g for %d points of column.%s", c->to,
@@ -175,8 +177,8 @@ static sp_status note_violations(const diagram *d, sp_table *t, sp_error *err) {
     if (count == 0)
         return SP_OK;
     return sp_table_add_comment(t, err,
-                                "warning: ordering (1) violated at %d of %d points, first at %s = %s: overlaps reached "
-                                "the distance of the centres, beyond which no contact law holds",
+                                "warning: ordering (1) violated at %d of %d points, first at %s = %s: centres passed "
+                                "each other, beyond which no contact law holds; a larger column.stiffness prevents it",
                                 count, d->points, names[d->c->parameter],
                                 sp_number_text(parameter_at(d->c, first), value));
 }

@@ -121,8 +121,8 @@ static sp_status note_violation(const sp_column_report *r, sp_table *t, sp_error
     else
         snprintf(pair, sizeof pair, "the floor and particle 1");
     return sp_table_add_comment(t, err,
-                                "warning: ordering (1) violated at t = %s s between %s: the overlap reached the "
-                                "distance of their centres, beyond which no contact law holds",
+                                "warning: ordering (1) violated at t = %s s between %s: their centres passed each "
+                                "other, beyond which no contact law holds; a larger column.stiffness prevents it",
                                 sp_number_text(r->violated_at, time), pair);
 }
 

@@ -180,7 +180,7 @@ sp_status sp_column_check(const sp_column_spec *c, sp_error *err) {
     if (!(stiffness > bound * (1 + 1e-12))) /* what equals it, but for rounding, is refused */
         return sp_fail(err, SP_EINVAL,
                        "column.stiffness = %s g/s^2: the column collapses under its own weight; must be above "
-                       "%s g/s^2 (condition (28), for equal particles N m g/r)",
-                       sp_number_text(stiffness, value), sp_number_text(bound, limit));
+                       "%.10g g/s^2 (condition (28), for equal particles N m g/r)",
+                       sp_number_text(stiffness, value), bound);
     return SP_OK;
 }

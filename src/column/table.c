@@ -136,6 +136,24 @@ static sp_status strobe_row(double t, const double *y, const double *v, void *us
     return status == SP_OK ? look(m, err) : status;
 }
 
+/* What the densities after taps are to be compared with. */
+static sp_status note_initial_density(maker *m, sp_error *err) {
+    const size_t n = (size_t)m->c->particles;
+    sp_column_state s;
+    sp_status status = sp_column_state_make(m->c, &s, err);
+    if (status != SP_OK)
+        return status;
+    double *y = sp_alloc(2 * n + 1, sizeof *y);
+    if (y) {
+        sp_column_positions(m->c, &s, y + 1, y + 1 + n);
+        status = sp_table_add_comment(m->t, err, "initial_density = %.17g", sp_column_density(m->c, y));
+    } else
+        status = sp_fail_memory(err, (2 * n + 1) * sizeof *y);
+    sp_free(y);
+    sp_column_state_free(&s);
+    return status;
+}
+
 static sp_status strobe(maker *m, sp_error *err) {
     sp_status status = strobe_times(m, m->c->particles + 3.0, err);
     if (status == SP_OK)
@@ -146,6 +164,8 @@ static sp_status strobe(maker *m, sp_error *err) {
         status = add_particles(m, "y", 1, "cm", err);
     if (status == SP_OK)
         status = sp_table_add_column(m->t, "density", "g/cm", SP_CELL_NUMBER, err);
+    if (status == SP_OK)
+        status = note_initial_density(m, err);
     if (status == SP_OK)
         status = make_cells(m, err);
     return status == SP_OK ? run(m, strobe_row, err) : status;
@@ -278,12 +298,15 @@ static sp_status run_models(comparison *k, sp_error *err) {
     return status;
 }
 
-/* The mean over time of one column. */
-static sp_status add_mean(const comparison *k, const char *name, const double *values, sp_error *err) {
-    double sum = 0;
-    for (int64_t row = 0; row < k->m->n; row++)
+/* Over time: of the mean over particles its mean, of the largest the largest. */
+static sp_status add_summary(const comparison *k, const char *name, const double *values, sp_error *err) {
+    double sum = 0, most = 0;
+    for (int64_t row = 0; row < k->m->n; row++) {
         sum += values[row];
-    return sp_table_add_comment(k->m->t, err, "%s over time = %.17g", name, sum / (double)k->m->n);
+        most = fmax(most, values[row]);
+    }
+    const bool largest = strncmp(name, "max_", 4) == 0;
+    return sp_table_add_comment(k->m->t, err, "%s over time = %.17g", name, largest ? most : sum / (double)k->m->n);
 }
 
 static sp_status comparison_rows(const comparison *k, sp_error *err) {
@@ -296,7 +319,7 @@ static sp_status comparison_rows(const comparison *k, sp_error *err) {
     for (int j = 0; j < 4 && status == SP_OK; j++)
         status = sp_table_add_column(k->m->t, names[j], "cm", SP_CELL_NUMBER, err);
     for (int j = 0; j < 4 && status == SP_OK; j++)
-        status = add_mean(k, names[j], columns[j], err);
+        status = add_summary(k, names[j], columns[j], err);
     for (int64_t row = 0; row < k->m->n && status == SP_OK; row++)
         status = sp_table_add_row(k->m->t, err, k->m->time[row], columns[0][row], columns[1][row], columns[2][row],
                                   columns[3][row]);
