@@ -99,9 +99,11 @@ static void work(void *data, int part, int parts) {
     for (int32_t point; !atomic_load(&d->stop) && (point = atomic_fetch_add(&d->next, 1)) < d->points;) {
         sp_error err = {0};
         d->status[point] = make_point(d, point, &err);
-        if (d->status[point] == SP_EINTERRUPTED)
+        if (d->status[point] == SP_EINTERRUPTED) {
             atomic_store(&d->stop, true);
-        else if (d->status[point] != SP_OK && atomic_fetch_add(&d->failed, 1) == 0)
+            return;
+        }
+        if (d->status[point] != SP_OK && atomic_fetch_add(&d->failed, 1) == 0)
             *d->reason = err;
         int done = atomic_fetch_add(&d->done, 1) + 1;
         if (part == 0 && d->watcher.watch && !d->watcher.watch((double)done / d->points, d->watcher.user))
