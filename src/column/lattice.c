@@ -69,11 +69,11 @@ void sp_lattice_free(sp_lattice *l) {
 }
 
 void sp_lattice_start(sp_lattice *l) {
-    double above = l->weight;
-    for (int32_t i = 0; i < l->n; i++) {
-        l->delta[i] = l->spec->drop < 0 ? above / l->k : i == 0 ? -l->spec->drop : 0;
+    double above = 0; /* masses from the top: from below, differences would leave each contact its own rounding */
+    for (int32_t i = l->n - 1; i >= 0; i--) {
+        above += l->mass[i];
+        l->delta[i] = l->spec->drop < 0 ? above * l->g / l->k : i == 0 ? -l->spec->drop : 0;
         l->w[i] = 0;
-        above -= l->mass[i] * l->g;
     }
     l->s = 0;
     l->lifted = false;

@@ -41,6 +41,18 @@ static sp_status draw_diagram(const stack_table *const of[2], const char *wanted
     return stack_draw_diagram(of[0], column, of[1], path, err);
 }
 
+/* Two tables that keep them all from one figure, by their kinds. */
+static sp_status fail_together(int tables, const stack_table *s, sp_error *err) {
+    int other = 1;
+    while (other + 1 < tables && s[other].output == s[0].output)
+        other++;
+    const char *one = stack_kind(s[0].output), *two = stack_kind(s[other].output);
+    return sp_fail(err, SP_EINVAL,
+                   "table 1 is %s and table %d %s%s: they make no figure together; must be trajectories, densities, or "
+                   "a bifurcation and a Lyapunov table",
+                   one, other + 1, s[0].output == s[other].output ? "too, " : "", two);
+}
+
 static sp_status draw_one(const stack_table *s, const char *path, sp_error *err) {
     switch (s->output) {
     case STACK_STROBE: return stack_draw_strobe(s, path, err);
@@ -67,10 +79,7 @@ static sp_status draw(int tables, const stack_table *s, const sp_plot_column_opt
     if (surface && all_have_shape(tables, s))
         return stack_draw_surfaces(tables, s, path, err);
     if (tables > 1)
-        return sp_fail(err, SP_EINVAL,
-                       "%d tables that make no figure together: must be trajectories, or a bifurcation and Lyapunov "
-                       "exponents",
-                       tables);
+        return fail_together(tables, s, err);
     return draw_one(s, path, err);
 }
 

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { PROFILES = 6, PLACES = 3, MARKED_MOST = 40, LABEL_ROOM = 160 };
+enum { PROFILES = 6, PLACES = 3, MARKED_MOST = 40, LABEL_ROOM = 200 };
 
 /* The row nearest to a time. */
 static int64_t row_at(int64_t rows, const double *t, double time) {
@@ -21,20 +21,24 @@ static int64_t row_at(int64_t rows, const double *t, double time) {
     return fabs(t[high] - time) < fabs(t[low] - time) ? high : low;
 }
 
-/* The first row and those at .99T, 1.99T, ..., of very many taps some; without a period rows evenly apart. */
-static int choose_rows(const stack_table *s, const double *t, int64_t row[PROFILES]) {
+/* The first row and those at .99T, 1.99T, ..., of many taps the first, the last and some between; without a period rows
+ * evenly apart. number: of the tap; 0: not known. */
+static int choose_rows(const stack_table *s, const double *t, int64_t row[PROFILES], double number[PROFILES]) {
     const int64_t rows = s->table->rows;
     const double period = stack_setting(s, "period"), taps = floor((t[rows - 1] - t[0]) / period + 0.02);
     int n = 0;
-    row[n++] = 0;
+    row[n] = 0;
+    number[n++] = 0;
     for (int k = 1; k < PROFILES; k++) {
-        const double tap = taps >= PROFILES ? ceil(k * taps / (PROFILES - 1)) : k;
+        const double tap = taps < PROFILES ? k : 1 + round((k - 1) * (taps - 1) / (PROFILES - 2));
         if (isfinite(period) && tap > taps)
             break;
         const int64_t at = isfinite(period) ? row_at(rows, t, t[0] + (tap - 0.01) * period)
                                             : (int64_t)llround((double)(rows - 1) * k / (PROFILES - 1));
-        if (at > row[n - 1])
-            row[n++] = at;
+        if (at > row[n - 1]) {
+            row[n] = at;
+            number[n++] = isfinite(period) && fabs(t[0]) < 1e-9 * period ? tap : 0;
+        }
     }
     return n;
 }
@@ -52,14 +56,18 @@ static int profile_curves(const stack_table *s, const double *t, double *memory,
                           char (*label)[LABEL_ROOM]) {
     static const sp_mark marks[] = {SP_MARK_CIRCLE, SP_MARK_SQUARE, SP_MARK_TRIANGLE, SP_MARK_DIAMOND};
     int64_t row[PROFILES];
-    const int n = choose_rows(s, t, row), size = s->particles;
+    double tap[PROFILES];
+    const int n = choose_rows(s, t, row, tap), size = s->particles;
     for (int k = 0; k < n; k++) {
-        char number[40], unit[80];
+        char number[40], unit[80], of_tap[40];
         double *y = memory + 2 * k * size;
         profile(s, row[k], y, y + size);
         text_number(number, sizeof number, t[row[k]], 3);
         text_escape(unit, sizeof unit, s->table->column[s->abscissa].unit, 12);
-        snprintf(label[k], LABEL_ROOM, "|t| = %s%s%s", number, *unit ? " " : "", unit);
+        of_tap[0] = '\0';
+        if (tap[k] > 0)
+            snprintf(of_tap, sizeof of_tap, "tap %.0f, ", tap[k]);
+        snprintf(label[k], LABEL_ROOM, "%s|t| = %s%s%s", of_tap, number, *unit ? " " : "", unit);
         curve[k] = (sp_curve){.label = label[k],
                               .n = size,
                               .x = y,

@@ -20,35 +20,29 @@ static sp_status check_parameter(const stack_table *s, double *to, double *low, 
     return SP_OK;
 }
 
-/* Exponents in the order of the parameter, which a table of a sweep has. Where an exponent is minus infinity (all
- * particles at rest) the curve has a gap; what stands alone between gaps is a dot. */
-static void exponent_curves(const stack_table *s, const double *x, double *memory, sp_curve curve[2]) {
+/* Marks alone: between windows of cycles the exponent jumps, and a line would show values that it does not take. */
+static sp_curve exponents(const stack_table *s, const double *x, double *memory) {
     const int64_t n = s->table->rows;
     const int error = stack_column(s, "error");
     const double *y = stack_values(s, stack_column(s, "lambda"), memory);
-    double *alone = memory + 2 * n;
-    curve[0] = (sp_curve){.n = n, .x = x, .y = y, .ink = 1, .width = 0.8};
-    curve[0].mark = n <= MARKED_MOST ? SP_MARK_CIRCLE : SP_MARK_NONE;
+    sp_curve curve = {.n = n, .x = x, .y = y, .ink = 1, .dash = SP_DASH_NONE, .width = 0.8};
+    curve.mark = n <= MARKED_MOST ? SP_MARK_CIRCLE : SP_MARK_DOT;
     if (error >= 0 && n <= MARKED_MOST) {
         double *e = memory + n;
         stack_values(s, error, e);
         for (int64_t k = 0; k < n; k++)
             e[k] = isfinite(e[k]) ? fabs(e[k]) : 0;
-        curve[0].error = e;
+        curve.error = e;
     }
-    for (int64_t k = 0; k < n; k++) {
-        const bool before = k > 0 && isfinite(y[k - 1]), after = k + 1 < n && isfinite(y[k + 1]);
-        alone[k] = n > MARKED_MOST && !before && !after ? y[k] : NAN;
-    }
-    curve[1] = (sp_curve){.n = n, .x = x, .y = alone, .ink = 1, .dash = SP_DASH_NONE, .mark = SP_MARK_DOT};
+    return curve;
 }
 
 typedef struct diagram {
     const stack_table *bifurcation, *lyapunov;
     int column;
     double low, high; /* of the parameter */
-    sp_curve dots, exponent[2];
-    char x[STACK_LABEL], y[2][STACK_LABEL];
+    sp_curve dots, exponents;
+    char x[STACK_LABEL], y[2][STACK_LABEL], note[2 * STACK_LABEL];
 } diagram;
 
 static bool any(const sp_curve *c) {
@@ -81,16 +75,30 @@ static sp_status read(diagram *d, double *memory, sp_error *err) {
     }
     if (d->lyapunov && status == SP_OK) {
         status = check_parameter(d->lyapunov, memory, &d->low, &d->high, err);
-        exponent_curves(d->lyapunov, memory, memory + d->lyapunov->table->rows, d->exponent);
+        d->exponents = exponents(d->lyapunov, memory, memory + d->lyapunov->table->rows);
     }
     if (status == SP_OK && d->bifurcation && !any(&d->dots))
         status = sp_fail(err, SP_EREFUSED, "nothing to draw: no position is finite");
-    if (status == SP_OK && d->lyapunov && !any(&d->exponent[0]))
+    if (status == SP_OK && d->lyapunov && !any(&d->exponents))
         status = sp_fail(err, SP_EREFUSED, "nothing to draw: no Lyapunov exponent is finite");
     if (status == SP_OK && !(d->low < d->high))
         status =
             sp_fail(err, SP_EREFUSED, "nothing to draw: one value of the parameter, %g, must be two at least", d->low);
     return status;
+}
+
+/* What the tables warn of; two that say the same say it once. */
+static void write_note(diagram *d) {
+    char one[STACK_LABEL] = "", two[STACK_LABEL] = "";
+    if (d->bifurcation)
+        stack_violation(d->bifurcation, one);
+    if (d->lyapunov)
+        stack_violation(d->lyapunov, two);
+    if (!d->bifurcation || !d->lyapunov || strcmp(one, two) == 0)
+        snprintf(d->note, sizeof d->note, "%s", *one ? one : two);
+    else
+        snprintf(d->note, sizeof d->note, "%s%s%s%s%s", *one ? "(a): " : "", one, *one && *two ? "; (b): " : "",
+                 *one || !*two ? "" : "(b): ", two);
 }
 
 static sp_status draw(diagram *d, const char *path, sp_error *err) {
@@ -106,23 +114,24 @@ static sp_status draw(diagram *d, const char *path, sp_error *err) {
         panel[panels++].y.label = stack_axis(d->bifurcation, name, d->column, d->y[0]);
     }
     if (d->lyapunov) {
-        panel[panels] = (sp_panel){.tag = d->bifurcation ? "(b)" : NULL, .x = x, .curves = 2, .curve = d->exponent};
+        panel[panels] = (sp_panel){.tag = d->bifurcation ? "(b)" : NULL, .x = x, .curves = 1, .curve = &d->exponents};
         panel[panels].zero_line = true;
         panel[panels++].y.label = stack_axis(d->lyapunov, "|\xce\xbb|", stack_column(d->lyapunov, "lambda"), d->y[1]);
     }
-    const sp_sheet sheet = {.title = d->bifurcation ? "Bifurcations of a tapped column" : "Lyapunov exponents",
-                            .rows = panels,
-                            .columns = 1,
-                            .panel = panel,
-                            .aspect = panels == 2 ? 0.66 : 0.75};
-    return sp_plot_sheet(&sheet, path, err);
+    write_note(d);
+    const stack_sheet sheet = {.title = d->bifurcation ? "Bifurcations of a tapped column" : "Lyapunov exponents",
+                               .panels = panels,
+                               .panel = panel,
+                               .aspect = panels == 2 ? 0.66 : 0.75,
+                               .note = d->note};
+    return stack_draw_sheet(&sheet, path, err);
 }
 
 sp_status stack_draw_diagram(const stack_table *bifurcation, int column, const stack_table *lyapunov, const char *path,
                              sp_error *err) {
     diagram d = {.bifurcation = bifurcation, .column = column, .lyapunov = lyapunov};
     const size_t count =
-        2 * (size_t)(bifurcation ? bifurcation->table->rows : 0) + 4 * (size_t)(lyapunov ? lyapunov->table->rows : 0);
+        2 * (size_t)(bifurcation ? bifurcation->table->rows : 0) + 3 * (size_t)(lyapunov ? lyapunov->table->rows : 0);
     double *memory = sp_alloc(count, sizeof *memory);
     sp_status status = memory ? read(&d, memory, err) : sp_fail_memory(err, count * sizeof *memory);
     if (status == SP_OK)

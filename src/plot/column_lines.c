@@ -19,10 +19,26 @@ static bool any_finite(int64_t n, const double *y) {
     return false;
 }
 
-static sp_status draw_sheet(const char *title, int rows, const sp_panel *panel, const char *path, sp_error *err) {
-    const double aspect = rows == 1 ? 0.75 : rows == 2 ? 0.62 : 0.5;
-    const sp_sheet sheet = {.title = title, .rows = rows, .columns = 1, .panel = panel, .aspect = aspect};
-    return sp_plot_sheet(&sheet, path, err);
+static sp_status draw_sheet(const char *title, int panels, const sp_panel *panel, const char *path, sp_error *err) {
+    const stack_sheet sheet = {.title = title,
+                               .panels = panels,
+                               .panel = panel,
+                               .aspect = panels == 1   ? 0.75
+                                         : panels == 2 ? 0.62
+                                                       : 0.5,
+                               .whole = true};
+    return stack_draw_sheet(&sheet, path, err);
+}
+
+/* Taps of all panels, so that they line up; a whole one stands clear of the frame. */
+static sp_axis taps_axis(int64_t rows, const double *tap, const char *label) {
+    double low = INFINITY, high = -INFINITY;
+    for (int64_t k = 0; k < rows; k++) {
+        low = fmin(low, tap[k]);
+        high = fmax(high, tap[k]);
+    }
+    const double room = fmax(0.04 * (high - low), fmin(0.5, 0.08 * (high - low)));
+    return (sp_axis){.label = label, .low = low - (room > 0 ? room : 0.5), .high = high + (room > 0 ? room : 0.5)};
 }
 
 /* ---- after each tap --------------------------------------------------------------------------------------------- */
@@ -77,7 +93,7 @@ static sp_status draw_strobe(const stack_table *s, double *memory, const char *p
     above = (sp_curve){.n = rows, .x = tap, .y = density, .ink = 1, .mark = mark_of(rows, SP_MARK_CIRCLE)};
     strobe_curves(s, tap, shown, memory + 2 * rows, curve, label);
     snprintf(name, sizeof name, "|y| \xe2\x88\x92 |y|(tap %.0f)", tap[0]);
-    const sp_axis abscissa = {.label = stack_axis(s, "tap", s->abscissa, x)};
+    const sp_axis abscissa = taps_axis(rows, tap, stack_axis(s, "tap", s->abscissa, x));
     const sp_panel panel[2] = {{.tag = "(a)",
                                 .x = abscissa,
                                 .y = {.label = stack_axis(s, "density", stack_column(s, "density"), upper)},
@@ -162,7 +178,8 @@ static sp_status draw_compare(const stack_table *s, double *memory, const char *
         .y = {.label = stack_axis(s, "difference from the lattice", column, y), .log = log},
         .curves = curves,
         .curve = curve};
-    return draw_sheet("Continua and the lattice", 1, &panel, path, err);
+    const sp_sheet sheet = {.title = "Continua and the lattice", .rows = 1, .columns = 1, .panel = &panel};
+    return sp_plot_sheet(&sheet, path, err);
 }
 
 sp_status stack_draw_compare(const stack_table *s, const char *path, sp_error *err) {
@@ -175,7 +192,7 @@ sp_status stack_draw_compare(const stack_table *s, const char *path, sp_error *e
 
 /* ---- energies --------------------------------------------------------------------------------------------------- */
 
-enum { E_TAP = 0, E_WORK, E_DISSIPATED, E_REST, E_SEPARATION, ENERGIES };
+enum { E_TAP = 0, E_WORK, E_DISSIPATED, E_KEPT, E_REST, E_SEPARATION, ENERGIES };
 
 /* From below zero to well above the values, where the panel's tag stands. */
 static void with_room(sp_axis *a, int64_t rows, const double *value) {
@@ -189,47 +206,54 @@ static void with_room(sp_axis *a, int64_t rows, const double *value) {
     a->high = high + 0.28 * range;
 }
 
-static sp_status draw_energy(const stack_table *s, double *memory, const char *path, sp_error *err) {
-    static const char *const names[ENERGIES] = {"tap", "work", "dissipated", "rest", "separation"};
+/* The column keeps so little of the work that both energies look the same on one scale: their difference, too. */
+static void read_energies(const stack_table *s, double *memory, sp_curve curve[ENERGIES], int column[ENERGIES]) {
+    static const char *const names[ENERGIES] = {"tap", "work", "dissipated", "work", "rest", "separation"};
     const int64_t rows = s->table->rows;
-    const double *value[ENERGIES];
-    sp_curve curve[ENERGIES];
-    char x[STACK_LABEL], y[3][STACK_LABEL];
-    bool drawn[ENERGIES];
     for (int q = 0; q < ENERGIES; q++) {
-        const int at = stack_column(s, names[q]);
-        value[q] = at >= 0 ? stack_values(s, at, memory + q * rows) : NULL;
-        drawn[q] = at >= 0 && any_finite(rows, value[q]);
-        curve[q] = (sp_curve){.n = rows, .x = value[E_TAP], .y = value[q], .ink = 1, .width = 0.8};
+        column[q] = stack_column(s, names[q]);
+        double *to = memory + q * rows;
+        if (column[q] >= 0)
+            stack_values(s, column[q], to);
+        for (int64_t k = 0; k < rows && (q == E_KEPT || column[q] < 0); k++)
+            to[k] = column[q] < 0 ? NAN : to[k] - memory[E_DISSIPATED * rows + k];
+        curve[q] = (sp_curve){.n = rows, .x = memory, .y = to, .ink = 1, .width = 0.8};
         curve[q].mark = mark_of(rows, SP_MARK_CIRCLE);
     }
-    if (!drawn[E_TAP] || !(drawn[E_WORK] || drawn[E_DISSIPATED]))
-        return sp_fail(err, SP_EREFUSED, "nothing to draw: no energy is finite");
     curve[E_WORK].label = "work of the floor";
     curve[E_DISSIPATED].label = "dissipated";
     curve[E_DISSIPATED].ink = 2;
     curve[E_DISSIPATED].mark = mark_of(rows, SP_MARK_SQUARE);
     curve[E_DISSIPATED].open = true;
     curve[E_DISSIPATED].dash = SP_DASH_DASHED;
-    const sp_axis abscissa = {.label = stack_axis(s, "tap", s->abscissa, x)};
-    sp_panel panel[3] = {{.tag = "(a)",
-                          .x = abscissa,
-                          .y = {.label = stack_axis(s, "energy", stack_column(s, "work"), y[0])},
-                          .curves = 2,
-                          .curve = &curve[E_WORK]}};
-    int panels = 1;
-    for (int q = E_REST; q <= E_SEPARATION; q++) {
-        if (!drawn[q])
+}
+
+static sp_status draw_energy(const stack_table *s, double *memory, const char *path, sp_error *err) {
+    static const char *const tags[] = {"(a)", "(b)", "(c)", "(d)"};
+    static const char *const labels[ENERGIES] = {[E_KEPT] = "work \xe2\x88\x92 dissipated",
+                                                 [E_REST] = "at rest after",
+                                                 [E_SEPARATION] = "least |y|_{|i|+1} \xe2\x88\x92 |y|_{|i|}"};
+    const int64_t rows = s->table->rows;
+    sp_curve curve[ENERGIES];
+    int column[ENERGIES], panels = 1;
+    char x[STACK_LABEL], y[ENERGIES][STACK_LABEL];
+    read_energies(s, memory, curve, column);
+    if (!any_finite(rows, memory) || !(any_finite(rows, curve[E_WORK].y) || any_finite(rows, curve[E_DISSIPATED].y)))
+        return sp_fail(err, SP_EREFUSED, "nothing to draw: no energy is finite");
+    const sp_axis abscissa = taps_axis(rows, memory, stack_axis(s, "tap", s->abscissa, x));
+    const sp_curve both[2] = {curve[E_DISSIPATED], curve[E_WORK]};
+    sp_panel panel[4] = {{.x = abscissa, .curves = 2, .curve = both}};
+    panel[0].y.label = stack_axis(s, "energy", column[E_WORK], y[0]);
+    for (int q = E_KEPT; q < ENERGIES; q++) {
+        if (!any_finite(rows, curve[q].y))
             continue;
-        panel[panels] = (sp_panel){.tag = panels == 1 ? "(b)" : "(c)", .x = abscissa, .curves = 1, .curve = &curve[q]};
-        panel[panels].y.label =
-            stack_axis(s, q == E_REST ? "at rest after" : "least |y|_{|i|+1} \xe2\x88\x92 |y|_{|i|}",
-                       stack_column(s, names[q]), y[panels]);
-        panel[panels].zero_line = true;
-        with_room(&panel[panels].y, rows, value[q]);
+        panel[panels] = (sp_panel){.x = abscissa, .curves = 1, .curve = &curve[q], .zero_line = true};
+        panel[panels].y.label = stack_axis(s, labels[q], column[q], y[q]);
+        with_room(&panel[panels].y, rows, curve[q].y);
         panels++;
     }
-    panel[0].tag = panels > 1 ? "(a)" : NULL;
+    for (int k = 0; k < panels && panels > 1; k++)
+        panel[k].tag = tags[k];
     return draw_sheet("Energies of the taps", panels, panel, path, err);
 }
 

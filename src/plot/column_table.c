@@ -122,6 +122,23 @@ const char *stack_axis(const stack_table *s, const char *name, int column, char 
     return out;
 }
 
+const char *stack_kind(stack_output output) {
+    static const char *const names[] = {
+        [STACK_TRAJECTORY] = "a trajectory",   [STACK_STROBE] = "a strobe table", [STACK_LYAPUNOV] = "a Lyapunov table",
+        [STACK_BIFURCATION] = "a bifurcation", [STACK_COMPARE] = "a comparison",  [STACK_DENSITY] = "a density table",
+        [STACK_ENERGY] = "an energy table"};
+    return names[output];
+}
+
+const char *stack_violation(const stack_table *s, char out[STACK_LABEL]) {
+    int count = 0, points = 0;
+    out[0] = '\0';
+    for (int k = 0; k < s->table->comments; k++)
+        if (sscanf(s->table->comment[k], " warning: ordering (1) violated at %9d of %9d points", &count, &points) == 2)
+            snprintf(out, STACK_LABEL, "order (1) violated at %d of %d points", count, points);
+    return out;
+}
+
 const char *stack_parameter(const stack_table *s, char out[STACK_LABEL]) {
     static const char *const known[][2] = {
         {"amplitude", "|a|"}, {"period", "|T|"}, {"frequency", "|f|"}, {"restitution", "|e|"}, {"e", "|e|"}};

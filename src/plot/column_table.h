@@ -45,6 +45,22 @@ const char *stack_axis(const stack_table *s, const char *name, int column, char 
 /* What the parameter of a diagram is called. */
 const char *stack_parameter(const stack_table *s, char out[STACK_LABEL]);
 
+/* What a table is called in a sentence, as "a trajectory". */
+const char *stack_kind(stack_output output);
+/* "order (1) violated at 3 of 40 points" where the comments of a diagram warn of it; else "". */
+const char *stack_violation(const stack_table *s, char out[STACK_LABEL]);
+
+/* One to four panels in the width of a column of print, one below the other. */
+typedef struct stack_sheet {
+    const char *title; /* of the document, not drawn */
+    int panels;
+    const sp_panel *panel; /* [panels] */
+    double aspect;         /* height of a panel over its width */
+    bool whole;            /* ticks of x at whole numbers only */
+    const char *note;      /* small print at the foot, markup; NULL or "": none */
+} stack_sheet;
+sp_status stack_draw_sheet(const stack_sheet *source, const char *path, sp_error *err);
+
 /* Figures; tables of the right outputs. */
 sp_status stack_draw_trajectory(const stack_table *s, const char *path, sp_error *err);
 sp_status stack_draw_surfaces(int tables, const stack_table *s, const char *path, sp_error *err);

@@ -183,6 +183,14 @@ static point unit(point from, point to) {
     return (point){(to.x - from.x) / length, (to.y - from.y) / length};
 }
 
+/* How far from its edge the name of the particles stands clear of their numbers, which begin at the ends of the ticks.
+ */
+static double beside_labels(const scene3 *s, point out, point along) {
+    const point across = {-along.y, along.x};
+    const double ends = (TICK + 2) * (out.x * across.x + out.y * across.y);
+    return ends + widest(s, &s->label) * across.x + 0.5 * s->letters * across.y + 2;
+}
+
 static void draw_axes(const scene3 *s) {
     const double size = s->letters;
     const point front = place(s, 0, 0, 0), corner = place(s, 1, 0, 0), back = place(s, 1, 1, 0);
@@ -197,7 +205,7 @@ static void draw_axes(const scene3 *s) {
     draw_ticks(s, &s->label, 1, unit(front, corner), (text_style){size, 0.0, 0.7, 0.0});
     draw_ticks(s, &s->height_axis, 2, (point){-1, 0}, (text_style){size, 1.0, 0.5, 0.0});
     draw_name(s, &s->time, front, corner, TICK + 2 + 1.35 * size);
-    draw_name(s, &s->label, corner, back, TICK + widest(s, &s->label));
+    draw_name(s, &s->label, corner, back, beside_labels(s, unit(front, corner), unit(corner, back)));
     draw_name(s, &s->height_axis, front, high, -(TICK + 7 + widest(s, &s->height_axis)));
 }
 
