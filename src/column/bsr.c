@@ -18,6 +18,17 @@ sp_status sp_column_check_equal(const sp_column_spec *c, sp_error *err) {
     return SP_OK;
 }
 
+sp_status sp_column_check_step(const sp_column_spec *c, double bound, sp_error *err) {
+    char step[SP_NUMBER_TEXT];
+    if (c->time_step > bound)
+        return sp_fail(
+            err, SP_EINVAL,
+            "column.time_step = %s s: must not be above %.9g s, where the explicit scheme of BSR gets unstable "
+            "(0 chooses the steps)",
+            sp_number_text(c->time_step, step), bound);
+    return SP_OK;
+}
+
 sp_status sp_column_frames_make(const sp_column_spec *c, sp_column_frame frame[2], sp_error *err) {
     size_t n = (size_t)c->particles + 1;
     for (int k = 0; k < 2; k++) {

@@ -32,6 +32,8 @@ sp_status sp_column_frames_pass(const sp_column_spec *c, sp_column_frame frame[2
 
 /* Equal particles, which (43)-(48) take for granted, or SP_EINVAL. */
 sp_status sp_column_check_equal(const sp_column_spec *c, sp_error *err);
+/* SP_EINVAL for a column.time_step above the stable one. */
+sp_status sp_column_check_step(const sp_column_spec *c, double bound, sp_error *err);
 
 /* The times at which the floor's velocity jumps, in their order: k T and k T + pi/omega. */
 typedef struct sp_column_clock {

@@ -21,6 +21,9 @@ sp_status sp_column_go_on(const sp_column_spec *c, int64_t steps, int64_t most, 
 /* Most steps of one tap of continua, smooth lattice and RK4: what needs more is refused. */
 enum { SP_COLUMN_MOST_STEPS = 10000000 };
 
+/* SP_EINVAL unless times are ascending and within the taps. */
+sp_status sp_column_check_times(const sp_column_spec *c, int64_t n, const double *t, sp_error *err);
+
 /* Contact i (0 .. N - 1) has particle i + 1 above it. */
 static inline double sp_column_distance(const sp_column_spec *c, int32_t contact) {
     return sp_column_radius(c, contact + 1) + (contact > 0 ? sp_column_radius(c, contact) : 0);

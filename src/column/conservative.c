@@ -310,16 +310,6 @@ static double place(const fluid *f, sp_column_frame *out) {
     return below;
 }
 
-static sp_status check(const sp_column_spec *c, const fluid *f, sp_error *err) {
-    double bound = stable_step(f);
-    if (c->time_step > bound)
-        return sp_fail(err, SP_EINVAL,
-                       "column.time_step = %.17g s: must not be above %.17g s, where the explicit scheme of BSR gets "
-                       "unstable (0 chooses the steps)",
-                       c->time_step, bound);
-    return SP_OK;
-}
-
 static sp_status go(fluid *f, sp_column_frame frame[2], sp_column_sink *sink, sp_column_report *report, sp_error *err) {
     const sp_column_spec *c = f->c;
     const double end = sp_column_taps(c) * c->period, all = c->particles * f->m;
@@ -354,7 +344,7 @@ sp_status sp_column_conservative(const sp_column_spec *c, sp_column_sink *sink, 
     if (status == SP_OK)
         status = make_room(&f, err);
     if (status == SP_OK)
-        status = check(c, &f, err);
+        status = sp_column_check_step(c, stable_step(&f), err);
     if (status == SP_OK)
         status = sp_column_frames_make(c, frame, err);
     if (status == SP_OK)

@@ -55,20 +55,11 @@ static sp_status of_bsr(double t, const double *y, const double *v, const double
     return to->row(t, y, rho, to->user, err);
 }
 
-static sp_status check_times(const sp_column_spec *c, int64_t n, const double *t, sp_error *err) {
-    double end = sp_column_taps(c) * c->period * (1 + 1e-12);
-    for (int64_t i = 0; i < n; i++)
-        if (!(t[i] >= (i > 0 ? t[i - 1] : 0) && t[i] <= end))
-            return sp_fail(err, SP_EINVAL, "time %lld, %.17g s: must be ascending, from 0 to %.17g s", (long long)i + 1,
-                           t[i], sp_column_taps(c) * c->period);
-    return SP_OK;
-}
-
 /* The BSR models hand over their densities beside the rows; what sp_column_run checks before them is checked here. */
 static sp_status run_bsr(const sp_column_spec *c, int64_t n, const double *t, local *to, sp_error *err) {
     sp_column_sink sink = {.n = n, .t = t, .row = of_bsr, .user = to};
     sp_column_report report = {.violated_at = NAN, .violated = -1, .taps = sp_column_taps(c)};
-    sp_status status = check_times(c, n, t, err);
+    sp_status status = sp_column_check_times(c, n, t, err);
     if (status != SP_OK)
         return status;
     report.tap = sp_alloc((size_t)report.taps, sizeof *report.tap);

@@ -224,12 +224,7 @@ static sp_status check(const field *f, const sp_column_spec *c, sp_error *err) {
     double down = c->gravity * (1 + (1 + c->e) * sp_column_bsr_force(c, c->bsr));
     double top = c->particles * f->h + fmax(0, c->drop);
     double bound = stable_step(f, 2 * sp_column_pi * c->frequency * c->amplitude + sqrt(2 * down * top));
-    if (c->time_step > bound)
-        return sp_fail(err, SP_EINVAL,
-                       "column.time_step = %.17g s: must not be above %.17g s, where the explicit scheme of BSR gets "
-                       "unstable (0 chooses the steps)",
-                       c->time_step, bound);
-    return SP_OK;
+    return sp_column_check_step(c, bound, err);
 }
 
 static sp_status go(field *f, sp_column_frame frame[2], sp_column_sink *sink, sp_column_report *report, sp_error *err) {

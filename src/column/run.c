@@ -47,12 +47,12 @@ void sp_column_report_free(sp_column_report *r) {
     *r = (sp_column_report){.violated_at = NAN, .violated = -1};
 }
 
-static sp_status check_times(const sp_column_spec *c, int64_t n, const double *t, sp_error *err) {
-    double end = c->taps * c->period * (1 + 1e-12);
+sp_status sp_column_check_times(const sp_column_spec *c, int64_t n, const double *t, sp_error *err) {
+    double last = sp_column_taps(c) * c->period, end = last * (1 + 1e-12);
     for (int64_t i = 0; i < n; i++)
         if (!(t[i] >= (i > 0 ? t[i - 1] : 0) && t[i] <= end))
             return sp_fail(err, SP_EINVAL, "time %lld, %.17g s: must be ascending, from 0 to %.17g s", (long long)i + 1,
-                           t[i], c->taps * c->period);
+                           t[i], last);
     return SP_OK;
 }
 
@@ -63,7 +63,7 @@ sp_status sp_column_run(const sp_column_spec *spec, int64_t n, const double *t, 
     own.taps = sp_column_taps(spec);
     sp_status status = sp_column_check(c, err);
     if (status == SP_OK)
-        status = check_times(c, n, t, err);
+        status = sp_column_check_times(c, n, t, err);
     if (status == SP_OK)
         status = make_report(c, &made, err);
     if (status == SP_OK)
