@@ -19,13 +19,13 @@ sp_status sp_column_check_equal(const sp_column_spec *c, sp_error *err) {
 }
 
 sp_status sp_column_check_step(const sp_column_spec *c, double bound, sp_error *err) {
-    char step[SP_NUMBER_TEXT];
+    char step[SP_NUMBER_TEXT], most[SP_NUMBER_TEXT];
     if (c->time_step > bound)
         return sp_fail(
             err, SP_EINVAL,
-            "column.time_step = %s s: must not be above %.9g s, where the explicit scheme of BSR gets unstable "
+            "column.time_step = %s s: must not be above %s s, where the explicit scheme of BSR gets unstable "
             "(0 chooses the steps)",
-            sp_number_text(c->time_step, step), bound);
+            sp_number_text(c->time_step, step), sp_number_text(bound, most));
     return SP_OK;
 }
 
