@@ -9,10 +9,12 @@
 
 enum { TABLES_MOST = 6 };
 
+static bool has_shape(const stack_table *s) { return s->output == STACK_TRAJECTORY || s->output == STACK_DENSITY; }
+
 static bool all_have_shape(int tables, const stack_table *s) {
     bool all = true;
     for (int k = 0; k < tables; k++)
-        all = all && (s[k].output == STACK_TRAJECTORY || s[k].output == STACK_DENSITY);
+        all = all && has_shape(&s[k]);
     return all;
 }
 
@@ -41,16 +43,21 @@ static sp_status draw_diagram(const stack_table *const of[2], const char *wanted
     return stack_draw_diagram(of[0], column, of[1], path, err);
 }
 
-/* Two tables that keep them all from one figure, by their kinds. */
+static bool go_together(const stack_table *a, const stack_table *b) {
+    return (has_shape(a) && has_shape(b)) || (a->output == STACK_BIFURCATION && b->output == STACK_LYAPUNOV) ||
+           (a->output == STACK_LYAPUNOV && b->output == STACK_BIFURCATION);
+}
+
+/* Names the first two tables that do not go together. */
 static sp_status fail_together(int tables, const stack_table *s, sp_error *err) {
-    int other = 1;
-    while (other + 1 < tables && s[other].output == s[0].output)
-        other++;
-    const char *one = stack_kind(s[0].output), *two = stack_kind(s[other].output);
+    int one = 0, two = 1;
+    while (one + 2 < tables && go_together(&s[one], &s[two])) {
+        two = two + 1 < tables ? two + 1 : ++one + 1;
+    }
     return sp_fail(err, SP_EINVAL,
-                   "table 1 is %s and table %d %s%s: they make no figure together; must be trajectories, densities, or "
+                   "table %d is %s and table %d %s: they make no figure together; must be trajectories, densities, or "
                    "a bifurcation and a Lyapunov table",
-                   one, other + 1, s[0].output == s[other].output ? "too, " : "", two);
+                   one + 1, stack_kind(s[one].output), two + 1, stack_kind(s[two].output));
 }
 
 static sp_status draw_one(const stack_table *s, const char *path, sp_error *err) {

@@ -188,7 +188,7 @@ static point unit(point from, point to) {
 static double beside_labels(const scene3 *s, point out, point along) {
     const point across = {-along.y, along.x};
     const double ends = (TICK + 2) * (out.x * across.x + out.y * across.y);
-    return ends + widest(s, &s->label) * across.x + 0.5 * s->letters * across.y + 2;
+    return ends + widest(s, &s->label) * across.x + 0.5 * s->letters * across.y + 4;
 }
 
 static void draw_axes(const scene3 *s) {

@@ -47,6 +47,15 @@ static char *read_figure(size_t *size) {
     return text;
 }
 
+static void says_not(const char *const *words) {
+    size_t size;
+    char *text = read_figure(&size);
+    for (; *words; words++)
+        if (strstr(text, *words))
+            fail_msg("%s in %.900s", *words, text);
+    free(text);
+}
+
 /* All texts of the figure, a line each. */
 static void says(const char *const *words) {
     size_t size;
@@ -211,6 +220,17 @@ static void test_strobe(void **state) {
     assert_ok(plot(1, &t, NULL, svg, &err));
     says((const char *[]){"\ndensity  [g/cm]\n", "\ntap\n", "\ny \xe2\x88\x92 y(tap 1)  [cm]\n", "\ny_3\n", "\n(b)\n",
                           NULL});
+    /* of a few taps only whole ones have ticks */
+    for (int64_t few = 2; few <= 6; few++) {
+        char last[16];
+        sp_table some = table_of((cells){"tap t[s] y1[cm] y2[cm] y3[cm] density[g/cm]", few, strobe});
+        snprintf(last, sizeof last, "\n%d\n", (int)few);
+        assert_ok(plot(1, &some, NULL, svg, &err));
+        says((const char *[]){"\n1\n", few == 6 ? "\n5\n" : last, NULL});
+        assert_ok(plot(1, &some, NULL, svg, &err));
+        says_not((const char *[]){"\n1.5\n", "\n2.5\n", "\n1.2\n", "\n2.0\n", NULL});
+        sp_table_free(&some);
+    }
     sp_table one = table_of((cells){"tap t y1 density", 1, strobe});
     refuses(1, &one, NULL, SP_EREFUSED, "one row, must be two");
     sp_table_free(&t);
@@ -239,10 +259,19 @@ static void test_diagrams(void **state) {
     says((const char *[]){"\ny_2 after a tap  [cm]\n", "\n(a)\n", "\n(b)\n", "\n\xce\xbb\n", NULL});
     refuses(1, t, &third, SP_EINVAL, "must be y1 to y2");
     refuses(1, &t[1], &second, SP_EINVAL, "only a bifurcation");
+    assert_ok(sp_table_add_comment(&t[1], &err,
+                                   "warning: ordering (1) violated at 3 of 100 points, first at amplitude = 1.2: "
+                                   "centres passed each other"));
+    assert_ok(plot(1, &t[1], NULL, svg, &err));
+    says((const char *[]){"\norder (1) violated at 3 of 100 points\n", NULL});
+    assert_ok(plot(2, t, NULL, svg, &err));
+    says((const char *[]){"\n(b): order (1) violated at 3 of 100 points\n", NULL});
     assert_ok(sp_table_add_comment(&t[1], &err, "parameter = period"));
     refuses(2, t, NULL, SP_EINVAL, "over the amplitude");
     const sp_table twice[2] = {t[1], t[1]};
-    refuses(2, twice, NULL, SP_EINVAL, "no figure together");
+    refuses(2, twice, NULL, SP_EINVAL, "table 1 is a Lyapunov table and table 2 a Lyapunov table");
+    const sp_table thrice[3] = {t[0], t[1], t[0]};
+    refuses(3, thrice, NULL, SP_EINVAL, "table 1 is a bifurcation and table 3 a bifurcation: they make no figure");
     for (int64_t k = 0; k < 100; k++)
         t[1].cells[2 * k + 1].number = -INFINITY;
     refuses(1, &t[1], NULL, SP_EREFUSED, "no Lyapunov exponent is finite");
@@ -293,10 +322,17 @@ static void test_density(void **state) {
     sp_table t = table_of((cells){"t[s] y1[cm] y2[cm] y3[cm] rho1[g/cm] rho2[g/cm] rho3[g/cm]", 301, dense});
     assert_ok(sp_table_add_comment(&t, &err, "period = 1"));
     assert_ok(plot(1, &t, NULL, svg, &err));
-    says((const char *[]){"\nt = 0 s\n", "\nt = 0.99 s\n", "\nt = 2.99 s\n", "\nheight y  [cm]\n", "\nparticle 3\n",
-                          "\ndensity \xcf\x81  [g/cm]\n", NULL});
+    says((const char *[]){"\nt = 0 s\n", "\ntap 1, t = 0.99 s\n", "\ntap 3, t = 2.99 s\n", "\nheight y  [cm]\n",
+                          "\nparticle 3\n", "\ndensity \xcf\x81  [g/cm]\n", NULL});
     assert_ok(plot(1, &t, &(sp_plot_column_options){.surface = true}, svg, &err));
     says((const char *[]){"\ndensity \xcf\x81  [g/cm]\n", "\nparticle\n", NULL});
+    /* of many taps the first and the last are among those shown */
+    sp_table many = table_of((cells){"t[s] y1[cm] y2[cm] y3[cm] rho1[g/cm] rho2[g/cm] rho3[g/cm]", 4101, dense});
+    assert_ok(sp_table_add_comment(&many, &err, "period = 1"));
+    assert_ok(plot(1, &many, NULL, svg, &err));
+    says(
+        (const char *[]){"\nt = 0 s\n", "\ntap 1, t = 0.99 s\n", "\ntap 11, t = 11 s\n", "\ntap 41, t = 41 s\n", NULL});
+    sp_table_free(&many);
     sp_table path = table_of((cells){FIVE, 301, swing}), bad = table_of((cells){"t y1 y2 rho1", 9, dense});
     const sp_table both[2] = {t, path};
     refuses(2, both, NULL, SP_EINVAL, "no common scale");
@@ -316,7 +352,7 @@ static void test_energy(void **state) {
         table_of((cells){"tap work[erg] dissipated[erg] energy[erg] residual rest[s] separation[cm]", 4, energy});
     assert_ok(plot(1, &t, NULL, svg, &err));
     says((const char *[]){"\nwork of the floor\n", "\ndissipated\n", "\nenergy  [erg]\n", "\nat rest after  [s]\n",
-                          "\n(c)\n", NULL});
+                          "\nwork \xe2\x88\x92 dissipated  [erg]\n", "\n(d)\n", NULL});
     sp_table least = table_of((cells){"tap work dissipated", 1, energy}),
              bad = table_of((cells){"tap work", 4, energy});
     assert_ok(plot(1, &least, NULL, svg, &err));
