@@ -274,8 +274,8 @@ sp_status sp_run_tap(sp_run *r, int32_t tap, sp_error *err) {
     l->s = 0;
     note_all_separations(r);
     if (l->a > 0) {
-        kick(r, l->a * l->omega);
         l->lifted = true;
+        kick(r, l->a * l->omega);
         status = go_to(r, l->tap_end, err);
         if (status != SP_OK)
             return status;
