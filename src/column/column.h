@@ -29,7 +29,7 @@ static inline double sp_column_distance(const sp_column_spec *c, int32_t contact
     return sp_column_radius(c, contact + 1) + (contact > 0 ? sp_column_radius(c, contact) : 0);
 }
 
-/* Diagrams: Lyapunov exponents and bifurcations. */
+/* Diagrams of the lattice by events, which the caller has made sure of: Lyapunov exponents and bifurcations. */
 sp_status sp_column_diagram(const sp_column_spec *c, int threads, sp_column_watcher watcher, sp_table *out,
                             sp_error *err);
 

@@ -3,12 +3,12 @@
 #include "base/base.h"
 #include "base/team.h"
 #include "column/events.h"
+#include "column/table.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
-static const char *const names[] = {"amplitude", "period", "frequency", "e"};
 static const char *const units[] = {"cm", "s", "Hz", ""};
 
 typedef struct diagram {
@@ -112,9 +112,7 @@ static void work(void *data, int part, int parts) {
 }
 
 static sp_status check_range(const sp_column_spec *c, sp_error *err) {
-    const char *name = names[c->parameter];
-    if (c->model != SP_COLUMN_LATTICE || c->method != SP_COLUMN_EVENT)
-        return sp_fail(err, SP_EINVAL, "column.output: diagrams are made with model = \"lattice\", method = \"event\"");
+    const char *name = sp_column_parameter_name(c->parameter);
     if (c->points == 1 && c->to > c->from)
         return sp_fail(err, SP_EINVAL, "column.points = 1: must be 2 or more to go from column.from to column.to");
     if (c->points > 1 && !(c->from < c->to))
@@ -181,7 +179,7 @@ static sp_status note_violations(const diagram *d, sp_table *t, sp_error *err) {
     return sp_table_add_comment(t, err,
                                 "warning: ordering (1) violated at %d of %d points, first at %s = %s: centres passed "
                                 "each other, beyond which no contact law holds; a larger column.stiffness prevents it",
-                                count, d->points, names[d->c->parameter],
+                                count, d->points, sp_column_parameter_name(d->c->parameter),
                                 sp_number_text(parameter_at(d->c, first), value));
 }
 

@@ -77,13 +77,17 @@ static sp_status note_diagram(const sp_column_spec *c, const char *parameter, sp
     return status == SP_OK ? note(t, "transient", c->transient, err) : status;
 }
 
+const char *sp_column_parameter_name(sp_column_parameter parameter) {
+    static const char *const names[] = {[SP_COLUMN_BY_AMPLITUDE] = "amplitude",
+                                        [SP_COLUMN_BY_PERIOD] = "period",
+                                        [SP_COLUMN_BY_FREQUENCY] = "frequency",
+                                        [SP_COLUMN_BY_RESTITUTION] = "e"};
+    return names[parameter];
+}
+
 sp_status sp_column_note_spec(const sp_column_spec *c, sp_table *t, sp_error *err) {
-    static const char *const parameters[] = {[SP_COLUMN_BY_AMPLITUDE] = "amplitude",
-                                             [SP_COLUMN_BY_PERIOD] = "period",
-                                             [SP_COLUMN_BY_FREQUENCY] = "frequency",
-                                             [SP_COLUMN_BY_RESTITUTION] = "e"};
     const bool diagram = c->output == SP_COLUMN_LYAPUNOV || c->output == SP_COLUMN_BIFURCATION;
-    const char *parameter = diagram ? parameters[c->parameter] : "";
+    const char *parameter = diagram ? sp_column_parameter_name(c->parameter) : "";
     const struct {
         const char *key;
         double value;
