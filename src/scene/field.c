@@ -20,7 +20,7 @@ static const sp_word laws[] = {{"uniform", SP_SIZES_UNIFORM},
 static const sp_word compressions[] = {
     {"piston", SP_COMPRESSION_PISTON}, {"isotropic", SP_COMPRESSION_ISOTROPIC}, {NULL, 0}};
 static const sp_word protocols[] = {
-    {"default", SP_PROTOCOL_DEFAULT}, {"somfai2005", SP_PROTOCOL_SOMFAI2005}, {NULL, 0}};
+    {"default", SP_PROTOCOL_DEFAULT}, {"somfai2005", SP_PROTOCOL_SOMFAI2005}, {"quick", SP_PROTOCOL_QUICK}, {NULL, 0}};
 static const sp_word methods[] = {
     {"auto", SP_SIGNAL_AUTO},     {"chebyshev", SP_SIGNAL_CHEBYSHEV},       {"dense", SP_SIGNAL_DENSE},
     {"verlet", SP_SIGNAL_VERLET}, {"lax-wendroff", SP_SIGNAL_LAX_WENDROFF}, {"faber", SP_SIGNAL_FABER},
@@ -114,19 +114,18 @@ const sp_field sp_fields[] = {
     {"packing", "tolerance", SP_FIELD_REAL, AT(pack.tolerance), "E* / (rho d)", 0, 1, NULL,
      "largest elastic acceleration at rest; 0: the smaller of 1e-10 and 1e-6 p"},
     {"packing", "damping", SP_FIELD_REAL, AT(pack.damping), "critical", 0, 2, NULL,
-     "viscosity of contacts while the packing forms, from 0.001; 0: the protocol's own (0.5; somfai2005: 0.8)"},
+     "viscosity of contacts while the packing forms, from 0.001; 0: the protocol's own (0.8; quick: 0.5)"},
     {"packing", "piston_mass", SP_FIELD_REAL, AT(pack.piston_mass), "rho d", 0, 1e4, NULL,
-     "mass of the piston per area of wall, from 0.1; 0: the protocol's own (2; somfai2005: 12.5)"},
+     "mass of the piston per area of wall, from 0.1; 0: the protocol's own (12.5; quick: 2)"},
     {"packing", "gas_fraction", SP_FIELD_REAL, AT(pack.gas_fraction), "", 0, 0.45, NULL,
      "area or volume fraction of the gas of grains at the start, 0.01 .. 0.3 in dimension 3; 0: the protocol's own "
-     "(0.45, 3D 0.25; somfai2005: 0.3, 3D 0.2)"},
+     "(0.3, 3D 0.2; quick: 0.45, 3D 0.25)"},
     {"packing", "time_step", SP_FIELD_REAL, AT(pack.time_step), "", 0, 0.8, NULL,
      "while the packing forms, over the largest stable one, from 0.001; up to 1.4 times that while it comes to rest; "
-     "0: the "
-     "protocol's own (0.5; somfai2005: 0.7)"},
+     "0: the protocol's own (0.7; quick: 0.5)"},
     {"packing", "calm", SP_FIELD_REAL, AT(pack.calm), "p", -1, 100, NULL,
      "global damping begins once every acceleration is below this; 0: never, below 0: the protocol's own "
-     "(3; somfai2005: 0.01)"},
+     "(0.01; quick: 3)"},
     {"packing", "drag", SP_FIELD_REAL, AT(pack.drag), "sqrt(E* / rho)/d", -1, 0.1, NULL,
      "rate of the global damping at p = 1e-4, grows as p^(1/3), and falls as one over boxes above 30 d; below 0: the "
      "protocol's own (0.01)"},
@@ -134,7 +133,7 @@ const sp_field sp_fields[] = {
      "viscosity of contacts once the global damping has begun; 0: the protocol's own (0.2; somfai2005: 0.8)"},
     {"packing", "viscous_limit", SP_FIELD_REAL, AT(pack.viscous_limit), "", 0, 1e6, NULL,
      "Coulomb's limit of the whole tangential force over that of its elastic part, until the global damping begins; 0: "
-     "the protocol's own (1; somfai2005: 1e6)"},
+     "the protocol's own (1e6; quick: 1)"},
     {"packing", "max_steps", SP_FIELD_INT64, AT(pack.max_steps), "", 0, 1e15, NULL,
      "give up after that many steps; 0: a bound from pressure and height"},
 

@@ -100,7 +100,8 @@ static void test_odd_protocols(void **state) {
     spec[1].piston_mass = 1e3;
     spec[2].calm = 0;
     spec[3].drag = 0;
-    spec[4].gas_fraction = 0.01;
+    spec[4].gas_fraction = 0.01; /* so far a heavy piston would fall that it strikes too hard */
+    spec[4].protocol = SP_PROTOCOL_QUICK;
     spec[5].damping = 2;
     spec[5].time_step = 0.8;
     spec[6].diameter_min = 0.2;

@@ -15,6 +15,7 @@ static sp_pack_spec small(int dim, int32_t grains, double width, double pressure
     s.pressure = pressure;
     s.tolerance = 1e-6 * pressure;
     s.seed = 5;
+    s.protocol = SP_PROTOCOL_QUICK;
     return s;
 }
 

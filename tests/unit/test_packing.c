@@ -306,7 +306,7 @@ static void test_spec_refuses(void **state) {
     REFUSED(s.calm = NAN, "packing.calm");
     REFUSED(s.drag = 0.2, "packing.drag");
     REFUSED(s.sizes = (sp_sizes)4, "packing.sizes");
-    REFUSED(s.protocol = (sp_protocol)2, "packing.protocol");
+    REFUSED(s.protocol = (sp_protocol)3, "packing.protocol");
     REFUSED(s.compression = (sp_compression)7, "packing.compression");
     REFUSED(s.large_fraction = 1.1, "packing.large_fraction");
     REFUSED(s.size_spread = -0.1, "packing.size_spread");

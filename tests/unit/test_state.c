@@ -202,7 +202,7 @@ static void no_bytes_crash_it(void **state) {
         size_t size = a.size, first = 40;
         memcpy(bytes, a.state, size);
         if (k % 4 == 0)
-            size = first + 8 + (size_t)rand() % (size - first - 8);
+            size = first + 9 + (size_t)rand() % (size - first - 9);
         for (int flips = 1 + rand() % 3; flips > 0; flips--)
             bytes[first + (size_t)rand() % (size - first - 8)] = (unsigned char)rand();
         uint64_t length = size;

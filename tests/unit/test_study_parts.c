@@ -7,7 +7,7 @@
 #include <sonopack/modes.h>
 #include <sonopack/study.h>
 
-static const char text[] = "packing = { width = 8; grains = 120; tolerance = 1e-7; };"
+static const char text[] = "packing = { width = 8; grains = 120; tolerance = 1e-7; protocol = \"quick\"; };"
                            "signal = { planes = [0.5, 3, 7.5, 12, 100]; points = 51; until = 30; };"
                            "study = { want = [\"planes\"]; };";
 
