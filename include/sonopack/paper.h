@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-enum { SP_PAPER_ITEMS = 17 }; /* table1 .. table5, fig1 .. fig12 */
+enum { SP_PAPER_ITEMS = 18 }; /* table1 .. table5, fig1 .. fig12, claims */
 
 /* Name ("table1", "fig12") and caption of an item, 0 <= item < SP_PAPER_ITEMS; NULL for others. */
 const char *sp_paper_item_name(int item);

@@ -44,6 +44,17 @@ static const struct {
                             "packing = { pressure = 5e-7; " LATTICE "}; study = { sweep = (" SMOOTH
                             ", { key = \"packing.grains\"; values = [480, 1104, 2208, 4416]; }); };",
                             0, 1, 0.5},
+    /* alpha = (3e-5)^(2/3) = 9.6549e-4, the width of the distribution: P* = 3 p/alpha^(3/2) = 1e5 p */
+    [PAPER_UNEVEN] = {"uneven lattices",
+                      "packing = { diameter_min = 0.99951725532; diameter_max = 1.00048274468; seed = 1; " LATTICE
+                      "}; study = { sweep = (" SMOOTH ", { key = \"packing.pressure\"; values = [1e-6, 1e-5, 1e-4]; },"
+                      "{ key = \"packing.grains\"; values = [216, 672]; }); };",
+                      0.25, 2, 1.5},
+    [PAPER_UNEVEN_LOW] = {"uneven lattices",
+                          "packing = { grains = 672; diameter_min = 0.995; diameter_max = 1.005; seed = 1; " LATTICE
+                          "}; study = { sweep = (" SMOOTH
+                          ", { key = \"packing.pressure\"; values = [1e-7, 1e-6]; }); };",
+                          0.1, 2, 5.5},
     [PAPER_CHAIN_1] = {"chains",
                        "packing = { diameter_min = 0.9; diameter_max = 1.1; " CHAIN "}; study = { " LENGTHS "};", 1, 1,
                        0.05},
