@@ -28,6 +28,8 @@ paper_counts paper_count(int64_t n, const paper_row *rows, int item, paper_sort 
         c.chi2 += off * off;
         c.chi2_bare += row->combined * row->combined;
     }
+    if (sort == PAPER_SORT_STATED) /* the precision of words is no standard deviation */
+        c.chi2 = c.chi2_bare = NAN;
     return c;
 }
 

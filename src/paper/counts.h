@@ -10,7 +10,7 @@ typedef struct paper_counts {
     int64_t agree;                             /* within one standard deviation of it */
     int64_t missing;                           /* no value of ours, or no scatter */
     int64_t judged, within1, beyond2, beyond3; /* by deviation_err */
-    double chi2, chi2_bare;                    /* sums of squares of deviation_err, and of combined */
+    double chi2, chi2_bare; /* sums of squares of deviation_err, and of combined; NAN of stated numbers */
 } paper_counts;
 
 /* Which rows: means that the paper prints with its scatter or without, or numbers that it states in words. */

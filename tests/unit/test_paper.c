@@ -178,6 +178,18 @@ static void verdicts_on_the_column(void **state) {
     assert_string_equal(verdict_of(row), "agrees");
     row.ours = 0;
     assert_string_equal(verdict_of(row), "deviates");
+    row = (tapped_row){.claim = true, .relation = TAPPED_ABOVE, .paper = 4, .ours = 0.1, .err = 0.01};
+    assert_string_equal(verdict_of(row), "contradicted");
+    row.ours = 4.005;
+    assert_string_equal(verdict_of(row), "undecided");
+    row.ours = 5;
+    assert_string_equal(verdict_of(row), "holds");
+    row = (tapped_row){.claim = true, .paper = 0, .precision = 0.01, .ours = 0.4, .err = 0.5};
+    assert_string_equal(verdict_of(row), "undecided");
+    row.err = 0.1;
+    assert_string_equal(verdict_of(row), "contradicted");
+    row.ours = 0.005;
+    assert_string_equal(verdict_of(row), "holds");
     row = (tapped_row){.misprint = true, .paper = -INFINITY, .ours = 0};
     assert_string_equal(verdict_of(row), "erratum");
 }
