@@ -1,5 +1,7 @@
 #include "paper/ensemble.h"
 
+#include "scene/field.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -78,11 +80,11 @@ double paper_chain_spread(paper_ensemble e) {
 }
 
 sp_status paper_ensemble_scene(paper_ensemble e, int32_t samples, sp_protocol protocol, sp_scene *out, sp_error *err) {
-    char number[64], slow[] = "packing.protocol=somfai2005", *override[] = {number, slow};
+    char number[64], way[64], *override[] = {number, way};
+    snprintf(way, sizeof way, "packing.protocol=%s", paper_protocol_name(protocol));
     snprintf(number, sizeof number, "study.samples=%d", count(e, samples));
     const bool piston = e <= PAPER_SPHERES;
-    return sp_scene_parse(ensembles[e].scene, ensembles[e].name, piston && protocol == SP_PROTOCOL_SOMFAI2005 ? 2 : 1,
-                          override, out, err);
+    return sp_scene_parse(ensembles[e].scene, ensembles[e].name, piston ? 2 : 1, override, out, err);
 }
 
 double paper_ensemble_cost(paper_ensemble e, int32_t samples, sp_protocol protocol) {
@@ -91,3 +93,10 @@ double paper_ensemble_cost(paper_ensemble e, int32_t samples, sp_protocol protoc
 }
 
 const char *paper_ensemble_name(paper_ensemble e) { return ensembles[e].name; }
+
+const char *paper_protocol_name(sp_protocol protocol) {
+    for (const sp_word *w = sp_field_find("packing.protocol")->words; w->word; w++)
+        if (w->value == (unsigned)protocol)
+            return w->word;
+    return "";
+}

@@ -31,5 +31,7 @@ sp_status paper_ensemble_scene(paper_ensemble e, int32_t samples, sp_protocol pr
 /* What it costs, about, in CPU seconds. */
 double paper_ensemble_cost(paper_ensemble e, int32_t samples, sp_protocol protocol);
 const char *paper_ensemble_name(paper_ensemble e);
+/* As the scene's key packing.protocol has it. */
+const char *paper_protocol_name(sp_protocol protocol);
 
 #endif

@@ -280,8 +280,7 @@ static void summary(report *r) {
                       "sonopack %s, reproduce somfai2005 with %d samples a pressure (2400 grains: half as many; "
                       "spheres: a quarter), protocol %s; "
                       "%lld samples made in this run, %lld that failed or lack a part; %.0f seconds.",
-                      SONOPACK_VERSION, p->opt->samples,
-                      p->opt->protocol == SP_PROTOCOL_SOMFAI2005 ? "somfai2005" : "default", (long long)p->computed,
+                      SONOPACK_VERSION, p->opt->samples, paper_protocol_name(p->opt->protocol), (long long)p->computed,
                       (long long)p->failed, sp_clock_wall() - p->begun);
 }
 
