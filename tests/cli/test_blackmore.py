@@ -134,6 +134,7 @@ def check_claims(rows):
         assert verdict[name] == "contradicted" and ours(claims, name) > 5
     close(ours(claims, "decay exponent gamma of a pulse, closed contacts, e = 0"), 2 / 3, 0.004)
     assert 800 < ours(claims, "growth rate of (37), e = 0") < 900
+    assert ours(claims, "equal resonances of (35) and (37), e = 0") == 1
     assert ours(claims, "growth rate of (35), e = 0") > 1e7
     close(ours(claims, "(45) as printed, e = 0: order of the particles lost at"), 8.54e-3, 2e-5)
     close(ours(claims, "(45), e = 0: smooth solution ends at"), 0.1106, 1e-3)
