@@ -45,10 +45,10 @@ _sonopack() {
         ;;
     --only)
         if [[ " ${COMP_WORDS[*]} " == *" blackmore2011 "* ]]; then
-            mapfile -t COMPREPLY < <(compgen -W 'errata fig1 fig2 symbols chaos' -- "$current")
+            mapfile -t COMPREPLY < <(compgen -W 'errata fig1 fig2 symbols chaos claims' -- "$current")
             return
         fi
-        mapfile -t COMPREPLY < <(compgen -W "$(printf 'table%s ' 1 2 3 4 5) $(printf 'fig%s ' {1..12})" -- "$current")
+        mapfile -t COMPREPLY < <(compgen -W "$(printf 'table%s ' 1 2 3 4 5) $(printf 'fig%s ' {1..12}) claims" -- "$current")
         return
         ;;
     --norm)

@@ -105,6 +105,11 @@ typedef struct sp_statics {
     double z2, z3;            /* <N^a>/<N>^a, Eq. (5) */
     double f2, f2s;           /* <n_up^2>, Eq. (6), over all and over contacts above the mean force */
     double s1_over_s2;        /* horizontal over vertical stress, all carrying contacts, walls included */
+    /* shear over vertical stress: positive where what lies below pushes what lies above towards +x; s32: towards +y, in
+       three dimensions (else NAN) */
+    double s12_over_s2, s32_over_s2;
+    double mobilised; /* fraction of the carrying contacts, walls included, with |F_t| >= 0.99 mu F_n; NAN without
+                         friction */
 } sp_statics;
 
 sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err);

@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-enum { SP_PAPER_ITEMS = 17 }; /* table1 .. table5, fig1 .. fig12 */
+enum { SP_PAPER_ITEMS = 18 }; /* table1 .. table5, fig1 .. fig12, claims */
 
 /* Name ("table1", "fig12") and caption of an item, 0 <= item < SP_PAPER_ITEMS; NULL for others. */
 const char *sp_paper_item_name(int item);
@@ -45,16 +45,19 @@ sp_paper_options sp_paper_options_default(void); /* all items, 30 samples, one j
  * is an unfinished one, or `replace`). The folder is made. SP_EINVAL, SP_EIO. */
 sp_status sp_paper_check_folder(const char *folder, bool replace, sp_error *err);
 
-/* Makes what is missing in the store, then one row a value of the paper: item p quantity paper paper_sd ours err sigma
- * verdict ours_sd samples combined scatter, and the report if there is a folder for it. sigma: the deviation over one
- * standard deviation of the paper; verdict: "agrees" within one, "deviates", or "missing"; combined: the deviation over
- * both standard errors; the comments say it all. SP_EINTERRUPTED when the watch said so. */
+/* Makes what is missing in the store, then one row a value or claim of the paper: item p quantity paper paper_sd ours
+ * err sigma verdict ours_sd samples combined scatter deviation_err rounding relation where note, and the report if
+ * there is a folder for it. sigma: the deviation over one standard deviation of the paper; verdict: "agrees" within
+ * one, "deviates", or "missing"; combined: the deviation over both standard errors, deviation_err with the rounding of
+ * print; claims in words have scatter "claim", a relation, and the verdict "holds", "contradicted" or "undecided". The
+ * comments say it all, and count: values within and beyond, chi^2, systematic deviations, claims. SP_EINTERRUPTED when
+ * the watch said so. */
 sp_status sp_paper_reproduce(sp_store *store, const sp_paper_options *opt, sp_paper_watch watch, void *user,
                              sp_table *out, sp_error *err);
 
 /* ---- the tapped column ------------------------------------------------------------------------------------------ */
 
-enum { SP_PAPER_COLUMN_ITEMS = 5 }; /* errata, fig1, fig2, symbols, chaos */
+enum { SP_PAPER_COLUMN_ITEMS = 6 }; /* errata, fig1, fig2, symbols, chaos, claims */
 
 const char *sp_paper_column_item_name(int item); /* NULL for others */
 const char *sp_paper_column_item_title(int item);
@@ -71,7 +74,8 @@ sp_paper_column_options sp_paper_column_options_default(void); /* all items, one
  * err verdict note. paper: what is printed, or what a printed equation or claim gives (relation: that ours should be
  * equal, above or below); precision: how sharply it is printed. verdict: "agrees", "deviates"; "erratum" where the
  * paper is wrong by its own premises and ours is what is right; "not given" where it has no number; "missing" where we
- * have none. SP_EINTERRUPTED when the watch said so. */
+ * have none; of claims in words "holds", "contradicted", or "undecided" within our error. SP_EINTERRUPTED when the
+ * watch said so. */
 sp_status sp_paper_column_reproduce(const sp_paper_column_options *opt, sp_paper_watch watch, void *user, sp_table *out,
                                     sp_error *err);
 

@@ -28,7 +28,9 @@ static const struct argp_option options[] = {
     {"jobs", KEY_JOBS, "N", 0, "Samples made at the same time (as many as there are cores)", 0},
     {"figures", KEY_FIGURES, "svg|png|pdf", 0, "Form of the figures (svg)", 0},
     {"protocol", KEY_PROTOCOL, "NAME", 0,
-     "How packings are compressed: default, or somfai2005 (more damping, a heavier piston), five times as long", 0},
+     "How packings are compressed, as packing.protocol: default, or somfai2005 (more damping, a heavier piston), five "
+     "times as long; what lattices of unequal balls are made by stays the default",
+     0},
     {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 
@@ -89,6 +91,18 @@ static void set_paper(arguments *a, const char *name, struct argp_state *state) 
     a->column = strcmp(name, "blackmore2011") == 0;
 }
 
+/* Every protocol that scenes know. */
+static void set_protocol(arguments *a, const char *name, struct argp_state *state) {
+    const sp_field *field = sp_field_find("packing.protocol");
+    char right[200];
+    for (const sp_word *w = field->words; w->word; w++)
+        if (strcmp(w->word, name) == 0) {
+            a->protocol = (sp_protocol)w->value;
+            return;
+        }
+    argp_error(state, "--protocol %.60s: must be %s", name, sp_field_right(field, right, sizeof right));
+}
+
 /* What can be said when the paper is known. */
 static void check(arguments *a, struct argp_state *state) {
     sp_error err;
@@ -124,10 +138,8 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         a->figures = arg;
         return 0;
     case KEY_PROTOCOL:
-        if (strcmp(arg, "default") != 0 && strcmp(arg, "somfai2005") != 0)
-            argp_error(state, "--protocol %.60s: must be default or somfai2005", arg);
+        set_protocol(a, arg, state);
         a->idle = "--protocol";
-        a->protocol = strcmp(arg, "default") == 0 ? SP_PROTOCOL_DEFAULT : SP_PROTOCOL_SOMFAI2005;
         return 0;
     case ARGP_KEY_ARG: set_paper(a, arg, state); return 0;
     case ARGP_KEY_END: check(a, state); return 0;
@@ -150,10 +162,16 @@ static const struct argp argp = {
     "it.\n\n"
     "somfai2005: a row a value: the paper's mean and standard deviation, our mean and its standard error, sigma, the "
     "difference over one standard deviation, and the verdict: agrees within one, else deviates, or missing without a "
-    "value or a scatter. Items: table1 to table5, fig1 to fig12; only what they need is made. The samples stay in the "
+    "value or a scatter; deviation_err: the difference over the standard errors of both means and the rounding of "
+    "print. Comments count both ways, with chi^2 and the differences that have a system. Claims in words hold, are "
+    "contradicted or undecided. Items: table1 to table5, fig1 to fig12, claims; only what they need is made. The "
+    "samples "
+    "stay in the "
     "store: an interrupted run goes on where it stopped, and more samples or items add to what is there.\n\n"
     "blackmore2011: a row a value: what is printed or follows from what is printed, ours with its error, the verdict "
-    "(agrees, deviates, erratum, not given), and why. Items: errata, fig1, fig2, symbols, chaos. Seconds, no store.\n\n"
+    "(agrees, deviates, erratum, not given; of claims in words holds, contradicted, undecided), and why. Items: "
+    "errata, "
+    "fig1, fig2, symbols, chaos, claims. Seconds, no store.\n\n"
     "  sonopack reproduce somfai2005 --store results/somfai2005 -o results/report\n"
     "  sonopack reproduce somfai2005 --only table2,fig8 --samples 4 --store results/somfai2005\n"
     "  sonopack reproduce blackmore2011 --only errata",

@@ -43,15 +43,19 @@ static const struct argp argp = {
     "Phi2, Phi3: area and volume fraction; Phi3s: without rattlers; zs: contacts per grain that carries; f0: rattlers "
     "in percent; N_over_p: mean normal force over p d^2; Z2, Z3: reduced moments of the normal force; F2, F2S: mean "
     "square of the upward normal over all contacts and over those above the mean force; s1_over_s2: horizontal over "
-    "vertical stress of the whole packing, walls included. nan: the packing is too low to have a bulk, see --margin. "
+    "vertical stress of the whole packing, walls included; s12_over_s2: shear over vertical stress, above 0 where what "
+    "lies below pushes what lies above towards +x, and s32_over_s2 towards +y in three dimensions; mobilised: fraction "
+    "of contacts within 1% of Coulomb's limit. nan: the packing is too low to have a bulk, see --margin, or the value "
+    "has no meaning (s32_over_s2 in the plane, mobilised without friction). "
     "--set network.threshold=T changes what carries.",
     children,
     NULL,
     NULL};
 
 static sp_status add_columns(sp_table *t, sp_error *err) {
-    static const char *const names[] = {"p",        "Phi2", "Phi3", "Phi3s", "zs",  "f0",
-                                        "N_over_p", "Z2",   "Z3",   "F2",    "F2S", "s1_over_s2"};
+    static const char *const names[] = {"p",   "Phi2",       "Phi3",        "Phi3s",       "zs",
+                                        "f0",  "N_over_p",   "Z2",          "Z3",          "F2",
+                                        "F2S", "s1_over_s2", "s12_over_s2", "s32_over_s2", "mobilised"};
     sp_status status = sp_table_add_column(t, "file", "", SP_CELL_TEXT, err);
     for (size_t k = 0; k < sizeof names / sizeof *names && status == SP_OK; k++) {
         const char *unit = k == 0 ? "E*" : strcmp(names[k], "f0") == 0 ? "%" : "";
@@ -74,7 +78,7 @@ static sp_status add_file(const arguments *a, const char *path, double threshold
     }
     if (status == SP_OK) {
         status = sp_table_add_row(t, err, path, p.pressure, s.phi2, s.phi3, s.phi3s, s.zs, s.f0, s.n_over_p, s.z2, s.z3,
-                                  s.f2, s.f2s, s.s1_over_s2);
+                                  s.f2, s.f2s, s.s1_over_s2, s.s12_over_s2, s.s32_over_s2, s.mobilised);
     } else {
         cli_fail(&fault);
         *failed = true;

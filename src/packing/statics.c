@@ -100,27 +100,51 @@ static void sum_forces(const sp_packing *p, const bulk *b, const uint8_t *carryi
     s->f2s = strong_fabric / strong;
 }
 
-/* sigma_ab = 1/V sum F_a r_b, positive in compression, over all carrying contacts, walls included. */
-static double stress_ratio(const sp_packing *p, const uint8_t *carrying) {
-    double stress[3] = {0, 0, 0};
+/* sigma_ab = 1/V sum F_a r_b, positive in compression, over all carrying contacts, walls included: F what i does to j,
+ * r from i to j. Only b = up matters beside the diagonal: the force on a horizontal plane. */
+static void sum_stress(const sp_packing *p, const uint8_t *carrying, sp_statics *s) {
+    double diagonal[3] = {0}, on_plane[3] = {0};
     const int up = p->dim - 1;
     for (int32_t c = 0; c < p->n_contacts; c++) {
         const sp_contact *k = &p->contacts[c];
         if (!carrying[c])
             continue;
         double branch = p->r[k->i] - k->overlap + (k->j >= 0 ? p->r[k->j] : 0);
-        for (int a = 0; a < p->dim; a++)
-            stress[a] += (k->fn * k->n[a] - k->ft[a]) * branch * k->n[a];
+        for (int a = 0; a < p->dim; a++) {
+            const double force = k->fn * k->n[a] - k->ft[a];
+            diagonal[a] += force * branch * k->n[a];
+            on_plane[a] += force * branch * k->n[up];
+        }
     }
+    if (up == 0)
+        return;
     double sideways = 0;
     for (int a = 0; a < up; a++)
-        sideways += stress[a] / up;
-    return up > 0 ? sideways / stress[up] : NAN;
+        sideways += diagonal[a] / up;
+    s->s1_over_s2 = sideways / diagonal[up];
+    s->s12_over_s2 = on_plane[0] / diagonal[up];
+    s->s32_over_s2 = up == 2 ? on_plane[1] / diagonal[up] : NAN;
+}
+
+/* Contacts that slide relax a little below Coulomb's limit. */
+static const double at_limit = 0.99;
+
+static double mobilised(const sp_packing *p, const uint8_t *carrying) {
+    double contacts = 0, full = 0;
+    for (int32_t c = 0; c < p->n_contacts; c++) {
+        const sp_contact *k = &p->contacts[c];
+        if (!carrying[c])
+            continue;
+        const double ft = sqrt(k->ft[0] * k->ft[0] + k->ft[1] * k->ft[1] + k->ft[2] * k->ft[2]);
+        contacts++;
+        full += ft >= at_limit * p->friction * k->fn;
+    }
+    return p->friction > 0 ? full / contacts : NAN;
 }
 
 sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err) {
     const bulk b = {.low = margin, .high = sp_packing_height(p) - margin, .up = p->dim - 1};
-    sp_statics s = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+    sp_statics s = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     uint8_t *rattler = sp_alloc((size_t)p->n, 1), *carrying = sp_alloc((size_t)p->n_contacts, 1);
     sp_status status = rattler && carrying ? SP_OK : sp_fail_memory(err, (size_t)p->n + (size_t)p->n_contacts);
     if (status == SP_OK)
@@ -131,7 +155,8 @@ sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, 
         status = sum_coordination(p, &b, rattler, carrying, &s, err);
     }
     if (status == SP_OK) {
-        s.s1_over_s2 = stress_ratio(p, carrying);
+        sum_stress(p, carrying, &s);
+        s.mobilised = mobilised(p, carrying);
         *out = s;
     }
     sp_free(carrying);

@@ -10,7 +10,7 @@
 #include <sonopack/figure.h>
 #include <sonopack/paper.h>
 
-enum { TAPPED_ERRATA = 0, TAPPED_FIG_1, TAPPED_FIG_2, TAPPED_SYMBOLS, TAPPED_CHAOS, TAPPED_FIGURES = 6 };
+enum { TAPPED_ERRATA = 0, TAPPED_FIG_1, TAPPED_FIG_2, TAPPED_SYMBOLS, TAPPED_CHAOS, TAPPED_CLAIMS, TAPPED_FIGURES = 6 };
 
 /* What the paper says of ours. */
 typedef enum tapped_relation { TAPPED_EQUAL = 0, TAPPED_ABOVE, TAPPED_BELOW } tapped_relation;
@@ -19,10 +19,11 @@ typedef struct tapped_row {
     int item;
     const char *equation; /* "(24)", "Fig. 1", "Sect. 3" */
     const char *unit;
-    char quantity[72];
+    char quantity[80];
     tapped_relation relation;
     double paper, precision; /* paper NAN: no number; precision 0: exact */
     double ours, err;        /* err NAN: no bound is known; 0: rounding alone */
+    bool claim;              /* in words or a theorem: it holds or not */
     bool misprint;           /* paper is what is wrongly printed, ours what is right */
     bool detail;             /* in the table, not in the report */
     char note[240];
@@ -85,5 +86,6 @@ sp_status tapped_make_fig1(tapped *p, sp_error *err);
 sp_status tapped_make_fig2(tapped *p, sp_error *err);
 sp_status tapped_make_symbols(tapped *p, sp_error *err);
 sp_status tapped_make_chaos(tapped *p, sp_error *err);
+sp_status tapped_make_claims(tapped *p, sp_error *err);
 
 #endif

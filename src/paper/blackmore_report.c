@@ -41,9 +41,12 @@ static void add_row(paper_page *page, const tapped_row *row, bool with_item) {
     paper_page_row(page, n, cell, row->verdict, n - 1);
 }
 
-/* Rows of an item, or (item < 0) all that deviate. */
+/* Rows of an item, or (item < 0) all that deviate or do not hold. */
 static bool in_table(const tapped_row *row, int item) {
-    return item >= 0 ? row->item == item && !row->detail : strcmp(row->verdict, "deviates") == 0;
+    if (item >= 0)
+        return row->item == item && !row->detail;
+    return strcmp(row->verdict, "deviates") == 0 || strcmp(row->verdict, "contradicted") == 0 ||
+           strcmp(row->verdict, "undecided") == 0;
 }
 
 static void table(const tapped *p, paper_page *page, int item) {
@@ -70,12 +73,16 @@ static int64_t count(const tapped *p, const char *verdict) {
 
 static void summary(const tapped *p, paper_page *page) {
     char line[600];
+    const int64_t claims = count(p, "holds") + count(p, "contradicted") + count(p, "undecided");
     paper_page_heading(page, "summary", "Summary");
-    snprintf(line, sizeof line,
-             "Of %lld values %lld agree with the paper, %lld deviate, %lld are errata, and %lld are not given there.%s",
-             (long long)p->rows, (long long)count(p, "agrees"), (long long)count(p, "deviates"),
-             (long long)count(p, "erratum"), (long long)count(p, "not given"),
-             count(p, "deviates") > 0 ? " What deviates:" : "");
+    snprintf(
+        line, sizeof line,
+        "Of %lld values %lld agree with the paper, %lld deviate, %lld are errata, and %lld are not given there; of "
+        "%lld claims %lld hold, %lld are contradicted and %lld are undecided.%s",
+        (long long)(p->rows - claims), (long long)count(p, "agrees"), (long long)count(p, "deviates"),
+        (long long)count(p, "erratum"), (long long)count(p, "not given"), (long long)claims,
+        (long long)count(p, "holds"), (long long)count(p, "contradicted"), (long long)count(p, "undecided"),
+        count(p, "deviates") + claims > count(p, "holds") ? " What deviates or does not hold:" : "");
     paper_page_paragraph(page, "", line);
     table(p, page, -1);
     paper_page_paragraph(
@@ -83,7 +90,8 @@ static void summary(const tapped *p, paper_page *page) {
         "Paper: what is printed, with the precision of the print, or what follows from a printed equation or claim. "
         "Ours: with a bound of our error where it is not rounding alone. Agrees: within both. Deviates: not so. "
         "Erratum: the paper is wrong by its own premises, and ours is right. Not given: the paper has no number, "
-        "often only a picture.");
+        "often only a picture. Claims in words and theorems hold, are contradicted, or are undecided where ours lies "
+        "within its error of the limit; the note says what was computed.");
     snprintf(line, sizeof line, "sonopack %s, reproduce blackmore2011; %.1f seconds.", SONOPACK_VERSION,
              sp_clock_wall() - p->begun);
     paper_page_paragraph(page, "Run.", line);

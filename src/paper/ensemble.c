@@ -1,5 +1,7 @@
 #include "paper/ensemble.h"
 
+#include "scene/field.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -44,6 +46,17 @@ static const struct {
                             "packing = { pressure = 5e-7; " LATTICE "}; study = { sweep = (" SMOOTH
                             ", { key = \"packing.grains\"; values = [480, 1104, 2208, 4416]; }); };",
                             0, 1, 0.5},
+    /* alpha = (3e-5)^(2/3) = 9.6549e-4, the width of the distribution: P* = 3 p/alpha^(3/2) = 1e5 p */
+    [PAPER_UNEVEN] = {"uneven lattices",
+                      "packing = { diameter_min = 0.99951725532; diameter_max = 1.00048274468; seed = 1; " LATTICE
+                      "}; study = { sweep = (" SMOOTH ", { key = \"packing.pressure\"; values = [1e-6, 1e-5, 1e-4]; },"
+                      "{ key = \"packing.grains\"; values = [216, 672]; }); };",
+                      0.25, 2, 1.5},
+    [PAPER_UNEVEN_LOW] = {"uneven lattices",
+                          "packing = { grains = 672; diameter_min = 0.995; diameter_max = 1.005; seed = 1; " LATTICE
+                          "}; study = { sweep = (" SMOOTH
+                          ", { key = \"packing.pressure\"; values = [1e-7, 1e-6]; }); };",
+                          0.1, 2, 5.5},
     [PAPER_CHAIN_1] = {"chains",
                        "packing = { diameter_min = 0.9; diameter_max = 1.1; " CHAIN "}; study = { " LENGTHS "};", 1, 1,
                        0.05},
@@ -67,11 +80,11 @@ double paper_chain_spread(paper_ensemble e) {
 }
 
 sp_status paper_ensemble_scene(paper_ensemble e, int32_t samples, sp_protocol protocol, sp_scene *out, sp_error *err) {
-    char number[64], slow[] = "packing.protocol=somfai2005", *override[] = {number, slow};
+    char number[64], way[64], *override[] = {number, way};
+    snprintf(way, sizeof way, "packing.protocol=%s", paper_protocol_name(protocol));
     snprintf(number, sizeof number, "study.samples=%d", count(e, samples));
     const bool piston = e <= PAPER_SPHERES;
-    return sp_scene_parse(ensembles[e].scene, ensembles[e].name, piston && protocol == SP_PROTOCOL_SOMFAI2005 ? 2 : 1,
-                          override, out, err);
+    return sp_scene_parse(ensembles[e].scene, ensembles[e].name, piston ? 2 : 1, override, out, err);
 }
 
 double paper_ensemble_cost(paper_ensemble e, int32_t samples, sp_protocol protocol) {
@@ -80,3 +93,10 @@ double paper_ensemble_cost(paper_ensemble e, int32_t samples, sp_protocol protoc
 }
 
 const char *paper_ensemble_name(paper_ensemble e) { return ensembles[e].name; }
+
+const char *paper_protocol_name(sp_protocol protocol) {
+    for (const sp_word *w = sp_field_find("packing.protocol")->words; w->word; w++)
+        if (w->value == (unsigned)protocol)
+            return w->word;
+    return "";
+}

@@ -15,6 +15,8 @@ typedef enum paper_ensemble {
     PAPER_SPHERES,      /* three dimensions, without friction */
     PAPER_LATTICE,      /* triangular lattices about 8 and 24 high, without and with friction, five pressures */
     PAPER_LATTICE_LONG, /* 20, 46, 92 and 184 rows at 5e-7 */
+    PAPER_UNEVEN,       /* lattices 8 and 24 high of balls 1 +- 4.8e-4: P* = 0.1, 1 and 10 */
+    PAPER_UNEVEN_LOW,   /* of balls 1 +- 0.005 at 1e-7 and 1e-6: P* = 3e-4 and 3e-3 */
     PAPER_CHAIN_1,      /* chains of unequal balls: diameters 1 +- 0.1 */
     PAPER_CHAIN_2,      /* 1 +- 0.2 */
     PAPER_CHAIN_4,      /* 1 +- 0.4 */
@@ -29,5 +31,7 @@ sp_status paper_ensemble_scene(paper_ensemble e, int32_t samples, sp_protocol pr
 /* What it costs, about, in CPU seconds. */
 double paper_ensemble_cost(paper_ensemble e, int32_t samples, sp_protocol protocol);
 const char *paper_ensemble_name(paper_ensemble e);
+/* As the scene's key packing.protocol has it. */
+const char *paper_protocol_name(sp_protocol protocol);
 
 #endif

@@ -132,6 +132,17 @@ const paper_item paper_items[SP_PAPER_ITEMS] = {
      paper_make_fig12,
      1,
      {{PAPER_LATTICE_LONG, FRONT, false}}},
+    {"claims",
+     "Claims of the text",
+     "What the paper says in words, as relations between numbers: each with the place where it says so.",
+     paper_make_claims,
+     10,
+     {HEIGHTS(false),
+      {PAPER_SMOOTH, FRONT, false},
+      {PAPER_LATTICE, FRONT, false},
+      {PAPER_LATTICE_LONG, FRONT, false},
+      {PAPER_UNEVEN, FRONT | STATICS, false},
+      {PAPER_UNEVEN_LOW, STATICS, false}}},
 };
 
 static bool is_item(int item) { return item >= 0 && item < SP_PAPER_ITEMS; }

@@ -6,6 +6,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <sonopack/paper.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -148,6 +149,15 @@ void paper_page_paragraph(paper_page *p, const char *lead, const char *text) {
         sp_text_add(&p->md, "**%s** ", lead);
     escape_md(&p->md, text);
     sp_text_add(&p->md, "\n\n");
+}
+
+void paper_page_format(paper_page *p, const char *lead, const char *format, ...) {
+    char line[1300];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(line, sizeof line, format, args);
+    va_end(args);
+    paper_page_paragraph(p, lead, line);
 }
 
 void paper_page_paragraphs(paper_page *p, const char *lead, const char *text) {

@@ -18,6 +18,7 @@ void paper_page_open(paper_page *p, const char *title);
 void paper_page_heading(paper_page *p, const char *id, const char *text);
 /* lead: words in bold before the text; "" none. */
 void paper_page_paragraph(paper_page *p, const char *lead, const char *text);
+void paper_page_format(paper_page *p, const char *lead, const char *format, ...) __attribute__((format(printf, 3, 4)));
 /* Every line of a text as a paragraph, the first with the lead. text may be NULL. */
 void paper_page_paragraphs(paper_page *p, const char *lead, const char *text);
 

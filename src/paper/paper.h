@@ -12,7 +12,7 @@
 #include <sonopack/network.h>
 #include <sonopack/paper.h>
 
-enum { PAPER_FIGURES = 6, PAPER_NEEDS = 8 };
+enum { PAPER_FIGURES = 6, PAPER_NEEDS = 12 };
 
 /* Finished samples of an ensemble: combinations in the scene's order, the seeds of each together. */
 typedef struct paper_set {
@@ -109,5 +109,6 @@ sp_status paper_make_fig9(paper *p, int item, sp_error *err);
 sp_status paper_make_fig10(paper *p, int item, sp_error *err);
 sp_status paper_make_fig11(paper *p, int item, sp_error *err);
 sp_status paper_make_fig12(paper *p, int item, sp_error *err);
+sp_status paper_make_claims(paper *p, int item, sp_error *err);
 
 #endif

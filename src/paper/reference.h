@@ -9,6 +9,7 @@
 enum { PAPER_TABLE_1 = 0, PAPER_TABLE_2, PAPER_TABLE_3, PAPER_TABLE_4, PAPER_TABLE_5, PAPER_FIG_1 };
 /* Figure k = 1 .. 12. */
 #define PAPER_FIG(k) (PAPER_FIG_1 + (k)-1)
+enum { PAPER_CLAIMS = PAPER_FIG(12) + 1 };
 
 enum { PAPER_PRESSURES = 4 };
 extern const double paper_pressure[PAPER_PRESSURES]; /* ascending, as the scenes have them */
@@ -19,6 +20,7 @@ typedef struct paper_quantity {
     unsigned part; /* SP_WANT_ bits that `ours` needs */
     double (*ours)(const sp_sample *s);
     double mean[PAPER_PRESSURES], sd[PAPER_PRESSURES]; /* sd 0: not given */
+    double digit[PAPER_PRESSURES];                     /* one unit of the mean's last printed digit */
 } paper_quantity;
 extern const paper_quantity paper_quantities[];
 extern const int paper_quantity_count;

@@ -1,5 +1,6 @@
 /* The whole way: ensembles, then every item, then the table and the report. */
 #include "base/base.h"
+#include "paper/counts.h"
 #include "paper/paper.h"
 
 #include <math.h>
@@ -210,6 +211,8 @@ sp_status sp_paper_reproduce(sp_store *store, const sp_paper_options *opt, sp_pa
     sp_table t = sp_table_none();
     if (status == SP_OK)
         status = paper_rows_table(p.rows, p.row, &t, err);
+    if (status == SP_OK)
+        status = paper_add_counts(p.rows, p.row, &t, err);
     if (status == SP_OK && opt->folder)
         status = paper_report(&p, err);
     for (int e = 0; e < PAPER_ENSEMBLES; e++)

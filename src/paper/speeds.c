@@ -1,6 +1,6 @@
 /* Fig. 8: speeds against pressure. */
 #include "base/base.h"
-#include "paper/paper.h"
+#include "paper/lattice.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -67,48 +67,12 @@ static sp_status wave_speeds(const paper *p, double (*of)(const sp_sample *s), s
 
 /* ---- lattices --------------------------------------------------------------------------------------------------- */
 
-/* Eqs. (18) and (19). */
-static double lattice_speed(double p, double eta) {
-    return pow(3, 19.0 / 12) / (pow(2, 1.5) * sqrt(3.14159265358979323846)) * sqrt(1 + eta / 3) * pow(p, 1.0 / 6);
-}
 static double eta_of(double poisson) { return 1 - poisson / (2 - poisson); } /* (A4) */
 
-/* Arrivals in lattices of one kind, by height; at most `most`. */
-static int lattice_arrivals(const paper_set *set, bool friction, double p, int most, double *height, double *time) {
-    const double lowest =
-        set->n > 0 ? set->sample[set->n - 1].height / 5 : 0; /* the lattice of Fig. 12 is none of them */
-    int n = 0;
-    for (int64_t k = 0; k < set->n && n < most; k++) {
-        const sp_sample *s = &set->sample[k];
-        if ((s->friction > 0) != friction || fabs(s->pressure - p) > 1e-9 * p || !(s->have & SP_WANT_CTOF) ||
-            s->height < lowest)
-            continue;
-        height[n] = s->height;
-        time[n++] = s->front.t10;
-    }
-    return n;
-}
-
-/* By the difference between heights of about 8 and 24, as for packings. */
 static void small_lattices(const paper *p, bool friction, speeds *out) {
     static const double pressure[] = {1e-7, 5e-7, 1e-6, 1e-5, 1e-4};
-    for (size_t k = 0; k < sizeof pressure / sizeof *pressure; k++) {
-        double height[2], time[2];
-        if (lattice_arrivals(&p->set[PAPER_LATTICE], friction, pressure[k], 2, height, time) == 2)
-            add_speed(out, pressure[k], (height[1] - height[0]) / (time[1] - time[0]), NAN);
-    }
-}
-
-/* The front arrives at H/c + a + b H^(1/3) (Eq. (16)): c from three heights. between: by the difference of the two
- * highest. */
-static double long_lattice(const paper *p, bool friction, double *between) {
-    double h[3], t[3];
-    if (lattice_arrivals(&p->set[PAPER_LATTICE_LONG], friction, 5e-7, 3, h, t) < 3)
-        return *between = NAN;
-    const double h10 = h[1] - h[0], h21 = h[2] - h[1], t10 = t[1] - t[0], t21 = t[2] - t[1],
-                 r10 = cbrt(h[1]) - cbrt(h[0]), r21 = cbrt(h[2]) - cbrt(h[1]);
-    *between = h21 / t21;
-    return (h10 * r21 - h21 * r10) / (t10 * r21 - t21 * r10);
+    for (size_t k = 0; k < sizeof pressure / sizeof *pressure; k++)
+        add_speed(out, pressure[k], paper_lattice_small(p, friction, pressure[k]), NAN);
 }
 
 /* ---- rows ------------------------------------------------------------------------------------------------------- */
@@ -163,9 +127,9 @@ static sp_status add_rows(paper *p, int item, const speeds part[3], sp_error *er
     if (status == SP_OK)
         status = add_stated(p, item, 1e-4, "c_tof / c_l", 1.4, 0.1, ours, err);
     for (int friction = 0; friction < 2 && status == SP_OK; friction++) {
-        const double theory = lattice_speed(5e-7, friction ? 1 : 0);
+        const double theory = paper_lattice_speed(5e-7, friction ? 1 : 0);
         double between;
-        ours[0] = long_lattice(p, friction, &between);
+        ours[0] = paper_lattice_long(p, friction, &between);
         ours[1] = 0;
         status = add_stated(p, item, 5e-7, friction ? "c of frictional lattice, Eq. (19)" : "c of lattice, Eq. (18)",
                             theory, 0.002 * theory, ours, err);
@@ -202,9 +166,9 @@ static sp_curve marks(const char *label, const speeds *s, int ink, sp_mark mark,
 static sp_status draw(paper *p, int item, const speeds part[3], sp_error *err) {
     double range[2] = {4e-8, 2.5e-4}, plain[2], low[2], high[2];
     for (int k = 0; k < 2; k++) {
-        plain[k] = lattice_speed(range[k], 0);
-        low[k] = lattice_speed(range[k], eta_of(0.5));
-        high[k] = lattice_speed(range[k], eta_of(0));
+        plain[k] = paper_lattice_speed(range[k], 0);
+        low[k] = paper_lattice_speed(range[k], eta_of(0.5));
+        high[k] = paper_lattice_speed(range[k], eta_of(0));
     }
     speeds twice = part[2], lattice[2] = {0}, wide[2] = {0};
     for (int k = 0; k < twice.n; k++) {
@@ -214,7 +178,7 @@ static sp_status draw(paper *p, int item, const speeds part[3], sp_error *err) {
     for (int friction = 0; friction < 2; friction++) {
         double between;
         small_lattices(p, friction, &lattice[friction]);
-        long_lattice(p, friction, &between);
+        paper_lattice_long(p, friction, &between);
         add_speed(&wide[friction], 5e-7, between, NAN);
     }
     const guide sixth = guide_make(1.0 / 6, 0.036), fourth = guide_make(0.25, 0.026);
@@ -264,12 +228,12 @@ sp_status paper_make_fig8(paper *p, int item, sp_error *err) {
     for (int k = 0; k < part[0].n; k++)
         paper_say(p, item, "p = %g: c_tof = %.4f +- %.4f.", part[0].p[k], part[0].c[k], part[0].err[k]);
     for (int friction = 0; friction < 2; friction++) {
-        double between, limit = long_lattice(p, friction, &between);
+        double between, limit = paper_lattice_long(p, friction, &between);
         paper_say(p, item,
                   "Lattice %s friction at 5e-7: %.4f between heights of 80 and 160, %.4f once the front's spreading is "
                   "allowed for; %s gives %.4f.",
                   friction ? "with" : "without", between, limit, friction ? "Eq. (19)" : "Eq. (18)",
-                  lattice_speed(5e-7, friction ? 1 : 0));
+                  paper_lattice_speed(5e-7, friction ? 1 : 0));
     }
     paper_say(p, item, "The points of the three experiments in the paper's figure are not available.");
     return SP_OK;

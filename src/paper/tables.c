@@ -1,5 +1,6 @@
 /* Tables I, II, IV and V. */
 #include "base/base.h"
+#include "paper/counts.h"
 #include "paper/paper.h"
 
 #include <math.h>
@@ -22,6 +23,12 @@ static void say_agreement(paper *p, int item) {
     }
     paper_say(p, item, "%lld of %lld means lie within one standard deviation of the paper%s.", (long long)agree,
               (long long)rows, missing > 0 ? ", and some have no value or no known scatter" : "");
+    const paper_counts c = paper_count(p->rows, p->row, item, PAPER_SORT_MEANS);
+    if (c.judged > 0)
+        paper_say(p, item,
+                  "By the standard errors of both means %lld of %lld lie within one, %lld beyond two and %lld beyond "
+                  "three; chi^2 = %.0f.",
+                  (long long)c.within1, (long long)c.judged, (long long)c.beyond2, (long long)c.beyond3, c.chi2);
     if (worst)
         paper_say(
             p, item,
@@ -132,6 +139,7 @@ sp_status paper_make_table(paper *p, int item, sp_error *err) {
                              .p = paper_pressure[k],
                              .paper = quantity->mean[k],
                              .paper_sd = sd > 0 ? sd : NAN,
+                             .digit = quantity->digit[k],
                              .scatter = sd > 0 ? PAPER_SCATTER_PAPER : PAPER_SCATTER_OURS};
             double *values = NULL;
             int64_t n = 0;

@@ -92,11 +92,19 @@ static const sp_h5_field probe_field[] = {
         {"/results/probes/concentrated_" name, "1", "largest share of one grain in the energy"}, SP_H5_F64,            \
             offsetof(sp_sample, probe[row].concentrated)                                                               \
     }
+#define STATICS_LATER(member, description)                                                                             \
+    { {"/results/statics/" #member, "1", description}, SP_H5_F64, offsetof(sp_sample, statics.member) }
 #define SPACE(member, description)                                                                                     \
     { {"/results/moduli/" #member, "E*", description}, SP_H5_F64, offsetof(sp_sample, moduli.member) }
 static const sp_h5_field moduli_3d_field[] = {
     SPACE(c13, "modulus C13"),       SPACE(c23, "modulus C23"),       SPACE(c44, "shear modulus C44"),
     SPACE(c55, "shear modulus C55"), SPACE(c66, "shear modulus C66"),
+};
+/* Missing in files of earlier versions too. */
+static const sp_h5_field stress_field[] = {
+    STATICS_LATER(s12_over_s2, "shear over vertical stress, on a horizontal plane along x"),
+    STATICS_LATER(s32_over_s2, "the same along y, in three dimensions"),
+    STATICS_LATER(mobilised, "fraction of the carrying contacts with |Ft| >= 0.99 mu Fn"),
 };
 static const sp_h5_field share_field[] = {
     SHARES(SP_SINE_1, "sine_1"),
@@ -109,7 +117,8 @@ static const struct {
     int count;
     const sp_h5_field *field;
 } optional[] = {{SP_WANT_MODULI, sizeof moduli_3d_field / sizeof *moduli_3d_field, moduli_3d_field},
-                {SP_WANT_PROBES, sizeof share_field / sizeof *share_field, share_field}};
+                {SP_WANT_PROBES, sizeof share_field / sizeof *share_field, share_field},
+                {SP_WANT_STATICS, sizeof stress_field / sizeof *stress_field, stress_field}};
 enum { OPTIONAL = sizeof optional / sizeof *optional };
 
 static const struct part {

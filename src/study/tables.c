@@ -30,7 +30,12 @@ static const quantity statics_columns[] = {{"Phi2", "", offsetof(sp_sample, stat
                                            {"Z3", "", offsetof(sp_sample, statics.z3), 0},
                                            {"F2", "", offsetof(sp_sample, statics.f2), 0},
                                            {"F2S", "", offsetof(sp_sample, statics.f2s), 0},
-                                           {"s1_over_s2", "", offsetof(sp_sample, statics.s1_over_s2), 0}};
+                                           {"s1_over_s2", "", offsetof(sp_sample, statics.s1_over_s2), 0},
+                                           {"s12_over_s2", "", offsetof(sp_sample, statics.s12_over_s2), 0},
+                                           {"mobilised", "", offsetof(sp_sample, statics.mobilised), 0}};
+
+/* What a sample in three dimensions has besides. */
+static const quantity statics_3d_columns[] = {{"s32_over_s2", "", offsetof(sp_sample, statics.s32_over_s2), 0}};
 
 static const quantity moduli_columns[] = {{"C11", "E*", offsetof(sp_sample, moduli.c11), 0},
                                           {"C12", "E*", offsetof(sp_sample, moduli.c12), 0},
@@ -90,6 +95,8 @@ static sp_status explain_no_means(const sp_sample *row, int64_t samples, const a
     int64_t most = 0;
     for (int k = 0; k < a->quantities; k++) {
         int64_t none = 0;
+        if (a->q[k].offset == offsetof(sp_sample, statics.mobilised) && !(row->friction > 0))
+            continue; /* nobody expects friction to be mobilised where there is none */
         for (int64_t i = 0; i < samples; i++)
             none += !isfinite(a->x[k * samples + i]);
         most = none > most ? none : most;
@@ -100,7 +107,8 @@ static sp_status explain_no_means(const sp_sample *row, int64_t samples, const a
         return SP_OK;
     return sp_table_add_comment(t, err, "p = %.6g, %d grains: up to %lld of %lld samples have no %s%s", row->pressure,
                                 row->grains, (long long)most, (long long)samples, list,
-                                a->part == SP_WANT_STATICS ? " (a box below six diameters has no bulk)"
+                                a->part == SP_WANT_STATICS ? " (a box below six diameters has no bulk, a "
+                                                             "sample of an earlier version no s12_over_s2)"
                                 : !(row->friction > 0)     ? " (walls do not grip grains without friction)"
                                                            : "");
 }
@@ -161,9 +169,13 @@ static int probe_quantities(int dim, quantity *q) {
 /* The quantities of a part; samples of one table are of one dimension. */
 static int quantities_of(unsigned part, int dim, quantity *q) {
     enum { STATICS = sizeof statics_columns / sizeof *q, MODULI = sizeof moduli_columns / sizeof *q };
-    enum { SPACE = sizeof moduli_3d_columns / sizeof *q };
+    enum { SPACE = sizeof moduli_3d_columns / sizeof *q, SPACE_STATICS = sizeof statics_3d_columns / sizeof *q };
     switch (part) {
-    case SP_WANT_STATICS: memcpy(q, statics_columns, sizeof statics_columns); return STATICS;
+    case SP_WANT_STATICS:
+        memcpy(q, statics_columns, sizeof statics_columns);
+        if (dim == 3)
+            memcpy(q + STATICS, statics_3d_columns, sizeof statics_3d_columns);
+        return STATICS + (dim == 3 ? SPACE_STATICS : 0);
     case SP_WANT_PROBES: return probe_quantities(dim, q);
     default:
         memcpy(q, moduli_columns, sizeof moduli_columns);
@@ -252,8 +264,8 @@ static sp_status add_sample(const sp_sample *s, sp_table *t, sp_error *err) {
     const char *reason = s->reason[0] ? s->reason : "-"; /* of a failure, or of a part that it lacks */
     return sp_table_add_row(t, err, s->pressure, (int64_t)s->grains, (int64_t)s->seed, s->height, f.t10, f.t_peak,
                             f.t_zero, f.amplitude, f.width, v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9],
-                            v[10], c[0], c[1], c[2], c[3], c[4], c[5], (int64_t)s->dim, s->width, s->friction,
-                            (int64_t)s->failed, reason, (const char *)s->name);
+                            v[10], v[11], v[12], c[0], c[1], c[2], c[3], c[4], c[5], (int64_t)s->dim, s->width,
+                            s->friction, (int64_t)s->failed, reason, (const char *)s->name);
 }
 
 static sp_status fill_ensemble(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err) {

@@ -15,8 +15,8 @@ import tempfile
 
 COMMAND = sys.argv[1]
 COLUMNS = "item equation quantity unit relation paper precision ours err verdict note".split()
-ITEMS = "errata fig1 fig2 symbols chaos".split()
-FIGURES = {"errata": 0, "fig1": 4, "fig2": 2, "symbols": 1, "chaos": 4}
+ITEMS = "errata fig1 fig2 symbols chaos claims".split()
+FIGURES = {"errata": 0, "fig1": 4, "fig2": 2, "symbols": 1, "chaos": 4, "claims": 0}
 
 
 def run(*args, status=0):
@@ -58,6 +58,12 @@ def check_verdicts(rows):
             assert row["verdict"] == "erratum" and not holds and row["note"] != "-", row
         elif math.isnan(row["paper"]):
             assert row["verdict"] == "not given", row
+        elif row["item"] == "claims":
+            off = abs(row["ours"] - row["paper"])
+            near = err > row["precision"] and row["precision"] < off <= row["precision"] + err
+            near = near if row["relation"] == "=" else off <= err
+            assert row["verdict"] == ("undecided" if near else "holds" if holds else "contradicted"), row
+            assert len(row["note"]) > 20, row
         else:
             assert row["verdict"] == ("agrees" if holds else "deviates"), row
         if math.isnan(row["err"]):
@@ -119,6 +125,29 @@ def check_values(rows):
         assert ours(rows, f"smallest separation there, K = 2 m g/r, over {over}") < 0
 
 
+def check_claims(rows):
+    claims = [row for row in rows if row["item"] == "claims"]
+    verdict = {row["quantity"]: row["verdict"] for row in claims}
+    assert verdict["Lyapunov exponent without taps and loss, N = 1"] == "holds"
+    for n in (2, 3, 5):
+        name = f"Lyapunov exponent without taps and loss, N = {n}"
+        assert verdict[name] == "contradicted" and ours(claims, name) > 5
+    close(ours(claims, "decay exponent gamma of a pulse, closed contacts, e = 0"), 2 / 3, 0.004)
+    assert 800 < ours(claims, "growth rate of (37), e = 0") < 900
+    assert ours(claims, "equal resonances of (35) and (37), e = 0") == 1
+    assert ours(claims, "growth rate of (35), e = 0") > 1e7
+    close(ours(claims, "(45) as printed, e = 0: order of the particles lost at"), 8.54e-3, 2e-5)
+    close(ours(claims, "(45), e = 0: smooth solution ends at"), 0.1106, 1e-3)
+    assert ours(claims, "longest cycle found, N = 1") > 8
+    # as the table energy of the command has it: the smallest separation of ten taps
+    close(ours(claims, "good choice a = 2 cm, f = 5.5 Hz: separation"), 0.113533193, 1e-8)
+    close(ours(claims, "good choice a = 2 cm, f = 10 Hz: separation"), -0.137480828, 1e-8)
+    close(ours(claims, "change of density over 200 taps, N = 5"), 0.59096 - 5 / 8.5, 5e-5)
+    close(ours(claims, "change of density over 200 taps, N = 10"), 0.57561 - 10 / 17.25, 5e-5)
+    close(ours(claims, "hybrid scheme, stable steps, e = 0: breaks down at"), 6.10e-3, 5e-5)
+    assert ours(claims, "hybrid scheme, the paper's steps: breaks down at") < 0.1
+
+
 def check_report(folder, items, rows, ending):
     text, markdown = (folder / "report.html").read_text(), (folder / "report.md").read_text()
     assert re.findall(r'<h2 id="(\w+)"', text) == ["summary", *items, "files"]
@@ -132,8 +161,10 @@ def check_report(folder, items, rows, ending):
     assert not re.search(r"\b(nan|inf)\b", text), re.search(r".*\b(nan|inf)\b.*", text)
     assert "not finished" not in markdown and "Here." in text
     counts = {verdict: sum(row["verdict"] == verdict for row in rows)
-              for verdict in ("agrees", "deviates", "erratum", "not given")}
-    assert (f"Of {len(rows)} values {counts['agrees']} agree with the paper, {counts['deviates']} deviate, "
+              for verdict in ("agrees", "deviates", "erratum", "not given", "holds", "contradicted", "undecided")}
+    claims = counts["holds"] + counts["contradicted"] + counts["undecided"]
+    assert (f"of {claims} claims {counts['holds']} hold, {counts['contradicted']} are contradicted") in markdown
+    assert (f"Of {len(rows) - claims} values {counts['agrees']} agree with the paper, {counts['deviates']} deviate, "
             f"{counts['erratum']} are errata, and {counts['not given']} are not given") in markdown
     for item in items:
         assert rows_of((folder / f"{item}.tsv").read_text()) == [row for row in rows if row["item"] == item] or any(
@@ -153,12 +184,32 @@ def whole(folder):
     check_verdicts(rows)
     check_errata(rows)
     check_values(rows)
+    check_claims(rows)
     check_report(out, ITEMS, rows, "png")
     trajectory = [line.split("\t") for line in (out / "fig1-n10-trajectories.tsv").read_text().splitlines()
                   if not line.startswith("#")]
     assert trajectory[0] == ["t"] + [f"y{k}" for k in range(11)] and len(trajectory) == 1602
     assert len({tuple(line[2:]) for line in trajectory[1:]}) > 500  # it moves
     return out, done.stdout
+
+
+def tables_of_the_document(folder, text):
+    """benchmarks/reproduction_tables: every claim with a number is in its table."""
+    (folder / "rows.tsv").write_text(text)
+    script = pathlib.Path(sys.argv[2]) / "benchmarks/reproduction_tables"
+    printed = subprocess.run([sys.executable, script, folder / "rows.tsv"], capture_output=True, text=True, check=True).stdout
+    claims = [row for row in rows_of(text) if row["item"] == "claims" and not math.isnan(row["paper"])]
+    table = printed[printed.index("<!-- blackmore claims -->"):printed.index("<!-- end blackmore claims -->")]
+    assert table.count("\n|") == len(claims) + 2, table
+    assert table.count("contradicted") == sum(row["verdict"] == "contradicted" for row in claims)
+    document = folder / "document.md"
+    document.write_text("before\n" + re.sub(r"<!-- (\w+ \w+) -->.*?<!-- end \1 -->", r"<!-- \1 -->\nold\n<!-- end \1 -->", printed,
+                                               flags=re.DOTALL) + "after\n")
+    subprocess.run([sys.executable, script, "--write", document, folder / "rows.tsv"], check=True)
+    assert document.read_text() == "before\n" + printed + "after\n"
+    document.write_text("no marks\n")
+    failed = subprocess.run([sys.executable, script, "--write", document, folder / "rows.tsv"], capture_output=True, text=True)
+    assert failed.returncode == 1 and "0 places" in failed.stderr and document.read_text() == "no marks\n"
 
 
 def parts(folder, out, text):
@@ -189,7 +240,7 @@ def refused(folder, out):
     wrong(says="no paper: must be somfai2005 or blackmore2011")
     wrong("blackmore2012", says="paper blackmore2012: must be somfai2005 or blackmore2011")
     wrong("blackmore2011", "somfai2005", says="one paper only")
-    wrong("blackmore2011", "--only", "fig3", says="must be one of errata, fig1, fig2, symbols, chaos")
+    wrong("blackmore2011", "--only", "fig3", says="must be one of errata, fig1, fig2, symbols, chaos, claims")
     wrong("blackmore2011", "--only", "chaso", says="did you mean chaos?")
     wrong("blackmore2011", "--only", "table1", says="must be one of errata")
     wrong("blackmore2011", "--only", "", says="must be one of errata")
@@ -204,6 +255,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="sonopack-blackmore-") as name:
         folder = pathlib.Path(name)
         out, text = whole(folder)
+        tables_of_the_document(folder, text)
         parts(folder, out, text)
         refused(folder, out)
 

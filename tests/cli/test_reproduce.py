@@ -17,8 +17,9 @@ import tempfile
 import time
 
 COMMAND = sys.argv[1]
-COLUMNS = "item p quantity paper paper_sd ours err sigma verdict ours_sd samples combined scatter".split()
-ITEMS = [f"table{k}" for k in range(1, 6)] + [f"fig{k}" for k in range(1, 13)]
+COLUMNS = ("item p quantity paper paper_sd ours err sigma verdict ours_sd samples combined scatter deviation_err rounding "
+           "relation where note").split()
+ITEMS = [f"table{k}" for k in range(1, 6)] + [f"fig{k}" for k in range(1, 13)] + ["claims"]
 VOID = {"meta", "img", "br", "hr", "link"}
 
 
@@ -35,9 +36,61 @@ def rows_of(text):
     return [dict(zip(COLUMNS, line)) for line in lines[1:]]
 
 
+def check_claim(row):
+    ours, limit, err = (float(row[name]) for name in ("ours", "paper", "err"))
+    inside = {"<": limit - ours, ">": ours - limit, "=": float(row["paper_sd"]) - abs(ours - limit)}[row["relation"]]
+    assert row["sigma"] == "nan" and row["where"] != "-" and len(row["note"]) > 20, row
+    if math.isnan(inside) or math.isnan(err):
+        verdict = "missing"
+    elif abs(inside) < 2 * err:
+        verdict = "undecided"
+    else:
+        verdict = "holds" if inside >= 0 else "contradicted"
+    assert row["verdict"] == verdict, row
+
+
+def check_deviation(row):
+    """By both standard errors, with the rounding of print."""
+    value = {name: float(row[name]) for name in ("paper", "paper_sd", "ours", "err", "ours_sd", "combined", "rounding",
+                                                 "deviation_err")}
+    theirs = {"paper": value["paper_sd"] / 30 ** 0.5, "ours": value["ours_sd"] / 30 ** 0.5}.get(row["scatter"],
+                                                                                             value["paper_sd"])
+    difference = value["ours"] - value["paper"]
+    if row["scatter"] == "bound":
+        difference = min(difference, 0)
+    for name, more in (("combined", 0), ("deviation_err", value["rounding"])):
+        expected = difference / math.hypot(theirs, value["err"], more)
+        assert math.isnan(expected) and math.isnan(value[name]) or abs(expected - value[name]) < 1e-9 * (
+            1 + abs(expected)), row
+    assert (value["rounding"] > 0) == row["item"].startswith("table") * (row["item"] != "table3"), row
+
+
+def check_counts(text):
+    """The comments count what the rows say."""
+    rows = rows_of(text)
+    for line in text.splitlines():
+        if not line.startswith("# count: table"):
+            continue
+        words = line.split()
+        count = dict(zip(words[3::2], words[4::2]))
+        own = [row for row in rows if row["item"] == words[2] or words[2] == "tables" and row["scatter"] in ("paper", "ours")]
+        off = [abs(float(row["deviation_err"])) for row in own if row["deviation_err"] != "nan"]
+        assert int(count["agree"]) == sum(row["verdict"] == "agrees" for row in own), line
+        assert int(count["judged"]) == len(off) and int(count["beyond2"]) == sum(x > 2 for x in off), line
+        assert abs(float(count["chi2"]) - sum(x * x for x in off)) < 0.06, line
+    claims = [row["verdict"] for row in rows if row["scatter"] == "claim"]
+    if claims:
+        assert (f"# claims: {len(claims)} hold {claims.count('holds')} contradicted {claims.count('contradicted')} "
+                f"undecided {claims.count('undecided')} ") in text
+
+
 def check_rows(rows):
     """sigma, combined and verdict follow from the other columns."""
     for row in rows:
+        if row["scatter"] == "claim":
+            check_claim(row)
+            continue
+        check_deviation(row)
         value = {name: float(row[name]) for name in ("paper", "paper_sd", "ours", "err", "sigma", "ours_sd")}
         scatter = {"paper": value["paper_sd"], "ours": value["ours_sd"]}.get(
             row["scatter"], math.hypot(value["paper_sd"], 0 if math.isnan(value["err"]) else value["err"]))
@@ -86,13 +139,22 @@ def check_report(folder, items, rows):
     links = re.findall(r"\]\(([^)\s]+)\)", markdown)
     assert sorted(links) == sorted(page.links), (links, page.links)
     assert "Here." in text and "not finished" not in markdown
-    agree = sum(row["verdict"] == "agrees" for row in rows)
-    assert f"Of {len(rows)} values of the paper {agree} agree" in markdown or agree == len(rows)
+    values = [row for row in rows if row["scatter"] != "claim"]
+    agree = sum(row["verdict"] == "agrees" for row in values)
+    assert f"Of {len(values)} values of the paper {agree} agree" in markdown or not values
+    off = [abs(float(row["deviation_err"])) for row in values if row["scatter"] in ("paper", "ours")]
+    off = [x for x in off if not math.isnan(x)]
+    if off:
+        assert (f"Of {len(off)} means that the paper prints {sum(x <= 1 for x in off)} lie within one combined standard "
+                f"error, {sum(x > 2 for x in off)} beyond two and {sum(x > 3 for x in off)} beyond three") in markdown
+    claims = [row for row in rows if row["scatter"] == "claim"]
+    if claims:
+        assert f"Of {len(claims)} claims {sum(row['verdict'] == 'holds' for row in claims)} hold" in markdown
     assert markdown.count("deviates |") == 2 * sum(row["verdict"] == "deviates" for row in rows)  # summary and item
     assert not re.search(r"\b(nan|inf)\b", text), re.search(r".*\b(nan|inf)\b.*", text)
     for item in items:
         own = [row for row in rows if row["item"] == item]
-        name = folder / (f"{item}.tsv" if item.startswith("table") else f"{item}-values.tsv")
+        name = folder / (f"{item}-values.tsv" if item.startswith("fig") else f"{item}.tsv")
         assert name.exists() == bool(own), name
         if own:
             assert rows_of(name.read_text()) == own
@@ -147,7 +209,9 @@ def nothing_twice(folder, store, out, items, text):
     more = run("somfai2005", "--only", "table1", "--samples", 2, "--store", store)
     assert len(list(store.glob("*.h5"))) == sum(name.endswith(".h5") for name in before) + 4
     check_rows(rows_of(more.stdout))
-    assert {row["samples"] for row in rows_of(more.stdout)} == {"2"}
+    check_counts(more.stdout)
+    deviations = [row["deviation_err"] for row in rows_of(more.stdout)]
+    assert len(deviations) == 40 and "nan" not in deviations  # two samples have errors
     # other forms
     table = run("somfai2005", "--only", "table1", "--samples", 1, "--store", store, "--format", "csv").stdout
     assert len(list(csv.reader(io.StringIO("".join(line + "\n" for line in table.splitlines() if line[0] != "#"))))) == 41

@@ -3,6 +3,7 @@ wrong, what failed is said in one line, and the next study completes the store.
 
 usage: test_store_faults.py COMMAND SOURCE_DIR
 """
+import math
 import os
 import pathlib
 import random
@@ -531,6 +532,26 @@ def stale_manifest(folder):
     assert len(tables(ensemble(store))[0][2]) == reference.count
 
 
+def earlier_version(folder):
+    """A sample without the results that were added later is read, with nan in their place; the others stay as they are."""
+    reference = Reference(folder / "earlier", SIX)
+    store = fresh(reference, folder)
+    study(reference, store)
+    (before,) = tables(ensemble(store))
+    victim = samples(store)[0]
+    with h5py.File(victim, "r+") as file:
+        for name in ("s12_over_s2", "mobilised"):
+            assert file["results/statics/" + name][()] == file["results/statics/" + name][()]
+            del file["results/statics/" + name]
+    (after,) = tables(ensemble(store))
+    names = [row[after[1].index("name")] for row in after[2]]
+    for name in ("s12_over_s2", "mobilised"):
+        for old, new, sample in zip(column(before, name), column(after, name), names):
+            assert math.isnan(new) if sample == victim.stem else old == new, (name, sample, old, new)
+    assert list(column(before, "s1_over_s2")) == list(column(after, "s1_over_s2"))
+    assert " 0 of them made now" in study(reference, store).stderr
+
+
 def old_temporaries(folder):
     """What dead processes leave is removed; what a living one is writing, and files of others, are not."""
     reference = Reference(folder / "left", SIX)
@@ -569,7 +590,7 @@ def inside_the_namespace(folder):
 def main():
     skipped = False
     for test in (refused_calls, small_disks, not_ours, damaged_files, damaged_records, flipped_packings, rotten_bytes, copied_stores,
-                 manifests, odd_locks, stale_manifest, old_temporaries):
+                 manifests, odd_locks, stale_manifest, earlier_version, old_temporaries):
         with tempfile.TemporaryDirectory() as name:
             reason = test(pathlib.Path(name))
         print(test.__name__, f"skipped: {reason}" if reason else "ok")

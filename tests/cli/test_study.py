@@ -19,7 +19,7 @@ from streams import COMMAND, column, comment, run, tables
 CTOF = ("p samples c_tof c_tof_err c_peak c_zero c_l c_t "
         "c_tof_low c_tof_high c_peak_err c_zero_err c_l_err c_t_err").split()
 ENDS = ("", "_sd", "_err", "_low", "_high")
-STATICS = "Phi2 Phi3 Phi3s zs f0 N_over_p Z2 Z3 F2 F2S s1_over_s2".split()
+STATICS = "Phi2 Phi3 Phi3s zs f0 N_over_p Z2 Z3 F2 F2S s1_over_s2 s12_over_s2 mobilised".split()
 MODULI = "C11 C12 C22 C33 c_l c_t".split()
 
 # small and at rest soon: this tests the command, not the physics of large boxes
@@ -130,7 +130,7 @@ def check_ends(low, high, expected, error, what):
     """Ends of an interval, of 1000 resamples here and 20000 there: t at 95% has the deviation 0.09 errors for normal
     samples, and a few times that in the long tail that t has for few."""
     for found, there in ((low, expected[0]), (high, expected[1])):
-        assert abs(found - there) < 0.6 * error + 1e-12 * abs(there), (what, found, there, error)
+        assert abs(found - there) <= 0.6 * error + 1e-12 * abs(there), (what, found, there, error)
 
 
 def intervals(folder):

@@ -241,14 +241,44 @@ def check_statics(folder):
     result = run("statics", folder / "noise.h5", good, "--margin", "0.5")
     expect(result.returncode == 1 and "noise.h5" in result.stderr.split("\n")[0], f"statics of a bad file: {result}")
     (row,) = rows(result.stdout)
-    expect(list(row) == "file p Phi2 Phi3 Phi3s zs f0 N_over_p Z2 Z3 F2 F2S s1_over_s2".split(), f"columns {list(row)}")
+    expect(list(row) == "file p Phi2 Phi3 Phi3s zs f0 N_over_p Z2 Z3 F2 F2S s1_over_s2 s12_over_s2 s32_over_s2 "
+           "mobilised".split(), f"columns {list(row)}")
     value = {name: float(text) for name, text in row.items() if name != "file"}
     # a disk of diameter 1 is pi/4 of its square, a sphere pi/6 of its cube: Phi3/Phi2 = 2/3 <d^3>/<d^2> for the
     # uniform diameters 0.8 .. 1.2, in a layer one mean diameter thick
     expect(abs(value["Phi3"] / value["Phi2"] - 2 / 3 * 1.04 / (1 + 0.16 / 12)) < 0.02, f"Phi3/Phi2 in {row}")
     expect(2 < value["zs"] < 4 and 0 < value["Phi3s"] <= value["Phi3"] and value["Z2"] >= 1, f"statics {row}")
+    for grains in (200, 600):
+        check_stress(SOURCE / f"packings/reference/packing_N{grains}_p1e-4.txt")
     none = run("statics", folder / "noise.h5")
     expect(none.returncode == 1 and not none.stdout, f"statics without any good file: {none}")
+
+
+def check_stress(path):
+    """Stress and mobilised friction by their sums, from the text of a packing whose contacts all carry."""
+    lines = [line.split() for line in path.read_text().splitlines() if not line.startswith("#")]
+    head = dict(zip(lines[0][::2], lines[0][1::2]))
+    n = int(head["N"])
+    radius = [float(line[2]) for line in lines[1:n + 1]]
+    loose = [line[3] == "1" for line in lines[1:n + 1]]
+    stress, full, contacts = {"11": 0, "12": 0, "22": 0}, 0, 0
+    for line in lines[n + 1:]:
+        i, j, (nx, ny, overlap, fn, ft) = int(line[0]), int(line[1]), map(float, line[2:7])
+        if loose[i] or j >= 0 and loose[j]:
+            continue
+        branch = radius[i] - overlap + (radius[j] if j >= 0 else 0)
+        fx, fy = fn * nx + ft * ny, fn * ny - ft * nx  # of i on j; ft is the force on i along (-ny, nx)
+        stress["11"] += fx * branch * nx
+        stress["12"] += fx * branch * ny
+        stress["22"] += fy * branch * ny
+        full += abs(ft) >= 0.99 * float(head["mu"]) * fn
+        contacts += 1
+    (row,) = rows(expect_status(0, "statics", path).stdout)
+    for name, value in (("s1_over_s2", stress["11"] / stress["22"]), ("s12_over_s2", stress["12"] / stress["22"]),
+                        ("mobilised", full / contacts)):
+        expect(abs(float(row[name]) - value) < 1e-9, f"{path}: {name} = {row[name]}, {value} by its sum")
+    expect((full, contacts) in ((4, 295), (5, 975)), f"{path}: {full} of {contacts} contacts are at the limit")
+    expect(row["s32_over_s2"] == "nan", f"{path}: a second shear stress in the plane")
 
 
 def check_interruption(folder):

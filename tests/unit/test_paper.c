@@ -1,7 +1,10 @@
 /* The paper beside our values: verdicts, constants, ensembles, folders. */
 #include "base/base.h"
 #include "paper/blackmore.h"
+#include "paper/claims.h"
+#include "paper/counts.h"
 #include "paper/fronts.h"
+#include "paper/lattice.h"
 #include "paper/paper.h"
 #include "test.h"
 
@@ -42,6 +45,106 @@ static void verdicts(void **state) {
     assert_string_equal(r.verdict, "missing");
 }
 
+static const char *claimed(paper_relation relation, double limit, double within, double ours, double err) {
+    paper_row row = {.paper = limit,
+                     .paper_sd = within,
+                     .scatter = PAPER_SCATTER_CLAIM,
+                     .relation = relation,
+                     .ours = ours,
+                     .err = err};
+    paper_judge(&row);
+    assert_true(isnan(row.sigma) && isnan(row.combined) && isnan(row.deviation_err));
+    return row.verdict;
+}
+
+static void verdicts_on_claims(void **state) {
+    (void)state;
+    assert_string_equal(claimed(PAPER_BELOW, 1.1, NAN, 1.0, 0.04), "holds");
+    assert_string_equal(claimed(PAPER_BELOW, 1.1, NAN, 1.0, 0.06), "undecided");
+    assert_string_equal(claimed(PAPER_BELOW, 1.1, NAN, 1.15, 0.03), "undecided");
+    assert_string_equal(claimed(PAPER_BELOW, 1.1, NAN, 1.21, 0.03), "contradicted");
+    assert_string_equal(claimed(PAPER_ABOVE, 1, NAN, 1.4, 0.04), "holds");
+    assert_string_equal(claimed(PAPER_ABOVE, 1, NAN, 0.9, 0.04), "contradicted");
+    assert_string_equal(claimed(PAPER_EQUAL, -1, 0.01, -0.999, 0), "holds");
+    assert_string_equal(claimed(PAPER_EQUAL, -1, 0.01, -1.02, 0), "contradicted");
+    assert_string_equal(claimed(PAPER_EQUAL, 0, 0.01, 0.009, 0.002), "undecided");
+    assert_string_equal(claimed(PAPER_BELOW, 1, NAN, 0.5, NAN), "missing"); /* one sample: nothing is known */
+    assert_string_equal(claimed(PAPER_BELOW, 1, NAN, NAN, 0), "missing");
+}
+
+/* Printed to 0.1: uniform within 0.05, a standard deviation of 0.1/sqrt(12). */
+static void verdicts_and_print(void **state) {
+    (void)state;
+    paper_row row = {.paper = 3,
+                     .paper_sd = 0.3 * sqrt(30),
+                     .digit = 0.1 * sqrt(12),
+                     .scatter = PAPER_SCATTER_PAPER,
+                     .ours = 4,
+                     .ours_sd = 1,
+                     .err = 0.4};
+    paper_judge(&row);
+    assert_close(row.combined, 2, 1e-12);
+    assert_close(row.deviation_err, 1 / sqrt(0.26), 1e-12);
+    row.digit = 0;
+    paper_judge(&row);
+    assert_close(row.deviation_err, 2, 1e-12);
+}
+
+static paper_row off_by(int item, const char *quantity, double errors) {
+    paper_row row = {.item = item, .paper = 1, .paper_sd = 0.3 * sqrt(30), .ours = 1 + 0.5 * errors, .err = 0.4};
+    snprintf(row.quantity, sizeof row.quantity, "%s", quantity);
+    paper_judge(&row);
+    return row;
+}
+
+static void counts_and_families(void **state) {
+    (void)state;
+    paper_row rows[] = {
+        off_by(PAPER_TABLE_1, "a", 0.5),  off_by(PAPER_TABLE_1, "a", 2.5), off_by(PAPER_TABLE_1, "a", 3.5),
+        off_by(PAPER_TABLE_1, "b", 0.9),  off_by(PAPER_TABLE_1, "b", 0.1), off_by(PAPER_TABLE_1, "b", 0.3),
+        off_by(PAPER_TABLE_2, "b", -2.5), off_by(PAPER_TABLE_2, "b", 2.5), off_by(PAPER_TABLE_2, "b", 2.1),
+        off_by(PAPER_FIG(6), "c", -1.5),  off_by(PAPER_TABLE_2, "b", NAN)};
+    enum { ROWS = sizeof rows / sizeof *rows };
+    rows[9].scatter = PAPER_SCATTER_STATED;
+    const paper_counts one = paper_count(ROWS, rows, PAPER_TABLE_1, PAPER_SORT_MEANS),
+                       all = paper_count(ROWS, rows, -1, PAPER_SORT_MEANS),
+                       stated = paper_count(ROWS, rows, -1, PAPER_SORT_STATED);
+    assert_true(one.values == 6 && one.judged == 6 && one.within1 == 4 && one.beyond2 == 2 && one.beyond3 == 1);
+    assert_close(one.chi2, 0.25 + 6.25 + 12.25 + 0.81 + 0.01 + 0.09, 1e-12);
+    assert_close(one.chi2_bare, one.chi2, 1e-12);
+    assert_true(all.values == 9 && all.missing == 1 && all.beyond2 == 5 && stated.values == 1);
+    int64_t at = 0;
+    paper_family f = paper_family_next(ROWS, rows, &at);
+    assert_true(at == 3 && f.values == 3 && f.side == 1 && paper_is_systematic(&f));
+    assert_close(f.together, 6.5 / sqrt(3), 1e-12);
+    assert_close(f.low, 0.25, 1e-12);
+    assert_close(f.high, 1.75, 1e-12);
+    f = paper_family_next(ROWS, rows, &at);
+    assert_true(at == 6 && f.side == 1 && !paper_is_systematic(&f)); /* on one side, but near */
+    f = paper_family_next(ROWS, rows, &at);
+    assert_true(at == 9 && f.side == 0 && paper_is_systematic(&f)); /* the same name in another item; none within 2 */
+    f = paper_family_next(ROWS, rows, &at);
+    assert_true(at == 10 && f.values == 1 && !paper_is_systematic(&f));
+    sp_table t = sp_table_none();
+    assert_ok(paper_add_counts(ROWS, rows, &t, &err));
+    assert_string_equal(t.comment[0],
+                        "count: table1 values 6 agree 5 missing 0 judged 6 within1 4 beyond2 2 beyond3 1 chi2 19.7 "
+                        "chi2_without_rounding 19.7");
+    sp_table_free(&t);
+}
+
+static void sums(void **state) {
+    (void)state;
+    paper_sum s = {0};
+    paper_sum_add(&s, 1);
+    assert_true(isnan(paper_sum_err(&s)));
+    paper_sum_add(&s, NAN);
+    paper_sum_add(&s, 2);
+    paper_sum_add(&s, 6);
+    assert_close(paper_sum_mean(&s), 3, 1e-15);
+    assert_close(paper_sum_err(&s), sqrt(7.0 / 3), 1e-14);
+}
+
 static const char *verdict_of(tapped_row row) {
     tapped_judge(&row);
     return row.verdict;
@@ -75,6 +178,18 @@ static void verdicts_on_the_column(void **state) {
     assert_string_equal(verdict_of(row), "agrees");
     row.ours = 0;
     assert_string_equal(verdict_of(row), "deviates");
+    row = (tapped_row){.claim = true, .relation = TAPPED_ABOVE, .paper = 4, .ours = 0.1, .err = 0.01};
+    assert_string_equal(verdict_of(row), "contradicted");
+    row.ours = 4.005;
+    assert_string_equal(verdict_of(row), "undecided");
+    row.ours = 5;
+    assert_string_equal(verdict_of(row), "holds");
+    row = (tapped_row){.claim = true, .paper = 0, .precision = 0.01, .ours = 0.4, .err = 0.5};
+    assert_string_equal(verdict_of(row), "undecided");
+    row.err = 0.1;
+    assert_string_equal(verdict_of(row), "contradicted");
+    row.ours = 0.005;
+    assert_string_equal(verdict_of(row), "holds");
     row = (tapped_row){.misprint = true, .paper = -INFINITY, .ours = 0};
     assert_string_equal(verdict_of(row), "erratum");
 }
@@ -185,7 +300,7 @@ static void items(void **state) {
     assert_null(sp_paper_item_name(SP_PAPER_ITEMS));
     for (int k = 0; k < SP_PAPER_ITEMS; k++) {
         char name[16];
-        snprintf(name, sizeof name, k < 5 ? "table%d" : "fig%d", k < 5 ? k + 1 : k - 4);
+        snprintf(name, sizeof name, k < 5 ? "table%d" : k < 17 ? "fig%d" : "claims", k < 5 ? k + 1 : k - 4);
         assert_string_equal(sp_paper_item_name(k), name);
         assert_non_null(sp_paper_item_title(k));
         assert_true(paper_items[k].needs >= 1 && paper_items[k].needs <= PAPER_NEEDS);
@@ -195,9 +310,10 @@ static void items(void **state) {
 static void ensembles(void **state) {
     (void)state;
     static const int64_t samples_of_30[PAPER_ENSEMBLES] = {
-        [PAPER_SQUARE] = 120,     [PAPER_LOW] = 120,     [PAPER_SHORT] = 60,    [PAPER_TALL] = 30,
-        [PAPER_TALLEST] = 15,     [PAPER_SMOOTH] = 30,   [PAPER_SPHERES] = 8,   [PAPER_LATTICE] = 20,
-        [PAPER_LATTICE_LONG] = 8, [PAPER_CHAIN_1] = 180, [PAPER_CHAIN_2] = 180, [PAPER_CHAIN_4] = 180};
+        [PAPER_SQUARE] = 120,  [PAPER_LOW] = 120,       [PAPER_SHORT] = 60,       [PAPER_TALL] = 30,
+        [PAPER_TALLEST] = 15,  [PAPER_SMOOTH] = 30,     [PAPER_SPHERES] = 8,      [PAPER_LATTICE] = 20,
+        [PAPER_UNEVEN] = 96,   [PAPER_UNEVEN_LOW] = 12, [PAPER_LATTICE_LONG] = 8, [PAPER_CHAIN_1] = 180,
+        [PAPER_CHAIN_2] = 180, [PAPER_CHAIN_4] = 180};
     for (paper_ensemble e = PAPER_SQUARE; e < PAPER_ENSEMBLES; e++)
         for (int32_t n = 1; n <= 30; n += 29) {
             sp_scene scene = sp_scene_default();
@@ -342,6 +458,10 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(verdicts),
                                        cmocka_unit_test(verdicts_on_the_column),
                                        cmocka_unit_test(verdicts_without_scatter),
+                                       cmocka_unit_test(verdicts_on_claims),
+                                       cmocka_unit_test(verdicts_and_print),
+                                       cmocka_unit_test(counts_and_families),
+                                       cmocka_unit_test(sums),
                                        cmocka_unit_test(means),
                                        cmocka_unit_test(table_of_rows),
                                        cmocka_unit_test(constants),

@@ -27,7 +27,7 @@ static sp_sample made_up(double p, int grains, int seed, double offset) {
     s.front.t_zero = 15 / c + 1.5 * s.height / c;
     s.front.amplitude = 1 / s.height;
     s.front.width = s.front.t_zero - s.front.t10;
-    s.statics = (sp_statics){0.81, 0.55, 0.5, 3.2 + offset, 10, 1.2, 1.5, 2.8, 0.52, 0.56, 0.8};
+    s.statics = (sp_statics){0.81, 0.55, 0.5, 3.2 + offset, 10, 1.2, 1.5, 2.8, 0.52, 0.56, 0.8, 0.01, NAN, 0.1};
     s.moduli = (sp_moduli){.c11 = 1,
                            .c12 = 2,
                            .c22 = 3,
@@ -283,7 +283,9 @@ static void table_of_means(void **state) {
     make_up(s);
     sp_table t = sp_table_none();
     assert_ok(sp_study_table("statics", MADE, s, NULL, &t, &err));
-    assert_int_equal(t.columns, 3 + 5 * 11);
+    assert_int_equal(t.columns, 3 + 5 * 13);
+    assert_close(cell(&t, 0, "s12_over_s2"), 0.01, 1e-15);
+    assert_close(cell(&t, 0, "mobilised"), 0.1, 1e-15);
     assert_int_equal(t.rows, 8);
     for (int k = 0; k < 8; k++) {
         assert_relative(cell(&t, k, "p"), pow(10, k / 2 - 7), 1e-15);
