@@ -88,7 +88,7 @@ sp_status paper_ensemble_scene(paper_ensemble e, int32_t samples, sp_protocol pr
 }
 
 double paper_ensemble_cost(paper_ensemble e, int32_t samples, sp_protocol protocol) {
-    const double slower = e <= PAPER_SPHERES && protocol == SP_PROTOCOL_SOMFAI2005 ? 5 : 1; /* measured */
+    const double slower = e <= PAPER_SPHERES && protocol != SP_PROTOCOL_QUICK ? 5 : 1; /* measured */
     return slower * ensembles[e].cost * count(e, samples);
 }
 
