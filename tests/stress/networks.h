@@ -36,7 +36,7 @@ static inline sp_network stress_network(sp_packing *p, bool prestress) {
 
 /* After springs or masses were changed. */
 static inline sp_network stress_changed(sp_network net) {
-    assert_ok(sp_network_find_bound(&net, &net.omega_bound, &err));
+    assert_ok(sp_network_find_bounds(&net, &err));
     return net;
 }
 
