@@ -91,7 +91,7 @@ static inline sp_network stress_smooth(double pressure, uint64_t seed) {
     return stress_network(&p, false);
 }
 static inline sp_network stress_prestressed(double pressure, uint64_t seed) {
-    sp_packing p = stress_piston(pressure, 0.5, seed);
+    sp_packing p = without_tangential(stress_piston(pressure, 0.5, seed));
     return stress_network(&p, true);
 }
 static inline sp_network stress_lattice(double friction, uint64_t seed) {
