@@ -21,10 +21,12 @@ double sp_network_soft(const sp_network *net) { return net->soft; }
 sp_status sp_network_need_symmetry(const sp_network *net, const char *what, sp_error *err) {
     if (!net->carried)
         return SP_OK;
-    return sp_fail(err, SP_EREFUSED,
-                   "%s needs a symmetric stiffness: with prestress tangential forces add an antisymmetric part (up to "
-                   "%.3g in omega^2, of %.3g); leave out the prestress, or take the chebyshev method for signals",
-                   what, net->skew, net->omega_bound * net->omega_bound);
+    return sp_fail(
+        err, SP_EREFUSED,
+        "%s needs a symmetric stiffness: with prestress and friction it has an antisymmetric part (up to %.3g "
+        "in omega^2, of %.3g); leave out the prestress, or take what does without: signals by chebyshev, "
+        "moduli, the verdict of stability",
+        what, net->skew, net->omega_bound * net->omega_bound);
 }
 
 void sp_network_free(sp_network *net) {
