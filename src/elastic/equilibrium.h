@@ -15,6 +15,10 @@ typedef enum equilibrium_raise {
     RAISE_MASS      /* by masses: what other loads leave over are accelerations of floppy parts */
 } equilibrium_raise;
 
+/* Without symmetry a free spin is one but for forces that do not quite balance, so that it has a little stiffness, of
+ * either sign: a fraction to raise by that is well above. */
+#define RAISE_LOOSE 1e-6
+
 typedef struct sp_equilibrium {
     const sp_network *net;
     sp_sparse k;       /* K itself: its lower triangle, or all of it if it is not symmetric */

@@ -166,7 +166,7 @@ static sp_status sine(sp_equilibrium *e, double phi3s, int n, double *work, sp_p
     const double most = 0.1;
     sp_status status = SP_OK;
     if (e->raised == RAISE_DIAGONAL)
-        status = sp_equilibrium_raise(e, RAISE_MASS, 0, err);
+        status = sp_equilibrium_raise(e, RAISE_MASS, e->net->carried ? RAISE_LOOSE : 0, err);
     if (status == SP_OK)
         status = sine_along(e, phi3s, n, e->net->dim - 1, work, out, err);
     if (status == SP_OK && e->net->dim > 1 && (e->grips || e->slips))
