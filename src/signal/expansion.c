@@ -56,7 +56,7 @@ double sp_expansion_tail(double x, bool velocity, double spread, int64_t first) 
     for (int64_t k = first;; k++) {
         const double term = weight(velocity, k) * exp((double)k * spread + log_bessel(2 * (double)k + velocity, x));
         sum += term;
-        if (!isfinite(sum) || (term < 0.5 * before && 2 * (double)k > x && term <= 1e-3 * sum))
+        if (!isfinite(sum) || (term <= 0.5 * before && 2 * (double)k > x && term <= 1e-3 * sum))
             return factor * (sum + term);
         before = term;
     }
