@@ -45,6 +45,13 @@ static inline sp_packing reference_packing(const char *path) {
     return p;
 }
 
+/* Normal forces alone: with prestress its stiffness is still symmetric. */
+static inline sp_packing without_tangential(sp_packing p) {
+    for (int k = 0; k < p.n_contacts; k++)
+        memset(p.contacts[k].ft, 0, sizeof p.contacts[k].ft);
+    return p;
+}
+
 /* Columns t, F_vel, F_imp; returns the number of rows, at most `most`. */
 static inline int reference_signal(const char *path, int most, double *t, double *velocity, double *impulse) {
     FILE *file = fopen(path, "r");

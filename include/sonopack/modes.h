@@ -88,6 +88,35 @@ sp_status sp_damped_modes_make(const sp_network *net, double zeta, sp_source sou
                                sp_error *err);
 void sp_damped_modes_free(sp_damped_modes *m);
 
+enum { SP_STABILITY_MAX = 6000 }; /* degrees of freedom whose eigenvalues are all found where K is not symmetric */
+
+typedef enum sp_modes_verdict {
+    SP_MODES_STABLE = 0, /* no eigenvalue is negative or complex, those that count as zero left out */
+    SP_MODES_UNSTABLE,   /* some certainly are */
+    SP_MODES_UNDECIDED   /* neither can be shown */
+} sp_modes_verdict;
+
+/* The stability of M u'' = -K u, K with prestress or without. An eigenvalue omega^2 of M^-1 K that is negative lets a
+ * motion diverge, a complex pair lets one grow in turns (flutter). Each comes with a disc that holds it for certain. */
+typedef struct sp_stability {
+    sp_modes_verdict verdict;
+    bool dense;          /* all eigenvalues, in discs; false: counts by the inertia of the symmetric part alone */
+    int64_t dofs;        /* of the network */
+    int64_t negative;    /* eigenvalues below 0 for certain; -1: not known */
+    int64_t flutter;     /* complex pairs, for certain; -1: not known */
+    int64_t zero;        /* within `balance` and their own error of 0 (floppy motions, spins); -1: not known */
+    double softest;      /* least real part of the others; NAN: not known [E* / (rho d^2)] */
+    double growth;       /* rate of the fastest motion that certainly grows; 0 without [sqrt(E* / rho)/d] */
+    double growth_bound; /* none grows faster than that */
+    double error;        /* largest radius of a disc, or error of a count [E* / (rho d^2)] */
+    double balance;      /* what forces at rest that do not balance may do to an eigenvalue that would be 0 */
+    double skew;         /* sp_network_skew */
+} sp_stability;
+/* p: the packing that the network was made of. Where K is symmetric for any size, by counts. Else up to
+ * SP_STABILITY_MAX degrees of freedom by all eigenvalues (dense: minutes there, memory 32 n^2 bytes); beyond that
+ * undecided, with the growth that the values x^T A x allow. SP_EREFUSED where nothing can be shown. */
+sp_status sp_stability_make(const sp_packing *p, const sp_network *net, sp_stability *out, sp_error *err);
+
 #ifdef __cplusplus
 }
 #endif

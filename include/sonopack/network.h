@@ -1,7 +1,10 @@
 #ifndef SONOPACK_NETWORK_H
 #define SONOPACK_NETWORK_H
 /* The network that carries sound: springs between the grains that are not rattlers, and K as an operator and as a
- * sparse matrix. M u'' = -K u (Eq. (1) of Somfai et al. 2005) with both walls fixed. */
+ * sparse matrix. M u'' = -K u (Eq. (1) of Somfai et al. 2005) with both walls fixed.
+ *
+ * With prestress K is J, the derivative of the contact forces with all that the forces at rest add to it. Forces along
+ * the normals add a symmetric part. Tangential forces add one that is not symmetric: no energy belongs to it. */
 
 #include <sonopack/packing.h>
 #include <sonopack/status.h>
@@ -12,7 +15,7 @@ extern "C" {
 
 typedef struct sp_network_options {
     double threshold;  /* contacts with fn > threshold x p (x d^2) carry; 1e-4 */
-    bool prestress;    /* add the transverse -F_n/r term (translations only); false as in the paper */
+    bool prestress;    /* add what the forces at rest do as contacts turn; false as in the paper */
     bool sliding_free; /* k_t = 0 on contacts at the Coulomb limit (within 1%); false as in the paper */
 } sp_network_options;
 sp_network_options sp_network_options_default(void);
@@ -26,6 +29,14 @@ typedef struct sp_spring {
     double kp;       /* -F_n / r, transverse stiffness of the prestress; 0 if not asked for */
     double ri, rj;   /* lever arms: radii; rj = 0 for a rigid wall [d] */
 } sp_spring;
+
+/* The tangential force of a spring at rest, and how it turns. It is laid across the new normal, whose change is the
+ * transverse displacement times 1/r, and in three dimensions it turns about the normal by half the sum of the grains'
+ * rotations. */
+typedef struct sp_carried {
+    double ft[3]; /* on i [E* d^2] */
+    double turn;  /* 1/r; 0 at a wall, whose normal is fixed [1/d] */
+} sp_carried;
 
 /* Degrees of freedom a grain: 1D 1; 2D 3 (x, y, angle) or 2 without friction; 3D 6 or 3. Order: translations, then
  * rotations. Vectors over the network are [n][dof]. */
@@ -42,10 +53,13 @@ typedef struct sp_network {
     sp_spring *springs;
     double box[3];
     double pressure;
-    int32_t n_bulk;     /* springs between grains come first: rows 0 .. n_bulk-1; those of walls follow */
-    double *length;     /* [n_springs] from centre i to centre j, or to the wall [d] */
-    bool prestress;     /* some kp is not 0 */
-    double omega_bound; /* what sp_network_omega_bound returns */
+    int32_t n_bulk;      /* springs between grains come first: rows 0 .. n_bulk-1; those of walls follow */
+    double *length;      /* [n_springs] from centre i to centre j, or to the wall [d] */
+    bool prestress;      /* some kp is not 0 */
+    double omega_bound;  /* what sp_network_omega_bound returns */
+    sp_carried *carried; /* [n_springs]; NULL: K is symmetric (no prestress, or no tangential forces at rest) */
+    double skew;         /* what sp_network_skew returns */
+    double soft;         /* what sp_network_soft returns */
 } sp_network;
 
 sp_network sp_network_none(void);
@@ -56,11 +70,22 @@ int64_t sp_network_dofs(const sp_network *net); /* n x dof */
 
 /* out = K u, [n][dof] each, must not overlap. Allocates nothing, cannot fail. */
 void sp_network_apply(const sp_network *net, const double *u, double *out);
+/* out = K^T u: the same where K is symmetric. */
+void sp_network_apply_transposed(const sp_network *net, const double *u, double *out);
 /* u^T K u as a sum of squares over springs (prestress: of signed squares): accurate for soft modes where u . (K u) is
  * not. */
 double sp_network_energy2(const sp_network *net, const double *u);
-/* An upper bound of the largest eigenfrequency, a few percent above it (Collatz and Wielandt, from row sums). */
+/* An upper bound of the largest eigenfrequency, a few percent above it (Collatz and Wielandt, from row sums). Where K
+ * is not symmetric: of that of its symmetric part. */
 double sp_network_omega_bound(const sp_network *net);
+/* With A = M^-1/2 K M^-1/2: bounds of |A - A^T|/2, exactly 0 where K is symmetric, and of how far the eigenvalues of
+ * (A + A^T)/2 may lie below 0, exactly 0 without prestress. All values of A, x^T A x for complex x of length 1, lie in
+ * the rectangle from -soft to omega_bound^2 and from -i skew to i skew, and so do its eigenvalues omega^2. */
+double sp_network_skew(const sp_network *net);
+double sp_network_soft(const sp_network *net);
+/* SP_EREFUSED for a K that is not symmetric, with a message that says so, for `what` ("the dense method") that needs
+ * it. */
+sp_status sp_network_need_symmetry(const sp_network *net, const char *what, sp_error *err);
 
 typedef enum sp_source {
     SP_SOURCE_IMPULSE = 0, /* momentum of each bottom grain = k_n of its wall contact (times the normal) */
@@ -99,7 +124,8 @@ sp_status sp_network_detector(const sp_network *net, double *out, sp_error *err)
  * wall the grain's mass). */
 sp_status sp_network_damping(const sp_network *net, double zeta, sp_network *out, sp_error *err);
 
-/* K assembled: the lower triangle by columns (CSC, rows ascending, diagonal first). */
+/* K assembled by columns (CSC, rows ascending): the lower triangle of its symmetric part, diagonal first; or all of it.
+ */
 typedef struct sp_sparse {
     int64_t n;
     int64_t *p; /* [n+1] */
@@ -107,6 +133,7 @@ typedef struct sp_sparse {
     double *x;  /* [p[n]] */
 } sp_sparse;
 sp_status sp_network_assemble(const sp_network *net, sp_sparse *out, sp_error *err);
+sp_status sp_network_assemble_whole(const sp_network *net, sp_sparse *out, sp_error *err);
 void sp_sparse_free(sp_sparse *a);
 
 #ifdef __cplusplus

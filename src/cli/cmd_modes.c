@@ -1,6 +1,7 @@
 /* sonopack modes: eigenfrequencies and eigenmodes, all of them or a part. */
 #include "base/base.h"
 #include "cli/modes_damped.h"
+#include "cli/modes_stability.h"
 #include "cli/springs.h"
 
 #include <stdlib.h>
@@ -15,10 +16,11 @@ typedef struct arguments {
     bool part;      /* --lowest or --band */
     int ranges;     /* how many of --all, --lowest, --band */
     double damping; /* 0: none */
+    bool stability;
     char *file;
 } arguments;
 
-enum { KEY_ALL = 0x1000, KEY_FREQUENCIES, KEY_SOURCE, KEY_LOWEST, KEY_BAND, KEY_DAMPING };
+enum { KEY_ALL = 0x1000, KEY_FREQUENCIES, KEY_SOURCE, KEY_LOWEST, KEY_BAND, KEY_DAMPING, KEY_STABILITY };
 
 static const struct argp_option options[] = {
     {"all", KEY_ALL, NULL, 0, "All modes (the default)", 0},
@@ -29,6 +31,10 @@ static const struct argp_option options[] = {
     {"damping", KEY_DAMPING, "ZETA", 0,
      "With dashpots, a fraction ZETA of critical: columns n, omega, decay, cosine, sine, error (up to 2000 degrees of "
      "freedom)",
+     0},
+    {"stability", KEY_STABILITY, NULL, 0,
+     "A verdict instead, of one row: whether a motion grows (up to 6000 degrees of freedom with --prestress and "
+     "friction; beyond, undecided with a bound)",
      0},
     {"source", KEY_SOURCE, "impulse|velocity|displacement", 0, "Of the amplitudes a (impulse)", 0},
     {0}};
@@ -71,6 +77,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         if (cli_number("--damping", arg, 1e-12, 100, &a->damping, &err) != SP_OK)
             argp_error(state, "%s", err.text);
         return 0;
+    case KEY_STABILITY: a->stability = true; return 0;
     case KEY_BAND:
         a->part = true;
         a->ranges++;
@@ -93,6 +100,8 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
             argp_error(state, "--all, --lowest and --band: must be one of them, once");
         if (a->damping > 0 && (a->part || a->frequencies_only))
             argp_error(state, "--damping: must be without --lowest, --band and --frequencies-only");
+        if (a->stability && (a->part || a->frequencies_only || a->damping > 0))
+            argp_error(state, "--stability: must be without --lowest, --band, --frequencies-only and --damping");
         return 0;
     default: return ARGP_ERR_UNKNOWN;
     }
@@ -169,36 +178,46 @@ static sp_status fill(const arguments *a, const sp_packing *p, int64_t rattlers,
     return status;
 }
 
+/* Of a part or all of the modes, each a row. */
+static sp_status table_of_modes(const arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
+                                sp_error *err) {
+    const sp_modes_options o = {.vectors = !a->frequencies_only, .source = a->source};
+    sp_modes m = sp_modes_none();
+    sp_status status = sp_modes_make(net, &o, &a->range, &m, err);
+    if (status == SP_OK)
+        status = fill(a, p, (int64_t)net->rattlers * net->dof, &m, t, err);
+    sp_modes_free(&m);
+    return status;
+}
+
+static sp_status make_table(const arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
+                            sp_error *err) {
+    if (!a->stability && !(a->damping > 0))
+        return table_of_modes(a, p, net, t, err);
+    sp_status status = sp_table_add_comment(t, err, "file = %s", a->file);
+    if (status != SP_OK)
+        return status;
+    return a->stability ? cli_stability(p, net, t, err) : cli_damped_modes(p, net, a->damping, a->source, t, err);
+}
+
 static sp_status work(const arguments *a, sp_error *err) {
     sp_scene scene = sp_scene_default();
     sp_packing p = sp_packing_none();
     sp_network net = sp_network_none();
-    sp_modes m = sp_modes_none();
     sp_table t = sp_table_none();
     sp_status status = cli_may_write_table(&a->common, err);
     if (status == SP_OK)
         status = cli_springs_scene(&a->common, &a->springs, "network", &scene, err);
     if (status == SP_OK)
         status = cli_read_network(a->file, &scene.network, &p, &net, err);
-    if (status == SP_OK && a->damping > 0)
-        status = sp_table_add_comment(&t, err, "file = %s", a->file);
-    if (status == SP_OK && a->damping > 0) {
-        status = cli_damped_modes(&p, &net, a->damping, a->source, &t, err);
+    if (status == SP_OK) {
+        status = make_table(a, &p, &net, &t, err);
         if (status != SP_OK)
             sp_fail_prefix(err, "%s", a->file);
     }
-    if (status == SP_OK && !(a->damping > 0)) {
-        const sp_modes_options o = {.vectors = !a->frequencies_only, .source = a->source};
-        status = sp_modes_make(&net, &o, &a->range, &m, err);
-        if (status != SP_OK)
-            sp_fail_prefix(err, "%s", a->file);
-    }
-    if (status == SP_OK && !(a->damping > 0))
-        status = fill(a, &p, (int64_t)net.rattlers * net.dof, &m, &t, err);
     if (status == SP_OK)
         status = cli_write_table(&a->common, &t, err);
     sp_table_free(&t);
-    sp_modes_free(&m);
     sp_network_free(&net);
     sp_packing_free(&p);
     sp_scene_free(&scene);

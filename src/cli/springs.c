@@ -8,7 +8,7 @@ enum { KEY_THRESHOLD = 0x3000, KEY_PRESTRESS };
 
 static const struct argp_option options[] = {
     {"threshold", KEY_THRESHOLD, "F", 0, "Contacts with a normal force above F p d^2 carry (1e-4)", 50},
-    {"prestress", KEY_PRESTRESS, NULL, 0, "Add the transverse stiffness -F_n/r of the forces at rest", 50},
+    {"prestress", KEY_PRESTRESS, NULL, 0, "Add what the forces at rest do as contacts turn", 50},
     {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *state) {

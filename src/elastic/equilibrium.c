@@ -9,6 +9,9 @@ sp_equilibrium sp_equilibrium_none(void) { return (sp_equilibrium){0}; }
 
 void sp_equilibrium_free(sp_equilibrium *e) {
     sp_cholesky_free(e->factor);
+    sp_lu_free(e->lu);
+    sp_free(e->solid.x);
+    sp_free(e->diagonal);
     sp_sparse_free(&e->k);
     sp_free(e->chosen);
     sp_free(e->work);
@@ -67,25 +70,25 @@ static sp_status check_network(const sp_network *net, sp_error *err) {
     return check_connected(net, err);
 }
 
-static double largest_diagonal(const sp_sparse *k) {
+static double largest_diagonal(const sp_equilibrium *e) {
     double largest = 0;
-    for (int64_t c = 0; c < k->n; c++)
-        largest = fmax(largest, k->x[k->p[c]]);
+    for (int64_t c = 0; c < e->k.n; c++)
+        largest = fmax(largest, e->k.x[e->diagonal[c]]);
     return largest;
 }
 
 /* Degrees of freedom that no strain can move are held, which changes no force: rotations without any tangential
  * spring, and, between walls that do not grip, the sideways position of the whole, at its first grain. */
-static void hold_free(const sp_equilibrium *e, sp_sparse *k) {
+static void hold_free(const sp_equilibrium *e) {
     const sp_network *net = e->net;
-    const double largest = largest_diagonal(k);
-    for (int64_t c = 0; c < k->n; c++) {
+    const double largest = largest_diagonal(e);
+    for (int64_t c = 0; c < e->k.n; c++) {
         const int64_t d = e->chosen ? e->chosen[c] : c;
-        if (d % net->dof >= net->dim && k->x[k->p[c]] == 0)
-            k->x[k->p[c]] = largest;
+        if (d % net->dof >= net->dim && e->k.x[e->diagonal[c]] == 0)
+            e->k.x[e->diagonal[c]] = largest;
     }
     for (int a = 0; a < net->dim - 1 && e->slips && !e->chosen; a++)
-        k->x[k->p[a]] += largest;
+        e->k.x[e->diagonal[a]] += largest;
 }
 
 /* Floppy parts (a cluster that hangs on too few contacts, say) make K singular. Yet K u = f can always be solved for a
@@ -93,10 +96,10 @@ static void hold_free(const sp_equilibrium *e, sp_sparse *k) {
  * the solutions. So the diagonal is raised by this fraction, and refinement takes the change out again. */
 static const double RAISE = 1e-9;
 
-static void raise_diagonal(const sp_equilibrium *e, sp_sparse *k) {
-    const double largest = largest_diagonal(k);
-    for (int64_t c = 0; c < k->n; c++) {
-        double *x = &k->x[k->p[c]];
+static void raise_diagonal(const sp_equilibrium *e) {
+    const double largest = largest_diagonal(e);
+    for (int64_t c = 0; c < e->k.n; c++) {
+        double *x = &e->k.x[e->diagonal[c]];
         if (e->raised == RAISE_DIAGONAL)
             *x += e->raise * (*x > 0 ? *x : largest);
         else if (e->raised == RAISE_MASS)
@@ -104,22 +107,42 @@ static void raise_diagonal(const sp_equilibrium *e, sp_sparse *k) {
     }
 }
 
-/* The factor of K with what is held and raised; K's diagonal is as before afterwards. */
-static sp_status factorize(sp_equilibrium *e, sp_error *err) {
-    sp_sparse *k = &e->k;
-    double *diagonal = e->work;
-    for (int64_t c = 0; c < k->n; c++)
-        diagonal[c] = k->x[k->p[c]];
-    hold_free(e, k);
-    raise_diagonal(e, k);
+static sp_status factorize_symmetric(sp_equilibrium *e, sp_error *err) {
     sp_status status = SP_OK;
     if (!e->factor)
-        status = sp_cholesky_analyze(k, &e->factor, err);
-    if (status == SP_OK)
-        status = sp_cholesky_factorize(e->factor, k, err);
-    for (int64_t c = 0; c < k->n; c++)
-        k->x[k->p[c]] = diagonal[c];
+        status = sp_cholesky_analyze(&e->k, &e->factor, err);
+    return status == SP_OK ? sp_cholesky_factorize(e->factor, &e->k, err) : status;
+}
+
+static sp_status factorize_whole(sp_equilibrium *e, sp_error *err) {
+    const size_t entries = (size_t)e->k.p[e->k.n];
+    sp_status status = SP_OK;
+    if (!e->lu) {
+        e->solid = e->k;
+        e->solid.x = sp_alloc(entries, sizeof *e->solid.x);
+        status = e->solid.x ? sp_lu_make(&e->k, &e->lu, err) : sp_fail_memory(err, entries * sizeof *e->solid.x);
+    }
+    if (status != SP_OK)
+        return status;
+    memcpy(e->solid.x, e->k.x, entries * sizeof *e->solid.x);
+    return sp_lu_factor(e->lu, &e->solid, err);
+}
+
+/* The factor of K with what is held and raised; K's diagonal is as before afterwards. */
+static sp_status factorize(sp_equilibrium *e, sp_error *err) {
+    double *before = e->work;
+    for (int64_t c = 0; c < e->k.n; c++)
+        before[c] = e->k.x[e->diagonal[c]];
+    hold_free(e);
+    raise_diagonal(e);
+    sp_status status = e->net->carried ? factorize_whole(e, err) : factorize_symmetric(e, err);
+    for (int64_t c = 0; c < e->k.n; c++)
+        e->k.x[e->diagonal[c]] = before[c];
     return status;
+}
+
+sp_status sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double *x, sp_error *err) {
+    return e->lu ? sp_lu_solve(e->lu, &e->solid, e->transposed, b, x, err) : sp_cholesky_solve(e->factor, 1, b, x, err);
 }
 
 /* A sphere with two contacts turns about the line through them. */
@@ -158,10 +181,34 @@ static sp_status factorize_any(sp_equilibrium *e, sp_error *err) {
     return status;
 }
 
+/* Without symmetry there is no factor that tells. The eigenvalues of A are at most `skew` from those of its symmetric
+ * part: if that has none below -skew, nothing is plainly unstable. */
+static sp_status check_stable(const sp_network *net, sp_error *err) {
+    sp_sparse k = {0};
+    sp_cholesky *factor = NULL;
+    sp_status status = sp_network_assemble(net, &k, err);
+    for (int64_t c = 0; c < k.n && status == SP_OK; c++)
+        k.x[k.p[c]] += sp_network_skew(net) * net->mass[c];
+    if (status == SP_OK)
+        status = sp_cholesky_make(&k, &factor, err);
+    if (status == SP_EREFUSED)
+        sp_fail_prefix(err, "the network is unstable under its prestress");
+    sp_cholesky_free(factor);
+    sp_sparse_free(&k);
+    return status;
+}
+
 static sp_status allocate(sp_equilibrium *e, sp_error *err) {
     const size_t size = 2 * (size_t)sp_network_dofs(e->net) + 2 * (size_t)e->count;
     e->work = sp_alloc(size, sizeof *e->work);
-    return e->work ? SP_OK : sp_fail_memory(err, size * sizeof *e->work);
+    e->diagonal = sp_alloc((size_t)e->count, sizeof *e->diagonal);
+    if (!e->work || !e->diagonal)
+        return sp_fail_memory(err, size * sizeof *e->work);
+    for (int64_t c = 0; c < e->k.n; c++)
+        for (int64_t q = e->k.p[c]; q < e->k.p[c + 1]; q++)
+            if (e->k.i[q] == c)
+                e->diagonal[c] = q;
+    return SP_OK;
 }
 
 sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_error *err) {
@@ -172,7 +219,10 @@ sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_err
     const double bottom = wall_hold(net, SP_BOTTOM).tangential, top = wall_hold(net, SP_TOP).tangential;
     e.slips = net->dim > 1 && bottom == 0 && top == 0;
     e.grips = bottom > 0 && top > 0;
-    status = sp_network_assemble(net, &e.k, err);
+    if (net->carried)
+        status = check_stable(net, err);
+    if (status == SP_OK)
+        status = net->carried ? sp_network_assemble_whole(net, &e.k, err) : sp_network_assemble(net, &e.k, err);
     if (status == SP_OK)
         status = allocate(&e, err);
     if (status == SP_OK)
@@ -187,7 +237,7 @@ sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_err
 sp_status sp_equilibrium_raise(sp_equilibrium *e, equilibrium_raise raise, double fraction, sp_error *err) {
     double fastest = 0;
     for (int64_t c = 0; c < e->k.n; c++)
-        fastest = fmax(fastest, e->k.x[e->k.p[c]] / e->net->mass[e->chosen ? e->chosen[c] : c]);
+        fastest = fmax(fastest, e->k.x[e->diagonal[c]] / e->net->mass[e->chosen ? e->chosen[c] : c]);
     e->raised = raise;
     e->raise = fmax(fraction, RAISE) * (raise == RAISE_MASS ? fastest : 1);
     return factorize(e, err);
@@ -241,7 +291,10 @@ sp_status sp_equilibrium_hold(const sp_equilibrium *whole, const uint8_t *held, 
 double sp_equilibrium_rest(sp_equilibrium *e, const double *f, const double *u, double *rest) {
     const int64_t n = sp_network_dofs(e->net);
     double *ku = e->work, sum = 0;
-    sp_network_apply(e->net, u, ku);
+    if (e->transposed)
+        sp_network_apply_transposed(e->net, u, ku);
+    else
+        sp_network_apply(e->net, u, ku);
     if (e->chosen)
         memset(rest, 0, (size_t)n * sizeof *rest);
     for (int64_t c = 0; c < e->count; c++) {
@@ -264,7 +317,7 @@ sp_status sp_equilibrium_solve(sp_equilibrium *e, const double *f, double *u, do
         before = *residual;
         for (int64_t c = 0; c < e->count; c++)
             right[c] = rest[e->chosen ? e->chosen[c] : c];
-        sp_status status = sp_cholesky_solve(e->factor, 1, right, more, err);
+        sp_status status = sp_equilibrium_apply(e, right, more, err);
         if (status != SP_OK)
             return status;
         for (int64_t c = 0; c < e->count; c++)

@@ -1,9 +1,11 @@
 #ifndef SP_EQUILIBRIUM_H
 #define SP_EQUILIBRIUM_H
-/* K u = f for the displacements of grains between fixed walls, all or some of them free. */
+/* K u = f for the displacements of grains between fixed walls, all or some of them free. A K that is not symmetric has
+ * an LU factor in the place of Cholesky's, and its transposed can be solved with too. */
 
 #include "elastic/stiffness.h"
 #include "linalg/cholesky.h"
+#include "linalg/lu.h"
 
 /* What makes K invertible where parts of the network are floppy. Either is so small that refinement takes it out
  * again. */
@@ -13,10 +15,18 @@ typedef enum equilibrium_raise {
     RAISE_MASS      /* by masses: what other loads leave over are accelerations of floppy parts */
 } equilibrium_raise;
 
+/* Without symmetry a free spin is one but for forces that do not quite balance, so that it has a little stiffness, of
+ * either sign: a fraction to raise by that is well above. */
+#define RAISE_LOOSE 1e-6
+
 typedef struct sp_equilibrium {
     const sp_network *net;
-    sp_sparse k; /* K itself */
+    sp_sparse k;       /* K itself: its lower triangle, or all of it if it is not symmetric */
+    int64_t *diagonal; /* [count] where in k.x */
     sp_cholesky *factor;
+    sp_lu *lu;       /* not symmetric; else NULL */
+    sp_sparse solid; /* not symmetric: what lu is the factor of; shares p and i with k */
+    bool transposed; /* K^T u = f is meant; the caller's choice, false */
     equilibrium_raise raised;
     double raise;    /* fraction of the diagonal, or so many times M, that was added */
     bool slips;      /* neither wall grips: the whole floats sideways */
@@ -36,6 +46,8 @@ sp_status sp_equilibrium_raise(sp_equilibrium *e, equilibrium_raise raise, doubl
 sp_status sp_equilibrium_hold(const sp_equilibrium *e, const uint8_t *held, sp_equilibrium *out, sp_error *err);
 void sp_equilibrium_free(sp_equilibrium *e);
 
+/* x = F^-1 b with F what was factored, [count] each. */
+sp_status sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double *x, sp_error *err);
 /* Adds to u (which may be anything but for held degrees of freedom, which keep their values) what makes K u = f, with
  * refinement until the residual |K u - f| over free degrees of freedom, which goes into *residual, stays the same: one
  * step for a factor of K itself, a few for a raised one. */

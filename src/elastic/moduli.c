@@ -1,6 +1,6 @@
 /* Moduli by imposed strain. The displacement is the affine field plus what the grains add to it, u, at equilibrium:
  * K u = -B^T k d, with d the affine field's own relative displacements at the contacts. A wall's contact points follow
- * the affine field too, so that stress and strain are conjugate and C is symmetric. Extension and tension count
+ * the affine field too, so that stress and strain are conjugate and C is symmetric if K is. Extension and tension count
  * positive here, shrinking and compression in Eq. (7): the moduli are the same. */
 #include "elastic/moduli.h"
 
@@ -8,11 +8,13 @@
 #include "elastic/strain.h"
 
 #include <math.h>
+#include <string.h>
 
 /* A stress computed from u_b is off by u_a . (K u_b - f_b) over the volume, u_a being the exact solution of the strain
- * that belongs to it, and by rounding. solutions: of all strains, [strains][n]; work: [4][n]. Twice the first part
- * makes up for the second order. */
-static void put_errors(const sp_network *net, int strain, const double *solutions, double *work, sp_stiffness *out) {
+ * that belongs to it (where K is not symmetric, that of K^T), and by rounding. solutions and stresses: of all strains,
+ * [strains][n]; work: [4][n]. Twice the first part makes up for the second order. */
+static void put_errors(const sp_network *net, int strain, const double *solutions, const double *stresses, double *work,
+                       sp_stiffness *out) {
     const int64_t n = sp_network_dofs(net);
     double *f = work, *ku = work + n, *size = work + 2 * n, sum[STRAINS_3D];
     const double *u = solutions + strain * n;
@@ -23,16 +25,31 @@ static void put_errors(const sp_network *net, int strain, const double *solution
     for (int a = 0; a < sp_strain_count(net); a++) {
         double off = 0;
         for (int64_t k = 0; k < n; k++)
-            off += fabs(solutions[a * n + k]) * (fabs(f[k] - ku[k]) + noise * size[k]);
+            off += fabs(stresses[a * n + k]) * (fabs(f[k] - ku[k]) + noise * size[k]);
         out->error[a][strain] = (2 * off + noise * sum[a]) / sp_strain_volume(net);
     }
+}
+
+/* Solutions of K^T for what the stresses see. */
+static sp_status solve_transposed(sp_equilibrium *e, double *f, double *stresses, sp_error *err) {
+    const int64_t n = sp_network_dofs(e->net);
+    sp_status status = SP_OK;
+    double residual;
+    e->transposed = true;
+    for (int a = 0; a < sp_strain_count(e->net) && status == SP_OK; a++) {
+        sp_strain_load_transposed(e->net, a, f);
+        if (sp_strain_allowed(e->net, a, e->grips))
+            status = sp_equilibrium_solve(e, f, stresses + a * n, &residual, err);
+    }
+    e->transposed = false;
+    return status;
 }
 
 static sp_status strain_all(sp_equilibrium *e, double *work, sp_stiffness *out, sp_error *err) {
     const sp_network *net = e->net;
     const int64_t n = sp_network_dofs(net);
     const int strains = sp_strain_count(net);
-    double *f = work, *solutions = work + 4 * n;
+    double *f = work, *solutions = work + 4 * n, *stresses = net->carried ? solutions + strains * n : solutions;
     for (int a = 0; a < strains; a++) {
         if (!sp_strain_allowed(net, a, e->grips))
             continue;
@@ -47,9 +64,14 @@ static sp_status strain_all(sp_equilibrium *e, double *work, sp_stiffness *out, 
         out->residual = fmax(out->residual, residual / fmax(sqrt(norm), 1e-6 * scale));
         sp_strain_stresses(net, a, u, out);
     }
+    if (net->carried) {
+        sp_status status = solve_transposed(e, f, stresses, err);
+        if (status != SP_OK)
+            return status;
+    }
     for (int a = 0; a < strains; a++)
         if (sp_strain_allowed(net, a, e->grips))
-            put_errors(net, a, solutions, work, out);
+            put_errors(net, a, solutions, stresses, work, out);
     for (int a = 0; a < STRAINS_3D; a++)
         for (int b = 0; b < STRAINS_3D; b++)
             if (a >= strains || b >= strains || !sp_strain_allowed(net, a, e->grips) ||
@@ -78,12 +100,20 @@ static sp_status find_mechanisms(const sp_network *net, sp_stiffness *c, sp_erro
 }
 
 static sp_status stiffness_of(sp_equilibrium *e, sp_stiffness *out, sp_error *err) {
-    const size_t size = (4 + (size_t)sp_strain_count(e->net)) * (size_t)sp_network_dofs(e->net);
+    const size_t sets = e->net->carried ? 2 : 1;
+    const size_t size = (4 + sets * (size_t)sp_strain_count(e->net)) * (size_t)sp_network_dofs(e->net);
     sp_stiffness c = {0};
     double *work = sp_alloc(size, sizeof *work);
     if (!work)
         return sp_fail_memory(err, size * sizeof *work);
     sp_status status = strain_all(e, work, &c, err);
+    if (status == SP_OK && e->lu && e->raised == RAISE_DIAGONAL && !(c.residual < 1e-8)) {
+        status = sp_equilibrium_raise(e, RAISE_DIAGONAL, RAISE_LOOSE, err);
+        memset(work, 0, size * sizeof *work);
+        c = (sp_stiffness){0};
+        if (status == SP_OK)
+            status = strain_all(e, work, &c, err);
+    }
     if (status == SP_OK && !(c.residual < 1e-8))
         status = sp_fail(err, SP_EREFUSED, "moduli: residual %.3g of the solves, must be below 1e-8", c.residual);
     if (status == SP_OK)

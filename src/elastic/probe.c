@@ -64,7 +64,7 @@ static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double 
     for (int turn = 0; turn < TURNS; turn++) {
         memcpy(loose, f, (size_t)n * sizeof *f);
         for (int pass = 0; pass < PASSES; pass++) {
-            sp_status status = sp_cholesky_solve(e->factor, 1, loose, v, err);
+            sp_status status = sp_equilibrium_apply(e, loose, v, err);
             if (status != SP_OK)
                 return status;
             for (int64_t k = 0; k < n; k++)
@@ -84,18 +84,34 @@ static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double 
     return SP_OK;
 }
 
-/* Twice the energy is f . u; it is off by u . (K u - f) to first order, and by rounding. work: [2][n]. */
-static void sine_energy(sp_equilibrium *e, const double *f, const double *u, double *work, double *energy,
-                        double *error) {
+/* What a residual changes in f . u, with K^T w = f: w times it. w is u where K is symmetric, else it is put into w. */
+static sp_status find_weights(sp_equilibrium *e, const double *f, const double *u, double *w, sp_error *err) {
+    double residual;
+    if (!e->net->carried) {
+        memcpy(w, u, (size_t)sp_network_dofs(e->net) * sizeof *w);
+        return SP_OK;
+    }
+    memset(w, 0, (size_t)sp_network_dofs(e->net) * sizeof *w);
+    e->transposed = true;
+    const sp_status status = sp_equilibrium_solve(e, f, w, &residual, err);
+    e->transposed = false;
+    return status;
+}
+
+/* Twice the energy is f . u; it is off by w . (K u - f) to first order, and by rounding. work: [3][n]. */
+static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u, double *work, double *energy,
+                             double *error, sp_error *err) {
     const int64_t n = sp_network_dofs(e->net);
     const double noise = sp_strain_noise(e->net);
-    double *rest = work, *size = work + n, off = 0;
+    double *rest = work, *size = work + n, *w = work + 2 * n, off = 0;
+    sp_status status = find_weights(e, f, u, w, err);
     sp_equilibrium_rest(e, f, u, rest);
     sp_strain_rounding(e->net, -1, u, size, NULL);
     for (int64_t k = 0; k < n; k++)
-        off += fabs(u[k]) * (fabs(rest[k]) + noise * (size[k] + fabs(f[k])));
+        off += fabs(w[k]) * (fabs(rest[k]) + noise * (size[k] + fabs(f[k])));
     *energy = 0.5 * dot(n, f, u);
     *error = off;
+    return status;
 }
 
 /* The grain that takes most of the energy. */
@@ -109,13 +125,13 @@ static void find_loosest(const sp_network *net, const double *f, const double *u
     }
 }
 
-/* One direction: apparent modulus and bound of its error. work: [5][n]. */
+/* One direction: apparent modulus and bound of its error. work: [6][n]. */
 static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, double *work, sp_probed *out,
                             sp_error *err) {
     const sp_network *net = e->net;
     const int64_t dofs = sp_network_dofs(net);
     const double height = net->box[net->dim - 1];
-    double *f = work, *u = work + dofs, *loose = work + 4 * dofs, residual, energy, error;
+    double *f = work, *u = work + dofs, *loose = work + 5 * dofs, residual, energy, error;
     sp_status status = SP_OK;
     memset(loose, 0, (size_t)dofs * sizeof *loose);
     body_force(e, phi3s, n, axis, f);
@@ -131,7 +147,12 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     residual /= sqrt(dot(dofs, f, f));
     if (!(residual < 1e-8))
         return sp_fail(err, SP_EREFUSED, "probe sine:%d: residual %.3g of the solve, must be below 1e-8", n, residual);
-    sine_energy(e, f, u, work + 2 * dofs, &energy, &error);
+    status = sine_energy(e, f, u, work + 2 * dofs, &energy, &error, err);
+    if (status != SP_OK)
+        return status;
+    if (!(energy > 0))
+        return sp_fail(err, SP_EREFUSED, "probe sine:%d: the body force does the work %.3g, must be above 0: unstable",
+                       n, 2 * energy);
     error += 2 * fabs(dot(dofs, u, loose)); /* 0 but for what is soft and not quite floppy */
     find_loosest(net, f, u, energy, out);
     /* (B2) */
@@ -145,7 +166,7 @@ static sp_status sine(sp_equilibrium *e, double phi3s, int n, double *work, sp_p
     const double most = 0.1;
     sp_status status = SP_OK;
     if (e->raised == RAISE_DIAGONAL)
-        status = sp_equilibrium_raise(e, RAISE_MASS, 0, err);
+        status = sp_equilibrium_raise(e, RAISE_MASS, e->net->carried ? RAISE_LOOSE : 0, err);
     if (status == SP_OK)
         status = sine_along(e, phi3s, n, e->net->dim - 1, work, out, err);
     if (status == SP_OK && e->net->dim > 1 && (e->grips || e->slips))
@@ -196,14 +217,34 @@ static sp_status find_lines(const sp_network *net, int n, uint8_t *held, sp_erro
     return status;
 }
 
-/* One direction. Displacements of held grains are imposed; the energy is least at equilibrium, so that it is off in
- * second order: by half of the residual times what is missing in u, for which u stands. work: [4][n]. */
+/* K u + K^T u at what is free is what the energy u . K u/2 sees of a change of u there, twice: where K is symmetric it
+ * is 0 at equilibrium. What a residual changes in the energy: half of *weight times it. work: [n]. */
+static sp_status find_line_weights(sp_equilibrium *e, const double *u, double *load, double *weight, sp_error *err) {
+    const int64_t n = sp_network_dofs(e->net);
+    double residual;
+    memset(weight, 0, (size_t)n * sizeof *weight);
+    if (!e->net->carried) {
+        for (int64_t c = 0; c < e->count; c++)
+            weight[e->chosen[c]] = u[e->chosen[c]];
+        return SP_OK;
+    }
+    sp_network_apply_transposed(e->net, u, load);
+    e->transposed = true;
+    const sp_status status = sp_equilibrium_solve(e, load, weight, &residual, err);
+    e->transposed = false;
+    return status;
+}
+
+/* One direction. Displacements of held grains are imposed; where K is symmetric the energy is least at equilibrium, so
+ * that it is off in second order: by half of the residual times what is missing in u, for which u stands. work: [6][n].
+ */
 static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *held, int axis, double *work, sp_probed *out,
                              sp_error *err) {
     const sp_network *net = e->net;
     const int64_t dofs = sp_network_dofs(net);
     const double height = net->box[net->dim - 1], noise = sp_strain_noise(net);
-    double *f = work, *u = work + dofs, *rest = work + 2 * dofs, *size = work + 3 * dofs, residual, rounding, off = 0;
+    double *f = work, *u = work + dofs, *rest = work + 2 * dofs, *size = work + 3 * dofs, *weight = work + 4 * dofs;
+    double residual, rounding, off = 0;
     memset(f, 0, 2 * (size_t)dofs * sizeof *f);
     for (int32_t i = 0; i < net->n; i++)
         if (held[i])
@@ -216,11 +257,14 @@ static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *held, int 
         return sp_fail(err, SP_EREFUSED, "probe lines:%d: residual %.3g of the solve, must be below 1e-8", n,
                        residual / load);
     const double energy = 0.5 * sp_network_energy2_bound(net, u, &rounding);
+    status = find_line_weights(e, u, work + 5 * dofs, weight, err);
+    if (status != SP_OK)
+        return status;
     sp_equilibrium_rest(e, f, u, rest);
     sp_strain_rounding(net, -1, u, size, NULL);
     for (int64_t c = 0; c < e->count; c++) {
         const int64_t k = e->chosen[c];
-        off += fabs(u[k]) * (fabs(rest[k]) + noise * size[k]);
+        off += fabs(weight[k]) * (fabs(rest[k]) + noise * size[k]);
     }
     /* (B3), u0 = 1 */
     const double factor = 2 * height / ((n + 1.0) * (n + 1.0) * sp_strain_area(net));
@@ -286,7 +330,7 @@ static sp_status check_probe(const sp_network *net, double phi3s, const sp_probe
 
 sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, const sp_probe *probe, sp_moduli *global,
                           sp_probed *out, sp_error *err) {
-    const size_t size = 5 * (size_t)sp_network_dofs(net);
+    const size_t size = 6 * (size_t)sp_network_dofs(net);
     sp_equilibrium e = sp_equilibrium_none();
     sp_moduli m;
     double *work = NULL;

@@ -41,11 +41,11 @@ void sp_strain_gap(const sp_network *net, int strain, const double n[3], double 
     out[f.along] = length * n[f.of];
 }
 
-static double row_gap(const sp_rows *rows, int q, const double affine_gap[3]) {
-    return rows->gap[q][0] * affine_gap[0] + rows->gap[q][1] * affine_gap[1] + rows->gap[q][2] * affine_gap[2];
-}
+static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-double sp_strain_load(const sp_network *net, int strain, double *f) {
+static double row_gap(const sp_rows *rows, int q, const double affine_gap[3]) { return dot3(rows->gap[q], affine_gap); }
+
+static double load(const sp_network *net, int strain, bool transposed, double *f) {
     double squares = 0;
     for (int64_t k = 0; k < sp_network_dofs(net); k++)
         f[k] = 0;
@@ -61,8 +61,56 @@ double sp_strain_load(const sp_network *net, int strain, double *f) {
             for (int a = 0; a < rows.width; a++)
                 f[sp_strain_place(net, s, a)] -= force * rows.b[q][a];
         }
+        sp_turns turns;
+        sp_network_turns(net, k, &turns);
+        for (int q = 0; q < turns.count; q++) {
+            const double force = dot3(transposed ? turns.left_gap[q] : turns.right_gap[q], gap);
+            for (int a = 0; a < turns.width; a++)
+                f[sp_strain_place(net, s, a)] -= force * (transposed ? turns.right[q][a] : turns.left[q][a]);
+        }
     }
     return sqrt(squares);
+}
+
+double sp_strain_load(const sp_network *net, int strain, double *f) { return load(net, strain, false, f); }
+
+void sp_strain_load_transposed(const sp_network *net, int strain, double *f) { load(net, strain, true, f); }
+
+/* What the tangential force of spring k at rest adds to the stresses times the volume. */
+static void add_turns(const sp_network *net, int32_t k, double gap[STRAINS_3D][3], int strain, const double *u,
+                      double sum[STRAINS_3D], double *wall) {
+    const sp_spring *s = &net->springs[k];
+    sp_turns turns;
+    sp_network_turns(net, k, &turns);
+    for (int q = 0; q < turns.count; q++) {
+        double stretch = dot3(turns.right_gap[q], gap[strain]);
+        for (int a = 0; a < turns.width; a++)
+            stretch += turns.right[q][a] * u[sp_strain_place(net, s, a)];
+        for (int b = 0; b < sp_strain_count(net); b++)
+            sum[b] += stretch * dot3(turns.left_gap[q], gap[b]);
+        if (s->j == SP_TOP)
+            *wall += stretch * turns.left_gap[q][net->dim - 1];
+    }
+}
+
+/* Sizes of the same, as sp_strain_rounding has them. */
+static void add_turns_sizes(const sp_network *net, int32_t k, double gap[STRAINS_3D][3], int strain, const double *u,
+                            int strains, double *size, double *sum) {
+    const sp_spring *s = &net->springs[k];
+    sp_turns turns;
+    sp_network_turns(net, k, &turns);
+    for (int q = 0; q < turns.count; q++) {
+        double stretch = 0;
+        for (int a = 0; a < 3 && strain >= 0 && strains > 0; a++)
+            stretch += fabs(turns.right_gap[q][a] * gap[strain][a]);
+        for (int a = 0; a < turns.width; a++)
+            stretch += fabs(turns.right[q][a] * u[sp_strain_place(net, s, a)]);
+        for (int a = 0; a < turns.width; a++)
+            size[sp_strain_place(net, s, a)] += fabs(turns.left[q][a]) * stretch;
+        for (int b = 0; b < strains; b++)
+            for (int a = 0; a < 3; a++)
+                sum[b] += stretch * fabs(turns.left_gap[q][a] * gap[b][a]);
+    }
 }
 
 void sp_strain_stresses(const sp_network *net, int strain, const double *u, sp_stiffness *out) {
@@ -84,6 +132,8 @@ void sp_strain_stresses(const sp_network *net, int strain, const double *u, sp_s
             if (s->j == SP_TOP)
                 wall += rows.k[q] * stretch * rows.gap[q][net->dim - 1];
         }
+        if (net->carried)
+            add_turns(net, k, gap, strain, u, sum, &wall);
     }
     for (int b = 0; b < strains; b++)
         out->c[b][strain] = sum[b] / sp_strain_volume(net);
@@ -115,5 +165,7 @@ void sp_strain_rounding(const sp_network *net, int strain, const double *u, doub
             for (int b = 0; b < strains; b++)
                 sum[b] += fabs(rows.k[q]) * stretch * along[b];
         }
+        if (net->carried)
+            add_turns_sizes(net, k, gap, strain, u, strains, size, sum);
     }
 }

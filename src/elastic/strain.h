@@ -21,6 +21,8 @@ void sp_strain_gap(const sp_network *net, int strain, const double n[3], double 
 
 /* f = -B^T k d, d the affine field's relative displacements at the contacts; returns |k d|, the scale of its terms. */
 double sp_strain_load(const sp_network *net, int strain, double *f);
+/* The same for K^T: a stress is that of the affine field alone minus f . u, V times. */
+void sp_strain_load_transposed(const sp_network *net, int strain, double *f);
 /* Stresses sum F d/V over all springs for the displacement u beside the affine one: column `strain` of out->c, and
  * out->wall. */
 void sp_strain_stresses(const sp_network *net, int strain, const double *u, sp_stiffness *out);

@@ -175,7 +175,7 @@ static sp_status equilibrate(run *r, double *residual, sp_error *err) {
     }
     for (int step = 0; step < STEPS_MAX && size > AIM * r->load; step++) {
         const double before = size, taken = unstick(r, stalled);
-        sp_status status = sp_cholesky_solve(factor->factor, 1, r->force, r->more, err);
+        sp_status status = sp_equilibrium_apply(factor, r->force, r->more, err);
         if (status != SP_OK)
             return status;
         r->out.solves++;
@@ -297,6 +297,7 @@ static sp_status open_run(run *r, sp_error *err) {
     r->springs = *r->net;
     r->springs.springs = NULL;
     r->springs.length = NULL;
+    r->springs.carried = NULL; /* for Newton's steps what K lacks of the derivative is little */
     r->springs.springs = sp_alloc((size_t)r->m.count, sizeof *r->springs.springs);
     r->springs.length = sp_alloc((size_t)r->m.count, sizeof *r->springs.length);
     r->u = sp_alloc(4 * n, sizeof *r->u);

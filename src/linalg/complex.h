@@ -1,6 +1,6 @@
 #ifndef SP_COMPLEX_H
 #define SP_COMPLEX_H
-/* Sparse complex linear systems: the only door to UMFPACK. Complex numbers are pairs (real, imaginary), one behind the
+/* Sparse complex linear systems (UMFPACK, as linalg/lu.h). Complex numbers are pairs (real, imaginary), one behind the
  * other. */
 
 #include <sonopack/status.h>

@@ -204,7 +204,9 @@ sp_status sp_damped_modes_make(const sp_network *net, double zeta, sp_source sou
     if (d.n > SP_DAMPED_MODES_MAX)
         return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom, must be at most %d for damped modes", (long long)d.n,
                        SP_DAMPED_MODES_MAX);
-    sp_status status = sp_network_damping(net, zeta, &d.dashpots, err);
+    sp_status status = sp_network_need_symmetry(net, "a table of damped modes", err);
+    if (status == SP_OK)
+        status = sp_network_damping(net, zeta, &d.dashpots, err);
     if (status == SP_OK)
         status = allocate(&d, err);
     if (status == SP_OK)

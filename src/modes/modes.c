@@ -108,7 +108,9 @@ sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_
     if (n > SP_MODES_DENSE_MAX)
         return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom: all modes by a dense solver are for %d at the most",
                        (long long)n, SP_MODES_DENSE_MAX);
-    sp_status status = dense_matrix(net, &a, err);
+    sp_status status = sp_network_need_symmetry(net, "a table of modes", err);
+    if (status == SP_OK)
+        status = dense_matrix(net, &a, err);
     if (status != SP_OK)
         goto out;
     ritz = sp_alloc((size_t)n, sizeof *ritz);

@@ -19,7 +19,7 @@ static sp_status check(const sp_network *net, const sp_modes_range *r, sp_error 
                        (long long)r->lowest, (long long)n);
     if (r->lowest == 0 && !(r->from >= 0 && r->to > r->from))
         return sp_fail(err, SP_EINVAL, "band of omega = %g .. %g, must be 0 or above, and ascending", r->from, r->to);
-    return SP_OK;
+    return sp_network_need_symmetry(net, "a table of modes", err);
 }
 
 static bool is_all(const sp_network *net, const sp_modes_range *r) {

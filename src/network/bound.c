@@ -6,6 +6,7 @@
 #include "network/rows.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { STEPS = 16, DOF_MAX = 6 };
 
@@ -23,31 +24,59 @@ static void sizes_free(sizes *m) {
     sp_free(m->next);
 }
 
-/* Adds rows' part of side a's dofs times side b's. */
-static void add_block(const sp_rows *rows, int dof, int side_a, int side_b, double *block) {
+/* Which matrix: the symmetric part of K, what of that the forces at rest add, the antisymmetric part. */
+typedef enum part { PART_SYMMETRIC = 0, PART_ADDED, PART_SKEW } part;
+
+/* A spring's matrix: rows, and the symmetric (sign 1) or antisymmetric (-1) part of turns. */
+typedef struct matrix {
+    sp_rows rows;
+    sp_turns turns;
+    double sign;
+} matrix;
+
+static void matrix_of(const sp_network *net, int32_t k, part which, matrix *out) {
+    sp_spring s = net->springs[k];
+    if (which == PART_ADDED)
+        s.kn = s.kt = 0;
+    if (which == PART_SKEW)
+        s.kn = s.kt = s.kp = 0;
+    out->sign = which == PART_SKEW ? -1 : 1;
+    sp_network_rows(net, &s, &out->rows);
+    sp_network_turns(net, k, &out->turns);
+}
+
+/* Adds the matrix's part of side a's dofs times side b's. */
+static void add_block(const matrix *m, int dof, int side_a, int side_b, double *block) {
+    const sp_rows *rows = &m->rows;
     for (int q = 0; q < rows->count; q++)
         for (int a = 0; a < dof; a++)
             for (int b = 0; b < dof; b++)
                 block[a * dof + b] += rows->k[q] * (rows->b[q][side_a * dof + a] * rows->b[q][side_b * dof + b]);
+    const sp_turns *t = &m->turns;
+    for (int q = 0; q < t->count; q++)
+        for (int a = 0; a < dof; a++)
+            for (int b = 0; b < dof; b++)
+                block[a * dof + b] += 0.5 * (t->left[q][side_a * dof + a] * t->right[q][side_b * dof + b] +
+                                             m->sign * t->right[q][side_a * dof + a] * t->left[q][side_b * dof + b]);
 }
 
 /* Two springs between the same grains are bounded by the sum of their sizes; a grain that touches itself through a
  * periodic side has all of the spring in its own block. */
-static void add_spring(const sp_network *net, int32_t k, const sizes *m) {
+static void add_spring(const sp_network *net, int32_t k, part which, const sizes *m) {
     const sp_spring *s = &net->springs[k];
     const int dof = net->dof;
     const size_t block = (size_t)dof * (size_t)dof;
-    sp_rows rows;
-    sp_network_rows(net, s, &rows);
-    add_block(&rows, dof, 0, 0, m->own + (size_t)s->i * block);
+    matrix x;
+    matrix_of(net, k, which, &x);
+    add_block(&x, dof, 0, 0, m->own + (size_t)s->i * block);
     if (s->j < 0)
         return;
-    add_block(&rows, dof, 1, 1, m->own + (size_t)s->j * block);
+    add_block(&x, dof, 1, 1, m->own + (size_t)s->j * block);
     if (s->i == s->j) {
-        add_block(&rows, dof, 0, 1, m->own + (size_t)s->i * block);
-        add_block(&rows, dof, 1, 0, m->own + (size_t)s->i * block);
+        add_block(&x, dof, 0, 1, m->own + (size_t)s->i * block);
+        add_block(&x, dof, 1, 0, m->own + (size_t)s->i * block);
     } else {
-        add_block(&rows, dof, 0, 1, m->link + (size_t)k * block);
+        add_block(&x, dof, 0, 1, m->link + (size_t)k * block);
     }
 }
 
@@ -88,9 +117,9 @@ static void apply(const sp_network *net, const sizes *m) {
     }
 }
 
-/* Perron and Frobenius: the spectral radius of A = M^-1/2 K M^-1/2 is at most that of |A|, which is at most
- * max (|A| v)_i / v_i for every v > 0 (Collatz and Wielandt). Here with v = M^1/2 w, w improved by power steps, the
- * smallest of their maxima taken. */
+/* Perron and Frobenius: the spectral radius of A = M^-1/2 K M^-1/2, here K or a part of it whose sizes are symmetric,
+ * is at most that of |A|, which is at most max (|A| v)_i / v_i for every v > 0 (Collatz and Wielandt). Here with v =
+ * M^1/2 w, w improved by power steps, the smallest of their maxima taken. */
 static double collatz_wielandt(const sp_network *net, const sizes *m) {
     const int64_t n = sp_network_dofs(net);
     double best = HUGE_VAL;
@@ -103,6 +132,8 @@ static double collatz_wielandt(const sp_network *net, const sizes *m) {
             m->next[k] /= net->mass[k];
             largest = fmax(largest, m->next[k] / m->w[k]);
         }
+        if (largest == 0)
+            return 0;
         best = fmin(best, largest);
         for (int64_t k = 0; k < n; k++) /* the old part keeps every entry positive */
             m->w[k] = m->next[k] / largest + 0.05 * m->w[k];
@@ -110,7 +141,21 @@ static double collatz_wielandt(const sp_network *net, const sizes *m) {
     return best;
 }
 
-sp_status sp_network_find_bound(const sp_network *net, double *omega, sp_error *err) {
+/* An upper bound of the size of the eigenvalues of a part of M^-1/2 K M^-1/2. */
+static double bound_of(const sp_network *net, part which, const sizes *m) {
+    const size_t dof = (size_t)net->dof, n = (size_t)net->n, links = (size_t)net->n_bulk;
+    memset(m->own, 0, n * dof * dof * sizeof *m->own);
+    memset(m->link, 0, links * dof * dof * sizeof *m->link);
+    for (int32_t k = 0; k < net->n_springs; k++)
+        add_spring(net, k, which, m);
+    for (size_t k = 0; k < n * dof * dof; k++)
+        m->own[k] = fabs(m->own[k]);
+    for (size_t k = 0; k < links * dof * dof; k++)
+        m->link[k] = fabs(m->link[k]);
+    return collatz_wielandt(net, m);
+}
+
+sp_status sp_network_find_bounds(sp_network *net, sp_error *err) {
     const size_t dof = (size_t)net->dof, n = (size_t)net->n, links = (size_t)net->n_bulk;
     sizes m = {.dof = net->dof};
     sp_status status = SP_OK;
@@ -122,14 +167,10 @@ sp_status sp_network_find_bound(const sp_network *net, double *omega, sp_error *
         status = sp_fail_memory(err, ((n + links) * dof + 2 * n) * dof * sizeof(double));
         goto out;
     }
-    for (int32_t k = 0; k < net->n_springs; k++)
-        add_spring(net, k, &m);
-    for (size_t k = 0; k < n * dof * dof; k++)
-        m.own[k] = fabs(m.own[k]);
-    for (size_t k = 0; k < links * dof * dof; k++)
-        m.link[k] = fabs(m.link[k]);
     /* room for the rounding of sums of some tens of terms */
-    *omega = sqrt(collatz_wielandt(net, &m)) * (1 + 1e-13);
+    net->omega_bound = sqrt(bound_of(net, PART_SYMMETRIC, &m)) * (1 + 1e-13);
+    net->soft = net->prestress ? bound_of(net, PART_ADDED, &m) * (1 + 1e-13) : 0;
+    net->skew = net->carried ? bound_of(net, PART_SKEW, &m) * (1 + 1e-13) : 0;
 out:
     sizes_free(&m);
     return status;

@@ -3,7 +3,7 @@
 
 #include <sonopack/network.h>
 
-/* An upper bound of the largest eigenfrequency. */
-sp_status sp_network_find_bound(const sp_network *net, double *omega, sp_error *err);
+/* Puts in the bounds: of the largest eigenfrequency, of the antisymmetric part, of how far prestress softens. */
+sp_status sp_network_find_bounds(sp_network *net, sp_error *err);
 
 #endif

@@ -23,6 +23,7 @@ sp_status sp_network_damping(const sp_network *net, double zeta, sp_network *out
     c.r = copy(net->r, n, sizeof *c.r);
     c.springs = copy(net->springs, springs, sizeof *c.springs);
     c.length = copy(net->length, springs, sizeof *c.length);
+    c.carried = NULL;
     sp_status status = SP_OK;
     if (!c.grain || !c.mass || !c.x || !c.r || !c.springs || !c.length)
         status = sp_fail_memory(err, n * (size_t)(net->dof + 5) * sizeof(double) + springs * sizeof *c.springs);
@@ -37,7 +38,7 @@ sp_status sp_network_damping(const sp_network *net, double zeta, sp_network *out
     }
     c.prestress = false;
     if (status == SP_OK)
-        status = sp_network_find_bound(&c, &c.omega_bound, err);
+        status = sp_network_find_bounds(&c, err);
     if (status == SP_OK)
         *out = c;
     else

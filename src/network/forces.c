@@ -107,21 +107,34 @@ static void wide_chunk(const sp_operator *op, int32_t c, int32_t first, const do
 static ALWAYS_INLINE void springs_body(shape s, const sp_operator *op, int32_t chunk, ptrdiff_t first,
                                        const double *restrict u, double *restrict force) {
     const ptrdiff_t stride = op->row;
+    const sp_carried *two = s.carried ? op->two_carried + op->two[chunk] : NULL;
+    const sp_carried *one = s.carried ? op->one_carried + op->one[chunk] : NULL;
     for (const sp_spring *c = op->two_springs + op->two[chunk]; c < op->two_springs + op->two[chunk + 1]; c++)
-        add_spring(s, c, u + c->i * stride, u + c->j * stride, force + (c->i - first) * stride,
-                   force + (c->j - first) * stride);
+        add_spring(s, c, s.carried ? two++ : NULL, u + c->i * stride, u + c->j * stride,
+                   force + (c->i - first) * stride, force + (c->j - first) * stride);
     for (const sp_spring *c = op->one_springs + op->one[chunk]; c < op->one_springs + op->one[chunk + 1]; c++)
-        add_spring(s, c, u + c->i * stride, u + c->j * stride, force + (c->i - first) * stride, NULL);
+        add_spring(s, c, s.carried ? one++ : NULL, u + c->i * stride, u + c->j * stride,
+                   force + (c->i - first) * stride, NULL);
+}
+
+static void carried_chunk(const sp_operator *op, int32_t chunk, ptrdiff_t first, const double *restrict u,
+                          double *restrict force) {
+    if (op->dim == 2)
+        op->transposed ? springs_body((shape){2, 1, 2, true, true, true}, op, chunk, first, u, force)
+                       : springs_body((shape){2, 1, 2, true, true, false}, op, chunk, first, u, force);
+    else
+        op->transposed ? springs_body((shape){3, 3, 2, true, true, true}, op, chunk, first, u, force)
+                       : springs_body((shape){3, 3, 2, true, true, false}, op, chunk, first, u, force);
 }
 
 static ALWAYS_INLINE void springs_chunk(bool prestress, const sp_operator *op, int32_t chunk, ptrdiff_t first,
                                         const double *restrict u, double *restrict force) {
     switch (10 * op->dim + op->dof) {
-    case 11: springs_body((shape){1, 0, 2, false}, op, chunk, first, u, force); break;
-    case 22: springs_body((shape){2, 0, 2, prestress}, op, chunk, first, u, force); break;
-    case 23: springs_body((shape){2, 1, 2, prestress}, op, chunk, first, u, force); break;
-    case 33: springs_body((shape){3, 0, 2, prestress}, op, chunk, first, u, force); break;
-    case 36: springs_body((shape){3, 3, 2, prestress}, op, chunk, first, u, force); break;
+    case 11: springs_body((shape){1, 0, 2, false, false, false}, op, chunk, first, u, force); break;
+    case 22: springs_body((shape){2, 0, 2, prestress, false, false}, op, chunk, first, u, force); break;
+    case 23: springs_body((shape){2, 1, 2, prestress, false, false}, op, chunk, first, u, force); break;
+    case 33: springs_body((shape){3, 0, 2, prestress, false, false}, op, chunk, first, u, force); break;
+    case 36: springs_body((shape){3, 3, 2, prestress, false, false}, op, chunk, first, u, force); break;
     default: break;
     }
 }
@@ -134,6 +147,8 @@ void sp_operator_force(const sp_operator *op, int32_t block, int32_t chunk, cons
     } else if (op->quad) {
         quad_springs(op->two_quads + op->two[chunk], op->two[chunk + 1] - op->two[chunk], true, first, u, force);
         quad_springs(op->one_quads + op->one[chunk], op->one[chunk + 1] - op->one[chunk], false, first, u, force);
+    } else if (op->two_carried) {
+        carried_chunk(op, chunk, first, u, force);
     } else if (op->prestress) {
         springs_chunk(true, op, chunk, first, u, force);
     } else {

@@ -14,6 +14,21 @@ int64_t sp_network_dofs(const sp_network *net) { return (int64_t)net->n * net->d
 
 double sp_network_omega_bound(const sp_network *net) { return net->omega_bound; }
 
+double sp_network_skew(const sp_network *net) { return net->skew; }
+
+double sp_network_soft(const sp_network *net) { return net->soft; }
+
+sp_status sp_network_need_symmetry(const sp_network *net, const char *what, sp_error *err) {
+    if (!net->carried)
+        return SP_OK;
+    return sp_fail(
+        err, SP_EREFUSED,
+        "%s needs a symmetric stiffness: with prestress and friction it has an antisymmetric part (up to %.3g "
+        "in omega^2, of %.3g); leave out the prestress, or take what does without: signals by chebyshev, "
+        "moduli, the verdict of stability",
+        what, net->skew, net->omega_bound * net->omega_bound);
+}
+
 void sp_network_free(sp_network *net) {
     sp_free(net->grain);
     sp_free(net->mass);
@@ -21,6 +36,7 @@ void sp_network_free(sp_network *net) {
     sp_free(net->r);
     sp_free(net->springs);
     sp_free(net->length);
+    sp_free(net->carried);
     *net = sp_network_none();
 }
 
@@ -109,6 +125,31 @@ static sp_status make_springs(const sp_packing *p, const sp_network_options *opt
     return status;
 }
 
+/* The tangential forces, laid across their normals: a file has them to so many digits. None is kept where all are 0. */
+static sp_status make_carried(const sp_packing *p, sp_network *net, sp_error *err) {
+    bool any = false;
+    net->carried = sp_alloc((size_t)net->n_springs, sizeof *net->carried);
+    if (!net->carried)
+        return sp_fail_memory(err, (size_t)net->n_springs * sizeof *net->carried);
+    for (int32_t k = 0; k < net->n_springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        const double *ft = p->contacts[s->contact].ft;
+        sp_carried *held = &net->carried[k];
+        held->turn = s->j < 0 ? 0 : 1 / net->length[k];
+        const double off = ft[0] * s->n[0] + ft[1] * s->n[1] + ft[2] * s->n[2];
+        for (int a = 0; a < net->dim; a++) {
+            held->ft[a] = ft[a] - off * s->n[a];
+            any = any || held->ft[a] != 0;
+        }
+    }
+    if (!any) {
+        sp_free(net->carried);
+        net->carried = NULL;
+    }
+    net->prestress = net->prestress || any;
+    return SP_OK;
+}
+
 static int degrees_of_freedom(const sp_packing *p) {
     if (p->dim == 1 || !(p->friction > 0))
         return p->dim;
@@ -148,8 +189,10 @@ sp_status sp_network_make(const sp_packing *p, const sp_network_options *opt, sp
     status = make_grains(p, rattler, row, &net, err);
     if (status == SP_OK)
         status = make_springs(p, opt, carrying, row, &net, err);
+    if (status == SP_OK && opt->prestress && net.dof > net.dim)
+        status = make_carried(p, &net, err);
     if (status == SP_OK)
-        status = sp_network_find_bound(&net, &net.omega_bound, err);
+        status = sp_network_find_bounds(&net, err);
 out:
     sp_free(row);
     sp_free(carrying);

@@ -23,6 +23,8 @@ void sp_operator_free(sp_operator *op) {
     sp_free(op->one_quads);
     sp_free(op->two_springs);
     sp_free(op->one_springs);
+    sp_free(op->two_carried);
+    sp_free(op->one_carried);
     sp_free(op->beside_first);
     sp_free(op->beside);
     *op = (sp_operator){0};
@@ -30,7 +32,7 @@ void sp_operator_free(sp_operator *op) {
 
 /* Whether four springs at once will do: two translations of one mass and one rotation a grain, levers its radius. */
 static bool fits_quads(const sp_network *net) {
-    if (net->dim != 2 || net->dof != 3 || net->prestress)
+    if (net->dim != 2 || net->dof != 3 || net->prestress || net->carried)
         return false;
     for (int32_t k = 0; k < net->n; k++)
         if (!(net->r[k] > 0) || net->mass[3 * (int64_t)k] != net->mass[3 * (int64_t)k + 1])
@@ -190,6 +192,13 @@ static void number_springs(const sp_operator *op, int64_t unit, int64_t *rows, i
     first[chunks] = at / unit;
 }
 
+/* At least one of each, so that the pointers tell. */
+static sp_status allocate_carried(sp_operator *op, size_t two, size_t one, sp_error *err) {
+    op->two_carried = sp_alloc(two + 1, sizeof *op->two_carried);
+    op->one_carried = sp_alloc(one + 1, sizeof *op->one_carried);
+    return op->two_carried && op->one_carried ? SP_OK : sp_fail_memory(err, (two + one) * sizeof(sp_carried));
+}
+
 static sp_status allocate_springs(sp_operator *op, dealing *d, sp_error *err) {
     const int64_t unit = op->quad ? 4 : 1;
     const size_t chunks = (size_t)op->chunk[op->blocks];
@@ -207,7 +216,9 @@ static sp_status allocate_springs(sp_operator *op, dealing *d, sp_error *err) {
     }
     op->two_springs = sp_alloc(two, sizeof *op->two_springs);
     op->one_springs = sp_alloc(one, sizeof *op->one_springs);
-    return op->two_springs && op->one_springs ? SP_OK : sp_fail_memory(err, (two + one) * sizeof(sp_spring));
+    if (!op->two_springs || !op->one_springs)
+        return sp_fail_memory(err, (two + one) * sizeof(sp_spring));
+    return d->net->carried ? allocate_carried(op, two, one, err) : SP_OK;
 }
 
 /* What fills up a chunk's last quad: springs of no stiffness. */
@@ -227,7 +238,8 @@ static void fill_up(const sp_operator *op) {
 }
 
 /* Spring s as row i sees it: j is row's other end, or n for a wall. */
-static void put(const sp_operator *op, const sp_spring *s, int32_t i, int32_t j, bool turned, bool both, int64_t at) {
+static void put(const sp_operator *op, const sp_spring *s, const sp_carried *held, int32_t i, int32_t j, bool turned,
+                bool both, int64_t at) {
     const double sign = turned ? -1 : 1;
     if (op->quad) {
         sp_quad *q = (both ? op->two_quads : op->one_quads) + at / 4;
@@ -247,6 +259,12 @@ static void put(const sp_operator *op, const sp_spring *s, int32_t i, int32_t j,
         t->n[a] = sign * s->n[a];
     t->ri = turned ? s->rj : s->ri;
     t->rj = turned ? s->ri : s->rj;
+    if (!held)
+        return;
+    sp_carried *h = (both ? op->two_carried : op->one_carried) + at;
+    h->turn = held->turn;
+    for (int a = 0; a < 3; a++) /* as the force on its own i */
+        h->ft[a] = sign * held->ft[a];
 }
 
 static void deal_springs(const sp_operator *op, dealing *d) {
@@ -254,15 +272,16 @@ static void deal_springs(const sp_operator *op, dealing *d) {
         fill_up(op);
     for (int32_t k = 0; k < d->net->n_springs; k++) {
         const sp_spring *s = &d->net->springs[k];
+        const sp_carried *held = d->net->carried ? &d->net->carried[k] : NULL;
         const int32_t i = op->row_of[s->i], j = s->j < 0 ? op->n : op->row_of[s->j];
         if (j < op->n && d->block[i] == d->block[j]) {
             const bool turned = j < i;
-            put(op, s, turned ? j : i, turned ? i : j, turned, true, d->two[turned ? j : i]++);
+            put(op, s, held, turned ? j : i, turned ? i : j, turned, true, d->two[turned ? j : i]++);
             continue;
         }
-        put(op, s, i, j, false, false, d->one[i]++);
+        put(op, s, held, i, j, false, false, d->one[i]++);
         if (j < op->n)
-            put(op, s, j, i, true, false, d->one[j]++);
+            put(op, s, held, j, i, true, false, d->one[j]++);
     }
 }
 

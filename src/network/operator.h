@@ -36,7 +36,9 @@ typedef struct sp_operator {
                            block; in another block or a wall */
     sp_quad *two_quads, *one_quads;
     sp_spring *two_springs, *one_springs;
-    int32_t *beside_first, *beside; /* [blocks + 1], and of each block those that it has springs to */
+    sp_carried *two_carried, *one_carried; /* of those springs, NULL where K is symmetric */
+    bool transposed;                       /* forces are those of K^T; the caller's choice, false */
+    int32_t *beside_first, *beside;        /* [blocks + 1], and of each block those that it has springs to */
 } sp_operator;
 
 sp_status sp_operator_make(const sp_network *net, sp_operator *out, sp_error *err);

@@ -14,9 +14,17 @@ static void clear(const sp_network *net, double *out) {
 }
 
 /* A spring's energy is 1/2 sum k (b . u + gap . w)^2, w its wall's displacement: a unit of w along the axis pushes the
- * grain with -k b gap, and a displacement u of the grain pushes the wall with the same numbers. */
-static void add_wall_spring(const sp_network *net, const sp_spring *s, int axis, double *out) {
+ * grain with -k b gap, and a displacement u of the grain pushes the wall with the same numbers. A grain that turns
+ * about the wall's normal turns the tangential force as well, which a wall that moves does not: felt at the top only,
+ * as a detector. */
+static void add_wall_spring(const sp_network *net, int32_t k, int axis, double *out) {
+    const sp_spring *s = &net->springs[k];
     sp_rows rows;
+    sp_turns turns;
+    sp_network_turns(net, k, &turns);
+    for (int q = 0; q < turns.count && s->j == SP_TOP; q++)
+        for (int a = 0; a < net->dof; a++)
+            out[(int64_t)s->i * net->dof + a] -= turns.right[q][a] * turns.left_gap[q][axis];
     sp_network_rows(net, s, &rows);
     for (int q = 0; q < rows.count; q++)
         for (int a = 0; a < net->dof; a++)
@@ -45,7 +53,7 @@ static int32_t add_wall(const sp_network *net, const sp_place *at, int32_t wall,
         const sp_spring *s = &net->springs[k];
         if (s->j != wall || !belongs(net, at, s) || (at->shear && s->kt == 0))
             continue;
-        add_wall_spring(net, s, axis_of(net, at), out);
+        add_wall_spring(net, k, axis_of(net, at), out);
         count++;
     }
     return count;
@@ -103,13 +111,21 @@ sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp
 }
 
 /* Force on side `upper` of a spring (0: i, 1: j or j's wall). */
-static void add_force(const sp_network *net, const sp_spring *s, int upper, int axis, double *out) {
+static void add_force(const sp_network *net, int32_t k, int upper, int axis, double *out) {
+    const sp_spring *s = &net->springs[k];
     sp_rows rows;
+    sp_turns turns;
     sp_network_rows(net, s, &rows);
+    sp_network_turns(net, k, &turns);
     for (int q = 0; q < rows.count; q++) {
         const double push = upper == 0 ? rows.b[q][axis] : rows.gap[q][axis];
         for (int a = 0; a < rows.width; a++)
             out[(int64_t)(a < net->dof ? s->i : s->j) * net->dof + a % net->dof] -= rows.k[q] * rows.b[q][a] * push;
+    }
+    for (int q = 0; q < turns.count; q++) {
+        const double push = upper == 0 ? turns.left[q][axis] : turns.left_gap[q][axis];
+        for (int a = 0; a < turns.width; a++)
+            out[(int64_t)(a < net->dof ? s->i : s->j) * net->dof + a % net->dof] -= turns.right[q][a] * push;
     }
 }
 
@@ -126,7 +142,7 @@ static int32_t add_plane(const sp_network *net, const sp_place *at, double *out)
         const bool above = height_of(net, s->i) > at->height;
         if (above == (height_of(net, s->j) > at->height))
             continue;
-        add_force(net, s, above ? 0 : 1, axis_of(net, at), out);
+        add_force(net, k, above ? 0 : 1, axis_of(net, at), out);
         count++;
     }
     return count;
@@ -151,7 +167,7 @@ sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, doub
         return nothing_there(at, "top", "detected", err);
     for (int32_t k = 0; k < net->n_springs; k++)
         if (net->springs[k].i == row || net->springs[k].j == row)
-            add_force(net, &net->springs[k], net->springs[k].i == row ? 0 : 1, axis_of(net, at), out);
+            add_force(net, k, net->springs[k].i == row ? 0 : 1, axis_of(net, at), out);
     return SP_OK;
 }
 

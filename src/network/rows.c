@@ -48,3 +48,66 @@ void sp_network_rows(const sp_network *net, const sp_spring *s, sp_rows *rows) {
         add_row(net, s, tangent, s->kp, false, rows);
     }
 }
+
+/* along . (u_j - u_i) */
+static void translate(const sp_network *net, const sp_spring *s, const double along[3], double *row, double *gap) {
+    for (int a = 0; a < net->dim; a++) {
+        row[a] -= along[a];
+        gap[a] += along[a];
+        if (s->j >= 0)
+            row[net->dof + a] += along[a];
+    }
+}
+
+/* along . (arm_i theta_i + arm_j theta_j) in space */
+static void rotate(const sp_network *net, const sp_spring *s, const double along[3], double arm_i, double arm_j,
+                   double *row) {
+    for (int a = 0; a < 3; a++) {
+        row[net->dim + a] += arm_i * along[a];
+        if (s->j >= 0)
+            row[net->dof + net->dim + a] += arm_j * along[a];
+    }
+}
+
+/* The formulas of network/spring.h as rows: forces along the left ones grow with displacements along the right ones. */
+static void turns_3d(const sp_network *net, const sp_spring *s, const sp_carried *held, sp_turns *t) {
+    const double *n = s->n, *f = held->ft;
+    double half[3], down[3], tilt[3], side[3];
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, g = (a + 2) % 3;
+        const double across = n[b] * f[g] - n[g] * f[b]; /* n x F */
+        half[a] = 0.5 * across;
+        tilt[a] = -held->turn * f[a];
+        side[a] = held->turn * across;
+        down[a] = 0.5 * f[a];
+    }
+    translate(net, s, half, t->left[0], t->left_gap[0]);
+    rotate(net, s, down, s->ri, s->rj, t->left[0]);
+    rotate(net, s, n, 1, 1, t->right[0]);
+    t->count = 1;
+    if (held->turn == 0)
+        return;
+    translate(net, s, n, t->left[1], t->left_gap[1]);
+    translate(net, s, tilt, t->right[1], t->right_gap[1]);
+    rotate(net, s, n, s->ri, s->rj, t->left[2]);
+    translate(net, s, side, t->right[2], t->right_gap[2]);
+    t->count = 3;
+}
+
+void sp_network_turns(const sp_network *net, int32_t k, sp_turns *t) {
+    memset(t, 0, sizeof *t);
+    if (!net->carried)
+        return;
+    const sp_spring *s = &net->springs[k];
+    const sp_carried *held = &net->carried[k];
+    t->width = s->j >= 0 ? 2 * net->dof : net->dof;
+    if (net->dim == 3) {
+        turns_3d(net, s, held, t);
+    } else if (held->turn > 0) {
+        const double tilt = -held->turn * (held->ft[1] * s->n[0] - held->ft[0] * s->n[1]);
+        const double tangent[3] = {-tilt * s->n[1], tilt * s->n[0], 0};
+        translate(net, s, s->n, t->left[0], t->left_gap[0]);
+        translate(net, s, tangent, t->right[0], t->right_gap[0]);
+        t->count = 1;
+    }
+}

@@ -17,4 +17,17 @@ typedef struct sp_rows {
 
 void sp_network_rows(const sp_network *net, const sp_spring *spring, sp_rows *rows);
 
+enum { SP_TURNS_MAX = 3 };
+
+/* What a spring's tangential force at rest adds to K: the sum of left right^T. gaps as above: of a displacement of j's
+ * side alone, as a translation, in the place of the row. */
+typedef struct sp_turns {
+    int count, width;
+    double left[SP_TURNS_MAX][SP_ROW_DOFS], right[SP_TURNS_MAX][SP_ROW_DOFS];
+    double left_gap[SP_TURNS_MAX][SP_ROW_DOFS / 4], right_gap[SP_TURNS_MAX][SP_ROW_DOFS / 4];
+} sp_turns;
+
+/* Of spring k; count = 0 where K is symmetric. */
+void sp_network_turns(const sp_network *net, int32_t k, sp_turns *turns);
+
 #endif

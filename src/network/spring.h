@@ -14,6 +14,7 @@ typedef pair pair_memory __attribute__((may_alias));
 typedef struct shape {
     int dim, rotations, lanes;
     bool prestress;
+    bool carried, transposed; /* forces along the contact turn with it; K^T */
 } shape;
 
 static ALWAYS_INLINE pair load(shape s, const double *p) {
@@ -62,9 +63,73 @@ static ALWAYS_INLINE stretch stretch_of(shape s, const sp_spring *c, const doubl
     return e;
 }
 
-/* Adds the gradient of the spring's energy. */
-static ALWAYS_INLINE void add_spring(shape s, const sp_spring *c, const double *ui, const double *uj, double *oi,
-                                     double *oj) {
+static ALWAYS_INLINE void cross3(const double a[3], const pair b[3], pair out[3]) {
+    for (int k = 0; k < 3; k++)
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+static ALWAYS_INLINE pair dot3(const double a[3], const pair b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* What the tangential force F of a plane's contact adds: as the normal n turns towards t, F t turns towards -n. */
+static ALWAYS_INLINE void add_carried_2d(shape s, const sp_spring *c, const sp_carried *held, const stretch *e,
+                                         double *oi, double *oj) {
+    const double tilt = held->turn * (held->ft[1] * c->n[0] - held->ft[0] * c->n[1]);
+    const double x = s.transposed ? -c->n[1] : c->n[0], y = s.transposed ? c->n[0] : c->n[1];
+    const pair force = -tilt * (s.transposed ? e->normal : e->transverse[0]);
+    add(s, oi, -force * x);
+    add(s, oi + s.lanes, -force * y);
+    if (oj) {
+        add(s, oj, force * x);
+        add(s, oj + s.lanes, force * y);
+    }
+}
+
+/* In space, with the pair's rotation w = (theta_i + theta_j) . n, the transverse displacement e, and the turning of the
+ * normal e/r:
+ *   dF = 1/2 w n x F - (F . e)/r n,    d(n x F) = -1/2 w F + (e x F)/r,
+ * the latter with the lever arms; transposed it is what displacements along dF and rotations of arms T along d(n x F)
+ * give back. */
+static ALWAYS_INLINE void add_carried_3d(shape s, const sp_spring *c, const sp_carried *held, const stretch *e,
+                                         const double *ui, const double *uj, double *oi, double *oj) {
+    const double *n = c->n, *f = held->ft;
+    const double side[3] = {n[1] * f[2] - n[2] * f[1], n[2] * f[0] - n[0] * f[2], n[0] * f[1] - n[1] * f[0]};
+    pair spin[3], arm[3], force[3], turn[3];
+    for (int a = 0; a < 3; a++) {
+        const pair one = load(s, ui + (3 + a) * s.lanes);
+        const pair two = uj ? load(s, uj + (3 + a) * s.lanes) : (pair){0, 0};
+        spin[a] = one + two;
+        arm[a] = c->ri * one + c->rj * two;
+    }
+    if (s.transposed) {
+        pair tilted[3];
+        cross3(f, arm, tilted);
+        const pair off = dot3(n, tilted), back = 0.5 * (dot3(side, e->transverse) + dot3(f, arm));
+        for (int a = 0; a < 3; a++) {
+            force[a] = -held->turn * (f[a] * e->normal + tilted[a] - off * n[a]);
+            turn[a] = back * n[a];
+        }
+    } else {
+        const pair half = 0.5 * dot3(n, spin), tilt = held->turn * dot3(f, e->transverse);
+        cross3(f, e->transverse, turn);
+        for (int a = 0; a < 3; a++) {
+            force[a] = half * side[a] - tilt * n[a];
+            turn[a] = half * f[a] + held->turn * turn[a]; /* -d(n x F) */
+        }
+    }
+    for (int a = 0; a < 3; a++) {
+        add(s, oi + a * s.lanes, -force[a]);
+        add(s, oi + (3 + a) * s.lanes, (s.transposed ? 1 : c->ri) * turn[a]);
+        if (oj) {
+            add(s, oj + a * s.lanes, force[a]);
+            add(s, oj + (3 + a) * s.lanes, (s.transposed ? 1 : c->rj) * turn[a]);
+        }
+    }
+}
+
+/* Adds minus the forces on both grains: the gradient of the spring's energy, and what the force at rest adds. held:
+ * NULL but for s.carried. */
+static ALWAYS_INLINE void add_spring(shape s, const sp_spring *c, const sp_carried *held, const double *ui,
+                                     const double *uj, double *oi, double *oj) {
     const stretch e = stretch_of(s, c, ui, uj);
     const pair along = c->kn * e.normal;
     pair f[3], q[3] = {{0, 0}, {0, 0}, {0, 0}}, side[3];
@@ -96,6 +161,10 @@ static ALWAYS_INLINE void add_spring(shape s, const sp_spring *c, const double *
         if (oj)
             add(s, oj + at, c->rj * torque);
     }
+    if (s.carried && s.dim == 2)
+        add_carried_2d(s, c, held, &e, oi, oj);
+    else if (s.carried && s.dim == 3)
+        add_carried_3d(s, c, held, &e, ui, uj, oi, oj);
 }
 
 #endif

@@ -140,7 +140,7 @@ const sp_field sp_fields[] = {
     {"network", "threshold", SP_FIELD_REAL, AT(network.threshold), "p d^2", 0, 1, NULL,
      "contacts carry above this normal force"},
     {"network", "prestress", SP_FIELD_BOOL, AT(network.prestress), "", 0, 0, NULL,
-     "add the transverse stiffness -F_n/r of the prestress"},
+     "add what the forces at rest do as contacts turn"},
     {"network", "sliding_free", SP_FIELD_BOOL, AT(network.sliding_free), "", 0, 0, NULL,
      "no tangential stiffness at contacts on the Coulomb limit"},
 

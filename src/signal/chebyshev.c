@@ -72,11 +72,12 @@ static void passes_free(passes *a) {
 
 static sp_status passes_make(const signal_job *job, double omega, int64_t terms, passes *a, sp_error *err) {
     *a = (passes){.job = job, .omega = omega, .terms = terms};
-    a->doubled = job->sources == 1 && job->detectors == 1;
+    a->doubled = job->sources == 1 && job->detectors == 1 && !job->net->carried;
     a->turned = job->detectors < job->sources;
     const int32_t carried = a->turned ? job->detectors : job->sources, seen = a->turned ? job->sources : job->detectors;
     a->n = (carried + 1) / 2;
     sp_status status = sp_operator_make(job->net, &a->op, err);
+    a->op.transposed = a->turned && job->net->carried;
     if (status == SP_OK)
         status = places_make(&a->op, &job->from, job_moves(job) ? NULL : job->net->mass, &a->from, err);
     if (status == SP_OK)
@@ -98,6 +99,7 @@ static sp_status begin_pass(passes *a, int32_t q, sp_error *err) {
                             .threads = a->job->options->threads,
                             .velocity = job_moves(a->job),
                             .doubled = a->doubled,
+                            .spread = sp_expansion_spread(a->job->net),
                             .terms = a->terms,
                             .lanes = carried->n - 2 * q < 2 ? 1 : 2,
                             .others = seen->n,
@@ -184,7 +186,7 @@ static sp_status follow_front(passes *a, sp_signal *s, sp_error *err) {
     while (status == SP_OK && known < s->n && !fronts_known(a, s, known)) {
         const int32_t more = s->n / PARTS > 8 ? s->n / PARTS : 8, end = s->n - known < more ? s->n : known + more;
         int64_t terms;
-        status = sp_expansion_terms(a->omega, s->t[end - 1], job_moves(a->job), tail, &terms, err);
+        status = sp_expansion_terms(a->job->net, s->t[end - 1], job_moves(a->job), tail, &terms, err);
         for (int32_t q = 0; q < a->n && status == SP_OK; q++) {
             pass_extend(&a->pass[q], terms);
             status = sum_pass(a, q, known, end, s, err);
@@ -205,7 +207,7 @@ sp_status sp_signal_by_chebyshev(const signal_job *job, sp_signal *s, sp_error *
     if (0.5 * s->omega_max * o->until > TERMS_MAX)
         return sp_fail(err, SP_EREFUSED, "until = %g needs %.3g matrix products, %d at the most; take the dense method",
                        o->until, 0.5 * s->omega_max * o->until, TERMS_MAX);
-    sp_status status = sp_expansion_terms(s->omega_max, o->until, job_moves(job), 1e-8 * o->tolerance, &terms, err);
+    sp_status status = sp_expansion_terms(job->net, o->until, job_moves(job), 1e-8 * o->tolerance, &terms, err);
     if (status != SP_OK)
         return status;
     status = passes_make(job, s->omega_max, terms, &all, err);

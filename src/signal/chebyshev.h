@@ -8,8 +8,20 @@
 
 #include "signal/pass.h"
 
+/* A that is not symmetric has its values (x^T A x) in a rectangle of the complex plane (sp_network_skew). On it
+ * |W_k| <= (2k+1) exp(k spread) and |T_k| <= exp(k spread), and (1 + sqrt 2) times that bounds the matrices' norms
+ * (Crouzeix and Palencia, SIAM J. Matrix Anal. Appl. 38, 649, 2017). The spread; 0 where A is symmetric. */
+double sp_expansion_spread(const sp_network *net);
+
 /* Number of terms whose tail is at most `tail`, in units of 2 |a| |b|/Omega (or 2 |a| |b|), for times up to `until`. */
-sp_status sp_expansion_terms(double omega, double until, bool velocity, double tail, int64_t *terms, sp_error *err);
+sp_status sp_expansion_terms(const sp_network *net, double until, bool velocity, double tail, int64_t *terms,
+                             sp_error *err);
+/* A bound of the sum over k >= first of |J_(2k+1)(x) W_k| or |J_2k(x) T_k| with that spread, above 0. */
+double sp_expansion_tail(double x, bool velocity, double spread, int64_t first);
+
+/* A symmetric A whose motion grows is unstable: |W_k a| <= (2k+1)|a| as long as it does not, but for rounding. Without
+ * symmetry motion may grow for a while. This factor is allowed. */
+double sp_expansion_growth(double spread);
 
 /* F of all columns of a pass at n ascending times, f[column * stride + l], and bounds of their errors: the tail and
  * rounding. */

@@ -56,7 +56,7 @@ static double sparse_cost(const load *l) {
 
 double signal_cost(sp_signal_method method, const sp_network *net, const sp_signal_options *o) {
     const load l = load_of(net, o);
-    if (o->damping > 0 || o->front)
+    if (o->damping > 0 || o->front || net->carried)
         return method == (o->damping > 0 ? SP_SIGNAL_FABER : SP_SIGNAL_CHEBYSHEV) ? 1 : HUGE_VAL;
     switch (method) {
     case SP_SIGNAL_CHEBYSHEV: return chebyshev_cost(&l);

@@ -28,9 +28,66 @@ static sp_status bessel_terms(double x, bool velocity, int64_t *n, double **j, s
     return SP_OK;
 }
 
-sp_status sp_expansion_terms(double omega, double until, bool velocity, double tail, int64_t *terms, sp_error *err) {
+/* With lambda = Omega^2 sin^2(theta) and X = cos(2 theta), |W_k| = |sin((2k+1) theta)/sin(theta)| is at most (2k+1)
+ * exp(2k |Im theta|). cosh(2 Im theta) = (|X + 1| + |X - 1|)/2 is convex in X, so that its largest value is at a corner
+ * of the rectangle: at that beyond lambda = 0, or at that at Omega^2. */
+double sp_expansion_spread(const sp_network *net) {
+    const double square = sp_network_omega_bound(net) * sp_network_omega_bound(net);
+    if (!net->carried || !(square > 0))
+        return 0;
+    const double down = sp_network_soft(net) / square, side = sp_network_skew(net) / square;
+    return acosh(fmax(hypot(1 + down, side) + hypot(down, side), hypot(1, side) + side));
+}
+
+double sp_expansion_growth(double spread) { return spread > 0 ? 10 : 1.0001; }
+
+/* Logarithm of a bound of |J_m(x)|: Kapteyn's inequality [DLMF 10.14.8]. */
+static double log_bessel(double m, double x) {
+    if (m <= x || m == 0)
+        return 0;
+    const double z = x / m, root = sqrt(1 - z * z);
+    return z > 0 ? m * (log(z) + root - log1p(root)) : -HUGE_VAL;
+}
+
+double sp_expansion_tail(double x, bool velocity, double spread, int64_t first) {
+    const double factor = 1 + sqrt(2.0);
+    double sum = 0, before = HUGE_VAL;
+    /* from where each term is less than half of the one before the rest is less than the last one */
+    for (int64_t k = first;; k++) {
+        const double term = weight(velocity, k) * exp((double)k * spread + log_bessel(2 * (double)k + velocity, x));
+        sum += term;
+        if (!isfinite(sum) || (term <= 0.5 * before && 2 * (double)k > x && term <= 1e-3 * sum))
+            return factor * (sum + term);
+        before = term;
+    }
+}
+
+/* The first k with a small enough tail, by doubling steps and halving them again. */
+static int64_t terms_of_spread(double x, bool velocity, double spread, double tail) {
+    int64_t low = 0, high = 8 + (int64_t)(0.5 * x);
+    while (!(sp_expansion_tail(x, velocity, spread, high) <= tail)) {
+        low = high;
+        high += high / 4 + 8;
+    }
+    while (high - low > 1) {
+        const int64_t middle = low + (high - low) / 2;
+        if (sp_expansion_tail(x, velocity, spread, middle) <= tail)
+            high = middle;
+        else
+            low = middle;
+    }
+    return high;
+}
+
+sp_status sp_expansion_terms(const sp_network *net, double until, bool velocity, double tail, int64_t *terms,
+                             sp_error *err) {
+    const double omega = sp_network_omega_bound(net), spread = sp_expansion_spread(net);
     double *j = NULL, sum = 0;
     int64_t n = 0;
+    if (spread > 0) {
+        *terms = terms_of_spread(omega * until, velocity, spread, tail);
+        return SP_OK;
+    }
     sp_status status = bessel_terms(omega * until, velocity, &n, &j, err);
     if (status != SP_OK)
         return status;
@@ -66,14 +123,21 @@ static sp_status find_errors(const pass *p, double omega, double last, double *e
     sp_status status = bessel_terms(x, p->velocity, &terms, &j, err);
     if (status != SP_OK)
         return status;
-    for (int64_t k = p->n; k < terms; k++)
+    for (int64_t k = p->n; k < terms && !(p->spread > 0); k++)
         tail += weight(p->velocity, k) * fabs(j[k]);
-    tail += 2 * weight(p->velocity, terms) * fabs(j[terms - 1]); /* those left out as negligible */
+    if (p->spread > 0)
+        tail = sp_expansion_tail(x, p->velocity, p->spread, p->n);
+    else
+        tail += 2 * weight(p->velocity, terms) * fabs(j[terms - 1]); /* those left out as negligible */
     for (int64_t k = 0; k < terms && k < p->n; k++)
         sum += fabs(j[k]);
     tail += sum * recurrence_dropped(&p->r, p->n);
-    for (int64_t c = 0; c < p->columns; c++)
-        errors[c] = scale * (p->reach[c] * tail + rounding(p, c, x, terms, j));
+    for (int64_t c = 0; c < p->columns; c++) {
+        double low = 0; /* moments of orders that count as 0, those of a spread being no smaller than others */
+        for (int64_t k = terms; k < p->n && p->spread > 0; k++)
+            low += 1e-20 * fabs(p->mu[k * p->columns + c]);
+        errors[c] = scale * (p->reach[c] * tail + low + rounding(p, c, x, terms, j));
+    }
     sp_free(j);
     return SP_OK;
 }

@@ -79,7 +79,8 @@ static sp_status make_source(field *f, sp_error *err) {
 /* Bessel functions of all times; what lies beyond the terms is the tail. */
 static sp_status make_weights(field *f, double until, sp_error *err) {
     const size_t times = (size_t)f->spec->times;
-    sp_status status = sp_expansion_terms(f->omega, until, f->velocity, TAIL, &f->terms, err);
+    const double spread = sp_expansion_spread(f->net);
+    sp_status status = sp_expansion_terms(f->net, until, f->velocity, TAIL, &f->terms, err);
     if (status != SP_OK)
         return status;
     const int64_t orders = sp_bessel_orders(f->omega * until);
@@ -99,9 +100,11 @@ static sp_status make_weights(field *f, double until, sp_error *err) {
             const double value = all[2 * k + f->velocity];
             if (k < f->terms)
                 j[k] = k == 0 && !f->velocity ? 0.5 * value : value;
-            else
+            else if (!(spread > 0))
                 f->tail[l] += (f->velocity ? 2 * (double)k + 1 : 1) * fabs(value);
         }
+        if (spread > 0)
+            f->tail[l] = sp_expansion_tail(f->omega * f->spec->t[l], f->velocity, spread, f->terms);
         f->tail[l] += 1e-19; /* of orders that count as 0 */
     }
     sp_free(all);
@@ -144,9 +147,10 @@ static void add_term(field *f, int64_t k, double squares) {
 
 /* |W_k a| <= (2 k + 1)|a| and |T_k u| <= |u|: more means a frequency that is imaginary. */
 static sp_status follow(field *f, sp_error *err) {
+    const double allowed = sp_expansion_growth(sp_expansion_spread(f->net));
     for (int64_t k = 0; k < f->terms; k++) {
         const double squares = recurrence_squares(&f->r)[0];
-        const double growth = (f->velocity ? 2 * (double)k + 1 : 1) * 1.0001 * f->norm;
+        const double growth = (f->velocity ? 2 * (double)k + 1 : 1) * allowed * f->norm;
         if (!(squares <= growth * growth))
             return sp_fail(err, SP_EREFUSED, "the motion grows without bound: the network is unstable (prestress)");
         add_term(f, k, squares);

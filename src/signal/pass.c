@@ -1,5 +1,5 @@
-#include "signal/pass.h"
 #include "base/base.h"
+#include "signal/chebyshev.h"
 
 #include <math.h>
 
@@ -36,6 +36,7 @@ sp_status pass_make(const pass_plan *plan, pass *out, sp_error *err) {
               .velocity = plan->velocity,
               .lanes = plan->doubled ? 1 : plan->lanes,
               .others = plan->others,
+              .spread = plan->spread,
               .seen = plan->seen,
               .room = plan->terms + 2};
     p.columns = (int64_t)p.lanes * p.others;
@@ -100,7 +101,7 @@ bool pass_bounded(const pass *p) {
     const pair now = recurrence_squares(&p->r);
     bool bounded = true;
     for (int lane = 0; lane < 2; lane++) {
-        const double growth = p->r.second[lane] ? (2 * (double)p->r.step + 1) * 1.0001 : 1.0001;
+        const double growth = (p->r.second[lane] ? 2 * (double)p->r.step + 1 : 1) * sp_expansion_growth(p->spread);
         bounded = bounded && now[lane] <= growth * growth * p->r.start[lane];
     }
     return bounded;

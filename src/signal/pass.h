@@ -18,6 +18,7 @@ typedef struct pass {
     double *mu, *size;      /* [room][columns]; the sum of the absolute values of a moment's terms; mu_0 of T halved */
     double *reach;          /* [columns] |a| |b| */
     double first;           /* mu_0 of a doubled pass */
+    double spread;          /* of the plan */
 } pass;
 
 typedef struct pass_plan {
@@ -26,6 +27,7 @@ typedef struct pass_plan {
     double omega;
     int threads;
     bool velocity, doubled;
+    double spread; /* sp_expansion_spread; above 0 none is met half way */
     int64_t terms; /* at the most */
     int32_t lanes, others;
     const sparse_row *carried; /* [lanes]; doubled: the source */
@@ -36,7 +38,7 @@ sp_status pass_make(const pass_plan *plan, pass *out, sp_error *err);
 /* n moments at least, up to the plan's number of terms. */
 void pass_extend(pass *p, int64_t n);
 void pass_free(pass *p);
-/* |T_k b| and |W_k a| stay within their bounds: no frequency is above Omega, none imaginary. */
+/* |T_k b| and |W_k a| stay within what is allowed: no frequency is above Omega, none imaginary. */
 bool pass_bounded(const pass *p);
 
 #endif

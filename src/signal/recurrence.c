@@ -225,7 +225,8 @@ static pair block_squares(const recurrence *r, int32_t block, const double *u) {
 static uint8_t wake(const recurrence *r, int32_t block) {
     const sp_operator *op = r->op;
     const pair squares = block_squares(r, block, r->next);
-    if (squares[0] > TINY * r->start[0] || squares[1] > TINY * r->start[1] || !isfinite(squares[0] + squares[1]))
+    const double tiny = op->two_carried ? 0 : TINY; /* without symmetry what is left out might grow */
+    if (squares[0] > tiny * r->start[0] || squares[1] > tiny * r->start[1] || !isfinite(squares[0] + squares[1]))
         return 1;
     const ptrdiff_t at = (ptrdiff_t)op->first[block] * op->row;
     const size_t size = (size_t)(op->first[block + 1] - op->first[block]) * (size_t)op->row * sizeof(double);

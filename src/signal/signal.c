@@ -4,6 +4,7 @@
 #include "signal/job.h"
 
 #include <math.h>
+#include <stdio.h>
 
 static const struct {
     const char *name;
@@ -114,7 +115,14 @@ static sp_status make_by(sp_signal_method method, const sp_packing *p, const sp_
     s.omega_max = sp_network_omega_bound(net);
     s.method = method;
     *unsure = false;
-    sp_status status = job_make(net, opt, !methods[method].sparse, &job, err);
+    sp_status status = SP_OK;
+    if (method != SP_SIGNAL_CHEBYSHEV && method != SP_SIGNAL_DYNAMICS) {
+        char what[40];
+        snprintf(what, sizeof what, "method %s", methods[method].name);
+        status = sp_network_need_symmetry(net, what, err);
+    }
+    if (status == SP_OK)
+        status = job_make(net, opt, !methods[method].sparse, &job, err);
     job.packing = p;
     if (status == SP_OK)
         status = signal_allocate(opt, job.sources, job.detectors, &s, err);

@@ -207,6 +207,8 @@ sp_status sp_dispersion_make(const sp_network *net, const sp_dispersion_options 
     sp_dispersion d = sp_dispersion_none();
     scratch x = {0};
     sp_status status = check(net, opt, err);
+    if (status == SP_OK)
+        status = sp_network_need_symmetry(net, "a dispersion relation", err);
     if (status != SP_OK)
         return status;
     status = allocate(net, opt, &x, &d, err);

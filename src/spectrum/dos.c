@@ -305,6 +305,8 @@ sp_status sp_dos_make(const sp_network *net, const sp_dos_options *opt, sp_dos *
     sp_dos d = sp_dos_none();
     sp_status status = check(opt, err);
     if (status == SP_OK)
+        status = sp_network_need_symmetry(net, "a density of states", err);
+    if (status == SP_OK)
         status = allocate(net, opt, &d, err);
     if (status == SP_OK) {
         d.method = opt->method;

@@ -201,6 +201,8 @@ sp_status sp_harmonic_make(const sp_network *net, const sp_harmonic_options *opt
     sp_harmonic h = sp_harmonic_none();
     bench b = {0};
     sp_status status = check(net, opt, err);
+    if (status == SP_OK)
+        status = sp_network_need_symmetry(net, "harmonic driving", err);
     if (status != SP_OK)
         return status;
     status = make_bench(net, opt, &b, &h, err);

@@ -126,7 +126,9 @@ sp_status moments_make(const sp_network *net, int64_t n, const double *start, mo
     chain c = {0};
     if (!(n > 0 && m.omega > 0))
         return sp_fail(err, SP_EREFUSED, "%lld moments of a spectrum up to %g, must be above 0", (long long)n, m.omega);
-    sp_status status = chain_make(net, start, m.omega, &c, err);
+    sp_status status = sp_network_need_symmetry(net, "a spectrum by moments", err);
+    if (status == SP_OK)
+        status = chain_make(net, start, m.omega, &c, err);
     if (status != SP_OK)
         goto out;
     m.xx = sp_alloc((size_t)n, sizeof *m.xx);

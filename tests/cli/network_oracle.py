@@ -38,7 +38,8 @@ class Network:
         self.alive, self.centre = alive, grains[alive, :2]
         self.c, self.walls, self.ends = [], [], []  # dashpots at critical damping; bumps of the walls; grains of a row
         self.source, self.detector = np.zeros(size), np.zeros(size)
-        for i, j, nx, ny, overlap, fn, _ in carrying:
+        self.tilts = []  # tangential forces at rest, as the normal turns towards t: -ft/r n (t . (u_j - u_i))
+        for i, j, nx, ny, overlap, fn, ft in carrying:
             arm = radius[j] if j >= 0 else 0.0
             length = radius[i] + arm - overlap
             if j >= 0:  # E12 = 1/2
@@ -48,6 +49,13 @@ class Network:
             rows = [(np.array([nx, ny]), kn, False), (np.array([-ny, nx]), kn, True)]  # nu = 0: k_t = k_n
             if prestress and j >= 0:
                 rows.append((np.array([-ny, nx]), -fn / length, False))
+                normal, across = np.zeros(size), np.zeros(size)
+                for end, sign in ((i, -1), (j, 1)):
+                    normal[3 * row[end]:3 * row[end] + 2] += sign * np.array([nx, ny])
+                    across[3 * row[end]:3 * row[end] + 2] += sign * np.array([-ny, nx])
+                gap = length * np.array([nx, ny])  # affine displacements of j against i: xx, yy, and shear u_x = y
+                gaps = np.array([[gap[0], 0], [0, gap[1]], [gap[1], 0]])
+                self.tilts.append((-ft / length, normal, across, gaps @ [nx, ny], gaps @ [-ny, nx]))
             for axis, k, turns in rows:
                 b = np.zeros(size)
                 b[3 * row[i]:3 * row[i] + 2] = -axis
@@ -72,6 +80,9 @@ class Network:
         self.b, self.k, self.affine = np.array(self.b), np.array(self.k), np.array(self.affine)
         self.c, self.walls, self.ends = np.array(self.c), np.array(self.walls), np.array(self.ends)
         self.matrix = self.b.T @ (self.k[:, None] * self.b)
+        self.turned = self.matrix.copy()  # what is not symmetric
+        for tilt, normal, across, _, _ in self.tilts:
+            self.turned += tilt * np.outer(normal, across)
         root = np.sqrt(self.mass)
         self.squares, self.vectors = scipy.linalg.eigh(self.matrix / np.outer(root, root))
 
@@ -80,7 +91,29 @@ class Network:
         u = self.vectors / np.sqrt(self.mass)[:, None]
         return np.sqrt(self.k @ (self.b @ u) ** 2)
 
+    def turned_signal(self, source, t):
+        """By the eigenvectors of the matrix that is not symmetric, right and left."""
+        squares, vectors = scipy.linalg.eig(self.turned / self.mass[:, None])
+        omega = np.sqrt(squares)
+        sent = np.linalg.solve(vectors, self.source / (self.mass if source == "impulse" else 1))
+        seen = self.detector @ vectors
+        if source == "displacement":
+            return (np.cos(np.outer(t, omega)) @ (sent * seen)).real
+        return (np.sin(np.outer(t, omega)) @ (sent * seen / omega)).real
+
+    def turned_moduli(self):
+        load = self.b.T @ (self.k[:, None] * self.affine)
+        for tilt, normal, _, _, side in self.tilts:
+            load += tilt * np.outer(normal, side)
+        relaxed = np.linalg.solve(self.turned, -load)
+        stress = self.affine.T @ (self.k[:, None] * (self.b @ relaxed + self.affine))
+        for tilt, _, across, along, side in self.tilts:
+            stress += tilt * np.outer(along, side + across @ relaxed)
+        return stress / (self.width * self.height)
+
     def signal(self, source, t):
+        if self.tilts:
+            return self.turned_signal(source, t)
         root, omega = np.sqrt(self.mass), np.sqrt(self.squares)
         sent = self.vectors.T @ (self.source / root if source == "impulse" else self.source * root)
         seen = self.vectors.T @ (self.detector / root)

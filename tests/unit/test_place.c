@@ -1,5 +1,5 @@
 /* Places of sources and detectors: the parts make the whole, and momentum is balanced. */
-#include "reference.h"
+#include "carried.h"
 
 #include <sonopack/network.h>
 #include <sonopack/signal.h>
@@ -61,6 +61,8 @@ static void momentum_is_balanced(void **state) {
             planes_balance(scattered_packing(dim, 5, 0.5, 3), prestress, false);
             planes_balance(scattered_packing(dim, 5, 0.5, 4), prestress, true);
             planes_balance(scattered_packing(dim, 5, 0, 5), prestress, false);
+            planes_balance(carried_packing(dim, 5, 0.4, 6), prestress, false);
+            planes_balance(carried_packing(dim, 5, 0.4, 7), prestress, true);
         }
     planes_balance(chain_packing(9, 1e-4), false, false);
 }

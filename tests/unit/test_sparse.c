@@ -94,7 +94,7 @@ static sp_network shape(int k) {
     case 3: return network_of(scattered_packing(3, 5, 0.5, 3), false);
     case 4: return network_of(scattered_packing(3, 6, 0, 4), false);
     case 5: return network_of(reference_packing(REFERENCE("packing_N200_p1e-4.txt")), false);
-    case 6: return network_of(reference_packing(REFERENCE("packing_N200_p1e-4.txt")), true);
+    case 6: return network_of(without_tangential(reference_packing(REFERENCE("packing_N200_p1e-4.txt"))), true);
     case 7: return network_of(copies_of(scattered_packing(2, 9, 0.5, 5), 2), false);
     case 8: return network_of(copies_of(chain_packing(30, 1e-4), 20), false);
     case 9: return network_of(lattice_packing(14, 11, 0.5), false);

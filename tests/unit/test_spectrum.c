@@ -499,7 +499,7 @@ static void test_unstable(void **state) {
     net.prestress = true;
     for (int k = 0; k < net.n_bulk; k++)
         net.springs[k].kp = -1.5 * net.springs[k].kn;
-    assert_ok(sp_network_find_bound(&net, &net.omega_bound, &err));
+    assert_ok(sp_network_find_bounds(&net, &err));
     sp_dos d = sp_dos_none();
     sp_transmission t = sp_transmission_none();
     sp_dispersion w = sp_dispersion_none();

@@ -1,0 +1,190 @@
+#include "linalg/discs.h"
+#include "base/base.h"
+#include "linalg/blas.h"
+#include "linalg/general.h"
+
+#include <cblas.h>
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+void sp_discs_free(sp_discs *d) {
+    sp_free(d->re);
+    sp_free(d->im);
+    sp_free(d->radius);
+    *d = (sp_discs){0};
+}
+
+/* n x n by columns: V; its approximate inverse Y; R = A V - V D, D the eigenvalues; a product. */
+typedef struct frame {
+    int64_t n;
+    const sp_sparse *a;
+    sp_discs d;
+    double *v, *y, *r, *product;
+    double *sum, *size, *noise; /* [n] rows' sums */
+} frame;
+
+static void frame_free(frame *f) {
+    sp_free(f->v);
+    sp_free(f->y);
+    sp_free(f->r);
+    sp_free(f->product);
+    sp_free(f->sum);
+}
+
+static sp_status frame_make(const sp_sparse *a, frame *f, sp_error *err) {
+    const size_t n = (size_t)a->n;
+    *f = (frame){.n = a->n, .a = a, .d = {.n = a->n}};
+    f->d.re = sp_alloc(n, sizeof *f->d.re);
+    f->d.im = sp_alloc(n, sizeof *f->d.im);
+    f->d.radius = sp_alloc(n, sizeof *f->d.radius);
+    f->v = sp_alloc(n * n, sizeof *f->v);
+    f->y = sp_alloc(n * n, sizeof *f->y);
+    f->r = sp_alloc(n * n, sizeof *f->r);
+    f->product = sp_alloc(n * n, sizeof *f->product);
+    f->sum = sp_alloc(n, 3 * sizeof *f->sum);
+    f->size = f->sum + n;
+    f->noise = f->sum + 2 * n;
+    return f->d.re && f->d.im && f->d.radius && f->v && f->y && f->r && f->product && f->sum
+               ? SP_OK
+               : sp_fail_memory(err, 4 * n * n * sizeof *f->v);
+}
+
+static sp_status find_vectors(frame *f, sp_error *err) {
+    for (int64_t c = 0; c < f->n; c++)
+        for (int64_t q = f->a->p[c]; q < f->a->p[c + 1]; q++)
+            f->r[c * f->n + f->a->i[q]] = f->a->x[q];
+    return sp_eigen_general(f->n, f->r, f->d.re, f->d.im, f->v, err);
+}
+
+static sp_status find_inverse(frame *f, sp_error *err) {
+    const lapack_int n = (lapack_int)f->n;
+    lapack_int *pivots = sp_alloc((size_t)n, sizeof *pivots);
+    if (!pivots)
+        return sp_fail_memory(err, (size_t)n * sizeof *pivots);
+    memcpy(f->y, f->v, (size_t)f->n * (size_t)f->n * sizeof *f->y);
+    lapack_int info = LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->y, n, pivots);
+    if (info == 0) /* the product has room for dgetri's work, n at least */
+        info = LAPACKE_dgetri_work(LAPACK_COL_MAJOR, n, f->y, n, pivots, f->product, n * (n < 64 ? n : 64));
+    sp_free(pivots);
+    return info == 0 ? SP_OK : sp_fail(err, SP_EREFUSED, "the eigenvectors are linearly dependent");
+}
+
+/* R = A V - V D, column by column; of a pair (x, y) with a + i b: A x = a x - b y, A y = b x + a y. */
+static void find_residuals(frame *f) {
+    const int64_t n = f->n;
+    memset(f->r, 0, (size_t)n * (size_t)n * sizeof *f->r);
+    for (int64_t k = 0; k < n; k++) {
+        const double *v = f->v + k * n, b = f->d.im[k], *other = b > 0 ? v + n : v - n;
+        double *r = f->r + k * n;
+        for (int64_t c = 0; c < n; c++)
+            for (int64_t q = f->a->p[c]; q < f->a->p[c + 1]; q++)
+                r[f->a->i[q]] += f->a->x[q] * v[c];
+        for (int64_t i = 0; i < n; i++)
+            r[i] -= f->d.re[k] * v[i] - (b != 0 ? b * other[i] : 0);
+    }
+}
+
+static void multiply(int64_t n, const double *x, const double *y, double *out) {
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)n, (int)n, (int)n, 1, x, (int)n, y, (int)n, 0, out,
+                (int)n);
+}
+
+/* out = |X| w, X by columns. */
+static void multiply_sizes(int64_t n, const double *x, const double *w, double *out) {
+    memset(out, 0, (size_t)n * sizeof *out);
+    for (int64_t c = 0; c < n; c++)
+        for (int64_t i = 0; i < n; i++)
+            out[i] += fabs(x[c * n + i]) * w[c];
+}
+
+static void row_sums(int64_t n, const double *x, double *out) {
+    memset(out, 0, (size_t)n * sizeof *out);
+    for (int64_t c = 0; c < n; c++)
+        for (int64_t i = 0; i < n; i++)
+            out[i] += fabs(x[c * n + i]);
+}
+
+static double largest(int64_t n, const double *x) {
+    double most = 0;
+    for (int64_t i = 0; i < n; i++)
+        most = fmax(most, x[i]);
+    return most;
+}
+
+/* A bound of the largest row sum of |1 - Y V|. */
+static double inverse_error(frame *f) {
+    const int64_t n = f->n;
+    multiply(n, f->y, f->v, f->product);
+    for (int64_t i = 0; i < n; i++)
+        f->product[i * n + i] -= 1;
+    row_sums(n, f->product, f->sum);
+    row_sums(n, f->v, f->size);
+    multiply_sizes(n, f->y, f->size, f->noise);
+    return largest(n, f->sum) + 2 * (double)n * DBL_EPSILON * largest(n, f->noise) + (double)n * DBL_EPSILON;
+}
+
+/* What rounding may have changed in the rows' sums of R, of which A's entries are known to some roundings of their
+ * terms, the largest of which is its largest entry. */
+static void residual_noise(frame *f) {
+    const int64_t n = f->n;
+    double top = 0, turn = 0;
+    row_sums(n, f->v, f->size);
+    memset(f->noise, 0, (size_t)n * sizeof *f->noise);
+    for (int64_t q = 0; q < f->a->p[n]; q++)
+        top = fmax(top, fabs(f->a->x[q]));
+    for (int64_t c = 0; c < n; c++) {
+        turn = fmax(turn, fabs(f->d.re[c]) + fabs(f->d.im[c]));
+        for (int64_t q = f->a->p[c]; q < f->a->p[c + 1]; q++) {
+            const double entries = (double)(f->a->p[c + 1] - f->a->p[c]);
+            f->noise[f->a->i[q]] += DBL_EPSILON * ((entries + 4) * fabs(f->a->x[q]) + 16 * top) * f->size[c];
+        }
+    }
+    for (int64_t i = 0; i < n; i++)
+        f->noise[i] += 8 * DBL_EPSILON * turn * f->size[i];
+}
+
+/* V^-1 A V = D + W, W = V^-1 R = (1 - F)^-1 Y R with F = 1 - Y V: rows' sums of |W|. */
+static sp_status find_radii(frame *f, sp_error *err) {
+    const int64_t n = f->n;
+    const double off = inverse_error(f);
+    if (!(off < 0.5))
+        return sp_fail(err, SP_EREFUSED, "the eigenvectors are nearly dependent: their inverse is off by %.2g", off);
+    residual_noise(f);
+    row_sums(n, f->r, f->sum);
+    for (int64_t i = 0; i < n; i++)
+        f->noise[i] += (double)n * DBL_EPSILON * f->sum[i];
+    multiply(n, f->y, f->r, f->product);
+    row_sums(n, f->product, f->sum);
+    multiply_sizes(n, f->y, f->noise, f->size);
+    for (int64_t i = 0; i < n; i++)
+        f->sum[i] = (f->sum[i] + f->size[i]) * (1 + 2 * (double)n * DBL_EPSILON);
+    const double rest = off / (1 - off) * largest(n, f->sum);
+    for (int64_t i = 0; i < n; i++)
+        f->d.radius[i] = f->sum[i] + rest;
+    for (int64_t i = 0; i + 1 < n; i++) /* the two rows of a pair are a block, which is normal */
+        if (f->d.im[i] > 0) {
+            f->d.radius[i] = f->d.radius[i + 1] = f->d.radius[i] + f->d.radius[i + 1];
+            i++;
+        }
+    return SP_OK;
+}
+
+sp_status sp_discs_make(const sp_sparse *a, sp_discs *out, sp_error *err) {
+    frame f;
+    sp_status status = frame_make(a, &f, err);
+    if (status == SP_OK)
+        status = find_vectors(&f, err);
+    if (status == SP_OK)
+        status = find_inverse(&f, err);
+    if (status == SP_OK) {
+        find_residuals(&f);
+        status = find_radii(&f, err);
+    }
+    frame_free(&f);
+    if (status == SP_OK)
+        *out = f.d;
+    else
+        sp_discs_free(&f.d);
+    return status;
+}

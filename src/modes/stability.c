@@ -1,0 +1,311 @@
+/* Whether the network is stable: discs around all eigenvalues, or counts of those of the symmetric part. */
+#include "base/base.h"
+#include "linalg/discs.h"
+#include "linalg/ldl.h"
+
+#include <float.h>
+#include <math.h>
+#include <sonopack/modes.h>
+#include <stdlib.h>
+
+/* ---- forces that do not balance ------------------------------------------------------------------------------- */
+
+/* Adds F and R n x F of a contact to side i (sign 1) or j (-1) of it, of a grain with radius r. */
+static void add_contact(const sp_contact *c, double sign, double r, double sum[6]) {
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, g = (a + 2) % 3;
+        sum[a] += sign * (c->ft[a] - c->fn * c->n[a]);
+        sum[3 + a] += r * (c->n[b] * c->ft[g] - c->n[g] * c->ft[b]);
+    }
+}
+
+/* A floppy motion of a grain has omega^2 = 0 as long as its forces balance: terms of K that cancel then are forces over
+ * m R, torques over the moment of inertia. The largest of what is left over. */
+static sp_status find_balance(const sp_packing *p, const sp_network *net, double *balance, sp_error *err) {
+    double(*sum)[6] = sp_alloc((size_t)net->n, sizeof *sum);
+    if (!sum)
+        return sp_fail_memory(err, (size_t)net->n * sizeof *sum);
+    for (int32_t k = 0; k < net->n_springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        add_contact(&p->contacts[s->contact], 1, s->ri, sum[s->i]);
+        if (s->j >= 0)
+            add_contact(&p->contacts[s->contact], -1, s->rj, sum[s->j]);
+    }
+    *balance = 0;
+    for (int32_t i = 0; i < net->n && net->prestress; i++) {
+        const double *f = sum[i], r = net->r[i], mass = net->mass[(int64_t)i * net->dof];
+        const double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+        const double torque = sqrt(f[3] * f[3] + f[4] * f[4] + f[5] * f[5]);
+        const double turned = net->dof > net->dim ? (force * r + torque) / (0.4 * mass * r * r) : 0;
+        *balance = fmax(*balance, fmax(force / (mass * r), turned));
+    }
+    sp_free(sum);
+    return SP_OK;
+}
+
+/* |Im sqrt(z)|, the rate at which a motion with omega^2 = z grows. */
+static double growth_of(double re, double im) { return sqrt(fmax(0, 0.5 * (hypot(re, im) - re))); }
+
+/* ---- discs ---------------------------------------------------------------------------------------------------- */
+
+/* A connected part of the union of discs. */
+typedef struct part {
+    int64_t discs, above; /* all; those with centres above the real axis */
+    double low, high;     /* along the real axis */
+    double nearest;       /* to the real axis: the least |im| - radius */
+    double farthest;      /* from it */
+    double size;          /* largest distance from 0 */
+    double growth;        /* the most that its discs allow */
+    double certain;       /* the least growth of its discs with centres off the axis, or below 0 */
+} part;
+
+typedef struct disc {
+    double re, im, radius;
+} disc;
+
+static int by_left(const void *a, const void *b) {
+    const disc *x = a, *y = b, *l[2] = {x, y};
+    const double p = l[0]->re - l[0]->radius, q = l[1]->re - l[1]->radius;
+    return (p > q) - (p < q);
+}
+
+static int64_t root_of(int64_t *owner, int64_t k) {
+    while (owner[k] != k)
+        k = owner[k] = owner[owner[k]];
+    return k;
+}
+
+/* Discs sorted by their left ends; owner[k]: one disc of each connected part. */
+static void connect(int64_t n, const disc *d, int64_t *owner) {
+    double widest = 0;
+    for (int64_t k = 0; k < n; k++) {
+        owner[k] = k;
+        widest = fmax(widest, d[k].radius);
+    }
+    for (int64_t k = 0; k < n; k++)
+        for (int64_t q = k + 1; q < n && d[q].re - d[q].radius <= d[k].re + d[k].radius; q++)
+            if (hypot(d[k].re - d[q].re, d[k].im - d[q].im) <= d[k].radius + d[q].radius)
+                owner[root_of(owner, q)] = root_of(owner, k);
+}
+
+static void add_disc(part *to, const disc *d) {
+    const double off = fabs(d->im);
+    if (to->discs == 0)
+        *to = (part){.low = INFINITY, .high = -INFINITY, .nearest = INFINITY, .certain = INFINITY};
+    to->discs++;
+    to->above += d->im > 0;
+    to->low = fmin(to->low, d->re - d->radius);
+    to->high = fmax(to->high, d->re + d->radius);
+    to->nearest = fmin(to->nearest, off - d->radius);
+    to->farthest = fmax(to->farthest, off + d->radius);
+    to->size = fmax(to->size, hypot(d->re, d->im) + d->radius);
+    /* growth rises with |im| and falls with re */
+    to->growth = fmax(to->growth, growth_of(d->re - d->radius, off + d->radius));
+    to->certain = fmin(to->certain, growth_of(d->re + d->radius, fmax(0, off - d->radius)));
+}
+
+/* What a part says. One disc alone on the axis holds a real eigenvalue: the conjugate of another would be in it too. */
+static void judge(const part *q, double margin, sp_stability *s) {
+    if (q->size <= margin) {
+        s->zero += q->discs;
+        s->growth_bound = fmax(s->growth_bound, sqrt(q->size));
+        return;
+    }
+    s->softest = fmin(s->softest, q->low);
+    if (q->discs == 1 && q->nearest <= 0 && q->low > 0)
+        return;
+    s->growth_bound = fmax(s->growth_bound, q->growth);
+    if (q->nearest > 0) {
+        s->flutter += q->above;
+        s->growth = fmax(s->growth, q->certain);
+    } else if (q->discs == 1 && q->high < 0) {
+        s->negative++;
+        s->growth = fmax(s->growth, q->certain);
+    } else {
+        s->verdict = SP_MODES_UNDECIDED;
+    }
+}
+
+static sp_status judge_all(const sp_discs *all, sp_stability *s, sp_error *err) {
+    const size_t n = (size_t)all->n;
+    disc *d = sp_alloc(n, sizeof *d);
+    int64_t *owner = sp_alloc(n, sizeof *owner);
+    part *parts = sp_alloc(n, sizeof *parts);
+    sp_status status = d && owner && parts ? SP_OK : sp_fail_memory(err, n * (sizeof *d + sizeof *parts));
+    s->error = 0;
+    for (size_t k = 0; k < n && status == SP_OK; k++) {
+        d[k] = (disc){all->re[k], all->im[k], all->radius[k]};
+        s->error = fmax(s->error, all->radius[k]);
+    }
+    if (status == SP_OK) {
+        qsort(d, n, sizeof *d, by_left);
+        connect((int64_t)n, d, owner);
+        for (size_t k = 0; k < n; k++)
+            add_disc(&parts[root_of(owner, (int64_t)k)], &d[k]);
+        s->softest = INFINITY;
+        for (size_t k = 0; k < n; k++)
+            if (parts[k].discs > 0)
+                judge(&parts[k], s->balance + 2 * s->error, s);
+        if (s->negative > 0 || s->flutter > 0)
+            s->verdict = SP_MODES_UNSTABLE;
+    }
+    sp_free(d);
+    sp_free(owner);
+    sp_free(parts);
+    return status;
+}
+
+/* M^-1/2 K M^-1/2 in the place of K. */
+static void scale(const sp_network *net, sp_sparse *k) {
+    for (int64_t c = 0; c < k->n; c++)
+        for (int64_t q = k->p[c]; q < k->p[c + 1]; q++)
+            k->x[q] /= sqrt(net->mass[c]) * sqrt(net->mass[k->i[q]]);
+}
+
+static sp_status by_discs(const sp_network *net, sp_stability *s, sp_error *err) {
+    sp_sparse a = {0};
+    sp_discs d = {0};
+    sp_status status = sp_network_assemble_whole(net, &a, err);
+    if (status == SP_OK) {
+        scale(net, &a);
+        status = sp_discs_make(&a, &d, err);
+    }
+    if (status == SP_OK)
+        status = judge_all(&d, s, err);
+    s->dense = true;
+    sp_discs_free(&d);
+    sp_sparse_free(&a);
+    return status;
+}
+
+/* ---- counts --------------------------------------------------------------------------------------------------- */
+
+typedef struct count {
+    sp_ldl *ldl;
+    double noise; /* of the entries */
+} count;
+
+/* Eigenvalues below sigma, for certain below sigma + *error; where a pivot vanishes sigma is moved a little. */
+static sp_status count_below(const count *c, double *sigma, int64_t *below, double *error, sp_error *err) {
+    sp_status status = SP_EREFUSED;
+    for (int k = 0; k < 8 && status == SP_EREFUSED; k++, *sigma *= status == SP_EREFUSED ? 1.01 : 1)
+        status = sp_ldl_factor(c->ldl, *sigma, err);
+    if (status == SP_OK) {
+        *below = sp_ldl_negative(c->ldl);
+        *error = sp_ldl_error(c->ldl) + c->noise;
+    }
+    return status;
+}
+
+/* The least eigenvalue above `from` (> 0, with `already` of them below it) up to 1%, as a lower bound of it. */
+static sp_status find_next(const count *c, double from, double top, int64_t already, double *out, sp_error *err) {
+    double low = from, high = from, error;
+    int64_t below = already;
+    sp_status status = SP_OK;
+    while (below <= already && high < top && status == SP_OK) {
+        low = high;
+        high *= 4;
+        status = count_below(c, &high, &below, &error, err);
+    }
+    while (high > 1.01 * low && status == SP_OK) {
+        double middle = sqrt(low * high);
+        status = count_below(c, &middle, &below, &error, err);
+        if (below > already)
+            high = middle;
+        else
+            low = middle;
+    }
+    *out = low;
+    return status;
+}
+
+/* -delta, a lower bound of all eigenvalues, up to 10%; the least delta is `from`. */
+static sp_status find_bottom(const count *c, double from, double *delta, sp_error *err) {
+    double low = 0, high = from, error = 0;
+    int64_t below = 1;
+    sp_status status = SP_OK;
+    while (below > 0 && status == SP_OK) {
+        double sigma = -high;
+        status = count_below(c, &sigma, &below, &error, err);
+        high = -sigma;
+        if (below > 0) {
+            low = high;
+            high *= 4;
+        }
+    }
+    while (low > 0 && high > 1.1 * low && status == SP_OK) {
+        double sigma = -sqrt(low * high);
+        status = count_below(c, &sigma, &below, &error, err);
+        if (below > 0)
+            low = -sigma;
+        else
+            high = -sigma;
+    }
+    *delta = high + error;
+    return status;
+}
+
+static sp_status judge_counts(const sp_network *net, const count *c, sp_stability *s, sp_error *err) {
+    const double top = 2 * sp_network_omega_bound(net) * sp_network_omega_bound(net);
+    double margin = fmax(s->balance, 1e4 * c->noise), sigma = -margin, error = 0, delta = 0;
+    int64_t below = 0, up = 0;
+    sp_status status = count_below(c, &sigma, &below, &error, err);
+    s->error = error;
+    if (status == SP_OK && !(error < margin))
+        status = sp_fail(err, SP_EREFUSED, "eigenvalues near 0 cannot be counted: pivots are off by %.2g", error);
+    if (status == SP_OK)
+        status = find_bottom(c, margin, &delta, err);
+    if (status != SP_OK)
+        return status;
+    if (s->skew > 0) {
+        s->verdict = SP_MODES_UNDECIDED;
+        s->growth_bound = growth_of(-delta, s->skew);
+        return SP_OK;
+    }
+    s->flutter = 0;
+    s->negative = below;
+    s->verdict = below > 0 ? SP_MODES_UNSTABLE : SP_MODES_STABLE;
+    s->growth_bound = sqrt(delta);
+    s->growth = below > 0 ? sqrt(fmax(-sigma - error, 0)) : 0;
+    if (below > 0) /* the bottom is known to 10% */
+        s->growth = fmax(s->growth, sqrt(fmax((delta - error) / 1.11 - error, 0)));
+    status = count_below(c, &margin, &up, &error, err);
+    s->zero = up - below;
+    return status == SP_OK ? find_next(c, margin, top, up, &s->softest, err) : status;
+}
+
+static sp_status by_counts(const sp_network *net, sp_stability *s, sp_error *err) {
+    sp_sparse a = {0};
+    count c = {0};
+    int64_t longest = 0;
+    sp_status status = sp_network_assemble(net, &a, err);
+    s->negative = s->flutter = s->zero = -1;
+    s->softest = NAN;
+    if (status == SP_OK) {
+        scale(net, &a);
+        for (int64_t k = 0; k < a.n; k++)
+            longest = a.p[k + 1] - a.p[k] > longest ? a.p[k + 1] - a.p[k] : longest;
+        /* as of spectrum/count.c: entries are sums of some springs */
+        c.noise =
+            DBL_EPSILON * sp_network_omega_bound(net) * sp_network_omega_bound(net) * 16 * sqrt(2 * (double)longest);
+        status = sp_ldl_make(&a, &c.ldl, err);
+    }
+    if (status == SP_OK)
+        status = judge_counts(net, &c, s, err);
+    sp_ldl_free(c.ldl);
+    sp_sparse_free(&a);
+    return status;
+}
+
+sp_status sp_stability_make(const sp_packing *p, const sp_network *net, sp_stability *out, sp_error *err) {
+    sp_stability s = {.verdict = SP_MODES_STABLE, .dofs = sp_network_dofs(net), .skew = sp_network_skew(net)};
+    if (p->n != net->n_all || p->dim != net->dim)
+        return sp_fail(err, SP_EINVAL, "a packing of %d grains with a network of %d, must be its own", p->n,
+                       net->n_all);
+    sp_status status = find_balance(p, net, &s.balance, err);
+    if (status == SP_OK)
+        status = net->carried && s.dofs <= SP_STABILITY_MAX ? by_discs(net, &s, err) : by_counts(net, &s, err);
+    if (status == SP_OK)
+        *out = s;
+    return status;
+}
