@@ -30,7 +30,9 @@ typedef struct sp_section_options {
     double part;    /* planes up to this part of the height; 0.6: above it the echo soon follows */
 } sp_section_options;
 sp_section_options sp_section_options_default(void);
-/* The momentum flux through planes of a packing after a pulse at its bottom wall. A plane's time ends when the echo of
+/* The momentum flux through planes of a packing after a pulse at its bottom wall. The flux is the same for all planes
+ * between two layers of grains: `y` is where it is carried (sp_network_plane_height), and a plane with the y of the one
+ * below is left out. A plane's time ends when the echo of
  * the front comes down to it: t10 at the top wall, and as long again as from the plane to the top. SP_EREFUSED for a
  * box with fewer than 8 planes, or without a front. */
 sp_status sp_section_make(const sp_network *net, const sp_section_options *opt, sp_section *out, sp_error *err);
@@ -41,11 +43,15 @@ typedef struct sp_coherent {
     double k;     /* wave number [1/d] */
     double alpha; /* attenuation of the amplitude [1/d], by scattering where nothing is damped */
     double part;  /* of the planes' squared spectra, weighted as they are, that the wave accounts for, 0 .. 1 */
+    double k_shift,
+        alpha_shift; /* by how much k and alpha change if only half the time after the wave's coming counts */
 } sp_coherent;
 /* Least squares over the planes' Fourier integrals, by which the planes near the source, where the wave stands out of
- * what is scattered, count most. The integrals end, smoothly, four periods after the arrival: later comes what was
- * scattered. A spacing of planes of D tells wave numbers below pi/D. k and alpha are NAN where the
- * section does not tell them: alpha at an end of its range, -1/range .. 1/D, k at the end of its, or alpha above k,
+ * what is scattered, count most. The integrals end, smoothly, four periods after the front: later comes what was
+ * scattered. Where the whole record leaves less than half as much unexplained, as in an ordered system whose slow waves
+ * come late, it is taken. Planes whose record ends within half a period of the wave's coming do not count. Planes D
+ * apart tell wave numbers below pi/D. k, alpha and the shifts are NAN where the section does not tell them: with fewer
+ * than 4 planes that count, with alpha at an end of its range, -1/range .. 1/D, k at the end of its, or alpha above k,
  * which is no wave. omega > 0, below the half of what the spacing of the times can carry. SP_EINVAL. */
 sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, sp_error *err);
 

@@ -115,6 +115,10 @@ sp_place sp_place_wall(void); /* the whole wall, normal */
  * force on the wall, along up (or x). SP_EINVAL for a place that is none, SP_EREFUSED for one without springs. */
 sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp_place *at, double *out, sp_error *err);
 sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, double *out, sp_error *err);
+/* Where the flux through the plane at `height` is carried: the mean height of the middles of the contacts that cross
+ * it, each with its force under an even vertical strain as its weight. Between two rows of a lattice it is half way,
+ * wherever the plane lies. NAN where nothing crosses it. */
+double sp_network_plane_height(const sp_network *net, double height);
 /* The same for the whole walls, normal. */
 sp_status sp_network_source(const sp_network *net, sp_source source, double *out, sp_error *err);
 sp_status sp_network_detector(const sp_network *net, double *out, sp_error *err);

@@ -67,7 +67,9 @@ static const struct argp argp = {
     "at every frequency by least squares, for each packing by itself; the table has the means over the packings, and "
     "their standard errors (nan for one packing). alpha: attenuation of the amplitude, by scattering alone. part: how "
     "much of the squares the wave accounts for; the rest is scattered waves. samples: packings whose planes tell k and "
-    "alpha. The packings should be of one material, at one pressure.",
+    "alpha. k_shift and alpha_shift: by how much the means change if half as long a time counts; mostly more than what "
+    "the "
+    "end of the records does to them. The packings should be of one material, at one pressure.",
     children,
     NULL,
     NULL};
@@ -75,7 +77,7 @@ static const struct argp argp = {
 /* Sums over packings at one frequency. */
 typedef struct sums {
     int64_t n;
-    double k, kk, alpha, aa, part;
+    double k, kk, alpha, aa, part, k_shift, alpha_shift;
 } sums;
 
 /* All frequencies, chosen by the first packing. */
@@ -95,6 +97,8 @@ static void add_fit(sums *s, const sp_coherent *c) {
     s->alpha += c->alpha;
     s->aa += c->alpha * c->alpha;
     s->part += c->part;
+    s->k_shift += c->k_shift;
+    s->alpha_shift += c->alpha_shift;
 }
 
 static double mean(double sum, int64_t n) { return n > 0 ? sum / (double)n : NAN; }
@@ -152,14 +156,18 @@ static sp_status put(const waves *w, sp_table *t, sp_error *err) {
         "omega",     "sqrt(E* / rho)/d", "k",     "1/d", "k_err",     "1/d", "speed", "sqrt(E* / rho)",
         "speed_err", "sqrt(E* / rho)",   "alpha", "1/d", "alpha_err", "1/d", "part",  "",
         NULL};
+    static const char *const shifts[] = {"k_shift", "1/d", "alpha_shift", "1/d", NULL};
     sp_status status = cli_add_columns(t, columns, err);
     if (status == SP_OK)
         status = sp_table_add_column(t, "samples", "", SP_CELL_INTEGER, err);
+    if (status == SP_OK)
+        status = cli_add_columns(t, shifts, err);
     for (int32_t l = 0; l < w->n && status == SP_OK; l++) {
         const sums *s = &w->sum[l];
         const double k = mean(s->k, s->n), k_err = error_of_mean(s->k, s->kk, s->n), speed = w->omega[l] / k;
         status = sp_table_add_row(t, err, w->omega[l], k, k_err, speed, speed * k_err / k, mean(s->alpha, s->n),
-                                  error_of_mean(s->alpha, s->aa, s->n), mean(s->part, s->n), s->n);
+                                  error_of_mean(s->alpha, s->aa, s->n), mean(s->part, s->n), s->n,
+                                  mean(s->k_shift, s->n), mean(s->alpha_shift, s->n));
     }
     return status;
 }
@@ -172,8 +180,8 @@ static void explain(const arguments *a, const waves *w) {
     if (none > 0)
         cli_note(
             &a->common,
-            "k and alpha are nan at %d of %d frequencies: no packing tells them (a record shorter than a period, or "
-            "no wave that spans planes)",
+            "k and alpha are nan at %d of %d frequencies: no packing tells them (fewer than four planes with a record "
+            "as long as the wave, or no wave that spans planes)",
             none, w->n);
 }
 

@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "elastic/moduli.h"
 #include "elastic/strain.h"
+#include "linalg/gmres.h"
 #include "packing/contact.h"
 #include "packing/vibrate.h"
 
@@ -22,12 +23,13 @@ typedef struct run {
     const sp_network *net;
     sp_equilibrium rest; /* springs at rest */
     sp_equilibrium now;  /* those of the contacts as they are now, where these are too far from rest */
+    sp_equilibrium soft; /* those at rest, floppy motions held, where K is singular */
     sp_network springs;  /* of `now`; springs and length are its own */
     int32_t *row;        /* [p->n] grains of the network, from 1; 0: rattlers */
     vibration m;
-    double strain, load;             /* extension positive; size of what it loads the grains with */
-    double part;                     /* of its stiffness that a contact which slides or opens keeps in Newton's steps */
-    double *u, *more, *force, *best; /* [dofs] */
+    double strain, load; /* extension positive; size of what it loads the grains with */
+    double part;         /* of its stiffness that a contact which slides or opens keeps in Newton's steps */
+    double *u, *more, *force, *best, *start; /* [dofs] */
     sp_strained out;
 } run;
 
@@ -90,12 +92,7 @@ static double forces(run *r, const double *u, double *force) {
     return length_of(sp_network_dofs(net), force);
 }
 
-static bool slides(const vibration *m, const touching *t) {
-    double size = 0;
-    for (int a = 0; a < 3; a++)
-        size += (t->ft0[a] + t->ft[a]) * (t->ft0[a] + t->ft[a]);
-    return m->turns && t->kn > 0 && sqrt(size) >= m->friction * (t->fn0 + t->fn) * (1 - 1e-12);
-}
+static bool slides(const vibration *m, const touching *t) { return m->turns && t->kn > 0 && t->held < 1; }
 
 /* The spring of a contact as it is now. Contacts that slide keep a part of their tangential stiffness, and those that
  * are open a part of all: a step must not run away. */
@@ -151,6 +148,120 @@ static double take_step(run *r, double taken, double before) {
     return size;
 }
 
+static void cross(const double a[3], const double b[3], double out[3]) {
+    for (int k = 0; k < 3; k++)
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* How the tangential force of a contact at Coulomb's limit follows. Along itself it has the size of the normal force
+ * times the coefficient, whatever the slip; sideways it still has its spring. The first makes the stiffness
+ * unsymmetric. */
+static void limit(const vibration *m, const touching *t, double along, double push[3]) {
+    double force[3];
+    for (int a = 0; a < 3; a++)
+        force[a] = t->ft0[a] + t->ft[a];
+    const double size = sqrt(dot(force, force));
+    if (!(size > 0))
+        return;
+    const double part = dot(force, push) / size;
+    for (int a = 0; a < 3; a++)
+        push[a] = t->held * (push[a] - part * force[a] / size) - m->friction * t->kn * along * force[a] / size;
+}
+
+/* Change of the force on i with the relative displacement and the lever arms times the rotations. */
+static void stiffen(const vibration *m, const touching *t, const double moved[3], const double turn[3],
+                    double push[3]) {
+    const double *n = m->straight ? t->n0 : t->n, along = dot(moved, n);
+    memset(push, 0, 3 * sizeof *push);
+    if (m->turns) {
+        const double rest = t->overlap > 0 ? contact_normal_stiffness(t->e, t->overlap) : 0;
+        const double kt = 0.5 * m->eta * (rest + t->kn);
+        double arm[3];
+        cross(turn, n, arm);
+        for (int a = 0; a < 3; a++)
+            push[a] = kt * (moved[a] - along * n[a] - arm[a]);
+    }
+    if (slides(m, t))
+        limit(m, t, along, push);
+    for (int a = 0; a < 3; a++)
+        push[a] += t->kn * along * n[a];
+}
+
+/* Adds a contact's forces for the displacements `in`. */
+static void add_tangent(const run *r, const touching *t, const double *in, double *out) {
+    const sp_network *net = r->net;
+    const int64_t i = (int64_t)(r->row[t->i] - 1) * net->dof;
+    const int64_t j = t->j < 0 ? -1 : (int64_t)(r->row[t->j] - 1) * net->dof;
+    double moved[3] = {0}, turn[3] = {0}, push[3], twist[3];
+    for (int d = 0; d < net->dof; d++) {
+        const int c = column(net, d);
+        const double one = in[i + d], other = j < 0 ? 0 : in[j + d];
+        if (c < 3)
+            moved[c] = other - one;
+        else
+            turn[c - 3] = t->arm_i * one + t->arm_j * other;
+    }
+    stiffen(&r->m, t, moved, turn, push);
+    cross(r->m.straight ? t->n0 : t->n, push, twist);
+    for (int d = 0; d < net->dof; d++) {
+        const int c = column(net, d);
+        out[i + d] -= c < 3 ? push[c] : t->arm_i * twist[c - 3];
+        if (j >= 0)
+            out[j + d] -= c < 3 ? -push[c] : t->arm_j * twist[c - 3];
+    }
+}
+
+static sp_equilibrium *at_rest(run *r) { return r->soft.factor ? &r->soft : &r->rest; }
+
+static sp_status apply_tangent(void *with, const double *in, double *out, sp_error *err) {
+    run *r = with;
+    const int64_t n = sp_network_dofs(r->net);
+    const sp_equilibrium *e = at_rest(r);
+    (void)err;
+    memset(out, 0, (size_t)n * sizeof *out);
+    for (int32_t k = 0; k < r->m.count; k++)
+        if (r->m.touch[k].kn > 0)
+            add_tangent(r, &r->m.touch[k], in, out);
+    for (int64_t k = 0; k < n && e->raised; k++) /* as in the factor */
+        out[k] += e->raise * e->k.x[e->k.p[k]] * in[k];
+    return SP_OK;
+}
+
+static sp_status precondition(void *with, const double *in, double *out, sp_error *err) {
+    run *r = with;
+    r->out.solves++;
+    return sp_equilibrium_apply(at_rest(r), in, out, err);
+}
+
+/* Newton's steps with the stiffness of the contacts as they are, least residual kept in `best`. It differs from that at
+ * rest by some numbers a sliding contact, so that the factor at rest leads to its solution in few steps. */
+static sp_status follow_contacts(run *r, double *least, sp_error *err) {
+    enum { STEPS_MAX = 40, PATIENCE = 4, SEARCH_MAX = 120 };
+    const gmres_problem g = {sp_network_dofs(r->net), apply_tangent, precondition, r, 1e-4, SEARCH_MAX};
+    const size_t bytes = (size_t)g.n * sizeof *r->u;
+    double size = forces(r, r->u, r->force), left;
+    int stalled = 0;
+    *least = size;
+    memcpy(r->best, r->u, bytes);
+    for (int step = 0; step < STEPS_MAX && stalled < PATIENCE && size > AIM * r->load; step++) {
+        const double before = size;
+        sp_status status = sp_gmres(&g, r->force, r->more, &left, err);
+        if (status != SP_OK)
+            return status;
+        size = take_step(r, 1, before);
+        stalled = size < 0.9 * *least ? 0 : stalled + 1;
+        if (size < *least) {
+            *least = size;
+            memcpy(r->best, r->u, bytes);
+        }
+        if (!isfinite(size) || (size > 0.5 * before && *least < ENOUGH * r->load))
+            break;
+    }
+    return SP_OK;
+}
+
 /* Contacts that stick and slide by turns can make steps go round in circles, and a grain that has come loose has a long
  * way to go to where it is held again. After `stalled` steps without progress other lengths and parts are tried. */
 static double unstick(run *r, int stalled) {
@@ -159,14 +270,14 @@ static double unstick(run *r, int stalled) {
     return 1.0 / (1 << stalled / 3 % 3);
 }
 
-/* Newton's steps from the linear answer, least residual kept. */
-static sp_status equilibrate(run *r, double *residual, sp_error *err) {
+/* Newton's steps with springs that are symmetric, as a contact that slides or opens keeps a part of its stiffness: more
+ * steps, but they are not lost where many contacts change. Goes on from `u`, and with the least residual so far. */
+static sp_status soften_contacts(run *r, double least, sp_error *err) {
     enum { STEPS_MAX = 500, PATIENCE = 20 };
     const int64_t n = sp_network_dofs(r->net);
     sp_equilibrium *factor = &r->rest;
-    double size = forces(r, r->u, r->force), least = size;
+    double size = forces(r, r->u, r->force);
     int stalled = 0;
-    memcpy(r->best, r->u, (size_t)n * sizeof *r->u);
     if (r->rest.raised) {
         sp_status status = factor_now(r, err);
         if (status != SP_OK)
@@ -197,6 +308,21 @@ static sp_status equilibrate(run *r, double *residual, sp_error *err) {
             factor = &r->now;
         }
     }
+    return SP_OK;
+}
+
+/* From the linear answer. */
+static sp_status equilibrate(run *r, double *residual, sp_error *err) {
+    const size_t bytes = (size_t)sp_network_dofs(r->net) * sizeof *r->u;
+    double least = 0;
+    memcpy(r->start, r->u, bytes);
+    sp_status status = follow_contacts(r, &least, err);
+    if (status == SP_OK && !(least < ACCEPTED * r->load) && least > 0) {
+        memcpy(r->u, r->start, bytes);
+        status = soften_contacts(r, least, err);
+    }
+    if (status != SP_OK)
+        return status;
     *residual = forces(r, r->best, r->force);
     if (*residual > 0) /* a strain that no contact feels loads nothing */
         *residual /= r->load;
@@ -244,6 +370,29 @@ static bool within_reach(const run *r) {
     return 2 * worst + shift <= r->m.reach;
 }
 
+/* Names the grain that finds no rest. The law has no scale of its own while the same contacts touch, so that a smaller
+ * strain helps only against contacts that open and close. */
+static sp_status refuse(run *r, double residual, sp_error *err) {
+    int32_t worst = 0, contacts = 0, sliding = 0, changed = 0;
+    const int dof = r->net->dof;
+    for (int32_t i = 1; i < r->net->n; i++)
+        if (length_of(dof, r->force + (int64_t)i * dof) > length_of(dof, r->force + (int64_t)worst * dof))
+            worst = i;
+    for (int32_t k = 0; k < r->m.count; k++) {
+        const touching *t = &r->m.touch[k];
+        const bool own = r->row[t->i] == worst + 1 || (t->j >= 0 && r->row[t->j] == worst + 1);
+        contacts += own && t->kn > 0;
+        sliding += own && slides(&r->m, t);
+        changed += (t->overlap > 0) != (t->kn > 0);
+    }
+    return sp_fail(
+        err, SP_EREFUSED,
+        "strain %g: no equilibrium found, residual %.3g, must be below %g: the packing yields at grain %d, of "
+        "whose %d contacts %d slide; %s",
+        -r->strain, residual, ACCEPTED, r->net->grain[worst], contacts, sliding,
+        changed > 0 ? "contacts open or close, a smaller strain may not" : "no smaller strain would help");
+}
+
 static sp_status strain_one(run *r, int strain, sp_stiffness *c, sp_error *err) {
     const int64_t n = sp_network_dofs(r->net);
     double residual = 0;
@@ -260,11 +409,7 @@ static sp_status strain_one(run *r, int strain, sp_stiffness *c, sp_error *err) 
     if (status != SP_OK)
         return status;
     if (!(residual < ACCEPTED))
-        return sp_fail(
-            err, SP_EREFUSED,
-            "strain %g: no equilibrium found, residual %.3g, must be below %g: the packing yields, a smaller "
-            "strain may not",
-            -r->strain, residual, ACCEPTED);
+        return refuse(r, residual, err);
     if (!within_reach(r))
         return sp_fail(err, SP_EREFUSED, "strain %g: grains move by more than their neighbourhood, must be smaller",
                        -r->strain);
@@ -285,6 +430,11 @@ static sp_status strain_all(run *r, sp_stiffness *c, sp_error *err) {
     return status;
 }
 
+static sp_status hold_floppy(run *r, sp_error *err) {
+    sp_status status = sp_equilibrium_make(r->net, &r->soft, err);
+    return status == SP_OK ? sp_equilibrium_raise(&r->soft, RAISE_DIAGONAL, FLOPPY, err) : status;
+}
+
 static sp_status open_run(run *r, sp_error *err) {
     const size_t n = (size_t)sp_network_dofs(r->net);
     sp_status status = sp_equilibrium_make(r->net, &r->rest, err);
@@ -300,13 +450,14 @@ static sp_status open_run(run *r, sp_error *err) {
     r->springs.carried = NULL; /* for Newton's steps what K lacks of the derivative is little */
     r->springs.springs = sp_alloc((size_t)r->m.count, sizeof *r->springs.springs);
     r->springs.length = sp_alloc((size_t)r->m.count, sizeof *r->springs.length);
-    r->u = sp_alloc(4 * n, sizeof *r->u);
+    r->u = sp_alloc(5 * n, sizeof *r->u);
     if (!r->springs.springs || !r->springs.length || !r->u)
-        return sp_fail_memory(err, 4 * n * sizeof *r->u);
+        return sp_fail_memory(err, 5 * n * sizeof *r->u);
     r->more = r->u + n;
     r->force = r->u + 2 * n;
     r->best = r->u + 3 * n;
-    return SP_OK;
+    r->start = r->u + 4 * n;
+    return r->rest.raised ? hold_floppy(r, err) : SP_OK;
 }
 
 sp_status sp_moduli_strained(const sp_packing *p, const sp_network *net, double phi3s, const sp_strained_options *opt,
@@ -333,6 +484,7 @@ sp_status sp_moduli_strained(const sp_packing *p, const sp_network *net, double 
     sp_free(r.u);
     vibration_free(&r.m);
     sp_equilibrium_free(&r.now);
+    sp_equilibrium_free(&r.soft);
     sp_equilibrium_free(&r.rest);
     return status;
 }

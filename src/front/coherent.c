@@ -5,6 +5,8 @@
 #include <math.h>
 #include <sonopack/coherent.h>
 
+enum { PLANES_LEAST = 4 }; /* a wave has four numbers, a plane two */
+
 sp_section sp_section_none(void) { return (sp_section){0}; }
 
 void sp_section_free(sp_section *s) {
@@ -15,21 +17,68 @@ void sp_section_free(sp_section *s) {
     *s = sp_section_none();
 }
 
-static const double periods = 4; /* of the wave that count after its arrival */
+/* Where the integrals end. The wave is at a plane at the time of `at` + `slowness` y, not before the front. */
+typedef struct gate {
+    double at, slowness;
+    double length; /* time after that which counts, if the record is so long */
+    double part;   /* of that time, taken in the end */
+} gate;
 
-/* Integral of F e^(i omega t) by the trapezoidal rule, which is exact to rounding for a signal that holds no
- * frequencies beyond pi/spacing; turn[l] = e^(i omega l spacing). The second half after the arrival fades by a half
- * cosine, so that the end of the record makes no wave of its own. */
-static double complex fourier(const sp_section *s, int32_t plane, double omega, const double complex *turn) {
-    const double *f = s->f + (int64_t)plane * s->n, arrival = s->arrival[plane];
-    const double until = fmin(s->until[plane], arrival + periods * 2 * M_PI / omega), fade = 0.5 * (arrival + until);
-    double complex sum = 0.5 * f[0];
+static const double PERIODS = 4; /* of the wave that count after the front, where much is scattered */
+static const double LEAST = 0.5; /* periods that a plane must hold after the wave has come, to count */
+
+/* Integrals over the planes that count: of F e^(i omega t), and of t F e^(i omega t). */
+typedef struct integrals {
+    int32_t n;
+    double *y;                /* [n] */
+    double complex *z, *late; /* [n] */
+    double complex *turn;     /* [times] e^(i omega t) */
+} integrals;
+
+/* By the trapezoidal rule, which is exact to rounding for a signal that holds no frequencies beyond pi/spacing. From
+ * half way between the wave's coming and the end on, a half cosine fades, so that the end makes no wave of its own. */
+static void integrate_plane(const sp_section *s, int32_t plane, double fade, double until, integrals *in) {
+    const double *f = s->f + (int64_t)plane * s->n;
+    double complex z = 0.5 * f[0], late = 0;
     for (int32_t l = 1; l < s->n && l * s->spacing < until; l++) {
         const double t = l * s->spacing;
         const double taper = t <= fade ? 1 : 0.5 + 0.5 * cos(M_PI * (t - fade) / (until - fade));
-        sum += taper * f[l] * turn[l];
+        const double complex term = taper * f[l] * in->turn[l];
+        z += term;
+        late += t * term;
     }
-    return s->spacing * sum;
+    in->y[in->n] = s->y[plane];
+    in->z[in->n] = s->spacing * z;
+    in->late[in->n++] = s->spacing * late;
+}
+
+static void integrate(const sp_section *s, double omega, const gate *g, integrals *in) {
+    const double period = 2 * M_PI / omega;
+    in->n = 0;
+    for (int32_t j = 0; j < s->planes; j++) {
+        const double come = fmax(s->arrival[j], g->at + g->slowness * s->y[j]);
+        const double until = fmin(s->until[j], come + g->length);
+        const double end = come + g->part * (until - come);
+        if (until >= come + LEAST * period)
+            integrate_plane(s, j, 0.5 * (come + end), end, in);
+    }
+}
+
+/* When the waves of this frequency come: the real part of -i dS/domega over S is their mean time at a plane. A line is
+ * laid through the times, each with its plane's weight. False if the line falls. */
+static bool follow_group(const integrals *in, gate *g) {
+    double weight = 0, y = 0, t = 0, yy = 0, yt = 0;
+    for (int32_t j = 0; j < in->n; j++) {
+        const double w = creal(in->z[j] * conj(in->z[j])), time = creal(in->late[j] * conj(in->z[j]));
+        weight += w;
+        y += w * in->y[j];
+        t += time;
+        yy += w * in->y[j] * in->y[j];
+        yt += time * in->y[j];
+    }
+    g->slowness = (yt - y * t / weight) / (yy - y * y / weight);
+    g->at = (t - g->slowness * y) / weight;
+    return g->slowness > 0;
 }
 
 /* What is left of the squares after the best amplitude for (k, alpha), as a part of them. */
@@ -75,10 +124,86 @@ static void polish(int32_t n, const double *y, const double complex *z, search s
     }
 }
 
+/* A wave fitted to integrals; `part` is NAN for none. */
+typedef struct wave {
+    double k, alpha, part;
+} wave;
+
+/* Steps and ends of the search of a section. */
+typedef struct bounds {
+    double k_most, dk, a_first, a_least, a_most;
+} bounds;
+
+static bounds bounds_of(const sp_section *s) {
+    const double range = s->y[s->planes - 1] - s->y[0], gap = range / (s->planes - 1);
+    return (bounds){
+        .k_most = M_PI / gap, .dk = 0.5 / range, .a_first = 0.1 / range, .a_least = -1 / range, .a_most = 1 / gap};
+}
+
+static wave polish_from(const integrals *in, const bounds *b, wave start) {
+    wave w = start;
+    polish(in->n, in->y, in->z, (search){fmax(b->dk, 0.5 * w.alpha), fmax(b->a_first, 0.5 * w.alpha), b->a_least}, &w.k,
+           &w.alpha);
+    w.part = 1 - misfit(in->n, in->y, in->z, w.k, w.alpha);
+    return w;
+}
+
+/* The best of a grid, polished. */
+static wave find_wave(const integrals *in, const bounds *b) {
+    wave w = {NAN, NAN, NAN};
+    double least = INFINITY;
+    if (in->n < PLANES_LEAST)
+        return w;
+    for (double a = b->a_first; a < b->a_most; a *= 2)
+        for (double k = 0; k <= b->k_most; k += fmax(b->dk, 0.5 * a)) {
+            const double left = misfit(in->n, in->y, in->z, k, a);
+            if (left < least) {
+                least = left;
+                w = (wave){k, a, 0};
+            }
+        }
+    return isfinite(least) ? polish_from(in, b, w) : w;
+}
+
+/* Integrals up to the end of the record, once it is known when the group has come. Each guess lengthens them, which
+ * lets later waves in. */
+static wave find_late_wave(const sp_section *s, double omega, const bounds *b, gate *g, integrals *in) {
+    enum { TURNS_MAX = 8 };
+    wave none = {NAN, NAN, NAN};
+    *g = (gate){.length = INFINITY, .part = 1};
+    integrate(s, omega, g, in);
+    for (int turn = 0; turn < TURNS_MAX; turn++) {
+        const double before = g->slowness;
+        if (in->n < PLANES_LEAST || !follow_group(in, g))
+            return none;
+        integrate(s, omega, g, in);
+        if (fabs(g->slowness - before) < 0.01 * g->slowness)
+            break;
+    }
+    return find_wave(in, b);
+}
+
+/* Much that comes late is scattered, and belongs to no wave along y; in an ordered system nothing is, and late is what
+ * is slow. So the later end is taken where it leaves not half as much unexplained. */
+static wave choose_wave(const sp_section *s, double omega, const bounds *b, gate *g, integrals *in) {
+    gate whole;
+    *g = (gate){.length = PERIODS * 2 * M_PI / omega, .part = 1};
+    integrate(s, omega, g, in);
+    const wave early = find_wave(in, b), late = find_late_wave(s, omega, b, &whole, in);
+    if (!(1 - late.part < 0.5 * (1 - early.part)))
+        return early;
+    *g = whole;
+    return late;
+}
+
+static bool is_wave(const wave *w, const bounds *b) {
+    return w->k > w->alpha && w->k > 0 && w->k < b->k_most && w->alpha > b->a_least && w->alpha < b->a_most;
+}
+
 static sp_status check(const sp_section *s, double omega, sp_error *err) {
-    if (s->planes < 3 || s->n < 3 || !(s->spacing > 0))
-        return sp_fail(err, SP_EINVAL, "coherent wave: %d planes of %d times, at least 3 of each are needed", s->planes,
-                       s->n);
+    if (s->planes < PLANES_LEAST || s->n < 3 || !(s->spacing > 0))
+        return sp_fail(err, SP_EINVAL, "coherent wave: %d planes of %d times, at least %d and 3 are needed", s->planes,
+                       s->n, PLANES_LEAST);
     for (int32_t j = 1; j < s->planes; j++)
         if (!(s->y[j] > s->y[j - 1]))
             return sp_fail(err, SP_EINVAL, "coherent wave: height %g of plane %d is not above the one before, %g",
@@ -97,44 +222,48 @@ static bool holds_period(const sp_section *s, double omega) {
     return omega * longest >= 2 * M_PI;
 }
 
+static sp_status open_integrals(const sp_section *s, double omega, integrals *in, sp_error *err) {
+    const size_t planes = (size_t)s->planes, size = 2 * planes + (size_t)s->n;
+    *in = (integrals){.y = sp_alloc(planes, sizeof *in->y), .z = sp_alloc(size, sizeof *in->z)};
+    if (!in->y || !in->z) {
+        sp_free(in->y);
+        sp_free(in->z);
+        return sp_fail_memory(err, size * sizeof *in->z);
+    }
+    in->late = in->z + planes;
+    in->turn = in->z + 2 * planes;
+    for (int32_t l = 0; l < s->n; l++)
+        in->turn[l] = cexp(I * fmod(omega * (l * s->spacing), 2 * M_PI));
+    return SP_OK;
+}
+
 sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, sp_error *err) {
     sp_status status = check(s, omega, err);
     if (status != SP_OK)
         return status;
     if (!holds_period(s, omega)) {
-        *out = (sp_coherent){.omega = omega, .k = NAN, .alpha = NAN, .part = NAN};
+        *out = (sp_coherent){omega, NAN, NAN, NAN, NAN, NAN};
         return SP_OK;
     }
-    const int32_t n = s->planes;
-    const double range = s->y[n - 1] - s->y[0], gap = range / (n - 1), k_most = M_PI / gap, a_most = 1 / gap;
-    const double dk = 0.5 / range, a_least = -1 / range;
-    double complex *z = sp_alloc((size_t)n + (size_t)s->n, sizeof *z), *turn = z + n;
-    if (!z)
-        return sp_fail_memory(err, ((size_t)n + (size_t)s->n) * sizeof *z);
-    for (int32_t l = 0; l < s->n; l++)
-        turn[l] = cexp(I * fmod(omega * (l * s->spacing), 2 * M_PI));
-    for (int32_t j = 0; j < n; j++)
-        z[j] = fourier(s, j, omega, turn);
-    double least = INFINITY, k = NAN, alpha = NAN;
-    for (double a = 0.1 / range; a < a_most; a *= 2)
-        for (double trial = 0; trial <= k_most; trial += fmax(dk, 0.5 * a)) {
-            const double left = misfit(n, s->y, z, trial, a);
-            if (left < least) {
-                least = left;
-                k = trial;
-                alpha = a;
-            }
-        }
-    sp_coherent fit = {.omega = omega, .k = NAN, .alpha = NAN, .part = NAN};
-    if (isfinite(least)) {
-        polish(n, s->y, z, (search){fmax(dk, 0.5 * alpha), 0.5 * alpha, a_least}, &k, &alpha);
-        fit.part = 1 - misfit(n, s->y, z, k, alpha);
-        if (k > alpha && k > 0 && k < k_most && alpha > a_least && alpha < a_most) {
-            fit.k = k;
-            fit.alpha = alpha;
-        }
+    const bounds b = bounds_of(s);
+    integrals in;
+    gate g;
+    status = open_integrals(s, omega, &in, err);
+    if (status != SP_OK)
+        return status;
+    const wave w = choose_wave(s, omega, &b, &g, &in);
+    sp_coherent fit = {omega, NAN, NAN, w.part, NAN, NAN};
+    if (is_wave(&w, &b)) {
+        fit.k = w.k;
+        fit.alpha = w.alpha;
+        g.part = 0.5;
+        integrate(s, omega, &g, &in);
+        const wave half = polish_from(&in, &b, w);
+        fit.k_shift = half.k - w.k;
+        fit.alpha_shift = half.alpha - w.alpha;
     }
-    sp_free(z);
+    sp_free(in.y);
+    sp_free(in.z);
     *out = fit;
     return SP_OK;
 }

@@ -148,6 +148,21 @@ static int32_t add_plane(const sp_network *net, const sp_place *at, double *out)
     return count;
 }
 
+double sp_network_plane_height(const sp_network *net, double height) {
+    const int up = net->dim - 1;
+    double weight = 0, sum = 0;
+    for (int32_t k = 0; k < net->n_springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        if ((height_of(net, s->i) > height) == (height_of(net, s->j) > height))
+            continue;
+        const double rise = s->n[up] * net->length[k], part = s->n[up] * s->n[up];
+        const double w = (part * s->kn + (1 - part) * s->kt) * fabs(rise);
+        weight += w;
+        sum += w * (net->x[3 * (int64_t)s->i + up] + 0.5 * rise);
+    }
+    return weight > 0 ? sum / weight : NAN;
+}
+
 sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, double *out, sp_error *err) {
     sp_status status = check_place(net, at, err);
     int32_t row = -1;

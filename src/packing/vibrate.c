@@ -216,6 +216,7 @@ void vibration_rest(vibration *m) {
         memset(t->ft, 0, sizeof t->ft);
         memset(t->force, 0, sizeof t->force);
         t->fn = 0;
+        t->held = 1;
         t->kn = t->overlap > 0 ? contact_normal_stiffness(t->e, t->overlap) : 0;
     }
 }
@@ -287,6 +288,7 @@ static void drag(const vibration *m, touching *t, double kn_old, const double ch
     }
     size = sqrt(size);
     const double limit = m->friction * (t->fn0 + t->fn);
+    t->held = size > limit ? limit / size : 1;
     if (size > limit)
         for (int a = 0; a < 3; a++)
             t->ft[a] = t->ft[a] * (limit / size) + t->ft0[a] * (limit / size - 1);

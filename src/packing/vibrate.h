@@ -17,6 +17,7 @@ typedef struct touching {
     double fn0, ft0[3];     /* elastic forces at rest; tangential: on i */
     double shift[3];        /* displacement of j's side beside that of grain j: of moving walls and periodic images */
     double kn;              /* now; 0: open */
+    double held;            /* part of the tangential force that Coulomb's limit leaves; 1: the contact sticks */
     double ft[3];           /* change of the tangential elastic force on i */
     double fn;              /* change of the normal elastic force */
     double force[3];        /* change of the whole force on i */

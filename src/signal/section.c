@@ -58,6 +58,30 @@ static sp_status check(const sp_section_options *opt, double height, int32_t *pl
     return SP_OK;
 }
 
+/* Planes which the same contacts cross have one flux and one height, and are one plane. */
+static sp_status place_planes(const sp_network *net, const sp_section_options *opt, int32_t count, double t10,
+                              sp_section *s, sp_place *place, sp_error *err) {
+    const double height = net->box[net->dim - 1];
+    s->planes = 0;
+    for (int32_t k = 0; k < count; k++) {
+        const double plane = opt->low + k * opt->spacing, y = sp_network_plane_height(net, plane);
+        const int32_t j = s->planes;
+        if (isnan(y) || (j > 0 && !(y > s->y[j - 1] + 1e-6 * opt->spacing)))
+            continue;
+        s->y[j] = y;
+        s->arrival[j] = t10 * y / height;
+        s->until[j] = 2 * t10 - s->arrival[j];
+        place[j] = (sp_place){.kind = SP_PLACE_PLANE, .height = plane};
+        s->planes++;
+    }
+    return s->planes >= LEAST_PLANES
+               ? SP_OK
+               : sp_fail(err, SP_EREFUSED,
+                         "section: the %d planes between %g and %g cross %d different sets of contacts; at least %d "
+                         "needed: a higher box",
+                         count, opt->low, opt->part * height, s->planes, LEAST_PLANES);
+}
+
 /* Times up to `until`, so dense that frequencies up to the bound of the spectrum are a third of what they can carry. */
 static sp_status record(const sp_network *net, const sp_section_options *opt, double until, const sp_place *place,
                         sp_section *s, sp_error *err) {
@@ -94,12 +118,8 @@ sp_status sp_section_make(const sp_network *net, const sp_section_options *opt, 
         status = arrival(net, opt, height, &t10, err);
     if (status == SP_OK)
         status = alloc_section(planes, &s, &place, err);
-    for (int32_t j = 0; status == SP_OK && j < planes; j++) {
-        s.y[j] = opt->low + j * opt->spacing;
-        s.arrival[j] = t10 * s.y[j] / height;
-        s.until[j] = 2 * t10 - s.arrival[j];
-        place[j] = (sp_place){.kind = SP_PLACE_PLANE, .height = s.y[j]};
-    }
+    if (status == SP_OK)
+        status = place_planes(net, opt, planes, t10, &s, place, err);
     if (status == SP_OK)
         status = record(net, opt, s.until[0], place, &s, err);
     sp_free(place);

@@ -1,6 +1,7 @@
 #include "base/base.h"
 #include "linalg/cholesky.h"
 #include "linalg/eigen.h"
+#include "linalg/gmres.h"
 #include "test.h"
 
 #include <float.h>
@@ -180,12 +181,65 @@ static void test_no_memory(void **state) {
     }
 }
 
+/* A = D + p q^T with a diagonal D, not symmetric, and D^-1 as the preconditioner: rank one away from it, so that two
+ * steps are enough, and one is not. */
+enum { ORDER = 50 };
+static double diagonal(int64_t k) { return 1 + 0.1 * (double)k; }
+
+static sp_status apply_rank_one(void *with, const double *in, double *out, sp_error *reason) {
+    double sum = 0;
+    (void)reason;
+    ++*(int *)with;
+    for (int64_t k = 0; k < ORDER; k++)
+        sum += sin((double)k) * in[k];
+    for (int64_t k = 0; k < ORDER; k++)
+        out[k] = diagonal(k) * in[k] + 0.3 * cos(3 * (double)k) * sum;
+    return SP_OK;
+}
+
+static sp_status divide(void *with, const double *in, double *out, sp_error *reason) {
+    (void)with;
+    (void)reason;
+    for (int64_t k = 0; k < ORDER; k++)
+        out[k] = in[k] / diagonal(k);
+    return SP_OK;
+}
+
+static void test_gmres(void **state) {
+    (void)state;
+    int applied = 0;
+    double right[ORDER], x[ORDER], back[ORDER], residual;
+    gmres_problem g = {ORDER, apply_rank_one, divide, &applied, 1e-12, 10};
+    for (int k = 0; k < ORDER; k++)
+        right[k] = 1 + k % 7;
+    assert_ok(sp_gmres(&g, right, x, &residual, &err));
+    assert_int_equal(applied, 2);
+    assert_true(residual < 1e-12);
+    apply_rank_one(&applied, x, back, NULL);
+    for (int k = 0; k < ORDER; k++)
+        assert_close(back[k], right[k], 1e-11);
+    g.steps_max = 1; /* the least residual of one direction is told, and is no solution */
+    assert_ok(sp_gmres(&g, right, x, &residual, &err));
+    apply_rank_one(&applied, x, back, NULL);
+    double left = 0, all = 0;
+    for (int k = 0; k < ORDER; k++) {
+        left += (right[k] - back[k]) * (right[k] - back[k]);
+        all += right[k] * right[k];
+    }
+    assert_true(residual > 1e-6 && residual < 1);
+    assert_relative(sqrt(left / all), residual, 1e-10);
+    memset(right, 0, sizeof right);
+    assert_ok(sp_gmres(&g, right, x, &residual, &err));
+    assert_true(residual == 0 && x[3] == 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_dense),
                                        cmocka_unit_test(test_refusals),
                                        cmocka_unit_test(test_orthogonality_sees),
                                        cmocka_unit_test(test_cholesky),
                                        cmocka_unit_test(test_cholesky_refuses),
+                                       cmocka_unit_test(test_gmres),
                                        cmocka_unit_test(test_no_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

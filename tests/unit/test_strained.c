@@ -125,6 +125,7 @@ static void test_space(void **state) {
     (void)state;
     sp_pack_spec spec = sp_pack_spec_default();
     spec.dim = 3;
+    spec.protocol = SP_PROTOCOL_QUICK;
     spec.grains = 200;
     spec.width = 5;
     spec.pressure = 1e-3;
@@ -149,6 +150,44 @@ static void test_space(void **state) {
     assert_true(m.error11 < 1e-4 * m.c11 && m.error44 < 1e-3 * m.c44 && m.residual < 1e-8);
     sp_network_free(&net);
     sp_packing_free(&p);
+}
+
+/* Spheres with friction, some contacts of which are at Coulomb's limit at rest: they slide or stick, with a force that
+ * follows the normal force and a spring sideways of it. No length is in that law while contacts neither open nor close,
+ * so that the moduli are nearly the same for all small strains: some contacts are so near the limit at rest that the
+ * larger strain makes them slide. */
+static void test_spheres(void **state) {
+    (void)state;
+    int32_t sliding = 0;
+    for (uint64_t seed = 1; seed <= 6; seed++) {
+        sp_pack_spec spec = sp_pack_spec_default();
+        spec.dim = 3;
+        spec.protocol = SP_PROTOCOL_QUICK;
+        spec.grains = 300;
+        spec.width = spec.depth = 6;
+        spec.diameter_min = spec.diameter_max = 1;
+        spec.friction = 0.5;
+        spec.poisson = seed % 2 == 0 ? 0.3 : 0;
+        spec.pressure = seed % 4 < 2 ? 1e-4 : 1e-5;
+        spec.seed = seed;
+        sp_packing p = make_packing(&spec);
+        sp_network net = network_of(&p, false);
+        sp_moduli stick;
+        double small[9], smaller[9], springs[9];
+        assert_ok(sp_moduli_make(&net, 0.5, &stick, &err));
+        const sp_strained one = strained(&p, &net, 1e-9, true), two = strained(&p, &net, 1e-11, true);
+        components(&one.moduli, small);
+        components(&two.moduli, smaller);
+        components(&stick, springs);
+        for (int q = 0; q < 9; q++) {
+            assert_close(small[q], smaller[q], 0.03 * springs[2]);
+            assert_close(small[q], springs[q], 0.15 * springs[2]); /* sliding softens */
+        }
+        sliding += one.sliding;
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+    assert_true(sliding > 8);
 }
 
 static void test_refusals(void **state) {
@@ -189,7 +228,7 @@ static void test_refusals(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_straight), cmocka_unit_test(test_turning),
-                                       cmocka_unit_test(test_sliding), cmocka_unit_test(test_space),
-                                       cmocka_unit_test(test_refusals)};
+                                       cmocka_unit_test(test_sliding),  cmocka_unit_test(test_space),
+                                       cmocka_unit_test(test_spheres),  cmocka_unit_test(test_refusals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

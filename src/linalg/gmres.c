@@ -1,0 +1,111 @@
+#include "linalg/gmres.h"
+
+#include "base/base.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Arnoldi's vectors, and the Hessenberg matrix that Givens' rotations make triangular as it grows. */
+typedef struct gmres {
+    int64_t n;
+    int m;
+    double *basis;     /* [m + 1][n] */
+    double *h;         /* [m][m + 1], by columns */
+    double *c, *s, *g; /* [m], [m], [m + 1] */
+    double *work;      /* [n] */
+} gmres;
+
+static double dot(int64_t n, const double *a, const double *b) {
+    double sum = 0;
+    for (int64_t k = 0; k < n; k++)
+        sum += a[k] * b[k];
+    return sum;
+}
+
+static void scale_to(int64_t n, double by, const double *from, double *to) {
+    for (int64_t k = 0; k < n; k++)
+        to[k] = by * from[k];
+}
+
+/* The next vector of the basis: A M^-1 times the last, made orthogonal twice, so that it stays so. */
+static sp_status extend(const gmres_problem *p, gmres *q, int j, sp_error *err) {
+    double *next = q->basis + (int64_t)(j + 1) * q->n, *h = q->h + (size_t)j * ((size_t)q->m + 1);
+    sp_status status = p->precondition(p->with, q->basis + (int64_t)j * q->n, q->work, err);
+    if (status == SP_OK)
+        status = p->apply(p->with, q->work, next, err);
+    if (status != SP_OK)
+        return status;
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i <= j; i++) {
+            const double *v = q->basis + (int64_t)i * q->n, part = dot(q->n, v, next);
+            h[i] += part;
+            for (int64_t k = 0; k < q->n; k++)
+                next[k] -= part * v[k];
+        }
+    h[j + 1] = sqrt(dot(q->n, next, next));
+    if (h[j + 1] > 0)
+        scale_to(q->n, 1 / h[j + 1], next, next);
+    return SP_OK;
+}
+
+static void rotate(gmres *q, int j) {
+    double *h = q->h + (size_t)j * ((size_t)q->m + 1);
+    for (int i = 0; i < j; i++) {
+        const double a = h[i], b = h[i + 1];
+        h[i] = q->c[i] * a + q->s[i] * b;
+        h[i + 1] = q->c[i] * b - q->s[i] * a;
+    }
+    const double size = hypot(h[j], h[j + 1]);
+    q->c[j] = size > 0 ? h[j] / size : 1;
+    q->s[j] = size > 0 ? h[j + 1] / size : 0;
+    h[j] = size;
+    q->g[j + 1] = -q->s[j] * q->g[j];
+    q->g[j] *= q->c[j];
+}
+
+/* x = M^-1 (basis y), with the triangle solved for y. */
+static sp_status combine(const gmres_problem *p, gmres *q, int steps, double *x, sp_error *err) {
+    for (int j = steps; j-- > 0;) {
+        const double *h = q->h + (size_t)j * ((size_t)q->m + 1);
+        q->g[j] = h[j] > 0 ? q->g[j] / h[j] : 0;
+        for (int i = 0; i < j; i++)
+            q->g[i] -= h[i] * q->g[j];
+    }
+    memset(q->work, 0, (size_t)q->n * sizeof *q->work);
+    for (int j = 0; j < steps; j++)
+        for (int64_t k = 0; k < q->n; k++)
+            q->work[k] += q->g[j] * q->basis[(int64_t)j * q->n + k];
+    return p->precondition(p->with, q->work, x, err);
+}
+
+sp_status sp_gmres(const gmres_problem *p, const double *b, double *x, double *residual, sp_error *err) {
+    const size_t n = (size_t)p->n, m = (size_t)p->steps_max, size = (m + 2) * n + m * (m + 1) + 3 * m + 1;
+    const double norm = sqrt(dot(p->n, b, b));
+    gmres q = {.n = p->n, .m = p->steps_max};
+    sp_status status = SP_OK;
+    int steps = 0;
+    *residual = 0;
+    memset(x, 0, n * sizeof *x);
+    if (norm == 0)
+        return SP_OK;
+    q.basis = sp_alloc(size, sizeof *q.basis);
+    if (!q.basis)
+        return sp_fail_memory(err, size * sizeof *q.basis);
+    q.work = q.basis + (m + 1) * n;
+    q.h = q.work + n;
+    q.c = q.h + m * (m + 1);
+    q.s = q.c + m;
+    q.g = q.s + m;
+    scale_to(p->n, 1 / norm, b, q.basis);
+    q.g[0] = norm;
+    while (steps < p->steps_max && fabs(q.g[steps]) > p->tolerance * norm && status == SP_OK) {
+        status = extend(p, &q, steps, err);
+        if (status == SP_OK)
+            rotate(&q, steps++);
+    }
+    *residual = fabs(q.g[steps]) / norm;
+    if (status == SP_OK)
+        status = combine(p, &q, steps, x, err);
+    sp_free(q.basis);
+    return status;
+}
