@@ -13,13 +13,13 @@ from streams import COMMAND, run
 
 # quick packings; of the second stage all results, so that every file is written a second time
 SCENE = """
-packing = { width = 8; grains = 40; tolerance = 1e-7; seed = 3; };
+packing = { width = 8; grains = 40; tolerance = 1e-7; seed = 3; protocol = "quick"; };
 study = { samples = 15; want = ["statics"]; sweep = ( { key = "packing.pressure"; values = [1e-4, 1e-3]; } ); };
 signal = { until = 40.0; points = 41; };
 """
 # two good samples and two that fail: the soft ones need more steps
 SMALL = """
-packing = { width = 8; grains = 40; tolerance = 1e-7; seed = 3; max_steps = 3500; };
+packing = { width = 8; grains = 40; tolerance = 1e-7; seed = 3; protocol = "quick"; max_steps = 3500; };
 study = { samples = 2; want = ["statics"]; sweep = ( { key = "packing.pressure"; values = [1e-6, 1e-3]; } ); };
 signal = { until = 40.0; points = 41; };
 """

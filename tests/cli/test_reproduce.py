@@ -24,7 +24,9 @@ VOID = {"meta", "img", "br", "hr", "link"}
 
 
 def run(*args, status=0):
-    done = subprocess.run([COMMAND, "reproduce", *map(str, args)], capture_output=True, text=True)
+    """With packings that are made quickly: what they are like does not matter here."""
+    quick = ["--protocol", "quick"] if status == 0 and args and args[0] == "somfai2005" else []
+    done = subprocess.run([COMMAND, "reproduce", *map(str, args), *quick], capture_output=True, text=True)
     assert done.returncode == status, (args, done.returncode, done.stdout, done.stderr)
     assert "Sanitizer" not in done.stderr, done.stderr
     return done
@@ -231,7 +233,7 @@ def nothing_twice(folder, store, out, items, text):
 def stopped(folder):
     store, out = folder / "stopped", folder / "unfinished"
     command = [COMMAND, "reproduce", "somfai2005", "--only", "table2", "--samples", "20", "--store", str(store), "-o",
-               str(out), "--jobs", "1"]
+               str(out), "--jobs", "1", "--protocol", "quick"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 60
     while time.monotonic() < deadline and not (store.exists() and list(store.glob("*.h5"))):
@@ -265,7 +267,7 @@ def refused(folder, store):
         wrong("somfai2005", *there, "--samples", number, says="--samples")
     wrong("somfai2005", *there, "--jobs", "0", says="--jobs")
     wrong("somfai2005", *there, "--figures", "gif", says="must be svg, png or pdf")
-    wrong("somfai2005", *there, "--protocol", "slow", says="must be default or somfai2005")
+    wrong("somfai2005", *there, "--protocol", "slow", says="must be default, somfai2005 or quick")
     wrong("somfai2005", *there, "--set", "packing.grains=10", says="--set")
     only = ("somfai2005", "--only", "fig12")
     file = folder / "file"

@@ -68,7 +68,7 @@ def stopped_politely(folder):
     """Ctrl-C: the last state is written whatever the interval, and the way on is told."""
     path = folder / "stopped.h5"
     args = ["pack", "--set", "packing.grains=6000", "-o", path]  # far longer than what follows
-    for seconds in (1, 2, 3):  # on a busy machine the first state that can be kept comes late
+    for seconds in (1, 2, 4, 8, 16):  # on a busy machine the first state that can be kept comes late
         making = subprocess.Popen([COMMAND, *map(str, args)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                   text=True)
         time.sleep(seconds)

@@ -7,6 +7,7 @@ import math
 import os
 import pathlib
 import random
+import re
 import shutil
 import signal
 import socket
@@ -306,7 +307,7 @@ RECORD_DAMAGES = {
     "without its last line": lambda path: path.write_bytes(path.read_bytes()[:path.read_bytes().rindex(b"seed")]),
     "without its end": lambda path: path.write_bytes(path.read_bytes()[:-2]),
     "the half": lambda path: path.write_bytes(path.read_bytes()[:path.stat().st_size // 2]),
-    "no number": lambda path: path.write_bytes(path.read_bytes().replace(b"seed = 3", b"seed = x")),
+    "no number": lambda path: path.write_bytes(re.sub(rb"seed = \d+", b"seed = x", path.read_bytes())),
     "a folder": replaced(lambda path: path.mkdir()),
     "a FIFO": replaced(os.mkfifo),
     "an endless device": replaced(lambda path: path.symlink_to("/dev/zero")),
