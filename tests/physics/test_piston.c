@@ -122,6 +122,42 @@ static void test_odd_protocols(void **state) {
     }
 }
 
+/* The default protocol is the motion of somfai2005 until the global damping begins: without it they are the same bits,
+ * and with it the same material, in a narrow tall box too, where one that brakes earlier makes another. Now and then a
+ * packing rearranges while it comes to rest, in one and not in the other. */
+static void test_one_material(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        sp_pack_spec one = sp_pack_spec_default();
+        one.dim = dim;
+        one.width = 5;
+        one.grains = dim == 2 ? 120 : 150;
+        one.tolerance = 1e-7;
+        int alike = 0;
+        for (one.seed = 1; one.seed <= 3; one.seed++) {
+            sp_pack_spec other = one;
+            other.protocol = SP_PROTOCOL_SOMFAI2005;
+            sp_packing p = make_packing(&one), q = make_packing(&other);
+            const double ratio = sp_packing_height(&p) / sp_packing_height(&q);
+            print_message("%d dimensions: heights %g off, %d and %d contacts\n", dim, ratio - 1, p.n_contacts,
+                          q.n_contacts);
+            alike += fabs(ratio - 1) < 1e-3 && abs(p.n_contacts - q.n_contacts) <= 0.03 * q.n_contacts;
+            sp_packing_free(&p);
+            sp_packing_free(&q);
+        }
+        assert_true(alike >= 2);
+        one.calm = 0;
+        one.grains = 40;
+        one.tolerance = 1e-5;
+        sp_pack_spec other = one;
+        other.protocol = SP_PROTOCOL_SOMFAI2005;
+        sp_packing p = make_packing(&one), q = make_packing(&other);
+        assert_true(same(&p, &q));
+        sp_packing_free(&p);
+        sp_packing_free(&q);
+    }
+}
+
 static void test_few_grains(void **state) {
     (void)state;
     for (int n = 1; n <= 5; n++) {
@@ -141,7 +177,7 @@ static void test_few_grains(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rest),       cmocka_unit_test(test_determinism),   cmocka_unit_test(test_stops),
-        cmocka_unit_test(test_few_grains), cmocka_unit_test(test_odd_protocols),
+        cmocka_unit_test(test_few_grains), cmocka_unit_test(test_odd_protocols), cmocka_unit_test(test_one_material),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
