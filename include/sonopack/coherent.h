@@ -19,6 +19,7 @@ typedef struct sp_section {
     double *arrival; /* [planes] */
     double *until;   /* [planes] last time that counts, above the arrival */
     double *f;       /* [planes][n] */
+    double highest;  /* no wave has a higher frequency: the network's largest, up to 1e-3; 0: not known */
 } sp_section;
 sp_section sp_section_none(void);
 void sp_section_free(sp_section *s);
@@ -50,9 +51,10 @@ typedef struct sp_coherent {
  * what is scattered, count most. The integrals end, smoothly, four periods after the front: later comes what was
  * scattered. Where the whole record leaves less than half as much unexplained, as in an ordered system whose slow waves
  * come late, it is taken. Planes whose record ends within half a period of the wave's coming do not count. Planes D
- * apart tell wave numbers below pi/D. k, alpha and the shifts are NAN where the section does not tell them: with fewer
- * than 4 planes that count, with alpha at an end of its range, -1/range .. 1/D, k at the end of its, or alpha above k,
- * which is no wave. omega > 0, below the half of what the spacing of the times can carry. SP_EINVAL. */
+ * apart tell wave numbers below pi/D. k, alpha and the shifts are NAN where the section does not tell them: above its
+ * highest frequency, with fewer than 4 planes that count, with alpha at an end of its range, -1/range .. 1/D, k at the
+ * end of its, or alpha above k, which is no wave. omega > 0, below the half of what the spacing of the times can carry.
+ * SP_EINVAL. */
 sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, sp_error *err);
 
 #ifdef __cplusplus

@@ -92,7 +92,7 @@ enum { SP_STABILITY_MAX = 6000 }; /* degrees of freedom whose eigenvalues are al
 
 typedef enum sp_modes_verdict {
     SP_MODES_STABLE = 0, /* no eigenvalue is negative or complex, those that count as zero left out */
-    SP_MODES_UNSTABLE,   /* some certainly are */
+    SP_MODES_UNSTABLE,   /* some certainly are, by more than forces at rest that do not balance explain */
     SP_MODES_UNDECIDED   /* neither can be shown */
 } sp_modes_verdict;
 
@@ -104,9 +104,12 @@ typedef struct sp_stability {
     int64_t dofs;        /* of the network */
     int64_t negative;    /* eigenvalues below 0 for certain; -1: not known */
     int64_t flutter;     /* complex pairs, for certain; -1: not known */
-    int64_t zero;        /* within `balance` and their own error of 0 (floppy motions, spins); -1: not known */
+    int64_t unbalanced;  /* of the two, those within `balance`: alone they leave the verdict undecided; -1: not known */
+    int64_t zero;        /* within their own error of 0 (floppy motions), or spins of spheres with two contacts that are
+                            at rest; -1: not known */
     double softest;      /* least real part of the others; NAN: not known [E* / (rho d^2)] */
-    double growth;       /* rate of the fastest motion that certainly grows; 0 without [sqrt(E* / rho)/d] */
+    double growth;       /* rate of the fastest motion that certainly grows with these springs; 0 without
+                            [sqrt(E* / rho)/d] */
     double growth_bound; /* none grows faster than that */
     double error;        /* largest radius of a disc, or error of a count [E* / (rho d^2)] */
     double balance;      /* what forces at rest that do not balance may do to an eigenvalue that would be 0 */

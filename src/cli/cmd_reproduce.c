@@ -28,8 +28,10 @@ static const struct argp_option options[] = {
     {"jobs", KEY_JOBS, "N", 0, "Samples made at the same time (as many as there are cores)", 0},
     {"figures", KEY_FIGURES, "svg|png|pdf", 0, "Form of the figures (svg)", 0},
     {"protocol", KEY_PROTOCOL, "NAME", 0,
-     "How packings are compressed, as packing.protocol: default, or somfai2005 (more damping, a heavier piston), five "
-     "times as long; what lattices of unequal balls are made by stays the default",
+     "How packings are compressed, as packing.protocol: default; somfai2005, the same motion until all is damped in "
+     "the "
+     "end; or quick, another material, several times faster. What lattices of unequal balls are made by stays the "
+     "default",
      0},
     {0}};
 static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};

@@ -181,7 +181,7 @@ static void explain(const arguments *a, const waves *w) {
         cli_note(
             &a->common,
             "k and alpha are nan at %d of %d frequencies: no packing tells them (fewer than four planes with a record "
-            "as long as the wave, or no wave that spans planes)",
+            "as long as the wave, no wave that spans planes, or a frequency above the largest of the network)",
             none, w->n);
 }
 

@@ -20,6 +20,12 @@ static sp_status add_comments(const sp_packing *p, const sp_stability *s, sp_tab
         status = sp_table_add_comment(t, err, "skew = %.3g", s->skew);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "balance = %.3g", s->balance);
+    if (status == SP_OK && s->unbalanced > 0)
+        status =
+            sp_table_add_comment(t, err,
+                                 "%lld of the motions that grow are within balance: the forces at rest are as much "
+                                 "off theirs, see packing.tolerance and network.threshold",
+                                 (long long)s->unbalanced);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "%s: no motion grows faster than exp(%.3g t)", verdicts[s->verdict],
                                       s->growth_bound);

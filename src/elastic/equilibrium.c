@@ -1,6 +1,7 @@
 #include "elastic/equilibrium.h"
 
 #include "base/base.h"
+#include "network/spins.h"
 
 #include <math.h>
 #include <string.h>
@@ -145,24 +146,15 @@ sp_status sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double 
     return e->lu ? sp_lu_solve(e->lu, &e->solid, e->transposed, b, x, err) : sp_cholesky_solve(e->factor, 1, b, x, err);
 }
 
-/* A sphere with two contacts turns about the line through them. */
+/* A sphere with two contacts turns about the line through them, one with a single contact in other ways too. */
 static sp_status has_pivots(const sp_network *net, bool *out, sp_error *err) {
+    sp_spin *spin;
     *out = false;
-    if (net->dof < 6)
-        return SP_OK;
-    uint8_t *count = sp_alloc((size_t)net->n, 1);
-    if (!count)
-        return sp_fail_memory(err, (size_t)net->n);
-    for (int32_t k = 0; k < net->n_springs; k++) {
-        const sp_spring *s = &net->springs[k];
-        count[s->i] = (uint8_t)(count[s->i] < 3 ? count[s->i] + 1 : 3);
-        if (s->j >= 0)
-            count[s->j] = (uint8_t)(count[s->j] < 3 ? count[s->j] + 1 : 3);
-    }
-    for (int32_t i = 0; i < net->n; i++)
-        *out = *out || count[i] < 3;
-    sp_free(count);
-    return SP_OK;
+    sp_status status = sp_spins_make(net, &spin, err);
+    for (int32_t i = 0; i < net->n && status == SP_OK && spin; i++)
+        *out = *out || spin[i].springs < 3;
+    sp_free(spin);
+    return status;
 }
 
 /* K as it is if that is regular, else raised. */
@@ -173,7 +165,7 @@ static sp_status factorize_any(sp_equilibrium *e, sp_error *err) {
         status = factorize(e, err);
     if ((status == SP_OK && pivots) || status == SP_EREFUSED) {
         e->raised = RAISE_DIAGONAL;
-        e->raise = RAISE;
+        e->raise = e->net->carried ? RAISE_LOOSE : RAISE;
         status = factorize(e, err);
         if (status == SP_EREFUSED && e->net->prestress)
             sp_fail_prefix(err, "the network is unstable under its prestress");

@@ -16,7 +16,8 @@ typedef enum equilibrium_raise {
 } equilibrium_raise;
 
 /* Without symmetry a free spin is one but for forces that do not quite balance, so that it has a little stiffness, of
- * either sign: a fraction to raise by that is well above. */
+ * either sign, and a little load: a fraction to raise by that is well above, or it would turn a hundred times a strain.
+ */
 #define RAISE_LOOSE 1e-6
 
 typedef struct sp_equilibrium {

@@ -15,7 +15,8 @@ typedef struct sp_stiffness {
     double wall[STRAINS_3D]; /* normal force on the top wall over its area, for strain b: the row of C of the uniaxial
                                 strain between the walls again */
     double error[STRAINS_3D][STRAINS_3D]; /* bounds of the errors of c */
-    double residual;                      /* largest |K u - f| / |f| */
+    double spins[STRAINS_3D]; /* change of a stress by turns of 1 of the spheres with two contacts; part of `error` */
+    double residual;          /* largest |K u - f| / |f| */
 } sp_stiffness;
 
 sp_status sp_stiffness_make(const sp_network *net, sp_stiffness *out, sp_error *err);

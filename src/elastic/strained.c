@@ -370,8 +370,14 @@ static bool within_reach(const run *r) {
     return 2 * worst + shift <= r->m.reach;
 }
 
-/* Names the grain that finds no rest. The law has no scale of its own while the same contacts touch, so that a smaller
- * strain helps only against contacts that open and close. */
+/* At rest below Coulomb's limit and now at it; at that limit a contact slides under any strain, or under none. */
+static bool begins_to_slide(const vibration *m, const touching *t) {
+    const double *f = t->ft0;
+    return slides(m, t) && t->overlap > 0 && sqrt(dot(f, f)) < (1 - 1e-9) * m->friction * t->fn0;
+}
+
+/* Names the grain that finds no rest. The law has no scale of its own but where contacts open, close or begin to slide:
+ * fewer do under a smaller strain. */
 static sp_status refuse(run *r, double residual, sp_error *err) {
     int32_t worst = 0, contacts = 0, sliding = 0, changed = 0;
     const int dof = r->net->dof;
@@ -383,14 +389,15 @@ static sp_status refuse(run *r, double residual, sp_error *err) {
         const bool own = r->row[t->i] == worst + 1 || (t->j >= 0 && r->row[t->j] == worst + 1);
         contacts += own && t->kn > 0;
         sliding += own && slides(&r->m, t);
-        changed += (t->overlap > 0) != (t->kn > 0);
+        changed += (t->overlap > 0) != (t->kn > 0) || begins_to_slide(&r->m, t);
     }
     return sp_fail(
         err, SP_EREFUSED,
         "strain %g: no equilibrium found, residual %.3g, must be below %g: the packing yields at grain %d, of "
         "whose %d contacts %d slide; %s",
         -r->strain, residual, ACCEPTED, r->net->grain[worst], contacts, sliding,
-        changed > 0 ? "contacts open or close, a smaller strain may not" : "no smaller strain would help");
+        changed > 0 ? "contacts open, close or begin to slide, try a smaller strain"
+                    : "the contacts stay as they are at rest, a smaller strain is not likely to help");
 }
 
 static sp_status strain_one(run *r, int strain, sp_stiffness *c, sp_error *err) {

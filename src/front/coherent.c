@@ -241,7 +241,7 @@ sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, s
     sp_status status = check(s, omega, err);
     if (status != SP_OK)
         return status;
-    if (!holds_period(s, omega)) {
+    if (!holds_period(s, omega) || (s->highest > 0 && omega > s->highest)) {
         *out = (sp_coherent){omega, NAN, NAN, NAN, NAN, NAN};
         return SP_OK;
     }

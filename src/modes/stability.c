@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "linalg/discs.h"
 #include "linalg/ldl.h"
+#include "network/spins.h"
 
 #include <float.h>
 #include <math.h>
@@ -19,28 +20,46 @@ static void add_contact(const sp_contact *c, double sign, double r, double sum[6
     }
 }
 
+/* How well the forces at rest balance, as far as eigenvalues feel it. */
+typedef struct rest {
+    double balance; /* of the worst grain */
+    int64_t spins;  /* spheres with two contacts at rest: motions with omega^2 = 0 but for `spin` */
+    double spin;    /* of the worst of those */
+} rest;
+
+/* Forces left over, in p, of spheres that are at rest: some contacts too weak to carry (network.threshold) are out. */
+static const double RESTED = 1e-3;
+
 /* A floppy motion of a grain has omega^2 = 0 as long as its forces balance: terms of K that cancel then are forces over
  * m R, torques over the moment of inertia. The largest of what is left over. */
-static sp_status find_balance(const sp_packing *p, const sp_network *net, double *balance, sp_error *err) {
+static sp_status find_rest(const sp_packing *p, const sp_network *net, rest *out, sp_error *err) {
     double(*sum)[6] = sp_alloc((size_t)net->n, sizeof *sum);
-    if (!sum)
-        return sp_fail_memory(err, (size_t)net->n * sizeof *sum);
-    for (int32_t k = 0; k < net->n_springs; k++) {
+    sp_spin *spin = NULL;
+    sp_status status = sum ? SP_OK : sp_fail_memory(err, (size_t)net->n * sizeof *sum);
+    if (status == SP_OK)
+        status = sp_spins_make(net, &spin, err);
+    for (int32_t k = 0; k < net->n_springs && status == SP_OK; k++) {
         const sp_spring *s = &net->springs[k];
         add_contact(&p->contacts[s->contact], 1, s->ri, sum[s->i]);
         if (s->j >= 0)
             add_contact(&p->contacts[s->contact], -1, s->rj, sum[s->j]);
     }
-    *balance = 0;
-    for (int32_t i = 0; i < net->n && net->prestress; i++) {
+    *out = (rest){0};
+    for (int32_t i = 0; i < net->n && net->prestress && status == SP_OK; i++) {
         const double *f = sum[i], r = net->r[i], mass = net->mass[(int64_t)i * net->dof];
         const double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
         const double torque = sqrt(f[3] * f[3] + f[4] * f[4] + f[5] * f[5]);
         const double turned = net->dof > net->dim ? (force * r + torque) / (0.4 * mass * r * r) : 0;
-        *balance = fmax(*balance, fmax(force / (mass * r), turned));
+        double axis[3];
+        out->balance = fmax(out->balance, fmax(force / (mass * r), turned));
+        if (spin && sp_spin_axis(&spin[i], axis) && force + torque / r <= RESTED * net->pressure) {
+            out->spins++;
+            out->spin = fmax(out->spin, turned);
+        }
     }
+    sp_free(spin);
     sp_free(sum);
-    return SP_OK;
+    return status;
 }
 
 /* |Im sqrt(z)|, the rate at which a motion with omega^2 = z grows. */
@@ -105,28 +124,56 @@ static void add_disc(part *to, const disc *d) {
 }
 
 /* What a part says. One disc alone on the axis holds a real eigenvalue: the conjugate of another would be in it too. */
-static void judge(const part *q, double margin, sp_stability *s) {
-    if (q->size <= margin) {
+static void judge(const part *q, sp_stability *s) {
+    s->growth_bound = fmax(s->growth_bound, q->discs == 1 && q->nearest <= 0 && q->low > 0 ? 0 : q->growth);
+    if (q->nearest <= 0 && q->low <= 0 && q->high >= 0 && q->size <= 2 * s->error) {
         s->zero += q->discs;
-        s->growth_bound = fmax(s->growth_bound, sqrt(q->size));
         return;
     }
     s->softest = fmin(s->softest, q->low);
     if (q->discs == 1 && q->nearest <= 0 && q->low > 0)
         return;
-    s->growth_bound = fmax(s->growth_bound, q->growth);
-    if (q->nearest > 0) {
-        s->flutter += q->above;
-        s->growth = fmax(s->growth, q->certain);
-    } else if (q->discs == 1 && q->high < 0) {
-        s->negative++;
-        s->growth = fmax(s->growth, q->certain);
-    } else {
+    const bool off = q->nearest > 0, within = q->size <= s->balance + 2 * s->error;
+    if (!off && !(q->discs == 1 && q->high < 0)) {
         s->verdict = SP_MODES_UNDECIDED;
+        return;
     }
+    const int64_t motions = off ? q->above : 1;
+    s->flutter += off ? motions : 0;
+    s->negative += off ? 0 : motions;
+    s->unbalanced += within ? motions : 0;
+    s->growth = fmax(s->growth, q->certain);
 }
 
-static sp_status judge_all(const sp_discs *all, sp_stability *s, sp_error *err) {
+static int by_size(const void *a, const void *b) {
+    const part *x = a, *y = b;
+    return (x->size > y->size) - (x->size < y->size);
+}
+
+/* Spins first: as many of the smallest as there are, if what their forces are off balance explains them. */
+static void judge_parts(int64_t n, part *parts, const rest *r, sp_stability *s) {
+    int64_t spins = r->spins;
+    qsort(parts, (size_t)n, sizeof *parts, by_size);
+    for (int64_t k = 0; k < n; k++) {
+        const part *q = &parts[k];
+        if (q->discs == 0)
+            continue;
+        if (q->discs <= spins && q->size <= r->spin + 2 * s->error) {
+            spins -= q->discs;
+            s->zero += q->discs;
+            s->growth_bound = fmax(s->growth_bound, sqrt(q->size));
+        } else {
+            spins = 0; /* the rest is larger */
+            judge(q, s);
+        }
+    }
+    if (s->negative + s->flutter > s->unbalanced)
+        s->verdict = SP_MODES_UNSTABLE;
+    else if (s->unbalanced > 0)
+        s->verdict = SP_MODES_UNDECIDED;
+}
+
+static sp_status judge_all(const sp_discs *all, const rest *r, sp_stability *s, sp_error *err) {
     const size_t n = (size_t)all->n;
     disc *d = sp_alloc(n, sizeof *d);
     int64_t *owner = sp_alloc(n, sizeof *owner);
@@ -143,11 +190,7 @@ static sp_status judge_all(const sp_discs *all, sp_stability *s, sp_error *err) 
         for (size_t k = 0; k < n; k++)
             add_disc(&parts[root_of(owner, (int64_t)k)], &d[k]);
         s->softest = INFINITY;
-        for (size_t k = 0; k < n; k++)
-            if (parts[k].discs > 0)
-                judge(&parts[k], s->balance + 2 * s->error, s);
-        if (s->negative > 0 || s->flutter > 0)
-            s->verdict = SP_MODES_UNSTABLE;
+        judge_parts((int64_t)n, parts, r, s);
     }
     sp_free(d);
     sp_free(owner);
@@ -162,7 +205,7 @@ static void scale(const sp_network *net, sp_sparse *k) {
             k->x[q] /= sqrt(net->mass[c]) * sqrt(net->mass[k->i[q]]);
 }
 
-static sp_status by_discs(const sp_network *net, sp_stability *s, sp_error *err) {
+static sp_status by_discs(const sp_network *net, const rest *r, sp_stability *s, sp_error *err) {
     sp_sparse a = {0};
     sp_discs d = {0};
     sp_status status = sp_network_assemble_whole(net, &a, err);
@@ -171,7 +214,7 @@ static sp_status by_discs(const sp_network *net, sp_stability *s, sp_error *err)
         status = sp_discs_make(&a, &d, err);
     }
     if (status == SP_OK)
-        status = judge_all(&d, s, err);
+        status = judge_all(&d, r, s, err);
     s->dense = true;
     sp_discs_free(&d);
     sp_sparse_free(&a);
@@ -245,41 +288,87 @@ static sp_status find_bottom(const count *c, double from, double *delta, sp_erro
     return status;
 }
 
-static sp_status judge_counts(const sp_network *net, const count *c, sp_stability *s, sp_error *err) {
-    const double top = 2 * sp_network_omega_bound(net) * sp_network_omega_bound(net);
-    double margin = fmax(s->balance, 1e4 * c->noise), sigma = -margin, error = 0, delta = 0;
-    int64_t below = 0, up = 0;
-    sp_status status = count_below(c, &sigma, &below, &error, err);
-    s->error = error;
-    if (status == SP_OK && !(error < margin))
-        status = sp_fail(err, SP_EREFUSED, "eigenvalues near 0 cannot be counted: pivots are off by %.2g", error);
+/* The least distance from 0 beyond which counts tell signs: 1e4 times the noise, or more where pivots are small. */
+static sp_status find_rounding(const count *c, double most, double *rounding, sp_error *err) {
+    double error = 0;
+    int64_t below = 0;
+    *rounding = 1e4 * c->noise;
+    for (most = fmax(most, *rounding); *rounding <= most; *rounding = fmax(4 * *rounding, 2 * error)) {
+        double sigma = -*rounding;
+        sp_status status = count_below(c, &sigma, &below, &error, err);
+        if (status != SP_OK || error < *rounding)
+            return status;
+    }
+    return sp_fail(err, SP_EREFUSED, "eigenvalues near 0 cannot be counted: pivots are off by %.2g", error);
+}
+
+/* Eigenvalues below -window, and up to window. */
+typedef struct around {
+    double window, error;
+    int64_t below, up;
+} around;
+
+static sp_status count_around(const count *c, double window, around *out, sp_error *err) {
+    double sigma = -window, high = window, error = 0;
+    *out = (around){.window = window};
+    sp_status status = count_below(c, &sigma, &out->below, &out->error, err);
     if (status == SP_OK)
-        status = find_bottom(c, margin, &delta, err);
+        status = count_below(c, &high, &out->up, &error, err);
+    out->error = fmax(out->error, error);
+    out->window = -sigma;
+    return status;
+}
+
+/* What counts as zero: within rounding, or within what the forces of spins are off balance if nothing but spins lies
+ * there. */
+static sp_status find_zeros(const count *c, const rest *r, double rounding, around *zero, sp_error *err) {
+    around wide;
+    sp_status status = count_around(c, rounding, zero, err);
+    if (status != SP_OK || r->spins == 0 || r->spin <= rounding)
+        return status;
+    status = count_around(c, r->spin, &wide, err);
+    if (status == SP_OK && wide.up - wide.below <= r->spins)
+        *zero = wide;
+    return status;
+}
+
+static sp_status judge_counts(const sp_network *net, const count *c, const rest *r, sp_stability *s, sp_error *err) {
+    const double top = 2 * sp_network_omega_bound(net) * sp_network_omega_bound(net);
+    double rounding = 0, delta = 0, error = 0;
+    int64_t beyond = 0;
+    around zero = {0};
+    sp_status status = find_rounding(c, s->balance, &rounding, err);
+    if (status == SP_OK)
+        status = find_zeros(c, r, rounding, &zero, err);
+    if (status == SP_OK)
+        status = find_bottom(c, zero.window, &delta, err);
     if (status != SP_OK)
         return status;
+    s->error = zero.error;
     if (s->skew > 0) {
         s->verdict = SP_MODES_UNDECIDED;
         s->growth_bound = growth_of(-delta, s->skew);
         return SP_OK;
     }
+    double sigma = -fmax(s->balance, zero.window);
+    status = count_below(c, &sigma, &beyond, &error, err);
     s->flutter = 0;
-    s->negative = below;
-    s->verdict = below > 0 ? SP_MODES_UNSTABLE : SP_MODES_STABLE;
+    s->negative = zero.below;
+    s->unbalanced = zero.below - beyond;
+    s->verdict = beyond > 0 ? SP_MODES_UNSTABLE : zero.below > 0 ? SP_MODES_UNDECIDED : SP_MODES_STABLE;
     s->growth_bound = sqrt(delta);
-    s->growth = below > 0 ? sqrt(fmax(-sigma - error, 0)) : 0;
-    if (below > 0) /* the bottom is known to 10% */
-        s->growth = fmax(s->growth, sqrt(fmax((delta - error) / 1.11 - error, 0)));
-    status = count_below(c, &margin, &up, &error, err);
-    s->zero = up - below;
-    return status == SP_OK ? find_next(c, margin, top, up, &s->softest, err) : status;
+    s->zero = zero.up - zero.below;
+    if (zero.below > 0) /* the bottom is known to 10% */
+        s->growth = sqrt(fmax(fmax(zero.window, (delta - zero.error) / 1.11) - zero.error, 0));
+    return status == SP_OK ? find_next(c, zero.window, top, zero.up, &s->softest, err) : status;
 }
 
-static sp_status by_counts(const sp_network *net, sp_stability *s, sp_error *err) {
+static sp_status by_counts(const sp_network *net, const rest *r, sp_stability *s, sp_error *err) {
     sp_sparse a = {0};
     count c = {0};
     int64_t longest = 0;
     sp_status status = sp_network_assemble(net, &a, err);
-    s->negative = s->flutter = s->zero = -1;
+    s->negative = s->flutter = s->unbalanced = s->zero = -1;
     s->softest = NAN;
     if (status == SP_OK) {
         scale(net, &a);
@@ -291,7 +380,7 @@ static sp_status by_counts(const sp_network *net, sp_stability *s, sp_error *err
         status = sp_ldl_make(&a, &c.ldl, err);
     }
     if (status == SP_OK)
-        status = judge_counts(net, &c, s, err);
+        status = judge_counts(net, &c, r, s, err);
     sp_ldl_free(c.ldl);
     sp_sparse_free(&a);
     return status;
@@ -302,9 +391,11 @@ sp_status sp_stability_make(const sp_packing *p, const sp_network *net, sp_stabi
     if (p->n != net->n_all || p->dim != net->dim)
         return sp_fail(err, SP_EINVAL, "a packing of %d grains with a network of %d, must be its own", p->n,
                        net->n_all);
-    sp_status status = find_balance(p, net, &s.balance, err);
+    rest r;
+    sp_status status = find_rest(p, net, &r, err);
+    s.balance = r.balance;
     if (status == SP_OK)
-        status = net->carried && s.dofs <= SP_STABILITY_MAX ? by_discs(net, &s, err) : by_counts(net, &s, err);
+        status = net->carried && s.dofs <= SP_STABILITY_MAX ? by_discs(net, &r, &s, err) : by_counts(net, &r, &s, err);
     if (status == SP_OK)
         *out = s;
     return status;

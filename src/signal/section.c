@@ -1,5 +1,6 @@
 /* Record sections of packings. */
 #include "base/base.h"
+#include "network/largest.h"
 
 #include <math.h>
 #include <sonopack/coherent.h>
@@ -122,6 +123,9 @@ sp_status sp_section_make(const sp_network *net, const sp_section_options *opt, 
         status = place_planes(net, opt, planes, t10, &s, place, err);
     if (status == SP_OK)
         status = record(net, opt, s.until[0], place, &s, err);
+    if (status == SP_OK)
+        status = sp_network_find_largest(net, &s.highest, err);
+    s.highest *= 1.001; /* known from below */
     sp_free(place);
     if (status != SP_OK) {
         sp_section_free(&s);

@@ -58,6 +58,18 @@ def test_space():
         assert loaded["growth_bound"] < 1e-4 and float(comments["skew"]) > 1e-5 and loaded["softest"] < plain["softest"]
 
 
+def test_unbalanced():
+    """Without the contacts that carry little the others are no rest: what grows is counted, the verdict says why not."""
+    run("pack", "--seed", 3, "-q", "-o", "loose.h5", *(f"--set=packing.{key}" for key in (
+        "protocol=quick", "grains=80", "width=7", "friction=0")))
+    words = "loose.h5", "--prestress", "--threshold", 0.3
+    comments, row = verdict(*words)
+    assert row["verdict"] == "undecided" and row["negative"] == 2 and row["zero"] == 1 and row["growth"] > 0.01, row
+    assert row["growth"] ** 2 < float(comments["balance"])
+    assert "# 2 of the motions that grow are within balance" in run("modes", *words, "--stability")
+    assert verdict(*words[:2])[1]["verdict"] == "stable"
+
+
 def test_refusals():
     for words in (["--lowest", 3], ["--band", "0:1"], ["--frequencies-only"], ["--damping", 0.1]):
         assert "--stability" in run("modes", N200, "--stability", *words, status=2)
@@ -68,5 +80,6 @@ if __name__ == "__main__":
         os.chdir(folder)
         test_reference()
         test_space()
+        test_unbalanced()
         test_refusals()
     print("passed")

@@ -52,6 +52,11 @@ def main():
                 assert part > highest or (abs(k / right - 1) < k_error and abs(alpha) < alpha_error), case
                 shift = math.hypot(found["k_shift"][l], found["alpha_shift"][l])
                 assert math.hypot(k - right, alpha) < (1 if part < 0.85 else 3) * shift + 1e-6, case
+            # above the largest frequency there is no wave: sideways ones of the lattice with friction go higher
+            above = (1.003, 1.05, 1.2) if kind == "chain" else (1.05, 1.2) if friction == 0 else (2.5,)
+            none = rows(made, "--at", ",".join(repr(part * top) for part in above))
+            assert all(map(math.isnan, none["k"])) and all(map(math.isnan, none["alpha"])), (kind, none)
+            assert list(none["samples"]) == [0] * len(above), (kind, none)
             os.remove(made)
         # means and standard errors over packings are those of their own rows
         options = "--at", "0.05,0.1,0.15", "--part", "0.9", "--low", "2", "--spacing", "0.5"

@@ -85,6 +85,12 @@ static void check_rows(const sp_packing *p, bool lattice) {
         assert_true(error < (part < 0.85 ? 1 : 3) * shift + 1e-6);
         assert_true(shift < 0.01 * k);
     }
+    assert_true(s.highest > 2 * root && s.highest < 1.0011 * 2 * root);
+    for (int q = 0; q < 3; q++) { /* where nothing can swing, no wave */
+        sp_coherent c;
+        assert_ok(sp_coherent_fit(&s, (const double[]){1.002, 1.05, 1.2}[q] * 2 * root, &c, &err));
+        assert_true(isnan(c.k) && isnan(c.alpha) && isnan(c.k_shift) && isnan(c.alpha_shift));
+    }
     sp_section_free(&s);
     sp_network_free(&net);
 }

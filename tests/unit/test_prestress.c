@@ -2,6 +2,7 @@
 #include "carried.h"
 
 #include "network/kernel.h"
+#include "network/largest.h"
 #include "network/operator.h"
 #include "packing/dynamics.h"
 #include "packing/making.h"
@@ -354,8 +355,8 @@ static void test_operator(void **state) {
     }
 }
 
-/* Power steps on S^T S = -S^2, S the antisymmetric part of M^-1/2 J M^-1/2: its norm, from below. */
-static double skew_of(const sp_network *net) {
+/* Power steps with the antisymmetric (sign -1) or symmetric part of M^-1/2 J M^-1/2: its norm, from below. */
+static double norm_of(const sp_network *net, double sign) {
     const int64_t n = sp_network_dofs(net);
     double *x = carried_vector(n), *y = calloc(2 * (size_t)n, sizeof *y), *z = y + n, norm = 0;
     for (int step = 0; step < 200; step++) {
@@ -364,7 +365,7 @@ static double skew_of(const sp_network *net) {
         sp_network_apply(net, x, y);
         sp_network_apply_transposed(net, x, z);
         for (int64_t k = 0; k < n; k++)
-            x[k] = 0.5 * (y[k] - z[k]) / sqrt(net->mass[k]);
+            x[k] = 0.5 * (y[k] + sign * z[k]) / sqrt(net->mass[k]);
         norm = sqrt(dot(n, x, x));
         for (int64_t k = 0; k < n; k++)
             x[k] /= norm;
@@ -380,7 +381,11 @@ static void test_bounds(void **state) {
     for (int dim = 2; dim <= 3; dim++) {
         sp_packing p = carried_packing(dim, dim == 2 ? 6 : 4, 0.4, 47);
         sp_network net = carried_network(&p);
-        const double skew = skew_of(&net);
+        const double skew = norm_of(&net, -1), fastest = sqrt(norm_of(&net, 1));
+        double largest = 0;
+        assert_ok(sp_network_find_largest(&net, &largest, &err));
+        assert_true(largest > fastest * (1 - 1e-10) && largest < fastest * 1.01);
+        assert_true(largest < sp_network_omega_bound(&net));
         assert_true(skew <= sp_network_skew(&net) && sp_network_skew(&net) < 3 * skew);
         assert_true(sp_network_soft(&net) > 0);
         sp_error reason = {0};
