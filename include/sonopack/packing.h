@@ -128,7 +128,7 @@ enum { SP_HISTORY_MAX = 1000 };      /* pressures in a history */
 typedef enum sp_compression { SP_COMPRESSION_PISTON = 0, SP_COMPRESSION_ISOTROPIC } sp_compression;
 
 /* Where the damping, the piston, the gas and the time step come from that the spec leaves open. DEFAULT and SOMFAI2005
- * are one motion until the grains are nearly at rest. QUICK is braked early: it takes an eighth to a third of the
+ * are one motion until the grains are nearly at rest. QUICK is braked early: it takes an eighth to two fifths of the
  * steps, and is another material, above all in tall boxes (docs/physics.md, Preparation). */
 typedef enum sp_protocol { SP_PROTOCOL_DEFAULT = 0, SP_PROTOCOL_SOMFAI2005, SP_PROTOCOL_QUICK } sp_protocol;
 

@@ -107,7 +107,7 @@ const sp_field sp_fields[] = {
     {"packing", "compression", SP_FIELD_WORD, AT(pack.compression), "", 0, 0, compressions,
      "what yields to the pressure: the piston alone, or the sides as well"},
     {"packing", "protocol", SP_FIELD_WORD, AT(pack.protocol), "", 0, 0, protocols,
-     "decides damping, piston, gas and time step where these are not given"},
+     "decides damping, piston, gas, time step and how the motion ends, where these are not given"},
     {"packing", "reference", SP_FIELD_BOOL, AT(pack.reference), "", 0, 0, NULL,
      "the plain and slow way, to compare with"},
     {"packing", "seed", SP_FIELD_INT64, AT(pack.seed), "", 0, 0x1p63, NULL, "of the random streams"},
