@@ -17,7 +17,7 @@ from streams import COMMAND, run
 
 # fourteen samples of some tenths of a second, so that processes are at work at the same time
 SLOW = """
-packing = { width = 12; grains = 150; tolerance = 1e-7; seed = 3; };
+packing = { width = 12; grains = 150; tolerance = 1e-7; seed = 3; protocol = "quick"; };
 study = { samples = 7; want = ["statics"]; sweep = ( { key = "packing.pressure"; values = [1e-5, 1e-3]; } ); };
 signal = { until = 40.0; points = 41; };
 """

@@ -19,14 +19,14 @@ COMMAND, SOURCE, MPI_COMMAND = sys.argv[1:4]
 ENVIRONMENT = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI", "PMI", "SLURM", "MV2"))}
 ENVIRONMENT.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", LC_ALL="C.UTF-8")
 
-SCENE = """packing = { width = 8; grains = 120; tolerance = 1e-9; };
+SCENE = """packing = { width = 8; grains = 120; tolerance = 1e-9; protocol = "quick"; };
 study = { samples = 6; want = ["ctof", "moduli"]; sweep = (
   { key = "packing.pressure"; values = [1e-4, 1e-3]; },
   { key = "packing.grains"; values = [60, 120]; } ); };
 """
 SAMPLES = 24
 # long enough to be stopped in the middle
-LONGER = """packing = { width = 12; grains = 240; };
+LONGER = """packing = { width = 8; grains = 120; };
 study = { samples = 40; want = ["statics"]; };
 """
 LONGER_SAMPLES = 40
@@ -218,7 +218,7 @@ def sleepers(folder):
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     begun = time.monotonic()
     mpirun(4, "study", "--store", folder / "one", "--set", "packing.width=24", "--set", "packing.grains=1500", "--set",
-           "study.samples=1", "--set", "study.want=statics")
+           "packing.protocol=quick", "--set", "study.samples=1", "--set", "study.want=statics")
     wall = time.monotonic() - begun
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     cpu = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
