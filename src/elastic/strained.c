@@ -225,7 +225,7 @@ static sp_status apply_tangent(void *with, const double *in, double *out, sp_err
         if (r->m.touch[k].kn > 0)
             add_tangent(r, &r->m.touch[k], in, out);
     for (int64_t k = 0; k < n && e->raised; k++) /* as in the factor */
-        out[k] += e->raise * e->k.x[e->k.p[k]] * in[k];
+        out[k] += e->raise * e->k.x[e->diagonal[k]] * in[k];
     return SP_OK;
 }
 
