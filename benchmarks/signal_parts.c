@@ -11,7 +11,7 @@
 
 #include <math.h>
 #include <sonopack/signal.h>
-#include <sonopack/store.h>
+#include <sonopack/study/store.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -65,7 +65,7 @@ static double product_seconds(recurrence *r, int32_t n) {
     for (int run = 0; run < 7; run++) {
         const double start = seconds();
         for (int k = 0; k < steps; k++)
-            recurrence_step(r);
+            sp_recurrence_step(r);
         least = fmin(least, (seconds() - start) / steps);
     }
     return least;
@@ -124,14 +124,14 @@ int main(int argc, char **argv) {
     if (status == SP_OK)
         status = sp_operator_make(&net, &op, &err);
     if (status == SP_OK)
-        status = recurrence_make(&op, net.mass, net.omega_bound, threads, &r, &err);
+        status = sp_recurrence_make(&op, net.mass, net.omega_bound, threads, &r, &err);
     if (status == SP_OK)
         status = sp_team_make(threads, &team, &err);
     if (status != SP_OK || !s.a || !s.b || !s.c)
         return fprintf(stderr, "signal_parts: %s\n", err.text), 1;
     wake_all(&op, &r);
     const double product = product_seconds(&r, net.n), bytes = product_bytes(&op, &r);
-    recurrence_free(&r);
+    sp_recurrence_free(&r);
     const double signal = until > 0 ? signal_seconds(&net, threads, until, &err) : 0;
     printf("%d\t%d\t%.4g\t%.4g\t%.4g\t%.4g\t%.3g\t%.3g\t%.3g\n", (int)net.n, threads, 1e3 * network, 1e3 * signal,
            1e3 * product, 1e-6 * bytes, 1e-9 * bytes / product, 1e-9 * stream_rate(team, &s, false),

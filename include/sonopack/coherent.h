@@ -21,8 +21,8 @@ typedef struct sp_section {
     double *f;       /* [planes][n] */
     double highest;  /* no wave has a higher frequency: the network's largest, up to 1e-3; 0: not known */
 } sp_section;
-sp_section sp_section_none(void);
-void sp_section_free(sp_section *s);
+SP_API sp_section sp_section_none(void);
+SP_API void sp_section_free(sp_section *s);
 
 typedef struct sp_section_options {
     sp_source source;
@@ -30,13 +30,13 @@ typedef struct sp_section_options {
     double low;     /* the first plane above the bottom wall [d]; 4: farther than the springs of the wall are felt */
     double part;    /* planes up to this part of the height; 0.6: above it the echo soon follows */
 } sp_section_options;
-sp_section_options sp_section_options_default(void);
+SP_API sp_section_options sp_section_options_default(void);
 /* The momentum flux through planes of a packing after a pulse at its bottom wall. The flux is the same for all planes
  * between two layers of grains: `y` is where it is carried (sp_network_plane_height), and a plane with the y of the one
  * below is left out. A plane's time ends when the echo of
  * the front comes down to it: t10 at the top wall, and as long again as from the plane to the top. SP_EREFUSED for a
  * box with fewer than 8 planes, or without a front. */
-sp_status sp_section_make(const sp_network *net, const sp_section_options *opt, sp_section *out, sp_error *err);
+SP_API sp_status sp_section_make(const sp_network *net, const sp_section_options *opt, sp_section *out, sp_error *err);
 
 /* A e^(i k y - alpha y) at one frequency. */
 typedef struct sp_coherent {
@@ -55,7 +55,7 @@ typedef struct sp_coherent {
  * highest frequency, with fewer than 4 planes that count, with alpha at an end of its range, -1/range .. 1/D, k at the
  * end of its, or alpha above k, which is no wave. omega > 0, below the half of what the spacing of the times can carry.
  * SP_EINVAL. */
-sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, sp_error *err);
+SP_API sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, sp_error *err);
 
 #ifdef __cplusplus
 }

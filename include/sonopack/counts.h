@@ -31,19 +31,19 @@ typedef struct sp_contact_counts {
         weak; /* bins around 0, 5, ... degrees from the x axis, n and -n being the same; 1: isotropic */
     sp_value_counts force, stiffness; /* bins of 0.1 of the value over its mean in its own packing */
 } sp_contact_counts;
-sp_contact_counts sp_contact_counts_none(void);
+SP_API sp_contact_counts sp_contact_counts_none(void);
 
 /* Adds the contacts between grains that carry (threshold as in sp_packing_rattlers) and whose points lie at least
  * `margin` from both walls. Strong: the normal force is above the mean of these contacts, weak: it is not. SP_EREFUSED
  * for a packing without such contacts, SP_EINVAL for one of another dimension than those before. */
-sp_status sp_contact_counts_add(sp_contact_counts *c, const sp_packing *p, double threshold, double margin,
-                                sp_error *err);
+SP_API sp_status sp_contact_counts_add(sp_contact_counts *c, const sp_packing *p, double threshold, double margin,
+                                       sp_error *err);
 
 /* Means over packings with their standard errors (nan for one packing). Columns: angle [degrees] all all_err strong
  * strong_err weak weak_err, of packings in two dimensions (SP_EREFUSED for others); x forces forces_err stiffnesses
  * stiffnesses_err, at the middle of the bins, up to the last that is not empty. SP_EREFUSED without a packing. */
-sp_status sp_contact_angles_table(const sp_contact_counts *c, sp_table *out, sp_error *err);
-sp_status sp_contact_values_table(const sp_contact_counts *c, sp_table *out, sp_error *err);
+SP_API sp_status sp_contact_angles_table(const sp_contact_counts *c, sp_table *out, sp_error *err);
+SP_API sp_status sp_contact_values_table(const sp_contact_counts *c, sp_table *out, sp_error *err);
 
 #ifdef __cplusplus
 }

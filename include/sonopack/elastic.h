@@ -27,7 +27,7 @@ typedef struct sp_moduli {
  * the diagonal are 0 where they are within their error of it. Shear by walls that do not grip (no friction) is NAN.
  * SP_EREFUSED for a packing without walls, one where no springs lead from wall to wall, and one that is floppy as a
  * whole. */
-sp_status sp_moduli_make(const sp_network *net, double phi3s, sp_moduli *out, sp_error *err);
+SP_API sp_status sp_moduli_make(const sp_network *net, double phi3s, sp_moduli *out, sp_error *err);
 
 typedef enum sp_probe_kind {
     SP_PROBE_SINE = 0, /* body force f0 sin(n pi y / L), walls fixed: Eqs. (B1), (B2) */
@@ -54,8 +54,8 @@ typedef struct sp_probed {
  * walls. Walls that do not grip are sheared by cos(n pi y/L) in place of the sine: it has the same energy (B2) between
  * walls that feel no shear. SP_EINVAL for an n that is none (lines: even), SP_EREFUSED for one finer than the grains, a
  * sine without phi3s, and as above. */
-sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, const sp_probe *probe, sp_moduli *global,
-                          sp_probed *out, sp_error *err);
+SP_API sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, const sp_probe *probe,
+                                 sp_moduli *global, sp_probed *out, sp_error *err);
 
 /* ---- finite strain ---------------------------------------------------------------------------------------------- */
 
@@ -64,7 +64,7 @@ typedef struct sp_strained_options {
     bool turning;  /* contact normals turn, and their forces with them; false: they stay, as springs without prestress
                       have it, so that a strain of nothing gives the moduli of sp_moduli_make; true */
 } sp_strained_options;
-sp_strained_options sp_strained_options_default(void);
+SP_API sp_strained_options sp_strained_options_default(void);
 
 /* Changes of the nominal stress (forces and areas at rest) over the strain. */
 typedef struct sp_strained {
@@ -78,8 +78,8 @@ typedef struct sp_strained {
  * strained and brought to equilibrium again, by Newton steps with the factor of K, made anew where contacts have
  * changed too much. net: of this packing; its springs are the contacts at rest, rattlers stay out. SP_EREFUSED where
  * the residual does not fall below 1e-6, as where the packing yields, and as sp_moduli_make. */
-sp_status sp_moduli_strained(const sp_packing *p, const sp_network *net, double phi3s, const sp_strained_options *opt,
-                             sp_strained *out, sp_error *err);
+SP_API sp_status sp_moduli_strained(const sp_packing *p, const sp_network *net, double phi3s,
+                                    const sp_strained_options *opt, sp_strained *out, sp_error *err);
 
 #ifdef __cplusplus
 }

@@ -15,7 +15,7 @@ typedef struct sp_front_options {
     double rise;       /* 0.1: the fraction of the peak that marks arrival */
     double prominence; /* 0.2: the first peak is the first local maximum above this fraction of the largest value */
 } sp_front_options;
-sp_front_options sp_front_options_default(void);
+SP_API sp_front_options sp_front_options_default(void);
 
 typedef struct sp_front {
     double t10;        /* first time at `rise` of the peak's height, linearly interpolated */
@@ -35,8 +35,8 @@ typedef struct sp_front {
  * t strictly ascending, n >= 3, everything finite, else SP_EINVAL. SP_EREFUSED with the reason when there is no front:
  * never positive, no maximum before the window ends, or a trace that starts at or above rise x amplitude already (an
  * offset must be subtracted first). */
-sp_status sp_front_find(int64_t n, const double *t, const double *f, const sp_front_options *opt, sp_front *out,
-                        sp_error *err);
+SP_API sp_status sp_front_find(int64_t n, const double *t, const double *f, const sp_front_options *opt, sp_front *out,
+                               sp_error *err);
 
 #ifdef __cplusplus
 }

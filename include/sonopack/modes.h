@@ -12,7 +12,7 @@ typedef struct sp_modes_options {
     bool vectors;     /* false: frequencies only */
     sp_source source; /* for a; b is the force on the top wall */
 } sp_modes_options;
-sp_modes_options sp_modes_options_default(void);
+SP_API sp_modes_options sp_modes_options_default(void);
 
 enum { SP_MODES_DENSE_MAX = 20000 }; /* degrees of freedom that the dense solver takes */
 
@@ -43,9 +43,9 @@ typedef struct sp_modes {
     int64_t factors, solves;             /* sparse: factorisations, and right-hand sides solved for */
 } sp_modes;
 
-sp_modes sp_modes_none(void);
+SP_API sp_modes sp_modes_none(void);
 /* All modes with LAPACK (dense: memory 8 (n dof)^2 bytes twice; refuses above 20000 degrees of freedom). */
-sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_modes *out, sp_error *err);
+SP_API sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_modes *out, sp_error *err);
 
 /* Which modes. */
 typedef struct sp_modes_range {
@@ -53,20 +53,20 @@ typedef struct sp_modes_range {
                         them;  0: the band below */
     double from, to; /* omega, limits included; 0 and infinity: all */
 } sp_modes_range;
-sp_modes_range sp_modes_range_all(void);
-sp_modes_range sp_modes_range_lowest(int64_t count);
-sp_modes_range sp_modes_range_band(double from, double to);
+SP_API sp_modes_range sp_modes_range_all(void);
+SP_API sp_modes_range sp_modes_range_lowest(int64_t count);
+SP_API sp_modes_range sp_modes_range_band(double from, double to);
 
 /* A part of the spectrum, or all of it, by block Lanczos on (K - sigma M)^-1 in slices, each counted by the inertia of
  * K - sigma M: memory 8 bytes for each element of the vectors that are kept, and for the factor. A mode within its own
  * error of a limit of the band is in the set, and counted in on_edge. SP_EINVAL for a range that is none; SP_EREFUSED
  * where no count can be vouched for, for an unstable network, and for more memory than there is. */
-sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
-                          sp_modes *out, sp_error *err);
+SP_API sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
+                                 sp_modes *out, sp_error *err);
 /* Either solver, whichever is expected to be faster; the dense one's set is cut to the range. */
-sp_status sp_modes_make(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range, sp_modes *out,
-                        sp_error *err);
-void sp_modes_free(sp_modes *m);
+SP_API sp_status sp_modes_make(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
+                               sp_modes *out, sp_error *err);
+SP_API void sp_modes_free(sp_modes *m);
 
 enum { SP_DAMPED_MODES_MAX = 2000 }; /* degrees of freedom */
 
@@ -82,11 +82,11 @@ typedef struct sp_damped_modes {
     double residual; /* largest |(lambda^2 M + lambda C + K) u| over (|lambda|^2 + |lambda| c + omega_max^2) |u|, in
                         the metric of the masses, c the largest eigenvalue of M^-1 C */
 } sp_damped_modes;
-sp_damped_modes sp_damped_modes_none(void);
+SP_API sp_damped_modes sp_damped_modes_none(void);
 /* Dense, of twice the size: a minute at 2000 degrees of freedom, beyond which SP_EREFUSED. zeta > 0. */
-sp_status sp_damped_modes_make(const sp_network *net, double zeta, sp_source source, sp_damped_modes *out,
-                               sp_error *err);
-void sp_damped_modes_free(sp_damped_modes *m);
+SP_API sp_status sp_damped_modes_make(const sp_network *net, double zeta, sp_source source, sp_damped_modes *out,
+                                      sp_error *err);
+SP_API void sp_damped_modes_free(sp_damped_modes *m);
 
 enum { SP_STABILITY_MAX = 6000 }; /* degrees of freedom whose eigenvalues are all found where K is not symmetric */
 
@@ -118,7 +118,7 @@ typedef struct sp_stability {
 /* p: the packing that the network was made of. Where K is symmetric for any size, by counts. Else up to
  * SP_STABILITY_MAX degrees of freedom by all eigenvalues (dense: minutes there, memory 32 n^2 bytes); beyond that
  * undecided, with the growth that the values x^T A x allow. SP_EREFUSED where nothing can be shown. */
-sp_status sp_stability_make(const sp_packing *p, const sp_network *net, sp_stability *out, sp_error *err);
+SP_API sp_status sp_stability_make(const sp_packing *p, const sp_network *net, sp_stability *out, sp_error *err);
 
 #ifdef __cplusplus
 }

@@ -7,6 +7,7 @@
  * the normals add a symmetric part. Tangential forces add one that is not symmetric: no energy belongs to it. */
 
 #include <sonopack/packing.h>
+#include <sonopack/sparse.h>
 #include <sonopack/status.h>
 
 #ifdef __cplusplus
@@ -18,7 +19,7 @@ typedef struct sp_network_options {
     bool prestress;    /* add what the forces at rest do as contacts turn; false as in the paper */
     bool sliding_free; /* k_t = 0 on contacts at the Coulomb limit (within 1%); false as in the paper */
 } sp_network_options;
-sp_network_options sp_network_options_default(void);
+SP_API sp_network_options sp_network_options_default(void);
 
 /* One spring. The relative displacement at the contact point is B u = (u_j - u_i) - (rotations with lever arms). */
 typedef struct sp_spring {
@@ -62,30 +63,30 @@ typedef struct sp_network {
     double soft;         /* what sp_network_soft returns */
 } sp_network;
 
-sp_network sp_network_none(void);
+SP_API sp_network sp_network_none(void);
 /* SP_EREFUSED when no grain carries. */
-sp_status sp_network_make(const sp_packing *p, const sp_network_options *opt, sp_network *out, sp_error *err);
-void sp_network_free(sp_network *net);
-int64_t sp_network_dofs(const sp_network *net); /* n x dof */
+SP_API sp_status sp_network_make(const sp_packing *p, const sp_network_options *opt, sp_network *out, sp_error *err);
+SP_API void sp_network_free(sp_network *net);
+SP_API int64_t sp_network_dofs(const sp_network *net); /* n x dof */
 
 /* out = K u, [n][dof] each, must not overlap. Allocates nothing, cannot fail. */
-void sp_network_apply(const sp_network *net, const double *u, double *out);
+SP_API void sp_network_apply(const sp_network *net, const double *u, double *out);
 /* out = K^T u: the same where K is symmetric. */
-void sp_network_apply_transposed(const sp_network *net, const double *u, double *out);
+SP_API void sp_network_apply_transposed(const sp_network *net, const double *u, double *out);
 /* u^T K u as a sum of squares over springs (prestress: of signed squares): accurate for soft modes where u . (K u) is
  * not. */
-double sp_network_energy2(const sp_network *net, const double *u);
+SP_API double sp_network_energy2(const sp_network *net, const double *u);
 /* An upper bound of the largest eigenfrequency, a few percent above it (Collatz and Wielandt, from row sums). Where K
  * is not symmetric: of that of its symmetric part. */
-double sp_network_omega_bound(const sp_network *net);
+SP_API double sp_network_omega_bound(const sp_network *net);
 /* With A = M^-1/2 K M^-1/2: bounds of |A - A^T|/2, exactly 0 where K is symmetric, and of how far the eigenvalues of
  * (A + A^T)/2 may lie below 0, exactly 0 without prestress. All values of A, x^T A x for complex x of length 1, lie in
  * the rectangle from -soft to omega_bound^2 and from -i skew to i skew, and so do its eigenvalues omega^2. */
-double sp_network_skew(const sp_network *net);
-double sp_network_soft(const sp_network *net);
+SP_API double sp_network_skew(const sp_network *net);
+SP_API double sp_network_soft(const sp_network *net);
 /* SP_EREFUSED for a K that is not symmetric, with a message that says so, for `what` ("the dense method") that needs
  * it. */
-sp_status sp_network_need_symmetry(const sp_network *net, const char *what, sp_error *err);
+SP_API sp_status sp_network_need_symmetry(const sp_network *net, const char *what, sp_error *err);
 
 typedef enum sp_source {
     SP_SOURCE_IMPULSE = 0, /* momentum of each bottom grain = k_n of its wall contact (times the normal) */
@@ -109,36 +110,29 @@ typedef struct sp_place {
     double height;   /* plane [d] */
     int32_t grain;   /* index in the packing */
 } sp_place;
-sp_place sp_place_wall(void); /* the whole wall, normal */
+SP_API sp_place sp_place_wall(void); /* the whole wall, normal */
 
 /* Source as a vector [n][dof] of momenta (impulse, velocity) or displacements; detector as a row: F_sig = det . u, the
  * force on the wall, along up (or x). SP_EINVAL for a place that is none, SP_EREFUSED for one without springs. */
-sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp_place *at, double *out, sp_error *err);
-sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, double *out, sp_error *err);
+SP_API sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp_place *at, double *out,
+                                      sp_error *err);
+SP_API sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, double *out, sp_error *err);
 /* Where the flux through the plane at `height` is carried: the mean height of the middles of the contacts that cross
  * it, each with its force under an even vertical strain as its weight. Between two rows of a lattice it is half way,
  * wherever the plane lies. NAN where nothing crosses it. */
-double sp_network_plane_height(const sp_network *net, double height);
+SP_API double sp_network_plane_height(const sp_network *net, double height);
 /* The same for the whole walls, normal. */
-sp_status sp_network_source(const sp_network *net, sp_source source, double *out, sp_error *err);
-sp_status sp_network_detector(const sp_network *net, double *out, sp_error *err);
+SP_API sp_status sp_network_source(const sp_network *net, sp_source source, double *out, sp_error *err);
+SP_API sp_status sp_network_detector(const sp_network *net, double *out, sp_error *err);
 
 /* The dashpots of the contacts as a network of their own, whose K is the damping matrix C of M u'' + C u' + K u = 0: a
  * fraction zeta > 0 of critical damping, c = 2 zeta sqrt(m_eff k) for k = k_n and k_t, 1/m_eff = 1/m_i + 1/m_j (at a
  * wall the grain's mass). */
-sp_status sp_network_damping(const sp_network *net, double zeta, sp_network *out, sp_error *err);
+SP_API sp_status sp_network_damping(const sp_network *net, double zeta, sp_network *out, sp_error *err);
 
-/* K assembled by columns (CSC, rows ascending): the lower triangle of its symmetric part, diagonal first; or all of it.
- */
-typedef struct sp_sparse {
-    int64_t n;
-    int64_t *p; /* [n+1] */
-    int64_t *i; /* [p[n]] rows */
-    double *x;  /* [p[n]] */
-} sp_sparse;
-sp_status sp_network_assemble(const sp_network *net, sp_sparse *out, sp_error *err);
-sp_status sp_network_assemble_whole(const sp_network *net, sp_sparse *out, sp_error *err);
-void sp_sparse_free(sp_sparse *a);
+/* K assembled: the lower triangle of its symmetric part, diagonal first; or all of it. */
+SP_API sp_status sp_network_assemble(const sp_network *net, sp_sparse *out, sp_error *err);
+SP_API sp_status sp_network_assemble_whole(const sp_network *net, sp_sparse *out, sp_error *err);
 
 #ifdef __cplusplus
 }

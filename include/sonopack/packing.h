@@ -53,17 +53,17 @@ typedef struct sp_packing {
 } sp_packing;
 
 /* An empty packing, safe to free. */
-sp_packing sp_packing_none(void);
+SP_API sp_packing sp_packing_none(void);
 /* Arrays for n grains and n_contacts contacts, zeroed. */
-sp_status sp_packing_alloc(sp_packing *p, int dim, int32_t n, int32_t n_contacts, sp_error *err);
-void sp_packing_free(sp_packing *p);
+SP_API sp_status sp_packing_alloc(sp_packing *p, int dim, int32_t n, int32_t n_contacts, sp_error *err);
+SP_API void sp_packing_free(sp_packing *p);
 
 /* Puts the contacts into their order. */
-void sp_packing_sort(sp_packing *p);
+SP_API void sp_packing_sort(sp_packing *p);
 
 /* Area of a wall [d^2], and height between walls [d]. */
-double sp_packing_wall_area(const sp_packing *p);
-double sp_packing_height(const sp_packing *p);
+SP_API double sp_packing_wall_area(const sp_packing *p);
+SP_API double sp_packing_height(const sp_packing *p);
 
 /* What an audit found (sp_packing_audit). Relative measures, 0 for a perfect packing. */
 typedef struct sp_audit {
@@ -81,20 +81,20 @@ typedef struct sp_audit {
 
 /* Structure only: sizes, indices, finite numbers, unit normals, radii > 0, grains in the box, sorted, no double
  * contact. Run on everything that comes from a file. SP_EFORMAT with the first fault. */
-sp_status sp_packing_check(const sp_packing *p, sp_error *err);
+SP_API sp_status sp_packing_check(const sp_packing *p, sp_error *err);
 
 /* Physics: force and torque balance of the grains that carry (threshold: fraction of p x d^2 above which a contact
  * carries), Coulomb, walls against p, contacts against positions. Never changes the packing. */
-sp_status sp_packing_audit(const sp_packing *p, double threshold, sp_audit *audit, sp_error *err);
+SP_API sp_status sp_packing_audit(const sp_packing *p, double threshold, sp_audit *audit, sp_error *err);
 /* The largest relative measure of an audit, and its first fault: a pair that is not listed, or a measure above the
  * tolerance. reason = "" if there is none. */
-double sp_audit_judge(const sp_audit *audit, double tolerance, char *reason, size_t size);
+SP_API double sp_audit_judge(const sp_audit *audit, double tolerance, char *reason, size_t size);
 
 /* Which grains are rattlers: fewer than 2 force-carrying contacts (friction = 0: fewer than dim + 1; 1D: 2), walls
  * included, removed again and again until none is left. carrying[c] says whether contact c belongs to the network.
  * Either array may be NULL. threshold as a fraction of the pressure (1e-4 by default). */
-sp_status sp_packing_rattlers(const sp_packing *p, double threshold, uint8_t *rattler, uint8_t *carrying,
-                              int32_t *n_rattlers, sp_error *err);
+SP_API sp_status sp_packing_rattlers(const sp_packing *p, double threshold, uint8_t *rattler, uint8_t *carrying,
+                                     int32_t *n_rattlers, sp_error *err);
 
 /* Table I of Somfai et al. 2005: bulk averages, layers of `margin` (3) diameters at both walls left out, partly
  * covered spheres counted by their part. NAN where the bulk is empty. */
@@ -112,7 +112,7 @@ typedef struct sp_statics {
                          friction */
 } sp_statics;
 
-sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err);
+SP_API sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err);
 
 /* ---- making packings ---------------------------------------------------------------------------------------- */
 
@@ -174,13 +174,13 @@ typedef struct sp_pack_spec {
     uint64_t content; /* SP_PACK_FILE: sp_packing_content of the packing to start from; 0: whatever is given */
 } sp_pack_spec;
 
-sp_pack_spec sp_pack_spec_default(void);
+SP_API sp_pack_spec sp_pack_spec_default(void);
 /* Values and their combination (box narrower than 4 grains, gas too dense, ...). SP_EINVAL with the field. */
-sp_status sp_pack_spec_check(const sp_pack_spec *spec, sp_error *err);
+SP_API sp_status sp_pack_spec_check(const sp_pack_spec *spec, sp_error *err);
 /* How many grains make a box about that high, to one or two percent for the default law: height x width (x depth) over
  * the mean area (volume) of a grain, times the usual area fraction 0.815 (volume fraction 0.6) of a packing under the
  * piston. SP_EINVAL for other kinds, whose height follows from the grains, and for more than 1e8 grains. */
-sp_status sp_pack_spec_fill(const sp_pack_spec *spec, double height, int32_t *grains, sp_error *err);
+SP_API sp_status sp_pack_spec_fill(const sp_pack_spec *spec, double height, int32_t *grains, sp_error *err);
 
 /* Progress of a making; return false to stop it (SP_EINTERRUPTED). */
 typedef struct sp_pack_progress {
@@ -194,7 +194,8 @@ typedef bool (*sp_pack_watch)(const sp_pack_progress *progress, void *user);
 
 /* Makes one packing: a function of spec alone, bit for bit. SP_EFAILED when it never comes to rest, blows up or a
  * grain escapes: never a wrong packing. watch may be NULL. */
-sp_status sp_packing_make(const sp_pack_spec *spec, sp_pack_watch watch, void *user, sp_packing *out, sp_error *err);
+SP_API sp_status sp_packing_make(const sp_pack_spec *spec, sp_pack_watch watch, void *user, sp_packing *out,
+                                 sp_error *err);
 
 /* What a making may use and tell beside its spec; none of it changes the packing. */
 typedef struct sp_pack_hooks {
@@ -210,19 +211,21 @@ typedef struct sp_pack_hooks {
     /* Called with the packing at each pressure of the history, index from 0; may be NULL. */
     sp_status (*stage)(const sp_packing *packing, int32_t index, void *user, sp_error *err);
 } sp_pack_hooks;
-sp_status sp_packing_make_with(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err);
+SP_API sp_status sp_packing_make_with(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out,
+                                      sp_error *err);
 
 /* Whether bytes are the state of some making. */
-bool sp_pack_state_looks(const void *state, size_t size);
+SP_API bool sp_pack_state_looks(const void *state, size_t size);
 /* Whether these bytes are the whole state of a making of this spec, and at which step: else SP_EFORMAT. For
  * SP_PACK_FILE the spec must have gone through sp_pack_spec_from. */
-sp_status sp_pack_state_check(const sp_pack_spec *spec, const void *state, size_t size, int64_t *steps, sp_error *err);
+SP_API sp_status sp_pack_state_check(const sp_pack_spec *spec, const void *state, size_t size, int64_t *steps,
+                                     sp_error *err);
 
 /* What a packing is made of as one number, 63 bits: the same for equal grains, contacts and box only. */
-uint64_t sp_packing_content(const sp_packing *p);
+SP_API uint64_t sp_packing_content(const sp_packing *p);
 /* Fills in what SP_PACK_FILE takes from the packing: dimension, grains, box, sizes and content. SP_EINVAL where the
  * spec has another value for one of them (its default is none), or the packing is no start. */
-sp_status sp_pack_spec_from(sp_pack_spec *spec, const sp_packing *from, sp_error *err);
+SP_API sp_status sp_pack_spec_from(sp_pack_spec *spec, const sp_packing *from, sp_error *err);
 
 #ifdef __cplusplus
 }

@@ -26,16 +26,16 @@ typedef struct sp_pulse {
 } sp_pulse;
 
 /* SP_EINVAL for numbers that make no pulse. */
-sp_status sp_pulse_check(const sp_pulse *p, sp_error *err);
-double sp_pulse_strength(const sp_pulse *p, double t); /* s(t); not of a delta. At a jump the later value */
+SP_API sp_status sp_pulse_check(const sp_pulse *p, sp_error *err);
+SP_API double sp_pulse_strength(const sp_pulse *p, double t); /* s(t); not of a delta. At a jump the later value */
 /* Where it is not negligible: below 1e-16 of its largest value outside. 0 and 0 for a delta. */
-void sp_pulse_span(const sp_pulse *p, double *first, double *last);
+SP_API void sp_pulse_span(const sp_pulse *p, double *first, double *last);
 
 /* The signals of opt with this pulse. Their errors include that of the quadrature, from two grids and two rules.
  * SP_EREFUSED where the error exceeds the tolerance: a pulse whose frequencies the network cannot follow leaves next to
  * nothing. */
-sp_status sp_signal_pulse(const sp_network *net, const sp_signal_options *opt, const sp_pulse *pulse, sp_signal *out,
-                          sp_error *err);
+SP_API sp_status sp_signal_pulse(const sp_network *net, const sp_signal_options *opt, const sp_pulse *pulse,
+                                 sp_signal *out, sp_error *err);
 
 #ifdef __cplusplus
 }

@@ -62,8 +62,8 @@ typedef struct sp_scaling {
 
 /* Means with sd/sqrt(n) as error, all else with bootstrap errors over samples or packings: NAN where a row has fewer
  * than two. SP_EINVAL for no rows, joint rows of unlike numbers, distances that are not positive or do not ascend. */
-sp_status sp_scaling_make(const sp_scaling_input *in, sp_scaling *out, sp_error *err);
-void sp_scaling_free(sp_scaling *s);
+SP_API sp_status sp_scaling_make(const sp_scaling_input *in, sp_scaling *out, sp_error *err);
+SP_API void sp_scaling_free(sp_scaling *s);
 
 #ifdef __cplusplus
 }

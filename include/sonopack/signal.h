@@ -44,7 +44,7 @@ typedef struct sp_signal_options {
     int64_t modes; /* sparse: that many of the lowest modes of the network, and the error is then whatever its bound
                       says. 0: found from the tolerance, all of them if need be */
 } sp_signal_options;
-sp_signal_options sp_signal_options_default(void);
+SP_API sp_signal_options sp_signal_options_default(void);
 
 typedef struct sp_signal {
     int32_t n;
@@ -61,18 +61,18 @@ typedef struct sp_signal {
     int64_t modes;           /* sparse: that were summed; 0 for other methods */
 } sp_signal;
 
-const char *sp_signal_method_name(sp_signal_method method); /* "chebyshev"; NULL for none */
+SP_API const char *sp_signal_method_name(sp_signal_method method); /* "chebyshev"; NULL for none */
 
-sp_signal sp_signal_none(void);
+SP_API sp_signal sp_signal_none(void);
 /* SP_EREFUSED if the error bound exceeds the tolerance. */
-sp_status sp_signal_make(const sp_network *net, const sp_signal_options *opt, sp_signal *out, sp_error *err);
+SP_API sp_status sp_signal_make(const sp_network *net, const sp_signal_options *opt, sp_signal *out, sp_error *err);
 /* The same for every method, SP_SIGNAL_DYNAMICS among them, which needs the packing that the network was made of: the
  * motion from rest of all its grains and contacts, which open, close and slide, after the source times the amplitude; F
  * is the change of the force over that factor. Errors are estimates, from steps twice as long. SP_EFAILED if a grain
  * moves too far for the packing to be itself. */
-sp_status sp_signal_dynamics(const sp_packing *p, const sp_network *net, const sp_signal_options *opt, sp_signal *out,
-                             sp_error *err);
-void sp_signal_free(sp_signal *s);
+SP_API sp_status sp_signal_dynamics(const sp_packing *p, const sp_network *net, const sp_signal_options *opt,
+                                    sp_signal *out, sp_error *err);
+SP_API void sp_signal_free(sp_signal *s);
 
 /* What the displacements of all grains are wanted for. */
 typedef struct sp_field_spec {
@@ -86,10 +86,11 @@ typedef struct sp_field_spec {
  * Chebyshev expansion u(t) = (2/Omega) sum_k J_(2k+1)(Omega t) W_k M^-1 a of momenta a (displacements: 2 sum J_2k T_k
  * u_0): no modes, one pass for all times. errors [times], or NULL: bounds of the error of any entry of u(t).
  * SP_EREFUSED for an unstable network. */
-sp_status sp_signal_field(const sp_network *net, const sp_field_spec *spec, double *u, double *errors, sp_error *err);
+SP_API sp_status sp_signal_field(const sp_network *net, const sp_field_spec *spec, double *u, double *errors,
+                                 sp_error *err);
 
 /* The time in which the first front certainly has passed: [0, 8 H + 40] at p = 1e-4, scaled with p^(-1/6). */
-double sp_signal_window(double height, double pressure);
+SP_API double sp_signal_window(double height, double pressure);
 
 #ifdef __cplusplus
 }

@@ -1,26 +1,21 @@
 #ifndef SONOPACK_SONOPACK_H
 #define SONOPACK_SONOPACK_H
-/* sonopack: sound in compressed granular packings. All public headers. */
+/* sonopack: sound in compressed granular packings. All headers of libsonopack. Those of the libraries that stand on it
+ * are in folders of their names: study/ (scenes, studies, files), figure/, tapped/ (the tapped column of particles). */
 #include <sonopack/chain.h>
 #include <sonopack/coherent.h>
-#include <sonopack/column.h>
 #include <sonopack/counts.h>
 #include <sonopack/elastic.h>
-#include <sonopack/figure.h>
 #include <sonopack/front.h>
 #include <sonopack/modes.h>
 #include <sonopack/network.h>
 #include <sonopack/packing.h>
-#include <sonopack/paper.h>
-#include <sonopack/plot.h>
 #include <sonopack/pulse.h>
 #include <sonopack/scaling.h>
-#include <sonopack/scene.h>
 #include <sonopack/signal.h>
+#include <sonopack/sparse.h>
 #include <sonopack/spectrum.h>
 #include <sonopack/status.h>
-#include <sonopack/store.h>
-#include <sonopack/study.h>
 #include <sonopack/table.h>
 #include <sonopack/version.h>
 #endif

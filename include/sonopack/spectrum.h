@@ -38,7 +38,7 @@ typedef struct sp_dos_options {
     uint64_t seed;     /* of the random vectors; 1 */
     int32_t threads;   /* the same numbers for any; 1 */
 } sp_dos_options;
-sp_dos_options sp_dos_options_default(void);
+SP_API sp_dos_options sp_dos_options_default(void);
 
 /* g(omega), in omega and not in omega^2. Rattlers are left out. Zero modes are a peak at omega = 0: the methods exact
  * and count count them apart and has them neither in the bins nor in the smooth density; kernel polynomials cannot tell
@@ -60,10 +60,10 @@ typedef struct sp_dos {
     int64_t moments;
     int32_t vectors; /* 0: exact */
 } sp_dos;
-sp_dos sp_dos_none(void);
+SP_API sp_dos sp_dos_none(void);
 /* SP_EINVAL for options out of range; SP_EREFUSED for an unstable network, or an exact density of too large a one. */
-sp_status sp_dos_make(const sp_network *net, const sp_dos_options *opt, sp_dos *out, sp_error *err);
-void sp_dos_free(sp_dos *d);
+SP_API sp_status sp_dos_make(const sp_network *net, const sp_dos_options *opt, sp_dos *out, sp_error *err);
+SP_API void sp_dos_free(sp_dos *d);
 
 /* ---- transmission ----------------------------------------------------------------------------------------------- */
 
@@ -74,7 +74,7 @@ typedef struct sp_transmission_options {
     double until;      /* last frequency; 0: the bound of the spectrum */
     double resolution; /* standard deviation of the kernel at omega = 0; 0: the width of a bin */
 } sp_transmission_options;
-sp_transmission_options sp_transmission_options_default(void);
+SP_API sp_transmission_options sp_transmission_options_default(void);
 
 /* The signal's spectrum, F^(omega) = integral from 0 to infinity of F(t) exp(i omega t) dt, every line of it smoothed
  * by Jackson's kernel: from matrix products, without eigenvectors. Its density is g(omega) with F(t) = integral of g
@@ -90,10 +90,10 @@ typedef struct sp_transmission {
     double omega_max;  /* Omega */
     int64_t moments;
 } sp_transmission;
-sp_transmission sp_transmission_none(void);
-sp_status sp_transmission_make(const sp_network *net, const sp_transmission_options *opt, sp_transmission *out,
-                               sp_error *err);
-void sp_transmission_free(sp_transmission *t);
+SP_API sp_transmission sp_transmission_none(void);
+SP_API sp_status sp_transmission_make(const sp_network *net, const sp_transmission_options *opt, sp_transmission *out,
+                                      sp_error *err);
+SP_API void sp_transmission_free(sp_transmission *t);
 
 /* ---- dispersion ------------------------------------------------------------------------------------------------- */
 
@@ -112,7 +112,7 @@ typedef struct sp_dispersion_options {
     double resolution; /* standard deviation of the kernel at omega = 0; 0: Omega/200 */
     int32_t profile;   /* frequencies of S(k, omega); 0: none */
 } sp_dispersion_options;
-sp_dispersion_options sp_dispersion_options_default(void);
+SP_API sp_dispersion_options sp_dispersion_options_default(void);
 
 /* One wave vector and polarization: the spectral function S(k, omega) = <q| delta(omega - sqrt A) |q>, q the wave as a
  * mass-weighted unit vector. */
@@ -137,11 +137,11 @@ typedef struct sp_dispersion {
     double omega_max;
     int64_t moments;
 } sp_dispersion;
-sp_dispersion sp_dispersion_none(void);
+SP_API sp_dispersion sp_dispersion_none(void);
 /* All polarizations that the network has. SP_EREFUSED for a wave that moves no grain. */
-sp_status sp_dispersion_make(const sp_network *net, const sp_dispersion_options *opt, sp_dispersion *out,
-                             sp_error *err);
-void sp_dispersion_free(sp_dispersion *d);
+SP_API sp_status sp_dispersion_make(const sp_network *net, const sp_dispersion_options *opt, sp_dispersion *out,
+                                    sp_error *err);
+SP_API void sp_dispersion_free(sp_dispersion *d);
 
 /* ---- participation ---------------------------------------------------------------------------------------------- */
 
@@ -153,7 +153,8 @@ typedef struct sp_participation_bin {
     double least, largest;
 } sp_participation_bin;
 /* modes with vectors; bins of equal width from 0 to until (0: the largest frequency); out [bins]. */
-sp_status sp_participation(const sp_modes *modes, int32_t bins, double until, sp_participation_bin *out, sp_error *err);
+SP_API sp_status sp_participation(const sp_modes *modes, int32_t bins, double until, sp_participation_bin *out,
+                                  sp_error *err);
 
 /* ---- harmonic driving ------------------------------------------------------------------------------------------- */
 
@@ -169,7 +170,7 @@ typedef struct sp_harmonic_options {
     double tolerance;    /* of F over its magnitude, or over a millionth of the strongest force at the planes where F is
                             smaller still; at planes over that of the strongest: 1e-8 */
 } sp_harmonic_options;
-sp_harmonic_options sp_harmonic_options_default(void);
+SP_API sp_harmonic_options sp_harmonic_options_default(void);
 
 /* A wave up and its echo, A exp(-(alpha + i k) y) + B exp((alpha + i k) y), fitted to the forces through planes. One
  * standard error each, from the scatter. Of the two the wave up is the one that decays on its way, alpha > 0 (k may
@@ -193,10 +194,11 @@ typedef struct sp_harmonic {
     double *flux_error; /* [n][planes] */
     sp_wave_fit *fit;   /* [n]; NAN where fewer than 5 planes are in range */
 } sp_harmonic;
-sp_harmonic sp_harmonic_none(void);
+SP_API sp_harmonic sp_harmonic_none(void);
 /* SP_EREFUSED where the tolerance is missed, as too near to a frequency of an undamped network. */
-sp_status sp_harmonic_make(const sp_network *net, const sp_harmonic_options *opt, sp_harmonic *out, sp_error *err);
-void sp_harmonic_free(sp_harmonic *h);
+SP_API sp_status sp_harmonic_make(const sp_network *net, const sp_harmonic_options *opt, sp_harmonic *out,
+                                  sp_error *err);
+SP_API void sp_harmonic_free(sp_harmonic *h);
 
 /* ---- continuum ----------------------------------------------------------------------------------------------------
  */
@@ -214,8 +216,8 @@ typedef struct sp_strip_mode {
 } sp_strip_mode;
 /* The lowest modes with wave number n1 along x; out [count], ascending. box: L1, L2. SP_EINVAL for count outside 1 ..
  * 24, or moduli that are none. */
-sp_status sp_strip_modes(const sp_moduli *m, double phi3s, const double box[2], int32_t n1, int32_t count,
-                         sp_strip_mode *out, sp_error *err);
+SP_API sp_status sp_strip_modes(const sp_moduli *m, double phi3s, const double box[2], int32_t n1, int32_t count,
+                                sp_strip_mode *out, sp_error *err);
 
 /* A mode of the packing beside the mode of the strip that it overlaps with most. */
 typedef struct sp_continuum_row {
@@ -231,11 +233,12 @@ typedef struct sp_continuum {
     sp_continuum_row *row; /* [n] ascending by omega */
     sp_moduli moduli;
 } sp_continuum;
-sp_continuum sp_continuum_none(void);
+SP_API sp_continuum sp_continuum_none(void);
 /* The `lowest` modes of a 2D packing but for those of frequency 0. SP_EREFUSED for other dimensions, walls that do not
  * grip, and without phi3s. */
-sp_status sp_continuum_make(const sp_network *net, double phi3s, int32_t lowest, sp_continuum *out, sp_error *err);
-void sp_continuum_free(sp_continuum *c);
+SP_API sp_status sp_continuum_make(const sp_network *net, double phi3s, int32_t lowest, sp_continuum *out,
+                                   sp_error *err);
+SP_API void sp_continuum_free(sp_continuum *c);
 
 #ifdef __cplusplus
 }

@@ -5,6 +5,8 @@
  * Every function that can fail returns an sp_status and takes an sp_error, which may be NULL.
  * Outputs are written on success only; the library never prints and never exits. */
 
+#include <sonopack/export.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -29,7 +31,10 @@ typedef struct sp_error {
 } sp_error;
 
 /* A word for a status ("invalid", "i/o", ...), never NULL. */
-const char *sp_status_name(sp_status status);
+SP_API const char *sp_status_name(sp_status status);
+
+/* Frees memory that a function of sonopack handed to its caller (texts, arrays). NULL is allowed. */
+SP_API void sp_free(void *memory);
 
 #ifdef __cplusplus
 }

@@ -5,7 +5,7 @@
 #include "base/base.h"
 #include "packing/making.h"
 
-#include <sonopack/scene.h>
+#include <sonopack/study/scene.h>
 
 static sp_pack_spec small(int dim, int32_t grains, double width, double pressure) {
     sp_pack_spec s = sp_pack_spec_default();

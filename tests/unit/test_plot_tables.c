@@ -3,7 +3,7 @@
 #include "reference.h"
 
 #include <sonopack/counts.h>
-#include <sonopack/plot.h>
+#include <sonopack/figure/plot.h>
 #include <sonopack/signal.h>
 #include <unistd.h>
 

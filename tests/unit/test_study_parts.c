@@ -1,11 +1,11 @@
 /* Parts of a sample that a scene describes, and that are made again when it describes them otherwise: fronts at planes,
  * the signal; and probes and frequencies. */
 #include "base/base.h"
-#include "study/sample.h"
+#include "ensemble/sample.h"
 #include "test.h"
 
 #include <sonopack/modes.h>
-#include <sonopack/study.h>
+#include <sonopack/study/study.h>
 
 static const char text[] = "packing = { width = 8; grains = 120; tolerance = 1e-7; protocol = \"quick\"; };"
                            "signal = { planes = [0.5, 3, 7.5, 12, 100]; points = 51; until = 30; };"

@@ -2,8 +2,8 @@
 #include "base/base.h"
 #include "test.h"
 
-#include <sonopack/store.h>
-#include <sonopack/study.h>
+#include <sonopack/study/store.h>
+#include <sonopack/study/study.h>
 
 static double cell(const sp_table *t, int64_t row, const char *column) {
     int c = sp_table_find_column(t, column);

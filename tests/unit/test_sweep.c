@@ -3,8 +3,8 @@
 
 #include "base/base.h"
 #include "scene/field.h"
-#include <sonopack/scene.h>
-#include <sonopack/study.h>
+#include <sonopack/study/scene.h>
+#include <sonopack/study/study.h>
 
 static sp_scene parsed(const char *text) {
     sp_scene s;

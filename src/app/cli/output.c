@@ -1,0 +1,206 @@
+/* Results: tables on stdout or in files, and which files may be replaced. */
+#include "cli/output.h"
+
+#include "base/base.h"
+#include "base/file.h"
+#include "store/packing_text.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- kinds of files --------------------------------------------------------------------------------------------- */
+
+typedef enum file_kind {
+    KIND_UNKNOWN,
+    KIND_HDF5,
+    KIND_PNG,
+    KIND_PDF,
+    KIND_MARKUP,
+    KIND_JSON,
+    KIND_PACKING, /* as text */
+    KIND_TEXT
+} file_kind;
+
+static const struct {
+    const char *ending;
+    file_kind kind;
+} endings[] = {{".h5", KIND_HDF5},    {".hdf5", KIND_HDF5},   {".png", KIND_PNG},   {".pdf", KIND_PDF},
+               {".svg", KIND_MARKUP}, {".vtp", KIND_MARKUP},  {".json", KIND_JSON}, {".tsv", KIND_TEXT},
+               {".csv", KIND_TEXT},   {".txt", KIND_PACKING}, {".xyz", KIND_TEXT},  {".extxyz", KIND_TEXT},
+               {".data", KIND_TEXT},  {".lammps", KIND_TEXT}, {".dump", KIND_TEXT}};
+
+static const char *ending_of(const char *path) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
+    return dot && dot > name ? dot : "";
+}
+
+bool cli_has_ending(const char *path, const char *ending) { return strcasecmp(ending_of(path), ending) == 0; }
+
+static file_kind kind_by_ending(const char *path) {
+    for (size_t k = 0; k < sizeof endings / sizeof *endings; k++)
+        if (cli_has_ending(path, endings[k].ending))
+            return endings[k].kind;
+    return KIND_UNKNOWN;
+}
+
+/* head[size] is 0. */
+static file_kind kind_by_content(const char *head, size_t size) {
+    static const struct {
+        const char *magic;
+        file_kind kind;
+    } magics[] = {{"\211HDF\r\n\032\n", KIND_HDF5}, {"\211PNG\r\n\032\n", KIND_PNG}, {"%PDF-", KIND_PDF}};
+    for (size_t k = 0; k < sizeof magics / sizeof *magics; k++)
+        if (size >= strlen(magics[k].magic) && memcmp(head, magics[k].magic, strlen(magics[k].magic)) == 0)
+            return magics[k].kind;
+    if (memchr(head, 0, size))
+        return KIND_UNKNOWN;
+    if (sp_packing_text_looks(head))
+        return KIND_PACKING;
+    size_t first = 0;
+    while (first < size && isspace((unsigned char)head[first]))
+        first++;
+    const char c = head[first];
+    return c == '<' ? KIND_MARKUP : c == '{' || c == '[' ? KIND_JSON : KIND_TEXT;
+}
+
+/* Whether what lies under the name is of the kind that the name promises. */
+static sp_status check_kind(const char *path, file_kind kind, sp_error *err) {
+    char head[4096];
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return sp_fail(err, SP_EIO, "%s: %s", path, strerror(errno));
+    const size_t size = fread(head, 1, sizeof head - 1, file);
+    const bool failed = ferror(file);
+    fclose(file);
+    head[size] = '\0';
+    if (failed)
+        return sp_fail(err, SP_EIO, "%s: cannot be read", path);
+    if (size > 0 && kind_by_content(head, size) != kind)
+        return sp_fail(
+            err, SP_EINVAL,
+            "%s: is a file of another kind than its ending says, which is never replaced: choose another name", path);
+    return SP_OK;
+}
+
+sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err) {
+    file_kind kind = kind_by_ending(path);
+    struct stat info;
+    if (path[0] == '\0')
+        return sp_fail(err, SP_EINVAL, "-o: an empty name: must be a file");
+    const bool exists = stat(path, &info) == 0;
+    if (exists && S_ISDIR(info.st_mode))
+        return sp_fail(err, SP_EINVAL, "%s: is a folder: must be a file", path);
+    if (exists && !S_ISREG(info.st_mode))
+        return SP_OK; /* a device or a pipe: nothing is replaced */
+    if (kind == KIND_UNKNOWN && common->format_given)
+        kind = common->format == SP_JSON ? KIND_JSON : KIND_TEXT;
+    if (kind == KIND_UNKNOWN)
+        return sp_fail(err, SP_EINVAL,
+                       "%s: ending \"%s\" says no format: must be .tsv, .csv or .json for a table, .h5 or .txt for a "
+                       "packing, .svg, .png or .pdf for a figure",
+                       path, ending_of(path));
+    if (exists) {
+        sp_status status = check_kind(path, kind, err);
+        if (status == SP_OK && !common->force)
+            status = sp_fail(err, SP_EINVAL, "%s: exists already: must be a new name, or give --force", path);
+        if (status != SP_OK)
+            return status;
+    }
+    char folder[SP_PATH_MAX];
+    const char *slash = strrchr(path, '/');
+    const int length = slash ? (int)(slash - path) + 1 : 1;
+    if (length >= SP_PATH_MAX)
+        return sp_fail(err, SP_EINVAL, "-o: a name of %zu bytes: must be below %d", strlen(path), SP_PATH_MAX);
+    snprintf(folder, sizeof folder, "%.*s", length, slash ? path : ".");
+    return sp_folder_probe(folder, err);
+}
+
+sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err) {
+    sp_status status = sp_packing_read(scene->from, from, err);
+    if (status != SP_OK)
+        return sp_fail_prefix(err, "packing.file");
+    return sp_pack_spec_from(&scene->pack, from, err);
+}
+
+/* ---- tables ----------------------------------------------------------------------------------------------------- */
+
+static sp_status table_format(const cli_common *common, sp_table_format *out, sp_error *err) {
+    static const char *const names[] = {[SP_TSV] = ".tsv", [SP_CSV] = ".csv", [SP_JSON] = ".json"};
+    *out = common->format;
+    if (!common->output)
+        return SP_OK;
+    for (unsigned k = 0; k < sizeof names / sizeof *names; k++) {
+        if (!cli_has_ending(common->output, names[k]))
+            continue;
+        if (common->format_given && common->format != (sp_table_format)k)
+            return sp_fail(err, SP_EINVAL, "-o %s: its ending is not the %s of --format", common->output,
+                           names[common->format]);
+        *out = (sp_table_format)k;
+        return SP_OK;
+    }
+    if (kind_by_ending(common->output) != KIND_UNKNOWN || !common->format_given)
+        return sp_fail(err, SP_EINVAL, "-o %s: a table's ending must be .tsv, .csv or .json", common->output);
+    return SP_OK;
+}
+
+sp_status cli_may_write_table(const cli_common *common, sp_error *err) {
+    sp_table_format format;
+    sp_status status = table_format(common, &format, err);
+    return status == SP_OK && common->output ? cli_may_write(common, common->output, err) : status;
+}
+
+static bool output_failed; /* reported already */
+
+sp_status cli_print(const char *text, sp_error *err) {
+    const size_t size = strlen(text);
+    if (fwrite(text, 1, size, stdout) == size && fflush(stdout) == 0)
+        return SP_OK;
+    output_failed = true;
+    return sp_fail(err, SP_EIO, "standard output: %s", strerror(errno));
+}
+
+sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) {
+    sp_table_format format;
+    sp_status status = table_format(common, &format, err);
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err, "sonopack %s", SONOPACK_VERSION);
+    if (status != SP_OK)
+        return status;
+    char *text = sp_table_text(t, format);
+    if (!text)
+        return sp_fail_memory(err, (size_t)(t->rows * t->columns) * 24);
+    status = common->output ? sp_text_save(common->output, text, strlen(text), err) : cli_print(text, err);
+    sp_free(text);
+    return status;
+}
+
+void cli_close_stdout(void) {
+    const bool before = ferror(stdout) != 0;
+    errno = 0;
+    if (fclose(stdout) == 0 && !before)
+        return;
+    if (!output_failed) {
+        fputs("sonopack: standard output: ", stderr);
+        fputs(errno ? strerror(errno) : "could not be written", stderr);
+        fputc('\n', stderr);
+    }
+    _exit(CLI_FAILED);
+}
+
+sp_status cli_add_number(sp_table *t, const char *key, double value, sp_error *err) {
+    char number[SP_NUMBER_TEXT];
+    return sp_table_add_comment(t, err, "%s = %s", key, sp_number_text(value, number));
+}
+
+sp_status cli_add_columns(sp_table *t, const char *const *names, sp_error *err) {
+    sp_status status = SP_OK;
+    for (; *names && status == SP_OK; names += 2)
+        status = sp_table_add_column(t, names[0], names[1], SP_CELL_NUMBER, err);
+    return status;
+}

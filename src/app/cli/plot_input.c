@@ -1,0 +1,293 @@
+#include "cli/plot_input.h"
+
+#include "base/base.h"
+#include "base/file.h"
+#include "cli/output.h"
+#include "store/packing_text.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* ---- CSV -------------------------------------------------------------------------------------------------------- */
+
+/* Next cell of a line, in place; quotes as in RFC 4180. NULL behind the last. */
+static char *csv_cell(char **at) {
+    char *from = *at, *to = *at, *cell = *at;
+    if (!from)
+        return NULL;
+    bool quoted = *from == '"';
+    for (from += quoted; *from && (quoted || *from != ','); from++) {
+        if (quoted && *from == '"') {
+            if (from[1] != '"') {
+                quoted = false;
+                continue;
+            }
+            from++;
+        }
+        *to++ = *from;
+    }
+    *at = *from == ',' ? from + 1 : NULL;
+    *to = '\0';
+    return cell;
+}
+
+/* An empty cell is NAN. */
+static bool csv_number(const char *cell, double *out) {
+    char *end;
+    *out = *cell ? strtod(cell, &end) : NAN;
+    return !*cell || (end > cell && end[strspn(end, " ")] == '\0');
+}
+
+/* Columns, and room for `rows` rows. */
+static sp_status csv_header(const char *path, char *text, int64_t rows, sp_table *t, sp_error *err) {
+    for (char *cell; (cell = csv_cell(&text)) != NULL;) {
+        sp_status status = sp_table_add_column(t, cell, "", SP_CELL_NUMBER, err);
+        if (status != SP_OK) {
+            sp_fail_prefix(err, "%s", path);
+            return status;
+        }
+    }
+    t->cells = sp_alloc((size_t)rows, (size_t)t->columns * sizeof *t->cells);
+    t->capacity = rows;
+    return t->cells ? SP_OK : sp_fail_memory(err, (size_t)rows * (size_t)t->columns * sizeof *t->cells);
+}
+
+static sp_status csv_row(const char *path, int64_t line, char *text, sp_table *t, sp_error *err) {
+    sp_cell *row = t->cells + t->rows * t->columns;
+    int count = 0;
+    for (char *cell; (cell = csv_cell(&text)) != NULL; count++) {
+        if (count < t->columns && !csv_number(cell, &row[count].number))
+            return sp_fail(err, SP_EFORMAT, "%s:%lld: %s = \"%.40s\": must be a number or empty", path, (long long)line,
+                           t->column[count].name, cell);
+    }
+    if (count != t->columns)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: %d cells where there are %d columns", path, (long long)line, count,
+                       t->columns);
+    t->rows++;
+    return SP_OK;
+}
+
+/* Lines of a CSV file: comments behind '#', a header, rows. `lines` is their number. */
+static sp_status csv_lines(const char *path, char *text, int64_t lines, sp_table *t, sp_error *err) {
+    sp_status status = SP_OK;
+    char *rest = text;
+    for (int64_t number = 1; rest && status == SP_OK; number++) {
+        char *line = strsep(&rest, "\n");
+        line[strcspn(line, "\r")] = '\0';
+        if (*line == '#')
+            status = sp_table_add_comment(t, err, "%s", line + 1 + (line[1] == ' '));
+        else if (*line && t->columns == 0)
+            status = csv_header(path, line, lines, t, err);
+        else if (*line)
+            status = csv_row(path, number, line, t, err);
+    }
+    if (status == SP_OK && t->columns == 0)
+        status = sp_fail(err, SP_EFORMAT, "%s: no table: no header", path);
+    return status;
+}
+
+static sp_status read_csv(const char *path, sp_table *out, sp_error *err) {
+    sp_table t = sp_table_none();
+    char *text = NULL;
+    size_t size = 0;
+    sp_status status = sp_file_read_text(path, &text, &size, err);
+    if (status != SP_OK)
+        return status;
+    int64_t lines = 1;
+    for (const char *c = text; *c; c++)
+        lines += *c == '\n';
+    status = csv_lines(path, text, lines, &t, err);
+    sp_free(text);
+    if (status == SP_OK)
+        *out = t;
+    else
+        sp_table_free(&t);
+    return status;
+}
+
+sp_status plot_read_table(const char *path, sp_table *out, sp_error *err) {
+    return cli_has_ending(path, ".csv") ? read_csv(path, out, err) : sp_table_read(path, out, err);
+}
+
+/* ---- signals ---------------------------------------------------------------------------------------------------- */
+
+sp_status plot_is_packing(const char *path, bool *yes, sp_error *err) {
+    struct stat info;
+    char head[8192];
+    *yes = false;
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
+        return SP_OK;
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return sp_fail(err, SP_EIO, "cannot open %s: %s", path, strerror(errno));
+    const size_t size = fread(head, 1, sizeof head - 1, file);
+    fclose(file);
+    head[size] = '\0';
+    *yes = strlen(head) < size || sp_packing_text_looks(head);
+    return SP_OK;
+}
+
+static sp_status packing_signal(const char *path, const sp_scene *scene, plot_signal *out, sp_error *err) {
+    sp_packing p = sp_packing_none();
+    sp_network net = sp_network_none();
+    sp_signal signal = sp_signal_none();
+    sp_signal_options options = scene->signal;
+    sp_status status = sp_packing_read(path, &p, err);
+    if (status != SP_OK)
+        return status;
+    const double window = sp_signal_window(sp_packing_height(&p), p.pressure);
+    if (!(options.until > 0.0))
+        options.until = window;
+    status = sp_network_make(&p, &scene->network, &net, err);
+    if (status == SP_OK)
+        status = sp_signal_make(&net, &options, &signal, err);
+    double *t = status == SP_OK ? sp_alloc((size_t)signal.n, 2 * sizeof *t) : NULL;
+    if (t) {
+        memcpy(t, signal.t, (size_t)signal.n * sizeof *t);
+        memcpy(t + signal.n, signal.f, (size_t)signal.n * sizeof *t);
+        *out = (plot_signal){.n = signal.n, .t = t, .f = t + signal.n, .window = window};
+        out->distance = sp_packing_height(&p);
+    } else if (status == SP_OK) {
+        status = sp_fail_memory(err, (size_t)signal.n * 2 * sizeof *t);
+    } else {
+        sp_fail_prefix(err, "%s", path);
+    }
+    sp_signal_free(&signal);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+    return status;
+}
+
+/* A positive number in a comment; 0 if there is none. */
+static double comment_number(const sp_table *t, const char *key) {
+    const char *text = sp_table_comment_value(t, key);
+    const double value = text ? strtod(text, NULL) : 0.0;
+    return value > 0.0 && isfinite(value) ? value : 0.0;
+}
+
+/* The columns t and F, or the first two of numbers in a table that has neither nor is of another command. */
+static sp_status find_columns(const char *path, const sp_table *t, int column[2], sp_error *err) {
+    column[0] = sp_table_find_column(t, "t");
+    column[1] = sp_table_find_column(t, "F");
+    if (column[1] < 0)
+        column[1] = sp_table_find_column(t, "F1");
+    if (column[0] < 0 && column[1] < 0 && sp_table_find_column(t, "omega") < 0) {
+        int found = 0;
+        for (int c = 0; c < t->columns && found < 2; c++)
+            if (t->column[c].kind != SP_CELL_TEXT)
+                column[found++] = c;
+    }
+    for (int k = 0; k < 2; k++)
+        if (column[k] < 0 || t->column[column[k]].kind == SP_CELL_TEXT)
+            return sp_fail(err, SP_EFORMAT,
+                           "%s: a signal needs columns of numbers t and F, or t, F1, F2, ...: times and forces", path);
+    return SP_OK;
+}
+
+int plot_count_signals(const sp_table *t, int first) {
+    char name[16];
+    int n = 0;
+    do {
+        n++;
+        snprintf(name, sizeof name, "F%d", n);
+    } while (first + n <= t->columns && strcmp(t->column[first + n - 1].name, name) == 0 &&
+             t->column[first + n - 1].kind != SP_CELL_TEXT);
+    return n > 1 ? n - 1 : 1;
+}
+
+static sp_status column_signal(const sp_table *table, int time, int force, plot_signal *out, sp_error *err) {
+    const int64_t n = table->rows;
+    double *t = sp_alloc((size_t)n, 2 * sizeof *t);
+    if (!t)
+        return sp_fail_memory(err, (size_t)n * 2 * sizeof *t);
+    for (int64_t k = 0; k < n; k++) {
+        t[k] = sp_table_number(table, k, time);
+        t[n + k] = sp_table_number(table, k, force);
+    }
+    const double height = comment_number(table, "height"), pressure = comment_number(table, "pressure");
+    *out = (plot_signal){.n = n, .t = t, .f = t + n, .distance = NAN};
+    out->window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
+    out->foreign = strcmp(table->column[time].unit, "d/sqrt(E* / rho)") != 0;
+    snprintf(out->t_unit, sizeof out->t_unit, "%s", table->column[time].unit);
+    snprintf(out->f_unit, sizeof out->f_unit, "%s", table->column[force].unit);
+    return SP_OK;
+}
+
+/* What the comment "F2 = from bottom:normal to plane:25:normal, error 1e-16" says of the detector. One signal of
+ * several is called by it: "y = 25", "top", "part:0:3"; without a comment "F2". */
+static void name_signal(const sp_table *table, int k, bool several, plot_signal *out) {
+    char key[16];
+    const double height = comment_number(table, "height");
+    snprintf(key, sizeof key, "F%d", k + 1);
+    const char *text = sp_table_comment_value(table, key), *to = text ? strstr(text, " to ") : NULL;
+    if (several)
+        snprintf(out->name, sizeof out->name, "%s", key);
+    if (!to) {
+        out->distance = height > 0 && !several ? height : NAN;
+        return;
+    }
+    to += 4;
+    char *end = NULL;
+    const double plane = strncmp(to, "plane:", 6) == 0 ? strtod(to + 6, &end) : NAN;
+    if (end && end > to + 6 && isfinite(plane)) {
+        out->distance = plane;
+        if (several)
+            snprintf(out->name, sizeof out->name, "y = %.4g%s", plane, strncmp(end, ":shear", 6) == 0 ? " shear" : "");
+        return;
+    }
+    const int length = (int)strcspn(to, ",");
+    const int normal = length > 7 && strncmp(to + length - 7, ":normal", 7) == 0 ? 7 : 0;
+    if (several && length > normal)
+        snprintf(out->name, sizeof out->name, "%.*s", length - normal < 40 ? length - normal : 40, to);
+    if (strncmp(to, "top", 3) == 0 && height > 0)
+        out->distance = height;
+}
+
+static sp_status begin_signals(int n, plot_signals *out, sp_error *err) {
+    *out = (plot_signals){.n = n, .signal = sp_alloc((size_t)n, sizeof *out->signal)};
+    return out->signal ? SP_OK : sp_fail_memory(err, (size_t)n * sizeof *out->signal);
+}
+
+static sp_status table_signals(const char *path, plot_signals *out, sp_error *err) {
+    sp_table table = sp_table_none();
+    int column[2];
+    sp_status status = plot_read_table(path, &table, err);
+    if (status != SP_OK)
+        return status;
+    status = find_columns(path, &table, column, err);
+    if (status == SP_OK)
+        status = begin_signals(plot_count_signals(&table, column[1]), out, err);
+    for (int k = 0; status == SP_OK && k < out->n; k++) {
+        status = column_signal(&table, column[0], column[1] + k, &out->signal[k], err);
+        if (status == SP_OK)
+            name_signal(&table, k, out->n > 1, &out->signal[k]);
+    }
+    sp_table_free(&table);
+    return status;
+}
+
+void plot_signals_free(plot_signals *s) {
+    for (int k = 0; s->signal && k < s->n; k++)
+        sp_free(s->signal[k].t);
+    sp_free(s->signal);
+    *s = (plot_signals){0};
+}
+
+sp_status plot_read_signals(const char *path, const sp_scene *scene, plot_signals *out, sp_error *err) {
+    bool packing;
+    plot_signals read = {0};
+    sp_status status = plot_is_packing(path, &packing, err);
+    if (status == SP_OK && packing)
+        status = begin_signals(1, &read, err);
+    if (status == SP_OK)
+        status = packing ? packing_signal(path, scene, read.signal, err) : table_signals(path, &read, err);
+    if (status == SP_OK)
+        *out = read;
+    else
+        plot_signals_free(&read);
+    return status;
+}

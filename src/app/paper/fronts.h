@@ -1,0 +1,44 @@
+#ifndef SP_PAPER_FRONTS_H
+#define SP_PAPER_FRONTS_H
+/* Fronts against distance: boxes of several heights, and chains. */
+
+#include "paper/paper.h"
+
+/* A mean with its standard error. */
+typedef struct paper_mean {
+    double mean, sd, err;
+} paper_mean;
+
+/* Boxes of one height, or chains of one length. */
+typedef struct paper_distance {
+    paper_ensemble ensemble;
+    int32_t grains;
+    int64_t n; /* samples with a front */
+    double distance;
+    paper_mean t10, t_peak, t_zero, amplitude, width; /* width = t_zero - t10 */
+} paper_distance;
+
+enum { PAPER_DISTANCES = 6 };
+/* Boxes of 100 .. 2400 grains at p = 1e-4, and the chains of an ensemble: those of PAPER_DISTANCES that have fronts, by
+ * distance. */
+sp_status sp_paper_heights(const paper *p, int *n, paper_distance out[PAPER_DISTANCES], sp_error *err);
+/* The boxes that lines are put through, d[first .. end): from L = 8 on, the paper's lower height, up to 60 or all:
+ * where the paper's figures end is not stated. */
+typedef struct paper_range {
+    int first, end;
+} paper_range;
+paper_range sp_paper_fitted(int n, const paper_distance *d, bool all);
+sp_status sp_paper_chains(const paper *p, paper_ensemble e, int *n, paper_distance out[PAPER_DISTANCES], sp_error *err);
+
+/* Least squares through points of equal weight; err from those of the points (0 for points without). NAN for fewer than
+ * two. */
+typedef struct paper_line {
+    double slope, intercept, err;
+} paper_line;
+paper_line sp_paper_line_fit(int n, const double *x, const double *y, const double *y_err);
+/* ln mean against ln distance. */
+paper_line sp_paper_power(int n, const paper_distance *d, const paper_mean *(*of)(const paper_distance *d));
+const paper_mean *sp_paper_amplitude(const paper_distance *d);
+const paper_mean *sp_paper_width(const paper_distance *d);
+
+#endif

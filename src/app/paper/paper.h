@@ -1,0 +1,115 @@
+#ifndef SP_PAPER_PAPER_H
+#define SP_PAPER_PAPER_H
+/* What the files of this room share: the work on one paper, from ensembles to rows, figures and sentences. */
+
+#include "base/file.h"
+#include "base/text.h"
+#include "paper/ensemble.h"
+#include "paper/reference.h"
+#include "paper/verdict.h"
+
+#include "paper/reproduce.h"
+#include <sonopack/figure/figure.h>
+#include <sonopack/network.h>
+
+enum { PAPER_FIGURES = 6, PAPER_NEEDS = 12 };
+
+/* Finished samples of an ensemble: combinations in the scene's order, the seeds of each together. */
+typedef struct paper_set {
+    int64_t n;
+    sp_sample *sample; /* [n] */
+} paper_set;
+
+typedef struct paper_section {
+    sp_text text; /* sentences about our result, a paragraph a line */
+    int figures;
+    char file[PAPER_FIGURES][32];     /* in the folder */
+    char caption[PAPER_FIGURES][240]; /* of each */
+} paper_section;
+
+typedef struct paper {
+    const sp_paper_options *opt;
+    sp_store *store;
+    sp_paper_watch watch;
+    void *user;
+    double begun, cost, cost_done; /* wall clock; CPU seconds expected of all ensembles, and of those that are done */
+    int64_t computed, failed;
+    int64_t rows, capacity;
+    paper_row *row;
+    paper_set set[PAPER_ENSEMBLES];
+    paper_section section[SP_PAPER_ITEMS];
+} paper;
+
+/* An ensemble that an item needs; drawn: for its figures only. */
+typedef struct paper_need {
+    paper_ensemble ensemble;
+    unsigned want;
+    bool drawn;
+} paper_need;
+
+typedef struct paper_item {
+    const char *name, *title, *shows; /* shows: what the paper has there */
+    sp_status (*make)(paper *p, int item, sp_error *err);
+    int needs;
+    paper_need need[PAPER_NEEDS];
+} paper_item;
+extern const paper_item sp_paper_items[SP_PAPER_ITEMS];
+
+bool sp_paper_wants(const paper *p, int item);
+/* What is under way, told to the watch. SP_EINTERRUPTED if it says stop. */
+sp_status sp_paper_tell(paper *p, const char *what, double fraction, sp_error *err);
+
+/* ---- ensembles -------------------------------------------------------------------------------------------------- */
+
+/* Makes what the wanted items need and the store lacks, and reads the samples. */
+sp_status sp_paper_collect(paper *p, sp_error *err);
+/* The samples of an ensemble with this pressure and these grains (0: any), all parts there, as values; *n of them.
+ * Free. */
+sp_status sp_paper_values(const paper *p, paper_ensemble e, double pressure, int32_t grains, unsigned part,
+                          double (*of)(const sp_sample *s), int64_t *n, double **values, sp_error *err);
+
+/* A finished sample's packing, and its network if one is asked for. Other statuses than SP_OK end the walk. */
+typedef sp_status (*paper_visit)(const sp_sample *s, const sp_packing *packing, const sp_network *net, void *user,
+                                 sp_error *err);
+/* Visits samples of an ensemble by their seeds, the first `most` of them (0: all). */
+sp_status sp_paper_walk(paper *p, paper_ensemble e, double pressure, int32_t grains, int64_t most, paper_visit visit,
+                        void *user, sp_error *err);
+
+/* ---- results ---------------------------------------------------------------------------------------------------- */
+
+/* Judges a row and keeps it. */
+sp_status sp_paper_add_row(paper *p, paper_row row, sp_error *err);
+/* A sentence about our result; markup of neither form. */
+void sp_paper_say(paper *p, int item, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* FOLDER/NAME.ENDING. */
+void sp_paper_path(const paper *p, const char *name, const char *ending, char path[SP_PATH_MAX]);
+/* A figure that is drawn already, as NAME.(svg, png or pdf). */
+void sp_paper_add_figure(paper *p, int item, const char *name, const char *caption);
+/* Draws a sheet as NAME, and writes the numbers of its curves beside it as NAME.tsv. Nothing without a folder. */
+sp_status sp_paper_draw(paper *p, int item, const char *name, const sp_sheet *sheet, const char *caption,
+                        sp_error *err);
+sp_status sp_paper_save_table(paper *p, const char *name, sp_table *t, sp_error *err);
+
+sp_status sp_paper_report_begin(paper *p, sp_error *err);
+sp_status sp_paper_report(paper *p, sp_error *err);
+
+/* ---- items ------------------------------------------------------------------------------------------------------ */
+
+sp_status sp_paper_make_table(paper *p, int item, sp_error *err);     /* I, II, IV, V */
+sp_status sp_paper_make_exponents(paper *p, int item, sp_error *err); /* III */
+sp_status sp_paper_make_fig1(paper *p, int item, sp_error *err);
+sp_status sp_paper_make_fig2(paper *p, int item, sp_error *err);
+sp_status sp_paper_make_fig3(paper *p, int item, sp_error *err);
+sp_status sp_paper_make_fig4(paper *p, int item, sp_error *err);
+sp_status sp_paper_make_fig5(paper *p, int item, sp_error *err);
+sp_status sp_paper_make_fig6(paper *p, int item, sp_error *err);
+sp_status sp_paper_make_fig7(paper *p, int item, sp_error *err);
+sp_status sp_paper_make_fig8(paper *p, int item, sp_error *err);
+sp_status sp_paper_make_fig9(paper *p, int item, sp_error *err);
+sp_status sp_paper_make_fig10(paper *p, int item, sp_error *err);
+sp_status sp_paper_make_fig11(paper *p, int item, sp_error *err);
+sp_status sp_paper_make_fig12(paper *p, int item, sp_error *err);
+sp_status sp_paper_make_claims(paper *p, int item, sp_error *err);
+
+#endif

@@ -1,0 +1,143 @@
+#include "base/base.h"
+
+#include <sonopack/version.h>
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+const char *sp_version(void) { return SONOPACK_VERSION; }
+
+const char *sp_status_name(sp_status status) {
+    switch (status) {
+    case SP_OK: return "ok";
+    case SP_EINVAL: return "invalid";
+    case SP_EIO: return "i/o";
+    case SP_EFORMAT: return "format";
+    case SP_ENOMEM: return "memory";
+    case SP_EFAILED: return "failed";
+    case SP_EREFUSED: return "refused";
+    case SP_EINTERRUPTED: return "interrupted";
+    }
+    return "unknown";
+}
+
+/* A reason is one line: control characters from file names or hostile input become spaces. */
+static void one_line(char *text) {
+    for (; *text; text++)
+        if ((unsigned char)*text < ' ' || *text == 127)
+            *text = ' ';
+}
+
+sp_status sp_fail(sp_error *err, sp_status status, const char *format, ...) {
+    if (err) {
+        va_list args;
+        va_start(args, format);
+        err->status = status;
+        vsnprintf(err->text, sizeof err->text, format, args);
+        va_end(args);
+        one_line(err->text);
+    }
+    return status;
+}
+
+sp_status sp_fail_prefix(sp_error *err, const char *format, ...) {
+    if (!err)
+        return SP_EFAILED;
+    char old[SP_ERROR_TEXT], prefix[SP_ERROR_TEXT / 2];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(prefix, sizeof prefix, format, args);
+    va_end(args);
+    memcpy(old, err->text, sizeof old);
+    int used = snprintf(err->text, sizeof err->text, "%s: ", prefix);
+    size_t room = sizeof err->text - (size_t)used;
+    size_t length = strnlen(old, room - 1);
+    memcpy(err->text + used, old, length);
+    err->text[(size_t)used + length] = '\0';
+    one_line(err->text);
+    return err->status;
+}
+
+static atomic_int_fast64_t fail_after = -1;
+
+void sp_alloc_fail_after(int64_t count) { atomic_store(&fail_after, count); }
+
+/* From HUGE_FROM bytes on memory comes in pages of 2 MiB, where the system has them. */
+enum { HUGE_PAGE = 2 << 20, HUGE_FROM = 16 << 20 };
+
+void *sp_alloc(size_t count, size_t size) {
+    if (atomic_load(&fail_after) >= 0 && atomic_fetch_sub(&fail_after, 1) == 0)
+        return NULL;
+    if (count == 0)
+        count = 1;
+    if (size == 0 || count > (PTRDIFF_MAX - 63) / size)
+        return NULL;
+    const size_t wanted = count * size, align = wanted >= HUGE_FROM ? HUGE_PAGE : 64;
+    if (wanted > PTRDIFF_MAX - align)
+        return NULL;
+    const size_t bytes = (wanted + align - 1) / align * align;
+    void *memory = aligned_alloc(align, bytes);
+#ifdef MADV_HUGEPAGE
+    if (memory && align == HUGE_PAGE)
+        madvise(memory, bytes, MADV_HUGEPAGE); /* a hint: a fraction of the page faults, and of the address lookups */
+#endif
+    if (memory)
+        memset(memory, 0, bytes);
+    return memory;
+}
+
+void sp_free(void *memory) { free(memory); }
+
+char *sp_strdup(const char *text) {
+    size_t size = strlen(text) + 1;
+    char *copy = sp_alloc(size, 1);
+    if (copy)
+        memcpy(copy, text, size);
+    return copy;
+}
+
+sp_status sp_fail_memory(sp_error *err, size_t bytes) {
+    return sp_fail(err, SP_ENOMEM, "no memory for %.3g MB", (double)bytes / 1e6);
+}
+
+double sp_memory_limit(void) {
+    const double pages = (double)sysconf(_SC_PHYS_PAGES), size = (double)sysconf(_SC_PAGESIZE);
+    double bytes = pages > 0 && size > 0 ? pages * size : INFINITY;
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+        bytes = fmin(bytes, (double)limit.rlim_cur);
+    return bytes;
+}
+
+char *sp_number_text(double value, char text[SP_NUMBER_TEXT]) {
+    if (value != value) {
+        snprintf(text, SP_NUMBER_TEXT, "nan"); /* without the sign that printf may show */
+        return text;
+    }
+    for (int digits = 15; digits <= 17; digits++) {
+        snprintf(text, SP_NUMBER_TEXT, "%.*g", digits, value);
+        if (strtod(text, NULL) == value)
+            break;
+    }
+    for (char *c = text; *c; c++) /* whatever locale the program has chosen */
+        if (*c == ',')
+            *c = '.';
+    return text;
+}
+
+static double seconds(clockid_t clock) {
+    struct timespec now;
+    clock_gettime(clock, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double sp_clock_cpu(void) { return seconds(CLOCK_THREAD_CPUTIME_ID); }
+double sp_clock_wall(void) { return seconds(CLOCK_MONOTONIC); }

@@ -1,0 +1,295 @@
+#include "base/file.h"
+
+#include "base/base.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <sonopack/table.h>
+#include <stdatomic.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+/* No text that this program reads is larger; a device without end stops here. */
+static const size_t text_limit = (size_t)1 << 31;
+
+static sp_status fail_errno(sp_error *err, const char *what, const char *path, int code) {
+    return sp_fail(err, SP_EIO, "cannot %s %s: %s", what, path, strerror(code));
+}
+
+/* ---- reading --------------------------------------------------------------------------------------------------- */
+
+/* Doubles a buffer that is full. */
+static bool grow(char **buffer, size_t *capacity) {
+    char *larger = sp_alloc(2 * *capacity, 1);
+    if (!larger)
+        return false;
+    memcpy(larger, *buffer, *capacity);
+    sp_free(*buffer);
+    *buffer = larger;
+    *capacity *= 2;
+    return true;
+}
+
+static sp_status read_all(int fd, const char *path, bool any, char **text, size_t *size, sp_error *err) {
+    struct stat info;
+    if (fstat(fd, &info) != 0)
+        return fail_errno(err, "read", path, errno);
+    if (S_ISDIR(info.st_mode))
+        return fail_errno(err, "read", path, EISDIR);
+    if (S_ISREG(info.st_mode) && (uint64_t)info.st_size > text_limit)
+        return sp_fail(err, SP_EFORMAT, "%s: %.3g GB are too large", path, (double)info.st_size * 1e-9);
+    /* two more than a regular file's size: the closing zero, and room in which read() finds the end */
+    size_t capacity = S_ISREG(info.st_mode) ? (size_t)info.st_size + 2 : 65536, used = 0;
+    char *buffer = sp_alloc(capacity, 1);
+    sp_status status = buffer ? SP_OK : sp_fail_memory(err, capacity);
+    while (status == SP_OK) {
+        if (used + 1 == capacity && !grow(&buffer, &capacity)) {
+            status = sp_fail_memory(err, 2 * capacity);
+            break;
+        }
+        ssize_t got = read(fd, buffer + used, capacity - 1 - used);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            status = fail_errno(err, "read", path, errno);
+        if (got <= 0)
+            break;
+        if (!any && memchr(buffer + used, 0, (size_t)got))
+            status = sp_fail(err, SP_EFORMAT, "%s: not a text file (a zero byte within the first %zu bytes)", path,
+                             used + (size_t)got);
+        used += (size_t)got;
+        if (used > text_limit)
+            status = sp_fail(err, SP_EFORMAT, "%s: more than %zu bytes are too large", path, text_limit);
+    }
+    if (status != SP_OK) {
+        sp_free(buffer);
+        return status;
+    }
+    buffer[used] = '\0';
+    *text = buffer;
+    *size = used;
+    return SP_OK;
+}
+
+static sp_status read_file(const char *path, bool any, char **data, size_t *size, sp_error *err) {
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return fail_errno(err, "open", path, errno);
+    sp_status status = read_all(fd, path, any, data, size, err);
+    close(fd);
+    return status;
+}
+
+sp_status sp_file_read_text(const char *path, char **text, size_t *size, sp_error *err) {
+    return read_file(path, false, text, size, err);
+}
+
+sp_status sp_file_read(const char *path, char **data, size_t *size, sp_error *err) {
+    return read_file(path, true, data, size, err);
+}
+
+/* Fowler, Noll, Vo, Eastlake. */
+uint64_t sp_hash64(uint64_t begin, const void *data, size_t size) {
+    const unsigned char *byte = data;
+    for (size_t k = 0; k < size; k++)
+        begin = (begin ^ byte[k]) * 0x100000001b3u;
+    return begin;
+}
+
+sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err) {
+    enum { CHUNK = 1 << 16 };
+    unsigned char buffer[CHUNK];
+    const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0)
+        return fail_errno(err, "open", path, errno);
+    uint64_t sum = SP_HASH64_BEGIN;
+    ssize_t got;
+    while ((got = read(fd, buffer, CHUNK)) > 0 || (got < 0 && errno == EINTR))
+        if (got > 0)
+            sum = sp_hash64(sum, buffer, (size_t)got);
+    const int code = got < 0 ? errno : 0;
+    close(fd);
+    if (code)
+        return fail_errno(err, "read", path, code);
+    *hash = sum;
+    return SP_OK;
+}
+
+/* ---- writing --------------------------------------------------------------------------------------------------- */
+
+static int write_all(int fd, const char *data, size_t size) {
+    while (size > 0) {
+        ssize_t put = write(fd, data, size < ((size_t)1 << 30) ? size : (size_t)1 << 30);
+        if (put < 0 && errno == EINTR)
+            continue;
+        if (put < 0)
+            return errno;
+        data += put;
+        size -= (size_t)put;
+    }
+    return 0;
+}
+
+/* The folder part of a path: "." for a bare name. */
+static void folder_of(const char *path, char folder[SP_PATH_MAX]) {
+    const char *slash = strrchr(path, '/');
+    if (!slash)
+        snprintf(folder, SP_PATH_MAX, ".");
+    else
+        snprintf(folder, SP_PATH_MAX, "%.*s", slash == path ? 1 : (int)(slash - path), path);
+}
+
+/* Whether the file is ours for as long as it is open: whoever removes what the dead have left asks for the same lock
+ * first, and may have been faster than we. Without locks nothing is removed. */
+static bool own(int fd) {
+    struct stat info;
+    if (flock(fd, LOCK_EX | LOCK_NB) != 0)
+        return errno != EWOULDBLOCK;
+    return fstat(fd, &info) == 0 && info.st_nlink > 0;
+}
+
+/* What the names of this machine's temporary files begin with: some file systems have locks within a machine only. */
+static void own_prefix(char prefix[32]) {
+    char host[256] = "";
+    uint32_t hash = 0x811c9dc5u; /* FNV-1a of 32 bits (Fowler, Noll, Vo, Eastlake) */
+    gethostname(host, sizeof host - 1);
+    for (const char *c = host; *c; c++)
+        hash = (hash ^ (unsigned char)*c) * 0x01000193u;
+    snprintf(prefix, 32, ".sonopack-%08x-", hash);
+}
+
+/* Opens a new temporary file in the folder. Its name is its own (machine, process, counter), and short, so that it
+ * fits where the final name fits; an old one of a dead process with the same number is stepped over. */
+static int open_temporary(const char *folder, char name[SP_PATH_MAX]) {
+    static atomic_uint counter;
+    char prefix[32];
+    own_prefix(prefix);
+    for (int attempt = 0; attempt < 10000; attempt++) {
+        int length = snprintf(name, SP_PATH_MAX, "%s/%s%ld-%u.tmp", folder, prefix, (long)getpid(),
+                              atomic_fetch_add(&counter, 1));
+        if (length >= SP_PATH_MAX) {
+            errno = ENAMETOOLONG;
+            return -1;
+        }
+        int fd = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd < 0 && errno != EEXIST)
+            return fd;
+        if (fd >= 0 && own(fd))
+            return fd;
+        if (fd >= 0)
+            close(fd);
+    }
+    return -1;
+}
+
+/* Makes the rename itself last. Some file systems cannot sync a folder; the file's data are safe then all the same. */
+static void sync_folder(const char *folder) {
+    int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd >= 0) {
+        fsync(fd);
+        close(fd);
+    }
+}
+
+static sp_status write_renamed(const char *path, const void *data, size_t size, const struct stat *old, sp_error *err) {
+    char folder[SP_PATH_MAX], temporary[SP_PATH_MAX];
+    folder_of(path, folder);
+    int fd = open_temporary(folder, temporary);
+    if (fd < 0)
+        return fail_errno(err, "write", path, errno);
+    int code = write_all(fd, data, size);
+    if (code == 0 && old && fchmod(fd, old->st_mode & 07777) != 0)
+        code = errno;
+    if (code == 0 && fsync(fd) != 0)
+        code = errno;
+    if (code == 0 && rename(temporary, path) != 0) /* while it is open, and so ours */
+        code = errno;
+    if (code != 0)
+        unlink(temporary);
+    close(fd); /* all its data are on the disk: nothing can be lost any more */
+    if (code != 0)
+        return fail_errno(err, "write", path, code);
+    sync_folder(folder);
+    return SP_OK;
+}
+
+/* A device or a pipe is not replaced by a file: renaming over /dev/null would take it away from everybody. */
+static sp_status write_direct(const char *path, const void *data, size_t size, sp_error *err) {
+    int fd = open(path, O_WRONLY | O_CLOEXEC);
+    if (fd < 0)
+        return fail_errno(err, "write", path, errno);
+    int code = write_all(fd, data, size);
+    if (close(fd) != 0 && code == 0)
+        code = errno;
+    return code ? fail_errno(err, "write", path, code) : SP_OK;
+}
+
+sp_status sp_file_write(const char *path, const void *data, size_t size, sp_error *err) {
+    if (!path || !*path)
+        return sp_fail(err, SP_EINVAL, "the name of the file to write is empty");
+    if (strlen(path) >= SP_PATH_MAX)
+        return fail_errno(err, "write", "a file", ENAMETOOLONG);
+    struct stat info;
+    char target[PATH_MAX];
+    if (stat(path, &info) != 0) { /* a link that leads nowhere is no place for a file */
+        bool missing = errno == ENOENT && lstat(path, &info) != 0;
+        return missing ? write_renamed(path, data, size, NULL, err) : fail_errno(err, "write", path, errno);
+    }
+    if (S_ISDIR(info.st_mode))
+        return fail_errno(err, "write", path, EISDIR);
+    if (!S_ISREG(info.st_mode))
+        return write_direct(path, data, size, err);
+    if (!realpath(path, target) || access(target, W_OK) != 0)
+        return fail_errno(err, "write", path, errno);
+    return write_renamed(target, data, size, &info, err);
+}
+
+sp_status sp_text_save(const char *path, const char *text, size_t size, sp_error *err) {
+    return sp_file_write(path, text, size, err);
+}
+
+/* Nobody writes it any more: its lock is free, and if it is another machine's, whose locks may not be seen here, it is
+ * a day old. */
+static bool is_left_behind(int fd, bool own_machine) {
+    struct stat info;
+    return flock(fd, LOCK_EX | LOCK_NB) == 0 &&
+           (own_machine || (fstat(fd, &info) == 0 && time(NULL) - info.st_mtime > 86400));
+}
+
+void sp_folder_clean(const char *folder) {
+    char prefix[32];
+    own_prefix(prefix);
+    DIR *all = opendir(folder);
+    for (struct dirent *entry; all && (entry = readdir(all));) {
+        char path[SP_PATH_MAX];
+        const char *name = entry->d_name, *ending = strrchr(name, '.');
+        if (strncmp(name, ".sonopack-", 10) != 0 || strcmp(ending, ".tmp") != 0 ||
+            (size_t)snprintf(path, sizeof path, "%s/%s", folder, name) >= sizeof path)
+            continue;
+        const int fd = open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        if (fd >= 0 && is_left_behind(fd, strncmp(name, prefix, strlen(prefix)) == 0))
+            unlink(path);
+        if (fd >= 0)
+            close(fd);
+    }
+    if (all)
+        closedir(all);
+}
+
+sp_status sp_folder_probe(const char *folder, sp_error *err) {
+    char temporary[SP_PATH_MAX];
+    int fd = open_temporary(folder, temporary);
+    if (fd < 0)
+        return fail_errno(err, "write in", folder, errno);
+    close(fd);
+    unlink(temporary);
+    return SP_OK;
+}

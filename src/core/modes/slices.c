@@ -1,0 +1,352 @@
+#include "modes/slices.h"
+#include "base/base.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum {
+    SLICE = 128,    /* modes of a slice: the basis costs their square, a factorisation is for each slice */
+    SPARE = 6,      /* modes beyond those asked for, among which a gap for the edge is sought */
+    DEPTH_MAX = 60, /* of halvings */
+    LOCKED_MAX = 32
+};
+
+void sp_slicer_free(slicer *z) {
+    sp_ldl_free(z->ldl);
+    sp_free(z->ritz);
+    sp_free(z->vector);
+    sp_lanczos_free(&z->last);
+    *z = (slicer){0};
+}
+
+sp_status sp_slicer_make(const sp_network *net, bool vectors, slicer *out, sp_error *err) {
+    const double omega = sp_network_omega_bound(net);
+    slicer z = {.net = net, .vectors = vectors, .tolerance = 1e-10, .n = sp_network_dofs(net), .top = omega * omega};
+    sp_sparse a = {0};
+    /* Each entry is a sum of at most some tens of products of three factors, scaled by two roots. */
+    z.noise = 64 * DBL_EPSILON * z.top;
+    sp_status status = sp_network_assemble(net, &a, err);
+    for (int64_t c = 0; status == SP_OK && c < a.n; c++)
+        for (int64_t k = a.p[c]; k < a.p[c + 1]; k++)
+            a.x[k] /= sqrt(net->mass[c] * net->mass[a.i[k]]);
+    if (status == SP_OK)
+        status = sp_ldl_make(&a, &z.ldl, err);
+    sp_sparse_free(&a);
+    if (status == SP_OK)
+        *out = z;
+    else
+        sp_slicer_free(&z);
+    return status;
+}
+
+static sp_status reserve(slicer *z, int64_t count, sp_error *err) {
+    /* vectors are there twice in the end: in this list, and in the table that is made of it */
+    const double bytes = (double)count * ((double)z->n * (z->vectors ? 2 * sizeof(double) : 0) + sizeof(sp_ritz));
+    if (bytes > 0.8 * sp_memory_limit())
+        return sp_fail(err, SP_EREFUSED, "%lld modes of %lld degrees of freedom take %.3g GB, must be below %.3g",
+                       (long long)count, (long long)z->n, bytes * 1e-9, 0.8e-9 * sp_memory_limit());
+    sp_free(z->ritz);
+    sp_free(z->vector);
+    z->found = 0;
+    z->room = count;
+    z->vector = NULL;
+    z->ritz = sp_alloc((size_t)count, sizeof *z->ritz);
+    if (z->vectors)
+        z->vector = sp_alloc((size_t)count, (size_t)z->n * sizeof *z->vector);
+    return z->ritz && (z->vector || !z->vectors) ? SP_OK : sp_fail_memory(err, (size_t)bytes);
+}
+
+static sp_status factor(slicer *z, double sigma, slice_edge *out, sp_error *err) {
+    z->factors++;
+    sp_status status = sp_ldl_factor(z->ldl, sigma, err);
+    if (status == SP_OK)
+        *out = (slice_edge){sigma, sp_ldl_error(z->ldl) + z->noise, sp_ldl_negative(z->ldl)};
+    return status;
+}
+
+sp_status sp_slicer_edge(slicer *z, double low, double high, slice_edge *out, sp_error *err) {
+    /* no simple fractions: the pivots of ordered packings vanish at simple values */
+    static const double places[] = {0.5137, 0.3719, 0.6473, 0.2311, 0.7829, 0.1093, 0.9117};
+    slice_edge best = {.error = HUGE_VAL};
+    sp_error reason = {0};
+    for (size_t k = 0; k < sizeof places / sizeof *places && best.error > 0.1 * (high - low); k++) {
+        slice_edge e;
+        const sp_status status = factor(z, low + places[k] * (high - low), &e, &reason);
+        if (status != SP_OK && status != SP_EREFUSED)
+            return sp_fail(err, status, "%s", reason.text);
+        if (status == SP_OK && e.error < best.error)
+            best = e;
+    }
+    if (!(best.error < 0.5 * (high - low)))
+        return sp_fail(err, SP_EREFUSED,
+                       "the number of modes below omega^2 = %.6g .. %.6g cannot be vouched for (a factor that is right "
+                       "to %.3g at best)",
+                       low, high, best.error);
+    if (sp_ldl_sigma(z->ldl) != best.sigma) {
+        sp_status status = factor(z, best.sigma, &best, err);
+        if (status != SP_OK)
+            return status;
+    }
+    *out = best;
+    return SP_OK;
+}
+
+sp_status sp_slicer_bottom(slicer *z, double depth, slice_edge *out, sp_error *err) {
+    slice_edge e = {0};
+    depth = fmax(depth, 1e-12 * z->top);
+    sp_status status = SP_OK;
+    for (int k = 0; k < 8; k++, depth *= 10) {
+        status = factor(z, -depth, &e, err);
+        if (status == SP_OK && e.error < depth / 4)
+            break;
+        if (status != SP_OK && status != SP_EREFUSED)
+            return status;
+    }
+    if (status == SP_OK && !(e.error < -e.sigma / 4))
+        return sp_fail(err, SP_EREFUSED, "no factor of K is good enough (error %.3g of omega^2 = %.3g)", e.error,
+                       z->top);
+    if (status == SP_OK && e.below > 0)
+        return sp_fail(err, SP_EREFUSED,
+                       "%lld modes have omega^2 below %.3g, which is negative: the network is unstable (prestress)",
+                       (long long)e.below, e.sigma + e.error);
+    if (status == SP_OK)
+        *out = e;
+    return status;
+}
+
+slice_edge sp_slicer_top(const slicer *z) { return (slice_edge){z->top * (1 + 1e-9) + 4 * z->noise, z->noise, z->n}; }
+
+double sp_slicer_guess(const slicer *z, double count) {
+    return 0.07 * z->top * pow(count / (double)z->n, 2.0 / z->net->dim);
+}
+
+/* Error bounds, and into the list. below, above: where the next eigenvalues on either side are at the nearest. */
+static sp_status append(slicer *z, const sp_lanczos_pairs *p, int64_t count, double below, double above,
+                        sp_error *err) {
+    const sp_refine_set set = {count, p->vector, NULL, z->noise, 1e-6, below, above};
+    sp_status status = sp_modes_refine(z->net, &set, z->ritz + z->found, err);
+    if (status != SP_OK)
+        return status;
+    if (z->vectors)
+        memcpy(z->vector + z->found * z->n, p->vector, (size_t)(count * z->n) * sizeof *p->vector);
+    z->found += count;
+    return SP_OK;
+}
+
+/* Vectors of the slice before that are near its upper edge: two slices agree on none of them twice, and are orthogonal
+ * where they meet. */
+static int64_t neighbours(const slicer *z, slice_edge a, double width) {
+    int64_t count = 0;
+    while (count < z->last.count && count < LOCKED_MAX &&
+           z->last.value[z->last.count - 1 - count] > a.sigma - 0.25 * width - 4 * a.error)
+        count++;
+    return count;
+}
+
+static sp_status leaf(slicer *z, slice_edge a, slice_edge b, int64_t wanted, sp_error *err) {
+    const double width = b.sigma - a.sigma;
+    sp_lanczos_pairs p = {0};
+    slice_edge middle;
+    /* soft modes are as exact as others, relative to themselves, only from a shift that is nearer to them than they are
+     * to zero */
+    sp_status status = a.sigma < 0 ? factor(z, a.sigma, &middle, err)
+                                   : sp_slicer_edge(z, a.sigma + 0.4 * width, a.sigma + 0.6 * width, &middle, err);
+    if (status != SP_OK)
+        return status;
+    const int64_t locked = neighbours(z, a, width);
+    sp_lanczos_spec spec = {.low = a.sigma - a.error,
+                            .high = b.sigma + b.error,
+                            .wanted = wanted,
+                            .tolerance = z->tolerance,
+                            .floor = fmax(1e-3 * a.sigma, -a.sigma),
+                            .locked_count = locked};
+    double below = a.sigma < 0 ? -HUGE_VAL : a.sigma - a.error;
+    if (locked > 0) {
+        spec.locked = z->last.vector + (z->last.count - locked) * z->n;
+        below = fmax(below, z->last.value[z->last.count - 1] + a.error);
+    }
+    status = sp_lanczos(z->ldl, z->n, &spec, &p, err);
+    if (status != SP_OK)
+        return status;
+    z->solves += p.solves;
+    double above = b.sigma - b.error;
+    if (p.count > wanted) /* one at the very edge belongs to the next slice */
+        above = p.value[wanted] - b.error;
+    p.count = wanted;
+    status = append(z, &p, wanted, below, above, err);
+    sp_lanczos_free(&z->last);
+    z->last = p;
+    return status;
+}
+
+static sp_status between(slicer *z, slice_edge a, slice_edge b, int64_t start, int depth, sp_error *err) {
+    const int64_t wanted = b.below - start - z->found; /* by the sum: an edge may lie on a mode */
+    if (wanted <= 0)
+        return SP_OK;
+    const double width = b.sigma - a.sigma, size = fmax(fabs(a.sigma), fabs(b.sigma));
+    if (wanted <= SLICE || depth >= DEPTH_MAX || width < 1e-7 * size + 64 * (a.error + b.error))
+        return leaf(z, a, b, wanted, err);
+    slice_edge middle;
+    sp_status status = sp_slicer_edge(z, a.sigma + 0.4 * width, a.sigma + 0.6 * width, &middle, err);
+    if (status == SP_OK && (middle.below < a.below || middle.below > b.below))
+        status =
+            sp_fail(err, SP_EREFUSED, "%lld modes below omega^2 = %.6g, but %lld below %.6g and %lld below %.6g",
+                    (long long)middle.below, middle.sigma, (long long)a.below, a.sigma, (long long)b.below, b.sigma);
+    if (status == SP_OK)
+        status = between(z, a, middle, start, depth + 1, err);
+    return status == SP_OK ? between(z, middle, b, start, depth + 1, err) : status;
+}
+
+sp_status sp_slicer_between(slicer *z, slice_edge a, slice_edge b, bool *certain, sp_error *err) {
+    const int64_t wanted = b.below - a.below;
+    if (wanted < 0 || !(a.sigma < b.sigma))
+        return sp_fail(err, SP_EREFUSED, "%lld modes between omega^2 = %.6g and %.6g: no count can be vouched for",
+                       (long long)wanted, a.sigma, b.sigma);
+    sp_status status = reserve(z, wanted > 0 ? wanted : 1, err);
+    sp_lanczos_free(&z->last);
+    if (status == SP_OK)
+        status = between(z, a, b, a.below, 0, err);
+    if (status == SP_OK && z->found != wanted)
+        status = sp_fail(err, SP_EREFUSED, "%lld modes found between omega^2 = %.6g and %.6g, must be %lld",
+                         (long long)z->found, a.sigma, b.sigma, (long long)wanted);
+    if (status != SP_OK)
+        return status;
+    *certain = true;
+    for (int64_t k = 0; k < z->found; k++)
+        if (!(z->ritz[k].lambda - z->ritz[k].error > a.sigma + a.error &&
+              z->ritz[k].lambda + z->ritz[k].error < b.sigma - b.error))
+            *certain = false;
+    return SP_OK;
+}
+
+/* The widest gap after mode number `count` or one of the next. */
+static int64_t widest_gap(const sp_lanczos_pairs *p, int64_t count) {
+    int64_t best = count;
+    for (int64_t k = count; k + 1 <= p->count - 1 && k <= count + SPARE; k++)
+        if (p->value[k] - p->value[k - 1] > p->value[best] - p->value[best - 1])
+            best = k;
+    return best;
+}
+
+/* Any number: an edge that has enough modes below it, then slices. guess: where it may be. */
+static sp_status lowest_by_slices(slicer *z, int64_t count, double guess, slice_edge *end, sp_error *err) {
+    slice_edge bottom, top = {0};
+    bool certain = false;
+    sp_status status = sp_slicer_bottom(z, 1e-3 * guess, &bottom, err);
+    guess = fmax(guess, 1e5 * z->noise); /* zero modes are counted from well above them */
+    for (int k = 0; k < 60 && status == SP_OK && top.below < count; k++) {
+        if (1.01 * guess >= z->top)
+            top = sp_slicer_top(z);
+        else
+            status = sp_slicer_edge(z, guess, 1.01 * guess, &top, err);
+        guess *= fmax(1.05, fmin(4, 1.02 * pow((double)count / fmax(1, (double)top.below), 2.0 / z->net->dim)));
+    }
+    for (int k = 0; k < 6 && status == SP_OK && !certain; k++) {
+        status = sp_slicer_between(z, bottom, top, &certain, err);
+        if (status == SP_OK && !certain)
+            status = sp_slicer_edge(z, 1.01 * top.sigma, 1.02 * top.sigma, &top, err);
+    }
+    if (status == SP_OK && !certain)
+        status = sp_fail(err, SP_EREFUSED, "modes lie too near omega^2 = %.6g to be counted", top.sigma);
+    if (status == SP_OK)
+        *end = top;
+    return status;
+}
+
+/* Few enough for one basis: nearest to a shift below the spectrum. Where the count above them says that some are
+ * missing (copies of degenerate modes), or where no gap is left for a count, by slices, of which each knows its number
+ * beforehand. */
+static sp_status lowest_of_one_basis(slicer *z, int64_t count, slice_edge *end, sp_error *err) {
+    slice_edge bottom;
+    sp_lanczos_pairs p = {0};
+    sp_status status = SP_EREFUSED;
+    /* from too far below, modes much softer than guessed look all alike */
+    for (double part = 1e-3; part > 1e-12 && status == SP_EREFUSED; part *= 1e-4) {
+        status = sp_slicer_bottom(z, part * sp_slicer_guess(z, (double)count), &bottom, err);
+        if (status != SP_OK)
+            return status;
+        const sp_lanczos_spec spec = {.low = bottom.sigma,
+                                      .high = HUGE_VAL,
+                                      .wanted = count + SPARE,
+                                      .tolerance = z->tolerance,
+                                      .floor = -bottom.sigma};
+        status = sp_lanczos(z->ldl, z->n, &spec, &p, err);
+    }
+    if (status != SP_OK)
+        return status;
+    z->solves += p.solves;
+    const int64_t cut = widest_gap(&p, count);
+    const double low = p.value[cut - 1], high = p.value[cut], gap = high - low;
+    bool proved = gap > 1e-7 * high + 100 * z->noise;
+    if (proved) {
+        status = sp_slicer_edge(z, low + 0.25 * gap, high - 0.25 * gap, end, err);
+        proved = status == SP_OK && end->below == cut;
+        status = status == SP_EREFUSED ? SP_OK : status;
+    }
+    if (status == SP_OK && proved)
+        status = reserve(z, cut, err);
+    if (status == SP_OK && proved)
+        status = append(z, &p, cut, -HUGE_VAL, end->sigma - end->error, err);
+    sp_lanczos_free(&p);
+    return status == SP_OK && !proved ? lowest_by_slices(z, count, 1.05 * high, end, err) : status;
+}
+
+/* Cheaper, as a shift in the middle has the modes wanted on both sides: an edge above them, guessed and counted, then
+ * one basis. found: not where the guesses fail, modes are much softer than the others, or too near the edge. */
+static sp_status lowest_around_middle(slicer *z, int64_t count, slice_edge *end, bool *found, sp_error *err) {
+    const double aim = 1.05 * (double)count + SPARE / 2;
+    double guess = sp_slicer_guess(z, aim);
+    slice_edge top = {0}, middle;
+    sp_lanczos_pairs p = {0};
+    sp_error reason = {0};
+    sp_status status = SP_OK;
+    *found = false;
+    /* a factor costs as much as some ten modes too many */
+    double power = 2.0 / z->net->dim;
+    for (int k = 0; k < 5 && status == SP_OK && (top.below < count || top.below > count + count / 6 + SPARE); k++) {
+        const slice_edge before = top;
+        if (!(guess < z->top && guess > 1e6 * z->noise))
+            return SP_OK;
+        status = sp_slicer_edge(z, 0.99 * guess, 1.01 * guess, &top, &reason);
+        if (before.below > 0 && top.below > 0 && before.below != top.below) /* two counts tell the local law */
+            power = fmin(fmax(log(top.sigma / before.sigma) / log((double)top.below / (double)before.below), 0.05), 3);
+        guess *= fmax(0.1, fmin(5, pow(aim / fmax(1, (double)top.below), power)));
+    }
+    if (status == SP_OK && (top.below < count || top.below > 2 * (count + SPARE)))
+        return SP_OK;
+    if (status == SP_OK)
+        status = sp_slicer_edge(z, 0.45 * top.sigma, 0.55 * top.sigma, &middle, &reason);
+    if (status == SP_OK) {
+        const sp_lanczos_spec spec = {.low = -HUGE_VAL,
+                                      .high = top.sigma,
+                                      .wanted = top.below,
+                                      .tolerance = z->tolerance,
+                                      .floor = 1e-4 * top.sigma};
+        status = sp_lanczos(z->ldl, z->n, &spec, &p, &reason);
+    }
+    if (status == SP_EREFUSED)
+        return SP_OK;
+    if (status != SP_OK)
+        return sp_fail(err, status, "%s", reason.text);
+    z->solves += p.solves;
+    if (p.count == top.below && p.value[0] > 1e-5 * top.sigma &&
+        p.value[p.count - 1] < top.sigma - 2 * top.error - 1e-9 * top.sigma) {
+        status = reserve(z, p.count, err);
+        if (status == SP_OK)
+            status = append(z, &p, p.count, -HUGE_VAL, top.sigma - top.error, err);
+        *end = top;
+        *found = status == SP_OK;
+    }
+    sp_lanczos_free(&p);
+    return status;
+}
+
+sp_status sp_slicer_lowest(slicer *z, int64_t count, slice_edge *end, sp_error *err) {
+    if (count <= SLICE + SLICE / 2) {
+        bool found = false;
+        const sp_status status = lowest_around_middle(z, count, end, &found, err);
+        return status != SP_OK || found ? status : lowest_of_one_basis(z, count, end, err);
+    }
+    return lowest_by_slices(z, count, sp_slicer_guess(z, 1.05 * (double)count), end, err);
+}

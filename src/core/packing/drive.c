@@ -1,0 +1,88 @@
+/* What presses on the grains besides the piston's weight: the stage's pressure, approached slowly, and moving sides. */
+#include "packing/run.h"
+
+#include <math.h>
+
+double sp_compression_stage_pressure(const sp_pack_spec *spec, int32_t stage) {
+    return stage < spec->history_count ? spec->history[stage] : spec->pressure;
+}
+
+void sp_compression_set_stage(piston_run *run) {
+    const sp_pack_spec *whole = run->whole;
+    run->now = *whole;
+    run->now.pressure = sp_compression_stage_pressure(whole, run->stage);
+    run->now.tolerance = fmin(whole->tolerance * run->now.pressure / whole->pressure, fmax(1e-10, whole->tolerance));
+    run->spec = &run->now;
+}
+
+/* Stiffness of a packing against its box: 0.2 .. 0.35 p^(1/3) were measured, the larger one for frictionless grains. */
+static double stiffness(double pressure) { return 0.3 * cbrt(pressure); }
+
+/* The piston swings on the packing with this over 2 pi as its period. */
+static double swing_time(const piston_run *run) {
+    const dynamics *d = &run->d;
+    double mass = 0;
+    for (int32_t i = 0; i < d->n; i++)
+        mass += 1 / dynamics_grain(d, i)[d->at.inv_m];
+    return sqrt((d->piston_mass + 0.5 * mass) / d->area * d->piston_y / stiffness(d->pressure));
+}
+
+/* Slow against the swing: a jump would let the piston rebound and open the packing. */
+static void ramp_pressure(piston_run *run, double dt) {
+    dynamics *d = &run->d;
+    const double end = run->spec->pressure;
+    if (d->pressure == end || run->phase == PHASE_FLIGHT)
+        return;
+    if (run->ramp_time == 0 || run->steps % CHECK_STEPS == 0)
+        run->ramp_time = 8 * swing_time(run);
+    const double change = fmin(0.1, dt / run->ramp_time);
+    d->pressure = d->pressure < end ? fmin(end, d->pressure * (1 + change)) : fmax(end, d->pressure * (1 - change));
+}
+
+/* So slow that grains follow at the pressure p: strain rate times d sqrt(rho / p). */
+static double gentle_rate(double pressure) { return 3e-3 * sqrt(pressure); }
+
+/* Shrinks to the end of the start; lands on it. */
+static void shrink_side(piston_run *run, int a, double dt) {
+    dynamics *d = &run->d;
+    const double left = run->side_end[a] / d->side[a] - 1;
+    if (fabs(left) < 1e-14) {
+        run->side_end[a] = d->side_rate[a] = 0;
+        return;
+    }
+    const double rate = gentle_rate(run->spec->pressure);
+    d->side_rate[a] = fabs(left) < rate * dt ? left / dt : copysign(rate, left);
+}
+
+/* A side yields to the difference of the pressures as a dashpot would, which takes energy out whatever the packing
+ * does; the rate is bounded by what the packing answers within a few updates. Once the grains are calm, and the
+ * pressures equal, it stops. */
+static void press_side(piston_run *run, int a, double dt) {
+    dynamics *d = &run->d;
+    const double p = d->pressure, excess = sp_dynamics_side_pressure(d, a) / p - 1;
+    const double stop = d->side_rate[a] == 0 ? 3e-4 : 1e-5;
+    const double rate = fmin(gentle_rate(p), p / (stiffness(p) * 6 * SIDE_STEPS * dt));
+    const bool calm = run->phase == PHASE_EQUILIBRATION && d->pressure == run->spec->pressure;
+    d->side_rate[a] = calm && fabs(excess) < stop ? 0 : rate * fmax(-1, fmin(1, excess));
+}
+
+void sp_compression_drive(piston_run *run, double dt) {
+    ramp_pressure(run, dt);
+    for (int a = 0; a < run->d.dim - 1; a++) {
+        if (run->side_end[a] > 0)
+            shrink_side(run, a, dt);
+        else if (run->sides_free && run->steps % SIDE_STEPS == 0)
+            press_side(run, a, dt);
+    }
+}
+
+bool sp_compression_pressed(const piston_run *run) {
+    return run->d.pressure == run->spec->pressure && run->side_end[0] == 0 && run->side_end[1] == 0;
+}
+
+bool sp_compression_driven(const piston_run *run) {
+    if (!sp_compression_pressed(run))
+        return false;
+    return run->spec->compression == SP_COMPRESSION_PISTON ||
+           (run->sides_free && run->side_imbalance < 0.05 * run->spec->pressure);
+}

@@ -1,0 +1,393 @@
+#include "packing/dynamics.h"
+
+#include "base/base.h"
+#include "packing/contact.h"
+#include "packing/kernel.h"
+#include "packing/pairs.h"
+#include "packing/plain.h"
+
+#include <math.h>
+#include <string.h>
+
+static const grain_layout layout_2d = {
+    .stride = 8, .v = 2, .w = 4, .r = 5, .inv_m = 6, .row = 4, .turn = 2, .forces = 1};
+static const grain_layout layout_3d = {
+    .stride = 16, .v = 4, .w = 8, .r = 12, .inv_m = 13, .row = 8, .turn = 4, .forces = 3};
+
+grain_layout sp_dynamics_layout(int dim) { return dim == 3 ? layout_3d : layout_2d; }
+
+static bool alloc_arrays(dynamics *d) {
+    const size_t n = (size_t)d->n;
+    d->g = sp_alloc((n + 1) * (size_t)d->at.stride, sizeof *d->g);
+    d->listed = sp_alloc(n * (size_t)d->dim, sizeof *d->listed);
+    d->cell_next = sp_alloc(n, sizeof *d->cell_next);
+    d->rows.slot = sp_alloc(n * SLOTS, sizeof *d->rows.slot);
+    d->rows.count = sp_alloc(n, sizeof *d->rows.count);
+    d->rows.further = sp_alloc(n, sizeof *d->rows.further);
+    d->plain_f = d->plain ? sp_alloc(6 * n, sizeof *d->plain_f) : NULL;
+    bool ok = d->g && d->listed && d->cell_next && d->rows.slot && d->rows.count && d->rows.further &&
+              (d->plain_f || !d->plain);
+    for (int side = 0; side < 2; side++) {
+        d->wall_ft[side] = sp_alloc(n * (size_t)(d->dim - 1), sizeof(double));
+        d->wall[side].i = sp_alloc(n, sizeof(int32_t));
+        ok = ok && d->wall_ft[side] && d->wall[side].i;
+    }
+    return ok;
+}
+
+static double power_of_two(double x) {
+    int exponent;
+    const double part = frexp(x, &exponent); /* 0.5 .. 1 */
+    return ldexp(1, part < 0.70710678118654752440 ? exponent - 1 : exponent);
+}
+
+sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const double *x, double height, dynamics *out,
+                           sp_error *err) {
+    const double depth = spec->dim == 3 ? (spec->depth > 0 ? spec->depth : spec->width) : 1;
+    double sum = 0;
+    dynamics d = {.dim = spec->dim,
+                  .at = sp_dynamics_layout(spec->dim),
+                  .n = spec->grains,
+                  .side = {spec->width, depth},
+                  .area = spec->width * depth,
+                  .pressure = spec->pressure,
+                  .plain = spec->reference,
+                  .piston_y = height,
+                  .piston_mass = spec->piston_mass * spec->width * depth,
+                  .m_min = INFINITY,
+                  .outer_travel = INFINITY};
+    d.law.friction = spec->friction;
+    d.law.eta = spec->friction > 0 ? contact_eta(spec->poisson) : 0;
+    d.law.sqrt_eta = sqrt(d.law.eta);
+    d.law.damping = spec->damping;
+    d.law.viscous_limit = spec->viscous_limit;
+    if (!alloc_arrays(&d)) {
+        sp_dynamics_free(&d);
+        return sp_fail_memory(err, (size_t)d.n * (size_t)(8 * d.at.stride + 100));
+    }
+    for (int32_t i = 0; i < d.n; i++) {
+        double *g = dynamics_grain(&d, i);
+        const double m = grain_mass(r[i]);
+        memcpy(g, x + 3 * (size_t)i, (size_t)d.dim * sizeof *g);
+        g[d.at.r] = r[i];
+        g[d.at.inv_m] = 1.0 / m;
+        if (d.dim == 3)
+            g[d.at.inv_m + 1] = 1.0 / r[i];
+        d.m_min = fmin(d.m_min, m);
+        d.r_max = fmax(d.r_max, r[i]);
+        sum += r[i];
+    }
+    d.scale = power_of_two(2 * sum / d.n);
+    *out = d;
+    return SP_OK;
+}
+
+void sp_dynamics_free(dynamics *d) {
+    sp_pair_list_free(&d->outer);
+    sp_pair_list_free(&d->inner);
+    for (int side = 0; side < 2; side++) {
+        sp_free(d->wall_ft[side]);
+        sp_free(d->wall[side].i);
+    }
+    sp_free(d->rows.row);
+    sp_free(d->rows.slot);
+    sp_free(d->rows.count);
+    sp_free(d->rows.further);
+    sp_free(d->rows.chain);
+    sp_free(d->cell_head);
+    sp_free(d->cell_next);
+    sp_free(d->plain_f);
+    sp_free(d->listed);
+    sp_free(d->g);
+    sp_team_free(d->team);
+    *d = (dynamics){0};
+}
+
+/* ---- one step ------------------------------------------------------------------------------------------------ */
+
+/* A wall is a grain of infinite radius, E12 = E*, which does not turn; its normal is (0, sign) or (0, 0, sign). */
+static void wall_pair(dynamics *d, int side, int32_t i, double *row, double dt) {
+    const contact_law *law = &d->law;
+    const int up = d->dim - 1;
+    const double sign = side == 0 ? -1 : 1, *g = dynamics_grain(d, i), *v = g + d->at.v, *w = g + d->at.w;
+    const double overlap = g[d->at.r] - (side == 0 ? g[up] : d->piston_y - g[up]);
+    double *ft = d->wall_ft[side] + (int64_t)up * i, t[2] = {0, 0}, old = 0, new = 0, size = 0;
+    memset(row, 0, (size_t)d->at.row * sizeof *row);
+    if (!(overlap > 0)) {
+        memset(ft, 0, (size_t)up * sizeof *ft);
+        return;
+    }
+    const double kn = contact_normal_stiffness(sqrt(g[d->at.r]), overlap), elastic = 2.0 / 3.0 * kn * overlap;
+    const double s = sqrt(kn / g[d->at.inv_m]), viscous = 2.0 * law->damping * s, cap = law->friction * elastic;
+    const double normal = fmax(0, elastic - viscous * sign * ((side == 0 ? 0 : d->piston_v) - v[up]));
+    /* slip velocity -v - W x n, W = R omega */
+    const double slip[2] = {-v[0] - sign * (up == 2 ? w[1] : -w[0]), up == 2 ? -v[1] + sign * w[0] : 0};
+    const double twist = up == 2 ? 0.5 * dt * sign * w[2] * g[d->at.inv_m + 1] : 0;
+    for (int a = 0; a < up; a++) {
+        t[a] = ft[a] + (up == 2 ? sign * twist * (a == 0 ? -ft[1] : ft[0]) : 0);
+        old += ft[a] * ft[a];
+        new += t[a] * t[a];
+    }
+    for (int a = 0; a < up; a++) {
+        t[a] = (up == 2 && new > 0 ? sqrt(old / new) : 1) * t[a] + law->eta * dt * kn * slip[a];
+        size += t[a] * t[a];
+    }
+    size = sqrt(size);
+    for (int a = 0; a < up; a++) {
+        ft[a] = size > cap ? t[a] * (cap / size) : t[a];
+        t[a] = ft[a] + viscous * law->sqrt_eta * slip[a];
+    }
+    size = sqrt(t[0] * t[0] + t[1] * t[1]);
+    const double limit = law->friction * law->viscous_limit * normal;
+    for (int a = 0; a < up; a++)
+        row[a] = size > limit ? t[a] * (limit / size) : t[a];
+    row[up] = -sign * normal;
+    if (up == 1) { /* n x f_t */
+        row[2] = -sign * row[0];
+    } else {
+        row[4] = -sign * row[1];
+        row[5] = sign * row[0];
+    }
+    row[3] = s;
+    d->wall_force[side] += normal;
+    d->piston_k += side == 1 ? kn : 0;
+}
+
+typedef struct step_work {
+    dynamics *d;
+    double dt;
+    kernel_seen seen[256];
+} step_work;
+
+static void forces_part(void *data, int part, int parts) {
+    step_work *work = data;
+    dynamics *d = work->d;
+    if (part == 0) {
+        d->wall_force[0] = d->wall_force[1] = d->piston_k = 0;
+        for (int side = 0; side < 2; side++)
+            for (int32_t k = 0; k < d->wall[side].n; k++)
+                wall_pair(d, side, d->wall[side].i[k], d->rows.row + (int64_t)d->at.row * (d->rows.wall[side] + k),
+                          work->dt);
+    }
+    const int64_t blocks = (d->inner.padded + BLOCK - 1) / BLOCK;
+    for (int64_t b = blocks * part / parts; b < blocks * (part + 1) / parts; b++) {
+        const int32_t first = (int32_t)(b * BLOCK), left = d->inner.padded - first;
+        (d->dim == 2 ? sp_kernel_pairs_2d : sp_kernel_pairs_3d)(d, work->dt, first, left < BLOCK ? left : BLOCK);
+    }
+}
+
+void sp_dynamics_forces(dynamics *d, double dt_past) {
+    step_work work = {.d = d, .dt = dt_past};
+    if (d->plain)
+        sp_plain_forces(d, dt_past);
+    else
+        sp_team_run(d->team, forces_part, &work);
+}
+
+static void move_part(void *data, int part, int parts) {
+    step_work *work = data;
+    const dynamics *d = work->d;
+    const int32_t first = (int32_t)((int64_t)d->n * part / parts), last = (int32_t)((int64_t)d->n * (part + 1) / parts);
+    work->seen[part] = (d->dim == 2 ? sp_kernel_move_2d : sp_kernel_move_3d)(d, work->dt, first, last);
+}
+
+static void move_grains(dynamics *d, double dt) {
+    step_work work = {.d = d, .dt = dt};
+    kernel_seen all = {0, 0};
+    sp_team_run(d->team, move_part, &work);
+    for (int part = 0; part < (int)(sizeof work.seen / sizeof *work.seen); part++) {
+        all.v2 = work.seen[part].v2 > all.v2 ? work.seen[part].v2 : all.v2;
+        all.rate = work.seen[part].rate > all.rate ? work.seen[part].rate : all.rate;
+    }
+    d->v_max = sqrt(all.v2);
+    d->rate = all.rate;
+}
+
+void sp_dynamics_advance(dynamics *d, double dt) {
+    if (d->plain)
+        sp_plain_advance(d, dt);
+    else
+        move_grains(d, dt);
+    const double keep = 1.0 - d->drag * dt;
+    d->piston_v = keep * d->piston_v + dt * (d->wall_force[1] - d->pressure * d->area) / d->piston_mass;
+    d->piston_y += dt * d->piston_v;
+    d->v_max = fmax(d->v_max, fabs(d->piston_v));
+    double strain = 0;
+    for (int a = 0; a < d->dim - 1; a++) {
+        d->side[a] *= 1 + d->side_rate[a] * dt;
+        strain += fabs(d->side_rate[a]) * d->side[a];
+    }
+    if (strain > 0)
+        d->area = d->side[0] * d->side[1];
+    d->inner_travel += (2 * d->v_max + strain) * dt;
+    d->outer_travel += (2 * d->v_max + strain) * dt;
+    d->outer_strain += strain * dt;
+    d->dt = dt;
+}
+
+/* ---- what acts on a grain ------------------------------------------------------------------------------------ */
+
+static void add_row(const dynamics *d, int64_t at, double force[3], double turn[3]) {
+    const double *row = d->rows.row + at;
+    for (int a = 0; a < d->dim; a++)
+        force[a] += row[a];
+    for (int a = 0; a < (d->dim == 3 ? 3 : 1); a++)
+        turn[a] += row[d->at.turn + a];
+}
+
+void sp_dynamics_force_on(const dynamics *d, int32_t i, double force[3], double turn[3]) {
+    memset(force, 0, 3 * sizeof *force);
+    memset(turn, 0, 3 * sizeof *turn);
+    if (d->plain) {
+        const double *f = d->plain_f + 6 * (int64_t)i;
+        memcpy(force, f, 3 * sizeof *f);
+        memcpy(turn, d->dim == 3 ? f + 3 : f + 5, (d->dim == 3 ? 3 : 1) * sizeof *f);
+        return;
+    }
+    const force_rows *rows = &d->rows;
+    for (int s = 0; s < SLOTS && s < rows->count[i]; s++)
+        add_row(d, rows->slot[SLOTS * (int64_t)i + s], force, turn);
+    for (int32_t c = rows->further[i]; c >= 0; c = rows->chain[2 * (int64_t)c + 1])
+        add_row(d, rows->chain[2 * (int64_t)c], force, turn);
+}
+
+static double acceleration(const dynamics *d, int32_t i, const double force[3], const double turn[3]) {
+    const double f = sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
+    const double q = sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]);
+    return dynamics_grain(d, i)[d->at.inv_m] * fmax(f, 2.5 * q);
+}
+
+double sp_dynamics_acceleration(const dynamics *d) {
+    const double load = d->pressure * d->area, imbalance = fabs(d->wall_force[1] - load);
+    if (imbalance > 0.5 * load) /* a heavy piston in free fall accelerates little, but is not carried */
+        return INFINITY;
+    double worst = imbalance / d->piston_mass;
+    for (int32_t i = 0; i < d->n; i++) {
+        double force[3], turn[3];
+        sp_dynamics_force_on(d, i, force, turn);
+        worst = fmax(worst, acceleration(d, i, force, turn));
+    }
+    return worst;
+}
+
+/* ---- how far from rest --------------------------------------------------------------------------------------- */
+
+/* From grain i to grain j of a pair, and its length. */
+static double separation(const dynamics *d, const pair_list *p, int32_t k, double x[3]) {
+    const double *g = dynamics_grain(d, p->i[k]), *h = dynamics_grain(d, p->j[k]);
+    x[2] = 0;
+    for (int a = 0; a < d->dim; a++)
+        x[a] = h[a] - g[a] + (a < d->dim - 1 ? p->image[k + (int64_t)a * p->capacity] * d->side[a] : 0);
+    return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+}
+
+/* Elastic force on i of a pair, and its turning force. False for an open pair. */
+static bool elastic_pair(const dynamics *d, const pair_list *p, int32_t k, double force[3], double turn[3]) {
+    double x[3], r = separation(d, p, k, x), overlap = p->reach[k] - r, t[3] = {0, 0, 0};
+    if (!(overlap > 0))
+        return false;
+    const double e = contact_stiffness(dynamics_radius(d, p->i[k]), dynamics_radius(d, p->j[k]));
+    const double normal = contact_force(e, overlap), n[3] = {x[0] / r, x[1] / r, x[2] / r};
+    if (d->dim == 2) {
+        t[0] = -p->ft[k] * n[1];
+        t[1] = p->ft[k] * n[0];
+        turn[0] = p->ft[k];
+        turn[1] = turn[2] = 0;
+    } else {
+        for (int a = 0; a < 3; a++)
+            t[a] = p->ft[k + (int64_t)a * p->capacity];
+        for (int a = 0; a < 3; a++)
+            turn[a] = n[(a + 1) % 3] * t[(a + 2) % 3] - n[(a + 2) % 3] * t[(a + 1) % 3];
+    }
+    for (int a = 0; a < 3; a++)
+        force[a] = t[a] - normal * n[a];
+    return true;
+}
+
+/* f: [n][6], force and turning force. Returns the wall's total normal force. */
+static double add_elastic_walls(const dynamics *d, int side, double *f) {
+    const int up = d->dim - 1;
+    const double sign = side == 0 ? -1 : 1;
+    double sum = 0;
+    for (int32_t k = 0; k < d->wall[side].n; k++) {
+        const int32_t i = d->wall[side].i[k];
+        const double *g = dynamics_grain(d, i), *t = d->wall_ft[side] + (int64_t)up * i;
+        const double overlap = g[d->at.r] - (side == 0 ? g[up] : d->piston_y - g[up]);
+        if (!(overlap > 0))
+            continue;
+        const double normal = contact_force(sqrt(g[d->at.r]), overlap);
+        double *on = f + 6 * (int64_t)i;
+        for (int a = 0; a < up; a++)
+            on[a] += t[a];
+        on[up] -= sign * normal;
+        if (up == 1) {
+            on[3] -= sign * t[0];
+        } else {
+            on[3] -= sign * t[1];
+            on[4] += sign * t[0];
+        }
+        sum += normal;
+    }
+    return sum;
+}
+
+sp_status sp_dynamics_residual(const dynamics *d, double *residual, double *wall_imbalance, sp_error *err) {
+    const pair_list *p = dynamics_pairs(d);
+    double *f = sp_alloc((size_t)d->n * 6, sizeof *f), worst = 0;
+    if (!f)
+        return sp_fail_memory(err, (size_t)d->n * 6 * sizeof *f);
+    for (int32_t k = 0; k < p->n; k++) {
+        double force[3], turn[3];
+        if (!elastic_pair(d, p, k, force, turn))
+            continue;
+        double *on_i = f + 6 * (int64_t)p->i[k], *on_j = f + 6 * (int64_t)p->j[k];
+        for (int a = 0; a < 3; a++) {
+            on_i[a] += force[a];
+            on_j[a] -= force[a];
+            on_i[3 + a] += turn[a];
+            on_j[3 + a] += turn[a];
+        }
+    }
+    add_elastic_walls(d, 0, f);
+    const double top = add_elastic_walls(d, 1, f);
+    for (int32_t i = 0; i < d->n; i++)
+        worst = fmax(worst, acceleration(d, i, f + 6 * (int64_t)i, f + 6 * (int64_t)i + 3));
+    sp_free(f);
+    *wall_imbalance = fabs(top / d->area - d->pressure);
+    *residual = fmax(worst, fabs(top - d->pressure * d->area) / d->piston_mass);
+    return SP_OK;
+}
+
+double sp_dynamics_side_pressure(const dynamics *d, int a) {
+    const pair_list *p = dynamics_pairs(d);
+    double sum = 0;
+    for (int32_t k = 0; k < p->n; k++) {
+        double x[3], force[3], turn[3];
+        if (elastic_pair(d, p, k, force, turn)) {
+            separation(d, p, k, x);
+            sum -= force[a] * x[a];
+        }
+    }
+    return sum / (d->area * d->piston_y);
+}
+
+bool sp_dynamics_sane(const dynamics *d) {
+    const int up = d->dim - 1;
+    if (!isfinite(d->piston_y) || !isfinite(d->v_max))
+        return false;
+    for (int32_t i = 0; i < d->n; i++) {
+        const double *g = dynamics_grain(d, i), r = g[d->at.r];
+        if (!(g[up] > 0.2 * r) || !(d->piston_y - g[up] > 0.2 * r) || !(d->piston_y > r))
+            return false;
+        for (int a = 0; a < d->at.r; a++)
+            if (!isfinite(g[a]))
+                return false;
+    }
+    const pair_list *p = dynamics_pairs(d);
+    for (int32_t k = 0; k < p->n; k++) {
+        double x[3], smaller = fmin(dynamics_radius(d, p->i[k]), dynamics_radius(d, p->j[k]));
+        if (separation(d, p, k, x) < p->reach[k] - 0.8 * smaller)
+            return false;
+    }
+    return true;
+}

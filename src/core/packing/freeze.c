@@ -1,0 +1,107 @@
+#include "packing/contact.h"
+#include "packing/run.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The forces are those of the last evaluation, before the last step: in the packing, too, Coulomb's law holds for the
+ * overlaps that are stored, and tangential forces are normal to n. */
+static void finish_contact(const dynamics *d, sp_contact *c) {
+    double along = 0, square = 0;
+    for (int a = 0; a < 3; a++)
+        along += c->ft[a] * c->n[a];
+    for (int a = 0; a < 3; a++) {
+        c->ft[a] -= d->dim == 3 ? along * c->n[a] : 0;
+        square += c->ft[a] * c->ft[a];
+    }
+    const double size = sqrt(square), limit = d->law.friction * c->fn;
+    for (int a = 0; a < 3; a++)
+        c->ft[a] = (size > limit ? c->ft[a] * (limit / size) : c->ft[a]) + 0.0; /* no negative zero */
+}
+
+/* Adds the pair k of the list as a contact if it is closed, from the lower grain number to the higher one. */
+static void add_pair(const piston_run *run, const pair_list *list, int32_t k, sp_packing *p, int32_t *count) {
+    const dynamics *d = &run->d;
+    const int32_t one = run->id[list->i[k]], two = run->id[list->j[k]], i = one < two ? one : two,
+                  j = one < two ? two : one;
+    double n[3] = {0, 0, 0}, t[3] = {0, 0, 0}, square = 0;
+    for (int a = 0; a < d->dim; a++) {
+        n[a] = p->x[3 * (size_t)j + (size_t)a] - p->x[3 * (size_t)i + (size_t)a];
+        if (a < d->dim - 1)
+            n[a] -= p->box[a] * nearbyint(n[a] / p->box[a]);
+        square += n[a] * n[a];
+    }
+    const double r = sqrt(square), overlap = p->r[i] + p->r[j] - r, flip = one < two ? 1 : -1;
+    if (!(overlap > 0))
+        return;
+    for (int a = 0; a < d->dim; a++)
+        n[a] /= r;
+    if (d->dim == 2) { /* the scalar along (-ny, nx) is the same from both sides */
+        t[0] = -list->ft[k] * n[1];
+        t[1] = list->ft[k] * n[0];
+    } else {
+        for (int a = 0; a < 3; a++)
+            t[a] = flip * list->ft[k + (int64_t)a * list->capacity];
+    }
+    sp_contact *c = &p->contacts[(*count)++];
+    *c = (sp_contact){.i = i, .j = j, .overlap = overlap, .n = {n[0], n[1], n[2]}, .ft = {t[0], t[1], t[2]}};
+    c->fn = contact_force(contact_stiffness(p->r[i], p->r[j]), overlap);
+    finish_contact(d, c);
+}
+
+static void add_wall(const piston_run *run, int side, int32_t at, sp_packing *p, int32_t *count) {
+    const dynamics *d = &run->d;
+    const int32_t i = run->id[at];
+    const int up = d->dim - 1;
+    const double y = p->x[3 * (size_t)i + (size_t)up], *ft = d->wall_ft[side] + (int64_t)up * at;
+    double overlap = p->r[i] - (side == 0 ? y : d->piston_y - y);
+    if (!(overlap > 0))
+        return;
+    sp_contact c = {.i = i, .j = side == 0 ? SP_BOTTOM : SP_TOP, .overlap = overlap};
+    c.fn = contact_force(contact_wall_stiffness(p->r[i], p->wall), overlap);
+    c.n[up] = side == 0 ? -1 : 1;
+    for (int a = 0; a < up; a++)
+        c.ft[a] = ft[a];
+    finish_contact(d, &c);
+    p->contacts[(*count)++] = c;
+}
+
+sp_status sp_compression_freeze(const piston_run *run, sp_packing *out, sp_error *err) {
+    const dynamics *d = &run->d;
+    const sp_pack_spec *spec = run->spec;
+    const pair_list *list = dynamics_pairs(d);
+    sp_packing p = sp_packing_none();
+    sp_status status = sp_packing_alloc(&p, d->dim, d->n, list->n + d->wall[0].n + d->wall[1].n, err);
+    if (status != SP_OK)
+        return status;
+    for (int a = 0; a < d->dim - 1; a++)
+        p.box[a] = d->side[a];
+    p.box[d->dim - 1] = d->piston_y;
+    p.pressure = spec->pressure;
+    p.friction = spec->friction;
+    p.poisson = spec->poisson;
+    p.seed = spec->seed;
+    p.steps = run->steps;
+    p.residual = run->residual;
+    for (int32_t at = 0; at < d->n; at++) {
+        const double *g = dynamics_grain(d, at);
+        double *x = p.x + 3 * (size_t)run->id[at];
+        p.r[run->id[at]] = g[d->at.r];
+        for (int a = 0; a < d->dim; a++)
+            x[a] = g[a];
+        for (int a = 0; a < d->dim - 1; a++) {
+            x[a] -= d->side[a] * floor(x[a] / d->side[a]);
+            x[a] = x[a] < d->side[a] ? x[a] : 0;
+        }
+    }
+    int32_t count = 0;
+    for (int32_t k = 0; k < list->n; k++)
+        add_pair(run, list, k, &p, &count);
+    for (int side = 0; side < 2; side++)
+        for (int32_t k = 0; k < d->wall[side].n; k++)
+            add_wall(run, side, d->wall[side].i[k], &p, &count);
+    p.n_contacts = count;
+    sp_packing_sort(&p);
+    *out = p;
+    return SP_OK;
+}

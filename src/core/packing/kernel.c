@@ -1,0 +1,287 @@
+/* The hot loops. They are plain C over flat arrays, in a form that compilers turn into vectors of any width. */
+#include "packing/kernel.h"
+#include "base/clones.h"
+
+#include "packing/roots.h"
+
+#include <math.h>
+
+typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
+
+/* Of open pairs: small, but its fourth root's powers are normal numbers: others take the processor a hundred times as
+ * long. It is added, because a compiler may take a choice between the two as leave to take the root of both. */
+static const double NO_OVERLAP = 1e-40;
+
+/* ---- 2D ------------------------------------------------------------------------------------------------------ */
+
+typedef struct block2 {
+    _Alignas(64) double d[4 * BLOCK]; /* x, y, vx, vy of j minus those of i */
+    double spin[BLOCK];               /* w_i + w_j */
+    double x[BLOCK], y[BLOCK], r[BLOCK], vx[BLOCK], vy[BLOCK];
+    double fx[BLOCK], fy[BLOCK], t[BLOCK], s[BLOCK];
+} block2;
+
+static inline void gather2(const dynamics *d, int32_t first, int32_t count, block2 *b) {
+    const int32_t *restrict i = d->inner.at_i + first, *restrict j = d->inner.at_j + first;
+    const double *restrict g = d->g;
+    for (int32_t k = 0; k < (count & -8); k++) {
+        const double *one = g + i[k], *two = g + j[k];
+        *(v4 *)&b->d[4 * k] = *(const v4 *)two - *(const v4 *)one;
+        b->spin[k] = one[4] + two[4];
+    }
+}
+
+/* Distances. This is apart from the next loop because a processor that looks ahead finds more to do at once in two
+ * short chains of operations than in a long one. */
+static inline void distances2(const dynamics *d, int32_t first, int32_t count, block2 *b) {
+    const pair_list *p = &d->inner;
+    const double *restrict image = p->image + first, *restrict diff = b->d;
+    double *restrict x_out = b->x, *restrict y_out = b->y, *restrict r_out = b->r;
+    double *restrict vx_out = b->vx, *restrict vy_out = b->vy;
+    const double side = d->side[0], side_rate = d->side_rate[0];
+#pragma GCC ivdep
+    for (int32_t k = 0; k < (count & -8); k++) {
+        double x = diff[4 * k + 0] + image[k] * side, y = diff[4 * k + 1];
+        x_out[k] = x;
+        y_out[k] = y;
+        r_out[k] = sqrt(x * x + y * y);
+        vx_out[k] = diff[4 * k + 2] + side_rate * x;
+        vy_out[k] = diff[4 * k + 3];
+    }
+}
+
+/* Appendix A of the paper for a block of pairs. dt: time over which the tangential spring stretches with the present
+ * relative velocity. */
+static inline void law2(const dynamics *d, double dt, int32_t first, int32_t count, block2 *b) {
+    const pair_list *p = &d->inner;
+    const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
+    const double *restrict dx = b->x, *restrict dy = b->y, *restrict distance = b->r;
+    const double *restrict dvx = b->vx, *restrict dvy = b->vy, *restrict spin = b->spin;
+    double *restrict ft = p->ft + first;
+    double *restrict fx = b->fx, *restrict fy = b->fy, *restrict turn = b->t, *restrict stiff = b->s;
+    const double mu = d->law.friction, eta_dt = d->law.eta * dt, sqrt_eta = d->law.sqrt_eta;
+    const double two_zeta = 2.0 * d->law.damping, mu_viscous = mu * d->law.viscous_limit;
+#pragma GCC ivdep
+    for (int32_t k = 0; k < (count & -8); k++) {
+        double r = distance[k], inverse = 1.0 / r, gap = reach[k] - r, vx = dvx[k], vy = dvy[k];
+        double nx = dx[k] * inverse, ny = dy[k] * inverse;
+        double vt = vy * nx - vx * ny - spin[k]; /* relative velocity along (-ny, nx), rotations included */
+        double overlap = 0.5 * (gap + fabs(gap)) + NO_OVERLAP;
+        double u = inverse_fourth_root(overlap), root = overlap * u * u;
+        double kn = gap > 0 ? e2[k] * root : 0;                 /* k_n = 2 E12 sqrt(R12 n) */
+        double s = gap > 0 ? sm[k] * (overlap * u * u * u) : 0; /* sqrt(m_eff k_n) */
+        double elastic = (2.0 / 3.0) * kn * overlap;            /* (A1) */
+        double viscous = two_zeta * s;
+        double normal = elastic - viscous * (vx * nx + vy * ny);
+        normal = normal > 0 ? normal : 0;    /* never attracts */
+        double cap = mu * elastic;           /* (A3), on the elastic spring */
+        double t = ft[k] + eta_dt * kn * vt; /* (A2): k_t = eta k_n */
+        t = t > cap ? cap : t;
+        t = t < -cap ? -cap : t;
+        ft[k] = t;
+        double total = t + viscous * sqrt_eta * vt, limit = mu_viscous * normal;
+        total = total > limit ? limit : total;
+        total = total < -limit ? -limit : total;
+        fx[k] = -normal * nx - total * ny;
+        fy[k] = -normal * ny + total * nx;
+        turn[k] = total;
+        stiff[k] = s;
+    }
+}
+
+/* The block's forces into the rows of i, and opposite forces with the same turning force into those of j. */
+static inline void rows2(const dynamics *d, int32_t first, int32_t count, const block2 *b) {
+    const v4 other = {-1.0, -1.0, 1.0, 1.0};
+    double *on_i = d->rows.row + 4 * (int64_t)first, *on_j = d->rows.row + 4 * ((int64_t)d->rows.other + first);
+    for (int32_t k = 0; k < count; k += 4) {
+        const v4 x = *(const v4 *)&b->fx[k], y = *(const v4 *)&b->fy[k];
+        const v4 t = *(const v4 *)&b->t[k], s = *(const v4 *)&b->s[k];
+        const v4 xy0 = __builtin_shufflevector(x, y, 0, 4, 2, 6), xy1 = __builtin_shufflevector(x, y, 1, 5, 3, 7);
+        const v4 ts0 = __builtin_shufflevector(t, s, 0, 4, 2, 6), ts1 = __builtin_shufflevector(t, s, 1, 5, 3, 7);
+        const v4 row[4] = {__builtin_shufflevector(xy0, ts0, 0, 1, 4, 5), __builtin_shufflevector(xy1, ts1, 0, 1, 4, 5),
+                           __builtin_shufflevector(xy0, ts0, 2, 3, 6, 7),
+                           __builtin_shufflevector(xy1, ts1, 2, 3, 6, 7)};
+        for (int l = 0; l < 4; l++) {
+            *(v4 *)&on_i[4 * (k + l)] = row[l];
+            *(v4 *)&on_j[4 * (k + l)] = other * row[l];
+        }
+    }
+}
+
+CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
+    block2 b;
+    gather2(d, first, count, &b);
+    distances2(d, first, count, &b);
+    law2(d, dt_past, first, count, &b);
+    rows2(d, first, count, &b);
+}
+
+CLONES kernel_seen sp_kernel_move_2d(const dynamics *d, double dt, int32_t first, int32_t last) {
+    const double keep = 1.0 - d->drag * dt, strain = d->side_rate[0] * dt;
+    const double *restrict row = d->rows.row;
+    const int32_t *restrict slot = d->rows.slot, *restrict count = d->rows.count;
+    double v2 = 0, rate = 0;
+    for (int32_t i = first; i < last; i++) {
+        const int32_t *s = slot + SLOTS * (int64_t)i;
+        v4 f = ((*(const v4 *)(row + s[0]) + *(const v4 *)(row + s[1])) +
+                (*(const v4 *)(row + s[2]) + *(const v4 *)(row + s[3]))) +
+               (*(const v4 *)(row + s[4]) + *(const v4 *)(row + s[5]));
+        if (count[i] > SLOTS)
+            for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[2 * (int64_t)c + 1])
+                f += *(const v4 *)(row + d->rows.chain[2 * (int64_t)c]);
+        double *g = d->g + 8 * (int64_t)i, kick = dt * g[6];
+        double vx = keep * g[2] + kick * f[0], vy = keep * g[3] + kick * f[1];
+        g[0] += dt * vx + strain * g[0];
+        g[1] += dt * vy;
+        g[2] = vx;
+        g[3] = vy;
+        g[4] = keep * g[4] + 2.5 * kick * f[2]; /* I = 0.4 m R^2 */
+        double square = vx * vx + vy * vy, fast = g[6] * f[3];
+        v2 = square > v2 ? square : v2;
+        rate = fast > rate ? fast : rate;
+    }
+    return (kernel_seen){v2, rate};
+}
+
+/* ---- 3D ------------------------------------------------------------------------------------------------------ */
+
+typedef struct block3 {
+    double x[3][BLOCK], v[3][BLOCK]; /* of j minus those of i */
+    double w[3][BLOCK];              /* w_i + w_j */
+    double turn[3][BLOCK];           /* sum of the angular velocities */
+} block3;
+
+static ALWAYS_INLINE void gather3(const dynamics *d, int32_t first, int32_t count, block3 *b) {
+    const int32_t *restrict i = d->inner.at_i + first, *restrict j = d->inner.at_j + first;
+    const double *restrict g = d->g;
+    for (int32_t k = 0; k < count; k++) {
+        const double *one = g + i[k], *two = g + j[k];
+        for (int a = 0; a < 3; a++) {
+            b->x[a][k] = two[a] - one[a];
+            b->v[a][k] = two[4 + a] - one[4 + a];
+            b->w[a][k] = one[8 + a] + two[8 + a];
+            b->turn[a][k] = one[8 + a] * one[14] + two[8 + a] * two[14];
+        }
+    }
+}
+
+/* As law2. The tangential force is a vector that is carried along: it turns about the normal with the pair's mean
+ * rotation, follows the normal's direction, and keeps its size in both. What a pair gives takes the place of what it
+ * took: force in x, turning force in w, s in turn[0]. */
+static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b) {
+    const pair_list *p = &d->inner;
+    const double *restrict ix = p->image + first, *restrict iy = ix + p->capacity;
+    const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
+    double *restrict tx = p->ft + first, *restrict ty = tx + p->capacity, *restrict tz = ty + p->capacity;
+    const double sx = d->side[0], sy = d->side[1], rx = d->side_rate[0], ry = d->side_rate[1];
+    const double mu = d->law.friction, eta_dt = d->law.eta * dt, sqrt_eta = d->law.sqrt_eta, half_dt = 0.5 * dt;
+    const double two_zeta = 2.0 * d->law.damping, mu_viscous = mu * d->law.viscous_limit;
+#pragma GCC ivdep
+    for (int32_t k = 0; k < (count & -8); k++) {
+        double x = b->x[0][k] + ix[k] * sx, y = b->x[1][k] + iy[k] * sy, z = b->x[2][k];
+        double vx = b->v[0][k] + rx * x, vy = b->v[1][k] + ry * y, vz = b->v[2][k];
+        double r = sqrt(x * x + y * y + z * z), inverse = 1.0 / r;
+        double nx = x * inverse, ny = y * inverse, nz = z * inverse, gap = reach[k] - r;
+        double overlap = 0.5 * (gap + fabs(gap)) + NO_OVERLAP;
+        double u = inverse_fourth_root(overlap), root = overlap * u * u;
+        double kn_closed = e2[k] * root, s_closed = sm[k] * (overlap * u * u * u);
+        double kn = gap > 0 ? kn_closed : 0, s = gap > 0 ? s_closed : 0;
+        double elastic = (2.0 / 3.0) * kn * overlap, viscous = two_zeta * s;
+        double vn = vx * nx + vy * ny + vz * nz;
+        double normal = elastic - viscous * vn;
+        normal = normal > 0 ? normal : 0;
+        double wx = b->w[0][k], wy = b->w[1][k], wz = b->w[2][k];
+        double gx = vx - vn * nx - (wy * nz - wz * ny); /* slip velocity */
+        double gy = vy - vn * ny - (wz * nx - wx * nz);
+        double gz = vz - vn * nz - (wx * ny - wy * nx);
+        double twist = half_dt * (b->turn[0][k] * nx + b->turn[1][k] * ny + b->turn[2][k] * nz);
+        double ox = tx[k], oy = ty[k], oz = tz[k], old2 = ox * ox + oy * oy + oz * oz;
+        double fx = ox + twist * (ny * oz - nz * oy), fy = oy + twist * (nz * ox - nx * oz);
+        double fz = oz + twist * (nx * oy - ny * ox), fn = fx * nx + fy * ny + fz * nz;
+        fx -= fn * nx;
+        fy -= fn * ny;
+        fz -= fn * nz;
+        double new2 = fx * fx + fy * fy + fz * fz, same = sqrt(old2 / (new2 + 1e-300));
+        double stretch = eta_dt * kn;
+        fx = same * fx + stretch * gx;
+        fy = same * fy + stretch * gy;
+        fz = same * fz + stretch * gz;
+        double cap = mu * elastic, size = sqrt(fx * fx + fy * fy + fz * fz);
+        double keep = cap / ((size > cap ? size : cap) + 1e-300);
+        fx *= keep;
+        fy *= keep;
+        fz *= keep;
+        tx[k] = fx;
+        ty[k] = fy;
+        tz[k] = fz;
+        double c = viscous * sqrt_eta, limit = mu_viscous * normal;
+        fx += c * gx;
+        fy += c * gy;
+        fz += c * gz;
+        double total = sqrt(fx * fx + fy * fy + fz * fz);
+        double cut = limit / ((total > limit ? total : limit) + 1e-300);
+        fx *= cut;
+        fy *= cut;
+        fz *= cut;
+        double qx = ny * fz - nz * fy, qy = nz * fx - nx * fz, qz = nx * fy - ny * fx;
+        double px = fx - normal * nx, py = fy - normal * ny, pz = fz - normal * nz;
+        b->x[0][k] = px;
+        b->x[1][k] = py;
+        b->x[2][k] = pz;
+        b->w[0][k] = qx;
+        b->w[1][k] = qy;
+        b->w[2][k] = qz;
+        b->turn[0][k] = s;
+    }
+}
+
+static ALWAYS_INLINE void rows3(const dynamics *d, int32_t first, int32_t count, const block3 *b) {
+    double *on_i = d->rows.row + 8 * (int64_t)first, *on_j = d->rows.row + 8 * ((int64_t)d->rows.other + first);
+    for (int32_t k = 0; k < count; k++) {
+        const v4 force = {b->x[0][k], b->x[1][k], b->x[2][k], b->turn[0][k]};
+        const v4 turn = {b->w[0][k], b->w[1][k], b->w[2][k], 0};
+        const v4 other = {-1.0, -1.0, -1.0, 1.0};
+        *(v4 *)&on_i[8 * k] = force;
+        *(v4 *)&on_i[8 * k + 4] = turn;
+        *(v4 *)&on_j[8 * k] = other * force;
+        *(v4 *)&on_j[8 * k + 4] = turn;
+    }
+}
+
+CLONES void sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
+    block3 b;
+    gather3(d, first, count, &b);
+    law3(d, dt_past, first, count, &b);
+    rows3(d, first, count, &b);
+}
+
+CLONES kernel_seen sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last) {
+    const double keep = 1.0 - d->drag * dt, strain[3] = {d->side_rate[0] * dt, d->side_rate[1] * dt, 0};
+    const double *restrict row = d->rows.row;
+    double v2 = 0, rate = 0;
+    for (int32_t i = first; i < last; i++) {
+        const int32_t *s = d->rows.slot + SLOTS * (int64_t)i;
+        v4 f = {0, 0, 0, 0}, q = {0, 0, 0, 0};
+        const int32_t direct = d->rows.count[i] < SLOTS ? d->rows.count[i] : SLOTS;
+        for (int32_t k = 0; k < direct; k++) {
+            f += *(const v4 *)(row + s[k]);
+            q += *(const v4 *)(row + s[k] + 4);
+        }
+        for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[2 * (int64_t)c + 1]) {
+            f += *(const v4 *)(row + d->rows.chain[2 * (int64_t)c]);
+            q += *(const v4 *)(row + d->rows.chain[2 * (int64_t)c] + 4);
+        }
+        double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], square = 0;
+        for (int a = 0; a < 3; a++) {
+            double v = keep * g[4 + a] + kick * f[a];
+            g[a] += dt * v + strain[a] * g[a];
+            g[4 + a] = v;
+            g[8 + a] = keep * g[8 + a] + 2.5 * kick * q[a];
+            square += v * v;
+        }
+        double fast = g[13] * f[3];
+        v2 = square > v2 ? square : v2;
+        rate = fast > rate ? fast : rate;
+    }
+    return (kernel_seen){v2, rate};
+}

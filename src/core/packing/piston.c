@@ -1,0 +1,311 @@
+/* The preparation of Somfai et al. 2005, section III: a loose gas compressed by a massive rough piston until all motion
+ * stops. Where the paper is silent (damping, piston mass, time step) the spec's defaults are those that reproduce its
+ * tables. */
+#include "base/base.h"
+#include "packing/making.h"
+#include "packing/run.h"
+
+#include <math.h>
+
+/* ---- the time step ------------------------------------------------------------------------------------------- */
+
+/* The largest stable step times the rate, for contacts at zeta of critical damping. With `rate` the largest sum of
+ * sqrt(m_eff k_n)/m over the contacts of a grain, the largest eigenvalue of the viscous rates is 6.25 zeta rate and the
+ * largest frequency is the rate, both within 5% (measured on packings at 1e-4 and 1e-7). Leapfrog whose viscous forces
+ * lag half a step is stable for (viscous rate) dt + (omega dt)^2/2 < 2. */
+static double stable_step(double zeta) {
+    const double viscous = 6.25 * zeta;
+    return sqrt(viscous * viscous + 4) - viscous;
+}
+
+/* While the packing forms, steps of 0.7 of the stable one make it a little denser (Phi2 by 0.2 standard deviations);
+ * while it comes to rest they only have to be stable, which in lattices of equal disks they would not be. */
+static double step_fraction(const piston_run *run) {
+    const sp_pack_spec *spec = run->spec;
+    const double longer = fmax(spec->time_step, fmin(0.7, 1.4 * spec->time_step));
+    return run->phase == PHASE_EQUILIBRATION && !sp_sizes_alike(spec) ? longer : spec->time_step;
+}
+
+/* The same for two equal grains that touch nothing else, which matters where there is little damping: their frequency
+ * is twice the rate, and where nothing slides sqrt(7/2) times that, as they turn against each other. */
+static double stable_pair(const contact_law *law) {
+    const double zeta = law->damping, square = law->friction > 2 ? 2.0 / 7 : 1;
+    return sqrt(zeta * zeta + square) - zeta;
+}
+
+/* Explicit steps follow the stiffest grain. A contact that closes within the step counts as well, with the stiffness
+ * it has after a step at the largest speed and a looser factor, as it is one step only. */
+static double next_step(const piston_run *run) {
+    const dynamics *d = &run->d;
+    const double factor = fmin(step_fraction(run) * stable_step(d->law.damping), 0.95 * stable_pair(&d->law));
+    const double past = d->dt;
+    double soon = 2.0 * sqrt(run->r_min * 2.0 * d->v_max * past); /* k_n = 2 E* sqrt(R n) at a wall, n = 2 v dt */
+    double rate = fmax(d->rate, 0.5 * sqrt(soon / d->m_min));
+    double dt = rate > 0 ? factor / rate : INFINITY;
+    if (d->piston_k > 0) /* a light piston on many grains */
+        dt = fmin(dt, 0.4 * factor * sqrt(d->piston_mass / d->piston_k));
+    return fmin(dt, past > 0 ? 1.25 * past : INFINITY);
+}
+
+/* The plain path: a small fraction of the period of the lightest grain on the stiffest contact. */
+static double plain_step(const piston_run *run) {
+    const dynamics *d = &run->d;
+    const double factor = 0.05, past = d->dt, soon = 2.0 * sqrt(d->r_max * 2.0 * d->v_max * past);
+    double dt = factor * sqrt(d->m_min / fmax(d->k_max, 0.16 * soon));
+    if (d->piston_k > 0)
+        dt = fmin(dt, factor * sqrt(d->piston_mass / d->piston_k));
+    return fmin(dt, past > 0 ? 1.5 * past : INFINITY);
+}
+
+/* ---- rest ---------------------------------------------------------------------------------------------------- */
+
+/* The drag is to damp the slowest waves, not to hold them back: their frequency falls with the pressure, and as one
+ * over the box. 30 d: at 24 and 25 d no less than the protocol's was best. */
+static double find_drag(const piston_run *run) {
+    const dynamics *d = &run->d;
+    const double longest = fmax(d->piston_y, fmax(d->side[0], d->dim == 3 ? d->side[1] : 0));
+    return run->spec->drag * cbrt(run->spec->pressure / 1e-4) * fmin(1, 30 / longest);
+}
+
+static void start_calm(piston_run *run) {
+    run->phase = PHASE_EQUILIBRATION;
+    run->ease = 1;
+    run->stall_step = run->steps;
+    run->stall_residual = INFINITY;
+    run->d.law.viscous_limit = 1;
+    run->d.law.damping = run->spec->calm_damping;
+    run->full_drag = run->d.drag = find_drag(run);
+}
+
+/* Grains that roll along a mechanism without stiffness (a ball between two strong contacts, say) do so at the speed at
+ * which the drag balances a tiny force, and would come to the end of it after 1e7 steps only. Where the residual has
+ * not halved for long, the drag makes way for as long, each time more, so that they fall towards their next contact. */
+static void ease_drag(piston_run *run) {
+    if (run->phase != PHASE_EQUILIBRATION || run->steps - run->stall_step < STALL_STEPS)
+        return;
+    const bool stalled = run->residual > 0.5 * run->stall_residual, full = run->d.drag == run->full_drag;
+    if (stalled && full)
+        run->ease = fmax(0.3 * run->ease, 1e-3);
+    run->d.drag = run->full_drag * (stalled && full ? run->ease : 1);
+    run->stall_step = run->steps;
+    run->stall_residual = run->residual;
+}
+
+static bool at_rest(const piston_run *run) {
+    /* rattlers in free flight have no elastic force on them: they must have stopped, too */
+    bool still = run->d.drag == 0 || run->d.v_max * run->full_drag < run->spec->tolerance;
+    /* the piston weighs as much as hundreds of grains: its acceleration alone would leave the pressure wrong by 1e-5 */
+    bool balanced = run->wall_imbalance < run->spec->tolerance;
+    bool calm = run->phase == PHASE_EQUILIBRATION || run->spec->calm == 0;
+    /* sides that move slowly have no acceleration, either */
+    bool driven = sp_compression_driven(run) && run->d.side_rate[0] == 0 && run->d.side_rate[1] == 0 &&
+                  run->side_imbalance < 1e-3 * run->spec->pressure;
+    return driven && calm && still && balanced && run->residual < run->spec->tolerance;
+}
+
+/* Steps between two calls of the watch: some tenths of a second for many grains, too. */
+static int64_t watch_steps(int32_t grains) {
+    const int32_t checks = 60000 / grains;
+    return (int64_t)CHECK_STEPS * (checks > 100 ? 100 : checks > 1 ? checks : 1);
+}
+
+static sp_status fail_insane(const piston_run *run, sp_error *err) {
+    const sp_pack_spec *s = run->spec;
+    const double layer = run->d.area / (s->dim == 2 ? sp_sizes_moment(s, 1) : sp_sizes_moment(s, 2));
+    if (run->d.n < layer)
+        return sp_fail(err, SP_EFAILED,
+                       "seed %llu: a grain went through a wall or another grain at step %lld: packing.grains = %d are "
+                       "less than a layer, %.3g, of this box, and each carries more than packing.pressure = %g",
+                       (unsigned long long)s->seed, (long long)run->steps, run->d.n, layer, s->pressure);
+    if (s->diameter_max > 3 * s->diameter_min)
+        return sp_fail(err, SP_EFAILED,
+                       "seed %llu: a grain went through a wall or another grain at step %lld: packing.pressure = %g is "
+                       "too much for grains as small as packing.diameter_min = %g between ones of packing.diameter_max "
+                       "= %g",
+                       (unsigned long long)s->seed, (long long)run->steps, s->pressure, s->diameter_min,
+                       s->diameter_max);
+    return sp_fail(
+        err, SP_EFAILED,
+        "seed %llu: a grain went through a wall or another grain at step %lld: packing.pressure = %g is too "
+        "much for it or arrives too fast (a larger packing.piston_mass is slower), or packing.time_step = %g "
+        "is too large",
+        (unsigned long long)s->seed, (long long)run->steps, s->pressure, s->time_step);
+}
+
+/* Isotropic: sides that too few grains hold apart close up. */
+static sp_status check_sides(const piston_run *run, sp_error *err) {
+    const dynamics *d = &run->d;
+    const double narrowest = sp_dynamics_narrowest(d);
+    for (int a = 0; a < d->dim - 1; a++)
+        if (!(d->side[a] > narrowest) && run->side_end[a] == 0 && run->sides_free)
+            return sp_fail(
+                err, SP_EFAILED,
+                "packing.grains = %d: too few for packing.compression = \"isotropic\" in this box: the sides "
+                "have come as near as %.3g, must stay above %.3g (two of the largest grains and the gaps "
+                "around them)",
+                d->n, d->side[a], narrowest);
+    return SP_OK;
+}
+
+/* Parts of the work: a guess from packings of hundreds of grains. */
+static const double FLIGHT_PART = 0.1, CALM_PART = 0.6;
+
+/* x in 0 .. 1 of the way from one part of the work to another; never less than was told. */
+static void guess_work(piston_run *run, double from, double to, double x) {
+    const double part = from + (to - from) * fmax(0, fmin(1, x)); /* fmax(0, not a number) is 0 */
+    run->fraction = fmax(run->fraction, (run->stage + part) / (run->whole->history_count + 1));
+}
+
+/* How near the residual has come to the tolerance, and before that the piston to the grains. */
+static void guess_rest(piston_run *run) {
+    const double grains =
+        run->d.n * (run->d.dim == 2 ? sp_sizes_mean_area(run->whole) : sp_sizes_mean_volume(run->whole));
+    if (run->phase == PHASE_FLIGHT) {
+        const double end = grains / (run->d.area * (run->d.dim == 2 ? 0.8 : 0.6));
+        guess_work(run, 0, FLIGHT_PART, (run->start_height - run->d.piston_y) / (run->start_height - end));
+    }
+    if (run->phase != PHASE_EQUILIBRATION)
+        return;
+    run->first_residual = fmax(run->first_residual, run->residual);
+    guess_work(run, CALM_PART, 1,
+               log(run->first_residual / run->residual) / log(run->first_residual / run->spec->tolerance));
+}
+
+static void find_side_imbalance(piston_run *run) {
+    run->side_imbalance = 0;
+    if (run->spec->compression != SP_COMPRESSION_ISOTROPIC)
+        return;
+    for (int a = 0; a < run->d.dim - 1; a++)
+        run->side_imbalance =
+            fmax(run->side_imbalance, fabs(sp_dynamics_side_pressure(&run->d, a) - run->spec->pressure));
+}
+
+static sp_status tell(piston_run *run, sp_error *err) {
+    static const char *const names[] = {"flight", "compaction", "equilibration"};
+    if (!run->hooks->watch || run->steps % watch_steps(run->d.n) != 0)
+        return SP_OK;
+    const sp_pack_progress progress = {.phase = names[run->phase],
+                                       .steps = run->steps,
+                                       .height = run->d.piston_y,
+                                       .strain = 1 - run->d.piston_y / run->start_height,
+                                       .residual = run->residual,
+                                       .fraction = run->fraction};
+    if (!run->hooks->watch(&progress, run->hooks->user))
+        return sp_fail(err, SP_EINTERRUPTED, "stopped after %lld steps", (long long)run->steps);
+    return SP_OK;
+}
+
+/* Every CHECK_STEPS: sane, calm, at rest? */
+static sp_status inspect(piston_run *run, bool *done, sp_error *err) {
+    if (!sp_dynamics_sane(&run->d))
+        return fail_insane(run, err);
+    if (run->phase == PHASE_FLIGHT && run->d.wall_force[1] > 0.5 * run->d.pressure * run->d.area)
+        run->phase = PHASE_COMPACTION;
+    sp_status status = check_sides(run, err);
+    if (status == SP_OK)
+        status = sp_dynamics_residual(&run->d, &run->residual, &run->wall_imbalance, err);
+    if (status != SP_OK)
+        return status;
+    find_side_imbalance(run);
+    ease_drag(run);
+    guess_rest(run);
+    run->rest_checks = at_rest(run) ? run->rest_checks + 1 : 0;
+    *done = run->rest_checks >= REST_STEPS / CHECK_STEPS;
+    if (!*done && run->steps >= run->max_steps)
+        return sp_fail(err, SP_EFAILED,
+                       "seed %llu: not at rest after %lld steps: largest acceleration %.3g, pressure on the piston off "
+                       "by %.3g: both must be below packing.tolerance = %.3g before packing.max_steps = %lld",
+                       (unsigned long long)run->spec->seed, (long long)run->steps, run->residual, run->wall_imbalance,
+                       run->spec->tolerance, (long long)run->max_steps);
+    return tell(run, err);
+}
+
+/* Where a state may be saved the lists are made anew. */
+static sp_status pass_state(piston_run *run, sp_error *err) {
+    sp_status status = SP_OK;
+    if (run->hooks->save && !run->resumed && run->steps > 0)
+        status = sp_state_save(run, err);
+    run->d.outer_travel = INFINITY;
+    return status;
+}
+
+/* Creep is slow motion in which viscous forces balance the elastic ones: no acceleration, but not yet rest. Forces are
+ * those of this step. */
+static void look_for_calm(piston_run *run) {
+    const double acceleration = sp_dynamics_acceleration(&run->d), end = run->spec->calm * run->spec->pressure;
+    const bool isotropic = run->spec->compression == SP_COMPRESSION_ISOTROPIC;
+    if (run->steps > 0 && acceleration < end && sp_compression_driven(run))
+        start_calm(run);
+    /* sooner, grains that fly would be no resistance to the sides */
+    if (isotropic && run->steps > 0 && acceleration < fmax(end, 0.01 * run->spec->pressure) &&
+        sp_compression_pressed(run))
+        run->sides_free = 1;
+    if (isinf(acceleration) || !(end > 0))
+        return;
+    run->first_acceleration = fmax(run->first_acceleration, acceleration);
+    guess_work(run, FLIGHT_PART, CALM_PART,
+               log(run->first_acceleration / acceleration) / log(run->first_acceleration / end));
+}
+
+static sp_status compress(piston_run *run, sp_error *err) {
+    for (bool done = false;; run->steps++) {
+        sp_status status = run->steps % STATE_STEPS == 0 ? pass_state(run, err) : SP_OK;
+        run->resumed = false;
+        if (status == SP_OK)
+            status = sp_dynamics_refresh(&run->d, err);
+        if (status == SP_OK && run->steps % CHECK_STEPS == 0)
+            status = inspect(run, &done, err);
+        if (status != SP_OK || done)
+            return status;
+        sp_dynamics_forces(&run->d, run->past);
+        if (run->phase != PHASE_EQUILIBRATION && run->steps % CHECK_STEPS == 0)
+            look_for_calm(run);
+        run->past = run->d.plain ? plain_step(run) : next_step(run);
+        sp_compression_drive(run, run->past);
+        sp_dynamics_advance(&run->d, run->past);
+    }
+}
+
+/* ---- stages -------------------------------------------------------------------------------------------------- */
+
+/* From rest at one pressure on the way to the next one. */
+static void next_stage(piston_run *run) {
+    dynamics *d = &run->d;
+    run->stage++;
+    sp_compression_set_stage(run);
+    run->phase = PHASE_COMPACTION;
+    run->rest_checks = 0;
+    run->first_acceleration = run->first_residual = run->ramp_time = 0;
+    d->drag = 0;
+    d->law.viscous_limit = run->spec->viscous_limit;
+    d->law.damping = run->spec->damping;
+}
+
+static sp_status hand_out_stage(piston_run *run, sp_error *err) {
+    if (!run->hooks->stage)
+        return SP_OK;
+    sp_packing p = sp_packing_none();
+    sp_status status = sp_compression_freeze(run, &p, err);
+    if (status == SP_OK)
+        status = run->hooks->stage(&p, run->stage, run->hooks->user, err);
+    sp_packing_free(&p);
+    return status;
+}
+
+sp_status sp_piston_make(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err) {
+    piston_run run = {.whole = spec, .hooks = hooks};
+    sp_status status = sp_compression_start(&run, err);
+    while (status == SP_OK) {
+        status = compress(&run, err);
+        if (status != SP_OK || run.stage == spec->history_count)
+            break;
+        status = hand_out_stage(&run, err);
+        next_stage(&run);
+        if (status == SP_OK)
+            status = pass_state(&run, err);
+    }
+    if (status == SP_OK)
+        status = sp_compression_freeze(&run, out, err);
+    sp_compression_free(&run);
+    return status;
+}

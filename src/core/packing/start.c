@@ -1,0 +1,215 @@
+/* Where a compression starts: a gas, a lattice that is blown up, or a packing. */
+#include "base/base.h"
+#include "packing/contact.h"
+#include "packing/making.h"
+#include "packing/pairs.h"
+#include "packing/run.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A stiffness that the packing certainly has at the end, for the first step: one grain that carries p d^2. */
+double sp_compression_first_step(const piston_run *run) {
+    double e = contact_stiffness(0.5, 0.5), overlap = contact_overlap(e, run->spec->pressure);
+    return 0.1 * sqrt(run->d.m_min / contact_normal_stiffness(e, overlap));
+}
+
+/* Gas, compaction and creep of 600 grains take 1e5 steps at 1e-4 and 3e5 at 1e-7 by the slower protocol, more with the
+ * height (the number of grains across) and the grains' mass ratio: forty times that means that it never comes to
+ * rest. */
+static int64_t default_max_steps(const piston_run *run) {
+    const sp_pack_spec *spec = run->whole;
+    const double diameter = sp_sizes_moment(spec, 1);
+    double layers = fmax(1.0, run->start_height / (75.0 * diameter)), slowness = 0;
+    for (int32_t stage = 0; stage <= spec->history_count; stage++)
+        slowness += fmax(1, pow(sp_compression_stage_pressure(spec, stage) / 1e-4, -0.3));
+    double roughness = pow(spec->diameter_max / spec->diameter_min, 1.5) * 0.1 / spec->time_step;
+    return (int64_t)(4e6 * layers * slowness * fmax(1, roughness));
+}
+
+/* ---- order in memory ----------------------------------------------------------------------------------------- */
+
+typedef struct place {
+    int64_t cell[3];
+    int32_t id;
+} place;
+
+static int by_place(const void *one, const void *two) {
+    const place *a = one, *b = two;
+    for (int k = 0; k < 3; k++)
+        if (a->cell[k] != b->cell[k])
+            return a->cell[k] < b->cell[k] ? -1 : 1;
+    return a->id < b->id ? -1 : 1;
+}
+
+/* Numbers the grains in layers, rows and columns of the compressed packing, so that neighbours lie together in memory:
+ * id[k] is the grain that comes as number k. */
+static sp_status number_by_place(const sp_pack_spec *spec, const double *x, double height, int32_t *id, sp_error *err) {
+    const int up = spec->dim - 1;
+    const double layers = fmax(1, spec->grains / (spec->width * (up == 2 ? spec->depth : 1)));
+    place *p = sp_alloc((size_t)spec->grains, sizeof *p);
+    if (!p)
+        return sp_fail_memory(err, (size_t)spec->grains * sizeof *p);
+    for (int32_t i = 0; i < spec->grains; i++) {
+        const double *at = x + 3 * (size_t)i;
+        p[i].id = i;
+        p[i].cell[0] = (int64_t)floor(at[up] / height * layers);
+        p[i].cell[1] = up == 2 ? (int64_t)floor(at[1]) : 0;
+        p[i].cell[2] = (int64_t)floor(at[0] * 1024);
+    }
+    qsort(p, (size_t)spec->grains, sizeof *p, by_place);
+    for (int32_t k = 0; k < spec->grains; k++)
+        id[k] = p[k].id;
+    sp_free(p);
+    return SP_OK;
+}
+
+static void reorder(const int32_t *id, int32_t n, const double *r, const double *x, double *r_new, double *x_new) {
+    for (int32_t k = 0; k < n; k++) {
+        r_new[k] = r[id[k]];
+        memcpy(x_new + 3 * (size_t)k, x + 3 * (size_t)id[k], 3 * sizeof *x);
+    }
+}
+
+sp_status sp_compression_place(piston_run *run, const sp_pack_spec *spec, const double *r, const double *x,
+                               double height, sp_error *err) {
+    const size_t n = (size_t)spec->grains;
+    double *room = sp_alloc(4 * n, sizeof *room);
+    run->id = sp_alloc(n, sizeof *run->id);
+    sp_status status = room && run->id ? SP_OK : sp_fail_memory(err, n * 36);
+    if (status == SP_OK)
+        status = number_by_place(spec, x, height, run->id, err);
+    if (status == SP_OK) {
+        reorder(run->id, spec->grains, r, x, room, room + n);
+        status = sp_dynamics_make(spec, room, room + n, height, &run->d, err);
+    }
+    run->start_height = height;
+    run->start_side[0] = spec->width;
+    run->start_side[1] = spec->depth;
+    sp_free(room);
+    return status;
+}
+
+/* ---- starts -------------------------------------------------------------------------------------------------- */
+
+static sp_status start_gas(piston_run *run, double *r, double *x, sp_error *err) {
+    double height = 0;
+    sp_radii_draw(run->spec, r);
+    sp_status status = sp_gas_make(run->spec, r, x, &height, err);
+    return status == SP_OK ? sp_compression_place(run, run->spec, r, x, height, err) : status;
+}
+
+static sp_status start_lattice(piston_run *run, double *r, double *x, sp_error *err) {
+    sp_lattice_start lattice;
+    sp_status status = sp_triangular_start(run->spec, r, x, &lattice, err);
+    if (status != SP_OK)
+        return status;
+    sp_pack_spec blown_up = *run->spec;
+    blown_up.width = lattice.width;
+    run->side_end[0] = lattice.width_end;
+    return sp_compression_place(run, &blown_up, r, x, lattice.height, err);
+}
+
+/* The tangential forces of a packing's contacts, into grains that have just been placed. */
+static sp_status give_forces(piston_run *run, const sp_packing *from, sp_error *err) {
+    dynamics *d = &run->d;
+    int32_t *at = sp_alloc((size_t)d->n, sizeof *at), count = 0;
+    pair_force *force = sp_alloc((size_t)from->n_contacts, sizeof *force);
+    sp_status status = at && force ? SP_OK : sp_fail_memory(err, (size_t)from->n_contacts * sizeof *force);
+    if (status != SP_OK)
+        goto out;
+    for (int32_t k = 0; k < d->n; k++)
+        at[run->id[k]] = k;
+    for (int32_t c = 0; c < from->n_contacts; c++) {
+        const sp_contact *k = &from->contacts[c];
+        if (k->j < 0) {
+            double *ft = d->wall_ft[k->j == SP_BOTTOM ? 0 : 1] + (int64_t)(d->dim - 1) * at[k->i];
+            memcpy(ft, k->ft, (size_t)(d->dim - 1) * sizeof *ft);
+            continue;
+        }
+        pair_force *f = &force[count++];
+        *f = (pair_force){.i = at[k->i], .j = at[k->j], .ft = {k->ft[0], k->ft[1], k->ft[2]}};
+        if (d->dim == 2)
+            f->ft[0] = k->ft[1] * k->n[0] - k->ft[0] * k->n[1];
+    }
+    status = sp_pairs_give(d, force, count, err);
+out:
+    sp_free(force);
+    sp_free(at);
+    return status;
+}
+
+/* The step that the packing allows is known before anything moves: a step of no length finds the stiffest grain. */
+static sp_status measure_step(piston_run *run, sp_error *err) {
+    dynamics *d = &run->d;
+    sp_status status = sp_dynamics_refresh(d, err);
+    if (status != SP_OK)
+        return status;
+    sp_dynamics_forces(d, 0);
+    sp_dynamics_advance(d, 0);
+    const double rate = d->plain ? sqrt(d->k_max / d->m_min) / 0.04 : d->rate / 0.1; /* stable with any damping */
+    d->dt = rate > 0 ? fmin(sp_compression_first_step(run), 1 / rate) : sp_compression_first_step(run);
+    return SP_OK;
+}
+
+static sp_status start_packing(piston_run *run, sp_error *err) {
+    const sp_packing *from = run->hooks->from;
+    sp_status status = sp_compression_place(run, run->spec, from->r, from->x, sp_packing_height(from), err);
+    if (status == SP_OK)
+        status = give_forces(run, from, err);
+    if (status != SP_OK)
+        return status;
+    run->d.pressure = from->pressure;
+    run->phase = PHASE_COMPACTION;
+    run->sides_free = run->spec->compression == SP_COMPRESSION_ISOTROPIC;
+    return measure_step(run, err);
+}
+
+/* ---- all together -------------------------------------------------------------------------------------------- */
+
+/* A piston that falls with more than this drives grains through one another where it strikes, small ones between large
+ * ones first, which carry what these do: what is missing comes on once it rests on them. */
+static double gentle_pressure(const piston_run *run) {
+    const double small = run->spec->diameter_min / run->d.scale;
+    return 1e-3 * fmin(1, 4 * small * small);
+}
+
+static sp_status start_new(piston_run *run, sp_error *err) {
+    const size_t n = (size_t)run->spec->grains;
+    double *r = sp_alloc(n, sizeof *r), *x = sp_alloc(3 * n, sizeof *x);
+    sp_status status = r && x ? SP_OK : sp_fail_memory(err, n * 32);
+    if (status != SP_OK)
+        goto out;
+    switch (run->spec->kind) {
+    case SP_PACK_FILE: status = start_packing(run, err); break;
+    case SP_PACK_TRIANGULAR: status = start_lattice(run, r, x, err); break;
+    default: status = start_gas(run, r, x, err); break;
+    }
+    if (status == SP_OK && run->spec->kind != SP_PACK_FILE) {
+        run->d.dt = sp_compression_first_step(run);
+        run->d.pressure = fmin(run->d.pressure, gentle_pressure(run));
+    }
+out:
+    sp_free(x);
+    sp_free(r);
+    return status;
+}
+
+sp_status sp_compression_start(piston_run *run, sp_error *err) {
+    const sp_pack_spec *spec = run->whole;
+    sp_compression_set_stage(run);
+    sp_status status = run->hooks->state ? sp_state_load(run, err) : start_new(run, err);
+    if (status == SP_OK && spec->grains >= 5000)
+        status = sp_team_make(run->hooks->threads, &run->d.team, err);
+    run->r_min = 0.5 * spec->diameter_min;
+    if (status == SP_OK)
+        run->max_steps = spec->max_steps ? spec->max_steps : default_max_steps(run);
+    return status;
+}
+
+void sp_compression_free(piston_run *run) {
+    sp_dynamics_free(&run->d);
+    sp_free(run->id);
+    run->id = NULL;
+}

@@ -1,0 +1,362 @@
+/* A compression's state as bytes, so that a making that was ended at any time goes on as if it had not been.
+ *
+ * The lists of neighbours decide the order in which forces are added up, and so the bits. They are made anew from the
+ * positions wherever a state may be saved, whether it is or not. */
+#include "base/base.h"
+#include "packing/making.h"
+#include "packing/pairs.h"
+#include "packing/run.h"
+
+#include <math.h>
+#include <sonopack/version.h>
+#include <string.h>
+
+static const char magic[8] = {'S', 'N', 'P', 'K', 'S', 'T', 'A', 'T'};
+enum { STATE_VERSION = 1, BYTE_ORDER_MARK = 0x01020304 };
+
+/* ---- hashes -------------------------------------------------------------------------------------------------- */
+
+/* FNV-1a over whole words of 64 bits, and over the bytes that are left; the upper bits are folded down, as a product
+ * carries upwards only. */
+static uint64_t add_bytes(uint64_t hash, const void *data, size_t size) {
+    const unsigned char *byte = data;
+    for (; size > 0;) {
+        const size_t part = size < 8 ? size : 8;
+        uint64_t word = 0;
+        memcpy(&word, byte, part);
+        hash = (hash ^ word) * 0x100000001b3u;
+        hash ^= hash >> 29;
+        byte += part;
+        size -= part;
+    }
+    return hash;
+}
+
+static const uint64_t first_hash = 0xcbf29ce484222325u;
+
+static uint64_t add_number(uint64_t hash, double value) { return add_bytes(hash, &value, sizeof value); }
+
+static uint64_t add_integer(uint64_t hash, uint64_t value) { return add_bytes(hash, &value, sizeof value); }
+
+uint64_t sp_packing_content(const sp_packing *p) {
+    uint64_t hash = add_integer(first_hash, (uint64_t)p->dim);
+    hash = add_integer(hash, (uint64_t)p->n);
+    hash = add_integer(hash, (uint64_t)p->n_contacts);
+    for (int a = 0; a < 3; a++)
+        hash = add_number(hash, p->box[a]);
+    hash = add_number(hash, p->pressure);
+    hash = add_bytes(hash, p->x, 3 * (size_t)p->n * sizeof *p->x);
+    hash = add_bytes(hash, p->r, (size_t)p->n * sizeof *p->r);
+    for (int32_t c = 0; c < p->n_contacts; c++) {
+        const sp_contact *k = &p->contacts[c];
+        hash = add_integer(hash, (uint64_t)k->i << 32 | (uint32_t)k->j);
+        for (int a = 0; a < 3; a++)
+            hash = add_number(hash, k->ft[a] + 0.0);
+    }
+    hash &= INT64_MAX;
+    return hash ? hash : 1;
+}
+
+/* Of everything that decides the packing; s is resolved. */
+static uint64_t spec_hash(const sp_pack_spec *s) {
+    const uint64_t integers[] = {(uint64_t)SONOPACK_ALGORITHM,
+                                 (uint64_t)s->kind,
+                                 (uint64_t)s->dim,
+                                 (uint64_t)s->grains,
+                                 (uint64_t)s->sizes,
+                                 (uint64_t)s->compression,
+                                 (uint64_t)s->protocol,
+                                 (uint64_t)s->reference,
+                                 s->seed,
+                                 (uint64_t)s->max_steps,
+                                 s->content};
+    const double numbers[] = {s->width,        s->depth,         s->pressure,       s->friction,    s->poisson,
+                              s->diameter_min, s->diameter_max,  s->large_fraction, s->size_spread, s->tolerance,
+                              s->damping,      s->piston_mass,   s->gas_fraction,   s->time_step,   s->calm,
+                              s->drag,         s->viscous_limit, s->calm_damping};
+    uint64_t hash = add_bytes(first_hash, SONOPACK_VERSION, sizeof SONOPACK_VERSION);
+    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++)
+        hash = add_integer(hash, integers[k]);
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+        hash = add_number(hash, numbers[k] + 0.0);
+    hash = add_integer(hash, (uint64_t)s->diameter_count);
+    hash = add_bytes(hash, s->diameters, (size_t)s->diameter_count * sizeof *s->diameters);
+    hash = add_integer(hash, (uint64_t)s->history_count);
+    return add_bytes(hash, s->history, (size_t)s->history_count * sizeof *s->history);
+}
+
+/* ---- what goes in and out ------------------------------------------------------------------------------------ */
+
+/* Counts bytes, writes them, or reads them: whatever it is, it goes through the fields in the same order. */
+typedef struct stream {
+    unsigned char *to;         /* NULL: none are written */
+    const unsigned char *from; /* NULL: none are read */
+    size_t at, size;           /* reading: no further than size */
+    bool short_of;             /* reading went beyond */
+} stream;
+
+static void pass(stream *s, void *data, size_t size) {
+    if (s->from && (s->short_of || size > s->size - s->at)) {
+        s->short_of = true;
+        return;
+    }
+    if (s->from)
+        memcpy(data, s->from + s->at, size);
+    else if (s->to)
+        memcpy(s->to + s->at, data, size);
+    s->at += size;
+}
+
+typedef struct header {
+    char magic[8];
+    uint32_t version, order;
+    uint64_t spec, size; /* of all bytes, the checksum at the end included */
+    int64_t steps;
+} header;
+
+static void pass_run(stream *s, piston_run *run) {
+    dynamics *d = &run->d;
+    double *const numbers[] = {&run->start_height,
+                               &run->start_side[0],
+                               &run->start_side[1],
+                               &run->side_end[0],
+                               &run->side_end[1],
+                               &run->ramp_time,
+                               &run->past,
+                               &run->residual,
+                               &run->wall_imbalance,
+                               &run->side_imbalance,
+                               &run->first_acceleration,
+                               &run->first_residual,
+                               &run->full_drag,
+                               &run->ease,
+                               &run->stall_residual,
+                               &run->fraction,
+                               &d->side[0],
+                               &d->side[1],
+                               &d->side_rate[0],
+                               &d->side_rate[1],
+                               &d->area,
+                               &d->pressure,
+                               &d->law.viscous_limit,
+                               &d->law.damping,
+                               &d->piston_y,
+                               &d->piston_v,
+                               &d->wall_force[0],
+                               &d->wall_force[1],
+                               &d->v_max,
+                               &d->rate,
+                               &d->k_max,
+                               &d->piston_k,
+                               &d->drag,
+                               &d->dt};
+    int32_t phase = (int32_t)run->phase, rest_checks = run->rest_checks;
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+        pass(s, numbers[k], sizeof **numbers);
+    pass(s, &run->steps, sizeof run->steps);
+    pass(s, &run->stall_step, sizeof run->stall_step);
+    pass(s, &run->stage, sizeof run->stage);
+    pass(s, &run->sides_free, sizeof run->sides_free);
+    pass(s, &phase, sizeof phase);
+    pass(s, &rest_checks, sizeof rest_checks);
+    run->phase = phase >= PHASE_FLIGHT && phase <= PHASE_EQUILIBRATION ? (run_phase)phase : PHASE_FLIGHT;
+    run->rest_checks = rest_checks;
+}
+
+/* Springs that are stretched: the others are known without being written. */
+static void write_pairs(stream *s, const dynamics *d) {
+    const pair_list *p = &d->outer;
+    const int forces = d->at.forces;
+    const size_t place = s->at;
+    int32_t count = 0;
+    pass(s, &count, sizeof count);
+    for (int32_t k = 0; k < p->n; k++) {
+        bool stretched = false;
+        for (int a = 0; a < forces; a++)
+            stretched = stretched || p->ft[k + (int64_t)a * p->capacity] != 0;
+        if (!stretched)
+            continue;
+        count++;
+        pass(s, &p->i[k], sizeof *p->i);
+        pass(s, &p->j[k], sizeof *p->j);
+        for (int a = 0; a < forces; a++)
+            pass(s, &p->ft[k + (int64_t)a * p->capacity], sizeof *p->ft);
+    }
+    if (s->to)
+        memcpy(s->to + place, &count, sizeof count);
+}
+
+static void pass_walls(stream *s, dynamics *d) {
+    for (int side = 0; side < 2; side++)
+        pass(s, d->wall_ft[side], (size_t)d->n * (size_t)(d->dim - 1) * sizeof(double));
+}
+
+static size_t write_all(piston_run *run, unsigned char *to, size_t size) {
+    stream s = {.to = to};
+    dynamics *d = &run->d;
+    header h = {.version = STATE_VERSION, .order = BYTE_ORDER_MARK, .size = size, .steps = run->steps};
+    memcpy(h.magic, magic, sizeof magic);
+    h.spec = spec_hash(run->whole);
+    pass(&s, &h, sizeof h);
+    pass_run(&s, run);
+    pass(&s, run->id, (size_t)d->n * sizeof *run->id);
+    pass(&s, d->g, (size_t)d->n * (size_t)d->at.stride * sizeof *d->g);
+    pass_walls(&s, d);
+    write_pairs(&s, d);
+    uint64_t sum = to ? add_bytes(first_hash, to, s.at) : 0;
+    pass(&s, &sum, sizeof sum);
+    return s.at;
+}
+
+sp_status sp_state_save(piston_run *run, sp_error *err) {
+    sp_pairs_return(&run->d);
+    const size_t size = write_all(run, NULL, 0);
+    unsigned char *bytes = sp_alloc(size, 1);
+    if (!bytes)
+        return sp_fail_memory(err, size);
+    write_all(run, bytes, size);
+    sp_status status = run->hooks->save(bytes, size, run->hooks->user, err);
+    sp_free(bytes);
+    return status;
+}
+
+/* ---- reading ------------------------------------------------------------------------------------------------- */
+
+static sp_status damaged(sp_error *err, const char *what) {
+    return sp_fail(err, SP_EFORMAT, "the state is damaged: %s", what);
+}
+
+bool sp_pack_state_looks(const void *state, size_t size) {
+    return size >= sizeof magic && memcmp(state, magic, sizeof magic) == 0;
+}
+
+static sp_status check_header(const sp_pack_spec *spec, const void *state, size_t size, header *out, sp_error *err) {
+    header h;
+    uint64_t sum;
+    if (!sp_pack_state_looks(state, size) || size < sizeof h + sizeof sum)
+        return sp_fail(err, SP_EFORMAT, "these are no state of a packing's making");
+    memcpy(&h, state, sizeof h);
+    if (h.version != STATE_VERSION || h.order != BYTE_ORDER_MARK)
+        return sp_fail(err, SP_EFORMAT, "the state was written by another version or another kind of machine");
+    if (h.size != size)
+        return damaged(err, "it has not the length that it says");
+    memcpy(&sum, (const unsigned char *)state + size - sizeof sum, sizeof sum);
+    if (sum != add_bytes(first_hash, state, size - sizeof sum))
+        return damaged(err, "its checksum is not that of its bytes");
+    if (h.spec != spec_hash(spec))
+        return sp_fail(err, SP_EFORMAT, "the state is that of another packing, or of another version");
+    *out = h;
+    return SP_OK;
+}
+
+sp_status sp_pack_state_check(const sp_pack_spec *spec, const void *state, size_t size, int64_t *steps, sp_error *err) {
+    header h;
+    const sp_pack_spec resolved = sp_pack_spec_resolve(spec);
+    sp_status status = check_header(&resolved, state, size, &h, err);
+    if (status == SP_OK && steps)
+        *steps = h.steps;
+    return status;
+}
+
+/* Grains' numbers and lines, and with them the rooms of the dynamics. */
+static sp_status read_grains(stream *s, piston_run *run, sp_error *err) {
+    const sp_pack_spec *spec = run->whole;
+    const grain_layout at = sp_dynamics_layout(spec->dim);
+    const size_t n = (size_t)spec->grains, stride = (size_t)at.stride, r_at = (size_t)at.r;
+    double *g = sp_alloc(n * stride, sizeof *g), *r = sp_alloc(n, sizeof *r), *x = sp_alloc(3 * n, sizeof *x);
+    uint8_t *seen = sp_alloc(n, 1);
+    run->id = sp_alloc(n, sizeof *run->id);
+    sp_status status = g && r && x && seen && run->id ? SP_OK : sp_fail_memory(err, n * 8 * (stride + 5));
+    if (status != SP_OK)
+        goto out;
+    pass(s, run->id, n * sizeof *run->id);
+    pass(s, g, n * stride * sizeof *g);
+    for (size_t i = 0; i < n && !s->short_of && status == SP_OK; i++) {
+        const int32_t id = run->id[i];
+        bool good = id >= 0 && id < spec->grains && !seen[id];
+        for (size_t k = 0; k < stride; k++)
+            good = good && isfinite(g[stride * i + k]);
+        good = good && g[stride * i + r_at] > 0;
+        if (good)
+            seen[id] = 1;
+        else
+            status = damaged(err, "a grain is none");
+        r[i] = g[stride * i + r_at];
+    }
+    if (status == SP_OK && s->short_of)
+        status = damaged(err, "grains are missing");
+    if (status != SP_OK)
+        goto out;
+    sp_pack_spec start = *spec;
+    start.width = run->start_side[0];
+    start.depth = run->start_side[1];
+    status = sp_dynamics_make(&start, r, x, run->start_height, &run->d, err);
+    if (status != SP_OK)
+        goto out;
+    memcpy(run->d.g, g, n * stride * sizeof *g);
+out:
+    sp_free(seen);
+    sp_free(x);
+    sp_free(r);
+    sp_free(g);
+    return status;
+}
+
+static sp_status read_pairs(stream *s, dynamics *d, sp_error *err) {
+    int32_t count = 0;
+    const int forces = d->at.forces;
+    pass(s, &count, sizeof count);
+    const size_t one = 2 * sizeof(int32_t) + (size_t)forces * sizeof(double);
+    if (s->short_of || count < 0 || (size_t)count > (s->size - s->at) / one)
+        return damaged(err, "contacts are missing");
+    pair_force *force = sp_alloc((size_t)count, sizeof *force);
+    if (!force)
+        return sp_fail_memory(err, (size_t)count * sizeof *force);
+    bool good = true;
+    for (int32_t k = 0; k < count; k++) {
+        pair_force *f = &force[k];
+        pass(s, &f->i, sizeof f->i);
+        pass(s, &f->j, sizeof f->j);
+        good = good && f->i >= 0 && f->i < d->n && f->j >= 0 && f->j < d->n && f->i != f->j;
+        for (int a = 0; a < forces; a++) {
+            pass(s, &f->ft[a], sizeof f->ft[a]);
+            good = good && isfinite(f->ft[a]);
+        }
+    }
+    sp_status status = good ? sp_pairs_give(d, force, count, err) : damaged(err, "a contact is none");
+    sp_free(force);
+    return status;
+}
+
+/* Lengths that no arithmetic can be done with. */
+static bool sane(const piston_run *run) {
+    const dynamics *d = &run->d;
+    const double lengths[] = {run->start_height, run->start_side[0], d->side[0], d->area,
+                              d->pressure,       d->piston_y,        d->dt};
+    bool good = run->steps >= 0 && run->stage >= 0 && run->stage <= run->whole->history_count;
+    for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++)
+        good = good && isfinite(lengths[k]) && lengths[k] > 0;
+    return good && (run->whole->dim == 2 || (run->start_side[1] > 0 && d->side[1] > 0 && isfinite(d->side[1])));
+}
+
+sp_status sp_state_load(piston_run *run, sp_error *err) {
+    header h;
+    sp_status status = check_header(run->whole, run->hooks->state, run->hooks->state_size, &h, err);
+    if (status != SP_OK)
+        return status;
+    stream s = {.from = run->hooks->state, .at = sizeof h, .size = run->hooks->state_size - sizeof(uint64_t)};
+    pass_run(&s, run);
+    if (s.short_of || !sane(run))
+        return damaged(err, "its numbers are none of a compression");
+    status = read_grains(&s, run, err);
+    if (status != SP_OK)
+        return status;
+    pass_run(&(stream){.from = s.from, .at = sizeof h, .size = s.size}, run); /* into the dynamics that there are now */
+    pass_walls(&s, &run->d);
+    status = read_pairs(&s, &run->d, err);
+    if (status == SP_OK && s.at != s.size)
+        status = damaged(err, "it goes on behind its end");
+    sp_compression_set_stage(run);
+    run->resumed = true;
+    return status;
+}

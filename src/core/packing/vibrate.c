@@ -1,0 +1,402 @@
+#include "packing/vibrate.h"
+
+#include "base/base.h"
+#include "packing/contact.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Gaps that are watched, over the smallest radius. */
+#define REACH 0.4
+
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void cross(const double a[3], const double b[3], double out[3]) {
+    for (int k = 0; k < 3; k++)
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+void sp_vibration_free(vibration *m) {
+    sp_free(m->touch);
+    sp_free(m->mass);
+    sp_free(m->u);
+    sp_free(m->v);
+    sp_free(m->a);
+    sp_free(m->now);
+    *m = (vibration){0};
+}
+
+/* ---- what touches -------------------------------------------------------------------------------------------- */
+
+typedef struct survey {
+    const sp_packing *p;
+    vibration *m;
+    int32_t room;
+} survey;
+
+static double height_of(const survey *s, int32_t i) { return s->p->x[3 * (int64_t)i + s->p->dim - 1]; }
+
+/* Everything that follows from who touches whom at which overlap. */
+static void complete(const survey *s, touching *t) {
+    const sp_packing *p = s->p;
+    const double ri = p->r[t->i], mi = s->m->mass[2 * (int64_t)t->i];
+    const bool wall = t->j < 0;
+    t->arm_i = ri;
+    t->arm_j = wall ? 0 : p->r[t->j];
+    t->e = wall ? contact_wall_stiffness(ri, p->wall) : contact_stiffness(ri, t->arm_j);
+    t->m_eff = wall ? mi : mi / (mi + s->m->mass[2 * (int64_t)t->j]) * s->m->mass[2 * (int64_t)t->j];
+    t->length = ri + t->arm_j - t->overlap;
+    t->fn0 = t->overlap > 0 ? contact_force(t->e, t->overlap) : 0;
+}
+
+static sp_status add(survey *s, touching t, sp_error *err) {
+    vibration *m = s->m;
+    if (m->count == s->room) {
+        const size_t room = 2 * (size_t)s->room + 64;
+        touching *larger = room <= INT32_MAX ? sp_alloc(room, sizeof *larger) : NULL;
+        if (!larger)
+            return sp_fail_memory(err, room * sizeof *larger);
+        if (m->count > 0)
+            memcpy(larger, m->touch, (size_t)m->count * sizeof *larger);
+        sp_free(m->touch);
+        m->touch = larger;
+        s->room = (int32_t)room;
+    }
+    complete(s, &t);
+    m->touch[m->count++] = t;
+    return SP_OK;
+}
+
+static sp_status add_contacts(survey *s, sp_error *err) {
+    sp_status status = SP_OK;
+    for (int32_t c = 0; c < s->p->n_contacts && status == SP_OK; c++) {
+        const sp_contact *from = &s->p->contacts[c];
+        touching t = {.i = from->i, .j = from->j, .overlap = from->overlap};
+        for (int a = 0; a < 3; a++) {
+            t.n0[a] = from->n[a];
+            t.ft0[a] = s->m->turns && from->overlap > 0 ? from->ft[a] : 0;
+        }
+        status = add(s, t, err);
+    }
+    return status;
+}
+
+static int by_pair(const void *a, const void *b) {
+    const touching *x = a, *y = b;
+    if (x->i != y->i)
+        return x->i < y->i ? -1 : 1;
+    return x->j < y->j ? -1 : x->j > y->j;
+}
+
+/* Whether the packing lists this pair as a contact already: its contacts are sorted by (i, j), walls behind. */
+static bool listed(const survey *s, int32_t i, int32_t j) {
+    if (j < 0) {
+        for (int32_t c = s->p->n_contacts; c-- > 0 && s->m->touch[c].j < 0;)
+            if (s->m->touch[c].i == i && s->m->touch[c].j == j)
+                return true;
+        return false;
+    }
+    size_t pairs = (size_t)s->p->n_contacts;
+    while (pairs > 0 && s->m->touch[pairs - 1].j < 0)
+        pairs--;
+    const touching key = {.i = i, .j = j};
+    return pairs > 0 && bsearch(&key, s->m->touch, pairs, sizeof key, by_pair);
+}
+
+static sp_status consider(survey *s, int32_t one, int32_t two, sp_error *err) {
+    const sp_packing *p = s->p;
+    touching t = {.i = one < two ? one : two, .j = one < two ? two : one};
+    for (int a = 0; a < p->dim; a++) {
+        t.n0[a] = p->x[3 * (int64_t)t.j + a] - p->x[3 * (int64_t)t.i + a];
+        if (a < p->dim - 1)
+            t.n0[a] -= p->box[a] * nearbyint(t.n0[a] / p->box[a]);
+    }
+    const double r = sqrt(dot(t.n0, t.n0));
+    t.overlap = p->r[t.i] + p->r[t.j] - r;
+    if (!(t.overlap > -s->m->reach && r > 0) || listed(s, t.i, t.j))
+        return SP_OK;
+    t.overlap = fmin(t.overlap, 0); /* what is no contact at rest is a gap */
+    for (int a = 0; a < 3; a++)
+        t.n0[a] /= r;
+    return add(s, t, err);
+}
+
+static sp_status consider_walls(survey *s, int32_t i, sp_error *err) {
+    const int up = s->p->dim - 1;
+    sp_status status = SP_OK;
+    for (int side = 0; side < 2 && status == SP_OK; side++) {
+        touching t = {.i = i, .j = side == 0 ? SP_BOTTOM : SP_TOP};
+        const double y = height_of(s, i);
+        t.overlap = s->p->r[i] - (side == 0 ? y : sp_packing_height(s->p) - y);
+        t.n0[up] = side == 0 ? -1 : 1;
+        if (!(t.overlap > -s->m->reach) || listed(s, i, t.j))
+            continue;
+        t.overlap = fmin(t.overlap, 0);
+        status = add(s, t, err);
+    }
+    return status;
+}
+
+typedef struct layer {
+    double y;
+    int32_t i;
+} layer;
+
+static int by_height(const void *a, const void *b) {
+    const layer *x = a, *y = b;
+    if (x->y != y->y)
+        return x->y < y->y ? -1 : 1;
+    return x->i < y->i ? -1 : x->i > y->i;
+}
+
+/* Pairs near each other, by a sweep from below to above. */
+static sp_status add_gaps(survey *s, sp_error *err) {
+    const sp_packing *p = s->p;
+    layer *sorted = sp_alloc((size_t)p->n, sizeof *sorted);
+    sp_status status = sorted ? SP_OK : sp_fail_memory(err, (size_t)p->n * sizeof *sorted);
+    double largest = 0;
+    for (int32_t i = 0; i < p->n && sorted; i++) {
+        sorted[i].y = height_of(s, i);
+        sorted[i].i = i;
+        largest = fmax(largest, p->r[i]);
+    }
+    if (sorted)
+        qsort(sorted, (size_t)p->n, sizeof *sorted, by_height);
+    for (int32_t k = 0; k < p->n && status == SP_OK; k++) {
+        const double far = sorted[k].y + p->r[sorted[k].i] + largest + s->m->reach;
+        for (int32_t q = k + 1; q < p->n && sorted[q].y <= far && status == SP_OK; q++)
+            status = consider(s, sorted[k].i, sorted[q].i, err);
+        if (status == SP_OK)
+            status = consider_walls(s, sorted[k].i, err);
+    }
+    sp_free(sorted);
+    return status;
+}
+
+sp_status sp_vibration_make(const sp_packing *p, double damping, vibration *out, sp_error *err) {
+    vibration m = {.dim = p->dim, .n = p->n, .damping = damping, .reach = INFINITY};
+    survey s = {.p = p, .m = &m};
+    const size_t n = (size_t)p->n;
+    m.turns = p->dim > 1 && p->friction > 0;
+    m.friction = m.turns ? p->friction : 0;
+    m.eta = m.turns ? contact_eta(p->poisson) : 0;
+    m.mass = sp_alloc(2 * n, sizeof *m.mass);
+    m.u = sp_alloc(6 * n, sizeof *m.u);
+    m.v = sp_alloc(6 * n, sizeof *m.v);
+    m.a = sp_alloc(6 * n, sizeof *m.a);
+    m.now = sp_alloc(6 * n, sizeof *m.now);
+    sp_status status = m.mass && m.u && m.v && m.a && m.now ? SP_OK : sp_fail_memory(err, 26 * n * sizeof(double));
+    for (size_t i = 0; i < n && status == SP_OK; i++) {
+        m.mass[2 * i] = grain_mass(p->r[i]);
+        m.mass[2 * i + 1] = 0.4 * m.mass[2 * i] * p->r[i] * p->r[i];
+        m.reach = fmin(m.reach, REACH * p->r[i]);
+    }
+    if (status == SP_OK)
+        status = add_contacts(&s, err);
+    if (status == SP_OK)
+        status = add_gaps(&s, err);
+    if (status == SP_OK) {
+        sp_vibration_rest(&m);
+        *out = m;
+    } else {
+        sp_vibration_free(&m);
+    }
+    return status;
+}
+
+void sp_vibration_rest(vibration *m) {
+    const size_t bytes = 6 * (size_t)m->n * sizeof *m->u;
+    memset(m->u, 0, bytes);
+    memset(m->v, 0, bytes);
+    memset(m->a, 0, bytes);
+    for (int32_t k = 0; k < m->count; k++) {
+        touching *t = &m->touch[k];
+        memcpy(t->n, t->n0, sizeof t->n);
+        memset(t->ft, 0, sizeof t->ft);
+        memset(t->force, 0, sizeof t->force);
+        t->fn = 0;
+        t->held = 1;
+        t->kn = t->overlap > 0 ? contact_normal_stiffness(t->e, t->overlap) : 0;
+    }
+}
+
+/* ---- forces -------------------------------------------------------------------------------------------------- */
+
+/* Difference of the translations of j and i, and R_i times the rotation of i plus R_j times that of j, of u or v. */
+static void relative(const touching *t, const double *of, double d[3], double turn[3]) {
+    const double *x = of + 6 * (int64_t)t->i, *y = t->j >= 0 ? of + 6 * (int64_t)t->j : NULL;
+    for (int a = 0; a < 3; a++) {
+        d[a] = (y ? y[a] : 0) - x[a];
+        turn[a] = t->arm_i * x[3 + a] + (y ? t->arm_j * y[3 + a] : 0);
+    }
+}
+
+/* Normal, overlap and normal force at the present u. False for an open contact. */
+static bool place(const vibration *m, touching *t, double change[3]) {
+    double d[3], turn[3], n[3], stretch = 0, r = 0, overlap;
+    relative(t, m->u, d, turn);
+    for (int a = 0; a < 3; a++)
+        d[a] += t->shift[a];
+    if (t->j < 0 || m->straight) { /* planes have one normal */
+        stretch = dot(t->n0, d);
+        memcpy(n, t->n0, sizeof n);
+    } else {
+        const double along = dot(t->n0, d), square = dot(d, d);
+        r = sqrt(t->length * t->length + 2 * t->length * along + square);
+        stretch = (2 * t->length * along + square) / (r + t->length);
+        for (int a = 0; a < 3; a++)
+            n[a] = t->n0[a] + (d[a] - t->n0[a] * stretch) / r;
+    }
+    for (int a = 0; a < 3; a++) {
+        change[a] = n[a] - t->n[a];
+        t->n[a] = n[a];
+    }
+    overlap = t->overlap - stretch;
+    if (!(overlap > 0)) {
+        t->kn = 0;
+        t->fn = -t->fn0;
+        return false;
+    }
+    /* f(overlap) - f(rest) without a difference of large numbers */
+    const double rest = fmax(0, t->overlap), delta = t->overlap > 0 ? -stretch : overlap;
+    t->fn = 4.0 / 3.0 * t->e * delta * (overlap * overlap + overlap * rest + rest * rest) /
+            (overlap * sqrt(overlap) + rest * sqrt(rest));
+    t->kn = contact_normal_stiffness(t->e, overlap);
+    return true;
+}
+
+/* The tangential spring over a step: turns with the contact, is stretched by the slip `moved` (relative displacement
+ * and turn), and slides at Coulomb's limit. */
+static void drag(const vibration *m, touching *t, double kn_old, const double change[3], const double moved[3],
+                 const double turn[3], double twist) {
+    double n[3], arm[3], whole[3], side[3], off = 0, size = 0;
+    for (int a = 0; a < 3; a++) {
+        n[a] = t->n[a] - 0.5 * change[a];
+        whole[a] = t->ft0[a] + t->ft[a];
+    }
+    const double kt = 0.5 * m->eta * (kn_old + t->kn), along = dot(moved, n), tilt = dot(whole, change);
+    cross(turn, n, arm);
+    cross(n, whole, side);
+    for (int a = 0; a < 3; a++)
+        t->ft[a] += -tilt * n[a] + 0.5 * twist * side[a] + kt * (moved[a] - along * n[a] - arm[a]);
+    for (int a = 0; a < 3; a++) /* (ft0 + ft) . n, and ft0 . n0 = 0 */
+        off += t->ft0[a] * (t->n[a] - t->n0[a]) + t->ft[a] * t->n[a];
+    for (int a = 0; a < 3; a++) {
+        t->ft[a] -= off * t->n[a];
+        size += (t->ft0[a] + t->ft[a]) * (t->ft0[a] + t->ft[a]);
+    }
+    size = sqrt(size);
+    const double limit = m->friction * (t->fn0 + t->fn);
+    t->held = size > limit ? limit / size : 1;
+    if (size > limit)
+        for (int a = 0; a < 3; a++)
+            t->ft[a] = t->ft[a] * (limit / size) + t->ft0[a] * (limit / size - 1);
+}
+
+/* All contacts at the present u; tangential springs follow `path` times h, the velocity of the step, and `shifted`
+ * times the shifts: 0 but for h = 1, with the displacement itself as the path. */
+static void follow(vibration *m, const double *path, double h, double shifted) {
+    for (int32_t k = 0; k < m->count; k++) {
+        touching *t = &m->touch[k];
+        double change[3], moved[3], turn[3];
+        const double kn_old = t->kn;
+        if (!place(m, t, change)) {
+            for (int a = 0; a < 3; a++)
+                t->ft[a] = -t->ft0[a];
+            continue;
+        }
+        if (!m->turns)
+            continue;
+        relative(t, path, moved, turn);
+        double twist = path[6 * (int64_t)t->i + 3] * t->n[0] + path[6 * (int64_t)t->i + 4] * t->n[1] +
+                       path[6 * (int64_t)t->i + 5] * t->n[2];
+        if (t->j >= 0)
+            twist += path[6 * (int64_t)t->j + 3] * t->n[0] + path[6 * (int64_t)t->j + 4] * t->n[1] +
+                     path[6 * (int64_t)t->j + 5] * t->n[2];
+        for (int a = 0; a < 3; a++) {
+            moved[a] = h * moved[a] + shifted * t->shift[a];
+            turn[a] *= h;
+        }
+        drag(m, t, kn_old, change, moved, turn, m->straight ? 0 : h * twist);
+    }
+}
+
+/* Change of the force on i, dashpots included: the whole normal force never attracts, the viscous tangential one has no
+ * limit. `side` is the change of the whole tangential force. */
+static void press(const vibration *m, touching *t, double side[3]) {
+    double normal = t->fn, v[3], turn[3], arm[3];
+    memcpy(side, t->ft, sizeof t->ft);
+    if (m->damping > 0 && t->kn > 0) {
+        const double c = 2 * m->damping * sqrt(t->m_eff * t->kn), ct = c * sqrt(m->eta);
+        relative(t, m->now, v, turn);
+        const double along = dot(v, t->n);
+        cross(turn, t->n, arm);
+        normal = fmax(-t->fn0, t->fn - c * along);
+        for (int a = 0; a < 3 && m->turns; a++)
+            side[a] += ct * (v[a] - along * t->n[a] - arm[a]);
+    }
+    for (int a = 0; a < 3; a++)
+        t->force[a] = side[a] - normal * t->n[a] - t->fn0 * (t->n[a] - t->n0[a]);
+}
+
+static void accelerate(vibration *m) {
+    memset(m->a, 0, 6 * (size_t)m->n * sizeof *m->a);
+    for (int32_t k = 0; k < m->count; k++) {
+        touching *t = &m->touch[k];
+        double side[3], lean[3], one[3], two[3];
+        if (t->kn == 0 && t->fn0 == 0) {
+            memset(t->force, 0, sizeof t->force);
+            continue;
+        }
+        press(m, t, side);
+        for (int a = 0; a < 3; a++)
+            lean[a] = t->n[a] - t->n0[a];
+        cross(t->n, side, one); /* n x (ft0 + side) - n0 x ft0 */
+        cross(lean, t->ft0, two);
+        double *i = m->a + 6 * (int64_t)t->i, *j = t->j >= 0 ? m->a + 6 * (int64_t)t->j : NULL;
+        for (int a = 0; a < 3; a++) {
+            i[a] += t->force[a];
+            i[3 + a] += t->arm_i * (one[a] + two[a]);
+            if (j) {
+                j[a] -= t->force[a];
+                j[3 + a] += t->arm_j * (one[a] + two[a]);
+            }
+        }
+    }
+    for (int64_t i = 0; i < m->n; i++)
+        for (int a = 0; a < 3; a++) {
+            m->a[6 * i + a] /= m->mass[2 * i];
+            m->a[6 * i + 3 + a] = m->turns ? m->a[6 * i + 3 + a] / m->mass[2 * i + 1] : 0;
+        }
+}
+
+void sp_vibration_begin(vibration *m) {
+    follow(m, m->u, 1, 1);
+    memcpy(m->now, m->v, 6 * (size_t)m->n * sizeof *m->v);
+    accelerate(m);
+}
+
+void sp_vibration_step(vibration *m, double h) {
+    const int64_t n = 6 * (int64_t)m->n;
+    for (int64_t k = 0; k < n; k++) {
+        m->v[k] += 0.5 * h * m->a[k];
+        m->u[k] += h * m->v[k];
+        m->now[k] = m->v[k] + 0.5 * h * m->a[k]; /* for the dashpots: right to second order */
+    }
+    follow(m, m->v, h, 0);
+    accelerate(m);
+    for (int64_t k = 0; k < n; k++)
+        m->v[k] += 0.5 * h * m->a[k];
+}
+
+bool sp_vibration_sane(const vibration *m) {
+    double worst = 0;
+    for (int64_t i = 0; i < m->n; i++) {
+        const double *u = m->u + 6 * i, square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        if (!isfinite(square))
+            return false;
+        worst = fmax(worst, square);
+    }
+    return 4 * worst <= m->reach * m->reach;
+}

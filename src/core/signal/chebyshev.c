@@ -1,0 +1,218 @@
+#include "signal/chebyshev.h"
+#include "base/base.h"
+#include "signal/job.h"
+
+#include <math.h>
+#include <sonopack/front.h>
+#include <string.h>
+
+/* Moments beyond what fits any machine's patience and memory; times summed at once; parts of the time in which a front
+ * is looked for. */
+enum { TERMS_MAX = 20000000, TIMES = 4096, PARTS = 48 };
+
+/* Sources or detectors, as rows in the operator's order. */
+typedef struct places {
+    int32_t n;
+    sparse_row *row;
+    int64_t *at;
+    double *value;
+} places;
+
+static void places_free(places *p) {
+    sp_free(p->row);
+    sp_free(p->at);
+    sp_free(p->value);
+}
+
+/* mass: what displacements are multiplied with to be like forces, or NULL. */
+static sp_status places_make(const sp_operator *op, const signal_rows *from, const double *mass, places *out,
+                             sp_error *err) {
+    const size_t count = (size_t)from->first[from->n];
+    out->n = from->n;
+    out->row = sp_alloc((size_t)from->n, sizeof *out->row);
+    out->at = sp_alloc(count, sizeof *out->at);
+    out->value = sp_alloc(count, sizeof *out->value);
+    if (!out->row || !out->at || !out->value)
+        return sp_fail_memory(err, count * 16);
+    for (int32_t q = 0; q < from->n; q++) {
+        const int64_t first = from->first[q];
+        out->row[q] = (sparse_row){from->first[q + 1] - first, out->at + first, out->value + first};
+        for (int64_t k = first; k < from->first[q + 1]; k++) {
+            const int64_t dof = from->dof[k], row = op->row_of[dof / op->dof], a = dof % op->dof;
+            out->at[k] = row * op->row + 2 * a;
+            out->value[k] = from->value[k] * (mass ? mass[dof] : 1) / op->scale[row * op->dof + a];
+        }
+    }
+    return SP_OK;
+}
+
+/* All passes of a signal. Sources are carried, or detectors if they are fewer, two in a pass. */
+typedef struct passes {
+    const signal_job *job;
+    sp_operator op;
+    places from, to;
+    bool doubled, turned; /* turned: detectors are carried */
+    int32_t n;
+    int64_t terms;
+    double omega;
+    pass *pass;         /* [n] */
+    double *f, *errors; /* of one pass, [columns][TIMES] and [columns] */
+} passes;
+
+static void passes_free(passes *a) {
+    for (int32_t q = 0; a->pass && q < a->n; q++)
+        sp_pass_free(&a->pass[q]);
+    sp_free(a->pass);
+    sp_free(a->f);
+    sp_free(a->errors);
+    places_free(&a->from);
+    places_free(&a->to);
+    sp_operator_free(&a->op);
+}
+
+static sp_status passes_make(const signal_job *job, double omega, int64_t terms, passes *a, sp_error *err) {
+    *a = (passes){.job = job, .omega = omega, .terms = terms};
+    a->doubled = job->sources == 1 && job->detectors == 1 && !job->net->carried;
+    a->turned = job->detectors < job->sources;
+    const int32_t carried = a->turned ? job->detectors : job->sources, seen = a->turned ? job->sources : job->detectors;
+    a->n = (carried + 1) / 2;
+    sp_status status = sp_operator_make(job->net, &a->op, err);
+    a->op.transposed = a->turned && job->net->carried;
+    if (status == SP_OK)
+        status = places_make(&a->op, &job->from, job_moves(job) ? NULL : job->net->mass, &a->from, err);
+    if (status == SP_OK)
+        status = places_make(&a->op, &job->to, NULL, &a->to, err);
+    if (status != SP_OK)
+        return status;
+    const size_t columns = (carried > 1 ? 2 : 1) * (size_t)seen;
+    a->pass = sp_alloc((size_t)a->n, sizeof *a->pass);
+    a->f = sp_alloc(columns, TIMES * sizeof *a->f);
+    a->errors = sp_alloc(columns, sizeof *a->errors);
+    return a->pass && a->f && a->errors ? SP_OK : sp_fail_memory(err, columns * TIMES * sizeof *a->f);
+}
+
+static sp_status begin_pass(passes *a, int32_t q, sp_error *err) {
+    const places *carried = a->turned ? &a->to : &a->from, *seen = a->turned ? &a->from : &a->to;
+    const pass_plan plan = {.op = &a->op,
+                            .mass = a->job->net->mass,
+                            .omega = a->omega,
+                            .threads = a->job->options->threads,
+                            .velocity = job_moves(a->job),
+                            .doubled = a->doubled,
+                            .spread = sp_expansion_spread(a->job->net),
+                            .terms = a->terms,
+                            .lanes = carried->n - 2 * q < 2 ? 1 : 2,
+                            .others = seen->n,
+                            .carried = carried->row + 2 * q,
+                            .seen = seen->row};
+    return sp_pass_make(&plan, &a->pass[q], err);
+}
+
+/* Where column c of pass q goes. */
+static int64_t pair_of(const passes *a, int32_t q, int64_t c) {
+    const int32_t others = a->pass[q].others;
+    const int64_t carried = 2 * (int64_t)q + c / others, other = c % others;
+    return a->turned ? other * a->job->detectors + carried : carried * a->job->detectors + other;
+}
+
+/* What moments suffice for at times first .. end-1 into s. */
+static sp_status sum_pass(const passes *a, int32_t q, int32_t first, int32_t end, sp_signal *s, sp_error *err) {
+    const pass *p = &a->pass[q];
+    sp_status status = SP_OK;
+    for (int32_t at = first; at < end && status == SP_OK; at += TIMES) {
+        const int32_t count = end - at < TIMES ? end - at : TIMES;
+        status = sp_expansion_sum(p, a->omega, count, s->t + at, TIMES, a->f, a->errors, err);
+        for (int64_t c = 0; c < p->columns && status == SP_OK; c++) {
+            const int64_t to = pair_of(a, q, c);
+            memcpy(s->f + to * s->n + at, a->f + c * TIMES, (size_t)count * sizeof *s->f);
+            s->errors[to] = fmax(s->errors[to], a->errors[c]);
+        }
+    }
+    return status;
+}
+
+/* At the end of a pass. */
+static sp_status end_pass(const passes *a, const pass *p, sp_signal *s, sp_error *err) {
+    s->products += (int32_t)(a->doubled ? p->n - 1 : p->lanes * (p->n - 1));
+    if (!sp_pass_bounded(p))
+        return sp_fail(err, SP_EREFUSED, "the motion grows without bound: the network is unstable (prestress)");
+    return SP_OK;
+}
+
+static sp_status follow_all(passes *a, sp_signal *s, sp_error *err) {
+    sp_status status = SP_OK;
+    for (int32_t q = 0; q < a->n && status == SP_OK; q++) {
+        status = begin_pass(a, q, err);
+        if (status != SP_OK)
+            break;
+        sp_pass_extend(&a->pass[q], a->terms);
+        status = end_pass(a, &a->pass[q], s, err);
+        if (status == SP_OK)
+            status = sum_pass(a, q, 0, s->n, s, err);
+        sp_pass_free(&a->pass[q]);
+    }
+    return status;
+}
+
+/* ---- as far as the first front -------------------------------------------------------------------------------- */
+
+/* Whether every signal has its front, with its zero crossing, in the first n points. Before it arrives there is next to
+ * nothing, whose ripples are none. */
+static bool fronts_known(const passes *a, const sp_signal *s, int32_t n) {
+    const sp_front_options options = sp_front_options_default();
+    for (int64_t k = 0; k < (int64_t)s->sources * s->detectors; k++) {
+        sp_front front;
+        if (n < 3 || sp_front_find(n, s->t, s->f + k * s->n, &options, &front, NULL) != SP_OK)
+            return false;
+        const double hop = sp_job_hop(a->job, (int32_t)(k / s->detectors), (int32_t)(k % s->detectors));
+        if (!(isfinite(front.t_zero) && front.amplitude > 1e-6 * hop))
+            return false;
+    }
+    return true;
+}
+
+static void shorten(sp_signal *s, int32_t n) {
+    for (int64_t k = 1; k < (int64_t)s->sources * s->detectors; k++)
+        memmove(s->f + k * n, s->f + k * s->n, (size_t)n * sizeof *s->f);
+    s->n = n;
+}
+
+static sp_status follow_front(passes *a, sp_signal *s, sp_error *err) {
+    const double tail = 1e-8 * a->job->options->tolerance;
+    sp_status status = SP_OK;
+    int32_t known = 0;
+    for (int32_t q = 0; q < a->n && status == SP_OK; q++)
+        status = begin_pass(a, q, err);
+    while (status == SP_OK && known < s->n && !fronts_known(a, s, known)) {
+        const int32_t more = s->n / PARTS > 8 ? s->n / PARTS : 8, end = s->n - known < more ? s->n : known + more;
+        int64_t terms;
+        status = sp_expansion_terms(a->job->net, s->t[end - 1], job_moves(a->job), tail, &terms, err);
+        for (int32_t q = 0; q < a->n && status == SP_OK; q++) {
+            sp_pass_extend(&a->pass[q], terms);
+            status = sum_pass(a, q, known, end, s, err);
+        }
+        known = end;
+    }
+    for (int32_t q = 0; q < a->n && status == SP_OK; q++)
+        status = end_pass(a, &a->pass[q], s, err);
+    if (status == SP_OK && known < s->n)
+        shorten(s, known);
+    return status;
+}
+
+sp_status sp_signal_by_chebyshev(const signal_job *job, sp_signal *s, sp_error *err) {
+    const sp_signal_options *o = job->options;
+    int64_t terms;
+    passes all;
+    if (0.5 * s->omega_max * o->until > TERMS_MAX)
+        return sp_fail(err, SP_EREFUSED, "until = %g needs %.3g matrix products, %d at the most; take the dense method",
+                       o->until, 0.5 * s->omega_max * o->until, TERMS_MAX);
+    sp_status status = sp_expansion_terms(job->net, o->until, job_moves(job), 1e-8 * o->tolerance, &terms, err);
+    if (status != SP_OK)
+        return status;
+    status = passes_make(job, s->omega_max, terms, &all, err);
+    if (status == SP_OK)
+        status = o->front ? follow_front(&all, s, err) : follow_all(&all, s, err);
+    passes_free(&all);
+    return status;
+}

@@ -1,0 +1,259 @@
+/* The signal of the packing itself, at a finite amplitude: its grains and contacts with the full contact law, contacts
+ * that open, close and slide included (packing/vibrate.h). F is the change of the force over the amplitude of the
+ * source, so that it tends to the linear signal as the amplitude goes to 0. */
+#include "base/base.h"
+#include "packing/vibrate.h"
+#include "signal/job.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ATTEMPTS = 6 };
+/* Contacts times steps beyond which a step found from the tolerance is refused: minutes. */
+#define WORK_MAX 3e9
+
+/* What a detector adds up: changes of the forces on the first grains of some contacts, with signs. */
+typedef struct ear {
+    int axis;
+    int32_t n;
+    int32_t *touch;
+    double *sign;
+} ear;
+
+typedef struct shaking {
+    const signal_job *job;
+    vibration m;
+    ear *ears;      /* [detectors] */
+    double *before; /* f of the run before */
+    double overlap; /* mean of the carrying contacts */
+    double spacing;
+} shaking;
+
+static void shaking_free(shaking *s) {
+    for (int32_t b = 0; b < s->job->detectors && s->ears; b++) {
+        sp_free(s->ears[b].touch);
+        sp_free(s->ears[b].sign);
+    }
+    sp_free(s->ears);
+    sp_free(s->before);
+    sp_vibration_free(&s->m);
+}
+
+/* ---- detectors ----------------------------------------------------------------------------------------------- */
+
+static double height_of(const sp_packing *p, int32_t grain) {
+    if (grain < 0)
+        return grain == SP_BOTTOM ? -HUGE_VAL : HUGE_VAL;
+    return p->x[3 * (int64_t)grain + p->dim - 1];
+}
+
+/* Whether a grain is felt by its contact with the top wall, as sp_network_detector_at has it. */
+static bool at_wall(const sp_network *net, const sp_place *at) {
+    for (int32_t k = net->n_bulk; k < net->n_springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        if (s->j == SP_TOP && net->grain[s->i] == at->grain && !(at->shear && s->kt == 0))
+            return true;
+    }
+    return false;
+}
+
+/* The sign with which a contact counts; 0: it does not. */
+static double sign_of(const shaking *s, const sp_place *at, bool wall, const touching *t) {
+    const sp_packing *p = s->job->packing;
+    const double x = p->x[3 * (int64_t)t->i], y = x - p->box[0] * floor(x / p->box[0]);
+    switch (at->kind) {
+    case SP_PLACE_WALL: return t->j == SP_TOP ? -1 : 0;
+    case SP_PLACE_PART: return t->j == SP_TOP && y >= at->from && y < at->to ? -1 : 0;
+    case SP_PLACE_GRAIN:
+        if (wall)
+            return t->j == SP_TOP && t->i == at->grain ? -1 : 0;
+        return t->i == at->grain ? 1 : t->j == at->grain ? -1 : 0;
+    case SP_PLACE_PLANE: break;
+    }
+    const bool above = height_of(p, t->i) > at->height;
+    return above == (height_of(p, t->j) > at->height) ? 0 : above ? 1 : -1;
+}
+
+static sp_status make_ears(shaking *s, sp_error *err) {
+    const sp_place top = sp_place_wall();
+    const size_t count = (size_t)s->m.count;
+    s->ears = sp_alloc((size_t)s->job->detectors, sizeof *s->ears);
+    if (!s->ears)
+        return sp_fail_memory(err, (size_t)s->job->detectors * sizeof *s->ears);
+    for (int32_t b = 0; b < s->job->detectors; b++) {
+        const sp_place *at = s->job->options->to ? &s->job->options->to[b] : &top;
+        const bool wall = at->kind == SP_PLACE_GRAIN && at_wall(s->job->net, at);
+        ear *e = &s->ears[b];
+        e->axis = at->shear ? 0 : s->m.dim - 1;
+        for (size_t k = 0; k < count; k++)
+            e->n += sign_of(s, at, wall, &s->m.touch[k]) != 0;
+        e->touch = sp_alloc((size_t)e->n, sizeof *e->touch);
+        e->sign = sp_alloc((size_t)e->n, sizeof *e->sign);
+        if (!e->touch || !e->sign)
+            return sp_fail_memory(err, (size_t)e->n * (sizeof *e->touch + sizeof *e->sign));
+        e->n = 0;
+        for (size_t k = 0; k < count; k++) {
+            const double sign = sign_of(s, at, wall, &s->m.touch[k]);
+            if (sign != 0) {
+                e->touch[e->n] = (int32_t)k;
+                e->sign[e->n++] = sign;
+            }
+        }
+    }
+    return SP_OK;
+}
+
+static double hear(const vibration *m, const ear *e) {
+    double sum = 0;
+    for (int32_t k = 0; k < e->n; k++)
+        sum += e->sign[k] * m->touch[e->touch[k]].force[e->axis];
+    return sum;
+}
+
+/* ---- motion -------------------------------------------------------------------------------------------------- */
+
+/* Sets a source off; returns the factor of the source: the largest velocity over Omega, or displacement, of a grain
+ * becomes `amplitude` times the mean overlap. */
+static double set_off(shaking *s, int32_t source) {
+    const sp_network *net = s->job->net;
+    const double *sent = job_source(s->job, source);
+    const bool moves = job_moves(s->job);
+    double largest = 0;
+    sp_vibration_rest(&s->m);
+    for (int32_t i = 0; i < net->n; i++) {
+        double square = 0;
+        for (int a = 0; a < net->dim; a++) {
+            const int64_t k = (int64_t)i * net->dof + a;
+            const double x = moves ? sent[k] / net->mass[k] / sp_network_omega_bound(net) : sent[k];
+            square += x * x;
+        }
+        largest = fmax(largest, square);
+    }
+    const double factor = s->job->options->amplitude * s->overlap / sqrt(largest);
+    double *to = moves ? s->m.v : s->m.u;
+    for (int32_t i = 0; i < net->n; i++)
+        for (int a = 0; a < net->dof; a++) {
+            const int64_t k = (int64_t)i * net->dof + a;
+            const int at = a < net->dim ? a : net->dim == 2 ? 5 : a;
+            to[6 * (int64_t)net->grain[i] + at] = factor * (moves ? sent[k] / net->mass[k] : sent[k]);
+        }
+    sp_vibration_begin(&s->m);
+    return factor;
+}
+
+static sp_status run(shaking *s, sp_signal *out, int64_t each, sp_error *err) {
+    const double h = s->spacing / (double)each;
+    for (int32_t a = 0; a < out->sources; a++) {
+        const double factor = set_off(s, a);
+        for (int32_t l = 0; l < out->n; l++) {
+            for (int64_t k = 0; k < (l > 0 ? each : 0); k++)
+                sp_vibration_step(&s->m, h);
+            if (!sp_vibration_sane(&s->m))
+                return sp_fail(
+                    err, SP_EFAILED,
+                    "at t = %.6g a grain has moved by more than %.3g, or without end: amplitude = %g, must be "
+                    "smaller",
+                    out->t[l], 0.5 * s->m.reach, s->job->options->amplitude);
+            for (int32_t b = 0; b < out->detectors; b++)
+                signal_pair(out, a, b)[l] = hear(&s->m, &s->ears[b]) / factor;
+        }
+        if (a == 0)
+            out->amplitude = factor;
+    }
+    out->step = h;
+    out->products += (int32_t)fmin(1e9, (double)each * (out->n - 1) * out->sources);
+    return SP_OK;
+}
+
+/* Error of the last run against the one before, whose steps were twice as long or longer: a run of order 1 or more is
+ * off by less than they differ. Returns the smallest ratio of what is allowed to it. */
+static double compare(const shaking *s, sp_signal *out) {
+    double least = INFINITY;
+    for (int32_t q = 0; q < out->sources * out->detectors; q++) {
+        double largest = 0, differ = 0;
+        for (int64_t l = (int64_t)q * out->n; l < (int64_t)(q + 1) * out->n; l++) {
+            largest = fmax(largest, fabs(out->f[l]));
+            differ = fmax(differ, fabs(out->f[l] - s->before[l]));
+        }
+        largest = fmax(largest, 1e-6 * sp_job_hop(s->job, q / out->detectors, q % out->detectors));
+        out->errors[q] = differ;
+        least = fmin(least, s->job->options->tolerance * largest / differ);
+    }
+    return least;
+}
+
+static void keep(shaking *s, const sp_signal *out) {
+    memcpy(s->before, out->f, (size_t)out->sources * (size_t)out->detectors * (size_t)out->n * sizeof *out->f);
+}
+
+static double work(const shaking *s, const sp_signal *out, double each) {
+    return each * (out->n - 1) * out->sources * s->m.count;
+}
+
+/* `longest`: the longest step that is stable with room to spare. */
+static sp_status converge(shaking *s, sp_signal *out, double longest, sp_error *err) {
+    const double given = s->job->options->step, tolerance = s->job->options->tolerance;
+    double each = fmax(2, ceil(s->spacing / (given > 0 ? fmin(given, longest) : 0.5 * longest) * (1 - 1e-12)));
+    if (given > longest)
+        return sp_fail(err, SP_EINVAL, "step = %g, must be at most %.6g: longer ones are unstable", given, longest);
+    if (!(1.5 * work(s, out, each) <= (given > 0 ? 10 : 1) * WORK_MAX))
+        return sp_fail(err, SP_EREFUSED, "%.3g steps of %.3g for %d contacts are too many", each * (out->n - 1),
+                       s->spacing / each, s->m.count);
+    sp_status status = run(s, out, (int64_t)(each / 2), err);
+    for (int attempt = 0; attempt < ATTEMPTS && status == SP_OK; attempt++) {
+        keep(s, out);
+        status = run(s, out, (int64_t)each, err);
+        const double left = status == SP_OK ? compare(s, out) : 1;
+        if (left >= 1 || given > 0)
+            break;
+        const double next = each * fmax(2, ceil(sqrt(1.5 / left)));
+        if (!(work(s, out, next) <= WORK_MAX))
+            return sp_fail(err, SP_EREFUSED,
+                           "tolerance %.2g takes about %.3g steps; with %.3g of them the error is about %.1g of the "
+                           "largest |F|",
+                           tolerance, next * (out->n - 1), each * (out->n - 1), tolerance / left);
+        each = next;
+    }
+    return status;
+}
+
+/* The stiffest dashpots' rate limits the step too. */
+static sp_status longest_step(const signal_job *job, double *longest, sp_error *err) {
+    const double omega = sp_network_omega_bound(job->net), zeta = job->options->damping;
+    double rate = 0;
+    if (zeta > 0) {
+        sp_network dashpots = sp_network_none();
+        sp_status status = sp_network_damping(job->net, zeta, &dashpots, err);
+        if (status != SP_OK)
+            return status;
+        rate = sp_network_omega_bound(&dashpots) * sp_network_omega_bound(&dashpots);
+        sp_network_free(&dashpots);
+    }
+    *longest = 1 / (omega + rate);
+    return SP_OK;
+}
+
+sp_status sp_signal_by_dynamics(const signal_job *job, sp_signal *s, sp_error *err) {
+    const sp_network *net = job->net;
+    shaking k = {.job = job, .m = {0}, .spacing = job->options->until / (s->n - 1)};
+    double longest = 0;
+    if (!job->packing)
+        return sp_fail(err, SP_EINVAL, "method dynamics needs the packing, must be called as sp_signal_dynamics");
+    sp_status status = longest_step(job, &longest, err);
+    if (status == SP_OK)
+        status = sp_vibration_make(job->packing, job->options->damping, &k.m, err);
+    if (status == SP_OK)
+        status = make_ears(&k, err);
+    if (status == SP_OK) {
+        const size_t size = (size_t)s->sources * (size_t)s->detectors * (size_t)s->n;
+        k.before = sp_alloc(size, sizeof *k.before);
+        if (!k.before)
+            status = sp_fail_memory(err, size * sizeof *k.before);
+    }
+    for (int32_t q = 0; q < net->n_springs && status == SP_OK; q++)
+        k.overlap += job->packing->contacts[net->springs[q].contact].overlap / net->n_springs;
+    if (status == SP_OK)
+        status = converge(&k, s, longest, err);
+    shaking_free(&k);
+    return status;
+}

@@ -1,0 +1,198 @@
+/* Displacements of all grains at a few times. */
+#include "base/base.h"
+#include "numeric/bessel.h"
+#include "signal/chebyshev.h"
+#include "signal/recurrence.h"
+
+#include <float.h>
+#include <math.h>
+#include <sonopack/signal.h>
+#include <string.h>
+
+enum { TERMS_MAX = 20000000, TIMES_MAX = 1000000 };
+/* Rounding, in parts of DBL_EPSILON: of a step of the recurrence, and of Omega t, as for signals. */
+#define STEP_ROUNDING  5.0
+#define PHASE_ROUNDING 5.0
+#define TAIL           1e-17 /* of the terms that are left out, over the norm of the source */
+
+typedef struct field {
+    const sp_network *net;
+    const sp_field_spec *spec;
+    bool velocity;
+    double omega, norm; /* bound of the frequencies; |a| or |u_0| with the mass */
+    sp_operator op;
+    recurrence r;
+    sparse_row from;
+    int64_t terms;
+    double *j;                      /* [times][terms] J_(2k+1) or J_2k, the first of these halved */
+    double *tail, *steps, *largest; /* [times] of what is left out; squares of rounding, of the terms */
+    double *sum;                    /* [times][(n + 1) row] in the operator's order */
+} field;
+
+static void field_free(field *f) {
+    sp_recurrence_free(&f->r);
+    sp_operator_free(&f->op);
+    sp_free(f->from.at);
+    sp_free(f->from.value);
+    sp_free(f->j);
+    sp_free(f->tail);
+    sp_free(f->sum);
+}
+
+static sp_status check(const sp_field_spec *spec, double omega, double *until, sp_error *err) {
+    if (spec->times < 1 || spec->times > TIMES_MAX || !spec->t)
+        return sp_fail(err, SP_EINVAL, "%d times, must be 1 .. %d", spec->times, TIMES_MAX);
+    *until = 0;
+    for (int32_t l = 0; l < spec->times; l++) {
+        if (!(spec->t[l] >= 0 && isfinite(spec->t[l])))
+            return sp_fail(err, SP_EINVAL, "time %d of the field is %g, must be 0 or above", l + 1, spec->t[l]);
+        *until = fmax(*until, spec->t[l]);
+    }
+    if (0.5 * omega * *until > TERMS_MAX)
+        return sp_fail(err, SP_EREFUSED, "time %g needs %.3g matrix products, %d at the most", *until,
+                       0.5 * omega * *until, TERMS_MAX);
+    return SP_OK;
+}
+
+/* The source, in the operator's order, as something like forces: displacements times masses. */
+static sp_status make_source(field *f, sp_error *err) {
+    const sp_place wall = sp_place_wall();
+    const int64_t n = sp_network_dofs(f->net);
+    const sp_operator *op = &f->op;
+    double *vector = sp_alloc((size_t)n, sizeof *vector);
+    f->from.at = sp_alloc((size_t)n, sizeof *f->from.at);
+    f->from.value = sp_alloc((size_t)n, sizeof *f->from.value);
+    sp_status status = vector && f->from.at && f->from.value ? SP_OK : sp_fail_memory(err, (size_t)n * 24);
+    if (status == SP_OK)
+        status = sp_network_source_at(f->net, f->spec->source, f->spec->from ? f->spec->from : &wall, vector, err);
+    for (int64_t dof = 0; dof < n && status == SP_OK; dof++) {
+        if (vector[dof] == 0)
+            continue;
+        const int64_t row = op->row_of[dof / op->dof], a = dof % op->dof;
+        f->from.at[f->from.n] = row * op->row + 2 * a;
+        f->from.value[f->from.n++] = vector[dof] * (f->velocity ? 1 : f->net->mass[dof]) / op->scale[row * op->dof + a];
+    }
+    sp_free(vector);
+    return status;
+}
+
+/* Bessel functions of all times; what lies beyond the terms is the tail. */
+static sp_status make_weights(field *f, double until, sp_error *err) {
+    const size_t times = (size_t)f->spec->times;
+    const double spread = sp_expansion_spread(f->net);
+    sp_status status = sp_expansion_terms(f->net, until, f->velocity, TAIL, &f->terms, err);
+    if (status != SP_OK)
+        return status;
+    const int64_t orders = sp_bessel_orders(f->omega * until);
+    double *all = sp_alloc((size_t)orders, sizeof *all);
+    f->j = sp_alloc(times * (size_t)f->terms, sizeof *f->j);
+    f->tail = sp_alloc(times, 3 * sizeof *f->tail);
+    if (!all || !f->j || !f->tail) {
+        sp_free(all);
+        return sp_fail_memory(err, times * (size_t)f->terms * sizeof *f->j);
+    }
+    f->steps = f->tail + times;
+    f->largest = f->steps + times;
+    for (size_t l = 0; l < times; l++) {
+        double *j = f->j + l * (size_t)f->terms;
+        sp_bessel_j(f->omega * f->spec->t[l], orders, all);
+        for (int64_t k = 0; 2 * k + 1 < orders; k++) {
+            const double value = all[2 * k + f->velocity];
+            if (k < f->terms)
+                j[k] = k == 0 && !f->velocity ? 0.5 * value : value;
+            else if (!(spread > 0))
+                f->tail[l] += (f->velocity ? 2 * (double)k + 1 : 1) * fabs(value);
+        }
+        if (spread > 0)
+            f->tail[l] = sp_expansion_tail(f->omega * f->spec->t[l], f->velocity, spread, f->terms);
+        f->tail[l] += 1e-19; /* of orders that count as 0 */
+    }
+    sp_free(all);
+    return SP_OK;
+}
+
+static sp_status make(field *f, double until, sp_error *err) {
+    sp_status status = sp_operator_make(f->net, &f->op, err);
+    if (status == SP_OK)
+        status = make_source(f, err);
+    if (status == SP_OK)
+        status = make_weights(f, until, err);
+    if (status == SP_OK)
+        status = sp_recurrence_make(&f->op, f->net->mass, f->omega, f->spec->threads, &f->r, err);
+    if (status != SP_OK)
+        return status;
+    const size_t size = (size_t)(f->op.n + 1) * (size_t)f->op.row;
+    f->sum = sp_alloc((size_t)f->spec->times * size, sizeof *f->sum);
+    if (!f->sum)
+        return sp_fail_memory(err, (size_t)f->spec->times * size * sizeof *f->sum);
+    sp_recurrence_start(&f->r, 0, f->velocity, &f->from);
+    f->norm = sqrt(f->r.start[0]);
+    return SP_OK;
+}
+
+/* Term k to all times that it matters at. */
+static void add_term(field *f, int64_t k, double squares) {
+    const size_t size = (size_t)f->op.n * (size_t)f->op.row, stride = size + (size_t)f->op.row;
+    for (int32_t l = 0; l < f->spec->times; l++) {
+        const double j = f->j[(size_t)l * (size_t)f->terms + (size_t)k];
+        double *restrict sum = f->sum + (size_t)l * stride;
+        if (fabs(j) < 1e-30)
+            continue;
+        for (size_t q = 0; q < size; q++)
+            sum[q] += j * f->r.u[q];
+        f->steps[l] += j * j * squares * (1 + (double)k);
+        f->largest[l] += j * j * squares;
+    }
+}
+
+/* |W_k a| <= (2 k + 1)|a| and |T_k u| <= |u|: more means a frequency that is imaginary. */
+static sp_status follow(field *f, sp_error *err) {
+    const double allowed = sp_expansion_growth(sp_expansion_spread(f->net));
+    for (int64_t k = 0; k < f->terms; k++) {
+        const double squares = sp_recurrence_squares(&f->r)[0];
+        const double growth = (f->velocity ? 2 * (double)k + 1 : 1) * allowed * f->norm;
+        if (!(squares <= growth * growth))
+            return sp_fail(err, SP_EREFUSED, "the motion grows without bound: the network is unstable (prestress)");
+        add_term(f, k, squares);
+        if (k + 1 < f->terms)
+            sp_recurrence_step(&f->r);
+    }
+    return SP_OK;
+}
+
+/* Bounds hold for |M^1/2 u|; an entry is that over the root of its mass. */
+static void finish(const field *f, double *u, double *errors) {
+    const sp_operator *op = &f->op;
+    const size_t stride = (size_t)(op->n + 1) * (size_t)op->row;
+    const int64_t n = sp_network_dofs(f->net);
+    const double scale = f->velocity ? 2 / f->omega : 2;
+    double lightest = INFINITY;
+    for (int64_t dof = 0; dof < n; dof++)
+        lightest = fmin(lightest, f->net->mass[dof]);
+    for (int32_t l = 0; l < f->spec->times; l++) {
+        const double x = f->omega * f->spec->t[l], *sum = f->sum + (size_t)l * stride;
+        for (int64_t dof = 0; dof < n; dof++) {
+            const int64_t row = op->row_of[dof / op->dof], a = dof % op->dof;
+            u[l * n + dof] = scale * sum[row * op->row + 2 * a] / op->scale[row * op->dof + a];
+        }
+        const double left = f->tail[l] + sp_recurrence_dropped(&f->r, f->terms);
+        const double rounding = STEP_ROUNDING * sqrt(f->steps[l]) + PHASE_ROUNDING * (1 + x) * sqrt(f->largest[l]);
+        if (errors)
+            errors[l] = scale * (f->norm * left + DBL_EPSILON * rounding) / sqrt(lightest);
+    }
+}
+
+sp_status sp_signal_field(const sp_network *net, const sp_field_spec *spec, double *u, double *errors, sp_error *err) {
+    field f = {.net = net, .spec = spec, .velocity = spec->source != SP_SOURCE_DISPLACEMENT};
+    double until = 0;
+    f.omega = sp_network_omega_bound(net);
+    sp_status status = check(spec, f.omega, &until, err);
+    if (status == SP_OK)
+        status = make(&f, until, err);
+    if (status == SP_OK)
+        status = follow(&f, err);
+    if (status == SP_OK)
+        finish(&f, u, errors);
+    field_free(&f);
+    return status;
+}

@@ -1,0 +1,108 @@
+#include "base/base.h"
+#include "signal/chebyshev.h"
+
+#include <math.h>
+
+void sp_pass_free(pass *p) {
+    sp_recurrence_free(&p->r);
+    sp_free(p->mu);
+    sp_free(p->size);
+    sp_free(p->reach);
+    *p = (pass){0};
+}
+
+/* Moment 0, and norms. */
+static void begin(const pass_plan *plan, pass *p) {
+    pair size;
+    sp_recurrence_start(&p->r, 0, plan->velocity, &plan->carried[0]);
+    if (plan->doubled)
+        sp_recurrence_start(&p->r, 1, false, &plan->seen[0]);
+    else if (plan->lanes == 2)
+        sp_recurrence_start(&p->r, 1, plan->velocity, &plan->carried[1]);
+    for (int32_t q = 0; q < p->others; q++) {
+        const pair mu = sp_recurrence_seen(&p->r, &p->seen[q], &size);
+        for (int32_t lane = 0; lane < p->lanes; lane++) {
+            p->mu[lane * p->others + q] = p->velocity ? mu[lane] : 0.5 * mu[lane];
+            p->size[lane * p->others + q] = size[lane];
+            p->reach[lane * p->others + q] = sqrt(p->r.start[lane]) * sp_recurrence_norm(&p->r, &p->seen[q]);
+        }
+        p->first = mu[0];
+    }
+    p->n = 1;
+}
+
+sp_status sp_pass_make(const pass_plan *plan, pass *out, sp_error *err) {
+    pass p = {.doubled = plan->doubled,
+              .velocity = plan->velocity,
+              .lanes = plan->doubled ? 1 : plan->lanes,
+              .others = plan->others,
+              .spread = plan->spread,
+              .seen = plan->seen,
+              .room = plan->terms + 2};
+    p.columns = (int64_t)p.lanes * p.others;
+    const size_t count = (size_t)p.columns;
+    sp_status status = sp_recurrence_make(plan->op, plan->mass, plan->omega, plan->threads, &p.r, err);
+    if (status == SP_OK) {
+        p.mu = sp_alloc((size_t)p.room, count * sizeof *p.mu);
+        p.size = sp_alloc((size_t)p.room, count * sizeof *p.size);
+        p.reach = sp_alloc(count, sizeof *p.reach);
+        if (!p.mu || !p.size || !p.reach)
+            status = sp_fail_memory(err, 2 * (size_t)p.room * count * sizeof *p.mu);
+    }
+    if (status != SP_OK) {
+        sp_pass_free(&p);
+        return status;
+    }
+    begin(plan, &p);
+    p.r.doubled = p.doubled;
+    *out = p;
+    return SP_OK;
+}
+
+/* b^T T_m W_k a = 1/2 b^T (W_(k+m) + W_(k-m)) a, W_(-k-1) = -W_k, and T_m T_k = 1/2 (T_(k+m) + T_|k-m|), with m = k + 1
+ * and both at k + 1. */
+static void extend_doubled(pass *p) {
+    const int64_t k = p->r.step;
+    const recurrence_products of = sp_recurrence_step(&p->r);
+    double back = p->velocity ? p->first : -p->mu[1];
+    if (k == 0 && !p->velocity)
+        back = -of.dot[0];
+    p->mu[2 * k + 1] = 2 * of.dot[0] + back;
+    p->size[2 * k + 1] = 2 * of.size[0];
+    p->mu[2 * k + 2] = 2 * of.dot[1] - p->first;
+    p->size[2 * k + 2] = 2 * of.size[1];
+    p->n += 2;
+}
+
+static void extend_plainly(pass *p) {
+    sp_recurrence_step(&p->r);
+    double *mu = p->mu + p->n * p->columns, *size = p->size + p->n * p->columns;
+    for (int32_t q = 0; q < p->others; q++) {
+        pair magnitude;
+        const pair sum = sp_recurrence_seen(&p->r, &p->seen[q], &magnitude);
+        for (int32_t lane = 0; lane < p->lanes; lane++) {
+            mu[lane * p->others + q] = sum[lane];
+            size[lane * p->others + q] = magnitude[lane];
+        }
+    }
+    p->n++;
+}
+
+void sp_pass_extend(pass *p, int64_t n) {
+    while (p->n < n && p->n + 2 <= p->room) {
+        if (p->doubled)
+            extend_doubled(p);
+        else
+            extend_plainly(p);
+    }
+}
+
+bool sp_pass_bounded(const pass *p) {
+    const pair now = sp_recurrence_squares(&p->r);
+    bool bounded = true;
+    for (int lane = 0; lane < 2; lane++) {
+        const double growth = (p->r.second[lane] ? 2 * (double)p->r.step + 1 : 1) * sp_expansion_growth(p->spread);
+        bounded = bounded && now[lane] <= growth * growth * p->r.start[lane];
+    }
+    return bounded;
+}

@@ -1,0 +1,269 @@
+/* A sum over the lowest modes, and a bound of what the others contribute.
+ *
+ * With A = M^-1/2 K M^-1/2, a the source and b the detector (mass weighted), a = V c + a' for the modes V that were
+ * found (A V = V D + R, R their residuals) and b likewise, the signal F = b^T s(A) a, s(x) = sin(sqrt(x) t)/sqrt(x), is
+ *   d^T s(D) c  +  b'^T s(A) a'  +  terms with R, by Duhamel's formula.
+ * The second is at most |b'| |A^-1/2 a'|, or |a'| |A^-1/2 b'|; a solve gives a'^T A^-1 a'. No frequency beyond those
+ * found enters: what the bound needs of the left-out modes are these residual moments alone. */
+#include "base/base.h"
+#include "modes/refine.h"
+#include "modes/slices.h"
+#include "signal/job.h"
+
+#include <float.h>
+#include <math.h>
+#include <sonopack/modes.h>
+
+enum { LANES = SP_LDL_LANES, FIRST_TRY = 64 };
+
+/* A source or a detector. */
+typedef struct shadow {
+    double *c;                              /* [modes] its projections */
+    double *leak;                           /* [modes] those of what is left of it: rounding */
+    double norm, inverse;                   /* |a|, |A^-1/2 a| */
+    double rest, rest_inverse, rest_energy; /* of a': |a'|, |A^-1/2 a'|, |A^1/2 a'| */
+    double residuals;                       /* sum of |R_k| |c_k| w_k, w = 1/omega_k, or 1 for displacements */
+} shadow;
+
+typedef struct sum {
+    const signal_job *job;
+    sp_modes m;
+    int64_t modes;       /* rows of the network: without rattlers */
+    const double *omega; /* [modes] */
+    double *residual;    /* [modes] |A e - omega^2 e| at most */
+    slicer z;            /* holds the factor of A + depth */
+    double depth;
+    shadow *from, *to;
+    double *numbers; /* what c and leak point to */
+} sum;
+
+static void sum_free(sum *q) {
+    sp_modes_free(&q->m);
+    sp_slicer_free(&q->z);
+    sp_free(q->residual);
+    sp_free(q->from);
+    sp_free(q->to);
+    sp_free(q->numbers);
+}
+
+/* min(t, 1/omega): how far a unit of momentum moves a mode. */
+static double reach(const sum *q, int64_t k) {
+    const double t = q->job->options->until;
+    return q->omega[k] * t > 1 ? 1 / q->omega[k] : t;
+}
+
+/* What one of the two factors 1/omega of a mode's response is worth in the sums with residuals. */
+static double swing(const sum *q, int64_t k) { return job_moves(q->job) ? reach(q, k) : 1; }
+
+static sp_status find_residuals(sum *q, sp_error *err) {
+    const sp_network *net = q->job->net;
+    const int64_t n = q->m.dofs;
+    const double noise = 8 * DBL_EPSILON * sp_network_omega_bound(net) * sp_network_omega_bound(net);
+    double *u = sp_alloc((size_t)n, sizeof *u), *r = sp_alloc((size_t)n, sizeof *r);
+    q->residual = sp_alloc((size_t)q->modes, sizeof *q->residual);
+    sp_status status = u && r && q->residual ? SP_OK : sp_fail_memory(err, 2 * (size_t)n * sizeof *u);
+    for (int64_t k = 0; k < q->modes && status == SP_OK; k++) {
+        double squares = 0;
+        sp_mode_residual(net, q->m.vectors + k * n, q->omega[k] * q->omega[k], u, r);
+        for (int64_t i = 0; i < n; i++)
+            squares += r[i] * r[i];
+        q->residual[k] = sqrt(squares) + noise;
+    }
+    sp_free(r);
+    sp_free(u);
+    return status;
+}
+
+/* rest <- rest - V (V^T rest), the projections added to c. */
+static void take_out(const sum *q, double *rest, double *c) {
+    const int64_t n = q->m.dofs;
+    for (int64_t k = 0; k < q->modes; k++) {
+        const double *e = q->m.vectors + k * n;
+        double part = 0;
+        for (int64_t i = 0; i < n; i++)
+            part += e[i] * rest[i];
+        for (int64_t i = 0; i < n; i++)
+            rest[i] -= part * e[i];
+        c[k] += part;
+    }
+}
+
+/* Norms of up to eight vectors at once, as a solve takes eight. places: rows over the network; sources != 0 are
+ * momenta or displacements, detectors forces. */
+static void cast(sum *q, const double *places, bool source, int count, shadow *out, double *rest, double *solved) {
+    const sp_network *net = q->job->net;
+    const int64_t n = q->m.dofs;
+    const bool moved = source && !job_moves(q->job);
+    for (int64_t i = 0; i < LANES * n; i++)
+        rest[i] = 0;
+    for (int p = 0; p < count; p++) {
+        double *r = rest + p * n;
+        for (int64_t i = 0; i < n; i++) {
+            const double root = sqrt(net->mass[i]);
+            r[i] = moved ? places[p * n + i] * root : places[p * n + i] / root;
+            out[p].norm += r[i] * r[i];
+        }
+        out[p].norm = sqrt(out[p].norm);
+        take_out(q, r, out[p].c);
+        take_out(q, r, out[p].c); /* twice: V is orthonormal to rounding only */
+        for (int64_t k = 0; k < q->modes; k++)
+            for (int64_t i = 0; i < n; i++)
+                out[p].leak[k] += q->m.vectors[k * n + i] * r[i];
+    }
+    sp_ldl_solve(q->z.ldl, rest, solved);
+    /* a'^T (A + s)^-1 a' falls short of a'^T A^-1 a' by at most s over the lowest eigenvalue left out; and solves are
+     * not exact */
+    const double cut = fmin(q->m.certified_to, sp_network_omega_bound(net));
+    const double short_of = (1 + q->depth / (cut * cut)) * (1 + 1e-6);
+    for (int p = 0; p < count; p++) {
+        const double *r = rest + p * n, *x = solved + p * n;
+        double squares = 0, inverse = 0, whole = 0;
+        for (int64_t i = 0; i < n; i++) {
+            squares += r[i] * r[i];
+            inverse += r[i] * x[i];
+        }
+        for (int64_t k = 0; k < q->modes; k++) {
+            const double far = q->omega[k] > 0 ? out[p].c[k] / q->omega[k] : 0;
+            whole += far * far;
+            out[p].residuals += q->residual[k] * fabs(out[p].c[k]) * swing(q, k);
+        }
+        out[p].rest = sqrt(squares);
+        out[p].rest_inverse = sqrt(fmax(inverse, 0) * short_of);
+        out[p].rest_energy = out[p].rest * sp_network_omega_bound(net);
+        out[p].inverse = sqrt(whole + out[p].rest_inverse * out[p].rest_inverse);
+    }
+}
+
+static sp_status cast_all(sum *q, const double *places, bool source, int32_t count, shadow *out, sp_error *err) {
+    const int64_t n = q->m.dofs;
+    double *rest = sp_alloc(LANES, (size_t)n * sizeof *rest), *solved = sp_alloc(LANES, (size_t)n * sizeof *solved);
+    sp_status status = rest && solved ? SP_OK : sp_fail_memory(err, 2 * LANES * (size_t)n * sizeof *rest);
+    for (int32_t p = 0; p < count && status == SP_OK; p += LANES)
+        cast(q, places + p * n, source, count - p < LANES ? count - p : LANES, out + p, rest, solved);
+    sp_free(solved);
+    sp_free(rest);
+    return status;
+}
+
+static double error_of(const sum *q, const shadow *a, const shadow *b) {
+    const double t = q->job->options->until;
+    double left, leak = 0, rounding = 0;
+    if (job_moves(q->job))
+        left = fmin(fmin(b->rest * a->rest_inverse, a->rest * b->rest_inverse), t * a->rest * b->rest);
+    else
+        left = fmin(a->rest * b->rest, b->rest_inverse * a->rest_energy);
+    for (int64_t k = 0; k < q->modes; k++) {
+        const double w = swing(q, k);
+        leak += w * (fabs(b->c[k]) * fabs(a->leak[k]) + fabs(a->c[k]) * fabs(b->leak[k]));
+        rounding += w * fabs(a->c[k] * b->c[k]) * (4 + q->omega[k] * t);
+    }
+    const double loose = job_moves(q->job) ? a->norm * b->inverse + b->norm * a->inverse : 2 * a->norm * b->norm;
+    return left + leak + t * (b->inverse * a->residuals + a->rest_inverse * b->residuals) +
+           DBL_EPSILON * (rounding + 16 * loose);
+}
+
+static void add_modes(const sum *q, const shadow *a, const shadow *b, const sp_signal *s, double *f) {
+    for (int32_t l = 0; l < s->n; l++) {
+        double total = 0;
+        for (int64_t k = 0; k < q->modes; k++) {
+            const double omega = q->omega[k], part = a->c[k] * b->c[k];
+            if (!job_moves(q->job))
+                total += part * cos(omega * s->t[l]);
+            else
+                total += omega > 0 ? part / omega * sin(omega * s->t[l]) : part * s->t[l];
+        }
+        f[l] = total;
+    }
+}
+
+static sp_status prepare(sum *q, int64_t modes, sp_error *err) {
+    const signal_job *job = q->job;
+    const sp_modes_options how = {.vectors = true, .source = job->options->source};
+    const sp_modes_range range = sp_modes_range_lowest(modes);
+    const size_t places = (size_t)(job->sources + job->detectors);
+    slice_edge bottom = {0};
+    sp_status status = sp_modes_make(job->net, &how, &range, &q->m, err);
+    if (status != SP_OK)
+        return status;
+    q->modes = q->m.n - q->m.n_rattler;
+    q->omega = q->m.omega + q->m.n_rattler;
+    status = find_residuals(q, err);
+    if (status == SP_OK)
+        status = sp_slicer_make(job->net, false, &q->z, err);
+    if (status == SP_OK)
+        status = sp_slicer_bottom(&q->z, 1e-3 * sp_slicer_guess(&q->z, (double)modes), &bottom, err);
+    if (status != SP_OK)
+        return status;
+    q->depth = -bottom.sigma;
+    q->from = sp_alloc((size_t)job->sources, sizeof *q->from);
+    q->to = sp_alloc((size_t)job->detectors, sizeof *q->to);
+    q->numbers = sp_alloc(2 * places, (size_t)q->modes * sizeof *q->numbers);
+    if (!q->from || !q->to || !q->numbers)
+        return sp_fail_memory(err, 2 * places * (size_t)q->modes * sizeof *q->numbers);
+    for (int64_t p = 0; p < job->sources + job->detectors; p++) {
+        shadow *x = p < job->sources ? &q->from[p] : &q->to[p - job->sources];
+        x->c = q->numbers + 2 * p * q->modes;
+        x->leak = x->c + q->modes;
+    }
+    return SP_OK;
+}
+
+/* The sum over that many modes, whatever its error. */
+static sp_status by_lowest(const signal_job *job, int64_t modes, sp_signal *s, sp_error *err) {
+    sum q = {.job = job, .m = sp_modes_none()};
+    sp_status status = prepare(&q, modes, err);
+    if (status == SP_OK)
+        status = cast_all(&q, job->sent, true, job->sources, q.from, err);
+    if (status == SP_OK)
+        status = cast_all(&q, job->seen, false, job->detectors, q.to, err);
+    for (int32_t a = 0; a < s->sources && status == SP_OK; a++)
+        for (int32_t b = 0; b < s->detectors; b++) {
+            add_modes(&q, &q.from[a], &q.to[b], s, signal_pair(s, a, b));
+            s->errors[a * s->detectors + b] = error_of(&q, &q.from[a], &q.to[b]);
+        }
+    if (status == SP_OK)
+        s->modes = q.modes;
+    sum_free(&q);
+    return status;
+}
+
+/* The largest error of a pair over its tolerance. */
+static double excess(const signal_job *job, const sp_signal *s) {
+    double worst = 0;
+    for (int32_t a = 0; a < s->sources; a++)
+        for (int32_t b = 0; b < s->detectors; b++) {
+            const double *f = signal_pair(s, a, b);
+            double largest = 1e-6 * sp_job_hop(job, a, b);
+            for (int32_t l = 0; l < s->n; l++)
+                largest = fmax(largest, fabs(f[l]));
+            const double ratio = s->errors[a * s->detectors + b] / (job->options->tolerance * largest);
+            worst = ratio > worst || isnan(ratio) ? ratio : worst;
+        }
+    return worst;
+}
+
+sp_status sp_signal_by_lowest_modes(const signal_job *job, sp_signal *s, sp_error *err) {
+    const int64_t n = sp_network_dofs(job->net), most = n / 4;
+    if (job->options->modes > 0)
+        return by_lowest(job, job->options->modes, s, err);
+    double ratio = HUGE_VAL;
+    for (int64_t modes = FIRST_TRY; modes <= most; modes *= 2) {
+        sp_status status = by_lowest(job, modes, s, err);
+        if (status != SP_OK)
+            return status;
+        ratio = excess(job, s);
+        /* what is left falls no faster than with the number of modes, unless that is all of them */
+        if (ratio <= 1 || !(ratio * (double)modes < 4 * (double)most))
+            break;
+    }
+    if (ratio <= 1)
+        return SP_OK;
+    if (n > SP_MODES_DENSE_MAX)
+        return sp_fail(
+            err, SP_EREFUSED,
+            "tolerance = %g: the %lld lowest of %lld modes leave %.2g of the largest |F|, and all of them are "
+            "dearer than method chebyshev",
+            job->options->tolerance, (long long)s->modes, (long long)n, ratio * job->options->tolerance);
+    s->modes = n;
+    return sp_signal_by_modes(job, s, err);
+}

@@ -1,0 +1,228 @@
+/* Frequencies of plane and standing waves, from the moments of their spectral function. */
+#include "base/base.h"
+#include "spectrum/moments.h"
+
+#include <math.h>
+#include <sonopack/spectrum.h>
+
+#define PI 3.14159265358979323846
+
+enum { WAVES_MAX = 100000, PROFILE_MAX = 1000000, MOMENTS_MAX = 10000000 };
+
+sp_dispersion_options sp_dispersion_options_default(void) { return (sp_dispersion_options){.waves = 8}; }
+
+sp_dispersion sp_dispersion_none(void) { return (sp_dispersion){0}; }
+
+void sp_dispersion_free(sp_dispersion *d) {
+    sp_free(d->wave);
+    sp_free(d->omega);
+    sp_free(d->s);
+    *d = sp_dispersion_none();
+}
+
+static sp_status check(const sp_network *net, const sp_dispersion_options *o, sp_error *err) {
+    if (o->waves < 1 || o->waves > WAVES_MAX)
+        return sp_fail(err, SP_EINVAL, "waves = %d, must be 1 .. %d", o->waves, WAVES_MAX);
+    if (!o->up && net->dim < 2)
+        return sp_fail(err, SP_EINVAL, "waves along x in one dimension, must be up");
+    if (!(o->node >= 0 && isfinite(o->node)))
+        return sp_fail(err, SP_EINVAL, "node = %g, must be a distance behind the walls, 0 or more", o->node);
+    if (!(o->resolution >= 0 && isfinite(o->resolution)))
+        return sp_fail(err, SP_EINVAL, "resolution = %g, must be a width in omega, or 0 for Omega/200", o->resolution);
+    if (o->profile < 0 || o->profile > PROFILE_MAX)
+        return sp_fail(err, SP_EINVAL, "profile = %d, must be 0 .. %d", o->profile, PROFILE_MAX);
+    const double omega = sp_network_omega_bound(net);
+    if (!(omega > 0 && isfinite(omega)))
+        return sp_fail(err, SP_EREFUSED, "bound of the spectrum = %g: there are no vibrations", omega);
+    if (o->resolution > 0 && !(1.6 * omega / o->resolution < MOMENTS_MAX))
+        return sp_fail(err, SP_EINVAL, "resolution = %g needs %.3g moments, %d at the most", o->resolution,
+                       1.6 * omega / o->resolution, MOMENTS_MAX);
+    return SP_OK;
+}
+
+/* The degree of freedom that a polarization moves; -1: the network has none. */
+static int component(const sp_network *net, bool up, sp_polarization p) {
+    const int vertical = net->dim - 1;
+    switch (p) {
+    case SP_LONGITUDINAL: return up ? vertical : 0;
+    case SP_TRANSVERSE: return net->dim < 2 ? -1 : up ? 0 : vertical;
+    default: return net->dof == net->dim ? -1 : net->dim == 2 ? 2 : net->dim + 1;
+    }
+}
+
+/* The wave as displacements: cosine and sine of plane waves side by side (together they are the complex wave), or the
+ * standing one alone, all scaled to |q| = 1. */
+static sp_status make_wave(const sp_network *net, const sp_dispersion_options *o, int at, sp_wave *w, double *start,
+                           sp_error *err) {
+    double norm = 0, all = 0;
+    const int vertical = net->dim - 1;
+    w->k = o->up ? PI * w->n / (net->box[vertical] + 2 * o->node) : 2 * PI * w->n / net->box[0];
+    for (int64_t k = 0; k < 2 * sp_network_dofs(net); k++)
+        start[k] = 0;
+    for (int32_t i = 0; i < net->n; i++) {
+        const int64_t k = (int64_t)i * net->dof + at;
+        const double x = net->x[3 * (int64_t)i + (o->up ? vertical : 0)], phase = w->k * (x + (o->up ? o->node : 0));
+        start[2 * k] = o->up ? sin(phase) : cos(phase);
+        start[2 * k + 1] = o->up ? 0 : sin(phase);
+        norm += net->mass[k] * (start[2 * k] * start[2 * k] + start[2 * k + 1] * start[2 * k + 1]);
+        all += net->mass[k];
+    }
+    if (!(norm > 1e-20 * all))
+        return sp_fail(err, SP_EREFUSED, "wave %d moves no grain: every one is at a node", w->n);
+    for (int32_t i = 0; i < net->n; i++)
+        for (int lane = 0; lane < 2; lane++)
+            start[2 * ((int64_t)i * net->dof + at) + lane] /= sqrt(norm);
+    return SP_OK;
+}
+
+/* q . A q as a sum of squares over springs, and |A q|^2. u, out: scratch. */
+static void exact_moments(const sp_network *net, const double *start, double *u, double *force, sp_wave *w) {
+    const int64_t n = sp_network_dofs(net);
+    double second = 0, fourth = 0;
+    for (int lane = 0; lane < 2; lane++) {
+        for (int64_t k = 0; k < n; k++)
+            u[k] = start[2 * k + lane];
+        second += sp_network_energy2(net, u);
+        sp_network_apply(net, u, force);
+        for (int64_t k = 0; k < n; k++)
+            fourth += force[k] * force[k] / net->mass[k];
+    }
+    w->rms = sqrt(fmax(second, 0));
+    w->spread = w->rms > 0 ? sqrt(fmax(fourth - second * second, 0)) / (2 * w->rms) : 0;
+}
+
+/* A smoothed spectral function, per unit of phi: there the kernel has the same width everywhere, and of two lines the
+ * stronger one is the higher. */
+typedef struct spectral {
+    double omega;
+    int64_t n;
+    const double *g, *mu;
+} spectral;
+
+static double value(const spectral *s, double frequency) {
+    return sp_moments_density(s->omega, s->n, s->g, s->mu, frequency) *
+           cos(0.5 * sp_moments_phase(s->omega, frequency));
+}
+
+/* Where S falls to `half` between a (above) and b (below). */
+static double crossing(const spectral *s, double half, double a, double b) {
+    for (int k = 0; k < 50; k++) {
+        const double c = 0.5 * (a + b);
+        if (value(s, c) > half)
+            a = c;
+        else
+            b = c;
+    }
+    return 0.5 * (a + b);
+}
+
+/* The largest of a grid of four points to the kernel's width, refined by thirds. The grid is even in phi, in which the
+ * kernel has the same width everywhere. */
+static void find_peak(const spectral *s, sp_wave *w) {
+    const int64_t steps = 4 * s->n;
+    const double turn = PI / (double)steps;
+    int64_t best = 0;
+    double most = -HUGE_VAL;
+    for (int64_t l = 0; l < steps; l++) {
+        const double here = value(s, s->omega * sin(0.5 * turn * (double)l));
+        if (here > most) {
+            most = here;
+            best = l;
+        }
+    }
+    double low = turn * (double)(best > 0 ? best - 1 : 0), high = turn * (double)(best + 1);
+    for (int k = 0; k < 60; k++) {
+        const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+        if (value(s, s->omega * sin(0.5 * a)) < value(s, s->omega * sin(0.5 * b)))
+            low = a;
+        else
+            high = b;
+    }
+    w->peak = s->omega * sin(0.25 * (low + high));
+    const double half = 0.5 * value(s, w->peak), part = w->peak / s->omega;
+    double below = NAN, above = NAN;
+    for (int64_t l = best - 1; l >= 0 && isnan(below); l--) {
+        const double at = s->omega * sin(0.5 * turn * (double)l);
+        if (value(s, at) <= half)
+            below = crossing(s, half, w->peak, at);
+    }
+    for (int64_t l = best + 1; l < steps && isnan(above); l++) {
+        const double at = s->omega * sin(0.5 * turn * (double)l);
+        if (value(s, at) <= half)
+            above = crossing(s, half, w->peak, at);
+    }
+    w->half_width = isnan(above) ? w->peak - below : isnan(below) ? above - w->peak : 0.5 * (above - below);
+    w->resolution = sp_moments_width(s->omega, s->n) * sqrt(fmax(1 - part * part, 0));
+}
+
+typedef struct scratch {
+    double *start, *u, *force, *g;
+} scratch;
+
+static sp_status one_wave(const sp_network *net, const sp_dispersion_options *o, sp_polarization p, int32_t n,
+                          const scratch *x, sp_dispersion *d, sp_error *err) {
+    sp_wave w = {.polarization = p, .n = n};
+    moment_set m = {0};
+    sp_status status = make_wave(net, o, component(net, o->up, p), &w, x->start, err);
+    if (status == SP_OK)
+        status = sp_moments_make(net, d->moments, x->start, &m, err);
+    if (status != SP_OK)
+        return status;
+    exact_moments(net, x->start, x->u, x->force, &w);
+    for (int64_t k = 0; k < m.n; k++)
+        m.xx[k] += m.yy[k]; /* of the complex wave */
+    const spectral s = {m.omega, m.n, x->g, m.xx};
+    find_peak(&s, &w);
+    for (int32_t l = 0; l < d->profile; l++)
+        d->s[(int64_t)d->n * d->profile + l] = sp_moments_density(m.omega, m.n, x->g, m.xx, d->omega[l]);
+    sp_moments_free(&m);
+    d->wave[d->n++] = w;
+    return SP_OK;
+}
+
+static sp_status allocate(const sp_network *net, const sp_dispersion_options *o, scratch *x, sp_dispersion *d,
+                          sp_error *err) {
+    const size_t dofs = (size_t)sp_network_dofs(net), waves = (size_t)SP_POLARIZATIONS * (size_t)o->waves;
+    d->omega_max = sp_network_omega_bound(net);
+    d->moments = sp_moments_for_width(d->omega_max, o->resolution > 0 ? o->resolution : d->omega_max / 200);
+    d->profile = o->profile;
+    d->wave = sp_alloc(waves, sizeof *d->wave);
+    x->start = sp_alloc(2 * dofs, sizeof *x->start);
+    x->u = sp_alloc(dofs, sizeof *x->u);
+    x->force = sp_alloc(dofs, sizeof *x->force);
+    x->g = sp_alloc((size_t)d->moments, sizeof *x->g);
+    if (o->profile > 0) {
+        d->omega = sp_alloc((size_t)o->profile, sizeof *d->omega);
+        d->s = sp_alloc(waves, (size_t)o->profile * sizeof *d->s);
+    }
+    if (!d->wave || !x->start || !x->u || !x->force || !x->g || (o->profile > 0 && (!d->omega || !d->s)))
+        return sp_fail_memory(err, (4 * dofs + (size_t)d->moments + waves * (size_t)o->profile) * sizeof(double));
+    sp_moments_jackson(d->moments, x->g);
+    for (int32_t l = 0; l < d->profile; l++)
+        d->omega[l] = d->omega_max * (l + 0.5) / d->profile;
+    return SP_OK;
+}
+
+sp_status sp_dispersion_make(const sp_network *net, const sp_dispersion_options *opt, sp_dispersion *out,
+                             sp_error *err) {
+    sp_dispersion d = sp_dispersion_none();
+    scratch x = {0};
+    sp_status status = check(net, opt, err);
+    if (status == SP_OK)
+        status = sp_network_need_symmetry(net, "a dispersion relation", err);
+    if (status != SP_OK)
+        return status;
+    status = allocate(net, opt, &x, &d, err);
+    for (int p = 0; p < SP_POLARIZATIONS; p++)
+        for (int32_t n = 1; n <= opt->waves && component(net, opt->up, (sp_polarization)p) >= 0 && status == SP_OK; n++)
+            status = one_wave(net, opt, (sp_polarization)p, n, &x, &d, err);
+    sp_free(x.start);
+    sp_free(x.u);
+    sp_free(x.force);
+    sp_free(x.g);
+    if (status == SP_OK)
+        *out = d;
+    else
+        sp_dispersion_free(&d);
+    return status;
+}

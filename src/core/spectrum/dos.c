@@ -1,0 +1,326 @@
+/* Density of states. */
+#include "base/base.h"
+#include "base/team.h"
+#include "numeric/random.h"
+#include "spectrum/count.h"
+#include "spectrum/moments.h"
+
+#include <math.h>
+#include <sonopack/spectrum.h>
+#include <string.h>
+
+enum { EXACT_DOFS = 3000, VECTORS_MAX = 10000, BINS_MAX = 1000000, MOMENTS_MAX = 10000000, DRAWN = 200000 };
+
+sp_dos_options sp_dos_options_default(void) { return (sp_dos_options){.bins = 100, .seed = 1, .threads = 1}; }
+
+sp_dos sp_dos_none(void) { return (sp_dos){0}; }
+
+void sp_dos_free(sp_dos *d) {
+    sp_free(d->edge);
+    sp_free(d->density);
+    *d = sp_dos_none();
+}
+
+static sp_status check(const sp_dos_options *o, sp_error *err) {
+    if (o->method != SP_DOS_AUTO && o->method != SP_DOS_EXACT && o->method != SP_DOS_KPM && o->method != SP_DOS_COUNT)
+        return sp_fail(err, SP_EINVAL, "density of states: method %d, must be auto, exact, kpm or count",
+                       (int)o->method);
+    if (o->norm != SP_DOS_GRAIN && o->norm != SP_DOS_ONE && o->norm != SP_DOS_MODES)
+        return sp_fail(err, SP_EINVAL, "density of states: norm %d, must be grain, one or modes", (int)o->norm);
+    if (o->bins < 1 || o->bins > BINS_MAX)
+        return sp_fail(err, SP_EINVAL, "bins = %d, must be 1 .. %d", o->bins, BINS_MAX);
+    if (!(o->until >= 0 && isfinite(o->until)))
+        return sp_fail(err, SP_EINVAL, "until = %g, must be a frequency, or 0 for the whole spectrum", o->until);
+    if (!(o->resolution >= 0 && isfinite(o->resolution)))
+        return sp_fail(err, SP_EINVAL, "resolution = %g, must be a width in omega, or 0 for that of a bin",
+                       o->resolution);
+    if (o->vectors < 0 || o->vectors % 2 != 0 || o->vectors > VECTORS_MAX)
+        return sp_fail(err, SP_EINVAL, "vectors = %d, must be even, and 0 (automatic) .. %d", o->vectors, VECTORS_MAX);
+    if (o->threads < 1)
+        return sp_fail(err, SP_EINVAL, "threads = %d, must be 1 or more", o->threads);
+    return SP_OK;
+}
+
+static sp_status allocate(const sp_network *net, const sp_dos_options *o, sp_dos *d, sp_error *err) {
+    const size_t bins = (size_t)o->bins;
+    d->bins = o->bins;
+    d->modes = sp_network_dofs(net);
+    d->omega_max = sp_network_omega_bound(net);
+    if (!(d->omega_max > 0 && isfinite(d->omega_max)))
+        return sp_fail(err, SP_EREFUSED, "bound of the spectrum = %g: there are no vibrations", d->omega_max);
+    const double until = o->until > 0 ? o->until : d->omega_max;
+    const double wanted = o->resolution > 0 ? o->resolution : until / o->bins;
+    const double needed = 0.5 * 3.15 * d->omega_max / wanted + 2;
+    if (!(needed < MOMENTS_MAX))
+        return sp_fail(err, SP_EINVAL, "resolution = %g needs %.3g moments, %d at the most", wanted, needed,
+                       MOMENTS_MAX);
+    d->moments = sp_moments_for_width(d->omega_max, wanted);
+    d->resolution = sp_moments_width(d->omega_max, d->moments);
+    d->edge = sp_alloc(bins + 1, sizeof *d->edge);
+    double *all = sp_alloc(6 * bins, sizeof *all);
+    d->density = all;
+    if (!d->edge || !all)
+        return sp_fail_memory(err, (7 * bins + 1) * sizeof *all);
+    d->cumulative = all + bins;
+    d->smooth = all + 2 * bins;
+    d->density_error = all + 3 * bins;
+    d->cumulative_error = all + 4 * bins;
+    d->smooth_error = all + 5 * bins;
+    for (size_t b = 0; b <= bins; b++)
+        d->edge[b] = b < bins ? until * (double)b / (double)bins : until;
+    return SP_OK;
+}
+
+static double middle(const sp_dos *d, int32_t b) { return 0.5 * (d->edge[b] + d->edge[b + 1]); }
+
+/* ---- exact ------------------------------------------------------------------------------------------------------ */
+
+/* Modes at most at x, and those that are within their error of it. */
+static void count_below(const sp_modes *m, double x, double *below, double *doubtful) {
+    *below = *doubtful = 0;
+    for (int64_t k = m->n_zero; k < m->n; k++) {
+        *below += m->omega[k] <= x;
+        *doubtful += fabs(m->omega[k] - x) <= m->error[k];
+    }
+}
+
+static sp_status smooth_exact(const sp_modes *m, sp_dos *d, sp_error *err) {
+    const size_t n = (size_t)d->moments;
+    double *mu = sp_alloc(n, sizeof *mu), *g = sp_alloc(n, sizeof *g);
+    sp_status status = mu && g ? SP_OK : sp_fail_memory(err, 2 * n * sizeof *mu);
+    if (status != SP_OK)
+        goto out;
+    sp_moments_jackson(d->moments, g);
+    for (int64_t k = m->n_zero; k < m->n; k++) {
+        const double s = m->omega[k] / d->omega_max, twice = 2 * (1 - 2 * s * s);
+        double here = 1, before = 0.5 * twice;
+        for (size_t j = 0; j < n; j++) {
+            mu[j] += here;
+            const double next = twice * here - before;
+            before = here;
+            here = next;
+        }
+    }
+    for (int32_t b = 0; b < d->bins; b++)
+        d->smooth[b] = sp_moments_density(d->omega_max, d->moments, g, mu, middle(d, b));
+out:
+    sp_free(g);
+    sp_free(mu);
+    return status;
+}
+
+static sp_status exact(const sp_network *net, sp_dos *d, sp_error *err) {
+    const sp_modes_options o = {.vectors = false};
+    sp_modes m = sp_modes_none();
+    sp_status status = sp_modes_dense(net, &o, &m, err);
+    if (status == SP_OK)
+        status = smooth_exact(&m, d, err);
+    if (status == SP_OK) {
+        double before = 0, unsure = 0;
+        d->zero_modes = m.n_zero - m.n_rattler;
+        for (int32_t b = 0; b < d->bins; b++) {
+            double below, doubtful;
+            count_below(&m, d->edge[b + 1], &below, &doubtful);
+            const double width = d->edge[b + 1] - d->edge[b];
+            d->density[b] = (below - before) / width;
+            d->density_error[b] = (doubtful + unsure) / width;
+            d->cumulative[b] = below;
+            d->cumulative_error[b] = doubtful;
+            before = below;
+            unsure = doubtful;
+        }
+    }
+    sp_modes_free(&m);
+    return status;
+}
+
+/* ---- kernel polynomials ------------------------------------------------------------------------------------------ */
+
+/* The trace of T_k is the mean of <z|T_k|z> over vectors of independent signs (Hutchinson 1990). */
+typedef struct trace {
+    const sp_network *net;
+    const sp_dos *dos;
+    uint64_t seed;
+    int32_t pairs;
+    double *mu; /* [2 pairs][moments] */
+    sp_status *status;
+    sp_error *reason;
+} trace;
+
+/* Signs of two vectors, as displacements. Vector v has bits of its own, wherever it is drawn. */
+static void draw_signs(const sp_network *net, uint64_t seed, int32_t pair, double *out) {
+    const int64_t n = sp_network_dofs(net);
+    for (int lane = 0; lane < 2; lane++) {
+        sp_random stream = sp_random_make(seed, SP_STREAM_TRACE);
+        uint64_t bits = 0;
+        stream.count = (uint64_t)(2 * pair + lane) << 40;
+        for (int64_t k = 0; k < n; k++) {
+            if (k % 64 == 0)
+                bits = sp_random_bits(&stream);
+            out[2 * k + lane] = (bits >> (k % 64) & 1 ? 1 : -1) / sqrt(net->mass[k]);
+        }
+    }
+}
+
+static sp_status one_pair(const trace *t, int32_t q, sp_error *err) {
+    const int64_t n = t->dos->moments;
+    double *start = sp_alloc(2 * (size_t)sp_network_dofs(t->net), sizeof *start);
+    moment_set m = {0};
+    if (!start)
+        return sp_fail_memory(err, 2 * (size_t)sp_network_dofs(t->net) * sizeof *start);
+    draw_signs(t->net, t->seed, q, start);
+    sp_status status = sp_moments_make(t->net, n, start, &m, err);
+    if (status == SP_OK) {
+        memcpy(t->mu + 2 * q * n, m.xx, (size_t)n * sizeof *m.xx);
+        memcpy(t->mu + (2 * q + 1) * n, m.yy, (size_t)n * sizeof *m.yy);
+    }
+    sp_moments_free(&m);
+    sp_free(start);
+    return status;
+}
+
+static void some_pairs(void *data, int part, int parts) {
+    const trace *t = data;
+    for (int32_t q = part; q < t->pairs && t->status[part] == SP_OK; q += parts)
+        t->status[part] = one_pair(t, q, &t->reason[part]);
+}
+
+static sp_status find_trace(trace *t, int threads, sp_error *err) {
+    sp_team *team = NULL;
+    const int parts = threads < t->pairs ? threads : t->pairs;
+    t->status = sp_alloc((size_t)parts, sizeof *t->status);
+    t->reason = sp_alloc((size_t)parts, sizeof *t->reason);
+    sp_status status = t->status && t->reason ? sp_team_make(parts, &team, err)
+                                              : sp_fail_memory(err, (size_t)parts * sizeof *t->reason);
+    if (status == SP_OK)
+        sp_team_run(team, some_pairs, t);
+    for (int k = 0; k < parts && status == SP_OK; k++)
+        if (t->status[k] != SP_OK) {
+            status = t->status[k];
+            if (err)
+                *err = t->reason[k];
+        }
+    sp_team_free(team);
+    sp_free(t->status);
+    sp_free(t->reason);
+    return status;
+}
+
+/* Mean of values that come one by one, and its standard error. */
+typedef struct running {
+    double mean, squares;
+    int32_t n;
+} running;
+
+static void take(running *r, double x) {
+    const double before = x - r->mean;
+    r->n++;
+    r->mean += before / r->n;
+    r->squares += before * (x - r->mean);
+}
+
+static double standard_error(const running *r) { return sqrt(r->squares / (r->n - 1) / r->n); }
+
+static void put_estimates(const trace *t, const double *g, sp_dos *d) {
+    const double omega = d->omega_max;
+    for (int32_t b = 0; b < d->bins; b++) {
+        running density = {0}, cumulative = {0}, smooth = {0};
+        for (int32_t v = 0; v < 2 * t->pairs; v++) {
+            const double *mu = t->mu + v * d->moments;
+            const double low = sp_moments_integral(omega, d->moments, g, mu, d->edge[b]),
+                         high = sp_moments_integral(omega, d->moments, g, mu, d->edge[b + 1]);
+            take(&density, (high - low) / (d->edge[b + 1] - d->edge[b]));
+            take(&cumulative, high);
+            take(&smooth, sp_moments_density(omega, d->moments, g, mu, middle(d, b)));
+        }
+        d->density[b] = density.mean;
+        d->cumulative[b] = cumulative.mean;
+        d->smooth[b] = smooth.mean;
+        d->density_error[b] = standard_error(&density);
+        d->cumulative_error[b] = standard_error(&cumulative);
+        d->smooth_error[b] = standard_error(&smooth);
+    }
+}
+
+static sp_status kpm(const sp_network *net, const sp_dos_options *o, sp_dos *d, sp_error *err) {
+    const double automatic = fmin(64, fmax(4, 2 * ceil(0.5 * DRAWN / (double)d->modes)));
+    d->vectors = o->vectors > 0 ? o->vectors : (int32_t)automatic;
+    d->zero_modes = -1;
+    trace t = {.net = net, .dos = d, .seed = o->seed, .pairs = d->vectors / 2};
+    const size_t n = (size_t)d->moments;
+    const double bytes = 8.0 * (double)d->vectors * (double)d->moments;
+    if (bytes > 0.5 * sp_memory_limit())
+        return sp_fail(err, SP_EREFUSED, "%lld moments of %d vectors need %.3g GB, there are %.3g",
+                       (long long)d->moments, d->vectors, 1e-9 * bytes, 1e-9 * sp_memory_limit());
+    double *g = sp_alloc(n, sizeof *g);
+    t.mu = sp_alloc((size_t)d->vectors, n * sizeof *t.mu);
+    sp_status status = g && t.mu ? SP_OK : sp_fail_memory(err, ((size_t)d->vectors + 1) * n * sizeof *g);
+    if (status == SP_OK)
+        status = find_trace(&t, o->threads, err);
+    if (status == SP_OK) {
+        sp_moments_jackson(d->moments, g);
+        put_estimates(&t, g, d);
+    }
+    sp_free(t.mu);
+    sp_free(g);
+    return status;
+}
+
+/* ---- counting ---------------------------------------------------------------------------------------------------- */
+
+/* The histogram by inertia; the smooth density is that of kernel polynomials. */
+static sp_status count_bins(const sp_network *net, sp_dos *d, sp_error *err) {
+    counter c = {0};
+    int64_t least = 0, most = 0, before = 0, unsure = 0;
+    sp_status status = sp_counter_make(net, &c, err);
+    if (status == SP_OK)
+        status = sp_counter_below(&c, 0, &least, &most, err);
+    if (status == SP_OK && least > 0)
+        status = sp_fail(err, SP_EREFUSED, "%lld modes with a negative omega^2: the network is unstable (prestress)",
+                         (long long)least);
+    d->zero_modes = most;
+    for (int32_t b = 0; b < d->bins && status == SP_OK; b++) {
+        const double width = d->edge[b + 1] - d->edge[b], limit = d->edge[b + 1] * d->edge[b + 1];
+        least = most = d->modes; /* above the bound of the spectrum */
+        if (limit < c.top)
+            status = sp_counter_below(&c, limit, &least, &most, err);
+        d->cumulative[b] = (double)(least - d->zero_modes);
+        d->cumulative_error[b] = (double)(most - least);
+        d->density[b] = (double)(least - d->zero_modes - before) / width;
+        d->density_error[b] = (double)(most - least + unsure) / width;
+        before = least - d->zero_modes;
+        unsure = most - least;
+    }
+    sp_counter_free(&c);
+    return status;
+}
+
+static void normalise(const sp_network *net, sp_dos_norm norm, sp_dos *d) {
+    const double by = norm == SP_DOS_GRAIN ? net->n : norm == SP_DOS_ONE ? (double)d->modes : 1;
+    for (int64_t k = 0; k < 6 * (int64_t)d->bins; k++)
+        d->density[k] /= by; /* the six columns lie one behind the other */
+}
+
+sp_status sp_dos_make(const sp_network *net, const sp_dos_options *opt, sp_dos *out, sp_error *err) {
+    sp_dos d = sp_dos_none();
+    sp_status status = check(opt, err);
+    if (status == SP_OK)
+        status = sp_network_need_symmetry(net, "a density of states", err);
+    if (status == SP_OK)
+        status = allocate(net, opt, &d, err);
+    if (status == SP_OK) {
+        d.method = opt->method;
+        if (d.method == SP_DOS_AUTO)
+            d.method = d.modes <= EXACT_DOFS ? SP_DOS_EXACT : SP_DOS_KPM;
+        status = d.method == SP_DOS_EXACT ? exact(net, &d, err) : kpm(net, opt, &d, err);
+        if (status == SP_OK && d.method == SP_DOS_COUNT)
+            status = count_bins(net, &d, err);
+    }
+    if (status == SP_OK) {
+        normalise(net, opt->norm, &d);
+        *out = d;
+    } else {
+        sp_dos_free(&d);
+    }
+    return status;
+}

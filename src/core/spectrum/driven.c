@@ -1,0 +1,202 @@
+#include "spectrum/driven.h"
+#include "base/base.h"
+
+#include <float.h>
+#include <math.h>
+
+void sp_driven_free(driven *d) {
+    sp_complex_free(d->solver);
+    sp_free(d->p);
+    sp_free(d->i);
+    sp_free(d->a);
+    sp_free(d->c);
+    sp_free(d->size_a);
+    sp_free(d->size_c);
+    sp_free(d->x);
+    sp_free(d->root);
+    sp_free(d->v);
+    sp_free(d->w);
+    *d = (driven){0};
+}
+
+/* All entries of a symmetric matrix of which the lower triangle is given: column by column, rows ascending. */
+static void fill_pattern(const sp_sparse *k, driven *d) {
+    const int64_t n = k->n;
+    for (int64_t c = 0; c < n; c++)
+        for (int64_t q = k->p[c]; q < k->p[c + 1]; q++) {
+            d->p[c + 1]++;
+            if (k->i[q] != c)
+                d->p[k->i[q] + 1]++;
+        }
+    for (int64_t c = 0; c < n; c++)
+        d->p[c + 1] += d->p[c];
+}
+
+/* Values over sqrt(m m), and the sizes of the sums that they are: by Cauchy and Schwarz at most sqrt(K_rr K_cc). A
+ * column's upper part comes from earlier columns, so that rows ascend. */
+static void fill_values(const sp_sparse *k, const driven *d, int64_t *next, double *x, double *size) {
+    const int64_t n = k->n;
+    for (int64_t c = 0; c < n; c++)
+        next[c] = d->p[c];
+    for (int64_t c = 0; c < n; c++)
+        for (int64_t q = k->p[c]; q < k->p[c + 1]; q++) {
+            const int64_t r = k->i[q];
+            const double scale = 1 / (d->root[c] * d->root[r]);
+            const double most = sqrt(fabs(k->x[k->p[c]])) * sqrt(fabs(k->x[k->p[r]])) * scale;
+            d->i[next[c]] = r;
+            x[next[c]] = k->x[q] * scale;
+            size[next[c]++] = fmax(most, fabs(k->x[q]) * scale);
+            if (r == c)
+                continue;
+            d->i[next[r]] = c;
+            x[next[r]] = k->x[q] * scale;
+            size[next[r]++] = fmax(most, fabs(k->x[q]) * scale);
+        }
+}
+
+static sp_status allocate(const sp_network *net, const sp_sparse *k, bool damped, driven *d, sp_error *err) {
+    const size_t n = (size_t)k->n, entries = 2 * (size_t)k->p[n] - n;
+    d->n = k->n;
+    d->p = sp_alloc(n + 1, sizeof *d->p);
+    d->i = sp_alloc(entries, sizeof *d->i);
+    d->a = sp_alloc(entries, sizeof *d->a);
+    d->size_a = sp_alloc(entries, sizeof *d->size_a);
+    d->c = damped ? sp_alloc(entries, sizeof *d->c) : NULL;
+    d->size_c = damped ? sp_alloc(entries, sizeof *d->size_c) : NULL;
+    d->x = sp_alloc(2 * entries, sizeof *d->x);
+    d->root = sp_alloc(n, sizeof *d->root);
+    d->v = sp_alloc(2 * n, sizeof *d->v);
+    d->w = sp_alloc(2 * n, sizeof *d->w);
+    if (!d->p || !d->i || !d->a || !d->size_a || (damped && (!d->c || !d->size_c)) || !d->x || !d->root || !d->v ||
+        !d->w)
+        return sp_fail_memory(err, (7 * entries + 6 * n) * sizeof(double));
+    for (size_t r = 0; r < n; r++)
+        d->root[r] = sqrt(net->mass[r]);
+    return SP_OK;
+}
+
+sp_status sp_driven_make(const sp_network *net, const sp_network *dashpots, driven *out, sp_error *err) {
+    driven d = {0};
+    sp_sparse k = {0}, c = {0};
+    int64_t *next = NULL;
+    sp_status status = sp_network_assemble(net, &k, err);
+    if (status == SP_OK && dashpots)
+        status = sp_network_assemble(dashpots, &c, err);
+    if (status == SP_OK && dashpots && c.p[c.n] != k.p[k.n])
+        status = sp_fail(err, SP_EINVAL, "dashpots of %lld entries for springs of %lld, must be of the same network",
+                         (long long)c.p[c.n], (long long)k.p[k.n]);
+    if (status == SP_OK)
+        status = allocate(net, &k, dashpots != NULL, &d, err);
+    if (status == SP_OK) {
+        next = sp_alloc((size_t)k.n, sizeof *next);
+        status = next ? SP_OK : sp_fail_memory(err, (size_t)k.n * sizeof *next);
+    }
+    if (status == SP_OK) {
+        fill_pattern(&k, &d);
+        fill_values(&k, &d, next, d.a, d.size_a);
+        if (dashpots)
+            fill_values(&c, &d, next, d.c, d.size_c);
+        status = sp_complex_make(d.n, d.p, d.i, &d.solver, err);
+    }
+    sp_free(next);
+    sp_sparse_free(&c);
+    sp_sparse_free(&k);
+    if (status == SP_OK)
+        *out = d;
+    else
+        sp_driven_free(&d);
+    return status;
+}
+
+static double norm(int64_t n, const double *v) {
+    double sum = 0;
+    for (int64_t k = 0; k < 2 * n; k++)
+        sum += v[k] * v[k];
+    return sqrt(sum);
+}
+
+/* |H^-1| from a few steps of the power method on H^-1 and its conjugate: H is symmetric, so that H^-* x is the
+ * conjugate of H^-1 applied to the conjugate of x. */
+static sp_status estimate_inverse(driven *d, sp_error *err) {
+    enum { STEPS = 4 };
+    const int64_t n = d->n;
+    for (int64_t k = 0; k < n; k++) { /* a start without symmetry */
+        d->v[2 * k] = 1 + 0.5 * sin(2.0 * (double)k * (double)k + 1);
+        d->v[2 * k + 1] = 0;
+    }
+    d->inverse = 0;
+    for (int step = 0; step < STEPS; step++) {
+        const double before = norm(n, d->v);
+        for (int64_t k = 0; k < 2 * n; k++)
+            d->v[k] /= before;
+        const sp_status status = sp_complex_solve(d->solver, d->x, d->v, d->w, err);
+        if (status != SP_OK)
+            return status;
+        d->inverse = fmax(d->inverse, norm(n, d->w));
+        for (int64_t k = 0; k < n; k++) {
+            d->v[2 * k] = d->w[2 * k];
+            d->v[2 * k + 1] = -d->w[2 * k + 1];
+        }
+    }
+    return isfinite(d->inverse) ? SP_OK : sp_fail(err, SP_EREFUSED, "the matrix is singular");
+}
+
+sp_status sp_driven_factor(driven *d, double omega, sp_error *err) {
+    d->omega = omega;
+    for (int64_t c = 0; c < d->n; c++)
+        for (int64_t q = d->p[c]; q < d->p[c + 1]; q++) {
+            d->x[2 * q] = d->a[q] - (d->i[q] == c ? omega * omega : 0);
+            d->x[2 * q + 1] = d->c ? omega * d->c[q] : 0;
+        }
+    const sp_status status = sp_complex_factor(d->solver, d->x, err);
+    return status == SP_OK ? estimate_inverse(d, err) : status;
+}
+
+sp_status sp_driven_solve(driven *d, const double *right, double *u, sp_error *err) {
+    return sp_complex_solve(d->solver, d->x, right, u, err);
+}
+
+/* r = right - H u, and bounds of how far it may be off, by its own rounding and by that of H and right: entries are
+ * sums of some springs, each of some products. The matrix is symmetric: columns are rows. */
+static void residual(const driven *d, const double *right, const double *u, double *r, double *off) {
+    for (int64_t c = 0; c < d->n; c++) {
+        double re = right[2 * c], im = right[2 * c + 1], sizes = fabs(re) + fabs(im);
+        for (int64_t q = d->p[c]; q < d->p[c + 1]; q++) {
+            const int64_t k = d->i[q];
+            const double a = d->x[2 * q], b = d->x[2 * q + 1];
+            re -= a * u[2 * k] - b * u[2 * k + 1];
+            im -= a * u[2 * k + 1] + b * u[2 * k];
+            sizes += (d->size_a[q] + (k == c ? d->omega * d->omega : 0) + (d->c ? d->omega * d->size_c[q] : 0)) *
+                     (fabs(u[2 * k]) + fabs(u[2 * k + 1]));
+        }
+        r[2 * c] = re;
+        r[2 * c + 1] = im;
+        off[c] = DBL_EPSILON * (12 + (double)(d->p[c + 1] - d->p[c])) * sizes;
+    }
+}
+
+/* With r = sent - H u, s = seen - H y for the u and y at hand, the error of seen . u is
+ * y . r + s . H^-1 r. */
+void sp_driven_response(driven *d, const double *sent, const double *u, const double *seen, const double *y,
+                        double f[2], double *error) {
+    double first = 0, r2 = 0, s2 = 0, own = 0, terms = 0;
+    double *off = d->w;
+    residual(d, sent, u, d->v, off);
+    f[0] = f[1] = 0;
+    for (int64_t k = 0; k < d->n; k++) {
+        const double r = hypot(d->v[2 * k], d->v[2 * k + 1]) + off[k], size = hypot(u[2 * k], u[2 * k + 1]);
+        first += hypot(y[2 * k], y[2 * k + 1]) * r;
+        r2 += r * r;
+        f[0] += seen[2 * k] * u[2 * k] - seen[2 * k + 1] * u[2 * k + 1];
+        f[1] += seen[2 * k] * u[2 * k + 1] + seen[2 * k + 1] * u[2 * k];
+        own += (fabs(seen[2 * k]) + fabs(seen[2 * k + 1])) * size;
+        terms += seen[2 * k] != 0 || seen[2 * k + 1] != 0;
+    }
+    residual(d, seen, y, d->v, off);
+    for (int64_t k = 0; k < d->n; k++) {
+        const double s = hypot(d->v[2 * k], d->v[2 * k + 1]) + off[k];
+        s2 += s * s;
+    }
+    /* the estimate of |H^-1| is one from below: a tenfold of it */
+    *error = first + 10 * d->inverse * sqrt(r2) * sqrt(s2) + DBL_EPSILON * (12 + 2 * terms) * own;
+}

@@ -1,0 +1,34 @@
+#ifndef SP_DRIVEN_H
+#define SP_DRIVEN_H
+/* H = M^-1/2 (K - omega^2 M + i omega C) M^-1/2 as a sparse matrix, solves with it, and what they are worth. */
+
+#include "linalg/complex.h"
+
+#include <sonopack/spectrum.h>
+
+typedef struct driven {
+    int64_t n;
+    int64_t *p, *i;          /* all entries by columns */
+    double *a, *c;           /* [p[n]] K and C over sqrt(m m); c NULL without damping */
+    double *size_a, *size_c; /* [p[n]] sizes of the terms that the entries are sums of */
+    double *x;               /* [p[n]][2] H */
+    double *root;            /* [n] sqrt(m) */
+    sp_complex_solver *solver;
+    double omega, inverse; /* of the last sp_driven_factor; an estimate of |H^-1| from below */
+    double *v, *w;         /* [n][2] scratch */
+} driven;
+
+/* dashpots: NULL for none. */
+sp_status sp_driven_make(const sp_network *net, const sp_network *dashpots, driven *out, sp_error *err);
+sp_status sp_driven_factor(driven *d, double omega, sp_error *err);
+/* u = H^-1 right; [n][2]. */
+sp_status sp_driven_solve(driven *d, const double *right, double *u, sp_error *err);
+/* seen . u (no conjugate) and a bound of its error: u = H^-1 sent, y = H^-1 seen as sp_driven_solve gives them. */
+void sp_driven_response(driven *d, const double *sent, const double *u, const double *seen, const double *y,
+                        double f[2], double *error);
+void sp_driven_free(driven *d);
+
+/* The fit of sp_wave_fit. f [n][2] at heights y, ascending, of equal distance. */
+void sp_driven_fit(int32_t n, const double *y, const double *f, sp_wave_fit *out);
+
+#endif

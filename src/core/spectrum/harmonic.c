@@ -1,0 +1,217 @@
+/* Harmonic driving: frequency by frequency a sparse solve, at a detector and through planes. */
+#include "base/base.h"
+#include "spectrum/driven.h"
+
+#include <math.h>
+#include <sonopack/spectrum.h>
+
+enum { FREQUENCIES_MAX = 1000000, PLANES_MAX = 100000 };
+
+sp_harmonic_options sp_harmonic_options_default(void) {
+    return (sp_harmonic_options){
+        .source = SP_SOURCE_IMPULSE, .from = sp_place_wall(), .to = sp_place_wall(), .tolerance = 1e-8};
+}
+
+sp_harmonic sp_harmonic_none(void) { return (sp_harmonic){0}; }
+
+void sp_harmonic_free(sp_harmonic *h) {
+    sp_free(h->omega);
+    sp_free(h->f);
+    sp_free(h->error);
+    sp_free(h->height);
+    sp_free(h->flux);
+    sp_free(h->flux_error);
+    sp_free(h->fit);
+    *h = sp_harmonic_none();
+}
+
+static sp_status check(const sp_network *net, const sp_harmonic_options *o, sp_error *err) {
+    const double height = net->box[net->dim - 1];
+    if (!(o->damping >= 0 && isfinite(o->damping)))
+        return sp_fail(err, SP_EINVAL, "damping = %g, must be a fraction of critical damping, 0 or more", o->damping);
+    if (o->source != SP_SOURCE_IMPULSE && o->source != SP_SOURCE_VELOCITY)
+        return sp_fail(err, SP_EINVAL, "harmonic driving by a source of displacements, must be impulse or velocity");
+    if (o->n < 1 || o->n > FREQUENCIES_MAX || !o->omega)
+        return sp_fail(err, SP_EINVAL, "%d frequencies, must be 1 .. %d", o->n, FREQUENCIES_MAX);
+    for (int32_t l = 0; l < o->n; l++)
+        if (!(o->omega[l] > 0 && isfinite(o->omega[l])))
+            return sp_fail(err, SP_EINVAL, "omega = %g, must be above 0", o->omega[l]);
+    if (o->planes < 0 || o->planes > PLANES_MAX)
+        return sp_fail(err, SP_EINVAL, "planes = %d, must be 0 (one a diameter) .. %d", o->planes, PLANES_MAX);
+    if (!(o->range[0] >= 0 && o->range[0] <= o->range[1] && o->range[1] <= height))
+        return sp_fail(err, SP_EINVAL, "range = %g .. %g, must be heights in 0 .. %.6g", o->range[0], o->range[1],
+                       height);
+    if (!(o->tolerance > 0 && o->tolerance < 1))
+        return sp_fail(err, SP_EINVAL, "tolerance = %g, must be above 0 and below 1", o->tolerance);
+    return SP_OK;
+}
+
+/* What one frequency after the other is solved with. */
+typedef struct bench {
+    const sp_network *net;
+    const sp_harmonic_options *options;
+    driven d;
+    double *sent;             /* [dofs][2], over sqrt(m) */
+    double *springs, *dashes; /* [1 + planes][dofs] detectors likewise: forces of springs, and of dashpots */
+    double *seen;             /* [dofs][2] one detector at one frequency, springs + i omega dashpots */
+    double *u, *y;            /* [dofs][2] */
+    double low, high;         /* planes of the fit */
+} bench;
+
+static void bench_free(bench *b) {
+    sp_driven_free(&b->d);
+    sp_free(b->sent);
+    sp_free(b->springs);
+    sp_free(b->dashes);
+    sp_free(b->seen);
+    sp_free(b->u);
+    sp_free(b->y);
+}
+
+static sp_status allocate(const sp_network *net, const sp_harmonic_options *o, bench *b, sp_harmonic *h,
+                          sp_error *err) {
+    const double height = net->box[net->dim - 1];
+    const size_t dofs = (size_t)sp_network_dofs(net), n = (size_t)o->n;
+    h->n = o->n;
+    h->planes = o->planes > 0 ? o->planes : (int32_t)fmin(PLANES_MAX, fmax(1, round(height) - 1));
+    const size_t planes = (size_t)h->planes;
+    h->omega = sp_alloc(n, sizeof *h->omega);
+    h->f = sp_alloc(2 * n, sizeof *h->f);
+    h->error = sp_alloc(n, sizeof *h->error);
+    h->height = sp_alloc(planes, sizeof *h->height);
+    h->flux = sp_alloc(n, 2 * planes * sizeof *h->flux);
+    h->flux_error = sp_alloc(n, planes * sizeof *h->flux_error);
+    h->fit = sp_alloc(n, sizeof *h->fit);
+    b->sent = sp_alloc(2 * dofs, sizeof *b->sent);
+    b->springs = sp_alloc(dofs, (1 + planes) * sizeof *b->springs);
+    b->dashes = sp_alloc(dofs, (1 + planes) * sizeof *b->dashes);
+    b->seen = sp_alloc(2 * dofs, sizeof *b->seen);
+    b->u = sp_alloc(2 * dofs, sizeof *b->u);
+    b->y = sp_alloc(2 * dofs, sizeof *b->y);
+    if (!h->omega || !h->f || !h->error || !h->height || !h->flux || !h->flux_error || !h->fit || !b->sent ||
+        !b->springs || !b->dashes || !b->seen || !b->u || !b->y)
+        return sp_fail_memory(err, (2 * dofs * (5 + planes) + n * (4 + 3 * planes)) * sizeof(double));
+    for (size_t l = 0; l < n; l++)
+        h->omega[l] = o->omega[l];
+    for (size_t k = 0; k < planes; k++)
+        h->height[k] = height * (double)(k + 1) / (double)(planes + 1);
+    const bool given = o->range[1] > 0;
+    b->low = given ? o->range[0] : fmin(2, height);
+    b->high = given ? o->range[1] : height - fmin(2, height);
+    return SP_OK;
+}
+
+/* The detector and the planes, of a network's springs or of its dashpots. */
+static sp_status make_detectors(const bench *b, const sp_network *net, const sp_harmonic *h, double *out,
+                                sp_error *err) {
+    const int64_t dofs = sp_network_dofs(net);
+    sp_status status = sp_network_detector_at(net, &b->options->to, out, err);
+    for (int32_t k = 0; k < h->planes && status == SP_OK; k++) {
+        const sp_place plane = {.kind = SP_PLACE_PLANE, .shear = b->options->to.shear, .height = h->height[k]};
+        status = sp_network_detector_at(net, &plane, out + (1 + k) * dofs, err);
+    }
+    return status;
+}
+
+static sp_status make_bench(const sp_network *net, const sp_harmonic_options *o, bench *b, sp_harmonic *h,
+                            sp_error *err) {
+    sp_network dashpots = sp_network_none();
+    const int64_t dofs = sp_network_dofs(net);
+    b->net = net;
+    b->options = o;
+    sp_status status = allocate(net, o, b, h, err);
+    if (status == SP_OK)
+        status = sp_network_source_at(net, o->source, &o->from, b->seen, err);
+    for (int64_t k = 0; k < dofs && status == SP_OK; k++)
+        b->sent[2 * k] = b->seen[k];
+    if (status == SP_OK)
+        status = make_detectors(b, net, h, b->springs, err);
+    if (status == SP_OK && o->damping > 0)
+        status = sp_network_damping(net, o->damping, &dashpots, err);
+    if (status == SP_OK && o->damping > 0)
+        status = make_detectors(b, &dashpots, h, b->dashes, err);
+    if (status == SP_OK)
+        status = sp_driven_make(net, o->damping > 0 ? &dashpots : NULL, &b->d, err);
+    for (int64_t k = 0; k < dofs && status == SP_OK; k++) {
+        b->sent[2 * k] /= b->d.root[k];
+        for (int32_t q = 0; q <= h->planes; q++) {
+            b->springs[q * dofs + k] /= b->d.root[k];
+            b->dashes[q * dofs + k] /= b->d.root[k];
+        }
+    }
+    sp_network_free(&dashpots);
+    return status;
+}
+
+/* The planes in range, which are neighbours. */
+static void fit_wave(const bench *b, int32_t l, sp_harmonic *h) {
+    int32_t first = 0, last = h->planes;
+    while (first < last && h->height[first] < b->low)
+        first++;
+    while (last > first && h->height[last - 1] > b->high)
+        last--;
+    sp_driven_fit(last - first, h->height + first, h->flux + 2 * ((int64_t)l * h->planes + first), &h->fit[l]);
+}
+
+/* What dies out on its way may be as small as one likes: there the error is held against a millionth of the largest
+ * force on the way. */
+static sp_status vouch(const bench *b, int32_t l, const sp_harmonic *h, sp_error *err) {
+    double most = 0, error = 0;
+    for (int32_t k = 0; k < h->planes; k++) {
+        const double *f = h->flux + 2 * ((int64_t)l * h->planes + k);
+        most = fmax(most, hypot(f[0], f[1]));
+        error = fmax(error, h->flux_error[(int64_t)l * h->planes + k]);
+    }
+    const double own = hypot(h->f[2 * l], h->f[2 * l + 1]), tolerance = b->options->tolerance;
+    if (!(h->error[l] <= tolerance * fmax(own, 1e-6 * most)))
+        return sp_fail(err, SP_EREFUSED, "omega = %.10g: error bound %.3g of |F| = %.3g, must be at most %.2g of it%s",
+                       h->omega[l], h->error[l], own, tolerance,
+                       b->options->damping > 0 ? "" : " (a frequency of the undamped network is near)");
+    if (!(error <= tolerance * most))
+        return sp_fail(err, SP_EREFUSED, "omega = %.10g: error bound %.3g of forces up to %.3g, must be at most %.2g",
+                       h->omega[l], error, most, tolerance);
+    return SP_OK;
+}
+
+static sp_status one_frequency(bench *b, int32_t l, sp_harmonic *h, sp_error *err) {
+    const int64_t dofs = sp_network_dofs(b->net);
+    sp_status status = sp_driven_factor(&b->d, h->omega[l], err);
+    if (status == SP_OK)
+        status = sp_driven_solve(&b->d, b->sent, b->u, err);
+    for (int32_t q = 0; q <= h->planes && status == SP_OK; q++) {
+        const int64_t at = (int64_t)l * h->planes + q - 1;
+        for (int64_t k = 0; k < dofs; k++) {
+            b->seen[2 * k] = b->springs[q * dofs + k];
+            b->seen[2 * k + 1] = h->omega[l] * b->dashes[q * dofs + k];
+        }
+        status = sp_driven_solve(&b->d, b->seen, b->y, err);
+        if (status == SP_OK)
+            sp_driven_response(&b->d, b->sent, b->u, b->seen, b->y, q == 0 ? h->f + 2 * l : h->flux + 2 * at,
+                               q == 0 ? h->error + l : h->flux_error + at);
+    }
+    if (status != SP_OK) {
+        sp_fail_prefix(err, "omega = %.10g", h->omega[l]);
+        return status;
+    }
+    fit_wave(b, l, h);
+    return vouch(b, l, h, err);
+}
+
+sp_status sp_harmonic_make(const sp_network *net, const sp_harmonic_options *opt, sp_harmonic *out, sp_error *err) {
+    sp_harmonic h = sp_harmonic_none();
+    bench b = {0};
+    sp_status status = check(net, opt, err);
+    if (status == SP_OK)
+        status = sp_network_need_symmetry(net, "harmonic driving", err);
+    if (status != SP_OK)
+        return status;
+    status = make_bench(net, opt, &b, &h, err);
+    for (int32_t l = 0; l < opt->n && status == SP_OK; l++)
+        status = one_frequency(&b, l, &h, err);
+    bench_free(&b);
+    if (status == SP_OK)
+        *out = h;
+    else
+        sp_harmonic_free(&h);
+    return status;
+}

@@ -1,0 +1,187 @@
+#include "spectrum/moments.h"
+#include "base/base.h"
+#include "network/kernel.h"
+
+#include <math.h>
+
+#define PI 3.14159265358979323846
+
+typedef double pair __attribute__((vector_size(16)));
+typedef pair pair_memory __attribute__((may_alias));
+
+void sp_moments_free(moment_set *m) {
+    sp_free(m->xx);
+    sp_free(m->yy);
+    sp_free(m->xy);
+    *m = (moment_set){0};
+}
+
+/* u: T_k; v: T_k - T_(k-1); force: K T_k, cleared by every step. */
+typedef struct chain {
+    int64_t dofs;
+    double *u, *v, *force, *step; /* [dofs][2], step [dofs]: 4/(Omega^2 m) */
+    const double *mass;
+} chain;
+
+static void chain_free(chain *c) {
+    sp_free(c->u);
+    sp_free(c->v);
+    sp_free(c->force);
+    sp_free(c->step);
+}
+
+static sp_status chain_make(const sp_network *net, const double *start, double omega, chain *c, sp_error *err) {
+    const size_t n = (size_t)sp_network_dofs(net);
+    *c = (chain){.dofs = (int64_t)n, .mass = net->mass};
+    c->u = sp_alloc(2 * n, sizeof *c->u);
+    c->v = sp_alloc(2 * n, sizeof *c->v);
+    c->force = sp_alloc(2 * n, sizeof *c->force);
+    c->step = sp_alloc(n, sizeof *c->step);
+    if (!c->u || !c->v || !c->force || !c->step)
+        return sp_fail_memory(err, 7 * n * sizeof(double));
+    for (size_t k = 0; k < n; k++) {
+        c->u[2 * k] = start[2 * k];
+        c->u[2 * k + 1] = start[2 * k + 1];
+        c->step[k] = 4 / (omega * omega * net->mass[k]);
+    }
+    return SP_OK;
+}
+
+/* <now|now>, <now|old> of each vector, and across: x now y now, x old y now, x now y old. */
+typedef struct products {
+    pair now, old;
+    double both, back, ahead;
+} products;
+
+static products squares(const chain *c) {
+    products p = {0};
+    for (int64_t k = 0; k < c->dofs; k++) {
+        const pair x = ((const pair_memory *)c->u)[k];
+        p.now += c->mass[k] * (x * x);
+        p.both += c->mass[k] * x[0] * x[1];
+    }
+    return p;
+}
+
+/* T_(k+1) = T_k + V_(k+1), V_(k+1) = V_k - (4/Omega^2) M^-1 K T_k: the recurrence in the form that keeps rounding
+ * small; half a step first, as T_(-1) = T_1. */
+static products advance(const chain *c, double factor) {
+    enum { WAYS = 4 }; /* independent sums, added in a fixed order */
+    pair now_now[WAYS] = {{0, 0}}, now_old[WAYS] = {{0, 0}};
+    double both[WAYS] = {0}, back[WAYS] = {0}, ahead[WAYS] = {0};
+    pair_memory *restrict u = (pair_memory *)c->u, *restrict v = (pair_memory *)c->v;
+    pair_memory *restrict force = (pair_memory *)c->force;
+    for (int64_t k = 0; k < c->dofs; k++) {
+        const int q = (int)(k % WAYS);
+        const pair old = u[k], push = v[k] - (factor * c->step[k]) * force[k], now = old + push;
+        const pair weighed = c->mass[k] * now;
+        force[k] = (pair){0, 0};
+        v[k] = push;
+        u[k] = now;
+        now_now[q] += weighed * now;
+        now_old[q] += weighed * old;
+        both[q] += weighed[0] * now[1];
+        back[q] += old[0] * weighed[1];
+        ahead[q] += weighed[0] * old[1];
+    }
+    return (products){(now_now[0] + now_now[1]) + (now_now[2] + now_now[3]),
+                      (now_old[0] + now_old[1]) + (now_old[2] + now_old[3]), (both[0] + both[1]) + (both[2] + both[3]),
+                      (back[0] + back[1]) + (back[2] + back[3]), (ahead[0] + ahead[1]) + (ahead[2] + ahead[3])};
+}
+
+/* T_m T_k = 1/2 (T_(m+k) + T_|m-k|): two moments a product. */
+static sp_status find_moments(const sp_network *net, const chain *c, moment_set *m, sp_error *err) {
+    const products first = squares(c);
+    m->xx[0] = first.now[0];
+    m->yy[0] = first.now[1];
+    m->xy[0] = first.both;
+    m->reach = sqrt(first.now[0]) * sqrt(first.now[1]);
+    products p = first;
+    for (int64_t k = 0; 2 * k + 1 < m->n; k++) {
+        sp_network_add_pair(net, c->u, c->force);
+        p = advance(c, k == 0 ? 0.5 : 1);
+        if (k == 0) {
+            m->xx[1] = p.old[0];
+            m->yy[1] = p.old[1];
+            m->xy[1] = 0.5 * (p.back + p.ahead);
+        } else {
+            m->xx[2 * k + 1] = 2 * p.old[0] - m->xx[1];
+            m->yy[2 * k + 1] = 2 * p.old[1] - m->yy[1];
+            m->xy[2 * k + 1] = (p.back + p.ahead) - m->xy[1];
+        }
+        if (2 * k + 2 < m->n) {
+            m->xx[2 * k + 2] = 2 * p.now[0] - m->xx[0];
+            m->yy[2 * k + 2] = 2 * p.now[1] - m->yy[0];
+            m->xy[2 * k + 2] = 2 * p.both - m->xy[0];
+        }
+    }
+    /* |T_k x| <= |x| where all frequencies are between 0 and Omega */
+    if (!(p.now[0] <= 1.0002 * first.now[0] && p.now[1] <= 1.0002 * first.now[1]))
+        return sp_fail(err, SP_EREFUSED, "the motion grows without bound: the network is unstable (prestress)");
+    return SP_OK;
+}
+
+sp_status sp_moments_make(const sp_network *net, int64_t n, const double *start, moment_set *out, sp_error *err) {
+    moment_set m = {.n = n, .omega = sp_network_omega_bound(net)};
+    chain c = {0};
+    if (!(n > 0 && m.omega > 0))
+        return sp_fail(err, SP_EREFUSED, "%lld moments of a spectrum up to %g, must be above 0", (long long)n, m.omega);
+    sp_status status = sp_network_need_symmetry(net, "a spectrum by moments", err);
+    if (status == SP_OK)
+        status = chain_make(net, start, m.omega, &c, err);
+    if (status != SP_OK)
+        goto out;
+    m.xx = sp_alloc((size_t)n, sizeof *m.xx);
+    m.yy = sp_alloc((size_t)n, sizeof *m.yy);
+    m.xy = sp_alloc((size_t)n, sizeof *m.xy);
+    status = m.xx && m.yy && m.xy ? find_moments(net, &c, &m, err) : sp_fail_memory(err, 3 * (size_t)n * sizeof *m.xx);
+out:
+    chain_free(&c);
+    if (status == SP_OK)
+        *out = m;
+    else
+        sp_moments_free(&m);
+    return status;
+}
+
+int64_t sp_moments_for_width(double omega, double width) { return (int64_t)ceil(0.5 * PI * omega / width) + 1; }
+
+double sp_moments_width(double omega, int64_t n) { return 0.5 * PI * omega / (double)n; }
+
+void sp_moments_jackson(int64_t n, double *g) {
+    const double turn = PI / (double)(n + 1);
+    for (int64_t k = 0; k < n; k++)
+        g[k] = ((double)(n - k + 1) * cos(turn * (double)k) + sin(turn * (double)k) / tan(turn)) / (double)(n + 1);
+}
+
+double sp_moments_phase(double omega, double frequency) { return frequency < omega ? 2 * asin(frequency / omega) : PI; }
+
+/* sum_(k >= 1) c_k cos(k phi), c_k = g_k mu_k (Clenshaw). */
+static double cosines(int64_t n, const double *g, const double *mu, double phi) {
+    const double twice = 2 * cos(phi);
+    double one = 0, two = 0;
+    for (int64_t k = n - 1; k >= 1; k--) {
+        const double here = (g ? g[k] : 1) * mu[k] + twice * one - two;
+        two = one;
+        one = here;
+    }
+    return 0.5 * twice * one - two;
+}
+
+double sp_moments_density(double omega, int64_t n, const double *g, const double *mu, double frequency) {
+    const double phi = sp_moments_phase(omega, frequency), slope = 0.5 * omega * cos(0.5 * phi);
+    if (!(slope > 0) || frequency < 0)
+        return 0;
+    return ((g ? g[0] : 1) * mu[0] + 2 * cosines(n, g, mu, phi)) / (PI * slope);
+}
+
+double sp_moments_integral(double omega, int64_t n, const double *g, const double *mu, double frequency) {
+    const double phi = sp_moments_phase(omega, frequency), twice = 2 * cos(phi);
+    double one = 0, two = 0;
+    for (int64_t k = n - 1; k >= 1; k--) {
+        const double here = (g ? g[k] : 1) * mu[k] / (double)k + twice * one - two;
+        two = one;
+        one = here;
+    }
+    return ((g ? g[0] : 1) * mu[0] * phi + 2 * sin(phi) * one) / PI;
+}

@@ -1,0 +1,220 @@
+#include "table/sheet.h"
+
+#include "base/base.h"
+#include "base/file.h"
+#include "base/text.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+enum { COMMENTS_MAX = 4096 };
+
+void sp_sheet_free(sp_sheet *s) {
+    sp_free(s->text);
+    sp_free(s->cell);
+    sp_free(s->line);
+    sp_free(s->comment);
+    *s = (sp_sheet){0};
+}
+
+int sp_sheet_find(const sp_sheet *s, const char *name) {
+    for (int c = 0; c < s->columns; c++)
+        if (s->name[c] && strcmp(s->name[c], name) == 0)
+            return c;
+    return -1;
+}
+
+char *sp_sheet_cell(const sp_sheet *s, int64_t row, int column) { return s->cell[row * s->columns + column]; }
+
+const char *sp_sheet_value(const sp_sheet *s, const char *key) {
+    size_t length = strlen(key);
+    for (int c = 0; c < s->comments; c++) {
+        const char *line = s->comment[c] + strspn(s->comment[c], " \t");
+        if (strncmp(line, key, length) != 0)
+            continue;
+        line += length + strspn(line + length, " \t");
+        if (*line == '=')
+            return line + 1 + strspn(line + 1, " \t");
+    }
+    return NULL;
+}
+
+/* ---- cells ----------------------------------------------------------------------------------------------------- */
+
+/* \t, \n, \r, \# and \\ as the writer of tables gives them; other backslashes stand for themselves. */
+static void unescape(char *word) {
+    char *to = word;
+    for (const char *from = word; *from; from++) {
+        char c = *from;
+        if (c == '\\') {
+            switch (from[1]) {
+            case 't': c = '\t', from++; break;
+            case 'n': c = '\n', from++; break;
+            case 'r': c = '\r', from++; break;
+            case '#': c = '#', from++; break;
+            case '\\': from++; break;
+            default: break;
+            }
+        }
+        *to++ = c;
+    }
+    *to = '\0';
+}
+
+static char *trim(char *word) {
+    word += strspn(word, " ");
+    size_t length = strlen(word);
+    while (length > 0 && word[length - 1] == ' ')
+        length--;
+    word[length] = '\0';
+    return word;
+}
+
+/* Cells between single tabs; counts like sp_line_words. */
+static int tab_cells(char *line, char **word, int most) {
+    for (int count = 0;;) {
+        char *tab = strchr(line, '\t');
+        if (tab)
+            *tab = '\0';
+        if (count == most)
+            return most + 1;
+        word[count] = trim(line);
+        unescape(word[count++]);
+        if (!tab)
+            return count;
+        line = tab + 1;
+    }
+}
+
+static bool all_numbers(char *const *word, int count) {
+    double value;
+    for (int c = 0; c < count; c++)
+        if (!sp_word_number(word[c], &value))
+            return false;
+    return true;
+}
+
+/* Whether the first row says that single tabs separate cells, which then may hold blanks: it has tabs, no cell is
+ * empty, and it is not a row of numbers at any blanks. */
+static bool tabs_separate(const char *line, bool *tabs) {
+    char *word[SP_SHEET_COLUMNS];
+    char *copy = sp_strdup(line);
+    if (!copy)
+        return false;
+    int count = sp_line_words(copy, word, SP_SHEET_COLUMNS);
+    *tabs = strchr(line, '\t') && !(count <= SP_SHEET_COLUMNS && all_numbers(word, count));
+    const char *cell = line;
+    while (*tabs) {
+        cell += strspn(cell, " ");
+        if (*cell == '\t' || !*cell)
+            *tabs = false;
+        cell += strcspn(cell, "\t");
+        if (!*cell)
+            break;
+        cell++;
+    }
+    sp_free(copy);
+    return true;
+}
+
+/* ---- rows and comments ----------------------------------------------------------------------------------------- */
+
+static sp_status add_comment(sp_sheet *s, char *text, int64_t line, sp_error *err) {
+    if (s->comments == COMMENTS_MAX)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: more than %d comment lines", s->file, (long long)line, COMMENTS_MAX);
+    if (s->comments == s->comment_capacity) {
+        int capacity = s->comment_capacity ? 2 * s->comment_capacity : 16;
+        char **larger = sp_alloc((size_t)capacity, sizeof *larger);
+        if (!larger)
+            return sp_fail_memory(err, (size_t)capacity * sizeof *larger);
+        if (s->comments > 0)
+            memcpy(larger, s->comment, (size_t)s->comments * sizeof *larger);
+        sp_free(s->comment);
+        s->comment = larger;
+        s->comment_capacity = capacity;
+    }
+    s->comment[s->comments++] = text + (*text == ' ');
+    return SP_OK;
+}
+
+static sp_status reserve_row(sp_sheet *s, sp_error *err) {
+    if (s->rows < s->capacity)
+        return SP_OK;
+    size_t old = (size_t)s->rows, capacity = old ? 2 * old : 64, columns = (size_t)s->columns;
+    char **cell = sp_alloc(capacity * columns, sizeof *cell);
+    int64_t *line = sp_alloc(capacity, sizeof *line);
+    if (!cell || !line) {
+        sp_free(cell);
+        sp_free(line);
+        return sp_fail_memory(err, capacity * (columns + 1) * 8);
+    }
+    if (old > 0) {
+        memcpy(cell, s->cell, old * columns * sizeof *cell);
+        memcpy(line, s->line, old * sizeof *line);
+    }
+    sp_free(s->cell);
+    sp_free(s->line);
+    s->cell = cell;
+    s->line = line;
+    s->capacity = (int64_t)capacity;
+    return SP_OK;
+}
+
+static sp_status add_row(sp_sheet *s, char *const *word, int count, int64_t line, sp_error *err) {
+    if (count != s->columns)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: %s%d cells where the first row has %d", s->file, (long long)line,
+                       count > SP_SHEET_COLUMNS ? "more than " : "",
+                       count > SP_SHEET_COLUMNS ? SP_SHEET_COLUMNS : count, s->columns);
+    sp_status status = reserve_row(s, err);
+    if (status != SP_OK)
+        return status;
+    memcpy(s->cell + s->rows * s->columns, word, (size_t)count * sizeof *word);
+    s->line[s->rows++] = line;
+    return SP_OK;
+}
+
+/* One line with cells: the first fixes the separator and the columns, and may be the header. */
+static sp_status take_row(sp_sheet *s, char *line, int64_t number, bool *tabs, sp_error *err) {
+    bool first = s->columns == 0;
+    if (first && !tabs_separate(line, tabs))
+        return sp_fail_memory(err, strlen(line));
+    char *word[SP_SHEET_COLUMNS];
+    int count = *tabs ? tab_cells(line, word, SP_SHEET_COLUMNS) : sp_line_words(line, word, SP_SHEET_COLUMNS);
+    if (!first)
+        return add_row(s, word, count, number, err);
+    if (count > SP_SHEET_COLUMNS)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: more than %d columns", s->file, (long long)number, SP_SHEET_COLUMNS);
+    s->columns = count;
+    if (all_numbers(word, count))
+        return add_row(s, word, count, number, err);
+    memcpy(s->name, word, (size_t)count * sizeof *word);
+    return SP_OK;
+}
+
+sp_status sp_sheet_read(const char *path, sp_sheet *out, sp_error *err) {
+    sp_sheet s = {.file = path};
+    size_t size = 0;
+    sp_locale locale = sp_locale_enter();
+    sp_status status = sp_file_read_text(path, &s.text, &size, err);
+    bool tabs = false;
+    sp_lines lines = sp_lines_of(path, s.text, size);
+    while (status == SP_OK) {
+        char *line;
+        status = sp_lines_next(&lines, &line, err);
+        if (status != SP_OK || !line)
+            break;
+        char *first = line + strspn(line, " \t");
+        if (*first == '#')
+            status = add_comment(&s, first + 1, lines.number, err);
+        else if (*first)
+            status = take_row(&s, line, lines.number, &tabs, err);
+    }
+    if (status == SP_OK && s.columns == 0)
+        status = sp_fail(err, SP_EFORMAT, "%s: no table: neither a header nor a row", path);
+    sp_locale_leave(&locale);
+    if (status == SP_OK)
+        *out = s;
+    else
+        sp_sheet_free(&s);
+    return status;
+}

@@ -1,0 +1,32 @@
+#ifndef SP_STORE_SHEET_H
+#define SP_STORE_SHEET_H
+/* Rows and columns of words from a text file, before anybody knows which are numbers. */
+
+#include <sonopack/status.h>
+#include <stdint.h>
+
+enum { SP_SHEET_COLUMNS = 1024 };
+
+typedef struct sp_sheet {
+    const char *file; /* for messages; belongs to the caller */
+    char *text;       /* what all words point into */
+    int columns;
+    char *name[SP_SHEET_COLUMNS]; /* of the header row; all NULL without one */
+    int64_t rows, capacity;
+    char **cell;   /* [rows][columns] */
+    int64_t *line; /* [rows] line numbers */
+    int comments, comment_capacity;
+    char **comment; /* without '#' and the blank after it */
+} sp_sheet;
+
+/* TSV with an optional header row (a first row that is not all numbers), or columns apart by any blanks. Blank lines
+ * are skipped. SP_EFORMAT with the line for ragged rows, too many columns or comments, endless lines, binary files. */
+SP_SHARED sp_status sp_sheet_read(const char *path, sp_sheet *out, sp_error *err);
+SP_SHARED void sp_sheet_free(sp_sheet *s);
+
+SP_SHARED int sp_sheet_find(const sp_sheet *s, const char *name); /* -1: no such column */
+SP_SHARED char *sp_sheet_cell(const sp_sheet *s, int64_t row, int column);
+/* Value of a comment "key = value", NULL if there is none; points into the comment. */
+SP_SHARED const char *sp_sheet_value(const sp_sheet *s, const char *key);
+
+#endif

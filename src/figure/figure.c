@@ -1,0 +1,226 @@
+#include "figure/figure.h"
+
+#include "figure/legend.h"
+
+#include <math.h>
+
+#define BAND 0.22 /* opacity of a band */
+
+colour sp_figure_ink(int k) {
+    static const unsigned char okabe_ito[INKS][3] = {
+        {0, 0, 0},       /* black */
+        {0, 114, 178},   /* blue */
+        {213, 94, 0},    /* vermilion */
+        {0, 158, 115},   /* bluish green */
+        {204, 121, 167}, /* reddish purple */
+        {230, 159, 0},   /* orange */
+        {86, 180, 233},  /* sky blue */
+    };
+    const unsigned char *rgb = okabe_ito[k % INKS];
+    return (colour){rgb[0] / 255.0, rgb[1] / 255.0, rgb[2] / 255.0};
+}
+
+void sp_figure_dash(canvas *c, int dash) {
+    static const double pattern[DASHES][4] = {{0}, {4.0, 2.0}, {1.2, 1.4}, {5.0, 1.6, 1.2, 1.6}};
+    static const int parts[DASHES] = {0, 2, 2, 4};
+    cairo_set_dash(c->cr, pattern[dash], parts[dash], 0.0);
+}
+
+double sp_marker_radius(double letters) { return 2.4 * fmin(1.0, letters / TEXT_LEGEND); }
+
+void sp_marker_draw(canvas *c, marker shape, double x, double y, bool open, colour ink) {
+    const double at[2] = {x, y};
+    sp_marker_draw_sized(c, shape, at, open, ink, sp_marker_radius(TEXT_LEGEND));
+}
+
+/* The other shapes have about the circle's area. */
+void sp_marker_draw_sized(canvas *c, marker shape, const double at[2], bool open, colour ink, double r) {
+    const double x = at[0], y = at[1];
+    cairo_t *cr = c->cr;
+    cairo_new_path(cr);
+    switch (shape) {
+    case MARKER_NONE: return;
+    case MARKER_DOT: cairo_arc(cr, x, y, 0.5 * r, 0.0, 6.283185307179586); break;
+    case MARKER_CIRCLE: cairo_arc(cr, x, y, r, 0.0, 6.283185307179586); break;
+    case MARKER_SQUARE: cairo_rectangle(cr, x - 0.89 * r, y - 0.89 * r, 1.78 * r, 1.78 * r); break;
+    case MARKER_TRIANGLE:
+        cairo_move_to(cr, x, y - 1.30 * r);
+        cairo_line_to(cr, x + 1.13 * r, y + 0.75 * r);
+        cairo_line_to(cr, x - 1.13 * r, y + 0.75 * r);
+        break;
+    case MARKER_DIAMOND:
+        cairo_move_to(cr, x, y - 1.3 * r);
+        cairo_line_to(cr, x + 1.1 * r, y);
+        cairo_line_to(cr, x, y + 1.3 * r);
+        cairo_line_to(cr, x - 1.1 * r, y);
+        break;
+    }
+    cairo_close_path(cr);
+    sp_canvas_colour(c, open ? (colour){1, 1, 1} : ink);
+    cairo_fill_preserve(cr);
+    sp_canvas_colour(c, ink);
+    cairo_set_line_width(cr, 0.375 * r);
+    cairo_stroke(cr);
+}
+
+/* ---- lines ---------------------------------------------------------------------------------------------------- */
+
+/* Columns of a line: points that fall into one column of 0.06 pt (four to a dot of the PNG) are drawn as first, lowest,
+ * highest and last, so that a signal of a million points is neither slow nor large, and looks the same. */
+typedef struct pen {
+    cairo_t *cr;
+    bool down; /* a line is under way */
+    double column;
+    int64_t first, last, lowest, highest; /* points of the column; first < 0: none */
+} pen;
+
+static double place_x(const figure *f, const series *s, int64_t k) { return sp_axis_place(&f->axes.x, s->x[k]); }
+static double place_y(const figure *f, const series *s, int64_t k) { return sp_axis_place(&f->axes.y, s->y[k]); }
+
+static void pen_to(pen *p, const figure *f, const series *s, int64_t k) {
+    if (p->down)
+        cairo_line_to(p->cr, place_x(f, s, k), place_y(f, s, k));
+    else
+        cairo_move_to(p->cr, place_x(f, s, k), place_y(f, s, k));
+    p->down = true;
+}
+
+static void pen_flush(pen *p, const figure *f, const series *s) {
+    if (p->first < 0)
+        return;
+    const int64_t one = p->lowest < p->highest ? p->lowest : p->highest;
+    const int64_t two = p->lowest < p->highest ? p->highest : p->lowest;
+    pen_to(p, f, s, p->first);
+    if (one != p->first)
+        pen_to(p, f, s, one);
+    if (two != one && two != p->first)
+        pen_to(p, f, s, two);
+    if (p->last != two && p->last != p->first)
+        pen_to(p, f, s, p->last);
+    p->first = -1;
+}
+
+static void draw_line(const figure *f, const series *s) {
+    pen p = {.cr = f->canvas->cr, .first = -1};
+    for (int64_t k = 0; k < s->n; k++) {
+        if (!isfinite(s->x[k]) || !isfinite(s->y[k])) {
+            pen_flush(&p, f, s);
+            p.down = false;
+            continue;
+        }
+        double column = floor(place_x(f, s, k) / 0.06);
+        if (p.first >= 0 && column == p.column) {
+            p.last = k;
+            p.lowest = s->y[k] < s->y[p.lowest] ? k : p.lowest;
+            p.highest = s->y[k] > s->y[p.highest] ? k : p.highest;
+            continue;
+        }
+        pen_flush(&p, f, s);
+        p.column = column;
+        p.first = p.last = p.lowest = p.highest = k;
+    }
+    pen_flush(&p, f, s);
+    sp_canvas_colour(f->canvas, s->ink);
+    cairo_set_line_width(p.cr, s->width);
+    sp_figure_dash(f->canvas, s->dash);
+    cairo_stroke(p.cr);
+    sp_figure_dash(f->canvas, DASH_SOLID);
+}
+
+/* Light bands between two curves, one a run of finite points. */
+static void draw_band(const figure *f, const series *s) {
+    cairo_t *cr = f->canvas->cr;
+    for (int64_t first = 0, last; first < s->n; first = last + 1) {
+        for (last = first; last < s->n; last++)
+            if (!isfinite(s->x[last]) || !isfinite(s->fill_low[last]) || !isfinite(s->fill_high[last]))
+                break;
+        for (int64_t k = first; k < last; k++)
+            cairo_line_to(cr, place_x(f, s, k), sp_axis_place(&f->axes.y, s->fill_high[k]));
+        for (int64_t k = last - 1; k >= first; k--)
+            cairo_line_to(cr, place_x(f, s, k), sp_axis_place(&f->axes.y, s->fill_low[k]));
+        if (last > first)
+            cairo_close_path(cr);
+        cairo_new_sub_path(cr);
+    }
+    cairo_set_source_rgba(cr, s->ink.r, s->ink.g, s->ink.b, BAND);
+    cairo_fill(cr);
+}
+
+static void draw_errors(const figure *f, const series *s) {
+    const double cap = 0.75 * sp_marker_radius(f->legend > 0.0 ? f->legend : TEXT_LEGEND);
+    cairo_t *cr = f->canvas->cr;
+    for (int64_t k = 0; k < s->n; k++) {
+        if (!isfinite(s->low[k]) || !isfinite(s->high[k]) || !isfinite(s->x[k]))
+            continue;
+        double x = place_x(f, s, k), low = sp_axis_place(&f->axes.y, s->low[k]),
+               high = sp_axis_place(&f->axes.y, s->high[k]);
+        cairo_move_to(cr, x, low);
+        cairo_line_to(cr, x, high);
+        cairo_move_to(cr, x - cap, low);
+        cairo_line_to(cr, x + cap, low);
+        cairo_move_to(cr, x - cap, high);
+        cairo_line_to(cr, x + cap, high);
+    }
+    sp_canvas_colour(f->canvas, s->ink);
+    cairo_set_line_width(cr, 0.7);
+    cairo_stroke(cr);
+}
+
+/* Markers are not cut by the frame: those whose point lies outside are left out. */
+static void draw_markers(const figure *f, const series *s) {
+    const axis *x = &f->axes.x, *y = &f->axes.y;
+    const double slack_x = 1e-9 * (x->high - x->low), slack_y = 1e-9 * (y->high - y->low);
+    const double radius = sp_marker_radius(f->legend > 0.0 ? f->legend : TEXT_LEGEND);
+    for (int64_t k = 0; k < s->n; k++) {
+        if (!isfinite(s->x[k]) || !isfinite(s->y[k]) || s->x[k] < x->low - slack_x || s->x[k] > x->high + slack_x ||
+            s->y[k] < y->low - slack_y || s->y[k] > y->high + slack_y)
+            continue;
+        const double at[2] = {place_x(f, s, k), place_y(f, s, k)};
+        sp_marker_draw_sized(f->canvas, s->marker, at, s->open, s->ink, radius);
+    }
+}
+
+/* ---- the whole ------------------------------------------------------------------------------------------------ */
+
+static void paint_curves(const figure *f) {
+    canvas *c = f->canvas;
+    cairo_save(c->cr);
+    cairo_rectangle(c->cr, f->axes.x.from, f->axes.y.to, f->axes.x.to - f->axes.x.from, f->axes.y.from - f->axes.y.to);
+    cairo_clip(c->cr);
+    for (int k = 0; k < f->n; k++)
+        if (f->series[k].fill_low)
+            draw_band(f, &f->series[k]);
+    if (f->zero_line) {
+        double y = sp_axis_place(&f->axes.y, 0.0);
+        sp_canvas_colour(c, (colour){0.6, 0.6, 0.6});
+        cairo_set_line_width(c->cr, 0.5);
+        cairo_move_to(c->cr, f->axes.x.from, y);
+        cairo_line_to(c->cr, f->axes.x.to, y);
+        cairo_stroke(c->cr);
+    }
+    for (int k = 0; k < f->n; k++) {
+        if (f->series[k].dash != DASH_NONE)
+            draw_line(f, &f->series[k]);
+        if (f->series[k].low)
+            draw_errors(f, &f->series[k]);
+    }
+    cairo_restore(c->cr);
+}
+
+void sp_figure_paint(const figure *f) {
+    paint_curves(f);
+    sp_axes_draw(&f->axes, f->canvas);
+    for (int k = 0; k < f->n; k++)
+        if (f->series[k].marker == MARKER_DOT)
+            sp_figure_dots(f, &f->series[k]);
+        else if (f->series[k].marker != MARKER_NONE)
+            draw_markers(f, &f->series[k]);
+}
+
+void sp_figure_draw(figure *f) {
+    sp_axes_layout(&f->axes, f->canvas);
+    legend_box box[LEGEND_GROUPS];
+    sp_legend_place(f, box);
+    sp_figure_paint(f);
+    sp_legend_draw(f, box);
+}

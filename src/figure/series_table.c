@@ -1,0 +1,226 @@
+#include "figure/series_table.h"
+
+#include "base/base.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { TABLES_MOST = 32, LABEL_MOST = 24 };
+/* `chain front' tells exponents between N and 2 N. */
+#define OCTAVE 1.4142135623730951
+
+static const char *const names[Q_BETWEEN] = {
+    [Q_DISTANCE] = "distance",    [Q_T10] = "t10",       [Q_T_PEAK] = "t_peak", [Q_T_ZERO] = "t_zero",
+    [Q_AMPLITUDE] = "amplitude",  [Q_WIDTH] = "width10", [Q_GAMMA] = "gamma",   [Q_ALPHA] = "alpha",
+    [Q_ALPHA_PEAK] = "alpha_peak"};
+
+typedef struct reader {
+    const sp_plot_table *from;
+    int column[Q_BETWEEN], error[Q_BETWEEN]; /* < 0: not there */
+    int key[GROUP_KEYS];
+    bool chain;
+} reader;
+
+static int number_column(const sp_table *t, const char *name) {
+    const int column = sp_table_find_column(t, name);
+    return column >= 0 && t->column[column].kind != SP_CELL_TEXT ? column : -1;
+}
+
+static sp_status find_columns(const sp_plot_table *from, reader *r, sp_error *err) {
+    const sp_table *t = from->table;
+    *r = (reader){.from = from};
+    r->key[G_PRESSURE] = number_column(t, "p");
+    r->key[G_FRICTION] = number_column(t, "friction");
+    r->key[G_WIDTH] = -1;
+    for (int q = 0; q < Q_BETWEEN; q++) {
+        char error[48];
+        snprintf(error, sizeof error, "%s_err", names[q]);
+        r->column[q] = number_column(t, names[q]);
+        r->error[q] = number_column(t, error);
+    }
+    if (r->column[Q_WIDTH] >= 0)
+        r->key[G_WIDTH] = number_column(t, "width"); /* of the box */
+    else
+        r->column[Q_WIDTH] = number_column(t, "width"); /* of the pulse */
+    if (r->column[Q_DISTANCE] < 0) {
+        r->column[Q_DISTANCE] = number_column(t, "grains");
+        r->chain = r->column[Q_DISTANCE] >= 0;
+    }
+    r->key[G_GRAINS] = r->chain ? -1 : number_column(t, "grains");
+    if (r->column[Q_DISTANCE] < 0 || r->column[Q_T10] < 0)
+        return sp_fail(err, SP_EINVAL,
+                       "the table has no column of numbers %s; must be of `sonopack table scaling' or `planes', `chain "
+                       "front' or `front'",
+                       r->column[Q_DISTANCE] < 0 ? "distance or grains" : "t10");
+    return SP_OK;
+}
+
+static double number(const sp_table *t, int64_t row, int column) {
+    return column < 0 ? NAN : sp_table_number(t, row, column);
+}
+
+static bool same(double a, double b) { return a == b || (isnan(a) && isnan(b)); }
+
+/* Rows of one group follow each other with rising distances. */
+static bool joined(const reader *r, int64_t row) {
+    const sp_table *t = r->from->table;
+    bool like = row > 0;
+    for (int k = 0; k < G_GRAINS && like; k++)
+        like = same(number(t, row, r->key[k]), number(t, row - 1, r->key[k]));
+    return like && !(number(t, row, r->column[Q_DISTANCE]) <= number(t, row - 1, r->column[Q_DISTANCE]));
+}
+
+static sp_status check_row(const sp_table *t, const reader *r, int64_t row, sp_error *err) {
+    for (int q = 0; q < Q_BETWEEN; q++) {
+        const double value = number(t, row, r->column[q]), error = number(t, row, r->error[q]);
+        const bool positive = q == Q_DISTANCE || q == Q_AMPLITUDE || q == Q_WIDTH;
+        if (isinf(value) || (positive && value <= 0))
+            return sp_fail(err, SP_EREFUSED, "row %lld, %s = %g: must be %s", (long long)row + 1,
+                           t->column[r->column[q]].name, value, positive ? "above 0, or nan" : "finite, or nan");
+        if (error < 0 || isinf(error))
+            return sp_fail(err, SP_EREFUSED, "row %lld, %s = %g: an error is a number >= 0, or nan", (long long)row + 1,
+                           t->column[r->error[q]].name, error);
+    }
+    return SP_OK;
+}
+
+/* A group's rows into its arrays, [QUANTITIES][2][n]. */
+static void fill_group(const reader *r, int64_t first, front_group *g, double *memory) {
+    const sp_table *t = r->from->table;
+    for (int q = 0; q < QUANTITIES; q++) {
+        double *value = memory + 2 * q * g->n, *error = value + g->n;
+        g->value[q] = value;
+        g->error[q] = error;
+        for (int64_t k = 0; k < g->n; k++) {
+            value[k] = q < Q_BETWEEN ? number(t, first + k, r->column[q]) : NAN;
+            error[k] = q < Q_BETWEEN ? number(t, first + k, r->error[q]) : NAN;
+        }
+    }
+    const double *distance = g->value[Q_DISTANCE];
+    double *between = memory + 2 * Q_BETWEEN * g->n;
+    for (int64_t k = 0; k < g->n; k++)
+        between[k] = r->chain ? OCTAVE * distance[k] : k + 1 < g->n ? sqrt(distance[k] * distance[k + 1]) : NAN;
+    for (int q = 0; q < GROUP_KEYS; q++) {
+        g->key[q] = number(t, first, r->key[q]);
+        for (int64_t k = 1; k < g->n; k++)
+            if (!same(number(t, first + k, r->key[q]), g->key[q]))
+                g->key[q] = NAN;
+    }
+    g->chain = r->chain;
+}
+
+static sp_status add_table(const reader *r, front_groups *out, double **memory, sp_error *err) {
+    const sp_table *t = r->from->table;
+    for (int64_t row = 0, end; row < t->rows; row = end) {
+        for (end = row; end < t->rows && (end == row || joined(r, end)); end++) {
+            sp_status status = check_row(t, r, end, err);
+            if (status != SP_OK)
+                return status;
+        }
+        if (out->n == GROUPS_MOST)
+            return sp_fail(err, SP_EREFUSED,
+                           "more than %d groups of rows of one pressure, width and friction, must be fewer",
+                           GROUPS_MOST);
+        front_group *g = &out->group[out->n++];
+        g->n = end - row;
+        fill_group(r, row, g, *memory);
+        *memory += 2 * QUANTITIES * g->n;
+    }
+    return SP_OK;
+}
+
+static bool differs(const front_groups *g, int k, group_key key) {
+    return isfinite(g->group[k].key[key]) && !same(g->group[k].key[key], g->group[0].key[key]);
+}
+
+/* What tells the groups apart: the file, the pressure, the width, the friction, the grains, as far as they differ. */
+static void label_groups(front_groups *g, const int *table_of, int tables, const sp_plot_table *table) {
+    static const char *const words[GROUP_KEYS] = {"|p| = %s", "width %s", "|\xce\xbc| = %s", "|N| = %s"};
+    bool differ[GROUP_KEYS] = {false};
+    for (int q = 0; q < GROUP_KEYS; q++)
+        for (int k = 1; k < g->n; k++)
+            differ[q] = differ[q] || differs(g, k, (group_key)q);
+    for (int k = 0; k < g->n; k++) {
+        front_group *to = &g->group[k];
+        const char *file = table[table_of[k]].label;
+        size_t used = 0;
+        if (tables > 1 && file)
+            sp_figure_text_escape(to->label, 96, file, LABEL_MOST);
+        for (int q = 0; q < GROUP_KEYS; q++) {
+            char value[40], part[64];
+            if (!differ[q] || !isfinite(to->key[q]))
+                continue;
+            sp_figure_text_number(value, sizeof value, to->key[q], q == G_GRAINS ? 9 : 3);
+            snprintf(part, sizeof part, words[q], value);
+            used = strlen(to->label);
+            snprintf(to->label + used, sizeof to->label - used, "%s%s", used > 0 ? ", " : "", part);
+        }
+    }
+}
+
+/* The unit so far and that of one more table. */
+static void join_units(bool first, const char *unit, char joint[UNIT_ROOM]) {
+    if (first)
+        snprintf(joint, UNIT_ROOM, "%s", unit);
+    else if (strcmp(joint, unit) != 0)
+        joint[0] = '\0';
+}
+
+static void add_units(bool first, const reader *r, front_groups *out) {
+    const sp_table *t = r->from->table;
+    join_units(first, r->chain ? "d" : t->column[r->column[Q_DISTANCE]].unit, out->distance_unit);
+    join_units(first, t->column[r->column[Q_T10]].unit, out->time_unit);
+}
+
+sp_status sp_front_groups_read(int tables, const sp_plot_table *table, front_groups *out, sp_error *err) {
+    int64_t rows = 0;
+    int table_of[GROUPS_MOST];
+    *out = (front_groups){0};
+    if (tables < 1 || tables > TABLES_MOST)
+        return sp_fail(err, SP_EINVAL, "%d tables: a figure shows 1 to %d", tables, TABLES_MOST);
+    for (int j = 0; j < tables; j++)
+        rows += table[j].table->rows;
+    out->group = sp_alloc(GROUPS_MOST, sizeof *out->group);
+    out->memory = sp_alloc((size_t)rows, 2 * QUANTITIES * sizeof *out->memory);
+    if (!out->group || !out->memory)
+        return sp_fail_memory(err, (size_t)rows * 2 * QUANTITIES * sizeof *out->memory);
+    double *memory = out->memory;
+    sp_status status = SP_OK;
+    for (int j = 0; j < tables && status == SP_OK; j++) {
+        reader r;
+        const int before = out->n;
+        status = find_columns(&table[j], &r, err);
+        if (status == SP_OK) {
+            add_units(j == 0, &r, out);
+            status = add_table(&r, out, &memory, err);
+        }
+        for (int k = before; k < out->n; k++)
+            table_of[k] = j;
+        if (status != SP_OK && tables > 1)
+            sp_fail_prefix(err, "table %d", j + 1);
+    }
+    if (status == SP_OK && out->n == 0)
+        status = sp_fail(err, SP_EREFUSED, "nothing to draw: no row");
+    if (status == SP_OK)
+        label_groups(out, table_of, tables, table);
+    return status;
+}
+
+void sp_front_groups_free(front_groups *g) {
+    sp_free(g->group);
+    sp_free(g->memory);
+    *g = (front_groups){0};
+}
+
+int sp_group_ink(const front_groups *g, int k) { return g->n == 1 ? 0 : k % 6 + 1; }
+
+sp_mark sp_group_mark(int k) {
+    static const sp_mark marks[] = {SP_MARK_CIRCLE, SP_MARK_SQUARE, SP_MARK_TRIANGLE, SP_MARK_DIAMOND};
+    return marks[k % 4];
+}
+
+sp_dash sp_group_dash(int k) {
+    static const sp_dash dashes[] = {SP_DASH_SOLID, SP_DASH_DASHED, SP_DASH_DOTTED, SP_DASH_DASH_DOT};
+    return dashes[k % 4];
+}

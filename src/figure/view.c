@@ -1,0 +1,111 @@
+#include "figure/view.h"
+
+#include "base/base.h"
+
+#include <math.h>
+
+#define TALLEST (22.0 / 2.54 * 72.0)
+
+double sp_view_across(const view *v, int32_t i) {
+    double x = v->p->dim == 1 ? 0.0 : v->p->x[3 * i];
+    return v->periodic ? x - v->width * floor(x / v->width) : x;
+}
+
+double sp_view_up(const view *v, int32_t i) { return v->p->x[3 * i + v->p->dim - 1]; }
+
+double sp_view_x(const view *v, double x) { return v->left + (x - v->low) * v->scale; }
+double sp_view_y(const view *v, double y) { return v->floor - y * v->scale; }
+
+view sp_view_make(const sp_packing *p) {
+    view v = {.p = p, .periodic = p->dim > 1, .height = sp_packing_height(p)};
+    double largest = 0.0;
+    for (int32_t i = 0; i < p->n; i++) {
+        v.diameter += 2.0 * p->r[i] / p->n;
+        largest = fmax(largest, p->r[i]);
+    }
+    v.low = v.periodic ? 0.0 : -1.1 * largest;
+    v.width = v.periodic ? p->box[0] : 2.2 * largest;
+    v.scale = fmin((CANVAS_COLUMN - 2.0 * MARGIN) / v.width, (TALLEST - 2.0 * (MARGIN + WALL) - KEY) / v.height);
+    v.left = 0.5 * (CANVAS_COLUMN - v.width * v.scale);
+    v.floor = MARGIN + WALL + v.height * v.scale;
+    return v;
+}
+
+void sp_view_grains(const view *v, const colour *fill) {
+    cairo_t *cr = v->c->cr;
+    cairo_set_line_width(cr, fmin(0.4, 0.05 * v->scale));
+    for (int32_t i = 0; i < v->p->n; i++) {
+        double r = v->p->r[i], x = sp_view_across(v, i);
+        for (int image = -1; image <= 1; image++) {
+            double at = x + image * v->width;
+            if (image != 0 && (!v->periodic || at + r < 0.0 || at - r > v->width))
+                continue;
+            cairo_new_path(cr);
+            cairo_arc(cr, sp_view_x(v, at), sp_view_y(v, sp_view_up(v, i)), r * v->scale, 0.0, 6.283185307179586);
+            sp_canvas_colour(v->c, fill[i]);
+            cairo_fill_preserve(cr);
+            sp_canvas_colour(v->c, RIM_GREY);
+            cairo_stroke(cr);
+        }
+    }
+}
+
+void sp_view_walls(const view *v) {
+    cairo_t *cr = v->c->cr;
+    double left = v->left, width = v->width * v->scale, top = sp_view_y(v, v->height);
+    sp_canvas_colour(v->c, (colour){0.25, 0.25, 0.25});
+    cairo_rectangle(cr, left, top - WALL, width, WALL);
+    cairo_rectangle(cr, left, v->floor, width, WALL);
+    cairo_fill(cr);
+    if (!v->periodic)
+        return;
+    /* the periodic edges */
+    const double dash[2] = {2.0, 2.0};
+    cairo_set_dash(cr, dash, 2, 0.0);
+    cairo_set_line_width(cr, 0.5);
+    cairo_move_to(cr, left, top);
+    cairo_line_to(cr, left, v->floor);
+    cairo_move_to(cr, left + width, top);
+    cairo_line_to(cr, left + width, v->floor);
+    cairo_stroke(cr);
+    cairo_set_dash(cr, dash, 0, 0.0);
+}
+
+void sp_view_arrow(const view *v, double x, double y, double dx, double dy) {
+    canvas *c = v->c;
+    const double length = hypot(dx, dy), head = fmin(3.6, 0.45 * length);
+    if (!(length > 0.15))
+        return;
+    const double ex = dx / length, ey = dy / length, tip_x = x + dx, tip_y = y + dy;
+    cairo_move_to(c->cr, x, y);
+    cairo_line_to(c->cr, tip_x - 0.8 * head * ex, tip_y - 0.8 * head * ey);
+    cairo_stroke(c->cr);
+    cairo_move_to(c->cr, tip_x, tip_y);
+    cairo_line_to(c->cr, tip_x - head * ex - 0.42 * head * ey, tip_y - head * ey + 0.42 * head * ex);
+    cairo_line_to(c->cr, tip_x - head * ex + 0.42 * head * ey, tip_y - head * ey - 0.42 * head * ex);
+    cairo_close_path(c->cr);
+    cairo_fill(c->cr);
+}
+
+sp_status sp_view_check(const sp_packing *p, const char *path, sp_error *err) {
+    sp_status status = sp_canvas_check(path, err);
+    if (status == SP_OK)
+        status = sp_packing_check(p, err);
+    if (status == SP_OK && p->dim == 3)
+        status =
+            sp_fail(err, SP_EREFUSED, "%s: a packing in 3 dimensions has no flat picture: must be in 1 or 2", path);
+    return status;
+}
+
+sp_status sp_view_check_field(const sp_packing *p, const sp_network *net, const double *u, const char *of,
+                              const char *path, sp_error *err) {
+    const sp_status status = sp_view_check(p, path, err);
+    if (status != SP_OK)
+        return status;
+    if (net->n_all != p->n || net->dim != p->dim)
+        return sp_fail(err, SP_EINVAL, "a network of %d grains for a packing of %d, must be its own", net->n_all, p->n);
+    for (int64_t k = 0; k < sp_network_dofs(net); k++)
+        if (!isfinite(u[k]))
+            return sp_fail(err, SP_EREFUSED, "displacement %lld%s is not finite", (long long)k, of);
+    return SP_OK;
+}

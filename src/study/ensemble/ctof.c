@@ -1,0 +1,237 @@
+/* c_tof: the front's speed from the difference of arrival times at two heights (Fig. 6 of Somfai et al. 2005). Never
+ * height over time: the front is slower near the source. */
+#include "base/base.h"
+#include "ensemble/groups.h"
+#include "ensemble/speed.h"
+#include "numeric/statistics.h"
+
+#include <math.h>
+
+typedef enum mark { T10 = 0, T_PEAK, T_ZERO, MARKS } mark;
+
+/* Samples of one pressure and size that have a front. */
+typedef struct arm {
+    int64_t n[MARKS]; /* with that mark */
+    double *height[MARKS], *time[MARKS];
+    double *memory;
+    int32_t grains;
+} arm;
+
+/* Two heights and one mark, as sp_bootstrap wants them. */
+typedef struct flight {
+    const arm *low, *high;
+    mark mark;
+} flight;
+
+static double mean_of(const double *x, int64_t n, const int64_t *pick) {
+    double sum = 0;
+    for (int64_t k = 0; k < n; k++)
+        sum += x[pick ? pick[k] : k];
+    return sum / (double)n;
+}
+
+/* (<H2> - <H1>) / (<t>_2 - <t>_1); NAN where that is no speed. */
+static double speed(const int64_t *size, const int64_t *const *pick, void *user) {
+    const flight *f = user;
+    mark m = f->mark;
+    double rise = mean_of(f->high->height[m], size[1], pick[1]) - mean_of(f->low->height[m], size[0], pick[0]);
+    double time = mean_of(f->high->time[m], size[1], pick[1]) - mean_of(f->low->time[m], size[0], pick[0]);
+    return rise > 0 && time > 0 ? rise / time : NAN;
+}
+
+static double plain_speed(const arm *low, const arm *high, mark m) {
+    flight f = {low, high, m};
+    const int64_t size[2] = {low->n[m], high->n[m]};
+    const int64_t *const pick[2] = {NULL, NULL};
+    return size[0] > 0 && size[1] > 0 ? speed(size, pick, &f) : NAN;
+}
+
+static sp_status arm_make(int64_t n, const sp_sample *const *s, arm *out, sp_error *err) {
+    arm a = {.grains = s[0]->grains};
+    a.memory = sp_alloc((size_t)n, 2 * MARKS * sizeof *a.memory);
+    if (!a.memory)
+        return sp_fail_memory(err, (size_t)n * 2 * MARKS * sizeof *a.memory);
+    for (int m = 0; m < MARKS; m++) {
+        a.height[m] = a.memory + n * 2 * m;
+        a.time[m] = a.height[m] + n;
+        for (int64_t k = 0; k < n; k++) {
+            const double time[MARKS] = {s[k]->front.t10, s[k]->front.t_peak, s[k]->front.t_zero};
+            if (!(s[k]->have & SP_WANT_CTOF) || !isfinite(time[m]) || !isfinite(s[k]->height))
+                continue;
+            a.height[m][a.n[m]] = s[k]->height;
+            a.time[m][a.n[m]++] = time[m];
+        }
+    }
+    *out = a;
+    return SP_OK;
+}
+
+/* The first and the last size of one pressure that have fronts: s[low_begin .. low_end) and s[high_begin .. high_end).
+ * Without fronts: the last size. */
+typedef struct ends {
+    int64_t low_begin, low_end, high_begin, high_end;
+} ends;
+
+static ends find_ends(int64_t n, const sp_sample *const *s) {
+    ends e = {.low_begin = -1};
+    for (int64_t begin = 0, end; begin < n; begin = end) {
+        bool front = false;
+        end = sp_size_end(n, s, begin);
+        for (int64_t k = begin; k < end; k++)
+            front = front || s[k]->have & SP_WANT_CTOF;
+        if (!front && e.low_begin >= 0)
+            continue;
+        e.high_begin = begin;
+        e.high_end = end;
+        if (front && e.low_begin < 0) {
+            e.low_begin = begin;
+            e.low_end = end;
+        }
+    }
+    if (e.low_begin < 0) {
+        e.low_begin = e.high_begin;
+        e.low_end = e.high_end;
+    }
+    return e;
+}
+
+/* What two heights tell; NAN where there is nothing. */
+typedef struct flown {
+    double c[MARKS], error[MARKS];
+    sp_interval interval; /* of c[T10] */
+} flown;
+
+static sp_status fly(const arm *low, const arm *high, double level, flown *out, sp_error *err) {
+    const sp_bootstrap_options options = sp_bootstrap_options_default();
+    sp_status status = SP_OK;
+    for (int m = 0; m < MARKS && status == SP_OK; m++) {
+        flight f = {low, high, (mark)m};
+        const int64_t size[2] = {low->n[m], high->n[m]};
+        out->c[m] = plain_speed(low, high, (mark)m);
+        status = sp_bootstrap(2, size, speed, &f, &options, &out->error[m], err);
+    }
+    const sp_arrivals near = {low->n[T10], low->height[T10], low->time[T10]},
+                      far = {high->n[T10], high->height[T10], high->time[T10]};
+    return status == SP_OK ? sp_speed_interval(&near, &far, false, level, &out->interval, err) : status;
+}
+
+/* The row of one pressure. */
+static sp_status add_pressure(int64_t n, const sp_sample *const *s, double level, sp_table *t, sp_error *err) {
+    const ends e = find_ends(n, s);
+    const int64_t high_n = e.high_end - e.high_begin;
+    arm low = {0}, high = {0};
+    flown v = {{NAN, NAN, NAN}, {NAN, NAN, NAN}, {NAN, NAN}};
+    sp_estimate c_l, c_t;
+    const double p = s[0]->pressure;
+    sp_status status = arm_make(e.low_end - e.low_begin, s + e.low_begin, &low, err);
+    if (status == SP_OK)
+        status = arm_make(high_n, s + e.high_begin, &high, err);
+    double *scratch = sp_alloc((size_t)high_n, sizeof *scratch);
+    if (status == SP_OK && !scratch)
+        status = sp_fail_memory(err, (size_t)high_n * sizeof *scratch);
+    if (status != SP_OK)
+        goto out;
+    c_l = sp_wave_speed(high_n, s + e.high_begin, false, scratch);
+    c_t = sp_wave_speed(high_n, s + e.high_begin, true, scratch);
+    if (e.low_begin < e.high_begin) {
+        status = fly(&low, &high, level, &v, err);
+        if (status == SP_OK)
+            status = sp_table_add_comment(t, err, "p = %.6g: grains %d and %d, heights %.6g and %.6g", p, low.grains,
+                                          high.grains, sp_mean(low.n[T10], low.height[T10]),
+                                          sp_mean(high.n[T10], high.height[T10]));
+    } else {
+        status =
+            sp_table_add_comment(t, err, "p = %.6g: c_tof, c_peak and c_zero need two heights with fronts; here is %s",
+                                 p, high.n[T10] > 0 ? "one" : "none");
+    }
+    int64_t samples = low.n[T10] < high.n[T10] ? low.n[T10] : high.n[T10];
+    if (status == SP_OK)
+        status =
+            sp_table_add_row(t, err, p, samples, v.c[T10], v.error[T10], v.c[T_PEAK], v.c[T_ZERO], c_l.value, c_t.value,
+                             v.interval.low, v.interval.high, v.error[T_PEAK], v.error[T_ZERO], c_l.error, c_t.error);
+out:
+    sp_free(scratch);
+    sp_free(low.memory);
+    sp_free(high.memory);
+    return status;
+}
+
+/* The exponent of c_tof in p, as comments. */
+static sp_status add_exponent(sp_table *t, sp_error *err) {
+    size_t rows = (size_t)t->rows;
+    double *memory = sp_alloc(rows, 3 * sizeof *memory);
+    if (!memory)
+        return sp_fail_memory(err, rows * 3 * sizeof *memory);
+    double *p = memory, *c = memory + rows, *c_err = memory + 2 * rows;
+    int64_t n = 0;
+    bool errors = true;
+    for (int64_t k = 0; k < t->rows; k++) {
+        p[n] = sp_table_number(t, k, 0);
+        c[n] = sp_table_number(t, k, 2);
+        c_err[n] = sp_table_number(t, k, 3);
+        if (!isfinite(c[n]))
+            continue;
+        errors = errors && c_err[n] > 0;
+        n++;
+    }
+    sp_status status;
+    double exponent, exponent_err, prefactor;
+    if (n >= 3 && sp_fit_power(n, p, c, errors ? c_err : NULL, &exponent, &exponent_err, &prefactor, NULL) == SP_OK) {
+        status = sp_table_add_comment(t, err, "exponent = %.6f", exponent);
+        if (status == SP_OK)
+            status = sp_table_add_comment(t, err, "exponent_err = %.6f", exponent_err);
+        if (status == SP_OK)
+            status = sp_table_add_comment(t, err, "exponent and its error: c_tof ~ p^exponent, %s",
+                                          errors ? "weighted by c_tof_err" : "equal weights, error from the scatter");
+    } else {
+        status = sp_table_add_comment(t, err, "exponent = nan (it needs 3 pressures with c_tof)");
+    }
+    sp_free(memory);
+    return status;
+}
+
+sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, double level, sp_table *t, sp_error *err) {
+    static const struct {
+        const char *name, *unit;
+        sp_cell_kind kind;
+    } column[] = {{"p", "E*", SP_CELL_NUMBER},
+                  {"samples", "", SP_CELL_INTEGER},
+                  {"c_tof", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_tof_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_peak", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_zero", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_l", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_t", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_tof_low", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_tof_high", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_peak_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_zero_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_l_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                  {"c_t_err", "sqrt(E* / rho)", SP_CELL_NUMBER}};
+    sp_status status = SP_OK;
+    for (size_t k = 0; k < sizeof column / sizeof *column && status == SP_OK; k++)
+        status = sp_table_add_column(t, column[k].name, column[k].unit, column[k].kind, err);
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err,
+                                      "c_tof = (<H2> - <H1>)/(<t10>_2 - <t10>_1) between the lowest and the "
+                                      "highest boxes of a pressure; c_peak, c_zero likewise with t_peak, "
+                                      "t_zero; samples: with a front, of each of the two (the smaller "
+                                      "number); c_l, c_t: means over the highest boxes");
+    for (int64_t begin = 0, end; begin < n && status == SP_OK; begin = end) {
+        end = sp_pressure_end(n, s, begin);
+        status = add_pressure(end - begin, s + begin, level, t, err);
+    }
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err,
+                                      "_err: standard errors, of speeds of the front by bootstrap over samples, of the "
+                                      "means c_l and c_t their standard deviation over sqrt(n)");
+    if (status == SP_OK)
+        status = sp_interval_comment(t, level, "c_tof", err);
+    if (status == SP_OK)
+        status = add_exponent(t, err);
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err,
+                                      "published: c_tof ~ p^0.166 (1/6), c_tof(1e-4) = 0.25..0.26 (Somfai et "
+                                      "al., Phys. Rev. E 72, 021301, 2005)");
+    return status;
+}

@@ -1,0 +1,341 @@
+/* Samples made by several threads, and by several processes on one store. */
+#include "base/base.h"
+#include "ensemble/order.h"
+#include "ensemble/sample.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static const double watch_interval = 0.25;         /* seconds between two calls of the watch */
+static const long another_look = 50 * 1000 * 1000; /* nanoseconds between two looks at samples that others have */
+
+typedef struct run {
+    const sp_scene *study;
+    const sp_study_sink *sink;
+    const sp_study_options *options;
+    sp_order order;
+    int64_t next; /* first place in the order that nobody has taken */
+    int64_t put_off, put_off_room;
+    int64_t looked_at; /* of those that were put off, the ones that are looked at now */
+    int64_t *later;    /* [put_off] samples that another process has claimed */
+    atomic_bool stop;
+    pthread_mutex_t lock;  /* of the sink and of all below and above */
+    pthread_mutex_t takes; /* of options->take */
+    pthread_cond_t left;   /* a worker has ended */
+    int working;
+    sp_study_progress progress;
+    double begun;
+    sp_status status; /* of the first error that stopped the run */
+    sp_error error;
+} run;
+
+static bool go_on(const sp_pack_progress *progress, void *user) {
+    (void)progress;
+    run *r = user;
+    return !atomic_load(&r->stop);
+}
+
+/* The run ends for a reason that is no sample's own. Under the lock. */
+static void stop_run(run *r, sp_status status, const sp_error *reason) {
+    if (r->status == SP_OK) {
+        r->status = status;
+        r->error = *reason;
+    }
+    atomic_store(&r->stop, true);
+}
+
+/* A sample is there: counted, under the lock. */
+static void count_done(run *r, int64_t number, bool computed, bool failed) {
+    const double cost = sp_order_cost(&r->order, number);
+    r->progress.done++;
+    r->progress.computed += computed;
+    r->progress.failed += failed;
+    r->progress.cost_done += cost;
+    if (computed)
+        r->progress.cost_computed += cost;
+}
+
+/* One sample on its way. */
+typedef struct job {
+    int64_t number; /* in the study */
+    sp_scene scene;
+    sp_packing packing;
+    sp_sample sample;
+    sp_sample_arrays arrays;
+    bool claimed;
+    bool stored; /* the sink has its packing, and of the parts: */
+    unsigned parts;
+} job;
+
+static sp_stored look(const run *r, const job *j) {
+    const sp_study_sink *sink = r->sink;
+    return sink->has ? sink->has(sink->user, &j->scene, j->sample.name) : SP_STORED_NOT;
+}
+
+/* For the end, when the other process may be done with it, or gone. */
+static sp_status remember(run *r, int64_t number, sp_error *err) {
+    if (r->put_off == r->put_off_room) {
+        const int64_t room = 2 * r->put_off_room + 64;
+        int64_t *more = sp_alloc((size_t)room, sizeof *more);
+        if (!more)
+            return sp_fail_memory(err, (size_t)room * sizeof *more);
+        if (r->put_off > 0)
+            memcpy(more, r->later, (size_t)r->put_off * sizeof *more);
+        sp_free(r->later);
+        r->later = more;
+        r->put_off_room = room;
+    }
+    r->later[r->put_off++] = number;
+    return SP_OK;
+}
+
+/* What the sink has; *make: the sample is now this thread's to make. What was made while we waited for the claim is
+ * seen by the second look. A stored file that cannot be read is made again, and so are parts that the scene now
+ * describes otherwise. */
+static sp_status take_stored(run *r, job *j, bool *make, bool *put_off, sp_error *err) {
+    const sp_study_sink *sink = r->sink;
+    sp_status status = SP_OK;
+    sp_stored stored = look(r, j);
+    if (stored == SP_STORED_NOT && sink->claim) {
+        status = sink->claim(sink->user, j->sample.name, &j->claimed, err);
+        *put_off = status == SP_OK && !j->claimed;
+        if (*put_off)
+            return remember(r, j->number, err);
+        if (status == SP_OK)
+            stored = look(r, j);
+    }
+    if (status == SP_OK && stored != SP_STORED_NOT)
+        count_done(r, j->number, false, stored == SP_STORED_FAILED);
+    *make = status == SP_OK && stored == SP_STORED_NOT;
+    if (!*make || !sink->load)
+        return status;
+    status = sink->load(sink->user, j->sample.name, &j->packing, &j->sample, &j->stored, err);
+    if (j->stored) {
+        j->parts = sp_sample_parts(&j->scene, &j->sample);
+        j->sample.have = j->parts;
+    }
+    return status == SP_EFORMAT ? SP_OK : status;
+}
+
+/* A sample whose packing failed is saved as failed. Where only a part of the results failed, the packing and the other
+ * parts are saved with the reason: a study that does not want that part shall find them. */
+static sp_status save(run *r, job *j, sp_error *err) {
+    const bool made = j->packing.n > 0;
+    sp_sample sample = j->sample;
+    sample.lacks = 0;
+    if (made && sample.failed) {
+        sample.failed = false;
+        sample.lacks = sp_want_parts(j->scene.want) & ~sample.have;
+        sample.lacks_signal = sp_signal_keys(&j->scene);
+    } else if (made) {
+        sample.reason[0] = '\0';
+    }
+    if (made && j->stored && sample.have == j->parts && sample.lacks == 0)
+        return SP_OK; /* nothing new */
+    return r->sink->save(r->sink->user, &j->scene, &sample, made ? &j->packing : NULL, &j->arrays, err);
+}
+
+/* False: another process has it, and it was put off (again). */
+static bool run_sample(run *r, int64_t number) {
+    job j = {.number = number, .packing = sp_packing_none(), .arrays = sp_sample_arrays_none(), .sample.height = NAN};
+    sp_error reason = {0};
+    bool make = false, put_off = false;
+    sp_status status = sp_study_sample(r->study, number, &j.scene, j.sample.name, &reason);
+    pthread_mutex_lock(&r->lock);
+    if (status == SP_OK)
+        status = take_stored(r, &j, &make, &put_off, &reason);
+    if (status != SP_OK)
+        stop_run(r, status, &reason);
+    pthread_mutex_unlock(&r->lock);
+    if (status == SP_OK && make) {
+        const sp_study_options *o = r->options;
+        const sp_pack_hooks hooks = {
+            .watch = go_on, .user = r, .threads = o->jobs == 1 ? o->threads : 1, .from = o->from};
+        status = sp_sample_make_with(&j.scene, j.scene.want, &hooks, &j.packing, &j.sample, &j.arrays, &reason);
+
+        pthread_mutex_lock(&r->lock);
+        if (status == SP_OK || j.sample.failed)
+            status = save(r, &j, &reason);
+        if (status == SP_OK)
+            count_done(r, number, true, j.sample.failed);
+        else if (status != SP_EINTERRUPTED)
+            stop_run(r, status, &reason);
+        pthread_mutex_unlock(&r->lock);
+    }
+    if (j.claimed) {
+        pthread_mutex_lock(&r->lock);
+        r->sink->release(r->sink->user, j.sample.name);
+        pthread_mutex_unlock(&r->lock);
+    }
+    sp_packing_free(&j.packing);
+    sp_sample_arrays_free(&j.arrays);
+    return !put_off;
+}
+
+/* Number of the next sample, below 0 when all are taken: from the order of this process, or of all of them. */
+static int64_t take_next(run *r) {
+    const sp_study_options *o = r->options;
+    int64_t number = -1;
+    pthread_mutex_lock(o->take ? &r->takes : &r->lock);
+    do {
+        const int64_t place = o->take ? o->take(o->take_user) : r->next++;
+        if (place < 0 || place >= r->order.count)
+            break;
+        number = sp_order_sample(&r->order, place, o->shard, o->shards);
+    } while (number < 0);
+    pthread_mutex_unlock(o->take ? &r->takes : &r->lock);
+    return number;
+}
+
+/* One of the samples that others have, the longest waiting first. */
+static int64_t take_put_off(run *r) {
+    int64_t number = -1;
+    pthread_mutex_lock(&r->lock);
+    if (r->put_off > 0) {
+        number = r->later[0];
+        memmove(r->later, r->later + 1, (size_t)--r->put_off * sizeof *r->later);
+        r->looked_at++;
+    }
+    pthread_mutex_unlock(&r->lock);
+    return number;
+}
+
+static void *work(void *user) {
+    run *r = user;
+    int64_t number;
+    while (!atomic_load(&r->stop) && (number = take_next(r)) >= 0)
+        run_sample(r, number);
+    while (!atomic_load(&r->stop) && (number = take_put_off(r)) >= 0) {
+        const struct timespec wait = {.tv_nsec = another_look};
+        if (!run_sample(r, number)) /* nor is it likely that the next one is free already */
+            nanosleep(&wait, NULL);
+        pthread_mutex_lock(&r->lock);
+        r->looked_at--;
+        pthread_mutex_unlock(&r->lock);
+    }
+    pthread_mutex_lock(&r->lock);
+    r->working--;
+    pthread_cond_signal(&r->left);
+    pthread_mutex_unlock(&r->lock);
+    return NULL;
+}
+
+/* The numbers as they are now; under the lock. */
+static sp_study_progress now(const run *r) {
+    sp_study_progress p = r->progress;
+    p.elsewhere = r->put_off + r->looked_at;
+    p.seconds = sp_clock_wall() - r->begun;
+    p.seconds_left = NAN;
+    if (p.cost_computed > 0 && (p.done + p.elsewhere < p.total || p.elsewhere == 0)) /* else it is up to others */
+        p.seconds_left = p.done < p.total ? p.seconds * (p.cost - p.cost_done) / p.cost_computed : 0;
+    return p;
+}
+
+/* Waits for the workers, calling the watch, which may ask to stop. */
+static void wait_for_workers(run *r, sp_study_watch watch, void *user) {
+    pthread_mutex_lock(&r->lock);
+    while (r->working > 0) {
+        struct timespec until;
+        clock_gettime(CLOCK_MONOTONIC, &until);
+        until.tv_nsec += (long)(1e9 * watch_interval);
+        until.tv_sec += until.tv_nsec / 1000000000;
+        until.tv_nsec %= 1000000000;
+        pthread_cond_timedwait(&r->left, &r->lock, &until);
+        if (!watch)
+            continue;
+        sp_study_progress p = now(r);
+        pthread_mutex_unlock(&r->lock);
+        if (!watch(&p, user))
+            atomic_store(&r->stop, true);
+        pthread_mutex_lock(&r->lock);
+    }
+    sp_study_progress last = now(r);
+    pthread_mutex_unlock(&r->lock);
+    if (watch)
+        watch(&last, user);
+}
+
+/* Starts the workers, waits, and joins them. Signals are for the caller's threads, not for the workers. */
+static sp_status run_workers(run *r, int jobs, sp_study_watch watch, void *user, sp_error *err) {
+    pthread_t *thread = sp_alloc((size_t)jobs, sizeof *thread);
+    if (!thread)
+        return sp_fail_memory(err, (size_t)jobs * sizeof *thread);
+    sigset_t all, old;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &old);
+    int started = 0;
+    pthread_mutex_lock(&r->lock);
+    while (started < jobs && pthread_create(&thread[started], NULL, work, r) == 0)
+        started++;
+    r->working = started; /* known before any worker can count itself out: the lock is held */
+    pthread_mutex_unlock(&r->lock);
+    pthread_sigmask(SIG_SETMASK, &old, NULL);
+    if (started > 0)
+        wait_for_workers(r, watch, user);
+    for (int k = 0; k < started; k++)
+        pthread_join(thread[k], NULL);
+    sp_free(thread);
+    return started > 0 ? SP_OK : sp_fail(err, SP_EFAILED, "no thread could be started, of %d wanted", jobs);
+}
+
+static sp_status check(const sp_scene *scene, const sp_study_options *opt, const sp_study_sink *sink, sp_error *err) {
+    if (opt->jobs < 1 || opt->jobs > 4096)
+        return sp_fail(err, SP_EINVAL, "jobs = %d: 1 to 4096 threads", opt->jobs);
+    if (opt->shards < 1 || opt->shard < 1 || opt->shard > opt->shards)
+        return sp_fail(err, SP_EINVAL, "shard %d/%d: I/N with 1 <= I <= N", opt->shard, opt->shards);
+    if (!sink || !sink->save)
+        return sp_fail(err, SP_EINVAL, "study: nowhere to save samples");
+    if (scene->samples < 1)
+        return sp_fail(err, SP_EINVAL, "study.samples = %d: at least 1", scene->samples);
+    if (sp_study_count(scene) < 1)
+        return sp_fail(err, SP_EINVAL, "study.sweep: a sweep without values, or more than 2^63 samples");
+    return SP_OK;
+}
+
+static void make_locks(run *r) {
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_mutex_init(&r->lock, NULL);
+    pthread_mutex_init(&r->takes, NULL);
+    pthread_cond_init(&r->left, &attributes);
+    pthread_condattr_destroy(&attributes);
+}
+
+sp_status sp_study_run(const sp_scene *scene, const sp_study_options *opt, const sp_study_sink *sink,
+                       sp_study_watch watch, void *user, sp_study_progress *out, sp_error *err) {
+    sp_status status = check(scene, opt, sink, err);
+    if (status != SP_OK)
+        return status;
+    run r = {.study = scene, .sink = sink, .options = opt, .begun = sp_clock_wall()};
+    make_locks(&r);
+    status = sp_order_make(scene, opt->shard, opt->shards, &r.order, err);
+    if (status == SP_OK) {
+        r.progress.total = r.order.shard_count;
+        r.progress.cost = r.order.shard_cost;
+        if (r.progress.total > 0)
+            status =
+                run_workers(&r, opt->jobs < r.progress.total ? opt->jobs : (int)r.progress.total, watch, user, err);
+    }
+    if (status == SP_OK && r.status != SP_OK) {
+        status = r.status;
+        if (err)
+            *err = r.error;
+    } else if (status == SP_OK && atomic_load(&r.stop) && r.progress.done < r.progress.total) {
+        status = sp_fail(err, SP_EINTERRUPTED, "stopped with %lld of %lld samples done", (long long)r.progress.done,
+                         (long long)r.progress.total);
+    }
+    if (out)
+        *out = now(&r);
+    pthread_cond_destroy(&r.left);
+    pthread_mutex_destroy(&r.takes);
+    pthread_mutex_destroy(&r.lock);
+    sp_order_free(&r.order);
+    sp_free(r.later);
+    return status;
+}

@@ -1,0 +1,119 @@
+#include "ensemble/sample.h"
+
+#include "base/base.h"
+#include "ensemble/parts.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Measured at p = 1e-4 and 1e-7: marks within 2e-5 of those on a grid 20 times finer for packings of 200 and 600
+ * grains, within 7e-5 for a chain of 3 grains, at a cost of 2 ms; twice the spacing makes the errors three to five
+ * times larger. */
+double sp_front_spacing(double pressure) { return 0.1 * pow(pressure / 1e-4, -1.0 / 6); }
+
+sp_status sp_front_grid(const sp_network *net, sp_source source, double window, sp_signal_options *out, sp_error *err) {
+    double points = ceil(window / sp_front_spacing(net->pressure)) + 1;
+    if (!(points < 1e8))
+        return sp_fail(err, SP_EINVAL, "front: window %g at pressure %g needs %g points, at most 1e8", window,
+                       net->pressure, points);
+    sp_signal_options options = sp_signal_options_default();
+    options.method = SP_SIGNAL_CHEBYSHEV;
+    options.source = source;
+    options.until = window;
+    options.points = points > 3 ? (int32_t)points : 3;
+    *out = options;
+    return SP_OK;
+}
+
+sp_status sp_network_front(const sp_network *net, sp_source source, double window, sp_front *out, sp_error *err) {
+    if (!(window > 0))
+        window = sp_signal_window(net->box[net->dim - 1], net->pressure);
+    sp_signal_options options;
+    sp_signal signal = sp_signal_none();
+    sp_status status = sp_front_grid(net, source, window, &options, err);
+    if (status == SP_OK)
+        status = sp_signal_make(net, &options, &signal, err);
+    if (status == SP_OK) {
+        sp_front_options rule = sp_front_options_default();
+        status = sp_front_find(signal.n, signal.t, signal.f, &rule, out, err);
+    }
+    sp_signal_free(&signal);
+    return status;
+}
+
+sp_sample_arrays sp_sample_arrays_none(void) { return (sp_sample_arrays){.signal = sp_signal_none()}; }
+
+void sp_sample_arrays_free(sp_sample_arrays *a) {
+    sp_signal_free(&a->signal);
+    sp_free(a->omega);
+    *a = sp_sample_arrays_none();
+}
+
+static sp_status describe(const sp_scene *scene, sp_sample *sample, sp_error *err) {
+    sp_sample_name(scene, sample->name);
+    if (sample->name[0] == '\0')
+        return sp_fail_memory(err, 4096);
+    sample->kind = (int32_t)scene->pack.kind;
+    sample->dim = scene->pack.dim;
+    sample->grains = scene->pack.grains;
+    sample->width = scene->pack.width;
+    sample->pressure = scene->pack.pressure;
+    sample->friction = scene->pack.friction;
+    sample->seed = scene->pack.seed;
+    sample->material = sp_sample_material(scene);
+    if (sample->material == 0)
+        return sp_fail_memory(err, 4096);
+    sample->failed = false;
+    sample->reason[0] = '\0';
+    return SP_OK;
+}
+
+/* Whether a status says something about the sample, so that it would fail again. */
+static bool of_the_sample(sp_status status) {
+    return status == SP_EFAILED || status == SP_EREFUSED || status == SP_EINVAL || status == SP_EFORMAT;
+}
+
+sp_status sp_sample_make_with(const sp_scene *given, unsigned want, const sp_pack_hooks *hooks, sp_packing *packing,
+                              sp_sample *sample, sp_sample_arrays *arrays, sp_error *err) {
+    sp_error reason = {0};
+    sp_scene resolved = *given, *scene = &resolved;
+    sp_status status = sp_scene_resolve(scene, err);
+    if (status == SP_OK)
+        status = describe(scene, sample, err);
+    if (status != SP_OK)
+        return status;
+    want = sp_want_parts(want);
+    if (want & SP_WANT_PROBES) /* whose ratios are over the moduli */
+        want |= SP_WANT_MODULI;
+    if (want & SP_WANT_MODULI) /* which take their Phi3* from there */
+        want |= SP_WANT_STATICS;
+    if (packing->n == 0) {
+        sample->have = 0;
+        sample->height = NAN;
+        status = sp_packing_make_with(&scene->pack, hooks, packing, &reason);
+    }
+    if (status == SP_OK && !packing->scene && !(packing->scene = sp_scene_text(scene, NULL)))
+        status = sp_fail_memory(&reason, 4096);
+    if (status == SP_OK) {
+        sample->height = sp_packing_height(packing);
+        sample->have = sp_sample_parts(scene, sample);
+        unsigned missing = want & ~sample->have;
+        if (!arrays)
+            missing &= ~(unsigned)(SP_WANT_SIGNAL | SP_WANT_SPECTRUM);
+        status = sp_parts_make(scene, missing, packing, sample, arrays, &reason);
+    }
+    if (of_the_sample(status)) {
+        sample->failed = true;
+        snprintf(sample->reason, sizeof sample->reason, "%.255s", reason.text);
+    }
+    if (status != SP_OK && err)
+        *err = reason;
+    return status;
+}
+
+sp_status sp_sample_make(const sp_scene *scene, unsigned want, sp_packing *packing, sp_sample *sample,
+                         sp_sample_arrays *arrays, sp_error *err) {
+    const sp_pack_hooks hooks = {0};
+    return sp_sample_make_with(scene, want, &hooks, packing, sample, arrays, err);
+}

@@ -1,0 +1,60 @@
+/* Mean and scatter of signals, one at a time. */
+#include "base/base.h"
+
+#include <math.h>
+#include <sonopack/study/study.h>
+#include <string.h>
+
+/* Times of one grid differ by rounding, over the last of them. */
+static const double same_time = 1e-12;
+
+sp_signals sp_signals_none(void) { return (sp_signals){0}; }
+
+void sp_signals_free(sp_signals *s) {
+    sp_free(s->t);
+    *s = sp_signals_none();
+}
+
+static sp_status start(sp_signals *s, int32_t points, const double *t, sp_error *err) {
+    if (points < 1)
+        return sp_fail(err, SP_EINVAL, "a signal of %d points: must be 1 or more", points);
+    const size_t n = (size_t)points;
+    double *memory = sp_alloc(3 * n, sizeof *memory); /* zeros */
+    if (!memory)
+        return sp_fail_memory(err, 3 * n * sizeof *memory);
+    memcpy(memory, t, n * sizeof *memory);
+    *s = (sp_signals){.points = points, .t = memory, .mean = memory + n, .squares = memory + 2 * n};
+    return SP_OK;
+}
+
+static sp_status check_times(const sp_signals *s, int32_t points, const double *t, sp_error *err) {
+    if (points != s->points)
+        return sp_fail(err, SP_EREFUSED, "a signal of %d points: must be %d as those before", points, s->points);
+    const double most = same_time * fabs(s->t[points - 1]);
+    for (int32_t k = 0; k < points; k++)
+        if (!(fabs(t[k] - s->t[k]) <= most))
+            return sp_fail(err, SP_EREFUSED, "time %d of a signal to %.15g is %.15g: must be %.15g as in those before",
+                           k + 1, t[points - 1], t[k], s->t[k]);
+    return SP_OK;
+}
+
+sp_status sp_signals_add(sp_signals *s, int32_t points, const double *t, const double *f, sp_error *err) {
+    sp_status status = s->count == 0 ? start(s, points, t, err) : check_times(s, points, t, err);
+    if (status != SP_OK)
+        return status;
+    s->count++;
+    for (int32_t k = 0; k < points; k++) {
+        const double deviation = f[k] - s->mean[k];
+        s->mean[k] += deviation / (double)s->count;
+        s->squares[k] += deviation * (f[k] - s->mean[k]);
+    }
+    return SP_OK;
+}
+
+double sp_signals_rms(const sp_signals *s, int32_t k) {
+    return s->count > 1 ? sqrt(s->squares[k] / (double)s->count) : NAN;
+}
+
+double sp_signals_mean_err(const sp_signals *s, int32_t k) {
+    return s->count > 1 ? sqrt(s->squares[k] / ((double)(s->count - 1) * (double)s->count)) : NAN;
+}

@@ -1,0 +1,340 @@
+#include "base/base.h"
+#include "ensemble/groups.h"
+#include "ensemble/speed.h"
+#include "numeric/interval.h"
+#include "numeric/statistics.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* One averaged quantity: where a sample keeps it, and what it is divided by there. */
+typedef struct quantity {
+    char name[24];
+    const char *unit;
+    size_t offset, over; /* over = 0: nothing */
+} quantity;
+
+enum { QUANTITIES_MAX = 16 };
+
+/* What the tables of means have of each quantity. */
+enum { MEAN = 0, SD, ERROR, LOW, HIGH, COLUMNS };
+
+static const quantity statics_columns[] = {{"Phi2", "", offsetof(sp_sample, statics.phi2), 0},
+                                           {"Phi3", "", offsetof(sp_sample, statics.phi3), 0},
+                                           {"Phi3s", "", offsetof(sp_sample, statics.phi3s), 0},
+                                           {"zs", "", offsetof(sp_sample, statics.zs), 0},
+                                           {"f0", "%", offsetof(sp_sample, statics.f0), 0},
+                                           {"N_over_p", "", offsetof(sp_sample, statics.n_over_p), 0},
+                                           {"Z2", "", offsetof(sp_sample, statics.z2), 0},
+                                           {"Z3", "", offsetof(sp_sample, statics.z3), 0},
+                                           {"F2", "", offsetof(sp_sample, statics.f2), 0},
+                                           {"F2S", "", offsetof(sp_sample, statics.f2s), 0},
+                                           {"s1_over_s2", "", offsetof(sp_sample, statics.s1_over_s2), 0},
+                                           {"s12_over_s2", "", offsetof(sp_sample, statics.s12_over_s2), 0},
+                                           {"mobilised", "", offsetof(sp_sample, statics.mobilised), 0}};
+
+/* What a sample in three dimensions has besides. */
+static const quantity statics_3d_columns[] = {{"s32_over_s2", "", offsetof(sp_sample, statics.s32_over_s2), 0}};
+
+static const quantity moduli_columns[] = {{"C11", "E*", offsetof(sp_sample, moduli.c11), 0},
+                                          {"C12", "E*", offsetof(sp_sample, moduli.c12), 0},
+                                          {"C22", "E*", offsetof(sp_sample, moduli.c22), 0},
+                                          {"C33", "E*", offsetof(sp_sample, moduli.c33), 0},
+                                          {"c_l", "sqrt(E* / rho)", offsetof(sp_sample, moduli.c_l), 0},
+                                          {"c_t", "sqrt(E* / rho)", offsetof(sp_sample, moduli.c_t), 0}};
+
+/* What a sample in three dimensions has besides. */
+static const quantity moduli_3d_columns[] = {{"C13", "E*", offsetof(sp_sample, moduli.c13), 0},
+                                             {"C23", "E*", offsetof(sp_sample, moduli.c23), 0},
+                                             {"C44", "E*", offsetof(sp_sample, moduli.c44), 0},
+                                             {"C55", "E*", offsetof(sp_sample, moduli.c55), 0},
+                                             {"C66", "E*", offsetof(sp_sample, moduli.c66), 0}};
+
+static double value_of(const sp_sample *s, const quantity *q) {
+    double value, over = 1;
+    memcpy(&value, (const char *)s + q->offset, sizeof value);
+    if (q->over > 0) {
+        memcpy(&over, (const char *)s + q->over, sizeof over);
+        if (!(s->have & SP_WANT_MODULI))
+            return NAN;
+    }
+    return value / over;
+}
+
+static sp_status means_columns(int quantities, const quantity *q, sp_table *t, sp_error *err) {
+    sp_status status = sp_table_add_column(t, "p", "E*", SP_CELL_NUMBER, err);
+    if (status == SP_OK)
+        status = sp_table_add_column(t, "grains", "", SP_CELL_INTEGER, err);
+    if (status == SP_OK)
+        status = sp_table_add_column(t, "samples", "", SP_CELL_INTEGER, err);
+    static const char *const end[COLUMNS] = {"", "_sd", "_err", "_low", "_high"};
+    for (int k = 0; k < COLUMNS * quantities && status == SP_OK; k++) {
+        const quantity *of = &q[k / COLUMNS];
+        char name[40];
+        snprintf(name, sizeof name, "%.23s%s", of->name, end[k % COLUMNS]);
+        status = sp_table_add_column(t, name, of->unit, SP_CELL_NUMBER, err);
+    }
+    return status;
+}
+
+/* A table of means under way. */
+typedef struct averaged {
+    unsigned part;
+    int quantities;
+    quantity q[QUANTITIES_MAX];
+    sp_interval_options interval;
+    double *x; /* values of the samples, quantity by quantity */
+} averaged;
+
+/* A value that one sample does not have is none of a mean: leaving the sample out would choose among the samples. */
+static sp_status explain_no_means(const sp_sample *row, int64_t samples, const averaged *a, sp_table *t,
+                                  sp_error *err) {
+    char list[400] = "";
+    size_t used = 0;
+    int64_t most = 0;
+    for (int k = 0; k < a->quantities; k++) {
+        int64_t none = 0;
+        if (a->q[k].offset == offsetof(sp_sample, statics.mobilised) && !(row->friction > 0))
+            continue; /* nobody expects friction to be mobilised where there is none */
+        for (int64_t i = 0; i < samples; i++)
+            none += !isfinite(a->x[k * samples + i]);
+        most = none > most ? none : most;
+        if (none > 0 && used < sizeof list)
+            used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", used > 0 ? ", " : "", a->q[k].name);
+    }
+    if (most == 0)
+        return SP_OK;
+    return sp_table_add_comment(t, err, "p = %.6g, %d grains: up to %lld of %lld samples have no %s%s", row->pressure,
+                                row->grains, (long long)most, (long long)samples, list,
+                                a->part == SP_WANT_STATICS ? " (a box below six diameters has no bulk, a "
+                                                             "sample of an earlier version no s12_over_s2)"
+                                : !(row->friction > 0)     ? " (walls do not grip grains without friction)"
+                                                           : "");
+}
+
+/* One row: each quantity over the samples of one pressure and size that have the part. */
+static sp_status add_means(int64_t n, const sp_sample *const *s, const averaged *a, sp_table *t, sp_error *err) {
+    double row[3 + COLUMNS * QUANTITIES_MAX] = {s[0]->pressure, s[0]->grains};
+    const double *x[QUANTITIES_MAX];
+    sp_interval interval[QUANTITIES_MAX];
+    int64_t samples = 0;
+    for (int64_t i = 0; i < n; i++)
+        samples += (s[i]->have & a->part) != 0;
+    if (samples == 0 && sp_samples_failed(n, s) == 0 && sp_samples_lacking(n, s, a->part) == 0)
+        return SP_OK; /* nobody asked for this part */
+    row[2] = (double)samples;
+    for (int k = 0; k < a->quantities; k++) {
+        double *to = a->x + k * samples;
+        x[k] = to;
+        for (int64_t i = 0; i < n; i++)
+            if (s[i]->have & a->part)
+                *to++ = value_of(s[i], &a->q[k]);
+    }
+    sp_status status = sp_intervals_of_means(samples, a->quantities, x, &a->interval, interval, err);
+    for (int k = 0; k < a->quantities && status == SP_OK; k++) {
+        double *of = row + 3 + COLUMNS * k;
+        of[MEAN] = sp_mean(samples, x[k]);
+        of[SD] = sp_sd(samples, x[k]);
+        of[ERROR] = sp_standard_error(samples, x[k]);
+        of[LOW] = interval[k].low;
+        of[HIGH] = interval[k].high;
+    }
+    if (status == SP_OK)
+        status = explain_no_means(s[0], samples, a, t, err);
+    return status == SP_OK ? sp_table_add_numbers(t, row, err) : status;
+}
+
+/* Ratios to the moduli of global strain (Tables IV and V of Somfai et al. 2005), then the apparent moduli. */
+static int probe_quantities(int dim, quantity *q) {
+    static const char *const probe[SP_PROBES] = {"sine1", "sine2", "lines1", "lines3"};
+    static const char *const modulus[2][2] = {{"C22", "C33"}, {"C33", "C55"}};
+    const bool space = dim == 3;
+    const size_t global[2] = {space ? offsetof(sp_sample, moduli.c33) : offsetof(sp_sample, moduli.c22),
+                              space ? offsetof(sp_sample, moduli.c55) : offsetof(sp_sample, moduli.c33)};
+    int count = 0;
+    for (int apparent = 0; apparent < 2; apparent++)
+        for (int k = 0; k < SP_PROBES; k++)
+            for (int shear = 0; shear < 2; shear++) {
+                quantity *one = &q[count++];
+                *one = (quantity){.unit = apparent ? "E*" : "", .over = apparent ? 0 : global[shear]};
+                snprintf(one->name, sizeof one->name, "%s_%s%s", modulus[space][shear], probe[k],
+                         apparent ? "" : "_ratio");
+                one->offset = offsetof(sp_sample, probe) + (size_t)k * sizeof(sp_probed) +
+                              (shear ? offsetof(sp_probed, shear) : offsetof(sp_probed, along));
+            }
+    return count;
+}
+
+/* The quantities of a part; samples of one table are of one dimension. */
+static int quantities_of(unsigned part, int dim, quantity *q) {
+    enum { STATICS = sizeof statics_columns / sizeof *q, MODULI = sizeof moduli_columns / sizeof *q };
+    enum { SPACE = sizeof moduli_3d_columns / sizeof *q, SPACE_STATICS = sizeof statics_3d_columns / sizeof *q };
+    switch (part) {
+    case SP_WANT_STATICS:
+        memcpy(q, statics_columns, sizeof statics_columns);
+        if (dim == 3)
+            memcpy(q + STATICS, statics_3d_columns, sizeof statics_3d_columns);
+        return STATICS + (dim == 3 ? SPACE_STATICS : 0);
+    case SP_WANT_PROBES: return probe_quantities(dim, q);
+    default:
+        memcpy(q, moduli_columns, sizeof moduli_columns);
+        if (dim == 3)
+            memcpy(q + MODULI, moduli_3d_columns, sizeof moduli_3d_columns);
+        return MODULI + (dim == 3 ? SPACE : 0);
+    }
+}
+
+/* A grain that hangs loose takes most of the energy of a body force, and the modulus is then that of its contacts. */
+static sp_status explain_probes(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err) {
+    int64_t loose = 0;
+    for (int64_t k = 0; k < n; k++)
+        loose += s[k]->have & SP_WANT_PROBES &&
+                 (s[k]->probe[SP_SINE_1].concentrated > 0.5 || s[k]->probe[SP_SINE_2].concentrated > 0.5);
+    sp_status status = sp_table_add_comment(t, err, "_ratio: over the moduli of global strain, sample by sample");
+    if (status == SP_OK && loose > 0)
+        status = sp_table_add_comment(t, err,
+                                      "loose = %lld samples in which one grain takes more than half of the energy of a "
+                                      "sine; they are in the means",
+                                      (long long)loose);
+    return status;
+}
+
+static sp_status fill_means(int64_t n, const sp_sample *const *s, unsigned part, double level, sp_table *t,
+                            sp_error *err) {
+    averaged a = {.part = part, .interval = sp_interval_options_default()};
+    a.interval.level = level;
+    a.quantities = quantities_of(part, n > 0 ? s[0]->dim : 2, a.q);
+    a.x = sp_alloc((size_t)n, (size_t)a.quantities * sizeof *a.x);
+    if (!a.x)
+        return sp_fail_memory(err, (size_t)n * (size_t)a.quantities * sizeof *a.x);
+    sp_status status = means_columns(a.quantities, a.q, t, err);
+    for (int64_t begin = 0, end; begin < n && status == SP_OK; begin = end) {
+        end = sp_size_end(n, s, begin);
+        status = add_means(end - begin, s + begin, &a, t, err);
+    }
+    if (status == SP_OK)
+        status = sp_table_add_comment(t, err,
+                                      "means over the samples, one standard deviation of the samples (_sd), the "
+                                      "standard error of the mean (_err)");
+    if (status == SP_OK)
+        status = sp_interval_comment(t, level, "the mean", err);
+    if (status == SP_OK && part == SP_WANT_PROBES)
+        status = explain_probes(n, s, t, err);
+    sp_free(a.x);
+    return status;
+}
+
+static sp_status ensemble_columns(sp_table *t, sp_error *err) {
+    static const struct {
+        const char *name, *unit;
+        sp_cell_kind kind;
+    } first[] = {{"p", "E*", SP_CELL_NUMBER},
+                 {"grains", "", SP_CELL_INTEGER},
+                 {"seed", "", SP_CELL_INTEGER},
+                 {"height", "d", SP_CELL_NUMBER},
+                 {"t10", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                 {"t_peak", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                 {"t_zero", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                 {"amplitude", "E* d^2", SP_CELL_NUMBER},
+                 {"width", "d/sqrt(E* / rho)", SP_CELL_NUMBER}},
+      last[] = {{"dimension", "", SP_CELL_INTEGER}, {"Lx", "d", SP_CELL_NUMBER},  {"friction", "", SP_CELL_NUMBER},
+                {"failed", "", SP_CELL_INTEGER},    {"reason", "", SP_CELL_TEXT}, {"name", "", SP_CELL_TEXT}};
+    sp_status status = SP_OK;
+    for (size_t k = 0; k < sizeof first / sizeof *first && status == SP_OK; k++)
+        status = sp_table_add_column(t, first[k].name, first[k].unit, first[k].kind, err);
+    for (size_t k = 0; k < sizeof statics_columns / sizeof *statics_columns && status == SP_OK; k++)
+        status = sp_table_add_column(t, statics_columns[k].name, statics_columns[k].unit, SP_CELL_NUMBER, err);
+    for (size_t k = 0; k < sizeof moduli_columns / sizeof *moduli_columns && status == SP_OK; k++)
+        status = sp_table_add_column(t, moduli_columns[k].name, moduli_columns[k].unit, SP_CELL_NUMBER, err);
+    for (size_t k = 0; k < sizeof last / sizeof *last && status == SP_OK; k++)
+        status = sp_table_add_column(t, last[k].name, last[k].unit, last[k].kind, err);
+    return status;
+}
+
+/* One row of everything; NAN for parts that are not there. */
+static sp_status add_sample(const sp_sample *s, sp_table *t, sp_error *err) {
+    const sp_front none = {NAN, NAN, NAN, NAN, NAN, 0};
+    const sp_front f = s->have & SP_WANT_CTOF ? s->front : none;
+    double v[QUANTITIES_MAX], c[QUANTITIES_MAX];
+    for (size_t k = 0; k < sizeof statics_columns / sizeof *statics_columns; k++)
+        v[k] = s->have & SP_WANT_STATICS ? value_of(s, &statics_columns[k]) : NAN;
+    for (size_t k = 0; k < sizeof moduli_columns / sizeof *moduli_columns; k++)
+        c[k] = s->have & SP_WANT_MODULI ? value_of(s, &moduli_columns[k]) : NAN;
+    const char *reason = s->reason[0] ? s->reason : "-"; /* of a failure, or of a part that it lacks */
+    return sp_table_add_row(t, err, s->pressure, (int64_t)s->grains, (int64_t)s->seed, s->height, f.t10, f.t_peak,
+                            f.t_zero, f.amplitude, f.width, v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9],
+                            v[10], v[11], v[12], c[0], c[1], c[2], c[3], c[4], c[5], (int64_t)s->dim, s->width,
+                            s->friction, (int64_t)s->failed, reason, (const char *)s->name);
+}
+
+static sp_status fill_ensemble(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err) {
+    sp_status status = ensemble_columns(t, err);
+    for (int64_t k = 0; k < n && status == SP_OK; k++)
+        status = add_sample(s[k], t, err);
+    return status;
+}
+
+sp_table_options sp_table_options_default(void) {
+    return (sp_table_options){.level = sp_interval_options_default().level};
+}
+
+static sp_status explain_missing(int64_t n, const sp_sample *const *s, unsigned part, sp_table *t, sp_error *err) {
+    const int64_t lacking = sp_samples_lacking(n, s, part);
+    sp_status status = sp_table_add_comment(t, err, "failed = %lld", (long long)sp_samples_failed(n, s));
+    if (status == SP_OK && lacking > 0)
+        status = sp_table_add_comment(t, err,
+                                      "lacking = %lld samples with a packing, but without what they should have here: "
+                                      "reasons in the table ensemble",
+                                      (long long)lacking);
+    return status;
+}
+
+sp_status sp_study_table(const char *table, int64_t n, const sp_sample *samples, const sp_table_options *opt,
+                         sp_table *out, sp_error *err) {
+    static const char *const names[] = {"ctof", "scaling", "planes", "statics", "moduli", "probes", "ensemble"};
+    enum { CTOF, SCALING, PLANES, STATICS, MODULI, PROBED, ENSEMBLE, TABLES };
+    static const unsigned parts[] = {SP_WANT_CTOF,   SP_WANT_CTOF, SP_WANT_PLANES, SP_WANT_STATICS, SP_WANT_MODULI,
+                                     SP_WANT_PROBES, ~0u};
+    int which = 0;
+    while (which < TABLES && strcmp(table, names[which]) != 0)
+        which++;
+    if (which == TABLES)
+        return sp_fail(err, SP_EINVAL, "table \"%s\": ctof, scaling, planes, statics, moduli, probes or ensemble",
+                       table);
+    const double level = opt ? opt->level : sp_table_options_default().level;
+    sp_table t = sp_table_none();
+    const sp_sample **sorted = NULL;
+    int64_t count = 0;
+    sp_status status = sp_level_check(level, err);
+    if (status == SP_OK)
+        status = sp_samples_sorted(n, samples, &sorted, &count, err);
+    if (status == SP_OK && (which == SCALING || which == PLANES))
+        status = sp_samples_by_material(count, sorted, err);
+    else if (status == SP_OK && which != ENSEMBLE)
+        status = sp_samples_alike(count, sorted, err);
+    if (status != SP_OK)
+        goto out;
+    switch (which) {
+    case CTOF: status = sp_ctof_fill(count, sorted, level, &t, err); break;
+    case SCALING:
+    case PLANES: status = sp_scaling_fill(count, sorted, which == PLANES, level, &t, err); break;
+    case STATICS: status = fill_means(count, sorted, SP_WANT_STATICS, level, &t, err); break;
+    case MODULI: status = fill_means(count, sorted, SP_WANT_MODULI, level, &t, err); break;
+    case PROBED: status = fill_means(count, sorted, SP_WANT_PROBES, level, &t, err); break;
+    default: status = fill_ensemble(count, sorted, &t, err); break;
+    }
+    if (status == SP_OK && count > 0 && t.rows == 0)
+        status = sp_table_add_comment(&t, err, "no row: none of %lld samples has %s", (long long)count,
+                                      which == PLANES ? "a front at a plane inside of it" : "such results");
+    if (status == SP_OK)
+        status = explain_missing(count, sorted, parts[which], &t, err);
+    if (status != SP_OK)
+        goto out;
+    *out = t;
+    t = sp_table_none();
+out:
+    sp_table_free(&t);
+    sp_free(sorted);
+    return status;
+}

@@ -1,0 +1,130 @@
+#include "store/h5.h"
+
+#include "base/base.h"
+
+#include "base/file.h"
+#include <sonopack/study/store.h>
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static pthread_mutex_t library = PTHREAD_MUTEX_INITIALIZER;
+
+/* ---- enter, leave, and reasons --------------------------------------------------------------------------------- */
+
+static void enter(sp_h5 *h, const char *path) {
+    pthread_mutex_lock(&library);
+    *h = (sp_h5){.file = H5I_INVALID_HID, .path = path};
+    H5Eget_auto2(H5E_DEFAULT, &h->handler, &h->handler_data);
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+}
+
+void sp_h5_close(sp_h5 *h) {
+    if (h->file >= 0)
+        H5Fclose(h->file); /* strong: closes what is open in it; what counts was flushed and checked before */
+    H5Eclear2(H5E_DEFAULT);
+    H5Eset_auto2(H5E_DEFAULT, h->handler, h->handler_data);
+    h->file = H5I_INVALID_HID;
+    pthread_mutex_unlock(&library);
+}
+
+/* The innermost reason of the library's error stack. */
+static herr_t innermost(unsigned n, const H5E_error2_t *entry, void *out) {
+    if (n == 0 && entry->desc)
+        snprintf(out, 200, "%s", entry->desc);
+    return 0;
+}
+
+sp_status sp_h5_fail(const sp_h5 *h, sp_error *err, sp_status status, const char *format, ...) {
+    char what[600], reason[200] = "";
+    va_list args;
+    va_start(args, format);
+    vsnprintf(what, sizeof what, format, args);
+    va_end(args);
+    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, innermost, reason);
+    H5Eclear2(H5E_DEFAULT);
+    if (*reason)
+        return sp_fail(err, status, "%s: %s (HDF5: %s)", h->path, what, reason);
+    return sp_fail(err, status, "%s: %s", h->path, what);
+}
+
+size_t sp_h5_type_size(sp_h5_type type) {
+    switch (type) {
+    case SP_H5_F64:
+    case SP_H5_I64:
+    case SP_H5_U64: return 8;
+    case SP_H5_I32: return 4;
+    case SP_H5_U8: return 1;
+    }
+    return 0;
+}
+
+hid_t sp_h5_memory_type(sp_h5_type type) {
+    switch (type) {
+    case SP_H5_F64: return H5T_NATIVE_DOUBLE;
+    case SP_H5_I32: return H5T_NATIVE_INT32;
+    case SP_H5_I64: return H5T_NATIVE_INT64;
+    case SP_H5_U64: return H5T_NATIVE_UINT64;
+    case SP_H5_U8: return H5T_NATIVE_UINT8;
+    }
+    return H5I_INVALID_HID;
+}
+
+/* Properties for files: the format of HDF5 1.8, whose object headers carry checksums; no file locks, since a file never
+ * changes. */
+static hid_t file_access(bool memory) {
+    hid_t fapl = H5Pcreate(H5P_FILE_ACCESS);
+    if (fapl >= 0 && (H5Pset_fclose_degree(fapl, H5F_CLOSE_STRONG) < 0 || H5Pset_file_locking(fapl, false, true) < 0 ||
+                      (memory && (H5Pset_libver_bounds(fapl, H5F_LIBVER_V18, H5F_LIBVER_V18) < 0 ||
+                                  H5Pset_fapl_core(fapl, (size_t)1 << 20, false) < 0)))) {
+        H5Pclose(fapl);
+        fapl = H5I_INVALID_HID;
+    }
+    return fapl;
+}
+
+sp_status sp_h5_create(sp_h5 *h, const char *path, sp_error *err) {
+    enter(h, path);
+    hid_t fapl = file_access(true), fcpl = H5Pcreate(H5P_FILE_CREATE);
+    if (fapl >= 0 && fcpl >= 0 && H5Pset_obj_track_times(fcpl, false) >= 0)
+        h->file = H5Fcreate("sonopack", H5F_ACC_TRUNC, fcpl, fapl);
+    sp_status status =
+        h->file >= 0 ? SP_OK : sp_h5_fail(h, err, SP_ENOMEM, "no memory: cannot make an HDF5 file there");
+    H5Pclose(fcpl);
+    H5Pclose(fapl);
+    return status;
+}
+
+void sp_hdf5_exit_silently(void) { H5dont_atexit(); }
+
+/* A file that cannot be reached is not damaged; and of a pipe or a device the library would never see the end. */
+static sp_status look_at_file(const char *path, sp_error *err) {
+    struct stat info;
+    if (stat(path, &info) != 0 || (S_ISREG(info.st_mode) && access(path, R_OK) != 0))
+        return sp_fail(err, SP_EIO, "cannot read %s: %s", path, strerror(errno));
+    if (!S_ISREG(info.st_mode))
+        return sp_fail(err, SP_EFORMAT, "%s: not a regular file, which an HDF5 file must be", path);
+    return SP_OK;
+}
+
+sp_status sp_h5_open(sp_h5 *h, const char *path, sp_error *err) {
+    enter(h, path);
+    sp_status seen = look_at_file(path, err);
+    if (seen != SP_OK)
+        return seen;
+    hid_t fapl = file_access(false);
+    hsize_t size = 0;
+    if (fapl >= 0)
+        h->file = H5Fopen(path, H5F_ACC_RDONLY, fapl);
+    sp_status status = SP_OK;
+    if (h->file < 0 || H5Fget_filesize(h->file, &size) < 0)
+        status = sp_h5_fail(h, err, SP_EFORMAT, "not an intact HDF5 file");
+    H5Pclose(fapl); /* after the reason was taken, which the next call clears */
+    h->size = size;
+    return status;
+}

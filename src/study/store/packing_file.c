@@ -1,0 +1,75 @@
+/* Reading a packing file of either kind. */
+#include "base/base.h"
+#include "base/file.h"
+#include "store/packing_h5.h"
+#include "store/packing_text.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <sonopack/study/store.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* HDF5's signature stands at the start, or behind a user block of 512, 1024, 2048, ... bytes. */
+static bool has_signature(int fd, int64_t size) {
+    char head[8];
+    for (int64_t at = 0; at + 8 <= size; at = at ? 2 * at : 512)
+        if (pread(fd, head, sizeof head, at) == (ssize_t)sizeof head && memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0)
+            return true;
+    return false;
+}
+
+static sp_status is_hdf5(const char *path, bool *yes, sp_error *err) {
+    struct stat info;
+    int fd = -1, code = stat(path, &info) != 0 ? errno : S_ISDIR(info.st_mode) ? EISDIR : 0;
+    *yes = false;
+    if (code == 0 && S_ISREG(info.st_mode)) { /* a pipe can be opened and read once only: it is taken for text */
+        fd = open(path, O_RDONLY | O_CLOEXEC);
+        code = fd < 0 ? errno : 0;
+        *yes = fd >= 0 && has_signature(fd, info.st_size);
+    }
+    if (fd >= 0)
+        close(fd);
+    return code ? sp_fail(err, SP_EIO, "cannot read %s: %s", path, strerror(code)) : SP_OK;
+}
+
+static sp_status read_hdf5(const char *path, sp_packing *out, sp_error *err) {
+    sp_h5 h;
+    sp_status status = sp_h5_open(&h, path, err);
+    if (status == SP_OK)
+        status = sp_packing_get(&h, out, err);
+    sp_h5_close(&h);
+    return status;
+}
+
+static sp_status read_text(const char *path, sp_packing *out, sp_error *err) {
+    char *text = NULL;
+    size_t size = 0;
+    sp_packing p = sp_packing_none();
+    sp_status status = sp_file_read_text(path, &text, &size, err);
+    if (status == SP_OK && !sp_packing_text_looks(text))
+        status = sp_fail(err, SP_EFORMAT,
+                         "%s: neither an HDF5 packing nor its text form, whose header is 'N 600 Lx 24 Ly ...'", path);
+    if (status == SP_OK)
+        status = sp_packing_text_parse(path, text, size, &p, err);
+    sp_free(text);
+    if (status == SP_OK) {
+        status = sp_packing_check(&p, err);
+        if (status != SP_OK)
+            sp_fail_prefix(err, "%s", path);
+    }
+    if (status == SP_OK)
+        *out = p;
+    else
+        sp_packing_free(&p);
+    return status;
+}
+
+sp_status sp_packing_read(const char *path, sp_packing *out, sp_error *err) {
+    bool hdf5;
+    sp_status status = is_hdf5(path, &hdf5, err);
+    if (status != SP_OK)
+        return status;
+    return hdf5 ? read_hdf5(path, out, err) : read_text(path, out, err);
+}

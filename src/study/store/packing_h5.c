@@ -1,0 +1,327 @@
+/* A packing as HDF5: H5MD's groups for grains and box, its connectivity for pairs in contact, and /sonopack for what
+ * H5MD has no name for. docs/file-format.md describes the layout. */
+#include "store/packing_h5.h"
+
+#include "base/base.h"
+#include "base/file.h"
+#include "packing/contact.h"
+
+#include <sonopack/study/store.h>
+#include <sonopack/version.h>
+#include <string.h>
+
+static const sp_h5_name name_position = {"/particles/grains/position/value", "d", "centres of the grains"};
+static const sp_h5_name name_step = {"/particles/grains/position/step", "1", "steps of the compression; 0 if unknown"};
+static const sp_h5_name name_time = {"/particles/grains/position/time", "d / sqrt(E* / rho)",
+                                     "time; 0, for a packing is at rest"};
+static const sp_h5_name name_radius = {"/particles/grains/radius", "d", "radii of the grains"};
+static const sp_h5_name name_mass = {"/particles/grains/mass", "rho d^3", "masses: spheres of unit density"};
+static const sp_h5_name name_edges = {"/particles/grains/box/edges", "d",
+                                      "lengths of the box; the last is the height between the walls"};
+static const sp_h5_name name_pairs = {"/connectivity/contacts", "1",
+                                      "grains i, j of each contact, from 0; j = -1: bottom wall, -2: top wall"};
+static const sp_h5_name name_normal = {"/sonopack/contacts/normal", "1", "unit normals, from i to j"};
+static const sp_h5_name name_overlap = {"/sonopack/contacts/overlap", "d",
+                                        "R_i + R_j - r_ij, or R_i - distance to wall"};
+static const sp_h5_name name_fn = {"/sonopack/contacts/normal_force", "E* d^2", "normal elastic force, >= 0"};
+static const sp_h5_name name_ft = {"/sonopack/contacts/tangential_force", "E* d^2", "tangential elastic force on i"};
+static const sp_h5_name name_rattler = {"/sonopack/rattler", "1",
+                                        "1: fewer than the force-carrying contacts (F_n > 1e-4 p) that hold a grain"};
+static const sp_h5_name name_dim = {"/sonopack/dimension", "1", "dimension: 1, 2 or 3; the last axis is up"};
+static const sp_h5_name name_wall = {"/sonopack/wall", "1",
+                                     "walls are 'rigid' planes, or springs like those to a fixed identical 'grain'"};
+static const sp_h5_name name_scene = {"/sonopack/scene", "1", "the scene that made the packing, with every value"};
+
+static const sp_h5_field field[] = {
+    {{"/sonopack/pressure", "E*", "force on a wall over its area"}, SP_H5_F64, offsetof(sp_packing, pressure)},
+    {{"/sonopack/friction", "1", "Coulomb's coefficient mu"}, SP_H5_F64, offsetof(sp_packing, friction)},
+    {{"/sonopack/poisson", "1", "Poisson ratio of the grain material"}, SP_H5_F64, offsetof(sp_packing, poisson)},
+    {{"/sonopack/seed", "1", "seed of the random streams; 0 if unknown"}, SP_H5_U64, offsetof(sp_packing, seed)},
+    {{"/sonopack/steps", "1", "time steps of the compression; 0 if unknown"}, SP_H5_I64, offsetof(sp_packing, steps)},
+    {{"/sonopack/residual", "E* / (rho d)", "largest elastic acceleration at the end (angular: times R)"},
+     SP_H5_F64,
+     offsetof(sp_packing, residual)},
+};
+enum { FIELDS = sizeof field / sizeof *field };
+
+sp_status sp_h5_put_fields(sp_h5 *h, int count, const sp_h5_field *f, const void *from, sp_error *err) {
+    const sp_h5_shape single = {0};
+    for (int k = 0; k < count; k++) {
+        sp_status status = sp_h5_put(h, &f[k].name, f[k].type, &single, (const char *)from + f[k].offset, err);
+        if (status != SP_OK)
+            return status;
+    }
+    return SP_OK;
+}
+
+sp_status sp_h5_get_fields(sp_h5 *h, int count, const sp_h5_field *f, void *to, sp_error *err) {
+    const sp_h5_shape single = {0};
+    for (int k = 0; k < count; k++) {
+        sp_status status = sp_h5_get(h, f[k].name.path, f[k].type, &single, (char *)to + f[k].offset, err);
+        if (status != SP_OK)
+            return status;
+    }
+    return SP_OK;
+}
+
+/* ---- writing --------------------------------------------------------------------------------------------------- */
+
+static sp_status put_groups(sp_h5 *h, int dim, sp_error *err) {
+    static const char *const group[] = {"/h5md",
+                                        "/h5md/author",
+                                        "/h5md/creator",
+                                        "/particles",
+                                        "/particles/grains",
+                                        "/particles/grains/box",
+                                        "/connectivity",
+                                        "/particles/grains/position",
+                                        "/sonopack",
+                                        "/sonopack/contacts"};
+    static const char *const version = SONOPACK_VERSION, *const us = "sonopack", *const nobody = "unknown";
+    const char *boundary[3] = {"periodic", "periodic", "periodic"};
+    boundary[dim - 1] = "none";
+    const int32_t h5md[2] = {1, 1}, format = SP_H5_FORMAT, dimension = dim;
+    sp_status status = SP_OK;
+    for (size_t k = 0; status == SP_OK && k < sizeof group / sizeof *group; k++)
+        status = sp_h5_group(h, group[k], err);
+    const char *const box = "/particles/grains/box";
+    if (status == SP_OK)
+        status = sp_h5_attribute_ints(h, "/h5md", "version", 2, h5md, err);
+    if (status == SP_OK)
+        status = sp_h5_attribute_texts(h, "/h5md/author", "name", 0, &nobody, err);
+    if (status == SP_OK)
+        status = sp_h5_attribute_texts(h, "/h5md/creator", "name", 0, &us, err);
+    if (status == SP_OK)
+        status = sp_h5_attribute_texts(h, "/h5md/creator", "version", 0, &version, err);
+    if (status == SP_OK)
+        status = sp_h5_attribute_ints(h, box, "dimension", 0, &dimension, err);
+    if (status == SP_OK)
+        status = sp_h5_attribute_texts(h, box, "boundary", dim, boundary, err);
+    if (status == SP_OK)
+        status = sp_h5_attribute_ints(h, "/sonopack", "format", 0, &format, err);
+    if (status == SP_OK)
+        status = sp_h5_attribute_texts(h, "/sonopack", "version", 0, &version, err);
+    return status;
+}
+
+static sp_status put_grains(sp_h5 *h, const sp_packing *p, sp_error *err) {
+    const sp_h5_shape position = {3, {1, p->n, p->dim}}, one = {1, {1}}, grains = {1, {p->n}}, edges = {1, {p->dim}};
+    const double time = 0;
+    double *buffer = sp_alloc((size_t)p->n * (size_t)p->dim, sizeof *buffer);
+    uint8_t *rattler = sp_alloc((size_t)p->n, 1);
+    sp_status status = buffer && rattler ? SP_OK : sp_fail_memory(err, (size_t)p->n * 9);
+    for (size_t i = 0, dim = (size_t)p->dim; status == SP_OK && i < (size_t)p->n; i++)
+        memcpy(buffer + dim * i, p->x + 3 * i, dim * sizeof *buffer);
+    if (status == SP_OK)
+        status = sp_h5_put(h, &name_position, SP_H5_F64, &position, buffer, err);
+    if (status == SP_OK)
+        status = sp_h5_put(h, &name_step, SP_H5_I64, &one, &p->steps, err);
+    if (status == SP_OK)
+        status = sp_h5_put(h, &name_time, SP_H5_F64, &one, &time, err);
+    if (status == SP_OK)
+        status = sp_h5_put(h, &name_radius, SP_H5_F64, &grains, p->r, err);
+    for (int32_t i = 0; status == SP_OK && i < p->n; i++)
+        buffer[i] = grain_mass(p->r[i]);
+    if (status == SP_OK)
+        status = sp_h5_put(h, &name_mass, SP_H5_F64, &grains, buffer, err);
+    if (status == SP_OK)
+        status = sp_h5_put(h, &name_edges, SP_H5_F64, &edges, p->box, err);
+    if (status == SP_OK)
+        status = sp_packing_rattlers(p, 1e-4, rattler, NULL, NULL, err);
+    if (status == SP_OK)
+        status = sp_h5_put(h, &name_rattler, SP_H5_U8, &grains, rattler, err);
+    sp_free(buffer);
+    sp_free(rattler);
+    return status;
+}
+
+/* The parts of contacts that are numbers, or vectors of the dimension. */
+static const struct contact_part {
+    const sp_h5_name *name;
+    size_t offset;
+    bool vector;
+} part[] = {{&name_normal, offsetof(sp_contact, n), true},
+            {&name_overlap, offsetof(sp_contact, overlap), false},
+            {&name_fn, offsetof(sp_contact, fn), false},
+            {&name_ft, offsetof(sp_contact, ft), true}};
+
+static sp_status put_contacts(sp_h5 *h, const sp_packing *p, sp_error *err) {
+    const size_t n = (size_t)p->n_contacts, dim = (size_t)p->dim;
+    const sp_h5_shape pairs = {2, {p->n_contacts, 2}};
+    int32_t *ij = sp_alloc(2 * n, sizeof *ij);
+    double *buffer = sp_alloc(dim * n, sizeof *buffer);
+    sp_status status = ij && buffer ? SP_OK : sp_fail_memory(err, n * (2 * sizeof *ij + dim * sizeof *buffer));
+    for (size_t c = 0; status == SP_OK && c < n; c++) {
+        ij[2 * c] = p->contacts[c].i;
+        ij[2 * c + 1] = p->contacts[c].j;
+    }
+    if (status == SP_OK)
+        status = sp_h5_put(h, &name_pairs, SP_H5_I32, &pairs, ij, err);
+    if (status == SP_OK)
+        status = sp_h5_attribute_reference(h, name_pairs.path, "particles_group", "/particles/grains", err);
+    for (size_t k = 0; status == SP_OK && k < sizeof part / sizeof *part; k++) {
+        const size_t width = part[k].vector ? dim : 1;
+        const sp_h5_shape shape = {part[k].vector ? 2 : 1, {p->n_contacts, p->dim}};
+        for (size_t c = 0; c < n; c++)
+            memcpy(buffer + c * width, (const char *)&p->contacts[c] + part[k].offset, width * sizeof *buffer);
+        status = sp_h5_put(h, part[k].name, SP_H5_F64, &shape, buffer, err);
+    }
+    sp_free(ij);
+    sp_free(buffer);
+    return status;
+}
+
+sp_status sp_packing_put(sp_h5 *h, const sp_packing *p, sp_error *err) {
+    const sp_h5_shape single = {0};
+    const int32_t dim = p->dim;
+    sp_status status = put_groups(h, p->dim, err);
+    if (status == SP_OK)
+        status = sp_h5_put(h, &name_dim, SP_H5_I32, &single, &dim, err);
+    if (status == SP_OK)
+        status = sp_h5_put_fields(h, FIELDS, field, p, err);
+    if (status == SP_OK)
+        status = sp_h5_put_text(h, &name_wall, p->wall == SP_WALL_GRAIN ? "grain" : "rigid", err);
+    if (status == SP_OK && p->scene)
+        status = sp_h5_put_text(h, &name_scene, p->scene, err);
+    if (status == SP_OK)
+        status = put_grains(h, p, err);
+    if (status == SP_OK)
+        status = put_contacts(h, p, err);
+    return status;
+}
+
+sp_status sp_h5_finish(sp_h5 *h, sp_status status, const char *path, sp_error *err) {
+    void *data = NULL;
+    size_t size = 0;
+    if (status == SP_OK)
+        status = sp_h5_image(h, &data, &size, err);
+    sp_h5_close(h); /* before the writing, which may take its time */
+    if (status == SP_OK)
+        status = sp_file_write(path, data, size, err);
+    sp_free(data);
+    return status;
+}
+
+sp_status sp_packing_save(const sp_packing *p, const char *path, sp_error *err) {
+    sp_status status = sp_packing_check(p, err);
+    if (status != SP_OK)
+        return status;
+    sp_h5 h;
+    status = sp_h5_create(&h, path, err);
+    if (status == SP_OK)
+        status = sp_packing_put(&h, p, err);
+    return sp_h5_finish(&h, status, path, err);
+}
+
+/* ---- reading --------------------------------------------------------------------------------------------------- */
+
+static sp_status get_head(sp_h5 *h, int32_t *dim, sp_error *err) {
+    static const char *const periodic = "periodic", *const none = "none";
+    const sp_h5_shape single = {0};
+    int64_t format;
+    if (!sp_h5_has(h, "/sonopack"))
+        return sp_h5_fail(h, err, SP_EFORMAT, "no group /sonopack: not a packing of sonopack");
+    sp_status status = sp_h5_attribute_int(h, "/sonopack", "format", &format, err);
+    if (status == SP_OK && format != SP_H5_FORMAT)
+        status = sp_h5_fail(h, err, SP_EFORMAT, "format %lld of /sonopack; this version reads format %d",
+                            (long long)format, SP_H5_FORMAT);
+    if (status == SP_OK)
+        status = sp_h5_get(h, name_dim.path, SP_H5_I32, &single, dim, err);
+    if (status == SP_OK && (*dim < 1 || *dim > 3))
+        status = sp_h5_fail(h, err, SP_EFORMAT, "%s is %d; must be 1, 2 or 3", name_dim.path, *dim);
+    if (status == SP_OK) {
+        const char *boundary[3] = {periodic, periodic, periodic};
+        boundary[*dim - 1] = none;
+        status = sp_h5_check_texts(h, "/particles/grains/box", "boundary", *dim, boundary, err);
+    }
+    return status;
+}
+
+static sp_status get_wall_and_scene(sp_h5 *h, sp_packing *p, sp_error *err) {
+    char *wall = NULL;
+    sp_status status = sp_h5_get_text(h, name_wall.path, &wall, err);
+    if (status == SP_OK) {
+        p->wall = strcmp(wall, "grain") == 0 ? SP_WALL_GRAIN : SP_WALL_RIGID;
+        if (p->wall == SP_WALL_RIGID && strcmp(wall, "rigid") != 0)
+            status = sp_h5_fail(h, err, SP_EFORMAT, "%s is '%.60s'; must be rigid or grain", name_wall.path, wall);
+    }
+    sp_free(wall);
+    if (status == SP_OK && sp_h5_has(h, name_scene.path))
+        status = sp_h5_get_text(h, name_scene.path, &p->scene, err);
+    return status;
+}
+
+static sp_status get_grains(sp_h5 *h, sp_packing *p, sp_error *err) {
+    const sp_h5_shape position = {3, {1, p->n, p->dim}}, grains = {1, {p->n}}, edges = {1, {p->dim}};
+    double *buffer = sp_alloc((size_t)p->n * (size_t)p->dim, sizeof *buffer);
+    if (!buffer)
+        return sp_fail_memory(err, (size_t)p->n * 8);
+    sp_status status = sp_h5_get(h, name_position.path, SP_H5_F64, &position, buffer, err);
+    for (size_t i = 0, dim = (size_t)p->dim; status == SP_OK && i < (size_t)p->n; i++)
+        memcpy(p->x + 3 * i, buffer + dim * i, dim * sizeof *buffer);
+    sp_free(buffer);
+    if (status == SP_OK)
+        status = sp_h5_get(h, name_radius.path, SP_H5_F64, &grains, p->r, err);
+    if (status == SP_OK)
+        status = sp_h5_get(h, name_edges.path, SP_H5_F64, &edges, p->box, err);
+    return status;
+}
+
+static sp_status get_contacts(sp_h5 *h, sp_packing *p, sp_error *err) {
+    const size_t n = (size_t)p->n_contacts, dim = (size_t)p->dim;
+    const sp_h5_shape pairs = {2, {p->n_contacts, 2}};
+    int32_t *ij = sp_alloc(2 * n, sizeof *ij);
+    double *buffer = sp_alloc(dim * n, sizeof *buffer);
+    sp_status status = ij && buffer ? SP_OK : sp_fail_memory(err, n * (2 * sizeof *ij + dim * sizeof *buffer));
+    if (status == SP_OK)
+        status = sp_h5_get(h, name_pairs.path, SP_H5_I32, &pairs, ij, err);
+    for (size_t c = 0; status == SP_OK && c < n; c++) {
+        p->contacts[c].i = ij[2 * c];
+        p->contacts[c].j = ij[2 * c + 1];
+    }
+    for (size_t k = 0; status == SP_OK && k < sizeof part / sizeof *part; k++) {
+        const size_t width = part[k].vector ? dim : 1;
+        const sp_h5_shape shape = {part[k].vector ? 2 : 1, {p->n_contacts, p->dim}};
+        status = sp_h5_get(h, part[k].name->path, SP_H5_F64, &shape, buffer, err);
+        for (size_t c = 0; status == SP_OK && c < n; c++)
+            memcpy((char *)&p->contacts[c] + part[k].offset, buffer + c * width, width * sizeof *buffer);
+    }
+    sp_free(ij);
+    sp_free(buffer);
+    return status;
+}
+
+sp_status sp_packing_get(sp_h5 *h, sp_packing *out, sp_error *err) {
+    sp_packing p = sp_packing_none();
+    sp_h5_shape grains, contacts;
+    int32_t dim;
+    sp_status status = get_head(h, &dim, err);
+    if (status == SP_OK)
+        status = sp_h5_find(h, name_radius.path, SP_H5_F64, 1, &grains, err);
+    if (status == SP_OK)
+        status = sp_h5_find(h, name_pairs.path, SP_H5_I32, 2, &contacts, err);
+    /* 32-bit products of counts and axes are safe below */
+    if (status == SP_OK && (grains.dim[0] > INT32_MAX / 4 || contacts.dim[0] > INT32_MAX / 4))
+        status = sp_h5_fail(h, err, SP_EFORMAT, "%lld grains, %lld contacts; at most %d", (long long)grains.dim[0],
+                            (long long)contacts.dim[0], INT32_MAX / 4);
+    if (status == SP_OK)
+        status = sp_packing_alloc(&p, dim, (int32_t)grains.dim[0], (int32_t)contacts.dim[0], err);
+    if (status == SP_OK)
+        status = sp_h5_get_fields(h, FIELDS, field, &p, err);
+    if (status == SP_OK)
+        status = get_wall_and_scene(h, &p, err);
+    if (status == SP_OK)
+        status = get_grains(h, &p, err);
+    if (status == SP_OK)
+        status = get_contacts(h, &p, err);
+    if (status == SP_OK) {
+        status = sp_packing_check(&p, err);
+        if (status != SP_OK)
+            sp_fail_prefix(err, "%s", h->path);
+    }
+    if (status == SP_OK)
+        *out = p;
+    else
+        sp_packing_free(&p);
+    return status;
+}

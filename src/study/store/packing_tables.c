@@ -1,0 +1,375 @@
+/* The two-table form: grains.tsv 'id x y [z] radius', contacts.tsv 'i j nx ny [nz] overlap Fn Ft', box and material in
+ * comment lines '# key = value'. */
+#include "base/base.h"
+#include "packing/contact.h"
+#include "store/exchange.h"
+#include "table/sheet.h"
+
+#include <math.h>
+#include <sonopack/study/store.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const axis[3] = {"x", "y", "z"};
+static const char *const edge_key[3] = {"width", "depth", "height"};
+
+/* ---- keys ------------------------------------------------------------------------------------------------------ */
+
+static const char *const known_key[] = {"dimension", "width",   "depth", "height", "pressure",
+                                        "friction",  "poisson", "wall",  "seed"};
+
+typedef struct keys {
+    const sp_sheet *grains, *contacts;
+    int count;
+    char *const *given; /* "key=value", stronger than the comments */
+} keys;
+
+/* The value's part of "key=value" or "packing.key=value" if it has this name. */
+static const char *given_value(const char *given, const char *name) {
+    if (strncmp(given, "packing.", 8) == 0)
+        given += 8;
+    size_t length = strlen(name);
+    return strncmp(given, name, length) == 0 && given[length] == '=' ? given + length + 1 : NULL;
+}
+
+static sp_status check_given(const keys *k, sp_error *err) {
+    for (int g = 0; g < k->count; g++) {
+        bool known = false;
+        for (size_t n = 0; n < sizeof known_key / sizeof *known_key; n++)
+            known = known || given_value(k->given[g], known_key[n]);
+        if (!known)
+            return sp_fail(err, SP_EINVAL,
+                           "'%.100s': must be key=value with one of the keys dimension, width, depth (3D), height, "
+                           "pressure, friction, poisson, wall, seed",
+                           k->given[g]);
+    }
+    return SP_OK;
+}
+
+/* First word of a key's value; false if nobody gives it. *where: who did, for messages. */
+static bool find_value(const keys *k, const char *name, char value[64], const char **where) {
+    const char *text = NULL;
+    for (int g = k->count - 1; g >= 0 && !text; g--)
+        text = given_value(k->given[g], name);
+    *where = text ? "option" : k->grains->file;
+    if (!text)
+        text = sp_sheet_value(k->grains, name);
+    if (!text) {
+        text = sp_sheet_value(k->contacts, name);
+        *where = k->contacts->file;
+    }
+    if (text)
+        snprintf(value, 64, "%.*s", (int)strcspn(text, " \t"), text);
+    return text != NULL;
+}
+
+static sp_status fail_value(const char *name, const char *value, const char *where, const char *rule, sp_error *err) {
+    return sp_fail(err, strcmp(where, "option") == 0 ? SP_EINVAL : SP_EFORMAT, "%s: %s is '%s'; must be %s", where,
+                   name, value, rule);
+}
+
+/* fallback NAN: the key must be there. */
+static sp_status number_key(const keys *k, const char *name, double fallback, double *out, sp_error *err) {
+    char value[64];
+    const char *where;
+    if (!find_value(k, name, value, &where)) {
+        *out = fallback;
+        return isnan(fallback)
+                   ? sp_fail(err, SP_EFORMAT, "%s: no %s; must be in a comment line '# %s = ...' or `--set %s=...'",
+                             k->grains->file, name, name, name)
+                   : SP_OK;
+    }
+    if (!sp_word_number(value, out) || !isfinite(*out))
+        return fail_value(name, value, where, "a finite number", err);
+    return SP_OK;
+}
+
+static sp_status read_dimension(const keys *k, int *dim, sp_error *err) {
+    double columns = sp_sheet_find(k->grains, "z") >= 0 ? 3 : sp_sheet_find(k->grains, "y") >= 0 ? 2 : 1, value;
+    sp_status status = number_key(k, "dimension", columns, &value, err);
+    if (status != SP_OK)
+        return status;
+    if (value != 1 && value != 2 && value != 3)
+        return sp_fail(err, SP_EFORMAT, "%s: dimension is %g; must be 1, 2 or 3", k->grains->file, value);
+    if (value > columns)
+        return sp_fail(err, SP_EFORMAT, "%s: dimension is %g, but there is no column '%s'", k->grains->file, value,
+                       axis[(int)columns]);
+    *dim = (int)value; /* below the columns: the last of them are left aside */
+    return SP_OK;
+}
+
+static sp_status read_box_and_material(const keys *k, sp_packing *p, sp_error *err) {
+    char value[64];
+    const char *where;
+    sp_status status = SP_OK;
+    for (int a = 0; status == SP_OK && a < p->dim; a++)
+        status = number_key(k, edge_key[a == p->dim - 1 ? 2 : a], NAN, &p->box[a], err);
+    for (int a = 0; status == SP_OK && a < p->dim; a++)
+        if (!(p->box[a] > 0))
+            status = sp_fail(err, SP_EFORMAT, "%s: %s is %g; must be positive", k->grains->file,
+                             edge_key[a == p->dim - 1 ? 2 : a], p->box[a]);
+    if (status == SP_OK)
+        status = number_key(k, "pressure", NAN, &p->pressure, err);
+    if (status == SP_OK)
+        status = number_key(k, "friction", NAN, &p->friction, err);
+    if (status == SP_OK)
+        status = number_key(k, "poisson", 0.0, &p->poisson, err);
+    if (status == SP_OK && find_value(k, "seed", value, &where) && !sp_word_unsigned(value, &p->seed))
+        status = fail_value("seed", value, where, "a whole number of 64 bits", err);
+    if (status == SP_OK && find_value(k, "wall", value, &where)) {
+        if (strcmp(value, "grain") == 0)
+            p->wall = SP_WALL_GRAIN;
+        else if (strcmp(value, "rigid") != 0)
+            status = fail_value("wall", value, where, "rigid or grain", err);
+    }
+    return status;
+}
+
+/* ---- grains ---------------------------------------------------------------------------------------------------- */
+
+typedef struct grain_id {
+    const char *word;
+    int32_t index;
+} grain_id;
+
+static int compare_ids(const void *a, const void *b) {
+    return strcmp(((const grain_id *)a)->word, ((const grain_id *)b)->word);
+}
+
+static int compare_ids_then_rows(const void *a, const void *b) {
+    const grain_id *p = a, *q = b;
+    int order = compare_ids(p, q);
+    return order ? order : (p->index > q->index) - (p->index < q->index);
+}
+
+static sp_status need_column(const sp_sheet *s, const char *name, int *column, sp_error *err) {
+    *column = sp_sheet_find(s, name);
+    if (*column < 0)
+        return sp_fail(err, SP_EFORMAT, "%s: no column '%s' in the header row", s->file, name);
+    return SP_OK;
+}
+
+/* A finite number from a cell, or an error with the line. */
+static sp_status cell_number(const sp_sheet *s, int64_t row, int column, double *out, sp_error *err) {
+    const char *word = sp_sheet_cell(s, row, column);
+    if (!sp_word_number(word, out) || !isfinite(*out))
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is '%.60s'; must be a finite number", s->file,
+                       (long long)s->line[row], s->name[column], word);
+    return SP_OK;
+}
+
+static sp_status read_ids(const sp_sheet *s, grain_id *id, sp_error *err) {
+    int column;
+    sp_status status = need_column(s, "id", &column, err);
+    if (status != SP_OK)
+        return status;
+    for (int64_t row = 0; row < s->rows; row++) {
+        id[row] = (grain_id){sp_sheet_cell(s, row, column), (int32_t)row};
+        if (!*id[row].word || strcmp(id[row].word, "bottom") == 0 || strcmp(id[row].word, "top") == 0)
+            return sp_fail(err, SP_EFORMAT, "%s:%lld: id is '%s'; must be a number or word, not bottom or top", s->file,
+                           (long long)s->line[row], id[row].word);
+    }
+    qsort(id, (size_t)s->rows, sizeof *id, compare_ids_then_rows);
+    for (int64_t k = 1; k < s->rows; k++)
+        if (compare_ids(&id[k - 1], &id[k]) == 0)
+            return sp_fail(err, SP_EFORMAT, "%s:%lld: id %.60s stands already in line %lld", s->file,
+                           (long long)s->line[id[k].index], id[k].word, (long long)s->line[id[k - 1].index]);
+    return SP_OK;
+}
+
+static sp_status read_grains(const sp_sheet *s, sp_packing *p, sp_error *err) {
+    int column[4];
+    sp_status status = need_column(s, "radius", &column[3], err);
+    for (int a = 0; status == SP_OK && a < p->dim; a++)
+        status = need_column(s, axis[a], &column[a], err);
+    for (int32_t i = 0; status == SP_OK && i < p->n; i++) {
+        for (int a = 0; status == SP_OK && a < p->dim; a++) {
+            double x;
+            status = cell_number(s, i, column[a], &x, err);
+            if (status == SP_OK)
+                p->x[3 * i + a] = a < p->dim - 1 ? sp_wrap(x, p->box[a]) : x + 0.0;
+        }
+        if (status == SP_OK)
+            status = cell_number(s, i, column[3], &p->r[i], err);
+        if (status == SP_OK && !(p->r[i] > 0))
+            status = sp_fail(err, SP_EFORMAT, "%s:%lld: radius is %g; must be positive", s->file, (long long)s->line[i],
+                             p->r[i]);
+    }
+    return status;
+}
+
+/* ---- contacts -------------------------------------------------------------------------------------------------- */
+
+typedef struct contact_columns {
+    int i, j, n[3], overlap, fn, ft, ft3[3]; /* -1: not there */
+} contact_columns;
+
+static sp_status find_columns(const sp_sheet *s, int dim, contact_columns *c, sp_error *err) {
+    static const char *const normal[3] = {"nx", "ny", "nz"}, *const tangent[3] = {"Ftx", "Fty", "Ftz"};
+    sp_status status = need_column(s, "i", &c->i, err);
+    if (status == SP_OK)
+        status = need_column(s, "j", &c->j, err);
+    int vector = 0;
+    for (int a = 0; status == SP_OK && a < dim; a++) {
+        status = need_column(s, normal[a], &c->n[a], err);
+        c->ft3[a] = sp_sheet_find(s, tangent[a]);
+        vector += c->ft3[a] >= 0;
+    }
+    if (status != SP_OK)
+        return status;
+    c->overlap = sp_sheet_find(s, "overlap");
+    c->fn = sp_sheet_find(s, "Fn");
+    c->ft = sp_sheet_find(s, "Ft");
+    if (c->overlap < 0 && c->fn < 0)
+        return sp_fail(err, SP_EFORMAT, "%s: neither a column 'overlap' nor 'Fn' in the header row", s->file);
+    if (vector != 0 && vector != dim)
+        return sp_fail(err, SP_EFORMAT, "%s: %d of the %d columns Ftx, Fty%s", s->file, vector, dim,
+                       dim == 3 ? ", Ftz" : "");
+    if (c->ft >= 0 && (vector || dim == 3))
+        return sp_fail(err, SP_EFORMAT, "%s: a column 'Ft', where the force must be in Ftx, Fty%s", s->file,
+                       dim == 3 ? ", Ftz" : " alone");
+    return SP_OK;
+}
+
+static sp_status find_grain(const sp_sheet *s, int64_t row, int column, const grain_id *id, int32_t n, int32_t *out,
+                            sp_error *err) {
+    const char *word = sp_sheet_cell(s, row, column);
+    if (strcmp(word, "bottom") == 0 || strcmp(word, "top") == 0) {
+        *out = *word == 'b' ? SP_BOTTOM : SP_TOP;
+        return SP_OK;
+    }
+    const grain_id key = {word, 0}, *found = bsearch(&key, id, (size_t)n, sizeof *id, compare_ids);
+    if (!found)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is '%.60s'; must be the id of a grain, bottom or top", s->file,
+                       (long long)s->line[row], s->name[column], word);
+    *out = found->index;
+    return SP_OK;
+}
+
+/* The cell of a number that may be left out: NAN where the column is not there or the cell empty. */
+static sp_status optional_number(const sp_sheet *s, int64_t row, int column, double *out, sp_error *err) {
+    *out = NAN;
+    if (column < 0 || !*sp_sheet_cell(s, row, column))
+        return SP_OK;
+    return cell_number(s, row, column, out, err);
+}
+
+/* Of overlap and normal force each gives the other by Hertz's law (A1 of docs/physics.md; walls by their kind). */
+static sp_status complete(const sp_packing *p, sp_contact_row *row, sp_error *err) {
+    if (isnan(row->overlap) && isnan(row->fn))
+        return sp_fail(err, SP_EFORMAT, "neither overlap nor Fn");
+    if (row->overlap < 0 || row->fn < 0)
+        return sp_fail(err, SP_EFORMAT, "overlap %g, Fn %g; must be >= 0", row->overlap, row->fn);
+    int32_t grain = row->i >= 0 ? row->i : row->j;
+    if (grain < 0)
+        return SP_OK; /* two walls: refused with the contact's other faults */
+    bool wall = row->i < 0 || row->j < 0;
+    double e = wall ? contact_wall_stiffness(p->r[grain], p->wall) : contact_stiffness(p->r[row->i], p->r[row->j]);
+    if (isnan(row->overlap))
+        row->overlap = contact_overlap(e, row->fn);
+    else if (isnan(row->fn))
+        row->fn = contact_force(e, row->overlap);
+    return SP_OK;
+}
+
+static sp_status read_row(const sp_sheet *s, int64_t row, const contact_columns *column, sp_contact_row *out, int dim,
+                          sp_error *err) {
+    sp_status status = SP_OK;
+    out->vector = column->ft3[0] >= 0;
+    for (int a = 0; status == SP_OK && a < dim; a++) {
+        status = cell_number(s, row, column->n[a], &out->n[a], err);
+        if (status == SP_OK && out->vector)
+            status = cell_number(s, row, column->ft3[a], &out->ft3[a], err);
+    }
+    if (status == SP_OK && column->ft >= 0)
+        status = cell_number(s, row, column->ft, &out->ft, err);
+    if (status == SP_OK)
+        status = optional_number(s, row, column->overlap, &out->overlap, err);
+    if (status == SP_OK)
+        status = optional_number(s, row, column->fn, &out->fn, err);
+    return status;
+}
+
+static sp_status read_contacts(const sp_sheet *s, const grain_id *id, sp_packing *p, sp_error *err) {
+    contact_columns column;
+    sp_status status = find_columns(s, p->dim, &column, err);
+    for (int32_t c = 0; status == SP_OK && c < p->n_contacts; c++) {
+        /* measured normals have few digits: made unit where they nearly are */
+        sp_contact_row row = {.unit_within = 1e-3};
+        status = find_grain(s, c, column.i, id, p->n, &row.i, err);
+        if (status == SP_OK)
+            status = find_grain(s, c, column.j, id, p->n, &row.j, err);
+        if (status == SP_OK)
+            status = read_row(s, c, &column, &row, p->dim, err);
+        if (status != SP_OK)
+            break;
+        status = complete(p, &row, err);
+        if (status == SP_OK)
+            status = sp_contact_from_row(p, &row, &p->contacts[c], err);
+        if (status != SP_OK)
+            sp_fail_prefix(err, "%s:%lld", s->file, (long long)s->line[c]);
+    }
+    return status;
+}
+
+static sp_status check_sizes(const sp_sheet *grains, const sp_sheet *contacts, sp_error *err) {
+    if (grains->rows < 1 || grains->rows > INT32_MAX / 4)
+        return sp_fail(err, SP_EFORMAT, "%s: %lld grains; must be 1..%d", grains->file, (long long)grains->rows,
+                       INT32_MAX / 4);
+    if (contacts->rows > INT32_MAX / 4)
+        return sp_fail(err, SP_EFORMAT, "%s: %lld contacts; at most %d", contacts->file, (long long)contacts->rows,
+                       INT32_MAX / 4);
+    return SP_OK;
+}
+
+static sp_status read_sheets(const keys *k, grain_id *id, sp_packing *p, sp_error *err) {
+    sp_status status = read_box_and_material(k, p, err);
+    if (status == SP_OK)
+        status = read_ids(k->grains, id, err);
+    if (status == SP_OK)
+        status = read_grains(k->grains, p, err);
+    if (status == SP_OK)
+        status = read_contacts(k->contacts, id, p, err);
+    if (status != SP_OK)
+        return status;
+    sp_packing_sort(p);
+    status = sp_packing_check(p, err);
+    if (status != SP_OK)
+        sp_fail_prefix(err, "%s, %s", k->grains->file, k->contacts->file);
+    return status;
+}
+
+sp_status sp_packing_read_tables(const char *grains, const char *contacts, int count, char *const *given,
+                                 sp_packing *out, sp_error *err) {
+    sp_sheet g = {0}, c = {0};
+    const keys k = {&g, &c, count, given};
+    sp_packing p = sp_packing_none();
+    grain_id *id = NULL;
+    int dim = 0;
+    sp_locale locale = sp_locale_enter();
+    sp_status status = check_given(&k, err);
+    if (status == SP_OK)
+        status = sp_sheet_read(grains, &g, err);
+    if (status == SP_OK)
+        status = sp_sheet_read(contacts, &c, err);
+    if (status == SP_OK)
+        status = check_sizes(&g, &c, err);
+    if (status == SP_OK)
+        status = read_dimension(&k, &dim, err);
+    if (status == SP_OK && !(id = sp_alloc((size_t)g.rows, sizeof *id)))
+        status = sp_fail_memory(err, (size_t)g.rows * sizeof *id);
+    if (status == SP_OK)
+        status = sp_packing_alloc(&p, dim, (int32_t)g.rows, (int32_t)c.rows, err);
+    if (status == SP_OK)
+        status = read_sheets(&k, id, &p, err);
+    sp_locale_leave(&locale);
+    sp_free(id);
+    sp_sheet_free(&g);
+    sp_sheet_free(&c);
+    if (status == SP_OK)
+        *out = p;
+    else
+        sp_packing_free(&p);
+    return status;
+}

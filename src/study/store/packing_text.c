@@ -1,0 +1,322 @@
+/* The one-file text form: a comment, a header line of keys and values, a line a grain, a line a contact. 2D has columns
+ * 'x y R rattler' and 'i j nx ny overlap Fn Ft'; 1D leaves out y, ny and Ft; 3D has z, nz, and Ft as a vector. */
+#include "store/packing_text.h"
+
+#include "base/base.h"
+#include "store/exchange.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <sonopack/study/store.h>
+#include <string.h>
+
+enum { HEADER_KEYS = 12, WORDS_MAX = 64 };
+static const char *const header_key[HEADER_KEYS] = {"N",  "Lx",       "Ly",     "Lz",  "p",    "mu",
+                                                    "nu", "contacts", "bottom", "top", "seed", "wall"};
+enum { KEY_N, KEY_LX, KEY_LY, KEY_LZ, KEY_P, KEY_MU, KEY_NU, KEY_CONTACTS, KEY_BOTTOM, KEY_TOP, KEY_SEED, KEY_WALL };
+
+static const char *const axis[3] = {"x", "y", "z"};
+
+bool sp_packing_text_looks(const char *text) {
+    while (*text) {
+        text += strspn(text, " \t\r\n\xef\xbb\xbf");
+        if (*text != '#')
+            break;
+        text += strcspn(text, "\n");
+    }
+    return text[0] == 'N' && (text[1] == ' ' || text[1] == '\t') &&
+           isdigit((unsigned char)text[1 + strspn(text + 1, " \t")]);
+}
+
+/* ---- header ---------------------------------------------------------------------------------------------------- */
+
+typedef struct header {
+    int dim;
+    int64_t grains, pairs, bottom, top;
+    double edge[3], pressure, friction, poisson;
+    uint64_t seed;
+    sp_wall wall;
+} header;
+
+static sp_status fail_key(const sp_lines *at, int key, const char *value, const char *rule, sp_error *err) {
+    if (!value)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: the header has no %s; must be %s", at->file, (long long)at->number,
+                       header_key[key], rule);
+    return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is '%.60s'; must be %s", at->file, (long long)at->number,
+                   header_key[key], value, rule);
+}
+
+static sp_status header_number(const sp_lines *at, char *const *value, int key, double *out, sp_error *err) {
+    if (!value[key] || !sp_word_number(value[key], out) || !isfinite(*out))
+        return fail_key(at, key, value[key], "a finite number", err);
+    return SP_OK;
+}
+
+/* A count cannot exceed what the file has room for: `least` bytes each. */
+static sp_status header_count(const sp_lines *at, char *const *value, int key, int64_t most, int64_t *out,
+                              sp_error *err) {
+    if (!value[key] || !sp_word_integer(value[key], out) || *out < 0)
+        return fail_key(at, key, value[key], "a whole number >= 0", err);
+    if (*out > most)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is %lld, and the file has room for %lld at the most: truncated",
+                       at->file, (long long)at->number, header_key[key], (long long)*out, (long long)most);
+    return SP_OK;
+}
+
+static sp_status header_numbers(const sp_lines *at, char *const *value, header *h, sp_error *err) {
+    int64_t room = at->end - at->next;
+    const struct {
+        int key;
+        int64_t *out;
+    } count[] = {{KEY_N, &h->grains}, {KEY_CONTACTS, &h->pairs}, {KEY_BOTTOM, &h->bottom}, {KEY_TOP, &h->top}};
+    for (size_t k = 0; k < sizeof count / sizeof *count; k++) {
+        sp_status status = header_count(at, value, count[k].key, room / 4 < INT32_MAX / 4 ? room / 4 : INT32_MAX / 4,
+                                        count[k].out, err);
+        if (status != SP_OK)
+            return status;
+    }
+    h->dim = value[KEY_LZ] ? 3 : value[KEY_LY] ? 2 : 1;
+    for (int k = 0; k < 3; k++)
+        h->edge[k] = 1.0;
+    for (int k = 0; k < h->dim; k++) {
+        sp_status status = header_number(at, value, KEY_LX + k, &h->edge[k], err);
+        if (status == SP_OK && !(h->edge[k] > 0))
+            status = fail_key(at, KEY_LX + k, value[KEY_LX + k], "positive", err);
+        if (status != SP_OK)
+            return status;
+    }
+    double *const number[] = {&h->pressure, &h->friction, &h->poisson};
+    for (int k = 0; k < 3; k++) {
+        sp_status status = header_number(at, value, KEY_P + k, number[k], err);
+        if (status != SP_OK)
+            return status;
+    }
+    return SP_OK;
+}
+
+static sp_status read_header(sp_lines *lines, header *h, sp_error *err) {
+    char *line, *word[WORDS_MAX], *value[HEADER_KEYS] = {0};
+    sp_status status = sp_lines_next_data(lines, &line, err);
+    if (status != SP_OK)
+        return status;
+    int words = line ? sp_line_words(line, word, WORDS_MAX) : 0;
+    if (words < 2 || words > WORDS_MAX || words % 2 != 0)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: no header of keys and values, 'N 600 Lx 24 ...'", lines->file,
+                       (long long)lines->number);
+    for (int w = 0; w < words; w += 2)
+        for (int k = 0; k < HEADER_KEYS; k++)
+            if (strcmp(word[w], header_key[k]) == 0) {
+                if (value[k])
+                    return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is given twice", lines->file, (long long)lines->number,
+                                   header_key[k]);
+                value[k] = word[w + 1];
+            }
+    *h = (header){.wall = SP_WALL_RIGID};
+    if (value[KEY_SEED] && !sp_word_unsigned(value[KEY_SEED], &h->seed))
+        return fail_key(lines, KEY_SEED, value[KEY_SEED], "a whole number of 64 bits", err);
+    if (value[KEY_WALL] && strcmp(value[KEY_WALL], "grain") == 0)
+        h->wall = SP_WALL_GRAIN;
+    else if (value[KEY_WALL] && strcmp(value[KEY_WALL], "rigid") != 0)
+        return fail_key(lines, KEY_WALL, value[KEY_WALL], "rigid or grain", err);
+    return header_numbers(lines, value, h, err);
+}
+
+/* ---- rows ------------------------------------------------------------------------------------------------------ */
+
+/* The next line's words, of which there must be low..high. */
+static sp_status next_words(sp_lines *lines, const char *what, int low, int high, char **word, sp_error *err) {
+    char *line;
+    sp_status status = sp_lines_next_data(lines, &line, err);
+    if (status != SP_OK)
+        return status;
+    if (!line)
+        return sp_fail(err, SP_EFORMAT, "%s: ends after line %lld, where a %s should follow: truncated", lines->file,
+                       (long long)lines->number, what);
+    int words = sp_line_words(line, word, high);
+    if (words < low || words > high)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: %s%d words; a %s has %d", lines->file, (long long)lines->number,
+                       words > high ? "more than " : "", words > high ? high : words, what, high);
+    return SP_OK;
+}
+
+static sp_status read_grain(sp_lines *lines, sp_packing *p, int32_t i, sp_error *err) {
+    char *word[5];
+    const char *name[4];
+    double number[4];
+    for (int k = 0; k < p->dim; k++)
+        name[k] = axis[k];
+    name[p->dim] = "R";
+    sp_status status = next_words(lines, "grain", p->dim + 1, p->dim + 2, word, err);
+    if (status == SP_OK)
+        status = sp_finite_numbers(lines, p->dim + 1, word, name, number, err);
+    if (status != SP_OK)
+        return status;
+    for (int k = 0; k < p->dim; k++)
+        p->x[3 * i + k] = k < p->dim - 1 ? sp_wrap(number[k], p->box[k]) : number[k] + 0.0;
+    p->r[i] = number[p->dim];
+    if (!(p->r[i] > 0))
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: R is %g; must be positive", lines->file, (long long)lines->number,
+                       p->r[i]);
+    return SP_OK;
+}
+
+static sp_status read_contact(sp_lines *lines, sp_packing *p, int32_t c, sp_error *err) {
+    static const char *const names[4][8] = {{0},
+                                            {"nx", "overlap", "Fn"},
+                                            {"nx", "ny", "overlap", "Fn", "Ft"},
+                                            {"nx", "ny", "nz", "overlap", "Fn", "Ftx", "Fty", "Ftz"}};
+    const int dim = p->dim, numbers = dim == 1 ? 3 : dim == 2 ? 5 : 8;
+    char *word[10];
+    double number[8];
+    int64_t i, j;
+    sp_status status = next_words(lines, "contact", numbers + 2, numbers + 2, word, err);
+    if (status != SP_OK)
+        return status;
+    if (!sp_word_integer(word[0], &i) || !sp_word_integer(word[1], &j) || i < SP_TOP || j < SP_TOP || i >= p->n ||
+        j >= p->n)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: contact of '%.30s' and '%.30s'; must be grains 0..%d, or -1, -2",
+                       lines->file, (long long)lines->number, word[0], word[1], p->n - 1);
+    status = sp_finite_numbers(lines, numbers, word + 2, names[dim], number, err);
+    if (status != SP_OK)
+        return status;
+    sp_contact_row row = {.i = (int32_t)i, .j = (int32_t)j, .vector = dim == 3, .unit_within = 1e-9};
+    memcpy(row.n, number, (size_t)dim * sizeof *number);
+    row.overlap = number[dim];
+    row.fn = number[dim + 1];
+    if (dim == 2)
+        row.ft = number[4];
+    else if (dim == 3)
+        memcpy(row.ft3, number + 5, sizeof row.ft3);
+    status = sp_contact_from_row(p, &row, &p->contacts[c], err);
+    if (status != SP_OK)
+        sp_fail_prefix(err, "%s:%lld", lines->file, (long long)lines->number);
+    return status;
+}
+
+/* How many contacts are pairs, at the bottom and at the top, against the header. */
+static sp_status check_counts(const char *path, const header *h, const sp_packing *p, sp_error *err) {
+    int64_t bottom = 0, top = 0;
+    for (int32_t c = 0; c < p->n_contacts; c++) {
+        bottom += p->contacts[c].j == SP_BOTTOM;
+        top += p->contacts[c].j == SP_TOP;
+    }
+    if (bottom != h->bottom || top != h->top)
+        return sp_fail(err, SP_EFORMAT,
+                       "%s: %lld contacts at the bottom and %lld at the top; the header says %lld and %lld", path,
+                       (long long)bottom, (long long)top, (long long)h->bottom, (long long)h->top);
+    return SP_OK;
+}
+
+sp_status sp_packing_text_parse(const char *path, char *text, size_t size, sp_packing *out, sp_error *err) {
+    sp_lines lines = sp_lines_of(path, text, size);
+    sp_packing p = sp_packing_none();
+    header h;
+    sp_locale locale = sp_locale_enter();
+    sp_status status = read_header(&lines, &h, err);
+    if (status == SP_OK)
+        status = sp_packing_alloc(&p, h.dim, (int32_t)h.grains, (int32_t)(h.pairs + h.bottom + h.top), err);
+    if (status == SP_OK) {
+        memcpy(p.box, h.edge, sizeof p.box);
+        p.pressure = h.pressure;
+        p.friction = h.friction;
+        p.poisson = h.poisson;
+        p.seed = h.seed;
+        p.wall = h.wall;
+    }
+    for (int32_t i = 0; status == SP_OK && i < p.n; i++)
+        status = read_grain(&lines, &p, i, err);
+    for (int32_t c = 0; status == SP_OK && c < p.n_contacts; c++)
+        status = read_contact(&lines, &p, c, err);
+    char *line = NULL;
+    if (status == SP_OK)
+        status = sp_lines_next_data(&lines, &line, err);
+    if (status == SP_OK && line)
+        status = sp_fail(err, SP_EFORMAT, "%s:%lld: more lines than the header says", path, (long long)lines.number);
+    if (status == SP_OK)
+        status = check_counts(path, &h, &p, err);
+    sp_locale_leave(&locale);
+    if (status != SP_OK) {
+        sp_packing_free(&p);
+        return status;
+    }
+    sp_packing_sort(&p);
+    *out = p;
+    return SP_OK;
+}
+
+/* ---- writing --------------------------------------------------------------------------------------------------- */
+
+static void add_numbers(sp_text *t, const double *value, int count) {
+    for (int k = 0; k < count; k++) {
+        sp_text_number(t, value[k]);
+        sp_text_add(t, " ");
+    }
+}
+
+/* Of the comment line, by dimension. */
+static const char *const centre[3] = {"x", "x y", "x y z"}, *const normal[3] = {"nx", "nx ny", "nx ny nz"};
+static const char *const columns[3] = {"", " Ft", " Ftx Fty Ftz"};
+static const char *const meaning[3] = {"", "; Ft = force on i along t=(-ny,nx)", "; Ft = force on i"};
+
+static void add_header(sp_text *t, const sp_packing *p) {
+    int32_t bottom = 0, top = 0;
+    for (int32_t c = 0; c < p->n_contacts; c++) {
+        bottom += p->contacts[c].j == SP_BOTTOM;
+        top += p->contacts[c].j == SP_TOP;
+    }
+    sp_text_add(t,
+                "# packing: header, then N grain lines '%s R rattler', then contact lines 'i j %s overlap Fn%s' (j=-1 "
+                "bottom wall, j=-2 top wall; n from i to j%s)\nN %d ",
+                centre[p->dim - 1], normal[p->dim - 1], columns[p->dim - 1], meaning[p->dim - 1], p->n);
+    for (int k = 0; k < p->dim; k++)
+        sp_text_add(t, "L%s %.17g ", axis[k], p->box[k]);
+    sp_text_add(t, "p %.17g mu %.17g nu %.17g contacts %d bottom %d top %d", p->pressure, p->friction, p->poisson,
+                p->n_contacts - bottom - top, bottom, top);
+    if (p->seed)
+        sp_text_add(t, " seed %llu", (unsigned long long)p->seed);
+    if (p->wall == SP_WALL_GRAIN)
+        sp_text_add(t, " wall grain");
+    sp_text_add(t, "\n");
+}
+
+static void add_rows(sp_text *t, const sp_packing *p, const uint8_t *rattler) {
+    for (int32_t i = 0; i < p->n; i++) {
+        add_numbers(t, p->x + 3 * i, p->dim);
+        add_numbers(t, &p->r[i], 1);
+        sp_text_add(t, "%d\n", rattler[i]);
+    }
+    for (int32_t c = 0; c < p->n_contacts; c++) {
+        const sp_contact *k = &p->contacts[c];
+        sp_text_add(t, "%d %d ", k->i, k->j);
+        add_numbers(t, k->n, p->dim);
+        double scalar = p->dim == 2 ? sp_tangent_scalar(k->n, k->ft) : 0;
+        sp_text_add(t, "%.17g %.17g", k->overlap, k->fn);
+        if (p->dim == 2)
+            sp_text_add(t, " %.17g", scalar);
+        else if (p->dim == 3)
+            sp_text_add(t, " %.17g %.17g %.17g", k->ft[0], k->ft[1], k->ft[2]);
+        sp_text_add(t, "\n");
+    }
+}
+
+sp_status sp_packing_save_text(const sp_packing *p, const char *path, sp_error *err) {
+    sp_text text = {0};
+    uint8_t *rattler = NULL;
+    sp_status status = sp_packing_check(p, err);
+    if (status != SP_OK)
+        return status;
+    rattler = sp_alloc((size_t)p->n, sizeof *rattler);
+    if (!rattler)
+        return sp_fail_memory(err, (size_t)p->n);
+    status = sp_packing_rattlers(p, 1e-4, rattler, NULL, NULL, err);
+    if (status == SP_OK) {
+        sp_locale locale = sp_locale_enter();
+        add_header(&text, p);
+        add_rows(&text, p, rattler);
+        sp_locale_leave(&locale);
+        status = text.failed ? sp_fail_memory(err, text.capacity) : sp_text_save(path, text.data, text.size, err);
+    }
+    sp_free(rattler);
+    sp_text_free(&text);
+    return status;
+}

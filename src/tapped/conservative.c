@@ -1,0 +1,356 @@
+/* BSR in conservative form: mass and momentum of a compressible column,
+ *
+ *     rho_t + (rho u)_z = 0,   (rho u)_t + (rho u^2 + P)_z = -rho g,
+ *     P = K (h - s)_+ (1 - e tanh(alpha_v s u_z)),   s = m/rho, the distance of neighbours,
+ *
+ * which is what (45) means: s_t + u s_z = s u_z is the velocity at which a distance opens, so that P is the force (18)
+ * of a contact. (With h u_z, that at s = h, the lower half of a tall column is too viscous: 80 particles are 0.017 cm
+ * from the smooth lattice in the mean, and with s u_z 0.002 cm.) Below s = h sound travels at c = s sqrt(K/m) along z;
+ * above, the particles do not touch and there is no pressure, nor any sound.
+ *
+ * Cells of equal length that move with the lowest of them: a column that flies as one does not move through them, and
+ * its edge stays sharp. The floor bears on the edge Y as on half a distance of particles, F = 2 K (1 - e sigma)
+ * (y0 - Y)_+: in the lattice the whole overlap of the lowest contact lies below particle 1, where the column has only
+ * half of it; on a rigid floor all particles would rest N m g/(2K) too high. Rusanov's fluxes, of states at the faces
+ * that see s^2 and u as straight lines (minmod): s^2 is one at rest, so that nothing flows there. With plain cell means
+ * five particles at rest creep by 0.028 cm with cells of h/8; so, by 0.0001 cm. In flight gravity acts in two
+ * halves around the rest of the step, so that free fall is exact. */
+#include "base/base.h"
+#include "tapped/bsr.h"
+
+#include <string.h>
+
+typedef struct fluid {
+    const sp_tapped_spec *c;
+    double m, h, stiffness, mean; /* mean: density of particles that just touch, m/h */
+    double dx, edge;              /* of a cell; height of the lower edge of the first */
+    double t;
+    int64_t cells, used;                 /* room for; with something in them */
+    double *rho, *q, *next_rho, *next_q; /* density, momentum [cells] */
+    double *u, *s;                       /* velocity, distance (h where particles do not touch) */
+    double *low, *high, *tilt; /* s at the lower and the upper face of a cell, half of what u gains on the way */
+    double *push, *drag;       /* P at lower faces, its viscous part over a difference of velocities */
+    double *pivot, *moved;     /* of the implicit equations for the velocities */
+    double *block;
+} fluid;
+
+enum { parts = 13 };
+
+/* Of the density m/h: less counts as nothing, and has no velocity; a lowest cell that has less goes into the next. Of
+ * dx over the fastest signal: Euler's step with slopes keeps its order below half of it. */
+static const double nothing = 1e-20, crumb = 1e-4, safety = 0.4;
+
+static sp_status resize(fluid *f, int64_t cells, sp_error *err) {
+    if (!(8.0 * parts * (double)cells < 0.5 * sp_memory_limit()))
+        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the column is %.3g cm high, more cells than memory holds",
+                       f->t, (double)cells * f->dx);
+    double *block = sp_alloc((size_t)cells * parts, sizeof *block);
+    if (!block)
+        return sp_fail_memory(err, (size_t)cells * parts * sizeof *block);
+    if (f->block) {
+        memcpy(block, f->rho, (size_t)f->used * sizeof *block);
+        memcpy(block + cells, f->q, (size_t)f->used * sizeof *block);
+    }
+    sp_free(f->block);
+    double **part[] = {&f->rho,  &f->q,    &f->next_rho, &f->next_q, &f->u,     &f->s,    &f->low,
+                       &f->high, &f->tilt, &f->push,     &f->drag,   &f->pivot, &f->moved};
+    f->block = block;
+    for (size_t k = 0; k < sizeof part / sizeof *part; k++)
+        *part[k] = block + (size_t)cells * k;
+    f->cells = cells;
+    return SP_OK;
+}
+
+/* Mass below the height x over the lower edge: of a column that just touches, and of one at rest, where
+ * s^2 = (h - N M)^2 + 2 M x balances gravity, M = m g/K. */
+static double mass_below(const fluid *f, double x) {
+    double n = f->c->particles, sag = f->m * f->c->gravity / f->stiffness, low = f->h - n * sag;
+    if (f->c->drop >= 0)
+        return f->m * fmin(n, x / f->h);
+    double s = sqrt(low * low + 2 * sag * x);
+    return f->m * fmin(n, 2 * x / (low + s)); /* (s - low)/M */
+}
+
+static sp_status start(const sp_tapped_spec *c, fluid *f, sp_error *err) {
+    double radius = sp_tapped_radius(c, 1), n = c->particles;
+    *f = (fluid){.c = c, .m = sp_tapped_mass(c, 1), .h = 2 * radius, .stiffness = sp_tapped_stiffness(c)};
+    f->mean = f->m / f->h;
+    f->dx = f->h / c->cells;
+    f->edge = c->drop >= 0 ? c->drop : -n * f->m * c->gravity / (2 * f->stiffness);
+    sp_status status = resize(f, (int64_t)c->particles * c->cells + 64, err);
+    double below = 0;
+    for (int64_t i = 0; status == SP_OK && below < f->m * n && i < f->cells; i++) {
+        double next = mass_below(f, (double)(i + 1) * f->dx);
+        f->rho[i] = (next - below) / f->dx;
+        f->used = i + 1;
+        below = next;
+    }
+    return status;
+}
+
+/* ---- one step --------------------------------------------------------------------------------------------------- */
+
+/* Velocities and distances of cells; returns the largest stable step. */
+static double measure(fluid *f) {
+    const double root = sqrt(f->stiffness / f->m), bottom = f->q[0] / f->rho[0];
+    const double under = sp_tapped_floor_velocity(f->c, f->t);
+    double speed = sqrt(f->c->gravity * f->dx);
+    for (int64_t i = 0; i < f->used; i++) {
+        bool any = f->rho[i] > nothing * f->mean;
+        f->u[i] = any ? f->q[i] / f->rho[i] : bottom;
+        f->s[i] = any ? fmin(f->m / f->rho[i], f->h) : f->h;
+        double sound = f->s[i] < f->h ? f->s[i] * root : 0;
+        speed = fmax(speed, fmax(fabs(f->u[i] - bottom), fabs(f->u[i] - under)) + sound);
+    }
+    return safety * f->dx / speed;
+}
+
+/* The same, known beforehand: sound where particles just touch, and a floor that meets the column at its velocity and
+ * at that of its fall. */
+static double stable_step(const fluid *f) {
+    const sp_tapped_spec *c = f->c;
+    double speed = f->h * sqrt(f->stiffness / f->m) + 2 * sp_tapped_pi * c->frequency * c->amplitude +
+                   sqrt(2 * c->gravity * fmax(0, c->drop)) + sqrt(c->gravity * f->dx);
+    return safety * f->dx / speed;
+}
+
+static double minmod(double a, double b) { return a * b <= 0 ? 0 : fabs(a) < fabs(b) ? a : b; }
+
+/* s^2 is a straight line in a column at rest, and so are its parts here: at rest the faces see no difference. */
+static void slopes(fluid *f) {
+    for (int64_t i = 0; i < f->used; i++) {
+        double square = f->s[i] * f->s[i], slope = 0;
+        bool below = i > 0 && f->s[i - 1] < f->h, above = i + 1 < f->used && f->s[i + 1] < f->h;
+        f->tilt[i] = 0;
+        f->low[i] = f->high[i] = f->s[i];
+        if (f->s[i] >= f->h || !(below || above))
+            continue;
+        double down = below ? square - f->s[i - 1] * f->s[i - 1] : 0;
+        double up = above ? f->s[i + 1] * f->s[i + 1] - square : 0;
+        if (below && above)
+            f->tilt[i] = minmod(f->u[i] - f->u[i - 1], f->u[i + 1] - f->u[i]) / 2;
+        slope = below && above ? minmod(down, up) : down + up;
+        f->low[i] = sqrt(fmin(f->h * f->h, fmax(square / 4, square - slope / 2)));
+        f->high[i] = sqrt(fmin(f->h * f->h, fmax(square / 4, square + slope / 2)));
+    }
+}
+
+/* tanh(a x)/x */
+static double bend(double a, double x) { return fabs(a * x) < 1e-4 ? a : tanh(a * x) / x; }
+
+/* The elastic part of P at the faces, and the drag of the other, e P tanh(alpha_v s u_z) over the difference of
+ * velocities; of the floor likewise. Returns how far the floor gets into the column if that rests. */
+static void press(fluid *f, double dt) {
+    const sp_tapped_spec *c = f->c;
+    const double before = sp_tapped_floor(c, f->t) - f->edge;
+    const double opening = f->u[0] - sp_tapped_floor_velocity(c, f->t + dt / 2);
+    for (int64_t i = 1; i < f->used; i++) {
+        f->push[i] = f->stiffness * (f->h - (f->high[i - 1] + f->low[i]) / 2);
+        bool both = f->s[i - 1] < f->h && f->s[i] < f->h;
+        double rate = c->alpha_v * (f->s[i - 1] + f->s[i]) / (2 * f->dx);
+        f->drag[i] = both ? c->e * f->push[i] * bend(rate, f->u[i] - f->u[i - 1]) : 0;
+    }
+    f->push[0] = 0;
+    f->drag[0] = 2 * f->stiffness * fmax(0, before) * c->e * bend(c->alpha_v, opening);
+}
+
+/* Whether the floor bears on the column at the end of the step. */
+static bool floor_meets(const fluid *f, double dt) {
+    double free = f->u[0] - dt * (f->c->gravity + f->push[1] / (f->rho[0] * f->dx));
+    return sp_tapped_floor(f->c, f->t + dt) > f->edge + dt * free;
+}
+
+/* Adds the viscous part to P, and finds P of the floor and the velocity of the edge, that of the first cell after the
+ * step; all by velocities at its end: explicitly the drag would need steps of dx^2 m/(K e alpha_v h^3), a hundredth
+ * of what sound needs, and the floor's shorter ones the emptier the first cell is. */
+static double resist(fluid *f, double dt, bool meets) {
+    const sp_tapped_spec *c = f->c;
+    const double under = sp_tapped_floor_velocity(c, f->t + dt / 2), sunk = sp_tapped_floor(c, f->t + dt) - f->edge;
+    const double spring = meets ? 2 * f->stiffness : 0;
+    if (!meets)
+        f->drag[0] = 0;
+    for (int64_t i = 0; i < f->used; i++) { /* Thomas' elimination */
+        double above = i + 1 < f->used ? f->drag[i + 1] : 0, inertia = f->rho[i] * f->dx;
+        f->pivot[i] = inertia + dt * (f->drag[i] + above);
+        f->moved[i] = inertia * f->u[i] - dt * ((i + 1 < f->used ? f->push[i + 1] : 0) - f->push[i]);
+        if (meets)
+            f->moved[i] -= inertia * c->gravity * dt;
+        if (i == 0) {
+            f->pivot[i] += dt * dt * spring;
+            f->moved[i] += dt * (spring * sunk + f->drag[0] * under);
+        } else if (f->drag[i] > 0) {
+            double factor = dt * f->drag[i] / f->pivot[i - 1];
+            f->pivot[i] -= factor * dt * f->drag[i];
+            f->moved[i] += factor * f->moved[i - 1];
+        }
+    }
+    for (int64_t i = f->used - 1; i >= 0; i--) {
+        double above = i + 1 < f->used && f->drag[i + 1] > 0 ? dt * f->drag[i + 1] * f->moved[i + 1] : 0;
+        f->moved[i] = f->pivot[i] > 0 ? (f->moved[i] + above) / f->pivot[i] : f->u[i];
+    }
+    for (int64_t i = 1; i < f->used; i++)
+        f->push[i] -= f->drag[i] * (f->moved[i] - f->moved[i - 1]);
+    f->push[0] = fmax(0, spring * (sunk - dt * f->moved[0]) - f->drag[0] * (f->moved[0] - under));
+    return f->moved[0];
+}
+
+/* Density and velocity relative to the edge on one side of a face, and the fastest signal there. */
+typedef struct side {
+    double rho, u, fast;
+} side;
+static side side_of(const fluid *f, int64_t i, double s, double u) {
+    bool any = f->rho[i] > nothing * f->mean, touching = f->s[i] < f->h;
+    return (side){.rho = touching ? f->m / s : f->rho[i],
+                  .u = u,
+                  .fast = any ? fabs(u) + (touching ? s * sqrt(f->stiffness / f->m) : 0) : 0};
+}
+
+static void transport(fluid *f, double dt, double edge) {
+    double mass_in = 0, push_in = f->push[0];
+    for (int64_t i = 0; i < f->used; i++) {
+        double mass_out = 0, push_out = 0;
+        if (i + 1 < f->used) {
+            side l = side_of(f, i, f->high[i], f->u[i] + f->tilt[i] - edge);
+            side r = side_of(f, i + 1, f->low[i + 1], f->u[i + 1] - f->tilt[i + 1] - edge);
+            double fast = fmax(l.fast, r.fast), rise = r.rho * r.u - l.rho * l.u;
+            mass_out = (l.rho * l.u + r.rho * r.u - fast * (r.rho - l.rho)) / 2;
+            push_out = (l.rho * l.u * l.u + r.rho * r.u * r.u - fast * rise) / 2 + edge * mass_out + f->push[i + 1];
+        }
+        f->next_rho[i] = f->rho[i] - dt / f->dx * (mass_out - mass_in);
+        f->next_q[i] = f->rho[i] * f->u[i] - dt / f->dx * (push_out - push_in);
+        mass_in = mass_out;
+        push_in = push_out;
+    }
+}
+
+static void kick(fluid *f, double dt) {
+    for (int64_t i = 0; i < f->used; i++)
+        f->u[i] -= dt * f->c->gravity;
+}
+
+/* A lowest cell that is as good as empty goes into the next: the edge is that of what is there. */
+static void drop_crumbs(fluid *f) {
+    while (f->used > 2 && f->rho[0] < crumb * f->mean && f->rho[1] > f->rho[0]) {
+        f->rho[1] += f->rho[0];
+        f->q[1] += f->q[0];
+        f->used--;
+        f->edge += f->dx;
+        memmove(f->rho, f->rho + 1, (size_t)f->used * sizeof *f->rho);
+        memmove(f->q, f->q + 1, (size_t)f->used * sizeof *f->q);
+    }
+}
+
+/* There is always an empty cell on top. */
+static sp_status make_room(fluid *f, sp_error *err) {
+    while (f->used < 2 || f->rho[f->used - 1] > nothing * f->mean) {
+        if (f->used == f->cells) {
+            sp_status status = resize(f, f->cells + f->cells / 2, err);
+            if (status != SP_OK)
+                return status;
+        }
+        f->rho[f->used] = f->q[f->used] = 0;
+        f->used++;
+    }
+    return SP_OK;
+}
+
+static void swap(double **a, double **b) {
+    double *c = *a;
+    *a = *b;
+    *b = c;
+}
+
+static sp_status step(fluid *f, double until, sp_error *err) {
+    double dt = measure(f), gravity = f->c->gravity;
+    if (f->c->time_step > 0)
+        dt = fmin(dt, f->c->time_step);
+    bool last = f->t + dt >= until;
+    if (last)
+        dt = until - f->t;
+    if (!last && !(f->t + dt > f->t))
+        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the velocities leave no step", f->t);
+    slopes(f);
+    press(f, dt);
+    bool meets = floor_meets(f, dt);
+    double early = meets ? 0 : dt / 2;
+    kick(f, early);
+    double edge = resist(f, dt, meets);
+    transport(f, dt, edge);
+    swap(&f->rho, &f->next_rho);
+    swap(&f->q, &f->next_q);
+    double sum = 0;
+    for (int64_t i = 0; i < f->used; i++) {
+        f->q[i] -= f->rho[i] * gravity * (dt - early);
+        sum += f->rho[i] + f->q[i];
+    }
+    f->edge += dt * edge;
+    if (!isfinite(sum + f->edge))
+        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: not a number", f->t);
+    f->t = last ? until : f->t + dt;
+    drop_crumbs(f);
+    return make_room(f, err);
+}
+
+/* ---- the run ---------------------------------------------------------------------------------------------------- */
+
+/* Particle i is where the mass below is (i - 1/2) m. Returns the mass of all. */
+static double place(const fluid *f, sp_tapped_frame *out) {
+    double below = 0;
+    int32_t particle = 1;
+    out->t = f->t;
+    for (int64_t i = 0; i < f->used; i++) {
+        double here = f->rho[i] * f->dx;
+        for (; particle <= f->c->particles && (particle - 0.5) * f->m <= below + here; particle++) {
+            out->y[particle] = f->edge + ((double)i + ((particle - 0.5) * f->m - below) / here) * f->dx;
+            out->v[particle] = f->q[i] / f->rho[i];
+            out->rho[particle - 1] = f->rho[i];
+        }
+        below += here;
+    }
+    return below;
+}
+
+static sp_status go(fluid *f, sp_tapped_frame frame[2], sp_tapped_sink *sink, sp_tapped_report *report, sp_error *err) {
+    const sp_tapped_spec *c = f->c;
+    const double end = sp_tapped_taps(c) * c->period, all = c->particles * f->m;
+    sp_tapped_clock clock = {0};
+    sp_status status = SP_OK;
+    report->error = fabs(place(f, &frame[1]) - all) / all;
+    frame[0].t = frame[1].t;
+    status = sp_tapped_frames_pass(c, frame, sink, report, err);
+    while (status == SP_OK && f->t < end) {
+        sp_tapped_frame old = frame[0];
+        frame[0] = frame[1];
+        frame[1] = old;
+        status = step(f, sp_tapped_clock_next(c, &clock), err);
+        if (status != SP_OK)
+            break;
+        if (f->t >= sp_tapped_clock_next(c, &clock))
+            sp_tapped_clock_pass(c, &clock);
+        report->steps++;
+        report->error = fmax(report->error, fabs(place(f, &frame[1]) - all) / all);
+        status = sp_tapped_frames_pass(c, frame, sink, report, err);
+    }
+    return status;
+}
+
+sp_status sp_tapped_conservative(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report,
+                                 sp_error *err) {
+    fluid f = {0};
+    sp_tapped_frame frame[2] = {{.t = 0}, {.t = 0}};
+    sp_status status = sp_tapped_check_equal(c, err);
+    if (status == SP_OK)
+        status = start(c, &f, err);
+    if (status == SP_OK)
+        status = make_room(&f, err);
+    if (status == SP_OK)
+        status = sp_tapped_check_step(c, stable_step(&f), err);
+    if (status == SP_OK)
+        status = sp_tapped_frames_make(c, frame, err);
+    if (status == SP_OK)
+        status = go(&f, frame, sink, report, err);
+    report->time_step = c->time_step;
+    sp_tapped_frames_free(frame);
+    sp_free(f.block);
+    return status;
+}

@@ -1,0 +1,88 @@
+/* Density along the column, by each model's own definition. */
+#include "base/base.h"
+#include "tapped/bsr.h"
+
+typedef struct local {
+    const sp_tapped_spec *c;
+    double *rho;
+    sp_tapped_density_row row;
+    void *user;
+} local;
+
+/* The lattice: m over the length that is a particle's, from the floor to the top. The distance of two neighbours is
+ * shared in proportion to their radii, half for equal ones; the lowest has all down to the floor, the highest its own
+ * radius upwards. The sum of rho times length is the mass of all, and a column that just touches has m/2r everywhere,
+ * (42). No density where neighbours have passed each other. */
+static sp_status of_lattice(double t, const double *y, const double *v, void *user, sp_error *err) {
+    const local *to = user;
+    const int32_t n = to->c->particles;
+    double low = y[0];
+    (void)v;
+    for (int32_t i = 1; i <= n; i++) {
+        double radius = sp_tapped_radius(to->c, i), high = y[i] + radius;
+        if (i < n)
+            high = y[i] + (y[i + 1] - y[i]) * radius / (radius + sp_tapped_radius(to->c, i + 1));
+        to->rho[i - 1] = high > low ? sp_tapped_mass(to->c, i) / (high - low) : NAN;
+        low = high;
+    }
+    return to->row(t, y, to->rho, to->user, err);
+}
+
+/* The long wave: rho = m/(h y_z), (41) along a label, with y_z by differences of second order at the labels. One
+ * particle alone has no y_z, and m/h. */
+static sp_status of_labels(double t, const double *y, const double *v, void *user, sp_error *err) {
+    const local *to = user;
+    const int32_t n = to->c->particles;
+    (void)v;
+    for (int32_t i = 1; i <= n; i++) {
+        double m = sp_tapped_mass(to->c, i), gap = 2 * sp_tapped_radius(to->c, i); /* h y_z */
+        if (n == 2)
+            gap = y[2] - y[1];
+        else if (n > 2 && i == 1)
+            gap = (4 * y[2] - 3 * y[1] - y[3]) / 2;
+        else if (n > 2 && i == n)
+            gap = (3 * y[n] - 4 * y[n - 1] + y[n - 2]) / 2;
+        else if (n > 2)
+            gap = (y[i + 1] - y[i - 1]) / 2;
+        to->rho[i - 1] = gap > 0 ? m / gap : NAN;
+    }
+    return to->row(t, y, to->rho, to->user, err);
+}
+
+static sp_status of_bsr(double t, const double *y, const double *v, const double *rho, void *user, sp_error *err) {
+    const local *to = user;
+    (void)v;
+    return to->row(t, y, rho, to->user, err);
+}
+
+/* The BSR models hand over their densities beside the rows; what sp_tapped_run checks before them is checked here. */
+static sp_status run_bsr(const sp_tapped_spec *c, int64_t n, const double *t, local *to, sp_error *err) {
+    sp_tapped_sink sink = {.n = n, .t = t, .row = of_bsr, .user = to};
+    sp_tapped_report report = {.violated_at = NAN, .violated = -1, .taps = sp_tapped_taps(c)};
+    sp_status status = sp_tapped_check_times(c, n, t, err);
+    if (status != SP_OK)
+        return status;
+    report.tap = sp_alloc((size_t)report.taps, sizeof *report.tap);
+    if (!report.tap)
+        return sp_fail_memory(err, (size_t)report.taps * sizeof *report.tap);
+    status = c->bsr == SP_TAPPED_BSR_CONSERVATIVE ? sp_tapped_conservative(c, &sink, &report, err)
+                                                  : sp_tapped_literal(c, &sink, &report, err);
+    sp_tapped_report_free(&report);
+    return status;
+}
+
+sp_status sp_tapped_run_density(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_density_row row,
+                                void *user, sp_error *err) {
+    local to = {.c = c, .row = row, .user = user};
+    sp_status status = sp_tapped_check(c, err);
+    if (status != SP_OK)
+        return status;
+    if (c->model == SP_TAPPED_BSR)
+        return run_bsr(c, n, t, &to, err);
+    to.rho = sp_alloc((size_t)c->particles, sizeof *to.rho);
+    if (!to.rho)
+        return sp_fail_memory(err, (size_t)c->particles * sizeof *to.rho);
+    status = sp_tapped_run(c, n, t, c->model == SP_TAPPED_LONGWAVE ? of_labels : of_lattice, &to, NULL, err);
+    sp_free(to.rho);
+    return status;
+}

@@ -1,0 +1,243 @@
+/* Diagrams: one column after the other over a parameter, by several threads; each starts anew, so that a point depends
+ * on nothing but its parameter. */
+#include "base/base.h"
+#include "base/team.h"
+#include "tapped/events.h"
+#include "tapped/table.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *const units[] = {"cm", "s", "Hz", ""};
+
+typedef struct diagram {
+    const sp_tapped_spec *c;
+    sp_tapped_watcher watcher;
+    int32_t points, kept; /* of each point, rows of `values` numbers */
+    int32_t values;
+    double *value;     /* [points][kept][values] */
+    sp_status *status; /* [points] */
+    bool *violated;    /* [points]: ordering (1) */
+    sp_error *reason;  /* the first failure's */
+    atomic_int next, done, failed;
+    atomic_bool stop;
+} diagram;
+
+static double parameter_at(const sp_tapped_spec *c, int32_t point) {
+    if (c->points == 1 && c->from == 0)
+        return c->parameter == SP_TAPPED_BY_AMPLITUDE   ? c->amplitude
+               : c->parameter == SP_TAPPED_BY_PERIOD    ? c->period
+               : c->parameter == SP_TAPPED_BY_FREQUENCY ? c->frequency
+                                                        : c->e;
+    return c->points == 1 ? c->from : c->from + (c->to - c->from) * point / (c->points - 1);
+}
+
+static sp_tapped_spec spec_at(const sp_tapped_spec *c, int32_t point) {
+    sp_tapped_spec own = *c;
+    double value = parameter_at(c, point);
+    switch (c->parameter) {
+    case SP_TAPPED_BY_AMPLITUDE: own.amplitude = value; break;
+    case SP_TAPPED_BY_PERIOD: own.period = value; break;
+    case SP_TAPPED_BY_FREQUENCY: own.frequency = value; break;
+    case SP_TAPPED_BY_RESTITUTION: own.e = value; break;
+    }
+    return own;
+}
+
+/* Positions at the moments before taps: (k - 0.01) T. */
+typedef struct keeper {
+    int32_t n;
+    double *to;
+} keeper;
+
+static sp_status keep(double t, const double *y, const double *v, void *user, sp_error *err) {
+    keeper *k = user;
+    (void)t, (void)v, (void)err;
+    memcpy(k->to, y + 1, (size_t)k->n * sizeof(double));
+    k->to += k->n;
+    return SP_OK;
+}
+
+static sp_status bifurcate(const sp_tapped_spec *c, double *value, bool *violated, sp_error *err) {
+    sp_tapped_tap tap;
+    sp_tapped_report report = {.taps = 1, .tap = &tap, .violated_at = NAN, .violated = -1};
+    sp_run r;
+    keeper k = {c->particles, value};
+    double moment = 0.99 * c->period;
+    sp_status status = sp_run_make(c, 0, &report, &r, err);
+    if (status == SP_OK)
+        sp_lattice_start(&r.l);
+    r.time = &moment, r.row = keep, r.user = &k;
+    for (int32_t i = 0; status == SP_OK && i < c->transient + c->taps; i++) {
+        r.rows = i < c->transient ? 0 : 1;
+        r.next = 0;
+        status = sp_run_tap(&r, 0, err);
+    }
+    *violated = report.violated >= 0;
+    sp_run_free(&r);
+    return status;
+}
+
+static sp_status make_point(diagram *d, int32_t point, sp_error *err) {
+    sp_tapped_spec c = spec_at(d->c, point);
+    double *value = d->value + (size_t)point * (size_t)d->kept * (size_t)d->values;
+    if (c.output == SP_TAPPED_BIFURCATION)
+        return bifurcate(&c, value, &d->violated[point], err);
+    sp_tapped_exponent found;
+    sp_status status = sp_tapped_lyapunov(&c, &found, err);
+    if (status == SP_OK) {
+        value[0] = found.lambda, value[1] = found.error, value[2] = found.cycle;
+        d->violated[point] = found.violated;
+    }
+    return status;
+}
+
+static void work(void *data, int part, int parts) {
+    diagram *d = data;
+    (void)parts;
+    for (int32_t point; !atomic_load(&d->stop) && (point = atomic_fetch_add(&d->next, 1)) < d->points;) {
+        sp_error err = {0};
+        d->status[point] = make_point(d, point, &err);
+        if (d->status[point] == SP_EINTERRUPTED) {
+            atomic_store(&d->stop, true);
+            return;
+        }
+        if (d->status[point] != SP_OK && atomic_fetch_add(&d->failed, 1) == 0)
+            *d->reason = err;
+        int done = atomic_fetch_add(&d->done, 1) + 1;
+        if (part == 0 && d->watcher.watch && !d->watcher.watch((double)done / d->points, d->watcher.user))
+            atomic_store(&d->stop, true);
+    }
+}
+
+static sp_status check_range(const sp_tapped_spec *c, sp_error *err) {
+    const char *name = sp_tapped_parameter_name(c->parameter);
+    if (c->points == 1 && c->to > c->from)
+        return sp_fail(err, SP_EINVAL, "column.points = 1: must be 2 or more to go from column.from to column.to");
+    if (c->points > 1 && !(c->from < c->to))
+        return sp_fail(err, SP_EINVAL,
+                       "column.to = %.17g: must be above column.from = %.17g for %d points of column.%s", c->to,
+                       c->from, c->points, name);
+    for (int32_t end = 0; end < 2; end++) {
+        sp_tapped_spec own = spec_at(c, end * (c->points - 1));
+        sp_status status = sp_tapped_check(&own, err);
+        if (status != SP_OK) {
+            (void)sp_fail_prefix(err, "column.%s: %s = %.17g", end == 0 ? "from" : "to", name,
+                                 parameter_at(c, end * (c->points - 1)));
+            return status;
+        }
+    }
+    return SP_OK;
+}
+
+static sp_status add_columns(const diagram *d, sp_table *t, sp_error *err) {
+    const sp_tapped_spec *c = d->c;
+    sp_status status = sp_table_add_column(t, "parameter", units[c->parameter], SP_CELL_NUMBER, err);
+    if (c->output == SP_TAPPED_LYAPUNOV) {
+        if (status == SP_OK)
+            status = sp_table_add_column(t, "lambda", "1/tap", SP_CELL_NUMBER, err);
+        if (status == SP_OK)
+            status = sp_table_add_column(t, "error", "1/tap", SP_CELL_NUMBER, err);
+        return status == SP_OK ? sp_table_add_column(t, "cycle", "taps", SP_CELL_INTEGER, err) : status;
+    }
+    if (status == SP_OK)
+        status = sp_table_add_column(t, "tap", "", SP_CELL_INTEGER, err);
+    for (int32_t i = 1; status == SP_OK && i <= c->particles; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "y%d", i);
+        status = sp_table_add_column(t, name, "cm", SP_CELL_NUMBER, err);
+    }
+    return status;
+}
+
+static sp_status add_point(const diagram *d, int32_t point, double *row, sp_table *t, sp_error *err) {
+    sp_status status = SP_OK;
+    const double *value = d->value + (size_t)point * (size_t)d->kept * (size_t)d->values;
+    bool made = d->status[point] == SP_OK, exponents = d->c->output == SP_TAPPED_LYAPUNOV;
+    int32_t at = exponents ? 1 : 2;
+    row[0] = parameter_at(d->c, point);
+    for (int32_t k = 0; status == SP_OK && k < (made ? d->kept : 1); k++) {
+        row[1] = d->c->transient + k + 1;
+        for (int32_t i = 0; i < d->values; i++)
+            row[at + i] = made ? value[k * d->values + i] : exponents && i == 2 ? 0 : NAN;
+        status = sp_table_add_numbers(t, row, err);
+    }
+    return status;
+}
+
+static sp_status note_violations(const diagram *d, sp_table *t, sp_error *err) {
+    int32_t count = 0, first = -1;
+    char value[SP_NUMBER_TEXT];
+    for (int32_t k = 0; k < d->points; k++)
+        if (d->violated[k]) {
+            count++;
+            first = first < 0 ? k : first;
+        }
+    if (count == 0)
+        return SP_OK;
+    return sp_table_add_comment(t, err,
+                                "warning: ordering (1) violated at %d of %d points, first at %s = %s: centres passed "
+                                "each other, beyond which no contact law holds; a larger column.stiffness prevents it",
+                                count, d->points, sp_tapped_parameter_name(d->c->parameter),
+                                sp_number_text(parameter_at(d->c, first), value));
+}
+
+static sp_status write_table(const diagram *d, sp_table *t, sp_error *err) {
+    double *row = sp_alloc((size_t)d->values + 2, sizeof *row);
+    sp_status status = row ? add_columns(d, t, err) : sp_fail_memory(err, (size_t)d->values * sizeof *row);
+    int failed = atomic_load(&d->failed);
+    if (status == SP_OK && failed > 0)
+        status =
+            sp_table_add_comment(t, err, "%d points could not be made (nan); the first: %s", failed, d->reason->text);
+    if (status == SP_OK)
+        status = note_violations(d, t, err);
+    for (int32_t k = 0; status == SP_OK && k < d->points; k++)
+        status = add_point(d, k, row, t, err);
+    sp_free(row);
+    return status;
+}
+
+static sp_status run_team(diagram *d, int threads, sp_error *err) {
+    sp_team *team = NULL;
+    sp_status status = sp_team_make(threads < d->points ? threads : d->points, &team, err);
+    if (status != SP_OK)
+        return status;
+    sp_team_run(team, work, d);
+    sp_team_free(team);
+    if (atomic_load(&d->stop))
+        return sp_fail(err, SP_EINTERRUPTED, "stopped after %d of %d points", atomic_load(&d->done), d->points);
+    if (atomic_load(&d->failed) == d->points) {
+        *err = *d->reason;
+        return err->status;
+    }
+    return SP_OK;
+}
+
+sp_status sp_tapped_diagram(const sp_tapped_spec *spec, int threads, sp_tapped_watcher watcher, sp_table *out,
+                            sp_error *err) {
+    sp_tapped_spec c = *spec;
+    c.taps = sp_tapped_taps(spec);
+    sp_error reason = {0};
+    bool exponents = c.output == SP_TAPPED_LYAPUNOV;
+    diagram d = {.c = &c, .watcher = watcher, .points = c.points, .reason = &reason};
+    d.kept = exponents ? 1 : c.taps;
+    d.values = exponents ? 3 : c.particles;
+    sp_status status = check_range(&c, err);
+    double bytes = (double)d.points * d.kept * (d.values + 2.0) * 2 * sizeof(double);
+    if (status == SP_OK && bytes > 0.5 * sp_memory_limit())
+        status = sp_fail(err, SP_EINVAL, "column.points = %d, column.taps = %d: a table of %.3g bytes; must be smaller",
+                         d.points, c.taps, bytes);
+    if (status != SP_OK)
+        return status;
+    d.value = sp_alloc((size_t)d.points * (size_t)d.kept * (size_t)d.values, sizeof *d.value);
+    d.status = sp_alloc((size_t)d.points, sizeof *d.status);
+    d.violated = sp_alloc((size_t)d.points, sizeof *d.violated);
+    status = d.value && d.status && d.violated ? run_team(&d, threads, err) : sp_fail_memory(err, (size_t)bytes);
+    if (status == SP_OK)
+        status = write_table(&d, out, err);
+    sp_free(d.value);
+    sp_free(d.status);
+    sp_free(d.violated);
+    return status;
+}

@@ -1,0 +1,219 @@
+/* The largest Lyapunov exponent: of a cycle from its multipliers, exactly; else from the growth of one tangent. */
+#include "base/base.h"
+#include "linalg/general.h"
+#include "tapped/events.h"
+
+#include <string.h>
+
+enum {
+    CYCLE_MAX = 32,       /* taps of the longest cycle that is looked for */
+    CYCLE_PARTICLES = 64, /* beyond that the matrix costs more than the average */
+    BLOCKS = 16,
+    LEAST_TAPS = 10
+};
+
+static const double closes = 1e-9; /* a cycle does so within this, times the size of the state */
+
+typedef struct orbit {
+    sp_run run;
+    sp_tapped_tap tap;
+    sp_tapped_report report;
+} orbit;
+
+static sp_status make_orbit(const sp_tapped_spec *c, int tangents, orbit *o, sp_error *err) {
+    o->report = (sp_tapped_report){.taps = 1, .tap = &o->tap, .violated_at = NAN, .violated = -1};
+    sp_status status = sp_run_make(c, tangents, &o->report, &o->run, err);
+    if (status == SP_OK)
+        sp_lattice_start(&o->run.l);
+    return status;
+}
+
+static double distance_of(const sp_lattice *l, const double *delta, const double *w) {
+    double most = 0;
+    for (int32_t i = 0; i < l->n; i++) {
+        most = fmax(most, fabs(l->delta[i] - delta[i]) / l->distance[i]);
+        most = fmax(most, fabs(l->w[i] - w[i]) / (l->a * l->omega + l->distance[i] * l->fastest));
+    }
+    return most;
+}
+
+static void save(const sp_lattice *l, sp_tapped_state *s) {
+    memcpy(s->overlap, l->delta, (size_t)l->n * sizeof(double));
+    memcpy(s->opening, l->w, (size_t)l->n * sizeof(double));
+}
+
+/* How many taps after state s the orbit comes back to it; 0: not within CYCLE_MAX. */
+static sp_status find_cycle(orbit *o, sp_tapped_state *s, int32_t *cycle, sp_error *err) {
+    sp_status status = SP_OK;
+    *cycle = 0;
+    save(&o->run.l, s);
+    for (int32_t k = 1; status == SP_OK && k <= CYCLE_MAX && *cycle == 0; k++) {
+        status = sp_run_tap(&o->run, 0, err);
+        if (status == SP_OK && distance_of(&o->run.l, s->overlap, s->opening) < closes)
+            *cycle = k;
+    }
+    return status;
+}
+
+/* The largest modulus of the multipliers of a cycle, once round; the state moves on by it. */
+static sp_status find_multiplier(const sp_tapped_spec *c, sp_tapped_state *s, int32_t cycle, double *most,
+                                 sp_error *err) {
+    size_t n = 2 * (size_t)c->particles;
+    double *matrix = sp_alloc(n * n, sizeof(double)), *vectors = sp_alloc(n * n, sizeof(double));
+    double *re = sp_alloc(n, sizeof(double)), *im = sp_alloc(n, sizeof(double));
+    sp_status status = matrix && vectors && re && im ? sp_tapped_map(c, s, cycle, matrix, err)
+                                                     : sp_fail_memory(err, 2 * (n + 1) * n * sizeof(double));
+    if (status == SP_OK) /* its transpose has the same */
+        status = sp_eigen_general((int64_t)n, matrix, re, im, vectors, err);
+    *most = 0;
+    for (size_t k = 0; status == SP_OK && k < n; k++)
+        *most = fmax(*most, hypot(re[k], im[k]));
+    sp_free(matrix);
+    sp_free(vectors);
+    sp_free(re);
+    sp_free(im);
+    return status;
+}
+
+static sp_status of_cycle(const sp_tapped_spec *c, sp_tapped_state *s, int32_t cycle, sp_tapped_exponent *out,
+                          sp_error *err) {
+    double first, second;
+    sp_status status = find_multiplier(c, s, cycle, &first, err);
+    if (status == SP_OK)
+        status = find_multiplier(c, s, cycle, &second, err);
+    if (status != SP_OK)
+        return status;
+    out->lambda = log(second) / cycle;
+    out->error = first > 0 && second > 0 ? fabs(log(first / second)) / cycle : 0;
+    out->cycle = cycle;
+    return SP_OK;
+}
+
+/* Weights exp(-1/(x (1 - x))) make such an average converge faster than any power where the orbit is quasiperiodic
+ * (S. Das, Y. Saiki, E. Sander, J. A. Yorke, Nonlinearity 30, 4111, 2017). */
+static double smooth_mean(const double *value, int32_t n) {
+    double sum = 0, weights = 0;
+    for (int32_t k = 0; k < n; k++) {
+        double x = (k + 1.0) / (n + 1.0), weight = exp(-1 / (x * (1 - x)));
+        sum += weight * value[k];
+        weights += weight;
+    }
+    return sum / weights;
+}
+
+/* Standard error of a mean of values that remember little, from the means of BLOCKS pieces. */
+static double block_error(const double *value, int32_t n) {
+    double sum = 0, squares = 0;
+    int32_t length = n / BLOCKS;
+    for (int32_t b = 0; b < BLOCKS; b++) {
+        double mean = 0;
+        for (int32_t k = b * length; k < (b + 1) * length; k++)
+            mean += value[k] / length;
+        sum += mean;
+        squares += mean * mean;
+    }
+    return sqrt(fmax(0, squares / BLOCKS - sum * sum / (BLOCKS * BLOCKS)) / (BLOCKS - 1));
+}
+
+/* The change since half of the taps is the error where the orbit is regular; a chaotic one scatters. The smooth weights
+ * count a third more than equal ones would. */
+static double error_of(const double *growth, int32_t n, double lambda) {
+    if (n < 2)
+        return NAN;
+    double change = fabs(lambda - smooth_mean(growth, n / 2));
+    return lambda > 0 && n >= 2 * BLOCKS ? fmax(change, 1.3 * block_error(growth, n)) : change;
+}
+
+static double scale_tangent(sp_lattice *l) {
+    double sum = 0;
+    for (int32_t i = 0; i < l->n; i++)
+        sum += l->t_delta[i] * l->fastest * l->t_delta[i] * l->fastest + l->t_w[i] * l->t_w[i];
+    double size = sqrt(sum);
+    for (int32_t i = 0; size > 0 && i < l->n; i++) {
+        l->t_delta[i] /= size;
+        l->t_w[i] /= size;
+    }
+    return size;
+}
+
+static void start_tangent(sp_lattice *l) {
+    for (int32_t i = 0; i < l->n; i++) {
+        l->t_delta[i] = (1 + sin(1.0 + i)) / l->fastest; /* in no special direction */
+        l->t_w[i] = l->state[i] == CONTACT_STUCK ? 0 : 1 - cos(2.0 + i);
+    }
+    scale_tangent(l);
+}
+
+/* The orbit goes on with one tangent; the first tenth lets it turn to where it grows. */
+static sp_status of_average(orbit *o, int32_t taps, sp_tapped_exponent *out, sp_error *err) {
+    sp_lattice *l = &o->run.l;
+    double *growth = sp_alloc((size_t)taps, sizeof *growth);
+    if (!growth)
+        return sp_fail_memory(err, (size_t)taps * sizeof *growth);
+    sp_status status = SP_OK;
+    bool vanished = false;
+    start_tangent(l);
+    for (int32_t k = -taps / 10; status == SP_OK && k < taps && !vanished; k++) {
+        status = sp_run_tap(&o->run, 0, err);
+        double size = scale_tangent(l);
+        vanished = !(size > 0);
+        if (k >= 0)
+            growth[k] = log(size);
+    }
+    if (status == SP_OK) {
+        out->lambda = vanished ? -INFINITY : smooth_mean(growth, taps);
+        out->error = vanished ? 0 : error_of(growth, taps, out->lambda);
+        out->cycle = 0;
+    }
+    sp_free(growth);
+    return status;
+}
+
+static sp_status find_exponent(const sp_tapped_spec *c, orbit *o, sp_tapped_state *s, sp_tapped_exponent *out,
+                               sp_error *err) {
+    sp_status status = SP_OK;
+    int32_t cycle = 0;
+    for (int32_t k = 0; status == SP_OK && k < c->transient; k++)
+        status = sp_run_tap(&o->run, 0, err);
+    if (status == SP_OK && c->particles <= CYCLE_PARTICLES)
+        status = find_cycle(o, s, &cycle, err);
+    if (status == SP_OK && cycle > 0)
+        status = of_cycle(c, s, cycle, out, err);
+    if (status != SP_OK || (cycle > 0 && out->lambda <= 0)) /* an orbit does not stay on a cycle that repels */
+        return status;
+    orbit with = {0};
+    status = make_orbit(c, 1, &with, err);
+    if (status == SP_OK) {
+        save(&o->run.l, s);
+        memcpy(with.run.l.delta, s->overlap, (size_t)c->particles * sizeof(double));
+        memcpy(with.run.l.w, s->opening, (size_t)c->particles * sizeof(double));
+        sp_lattice_judge(&with.run.l);
+        status = of_average(&with, c->taps, out, err);
+    }
+    sp_run_free(&with.run);
+    return status;
+}
+
+sp_status sp_tapped_lyapunov(const sp_tapped_spec *spec, sp_tapped_exponent *out, sp_error *err) {
+    sp_tapped_spec c = *spec;
+    c.output = SP_TAPPED_LYAPUNOV;
+    c.taps = sp_tapped_taps(&c);
+    orbit o = {0};
+    sp_tapped_state s = {0};
+    sp_tapped_exponent found = {0};
+    sp_status status = sp_tapped_state_make(&c, &s, err);
+    if (status == SP_OK && c.taps < LEAST_TAPS)
+        status = sp_fail(err, SP_EINVAL, "column.taps = %d: must be at least %d for an exponent, or 0 for 1000", c.taps,
+                         LEAST_TAPS);
+    if (status == SP_OK)
+        status = make_orbit(&c, 0, &o, err);
+    if (status == SP_OK)
+        status = find_exponent(&c, &o, &s, &found, err);
+    if (status == SP_OK) {
+        *out = found;
+        out->violated = o.report.violated >= 0;
+    }
+    sp_run_free(&o.run);
+    sp_tapped_state_free(&s);
+    return status;
+}

@@ -1,0 +1,298 @@
+/* The lattice (19) between events: clusters, and the Taylor series of what moves between them. */
+#include "tapped/lattice.h"
+
+#include "base/base.h"
+
+#include <string.h>
+
+/* By the rows of the matrix with all contacts closed (Gershgorin); clusters are heavier, hence slower. */
+static double frequency_bound(const sp_lattice *l) {
+    double most = 0;
+    for (int32_t i = 0; i < l->n; i++)
+        most = fmax(most, (i > 0 ? 2 / l->mass[i - 1] : 0) + (i + 1 < l->n ? 2 : 1) / l->mass[i]);
+    return sqrt(l->k * (1 + l->e) * most);
+}
+
+sp_status sp_lattice_make(const sp_tapped_spec *c, int tangents, sp_lattice *out, sp_error *err) {
+    size_t n = (size_t)c->particles, stride = (n + 16) / 8 * 8, all = (size_t)tangents * n;
+    *out = (sp_lattice){.spec = c,
+                        .n = c->particles,
+                        .k = sp_tapped_stiffness(c),
+                        .e = c->e,
+                        .g = c->gravity,
+                        .a = c->amplitude,
+                        .omega = 2 * sp_tapped_pi * c->frequency,
+                        .tap_end = fmin(0.5 / c->frequency, c->period),
+                        .period = c->period,
+                        .stride = (int32_t)stride,
+                        .tangents = tangents};
+    sp_lattice *l = out;
+    double **arrays[] = {&l->mass, &l->distance, &l->delta, &l->w, &l->anchor, &l->slack, &l->carried};
+    bool made = true;
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+        made = (*arrays[k] = sp_alloc(n, sizeof(double))) && made;
+    double **strided[] = {&l->stiffness, &l->inverse_mass, &l->force, &l->pull, &l->value, &l->slope};
+    for (size_t k = 0; k < sizeof strided / sizeof *strided; k++)
+        made = (*strided[k] = sp_alloc(stride, sizeof(double))) && made;
+    made = (l->state = sp_alloc(n, 1)) && made;
+    made = (l->released = sp_alloc(n, 1)) && made;
+    made = (l->mover = sp_alloc(n + 1, sizeof *l->mover)) && made;
+    made = (l->c = sp_alloc((LATTICE_ORDER + 1) * stride, sizeof(double))) && made;
+    if (tangents > 0) {
+        made = (l->t_delta = sp_alloc(all, sizeof(double))) && made;
+        made = (l->t_w = sp_alloc(all, sizeof(double))) && made;
+        made = (l->t_c = sp_alloc((LATTICE_ORDER + 1) * stride, sizeof(double))) && made;
+        made = (l->before = sp_alloc(n, sizeof(double))) && made;
+        made = (l->after = sp_alloc(n, sizeof(double))) && made;
+    }
+    if (!made)
+        return sp_fail_memory(err, (LATTICE_ORDER + 20) * stride * sizeof(double));
+    for (int32_t i = 0; i < l->n; i++) {
+        l->mass[i] = sp_tapped_mass(c, i + 1);
+        l->distance[i] = sp_tapped_distance(c, i);
+        l->weight += l->mass[i] * l->g;
+    }
+    l->fastest = frequency_bound(l);
+    return SP_OK;
+}
+
+void sp_lattice_free(sp_lattice *l) {
+    double *arrays[] = {l->mass,      l->distance,     l->delta, l->w,      l->anchor, l->slack, l->carried,
+                        l->stiffness, l->inverse_mass, l->force, l->pull,   l->value,  l->slope, l->c,
+                        l->t_delta,   l->t_w,          l->t_c,   l->before, l->after};
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+        sp_free(arrays[k]);
+    sp_free(l->state);
+    sp_free(l->released);
+    sp_free(l->mover);
+    *l = (sp_lattice){0};
+}
+
+void sp_lattice_start(sp_lattice *l) {
+    double above = 0; /* masses from the top: from below, differences would leave each contact its own rounding */
+    for (int32_t i = l->n - 1; i >= 0; i--) {
+        above += l->mass[i];
+        l->delta[i] = l->spec->drop < 0 ? above * l->g / l->k : i == 0 ? -l->spec->drop : 0;
+        l->w[i] = 0;
+    }
+    l->s = 0;
+    l->lifted = false;
+    sp_lattice_judge(l);
+}
+
+void sp_lattice_judge(sp_lattice *l) {
+    for (int32_t i = 0; i < l->n; i++) {
+        bool closed = l->delta[i] > 0 || (l->delta[i] == 0 && l->w[i] < 0);
+        l->state[i] = (unsigned char)(!closed                    ? CONTACT_OPEN
+                                      : l->e == 0 || l->w[i] > 0 ? CONTACT_SEPARATING
+                                                                 : CONTACT_APPROACHING);
+        l->anchor[i] = l->delta[i];
+        l->slack[i] = 0;
+        l->released[i] = 0;
+    }
+    if (l->e > 0)
+        for (int32_t i = 0; i < l->n; i++)
+            if (l->w[i] == 0 && l->delta[i] > 0) {
+                sp_lattice_stick(l, i, -1);
+                while (i + 1 < l->n && l->w[i + 1] == 0 && l->delta[i + 1] > 0)
+                    i++;
+            }
+    sp_lattice_group(l);
+}
+
+static double stiffness_of(const sp_lattice *l, int32_t i) {
+    contact_state s = (contact_state)l->state[i];
+    return s == CONTACT_OPEN ? 0 : l->k * (s == CONTACT_APPROACHING ? 1 + l->e : 1 - l->e);
+}
+
+void sp_lattice_group(sp_lattice *l) {
+    int32_t j = 0;
+    l->closed = 0;
+    for (int32_t i = 0; i < l->n; i++)
+        if (l->state[i] != CONTACT_STUCK) {
+            l->stiffness[j] = stiffness_of(l, i);
+            l->closed += l->state[i] != CONTACT_OPEN;
+            l->mover[j++] = i;
+        }
+    l->movers = j;
+    l->mover[j] = l->n;
+    l->lanes = j < LATTICE_FEW ? LATTICE_FEW : j;
+    for (int32_t i = j; i < l->lanes; i++)
+        l->stiffness[i] = l->inverse_mass[i] = l->c[i] = l->c[l->stride + i] = 0;
+    double carried = 0;
+    for (int32_t i = l->n - 1; i >= 0; i--) {
+        carried += l->mass[i];
+        l->carried[i] = carried;
+        if (l->state[i] != CONTACT_STUCK) {
+            l->inverse_mass[--j] = 1 / carried;
+            carried = 0;
+        }
+    }
+}
+
+double sp_lattice_floor_acceleration(const sp_lattice *l) {
+    return l->lifted ? -l->a * l->omega * l->omega * sin(l->omega * l->s) : 0;
+}
+
+double sp_lattice_floor_jerk(const sp_lattice *l) {
+    return l->lifted ? -l->a * l->omega * l->omega * l->omega * cos(l->omega * l->s) : 0;
+}
+
+/* 1/((p + 1)(p + 2)): divisions would take longer than the rest of the recurrence. */
+#define SHARE(p)  1.0 / (((p) + 1) * ((p) + 2))
+#define SHARES(p) SHARE(p), SHARE((p) + 1), SHARE((p) + 2), SHARE((p) + 3), SHARE((p) + 4)
+static const double shares[LATTICE_ORDER] = {SHARES(0), SHARES(5), SHARES(10), SHARES(15), SHARES(20), SHARES(25)};
+
+/* y0'' as a series, up to l->order, and gravity. */
+static void expand_floor(sp_lattice *l) {
+    const double acceleration = sp_lattice_floor_acceleration(l), square = -l->omega * l->omega;
+    memset(l->floor, 0, sizeof l->floor);
+    if (l->lifted) {
+        l->floor[0] = acceleration;
+        l->floor[1] = sp_lattice_floor_jerk(l);
+        for (int p = 0; p + 2 <= l->order; p++)
+            l->floor[p + 2] = l->floor[p] * square * shares[p];
+    }
+    l->floor[0] = acceleration + l->g;
+}
+
+/* One power from the second last: c_(p+2) (p+1) (p+2) = A_below - A_above, accelerations of the clusters. Called with
+ * constants where there are few movers; lanes beyond them have no stiffness. */
+static inline void raise_lanes(const sp_lattice *l, double *c, int p, double floor, int32_t lanes) {
+    size_t stride = (size_t)l->stride;
+    const double *restrict now = c + (size_t)p * stride, *restrict k = l->stiffness, *restrict im = l->inverse_mass;
+    double *restrict next = c + (size_t)(p + 2) * stride, *restrict f = l->force, *restrict a = l->pull;
+    for (int32_t j = 0; j < lanes; j++)
+        f[j] = k[j] * now[j];
+    f[lanes] = 0;
+    a[0] = floor;
+    for (int32_t j = 0; j < lanes; j++)
+        a[j + 1] = (f[j] - f[j + 1]) * im[j];
+    const double share = shares[p];
+    for (int32_t j = 0; j < lanes; j++)
+        next[j] = (a[j] - a[j + 1]) * share;
+}
+
+static void raise_power(const sp_lattice *l, double *c, int p, double floor) {
+    if (l->lanes > LATTICE_FEW) {
+        raise_lanes(l, c, p, floor, l->lanes);
+        return;
+    }
+    size_t stride = (size_t)l->stride; /* in registers: memory would be read before it is written */
+    const double *now = c + (size_t)p * stride;
+    double *next = c + (size_t)(p + 2) * stride, share = shares[p];
+    double below = floor, force = l->stiffness[0] * now[0];
+    for (int32_t j = 0; j < l->movers; j++) {
+        double above = j + 1 < l->movers ? l->stiffness[j + 1] * now[j + 1] : 0;
+        double pull = (force - above) * l->inverse_mass[j];
+        next[j] = (below - pull) * share;
+        below = pull;
+        force = above;
+    }
+}
+
+static void hold_released(const sp_lattice *l, double *c) {
+    for (int32_t j = 0; j < l->movers; j++)
+        if (l->released[l->mover[j]])
+            c[2 * (size_t)l->stride + (size_t)j] = 0;
+}
+
+/* The power from which on terms of e^x are below 1e-18; *rest bounds their sum. */
+static int order_for(double x, double *rest) {
+    double term = x * x * x / 6;
+    int p = 3;
+    for (; p + 2 < LATTICE_ORDER && term > 1e-18; p += 2) /* two at a time, for a division less */
+        term *= x * x * shares[p];
+    *rest = term * x / (p + 1 - fmin(x, p));
+    return p;
+}
+
+void sp_lattice_expand(sp_lattice *l, double h) {
+    double rate = fmax(l->closed > 0 ? l->fastest : 0, l->lifted ? l->omega : 0);
+    double rest;
+    l->order = order_for(rate * h, &rest);
+    l->truncation = fmax(l->truncation, rest);
+    expand_floor(l);
+    for (int32_t j = 0; j < l->movers; j++) {
+        l->c[j] = l->delta[l->mover[j]];
+        l->c[l->stride + j] = -l->w[l->mover[j]];
+    }
+    for (int p = 0; p + 2 <= l->order; p++) {
+        raise_power(l, l->c, p, l->floor[p]);
+        if (p == 0)
+            hold_released(l, l->c);
+    }
+}
+
+void sp_lattice_motion(const sp_lattice *l, int32_t mover, double tau, double *overlap, double *opening) {
+    double value = 0, slope = 0;
+    for (int p = l->order; p >= 0; p--) {
+        slope = slope * tau + value;
+        value = value * tau + l->c[(size_t)p * (size_t)l->stride + (size_t)mover];
+    }
+    *overlap = value;
+    *opening = -slope;
+}
+
+/* Values and derivatives at tau of all movers, into value and slope. */
+static inline void sum_lanes(sp_lattice *l, const double *c, double tau, int32_t lanes) {
+    double *restrict value = l->value, *restrict slope = l->slope;
+    size_t stride = (size_t)l->stride;
+    for (int32_t j = 0; j < lanes; j++) {
+        value[j] = c[(size_t)l->order * stride + (size_t)j];
+        slope[j] = 0;
+    }
+    for (int p = l->order - 1; p >= 0; p--) {
+        const double *restrict cp = c + (size_t)p * stride;
+        for (int32_t j = 0; j < lanes; j++) {
+            slope[j] = slope[j] * tau + value[j];
+            value[j] = value[j] * tau + cp[j];
+        }
+    }
+}
+
+static void sum_series(sp_lattice *l, const double *c, double tau) {
+    if (l->lanes == LATTICE_FEW)
+        sum_lanes(l, c, tau, LATTICE_FEW);
+    else
+        sum_lanes(l, c, tau, l->lanes);
+}
+
+/* Tangents obey the same system without floor and gravity; those of sticking contacts stay. */
+static void advance_tangent(sp_lattice *l, double *delta, double *w, double tau) {
+    for (int32_t j = 0; j < l->movers; j++) {
+        l->t_c[j] = delta[l->mover[j]];
+        l->t_c[l->stride + j] = -w[l->mover[j]];
+    }
+    for (int p = 0; p + 2 <= l->order; p++)
+        raise_power(l, l->t_c, p, 0);
+    sum_series(l, l->t_c, tau);
+    for (int32_t j = 0; j < l->movers; j++) {
+        delta[l->mover[j]] = l->value[j];
+        w[l->mover[j]] = -l->slope[j];
+    }
+}
+
+void sp_lattice_advance(sp_lattice *l, double tau) {
+    if (tau == 0)
+        return;
+    for (int v = 0; v < l->tangents; v++)
+        advance_tangent(l, l->t_delta + (size_t)v * (size_t)l->n, l->t_w + (size_t)v * (size_t)l->n, tau);
+    sum_series(l, l->c, tau);
+    for (int32_t j = 0; j < l->movers; j++) {
+        int32_t i = l->mover[j];
+        l->delta[i] = l->value[j];
+        l->w[i] = -l->slope[j];
+        l->released[i] = 0;
+    }
+}
+
+void sp_lattice_rates(sp_lattice *l, double *rate) {
+    for (int32_t j = 0; j < l->movers; j++)
+        l->c[j] = l->delta[l->mover[j]];
+    raise_power(l, l->c, 0, sp_lattice_floor_acceleration(l) + l->g);
+    hold_released(l, l->c);
+    memset(rate, 0, (size_t)l->n * sizeof *rate);
+    for (int32_t j = 0; j < l->movers; j++)
+        rate[l->mover[j]] = -2 * l->c[2 * (size_t)l->stride + (size_t)j];
+}

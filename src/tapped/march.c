@@ -1,0 +1,176 @@
+/* From tap to tap with explicit steps. */
+#include "tapped/march.h"
+
+#include "base/base.h"
+
+#include <float.h>
+
+typedef struct march {
+    const sp_tapped_spec *c;
+    const sp_tapped_marcher *m;
+    const sp_tapped_rows *rows;
+    sp_tapped_report *report;
+    double *state, *next, *aside; /* [size] */
+    double *y, *v;                /* [N + 1] */
+    int64_t row;                  /* the next */
+    int64_t steps;                /* in this tap */
+    double start, separation;     /* of the tap; smallest now */
+    double mark;                  /* time in the tap, some steps ago */
+} march;
+
+static sp_status hand_over(march *w, const double *state, sp_error *err) {
+    double t = w->rows->t[w->row++];
+    w->m->particles(w->m->model, state, w->y, w->v);
+    w->y[0] = sp_tapped_floor(w->c, t);
+    w->v[0] = sp_tapped_floor_velocity(w->c, t);
+    return w->rows->row(t, w->y, w->v, w->rows->user, err);
+}
+
+/* All rows from s on and before s + h. A time that only rounding keeps below an end belongs to what follows it. */
+static sp_status rows_before(march *w, double s, double h, sp_error *err) {
+    sp_status status = SP_OK;
+    while (status == SP_OK && w->row < w->rows->n) {
+        double at = w->rows->t[w->row] * (1 + 2 * DBL_EPSILON) - w->start;
+        if (!(at < s + h))
+            break;
+        if (at > s)
+            w->m->step(w->m->model, s, at - s, w->state, w->aside);
+        status = hand_over(w, at > s ? w->aside : w->state, err);
+    }
+    return status;
+}
+
+/* Smallest separation of the state at s; where it falls below 0, by a straight line since the last step. */
+static sp_status separate(march *w, sp_tapped_tap *tap, double s, double h, sp_error *err) {
+    w->m->particles(w->m->model, w->state, w->y, w->v);
+    w->y[0] = sp_tapped_phase_floor(w->m->phase, s);
+    double smallest = INFINITY;
+    int32_t contact = 0;
+    for (int32_t i = 0; i < w->c->particles; i++) {
+        double apart = w->y[i + 1] - w->y[i];
+        if (!(apart >= smallest)) {
+            smallest = apart;
+            contact = i;
+        }
+    }
+    if (!isfinite(smallest))
+        return sp_fail(err, SP_EFAILED, "column: positions are no longer finite at t = %.9g s, contact %d",
+                       w->start + s, contact);
+    if (smallest < tap->separation) {
+        tap->separation = smallest;
+        tap->at = w->start + s;
+        tap->contact = contact;
+    }
+    if (smallest < 0 && !(w->report->violated >= 0)) {
+        double back = w->separation > 0 ? h * smallest / (smallest - w->separation) : 0;
+        w->report->violated_at = w->start + s - back;
+        w->report->violated = contact;
+    }
+    w->separation = smallest;
+    return SP_OK;
+}
+
+static sp_status too_many(const march *w, double s, double h, sp_error *err) {
+    return sp_fail(
+        err, w->m->judge ? SP_EFAILED : SP_EINVAL,
+        "column: steps of %.3g s at t = %.6g s, and more than %d of them in a tap, for %s; take less of it, or "
+        "the lattice by events",
+        h, w->start + s, SP_TAPPED_MOST_STEPS, w->m->stiff);
+}
+
+/* Fixed steps tell at once how many there will be. Others do when there have been too many, or when the last hundredth
+ * of that number would have to be followed by ten times as many. */
+static bool hopeless(march *w, double s, double parts) {
+    const int64_t most = SP_TAPPED_MOST_STEPS, stretch = most / 100;
+    if (!w->m->judge)
+        return !(parts <= (double)most);
+    if (w->steps > most)
+        return true;
+    if (w->steps % stretch != 0)
+        return false;
+    bool slow = (w->c->period - s) * (double)stretch > 10 * (double)most * (s - w->mark);
+    w->mark = s;
+    return slow;
+}
+
+/* One phase of the floor's motion, to its end. */
+static sp_status through(march *w, sp_tapped_tap *tap, double s, double end, sp_error *err) {
+    const sp_tapped_marcher *m = w->m;
+    sp_status status = separate(w, tap, s, 0, err);
+    while (status == SP_OK && s < end) {
+        double longest = m->longest(m->model, s, w->state);
+        double left = end - s, parts = ceil(left / longest * (1 - 1e-9)), h = left / fmax(1, parts);
+        status = sp_tapped_go_on(w->c, ++w->steps, 0, w->start + s, err);
+        if (status != SP_OK)
+            return status;
+        if (hopeless(w, s, parts) || !(s + h > s))
+            return too_many(w, s, h, err);
+        double error = m->step(m->model, s, h, w->state, w->next);
+        if (m->judge)
+            m->judge(m->model, h, error);
+        if (!(error <= 1))
+            continue;
+        status = rows_before(w, s, h, err);
+        double *previous = w->state;
+        w->state = w->next;
+        w->next = previous;
+        s = parts > 1 ? s + h : end;
+        w->report->time_step = fmin(w->report->time_step, h);
+        if (status == SP_OK)
+            status = separate(w, tap, s, h, err);
+    }
+    return status;
+}
+
+static sp_status one_tap(march *w, sp_tapped_tap *tap, double *energy, sp_error *err) {
+    const sp_tapped_spec *c = w->c;
+    double omega = 2 * sp_tapped_pi * c->frequency, top = fmin(0.5 / c->frequency, c->period);
+    double *work = &w->state[w->m->size - 2];
+    work[0] = work[1] = 0;
+    w->steps = 0;
+    w->separation = w->mark = 0;
+    *w->m->phase = (sp_tapped_phase){.amplitude = c->amplitude, .omega = omega};
+    sp_status status = c->amplitude > 0 ? through(w, tap, 0, top, err) : SP_OK;
+    *w->m->phase = (sp_tapped_phase){0};
+    if (status == SP_OK)
+        status = through(w, tap, c->amplitude > 0 ? top : 0, c->period, err);
+    if (status != SP_OK)
+        return status;
+    work = &w->state[w->m->size - 2];
+    tap->work = work[0];
+    tap->dissipated = work[1];
+    tap->energy = w->m->energy(w->m->model, 0, w->state);
+    double scale = fmax(fmax(fabs(tap->work), tap->dissipated), 1e-3 * fabs(*energy));
+    tap->residual = (tap->energy - *energy - tap->work + tap->dissipated) / scale;
+    *energy = tap->energy;
+    w->report->steps += w->steps;
+    return SP_OK;
+}
+
+sp_status sp_tapped_march(const sp_tapped_spec *c, const sp_tapped_marcher *m, double *state,
+                          const sp_tapped_rows *rows, sp_tapped_report *report, sp_error *err) {
+    const size_t size = (size_t)m->size, particles = (size_t)c->particles + 1;
+    double *room = sp_alloc(3 * size + 2 * particles, sizeof *room);
+    if (!room)
+        return sp_fail_memory(err, (3 * size + 2 * particles) * sizeof *room);
+    march w = {.c = c, .m = m, .rows = rows, .report = report};
+    w.state = room;
+    w.next = w.state + size;
+    w.aside = w.next + size;
+    w.y = w.aside + size;
+    w.v = w.y + particles;
+    for (size_t i = 0; i < size; i++)
+        w.state[i] = state[i];
+    *m->phase = (sp_tapped_phase){0};
+    report->time_step = INFINITY;
+    double energy = report->initial_energy = m->energy(m->model, 0, w.state);
+    sp_status status = SP_OK;
+    for (int32_t k = 0; k < c->taps && status == SP_OK; k++) {
+        w.start = k * c->period;
+        status = one_tap(&w, &report->tap[k], &energy, err);
+    }
+    while (status == SP_OK && w.row < rows->n)
+        status = hand_over(&w, w.state, err);
+    sp_free(room);
+    return status;
+}

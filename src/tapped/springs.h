@@ -1,0 +1,28 @@
+#ifndef SP_TAPPED_SPRINGS_H
+#define SP_TAPPED_SPRINGS_H
+/* The lattice (19) as y' = v, v' = Y for explicit steps, with sigma and chi sharp as in (9) or smooth as in (30). The
+ * state: y [N], v [N], work of the floor, dissipated energy. */
+
+#include "numeric/ode.h"
+#include "tapped/march.h"
+
+typedef struct sp_tapped_springs {
+    int32_t n;
+    double stiffness, e, gravity;
+    double alpha_v, alpha_x; /* INFINITY: sharp */
+    double *mass, *distance; /* [n] */
+    sp_tapped_phase phase;
+    sp_ode ode;
+} sp_tapped_springs;
+
+sp_status sp_tapped_springs_make(const sp_tapped_spec *c, double alpha_v, double alpha_x, sp_tapped_springs *out,
+                                 sp_error *err);
+void sp_tapped_springs_free(sp_tapped_springs *s);
+/* At rest, or dropped. */
+void sp_tapped_springs_start(const sp_tapped_spec *c, const sp_tapped_springs *s, double *state);
+void sp_tapped_springs_particles(const sp_tapped_springs *s, const double *state, double *y, double *v);
+double sp_tapped_springs_energy(const sp_tapped_springs *s, double floor, const double *state);
+/* Highest angular frequency that contacts of K (1 + e) can have: 2 sqrt(K (1 + e)/m) of the lightest. */
+double sp_tapped_springs_frequency(const sp_tapped_springs *s);
+
+#endif

@@ -1,0 +1,169 @@
+/* Which contacts stick. Where w = 0, Filippov's solution asks for forces F_i within K delta_i (1 -+ e) such that
+ * dw_i/dt is 0 inside of that band, above 0 at its lower and below 0 at its upper end. With x the mass carried, F(x)
+ * has the slope dy/dt^2 + g of the particles, so that this is the taut string through a tube: it touches the lower edge
+ * where it bends one way, the upper edge where it bends the other way. One pass finds it, whatever N; no iteration. */
+#include "base/base.h"
+#include "tapped/lattice.h"
+
+#include <float.h>
+
+static void fill(const taut_ends *from, int32_t begin, int32_t end, double slope, const double *x, double *f) {
+    for (int32_t k = begin; k < end; k++)
+        f[k] = from->f0 + slope * (x[k] - from->x0);
+}
+
+void sp_taut_string(int32_t n, const double *x, const double *lo, const double *hi, const taut_ends *ends, double *f,
+                    double *bend) {
+    taut_ends knot = *ends; /* the string is fixed up to here */
+    int32_t done = 0, turning = -1;
+    double last = 0; /* slope of the last straight piece */
+    for (int32_t k = 0; k < n; k++)
+        bend[k] = 0;
+    for (;;) {
+        double most = INFINITY, least = -INFINITY, slope;
+        int32_t at_most = -1, at_least = -1, k = done;
+        bool over = false, under = false; /* the tube turns up, or down, more than the string can */
+        for (; k <= n; k++) {
+            bool end = k == n, past = end && ends->free;
+            double width = (end ? ends->x_end : x[k]) - knot.x0;
+            double upper = past ? ends->slope_end : ((end ? ends->f_end : hi[k]) - knot.f0) / width;
+            double lower = past ? ends->slope_end : ((end ? ends->f_end : lo[k]) - knot.f0) / width;
+            over = lower > most;
+            under = upper < least;
+            if (over || under)
+                break;
+            if (upper <= most)
+                most = upper, at_most = k;
+            if (lower >= least)
+                least = lower, at_least = k;
+        }
+        int32_t next = over ? at_most : under ? at_least : n;
+        slope = under ? least : most;
+        if (turning >= 0)
+            bend[turning] = last - slope;
+        fill(&knot, done, next, slope, x, f);
+        if (next == n)
+            return;
+        f[next] = over ? hi[next] : lo[next];
+        knot.x0 = x[next], knot.f0 = f[next];
+        turning = next, last = slope, done = next + 1;
+    }
+}
+
+/* The contacts low .. high with w = 0 and delta > 0, all that hang together; node k of the string is contact high - k.
+ * Rounding decides nothing: a force on the edge of its band without a bend of the string is judged by its rate. */
+typedef struct run {
+    sp_lattice *l;
+    int32_t low, high, n;
+    double *x, *lo, *hi, *f, *bend;
+    double edge;     /* forces are equal within this */
+    double straight; /* and slopes within this */
+} run;
+
+static bool rests(const sp_lattice *l, int32_t i) { return i >= 0 && i < l->n && l->w[i] == 0 && l->delta[i] > 0; }
+
+/* Force of a contact that moves, and its rate. */
+static double force_of(const sp_lattice *l, int32_t i, double quantity) {
+    if (i >= l->n || l->state[i] == CONTACT_OPEN)
+        return 0;
+    return l->k * (l->state[i] == CONTACT_APPROACHING ? 1 + l->e : 1 - l->e) * quantity;
+}
+
+static run find_run(sp_lattice *l, int32_t at) {
+    int32_t low = at, high = at;
+    while (rests(l, low - 1))
+        low--;
+    while (rests(l, high + 1))
+        high++;
+    size_t stride = (size_t)l->stride;
+    double *room = l->c + 3 * stride; /* series are made anew after this */
+    run r = {.l = l, .low = low, .high = high, .n = high - low + 1};
+    r.x = room;
+    r.lo = room + stride;
+    r.hi = room + 2 * stride;
+    r.f = room + 3 * stride;
+    r.bend = room + 4 * stride;
+    double x = 0, lightest = low > 0 ? l->mass[low - 1] : INFINITY, most = l->weight;
+    most = fmax(most, fabs(force_of(l, high + 1, high + 1 < l->n ? l->delta[high + 1] : 0)));
+    if (low > 0)
+        most = fmax(most, fabs(force_of(l, low - 1, l->delta[low - 1])));
+    for (int32_t k = 0; k < r.n; k++) {
+        int32_t i = high - k;
+        x += l->mass[i];
+        lightest = fmin(lightest, l->mass[i]);
+        r.x[k] = x;
+        r.lo[k] = l->k * (1 - l->e) * l->delta[i];
+        r.hi[k] = l->k * (1 + l->e) * l->delta[i];
+    }
+    r.edge = 3e-13 * most;
+    r.straight = 3e-12 * most / lightest;
+    return r;
+}
+
+static taut_ends ends_of(const run *r, bool rates) {
+    const sp_lattice *l = r->l;
+    int32_t above = r->high + 1, below = r->low - 1;
+    taut_ends e = {0, 0, r->low == 0, 0, 0, 0};
+    if (above < l->n)
+        e.f0 = force_of(l, above, rates ? -l->w[above] : l->delta[above]);
+    if (e.free)
+        e.slope_end = rates ? sp_lattice_floor_jerk(l) : sp_lattice_floor_acceleration(l) + l->g;
+    else {
+        e.x_end = r->x[r->n - 1] + l->mass[below];
+        e.f_end = force_of(l, below, rates ? -l->w[below] : l->delta[below]);
+    }
+    return e;
+}
+
+static void set_state(sp_lattice *l, int32_t i, contact_state state, bool released, double slack) {
+    l->state[i] = (unsigned char)state;
+    l->released[i] = released;
+    l->anchor[i] = l->delta[i];
+    l->slack[i] = slack;
+}
+
+/* First by forces. true: some are on the edge of their band, and the string is straight there. */
+static bool judge_forces(run *r) {
+    taut_ends ends = ends_of(r, false);
+    bool doubtful = false;
+    sp_taut_string(r->n, r->x, r->lo, r->hi, &ends, r->f, r->bend);
+    for (int32_t k = 0; k < r->n; k++) {
+        int32_t i = r->high - k;
+        bool bent = fabs(r->bend[k]) > r->straight;
+        double slack = r->l->state[i] == CONTACT_STUCK ? fmax(r->l->slack[i], 0.1 * r->edge) : 0.1 * r->edge;
+        set_state(r->l, i,
+                  !bent            ? CONTACT_STUCK
+                  : r->bend[k] < 0 ? CONTACT_APPROACHING
+                                   : CONTACT_SEPARATING,
+                  false, slack);
+        bool at_high = r->f[k] >= r->hi[k] - r->edge, at_low = r->f[k] <= r->lo[k] + r->edge;
+        doubtful = doubtful || (!bent && (at_high || at_low));
+        r->lo[k] = bent || at_low ? 0 : -INFINITY; /* of the rates */
+        r->hi[k] = bent || at_high ? 0 : INFINITY;
+        if (!bent && at_low && at_high) /* a band that rounding fills: it holds */
+            r->lo[k] = -INFINITY, r->hi[k] = INFINITY;
+    }
+    return doubtful;
+}
+
+/* Then by their rates, where forces cannot tell: dw/dt = 0, and d2w/dt2 decides. */
+static void judge_rates(run *r) {
+    sp_lattice *l = r->l;
+    taut_ends ends = ends_of(r, true);
+    sp_taut_string(r->n, r->x, r->lo, r->hi, &ends, r->f, r->bend);
+    for (int32_t k = 0; k < r->n; k++) {
+        int32_t i = r->high - k;
+        if (l->state[i] == CONTACT_STUCK && fabs(r->bend[k]) > 1e-3 * r->straight * l->fastest)
+            set_state(l, i, r->bend[k] < 0 ? CONTACT_APPROACHING : CONTACT_SEPARATING, true, 0);
+    }
+}
+
+void sp_lattice_stick(sp_lattice *l, int32_t at, int32_t cause) {
+    double slack = cause >= 0 ? l->slack[cause] : 0;
+    run r = find_run(l, at);
+    if (judge_forces(&r))
+        judge_rates(&r);
+    /* it left its band by less than can be told: it may go a little further */
+    if (cause >= 0 && l->state[cause] == CONTACT_STUCK)
+        l->slack[cause] = 2 * slack;
+}
