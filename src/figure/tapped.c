@@ -1,4 +1,4 @@
-/* Figures of the tapped column: which one the tables make. */
+/* Chooses the figure of the tapped column that suits the given tables. */
 #include "figure/canvas.h"
 #include "figure/tapped_table.h"
 
@@ -20,7 +20,7 @@ static bool all_have_shape(int tables, const tapped_plot_table *s) {
     return all;
 }
 
-/* Bifurcation and exponents, in any order. */
+/* Sorts a bifurcation and a Lyapunov table, given in any order; false if there are others. */
 static bool make_diagram(int tables, const tapped_plot_table *s, const tapped_plot_table *of[2]) {
     of[0] = of[1] = NULL;
     for (int k = 0; k < tables; k++) {
@@ -52,7 +52,7 @@ static bool go_together(const tapped_plot_table *a, const tapped_plot_table *b) 
            (a->output == TAPPED_PLOT_LYAPUNOV && b->output == TAPPED_PLOT_BIFURCATION);
 }
 
-/* Names the first two tables that do not go together. */
+/* Reports the first two tables that cannot share a figure. */
 static sp_status fail_together(int tables, const tapped_plot_table *s, sp_error *err) {
     int one = 0, two = 1;
     while (one + 2 < tables && go_together(&s[one], &s[two])) {

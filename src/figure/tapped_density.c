@@ -1,4 +1,4 @@
-/* Density along a tapped column: profiles at rest and after taps, and against time at three heights. */
+/* Figure of the density along a tapped column: profiles at rest and after taps, and three particles against time. */
 #include "figure/tapped_table.h"
 
 #include "base/base.h"
@@ -8,7 +8,7 @@
 
 enum { PROFILES = 6, PLACES = 3, MARKED_MOST = 40, LABEL_ROOM = 200 };
 
-/* The row nearest to a time. */
+/* Finds the row nearest to a time, by bisection. */
 static int64_t row_at(int64_t rows, const double *t, double time) {
     int64_t low = 0, high = rows - 1;
     while (high - low > 1) {
@@ -21,8 +21,8 @@ static int64_t row_at(int64_t rows, const double *t, double time) {
     return fabs(t[high] - time) < fabs(t[low] - time) ? high : low;
 }
 
-/* The first row and those at .99T, 1.99T, ..., of many taps the first, the last and some between; without a period rows
- * evenly apart. number: of the tap; 0: not known. */
+/* Chooses the first row and those at .99T, 1.99T, ...; of many taps the first, the last and some in between. Without a
+ * known period the rows are evenly spaced. number: of the tap, or 0 if unknown. */
 static int choose_rows(const tapped_plot_table *s, const double *t, int64_t row[PROFILES], double number[PROFILES]) {
     const int64_t rows = s->table->rows;
     const double period = sp_tapped_plot_setting(s, "period"), taps = floor((t[rows - 1] - t[0]) / period + 0.02);
@@ -81,7 +81,7 @@ static int profile_curves(const tapped_plot_table *s, const double *t, double *m
     return n;
 }
 
-/* At the lowest, a middle and the highest particle. */
+/* Curves for the lowest, a middle and the highest particle. */
 static int time_curves(const tapped_plot_table *s, const double *t, double *memory, sp_curve *curve,
                        char (*label)[LABEL_ROOM]) {
     const int place[PLACES] = {1, (s->particles + 1) / 2, s->particles};

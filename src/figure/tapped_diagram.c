@@ -1,4 +1,4 @@
-/* Bifurcations and Lyapunov exponents of the tapped column against a parameter. */
+/* Figure of bifurcations and Lyapunov exponents of the tapped column against a parameter. */
 #include "figure/tapped_table.h"
 
 #include "base/base.h"
@@ -20,7 +20,8 @@ static sp_status check_parameter(const tapped_plot_table *s, double *to, double 
     return SP_OK;
 }
 
-/* Marks alone: between windows of cycles the exponent jumps, and a line would show values that it does not take. */
+/* Draws marks without a line: the exponent jumps between windows of cycles, and a line would show values that it never
+ * takes. */
 static sp_curve exponents(const tapped_plot_table *s, const double *x, double *memory) {
     const int64_t n = s->table->rows;
     const int error = sp_tapped_plot_column(s, "error");
@@ -52,7 +53,7 @@ static bool any(const sp_curve *c) {
     return false;
 }
 
-/* Two tables that say what they go through must say the same. */
+/* Refuses two tables with different parameters. */
 static sp_status check_common(const diagram *d, sp_error *err) {
     const char *one = d->bifurcation ? sp_table_comment_value(d->bifurcation->table, "parameter") : NULL;
     const char *two = d->lyapunov ? sp_table_comment_value(d->lyapunov->table, "parameter") : NULL;
@@ -87,7 +88,7 @@ static sp_status read(diagram *d, double *memory, sp_error *err) {
     return status;
 }
 
-/* What the tables warn of; two that say the same say it once. */
+/* Writes the warnings of the tables into the note; equal ones only once. */
 static void write_note(diagram *d) {
     char one[TAPPED_PLOT_LABEL] = "", two[TAPPED_PLOT_LABEL] = "";
     if (d->bifurcation)

@@ -1,5 +1,4 @@
-/* Figures of the tapped column that are curves: after each tap, along the column, energies, and differences of models.
- */
+/* Line figures of the tapped column: states after each tap, differences between models, and energies. */
 #include "figure/tapped_table.h"
 
 #include "base/base.h"
@@ -30,7 +29,7 @@ static sp_status draw_sheet(const char *title, int panels, const sp_panel *panel
     return sp_tapped_draw_sheet(&sheet, path, err);
 }
 
-/* Taps of all panels, so that they line up; a whole one stands clear of the frame. */
+/* Axis of taps, the same for all panels so that they line up. Points at whole taps stay clear of the frame. */
 static sp_axis taps_axis(int64_t rows, const double *tap, const char *label) {
     double low = INFINITY, high = -INFINITY;
     for (int64_t k = 0; k < rows; k++) {
@@ -43,7 +42,7 @@ static sp_axis taps_axis(int64_t rows, const double *tap, const char *label) {
 
 /* ---- after each tap --------------------------------------------------------------------------------------------- */
 
-/* y_k less that after the first tap of the table. */
+/* Subtracts the first finite value. */
 static void relative(int64_t n, double *y) {
     int64_t first = 0;
     while (first < n && !isfinite(y[first]))
@@ -123,7 +122,7 @@ sp_status sp_tapped_draw_strobe(const tapped_plot_table *s, const char *path, sp
 
 enum { DIFFERENCES = 4 };
 
-/* Whether one scale cannot show all curves: the largest of one is many times that of another. */
+/* Whether one scale cannot show all curves, because their maxima differ too much. */
 static bool far_apart(int curves, const sp_curve *curve) {
     double least = INFINITY, most = 0;
     for (int j = 0; j < curves; j++) {
@@ -136,7 +135,8 @@ static bool far_apart(int curves, const sp_curve *curve) {
     return most > 30 * least;
 }
 
-/* What a logarithmic axis cannot show is a gap: both models start from the lattice, and differ by nothing there. */
+/* Turns values that a logarithmic axis cannot show into gaps. Both models start from the lattice, where the difference
+ * is zero. */
 static void only_positive(int64_t n, double *y) {
     for (int64_t k = 0; k < n; k++)
         y[k] = y[k] > 0 ? y[k] : NAN;
@@ -196,11 +196,11 @@ sp_status sp_tapped_draw_compare(const tapped_plot_table *s, const char *path, s
 
 enum { E_TAP = 0, E_WORK, E_DISSIPATED, E_KEPT, E_REST, E_SEPARATION, ENERGIES };
 
-/* From below zero to well above the values, where the panel's tag stands. */
+/* Limits from below zero to well above the values, which leaves space for the panel's tag. */
 static void with_room(sp_axis *a, int64_t rows, const double *value) {
     double low = 0, high = 0;
     for (int64_t k = 0; k < rows; k++) {
-        low = fmin(low, value[k]); /* gaps are passed over */
+        low = fmin(low, value[k]); /* NAN is ignored */
         high = fmax(high, value[k]);
     }
     const double range = high > low ? high - low : 1;
@@ -208,7 +208,8 @@ static void with_room(sp_axis *a, int64_t rows, const double *value) {
     a->high = high + 0.28 * range;
 }
 
-/* The column keeps so little of the work that both energies look the same on one scale: their difference, too. */
+/* Reads the columns. The column keeps so little of the work that work and dissipation look equal on one scale, so their
+ * difference is drawn, too. */
 static void read_energies(const tapped_plot_table *s, double *memory, sp_curve curve[ENERGIES], int column[ENERGIES]) {
     static const char *const names[ENERGIES] = {"tap", "work", "dissipated", "work", "rest", "separation"};
     const int64_t rows = s->table->rows;
@@ -227,7 +228,7 @@ static void read_energies(const tapped_plot_table *s, double *memory, sp_curve c
     curve[E_DISSIPATED].ink = 2;
     curve[E_DISSIPATED].mark = mark_of(rows, SP_MARK_SQUARE);
     curve[E_DISSIPATED].open = true;
-    curve[E_DISSIPATED].width = 2.6; /* seen on both sides of the other */
+    curve[E_DISSIPATED].width = 2.6; /* visible on both sides of the other curve */
 }
 
 static sp_status draw_energy(const tapped_plot_table *s, double *memory, const char *path, sp_error *err) {

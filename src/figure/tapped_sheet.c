@@ -1,5 +1,5 @@
-/* Panels one below the other as in sp_plot_sheet, with what that has not: ticks at whole numbers alone, and a line of
- * small print. */
+/* Draws panels below each other, with two features that sp_plot_sheet lacks: ticks at whole numbers only, and a note.
+ */
 #include "figure/panel.h"
 #include "figure/tapped_table.h"
 
@@ -9,7 +9,7 @@
 #include <stdio.h>
 
 enum { PANELS_MOST = 4 };
-#define NOTE 12.0 /* height of the small print [pt] */
+#define NOTE 12.0 /* height of the note [pt] */
 
 typedef struct sheet {
     const tapped_plot_sheet *source;
@@ -17,7 +17,7 @@ typedef struct sheet {
     panel panel[PANELS_MOST];
 } sheet;
 
-/* There is nothing between one tap and the next. */
+/* Removes ticks between whole numbers: there is nothing between one tap and the next. */
 static void whole_ticks(axis *a) {
     int kept = 0;
     for (int k = 0; k < a->ticks && a->power == 0; k++) {
@@ -47,7 +47,7 @@ static sp_status make_panels(sheet *s, double height, sp_error *err) {
     return status;
 }
 
-/* Frames begin and end at the same x. */
+/* Lays out the panels so that all frames have the same left and right edges. */
 static sp_status layout(sheet *s, sp_error *err) {
     sp_status status = SP_OK;
     for (int pass = 0; pass < 2; pass++) {

@@ -1,5 +1,5 @@
-/* Solution surfaces y(z, t) of the lattice and of continua, side by side: the purpose of Fig. 2 of Blackmore et al.
- * 2011. The colour is what the height alone does not show: how far a particle is above where it was, or the density. */
+/* Draws surfaces y(z, t) of the lattice and the continua side by side, as in Fig. 2 of Blackmore et al. 2011. The
+ * colour shows what the height alone does not: the displacement from the first row, or the density. */
 #include "figure/tapped_table.h"
 #include "figure/tapped_view.h"
 
@@ -38,7 +38,7 @@ static void widen(limits *l, double value) {
     l->high = fmax(l->high, value);
 }
 
-/* Item k of `shown' spread evenly over n, first and last among them. */
+/* Index of item k of `shown` items spread evenly over n, including the first and the last. */
 static int64_t pick(int64_t n, int shown, int k) { return shown > 1 ? (n - 1) * k / (shown - 1) : 0; }
 
 /* ---- reading ---------------------------------------------------------------------------------------------------- */
@@ -94,7 +94,7 @@ static sp_status read_table(gallery *g, picture *p, sp_error *err) {
     return SP_OK;
 }
 
-/* The model of a table, or where another has the same the name of the file, too. */
+/* Title of a table: its model, or the name of its file where another table has the same model. */
 static void name_table(const gallery *g, int k, char *out, size_t size) {
     static const char *const known[][2] = {{"longwave", "long wave"}, {"bsr", "BSR"}};
     const char *model = sp_table_comment_value(g->of[k].s->table, "model");
@@ -130,7 +130,7 @@ static sp_status read_all(gallery *g, const tapped_plot_table *s, sp_error *err)
     return status;
 }
 
-/* From values to parts of the colour scale. */
+/* Scales the values to the range of the colours. */
 static void scale_shades(gallery *g) {
     const bool is_signed = g->of[0].s->density < 0;
     const double most = fmax(fabs(g->shade.low), fabs(g->shade.high));
@@ -146,7 +146,7 @@ static void scale_shades(gallery *g) {
 
 /* ---- drawing ---------------------------------------------------------------------------------------------------- */
 
-/* A strip of colours with the axis of its values below. */
+/* Draws the colour bar with its axis below. */
 static void draw_bar(gallery *g, const char *label) {
     enum { STRIPS = 128 };
     canvas *c = &g->canvas;
@@ -184,7 +184,7 @@ static void draw_bar(gallery *g, const char *label) {
     sp_figure_text_draw(c, a.x.label, 0.5 * c->width, c->height - 3, (text_style){size, 0.5, 0.0, 0.0});
 }
 
-/* Names with the power of ten that the axis has taken out. */
+/* Sets the name of an axis with its unit and the power of ten taken out of the tick labels. */
 static void name_axis(axis *a, const char *name, const tapped_plot_table *s, int column) {
     char unit[120];
     sp_figure_text_escape(unit, sizeof unit, column >= 0 ? s->table->column[column].unit : "", 24);

@@ -14,7 +14,7 @@ int sp_tapped_plot_column(const tapped_plot_table *s, const char *name) {
     return column >= 0 && s->table->column[column].kind != SP_CELL_TEXT ? column : -1;
 }
 
-/* The first of the columns name1, name2, ... that stand together, and how many they are. */
+/* Finds the first of the consecutive columns name1, name2, ..., and their number. */
 static int find_run(const tapped_plot_table *s, const char *name, int *count) {
     char wanted[24];
     snprintf(wanted, sizeof wanted, "%s1", name);
@@ -27,7 +27,7 @@ static int find_run(const tapped_plot_table *s, const char *name, int *count) {
     return first;
 }
 
-/* The output by what no other has; y1 is asked for afterwards. */
+/* Recognises the output by columns that no other output has. That y1 exists is checked afterwards. */
 static bool find_output(tapped_plot_table *s) {
     static const struct {
         tapped_plot_output output;

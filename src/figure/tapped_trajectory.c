@@ -1,4 +1,4 @@
-/* Positions of the particles of a column against time: Fig. 1 of Blackmore et al. 2011. */
+/* Figure of the positions of a column's particles against time, as Fig. 1 of Blackmore et al. 2011. */
 #include "figure/tapped_table.h"
 
 #include "base/base.h"
@@ -10,10 +10,10 @@ enum { LINES_MOST = 40, NAMED_MOST = 6, TAPS_MOST = 40, ROWS_MOST = 20000, BUCKE
 
 typedef struct picture {
     const tapped_plot_table *s;
-    int stride, shown; /* particles k stride, counted from the top */
+    int stride, shown; /* every stride-th particle is drawn, counted from the top */
     double *t, *value; /* [rows] */
-    int64_t points;    /* of a line at the most */
-    double *memory;    /* what is left of the lines' points */
+    int64_t points;    /* most points of one curve */
+    double *memory;    /* free part of the memory for points */
     sp_curve curve[LINES_MOST + 3 + TAPS_MOST];
     char label[NAMED_MOST + 1][TAPPED_PLOT_LABEL];
     double low, high; /* of all positions */
@@ -21,8 +21,8 @@ typedef struct picture {
     int curves;
 } picture;
 
-/* Lowest and highest of each of many equal runs of rows, in their order: a line of millions of points looks the same.
- */
+/* Keeps the lowest and the highest point of each of many equal intervals, in their order. A curve of millions of points
+ * then looks the same. */
 static int64_t thin(int64_t rows, const double *t, const double *y, double *x, double *to) {
     const int64_t run = rows > ROWS_MOST ? (rows + BUCKETS - 1) / BUCKETS : 1;
     int64_t n = 0;
@@ -58,7 +58,7 @@ static sp_curve *add_line(picture *p, int column) {
     return c;
 }
 
-/* Few particles have a colour and an entry each, lowest first; of many, neighbours differ. */
+/* A few particles get a colour and a legend entry each, lowest first; of many, neighbours alternate between two. */
 static void add_particles(picture *p) {
     const int n = p->s->particles;
     for (int k = 0; k < p->shown; k++) {
@@ -80,7 +80,7 @@ static void add_particles(picture *p) {
     }
 }
 
-/* Where taps begin. */
+/* Lines at the starts of the taps. */
 static void add_taps(picture *p) {
     const double period = sp_tapped_plot_setting(p->s, "period"), from = p->t[0], to = p->t[p->s->table->rows - 1];
     if (!isfinite(period) || (to - from) / period > TAPS_MOST - 1)
@@ -94,7 +94,7 @@ static void add_taps(picture *p) {
     }
 }
 
-/* The floor, with what lies below it shaded. */
+/* The floor, shaded below. */
 static void add_floor(picture *p, double *foot) {
     sp_curve *c = add_line(p, p->s->floor);
     c->label = "floor |y|_{0}";

@@ -1,4 +1,4 @@
-/* Rows and reports of the BSR models. */
+/* Rows and reports of the two BSR models. */
 #include "tapped/bsr.h"
 #include "base/base.h"
 
@@ -66,7 +66,7 @@ static void note(const sp_tapped_spec *c, const sp_tapped_frame *now, sp_tapped_
     }
 }
 
-/* Positions by Hermite's cubic, which is exact in free fall; the others on straight lines. */
+/* Interpolates positions by Hermite cubics, which are exact in free fall, and the other quantities linearly. */
 static sp_status between(const sp_tapped_spec *c, const sp_tapped_frame frame[2], double t, sp_tapped_frame *mixed,
                          const sp_tapped_sink *sink, sp_error *err) {
     const double span = frame[1].t - frame[0].t, x = span > 0 ? fmin(1, fmax(0, (t - frame[0].t) / span)) : 1;
@@ -91,7 +91,8 @@ sp_status sp_tapped_frames_pass(const sp_tapped_spec *c, sp_tapped_frame frame[2
         return status;
     frame[1].y[0] = sp_tapped_floor(c, frame[1].t);
     note(c, &frame[1], report);
-    bool last = frame[1].t >= sp_tapped_taps(c) * c->period; /* times that only rounding puts behind it belong to it */
+    bool last = frame[1].t >=
+                sp_tapped_taps(c) * c->period; /* in the last frame, includes times that exceed the end by rounding */
     if (sink->next >= sink->n || !(sink->t[sink->next] <= frame[1].t || last))
         return status;
     sp_tapped_frame mixed[2] = {{.t = 0}, {.t = 0}};

@@ -1,5 +1,5 @@
-/* Diagrams: one column after the other over a parameter, by several threads; each starts anew, so that a point depends
- * on nothing but its parameter. */
+/* Bifurcation and Lyapunov diagrams over a parameter, computed in parallel. Each point starts afresh, so that it
+ * depends on its parameter alone. */
 #include "base/base.h"
 #include "base/team.h"
 #include "tapped/events.h"
@@ -14,12 +14,12 @@ static const char *const units[] = {"cm", "s", "Hz", ""};
 typedef struct diagram {
     const sp_tapped_spec *c;
     sp_tapped_watcher watcher;
-    int32_t points, kept; /* of each point, rows of `values` numbers */
+    int32_t points, kept; /* kept: rows of `values` numbers for each point */
     int32_t values;
     double *value;     /* [points][kept][values] */
     sp_status *status; /* [points] */
-    bool *violated;    /* [points]: ordering (1) */
-    sp_error *reason;  /* the first failure's */
+    bool *violated;    /* [points]: whether ordering (1) was violated */
+    sp_error *reason;  /* the first failure */
     atomic_int next, done, failed;
     atomic_bool stop;
 } diagram;
@@ -45,7 +45,7 @@ static sp_tapped_spec spec_at(const sp_tapped_spec *c, int32_t point) {
     return own;
 }
 
-/* Positions at the moments before taps: (k - 0.01) T. */
+/* Stores the positions at (k - 0.01) T. */
 typedef struct keeper {
     int32_t n;
     double *to;

@@ -1,12 +1,12 @@
-/* The lattice from event to event: one tap, its energies, and the rows asked for. */
+/* Integrates the lattice exactly from event to event: one tap, its energies, and its rows. */
 #include "tapped/events.h"
 
 #include "base/base.h"
 
-enum { CROWD = 1 /* contacts for which steps may end before the next event, to need fewer powers */ };
-enum { STILL_MAX = 400 }; /* events at one time, over 1 + N, before something must be wrong */
+enum { CROWD = 1 /* above this number of movers, steps end before the next event to need fewer powers */ };
+enum { STILL_MAX = 400 }; /* limit on simultaneous events, for each of 1 + N; more are an error */
 
-static const double longest = 1; /* of a step, times the bound of the frequencies */
+static const double longest = 1; /* product of the step and the frequency bound */
 
 /* ---- energies and separations ----------------------------------------------------------------------------------- */
 
@@ -23,7 +23,7 @@ static double energy_of(const sp_lattice *l) {
     return sum;
 }
 
-/* The way that a closed contact has gone since its anchor, always in one direction, is paid for. */
+/* Adds the dissipation of a closed contact since its anchor. It has moved in one direction since then. */
 static void pay(sp_lattice *l, int32_t i) {
     if (l->state[i] == CONTACT_APPROACHING || l->state[i] == CONTACT_SEPARATING) {
         double now = l->delta[i], then = l->anchor[i];
@@ -59,7 +59,7 @@ static void note_violation(sp_run *r, int32_t j, double tau) {
     }
 }
 
-/* Elastic contacts have no event where they turn: the deepest overlap inside of a step. */
+/* Elastic contacts have no event at their turning point: finds the deepest overlap within the step. */
 static double deepest(sp_run *r, int32_t j, double tau) {
     sp_lattice *l = &r->l;
     double f[LATTICE_ORDER + 1], overlap, opening;
@@ -71,7 +71,7 @@ static double deepest(sp_run *r, int32_t j, double tau) {
     return overlap;
 }
 
-/* After sp_lattice_advance, with the series and l->s still those of the step's start. */
+/* To be called after sp_lattice_advance, while the series and l->s are still those of the start of the step. */
 static void watch_order(sp_run *r, double tau) {
     sp_lattice *l = &r->l;
     bool kept = r->report->violated < 0;
@@ -84,11 +84,11 @@ static void watch_order(sp_run *r, double tau) {
     }
 }
 
-/* int F_0 dy_0 over tau, from the product of the two series. */
+/* Integral of F_0 dy_0 over tau, from the product of the two series. */
 static void add_work(sp_run *r, double tau) {
     sp_lattice *l = &r->l;
     if (l->movers > 0 && l->mover[0] == 0 && l->stiffness[0] == 0)
-        return; /* nothing is on the floor */
+        return; /* no particle is on the floor */
     double velocity[LATTICE_ORDER + 2] = {l->a * l->omega * cos(l->omega * l->s)}, sum = 0, power = tau;
     for (int p = 0; p <= l->order; p++)
         velocity[p + 1] = (l->floor[p] - (p == 0 ? l->g : 0)) / (p + 1);
@@ -122,7 +122,7 @@ static sp_status hand_over_one(sp_run *r, double t, sp_error *err) {
     return r->row(t, r->y, r->v, r->user, err);
 }
 
-/* The rows of the step up to tau; those at the end of the tap belong to the next, unless this is the last. */
+/* Writes the rows of the step up to tau. Rows at the end of the tap belong to the next tap, unless this is the last. */
 static sp_status hand_over(sp_run *r, double tau, sp_error *err) {
     sp_status status = SP_OK;
     for (; status == SP_OK && r->next < r->rows; r->next++) {
@@ -137,8 +137,8 @@ static sp_status hand_over(sp_run *r, double tau, sp_error *err) {
 
 /* ---- steps ------------------------------------------------------------------------------------------------------ */
 
-/* An event at a fixed time changes no tangent; one whose time depends on the state shifts it (saltation): what the
- * rates dw/dt differ by, times the shift of the time. */
+/* Updates the tangents at an event (saltation). An event at a fixed time leaves them unchanged. If the event's time
+ * depends on the state, w changes by the jump of dw/dt times the shift of that time. */
 static void salt(sp_lattice *l, int32_t at) {
     sp_lattice_rates(l, l->after);
     for (int v = 0; v < l->tangents; v++) {
@@ -192,7 +192,7 @@ static sp_status lost(const sp_run *r, lattice_event event, sp_error *err) {
                    r->begin + r->l.s, event.contact, r->l.e);
 }
 
-/* A step of at most `left`. */
+/* Takes a step of at most `left`. */
 static sp_status step(sp_run *r, double left, sp_error *err) {
     sp_lattice *l = &r->l;
     double rate = fmax(l->closed > 0 ? l->fastest : 0, l->lifted ? l->omega : 0);
@@ -241,7 +241,7 @@ static sp_status go_to(sp_run *r, double until, sp_error *err) {
     return status;
 }
 
-/* The floor's velocity jumps up by `jump`. */
+/* Applies a jump of the floor's velocity, upwards positive. */
 static void kick(sp_run *r, double jump) {
     sp_lattice *l = &r->l;
     pay(l, 0);

@@ -1,4 +1,5 @@
-/* The largest Lyapunov exponent: of a cycle from its multipliers, exactly; else from the growth of one tangent. */
+/* The largest Lyapunov exponent: from the multipliers of a cycle where there is one, else from the growth of a tangent.
+ */
 #include "base/base.h"
 #include "linalg/general.h"
 #include "tapped/events.h"
@@ -6,13 +7,13 @@
 #include <string.h>
 
 enum {
-    CYCLE_MAX = 32,       /* taps of the longest cycle that is looked for */
-    CYCLE_PARTICLES = 64, /* beyond that the matrix costs more than the average */
+    CYCLE_MAX = 32,       /* longest cycle that is searched for, in taps */
+    CYCLE_PARTICLES = 64, /* for more particles the matrix costs more than the average */
     BLOCKS = 16,
     LEAST_TAPS = 10
 };
 
-static const double closes = 1e-9; /* a cycle does so within this, times the size of the state */
+static const double closes = 1e-9; /* tolerance for the return to a state, relative to its size */
 
 typedef struct orbit {
     sp_run run;
@@ -42,7 +43,7 @@ static void save(const sp_lattice *l, sp_tapped_state *s) {
     memcpy(s->opening, l->w, (size_t)l->n * sizeof(double));
 }
 
-/* How many taps after state s the orbit comes back to it; 0: not within CYCLE_MAX. */
+/* Finds the number of taps after which the orbit returns to state s; 0 if it is above CYCLE_MAX. */
 static sp_status find_cycle(orbit *o, sp_tapped_state *s, int32_t *cycle, sp_error *err) {
     sp_status status = SP_OK;
     *cycle = 0;
@@ -55,7 +56,7 @@ static sp_status find_cycle(orbit *o, sp_tapped_state *s, int32_t *cycle, sp_err
     return status;
 }
 
-/* The largest modulus of the multipliers of a cycle, once round; the state moves on by it. */
+/* Largest modulus of the multipliers over one cycle, after which s has moved on by the cycle. */
 static sp_status find_multiplier(const sp_tapped_spec *c, sp_tapped_state *s, int32_t cycle, double *most,
                                  sp_error *err) {
     size_t n = 2 * (size_t)c->particles;
@@ -63,7 +64,7 @@ static sp_status find_multiplier(const sp_tapped_spec *c, sp_tapped_state *s, in
     double *re = sp_alloc(n, sizeof(double)), *im = sp_alloc(n, sizeof(double));
     sp_status status = matrix && vectors && re && im ? sp_tapped_map(c, s, cycle, matrix, err)
                                                      : sp_fail_memory(err, 2 * (n + 1) * n * sizeof(double));
-    if (status == SP_OK) /* its transpose has the same */
+    if (status == SP_OK) /* the transpose has the same eigenvalues */
         status = sp_eigen_general((int64_t)n, matrix, re, im, vectors, err);
     *most = 0;
     for (size_t k = 0; status == SP_OK && k < n; k++)
@@ -89,7 +90,7 @@ static sp_status of_cycle(const sp_tapped_spec *c, sp_tapped_state *s, int32_t c
     return SP_OK;
 }
 
-/* Weights exp(-1/(x (1 - x))) make such an average converge faster than any power where the orbit is quasiperiodic
+/* Average with the weights exp(-1/(x (1 - x))), which converges faster than any power where the orbit is quasiperiodic
  * (S. Das, Y. Saiki, E. Sander, J. A. Yorke, Nonlinearity 30, 4111, 2017). */
 static double smooth_mean(const double *value, int32_t n) {
     double sum = 0, weights = 0;
@@ -101,7 +102,7 @@ static double smooth_mean(const double *value, int32_t n) {
     return sum / weights;
 }
 
-/* Standard error of a mean of values that remember little, from the means of BLOCKS pieces. */
+/* Standard error of the mean of weakly correlated values, from BLOCKS block means. */
 static double block_error(const double *value, int32_t n) {
     double sum = 0, squares = 0;
     int32_t length = n / BLOCKS;
@@ -115,8 +116,8 @@ static double block_error(const double *value, int32_t n) {
     return sqrt(fmax(0, squares / BLOCKS - sum * sum / (BLOCKS * BLOCKS)) / (BLOCKS - 1));
 }
 
-/* The change since half of the taps is the error where the orbit is regular; a chaotic one scatters. The smooth weights
- * count a third more than equal ones would. */
+/* Regular orbits: the change since half of the taps. Chaotic orbits also have a statistical error; the smooth weights
+ * enlarge it by a third over equal weights. */
 static double error_of(const double *growth, int32_t n, double lambda) {
     if (n < 2)
         return NAN;
@@ -138,13 +139,13 @@ static double scale_tangent(sp_lattice *l) {
 
 static void start_tangent(sp_lattice *l) {
     for (int32_t i = 0; i < l->n; i++) {
-        l->t_delta[i] = (1 + sin(1.0 + i)) / l->fastest; /* in no special direction */
+        l->t_delta[i] = (1 + sin(1.0 + i)) / l->fastest; /* a direction without symmetry */
         l->t_w[i] = l->state[i] == CONTACT_STUCK ? 0 : 1 - cos(2.0 + i);
     }
     scale_tangent(l);
 }
 
-/* The orbit goes on with one tangent; the first tenth lets it turn to where it grows. */
+/* Follows one tangent along the orbit. The first tenth of the taps lets it align with the direction of growth. */
 static sp_status of_average(orbit *o, int32_t taps, sp_tapped_exponent *out, sp_error *err) {
     sp_lattice *l = &o->run.l;
     double *growth = sp_alloc((size_t)taps, sizeof *growth);
@@ -179,7 +180,7 @@ static sp_status find_exponent(const sp_tapped_spec *c, orbit *o, sp_tapped_stat
         status = find_cycle(o, s, &cycle, err);
     if (status == SP_OK && cycle > 0)
         status = of_cycle(c, s, cycle, out, err);
-    if (status != SP_OK || (cycle > 0 && out->lambda <= 0)) /* an orbit does not stay on a cycle that repels */
+    if (status != SP_OK || (cycle > 0 && out->lambda <= 0)) /* an orbit does not stay on a repelling cycle */
         return status;
     orbit with = {0};
     status = make_orbit(c, 1, &with, err);

@@ -47,7 +47,8 @@ static void start_tangents(sp_lattice *l) {
     for (size_t v = 0; v < (size_t)l->tangents; v++) {
         if (v < n)
             l->t_delta[v * n + v] = 1;
-        else if (l->state[v - n] != CONTACT_STUCK) /* a push at a contact that sticks is gone at once */
+        else if (l->state[v - n] !=
+                 CONTACT_STUCK) /* a perturbation of the velocity at a sticking contact vanishes at once */
             l->t_w[v * n + v - n] = 1;
     }
 }

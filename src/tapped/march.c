@@ -1,4 +1,4 @@
-/* From tap to tap with explicit steps. */
+/* Integrates a model with explicit steps from tap to tap, and writes rows, energies and separations. */
 #include "tapped/march.h"
 
 #include "base/base.h"
@@ -12,10 +12,10 @@ typedef struct march {
     sp_tapped_report *report;
     double *state, *next, *aside; /* [size] */
     double *y, *v;                /* [N + 1] */
-    int64_t row;                  /* the next */
-    int64_t steps;                /* in this tap */
-    double start, separation;     /* of the tap; smallest now */
-    double mark;                  /* time in the tap, some steps ago */
+    int64_t row;                  /* next row to write */
+    int64_t steps;                /* taken in this tap */
+    double start, separation;     /* start of the tap; current smallest separation */
+    double mark;                  /* time in the tap at the last check of the progress */
 } march;
 
 static sp_status hand_over(march *w, const double *state, sp_error *err) {
@@ -26,7 +26,8 @@ static sp_status hand_over(march *w, const double *state, sp_error *err) {
     return w->rows->row(t, w->y, w->v, w->rows->user, err);
 }
 
-/* All rows from s on and before s + h. A time that only rounding keeps below an end belongs to what follows it. */
+/* Writes the rows from s on and before s + h. A time that lies below the end of a phase only by rounding belongs to the
+ * next phase. */
 static sp_status rows_before(march *w, double s, double h, sp_error *err) {
     sp_status status = SP_OK;
     while (status == SP_OK && w->row < w->rows->n) {
@@ -40,7 +41,8 @@ static sp_status rows_before(march *w, double s, double h, sp_error *err) {
     return status;
 }
 
-/* Smallest separation of the state at s; where it falls below 0, by a straight line since the last step. */
+/* Records the smallest separation of the state at s. If it has become negative, the time of the violation is
+ * interpolated linearly over the last step. */
 static sp_status separate(march *w, sp_tapped_tap *tap, double s, double h, sp_error *err) {
     w->m->particles(w->m->model, w->state, w->y, w->v);
     w->y[0] = sp_tapped_phase_floor(w->m->phase, s);
@@ -78,8 +80,8 @@ static sp_status too_many(const march *w, double s, double h, sp_error *err) {
         h, w->start + s, SP_TAPPED_MOST_STEPS, w->m->stiff);
 }
 
-/* Fixed steps tell at once how many there will be. Others do when there have been too many, or when the last hundredth
- * of that number would have to be followed by ten times as many. */
+/* Whether the tap needs too many steps. With fixed steps the number is known at once. Adaptive steps give up at the
+ * limit, or when the last hundredth of it has advanced so little that ten times the limit would be needed. */
 static bool hopeless(march *w, double s, double parts) {
     const int64_t most = SP_TAPPED_MOST_STEPS, stretch = most / 100;
     if (!w->m->judge)
@@ -93,7 +95,7 @@ static bool hopeless(march *w, double s, double parts) {
     return slow;
 }
 
-/* One phase of the floor's motion, to its end. */
+/* Integrates over one phase of the floor's motion, from s to end. */
 static sp_status through(march *w, sp_tapped_tap *tap, double s, double end, sp_error *err) {
     const sp_tapped_marcher *m = w->m;
     sp_status status = separate(w, tap, s, 0, err);

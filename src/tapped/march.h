@@ -1,15 +1,15 @@
 #ifndef SP_TAPPED_MARCH_H
 #define SP_TAPPED_MARCH_H
-/* The way through the taps that all models with explicit time steps go: from one jump of the floor's velocity to the
- * next, never over one; rows by a side step from the last state, so that what is asked for changes nothing; energies
- * and separations for the report. */
+/* Time integration for every model with explicit steps. A step never crosses a jump of the floor's velocity. Rows are
+ * computed by an extra step from the last state, so that the times asked for do not change the trajectory. Energies and
+ * smallest separations go into the report. */
 
 #include "tapped/column.h"
 
-/* The floor within a tap, s after its start, with the left-hand limits at the end of a phase, which (2) and (3) leave
- * open. */
+/* Motion of the floor at s seconds after the start of the tap. At the end of a phase it gives the left-hand limits,
+ * which (2) and (3) leave open. */
 typedef struct sp_tapped_phase {
-    double amplitude, omega; /* 0: the floor rests */
+    double amplitude, omega; /* both 0 while the floor rests */
 } sp_tapped_phase;
 
 static inline double sp_tapped_phase_floor(const sp_tapped_phase *p, double s) {
@@ -19,24 +19,26 @@ static inline double sp_tapped_phase_velocity(const sp_tapped_phase *p, double s
     return p->amplitude * p->omega * cos(p->omega * s);
 }
 
-/* What a model brings. A state of `size` numbers ends with the work of the floor and the dissipated energy. */
+/* What a model provides. Its state has `size` numbers; the last two are the work of the floor and the dissipated
+ * energy. */
 typedef struct sp_tapped_marcher {
     void *model;
     int64_t size;
-    sp_tapped_phase *phase; /* of the model, set by the march */
-    /* Longest step from a state. */
+    sp_tapped_phase *phase; /* owned by the model, set by sp_tapped_march */
+    /* Longest step allowed from this state. */
     double (*longest)(void *model, double s, const double *state);
-    /* One step of h from s; the error over the tolerance, above 1: not accepted; 0 where steps are fixed. */
+    /* One step of length h from s. Returns the error over the tolerance; a step with an error above 1 is repeated.
+     * Schemes with fixed steps return 0. */
     double (*step)(void *model, double s, double h, const double *from, double *to);
-    /* What the error of a step of h says about the next; NULL where steps are fixed. */
+    /* Adapts the step length to the error of a step of length h; NULL for fixed steps. */
     void (*judge)(void *model, double h, double error);
-    /* y_1 .. y_N and v_1 .. v_N to y[1], v[1], ... */
+    /* Writes y_1 .. y_N to y[1 .. N] and v_1 .. v_N to v[1 .. N]. */
     void (*particles)(void *model, const double *state, double *y, double *v);
     double (*energy)(void *model, double floor, const double *state);
-    const char *stiff; /* the key that makes steps short */
+    const char *stiff; /* the scene key that makes the steps short, for messages */
 } sp_tapped_marcher;
 
-/* As sp_tapped_run, from the state given, which is overwritten. */
+/* Runs all taps from `state`, which is left unchanged. Arguments otherwise as for sp_tapped_run. */
 typedef struct sp_tapped_rows {
     int64_t n;
     const double *t;

@@ -1,4 +1,4 @@
-/* What a column's table says of itself. */
+/* Comments in the tables of a column: its parameters, its results and warnings. */
 #include "base/base.h"
 #include "tapped/column.h"
 #include "tapped/table.h"
@@ -19,7 +19,7 @@ static sp_status note_word(sp_table *t, const char *key, const char *word, sp_er
     return sp_table_comment_value(t, key) ? SP_OK : sp_table_add_comment(t, err, "%s = %s", key, word);
 }
 
-/* One number, or (1, 0.5) with the first of many. */
+/* Writes one number, or a list in parentheses that is cut after SHOWN values. */
 static sp_status note_list(sp_table *t, const char *key, int32_t n, const double *list, sp_error *err) {
     enum { SHOWN = 16 };
     char text[SHOWN * (SP_NUMBER_TEXT + 2) + 64], number[SP_NUMBER_TEXT];
@@ -65,7 +65,7 @@ static sp_status note_solver(const sp_tapped_spec *c, sp_table *t, sp_error *err
     return status == SP_OK && continuum ? note(t, "cells", c->cells, err) : status;
 }
 
-/* Of a diagram the parameter itself stands in the rows. */
+/* In a diagram the varied parameter itself is in the rows. */
 static sp_status note_diagram(const sp_tapped_spec *c, const char *parameter, sp_table *t, sp_error *err) {
     sp_status status = note_word(t, "parameter", parameter, err);
     if (status == SP_OK)
@@ -130,7 +130,7 @@ static sp_status note_violation(const sp_tapped_report *r, sp_table *t, sp_error
                                 sp_number_text(r->violated_at, time), pair);
 }
 
-/* What sp_tapped_report.error is. */
+/* Name of sp_tapped_report.error in the comments. */
 static const char *error_of(const sp_tapped_spec *c) {
     return c->model == SP_TAPPED_BSR ? "mass_error" : c->method == SP_TAPPED_EVENT ? "truncation" : "error";
 }

@@ -1,7 +1,7 @@
-/* The lattice as [B] solves it: the classical Runge-Kutta scheme with equal steps and the sign of (9), from (19), (24)
- * lacking a minus. A warning, not a method: each step over a turning point of a contact is of first order, and where
- * Filippov's solution sticks, the sign of rounding makes a force of up to e K delta either way, which moves what should
- * rest. */
+/* Solves the lattice as [B] does: classical Runge-Kutta with fixed steps and the sign function of (9). The forces are
+ * those of (19), because (24) lacks a minus sign. The method is offered for comparison only. A step across a turning
+ * point of a contact is of first order. Where Filippov's solution sticks, rounding decides the sign, so that a force of
+ * up to e K delta acts either way and moves particles that should be at rest. */
 #include "base/base.h"
 #include "tapped/springs.h"
 
@@ -63,7 +63,7 @@ sp_status sp_tapped_run_rk4(const sp_tapped_spec *c, int64_t n, const double *t,
     if (status == SP_OK) {
         sp_tapped_springs_start(c, &m.springs, state);
         status = sp_tapped_march(c, &marcher, state, &(sp_tapped_rows){n, t, row, user}, report, err);
-        report->error = NAN; /* nothing bounds it */
+        report->error = NAN; /* no bound is known */
     }
     sp_free(state);
     sp_tapped_springs_free(&m.springs);

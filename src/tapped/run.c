@@ -1,4 +1,4 @@
-/* One column, one run: the chosen model, and what it reports. */
+/* Runs a column with the model that its specification names, and returns the report. */
 #include "base/base.h"
 #include "tapped/column.h"
 

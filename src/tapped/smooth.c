@@ -1,13 +1,14 @@
-/* The lattice with the smooth sigma and chi of (30), by an adaptive scheme of order 5. One alpha cannot serve a
- * velocity and a length: alpha_v [s/cm] and alpha_x [1/cm]. With tanh nothing sticks: (27) is the only state of rest
- * (but for what chi of a finite alpha_x changes), and what the sharp law holds creeps towards it. */
+/* Solves the lattice with the smooth sigma and chi of (30) by an adaptive Runge-Kutta scheme of order 5. One alpha
+ * cannot serve both a velocity and a length, hence alpha_v [s/cm] and alpha_x [1/cm]. With tanh no contact sticks: (27)
+ * is the only state of rest (apart from the effect of a finite alpha_x), and whatever the sharp law holds in place
+ * creeps towards it. */
 #include "base/base.h"
 #include "tapped/springs.h"
 
 typedef struct smooth {
     sp_tapped_springs springs;
     double tolerance, longest;
-    double *scale; /* [size]: what counts as small in every part of the state */
+    double *scale; /* [size]: unit of the error of each component */
 } smooth;
 
 static double longest(void *model, double s, const double *state) {
@@ -21,7 +22,8 @@ static double step(void *model, double s, double h, const double *from, double *
     return sp_ode_step5(&m->springs.ode, s, h, from, m->scale, to) / m->tolerance;
 }
 
-/* Half a radian of the fastest mode at most: a longer step could leap into a contact, and none of its stages see it. */
+/* The step is at most half a radian of the fastest mode. A longer one could jump into a contact that none of its stages
+ * sees. */
 static void judge(void *model, double h, double error) {
     smooth *m = model;
     m->longest = fmin(h * sp_ode_factor(error), 0.5 / sp_tapped_springs_frequency(&m->springs));
@@ -35,8 +37,8 @@ static double energy(void *model, double floor, const double *state) {
     return sp_tapped_springs_energy(&((smooth *)model)->springs, floor, state);
 }
 
-/* Of a height the distance of two particles, of a velocity that of falling through it, of an energy the column's over
- * it. */
+/* Units of the error: for heights the smallest distance of two particles, for velocities that of a fall through this
+ * distance, for energies the weight of the column times it. */
 static void scales(const sp_tapped_springs *s, double *scale) {
     double distance = INFINITY, mass = 0;
     for (int32_t i = 0; i < s->n; i++) {

@@ -1,7 +1,8 @@
-/* Which contacts stick. Where w = 0, Filippov's solution asks for forces F_i within K delta_i (1 -+ e) such that
- * dw_i/dt is 0 inside of that band, above 0 at its lower and below 0 at its upper end. With x the mass carried, F(x)
- * has the slope dy/dt^2 + g of the particles, so that this is the taut string through a tube: it touches the lower edge
- * where it bends one way, the upper edge where it bends the other way. One pass finds it, whatever N; no iteration. */
+/* Decides which contacts stick. At w = 0, Filippov's solution asks for forces F_i within K delta_i (1 -+ e) such that
+ * dw_i/dt is zero inside this band, positive at its lower end and negative at its upper end. Plot F against the mass x
+ * carried: its slope is the acceleration of the particles plus g. The solution is therefore the taut string through a
+ * tube, which touches the lower edge where it bends one way and the upper edge where it bends the other way. One pass
+ * finds it for any N, without iteration. */
 #include "base/base.h"
 #include "tapped/lattice.h"
 
@@ -14,7 +15,7 @@ static void fill(const taut_ends *from, int32_t begin, int32_t end, double slope
 
 void sp_taut_string(int32_t n, const double *x, const double *lo, const double *hi, const taut_ends *ends, double *f,
                     double *bend) {
-    taut_ends knot = *ends; /* the string is fixed up to here */
+    taut_ends knot = *ends; /* the string is final up to here */
     int32_t done = 0, turning = -1;
     double last = 0; /* slope of the last straight piece */
     for (int32_t k = 0; k < n; k++)
@@ -22,7 +23,7 @@ void sp_taut_string(int32_t n, const double *x, const double *lo, const double *
     for (;;) {
         double most = INFINITY, least = -INFINITY, slope;
         int32_t at_most = -1, at_least = -1, k = done;
-        bool over = false, under = false; /* the tube turns up, or down, more than the string can */
+        bool over = false, under = false; /* the tube rises, or falls, more steeply than the string can follow */
         for (; k <= n; k++) {
             bool end = k == n, past = end && ends->free;
             double width = (end ? ends->x_end : x[k]) - knot.x0;
@@ -50,19 +51,20 @@ void sp_taut_string(int32_t n, const double *x, const double *lo, const double *
     }
 }
 
-/* The contacts low .. high with w = 0 and delta > 0, all that hang together; node k of the string is contact high - k.
- * Rounding decides nothing: a force on the edge of its band without a bend of the string is judged by its rate. */
+/* A connected run of contacts low .. high with w = 0 and delta > 0; node k of the string is contact high - k. Rounding
+ * must not decide: where a force lies on the edge of its band and the string does not bend, the rate of the force
+ * decides. */
 typedef struct run {
     sp_lattice *l;
     int32_t low, high, n;
     double *x, *lo, *hi, *f, *bend;
-    double edge;     /* forces are equal within this */
-    double straight; /* and slopes within this */
+    double edge;     /* forces that differ by less count as equal */
+    double straight; /* slopes that differ by less count as equal */
 } run;
 
 static bool rests(const sp_lattice *l, int32_t i) { return i >= 0 && i < l->n && l->w[i] == 0 && l->delta[i] > 0; }
 
-/* Force of a contact that moves, and its rate. */
+/* Force of a moving contact (quantity: its overlap), or the rate of this force (quantity: the rate of the overlap). */
 static double force_of(const sp_lattice *l, int32_t i, double quantity) {
     if (i >= l->n || l->state[i] == CONTACT_OPEN)
         return 0;
@@ -76,7 +78,7 @@ static run find_run(sp_lattice *l, int32_t at) {
     while (rests(l, high + 1))
         high++;
     size_t stride = (size_t)l->stride;
-    double *room = l->c + 3 * stride; /* series are made anew after this */
+    double *room = l->c + 3 * stride; /* free for use: the series are recomputed afterwards */
     run r = {.l = l, .low = low, .high = high, .n = high - low + 1};
     r.x = room;
     r.lo = room + stride;
@@ -122,7 +124,8 @@ static void set_state(sp_lattice *l, int32_t i, contact_state state, bool releas
     l->slack[i] = slack;
 }
 
-/* First by forces. true: some are on the edge of their band, and the string is straight there. */
+/* Decides by forces. Returns whether some contacts remain undecided: at the edge of their band with a straight string.
+ */
 static bool judge_forces(run *r) {
     taut_ends ends = ends_of(r, false);
     bool doubtful = false;
@@ -138,15 +141,15 @@ static bool judge_forces(run *r) {
                   false, slack);
         bool at_high = r->f[k] >= r->hi[k] - r->edge, at_low = r->f[k] <= r->lo[k] + r->edge;
         doubtful = doubtful || (!bent && (at_high || at_low));
-        r->lo[k] = bent || at_low ? 0 : -INFINITY; /* of the rates */
+        r->lo[k] = bent || at_low ? 0 : -INFINITY; /* bounds of the rates */
         r->hi[k] = bent || at_high ? 0 : INFINITY;
-        if (!bent && at_low && at_high) /* a band that rounding fills: it holds */
+        if (!bent && at_low && at_high) /* the band is as narrow as rounding: the contact sticks */
             r->lo[k] = -INFINITY, r->hi[k] = INFINITY;
     }
     return doubtful;
 }
 
-/* Then by their rates, where forces cannot tell: dw/dt = 0, and d2w/dt2 decides. */
+/* Decides by the rates of the forces where dw/dt = 0 leaves the direction open; then d2w/dt2 gives it. */
 static void judge_rates(run *r) {
     sp_lattice *l = r->l;
     taut_ends ends = ends_of(r, true);
@@ -163,7 +166,7 @@ void sp_lattice_stick(sp_lattice *l, int32_t at, int32_t cause) {
     run r = find_run(l, at);
     if (judge_forces(&r))
         judge_rates(&r);
-    /* it left its band by less than can be told: it may go a little further */
+    /* the force left its band by less than rounding: allow it to go a little further */
     if (cause >= 0 && l->state[cause] == CONTACT_STUCK)
         l->slack[cause] = 2 * slack;
 }

@@ -1,4 +1,4 @@
-/* The tables of a column: rows of a run, what a tap did, and the models beside each other. */
+/* Tables of a column: trajectories, states and energies of each tap, and the comparison of models. */
 #include "tapped/table.h"
 #include "base/base.h"
 #include "tapped/column.h"
@@ -6,18 +6,18 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A table under way. */
+/* A table under construction. */
 typedef struct maker {
     const sp_tapped_spec *c;
     sp_tapped_watcher watcher;
     sp_table *t;
-    int64_t n;            /* times at which the run hands over rows */
-    double *time, *cells; /* [n]; one row of the table */
-    int64_t seen;         /* rows that came */
-    double begin, share;  /* of the whole work: before this run, and of it */
+    int64_t n;            /* number of times at which the run writes rows */
+    double *time, *cells; /* [n]; the values of one row */
+    int64_t seen;         /* rows written so far */
+    double begin, share;  /* progress: part of the work before this run; share of this run */
 } maker;
 
-/* Called once a row of the run. */
+/* Counts a row and reports the progress. */
 static sp_status look(maker *m, sp_error *err) {
     m->seen++;
     const double share = m->begin + m->share * (double)m->seen / (double)m->n;
@@ -29,7 +29,7 @@ static sp_status look(maker *m, sp_error *err) {
 
 /* ---- size and times --------------------------------------------------------------------------------------------- */
 
-/* A value takes its cell twice, as the room for rows doubles, and up to 24 letters of the text. */
+/* A value takes up to two cells of 8 bytes, because the capacity for rows doubles, and up to 24 characters of text. */
 static const double bytes_a_value = 40;
 
 static sp_status check_size(const sp_tapped_spec *c, double rows, double columns, sp_error *err) {
@@ -77,7 +77,7 @@ static sp_status strobe_times(maker *m, double columns, sp_error *err) {
 
 /* ---- columns ---------------------------------------------------------------------------------------------------- */
 
-/* letter<first> .. letter<N>. */
+/* Adds columns letter<first> .. letter<N>. */
 static sp_status add_particles(maker *m, const char *letter, int32_t first, const char *unit, sp_error *err) {
     sp_status status = SP_OK;
     char name[32];
@@ -136,7 +136,7 @@ static sp_status strobe_row(double t, const double *y, const double *v, void *us
     return status == SP_OK ? look(m, err) : status;
 }
 
-/* What the densities after taps are to be compared with. */
+/* The density before the first tap, for comparison with those after taps. */
 static sp_status note_initial_density(maker *m, sp_error *err) {
     const size_t n = (size_t)m->c->particles;
     sp_tapped_state s;
@@ -247,7 +247,7 @@ typedef struct comparison {
     maker *m;
     double *lattice;                         /* [n][N] */
     double *mean[CONTINUA], *most[CONTINUA]; /* [n] */
-    int which;                               /* under way */
+    int which;                               /* index of the current model */
 } comparison;
 
 static sp_status lattice_row(double t, const double *y, const double *v, void *user, sp_error *err) {
@@ -273,7 +273,7 @@ static sp_status continuum_row(double t, const double *y, const double *v, void 
     return look(k->m, err);
 }
 
-/* One model after the other, each a third of the work. */
+/* Runs the three models, each of which counts as a third of the work. */
 static sp_status run_models(comparison *k, sp_error *err) {
     static const char *const names[] = {"longwave", "bsr"};
     maker *m = k->m;
@@ -298,7 +298,7 @@ static sp_status run_models(comparison *k, sp_error *err) {
     return status;
 }
 
-/* Over time: of the mean over particles its mean, of the largest the largest. */
+/* Summary over time: the mean of the means, or the largest of the maxima. */
 static sp_status add_summary(const comparison *k, const char *name, const double *values, sp_error *err) {
     double sum = 0, most = 0;
     for (int64_t row = 0; row < k->m->n; row++) {

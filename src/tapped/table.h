@@ -4,13 +4,13 @@
 
 #include <sonopack/tapped/tapped.h>
 
-/* What diagrams go through, by its name in the scene. */
+/* Name of the varied parameter of a diagram, as in the scene. */
 const char *sp_tapped_parameter_name(sp_tapped_parameter parameter);
-/* What was asked for, as comments "key = value" with the names of the scene; those that are there already are left. */
+/* Adds the parameters as comments "key = value" with the names of the scene. Keys that are there already are kept. */
 sp_status sp_tapped_note_spec(const sp_tapped_spec *c, sp_table *t, sp_error *err);
-/* What came of a run; and what must be known of it, as comments that begin with "warning: ". */
+/* Adds the results of a run as comments, and warnings as comments that begin with "warning: ". */
 sp_status sp_tapped_note_report(const sp_tapped_spec *c, const sp_tapped_report *r, sp_table *t, sp_error *err);
-/* What must be known of the model, likewise. */
+/* Adds the warnings about the model. */
 sp_status sp_tapped_note_model(const sp_tapped_spec *c, sp_table *t, sp_error *err);
 
 #endif
