@@ -82,9 +82,9 @@ static sp_status draw(int tables, const tapped_plot_table *s, const sp_plot_colu
     const tapped_plot_table *of[2];
     const bool diagram = make_diagram(tables, s, of), surface = tables > 1 || o->surface;
     if (o->column && !(diagram && of[0]))
-        return sp_fail(err, SP_EINVAL, "column %.40s: only a bifurcation is drawn of one column", o->column);
+        return sp_fail(err, SP_EINVAL, "column %.40s: only a bifurcation has a choice of column", o->column);
     if (o->surface && !all_have_shape(tables, s))
-        return sp_fail(err, SP_EINVAL, "a surface is drawn of trajectories (t y0 y1 ...) or densities alone");
+        return sp_fail(err, SP_EINVAL, "a surface is drawn of trajectories (t y0 y1 ...) or densities only");
     if (diagram)
         return draw_diagram(of, o->column, path, err);
     if (surface && all_have_shape(tables, s))

@@ -58,7 +58,7 @@ static sp_status check_common(const diagram *d, sp_error *err) {
     const char *one = d->bifurcation ? sp_table_comment_value(d->bifurcation->table, "parameter") : NULL;
     const char *two = d->lyapunov ? sp_table_comment_value(d->lyapunov->table, "parameter") : NULL;
     if (one && two && strcmp(one, two) != 0)
-        return sp_fail(err, SP_EINVAL, "a bifurcation over the %.40s and exponents over the %.40s, must be the same",
+        return sp_fail(err, SP_EINVAL, "a bifurcation over the %.40s, but exponents over the %.40s: must be the same",
                        one, two);
     return SP_OK;
 }
@@ -83,8 +83,8 @@ static sp_status read(diagram *d, double *memory, sp_error *err) {
     if (status == SP_OK && d->lyapunov && !any(&d->exponents))
         status = sp_fail(err, SP_EREFUSED, "nothing to draw: no Lyapunov exponent is finite");
     if (status == SP_OK && !(d->low < d->high))
-        status =
-            sp_fail(err, SP_EREFUSED, "nothing to draw: one value of the parameter, %g, must be two at least", d->low);
+        status = sp_fail(err, SP_EREFUSED, "nothing to draw: only one value of the parameter, %g; must be two or more",
+                         d->low);
     return status;
 }
 

@@ -68,7 +68,7 @@ static sp_status read_table(gallery *g, picture *p, sp_error *err) {
                  count = (size_t)all + 2 * (size_t)rows + (size_t)columns + 2 * cells;
     int64_t row[TIMES_MOST];
     if (s->particles < 2)
-        return sp_fail(err, SP_EINVAL, "%d particle: a surface needs two at least", s->particles);
+        return sp_fail(err, SP_EINVAL, "%d particle: a surface needs two or more", s->particles);
     p->memory = sp_alloc(count, sizeof *p->memory);
     if (!p->memory)
         return sp_fail_memory(err, count * sizeof *p->memory);
@@ -120,7 +120,7 @@ static sp_status read_all(gallery *g, const tapped_plot_table *s, sp_error *err)
     for (int k = 0; k < g->tables && status == SP_OK; k++) {
         g->of[k].s = &s[k];
         if ((s[k].density >= 0) != (s[0].density >= 0))
-            return sp_fail(err, SP_EINVAL, "trajectories and densities have no common scale: must be one or the other");
+            return sp_fail(err, SP_EINVAL, "trajectories and densities have no common scale: must be all of one kind");
         status = read_table(g, &g->of[k], err);
         if (status != SP_OK && g->tables > 1)
             sp_fail_prefix(err, "table %d", k + 1);

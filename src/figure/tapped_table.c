@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char what[] = "must be of `sonopack column'";
+static const char what[] = "must be a table of `sonopack column'";
 
 int sp_tapped_plot_column(const tapped_plot_table *s, const char *name) {
     const int column = sp_table_find_column(s->table, name);
@@ -55,7 +55,7 @@ static sp_status check(const tapped_plot_table *s, int densities, sp_error *err)
     if (s->particles == 0 && (o == TAPPED_PLOT_TRAJECTORY || o == TAPPED_PLOT_STROBE || o == TAPPED_PLOT_BIFURCATION))
         return sp_fail(err, SP_EINVAL, "the table has no column y1 of numbers; %s", what);
     if (o == TAPPED_PLOT_DENSITY && densities != s->particles)
-        return sp_fail(err, SP_EINVAL, "%d columns y1, y2, ... and %d columns rho1, rho2, ...: must be as many",
+        return sp_fail(err, SP_EINVAL, "%d columns y1, y2, ... and %d columns rho1, rho2, ...: must be equal numbers",
                        s->particles, densities);
     if (o == TAPPED_PLOT_ENERGY && sp_tapped_plot_column(s, "dissipated") < 0)
         return sp_fail(err, SP_EINVAL, "the table has no column dissipated of numbers; %s", what);
@@ -72,7 +72,7 @@ sp_status sp_tapped_plot_find(const sp_plot_table *from, tapped_plot_table *out,
             return sp_fail(err, SP_EINVAL, "column %s holds text: must be numbers", from->table->column[c].name);
     if (!find_output(&s))
         return sp_fail(err, SP_EINVAL,
-                       "a table without the columns of one of `sonopack column': t y0 y1 ..., tap t y1 ... density, "
+                       "the table is not one of `sonopack column', with columns t y0 y1 ..., tap t y1 ... density, "
                        "parameter lambda, parameter tap y1 ..., t mean_longwave ..., t y1 ... rho1 ..., or tap work "
                        "dissipated ...");
     s.first = find_run(&s, "y", &s.particles);
@@ -95,7 +95,7 @@ const double *sp_tapped_plot_values(const tapped_plot_table *s, int column, doub
 sp_status sp_tapped_plot_times(const tapped_plot_table *s, double *to, sp_error *err) {
     const char *name = s->table->column[s->abscissa].name;
     if (s->table->rows < 2)
-        return sp_fail(err, SP_EREFUSED, "nothing to draw: one row, must be two at least");
+        return sp_fail(err, SP_EREFUSED, "nothing to draw: one row, must be two or more");
     for (int64_t k = 0; k < s->table->rows; k++) {
         to[k] = sp_table_number(s->table, k, s->abscissa);
         if (!isfinite(to[k]))

@@ -272,7 +272,7 @@ static sp_status step(fluid *f, double until, sp_error *err) {
     if (last)
         dt = until - f->t;
     if (!last && !(f->t + dt > f->t))
-        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the velocities leave no step", f->t);
+        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the velocities are too large for any time step", f->t);
     slopes(f);
     press(f, dt);
     bool meets = floor_meets(f, dt);
@@ -289,7 +289,7 @@ static sp_status step(fluid *f, double until, sp_error *err) {
     }
     f->edge += dt * edge;
     if (!isfinite(sum + f->edge))
-        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: not a number", f->t);
+        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the solution is no longer finite", f->t);
     f->t = last ? until : f->t + dt;
     drop_crumbs(f);
     return make_room(f, err);

@@ -209,7 +209,7 @@ static sp_status step(field *f, double until, const sp_tapped_frame *from, sp_ta
     if (last)
         dt = until - f->t;
     if (!last && !(f->t + dt > f->t))
-        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the velocities leave no step", f->t);
+        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the velocities are too large for any time step", f->t);
     if (f->inside > 0)
         advance(f, dt);
     f->t = last ? until : f->t + dt;
@@ -217,7 +217,7 @@ static sp_status step(field *f, double until, const sp_tapped_frame *from, sp_ta
     double sum = 0;
     for (int32_t i = 1; i <= f->c->particles; i++)
         sum += to->y[i] + to->rho[i - 1];
-    return isfinite(sum) ? SP_OK : sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: not a number", f->t);
+    return isfinite(sum) ? SP_OK : sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the solution is no longer finite", f->t);
 }
 
 /* ---- the run ---------------------------------------------------------------------------------------------------- */

@@ -185,7 +185,7 @@ static sp_status check(const sp_tapped_spec *c, sp_error *err) {
         if (sp_tapped_mass(c, i) != sp_tapped_mass(c, 1) || sp_tapped_radius(c, i) != sp_tapped_radius(c, 1))
             return sp_fail(err, SP_EINVAL,
                            "column.model = \"longwave\": particle %d differs from particle 1 in mass or radius; the "
-                           "expansion in y(z +- h, t) is that of equal particles: must be one mass and one radius",
+                           "long-wave expansion requires equal particles",
                            i);
     return SP_OK;
 }
@@ -204,7 +204,7 @@ static sp_status choose(const sp_tapped_spec *c, longwave *p, sp_error *err) {
             err, SP_EINVAL,
             "column.time_step = %.17g s: the long wave is stable up to %.6g s, the smaller of %.3g s, for its "
             "elastic waves, and 2.5 m/(12 K e alpha_v delta), for their damping at an overlap delta = %.3g "
-            "cm; 0 takes one that is",
+            "cm; 0 chooses a stable one",
             c->time_step, bound, elastic_bound(p), overlap);
     p->time_step = c->time_step > 0 ? c->time_step : 0.05 / sqrt(p->stiffness / p->mass);
     return SP_OK;

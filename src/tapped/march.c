@@ -75,8 +75,8 @@ static sp_status separate(march *w, sp_tapped_tap *tap, double s, double h, sp_e
 static sp_status too_many(const march *w, double s, double h, sp_error *err) {
     return sp_fail(
         err, w->m->judge ? SP_EFAILED : SP_EINVAL,
-        "column: steps of %.3g s at t = %.6g s, and more than %d of them in a tap, for %s; take less of it, or "
-        "the lattice by events",
+        "column: steps of %.3g s at t = %.6g s, hence more than %d in the tap; the cause is %s: change it, or use "
+        "column.method = \"event\"",
         h, w->start + s, SP_TAPPED_MOST_STEPS, w->m->stiff);
 }
 

@@ -39,7 +39,7 @@ static sp_status choose(const sp_tapped_spec *c, fixed *m, sp_error *err) {
         return sp_fail(
             err, SP_EINVAL,
             "column.time_step = %.17g s: the Runge-Kutta scheme is stable up to %.6g s, sqrt(2 m/(K (1 + e))) "
-            "of the lightest particle; 0 takes %d steps a contact",
+            "of the lightest particle; 0 chooses %d steps per contact",
             m->time_step, bound, STEPS_A_CONTACT);
     return SP_OK;
 }

@@ -22,11 +22,11 @@ sp_status sp_tapped_go_on(const sp_tapped_spec *c, int64_t steps, int64_t most, 
     if (steps % SELDOM != 0)
         return SP_OK;
     if (c->stopped && c->stopped(c->user))
-        return sp_fail(err, SP_EINTERRUPTED, "stopped at t = %.6g s: nothing is written, start it again", t);
+        return sp_fail(err, SP_EINTERRUPTED, "stopped at t = %.6g s: nothing is written", t);
     if (most > 0 && steps > most)
         return sp_fail(err, SP_EFAILED,
-                       "t = %.6g s: more than %lld steps a tap; make column.time_step, column.stiffness or "
-                       "column.amplitude such that longer ones do",
+                       "t = %.6g s: more than %lld steps per tap; change column.time_step, column.stiffness or "
+                       "column.amplitude to allow longer steps",
                        t, (long long)(most / sp_tapped_taps(c)));
     return SP_OK;
 }

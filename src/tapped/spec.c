@@ -166,7 +166,7 @@ sp_status sp_tapped_check(const sp_tapped_spec *c, sp_error *err) {
     double tap = 0.5 / c->frequency, bound = sp_tapped_stiffness_bound(c), stiffness = sp_tapped_stiffness(c);
     if (c->e > 0 && c->e < least_e)
         return sp_fail(err, SP_EINVAL,
-                       "column.e = %s: must be 0, or at least 1e-9: bands of friction below that are lost in rounding",
+                       "column.e = %s: must be 0, or at least 1e-9: narrower friction bands are lost in rounding",
                        sp_number_text(c->e, value));
     if (c->drop < 0 && c->drop != -1)
         return sp_fail(err, SP_EINVAL, "column.drop = %s: must be 0 .. 1e6 cm, or -1 to start at rest",

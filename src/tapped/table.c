@@ -22,8 +22,8 @@ static sp_status look(maker *m, sp_error *err) {
     m->seen++;
     const double share = m->begin + m->share * (double)m->seen / (double)m->n;
     if (m->watcher.watch && !m->watcher.watch(share, m->watcher.user))
-        return sp_fail(err, SP_EINTERRUPTED, "stopped at row %lld of %lld: nothing is written, start it again",
-                       (long long)m->seen, (long long)m->n);
+        return sp_fail(err, SP_EINTERRUPTED, "stopped at row %lld of %lld: nothing is written", (long long)m->seen,
+                       (long long)m->n);
     return SP_OK;
 }
 
@@ -38,7 +38,7 @@ static sp_status check_size(const sp_tapped_spec *c, double rows, double columns
     if (bytes <= most)
         return SP_OK;
     return sp_fail(err, SP_ENOMEM,
-                   "column.%s: %.6g rows of %.0f columns need some %.3g GB: must be %.3g GB at the most: a longer "
+                   "column.%s: %.6g rows of %.0f columns need about %.3g GB, the limit is %.3g GB: use a longer "
                    "column.step, fewer column.taps or fewer column.particles",
                    c->output == SP_TAPPED_STROBE || c->output == SP_TAPPED_ENERGY ? "taps" : "step", rows, columns,
                    1e-9 * bytes, 1e-9 * most);
@@ -219,10 +219,9 @@ static sp_status energy(maker *m, sp_error *err) {
                                              {"residual", ""},        {"rest", "s"},         {"separation", "cm"},
                                              {"separation_time", "s"}};
     if (m->c->model != SP_TAPPED_LATTICE)
-        return sp_fail(
-            err, SP_EINVAL,
-            "column.output = \"energy\": column.model must be \"lattice\": the balance is one of the floor's "
-            "work and of its contacts");
+        return sp_fail(err, SP_EINVAL,
+                       "column.output = \"energy\": column.model must be \"lattice\": the continua have no energy "
+                       "balance of contacts");
     sp_tapped_report report = {0};
     sp_status status = strobe_times(m, 9, err);
     if (status == SP_OK)
@@ -360,8 +359,8 @@ static sp_status note(const maker *m, sp_error *err) {
 static sp_status diagram(maker *m, int threads, sp_error *err) {
     if (m->c->model != SP_TAPPED_LATTICE || m->c->method != SP_TAPPED_EVENT)
         return sp_fail(err, SP_EINVAL,
-                       "column.output = \"%s\": column.model must be \"lattice\" and column.method \"event\": the map "
-                       "from tap to tap and its derivative are known of these alone",
+                       "column.output = \"%s\": column.model must be \"lattice\" and column.method \"event\": only "
+                       "these provide the map from tap to tap and its derivative",
                        m->c->output == SP_TAPPED_LYAPUNOV ? "lyapunov" : "bifurcation");
     sp_status status = sp_tapped_diagram(m->c, threads, m->watcher, m->t, err);
     return status == SP_OK ? note(m, err) : status;
