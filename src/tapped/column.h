@@ -11,14 +11,16 @@ static const double sp_tapped_pi = 3.14159265358979323846;
  * the taps, and has allocated report->tap: zero except rest and at (NAN) and separation (INFINITY). */
 typedef sp_status sp_tapped_solver(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_row row, void *user,
                                    sp_tapped_report *report, sp_error *err);
-sp_tapped_solver sp_tapped_run_events, sp_tapped_run_smooth, sp_tapped_run_rk4, sp_tapped_run_longwave,
-    sp_tapped_run_conservative, sp_tapped_run_literal;
+sp_tapped_solver sp_tapped_run_events, sp_tapped_run_ode, sp_tapped_run_longwave, sp_tapped_run_bsr;
 /* Models (35) and (37): returns SP_EREFUSED; the message gives the growth rate of the worst wave. */
 sp_tapped_solver sp_tapped_refuse_printed;
 
+/* A report with one entry for each of c->taps, as a solver expects it. Free with sp_tapped_report_free. */
+sp_status sp_tapped_report_make(const sp_tapped_spec *c, sp_tapped_report *r, sp_error *err);
+
 /* Called once a step, at time t. Returns SP_EINTERRUPTED if the user has stopped the run, and SP_EFAILED after more
  * than `most` steps (0: no limit). */
-sp_status sp_tapped_go_on(const sp_tapped_spec *c, int64_t steps, int64_t most, double t, sp_error *err);
+sp_status sp_tapped_check_steps(const sp_tapped_spec *c, int64_t steps, int64_t most, double t, sp_error *err);
 /* Limit on the steps of one tap, for the continua, the smooth lattice and RK4. */
 enum { SP_TAPPED_MOST_STEPS = 10000000 };
 

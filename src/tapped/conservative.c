@@ -26,7 +26,7 @@ typedef struct fluid {
     const sp_tapped_spec *c;
     double m, h, stiffness, mean; /* mean: density m/h of particles that just touch */
     double dx, edge;              /* length of a cell; lower edge of the first cell */
-    double t;
+    double t, mass_error;
     int64_t cells, used;                 /* allocated; in use */
     double *rho, *q, *next_rho, *next_q; /* densities and momenta [cells] */
     double *u, *s;                       /* velocity; distance of neighbours, h where they do not touch */
@@ -264,15 +264,14 @@ static void swap(double **a, double **b) {
     *b = c;
 }
 
-static sp_status step(fluid *f, double until, sp_error *err) {
-    double dt = measure(f), gravity = f->c->gravity;
+/* Advances the fluid by one step, at most to `until`. */
+static sp_status advance(fluid *f, double until, sp_error *err) {
+    double dt = measure(f), gravity = f->c->gravity, end;
     if (f->c->time_step > 0)
         dt = fmin(dt, f->c->time_step);
-    bool last = f->t + dt >= until;
-    if (last)
-        dt = until - f->t;
-    if (!last && !(f->t + dt > f->t))
-        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the velocities are too large for any time step", f->t);
+    sp_status status = sp_tapped_bsr_limit_step(f->t, until, &dt, &end, err);
+    if (status != SP_OK)
+        return status;
     slopes(f);
     press(f, dt);
     bool meets = floor_meets(f, dt);
@@ -288,18 +287,20 @@ static sp_status step(fluid *f, double until, sp_error *err) {
         sum += f->rho[i] + f->q[i];
     }
     f->edge += dt * edge;
-    if (!isfinite(sum + f->edge))
-        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the solution is no longer finite", f->t);
-    f->t = last ? until : f->t + dt;
+    status = sp_tapped_bsr_check_finite(sum + f->edge, f->t, err);
+    if (status != SP_OK)
+        return status;
+    f->t = end;
     drop_crumbs(f);
     return make_room(f, err);
 }
 
 /* ---- the run ---------------------------------------------------------------------------------------------------- */
 
-/* Puts particle i where the mass below is (i - 1/2) m. Returns the total mass. */
-static double place(const fluid *f, sp_tapped_frame *out) {
-    double below = 0;
+/* Puts particle i where the mass below is (i - 1/2) m, and records the error of the total mass. */
+static void place(void *model, sp_tapped_frame *out) {
+    fluid *f = model;
+    double below = 0, all = f->c->particles * f->m;
     int32_t particle = 1;
     out->t = f->t;
     for (int64_t i = 0; i < f->used; i++) {
@@ -311,50 +312,31 @@ static double place(const fluid *f, sp_tapped_frame *out) {
         }
         below += here;
     }
-    return below;
+    f->mass_error = fmax(f->mass_error, fabs(below - all) / all);
 }
 
-static sp_status go(fluid *f, sp_tapped_frame frame[2], sp_tapped_sink *sink, sp_tapped_report *report, sp_error *err) {
-    const sp_tapped_spec *c = f->c;
-    const double end = sp_tapped_taps(c) * c->period, all = c->particles * f->m;
-    sp_tapped_clock clock = {0};
-    sp_status status = SP_OK;
-    report->error = fabs(place(f, &frame[1]) - all) / all;
-    frame[0].t = frame[1].t;
-    status = sp_tapped_frames_pass(c, frame, sink, report, err);
-    while (status == SP_OK && f->t < end) {
-        sp_tapped_frame old = frame[0];
-        frame[0] = frame[1];
-        frame[1] = old;
-        status = step(f, sp_tapped_clock_next(c, &clock), err);
-        if (status != SP_OK)
-            break;
-        if (f->t >= sp_tapped_clock_next(c, &clock))
-            sp_tapped_clock_pass(c, &clock);
-        report->steps++;
-        report->error = fmax(report->error, fabs(place(f, &frame[1]) - all) / all);
-        status = sp_tapped_frames_pass(c, frame, sink, report, err);
-    }
+static sp_status step(void *model, double until, const sp_tapped_frame *from, sp_tapped_frame *to, sp_error *err) {
+    (void)from;
+    sp_status status = advance(model, until, err);
+    if (status == SP_OK)
+        place(model, to);
     return status;
 }
 
 sp_status sp_tapped_conservative(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report,
                                  sp_error *err) {
     fluid f = {0};
-    sp_tapped_frame frame[2] = {{.t = 0}, {.t = 0}};
+    const sp_tapped_bsr_scheme scheme = {&f, place, step};
     sp_status status = sp_tapped_check_equal(c, err);
     if (status == SP_OK)
         status = start(c, &f, err);
     if (status == SP_OK)
         status = make_room(&f, err);
     if (status == SP_OK)
-        status = sp_tapped_check_step(c, stable_step(&f), err);
+        status = sp_tapped_check_time_step(c, stable_step(&f), err);
     if (status == SP_OK)
-        status = sp_tapped_frames_make(c, frame, err);
-    if (status == SP_OK)
-        status = go(&f, frame, sink, report, err);
-    report->time_step = c->time_step;
-    sp_tapped_frames_free(frame);
+        status = sp_tapped_bsr_integrate(c, &scheme, sink, report, err);
+    report->error = f.mass_error;
     sp_free(f.block);
     return status;
 }

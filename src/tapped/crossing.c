@@ -164,7 +164,7 @@ static void search_stuck(search *s, int32_t j, int32_t i) {
 lattice_event sp_lattice_next_event(sp_lattice *l, double h) {
     search s = {l, {EVENT_NONE, -1, h}, 0};
     double power = h;
-    for (int p = 1; l->lifted && p <= l->order; p++, power *= h)
+    for (int p = 1; l->floor_moves && p <= l->order; p++, power *= h)
         s.reach_floor += fabs(l->floor[p]) * power;
     find_reach(l, h);
     for (int32_t j = 0; j < l->movers; j++)

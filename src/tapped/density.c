@@ -58,21 +58,20 @@ static sp_status of_bsr(double t, const double *y, const double *v, const double
 /* The BSR models write densities with their rows. This function repeats the checks of sp_tapped_run. */
 static sp_status run_bsr(const sp_tapped_spec *c, int64_t n, const double *t, local *to, sp_error *err) {
     sp_tapped_sink sink = {.n = n, .t = t, .row = of_bsr, .user = to};
-    sp_tapped_report report = {.violated_at = NAN, .violated = -1, .taps = sp_tapped_taps(c)};
+    sp_tapped_report report = {0};
     sp_status status = sp_tapped_check_times(c, n, t, err);
-    if (status != SP_OK)
-        return status;
-    report.tap = sp_alloc((size_t)report.taps, sizeof *report.tap);
-    if (!report.tap)
-        return sp_fail_memory(err, (size_t)report.taps * sizeof *report.tap);
-    status = c->bsr == SP_TAPPED_BSR_CONSERVATIVE ? sp_tapped_conservative(c, &sink, &report, err)
-                                                  : sp_tapped_literal(c, &sink, &report, err);
+    if (status == SP_OK)
+        status = sp_tapped_report_make(c, &report, err);
+    if (status == SP_OK)
+        status = sp_tapped_run_bsr_sink(c, &sink, &report, err);
     sp_tapped_report_free(&report);
     return status;
 }
 
-sp_status sp_tapped_run_density(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_density_row row,
+sp_status sp_tapped_run_density(const sp_tapped_spec *spec, int64_t n, const double *t, sp_tapped_density_row row,
                                 void *user, sp_error *err) {
+    sp_tapped_spec own = *spec, *c = &own;
+    own.taps = sp_tapped_taps(spec);
     local to = {.c = c, .row = row, .user = user};
     sp_status status = sp_tapped_check(c, err);
     if (status != SP_OK)

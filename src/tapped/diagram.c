@@ -60,22 +60,20 @@ static sp_status keep(double t, const double *y, const double *v, void *user, sp
 }
 
 static sp_status bifurcate(const sp_tapped_spec *c, double *value, bool *violated, sp_error *err) {
-    sp_tapped_tap tap;
-    sp_tapped_report report = {.taps = 1, .tap = &tap, .violated_at = NAN, .violated = -1};
-    sp_run r;
+    sp_event_run r;
     keeper k = {c->particles, value};
     double moment = 0.99 * c->period;
-    sp_status status = sp_run_make(c, 0, &report, &r, err);
+    sp_status status = sp_event_run_make(c, 0, NULL, &r, err);
     if (status == SP_OK)
         sp_lattice_start(&r.l);
     r.time = &moment, r.row = keep, r.user = &k;
     for (int32_t i = 0; status == SP_OK && i < c->transient + c->taps; i++) {
         r.rows = i < c->transient ? 0 : 1;
         r.next = 0;
-        status = sp_run_tap(&r, 0, err);
+        status = sp_event_run_tap(&r, 0, err);
     }
-    *violated = report.violated >= 0;
-    sp_run_free(&r);
+    *violated = r.report->violated >= 0;
+    sp_event_run_free(&r);
     return status;
 }
 

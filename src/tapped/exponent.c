@@ -4,8 +4,6 @@
 #include "linalg/general.h"
 #include "tapped/events.h"
 
-#include <string.h>
-
 enum {
     CYCLE_MAX = 32,       /* longest cycle that is searched for, in taps */
     CYCLE_PARTICLES = 64, /* for more particles the matrix costs more than the average */
@@ -15,17 +13,10 @@ enum {
 
 static const double closes = 1e-9; /* tolerance for the return to a state, relative to its size */
 
-typedef struct orbit {
-    sp_run run;
-    sp_tapped_tap tap;
-    sp_tapped_report report;
-} orbit;
-
-static sp_status make_orbit(const sp_tapped_spec *c, int tangents, orbit *o, sp_error *err) {
-    o->report = (sp_tapped_report){.taps = 1, .tap = &o->tap, .violated_at = NAN, .violated = -1};
-    sp_status status = sp_run_make(c, tangents, &o->report, &o->run, err);
+static sp_status make_orbit(const sp_tapped_spec *c, int tangents, sp_event_run *o, sp_error *err) {
+    sp_status status = sp_event_run_make(c, tangents, NULL, o, err);
     if (status == SP_OK)
-        sp_lattice_start(&o->run.l);
+        sp_lattice_start(&o->l);
     return status;
 }
 
@@ -38,19 +29,14 @@ static double distance_of(const sp_lattice *l, const double *delta, const double
     return most;
 }
 
-static void save(const sp_lattice *l, sp_tapped_state *s) {
-    memcpy(s->overlap, l->delta, (size_t)l->n * sizeof(double));
-    memcpy(s->opening, l->w, (size_t)l->n * sizeof(double));
-}
-
 /* Finds the number of taps after which the orbit returns to state s; 0 if it is above CYCLE_MAX. */
-static sp_status find_cycle(orbit *o, sp_tapped_state *s, int32_t *cycle, sp_error *err) {
+static sp_status find_cycle(sp_event_run *o, sp_tapped_state *s, int32_t *cycle, sp_error *err) {
     sp_status status = SP_OK;
     *cycle = 0;
-    save(&o->run.l, s);
+    sp_lattice_get(&o->l, s->overlap, s->opening);
     for (int32_t k = 1; status == SP_OK && k <= CYCLE_MAX && *cycle == 0; k++) {
-        status = sp_run_tap(&o->run, 0, err);
-        if (status == SP_OK && distance_of(&o->run.l, s->overlap, s->opening) < closes)
+        status = sp_event_run_tap(o, 0, err);
+        if (status == SP_OK && distance_of(&o->l, s->overlap, s->opening) < closes)
             *cycle = k;
     }
     return status;
@@ -146,8 +132,8 @@ static void start_tangent(sp_lattice *l) {
 }
 
 /* Follows one tangent along the orbit. The first tenth of the taps lets it align with the direction of growth. */
-static sp_status of_average(orbit *o, int32_t taps, sp_tapped_exponent *out, sp_error *err) {
-    sp_lattice *l = &o->run.l;
+static sp_status of_average(sp_event_run *o, int32_t taps, sp_tapped_exponent *out, sp_error *err) {
+    sp_lattice *l = &o->l;
     double *growth = sp_alloc((size_t)taps, sizeof *growth);
     if (!growth)
         return sp_fail_memory(err, (size_t)taps * sizeof *growth);
@@ -155,7 +141,7 @@ static sp_status of_average(orbit *o, int32_t taps, sp_tapped_exponent *out, sp_
     bool vanished = false;
     start_tangent(l);
     for (int32_t k = -taps / 10; status == SP_OK && k < taps && !vanished; k++) {
-        status = sp_run_tap(&o->run, 0, err);
+        status = sp_event_run_tap(o, 0, err);
         double size = scale_tangent(l);
         vanished = !(size > 0);
         if (k >= 0)
@@ -170,28 +156,26 @@ static sp_status of_average(orbit *o, int32_t taps, sp_tapped_exponent *out, sp_
     return status;
 }
 
-static sp_status find_exponent(const sp_tapped_spec *c, orbit *o, sp_tapped_state *s, sp_tapped_exponent *out,
+static sp_status find_exponent(const sp_tapped_spec *c, sp_event_run *o, sp_tapped_state *s, sp_tapped_exponent *out,
                                sp_error *err) {
     sp_status status = SP_OK;
     int32_t cycle = 0;
     for (int32_t k = 0; status == SP_OK && k < c->transient; k++)
-        status = sp_run_tap(&o->run, 0, err);
+        status = sp_event_run_tap(o, 0, err);
     if (status == SP_OK && c->particles <= CYCLE_PARTICLES)
         status = find_cycle(o, s, &cycle, err);
     if (status == SP_OK && cycle > 0)
         status = of_cycle(c, s, cycle, out, err);
     if (status != SP_OK || (cycle > 0 && out->lambda <= 0)) /* an orbit does not stay on a repelling cycle */
         return status;
-    orbit with = {0};
+    sp_event_run with = {0};
     status = make_orbit(c, 1, &with, err);
     if (status == SP_OK) {
-        save(&o->run.l, s);
-        memcpy(with.run.l.delta, s->overlap, (size_t)c->particles * sizeof(double));
-        memcpy(with.run.l.w, s->opening, (size_t)c->particles * sizeof(double));
-        sp_lattice_judge(&with.run.l);
+        sp_lattice_get(&o->l, s->overlap, s->opening);
+        sp_lattice_set(&with.l, s->overlap, s->opening);
         status = of_average(&with, c->taps, out, err);
     }
-    sp_run_free(&with.run);
+    sp_event_run_free(&with);
     return status;
 }
 
@@ -199,7 +183,7 @@ sp_status sp_tapped_lyapunov(const sp_tapped_spec *spec, sp_tapped_exponent *out
     sp_tapped_spec c = *spec;
     c.output = SP_TAPPED_LYAPUNOV;
     c.taps = sp_tapped_taps(&c);
-    orbit o = {0};
+    sp_event_run o = {0};
     sp_tapped_state s = {0};
     sp_tapped_exponent found = {0};
     sp_status status = sp_tapped_state_make(&c, &s, err);
@@ -212,9 +196,9 @@ sp_status sp_tapped_lyapunov(const sp_tapped_spec *spec, sp_tapped_exponent *out
         status = find_exponent(&c, &o, &s, &found, err);
     if (status == SP_OK) {
         *out = found;
-        out->violated = o.report.violated >= 0;
+        out->violated = o.report->violated >= 0;
     }
-    sp_run_free(&o.run);
+    sp_event_run_free(&o);
     sp_tapped_state_free(&s);
     return status;
 }

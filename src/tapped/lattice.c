@@ -68,45 +68,12 @@ void sp_lattice_free(sp_lattice *l) {
     *l = (sp_lattice){0};
 }
 
-void sp_lattice_start(sp_lattice *l) {
-    double above =
-        0; /* summed from the top: differences from below would give each contact a rounding error of its own */
-    for (int32_t i = l->n - 1; i >= 0; i--) {
-        above += l->mass[i];
-        l->delta[i] = l->spec->drop < 0 ? above * l->g / l->k : i == 0 ? -l->spec->drop : 0;
-        l->w[i] = 0;
-    }
-    l->s = 0;
-    l->lifted = false;
-    sp_lattice_judge(l);
-}
-
-void sp_lattice_judge(sp_lattice *l) {
-    for (int32_t i = 0; i < l->n; i++) {
-        bool closed = l->delta[i] > 0 || (l->delta[i] == 0 && l->w[i] < 0);
-        l->state[i] = (unsigned char)(!closed                    ? CONTACT_OPEN
-                                      : l->e == 0 || l->w[i] > 0 ? CONTACT_SEPARATING
-                                                                 : CONTACT_APPROACHING);
-        l->anchor[i] = l->delta[i];
-        l->slack[i] = 0;
-        l->released[i] = 0;
-    }
-    if (l->e > 0)
-        for (int32_t i = 0; i < l->n; i++)
-            if (l->w[i] == 0 && l->delta[i] > 0) {
-                sp_lattice_stick(l, i, -1);
-                while (i + 1 < l->n && l->w[i + 1] == 0 && l->delta[i + 1] > 0)
-                    i++;
-            }
-    sp_lattice_group(l);
-}
-
 static double stiffness_of(const sp_lattice *l, int32_t i) {
     contact_state s = (contact_state)l->state[i];
     return s == CONTACT_OPEN ? 0 : l->k * (s == CONTACT_APPROACHING ? 1 + l->e : 1 - l->e);
 }
 
-void sp_lattice_group(sp_lattice *l) {
+void sp_lattice_find_clusters(sp_lattice *l) {
     int32_t j = 0;
     l->closed = 0;
     for (int32_t i = 0; i < l->n; i++)
@@ -132,11 +99,11 @@ void sp_lattice_group(sp_lattice *l) {
 }
 
 double sp_lattice_floor_acceleration(const sp_lattice *l) {
-    return l->lifted ? -l->a * l->omega * l->omega * sin(l->omega * l->s) : 0;
+    return l->floor_moves ? -l->a * l->omega * l->omega * sin(l->omega * l->s) : 0;
 }
 
 double sp_lattice_floor_jerk(const sp_lattice *l) {
-    return l->lifted ? -l->a * l->omega * l->omega * l->omega * cos(l->omega * l->s) : 0;
+    return l->floor_moves ? -l->a * l->omega * l->omega * l->omega * cos(l->omega * l->s) : 0;
 }
 
 /* 1/((p + 1)(p + 2)), tabulated because divisions would dominate the recurrence. */
@@ -148,7 +115,7 @@ static const double shares[LATTICE_ORDER] = {SHARES(0), SHARES(5), SHARES(10), S
 static void expand_floor(sp_lattice *l) {
     const double acceleration = sp_lattice_floor_acceleration(l), square = -l->omega * l->omega;
     memset(l->floor, 0, sizeof l->floor);
-    if (l->lifted) {
+    if (l->floor_moves) {
         l->floor[0] = acceleration;
         l->floor[1] = sp_lattice_floor_jerk(l);
         for (int p = 0; p + 2 <= l->order; p++)
@@ -209,7 +176,7 @@ static int order_for(double x, double *rest) {
 }
 
 void sp_lattice_expand(sp_lattice *l, double h) {
-    double rate = fmax(l->closed > 0 ? l->fastest : 0, l->lifted ? l->omega : 0);
+    double rate = fmax(l->closed > 0 ? l->fastest : 0, l->floor_moves ? l->omega : 0);
     double rest;
     l->order = order_for(rate * h, &rest);
     l->truncation = fmax(l->truncation, rest);

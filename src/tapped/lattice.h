@@ -22,13 +22,13 @@ typedef struct sp_lattice {
         *distance; /* [n]: mass of the particle above the contact; distance of the centres when it just touches */
 
     double s;                        /* time since the start of the tap */
-    bool lifted;                     /* whether the floor moves */
+    bool floor_moves;                /* whether the floor moves */
     double *delta, *w;               /* [n] */
     unsigned char *state, *released; /* released: sticking ended with relative acceleration 0 */
     double *anchor; /* overlap at which the contact's motion last changed direction; the energy dissipated since then is
                        e K/2 |delta^2 - anchor^2| */
     double *slack;  /* how far rounding may put the force of a sticking contact outside its band */
-    double spent;   /* dissipated energy [erg] */
+    double dissipated; /* dissipated energy [erg] */
 
     int32_t movers, closed, lanes;    /* lanes: length of the loops over movers, at least their number */
     int32_t *mover;                   /* [movers + 1]: contacts that do not stick, ascending; then n */
@@ -49,12 +49,8 @@ typedef struct sp_lattice {
 /* Allocates the memory and sets the constants. The spec must outlive the lattice. Free it after a failure, too. */
 sp_status sp_lattice_make(const sp_tapped_spec *c, int tangents, sp_lattice *out, sp_error *err);
 void sp_lattice_free(sp_lattice *l);
-/* Initial state: at rest, or dropped, before the first tap. */
-void sp_lattice_start(sp_lattice *l);
-/* Finds the states of all contacts from their overlaps and opening velocities. */
-void sp_lattice_judge(sp_lattice *l);
 /* Finds the clusters; to be called after any change of the states. */
-void sp_lattice_group(sp_lattice *l);
+void sp_lattice_find_clusters(sp_lattice *l);
 /* Expands the motion of the movers for a step of at most h. */
 void sp_lattice_expand(sp_lattice *l, double h);
 /* Evaluates the series of one mover at tau within the step. */
@@ -80,21 +76,5 @@ lattice_event sp_lattice_next_event(sp_lattice *l, double h);
 /* First tau in [0, h] at which the polynomial f of degree n crosses zero from below; INFINITY if there is none. Bounds
  * of the second derivative guarantee that it is the first. */
 double sp_first_root(const double *f, int n, double h);
-
-/* ---- sticking --------------------------------------------------------------------------------------------------- */
-
-/* Decides which contacts stick, in the connected run of contacts with w = 0 and delta > 0 around contact `at`, and in
- * which direction the others start to move. cause: the contact whose force has left its band, or -1. */
-void sp_lattice_stick(sp_lattice *l, int32_t at, int32_t cause);
-/* Solves the taut-string problem: the shortest path through a tube of n nodes at x (ascending) between lo and hi. It
- * starts at (x0, f0) and ends at (x_end, f_end) or, if free, with slope_end. f [n] receives its heights, bend [n] the
- * decrease of its slope at each node, exactly 0 where it is straight. */
-typedef struct taut_ends {
-    double x0, f0;
-    bool free;
-    double x_end, f_end, slope_end;
-} taut_ends;
-void sp_taut_string(int32_t n, const double *x, const double *lo, const double *hi, const taut_ends *ends, double *f,
-                    double *bend);
 
 #endif

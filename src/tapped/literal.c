@@ -103,7 +103,7 @@ static sp_status make(const sp_tapped_spec *c, field *f, sp_error *err) {
     return SP_OK;
 }
 
-/* tanh(x)/x; most of the run time is spent here. */
+/* tanh(x)/x; most of the run time is dissipated here. */
 static double bend(double x) { return fabs(x) < 1e-3 ? 1 - x * x / 3 : fabs(x) > 20 ? 1 / fabs(x) : tanh(x) / x; }
 
 /* Change of u in cell j over dt due to the integral, by the trapezoidal rule as in [B]. With e > 0 it draws u towards
@@ -163,7 +163,8 @@ static double velocity(const field *f, double z, double *slope) {
 
 /* ---- the particles ---------------------------------------------------------------------------------------------- */
 
-static void place(const field *f, sp_tapped_frame *at) {
+static void place(void *model, sp_tapped_frame *at) {
+    const field *f = model;
     const sp_tapped_spec *c = f->c;
     if (c->drop < 0)
         sp_tapped_rest(c, at->y + 1);
@@ -196,8 +197,9 @@ static void carry(field *f, double dt, const sp_tapped_frame *from, sp_tapped_fr
     to->t = f->t;
 }
 
-static sp_status step(field *f, double until, const sp_tapped_frame *from, sp_tapped_frame *to, sp_error *err) {
-    double fastest = fabs(sp_tapped_floor_velocity(f->c, f->t)), dt = f->c->period / 100;
+static sp_status step(void *model, double until, const sp_tapped_frame *from, sp_tapped_frame *to, sp_error *err) {
+    field *f = model;
+    double fastest = fabs(sp_tapped_floor_velocity(f->c, f->t)), dt = f->c->period / 100, end;
     if (f->inside > 0) {
         for (int64_t j = 0; j < f->cells; j++)
             fastest = fmax(fastest, fabs(f->u[j + f->reach]));
@@ -205,19 +207,17 @@ static sp_status step(field *f, double until, const sp_tapped_frame *from, sp_ta
         if (f->c->time_step > 0)
             dt = fmin(dt, f->c->time_step);
     }
-    bool last = f->t + dt >= until;
-    if (last)
-        dt = until - f->t;
-    if (!last && !(f->t + dt > f->t))
-        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the velocities are too large for any time step", f->t);
+    sp_status status = sp_tapped_bsr_limit_step(f->t, until, &dt, &end, err);
+    if (status != SP_OK)
+        return status;
     if (f->inside > 0)
         advance(f, dt);
-    f->t = last ? until : f->t + dt;
+    f->t = end;
     carry(f, dt, from, to);
     double sum = 0;
     for (int32_t i = 1; i <= f->c->particles; i++)
         sum += to->y[i] + to->rho[i - 1];
-    return isfinite(sum) ? SP_OK : sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the solution is no longer finite", f->t);
+    return sp_tapped_bsr_check_finite(sum, f->t, err);
 }
 
 /* ---- the run ---------------------------------------------------------------------------------------------------- */
@@ -228,44 +228,19 @@ static sp_status check(const field *f, const sp_tapped_spec *c, sp_error *err) {
     double down = c->gravity * (1 + (1 + c->e) * sp_tapped_bsr_force(c, c->bsr));
     double top = c->particles * f->h + fmax(0, c->drop);
     double bound = stable_step(f, 2 * sp_tapped_pi * c->frequency * c->amplitude + sqrt(2 * down * top));
-    return sp_tapped_check_step(c, bound, err);
-}
-
-static sp_status go(field *f, sp_tapped_frame frame[2], sp_tapped_sink *sink, sp_tapped_report *report, sp_error *err) {
-    const sp_tapped_spec *c = f->c;
-    const double end = sp_tapped_taps(c) * c->period;
-    sp_tapped_clock clock = {0};
-    place(f, &frame[1]);
-    sp_status status = sp_tapped_frames_pass(c, frame, sink, report, err);
-    while (status == SP_OK && f->t < end) {
-        sp_tapped_frame old = frame[0];
-        frame[0] = frame[1];
-        frame[1] = old;
-        status = step(f, sp_tapped_clock_next(c, &clock), &frame[0], &frame[1], err);
-        if (status != SP_OK)
-            break;
-        if (f->t >= sp_tapped_clock_next(c, &clock))
-            sp_tapped_clock_pass(c, &clock);
-        report->steps++;
-        status = sp_tapped_frames_pass(c, frame, sink, report, err);
-    }
-    return status;
+    return sp_tapped_check_time_step(c, bound, err);
 }
 
 sp_status sp_tapped_literal(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report, sp_error *err) {
     field f = {.c = c};
-    sp_tapped_frame frame[2] = {{.t = 0}, {.t = 0}};
+    const sp_tapped_bsr_scheme scheme = {&f, place, step};
     sp_status status = sp_tapped_check_equal(c, err);
     if (status == SP_OK)
         status = make(c, &f, err);
     if (status == SP_OK)
         status = check(&f, c, err);
     if (status == SP_OK)
-        status = sp_tapped_frames_make(c, frame, err);
-    if (status == SP_OK)
-        status = go(&f, frame, sink, report, err);
-    report->time_step = c->time_step;
-    sp_tapped_frames_free(frame);
+        status = sp_tapped_bsr_integrate(c, &scheme, sink, report, err);
     sp_free(f.block);
     return status;
 }

@@ -27,7 +27,7 @@
  * labels it lies M/8 above the lattice. */
 #include "base/base.h"
 #include "numeric/ode.h"
-#include "tapped/march.h"
+#include "tapped/integrate.h"
 
 typedef struct longwave {
     int32_t particles, cells;
@@ -116,7 +116,7 @@ static double damped(double b, double delta, double w) {
     return denominator > 0 ? 5 / denominator : INFINITY;
 }
 
-static double longest(void *model, double s, const double *state) {
+static double max_step(void *model, double s, const double *state) {
     const longwave *p = model;
     const double *y = state, *v = state + p->nodes, per = p->h / p->dz;
     const double b = 12 * p->stiffness * p->e * p->alpha / p->mass;
@@ -145,7 +145,7 @@ static double half_way(const longwave *p, const double *y, int64_t j) {
 }
 
 /* The labels (2 i - 1) r lie on nodes or half way between two. */
-static void particles(void *model, const double *state, double *y, double *v) {
+static void positions(void *model, const double *state, double *y, double *v) {
     const longwave *p = model;
     for (int32_t i = 1; i <= p->particles; i++) {
         int64_t twice = (2 * (int64_t)i - 1) * p->cells, j = twice / 2;
@@ -222,14 +222,14 @@ sp_status sp_tapped_run_longwave(const sp_tapped_spec *c, int64_t n, const doubl
                   .h = 2 * sp_tapped_radius(c, 1),
                   .mass = sp_tapped_mass(c, 1)};
     p.dz = p.h / c->cells;
-    sp_tapped_marcher m = {.model = &p,
+    sp_tapped_stepper m = {.model = &p,
                            .size = 2 * p.nodes + 2,
                            .phase = &p.phase,
-                           .longest = longest,
+                           .max_step = max_step,
                            .step = step,
-                           .particles = particles,
+                           .positions = positions,
                            .energy = energy,
-                           .stiff = "a large column.alpha_v (or a small column.time_step)"};
+                           .cause = "a large column.alpha_v (or a small column.time_step)"};
     double *state = NULL;
     sp_status status = check(c, err);
     if (status == SP_OK)
@@ -242,7 +242,7 @@ sp_status sp_tapped_run_longwave(const sp_tapped_spec *c, int64_t n, const doubl
         status = sp_fail_memory(err, (size_t)m.size * sizeof *state);
     if (status == SP_OK) {
         start(c, &p, state);
-        status = sp_tapped_march(c, &m, state, &(sp_tapped_rows){n, t, row, user}, report, err);
+        status = sp_tapped_integrate(c, &m, state, &(sp_tapped_rows){n, t, row, user}, report, err);
         report->error = NAN; /* no bound is known */
     }
     sp_free(state);

@@ -80,7 +80,7 @@ void sp_tapped_springs_start(const sp_tapped_spec *c, const sp_tapped_springs *s
         state[i] = height += s->distance[i];
 }
 
-void sp_tapped_springs_particles(const sp_tapped_springs *s, const double *state, double *y, double *v) {
+void sp_tapped_springs_positions(const sp_tapped_springs *s, const double *state, double *y, double *v) {
     for (int32_t i = 0; i < s->n; i++) {
         y[i + 1] = state[i];
         v[i + 1] = state[s->n + i];

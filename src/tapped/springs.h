@@ -4,7 +4,7 @@
  * smooth as in (30). The state holds y [N], v [N], the work of the floor and the dissipated energy. */
 
 #include "numeric/ode.h"
-#include "tapped/march.h"
+#include "tapped/integrate.h"
 
 typedef struct sp_tapped_springs {
     int32_t n;
@@ -20,7 +20,7 @@ sp_status sp_tapped_springs_make(const sp_tapped_spec *c, double alpha_v, double
 void sp_tapped_springs_free(sp_tapped_springs *s);
 /* Initial state: at rest, or dropped. */
 void sp_tapped_springs_start(const sp_tapped_spec *c, const sp_tapped_springs *s, double *state);
-void sp_tapped_springs_particles(const sp_tapped_springs *s, const double *state, double *y, double *v);
+void sp_tapped_springs_positions(const sp_tapped_springs *s, const double *state, double *y, double *v);
 double sp_tapped_springs_energy(const sp_tapped_springs *s, double floor, const double *state);
 /* Upper bound of the angular frequencies: 2 sqrt(K (1 + e)/m) with the smallest mass [1/s]. */
 double sp_tapped_springs_frequency(const sp_tapped_springs *s);
