@@ -6,7 +6,6 @@
 #include "tapped/table.h"
 
 #include <stdatomic.h>
-#include <stdio.h>
 #include <string.h>
 
 static const char *const units[] = {"cm", "s", "Hz", ""};
@@ -141,12 +140,7 @@ static sp_status add_columns(const diagram *d, sp_table *t, sp_error *err) {
     }
     if (status == SP_OK)
         status = sp_table_add_column(t, "tap", "", SP_CELL_INTEGER, err);
-    for (int32_t i = 1; status == SP_OK && i <= c->particles; i++) {
-        char name[16];
-        snprintf(name, sizeof name, "y%d", i);
-        status = sp_table_add_column(t, name, "cm", SP_CELL_NUMBER, err);
-    }
-    return status;
+    return status == SP_OK ? sp_tapped_add_particles(c, "y", 1, "cm", t, err) : status;
 }
 
 static sp_status add_point(const diagram *d, int32_t point, double *row, sp_table *t, sp_error *err) {
@@ -164,7 +158,7 @@ static sp_status add_point(const diagram *d, int32_t point, double *row, sp_tabl
     return status;
 }
 
-static sp_status note_violations(const diagram *d, sp_table *t, sp_error *err) {
+static sp_status comment_violations(const diagram *d, sp_table *t, sp_error *err) {
     int32_t count = 0, first = -1;
     char value[SP_NUMBER_TEXT];
     for (int32_t k = 0; k < d->points; k++)
@@ -189,14 +183,14 @@ static sp_status write_table(const diagram *d, sp_table *t, sp_error *err) {
         status =
             sp_table_add_comment(t, err, "%d points could not be made (nan); the first: %s", failed, d->reason->text);
     if (status == SP_OK)
-        status = note_violations(d, t, err);
+        status = comment_violations(d, t, err);
     for (int32_t k = 0; status == SP_OK && k < d->points; k++)
         status = add_point(d, k, row, t, err);
     sp_free(row);
     return status;
 }
 
-static sp_status run_team(diagram *d, int threads, sp_error *err) {
+static sp_status run_points(diagram *d, int threads, sp_error *err) {
     sp_team *team = NULL;
     sp_status status = sp_team_make(threads < d->points ? threads : d->points, &team, err);
     if (status != SP_OK)
@@ -231,7 +225,7 @@ sp_status sp_tapped_diagram(const sp_tapped_spec *spec, int threads, sp_tapped_w
     d.value = sp_alloc((size_t)d.points * (size_t)d.kept * (size_t)d.values, sizeof *d.value);
     d.status = sp_alloc((size_t)d.points, sizeof *d.status);
     d.violated = sp_alloc((size_t)d.points, sizeof *d.violated);
-    status = d.value && d.status && d.violated ? run_team(&d, threads, err) : sp_fail_memory(err, (size_t)bytes);
+    status = d.value && d.status && d.violated ? run_points(&d, threads, err) : sp_fail_memory(err, (size_t)bytes);
     if (status == SP_OK)
         status = write_table(&d, out, err);
     sp_free(d.value);
