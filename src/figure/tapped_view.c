@@ -1,3 +1,4 @@
+/* Draws a surface over two axes in parallel projection, with its walls and axes. */
 #include "figure/tapped_view.h"
 
 #include "base/base.h"
@@ -73,16 +74,17 @@ static void choose(canvas *c, axis *a, double letters, double length) {
         a->tick[k] = plain.x.tick[k];
 }
 
-/* Keeps whole numbers only: they count particles. */
-static void whole_ticks(axis *a) {
+void sp_axis_keep_whole_ticks(axis *a, double low) {
     int kept = 0;
-    for (int k = 0; k < a->ticks; k++)
-        if (fabs(a->tick[k].at - round(a->tick[k].at)) < 1e-6 && a->tick[k].at > 0.5) {
-            a->tick[kept] = a->tick[k];
-            if (a->tick[k].major)
-                snprintf(a->tick[kept].label, sizeof a->tick[kept].label, "%.0f", a->tick[k].at);
-            kept++;
-        }
+    for (int k = 0; k < a->ticks; k++) {
+        const double at = a->tick[k].at;
+        if (fabs(at - round(at)) > 1e-6 || at < low)
+            continue;
+        a->tick[kept] = a->tick[k];
+        if (a->tick[k].major)
+            snprintf(a->tick[kept].label, sizeof a->tick[kept].label, "%.0f", round(at));
+        kept++;
+    }
     a->ticks = kept;
 }
 
@@ -102,7 +104,7 @@ void sp_scene3_layout(scene3 *s) {
         s->scale = fmin(room / (right.x - left.x), tall / (low.y - high.y));
         choose(s->c, &s->time, s->letters, 0.9 * s->scale * LONG_TIME);
         choose(s->c, &s->label, s->letters, s->scale * LONG_LABEL);
-        whole_ticks(&s->label);
+        sp_axis_keep_whole_ticks(&s->label, 0.5); /* particles count from 1 */
         choose(s->c, &s->height_axis, s->letters, s->scale * TALL);
         west = widest(s, &s->height_axis) + line + 2 * TICK + 7;
         east = widest(s, &s->label) + line + TICK;

@@ -1,5 +1,5 @@
-#ifndef SP_PLOT_COLUMN_VIEW_H
-#define SP_PLOT_COLUMN_VIEW_H
+#ifndef SP_FIGURE_TAPPED_VIEW_H
+#define SP_FIGURE_TAPPED_VIEW_H
 /* A surface over two axes in parallel projection, seen from the front right and above. */
 
 #include "figure/figure.h"
@@ -27,6 +27,8 @@ typedef struct scene3 {
 void sp_scene3_layout(scene3 *s);
 /* Draws the walls with the grid lines, the surface, and the axes in front. */
 void sp_scene3_draw(const scene3 *s, const surface *f);
+/* Removes the ticks that are not at whole numbers, or below low. */
+void sp_axis_keep_whole_ticks(axis *a, double low);
 /* Colours of a value. Signed: from blue at -1 over light grey at 0 to red at 1. Unsigned: from light yellow at 0 to
  * dark blue at 1. */
 colour sp_scene3_signed_colour(double part);
