@@ -97,8 +97,8 @@ static void write_note(diagram *d) {
 
 static sp_status draw(diagram *d, const char *path, sp_error *err) {
     const tapped_table *one = d->bifurcation ? d->bifurcation : d->lyapunov;
-    const double room = 0.015 * (d->high - d->low);
-    const sp_axis x = {.label = sp_tapped_parameter_label(one, d->x), .low = d->low - room, .high = d->high + room};
+    const double margin = 0.015 * (d->high - d->low);
+    const sp_axis x = {.label = sp_tapped_parameter_label(one, d->x), .low = d->low - margin, .high = d->high + margin};
     sp_panel panel[2] = {{0}, {0}};
     int panels = 0;
     if (d->bifurcation) {

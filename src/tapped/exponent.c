@@ -11,7 +11,7 @@ enum {
     LEAST_TAPS = 10
 };
 
-static const double closes = 1e-9; /* tolerance for the return to a state, relative to its size */
+static const double return_tolerance = 1e-9; /* tolerance for the return to a state, relative to its size */
 
 static sp_status make_orbit(const sp_tapped_spec *c, int tangents, sp_event_run *o, sp_error *err) {
     sp_status status = sp_event_run_make(c, tangents, NULL, o, err);
@@ -36,7 +36,7 @@ static sp_status find_cycle(sp_event_run *o, sp_tapped_state *s, int32_t *cycle,
     sp_lattice_get(&o->l, s->overlap, s->opening);
     for (int32_t k = 1; status == SP_OK && k <= CYCLE_MAX && *cycle == 0; k++) {
         status = sp_event_run_tap(o, 0, err);
-        if (status == SP_OK && distance_of(&o->l, s->overlap, s->opening) < closes)
+        if (status == SP_OK && distance_of(&o->l, s->overlap, s->opening) < return_tolerance)
             *cycle = k;
     }
     return status;
@@ -62,8 +62,8 @@ static sp_status find_multiplier(const sp_tapped_spec *c, sp_tapped_state *s, in
     return status;
 }
 
-static sp_status of_cycle(const sp_tapped_spec *c, sp_tapped_state *s, int32_t cycle, sp_tapped_exponent *out,
-                          sp_error *err) {
+static sp_status exponent_of_cycle(const sp_tapped_spec *c, sp_tapped_state *s, int32_t cycle, sp_tapped_exponent *out,
+                                   sp_error *err) {
     double first, second;
     sp_status status = find_multiplier(c, s, cycle, &first, err);
     if (status == SP_OK)
@@ -132,7 +132,7 @@ static void start_tangent(sp_lattice *l) {
 }
 
 /* Follows one tangent along the orbit. The first tenth of the taps lets it align with the direction of growth. */
-static sp_status of_average(sp_event_run *o, int32_t taps, sp_tapped_exponent *out, sp_error *err) {
+static sp_status exponent_by_average(sp_event_run *o, int32_t taps, sp_tapped_exponent *out, sp_error *err) {
     sp_lattice *l = &o->l;
     double *growth = sp_alloc((size_t)taps, sizeof *growth);
     if (!growth)
@@ -165,17 +165,17 @@ static sp_status find_exponent(const sp_tapped_spec *c, sp_event_run *o, sp_tapp
     if (status == SP_OK && c->particles <= CYCLE_PARTICLES)
         status = find_cycle(o, s, &cycle, err);
     if (status == SP_OK && cycle > 0)
-        status = of_cycle(c, s, cycle, out, err);
+        status = exponent_of_cycle(c, s, cycle, out, err);
     if (status != SP_OK || (cycle > 0 && out->lambda <= 0)) /* an orbit does not stay on a repelling cycle */
         return status;
-    sp_event_run with = {0};
-    status = make_orbit(c, 1, &with, err);
+    sp_event_run tangent = {0};
+    status = make_orbit(c, 1, &tangent, err);
     if (status == SP_OK) {
         sp_lattice_get(&o->l, s->overlap, s->opening);
-        sp_lattice_set(&with.l, s->overlap, s->opening);
-        status = of_average(&with, c->taps, out, err);
+        sp_lattice_set(&tangent.l, s->overlap, s->opening);
+        status = exponent_by_average(&tangent, c->taps, out, err);
     }
-    sp_event_run_free(&with);
+    sp_event_run_free(&tangent);
     return status;
 }
 

@@ -43,12 +43,12 @@ static sp_status make_items(blackmore *p, sp_error *err) {
     sp_status status = SP_OK;
     double all = 0;
     for (int item = 0; item < SP_PAPER_COLUMN_ITEMS; item++)
-        all += sp_blackmore_wants(p, item) ? items[item].share : 0;
+        all += sp_blackmore_is_selected(p, item) ? items[item].share : 0;
     for (int item = 0; item < SP_PAPER_COLUMN_ITEMS && status == SP_OK; item++) {
-        if (!sp_blackmore_wants(p, item))
+        if (!sp_blackmore_is_selected(p, item))
             continue;
         p->item_share = items[item].share / all;
-        status = sp_blackmore_tell(p, 0, err);
+        status = sp_blackmore_progress(p, 0, err);
         if (status == SP_OK)
             status = items[item].make(p, err);
         if (status == SP_OK && p->failed)

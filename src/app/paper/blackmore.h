@@ -31,9 +31,9 @@ typedef struct blackmore_row {
     bool misprint;           /* the paper's value is a misprint, ours the correct one */
     bool detail;             /* left out of the report, but not of the table */
     char note[240];
-    const char *verdict; /* set by sp_blackmore_judge */
+    const char *verdict; /* set by sp_blackmore_set_verdict */
 } blackmore_row;
-void sp_blackmore_judge(blackmore_row *row);
+void sp_blackmore_set_verdict(blackmore_row *row);
 
 typedef struct blackmore_section {
     sp_text text; /* one paragraph a line */
@@ -62,9 +62,9 @@ struct blackmore {
     blackmore_section section[SP_PAPER_COLUMN_ITEMS];
 };
 
-bool sp_blackmore_wants(const blackmore *p, int item);
+bool sp_blackmore_is_selected(const blackmore *p, int item);
 /* Reports the progress of the present item, 0 .. 1. Returns SP_EINTERRUPTED if the watch asks to stop. */
-sp_status sp_blackmore_tell(blackmore *p, double done, sp_error *err);
+sp_status sp_blackmore_progress(blackmore *p, double done, sp_error *err);
 
 /* The column of Fig. 1: 5 particles at 7.5 Hz or 10 at 9.5 Hz, T = 1 s, four taps. */
 sp_tapped_spec sp_blackmore_column(int32_t particles);

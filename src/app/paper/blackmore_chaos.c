@@ -109,7 +109,7 @@ typedef struct found {
     double low, high;     /* range of the parameter with chaos */
 } found;
 
-static found look_for(const sp_table *t) {
+static found find_chaos(const sp_table *t) {
     found f = {.best = -1, .low = INFINITY, .high = -INFINITY};
     for (int64_t k = 0; k < t->rows; k++) {
         if (!is_chaos(t, k))
@@ -145,7 +145,7 @@ static sp_status add_separation(blackmore *p, const scan *s, double at, sp_error
 }
 
 static sp_status add_exponents(blackmore *p, const scan *s, const sp_table *t, sp_error *err) {
-    const found f = look_for(t);
+    const found f = find_chaos(t);
     const bool any = f.best >= 0;
     int64_t best = any ? f.best : 0;
     for (int64_t k = 0; k < t->rows && !any; k++)
@@ -181,7 +181,7 @@ static sp_status add_exponents(blackmore *p, const scan *s, const sp_table *t, s
 }
 
 /* The table's warning about violations of (1) at some points, up to its first comma. */
-static const char *disorder(const sp_table *t, char *text, size_t size) {
+static const char *violation_text(const sp_table *t, char *text, size_t size) {
     static const char start[] = "warning: ordering (1) violated";
     text[0] = '\0';
     for (int k = 0; k < t->comments; k++)
@@ -211,7 +211,7 @@ static sp_status show_scan(blackmore *p, const scan *s, sp_table *exponents, sp_
     snprintf(caption, sizeof caption,
              "One particle, K = %g m g/r: its position at .99T of %d taps over %s, and the Lyapunov exponent%s.",
              s->stiffness, SHOWN, s->parameter == SP_TAPPED_BY_PERIOD ? "the period" : "the amplitude",
-             disorder(&orbits, text, sizeof text));
+             violation_text(&orbits, text, sizeof text));
     if (status == SP_OK)
         status = sp_blackmore_draw(p, BLACKMORE_CHAOS, s->name, 2, both, NULL, caption, err);
     sp_table_free(&orbits);
@@ -241,7 +241,7 @@ sp_status sp_blackmore_make_chaos(blackmore *p, sp_error *err) {
     if (status == SP_OK)
         status = add_cycles(p, err);
     for (int k = 0; k < SCANS && status == SP_OK; k++) {
-        status = sp_blackmore_tell(p, 0.05 + 0.95 * k / SCANS, err);
+        status = sp_blackmore_progress(p, 0.05 + 0.95 * k / SCANS, err);
         if (status == SP_OK)
             status = make_scan(p, &scans[k], err);
     }

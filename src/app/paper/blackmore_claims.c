@@ -470,7 +470,7 @@ sp_status sp_blackmore_make_claims(blackmore *p, sp_error *err) {
     if (status == SP_OK)
         status = add_burgers(p, err);
     if (status == SP_OK)
-        status = sp_blackmore_tell(p, 0.5, err);
+        status = sp_blackmore_progress(p, 0.5, err);
     if (status == SP_OK)
         status = add_periods(p, err);
     for (size_t k = 0; k < sizeof frequency / sizeof *frequency && status == SP_OK; k++)

@@ -147,7 +147,7 @@ sp_status sp_blackmore_make_fig1(blackmore *p, sp_error *err) {
         sp_table_free(&s.strobe);
         sp_table_free(&s.energy);
         if (status == SP_OK)
-            status = sp_blackmore_tell(p, 0.5 * (k + 1), err);
+            status = sp_blackmore_progress(p, 0.5 * (k + 1), err);
     }
     sp_blackmore_say(
         p, BLACKMORE_FIG_1,
@@ -194,7 +194,7 @@ static sp_status make_surfaces(surfaces *s, sp_error *err) {
         if (status == SP_OK)
             status = sp_blackmore_save(s->p, names[k], &s->of[k], err);
         if (status == SP_OK)
-            status = sp_blackmore_tell(s->p, 0.2 * (k + 1), err);
+            status = sp_blackmore_progress(s->p, 0.2 * (k + 1), err);
     }
     return status;
 }

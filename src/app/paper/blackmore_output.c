@@ -8,9 +8,9 @@
 #include <stdio.h>
 #include <string.h>
 
-bool sp_blackmore_wants(const blackmore *p, int item) { return p->opt->items == 0 || p->opt->items >> item & 1; }
+bool sp_blackmore_is_selected(const blackmore *p, int item) { return p->opt->items == 0 || p->opt->items >> item & 1; }
 
-sp_status sp_blackmore_tell(blackmore *p, double done, sp_error *err) {
+sp_status sp_blackmore_progress(blackmore *p, double done, sp_error *err) {
     sp_paper_progress progress = {.what = "the column",
                                   .fraction = p->item_at + p->item_share * done,
                                   .seconds = sp_clock_wall() - p->begun,

@@ -123,7 +123,7 @@ sp_status sp_blackmore_report(blackmore *p, sp_error *err) {
         "from event to event, with contacts that stick.");
     summary(p, &page);
     for (int item = 0; item < SP_PAPER_COLUMN_ITEMS && status == SP_OK; item++)
-        if (sp_blackmore_wants(p, item))
+        if (sp_blackmore_is_selected(p, item))
             status = section(p, &page, item, err);
     sp_paper_page_heading(&page, "files", "Files");
     sp_paper_page_paragraph(&page, "",

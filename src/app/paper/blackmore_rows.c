@@ -24,7 +24,7 @@ static bool is_near(const blackmore_row *row) {
                : off <= err;
 }
 
-void sp_blackmore_judge(blackmore_row *row) {
+void sp_blackmore_set_verdict(blackmore_row *row) {
     if (isnan(row->ours))
         row->verdict = "missing";
     else if (isnan(row->paper))
@@ -60,7 +60,7 @@ void sp_blackmore_add(blackmore *p, blackmore_row row, const char *quantity, ...
     va_end(args);
     if (!row.unit)
         row.unit = "";
-    sp_blackmore_judge(&row);
+    sp_blackmore_set_verdict(&row);
     reserve_row(p);
     if (!p->failed)
         p->row[p->rows++] = row;
