@@ -323,7 +323,7 @@ static sp_status step(void *model, double until, const sp_tapped_frame *from, sp
     return status;
 }
 
-sp_status sp_tapped_conservative(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report,
+sp_status sp_tapped_conservative(const sp_tapped_spec *c, const sp_tapped_bsr_rows *rows, sp_tapped_report *report,
                                  sp_error *err) {
     fluid f = {0};
     const sp_tapped_bsr_scheme scheme = {&f, place, step};
@@ -335,7 +335,7 @@ sp_status sp_tapped_conservative(const sp_tapped_spec *c, sp_tapped_sink *sink, 
     if (status == SP_OK)
         status = sp_tapped_check_time_step(c, stable_step(&f), err);
     if (status == SP_OK)
-        status = sp_tapped_bsr_integrate(c, &scheme, sink, report, err);
+        status = sp_tapped_bsr_integrate(c, &scheme, rows, report, err);
     report->error = f.mass_error;
     sp_free(f.block);
     return status;

@@ -57,13 +57,13 @@ static sp_status bsr_density(double t, const double *y, const double *v, const d
 
 /* The BSR models write densities with their rows. This function repeats the checks of sp_tapped_run. */
 static sp_status run_bsr(const sp_tapped_spec *c, int64_t n, const double *t, density_rows *to, sp_error *err) {
-    sp_tapped_sink sink = {.n = n, .t = t, .row = bsr_density, .user = to};
+    const sp_tapped_bsr_rows rows = {n, t, bsr_density, to};
     sp_tapped_report report = {0};
     sp_status status = sp_tapped_check_times(c, n, t, err);
     if (status == SP_OK)
         status = sp_tapped_report_make(c, &report, err);
     if (status == SP_OK)
-        status = sp_tapped_run_bsr_sink(c, &sink, &report, err);
+        status = sp_tapped_run_bsr_rows(c, &rows, &report, err);
     sp_tapped_report_free(&report);
     return status;
 }

@@ -23,25 +23,25 @@ typedef struct diagram {
     atomic_bool stop;
 } diagram;
 
-static double parameter_at(const sp_tapped_spec *c, int32_t point) {
-    if (c->points == 1 && c->from == 0)
-        return c->parameter == SP_TAPPED_BY_AMPLITUDE   ? c->amplitude
-               : c->parameter == SP_TAPPED_BY_PERIOD    ? c->period
-               : c->parameter == SP_TAPPED_BY_FREQUENCY ? c->frequency
-                                                        : c->e;
-    return c->points == 1 ? c->from : c->from + (c->to - c->from) * point / (c->points - 1);
+static double *parameter_of(sp_tapped_spec *c) {
+    return c->parameter == SP_TAPPED_BY_AMPLITUDE   ? &c->amplitude
+           : c->parameter == SP_TAPPED_BY_PERIOD    ? &c->period
+           : c->parameter == SP_TAPPED_BY_FREQUENCY ? &c->frequency
+                                                    : &c->e;
 }
 
 static sp_tapped_spec spec_at(const sp_tapped_spec *c, int32_t point) {
     sp_tapped_spec own = *c;
-    double value = parameter_at(c, point);
-    switch (c->parameter) {
-    case SP_TAPPED_BY_AMPLITUDE: own.amplitude = value; break;
-    case SP_TAPPED_BY_PERIOD: own.period = value; break;
-    case SP_TAPPED_BY_FREQUENCY: own.frequency = value; break;
-    case SP_TAPPED_BY_RESTITUTION: own.e = value; break;
-    }
+    if (c->points > 1)
+        *parameter_of(&own) = c->from + (c->to - c->from) * point / (c->points - 1);
+    else if (c->from != 0)
+        *parameter_of(&own) = c->from;
     return own;
+}
+
+static double parameter_at(const sp_tapped_spec *c, int32_t point) {
+    sp_tapped_spec own = spec_at(c, point);
+    return *parameter_of(&own);
 }
 
 /* Stores the positions at (k - 0.01) T. */
@@ -61,13 +61,13 @@ static sp_status record_row(double t, const double *y, const double *v, void *us
 static sp_status bifurcate(const sp_tapped_spec *c, double *value, bool *violated, sp_error *err) {
     sp_event_run r;
     recorder k = {c->particles, value};
-    double moment = 0.99 * c->period;
+    const double moment = 0.99 * c->period;
+    const sp_tapped_rows rows = {1, &moment, record_row, &k};
     sp_status status = sp_event_run_make(c, 0, NULL, &r, err);
     if (status == SP_OK)
         sp_lattice_start(&r.l);
-    r.time = &moment, r.row = record_row, r.user = &k;
     for (int32_t i = 0; status == SP_OK && i < c->transient + c->taps; i++) {
-        r.rows = i < c->transient ? 0 : 1;
+        r.rows = i < c->transient ? NULL : &rows;
         r.next = 0;
         status = sp_event_run_tap(&r, 0, err);
     }

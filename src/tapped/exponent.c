@@ -45,20 +45,18 @@ static sp_status find_cycle(sp_event_run *o, sp_tapped_state *s, int32_t *cycle,
 /* Largest modulus of the multipliers over one cycle, after which s has moved on by the cycle. */
 static sp_status find_multiplier(const sp_tapped_spec *c, sp_tapped_state *s, int32_t cycle, double *most,
                                  sp_error *err) {
-    size_t n = 2 * (size_t)c->particles;
-    double *matrix = sp_alloc(n * n, sizeof(double)), *vectors = sp_alloc(n * n, sizeof(double));
-    double *re = sp_alloc(n, sizeof(double)), *im = sp_alloc(n, sizeof(double));
-    sp_status status = matrix && vectors && re && im ? sp_tapped_map(c, s, cycle, matrix, err)
-                                                     : sp_fail_memory(err, 2 * (n + 1) * n * sizeof(double));
+    const size_t n = 2 * (size_t)c->particles, size = 2 * n * (n + 1);
+    double *matrix = sp_alloc(size, sizeof *matrix);
+    if (!matrix)
+        return sp_fail_memory(err, size * sizeof *matrix);
+    double *vectors = matrix + n * n, *re = vectors + n * n, *im = re + n;
+    sp_status status = sp_tapped_map(c, s, cycle, matrix, err);
     if (status == SP_OK) /* the transpose has the same eigenvalues */
         status = sp_eigen_general((int64_t)n, matrix, re, im, vectors, err);
     *most = 0;
     for (size_t k = 0; status == SP_OK && k < n; k++)
         *most = fmax(*most, hypot(re[k], im[k]));
     sp_free(matrix);
-    sp_free(vectors);
-    sp_free(re);
-    sp_free(im);
     return status;
 }
 

@@ -27,26 +27,32 @@ sp_status sp_lattice_make(const sp_tapped_spec *c, int tangents, sp_lattice *out
                         .stride = (int32_t)stride,
                         .tangents = tangents};
     sp_lattice *l = out;
-    double **arrays[] = {&l->mass, &l->distance, &l->delta, &l->w, &l->anchor, &l->slack, &l->carried};
-    bool made = true;
-    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
-        made = (*arrays[k] = sp_alloc(n, sizeof(double))) && made;
-    double **strided[] = {&l->stiffness, &l->inverse_mass, &l->force, &l->acceleration, &l->value, &l->slope};
-    for (size_t k = 0; k < sizeof strided / sizeof *strided; k++)
-        made = (*strided[k] = sp_alloc(stride, sizeof(double))) && made;
-    made = (l->state = sp_alloc(n, 1)) && made;
-    made = (l->released = sp_alloc(n, 1)) && made;
-    made = (l->mover = sp_alloc(n + 1, sizeof *l->mover)) && made;
-    made = (l->c = sp_alloc((LATTICE_ORDER + 1) * stride, sizeof(double))) && made;
-    if (tangents > 0) {
-        made = (l->t_delta = sp_alloc(all, sizeof(double))) && made;
-        made = (l->t_w = sp_alloc(all, sizeof(double))) && made;
-        made = (l->t_c = sp_alloc((LATTICE_ORDER + 1) * stride, sizeof(double))) && made;
-        made = (l->before = sp_alloc(n, sizeof(double))) && made;
-        made = (l->after = sp_alloc(n, sizeof(double))) && made;
-    }
-    if (!made)
-        return sp_fail_memory(err, (LATTICE_ORDER + 20) * stride * sizeof(double));
+    const size_t series = (LATTICE_ORDER + 1) * stride, some = tangents > 0;
+    const struct {
+        double **array;
+        size_t size;
+    } part[] = {{&l->c, series},         {&l->t_c, some * series},
+                {&l->stiffness, stride}, {&l->inverse_mass, stride},
+                {&l->force, stride},     {&l->acceleration, stride},
+                {&l->value, stride},     {&l->slope, stride},
+                {&l->mass, n},           {&l->distance, n},
+                {&l->delta, n},          {&l->w, n},
+                {&l->anchor, n},         {&l->slack, n},
+                {&l->carried, n},        {&l->t_delta, all},
+                {&l->t_w, all},          {&l->before, some * n},
+                {&l->after, some * n}};
+    size_t size = 0;
+    for (size_t k = 0; k < sizeof part / sizeof *part; k++)
+        size += part[k].size;
+    l->block = sp_alloc(size, sizeof *l->block);
+    l->state = sp_alloc(2 * n, sizeof *l->state);
+    l->mover = sp_alloc(n + 1, sizeof *l->mover);
+    if (!l->block || !l->state || !l->mover)
+        return sp_fail_memory(err, size * sizeof *l->block);
+    l->released = l->state + n;
+    double *next = l->block;
+    for (size_t k = 0; k < sizeof part / sizeof *part; next += part[k++].size)
+        *part[k].array = next;
     for (int32_t i = 0; i < l->n; i++) {
         l->mass[i] = sp_tapped_mass(c, i + 1);
         l->distance[i] = sp_tapped_distance(c, i);
@@ -57,14 +63,8 @@ sp_status sp_lattice_make(const sp_tapped_spec *c, int tangents, sp_lattice *out
 }
 
 void sp_lattice_free(sp_lattice *l) {
-    double *arrays[] = {l->mass,    l->distance,  l->delta,        l->w,     l->anchor,       l->slack,
-                        l->carried, l->stiffness, l->inverse_mass, l->force, l->acceleration, l->value,
-                        l->slope,   l->c,         l->t_delta,      l->t_w,   l->t_c,          l->before,
-                        l->after};
-    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
-        sp_free(arrays[k]);
+    sp_free(l->block);
     sp_free(l->state);
-    sp_free(l->released);
     sp_free(l->mover);
     *l = (sp_lattice){0};
 }

@@ -44,6 +44,7 @@ typedef struct sp_lattice {
 
     int tangents; /* number of tangent vectors; each holds overlaps and opening velocities, [tangents][n] */
     double *t_delta, *t_w, *t_c, *before, *after;
+    double *block; /* memory of all arrays of numbers */
 } sp_lattice;
 
 /* Allocates the memory and sets the constants. The spec must outlive the lattice. Free it after a failure, too. */

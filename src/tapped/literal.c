@@ -232,7 +232,8 @@ static sp_status check(const field *f, const sp_tapped_spec *c, sp_error *err) {
     return sp_tapped_check_time_step(c, bound, err);
 }
 
-sp_status sp_tapped_literal(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report, sp_error *err) {
+sp_status sp_tapped_literal(const sp_tapped_spec *c, const sp_tapped_bsr_rows *rows, sp_tapped_report *report,
+                            sp_error *err) {
     field f = {.c = c};
     const sp_tapped_bsr_scheme scheme = {&f, place_particles, step};
     sp_status status = sp_tapped_check_equal(c, err);
@@ -241,7 +242,7 @@ sp_status sp_tapped_literal(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_ta
     if (status == SP_OK)
         status = check(&f, c, err);
     if (status == SP_OK)
-        status = sp_tapped_bsr_integrate(c, &scheme, sink, report, err);
+        status = sp_tapped_bsr_integrate(c, &scheme, rows, report, err);
     sp_free(f.block);
     return status;
 }

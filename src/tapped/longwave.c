@@ -210,8 +210,8 @@ static sp_status choose_time_step(const sp_tapped_spec *c, longwave *p, sp_error
     return SP_OK;
 }
 
-sp_status sp_tapped_run_longwave(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_row row, void *user,
-                                 sp_tapped_report *report, sp_error *err) {
+sp_status sp_tapped_run_longwave(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
+                                 sp_error *err) {
     longwave p = {.particles = c->particles,
                   .cells = c->cells,
                   .nodes = (int64_t)c->particles * c->cells + 1,
@@ -242,7 +242,7 @@ sp_status sp_tapped_run_longwave(const sp_tapped_spec *c, int64_t n, const doubl
         status = sp_fail_memory(err, (size_t)m.size * sizeof *state);
     if (status == SP_OK) {
         start(c, &p, state);
-        status = sp_tapped_integrate(c, &m, state, &(sp_tapped_rows){n, t, row, user}, report, err);
+        status = sp_tapped_integrate(c, &m, state, rows, report, err);
         report->error = NAN; /* no bound is known */
     }
     sp_free(state);

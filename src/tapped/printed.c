@@ -93,13 +93,9 @@ static double worst_wavenumber(const sp_tapped_spec *c, double step) {
                                       : sp_tapped_pi / step;
 }
 
-sp_status sp_tapped_refuse_printed(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_row row, void *user,
-                                   sp_tapped_report *report, sp_error *err) {
-    (void)n;
-    (void)t;
-    (void)row;
-    (void)user;
-    (void)report;
+sp_status sp_tapped_refuse_printed(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
+                                   sp_error *err) {
+    (void)rows, (void)report;
     const double h = 2 * sp_tapped_radius(c, 1), step = 0.01, k = worst_wavenumber(c, step);
     const double speed = h * sqrt(sp_tapped_stiffness(c) / sp_tapped_mass(c, 1));
     sp_tapped_symbol symbol;

@@ -85,8 +85,8 @@ static sp_status prepare(const sp_tapped_spec *c, solver *m, sp_error *err) {
     return SP_OK;
 }
 
-sp_status sp_tapped_run_ode(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_row row, void *user,
-                            sp_tapped_report *report, sp_error *err) {
+sp_status sp_tapped_run_ode(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
+                            sp_error *err) {
     const bool fixed = c->method == SP_TAPPED_RK4;
     const double alpha_v = fixed ? INFINITY : c->alpha_v, alpha_x = fixed || !(c->alpha_x > 0) ? INFINITY : c->alpha_x;
     solver m = {0};
@@ -108,7 +108,7 @@ sp_status sp_tapped_run_ode(const sp_tapped_spec *c, int64_t n, const double *t,
     status = state ? prepare(c, &m, err) : sp_fail_memory(err, 2 * (size_t)stepper.size * sizeof *state);
     if (status == SP_OK) {
         sp_tapped_springs_start(c, &m.springs, state);
-        status = sp_tapped_integrate(c, &stepper, state, &(sp_tapped_rows){n, t, row, user}, report, err);
+        status = sp_tapped_integrate(c, &stepper, state, rows, report, err);
         report->error = fixed ? NAN : c->tolerance; /* NAN: no bound is known */
         report->time_step = fixed ? report->time_step : 0;
     }
