@@ -1,5 +1,5 @@
-/* The libraries beside the core through their headers alone: a scene, its packing in a file and back, a figure of it, and
- * the tapped column at rest. */
+/* The libraries beside the core through their headers alone: a scene, its packing in a file and back, a figure of it,
+ * and the tapped column at rest. */
 #include <sonopack/figure/plot.h>
 #include <sonopack/sonopack.h>
 #include <sonopack/study/store.h>
