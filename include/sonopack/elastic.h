@@ -38,7 +38,7 @@ typedef struct sp_probe {
     int32_t n; /* >= 1 */
 } sp_probe;
 /* Apparent moduli from the elastic energy [E*]. */
-typedef struct sp_probed {
+typedef struct sp_probe_moduli {
     double along; /* of motion from wall to wall: C22, 3D C33 */
     double shear; /* of motion along x: C33, 3D C55; NAN for chains, of lines between walls that do not grip, and of the
                      sine where one wall alone grips */
@@ -48,38 +48,38 @@ typedef struct sp_probed {
     double concentrated; /* sine: the largest share of one grain in the energy; some 1/grains, near 1 for a grain that
                             hangs loose, and the moduli are then those of its contacts */
     int32_t grain;       /* that grain, index in the packing */
-} sp_probed;
+} sp_probe_moduli;
 /* out[count] of the probes; *global, if not NULL, as from sp_moduli_make: all that can share a factor do. Grains on a
  * line are displaced as the continuum is at their centres, their rotations are free; the lines at the walls are the
  * walls. Walls that do not grip are sheared by cos(n pi y/L) in place of the sine: it has the same energy (B2) between
  * walls that feel no shear. SP_EINVAL for an n that is none (lines: even), SP_EREFUSED for one finer than the grains, a
  * sine without phi3s, and as above. */
 SP_API sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, const sp_probe *probe,
-                                 sp_moduli *global, sp_probed *out, sp_error *err);
+                                 sp_moduli *global, sp_probe_moduli *out, sp_error *err);
 
 /* ---- finite strain ---------------------------------------------------------------------------------------------- */
 
-typedef struct sp_strained_options {
+typedef struct sp_finite_strain_options {
     double strain; /* one of (7): positive shrinks; 1e-6. Contacts follow it in one stroke. */
     bool turning;  /* contact normals turn, and their forces with them; false: they stay, as springs without prestress
                       have it, so that a strain of nothing gives the moduli of sp_moduli_make; true */
-} sp_strained_options;
-SP_API sp_strained_options sp_strained_options_default(void);
+} sp_finite_strain_options;
+SP_API sp_finite_strain_options sp_finite_strain_options_default(void);
 
 /* Changes of the nominal stress (forces and areas at rest) over the strain. */
-typedef struct sp_strained {
+typedef struct sp_finite_strain {
     sp_moduli moduli;            /* NAN: errors; c_l and c_t without phi3s */
     int32_t sliding, lost, made; /* contacts that slide, open, and close: the most under any of the strains */
     int32_t solves, factors;
     double residual; /* largest |force on the grains| left over that of the homogeneous strain */
-} sp_strained;
+} sp_finite_strain;
 
 /* The packing with its full contact law (Hertz, incremental friction, Coulomb's limit, contacts that open and close)
  * strained and brought to equilibrium again, by Newton steps with the factor of K, made anew where contacts have
  * changed too much. net: of this packing; its springs are the contacts at rest, rattlers stay out. SP_EREFUSED where
  * the residual does not fall below 1e-6, as where the packing yields, and as sp_moduli_make. */
-SP_API sp_status sp_moduli_strained(const sp_packing *p, const sp_network *net, double phi3s,
-                                    const sp_strained_options *opt, sp_strained *out, sp_error *err);
+SP_API sp_status sp_moduli_finite_strain(const sp_packing *p, const sp_network *net, double phi3s,
+                                         const sp_finite_strain_options *opt, sp_finite_strain *out, sp_error *err);
 
 #ifdef __cplusplus
 }

@@ -75,18 +75,18 @@ SP_API sp_status sp_signal_dynamics(const sp_packing *p, const sp_network *net, 
 SP_API void sp_signal_free(sp_signal *s);
 
 /* What the displacements of all grains are wanted for. */
-typedef struct sp_field_spec {
+typedef struct sp_field_options {
     sp_source source;
     const sp_place *from; /* NULL: the whole bottom wall, normal */
     int32_t times;
     const double *t; /* [times] >= 0, in any order */
     int threads;     /* 0 and 1: none beside the caller's */
-} sp_field_spec;
+} sp_field_options;
 /* The displacement field after the pulse, u [times][dofs of the network], Eq. (2) of Somfai et al. 2005, as the
  * Chebyshev expansion u(t) = (2/Omega) sum_k J_(2k+1)(Omega t) W_k M^-1 a of momenta a (displacements: 2 sum J_2k T_k
  * u_0): no modes, one pass for all times. errors [times], or NULL: bounds of the error of any entry of u(t).
  * SP_EREFUSED for an unstable network. */
-SP_API sp_status sp_signal_field(const sp_network *net, const sp_field_spec *spec, double *u, double *errors,
+SP_API sp_status sp_signal_field(const sp_network *net, const sp_field_options *spec, double *u, double *errors,
                                  sp_error *err);
 
 /* The time in which the first front certainly has passed: [0, 8 H + 40] at p = 1e-4, scaled with p^(-1/6). */

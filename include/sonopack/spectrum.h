@@ -116,7 +116,7 @@ SP_API sp_dispersion_options sp_dispersion_options_default(void);
 
 /* One wave vector and polarization: the spectral function S(k, omega) = <q| delta(omega - sqrt A) |q>, q the wave as a
  * mass-weighted unit vector. */
-typedef struct sp_wave {
+typedef struct sp_dispersion_point {
     sp_polarization polarization;
     int32_t n;
     double k;      /* wave number [1/d] */
@@ -126,14 +126,14 @@ typedef struct sp_wave {
                       everywhere, so that a line is as high as it is strong */
     double half_width; /* half the width of that peak at half its height; NAN where it never falls so low */
     double resolution; /* standard deviation of the kernel at the peak: what peak and half_width are blurred by */
-} sp_wave;
+} sp_dispersion_point;
 
 typedef struct sp_dispersion {
     int32_t n;
-    sp_wave *wave;   /* [n] */
-    int32_t profile; /* frequencies, middles of equal bins from 0 to omega_max */
-    double *omega;   /* [profile]; NULL for none */
-    double *s;       /* [n][profile] S(k, omega) smoothed; its integral is 1 */
+    sp_dispersion_point *wave; /* [n] */
+    int32_t profile;           /* frequencies, middles of equal bins from 0 to omega_max */
+    double *omega;             /* [profile]; NULL for none */
+    double *s;                 /* [n][profile] S(k, omega) smoothed; its integral is 1 */
     double omega_max;
     int64_t moments;
 } sp_dispersion;

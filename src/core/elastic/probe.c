@@ -115,7 +115,7 @@ static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u
 }
 
 /* The grain that takes most of the energy. */
-static void find_loosest(const sp_network *net, const double *f, const double *u, double energy, sp_probed *out) {
+static void find_loosest(const sp_network *net, const double *f, const double *u, double energy, sp_probe_moduli *out) {
     for (int32_t i = 0; i < net->n; i++) {
         const double share = 0.5 * dot(net->dof, f + (int64_t)i * net->dof, u + (int64_t)i * net->dof) / energy;
         if (share > out->concentrated) {
@@ -126,7 +126,7 @@ static void find_loosest(const sp_network *net, const double *f, const double *u
 }
 
 /* One direction: apparent modulus and bound of its error. work: [6][n]. */
-static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, double *work, sp_probed *out,
+static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, double *work, sp_probe_moduli *out,
                             sp_error *err) {
     const sp_network *net = e->net;
     const int64_t dofs = sp_network_dofs(net);
@@ -162,7 +162,7 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     return SP_OK;
 }
 
-static sp_status sine(sp_equilibrium *e, double phi3s, int n, double *work, sp_probed *out, sp_error *err) {
+static sp_status sine(sp_equilibrium *e, double phi3s, int n, double *work, sp_probe_moduli *out, sp_error *err) {
     const double most = 0.1;
     sp_status status = SP_OK;
     if (e->raised == RAISE_DIAGONAL)
@@ -238,8 +238,8 @@ static sp_status find_line_weights(sp_equilibrium *e, const double *u, double *l
 /* One direction. Displacements of held grains are imposed; where K is symmetric the energy is least at equilibrium, so
  * that it is off in second order: by half of the residual times what is missing in u, for which u stands. work: [6][n].
  */
-static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *held, int axis, double *work, sp_probed *out,
-                             sp_error *err) {
+static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *held, int axis, double *work,
+                             sp_probe_moduli *out, sp_error *err) {
     const sp_network *net = e->net;
     const int64_t dofs = sp_network_dofs(net);
     const double height = net->box[net->dim - 1], noise = sp_strain_noise(net);
@@ -274,7 +274,7 @@ static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *held, int 
     return SP_OK;
 }
 
-static sp_status lines(const sp_equilibrium *whole, int n, double *work, sp_probed *out, sp_error *err) {
+static sp_status lines(const sp_equilibrium *whole, int n, double *work, sp_probe_moduli *out, sp_error *err) {
     const sp_network *net = whole->net;
     const int64_t dofs = sp_network_dofs(net);
     sp_equilibrium e = sp_equilibrium_none();
@@ -329,12 +329,12 @@ static sp_status check_probe(const sp_network *net, double phi3s, const sp_probe
 }
 
 sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, const sp_probe *probe, sp_moduli *global,
-                          sp_probed *out, sp_error *err) {
+                          sp_probe_moduli *out, sp_error *err) {
     const size_t size = 6 * (size_t)sp_network_dofs(net);
     sp_equilibrium e = sp_equilibrium_none();
     sp_moduli m;
     double *work = NULL;
-    sp_probed *each = NULL;
+    sp_probe_moduli *each = NULL;
     sp_status status = SP_OK;
     if (count < 0)
         return sp_fail(err, SP_EINVAL, "%d probes, must be 0 or more", count);
@@ -348,7 +348,7 @@ sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, co
     if (status == SP_OK && global)
         status = sp_moduli_of(&e, phi3s, &m, err);
     for (int32_t k = 0; k < count && status == SP_OK; k++) {
-        each[k] = (sp_probed){.shear = NAN, .error_shear = NAN};
+        each[k] = (sp_probe_moduli){.shear = NAN, .error_shear = NAN};
         status = probe[k].kind == SP_PROBE_SINE ? sine(&e, phi3s, probe[k].n, work, &each[k], err)
                                                 : lines(&e, probe[k].n, work, &each[k], err);
     }

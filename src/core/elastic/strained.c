@@ -16,7 +16,9 @@ static const double AIM = 1e-11, ENOUGH = 1e-9, ACCEPTED = 1e-6;
 /* Stiffness of floppy motions in Newton's steps, over that of their grains: they must not run away. */
 static const double FLOPPY = 1e-4;
 
-sp_strained_options sp_strained_options_default(void) { return (sp_strained_options){.strain = 1e-6, .turning = true}; }
+sp_finite_strain_options sp_finite_strain_options_default(void) {
+    return (sp_finite_strain_options){.strain = 1e-6, .turning = true};
+}
 
 typedef struct run {
     const sp_packing *p;
@@ -30,7 +32,7 @@ typedef struct run {
     double strain, load; /* extension positive; size of what it loads the grains with */
     double part;         /* of its stiffness that a contact which slides or opens keeps in Newton's steps */
     double *u, *more, *force, *best, *start; /* [dofs] */
-    sp_strained out;
+    sp_finite_strain out;
 } run;
 
 static int column(const sp_network *net, int d) { return d < net->dim || net->dim == 3 ? d : 5; }
@@ -467,8 +469,8 @@ static sp_status open_run(run *r, sp_error *err) {
     return r->rest.raised ? hold_floppy(r, err) : SP_OK;
 }
 
-sp_status sp_moduli_strained(const sp_packing *p, const sp_network *net, double phi3s, const sp_strained_options *opt,
-                             sp_strained *out, sp_error *err) {
+sp_status sp_moduli_finite_strain(const sp_packing *p, const sp_network *net, double phi3s,
+                                  const sp_finite_strain_options *opt, sp_finite_strain *out, sp_error *err) {
     if (!(fabs(opt->strain) >= 1e-12 && fabs(opt->strain) <= 0.01))
         return sp_fail(err, SP_EINVAL, "strain %g, must be of size 1e-12 .. 0.01", opt->strain);
     if (net->n_all != p->n)

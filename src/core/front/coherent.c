@@ -7,14 +7,14 @@
 
 enum { PLANES_LEAST = 4 }; /* a wave has four numbers, a plane two */
 
-sp_section sp_section_none(void) { return (sp_section){0}; }
+sp_coherent_section sp_coherent_section_none(void) { return (sp_coherent_section){0}; }
 
-void sp_section_free(sp_section *s) {
+void sp_coherent_section_free(sp_coherent_section *s) {
     sp_free(s->y);
     sp_free(s->arrival);
     sp_free(s->until);
     sp_free(s->f);
-    *s = sp_section_none();
+    *s = sp_coherent_section_none();
 }
 
 /* Where the integrals end. The wave is at a plane at the time of `at` + `slowness` y, not before the front. */
@@ -37,7 +37,7 @@ typedef struct integrals {
 
 /* By the trapezoidal rule, which is exact to rounding for a signal that holds no frequencies beyond pi/spacing. From
  * half way between the wave's coming and the end on, a half cosine fades, so that the end makes no wave of its own. */
-static void integrate_plane(const sp_section *s, int32_t plane, double fade, double until, integrals *in) {
+static void integrate_plane(const sp_coherent_section *s, int32_t plane, double fade, double until, integrals *in) {
     const double *f = s->f + (int64_t)plane * s->n;
     double complex z = 0.5 * f[0], late = 0;
     for (int32_t l = 1; l < s->n && l * s->spacing < until; l++) {
@@ -52,7 +52,7 @@ static void integrate_plane(const sp_section *s, int32_t plane, double fade, dou
     in->late[in->n++] = s->spacing * late;
 }
 
-static void integrate(const sp_section *s, double omega, const gate *g, integrals *in) {
+static void integrate(const sp_coherent_section *s, double omega, const gate *g, integrals *in) {
     const double period = 2 * M_PI / omega;
     in->n = 0;
     for (int32_t j = 0; j < s->planes; j++) {
@@ -134,7 +134,7 @@ typedef struct bounds {
     double k_most, dk, a_first, a_least, a_most;
 } bounds;
 
-static bounds bounds_of(const sp_section *s) {
+static bounds bounds_of(const sp_coherent_section *s) {
     const double range = s->y[s->planes - 1] - s->y[0], gap = range / (s->planes - 1);
     return (bounds){
         .k_most = M_PI / gap, .dk = 0.5 / range, .a_first = 0.1 / range, .a_least = -1 / range, .a_most = 1 / gap};
@@ -167,7 +167,7 @@ static wave find_wave(const integrals *in, const bounds *b) {
 
 /* Integrals up to the end of the record, once it is known when the group has come. Each guess lengthens them, which
  * lets later waves in. */
-static wave find_late_wave(const sp_section *s, double omega, const bounds *b, gate *g, integrals *in) {
+static wave find_late_wave(const sp_coherent_section *s, double omega, const bounds *b, gate *g, integrals *in) {
     enum { TURNS_MAX = 8 };
     wave none = {NAN, NAN, NAN};
     *g = (gate){.length = INFINITY, .part = 1};
@@ -185,7 +185,7 @@ static wave find_late_wave(const sp_section *s, double omega, const bounds *b, g
 
 /* Much that comes late is scattered, and belongs to no wave along y; in an ordered system nothing is, and late is what
  * is slow. So the later end is taken where it leaves not half as much unexplained. */
-static wave choose_wave(const sp_section *s, double omega, const bounds *b, gate *g, integrals *in) {
+static wave choose_wave(const sp_coherent_section *s, double omega, const bounds *b, gate *g, integrals *in) {
     gate whole;
     *g = (gate){.length = PERIODS * 2 * M_PI / omega, .part = 1};
     integrate(s, omega, g, in);
@@ -200,7 +200,7 @@ static bool is_wave(const wave *w, const bounds *b) {
     return w->k > w->alpha && w->k > 0 && w->k < b->k_most && w->alpha > b->a_least && w->alpha < b->a_most;
 }
 
-static sp_status check(const sp_section *s, double omega, sp_error *err) {
+static sp_status check(const sp_coherent_section *s, double omega, sp_error *err) {
     if (s->planes < PLANES_LEAST || s->n < 3 || !(s->spacing > 0))
         return sp_fail(err, SP_EINVAL, "coherent wave: %d planes of %d times, at least %d and 3 are needed", s->planes,
                        s->n, PLANES_LEAST);
@@ -215,14 +215,14 @@ static sp_status check(const sp_section *s, double omega, sp_error *err) {
 }
 
 /* Some plane's record holds a period: of less the integrals are those of the front's tail, whatever the frequency. */
-static bool holds_period(const sp_section *s, double omega) {
+static bool holds_period(const sp_coherent_section *s, double omega) {
     double longest = 0;
     for (int32_t j = 0; j < s->planes; j++)
         longest = fmax(longest, s->until[j]);
     return omega * longest >= 2 * M_PI;
 }
 
-static sp_status open_integrals(const sp_section *s, double omega, integrals *in, sp_error *err) {
+static sp_status open_integrals(const sp_coherent_section *s, double omega, integrals *in, sp_error *err) {
     const size_t planes = (size_t)s->planes, size = 2 * planes + (size_t)s->n;
     *in = (integrals){.y = sp_alloc(planes, sizeof *in->y), .z = sp_alloc(size, sizeof *in->z)};
     if (!in->y || !in->z) {
@@ -237,12 +237,12 @@ static sp_status open_integrals(const sp_section *s, double omega, integrals *in
     return SP_OK;
 }
 
-sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, sp_error *err) {
+sp_status sp_coherent_fit(const sp_coherent_section *s, double omega, sp_coherent_wave *out, sp_error *err) {
     sp_status status = check(s, omega, err);
     if (status != SP_OK)
         return status;
     if (!holds_period(s, omega) || (s->highest > 0 && omega > s->highest)) {
-        *out = (sp_coherent){omega, NAN, NAN, NAN, NAN, NAN};
+        *out = (sp_coherent_wave){omega, NAN, NAN, NAN, NAN, NAN};
         return SP_OK;
     }
     const bounds b = bounds_of(s);
@@ -252,7 +252,7 @@ sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, s
     if (status != SP_OK)
         return status;
     const wave w = choose_wave(s, omega, &b, &g, &in);
-    sp_coherent fit = {omega, NAN, NAN, w.part, NAN, NAN};
+    sp_coherent_wave fit = {omega, NAN, NAN, w.part, NAN, NAN};
     if (is_wave(&w, &b)) {
         fit.k = w.k;
         fit.alpha = w.alpha;

@@ -17,7 +17,7 @@ enum { TERMS_MAX = 20000000, TIMES_MAX = 1000000 };
 
 typedef struct field {
     const sp_network *net;
-    const sp_field_spec *spec;
+    const sp_field_options *spec;
     bool velocity;
     double omega, norm; /* bound of the frequencies; |a| or |u_0| with the mass */
     sp_operator op;
@@ -39,7 +39,7 @@ static void field_free(field *f) {
     sp_free(f->sum);
 }
 
-static sp_status check(const sp_field_spec *spec, double omega, double *until, sp_error *err) {
+static sp_status check(const sp_field_options *spec, double omega, double *until, sp_error *err) {
     if (spec->times < 1 || spec->times > TIMES_MAX || !spec->t)
         return sp_fail(err, SP_EINVAL, "%d times, must be 1 .. %d", spec->times, TIMES_MAX);
     *until = 0;
@@ -182,7 +182,8 @@ static void finish(const field *f, double *u, double *errors) {
     }
 }
 
-sp_status sp_signal_field(const sp_network *net, const sp_field_spec *spec, double *u, double *errors, sp_error *err) {
+sp_status sp_signal_field(const sp_network *net, const sp_field_options *spec, double *u, double *errors,
+                          sp_error *err) {
     field f = {.net = net, .spec = spec, .velocity = spec->source != SP_SOURCE_DISPLACEMENT};
     double until = 0;
     f.omega = sp_network_omega_bound(net);

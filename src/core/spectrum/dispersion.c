@@ -52,8 +52,8 @@ static int component(const sp_network *net, bool up, sp_polarization p) {
 
 /* The wave as displacements: cosine and sine of plane waves side by side (together they are the complex wave), or the
  * standing one alone, all scaled to |q| = 1. */
-static sp_status make_wave(const sp_network *net, const sp_dispersion_options *o, int at, sp_wave *w, double *start,
-                           sp_error *err) {
+static sp_status make_wave(const sp_network *net, const sp_dispersion_options *o, int at, sp_dispersion_point *w,
+                           double *start, sp_error *err) {
     double norm = 0, all = 0;
     const int vertical = net->dim - 1;
     w->k = o->up ? PI * w->n / (net->box[vertical] + 2 * o->node) : 2 * PI * w->n / net->box[0];
@@ -76,7 +76,8 @@ static sp_status make_wave(const sp_network *net, const sp_dispersion_options *o
 }
 
 /* q . A q as a sum of squares over springs, and |A q|^2. u, out: scratch. */
-static void exact_moments(const sp_network *net, const double *start, double *u, double *force, sp_wave *w) {
+static void exact_moments(const sp_network *net, const double *start, double *u, double *force,
+                          sp_dispersion_point *w) {
     const int64_t n = sp_network_dofs(net);
     double second = 0, fourth = 0;
     for (int lane = 0; lane < 2; lane++) {
@@ -118,7 +119,7 @@ static double crossing(const spectral *s, double half, double a, double b) {
 
 /* The largest of a grid of four points to the kernel's width, refined by thirds. The grid is even in phi, in which the
  * kernel has the same width everywhere. */
-static void find_peak(const spectral *s, sp_wave *w) {
+static void find_peak(const spectral *s, sp_dispersion_point *w) {
     const int64_t steps = 4 * s->n;
     const double turn = PI / (double)steps;
     int64_t best = 0;
@@ -161,7 +162,7 @@ typedef struct scratch {
 
 static sp_status one_wave(const sp_network *net, const sp_dispersion_options *o, sp_polarization p, int32_t n,
                           const scratch *x, sp_dispersion *d, sp_error *err) {
-    sp_wave w = {.polarization = p, .n = n};
+    sp_dispersion_point w = {.polarization = p, .n = n};
     moment_set m = {0};
     sp_status status = make_wave(net, o, component(net, o->up, p), &w, x->start, err);
     if (status == SP_OK)
