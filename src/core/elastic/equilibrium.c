@@ -11,7 +11,7 @@ sp_equilibrium sp_equilibrium_none(void) { return (sp_equilibrium){0}; }
 void sp_equilibrium_free(sp_equilibrium *e) {
     sp_cholesky_free(e->factor);
     sp_lu_free(e->lu);
-    sp_free(e->solid.x);
+    sp_free(e->solid);
     sp_free(e->diagonal);
     sp_sparse_free(&e->k);
     sp_free(e->chosen);
@@ -119,14 +119,14 @@ static sp_status factorize_whole(sp_equilibrium *e, sp_error *err) {
     const size_t entries = (size_t)e->k.p[e->k.n];
     sp_status status = SP_OK;
     if (!e->lu) {
-        e->solid = e->k;
-        e->solid.x = sp_alloc(entries, sizeof *e->solid.x);
-        status = e->solid.x ? sp_lu_make(&e->k, &e->lu, err) : sp_fail_memory(err, entries * sizeof *e->solid.x);
+        e->solid = sp_alloc(entries, sizeof *e->solid);
+        status = e->solid ? sp_lu_make(e->k.n, e->k.p, e->k.i, false, &e->lu, err)
+                          : sp_fail_memory(err, entries * sizeof *e->solid);
     }
     if (status != SP_OK)
         return status;
-    memcpy(e->solid.x, e->k.x, entries * sizeof *e->solid.x);
-    return sp_lu_factor(e->lu, &e->solid, err);
+    memcpy(e->solid, e->k.x, entries * sizeof *e->solid);
+    return sp_lu_factor(e->lu, e->solid, err);
 }
 
 /* The factor of K with what is held and raised; K's diagonal is as before afterwards. */
@@ -143,7 +143,7 @@ static sp_status factorize(sp_equilibrium *e, sp_error *err) {
 }
 
 sp_status sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double *x, sp_error *err) {
-    return e->lu ? sp_lu_solve(e->lu, &e->solid, e->transposed, b, x, err) : sp_cholesky_solve(e->factor, 1, b, x, err);
+    return e->lu ? sp_lu_solve(e->lu, e->solid, e->transposed, b, x, err) : sp_cholesky_solve(e->factor, 1, b, x, err);
 }
 
 /* A sphere with two contacts turns about the line through them, one with a single contact in other ways too. */

@@ -26,7 +26,7 @@ typedef struct sp_equilibrium {
     int64_t *diagonal; /* [count] where in k.x */
     sp_cholesky *factor;
     sp_lu *lu;       /* not symmetric; else NULL */
-    sp_sparse solid; /* not symmetric: what lu is the factor of; shares p and i with k */
+    double *solid;   /* not symmetric: the values of the matrix that lu is the factor of; its pattern is that of k */
     bool transposed; /* K^T u = f is meant; the caller's choice, false */
     equilibrium_raise raised;
     double raise;    /* fraction of the diagonal, or so many times M, that was added */

@@ -3,6 +3,7 @@
 #include "base/base.h"
 #include "elastic/moduli.h"
 #include "elastic/strain.h"
+#include "linalg/vector.h"
 #include "network/kernel.h"
 
 #include <math.h>
@@ -12,13 +13,6 @@
 static const double PI = 3.14159265358979323846;
 
 static double height_of(const sp_network *net, int32_t i) { return net->x[3 * (int64_t)i + net->dim - 1]; }
-
-static double dot(int64_t n, const double *x, const double *y) {
-    double sum = 0;
-    for (int64_t k = 0; k < n; k++)
-        sum += x[k] * y[k];
-    return sum;
-}
 
 /* ---- the sine ------------------------------------------------------------------------------------------------- */
 
@@ -109,7 +103,7 @@ static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u
     sp_strain_rounding(e->net, -1, u, size, NULL);
     for (int64_t k = 0; k < n; k++)
         off += fabs(w[k]) * (fabs(rest[k]) + noise * (size[k] + fabs(f[k])));
-    *energy = 0.5 * dot(n, f, u);
+    *energy = 0.5 * sp_dot(n, f, u);
     *error = off;
     return status;
 }
@@ -117,7 +111,7 @@ static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u
 /* The grain that takes most of the energy. */
 static void find_loosest(const sp_network *net, const double *f, const double *u, double energy, sp_probe_moduli *out) {
     for (int32_t i = 0; i < net->n; i++) {
-        const double share = 0.5 * dot(net->dof, f + (int64_t)i * net->dof, u + (int64_t)i * net->dof) / energy;
+        const double share = 0.5 * sp_dot(net->dof, f + (int64_t)i * net->dof, u + (int64_t)i * net->dof) / energy;
         if (share > out->concentrated) {
             out->concentrated = share;
             out->grain = net->grain[i];
@@ -144,7 +138,7 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
         status = sp_equilibrium_solve(e, f, u, &residual, err);
     if (status != SP_OK)
         return status;
-    residual /= sqrt(dot(dofs, f, f));
+    residual /= sp_norm(dofs, f);
     if (!(residual < 1e-8))
         return sp_fail(err, SP_EREFUSED, "probe sine:%d: residual %.3g of the solve, must be below 1e-8", n, residual);
     status = sine_energy(e, f, u, work + 2 * dofs, &energy, &error, err);
@@ -153,7 +147,7 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     if (!(energy > 0))
         return sp_fail(err, SP_EREFUSED, "probe sine:%d: the body force does the work %.3g, must be above 0: unstable",
                        n, 2 * energy);
-    error += 2 * fabs(dot(dofs, u, loose)); /* 0 but for what is soft and not quite floppy */
+    error += 2 * fabs(sp_dot(dofs, u, loose)); /* 0 but for what is soft and not quite floppy */
     find_loosest(net, f, u, energy, out);
     /* (B2) */
     const double c = sp_strain_area(net) * height * height * height / (4.0 * n * n * PI * PI * energy);

@@ -1,16 +1,12 @@
 /* Ranges of frequencies to slices, and the choice between the sparse and the dense solver. */
 #include "base/base.h"
-#include "modes/fill.h"
 #include "modes/slices.h"
+#include "modes/table.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { SMALL = 400 }; /* degrees of freedom: the dense solver is faster whatever is asked */
-
-sp_modes_range sp_modes_range_all(void) { return (sp_modes_range){0, 0, HUGE_VAL}; }
-sp_modes_range sp_modes_range_lowest(int64_t count) { return (sp_modes_range){count, 0, HUGE_VAL}; }
-sp_modes_range sp_modes_range_band(double from, double to) { return (sp_modes_range){0, from, to}; }
 
 static sp_status check(const sp_network *net, const sp_modes_range *r, sp_error *err) {
     const int64_t n = sp_network_dofs(net);
@@ -143,12 +139,12 @@ static sp_status put(const slicer *z, const sp_modes_options *opt, const sp_mode
         last = first + inside;
     }
     const bool whole = r->from == 0;
-    const sp_mode_set set = {.count = last - first,
-                             .ritz = z->ritz + first,
-                             .vectors = opt->vectors ? z->vector + first * z->n : NULL,
-                             .rattlers = whole ? rattlers : 0,
-                             .first = whole ? 0 : rattlers + a.below + first};
-    sp_status status = sp_modes_fill(z->net, opt->source, &set, out, err);
+    const sp_mode_pairs set = {.count = last - first,
+                               .ritz = z->ritz + first,
+                               .vectors = opt->vectors ? z->vector + first * z->n : NULL,
+                               .rattlers = whole ? rattlers : 0,
+                               .first = whole ? 0 : rattlers + a.below + first};
+    sp_status status = sp_modes_tabulate(z->net, opt->source, &set, out, err);
     if (status != SP_OK)
         return status;
     out->method = SP_MODES_SPARSE;

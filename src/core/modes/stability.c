@@ -1,10 +1,9 @@
 /* Whether the network is stable: discs around all eigenvalues, or counts of those of the symmetric part. */
 #include "base/base.h"
 #include "linalg/discs.h"
-#include "linalg/ldl.h"
+#include "modes/count.h"
 #include "network/spins.h"
 
-#include <float.h>
 #include <math.h>
 #include <sonopack/modes.h>
 #include <stdlib.h>
@@ -223,13 +222,8 @@ static sp_status by_discs(const sp_network *net, const rest *r, sp_stability *s,
 
 /* ---- counts --------------------------------------------------------------------------------------------------- */
 
-typedef struct count {
-    sp_ldl *ldl;
-    double noise; /* of the entries */
-} count;
-
 /* Eigenvalues below sigma, for certain below sigma + *error; where a pivot vanishes sigma is moved a little. */
-static sp_status count_below(const count *c, double *sigma, int64_t *below, double *error, sp_error *err) {
+static sp_status count_below(const counter *c, double *sigma, int64_t *below, double *error, sp_error *err) {
     sp_status status = SP_EREFUSED;
     for (int k = 0; k < 8 && status == SP_EREFUSED; k++, *sigma *= status == SP_EREFUSED ? 1.01 : 1)
         status = sp_ldl_factor(c->ldl, *sigma, err);
@@ -241,7 +235,7 @@ static sp_status count_below(const count *c, double *sigma, int64_t *below, doub
 }
 
 /* The least eigenvalue above `from` (> 0, with `already` of them below it) up to 1%, as a lower bound of it. */
-static sp_status find_next(const count *c, double from, double top, int64_t already, double *out, sp_error *err) {
+static sp_status find_next(const counter *c, double from, double top, int64_t already, double *out, sp_error *err) {
     double low = from, high = from, error;
     int64_t below = already;
     sp_status status = SP_OK;
@@ -263,7 +257,7 @@ static sp_status find_next(const count *c, double from, double top, int64_t alre
 }
 
 /* -delta, a lower bound of all eigenvalues, up to 10%; the least delta is `from`. */
-static sp_status find_bottom(const count *c, double from, double *delta, sp_error *err) {
+static sp_status find_bottom(const counter *c, double from, double *delta, sp_error *err) {
     double low = 0, high = from, error = 0;
     int64_t below = 1;
     sp_status status = SP_OK;
@@ -289,7 +283,7 @@ static sp_status find_bottom(const count *c, double from, double *delta, sp_erro
 }
 
 /* The least distance from 0 beyond which counts tell signs: 1e4 times the noise, or more where pivots are small. */
-static sp_status find_rounding(const count *c, double most, double *rounding, sp_error *err) {
+static sp_status find_rounding(const counter *c, double most, double *rounding, sp_error *err) {
     double error = 0;
     int64_t below = 0;
     *rounding = 1e4 * c->noise;
@@ -308,7 +302,7 @@ typedef struct around {
     int64_t below, up;
 } around;
 
-static sp_status count_around(const count *c, double window, around *out, sp_error *err) {
+static sp_status count_around(const counter *c, double window, around *out, sp_error *err) {
     double sigma = -window, high = window, error = 0;
     *out = (around){.window = window};
     sp_status status = count_below(c, &sigma, &out->below, &out->error, err);
@@ -321,7 +315,7 @@ static sp_status count_around(const count *c, double window, around *out, sp_err
 
 /* What counts as zero: within rounding, or within what the forces of spins are off balance if nothing but spins lies
  * there. */
-static sp_status find_zeros(const count *c, const rest *r, double rounding, around *zero, sp_error *err) {
+static sp_status find_zeros(const counter *c, const rest *r, double rounding, around *zero, sp_error *err) {
     around wide;
     sp_status status = count_around(c, rounding, zero, err);
     if (status != SP_OK || r->spins == 0 || r->spin <= rounding)
@@ -332,8 +326,7 @@ static sp_status find_zeros(const count *c, const rest *r, double rounding, arou
     return status;
 }
 
-static sp_status judge_counts(const sp_network *net, const count *c, const rest *r, sp_stability *s, sp_error *err) {
-    const double top = 2 * sp_network_omega_bound(net) * sp_network_omega_bound(net);
+static sp_status judge_counts(const counter *c, const rest *r, sp_stability *s, sp_error *err) {
     double rounding = 0, delta = 0, error = 0;
     int64_t beyond = 0;
     around zero = {0};
@@ -360,29 +353,17 @@ static sp_status judge_counts(const sp_network *net, const count *c, const rest 
     s->zero = zero.up - zero.below;
     if (zero.below > 0) /* the bottom is known to 10% */
         s->growth = sqrt(fmax(fmax(zero.window, (delta - zero.error) / 1.11) - zero.error, 0));
-    return status == SP_OK ? find_next(c, zero.window, top, zero.up, &s->softest, err) : status;
+    return status == SP_OK ? find_next(c, zero.window, 2 * c->top, zero.up, &s->softest, err) : status;
 }
 
 static sp_status by_counts(const sp_network *net, const rest *r, sp_stability *s, sp_error *err) {
-    sp_sparse a = {0};
-    count c = {0};
-    int64_t longest = 0;
-    sp_status status = sp_network_assemble(net, &a, err);
+    counter c = {0};
     s->negative = s->flutter = s->unbalanced = s->zero = -1;
     s->softest = NAN;
-    if (status == SP_OK) {
-        scale(net, &a);
-        for (int64_t k = 0; k < a.n; k++)
-            longest = a.p[k + 1] - a.p[k] > longest ? a.p[k + 1] - a.p[k] : longest;
-        /* as of spectrum/count.c: entries are sums of some springs */
-        c.noise =
-            DBL_EPSILON * sp_network_omega_bound(net) * sp_network_omega_bound(net) * 16 * sqrt(2 * (double)longest);
-        status = sp_ldl_make(&a, &c.ldl, err);
-    }
+    sp_status status = sp_counter_make(net, &c, err);
     if (status == SP_OK)
-        status = judge_counts(net, &c, r, s, err);
-    sp_ldl_free(c.ldl);
-    sp_sparse_free(&a);
+        status = judge_counts(&c, r, s, err);
+    sp_counter_free(&c);
     return status;
 }
 

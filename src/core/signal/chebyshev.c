@@ -1,6 +1,7 @@
-#include "signal/chebyshev.h"
 #include "base/base.h"
+#include "signal/expansion.h"
 #include "signal/job.h"
+#include "signal/pass.h"
 
 #include <math.h>
 #include <sonopack/front.h>
@@ -121,7 +122,7 @@ static sp_status sum_pass(const passes *a, int32_t q, int32_t first, int32_t end
     sp_status status = SP_OK;
     for (int32_t at = first; at < end && status == SP_OK; at += TIMES) {
         const int32_t count = end - at < TIMES ? end - at : TIMES;
-        status = sp_expansion_sum(p, a->omega, count, s->t + at, TIMES, a->f, a->errors, err);
+        status = sp_pass_sum(p, a->omega, count, s->t + at, TIMES, a->f, a->errors, err);
         for (int64_t c = 0; c < p->columns && status == SP_OK; c++) {
             const int64_t to = pair_of(a, q, c);
             memcpy(s->f + to * s->n + at, a->f + c * TIMES, (size_t)count * sizeof *s->f);

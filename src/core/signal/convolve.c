@@ -1,6 +1,6 @@
 /* F(t) = integral of s(t') G(t - t') dt': Gauss's rule panel by panel, G by local polynomials. */
+#include "signal/convolve.h"
 #include "base/base.h"
-#include "signal/pulse.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* Displacements of all grains at a few times. */
 #include "base/base.h"
 #include "numeric/bessel.h"
-#include "signal/chebyshev.h"
+#include "signal/expansion.h"
 #include "signal/recurrence.h"
 
 #include <float.h>
@@ -101,7 +101,7 @@ static sp_status make_weights(field *f, double until, sp_error *err) {
             if (k < f->terms)
                 j[k] = k == 0 && !f->velocity ? 0.5 * value : value;
             else if (!(spread > 0))
-                f->tail[l] += (f->velocity ? 2 * (double)k + 1 : 1) * fabs(value);
+                f->tail[l] += sp_expansion_weight(f->velocity, k) * fabs(value);
         }
         if (spread > 0)
             f->tail[l] = sp_expansion_tail(f->omega * f->spec->t[l], f->velocity, spread, f->terms);
@@ -150,7 +150,7 @@ static sp_status follow(field *f, sp_error *err) {
     const double allowed = sp_expansion_growth(sp_expansion_spread(f->net));
     for (int64_t k = 0; k < f->terms; k++) {
         const double squares = sp_recurrence_squares(&f->r)[0];
-        const double growth = (f->velocity ? 2 * (double)k + 1 : 1) * allowed * f->norm;
+        const double growth = sp_expansion_weight(f->velocity, k) * allowed * f->norm;
         if (!(squares <= growth * growth))
             return sp_fail(err, SP_EREFUSED, "the motion grows without bound: the network is unstable (prestress)");
         add_term(f, k, squares);

@@ -1,5 +1,6 @@
+#include "signal/pass.h"
 #include "base/base.h"
-#include "signal/chebyshev.h"
+#include "signal/expansion.h"
 
 #include <math.h>
 

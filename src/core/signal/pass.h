@@ -41,4 +41,9 @@ void sp_pass_free(pass *p);
 /* |T_k b| and |W_k a| stay within what is allowed: no frequency is above Omega, none imaginary. */
 bool sp_pass_bounded(const pass *p);
 
+/* F of all columns of a pass at n ascending times, f[column * stride + l], and bounds of their errors: the tail and
+ * rounding. */
+sp_status sp_pass_sum(const pass *p, double omega, int64_t n, const double *t, int64_t stride, double *f,
+                      double *errors, sp_error *err);
+
 #endif

@@ -1,8 +1,8 @@
 /* Density of states. */
 #include "base/base.h"
 #include "base/team.h"
+#include "modes/count.h"
 #include "numeric/random.h"
-#include "spectrum/count.h"
 #include "spectrum/moments.h"
 
 #include <math.h>

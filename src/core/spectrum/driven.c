@@ -1,11 +1,12 @@
 #include "spectrum/driven.h"
 #include "base/base.h"
+#include "linalg/vector.h"
 
 #include <float.h>
 #include <math.h>
 
 void sp_driven_free(driven *d) {
-    sp_complex_free(d->solver);
+    sp_lu_free(d->lu);
     sp_free(d->p);
     sp_free(d->i);
     sp_free(d->a);
@@ -96,7 +97,7 @@ sp_status sp_driven_make(const sp_network *net, const sp_network *dashpots, driv
         fill_values(&k, &d, next, d.a, d.size_a);
         if (dashpots)
             fill_values(&c, &d, next, d.c, d.size_c);
-        status = sp_complex_make(d.n, d.p, d.i, &d.solver, err);
+        status = sp_lu_make(d.n, d.p, d.i, true, &d.lu, err);
     }
     sp_free(next);
     sp_sparse_free(&c);
@@ -106,13 +107,6 @@ sp_status sp_driven_make(const sp_network *net, const sp_network *dashpots, driv
     else
         sp_driven_free(&d);
     return status;
-}
-
-static double norm(int64_t n, const double *v) {
-    double sum = 0;
-    for (int64_t k = 0; k < 2 * n; k++)
-        sum += v[k] * v[k];
-    return sqrt(sum);
 }
 
 /* |H^-1| from a few steps of the power method on H^-1 and its conjugate: H is symmetric, so that H^-* x is the
@@ -126,13 +120,13 @@ static sp_status estimate_inverse(driven *d, sp_error *err) {
     }
     d->inverse = 0;
     for (int step = 0; step < STEPS; step++) {
-        const double before = norm(n, d->v);
+        const double before = sp_norm(2 * n, d->v);
         for (int64_t k = 0; k < 2 * n; k++)
             d->v[k] /= before;
-        const sp_status status = sp_complex_solve(d->solver, d->x, d->v, d->w, err);
+        const sp_status status = sp_lu_solve(d->lu, d->x, false, d->v, d->w, err);
         if (status != SP_OK)
             return status;
-        d->inverse = fmax(d->inverse, norm(n, d->w));
+        d->inverse = fmax(d->inverse, sp_norm(2 * n, d->w));
         for (int64_t k = 0; k < n; k++) {
             d->v[2 * k] = d->w[2 * k];
             d->v[2 * k + 1] = -d->w[2 * k + 1];
@@ -148,12 +142,12 @@ sp_status sp_driven_factor(driven *d, double omega, sp_error *err) {
             d->x[2 * q] = d->a[q] - (d->i[q] == c ? omega * omega : 0);
             d->x[2 * q + 1] = d->c ? omega * d->c[q] : 0;
         }
-    const sp_status status = sp_complex_factor(d->solver, d->x, err);
+    const sp_status status = sp_lu_factor(d->lu, d->x, err);
     return status == SP_OK ? estimate_inverse(d, err) : status;
 }
 
 sp_status sp_driven_solve(driven *d, const double *right, double *u, sp_error *err) {
-    return sp_complex_solve(d->solver, d->x, right, u, err);
+    return sp_lu_solve(d->lu, d->x, false, right, u, err);
 }
 
 /* r = right - H u, and bounds of how far it may be off, by its own rounding and by that of H and right: entries are

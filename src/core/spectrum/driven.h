@@ -2,7 +2,7 @@
 #define SP_DRIVEN_H
 /* H = M^-1/2 (K - omega^2 M + i omega C) M^-1/2 as a sparse matrix, solves with it, and what they are worth. */
 
-#include "linalg/complex.h"
+#include "linalg/lu.h"
 
 #include <sonopack/spectrum.h>
 
@@ -13,7 +13,7 @@ typedef struct driven {
     double *size_a, *size_c; /* [p[n]] sizes of the terms that the entries are sums of */
     double *x;               /* [p[n]][2] H */
     double *root;            /* [n] sqrt(m) */
-    sp_complex_solver *solver;
+    sp_lu *lu;
     double omega, inverse; /* of the last sp_driven_factor; an estimate of |H^-1| from below */
     double *v, *w;         /* [n][2] scratch */
 } driven;

@@ -1,4 +1,4 @@
-#include "modes/fill.h"
+#include "modes/table.h"
 #include "base/base.h"
 #include "linalg/eigen.h"
 
@@ -129,7 +129,7 @@ static sp_status put_vectors(const sp_network *net, const double *vectors, const
     return sp_orthogonality(n, count, m->vectors, &m->orthogonality, err);
 }
 
-static sp_status allocate(const sp_network *net, const sp_mode_set *set, sp_modes *m, sp_error *err) {
+static sp_status allocate(const sp_network *net, const sp_mode_pairs *set, sp_modes *m, sp_error *err) {
     m->dofs = sp_network_dofs(net);
     m->n_rattler = set->rattlers;
     m->n_zero = m->n_rattler;
@@ -149,7 +149,8 @@ static sp_status allocate(const sp_network *net, const sp_mode_set *set, sp_mode
     return SP_OK;
 }
 
-sp_status sp_modes_fill(const sp_network *net, sp_source source, const sp_mode_set *set, sp_modes *out, sp_error *err) {
+sp_status sp_modes_tabulate(const sp_network *net, sp_source source, const sp_mode_pairs *set, sp_modes *out,
+                            sp_error *err) {
     sp_modes m = sp_modes_none();
     candidate *list = NULL;
     sp_status status = sort_modes(set->count, set->ritz, &list, err);

@@ -1,12 +1,12 @@
-#ifndef SP_CHEBYSHEV_H
-#define SP_CHEBYSHEV_H
+#ifndef SP_EXPANSION_H
+#define SP_EXPANSION_H
 /* The signal without a single eigenvector. With A = M^-1/2 K M^-1/2, Omega no smaller than the largest frequency and
  * X = 1 - 2A/Omega^2 = cos(theta), the Jacobi-Anger expansion of sin(Omega t sin(theta/2)) and its cosine give
  *   F(t) = (2/Omega) sum_k J_(2k+1)(Omega t) b^T W_k(X) a,       W_k = sin((k+1/2) theta)/sin(theta/2)
  * for momenta at t = 0, and for displacements
  *   F(t) = J_0 b^T a + 2 sum_(k>0) J_2k(Omega t) b^T T_k(X) a,   T_k = cos(k theta). */
 
-#include "signal/pass.h"
+#include <sonopack/network.h>
 
 /* A that is not symmetric has its values (x^T A x) in a rectangle of the complex plane (sp_network_skew). On it
  * |W_k| <= (2k+1) exp(k spread) and |T_k| <= exp(k spread), and (1 + sqrt 2) times that bounds the matrices' norms
@@ -23,9 +23,9 @@ double sp_expansion_tail(double x, bool velocity, double spread, int64_t first);
  * symmetry motion may grow for a while. This factor is allowed. */
 double sp_expansion_growth(double spread);
 
-/* F of all columns of a pass at n ascending times, f[column * stride + l], and bounds of their errors: the tail and
- * rounding. */
-sp_status sp_expansion_sum(const pass *p, double omega, int64_t n, const double *t, int64_t stride, double *f,
-                           double *errors, sp_error *err);
+/* J_(2k+1)(x) or J_2k(x) for k < *n: all that are not negligible at x; free *j with sp_free. */
+sp_status sp_expansion_bessel(double x, bool velocity, int64_t *n, double **j, sp_error *err);
+/* Bound of |W_k| (velocity) or |T_k| of a symmetric A. */
+static inline double sp_expansion_weight(bool velocity, int64_t k) { return velocity ? 2 * (double)k + 1 : 1; }
 
 #endif

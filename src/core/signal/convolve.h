@@ -1,5 +1,5 @@
-#ifndef SP_PULSE_PRIVATE_H
-#define SP_PULSE_PRIVATE_H
+#ifndef SP_CONVOLVE_H
+#define SP_CONVOLVE_H
 /* Convolution of a tabulated response with a pulse. */
 
 #include <sonopack/pulse.h>

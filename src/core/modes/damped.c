@@ -171,17 +171,6 @@ static sp_status sort_modes(sp_damped_modes *m, sp_error *err) {
     return ok ? SP_OK : sp_fail_memory(err, (size_t)m->n * (sizeof *rank + sizeof *copy));
 }
 
-sp_damped_modes sp_damped_modes_none(void) { return (sp_damped_modes){0}; }
-
-void sp_damped_modes_free(sp_damped_modes *m) {
-    sp_free(m->omega);
-    sp_free(m->decay);
-    sp_free(m->cosine);
-    sp_free(m->sine);
-    sp_free(m->error);
-    *m = sp_damped_modes_none();
-}
-
 static sp_status collect(const damped *d, sp_damped_modes *out, sp_error *err) {
     double **const all[] = {&out->omega, &out->decay, &out->cosine, &out->sine, &out->error};
     bool ok = true;

@@ -1,4 +1,4 @@
-#include "spectrum/count.h"
+#include "modes/count.h"
 #include "base/base.h"
 
 #include <float.h>

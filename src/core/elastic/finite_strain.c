@@ -2,7 +2,9 @@
 #include "base/base.h"
 #include "elastic/moduli.h"
 #include "elastic/strain.h"
+#include "elastic/tangent.h"
 #include "linalg/gmres.h"
+#include "linalg/vector.h"
 #include "packing/contact.h"
 #include "packing/vibrate.h"
 
@@ -34,15 +36,6 @@ typedef struct run {
     double *u, *more, *force, *best, *start; /* [dofs] */
     sp_finite_strain out;
 } run;
-
-static int column(const sp_network *net, int d) { return d < net->dim || net->dim == 3 ? d : 5; }
-
-static double length_of(int64_t n, const double *x) {
-    double sum = 0;
-    for (int64_t k = 0; k < n; k++)
-        sum += x[k] * x[k];
-    return sqrt(sum);
-}
 
 /* Contacts and gaps between grains of the network, the walls included; what touches a little but is no spring is left
  * out, as there. */
@@ -84,17 +77,15 @@ static double forces(run *r, const double *u, double *force) {
     sp_vibration_rest(&r->m);
     for (int32_t i = 0; i < net->n; i++)
         for (int d = 0; d < net->dof; d++)
-            r->m.u[6 * (int64_t)net->grain[i] + column(net, d)] = u[(int64_t)i * net->dof + d];
+            r->m.u[6 * (int64_t)net->grain[i] + sp_tangent_component(net, d)] = u[(int64_t)i * net->dof + d];
     sp_vibration_begin(&r->m);
     for (int32_t i = 0; i < net->n; i++)
         for (int d = 0; d < net->dof; d++) {
             const int64_t k = (int64_t)i * net->dof + d;
-            force[k] = r->m.a[6 * (int64_t)net->grain[i] + column(net, d)] * net->mass[k];
+            force[k] = r->m.a[6 * (int64_t)net->grain[i] + sp_tangent_component(net, d)] * net->mass[k];
         }
-    return length_of(sp_network_dofs(net), force);
+    return sp_norm(sp_network_dofs(net), force);
 }
-
-static bool slides(const vibration *m, const touching *t) { return m->turns && t->kn > 0 && t->held < 1; }
 
 /* The spring of a contact as it is now. Contacts that slide keep a part of their tangential stiffness, and those that
  * are open a part of all: a step must not run away. */
@@ -106,7 +97,7 @@ static void add_spring(run *r, int32_t k) {
     const double side = r->m.turns ? 0.5 * r->m.eta * (rest + t->kn) : 0;
     sp_spring s = {.i = r->row[t->i] - 1, .j = t->j < 0 ? t->j : r->row[t->j] - 1, .ri = t->arm_i, .rj = t->arm_j};
     s.kn = fmax(t->kn, part * rest); /* one that hardly touches will be stiffer soon */
-    s.kt = t->kn > 0 && !slides(&r->m, t) ? side : part * side;
+    s.kt = t->kn > 0 && !sp_contact_slides(&r->m, t) ? side : part * side;
     for (int a = 0; a < 3; a++)
         s.n[a] = r->m.straight ? t->n0[a] : t->n[a];
     net->length[net->n_springs] = t->length;
@@ -150,71 +141,6 @@ static double take_step(run *r, double taken, double before) {
     return size;
 }
 
-static void cross(const double a[3], const double b[3], double out[3]) {
-    for (int k = 0; k < 3; k++)
-        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/* How the tangential force of a contact at Coulomb's limit follows. Along itself it has the size of the normal force
- * times the coefficient, whatever the slip; sideways it still has its spring. The first makes the stiffness
- * unsymmetric. */
-static void limit(const vibration *m, const touching *t, double along, double push[3]) {
-    double force[3];
-    for (int a = 0; a < 3; a++)
-        force[a] = t->ft0[a] + t->ft[a];
-    const double size = sqrt(dot(force, force));
-    if (!(size > 0))
-        return;
-    const double part = dot(force, push) / size;
-    for (int a = 0; a < 3; a++)
-        push[a] = t->held * (push[a] - part * force[a] / size) - m->friction * t->kn * along * force[a] / size;
-}
-
-/* Change of the force on i with the relative displacement and the lever arms times the rotations. */
-static void stiffen(const vibration *m, const touching *t, const double moved[3], const double turn[3],
-                    double push[3]) {
-    const double *n = m->straight ? t->n0 : t->n, along = dot(moved, n);
-    memset(push, 0, 3 * sizeof *push);
-    if (m->turns) {
-        const double rest = t->overlap > 0 ? contact_normal_stiffness(t->e, t->overlap) : 0;
-        const double kt = 0.5 * m->eta * (rest + t->kn);
-        double arm[3];
-        cross(turn, n, arm);
-        for (int a = 0; a < 3; a++)
-            push[a] = kt * (moved[a] - along * n[a] - arm[a]);
-    }
-    if (slides(m, t))
-        limit(m, t, along, push);
-    for (int a = 0; a < 3; a++)
-        push[a] += t->kn * along * n[a];
-}
-
-/* Adds a contact's forces for the displacements `in`. */
-static void add_tangent(const run *r, const touching *t, const double *in, double *out) {
-    const sp_network *net = r->net;
-    const int64_t i = (int64_t)(r->row[t->i] - 1) * net->dof;
-    const int64_t j = t->j < 0 ? -1 : (int64_t)(r->row[t->j] - 1) * net->dof;
-    double moved[3] = {0}, turn[3] = {0}, push[3], twist[3];
-    for (int d = 0; d < net->dof; d++) {
-        const int c = column(net, d);
-        const double one = in[i + d], other = j < 0 ? 0 : in[j + d];
-        if (c < 3)
-            moved[c] = other - one;
-        else
-            turn[c - 3] = t->arm_i * one + t->arm_j * other;
-    }
-    stiffen(&r->m, t, moved, turn, push);
-    cross(r->m.straight ? t->n0 : t->n, push, twist);
-    for (int d = 0; d < net->dof; d++) {
-        const int c = column(net, d);
-        out[i + d] -= c < 3 ? push[c] : t->arm_i * twist[c - 3];
-        if (j >= 0)
-            out[j + d] -= c < 3 ? -push[c] : t->arm_j * twist[c - 3];
-    }
-}
-
 static sp_equilibrium *at_rest(run *r) { return r->soft.factor ? &r->soft : &r->rest; }
 
 static sp_status apply_tangent(void *with, const double *in, double *out, sp_error *err) {
@@ -223,9 +149,7 @@ static sp_status apply_tangent(void *with, const double *in, double *out, sp_err
     const sp_equilibrium *e = at_rest(r);
     (void)err;
     memset(out, 0, (size_t)n * sizeof *out);
-    for (int32_t k = 0; k < r->m.count; k++)
-        if (r->m.touch[k].kn > 0)
-            add_tangent(r, &r->m.touch[k], in, out);
+    sp_tangent_apply(&r->m, r->net, r->row, in, out);
     for (int64_t k = 0; k < n && e->raised; k++) /* as in the factor */
         out[k] += e->raise * e->k.x[e->diagonal[k]] * in[k];
     return SP_OK;
@@ -335,7 +259,7 @@ static void count_contacts(run *r) {
     int32_t sliding = 0, lost = 0, made = 0;
     for (int32_t k = 0; k < r->m.count; k++) {
         const touching *t = &r->m.touch[k];
-        sliding += slides(&r->m, t);
+        sliding += sp_contact_slides(&r->m, t);
         lost += t->overlap > 0 && t->kn == 0;
         made += t->overlap <= 0 && t->kn > 0;
     }
@@ -366,7 +290,7 @@ static void put_stress(const run *r, int strain, sp_stiffness *c) {
 static bool within_reach(const run *r) {
     double worst = 0, shift = 0;
     for (int32_t i = 0; i < r->net->n; i++)
-        worst = fmax(worst, length_of(r->net->dim, r->best + (int64_t)i * r->net->dof));
+        worst = fmax(worst, sp_norm(r->net->dim, r->best + (int64_t)i * r->net->dof));
     for (int32_t k = 0; k < r->m.count; k++)
         shift = fmax(shift, fabs(r->strain) * r->m.touch[k].length);
     return 2 * worst + shift <= r->m.reach;
@@ -375,7 +299,7 @@ static bool within_reach(const run *r) {
 /* At rest below Coulomb's limit and now at it; at that limit a contact slides under any strain, or under none. */
 static bool begins_to_slide(const vibration *m, const touching *t) {
     const double *f = t->ft0;
-    return slides(m, t) && t->overlap > 0 && sqrt(dot(f, f)) < (1 - 1e-9) * m->friction * t->fn0;
+    return sp_contact_slides(m, t) && t->overlap > 0 && sp_norm(3, f) < (1 - 1e-9) * m->friction * t->fn0;
 }
 
 /* Names the grain that finds no rest. The law has no scale of its own but where contacts open, close or begin to slide:
@@ -384,13 +308,13 @@ static sp_status refuse(run *r, double residual, sp_error *err) {
     int32_t worst = 0, contacts = 0, sliding = 0, changed = 0;
     const int dof = r->net->dof;
     for (int32_t i = 1; i < r->net->n; i++)
-        if (length_of(dof, r->force + (int64_t)i * dof) > length_of(dof, r->force + (int64_t)worst * dof))
+        if (sp_norm(dof, r->force + (int64_t)i * dof) > sp_norm(dof, r->force + (int64_t)worst * dof))
             worst = i;
     for (int32_t k = 0; k < r->m.count; k++) {
         const touching *t = &r->m.touch[k];
         const bool own = r->row[t->i] == worst + 1 || (t->j >= 0 && r->row[t->j] == worst + 1);
         contacts += own && t->kn > 0;
-        sliding += own && slides(&r->m, t);
+        sliding += own && sp_contact_slides(&r->m, t);
         changed += (t->overlap > 0) != (t->kn > 0) || begins_to_slide(&r->m, t);
     }
     return sp_fail(
