@@ -41,7 +41,8 @@ SP_API sp_status sp_chain_modal(int64_t grains, sp_chain_source source, int64_t 
                                 sp_error *err);
 
 /* The front of an infinitely long chain: Eq. (16), multiplied by 2 to be the limit of sp_chain_signal for A, and its
- * derivative for B, F_A -> -8 t^(-2/3) Ai'(w),  F_B -> 16 t^(-1) Ai''(w) = 16 t^(-1) w Ai(w),  w = 2 (N - t)/t^(1/3).
+ * derivative for B,
+ *     F_A -> -8 t^(-2/3) Ai'(w),  F_B -> 16 t^(-1) Ai''(w) = 16 t^(-1) w Ai(w),  w = 2 (N - t)/t^(1/3).
  * (The paper prints -4 for the factor, up to a constant.) At equal w the relative difference falls as N^(-1/3), because
  * w measures distance from N. With N + 1, the distance between the walls, it would fall as N^(-2/3): sp_chain_signal at
  * t + 1 is that close to this function at t. */

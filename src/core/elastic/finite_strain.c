@@ -1,4 +1,4 @@
-/* Moduli of finite strain: the packing as it is, not its springs, at equilibrium between walls that have moved. */
+/* Moduli at finite strain: brings a strained packing to equilibrium with its full contact law. */
 #include "base/base.h"
 #include "elastic/moduli.h"
 #include "elastic/strain.h"
@@ -11,11 +11,11 @@
 #include <math.h>
 #include <string.h>
 
-/* Residual over the load: what Newton's steps aim at where they get on well and where they do not, and what is accepted
- * at last, as one grain that has come loose and is not caught yet is no matter to the stress. */
+/* Residual over the load: goal of Newton's method; goal if it converges slowly; largest value accepted. A single loose
+ * grain that is still moving does not affect the stress. */
 static const double AIM = 1e-11, ENOUGH = 1e-9, ACCEPTED = 1e-6;
 
-/* Stiffness of floppy motions in Newton's steps, over that of their grains: they must not run away. */
+/* Stiffness given to floppy motions in Newton steps, relative to that of their grains, to limit them. */
 static const double FLOPPY = 1e-4;
 
 sp_finite_strain_options sp_finite_strain_options_default(void) {
@@ -26,19 +26,19 @@ typedef struct run {
     const sp_packing *p;
     const sp_network *net;
     sp_equilibrium rest; /* springs at rest */
-    sp_equilibrium now;  /* those of the contacts as they are now, where these are too far from rest */
-    sp_equilibrium soft; /* those at rest, floppy motions held, where K is singular */
-    sp_network springs;  /* of `now`; springs and length are its own */
-    int32_t *row;        /* [p->n] grains of the network, from 1; 0: rattlers */
+    sp_equilibrium now;  /* springs of the current contacts, if these differ too much from those at rest */
+    sp_equilibrium soft; /* springs at rest with stiffened floppy motions, if K is singular */
+    sp_network springs;  /* network of `current`; owns its springs and length */
+    int32_t *row;        /* [p->n] row of a grain in the network, from 1; 0: rattler */
     vibration m;
-    double strain, load; /* extension positive; size of what it loads the grains with */
-    double part;         /* of its stiffness that a contact which slides or opens keeps in Newton's steps */
+    double strain, load; /* extension positive; norm of the forces of the affine strain */
+    double part;         /* fraction of its stiffness that a sliding or open contact keeps in Newton steps */
     double *u, *more, *force, *best, *start; /* [dofs] */
     sp_finite_strain out;
 } run;
 
-/* Contacts and gaps between grains of the network, the walls included; what touches a little but is no spring is left
- * out, as there. */
+/* Selects contacts and gaps between grains of the network, and with walls. Weak contacts that are not springs of the
+ * network are left out. */
 static sp_status choose_contacts(run *r, sp_error *err) {
     const sp_network *net = r->net;
     vibration *m = &r->m;
@@ -71,7 +71,7 @@ static void set_strain(run *r, int strain) {
     }
 }
 
-/* Forces on the grains at the displacement u; their size is returned. */
+/* Forces on the grains at the displacement u; returns their norm. */
 static double forces(run *r, const double *u, double *force) {
     const sp_network *net = r->net;
     sp_vibration_rest(&r->m);
@@ -87,8 +87,8 @@ static double forces(run *r, const double *u, double *force) {
     return sp_norm(sp_network_dofs(net), force);
 }
 
-/* The spring of a contact as it is now. Contacts that slide keep a part of their tangential stiffness, and those that
- * are open a part of all: a step must not run away. */
+/* Adds the spring of a contact in its current state. A sliding contact keeps a fraction of its tangential stiffness and
+ * an open one a fraction of its whole stiffness, to limit the steps. */
 static void add_spring(run *r, int32_t k) {
     const double part = r->part;
     sp_network *net = &r->springs;
@@ -96,7 +96,7 @@ static void add_spring(run *r, int32_t k) {
     const double rest = t->overlap > 0 ? contact_normal_stiffness(t->e, t->overlap) : 0;
     const double side = r->m.turns ? 0.5 * r->m.eta * (rest + t->kn) : 0;
     sp_spring s = {.i = r->row[t->i] - 1, .j = t->j < 0 ? t->j : r->row[t->j] - 1, .ri = t->arm_i, .rj = t->arm_j};
-    s.kn = fmax(t->kn, part * rest); /* one that hardly touches will be stiffer soon */
+    s.kn = fmax(t->kn, part * rest); /* a contact that barely touches will be stiffer soon */
     s.kt = t->kn > 0 && !sp_contact_slides(&r->m, t) ? side : part * side;
     for (int a = 0; a < 3; a++)
         s.n[a] = r->m.straight ? t->n0[a] : t->n[a];
@@ -125,7 +125,7 @@ static sp_status factor_now(run *r, sp_error *err) {
     return status;
 }
 
-/* One step of `taken` times more, shorter while it makes things much worse; the size of the forces is returned. */
+/* Takes `factor` times a step, halved as long as the forces grow much; returns their norm. */
 static double take_step(run *r, double taken, double before) {
     const int64_t n = sp_network_dofs(r->net);
     double size;
@@ -161,8 +161,9 @@ static sp_status precondition(void *with, const double *in, double *out, sp_erro
     return sp_equilibrium_apply(at_rest(r), in, out, err);
 }
 
-/* Newton's steps with the stiffness of the contacts as they are, least residual kept in `best`. It differs from that at
- * rest by some numbers a sliding contact, so that the factor at rest leads to its solution in few steps. */
+/* Newton's method with the exact tangent stiffness; keeps the best u in `best`. The tangent differs from the stiffness
+ * at rest by a few numbers for each sliding contact, so GMRES needs few steps with the factor at rest as
+ * preconditioner. */
 static sp_status follow_contacts(run *r, double *least, sp_error *err) {
     enum { STEPS_MAX = 40, PATIENCE = 4, SEARCH_MAX = 120 };
     const gmres_problem g = {sp_network_dofs(r->net), apply_tangent, precondition, r, 1e-4, SEARCH_MAX};
@@ -188,16 +189,17 @@ static sp_status follow_contacts(run *r, double *least, sp_error *err) {
     return SP_OK;
 }
 
-/* Contacts that stick and slide by turns can make steps go round in circles, and a grain that has come loose has a long
- * way to go to where it is held again. After `stalled` steps without progress other lengths and parts are tried. */
+/* Contacts that alternate between sticking and sliding can make the steps cycle, and a loose grain must travel far
+ * until it is held again. After `stalled` steps without progress this tries other step lengths and stiffness
+ * fractions. */
 static double unstick(run *r, int stalled) {
     static const double part[] = {3e-2, 3e-3, 3e-4, 3e-5, 1e-1, 1e-2};
     r->part = part[stalled / 9 % 6];
     return 1.0 / (1 << stalled / 3 % 3);
 }
 
-/* Newton's steps with springs that are symmetric, as a contact that slides or opens keeps a part of its stiffness: more
- * steps, but they are not lost where many contacts change. Goes on from `u`, and with the least residual so far. */
+/* Newton's method with symmetric springs, where a sliding or open contact keeps a fraction of its stiffness. It needs
+ * more steps but survives many changes of contacts. Continues from `u`; least: smallest residual so far. */
 static sp_status soften_contacts(run *r, double least, sp_error *err) {
     enum { STEPS_MAX = 500, PATIENCE = 20 };
     const int64_t n = sp_network_dofs(r->net);
@@ -227,7 +229,7 @@ static sp_status soften_contacts(run *r, double least, sp_error *err) {
             break;
         if (size > 0.3 * before) {
             status = factor_now(r, err);
-            if (status == SP_EREFUSED) /* nothing leads from wall to wall any more */
+            if (status == SP_EREFUSED) /* no chain of springs connects the walls any more */
                 break;
             if (status != SP_OK)
                 return status;
@@ -237,7 +239,7 @@ static sp_status soften_contacts(run *r, double least, sp_error *err) {
     return SP_OK;
 }
 
-/* From the linear answer. */
+/* Starts from the linear solution. */
 static sp_status equilibrate(run *r, double *residual, sp_error *err) {
     const size_t bytes = (size_t)sp_network_dofs(r->net) * sizeof *r->u;
     double least = 0;
@@ -250,7 +252,7 @@ static sp_status equilibrate(run *r, double *residual, sp_error *err) {
     if (status != SP_OK)
         return status;
     *residual = forces(r, r->best, r->force);
-    if (*residual > 0) /* a strain that no contact feels loads nothing */
+    if (*residual > 0) /* a strain that stretches no contact causes no load */
         *residual /= r->load;
     return SP_OK;
 }
@@ -268,7 +270,7 @@ static void count_contacts(run *r) {
     r->out.made = made > r->out.made ? made : r->out.made;
 }
 
-/* Change of the stress, one column of C. The force on i pulls it to j where a contact is stretched. */
+/* One column of C: changes of the stress. A stretched contact pulls grain i towards j. */
 static void put_stress(const run *r, int strain, sp_stiffness *c) {
     const int strains = sp_strain_count(r->net);
     double sum[STRAINS_3D] = {0};
@@ -286,7 +288,7 @@ static void put_stress(const run *r, int strain, sp_stiffness *c) {
             c->c[b][strain] = sum[b] / (r->strain * sp_strain_volume(r->net));
 }
 
-/* Whether contacts that are not watched could have closed. */
+/* Whether all contacts that may have closed were watched. */
 static bool within_reach(const run *r) {
     double worst = 0, shift = 0;
     for (int32_t i = 0; i < r->net->n; i++)
@@ -296,14 +298,15 @@ static bool within_reach(const run *r) {
     return 2 * worst + shift <= r->m.reach;
 }
 
-/* At rest below Coulomb's limit and now at it; at that limit a contact slides under any strain, or under none. */
+/* Below Coulomb's limit at rest and at the limit now. A contact at the limit already at rest slides under any strain of
+ * one sign. */
 static bool begins_to_slide(const vibration *m, const touching *t) {
     const double *f = t->ft0;
     return sp_contact_slides(m, t) && t->overlap > 0 && sp_norm(3, f) < (1 - 1e-9) * m->friction * t->fn0;
 }
 
-/* Names the grain that finds no rest. The law has no scale of its own but where contacts open, close or begin to slide:
- * fewer do under a smaller strain. */
+/* Reports the grain with the largest residual force. The contact law has no scale of its own except where contacts
+ * open, close or begin to slide; a smaller strain changes fewer contacts. */
 static sp_status refuse(run *r, double residual, sp_error *err) {
     int32_t worst = 0, contacts = 0, sliding = 0, changed = 0;
     const int dof = r->net->dof;
@@ -380,7 +383,7 @@ static sp_status open_run(run *r, sp_error *err) {
     r->springs = *r->net;
     r->springs.springs = NULL;
     r->springs.length = NULL;
-    r->springs.carried = NULL; /* for Newton's steps what K lacks of the derivative is little */
+    r->springs.carried = NULL; /* these terms of K matter little for Newton steps */
     r->springs.springs = sp_alloc((size_t)r->m.count, sizeof *r->springs.springs);
     r->springs.length = sp_alloc((size_t)r->m.count, sizeof *r->springs.length);
     r->u = sp_alloc(5 * n, sizeof *r->u);

@@ -1,5 +1,5 @@
 /* Apparent moduli on smaller scales, from the elastic energy of a static response (Somfai et al. 2005, Appendix B). In
- * the plane energies are those of a layer one diameter thick, in space (B2) and (B3) have the walls' area for L1. */
+ * 2D, energies are those of a layer one diameter thick. In 3D, the area of the walls replaces L1 in (B2) and (B3). */
 #include "base/base.h"
 #include "elastic/moduli.h"
 #include "elastic/strain.h"
@@ -16,7 +16,7 @@ static double height_of(const sp_network *net, int32_t i) { return net->x[3 * (i
 
 /* ---- the sine ------------------------------------------------------------------------------------------------- */
 
-/* (B1) on every grain, f0 = 1. */
+/* The body force (B1) on each grain, f0 = 1. */
 static void body_force(const sp_equilibrium *e, double phi3s, int n, int axis, double *f) {
     const sp_network *net = e->net;
     const double wave = n * PI / net->box[net->dim - 1];
@@ -28,7 +28,7 @@ static void body_force(const sp_equilibrium *e, double phi3s, int n, int axis, d
     }
 }
 
-/* Takes the net force out of f, by an acceleration of the whole along axis. */
+/* Subtracts the net force, as a uniform acceleration along axis. */
 static void drop_net_force(const sp_network *net, int axis, double *f) {
     double force = 0, mass = 0;
     for (int32_t i = 0; i < net->n; i++) {
@@ -47,9 +47,9 @@ static double square_of(const sp_network *net, const double *f) {
     return sum;
 }
 
-/* Takes out of f what accelerates floppy parts, and puts it into all. K + s M with a small s passes a load on a motion
- * that K does not resist through unchanged as s M (K + s M)^-1 f and all else nearly not; what rounding leaves is taken
- * out by turns. work: [2][n]. *share: of the square of f that was taken out. */
+/* Removes from f the part that accelerates floppy parts, and adds it to `removed`. For small s, s M (K + s M)^-1 f
+ * keeps the load on a motion that K does not resist, and almost nothing else. Repetition removes what rounding leaves.
+ * work: [2][n]. *share: the removed part of the square of f. */
 static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double *all, double *share, sp_error *err) {
     enum { TURNS = 3, PASSES = 4 };
     const int64_t n = sp_network_dofs(e->net);
@@ -66,7 +66,7 @@ static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double 
         }
         if (turn == 0) {
             const double part = square_of(e->net, loose) / whole;
-            if (!(part > 1e-20)) /* rounding: nothing is loose, and nothing is taken out */
+            if (!(part > 1e-20)) /* rounding errors only: there is nothing floppy to remove */
                 break;
             *share = fmax(*share, part);
         }
@@ -78,7 +78,7 @@ static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double 
     return SP_OK;
 }
 
-/* What a residual changes in f . u, with K^T w = f: w times it. w is u where K is symmetric, else it is put into w. */
+/* Weights with which a residual changes f . u: the w with K^T w = f. For symmetric K this is u. */
 static sp_status find_weights(sp_equilibrium *e, const double *f, const double *u, double *w, sp_error *err) {
     double residual;
     if (!e->net->carried) {
@@ -92,7 +92,7 @@ static sp_status find_weights(sp_equilibrium *e, const double *f, const double *
     return status;
 }
 
-/* Twice the energy is f . u; it is off by w . (K u - f) to first order, and by rounding. work: [3][n]. */
+/* Twice the energy is f . u. Its error is w . (K u - f) to first order, plus rounding. work: [3][n]. */
 static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u, double *work, double *energy,
                              double *error, sp_error *err) {
     const int64_t n = sp_network_dofs(e->net);
@@ -108,7 +108,7 @@ static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u
     return status;
 }
 
-/* The grain that takes most of the energy. */
+/* Finds the grain with most of the energy. */
 static void find_loosest(const sp_network *net, const double *f, const double *u, double energy, sp_probe_moduli *out) {
     for (int32_t i = 0; i < net->n; i++) {
         const double share = 0.5 * sp_dot(net->dof, f + (int64_t)i * net->dof, u + (int64_t)i * net->dof) / energy;
@@ -119,7 +119,7 @@ static void find_loosest(const sp_network *net, const double *f, const double *u
     }
 }
 
-/* One direction: apparent modulus and bound of its error. work: [6][n]. */
+/* Apparent modulus and its error for one direction. work: [6][n]. */
 static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, double *work, sp_probe_moduli *out,
                             sp_error *err) {
     const sp_network *net = e->net;
@@ -147,7 +147,7 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     if (!(energy > 0))
         return sp_fail(err, SP_EREFUSED, "probe sine:%d: the body force does the work %.3g, must be above 0: unstable",
                        n, 2 * energy);
-    error += 2 * fabs(sp_dot(dofs, u, loose)); /* 0 but for what is soft and not quite floppy */
+    error += 2 * fabs(sp_dot(dofs, u, loose)); /* nonzero only for soft motions that are not quite floppy */
     find_loosest(net, f, u, energy, out);
     /* (B2) */
     const double c = sp_strain_area(net) * height * height * height / (4.0 * n * n * PI * PI * energy);
@@ -175,8 +175,8 @@ static sp_status sine(sp_equilibrium *e, double phi3s, int n, double *work, sp_p
 
 /* ---- lines ---------------------------------------------------------------------------------------------------- */
 
-/* The continuum's displacement at height y between n + 2 lines, of which every fourth from the second is at 1 and every
- * fourth from the fourth at -1. */
+/* Displacement of the continuum at height y between n + 2 lines. Of these every fourth from the second is displaced by
+ * 1 and every fourth from the fourth by -1. */
 static double line_field(double height, int n, double y) {
     static const double turns[] = {0, 1, 0, -1};
     const double at = y * (n + 1) / height;
@@ -184,9 +184,9 @@ static double line_field(double height, int n, double y) {
     return turns[k % 4] + (at - k) * (turns[(k + 1) % 4] - turns[k % 4]);
 }
 
-/* held[i]: grain i lies on a line between the walls. Each must have a grain, and no grain two. The lines at the walls
- * are the walls themselves: with the grains that touch them displaced too the moduli come out higher than Table V, by
- * 13% for C33 of one line at p = 1e-4. */
+/* fixed[i]: grain i lies on a line between the walls. Each line must cross a grain, and no grain may be crossed by two.
+ * The lines at the walls are the walls themselves: displacing the grains in contact with them too gives higher moduli
+ * than Table V, by 13% for C33 (the 2D shear modulus) of one line at p = 1e-4. */
 static sp_status find_lines(const sp_network *net, int n, uint8_t *held, sp_error *err) {
     const double height = net->box[net->dim - 1], between = height / (n + 1);
     uint8_t *met = sp_alloc((size_t)n + 1, 1);
@@ -211,8 +211,8 @@ static sp_status find_lines(const sp_network *net, int n, uint8_t *held, sp_erro
     return status;
 }
 
-/* K u + K^T u at what is free is what the energy u . K u/2 sees of a change of u there, twice: where K is symmetric it
- * is 0 at equilibrium. What a residual changes in the energy: half of *weight times it. work: [n]. */
+/* Weights with which a residual changes the energy u . K u/2, times 2. They come from K u + K^T u at free degrees of
+ * freedom, which vanishes at equilibrium for symmetric K. load: [n] scratch. */
 static sp_status find_line_weights(sp_equilibrium *e, const double *u, double *load, double *weight, sp_error *err) {
     const int64_t n = sp_network_dofs(e->net);
     double residual;
@@ -229,9 +229,9 @@ static sp_status find_line_weights(sp_equilibrium *e, const double *u, double *l
     return status;
 }
 
-/* One direction. Displacements of held grains are imposed; where K is symmetric the energy is least at equilibrium, so
- * that it is off in second order: by half of the residual times what is missing in u, for which u stands. work: [6][n].
- */
+/* Apparent modulus and its error for one direction, with imposed displacements of fixed grains. For symmetric K the
+ * energy is minimal at equilibrium, and its error is of second order: half the residual times the error of u, which u
+ * bounds. work: [6][n]. */
 static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *held, int axis, double *work,
                              sp_probe_moduli *out, sp_error *err) {
     const sp_network *net = e->net;

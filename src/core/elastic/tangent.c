@@ -1,4 +1,4 @@
-/* The tangent stiffness of contacts, with Coulomb's limit. */
+/* Applies the tangent stiffness of contacts, with Coulomb's limit. */
 #include "elastic/tangent.h"
 #include "linalg/vector.h"
 #include "packing/contact.h"
@@ -14,9 +14,9 @@ static void cross(const double a[3], const double b[3], double out[3]) {
         out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-/* How the tangential force of a contact at Coulomb's limit follows. Along itself it has the size of the normal force
- * times the coefficient, whatever the slip; sideways it still has its spring. The first makes the stiffness
- * unsymmetric. */
+/* Change of the tangential force of a contact at Coulomb's limit. Along the force it is the change of the normal force
+ * times the friction coefficient, whatever the slip; across it the spring still acts. The first part makes the
+ * stiffness nonsymmetric. */
 static void limit(const vibration *m, const touching *t, double along, double push[3]) {
     double force[3];
     for (int a = 0; a < 3; a++)
@@ -29,7 +29,7 @@ static void limit(const vibration *m, const touching *t, double along, double pu
         push[a] = t->held * (push[a] - part * force[a] / size) - m->friction * t->kn * along * force[a] / size;
 }
 
-/* Change of the force on i with the relative displacement and the lever arms times the rotations. */
+/* Change of the force on i due to the relative displacement and to the rotations times lever arms. */
 static void stiffen(const vibration *m, const touching *t, const double moved[3], const double turn[3],
                     double push[3]) {
     const double *n = m->straight ? t->n0 : t->n, along = sp_dot(3, moved, n);
@@ -48,7 +48,7 @@ static void stiffen(const vibration *m, const touching *t, const double moved[3]
         push[a] += t->kn * along * n[a];
 }
 
-/* Adds a contact's forces for the displacements `in`. */
+/* Adds the forces of a contact due to the displacements `in`. */
 static void add_contact(const vibration *m, const sp_network *net, const int32_t *row, const touching *t,
                         const double *in, double *out) {
     const int64_t i = (int64_t)(row[t->i] - 1) * net->dof;

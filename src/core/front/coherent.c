@@ -1,11 +1,11 @@
-/* One damped wave fitted to the Fourier integrals of signals at planes. */
+/* Fits one damped wave to the Fourier integrals of a record section. */
 #include "base/base.h"
 
 #include <complex.h>
 #include <math.h>
 #include <sonopack/coherent.h>
 
-enum { PLANES_LEAST = 4 }; /* a wave has four numbers, a plane two */
+enum { PLANES_LEAST = 4 }; /* a wave has four parameters, a plane gives two numbers */
 
 sp_coherent_section sp_coherent_section_none(void) { return (sp_coherent_section){0}; }
 
@@ -17,17 +17,17 @@ void sp_coherent_section_free(sp_coherent_section *s) {
     *s = sp_coherent_section_none();
 }
 
-/* Where the integrals end. The wave is at a plane at the time of `at` + `slowness` y, not before the front. */
+/* End of the integrals. The wave arrives at a plane at `at` + `slowness` y, but not before the front. */
 typedef struct gate {
     double at, slowness;
-    double length; /* time after that which counts, if the record is so long */
-    double part;   /* of that time, taken in the end */
+    double length; /* duration used after that, if the record is long enough */
+    double part;   /* fraction of that duration */
 } gate;
 
-static const double PERIODS = 4; /* of the wave that count after the front, where much is scattered */
-static const double LEAST = 0.5; /* periods that a plane must hold after the wave has come, to count */
+static const double PERIODS = 4; /* periods used after the front; later most is scattered */
+static const double LEAST = 0.5; /* periods that a plane's record must contain after the wave's arrival */
 
-/* Integrals over the planes that count: of F e^(i omega t), and of t F e^(i omega t). */
+/* Integrals at the planes that are used: of F e^(i omega t), and of t F e^(i omega t). */
 typedef struct integrals {
     int32_t n;
     double *y;                /* [n] */
@@ -35,8 +35,8 @@ typedef struct integrals {
     double complex *turn;     /* [times] e^(i omega t) */
 } integrals;
 
-/* By the trapezoidal rule, which is exact to rounding for a signal that holds no frequencies beyond pi/spacing. From
- * half way between the wave's coming and the end on, a half cosine fades, so that the end makes no wave of its own. */
+/* Trapezoidal rule, exact up to rounding for a signal without frequencies beyond pi/spacing. A half cosine tapers the
+ * record from halfway between the wave's arrival and the end, so that the end causes no artefacts. */
 static void integrate_plane(const sp_coherent_section *s, int32_t plane, double fade, double until, integrals *in) {
     const double *f = s->f + (int64_t)plane * s->n;
     double complex z = 0.5 * f[0], late = 0;
@@ -64,8 +64,8 @@ static void integrate(const sp_coherent_section *s, double omega, const gate *g,
     }
 }
 
-/* When the waves of this frequency come: the real part of -i dS/domega over S is their mean time at a plane. A line is
- * laid through the times, each with its plane's weight. False if the line falls. */
+/* Arrival of waves of this frequency. The real part of -i dS/domega over S is their mean time at a plane. Fits a line
+ * to these times, weighted by the planes' squared spectra. False if the line falls. */
 static bool follow_group(const integrals *in, gate *g) {
     double weight = 0, y = 0, t = 0, yy = 0, yt = 0;
     for (int32_t j = 0; j < in->n; j++) {
@@ -81,7 +81,7 @@ static bool follow_group(const integrals *in, gate *g) {
     return g->slowness > 0;
 }
 
-/* What is left of the squares after the best amplitude for (k, alpha), as a part of them. */
+/* Fraction of the squares left by the best amplitude for (k, alpha). */
 static double misfit(int32_t n, const double *y, const double complex *z, double k, double alpha) {
     double complex along = 0;
     double wave = 0, all = 0;
@@ -94,19 +94,19 @@ static double misfit(int32_t n, const double *y, const double complex *z, double
     return all > 0 ? 1 - creal(along * conj(along)) / (wave * all) : NAN;
 }
 
-/* Lowest point of the parabola through three equidistant values, from the middle one, in steps; 0 if there is none. */
+/* Minimum of the parabola through three equidistant values, in steps from the middle one; 0 if there is none. */
 static double lowest(double left, double middle, double right) {
     const double curve = left - 2 * middle + right;
     return curve > 0 ? fmax(-1, fmin(1, 0.5 * (left - right) / curve)) : 0;
 }
 
-/* Steps of the search, and the least alpha: noise may make it negative where there is hardly any. */
+/* Steps of the search, and the smallest alpha. Noise may make a small alpha negative. */
 typedef struct search {
     double k, alpha, least;
 } search;
 
-/* From a start on the grid: by turns in k and in alpha, with ever smaller steps. The valley is round to second order
- * (k turns phases, alpha lengths), so that turns converge fast. */
+/* Refines a point of the grid, alternately in k and alpha, with ever smaller steps. The minimum is isotropic to second
+ * order (k affects phases, alpha magnitudes), so this converges fast. */
 static void polish(int32_t n, const double *y, const double complex *z, search step, double *k, double *alpha) {
     for (int pass = 0; pass < 60; pass++) {
         const double here = misfit(n, y, z, *k, *alpha), dk = step.k, da = step.alpha;
@@ -124,12 +124,12 @@ static void polish(int32_t n, const double *y, const double complex *z, search s
     }
 }
 
-/* A wave fitted to integrals; `part` is NAN for none. */
+/* A fitted wave; `part` is NAN if there is none. */
 typedef struct wave {
     double k, alpha, part;
 } wave;
 
-/* Steps and ends of the search of a section. */
+/* Steps and limits of the search. */
 typedef struct bounds {
     double k_most, dk, a_first, a_least, a_most;
 } bounds;
@@ -148,7 +148,7 @@ static wave polish_from(const integrals *in, const bounds *b, wave start) {
     return w;
 }
 
-/* The best of a grid, polished. */
+/* The best point of a grid, refined. */
 static wave find_wave(const integrals *in, const bounds *b) {
     wave w = {NAN, NAN, NAN};
     double least = INFINITY;
@@ -165,8 +165,8 @@ static wave find_wave(const integrals *in, const bounds *b) {
     return isfinite(least) ? polish_from(in, b, w) : w;
 }
 
-/* Integrals up to the end of the record, once it is known when the group has come. Each guess lengthens them, which
- * lets later waves in. */
+/* Integrals to the end of the records, after the arrival of the group is known. Each guess lengthens the integrals,
+ * which includes later waves. */
 static wave find_late_wave(const sp_coherent_section *s, double omega, const bounds *b, gate *g, integrals *in) {
     enum { TURNS_MAX = 8 };
     wave none = {NAN, NAN, NAN};
@@ -183,8 +183,8 @@ static wave find_late_wave(const sp_coherent_section *s, double omega, const bou
     return find_wave(in, b);
 }
 
-/* Much that comes late is scattered, and belongs to no wave along y; in an ordered system nothing is, and late is what
- * is slow. So the later end is taken where it leaves not half as much unexplained. */
+/* Most of what arrives late is scattered and belongs to no wave along y. In an ordered system nothing is scattered, and
+ * slow waves arrive late. So the later end is used only if it leaves less than half as much unexplained. */
 static wave choose_wave(const sp_coherent_section *s, double omega, const bounds *b, gate *g, integrals *in) {
     gate whole;
     *g = (gate){.length = PERIODS * 2 * M_PI / omega, .part = 1};
@@ -214,7 +214,8 @@ static sp_status check(const sp_coherent_section *s, double omega, sp_error *err
     return SP_OK;
 }
 
-/* Some plane's record holds a period: of less the integrals are those of the front's tail, whatever the frequency. */
+/* Whether some record contains a period. In shorter ones the integrals reflect only the end of the front, at any
+ * frequency. */
 static bool holds_period(const sp_coherent_section *s, double omega) {
     double longest = 0;
     for (int32_t j = 0; j < s->planes; j++)

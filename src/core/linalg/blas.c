@@ -1,3 +1,4 @@
+/* Sets the number of BLAS threads. */
 #include "linalg/blas.h"
 
 extern void openblas_set_num_threads(int threads) __attribute__((weak));

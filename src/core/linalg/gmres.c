@@ -1,3 +1,4 @@
+/* GMRES without restarts, preconditioned from the right. */
 #include "linalg/gmres.h"
 
 #include "base/base.h"
@@ -6,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Arnoldi's vectors, and the Hessenberg matrix that Givens' rotations make triangular as it grows. */
+/* Arnoldi vectors, and the Hessenberg matrix, which Givens rotations reduce to a triangle as it grows. */
 typedef struct gmres {
     int64_t n;
     int m;
@@ -21,7 +22,7 @@ static void scale_to(int64_t n, double by, const double *from, double *to) {
         to[k] = by * from[k];
 }
 
-/* The next vector of the basis: A M^-1 times the last, made orthogonal twice, so that it stays so. */
+/* The next basis vector: A M^-1 times the last one, orthogonalized twice so that it stays orthogonal. */
 static sp_status extend(const gmres_problem *p, gmres *q, int j, sp_error *err) {
     double *next = q->basis + (int64_t)(j + 1) * q->n, *h = q->h + (size_t)j * ((size_t)q->m + 1);
     sp_status status = p->precondition(p->with, q->basis + (int64_t)j * q->n, q->work, err);
@@ -57,7 +58,7 @@ static void rotate(gmres *q, int j) {
     q->g[j] *= q->c[j];
 }
 
-/* x = M^-1 (basis y), with the triangle solved for y. */
+/* x = M^-1 (basis y), where y solves the triangular system. */
 static sp_status combine(const gmres_problem *p, gmres *q, int steps, double *x, sp_error *err) {
     for (int j = steps; j-- > 0;) {
         const double *h = q->h + (size_t)j * ((size_t)q->m + 1);

@@ -1,11 +1,11 @@
-/* All modes with LAPACK, each made more accurate than LAPACK gives it. */
+/* Computes all modes with LAPACK and refines their eigenvalues. */
 #include "base/base.h"
 #include "linalg/eigen.h"
 #include "modes/table.h"
 
 #include <math.h>
 
-/* A = M^-1/2 K M^-1/2, the lower triangle by columns. */
+/* The lower triangle of A = M^-1/2 K M^-1/2, by columns. */
 static sp_status dense_matrix(const sp_network *net, double **out, sp_error *err) {
     sp_sparse k = {0};
     const size_t n = (size_t)sp_network_dofs(net);
@@ -24,10 +24,10 @@ static sp_status dense_matrix(const sp_network *net, double **out, sp_error *err
     return status;
 }
 
-/* Without vectors: the matrix is made tridiagonal once, its values are taken, and vectors only of the modes so soft
- * that LAPACK's error shows in them; those are refined. */
+/* Frequencies only. Reduces A to tridiagonal form once for all eigenvalues. Computes eigenvectors only of modes so soft
+ * that LAPACK's error matters, and refines these. */
 static sp_status frequencies(const sp_network *net, double *a, sp_ritz *ritz, sp_error *err) {
-    enum { FINE = 20 }; /* accepted: omega within 1/FINE of 1e-12 */
+    enum { FINE = 20 }; /* acceptable: an error of omega of 1e-12/FINE */
     const int64_t n = sp_network_dofs(net);
     const double blur = sp_lapack_error(net);
     sp_tridiagonal t = {0};
@@ -43,7 +43,7 @@ static sp_status frequencies(const sp_network *net, double *a, sp_ritz *ritz, sp
         ritz[k] = (sp_ritz){values[k], blur, NAN};
     while (count < n &&
            (blur > values[count] * 2e-12 / FINE || (count > 0 && values[count] - values[count - 1] <= 8 * blur)))
-        count++; /* a cluster is not cut */
+        count++; /* never split a cluster */
     if (count == 0)
         goto out;
     vectors = sp_alloc((size_t)(count * n), sizeof *vectors);
@@ -68,7 +68,7 @@ out:
     return status;
 }
 
-/* All vectors: refined, sorted, and what follows from them. a becomes the vectors in LAPACK's order. */
+/* All eigenvectors and refined eigenvalues. Overwrites a with the vectors, in LAPACK's order. */
 static sp_status with_vectors(const sp_network *net, double *a, sp_ritz *ritz, sp_error *err) {
     const int64_t n = sp_network_dofs(net);
     double *values = sp_alloc((size_t)n, sizeof *values);

@@ -1,4 +1,4 @@
-/* Options, default values and memory of sets of modes. */
+/* Default options and memory of tables of modes. */
 #include <sonopack/modes.h>
 
 #include "base/base.h"

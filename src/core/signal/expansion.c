@@ -1,12 +1,11 @@
-/* Terms, sums and error bounds of the Chebyshev expansion. */
+/* Number of terms and truncation error of the Chebyshev expansion. */
 #include "signal/expansion.h"
 #include "base/base.h"
 #include "numeric/bessel.h"
 
 #include <math.h>
 
-/* J_(2k+1) or J_2k at x for k < *n, all that are not negligible there. Above x they fall with the order and rise with
- * x, so the last time has the largest tail. */
+/* Above x these functions decrease with the order and increase with x, so the last time has the largest tail. */
 sp_status sp_expansion_bessel(double x, bool velocity, int64_t *n, double **j, sp_error *err) {
     const int64_t orders = sp_bessel_orders(x);
     double *all = sp_alloc((size_t)orders, sizeof *all);
@@ -21,8 +20,8 @@ sp_status sp_expansion_bessel(double x, bool velocity, int64_t *n, double **j, s
 }
 
 /* With lambda = Omega^2 sin^2(theta) and X = cos(2 theta), |W_k| = |sin((2k+1) theta)/sin(theta)| is at most (2k+1)
- * exp(2k |Im theta|). cosh(2 Im theta) = (|X + 1| + |X - 1|)/2 is convex in X, so that its largest value is at a corner
- * of the rectangle: at that beyond lambda = 0, or at that at Omega^2. */
+ * exp(2k |Im theta|). cosh(2 Im theta) = (|X + 1| + |X - 1|)/2 is convex in X and therefore largest at a corner of the
+ * rectangle, beyond lambda = 0 or at Omega^2. */
 double sp_expansion_spread(const sp_network *net) {
     const double square = sp_network_omega_bound(net) * sp_network_omega_bound(net);
     if (!net->carried || !(square > 0))
@@ -33,7 +32,7 @@ double sp_expansion_spread(const sp_network *net) {
 
 double sp_expansion_growth(double spread) { return spread > 0 ? 10 : 1.0001; }
 
-/* Logarithm of a bound of |J_m(x)|: Kapteyn's inequality [DLMF 10.14.8]. */
+/* Logarithm of a bound of |J_m(x)| by Kapteyn's inequality [DLMF 10.14.8]. */
 static double log_bessel(double m, double x) {
     if (m <= x || m == 0)
         return 0;
@@ -44,7 +43,7 @@ static double log_bessel(double m, double x) {
 double sp_expansion_tail(double x, bool velocity, double spread, int64_t first) {
     const double factor = 1 + sqrt(2.0);
     double sum = 0, before = HUGE_VAL;
-    /* from where each term is less than half of the one before the rest is less than the last one */
+    /* once each term is less than half the one before, the remainder is less than the last term */
     for (int64_t k = first;; k++) {
         const double term =
             sp_expansion_weight(velocity, k) * exp((double)k * spread + log_bessel(2 * (double)k + velocity, x));
@@ -55,7 +54,7 @@ double sp_expansion_tail(double x, bool velocity, double spread, int64_t first) 
     }
 }
 
-/* The first k with a small enough tail, by doubling steps and halving them again. */
+/* Finds the first k with a small enough tail, by bracketing and bisection. */
 static int64_t terms_of_spread(double x, bool velocity, double spread, double tail) {
     int64_t low = 0, high = 8 + (int64_t)(0.5 * x);
     while (!(sp_expansion_tail(x, velocity, spread, high) <= tail)) {

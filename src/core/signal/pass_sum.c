@@ -1,4 +1,4 @@
-/* Sums a pass's Chebyshev series and bounds the error. */
+/* Sums the Chebyshev series of a pass and bounds its error. */
 #include "base/base.h"
 #include "numeric/bessel.h"
 #include "signal/expansion.h"
@@ -11,9 +11,8 @@
 #define MOMENT_ROUNDING 5.0
 #define PHASE_ROUNDING  5.0
 
-/* Rounding, as it adds up: moment k carries the independent errors of some k/2 steps (k, if it was not met half way),
- * each a few DBL_EPSILON of its terms; Omega t is known to DBL_EPSILON of itself. The factors leave room for 5 times
- * what is seen. */
+/* Accumulated rounding. Moment k carries the independent errors of about k/2 steps (k without doubling), each a few
+ * DBL_EPSILON of its terms. Omega t has the relative error DBL_EPSILON. The factors are 5 times the errors observed. */
 static double rounding(const pass *p, int64_t column, double x, int64_t n, const double *j) {
     double moments = 0, signal = 0;
     for (int64_t k = 0; k < n && k < p->n; k++) {
@@ -37,12 +36,13 @@ static sp_status find_errors(const pass *p, double omega, double last, double *e
     if (p->spread > 0)
         tail = sp_expansion_tail(x, p->velocity, p->spread, p->n);
     else
-        tail += 2 * sp_expansion_weight(p->velocity, terms) * fabs(j[terms - 1]); /* those left out as negligible */
+        tail += 2 * sp_expansion_weight(p->velocity, terms) * fabs(j[terms - 1]); /* those omitted as negligible */
     for (int64_t k = 0; k < terms && k < p->n; k++)
         sum += fabs(j[k]);
     tail += sum * sp_recurrence_dropped(&p->r, p->n);
     for (int64_t c = 0; c < p->columns; c++) {
-        double low = 0; /* moments of orders that count as 0, those of a spread being no smaller than others */
+        double low =
+            0; /* moments whose Bessel functions were set to 0; for a spread above 0 these moments may be large */
         for (int64_t k = terms; k < p->n && p->spread > 0; k++)
             low += 1e-20 * fabs(p->mu[k * p->columns + c]);
         errors[c] = scale * (p->reach[c] * tail + low + rounding(p, c, x, terms, j));

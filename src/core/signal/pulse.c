@@ -1,4 +1,4 @@
-/* The shapes of pulses: s(t), where it is not negligible, and checks of its parameters. */
+/* Pulse shapes: strength, extent, and checks of parameters. */
 #include <sonopack/pulse.h>
 
 #include "base/base.h"
@@ -66,7 +66,7 @@ void sp_pulse_span(const sp_pulse *p, double *first, double *last) {
     }
 }
 
-/* The last point at or before t, so that a jump gives its later value. */
+/* Uses the last point at or before t, so that a jump gives its later value. */
 static double interpolate(const sp_pulse *p, double t) {
     if (t < p->t[0] || t > p->t[p->n - 1])
         return 0;

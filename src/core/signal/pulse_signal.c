@@ -7,21 +7,21 @@
 #include <math.h>
 
 enum { FINE_POINTS = 16, COARSE_POINTS = 14, TIMES_MAX = 50000000 };
-/* Step of the response over 1/Omega: 50 of them to the shortest period. */
+/* Time step of the response over 1/Omega: 50 steps in the shortest period. */
 #define FINE_STEP 0.125
 
-/* The length of a panel over which Gauss's rule sees both the response and the pulse as smooth. */
+/* Length of a panel in which both the response and the pulse are smooth for Gauss's rule. */
 static double panel_of(const sp_pulse *p, double omega) {
     const double response = 4 / omega;
     switch (p->kind) {
     case SP_PULSE_GAUSS: return fmin(response, p->width);
     case SP_PULSE_RICKER: return fmin(response, 1.5 / p->omega);
     case SP_PULSE_SINE: return fmin(response, 3 / p->omega / fmax(1, 1 / p->cycles));
-    default: return response; /* straight between the points at which panels end */
+    default: return response; /* linear between the points, where panels end */
     }
 }
 
-/* The largest |s| and the integral of |s|, of what is sent before `until`. */
+/* Largest |s| and integral of |s| before `until`. */
 static void sizes(const sp_pulse *p, double until, double *most, double *integral) {
     enum { STEPS = 20000 };
     double first, last;
@@ -45,9 +45,9 @@ static void sizes(const sp_pulse *p, double until, double *most, double *integra
     *integral *= 1.01;
 }
 
-/* The error of F from that of the response, by rounding too: interpolation between 16 equally spaced points makes it at
- * most twice as large in the middle and, by interval from the end, 513, 56, 13, 5, 3 times where it has values on one
- * side only, near t = 0 without a mirror. */
+/* Error of F due to that of the response and to rounding. Interpolation between 16 equally spaced points multiplies it
+ * by at most 2 in the middle. Where it is one-sided, near t = 0 without a mirror, it does so by 513, 56, 13, 5, 3 in
+ * successive intervals. */
 static double response_error(const sp_pulse *p, const sp_response *g, double until, double error, double largest) {
     const double middle = 2, end = g->mirror == 0 ? 513 : 0, intervals = 1.2;
     double most, integral;
@@ -55,8 +55,8 @@ static double response_error(const sp_pulse *p, const sp_response *g, double unt
     return (error + 8 * DBL_EPSILON * largest) * (middle * integral + end * fmin(integral, most * intervals * g->step));
 }
 
-/* One signal: by the fine and by the coarse rule. The coarse one is worse by orders of magnitude, so that the
- * difference is its own error and more than that of the fine one. */
+/* One signal, with a fine and a coarse rule. The coarse rule is worse by orders of magnitude, so the difference exceeds
+ * the error of the fine one. */
 static sp_status convolve_pair(const sp_response *g, const sp_pulse *pulse, double omega, double response_bound,
                                const sp_signal *s, double *f, double *error, sp_error *err) {
     const double panel = panel_of(pulse, omega);
@@ -77,7 +77,7 @@ static sp_status convolve_pair(const sp_response *g, const sp_pulse *pulse, doub
     return status;
 }
 
-/* The times of the response: from 0 to the last that is needed, and those beyond it that interpolation wants. */
+/* Times of the response: from 0 to the last one needed, and some beyond for interpolation. */
 static sp_status response_options(const sp_network *net, const sp_signal_options *opt, const sp_pulse *pulse,
                                   sp_signal_options *o, sp_error *err) {
     double first, last;
@@ -90,7 +90,7 @@ static sp_status response_options(const sp_network *net, const sp_signal_options
     *o = *opt;
     o->points = (int32_t)steps + 1;
     o->until = step * steps;
-    o->tolerance = 0.25 * opt->tolerance; /* a pulse of both signs leaves less of F than of its error */
+    o->tolerance = 0.25 * opt->tolerance; /* with a pulse of both signs F may shrink more than its error */
     return SP_OK;
 }
 

@@ -1,4 +1,4 @@
-/* Record sections of packings. */
+/* Record sections of packings: signals at planes one above the other. */
 #include "base/base.h"
 #include "network/largest.h"
 
@@ -13,7 +13,7 @@ sp_coherent_section_options sp_coherent_section_options_default(void) {
     return (sp_coherent_section_options){.spacing = 1, .low = 4, .part = 0.6};
 }
 
-/* t10 at the top wall, as for the table of fronts. */
+/* t10 at the top wall, as in the table of fronts. */
 static sp_status arrival(const sp_network *net, const sp_coherent_section_options *opt, double height, double *t10,
                          sp_error *err) {
     sp_signal_options o = sp_signal_options_default();
@@ -59,7 +59,7 @@ static sp_status check(const sp_coherent_section_options *opt, double height, in
     return SP_OK;
 }
 
-/* Planes which the same contacts cross have one flux and one height, and are one plane. */
+/* Planes crossed by the same contacts have the same flux and height, and count once. */
 static sp_status place_planes(const sp_network *net, const sp_coherent_section_options *opt, int32_t count, double t10,
                               sp_coherent_section *s, sp_place *place, sp_error *err) {
     const double height = net->box[net->dim - 1];
@@ -83,7 +83,7 @@ static sp_status place_planes(const sp_network *net, const sp_coherent_section_o
                          count, opt->low, opt->part * height, s->planes, LEAST_PLANES);
 }
 
-/* Times up to `until`, so dense that frequencies up to the bound of the spectrum are a third of what they can carry. */
+/* Records up to `until`. The bound of the spectrum is a third of the Nyquist frequency of the times. */
 static sp_status record(const sp_network *net, const sp_coherent_section_options *opt, double until,
                         const sp_place *place, sp_coherent_section *s, sp_error *err) {
     sp_signal_options o = sp_signal_options_default();
@@ -126,7 +126,7 @@ sp_status sp_coherent_section_make(const sp_network *net, const sp_coherent_sect
         status = record(net, opt, s.until[0], place, &s, err);
     if (status == SP_OK)
         status = sp_network_find_largest(net, &s.highest, err);
-    s.highest *= 1.001; /* known from below */
+    s.highest *= 1.001; /* the value is a lower bound */
     sp_free(place);
     if (status != SP_OK) {
         sp_coherent_section_free(&s);

@@ -1,3 +1,4 @@
+/* Solves the driven network at one frequency and bounds the error of the response. */
 #include "spectrum/driven.h"
 #include "base/base.h"
 #include "linalg/vector.h"
@@ -20,7 +21,7 @@ void sp_driven_free(driven *d) {
     *d = (driven){0};
 }
 
-/* All entries of a symmetric matrix of which the lower triangle is given: column by column, rows ascending. */
+/* Pattern of all entries of a symmetric matrix given by its lower triangle: by columns, rows ascending. */
 static void fill_pattern(const sp_sparse *k, driven *d) {
     const int64_t n = k->n;
     for (int64_t c = 0; c < n; c++)
@@ -33,8 +34,8 @@ static void fill_pattern(const sp_sparse *k, driven *d) {
         d->p[c + 1] += d->p[c];
 }
 
-/* Values over sqrt(m m), and the sizes of the sums that they are: by Cauchy and Schwarz at most sqrt(K_rr K_cc). A
- * column's upper part comes from earlier columns, so that rows ascend. */
+/* Entries over sqrt(m m), and the magnitudes of the sums that form them, at most sqrt(K_rr K_cc) by Cauchy-Schwarz. The
+ * upper part of a column comes from earlier columns, so rows ascend. */
 static void fill_values(const sp_sparse *k, const driven *d, int64_t *next, double *x, double *size) {
     const int64_t n = k->n;
     for (int64_t c = 0; c < n; c++)
@@ -109,12 +110,12 @@ sp_status sp_driven_make(const sp_network *net, const sp_network *dashpots, driv
     return status;
 }
 
-/* |H^-1| from a few steps of the power method on H^-1 and its conjugate: H is symmetric, so that H^-* x is the
+/* Estimates |H^-1| by a few steps of the power method on H^-1 and its adjoint. Since H is symmetric, H^-* x is the
  * conjugate of H^-1 applied to the conjugate of x. */
 static sp_status estimate_inverse(driven *d, sp_error *err) {
     enum { STEPS = 4 };
     const int64_t n = d->n;
-    for (int64_t k = 0; k < n; k++) { /* a start without symmetry */
+    for (int64_t k = 0; k < n; k++) { /* a starting vector without symmetry */
         d->v[2 * k] = 1 + 0.5 * sin(2.0 * (double)k * (double)k + 1);
         d->v[2 * k + 1] = 0;
     }
@@ -150,8 +151,8 @@ sp_status sp_driven_solve(driven *d, const double *right, double *u, sp_error *e
     return sp_lu_solve(d->lu, d->x, false, right, u, err);
 }
 
-/* r = right - H u, and bounds of how far it may be off, by its own rounding and by that of H and right: entries are
- * sums of some springs, each of some products. The matrix is symmetric: columns are rows. */
+/* r = right - H u, and bounds of its error due to rounding of r, H and right. H is symmetric, so its columns are its
+ * rows. */
 static void residual(const driven *d, const double *right, const double *u, double *r, double *off) {
     for (int64_t c = 0; c < d->n; c++) {
         double re = right[2 * c], im = right[2 * c + 1], sizes = fabs(re) + fabs(im);
@@ -169,8 +170,8 @@ static void residual(const driven *d, const double *right, const double *u, doub
     }
 }
 
-/* With r = sent - H u, s = seen - H y for the u and y at hand, the error of seen . u is
- * y . r + s . H^-1 r. */
+/* With r = source - H u and s = detector - H y for the computed u and y, the error of detector . u is y . r + s . H^-1
+ * r. */
 void sp_driven_response(driven *d, const double *sent, const double *u, const double *seen, const double *y,
                         double f[2], double *error) {
     double first = 0, r2 = 0, s2 = 0, own = 0, terms = 0;
@@ -191,6 +192,6 @@ void sp_driven_response(driven *d, const double *sent, const double *u, const do
         const double s = hypot(d->v[2 * k], d->v[2 * k + 1]) + off[k];
         s2 += s * s;
     }
-    /* the estimate of |H^-1| is one from below: a tenfold of it */
+    /* the factor 10 is for the estimate of |H^-1|, a lower bound */
     *error = first + 10 * d->inverse * sqrt(r2) * sqrt(s2) + DBL_EPSILON * (12 + 2 * terms) * own;
 }
