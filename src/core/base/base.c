@@ -96,6 +96,22 @@ void *sp_alloc(size_t count, size_t size) {
 
 void sp_free(void *memory) { free(memory); }
 
+void *sp_grow(void *array, size_t need, size_t *capacity, size_t size) {
+    enum { PAGE = 4096, FEWEST = 8 };
+    if (array && need <= *capacity)
+        return array;
+    size_t more = *capacity > 0 ? 2 * *capacity : size < PAGE / FEWEST ? PAGE / size : FEWEST;
+    more = more > need ? more : need;
+    void *larger = sp_alloc(more, size);
+    if (!larger)
+        return NULL;
+    if (array)
+        memcpy(larger, array, *capacity * size);
+    sp_free(array);
+    *capacity = more;
+    return larger;
+}
+
 char *sp_strdup(const char *text) {
     size_t size = strlen(text) + 1;
     char *copy = sp_alloc(size, 1);

@@ -14,6 +14,11 @@ SP_SHARED sp_status sp_fail_prefix(sp_error *err, const char *format, ...) __att
 
 /* Zeroed memory for count elements, aligned to 64 bytes; NULL on overflow or lack (count 0 gives one element). */
 SP_SHARED void *sp_alloc(size_t count, size_t size);
+/* Room for at least `need` elements in an array that grows. Returns `array` itself if *capacity elements are enough;
+ * otherwise frees it and returns a copy of twice the capacity or more, aligned as by sp_alloc, with the new elements
+ * zero. `array` may be NULL with *capacity = 0. NULL for lack of memory: then `array` and *capacity stay as they are.
+ */
+SP_SHARED void *sp_grow(void *array, size_t need, size_t *capacity, size_t size);
 SP_SHARED char *sp_strdup(const char *text); /* free with sp_free */
 /* Test seam: the allocation after `count` more successful ones fails, once; < 0 switches it off. */
 void sp_alloc_fail_after(int64_t count);

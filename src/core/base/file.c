@@ -1,6 +1,7 @@
 #include "base/file.h"
 
 #include "base/base.h"
+#include "base/hash.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -26,18 +27,6 @@ static sp_status fail_errno(sp_error *err, const char *what, const char *path, i
 
 /* ---- reading --------------------------------------------------------------------------------------------------- */
 
-/* Doubles a buffer that is full. */
-static bool grow(char **buffer, size_t *capacity) {
-    char *larger = sp_alloc(2 * *capacity, 1);
-    if (!larger)
-        return false;
-    memcpy(larger, *buffer, *capacity);
-    sp_free(*buffer);
-    *buffer = larger;
-    *capacity *= 2;
-    return true;
-}
-
 static sp_status read_all(int fd, const char *path, bool any, char **text, size_t *size, sp_error *err) {
     struct stat info;
     if (fstat(fd, &info) != 0)
@@ -51,10 +40,12 @@ static sp_status read_all(int fd, const char *path, bool any, char **text, size_
     char *buffer = sp_alloc(capacity, 1);
     sp_status status = buffer ? SP_OK : sp_fail_memory(err, capacity);
     while (status == SP_OK) {
-        if (used + 1 == capacity && !grow(&buffer, &capacity)) {
+        char *larger = sp_grow(buffer, used + 2, &capacity, 1);
+        if (!larger) {
             status = sp_fail_memory(err, 2 * capacity);
             break;
         }
+        buffer = larger;
         ssize_t got = read(fd, buffer + used, capacity - 1 - used);
         if (got < 0 && errno == EINTR)
             continue;
@@ -94,14 +85,6 @@ sp_status sp_file_read_text(const char *path, char **text, size_t *size, sp_erro
 
 sp_status sp_file_read(const char *path, char **data, size_t *size, sp_error *err) {
     return read_file(path, true, data, size, err);
-}
-
-/* Fowler, Noll, Vo, Eastlake. */
-uint64_t sp_hash64(uint64_t begin, const void *data, size_t size) {
-    const unsigned char *byte = data;
-    for (size_t k = 0; k < size; k++)
-        begin = (begin ^ byte[k]) * 0x100000001b3u;
-    return begin;
 }
 
 sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err) {
@@ -159,11 +142,8 @@ static bool own(int fd) {
 /* What the names of this machine's temporary files begin with: some file systems have locks within a machine only. */
 static void own_prefix(char prefix[32]) {
     char host[256] = "";
-    uint32_t hash = 0x811c9dc5u; /* FNV-1a of 32 bits (Fowler, Noll, Vo, Eastlake) */
     gethostname(host, sizeof host - 1);
-    for (const char *c = host; *c; c++)
-        hash = (hash ^ (unsigned char)*c) * 0x01000193u;
-    snprintf(prefix, 32, ".sonopack-%08x-", hash);
+    snprintf(prefix, 32, ".sonopack-%08x-", (unsigned)sp_hash64(SP_HASH64_BEGIN, host, strlen(host)));
 }
 
 /* Opens a new temporary file in the folder. Its name is its own (machine, process, counter), and short, so that it

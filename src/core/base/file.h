@@ -19,8 +19,6 @@ SP_SHARED sp_status sp_file_read(const char *path, char **data, size_t *size, sp
 
 /* FNV-1a of 64 bits over the bytes of a file. SP_EIO. */
 SP_SHARED sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err);
-SP_SHARED uint64_t sp_hash64(uint64_t begin, const void *data, size_t size);
-#define SP_HASH64_BEGIN 0xcbf29ce484222325u
 
 /* Writes data to a temporary file in the folder of path, syncs it, and renames it. Devices and pipes are written to
  * directly; a symbolic link stays one. On failure (SP_EIO) nothing has changed under the name. */

@@ -26,24 +26,11 @@ void sp_locale_leave(sp_locale *l) {
 /* ---- writing --------------------------------------------------------------------------------------------------- */
 
 static bool reserve(sp_text *t, size_t more) {
-    if (t->failed)
-        return false;
-    size_t need = t->size + more + 1, capacity = t->capacity ? t->capacity : 4096;
-    if (need <= t->capacity)
-        return true;
-    while (capacity < need)
-        capacity *= 2;
-    char *larger = sp_alloc(capacity, 1);
-    if (!larger) {
-        t->failed = true;
-        return false;
-    }
-    if (t->data)
-        memcpy(larger, t->data, t->size + 1);
-    sp_free(t->data);
-    t->data = larger;
-    t->capacity = capacity;
-    return true;
+    char *data = t->failed ? NULL : sp_grow(t->data, t->size + more + 1, &t->capacity, 1);
+    if (data)
+        t->data = data;
+    t->failed = !data;
+    return data != NULL;
 }
 
 void sp_text_bytes(sp_text *t, const char *bytes, size_t size) {

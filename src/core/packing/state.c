@@ -3,6 +3,7 @@
  * The lists of neighbours decide the order in which forces are added up, and so the bits. They are made anew from the
  * positions wherever a state may be saved, whether it is or not. */
 #include "base/base.h"
+#include "base/hash.h"
 #include "packing/making.h"
 #include "packing/pairs.h"
 #include "packing/run.h"
@@ -16,37 +17,19 @@ enum { STATE_VERSION = 1, BYTE_ORDER_MARK = 0x01020304 };
 
 /* ---- hashes -------------------------------------------------------------------------------------------------- */
 
-/* FNV-1a over whole words of 64 bits, and over the bytes that are left; the upper bits are folded down, as a product
- * carries upwards only. */
-static uint64_t add_bytes(uint64_t hash, const void *data, size_t size) {
-    const unsigned char *byte = data;
-    for (; size > 0;) {
-        const size_t part = size < 8 ? size : 8;
-        uint64_t word = 0;
-        memcpy(&word, byte, part);
-        hash = (hash ^ word) * 0x100000001b3u;
-        hash ^= hash >> 29;
-        byte += part;
-        size -= part;
-    }
-    return hash;
-}
+static uint64_t add_number(uint64_t hash, double value) { return sp_hash64_words(hash, &value, sizeof value); }
 
-static const uint64_t first_hash = 0xcbf29ce484222325u;
-
-static uint64_t add_number(uint64_t hash, double value) { return add_bytes(hash, &value, sizeof value); }
-
-static uint64_t add_integer(uint64_t hash, uint64_t value) { return add_bytes(hash, &value, sizeof value); }
+static uint64_t add_integer(uint64_t hash, uint64_t value) { return sp_hash64_words(hash, &value, sizeof value); }
 
 uint64_t sp_packing_content(const sp_packing *p) {
-    uint64_t hash = add_integer(first_hash, (uint64_t)p->dim);
+    uint64_t hash = add_integer(SP_HASH64_BEGIN, (uint64_t)p->dim);
     hash = add_integer(hash, (uint64_t)p->n);
     hash = add_integer(hash, (uint64_t)p->n_contacts);
     for (int a = 0; a < 3; a++)
         hash = add_number(hash, p->box[a]);
     hash = add_number(hash, p->pressure);
-    hash = add_bytes(hash, p->x, 3 * (size_t)p->n * sizeof *p->x);
-    hash = add_bytes(hash, p->r, (size_t)p->n * sizeof *p->r);
+    hash = sp_hash64_words(hash, p->x, 3 * (size_t)p->n * sizeof *p->x);
+    hash = sp_hash64_words(hash, p->r, (size_t)p->n * sizeof *p->r);
     for (int32_t c = 0; c < p->n_contacts; c++) {
         const sp_contact *k = &p->contacts[c];
         hash = add_integer(hash, (uint64_t)k->i << 32 | (uint32_t)k->j);
@@ -74,15 +57,15 @@ static uint64_t spec_hash(const sp_pack_spec *s) {
                               s->diameter_min, s->diameter_max,  s->large_fraction, s->size_spread, s->tolerance,
                               s->damping,      s->piston_mass,   s->gas_fraction,   s->time_step,   s->calm,
                               s->drag,         s->viscous_limit, s->calm_damping};
-    uint64_t hash = add_bytes(first_hash, SONOPACK_VERSION, sizeof SONOPACK_VERSION);
+    uint64_t hash = sp_hash64_words(SP_HASH64_BEGIN, SONOPACK_VERSION, sizeof SONOPACK_VERSION);
     for (size_t k = 0; k < sizeof integers / sizeof *integers; k++)
         hash = add_integer(hash, integers[k]);
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         hash = add_number(hash, numbers[k] + 0.0);
     hash = add_integer(hash, (uint64_t)s->diameter_count);
-    hash = add_bytes(hash, s->diameters, (size_t)s->diameter_count * sizeof *s->diameters);
+    hash = sp_hash64_words(hash, s->diameters, (size_t)s->diameter_count * sizeof *s->diameters);
     hash = add_integer(hash, (uint64_t)s->history_count);
-    return add_bytes(hash, s->history, (size_t)s->history_count * sizeof *s->history);
+    return sp_hash64_words(hash, s->history, (size_t)s->history_count * sizeof *s->history);
 }
 
 /* ---- what goes in and out ------------------------------------------------------------------------------------ */
@@ -203,7 +186,7 @@ static size_t write_all(piston_run *run, unsigned char *to, size_t size) {
     pass(&s, d->g, (size_t)d->n * (size_t)d->at.stride * sizeof *d->g);
     pass_walls(&s, d);
     write_pairs(&s, d);
-    uint64_t sum = to ? add_bytes(first_hash, to, s.at) : 0;
+    uint64_t sum = to ? sp_hash64_words(SP_HASH64_BEGIN, to, s.at) : 0;
     pass(&s, &sum, sizeof sum);
     return s.at;
 }
@@ -241,7 +224,7 @@ static sp_status check_header(const sp_pack_spec *spec, const void *state, size_
     if (h.size != size)
         return damaged(err, "it has not the length that it says");
     memcpy(&sum, (const unsigned char *)state + size - sizeof sum, sizeof sum);
-    if (sum != add_bytes(first_hash, state, size - sizeof sum))
+    if (sum != sp_hash64_words(SP_HASH64_BEGIN, state, size - sizeof sum))
         return damaged(err, "its checksum is not that of its bytes");
     if (h.spec != spec_hash(spec))
         return sp_fail(err, SP_EFORMAT, "the state is that of another packing, or of another version");
