@@ -88,7 +88,7 @@ SP_API sp_status sp_packing_check(const sp_packing *p, sp_error *err);
 SP_API sp_status sp_packing_audit(const sp_packing *p, double threshold, sp_audit *audit, sp_error *err);
 /* The largest relative measure of an audit, and its first fault: a pair that is not listed, or a measure above the
  * tolerance. reason = "" if there is none. */
-SP_API double sp_audit_judge(const sp_audit *audit, double tolerance, char *reason, size_t size);
+SP_API double sp_audit_worst(const sp_audit *audit, double tolerance, char *reason, size_t size);
 
 /* Which grains are rattlers: fewer than 2 force-carrying contacts (friction = 0: fewer than dim + 1; 1D: 2), walls
  * included, removed again and again until none is left. carrying[c] says whether contact c belongs to the network.
@@ -171,7 +171,7 @@ typedef struct sp_pack_spec {
     const double
         *history; /* pressures that are gone through first, each to its equilibrium [E*]; shared like diameters */
     int32_t history_count;
-    uint64_t content; /* SP_PACK_FILE: sp_packing_content of the packing to start from; 0: whatever is given */
+    uint64_t content; /* SP_PACK_FILE: sp_packing_hash of the packing to start from; 0: whatever is given */
 } sp_pack_spec;
 
 SP_API sp_pack_spec sp_pack_spec_default(void);
@@ -215,14 +215,14 @@ SP_API sp_status sp_packing_make_with(const sp_pack_spec *spec, const sp_pack_ho
                                       sp_error *err);
 
 /* Whether bytes are the state of some making. */
-SP_API bool sp_pack_state_looks(const void *state, size_t size);
+SP_API bool sp_pack_is_state(const void *state, size_t size);
 /* Whether these bytes are the whole state of a making of this spec, and at which step: else SP_EFORMAT. For
  * SP_PACK_FILE the spec must have gone through sp_pack_spec_from. */
 SP_API sp_status sp_pack_state_check(const sp_pack_spec *spec, const void *state, size_t size, int64_t *steps,
                                      sp_error *err);
 
 /* What a packing is made of as one number, 63 bits: the same for equal grains, contacts and box only. */
-SP_API uint64_t sp_packing_content(const sp_packing *p);
+SP_API uint64_t sp_packing_hash(const sp_packing *p);
 /* Fills in what SP_PACK_FILE takes from the packing: dimension, grains, box, sizes and content. SP_EINVAL where the
  * spec has another value for one of them (its default is none), or the packing is no start. */
 SP_API sp_status sp_pack_spec_from(sp_pack_spec *spec, const sp_packing *from, sp_error *err);

@@ -3,7 +3,7 @@
 #include "base/base.h"
 #include "elastic/moduli.h"
 #include "elastic/strain.h"
-#include "network/kernel.h"
+#include "network/apply.h"
 
 #include <math.h>
 #include <stdio.h>

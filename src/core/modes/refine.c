@@ -1,6 +1,6 @@
 #include "modes/refine.h"
 #include "base/base.h"
-#include "network/kernel.h"
+#include "network/apply.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* K applied without being assembled, spring by spring. */
-#include "network/kernel.h"
+#include "network/apply.h"
 #include "network/spring.h"
 
 #include <float.h>

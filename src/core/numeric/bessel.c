@@ -224,7 +224,7 @@ void sp_bessel_series(int64_t n, const double *c, int parity, int64_t count, con
     }
 }
 
-int64_t sp_bessel_room(int64_t n, int64_t columns) { return LANES * (n + columns); }
+int64_t sp_bessel_scratch(int64_t n, int64_t columns) { return LANES * (n + columns); }
 
 void sp_bessel_series_many(int64_t n, int64_t columns, const double *c, int parity, int64_t count, const double *x,
                            double *f, int64_t stride, double *room) {

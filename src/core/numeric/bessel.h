@@ -18,8 +18,8 @@ SP_SHARED void sp_bessel_j(double x, int64_t n, double *j);
 void sp_bessel_series(int64_t n, const double *c, int parity, int64_t count, const double *x, double *f);
 
 /* The same for several series at once, which share the Bessel functions: c[n][columns], f[s * stride + l]. room:
- * sp_bessel_room() numbers, aligned to 64 bytes. */
-int64_t sp_bessel_room(int64_t n, int64_t columns);
+ * sp_bessel_scratch() numbers, aligned to 64 bytes. */
+int64_t sp_bessel_scratch(int64_t n, int64_t columns);
 void sp_bessel_series_many(int64_t n, int64_t columns, const double *c, int parity, int64_t count, const double *x,
                            double *f, int64_t stride, double *room);
 

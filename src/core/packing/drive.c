@@ -1,5 +1,5 @@
 /* What presses on the grains besides the piston's weight: the stage's pressure, approached slowly, and moving sides. */
-#include "packing/run.h"
+#include "packing/compression.h"
 
 #include <math.h>
 

@@ -99,7 +99,7 @@ void sp_dynamics_free(dynamics *d) {
     sp_free(d->plain_f);
     sp_free(d->listed);
     sp_free(d->g);
-    sp_team_free(d->team);
+    sp_pool_free(d->pool);
     *d = (dynamics){0};
 }
 
@@ -181,7 +181,7 @@ void sp_dynamics_forces(dynamics *d, double dt_past) {
     if (d->plain)
         sp_plain_forces(d, dt_past);
     else
-        sp_team_run(d->team, forces_part, &work);
+        sp_pool_run(d->pool, forces_part, &work);
 }
 
 static void move_part(void *data, int part, int parts) {
@@ -194,7 +194,7 @@ static void move_part(void *data, int part, int parts) {
 static void move_grains(dynamics *d, double dt) {
     step_work work = {.d = d, .dt = dt};
     kernel_seen all = {0, 0};
-    sp_team_run(d->team, move_part, &work);
+    sp_pool_run(d->pool, move_part, &work);
     for (int part = 0; part < (int)(sizeof work.seen / sizeof *work.seen); part++) {
         all.v2 = work.seen[part].v2 > all.v2 ? work.seen[part].v2 : all.v2;
         all.rate = work.seen[part].rate > all.rate ? work.seen[part].rate : all.rate;

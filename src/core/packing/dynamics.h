@@ -3,7 +3,7 @@
 /* The motion of grains under a piston in 2D and 3D: state, neighbour lists, forces and one time step. The protocol that
  * makes a packing of it is in piston.c. */
 
-#include "base/team.h"
+#include "base/pool.h"
 
 #include <sonopack/packing.h>
 #include <stdbool.h>
@@ -93,7 +93,7 @@ typedef struct dynamics {
     int64_t rebuilds, refills;
     int32_t *cell_head, *cell_next; /* cells of the outer list */
     int64_t cells;
-    sp_team *team; /* may be NULL */
+    sp_pool *pool; /* may be NULL */
 } dynamics;
 
 grain_layout sp_dynamics_layout(int dim);

@@ -1,5 +1,5 @@
+#include "packing/compression.h"
 #include "packing/contact.h"
-#include "packing/run.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* The gas of grains that a packing starts from: each is dropped at random places until it overlaps no other. */
 #include "base/base.h"
 #include "numeric/random.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 #include <string.h>

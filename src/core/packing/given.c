@@ -1,5 +1,5 @@
 /* What a making takes from a packing that it starts from. */
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 #include "base/base.h"
 
@@ -58,7 +58,7 @@ sp_status sp_pack_spec_from(sp_pack_spec *spec, const sp_packing *from, sp_error
         if (all[k].given != all[k].usual && all[k].given != all[k].own)
             return sp_fail(err, SP_EINVAL, "packing.%s = %.10g: must be that of packing.file, %.10g, or not given",
                            all[k].name, all[k].given, all[k].own);
-    const uint64_t content = sp_packing_content(from);
+    const uint64_t content = sp_packing_hash(from);
     if (spec->content && spec->content != content)
         return sp_fail(err, SP_EINVAL,
                        "packing.content = %llu: the packing of packing.file is another one now (%llu): must be the "

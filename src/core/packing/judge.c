@@ -17,7 +17,7 @@ static const struct measure {
     {offsetof(sp_audit, wall_residual), "the force on a wall is not pressure times area"},
 };
 
-double sp_audit_judge(const sp_audit *audit, double tolerance, char *reason, size_t size) {
+double sp_audit_worst(const sp_audit *audit, double tolerance, char *reason, size_t size) {
     double largest = 0;
     *reason = '\0';
     if (audit->missing > 0)

@@ -1,5 +1,5 @@
 #include "base/base.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 

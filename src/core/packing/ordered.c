@@ -1,6 +1,6 @@
 #include "base/base.h"
 #include "packing/contact.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 

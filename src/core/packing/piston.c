@@ -2,8 +2,8 @@
  * stops. Where the paper is silent (damping, piston mass, time step) the spec's defaults are those that reproduce its
  * tables. */
 #include "base/base.h"
-#include "packing/making.h"
-#include "packing/run.h"
+#include "packing/compression.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 

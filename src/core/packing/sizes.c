@@ -1,7 +1,7 @@
 /* The laws of the diameters. */
 #include "base/base.h"
 #include "numeric/random.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 

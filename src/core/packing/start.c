@@ -1,9 +1,9 @@
 /* Where a compression starts: a gas, a lattice that is blown up, or a packing. */
 #include "base/base.h"
+#include "packing/compression.h"
 #include "packing/contact.h"
-#include "packing/making.h"
 #include "packing/pairs.h"
-#include "packing/run.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -201,7 +201,7 @@ sp_status sp_compression_start(piston_run *run, sp_error *err) {
     sp_compression_set_stage(run);
     sp_status status = run->hooks->state ? sp_state_load(run, err) : start_new(run, err);
     if (status == SP_OK && spec->grains >= 5000)
-        status = sp_team_make(run->hooks->threads, &run->d.team, err);
+        status = sp_pool_make(run->hooks->threads, &run->d.pool, err);
     run->r_min = 0.5 * spec->diameter_min;
     if (status == SP_OK)
         run->max_steps = spec->max_steps ? spec->max_steps : default_max_steps(run);

@@ -4,9 +4,9 @@
  * positions wherever a state may be saved, whether it is or not. */
 #include "base/base.h"
 #include "base/hash.h"
-#include "packing/making.h"
+#include "packing/compression.h"
 #include "packing/pairs.h"
-#include "packing/run.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 #include <sonopack/version.h>
@@ -21,7 +21,7 @@ static uint64_t add_number(uint64_t hash, double value) { return sp_hash64_words
 
 static uint64_t add_integer(uint64_t hash, uint64_t value) { return sp_hash64_words(hash, &value, sizeof value); }
 
-uint64_t sp_packing_content(const sp_packing *p) {
+uint64_t sp_packing_hash(const sp_packing *p) {
     uint64_t hash = add_integer(SP_HASH64_BEGIN, (uint64_t)p->dim);
     hash = add_integer(hash, (uint64_t)p->n);
     hash = add_integer(hash, (uint64_t)p->n_contacts);
@@ -209,14 +209,14 @@ static sp_status damaged(sp_error *err, const char *what) {
     return sp_fail(err, SP_EFORMAT, "the state is damaged: %s", what);
 }
 
-bool sp_pack_state_looks(const void *state, size_t size) {
+bool sp_pack_is_state(const void *state, size_t size) {
     return size >= sizeof magic && memcmp(state, magic, sizeof magic) == 0;
 }
 
 static sp_status check_header(const sp_pack_spec *spec, const void *state, size_t size, header *out, sp_error *err) {
     header h;
     uint64_t sum;
-    if (!sp_pack_state_looks(state, size) || size < sizeof h + sizeof sum)
+    if (!sp_pack_is_state(state, size) || size < sizeof h + sizeof sum)
         return sp_fail(err, SP_EFORMAT, "these are no state of a packing's making");
     memcpy(&h, state, sizeof h);
     if (h.version != STATE_VERSION || h.order != BYTE_ORDER_MARK)

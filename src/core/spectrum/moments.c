@@ -1,6 +1,6 @@
 #include "spectrum/moments.h"
 #include "base/base.h"
-#include "network/kernel.h"
+#include "network/apply.h"
 
 #include <math.h>
 

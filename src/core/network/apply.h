@@ -1,5 +1,5 @@
-#ifndef SP_KERNEL_H
-#define SP_KERNEL_H
+#ifndef SP_NETWORK_APPLY_H
+#define SP_NETWORK_APPLY_H
 /* K applied to two vectors at once, and energies with what is needed to bound their rounding. */
 
 #include <sonopack/network.h>

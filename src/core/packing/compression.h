@@ -1,5 +1,5 @@
-#ifndef SP_RUN_H
-#define SP_RUN_H
+#ifndef SP_COMPRESSION_H
+#define SP_COMPRESSION_H
 /* One compression, from its start (start.c) to the packing: the protocol (piston.c), what presses (drive.c), its state
  * as bytes (state.c) and its end (freeze.c). */
 #include "packing/dynamics.h"

@@ -1,5 +1,5 @@
-#ifndef SP_MAKING_H
-#define SP_MAKING_H
+#ifndef SP_PREPARE_H
+#define SP_PREPARE_H
 /* What the makers of packings share inside the room. */
 
 #include <sonopack/packing.h>
