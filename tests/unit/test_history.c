@@ -221,7 +221,7 @@ static void what_is_refused(void **state) {
     s.content = sp_packing_hash(&lattice) + 1;
     assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.content");
     lattice.wall = SP_WALL_GRAIN;
-    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "walls answer like grains");
+    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.file: its walls");
     c.history = &c.pressure;
     c.history_count = 1;
     assert_fails(sp_packing_make(&c, NULL, NULL, &p, &err), SP_EINVAL, "packing.history");

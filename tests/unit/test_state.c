@@ -144,16 +144,16 @@ static void what_is_no_state(void **state) {
     other.seed++;
     assert_fails(sp_pack_state_check(&other, a.state, a.size, &steps, &err), SP_EFORMAT, "another packing");
     assert_fails(sp_pack_state_check(&s, a.state, a.size - 1, &steps, &err), SP_EFORMAT, "length");
-    assert_fails(sp_pack_state_check(&s, a.state, 3, &steps, &err), SP_EFORMAT, "no state");
+    assert_fails(sp_pack_state_check(&s, a.state, 3, &steps, &err), SP_EFORMAT, "not a saved state");
     assert_fails(sp_pack_state_check(&s, "sonopack sonopack sonopack sonopack sonopack sonopack", 52, &steps, &err),
-                 SP_EFORMAT, "no state");
+                 SP_EFORMAT, "not a saved state");
     hooks.state = a.state;
     hooks.state_size = a.size;
     hooks.save = NULL;
     other = s;
     other.kind = SP_PACK_CHAIN;
     other.dim = 1;
-    assert_fails(sp_packing_make_with(&other, &hooks, &p, &err), SP_EFORMAT, "no state to go on from");
+    assert_fails(sp_packing_make_with(&other, &hooks, &p, &err), SP_EFORMAT, "no state");
     srand(4);
     for (int k = 0; k < 300; k++) { /* a bit that has changed, anywhere */
         const size_t at = (size_t)rand() % a.size;

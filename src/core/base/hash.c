@@ -19,7 +19,7 @@ uint64_t sp_hash64_words(uint64_t hash, const void *data, size_t size) {
         uint64_t word = 0;
         memcpy(&word, byte, part);
         hash = (hash ^ word) * FNV_PRIME;
-        hash ^= hash >> 29; /* a product carries upwards only: without this the low bits never see the high ones */
+        hash ^= hash >> 29; /* multiplication carries upwards only, so fold the high bits down */
         byte += part;
         size -= part;
     }

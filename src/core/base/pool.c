@@ -1,3 +1,4 @@
+/* A thread pool for very short, repeated jobs. */
 #include "base/pool.h"
 
 #include "base/base.h"
@@ -19,16 +20,16 @@ struct sp_pool {
     int parts;
     sp_pool_work work;
     void *data;
-    atomic_uint round;  /* a new number starts a round of work */
-    atomic_int working; /* members that have not finished it */
+    atomic_uint round;  /* incremented to start a round */
+    atomic_int working; /* threads that have not finished the round */
     bool stop;
-    pthread_mutex_t lock; /* for those that have waited too long to spin on */
+    pthread_mutex_t lock; /* for threads that have spun for too long */
     pthread_cond_t started, finished;
     member *members;
 };
 
-/* Waiting costs a processor; sleeping costs the time of a whole round of work to wake up. So one waits for a
- * millisecond or two, and lets others have the processor now and then. */
+/* Spinning uses a processor, but waking a sleeping thread takes as long as a whole round. So a thread spins for one or
+ * two milliseconds, and yields now and then. */
 static void relax(int spin) {
     if (spin % SPINS_A_YIELD == SPINS_A_YIELD - 1) {
         sched_yield();
@@ -91,7 +92,7 @@ sp_status sp_pool_make(int threads, sp_pool **out, sp_error *err) {
         member *m = &members[pool->parts];
         *m = (member){.pool = pool, .part = pool->parts};
         if (pthread_create(&m->thread, NULL, member_main, m) != 0)
-            break; /* fewer hands do the same work */
+            break; /* fewer threads do the same work */
     }
     *out = pool;
     return SP_OK;

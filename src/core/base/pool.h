@@ -1,16 +1,17 @@
 #ifndef SP_POOL_H
 #define SP_POOL_H
-/* A few threads that share one piece of work again and again, many thousand times a second. */
+/* A thread pool for work that is repeated thousands of times a second. */
 
 #include <sonopack/status.h>
 
 typedef struct sp_pool sp_pool;
-/* Part `part` of `parts` of the work; parts must not depend on each other. */
+/* Does part `part` (from 0) of `parts`. The parts must be independent of each other. */
 typedef void (*sp_pool_work)(void *data, int part, int parts);
 
-/* threads - 1 new threads beside the caller's. *out stays NULL for one thread: sp_pool_run then works alone. */
+/* Starts threads - 1 threads; the caller is the remaining one. For one thread *out is NULL, and sp_pool_run runs in the
+ * caller alone. SP_ENOMEM. */
 SP_SHARED sp_status sp_pool_make(int threads, sp_pool **out, sp_error *err);
-/* Returns when all parts are done. The caller does part 0. */
+/* Runs all parts and returns when they are done. The caller runs part 0. */
 SP_SHARED void sp_pool_run(sp_pool *pool, sp_pool_work work, void *data);
 SP_SHARED void sp_pool_free(sp_pool *pool);
 

@@ -1,3 +1,4 @@
+/* Text buffers, numbers in text, and lines. */
 #include "base/text.h"
 
 #include "base/base.h"
@@ -86,7 +87,7 @@ bool sp_word_number(const char *word, double *out) {
     return true;
 }
 
-/* Only a sign and digits: what strtoll would skip or stop at is refused. */
+/* Only a sign and digits: refuses what strtoll would skip or stop at. */
 static bool plain_integer(const char *word, bool sign) {
     if (sign && (*word == '-' || *word == '+'))
         word++;

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The relative measures of an audit, in the order in which they are judged. */
+/* The relative errors of an audit, in the order of reporting. */
 static const struct measure {
     size_t offset;
     const char *fault;
