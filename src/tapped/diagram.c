@@ -1,7 +1,7 @@
 /* Diagrams: one column after the other over a parameter, by several threads; each starts anew, so that a point depends
  * on nothing but its parameter. */
 #include "base/base.h"
-#include "base/team.h"
+#include "base/pool.h"
 #include "tapped/events.h"
 #include "tapped/table.h"
 
@@ -198,13 +198,13 @@ static sp_status write_table(const diagram *d, sp_table *t, sp_error *err) {
     return status;
 }
 
-static sp_status run_team(diagram *d, int threads, sp_error *err) {
-    sp_team *team = NULL;
-    sp_status status = sp_team_make(threads < d->points ? threads : d->points, &team, err);
+static sp_status run_pool(diagram *d, int threads, sp_error *err) {
+    sp_pool *pool = NULL;
+    sp_status status = sp_pool_make(threads < d->points ? threads : d->points, &pool, err);
     if (status != SP_OK)
         return status;
-    sp_team_run(team, work, d);
-    sp_team_free(team);
+    sp_pool_run(pool, work, d);
+    sp_pool_free(pool);
     if (atomic_load(&d->stop))
         return sp_fail(err, SP_EINTERRUPTED, "stopped after %d of %d points", atomic_load(&d->done), d->points);
     if (atomic_load(&d->failed) == d->points) {
@@ -233,7 +233,7 @@ sp_status sp_tapped_diagram(const sp_tapped_spec *spec, int threads, sp_tapped_w
     d.value = sp_alloc((size_t)d.points * (size_t)d.kept * (size_t)d.values, sizeof *d.value);
     d.status = sp_alloc((size_t)d.points, sizeof *d.status);
     d.violated = sp_alloc((size_t)d.points, sizeof *d.violated);
-    status = d.value && d.status && d.violated ? run_team(&d, threads, err) : sp_fail_memory(err, (size_t)bytes);
+    status = d.value && d.status && d.violated ? run_pool(&d, threads, err) : sp_fail_memory(err, (size_t)bytes);
     if (status == SP_OK)
         status = write_table(&d, out, err);
     sp_free(d.value);

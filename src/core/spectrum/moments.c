@@ -1,7 +1,7 @@
 /* Chebyshev moments of a spectrum, and densities from them. */
 #include "spectrum/moments.h"
 #include "base/base.h"
-#include "network/kernel.h"
+#include "network/apply.h"
 
 #include <math.h>
 
