@@ -446,7 +446,7 @@ static void overrides(void **state) {
         sp_scene_free(&s);
     }
     sp_scene s = parsed_set(text, "packing.grains=100"); /* study.sweep is not replaced */
-    assert_fails(sp_scene_check_sweeps(&s, &err), SP_EINVAL, "--set packing.grains: the key is swept by study.sweep");
+    assert_fails(sp_scene_check_sweeps(&s, &err), SP_EINVAL, "packing.grains: the key is swept by study.sweep");
     sp_scene_free(&s);
     refuses_set(text, "packing.grains=[100, 200]", "packing.grains: is swept here and by study.sweep");
     refuses_set(text, "packing.pressure=[1e-6, x]", "must be");
@@ -458,7 +458,7 @@ static void overrides(void **state) {
     sp_scene lists = parsed_set("packing = { kind = \"chain\"; sizes = \"list\"; diameters = [1, 1]; grains = 2; };"
                                 "study = { sweep = ( { key = \"packing.diameters\"; values = ([1, 1], [1, 2]); } ); };",
                                 "packing.diameters=1,3");
-    assert_fails(sp_scene_check_sweeps(&lists, &err), SP_EINVAL, "--set packing.diameters: the key is swept");
+    assert_fails(sp_scene_check_sweeps(&lists, &err), SP_EINVAL, "packing.diameters: the key is swept");
     sp_scene_free(&lists);
 }
 

@@ -9,8 +9,14 @@
 /* Writes the reason into err (may be NULL) and returns status: `return sp_fail(err, SP_EINVAL, "...", ...)`. */
 SP_SHARED sp_status sp_fail(sp_error *err, sp_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+/* The same for a wrong value of a key: err->key is the key, and the text begins with it:
+ * `sp_fail_key(err, SP_EINVAL, "packing.width", " = %g: must be ...", ...)`. */
+SP_SHARED sp_status sp_fail_key(sp_error *err, sp_status status, const char *key, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
 /* Puts "prefix: " in front of a reason (where an outer function knows the file, say). */
 SP_SHARED sp_status sp_fail_prefix(sp_error *err, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Puts "key: " in front, and makes it the key at fault: the user gave the wrong value through this key. */
+SP_SHARED sp_status sp_fail_prefix_key(sp_error *err, const char *key);
 
 /* Zeroed memory for count elements, aligned to 64 bytes; NULL on overflow or lack (count 0 gives one element). */
 SP_SHARED void *sp_alloc(size_t count, size_t size);

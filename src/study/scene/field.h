@@ -2,22 +2,24 @@
 #define SP_FIELD_H
 /* The table of a scene's fields, and values going in and out of an sp_scene through it. */
 
+#include "base/key.h"
+
 #include <sonopack/study/scene.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 typedef enum sp_field_type {
-    SP_FIELD_REAL,  /* double */
-    SP_FIELD_INT,   /* int or int32_t */
-    SP_FIELD_INT64, /* int64_t or uint64_t: no range reaches above INT64_MAX */
-    SP_FIELD_BOOL,
-    SP_FIELD_WORD,  /* an enumeration: one of words */
-    SP_FIELD_LIST,  /* unsigned bits: a list of words */
-    SP_FIELD_SWEEP, /* sp_scene.sweep */
-    SP_FIELD_REALS, /* a list: diameters, history, masses and radii, which the scene owns, or planes */
-    SP_FIELD_FILE,  /* name of a file that is read in place of SP_FIELD_REALS, and forgotten */
-    SP_FIELD_PATH   /* name of a file that is kept: char [SP_FROM_MAX] */
+    SP_FIELD_REAL = SP_KEY_REAL,
+    SP_FIELD_INT = SP_KEY_INT,
+    SP_FIELD_INT64 = SP_KEY_INT64, /* a scene has no numbers above INT64_MAX */
+    SP_FIELD_BOOL = SP_KEY_BOOL,
+    SP_FIELD_WORD = SP_KEY_WORD,
+    SP_FIELD_REALS = SP_KEY_REALS, /* diameters, history, masses and radii, which the scene owns, or planes */
+    SP_FIELD_LIST,                 /* unsigned bits: a list of words */
+    SP_FIELD_SWEEP,                /* sp_scene.sweep */
+    SP_FIELD_FILE,                 /* name of a file that is read in place of SP_FIELD_REALS, and forgotten */
+    SP_FIELD_PATH                  /* name of a file that is kept: char [SP_FROM_MAX] */
 } sp_field_type;
 
 typedef struct sp_word {
@@ -26,12 +28,10 @@ typedef struct sp_word {
 } sp_word;
 
 typedef struct sp_field {
-    const char *group, *name;
+    const char *key; /* "group.name" */
     sp_field_type type;
-    size_t offset; /* of the value in sp_scene */
-    const char *unit;
-    double low, high; /* of numbers, both allowed */
-    const sp_word *words;
+    size_t offset;        /* of the value in sp_scene */
+    const sp_word *words; /* of SP_FIELD_WORD and SP_FIELD_LIST */
     const char *meaning;
 } sp_field;
 
@@ -44,7 +44,13 @@ typedef struct sp_number {
 
 enum { SP_FIELDS = 71 };
 extern const sp_field sp_fields[SP_FIELDS];
+enum { SP_GROUPS = 5 };
+extern const char *const sp_groups[SP_GROUPS];
 int sp_field_index(const sp_field *f);
+const char *sp_field_name(const sp_field *f); /* without its group */
+bool sp_field_in_group(const sp_field *f, const char *group);
+/* Range and unit of numbers and lists, from the table of the spec that holds the value; NULL for other fields. */
+SP_SHARED const sp_key *sp_field_limits(const sp_field *f);
 /* The field of "group.name", NULL if there is none. */
 SP_SHARED const sp_field *sp_field_find(const char *key);
 /* The key most like this one, which is unknown; NULL if none comes near. group may be "". */
@@ -58,8 +64,6 @@ const char *sp_field_not_swept(const sp_field *f);
 
 /* What would be right, as "1e-10 .. 0.01 E*" or "piston, triangular or chain"; returns buf. */
 SP_SHARED const char *sp_field_right(const sp_field *f, char *buf, size_t size);
-/* One end of a field's range. */
-const char *sp_limit_text(const sp_field *f, double limit, char *buf, size_t size);
 
 /* SP_EINVAL "group.name = value: must be ..." for a number that is not finite, out of range, or broken where an integer
  * is wanted. */
@@ -91,5 +95,7 @@ bool sp_field_is_column(const sp_field *f); /* of the group column */
 SP_SHARED int sp_edit_distance(const char *a, const char *b);
 /* Whether a distance is small enough to ask "did you mean" for a word. */
 SP_SHARED bool sp_is_near(const char *word, int distance);
+/* Of these words the one to ask "did you mean" for; NULL if none is near. */
+const char *sp_nearest_word(const char *word, int count, const char *const *words);
 
 #endif

@@ -10,15 +10,15 @@
 #include <string.h>
 
 static sp_status too_many(const sp_reader *r, const sp_field *f, int64_t count) {
-    return sp_fail(r->err, SP_EINVAL, "%s.%s: %lld numbers: must be %d at the most", f->group, f->name,
-                   (long long)count, SP_DIAMETERS_MAX);
+    return sp_fail_key(r->err, SP_EINVAL, f->key, ": %lld numbers: must be %d at the most", (long long)count,
+                       SP_DIAMETERS_MAX);
 }
 
 sp_status sp_reader_length(const sp_reader *r, const sp_field *f, const config_setting_t *list) {
     const int count = config_setting_length(list);
     if (sp_field_is_history(f) && count > SP_HISTORY_MAX)
-        return sp_fail(r->err, SP_EINVAL, "packing.history: %d pressures: must be %d at the most", count,
-                       SP_HISTORY_MAX);
+        return sp_fail_key(r->err, SP_EINVAL, "packing.history", ": %d pressures: must be %d at the most", count,
+                           SP_HISTORY_MAX);
     return count > SP_DIAMETERS_MAX ? too_many(r, f, count) : SP_OK;
 }
 
@@ -39,7 +39,8 @@ sp_status sp_reader_list(sp_reader *r, const sp_field *f, const config_setting_t
 static sp_status read_planes(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
     const int count = config_setting_length(setting);
     if (count > SP_PLANES_MAX)
-        return sp_fail(r->err, SP_EINVAL, "signal.planes: %d planes: must be %d at the most", count, SP_PLANES_MAX);
+        return sp_fail_key(r->err, SP_EINVAL, "signal.planes", ": %d planes: must be %d at the most", count,
+                           SP_PLANES_MAX);
     double *plane = r->scene.plane;
     for (int k = 0; k < count; k++) {
         const config_setting_t *value = config_setting_get_elem(setting, (unsigned)k);
@@ -50,8 +51,8 @@ static sp_status read_planes(sp_reader *r, const sp_field *f, const config_setti
         if (status != SP_OK)
             return status;
         if (k > 0 && !(number.real > plane[k - 1]))
-            return sp_fail(r->err, SP_EINVAL, "signal.planes: %g after %g: must be in ascending order", number.real,
-                           plane[k - 1]);
+            return sp_fail_key(r->err, SP_EINVAL, "signal.planes", ": %g after %g: must be in ascending order",
+                               number.real, plane[k - 1]);
         plane[k] = number.real;
     }
     r->scene.planes = count;
@@ -84,11 +85,11 @@ static sp_status read_single(sp_reader *r, const sp_field *f, const sp_number *n
 static sp_status list_of_lists(const sp_reader *r, const sp_field *f) {
     const char *reason = sp_field_not_swept(f);
     if (reason)
-        return sp_fail(r->err, SP_EINVAL, "%s.%s cannot be swept: %s: must be one list", f->group, f->name, reason);
-    return sp_fail(r->err, SP_EINVAL,
-                   "%s.%s: a list of lists: must be one list here, study.sweep sweeps it: ( { key = \"%s.%s\"; "
-                   "values = ( [...], [...] ); } )",
-                   f->group, f->name, f->group, f->name);
+        return sp_fail_key(r->err, SP_EINVAL, f->key, " cannot be swept: %s: must be one list", reason);
+    return sp_fail_key(r->err, SP_EINVAL, f->key,
+                       ": a list of lists: must be one list here, study.sweep sweeps it: ( { key = \"%s\"; "
+                       "values = ( [...], [...] ); } )",
+                       f->key);
 }
 
 sp_status sp_read_reals(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
@@ -105,7 +106,7 @@ sp_status sp_read_reals(sp_reader *r, const sp_field *f, const config_setting_t 
     const int count = config_setting_length(setting);
     if (count > 0 && config_setting_is_list(config_setting_get_elem(setting, 0)))
         return list_of_lists(r, f);
-    if (r->overrides && strcmp(f->name, "diameters") == 0)
+    if (r->overrides && strcmp(f->key, "packing.diameters") == 0)
         r->list[0] = '\0';
     double *values = count > 0 ? sp_alloc((size_t)count, sizeof *values) : NULL;
     if (count > 0 && !values)
@@ -126,7 +127,7 @@ static sp_status read_name(sp_reader *r, const sp_field *f, const config_setting
     const bool beside = !r->overrides && name[0] != '/' && name[0] != '\0' && slash;
     const int length = snprintf(out, size, "%.*s%s", beside ? (int)(slash - r->name) + 1 : 0, r->name, name);
     if (length < 0 || (size_t)length >= size)
-        return sp_fail(r->err, SP_EINVAL, "%s.%s = \"%.60s...\": must be a shorter name", f->group, f->name, name);
+        return sp_fail_key(r->err, SP_EINVAL, f->key, " = \"%.60s...\": must be a shorter name", name);
     return SP_OK;
 }
 
@@ -168,7 +169,9 @@ static bool is_blank(const char *line, const char *end) {
 }
 
 /* The numbers of the text; *count of them on success. */
-static sp_status read_lines(sp_reader *r, const sp_field *range, const char *text, double *out, int32_t *count) {
+static sp_status read_lines(sp_reader *r, const sp_field *f, const char *text, double *out, int32_t *count) {
+    const sp_key *range = sp_field_limits(f);
+    char text_of_range[128];
     int32_t used = 0;
     int64_t number = 1;
     if (strncmp(text, "\xef\xbb\xbf", 3) == 0) /* the byte order mark of some editors */
@@ -178,12 +181,11 @@ static sp_status read_lines(sp_reader *r, const sp_field *range, const char *tex
         if (!is_blank(line, end)) {
             double value = NAN;
             if (used == SP_DIAMETERS_MAX)
-                return too_many(r, range, (int64_t)used + 1);
-            if (!number_of_line(line, end, &value) || !(value >= range->low && value <= range->high))
-                return sp_fail(r->err, SP_EINVAL,
-                               "%s:%lld: \"%.*s\": must be one number %g .. %g %s, # begins a comment", r->list,
-                               (long long)number, (int)(end - line < 40 ? end - line : 40), line, range->low,
-                               range->high, range->unit);
+                return too_many(r, f, (int64_t)used + 1);
+            if (!number_of_line(line, end, &value) || !sp_key_allows(range, value))
+                return sp_fail(r->err, SP_EINVAL, "%s:%lld: \"%.*s\": must be one number %s, # begins a comment",
+                               r->list, (long long)number, (int)(end - line < 40 ? end - line : 40), line,
+                               sp_key_range(range, text_of_range, sizeof text_of_range));
             out[used++] = value;
         }
         line = *next ? next + 1 : next;
@@ -197,9 +199,9 @@ static sp_status read_lines(sp_reader *r, const sp_field *range, const char *tex
 
 sp_status sp_reader_load_list(sp_reader *r) {
     const char *key = "packing.diameter_file";
-    const sp_field *range = sp_field_find("packing.diameters");
+    const sp_field *f = sp_field_find("packing.diameters");
     if (r->scene.pack.diameter_count > 0)
-        return sp_fail(r->err, SP_EINVAL, "%s = \"%.60s\": must not be given beside packing.diameters", key, r->list);
+        return sp_fail_key(r->err, SP_EINVAL, key, " = \"%.60s\": must not be given beside packing.diameters", r->list);
     char *text = NULL;
     double *diameters = NULL;
     int32_t count = 0;
@@ -212,8 +214,7 @@ sp_status sp_reader_load_list(sp_reader *r) {
     if (lines > SP_DIAMETERS_MAX)
         lines = SP_DIAMETERS_MAX;
     diameters = sp_alloc(lines, sizeof *diameters);
-    status =
-        diameters ? read_lines(r, range, text, diameters, &count) : sp_fail_memory(r->err, lines * sizeof *diameters);
+    status = diameters ? read_lines(r, f, text, diameters, &count) : sp_fail_memory(r->err, lines * sizeof *diameters);
     if (status == SP_OK) {
         sp_scene_take_diameters(&r->scene, diameters, count);
         diameters = NULL;
@@ -222,6 +223,6 @@ out:
     sp_free(diameters);
     sp_free(text);
     if (status == SP_EINVAL)
-        sp_fail_prefix(r->err, "%s", key);
+        sp_fail_prefix_key(r->err, key);
     return status;
 }

@@ -64,14 +64,14 @@ void sp_scene_free(sp_scene *s) {
 
 sp_status sp_scene_check_sweeps(const sp_scene *s, sp_error *err) {
     for (int k = 0; k < s->sweeps; k++)
-        if (s->sweep[k].overridden)
-            return sp_fail(
-                err, SP_EINVAL,
-                "--set %s: the key is swept by study.sweep: must be another key, or be taken out of the sweep%s",
-                s->sweep[k].key,
-                strcmp(s->sweep[k].key, "packing.height") == 0 || strcmp(s->sweep[k].key, "packing.grains") == 0
-                    ? " (packing.grains and packing.height say the same)"
-                    : "");
+        if (s->sweep[k].overridden) {
+            const char *key = s->sweep[k].key;
+            const bool grains = strcmp(key, "packing.height") == 0 || strcmp(key, "packing.grains") == 0;
+            sp_fail_key(err, SP_EINVAL, key,
+                        ": the key is swept by study.sweep: set another key, or take it out of the sweep%s",
+                        grains ? " (packing.grains and packing.height say the same)" : "");
+            return sp_fail_prefix(err, "--set");
+        }
     return SP_OK;
 }
 
@@ -85,7 +85,7 @@ sp_status sp_scene_resolve(sp_scene *s, sp_error *err) {
 sp_status sp_scene_set(sp_scene *s, const char *key, double value, sp_error *err) {
     const sp_field *f = sp_field_find(key);
     if (!f || !sp_field_is_number(f))
-        return sp_fail(err, SP_EINVAL, "key \"%.60s\": must be a numeric key of a scene", key);
+        return sp_fail_key(err, SP_EINVAL, key, ": must be a numeric key of a scene");
     sp_status status = sp_field_store(s, f, &(sp_number){.real = value}, err);
     if (status == SP_OK && strcmp(key, "packing.grains") == 0)
         s->height = 0;

@@ -140,30 +140,29 @@ static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
 /* Of grains and height the one that decides: a scene says the same, whichever it was given by, once it is resolved. Of
  * a whole scene the dimension that is each kind's own. */
 static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
-    if (strcmp(f->name, "dimension") == 0 && !group && !s->dimension_given)
+    if (strcmp(f->key, "packing.dimension") == 0 && !group && !s->dimension_given)
         for (int k = 0; k < s->sweeps; k++)
             if (strcmp(s->sweep[k].key, "packing.kind") == 0)
                 return true;
-    return (strcmp(f->name, "height") == 0 && !(s->height > 0)) || (strcmp(f->name, "grains") == 0 && s->height > 0);
+    return (strcmp(f->key, "packing.height") == 0 && !(s->height > 0)) ||
+           (strcmp(f->key, "packing.grains") == 0 && s->height > 0);
 }
 
 char *sp_scene_text(const sp_scene *s, const char *group) {
     writer w = {0};
-    const char *open = NULL; /* the group under way */
-    for (int k = 0; k < SP_FIELDS; k++) {
-        const sp_field *f = &sp_fields[k];
-        if (group ? strcmp(group, f->group) != 0 : sp_field_is_column(f))
+    for (int g = 0; g < SP_GROUPS; g++) {
+        if (group ? strcmp(group, sp_groups[g]) != 0 : strcmp(sp_groups[g], "column") == 0)
             continue;
-        if (left_out(s, f, group))
-            continue;
-        if (!open || strcmp(open, f->group) != 0)
-            put(&w, "%s%s = {\n", open ? "};\n" : "", f->group);
-        open = f->group;
-        put(&w, "  %s = ", f->name);
-        put_value(&w, s, f);
-        put(&w, ";\n");
+        put(&w, "%s = {\n", sp_groups[g]);
+        for (const sp_field *f = sp_fields; f < sp_fields + SP_FIELDS; f++) {
+            if (!sp_field_in_group(f, sp_groups[g]) || left_out(s, f, group))
+                continue;
+            put(&w, "  %s = ", sp_field_name(f));
+            put_value(&w, s, f);
+            put(&w, ";\n");
+        }
+        put(&w, "};\n");
     }
-    put(&w, "%s", open ? "};\n" : "");
     return finish(&w);
 }
 
@@ -196,7 +195,7 @@ char *sp_scene_help(void) {
     for (int k = 0; k < SP_FIELDS; k++) {
         const sp_field *f = &sp_fields[k];
         char right[200];
-        put(&w, "\n%s.%s = ", f->group, f->name);
+        put(&w, "\n%s = ", f->key);
         put_value(&w, &s, f);
         put(&w, "\n    %s\n", f->meaning);
         if (f->type != SP_FIELD_SWEEP)
