@@ -414,7 +414,7 @@ static void entries_that_make_no_sense(void **state) {
     for (int k = 0; k < SP_HISTORY_MAX + 1; k++)
         strcat(text, "1e-3, ");
     strcat(text, "1e-3] ); } ); };");
-    refuses(text, "packing.history: 1002 pressures: must be 1000 at the most");
+    refuses(text, "packing.history: 1002 numbers: must be 1000 at the most");
     free(text);
 }
 

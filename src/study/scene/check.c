@@ -203,7 +203,7 @@ sp_status sp_reader_check(sp_reader *r) {
     return status == SP_OK ? check_packings(r, combinations, listed) : status;
 }
 
-sp_status sp_reader_check_column(sp_reader *r) {
+sp_status sp_reader_check_tapped(sp_reader *r) {
     int listed = 0;
     sp_status status = sp_join_sweeps(r, &listed);
     return status == SP_OK ? sp_tapped_check(&r->scene.column, r->err) : status;

@@ -1,3 +1,4 @@
+/* The table of a scene's keys, and values going in and out of a scene through it. */
 #include "scene/field.h"
 
 #include "../../tapped/keys.h" /* of a library beside this one */
@@ -70,7 +71,7 @@ _Static_assert(sizeof(sp_pack_kind) == sizeof(unsigned) && sizeof(sp_signal_meth
 
 #define AT(member) offsetof(sp_scene, member)
 
-/* The ranges of keys that belong to no spec with a table of its own. */
+/* Ranges of keys that are in no spec, or in a spec without a table of its keys. */
 static const sp_key scene_keys[] = {
     {"packing.height", SP_KEY_REAL, AT(height), 0, "d", 0, 1e6, false},
     {"network.threshold", SP_KEY_REAL, AT(network.threshold), 0, "p d^2", 0, 1, false},
@@ -284,22 +285,38 @@ bool sp_field_is_number(const sp_field *f) {
     return f->type == SP_FIELD_REAL || f->type == SP_FIELD_INT || f->type == SP_FIELD_INT64;
 }
 
-bool sp_field_is_history(const sp_field *f) { return f->offset == AT(pack.history); }
-
 bool sp_field_is_planes(const sp_field *f) { return f->offset == AT(plane); }
 
-bool sp_field_is_column(const sp_field *f) { return sp_field_in_group(f, "column"); }
+bool sp_field_is_tapped(const sp_field *f) { return sp_field_in_group(f, "column"); }
 
-bool sp_field_is_masses(const sp_field *f) { return f->offset == AT(column.mass); }
+int sp_field_list_max(const sp_field *f) {
+    return sp_field_is_planes(f) ? SP_PLANES_MAX : f->offset == AT(pack.history) ? SP_HISTORY_MAX : SP_DIAMETERS_MAX;
+}
 
-bool sp_field_is_radii(const sp_field *f) { return f->offset == AT(column.radius); }
+/* Where the scene counts the values of a list. */
+static size_t count_offset(const sp_field *f) {
+    const sp_key *key = sp_field_limits(f);
+    return f->offset - key->offset + key->count;
+}
+
+const double *sp_field_list(const sp_scene *s, const sp_field *f, int32_t *count) {
+    const double *values;
+    memcpy(count, (const char *)s + count_offset(f), sizeof *count);
+    memcpy(&values, (const char *)s + f->offset, sizeof values);
+    return sp_field_is_planes(f) ? s->plane : values;
+}
+
+void sp_field_set_list(sp_scene *s, const sp_field *f, const double *values, int32_t count) {
+    memcpy((char *)s + count_offset(f), &count, sizeof count);
+    memcpy((char *)s + f->offset, &values, sizeof values);
+}
 
 bool sp_field_is_scalar(const sp_field *f) {
     return sp_field_is_number(f) || f->type == SP_FIELD_BOOL || f->type == SP_FIELD_WORD;
 }
 
 const char *sp_field_not_swept(const sp_field *f) {
-    if (sp_field_is_column(f))
+    if (sp_field_is_tapped(f))
         return "its diagrams go through column.parameter, from column.from to column.to";
     if (f->type == SP_FIELD_PATH)
         return "all samples of a study begin with one packing";
@@ -336,10 +353,10 @@ const char *sp_field_right(const sp_field *f, char *buf, size_t size) {
         snprintf(buf, size, "a list ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... )");
         break;
     case SP_FIELD_REALS:
-        snprintf(buf, size, "%sa list [%s, ...] of numbers %s", sp_field_is_column(f) ? "one number or " : "",
-                 sp_field_is_history(f)  ? "1e-3, 1e-5"
-                 : sp_field_is_planes(f) ? "12.5, 25"
-                                         : "0.9, 1.1",
+        snprintf(buf, size, "%sa list [%s, ...] of numbers %s", sp_field_is_tapped(f) ? "one number or " : "",
+                 f->offset == AT(pack.history) ? "1e-3, 1e-5"
+                 : sp_field_is_planes(f)       ? "12.5, 25"
+                                               : "0.9, 1.1",
                  sp_key_range(sp_field_limits(f), text, sizeof text));
         break;
     case SP_FIELD_PATH:
@@ -348,8 +365,8 @@ const char *sp_field_right(const sp_field *f, char *buf, size_t size) {
     return buf;
 }
 
-/* The integer a number stands for; false for a fraction or more than 64 bits. */
-static bool whole(const sp_number *number, int64_t *out) {
+/* The value of a number as an integer; false for fractions and for numbers of more than 64 bits. */
+static bool to_integer(const sp_number *number, int64_t *out) {
     if (number->integral) {
         *out = number->integer;
         return true;
@@ -365,7 +382,7 @@ sp_status sp_field_check(const sp_field *f, const sp_number *number, sp_error *e
     int64_t integer = 0;
     bool good = sp_key_allows(sp_field_limits(f), number->real);
     if (f->type != SP_FIELD_REAL && f->type != SP_FIELD_REALS)
-        good = good && whole(number, &integer);
+        good = good && to_integer(number, &integer);
     if (good)
         return SP_OK;
     if (number->integral)
@@ -381,12 +398,12 @@ sp_status sp_field_store(sp_scene *s, const sp_field *f, const sp_number *number
         return status;
     char *place = (char *)s + f->offset;
     if (f->type == SP_FIELD_REAL) {
-        const double real = number->real + 0.0; /* no negative zero, which would be written as the integer 0 */
+        const double real = number->real + 0.0; /* a negative zero would be written as the integer 0 */
         memcpy(place, &real, sizeof real);
         return SP_OK;
     }
     int64_t wide = 0;
-    whole(number, &wide);
+    to_integer(number, &wide);
     const int32_t narrow = (int32_t)wide;
     if (f->type == SP_FIELD_INT)
         memcpy(place, &narrow, sizeof narrow);

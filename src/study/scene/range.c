@@ -103,9 +103,9 @@ static sp_status read_members(sp_reader *r, const sp_field *f, const config_sett
             : !member[TO]   ? "without to"
             : member[COUNT] ? "with both count and step"
                             : "without count and step");
-    status = sp_read_sweep_number(r, f, member[FROM], &g->from);
+    status = sp_reader_swept_number(r, f, member[FROM], &g->from);
     if (status == SP_OK)
-        status = sp_read_sweep_number(r, f, member[TO], &g->to);
+        status = sp_reader_swept_number(r, f, member[TO], &g->to);
     if (status == SP_OK)
         status = read_spacing(r, g, member[SPACING]);
     if (status != SP_OK)

@@ -7,48 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A value as it stands in the file, shortened, for messages. */
-static const char *setting_text(const config_setting_t *setting, char *buf, size_t size) {
-    switch (config_setting_type(setting)) {
-    case CONFIG_TYPE_INT:
-    case CONFIG_TYPE_INT64: snprintf(buf, size, "%lld", config_setting_get_int64(setting)); break;
-    case CONFIG_TYPE_FLOAT: sp_number_text(config_setting_get_float(setting), buf); break;
-    case CONFIG_TYPE_BOOL: snprintf(buf, size, "%s", config_setting_get_bool(setting) ? "true" : "false"); break;
-    case CONFIG_TYPE_STRING: snprintf(buf, size, "\"%.40s\"", config_setting_get_string(setting)); break;
-    case CONFIG_TYPE_GROUP: snprintf(buf, size, "{ ... }"); break;
-    default: snprintf(buf, size, "a list"); break;
-    }
-    return buf;
-}
-
-sp_status sp_reader_wrong(const sp_reader *r, const sp_field *f, const config_setting_t *setting) {
-    char value[64], right[200];
-    return sp_fail_key(r->err, SP_EINVAL, f->key, " = %s: must be %s", setting_text(setting, value, sizeof value),
-                       sp_field_right(f, right, sizeof right));
-}
-
-bool sp_reader_number(const config_setting_t *setting, sp_number *out) {
-    const int type = config_setting_type(setting);
-    if (type == CONFIG_TYPE_FLOAT) {
-        *out = (sp_number){.real = config_setting_get_float(setting)};
-        return true;
-    }
-    if (type != CONFIG_TYPE_INT && type != CONFIG_TYPE_INT64)
-        return false;
-    *out = (sp_number){.integral = true, .integer = config_setting_get_int64(setting)};
-    out->real = (double)out->integer;
-    return true;
-}
-
-const sp_word *sp_reader_word(const sp_field *f, const config_setting_t *setting) {
-    if (config_setting_type(setting) != CONFIG_TYPE_STRING)
-        return NULL;
-    for (const sp_word *w = f->words; w->word; w++)
-        if (strcmp(w->word, config_setting_get_string(setting)) == 0)
-            return w;
-    return NULL;
-}
-
 static sp_status read_list(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
     const bool list = config_setting_is_list(setting);
     const int count = list ? config_setting_length(setting) : 1;
@@ -341,5 +299,5 @@ sp_status sp_scene_read(const char *path, int overrides, char *const *override, 
 }
 
 sp_status sp_scene_read_column(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err) {
-    return read_file(path, overrides, override, sp_reader_check_column, out, err);
+    return read_file(path, overrides, override, sp_reader_check_tapped, out, err);
 }

@@ -45,26 +45,10 @@ static sp_status check_values_differ(const sp_reader *r, const sp_sweep *sweep) 
 
 /* ---- lists ------------------------------------------------------------------------------------------------------ */
 
-sp_status sp_read_sweep_number(sp_reader *r, const sp_field *f, const config_setting_t *setting, double *out) {
-    const double most = 0x1p53; /* integers above are no numbers of 53 bits */
-    sp_number number;
-    r->line = config_setting_source_line(setting);
-    if (!sp_reader_number(setting, &number))
-        return sp_reader_wrong(r, f, setting);
-    sp_status status = sp_field_check(f, &number, r->err);
-    if (status != SP_OK)
-        return status;
-    if (f->type == SP_FIELD_INT64 && (number.integral ? number.integer > (int64_t)most : number.real > most))
-        return sp_fail_key(r->err, SP_EINVAL, f->key, " = %.17g: must be %.0f at the most where it is swept",
-                           number.real, most);
-    *out = number.real + 0.0;
-    return SP_OK;
-}
-
 /* A value of a key that is no list. */
 static sp_status read_value(sp_reader *r, const sp_field *f, const config_setting_t *setting, double *out) {
     if (sp_field_is_number(f))
-        return sp_read_sweep_number(r, f, setting, out);
+        return sp_reader_swept_number(r, f, setting, out);
     r->line = config_setting_source_line(setting);
     if (f->type == SP_FIELD_BOOL && config_setting_type(setting) == CONFIG_TYPE_BOOL) {
         *out = config_setting_get_bool(setting) ? 1 : 0;

@@ -102,6 +102,8 @@ static void put_name(writer *w, const char *name) {
 
 static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
     const char *place = (const char *)s + f->offset;
+    const double *values;
+    int32_t count;
     char value[32];
     unsigned bits;
     switch (f->type) {
@@ -121,16 +123,8 @@ static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
         break;
     case SP_FIELD_SWEEP: put_sweeps(w, s); break;
     case SP_FIELD_REALS:
-        if (sp_field_is_history(f))
-            put_reals(w, s->pack.history, s->pack.history_count);
-        else if (sp_field_is_planes(f))
-            put_reals(w, s->plane, s->planes);
-        else if (sp_field_is_masses(f))
-            put_reals(w, s->column.mass, s->column.masses);
-        else if (sp_field_is_radii(f))
-            put_reals(w, s->column.radius, s->column.radii);
-        else
-            put_reals(w, s->pack.diameters, s->pack.diameter_count);
+        values = sp_field_list(s, f, &count);
+        put_reals(w, values, count);
         break;
     case SP_FIELD_PATH: put_name(w, place); break;
     case SP_FIELD_FILE: put(w, "\"\""); break; /* its numbers stand in the list */

@@ -1,4 +1,4 @@
-/* Values of sweeps, and what they make of a scene. */
+/* Puts the values of a sweep into a scene, and writes them as text. */
 #include "base/base.h"
 #include "scene/field.h"
 
@@ -21,13 +21,7 @@ static sp_status store_list(sp_scene *s, const sp_field *f, const sp_sweep *swee
         if (status != SP_OK)
             return status;
     }
-    if (sp_field_is_history(f)) {
-        s->pack.history = list;
-        s->pack.history_count = count;
-    } else {
-        s->pack.diameters = list;
-        s->pack.diameter_count = count;
-    }
+    sp_field_set_list(s, f, list, count);
     return SP_OK;
 }
 
@@ -58,8 +52,8 @@ sp_status sp_sweep_store(sp_scene *s, const sp_field *f, const sp_sweep *sweep, 
                        sp_field_right(f, right, sizeof right));
 }
 
-/* A chain has one dimension, the others two, where the scene does not say. */
-static void take_dimension(sp_scene *s) {
+/* Unless the scene gives the dimension, a chain has one and every other packing two. */
+static void set_dimension(sp_scene *s) {
     if (s->dimension_given)
         return;
     if (s->pack.kind == SP_PACK_CHAIN)
@@ -79,11 +73,11 @@ sp_status sp_scene_take(sp_scene *s, const sp_sweep *sweep, int k, sp_error *err
     if (status == SP_OK && strcmp(f->key, "packing.grains") == 0)
         s->height = 0;
     if (status == SP_OK && strcmp(f->key, "packing.kind") == 0)
-        take_dimension(s);
+        set_dimension(s);
     return status;
 }
 
-/* Appends text as far as there is room. */
+/* Appends as much of the text as fits. */
 static void append(char *buf, size_t size, const char *text) {
     const size_t used = strlen(buf);
     snprintf(buf + used, size - used, "%s", text);
