@@ -34,7 +34,7 @@ static sp_status check_combinations(const sp_reader *r, int64_t combinations, in
     for (int64_t k = 0; k < combinations && status == SP_OK; k++) {
         int64_t each = 1; /* combinations for which a sweep keeps its value */
         for (int i = 0; i < one.sweeps && k % each == 0 && status == SP_OK; i++) {
-            status = sp_scene_take(&one, &one.sweep[i], (int)(k / each % one.sweep[i].count), r->err);
+            status = sp_scene_set_swept(&one, &one.sweep[i], (int)(k / each % one.sweep[i].count), r->err);
             each *= one.sweep[i].count;
         }
         sp_scene sample = one;

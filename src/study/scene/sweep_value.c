@@ -62,7 +62,7 @@ static void set_dimension(sp_scene *s) {
         s->pack.dim = sp_pack_spec_default().dim;
 }
 
-sp_status sp_scene_take(sp_scene *s, const sp_sweep *sweep, int k, sp_error *err) {
+sp_status sp_scene_set_swept(sp_scene *s, const sp_sweep *sweep, int k, sp_error *err) {
     const sp_field *f = sp_field_find(sweep->key);
     const char *reason = f ? sp_field_not_swept(f) : "there is no such key";
     if (reason)
