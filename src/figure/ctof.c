@@ -5,7 +5,6 @@
 #include <math.h>
 #include <sonopack/figure/plot.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 /* Columns of the figure, log10 of their values; NAN where a cell is empty. */
 enum { C_P = 0, C_TOF, C_L, C_T, C_LOW, C_HIGH = C_LOW + 3, C_COLUMNS = C_HIGH + 3, SPEEDS = 3 };
@@ -134,16 +133,6 @@ static bool fit_exponent(const speeds *s, double *exponent, double *error) {
     return true;
 }
 
-/* A number at the start of a comment's value; NAN without one. */
-static double comment_number(const sp_table *t, const char *key) {
-    const char *text = sp_table_comment_value(t, key);
-    if (!text)
-        return NAN;
-    char *end;
-    double value = strtod(text, &end);
-    return end > text && isfinite(value) ? value : NAN;
-}
-
 /* The power law of c_tof: its exponent from the table, or else fitted, and its value in the middle of the points, each
  * with the weight that its error gives it. */
 typedef struct power_law {
@@ -153,8 +142,9 @@ typedef struct power_law {
 } power_law;
 
 static power_law find_law(const sp_table *t, const speeds *s) {
-    power_law law = {.exponent = comment_number(t, "exponent"), .error = comment_number(t, "exponent_err")};
-    law.known = !isnan(law.exponent) || fit_exponent(s, &law.exponent, &law.error);
+    power_law law = {.exponent = NAN, .error = NAN};
+    sp_table_get_number(t, "exponent_err", &law.error);
+    law.known = sp_table_get_number(t, "exponent", &law.exponent) || fit_exponent(s, &law.exponent, &law.error);
     double sum[2] = {0.0, 0.0}, weights[2] = {0.0, 0.0}; /* by the errors, and all alike */
     bool errors = true;
     law.x[0] = INFINITY;

@@ -83,7 +83,7 @@ static sp_status find_column(const sp_table *t, const char *name, int *out, sp_e
 }
 
 static sp_status style_of(const sp_table *t, const style **out, sp_error *err) {
-    const char *kind = sp_table_comment_value(t, "spectrum");
+    const char *kind = sp_table_get_text(t, "spectrum");
     if (!kind && sp_table_find_column(t, "omega") >= 0 && sp_table_find_column(t, "n") >= 0)
         kind = "modes";
     if (!kind && sp_table_find_column(t, "density_low") >= 0) /* a CSV file has no comments */
@@ -256,7 +256,7 @@ static sp_status add_histogram(drawing *d, int j, sp_error *err) {
 
 static void label_y(const drawing *d, axis *a) {
     char unit[96];
-    const char *norm = sp_table_comment_value(d->table[0].table, "norm");
+    const char *norm = sp_table_get_text(d->table[0].table, "norm");
     snprintf(unit, sizeof unit, "%s", d->style->unit);
     if (strcmp(d->style->kind, "dos") == 0 || d->style->look == LOOK_BINS) {
         const char *per = norm && strcmp(norm, "grain") == 0 ? "/grain" : "";

@@ -41,11 +41,11 @@ static sp_status read_wave(const sp_table *t, double *memory, const double *colu
 static int dimension_of(int tables, const sp_plot_table *table) {
     int common = 0;
     for (int j = 0; j < tables; j++) {
-        const char *text = sp_table_comment_value(table[j].table, "dimension");
-        const int dim = text && text[0] >= '1' && text[0] <= '3' && text[1] == '\0' ? text[0] - '0' : 0;
-        if (dim == 0 || (common && dim != common))
+        double dim = 0;
+        sp_table_get_number(table[j].table, "dimension", &dim);
+        if ((dim != 1 && dim != 2 && dim != 3) || (common && dim != common))
             return 0;
-        common = dim;
+        common = (int)dim;
     }
     return common;
 }

@@ -18,7 +18,7 @@ static sp_status save_field(paper *p, const sp_packing *packing, const sp_networ
                             sp_error *err) {
     static const char *const column[] = {"grain", "x", "y", "radius", "u_x", "u_y", "angle"};
     sp_table t = sp_table_none();
-    sp_status status = sp_table_add_comment(&t, err, "t = %g", snapshot_time);
+    sp_status status = sp_table_set_number(&t, "t", snapshot_time, 6, err);
     for (int k = 0; k < 7 && status == SP_OK; k++)
         status = sp_table_add_column(&t, column[k], "", SP_CELL_NUMBER, err);
     for (int32_t i = 0; i < net->n && status == SP_OK; i++) {

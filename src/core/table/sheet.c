@@ -1,8 +1,10 @@
+/* Reads a text file into rows and columns of words. */
 #include "table/sheet.h"
 
 #include "base/base.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "table/array.h"
 
 #include <stdbool.h>
 #include <string.h>
@@ -122,41 +124,11 @@ static bool tabs_separate(const char *line, bool *tabs) {
 static sp_status add_comment(sp_sheet *s, char *text, int64_t line, sp_error *err) {
     if (s->comments == COMMENTS_MAX)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: more than %d comment lines", s->file, (long long)line, COMMENTS_MAX);
-    if (s->comments == s->comment_capacity) {
-        int capacity = s->comment_capacity ? 2 * s->comment_capacity : 16;
-        char **larger = sp_alloc((size_t)capacity, sizeof *larger);
-        if (!larger)
-            return sp_fail_memory(err, (size_t)capacity * sizeof *larger);
-        if (s->comments > 0)
-            memcpy(larger, s->comment, (size_t)s->comments * sizeof *larger);
-        sp_free(s->comment);
-        s->comment = larger;
-        s->comment_capacity = capacity;
-    }
+    char **larger = sp_array_reserve(s->comment, (size_t)s->comments, sizeof *larger);
+    if (!larger)
+        return sp_fail_memory(err, (size_t)s->comments * sizeof *larger);
+    s->comment = larger;
     s->comment[s->comments++] = text + (*text == ' ');
-    return SP_OK;
-}
-
-static sp_status reserve_row(sp_sheet *s, sp_error *err) {
-    if (s->rows < s->capacity)
-        return SP_OK;
-    size_t old = (size_t)s->rows, capacity = old ? 2 * old : 64, columns = (size_t)s->columns;
-    char **cell = sp_alloc(capacity * columns, sizeof *cell);
-    int64_t *line = sp_alloc(capacity, sizeof *line);
-    if (!cell || !line) {
-        sp_free(cell);
-        sp_free(line);
-        return sp_fail_memory(err, capacity * (columns + 1) * 8);
-    }
-    if (old > 0) {
-        memcpy(cell, s->cell, old * columns * sizeof *cell);
-        memcpy(line, s->line, old * sizeof *line);
-    }
-    sp_free(s->cell);
-    sp_free(s->line);
-    s->cell = cell;
-    s->line = line;
-    s->capacity = (int64_t)capacity;
     return SP_OK;
 }
 
@@ -165,9 +137,13 @@ static sp_status add_row(sp_sheet *s, char *const *word, int count, int64_t line
         return sp_fail(err, SP_EFORMAT, "%s:%lld: %s%d cells where the first row has %d", s->file, (long long)line,
                        count > SP_SHEET_COLUMNS ? "more than " : "",
                        count > SP_SHEET_COLUMNS ? SP_SHEET_COLUMNS : count, s->columns);
-    sp_status status = reserve_row(s, err);
-    if (status != SP_OK)
-        return status;
+    const size_t row_size = (size_t)s->columns * sizeof *s->cell;
+    char **cell = sp_array_reserve(s->cell, (size_t)s->rows, row_size);
+    s->cell = cell ? cell : s->cell;
+    int64_t *lines = sp_array_reserve(s->line, (size_t)s->rows, sizeof *lines);
+    s->line = lines ? lines : s->line;
+    if (!cell || !lines)
+        return sp_fail_memory(err, (size_t)s->rows * (row_size + sizeof *lines));
     memcpy(s->cell + s->rows * s->columns, word, (size_t)count * sizeof *word);
     s->line[s->rows++] = line;
     return SP_OK;

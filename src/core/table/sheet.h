@@ -12,10 +12,10 @@ typedef struct sp_sheet {
     char *text;       /* what all words point into */
     int columns;
     char *name[SP_SHEET_COLUMNS]; /* of the header row; all NULL without one */
-    int64_t rows, capacity;
+    int64_t rows;
     char **cell;   /* [rows][columns] */
     int64_t *line; /* [rows] line numbers */
-    int comments, comment_capacity;
+    int comments;
     char **comment; /* without '#' and the blank after it */
 } sp_sheet;
 
