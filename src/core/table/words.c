@@ -1,5 +1,5 @@
 /* Reads a text file into rows and columns of words. */
-#include "table/sheet.h"
+#include "table/words.h"
 
 #include "base/base.h"
 #include "base/file.h"
@@ -11,24 +11,24 @@
 
 enum { COMMENTS_MAX = 4096 };
 
-void sp_sheet_free(sp_sheet *s) {
+void sp_word_table_free(sp_word_table *s) {
     sp_free(s->text);
     sp_free(s->cell);
     sp_free(s->line);
     sp_free(s->comment);
-    *s = (sp_sheet){0};
+    *s = (sp_word_table){0};
 }
 
-int sp_sheet_find(const sp_sheet *s, const char *name) {
+int sp_word_table_find(const sp_word_table *s, const char *name) {
     for (int c = 0; c < s->columns; c++)
         if (s->name[c] && strcmp(s->name[c], name) == 0)
             return c;
     return -1;
 }
 
-char *sp_sheet_cell(const sp_sheet *s, int64_t row, int column) { return s->cell[row * s->columns + column]; }
+char *sp_word_table_cell(const sp_word_table *s, int64_t row, int column) { return s->cell[row * s->columns + column]; }
 
-const char *sp_sheet_value(const sp_sheet *s, const char *key) {
+const char *sp_word_table_value(const sp_word_table *s, const char *key) {
     size_t length = strlen(key);
     for (int c = 0; c < s->comments; c++) {
         const char *line = s->comment[c] + strspn(s->comment[c], " \t");
@@ -99,12 +99,12 @@ static bool all_numbers(char *const *word, int count) {
 /* Whether the first row says that single tabs separate cells, which then may hold blanks: it has tabs, no cell is
  * empty, and it is not a row of numbers at any blanks. */
 static bool tabs_separate(const char *line, bool *tabs) {
-    char *word[SP_SHEET_COLUMNS];
+    char *word[SP_WORD_COLUMNS];
     char *copy = sp_strdup(line);
     if (!copy)
         return false;
-    int count = sp_line_words(copy, word, SP_SHEET_COLUMNS);
-    *tabs = strchr(line, '\t') && !(count <= SP_SHEET_COLUMNS && all_numbers(word, count));
+    int count = sp_line_words(copy, word, SP_WORD_COLUMNS);
+    *tabs = strchr(line, '\t') && !(count <= SP_WORD_COLUMNS && all_numbers(word, count));
     const char *cell = line;
     while (*tabs) {
         cell += strspn(cell, " ");
@@ -121,7 +121,7 @@ static bool tabs_separate(const char *line, bool *tabs) {
 
 /* ---- rows and comments ----------------------------------------------------------------------------------------- */
 
-static sp_status add_comment(sp_sheet *s, char *text, int64_t line, sp_error *err) {
+static sp_status add_comment(sp_word_table *s, char *text, int64_t line, sp_error *err) {
     if (s->comments == COMMENTS_MAX)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: more than %d comment lines", s->file, (long long)line, COMMENTS_MAX);
     char **larger = sp_array_reserve(s->comment, (size_t)s->comments, sizeof *larger);
@@ -132,11 +132,11 @@ static sp_status add_comment(sp_sheet *s, char *text, int64_t line, sp_error *er
     return SP_OK;
 }
 
-static sp_status add_row(sp_sheet *s, char *const *word, int count, int64_t line, sp_error *err) {
+static sp_status add_row(sp_word_table *s, char *const *word, int count, int64_t line, sp_error *err) {
     if (count != s->columns)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: %s%d cells where the first row has %d", s->file, (long long)line,
-                       count > SP_SHEET_COLUMNS ? "more than " : "",
-                       count > SP_SHEET_COLUMNS ? SP_SHEET_COLUMNS : count, s->columns);
+                       count > SP_WORD_COLUMNS ? "more than " : "", count > SP_WORD_COLUMNS ? SP_WORD_COLUMNS : count,
+                       s->columns);
     const size_t row_size = (size_t)s->columns * sizeof *s->cell;
     char **cell = sp_array_reserve(s->cell, (size_t)s->rows, row_size);
     s->cell = cell ? cell : s->cell;
@@ -150,16 +150,16 @@ static sp_status add_row(sp_sheet *s, char *const *word, int count, int64_t line
 }
 
 /* One line with cells: the first fixes the separator and the columns, and may be the header. */
-static sp_status take_row(sp_sheet *s, char *line, int64_t number, bool *tabs, sp_error *err) {
+static sp_status take_row(sp_word_table *s, char *line, int64_t number, bool *tabs, sp_error *err) {
     bool first = s->columns == 0;
     if (first && !tabs_separate(line, tabs))
         return sp_fail_memory(err, strlen(line));
-    char *word[SP_SHEET_COLUMNS];
-    int count = *tabs ? tab_cells(line, word, SP_SHEET_COLUMNS) : sp_line_words(line, word, SP_SHEET_COLUMNS);
+    char *word[SP_WORD_COLUMNS];
+    int count = *tabs ? tab_cells(line, word, SP_WORD_COLUMNS) : sp_line_words(line, word, SP_WORD_COLUMNS);
     if (!first)
         return add_row(s, word, count, number, err);
-    if (count > SP_SHEET_COLUMNS)
-        return sp_fail(err, SP_EFORMAT, "%s:%lld: more than %d columns", s->file, (long long)number, SP_SHEET_COLUMNS);
+    if (count > SP_WORD_COLUMNS)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: more than %d columns", s->file, (long long)number, SP_WORD_COLUMNS);
     s->columns = count;
     if (all_numbers(word, count))
         return add_row(s, word, count, number, err);
@@ -167,8 +167,8 @@ static sp_status take_row(sp_sheet *s, char *line, int64_t number, bool *tabs, s
     return SP_OK;
 }
 
-sp_status sp_sheet_read(const char *path, sp_sheet *out, sp_error *err) {
-    sp_sheet s = {.file = path};
+sp_status sp_word_table_read(const char *path, sp_word_table *out, sp_error *err) {
+    sp_word_table s = {.file = path};
     size_t size = 0;
     sp_locale locale = sp_locale_enter();
     sp_status status = sp_file_read_text(path, &s.text, &size, err);
@@ -191,6 +191,6 @@ sp_status sp_sheet_read(const char *path, sp_sheet *out, sp_error *err) {
     if (status == SP_OK)
         *out = s;
     else
-        sp_sheet_free(&s);
+        sp_word_table_free(&s);
     return status;
 }
