@@ -1,50 +1,10 @@
-/* Claims in words: of packings at rest, of fronts, and of the chain. */
+/* Checks the paper's claims in words: on packings at rest, on fronts, and on the chain. */
 #include "paper/claims.h"
 #include "base/base.h"
 #include "numeric/bessel.h"
 #include "paper/fronts.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
-
-/* ---- rows ------------------------------------------------------------------------------------------------------- */
-
-sp_status sp_paper_add_claim(paper *p, const paper_claim *claim, double ours, double ours_err, sp_error *err,
-                             const char *quantity, ...) {
-    paper_row row = {.item = PAPER_CLAIMS,
-                     .p = claim->p,
-                     .paper = claim->limit,
-                     .paper_sd = claim->relation == PAPER_EQUAL ? claim->within : NAN,
-                     .scatter = PAPER_SCATTER_CLAIM,
-                     .relation = claim->relation,
-                     .ours = ours,
-                     .ours_sd = NAN,
-                     .err = ours_err,
-                     .samples = claim->samples,
-                     .where = claim->where};
-    va_list args;
-    va_start(args, quantity);
-    vsnprintf(row.quantity, sizeof row.quantity, quantity, args);
-    va_end(args);
-    snprintf(row.note, sizeof row.note, "%s", claim->note);
-    return sp_paper_add_row(p, row, err);
-}
-
-void sp_paper_sum_add(paper_sum *s, double x) {
-    if (!isfinite(x))
-        return;
-    s->n++;
-    s->sum += x;
-    s->squares += x * x;
-}
-
-double sp_paper_sum_mean(const paper_sum *s) { return s->n > 0 ? s->sum / (double)s->n : NAN; }
-
-double sp_paper_sum_err(const paper_sum *s) {
-    const double n = (double)s->n;
-    return s->n > 1 ? sqrt(fmax(0, s->squares / n - s->sum / n * (s->sum / n)) / (n - 1)) : NAN;
-}
 
 /* ---- fronts ----------------------------------------------------------------------------------------------------- */
 
@@ -348,21 +308,5 @@ sp_status sp_paper_claim_energy(paper *p, sp_error *err) {
     if (status == SP_OK)
         status = sp_paper_add_claim(p, &claim, log(behind[1] / behind[0]) / log(late / early), 0, err,
                                     "exponent of the oscillations behind it");
-    return status;
-}
-
-/* ---- all of them ------------------------------------------------------------------------------------------------ */
-
-sp_status sp_paper_make_claims(paper *p, int item, sp_error *err) {
-    static sp_status (*const part[])(paper *, sp_error *) = {
-        sp_paper_claim_margins, sp_paper_claim_forces,     sp_paper_claim_speeds,  sp_paper_claim_lattices,
-        sp_paper_claim_unequal, sp_paper_claim_soft_modes, sp_paper_claim_damping, sp_paper_claim_energy};
-    const int parts = sizeof part / sizeof *part;
-    sp_status status = SP_OK;
-    for (int k = 0; k < parts && status == SP_OK; k++) {
-        status = part[k](p, err);
-        if (status == SP_OK)
-            status = sp_paper_tell(p, sp_paper_item_name(item), (p->cost_done + p->cost) / (2 * p->cost), err);
-    }
     return status;
 }

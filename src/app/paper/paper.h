@@ -34,7 +34,7 @@ typedef struct paper {
     void *user;
     double begun, cost, cost_done; /* wall clock; CPU seconds expected of all ensembles, and of those that are done */
     int64_t computed, failed;
-    int64_t rows, capacity;
+    int64_t rows;
     paper_row *row;
     paper_set set[PAPER_ENSEMBLES];
     paper_section section[SP_PAPER_ITEMS];
@@ -56,7 +56,9 @@ typedef struct paper_item {
 extern const paper_item sp_paper_items[SP_PAPER_ITEMS];
 
 bool sp_paper_wants(const paper *p, int item);
-/* What is under way, told to the watch. SP_EINTERRUPTED if it says stop. */
+/* Calls the watch; false if it says stop. */
+bool sp_paper_report_progress(const paper *p, const char *what, double fraction, int64_t computed, int64_t failed);
+/* The same for work on the samples. SP_EINTERRUPTED if the watch says stop. */
 sp_status sp_paper_tell(paper *p, const char *what, double fraction, sp_error *err);
 
 /* ---- ensembles -------------------------------------------------------------------------------------------------- */

@@ -39,6 +39,8 @@ typedef struct paper_row {
 enum { PAPER_SAMPLES = 30 }; /* of each pressure in the paper */
 
 void sp_paper_judge(paper_row *row);
+/* Standard deviation of what the paper's rounding took away: uniform within half of the last digit. */
+double sp_paper_rounding(const paper_row *row);
 bool sp_paper_is_claim(const paper_row *row);
 /* Ours from n values: mean, standard deviation, standard error. Values that are not finite are left out. */
 void sp_paper_row_mean(paper_row *row, int64_t n, const double *values);
