@@ -1,22 +1,13 @@
 #ifndef SP_FIGURE_H
 #define SP_FIGURE_H
-/* Series on axes, with a legend where it hides nothing. Colours are those of Okabe and Ito (2008), which the
- * colour-blind tell apart; markers and dashes differ too, so that the figure reads in grey. */
+/* Series of points on axes, with a legend where it hides no data. */
 
 #include "figure/axes.h"
+#include "figure/marks.h"
 
 #include <stdint.h>
 
-typedef enum marker {
-    MARKER_NONE = 0,
-    MARKER_CIRCLE,
-    MARKER_SQUARE,
-    MARKER_TRIANGLE,
-    MARKER_DIAMOND,
-    MARKER_DOT
-} marker;
-enum { DASH_NONE = -1, DASH_SOLID = 0, DASH_DASHED, DASH_DOTTED, DASH_DASH_DOT, DASHES };
-enum { INKS = 7, LEGEND_GROUPS = 2 }; /* sp_figure_ink(0) is black */
+enum { LEGEND_GROUPS = 2 };
 
 typedef struct series {
     int64_t n;
@@ -42,7 +33,6 @@ typedef struct figure {
     double legend;  /* size of the legend's letters [pt]; 0: TEXT_LEGEND */
 } figure;
 
-colour sp_figure_ink(int k);
 /* Lays out (the y axis grows upwards if the legend finds no free corner) and draws everything. */
 void sp_figure_draw(figure *f);
 
@@ -51,12 +41,5 @@ void sp_figure_paint(const figure *f);
 
 /* The points of a series as a cloud of dots, by their number the smaller and the lighter; an image in every format. */
 void sp_figure_dots(const figure *f, const series *s);
-
-/* Parts that other drawings use. */
-void sp_figure_dash(canvas *c, int dash);
-/* Half the size of a marker beside letters of a size. */
-double sp_marker_radius(double letters);
-void sp_marker_draw(canvas *c, marker shape, double x, double y, bool open, colour ink);
-void sp_marker_draw_sized(canvas *c, marker shape, const double at[2], bool open, colour ink, double radius);
 
 #endif

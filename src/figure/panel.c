@@ -21,7 +21,7 @@ static double letters(const panel *p) { return p->figure.axes.x.size > 0 ? p->fi
 /* ---- places ----------------------------------------------------------------------------------------------------- */
 
 /* In a corner that is free, or in the margin left of the frame. */
-static void place_tag(panel *p, room *r) {
+static void place_tag(panel *p, raster *r) {
     const axes *a = &p->figure.axes;
     if (!p->source.tag || !*p->source.tag)
         return;
@@ -36,7 +36,7 @@ static void place_tag(panel *p, room *r) {
 }
 
 /* Gives how much it hides. */
-static int32_t place_inset(panel *p, room *r) {
+static int32_t place_inset(panel *p, raster *r) {
     int32_t least = INT32_MAX;
     if (!p->inset)
         return 0;
@@ -53,7 +53,7 @@ static int32_t place_inset(panel *p, room *r) {
     return least;
 }
 
-static int32_t place_legend(panel *p, room *r) {
+static int32_t place_legend(panel *p, raster *r) {
     p->columns = 1;
     p->legend = sp_legend_size(&p->figure, 1);
     if (p->legend.height == 0)
@@ -79,7 +79,7 @@ static void legend_above(panel *p) {
 }
 
 /* One try: all parts on the axes as they are. Gives how much they hide. */
-static int32_t place_parts(panel *p, room *r, bool above) {
+static int32_t place_parts(panel *p, raster *r, bool above) {
     sp_axes_layout(&p->figure.axes, p->figure.canvas);
     if (above)
         legend_above(p);
@@ -102,7 +102,7 @@ static void size_legend(panel *p) {
 }
 
 /* The upper end of y grows until the parts hide nothing; failing that, the legend goes above the frame. */
-static void place_all(panel *p, room *r) {
+static void place_all(panel *p, raster *r) {
     axis *y = &p->figure.axes.y;
     const double high = y->high, step = GROW * (y->high - y->low);
     const int most = !p->grows ? 0 : p->inset ? 2 * GROW_STEPS : GROW_STEPS;
@@ -117,7 +117,7 @@ static void place_all(panel *p, room *r) {
 }
 
 sp_status sp_panel_layout(panel *p, sp_error *err) {
-    room r = {0};
+    raster r = {0};
     sp_status status = sp_raster_open(&r, p->figure.canvas, err);
     if (status == SP_OK) {
         p->figure.axes.head = 0;

@@ -11,17 +11,17 @@ enum { MANY = 50000 };
 #define AROUND 2.5 /* kept free around a box [pt] */
 #define STRIDE 3.0 /* between places that are tried [pt] */
 
-sp_status sp_raster_open(room *r, const canvas *c, sp_error *err) {
+sp_status sp_raster_open(raster *r, const canvas *c, sp_error *err) {
     const size_t across = (size_t)(c->width / CELL) + 2, up = (size_t)(c->height / CELL) + 2;
-    *r = (room){.taken = sp_alloc(across * up, 1)};
+    *r = (raster){.taken = sp_alloc(across * up, 1)};
     r->sum = sp_alloc((across + 1) * (up + 1), sizeof *r->sum);
     return r->taken && r->sum ? SP_OK : sp_fail_memory(err, (across + 1) * (up + 1) * sizeof *r->sum);
 }
 
-void sp_raster_free(room *r) {
+void sp_raster_free(raster *r) {
     sp_free(r->taken);
     sp_free(r->sum);
-    *r = (room){0};
+    *r = (raster){0};
 }
 
 /* ---- what is taken ---------------------------------------------------------------------------------------------- */
@@ -31,7 +31,7 @@ static int clamp(double cell, int most) { return !(cell >= 0) ? 0 : cell >= most
 /* Far outside of the canvas; differences stay finite. */
 static double near_enough(double place) { return fmax(-1e7, fmin(1e7, place)); }
 
-void sp_raster_mark_box(room *r, const box *b) {
+void sp_raster_mark_box(raster *r, const box *b) {
     const int x0 = clamp((b->x - r->left) / CELL, r->across), y0 = clamp((b->y - r->top) / CELL, r->up);
     const int x1 = clamp((b->x + b->width - r->left) / CELL, r->across);
     const int y1 = clamp((b->y + b->height - r->top) / CELL, r->up);
@@ -43,7 +43,7 @@ void sp_raster_mark_box(room *r, const box *b) {
 }
 
 /* The part of a segment inside of the frame (Liang and Barsky), in steps of a cell. */
-static void mark_segment(room *r, double ax, double ay, double bx, double by) {
+static void mark_segment(raster *r, double ax, double ay, double bx, double by) {
     ax = near_enough(ax);
     ay = near_enough(ay);
     bx = near_enough(bx);
@@ -72,7 +72,7 @@ static void mark_segment(room *r, double ax, double ay, double bx, double by) {
     }
 }
 
-static void mark_series(room *r, const figure *f, const series *s) {
+static void mark_series(raster *r, const figure *f, const series *s) {
     const axis *ax = &f->axes.x, *ay = &f->axes.y;
     const double reach = s->marker == MARKER_NONE ? 0.3 : 2.6;
     const int64_t stride = 1 + s->n / MANY; /* of very many points some show where the curve goes */
@@ -95,7 +95,7 @@ static void mark_series(room *r, const figure *f, const series *s) {
     }
 }
 
-void sp_raster_mark(room *r, const figure *f) {
+void sp_raster_mark(raster *r, const figure *f) {
     const axis *x = &f->axes.x, *y = &f->axes.y;
     r->left = x->from;
     r->top = y->to;
@@ -112,7 +112,7 @@ void sp_raster_mark(room *r, const figure *f) {
 
 /* ---- what is free ----------------------------------------------------------------------------------------------- */
 
-static void add_up(room *r) {
+static void add_up(raster *r) {
     const size_t row = (size_t)r->across + 1;
     memset(r->sum, 0, row * sizeof *r->sum);
     for (int y = 0; y < r->up; y++) {
@@ -126,7 +126,7 @@ static void add_up(room *r) {
     }
 }
 
-static int32_t covered(const room *r, const box *b) {
+static int32_t covered(const raster *r, const box *b) {
     const size_t row = (size_t)r->across + 1;
     const size_t x0 = (size_t)clamp((b->x - AROUND - r->left) / CELL, r->across);
     const size_t y0 = (size_t)clamp((b->y - AROUND - r->top) / CELL, r->up);
@@ -135,7 +135,7 @@ static int32_t covered(const room *r, const box *b) {
     return r->sum[y1 * row + x1] - r->sum[y0 * row + x1] - r->sum[y1 * row + x0] + r->sum[y0 * row + x0];
 }
 
-int32_t sp_raster_find(room *r, box *b, double from_frame, bool corners) {
+int32_t sp_raster_find(raster *r, box *b, double from_frame, bool corners) {
     const double wide = r->width - 2 * from_frame - b->width, high = r->height - 2 * from_frame - b->height;
     const int nx = corners ? 1 : (int)ceil(wide / STRIDE), ny = corners ? 1 : (int)ceil(high / STRIDE);
     int32_t least = INT32_MAX;
