@@ -9,13 +9,14 @@
 
 /* ---- lines ---------------------------------------------------------------------------------------------------- */
 
-/* Columns of a line: points that fall into one column of 0.06 pt (four to a dot of the PNG) are drawn as first, lowest,
- * highest and last, so that a signal of a million points is neither slow nor large, and looks the same. */
+/* Points of a line that fall into the same column of 0.06 pt (a quarter of a pixel in PNG). Only the first, lowest,
+ * highest and last are drawn. A signal of a million points then looks the same, but is drawn quickly and gives a small
+ * file. */
 typedef struct pen {
     cairo_t *cr;
-    bool down; /* a line is under way */
+    bool down; /* a path has been started */
     double column;
-    int64_t first, last, lowest, highest; /* points of the column; first < 0: none */
+    int64_t first, last, lowest, highest; /* indices of points in the column; first < 0: none */
 } pen;
 
 static double place_x(const figure *f, const series *s, int64_t k) { return sp_axis_place(&f->axes.x, s->x[k]); }
@@ -71,7 +72,7 @@ static void draw_line(const figure *f, const series *s) {
     sp_figure_dash(f->canvas, DASH_SOLID);
 }
 
-/* Light bands between two curves, one a run of finite points. */
+/* Fills a light band between two curves, one polygon for each run of finite points. */
 static void draw_band(const figure *f, const series *s) {
     cairo_t *cr = f->canvas->cr;
     for (int64_t first = 0, last; first < s->n; first = last + 1) {
@@ -110,7 +111,7 @@ static void draw_errors(const figure *f, const series *s) {
     cairo_stroke(cr);
 }
 
-/* Markers are not cut by the frame: those whose point lies outside are left out. */
+/* The frame does not clip markers: those with centres outside are left out. */
 static void draw_markers(const figure *f, const series *s) {
     const axis *x = &f->axes.x, *y = &f->axes.y;
     const double slack_x = 1e-9 * (x->high - x->low), slack_y = 1e-9 * (y->high - y->low);

@@ -11,17 +11,17 @@ enum { LEGEND_GROUPS = 2 };
 
 typedef struct series {
     int64_t n;
-    const double *x, *y;                /* [n] axis units; not finite: a gap */
+    const double *x, *y;                /* [n] axis units; a value that is not finite makes a gap */
     const double *low, *high;           /* [n] ends of error bars, axis units; NULL: none */
     const double *fill_low, *fill_high; /* [n] ends of a light band, axis units; NULL: none */
     colour ink;
     int dash; /* DASH_NONE: no line */
     double width;
     marker marker;
-    marker key;        /* in the legend, of a series without marks */
-    bool open;         /* a marker filled with white */
-    const char *label; /* markup for the legend; NULL: not in it */
-    int group;         /* 0 .. LEGEND_GROUPS-1: each group of labels finds its own corner */
+    marker key;        /* marker in the legend of a series without markers */
+    bool open;         /* markers are filled with white */
+    const char *label; /* legend entry, markup; NULL: none */
+    int group;         /* 0 to LEGEND_GROUPS-1: each group of legend entries gets its own corner */
 } series;
 
 typedef struct figure {
@@ -29,17 +29,18 @@ typedef struct figure {
     axes axes;
     int n;
     const series *series;
-    bool zero_line; /* a thin line at y = 0 */
-    double legend;  /* size of the legend's letters [pt]; 0: TEXT_LEGEND */
+    bool zero_line; /* draw a thin line at y = 0 */
+    double legend;  /* letter size of the legend [pt]; 0: TEXT_LEGEND */
 } figure;
 
-/* Lays out (the y axis grows upwards if the legend finds no free corner) and draws everything. */
+/* Lays out and draws everything. If the legend finds no free corner, the y axis is extended upwards. */
 void sp_figure_draw(figure *f);
 
-/* Everything but the legend, on axes that are laid out. */
+/* Draws everything but the legend. The axes must be laid out. */
 void sp_figure_paint(const figure *f);
 
-/* The points of a series as a cloud of dots, by their number the smaller and the lighter; an image in every format. */
+/* Draws the points of a series as a cloud of dots, as an image in every format. The more points, the smaller and
+ * lighter the dots. */
 void sp_figure_dots(const figure *f, const series *s);
 
 #endif

@@ -1,3 +1,4 @@
+/* Marks the cells of a frame that data cover, and finds free places. */
 #include "figure/raster.h"
 
 #include "base/base.h"
@@ -7,9 +8,9 @@
 
 enum { MANY = 50000 };
 
-#define CELL   1.5 /* [pt] */
-#define AROUND 2.5 /* kept free around a box [pt] */
-#define STRIDE 3.0 /* between places that are tried [pt] */
+#define CELL   1.5 /* side of a cell [pt] */
+#define AROUND 2.5 /* margin around a box [pt] */
+#define STRIDE 3.0 /* distance of the places tried [pt] */
 
 sp_status sp_raster_open(raster *r, const canvas *c, sp_error *err) {
     const size_t across = (size_t)(c->width / CELL) + 2, up = (size_t)(c->height / CELL) + 2;
@@ -28,7 +29,7 @@ void sp_raster_free(raster *r) {
 
 static int clamp(double cell, int most) { return !(cell >= 0) ? 0 : cell >= most ? most - 1 : (int)cell; }
 
-/* Far outside of the canvas; differences stay finite. */
+/* Limits a position to a range in which differences are finite. */
 static double near_enough(double place) { return fmax(-1e7, fmin(1e7, place)); }
 
 void sp_raster_mark_box(raster *r, const box *b) {
@@ -42,7 +43,7 @@ void sp_raster_mark_box(raster *r, const box *b) {
         memset(r->taken + (size_t)y * (size_t)r->across + x0, 1, (size_t)(x1 - x0 + 1));
 }
 
-/* The part of a segment inside of the frame (Liang and Barsky), in steps of a cell. */
+/* Marks the cells of the part of a segment inside the frame (Liang-Barsky clipping). */
 static void mark_segment(raster *r, double ax, double ay, double bx, double by) {
     ax = near_enough(ax);
     ay = near_enough(ay);
@@ -75,7 +76,7 @@ static void mark_segment(raster *r, double ax, double ay, double bx, double by) 
 static void mark_series(raster *r, const figure *f, const series *s) {
     const axis *ax = &f->axes.x, *ay = &f->axes.y;
     const double reach = s->marker == MARKER_NONE ? 0.3 : 2.6;
-    const int64_t stride = 1 + s->n / MANY; /* of very many points some show where the curve goes */
+    const int64_t stride = 1 + s->n / MANY; /* a subset of very many points is enough to show the curve */
     bool before = false;
     double last_x = 0.0, last_y = 0.0;
     for (int64_t k = 0; k < s->n; k += stride) {
@@ -151,7 +152,7 @@ int32_t sp_raster_find(raster *r, box *b, double from_frame, bool corners) {
             here.x = r->left + from_frame + x;
             here.y = r->top + from_frame + y;
             const int32_t covers = covered(r, &here);
-            /* a few points of distance are what an upper or a left corner is preferred by */
+            /* distances in points that favour upper and left corners */
             const double off =
                 hypot(fmin(x, wide - x), fmin(y, high - y)) + (y > 0.5 * high ? 4 : 0) + (x > 0.5 * wide ? 2 : 0);
             if (covers < least || (covers == least && off < nearest)) {

@@ -1,3 +1,4 @@
+/* Reads a table from a file. */
 #include "base/base.h"
 #include "base/text.h"
 #include "table/words.h"
@@ -6,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* "units: name [unit] name [unit] ..." as the writer gives it. */
+/* Reads the line "units: name [unit] name [unit] ...". */
 static void take_units(sp_table *t, const char *text) {
     for (;;) {
         text += strspn(text, " ");

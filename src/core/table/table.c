@@ -42,7 +42,7 @@ sp_status sp_table_add_column(sp_table *t, const char *name, const char *unit, s
     return SP_OK;
 }
 
-/* Doubles the room for rows; old cells are kept. */
+/* Doubles the capacity for rows. */
 static sp_status grow(sp_table *t, sp_error *err) {
     int64_t capacity = t->capacity ? 2 * t->capacity : 64;
     size_t columns = (size_t)t->columns;
@@ -93,7 +93,7 @@ sp_status sp_table_add_row(sp_table *t, sp_error *err, ...) {
         }
     }
     va_end(args);
-    t->rows++; /* a text cell without memory is NULL, which free accepts */
+    t->rows++; /* counts after failure too: a missing text is NULL, which sp_free accepts */
     return status;
 }
 

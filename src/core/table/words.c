@@ -43,7 +43,7 @@ const char *sp_word_table_value(const sp_word_table *s, const char *key) {
 
 /* ---- cells ----------------------------------------------------------------------------------------------------- */
 
-/* \t, \n, \r, \# and \\ as the writer of tables gives them; other backslashes stand for themselves. */
+/* Replaces the escapes \t, \n, \r, \# and \\ of sp_table_text. Other backslashes stay. */
 static void unescape(char *word) {
     char *to = word;
     for (const char *from = word; *from; from++) {
@@ -72,7 +72,7 @@ static char *trim(char *word) {
     return word;
 }
 
-/* Cells between single tabs; counts like sp_line_words. */
+/* Splits a line at single tabs. Returns the number of cells like sp_line_words. */
 static int tab_cells(char *line, char **word, int most) {
     for (int count = 0;;) {
         char *tab = strchr(line, '\t');
@@ -96,8 +96,8 @@ static bool all_numbers(char *const *word, int count) {
     return true;
 }
 
-/* Whether the first row says that single tabs separate cells, which then may hold blanks: it has tabs, no cell is
- * empty, and it is not a row of numbers at any blanks. */
+/* Whether single tabs separate the cells, which then may contain blanks. That is so if the first row has tabs and no
+ * empty cell, and is not a row of numbers. */
 static bool tabs_separate(const char *line, bool *tabs) {
     char *word[SP_WORD_COLUMNS];
     char *copy = sp_strdup(line);
@@ -149,7 +149,7 @@ static sp_status add_row(sp_word_table *s, char *const *word, int count, int64_t
     return SP_OK;
 }
 
-/* One line with cells: the first fixes the separator and the columns, and may be the header. */
+/* Adds a line with cells. The first one sets the separator and the number of columns, and may be the header. */
 static sp_status take_row(sp_word_table *s, char *line, int64_t number, bool *tabs, sp_error *err) {
     bool first = s->columns == 0;
     if (first && !tabs_separate(line, tabs))
