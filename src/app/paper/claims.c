@@ -12,7 +12,7 @@ static double ratio_err(double ratio, double a, double a_err, double b, double b
     return fabs(ratio) * hypot(a_err / a, b_err / b);
 }
 
-/* Speed between two heights by t10, and its error. */
+/* Speed between two heights from t10, and its error. */
 static double speed_between(const paper_distance *low, const paper_distance *high, double *error) {
     const double time = high->t10.mean - low->t10.mean, speed = (high->distance - low->distance) / time;
     *error = speed * hypot(low->t10.err, high->t10.err) / time;
@@ -48,7 +48,7 @@ static sp_status claim_large_scale(paper *p, sp_error *err) {
 
 enum { MARKS = 2 };
 
-/* t10, t_peak and t_zero of the boxes of one height. */
+/* t10, t_peak and t_zero of all boxes of one height. */
 typedef struct marks {
     int64_t n;
     double *time[MARKS + 1];
@@ -78,7 +78,7 @@ static paper_sum sum_of(const marks *m, int mark, double times, double less) {
     return s;
 }
 
-/* c by a later mark over c by t10 is the ratio of the two delays: the marks of one packing scatter together, so that
+/* The ratio of c from a later mark to c_tof is the ratio of the two delays. The marks of one packing vary together, so
  * the error is that of t10 - ratio x mark. */
 static sp_status claim_marks(paper *p, sp_error *err) {
     static const char *const names[MARKS] = {"c by the first peak over c_tof", "c by the zero crossing over c_tof"};
@@ -113,12 +113,12 @@ sp_status sp_paper_claim_speeds(paper *p, sp_error *err) {
 
 /* ---- margins ---------------------------------------------------------------------------------------------------- */
 
-static const double threshold = 1e-4; /* of forces that carry, in p d^2 */
+static const double threshold = 1e-4; /* least force of a contact that carries load [p d^2] */
 
 enum { MARGINS = 5 };
 static const struct {
     const char *name;
-    double digit; /* of Table I */
+    double digit; /* last digit in Table I */
     size_t offset;
 } margin_of[MARGINS] = {{"Phi2", 0.001, offsetof(sp_statics, phi2)},
                         {"Phi3s", 0.01, offsetof(sp_statics, phi3s)},
@@ -127,7 +127,7 @@ static const struct {
                         {"F2", 0.001, offsetof(sp_statics, f2)}};
 
 typedef struct margins {
-    paper_sum thin[MARGINS], thick[MARGINS]; /* l = 1 and l = 5, less l = 3 */
+    paper_sum thin[MARGINS], thick[MARGINS]; /* l = 1 and l = 5, minus l = 3 */
 } margins;
 
 static double member(const sp_statics *s, size_t offset) { return *(const double *)((const char *)s + offset); }
@@ -177,10 +177,11 @@ sp_status sp_paper_claim_margins(paper *p, sp_error *err) {
 /* ---- participation number --------------------------------------------------------------------------------------- */
 
 typedef struct participation {
-    paper_sum total, normal, number; /* Pi Z(2) by total forces and by normal ones, and Pi; a value a packing */
+    paper_sum total, normal, number; /* Pi Z(2) from total and from normal forces, and Pi: one value per packing */
 } participation;
 
-/* Makse et al. 1999: Pi = 1/(M sum q^2), q = f/sum f, f the magnitude of a contact's whole force, M contacts. */
+/* Makse et al. 1999: Pi = 1/(M sum q^2), q = f/sum f, where f is the magnitude of the total force of each of M
+ * contacts. */
 static sp_status add_participation(const sp_sample *sample, const sp_packing *packing, const sp_network *net,
                                    void *user, sp_error *err) {
     (void)sample, (void)err;
@@ -256,9 +257,9 @@ sp_status sp_paper_claim_forces(paper *p, sp_error *err) {
 
 /* ---- Eq. (17) --------------------------------------------------------------------------------------------------- */
 
-/* The chain whose first ball, next to the wall, has velocity c at t = 0 (units of sp_chain): by images u'_n = J_(2n-2)
- * (2t) - J_(2n+2)(2t). Kinetic energy from the front back to the first zero crossing, and root mean square of u' behind
- * that. */
+/* The chain whose first ball, next to the wall, has velocity c at t = 0 (units of sp_chain). The method of images gives
+ * u'_n = J_(2n-2)(2t) - J_(2n+2)(2t). Returns the kinetic energy from the front back to the first zero crossing, and
+ * the root mean square of u' behind it. */
 static sp_status first_pulse(double t, double *energy, double *behind, sp_error *err) {
     const int64_t orders = sp_bessel_orders(2 * t) + 4, balls = orders / 2 - 2;
     double *j = sp_alloc((size_t)orders, sizeof *j), rest = 0;

@@ -78,7 +78,7 @@ sp_status sp_paper_save_table(paper *p, const char *name, sp_table *t, sp_error 
     return status;
 }
 
-/* A label without the marks of italics, sub- and superscripts: "|c|_{tof}" is "c_tof". */
+/* Removes markup: "|c|_{tof}" becomes "c_tof". */
 static const char *plain(const char *label, char out[96]) {
     size_t n = 0;
     for (; label && *label && n < 95; label++)
@@ -88,7 +88,7 @@ static const char *plain(const char *label, char out[96]) {
     return out;
 }
 
-/* The points of one panel's curves, those of its inset after them. */
+/* Adds the points of a panel's curves, followed by those of its inset. */
 static sp_status add_panel(sp_table *t, const char *tag, const sp_panel *panel, sp_error *err) {
     sp_status status = SP_OK;
     char label[96];

@@ -16,7 +16,8 @@ static const char *relation_of(const paper_row *row) {
     return row->scatter == PAPER_SCATTER_BOUND ? ">" : names[row->relation];
 }
 
-/* "Table I" of the title "Table I. Statics", "Fig. 6" of "Fig. 6. Arrival times": where the item is. */
+/* Place in the paper, from the title of the item: "Table I" from "Table I. Statics", "Fig. 6" from "Fig. 6. Arrival
+ * times". */
 static const char *where_of(const paper_row *row, char text[24]) {
     const char *title = sp_paper_item_title(row->item);
     if (row->where || !title)

@@ -1,4 +1,4 @@
-/* Fig. 3: displacements of the grains at one time. */
+/* Makes Fig. 3: displacements of the grains at one time. */
 #include "base/base.h"
 #include "paper/paper.h"
 
@@ -7,7 +7,7 @@
 #include <sonopack/signal.h>
 #include <stddef.h>
 
-static const double snapshot_time = 80; /* of the paper */
+static const double snapshot_time = 80; /* time in the paper */
 
 typedef struct snapshot {
     paper *p;
@@ -33,7 +33,7 @@ static sp_status save_field(paper *p, const sp_packing *packing, const sp_networ
     return status;
 }
 
-/* Root mean square displacements up and down in the quarters of the height. */
+/* Reports root mean square displacements, vertical and horizontal, in each quarter of the height. */
 static void say_layers(const snapshot *s, const sp_packing *packing, const sp_network *net, const double *u) {
     enum { PARTS = 4 };
     double sum[PARTS] = {0}, count[PARTS] = {0}, rms[PARTS];

@@ -16,7 +16,7 @@ static double one_sigma(const paper_row *row) {
     return hypot(row->paper_sd, known(row->err));
 }
 
-/* Of the paper's value. */
+/* Standard error of the paper's value. */
 static double paper_error(const paper_row *row) {
     switch (row->scatter) {
     case PAPER_SCATTER_PAPER: return row->paper_sd / sqrt(PAPER_SAMPLES);
@@ -32,10 +32,10 @@ double sp_paper_rounding(const paper_row *row) { return row->digit / sqrt(12); }
 
 bool sp_paper_is_claim(const paper_row *row) { return row->scatter == PAPER_SCATTER_CLAIM; }
 
-static const double decided = 2; /* standard errors from its limit: a claim is settled */
+static const double decided = 2; /* a claim is decided at this many standard errors from its limit */
 
 static void judge_claim(paper_row *row) {
-    double inside = row->ours - row->paper; /* how far ours is on the claim's side of its limit */
+    double inside = row->ours - row->paper; /* distance of ours from the limit, positive if the claim holds */
     if (row->relation == PAPER_BELOW)
         inside = -inside;
     else if (row->relation == PAPER_EQUAL)
