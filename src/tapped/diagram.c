@@ -1,7 +1,7 @@
 /* Bifurcation and Lyapunov diagrams over a parameter, computed in parallel. Each point starts afresh, so that it
  * depends on its parameter alone. */
 #include "base/base.h"
-#include "base/team.h"
+#include "base/pool.h"
 #include "tapped/events.h"
 #include "tapped/table.h"
 
@@ -191,12 +191,12 @@ static sp_status write_table(const diagram *d, sp_table *t, sp_error *err) {
 }
 
 static sp_status run_points(diagram *d, int threads, sp_error *err) {
-    sp_team *team = NULL;
-    sp_status status = sp_team_make(threads < d->points ? threads : d->points, &team, err);
+    sp_pool *team = NULL;
+    sp_status status = sp_pool_make(threads < d->points ? threads : d->points, &team, err);
     if (status != SP_OK)
         return status;
-    sp_team_run(team, work, d);
-    sp_team_free(team);
+    sp_pool_run(team, work, d);
+    sp_pool_free(team);
     if (atomic_load(&d->stop))
         return sp_fail(err, SP_EINTERRUPTED, "stopped after %d of %d points", atomic_load(&d->done), d->points);
     if (atomic_load(&d->failed) == d->points) {
