@@ -5,16 +5,14 @@
 sp_status sp_tapped_check_equal(const sp_tapped_spec *c, sp_error *err) {
     for (int32_t i = 2; i <= c->particles; i++) {
         if (sp_tapped_mass(c, i) != sp_tapped_mass(c, 1))
-            return sp_fail(
-                err, SP_EINVAL,
-                "column.mass: particle %d has %.17g g, the first %.17g g; BSR, (43)-(48), requires equal masses", i,
-                sp_tapped_mass(c, i), sp_tapped_mass(c, 1));
+            return sp_fail_key(err, SP_EINVAL, "column.mass",
+                               ": particle %d has %.17g g, the first %.17g g; BSR, (43)-(48), requires equal masses", i,
+                               sp_tapped_mass(c, i), sp_tapped_mass(c, 1));
         if (sp_tapped_radius(c, i) != sp_tapped_radius(c, 1))
-            return sp_fail(
-                err, SP_EINVAL,
-                "column.radius: particle %d has %.17g cm, the first %.17g cm; BSR, (43)-(48), requires equal "
-                "radii",
-                i, sp_tapped_radius(c, i), sp_tapped_radius(c, 1));
+            return sp_fail_key(err, SP_EINVAL, "column.radius",
+                               ": particle %d has %.17g cm, the first %.17g cm; BSR, (43)-(48), requires equal "
+                               "radii",
+                               i, sp_tapped_radius(c, i), sp_tapped_radius(c, 1));
     }
     return SP_OK;
 }
@@ -22,10 +20,10 @@ sp_status sp_tapped_check_equal(const sp_tapped_spec *c, sp_error *err) {
 sp_status sp_tapped_check_time_step(const sp_tapped_spec *c, double bound, sp_error *err) {
     char step[SP_NUMBER_TEXT], most[SP_NUMBER_TEXT];
     if (c->time_step > bound)
-        return sp_fail(err, SP_EINVAL,
-                       "column.time_step = %s s: must not be above %s s, where the BSR scheme becomes unstable (0 "
-                       "chooses the steps)",
-                       sp_number_text(c->time_step, step), sp_number_text(bound, most));
+        return sp_fail_key(err, SP_EINVAL, "column.time_step",
+                           " = %s s: must not be above %s s, where the BSR scheme becomes unstable (0 "
+                           "chooses the steps)",
+                           sp_number_text(c->time_step, step), sp_number_text(bound, most));
     return SP_OK;
 }
 

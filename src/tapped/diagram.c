@@ -111,11 +111,12 @@ static void work(void *data, int part, int parts) {
 static sp_status check_range(const sp_tapped_spec *c, sp_error *err) {
     const char *name = sp_tapped_parameter_name(c->parameter);
     if (c->points == 1 && c->to > c->from)
-        return sp_fail(err, SP_EINVAL, "column.points = 1: must be 2 or more to go from column.from to column.to");
+        return sp_fail_key(err, SP_EINVAL, "column.points",
+                           " = 1: must be 2 or more to go from column.from to column.to");
     if (c->points > 1 && !(c->from < c->to))
-        return sp_fail(err, SP_EINVAL,
-                       "column.to = %.17g: must be above column.from = %.17g for %d points of column.%s", c->to,
-                       c->from, c->points, name);
+        return sp_fail_key(err, SP_EINVAL, "column.to",
+                           " = %.17g: must be above column.from = %.17g for %d points of column.%s", c->to, c->from,
+                           c->points, name);
     for (int32_t end = 0; end < 2; end++) {
         sp_tapped_spec own = spec_at(c, end * (c->points - 1));
         sp_status status = sp_tapped_check(&own, err);
@@ -191,12 +192,12 @@ static sp_status write_table(const diagram *d, sp_table *t, sp_error *err) {
 }
 
 static sp_status run_points(diagram *d, int threads, sp_error *err) {
-    sp_pool *team = NULL;
-    sp_status status = sp_pool_make(threads < d->points ? threads : d->points, &team, err);
+    sp_pool *pool = NULL;
+    sp_status status = sp_pool_make(threads < d->points ? threads : d->points, &pool, err);
     if (status != SP_OK)
         return status;
-    sp_pool_run(team, work, d);
-    sp_pool_free(team);
+    sp_pool_run(pool, work, d);
+    sp_pool_free(pool);
     if (atomic_load(&d->stop))
         return sp_fail(err, SP_EINTERRUPTED, "stopped after %d of %d points", atomic_load(&d->done), d->points);
     if (atomic_load(&d->failed) == d->points) {
@@ -218,8 +219,9 @@ sp_status sp_tapped_diagram(const sp_tapped_spec *spec, int threads, sp_tapped_w
     sp_status status = check_range(&c, err);
     double bytes = (double)d.points * d.rows_per_point * (d.values + 2.0) * 2 * sizeof(double);
     if (status == SP_OK && bytes > 0.5 * sp_memory_limit())
-        status = sp_fail(err, SP_EINVAL, "column.points = %d, column.taps = %d: a table of %.3g bytes; must be smaller",
-                         d.points, c.taps, bytes);
+        status =
+            sp_fail_key(err, SP_EINVAL, "column.points",
+                        " = %d, column.taps = %d: a table of %.3g bytes; must be smaller", d.points, c.taps, bytes);
     if (status != SP_OK)
         return status;
     d.value = sp_alloc((size_t)d.points * (size_t)d.rows_per_point * (size_t)d.values, sizeof *d.value);

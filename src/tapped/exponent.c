@@ -186,8 +186,8 @@ sp_status sp_tapped_lyapunov(const sp_tapped_spec *spec, sp_tapped_exponent *out
     sp_tapped_exponent found = {0};
     sp_status status = sp_tapped_state_make(&c, &s, err);
     if (status == SP_OK && c.taps < LEAST_TAPS)
-        status = sp_fail(err, SP_EINVAL, "column.taps = %d: must be at least %d for an exponent, or 0 for 1000", c.taps,
-                         LEAST_TAPS);
+        status = sp_fail_key(err, SP_EINVAL, "column.taps", " = %d: must be at least %d for an exponent, or 0 for 1000",
+                             c.taps, LEAST_TAPS);
     if (status == SP_OK)
         status = make_orbit(&c, 0, &o, err);
     if (status == SP_OK)

@@ -183,10 +183,10 @@ static void start(const sp_tapped_spec *c, const longwave *p, double *state) {
 static sp_status check(const sp_tapped_spec *c, sp_error *err) {
     for (int32_t i = 2; i <= c->particles; i++)
         if (sp_tapped_mass(c, i) != sp_tapped_mass(c, 1) || sp_tapped_radius(c, i) != sp_tapped_radius(c, 1))
-            return sp_fail(err, SP_EINVAL,
-                           "column.model = \"longwave\": particle %d differs from particle 1 in mass or radius; the "
-                           "long-wave expansion requires equal particles",
-                           i);
+            return sp_fail_key(err, SP_EINVAL, "column.model",
+                               " = \"longwave\": particle %d differs from particle 1 in mass or radius; the "
+                               "long-wave expansion requires equal particles",
+                               i);
     return SP_OK;
 }
 
@@ -200,9 +200,9 @@ static sp_status choose_time_step(const sp_tapped_spec *c, longwave *p, sp_error
         overlap += p->particles * p->mass * p->gravity / p->stiffness;
     double bound = stable_step(p, overlap);
     if (c->time_step > bound * (1 + 1e-9))
-        return sp_fail(
-            err, SP_EINVAL,
-            "column.time_step = %.17g s: the long wave is stable up to %.6g s, the smaller of %.3g s, for its "
+        return sp_fail_key(
+            err, SP_EINVAL, "column.time_step",
+            " = %.17g s: the long wave is stable up to %.6g s, the smaller of %.3g s, for its "
             "elastic waves, and 2.5 m/(12 K e alpha_v delta), for their damping at an overlap delta = %.3g "
             "cm; 0 chooses a stable one",
             c->time_step, bound, elastic_bound(p), overlap);

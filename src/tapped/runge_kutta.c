@@ -54,10 +54,10 @@ static sp_status choose_fixed_step(const sp_tapped_spec *c, solver *m, sp_error 
     double frequency = sp_tapped_springs_frequency(&m->springs), bound = 2 * sqrt(2) / frequency;
     m->max_step = c->time_step > 0 ? c->time_step : 2 * sp_tapped_pi / frequency / STEPS_PER_CONTACT;
     if (m->max_step > bound)
-        return sp_fail(err, SP_EINVAL,
-                       "column.time_step = %.17g s: the Runge-Kutta scheme is stable up to %.6g s, sqrt(2 m/(K (1 + "
-                       "e))) of the lightest particle; 0 chooses %d steps per contact",
-                       m->max_step, bound, STEPS_PER_CONTACT);
+        return sp_fail_key(err, SP_EINVAL, "column.time_step",
+                           " = %.17g s: the Runge-Kutta scheme is stable up to %.6g s, sqrt(2 m/(K (1 + "
+                           "e))) of the lightest particle; 0 chooses %d steps per contact",
+                           m->max_step, bound, STEPS_PER_CONTACT);
     return SP_OK;
 }
 

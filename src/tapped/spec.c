@@ -130,7 +130,7 @@ sp_status sp_tapped_check(const sp_tapped_spec *c, sp_error *err) {
                            "column.frequency: 1/(2 * %s Hz) = %s s",
                            sp_number_text(c->period, value), sp_number_text(c->frequency, other),
                            sp_number_text(tap, limit));
-    if (!(stiffness > bound * (1 + 1e-12))) /* what equals it, but for rounding, is refused */
+    if (!(stiffness > bound * (1 + 1e-12))) /* equality within rounding is refused, too */
         return sp_fail_key(err, SP_EINVAL, "column.stiffness",
                            " = %s g/s^2: the column collapses under its own weight; must be above "
                            "%.10g g/s^2 (condition (28), for equal particles N m g/r)",

@@ -52,7 +52,7 @@ static sp_status make_items(blackmore *p, sp_error *err) {
         if (status == SP_OK)
             status = items[item].make(p, err);
         if (status == SP_OK && p->failed)
-            status = sp_fail_memory(err, 2 * (size_t)p->capacity * sizeof *p->row);
+            status = sp_fail_memory(err, 2 * p->capacity * sizeof *p->row);
         p->item_at += p->item_share;
     }
     return status;

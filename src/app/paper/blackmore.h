@@ -56,7 +56,8 @@ struct blackmore {
     void *user;
     double begun;               /* wall clock at the start */
     double item_at, item_share; /* progress of the whole work: at the start of the item, and share of the item */
-    int64_t rows, capacity;
+    int64_t rows;
+    size_t capacity;
     blackmore_row *row;
     bool failed; /* a row found no memory */
     blackmore_section section[SP_PAPER_COLUMN_ITEMS];

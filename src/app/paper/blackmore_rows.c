@@ -4,7 +4,6 @@
 
 #include <stdarg.h>
 #include <stdio.h>
-#include <string.h>
 
 static bool holds(const blackmore_row *row) {
     const double err = isfinite(row->err) ? row->err : 0;
@@ -37,22 +36,6 @@ void sp_blackmore_set_verdict(blackmore_row *row) {
         row->verdict = row->misprint ? "erratum" : "deviates";
 }
 
-static void reserve_row(blackmore *p) {
-    if (p->rows < p->capacity)
-        return;
-    const int64_t capacity = p->capacity > 0 ? 2 * p->capacity : 64;
-    blackmore_row *larger = sp_alloc((size_t)capacity, sizeof *larger);
-    if (!larger) {
-        p->failed = true;
-        return;
-    }
-    if (p->rows > 0)
-        memcpy(larger, p->row, (size_t)p->rows * sizeof *larger);
-    sp_free(p->row);
-    p->row = larger;
-    p->capacity = capacity;
-}
-
 void sp_blackmore_add(blackmore *p, blackmore_row row, const char *quantity, ...) {
     va_list args;
     va_start(args, quantity);
@@ -61,9 +44,12 @@ void sp_blackmore_add(blackmore *p, blackmore_row row, const char *quantity, ...
     if (!row.unit)
         row.unit = "";
     sp_blackmore_set_verdict(&row);
-    reserve_row(p);
-    if (!p->failed)
+    blackmore_row *rows = sp_grow(p->row, (size_t)p->rows + 1, &p->capacity, sizeof row);
+    if (rows) {
+        p->row = rows;
         p->row[p->rows++] = row;
+    } else
+        p->failed = true;
 }
 
 void sp_blackmore_note(blackmore_row *row, const char *format, ...) {
