@@ -139,10 +139,9 @@ static void each_kind_has_its_dimension(void **state) {
         sp_free(text_alone);
         sp_scene_free(&s);
     }
-    refuses("packing = { kind = [\"piston\", \"chain\"]; dimension = 2; };", "packing.dimension = 2: must be 1");
-    refuses("packing = { kind = [\"piston\", \"file\"]; };", "packing.kind = \"file\": must not be swept");
-    refuses("packing = { file = \"p.h5\"; kind = [\"piston\", \"chain\"]; };",
-            "s.cfg:1: packing.kind: must not be swept");
+    refuses("packing = { kind = [\"piston\", \"chain\"]; dimension = 2; };", "packing.dimension 2 1");
+    refuses("packing = { kind = [\"piston\", \"file\"]; };", "packing.kind file");
+    refuses("packing = { file = \"p.h5\"; kind = [\"piston\", \"chain\"]; };", "s.cfg:1 packing.kind");
     is_swept("packing = { dimension = [2, 3]; width = 6; };", "packing.dimension=2|3");
 }
 
@@ -154,14 +153,14 @@ static void combinations_count(void **state) {
         "study = { sweep = ( { key = \"packing.diameters\"; values = ( [1, 1, 1], [1, 1, 1.1] ); } ); };";
     sp_scene s = parsed(text);
     assert_int_equal(sp_study_count(&s), 2);
-    assert_fails(sp_pack_spec_check(&s.pack, &err), SP_EINVAL, "packing.diameters = (0 numbers)");
+    assert_fails(sp_pack_spec_check(&s.pack, &err), SP_EINVAL, "packing.diameters 0");
     check_round_trip(&s);
     sp_scene_free(&s);
     refuses("packing = { sizes = \"list\"; grains = 3; kind = \"chain\"; };"
             "study = {\n sweep = ( { key = \"packing.diameters\"; values = ( [1, 1, 1], [1, 1] ); } ); };",
-            "s.cfg:2: study.sweep: packing.diameters = (2 numbers): must be one for each");
-    refuses("packing = {\n width = 3;\n pressure = [1e-5, 1e-4]; };", "s.cfg:2: packing.width = 3: ");
-    refuses("packing = {\n width = [24,\n 3]; };", "s.cfg:2: packing.width = 3: ");
+            "s.cfg:2 study.sweep packing.diameters 2");
+    refuses("packing = {\n width = 3;\n pressure = [1e-5, 1e-4]; };", "s.cfg:2 packing.width 3");
+    refuses("packing = {\n width = [24,\n 3]; };", "s.cfg:2 packing.width 3");
 }
 
 static void seeds(void **state) {
@@ -176,13 +175,13 @@ static void seeds(void **state) {
     check_round_trip(&s);
     sp_scene_free(&s);
     refuses("packing = {\n seed = [100, 1]; }; study = { samples = 100; };",
-            "s.cfg:2: packing.seed: 1 and 100 are swept: must differ by study.samples = 100 at least");
+            "s.cfg:2 packing.seed 1 100 study.samples 100");
     is_swept("packing = { seed = [9007199254740991, 9007199254740992, 4503599627370497]; };",
              "packing.seed=9007199254740991|9007199254740992|4503599627370497");
     is_swept("packing = { seed = { from = 9007199254740980; to = 9007199254740992; step = 4; }; };",
              "packing.seed=9007199254740980|9007199254740984|9007199254740988|9007199254740992");
-    refuses("packing = { seed = [1, 9007199254740993]; };", "must be 9007199254740992 at the most where it is swept");
-    refuses("packing = { seed = [1, -1]; };", "packing.seed = -1: must be an integer");
+    refuses("packing = { seed = [1, 9007199254740993]; };", "9007199254740992");
+    refuses("packing = { seed = [1, -1]; };", "packing.seed -1");
 }
 
 /* ---- ranges ----------------------------------------------------------------------------------------------------- */
@@ -319,11 +318,11 @@ static void ranges_that_make_no_sense(void **state) {
         refuses_set("packing = { };", text, wrong[k][1]);
     }
     refuses("study = { sweep = ( { key = \"packing.friction\"; values = { from = 0; to = 1; count = 3; }; } ); };",
-            "a range has its place beside key");
+            "study.sweep");
     refuses("study = { sweep = ( { key = \"packing.friction\"; from = 0; to = 1; count = 3; values = [1]; } ); };",
-            "each entry must be");
+            "study.sweep");
     refuses("study = { sweep = (\n { key = \"packing.friction\"; from = 0; to = 1; coumt = 3; } ); };",
-            "s.cfg:2: packing.friction: a range has no \"coumt\"");
+            "s.cfg:2 packing.friction coumt");
 }
 
 /* ---- keys that are given lists or ranges ------------------------------------------------------------------------ */
@@ -343,38 +342,35 @@ static void lists_in_the_place_of_values(void **state) {
     sp_scene_free(&s);
     refuses("packing = {\n pressure = [1e-5, 1e-4]; };"
             "study = { sweep = ( { key = \"packing.pressure\"; values = [1e-7]; } ); };",
-            "s.cfg:2: packing.pressure: is swept here and by study.sweep: must be swept in one place");
-    refuses("packing = { pressure = []; };", "packing.pressure: what is swept must be a list of values, such as [1e-7");
-    refuses("packing = { sizes = [\"uniform\", \"bidispers\"]; };", "\"bidispers\": must be uniform, bidisperse");
-    refuses("packing = { sizes = [\"uniform\",\n \"uniform\"]; };",
-            "s.cfg:1: packing.sizes: uniform stands there twice");
-    refuses("packing = { reference = [true, false, true]; };", "packing.reference: true stands there twice");
-    refuses("packing = { pressure = [1e-4, [1e-5]]; };", "packing.pressure = a list: must be 1e-10 .. 0.01 E*");
-    refuses("packing = { pressure = [1e-4,\n 1e999]; };", "s.cfg:2: packing.pressure = inf: must be");
-    refuses("packing = { friction = [0.0, -0.0]; };", "packing.friction: 0 stands there twice");
-    refuses("network = { prestress = [true, 1]; };", "network.prestress = 1: must be true or false");
-    refuses("signal = {\n method = [\"dense\"]; };",
-            "s.cfg:2: signal.method cannot be swept: it makes no other sample");
-    refuses("signal = { until = [10, 20]; };", "signal.until cannot be swept: it makes no other sample");
-    refuses("signal = { points = { from = 10; to = 20; count = 2; }; };", "signal.points cannot be swept");
-    refuses("study = { samples = [10, 20]; };", "study.samples cannot be swept");
-    refuses("packing = { content = [10, 20]; };", "packing.content cannot be swept: it follows from packing.file");
-    refuses("packing = {\n history = ([1e-3], [1e-4]); };",
-            "s.cfg:2: packing.history: a list of lists: must be one list");
-    refuses("packing = { history = [1e-3, [1e-4]]; };", "packing.history = a list: must be a list");
-    refuses("packing = { file = [\"a.h5\"]; };", "packing.file = a list: must be the name of a file");
-    refuses("packing = { height = [10, 20]; grains = 200; };", "packing.height (swept): must not be given beside");
-    refuses("packing = { height = 20; grains = [200, 400]; };", "must not be given beside packing.grains (swept)");
+            "s.cfg:2 packing.pressure study.sweep");
+    refuses("packing = { pressure = []; };", "packing.pressure");
+    refuses("packing = { sizes = [\"uniform\", \"bidispers\"]; };", "bidispers uniform bidisperse");
+    refuses("packing = { sizes = [\"uniform\",\n \"uniform\"]; };", "s.cfg:1 packing.sizes uniform");
+    refuses("packing = { reference = [true, false, true]; };", "packing.reference true");
+    refuses("packing = { pressure = [1e-4, [1e-5]]; };", "packing.pressure 1e-10 0.01 E*");
+    refuses("packing = { pressure = [1e-4,\n 1e999]; };", "s.cfg:2 packing.pressure inf");
+    refuses("packing = { friction = [0.0, -0.0]; };", "packing.friction 0");
+    refuses("network = { prestress = [true, 1]; };", "network.prestress 1 true false");
+    refuses("signal = {\n method = [\"dense\"]; };", "s.cfg:2 signal.method");
+    refuses("signal = { until = [10, 20]; };", "signal.until");
+    refuses("signal = { points = { from = 10; to = 20; count = 2; }; };", "signal.points");
+    refuses("study = { samples = [10, 20]; };", "study.samples");
+    refuses("packing = { content = [10, 20]; };", "packing.content packing.file");
+    refuses("packing = {\n history = ([1e-3], [1e-4]); };", "s.cfg:2 packing.history");
+    refuses("packing = { history = [1e-3, [1e-4]]; };", "packing.history");
+    refuses("packing = { file = [\"a.h5\"]; };", "packing.file");
+    refuses("packing = { height = [10, 20]; grains = 200; };", "packing.height");
+    refuses("packing = { height = 20; grains = [200, 400]; };", "packing.grains");
     refuses("packing = { damping = [0.1, 1]; calm = [1]; drag = [0]; poisson = [0]; tolerance = [0]; width = [24];"
             " friction = [0]; seed = [1]; pressure = [1e-4]; };",
-            "packing.pressure: one swept key too many: must be 8 at the most");
+            "packing.pressure 8");
     refuses(
         "packing = { damping = [0.1, 1]; calm = [1]; drag = [0]; poisson = [0]; tolerance = [0]; width = [24];"
         " friction = [0]; seed = [1]; }; study = { sweep = ( { key = \"packing.pressure\"; values = [1e-4]; } ); };",
-        "one of 9 swept keys: must be 8 at the most");
+        "9 8");
     refuses("packing = { pressure = { from = 1e-5; to = 1e-3; count = 10000; };"
             "friction = { from = 0; to = 1; count = 10000; }; };",
-            "1 samples of 100000000 combinations");
+            "1 samples 100000000");
 }
 
 static void entries_that_make_no_sense(void **state) {
@@ -407,14 +403,14 @@ static void entries_that_make_no_sense(void **state) {
         char text[300];
         snprintf(text, sizeof text, "study = { sweep = (\n { %s; } ); };", wrong[k][0]);
         refuses(text, wrong[k][1]);
-        refuses(text, "s.cfg:2: ");
+        refuses(text, "s.cfg:2");
     }
     char *text = calloc(1, 20000);
     strcpy(text, "study = { sweep = ( { key = \"packing.history\"; values = ( [");
     for (int k = 0; k < SP_HISTORY_MAX + 1; k++)
         strcat(text, "1e-3, ");
     strcat(text, "1e-3] ); } ); };");
-    refuses(text, "packing.history: 1002 pressures: must be 1000 at the most");
+    refuses(text, "packing.history 1002 1000");
     free(text);
 }
 
@@ -446,19 +442,19 @@ static void overrides(void **state) {
         sp_scene_free(&s);
     }
     sp_scene s = parsed_set(text, "packing.grains=100"); /* study.sweep is not replaced */
-    assert_fails(sp_scene_check_sweeps(&s, &err), SP_EINVAL, "--set packing.grains: the key is swept by study.sweep");
+    assert_fails(sp_scene_check_sweeps(&s, &err), SP_EINVAL, "--set packing.grains study.sweep");
     sp_scene_free(&s);
-    refuses_set(text, "packing.grains=[100, 200]", "packing.grains: is swept here and by study.sweep");
-    refuses_set(text, "packing.pressure=[1e-6, x]", "must be");
-    refuses_set(text, "packing.sizes=[uniform, box]", "packing.sizes = \"box\": must be uniform, bidisperse");
-    refuses_set(text, "packing.sizes=[uniform", "must be");
+    refuses_set(text, "packing.grains=[100, 200]", "packing.grains study.sweep");
+    refuses_set(text, "packing.pressure=[1e-6, x]", "packing.pressure");
+    refuses_set(text, "packing.sizes=[uniform, box]", "packing.sizes box uniform bidisperse");
+    refuses_set(text, "packing.sizes=[uniform", "packing.sizes");
     char grains[] = "packing.grains=300", *other[] = {grains};
     assert_fails(sp_scene_parse("packing = { height = [10, 20]; };", "s.cfg", 1, other, &s, &err), SP_EINVAL,
-                 "s.cfg:1: packing.height (swept): must not be given beside packing.grains = 300");
+                 "s.cfg:1 packing.height packing.grains 300");
     sp_scene lists = parsed_set("packing = { kind = \"chain\"; sizes = \"list\"; diameters = [1, 1]; grains = 2; };"
                                 "study = { sweep = ( { key = \"packing.diameters\"; values = ([1, 1], [1, 2]); } ); };",
                                 "packing.diameters=1,3");
-    assert_fails(sp_scene_check_sweeps(&lists, &err), SP_EINVAL, "--set packing.diameters: the key is swept");
+    assert_fails(sp_scene_check_sweeps(&lists, &err), SP_EINVAL, "--set packing.diameters");
     sp_scene_free(&lists);
 }
 
@@ -473,26 +469,26 @@ static void take_and_text(void **state) {
     sp_sweep pressure = {.key = "packing.pressure", .count = 2, .values = pressures};
     assert_ok(sp_scene_take(&s, &pressure, 0, &err));
     assert_true(s.pack.pressure == 1e-6);
-    assert_fails(sp_scene_take(&s, &pressure, 1, &err), SP_EINVAL, "packing.pressure = -1: must be");
-    assert_fails(sp_scene_take(&s, &pressure, 2, &err), SP_EINVAL, "value 3 of 2");
-    assert_fails(sp_scene_take(&s, &pressure, -1, &err), SP_EINVAL, "value 0 of 2");
+    assert_fails(sp_scene_take(&s, &pressure, 1, &err), SP_EINVAL, "packing.pressure -1");
+    assert_fails(sp_scene_take(&s, &pressure, 2, &err), SP_EINVAL, "3 2");
+    assert_fails(sp_scene_take(&s, &pressure, -1, &err), SP_EINVAL, "0 2");
     assert_string_equal(sp_sweep_text(&pressure, 2, buf, sizeof buf), "");
     sp_sweep sizes = {.key = "packing.sizes", .count = 2, .values = words};
     assert_ok(sp_scene_take(&s, &sizes, 0, &err));
     assert_int_equal(s.pack.sizes, SP_SIZES_BIDISPERSE);
-    assert_fails(sp_scene_take(&s, &sizes, 1, &err), SP_EINVAL, "must be uniform, bidisperse");
+    assert_fails(sp_scene_take(&s, &sizes, 1, &err), SP_EINVAL, "uniform bidisperse");
     sp_sweep history = {.key = "packing.history", .count = 3, .values = list, .begin = begin};
     assert_ok(sp_scene_take(&s, &history, 1, &err));
     assert_true(s.pack.history_count == 1 && s.pack.history == list);
     assert_ok(sp_scene_take(&s, &history, 0, &err));
     assert_true(s.pack.history_count == 0 && !s.pack.history);
-    assert_fails(sp_scene_take(&s, &history, 2, &err), SP_EINVAL, "packing.history = 0.1: must be");
+    assert_fails(sp_scene_take(&s, &history, 2, &err), SP_EINVAL, "packing.history 0.1");
     assert_string_equal(sp_sweep_text(&history, 2, buf, sizeof buf), "[0.1, 0.0001]");
     assert_string_equal(sp_sweep_text(&history, 2, small, sizeof small), "[...]");
     history.begin = NULL;
-    assert_fails(sp_scene_take(&s, &history, 0, &err), SP_EINVAL, "must be one of lists");
+    assert_fails(sp_scene_take(&s, &history, 0, &err), SP_EINVAL, "packing.history");
     sp_sweep none = {.key = "packing.nothing", .count = 1, .values = list};
-    assert_fails(sp_scene_take(&s, &none, 0, &err), SP_EINVAL, "there is no such key");
+    assert_fails(sp_scene_take(&s, &none, 0, &err), SP_EINVAL, "study.sweep packing.nothing");
     assert_string_equal(sp_sweep_text(&none, 0, buf, sizeof buf), "");
     sp_sweep grains = {.key = "packing.grains", .count = 1, .values = (double[]){50}};
     s.height = 20;

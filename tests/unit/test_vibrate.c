@@ -289,17 +289,17 @@ static void test_refusals(void **state) {
     o.until = 10;
     o.points = 3;
     assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "sp_signal_dynamics");
-    assert_fails(sp_signal_dynamics(&other, &net, &o, &s, &err), SP_EINVAL, "must be its own");
+    assert_fails(sp_signal_dynamics(&other, &net, &o, &s, &err), SP_EINVAL, "11 10");
     for (int k = 0; k < 3; k++) {
         o.amplitude = (double[]){0, -1, NAN}[k];
-        assert_fails(sp_signal_dynamics(&p, &net, &o, &s, &err), SP_EINVAL, "amplitude =");
+        assert_fails(sp_signal_dynamics(&p, &net, &o, &s, &err), SP_EINVAL, "amplitude");
     }
     o.amplitude = 1000;
     o.tolerance = 1e-2;
-    assert_fails(sp_signal_dynamics(&p, &net, &o, &s, &err), SP_EFAILED, "must be smaller");
+    assert_fails(sp_signal_dynamics(&p, &net, &o, &s, &err), SP_EFAILED, "amplitude 1000");
     o.amplitude = 1e-3;
     o.step = 2;
-    assert_fails(sp_signal_dynamics(&p, &net, &o, &s, &err), SP_EINVAL, "longer ones are unstable");
+    assert_fails(sp_signal_dynamics(&p, &net, &o, &s, &err), SP_EINVAL, "step 2");
     o.step = 0;
     o.tolerance = 1e-14;
     o.until = 1000;
