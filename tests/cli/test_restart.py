@@ -8,22 +8,15 @@ import pathlib
 import random
 import signal
 import subprocess
-import sys
 import tempfile
 
 import h5py
 
 from common import made_now, names_all, wait_for_work, wait_until
+from streams import COMMAND, run
 
-COMMAND = sys.argv[1]
 HISTORY = ["--set", "packing.grains=300", "--set", "packing.width=15", "--set", "packing.tolerance=1e-9",
            "--set", "packing.history=[1e-5, 3e-4]"]
-
-
-def run(*args, status=0):
-    done = subprocess.run([COMMAND, *map(str, args)], capture_output=True, text=True)
-    assert done.returncode == status, (args, done.returncode, done.stdout, done.stderr)
-    return done
 
 
 def state_of(path):

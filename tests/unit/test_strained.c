@@ -1,17 +1,9 @@
 /* Finite strain of the packing itself against the moduli of its springs. */
 #include "base/base.h"
 #include "making.h"
-#include "reference.h"
+#include "signals.h"
 
 #include <sonopack/elastic.h>
-
-static sp_network network_of(const sp_packing *p, bool prestress) {
-    sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
-    o.prestress = prestress;
-    assert_ok(sp_network_make(p, &o, &net, &err));
-    return net;
-}
 
 static sp_strained strained(const sp_packing *p, const sp_network *net, double strain, bool turning) {
     sp_strained_options o = sp_strained_options_default();
