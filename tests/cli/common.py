@@ -8,8 +8,8 @@ PATIENCE = 600  # seconds until what never happens is a failure; nothing is meas
 
 
 def names_all(text, words):
-    """Whether a message names all of the words, which blanks separate (keys, options, values, FILE:LINE), each by itself:
-    not "grain" of "grains", nor 5 of 0.5. How a message is put is not asked; of no words, only that there is one."""
+    """Whether a message names all of the words, which blanks separate: keys, options, values, FILE:LINE. Each must stand
+    by itself: not "grain" of "grains", nor 5 of 0.5. How a message is put is not asked; of no words, that there is one."""
     text = str(text)
     return text.strip() != "" and all(_named(text, word) for word in str(words).split())
 

@@ -30,7 +30,8 @@ def column(*sets, scene=None, options=(), status=0, reason="", **arguments):
     done = subprocess.run([COMMAND, "column", *([str(scene)] if scene else []), *words, *map(str, options)], text=True,
                           capture_output=True, stdin=subprocess.DEVNULL, timeout=PATIENCE, **arguments)
     line = done.stderr.split("\n")[0]
-    assert done.returncode == status and (not (status or reason) or names_all(line, reason)), (sets, options, done.returncode, done.stderr)
+    assert done.returncode == status, (sets, options, done.returncode, done.stderr)
+    assert not (status or reason) or names_all(line, reason), (sets, options, done.stderr)
     assert status == 0 or (line.startswith("sonopack: ") and not done.stdout and done.stderr.count("\n") == 1), done
     return done
 

@@ -19,7 +19,7 @@ def expect(condition, what):
 
 
 def convert(*words, status=0, says=""):
-    result = subprocess.run([COMMAND, "convert", *words], capture_output=True, text=True, timeout=120, cwd=FOLDER)
+    result = subprocess.run([COMMAND, "convert", *words], capture_output=True, text=True, timeout=1200, cwd=FOLDER)
     what = f"convert {' '.join(words)}: status {result.returncode}, {result.stderr}"
     expect(result.returncode == status, what)
     expect(not says or names_all(result.stderr, says), f"'{says}' in: {what}")

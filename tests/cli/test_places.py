@@ -18,7 +18,7 @@ NORMAL, SHEAR = 1, 0
 
 
 def run(*words, status=0):
-    done = subprocess.run([COMMAND, *map(str, words)], capture_output=True, text=True, timeout=300)
+    done = subprocess.run([COMMAND, *map(str, words)], capture_output=True, text=True, timeout=1200)
     assert done.returncode == status, (words, done.returncode, done.stderr)
     if status:
         assert done.stdout == "" and done.stderr.startswith("sonopack"), (words, done.stdout[:200], done.stderr)

@@ -42,7 +42,7 @@ def expect(good, what):
 
 
 def plot(*arguments):
-    return subprocess.run([COMMAND, "plot", *map(str, arguments)], text=True, capture_output=True, timeout=120,
+    return subprocess.run([COMMAND, "plot", *map(str, arguments)], text=True, capture_output=True, timeout=1200,
                           stdin=subprocess.DEVNULL)
 
 
@@ -199,7 +199,7 @@ study = { samples = 1; want = ["ctof"]; sweep = ( { key = "packing.pressure"; va
 { key = "packing.grains"; values = [8, 24]; } ); };
 """)
     made = subprocess.run([COMMAND, "study", scene, "--store", scratch / "store", "-o", scratch / "study.tsv"],
-                          text=True, capture_output=True, timeout=300, stdin=subprocess.DEVNULL)
+                          text=True, capture_output=True, timeout=1200, stdin=subprocess.DEVNULL)
     expect(made.returncode == 0, f"study: {made.stderr}")
     text = words(drawn(scratch, "store.svg", "ctof", "--store", scratch / "store"))
     expect("c_tof" in text, f"store: {text}")

@@ -28,7 +28,7 @@ def expect(good, what):
 
 
 def run(*arguments):
-    return subprocess.run([COMMAND, *map(str, arguments)], text=True, capture_output=True, timeout=120,
+    return subprocess.run([COMMAND, *map(str, arguments)], text=True, capture_output=True, timeout=1200,
                           stdin=subprocess.DEVNULL)
 
 

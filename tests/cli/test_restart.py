@@ -66,7 +66,8 @@ def killed_and_resumed(folder, seed=3, kills=6):
 def stopped_politely(folder):
     """Ctrl-C: the last state is written whatever the interval, and the way on is told."""
     path = folder / "stopped.h5"
-    args = ["pack", "--set", "packing.grains=1500", "--set", "packing.pressure=1e-8", "--state-every", "1e6", "-o", path]
+    args = ["pack", "--set", "packing.grains=1500", "--set", "packing.pressure=1e-8", "--state-every", "1e6", "-o",
+            path]
     making = subprocess.Popen([COMMAND, *map(str, args)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     wait_for_work(making, 0)  # the signal comes before the first state could be kept: the making goes on to it
     making.send_signal(signal.SIGINT)

@@ -2,7 +2,6 @@
 
 usage: test_run.py COMMAND SOURCE_DIR
 """
-import os
 import pathlib
 import shutil
 import subprocess

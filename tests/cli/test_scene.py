@@ -68,7 +68,7 @@ def expect(good, what):
 
 def pack(*arguments):
     return subprocess.run([COMMAND, "pack", *map(str, arguments)], text=True, capture_output=True,
-                          stdin=subprocess.DEVNULL, timeout=120)
+                          stdin=subprocess.DEVNULL, timeout=1200)
 
 
 def expect_refused(reason, *arguments):

@@ -18,7 +18,7 @@ N600 = os.path.join(REFERENCE, "packing_N600_p1e-4.txt")
 
 
 def run(*words, status=0, cwd=None):
-    done = subprocess.run([COMMAND, *map(str, words)], capture_output=True, text=True, cwd=cwd, timeout=300)
+    done = subprocess.run([COMMAND, *map(str, words)], capture_output=True, text=True, cwd=cwd, timeout=1200)
     assert done.returncode == status, (words, done.returncode, done.stderr)
     if status:
         assert done.stdout == "" and done.stderr.startswith("sonopack"), (words, done.stdout[:200], done.stderr)

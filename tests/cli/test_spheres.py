@@ -16,7 +16,7 @@ BOX = ["--set", "packing.dimension=3", "--set", "packing.grains=100", "--set", "
 
 
 def run(*words, status=0, says=""):
-    result = subprocess.run([COMMAND, *words], capture_output=True, text=True, timeout=120, cwd=FOLDER)
+    result = subprocess.run([COMMAND, *words], capture_output=True, text=True, timeout=1200, cwd=FOLDER)
     assert result.returncode == status, f"{words}: status {result.returncode}, {result.stderr}"
     assert not says or names_all(result.stderr, says), f"'{says}' in: {result.stderr}"
     return result.stdout

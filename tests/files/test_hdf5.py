@@ -38,7 +38,7 @@ LIMIT = limit_memory if trial.returncode == 0 else None
 
 
 def run(*words):
-    return subprocess.run([COMMAND, *words], capture_output=True, text=True, timeout=120, preexec_fn=LIMIT)
+    return subprocess.run([COMMAND, *words], capture_output=True, text=True, timeout=1200, preexec_fn=LIMIT)
 
 
 def path(name):

@@ -5,7 +5,6 @@ usage: test_mpi.py COMMAND SOURCE_DIR MPI_COMMAND      MPI_COMMAND: a build with
 """
 import os
 import pathlib
-import re
 import resource
 import shutil
 import signal

@@ -1,5 +1,5 @@
-"""Zero modes, lowest and highest frequency of the reference packings, which test_modes.c states, by numpy's dense solver on
-the plain network of tests/cli/network_oracle.py.
+"""Zero modes, lowest and highest frequency of the reference packings, which test_modes.c states, by numpy's dense solver
+on the plain network of tests/cli/network_oracle.py.
 
 usage: OPENBLAS_NUM_THREADS=1 python3 tests/reference/modes.py
 """

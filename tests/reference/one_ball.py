@@ -1,5 +1,5 @@
-"""One ball of a column by its energies, in 30 digits: the height to which it comes back when it is dropped, and the ratio
-of velocities of one that comes down fast (test_column_lattice.c, test_column_smooth.c).
+"""One ball of a column by its energies, in 30 digits: the height to which it comes back when it is dropped, and the
+ratio of velocities of one that comes down fast (test_column_lattice.c, test_column_smooth.c).
 
 A contact pushes with K(1 + e) delta while it closes and with K(1 - e) delta while it opens; K = 2 m g/r of one ball of
 mass m and radius r, e = 0.09. The ball touches the floor where its centre is r above it. `drop` is how far it falls.

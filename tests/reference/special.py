@@ -1,5 +1,5 @@
-"""Numbers of special functions that unit tests compare with, by mpmath with 50 digits. Reads the tests, prints every number
-beside its own, and ends with 1 if one is farther off than its printed digits allow.
+"""Numbers of special functions that unit tests compare with, by mpmath with 50 digits. Reads the tests, prints every
+number beside its own, and ends with 1 if one is farther off than its printed digits allow.
 
 usage: python3 tests/reference/special.py
 """
