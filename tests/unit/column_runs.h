@@ -4,13 +4,13 @@
 #include "base/base.h"
 #include "test.h"
 
-#include <sonopack/column.h>
+#include <sonopack/tapped/tapped.h>
 
 typedef struct column_rows {
     int32_t width; /* N + 1 */
     int64_t n, done;
     double *t, *y, *v;
-    sp_column_report report;
+    sp_tapped_report report;
 } column_rows;
 
 static inline sp_status column_keep(double t, const double *y, const double *v, void *user, sp_error *err) {
@@ -24,7 +24,7 @@ static inline sp_status column_keep(double t, const double *y, const double *v, 
 }
 
 /* n rows, equally spaced from `from` to `to`. */
-static inline column_rows column_run(const sp_column_spec *c, int64_t n, double from, double to) {
+static inline column_rows column_run(const sp_tapped_spec *c, int64_t n, double from, double to) {
     column_rows rows = {.width = c->particles + 1, .n = n};
     const size_t size = (size_t)(n * rows.width);
     rows.t = malloc((size_t)n * sizeof *rows.t);
@@ -33,7 +33,7 @@ static inline column_rows column_run(const sp_column_spec *c, int64_t n, double 
     assert_true(rows.t && rows.y && rows.v);
     for (int64_t k = 0; k < n; k++)
         rows.t[k] = n > 1 ? from + (double)k * (to - from) / (double)(n - 1) : from;
-    assert_ok(sp_column_run(c, n, rows.t, column_keep, &rows, &rows.report, &err));
+    assert_ok(sp_tapped_run(c, n, rows.t, column_keep, &rows, &rows.report, &err));
     assert_int_equal(rows.done, n);
     return rows;
 }
@@ -45,7 +45,7 @@ static inline void column_free(column_rows *rows) {
     free(rows->t);
     free(rows->y);
     free(rows->v);
-    sp_column_report_free(&rows->report);
+    sp_tapped_report_free(&rows->report);
 }
 
 /* Mean |difference| of the particles' positions. */

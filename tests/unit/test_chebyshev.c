@@ -89,18 +89,18 @@ static void test_sleep(void **state) {
     int64_t at[2] = {0, 0};
     double one[2] = {1, 1};
     assert_ok(sp_operator_make(&net, &op, &err));
-    assert_ok(recurrence_make(&op, net.mass, net.omega_bound, 1, &r, &err));
+    assert_ok(sp_recurrence_make(&op, net.mass, net.omega_bound, 1, &r, &err));
     assert_true(op.blocks == 3);
     at[1] = 2L * op.row_of[net.n - 1];
     for (int lane = 0; lane < 2; lane++)
-        recurrence_start(&r, lane, true, &(sparse_row){1, &at[lane], &one[lane]});
+        sp_recurrence_start(&r, lane, true, &(sparse_row){1, &at[lane], &one[lane]});
     r.doubled = true;
     for (int k = 0; k < 700; k++) {
-        recurrence_step(&r);
+        sp_recurrence_step(&r);
         assert_true(r.n_active == 3 && r.awake[0] && r.awake[2] && r.awake[1] == 0);
     }
-    assert_true(r.dropped == 0 || recurrence_dropped(&r, 700) < 1e-25);
-    recurrence_free(&r);
+    assert_true(r.dropped == 0 || sp_recurrence_dropped(&r, 700) < 1e-25);
+    sp_recurrence_free(&r);
     sp_operator_free(&op);
     for (size_t k = 0; k < sizeof spans / sizeof *spans; k++) {
         const sp_place to[] = {{.kind = SP_PLACE_GRAIN, .grain = 800}, {.kind = SP_PLACE_GRAIN, .grain = 1500}};
@@ -156,23 +156,23 @@ static void test_threads(void **state) {
     double ones[2] = {1, 1};
     const bool wide = op.wide;
     for (int q = 0; q < 2; q++) {
-        assert_ok(recurrence_make(&op, net.mass, net.omega_bound, 1 + q, &r[q], &err));
+        assert_ok(sp_recurrence_make(&op, net.mass, net.omega_bound, 1 + q, &r[q], &err));
         r[q].doubled = true;
         assert_true((r[q].team != NULL) == (q == 1));
         r[q].past_caches = q == 0;
         for (int lane = 0; lane < 2; lane++)
-            recurrence_start(&r[q], lane, lane == 0, &(sparse_row){1, &at[lane], &ones[lane]});
+            sp_recurrence_start(&r[q], lane, lane == 0, &(sparse_row){1, &at[lane], &ones[lane]});
     }
     for (int k = 0; k < 120; k++) {
         op.wide = wide;
-        const recurrence_products a = recurrence_step(&r[0]);
+        const recurrence_products a = sp_recurrence_step(&r[0]);
         op.wide = false;
-        const recurrence_products b = recurrence_step(&r[1]);
+        const recurrence_products b = sp_recurrence_step(&r[1]);
         assert_memory_equal(&a, &b, sizeof a);
     }
     assert_memory_equal(r[0].u, r[1].u, (size_t)op.n * (size_t)op.row * sizeof *r[0].u);
-    recurrence_free(&r[0]);
-    recurrence_free(&r[1]);
+    sp_recurrence_free(&r[0]);
+    sp_recurrence_free(&r[1]);
     sp_operator_free(&op);
     sp_network_free(&net);
     sp_packing_free(&p);

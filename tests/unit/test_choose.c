@@ -21,7 +21,7 @@ static sp_signal_options options_of(const sp_network *net, double length, int32_
 
 static sp_signal_method first_choice(const sp_network *net, const sp_signal_options *o) {
     sp_signal_method choice[SIGNAL_CHOICES];
-    assert_true(signal_choose(net, o, choice) >= 1);
+    assert_true(sp_signal_choose(net, o, choice) >= 1);
     return choice[0];
 }
 
@@ -96,18 +96,18 @@ static void test_costs(void **state) {
         at[q] = (sp_place){.kind = SP_PLACE_GRAIN, .grain = 10 * q};
     for (int k = 0; k < 2; k++) {
         const sp_signal_options o = options_of(&net, 100, 101);
-        const double cost = signal_cost(methods[k], &net, &o);
+        const double cost = sp_signal_cost(methods[k], &net, &o);
         sp_signal_options more = options_of(&net, 1000, 101);
-        assert_true(signal_cost(methods[k], &net, &more) >= cost);
+        assert_true(sp_signal_cost(methods[k], &net, &more) >= cost);
         more = options_of(&net, 100, 1001);
-        assert_true(signal_cost(methods[k], &net, &more) > cost);
+        assert_true(sp_signal_cost(methods[k], &net, &more) > cost);
         more = o;
         more.sources = more.detectors = 6;
         more.from = more.to = at;
-        assert_true(signal_cost(methods[k], &net, &more) > cost);
+        assert_true(sp_signal_cost(methods[k], &net, &more) > cost);
     }
     sp_signal_options o = options_of(&net, 100, 101);
-    assert_true(isinf(signal_cost(SP_SIGNAL_VERLET, &net, &o)) && isinf(signal_cost(SP_SIGNAL_FABER, &net, &o)));
+    assert_true(isinf(sp_signal_cost(SP_SIGNAL_VERLET, &net, &o)) && isinf(sp_signal_cost(SP_SIGNAL_FABER, &net, &o)));
     o.damping = 0.1;
     assert_int_equal(first_choice(&net, &o), SP_SIGNAL_FABER);
     o.damping = 0;
@@ -118,7 +118,8 @@ static void test_costs(void **state) {
     p = chain_packing(20001, 1e-4);
     net = network_of(&p);
     o = options_of(&net, 1e9, 11);
-    assert_true(isinf(signal_cost(SP_SIGNAL_DENSE, &net, &o)) && isfinite(signal_cost(SP_SIGNAL_SPARSE, &net, &o)));
+    assert_true(isinf(sp_signal_cost(SP_SIGNAL_DENSE, &net, &o)) &&
+                isfinite(sp_signal_cost(SP_SIGNAL_SPARSE, &net, &o)));
     sp_network_free(&net);
 }
 

@@ -3,7 +3,7 @@
 #include "base/base.h"
 #include "test.h"
 
-#include <sonopack/column.h>
+#include <sonopack/tapped/tapped.h>
 
 static const double pi = 3.14159265358979323846;
 
@@ -28,7 +28,7 @@ static sp_status keep(double t, const double *y, const double *v, void *user, sp
 }
 
 /* n + 1 rows, equally spaced over all taps. */
-static sp_status try(const sp_column_spec *c, int64_t n, rows *r, sp_column_report *report, sp_error *err) {
+static sp_status try(const sp_tapped_spec *c, int64_t n, rows *r, sp_tapped_report *report, sp_error *err) {
     size_t all = (size_t)(n + 1), width = (size_t)c->particles + 1;
     double *t = sp_alloc(all, sizeof *t);
     *r = (rows){.particles = c->particles, .finite = true};
@@ -38,11 +38,11 @@ static sp_status try(const sp_column_spec *c, int64_t n, rows *r, sp_column_repo
     assert_true(t && r->t && r->y && r->v);
     for (int64_t k = 0; k <= n; k++)
         t[k] = c->taps * c->period * (double)k / (double)n;
-    sp_status status = sp_column_run(c, n + 1, t, keep, r, report, err);
+    sp_status status = sp_tapped_run(c, n + 1, t, keep, r, report, err);
     sp_free(t);
     return status;
 }
-static void run(const sp_column_spec *c, int64_t n, rows *r, sp_column_report *report) {
+static void run(const sp_tapped_spec *c, int64_t n, rows *r, sp_tapped_report *report) {
     assert_ok(try(c, n, r, report, &err));
     assert_int_equal(r->n, n + 1);
     assert_true(r->finite);
@@ -59,9 +59,9 @@ static double speed_at(const rows *r, int64_t k, int32_t i) {
     return r->v[(size_t)k * (size_t)(r->particles + 1) + (size_t)i];
 }
 
-static sp_column_spec bsr(sp_column_bsr which) {
-    sp_column_spec c = sp_column_spec_default();
-    c.model = SP_COLUMN_BSR;
+static sp_tapped_spec bsr(sp_tapped_bsr which) {
+    sp_tapped_spec c = sp_tapped_spec_default();
+    c.model = SP_TAPPED_BSR;
     c.bsr = which;
     c.taps = 4;
     return c;
@@ -72,8 +72,8 @@ static sp_column_spec bsr(sp_column_bsr which) {
 /* The integral in closed form: h - |y| is the second integral of delta(y - h) - 2 delta(y) + delta(y + h), and that of
  * a normal distribution is x Phi + phi. With sgn(y) only one side counts, twice, less both. */
 static double twice_integrated(double x) { return x * 0.5 * erfc(-x / sqrt(2)) + exp(-x * x / 2) / sqrt(2 * pi); }
-static double closed_force(const sp_column_spec *c, double z, bool printed) {
-    double h = 2 * sp_column_radius(c, 1), b = 7 * h, w = 3 * h, k = sp_column_stiffness(c) / c->gravity;
+static double closed_force(const sp_tapped_spec *c, double z, bool printed) {
+    double h = 2 * sp_tapped_radius(c, 1), b = 7 * h, w = 3 * h, k = sp_tapped_stiffness(c) / c->gravity;
     double x = (z - b) / w, up = (z + h - b) / w, down = (z - h - b) / w;
     double whole = w * (twice_integrated(up) - 2 * twice_integrated(x) + twice_integrated(down));
     /* above: int_0^h (h - y) Theta = w (G(up) - G(x)) - h Phi(x) */
@@ -86,34 +86,34 @@ static double closed_force(const sp_column_spec *c, double z, bool printed) {
 static void test_force(void **state) {
     (void)state;
     for (int32_t n = 1; n <= 100; n += 9) {
-        sp_column_spec c = sp_column_spec_default();
+        sp_tapped_spec c = sp_tapped_spec_default();
         c.particles = n;
         double most = 0, signed_most = 0;
         for (double z = 0; z <= 60; z += 0.001) {
             most = fmax(most, closed_force(&c, z, true));
             signed_most = fmax(signed_most, fabs(closed_force(&c, z, false)));
         }
-        double printed = sp_column_bsr_force(&c, SP_COLUMN_BSR_LITERAL);
-        double with_sign = sp_column_bsr_force(&c, SP_COLUMN_BSR_SIGNED);
+        double printed = sp_tapped_bsr_force(&c, SP_TAPPED_BSR_LITERAL);
+        double with_sign = sp_tapped_bsr_force(&c, SP_TAPPED_BSR_SIGNED);
         assert_relative(printed, most, 1e-8); /* of the scan: the square of its step over c^2 */
         assert_relative(with_sign, signed_most, 1e-7);
         assert_relative(printed, closed_force(&c, 14, true), 1e-12);
         assert_relative(printed, 0.22588 * n, 2e-5); /* half of the last digit */
         assert_relative(with_sign, 0.03545 * n, 1.5e-4);
-        c.stiffness = 3 * sp_column_stiffness(&c);
-        assert_relative(sp_column_bsr_force(&c, SP_COLUMN_BSR_SIGNED), 3 * with_sign, 1e-12);
+        c.stiffness = 3 * sp_tapped_stiffness(&c);
+        assert_relative(sp_tapped_bsr_force(&c, SP_TAPPED_BSR_SIGNED), 3 * with_sign, 1e-12);
     }
     const double masses[] = {1, 2};
-    sp_column_spec c = sp_column_spec_default();
-    assert_true(isnan(sp_column_bsr_force(&c, SP_COLUMN_BSR_CONSERVATIVE)));
+    sp_tapped_spec c = sp_tapped_spec_default();
+    assert_true(isnan(sp_tapped_bsr_force(&c, SP_TAPPED_BSR_CONSERVATIVE)));
     c.masses = 2;
     c.mass = masses;
-    assert_true(isnan(sp_column_bsr_force(&c, SP_COLUMN_BSR_LITERAL)));
+    assert_true(isnan(sp_tapped_bsr_force(&c, SP_TAPPED_BSR_LITERAL)));
 }
 
 /* A resting floor and e = 0: u is smooth until the first particle leaves, and particles follow z'' = -g (1 + force(z)),
  * here by Runge's and Kutta's steps with the closed form; the field's error is of first order. */
-static double characteristic(const sp_column_spec *c, double z, double until, bool printed) {
+static double characteristic(const sp_tapped_spec *c, double z, double until, bool printed) {
     const int steps = 200;
     double v = 0, dt = until / steps;
     for (int k = 0; k < steps; k++) {
@@ -131,10 +131,10 @@ static double characteristic(const sp_column_spec *c, double z, double until, bo
 
 static void test_characteristics(void **state) {
     (void)state;
-    for (int which = SP_COLUMN_BSR_LITERAL; which <= SP_COLUMN_BSR_SIGNED; which++) {
+    for (int which = SP_TAPPED_BSR_LITERAL; which <= SP_TAPPED_BSR_SIGNED; which++) {
         double error[3];
         for (int level = 0; level < 3; level++) {
-            sp_column_spec c = bsr((sp_column_bsr)which);
+            sp_tapped_spec c = bsr((sp_tapped_bsr)which);
             rows r;
             c.particles = 10;
             c.amplitude = c.e = 0;
@@ -146,7 +146,7 @@ static void test_characteristics(void **state) {
             for (int32_t i = 5; i <= 10; i++)
                 error[level] =
                     fmax(error[level],
-                         fabs(at(&r, 6, i) - characteristic(&c, at(&r, 0, i), 0.06, which == SP_COLUMN_BSR_LITERAL)));
+                         fabs(at(&r, 6, i) - characteristic(&c, at(&r, 0, i), 0.06, which == SP_TAPPED_BSR_LITERAL)));
             release(&r);
         }
         double order = log2(error[1] / error[2]);
@@ -158,10 +158,10 @@ static void test_characteristics(void **state) {
 /* Neither carries a column: all particles go through the floor, the lowest first, and fall on like stones. */
 static void test_collapse(void **state) {
     (void)state;
-    for (int which = SP_COLUMN_BSR_LITERAL; which <= SP_COLUMN_BSR_SIGNED; which++)
+    for (int which = SP_TAPPED_BSR_LITERAL; which <= SP_TAPPED_BSR_SIGNED; which++)
         for (int32_t n = 1; n <= 100; n = n * 3 + 2) {
-            sp_column_spec c = bsr((sp_column_bsr)which);
-            sp_column_report report;
+            sp_tapped_spec c = bsr((sp_tapped_bsr)which);
+            sp_tapped_report report;
             rows r;
             c.particles = n;
             run(&c, 100, &r, &report);
@@ -173,7 +173,7 @@ static void test_collapse(void **state) {
                 double gained = speed_at(&r, 100, i) - speed_at(&r, 75, i);
                 assert_relative(gained, -c.gravity, 1e-9);
             }
-            sp_column_report_free(&report);
+            sp_tapped_report_free(&report);
             release(&r);
         }
 }
@@ -181,15 +181,15 @@ static void test_collapse(void **state) {
 /* However large alpha_v, sigma asks for no shorter steps. */
 static void test_stiff_sigma(void **state) {
     (void)state;
-    for (int which = SP_COLUMN_BSR_CONSERVATIVE; which <= SP_COLUMN_BSR_SIGNED; which++) {
-        sp_column_spec c = bsr((sp_column_bsr)which);
-        sp_column_report report;
+    for (int which = SP_TAPPED_BSR_CONSERVATIVE; which <= SP_TAPPED_BSR_SIGNED; which++) {
+        sp_tapped_spec c = bsr((sp_tapped_bsr)which);
+        sp_tapped_report report;
         rows r;
         c.alpha_v = 1e9;
         c.e = 0.99;
         run(&c, 40, &r, &report);
         assert_true(report.steps < 20000);
-        sp_column_report_free(&report);
+        sp_tapped_report_free(&report);
         release(&r);
     }
 }
@@ -204,16 +204,16 @@ static void test_rest(void **state) {
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         double drift[3], rest[40];
         for (int level = 0; level < 3; level++) {
-            sp_column_spec c = bsr(SP_COLUMN_BSR_CONSERVATIVE);
-            sp_column_report report;
+            sp_tapped_spec c = bsr(SP_TAPPED_BSR_CONSERVATIVE);
+            sp_tapped_report report;
             rows r;
             c.particles = counts[k];
             c.amplitude = 0;
             c.taps = 1;
             c.cells = 4 << level;
             run(&c, 50, &r, &report);
-            sp_column_rest(&c, rest);
-            double n = c.particles, sag = c.gravity / sp_column_stiffness(&c);
+            sp_tapped_rest(&c, rest);
+            double n = c.particles, sag = c.gravity / sp_tapped_stiffness(&c);
             drift[level] = 0;
             for (int32_t i = 1; i <= c.particles; i++) {
                 double j = i - 0.5, expected = 2 * j - j * (n - j / 2) * sag - n * sag / 2;
@@ -225,7 +225,7 @@ static void test_rest(void **state) {
             }
             assert_true(report.error < 1e-13);
             assert_int_equal(report.violated, -1);
-            sp_column_report_free(&report);
+            sp_tapped_report_free(&report);
             release(&r);
         }
         double order = log2(drift[0] / drift[2]) / 2;
@@ -242,8 +242,8 @@ static void test_mass(void **state) {
     const int32_t counts[] = {1, 2, 5, 30};
     for (size_t a = 0; a < 5; a++)
         for (size_t k = 0; k < 4; k++) {
-            sp_column_spec c = bsr(SP_COLUMN_BSR_CONSERVATIVE);
-            sp_column_report report;
+            sp_tapped_spec c = bsr(SP_TAPPED_BSR_CONSERVATIVE);
+            sp_tapped_report report;
             rows r;
             c.particles = counts[k];
             c.amplitude = amplitudes[a];
@@ -253,12 +253,12 @@ static void test_mass(void **state) {
             assert_true(report.error < 1e-13);
             assert_true(report.steps > 100);
             for (int64_t row = 0; row <= 120; row++) {
-                assert_close(at(&r, row, 0), sp_column_floor(&c, r.t[row]), 0);
+                assert_close(at(&r, row, 0), sp_tapped_floor(&c, r.t[row]), 0);
                 for (int32_t i = 1; i < c.particles; i++)
                     assert_true(at(&r, row, i + 1) > at(&r, row, i));
                 assert_true(at(&r, row, c.particles) < 1e3);
             }
-            sp_column_report_free(&report);
+            sp_tapped_report_free(&report);
             release(&r);
         }
 }
@@ -266,7 +266,7 @@ static void test_mass(void **state) {
 /* A column let go falls as one, exactly: the grid falls with it. */
 static void test_free_fall(void **state) {
     (void)state;
-    sp_column_spec c = bsr(SP_COLUMN_BSR_CONSERVATIVE);
+    sp_tapped_spec c = bsr(SP_TAPPED_BSR_CONSERVATIVE);
     rows r;
     c.particles = 7;
     c.amplitude = 0;
@@ -287,7 +287,7 @@ static void test_free_fall(void **state) {
  * particles stands for the centre of mass, by a midpoint rule. */
 static void test_flight(void **state) {
     (void)state;
-    sp_column_spec c = bsr(SP_COLUMN_BSR_CONSERVATIVE);
+    sp_tapped_spec c = bsr(SP_TAPPED_BSR_CONSERVATIVE);
     rows r;
     c.particles = 40;
     c.amplitude = 8;
@@ -323,12 +323,12 @@ static void test_lattice(void **state) {
     (void)state;
     double mean[3];
     rows exact;
-    sp_column_spec c = sp_column_spec_default();
+    sp_tapped_spec c = sp_tapped_spec_default();
     c.taps = 4;
     run(&c, 400, &exact, NULL);
     for (int level = 0; level < 3; level++) {
         rows r;
-        sp_column_spec d = bsr(SP_COLUMN_BSR_CONSERVATIVE);
+        sp_tapped_spec d = bsr(SP_TAPPED_BSR_CONSERVATIVE);
         d.cells = 4 << level;
         run(&d, 400, &r, NULL);
         mean[level] = distance(&r, &exact);
@@ -345,11 +345,11 @@ static void test_many(void **state) {
     double mean[3];
     for (int level = 0; level < 3; level++) {
         rows lattice, r;
-        sp_column_spec c = sp_column_spec_default(), d = bsr(SP_COLUMN_BSR_CONSERVATIVE);
+        sp_tapped_spec c = sp_tapped_spec_default(), d = bsr(SP_TAPPED_BSR_CONSERVATIVE);
         c.particles = d.particles = 6 << level;
         c.frequency = d.frequency = 9.5;
         c.taps = d.taps = 1;
-        c.method = SP_COLUMN_SMOOTH;
+        c.method = SP_TAPPED_SMOOTH;
         run(&c, 100, &lattice, NULL);
         run(&d, 100, &r, NULL);
         mean[level] = distance(&r, &lattice);
@@ -362,10 +362,10 @@ static void test_many(void **state) {
 
 static void test_repeats(void **state) {
     (void)state;
-    sp_column_spec c = bsr(SP_COLUMN_BSR_CONSERVATIVE);
-    for (int which = SP_COLUMN_BSR_CONSERVATIVE; which <= SP_COLUMN_BSR_SIGNED; which++) {
+    sp_tapped_spec c = bsr(SP_TAPPED_BSR_CONSERVATIVE);
+    for (int which = SP_TAPPED_BSR_CONSERVATIVE; which <= SP_TAPPED_BSR_SIGNED; which++) {
         rows all, few;
-        c.bsr = (sp_column_bsr)which;
+        c.bsr = (sp_tapped_bsr)which;
         c.taps = 2;
         c.period = 0.5;
         run(&c, 100, &all, NULL);
@@ -393,22 +393,22 @@ static double smallest_number(const char *text) {
 static void test_refusals(void **state) {
     (void)state;
     const double unequal[] = {1, 1.5};
-    for (int which = SP_COLUMN_BSR_CONSERVATIVE; which <= SP_COLUMN_BSR_SIGNED; which++) {
-        sp_column_spec c = bsr((sp_column_bsr)which);
-        sp_column_report report;
+    for (int which = SP_TAPPED_BSR_CONSERVATIVE; which <= SP_TAPPED_BSR_SIGNED; which++) {
+        sp_tapped_spec c = bsr((sp_tapped_bsr)which);
+        sp_tapped_report report;
         rows r;
         c.taps = 1;
         c.mass = unequal;
         c.masses = 2;
         assert_fails(try(&c, 10, &r, NULL, &err), SP_EINVAL, "column.mass 2 1.5");
         release(&r);
-        c = bsr((sp_column_bsr)which);
+        c = bsr((sp_tapped_bsr)which);
         c.taps = 1;
         c.radius = unequal;
         c.radii = 2;
         assert_fails(try(&c, 10, &r, NULL, &err), SP_EINVAL, "column.radius 2 1.5");
         release(&r);
-        c = bsr((sp_column_bsr)which);
+        c = bsr((sp_tapped_bsr)which);
         c.taps = 1;
         c.time_step = 0.01;
         assert_fails(try(&c, 10, &r, NULL, &err), SP_EINVAL, "column.time_step 0.01");
@@ -420,7 +420,7 @@ static void test_refusals(void **state) {
         assert_true(c.time_step > 1e-6 && c.time_step < 0.01);
         run(&c, 10, &r, &report);
         assert_close(report.time_step, c.time_step, 0);
-        sp_column_report_free(&report);
+        sp_tapped_report_free(&report);
         release(&r);
         c.time_step *= 1.001;
         assert_fails(try(&c, 10, &r, NULL, &err), SP_EINVAL, "column.time_step");
@@ -441,8 +441,8 @@ static sp_status stop(double t, const double *y, const double *v, void *user, sp
 static void test_ends(void **state) {
     (void)state;
     const double t[] = {0, 0.06, 0.09};
-    for (int which = SP_COLUMN_BSR_CONSERVATIVE; which <= SP_COLUMN_BSR_SIGNED; which++) {
-        sp_column_spec c = bsr((sp_column_bsr)which);
+    for (int which = SP_TAPPED_BSR_CONSERVATIVE; which <= SP_TAPPED_BSR_SIGNED; which++) {
+        sp_tapped_spec c = bsr((sp_tapped_bsr)which);
         c.taps = 1;
         c.period = 0.1;
         c.amplitude = 30; /* the grid has to grow */
@@ -451,12 +451,12 @@ static void test_ends(void **state) {
         for (; status != SP_OK; fails++) {
             sp_error err = {0};
             sp_alloc_fail_after(fails);
-            status = sp_column_run(&c, 3, t, ignore, NULL, NULL, &err);
+            status = sp_tapped_run(&c, 3, t, ignore, NULL, NULL, &err);
             sp_alloc_fail_after(-1);
             assert_true(status == SP_OK || status == SP_ENOMEM);
         }
         assert_true(fails > 4);
-        assert_fails(sp_column_run(&c, 3, t, stop, NULL, NULL, &err), SP_EINTERRUPTED, "enough");
+        assert_fails(sp_tapped_run(&c, 3, t, stop, NULL, NULL, &err), SP_EINTERRUPTED, "enough");
     }
 }
 

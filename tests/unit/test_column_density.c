@@ -2,7 +2,7 @@
 #include "base/base.h"
 #include "test.h"
 
-#include <sonopack/column.h>
+#include <sonopack/tapped/tapped.h>
 
 typedef struct rows {
     int32_t particles;
@@ -21,21 +21,21 @@ static sp_status keep(double t, const double *y, const double *rho, void *user, 
     return SP_OK;
 }
 
-static void run(const sp_column_spec *c, int64_t n, const double *t, rows *r) {
+static void run(const sp_tapped_spec *c, int64_t n, const double *t, rows *r) {
     *r = (rows){.particles = c->particles};
-    assert_ok(sp_column_run_density(c, n, t, keep, r, &err));
+    assert_ok(sp_tapped_run_density(c, n, t, keep, r, &err));
     assert_int_equal(r->n, n);
 }
 
 typedef struct kind {
-    sp_column_model model;
-    sp_column_bsr bsr;
+    sp_tapped_model model;
+    sp_tapped_bsr bsr;
 } kind;
-static const kind kinds[] = {{SP_COLUMN_LATTICE, SP_COLUMN_BSR_CONSERVATIVE},
-                             {SP_COLUMN_LONGWAVE, SP_COLUMN_BSR_CONSERVATIVE},
-                             {SP_COLUMN_BSR, SP_COLUMN_BSR_CONSERVATIVE},
-                             {SP_COLUMN_BSR, SP_COLUMN_BSR_LITERAL},
-                             {SP_COLUMN_BSR, SP_COLUMN_BSR_SIGNED}};
+static const kind kinds[] = {{SP_TAPPED_LATTICE, SP_TAPPED_BSR_CONSERVATIVE},
+                             {SP_TAPPED_LONGWAVE, SP_TAPPED_BSR_CONSERVATIVE},
+                             {SP_TAPPED_BSR, SP_TAPPED_BSR_CONSERVATIVE},
+                             {SP_TAPPED_BSR, SP_TAPPED_BSR_LITERAL},
+                             {SP_TAPPED_BSR, SP_TAPPED_BSR_SIGNED}};
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
 /* (42): m/2r in a column that just touches, with every model; to the rounding of y_z = 1 and of the cells' masses. */
@@ -44,7 +44,7 @@ static void test_touching(void **state) {
     const double start = 0, mass = 3, radius = 0.7;
     for (int k = 0; k < KINDS; k++)
         for (int32_t n = 1; n <= 50; n += n < 4 ? 1 : 23) {
-            sp_column_spec c = sp_column_spec_default();
+            sp_tapped_spec c = sp_tapped_spec_default();
             rows r;
             c.model = kinds[k].model;
             c.bsr = kinds[k].bsr;
@@ -64,7 +64,7 @@ static void test_touching(void **state) {
 static void test_unequal(void **state) {
     (void)state;
     const double start = 0, mass[] = {1, 0.2, 5}, radius[] = {1, 0.5};
-    sp_column_spec c = sp_column_spec_default();
+    sp_tapped_spec c = sp_tapped_spec_default();
     rows r;
     c.particles = 9;
     c.mass = mass;
@@ -79,11 +79,11 @@ static void test_unequal(void **state) {
 }
 
 /* Lengths of the particles: halves of distances, all of the lowest to the floor, the radius above the highest. */
-static double mass_of(const sp_column_spec *c, const rows *r, int64_t k) {
+static double mass_of(const sp_tapped_spec *c, const rows *r, int64_t k) {
     double mass = 0, low = r->y[k][0];
     const int32_t n = c->particles;
     for (int32_t i = 1; i <= n; i++) {
-        double high = i < n ? (r->y[k][i] + r->y[k][i + 1]) / 2 : r->y[k][n] + sp_column_radius(c, n);
+        double high = i < n ? (r->y[k][i] + r->y[k][i + 1]) / 2 : r->y[k][n] + sp_tapped_radius(c, n);
         mass += r->rho[k][i - 1] * (high - low);
         low = high;
     }
@@ -93,7 +93,7 @@ static double mass_of(const sp_column_spec *c, const rows *r, int64_t k) {
 /* The lattice's density over the height is the mass of all at any time. */
 static void test_lattice_mass(void **state) {
     (void)state;
-    sp_column_spec c = sp_column_spec_default();
+    sp_tapped_spec c = sp_tapped_spec_default();
     double t[40];
     rows r;
     c.taps = 1;
@@ -110,16 +110,16 @@ static void test_rest(void **state) {
     (void)state;
     const double start = 0;
     for (int k = 0; k < 3; k++) {
-        sp_column_spec c = sp_column_spec_default();
+        sp_tapped_spec c = sp_tapped_spec_default();
         rows r;
         c.model = kinds[k].model;
         c.particles = 20;
         c.taps = 1;
         run(&c, 1, &start, &r);
-        double sag = c.gravity / sp_column_stiffness(&c);
+        double sag = c.gravity / sp_tapped_stiffness(&c);
         for (int32_t i = 2; i < 20; i++) {
             /* cells of h/8 have the density of their own middle: within sag h/16 of the distance */
-            double tolerance = kinds[k].model == SP_COLUMN_BSR ? 1.01 * sag / 16 : 1e-9;
+            double tolerance = kinds[k].model == SP_TAPPED_BSR ? 1.01 * sag / 16 : 1e-9;
             assert_relative(r.rho[0][i - 1], 1 / (2 - (20 - i + 0.5) * sag), tolerance);
         }
     }
@@ -131,7 +131,7 @@ static void test_mass(void **state) {
     (void)state;
     const double t[] = {0, 0.3};
     for (int k = 1; k < 3; k++) {
-        sp_column_spec c = sp_column_spec_default();
+        sp_tapped_spec c = sp_tapped_spec_default();
         rows r;
         c.model = kinds[k].model;
         c.particles = 40;
@@ -153,7 +153,7 @@ static void test_literal(void **state) {
     (void)state;
     const double t[] = {0, 0.03};
     for (int k = 3; k < KINDS; k++) {
-        sp_column_spec c = sp_column_spec_default();
+        sp_tapped_spec c = sp_tapped_spec_default();
         rows r;
         c.model = kinds[k].model;
         c.bsr = kinds[k].bsr;
@@ -177,13 +177,13 @@ static void test_refusals(void **state) {
     (void)state;
     const double t[] = {0.5, 0.2};
     for (int k = 0; k < KINDS; k++) {
-        sp_column_spec c = sp_column_spec_default();
+        sp_tapped_spec c = sp_tapped_spec_default();
         rows r = {.particles = c.particles};
         c.model = kinds[k].model;
         c.bsr = kinds[k].bsr;
-        assert_fails(sp_column_run_density(&c, 2, t, keep, &r, &err), SP_EINVAL, "0.20000000000000001");
+        assert_fails(sp_tapped_run_density(&c, 2, t, keep, &r, &err), SP_EINVAL, "0.20000000000000001");
         c.e = 1;
-        assert_fails(sp_column_run_density(&c, 1, t, keep, &r, &err), SP_EINVAL, "column.e");
+        assert_fails(sp_tapped_run_density(&c, 1, t, keep, &r, &err), SP_EINVAL, "column.e");
     }
 }
 

@@ -10,7 +10,7 @@ static const double PI = 3.14159265358979323846;
 static void test_reference(void **state) {
     (void)state;
     const double expected[] = {0.499205348314, 2.093203277325, 3.784435777282, 5.576736210942, 7.474198032402};
-    sp_column_spec c = sp_column_spec_default();
+    sp_tapped_spec c = sp_tapped_spec_default();
     column_rows rows = column_run(&c, 1, 0.99, 0.99);
     for (int32_t i = 1; i <= 5; i++)
         assert_close(column_y(&rows, 0, i), expected[i - 1], 1e-9);
@@ -26,28 +26,28 @@ static void test_reference(void **state) {
 static void test_restitution(void **state) {
     (void)state;
     for (double e = 0; e < 0.999; e = e * 1.2 + 0.09) {
-        sp_column_spec c = sp_column_spec_default();
+        sp_tapped_spec c = sp_tapped_spec_default();
         c.particles = 1;
         c.amplitude = 0;
         c.gravity = 1e-9;
         c.stiffness = 9806.7;
         c.e = e;
-        sp_column_state s;
-        assert_ok(sp_column_state_make(&c, &s, &err));
+        sp_tapped_state s;
+        assert_ok(sp_tapped_state_make(&c, &s, &err));
         s.overlap[0] = -0.5;
         s.opening[0] = -1e5;
-        assert_ok(sp_column_map(&c, &s, 1, NULL, &err));
+        assert_ok(sp_tapped_map(&c, &s, 1, NULL, &err));
         assert_close(s.opening[0] / 1e5, sqrt((1 - e) / (1 + e)), 1e-12);
         if (fabs(e - 0.09) < 1e-9)
             assert_close(s.opening[0] / 1e5, 0.913708041620, 1e-12);
-        sp_column_state_free(&s);
+        sp_tapped_state_free(&s);
     }
 }
 
 /* Dropped from 1 cm: up to 1.583734480. The peak by the parabola from a row in the flight. */
 static void test_drop(void **state) {
     (void)state;
-    sp_column_spec c = sp_column_spec_default();
+    sp_tapped_spec c = sp_tapped_spec_default();
     c.particles = 1;
     c.amplitude = 0;
     c.drop = 1;
@@ -67,33 +67,33 @@ static void test_elastic_modes(void **state) {
     const int32_t sizes[] = {1, 2, 5, 23};
     for (size_t n = 0; n < sizeof sizes / sizeof *sizes; n++)
         for (int32_t k = 1; k <= sizes[n]; k += 1 + sizes[n] / 4) {
-            sp_column_spec c = sp_column_spec_default();
+            sp_tapped_spec c = sp_tapped_spec_default();
             c.particles = sizes[n];
             c.amplitude = 0;
             c.e = 0;
-            sp_column_state s, rest;
-            assert_ok(sp_column_state_make(&c, &s, &err));
-            assert_ok(sp_column_state_make(&c, &rest, &err));
+            sp_tapped_state s, rest;
+            assert_ok(sp_tapped_state_make(&c, &s, &err));
+            assert_ok(sp_tapped_state_make(&c, &rest, &err));
             double angle = (2 * k - 1) * PI / (4 * sizes[n] + 2);
-            double omega = 2 * sqrt(sp_column_stiffness(&c)) * sin(angle), size = 0.4 / sizes[n] / sizes[n];
+            double omega = 2 * sqrt(sp_tapped_stiffness(&c)) * sin(angle), size = 0.4 / sizes[n] / sizes[n];
             if (sizes[n] == 5 && k == 1)
                 assert_close(omega, 28.186530672, 1e-9);
             for (int32_t i = 0; i < sizes[n]; i++)
                 s.overlap[i] -= size * (sin(2 * angle * (i + 1)) - sin(2 * angle * i));
             c.period = PI / (2 * omega);
-            assert_ok(sp_column_map(&c, &s, 1, NULL, &err));
+            assert_ok(sp_tapped_map(&c, &s, 1, NULL, &err));
             for (int32_t i = 0; i < sizes[n]; i++) {
                 double speed = -omega * size * (sin(2 * angle * (i + 1)) - sin(2 * angle * i));
                 assert_close(s.overlap[i], rest.overlap[i], 1e-12 * size * PI / 2 + 2e-15);
                 assert_close(s.opening[i], speed, 1e-12 * omega * size + 4e-15 * omega);
             }
-            sp_column_state_free(&s);
-            sp_column_state_free(&rest);
+            sp_tapped_state_free(&s);
+            sp_tapped_state_free(&rest);
         }
 }
 
-static sp_column_spec random_spec(sp_random *r, int32_t most, double *mass, double *radius) {
-    sp_column_spec c = sp_column_spec_default();
+static sp_tapped_spec random_spec(sp_random *r, int32_t most, double *mass, double *radius) {
+    sp_tapped_spec c = sp_tapped_spec_default();
     c.particles = 1 + (int32_t)sp_random_below(r, (uint64_t)most);
     c.e = sp_random_uniform(r) < 0.1 ? 0 : 0.005 + 0.9 * sp_random_uniform(r) * sp_random_uniform(r);
     c.frequency = 4 + 26 * sp_random_uniform(r);
@@ -111,7 +111,7 @@ static sp_column_spec random_spec(sp_random *r, int32_t most, double *mass, doub
         c.radius = radius;
     }
     double above = 1.05 + 8 * sp_random_uniform(r);
-    c.stiffness = above * sp_column_stiffness_bound(&c);
+    c.stiffness = above * sp_tapped_stiffness_bound(&c);
     return c;
 }
 
@@ -122,12 +122,12 @@ static void test_energy_balance(void **state) {
     sp_random r = sp_random_make(seed, 1);
     for (int k = 0; k < 60; k++) {
         double mass[3], radius[3];
-        sp_column_spec c = random_spec(&r, k < 50 ? 30 : 150, k % 2 ? mass : NULL, radius);
-        sp_column_report report;
-        assert_ok(sp_column_run(&c, 0, NULL, NULL, NULL, &report, &err));
+        sp_tapped_spec c = random_spec(&r, k < 50 ? 30 : 150, k % 2 ? mass : NULL, radius);
+        sp_tapped_report report;
+        assert_ok(sp_tapped_run(&c, 0, NULL, NULL, NULL, &report, &err));
         double before = report.initial_energy;
         for (int32_t tap = 0; tap < c.taps; tap++) {
-            const sp_column_tap *t = report.tap + tap;
+            const sp_tapped_tap *t = report.tap + tap;
             double scale = fmax(fabs(t->work), t->dissipated);
             if (fabs(t->energy - before - t->work + t->dissipated) > 1e-9 * scale + 1e-14 * fabs(t->energy))
                 fail_msg("seed %d, column %d: %d particles, e = %g: off by %g of %g", (int)seed, k, c.particles, c.e,
@@ -135,7 +135,7 @@ static void test_energy_balance(void **state) {
             assert_true(t->dissipated >= 0 && (c.e > 0 || t->dissipated == 0));
             before = t->energy;
         }
-        sp_column_report_free(&report);
+        sp_tapped_report_free(&report);
     }
 }
 
@@ -149,25 +149,25 @@ static void test_unlike_masses(void **state) {
         double mass[3], ratio = pow(10, 4 * sp_random_uniform(&r));
         for (int i = 0; i < 3; i++)
             mass[i] = 1.3 * pow(ratio, sp_random_uniform(&r));
-        sp_column_spec c = sp_column_spec_default();
+        sp_tapped_spec c = sp_tapped_spec_default();
         c.particles = 2 + (int32_t)sp_random_below(&r, 4);
         c.masses = 2 + k % 2;
         c.mass = mass;
         c.e = k % 5 == 0 ? 0.9 : 0.01 + 0.5 * sp_random_uniform(&r);
-        c.stiffness = sp_column_stiffness(&c) * pow(10, 1 + 6 * sp_random_uniform(&r));
+        c.stiffness = sp_tapped_stiffness(&c) * pow(10, 1 + 6 * sp_random_uniform(&r));
         c.amplitude = 0;
         c.drop = 5 * sp_random_uniform(&r);
         c.taps = 1;
         c.period = 0.3;
-        sp_column_report report;
+        sp_tapped_report report;
         sp_error err = {0};
-        if (sp_column_run(&c, 0, NULL, NULL, NULL, &report, &err) != SP_OK)
+        if (sp_tapped_run(&c, 0, NULL, NULL, NULL, &report, &err) != SP_OK)
             fail_msg("seed %d, column %d: %s", (int)seed, k, err.text);
         assert_close(report.tap[0].residual, 0, 1e-9);
-        sp_column_report_free(&report);
+        sp_tapped_report_free(&report);
     }
     const double pair[] = {1.3, 5}, far[] = {1.3, 40};
-    sp_column_spec c = sp_column_spec_default();
+    sp_tapped_spec c = sp_tapped_spec_default();
     c.particles = c.masses = 2;
     c.amplitude = 0;
     c.drop = 4.7;
@@ -176,7 +176,7 @@ static void test_unlike_masses(void **state) {
         c.mass = k == 0 ? pair : far;
         c.e = k == 0 ? 0.9 : 0.09;
         c.stiffness = k == 0 ? 123564419999999.98 : 8100334199999.999;
-        assert_ok(sp_column_run(&c, 0, NULL, NULL, NULL, NULL, &err));
+        assert_ok(sp_tapped_run(&c, 0, NULL, NULL, NULL, NULL, &err));
     }
 }
 
@@ -186,26 +186,26 @@ static void test_rest_states_are_a_band(void **state) {
     sp_random r = sp_random_make(3, 1);
     const int32_t sizes[] = {1, 5, 80, 300};
     for (size_t n = 0; n < sizeof sizes / sizeof *sizes; n++) {
-        sp_column_spec c = sp_column_spec_default();
+        sp_tapped_spec c = sp_tapped_spec_default();
         c.particles = sizes[n];
         c.amplitude = 0;
-        sp_column_state s;
-        assert_ok(sp_column_state_make(&c, &s, &err));
-        double *kept = malloc((size_t)sizes[n] * sizeof *kept), unit = c.gravity / sp_column_stiffness(&c);
+        sp_tapped_state s;
+        assert_ok(sp_tapped_state_make(&c, &s, &err));
+        double *kept = malloc((size_t)sizes[n] * sizeof *kept), unit = c.gravity / sp_tapped_stiffness(&c);
         assert_non_null(kept);
         for (int32_t i = 0; i < sizes[n]; i++) {
             double low = 1 / (1 + c.e), high = 1 / (1 - c.e);
             kept[i] = s.overlap[i] =
                 (sizes[n] - i) * unit * (low + (high - low) * (0.001 + 0.998 * sp_random_uniform(&r)));
         }
-        assert_ok(sp_column_map(&c, &s, 3, NULL, &err));
+        assert_ok(sp_tapped_map(&c, &s, 3, NULL, &err));
         for (int32_t i = 0; i < sizes[n]; i++)
             assert_true(s.overlap[i] == kept[i] && s.opening[i] == 0);
         s.overlap[sizes[n] - 1] = unit * 1.001 / (1 - c.e);
-        assert_ok(sp_column_map(&c, &s, 1, NULL, &err));
+        assert_ok(sp_tapped_map(&c, &s, 1, NULL, &err));
         assert_true(s.overlap[sizes[n] - 1] < unit * 1.0005 / (1 - c.e));
         free(kept);
-        sp_column_state_free(&s);
+        sp_tapped_state_free(&s);
     }
 }
 
@@ -213,7 +213,7 @@ static void test_rest_states_are_a_band(void **state) {
 static void test_units(void **state) {
     (void)state;
     const double two = 2, four = 4;
-    sp_column_spec c = sp_column_spec_default(), heavy, large;
+    sp_tapped_spec c = sp_tapped_spec_default(), heavy, large;
     c.particles = 12;
     heavy = large = c;
     heavy.mass = &four;
@@ -234,7 +234,7 @@ static void test_units(void **state) {
 /* Rows are looked at, not steps made: more of them change nothing. */
 static void test_rows_change_nothing(void **state) {
     (void)state;
-    sp_column_spec c = sp_column_spec_default();
+    sp_tapped_spec c = sp_tapped_spec_default();
     c.particles = 10;
     c.frequency = 9.5;
     column_rows few = column_run(&c, 5, 0, 4), many = column_run(&c, 4001, 0, 4);
@@ -257,11 +257,11 @@ static void test_rows_change_nothing(void **state) {
 static void test_violations_are_reported(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {
-        sp_column_spec c = sp_column_spec_default();
+        sp_tapped_spec c = sp_tapped_spec_default();
         c.period = 0.5;
         c.e = k == 0 ? 0.09 : 0;
         column_rows rows = column_run(&c, 20001, 0, 2);
-        const sp_column_tap *tap = rows.report.tap;
+        const sp_tapped_tap *tap = rows.report.tap;
         if (k == 0)
             assert_close(tap[3].separation, -0.25, 0.005);
         int64_t first = 0;

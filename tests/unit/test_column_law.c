@@ -31,9 +31,9 @@ static sp_status keep(double t, const double *y, const double *v, void *user, sp
 static int sign(double x) { return (x > 0) - (x < 0); }
 
 /* What a contact does at a row: whether it is closed, and the sign of w. */
-static int doing(const sp_column_spec *c, const rows *r, int64_t row, int32_t i, double *overlap) {
+static int doing(const sp_tapped_spec *c, const rows *r, int64_t row, int32_t i, double *overlap) {
     const double *y = r->y + row * r->width, *v = r->v + row * r->width;
-    double distance = sp_column_radius(c, i + 1) + (i > 0 ? sp_column_radius(c, i) : 0);
+    double distance = sp_tapped_radius(c, i + 1) + (i > 0 ? sp_tapped_radius(c, i) : 0);
     double opening = v[i + 1] - v[i];
     *overlap = distance - (y[i + 1] - y[i]);
     /* velocities are sums of openings: those of clusters agree within rounding */
@@ -44,14 +44,14 @@ typedef struct counts {
     int64_t moving, sticking, open;
 } counts;
 
-static void check_moment(const sp_column_spec *c, const rows *r, int64_t before, counts *n) {
-    double force = 0, k = sp_column_stiffness(c), weight = 0;
+static void check_moment(const sp_tapped_spec *c, const rows *r, int64_t before, counts *n) {
+    double force = 0, k = sp_tapped_stiffness(c), weight = 0;
     for (int32_t i = 1; i <= c->particles; i++)
-        weight += sp_column_mass(c, i) * c->gravity;
+        weight += sp_tapped_mass(c, i) * c->gravity;
     for (int32_t i = c->particles - 1; i >= 0;
          i--) { /* from the top: the force of the contact below carries the rest */
         const double *v = r->v + before * r->width + i + 1;
-        force += sp_column_mass(c, i + 1) * ((v[2 * r->width] - v[0]) / (2 * around) + c->gravity);
+        force += sp_tapped_mass(c, i + 1) * ((v[2 * r->width] - v[0]) / (2 * around) + c->gravity);
         double overlap, other;
         int state = doing(c, r, before + 1, i, &overlap);
         if (doing(c, r, before, i, &other) != state || doing(c, r, before + 2, i, &other) != state)
@@ -71,7 +71,7 @@ static void check_moment(const sp_column_spec *c, const rows *r, int64_t before,
 }
 
 /* Whether any contact of the column did something between the three rows. */
-static bool eventful(const sp_column_spec *c, const rows *r, int64_t before) {
+static bool eventful(const sp_tapped_spec *c, const rows *r, int64_t before) {
     double overlap;
     for (int32_t i = 0; i < c->particles; i++) {
         int state = doing(c, r, before, i, &overlap);
@@ -81,7 +81,7 @@ static bool eventful(const sp_column_spec *c, const rows *r, int64_t before) {
     return false;
 }
 
-static int64_t check_column(const sp_column_spec *c, sp_random *random, counts *n) {
+static int64_t check_column(const sp_tapped_spec *c, sp_random *random, counts *n) {
     static double t[3 * MOMENTS];
     double moment[MOMENTS];
     for (int k = 0; k < MOMENTS; k++) {
@@ -101,7 +101,7 @@ static int64_t check_column(const sp_column_spec *c, sp_random *random, counts *
     r.y = malloc((size_t)(3 * MOMENTS * r.width) * sizeof *r.y);
     r.v = malloc((size_t)(3 * MOMENTS * r.width) * sizeof *r.v);
     assert_true(r.y && r.v);
-    assert_ok(sp_column_run(c, 3 * MOMENTS, t, keep, &r, NULL, &err));
+    assert_ok(sp_tapped_run(c, 3 * MOMENTS, t, keep, &r, NULL, &err));
     int64_t checked = 0;
     for (int k = 0; k < MOMENTS; k++)
         if (!eventful(c, &r, 3 * k)) {
@@ -121,7 +121,7 @@ static void test_law(void **state) {
     counts n = {0, 0, 0};
     for (int k = 0; k < 40; k++) {
         double mass[2] = {1, 1 + 2 * sp_random_uniform(&random)}, radius[2] = {1, 0.7 + sp_random_uniform(&random)};
-        sp_column_spec c = sp_column_spec_default();
+        sp_tapped_spec c = sp_tapped_spec_default();
         c.particles = sizes[k % 10];
         c.taps = 3;
         c.e = k % 7 == 6 ? 0.7 : 0.02 + 0.2 * sp_random_uniform(&random);

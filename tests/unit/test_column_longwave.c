@@ -1,16 +1,16 @@
 /* The long wave: rest, orders of convergence, dispersion, energy, and the lattice that it stands for. */
 #include "column_runs.h"
 
-static sp_column_spec longwave(void) {
-    sp_column_spec c = sp_column_spec_default();
-    c.model = SP_COLUMN_LONGWAVE;
+static sp_tapped_spec longwave(void) {
+    sp_tapped_spec c = sp_tapped_spec_default();
+    c.model = SP_TAPPED_LONGWAVE;
     c.taps = 1;
     return c;
 }
 
 /* [B]'s ten particles with taps so small that no contact opens: all is smooth between the floor's jumps. */
-static sp_column_spec gentle(void) {
-    sp_column_spec c = longwave();
+static sp_tapped_spec gentle(void) {
+    sp_tapped_spec c = longwave();
     c.particles = 10;
     c.frequency = 9.5;
     c.amplitude = 0.005;
@@ -22,13 +22,13 @@ static void test_untapped_stays(void **state) {
     (void)state;
     for (int32_t n = 1; n <= 10; n += 3)
         for (int32_t cells = 1; cells <= 8; cells += cells == 1 ? 2 : 5) {
-            sp_column_spec c = longwave();
+            sp_tapped_spec c = longwave();
             c.particles = n;
             c.cells = cells;
             c.amplitude = 0;
             c.taps = 5;
             double rest[10];
-            sp_column_rest(&c, rest);
+            sp_tapped_rest(&c, rest);
             column_rows rows = column_run(&c, 50, 0, 5);
             for (int64_t k = 0; k < 50; k++)
                 for (int32_t i = 1; i <= n; i++) {
@@ -47,7 +47,7 @@ static void test_untapped_stays(void **state) {
 /* Free fall of all labels, exactly, until the floor. */
 static void test_falls_freely(void **state) {
     (void)state;
-    sp_column_spec c = longwave();
+    sp_tapped_spec c = longwave();
     c.amplitude = 0;
     c.drop = 2;
     column_rows rows = column_run(&c, 20, 0, 0.06);
@@ -61,7 +61,7 @@ static void test_falls_freely(void **state) {
 }
 
 /* Errors against the finest of a row of runs, each twice as fine as the one before. */
-static double order_of(sp_column_spec c, int runs, bool in_time, double first) {
+static double order_of(sp_tapped_spec c, int runs, bool in_time, double first) {
     enum { ROWS = 50, MOST = 8 };
     column_rows rows[MOST];
     double size[MOST], error[MOST];
@@ -85,7 +85,7 @@ static double order_of(sp_column_spec c, int runs, bool in_time, double first) {
  * for the limit, which bends the line upwards: by 0.3 at most over four halvings of order 1 (ln 2/ln 8). */
 static void test_order_in_cells(void **state) {
     (void)state;
-    sp_column_spec c = gentle();
+    sp_tapped_spec c = gentle();
     c.time_step = 5e-5; /* errors of 1e-9, a hundredth of the finest grid's */
     const double smooth = order_of(c, 5, false, 2), rough = order_of(longwave(), 6, false, 1);
     print_message("order in the grid: %.2f gentle, %.2f violent\n", smooth, rough);
@@ -119,7 +119,7 @@ static double line(const column_rows *rows, double omega) {
  * velocity over 9.9 s (lines 0.6/s apart) peaks at them. Without dispersion the third would be 15 percent off. */
 static void test_dispersion(void **state) {
     (void)state;
-    sp_column_spec c = longwave();
+    sp_tapped_spec c = longwave();
     c.e = 0;
     c.alpha_v = 0.1;
     c.cells = 24;
@@ -155,14 +155,14 @@ static void test_dispersion(void **state) {
 static void test_energy(void **state) {
     (void)state;
     for (int part = 0; part < 2; part++) {
-        sp_column_spec c = longwave();
+        sp_tapped_spec c = longwave();
         c.e = part ? 0.09 : 0;
         c.taps = 2;
         double residual[2];
         for (int q = 0; q < 2; q++) {
             c.time_step = q ? 2e-5 : 2e-4;
             column_rows rows = column_run(&c, 1, 0, 0);
-            const sp_column_tap *tap = rows.report.tap;
+            const sp_tapped_tap *tap = rows.report.tap;
             assert_true(part ? tap[0].dissipated > 0 && tap[1].dissipated > 0 : tap[1].dissipated == 0);
             assert_true(tap[0].work > 0);
             residual[q] = fabs(tap[0].residual) + fabs(tap[1].residual);
@@ -181,12 +181,12 @@ static void test_nears_the_lattice(void **state) {
     const double bound[] = {0.15, 0.06, 0.025};
     double before = INFINITY;
     for (int q = 0; q < 3; q++) {
-        sp_column_spec c = longwave();
+        sp_tapped_spec c = longwave();
         c.particles = 5 << q;
         c.frequency = q ? 9.5 : 7.5;
         column_rows wave = column_run(&c, 51, 0, 0.5);
-        c.model = SP_COLUMN_LATTICE;
-        c.method = SP_COLUMN_SMOOTH;
+        c.model = SP_TAPPED_LATTICE;
+        c.method = SP_TAPPED_SMOOTH;
         column_rows lattice = column_run(&c, 51, 0, 0.5);
         const double mean = column_mean(&wave, &lattice);
         print_message("N = %d: %.4f cm\n", c.particles, mean);
@@ -200,7 +200,7 @@ static void test_nears_the_lattice(void **state) {
 /* Rows are looked at, not stepped to. */
 static void test_rows_change_nothing(void **state) {
     (void)state;
-    sp_column_spec c = longwave();
+    sp_tapped_spec c = longwave();
     c.particles = 3;
     column_rows few = column_run(&c, 3, 0, 1), many = column_run(&c, 401, 0, 1);
     for (int64_t k = 0; k < 3; k++)
@@ -217,7 +217,7 @@ static void test_rows_change_nothing(void **state) {
  * cells or more, for the floor's spring adds to the highest frequency. */
 static void test_stable_up_to_the_bound(void **state) {
     (void)state;
-    sp_column_spec c = longwave();
+    sp_tapped_spec c = longwave();
     c.amplitude = 0;
     c.taps = 5;
     c.e = 0;
@@ -232,13 +232,13 @@ static void test_stable_up_to_the_bound(void **state) {
     c.time_step = 0.8 / sqrt(9806.7);
     const double t = 0;
     column_rows unused = {.width = 6};
-    assert_fails(sp_column_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.time_step");
+    assert_fails(sp_tapped_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.time_step");
 }
 
 /* With friction the steps follow the overlap, and stay stable far beyond the alpha_v that the elastic bound allows. */
 static void test_damped_steps(void **state) {
     (void)state;
-    sp_column_spec c = longwave();
+    sp_tapped_spec c = longwave();
     c.alpha_v = 10;
     c.e = 0.5;
     column_rows rows = column_run(&c, 1, 0.99, 0.99);
@@ -253,26 +253,26 @@ static void test_refuses(void **state) {
     (void)state;
     const double t = 0, masses[] = {1, 1, 2}, radii[] = {1, 0.5};
     column_rows unused = {.width = 6};
-    sp_column_spec c = longwave();
+    sp_tapped_spec c = longwave();
     c.time_step = 1e-3;
-    assert_fails(sp_column_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.time_step 0.001");
+    assert_fails(sp_tapped_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.time_step 0.001");
     c = longwave();
     c.masses = 3;
     c.mass = masses;
-    assert_fails(sp_column_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "3");
+    assert_fails(sp_tapped_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "3");
     c = longwave();
     c.radii = 2;
     c.radius = radii;
-    assert_fails(sp_column_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "2");
+    assert_fails(sp_tapped_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "2");
     c = longwave();
     c.alpha_v = 1e9;
-    assert_fails(sp_column_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.alpha_v");
+    assert_fails(sp_tapped_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.alpha_v");
     assert_int_equal(unused.done, 0);
 }
 
 static void test_memory(void **state) {
     (void)state;
-    sp_column_spec c = longwave();
+    sp_tapped_spec c = longwave();
     c.period = 0.1;
     c.particles = 2;
     column_rows rows = column_run(&c, 1, 0, 0);
@@ -281,7 +281,7 @@ static void test_memory(void **state) {
     for (; status != SP_OK; allocations++) {
         rows.done = 0;
         sp_alloc_fail_after(allocations);
-        status = sp_column_run(&c, 1, rows.t, column_keep, &rows, NULL, NULL);
+        status = sp_tapped_run(&c, 1, rows.t, column_keep, &rows, NULL, NULL);
         sp_alloc_fail_after(-1);
         assert_true(status == SP_OK || status == SP_ENOMEM);
     }

@@ -1,19 +1,19 @@
 /* The symbols of (35) and (37) as printed, of the expansion behind them, and of the long wave. */
 #include "test.h"
 
-#include <sonopack/column.h>
+#include <sonopack/tapped/tapped.h>
 
 /* [B]'s ten particles: h = 2, K/m = 20 g, g = 980.67. */
-static sp_column_spec ten(void) {
-    sp_column_spec c = sp_column_spec_default();
+static sp_tapped_spec ten(void) {
+    sp_tapped_spec c = sp_tapped_spec_default();
     c.particles = 10;
     c.frequency = 9.5;
     return c;
 }
 
-static sp_column_symbol symbol(const sp_column_spec *c, sp_column_model model, double slope, double k) {
-    sp_column_symbol s = {NAN, NAN};
-    assert_ok(sp_column_symbol_at(c, model, 0.5, slope, k, &s, &err));
+static sp_tapped_symbol symbol(const sp_tapped_spec *c, sp_tapped_model model, double slope, double k) {
+    sp_tapped_symbol s = {NAN, NAN};
+    assert_ok(sp_tapped_symbol_at(c, model, 0.5, slope, k, &s, &err));
     return s;
 }
 
@@ -21,23 +21,23 @@ static sp_column_symbol symbol(const sp_column_spec *c, sp_column_model model, d
  * /s, where k^2 = 18 C/(A- h^2). */
 static void test_37_grows(void **state) {
     (void)state;
-    const sp_column_spec c = ten();
+    const sp_tapped_spec c = ten();
     const double k = sqrt(18 * 31 / 6.0 / 6.5 / 4), top = 15.5 * sqrt(20 * 980.67 / 6.5);
     assert_close(top, 850, 5);
-    assert_relative(symbol(&c, SP_COLUMN_EQ37, 1, k).growth, top, 1e-12);
+    assert_relative(symbol(&c, SP_TAPPED_EQ37, 1, k).growth, top, 1e-12);
     for (double other = 0.05; other < 10; other *= 1.3)
-        assert_true(symbol(&c, SP_COLUMN_EQ37, 1, other).growth <= top);
-    assert_close(symbol(&c, SP_COLUMN_EQ37, 1, 1.5 * k).growth, 0, 0); /* beyond sqrt(2) of it: waves */
+        assert_true(symbol(&c, SP_TAPPED_EQ37, 1, other).growth <= top);
+    assert_close(symbol(&c, SP_TAPPED_EQ37, 1, 1.5 * k).growth, 0, 0); /* beyond sqrt(2) of it: waves */
 }
 
 /* Twice k, four times the growth, far enough out; long waves do not grow. */
 static void test_35_grows_without_bound(void **state) {
     (void)state;
-    const sp_column_spec c = ten();
-    assert_close(symbol(&c, SP_COLUMN_EQ35, 1, 1).growth, 0, 0);
+    const sp_tapped_spec c = ten();
+    assert_close(symbol(&c, SP_TAPPED_EQ35, 1, 1).growth, 0, 0);
     for (double k = 1e3; k < 1e6; k *= 10) {
-        double growth = symbol(&c, SP_COLUMN_EQ35, 1, k).growth;
-        assert_relative(symbol(&c, SP_COLUMN_EQ35, 1, 2 * k).growth, 4 * growth, 1e-4);
+        double growth = symbol(&c, SP_TAPPED_EQ35, 1, k).growth;
+        assert_relative(symbol(&c, SP_TAPPED_EQ35, 1, 2 * k).growth, 4 * growth, 1e-4);
         assert_relative(growth, 4 * sqrt(20 * 980.67 * 6.5) / 6 * k * k, 1e-4); /* h^2 sqrt(K A-/m)/6 k^2 */
     }
 }
@@ -45,7 +45,7 @@ static void test_35_grows_without_bound(void **state) {
 /* (35) by finite differences: its right-hand side, written out with all terms, applied to s z + epsilon cos k z. */
 static void test_35_is_the_linearised_right_hand_side(void **state) {
     (void)state;
-    const sp_column_spec c = ten();
+    const sp_tapped_spec c = ten();
     const double h = 2, kh2m = 20 * 980.67 * 4;
     for (double alpha = 0.2; alpha < 1; alpha += 0.25)
         for (double slope = 0.5; slope < 1.3; slope += 0.25)
@@ -55,10 +55,10 @@ static void test_35_is_the_linearised_right_hand_side(void **state) {
                 const double y1 = slope - tiny * k * sin(k * z), y2 = -tiny * k * k * cos(k * z), y4 = -k * k * y2;
                 const double right =
                     kh2m * (plus / 3 * y2 - h / 3 * b * y1 * y2 + h * h * (minus / 36 * y4 + 2 * alpha * y1 * y1 * y2));
-                sp_column_symbol s;
-                assert_ok(sp_column_symbol_at(&c, SP_COLUMN_EQ35, alpha, slope, k, &s, &err));
+                sp_tapped_symbol s;
+                assert_ok(sp_tapped_symbol_at(&c, SP_TAPPED_EQ35, alpha, slope, k, &s, &err));
                 assert_relative(-s.speed2 * k * k, right / (tiny * cos(k * z)), 1e-4);
-                assert_ok(sp_column_symbol_at(&c, SP_COLUMN_EQ37, alpha, slope, k, &s, &err));
+                assert_ok(sp_tapped_symbol_at(&c, SP_TAPPED_EQ37, alpha, slope, k, &s, &err));
                 assert_relative(s.speed2 * k * k, right / (tiny * cos(k * z)), 1e-4);
             }
 }
@@ -68,15 +68,15 @@ static void test_35_is_the_linearised_right_hand_side(void **state) {
  * h and alpha = 1/h, where all of (30) has 1/2. */
 static void test_expansion_has_the_wrong_sign(void **state) {
     (void)state;
-    const sp_column_spec c = ten();
+    const sp_tapped_spec c = ten();
     const double kh2m = 20 * 980.67 * 4;
-    assert_relative(sp_column_expansion_speed2(&c, 0.5, 1), -kh2m / 6, 1e-12);
+    assert_relative(sp_tapped_expansion_speed2(&c, 0.5, 1), -kh2m / 6, 1e-12);
     for (double alpha = 0.1; alpha < 0.8; alpha += 0.2) {
         const double x = 2, d1 = 0.5 + alpha * x - 2 * pow(alpha * x, 3) / 3, d2 = alpha - 2 * pow(alpha, 3) * x * x,
                      d3 = -4 * pow(alpha, 3) * x;
         for (double slope = 0.2; slope < 1.2; slope += 0.3) {
             const double dy = 2 * slope;
-            assert_relative(sp_column_expansion_speed2(&c, alpha, slope), kh2m * (d1 - d2 * dy + 0.5 * d3 * dy * dy),
+            assert_relative(sp_tapped_expansion_speed2(&c, alpha, slope), kh2m * (d1 - d2 * dy + 0.5 * d3 * dy * dy),
                             1e-11);
         }
     }
@@ -85,11 +85,11 @@ static void test_expansion_has_the_wrong_sign(void **state) {
 /* omega^2 (1 + h^2 k^2/12) = c^2 k^2 without e; always damped with it; nothing where contacts are open. */
 static void test_longwave_is_well_posed(void **state) {
     (void)state;
-    sp_column_spec c = ten();
+    sp_tapped_spec c = ten();
     const double k_over_m = 20 * 980.67;
     c.e = 0;
     for (double k = 1e-3; k < 1e4; k *= 3) {
-        sp_column_symbol s = symbol(&c, SP_COLUMN_LONGWAVE, 0.9, k);
+        sp_tapped_symbol s = symbol(&c, SP_TAPPED_LONGWAVE, 0.9, k);
         assert_close(s.growth, 0, 0);
         assert_relative(s.speed2, k_over_m * 4 / (1 + k * k / 3), 1e-13);
         assert_true(s.speed2 * k * k < 12 * k_over_m);
@@ -98,7 +98,7 @@ static void test_longwave_is_well_posed(void **state) {
     for (double k = 1e-2; k < 1e4; k *= 3)
         for (double alpha = 1e-3; alpha < 1e3; alpha *= 10) {
             c.alpha_v = alpha;
-            sp_column_symbol s = symbol(&c, SP_COLUMN_LONGWAVE, 0.9, k);
+            sp_tapped_symbol s = symbol(&c, SP_TAPPED_LONGWAVE, 0.9, k);
             const double inertia = 1 + k * k / 3, damping = k_over_m * 0.09 * alpha * 0.2 * 4 * k * k / inertia,
                          stiffness = k_over_m * 4 * k * k / inertia;
             assert_true(s.growth < 0);
@@ -106,7 +106,7 @@ static void test_longwave_is_well_posed(void **state) {
             assert_close(s.growth * s.growth - omega2 + damping * s.growth + stiffness, 0,
                          1e-12 * fmax(stiffness, damping * damping));
         }
-    assert_close(symbol(&c, SP_COLUMN_LONGWAVE, 1.1, 1).speed2, 0, 0);
+    assert_close(symbol(&c, SP_TAPPED_LONGWAVE, 1.1, 1).speed2, 0, 0);
 }
 
 static sp_status no_row(double t, const double *y, const double *v, void *user, sp_error *err) {
@@ -120,20 +120,20 @@ static sp_status no_row(double t, const double *y, const double *v, void *user, 
 
 static void test_refused(void **state) {
     (void)state;
-    sp_column_spec c = ten();
+    sp_tapped_spec c = ten();
     const double t = 0;
     int rows = 0;
-    c.model = SP_COLUMN_EQ37;
-    assert_fails(sp_column_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "851.4");
-    assert_fails(sp_column_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "280.1");
-    assert_fails(sp_column_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "-0.167");
-    c.model = SP_COLUMN_EQ35;
-    assert_fails(sp_column_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "column.model eq35");
+    c.model = SP_TAPPED_EQ37;
+    assert_fails(sp_tapped_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "851.4");
+    assert_fails(sp_tapped_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "280.1");
+    assert_fails(sp_tapped_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "-0.167");
+    c.model = SP_TAPPED_EQ35;
+    assert_fails(sp_tapped_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "column.model eq35");
     assert_int_equal(rows, 0);
-    sp_column_symbol s;
-    assert_fails(sp_column_symbol_at(&c, SP_COLUMN_BSR, 0.5, 1, 1, &s, &err), SP_EINVAL, "symbol");
-    assert_fails(sp_column_symbol_at(&c, SP_COLUMN_EQ35, 0.5, 1, 0, &s, &err), SP_EINVAL, "k 0");
-    assert_fails(sp_column_symbol_at(&c, SP_COLUMN_EQ35, 0.5, NAN, 1, &s, &err), SP_EINVAL, "slope nan");
+    sp_tapped_symbol s;
+    assert_fails(sp_tapped_symbol_at(&c, SP_TAPPED_BSR, 0.5, 1, 1, &s, &err), SP_EINVAL, "symbol");
+    assert_fails(sp_tapped_symbol_at(&c, SP_TAPPED_EQ35, 0.5, 1, 0, &s, &err), SP_EINVAL, "k 0");
+    assert_fails(sp_tapped_symbol_at(&c, SP_TAPPED_EQ35, 0.5, NAN, 1, &s, &err), SP_EINVAL, "slope nan");
 }
 
 int main(void) {

@@ -1,15 +1,15 @@
 /* The lattice with smooth sigma and chi, and by plain Runge-Kutta steps, against what the sharp law gives. */
 #include "column_runs.h"
 
-static sp_column_spec lattice(sp_column_method method) {
-    sp_column_spec c = sp_column_spec_default();
+static sp_tapped_spec lattice(sp_tapped_method method) {
+    sp_tapped_spec c = sp_tapped_spec_default();
     c.method = method;
     c.taps = 1;
     return c;
 }
 
 /* K = 2 m g/r by default for one particle. Height of the next peak, from energies in flight. */
-static double peak(const sp_column_spec *c, double t) {
+static double peak(const sp_tapped_spec *c, double t) {
     column_rows rows = column_run(c, 1, t, t);
     const double y = column_y(&rows, 0, 1), v = column_v(&rows, 0, 1);
     assert_true(y > 1); /* in flight */
@@ -17,8 +17,8 @@ static double peak(const sp_column_spec *c, double t) {
     return y + v * v / (2 * c->gravity);
 }
 
-static sp_column_spec dropped(double e) {
-    sp_column_spec c = lattice(SP_COLUMN_SMOOTH);
+static sp_tapped_spec dropped(double e) {
+    sp_tapped_spec c = lattice(SP_TAPPED_SMOOTH);
     c.particles = 1;
     c.amplitude = 0;
     c.drop = 1;
@@ -31,7 +31,7 @@ static sp_column_spec dropped(double e) {
  * difference of the two orders sees a part. */
 static void test_elastic_drop(void **state) {
     (void)state;
-    sp_column_spec c = dropped(0);
+    sp_tapped_spec c = dropped(0);
     for (c.tolerance = 1e-5; c.tolerance > 1e-13; c.tolerance *= 1e-2) {
         const double off = peak(&c, 0.16) - 2;
         print_message("tolerance %.0e: %.1e\n", c.tolerance, off);
@@ -44,7 +44,7 @@ static void test_elastic_drop(void **state) {
  * velocity that does so, too. */
 static void test_drop_nears_the_sharp_law(void **state) {
     (void)state;
-    sp_column_spec c = dropped(0.09);
+    sp_tapped_spec c = dropped(0.09);
     enum { RUNS = 5 };
     double alpha[RUNS], error[RUNS];
     for (int q = 0; q < RUNS; q++) {
@@ -61,12 +61,12 @@ static void test_drop_nears_the_sharp_law(void **state) {
 /* A column: contacts that the sharp law holds creep, at velocities like 1/alpha_v. */
 static void test_column_nears_the_events(void **state) {
     (void)state;
-    sp_column_spec c = lattice(SP_COLUMN_EVENT);
+    sp_tapped_spec c = lattice(SP_TAPPED_EVENT);
     enum { RUNS = 5 };
     double alpha[RUNS], work[RUNS], error[RUNS];
     column_rows exact = column_run(&c, 41, 0, 0.2);
     assert_close(exact.report.tap[0].work, 6994.497407, 1e-5); /* an independent reference */
-    c.method = SP_COLUMN_SMOOTH;
+    c.method = SP_TAPPED_SMOOTH;
     for (int q = 0; q < RUNS; q++) {
         c.alpha_v = alpha[q] = pow(10, q * 0.5 + 0.5);
         column_rows smooth = column_run(&c, 41, 0, 0.2);
@@ -86,7 +86,7 @@ static const double masses[] = {1, 0.7, 1.3}, radii[] = {1, 0.8};
 /* Unequal particles rest in the like of (27). */
 static void test_rests(void **state) {
     (void)state;
-    sp_column_spec c = lattice(SP_COLUMN_SMOOTH);
+    sp_tapped_spec c = lattice(SP_TAPPED_SMOOTH);
     c.particles = 7;
     c.amplitude = 0;
     c.taps = 3;
@@ -95,10 +95,10 @@ static void test_rests(void **state) {
     c.radii = 2;
     c.radius = radii;
     for (int method = 0; method < 2; method++) {
-        c.method = method ? SP_COLUMN_RK4 : SP_COLUMN_SMOOTH;
+        c.method = method ? SP_TAPPED_RK4 : SP_TAPPED_SMOOTH;
         column_rows rows = column_run(&c, 10, 0, 3);
         double rest[7];
-        sp_column_rest(&c, rest);
+        sp_tapped_rest(&c, rest);
         /* RK4: by rounding a sign now and then, which is worth a step's e K delta/m dt^2 = 1e-5 cm */
         for (int64_t k = 0; k < 10; k++)
             for (int32_t i = 1; i <= 7; i++)
@@ -110,7 +110,7 @@ static void test_rests(void **state) {
 /* E - E0 = work - dissipated, with chi sharp or smooth (whose energy has a dilogarithm), to the tolerance. */
 static void test_energy(void **state) {
     (void)state;
-    sp_column_spec c = lattice(SP_COLUMN_SMOOTH);
+    sp_tapped_spec c = lattice(SP_TAPPED_SMOOTH);
     c.masses = 3;
     c.mass = masses;
     c.radii = 2;
@@ -121,7 +121,7 @@ static void test_energy(void **state) {
         for (c.tolerance = 1e-6; c.tolerance > 1e-11; c.tolerance *= 1e-2) {
             column_rows rows = column_run(&c, 1, 0, 0);
             for (int k = 0; k < 2; k++) {
-                const sp_column_tap *tap = &rows.report.tap[k];
+                const sp_tapped_tap *tap = &rows.report.tap[k];
                 assert_true(tap->work > 100 && tap->dissipated > 100 && isnan(tap->rest));
                 assert_close(tap->residual, 0, 300 * c.tolerance); /* some 300 periods of the fastest mode */
             }
@@ -133,7 +133,7 @@ static void test_energy(void **state) {
 /* alpha_x to infinity is the sharp step. */
 static void test_steps_sharpen(void **state) {
     (void)state;
-    sp_column_spec c = lattice(SP_COLUMN_SMOOTH);
+    sp_tapped_spec c = lattice(SP_TAPPED_SMOOTH);
     c.particles = 3;
     column_rows sharp = column_run(&c, 21, 0, 0.1);
     enum { RUNS = 3 };
@@ -152,13 +152,13 @@ static void test_steps_sharpen(void **state) {
 /* The smallest separation and the first violation, as the events have them. */
 static void test_separation(void **state) {
     (void)state;
-    sp_column_spec c = lattice(SP_COLUMN_EVENT);
+    sp_tapped_spec c = lattice(SP_TAPPED_EVENT);
     c.particles = 1;
     column_rows exact = column_run(&c, 1, 0, 0);
-    c.method = SP_COLUMN_SMOOTH;
+    c.method = SP_TAPPED_SMOOTH;
     c.alpha_v = 1000;
     column_rows smooth = column_run(&c, 1, 0, 0);
-    const sp_column_tap *a = &exact.report.tap[0], *b = &smooth.report.tap[0];
+    const sp_tapped_tap *a = &exact.report.tap[0], *b = &smooth.report.tap[0];
     assert_true(a->separation < 0); /* (28) is no bound for what taps do */
     assert_close(b->separation, a->separation, 1e-4);
     assert_close(b->at, a->at, 2e-3);
@@ -172,9 +172,9 @@ static void test_separation(void **state) {
 /* Plain Runge-Kutta of order 4 is of order 1 here. */
 static void test_rk4_is_of_first_order(void **state) {
     (void)state;
-    sp_column_spec c = lattice(SP_COLUMN_EVENT);
+    sp_tapped_spec c = lattice(SP_TAPPED_EVENT);
     column_rows exact = column_run(&c, 41, 0, 0.2);
-    c.method = SP_COLUMN_RK4;
+    c.method = SP_TAPPED_RK4;
     enum { RUNS = 8 };
     double step[RUNS], error[RUNS];
     for (int q = 0; q < RUNS; q++) {
@@ -193,11 +193,11 @@ static void test_rk4_is_of_first_order(void **state) {
 /* After a tap one ball sticks at y = 0.4545, within the band of rest; plain steps let it creep towards (27)'s 0.5. */
 static void test_rk4_creeps(void **state) {
     (void)state;
-    sp_column_spec c = lattice(SP_COLUMN_EVENT);
+    sp_tapped_spec c = lattice(SP_TAPPED_EVENT);
     c.particles = 1;
     c.period = 4;
     column_rows exact = column_run(&c, 2, 2, 4);
-    c.method = SP_COLUMN_RK4;
+    c.method = SP_TAPPED_RK4;
     column_rows fixed = column_run(&c, 2, 2, 4);
     c.time_step = fixed.report.time_step / 8;
     column_rows finer = column_run(&c, 2, 2, 4);
@@ -213,8 +213,8 @@ static void test_rk4_creeps(void **state) {
 
 static void test_rk4_elastic(void **state) {
     (void)state;
-    sp_column_spec c = dropped(0);
-    c.method = SP_COLUMN_RK4;
+    sp_tapped_spec c = dropped(0);
+    c.method = SP_TAPPED_RK4;
     enum { RUNS = 4 };
     double step[RUNS], error[RUNS];
     for (int q = 0; q < RUNS; q++) { /* whole steps of no phase: the kink at contact is hit at random, order 2 */
@@ -229,14 +229,14 @@ static void test_rk4_elastic(void **state) {
 static void test_floor(void **state) {
     (void)state;
     for (int method = 0; method < 2; method++) {
-        sp_column_spec c = lattice(method ? SP_COLUMN_RK4 : SP_COLUMN_SMOOTH);
+        sp_tapped_spec c = lattice(method ? SP_TAPPED_RK4 : SP_TAPPED_SMOOTH);
         c.taps = 3;
         c.period = 0.1;
         c.particles = 2;
         column_rows rows = column_run(&c, 301, 0, 0.3);
         for (int64_t k = 0; k < 301; k++) {
-            assert_close(column_y(&rows, k, 0), sp_column_floor(&c, rows.t[k]), 0);
-            assert_close(column_v(&rows, k, 0), sp_column_floor_velocity(&c, rows.t[k]), 0);
+            assert_close(column_y(&rows, k, 0), sp_tapped_floor(&c, rows.t[k]), 0);
+            assert_close(column_v(&rows, k, 0), sp_tapped_floor_velocity(&c, rows.t[k]), 0);
             /* v is y's derivative: a few 1e4 cm/s^2 times a millisecond off the middle's */
             for (int32_t i = 1; i <= 2 && k > 0; i++)
                 assert_close((column_y(&rows, k, i) - column_y(&rows, k - 1, i)) * 1e3,
@@ -250,20 +250,20 @@ static void test_refuses(void **state) {
     (void)state;
     const double t = 0;
     column_rows unused = {.width = 6};
-    sp_column_spec c = lattice(SP_COLUMN_SMOOTH);
+    sp_tapped_spec c = lattice(SP_TAPPED_SMOOTH);
     c.alpha_v = 1e9;
-    assert_fails(sp_column_run(&c, 0, &t, column_keep, &unused, NULL, &err), SP_EFAILED, "column.alpha_v");
-    c = lattice(SP_COLUMN_RK4);
+    assert_fails(sp_tapped_run(&c, 0, &t, column_keep, &unused, NULL, &err), SP_EFAILED, "column.alpha_v");
+    c = lattice(SP_TAPPED_RK4);
     c.time_step = 0.02;
-    assert_fails(sp_column_run(&c, 0, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.time_step 0.02");
+    assert_fails(sp_tapped_run(&c, 0, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.time_step 0.02");
     c.time_step = 1e-9;
-    assert_fails(sp_column_run(&c, 0, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.time_step");
+    assert_fails(sp_tapped_run(&c, 0, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.time_step");
 }
 
 static void test_memory(void **state) {
     (void)state;
     for (int method = 0; method < 2; method++) {
-        sp_column_spec c = lattice(method ? SP_COLUMN_RK4 : SP_COLUMN_SMOOTH);
+        sp_tapped_spec c = lattice(method ? SP_TAPPED_RK4 : SP_TAPPED_SMOOTH);
         c.period = 0.1;
         c.particles = 2;
         column_rows rows = column_run(&c, 1, 0, 0);
@@ -272,7 +272,7 @@ static void test_memory(void **state) {
         for (; status != SP_OK; allocations++) {
             rows.done = 0;
             sp_alloc_fail_after(allocations);
-            status = sp_column_run(&c, 1, rows.t, column_keep, &rows, NULL, NULL);
+            status = sp_tapped_run(&c, 1, rows.t, column_keep, &rows, NULL, NULL);
             sp_alloc_fail_after(-1);
             assert_true(status == SP_OK || status == SP_ENOMEM);
         }

@@ -2,8 +2,8 @@
  * zeros of polynomials against fine sampling. */
 #include "test.h"
 
-#include "column/lattice.h"
 #include "numeric/random.h"
+#include "tapped/lattice.h"
 
 enum { NODES = 1000 };
 

@@ -2,12 +2,12 @@
 #include "test.h"
 
 #include "base/base.h"
-#include "column/table.h"
+#include "tapped/table.h"
 
 #include <string.h>
 
-static sp_column_spec small(sp_column_output output) {
-    sp_column_spec c = sp_column_spec_default();
+static sp_tapped_spec small(sp_tapped_output output) {
+    sp_tapped_spec c = sp_tapped_spec_default();
     c.particles = 2;
     c.taps = 2;
     c.step = 0.125;
@@ -25,18 +25,18 @@ static bool has_comment(const sp_table *t, const char *begin) {
 static void shapes_of_the_tables(void **state) {
     (void)state;
     static const struct {
-        sp_column_output output;
+        sp_tapped_output output;
         int64_t rows;
         int columns;
         const char *first, *last;
-    } expected[] = {{SP_COLUMN_TRAJECTORY, 17, 4, "t", "y2"},
-                    {SP_COLUMN_STROBE, 2, 5, "tap", "density"},
-                    {SP_COLUMN_ENERGY, 2, 9, "tap", "contact"},
-                    {SP_COLUMN_DENSITY, 17, 5, "t", "rho2"}};
+    } expected[] = {{SP_TAPPED_TRAJECTORY, 17, 4, "t", "y2"},
+                    {SP_TAPPED_STROBE, 2, 5, "tap", "density"},
+                    {SP_TAPPED_ENERGY, 2, 9, "tap", "contact"},
+                    {SP_TAPPED_DENSITY, 17, 5, "t", "rho2"}};
     for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
-        const sp_column_spec c = small(expected[k].output);
+        const sp_tapped_spec c = small(expected[k].output);
         sp_table t;
-        assert_ok(sp_column_table(&c, 1, &t, &err));
+        assert_ok(sp_tapped_table(&c, 1, &t, &err));
         assert_int_equal(t.rows, expected[k].rows);
         assert_int_equal(t.columns, expected[k].columns);
         assert_string_equal(t.column[0].name, expected[k].first);
@@ -49,20 +49,20 @@ static void shapes_of_the_tables(void **state) {
 
 static void the_last_row_is_the_end(void **state) {
     (void)state;
-    sp_column_spec c = small(SP_COLUMN_TRAJECTORY);
+    sp_tapped_spec c = small(SP_TAPPED_TRAJECTORY);
     static const double periods[] = {1, 0.7, 1.0 / 3, 0.1};
     for (size_t k = 0; k < sizeof periods / sizeof *periods; k++) {
         c.period = periods[k];
         c.step = 0; /* a hundredth: of no binary fraction */
         sp_table t;
-        assert_ok(sp_column_table(&c, 1, &t, &err));
+        assert_ok(sp_tapped_table(&c, 1, &t, &err));
         assert_int_equal(t.rows, 201);
         assert_true(fabs(sp_table_number(&t, 200, 0) - 2 * c.period) <= 1e-15);
         sp_table_free(&t);
     }
     c.step = 100; /* longer than all: the start alone */
     sp_table t;
-    assert_ok(sp_column_table(&c, 1, &t, &err));
+    assert_ok(sp_tapped_table(&c, 1, &t, &err));
     assert_int_equal(t.rows, 1);
     sp_table_free(&t);
 }
@@ -72,11 +72,11 @@ static void long_lists_are_cut_in_comments(void **state) {
     double mass[40];
     for (int k = 0; k < 40; k++)
         mass[k] = 1 + 1.0 / (3 + k);
-    sp_column_spec c = small(SP_COLUMN_STROBE);
+    sp_tapped_spec c = small(SP_TAPPED_STROBE);
     c.mass = mass;
     c.masses = 40;
     sp_table t;
-    assert_ok(sp_column_table(&c, 1, &t, &err));
+    assert_ok(sp_tapped_table(&c, 1, &t, &err));
     const char *text = sp_table_comment_value(&t, "mass");
     assert_non_null(text);
     assert_non_null(strstr(text, ", ... 40 values)"));
@@ -85,33 +85,33 @@ static void long_lists_are_cut_in_comments(void **state) {
 
 static void warnings_stand_in_the_comments(void **state) {
     (void)state;
-    sp_column_report report = {.violated_at = 1.5, .violated = 3};
-    const sp_column_spec c = small(SP_COLUMN_TRAJECTORY);
+    sp_tapped_report report = {.violated_at = 1.5, .violated = 3};
+    const sp_tapped_spec c = small(SP_TAPPED_TRAJECTORY);
     sp_table t = sp_table_none();
-    assert_ok(sp_column_note_report(&c, &report, &t, &err));
+    assert_ok(sp_tapped_note_report(&c, &report, &t, &err));
     assert_true(has_comment(&t, "warning: ordering (1) violated at t = 1.5 s between particles 3 and 4"));
     report.violated = 0;
-    assert_ok(sp_column_note_report(&c, &report, &t, &err));
+    assert_ok(sp_tapped_note_report(&c, &report, &t, &err));
     assert_true(has_comment(&t, "warning: ordering (1) violated at t = 1.5 s between the floor and particle 1"));
     sp_table_free(&t);
     report.violated_at = NAN;
-    assert_ok(sp_column_note_report(&c, &report, &t, &err));
+    assert_ok(sp_tapped_note_report(&c, &report, &t, &err));
     assert_int_equal(t.comments, 0);
-    sp_column_spec literal = c;
-    literal.model = SP_COLUMN_BSR;
-    literal.bsr = SP_COLUMN_BSR_LITERAL;
+    sp_tapped_spec literal = c;
+    literal.model = SP_TAPPED_BSR;
+    literal.bsr = SP_TAPPED_BSR_LITERAL;
     literal.particles = 10;
-    assert_ok(sp_column_note_model(&literal, &t, &err));
+    assert_ok(sp_tapped_note_model(&literal, &t, &err));
     assert_true(has_comment(&t, "warning: bsr = literal: the force of (45) as it was printed points downwards, and is "
                                 "2.2588 m g at the most"));
     sp_table_free(&t);
-    literal.bsr = SP_COLUMN_BSR_SIGNED;
-    assert_ok(sp_column_note_model(&literal, &t, &err));
+    literal.bsr = SP_TAPPED_BSR_SIGNED;
+    assert_ok(sp_tapped_note_model(&literal, &t, &err));
     assert_true(has_comment(&t, "warning: bsr = signed: the force of (45) with its signs put right is 0.354"));
     sp_table_free(&t);
-    literal.model = SP_COLUMN_LATTICE;
-    literal.method = SP_COLUMN_RK4;
-    assert_ok(sp_column_note_model(&literal, &t, &err));
+    literal.model = SP_TAPPED_LATTICE;
+    literal.method = SP_TAPPED_RK4;
+    assert_ok(sp_tapped_note_model(&literal, &t, &err));
     assert_true(has_comment(&t, "warning: method rk4 is of first order"));
     sp_table_free(&t);
 }
@@ -125,15 +125,15 @@ static bool stop_at_half(double share, void *user) {
 
 static void stopped_in_the_middle(void **state) {
     (void)state;
-    static const sp_column_output outputs[] = {SP_COLUMN_TRAJECTORY, SP_COLUMN_STROBE, SP_COLUMN_ENERGY,
-                                               SP_COLUMN_DENSITY};
+    static const sp_tapped_output outputs[] = {SP_TAPPED_TRAJECTORY, SP_TAPPED_STROBE, SP_TAPPED_ENERGY,
+                                               SP_TAPPED_DENSITY};
     for (size_t k = 0; k < sizeof outputs / sizeof *outputs; k++) {
-        const sp_column_spec c = small(outputs[k]);
+        const sp_tapped_spec c = small(outputs[k]);
         double share = 0;
         sp_table t;
         memset(&t, 0x5a, sizeof t);
         const sp_table before = t;
-        assert_fails(sp_column_table_watched(&c, 1, (sp_column_watcher){stop_at_half, &share}, &t, &err),
+        assert_fails(sp_tapped_table_watched(&c, 1, (sp_tapped_watcher){stop_at_half, &share}, &t, &err),
                      SP_EINTERRUPTED, "");
         assert_memory_equal(&t, &before, sizeof t);
         assert_true(share >= 0.5 && share < 0.6);
@@ -143,32 +143,32 @@ static void stopped_in_the_middle(void **state) {
 static void refused(void **state) {
     (void)state;
     sp_table t;
-    sp_column_spec c = small(SP_COLUMN_ENERGY);
-    c.model = SP_COLUMN_LONGWAVE;
-    assert_fails(sp_column_table(&c, 1, &t, &err), SP_EINVAL, "column.output energy");
-    c.output = SP_COLUMN_LYAPUNOV;
-    assert_fails(sp_column_table(&c, 1, &t, &err), SP_EINVAL, "column.output lyapunov");
-    c = small(SP_COLUMN_BIFURCATION);
-    c.method = SP_COLUMN_SMOOTH;
-    assert_fails(sp_column_table(&c, 1, &t, &err), SP_EINVAL, "column.output bifurcation");
-    c = small(SP_COLUMN_TRAJECTORY);
+    sp_tapped_spec c = small(SP_TAPPED_ENERGY);
+    c.model = SP_TAPPED_LONGWAVE;
+    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.output energy");
+    c.output = SP_TAPPED_LYAPUNOV;
+    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.output lyapunov");
+    c = small(SP_TAPPED_BIFURCATION);
+    c.method = SP_TAPPED_SMOOTH;
+    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.output bifurcation");
+    c = small(SP_TAPPED_TRAJECTORY);
     c.step = 1e-12;
     c.taps = 100000000;
-    assert_fails(sp_column_table(&c, 1, &t, &err), SP_ENOMEM, "column.step");
+    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_ENOMEM, "column.step");
     c.e = 1;
-    assert_fails(sp_column_table(&c, 1, &t, &err), SP_EINVAL, "column.e 1");
-    c = small(SP_COLUMN_TRAJECTORY);
-    c.model = SP_COLUMN_EQ37;
-    assert_fails(sp_column_table(&c, 1, &t, &err), SP_EREFUSED, "eq37");
+    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.e 1");
+    c = small(SP_TAPPED_TRAJECTORY);
+    c.model = SP_TAPPED_EQ37;
+    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EREFUSED, "eq37");
 }
 
 /* Every allocation fails once: a reason, no leak (the sanitizers look), nothing written. */
 static void lack_of_memory(void **state) {
     (void)state;
-    static const sp_column_output outputs[] = {SP_COLUMN_TRAJECTORY, SP_COLUMN_STROBE, SP_COLUMN_ENERGY,
-                                               SP_COLUMN_DENSITY, SP_COLUMN_COMPARE};
+    static const sp_tapped_output outputs[] = {SP_TAPPED_TRAJECTORY, SP_TAPPED_STROBE, SP_TAPPED_ENERGY,
+                                               SP_TAPPED_DENSITY, SP_TAPPED_COMPARE};
     for (size_t k = 0; k < sizeof outputs / sizeof *outputs; k++) {
-        sp_column_spec c = small(outputs[k]);
+        sp_tapped_spec c = small(outputs[k]);
         c.taps = 1;
         c.cells = 2;
         c.step = 0.5;
@@ -177,7 +177,7 @@ static void lack_of_memory(void **state) {
         for (int64_t after = 0; status == SP_ENOMEM; after++) {
             sp_table t = sp_table_none();
             sp_alloc_fail_after(after);
-            status = sp_column_table(&c, 1, &t, NULL);
+            status = sp_tapped_table(&c, 1, &t, NULL);
             sp_alloc_fail_after(-1);
             failures += status == SP_ENOMEM;
             assert_true(status == SP_OK || (t.rows == 0 && t.comments == 0));

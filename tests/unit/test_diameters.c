@@ -2,8 +2,8 @@
 #include "test.h"
 
 #include "base/base.h"
-#include "study/sample.h"
-#include <sonopack/study.h>
+#include "ensemble/sample.h"
+#include <sonopack/study/study.h>
 #include <unistd.h>
 
 static char folder[] = "/tmp/sonopack-test-diameters-XXXXXX";

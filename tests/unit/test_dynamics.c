@@ -5,8 +5,8 @@
 #include "base/base.h"
 #include "packing/contact.h"
 #include "packing/dynamics.h"
-#include "packing/making.h"
 #include "packing/pairs.h"
+#include "packing/prepare.h"
 
 #include <sonopack/network.h>
 
@@ -98,8 +98,8 @@ static dynamics make_stick(const sp_packing *p) {
     spec.friction = 1e6;
     spec.poisson = p->poisson;
     spec.damping = 0;
-    assert_ok(dynamics_make(&spec, p->r, p->x, sp_packing_height(p), &d, &err));
-    assert_ok(dynamics_refresh(&d, &err));
+    assert_ok(sp_dynamics_make(&spec, p->r, p->x, sp_packing_height(p), &d, &err));
+    assert_ok(sp_dynamics_refresh(&d, &err));
     return d;
 }
 
@@ -116,14 +116,14 @@ static void forces_after(const sp_packing *p, const double *u, double s, double 
         for (int a = dim; a < dof; a++)
             g[d.at.w + a - dim] = g[d.at.r] * s * u[dof * i + a];
     }
-    dynamics_forces(&d, 1.0);
+    sp_dynamics_forces(&d, 1.0);
     for (int32_t i = 0; i < p->n; i++) {
         double force[3], turn[3];
-        dynamics_force_on(&d, i, force, turn);
+        sp_dynamics_force_on(&d, i, force, turn);
         for (int a = 0; a < dof; a++)
             out[dof * i + a] = a < dim ? force[a] : p->r[i] * turn[a - dim];
     }
-    dynamics_free(&d);
+    sp_dynamics_free(&d);
 }
 
 /* Largest |K u - central difference of the forces| over the largest |K u|. */
@@ -222,11 +222,11 @@ static void check_momentum(int dim) {
     }
     d.law.friction = 0.5;
     d.law.damping = 0.8;
-    dynamics_forces(&d, 1.0);
+    sp_dynamics_forces(&d, 1.0);
     double sum[3] = {0, 0, 0}, walls[3] = {0, 0, 0}, scale = 0;
     for (int32_t i = 0; i < p.n; i++) {
         double force[3], turn[3];
-        dynamics_force_on(&d, i, force, turn);
+        sp_dynamics_force_on(&d, i, force, turn);
         for (int a = 0; a < dim; a++)
             sum[a] += force[a];
         scale += fabs(force[up]);
@@ -239,7 +239,7 @@ static void check_momentum(int dim) {
         assert_close(sum[a], walls[a], 1e-13 * scale);
     assert_close(sum[up], d.wall_force[0] - d.wall_force[1], 1e-13 * scale);
     assert_true(scale > 1e-4);
-    dynamics_free(&d);
+    sp_dynamics_free(&d);
     sp_free(u);
     sp_packing_free(&p);
 }
@@ -257,7 +257,7 @@ static dynamics make_gas(const sp_pack_spec *spec, double speed) {
     dynamics d;
     sp_radii_draw(spec, r);
     assert_ok(sp_gas_make(spec, r, x, &height, &err));
-    assert_ok(dynamics_make(spec, r, x, height, &d, &err));
+    assert_ok(sp_dynamics_make(spec, r, x, height, &d, &err));
     for (int32_t i = 0; i < d.n; i++) {
         double *v = dynamics_grain(&d, i) + d.at.v;
         v[0] = speed * sin(3.0 * i);
@@ -308,17 +308,17 @@ static void check_lists(const sp_pack_spec *spec, double dt) {
     d.law.friction = 0;
     d.dt = dt;
     for (int step = 0; step < 2000; step++) {
-        assert_ok(dynamics_refresh(&d, &err));
-        dynamics_forces(&d, dt);
+        assert_ok(sp_dynamics_refresh(&d, &err));
+        sp_dynamics_forces(&d, dt);
         contacts += assert_pairs_are_complete(&d, seen);
-        dynamics_advance(&d, dt);
+        sp_dynamics_advance(&d, dt);
     }
     printf("%dD: %d contacts in 2000 steps, %lld outer and %lld inner lists\n", d.dim, contacts, (long long)d.rebuilds,
            (long long)d.refills);
     assert_true(contacts > 500);
     assert_true(d.rebuilds > 3 && d.refills < 1500); /* not in every step */
     sp_free(seen);
-    dynamics_free(&d);
+    sp_dynamics_free(&d);
 }
 
 static void test_lists_equal_brute_force(void **state) {
@@ -345,7 +345,7 @@ static double energy_error(int dim, double dt) {
     spec.damping = 0;
     const double r[2] = {0.5, 0.5}, planar[6] = {3, 4, 0, 4.2, 4.1, 0}, spatial[6] = {3, 4, 4, 4.1, 4.2, 4.3};
     dynamics d;
-    assert_ok(dynamics_make(&spec, r, dim == 2 ? planar : spatial, 8, &d, &err));
+    assert_ok(sp_dynamics_make(&spec, r, dim == 2 ? planar : spatial, 8, &d, &err));
     d.pressure = 0;
     double *one = dynamics_grain(&d, 0) + d.at.v, *two = dynamics_grain(&d, 1) + d.at.v;
     one[0] = 0.05;
@@ -353,15 +353,15 @@ static double energy_error(int dim, double dt) {
     d.dt = dt;
     d.v_max = 0.05;
     for (double t = 0; t < 20; t += dt) {
-        assert_ok(dynamics_refresh(&d, &err));
-        dynamics_forces(&d, dt);
-        dynamics_advance(&d, dt);
+        assert_ok(sp_dynamics_refresh(&d, &err));
+        sp_dynamics_forces(&d, dt);
+        sp_dynamics_advance(&d, dt);
     }
     double before = 2 * 0.05 * 0.05, after = 0;
     for (int a = 0; a < dim; a++)
         after += one[a] * one[a] + two[a] * two[a];
     assert_true(one[0] < 0); /* it did collide */
-    dynamics_free(&d);
+    sp_dynamics_free(&d);
     return fabs(after / before - 1);
 }
 
@@ -414,16 +414,16 @@ static double gas_energy_error(int dim, double dt) {
     double *before = sp_alloc(size, 1), first = 0, worst = 0;
     d.dt = dt;
     for (int64_t step = 0; (double)step * dt < 100; step++) {
-        assert_ok(dynamics_refresh(&d, &err));
-        dynamics_forces(&d, dt);
+        assert_ok(sp_dynamics_refresh(&d, &err));
+        sp_dynamics_forces(&d, dt);
         memcpy(before, d.g, size);
-        dynamics_advance(&d, dt);
+        sp_dynamics_advance(&d, dt);
         const double energy = energy_of(&d, before) + potential_of(&d, before);
         first = step == 0 ? energy : first;
         worst = fmax(worst, fabs(energy / first - 1));
     }
     sp_free(before);
-    dynamics_free(&d);
+    sp_dynamics_free(&d);
     return worst;
 }
 
@@ -475,9 +475,9 @@ static double carried_error(const double e[3], int steps, bool plain) {
     spec.grains = 2;
     spec.width = spec.depth = 20;
     spec.reference = plain;
-    assert_ok(dynamics_make(&spec, r, x, 20, &d, &err));
+    assert_ok(sp_dynamics_make(&spec, r, x, 20, &d, &err));
     place_pair(&d, e, 0, step, dt);
-    assert_ok(dynamics_refresh(&d, &err));
+    assert_ok(sp_dynamics_refresh(&d, &err));
     pair_list *list = plain ? &d.outer : &d.inner;
     assert_int_equal(list->n, 1);
     const bool swapped = list->i[0] == 1;
@@ -487,13 +487,13 @@ static double carried_error(const double e[3], int steps, bool plain) {
         list->ft[a * list->capacity] = swapped ? -t0[a] : t0[a];
     for (int k = 1; k <= steps; k++) {
         place_pair(&d, e, k * step, step, dt);
-        dynamics_forces(&d, dt);
+        sp_dynamics_forces(&d, dt);
     }
     double right[3], error = 0;
     turned(e, 2.0, t0, right);
     for (int a = 0; a < 3; a++)
         error += pow((swapped ? -1 : 1) * list->ft[a * list->capacity] - right[a], 2);
-    dynamics_free(&d);
+    sp_dynamics_free(&d);
     return sqrt(error) / size;
 }
 

@@ -3,9 +3,9 @@
 #include "making.h"
 
 #include "base/base.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
-#include <sonopack/scene.h>
+#include <sonopack/study/scene.h>
 
 static sp_pack_spec small(int dim, int32_t grains, double width, double pressure) {
     sp_pack_spec s = sp_pack_spec_default();
@@ -218,7 +218,7 @@ static void what_is_refused(void **state) {
     s.diameter_max = 1.2;
     assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.diameter_max 1.2");
     s.diameter_max = 1;
-    s.content = sp_packing_content(&lattice) + 1;
+    s.content = sp_packing_hash(&lattice) + 1;
     assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.content");
     lattice.wall = SP_WALL_GRAIN;
     assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.file");

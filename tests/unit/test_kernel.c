@@ -2,10 +2,10 @@
 #include "test.h"
 
 #include "base/base.h"
-#include "base/team.h"
+#include "base/pool.h"
 #include "packing/contact.h"
 #include "packing/dynamics.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 #include "packing/roots.h"
 
 typedef struct dense {
@@ -86,10 +86,10 @@ static dynamics make_moving(const dense *from, const conditions *c, bool plain) 
     spec.poisson = 0.3;
     spec.reference = plain;
     spec.width = from->p.box[0];
-    assert_ok(dynamics_make(&spec, from->p.r, from->p.x, sp_packing_height(&from->p), &d, &err));
+    assert_ok(sp_dynamics_make(&spec, from->p.r, from->p.x, sp_packing_height(&from->p), &d, &err));
     d.v_max = 0.01; /* lists with many open pairs */
     d.dt = 5;
-    assert_ok(dynamics_refresh(&d, &err));
+    assert_ok(sp_dynamics_refresh(&d, &err));
     for (int32_t i = 0; i < d.n; i++) {
         double *g = dynamics_grain(&d, i);
         for (int a = 0; a < dim; a++)
@@ -163,8 +163,8 @@ static void assert_same_forces(dynamics *fast, dynamics *plain) {
     difference forces = {0, 0}, turns = {0, 0};
     for (int32_t i = 0; i < fast->n; i++) {
         double f[2][3], t[2][3];
-        dynamics_force_on(fast, i, f[0], t[0]);
-        dynamics_force_on(plain, i, f[1], t[1]);
+        sp_dynamics_force_on(fast, i, f[0], t[0]);
+        sp_dynamics_force_on(plain, i, f[1], t[1]);
         for (int a = 0; a < 3; a++) {
             differ(&forces, f[0][a], f[1][a]);
             differ(&turns, t[0][a], t[1][a]);
@@ -180,8 +180,8 @@ static void assert_same_forces(dynamics *fast, dynamics *plain) {
 }
 
 static void assert_same_motion(dynamics *fast, dynamics *plain, double dt) {
-    dynamics_advance(fast, dt);
-    dynamics_advance(plain, dt);
+    sp_dynamics_advance(fast, dt);
+    sp_dynamics_advance(plain, dt);
     for (int32_t i = 0; i < fast->n; i++) {
         const double *g = dynamics_grain(fast, i), *h = dynamics_grain(plain, i);
         for (int a = 0; a < fast->at.stride; a++)
@@ -200,14 +200,14 @@ static void test_kernel_equals_plain(void **state) {
         if (k % 3 == 0) /* sides that shrink */
             for (int a = 0; a < fast.dim - 1; a++)
                 fast.side_rate[a] = plain.side_rate[a] = -1e-4 * (a + 1);
-        dynamics_forces(&fast, c.dt);
-        dynamics_forces(&plain, c.dt);
+        sp_dynamics_forces(&fast, c.dt);
+        sp_dynamics_forces(&plain, c.dt);
         assert_same_forces(&fast, &plain);
         assert_same_tangential(&fast, &plain);
         fast.drag = plain.drag = 0.01;
         assert_same_motion(&fast, &plain, 0.3);
-        dynamics_free(&plain);
-        dynamics_free(&fast);
+        sp_dynamics_free(&plain);
+        sp_dynamics_free(&fast);
     }
 }
 
@@ -219,15 +219,15 @@ static void test_threads(void **state) {
         dynamics alone = make_moving(&states[k], &c, false);
         for (int threads = 1; threads <= 3; threads++) {
             dynamics d = make_moving(&states[k], &c, false);
-            assert_ok(sp_team_make(threads, &d.team, &err));
+            assert_ok(sp_pool_make(threads, &d.team, &err));
             assert_true((d.team != NULL) == (threads > 1));
             dynamics *run = threads == 1 ? &alone : &d;
             for (int step = 0; step < 300; step++) {
                 if (step % 30 == 0) /* new lists now and then, as if the grains had gone far */
                     *(step % 60 == 0 ? &run->outer_travel : &run->inner_travel) = INFINITY;
-                assert_ok(dynamics_refresh(run, &err));
-                dynamics_forces(run, 0.1);
-                dynamics_advance(run, 0.1);
+                assert_ok(sp_dynamics_refresh(run, &err));
+                sp_dynamics_forces(run, 0.1);
+                sp_dynamics_advance(run, 0.1);
             }
             if (run == &d) {
                 const size_t lines = (size_t)(d.n * d.at.stride), planes = d.dim == 2 ? 1 : 3;
@@ -240,10 +240,10 @@ static void test_threads(void **state) {
                 assert_memory_equal(&d.v_max, &alone.v_max, sizeof d.v_max);
                 assert_memory_equal(&d.rate, &alone.rate, sizeof d.rate);
             }
-            dynamics_free(&d);
+            sp_dynamics_free(&d);
         }
         assert_true(alone.refills >= 5 && alone.rebuilds >= 5);
-        dynamics_free(&alone);
+        sp_dynamics_free(&alone);
     }
 }
 

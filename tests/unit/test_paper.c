@@ -20,7 +20,7 @@ const char *__lsan_default_options(void) { return "print_suppressions=0"; }
 static paper_row judged(paper_scatter scatter, double value, double sd, double ours, double err) {
     paper_row row = {
         .paper = value, .paper_sd = sd, .scatter = scatter, .ours = ours, .ours_sd = 2 * err, .err = err, .samples = 4};
-    paper_judge(&row);
+    sp_paper_judge(&row);
     return row;
 }
 
@@ -52,7 +52,7 @@ static const char *claimed(paper_relation relation, double limit, double within,
                      .relation = relation,
                      .ours = ours,
                      .err = err};
-    paper_judge(&row);
+    sp_paper_judge(&row);
     assert_true(isnan(row.sigma) && isnan(row.combined) && isnan(row.deviation_err));
     return row.verdict;
 }
@@ -82,18 +82,18 @@ static void verdicts_and_print(void **state) {
                      .ours = 4,
                      .ours_sd = 1,
                      .err = 0.4};
-    paper_judge(&row);
+    sp_paper_judge(&row);
     assert_close(row.combined, 2, 1e-12);
     assert_close(row.deviation_err, 1 / sqrt(0.26), 1e-12);
     row.digit = 0;
-    paper_judge(&row);
+    sp_paper_judge(&row);
     assert_close(row.deviation_err, 2, 1e-12);
 }
 
 static paper_row off_by(int item, const char *quantity, double errors) {
     paper_row row = {.item = item, .paper = 1, .paper_sd = 0.3 * sqrt(30), .ours = 1 + 0.5 * errors, .err = 0.4};
     snprintf(row.quantity, sizeof row.quantity, "%s", quantity);
-    paper_judge(&row);
+    sp_paper_judge(&row);
     return row;
 }
 
@@ -106,27 +106,28 @@ static void counts_and_families(void **state) {
         off_by(PAPER_FIG(6), "c", -1.5),  off_by(PAPER_TABLE_2, "b", NAN)};
     enum { ROWS = sizeof rows / sizeof *rows };
     rows[9].scatter = PAPER_SCATTER_STATED;
-    const paper_counts one = paper_count(ROWS, rows, PAPER_TABLE_1, PAPER_SORT_MEANS),
-                       all = paper_count(ROWS, rows, -1, PAPER_SORT_MEANS),
-                       stated = paper_count(ROWS, rows, -1, PAPER_SORT_STATED);
+    const paper_counts one = sp_paper_count(ROWS, rows, PAPER_TABLE_1, PAPER_SORT_MEANS),
+                       all = sp_paper_count(ROWS, rows, -1, PAPER_SORT_MEANS),
+                       stated = sp_paper_count(ROWS, rows, -1, PAPER_SORT_STATED);
     assert_true(one.values == 6 && one.judged == 6 && one.within1 == 4 && one.beyond2 == 2 && one.beyond3 == 1);
     assert_close(one.chi2, 0.25 + 6.25 + 12.25 + 0.81 + 0.01 + 0.09, 1e-12);
     assert_close(one.chi2_bare, one.chi2, 1e-12);
     assert_true(all.values == 9 && all.missing == 1 && all.beyond2 == 5 && stated.values == 1);
     int64_t at = 0;
-    paper_family f = paper_family_next(ROWS, rows, &at);
-    assert_true(at == 3 && f.values == 3 && f.side == 1 && paper_is_systematic(&f));
+    paper_family f = sp_paper_family_next(ROWS, rows, &at);
+    assert_true(at == 3 && f.values == 3 && f.side == 1 && sp_paper_is_systematic(&f));
     assert_close(f.together, 6.5 / sqrt(3), 1e-12);
     assert_close(f.low, 0.25, 1e-12);
     assert_close(f.high, 1.75, 1e-12);
-    f = paper_family_next(ROWS, rows, &at);
-    assert_true(at == 6 && f.side == 1 && !paper_is_systematic(&f)); /* on one side, but near */
-    f = paper_family_next(ROWS, rows, &at);
-    assert_true(at == 9 && f.side == 0 && paper_is_systematic(&f)); /* the same name in another item; none within 2 */
-    f = paper_family_next(ROWS, rows, &at);
-    assert_true(at == 10 && f.values == 1 && !paper_is_systematic(&f));
+    f = sp_paper_family_next(ROWS, rows, &at);
+    assert_true(at == 6 && f.side == 1 && !sp_paper_is_systematic(&f)); /* on one side, but near */
+    f = sp_paper_family_next(ROWS, rows, &at);
+    assert_true(at == 9 && f.side == 0 &&
+                sp_paper_is_systematic(&f)); /* the same name in another item; none within 2 */
+    f = sp_paper_family_next(ROWS, rows, &at);
+    assert_true(at == 10 && f.values == 1 && !sp_paper_is_systematic(&f));
     sp_table t = sp_table_none();
-    assert_ok(paper_add_counts(ROWS, rows, &t, &err));
+    assert_ok(sp_paper_add_counts(ROWS, rows, &t, &err));
     assert_string_equal(t.comment[0],
                         "count: table1 values 6 agree 5 missing 0 judged 6 within1 4 beyond2 2 beyond3 1 chi2 19.7 "
                         "chi2_without_rounding 19.7");
@@ -136,23 +137,23 @@ static void counts_and_families(void **state) {
 static void sums(void **state) {
     (void)state;
     paper_sum s = {0};
-    paper_sum_add(&s, 1);
-    assert_true(isnan(paper_sum_err(&s)));
-    paper_sum_add(&s, NAN);
-    paper_sum_add(&s, 2);
-    paper_sum_add(&s, 6);
-    assert_close(paper_sum_mean(&s), 3, 1e-15);
-    assert_close(paper_sum_err(&s), sqrt(7.0 / 3), 1e-14);
+    sp_paper_sum_add(&s, 1);
+    assert_true(isnan(sp_paper_sum_err(&s)));
+    sp_paper_sum_add(&s, NAN);
+    sp_paper_sum_add(&s, 2);
+    sp_paper_sum_add(&s, 6);
+    assert_close(sp_paper_sum_mean(&s), 3, 1e-15);
+    assert_close(sp_paper_sum_err(&s), sqrt(7.0 / 3), 1e-14);
 }
 
-static const char *verdict_of(tapped_row row) {
-    tapped_judge(&row);
+static const char *verdict_of(blackmore_row row) {
+    sp_blackmore_judge(&row);
     return row.verdict;
 }
 
 static void verdicts_on_the_column(void **state) {
     (void)state;
-    tapped_row row = {.paper = 2.5, .precision = 0.05, .ours = 2.54, .err = 0};
+    blackmore_row row = {.paper = 2.5, .precision = 0.05, .ours = 2.54, .err = 0};
     assert_string_equal(verdict_of(row), "agrees");
     row.ours = 2.56;
     assert_string_equal(verdict_of(row), "deviates");
@@ -170,27 +171,27 @@ static void verdicts_on_the_column(void **state) {
     assert_string_equal(verdict_of(row), "not given");
     row.ours = NAN;
     assert_string_equal(verdict_of(row), "missing");
-    row = (tapped_row){.relation = TAPPED_ABOVE, .paper = 0, .ours = 0.1, .err = 0.05};
+    row = (blackmore_row){.relation = BLACKMORE_ABOVE, .paper = 0, .ours = 0.1, .err = 0.05};
     assert_string_equal(verdict_of(row), "agrees");
     row.err = 0.2; /* above by less than its error */
     assert_string_equal(verdict_of(row), "deviates");
-    row = (tapped_row){.relation = TAPPED_BELOW, .paper = 0, .ours = -0.1, .err = 0.05};
+    row = (blackmore_row){.relation = BLACKMORE_BELOW, .paper = 0, .ours = -0.1, .err = 0.05};
     assert_string_equal(verdict_of(row), "agrees");
     row.ours = 0;
     assert_string_equal(verdict_of(row), "deviates");
-    row = (tapped_row){.claim = true, .relation = TAPPED_ABOVE, .paper = 4, .ours = 0.1, .err = 0.01};
+    row = (blackmore_row){.claim = true, .relation = BLACKMORE_ABOVE, .paper = 4, .ours = 0.1, .err = 0.01};
     assert_string_equal(verdict_of(row), "contradicted");
     row.ours = 4.005;
     assert_string_equal(verdict_of(row), "undecided");
     row.ours = 5;
     assert_string_equal(verdict_of(row), "holds");
-    row = (tapped_row){.claim = true, .paper = 0, .precision = 0.01, .ours = 0.4, .err = 0.5};
+    row = (blackmore_row){.claim = true, .paper = 0, .precision = 0.01, .ours = 0.4, .err = 0.5};
     assert_string_equal(verdict_of(row), "undecided");
     row.err = 0.1;
     assert_string_equal(verdict_of(row), "contradicted");
     row.ours = 0.005;
     assert_string_equal(verdict_of(row), "holds");
-    row = (tapped_row){.misprint = true, .paper = -INFINITY, .ours = 0};
+    row = (blackmore_row){.misprint = true, .paper = -INFINITY, .ours = 0};
     assert_string_equal(verdict_of(row), "erratum");
 }
 
@@ -218,15 +219,15 @@ static void means(void **state) {
     (void)state;
     const double values[5] = {1, NAN, 2, 6, INFINITY};
     paper_row r = {0};
-    paper_row_mean(&r, 5, values);
+    sp_paper_row_mean(&r, 5, values);
     assert_int_equal(r.samples, 3);
     assert_close(r.ours, 3, 1e-15);
     assert_close(r.ours_sd, sqrt(7), 1e-15);
     assert_close(r.err, sqrt(7.0 / 3), 1e-15);
-    paper_row_mean(&r, 1, values);
+    sp_paper_row_mean(&r, 1, values);
     assert_close(r.ours, 1, 0);
     assert_true(isnan(r.ours_sd) && isnan(r.err));
-    paper_row_mean(&r, 0, values);
+    sp_paper_row_mean(&r, 0, values);
     assert_true(isnan(r.ours) && r.samples == 0);
 }
 
@@ -236,7 +237,7 @@ static void table_of_rows(void **state) {
     snprintf(rows[0].quantity, sizeof rows[0].quantity, "zs");
     rows[1].item = PAPER_FIG(12);
     sp_table t = sp_table_none();
-    assert_ok(paper_rows_table(2, rows, &t, &err));
+    assert_ok(sp_paper_rows_table(2, rows, &t, &err));
     assert_int_equal(t.rows, 2);
     assert_string_equal(t.cells[0].text, "table1");
     assert_string_equal(t.cells[t.columns].text, "fig12");
@@ -248,7 +249,7 @@ static void table_of_rows(void **state) {
     for (int64_t k = 0; k < 60; k += 3) { /* every kind of allocation on the way may fail */
         sp_error err = {0};
         sp_alloc_fail_after(k);
-        const sp_status status = paper_rows_table(2, rows, &t, &err);
+        const sp_status status = sp_paper_rows_table(2, rows, &t, &err);
         sp_alloc_fail_after(-1);
         if (status == SP_OK)
             sp_table_free(&t);
@@ -272,21 +273,22 @@ static void constants(void **state) {
                  {PAPER_TABLE_5, "C22(3)/C22", 1, 1.07, 0.07}, {PAPER_TABLE_5, "C33(3)/C33", 0, 2.49, 0.69}};
     for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
         int found = 0;
-        for (int q = 0; q < paper_quantity_count; q++)
-            if (paper_quantities[q].item == known[k].item && strcmp(paper_quantities[q].name, known[k].name) == 0) {
-                assert_close(paper_quantities[q].mean[known[k].at], known[k].mean, 0);
-                assert_close(paper_quantities[q].sd[known[k].at], known[k].sd, 0);
+        for (int q = 0; q < sp_paper_quantity_count; q++)
+            if (sp_paper_quantities[q].item == known[k].item &&
+                strcmp(sp_paper_quantities[q].name, known[k].name) == 0) {
+                assert_close(sp_paper_quantities[q].mean[known[k].at], known[k].mean, 0);
+                assert_close(sp_paper_quantities[q].sd[known[k].at], known[k].sd, 0);
                 found++;
             }
         assert_int_equal(found, 1);
     }
-    assert_int_equal(paper_quantity_count, 10 + 5 + 4 + 4);
+    assert_int_equal(sp_paper_quantity_count, 10 + 5 + 4 + 4);
     sp_sample s = {0};
     s.statics.zs = 4;
     s.moduli.c33 = 2;
     s.probe[SP_LINES_3].shear = 3;
-    for (int q = 0; q < paper_quantity_count; q++) {
-        const paper_quantity *p = &paper_quantities[q];
+    for (int q = 0; q < sp_paper_quantity_count; q++) {
+        const paper_quantity *p = &sp_paper_quantities[q];
         if (p->item == PAPER_TABLE_5 && strcmp(p->name, "C33(3)/C33") == 0)
             assert_close(p->ours(&s), 1.5, 0);
         if (strcmp(p->name, "zs") == 0)
@@ -303,7 +305,7 @@ static void items(void **state) {
         snprintf(name, sizeof name, k < 5 ? "table%d" : k < 17 ? "fig%d" : "claims", k < 5 ? k + 1 : k - 4);
         assert_string_equal(sp_paper_item_name(k), name);
         assert_non_null(sp_paper_item_title(k));
-        assert_true(paper_items[k].needs >= 1 && paper_items[k].needs <= PAPER_NEEDS);
+        assert_true(sp_paper_items[k].needs >= 1 && sp_paper_items[k].needs <= PAPER_NEEDS);
     }
 }
 
@@ -317,7 +319,8 @@ static void ensembles(void **state) {
     for (paper_ensemble e = PAPER_SQUARE; e < PAPER_ENSEMBLES; e++)
         for (int32_t n = 1; n <= 30; n += 29) {
             sp_scene scene = sp_scene_default();
-            assert_ok(paper_ensemble_scene(e, n, n == 1 ? SP_PROTOCOL_SOMFAI2005 : SP_PROTOCOL_DEFAULT, &scene, &err));
+            assert_ok(
+                sp_paper_ensemble_scene(e, n, n == 1 ? SP_PROTOCOL_SOMFAI2005 : SP_PROTOCOL_DEFAULT, &scene, &err));
             assert_int_equal(scene.pack.protocol, n == 1 && scene.pack.kind == SP_PACK_PISTON ? SP_PROTOCOL_SOMFAI2005
                                                                                               : SP_PROTOCOL_DEFAULT);
             if (n == 30)
@@ -327,27 +330,27 @@ static void ensembles(void **state) {
                 assert_ok(sp_study_scene(&scene, k, &one, &err));
             }
             sp_scene_free(&scene);
-            assert_true(paper_ensemble_cost(e, n, SP_PROTOCOL_DEFAULT) > 0);
+            assert_true(sp_paper_ensemble_cost(e, n, SP_PROTOCOL_DEFAULT) > 0);
         }
 }
 
 static void lines(void **state) {
     (void)state;
     const double x[4] = {0, 1, 2, 3}, y[4] = {1, 3, 5, 7}, err[4] = {0.1, 0.1, 0.1, 0.1};
-    paper_line l = paper_line_fit(4, x, y, err);
+    paper_line l = sp_paper_line_fit(4, x, y, err);
     assert_close(l.slope, 2, 1e-15);
     assert_close(l.intercept, 1, 1e-15);
     assert_close(l.err, 0.1 / sqrt(5), 1e-15);
-    assert_true(isnan(paper_line_fit(1, x, y, err).slope) && isnan(paper_line_fit(0, x, y, err).slope));
+    assert_true(isnan(sp_paper_line_fit(1, x, y, err).slope) && isnan(sp_paper_line_fit(0, x, y, err).slope));
     paper_distance d[5] = {{.distance = 4}, {.distance = 8}, {.distance = 25}, {.distance = 49}, {.distance = 97}};
     for (int k = 0; k < 5; k++)
         d[k].amplitude = (paper_mean){7 * pow(d[k].distance, -1.5), 0, 0};
-    assert_close(paper_power(5, d, paper_amplitude).slope, -1.5, 1e-12);
-    paper_range r = paper_fitted(5, d, false);
+    assert_close(sp_paper_power(5, d, sp_paper_amplitude).slope, -1.5, 1e-12);
+    paper_range r = sp_paper_fitted(5, d, false);
     assert_true(r.first == 1 && r.end == 4);
-    r = paper_fitted(5, d, true);
+    r = sp_paper_fitted(5, d, true);
     assert_true(r.first == 1 && r.end == 5);
-    r = paper_fitted(0, d, false);
+    r = sp_paper_fitted(0, d, false);
     assert_true(r.first == 0 && r.end == 0);
 }
 

@@ -1,7 +1,7 @@
 #include "base/base.h"
 #include "test.h"
 
-#include <sonopack/plot.h>
+#include <sonopack/figure/plot.h>
 #include <unistd.h>
 
 #if defined(__SANITIZE_ADDRESS__)

@@ -1,12 +1,12 @@
 #include "base/base.h"
-#include "plot/markup.h"
+#include "figure/markup.h"
 #include "test.h"
 
 #include <cairo/cairo.h>
 #include <dirent.h>
 #include <locale.h>
-#include <sonopack/plot.h>
-#include <sonopack/store.h>
+#include <sonopack/figure/plot.h>
+#include <sonopack/study/store.h>
 #include <stdbool.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -471,7 +471,7 @@ static void test_markup_of_numbers(void **state) {
                   {20000, 3, "20000"},
                   {-0.5, 3, MINUS "0.5"}};
     for (size_t k = 0; k < sizeof number / sizeof *number; k++) {
-        text_number(out, sizeof out, number[k].value, number[k].digits);
+        sp_figure_text_number(out, sizeof out, number[k].value, number[k].digits);
         assert_string_equal(out, number[k].text);
     }
     static const struct {
@@ -480,12 +480,12 @@ static void test_markup_of_numbers(void **state) {
     } measured[] = {{0.1656, 0.0042, "0.166(4)"}, {0.1656, 0.0012, "0.1656(12)"}, {0.1656, NAN, "0.166"},
                     {-0.1, 0.3, MINUS "0.1(3)"},  {0.1656, 0, "0.166"},           {2, 5, "2.000"}};
     for (size_t k = 0; k < sizeof measured / sizeof *measured; k++) {
-        text_measured(out, sizeof out, measured[k].value, measured[k].error);
+        sp_figure_text_measured(out, sizeof out, measured[k].value, measured[k].error);
         assert_string_equal(out, measured[k].text);
     }
-    text_escape(out, sizeof out, "abcdefghij", 6);
+    sp_figure_text_escape(out, sizeof out, "abcdefghij", 6);
     assert_string_equal(out, "abc\xe2\x80\xa6ij");
-    text_escape(out, 12, "||||||||||||", 100); /* never past its end */
+    sp_figure_text_escape(out, 12, "||||||||||||", 100); /* never past its end */
     assert_true(strlen(out) < 12);
 }
 
@@ -574,7 +574,7 @@ static void test_rattlers_and_strength(void **state) {
     assert_ok(sp_plot_network(&p, SP_PLOT_STIFFNESS, 1e-4, in_folder("stiff.svg"), &err));
     sp_packing_free(&p);
     char expected[64], number[32];
-    text_number(number, sizeof number, (sqrt(1e-3 / 4) + 8 * sqrt(1e-3 / 2)) / 5, 3);
+    sp_figure_text_number(number, sizeof number, (sqrt(1e-3 / 4) + 8 * sqrt(1e-3 / 2)) / 5, 3);
     snprintf(expected, sizeof expected, "mean k_n = %s E*d\n", number);
     text = read_file(in_folder("stiff.svg"), &size);
     assert_non_null(strstr(text, expected));

@@ -1,11 +1,11 @@
 /* Figures of the tapped column: what they say, that they stay small, and what they refuse. */
 #include "base/base.h"
-#include "plot/column_view.h"
+#include "figure/tapped_view.h"
 #include "reference.h"
 
 #include <math.h>
-#include <sonopack/figure.h>
-#include <sonopack/plot.h>
+#include <sonopack/figure/figure.h>
+#include <sonopack/figure/plot.h>
 #include <unistd.h>
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -190,7 +190,7 @@ static void test_colours(void **state) {
     (void)state;
     double before = 2;
     for (int k = 0; k <= 20; k++) {
-        const colour c = scene3_colour(k / 20.0);
+        const colour c = sp_scene3_colour(k / 20.0);
         const double light = 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b;
         assert_true(light < before); /* reads in grey, too */
         before = light;
@@ -198,7 +198,7 @@ static void test_colours(void **state) {
     for (int side = -1; side <= 1; side += 2) {
         before = 2;
         for (int k = 0; k <= 20; k++) {
-            const colour c = scene3_signed_colour(side * k / 20.0);
+            const colour c = sp_scene3_signed_colour(side * k / 20.0);
             const double light = 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b;
             assert_true(light < before);
             assert_true(k == 0 || (side > 0 ? c.r > c.b : c.b > c.r));

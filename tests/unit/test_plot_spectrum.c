@@ -1,8 +1,8 @@
 #include "base/base.h"
 #include "reference.h"
 
+#include <sonopack/figure/plot.h>
 #include <sonopack/modes.h>
-#include <sonopack/plot.h>
 #include <unistd.h>
 
 #if defined(__SANITIZE_ADDRESS__)

@@ -1,11 +1,11 @@
 /* With prestress the springs are the derivative of the forces while packings form: of the very code that makes them. */
 #include "carried.h"
 
-#include "network/kernel.h"
+#include "network/apply.h"
 #include "network/largest.h"
 #include "network/operator.h"
 #include "packing/dynamics.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 #include "packing/vibrate.h"
 
 #include <float.h>
@@ -25,12 +25,12 @@ static dynamics at_rest(const sp_packing *p, bool plain) {
     spec.reference = plain;
     spec = sp_pack_spec_resolve(&spec);
     dynamics d;
-    assert_ok(dynamics_make(&spec, p->r, p->x, sp_packing_height(p), &d, &err));
+    assert_ok(sp_dynamics_make(&spec, p->r, p->x, sp_packing_height(p), &d, &err));
     d.law.friction = 1e9;
     d.law.damping = 0;
     d.v_max = 0.01; /* lists with pairs that stay open */
     d.dt = 5;
-    assert_ok(dynamics_refresh(&d, &err));
+    assert_ok(sp_dynamics_refresh(&d, &err));
     pair_list *list = plain ? &d.outer : &d.inner;
     int found = 0;
     for (int32_t c = 0; c < p->n_contacts; c++) {
@@ -69,34 +69,34 @@ static void forces_after(const sp_packing *p, const sp_network *net, bool plain,
         for (int a = 0; a < dof - dim; a++)
             g[d.at.w + a] = sign * net->r[k] * x[dim + a];
     }
-    dynamics_forces(&d, fabs(h));
+    sp_dynamics_forces(&d, fabs(h));
     for (int32_t k = 0; k < net->n; k++) {
         double force[3], turn[3];
-        dynamics_force_on(&d, net->grain[k], force, turn);
+        sp_dynamics_force_on(&d, net->grain[k], force, turn);
         for (int a = 0; a < dim; a++)
             f[(int64_t)k * dof + a] = force[a];
         for (int a = 0; a < dof - dim; a++)
             f[(int64_t)k * dof + dim + a] = net->r[k] * turn[a];
     }
-    dynamics_free(&d);
+    sp_dynamics_free(&d);
 }
 
 /* The same by the motion about rest, as changes. */
 static void changes_after(const sp_packing *p, const sp_network *net, const double *u, double h, double *f) {
     const int dim = net->dim, dof = net->dof;
     vibration m;
-    assert_ok(vibration_make(p, 0, &m, &err));
+    assert_ok(sp_vibration_make(p, 0, &m, &err));
     m.friction = 1e9;
     for (int32_t k = 0; k < net->n; k++)
         for (int a = 0; a < dof; a++) /* in the plane the angle is about z */
             m.u[6 * (int64_t)net->grain[k] + (dim == 2 && a == 2 ? 5 : a)] = h * u[(int64_t)k * dof + a];
-    vibration_begin(&m);
+    sp_vibration_begin(&m);
     for (int32_t k = 0; k < net->n; k++)
         for (int a = 0; a < dof; a++) {
             const int to = dim == 2 && a == 2 ? 5 : a;
             f[(int64_t)k * dof + a] = m.a[6 * (int64_t)net->grain[k] + to] * net->mass[(int64_t)k * dof + a];
         }
-    vibration_free(&m);
+    sp_vibration_free(&m);
 }
 
 typedef enum stage { KERNEL = 0, PLAIN, VIBRATION, STAGES } stage;

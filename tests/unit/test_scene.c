@@ -3,7 +3,7 @@
 
 #include "base/base.h"
 #include "scene/field.h"
-#include <sonopack/scene.h>
+#include <sonopack/study/scene.h>
 #include <unistd.h>
 
 static sp_status parse(const char *text, sp_scene *out, sp_error *err) {

@@ -2,11 +2,11 @@
 #include "test.h"
 
 #include "base/base.h"
+#include "ensemble/sample.h"
 #include "scene/field.h"
-#include "study/sample.h"
 
-#include <sonopack/scene.h>
-#include <sonopack/study.h>
+#include <sonopack/study/scene.h>
+#include <sonopack/study/study.h>
 
 static sp_status parse(const char *text, sp_scene *out, sp_error *err) {
     return sp_scene_parse(text, "s.cfg", 0, NULL, out, err);
@@ -28,7 +28,7 @@ static void refuses(const char *override, const char *reason) {
 
 static void defaults_are_those_of_the_column(void **state) {
     (void)state;
-    const sp_column_spec c = sp_column_spec_default();
+    const sp_tapped_spec c = sp_tapped_spec_default();
     sp_scene s;
     assert_ok(column_of(NULL, &s, &err));
     assert_true(s.column.particles == c.particles && s.column.frequency == c.frequency && s.column.e == c.e);

@@ -3,7 +3,7 @@
 #include "making.h"
 #include "test.h"
 
-#include <sonopack/study.h>
+#include <sonopack/study/study.h>
 
 static sp_status with(const char *text, const char *set, sp_scene *out, sp_error *err) {
     char value[200];

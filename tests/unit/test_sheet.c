@@ -3,7 +3,7 @@
 #include "test.h"
 
 #include <cairo/cairo.h>
-#include <sonopack/figure.h>
+#include <sonopack/figure/figure.h>
 #include <unistd.h>
 
 #if defined(__SANITIZE_ADDRESS__)

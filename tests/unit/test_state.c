@@ -2,7 +2,7 @@
 #include "test.h"
 
 #include "base/base.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 /* Every state that a making saves; it is stopped after the one with this number. */
 typedef struct album {
@@ -32,7 +32,7 @@ static sp_status count_stage(const sp_packing *p, int32_t index, void *user, sp_
 
 static void assert_same(const sp_packing *p, const sp_packing *q) {
     assert_int_equal(p->n_contacts, q->n_contacts);
-    assert_true(sp_packing_content(p) == sp_packing_content(q));
+    assert_true(sp_packing_hash(p) == sp_packing_hash(q));
     assert_true(p->steps == q->steps && memcmp(&p->residual, &q->residual, sizeof p->residual) == 0);
     assert_memory_equal(p->x, q->x, 3 * (size_t)p->n * sizeof *p->x);
     assert_memory_equal(p->r, q->r, (size_t)p->n * sizeof *p->r);

@@ -4,7 +4,7 @@
 #include "numeric/statistics.h"
 #include "test.h"
 
-#include <sonopack/study.h>
+#include <sonopack/study/study.h>
 
 static double gauss(sp_random *r) {
     double radius = sqrt(-2 * log1p(-sp_random_uniform(r)));

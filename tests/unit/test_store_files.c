@@ -1,7 +1,7 @@
 /* Writing whole files: atomically, or not at all. */
 #include "test_store_fixture.h"
 
-#include "store/file.h"
+#include "base/file.h"
 
 #include <fcntl.h>
 #include <signal.h>

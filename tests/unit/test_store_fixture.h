@@ -7,7 +7,7 @@
 #include "base/base.h"
 
 #include <dirent.h>
-#include <sonopack/store.h>
+#include <sonopack/study/store.h>
 #include <unistd.h>
 
 /* A small generator of its own: what it draws need only be arbitrary, and the same every time. */

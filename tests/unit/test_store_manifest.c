@@ -1,6 +1,6 @@
 /* The index of a store: what it says is what the files say, or it says nothing; and the claims of samples. */
+#include "base/file.h"
 #include "store/claim.h"
-#include "store/file.h"
 #include "store/manifest.h"
 #include "store/manifest_line.h"
 #include "store/sample_h5.h"

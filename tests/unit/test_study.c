@@ -1,10 +1,10 @@
 #include "base/base.h"
-#include "study/sample.h"
+#include "ensemble/sample.h"
 #include "test.h"
 
 #include <pthread.h>
-#include <sonopack/store.h>
-#include <sonopack/study.h>
+#include <sonopack/study/store.h>
+#include <sonopack/study/study.h>
 #include <stdatomic.h>
 #include <unistd.h>
 

@@ -2,7 +2,7 @@
 #include "numeric/random.h"
 #include "test.h"
 
-#include <sonopack/study.h>
+#include <sonopack/study/study.h>
 
 enum { SIGNALS = 40, POINTS = 25 };
 

@@ -1,5 +1,5 @@
+#include "ensemble/speed.h"
 #include "numeric/random.h"
-#include "study/speed.h"
 #include "test.h"
 
 enum { N = 20, TRIALS = 800 };

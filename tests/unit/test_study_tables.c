@@ -1,8 +1,8 @@
 #include "base/base.h"
 #include "test.h"
 
-#include <sonopack/store.h>
-#include <sonopack/study.h>
+#include <sonopack/study/store.h>
+#include <sonopack/study/study.h>
 #include <stdbool.h>
 
 /* Cells and comments, bit for bit. */

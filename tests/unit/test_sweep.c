@@ -3,8 +3,8 @@
 
 #include "base/base.h"
 #include "scene/field.h"
-#include <sonopack/scene.h>
-#include <sonopack/study.h>
+#include <sonopack/study/scene.h>
+#include <sonopack/study/study.h>
 
 static sp_scene parsed(const char *text) {
     sp_scene s;
@@ -462,32 +462,32 @@ static void take_and_text(void **state) {
     char buf[64], small[11];
     sp_scene s = sp_scene_default();
     sp_sweep pressure = {.key = "packing.pressure", .count = 2, .values = pressures};
-    assert_ok(sp_scene_take(&s, &pressure, 0, &err));
+    assert_ok(sp_scene_set_swept(&s, &pressure, 0, &err));
     assert_true(s.pack.pressure == 1e-6);
-    assert_fails(sp_scene_take(&s, &pressure, 1, &err), SP_EINVAL, "packing.pressure -1");
-    assert_fails(sp_scene_take(&s, &pressure, 2, &err), SP_EINVAL, "3 2");
-    assert_fails(sp_scene_take(&s, &pressure, -1, &err), SP_EINVAL, "0 2");
+    assert_fails(sp_scene_set_swept(&s, &pressure, 1, &err), SP_EINVAL, "packing.pressure -1");
+    assert_fails(sp_scene_set_swept(&s, &pressure, 2, &err), SP_EINVAL, "3 2");
+    assert_fails(sp_scene_set_swept(&s, &pressure, -1, &err), SP_EINVAL, "0 2");
     assert_string_equal(sp_sweep_text(&pressure, 2, buf, sizeof buf), "");
     sp_sweep sizes = {.key = "packing.sizes", .count = 2, .values = words};
-    assert_ok(sp_scene_take(&s, &sizes, 0, &err));
+    assert_ok(sp_scene_set_swept(&s, &sizes, 0, &err));
     assert_int_equal(s.pack.sizes, SP_SIZES_BIDISPERSE);
-    assert_fails(sp_scene_take(&s, &sizes, 1, &err), SP_EINVAL, "uniform bidisperse");
+    assert_fails(sp_scene_set_swept(&s, &sizes, 1, &err), SP_EINVAL, "uniform bidisperse");
     sp_sweep history = {.key = "packing.history", .count = 3, .values = list, .begin = begin};
-    assert_ok(sp_scene_take(&s, &history, 1, &err));
+    assert_ok(sp_scene_set_swept(&s, &history, 1, &err));
     assert_true(s.pack.history_count == 1 && s.pack.history == list);
-    assert_ok(sp_scene_take(&s, &history, 0, &err));
+    assert_ok(sp_scene_set_swept(&s, &history, 0, &err));
     assert_true(s.pack.history_count == 0 && !s.pack.history);
-    assert_fails(sp_scene_take(&s, &history, 2, &err), SP_EINVAL, "packing.history 0.1");
+    assert_fails(sp_scene_set_swept(&s, &history, 2, &err), SP_EINVAL, "packing.history 0.1");
     assert_string_equal(sp_sweep_text(&history, 2, buf, sizeof buf), "[0.1, 0.0001]");
     assert_string_equal(sp_sweep_text(&history, 2, small, sizeof small), "[...]");
     history.begin = NULL;
-    assert_fails(sp_scene_take(&s, &history, 0, &err), SP_EINVAL, "packing.history");
+    assert_fails(sp_scene_set_swept(&s, &history, 0, &err), SP_EINVAL, "packing.history");
     sp_sweep none = {.key = "packing.nothing", .count = 1, .values = list};
-    assert_fails(sp_scene_take(&s, &none, 0, &err), SP_EINVAL, "study.sweep packing.nothing");
+    assert_fails(sp_scene_set_swept(&s, &none, 0, &err), SP_EINVAL, "study.sweep packing.nothing");
     assert_string_equal(sp_sweep_text(&none, 0, buf, sizeof buf), "");
     sp_sweep grains = {.key = "packing.grains", .count = 1, .values = (double[]){50}};
     s.height = 20;
-    assert_ok(sp_scene_take(&s, &grains, 0, &err));
+    assert_ok(sp_scene_set_swept(&s, &grains, 0, &err));
     assert_true(s.height == 0 && s.pack.grains == 50); /* the last one decides */
     sp_scene_free(&s);
 }

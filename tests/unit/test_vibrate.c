@@ -112,14 +112,14 @@ static void test_sliding(void **state) {
         c->n[1] = k ? 1 : -1;
     }
     vibration m;
-    assert_ok(vibration_make(&p, 0, &m, &err));
+    assert_ok(sp_vibration_make(&p, 0, &m, &err));
     const double kt = contact_eta(poisson) * contact_normal_stiffness(sqrt(radius), overlap);
     const double limit = mu * p.contacts[0].fn, mass = grain_mass(radius), h = 1e-3;
     double x = 0, v = 3 * limit / sqrt(kt * mass / 2), spring = 0, before = v * v * mass / 2, slid = 0;
     m.v[0] = v;
-    vibration_begin(&m);
+    sp_vibration_begin(&m);
     for (int step = 0; step < 20000; step++) {
-        vibration_step(&m, h);
+        sp_vibration_step(&m, h);
         for (int fine = 0; fine < 10; fine++) {
             v += -2 * spring / mass * h / 20;
             x += v * h / 10;
@@ -136,7 +136,7 @@ static void test_sliding(void **state) {
     assert_close(m.u[1], 0, 1e-15);
     assert_close(m.u[5], 0, 1e-15);
     assert_close(fabs(m.touch[0].ft[0] - m.touch[1].ft[0]), 0, 1e-15);
-    vibration_free(&m);
+    sp_vibration_free(&m);
     sp_packing_free(&p);
 }
 
@@ -165,20 +165,20 @@ static void test_energy(void **state) {
         double worst[2];
         for (int fine = 0; fine < 2; fine++) {
             vibration m;
-            assert_ok(vibration_make(&p, 0, &m, &err));
+            assert_ok(sp_vibration_make(&p, 0, &m, &err));
             srand(3);
             for (int i = 0; i < m.n; i++)
                 for (int a = 0; a < dim; a++)
                     m.v[6 * i + a] = 0.02 * (rand() / (double)RAND_MAX - 0.5);
-            vibration_begin(&m);
+            sp_vibration_begin(&m);
             const double before = energy(&m), h = fine ? 0.005 : 0.01;
             worst[fine] = 0;
             for (int step = 0; step < 5 / h; step++) {
-                vibration_step(&m, h);
+                sp_vibration_step(&m, h);
                 worst[fine] = fmax(worst[fine], fabs(energy(&m) / before - 1));
             }
-            assert_true(vibration_sane(&m));
-            vibration_free(&m);
+            assert_true(sp_vibration_sane(&m));
+            sp_vibration_free(&m);
         }
         assert_true(worst[0] < 1e-3 && worst[0] > 0);
         assert_close(log2(worst[0] / worst[1]), 2, 0.3);
