@@ -14,18 +14,18 @@ import tempfile
 # The rooms of src/ in the order in which they stand on each other: a room may use rooms of lower rank.
 RANKS = {"core/base": 0, "core/table": 1, "core/numeric": 1, "core/linalg": 1, "core/front": 2, "core/chain": 3,
          "core/packing": 3, "core/network": 4, "core/modes": 5, "core/elastic": 5, "core/spectrum": 6, "core/signal": 6,
-         "tapped": 7, "study/scene": 8, "study/ensemble": 9, "study/store": 10, "figure": 7, "app/paper": 11, "app/cli": 12}
+         "tapped": 7, "study/scene": 8, "study/ensemble": 9, "study/store": 10, "figure": 7, "app/paper": 11, "app/cli": 12, "app/late": 12}
 # what stands beside a room, not below it
 BESIDE = {"tapped": {"core/base", "core/table", "core/numeric", "core/linalg"},
           "figure": {room for room in RANKS if room.startswith("core/")}}
 # headers of other libraries, and the rooms that may see them
-FOREIGN = [(r"hdf5(_hl)?\.h|H5\w*\.h|zlib\.h", {"study/store"}),
-           (r"(suitesparse/)?(cholmod|SuiteSparse\w*|amd|umfpack)\.h", {"core/linalg"}),
-           (r"(lapacke|lapack|cblas|openblas\w*|f77blas)\.h|arpack/.*", {"core/linalg"}),
-           (r"libconfig\.h", {"study/scene"}), (r"(cairo/)?cairo[\w-]*\.h", {"figure"}), (r"argp\.h|getopt\.h|mpi\.h", {"app/cli"}),
+FOREIGN = [(r"hdf5(_hl)?\.h|H5\w*\.h|zlib\.h", {"study/store", "app/late"}),
+           (r"(suitesparse/)?(cholmod|SuiteSparse\w*|amd|umfpack)\.h", {"core/linalg", "app/late"}),
+           (r"(lapacke|lapack|cblas|openblas\w*|f77blas)\.h|arpack/.*", {"core/linalg", "app/late"}),
+           (r"libconfig\.h", {"study/scene"}), (r"(cairo/)?cairo[\w-]*\.h", {"figure", "app/late"}), (r"argp\.h|getopt\.h|mpi\.h", {"app/cli"}),
            (r"gsl/.*|Random123/.*", {"core/numeric"})]
 LIBC = set("""assert complex ctype errno fcntl fenv float inttypes limits locale math pthread setjmp signal stdalign stdarg
-    stdatomic stdbool stddef stdint stdio stdlib string strings tgmath threads time unistd dirent ftw libgen sched
+    stdatomic stdbool stddef stdint stdio stdlib string strings tgmath threads time unistd dirent dlfcn ftw libgen sched
     """.split())
 # what only the command may do: speak, and end the process
 SPEECH = re.compile(r"(?<![\w.>])(printf|vprintf|puts|putchar|perror|exit|_exit|_Exit|quick_exit|abort|err|errx|warn|"
@@ -124,7 +124,7 @@ def check_includes(root):
 def check_speech(root):
     faults = []
     for path in sorted((root / "src").rglob("*.[ch]")):
-        if room_of(path.relative_to(root / "src")) == "app/cli":
+        if room_of(path.relative_to(root / "src")) in ("app/cli", "app/late"):
             continue
         for number, line in enumerate(without_comments(path.read_text()).split("\n"), 1):
             match = SPEECH.search(line)

@@ -5,8 +5,4 @@
 #include <lapacke.h>
 #undef I
 
-/* OpenBLAS on one thread: sums that do not depend on the number of cores, and no cores taken from other samples. Other
- * BLAS libraries are left as they are. */
-void sp_blas_one_thread(void);
-
 #endif

@@ -1,6 +1,5 @@
 #include "linalg/complex.h"
 #include "base/base.h"
-#include "linalg/blas.h"
 
 #include <umfpack.h>
 
@@ -21,7 +20,6 @@ static sp_status failed(SuiteSparse_long status, const char *what, sp_error *err
 }
 
 sp_status sp_complex_make(int64_t n, const int64_t *p, const int64_t *i, sp_complex_solver **out, sp_error *err) {
-    sp_blas_one_thread();
     sp_complex_solver *s = sp_alloc(1, sizeof *s);
     if (!s)
         return sp_fail_memory(err, sizeof *s);

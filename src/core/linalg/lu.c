@@ -1,6 +1,5 @@
 #include "linalg/lu.h"
 #include "base/base.h"
-#include "linalg/blas.h"
 
 #include <umfpack.h>
 
@@ -22,7 +21,6 @@ static sp_status failed(SuiteSparse_long status, const char *what, sp_error *err
 }
 
 sp_status sp_lu_make(const sp_sparse *a, sp_lu **out, sp_error *err) {
-    sp_blas_one_thread();
     sp_lu *f = sp_alloc(1, sizeof *f);
     if (!f)
         return sp_fail_memory(err, sizeof *f);
