@@ -4,6 +4,7 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 
@@ -71,6 +72,20 @@ static void start_round(sp_team *team) {
     pthread_mutex_unlock(&team->lock);
 }
 
+/* Signals are for the threads of whoever calls the library, not for these. */
+static void start_members(sp_team *team, int threads) {
+    sigset_t all, old;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &old);
+    for (team->parts = 1; team->parts < threads; team->parts++) {
+        member *m = &team->members[team->parts];
+        *m = (member){.team = team, .part = team->parts};
+        if (pthread_create(&m->thread, NULL, member_main, m) != 0)
+            break; /* fewer hands do the same work */
+    }
+    pthread_sigmask(SIG_SETMASK, &old, NULL);
+}
+
 sp_status sp_team_make(int threads, sp_team **out, sp_error *err) {
     *out = NULL;
     threads = threads > TEAM_MAX ? TEAM_MAX : threads;
@@ -87,12 +102,7 @@ sp_status sp_team_make(int threads, sp_team **out, sp_error *err) {
     pthread_mutex_init(&team->lock, NULL);
     pthread_cond_init(&team->started, NULL);
     pthread_cond_init(&team->finished, NULL);
-    for (team->parts = 1; team->parts < threads; team->parts++) {
-        member *m = &members[team->parts];
-        *m = (member){.team = team, .part = team->parts};
-        if (pthread_create(&m->thread, NULL, member_main, m) != 0)
-            break; /* fewer hands do the same work */
-    }
+    start_members(team, threads);
     *out = team;
     return SP_OK;
 }
