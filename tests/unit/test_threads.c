@@ -240,6 +240,62 @@ static void threads_make_what_one_makes(void **state) {
     rmdir(folder);
 }
 
+/* ---- one network, many readers ----------------------------------------------------------------------------------- */
+
+typedef struct reader {
+    pthread_t thread;
+    const sp_packing *packing;
+    const sp_network *net;
+    outcome made;
+} reader;
+
+static outcome read_network(const sp_packing *p, const sp_network *net) {
+    outcome o = {.status = SP_ENOMEM};
+    FILE *out = open_memstream(&o.bytes, &o.size);
+    if (!out)
+        return o;
+    o.status = signals(net, p, out, &o.err);
+    if (o.status == SP_OK)
+        o.status = modes(net, out, &o.err);
+    if (o.status == SP_OK)
+        o.status = moduli(net, out, &o.err);
+    if (fclose(out) != 0 && o.status == SP_OK)
+        o.status = SP_ENOMEM;
+    return o;
+}
+
+static void *read_it(void *data) {
+    reader *r = data;
+    r->made = read_network(r->packing, r->net);
+    return NULL;
+}
+
+static void threads_share_a_network(void **state) {
+    (void)state;
+    static reader team[THREADS];
+    const sp_pack_spec spec = spec_of(0);
+    const sp_network_options options = sp_network_options_default();
+    sp_packing p = sp_packing_none();
+    sp_network net = sp_network_none();
+    assert_ok(sp_packing_make(&spec, NULL, NULL, &p, &err));
+    assert_ok(sp_network_make(&p, &options, &net, &err));
+    outcome alone = read_network(&p, &net);
+    assert_int_equal(alone.status, SP_OK);
+    for (int t = 0; t < THREADS; t++) {
+        team[t] = (reader){.packing = &p, .net = &net};
+        assert_int_equal(pthread_create(&team[t].thread, NULL, read_it, &team[t]), 0);
+    }
+    for (int t = 0; t < THREADS; t++)
+        pthread_join(team[t].thread, NULL);
+    for (int t = 0; t < THREADS; t++) {
+        compare(&team[t].made, &alone, t);
+        free(team[t].made.bytes);
+    }
+    free(alone.bytes);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
 /* Jobs differ from each other: else equal bytes would say nothing. */
 static void jobs_differ(void **state) {
     (void)state;
@@ -261,6 +317,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(jobs_differ),
         cmocka_unit_test(threads_make_what_one_makes),
+        cmocka_unit_test(threads_share_a_network),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
