@@ -39,7 +39,7 @@ static int64_t merge_of(const sp_table *t) {
     int64_t merged = 1;
     while (merged < 3 && contacts / (double)t->rows * (double)merged < enough)
         merged++;
-    while (t->rows % merged != 0 || t->rows / merged < 4)
+    while (merged > 1 && (t->rows % merged != 0 || t->rows / merged < 4))
         merged--;
     return merged;
 }
