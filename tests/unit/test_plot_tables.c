@@ -328,6 +328,18 @@ static void test_refusals(void **state) {
     assert_int_equal(access(svg, F_OK), -1);
 }
 
+/* Two and three rows are too few to merge any: this divided by zero once. */
+static void test_few_angles(void **state) {
+    (void)state;
+    const double cells[3][3] = {{0, 1, 1}, {60, 2, 1}, {120, 3, 1}};
+    for (int rows = 2; rows <= 3; rows++) {
+        sp_table t = table_of("angle all weak", rows, cells[0]);
+        assert_ok(sp_plot_angles(&t, svg, &err));
+        assert_int_equal(unlink(svg), 0);
+        sp_table_free(&t);
+    }
+}
+
 static sp_status draw_some(const sp_plot_table *shown, const sp_plot_table *ensemble) {
     sp_status status = sp_plot_fronts(1, shown, NULL, svg, NULL);
     if (status == SP_OK)
@@ -363,6 +375,7 @@ int main(void) {
                                        cmocka_unit_test(test_ensemble_modes_section),
                                        cmocka_unit_test(test_contacts_and_motion),
                                        cmocka_unit_test(test_refusals),
+                                       cmocka_unit_test(test_few_angles),
                                        cmocka_unit_test(test_memory)};
     return cmocka_run_group_tests(tests, setup, teardown);
 }
