@@ -23,8 +23,8 @@ def anchors(page):
 
 
 def exists(root, path):
-    """Of a path with {a,b} and * every form in braces must exist; what follows <...> or $... is not checked."""
-    path = re.split(r"[<$]|:\d", path)[0].rstrip(".,;:")
+    """Of a path with {a,b} every form must exist; <...> and NAME stand for anything, as * does."""
+    path = re.sub(r"<[^>]*>|NAME", "*", re.sub(r":\d+$", "", path))
     parts = re.findall(r"\{[^}]*\}|[^{]+", path)
     groups = [part[1:-1].split(",") if part[0] == "{" else [part] for part in parts]
     return all(next(root.glob("".join(form).rstrip("/")), None) for form in itertools.product(*groups))
@@ -51,7 +51,7 @@ def check_the_reader():
         (root / "docs").mkdir()
         page = root / "docs/page.md"
         page.write_text("# Its head\n")
-        text = ("[a](page.md) [b](#its-head) [c](https://x.y/z) `docs/*.md` `docs/{page}.md` `docs/<NAME>.md`\n"
+        text = ("[a](page.md) [b](#its-head) [c](https://x.y/z) `docs/*.md` `docs/{page}.md` `docs/p<x>.md` `docs/NAME.md`\n"
                 "```\n`docs/not.md`\n```\n[d](no.md) [e](page.md#no-head) `docs/no.md` `docs/{page,no}.md` `src/no*.c`\n")
         found = [fault.split(", ")[0].split()[-1] for fault in faults(root, page, text)]
         assert found == ["no.md", "page.md#no-head", "docs/no.md", "docs/{page,no}.md", "src/no*.c"], found
