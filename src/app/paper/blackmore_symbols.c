@@ -163,7 +163,7 @@ static sp_status add_speeds(blackmore *p, const sp_tapped_spec *c, sp_error *err
     row = value("Sect. 7", "", 1, sqrt(unit), "dt = dz = 0.01 is printed; above 1 central differences blow up");
     row.relation = BLACKMORE_BELOW;
     sp_blackmore_add(p, row, "CFL number of the paper's steps, N = 10");
-    sp_tapped_symbol wave;
+    sp_tapped_symbol wave = {0};
     const sp_status status = sp_tapped_symbol_at(c, SP_TAPPED_LONGWAVE, 1 / h, 0.95, blackmore_pi / h, &wave, err);
     if (status != SP_OK)
         return status;
