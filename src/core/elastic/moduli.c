@@ -14,8 +14,8 @@
 /* Bounds the errors of stresses. The stress a computed from u_b has the error u_a . (K u_b - f_b) over the volume, plus
  * rounding, where u_a is the exact solution for strain a (of K^T if K is not symmetric). A factor 2 covers the second
  * order. solutions, stresses: of all strains, [strains][n]; work: [4][n]. */
-static void put_errors(const sp_network *net, int strain, const double *solutions, const double *stresses, double *work,
-                       sp_stiffness *out) {
+static void bound_errors(const sp_network *net, int strain, const double *solutions, const double *stresses,
+                         double *work, sp_stiffness *out) {
     const int64_t n = sp_network_dofs(net);
     double *f = work, *ku = work + n, *size = work + 2 * n, sum[STRAINS_3D];
     const double *u = solutions + strain * n;
@@ -47,7 +47,7 @@ static sp_status solve_transposed(sp_equilibrium *e, double *f, double *rest, do
         if (sp_strain_allowed(e->net, a, e->grips))
             status = sp_equilibrium_solve(e, f, stresses + a * n, &residual, err);
         if (status == SP_OK && spin) {
-            sp_equilibrium_rest(e, f, stresses + a * n, rest);
+            sp_equilibrium_residual(e, f, stresses + a * n, rest);
             out->spins[a] = sp_spin_work(e->net, spin, rest) / sp_strain_volume(e->net);
         }
     }
@@ -82,7 +82,7 @@ static sp_status strain_all(sp_equilibrium *e, double *work, sp_stiffness *out, 
     }
     for (int a = 0; a < strains; a++)
         if (sp_strain_allowed(net, a, e->grips))
-            put_errors(net, a, solutions, stresses, work, out);
+            bound_errors(net, a, solutions, stresses, work, out);
     for (int a = 0; a < STRAINS_3D; a++)
         for (int b = 0; b < STRAINS_3D; b++)
             if (a >= strains || b >= strains || !sp_strain_allowed(net, a, e->grips) ||
@@ -110,7 +110,7 @@ static sp_status find_mechanisms(const sp_network *net, sp_stiffness *c, sp_erro
     return SP_OK;
 }
 
-static sp_status stiffness_of(sp_equilibrium *e, sp_stiffness *out, sp_error *err) {
+static sp_status compute_stiffness(sp_equilibrium *e, sp_stiffness *out, sp_error *err) {
     const size_t sets = e->net->carried ? 2 : 1;
     const size_t size = (4 + sets * (size_t)sp_strain_count(e->net)) * (size_t)sp_network_dofs(e->net);
     sp_stiffness c = {0};
@@ -132,7 +132,7 @@ sp_status sp_stiffness_make(const sp_network *net, sp_stiffness *out, sp_error *
     sp_equilibrium e = sp_equilibrium_none();
     sp_status status = sp_equilibrium_make(net, &e, err);
     if (status == SP_OK)
-        status = stiffness_of(&e, out, err);
+        status = compute_stiffness(&e, out, err);
     sp_equilibrium_free(&e);
     return status;
 }
@@ -143,7 +143,7 @@ static double speed(double modulus, double density) {
     return density > 0 ? sqrt((modulus < 0 ? 0 : modulus) / density) : NAN;
 }
 
-void sp_moduli_put(const sp_network *net, double phi3s, const sp_stiffness *s, sp_moduli *out) {
+void sp_moduli_from_stiffness(const sp_network *net, double phi3s, const sp_stiffness *s, sp_moduli *out) {
     const bool space = net->dim == 3;
     const int up = space ? STRAIN_33_3D : STRAIN_SHEAR;
     sp_moduli m = {
@@ -180,9 +180,9 @@ void sp_moduli_put(const sp_network *net, double phi3s, const sp_stiffness *s, s
 
 sp_status sp_moduli_of(sp_equilibrium *e, double phi3s, sp_moduli *out, sp_error *err) {
     sp_stiffness s;
-    sp_status status = stiffness_of(e, &s, err);
+    sp_status status = compute_stiffness(e, &s, err);
     if (status == SP_OK)
-        sp_moduli_put(e->net, phi3s, &s, out);
+        sp_moduli_from_stiffness(e->net, phi3s, &s, out);
     return status;
 }
 

@@ -36,7 +36,7 @@ double sp_strain_volume(const sp_network *net) { return sp_strain_area(net) * ne
 
 double sp_strain_noise(const sp_network *net) { return DBL_EPSILON * (16 + sqrt((double)net->n_springs)); }
 
-void sp_strain_gap(const sp_network *net, int strain, const double n[3], double length, double out[3]) {
+void sp_strain_displacement(const sp_network *net, int strain, const double n[3], double length, double out[3]) {
     const field f = field_of(net, strain);
     out[0] = out[1] = out[2] = 0;
     out[f.along] = length * n[f.of];
@@ -44,7 +44,9 @@ void sp_strain_gap(const sp_network *net, int strain, const double n[3], double 
 
 static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-static double row_gap(const sp_rows *rows, int q, const double affine_gap[3]) { return dot3(rows->gap[q], affine_gap); }
+static double affine_stretch(const sp_rows *rows, int q, const double affine_gap[3]) {
+    return dot3(rows->gap[q], affine_gap);
+}
 
 static double load(const sp_network *net, int strain, bool transposed, double *f) {
     double squares = 0;
@@ -55,19 +57,19 @@ static double load(const sp_network *net, int strain, bool transposed, double *f
         double gap[3];
         sp_rows rows;
         sp_network_rows(net, s, &rows);
-        sp_strain_gap(net, strain, s->n, net->length[k], gap);
+        sp_strain_displacement(net, strain, s->n, net->length[k], gap);
         for (int q = 0; q < rows.count; q++) {
-            const double force = rows.k[q] * row_gap(&rows, q, gap);
+            const double force = rows.k[q] * affine_stretch(&rows, q, gap);
             squares += force * force;
             for (int a = 0; a < rows.width; a++)
-                f[sp_strain_place(net, s, a)] -= force * rows.b[q][a];
+                f[sp_strain_index(net, s, a)] -= force * rows.b[q][a];
         }
         sp_turns turns;
         sp_network_turns(net, k, &turns);
         for (int q = 0; q < turns.count; q++) {
             const double force = dot3(transposed ? turns.left_gap[q] : turns.right_gap[q], gap);
             for (int a = 0; a < turns.width; a++)
-                f[sp_strain_place(net, s, a)] -= force * (transposed ? turns.right[q][a] : turns.left[q][a]);
+                f[sp_strain_index(net, s, a)] -= force * (transposed ? turns.right[q][a] : turns.left[q][a]);
         }
     }
     return sqrt(squares);
@@ -86,7 +88,7 @@ static void add_turns(const sp_network *net, int32_t k, double gap[STRAINS_3D][3
     for (int q = 0; q < turns.count; q++) {
         double stretch = dot3(turns.right_gap[q], gap[strain]);
         for (int a = 0; a < turns.width; a++)
-            stretch += turns.right[q][a] * u[sp_strain_place(net, s, a)];
+            stretch += turns.right[q][a] * u[sp_strain_index(net, s, a)];
         for (int b = 0; b < sp_strain_count(net); b++)
             sum[b] += stretch * dot3(turns.left_gap[q], gap[b]);
         if (s->j == SP_TOP)
@@ -105,9 +107,9 @@ static void add_turns_sizes(const sp_network *net, int32_t k, double gap[STRAINS
         for (int a = 0; a < 3 && strain >= 0 && strains > 0; a++)
             stretch += fabs(turns.right_gap[q][a] * gap[strain][a]);
         for (int a = 0; a < turns.width; a++)
-            stretch += fabs(turns.right[q][a] * u[sp_strain_place(net, s, a)]);
+            stretch += fabs(turns.right[q][a] * u[sp_strain_index(net, s, a)]);
         for (int a = 0; a < turns.width; a++)
-            size[sp_strain_place(net, s, a)] += fabs(turns.left[q][a]) * stretch;
+            size[sp_strain_index(net, s, a)] += fabs(turns.left[q][a]) * stretch;
         for (int b = 0; b < strains; b++)
             for (int a = 0; a < 3; a++)
                 sum[b] += stretch * fabs(turns.left_gap[q][a] * gap[b][a]);
@@ -123,13 +125,13 @@ void sp_strain_stresses(const sp_network *net, int strain, const double *u, sp_s
         sp_rows rows;
         sp_network_rows(net, s, &rows);
         for (int b = 0; b < strains; b++)
-            sp_strain_gap(net, b, s->n, net->length[k], gap[b]);
+            sp_strain_displacement(net, b, s->n, net->length[k], gap[b]);
         for (int q = 0; q < rows.count; q++) {
-            double stretch = row_gap(&rows, q, gap[strain]);
+            double stretch = affine_stretch(&rows, q, gap[strain]);
             for (int a = 0; a < rows.width; a++)
-                stretch += rows.b[q][a] * u[sp_strain_place(net, s, a)];
+                stretch += rows.b[q][a] * u[sp_strain_index(net, s, a)];
             for (int b = 0; b < strains; b++)
-                sum[b] += rows.k[q] * stretch * row_gap(&rows, q, gap[b]);
+                sum[b] += rows.k[q] * stretch * affine_stretch(&rows, q, gap[b]);
             if (s->j == SP_TOP)
                 wall += rows.k[q] * stretch * rows.gap[q][net->dim - 1];
         }
@@ -153,16 +155,16 @@ void sp_strain_rounding(const sp_network *net, int strain, const double *u, doub
         sp_rows rows;
         sp_network_rows(net, s, &rows);
         for (int b = 0; b < strains; b++)
-            sp_strain_gap(net, b, s->n, net->length[k], gap[b]);
+            sp_strain_displacement(net, b, s->n, net->length[k], gap[b]);
         for (int q = 0; q < rows.count; q++) {
             for (int b = 0; b < strains; b++)
                 along[b] = fabs(rows.gap[q][0] * gap[b][0]) + fabs(rows.gap[q][1] * gap[b][1]) +
                            fabs(rows.gap[q][2] * gap[b][2]);
             double stretch = strain < 0 || !sum ? 0 : along[strain];
             for (int a = 0; a < rows.width; a++)
-                stretch += fabs(rows.b[q][a] * u[sp_strain_place(net, s, a)]);
+                stretch += fabs(rows.b[q][a] * u[sp_strain_index(net, s, a)]);
             for (int a = 0; a < rows.width; a++)
-                size[sp_strain_place(net, s, a)] += fabs(rows.k[q] * rows.b[q][a]) * stretch;
+                size[sp_strain_index(net, s, a)] += fabs(rows.k[q] * rows.b[q][a]) * stretch;
             for (int b = 0; b < strains; b++)
                 sum[b] += fabs(rows.k[q]) * stretch * along[b];
         }

@@ -18,15 +18,15 @@ void sp_discs_free(sp_discs *d) {
 
 /* Dense n x n matrices by columns: eigenvectors V, approximate inverse Y of V, residuals R = A V - V D with the
  * eigenvalues D, and a product. */
-typedef struct frame {
+typedef struct diagonalization {
     int64_t n;
     const sp_sparse *a;
     sp_discs d;
     double *v, *y, *r, *product;
     double *sum, *size, *noise; /* [n] sums over rows */
-} frame;
+} diagonalization;
 
-static void frame_free(frame *f) {
+static void diagonalization_free(diagonalization *f) {
     sp_free(f->v);
     sp_free(f->y);
     sp_free(f->r);
@@ -34,9 +34,9 @@ static void frame_free(frame *f) {
     sp_free(f->sum);
 }
 
-static sp_status frame_make(const sp_sparse *a, frame *f, sp_error *err) {
+static sp_status diagonalization_make(const sp_sparse *a, diagonalization *f, sp_error *err) {
     const size_t n = (size_t)a->n;
-    *f = (frame){.n = a->n, .a = a, .d = {.n = a->n}};
+    *f = (diagonalization){.n = a->n, .a = a, .d = {.n = a->n}};
     f->d.re = sp_alloc(n, sizeof *f->d.re);
     f->d.im = sp_alloc(n, sizeof *f->d.im);
     f->d.radius = sp_alloc(n, sizeof *f->d.radius);
@@ -52,14 +52,14 @@ static sp_status frame_make(const sp_sparse *a, frame *f, sp_error *err) {
                : sp_fail_memory(err, 4 * n * n * sizeof *f->v);
 }
 
-static sp_status find_vectors(frame *f, sp_error *err) {
+static sp_status find_vectors(diagonalization *f, sp_error *err) {
     for (int64_t c = 0; c < f->n; c++)
         for (int64_t q = f->a->p[c]; q < f->a->p[c + 1]; q++)
             f->r[c * f->n + f->a->i[q]] = f->a->x[q];
     return sp_eigen_general(f->n, f->r, f->d.re, f->d.im, f->v, err);
 }
 
-static sp_status find_inverse(frame *f, sp_error *err) {
+static sp_status find_inverse(diagonalization *f, sp_error *err) {
     const lapack_int n = (lapack_int)f->n;
     lapack_int *pivots = sp_alloc((size_t)n, sizeof *pivots);
     if (!pivots)
@@ -73,7 +73,7 @@ static sp_status find_inverse(frame *f, sp_error *err) {
 }
 
 /* R = A V - V D, column by column. A pair (x, y) with eigenvalue a + i b satisfies A x = a x - b y, A y = b x + a y. */
-static void find_residuals(frame *f) {
+static void find_residuals(diagonalization *f) {
     const int64_t n = f->n;
     memset(f->r, 0, (size_t)n * (size_t)n * sizeof *f->r);
     for (int64_t k = 0; k < n; k++) {
@@ -115,7 +115,7 @@ static double largest(int64_t n, const double *x) {
 }
 
 /* Upper bound of the largest row sum of |1 - Y V|. */
-static double inverse_error(frame *f) {
+static double inverse_error(diagonalization *f) {
     const int64_t n = f->n;
     multiply(n, f->y, f->v, f->product);
     for (int64_t i = 0; i < n; i++)
@@ -128,7 +128,7 @@ static double inverse_error(frame *f) {
 
 /* Bounds the rounding errors in the row sums of R. Each entry of A is a sum of terms no larger than the largest entry,
  * known to a few roundings. */
-static void residual_noise(frame *f) {
+static void residual_noise(diagonalization *f) {
     const int64_t n = f->n;
     double top = 0, turn = 0;
     row_sums(n, f->v, f->size);
@@ -147,7 +147,7 @@ static void residual_noise(frame *f) {
 }
 
 /* Row sums of |W| in V^-1 A V = D + W, with W = V^-1 R = (1 - F)^-1 Y R and F = 1 - Y V. */
-static sp_status find_radii(frame *f, sp_error *err) {
+static sp_status find_radii(diagonalization *f, sp_error *err) {
     const int64_t n = f->n;
     const double off = inverse_error(f);
     if (!(off < 0.5))
@@ -173,8 +173,8 @@ static sp_status find_radii(frame *f, sp_error *err) {
 }
 
 sp_status sp_discs_make(const sp_sparse *a, sp_discs *out, sp_error *err) {
-    frame f;
-    sp_status status = frame_make(a, &f, err);
+    diagonalization f;
+    sp_status status = diagonalization_make(a, &f, err);
     if (status == SP_OK)
         status = find_vectors(&f, err);
     if (status == SP_OK)
@@ -183,7 +183,7 @@ sp_status sp_discs_make(const sp_sparse *a, sp_discs *out, sp_error *err) {
         find_residuals(&f);
         status = find_radii(&f, err);
     }
-    frame_free(&f);
+    diagonalization_free(&f);
     if (status == SP_OK)
         *out = f.d;
     else

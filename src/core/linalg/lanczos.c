@@ -85,7 +85,7 @@ static bool cholesky(double g[BLOCK * BLOCK]) {
 
 /* w = q r with orthonormal q; false if the columns are dependent. Done twice, because the error of a single pass grows
  * with the square of the condition number. */
-static bool orthonormalise(int64_t n, double *w, double r[BLOCK * BLOCK]) {
+static bool orthonormalize(int64_t n, double *w, double r[BLOCK * BLOCK]) {
     double g[2][BLOCK * BLOCK] = {{0}};
     for (int pass = 0; pass < 2; pass++) {
         cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, BLOCK, BLOCK, (int)n, 1, w, (int)n, w, (int)n, 0, g[pass],
@@ -107,7 +107,7 @@ static bool orthonormalise(int64_t n, double *w, double r[BLOCK * BLOCK]) {
 
 /* Orthonormalizes column by column. A column with nothing left beyond rounding errors (relative to `scale`) becomes a
  * random direction. */
-static void orthonormalise_weak(lanczos *z, double *w, int64_t known, const double scale[BLOCK]) {
+static void orthonormalize_columns(lanczos *z, double *w, int64_t known, const double scale[BLOCK]) {
     const int64_t n = z->n;
     for (int c = 0; c < BLOCK; c++) {
         double *x = w + c * n, before = norm(n, x);
@@ -164,9 +164,9 @@ static void next_block(lanczos *z, double *w, double *h) {
     bool weak = false;
     for (int c = 0; c < BLOCK; c++)
         weak = weak || !(norm(n, w + c * n) > 1e-12 * scale[c]);
-    if (weak || !orthonormalise(n, w, z->b)) {
+    if (weak || !orthonormalize(n, w, z->b)) {
         memcpy(w, z->copy, (size_t)(BLOCK * n) * sizeof *w);
-        orthonormalise_weak(z, w, known, scale);
+        orthonormalize_columns(z, w, known, scale);
         cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, BLOCK, BLOCK, (int)n, 1, w, (int)n, z->copy, (int)n, 0,
                     z->b, BLOCK);
     }
@@ -273,7 +273,7 @@ static int by_value(const void *a, const void *b, void *context) {
 }
 
 /* x = basis s + next b s/theta: one step of inverse iteration without a solve, since (A - sigma) x = basis s/theta. */
-static sp_status put_pairs(lanczos *z, int64_t count, sp_error *err) {
+static sp_status extract_pairs(lanczos *z, int64_t count, sp_error *err) {
     const int64_t n = z->n, m = z->m;
     double *chosen = sp_alloc((size_t)(m * count), sizeof *chosen);
     double *tail = sp_alloc((size_t)count, BLOCK * sizeof *tail);
@@ -364,7 +364,7 @@ static sp_status iterate(lanczos *z, sp_error *err) {
             return status;
         const int64_t count = converged(z);
         if (count >= wanted) {
-            status = put_pairs(z, count, err);
+            status = extract_pairs(z, count, err);
             z->out->seconds[2] += sp_clock_cpu() - clock;
             return status;
         }
@@ -394,9 +394,9 @@ static sp_status iterate(lanczos *z, sp_error *err) {
 sp_status sp_lanczos(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_lanczos_pairs *out, sp_error *err) {
     sp_lanczos_pairs pairs = {0};
     lanczos z = {.factor = factor, .spec = spec, .n = n, .random = 1, .out = &pairs};
-    const int64_t room = n - spec->locked_count - BLOCK;
+    const int64_t limit = n - spec->locked_count - BLOCK;
     z.capacity = spec->wanted * 5 / 2 + 8 * BLOCK;
-    z.capacity = z.capacity < room ? z.capacity : room;
+    z.capacity = z.capacity < limit ? z.capacity : limit;
     z.capacity -= z.capacity % BLOCK;
     if (spec->wanted < 1 || z.capacity < spec->wanted + 4 * BLOCK || n > INT32_MAX / BLOCK)
         return sp_fail(err, SP_EREFUSED, "Lanczos: %lld modes of %lld degrees of freedom, must be fewer",

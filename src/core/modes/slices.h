@@ -19,7 +19,7 @@ typedef struct slicer {
     double top;   /* upper bound of the spectrum of A */
     double noise; /* upper bound of |A as assembled - A| */
     sp_ldl *ldl;
-    int64_t room, found;
+    int64_t capacity, found;
     sp_ritz *ritz;         /* [room] */
     double *vector;        /* [room][n] */
     sp_lanczos_pairs last; /* pairs of the last slice */

@@ -22,7 +22,7 @@ static double panel_of(const sp_pulse *p, double omega) {
 }
 
 /* Largest |s| and integral of |s| before `until`. */
-static void sizes(const sp_pulse *p, double until, double *most, double *integral) {
+static void pulse_bounds(const sp_pulse *p, double until, double *most, double *integral) {
     enum { STEPS = 20000 };
     double first, last;
     sp_pulse_span(p, &first, &last);
@@ -51,7 +51,7 @@ static void sizes(const sp_pulse *p, double until, double *most, double *integra
 static double response_error(const sp_pulse *p, const sp_response *g, double until, double error, double largest) {
     const double middle = 2, end = g->mirror == 0 ? 513 : 0, intervals = 1.2;
     double most, integral;
-    sizes(p, until, &most, &integral);
+    pulse_bounds(p, until, &most, &integral);
     return (error + 8 * DBL_EPSILON * largest) * (middle * integral + end * fmin(integral, most * intervals * g->step));
 }
 
@@ -94,7 +94,7 @@ static sp_status response_options(const sp_network *net, const sp_signal_options
     return SP_OK;
 }
 
-static sp_status vouch(const sp_signal *s, double tolerance, sp_error *err) {
+static sp_status check_errors(const sp_signal *s, double tolerance, sp_error *err) {
     for (int32_t q = 0; q < s->sources * s->detectors; q++) {
         double largest = 0;
         for (int32_t l = 0; l < s->n; l++)
@@ -141,7 +141,7 @@ sp_status sp_signal_pulse(const sp_network *net, const sp_signal_options *opt, c
             s.error = fmax(s.error, s.errors[q]);
     }
     if (status == SP_OK)
-        status = vouch(&s, opt->tolerance, err);
+        status = check_errors(&s, opt->tolerance, err);
     sp_signal_free(&g);
     if (status == SP_OK)
         *out = s;

@@ -212,7 +212,7 @@ typedef struct running {
     int32_t n;
 } running;
 
-static void take(running *r, double x) {
+static void add_value(running *r, double x) {
     const double before = x - r->mean;
     r->n++;
     r->mean += before / r->n;
@@ -229,9 +229,9 @@ static void put_estimates(const trace *t, const double *g, sp_dos *d) {
             const double *mu = t->mu + v * d->moments;
             const double low = sp_moments_integral(omega, d->moments, g, mu, d->edge[b]),
                          high = sp_moments_integral(omega, d->moments, g, mu, d->edge[b + 1]);
-            take(&density, (high - low) / (d->edge[b + 1] - d->edge[b]));
-            take(&cumulative, high);
-            take(&smooth, sp_moments_density(omega, d->moments, g, mu, middle(d, b)));
+            add_value(&density, (high - low) / (d->edge[b + 1] - d->edge[b]));
+            add_value(&cumulative, high);
+            add_value(&smooth, sp_moments_density(omega, d->moments, g, mu, middle(d, b)));
         }
         d->density[b] = density.mean;
         d->cumulative[b] = cumulative.mean;

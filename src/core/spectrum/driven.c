@@ -172,22 +172,22 @@ static void residual(const driven *d, const double *right, const double *u, doub
 
 /* With r = source - H u and s = detector - H y for the computed u and y, the error of detector . u is y . r + s . H^-1
  * r. */
-void sp_driven_response(driven *d, const double *sent, const double *u, const double *seen, const double *y,
+void sp_driven_response(driven *d, const double *source, const double *u, const double *detector, const double *y,
                         double f[2], double *error) {
     double first = 0, r2 = 0, s2 = 0, own = 0, terms = 0;
     double *off = d->w;
-    residual(d, sent, u, d->v, off);
+    residual(d, source, u, d->v, off);
     f[0] = f[1] = 0;
     for (int64_t k = 0; k < d->n; k++) {
         const double r = hypot(d->v[2 * k], d->v[2 * k + 1]) + off[k], size = hypot(u[2 * k], u[2 * k + 1]);
         first += hypot(y[2 * k], y[2 * k + 1]) * r;
         r2 += r * r;
-        f[0] += seen[2 * k] * u[2 * k] - seen[2 * k + 1] * u[2 * k + 1];
-        f[1] += seen[2 * k] * u[2 * k + 1] + seen[2 * k + 1] * u[2 * k];
-        own += (fabs(seen[2 * k]) + fabs(seen[2 * k + 1])) * size;
-        terms += seen[2 * k] != 0 || seen[2 * k + 1] != 0;
+        f[0] += detector[2 * k] * u[2 * k] - detector[2 * k + 1] * u[2 * k + 1];
+        f[1] += detector[2 * k] * u[2 * k + 1] + detector[2 * k + 1] * u[2 * k];
+        own += (fabs(detector[2 * k]) + fabs(detector[2 * k + 1])) * size;
+        terms += detector[2 * k] != 0 || detector[2 * k + 1] != 0;
     }
-    residual(d, seen, y, d->v, off);
+    residual(d, detector, y, d->v, off);
     for (int64_t k = 0; k < d->n; k++) {
         const double s = hypot(d->v[2 * k], d->v[2 * k + 1]) + off[k];
         s2 += s * s;

@@ -5,7 +5,7 @@
 #include <sonopack/spectrum.h>
 
 /* Running mean and variance (Welford 1962). */
-static void take(sp_participation_bin *b, double x) {
+static void add_value(sp_participation_bin *b, double x) {
     if (b->modes == 0) {
         b->least = b->largest = x;
         b->mean = b->sd = 0;
@@ -42,7 +42,7 @@ sp_status sp_participation(const sp_modes *modes, int32_t bins, double until, sp
             continue;
         while (modes->omega[k] > out[b].high)
             b++;
-        take(&out[b], modes->participation[k]);
+        add_value(&out[b], modes->participation[k]);
     }
     for (b = 0; b < bins; b++)
         if (out[b].modes > 0)
