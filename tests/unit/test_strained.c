@@ -251,7 +251,7 @@ static void test_refusals(void **state) {
         assert_fails(sp_moduli_finite_strain(&p, &net, 0.5, &o, &out, &err), SP_EINVAL, "strain");
     }
     o.strain = 1e-6;
-    assert_fails(sp_moduli_finite_strain(&q, &net, 0.5, &o, &out, &err), SP_EINVAL, "must be of this one");
+    assert_fails(sp_moduli_finite_strain(&q, &net, 0.5, &o, &out, &err), SP_EINVAL, "must be that of this packing");
     for (int k = 0;; k++) {
         sp_error error = {0};
         sp_alloc_fail_after(k);

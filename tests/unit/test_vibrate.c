@@ -289,7 +289,7 @@ static void test_refusals(void **state) {
     o.until = 10;
     o.points = 3;
     assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "sp_signal_dynamics");
-    assert_fails(sp_signal_dynamics(&other, &net, &o, &s, &err), SP_EINVAL, "must be its own");
+    assert_fails(sp_signal_dynamics(&other, &net, &o, &s, &err), SP_EINVAL, "must be of the same packing");
     for (int k = 0; k < 3; k++) {
         o.amplitude = (double[]){0, -1, NAN}[k];
         assert_fails(sp_signal_dynamics(&p, &net, &o, &s, &err), SP_EINVAL, "amplitude =");

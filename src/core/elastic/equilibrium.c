@@ -61,7 +61,7 @@ static sp_status check_connected(const sp_network *net, sp_error *err) {
         }
     }
     sp_free(reached);
-    return top ? SP_OK : sp_fail(err, SP_EREFUSED, "the network is in parts: no springs lead from wall to wall");
+    return top ? SP_OK : sp_fail(err, SP_EREFUSED, "no chain of springs leads from wall to wall");
 }
 
 static sp_status check_network(const sp_network *net, sp_error *err) {
@@ -71,6 +71,9 @@ static sp_status check_network(const sp_network *net, sp_error *err) {
                        top);
     return check_connected(net, err);
 }
+
+/* The degree of freedom of column c of K. */
+static int64_t dof_of(const sp_equilibrium *e, int64_t c) { return e->free_dofs ? e->free_dofs[c] : c; }
 
 static double largest_diagonal(const sp_equilibrium *e) {
     double largest = 0;
@@ -85,7 +88,7 @@ static void fix_free_motions(const sp_equilibrium *e) {
     const sp_network *net = e->net;
     const double largest = largest_diagonal(e);
     for (int64_t c = 0; c < e->k.n; c++) {
-        const int64_t d = e->free_dofs ? e->free_dofs[c] : c;
+        const int64_t d = dof_of(e, c);
         if (d % net->dof >= net->dim && e->k.x[e->diagonal[c]] == 0)
             e->k.x[e->diagonal[c]] = largest;
     }
@@ -105,7 +108,7 @@ static void shift_diagonal(const sp_equilibrium *e) {
         if (e->shift_kind == SHIFT_DIAGONAL)
             *x += e->shift * (*x > 0 ? *x : largest);
         else if (e->shift_kind == SHIFT_MASS)
-            *x += e->shift * e->net->mass[e->free_dofs ? e->free_dofs[c] : c];
+            *x += e->shift * e->net->mass[dof_of(e, c)];
     }
 }
 
@@ -232,7 +235,7 @@ sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_err
 sp_status sp_equilibrium_shift(sp_equilibrium *e, equilibrium_shift kind, double fraction, sp_error *err) {
     double fastest = 0;
     for (int64_t c = 0; c < e->k.n; c++)
-        fastest = fmax(fastest, e->k.x[e->diagonal[c]] / e->net->mass[e->free_dofs ? e->free_dofs[c] : c]);
+        fastest = fmax(fastest, e->k.x[e->diagonal[c]] / e->net->mass[dof_of(e, c)]);
     e->shift_kind = kind;
     e->shift = fmax(fraction, SHIFT_SMALLEST) * (kind == SHIFT_MASS ? fastest : 1);
     return factorize(e, err);
@@ -294,7 +297,7 @@ double sp_equilibrium_residual(sp_equilibrium *e, const double *f, const double 
     if (e->free_dofs)
         memset(rest, 0, (size_t)n * sizeof *rest);
     for (int64_t c = 0; c < e->count; c++) {
-        const int64_t d = e->free_dofs ? e->free_dofs[c] : c;
+        const int64_t d = dof_of(e, c);
         rest[d] = f[d] - ku[d];
         sum += rest[d] * rest[d];
     }
@@ -312,12 +315,12 @@ sp_status sp_equilibrium_solve(sp_equilibrium *e, const double *f, double *u, do
     do {
         before = *residual;
         for (int64_t c = 0; c < e->count; c++)
-            right[c] = rest[e->free_dofs ? e->free_dofs[c] : c];
+            right[c] = rest[dof_of(e, c)];
         sp_status status = sp_equilibrium_apply(e, right, more, err);
         if (status != SP_OK)
             return status;
         for (int64_t c = 0; c < e->count; c++)
-            u[e->free_dofs ? e->free_dofs[c] : c] += more[c];
+            u[dof_of(e, c)] += more[c];
         *residual = sp_equilibrium_residual(e, f, u, rest);
     } while (++pass < 2 || (*residual < 0.5 * before && pass < PASSES_MAX));
     return SP_OK;

@@ -326,7 +326,7 @@ static sp_status report_failure(strain_run *r, double residual, sp_error *err) {
         "whose %d contacts %d slide; %s",
         -r->strain, residual, ACCEPTED, r->net->grain[worst], contacts, sliding,
         changed > 0 ? "contacts open, close or begin to slide, try a smaller strain"
-                    : "the contacts stay as they are at rest, a smaller strain is not likely to help");
+                    : "contacts do not change, so a smaller strain is not likely to help");
 }
 
 static sp_status strain_one(strain_run *r, int strain, sp_stiffness *c, sp_error *err) {
@@ -347,7 +347,8 @@ static sp_status strain_one(strain_run *r, int strain, sp_stiffness *c, sp_error
     if (!(residual < ACCEPTED))
         return report_failure(r, residual, err);
     if (!within_reach(r))
-        return sp_fail(err, SP_EREFUSED, "strain %g: grains move by more than their neighbourhood, must be smaller",
+        return sp_fail(err, SP_EREFUSED,
+                       "strain %g: grains move farther than the search for contacts reaches, must be smaller",
                        -r->strain);
     r->out.residual = fmax(r->out.residual, residual);
     count_contacts(r);
@@ -399,10 +400,10 @@ static sp_status open_run(strain_run *r, sp_error *err) {
 sp_status sp_moduli_finite_strain(const sp_packing *p, const sp_network *net, double phi3s,
                                   const sp_finite_strain_options *opt, sp_finite_strain *out, sp_error *err) {
     if (!(fabs(opt->strain) >= 1e-12 && fabs(opt->strain) <= 0.01))
-        return sp_fail(err, SP_EINVAL, "strain %g, must be of size 1e-12 .. 0.01", opt->strain);
+        return sp_fail(err, SP_EINVAL, "strain %g, its magnitude must be 1e-12 .. 0.01", opt->strain);
     if (net->n_all != p->n)
-        return sp_fail(err, SP_EINVAL, "network of a packing of %d grains, must be of this one, of %d", net->n_all,
-                       p->n);
+        return sp_fail(err, SP_EINVAL, "network of a packing of %d grains, must be that of this packing, of %d",
+                       net->n_all, p->n);
     strain_run r = {.p = p, .net = net, .strain = -opt->strain};
     sp_stiffness c = {0};
     sp_status status = open_run(&r, err);

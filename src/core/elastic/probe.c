@@ -147,8 +147,9 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     if (status != SP_OK)
         return status;
     if (!(energy > 0))
-        return sp_fail(err, SP_EREFUSED, "probe sine:%d: the body force does the work %.3g, must be above 0: unstable",
-                       n, 2 * energy);
+        return sp_fail(err, SP_EREFUSED,
+                       "probe sine:%d: the work of the body force is %.3g, must be above 0: the network is unstable", n,
+                       2 * energy);
     error += 2 * fabs(sp_dot(dofs, u, floppy)); /* nonzero only for soft motions that are not quite floppy */
     find_concentration(net, f, u, energy, out);
     /* (B2) */
@@ -168,10 +169,9 @@ static sp_status sine(sp_equilibrium *e, double phi3s, int n, double *work, sp_p
     if (status == SP_OK && e->net->dim > 1 && (e->grips || e->slips))
         status = sine_along(e, phi3s, n, 0, work, out, err);
     if (status == SP_OK && out->left_out > most)
-        status = sp_fail(
-            err, SP_EREFUSED,
-            "probe sine:%d: floppy parts leave %.2g of the squared body force without an answer, must be below %g", n,
-            out->left_out, most);
+        status = sp_fail(err, SP_EREFUSED,
+                         "probe sine:%d: %.2g of the squared body force acts on floppy parts, must be below %g", n,
+                         out->left_out, most);
     return status;
 }
 
@@ -207,8 +207,8 @@ static sp_status find_lines(const sp_network *net, int n, uint8_t *fixed, sp_err
     for (int k = 1; k <= n && status == SP_OK; k++)
         if (!met[k])
             status =
-                sp_fail(err, SP_EREFUSED, "probe lines:%d: line %d, at height %.6g d, crosses no grain that carries", n,
-                        k, k * between);
+                sp_fail(err, SP_EREFUSED, "probe lines:%d: line %d, at height %.6g d, crosses no grain of the network",
+                        n, k, k * between);
     sp_free(met);
     return status;
 }
@@ -309,7 +309,7 @@ static sp_status check_probe(const sp_network *net, double phi3s, const sp_probe
     if (height / (p->kind == SP_PROBE_SINE ? p->n : p->n + 1.0) < mean) {
         const char *name = p->kind == SP_PROBE_SINE ? "sine" : "lines";
         const int fit = (int)(height / mean), most = p->kind == SP_PROBE_SINE ? fit : fit / 2 * 2 - 1;
-        char right[40] = "there is none so coarse";
+        char right[40] = "none is coarse enough";
         if (most > 0)
             snprintf(right, sizeof right, "must be at most %s:%d", name, most);
         return sp_fail(err, SP_EREFUSED,
@@ -318,8 +318,8 @@ static sp_status check_probe(const sp_network *net, double phi3s, const sp_probe
     }
     if (p->kind == SP_PROBE_SINE && !(phi3s > 0))
         return sp_fail(err, SP_EREFUSED,
-                       "probe sine:%d needs Phi3*, which the packing, %.3g d high, has not: too low for layers at both "
-                       "walls to be left out",
+                       "probe sine:%d needs Phi3*, which is undefined in a packing %.3g d high: too low to leave out "
+                       "layers at both walls",
                        p->n, height);
     return SP_OK;
 }

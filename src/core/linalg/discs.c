@@ -1,8 +1,10 @@
 /* Encloses the eigenvalues of a nonsymmetric matrix in Gershgorin discs. */
 #include "linalg/discs.h"
 #include "base/base.h"
+#include "linalg/arrays.h"
 #include "linalg/blas.h"
 #include "linalg/general.h"
+#include "linalg/vector.h"
 
 #include <cblas.h>
 #include <float.h>
@@ -10,9 +12,7 @@
 #include <string.h>
 
 void sp_discs_free(sp_discs *d) {
-    sp_free(d->re);
-    sp_free(d->im);
-    sp_free(d->radius);
+    sp_free(d->re); /* one block */
     *d = (sp_discs){0};
 }
 
@@ -24,32 +24,18 @@ typedef struct diagonalization {
     sp_discs d;
     double *v, *y, *r, *product;
     double *sum, *size, *noise; /* [n] sums over rows */
+    double *memory;
 } diagonalization;
-
-static void diagonalization_free(diagonalization *f) {
-    sp_free(f->v);
-    sp_free(f->y);
-    sp_free(f->r);
-    sp_free(f->product);
-    sp_free(f->sum);
-}
 
 static sp_status diagonalization_make(const sp_sparse *a, diagonalization *f, sp_error *err) {
     const size_t n = (size_t)a->n;
     *f = (diagonalization){.n = a->n, .a = a, .d = {.n = a->n}};
-    f->d.re = sp_alloc(n, sizeof *f->d.re);
-    f->d.im = sp_alloc(n, sizeof *f->d.im);
-    f->d.radius = sp_alloc(n, sizeof *f->d.radius);
-    f->v = sp_alloc(n * n, sizeof *f->v);
-    f->y = sp_alloc(n * n, sizeof *f->y);
-    f->r = sp_alloc(n * n, sizeof *f->r);
-    f->product = sp_alloc(n * n, sizeof *f->product);
-    f->sum = sp_alloc(n, 3 * sizeof *f->sum);
-    f->size = f->sum + n;
-    f->noise = f->sum + 2 * n;
-    return f->d.re && f->d.im && f->d.radius && f->v && f->y && f->r && f->product && f->sum
-               ? SP_OK
-               : sp_fail_memory(err, 4 * n * n * sizeof *f->v);
+    const sp_array discs[] = {{&f->d.re, n}, {&f->d.im, n}, {&f->d.radius, n}, {0}};
+    const sp_array arrays[] = {{&f->v, n * n}, {&f->y, n * n}, {&f->r, n * n}, {&f->product, n * n},
+                               {&f->sum, n},   {&f->size, n},  {&f->noise, n}, {0}};
+    double *block;
+    const sp_status status = sp_arrays_make(discs, &block, err);
+    return status == SP_OK ? sp_arrays_make(arrays, &f->memory, err) : status;
 }
 
 static sp_status find_vectors(diagonalization *f, sp_error *err) {
@@ -107,13 +93,6 @@ static void row_sums(int64_t n, const double *x, double *out) {
             out[i] += fabs(x[c * n + i]);
 }
 
-static double largest(int64_t n, const double *x) {
-    double most = 0;
-    for (int64_t i = 0; i < n; i++)
-        most = fmax(most, x[i]);
-    return most;
-}
-
 /* Upper bound of the largest row sum of |1 - Y V|. */
 static double inverse_error(diagonalization *f) {
     const int64_t n = f->n;
@@ -123,7 +102,7 @@ static double inverse_error(diagonalization *f) {
     row_sums(n, f->product, f->sum);
     row_sums(n, f->v, f->size);
     multiply_sizes(n, f->y, f->size, f->noise);
-    return largest(n, f->sum) + 2 * (double)n * DBL_EPSILON * largest(n, f->noise) + (double)n * DBL_EPSILON;
+    return sp_largest(n, f->sum) + 2 * (double)n * DBL_EPSILON * sp_largest(n, f->noise) + (double)n * DBL_EPSILON;
 }
 
 /* Bounds the rounding errors in the row sums of R. Each entry of A is a sum of terms no larger than the largest entry,
@@ -151,7 +130,8 @@ static sp_status find_radii(diagonalization *f, sp_error *err) {
     const int64_t n = f->n;
     const double off = inverse_error(f);
     if (!(off < 0.5))
-        return sp_fail(err, SP_EREFUSED, "the eigenvectors are nearly dependent: their inverse is off by %.2g", off);
+        return sp_fail(err, SP_EREFUSED, "the eigenvectors are nearly dependent: their inverse has an error of %.2g",
+                       off);
     residual_noise(f);
     row_sums(n, f->r, f->sum);
     for (int64_t i = 0; i < n; i++)
@@ -161,7 +141,7 @@ static sp_status find_radii(diagonalization *f, sp_error *err) {
     multiply_sizes(n, f->y, f->noise, f->size);
     for (int64_t i = 0; i < n; i++)
         f->sum[i] = (f->sum[i] + f->size[i]) * (1 + 2 * (double)n * DBL_EPSILON);
-    const double rest = off / (1 - off) * largest(n, f->sum);
+    const double rest = off / (1 - off) * sp_largest(n, f->sum);
     for (int64_t i = 0; i < n; i++)
         f->d.radius[i] = f->sum[i] + rest;
     for (int64_t i = 0; i + 1 < n; i++) /* the two rows of a complex pair form one block, which is normal */
@@ -183,7 +163,7 @@ sp_status sp_discs_make(const sp_sparse *a, sp_discs *out, sp_error *err) {
         find_residuals(&f);
         status = find_radii(&f, err);
     }
-    diagonalization_free(&f);
+    sp_free(f.memory);
     if (status == SP_OK)
         *out = f.d;
     else

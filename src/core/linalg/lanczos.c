@@ -4,6 +4,7 @@
  * eigenvalue. */
 #include "linalg/lanczos.h"
 #include "base/base.h"
+#include "linalg/arrays.h"
 #include "linalg/blas.h"
 #include "linalg/eigen.h"
 
@@ -27,8 +28,9 @@ typedef struct lanczos {
     double *overlap;         /* [BLOCK][capacity + locked] */
     double b[BLOCK * BLOCK]; /* (A - sigma)^-1 last = basis h + next b, by columns */
     double *small, *theta,
-        *residual; /* eigenvectors [m][m] of h by columns, its eigenvalues, |b s| of each eigenvector s */
-    int64_t *rank; /* Ritz pairs in descending order of |theta| */
+        *residual;  /* eigenvectors [m][m] of h by columns, its eigenvalues, |b s| of each eigenvector s */
+    int64_t *rank;  /* Ritz pairs in descending order of |theta| */
+    double *memory; /* of all arrays except rank */
     uint64_t random;
     sp_lanczos_pairs *out;
 } lanczos;
@@ -317,30 +319,17 @@ out:
 static sp_status allocate(lanczos *z, sp_error *err) {
     const size_t n = (size_t)z->n, capacity = (size_t)z->capacity;
     const size_t overlap = capacity > (size_t)z->spec->locked_count ? capacity : (size_t)z->spec->locked_count;
-    z->basis = sp_alloc(capacity, n * sizeof *z->basis);
-    z->next = sp_alloc(BLOCK, n * sizeof *z->next);
-    z->copy = sp_alloc(BLOCK, n * sizeof *z->copy);
-    z->h = sp_alloc(capacity, capacity * sizeof *z->h);
-    z->small = sp_alloc(capacity, capacity * sizeof *z->small);
-    z->overlap = sp_alloc(overlap, BLOCK * sizeof *z->overlap);
-    z->theta = sp_alloc(capacity, sizeof *z->theta);
-    z->residual = sp_alloc(capacity, sizeof *z->residual);
+    const sp_array arrays[] = {{&z->basis, capacity * n},
+                               {&z->next, BLOCK * n},
+                               {&z->copy, BLOCK * n},
+                               {&z->h, capacity * capacity},
+                               {&z->small, capacity * capacity},
+                               {&z->overlap, overlap * BLOCK},
+                               {&z->theta, capacity},
+                               {&z->residual, capacity},
+                               {0}};
     z->rank = sp_alloc(capacity, sizeof *z->rank);
-    if (!z->basis || !z->next || !z->copy || !z->h || !z->small || !z->overlap || !z->theta || !z->residual || !z->rank)
-        return sp_fail_memory(err, ((capacity + 2 * BLOCK) * n + 2 * capacity * capacity) * sizeof(double));
-    return SP_OK;
-}
-
-static void free_scratch(lanczos *z) {
-    sp_free(z->basis);
-    sp_free(z->next);
-    sp_free(z->copy);
-    sp_free(z->h);
-    sp_free(z->small);
-    sp_free(z->overlap);
-    sp_free(z->theta);
-    sp_free(z->residual);
-    sp_free(z->rank);
+    return z->rank ? sp_arrays_make(arrays, &z->memory, err) : sp_fail_memory(err, capacity * sizeof *z->rank);
 }
 
 static void append(lanczos *z) {
@@ -410,7 +399,8 @@ sp_status sp_lanczos(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_
         next_block(&z, z.next, NULL);
         status = iterate(&z, err);
     }
-    free_scratch(&z);
+    sp_free(z.memory);
+    sp_free(z.rank);
     if (status == SP_OK)
         *out = pairs;
     else

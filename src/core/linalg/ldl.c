@@ -54,7 +54,7 @@ static sp_status cholmod_failed(const sp_ldl *f, sp_error *err) {
         return sp_fail(err, SP_ENOMEM, "CHOLMOD: no memory for the factor");
     if (f->common.status == CHOLMOD_TOO_LARGE)
         return sp_fail(err, SP_EREFUSED, "CHOLMOD: the factor has more than 2^31 entries");
-    return sp_fail(err, SP_EFAILED, "CHOLMOD: factorisation failed (status %d)", f->common.status);
+    return sp_fail(err, SP_EFAILED, "CHOLMOD: factorization failed (status %d)", f->common.status);
 }
 
 /* The largest row sum of |A|, which bounds its norm. */

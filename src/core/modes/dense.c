@@ -91,7 +91,7 @@ sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_
     sp_ritz *ritz = NULL;
     const int64_t n = sp_network_dofs(net);
     if (n > SP_MODES_DENSE_MAX)
-        return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom: all modes by a dense solver are for %d at the most",
+        return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom, must be at most %d for the dense solver",
                        (long long)n, SP_MODES_DENSE_MAX);
     sp_status status = sp_network_need_symmetry(net, "a table of modes", err);
     if (status == SP_OK)

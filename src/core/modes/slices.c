@@ -81,8 +81,8 @@ sp_status sp_slicer_edge(slicer *z, double low, double high, slice_edge *out, sp
     }
     if (!(best.error < 0.5 * (high - low)))
         return sp_fail(err, SP_EREFUSED,
-                       "the number of modes below omega^2 = %.6g .. %.6g cannot be vouched for (a factor that is right "
-                       "to %.3g at best)",
+                       "the number of modes below omega^2 = %.6g .. %.6g cannot be certified (the best factor has an "
+                       "error of %.3g)",
                        low, high, best.error);
     if (sp_ldl_sigma(z->ldl) != best.sigma) {
         sp_status status = factor(z, best.sigma, &best, err);
@@ -105,7 +105,7 @@ sp_status sp_slicer_bottom(slicer *z, double depth, slice_edge *out, sp_error *e
             return status;
     }
     if (status == SP_OK && !(e.error < -e.sigma / 4))
-        return sp_fail(err, SP_EREFUSED, "no factor of K is good enough (error %.3g of omega^2 = %.3g)", e.error,
+        return sp_fail(err, SP_EREFUSED, "no factor of K is accurate enough (error %.3g of omega^2 = %.3g)", e.error,
                        z->top);
     if (status == SP_OK && e.below > 0)
         return sp_fail(err, SP_EREFUSED,
@@ -201,7 +201,7 @@ static sp_status solve_between(slicer *z, slice_edge a, slice_edge b, int64_t st
 sp_status sp_slicer_between(slicer *z, slice_edge a, slice_edge b, bool *certain, sp_error *err) {
     const int64_t wanted = b.below - a.below;
     if (wanted < 0 || !(a.sigma < b.sigma))
-        return sp_fail(err, SP_EREFUSED, "%lld modes between omega^2 = %.6g and %.6g: no count can be vouched for",
+        return sp_fail(err, SP_EREFUSED, "%lld modes between omega^2 = %.6g and %.6g: their number cannot be certified",
                        (long long)wanted, a.sigma, b.sigma);
     sp_status status = reserve(z, wanted > 0 ? wanted : 1, err);
     sp_lanczos_free(&z->last);

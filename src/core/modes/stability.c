@@ -199,19 +199,12 @@ static sp_status classify_discs(const sp_discs *all, const imbalance *r, sp_stab
     return status;
 }
 
-/* K becomes M^-1/2 K M^-1/2. */
-static void scale(const sp_network *net, sp_sparse *k) {
-    for (int64_t c = 0; c < k->n; c++)
-        for (int64_t q = k->p[c]; q < k->p[c + 1]; q++)
-            k->x[q] /= sqrt(net->mass[c]) * sqrt(net->mass[k->i[q]]);
-}
-
 static sp_status by_discs(const sp_network *net, const imbalance *r, sp_stability *s, sp_error *err) {
     sp_sparse a = {0};
     sp_discs d = {0};
     sp_status status = sp_network_assemble_whole(net, &a, err);
     if (status == SP_OK) {
-        scale(net, &a);
+        sp_scale_by_masses(net, &a);
         status = sp_discs_make(&a, &d, err);
     }
     if (status == SP_OK)
@@ -296,7 +289,7 @@ static sp_status find_rounding(const counter *c, double most, double *rounding, 
         if (status != SP_OK || error < *rounding)
             return status;
     }
-    return sp_fail(err, SP_EREFUSED, "eigenvalues near 0 cannot be counted: pivots are off by %.2g", error);
+    return sp_fail(err, SP_EREFUSED, "eigenvalues near 0 cannot be counted: the factor has an error of %.2g", error);
 }
 
 /* Counts of eigenvalues below -window and up to +window. */
@@ -373,7 +366,7 @@ static sp_status by_counts(const sp_network *net, const imbalance *r, sp_stabili
 sp_status sp_stability_make(const sp_packing *p, const sp_network *net, sp_stability *out, sp_error *err) {
     sp_stability s = {.verdict = SP_MODES_STABLE, .dofs = sp_network_dofs(net), .skew = sp_network_skew(net)};
     if (p->n != net->n_all || p->dim != net->dim)
-        return sp_fail(err, SP_EINVAL, "a packing of %d grains with a network of %d, must be its own", p->n,
+        return sp_fail(err, SP_EINVAL, "a packing of %d grains and a network of %d, must be of the same packing", p->n,
                        net->n_all);
     imbalance r;
     sp_status status = find_imbalance(p, net, &r, err);

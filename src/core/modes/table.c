@@ -1,6 +1,7 @@
 /* Makes a table of modes from eigenpairs. */
 #include "modes/table.h"
 #include "base/base.h"
+#include "linalg/arrays.h"
 #include "linalg/eigen.h"
 
 #include <float.h>
@@ -140,17 +141,16 @@ static sp_status allocate(const sp_network *net, const sp_mode_pairs *set, sp_mo
     m->n = m->n_rattler + set->count;
     m->first = set->first;
     const size_t n = (size_t)m->n, count = (size_t)set->count;
-    m->omega = sp_alloc(n, sizeof *m->omega);
-    m->error = sp_alloc(n, sizeof *m->error);
-    if (set->vectors) {
-        m->a = sp_alloc(n, sizeof *m->a);
-        m->b = sp_alloc(n, sizeof *m->b);
-        m->participation = sp_alloc(n, sizeof *m->participation);
-        m->vectors = sp_alloc(count, (size_t)m->dofs * sizeof *m->vectors);
-    }
-    if (!m->omega || !m->error || (set->vectors && (!m->a || !m->b || !m->participation || !m->vectors)))
-        return sp_fail_memory(err, (5 * n + (set->vectors ? count * (size_t)m->dofs : 0)) * sizeof(double));
-    return SP_OK;
+    /* without vectors the list ends after the errors */
+    const sp_array arrays[] = {{&m->omega, n},
+                               {&m->error, n},
+                               {set->vectors ? &m->a : NULL, n},
+                               {&m->b, n},
+                               {&m->participation, n},
+                               {&m->vectors, count * (size_t)m->dofs},
+                               {0}};
+    double *block;
+    return sp_arrays_make(arrays, &block, err);
 }
 
 sp_status sp_modes_tabulate(const sp_network *net, sp_source source, const sp_mode_pairs *set, sp_modes *out,

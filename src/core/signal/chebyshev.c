@@ -156,7 +156,7 @@ static sp_status run_all(passes *a, sp_signal *s, sp_error *err) {
     return status;
 }
 
-/* ---- as far as the first front -------------------------------------------------------------------------------- */
+/* ---- until the first front ------------------------------------------------------------------------------------ */
 
 /* Whether every signal has its front and zero crossing in the first n points. Ripples before the front are ignored:
  * they are too small. */
@@ -207,7 +207,7 @@ sp_status sp_signal_by_chebyshev(const signal_job *job, sp_signal *s, sp_error *
     int64_t terms;
     passes all;
     if (0.5 * s->omega_max * o->until > TERMS_MAX)
-        return sp_fail(err, SP_EREFUSED, "until = %g needs %.3g matrix products, %d at the most; take the dense method",
+        return sp_fail(err, SP_EREFUSED, "until = %g needs %.3g matrix products, must be at most %d; use method dense",
                        o->until, 0.5 * s->omega_max * o->until, TERMS_MAX);
     sp_status status = sp_expansion_terms(job->net, o->until, job_has_momenta(job), 1e-8 * o->tolerance, &terms, err);
     if (status != SP_OK)

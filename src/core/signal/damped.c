@@ -7,6 +7,8 @@
  *   y' - L y = a (beta S_(N+1) Q_N - S_N Q_(N+1)) y(0),
  * is computed, and since energy never grows, its integral bounds the error. */
 #include "base/base.h"
+#include "linalg/arrays.h"
+#include "linalg/vector.h"
 #include "numeric/random.h"
 #include "signal/job.h"
 
@@ -39,6 +41,7 @@ typedef struct damped {
     ellipse e;
     double h;
     int64_t capacity;                      /* number of terms for which there is memory */
+    double *memory;                        /* of all arrays */
     double *dashpot_rows;                  /* [detectors][dofs] contribution of the dashpots to each detector */
     double *u, *v, *u_old, *v_old;         /* [dofs] Q_k y, Q_(k-1) y */
     double *ku, *cv, *u_next, *v_next;     /* [dofs] products; y at the end of the substep */
@@ -47,14 +50,6 @@ typedef struct damped {
     double error_energy, error_u, *square; /* error bounds so far; [detectors] squared rounding errors */
     int64_t terms, random_terms;           /* terms so far; terms of the random state */
 } damped;
-
-static void damped_free(damped *d) {
-    double *const all[] = {d->dashpot_rows, d->u,      d->v, d->u_old, d->v_old,  d->ku,   d->cv,
-                           d->u_next,       d->v_next, d->s, d->power, d->moment, d->size, d->square};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        sp_free(all[k]);
-    sp_network_free(&d->dashpots);
-}
 
 /* ---- the ellipse --------------------------------------------------------------------------------------------- */
 
@@ -295,13 +290,12 @@ static void find_errors(const damped *d, sp_signal *out, int32_t source) {
     for (int32_t b = 0; b < out->detectors; b++) {
         const double *spring = job_detector(d->job, b), *dashpot_rows = d->dashpot_rows + b * n,
                      *f = signal_pair(out, source, b);
-        double one = 0, two = 0, largest = 0;
+        double one = 0, two = 0;
         for (int64_t k = 0; k < n; k++) {
             one += spring[k] * spring[k] / mass[k];
             two += dashpot_rows[k] * dashpot_rows[k] / mass[k];
         }
-        for (int32_t l = 0; l < out->n; l++)
-            largest = fmax(largest, fabs(f[l]));
+        const double largest = sp_largest(out->n, f);
         out->errors[source * out->detectors + b] =
             sqrt(one) * (d->error_u + until * d->error_energy) + sqrt(two) * d->error_energy +
             DBL_EPSILON * (MOMENT_ROUNDING * sqrt(d->square[b]) +
@@ -350,21 +344,22 @@ static sp_status follow(damped *d, sp_signal *out, int32_t source, sp_error *err
 static sp_status allocate(damped *d, sp_error *err) {
     const size_t n = (size_t)sp_network_dofs(d->job->net), capacity = (size_t)d->capacity,
                  detectors = (size_t)d->job->detectors;
-    double **const vectors[] = {&d->u, &d->v, &d->u_old, &d->v_old, &d->ku, &d->cv, &d->u_next, &d->v_next};
-    bool ok = true;
-    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++) {
-        *vectors[k] = sp_alloc(n, sizeof(double));
-        ok = ok && *vectors[k];
-    }
-    d->dashpot_rows = sp_alloc(detectors, n * sizeof *d->dashpot_rows);
-    d->s = sp_alloc(capacity, sizeof *d->s);
-    d->power = sp_alloc(capacity, sizeof *d->power);
-    d->moment = sp_alloc(detectors, capacity * sizeof *d->moment);
-    d->size = sp_alloc(detectors, capacity * sizeof *d->size);
-    d->square = sp_alloc(detectors, sizeof *d->square);
-    if (!ok || !d->dashpot_rows || !d->s || !d->power || !d->moment || !d->size || !d->square)
-        return sp_fail_memory(err, ((8 + detectors) * n + (1 + 2 * detectors) * capacity) * sizeof(double));
-    return SP_OK;
+    const sp_array arrays[] = {{&d->u, n},
+                               {&d->v, n},
+                               {&d->u_old, n},
+                               {&d->v_old, n},
+                               {&d->ku, n},
+                               {&d->cv, n},
+                               {&d->u_next, n},
+                               {&d->v_next, n},
+                               {&d->dashpot_rows, detectors * n},
+                               {&d->s, capacity},
+                               {&d->power, capacity},
+                               {&d->moment, detectors * capacity},
+                               {&d->size, detectors * capacity},
+                               {&d->square, detectors},
+                               {0}};
+    return sp_arrays_make(arrays, &d->memory, err);
 }
 
 /* Detector vectors of the dashpots: the rows of the springs with c in place of k. */
@@ -416,6 +411,7 @@ sp_status sp_signal_by_faber(const signal_job *job, sp_signal *s, sp_error *err)
         terms += d.terms;
     }
     s->products = (int32_t)(terms * (1 + d.has_dashpots));
-    damped_free(&d);
+    sp_free(d.memory);
+    sp_network_free(&d.dashpots);
     return status;
 }

@@ -151,7 +151,7 @@ static sp_status run(simulation *s, sp_signal *out, int64_t substeps, sp_error *
             if (!sp_vibration_sane(&s->m))
                 return sp_fail(
                     err, SP_EFAILED,
-                    "at t = %.6g a grain has moved by more than %.3g, or without end: amplitude = %g, must be "
+                    "at t = %.6g a grain has moved by more than %.3g, or without bound: amplitude = %g, must be "
                     "smaller",
                     out->t[l], 0.5 * s->m.reach, s->job->options->amplitude);
             for (int32_t b = 0; b < out->detectors; b++)

@@ -5,6 +5,7 @@
  * The second term is at most |b'| |A^-1/2 a'|, or |a'| |A^-1/2 b'|, and a solve gives a'^T A^-1 a'. The bound needs no
  * frequencies beyond those found. */
 #include "base/base.h"
+#include "linalg/vector.h"
 #include "modes/refine.h"
 #include "modes/slices.h"
 #include "signal/job.h"
@@ -62,11 +63,8 @@ static sp_status find_residuals(sum *q, sp_error *err) {
     q->residual = sp_alloc((size_t)q->modes, sizeof *q->residual);
     sp_status status = u && r && q->residual ? SP_OK : sp_fail_memory(err, 2 * (size_t)n * sizeof *u);
     for (int64_t k = 0; k < q->modes && status == SP_OK; k++) {
-        double squares = 0;
         sp_mode_residual(net, q->m.vectors + k * n, q->omega[k] * q->omega[k], u, r);
-        for (int64_t i = 0; i < n; i++)
-            squares += r[i] * r[i];
-        q->residual[k] = sqrt(squares) + noise;
+        q->residual[k] = sp_norm(n, r) + noise;
     }
     sp_free(r);
     sp_free(u);
@@ -78,9 +76,7 @@ static void remove_modes(const sum *q, double *rest, double *c) {
     const int64_t n = q->m.dofs;
     for (int64_t k = 0; k < q->modes; k++) {
         const double *e = q->m.vectors + k * n;
-        double part = 0;
-        for (int64_t i = 0; i < n; i++)
-            part += e[i] * rest[i];
+        const double part = sp_dot(n, e, rest);
         for (int64_t i = 0; i < n; i++)
             rest[i] -= part * e[i];
         c[k] += part;
@@ -107,8 +103,7 @@ static void project(sum *q, const double *places, bool source, int count, projec
         remove_modes(q, r, out[p].c);
         remove_modes(q, r, out[p].c); /* twice, since V is orthonormal only up to rounding */
         for (int64_t k = 0; k < q->modes; k++)
-            for (int64_t i = 0; i < n; i++)
-                out[p].leak[k] += q->m.vectors[k * n + i] * r[i];
+            out[p].leak[k] = sp_dot(n, q->m.vectors + k * n, r);
     }
     sp_ldl_solve(q->z.ldl, rest, solved);
     /* a'^T (A + s)^-1 a' is smaller than a'^T A^-1 a' by at most s over the lowest omitted eigenvalue; the second
@@ -117,18 +112,14 @@ static void project(sum *q, const double *places, bool source, int count, projec
     const double short_of = (1 + q->depth / (cut * cut)) * (1 + 1e-6);
     for (int p = 0; p < count; p++) {
         const double *r = rest + p * n, *x = solved + p * n;
-        double squares = 0, inverse = 0, whole = 0;
-        for (int64_t i = 0; i < n; i++) {
-            squares += r[i] * r[i];
-            inverse += r[i] * x[i];
-        }
+        double whole = 0;
         for (int64_t k = 0; k < q->modes; k++) {
             const double far = q->omega[k] > 0 ? out[p].c[k] / q->omega[k] : 0;
             whole += far * far;
             out[p].residuals += q->residual[k] * fabs(out[p].c[k]) * residual_weight(q, k);
         }
-        out[p].rest = sqrt(squares);
-        out[p].rest_inverse = sqrt(fmax(inverse, 0) * short_of);
+        out[p].rest = sp_norm(n, r);
+        out[p].rest_inverse = sqrt(fmax(sp_dot(n, r, x), 0) * short_of);
         out[p].rest_energy = out[p].rest * sp_network_omega_bound(net);
         out[p].inverse = sqrt(whole + out[p].rest_inverse * out[p].rest_inverse);
     }
@@ -233,9 +224,7 @@ static double excess(const signal_job *job, const sp_signal *s) {
     for (int32_t a = 0; a < s->sources; a++)
         for (int32_t b = 0; b < s->detectors; b++) {
             const double *f = signal_pair(s, a, b);
-            double largest = 1e-6 * sp_job_scale(job, a, b);
-            for (int32_t l = 0; l < s->n; l++)
-                largest = fmax(largest, fabs(f[l]));
+            const double largest = fmax(1e-6 * sp_job_scale(job, a, b), sp_largest(s->n, f));
             const double ratio = s->errors[a * s->detectors + b] / (job->options->tolerance * largest);
             worst = ratio > worst || isnan(ratio) ? ratio : worst;
         }
@@ -259,11 +248,10 @@ sp_status sp_signal_by_lowest_modes(const signal_job *job, sp_signal *s, sp_erro
     if (ratio <= 1)
         return SP_OK;
     if (n > SP_MODES_DENSE_MAX)
-        return sp_fail(
-            err, SP_EREFUSED,
-            "tolerance = %g: the %lld lowest of %lld modes leave %.2g of the largest |F|, and all of them are "
-            "dearer than method chebyshev",
-            job->options->tolerance, (long long)s->modes, (long long)n, ratio * job->options->tolerance);
+        return sp_fail(err, SP_EREFUSED,
+                       "tolerance = %g: the %lld lowest of %lld modes have an error of %.2g of the largest |F|, and "
+                       "all modes cost more than method chebyshev",
+                       job->options->tolerance, (long long)s->modes, (long long)n, ratio * job->options->tolerance);
     s->modes = n;
     return sp_signal_by_modes(job, s, err);
 }

@@ -1,6 +1,7 @@
 /* Signals as a sum over all modes, Eq. (3) of Somfai et al. 2005, with error bounds. */
 #include "base/base.h"
 #include "linalg/eigen.h"
+#include "linalg/vector.h"
 #include "modes/refine.h"
 #include "signal/job.h"
 
@@ -39,12 +40,8 @@ static void project(const signal_job *job, const sp_modes *m, const double *vect
     }
     projection->norm = sqrt(projection->norm);
     for (int64_t k = 0; k < m->dofs; k++) {
-        const double *e = m->vectors + k * m->dofs;
-        double sum = 0;
-        for (int64_t q = 0; q < m->dofs; q++)
-            sum += e[q] * weighted[q];
-        projection->c[k] = sum;
-        const double moved = sum * weight(job, omegas(m)[k], source);
+        projection->c[k] = sp_dot(m->dofs, m->vectors + k * m->dofs, weighted);
+        const double moved = projection->c[k] * weight(job, omegas(m)[k], source);
         projection->reach += moved * moved;
     }
     projection->reach = sqrt(projection->reach);

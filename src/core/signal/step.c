@@ -7,6 +7,8 @@
  * The errors are thus a shift of frequency, theta/h - omega, and of amplitude, gamma - 1. Powers of omega bound both
  * (docs/physics.md), so moments of source and detector bound the error of the signal. */
 #include "base/base.h"
+#include "linalg/arrays.h"
+#include "linalg/vector.h"
 #include "signal/job.h"
 
 #include <float.h>
@@ -38,12 +40,11 @@ typedef struct stepping {
     moments *source_moments, *detector_moments; /* [sources], [detectors] */
     double *u, *v, *du, *dv;   /* [dofs] displacement, its change per step, and the compensation of both sums */
     double *force, *row, *aux; /* [dofs] */
+    double *memory;            /* of these arrays */
 } stepping;
 
 static void stepping_free(stepping *s) {
-    double *const all[] = {s->u, s->v, s->du, s->dv, s->force, s->row, s->aux};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        sp_free(all[k]);
+    sp_free(s->memory);
     sp_free(s->source_moments);
     sp_free(s->detector_moments);
 }
@@ -100,15 +101,11 @@ static sp_status stepping_make(const signal_job *job, scheme method, const sp_si
     s->ends = s->from_sources ? job->detectors : job->sources;
     s->source_moments = sp_alloc((size_t)job->sources, sizeof *s->source_moments);
     s->detector_moments = sp_alloc((size_t)job->detectors, sizeof *s->detector_moments);
-    bool ok = s->source_moments && s->detector_moments;
-    double **const all[] = {&s->u, &s->v, &s->du, &s->dv, &s->force, &s->row, &s->aux};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
-        *all[k] = sp_alloc(n, sizeof(double));
-        ok = ok && *all[k];
-    }
-    if (!ok)
-        return sp_fail_memory(err, 7 * n * sizeof(double));
-    sp_status status = SP_OK;
+    if (!s->source_moments || !s->detector_moments)
+        return sp_fail_memory(err, (size_t)(job->sources + job->detectors) * sizeof *s->source_moments);
+    const sp_array arrays[] = {{&s->u, n},     {&s->v, n},   {&s->du, n},  {&s->dv, n},
+                               {&s->force, n}, {&s->row, n}, {&s->aux, n}, {0}};
+    sp_status status = sp_arrays_make(arrays, &s->memory, err);
     for (int32_t k = 0; k < job->sources && status == SP_OK; k++)
         status = find_moments(s, true, job_source(job, k), &s->source_moments[k], err);
     for (int32_t k = 0; k < job->detectors && status == SP_OK; k++)
@@ -242,9 +239,7 @@ static double allowed_ratio(const stepping *s, const sp_signal *out) {
         for (int32_t b = 0; b < out->detectors; b++) {
             const double *f = signal_pair(out, a, b),
                          error = scheme_error(s, &s->source_moments[a], &s->detector_moments[b], out->step);
-            double largest = 1e-6 * sp_job_scale(s->job, a, b);
-            for (int32_t l = 0; l < out->n; l++)
-                largest = fmax(largest, fabs(f[l]));
+            const double largest = fmax(1e-6 * sp_job_scale(s->job, a, b), sp_largest(out->n, f));
             const double allowed = s->job->options->tolerance * largest,
                          rounded = fmin(fmax(0, out->errors[a * out->detectors + b] - error), 0.9 * allowed);
             least = fmin(least, (allowed - rounded) / error);
@@ -262,11 +257,11 @@ static sp_status refuse_work(const stepping *s, const sp_signal *out, double sub
     char reach[80] = "which are too few for any tolerance";
     if (within < 0.1)
         snprintf(reach, sizeof reach, "for a tolerance of about %.1g", within);
-    return sp_fail(
-        err, SP_EREFUSED,
-        "tolerance %.2g takes %.3g steps of %.3g: at most %.3g are made unless a step is given, %s; chebyshev "
-        "needs none",
-        s->job->options->tolerance, substeps * (out->n - 1), s->spacing / substeps, most * (out->n - 1), reach);
+    return sp_fail(err, SP_EREFUSED,
+                   "tolerance %.2g needs %.3g steps of %.3g, at most %.3g unless a step is given, %s; method chebyshev "
+                   "needs no steps",
+                   s->job->options->tolerance, substeps * (out->n - 1), s->spacing / substeps, most * (out->n - 1),
+                   reach);
 }
 
 /* A coarse run gives the size of the signal, from which the step is chosen; repeated if that was misleading. */

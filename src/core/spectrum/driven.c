@@ -1,6 +1,7 @@
 /* Solves the driven network at one frequency and bounds the error of the response. */
 #include "spectrum/driven.h"
 #include "base/base.h"
+#include "linalg/arrays.h"
 #include "linalg/vector.h"
 
 #include <float.h>
@@ -10,14 +11,7 @@ void sp_driven_free(driven *d) {
     sp_lu_free(d->lu);
     sp_free(d->p);
     sp_free(d->i);
-    sp_free(d->a);
-    sp_free(d->c);
-    sp_free(d->size_a);
-    sp_free(d->size_c);
-    sp_free(d->x);
-    sp_free(d->root);
-    sp_free(d->v);
-    sp_free(d->w);
+    sp_free(d->memory);
     *d = (driven){0};
 }
 
@@ -61,17 +55,21 @@ static sp_status allocate(const sp_network *net, const sp_sparse *k, bool damped
     d->n = k->n;
     d->p = sp_alloc(n + 1, sizeof *d->p);
     d->i = sp_alloc(entries, sizeof *d->i);
-    d->a = sp_alloc(entries, sizeof *d->a);
-    d->size_a = sp_alloc(entries, sizeof *d->size_a);
-    d->c = damped ? sp_alloc(entries, sizeof *d->c) : NULL;
-    d->size_c = damped ? sp_alloc(entries, sizeof *d->size_c) : NULL;
-    d->x = sp_alloc(2 * entries, sizeof *d->x);
-    d->root = sp_alloc(n, sizeof *d->root);
-    d->v = sp_alloc(2 * n, sizeof *d->v);
-    d->w = sp_alloc(2 * n, sizeof *d->w);
-    if (!d->p || !d->i || !d->a || !d->size_a || (damped && (!d->c || !d->size_c)) || !d->x || !d->root || !d->v ||
-        !d->w)
-        return sp_fail_memory(err, (7 * entries + 6 * n) * sizeof(double));
+    if (!d->p || !d->i)
+        return sp_fail_memory(err, (entries + n + 1) * sizeof *d->p);
+    const sp_array arrays[] = {{&d->a, entries},
+                               {&d->size_a, entries},
+                               {&d->x, 2 * entries},
+                               {&d->root, n},
+                               {&d->v, 2 * n},
+                               {&d->w, 2 * n},
+                               {damped ? &d->c : NULL, entries},
+                               {&d->size_c, entries},
+                               {0}};
+    /* without damping the list ends before c */
+    const sp_status status = sp_arrays_make(arrays, &d->memory, err);
+    if (status != SP_OK)
+        return status;
     for (size_t r = 0; r < n; r++)
         d->root[r] = sqrt(net->mass[r]);
     return SP_OK;

@@ -15,6 +15,7 @@ typedef struct driven {
     double *root;            /* [n] sqrt(m) */
     sp_lu *lu;
     double omega, inverse; /* frequency of the factor; estimate of |H^-1| from below */
+    double *memory;        /* of all arrays except p and i */
     double *v, *w;         /* [n][2] scratch */
 } driven;
 

@@ -1,5 +1,6 @@
 /* Response to harmonic driving, one sparse solve per frequency, at a detector and through planes. */
 #include "base/base.h"
+#include "linalg/arrays.h"
 #include "spectrum/driven.h"
 
 #include <math.h>
@@ -15,12 +16,7 @@ sp_harmonic_options sp_harmonic_options_default(void) {
 sp_harmonic sp_harmonic_none(void) { return (sp_harmonic){0}; }
 
 void sp_harmonic_free(sp_harmonic *h) {
-    sp_free(h->omega);
-    sp_free(h->f);
-    sp_free(h->error);
-    sp_free(h->height);
-    sp_free(h->flux);
-    sp_free(h->flux_error);
+    sp_free(h->omega); /* one block with the other arrays of doubles */
     sp_free(h->fit);
     *h = sp_harmonic_none();
 }
@@ -51,23 +47,13 @@ typedef struct harmonic_solver {
     const sp_network *net;
     const sp_harmonic_options *options;
     driven d;
-    double *source; /* [dofs][2], over sqrt(m) */
-    double *spring_rows,
-        *dashpot_rows; /* [1 + planes][dofs] detector and planes, over sqrt(m): forces of springs, and of dashpots */
-    double *detector;  /* [dofs][2] one of them at one frequency: springs + i omega dashpots */
-    double *u, *y;     /* [dofs][2] */
-    double low, high;  /* heights of the planes in the fit */
+    double *source;                     /* [dofs][2], over sqrt(m) */
+    double *spring_rows, *dashpot_rows; /* [1 + planes][dofs] forces on detector and planes, over sqrt(m) */
+    double *detector;                   /* [dofs][2] one of them at one frequency: springs + i omega dashpots */
+    double *u, *y;                      /* [dofs][2] */
+    double *memory;                     /* of these arrays */
+    double low, high;                   /* heights of the planes in the fit */
 } harmonic_solver;
-
-static void harmonic_solver_free(harmonic_solver *b) {
-    sp_driven_free(&b->d);
-    sp_free(b->source);
-    sp_free(b->spring_rows);
-    sp_free(b->dashpot_rows);
-    sp_free(b->detector);
-    sp_free(b->u);
-    sp_free(b->y);
-}
 
 static sp_status allocate(const sp_network *net, const sp_harmonic_options *o, harmonic_solver *b, sp_harmonic *h,
                           sp_error *err) {
@@ -76,22 +62,29 @@ static sp_status allocate(const sp_network *net, const sp_harmonic_options *o, h
     h->n = o->n;
     h->planes = o->planes > 0 ? o->planes : (int32_t)fmin(PLANES_MAX, fmax(1, round(height) - 1));
     const size_t planes = (size_t)h->planes;
-    h->omega = sp_alloc(n, sizeof *h->omega);
-    h->f = sp_alloc(2 * n, sizeof *h->f);
-    h->error = sp_alloc(n, sizeof *h->error);
-    h->height = sp_alloc(planes, sizeof *h->height);
-    h->flux = sp_alloc(n, 2 * planes * sizeof *h->flux);
-    h->flux_error = sp_alloc(n, planes * sizeof *h->flux_error);
     h->fit = sp_alloc(n, sizeof *h->fit);
-    b->source = sp_alloc(2 * dofs, sizeof *b->source);
-    b->spring_rows = sp_alloc(dofs, (1 + planes) * sizeof *b->spring_rows);
-    b->dashpot_rows = sp_alloc(dofs, (1 + planes) * sizeof *b->dashpot_rows);
-    b->detector = sp_alloc(2 * dofs, sizeof *b->detector);
-    b->u = sp_alloc(2 * dofs, sizeof *b->u);
-    b->y = sp_alloc(2 * dofs, sizeof *b->y);
-    if (!h->omega || !h->f || !h->error || !h->height || !h->flux || !h->flux_error || !h->fit || !b->source ||
-        !b->spring_rows || !b->dashpot_rows || !b->detector || !b->u || !b->y)
-        return sp_fail_memory(err, (2 * dofs * (5 + planes) + n * (4 + 3 * planes)) * sizeof(double));
+    if (!h->fit)
+        return sp_fail_memory(err, n * sizeof *h->fit);
+    const sp_array response[] = {{&h->omega, n},
+                                 {&h->f, 2 * n},
+                                 {&h->error, n},
+                                 {&h->height, planes},
+                                 {&h->flux, 2 * n * planes},
+                                 {&h->flux_error, n * planes},
+                                 {0}};
+    const sp_array arrays[] = {{&b->source, 2 * dofs},
+                               {&b->spring_rows, dofs * (1 + planes)},
+                               {&b->dashpot_rows, dofs * (1 + planes)},
+                               {&b->detector, 2 * dofs},
+                               {&b->u, 2 * dofs},
+                               {&b->y, 2 * dofs},
+                               {0}};
+    double *block;
+    sp_status status = sp_arrays_make(response, &block, err);
+    if (status == SP_OK)
+        status = sp_arrays_make(arrays, &b->memory, err);
+    if (status != SP_OK)
+        return status;
     for (size_t l = 0; l < n; l++)
         h->omega[l] = o->omega[l];
     for (size_t k = 0; k < planes; k++)
@@ -209,7 +202,8 @@ sp_status sp_harmonic_make(const sp_network *net, const sp_harmonic_options *opt
     status = make_solver(net, opt, &b, &h, err);
     for (int32_t l = 0; l < opt->n && status == SP_OK; l++)
         status = one_frequency(&b, l, &h, err);
-    harmonic_solver_free(&b);
+    sp_driven_free(&b.d);
+    sp_free(b.memory);
     if (status == SP_OK)
         *out = h;
     else

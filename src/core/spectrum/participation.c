@@ -25,7 +25,7 @@ sp_status sp_participation(const sp_modes *modes, int32_t bins, double until, sp
     if (!(until >= 0 && isfinite(until)))
         return sp_fail(err, SP_EINVAL, "until = %g, must be a frequency, or 0 for the largest", until);
     if (!modes->participation)
-        return sp_fail(err, SP_EINVAL, "modes without vectors, must be with them for participation ratios");
+        return sp_fail(err, SP_EINVAL, "modes have no vectors, which participation ratios need");
     const double last = until > 0 ? until : modes->n > 0 ? modes->omega[modes->n - 1] : 0;
     if (!(last > 0))
         return sp_fail(err, SP_EREFUSED, "there are no vibrations: all frequencies are 0");

@@ -113,7 +113,7 @@ static sp_status allocate(const sp_network *net, const sp_transmission_options *
     const double until = o->until > 0 ? o->until : t->omega_max;
     const double wanted = o->resolution > 0 ? o->resolution : until / o->points;
     if (!(1.6 * t->omega_max / wanted + 2 < MOMENTS_MAX))
-        return sp_fail(err, SP_EINVAL, "resolution = %g needs %.3g moments, %d at the most", wanted,
+        return sp_fail(err, SP_EINVAL, "resolution = %g needs %.3g moments, must be at most %d", wanted,
                        1.6 * t->omega_max / wanted, MOMENTS_MAX);
     t->moments = sp_moments_for_width(t->omega_max, wanted);
     t->resolution = sp_moments_width(t->omega_max, t->moments);
