@@ -4,7 +4,7 @@
 #include "elastic/moduli.h"
 #include "elastic/strain.h"
 #include "linalg/vector.h"
-#include "network/kernel.h"
+#include "network/apply.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,8 +5,4 @@
 #include <lapacke.h>
 #undef I
 
-/* Sets OpenBLAS to one thread, so that results do not depend on the number of cores and no cores are taken from other
- * samples. Does nothing with other BLAS libraries. */
-void sp_blas_one_thread(void);
-
 #endif

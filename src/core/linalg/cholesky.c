@@ -1,7 +1,6 @@
 /* Sparse Cholesky factorization with CHOLMOD. */
 #include "linalg/cholesky.h"
 #include "base/base.h"
-#include "linalg/blas.h"
 
 #include <cholmod.h>
 #include <stdbool.h>
@@ -38,7 +37,6 @@ static sp_status check_call(const sp_cholesky *c, sp_error *err) {
 }
 
 sp_status sp_cholesky_analyze(const sp_sparse *a, sp_cholesky **out, sp_error *err) {
-    sp_blas_one_thread();
     sp_cholesky *c = sp_alloc(1, sizeof *c);
     if (!c)
         return sp_fail_memory(err, sizeof *c);

@@ -36,7 +36,6 @@ sp_status sp_eigen_all(int64_t n, double *a, double *w, sp_error *err) {
     sp_status status = check(n, a, err);
     if (status != SP_OK)
         return status;
-    sp_blas_one_thread();
     const lapack_int order = (lapack_int)n;
     const size_t size = 1 + 6 * (size_t)n + 2 * (size_t)(n * n), whole = 3 + 5 * (size_t)n;
     double *work = sp_alloc(size, sizeof *work);
@@ -59,7 +58,6 @@ sp_status sp_tridiagonal_make(int64_t n, double *a, sp_tridiagonal *out, sp_erro
     sp_status status = check(n, a, err);
     if (status != SP_OK)
         return status;
-    sp_blas_one_thread();
     const lapack_int order = (lapack_int)n, size = 64 * order;
     sp_tridiagonal t = {.n = n, .a = a};
     t.d = sp_alloc((size_t)n, sizeof *t.d);
@@ -136,7 +134,6 @@ out:
 }
 
 void sp_project(int64_t n, int64_t count, const double *vectors, int columns, const double *column, double *out) {
-    sp_blas_one_thread();
     cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, (int)count, columns, (int)n, 1, vectors, (int)n, column,
                 (int)n, 0, out, (int)count);
 }
@@ -146,7 +143,6 @@ sp_status sp_orthogonality(int64_t n, int64_t count, const double *vectors, doub
     double *product = sp_alloc((size_t)(block * count), sizeof *product), most = 0;
     if (!product)
         return sp_fail_memory(err, (size_t)(block * count) * sizeof *product);
-    sp_blas_one_thread();
     for (int64_t first = 0; first < count;
          first += block) { /* vectors first, first + 1, ... with all vectors from first on */
         const int64_t many = count - first < block ? count - first : block, rest = count - first;

@@ -390,7 +390,6 @@ sp_status sp_lanczos(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_
     if (spec->wanted < 1 || z.capacity < spec->wanted + 4 * BLOCK || n > INT32_MAX / BLOCK)
         return sp_fail(err, SP_EREFUSED, "Lanczos: %lld modes of %lld degrees of freedom, must be fewer",
                        (long long)spec->wanted, (long long)n);
-    sp_blas_one_thread();
     sp_status status = allocate(&z, err);
     if (status == SP_OK) {
         for (int64_t k = 0; k < BLOCK * n; k++)

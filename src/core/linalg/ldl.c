@@ -3,7 +3,6 @@
 #include "linalg/ldl.h"
 #include "base/base.h"
 #include "base/clones.h"
-#include "linalg/blas.h"
 
 #include <cholmod.h>
 #include <float.h>
@@ -84,7 +83,6 @@ sp_status sp_ldl_make(const sp_sparse *a, sp_ldl **out, sp_error *err) {
     sp_status status = find_size(a, &size, err);
     if (status != SP_OK)
         return status;
-    sp_blas_one_thread();
     sp_ldl *f = sp_alloc(1, sizeof *f);
     if (!f)
         return sp_fail_memory(err, sizeof *f);
@@ -235,7 +233,6 @@ sp_status sp_ldl_factor(sp_ldl *f, double sigma, sp_error *err) {
     f->sigma = sigma;
     if (!isfinite(sigma))
         return sp_fail(err, SP_EINVAL, "shift = %g, must be finite", sigma);
-    sp_blas_one_thread();
     cholmod_factorize_p(f->a, beta, NULL, 0, f->factor, common);
     if (common->status != CHOLMOD_OK && common->status != CHOLMOD_NOT_POSDEF)
         return cholmod_failed(f, err);

@@ -1,7 +1,6 @@
 /* LU factorisation of sparse matrices: the only file that calls UMFPACK. */
 #include "linalg/lu.h"
 #include "base/base.h"
-#include "linalg/blas.h"
 
 #include <umfpack.h>
 
@@ -32,7 +31,6 @@ static void free_numeric(sp_lu *f) {
 }
 
 sp_status sp_lu_make(int64_t n, const int64_t *p, const int64_t *i, bool is_complex, sp_lu **out, sp_error *err) {
-    sp_blas_one_thread();
     sp_lu *f = sp_alloc(1, sizeof *f);
     if (!f)
         return sp_fail_memory(err, sizeof *f);

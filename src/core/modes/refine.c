@@ -1,7 +1,7 @@
 /* Refines eigenvalues by Rayleigh quotients and bounds their errors. */
 #include "modes/refine.h"
 #include "base/base.h"
-#include "network/kernel.h"
+#include "network/apply.h"
 
 #include <float.h>
 #include <math.h>

@@ -57,9 +57,9 @@ sp_status sp_pass_sum(const pass *p, double omega, int64_t n, const double *t, i
     double *x = sp_alloc((size_t)n, sizeof *x), *work = NULL;
     sp_status status = SP_OK;
     if (p->columns > 1)
-        work = sp_alloc((size_t)sp_bessel_room(p->n, p->columns), sizeof *work);
+        work = sp_alloc((size_t)sp_bessel_scratch(p->n, p->columns), sizeof *work);
     if (!x || (p->columns > 1 && !work)) {
-        status = sp_fail_memory(err, ((size_t)n + (size_t)sp_bessel_room(p->n, p->columns)) * sizeof *x);
+        status = sp_fail_memory(err, ((size_t)n + (size_t)sp_bessel_scratch(p->n, p->columns)) * sizeof *x);
         goto out;
     }
     for (int64_t l = 0; l < n; l++)

@@ -17,7 +17,7 @@ enum { BLOCKS_SHARED = 32, DOF_MAX = 6, ROW = 8 };
 #define PAST_CACHES (1.6e7)
 
 void sp_recurrence_free(recurrence *r) {
-    sp_team_free(r->team);
+    sp_pool_free(r->pool);
     if (r->next != r->u)
         sp_free(r->next);
     sp_free(r->u);
@@ -65,7 +65,7 @@ sp_status sp_recurrence_make(const sp_operator *op, const double *mass, double o
     if (!r.u || !r.v || !r.next || !r.weight || !r.force || !r.awake || !r.active || !r.dots || !r.sizes)
         status = sp_fail_memory(err, 4 * size * sizeof(double));
     else
-        status = sp_team_make(threads, &r.team, err);
+        status = sp_pool_make(threads, &r.pool, err);
     if (status == SP_OK)
         set_weights(&r, mass, omega);
     r.past_caches = (double)size * sizeof(double) > PAST_CACHES;
@@ -282,7 +282,7 @@ static void find_active(recurrence *r) {
 recurrence_products sp_recurrence_step(recurrence *r) {
     recurrence_products sum = {{0, 0}, {0, 0}};
     find_active(r);
-    sp_team_run(r->team, visit_blocks, r);
+    sp_pool_run(r->pool, visit_blocks, r);
     for (int32_t k = 0; k < r->n_active; k++) {
         const int32_t b = r->active[k];
         sum.dot += r->dots[b];

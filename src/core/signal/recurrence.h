@@ -3,7 +3,7 @@
 /* Two vectors (lanes) propagated by U_(k+1) = 2 X U_k - U_(k-1), X = 1 - 2 M^-1 K/Omega^2. The form used is U_(k+1) =
  * U_k + V_(k+1), V_(k+1) = V_k - (4/Omega^2) M^-1 K U_k, which keeps rounding errors small. */
 
-#include "base/team.h"
+#include "base/pool.h"
 #include "network/operator.h"
 
 typedef double pair __attribute__((vector_size(16)));
@@ -17,7 +17,7 @@ typedef struct sparse_row {
 
 typedef struct recurrence {
     const sp_operator *op;
-    sp_team *team;
+    sp_pool *pool;
     int64_t step;
     double *u, *v;   /* [n + 1][row] U_k, U_k - U_(k-1) */
     double *next;    /* U_(k+1); with a single block it shares memory with U_k */

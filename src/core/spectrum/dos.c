@@ -1,6 +1,6 @@
 /* Density of states. */
 #include "base/base.h"
-#include "base/team.h"
+#include "base/pool.h"
 #include "modes/count.h"
 #include "numeric/random.h"
 #include "spectrum/moments.h"
@@ -186,21 +186,21 @@ static void some_pairs(void *data, int part, int parts) {
 }
 
 static sp_status find_trace(trace *t, int threads, sp_error *err) {
-    sp_team *team = NULL;
+    sp_pool *pool = NULL;
     const int parts = threads < t->pairs ? threads : t->pairs;
     t->status = sp_alloc((size_t)parts, sizeof *t->status);
     t->reason = sp_alloc((size_t)parts, sizeof *t->reason);
-    sp_status status = t->status && t->reason ? sp_team_make(parts, &team, err)
+    sp_status status = t->status && t->reason ? sp_pool_make(parts, &pool, err)
                                               : sp_fail_memory(err, (size_t)parts * sizeof *t->reason);
     if (status == SP_OK)
-        sp_team_run(team, some_pairs, t);
+        sp_pool_run(pool, some_pairs, t);
     for (int k = 0; k < parts && status == SP_OK; k++)
         if (t->status[k] != SP_OK) {
             status = t->status[k];
             if (err)
                 *err = t->reason[k];
         }
-    sp_team_free(team);
+    sp_pool_free(pool);
     sp_free(t->status);
     sp_free(t->reason);
     return status;

@@ -2,7 +2,7 @@
 #include "spectrum/moments.h"
 #include "base/base.h"
 #include "linalg/arrays.h"
-#include "network/kernel.h"
+#include "network/apply.h"
 
 #include <math.h>
 
