@@ -145,12 +145,12 @@ static double speed(double modulus, double density) {
 
 void sp_moduli_from_stiffness(const sp_network *net, double phi3s, const sp_stiffness *s, sp_moduli *out) {
     const bool space = net->dim == 3;
-    const int up = space ? STRAIN_33_3D : STRAIN_SHEAR;
+    const int c33 = space ? STRAIN_33_3D : STRAIN_SHEAR; /* longitudinal in 3D, shear in 2D */
     sp_moduli m = {
         .c11 = s->c[STRAIN_11][STRAIN_11],
         .c12 = s->c[STRAIN_11][STRAIN_22],
         .c22 = s->c[STRAIN_22][STRAIN_22],
-        .c33 = s->c[up][up],
+        .c33 = s->c[c33][c33],
         .c13 = NAN,
         .c23 = NAN,
         .c44 = s->c[STRAIN_23_3D][STRAIN_23_3D], /* NAN in 2D, like all strains that do not exist there */
@@ -160,7 +160,7 @@ void sp_moduli_from_stiffness(const sp_network *net, double phi3s, const sp_stif
         .error11 = s->error[STRAIN_11][STRAIN_11],
         .error12 = s->error[STRAIN_11][STRAIN_22],
         .error22 = s->error[STRAIN_22][STRAIN_22],
-        .error33 = s->error[up][up],
+        .error33 = s->error[c33][c33],
         .error13 = NAN,
         .error23 = NAN,
         .error44 = s->error[STRAIN_23_3D][STRAIN_23_3D],

@@ -79,13 +79,9 @@ static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double 
     return SP_OK;
 }
 
-/* Weights with which a residual changes f . u: the w with K^T w = f. For symmetric K this is u. */
-static sp_status find_weights(sp_equilibrium *e, const double *f, const double *u, double *w, sp_error *err) {
+/* Solves K^T w = f. */
+static sp_status solve_transposed(sp_equilibrium *e, const double *f, double *w, sp_error *err) {
     double residual;
-    if (!e->net->carried) {
-        memcpy(w, u, (size_t)sp_network_dofs(e->net) * sizeof *w);
-        return SP_OK;
-    }
     memset(w, 0, (size_t)sp_network_dofs(e->net) * sizeof *w);
     e->transposed = true;
     const sp_status status = sp_equilibrium_solve(e, f, w, &residual, err);
@@ -98,8 +94,13 @@ static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u
                              double *error, sp_error *err) {
     const int64_t n = sp_network_dofs(e->net);
     const double noise = sp_strain_noise(e->net);
-    double *rest = work, *size = work + n, *w = work + 2 * n, off = 0;
-    sp_status status = find_weights(e, f, u, w, err);
+    double *rest = work, *size = work + n, off = 0;
+    const double *w = u; /* the weights of a residual in f . u: for symmetric K, u itself */
+    sp_status status = SP_OK;
+    if (e->net->carried) {
+        status = solve_transposed(e, f, work + 2 * n, err);
+        w = work + 2 * n;
+    }
     sp_equilibrium_residual(e, f, u, rest);
     sp_strain_rounding(e->net, -1, u, size, NULL);
     for (int64_t k = 0; k < n; k++)
@@ -216,19 +217,14 @@ static sp_status find_lines(const sp_network *net, int n, uint8_t *fixed, sp_err
 /* Weights with which a residual changes the energy u . K u/2, times 2. They come from K u + K^T u at free degrees of
  * freedom, which vanishes at equilibrium for symmetric K. load: [n] scratch. */
 static sp_status find_line_weights(sp_equilibrium *e, const double *u, double *load, double *weight, sp_error *err) {
-    const int64_t n = sp_network_dofs(e->net);
-    double residual;
-    memset(weight, 0, (size_t)n * sizeof *weight);
-    if (!e->net->carried) {
-        for (int64_t c = 0; c < e->count; c++)
-            weight[e->free_dofs[c]] = u[e->free_dofs[c]];
-        return SP_OK;
+    if (e->net->carried) {
+        sp_network_apply_transposed(e->net, u, load);
+        return solve_transposed(e, load, weight, err);
     }
-    sp_network_apply_transposed(e->net, u, load);
-    e->transposed = true;
-    const sp_status status = sp_equilibrium_solve(e, load, weight, &residual, err);
-    e->transposed = false;
-    return status;
+    memset(weight, 0, (size_t)sp_network_dofs(e->net) * sizeof *weight);
+    for (int64_t c = 0; c < e->count; c++)
+        weight[e->free_dofs[c]] = u[e->free_dofs[c]];
+    return SP_OK;
 }
 
 /* Apparent modulus and its error for one direction, with imposed displacements of fixed grains. For symmetric K the

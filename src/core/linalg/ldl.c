@@ -259,10 +259,6 @@ sp_status sp_ldl_factor(sp_ldl *f, double sigma, sp_error *err) {
 double sp_ldl_sigma(const sp_ldl *f) { return f->sigma; }
 int64_t sp_ldl_negative(const sp_ldl *f) { return f->negative; }
 double sp_ldl_error(const sp_ldl *f) { return f->ready ? f->error : HUGE_VAL; }
-int64_t sp_ldl_entries(const sp_ldl *f) {
-    const group *last = &f->group[f->groups - 1];
-    return last->values + last->width * (last->width - 1) / 2 + last->below * last->width;
-}
 
 /* x = L^-1 x for a group of w columns. */
 static ALWAYS_INLINE void forward(const sp_ldl *f, const group *g, int w, lanes *x) {

@@ -16,36 +16,18 @@ void sp_job_free(signal_job *job) {
     sp_free(job->detector_vectors);
 }
 
-static sp_status reserve(signal_rows *rows, int64_t used, int64_t more, sp_error *err) {
-    if (used + more <= rows->capacity)
-        return SP_OK;
-    const int64_t capacity = 2 * rows->capacity > used + more ? 2 * rows->capacity : used + more;
-    int64_t *dof = sp_alloc((size_t)capacity, sizeof *dof);
-    double *value = sp_alloc((size_t)capacity, sizeof *value);
-    if (!dof || !value) {
-        sp_free(dof);
-        sp_free(value);
-        return sp_fail_memory(err, (size_t)capacity * 16);
-    }
-    if (used > 0) {
-        memcpy(dof, rows->dof, (size_t)used * sizeof *dof);
-        memcpy(value, rows->value, (size_t)used * sizeof *value);
-    }
-    sp_free(rows->dof);
-    sp_free(rows->value);
-    rows->dof = dof;
-    rows->value = value;
-    rows->capacity = capacity;
-    return SP_OK;
-}
-
 static sp_status append_row(signal_rows *rows, int64_t n, const double *vector, sp_error *err) {
     int64_t at = rows->first[rows->n], count = 0;
     for (int64_t k = 0; k < n; k++)
         count += vector[k] != 0;
-    sp_status status = reserve(rows, at, count, err);
-    if (status != SP_OK)
-        return status;
+    const size_t need = (size_t)(at + count);
+    size_t capacity = rows->capacity;
+    int64_t *dof = sp_grow(rows->dof, need, &capacity, sizeof *dof);
+    rows->dof = dof ? dof : rows->dof;
+    double *value = dof ? sp_grow(rows->value, need, &rows->capacity, sizeof *value) : NULL;
+    if (!value)
+        return sp_fail_memory(err, need * (sizeof *dof + sizeof *value));
+    rows->value = value;
     for (int64_t k = 0; k < n; k++)
         if (vector[k] != 0) {
             rows->dof[at] = k;

@@ -10,7 +10,7 @@ typedef struct signal_rows {
     int64_t *first; /* [n + 1] */
     int64_t *dof;   /* [first[n]] */
     double *value;
-    int64_t capacity;
+    size_t capacity; /* of dof and value */
 } signal_rows;
 
 typedef struct signal_job {
