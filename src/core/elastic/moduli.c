@@ -6,6 +6,7 @@
 
 #include "base/base.h"
 #include "elastic/strain.h"
+#include "linalg/vector.h"
 #include "network/spins.h"
 
 #include <math.h>
@@ -64,15 +65,13 @@ static sp_status strain_all(sp_equilibrium *e, double *work, sp_stiffness *out, 
     for (int a = 0; a < strains; a++) {
         if (!sp_strain_allowed(net, a, e->grips))
             continue;
-        double residual = 0, norm = 0, *u = solutions + a * n;
+        double residual = 0, *u = solutions + a * n;
         const double scale = sp_strain_load(net, a, f);
         sp_status status = sp_equilibrium_solve(e, f, u, &residual, err);
         if (status != SP_OK)
             return status;
-        for (int64_t k = 0; k < n; k++)
-            norm += f[k] * f[k];
         /* in a lattice f is pure rounding error */
-        out->residual = fmax(out->residual, residual / fmax(sqrt(norm), 1e-6 * scale));
+        out->residual = fmax(out->residual, residual / fmax(sp_norm(n, f), 1e-6 * scale));
         sp_strain_stresses(net, a, u, out);
     }
     if (net->carried) {
@@ -83,16 +82,14 @@ static sp_status strain_all(sp_equilibrium *e, double *work, sp_stiffness *out, 
     for (int a = 0; a < strains; a++)
         if (sp_strain_allowed(net, a, e->grips))
             bound_errors(net, a, solutions, stresses, work, out);
-    for (int a = 0; a < STRAINS_3D; a++)
-        for (int b = 0; b < STRAINS_3D; b++)
-            if (a >= strains || b >= strains || !sp_strain_allowed(net, a, e->grips) ||
-                !sp_strain_allowed(net, b, e->grips)) {
-                out->c[a][b] = NAN;
-                out->error[a][b] = NAN;
-            }
-    for (int b = 0; b < STRAINS_3D; b++)
-        if (b >= strains || !sp_strain_allowed(net, b, e->grips))
+    for (int b = 0; b < STRAINS_3D; b++) {
+        const bool defined = sp_strain_allowed(net, b, e->grips);
+        for (int a = 0; a < STRAINS_3D; a++)
+            if (!defined || !sp_strain_allowed(net, a, e->grips))
+                out->c[a][b] = out->error[a][b] = NAN;
+        if (!defined)
             out->wall[b] = NAN;
+    }
     return SP_OK;
 }
 
@@ -146,32 +143,19 @@ static double speed(double modulus, double density) {
 void sp_moduli_from_stiffness(const sp_network *net, double phi3s, const sp_stiffness *s, sp_moduli *out) {
     const bool space = net->dim == 3;
     const int c33 = space ? STRAIN_33_3D : STRAIN_SHEAR; /* longitudinal in 3D, shear in 2D */
-    sp_moduli m = {
-        .c11 = s->c[STRAIN_11][STRAIN_11],
-        .c12 = s->c[STRAIN_11][STRAIN_22],
-        .c22 = s->c[STRAIN_22][STRAIN_22],
-        .c33 = s->c[c33][c33],
-        .c13 = NAN,
-        .c23 = NAN,
-        .c44 = s->c[STRAIN_23_3D][STRAIN_23_3D], /* NAN in 2D, like all strains that do not exist there */
-        .c55 = s->c[STRAIN_13_3D][STRAIN_13_3D],
-        .c66 = s->c[STRAIN_12_3D][STRAIN_12_3D],
-        .residual = s->residual,
-        .error11 = s->error[STRAIN_11][STRAIN_11],
-        .error12 = s->error[STRAIN_11][STRAIN_22],
-        .error22 = s->error[STRAIN_22][STRAIN_22],
-        .error33 = s->error[c33][c33],
-        .error13 = NAN,
-        .error23 = NAN,
-        .error44 = s->error[STRAIN_23_3D][STRAIN_23_3D],
-        .error55 = s->error[STRAIN_13_3D][STRAIN_13_3D],
-        .error66 = s->error[STRAIN_12_3D][STRAIN_12_3D],
-    };
-    if (space) {
-        m.c13 = s->c[STRAIN_11][STRAIN_33_3D];
-        m.c23 = s->c[STRAIN_22][STRAIN_33_3D];
-        m.error13 = s->error[STRAIN_11][STRAIN_33_3D];
-        m.error23 = s->error[STRAIN_22][STRAIN_33_3D];
+    sp_moduli m = {.residual = s->residual};
+    const struct {
+        double *c, *error;
+        int a, b;
+    } all[] = {{&m.c11, &m.error11, STRAIN_11, STRAIN_11},       {&m.c12, &m.error12, STRAIN_11, STRAIN_22},
+               {&m.c22, &m.error22, STRAIN_22, STRAIN_22},       {&m.c33, &m.error33, c33, c33},
+               {&m.c13, &m.error13, STRAIN_11, STRAIN_33_3D},    {&m.c23, &m.error23, STRAIN_22, STRAIN_33_3D},
+               {&m.c44, &m.error44, STRAIN_23_3D, STRAIN_23_3D}, {&m.c55, &m.error55, STRAIN_13_3D, STRAIN_13_3D},
+               {&m.c66, &m.error66, STRAIN_12_3D, STRAIN_12_3D}};
+    for (int k = 0; k < 9; k++) {
+        const bool exists = space || k < 4;
+        *all[k].c = exists ? s->c[all[k].a][all[k].b] : NAN;
+        *all[k].error = exists ? s->error[all[k].a][all[k].b] : NAN;
     }
     m.c_l = speed(space ? m.c33 : m.c22, phi3s);
     m.c_t = speed(space ? 0.5 * (m.c44 + m.c55) : m.c33, phi3s);

@@ -24,6 +24,8 @@ int sp_strain_count(const sp_network *net) { return net->dim == 3 ? STRAINS_3D :
 bool sp_strain_allowed(const sp_network *net, int strain, bool grips) {
     if (net->dim == 1)
         return strain == STRAIN_22;
+    if (strain >= sp_strain_count(net))
+        return false;
     const field s = field_of(net, strain);
     return grips || s.along == s.of || s.of != net->dim - 1;
 }

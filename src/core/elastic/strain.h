@@ -4,7 +4,7 @@
 
 #include "elastic/stiffness.h"
 
-/* Number of strains in this dimension, and whether one of them is possible; grips: both walls have friction. */
+/* Number of strains in this dimension, and whether a strain exists and is possible; grips: both walls have friction. */
 int sp_strain_count(const sp_network *net);
 bool sp_strain_allowed(const sp_network *net, int strain, bool grips);
 /* Area of a wall and volume between the walls [d]. */
