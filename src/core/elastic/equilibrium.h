@@ -38,7 +38,8 @@ typedef struct sp_equilibrium {
 } sp_equilibrium;
 
 sp_equilibrium sp_equilibrium_none(void);
-/* SP_EREFUSED if a wall has no springs, if no chain of springs connects the walls, and if the network is unstable. */
+/* SP_EREFUSED if a wall has no springs, if no chain of springs leads from wall to wall, and if the network is unstable.
+ */
 sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_error *err);
 /* Factors the same floppy K again with this shift; 0: the smallest that serves. */
 sp_status sp_equilibrium_shift(sp_equilibrium *e, equilibrium_shift kind, double fraction, sp_error *err);

@@ -94,10 +94,10 @@ static void add_spring(strain_run *r, int32_t k) {
     sp_network *net = &r->springs;
     const touching *t = &r->m.touch[k];
     const double rest = t->overlap > 0 ? contact_normal_stiffness(t->e, t->overlap) : 0;
-    const double side = r->m.turns ? 0.5 * r->m.eta * (rest + t->kn) : 0;
+    const double tangential = r->m.turns ? 0.5 * r->m.eta * (rest + t->kn) : 0;
     sp_spring s = {.i = r->row[t->i] - 1, .j = t->j < 0 ? t->j : r->row[t->j] - 1, .ri = t->arm_i, .rj = t->arm_j};
     s.kn = fmax(t->kn, kept * rest); /* a contact that barely touches will be stiffer soon */
-    s.kt = t->kn > 0 && !sp_contact_slides(&r->m, t) ? side : kept * side;
+    s.kt = t->kn > 0 && !sp_contact_slides(&r->m, t) ? tangential : kept * tangential;
     for (int a = 0; a < 3; a++)
         s.n[a] = r->m.straight ? t->n0[a] : t->n[a];
     net->length[net->n_springs] = t->length;

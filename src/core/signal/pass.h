@@ -15,11 +15,11 @@ typedef struct pass {
     const sparse_row *observers;   /* [observers] */
     int64_t columns;               /* moments per step: 1, or lanes x observers, lane by lane */
     int64_t n, capacity;           /* moments known, and moments for which there is memory */
-    double *mu,
-        *size; /* [capacity][columns] moments (mu_0 of T halved), and the sums of the absolute values of their terms */
-    double *norms; /* [columns] |a| |b| */
-    double first;  /* mu_0 of a doubled pass */
-    double spread; /* as in the plan */
+    double *mu;                    /* [capacity][columns] moments; mu_0 of T is halved */
+    double *size;                  /* [capacity][columns] sums of the absolute values of their terms */
+    double *norms;                 /* [columns] |a| |b| */
+    double first;                  /* mu_0 of a doubled pass */
+    double spread;                 /* as in the plan */
 } pass;
 
 typedef struct pass_plan {
