@@ -122,7 +122,7 @@ static void test_packing(void **state) {
     sp_packing_free(&p);
     p = scattered_packing(2, 6, 0, 1);
     assert_ok(sp_network_make(&p, &o, &net, &err));
-    assert_fails(sp_continuum_make(&net, 0.5, 2, &c, &err), SP_EREFUSED, "grip");
+    assert_fails(sp_continuum_make(&net, 0.5, 2, &c, &err), SP_EREFUSED, "friction");
     sp_network_free(&net);
     sp_packing_free(&p);
 }
