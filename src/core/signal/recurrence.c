@@ -304,7 +304,7 @@ double sp_recurrence_dropped(const recurrence *r, int64_t terms) {
     return r->dropped == 0 ? 0 : 4 * sqrt(TINY) * (double)r->dropped * n * n;
 }
 
-pair sp_recurrence_seen(const recurrence *r, const sparse_row *row, pair *size) {
+pair sp_recurrence_product(const recurrence *r, const sparse_row *row, pair *size) {
     enum { WAYS = 4 }; /* independent sums, added in a fixed order */
     pair sum[WAYS] = {{0, 0}}, magnitude[WAYS] = {{0, 0}};
     int64_t k = 0;
