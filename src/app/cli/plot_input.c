@@ -1,3 +1,4 @@
+/* Reads tables and signals for figures. */
 #include "cli/plot_input.h"
 
 #include "base/base.h"
@@ -14,7 +15,7 @@
 
 /* ---- CSV -------------------------------------------------------------------------------------------------------- */
 
-/* Next cell of a line, in place; quotes as in RFC 4180. NULL behind the last. */
+/* The next cell of a line, unquoted in place as in RFC 4180; NULL after the last. */
 static char *csv_cell(char **at) {
     char *from = *at, *to = *at, *cell = *at;
     if (!from)
@@ -42,7 +43,7 @@ static bool csv_number(const char *cell, double *out) {
     return !*cell || (end > cell && end[strspn(end, " ")] == '\0');
 }
 
-/* Columns, and room for `rows` rows. */
+/* Adds the columns, and allocates `rows` rows. */
 static sp_status csv_header(const char *path, char *text, int64_t rows, sp_table *t, sp_error *err) {
     for (char *cell; (cell = csv_cell(&text)) != NULL;) {
         sp_status status = sp_table_add_column(t, cell, "", SP_CELL_NUMBER, err);
@@ -71,7 +72,7 @@ static sp_status csv_row(const char *path, int64_t line, char *text, sp_table *t
     return SP_OK;
 }
 
-/* Lines of a CSV file: comments behind '#', a header, rows. `lines` is their number. */
+/* Reads comments after '#', a header, and rows. */
 static sp_status csv_lines(const char *path, char *text, int64_t lines, sp_table *t, sp_error *err) {
     sp_status status = SP_OK;
     char *rest = text;
@@ -86,7 +87,7 @@ static sp_status csv_lines(const char *path, char *text, int64_t lines, sp_table
             status = csv_row(path, number, line, t, err);
     }
     if (status == SP_OK && t->columns == 0)
-        status = sp_fail(err, SP_EFORMAT, "%s: no table: no header", path);
+        status = sp_fail(err, SP_EFORMAT, "%s: is no table: it has no header", path);
     return status;
 }
 
@@ -169,7 +170,7 @@ static double comment_number(const sp_table *t, const char *key) {
     return value > 0.0 && isfinite(value) ? value : 0.0;
 }
 
-/* The columns t and F, or the first two of numbers in a table that has neither nor is of another command. */
+/* Finds the columns t and F or F1, or the first two columns of numbers. A table with a column omega is no signal. */
 static sp_status find_columns(const char *path, const sp_table *t, int column[2], sp_error *err) {
     column[0] = sp_table_find_column(t, "t");
     column[1] = sp_table_find_column(t, "F");
