@@ -73,7 +73,8 @@ static sp_status resolve_files(arguments *a, sp_error *err) {
         a->out = NULL;
     }
     if (!a->grains != !a->contacts)
-        return sp_fail(err, SP_EINVAL, "a table of %s alone: must be --grain-table and --contact-table",
+        return sp_fail(err, SP_EINVAL,
+                       "a table of %s alone: give both --grain-table and --contact-table (or --grains and --contacts)",
                        a->grains ? "grains" : "contacts");
     if (a->in && strcmp(a->in, "-") == 0 && a->grains)
         a->in = NULL;

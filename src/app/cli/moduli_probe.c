@@ -25,7 +25,8 @@ static void explain_probe(const moduli_arguments *a, const cli_file *file, const
                  file->path, probe, m->grain, m->concentrated);
     if (m->left_out > 0)
         cli_note(&a->common,
-                 "%s: %s: %.2g of the squared body force is left out, because it acts on grains that no contact holds",
+                 "%s: %s: %.2g of the squared body force is left out, because it acts on floppy parts, which no "
+                 "contact holds",
                  file->path, probe, m->left_out);
 }
 
