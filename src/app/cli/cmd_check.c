@@ -59,12 +59,12 @@ static sp_status check_file(void *user, cli_file *file, sp_table *t, sp_error *e
     if (status == SP_OK)
         status = sp_packing_audit(&p, file->scene->network.threshold, &audit, &fault);
     if (status == SP_OK)
-        residual = sp_audit_judge(&audit, a->tolerance, reason, sizeof reason);
+        residual = sp_audit_worst(&audit, a->tolerance, reason, sizeof reason);
     else
         snprintf(reason, sizeof reason, "%s", fault.text);
     file->failed = status != SP_OK || *reason;
     if (file->failed) {
-        const bool named = strstr(reason, path) != NULL;
+        const bool named = status == SP_EIO || status == SP_EFORMAT; /* by what reads the file */
         sp_fail(&fault, SP_EFAILED, "%s%s%s", named ? "" : path, named ? "" : ": ", reason);
         cli_fail(&fault);
     }

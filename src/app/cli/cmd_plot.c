@@ -51,13 +51,13 @@ struct arguments {
 
 /* ---- kinds ------------------------------------------------------------------------------------------------------ */
 
-/* If a figure cannot be drawn from a file, the message names the file, and the error is not one of usage. */
+/* If a figure cannot be drawn from a file, the error is the file's, not one of usage. Functions that read files name
+ * them in their messages (SP_EFORMAT, SP_EIO); those that draw do not know the file, so it is named here. */
 static sp_status blame(sp_status status, const char *path, sp_error *err) {
-    if (status == SP_EINVAL)
-        status = err->status = SP_EFORMAT;
-    if ((status == SP_EREFUSED || status == SP_EFORMAT) && strncmp(err->text, path, strlen(path)) != 0)
-        sp_fail_prefix(err, "%s", path);
-    return status;
+    if (status != SP_EINVAL && status != SP_EREFUSED)
+        return status;
+    err->status = status == SP_EINVAL ? SP_EFORMAT : status;
+    return *path ? sp_fail_prefix(err, "%s", path) : err->status;
 }
 
 static sp_status store_table(const arguments *a, sp_table *out, sp_error *err) {

@@ -15,7 +15,7 @@ typedef struct sums {
 
 typedef struct arguments {
     cli_common common;
-    sp_section_options section;
+    sp_coherent_section_options section;
     int source; /* sp_source */
     const char *at;
     int dim;   /* of the packings so far; 0: none */
@@ -64,7 +64,7 @@ static sp_status begin(void *user, sp_table *t, sp_error *err) {
     return a->omega && a->sum ? SP_OK : sp_fail_memory(err, FREQUENCIES_MAX * (sizeof *a->omega + sizeof *a->sum));
 }
 
-static void add_fit(sums *s, const sp_coherent *c) {
+static void add_fit(sums *s, const sp_coherent_wave *c) {
     if (isnan(c->k))
         return;
     s->n++;
@@ -84,7 +84,7 @@ static double error_of_mean(double sum, double squares, int64_t n) {
     return n > 1 ? sqrt(fmax(0, squares - sum * sum / m) / (m - 1) / m) : NAN;
 }
 
-static sp_status choose_frequencies(arguments *a, const sp_network *net, const sp_section *s, sp_error *err) {
+static sp_status choose_frequencies(arguments *a, const sp_network *net, const sp_coherent_section *s, sp_error *err) {
     if (a->at)
         return cli_frequencies(a->at, FREQUENCIES_MAX, &a->n, a->omega, err);
     const double low = 4 * 2 * M_PI / s->until[0], high = 0.3 * sp_network_omega_bound(net);
@@ -97,14 +97,14 @@ static sp_status choose_frequencies(arguments *a, const sp_network *net, const s
 
 static sp_status add_packing(void *user, cli_file *file, sp_table *t, sp_error *err) {
     arguments *a = user;
-    sp_section s = sp_section_none();
-    sp_coherent fit;
+    sp_coherent_section s = sp_coherent_section_none();
+    sp_coherent_wave fit;
     (void)t;
     if (a->dim && a->dim != file->packing.dim)
         return sp_fail(err, SP_EREFUSED, "has %d dimensions, the packings before it have %d", file->packing.dim,
                        a->dim);
     a->dim = file->packing.dim;
-    sp_status status = sp_section_make(&file->network, &a->section, &s, err);
+    sp_status status = sp_coherent_section_make(&file->network, &a->section, &s, err);
     if (status == SP_OK && a->n == 0)
         status = choose_frequencies(a, &file->network, &s, err);
     for (int32_t l = 0; l < a->n && status == SP_OK; l++) {
@@ -112,7 +112,7 @@ static sp_status add_packing(void *user, cli_file *file, sp_table *t, sp_error *
         if (status == SP_OK)
             add_fit(&a->sum[l], &fit);
     }
-    sp_section_free(&s);
+    sp_coherent_section_free(&s);
     return status;
 }
 
@@ -156,7 +156,7 @@ int cmd_wave(int argc, char **argv) {
                                       .begin = begin,
                                       .add = add_packing,
                                       .end = add_rows};
-    arguments a = {.section = sp_section_options_default()};
+    arguments a = {.section = sp_coherent_section_options_default()};
     a.source = (int)a.section.source;
     cli_parse(&syntax, argc, argv, &a);
     a.section.source = (sp_source)a.source;

@@ -14,7 +14,8 @@ void moduli_probe_columns(cli_writer *w, const moduli_arguments *a, int dim) {
 }
 
 /* Notes of one probe. */
-static void explain_probe(const moduli_arguments *a, const cli_file *file, const char *probe, const sp_probed *m) {
+static void explain_probe(const moduli_arguments *a, const cli_file *file, const char *probe,
+                          const sp_probe_moduli *m) {
     if (file->packing.dim > 1 && isnan(m->shear))
         cli_note(&a->common, "%s: %s of %s is nan: grains slip along a wall without friction", file->path,
                  file->packing.dim == 3 ? "C55" : "C33", probe);
@@ -31,7 +32,8 @@ static void explain_probe(const moduli_arguments *a, const cli_file *file, const
 }
 
 /* Notes why values of the rows are nan, and which moduli are not to be trusted. */
-static void explain(const moduli_arguments *a, const cli_file *file, const sp_moduli *global, const sp_probed *each) {
+static void explain(const moduli_arguments *a, const cli_file *file, const sp_moduli *global,
+                    const sp_probe_moduli *each) {
     const int dim = file->packing.dim;
     if (dim == 1)
         cli_note(&a->common, "%s: a chain has only C22; C33 is nan", file->path);
@@ -48,7 +50,7 @@ static void explain(const moduli_arguments *a, const cli_file *file, const sp_mo
 sp_status moduli_probe_rows(const moduli_arguments *a, const cli_file *file, double density, sp_table *t,
                             sp_error *err) {
     sp_probe probe[MODULI_PROBES_MAX];
-    sp_probed measured[MODULI_PROBES_MAX], each[MODULI_PROBES_MAX];
+    sp_probe_moduli measured[MODULI_PROBES_MAX], each[MODULI_PROBES_MAX];
     sp_moduli m;
     int32_t count = 0, at = 0;
     for (int k = 0; k < a->probes; k++)
@@ -60,7 +62,7 @@ sp_status moduli_probe_rows(const moduli_arguments *a, const cli_file *file, dou
     const bool space = file->packing.dim == 3;
     const double along = space ? m.c33 : m.c22, shear = space ? m.c55 : m.c33, p = file->packing.pressure;
     for (int k = 0; k < a->probes; k++)
-        each[k] = a->probe[k].global ? (sp_probed){.along = along, .shear = shear} : measured[at++];
+        each[k] = a->probe[k].global ? (sp_probe_moduli){.along = along, .shear = shear} : measured[at++];
     explain(a, file, &m, each);
     for (int k = 0; k < a->probes && status == SP_OK; k++) {
         const double l = each[k].along, s = each[k].shear, s_ratio = shear > 0 ? s / shear : NAN;

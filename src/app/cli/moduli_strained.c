@@ -11,7 +11,7 @@ void moduli_strained_columns(cli_writer *w, int dim) {
     cli_columns(w, SP_CELL_NUMBER, "residual", "", NULL);
 }
 
-static sp_status add_row(const char *path, const sp_packing *p, double strain, const sp_strained *s, sp_table *t,
+static sp_status add_row(const char *path, const sp_packing *p, double strain, const sp_finite_strain *s, sp_table *t,
                          sp_error *err) {
     const sp_moduli *m = &s->moduli;
     const int64_t sliding = s->sliding, lost = s->lost, made = s->made;
@@ -26,10 +26,10 @@ sp_status moduli_strained_rows(const moduli_arguments *a, const cli_file *file, 
     const sp_packing *p = &file->packing;
     sp_status status = SP_OK;
     for (int k = 0; k < a->strains && status == SP_OK; k++) {
-        sp_strained_options o = sp_strained_options_default();
-        sp_strained s;
+        sp_finite_strain_options o = sp_finite_strain_options_default();
+        sp_finite_strain s;
         o.strain = a->strain[k];
-        status = sp_moduli_strained(p, &file->network, NAN, &o, &s, err);
+        status = sp_moduli_finite_strain(p, &file->network, NAN, &o, &s, err);
         if (status == SP_OK)
             status = add_row(file->path, p, o.strain, &s, t, err);
         if (status != SP_OK)

@@ -15,6 +15,8 @@ static sp_status packing_table(const char *path, const sp_scene *scene, bool dis
     cli_file file = {.path = path, .scene = scene};
     cli_writer w = {.table = t, .err = err};
     w.status = cli_read_network(path, &scene->network, &file.packing, &file.network, err);
+    if (w.status == SP_EINVAL || w.status == SP_EREFUSED)
+        w.status = err->status = SP_EFORMAT; /* the fault of the file, which is named */
     cli_comment(&w, "spectrum = %s", dispersion ? "dispersion" : "dos");
     if (w.status == SP_OK)
         w.status = dispersion ? spectrum_dispersion(&a, &file, t, err) : spectrum_dos(&a, &file, t, err);

@@ -61,7 +61,7 @@ static void add_waves(const sp_dispersion *d, cli_writer *w) {
     cli_columns(w, SP_CELL_NUMBER, "k", "1/d", "rms", SPECTRUM_FREQUENCY, "spread", SPECTRUM_FREQUENCY, "peak",
                 SPECTRUM_FREQUENCY, "half_width", SPECTRUM_FREQUENCY, "resolution", SPECTRUM_FREQUENCY, NULL);
     for (int32_t q = 0; q < d->n && w->status == SP_OK; q++) {
-        const sp_wave *wave = &d->wave[q];
+        const sp_dispersion_point *wave = &d->wave[q];
         w->status = sp_table_add_row(w->table, w->err, polarizations[wave->polarization], (int64_t)wave->n, wave->k,
                                      wave->rms, wave->spread, wave->peak, wave->half_width, wave->resolution);
     }

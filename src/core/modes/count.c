@@ -1,0 +1,64 @@
+/* Counts the modes below a frequency by the inertia of K - omega^2 M. */
+#include "modes/count.h"
+#include "base/base.h"
+
+#include <float.h>
+#include <math.h>
+
+void sp_counter_free(counter *c) {
+    sp_ldl_free(c->ldl);
+    *c = (counter){0};
+}
+
+sp_status sp_counter_make(const sp_network *net, counter *out, sp_error *err) {
+    sp_sparse a = {0};
+    const double omega = sp_network_omega_bound(net);
+    counter c = {.top = omega * omega};
+    int64_t longest = 0;
+    sp_status status = sp_network_assemble(net, &a, err);
+    if (status != SP_OK)
+        return status;
+    for (int64_t k = 0; k < a.n; k++) {
+        longest = a.p[k + 1] - a.p[k] > longest ? a.p[k + 1] - a.p[k] : longest;
+        for (int64_t q = a.p[k]; q < a.p[k + 1]; q++)
+            a.x[q] /= sqrt(net->mass[k]) * sqrt(net->mass[a.i[q]]);
+    }
+    /* An entry is a sum over a few springs, each within a few roundings of a diagonal entry, which is below top. A row
+     * of the whole matrix has about twice the entries of a column of its lower triangle. */
+    c.noise = DBL_EPSILON * c.top * 16 * sqrt(2 * (double)longest);
+    status = sp_ldl_make(&a, &c.ldl, err);
+    sp_sparse_free(&a);
+    if (status == SP_OK)
+        *out = c;
+    else
+        sp_counter_free(&c);
+    return status;
+}
+
+/* Counts at limit + side x 64, 256, ... x noise, where errors of the factor and of the entries cannot move an
+ * eigenvalue across the limit. Moves farther away if a pivot vanishes. */
+static sp_status count_beside(const counter *c, double limit, double side, int64_t *count, sp_error *err) {
+    enum { TRIES = 12 };
+    double off = 64 * c->noise;
+    for (int k = 0; k < TRIES; k++, off *= 4) {
+        const double sigma = limit + side * off;
+        sp_error reason = {0};
+        const sp_status status = sp_ldl_factor(c->ldl, sigma, &reason);
+        if (status != SP_OK && status != SP_EREFUSED) {
+            if (err)
+                *err = reason;
+            return status;
+        }
+        if (status == SP_OK && sp_ldl_error(c->ldl) + c->noise < off) {
+            *count = sp_ldl_negative(c->ldl);
+            return SP_OK;
+        }
+    }
+    return sp_fail(err, SP_EREFUSED, "the modes below omega = %.10g cannot be counted: pivots vanish there",
+                   sqrt(limit));
+}
+
+sp_status sp_counter_below(const counter *c, double limit, int64_t *least, int64_t *most, sp_error *err) {
+    sp_status status = count_beside(c, limit, -1, least, err);
+    return status == SP_OK ? count_beside(c, limit, 1, most, err) : status;
+}

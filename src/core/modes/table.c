@@ -1,0 +1,174 @@
+/* Makes a table of modes from eigenpairs. */
+#include "modes/table.h"
+#include "base/base.h"
+#include "linalg/eigen.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* A mode before sorting. */
+typedef struct candidate {
+    sp_ritz ritz;
+    int64_t vector; /* row of its vector */
+} candidate;
+
+static int by_lambda(const void *a, const void *b) {
+    const candidate *x = a, *y = b;
+    if (x->ritz.lambda != y->ritz.lambda)
+        return x->ritz.lambda < y->ritz.lambda ? -1 : 1;
+    return (x->vector > y->vector) - (x->vector < y->vector);
+}
+
+static sp_status sort_modes(int64_t n, const sp_ritz *ritz, candidate **out, sp_error *err) {
+    candidate *list = sp_alloc((size_t)n, sizeof *list);
+    if (!list)
+        return sp_fail_memory(err, (size_t)n * sizeof *list);
+    for (int64_t k = 0; k < n; k++)
+        list[k] = (candidate){ritz[k], k};
+    qsort(list, (size_t)n, sizeof *list, by_lambda);
+    *out = list;
+    return SP_OK;
+}
+
+/* An eigenvalue below its own error is a floppy mode: omega = 0. One that is negative beyond its error has no
+ * frequency. */
+static sp_status put_frequencies(const candidate *list, int64_t n, sp_modes *m, sp_error *err) {
+    for (int64_t k = 0; k < n; k++) {
+        const double lambda = list[k].ritz.lambda, error = list[k].ritz.error;
+        const int64_t row = m->n_rattler + k;
+        if (lambda < -error)
+            return sp_fail(err, SP_EREFUSED,
+                           "omega^2 = %.6g of mode %lld is negative: the network is unstable (prestress)", lambda,
+                           (long long)(m->first + row));
+        if (lambda <= error) {
+            m->n_zero++;
+            m->omega[row] = 0;
+            m->error[row] = sqrt(fmax(lambda, 0) + error);
+        } else {
+            m->omega[row] = sqrt(lambda);
+            m->error[row] = error / (m->omega[row] + sqrt(lambda - error)) + DBL_EPSILON * m->omega[row];
+        }
+    }
+    return SP_OK;
+}
+
+/* Copies a vector with the sign that makes its largest component positive. */
+static void copy_vector(int64_t n, const double *from, double *to) {
+    int64_t largest = 0;
+    for (int64_t k = 1; k < n; k++)
+        if (fabs(from[k]) > fabs(from[largest]))
+            largest = k;
+    for (int64_t k = 0; k < n; k++)
+        to[k] = from[largest] < 0 ? -from[k] : from[k];
+}
+
+/* (sum w)^2/(N sum w^2) over grains, w = |e|^2 of a grain. */
+static double participation(const sp_network *net, const double *e) {
+    double sum = 0, squares = 0;
+    for (int32_t i = 0; i < net->n; i++) {
+        double w = 0;
+        for (int d = 0; d < net->dof; d++) {
+            const double part = e[(int64_t)i * net->dof + d];
+            w += part * part;
+        }
+        sum += w;
+        squares += w * w;
+    }
+    return sum * sum / (net->n * squares);
+}
+
+/* Amplitudes in u = sum a_n u^(n) sin(omega_n t): a_n = e . M^-1/2 p/omega_n for momenta p, or e . M^1/2 u(0) with cos
+ * for displacements; b_n = (detector) M^-1/2 e. a = 0 for floppy modes, whose limit sin(omega t)/omega = t does not fit
+ * this form. */
+static sp_status put_amplitudes(const sp_network *net, sp_source source, sp_modes *m, sp_error *err) {
+    const int64_t n = sp_network_dofs(net);
+    double *sent = sp_alloc((size_t)n, sizeof *sent), *seen = sp_alloc((size_t)n, sizeof *seen);
+    sp_status status = sent && seen ? SP_OK : sp_fail_memory(err, 2 * (size_t)n * sizeof *sent);
+    if (status == SP_OK)
+        status = sp_network_source(net, source, sent, err);
+    if (status == SP_OK)
+        status = sp_network_detector(net, seen, err);
+    if (status != SP_OK)
+        goto out;
+    for (int64_t k = 0; k < n; k++) {
+        const double root = sqrt(net->mass[k]);
+        sent[k] = source == SP_SOURCE_DISPLACEMENT ? sent[k] * root : sent[k] / root;
+        seen[k] /= root;
+    }
+    for (int64_t row = 0; row < m->n; row++) {
+        if (row < m->n_rattler) {
+            m->participation[row] = 1.0 / net->n; /* a single grain moves */
+            continue;
+        }
+        const double *e = m->vectors + (row - m->n_rattler) * n;
+        double a = 0, b = 0;
+        for (int64_t k = 0; k < n; k++) {
+            a += e[k] * sent[k];
+            b += e[k] * seen[k];
+        }
+        if (source != SP_SOURCE_DISPLACEMENT)
+            a = m->omega[row] > 0 ? a / m->omega[row] : 0;
+        m->a[row] = a;
+        m->b[row] = b;
+        m->participation[row] = participation(net, e);
+    }
+out:
+    sp_free(seen);
+    sp_free(sent);
+    return status;
+}
+
+static sp_status put_vectors(const sp_network *net, const double *vectors, const candidate *list, sp_modes *m,
+                             sp_error *err) {
+    const int64_t n = sp_network_dofs(net), count = m->n - m->n_rattler;
+    const double omega = sp_network_omega_bound(net);
+    m->residual = 0;
+    for (int64_t k = 0; k < count; k++) {
+        copy_vector(n, vectors + list[k].vector * n, m->vectors + k * n);
+        m->residual = fmax(m->residual, list[k].ritz.residual / (omega * omega));
+    }
+    return sp_orthogonality(n, count, m->vectors, &m->orthogonality, err);
+}
+
+static sp_status allocate(const sp_network *net, const sp_mode_pairs *set, sp_modes *m, sp_error *err) {
+    m->dofs = sp_network_dofs(net);
+    m->n_rattler = set->rattlers;
+    m->n_zero = m->n_rattler;
+    m->n = m->n_rattler + set->count;
+    m->first = set->first;
+    const size_t n = (size_t)m->n, count = (size_t)set->count;
+    m->omega = sp_alloc(n, sizeof *m->omega);
+    m->error = sp_alloc(n, sizeof *m->error);
+    if (set->vectors) {
+        m->a = sp_alloc(n, sizeof *m->a);
+        m->b = sp_alloc(n, sizeof *m->b);
+        m->participation = sp_alloc(n, sizeof *m->participation);
+        m->vectors = sp_alloc(count, (size_t)m->dofs * sizeof *m->vectors);
+    }
+    if (!m->omega || !m->error || (set->vectors && (!m->a || !m->b || !m->participation || !m->vectors)))
+        return sp_fail_memory(err, (5 * n + (set->vectors ? count * (size_t)m->dofs : 0)) * sizeof(double));
+    return SP_OK;
+}
+
+sp_status sp_modes_tabulate(const sp_network *net, sp_source source, const sp_mode_pairs *set, sp_modes *out,
+                            sp_error *err) {
+    sp_modes m = sp_modes_none();
+    candidate *list = NULL;
+    sp_status status = sort_modes(set->count, set->ritz, &list, err);
+    if (status == SP_OK)
+        status = allocate(net, set, &m, err);
+    if (status == SP_OK)
+        status = put_frequencies(list, set->count, &m, err);
+    if (status == SP_OK && set->vectors) {
+        status = put_vectors(net, set->vectors, list, &m, err);
+        if (status == SP_OK)
+            status = put_amplitudes(net, source, &m, err);
+    }
+    sp_free(list);
+    if (status == SP_OK)
+        *out = m;
+    else
+        sp_modes_free(&m);
+    return status;
+}
