@@ -80,12 +80,7 @@ static sp_status packing_front(const arguments *a, const cli_file *file, arrival
 
 /* ---- traces ----------------------------------------------------------------------------------------------------- */
 
-static double positive_number(const sp_table *t, const char *key) {
-    double value;
-    return sp_table_get_number(t, key, &value) && value > 0 ? value : NAN;
-}
-
-/* The k-th column of numbers, from 0; -1 if there are not so many. */
+/* The k-th column of numbers, counted from 0; -1 if there are fewer. */
 static int number_column(const sp_table *t, int k) {
     for (int c = 0; c < t->columns; c++)
         if (t->column[c].kind != SP_CELL_TEXT && k-- == 0)
@@ -106,15 +101,14 @@ static sp_status find_columns(const arguments *a, const sp_table *t, const char 
         *force = (int)number - 1;
     if (*time < 0 || *force < 0 || t->column[*time].kind == SP_CELL_TEXT || t->column[*force].kind == SP_CELL_TEXT) {
         if (a->column)
-            return sp_fail(err, SP_EFORMAT, "%s: no column %.60s of numbers beside the times", path, a->column);
+            return sp_fail(err, SP_EFORMAT, "%s: has no column %.60s of numbers beside the times", path, a->column);
         return sp_fail(err, SP_EFORMAT,
-                       "%s: two columns of numbers are needed, times and forces, parted by tabs or blanks", path);
+                       "%s: must have two columns of numbers, times and forces, separated by tabs or blanks", path);
     }
     return SP_OK;
 }
 
-/* From source to detector by the comment of a signal's column, "F2 = from PLACE to PLACE, ..."; the height where it
- * says nothing else. */
+/* The height of the detector, if the table says "F2 = from PLACE to PLACE, ..." of the column; else the packing's. */
 static double distance_of(const sp_table *t, const char *column, double height) {
     plot_detector detector;
     if (!plot_find_detector(t, column, &detector))
@@ -126,29 +120,20 @@ static double distance_of(const sp_table *t, const char *column, double height) 
 
 static sp_status trace_front(const arguments *a, const char *path, const sp_table *t, int time, int force, arrival *out,
                              sp_error *err) {
-    const size_t n = (size_t)t->rows;
-    double *memory = sp_alloc(n, 2 * sizeof *memory);
-    if (!memory)
-        return sp_fail_memory(err, n * 2 * sizeof *memory);
-    for (size_t k = 0; k < n; k++) {
-        memory[k] = sp_table_number(t, (int64_t)k, time);
-        memory[n + k] = sp_table_number(t, (int64_t)k, force);
-    }
-    const double height = positive_number(t, "height"), pressure = positive_number(t, "pressure");
+    plot_signal s;
+    sp_status status = plot_column_signal(t, time, force, &s, err);
+    if (status != SP_OK)
+        return status;
     sp_front_options rule = sp_front_options_default();
-    if (!isnan(a->window))
-        rule.window = a->window;
-    else if (!isnan(height) && !isnan(pressure))
-        rule.window = sp_signal_window(height, pressure);
-    *out = (arrival){.distance = distance_of(t, t->column[force].name, height)};
-    snprintf(out->time, sizeof out->time, "%s", t->column[time].unit);
-    snprintf(out->force, sizeof out->force, "%s", t->column[force].unit);
-    if (strcmp(out->time, time_unit) == 0)
-        snprintf(out->length, sizeof out->length, "d");
-    const sp_status status = sp_front_find(t->rows, memory, memory + n, &rule, &out->front, err);
+    rule.window = isnan(a->window) ? s.window : a->window;
+    *out = (arrival){.distance = distance_of(t, t->column[force].name, s.height)};
+    snprintf(out->time, sizeof out->time, "%s", s.t_unit);
+    snprintf(out->force, sizeof out->force, "%s", s.f_unit);
+    snprintf(out->length, sizeof out->length, "%s", s.foreign ? "" : "d");
+    status = sp_front_find(s.n, s.t, s.f, &rule, &out->front, err);
     if (status != SP_OK)
         sp_fail_prefix(err, "%s", path);
-    sp_free(memory);
+    sp_free(s.t);
     return status;
 }
 

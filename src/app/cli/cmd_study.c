@@ -159,7 +159,8 @@ static sp_status report(const arguments *a, sp_status status, const sp_study_pro
     char ranks[40] = "";
     cli_progress_end();
     if (status == SP_EINTERRUPTED)
-        return sp_fail(err, status, "stopped with %lld of %lld samples done, all kept in %s: the same command goes on",
+        return sp_fail(err, status,
+                       "stopped with %lld of %lld samples done, all kept in %s: the same command continues",
                        (long long)done->done, (long long)done->total, a->store);
     if (a->ranks.size > 1)
         snprintf(ranks, sizeof ranks, " by %d ranks", a->ranks.size);

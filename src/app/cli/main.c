@@ -113,7 +113,7 @@ static int help(int argc, char **argv) {
     return run(command, 2, arguments);
 }
 
-/* If one of the files 0, 1 and 2 were closed, a result file would get its number, and whatever is printed there. */
+/* If file 0, 1 or 2 were closed, a result file would get its number, and with it what is printed. */
 static void keep_standard_files(void) {
     for (int file = 0; file <= 2; file++)
         if (fcntl(file, F_GETFD) == -1 && open("/dev/null", file == 0 ? O_WRONLY : O_RDONLY) != file)

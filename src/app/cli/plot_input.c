@@ -200,7 +200,7 @@ int plot_count_signals(const sp_table *t, int first) {
     return n > 1 ? n - 1 : 1;
 }
 
-static sp_status column_signal(const sp_table *table, int time, int force, plot_signal *out, sp_error *err) {
+sp_status plot_column_signal(const sp_table *table, int time, int force, plot_signal *out, sp_error *err) {
     const int64_t n = table->rows;
     double *t = sp_alloc((size_t)n, 2 * sizeof *t);
     if (!t)
@@ -210,7 +210,7 @@ static sp_status column_signal(const sp_table *table, int time, int force, plot_
         t[n + k] = sp_table_number(table, k, force);
     }
     const double height = positive_number(table, "height"), pressure = positive_number(table, "pressure");
-    *out = (plot_signal){.n = n, .t = t, .f = t + n, .distance = NAN};
+    *out = (plot_signal){.n = n, .t = t, .f = t + n, .height = height > 0 ? height : NAN, .distance = NAN};
     out->window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
     out->foreign = strcmp(table->column[time].unit, "d/sqrt(E* / rho)") != 0;
     snprintf(out->t_unit, sizeof out->t_unit, "%s", table->column[time].unit);
@@ -274,7 +274,7 @@ static sp_status table_signals(const char *path, plot_signals *out, sp_error *er
     if (status == SP_OK)
         status = begin_signals(plot_count_signals(&table, column[1]), out, err);
     for (int k = 0; status == SP_OK && k < out->n; k++) {
-        status = column_signal(&table, column[0], column[1] + k, &out->signal[k], err);
+        status = plot_column_signal(&table, column[0], column[1] + k, &out->signal[k], err);
         if (status == SP_OK)
             name_signal(&table, k, out->n > 1, &out->signal[k]);
     }

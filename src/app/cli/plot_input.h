@@ -20,6 +20,7 @@ typedef struct plot_signal {
     double window; /* the first front is searched for up to this time; 0: everywhere */
     bool foreign;  /* the times are not in d/sqrt(E* / rho) */
     char t_unit[sizeof((sp_column *)0)->unit], f_unit[sizeof((sp_column *)0)->unit]; /* "": unknown */
+    double height;                                                                   /* of the packing; NAN: unknown */
     double distance; /* from the bottom wall to the detector; NAN: unknown */
     char name[64];   /* of one signal of several: "y = 25", the detector, or "F2"; else "" */
 } plot_signal;
@@ -34,6 +35,9 @@ bool plot_find_detector(const sp_table *t, const char *column, plot_detector *ou
 
 /* Number of columns F1, F2, ... from column `first` on; 1 if that has another name. */
 int plot_count_signals(const sp_table *t, int first);
+
+/* Reads two columns of a table as times and forces. Sets neither distance nor name. Free out->t. */
+sp_status plot_column_signal(const sp_table *table, int time, int force, plot_signal *out, sp_error *err);
 
 typedef struct plot_signals {
     int n;
