@@ -296,7 +296,7 @@ static sp_status check(void *user, sp_error *err) {
     a->files = a->common.files;
     a->file = a->common.file;
     if (a->store && a->files > 0)
-        return sp_fail(err, SP_EINVAL, "%s: a file cannot be combined with --store", a->file[0]);
+        return sp_fail(err, SP_EINVAL, "%s: must be a file or --store, not both", a->file[0]);
     if (!a->store && a->files == 0)
         return sp_fail(err, SP_EINVAL, "plot %s: no file to draw", name);
     if (a->files > a->kind->files_max)

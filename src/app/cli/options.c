@@ -91,6 +91,7 @@ static int cores(void) {
 /* A command line while argp reads it. The key of option k is FIRST_KEY + k, or its letter. */
 typedef struct reading {
     const cli_syntax *syntax;
+    const char *command; /* name */
     void *arguments;
     int count;
     const cli_option *option[OPTIONS_MAX];
@@ -151,6 +152,18 @@ static bool has_word(const char *words, const char *word, size_t length) {
     return false;
 }
 
+/* Refuses an option that does not apply to the kind. */
+static sp_status check_option(const reading *r, const cli_option *o, const char *kind, sp_error *err) {
+    char list[200] = "";
+    size_t used = 0;
+    if (!o->kinds || has_word(o->kinds, kind, strlen(kind)))
+        return SP_OK;
+    for (const char *at = o->kinds; *at && used < sizeof list; at++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s", *at == ' ' ? " or " : (char[]){*at, '\0'});
+    return sp_fail(err, SP_EINVAL, "--%s: is no option of %s %s; only %s %s can use it", o->name, r->command, kind,
+                   r->command, list);
+}
+
 static sp_status check_kind(const reading *r, cli_common *common, sp_error *err) {
     const cli_syntax *s = r->syntax;
     char list[400];
@@ -159,12 +172,9 @@ static sp_status check_kind(const reading *r, cli_common *common, sp_error *err)
     sp_status status = cli_choose(s->kind_name, common->file[0], s->kinds, &common->kind, err);
     common->file++;
     common->files--;
-    for (int k = 0; k < r->count && k < 64 && status == SP_OK; k++) {
-        const char *kind = s->kinds[common->kind], *kinds = r->option[k]->kinds;
-        if (common->given >> k & 1 && kinds && !has_word(kinds, kind, strlen(kind)))
-            status = sp_fail(err, SP_EINVAL, "--%s: the %s %s does not take this option", r->option[k]->name,
-                             s->kind_name, kind);
-    }
+    for (int k = 0; k < r->count && k < 64 && status == SP_OK; k++)
+        if (common->given >> k & 1)
+            status = check_option(r, r->option[k], s->kinds[common->kind], err);
     return status;
 }
 
@@ -207,7 +217,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
 
 void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments) {
     cli_common *common = arguments;
-    reading r = {.syntax = syntax, .arguments = arguments};
+    reading r = {.syntax = syntax, .command = argv[0] + strlen("sonopack "), .arguments = arguments};
     add_options(&r, syntax->options, 0);
     if (syntax->springs)
         add_options(&r, springs_options, 50);
