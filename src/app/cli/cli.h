@@ -99,6 +99,9 @@ extern const char *const cli_source_names[]; /* by sp_source */
 char *cli_list_words(const char *const *words, char *text, size_t size);
 /* The index of a word in a list that NULL ends. SP_EINVAL lists the words. */
 sp_status cli_choose(const char *option, const char *word, const char *const *words, int *out, sp_error *err);
+/* The index of the name that a misspelt word most likely means; -1 if none is similar. name(k) is NULL after the last.
+ */
+int cli_nearest(const char *word, const char *(*name)(int k, const void *user), const void *user);
 /* A finite decimal number between low and high, and nothing else. The option's name is for the message. */
 sp_status cli_number(const char *option, const char *text, double low, double high, double *out, sp_error *err);
 sp_status cli_integer(const char *option, const char *text, int64_t low, int64_t high, int64_t *out, sp_error *err);

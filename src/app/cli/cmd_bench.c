@@ -72,20 +72,15 @@ static const cli_syntax syntax = {
     .usage = "[CASE...]",
     .help =
         "Measures run time against error, on two packings of packings/reference, one of 30 grains and a lattice of "
-        "3600. "
-        "Cases: signal (all methods and parameters), long (up to 10^6 over the largest frequency, small networks "
-        "only), many "
-        "(from 12 grains to 12 others), damped, modes (the 10 and the 100 lowest, all, and all frequencies without "
-        "vectors), moduli (all of these are the default), and pack: the compression of packings at 1e-4 .. 1e-7, of "
-        "600 "
-        "grains or as --set says (one minute).\v"
+        "3600. Cases: signal (all methods and parameters), long (up to 10^6 over the largest frequency, small "
+        "networks only), many (from 12 grains to 12 others), damped, modes (the 10 and the 100 lowest, all, and all "
+        "frequencies without vectors), moduli (all of these are the default), and pack: the compression of packings "
+        "at 1e-4 .. 1e-7, of 600 grains or as --set says (one minute).\v"
         "seconds: median CPU time. error: for a signal, the largest difference, over the peak, from the signal of "
-        "another "
-        "method, the one with the smallest error bound (damped: its own bound); for modes, the largest bound for the "
-        "relative error of a frequency; for moduli, the bound for C22; for packings, the largest acceleration over p "
-        "(five "
-        "seeds). parameter: the tolerance, the time step of verlet and lax-wendroff, or p. memory_MB: growth of the "
-        "resident memory. `sonopack plot pareto' draws the table.",
+        "another method, the one with the smallest error bound (damped: its own bound); for modes, the largest bound "
+        "for the relative error of a frequency; for moduli, the bound for C22; for packings, the largest "
+        "acceleration over p (five seeds). parameter: the tolerance, the time step of verlet and lax-wendroff, or p. "
+        "memory_MB: growth of the resident memory. `sonopack plot pareto' draws the table.",
     .options = options,
     .file_name = "case",
     .files_max = CLI_ANY_NUMBER,
@@ -111,32 +106,26 @@ static sp_status bench_network(const arguments *a, const char *name, const sp_ne
     return status;
 }
 
-static sp_status bench_file(const arguments *a, const char *path, sp_table *t, sp_error *err) {
+/* Makes a packing, or reads the file if `m` is NULL, and runs the cases on its network. */
+static sp_status bench_packing(const arguments *a, const struct made *m, const char *path, sp_table *t, sp_error *err) {
     const sp_network_options o = sp_network_options_default();
-    const char *slash = strrchr(path, '/');
-    sp_packing p;
-    sp_network net;
-    sp_status status = cli_read_network(path, &o, &p, &net, err);
-    if (status == SP_OK)
-        status = bench_network(a, slash ? slash + 1 : path, &net, t, err);
-    sp_network_free(&net);
-    sp_packing_free(&p);
-    return status;
-}
-
-static sp_status bench_made(const arguments *a, const struct made *m, sp_table *t, sp_error *err) {
-    const sp_network_options o = sp_network_options_default();
+    const char *slash = m ? NULL : strrchr(path, '/');
     sp_pack_spec spec = sp_pack_spec_default();
     sp_packing p = sp_packing_none();
     sp_network net = sp_network_none();
-    spec.kind = m->kind;
-    spec.grains = m->grains;
-    spec.width = m->width;
-    sp_status status = sp_packing_make(&spec, NULL, NULL, &p, err);
+    sp_status status;
+    if (m) {
+        spec.kind = m->kind;
+        spec.grains = m->grains;
+        spec.width = m->width;
+        status = sp_packing_make(&spec, NULL, NULL, &p, err);
+        if (status == SP_OK)
+            status = sp_network_make(&p, &o, &net, err);
+    } else {
+        status = cli_read_network(path, &o, &p, &net, err);
+    }
     if (status == SP_OK)
-        status = sp_network_make(&p, &o, &net, err);
-    if (status == SP_OK)
-        status = bench_network(a, m->name, &net, t, err);
+        status = bench_network(a, m ? m->name : slash ? slash + 1 : path, &net, t, err);
     sp_network_free(&net);
     sp_packing_free(&p);
     return status;
@@ -154,9 +143,9 @@ static sp_status work(const arguments *a, sp_error *err) {
     if (status == SP_OK)
         status = add_columns(&t, err);
     for (int k = 0; k < files && a->cases && status == SP_OK; k++)
-        status = bench_file(a, a->packings > 0 ? a->packing[k] : reference[k], &t, err);
+        status = bench_packing(a, NULL, a->packings > 0 ? a->packing[k] : reference[k], &t, err);
     for (int k = 0; k < MADE && a->cases && a->packings == 0 && status == SP_OK; k++)
-        status = bench_made(a, &made[k], &t, err);
+        status = bench_packing(a, &made[k], NULL, &t, err);
     if (status == SP_OK && a->pack)
         status = bench_pack(&a->common, &scene, &t, err);
     if (status == SP_OK)

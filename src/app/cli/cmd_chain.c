@@ -62,18 +62,15 @@ static const cli_option options[] = {
 static const cli_syntax syntax = {
     .usage = "KIND",
     .help =
-        "The chain of N equal balls between two walls in closed form (Somfai et al. 2005, Section V A and Appendix C). "
-        "KIND is one of:\n"
+        "The chain of N equal balls between two walls in closed form (Somfai et al. 2005, Section V A and Appendix "
+        "C). KIND is one of:\n"
         "  front   the first front, and its local exponents against length\n"
         "  signal  force on the wall, and the front of an infinitely long chain\n"
         "  modes   frequencies and amplitudes\v"
         "Lengths are in units of the distance l between two balls, times in l/c, forces in K l, where c is the speed "
-        "of "
-        "long waves and K the stiffness of a contact. The first ball has the speed c (A), or is displaced by l (B). "
-        "With "
-        "--pressure the units are those of packings, and the signal is that of `sonopack signal' for packing.kind = "
-        "chain, "
-        "from an impulse (A) or a displacement (B).",
+        "of long waves and K the stiffness of a contact. The first ball has the speed c (A), or is displaced by l "
+        "(B). With --pressure the units are those of packings, and the signal is that of `sonopack signal' for "
+        "packing.kind = chain, from an impulse (A) or a displacement (B).",
     .options = options,
     .kinds = kinds,
     .kind_name = "kind of table",

@@ -11,27 +11,28 @@ typedef struct arguments {
 
 static const cli_syntax syntax = {
     .usage = "[SCENE]",
-    .help = "A vertical column of particles on a floor that is tapped, described by the keys column.* of a scene "
-            "(cm, g, s). column.output selects the table.\v"
-            "trajectory: heights of the floor (y0) and of the particles, one row per column.step.\n"
-            "strobe: heights of the particles and density of the column at the end of each tap, at .99T, 1.99T, ...\n"
-            "energy: one row per tap, with the work of the floor, the energy lost in contacts, the time until "
-            "everything is at rest (nan: never), and the smallest separation of two neighbouring centres, with its "
-            "time and its contact (0 is the contact with the floor, i that of particles i and i + 1).\n"
-            "density: along the column.\n"
-            "compare: differences between the continuum models longwave and bsr and the particles.\n"
-            "bifurcation: heights of the particles at .99T, ... for each of column.points values of column.parameter "
-            "from column.from to column.to.\n"
-            "lyapunov: the largest Lyapunov exponent per tap for the same values.\n"
-            "\n"
-            "Without a SCENE, that of packings/column.cfg is used. Comments of the table give every parameter. "
-            "Comments that begin with \"warning:\", which also go to stderr, say where the model breaks down: where "
-            "a particle is pressed beyond the centre of its neighbour, so that no contact law applies, or where a "
-            "method or an equation does not reproduce the column.\n"
-            "\n"
-            "  sonopack column packings/column.cfg -o column.tsv\n"
-            "  sonopack column --set column.output=strobe\n"
-            "  sonopack column packings/column-bifurcation.cfg -o b.tsv",
+    .help =
+        "A vertical column of particles on a floor that is tapped, described by the keys column.* of a scene (cm, g, "
+        "s). column.output selects the table.\v"
+        "trajectory: heights of the floor (y0) and of the particles, one row per column.step.\n"
+        "strobe: heights of the particles and density of the column at the end of each tap, at .99T, 1.99T, ...\n"
+        "energy: one row per tap, with the work of the floor, the energy lost in contacts, the time until everything "
+        "is at rest (nan: never), and the smallest separation of two neighbouring centres, with its time and its "
+        "contact (0 is the contact with the floor, i that of particles i and i + 1).\n"
+        "density: along the column.\n"
+        "compare: differences between the continuum models longwave and bsr and the particles.\n"
+        "bifurcation: heights of the particles at .99T, ... for each of column.points values of column.parameter "
+        "from column.from to column.to.\n"
+        "lyapunov: the largest Lyapunov exponent per tap for the same values.\n"
+        "\n"
+        "Without a SCENE, that of packings/column.cfg is used. Comments of the table give every parameter. Comments "
+        "that begin with \"warning:\", which also go to stderr, say where the model breaks down: where a particle is "
+        "pressed beyond the centre of its neighbour, so that no contact law applies, or where a method or an "
+        "equation does not reproduce the column.\n"
+        "\n"
+        "  sonopack column packings/column.cfg -o column.tsv\n"
+        "  sonopack column --set column.output=strobe\n"
+        "  sonopack column packings/column-bifurcation.cfg -o b.tsv",
     .file_name = "scene",
     .files_max = 1};
 

@@ -21,17 +21,15 @@ static const cli_option options[] = {
 static const cli_syntax syntax = {
     .usage = "IN OUT [--grain-table G.tsv --contact-table C.tsv]\nIN --grain-table G.tsv --contact-table C.tsv\n"
              "OUT --grain-table G.tsv --contact-table C.tsv",
-    .help = "Converts packings between HDF5 (.h5), a text file (.txt), and two tables.\v"
-            "The format of IN is recognised by its content, that of OUT by its ending, .h5 or .txt. With two tables "
-            "and one "
-            "packing file, the existing one of the two is read and the other is written. A table of grains may also "
-            "take the "
-            "place of IN or OUT; then only the table of contacts needs an option:\n"
-            "  sonopack convert grains.tsv P.h5 --contact-table contacts.tsv\n"
-            "With IN, OUT and both tables the packing is written in both forms.\n"
-            "Box and material of tables are in comment lines `# key = value' or in --set key=value: width, depth (3D), "
-            "height, "
-            "pressure, friction, poisson, wall, seed. Lengths are in mean grain diameters, pressures in E*.",
+    .help =
+        "Converts packings between HDF5 (.h5), a text file (.txt), and two tables.\v"
+        "The format of IN is recognised by its content, that of OUT by its ending, .h5 or .txt. With two tables and "
+        "one packing file, the existing one of the two is read and the other is written. A table of grains may also "
+        "take the place of IN or OUT; then only the table of contacts needs an option:\n"
+        "  sonopack convert grains.tsv P.h5 --contact-table contacts.tsv\n"
+        "With IN, OUT and both tables the packing is written in both forms.\n"
+        "Box and material of tables are in comment lines `# key = value' or in --set key=value: width, depth (3D), "
+        "height, pressure, friction, poisson, wall, seed. Lengths are in mean grain diameters, pressures in E*.",
     .options = options,
     .file_name = "packing",
     .files_max = 2};

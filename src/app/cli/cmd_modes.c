@@ -76,10 +76,11 @@ static const cli_syntax syntax = {
     .help =
         "Eigenfrequencies of the spring network of a packing between fixed walls, and the weight of each mode in the "
         "signal.\v"
-        "Modes are sorted by omega; the zero modes of rattlers come first. The signal is F(t) = sum of ab sin(omega t) "
-        "(cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share of a grain in the mode "
-        "and N the number of grains without rattlers. error is a bound for the error of omega. --set takes keys of the "
-        "group network.\n\n"
+        "Modes are sorted by omega; the zero modes of rattlers come first. The signal is F(t) = sum of ab sin(omega "
+        "t) (cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share of a grain in the "
+        "mode and N the number of grains without rattlers. error is a bound for the error of omega. --set takes keys "
+        "of the group network.\n"
+        "\n"
         "With --damping, F(t) = sum of exp(-decay t) (cosine cos(omega t) + sine sin(omega t)). Each conjugate pair "
         "has one row, each overdamped mode a row with omega = 0; n starts at 0 without rattlers.",
     .options = options,

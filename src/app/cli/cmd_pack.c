@@ -33,9 +33,10 @@ static const cli_syntax syntax = {
     .usage = "[SCENE] -o FILE",
     .help =
         "Compresses one packing of a scene, saves it, and prints a summary.\v"
-        "FILE ends in .h5 (HDF5) or .txt (text). Without SCENE all keys have their defaults, except those of --set. If "
-        "the compression is interrupted, the same command continues it: the state is kept in FILE.state. With "
-        "packing.history the packing at each of its pressures is saved beside FILE (P.stage1.h5).\n\n"
+        "FILE ends in .h5 (HDF5) or .txt (text). Without SCENE all keys have their defaults, except those of --set. "
+        "If the compression is interrupted, the same command continues it: the state is kept in FILE.state. With "
+        "packing.history the packing at each of its pressures is saved beside FILE (P.stage1.h5).\n"
+        "\n"
         "  sonopack pack packings/single.cfg --seed 7 -o P.h5\n"
         "  sonopack pack --set packing.grains=200 --set packing.pressure=1e-5 -o P.txt",
     .options = options,

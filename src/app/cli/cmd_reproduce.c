@@ -22,35 +22,23 @@ typedef struct arguments {
     int64_t failed; /* samples, as of the last progress report */
 } arguments;
 
-static const char *item_name(const arguments *a, int item) {
+static const char *item_name(int item, const void *user) {
+    const arguments *a = user;
     return a->column ? sp_paper_column_item_name(item) : sp_paper_item_name(item);
 }
 
-static void item_names(const arguments *a, char *text, size_t size) {
-    size_t used = 0;
-    for (int k = 0; item_name(a, k) && used < size; k++)
-        used += (size_t)snprintf(text + used, size - used, "%s%s", k > 0 ? ", " : "", item_name(a, k));
-}
-
 static sp_status find_item(const arguments *a, const char *name, int *item, sp_error *err) {
-    int near = -1, least = 1000;
-    for (int k = 0; item_name(a, k); k++) {
-        const int distance = sp_edit_distance(name, item_name(a, k));
-        if (distance == 0) {
-            *item = k;
-            return SP_OK;
-        }
-        if (distance < least && sp_is_near(name, distance)) {
-            least = distance;
-            near = k;
-        }
-    }
-    char names[200];
-    item_names(a, names, sizeof names);
-    if (near >= 0)
-        return sp_fail(err, SP_EINVAL, "--only %.60s: did you mean %s? must be one of %s", name, item_name(a, near),
-                       names);
-    return sp_fail(err, SP_EINVAL, "--only %.60s: must be one of %s", name, names);
+    char names[200] = "";
+    size_t used = 0;
+    for (int k = 0; item_name(k, a) && used < sizeof names; k++)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", k > 0 ? ", " : "", item_name(k, a));
+    *item = cli_nearest(name, item_name, a);
+    if (*item < 0)
+        return sp_fail(err, SP_EINVAL, "--only %.60s: must be one of %s", name, names);
+    if (strcmp(name, item_name(*item, a)) == 0)
+        return SP_OK;
+    return sp_fail(err, SP_EINVAL, "--only %.60s: did you mean %s? must be one of %s", name, item_name(*item, a),
+                   names);
 }
 
 static sp_status read_items(arguments *a, sp_error *err) {
@@ -110,29 +98,24 @@ static const cli_option options[] = {
 static const cli_syntax syntax = {
     .usage = "somfai2005 --store DIR [-o FOLDER]\nblackmore2011 [-o FOLDER]",
     .help =
-        "Computes the results of a paper and compares them with the printed values. somfai2005: E. Somfai, J.-N. Roux, "
-        "J. H. Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, 021301 (2005), with newly compressed "
-        "packings. "
-        "blackmore2011: D. Blackmore, A. Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. Mater. Struct. 6 "
-        "(2011), on "
-        "the tapped column.\v"
-        "With -o FOLDER a report is written, report.html and report.md, with all figures and their numbers.\n\n"
+        "Computes the results of a paper and compares them with the printed values. somfai2005: E. Somfai, J.-N. "
+        "Roux, J. H. Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, 021301 (2005), with newly compressed "
+        "packings. blackmore2011: D. Blackmore, A. Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. Mater. "
+        "Struct. 6 (2011), on the tapped column.\v"
+        "With -o FOLDER a report is written, report.html and report.md, with all figures and their numbers.\n"
+        "\n"
         "somfai2005 prints one row per value: mean and standard deviation in the paper, our mean and its standard "
-        "error, "
-        "the difference in standard deviations (sigma), and the verdict: agrees (within one standard deviation), "
-        "deviates, "
-        "or missing (no value or no scatter). deviation_err is the difference divided by the standard errors of both "
-        "means "
-        "and the rounding in print. Comments count both, with chi^2 and with systematic differences. Statements in "
-        "words "
-        "hold, are contradicted or undecided. Items: table1 to table5, fig1 to fig12, claims; only the samples that "
-        "they "
-        "need are computed. The samples stay in the store: an interrupted run continues where it stopped, and further "
-        "samples or items reuse what is there.\n\n"
+        "error, the difference in standard deviations (sigma), and the verdict: agrees (within one standard "
+        "deviation), deviates, or missing (no value or no scatter). deviation_err is the difference divided by the "
+        "standard errors of both means and the rounding in print. Comments count both, with chi^2 and with "
+        "systematic differences. Statements in words hold, are contradicted or undecided. Items: table1 to table5, "
+        "fig1 to fig12, claims; only the samples that they need are computed. The samples stay in the store: an "
+        "interrupted run continues where it stopped, and further samples or items reuse what is there.\n"
+        "\n"
         "blackmore2011 prints one row per value: what is printed or follows from it, our value with its error, the "
-        "verdict "
-        "(agrees, deviates, erratum, not given; for statements holds, contradicted, undecided), and the reason. Items: "
-        "errata, fig1, fig2, symbols, chaos, claims. This takes seconds and needs no store.\n\n"
+        "verdict (agrees, deviates, erratum, not given; for statements holds, contradicted, undecided), and the "
+        "reason. Items: errata, fig1, fig2, symbols, chaos, claims. This takes seconds and needs no store.\n"
+        "\n"
         "  sonopack reproduce somfai2005 --store results/somfai2005 -o results/report\n"
         "  sonopack reproduce somfai2005 --only table2,fig8 --samples 4 --store results/somfai2005\n"
         "  sonopack reproduce blackmore2011 --only errata",

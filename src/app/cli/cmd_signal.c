@@ -100,27 +100,24 @@ static const cli_syntax syntax = {
     .usage = "FILE",
     .help =
         "Force on the top wall, minus its value at rest, after a short pulse at the bottom wall, from the linear "
-        "equation "
-        "of motion between fixed walls.\v"
-        "The columns t and F are the response to a pulse of unit strength. Comments give the height, the pressure, the "
-        "method, and a bound for the error of F. The command fails rather than exceed the tolerance. --set takes keys "
-        "of "
-        "the groups network and signal.\n\n"
+        "equation of motion between fixed walls.\v"
+        "The columns t and F are the response to a pulse of unit strength. Comments give the height, the pressure, "
+        "the method, and a bound for the error of F. The command fails rather than exceed the tolerance. --set takes "
+        "keys of the groups network and signal.\n"
+        "\n"
         "With several sources or detectors there is a column F1, F2, ... for each pair, explained by a comment. A "
-        "plane "
-        "measures the momentum flux through it. part:X0:X1 consists of the grains at the wall whose centres are at X0 "
-        "<= "
-        "x < X1. grain:I (from 0) is measured by its contact with the wall, or by the net force on it if it does not "
-        "touch the wall.\n\n"
-        "Methods: chebyshev (polynomial expansion with matrix products), dense (sum over all modes), sparse (sum over "
-        "the lowest modes, as many as the tolerance needs), verlet and lax-wendroff (time steps of second and fourth "
-        "order), faber (polynomial expansion with damping), dynamics (nonlinear motion of the packing), auto (the "
-        "fastest of "
-        "the linear methods).\n\n"
-        "Pulses: gauss (standard deviation WIDTH) and square have unit integral; ricker and sine (under a Hann window) "
-        "have the angular frequency OMEGA and the amplitude 1. gauss and ricker are centred at t = 0. A file has "
-        "columns "
-        "of times and strengths, which are interpolated linearly.",
+        "plane measures the momentum flux through it. part:X0:X1 consists of the grains at the wall whose centres "
+        "are at X0 <= x < X1. grain:I (from 0) is measured by its contact with the wall, or by the net force on it "
+        "if it does not touch the wall.\n"
+        "\n"
+        "Methods: chebyshev (polynomial expansion with matrix products), dense (sum over all modes), sparse (sum "
+        "over the lowest modes, as many as the tolerance needs), verlet and lax-wendroff (time steps of second and "
+        "fourth order), faber (polynomial expansion with damping), dynamics (nonlinear motion of the packing), auto "
+        "(the fastest of the linear methods).\n"
+        "\n"
+        "Pulses: gauss (standard deviation WIDTH) and square have unit integral; ricker and sine (under a Hann "
+        "window) have the angular frequency OMEGA and the amplitude 1. gauss and ricker are centred at t = 0. A file "
+        "has columns of times and strengths, which are interpolated linearly.",
     .options = options,
     .file_name = "packing",
     .files_min = 1,
@@ -148,7 +145,7 @@ static sp_status set_options(arguments *a, const sp_scene *scene, const sp_packi
     if (a->method != NOT_GIVEN)
         o.method = (sp_signal_method)a->method;
     if (a->amplitude >= 0 && o.method != SP_SIGNAL_DYNAMICS)
-        return sp_fail(err, SP_EINVAL, "--amplitude: applies only to --method dynamics; linear signals scale");
+        return sp_fail(err, SP_EINVAL, "--amplitude: applies only to --method dynamics, the other signals are linear");
     if (o.method == SP_SIGNAL_DYNAMICS && a->tolerance < 0)
         o.tolerance = fmax(o.tolerance, DYNAMICS_TOLERANCE);
     if (a->source != NOT_GIVEN)
@@ -259,15 +256,8 @@ static sp_status compute(void *user, cli_file *file, sp_table *t, sp_error *err)
 int cmd_signal(int argc, char **argv) {
     static const cli_files command = {
         .groups = "network signal", .contents = CLI_NETWORK, .stop = true, .begin = open_pulse, .add = compute};
-    arguments a = {.until = -1,
-                   .tolerance = -1,
-                   .step = -1,
-                   .damping = -1,
-                   .amplitude = -1,
-                   .points = -1,
-                   .method = NOT_GIVEN,
-                   .source = NOT_GIVEN,
-                   .sources = {.sources = true}};
+    arguments a = {.points = -1, .method = NOT_GIVEN, .source = NOT_GIVEN, .sources = {.sources = true}};
+    a.until = a.tolerance = a.step = a.damping = a.amplitude = -1;
     cli_parse(&syntax, argc, argv, &a);
     const int status = cli_run_files(&command, &a);
     cli_pulse_free(&a.pulse);

@@ -12,21 +12,10 @@ static const spectrum_table tables[] = {spectrum_dos,      spectrum_transmission
                                         spectrum_harmonic, spectrum_participation, spectrum_continuum};
 
 spectrum_arguments spectrum_arguments_default(void) {
-    return (spectrum_arguments){.method = -1,
-                                .norm = -1,
-                                .direction = -1,
-                                .bins = -1,
-                                .vectors = -1,
-                                .seed = -1,
-                                .waves = -1,
-                                .layers = -1,
-                                .lowest = -1,
-                                .until = -1,
-                                .resolution = -1,
-                                .damping = -1,
-                                .node = -1,
-                                .tolerance = -1,
-                                .range = {NAN, NAN}};
+    spectrum_arguments a = {.method = -1, .norm = -1, .direction = -1, .range = {NAN, NAN}};
+    a.bins = a.vectors = a.seed = a.waves = a.layers = a.lowest = -1;
+    a.until = a.resolution = a.damping = a.node = a.tolerance = -1;
+    return a;
 }
 
 static sp_status set_range(void *user, const char *text, sp_error *err) {
@@ -87,15 +76,16 @@ static const cli_option options[] = {
 
 static const cli_syntax syntax = {
     .usage = "KIND FILE",
-    .help = "Spectra of the spring network of a packing between fixed walls. KIND is one of:\n"
-            "  dos            density of states\n"
-            "  transmission   spectrum of the signal from wall to wall\n"
-            "  dispersion     frequencies of longitudinal, transverse and rotational waves\n"
-            "  harmonic       response to harmonic driving, with wave number and attenuation\n"
-            "  participation  participation ratio of the modes against frequency\n"
-            "  continuum      lowest modes compared with those of a homogeneous elastic strip\v"
-            "All frequencies are angular frequencies, in sqrt(E* / rho)/d. Comments give the method, the resolution, "
-            "and what is left out. --set takes keys of the group network.",
+    .help =
+        "Spectra of the spring network of a packing between fixed walls. KIND is one of:\n"
+        "  dos            density of states\n"
+        "  transmission   spectrum of the signal from wall to wall\n"
+        "  dispersion     frequencies of longitudinal, transverse and rotational waves\n"
+        "  harmonic       response to harmonic driving, with wave number and attenuation\n"
+        "  participation  participation ratio of the modes against frequency\n"
+        "  continuum      lowest modes compared with those of a homogeneous elastic strip\v"
+        "All frequencies are angular frequencies, in sqrt(E* / rho)/d. Comments give the method, the resolution, and "
+        "what is left out. --set takes keys of the group network.",
     .options = options,
     .kinds = kinds,
     .kind_name = "kind of spectrum",

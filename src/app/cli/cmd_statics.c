@@ -19,17 +19,17 @@ static const cli_syntax syntax = {
             "f0: percentage of rattlers.\n"
             "N_over_p: mean normal force over p d^2.\n"
             "Z2, Z3: reduced moments of the normal force.\n"
-            "F2, F2S: mean square of the upward component of the contact normal, over all contacts and over those "
-            "with more than the mean force.\n"
+            "F2, F2S: mean square of the upward component of the contact normal, over all contacts and over those with "
+            "more than the mean force.\n"
             "s1_over_s2: horizontal over vertical stress of the whole packing, walls included.\n"
             "s12_over_s2: shear over vertical stress; it is positive where the grains below push those above towards "
             "+x.\n"
             "s32_over_s2: the same towards +y, in three dimensions.\n"
             "mobilised: fraction of contacts within 1% of the Coulomb limit.\n"
             "\n"
-            "nan means that the packing is too low to have a bulk (see --margin), or that the quantity is not "
-            "defined (s32_over_s2 in two dimensions, mobilised without friction). --set network.threshold=T sets the "
-            "smallest force of a contact.",
+            "nan means that the packing is too low to have a bulk (see --margin), or that the quantity is not defined "
+            "(s32_over_s2 in two dimensions, mobilised without friction). --set network.threshold=T sets the smallest "
+            "force of a contact.",
     .options = options,
     .file_name = "packing",
     .files_min = 1,

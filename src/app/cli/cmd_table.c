@@ -43,25 +43,26 @@ static const cli_option options[] = {
 
 static const cli_syntax syntax = {
     .usage = "NAME --store DIR [SCENE]",
-    .help = "Prints a table of the samples in a store.\v"
-            "ctof: speed of the first front, one row per pressure.\n"
-            "scaling: fronts against distance, with speeds and exponents, one row per height, pressure, friction and "
-            "width.\n"
-            "planes: the same inside packings, one row per plane (and per number of grains).\n"
-            "statics, moduli, probes: one row per pressure and size with means X, their standard deviation over the "
-            "samples X_sd, the standard error X_err, and the confidence interval X_low to X_high.\n"
-            "ensemble: one row per sample, with all its results.\n"
-            "spectrum: density of states, in modes per grain (without rattlers) and unit of omega, one row per bin, "
-            "with standard errors, confidence intervals and the integral from 0; for samples of one pressure and "
-            "size, made with spectrum in study.want.\n"
-            "signal: mean of the stored signals, rms deviation from it, its standard error and confidence interval, "
-            "one row per time; for samples of one pressure and size whose signals have the same times, made with "
-            "signal in study.want, and signal.until.\n"
-            "\n"
-            "With a SCENE (and --set) only the samples of that scene are used; at least one must be in the store, "
-            "and signal and spectrum have one table for each value of a swept key. A store may hold several "
-            "ensembles: samples that differ in more than pressure and size are not averaged. --width, --grains, "
-            "--pressure and --friction select among them.",
+    .help =
+        "Prints a table of the samples in a store.\v"
+        "ctof: speed of the first front, one row per pressure.\n"
+        "scaling: fronts against distance, with speeds and exponents, one row per height, pressure, friction and "
+        "width.\n"
+        "planes: the same inside packings, one row per plane (and per number of grains).\n"
+        "statics, moduli, probes: one row per pressure and size with means X, their standard deviation over the "
+        "samples X_sd, the standard error X_err, and the confidence interval X_low to X_high.\n"
+        "ensemble: one row per sample, with all its results.\n"
+        "spectrum: density of states, in modes per grain (without rattlers) and unit of omega, one row per bin, with "
+        "standard errors, confidence intervals and the integral from 0; for samples of one pressure and size, made "
+        "with spectrum in study.want.\n"
+        "signal: mean of the stored signals, rms deviation from it, its standard error and confidence interval, one "
+        "row per time; for samples of one pressure and size whose signals have the same times, made with signal in "
+        "study.want, and signal.until.\n"
+        "\n"
+        "With a SCENE (and --set) only the samples of that scene are used; at least one must be in the store, and "
+        "signal and spectrum have one table for each value of a swept key. A store may hold several ensembles: "
+        "samples that differ in more than pressure and size are not averaged. --width, --grains, --pressure and "
+        "--friction select among them.",
     .options = options,
     .kinds = cli_table_names,
     .kind_name = "table",

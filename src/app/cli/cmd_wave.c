@@ -41,15 +41,15 @@ static const cli_option options[] = {
 static const cli_syntax syntax = {
     .usage = "FILE...",
     .help =
-        "Phase speed and attenuation of the coherent wave that a pulse at the bottom wall sends up through packings.\v"
+        "Phase speed and attenuation of the coherent wave that a pulse at the bottom wall sends up through "
+        "packings.\v"
         "For each packing and each frequency, A e^(i k y - alpha y) is fitted by least squares to the momentum flux "
         "through horizontal planes, recorded until the echo from the top wall arrives. The table has the means over "
-        "the "
-        "packings and their standard errors (nan for a single packing). alpha: attenuation of the amplitude, which is "
-        "due to scattering alone. part: fraction of the squared flux that the wave accounts for; the rest is scattered "
-        "waves. samples: number of packings for which the fit succeeded. k_shift and alpha_shift: change of the means "
-        "when only the first half of the record is used, which is usually more than the effect of the end of the "
-        "record. The packings should have the same material and pressure.",
+        "the packings and their standard errors (nan for a single packing). alpha: attenuation of the amplitude, "
+        "which is due to scattering alone. part: fraction of the squared flux that the wave accounts for; the rest "
+        "is scattered waves. samples: number of packings for which the fit succeeded. k_shift and alpha_shift: "
+        "change of the means when only the first half of the record is used, which is usually more than the effect "
+        "of the end of the record. The packings should have the same material and pressure.",
     .options = options,
     .file_name = "packing",
     .files_min = 1,

@@ -3,7 +3,6 @@
 
 #include "base/base.h"
 #include "base/file.h"
-#include "scene/field.h"
 
 #include <argp.h>
 #include <fcntl.h>
@@ -52,17 +51,15 @@ static const struct command *find(const char *name) {
     return NULL;
 }
 
+static const char *command_name(int k, const void *unused) {
+    (void)unused;
+    return k < COMMANDS ? commands[k].name : NULL;
+}
+
 static int unknown(const char *name) {
-    const char *near = NULL;
-    for (int k = 0, least = 1000; k < COMMANDS; k++) {
-        const int distance = sp_edit_distance(name, commands[k].name);
-        if (distance < least && sp_is_near(name, distance)) {
-            least = distance;
-            near = commands[k].name;
-        }
-    }
-    if (near)
-        return cli_usage("unknown command %.60s: did you mean %s?", name, near);
+    const int near = cli_nearest(name, command_name, NULL);
+    if (near >= 0)
+        return cli_usage("unknown command %.60s: did you mean %s?", name, commands[near].name);
     return cli_usage("unknown command %.60s: see `sonopack help'", name);
 }
 

@@ -1,6 +1,7 @@
 /* Reads numbers, words and lists of frequencies from the arguments of options. */
 #include "base/base.h"
 #include "cli/cli.h"
+#include "scene/field.h"
 
 #include <errno.h>
 #include <math.h>
@@ -58,6 +59,18 @@ sp_status cli_choose(const char *option, const char *word, const char *const *wo
             return SP_OK;
         }
     return sp_fail(err, SP_EINVAL, "%s %.60s: must be %s", option, word, cli_list_words(words, list, sizeof list));
+}
+
+int cli_nearest(const char *word, const char *(*name)(int k, const void *user), const void *user) {
+    int near = -1, least = 1000;
+    for (int k = 0; name(k, user); k++) {
+        const int distance = sp_edit_distance(word, name(k, user));
+        if (distance < least && sp_is_near(word, distance)) {
+            least = distance;
+            near = k;
+        }
+    }
+    return near;
 }
 
 /* ---- frequencies ------------------------------------------------------------------------------------------------ */

@@ -93,28 +93,24 @@ typedef struct reading {
     const cli_syntax *syntax;
     const char *command; /* name */
     void *arguments;
-    int count;
-    const cli_option *option[OPTIONS_MAX];
-    struct argp_option argp[2 * OPTIONS_MAX];
+    int count, rows;
+    const cli_option *option[OPTIONS_MAX];    /* [count] */
+    struct argp_option argp[2 * OPTIONS_MAX]; /* [rows], then one of zeros */
 } reading;
 
 static void add_options(reading *r, const cli_option *options, int first_group) {
-    static const struct argp_option none;
-    size_t used = 0;
     int group = first_group;
-    while (memcmp(&r->argp[used], &none, sizeof none) != 0)
-        used++;
     for (; options && (options->name || options->help); options++) {
         const int key = options->letter ? options->letter : FIRST_KEY + r->count;
         if (!options->name) {
             group = group > 0 ? group : 10;
-            r->argp[used++] = (struct argp_option){.doc = options->help, .group = group};
+            r->argp[r->rows++] = (struct argp_option){.doc = options->help, .group = group};
             continue;
         }
         r->option[r->count++] = options;
-        r->argp[used++] = (struct argp_option){options->name, key, options->argument, 0, options->help, group};
+        r->argp[r->rows++] = (struct argp_option){options->name, key, options->argument, 0, options->help, group};
         if (options->alias)
-            r->argp[used++] = (struct argp_option){.name = options->alias, .flags = OPTION_ALIAS, .group = group};
+            r->argp[r->rows++] = (struct argp_option){.name = options->alias, .flags = OPTION_ALIAS, .group = group};
     }
 }
 
