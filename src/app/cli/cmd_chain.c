@@ -193,7 +193,8 @@ static sp_status one_length(const arguments *a, int64_t most, int64_t *grains, c
 static sp_status signal_rows(const arguments *a, const units *u, const sp_chain *chain, double from, double until,
                              cli_writer *w) {
     const size_t n = (size_t)a->points;
-    double *time = sp_alloc(3 * n, sizeof *time), *f = time + n, *airy = f + n;
+    double *time = sp_alloc(3 * n, sizeof *time);
+    double *f = time + n, *airy = f + n;
     if (!time)
         return sp_fail_memory(w->err, 3 * n * sizeof *time);
     for (size_t l = 0; l < n; l++)

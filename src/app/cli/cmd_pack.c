@@ -52,7 +52,21 @@ typedef struct compression {
     double begun, first_fraction; /* clock and progress at the start */
     double logged_at;
     const char *phase; /* that was last logged */
+    bool stopping;     /* Ctrl-C was pressed */
+    double stop_begun; /* CPU time when it was */
 } compression;
+
+/* After Ctrl-C a compression may run for so many seconds of CPU time until its first state can be saved. (On a busy
+ * machine this takes longer.) */
+static const double first_state_time = 5;
+
+static bool may_stop(compression *c) {
+    if (!c->stopping) {
+        c->stopping = true;
+        c->stop_begun = sp_clock_cpu();
+    }
+    return pack_state_is_safe(&c->state) || sp_clock_cpu() - c->stop_begun > first_state_time;
+}
 
 static bool watch(const sp_pack_progress *progress, void *user) {
     compression *c = user;
@@ -70,7 +84,7 @@ static bool watch(const sp_pack_progress *progress, void *user) {
         c->phase = progress->phase;
         c->logged_at = now;
     }
-    return !cli_stopped();
+    return !cli_stopped() || !may_stop(c);
 }
 
 static sp_status save_state(const void *state, size_t size, void *user, sp_error *err) {

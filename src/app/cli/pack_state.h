@@ -22,6 +22,8 @@ sp_status pack_state_open(const cli_common *common, const sp_pack_spec *spec, do
                           sp_error *err);
 /* Takes the present state, and writes it if it is time to. */
 sp_status pack_state_update(pack_state *s, const void *state, size_t size, sp_error *err);
+/* Whether the compression can be stopped without loss: a state can be written, or none is to be saved. */
+bool pack_state_is_safe(const pack_state *s);
 /* Writes the last state after the compression was stopped. */
 sp_status pack_state_flush(pack_state *s, sp_error *err);
 /* Removes the file after the packing has been saved. */

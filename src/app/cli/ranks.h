@@ -15,7 +15,7 @@ typedef struct cli_ranks {
 sp_status cli_ranks_start(cli_ranks *out, sp_error *err);
 /* SP_EINVAL if a launcher has started several processes that are no MPI job, and --shard does not divide the work: each
  * of them would print all tables. */
-sp_status cli_ranks_check(const cli_ranks *ranks, int shards, sp_error *err);
+sp_status cli_ranks_check(const cli_ranks *group, int shards, sp_error *err);
 /* Sets what this rank computes, as text. Rank 0 gives samples only to ranks with the same text. Call before the run. */
 void cli_ranks_begin(const char *what);
 /* Call from the watch of the run: reports this rank's progress and whether it stops. On rank 0 *progress becomes that
