@@ -302,7 +302,7 @@ static void test_spec_refuses(void **state) {
     REFUSED(s.gas_fraction = 0.001, "packing.gas_fraction");
     REFUSED(s.gas_fraction = NAN, "packing.gas_fraction");
     REFUSED(s.piston_mass = 0.09, "packing.piston_mass = 0.09: must be 0.1");
-    REFUSED(s.piston_mass = 2e4, "(more would oscillate");
+    REFUSED(s.piston_mass = 2e4, "(a heavier one would oscillate");
     REFUSED(s.calm = NAN, "packing.calm");
     REFUSED(s.drag = 0.2, "packing.drag");
     REFUSED(s.sizes = (sp_sizes)4, "packing.sizes");
@@ -319,7 +319,7 @@ static void test_spec_refuses(void **state) {
     REFUSED((s.grains = 2, s.width = 500, s.pressure = 0.01), "packing.pressure = 0.01: must be at most");
     REFUSED((s.grains = 10, s.compression = SP_COMPRESSION_ISOTROPIC), "packing.grains = 10: must be at least 29");
     REFUSED(s.tolerance = 1, "packing.tolerance = 1: must be at most 0.1 of packing.pressure");
-    REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.diameter_min = 2, s.diameter_max = 3), "has 0.0001");
+    REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.diameter_min = 2, s.diameter_max = 3), "has a fraction 0.0001");
     REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.diameter_min = s.diameter_max = 1), "has a fraction 0 of its grains");
     REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.size_spread = 0, s.diameter_min = 1.1, s.diameter_max = 1.2),
             "all grains have diameter 1");

@@ -21,7 +21,7 @@ static void finish_contact(const dynamics *d, sp_contact *c) {
 }
 
 /* Adds pair k of the list as a contact, from the lower to the higher index, if it is closed. */
-static void add_pair(const piston_run *run, const pair_list *list, int32_t k, sp_packing *p, int32_t *count) {
+static void add_pair(const compression *run, const pair_list *list, int32_t k, sp_packing *p, int32_t *count) {
     const dynamics *d = &run->d;
     const int32_t one = run->id[list->i[k]], two = run->id[list->j[k]], i = one < two ? one : two,
                   j = one < two ? two : one;
@@ -50,7 +50,7 @@ static void add_pair(const piston_run *run, const pair_list *list, int32_t k, sp
     finish_contact(d, c);
 }
 
-static void add_wall(const piston_run *run, int side, int32_t at, sp_packing *p, int32_t *count) {
+static void add_wall(const compression *run, int side, int32_t at, sp_packing *p, int32_t *count) {
     const dynamics *d = &run->d;
     const int32_t i = run->id[at];
     const int up = d->dim - 1;
@@ -67,7 +67,7 @@ static void add_wall(const piston_run *run, int side, int32_t at, sp_packing *p,
     p->contacts[(*count)++] = c;
 }
 
-sp_status sp_compression_freeze(const piston_run *run, sp_packing *out, sp_error *err) {
+sp_status sp_compression_freeze(const compression *run, sp_packing *out, sp_error *err) {
     const dynamics *d = &run->d;
     const sp_pack_spec *spec = run->spec;
     const pair_list *list = dynamics_pairs(d);
@@ -76,7 +76,7 @@ sp_status sp_compression_freeze(const piston_run *run, sp_packing *out, sp_error
     if (status != SP_OK)
         return status;
     for (int a = 0; a < d->dim - 1; a++)
-        p.box[a] = d->side[a];
+        p.box[a] = d->period[a];
     p.box[d->dim - 1] = d->piston_y;
     p.pressure = spec->pressure;
     p.friction = spec->friction;
@@ -91,8 +91,8 @@ sp_status sp_compression_freeze(const piston_run *run, sp_packing *out, sp_error
         for (int a = 0; a < d->dim; a++)
             x[a] = g[a];
         for (int a = 0; a < d->dim - 1; a++) {
-            x[a] -= d->side[a] * floor(x[a] / d->side[a]);
-            x[a] = x[a] < d->side[a] ? x[a] : 0;
+            x[a] -= d->period[a] * floor(x[a] / d->period[a]);
+            x[a] = x[a] < d->period[a] ? x[a] : 0;
         }
     }
     int32_t count = 0;

@@ -8,36 +8,16 @@
 
 /* Values that a protocol sets if the spec leaves them open. */
 typedef struct protocol {
-    double damping, piston_mass, gas_fraction[4], time_step, calm, drag, viscous_limit,
-        calm_damping; /* gas_fraction by dimension */
+    double damping, piston_mass;
+    double gas_fraction[4]; /* by dimension */
+    double time_step, calm, drag, viscous_limit, calm_damping;
 } protocol;
 
+/* DEFAULT is as SOMFAI2005 until the global damping starts: a different motion would give a different material. */
 static const protocol protocols[] = {
-    /* as SOMFAI2005 until the global damping starts: a different motion would give a different material */
-    [SP_PROTOCOL_DEFAULT] = {.damping = 0.8,
-                             .piston_mass = 12.5,
-                             .gas_fraction = {0.3, 0.3, 0.3, 0.2},
-                             .time_step = 0.7,
-                             .calm = 0.01,
-                             .drag = 0.01,
-                             .viscous_limit = 1e6,
-                             .calm_damping = 0.2},
-    [SP_PROTOCOL_SOMFAI2005] = {.damping = 0.8,
-                                .piston_mass = 12.5,
-                                .gas_fraction = {0.3, 0.3, 0.3, 0.2},
-                                .time_step = 0.7,
-                                .calm = 0.01,
-                                .drag = 0.01,
-                                .viscous_limit = 1e6,
-                                .calm_damping = 0.8},
-    [SP_PROTOCOL_QUICK] = {.damping = 0.5,
-                           .piston_mass = 2,
-                           .gas_fraction = {0.45, 0.45, 0.45, 0.25},
-                           .time_step = 0.5,
-                           .calm = 3,
-                           .drag = 0.01,
-                           .viscous_limit = 1,
-                           .calm_damping = 0.2},
+    [SP_PROTOCOL_DEFAULT] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 0.01, 0.01, 1e6, 0.2},
+    [SP_PROTOCOL_SOMFAI2005] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 0.01, 0.01, 1e6, 0.8},
+    [SP_PROTOCOL_QUICK] = {0.5, 2, {0.45, 0.45, 0.45, 0.25}, 0.5, 3, 0.01, 1, 0.2},
 };
 enum { PROTOCOLS = sizeof protocols / sizeof *protocols };
 
@@ -60,6 +40,13 @@ typedef struct range {
     double value, low, high;
     const char *right;
 } range;
+
+static sp_status check_all(size_t count, const range *ranges, sp_error *err) {
+    for (const range *r = ranges; r < ranges + count; r++)
+        if (!(r->value >= r->low && r->value <= r->high))
+            return sp_fail(err, SP_EINVAL, "%s = %g: must be %s", r->name, r->value, r->right);
+    return SP_OK;
+}
 
 static sp_status check_ranges(const sp_pack_spec *s, sp_error *err) {
     const range ranges[] = {
@@ -89,10 +76,7 @@ static sp_status check_ranges(const sp_pack_spec *s, sp_error *err) {
         {"packing.calm_damping", s->calm_damping, 1e-3, 2, "0.001 .. 2 of critical, or 0 (set by the protocol)"},
         {"packing.max_steps", (double)s->max_steps, 0, 1e15, "0 (a bound of its own) .. 1e15"},
     };
-    for (size_t k = 0; k < sizeof ranges / sizeof *ranges; k++)
-        if (!(ranges[k].value >= ranges[k].low && ranges[k].value <= ranges[k].high))
-            return sp_fail(err, SP_EINVAL, "%s = %g: must be %s", ranges[k].name, ranges[k].value, ranges[k].right);
-    return SP_OK;
+    return check_all(sizeof ranges / sizeof *ranges, ranges, err);
 }
 
 /* ---- sizes ----------------------------------------------------------------------------------------------------- */
@@ -156,9 +140,9 @@ static sp_status check_sizes(const sp_pack_spec *given, const sp_pack_spec *s, s
                        given->diameter_min == 0 ? "min" : "max", given->diameter_min == 0 ? "max" : "min");
     const range limits[] = {{"packing.diameter_min", s->diameter_min, 0.01, 100, "0.01 .. 100 d"},
                             {"packing.diameter_max", s->diameter_max, 0.01, 100, "0.01 .. 100 d"}};
-    for (int k = 0; k < 2; k++)
-        if (!(limits[k].value >= limits[k].low && limits[k].value <= limits[k].high))
-            return sp_fail(err, SP_EINVAL, "%s = %g: must be %s", limits[k].name, limits[k].value, limits[k].right);
+    sp_status status = check_all(2, limits, err);
+    if (status != SP_OK)
+        return status;
     if (s->diameter_min > s->diameter_max)
         return sp_fail(err, SP_EINVAL, "packing.diameter_min = %g: must not be above packing.diameter_max = %g",
                        s->diameter_min, s->diameter_max);

@@ -20,11 +20,7 @@ static void cross(const double a[3], const double b[3], double out[3]) {
 
 void sp_vibration_free(vibration *m) {
     sp_free(m->touch);
-    sp_free(m->mass);
     sp_free(m->u);
-    sp_free(m->v);
-    sp_free(m->a);
-    sp_free(m->now);
     *m = (vibration){0};
 }
 
@@ -33,7 +29,7 @@ void sp_vibration_free(vibration *m) {
 typedef struct survey {
     const sp_packing *p;
     vibration *m;
-    int32_t room;
+    size_t capacity; /* of m->touch */
 } survey;
 
 static double height_of(const survey *s, int32_t i) { return s->p->x[3 * (int64_t)i + s->p->dim - 1]; }
@@ -53,17 +49,11 @@ static void complete(const survey *s, touching *t) {
 
 static sp_status add(survey *s, touching t, sp_error *err) {
     vibration *m = s->m;
-    if (m->count == s->room) {
-        const size_t room = 2 * (size_t)s->room + 64;
-        touching *larger = room <= INT32_MAX ? sp_alloc(room, sizeof *larger) : NULL;
-        if (!larger)
-            return sp_fail_memory(err, room * sizeof *larger);
-        if (m->count > 0)
-            memcpy(larger, m->touch, (size_t)m->count * sizeof *larger);
-        sp_free(m->touch);
-        m->touch = larger;
-        s->room = (int32_t)room;
-    }
+    const size_t need = (size_t)m->count + 1;
+    touching *touch = need <= INT32_MAX ? sp_grow(m->touch, need, &s->capacity, sizeof *touch) : NULL;
+    if (!touch)
+        return sp_fail_memory(err, need * sizeof *touch);
+    m->touch = touch;
     complete(s, &t);
     m->touch[m->count++] = t;
     return SP_OK;
@@ -182,19 +172,19 @@ sp_status sp_vibration_make(const sp_packing *p, double damping, vibration *out,
     m.turns = p->dim > 1 && p->friction > 0;
     m.friction = m.turns ? p->friction : 0;
     m.eta = m.turns ? contact_eta(p->poisson) : 0;
-    m.mass = sp_alloc(2 * n, sizeof *m.mass);
-    m.u = sp_alloc(6 * n, sizeof *m.u);
-    m.v = sp_alloc(6 * n, sizeof *m.v);
-    m.a = sp_alloc(6 * n, sizeof *m.a);
-    m.now = sp_alloc(6 * n, sizeof *m.now);
-    sp_status status = m.mass && m.u && m.v && m.a && m.now ? SP_OK : sp_fail_memory(err, 26 * n * sizeof(double));
-    for (size_t i = 0; i < n && status == SP_OK; i++) {
+    m.u = sp_alloc(26 * n, sizeof *m.u); /* and the arrays behind it */
+    if (!m.u)
+        return sp_fail_memory(err, 26 * n * sizeof *m.u);
+    m.v = m.u + 6 * n;
+    m.a = m.v + 6 * n;
+    m.now = m.a + 6 * n;
+    m.mass = m.now + 6 * n;
+    for (size_t i = 0; i < n; i++) {
         m.mass[2 * i] = grain_mass(p->r[i]);
         m.mass[2 * i + 1] = 0.4 * m.mass[2 * i] * p->r[i] * p->r[i];
         m.reach = fmin(m.reach, REACH * p->r[i]);
     }
-    if (status == SP_OK)
-        status = add_contacts(&s, err);
+    sp_status status = add_contacts(&s, err);
     if (status == SP_OK)
         status = add_gaps(&s, err);
     if (status == SP_OK) {
