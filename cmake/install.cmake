@@ -1,7 +1,8 @@
-# `cmake --install`: command, library, headers, man page, documentation, completions, CMake and pkg-config files.
+# `cmake --install`: command, libraries, headers, man page, documentation, completions, CMake and pkg-config files.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS sonopack EXPORT sonopackTargets
+set(components sonopack sonopack_tapped sonopack_study sonopack_figure)
+install(TARGETS ${components} EXPORT sonopackTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS sonopack_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
@@ -14,9 +15,10 @@ install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR}
 install(DIRECTORY docs packings DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN man EXCLUDE)
 install(FILES tests/package/consumer.c DESTINATION ${CMAKE_INSTALL_DOCDIR}/tests/package)
 
-# The command finds a shared library beside it wherever the tree is moved.
+# Command and shared libraries find each other wherever the tree is moved.
 file(RELATIVE_PATH bin_to_lib /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})
 set_target_properties(sonopack_command PROPERTIES INSTALL_RPATH "$ORIGIN/${bin_to_lib}")
+set_target_properties(${components} PROPERTIES INSTALL_RPATH "$ORIGIN")
 
 set(cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/sonopack)
 set(HDF5_PKGCONFIG ${HDF5_MODULE_NAME})
@@ -27,21 +29,28 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/sonopackConfigVersion.cma
 install(FILES ${PROJECT_BINARY_DIR}/sonopackConfig.cmake ${PROJECT_BINARY_DIR}/sonopackConfigVersion.cmake
   cmake/FindCHOLMOD.cmake DESTINATION ${cmake_folder})
 
-# A static library alone needs its dependencies on every link line, so that they are public ones there.
-set(pc_requires "cairo libconfig lapacke lapack blas ${HDF5_MODULE_NAME}")
-set(pc_libs "-lumfpack -lcholmod -pthread -lm")
-if(BUILD_SHARED_LIBS)
-  set(PC_REQUIRES "")
-  set(PC_REQUIRES_PRIVATE "${pc_requires}")
-  set(PC_LIBS "")
-  set(PC_LIBS_PRIVATE "${pc_libs}")
-else()
-  set(PC_REQUIRES "${pc_requires}")
-  set(PC_REQUIRES_PRIVATE "")
-  set(PC_LIBS " ${pc_libs}")
-  set(PC_LIBS_PRIVATE "")
-endif()
+# One pkg-config file a library. ours: the libraries of this project that it stands on; theirs: the pkg-config modules
+# of others; libs: what has no module. A static library alone needs all of them on every link line, so that they are
+# public ones there.
 file(RELATIVE_PATH PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 string(REGEX REPLACE "/$" "" PC_PREFIX "${PC_PREFIX}")
-configure_file(cmake/sonopack.pc.in ${PROJECT_BINARY_DIR}/sonopack.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/sonopack.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+function(install_pkgconfig PC_NAME PC_LIBRARY PC_DESCRIPTION ours theirs libs)
+  set(PC_REQUIRES "${ours}")
+  set(PC_REQUIRES_PRIVATE "")
+  set(PC_LIBS "")
+  set(PC_LIBS_PRIVATE "")
+  if(BUILD_SHARED_LIBS)
+    set(PC_REQUIRES_PRIVATE "${theirs}")
+    set(PC_LIBS_PRIVATE "${libs}")
+  else()
+    set(PC_REQUIRES "${ours} ${theirs}")
+    set(PC_LIBS " ${libs}")
+  endif()
+  configure_file(cmake/sonopack.pc.in ${PROJECT_BINARY_DIR}/${PC_NAME}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${PC_NAME}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endfunction()
+install_pkgconfig(sonopack sonopack "${PROJECT_DESCRIPTION}" "" "lapacke lapack blas" "-lumfpack -lcholmod -pthread -lm")
+install_pkgconfig(sonopack-tapped sonopack_tapped "The tapped column of particles" "sonopack = ${PROJECT_VERSION}" "" "-lm")
+install_pkgconfig(sonopack-study sonopack_study "Scenes, studies and files of granular packings"
+  "sonopack-tapped = ${PROJECT_VERSION}" "libconfig ${HDF5_MODULE_NAME}" "-pthread -lm")
+install_pkgconfig(sonopack-figure sonopack_figure "Figures of granular packings" "sonopack = ${PROJECT_VERSION}" "cairo" "-lm")

@@ -14,18 +14,18 @@ import tempfile
 # The rooms of src/ in the order in which they stand on each other: a room may use rooms of lower rank.
 RANKS = {"core/base": 0, "core/table": 1, "core/numeric": 1, "core/linalg": 1, "core/front": 2, "core/chain": 3,
          "core/packing": 3, "core/network": 4, "core/modes": 5, "core/elastic": 5, "core/spectrum": 6, "core/signal": 6,
-         "tapped": 7, "study/scene": 8, "study/ensemble": 9, "study/store": 10, "figure": 7, "app/paper": 11, "app/cli": 12}
+         "tapped": 7, "study/scene": 8, "study/ensemble": 9, "study/store": 10, "figure": 7, "app/paper": 11, "app/cli": 12, "app/late": 12}
 # what stands beside a room, not below it
 BESIDE = {"tapped": {"core/base", "core/table", "core/numeric", "core/linalg"},
           "figure": {room for room in RANKS if room.startswith("core/")}}
 # headers of other libraries, and the rooms that may see them
-FOREIGN = [(r"hdf5(_hl)?\.h|H5\w*\.h|zlib\.h", {"study/store"}),
-           (r"(suitesparse/)?(cholmod|SuiteSparse\w*|amd|umfpack)\.h", {"core/linalg"}),
-           (r"(lapacke|lapack|cblas|openblas\w*|f77blas)\.h|arpack/.*", {"core/linalg"}),
-           (r"libconfig\.h", {"study/scene"}), (r"(cairo/)?cairo[\w-]*\.h", {"figure"}), (r"argp\.h|getopt\.h|mpi\.h", {"app/cli"}),
+FOREIGN = [(r"hdf5(_hl)?\.h|H5\w*\.h|zlib\.h", {"study/store", "app/late"}),
+           (r"(suitesparse/)?(cholmod|SuiteSparse\w*|amd|umfpack)\.h", {"core/linalg", "app/late"}),
+           (r"(lapacke|lapack|cblas|openblas\w*|f77blas)\.h|arpack/.*", {"core/linalg", "app/late"}),
+           (r"libconfig\.h", {"study/scene"}), (r"(cairo/)?cairo[\w-]*\.h", {"figure", "app/late"}), (r"argp\.h|getopt\.h|mpi\.h", {"app/cli"}),
            (r"gsl/.*|Random123/.*", {"core/numeric"})]
 LIBC = set("""assert complex ctype errno fcntl fenv float inttypes limits locale math pthread setjmp signal stdalign stdarg
-    stdatomic stdbool stddef stdint stdio stdlib string strings tgmath threads time unistd dirent ftw libgen sched
+    stdatomic stdbool stddef stdint stdio stdlib string strings tgmath threads time unistd dirent dlfcn ftw libgen sched
     """.split())
 # what only the command may do: speak, and end the process
 SPEECH = re.compile(r"(?<![\w.>])(printf|vprintf|puts|putchar|perror|exit|_exit|_Exit|quick_exit|abort|err|errx|warn|"
@@ -121,10 +121,70 @@ def check_includes(root):
     return faults
 
 
+def objects_of(build):
+    """{source below src/: its object file} of a build. app/late stands in for the libraries of others."""
+    found = {}
+    for path in pathlib.Path(build, "CMakeFiles").glob("*.dir/src/**/*.o"):
+        source = path.relative_to(build).as_posix().split("/src/", 1)[1].removesuffix(".o")
+        if not source.startswith("app/late/"):
+            found[source] = path
+    return found
+
+
+def calls_of(objects):
+    """{source: {sources whose global symbols it uses: one of these symbols}}"""
+    defined, wanted = {}, {}
+    for source, path in objects.items():
+        listing = subprocess.run(["nm", "-g", path], text=True, capture_output=True, check=True).stdout
+        for words in (line.split() for line in listing.splitlines()):
+            if words[0] == "U":
+                wanted.setdefault(source, set()).add(words[1])
+            elif len(words) == 3:
+                defined[words[2]] = source
+    return {source: {defined[name]: name for name in sorted(names) if defined.get(name, source) != source}
+            for source, names in wanted.items()}
+
+
+def circle_in(calls):
+    """Files that call each other in a circle, or None."""
+    state = {}
+
+    def walk(source, way):
+        state[source] = "open"
+        for other in sorted(calls.get(source, ())):
+            if state.get(other) == "open":
+                return [*way[way.index(other):], other]
+            found = None if other in state else walk(other, [*way, other])
+            if found:
+                return found
+        state[source] = "done"
+        return None
+
+    for source in sorted(calls):
+        found = None if source in state else walk(source, [source])
+        if found:
+            return found
+    return None
+
+
+def check_calls(root, build):
+    """Symbols of every object file of a build against the ranks of the rooms, and for circles."""
+    calls = calls_of({s: o for s, o in objects_of(build).items() if (root / "src" / s).exists()})
+    faults = []
+    for source, others in sorted(calls.items()):
+        for other, name in others.items():
+            if not may_use(*(room_of(pathlib.PurePath(s)) for s in (source, other))):
+                faults.append(f"src/{source}: {name} of src/{other} is above or beside it")
+    circle = circle_in(calls)
+    if circle:
+        faults.append(f"files call each other in a circle: {' -> '.join(circle)}")
+    return faults
+
+
 def check_speech(root):
     faults = []
     for path in sorted((root / "src").rglob("*.[ch]")):
-        if room_of(path.relative_to(root / "src")) == "app/cli":
+        if room_of(path.relative_to(root / "src")) in ("app/cli", "app/late"):
             continue
         for number, line in enumerate(without_comments(path.read_text()).split("\n"), 1):
             match = SPEECH.search(line)
@@ -187,6 +247,9 @@ def write(root, name, text):
 
 def check_the_checker(with_format):
     """Each rule finds its planted fault and passes the same tree without it."""
+    assert circle_in({"a": {"b": "f", "c": "g"}, "b": {"d": "h"}, "c": {"d": "h"}}) is None
+    assert circle_in({"a": {"b": "f"}, "b": {"c": "g"}, "c": {"b": "h"}}) == ["b", "c", "b"]
+    assert may_use("app/cli", "figure") and not may_use("figure", "study/store") and not may_use("tapped", "core/packing")
     with tempfile.TemporaryDirectory(prefix="sonopack-structure-") as folder:
         root = pathlib.Path(folder)
         shutil.copy(pathlib.Path(sys.argv[2], ".clang-format"), root)
@@ -223,6 +286,10 @@ def main():
     check_the_checker(with_format)
     rules = [check_includes, check_speech, check_lengths, check_words] + ([check_format] if with_format else [])
     faults = [fault for rule in rules for fault in rule(root)]
+    build = pathlib.Path(sys.argv[1]).resolve().parent
+    if not objects_of(build):
+        faults.append(f"{build}: no object files, so that nothing is known of who calls whom")
+    faults += check_calls(root, build)
     for fault in faults:
         print(fault)
     if faults:

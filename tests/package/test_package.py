@@ -12,6 +12,9 @@ import tempfile
 
 BUILD, SOURCE, CMAKE, CC = sys.argv[1:5]
 HERE = pathlib.Path(SOURCE, "tests", "package")
+MODULES = ("sonopack", "sonopack-tapped", "sonopack-study", "sonopack-figure")
+# what someone who wants signals alone must not be handed
+NOT_IN_THE_CORE = re.compile(r"lib(cairo|hdf5\w*|config)\.so")
 
 
 def run(*command, env=None, **more):
@@ -34,14 +37,16 @@ def public_version():
 
 def check_files(prefix):
     installed = sorted(str(p.relative_to(prefix)) for p in prefix.rglob("*") if not p.is_dir())
-    for header in pathlib.Path(SOURCE, "include/sonopack").glob("*.h"):
-        expect(f"include/sonopack/{header.name}" in installed, f"{header.name} is not installed")
+    for header in pathlib.Path(SOURCE, "include").rglob("*.h"):
+        name = header.relative_to(SOURCE)
+        expect(str(name) in installed, f"{name} is not installed")
     for ending in ("bin/sonopack", "share/man/man1/sonopack.1", "share/bash-completion/completions/sonopack",
                    "cmake/sonopack/sonopackConfig.cmake", "cmake/sonopack/sonopackConfigVersion.cmake",
-                   "pkgconfig/sonopack.pc"):
+                   *(f"pkgconfig/{module}.pc" for module in MODULES)):
         expect(any(name.endswith(ending) for name in installed), f"{ending} is not installed: {installed}")
-    libraries = [name for name in installed if re.search(r"/libsonopack\.(a|so)$", name)]
-    expect(len(libraries) == 1, f"one library, not {libraries}")
+    libraries = [name for name in installed if re.search(r"/libsonopack\w*\.(a|so)$", name)]
+    expect(len(libraries) == len(MODULES), f"{len(MODULES)} libraries, not {libraries}")
+    check_symbols([prefix / name for name in libraries])
     # nothing installed may lead back to the folders it was built in
     for name in installed:
         if name.endswith((".cmake", ".pc")):
@@ -49,21 +54,60 @@ def check_files(prefix):
             expect(SOURCE not in text and BUILD not in text, f"{name} names the build tree")
 
 
-def check_cmake_consumer(prefix, scratch):
-    build = scratch / "cmake-consumer"
-    run(CMAKE, "-S", HERE, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_C_COMPILER={CC}")
+def check_symbols(libraries):
+    """Every global symbol begins with sp_; a shared library shows no others, and hides what is not shared."""
+    for library in libraries:
+        shared = library.suffix == ".so"
+        listing = run("nm", *(["-D"] if shared else ["-g"]), "--defined-only", library)
+        names = {line.split()[-1] for line in listing.splitlines() if len(line.split()) == 3}
+        names = {re.sub(r"\.(resolver|default|avx\w*|arch_\w+)(\.\d+)?$", "", name) for name in names}
+        strangers = sorted(name for name in names - {"__bss_start", "_edata", "_end"} if not name.startswith("sp_"))
+        expect(names and not strangers, f"{library.name}: global symbols without sp_: {strangers}")
+        if shared and library.name == "libsonopack.so":
+            expect("sp_signal_make" in names and "sp_pairs_rebuild" not in names, f"{library.name}: visibility")
+
+
+def check_linked(program, light, env=None):
+    """What a consumer was linked to: signals alone without the libraries of studies and figures."""
+    needed = run("ldd", program, env=env)
+    if light:
+        expect(not NOT_IN_THE_CORE.search(needed), f"{program.name} is linked to more than it needs:\n{needed}")
+    else:
+        expect(len(set(NOT_IN_THE_CORE.findall(needed))) == 3, f"{program.name}:\n{needed}")
+
+
+def check_cmake_consumer(prefix, scratch, everything=False):
+    build = scratch / f"cmake-consumer-{everything}"
+    run(CMAKE, "-S", HERE, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_C_COMPILER={CC}",
+        f"-DALL_COMPONENTS={everything}")
     run(CMAKE, "--build", build)
-    return run(build / "consumer")
+    check_linked(build / "consumer", light=not everything)
+    return run(build / "consumer", *([scratch] if everything else []))
 
 
-def check_pkgconfig_consumer(prefix, scratch):
+def check_unknown_component(prefix, scratch):
+    project = scratch / "unknown"
+    project.mkdir()
+    (project / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(p LANGUAGES C)\n"
+                                            "find_package(sonopack REQUIRED COMPONENTS nonsense)\n")
+    result = subprocess.run([CMAKE, "-S", project, "-B", project / "build", f"-DCMAKE_PREFIX_PATH={prefix}"], text=True,
+                            capture_output=True)
+    expect(result.returncode != 0 and "nonsense" in result.stderr, f"an unknown component: {result.stderr}")
+
+
+def check_pkgconfig_consumer(prefix, scratch, everything=False):
     folder = next(prefix.rglob("sonopack.pc")).parent
     env = dict(os.environ, PKG_CONFIG_PATH=str(folder))
-    flags = run("pkg-config", "--cflags", "--libs", "sonopack", env=env).split()
-    expect(run("pkg-config", "--modversion", "sonopack", env=env) == public_version(), "version of sonopack.pc")
-    program = scratch / "pkg-config-consumer"
-    run(CC, "-std=c17", "-Wall", "-Wextra", "-Wpedantic", "-Werror", HERE / "consumer.c", "-o", program, *flags, "-lm")
-    return run(program, env=dict(os.environ, LD_LIBRARY_PATH=str(folder.parent)))
+    modules = MODULES[1:] if everything else MODULES[:1]
+    flags = run("pkg-config", "--cflags", "--libs", *modules, env=env).split()
+    for module in modules:
+        expect(run("pkg-config", "--modversion", module, env=env) == public_version(), f"version of {module}.pc")
+    program = scratch / f"pkg-config-consumer-{everything}"
+    source = HERE / ("consumer_all.c" if everything else "consumer.c")
+    run(CC, "-std=c17", "-Wall", "-Wextra", "-Wpedantic", "-Werror", source, "-o", program, *flags, "-lm")
+    env = dict(os.environ, LD_LIBRARY_PATH=str(folder.parent))
+    check_linked(program, not everything, env)
+    return run(program, *([scratch] if everything else []), env=env)
 
 
 def check_headers_in_cplusplus(prefix):
@@ -71,14 +115,14 @@ def check_headers_in_cplusplus(prefix):
     if not compiler:
         print("no clang: headers not tried as C++")
         return
-    for header in sorted((prefix / "include/sonopack").glob("*.h")):
+    for header in sorted((prefix / "include/sonopack").rglob("*.h")):
         run(compiler, "-x", "c++", "-std=c++17", "-fsyntax-only", "-Wall", "-Wextra", "-Werror",
             f"-I{prefix / 'include'}", header)
 
 
 def check_header_alone(prefix):
     """Each public header compiles as the first and only include."""
-    for header in sorted((prefix / "include/sonopack").glob("*.h")):
+    for header in sorted((prefix / "include/sonopack").rglob("*.h")):
         run(CC, "-x", "c", "-std=c17", "-fsyntax-only", "-Wall", "-Wextra", "-Werror",
             f"-I{prefix / 'include'}", "-include", header, "/dev/null")
 
@@ -105,6 +149,10 @@ def main():
         two = check_pkgconfig_consumer(prefix, scratch)
         print(one)
         expect(one == two and public_version() in one, f"the consumers differ: {one} / {two}")
+        one = check_cmake_consumer(prefix, scratch, everything=True)
+        two = check_pkgconfig_consumer(prefix, scratch, everything=True)
+        expect(one == two and "grains" in one, f"the consumers of all components differ: {one} / {two}")
+        check_unknown_component(prefix, scratch)
         check_header_alone(prefix)
         check_headers_in_cplusplus(prefix)
         check_manual(prefix)

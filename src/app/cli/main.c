@@ -12,7 +12,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-const char *argp_program_version = "sonopack " SONOPACK_VERSION;
+extern void openblas_set_num_threads(int threads) __attribute__((weak));
+
+__attribute__((visibility("default"))) const char *argp_program_version = "sonopack " SONOPACK_VERSION;
 
 static int help(int argc, char **argv);
 
@@ -124,9 +126,20 @@ static void leave(int status, void *nothing) {
         _exit(status);
 }
 
+/* OpenBLAS on one thread: its sums then do not depend on the number of cores, and samples that are computed side by
+ * side do not take each other's cores. It reads the variable when it is loaded; where it is loaded already, the call
+ * counts. */
+static void use_one_blas_thread(void) {
+    setenv("OPENBLAS_NUM_THREADS", "1", 1);
+    if (openblas_set_num_threads)
+        openblas_set_num_threads(1);
+}
+
 int main(int argc, char **argv) {
     keep_standard_files();
-    sp_hdf5_exit_silently();
+    if (!SONOPACK_LATE) /* else it is loaded so */
+        sp_hdf5_exit_silently();
+    use_one_blas_thread();
     if (on_exit(leave, NULL) != 0 || atexit(cli_close_stdout) != 0) /* the last one first */
         return CLI_FAILED;
     argp_err_exit_status = CLI_USAGE;

@@ -1,3 +1,4 @@
+/* Dense nonsymmetric eigenproblems with LAPACK. */
 #include "linalg/general.h"
 #include "base/base.h"
 #include "linalg/blas.h"
@@ -10,7 +11,6 @@ sp_status sp_eigen_general(int64_t n, double *a, double *re, double *im, double 
     for (int64_t k = 0; k < n * n; k++)
         if (!isfinite(a[k]))
             return sp_fail(err, SP_EINVAL, "dense eigenproblem: an entry of the matrix is not finite");
-    sp_blas_one_thread();
     const lapack_int order = (lapack_int)n;
     double best = 0;
     lapack_int info =

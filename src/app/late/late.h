@@ -1,0 +1,36 @@
+#ifndef SP_LATE_H
+#define SP_LATE_H
+/* Loads a shared library at the first call of one of its functions.
+ *
+ * The command stands on HDF5, cairo, OpenBLAS and SuiteSparse, which bring 66 more libraries. The loader takes ten
+ * times as long for them as a signal takes to compute, and most commands need none or one of them. The files of this
+ * folder define the functions that sonopack uses of each library; every one of them passes its arguments on to the
+ * library's own. They are linked to the command only: libsonopack itself is linked to its libraries in the usual way.
+ */
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+typedef struct late_library {
+    const char *file;     /* as the loader knows it: "libcholmod.so.3" */
+    void (*loaded)(void); /* called once, with the library in place; NULL: nothing to do */
+    pthread_mutex_t lock;
+    void *handle;
+} late_library;
+
+/* The address of a function or variable. Without the library the process ends: exit status 1 and a line on stderr. */
+void *late_find(late_library *library, const char *name);
+
+/* A function of `library` under its own name. */
+#define LATE_FUNCTION(library, type, name, parameters, arguments)                                                      \
+    type name parameters {                                                                                             \
+        static _Atomic(__typeof__(&name)) found;                                                                       \
+        __typeof__(&name) call = atomic_load_explicit(&found, memory_order_acquire);                                   \
+        if (!call) {                                                                                                   \
+            call = (__typeof__(&name))late_find(library, #name);                                                       \
+            atomic_store_explicit(&found, call, memory_order_release);                                                 \
+        }                                                                                                              \
+        return call arguments;                                                                                         \
+    }
+
+#endif

@@ -1,0 +1,44 @@
+/* The libraries beside the core through their headers alone: a scene, its packing in a file and back, a figure of it,
+ * and the tapped column at rest. */
+#include <sonopack/figure/plot.h>
+#include <sonopack/sonopack.h>
+#include <sonopack/study/store.h>
+#include <sonopack/tapped/tapped.h>
+#include <stdio.h>
+#include <string.h>
+
+static sp_status packing_in_a_file(const char *folder, sp_error *err) {
+    static const char text[] = "packing: { kind = \"triangular\"; width = 6.0; grains = 48; pressure = 1e-4; };";
+    char file[1000], figure[1000];
+    snprintf(file, sizeof file, "%s/packing.h5", folder);
+    snprintf(figure, sizeof figure, "%s/packing.svg", folder);
+
+    sp_scene scene = sp_scene_default();
+    sp_packing made = sp_packing_none(), read = sp_packing_none();
+    sp_status status = sp_scene_parse(text, "text", 0, NULL, &scene, err);
+    if (status == SP_OK)
+        status = sp_packing_make(&scene.pack, NULL, NULL, &made, err);
+    if (status == SP_OK)
+        status = sp_packing_save(&made, file, err);
+    if (status == SP_OK)
+        status = sp_packing_read(file, &read, err);
+    if (status == SP_OK)
+        status = sp_plot_network(&read, SP_PLOT_FORCES, 0, figure, err);
+    if (status == SP_OK)
+        printf("%d grains\n", (int)read.n);
+    sp_packing_free(&read);
+    sp_packing_free(&made);
+    sp_scene_free(&scene);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    sp_error err = {0};
+    sp_tapped_spec column = sp_tapped_spec_default();
+    sp_status status = sp_tapped_check(&column, &err);
+    if (status == SP_OK)
+        status = packing_in_a_file(argc > 1 ? argv[1] : ".", &err);
+    if (status != SP_OK)
+        fprintf(stderr, "%s: %s\n", sp_status_name(status), err.text);
+    return status == SP_OK && strcmp(sp_version(), SONOPACK_VERSION) == 0 ? 0 : 1;
+}
