@@ -322,7 +322,7 @@ static void test_spec_refuses(void **state) {
     REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.diameter_min = 2, s.diameter_max = 3), "has a fraction 0.0001");
     REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.diameter_min = s.diameter_max = 1), "has a fraction 0 of its grains");
     REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.size_spread = 0, s.diameter_min = 1.1, s.diameter_max = 1.2),
-            "all grains have diameter 1");
+            "all grains then have diameter 1");
     REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.size_spread = 0.8), "at most 100 times");
     REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.size_spread = 0.7), "packing.width = 24: must be at least"); /* 6.4 d */
     REFUSED((s.sizes = SP_SIZES_BIDISPERSE, s.diameter_min = 1, s.diameter_max = 7), "packing.width = 24");
