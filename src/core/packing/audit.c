@@ -1,21 +1,13 @@
 /* Checks the physics of a packing, from positions, radii and the contact law alone. */
 #include "base/base.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <sonopack/packing.h>
 #include <stddef.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-
-static void image(const sp_packing *p, int32_t i, int32_t j, double d[3]) {
-    for (int a = 0; a < 3; a++) {
-        d[a] = p->x[3 * (size_t)j + (size_t)a] - p->x[3 * (size_t)i + (size_t)a];
-        if (a < p->dim - 1)
-            d[a] -= p->box[a] * nearbyint(d[a] / p->box[a]);
-    }
-}
 
 /* Overlap from the positions, and the largest deviation of the stored normal from theirs. */
 static double true_overlap(const sp_packing *p, const sp_contact *c, double *turn) {
@@ -23,7 +15,7 @@ static double true_overlap(const sp_packing *p, const sp_contact *c, double *tur
     double d[3] = {0, 0, 0}, r2 = 0;
     *turn = 0;
     if (c->j >= 0) {
-        image(p, c->i, c->j, d);
+        sp_packing_separation(p, c->i, c->j, d);
     } else {
         double y = p->x[3 * (size_t)c->i + (size_t)up];
         d[up] = c->j == SP_BOTTOM ? -y : p->box[up] - y;
@@ -96,52 +88,20 @@ static sp_status audit_balance(const sp_packing *p, const uint8_t *rattler, doub
 
 /* ---- pairs that overlap but are not listed ------------------------------------------------------------------ */
 
-typedef struct by_height {
-    double y;
-    int32_t i;
-} by_height;
+typedef struct search {
+    const sp_packing *p;
+    double slack;
+    int32_t missing;
+} search;
 
-static int compare_heights(const void *a, const void *b) {
-    const by_height *p = a, *q = b;
-    return (p->y > q->y) - (p->y < q->y);
-}
-
-static bool listed(const sp_packing *p, int32_t i, int32_t j) {
-    int32_t low = 0, high = p->n_contacts; /* pairs come first, ordered by (i, j) */
-    while (low < high) {
-        int32_t mid = low + (high - low) / 2;
-        const sp_contact *c = &p->contacts[mid];
-        if (c->j >= 0 && (c->i < i || (c->i == i && c->j < j)))
-            low = mid + 1;
-        else
-            high = mid;
-    }
-    return low < p->n_contacts && p->contacts[low].i == i && p->contacts[low].j == j;
-}
-
-/* Sweeps upwards: only grains up to the largest diameter above can touch. */
-static sp_status audit_missing(const sp_packing *p, double slack, sp_audit *a, sp_error *err) {
-    const size_t n = (size_t)p->n;
-    const int up = p->dim - 1;
-    by_height *order = sp_alloc(n, sizeof *order);
-    if (!order)
-        return sp_fail_memory(err, n * sizeof *order);
-    double r_max = 0;
-    for (size_t i = 0; i < n; i++) {
-        order[i] = (by_height){p->x[3 * i + (size_t)up], (int32_t)i};
-        r_max = fmax(r_max, p->r[i]);
-    }
-    qsort(order, n, sizeof *order, compare_heights);
-    for (size_t k = 0; k < n; k++)
-        for (size_t m = k + 1; m < n && order[m].y - order[k].y < 2 * r_max; m++) {
-            int32_t i = order[k].i < order[m].i ? order[k].i : order[m].i;
-            int32_t j = order[k].i < order[m].i ? order[m].i : order[k].i;
-            double d[3], reach = p->r[i] + p->r[j] - slack;
-            image(p, i, j, d);
-            if (length(d) < reach && !listed(p, i, j))
-                a->missing++;
-        }
-    sp_free(order);
+static sp_status check_listed(int32_t i, int32_t j, void *user, sp_error *err) {
+    search *s = user;
+    double d[3];
+    (void)err;
+    if (j < 0)
+        return SP_OK;
+    sp_packing_separation(s->p, i, j, d);
+    s->missing += length(d) < s->p->r[i] + s->p->r[j] - s->slack && !sp_packing_has_contact(s->p, i, j);
     return SP_OK;
 }
 
@@ -163,8 +123,10 @@ sp_status sp_packing_audit(const sp_packing *p, double threshold, sp_audit *out,
         a.carrying += carrying[c];
     audit_contacts(p, threshold * unit, &a);
     status = audit_balance(p, rattler, unit, &a, err);
+    search missing = {.p = p, .slack = 1e-6 * deepest + 1e-12 * diameter};
     if (status == SP_OK)
-        status = audit_missing(p, 1e-6 * deepest + 1e-12 * diameter, &a, err);
+        status = sp_packing_sweep(p, 0, check_listed, &missing, err);
+    a.missing = missing.missing;
     if (status == SP_OK)
         *out = a;
 out:

@@ -14,13 +14,11 @@ static bool alloc_arrays(dynamics *d) {
     const size_t n = (size_t)d->n;
     d->g = sp_alloc((n + 1) * (size_t)d->at.stride, sizeof *d->g);
     d->listed = sp_alloc(n * (size_t)d->dim, sizeof *d->listed);
-    d->cell_next = sp_alloc(n, sizeof *d->cell_next);
     d->rows.slot = sp_alloc(n * SLOTS, sizeof *d->rows.slot);
     d->rows.count = sp_alloc(n, sizeof *d->rows.count);
     d->rows.further = sp_alloc(n, sizeof *d->rows.further);
     d->plain_f = d->plain ? sp_alloc(6 * n, sizeof *d->plain_f) : NULL;
-    bool ok = d->g && d->listed && d->cell_next && d->rows.slot && d->rows.count && d->rows.further &&
-              (d->plain_f || !d->plain);
+    bool ok = d->g && d->listed && d->rows.slot && d->rows.count && d->rows.further && (d->plain_f || !d->plain);
     for (int side = 0; side < 2; side++) {
         d->wall_ft[side] = sp_alloc(n * (size_t)(d->dim - 1), sizeof(double));
         d->wall[side].i = sp_alloc(n, sizeof(int32_t));
@@ -72,8 +70,12 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
         sum += r[i];
     }
     d.scale = power_of_two(2 * sum / d.n);
-    *out = d;
-    return SP_OK;
+    sp_status status = sp_cells_make(d.dim, d.n, d.r_max, &d.cells, err);
+    if (status == SP_OK)
+        *out = d;
+    else
+        sp_dynamics_free(&d);
+    return status;
 }
 
 void sp_dynamics_free(dynamics *d) {
@@ -88,8 +90,7 @@ void sp_dynamics_free(dynamics *d) {
     sp_free(d->rows.count);
     sp_free(d->rows.further);
     sp_free(d->rows.chain);
-    sp_free(d->cell_head);
-    sp_free(d->cell_next);
+    sp_cells_free(&d->cells);
     sp_free(d->plain_f);
     sp_free(d->listed);
     sp_free(d->g);

@@ -1,6 +1,7 @@
 /* Extracts the packing from the final state of a compression. */
 #include "packing/compression.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,14 +26,10 @@ static void add_pair(const compression *run, const pair_list *list, int32_t k, s
     const dynamics *d = &run->d;
     const int32_t one = run->id[list->i[k]], two = run->id[list->j[k]], i = one < two ? one : two,
                   j = one < two ? two : one;
-    double n[3] = {0, 0, 0}, t[3] = {0, 0, 0}, square = 0;
-    for (int a = 0; a < d->dim; a++) {
-        n[a] = p->x[3 * (size_t)j + (size_t)a] - p->x[3 * (size_t)i + (size_t)a];
-        if (a < d->dim - 1)
-            n[a] -= p->box[a] * nearbyint(n[a] / p->box[a]);
-        square += n[a] * n[a];
-    }
-    const double r = sqrt(square), overlap = p->r[i] + p->r[j] - r, flip = one < two ? 1 : -1;
+    double n[3], t[3] = {0, 0, 0};
+    sp_packing_separation(p, i, j, n);
+    const double r = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), overlap = p->r[i] + p->r[j] - r,
+                 flip = one < two ? 1 : -1;
     if (!(overlap > 0))
         return;
     for (int a = 0; a < d->dim; a++)

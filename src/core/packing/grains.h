@@ -3,6 +3,7 @@
 /* Data of moving grains: positions and velocities, neighbour lists, and force rows. */
 
 #include "base/pool.h"
+#include "packing/cells.h"
 
 #include <sonopack/packing.h>
 #include <stdbool.h>
@@ -93,8 +94,7 @@ typedef struct dynamics {
     double drag;     /* rate of the global damping; 0 at first */
     double dt;       /* length of the last step */
     int64_t rebuilds, refills;
-    int32_t *cell_head, *cell_next; /* linked lists of the grains in each cell */
-    int64_t cells;
+    cells cells;   /* of the outer list */
     sp_pool *pool; /* threads; may be NULL */
 } dynamics;
 

@@ -71,86 +71,21 @@ void sp_pairs_store_forces(dynamics *d) {
 
 /* ---- outer list ---------------------------------------------------------------------------------------------- */
 
-/* There is one grid for each octave of grain sizes, so that a cell holds a few grains for any range of sizes. A pair
- * belongs to the octave of its smaller grain, which searches the grid of the larger one. */
-enum { OCTAVES = 8 };
-typedef struct cell_grid {
-    int64_t n[3], first; /* cells along each axis; index of the first cell in cell_head */
-    double width[3];
-    bool used;
-} cell_grid;
-
-static int octave_of(const dynamics *d, double r) {
-    int octave = 0;
-    for (double limit = 0.5 * d->r_max; r < limit && octave < OCTAVES - 1; limit *= 0.5)
-        octave++;
-    return octave;
-}
-
-static cell_grid grid_for(const dynamics *d, double range, int64_t grains) {
-    cell_grid grid = {.n = {1, 1, 1}, .width = {1, 1, 1}};
-    int64_t cells = 1;
-    for (int a = 0; a < d->dim; a++) {
-        const double length = a < d->dim - 1 ? d->period[a] : d->piston_y;
-        const double most = fmin(floor(length / range), 1e6);
-        grid.n[a] = most > 1 ? (int64_t)most : 1;
-        cells *= grid.n[a];
-    }
-    for (; cells > 8 * grains + 64;) { /* thin gas: no need for many more cells than grains */
-        int64_t *longest = &grid.n[0];
-        for (int a = 1; a < d->dim; a++)
-            longest = grid.n[a] > *longest ? &grid.n[a] : longest;
-        cells = cells / *longest * ((*longest + 1) / 2);
-        *longest = (*longest + 1) / 2;
-    }
-    for (int a = 0; a < d->dim; a++)
-        grid.width[a] = (a < d->dim - 1 ? d->period[a] : d->piston_y) / (double)grid.n[a];
-    return grid;
-}
-
-/* Positions may be wild or not finite after the motion has blown up. Any cell will do: sp_dynamics_sane detects this
- * later. */
-static int64_t place_of(const cell_grid *grid, int a, double x) {
-    const double place = floor(x / grid->width[a]);
-    return place >= (double)grid->n[a] ? grid->n[a] - 1 : place > 0 ? (int64_t)place : 0;
-}
-
-static int64_t cell_of(const cell_grid *grid, int dim, const double *x) {
-    int64_t cell = 0;
-    for (int a = dim - 1; a >= 0; a--)
-        cell = cell * grid->n[a] + place_of(grid, a, x[a]);
-    return grid->first + cell;
-}
-
-static sp_status sort_into_cells(dynamics *d, double gap, cell_grid grids[OCTAVES], sp_error *err) {
-    int64_t population[OCTAVES] = {0}, cells = 0;
+static sp_status sort_into_cells(dynamics *d, double gap, sp_error *err) {
+    int64_t population[SP_OCTAVES] = {0};
+    cells *c = &d->cells;
     for (int32_t i = 0; i < d->n; i++)
-        population[octave_of(d, dynamics_radius(d, i))]++;
-    for (int o = 0; o < OCTAVES; o++) {
-        const double r_max = ldexp(d->r_max, -o);
-        grids[o] = grid_for(d, 2 * r_max + gap, population[o]);
-        grids[o].used = population[o] > 0;
-        grids[o].first = cells;
-        cells += grids[o].used ? grids[o].n[0] * grids[o].n[1] * grids[o].n[2] : 0;
-    }
-    if (cells > d->cells) {
-        sp_free(d->cell_head);
-        d->cell_head = sp_alloc((size_t)cells, sizeof *d->cell_head);
-        d->cells = d->cell_head ? cells : 0;
-        if (!d->cell_head)
-            return sp_fail_memory(err, (size_t)cells * sizeof *d->cell_head);
-    }
-    for (int64_t c = 0; c < cells; c++)
-        d->cell_head[c] = -1;
-    for (int32_t i = d->n - 1; i >= 0; i--) {
+        population[sp_cells_octave(c, dynamics_radius(d, i))]++;
+    for (int a = 0; a < d->dim; a++)
+        c->box[a] = a < d->dim - 1 ? d->period[a] : d->piston_y;
+    sp_status status = sp_cells_reset(c, population, gap, err);
+    for (int32_t i = d->n - 1; i >= 0 && status == SP_OK; i--) {
         double *g = dynamics_grain(d, i);
         for (int a = 0; a < d->dim - 1; a++)
             g[a] -= d->period[a] * floor(g[a] / d->period[a]);
-        const int64_t cell = cell_of(&grids[octave_of(d, g[d->at.r])], d->dim, g);
-        d->cell_next[i] = d->cell_head[cell];
-        d->cell_head[cell] = i;
+        sp_cells_enter(c, sp_cells_octave(c, g[d->at.r]), i, g);
     }
-    return SP_OK;
+    return status;
 }
 
 /* Copies tangential forces from the old list, whose pairs are sorted by i. */
@@ -219,7 +154,7 @@ static sp_status push_pair(const dynamics *d, int32_t i, int32_t j, const double
 static inline sp_status pairs_in_cell(const dynamics *d, int64_t cell, double gap, int32_t i, bool same, pair_list *p,
                                       const int dim, sp_error *err) {
     const double *g = dynamics_grain(d, i), r = g[d->at.r] + gap;
-    for (int32_t j = d->cell_head[cell]; j >= 0; j = d->cell_next[j]) {
+    for (int32_t j = d->cells.head[cell]; j >= 0; j = d->cells.next[j]) {
         if (same && j <= i)
             continue;
         const double *h = dynamics_grain(d, j), range = r + h[d->at.r];
@@ -239,47 +174,18 @@ static inline sp_status pairs_in_cell(const dynamics *d, int64_t cell, double ga
     return SP_OK;
 }
 
-/* Searches the cells of one grid around grain i, each cell once even if there are few. */
-static sp_status pairs_in_grid(const dynamics *d, const cell_grid *grid, double gap, int32_t i, bool same, pair_list *p,
-                               sp_error *err) {
-    const double *g = dynamics_grain(d, i);
-    int64_t from[3] = {0, 0, 0}, count[3] = {1, 1, 1}, next[3];
-    sp_status status = SP_OK;
-    for (int a = 0; a < d->dim; a++) {
-        const int64_t place = place_of(grid, a, g[a]);
-        if (a == d->dim - 1) {
-            from[a] = place > 0 ? place - 1 : 0;
-            count[a] = (place + 1 < grid->n[a] ? place + 1 : grid->n[a] - 1) - from[a] + 1;
-        } else {
-            from[a] = place > 0 ? place - 1 : grid->n[a] - 1;
-            count[a] = grid->n[a] < 3 ? grid->n[a] : 3;
-        }
-    }
-    next[2] = from[2];
-    for (int64_t z = 0; z < count[2] && status == SP_OK; z++, next[2] = next[2] + 1 < grid->n[2] ? next[2] + 1 : 0) {
-        next[1] = from[1];
-        for (int64_t y = 0; y < count[1]; y++, next[1] = next[1] + 1 < grid->n[1] ? next[1] + 1 : 0) {
-            next[0] = from[0];
-            for (int64_t x = 0; x < count[0] && status == SP_OK; x++) {
-                const int64_t cell = grid->first + (next[2] * grid->n[1] + next[1]) * grid->n[0] + next[0];
-                status = d->dim == 2 ? pairs_in_cell(d, cell, gap, i, same, p, 2, err)
-                                     : pairs_in_cell(d, cell, gap, i, same, p, 3, err);
-                next[0] = next[0] + 1 < grid->n[0] ? next[0] + 1 : 0;
-            }
-        }
-    }
-    return status;
-}
-
-static sp_status find_pairs(dynamics *d, double gap, const cell_grid grids[OCTAVES], const int32_t *row, pair_list *p,
-                            sp_error *err) {
+static sp_status find_pairs(dynamics *d, double gap, const int32_t *row, pair_list *p, sp_error *err) {
     sp_status status = SP_OK;
     for (int32_t i = 0; i < d->n && status == SP_OK; i++) {
-        const int octave = octave_of(d, dynamics_radius(d, i));
+        const int octave = sp_cells_octave(&d->cells, dynamics_radius(d, i));
         const int32_t first = p->n;
-        for (int o = octave; o >= 0 && status == SP_OK; o--)
-            if (grids[o].used)
-                status = pairs_in_grid(d, &grids[o], gap, i, o == octave, p, err);
+        for (int o = octave; o >= 0; o--) {
+            int64_t cell[SP_CELLS_NEAR];
+            const int count = d->cells.grid[o].used ? sp_cells_near(&d->cells, o, dynamics_grain(d, i), cell) : 0;
+            for (int k = 0; k < count && status == SP_OK; k++)
+                status = d->dim == 2 ? pairs_in_cell(d, cell[k], gap, i, o == octave, p, 2, err)
+                                     : pairs_in_cell(d, cell[k], gap, i, o == octave, p, 3, err);
+        }
         carry_forces(d, row, p, first);
     }
     return status;
@@ -287,15 +193,14 @@ static sp_status find_pairs(dynamics *d, double gap, const cell_grid grids[OCTAV
 
 sp_status sp_pairs_rebuild(dynamics *d, double gap, sp_error *err) {
     pair_list p = {0};
-    cell_grid grids[OCTAVES];
     sp_pairs_store_forces(d);
     int32_t *row = sp_alloc((size_t)d->n + 1, sizeof *row);
     sp_status status = row ? SP_OK : sp_fail_memory(err, (size_t)d->n * sizeof *row);
     if (status == SP_OK)
-        status = sort_into_cells(d, gap, grids, err);
+        status = sort_into_cells(d, gap, err);
     if (status == SP_OK) {
-        const int32_t room = d->outer.n + d->outer.n / 8 + 16, usual = 4 * d->n + 16;
-        status = sp_pair_list_alloc(&p, d->dim, room > usual ? room : usual, false, err);
+        const int32_t likely = d->outer.n + d->outer.n / 8 + 16, usual = 4 * d->n + 16;
+        status = sp_pair_list_alloc(&p, d->dim, likely > usual ? likely : usual, false, err);
     }
     if (status != SP_OK)
         goto out;
@@ -303,7 +208,7 @@ sp_status sp_pairs_rebuild(dynamics *d, double gap, sp_error *err) {
         row[d->outer.i[k] + 1]++;
     for (int32_t i = 0; i < d->n; i++)
         row[i + 1] += row[i];
-    status = find_pairs(d, gap, grids, row, &p, err);
+    status = find_pairs(d, gap, row, &p, err);
     if (status != SP_OK)
         goto out;
     sp_pair_list_free(&d->outer);

@@ -3,9 +3,9 @@
 
 #include "base/base.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Width of watched gaps, in units of the smallest radius. */
@@ -31,8 +31,6 @@ typedef struct survey {
     vibration *m;
     size_t capacity; /* of m->touch */
 } survey;
-
-static double height_of(const survey *s, int32_t i) { return s->p->x[3 * (int64_t)i + s->p->dim - 1]; }
 
 /* Fills in everything that follows from i, j and the overlap. */
 static void complete(const survey *s, touching *t) {
@@ -73,96 +71,28 @@ static sp_status add_contacts(survey *s, sp_error *err) {
     return status;
 }
 
-static int by_pair(const void *a, const void *b) {
-    const touching *x = a, *y = b;
-    if (x->i != y->i)
-        return x->i < y->i ? -1 : 1;
-    return x->j < y->j ? -1 : x->j > y->j;
-}
-
-/* Whether the pair is a contact of the packing. Contacts are sorted by (i, j), walls last. */
-static bool listed(const survey *s, int32_t i, int32_t j) {
-    if (j < 0) {
-        for (int32_t c = s->p->n_contacts; c-- > 0 && s->m->touch[c].j < 0;)
-            if (s->m->touch[c].i == i && s->m->touch[c].j == j)
-                return true;
-        return false;
-    }
-    size_t pairs = (size_t)s->p->n_contacts;
-    while (pairs > 0 && s->m->touch[pairs - 1].j < 0)
-        pairs--;
-    const touching key = {.i = i, .j = j};
-    return pairs > 0 && bsearch(&key, s->m->touch, pairs, sizeof key, by_pair);
-}
-
-static sp_status consider(survey *s, int32_t one, int32_t two, sp_error *err) {
+/* Adds a pair, or a grain and a wall, that is no contact but closer than the watched gap. */
+static sp_status add_gap(int32_t i, int32_t j, void *user, sp_error *err) {
+    survey *s = user;
     const sp_packing *p = s->p;
-    touching t = {.i = one < two ? one : two, .j = one < two ? two : one};
-    for (int a = 0; a < p->dim; a++) {
-        t.n0[a] = p->x[3 * (int64_t)t.j + a] - p->x[3 * (int64_t)t.i + a];
-        if (a < p->dim - 1)
-            t.n0[a] -= p->box[a] * nearbyint(t.n0[a] / p->box[a]);
+    const int up = p->dim - 1;
+    touching t = {.i = i, .j = j};
+    double r = 1;
+    if (j < 0) {
+        const double y = p->x[3 * (int64_t)i + up];
+        t.overlap = p->r[i] - (j == SP_BOTTOM ? y : sp_packing_height(p) - y);
+        t.n0[up] = j == SP_BOTTOM ? -1 : 1;
+    } else {
+        sp_packing_separation(p, i, j, t.n0);
+        r = sqrt(dot(t.n0, t.n0));
+        t.overlap = p->r[i] + p->r[j] - r;
     }
-    const double r = sqrt(dot(t.n0, t.n0));
-    t.overlap = p->r[t.i] + p->r[t.j] - r;
-    if (!(t.overlap > -s->m->reach && r > 0) || listed(s, t.i, t.j))
+    if (!(t.overlap > -s->m->reach && r > 0) || sp_packing_has_contact(p, i, j))
         return SP_OK;
     t.overlap = fmin(t.overlap, 0); /* an unlisted pair is open at rest */
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3 && j >= 0; a++)
         t.n0[a] /= r;
     return add(s, t, err);
-}
-
-static sp_status consider_walls(survey *s, int32_t i, sp_error *err) {
-    const int up = s->p->dim - 1;
-    sp_status status = SP_OK;
-    for (int side = 0; side < 2 && status == SP_OK; side++) {
-        touching t = {.i = i, .j = side == 0 ? SP_BOTTOM : SP_TOP};
-        const double y = height_of(s, i);
-        t.overlap = s->p->r[i] - (side == 0 ? y : sp_packing_height(s->p) - y);
-        t.n0[up] = side == 0 ? -1 : 1;
-        if (!(t.overlap > -s->m->reach) || listed(s, i, t.j))
-            continue;
-        t.overlap = fmin(t.overlap, 0);
-        status = add(s, t, err);
-    }
-    return status;
-}
-
-typedef struct layer {
-    double y;
-    int32_t i;
-} layer;
-
-static int by_height(const void *a, const void *b) {
-    const layer *x = a, *y = b;
-    if (x->y != y->y)
-        return x->y < y->y ? -1 : 1;
-    return x->i < y->i ? -1 : x->i > y->i;
-}
-
-/* Finds nearby pairs by a sweep upwards. */
-static sp_status add_gaps(survey *s, sp_error *err) {
-    const sp_packing *p = s->p;
-    layer *sorted = sp_alloc((size_t)p->n, sizeof *sorted);
-    sp_status status = sorted ? SP_OK : sp_fail_memory(err, (size_t)p->n * sizeof *sorted);
-    double largest = 0;
-    for (int32_t i = 0; i < p->n && sorted; i++) {
-        sorted[i].y = height_of(s, i);
-        sorted[i].i = i;
-        largest = fmax(largest, p->r[i]);
-    }
-    if (sorted)
-        qsort(sorted, (size_t)p->n, sizeof *sorted, by_height);
-    for (int32_t k = 0; k < p->n && status == SP_OK; k++) {
-        const double far = sorted[k].y + p->r[sorted[k].i] + largest + s->m->reach;
-        for (int32_t q = k + 1; q < p->n && sorted[q].y <= far && status == SP_OK; q++)
-            status = consider(s, sorted[k].i, sorted[q].i, err);
-        if (status == SP_OK)
-            status = consider_walls(s, sorted[k].i, err);
-    }
-    sp_free(sorted);
-    return status;
 }
 
 sp_status sp_vibration_make(const sp_packing *p, double damping, vibration *out, sp_error *err) {
@@ -186,7 +116,7 @@ sp_status sp_vibration_make(const sp_packing *p, double damping, vibration *out,
     }
     sp_status status = add_contacts(&s, err);
     if (status == SP_OK)
-        status = add_gaps(&s, err);
+        status = sp_packing_sweep(p, m.reach, add_gap, &s, err);
     if (status == SP_OK) {
         sp_vibration_rest(&m);
         *out = m;
