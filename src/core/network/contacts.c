@@ -1,5 +1,6 @@
 /* Creates the network of a packing from its contacts. */
 #include "base/base.h"
+#include "base/vector.h"
 #include "network/bound.h"
 #include "packing/contact.h"
 
@@ -40,8 +41,7 @@ static sp_status make_grains(const sp_packing *p, const uint8_t *rattler, int32_
 
 /* Whether a contact is within 1% of the Coulomb limit; contacts that slid last are a little below it. */
 static bool slides(const sp_packing *p, const sp_contact *c) {
-    const double ft = sqrt(c->ft[0] * c->ft[0] + c->ft[1] * c->ft[1] + c->ft[2] * c->ft[2]);
-    return ft >= p->friction * c->fn * (1 - 1e-2);
+    return length3(c->ft) >= p->friction * c->fn * (1 - 1e-2);
 }
 
 /* Stiffnesses by (A1), (A2), (A4). A wall has no lever arm, and its normal does not turn when a grain moves along
@@ -102,7 +102,7 @@ static sp_status make_carried(const sp_packing *p, sp_network *net, sp_error *er
         const double *ft = p->contacts[s->contact].ft;
         sp_carried *held = &net->carried[k];
         held->turn = s->j < 0 ? 0 : 1 / net->length[k];
-        const double off = ft[0] * s->n[0] + ft[1] * s->n[1] + ft[2] * s->n[2];
+        const double off = dot3(ft, s->n);
         for (int a = 0; a < net->dim; a++) {
             held->ft[a] = ft[a] - off * s->n[a];
             any = any || held->ft[a] != 0;

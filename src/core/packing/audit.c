@@ -1,5 +1,6 @@
 /* Checks the physics of a packing, from positions, radii and the contact law alone. */
 #include "base/base.h"
+#include "base/vector.h"
 #include "packing/contact.h"
 #include "packing/geometry.h"
 
@@ -40,7 +41,7 @@ static void audit_contacts(const sp_packing *p, double small, sp_audit *a) {
         const sp_contact *k = &p->contacts[c];
         double turn, overlap = true_overlap(p, k, &turn);
         double hertz = contact_force(stiffness_of(p, k), k->overlap);
-        double ft = sqrt(k->ft[0] * k->ft[0] + k->ft[1] * k->ft[1] + k->ft[2] * k->ft[2]);
+        double ft = length3(k->ft);
         a->geometry_residual = fmax(a->geometry_residual, fmax(turn, fabs(overlap - k->overlap) / deepest));
         a->law_residual = fmax(a->law_residual, fabs(hertz - k->fn) / fmax(k->fn, small));
         a->coulomb_excess = fmax(a->coulomb_excess, (ft - p->friction * k->fn) / fmax(p->friction * k->fn, small));
@@ -51,10 +52,10 @@ static void audit_contacts(const sp_packing *p, double small, sp_audit *a) {
 static void sum_on_grains(const sp_packing *p, double *force, double wall[2]) {
     for (int32_t c = 0; c < p->n_contacts; c++) {
         const sp_contact *k = &p->contacts[c];
-        const double *n = k->n, *ft = k->ft;
-        const double turn[3] = {n[1] * ft[2] - n[2] * ft[1], n[2] * ft[0] - n[0] * ft[2], n[0] * ft[1] - n[1] * ft[0]};
+        double turn[3];
+        cross3(k->n, k->ft, turn);
         for (int a = 0; a < 3; a++) {
-            double f = ft[a] - k->fn * n[a];
+            const double f = k->ft[a] - k->fn * k->n[a];
             force[6 * (size_t)k->i + (size_t)a] += f;
             force[6 * (size_t)k->i + 3 + (size_t)a] += turn[a];
             if (k->j >= 0) {
@@ -67,8 +68,6 @@ static void sum_on_grains(const sp_packing *p, double *force, double wall[2]) {
     }
 }
 
-static double length(const double *v) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-
 static sp_status audit_balance(const sp_packing *p, const uint8_t *rattler, double unit, sp_audit *a, sp_error *err) {
     double *force = sp_alloc((size_t)p->n * 6, sizeof *force), wall[2] = {0, 0};
     if (!force)
@@ -77,8 +76,8 @@ static sp_status audit_balance(const sp_packing *p, const uint8_t *rattler, doub
     for (size_t i = 0; i < (size_t)p->n; i++) {
         if (rattler[i])
             continue;
-        a->force_residual = fmax(a->force_residual, length(force + 6 * i) / unit);
-        a->torque_residual = fmax(a->torque_residual, length(force + 6 * i + 3) / unit);
+        a->force_residual = fmax(a->force_residual, length3(force + 6 * i) / unit);
+        a->torque_residual = fmax(a->torque_residual, length3(force + 6 * i + 3) / unit);
     }
     for (int side = 0; side < 2; side++)
         a->wall_residual = fmax(a->wall_residual, fabs(wall[side] / (p->pressure * sp_packing_wall_area(p)) - 1.0));
@@ -101,7 +100,7 @@ static sp_status check_listed(int32_t i, int32_t j, void *user, sp_error *err) {
     if (j < 0)
         return SP_OK;
     sp_packing_separation(s->p, i, j, d);
-    s->missing += length(d) < s->p->r[i] + s->p->r[j] - s->slack && !sp_packing_has_contact(s->p, i, j);
+    s->missing += length3(d) < s->p->r[i] + s->p->r[j] - s->slack && !sp_packing_has_contact(s->p, i, j);
     return SP_OK;
 }
 

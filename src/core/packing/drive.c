@@ -63,8 +63,8 @@ static void follow_pressure(compression *run, int a, double dt) {
     const double p = d->pressure, excess = sp_dynamics_lateral_pressure(d, a) / p - 1;
     const double stop = d->strain_rate[a] == 0 ? 3e-4 : 1e-5;
     const double rate = fmin(gentle_rate(p), p / (stiffness(p) * 6 * LATERAL_STEPS * dt));
-    const bool calm = run->phase == PHASE_EQUILIBRATION && d->pressure == run->spec->pressure;
-    d->strain_rate[a] = calm && fabs(excess) < stop ? 0 : rate * fmax(-1, fmin(1, excess));
+    const bool settled = run->phase == PHASE_EQUILIBRATION && d->pressure == run->spec->pressure;
+    d->strain_rate[a] = settled && fabs(excess) < stop ? 0 : rate * fmax(-1, fmin(1, excess));
 }
 
 void sp_compression_drive(compression *run, double dt) {

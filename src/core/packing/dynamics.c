@@ -2,6 +2,7 @@
 #include "packing/dynamics.h"
 
 #include "base/base.h"
+#include "base/vector.h"
 #include "packing/contact.h"
 #include "packing/kernel.h"
 #include "packing/pairs.h"
@@ -247,9 +248,7 @@ void sp_dynamics_force_on(const dynamics *d, int32_t i, double force[3], double 
 }
 
 static double acceleration(const dynamics *d, int32_t i, const double force[3], const double turn[3]) {
-    const double f = sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
-    const double q = sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]);
-    return dynamics_grain(d, i)[d->at.inv_m] * fmax(f, 2.5 * q);
+    return dynamics_grain(d, i)[d->at.inv_m] * fmax(length3(force), 2.5 * length3(turn));
 }
 
 double sp_dynamics_acceleration(const dynamics *d) {
@@ -273,7 +272,7 @@ static double separation(const dynamics *d, const pair_list *p, int32_t k, doubl
     x[2] = 0;
     for (int a = 0; a < d->dim; a++)
         x[a] = h[a] - g[a] + (a < d->dim - 1 ? p->image[k + (int64_t)a * p->capacity] * d->period[a] : 0);
-    return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+    return length3(x);
 }
 
 /* Elastic force on i of a pair, and its torque/R. False for an open pair. */
@@ -291,8 +290,7 @@ static bool elastic_pair(const dynamics *d, const pair_list *p, int32_t k, doubl
     } else {
         for (int a = 0; a < 3; a++)
             t[a] = p->ft[k + (int64_t)a * p->capacity];
-        for (int a = 0; a < 3; a++)
-            turn[a] = n[(a + 1) % 3] * t[(a + 2) % 3] - n[(a + 2) % 3] * t[(a + 1) % 3];
+        cross3(n, t, turn);
     }
     for (int a = 0; a < 3; a++)
         force[a] = t[a] - normal * n[a];

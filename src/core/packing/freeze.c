@@ -1,4 +1,5 @@
 /* Extracts the packing from the final state of a compression. */
+#include "base/vector.h"
 #include "packing/compression.h"
 #include "packing/contact.h"
 #include "packing/geometry.h"
@@ -28,8 +29,7 @@ static void add_pair(const compression *run, const pair_list *list, int32_t k, s
                   j = one < two ? two : one;
     double n[3], t[3] = {0, 0, 0};
     sp_packing_separation(p, i, j, n);
-    const double r = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), overlap = p->r[i] + p->r[j] - r,
-                 flip = one < two ? 1 : -1;
+    const double r = length3(n), overlap = p->r[i] + p->r[j] - r, flip = one < two ? 1 : -1;
     if (!(overlap > 0))
         return;
     for (int a = 0; a < d->dim; a++)

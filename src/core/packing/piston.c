@@ -99,11 +99,11 @@ static bool at_rest(const compression *run) {
     bool still = run->d.drag == 0 || run->d.v_max * run->full_drag < run->spec->tolerance;
     /* the piston weighs as much as hundreds of grains: its acceleration alone would allow a pressure error of 1e-5 */
     bool balanced = run->wall_imbalance < run->spec->tolerance;
-    bool calm = run->phase == PHASE_EQUILIBRATION || run->spec->calm == 0;
+    bool settled = run->phase == PHASE_EQUILIBRATION || run->spec->calm == 0;
     /* a slowly changing period has no acceleration either */
     bool driven = sp_compression_driven(run) && run->d.strain_rate[0] == 0 && run->d.strain_rate[1] == 0 &&
                   run->lateral_imbalance < 1e-3 * run->spec->pressure;
-    return driven && calm && still && balanced && run->residual < run->spec->tolerance;
+    return driven && settled && still && balanced && run->residual < run->spec->tolerance;
 }
 
 /* Steps between two progress reports: some tenths of a second, also for many grains. */
@@ -152,7 +152,7 @@ static sp_status check_periods(const compression *run, sp_error *err) {
 /* Shares of the work, estimated from packings of hundreds of grains. */
 static const double FLIGHT_PART = 0.1, SETTLED_PART = 0.6;
 
-/* Reports that the fraction x of the way between two shares is done. The estimate never decreases. */
+/* Sets the estimate to the fraction x of the way from one share to another. It never decreases. */
 static void estimate_progress(compression *run, double from, double to, double x) {
     const double part = from + (to - from) * fmax(0, fmin(1, x)); /* fmax(0, NAN) is 0 */
     run->fraction = fmax(run->fraction, (run->stage + part) / (run->whole->history_count + 1));

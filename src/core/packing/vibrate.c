@@ -2,6 +2,7 @@
 #include "packing/vibrate.h"
 
 #include "base/base.h"
+#include "base/vector.h"
 #include "packing/contact.h"
 #include "packing/geometry.h"
 
@@ -10,13 +11,6 @@
 
 /* Width of watched gaps, in units of the smallest radius. */
 #define REACH 0.4
-
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    for (int k = 0; k < 3; k++)
-        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
 
 void sp_vibration_free(vibration *m) {
     sp_free(m->touch);
@@ -84,7 +78,7 @@ static sp_status add_gap(int32_t i, int32_t j, void *user, sp_error *err) {
         t.n0[up] = j == SP_BOTTOM ? -1 : 1;
     } else {
         sp_packing_separation(p, i, j, t.n0);
-        r = sqrt(dot(t.n0, t.n0));
+        r = length3(t.n0);
         t.overlap = p->r[i] + p->r[j] - r;
     }
     if (!(t.overlap > -s->m->reach && r > 0) || sp_packing_has_contact(p, i, j))
@@ -160,10 +154,10 @@ static bool place(const vibration *m, touching *t, double change[3]) {
     for (int a = 0; a < 3; a++)
         d[a] += t->shift[a];
     if (t->j < 0 || m->straight) { /* planes and straight springs have a fixed normal */
-        stretch = dot(t->n0, d);
+        stretch = dot3(t->n0, d);
         memcpy(n, t->n0, sizeof n);
     } else {
-        const double along = dot(t->n0, d), square = dot(d, d);
+        const double along = dot3(t->n0, d), square = dot3(d, d);
         r = sqrt(t->length * t->length + 2 * t->length * along + square);
         stretch = (2 * t->length * along + square) / (r + t->length);
         for (int a = 0; a < 3; a++)
@@ -196,9 +190,9 @@ static void drag(const vibration *m, touching *t, double kn_old, const double ch
         n[a] = t->n[a] - 0.5 * change[a];
         whole[a] = t->ft0[a] + t->ft[a];
     }
-    const double kt = 0.5 * m->eta * (kn_old + t->kn), along = dot(moved, n), tilt = dot(whole, change);
-    cross(turn, n, arm);
-    cross(n, whole, side);
+    const double kt = 0.5 * m->eta * (kn_old + t->kn), along = dot3(moved, n), tilt = dot3(whole, change);
+    cross3(turn, n, arm);
+    cross3(n, whole, side);
     for (int a = 0; a < 3; a++)
         t->ft[a] += -tilt * n[a] + 0.5 * twist * side[a] + kt * (moved[a] - along * n[a] - arm[a]);
     for (int a = 0; a < 3; a++) /* (ft0 + ft) . n, and ft0 . n0 = 0 */
@@ -251,8 +245,8 @@ static void press(const vibration *m, touching *t, double side[3]) {
     if (m->damping > 0 && t->kn > 0) {
         const double c = 2 * m->damping * sqrt(t->m_eff * t->kn), ct = c * sqrt(m->eta);
         relative(t, m->now, v, turn);
-        const double along = dot(v, t->n);
-        cross(turn, t->n, arm);
+        const double along = dot3(v, t->n);
+        cross3(turn, t->n, arm);
         normal = fmax(-t->fn0, t->fn - c * along);
         for (int a = 0; a < 3 && m->turns; a++)
             side[a] += ct * (v[a] - along * t->n[a] - arm[a]);
@@ -273,8 +267,8 @@ static void accelerate(vibration *m) {
         press(m, t, side);
         for (int a = 0; a < 3; a++)
             lean[a] = t->n[a] - t->n0[a];
-        cross(t->n, side, one); /* n x (ft0 + side) - n0 x ft0 */
-        cross(lean, t->ft0, two);
+        cross3(t->n, side, one); /* n x (ft0 + side) - n0 x ft0 */
+        cross3(lean, t->ft0, two);
         double *i = m->a + 6 * (int64_t)t->i, *j = t->j >= 0 ? m->a + 6 * (int64_t)t->j : NULL;
         for (int a = 0; a < 3; a++) {
             i[a] += t->force[a];
@@ -314,7 +308,7 @@ void sp_vibration_step(vibration *m, double h) {
 bool sp_vibration_sane(const vibration *m) {
     double worst = 0;
     for (int64_t i = 0; i < m->n; i++) {
-        const double *u = m->u + 6 * i, square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        const double square = dot3(m->u + 6 * i, m->u + 6 * i);
         if (!isfinite(square))
             return false;
         worst = fmax(worst, square);
