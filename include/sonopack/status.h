@@ -29,6 +29,7 @@ enum { SP_ERROR_TEXT = 1024 };
 typedef struct sp_error {
     sp_status status;
     char text[SP_ERROR_TEXT];
+    char key[64]; /* the scene key, option or column at fault as the user writes it; "" if none */
 } sp_error;
 
 /* Name of a status ("invalid", "i/o", ...), never NULL. */

@@ -8,7 +8,6 @@
 #include <sonopack/figure/figure.h>
 #include <sonopack/figure/plot.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 enum { CURVES = 3, ROWS_MOST = 100000 };
 #define PI       3.14159265358979323846
@@ -34,9 +33,10 @@ typedef struct rose {
 
 /* Few contacts in narrow bins are noise: two or three rows become one bin. */
 static int64_t merge_of(const sp_table *t) {
-    const char *text = sp_table_comment_value(t, "contacts");
-    const double contacts = text ? strtod(text, NULL) : INFINITY, enough = 60;
+    const double enough = 60;
+    double contacts = INFINITY;
     int64_t merged = 1;
+    sp_table_get_number(t, "contacts", &contacts);
     while (merged < 3 && contacts / (double)t->rows * (double)merged < enough)
         merged++;
     while (t->rows % merged != 0 || t->rows / merged < 4)

@@ -18,8 +18,10 @@ static sp_status count_files(const cli_common *common, const sp_scene *scene, in
         status = sp_packing_read(file[k], &p, err);
         if (status == SP_OK) {
             status = sp_contact_counts_add(counts, &p, scene->network.threshold, MARGIN, err);
-            if (status != SP_OK)
-                sp_fail_prefix(err, "%s", file[k]);
+            if (status == SP_EINVAL || status == SP_EREFUSED) {
+                err->status = SP_EFORMAT; /* this file's fault */
+                status = sp_fail_prefix(err, "%s", file[k]);
+            }
         }
         sp_packing_free(&p);
         if (files > 1)

@@ -37,14 +37,35 @@ static void one_line(char *text) {
             *text = ' ';
 }
 
+/* The key at fault, then the reason. */
+static void set_reason(sp_error *err, sp_status status, const char *key, const char *format, va_list args) {
+    char reason[SP_ERROR_TEXT];
+    vsnprintf(reason, sizeof reason, format, args);
+    err->status = status;
+    snprintf(err->key, sizeof err->key, "%s", key);
+    const size_t used = strnlen(key, sizeof err->key - 1), rest = strnlen(reason, sizeof reason - used - 1);
+    memcpy(err->text, err->key, used);
+    memcpy(err->text + used, reason, rest);
+    err->text[used + rest] = '\0';
+    one_line(err->text);
+}
+
 sp_status sp_fail(sp_error *err, sp_status status, const char *format, ...) {
     if (err) {
         va_list args;
         va_start(args, format);
-        err->status = status;
-        vsnprintf(err->text, sizeof err->text, format, args);
+        set_reason(err, status, "", format, args);
         va_end(args);
-        one_line(err->text);
+    }
+    return status;
+}
+
+sp_status sp_fail_key(sp_error *err, sp_status status, const char *key, const char *format, ...) {
+    if (err) {
+        va_list args;
+        va_start(args, format);
+        set_reason(err, status, key, format, args);
+        va_end(args);
     }
     return status;
 }
@@ -65,6 +86,12 @@ sp_status sp_fail_prefix(sp_error *err, const char *format, ...) {
     err->text[(size_t)used + length] = '\0';
     one_line(err->text);
     return err->status;
+}
+
+sp_status sp_fail_prefix_key(sp_error *err, const char *key) {
+    if (err)
+        snprintf(err->key, sizeof err->key, "%s", key);
+    return sp_fail_prefix(err, "%s", key);
 }
 
 static atomic_int_fast64_t fail_after = -1;

@@ -1,6 +1,7 @@
 /* Defaults, checks and resolved values of a packing's spec. */
 #include "base/base.h"
 #include "packing/contact.h"
+#include "packing/keys.h"
 #include "packing/prepare.h"
 
 #include <math.h>
@@ -20,6 +21,7 @@ static const protocol protocols[] = {
     [SP_PROTOCOL_QUICK] = {0.5, 2, {0.45, 0.45, 0.45, 0.25}, 0.5, 3, 0.01, 1, 0.2},
 };
 enum { PROTOCOLS = sizeof protocols / sizeof *protocols };
+_Static_assert(PROTOCOLS == SP_PROTOCOL_QUICK + 1, "the range of packing.protocol covers all protocols");
 
 sp_pack_spec sp_pack_spec_default(void) {
     return (sp_pack_spec){.kind = SP_PACK_PISTON,
@@ -35,48 +37,15 @@ sp_pack_spec sp_pack_spec_default(void) {
                           .drag = -1};
 }
 
-typedef struct range {
-    const char *name;
-    double value, low, high;
-    const char *right;
-} range;
-
-static sp_status check_all(size_t count, const range *ranges, sp_error *err) {
-    for (const range *r = ranges; r < ranges + count; r++)
-        if (!(r->value >= r->low && r->value <= r->high))
-            return sp_fail(err, SP_EINVAL, "%s = %g: must be %s", r->name, r->value, r->right);
+/* Checks the lengths of the lists, before their values are read. */
+static sp_status check_lists(const sp_pack_spec *s, sp_error *err) {
+    if (s->diameter_count < 0 || s->diameter_count > SP_DIAMETERS_MAX)
+        return sp_fail_key(err, SP_EINVAL, "packing.diameters", " = (%d numbers): must be at most %d",
+                           s->diameter_count, SP_DIAMETERS_MAX);
+    if (s->history_count < 0 || s->history_count > SP_HISTORY_MAX || (s->history_count > 0 && !s->history))
+        return sp_fail_key(err, SP_EINVAL, "packing.history", " = (%d pressures): must be at most %d", s->history_count,
+                           SP_HISTORY_MAX);
     return SP_OK;
-}
-
-static sp_status check_ranges(const sp_pack_spec *s, sp_error *err) {
-    const range ranges[] = {
-        {"packing.dimension", s->dim, 1, 3, "1, 2 or 3"},
-        {"packing.grains", s->grains, 1, 1e8, "1 .. 1e8"},
-        {"packing.width", s->width, 0x1p-1022, 1e6, "above 0, at most 1e6 d"},
-        {"packing.depth", s->depth, 0, 1e6, "0 (like the width) .. 1e6 d"},
-        {"packing.pressure", s->pressure, 1e-10, 1e-2, "1e-10 .. 1e-2 E*"},
-        {"packing.friction", s->friction, 0, 1e6, "0 .. 1e6"},
-        {"packing.poisson", s->poisson, 0, 0.5, "0 .. 0.5"},
-        {"packing.sizes", s->sizes, 0, SP_SIZES_LIST, "uniform, bidisperse, lognormal or list"},
-        {"packing.large_fraction", s->large_fraction, 0, 1, "0 .. 1"},
-        {"packing.size_spread", s->size_spread, 0, 2, "0 .. 2"},
-        {"packing.compression", s->compression, 0, SP_COMPRESSION_ISOTROPIC, "piston or isotropic"},
-        {"packing.protocol", s->protocol, 0, PROTOCOLS - 1, "default, somfai2005 or quick"},
-        {"packing.tolerance", s->tolerance, 0, 1, "0 (the default rule) .. 1"},
-        {"packing.damping", s->damping, 1e-3, 2, "0.001 .. 2 of critical, or 0 (set by the protocol)"},
-        {"packing.piston_mass", s->piston_mass, 0.1, 1e4,
-         "0.1 (a lighter piston would be pushed about by single grains) .. 1e4 (a heavier one would oscillate long "
-         "after the grains have come to rest), or 0 (set by the protocol)"},
-        {"packing.gas_fraction", s->gas_fraction, 0.01, 0.45, "0.01 .. 0.45, or 0 (set by the protocol)"},
-        {"packing.time_step", s->time_step, 1e-3, 0.8,
-         "0.001 .. 0.8 of the largest stable one, or 0 (set by the protocol)"},
-        {"packing.calm", s->calm, 0, 100, "0 .. 100, or below 0 (set by the protocol)"},
-        {"packing.drag", s->drag, 0, 0.1, "0 .. 0.1, or below 0 (set by the protocol)"},
-        {"packing.viscous_limit", s->viscous_limit, 1, 1e6, "1 .. 1e6, or 0 (set by the protocol)"},
-        {"packing.calm_damping", s->calm_damping, 1e-3, 2, "0.001 .. 2 of critical, or 0 (set by the protocol)"},
-        {"packing.max_steps", (double)s->max_steps, 0, 1e15, "0 (a bound of its own) .. 1e15"},
-    };
-    return check_all(sizeof ranges / sizeof *ranges, ranges, err);
 }
 
 /* ---- sizes ----------------------------------------------------------------------------------------------------- */
@@ -86,23 +55,17 @@ static const char *const laws[] = {"uniform", "bidisperse", "lognormal", "list"}
 static sp_status check_list(const sp_pack_spec *given, sp_error *err) {
     const int32_t count = given->diameters ? given->diameter_count : 0;
     if (count < given->grains)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.diameters = (%d numbers): must be one for each of packing.grains = %d, packing.sizes = "
-                       "\"list\" takes them from there or from packing.diameter_file",
-                       count, given->grains);
-    for (int32_t i = 0; i < count; i++)
-        if (!(given->diameters[i] >= 0.01 && given->diameters[i] <= 100))
-            return sp_fail(err, SP_EINVAL, "packing.diameters: number %d = %g: must be 0.01 .. 100 d", i + 1,
-                           given->diameters[i]);
+        return sp_fail_key(err, SP_EINVAL, "packing.diameters",
+                           " = (%d numbers): must be one for each of packing.grains = %d, packing.sizes = "
+                           "\"list\" takes them from there or from packing.diameter_file",
+                           count, given->grains);
     double low, high;
     sp_sizes_limits(given, &low, &high);
     if ((given->diameter_min != 0 && given->diameter_min != low) ||
         (given->diameter_max != 0 && given->diameter_max != high))
-        return sp_fail(err, SP_EINVAL,
-                       "packing.%s = %g: must be 0 (not given) with packing.sizes = \"list\", whose own limits are "
-                       "%g .. %g",
-                       given->diameter_min != 0 ? "diameter_min" : "diameter_max",
-                       given->diameter_min != 0 ? given->diameter_min : given->diameter_max, low, high);
+        return sp_fail_key(err, SP_EINVAL, given->diameter_min != 0 ? "packing.diameter_min" : "packing.diameter_max",
+                           " = %g: must be 0 (not given) with packing.sizes = \"list\", whose own limits are %g .. %g",
+                           given->diameter_min != 0 ? given->diameter_min : given->diameter_max, low, high);
     return SP_OK;
 }
 
@@ -112,40 +75,35 @@ static sp_status check_lognormal(const sp_pack_spec *s, sp_error *err) {
     if (within >= 0.01)
         return SP_OK;
     if (s->size_spread == 0)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.size_spread = 0: all grains then have diameter 1, which must lie within "
-                       "packing.diameter_min = %g .. packing.diameter_max = %g",
-                       s->diameter_min, s->diameter_max);
-    return sp_fail(
-        err, SP_EINVAL,
-        "packing.size_spread = %g: a lognormal distribution of this spread has a fraction %.2g of its grains within "
-        "packing.diameter_min = %g .. packing.diameter_max = %g: must be at least 0.01",
-        s->size_spread, within, s->diameter_min, s->diameter_max);
+        return sp_fail_key(err, SP_EINVAL, "packing.size_spread",
+                           " = 0: all grains then have diameter 1, which must lie within "
+                           "packing.diameter_min = %g .. packing.diameter_max = %g",
+                           s->diameter_min, s->diameter_max);
+    return sp_fail_key(err, SP_EINVAL, "packing.size_spread",
+                       " = %g: a lognormal distribution of this spread has a fraction %.2g of its grains within "
+                       "packing.diameter_min = %g .. packing.diameter_max = %g: must be at least 0.01",
+                       s->size_spread, within, s->diameter_min, s->diameter_max);
 }
 
 /* Checks the distribution and its limits. s is `given`, resolved. */
 static sp_status check_sizes(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err) {
-    if (s->diameter_count < 0 || s->diameter_count > SP_DIAMETERS_MAX)
-        return sp_fail(err, SP_EINVAL, "packing.diameters = (%d numbers): must be at most %d", s->diameter_count,
-                       SP_DIAMETERS_MAX);
     if (s->sizes == SP_SIZES_LIST)
         return check_list(given, err);
     if (s->diameters && s->diameter_count > 0)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.sizes = \"%s\": must be \"list\" where packing.diameters or packing.diameter_file is "
-                       "given",
-                       laws[s->sizes]);
+        return sp_fail_key(err, SP_EINVAL, "packing.sizes",
+                           " = \"%s\": must be \"list\" where packing.diameters or packing.diameter_file is "
+                           "given",
+                           laws[s->sizes]);
     if ((given->diameter_min == 0) != (given->diameter_max == 0))
-        return sp_fail(err, SP_EINVAL, "packing.diameter_%s = 0: must be given if packing.diameter_%s is, or neither",
-                       given->diameter_min == 0 ? "min" : "max", given->diameter_min == 0 ? "max" : "min");
-    const range limits[] = {{"packing.diameter_min", s->diameter_min, 0.01, 100, "0.01 .. 100 d"},
-                            {"packing.diameter_max", s->diameter_max, 0.01, 100, "0.01 .. 100 d"}};
-    sp_status status = check_all(2, limits, err);
+        return sp_fail_key(err, SP_EINVAL, given->diameter_min == 0 ? "packing.diameter_min" : "packing.diameter_max",
+                           " = 0: must be given if packing.diameter_%s is, or neither",
+                           given->diameter_min == 0 ? "max" : "min");
+    sp_status status = sp_keys_check(sp_pack_keys, s, err); /* the limits that the law itself decides */
     if (status != SP_OK)
         return status;
     if (s->diameter_min > s->diameter_max)
-        return sp_fail(err, SP_EINVAL, "packing.diameter_min = %g: must not be above packing.diameter_max = %g",
-                       s->diameter_min, s->diameter_max);
+        return sp_fail_key(err, SP_EINVAL, "packing.diameter_min", " = %g: must not be above packing.diameter_max = %g",
+                           s->diameter_min, s->diameter_max);
     return s->sizes == SP_SIZES_LOGNORMAL ? check_lognormal(s, err) : SP_OK;
 }
 
@@ -153,20 +111,22 @@ static sp_status check_sizes(const sp_pack_spec *given, const sp_pack_spec *s, s
 static sp_status check_scale(const sp_pack_spec *s, sp_error *err) {
     const double slack = 1 + 1e-9, mean = sp_sizes_moment(s, 1);
     if (!(mean * slack >= 0.1 && mean <= 10 * slack))
-        return sp_fail(err, SP_EINVAL,
-                       "packing.diameter_min = %g, packing.diameter_max = %g: their mean is %g: must be 0.1 .. 10, "
-                       "because it is the unit of length",
-                       s->diameter_min, s->diameter_max, mean);
+        return sp_fail_key(err, SP_EINVAL, "packing.diameter_min",
+                           " = %g, packing.diameter_max = %g: their mean is %g: must be 0.1 .. 10, "
+                           "because it is the unit of length",
+                           s->diameter_min, s->diameter_max, mean);
     if (s->diameter_max > 100 * slack * s->diameter_min)
-        return sp_fail(err, SP_EINVAL, "packing.diameter_max = %g: must be at most 100 times packing.diameter_min = %g",
-                       s->diameter_max, s->diameter_min);
+        return sp_fail_key(err, SP_EINVAL, "packing.diameter_max",
+                           " = %g: must be at most 100 times packing.diameter_min = %g", s->diameter_max,
+                           s->diameter_min);
     const double sides[] = {s->width, s->depth};
     for (int k = 0; k < s->dim - 1; k++)
         if (sides[k] < 4 * s->diameter_max)
-            return sp_fail(err, SP_EINVAL,
-                           "packing.%s = %g: must be at least four of the largest diameters (%g): in a narrower box "
-                           "grains would touch their own periodic images",
-                           k == 0 ? "width" : "depth", sides[k], 4 * s->diameter_max);
+            return sp_fail_key(
+                err, SP_EINVAL, k == 0 ? "packing.width" : "packing.depth",
+                " = %g: must be at least four of the largest diameters (%g): in a narrower box grains would "
+                "touch their own periodic images",
+                sides[k], 4 * s->diameter_max);
     return SP_OK;
 }
 
@@ -189,32 +149,30 @@ static double least_tolerance(const sp_pack_spec *s) {
 static sp_status check_motion(const sp_pack_spec *s, sp_error *err) {
     const double slack = 1 + 1e-9;
     if (s->tolerance > 0.1 * slack * s->pressure)
-        return sp_fail(
-            err, SP_EINVAL,
-            "packing.tolerance = %g: must be at most 0.1 of packing.pressure = %g, above which no packing is "
-            "at rest",
-            s->tolerance, s->pressure);
+        return sp_fail_key(err, SP_EINVAL, "packing.tolerance",
+                           " = %g: must be at most 0.1 of packing.pressure = %g, above which no packing "
+                           "is at rest",
+                           s->tolerance, s->pressure);
     const double least = least_tolerance(s);
     if (s->tolerance < least)
-        return sp_fail(
-            err, SP_EINVAL,
-            "packing.tolerance = %g: must be at least %.2g, or 0 (the default rule): accelerations below that "
-            "are rounding",
-            s->tolerance, least);
+        return sp_fail_key(err, SP_EINVAL, "packing.tolerance",
+                           " = %g: must be at least %.2g, or 0 (the default rule): accelerations below that "
+                           "are rounding",
+                           s->tolerance, least);
     if (s->calm > 0 && s->calm < 1e-6)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.calm = %g: must be at least 1e-6, or 0 (never), or below 0 (set by the protocol)",
-                       s->calm);
+        return sp_fail_key(err, SP_EINVAL, "packing.calm",
+                           " = %g: must be at least 1e-6, or 0 (never), or below 0 (set by the protocol)", s->calm);
     return SP_OK;
 }
 
 static sp_status check_triangular(const sp_pack_spec *s, sp_error *err) {
     const double mean = sp_sizes_moment(s, 1), row = floor(s->width / mean + 1e-9);
     if (row < 3 || fmod(s->grains, row) != 0)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.grains = %d: must be a multiple of the %g grains of a row (packing.width = %g%s), at "
-                       "least 3 a row",
-                       s->grains, row, s->width, s->diameter_min < s->diameter_max ? " over their mean diameter" : "");
+        return sp_fail_key(err, SP_EINVAL, "packing.grains",
+                           " = %d: must be a multiple of the %g grains of a row (packing.width = %g%s), at "
+                           "least 3 a row",
+                           s->grains, row, s->width,
+                           s->diameter_min < s->diameter_max ? " over their mean diameter" : "");
     if (s->diameter_min == s->diameter_max)
         return SP_OK;
     sp_status status = check_scale(s, err);
@@ -224,17 +182,17 @@ static sp_status check_triangular(const sp_pack_spec *s, sp_error *err) {
 static sp_status check_ordered(const sp_pack_spec *s, sp_error *err) {
     const bool chain = s->kind == SP_PACK_CHAIN;
     if (s->history_count > 0 && (chain || s->diameter_min == s->diameter_max))
-        return sp_fail(err, SP_EINVAL,
-                       "packing.history = (%d pressures): must be empty for packing.kind = \"%s\"%s, which depends on "
-                       "packing.pressure alone",
-                       s->history_count, chain ? "chain" : "triangular", chain ? "" : " of equal grains");
+        return sp_fail_key(err, SP_EINVAL, "packing.history",
+                           " = (%d pressures): must be empty for packing.kind = \"%s\"%s, which depends on "
+                           "packing.pressure alone",
+                           s->history_count, chain ? "chain" : "triangular", chain ? "" : " of equal grains");
     if (s->dim != (chain ? 1 : 2))
-        return sp_fail(err, SP_EINVAL, "packing.dimension = %d: must be %d for packing.kind = \"%s\"", s->dim,
-                       chain ? 1 : 2, chain ? "chain" : "triangular");
+        return sp_fail_key(err, SP_EINVAL, "packing.dimension", " = %d: must be %d for packing.kind = \"%s\"", s->dim,
+                           chain ? 1 : 2, chain ? "chain" : "triangular");
     if (chain && s->compression == SP_COMPRESSION_ISOTROPIC)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.compression = \"isotropic\": must be \"piston\" for packing.kind = \"chain\", which "
-                       "has no sides");
+        return sp_fail_key(err, SP_EINVAL, "packing.compression",
+                           " = \"isotropic\": must be \"piston\" for packing.kind = \"chain\", which "
+                           "has no sides");
     return chain ? SP_OK : check_triangular(s, err);
 }
 
@@ -246,10 +204,10 @@ static sp_status check_layer(const sp_pack_spec *s, sp_error *err) {
     const double layer = s->width * (s->dim == 2 ? 1 : s->depth) * s->diameter_max, least = ceil(layer / solid);
     if (s->grains >= least)
         return SP_OK;
-    return sp_fail(err, SP_EINVAL,
-                   "packing.grains = %d: must be at least %g for packing.compression = \"isotropic\", a layer as high "
-                   "as the largest grain in a box this wide",
-                   s->grains, least);
+    return sp_fail_key(err, SP_EINVAL, "packing.grains",
+                       " = %d: must be at least %g for packing.compression = \"isotropic\", a layer as high "
+                       "as the largest grain in a box this wide",
+                       s->grains, least);
 }
 
 /* Largest pressure that a layer of the largest grains carries before the overlaps reach 0.8 radii (Hertz). */
@@ -258,15 +216,16 @@ static sp_status check_load(const sp_pack_spec *s, sp_error *err) {
     const double most = 4.0 / 3.0 * sqrt(r) * pow(0.8 * r, 1.5) * s->grains / area;
     if (s->pressure <= most)
         return SP_OK;
-    return sp_fail(err, SP_EINVAL,
-                   "packing.pressure = %g: must be at most %.3g, packing.grains = %d cannot carry more in a box of "
-                   "packing.width = %g",
-                   s->pressure, most, s->grains, s->width);
+    return sp_fail_key(err, SP_EINVAL, "packing.pressure",
+                       " = %g: must be at most %.3g, packing.grains = %d cannot carry more in a box of "
+                       "packing.width = %g",
+                       s->pressure, most, s->grains, s->width);
 }
 
 static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
     if (s->dim != 2 && s->dim != 3)
-        return sp_fail(err, SP_EINVAL, "packing.dimension = %d: must be 2 or 3 for packing.kind = \"piston\"", s->dim);
+        return sp_fail_key(err, SP_EINVAL, "packing.dimension", " = %d: must be 2 or 3 for packing.kind = \"piston\"",
+                           s->dim);
     sp_status status = check_scale(s, err);
     if (status != SP_OK)
         return status;
@@ -274,28 +233,17 @@ static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
      * spheres, and slows down long before; equal grains are the worst case */
     const double densest = s->dim == 2 ? 0.45 : 0.3;
     if (s->gas_fraction > densest)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.gas_fraction = %g: must be at most %g in %d dimensions, grains that are dropped at "
-                       "random jam at %g",
-                       s->gas_fraction, densest, s->dim, s->dim == 2 ? 0.547 : 0.38);
+        return sp_fail_key(err, SP_EINVAL, "packing.gas_fraction",
+                           " = %g: must be at most %g in %d dimensions, grains placed at "
+                           "random jam at %g",
+                           s->gas_fraction, densest, s->dim, s->dim == 2 ? 0.547 : 0.38);
     status = check_layer(s, err);
     if (status == SP_OK)
         status = check_load(s, err);
     return status == SP_OK ? check_motion(s, err) : status;
 }
 
-static sp_status check_history(const sp_pack_spec *s, sp_error *err) {
-    if (s->history_count < 0 || s->history_count > SP_HISTORY_MAX || (s->history_count > 0 && !s->history))
-        return sp_fail(err, SP_EINVAL, "packing.history = (%d pressures): must be at most %d", s->history_count,
-                       SP_HISTORY_MAX);
-    for (int32_t k = 0; k < s->history_count; k++)
-        if (!(s->history[k] >= 1e-10 && s->history[k] <= 1e-2))
-            return sp_fail(err, SP_EINVAL, "packing.history: number %d = %g: must be 1e-10 .. 1e-2 E*", k + 1,
-                           s->history[k]);
-    return SP_OK;
-}
-
-/* The initial packing may not be known yet. */
+/* The packing itself may not be known yet. */
 static sp_status check_file(const sp_pack_spec *s, sp_error *err) {
     sp_status status = s->content ? check_scale(s, err) : SP_OK;
     return status == SP_OK ? check_motion(s, err) : status;
@@ -335,35 +283,35 @@ sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
 }
 
 sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
+    sp_status status = check_lists(given, err);
+    if (status == SP_OK)
+        status = sp_keys_check(sp_pack_keys, given, err);
+    if (status != SP_OK)
+        return status;
     const sp_pack_spec resolved = sp_pack_spec_resolve(given), *s = &resolved;
-    sp_status status = check_ranges(s, err);
-    if (status == SP_OK)
-        status = check_sizes(given, s, err);
-    if (status == SP_OK)
-        status = check_history(s, err);
+    status = check_sizes(given, s, err);
     if (status != SP_OK)
         return status;
     if (s->dim != 3 && s->depth != 0)
-        return sp_fail(err, SP_EINVAL, "packing.depth = %g: must be 0 (not given) in packing.dimension = %d", s->depth,
-                       s->dim);
+        return sp_fail_key(err, SP_EINVAL, "packing.depth", " = %g: must be 0 (not given) in packing.dimension = %d",
+                           s->depth, s->dim);
     switch (s->kind) {
     case SP_PACK_CHAIN:
     case SP_PACK_TRIANGULAR: return check_ordered(s, err);
     case SP_PACK_PISTON: return check_piston(s, err);
-    case SP_PACK_FILE: return check_file(s, err);
+    case SP_PACK_FILE: break;
     }
-    return sp_fail(err, SP_EINVAL, "packing.kind = %d: must be piston, chain, triangular or file", (int)s->kind);
+    return check_file(s, err);
 }
 
 sp_status sp_pack_spec_fill(const sp_pack_spec *given, double height, int32_t *grains, sp_error *err) {
     /* measured: 0.795 .. 0.822 over whole boxes 24 wide and 8 .. 400 d high at p = 1e-4, largest in the highest */
     const double disks = 0.815, spheres = 0.6;
     if (given->kind != SP_PACK_PISTON || given->compression != SP_COMPRESSION_PISTON || given->dim < 2)
-        return sp_fail(
-            err, SP_EINVAL,
-            "packing.height = %g: must be 0 (packing.grains determines it) except for packing.kind = \"piston\" with "
-            "packing.compression = \"piston\"",
-            height);
+        return sp_fail_key(err, SP_EINVAL, "packing.height",
+                           " = %g: must be 0 (packing.grains determines it) except for packing.kind = \"piston\" with "
+                           "packing.compression = \"piston\"",
+                           height);
     sp_pack_spec s = *given;
     if (s.sizes == SP_SIZES_LIST)
         s.grains = s.diameter_count; /* mean of the whole list */
@@ -371,9 +319,8 @@ sp_status sp_pack_spec_fill(const sp_pack_spec *given, double height, int32_t *g
     const double number = s.dim == 2 ? height * s.width * disks / sp_sizes_mean_area(&s)
                                      : height * s.width * s.depth * spheres / sp_sizes_mean_volume(&s);
     if (!(number <= 1e8))
-        return sp_fail(err, SP_EINVAL,
-                       "packing.height = %g: must be lower: it takes %.3g grains, and at most 1e8 are possible", height,
-                       number);
+        return sp_fail_key(err, SP_EINVAL, "packing.height",
+                           " = %g: must be lower: it takes %.3g grains, and at most 1e8 are possible", height, number);
     *grains = number > 1 ? (int32_t)floor(number + 0.5) : 1;
     return SP_OK;
 }

@@ -5,6 +5,7 @@
 #include "base/base.h"
 #include "base/hash.h"
 #include "packing/compression.h"
+#include "packing/keys.h"
 #include "packing/pairs.h"
 #include "packing/prepare.h"
 
@@ -40,32 +41,30 @@ uint64_t sp_packing_hash(const sp_packing *p) {
     return hash ? hash : 1;
 }
 
-/* Hash of everything that determines the packing. s is resolved. */
+static uint64_t add_list(uint64_t hash, const sp_key *key, const sp_pack_spec *s) {
+    const double *values;
+    int32_t count;
+    memcpy(&values, (const char *)s + key->offset, sizeof values);
+    memcpy(&count, (const char *)s + key->count, sizeof count);
+    hash = add_integer(hash, (uint64_t)count);
+    return sp_hash64_words(hash, values, (size_t)count * sizeof *values);
+}
+
+/* Hash of everything that determines the packing: all keys of the table, first integers and words, then real numbers,
+ * then lists. s is resolved. */
 static uint64_t spec_hash(const sp_pack_spec *s) {
-    const uint64_t integers[] = {(uint64_t)SONOPACK_ALGORITHM,
-                                 (uint64_t)s->kind,
-                                 (uint64_t)s->dim,
-                                 (uint64_t)s->grains,
-                                 (uint64_t)s->sizes,
-                                 (uint64_t)s->compression,
-                                 (uint64_t)s->protocol,
-                                 (uint64_t)s->reference,
-                                 s->seed,
-                                 (uint64_t)s->max_steps,
-                                 s->content};
-    const double numbers[] = {s->width,        s->depth,         s->pressure,       s->friction,    s->poisson,
-                              s->diameter_min, s->diameter_max,  s->large_fraction, s->size_spread, s->tolerance,
-                              s->damping,      s->piston_mass,   s->gas_fraction,   s->time_step,   s->calm,
-                              s->drag,         s->viscous_limit, s->calm_damping};
     uint64_t hash = sp_hash64_words(SP_HASH64_BEGIN, SONOPACK_VERSION, sizeof SONOPACK_VERSION);
-    for (size_t k = 0; k < sizeof integers / sizeof *integers; k++)
-        hash = add_integer(hash, integers[k]);
-    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
-        hash = add_number(hash, numbers[k] + 0.0);
-    hash = add_integer(hash, (uint64_t)s->diameter_count);
-    hash = sp_hash64_words(hash, s->diameters, (size_t)s->diameter_count * sizeof *s->diameters);
-    hash = add_integer(hash, (uint64_t)s->history_count);
-    return sp_hash64_words(hash, s->history, (size_t)s->history_count * sizeof *s->history);
+    hash = add_integer(hash, (uint64_t)SONOPACK_ALGORITHM);
+    for (const sp_key *key = sp_pack_keys; key->name; key++)
+        if (key->type != SP_KEY_REAL && key->type != SP_KEY_REALS)
+            hash = add_integer(hash, sp_key_integer(key, s));
+    for (const sp_key *key = sp_pack_keys; key->name; key++)
+        if (key->type == SP_KEY_REAL)
+            hash = add_number(hash, sp_key_value(key, s) + 0.0);
+    for (const sp_key *key = sp_pack_keys; key->name; key++)
+        if (key->type == SP_KEY_REALS)
+            hash = add_list(hash, key, s);
+    return hash;
 }
 
 /* ---- what goes in and out ------------------------------------------------------------------------------------ */
