@@ -13,7 +13,7 @@ typedef enum compression_phase { PHASE_FLIGHT = 0, PHASE_COMPACTION, PHASE_EQUIL
 
 /* State of a run. Everything here and in dynamics that changes from step to step is saved by state.c. */
 typedef struct compression {
-    const sp_pack_spec *whole; /* the spec of the run, with its final pressure */
+    const sp_pack_spec *whole; /* the spec of the run, with the final pressure */
     sp_pack_spec now;          /* the same with the pressure and tolerance of the current stage */
     const sp_pack_spec *spec;  /* &now */
     dynamics d;
@@ -29,8 +29,8 @@ typedef struct compression {
     int rest_checks; /* consecutive checks that found equilibrium */
     compression_phase phase;
     double residual, wall_imbalance, lateral_imbalance;
-    double full_drag, ease,
-        stall_residual; /* during equilibration: full drag, its current reduction, and the residual at stall_step */
+    /* during equilibration: full drag, its current reduction, and the residual at stall_step */
+    double full_drag, ease, stall_residual;
     int64_t stall_step;
     double first_acceleration, first_residual; /* of the current phase; 0: not known yet */
     double fraction;                           /* of the work, as last reported */
@@ -42,7 +42,7 @@ typedef struct compression {
  * this fails. */
 sp_status sp_compression_start(compression *run, sp_error *err);
 void sp_compression_free(compression *run);
-/* Length of the first step, unless the packing allows more information. */
+/* Length of the first step, unless contacts need a shorter one. */
 double sp_compression_first_step(const compression *run);
 /* Creates the dynamics of grains at x with radii r, given in packing order, and chooses their order in memory. */
 sp_status sp_compression_place(compression *run, const sp_pack_spec *spec, const double *r, const double *x,

@@ -333,7 +333,7 @@ sp_status sp_state_load(compression *run, sp_error *err) {
     status = read_grains(&s, run, err);
     if (status != SP_OK)
         return status;
-    pass_run(&(stream){.from = s.from, .at = sizeof h, .size = s.size}, run); /* into the dynamics that there are now */
+    pass_run(&(stream){.from = s.from, .at = sizeof h, .size = s.size}, run); /* again, as the dynamics exist now */
     pass_walls(&s, &run->d);
     status = read_pairs(&s, &run->d, err);
     if (status == SP_OK && s.at != s.size)
