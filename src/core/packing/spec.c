@@ -9,36 +9,16 @@
 
 /* Values that a protocol sets if the spec leaves them open. */
 typedef struct protocol {
-    double damping, piston_mass, gas_fraction[4], time_step, calm, drag, viscous_limit,
-        calm_damping; /* gas_fraction by dimension */
+    double damping, piston_mass;
+    double gas_fraction[4]; /* by dimension */
+    double time_step, calm, drag, viscous_limit, calm_damping;
 } protocol;
 
+/* DEFAULT is as SOMFAI2005 until the global damping starts: a different motion would give a different material. */
 static const protocol protocols[] = {
-    /* as SOMFAI2005 until the global damping starts: a different motion would give a different material */
-    [SP_PROTOCOL_DEFAULT] = {.damping = 0.8,
-                             .piston_mass = 12.5,
-                             .gas_fraction = {0.3, 0.3, 0.3, 0.2},
-                             .time_step = 0.7,
-                             .calm = 0.01,
-                             .drag = 0.01,
-                             .viscous_limit = 1e6,
-                             .calm_damping = 0.2},
-    [SP_PROTOCOL_SOMFAI2005] = {.damping = 0.8,
-                                .piston_mass = 12.5,
-                                .gas_fraction = {0.3, 0.3, 0.3, 0.2},
-                                .time_step = 0.7,
-                                .calm = 0.01,
-                                .drag = 0.01,
-                                .viscous_limit = 1e6,
-                                .calm_damping = 0.8},
-    [SP_PROTOCOL_QUICK] = {.damping = 0.5,
-                           .piston_mass = 2,
-                           .gas_fraction = {0.45, 0.45, 0.45, 0.25},
-                           .time_step = 0.5,
-                           .calm = 3,
-                           .drag = 0.01,
-                           .viscous_limit = 1,
-                           .calm_damping = 0.2},
+    [SP_PROTOCOL_DEFAULT] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 0.01, 0.01, 1e6, 0.2},
+    [SP_PROTOCOL_SOMFAI2005] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 0.01, 0.01, 1e6, 0.8},
+    [SP_PROTOCOL_QUICK] = {0.5, 2, {0.45, 0.45, 0.45, 0.25}, 0.5, 3, 0.01, 1, 0.2},
 };
 enum { PROTOCOLS = sizeof protocols / sizeof *protocols };
 _Static_assert(PROTOCOLS == SP_PROTOCOL_QUICK + 1, "the range of packing.protocol covers all protocols");
@@ -57,7 +37,7 @@ sp_pack_spec sp_pack_spec_default(void) {
                           .drag = -1};
 }
 
-/* Lists that are too long, or that say more values than they have. */
+/* Checks the lengths of the lists, before their values are read. */
 static sp_status check_lists(const sp_pack_spec *s, sp_error *err) {
     if (s->diameter_count < 0 || s->diameter_count > SP_DIAMETERS_MAX)
         return sp_fail_key(err, SP_EINVAL, "packing.diameters", " = (%d numbers): must be at most %d",
@@ -152,8 +132,8 @@ static sp_status check_scale(const sp_pack_spec *s, sp_error *err) {
 
 /* ---- kinds ----------------------------------------------------------------------------------------------------- */
 
-/* Accelerations of heavy grains are small for large forces: by this much less is allowed where all grains, or the
- * largest among smaller ones, are so heavy that forces would be off by more than 1e-5 of those that are usual. 1 for
+/* Heavy grains have small accelerations even under large forces. This factor lowers the tolerance if all grains, or the
+ * largest among smaller ones, are so heavy that forces would be off by more than 1e-5 of typical ones. It is 1 for
  * diameters up to 2.6. */
 static double heaviness(const sp_pack_spec *s) {
     const double mean = sp_sizes_moment(s, 1);
