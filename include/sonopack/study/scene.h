@@ -84,7 +84,7 @@ SP_API sp_status sp_scene_set(sp_scene *s, const char *key, double value, sp_err
 SP_API double sp_scene_get(const sp_scene *s, const char *key);
 /* Value k of a sweep, checked against the key's range. Lists stay the sweep's, which must outlive the scene. Of
  * packing.grains and packing.height the one that is set last decides. */
-SP_API sp_status sp_scene_take(sp_scene *s, const sp_sweep *sweep, int k, sp_error *err);
+SP_API sp_status sp_scene_set_swept(sp_scene *s, const sp_sweep *sweep, int k, sp_error *err);
 /* Value k of a sweep for readers: numbers at full precision, words without quotes, lists in [], true and false; cut
  * where size is too small. Returns buf, empty where there is no such key or value. */
 SP_API const char *sp_sweep_text(const sp_sweep *sweep, int k, char *buf, size_t size);

@@ -79,12 +79,12 @@ static sp_status check_file(const arguments *a, const char *path, double thresho
     if (status == SP_OK)
         status = sp_packing_audit(&p, threshold, &audit, &fault);
     if (status == SP_OK)
-        residual = sp_audit_judge(&audit, a->tolerance, reason, sizeof reason);
+        residual = sp_audit_worst(&audit, a->tolerance, reason, sizeof reason);
     else
         snprintf(reason, sizeof reason, "%s", fault.text);
     *good = status == SP_OK && *reason == '\0';
     if (!*good) {
-        const bool named = strstr(reason, path) != NULL;
+        const bool named = status == SP_EIO || status == SP_EFORMAT; /* by what reads the file */
         sp_fail(&fault, SP_EFAILED, "%s%s%s", named ? "" : path, named ? "" : ": ", reason);
         cli_fail(&fault);
     }

@@ -50,13 +50,13 @@ struct arguments {
 
 /* ---- kinds ------------------------------------------------------------------------------------------------------ */
 
-/* A figure that cannot be made of a file is that file's fault, not one of usage. */
+/* A figure that cannot be made of a file is that file's fault, not one of usage. Reading it fails with SP_EFORMAT or
+ * SP_EIO and names the file; drawing does not know the file, which is named here. */
 static sp_status blame(sp_status status, const char *path, sp_error *err) {
-    if (status == SP_EINVAL)
-        status = err->status = SP_EFORMAT;
-    if ((status == SP_EREFUSED || status == SP_EFORMAT) && strncmp(err->text, path, strlen(path)) != 0)
-        sp_fail_prefix(err, "%s", path);
-    return status;
+    if (status != SP_EINVAL && status != SP_EREFUSED)
+        return status;
+    err->status = status == SP_EINVAL ? SP_EFORMAT : status;
+    return *path ? sp_fail_prefix(err, "%s", path) : err->status;
 }
 
 static sp_status store_table(const arguments *a, sp_table *out, sp_error *err) {

@@ -14,6 +14,8 @@ static sp_status packing_table(const char *path, const sp_scene *scene, bool wav
     sp_packing p = sp_packing_none();
     sp_network net = sp_network_none();
     sp_status status = cli_read_network(path, &scene->network, &p, &net, err);
+    if (status == SP_EINVAL || status == SP_EREFUSED)
+        status = err->status = SP_EFORMAT; /* the fault of the file, which is named */
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "spectrum = %s", waves ? "dispersion" : "dos");
     if (status == SP_OK)

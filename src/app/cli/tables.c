@@ -53,7 +53,7 @@ static sp_status case_scene(const char *table, const sp_scene *scene, int64_t c,
             one.sweep[one.sweeps++] = *sweep;
             continue;
         }
-        status = sp_scene_take(&one, sweep, (int)(c % sweep->count), err);
+        status = sp_scene_set_swept(&one, sweep, (int)(c % sweep->count), err);
         c /= sweep->count;
     }
     *out = one;

@@ -1,3 +1,4 @@
+/* Status and error text, allocation, memory limit, number text and clocks. */
 #include "base/base.h"
 
 #include <sonopack/version.h>
@@ -29,21 +30,42 @@ const char *sp_status_name(sp_status status) {
     return "unknown";
 }
 
-/* A reason is one line: control characters from file names or hostile input become spaces. */
+/* An error text is one line, so control characters (from file names or hostile input) become spaces. */
 static void one_line(char *text) {
     for (; *text; text++)
         if ((unsigned char)*text < ' ' || *text == 127)
             *text = ' ';
 }
 
+/* The key at fault, then the reason. */
+static void set_reason(sp_error *err, sp_status status, const char *key, const char *format, va_list args) {
+    char reason[SP_ERROR_TEXT];
+    vsnprintf(reason, sizeof reason, format, args);
+    err->status = status;
+    snprintf(err->key, sizeof err->key, "%s", key);
+    const size_t used = strnlen(key, sizeof err->key - 1), rest = strnlen(reason, sizeof reason - used - 1);
+    memcpy(err->text, err->key, used);
+    memcpy(err->text + used, reason, rest);
+    err->text[used + rest] = '\0';
+    one_line(err->text);
+}
+
 sp_status sp_fail(sp_error *err, sp_status status, const char *format, ...) {
     if (err) {
         va_list args;
         va_start(args, format);
-        err->status = status;
-        vsnprintf(err->text, sizeof err->text, format, args);
+        set_reason(err, status, "", format, args);
         va_end(args);
-        one_line(err->text);
+    }
+    return status;
+}
+
+sp_status sp_fail_key(sp_error *err, sp_status status, const char *key, const char *format, ...) {
+    if (err) {
+        va_list args;
+        va_start(args, format);
+        set_reason(err, status, key, format, args);
+        va_end(args);
     }
     return status;
 }
@@ -66,11 +88,17 @@ sp_status sp_fail_prefix(sp_error *err, const char *format, ...) {
     return err->status;
 }
 
+sp_status sp_fail_prefix_key(sp_error *err, const char *key) {
+    if (err)
+        snprintf(err->key, sizeof err->key, "%s", key);
+    return sp_fail_prefix(err, "%s", key);
+}
+
 static atomic_int_fast64_t fail_after = -1;
 
 void sp_alloc_fail_after(int64_t count) { atomic_store(&fail_after, count); }
 
-/* From HUGE_FROM bytes on memory comes in pages of 2 MiB, where the system has them. */
+/* Blocks of HUGE_FROM bytes or more use pages of 2 MiB where the system offers them. */
 enum { HUGE_PAGE = 2 << 20, HUGE_FROM = 16 << 20 };
 
 void *sp_alloc(size_t count, size_t size) {
@@ -87,7 +115,7 @@ void *sp_alloc(size_t count, size_t size) {
     void *memory = aligned_alloc(align, bytes);
 #ifdef MADV_HUGEPAGE
     if (memory && align == HUGE_PAGE)
-        madvise(memory, bytes, MADV_HUGEPAGE); /* a hint: a fraction of the page faults, and of the address lookups */
+        madvise(memory, bytes, MADV_HUGEPAGE); /* only a hint; it saves most of the page faults and address lookups */
 #endif
     if (memory)
         memset(memory, 0, bytes);
@@ -95,6 +123,22 @@ void *sp_alloc(size_t count, size_t size) {
 }
 
 void sp_free(void *memory) { free(memory); }
+
+void *sp_grow(void *array, size_t need, size_t *capacity, size_t size) {
+    enum { PAGE = 4096, FEWEST = 8 };
+    if (array && need <= *capacity)
+        return array;
+    size_t more = *capacity > 0 ? 2 * *capacity : size < PAGE / FEWEST ? PAGE / size : FEWEST;
+    more = more > need ? more : need;
+    void *larger = sp_alloc(more, size);
+    if (!larger)
+        return NULL;
+    if (array)
+        memcpy(larger, array, *capacity * size);
+    sp_free(array);
+    *capacity = more;
+    return larger;
+}
 
 char *sp_strdup(const char *text) {
     size_t size = strlen(text) + 1;
@@ -119,7 +163,7 @@ double sp_memory_limit(void) {
 
 char *sp_number_text(double value, char text[SP_NUMBER_TEXT]) {
     if (value != value) {
-        snprintf(text, SP_NUMBER_TEXT, "nan"); /* without the sign that printf may show */
+        snprintf(text, SP_NUMBER_TEXT, "nan"); /* printf may print a sign */
         return text;
     }
     for (int digits = 15; digits <= 17; digits++) {
@@ -127,7 +171,7 @@ char *sp_number_text(double value, char text[SP_NUMBER_TEXT]) {
         if (strtod(text, NULL) == value)
             break;
     }
-    for (char *c = text; *c; c++) /* whatever locale the program has chosen */
+    for (char *c = text; *c; c++) /* the locale may use a decimal comma */
         if (*c == ',')
             *c = '.';
     return text;

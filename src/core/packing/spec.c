@@ -1,18 +1,20 @@
+/* Defaults, checks and resolved values of a packing's spec. */
 #include "base/base.h"
 #include "packing/contact.h"
-#include "packing/making.h"
+#include "packing/keys.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 #include <sonopack/packing.h>
 
-/* What a protocol decides where the spec leaves it open. */
+/* Values that a protocol sets if the spec leaves them open. */
 typedef struct protocol {
     double damping, piston_mass, gas_fraction[4], time_step, calm, drag, viscous_limit,
         calm_damping; /* gas_fraction by dimension */
 } protocol;
 
 static const protocol protocols[] = {
-    /* that of SOMFAI2005 until the global damping begins: another motion would be another material */
+    /* as SOMFAI2005 until the global damping starts: a different motion would give a different material */
     [SP_PROTOCOL_DEFAULT] = {.damping = 0.8,
                              .piston_mass = 12.5,
                              .gas_fraction = {0.3, 0.3, 0.3, 0.2},
@@ -39,6 +41,7 @@ static const protocol protocols[] = {
                            .calm_damping = 0.2},
 };
 enum { PROTOCOLS = sizeof protocols / sizeof *protocols };
+_Static_assert(PROTOCOLS == SP_PROTOCOL_QUICK + 1, "the range of packing.protocol covers all protocols");
 
 sp_pack_spec sp_pack_spec_default(void) {
     return (sp_pack_spec){.kind = SP_PACK_PISTON,
@@ -54,43 +57,14 @@ sp_pack_spec sp_pack_spec_default(void) {
                           .drag = -1};
 }
 
-typedef struct range {
-    const char *name;
-    double value, low, high;
-    const char *right;
-} range;
-
-static sp_status check_ranges(const sp_pack_spec *s, sp_error *err) {
-    const range ranges[] = {
-        {"packing.dimension", s->dim, 1, 3, "1, 2 or 3"},
-        {"packing.grains", s->grains, 1, 1e8, "1 .. 1e8"},
-        {"packing.width", s->width, 0x1p-1022, 1e6, "above 0, at most 1e6 d"},
-        {"packing.depth", s->depth, 0, 1e6, "0 (like the width) .. 1e6 d"},
-        {"packing.pressure", s->pressure, 1e-10, 1e-2, "1e-10 .. 1e-2 E*"},
-        {"packing.friction", s->friction, 0, 1e6, "0 .. 1e6"},
-        {"packing.poisson", s->poisson, 0, 0.5, "0 .. 0.5"},
-        {"packing.sizes", s->sizes, 0, SP_SIZES_LIST, "uniform, bidisperse, lognormal or list"},
-        {"packing.large_fraction", s->large_fraction, 0, 1, "0 .. 1"},
-        {"packing.size_spread", s->size_spread, 0, 2, "0 .. 2"},
-        {"packing.compression", s->compression, 0, SP_COMPRESSION_ISOTROPIC, "piston or isotropic"},
-        {"packing.protocol", s->protocol, 0, PROTOCOLS - 1, "default, somfai2005 or quick"},
-        {"packing.tolerance", s->tolerance, 0, 1, "0 (the default rule) .. 1"},
-        {"packing.damping", s->damping, 1e-3, 2, "0.001 .. 2 of critical, or 0 (the protocol's own)"},
-        {"packing.piston_mass", s->piston_mass, 0.1, 1e4,
-         "0.1 (less than a layer of grains would be kicked about by single ones) .. 1e4 (more would oscillate long "
-         "after the grains have come to rest), or 0 (the protocol's own)"},
-        {"packing.gas_fraction", s->gas_fraction, 0.01, 0.45, "0.01 .. 0.45, or 0 (the protocol's own)"},
-        {"packing.time_step", s->time_step, 1e-3, 0.8,
-         "0.001 .. 0.8 of the largest stable one, or 0 (the protocol's own)"},
-        {"packing.calm", s->calm, 0, 100, "0 .. 100, or below 0 (the protocol's own)"},
-        {"packing.drag", s->drag, 0, 0.1, "0 .. 0.1, or below 0 (the protocol's own)"},
-        {"packing.viscous_limit", s->viscous_limit, 1, 1e6, "1 .. 1e6, or 0 (the protocol's own)"},
-        {"packing.calm_damping", s->calm_damping, 1e-3, 2, "0.001 .. 2 of critical, or 0 (the protocol's own)"},
-        {"packing.max_steps", (double)s->max_steps, 0, 1e15, "0 (a bound of its own) .. 1e15"},
-    };
-    for (size_t k = 0; k < sizeof ranges / sizeof *ranges; k++)
-        if (!(ranges[k].value >= ranges[k].low && ranges[k].value <= ranges[k].high))
-            return sp_fail(err, SP_EINVAL, "%s = %g: must be %s", ranges[k].name, ranges[k].value, ranges[k].right);
+/* Lists that are too long, or that say more values than they have. */
+static sp_status check_lists(const sp_pack_spec *s, sp_error *err) {
+    if (s->diameter_count < 0 || s->diameter_count > SP_DIAMETERS_MAX)
+        return sp_fail_key(err, SP_EINVAL, "packing.diameters", " = (%d numbers): must be at most %d",
+                           s->diameter_count, SP_DIAMETERS_MAX);
+    if (s->history_count < 0 || s->history_count > SP_HISTORY_MAX || (s->history_count > 0 && !s->history))
+        return sp_fail_key(err, SP_EINVAL, "packing.history", " = (%d pressures): must be at most %d", s->history_count,
+                           SP_HISTORY_MAX);
     return SP_OK;
 }
 
@@ -101,93 +75,83 @@ static const char *const laws[] = {"uniform", "bidisperse", "lognormal", "list"}
 static sp_status check_list(const sp_pack_spec *given, sp_error *err) {
     const int32_t count = given->diameters ? given->diameter_count : 0;
     if (count < given->grains)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.diameters = (%d numbers): must be one for each of packing.grains = %d, packing.sizes = "
-                       "\"list\" takes them from there or from packing.diameter_file",
-                       count, given->grains);
-    for (int32_t i = 0; i < count; i++)
-        if (!(given->diameters[i] >= 0.01 && given->diameters[i] <= 100))
-            return sp_fail(err, SP_EINVAL, "packing.diameters: number %d = %g: must be 0.01 .. 100 d", i + 1,
-                           given->diameters[i]);
+        return sp_fail_key(err, SP_EINVAL, "packing.diameters",
+                           " = (%d numbers): must be one for each of packing.grains = %d, packing.sizes = "
+                           "\"list\" takes them from there or from packing.diameter_file",
+                           count, given->grains);
     double low, high;
     sp_sizes_limits(given, &low, &high);
     if ((given->diameter_min != 0 && given->diameter_min != low) ||
         (given->diameter_max != 0 && given->diameter_max != high))
-        return sp_fail(err, SP_EINVAL,
-                       "packing.%s = %g: must be 0 (not given) with packing.sizes = \"list\", whose own limits are "
-                       "%g .. %g",
-                       given->diameter_min != 0 ? "diameter_min" : "diameter_max",
-                       given->diameter_min != 0 ? given->diameter_min : given->diameter_max, low, high);
+        return sp_fail_key(err, SP_EINVAL, given->diameter_min != 0 ? "packing.diameter_min" : "packing.diameter_max",
+                           " = %g: must be 0 (not given) with packing.sizes = \"list\", whose own limits are %g .. %g",
+                           given->diameter_min != 0 ? given->diameter_min : given->diameter_max, low, high);
     return SP_OK;
 }
 
-/* Limits that leave next to nothing are a slip: the grains would all be as large as the nearer limit. */
+/* Limits that exclude nearly all grains are a mistake: all grains would be as large as the nearer limit. */
 static sp_status check_lognormal(const sp_pack_spec *s, sp_error *err) {
     const double within = sp_sizes_within(s);
     if (within >= 0.01)
         return SP_OK;
     if (s->size_spread == 0)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.size_spread = 0: all grains have diameter 1 then, which must be in the limits "
-                       "packing.diameter_min = %g .. packing.diameter_max = %g",
-                       s->diameter_min, s->diameter_max);
-    return sp_fail(err, SP_EINVAL,
-                   "packing.size_spread = %g: a lognormal law of this spread has %.2g of its grains in the limits "
-                   "packing.diameter_min = %g .. packing.diameter_max = %g: must be at least 0.01",
-                   s->size_spread, within, s->diameter_min, s->diameter_max);
+        return sp_fail_key(err, SP_EINVAL, "packing.size_spread",
+                           " = 0: all grains then have diameter 1, which must lie within "
+                           "packing.diameter_min = %g .. packing.diameter_max = %g",
+                           s->diameter_min, s->diameter_max);
+    return sp_fail_key(err, SP_EINVAL, "packing.size_spread",
+                       " = %g: a lognormal distribution of this spread has a fraction %.2g of its grains within "
+                       "packing.diameter_min = %g .. packing.diameter_max = %g: must be at least 0.01",
+                       s->size_spread, within, s->diameter_min, s->diameter_max);
 }
 
-/* The law, and that its limits can be met; s is `given` resolved. */
+/* Checks the distribution and its limits. s is `given`, resolved. */
 static sp_status check_sizes(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err) {
-    if (s->diameter_count < 0 || s->diameter_count > SP_DIAMETERS_MAX)
-        return sp_fail(err, SP_EINVAL, "packing.diameters = (%d numbers): must be %d at the most", s->diameter_count,
-                       SP_DIAMETERS_MAX);
     if (s->sizes == SP_SIZES_LIST)
         return check_list(given, err);
     if (s->diameters && s->diameter_count > 0)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.sizes = \"%s\": must be \"list\" where packing.diameters or packing.diameter_file is "
-                       "given",
-                       laws[s->sizes]);
+        return sp_fail_key(err, SP_EINVAL, "packing.sizes",
+                           " = \"%s\": must be \"list\" where packing.diameters or packing.diameter_file is "
+                           "given",
+                           laws[s->sizes]);
     if ((given->diameter_min == 0) != (given->diameter_max == 0))
-        return sp_fail(err, SP_EINVAL, "packing.diameter_%s = 0: must be given if packing.diameter_%s is, or neither",
-                       given->diameter_min == 0 ? "min" : "max", given->diameter_min == 0 ? "max" : "min");
-    const range limits[] = {{"packing.diameter_min", s->diameter_min, 0.01, 100, "0.01 .. 100 d"},
-                            {"packing.diameter_max", s->diameter_max, 0.01, 100, "0.01 .. 100 d"}};
-    for (int k = 0; k < 2; k++)
-        if (!(limits[k].value >= limits[k].low && limits[k].value <= limits[k].high))
-            return sp_fail(err, SP_EINVAL, "%s = %g: must be %s", limits[k].name, limits[k].value, limits[k].right);
+        return sp_fail_key(err, SP_EINVAL, given->diameter_min == 0 ? "packing.diameter_min" : "packing.diameter_max",
+                           " = 0: must be given if packing.diameter_%s is, or neither",
+                           given->diameter_min == 0 ? "max" : "min");
+    sp_status status = sp_keys_check(sp_pack_keys, s, err); /* the limits that the law itself decides */
+    if (status != SP_OK)
+        return status;
     if (s->diameter_min > s->diameter_max)
-        return sp_fail(err, SP_EINVAL, "packing.diameter_min = %g: must not be above packing.diameter_max = %g",
-                       s->diameter_min, s->diameter_max);
+        return sp_fail_key(err, SP_EINVAL, "packing.diameter_min", " = %g: must not be above packing.diameter_max = %g",
+                           s->diameter_min, s->diameter_max);
     return s->sizes == SP_SIZES_LOGNORMAL ? check_lognormal(s, err) : SP_OK;
 }
 
-/* For what is compressed step by step: the unit of length is met, and grains of all sizes see each other. */
+/* For compressed packings: the mean diameter must be near 1, and grains of all sizes must be visible to each other. */
 static sp_status check_scale(const sp_pack_spec *s, sp_error *err) {
     const double slack = 1 + 1e-9, mean = sp_sizes_moment(s, 1);
     if (!(mean * slack >= 0.1 && mean <= 10 * slack))
-        return sp_fail(
-            err, SP_EINVAL,
-            "packing.diameter_min = %g, packing.diameter_max = %g: must be 0.1 .. 10 in the mean (it is %g), "
-            "which is the unit of length",
-            s->diameter_min, s->diameter_max, mean);
+        return sp_fail_key(err, SP_EINVAL, "packing.diameter_min",
+                           " = %g, packing.diameter_max = %g: their mean is %g: must be 0.1 .. 10, "
+                           "because it is the unit of length",
+                           s->diameter_min, s->diameter_max, mean);
     if (s->diameter_max > 100 * slack * s->diameter_min)
-        return sp_fail(err, SP_EINVAL, "packing.diameter_max = %g: must be at most 100 times packing.diameter_min = %g",
-                       s->diameter_max, s->diameter_min);
+        return sp_fail_key(err, SP_EINVAL, "packing.diameter_max",
+                           " = %g: must be at most 100 times packing.diameter_min = %g", s->diameter_max,
+                           s->diameter_min);
     const double sides[] = {s->width, s->depth};
     for (int k = 0; k < s->dim - 1; k++)
         if (sides[k] < 4 * s->diameter_max)
-            return sp_fail(err, SP_EINVAL,
-                           "packing.%s = %g: a box narrower than four of the largest grains (%g) would see itself "
-                           "through the periodic sides",
-                           k == 0 ? "width" : "depth", sides[k], 4 * s->diameter_max);
+            return sp_fail_key(
+                err, SP_EINVAL, k == 0 ? "packing.width" : "packing.depth",
+                " = %g: must be at least four of the largest diameters (%g): in a narrower box grains would "
+                "touch their own periodic images",
+                sides[k], 4 * s->diameter_max);
     return SP_OK;
 }
 
 /* ---- kinds ----------------------------------------------------------------------------------------------------- */
 
-/* What compressed grains would never come to rest with, or not where they should. */
 /* Accelerations of heavy grains are small for large forces: by this much less is allowed where all grains, or the
  * largest among smaller ones, are so heavy that forces would be off by more than 1e-5 of those that are usual. 1 for
  * diameters up to 2.6. */
@@ -196,7 +160,7 @@ static double heaviness(const sp_pack_spec *s) {
     return fmax(fmax(1, s->diameter_min), grain_mass(0.5 * s->diameter_max) / (10 * mean * mean));
 }
 
-/* Places in the box are rounded, and contacts have stiffnesses of about p^(1/3): 2e-15 were reached at 1e-4. */
+/* Positions are rounded, and contact stiffnesses are about p^(1/3). A tolerance of 2e-15 was reached at p = 1e-4. */
 static double least_tolerance(const sp_pack_spec *s) {
     const double area = s->dim == 3 ? s->width * s->depth : s->width;
     return 1e-13 * cbrt(s->pressure) * fmax(1, fmax(s->width, s->grains / area) / 25);
@@ -205,31 +169,30 @@ static double least_tolerance(const sp_pack_spec *s) {
 static sp_status check_motion(const sp_pack_spec *s, sp_error *err) {
     const double slack = 1 + 1e-9;
     if (s->tolerance > 0.1 * slack * s->pressure)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.tolerance = %g: must be at most 0.1 of packing.pressure = %g, no packing is at rest "
-                       "above that",
-                       s->tolerance, s->pressure);
+        return sp_fail_key(err, SP_EINVAL, "packing.tolerance",
+                           " = %g: must be at most 0.1 of packing.pressure = %g, above which no packing "
+                           "is at rest",
+                           s->tolerance, s->pressure);
     const double least = least_tolerance(s);
     if (s->tolerance < least)
-        return sp_fail(
-            err, SP_EINVAL,
-            "packing.tolerance = %g: must be at least %.2g, or 0 (the default rule): accelerations below that "
-            "are rounding",
-            s->tolerance, least);
+        return sp_fail_key(err, SP_EINVAL, "packing.tolerance",
+                           " = %g: must be at least %.2g, or 0 (the default rule): accelerations below that "
+                           "are rounding",
+                           s->tolerance, least);
     if (s->calm > 0 && s->calm < 1e-6)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.calm = %g: must be at least 1e-6, or 0 (never), or below 0 (the protocol's own)",
-                       s->calm);
+        return sp_fail_key(err, SP_EINVAL, "packing.calm",
+                           " = %g: must be at least 1e-6, or 0 (never), or below 0 (set by the protocol)", s->calm);
     return SP_OK;
 }
 
 static sp_status check_triangular(const sp_pack_spec *s, sp_error *err) {
     const double mean = sp_sizes_moment(s, 1), row = floor(s->width / mean + 1e-9);
     if (row < 3 || fmod(s->grains, row) != 0)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.grains = %d: must be a multiple of the %g grains of a row (packing.width = %g%s), at "
-                       "least 3 a row",
-                       s->grains, row, s->width, s->diameter_min < s->diameter_max ? " over their mean diameter" : "");
+        return sp_fail_key(err, SP_EINVAL, "packing.grains",
+                           " = %d: must be a multiple of the %g grains of a row (packing.width = %g%s), at "
+                           "least 3 a row",
+                           s->grains, row, s->width,
+                           s->diameter_min < s->diameter_max ? " over their mean diameter" : "");
     if (s->diameter_min == s->diameter_max)
         return SP_OK;
     sp_status status = check_scale(s, err);
@@ -239,21 +202,21 @@ static sp_status check_triangular(const sp_pack_spec *s, sp_error *err) {
 static sp_status check_ordered(const sp_pack_spec *s, sp_error *err) {
     const bool chain = s->kind == SP_PACK_CHAIN;
     if (s->history_count > 0 && (chain || s->diameter_min == s->diameter_max))
-        return sp_fail(err, SP_EINVAL,
-                       "packing.history = (%d pressures): must be empty for packing.kind = \"%s\"%s, which depends on "
-                       "packing.pressure alone",
-                       s->history_count, chain ? "chain" : "triangular", chain ? "" : " of equal grains");
+        return sp_fail_key(err, SP_EINVAL, "packing.history",
+                           " = (%d pressures): must be empty for packing.kind = \"%s\"%s, which depends on "
+                           "packing.pressure alone",
+                           s->history_count, chain ? "chain" : "triangular", chain ? "" : " of equal grains");
     if (s->dim != (chain ? 1 : 2))
-        return sp_fail(err, SP_EINVAL, "packing.dimension = %d: must be %d for packing.kind = \"%s\"", s->dim,
-                       chain ? 1 : 2, chain ? "chain" : "triangular");
+        return sp_fail_key(err, SP_EINVAL, "packing.dimension", " = %d: must be %d for packing.kind = \"%s\"", s->dim,
+                           chain ? 1 : 2, chain ? "chain" : "triangular");
     if (chain && s->compression == SP_COMPRESSION_ISOTROPIC)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.compression = \"isotropic\": must be \"piston\" for packing.kind = \"chain\", which "
-                       "has no sides");
+        return sp_fail_key(err, SP_EINVAL, "packing.compression",
+                           " = \"isotropic\": must be \"piston\" for packing.kind = \"chain\", which "
+                           "has no sides");
     return chain ? SP_OK : check_triangular(s, err);
 }
 
-/* Sides close on grains that do not fill the floor, or push them on top of each other, until there is no box. */
+/* If the grains do not fill a layer, the periods shrink to nothing, or the grains are pushed on top of each other. */
 static sp_status check_layer(const sp_pack_spec *s, sp_error *err) {
     if (s->compression != SP_COMPRESSION_ISOTROPIC)
         return SP_OK;
@@ -261,53 +224,43 @@ static sp_status check_layer(const sp_pack_spec *s, sp_error *err) {
     const double layer = s->width * (s->dim == 2 ? 1 : s->depth) * s->diameter_max, least = ceil(layer / solid);
     if (s->grains >= least)
         return SP_OK;
-    return sp_fail(err, SP_EINVAL,
-                   "packing.grains = %d: must be at least %g for packing.compression = \"isotropic\", a layer as high "
-                   "as the largest grain in a box this wide",
-                   s->grains, least);
+    return sp_fail_key(err, SP_EINVAL, "packing.grains",
+                       " = %d: must be at least %g for packing.compression = \"isotropic\", a layer as high "
+                       "as the largest grain in a box this wide",
+                       s->grains, least);
 }
 
-/* The most that a wall of nothing but the largest grains carries before these are flat: Hertz, 0.8 radii deep. */
+/* Largest pressure that a layer of the largest grains carries before the overlaps reach 0.8 radii (Hertz). */
 static sp_status check_load(const sp_pack_spec *s, sp_error *err) {
     const double r = 0.5 * s->diameter_max, area = s->width * (s->dim == 2 ? 1 : s->depth);
     const double most = 4.0 / 3.0 * sqrt(r) * pow(0.8 * r, 1.5) * s->grains / area;
     if (s->pressure <= most)
         return SP_OK;
-    return sp_fail(err, SP_EINVAL,
-                   "packing.pressure = %g: must be at most %.3g, packing.grains = %d cannot carry more in a box of "
-                   "packing.width = %g",
-                   s->pressure, most, s->grains, s->width);
+    return sp_fail_key(err, SP_EINVAL, "packing.pressure",
+                       " = %g: must be at most %.3g, packing.grains = %d cannot carry more in a box of "
+                       "packing.width = %g",
+                       s->pressure, most, s->grains, s->width);
 }
 
 static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
     if (s->dim != 2 && s->dim != 3)
-        return sp_fail(err, SP_EINVAL, "packing.dimension = %d: must be 2 or 3 for packing.kind = \"piston\"", s->dim);
+        return sp_fail_key(err, SP_EINVAL, "packing.dimension", " = %d: must be 2 or 3 for packing.kind = \"piston\"",
+                           s->dim);
     sp_status status = check_scale(s, err);
     if (status != SP_OK)
         return status;
-    /* dropping disks at random stops at an area fraction of 0.547, spheres at a volume fraction of 0.38, and takes
-     * ever longer before; equal grains are the worst */
+    /* random sequential addition stops at an area fraction of 0.547 for disks and a volume fraction of 0.38 for
+     * spheres, and slows down long before; equal grains are the worst case */
     const double densest = s->dim == 2 ? 0.45 : 0.3;
     if (s->gas_fraction > densest)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.gas_fraction = %g: must be at most %g in %d dimensions, grains that are dropped at "
-                       "random jam at %g",
-                       s->gas_fraction, densest, s->dim, s->dim == 2 ? 0.547 : 0.38);
+        return sp_fail_key(err, SP_EINVAL, "packing.gas_fraction",
+                           " = %g: must be at most %g in %d dimensions, grains placed at "
+                           "random jam at %g",
+                           s->gas_fraction, densest, s->dim, s->dim == 2 ? 0.547 : 0.38);
     status = check_layer(s, err);
     if (status == SP_OK)
         status = check_load(s, err);
     return status == SP_OK ? check_motion(s, err) : status;
-}
-
-static sp_status check_history(const sp_pack_spec *s, sp_error *err) {
-    if (s->history_count < 0 || s->history_count > SP_HISTORY_MAX || (s->history_count > 0 && !s->history))
-        return sp_fail(err, SP_EINVAL, "packing.history = (%d pressures): must be %d at the most", s->history_count,
-                       SP_HISTORY_MAX);
-    for (int32_t k = 0; k < s->history_count; k++)
-        if (!(s->history[k] >= 1e-10 && s->history[k] <= 1e-2))
-            return sp_fail(err, SP_EINVAL, "packing.history: number %d = %g: must be 1e-10 .. 1e-2 E*", k + 1,
-                           s->history[k]);
-    return SP_OK;
 }
 
 /* The packing itself may not be known yet. */
@@ -316,8 +269,8 @@ static sp_status check_file(const sp_pack_spec *s, sp_error *err) {
     return status == SP_OK ? check_motion(s, err) : status;
 }
 
-/* Where disks of one size lie in a lattice, all turning the same way has 1.6 times the viscous rate that is the largest
- * in other packings: above 0.65 of their stable step the turning grows. */
+/* In a lattice of equal disks, rotation of all disks in the same sense has 1.6 times the largest viscous rate of other
+ * packings. It grows above 0.65 of their stable step. */
 static const double LATTICE_STEP = 0.5;
 
 sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
@@ -328,7 +281,7 @@ sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     if (s.tolerance == 0)
         s.tolerance = fmax(fmin(1e-10, 1e-6 * s.pressure) / heaviness(&s), least_tolerance(&s));
     if (s.dim < 1 || s.dim > 3 || (unsigned)s.protocol >= PROTOCOLS)
-        return s; /* no spec that a check would pass */
+        return s; /* such a spec fails every check */
     const protocol *own = &protocols[s.protocol];
     if (s.damping == 0)
         s.damping = own->damping;
@@ -350,43 +303,44 @@ sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
 }
 
 sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
+    sp_status status = check_lists(given, err);
+    if (status == SP_OK)
+        status = sp_keys_check(sp_pack_keys, given, err);
+    if (status != SP_OK)
+        return status;
     const sp_pack_spec resolved = sp_pack_spec_resolve(given), *s = &resolved;
-    sp_status status = check_ranges(s, err);
-    if (status == SP_OK)
-        status = check_sizes(given, s, err);
-    if (status == SP_OK)
-        status = check_history(s, err);
+    status = check_sizes(given, s, err);
     if (status != SP_OK)
         return status;
     if (s->dim != 3 && s->depth != 0)
-        return sp_fail(err, SP_EINVAL, "packing.depth = %g: must be 0 (not given) in packing.dimension = %d", s->depth,
-                       s->dim);
+        return sp_fail_key(err, SP_EINVAL, "packing.depth", " = %g: must be 0 (not given) in packing.dimension = %d",
+                           s->depth, s->dim);
     switch (s->kind) {
     case SP_PACK_CHAIN:
     case SP_PACK_TRIANGULAR: return check_ordered(s, err);
     case SP_PACK_PISTON: return check_piston(s, err);
-    case SP_PACK_FILE: return check_file(s, err);
+    case SP_PACK_FILE: break;
     }
-    return sp_fail(err, SP_EINVAL, "packing.kind = %d: must be piston, chain, triangular or file", (int)s->kind);
+    return check_file(s, err);
 }
 
 sp_status sp_pack_spec_fill(const sp_pack_spec *given, double height, int32_t *grains, sp_error *err) {
-    /* measured: 0.795 .. 0.822 over the whole boxes of 8 .. 400 d, 24 wide, at p = 1e-4, most in the highest */
+    /* measured: 0.795 .. 0.822 over whole boxes 24 wide and 8 .. 400 d high at p = 1e-4, largest in the highest */
     const double disks = 0.815, spheres = 0.6;
     if (given->kind != SP_PACK_PISTON || given->compression != SP_COMPRESSION_PISTON || given->dim < 2)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.height = %g: must be 0 (packing.grains decides) but for packing.kind = \"piston\" with "
-                       "packing.compression = \"piston\"",
-                       height);
+        return sp_fail_key(err, SP_EINVAL, "packing.height",
+                           " = %g: must be 0 (packing.grains determines it) except for packing.kind = \"piston\" with "
+                           "packing.compression = \"piston\"",
+                           height);
     sp_pack_spec s = *given;
     if (s.sizes == SP_SIZES_LIST)
-        s.grains = s.diameter_count; /* the mean of the whole list */
+        s.grains = s.diameter_count; /* mean of the whole list */
     s = sp_pack_spec_resolve(&s);
     const double number = s.dim == 2 ? height * s.width * disks / sp_sizes_mean_area(&s)
                                      : height * s.width * s.depth * spheres / sp_sizes_mean_volume(&s);
     if (!(number <= 1e8))
-        return sp_fail(err, SP_EINVAL, "packing.height = %g: must be lower, it takes %.3g grains and 1e8 are the most",
-                       height, number);
+        return sp_fail_key(err, SP_EINVAL, "packing.height",
+                           " = %g: must be lower: it takes %.3g grains, and at most 1e8 are possible", height, number);
     *grains = number > 1 ? (int32_t)floor(number + 0.5) : 1;
     return SP_OK;
 }

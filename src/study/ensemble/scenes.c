@@ -32,7 +32,8 @@ sp_status sp_study_scene(const sp_scene *study, int64_t k, sp_scene *out, sp_err
     int64_t left = k % combinations(study);                              /* the last sweep turns fastest */
     for (int s = study->sweeps - 1; s >= 0; s--) {
         const sp_sweep *sweep = &study->sweep[s];
-        sp_status status = sp_scene_take(&scene, sweep, (int)(left % sweep->count), err); /* lists stay the study's */
+        sp_status status =
+            sp_scene_set_swept(&scene, sweep, (int)(left % sweep->count), err); /* lists stay the study's */
         if (status != SP_OK)
             return status;
         left /= sweep->count;

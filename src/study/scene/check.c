@@ -17,12 +17,6 @@ static bool is_swept(const sp_scene *s, const char *key) {
 
 static int given_by(const sp_reader *r, const char *key) { return r->given[sp_field_index(sp_field_find(key))]; }
 
-/* The key that a reason begins with. */
-static const char *key_of(const sp_error *reason, char key[128]) {
-    snprintf(key, 128, "%.*s", (int)strcspn(reason->text, " :"), reason->text);
-    return key;
-}
-
 /* ---- combinations ----------------------------------------------------------------------------------------------- */
 
 /* Whether the sweep of a key stands in study.sweep. */
@@ -40,7 +34,7 @@ static sp_status check_combinations(const sp_reader *r, int64_t combinations, in
     for (int64_t k = 0; k < combinations && status == SP_OK; k++) {
         int64_t each = 1; /* combinations for which a sweep keeps its value */
         for (int i = 0; i < one.sweeps && k % each == 0 && status == SP_OK; i++) {
-            status = sp_scene_take(&one, &one.sweep[i], (int)(k / each % one.sweep[i].count), r->err);
+            status = sp_scene_set_swept(&one, &one.sweep[i], (int)(k / each % one.sweep[i].count), r->err);
             each *= one.sweep[i].count;
         }
         sp_scene sample = one;
@@ -49,12 +43,9 @@ static sp_status check_combinations(const sp_reader *r, int64_t combinations, in
         if (status == SP_OK)
             status = sp_pack_spec_check(&sample.pack, r->err);
     }
-    char key[128];
-    if (status == SP_EINVAL && listed > 0) {
-        key_of(r->err, key);
-        if (is_listed(&r->scene, listed, key) || !is_swept(&r->scene, key))
-            sp_fail_prefix(r->err, "study.sweep");
-    }
+    const char *key = r->err->key;
+    if (status == SP_EINVAL && listed > 0 && (is_listed(&r->scene, listed, key) || !is_swept(&r->scene, key)))
+        sp_fail_prefix_key(r->err, "study.sweep");
     return status;
 }
 
@@ -89,16 +80,16 @@ static sp_status check_height(const sp_reader *r, int listed) {
     char height[32], number[32];
     snprintf(height, sizeof height, "= %s", sp_number_text(s->height, number));
     snprintf(number, sizeof number, "= %d", s->pack.grains);
-    return sp_fail(r->err, SP_EINVAL,
-                   "packing.height %s: must not be given beside packing.grains %s: the height says how many grains",
-                   height_swept ? "(swept)" : height, grains_swept ? "(swept)" : number);
+    return sp_fail_key(r->err, SP_EINVAL, "packing.height",
+                       " %s: must not be given beside packing.grains %s: the height says how many grains",
+                       height_swept ? "(swept)" : height, grains_swept ? "(swept)" : number);
 }
 
 /* What is wanted must be said in full. */
 static sp_status check_wants(const sp_scene *s, sp_error *err) {
     if (s->want & SP_WANT_PLANES && s->planes == 0)
-        return sp_fail(err, SP_EINVAL,
-                       "study.want: planes are those of signal.planes = [12.5, 25], which must be given");
+        return sp_fail_key(err, SP_EINVAL, "study.want",
+                           ": planes are those of signal.planes = [12.5, 25], which must be given");
     return SP_OK;
 }
 
@@ -108,13 +99,14 @@ static sp_status check_kind(sp_reader *r) {
     if (s->pack.kind == SP_PACK_CHAIN && !s->dimension_given)
         s->pack.dim = 1;
     if (s->pack.kind == SP_PACK_FILE && !s->from[0])
-        return sp_fail(r->err, SP_EINVAL, "packing.file = \"\": must name a packing for packing.kind = \"file\"");
+        return sp_fail_key(r->err, SP_EINVAL, "packing.file",
+                           " = \"\": must name a packing for packing.kind = \"file\"");
     if (s->from[0] && is_swept(s, "packing.kind"))
-        return sp_fail(r->err, SP_EINVAL, "packing.kind: must not be swept where packing.file = \"%.200s\" is given",
-                       s->from);
+        return sp_fail_key(r->err, SP_EINVAL, "packing.kind",
+                           ": must not be swept where packing.file = \"%.200s\" is given", s->from);
     if (s->pack.kind != SP_PACK_FILE && s->from[0])
-        return sp_fail(r->err, SP_EINVAL, "packing.kind: must be \"file\" where packing.file = \"%.200s\" is given",
-                       s->from);
+        return sp_fail_key(r->err, SP_EINVAL, "packing.kind",
+                           ": must be \"file\" where packing.file = \"%.200s\" is given", s->from);
     return SP_OK;
 }
 
@@ -138,18 +130,18 @@ static sp_status check_swept_seeds(const sp_scene *s, sp_error *err) {
     sp_status status = SP_OK;
     for (int k = 1; k < sweep->count && status == SP_OK; k++)
         if (sorted[k] - sorted[k - 1] < s->samples)
-            status = sp_fail(err, SP_EINVAL,
-                             "packing.seed: %.0f and %.0f are swept: must differ by study.samples = %d at least, each "
-                             "is the first of so many seeds",
-                             sorted[k - 1], sorted[k], s->samples);
+            status = sp_fail_key(err, SP_EINVAL, "packing.seed",
+                                 ": %.0f and %.0f are swept: must differ by study.samples = %d at least, each "
+                                 "is the first of so many seeds",
+                                 sorted[k - 1], sorted[k], s->samples);
     sp_free(sorted);
     return status;
 }
 
 static sp_status check_seeds(const sp_scene *s, sp_error *err) {
     if (s->pack.seed > (uint64_t)(INT64_MAX - s->samples))
-        return sp_fail(err, SP_EINVAL, "packing.seed = %llu: the seeds of %d samples must stay below %lld",
-                       (unsigned long long)s->pack.seed, s->samples, (long long)INT64_MAX);
+        return sp_fail_key(err, SP_EINVAL, "packing.seed", " = %llu: the seeds of %d samples must stay below %lld",
+                           (unsigned long long)s->pack.seed, s->samples, (long long)INT64_MAX);
     return check_swept_seeds(s, err);
 }
 
@@ -170,9 +162,8 @@ static sp_status check_packings(sp_reader *r, int64_t combinations, int listed) 
     if (r->scene.sweeps == 0)
         return own;
     const sp_error reason = *r->err;
-    char key[128];
     sp_status status = check_combinations(r, combinations, listed);
-    if (status == SP_EINVAL && own != SP_OK && !is_swept(&r->scene, key_of(&reason, key)))
+    if (status == SP_EINVAL && own != SP_OK && !is_swept(&r->scene, reason.key))
         *r->err = reason;
     return status;
 }
@@ -186,9 +177,9 @@ static sp_status count_combinations(sp_reader *r, int listed, int64_t *out) {
         sweep->overridden = i < listed && is_overridden(r, sweep->key);
     }
     if (combinations * r->scene.samples > MOST_SAMPLES)
-        return sp_fail(r->err, SP_EINVAL,
-                       "study.samples = %d: %d samples of %.0f combinations: must be %.0f together at the most",
-                       r->scene.samples, r->scene.samples, combinations, MOST_SAMPLES);
+        return sp_fail_key(r->err, SP_EINVAL, "study.samples",
+                           " = %d: %d samples of %.0f combinations: must be %.0f together at the most",
+                           r->scene.samples, r->scene.samples, combinations, MOST_SAMPLES);
     *out = (int64_t)combinations;
     return SP_OK;
 }
@@ -212,7 +203,7 @@ sp_status sp_reader_check(sp_reader *r) {
     return status == SP_OK ? check_packings(r, combinations, listed) : status;
 }
 
-sp_status sp_reader_check_column(sp_reader *r) {
+sp_status sp_reader_check_tapped(sp_reader *r) {
     int listed = 0;
     sp_status status = sp_join_sweeps(r, &listed);
     return status == SP_OK ? sp_tapped_check(&r->scene.column, r->err) : status;

@@ -1,6 +1,9 @@
+/* The table of a scene's keys, and values going in and out of a scene through it. */
 #include "scene/field.h"
 
+#include "../../tapped/keys.h" /* of a library beside this one */
 #include "base/base.h"
+#include "packing/keys.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -68,180 +71,211 @@ _Static_assert(sizeof(sp_pack_kind) == sizeof(unsigned) && sizeof(sp_signal_meth
 
 #define AT(member) offsetof(sp_scene, member)
 
+/* Ranges of keys that are in no spec, or in a spec without a table of its keys. */
+static const sp_key scene_keys[] = {
+    {"packing.height", SP_KEY_REAL, AT(height), 0, "d", 0, 1e6, false},
+    {"network.threshold", SP_KEY_REAL, AT(network.threshold), 0, "p d^2", 0, 1, false},
+    {"signal.until", SP_KEY_REAL, AT(signal.until), 0, "d/sqrt(E* / rho)", 0, 1e9, false},
+    {"signal.points", SP_KEY_INT, AT(signal.points), 0, "", 2, 1e7, false},
+    {"signal.tolerance", SP_KEY_REAL, AT(signal.tolerance), 0, "max |F|", 1e-15, 0.1, false},
+    {"signal.planes", SP_KEY_REALS, AT(plane), AT(planes), "d", 0.01, 1e6, false},
+    {"study.samples", SP_KEY_INT, AT(samples), 0, "", 1, 1e7, false},
+    {NULL, SP_KEY_REAL, 0, 0, "", 0, 0, false}};
+
 const sp_field sp_fields[] = {
-    {"packing", "kind", SP_FIELD_WORD, AT(pack.kind), "", 0, 0, pack_kinds,
+    {"packing.kind", SP_FIELD_WORD, AT(pack.kind), pack_kinds,
      "random grains compressed by a piston, a triangular lattice, a one-dimensional chain, or a packing from a file"},
-    {"packing", "file", SP_FIELD_PATH, AT(from), "", 0, 0, NULL,
+    {"packing.file", SP_FIELD_PATH, AT(from), NULL,
      "packing to start from with kind = \"file\"; relative to the scene, in --set to the current folder"},
-    {"packing", "content", SP_FIELD_INT64, AT(pack.content), "", 0, 0x1p63, NULL,
+    {"packing.content", SP_FIELD_INT64, AT(pack.content), NULL,
      "number that tells the packing of packing.file from others; 0: any will do"},
-    {"packing", "dimension", SP_FIELD_INT, AT(pack.dim), "", 1, 3, NULL,
+    {"packing.dimension", SP_FIELD_INT, AT(pack.dim), NULL,
      "of space: a chain has 1, a lattice 2, packings under a piston 2 or 3"},
-    {"packing", "grains", SP_FIELD_INT, AT(pack.grains), "", 1, 1e8, NULL, "number of grains"},
-    {"packing", "width", SP_FIELD_REAL, AT(pack.width), "d", 0.01, 1e6, NULL,
+    {"packing.grains", SP_FIELD_INT, AT(pack.grains), NULL, "number of grains"},
+    {"packing.width", SP_FIELD_REAL, AT(pack.width), NULL,
      "period sideways; a piston needs four of the largest grains, a lattice has whole grains"},
-    {"packing", "depth", SP_FIELD_REAL, AT(pack.depth), "d", 0, 1e6, NULL,
+    {"packing.depth", SP_FIELD_REAL, AT(pack.depth), NULL,
      "the other period sideways in dimension 3; 0: like the width"},
-    {"packing", "height", SP_FIELD_REAL, AT(height), "d", 0, 1e6, NULL,
+    {"packing.height", SP_FIELD_REAL, AT(height), NULL,
      "aimed-at height of the box under a piston, from which packing.grains follows; 0: packing.grains decides"},
-    {"packing", "pressure", SP_FIELD_REAL, AT(pack.pressure), "E*", 1e-10, 1e-2, NULL, "confining pressure"},
-    {"packing", "history", SP_FIELD_REALS, 0, "E*", 1e-10, 1e-2, NULL,
+    {"packing.pressure", SP_FIELD_REAL, AT(pack.pressure), NULL, "confining pressure"},
+    {"packing.history", SP_FIELD_REALS, AT(pack.history), NULL,
      "pressures that are gone through first, each to its equilibrium"},
-    {"packing", "friction", SP_FIELD_REAL, AT(pack.friction), "", 0, 1e6, NULL,
+    {"packing.friction", SP_FIELD_REAL, AT(pack.friction), NULL,
      "Coulomb's coefficient; 0: no tangential forces, no rotations"},
-    {"packing", "poisson", SP_FIELD_REAL, AT(pack.poisson), "", 0, 0.5, NULL, "Poisson's ratio of the grain material"},
-    {"packing", "sizes", SP_FIELD_WORD, AT(pack.sizes), "", 0, 0, laws,
+    {"packing.poisson", SP_FIELD_REAL, AT(pack.poisson), NULL, "Poisson's ratio of the grain material"},
+    {"packing.sizes", SP_FIELD_WORD, AT(pack.sizes), laws,
      "law of the diameters: uniform between the limits; one of the two; lognormal of mean 1; or a list"},
-    {"packing", "diameter_min", SP_FIELD_REAL, AT(pack.diameter_min), "d", 0, 100, NULL,
+    {"packing.diameter_min", SP_FIELD_REAL, AT(pack.diameter_min), NULL,
      "smallest diameter; both 0: the law's own, as 0.8 .. 1.2 under a piston and equal grains in lattice and chain"},
-    {"packing", "diameter_max", SP_FIELD_REAL, AT(pack.diameter_max), "d", 0, 100, NULL,
+    {"packing.diameter_max", SP_FIELD_REAL, AT(pack.diameter_max), NULL,
      "largest diameter, at most 100 times the smallest"},
-    {"packing", "large_fraction", SP_FIELD_REAL, AT(pack.large_fraction), "", 0, 1, NULL,
+    {"packing.large_fraction", SP_FIELD_REAL, AT(pack.large_fraction), NULL,
      "of bidisperse grains: number of the large ones over all"},
-    {"packing", "size_spread", SP_FIELD_REAL, AT(pack.size_spread), "", 0, 2, NULL,
+    {"packing.size_spread", SP_FIELD_REAL, AT(pack.size_spread), NULL,
      "of lognormal grains: standard deviation of ln d"},
-    {"packing", "diameters", SP_FIELD_REALS, 0, "d", 0.01, 100, NULL,
+    {"packing.diameters", SP_FIELD_REALS, AT(pack.diameters), NULL,
      "of the grains in their order, for packing.sizes = \"list\""},
-    {"packing", "diameter_file", SP_FIELD_FILE, 0, "", 0, 0, NULL,
+    {"packing.diameter_file", SP_FIELD_FILE, 0, NULL,
      "diameters from a text file, a number a line; its name is relative to the scene, in --set to the current folder"},
-    {"packing", "compression", SP_FIELD_WORD, AT(pack.compression), "", 0, 0, compressions,
+    {"packing.compression", SP_FIELD_WORD, AT(pack.compression), compressions,
      "what yields to the pressure: the piston alone, or the sides as well"},
-    {"packing", "protocol", SP_FIELD_WORD, AT(pack.protocol), "", 0, 0, protocols,
+    {"packing.protocol", SP_FIELD_WORD, AT(pack.protocol), protocols,
      "decides damping, piston, gas, time step and how the motion ends, where these are not given"},
-    {"packing", "reference", SP_FIELD_BOOL, AT(pack.reference), "", 0, 0, NULL,
-     "the plain and slow way, to compare with"},
-    {"packing", "seed", SP_FIELD_INT64, AT(pack.seed), "", 0, 0x1p63, NULL, "of the random streams"},
-    {"packing", "tolerance", SP_FIELD_REAL, AT(pack.tolerance), "E* / (rho d)", 0, 1, NULL,
+    {"packing.reference", SP_FIELD_BOOL, AT(pack.reference), NULL, "the plain and slow way, to compare with"},
+    {"packing.seed", SP_FIELD_INT64, AT(pack.seed), NULL, "of the random streams"},
+    {"packing.tolerance", SP_FIELD_REAL, AT(pack.tolerance), NULL,
      "largest elastic acceleration at rest; 0: the smaller of 1e-10 and 1e-6 p"},
-    {"packing", "damping", SP_FIELD_REAL, AT(pack.damping), "critical", 0, 2, NULL,
-     "viscosity of contacts while the packing forms, from 0.001; 0: the protocol's own (0.8; quick: 0.5)"},
-    {"packing", "piston_mass", SP_FIELD_REAL, AT(pack.piston_mass), "rho d", 0, 1e4, NULL,
-     "mass of the piston per area of wall, from 0.1; 0: the protocol's own (12.5; quick: 2)"},
-    {"packing", "gas_fraction", SP_FIELD_REAL, AT(pack.gas_fraction), "", 0, 0.45, NULL,
-     "area or volume fraction of the gas of grains at the start, 0.01 .. 0.3 in dimension 3; 0: the protocol's own "
+    {"packing.damping", SP_FIELD_REAL, AT(pack.damping), NULL,
+     "viscosity of contacts while the packing forms; 0: the protocol's own (0.8; quick: 0.5)"},
+    {"packing.piston_mass", SP_FIELD_REAL, AT(pack.piston_mass), NULL,
+     "mass of the piston per area of wall; 0: the protocol's own (12.5; quick: 2)"},
+    {"packing.gas_fraction", SP_FIELD_REAL, AT(pack.gas_fraction), NULL,
+     "area or volume fraction of the gas of grains at the start, at most 0.3 in dimension 3; 0: the protocol's own "
      "(0.3, 3D 0.2; quick: 0.45, 3D 0.25)"},
-    {"packing", "time_step", SP_FIELD_REAL, AT(pack.time_step), "", 0, 0.8, NULL,
-     "while the packing forms, over the largest stable one, from 0.001; up to 1.4 times that while it comes to rest; "
+    {"packing.time_step", SP_FIELD_REAL, AT(pack.time_step), NULL,
+     "while the packing forms, over the largest stable one; up to 1.4 times that while it comes to rest; "
      "0: the protocol's own (0.7; quick: 0.5)"},
-    {"packing", "calm", SP_FIELD_REAL, AT(pack.calm), "p", -1, 100, NULL,
+    {"packing.calm", SP_FIELD_REAL, AT(pack.calm), NULL,
      "global damping begins once every acceleration is below this; 0: never, below 0: the protocol's own "
      "(0.01; quick: 3)"},
-    {"packing", "drag", SP_FIELD_REAL, AT(pack.drag), "sqrt(E* / rho)/d", -1, 0.1, NULL,
+    {"packing.drag", SP_FIELD_REAL, AT(pack.drag), NULL,
      "rate of the global damping at p = 1e-4, grows as p^(1/3), and falls as one over boxes above 30 d; below 0: the "
      "protocol's own (0.01)"},
-    {"packing", "calm_damping", SP_FIELD_REAL, AT(pack.calm_damping), "critical", 0, 2, NULL,
+    {"packing.calm_damping", SP_FIELD_REAL, AT(pack.calm_damping), NULL,
      "viscosity of contacts once the global damping has begun; 0: the protocol's own (0.2; somfai2005: 0.8)"},
-    {"packing", "viscous_limit", SP_FIELD_REAL, AT(pack.viscous_limit), "", 0, 1e6, NULL,
+    {"packing.viscous_limit", SP_FIELD_REAL, AT(pack.viscous_limit), NULL,
      "Coulomb's limit of the whole tangential force over that of its elastic part, until the global damping begins; 0: "
      "the protocol's own (1e6; quick: 1)"},
-    {"packing", "max_steps", SP_FIELD_INT64, AT(pack.max_steps), "", 0, 1e15, NULL,
+    {"packing.max_steps", SP_FIELD_INT64, AT(pack.max_steps), NULL,
      "give up after that many steps; 0: a bound from pressure and height"},
 
-    {"network", "threshold", SP_FIELD_REAL, AT(network.threshold), "p d^2", 0, 1, NULL,
-     "contacts carry above this normal force"},
-    {"network", "prestress", SP_FIELD_BOOL, AT(network.prestress), "", 0, 0, NULL,
+    {"network.threshold", SP_FIELD_REAL, AT(network.threshold), NULL, "contacts carry above this normal force"},
+    {"network.prestress", SP_FIELD_BOOL, AT(network.prestress), NULL,
      "add what the forces at rest do as contacts turn"},
-    {"network", "sliding_free", SP_FIELD_BOOL, AT(network.sliding_free), "", 0, 0, NULL,
+    {"network.sliding_free", SP_FIELD_BOOL, AT(network.sliding_free), NULL,
      "no tangential stiffness at contacts on the Coulomb limit"},
 
-    {"signal", "method", SP_FIELD_WORD, AT(signal.method), "", 0, 0, methods, "how the force on the top wall is found"},
-    {"signal", "source", SP_FIELD_WORD, AT(signal.source), "", 0, 0, sources,
+    {"signal.method", SP_FIELD_WORD, AT(signal.method), methods, "how the force on the top wall is found"},
+    {"signal.source", SP_FIELD_WORD, AT(signal.source), sources,
      "what the bottom wall does: momentum, velocity or displacement in proportion to the stiffness"},
-    {"signal", "until", SP_FIELD_REAL, AT(signal.until), "d/sqrt(E* / rho)", 0, 1e9, NULL,
-     "last time; 0: when the first front has passed"},
-    {"signal", "points", SP_FIELD_INT, AT(signal.points), "", 2, 1e7, NULL, "equally spaced times from 0 on"},
-    {"signal", "tolerance", SP_FIELD_REAL, AT(signal.tolerance), "max |F|", 1e-15, 0.1, NULL, "error asked for"},
-    {"signal", "planes", SP_FIELD_REALS, 0, "d", 0.01, 1e6, NULL,
+    {"signal.until", SP_FIELD_REAL, AT(signal.until), NULL, "last time; 0: when the first front has passed"},
+    {"signal.points", SP_FIELD_INT, AT(signal.points), NULL, "equally spaced times from 0 on"},
+    {"signal.tolerance", SP_FIELD_REAL, AT(signal.tolerance), NULL, "error asked for"},
+    {"signal.planes", SP_FIELD_REALS, AT(plane), NULL,
      "heights above the bottom wall of the planes that planes of study.want listens at, ascending, 32 at the most"},
 
-    {"study", "samples", SP_FIELD_INT, AT(samples), "", 1, 1e7, NULL,
-     "seeds of each combination: packing.seed and those that follow"},
-    {"study", "want", SP_FIELD_LIST, AT(want), "", 0, 0, wants,
+    {"study.samples", SP_FIELD_INT, AT(samples), NULL, "seeds of each combination: packing.seed and those that follow"},
+    {"study.want", SP_FIELD_LIST, AT(want), wants,
      "results to make; packings: nothing but the packings themselves; signal: signals are kept, for `sonopack table "
      "signal' (study has no table of these two); spectrum: every frequency, for the density of states"},
-    {"study", "sweep", SP_FIELD_SWEEP, AT(sweep), "", 0, 0, NULL,
+    {"study.sweep", SP_FIELD_SWEEP, AT(sweep), NULL,
      "every combination of these: ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... ), and of keys that "
      "are given lists or ranges"},
 
-    {"column", "particles", SP_FIELD_INT, AT(column.particles), "", 1, 1e6, NULL,
+    {"column.particles", SP_FIELD_INT, AT(column.particles), NULL,
      "how many, one above the other on a floor that is tapped (cm, g, s)"},
-    {"column", "frequency", SP_FIELD_REAL, AT(column.frequency), "Hz", 1e-6, 1e9, NULL,
+    {"column.frequency", SP_FIELD_REAL, AT(column.frequency), NULL,
      "of the tap: at the start of each period the floor rises and comes back as half a sine of this frequency"},
-    {"column", "period", SP_FIELD_REAL, AT(column.period), "s", 1e-9, 1e9, NULL,
+    {"column.period", SP_FIELD_REAL, AT(column.period), NULL,
      "from the start of a tap to that of the next: at least the length of a tap, 1/(2 frequency)"},
-    {"column", "taps", SP_FIELD_INT, AT(column.taps), "", 0, 1e8, NULL,
+    {"column.taps", SP_FIELD_INT, AT(column.taps), NULL,
      "how many; of a diagram those that count, after column.transient others; 0: 4, of lyapunov 1000, of bifurcation "
      "50"},
-    {"column", "amplitude", SP_FIELD_REAL, AT(column.amplitude), "cm", 0, 1e6, NULL,
-     "height of the half sine; 0: the floor rests"},
-    {"column", "e", SP_FIELD_REAL, AT(column.e), "", 0, 1, NULL,
+    {"column.amplitude", SP_FIELD_REAL, AT(column.amplitude), NULL, "height of the half sine; 0: the floor rests"},
+    {"column.e", SP_FIELD_REAL, AT(column.e), NULL,
      "of Walton and Braun, below 1: the stiffness is K(1 + e) while a contact closes and K(1 - e) while it opens"},
-    {"column", "stiffness", SP_FIELD_REAL, AT(column.stiffness), "g/s^2", 0, 1e30, NULL,
+    {"column.stiffness", SP_FIELD_REAL, AT(column.stiffness), NULL,
      "K of the contacts, above N m g/r, where the column collapses; 0: 2 N m g/r, with the mean of m and the smallest "
      "r"},
-    {"column", "gravity", SP_FIELD_REAL, AT(column.gravity), "cm/s^2", 1e-9, 1e9, NULL, "acceleration downwards"},
-    {"column", "drop", SP_FIELD_REAL, AT(column.drop), "cm", -1, 1e6, NULL,
+    {"column.gravity", SP_FIELD_REAL, AT(column.gravity), NULL, "acceleration downwards"},
+    {"column.drop", SP_FIELD_REAL, AT(column.drop), NULL,
      "height from which the column, just touching, falls onto the floor; below 0: it starts at rest"},
-    {"column", "mass", SP_FIELD_REALS, 0, "g", 1e-12, 1e12, NULL,
+    {"column.mass", SP_FIELD_REALS, AT(column.mass), NULL,
      "of the particles, one number or several, repeated from the floor upwards"},
-    {"column", "radius", SP_FIELD_REALS, 0, "cm", 1e-12, 1e12, NULL,
+    {"column.radius", SP_FIELD_REALS, AT(column.radius), NULL,
      "of the particles, one number or several, repeated from the floor upwards"},
-    {"column", "model", SP_FIELD_WORD, AT(column.model), "", 0, 0, column_models,
+    {"column.model", SP_FIELD_WORD, AT(column.model), column_models,
      "lattice: the particles; longwave, bsr: continua; eq35, eq37: long-wave equations as printed, refused with the "
      "reason"},
-    {"column", "method", SP_FIELD_WORD, AT(column.method), "", 0, 0, column_methods,
+    {"column.method", SP_FIELD_WORD, AT(column.method), column_methods,
      "of the lattice; event: exact; smooth: tanh in place of the sign; rk4: fixed steps, of first order, creeps at "
      "rest"},
-    {"column", "bsr", SP_FIELD_WORD, AT(column.bsr), "", 0, 0, column_bsrs,
+    {"column.bsr", SP_FIELD_WORD, AT(column.bsr), column_bsrs,
      "which bsr: one that carries a column; as it was printed; that with its signs put right (these two collapse)"},
-    {"column", "output", SP_FIELD_WORD, AT(column.output), "", 0, 0, column_outputs,
+    {"column.output", SP_FIELD_WORD, AT(column.output), column_outputs,
      "the table that is made: see `sonopack help column'"},
-    {"column", "step", SP_FIELD_REAL, AT(column.step), "s", 0, 1e9, NULL,
+    {"column.step", SP_FIELD_REAL, AT(column.step), NULL,
      "between the rows of trajectory, density and compare; 0: period/100"},
-    {"column", "alpha_v", SP_FIELD_REAL, AT(column.alpha_v), "s/cm", 1e-9, 1e9, NULL,
+    {"column.alpha_v", SP_FIELD_REAL, AT(column.alpha_v), NULL,
      "slope of tanh in place of the sign of velocities: of longwave, bsr and method smooth"},
-    {"column", "alpha_x", SP_FIELD_REAL, AT(column.alpha_x), "1/cm", 0, 1e12, NULL,
+    {"column.alpha_x", SP_FIELD_REAL, AT(column.alpha_x), NULL,
      "slope of tanh in place of the step at touching, of method smooth; 0: the step itself"},
-    {"column", "time_step", SP_FIELD_REAL, AT(column.time_step), "s", 0, 1e9, NULL,
+    {"column.time_step", SP_FIELD_REAL, AT(column.time_step), NULL,
      "of longwave, bsr and rk4, up to the largest stable one; 0: chosen"},
-    {"column", "tolerance", SP_FIELD_REAL, AT(column.tolerance), "", 1e-14, 0.1, NULL,
-     "error of a step of method smooth, relative"},
-    {"column", "cells", SP_FIELD_INT, AT(column.cells), "", 1, 1000, NULL,
-     "of the grid of longwave and bsr, for each particle"},
-    {"column", "parameter", SP_FIELD_WORD, AT(column.parameter), "", 0, 0, column_parameters,
+    {"column.tolerance", SP_FIELD_REAL, AT(column.tolerance), NULL, "error of a step of method smooth, relative"},
+    {"column.cells", SP_FIELD_INT, AT(column.cells), NULL, "of the grid of longwave and bsr, for each particle"},
+    {"column.parameter", SP_FIELD_WORD, AT(column.parameter), column_parameters,
      "what the diagrams lyapunov and bifurcation go through, from column.from to column.to"},
-    {"column", "from", SP_FIELD_REAL, AT(column.from), "", 0, 1e9, NULL,
+    {"column.from", SP_FIELD_REAL, AT(column.from), NULL,
      "first value of the parameter; 0 with one point: the one that the scene gives it"},
-    {"column", "to", SP_FIELD_REAL, AT(column.to), "", 0, 1e9, NULL, "last value of the parameter"},
-    {"column", "points", SP_FIELD_INT, AT(column.points), "", 1, 1e8, NULL, "equally spaced values of the parameter"},
-    {"column", "transient", SP_FIELD_INT, AT(column.transient), "", 0, 1e8, NULL,
+    {"column.to", SP_FIELD_REAL, AT(column.to), NULL, "last value of the parameter"},
+    {"column.points", SP_FIELD_INT, AT(column.points), NULL, "equally spaced values of the parameter"},
+    {"column.transient", SP_FIELD_INT, AT(column.transient), NULL,
      "taps at each point of a diagram before those that count"},
 };
 
 _Static_assert(sizeof sp_fields / sizeof *sp_fields == SP_FIELDS, "the table is complete");
 
+const char *const sp_groups[SP_GROUPS] = {"packing", "network", "signal", "study", "column"};
+
 int sp_field_index(const sp_field *f) { return (int)(f - sp_fields); }
 
+const char *sp_field_name(const sp_field *f) { return strchr(f->key, '.') + 1; }
+
+bool sp_field_in_group(const sp_field *f, const char *group) {
+    const size_t length = strlen(group);
+    return strncmp(f->key, group, length) == 0 && f->key[length] == '.';
+}
+
 const sp_field *sp_field_find(const char *key) {
-    for (int k = 0; k < SP_FIELDS; k++) {
-        const size_t length = strlen(sp_fields[k].group);
-        if (strncmp(key, sp_fields[k].group, length) == 0 && key[length] == '.' &&
-            strcmp(key + length + 1, sp_fields[k].name) == 0)
+    for (int k = 0; k < SP_FIELDS; k++)
+        if (strcmp(key, sp_fields[k].key) == 0)
             return &sp_fields[k];
-    }
     return NULL;
+}
+
+/* The specs within a scene, and the tables of their keys. */
+static const struct {
+    size_t offset, size;
+    const sp_key *keys;
+} specs[] = {{AT(pack), sizeof(sp_pack_spec), sp_pack_keys},
+             {AT(column), sizeof(sp_tapped_spec), sp_tapped_keys},
+             {0, sizeof(sp_scene), scene_keys}};
+
+const sp_key *sp_field_limits(const sp_field *f) {
+    if (!sp_field_is_number(f) && f->type != SP_FIELD_REALS)
+        return NULL;
+    int k = 0;
+    while (f->offset < specs[k].offset || f->offset - specs[k].offset >= specs[k].size)
+        k++;
+    const sp_key *key = specs[k].keys;
+    while (key->name && key->offset != f->offset - specs[k].offset)
+        key++;
+    return key->name ? key : NULL;
 }
 
 const sp_field *sp_field_nearest(const char *group, const char *name) {
     const sp_field *nearest = NULL;
     int least = 1000;
     for (int k = 0; k < SP_FIELDS; k++) {
+        const sp_field *f = &sp_fields[k];
         /* a right name in the wrong group is nearer than any wrong name in the right group */
-        const int names = sp_edit_distance(name, sp_fields[k].name);
-        const int groups = sp_edit_distance(group, sp_fields[k].group) > 0;
-        if (2 * names + groups < least && sp_is_near(name, names)) {
-            least = 2 * names + groups;
-            nearest = &sp_fields[k];
+        const int names = sp_edit_distance(name, sp_field_name(f));
+        const int distance = 2 * names + !sp_field_in_group(f, group);
+        if (distance < least && sp_is_near(name, names)) {
+            least = distance;
+            nearest = f;
         }
     }
     return nearest;
@@ -251,22 +285,38 @@ bool sp_field_is_number(const sp_field *f) {
     return f->type == SP_FIELD_REAL || f->type == SP_FIELD_INT || f->type == SP_FIELD_INT64;
 }
 
-bool sp_field_is_history(const sp_field *f) { return strcmp(f->name, "history") == 0; }
+bool sp_field_is_planes(const sp_field *f) { return f->offset == AT(plane); }
 
-bool sp_field_is_planes(const sp_field *f) { return strcmp(f->name, "planes") == 0; }
+bool sp_field_is_tapped(const sp_field *f) { return sp_field_in_group(f, "column"); }
 
-bool sp_field_is_column(const sp_field *f) { return strcmp(f->group, "column") == 0; }
+int sp_field_list_max(const sp_field *f) {
+    return sp_field_is_planes(f) ? SP_PLANES_MAX : f->offset == AT(pack.history) ? SP_HISTORY_MAX : SP_DIAMETERS_MAX;
+}
 
-bool sp_field_is_masses(const sp_field *f) { return sp_field_is_column(f) && strcmp(f->name, "mass") == 0; }
+/* Where the scene counts the values of a list. */
+static size_t count_offset(const sp_field *f) {
+    const sp_key *key = sp_field_limits(f);
+    return f->offset - key->offset + key->count;
+}
 
-bool sp_field_is_radii(const sp_field *f) { return sp_field_is_column(f) && strcmp(f->name, "radius") == 0; }
+const double *sp_field_list(const sp_scene *s, const sp_field *f, int32_t *count) {
+    const double *values;
+    memcpy(count, (const char *)s + count_offset(f), sizeof *count);
+    memcpy(&values, (const char *)s + f->offset, sizeof values);
+    return sp_field_is_planes(f) ? s->plane : values;
+}
+
+void sp_field_set_list(sp_scene *s, const sp_field *f, const double *values, int32_t count) {
+    memcpy((char *)s + count_offset(f), &count, sizeof count);
+    memcpy((char *)s + f->offset, &values, sizeof values);
+}
 
 bool sp_field_is_scalar(const sp_field *f) {
     return sp_field_is_number(f) || f->type == SP_FIELD_BOOL || f->type == SP_FIELD_WORD;
 }
 
 const char *sp_field_not_swept(const sp_field *f) {
-    if (sp_field_is_column(f))
+    if (sp_field_is_tapped(f))
         return "its diagrams go through column.parameter, from column.from to column.to";
     if (f->type == SP_FIELD_PATH)
         return "all samples of a study begin with one packing";
@@ -274,16 +324,9 @@ const char *sp_field_not_swept(const sp_field *f) {
         return "packing.diameters may be swept in its place";
     if (f->offset == AT(pack.content) && f->type == SP_FIELD_INT64)
         return "it follows from packing.file";
-    if (strcmp(f->group, "packing") == 0 || strcmp(f->group, "network") == 0 || f->offset == AT(signal.source))
+    if (sp_field_in_group(f, "packing") || sp_field_in_group(f, "network") || f->offset == AT(signal.source))
         return NULL;
     return "it makes no other sample, one value of it is kept with each";
-}
-
-const char *sp_limit_text(const sp_field *f, double limit, char *buf, size_t size) {
-    if (f->type == SP_FIELD_REAL || f->type == SP_FIELD_REALS)
-        return sp_number_text(limit, buf);
-    snprintf(buf, size, "%lld", limit >= 0x1p63 ? (long long)INT64_MAX : (long long)limit);
-    return buf;
 }
 
 static void words_text(const sp_word *words, char *buf, size_t size) {
@@ -295,30 +338,26 @@ static void words_text(const sp_word *words, char *buf, size_t size) {
 }
 
 const char *sp_field_right(const sp_field *f, char *buf, size_t size) {
-    char low[32], high[32], words[200];
+    char text[200];
     switch (f->type) {
     case SP_FIELD_REAL:
     case SP_FIELD_INT:
-    case SP_FIELD_INT64:
-        snprintf(buf, size, "%s%s .. %s%s%s", f->type == SP_FIELD_REAL ? "" : "an integer ",
-                 sp_limit_text(f, f->low, low, sizeof low), sp_limit_text(f, f->high, high, sizeof high),
-                 f->unit[0] ? " " : "", f->unit);
-        break;
+    case SP_FIELD_INT64: return sp_key_range(sp_field_limits(f), buf, size);
     case SP_FIELD_BOOL: snprintf(buf, size, "true or false"); break;
     case SP_FIELD_WORD: words_text(f->words, buf, size); break;
     case SP_FIELD_LIST:
-        words_text(f->words, words, sizeof words);
-        snprintf(buf, size, "a list [\"...\", ...] of %s", words);
+        words_text(f->words, text, sizeof text);
+        snprintf(buf, size, "a list [\"...\", ...] of %s", text);
         break;
     case SP_FIELD_SWEEP:
         snprintf(buf, size, "a list ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... )");
         break;
     case SP_FIELD_REALS:
-        snprintf(buf, size, "%sa list [%s, ...] of numbers %s .. %s %s", sp_field_is_column(f) ? "one number or " : "",
-                 sp_field_is_history(f)  ? "1e-3, 1e-5"
-                 : sp_field_is_planes(f) ? "12.5, 25"
-                                         : "0.9, 1.1",
-                 sp_limit_text(f, f->low, low, sizeof low), sp_limit_text(f, f->high, high, sizeof high), f->unit);
+        snprintf(buf, size, "%sa list [%s, ...] of numbers %s", sp_field_is_tapped(f) ? "one number or " : "",
+                 f->offset == AT(pack.history) ? "1e-3, 1e-5"
+                 : sp_field_is_planes(f)       ? "12.5, 25"
+                                               : "0.9, 1.1",
+                 sp_key_range(sp_field_limits(f), text, sizeof text));
         break;
     case SP_FIELD_PATH:
     case SP_FIELD_FILE: snprintf(buf, size, "the name of a file in quotes"); break;
@@ -326,8 +365,8 @@ const char *sp_field_right(const sp_field *f, char *buf, size_t size) {
     return buf;
 }
 
-/* The integer a number stands for; false for a fraction or more than 64 bits. */
-static bool whole(const sp_number *number, int64_t *out) {
+/* The value of a number as an integer; false for fractions and for numbers of more than 64 bits. */
+static bool to_integer(const sp_number *number, int64_t *out) {
     if (number->integral) {
         *out = number->integer;
         return true;
@@ -341,17 +380,16 @@ static bool whole(const sp_number *number, int64_t *out) {
 sp_status sp_field_check(const sp_field *f, const sp_number *number, sp_error *err) {
     char value[32], right[200];
     int64_t integer = 0;
-    bool good = isfinite(number->real) && number->real >= f->low && number->real <= f->high;
+    bool good = sp_key_allows(sp_field_limits(f), number->real);
     if (f->type != SP_FIELD_REAL && f->type != SP_FIELD_REALS)
-        good = good && whole(number, &integer);
+        good = good && to_integer(number, &integer);
     if (good)
         return SP_OK;
     if (number->integral)
         snprintf(value, sizeof value, "%lld", (long long)number->integer);
     else
         sp_number_text(number->real, value);
-    return sp_fail(err, SP_EINVAL, "%s.%s = %s: must be %s", f->group, f->name, value,
-                   sp_field_right(f, right, sizeof right));
+    return sp_fail_key(err, SP_EINVAL, f->key, " = %s: must be %s", value, sp_field_right(f, right, sizeof right));
 }
 
 sp_status sp_field_store(sp_scene *s, const sp_field *f, const sp_number *number, sp_error *err) {
@@ -360,12 +398,12 @@ sp_status sp_field_store(sp_scene *s, const sp_field *f, const sp_number *number
         return status;
     char *place = (char *)s + f->offset;
     if (f->type == SP_FIELD_REAL) {
-        const double real = number->real + 0.0; /* no negative zero, which would be written as the integer 0 */
+        const double real = number->real + 0.0; /* a negative zero would be written as the integer 0 */
         memcpy(place, &real, sizeof real);
         return SP_OK;
     }
     int64_t wide = 0;
-    whole(number, &wide);
+    to_integer(number, &wide);
     const int32_t narrow = (int32_t)wide;
     if (f->type == SP_FIELD_INT)
         memcpy(place, &narrow, sizeof narrow);

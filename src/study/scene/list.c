@@ -1,4 +1,4 @@
-/* Lists of numbers in the scene, and of diameters in a file of their own. */
+/* Reads lists of numbers from a scene, and the list of diameters from a file of its own. */
 #include "base/base.h"
 #include "scene/reader.h"
 #include "scene/source.h"
@@ -10,115 +10,91 @@
 #include <string.h>
 
 static sp_status too_many(const sp_reader *r, const sp_field *f, int64_t count) {
-    return sp_fail(r->err, SP_EINVAL, "%s.%s: %lld numbers: must be %d at the most", f->group, f->name,
-                   (long long)count, SP_DIAMETERS_MAX);
+    return sp_fail_key(r->err, SP_EINVAL, f->key, ": %lld numbers: must be %d at the most", (long long)count,
+                       sp_field_list_max(f));
 }
 
 sp_status sp_reader_length(const sp_reader *r, const sp_field *f, const config_setting_t *list) {
     const int count = config_setting_length(list);
-    if (sp_field_is_history(f) && count > SP_HISTORY_MAX)
-        return sp_fail(r->err, SP_EINVAL, "packing.history: %d pressures: must be %d at the most", count,
-                       SP_HISTORY_MAX);
-    return count > SP_DIAMETERS_MAX ? too_many(r, f, count) : SP_OK;
+    return count > sp_field_list_max(f) ? too_many(r, f, count) : SP_OK;
 }
 
 sp_status sp_reader_list(sp_reader *r, const sp_field *f, const config_setting_t *list, double *out) {
-    const int count = config_setting_length(list);
     sp_status status = SP_OK;
-    for (int k = 0; k < count && status == SP_OK; k++) {
-        const config_setting_t *value = config_setting_get_elem(list, (unsigned)k);
+    for (int k = 0; k < config_setting_length(list) && status == SP_OK; k++) {
         sp_number number;
-        r->line = config_setting_source_line(value);
-        status = sp_reader_number(value, &number) ? sp_field_check(f, &number, r->err) : sp_reader_wrong(r, f, value);
+        status = sp_reader_checked_number(r, f, config_setting_get_elem(list, (unsigned)k), &number);
         if (status == SP_OK)
             out[k] = number.real;
     }
     return status;
 }
 
-static sp_status read_planes(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
-    const int count = config_setting_length(setting);
-    if (count > SP_PLANES_MAX)
-        return sp_fail(r->err, SP_EINVAL, "signal.planes: %d planes: must be %d at the most", count, SP_PLANES_MAX);
-    double *plane = r->scene.plane;
-    for (int k = 0; k < count; k++) {
-        const config_setting_t *value = config_setting_get_elem(setting, (unsigned)k);
-        sp_number number;
-        r->line = config_setting_source_line(value);
-        sp_status status =
-            sp_reader_number(value, &number) ? sp_field_check(f, &number, r->err) : sp_reader_wrong(r, f, value);
-        if (status != SP_OK)
-            return status;
-        if (k > 0 && !(number.real > plane[k - 1]))
-            return sp_fail(r->err, SP_EINVAL, "signal.planes: %g after %g: must be in ascending order", number.real,
-                           plane[k - 1]);
-        plane[k] = number.real;
+/* Stores the values in the scene, which owns them from now on. Frees them on failure. */
+static sp_status store(sp_reader *r, const sp_field *f, double *values, int count) {
+    if (!sp_field_is_planes(f)) {
+        sp_scene_own_list(&r->scene, f, values, count);
+        return SP_OK;
     }
-    r->scene.planes = count;
-    return SP_OK;
+    sp_status status = SP_OK;
+    for (int k = 1; k < count && status == SP_OK; k++)
+        if (!(values[k] > values[k - 1]))
+            status = sp_fail_key(r->err, SP_EINVAL, f->key, ": %g after %g: must be in ascending order", values[k],
+                                 values[k - 1]);
+    if (status == SP_OK) {
+        r->scene.planes = count;
+        if (count > 0)
+            memcpy(r->scene.plane, values, (size_t)count * sizeof *values);
+    }
+    sp_free(values);
+    return status;
 }
 
-/* The scene owns the values now. */
-static void take(sp_scene *s, const sp_field *f, double *values, int32_t count) {
-    if (sp_field_is_history(f))
-        sp_scene_take_history(s, values, count);
-    else if (sp_field_is_masses(f))
-        sp_scene_take_masses(s, values, count);
-    else if (sp_field_is_radii(f))
-        sp_scene_take_radii(s, values, count);
-    else
-        sp_scene_take_diameters(s, values, count);
-}
-
-/* One number of a key that may have several. */
-static sp_status read_single(sp_reader *r, const sp_field *f, const sp_number *number) {
-    sp_status status = sp_field_check(f, number, r->err);
-    double *values = status == SP_OK ? sp_alloc(1, sizeof *values) : NULL;
-    if (!values)
-        return status == SP_OK ? sp_fail_memory(r->err, sizeof *values) : status;
-    values[0] = number->real;
-    take(&r->scene, f, values, 1);
-    return SP_OK;
+/* The numbers of a list; or one number, where a key of the tapped column has no list. */
+static sp_status read_numbers(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
+    const bool list = config_setting_is_list(setting);
+    const int count = list ? config_setting_length(setting) : 1;
+    double *values = count > 0 ? sp_alloc((size_t)count, sizeof *values) : NULL;
+    if (count > 0 && !values)
+        return sp_fail_memory(r->err, (size_t)count * sizeof *values);
+    sp_number one = {0};
+    sp_status status = list ? sp_reader_list(r, f, setting, values) : sp_reader_checked_number(r, f, setting, &one);
+    if (status != SP_OK) {
+        sp_free(values);
+        return status;
+    }
+    if (!list)
+        values[0] = one.real;
+    return store(r, f, values, count);
 }
 
 static sp_status list_of_lists(const sp_reader *r, const sp_field *f) {
     const char *reason = sp_field_not_swept(f);
     if (reason)
-        return sp_fail(r->err, SP_EINVAL, "%s.%s cannot be swept: %s: must be one list", f->group, f->name, reason);
-    return sp_fail(r->err, SP_EINVAL,
-                   "%s.%s: a list of lists: must be one list here, study.sweep sweeps it: ( { key = \"%s.%s\"; "
-                   "values = ( [...], [...] ); } )",
-                   f->group, f->name, f->group, f->name);
+        return sp_fail_key(r->err, SP_EINVAL, f->key, " cannot be swept: %s: must be one list", reason);
+    return sp_fail_key(r->err, SP_EINVAL, f->key,
+                       ": a list of lists: must be one list here; to sweep it, write study.sweep = ( { key = \"%s\"; "
+                       "values = ( [...], [...] ); } )",
+                       f->key);
 }
 
 sp_status sp_read_reals(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
     sp_number number;
-    if (sp_field_is_column(f) && sp_reader_number(setting, &number))
-        return read_single(r, f, &number);
-    if (!config_setting_is_list(setting))
+    if (!config_setting_is_list(setting) && !(sp_field_is_tapped(f) && sp_reader_number(setting, &number)))
         return sp_reader_wrong(r, f, setting);
-    if (sp_field_is_planes(f))
-        return read_planes(r, f, setting);
-    sp_status status = sp_reader_length(r, f, setting);
-    if (status != SP_OK)
-        return status;
-    const int count = config_setting_length(setting);
-    if (count > 0 && config_setting_is_list(config_setting_get_elem(setting, 0)))
-        return list_of_lists(r, f);
-    if (r->overrides && strcmp(f->name, "diameters") == 0)
+    if (config_setting_is_list(setting)) {
+        sp_status status = sp_reader_length(r, f, setting);
+        if (status != SP_OK)
+            return status;
+        if (config_setting_length(setting) > 0 && config_setting_is_list(config_setting_get_elem(setting, 0)))
+            return list_of_lists(r, f);
+    }
+    if (r->overrides && strcmp(f->key, "packing.diameters") == 0)
         r->list[0] = '\0';
-    double *values = count > 0 ? sp_alloc((size_t)count, sizeof *values) : NULL;
-    if (count > 0 && !values)
-        return sp_fail_memory(r->err, (size_t)count * sizeof *values);
-    status = sp_reader_list(r, f, setting, values);
-    if (status != SP_OK)
-        sp_free(values);
-    else
-        take(&r->scene, f, values, count);
-    return status;
+    return read_numbers(r, f, setting);
 }
 
-/* The name of a file that a scene gives, which is relative to the scene. */
+/* The name of a file. A name in a scene is relative to the scene, a name in --set to the current folder. */
 static sp_status read_name(sp_reader *r, const sp_field *f, const config_setting_t *setting, size_t size, char *out) {
     if (config_setting_type(setting) != CONFIG_TYPE_STRING)
         return sp_reader_wrong(r, f, setting);
@@ -126,14 +102,14 @@ static sp_status read_name(sp_reader *r, const sp_field *f, const config_setting
     const bool beside = !r->overrides && name[0] != '/' && name[0] != '\0' && slash;
     const int length = snprintf(out, size, "%.*s%s", beside ? (int)(slash - r->name) + 1 : 0, r->name, name);
     if (length < 0 || (size_t)length >= size)
-        return sp_fail(r->err, SP_EINVAL, "%s.%s = \"%.60s...\": must be a shorter name", f->group, f->name, name);
+        return sp_fail_key(r->err, SP_EINVAL, f->key, " = \"%.60s...\": must be a shorter name", name);
     return SP_OK;
 }
 
 sp_status sp_read_list_name(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
     sp_status status = read_name(r, f, setting, sizeof r->list, r->list);
     if (status == SP_OK && r->overrides && r->list[0])
-        sp_scene_take_diameters(&r->scene, NULL, 0);
+        sp_scene_own_list(&r->scene, sp_field_find("packing.diameters"), NULL, 0);
     return status;
 }
 
@@ -141,8 +117,8 @@ sp_status sp_read_path(sp_reader *r, const sp_field *f, const config_setting_t *
     return read_name(r, f, setting, sizeof r->scene.from, r->scene.from);
 }
 
-/* A decimal number that fills the line but for blanks and a comment. strtod alone would take "nan", "inf" and
- * hexadecimal numbers, too. */
+/* Reads a line that holds one decimal number, with blanks around it. strtod alone would also accept "nan", "inf" and
+ * hexadecimal numbers. */
 static bool number_of_line(const char *line, const char *end, double *out) {
     char word[64];
     while (line < end && isspace((unsigned char)*line))
@@ -167,8 +143,10 @@ static bool is_blank(const char *line, const char *end) {
     return line == end;
 }
 
-/* The numbers of the text; *count of them on success. */
-static sp_status read_lines(sp_reader *r, const sp_field *range, const char *text, double *out, int32_t *count) {
+/* Reads the numbers of a text, one a line; *count says how many on success. */
+static sp_status read_lines(sp_reader *r, const sp_field *f, const char *text, double *out, int32_t *count) {
+    const sp_key *range = sp_field_limits(f);
+    char allowed[128];
     int32_t used = 0;
     int64_t number = 1;
     if (strncmp(text, "\xef\xbb\xbf", 3) == 0) /* the byte order mark of some editors */
@@ -178,12 +156,11 @@ static sp_status read_lines(sp_reader *r, const sp_field *range, const char *tex
         if (!is_blank(line, end)) {
             double value = NAN;
             if (used == SP_DIAMETERS_MAX)
-                return too_many(r, range, (int64_t)used + 1);
-            if (!number_of_line(line, end, &value) || !(value >= range->low && value <= range->high))
-                return sp_fail(r->err, SP_EINVAL,
-                               "%s:%lld: \"%.*s\": must be one number %g .. %g %s, # begins a comment", r->list,
-                               (long long)number, (int)(end - line < 40 ? end - line : 40), line, range->low,
-                               range->high, range->unit);
+                return too_many(r, f, (int64_t)used + 1);
+            if (!number_of_line(line, end, &value) || !sp_key_allows(range, value))
+                return sp_fail(r->err, SP_EINVAL, "%s:%lld: \"%.*s\": must be one number %s, # begins a comment",
+                               r->list, (long long)number, (int)(end - line < 40 ? end - line : 40), line,
+                               sp_key_range(range, allowed, sizeof allowed));
             out[used++] = value;
         }
         line = *next ? next + 1 : next;
@@ -197,9 +174,9 @@ static sp_status read_lines(sp_reader *r, const sp_field *range, const char *tex
 
 sp_status sp_reader_load_list(sp_reader *r) {
     const char *key = "packing.diameter_file";
-    const sp_field *range = sp_field_find("packing.diameters");
+    const sp_field *f = sp_field_find("packing.diameters");
     if (r->scene.pack.diameter_count > 0)
-        return sp_fail(r->err, SP_EINVAL, "%s = \"%.60s\": must not be given beside packing.diameters", key, r->list);
+        return sp_fail_key(r->err, SP_EINVAL, key, " = \"%.60s\": must not be given beside packing.diameters", r->list);
     char *text = NULL;
     double *diameters = NULL;
     int32_t count = 0;
@@ -212,16 +189,15 @@ sp_status sp_reader_load_list(sp_reader *r) {
     if (lines > SP_DIAMETERS_MAX)
         lines = SP_DIAMETERS_MAX;
     diameters = sp_alloc(lines, sizeof *diameters);
-    status =
-        diameters ? read_lines(r, range, text, diameters, &count) : sp_fail_memory(r->err, lines * sizeof *diameters);
+    status = diameters ? read_lines(r, f, text, diameters, &count) : sp_fail_memory(r->err, lines * sizeof *diameters);
     if (status == SP_OK) {
-        sp_scene_take_diameters(&r->scene, diameters, count);
+        sp_scene_own_list(&r->scene, f, diameters, count);
         diameters = NULL;
     }
 out:
     sp_free(diameters);
     sp_free(text);
     if (status == SP_EINVAL)
-        sp_fail_prefix(r->err, "%s", key);
+        sp_fail_prefix_key(r->err, key);
     return status;
 }

@@ -1,5 +1,6 @@
 #include "scene/field.h"
 
+#include <limits.h>
 #include <string.h>
 
 enum { LETTERS = 64 };
@@ -28,4 +29,16 @@ int sp_edit_distance(const char *a, const char *b) {
 bool sp_is_near(const char *word, int distance) {
     const int length = (int)strnlen(word, LETTERS);
     return distance < length && distance <= (length < 6 ? 2 : length / 3);
+}
+
+const char *sp_nearest_word(const char *word, int count, const char *const *words) {
+    const char *nearest = NULL;
+    for (int k = 0, least = INT_MAX; k < count; k++) {
+        const int distance = sp_edit_distance(word, words[k]);
+        if (distance < least && sp_is_near(word, distance)) {
+            least = distance;
+            nearest = words[k];
+        }
+    }
+    return nearest;
 }

@@ -24,7 +24,7 @@ static sp_status find_members(sp_reader *r, const range *g, const config_setting
                               const config_setting_t *found[MEMBERS]) {
     for (int k = 0; k < config_setting_length(group); k++) {
         const config_setting_t *member = config_setting_get_elem(group, (unsigned)k);
-        const char *name = config_setting_name(member), *near = NULL;
+        const char *name = config_setting_name(member);
         int which = 0;
         while (which < MEMBERS && strcmp(name, members[which]) != 0)
             which++;
@@ -34,17 +34,11 @@ static sp_status find_members(sp_reader *r, const range *g, const config_setting
         }
         if (strcmp(name, "key") == 0 && !config_setting_name(group)) /* an entry of study.sweep */
             continue;
-        for (int i = 0, least = 1000; i < MEMBERS; i++) {
-            const int distance = sp_edit_distance(name, members[i]);
-            if (distance < least && sp_is_near(name, distance)) {
-                least = distance;
-                near = members[i];
-            }
-        }
+        const char *near = sp_nearest_word(name, MEMBERS, members);
         r->line = config_setting_source_line(member);
-        return sp_fail(r->err, SP_EINVAL,
-                       "%s: a range has no \"%.60s\": must be from, to, count or step, spacing%s%s%s", g->key, name,
-                       near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
+        return sp_fail_key(r->err, SP_EINVAL, g->key,
+                           ": a range has no \"%.60s\": must be from, to, count or step, spacing%s%s%s", name,
+                           near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
     }
     return SP_OK;
 }
@@ -58,7 +52,7 @@ static sp_status read_spacing(sp_reader *r, range *g, const config_setting_t *se
     if (g->log || strcmp(word, "linear") == 0)
         return SP_OK;
     r->line = config_setting_source_line(setting);
-    return sp_fail(r->err, SP_EINVAL, "%s: spacing of a range must be \"linear\" or \"log\"", g->key);
+    return sp_fail_key(r->err, SP_EINVAL, g->key, ": spacing of a range must be \"linear\" or \"log\"");
 }
 
 static sp_status read_count(sp_reader *r, range *g, const config_setting_t *setting) {
@@ -66,7 +60,7 @@ static sp_status read_count(sp_reader *r, range *g, const config_setting_t *sett
     r->line = config_setting_source_line(setting);
     if (!sp_reader_number(setting, &number) ||
         !(number.real >= 2 && number.real <= MOST_VALUES && number.real == floor(number.real)))
-        return sp_fail(r->err, SP_EINVAL, "%s: count of a range must be an integer 2 .. %d", g->key, MOST_VALUES);
+        return sp_fail_key(r->err, SP_EINVAL, g->key, ": count of a range must be an integer 2 .. %d", MOST_VALUES);
     g->count = (int)number.real;
     return SP_OK;
 }
@@ -75,19 +69,21 @@ static sp_status read_step(sp_reader *r, range *g, const config_setting_t *setti
     sp_number number;
     r->line = config_setting_source_line(setting);
     if (!sp_reader_number(setting, &number) || !isfinite(number.real) || !(fabs(number.real) > 0))
-        return sp_fail(r->err, SP_EINVAL, "%s: step of a range must be a number other than 0", g->key);
+        return sp_fail_key(r->err, SP_EINVAL, g->key, ": step of a range must be a number other than 0");
     if (g->log)
-        return sp_fail(r->err, SP_EINVAL, "%s: a range with spacing = \"log\" must have a count, not a step", g->key);
+        return sp_fail_key(r->err, SP_EINVAL, g->key, ": a range with spacing = \"log\" must have a count, not a step");
     const double steps = (g->to - g->from) / number.real;
     if (!(steps > 0))
-        return sp_fail(r->err, SP_EINVAL, "%s: step = %g of a range must lead from %g to %g", g->key, number.real,
-                       g->from, g->to);
+        return sp_fail_key(r->err, SP_EINVAL, g->key, ": step = %g of a range must lead from %g to %g", number.real,
+                           g->from, g->to);
     if (steps > MOST_VALUES - 0.5)
-        return sp_fail(r->err, SP_EINVAL, "%s: step = %g of a range makes %.6g values: must be %d at the most", g->key,
-                       number.real, floor(steps) + 1, MOST_VALUES);
+        return sp_fail_key(r->err, SP_EINVAL, g->key,
+                           ": step = %g of a range makes %.6g values: must be %d at the most", number.real,
+                           floor(steps) + 1, MOST_VALUES);
     if (floor(steps + 0.5) < 1 || fabs(steps - floor(steps + 0.5)) > 1e-9 * steps)
-        return sp_fail(r->err, SP_EINVAL, "%s: step = %g of a range must divide its length %g, not %.6g times", g->key,
-                       number.real, fabs(g->to - g->from), steps);
+        return sp_fail_key(r->err, SP_EINVAL, g->key,
+                           ": step = %g of a range must divide its length %g, not %.6g times", number.real,
+                           fabs(g->to - g->from), steps);
     g->count = (int)floor(steps + 0.5) + 1;
     return SP_OK;
 }
@@ -99,27 +95,27 @@ static sp_status read_members(sp_reader *r, const sp_field *f, const config_sett
     if (status != SP_OK)
         return status;
     if (!member[FROM] || !member[TO] || !member[COUNT] == !member[STEP])
-        return sp_fail(r->err, SP_EINVAL,
-                       "%s: a range %s: must be { from = 1e-7; to = 1e-4; count = 4; spacing = \"log\"; } or { from = "
-                       "0; to = 0.5; step = 0.1; }",
-                       g->key,
-                       !member[FROM]   ? "without from"
-                       : !member[TO]   ? "without to"
-                       : member[COUNT] ? "with both count and step"
-                                       : "without count and step");
-    status = sp_read_sweep_number(r, f, member[FROM], &g->from);
+        return sp_fail_key(
+            r->err, SP_EINVAL, g->key,
+            ": a range %s: must be { from = 1e-7; to = 1e-4; count = 4; spacing = \"log\"; } or { from = "
+            "0; to = 0.5; step = 0.1; }",
+            !member[FROM]   ? "without from"
+            : !member[TO]   ? "without to"
+            : member[COUNT] ? "with both count and step"
+                            : "without count and step");
+    status = sp_reader_swept_number(r, f, member[FROM], &g->from);
     if (status == SP_OK)
-        status = sp_read_sweep_number(r, f, member[TO], &g->to);
+        status = sp_reader_swept_number(r, f, member[TO], &g->to);
     if (status == SP_OK)
         status = read_spacing(r, g, member[SPACING]);
     if (status != SP_OK)
         return status;
     r->line = line;
     if (!(g->from < g->to || g->from > g->to))
-        return sp_fail(r->err, SP_EINVAL, "%s: a range from %g to %g: must have two ends", g->key, g->from, g->to);
+        return sp_fail_key(r->err, SP_EINVAL, g->key, ": a range from %g to %g: must have two ends", g->from, g->to);
     if (g->log && !(g->from > 0 && g->to > 0))
-        return sp_fail(r->err, SP_EINVAL, "%s: a range from %g to %g with spacing = \"log\": must be above 0", g->key,
-                       g->from, g->to);
+        return sp_fail_key(r->err, SP_EINVAL, g->key, ": a range from %g to %g with spacing = \"log\": must be above 0",
+                           g->from, g->to);
     return member[COUNT] ? read_count(r, g, member[COUNT]) : read_step(r, g, member[STEP]);
 }
 
@@ -146,14 +142,14 @@ static sp_status make_integers(const sp_reader *r, const range *g, double *value
     for (int k = 0; k < g->count; k++) {
         const __int128 sum = (__int128)g->from * (last - k) + (__int128)g->to * k; /* last times value k */
         if (!g->log && sum % last != 0)
-            return sp_fail(r->err, SP_EINVAL,
-                           "%s: the range from %.17g to %.17g has %.6Lg as value %d of %d: must be integers", g->key,
-                           g->from, g->to, value_at(g, k), k + 1, g->count);
+            return sp_fail_key(r->err, SP_EINVAL, g->key,
+                               ": the range from %.17g to %.17g has %.6Lg as value %d of %d: must be integers", g->from,
+                               g->to, value_at(g, k), k + 1, g->count);
         values[k] = g->log ? (double)floorl(value_at(g, k) + 0.5L) : (double)(sum / last);
         if (k > 0 && !(values[k] < values[k - 1] || values[k] > values[k - 1]))
-            return sp_fail(r->err, SP_EINVAL,
-                           "%s: a range of %d integers from %.17g to %.17g has %.17g twice: must be fewer", g->key,
-                           g->count, g->from, g->to, values[k]);
+            return sp_fail_key(r->err, SP_EINVAL, g->key,
+                               ": a range of %d integers from %.17g to %.17g has %.17g twice: must be fewer", g->count,
+                               g->from, g->to, values[k]);
     }
     return SP_OK;
 }
@@ -161,8 +157,8 @@ static sp_status make_integers(const sp_reader *r, const range *g, double *value
 sp_status sp_read_range(sp_reader *r, const sp_field *f, const config_setting_t *group, sp_sweep *sweep) {
     range g = {.key = sweep->key};
     if (!sp_field_is_number(f))
-        return sp_fail(r->err, SP_EINVAL, "%s: a range must be one of numbers: what is swept here must be a list",
-                       sweep->key);
+        return sp_fail_key(r->err, SP_EINVAL, sweep->key,
+                           ": a range must be one of numbers: what is swept here must be a list");
     const unsigned line = r->line;
     sp_status status = read_members(r, f, group, &g);
     if (status != SP_OK)

@@ -7,48 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A value as it stands in the file, shortened, for messages. */
-static const char *setting_text(const config_setting_t *setting, char *buf, size_t size) {
-    switch (config_setting_type(setting)) {
-    case CONFIG_TYPE_INT:
-    case CONFIG_TYPE_INT64: snprintf(buf, size, "%lld", config_setting_get_int64(setting)); break;
-    case CONFIG_TYPE_FLOAT: sp_number_text(config_setting_get_float(setting), buf); break;
-    case CONFIG_TYPE_BOOL: snprintf(buf, size, "%s", config_setting_get_bool(setting) ? "true" : "false"); break;
-    case CONFIG_TYPE_STRING: snprintf(buf, size, "\"%.40s\"", config_setting_get_string(setting)); break;
-    case CONFIG_TYPE_GROUP: snprintf(buf, size, "{ ... }"); break;
-    default: snprintf(buf, size, "a list"); break;
-    }
-    return buf;
-}
-
-sp_status sp_reader_wrong(const sp_reader *r, const sp_field *f, const config_setting_t *setting) {
-    char value[64], right[200];
-    return sp_fail(r->err, SP_EINVAL, "%s.%s = %s: must be %s", f->group, f->name,
-                   setting_text(setting, value, sizeof value), sp_field_right(f, right, sizeof right));
-}
-
-bool sp_reader_number(const config_setting_t *setting, sp_number *out) {
-    const int type = config_setting_type(setting);
-    if (type == CONFIG_TYPE_FLOAT) {
-        *out = (sp_number){.real = config_setting_get_float(setting)};
-        return true;
-    }
-    if (type != CONFIG_TYPE_INT && type != CONFIG_TYPE_INT64)
-        return false;
-    *out = (sp_number){.integral = true, .integer = config_setting_get_int64(setting)};
-    out->real = (double)out->integer;
-    return true;
-}
-
-const sp_word *sp_reader_word(const sp_field *f, const config_setting_t *setting) {
-    if (config_setting_type(setting) != CONFIG_TYPE_STRING)
-        return NULL;
-    for (const sp_word *w = f->words; w->word; w++)
-        if (strcmp(w->word, config_setting_get_string(setting)) == 0)
-            return w;
-    return NULL;
-}
-
 static sp_status read_list(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
     const bool list = config_setting_is_list(setting);
     const int count = list ? config_setting_length(setting) : 1;
@@ -100,27 +58,25 @@ static sp_status read_field(sp_reader *r, const sp_field *f, const config_settin
     return SP_EINVAL;
 }
 
-static sp_status unknown(const sp_reader *r, const char *group, const char *name) {
+/* "unknown key packing.widht: did you mean packing.width?", with the key or group that the scene gives as the one at
+ * fault. */
+static sp_status unknown(const sp_reader *r, const char *what, const char *name, const char *near, const char *right) {
+    sp_fail(r->err, SP_EINVAL, "unknown %s %.60s: %s%s%s", what, name, near ? "did you mean " : "must be ",
+            near ? near : right, near ? "?" : "");
+    snprintf(r->err->key, sizeof r->err->key, "%.63s", name);
+    return SP_EINVAL;
+}
+
+static sp_status unknown_key(const sp_reader *r, const char *group, const char *name) {
     const sp_field *near = sp_field_nearest(group, name);
-    if (near)
-        return sp_fail(r->err, SP_EINVAL, "unknown key %s%s%.60s: did you mean %s.%s?", group, group[0] ? "." : "",
-                       name, near->group, near->name);
-    return sp_fail(r->err, SP_EINVAL, "unknown key %s%s%.60s: must be one that `sonopack help scene` lists", group,
-                   group[0] ? "." : "", name);
+    char key[128];
+    snprintf(key, sizeof key, "%.60s%s%.60s", group, group[0] ? "." : "", name);
+    return unknown(r, "key", key, near ? near->key : NULL, "one that `sonopack help scene` lists");
 }
 
 static sp_status unknown_group(const sp_reader *r, const char *name) {
-    const char *near = NULL;
-    for (int k = 0, least = 1000; k < SP_FIELDS; k++) {
-        const int distance = sp_edit_distance(name, sp_fields[k].group);
-        if (distance < least && sp_is_near(name, distance)) {
-            least = distance;
-            near = sp_fields[k].group;
-        }
-    }
-    if (near)
-        return sp_fail(r->err, SP_EINVAL, "unknown group %.60s: did you mean %s?", name, near);
-    return sp_fail(r->err, SP_EINVAL, "unknown group %.60s: must be packing, network, signal, study or column", name);
+    return unknown(r, "group", name, sp_nearest_word(name, SP_GROUPS, sp_groups),
+                   "packing, network, signal, study or column");
 }
 
 static sp_status read_key(sp_reader *r, const char *group, const config_setting_t *setting) {
@@ -129,7 +85,7 @@ static sp_status read_key(sp_reader *r, const char *group, const config_setting_
     snprintf(key, sizeof key, "%s.%s", group, name);
     const sp_field *f = sp_field_find(key);
     if (!f)
-        return unknown(r, group, name);
+        return unknown_key(r, group, name);
     r->given[sp_field_index(f)] = (int)r->line;
     return read_field(r, f, setting);
 }
@@ -138,14 +94,14 @@ static sp_status read_key(sp_reader *r, const char *group, const config_setting_
 static sp_status read_group(sp_reader *r, const config_setting_t *group) {
     const char *name = config_setting_name(group);
     bool known = false;
-    for (int k = 0; k < SP_FIELDS; k++)
-        known = known || strcmp(name, sp_fields[k].group) == 0;
+    for (int k = 0; k < SP_GROUPS; k++)
+        known = known || strcmp(name, sp_groups[k]) == 0;
     r->line = config_setting_source_line(group);
     sp_status status = SP_OK;
     if (known && !config_setting_is_group(group))
-        status = sp_fail(r->err, SP_EINVAL, "%s: must be a group, %s = { ... };", name, name);
+        status = sp_fail_key(r->err, SP_EINVAL, name, ": must be a group, %s = { ... };", name);
     else if (!known)
-        status = config_setting_is_group(group) ? unknown_group(r, name) : unknown(r, "", name);
+        status = config_setting_is_group(group) ? unknown_group(r, name) : unknown_key(r, "", name);
     const int keys = status == SP_OK ? config_setting_length(group) : 0;
     for (int k = 0; k < keys && status == SP_OK; k++) {
         const config_setting_t *setting = config_setting_get_elem(group, (unsigned)k);
@@ -253,9 +209,9 @@ static sp_status read_override_value(sp_reader *r, const sp_field *f, const char
     if (status != SP_OK)
         goto out;
     if (!config_read_string(&config, clean) || config_setting_length(config_root_setting(&config)) != 1)
-        status = sp_fail(r->err, SP_EINVAL, "%s.%s = %.60s: must be %s%s", f->group, f->name, value,
-                         sp_field_right(f, right, sizeof right),
-                         sp_field_is_number(f) ? "; of several, [a, b] or { from = a; to = b; count = 5; }" : "");
+        status = sp_fail_key(r->err, SP_EINVAL, f->key, " = %.60s: must be %s%s", value,
+                             sp_field_right(f, right, sizeof right),
+                             sp_field_is_number(f) ? "; of several, [a, b] or { from = a; to = b; count = 5; }" : "");
     else
         status = read_field(r, f, config_setting_get_elem(config_root_setting(&config), 0));
 out:
@@ -277,20 +233,18 @@ static sp_status read_override(sp_reader *r, const char *override) {
         char *dot = strchr(key, '.');
         if (dot)
             *dot = '\0';
-        return unknown(r, dot ? key : "", dot ? dot + 1 : key);
+        return unknown_key(r, dot ? key : "", dot ? dot + 1 : key);
     }
     r->given[sp_field_index(f)] = SP_FROM_OVERRIDE;
     r->overrides = true;
     return read_override_value(r, f, equals + 1);
 }
 
-/* Puts in front of a reason that begins with a key where that key was given. */
+/* Puts in front of a reason where the key at fault was given. */
 static sp_status locate(const sp_reader *r, sp_status status) {
     if (status != SP_EINVAL)
         return status;
-    char key[128];
-    snprintf(key, sizeof key, "%.*s", (int)strcspn(r->err->text, " :"), r->err->text);
-    const sp_field *f = sp_field_find(key);
+    const sp_field *f = sp_field_find(r->err->key);
     const int line = f ? r->given[sp_field_index(f)] : 0;
     if (line > 0)
         return sp_fail_prefix(r->err, "%s:%d", r->name, line);
@@ -345,5 +299,5 @@ sp_status sp_scene_read(const char *path, int overrides, char *const *override, 
 }
 
 sp_status sp_scene_read_column(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err) {
-    return read_file(path, overrides, override, sp_reader_check_column, out, err);
+    return read_file(path, overrides, override, sp_reader_check_tapped, out, err);
 }

@@ -1,6 +1,9 @@
 #ifndef SP_READER_H
 #define SP_READER_H
-/* A scene that is being read from libconfig's settings; arrays have become lists (scene/source.h). */
+/* Reads a scene from the settings of libconfig. Arrays have become lists before (scene/source.h).
+ *
+ * From the bottom: value.c reads single values, list.c lists, range.c ranges, sweep.c sweeps; check.c checks the whole
+ * scene; read.c calls all of them. */
 
 #include "scene/field.h"
 
@@ -11,50 +14,62 @@ enum { SP_FROM_OVERRIDE = -1 };
 typedef struct sp_reader {
     sp_scene scene;
     const char *name;     /* of the file; NULL: none */
-    int given[SP_FIELDS]; /* line where a field was set, SP_FROM_OVERRIDE, or 0 */
-    unsigned line;        /* of the setting under way */
-    bool overrides;       /* the file has been read, --set is */
-    char list[4096];      /* file of diameters that is to be read; "": none */
-    int directs; /* keys that were given lists or ranges; their sweeps follow those of study.sweep in the end */
+    int given[SP_FIELDS]; /* line where a key was given, SP_FROM_OVERRIDE, or 0 */
+    unsigned line;        /* of the setting that is being read */
+    bool overrides;       /* the file has been read, and now --set is */
+    char list[4096];      /* packing.diameter_file; "": none */
+    int directs;          /* keys that were given a list or a range in the place of a value */
     sp_sweep direct[SP_SWEEPS_MAX];
     sp_error *err; /* never NULL */
 } sp_reader;
 
-/* Fails with "group.name = value: must be ..." for a value of the wrong type or none of the words. */
+/* ---- single values ---------------------------------------------------------------------------------------------- */
+
+/* Fails with "group.name = value: must be ...": the value has the wrong type, or is an unknown word. */
 sp_status sp_reader_wrong(const sp_reader *r, const sp_field *f, const config_setting_t *setting);
+/* False for a setting that is no number. */
 bool sp_reader_number(const config_setting_t *setting, sp_number *out);
-/* NULL: none of the field's words. */
+/* A number in the range of its field. */
+sp_status sp_reader_checked_number(sp_reader *r, const sp_field *f, const config_setting_t *setting, sp_number *out);
+/* A number for a sweep of its field, which must fit into a double. */
+sp_status sp_reader_swept_number(sp_reader *r, const sp_field *f, const config_setting_t *setting, double *out);
+/* NULL for a setting that is none of the field's words. */
 const sp_word *sp_reader_word(const sp_field *f, const config_setting_t *setting);
 
-/* packing.diameters, packing.history, signal.planes, column.mass and column.radius. */
+/* ---- lists ------------------------------------------------------------------------------------------------------ */
+
+/* A list of numbers, of any field of type SP_FIELD_REALS. */
 sp_status sp_read_reals(sp_reader *r, const sp_field *f, const config_setting_t *setting);
-/* The numbers of such a list but signal.planes, checked; out has room for its length. */
+/* The numbers of a list, checked; out has space for all of them. */
 sp_status sp_reader_list(sp_reader *r, const sp_field *f, const config_setting_t *list, double *out);
-/* SP_EINVAL for a list that is longer than such a list may be. */
+/* SP_EINVAL for a list that is too long. */
 sp_status sp_reader_length(const sp_reader *r, const sp_field *f, const config_setting_t *list);
-/* packing.diameter_file: its name is kept, as the override that comes may name another one. */
+/* packing.diameter_file. Only the name is kept, because an override may still name another file. */
 sp_status sp_read_list_name(sp_reader *r, const sp_field *f, const config_setting_t *setting);
+/* Reads the file of diameters that was named. */
+sp_status sp_reader_load_list(sp_reader *r);
 /* packing.file. */
 sp_status sp_read_path(sp_reader *r, const sp_field *f, const config_setting_t *setting);
-/* Reads the file that is named. */
-sp_status sp_reader_load_list(sp_reader *r);
+
+/* ---- sweeps ----------------------------------------------------------------------------------------------------- */
 
 /* study.sweep. */
 sp_status sp_read_sweeps(sp_reader *r, const sp_field *f, const config_setting_t *setting);
-/* A list or a range that a scalar key was given: sweeps it, its first value is the scene's own. */
+/* A list or a range in the place of a single value: a sweep of that key. Its first value is the scene's own. */
 sp_status sp_read_direct(sp_reader *r, const sp_field *f, const config_setting_t *setting);
-/* One value takes the place of such a sweep. */
+/* Removes such a sweep: a later setting gave the key a single value. */
 void sp_drop_direct(sp_reader *r, const sp_field *f);
-/* The sweeps of such keys go to the end of the scene's. Those in front of *listed are of study.sweep. */
+/* Appends these sweeps to the sweeps of study.sweep. *listed counts the latter. */
 sp_status sp_join_sweeps(sp_reader *r, int *listed);
-/* { from = 1e-7; to = 1e-4; count = 4; spacing = "log"; } as the values of a sweep; a member named key is passed over.
- */
+/* Reads { from = 1e-7; to = 1e-4; count = 4; spacing = "log"; } as the values of a sweep. A member named "key" is
+ * ignored. */
 sp_status sp_read_range(sp_reader *r, const sp_field *f, const config_setting_t *range, sp_sweep *sweep);
-/* A number for a sweep of f, checked. */
-sp_status sp_read_sweep_number(sp_reader *r, const sp_field *f, const config_setting_t *setting, double *out);
-/* The finished scene as a whole; a reason begins with the key where one is to blame. */
+
+/* ---- checks ----------------------------------------------------------------------------------------------------- */
+
+/* Checks the finished scene as a whole. */
 sp_status sp_reader_check(sp_reader *r);
-/* Of its column alone. */
-sp_status sp_reader_check_column(sp_reader *r);
+/* Checks the tapped column alone. */
+sp_status sp_reader_check_tapped(sp_reader *r);
 
 #endif

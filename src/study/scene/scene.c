@@ -1,3 +1,4 @@
+/* Scenes as values: defaults, memory, and single keys. */
 #include "scene/field.h"
 
 #include "base/base.h"
@@ -12,7 +13,7 @@ sp_scene sp_scene_default(void) {
                   .samples = 1,
                   .want = SP_WANT_CTOF,
                   .column = sp_tapped_spec_default()};
-    s.signal.until = 0; /* as far as each packing needs: sp_signal_window() */
+    s.signal.until = 0; /* until the first front has passed: sp_signal_window() */
     return s;
 }
 
@@ -22,56 +23,47 @@ void sp_scene_free_sweeps(sp_scene *s) {
     s->sweeps = 0;
 }
 
-void sp_scene_take_diameters(sp_scene *s, double *diameters, int32_t count) {
-    sp_free(s->diameters);
-    s->diameters = diameters;
-    s->pack.diameters = diameters;
-    s->pack.diameter_count = count;
+/* The scene's pointer to a list of this field, if it owns one; NULL for fields that are no such list. */
+static double **owner_of(sp_scene *s, const sp_field *f) {
+    const struct {
+        const char *key;
+        double **owner;
+    } owners[] = {{"packing.diameters", &s->diameters},
+                  {"packing.history", &s->history},
+                  {"column.mass", &s->masses},
+                  {"column.radius", &s->radii}};
+    for (size_t k = 0; k < sizeof owners / sizeof *owners; k++)
+        if (strcmp(f->key, owners[k].key) == 0)
+            return owners[k].owner;
+    return NULL;
 }
 
-void sp_scene_take_history(sp_scene *s, double *history, int32_t count) {
-    sp_free(s->history);
-    s->history = history;
-    s->pack.history = history;
-    s->pack.history_count = count;
-}
-
-void sp_scene_take_masses(sp_scene *s, double *masses, int32_t count) {
-    sp_free(s->masses);
-    s->masses = masses;
-    s->column.mass = masses;
-    s->column.masses = count;
-}
-
-void sp_scene_take_radii(sp_scene *s, double *radii, int32_t count) {
-    sp_free(s->radii);
-    s->radii = radii;
-    s->column.radius = radii;
-    s->column.radii = count;
+void sp_scene_own_list(sp_scene *s, const sp_field *f, double *values, int32_t count) {
+    double **owner = owner_of(s, f);
+    sp_free(*owner);
+    *owner = values;
+    sp_field_set_list(s, f, values, count);
 }
 
 void sp_scene_free(sp_scene *s) {
-    if (s->history)
-        sp_scene_take_history(s, NULL, 0);
-    if (s->masses)
-        sp_scene_take_masses(s, NULL, 0);
-    if (s->radii)
-        sp_scene_take_radii(s, NULL, 0);
+    for (const sp_field *f = sp_fields; f < sp_fields + SP_FIELDS; f++) {
+        double **owner = owner_of(s, f);
+        if (owner && *owner)
+            sp_scene_own_list(s, f, NULL, 0);
+    }
     sp_scene_free_sweeps(s);
-    if (s->diameters)
-        sp_scene_take_diameters(s, NULL, 0);
 }
 
 sp_status sp_scene_check_sweeps(const sp_scene *s, sp_error *err) {
     for (int k = 0; k < s->sweeps; k++)
-        if (s->sweep[k].overridden)
-            return sp_fail(
-                err, SP_EINVAL,
-                "--set %s: the key is swept by study.sweep: must be another key, or be taken out of the sweep%s",
-                s->sweep[k].key,
-                strcmp(s->sweep[k].key, "packing.height") == 0 || strcmp(s->sweep[k].key, "packing.grains") == 0
-                    ? " (packing.grains and packing.height say the same)"
-                    : "");
+        if (s->sweep[k].overridden) {
+            const char *key = s->sweep[k].key;
+            const bool grains = strcmp(key, "packing.height") == 0 || strcmp(key, "packing.grains") == 0;
+            sp_fail_key(err, SP_EINVAL, key,
+                        ": the key is swept by study.sweep: set another key, or take it out of the sweep%s",
+                        grains ? " (packing.grains and packing.height say the same)" : "");
+            return sp_fail_prefix(err, "--set");
+        }
     return SP_OK;
 }
 
@@ -85,7 +77,7 @@ sp_status sp_scene_resolve(sp_scene *s, sp_error *err) {
 sp_status sp_scene_set(sp_scene *s, const char *key, double value, sp_error *err) {
     const sp_field *f = sp_field_find(key);
     if (!f || !sp_field_is_number(f))
-        return sp_fail(err, SP_EINVAL, "key \"%.60s\": must be a numeric key of a scene", key);
+        return sp_fail_key(err, SP_EINVAL, key, ": must be a numeric key of a scene");
     sp_status status = sp_field_store(s, f, &(sp_number){.real = value}, err);
     if (status == SP_OK && strcmp(key, "packing.grains") == 0)
         s->height = 0;

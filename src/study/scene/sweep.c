@@ -36,34 +36,19 @@ static sp_status check_values_differ(const sp_reader *r, const sp_sweep *sweep) 
     char value[64];
     for (int k = 1; k < sweep->count && status == SP_OK; k++)
         if (compare_pieces(&sorted[k - 1], &sorted[k]) == 0)
-            status = sp_fail(r->err, SP_EINVAL, "%s: %s stands there twice: the values of a sweep must differ",
-                             sweep->key, sp_sweep_text(sweep, sorted[k].index, value, sizeof value));
+            status =
+                sp_fail_key(r->err, SP_EINVAL, sweep->key, ": %s stands there twice: the values of a sweep must differ",
+                            sp_sweep_text(sweep, sorted[k].index, value, sizeof value));
     sp_free(sorted);
     return status;
 }
 
 /* ---- lists ------------------------------------------------------------------------------------------------------ */
 
-sp_status sp_read_sweep_number(sp_reader *r, const sp_field *f, const config_setting_t *setting, double *out) {
-    const double most = 0x1p53; /* integers above are no numbers of 53 bits */
-    sp_number number;
-    r->line = config_setting_source_line(setting);
-    if (!sp_reader_number(setting, &number))
-        return sp_reader_wrong(r, f, setting);
-    sp_status status = sp_field_check(f, &number, r->err);
-    if (status != SP_OK)
-        return status;
-    if (f->type == SP_FIELD_INT64 && (number.integral ? number.integer > (int64_t)most : number.real > most))
-        return sp_fail(r->err, SP_EINVAL, "%s.%s = %.17g: must be %.0f at the most where it is swept", f->group,
-                       f->name, number.real, most);
-    *out = number.real + 0.0;
-    return SP_OK;
-}
-
 /* A value of a key that is no list. */
 static sp_status read_value(sp_reader *r, const sp_field *f, const config_setting_t *setting, double *out) {
     if (sp_field_is_number(f))
-        return sp_read_sweep_number(r, f, setting, out);
+        return sp_reader_swept_number(r, f, setting, out);
     r->line = config_setting_source_line(setting);
     if (f->type == SP_FIELD_BOOL && config_setting_type(setting) == CONFIG_TYPE_BOOL) {
         *out = config_setting_get_bool(setting) ? 1 : 0;
@@ -72,9 +57,9 @@ static sp_status read_value(sp_reader *r, const sp_field *f, const config_settin
     const sp_word *word = f->type == SP_FIELD_WORD ? sp_reader_word(f, setting) : NULL;
     if (!word)
         return sp_reader_wrong(r, f, setting);
-    if (strcmp(f->name, "kind") == 0 && word->value == SP_PACK_FILE)
-        return sp_fail(r->err, SP_EINVAL,
-                       "packing.kind = \"file\": must not be swept: all samples of a study begin with one packing");
+    if (strcmp(f->key, "packing.kind") == 0 && word->value == SP_PACK_FILE)
+        return sp_fail_key(r->err, SP_EINVAL, "packing.kind",
+                           " = \"file\": must not be swept: all samples of a study begin with one packing");
     *out = word->value;
     return SP_OK;
 }
@@ -116,18 +101,18 @@ static sp_status read_lists(sp_reader *r, const sp_field *f, const config_settin
 static sp_status read_values(sp_reader *r, const sp_field *f, const config_setting_t *values, sp_sweep *sweep) {
     const unsigned line = r->line;
     sp_status status;
-    snprintf(sweep->key, sizeof sweep->key, "%s.%s", f->group, f->name);
+    snprintf(sweep->key, sizeof sweep->key, "%s", f->key);
     if (config_setting_is_group(values)) {
         status = sp_read_range(r, f, values, sweep);
     } else {
         sweep->count = config_setting_is_list(values) ? config_setting_length(values) : 0;
         if (sweep->count < 1)
-            return sp_fail(r->err, SP_EINVAL, "%s: what is swept must be a list of values, such as %s", sweep->key,
-                           f->type == SP_FIELD_REALS  ? "([1e-4], [1e-3, 1e-4])"
-                           : f->type == SP_FIELD_WORD ? "[\"...\", \"...\"]"
-                           : f->type == SP_FIELD_BOOL
-                               ? "[false, true]"
-                               : "[1e-7, 1e-4], or a range { from = 1e-7; to = 1e-4; count = 4; }");
+            return sp_fail_key(r->err, SP_EINVAL, sweep->key, ": what is swept must be a list of values, such as %s",
+                               f->type == SP_FIELD_REALS  ? "([1e-4], [1e-3, 1e-4])"
+                               : f->type == SP_FIELD_WORD ? "[\"...\", \"...\"]"
+                               : f->type == SP_FIELD_BOOL
+                                   ? "[false, true]"
+                                   : "[1e-7, 1e-4], or a range { from = 1e-7; to = 1e-4; count = 4; }");
         status = f->type == SP_FIELD_REALS ? read_lists(r, f, values, sweep) : read_scalars(r, f, values, sweep);
     }
     if (status != SP_OK)
@@ -142,18 +127,18 @@ static sp_status read_values(sp_reader *r, const sp_field *f, const config_setti
 static sp_status find_key(const sp_reader *r, const char *key, const sp_field **out) {
     const sp_field *f = sp_field_find(key);
     if (f && sp_field_not_swept(f))
-        return sp_fail(r->err, SP_EINVAL, "study.sweep: key \"%.60s\" cannot be swept: %s", key, sp_field_not_swept(f));
+        return sp_fail_key(r->err, SP_EINVAL, "study.sweep", ": key \"%.60s\" cannot be swept: %s", key,
+                           sp_field_not_swept(f));
     if (!f) {
         const char *dot = strchr(key, '.');
         char group[64];
         snprintf(group, sizeof group, "%.*s", dot ? (int)(dot - key < 60 ? dot - key : 60) : 7, dot ? key : "packing");
         const sp_field *near = sp_field_nearest(group, dot ? dot + 1 : key);
         const bool hint = near && !sp_field_not_swept(near);
-        return sp_fail(r->err, SP_EINVAL,
-                       "study.sweep: key \"%.60s\" is unknown: must be a key of packing or network, or "
-                       "signal.source%s%s%s%s%s",
-                       key, hint ? " (did you mean " : "", hint ? near->group : "", hint ? "." : "",
-                       hint ? near->name : "", hint ? "?)" : "");
+        return sp_fail_key(r->err, SP_EINVAL, "study.sweep",
+                           ": key \"%.60s\" is unknown: must be a key of packing or network, or "
+                           "signal.source%s%s%s",
+                           key, hint ? " (did you mean " : "", hint ? near->key : "", hint ? "?)" : "");
     }
     *out = f;
     return SP_OK;
@@ -170,19 +155,19 @@ static sp_status read_sweep(sp_reader *r, const config_setting_t *one, sp_sweep 
         range = config_setting_get_member(one, "from") || config_setting_get_member(one, "to");
     }
     if (!key || (!values && !range) || (values && config_setting_length(one) != 2))
-        return sp_fail(r->err, SP_EINVAL,
-                       "study.sweep: each entry must be { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, or { "
-                       "key = \"packing.pressure\"; from = 1e-7; to = 1e-4; count = 4; spacing = \"log\"; }");
+        return sp_fail_key(r->err, SP_EINVAL, "study.sweep",
+                           ": each entry must be { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, or { "
+                           "key = \"packing.pressure\"; from = 1e-7; to = 1e-4; count = 4; spacing = \"log\"; }");
     const sp_field *f = NULL;
     sp_status status = find_key(r, key, &f);
     if (status != SP_OK)
         return status;
     for (const sp_sweep *other = r->scene.sweep; other < sweep; other++)
         if (strcmp(other->key, key) == 0)
-            return sp_fail(r->err, SP_EINVAL, "study.sweep: key \"%s\" is swept twice", key);
+            return sp_fail_key(r->err, SP_EINVAL, "study.sweep", ": key \"%s\" is swept twice", key);
     if (values && config_setting_is_group(values))
-        return sp_fail(r->err, SP_EINVAL, "study.sweep of %s: values must be a list, a range has its place beside key",
-                       key);
+        return sp_fail_key(r->err, SP_EINVAL, "study.sweep",
+                           " of %s: values must be a list, a range has its place beside key", key);
     return read_values(r, f, values ? values : one, sweep);
 }
 
@@ -192,7 +177,7 @@ sp_status sp_read_sweeps(sp_reader *r, const sp_field *f, const config_setting_t
         return sp_reader_wrong(r, f, setting);
     const int count = config_setting_length(setting);
     if (count > SP_SWEEPS_MAX)
-        return sp_fail(r->err, SP_EINVAL, "study.sweep: %d keys: must be %d at the most", count, SP_SWEEPS_MAX);
+        return sp_fail_key(r->err, SP_EINVAL, "study.sweep", ": %d keys: must be %d at the most", count, SP_SWEEPS_MAX);
     for (int k = 0; k < count; k++) {
         r->scene.sweeps = k + 1;
         sp_status status = read_sweep(r, config_setting_get_elem(setting, (unsigned)k), &r->scene.sweep[k]);
@@ -214,13 +199,13 @@ static int find_direct(const sp_reader *r, const sp_field *f) {
 sp_status sp_read_direct(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
     const char *reason = sp_field_not_swept(f);
     if (reason)
-        return sp_fail(r->err, SP_EINVAL, "%s.%s cannot be swept: %s: must be one value", f->group, f->name, reason);
+        return sp_fail_key(r->err, SP_EINVAL, f->key, " cannot be swept: %s: must be one value", reason);
     sp_sweep sweep = {0};
     int place = find_direct(r, f);
     sp_status status = read_values(r, f, setting, &sweep);
     if (status == SP_OK && place < 0 && r->directs == SP_SWEEPS_MAX)
-        status =
-            sp_fail(r->err, SP_EINVAL, "%s: one swept key too many: must be %d at the most", sweep.key, SP_SWEEPS_MAX);
+        status = sp_fail_key(r->err, SP_EINVAL, sweep.key, ": one swept key too many: must be %d at the most",
+                             SP_SWEEPS_MAX);
     if (status == SP_OK)
         status = sp_sweep_store(&r->scene, f, &sweep, 0, r->err);
     if (status != SP_OK) {
@@ -252,11 +237,11 @@ sp_status sp_join_sweeps(sp_reader *r, int *listed) {
     for (int k = 0; k < r->directs; k++)
         for (int i = 0; i < *listed; i++)
             if (strcmp(s->sweep[i].key, r->direct[k].key) == 0)
-                return sp_fail(r->err, SP_EINVAL, "%s: is swept here and by study.sweep: must be swept in one place",
-                               r->direct[k].key);
+                return sp_fail_key(r->err, SP_EINVAL, r->direct[k].key,
+                                   ": is swept here and by study.sweep: must be swept in one place");
     if (s->sweeps + r->directs > SP_SWEEPS_MAX)
-        return sp_fail(r->err, SP_EINVAL, "%s: one of %d swept keys: must be %d at the most", r->direct[0].key,
-                       s->sweeps + r->directs, SP_SWEEPS_MAX);
+        return sp_fail_key(r->err, SP_EINVAL, r->direct[0].key, ": one of %d swept keys: must be %d at the most",
+                           s->sweeps + r->directs, SP_SWEEPS_MAX);
     for (int k = 0; k < r->directs; k++) {
         s->sweep[s->sweeps++] = r->direct[k];
         r->direct[k] = (sp_sweep){0};

@@ -102,6 +102,8 @@ static void put_name(writer *w, const char *name) {
 
 static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
     const char *place = (const char *)s + f->offset;
+    const double *values;
+    int32_t count;
     char value[32];
     unsigned bits;
     switch (f->type) {
@@ -121,16 +123,8 @@ static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
         break;
     case SP_FIELD_SWEEP: put_sweeps(w, s); break;
     case SP_FIELD_REALS:
-        if (sp_field_is_history(f))
-            put_reals(w, s->pack.history, s->pack.history_count);
-        else if (sp_field_is_planes(f))
-            put_reals(w, s->plane, s->planes);
-        else if (sp_field_is_masses(f))
-            put_reals(w, s->column.mass, s->column.masses);
-        else if (sp_field_is_radii(f))
-            put_reals(w, s->column.radius, s->column.radii);
-        else
-            put_reals(w, s->pack.diameters, s->pack.diameter_count);
+        values = sp_field_list(s, f, &count);
+        put_reals(w, values, count);
         break;
     case SP_FIELD_PATH: put_name(w, place); break;
     case SP_FIELD_FILE: put(w, "\"\""); break; /* its numbers stand in the list */
@@ -140,30 +134,29 @@ static void put_value(writer *w, const sp_scene *s, const sp_field *f) {
 /* Of grains and height the one that decides: a scene says the same, whichever it was given by, once it is resolved. Of
  * a whole scene the dimension that is each kind's own. */
 static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
-    if (strcmp(f->name, "dimension") == 0 && !group && !s->dimension_given)
+    if (strcmp(f->key, "packing.dimension") == 0 && !group && !s->dimension_given)
         for (int k = 0; k < s->sweeps; k++)
             if (strcmp(s->sweep[k].key, "packing.kind") == 0)
                 return true;
-    return (strcmp(f->name, "height") == 0 && !(s->height > 0)) || (strcmp(f->name, "grains") == 0 && s->height > 0);
+    return (strcmp(f->key, "packing.height") == 0 && !(s->height > 0)) ||
+           (strcmp(f->key, "packing.grains") == 0 && s->height > 0);
 }
 
 char *sp_scene_text(const sp_scene *s, const char *group) {
     writer w = {0};
-    const char *open = NULL; /* the group under way */
-    for (int k = 0; k < SP_FIELDS; k++) {
-        const sp_field *f = &sp_fields[k];
-        if (group ? strcmp(group, f->group) != 0 : sp_field_is_column(f))
+    for (int g = 0; g < SP_GROUPS; g++) {
+        if (group ? strcmp(group, sp_groups[g]) != 0 : strcmp(sp_groups[g], "column") == 0)
             continue;
-        if (left_out(s, f, group))
-            continue;
-        if (!open || strcmp(open, f->group) != 0)
-            put(&w, "%s%s = {\n", open ? "};\n" : "", f->group);
-        open = f->group;
-        put(&w, "  %s = ", f->name);
-        put_value(&w, s, f);
-        put(&w, ";\n");
+        put(&w, "%s = {\n", sp_groups[g]);
+        for (const sp_field *f = sp_fields; f < sp_fields + SP_FIELDS; f++) {
+            if (!sp_field_in_group(f, sp_groups[g]) || left_out(s, f, group))
+                continue;
+            put(&w, "  %s = ", sp_field_name(f));
+            put_value(&w, s, f);
+            put(&w, ";\n");
+        }
+        put(&w, "};\n");
     }
-    put(&w, "%s", open ? "};\n" : "");
     return finish(&w);
 }
 
@@ -196,7 +189,7 @@ char *sp_scene_help(void) {
     for (int k = 0; k < SP_FIELDS; k++) {
         const sp_field *f = &sp_fields[k];
         char right[200];
-        put(&w, "\n%s.%s = ", f->group, f->name);
+        put(&w, "\n%s = ", f->key);
         put_value(&w, &s, f);
         put(&w, "\n    %s\n", f->meaning);
         if (f->type != SP_FIELD_SWEEP)

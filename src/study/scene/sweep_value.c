@@ -1,4 +1,4 @@
-/* Values of sweeps, and what they make of a scene. */
+/* Puts the values of a sweep into a scene, and writes them as text. */
 #include "base/base.h"
 #include "scene/field.h"
 
@@ -13,7 +13,7 @@ void sp_sweep_free(sp_sweep *sweep) {
 
 static sp_status store_list(sp_scene *s, const sp_field *f, const sp_sweep *sweep, int k, sp_error *err) {
     if (!sweep->begin)
-        return sp_fail(err, SP_EINVAL, "%s.%s: a sweep of it must be one of lists", f->group, f->name);
+        return sp_fail_key(err, SP_EINVAL, f->key, ": a sweep of it must be one of lists");
     const int32_t count = sweep->begin[k + 1] - sweep->begin[k];
     const double *list = count > 0 ? sweep->values + sweep->begin[k] : NULL;
     for (int32_t i = 0; i < count; i++) {
@@ -21,13 +21,7 @@ static sp_status store_list(sp_scene *s, const sp_field *f, const sp_sweep *swee
         if (status != SP_OK)
             return status;
     }
-    if (sp_field_is_history(f)) {
-        s->pack.history = list;
-        s->pack.history_count = count;
-    } else {
-        s->pack.diameters = list;
-        s->pack.diameter_count = count;
-    }
+    sp_field_set_list(s, f, list, count);
     return SP_OK;
 }
 
@@ -54,12 +48,12 @@ sp_status sp_sweep_store(sp_scene *s, const sp_field *f, const sp_sweep *sweep, 
         *(bool *)place = value != 0;
         return SP_OK;
     }
-    return sp_fail(err, SP_EINVAL, "%s.%s = (value %d of its sweep): must be %s", f->group, f->name, k + 1,
-                   sp_field_right(f, right, sizeof right));
+    return sp_fail_key(err, SP_EINVAL, f->key, " = (value %d of its sweep): must be %s", k + 1,
+                       sp_field_right(f, right, sizeof right));
 }
 
-/* A chain has one dimension, the others two, where the scene does not say. */
-static void take_dimension(sp_scene *s) {
+/* Unless the scene gives the dimension, a chain has one and every other packing two. */
+static void set_dimension(sp_scene *s) {
     if (s->dimension_given)
         return;
     if (s->pack.kind == SP_PACK_CHAIN)
@@ -68,22 +62,22 @@ static void take_dimension(sp_scene *s) {
         s->pack.dim = sp_pack_spec_default().dim;
 }
 
-sp_status sp_scene_take(sp_scene *s, const sp_sweep *sweep, int k, sp_error *err) {
+sp_status sp_scene_set_swept(sp_scene *s, const sp_sweep *sweep, int k, sp_error *err) {
     const sp_field *f = sp_field_find(sweep->key);
     const char *reason = f ? sp_field_not_swept(f) : "there is no such key";
     if (reason)
-        return sp_fail(err, SP_EINVAL, "study.sweep: key \"%.60s\" cannot be swept: %s", sweep->key, reason);
+        return sp_fail_key(err, SP_EINVAL, "study.sweep", ": key \"%.60s\" cannot be swept: %s", sweep->key, reason);
     if (k < 0 || k >= sweep->count)
-        return sp_fail(err, SP_EINVAL, "study.sweep of %s: value %d of %d", sweep->key, k + 1, sweep->count);
+        return sp_fail_key(err, SP_EINVAL, "study.sweep", " of %s: value %d of %d", sweep->key, k + 1, sweep->count);
     sp_status status = sp_sweep_store(s, f, sweep, k, err);
-    if (status == SP_OK && strcmp(f->name, "grains") == 0)
+    if (status == SP_OK && strcmp(f->key, "packing.grains") == 0)
         s->height = 0;
-    if (status == SP_OK && strcmp(f->name, "kind") == 0)
-        take_dimension(s);
+    if (status == SP_OK && strcmp(f->key, "packing.kind") == 0)
+        set_dimension(s);
     return status;
 }
 
-/* Appends text as far as there is room. */
+/* Appends as much of the text as fits. */
 static void append(char *buf, size_t size, const char *text) {
     const size_t used = strlen(buf);
     snprintf(buf + used, size - used, "%s", text);
