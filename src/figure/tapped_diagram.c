@@ -48,8 +48,8 @@ typedef struct diagram {
 
 /* Refuses two tables with different parameters. */
 static sp_status check_common(const diagram *d, sp_error *err) {
-    const char *one = d->bifurcation ? sp_table_comment_value(d->bifurcation->table, "parameter") : NULL;
-    const char *two = d->lyapunov ? sp_table_comment_value(d->lyapunov->table, "parameter") : NULL;
+    const char *one = d->bifurcation ? sp_table_get_text(d->bifurcation->table, "parameter") : NULL;
+    const char *two = d->lyapunov ? sp_table_get_text(d->lyapunov->table, "parameter") : NULL;
     if (one && two && strcmp(one, two) != 0)
         return sp_fail(err, SP_EINVAL, "a bifurcation over the %.40s, but exponents over the %.40s: must be the same",
                        one, two);

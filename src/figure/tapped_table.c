@@ -116,7 +116,7 @@ sp_status sp_tapped_table_abscissa(const tapped_table *s, double *to, sp_error *
 }
 
 double sp_tapped_table_setting(const tapped_table *s, const char *key) {
-    const char *text = sp_table_comment_value(s->table, key);
+    const char *text = sp_table_get_text(s->table, key);
     char *end = NULL;
     const double value = text ? strtod(text, &end) : NAN;
     return end != text && value > 0 && isfinite(value) ? value : NAN;
@@ -150,7 +150,7 @@ const char *sp_tapped_violation_note(const tapped_table *s, char out[TAPPED_LABE
 const char *sp_tapped_parameter_label(const tapped_table *s, char out[TAPPED_LABEL]) {
     static const char *const known[][2] = {
         {"amplitude", "|a|"}, {"period", "|T|"}, {"frequency", "|f|"}, {"restitution", "|e|"}, {"e", "|e|"}};
-    const char *text = sp_table_comment_value(s->table, "parameter");
+    const char *text = sp_table_get_text(s->table, "parameter");
     char name[100];
     sp_figure_text_escape(name, sizeof name, text ? text : "parameter", 30);
     for (size_t k = 0; text && k < sizeof known / sizeof *known; k++)
