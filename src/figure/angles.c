@@ -39,7 +39,7 @@ static int64_t merge_of(const sp_table *t) {
     sp_table_get_number(t, "contacts", &contacts);
     while (merged < 3 && contacts / (double)t->rows * (double)merged < enough)
         merged++;
-    while (t->rows % merged != 0 || t->rows / merged < 4)
+    while (merged > 1 && (t->rows % merged != 0 || t->rows / merged < 4))
         merged--;
     return merged;
 }
@@ -240,9 +240,10 @@ sp_status sp_plot_contact_values(const sp_table *values, const char *path, sp_er
     if (status != SP_OK)
         return status;
     const size_t n = (size_t)values->rows + 1;
-    double *memory = sp_alloc(3 * n, sizeof *memory), *x = memory, *y[2] = {x + n, x + 2 * n};
+    double *memory = sp_alloc(3 * n, sizeof *memory);
     if (!memory)
         return sp_fail_memory(err, 3 * n * sizeof *memory);
+    double *x = memory, *y[2] = {x + n, x + 2 * n};
     edges(values, column[0], x);
     for (int q = 0; q < 2; q++)
         for (int64_t k = 0; k <= values->rows; k++)

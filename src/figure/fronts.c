@@ -234,12 +234,13 @@ static void distances(const front_groups *g, char label[AXIS_ROOM], sp_axis *x) 
 static sp_status draw_exponents(const front_groups *g, const char *path, sp_error *err) {
     const bool peaks = g->n <= 2 && has(g, Q_BETWEEN, Q_ALPHA_PEAK);
     const size_t n = (size_t)g->n;
-    sp_curve *curve = sp_alloc(5 * n, sizeof *curve), *upper = curve, *lower = curve + n, *sizes = curve + 3 * n;
+    sp_curve *curve = sp_alloc(5 * n, sizeof *curve);
     sp_axis x;
     char label[AXIS_ROOM];
     int lowers = 0;
     if (!curve)
         return sp_fail_memory(err, 5 * n * sizeof *curve);
+    sp_curve *upper = curve, *lower = curve + n, *sizes = curve + 3 * n;
     distances(g, label, &x);
     for (int k = 0; k < g->n; k++) {
         upper[k] = group_curve(g, k, Q_BETWEEN, Q_GAMMA, true);
