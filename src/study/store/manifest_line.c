@@ -202,7 +202,7 @@ static bool get_line(char *line, sp_manifest_line *l) {
     sp_result result[SP_RESULTS_MAX];
     const int results = sp_results(result);
     char *rest = line;
-    l->sample = sp_sample_kept();
+    l->sample = sp_sample_blank();
     if (!get_file(&rest, l))
         return false;
     for (int k = 0; k < results; k++) {

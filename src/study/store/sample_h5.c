@@ -426,7 +426,7 @@ static sp_status check_sample(sp_h5 *h, const sp_sample *s, sp_error *err) {
     return SP_OK;
 }
 
-sp_sample sp_sample_kept(void) {
+sp_sample sp_sample_blank(void) {
     sp_sample s = {.moduli = {.error11 = NAN,
                               .error12 = NAN,
                               .error13 = NAN,
@@ -461,7 +461,7 @@ int sp_results(sp_result out[SP_RESULTS_MAX]) {
 }
 
 sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out, sp_error *err) {
-    sp_record r = {.sample = sp_sample_kept()};
+    sp_record r = {.sample = sp_sample_blank()};
     if (!sp_h5_has(h, "/results/sample"))
         return sp_h5_fail(h, err, SP_EFORMAT, "no group /results/sample: not a sample of a store");
     sp_status status = get_name(h, r.sample.name, err);

@@ -20,7 +20,7 @@ sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err);
 sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out, sp_error *err);
 
 /* A sample before anything was read into it: what is not kept is no number. */
-sp_sample sp_sample_kept(void);
+sp_sample sp_sample_blank(void);
 
 /* The numbers that a sample consists of, beside its signal and its planes, for what keeps them elsewhere. */
 typedef struct sp_result {

@@ -1,9 +1,8 @@
-/* What a store knows of its files: from the manifest where it speaks of them as they are, and else from themselves. */
+/* Looks up samples: in the manifest where it is up to date, and in their files otherwise. */
 #include "base/base.h"
 #include "store/failure.h"
 #include "store/folder.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -67,14 +66,9 @@ sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *ou
     return status;
 }
 
-sp_status sp_store_trusted(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
+bool sp_store_recall(const sp_store *store, const char *name, bool failed, sp_sample *out) {
     place file;
-    if (!find_file(store, name, "h5", &file))
-        return sp_fail(err, SP_EIO, "no finished sample %s in the store %s", name, store->dir);
-    if (recall(store, name, false, &file, out))
-        return SP_OK;
-    sp_status status = sp_store_check_sample(store, name, INFINITY, err);
-    return status == SP_OK ? sp_store_sample(store, name, out, err) : status;
+    return find_file(store, name, failed ? "failed" : "h5", &file) && recall(store, name, failed, &file, out);
 }
 
 bool sp_store_has_failed(const sp_store *store, const char *name) {
