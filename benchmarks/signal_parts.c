@@ -6,7 +6,7 @@
  * rate of that; the rates of copying and of a triad over arrays too large for caches, by as many threads, written bytes
  * counted twice as they are fetched first. */
 #include "base/base.h"
-#include "base/team.h"
+#include "base/pool.h"
 #include "signal/recurrence.h"
 
 #include <math.h>
@@ -39,12 +39,12 @@ static void stream_part(void *data, int part, int parts) {
 }
 
 /* Bytes a second. */
-static double stream_rate(sp_team *team, stream *s, bool triad) {
+static double stream_rate(sp_pool *pool, stream *s, bool triad) {
     double least = HUGE_VAL;
     s->triad = triad;
     for (int run = 0; run < 7; run++) {
         const double start = seconds();
-        sp_team_run(team, stream_part, s);
+        sp_pool_run(pool, stream_part, s);
         least = fmin(least, seconds() - start);
     }
     return (triad ? 4.0 : 3.0) * sizeof(double) * STREAM / least;
@@ -104,7 +104,7 @@ int main(int argc, char **argv) {
     sp_network net = sp_network_none();
     sp_operator op = {0};
     recurrence r = {0};
-    sp_team *team = NULL;
+    sp_pool *pool = NULL;
     if (argc != 4)
         return fprintf(stderr, "signal_parts PACKING THREADS UNTIL\n"), 2;
     const int threads = atoi(argv[2]);
@@ -126,7 +126,7 @@ int main(int argc, char **argv) {
     if (status == SP_OK)
         status = sp_recurrence_make(&op, net.mass, net.omega_bound, threads, &r, &err);
     if (status == SP_OK)
-        status = sp_team_make(threads, &team, &err);
+        status = sp_pool_make(threads, &pool, &err);
     if (status != SP_OK || !s.a || !s.b || !s.c)
         return fprintf(stderr, "signal_parts: %s\n", err.text), 1;
     wake_all(&op, &r);
@@ -134,9 +134,9 @@ int main(int argc, char **argv) {
     sp_recurrence_free(&r);
     const double signal = until > 0 ? signal_seconds(&net, threads, until, &err) : 0;
     printf("%d\t%d\t%.4g\t%.4g\t%.4g\t%.4g\t%.3g\t%.3g\t%.3g\n", (int)net.n, threads, 1e3 * network, 1e3 * signal,
-           1e3 * product, 1e-6 * bytes, 1e-9 * bytes / product, 1e-9 * stream_rate(team, &s, false),
-           1e-9 * stream_rate(team, &s, true));
-    sp_team_free(team);
+           1e3 * product, 1e-6 * bytes, 1e-9 * bytes / product, 1e-9 * stream_rate(pool, &s, false),
+           1e-9 * stream_rate(pool, &s, true));
+    sp_pool_free(pool);
     sp_operator_free(&op);
     sp_network_free(&net);
     sp_free(s.a);

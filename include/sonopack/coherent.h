@@ -1,7 +1,8 @@
 #ifndef SONOPACK_COHERENT_H
 #define SONOPACK_COHERENT_H
-/* The coherent wave in a record section: signals at planes one above the other, of a simulation or a laboratory. Its
- * phase speed and its attenuation against frequency say how a front broadens, decays and slows down on its way. */
+/* The coherent wave in a record section, which is a set of signals at planes one above the other, from a simulation or
+ * a laboratory. Its phase speed and attenuation as functions of frequency explain how a front broadens, decays and
+ * slows down on its way. */
 
 #include <sonopack/network.h>
 
@@ -9,53 +10,53 @@
 extern "C" {
 #endif
 
-/* Signals at planes. `until` ends each of them before the echo of the far wall comes; `arrival` is about when the front
- * does. */
-typedef struct sp_section {
+/* A record section. The record of each plane ends at `until`, before the echo from the far wall; `arrival` is the
+ * approximate arrival of the front. */
+typedef struct sp_coherent_section {
     int32_t planes;
     int32_t n;
-    double spacing;  /* of the times 0, spacing, 2 spacing, ... [d/sqrt(E* / rho)] */
+    double spacing;  /* times are 0, spacing, 2 spacing, ... [d/sqrt(E* / rho)] */
     double *y;       /* [planes] heights, ascending [d] */
     double *arrival; /* [planes] */
-    double *until;   /* [planes] last time that counts, above the arrival */
+    double *until;   /* [planes] last time used, above the arrival */
     double *f;       /* [planes][n] */
-    double highest;  /* no wave has a higher frequency: the network's largest, up to 1e-3; 0: not known */
-} sp_section;
-SP_API sp_section sp_section_none(void);
-SP_API void sp_section_free(sp_section *s);
+    double highest;  /* no wave has a higher frequency: the largest of the network, within 1e-3; 0: unknown */
+} sp_coherent_section;
+SP_API sp_coherent_section sp_coherent_section_none(void);
+SP_API void sp_coherent_section_free(sp_coherent_section *s);
 
-typedef struct sp_section_options {
+typedef struct sp_coherent_section_options {
     sp_source source;
-    double spacing; /* of the planes [d]; 1 */
-    double low;     /* the first plane above the bottom wall [d]; 4: farther than the springs of the wall are felt */
-    double part;    /* planes up to this part of the height; 0.6: above it the echo soon follows */
-} sp_section_options;
-SP_API sp_section_options sp_section_options_default(void);
+    double spacing; /* distance between planes [d]; 1 */
+    double low;     /* height of the first plane [d]; 4, beyond the influence of the wall's springs */
+    double part;    /* the last plane is at this fraction of the height; 0.6, above which the echo arrives soon */
+} sp_coherent_section_options;
+SP_API sp_coherent_section_options sp_coherent_section_options_default(void);
 /* The momentum flux through planes of a packing after a pulse at its bottom wall. The flux is the same for all planes
- * between two layers of grains: `y` is where it is carried (sp_network_plane_height), and a plane with the y of the one
- * below is left out. A plane's time ends when the echo of
- * the front comes down to it: t10 at the top wall, and as long again as from the plane to the top. SP_EREFUSED for a
- * box with fewer than 8 planes, or without a front. */
-SP_API sp_status sp_section_make(const sp_network *net, const sp_section_options *opt, sp_section *out, sp_error *err);
+ * between two layers of grains. y is the height at which it is carried (sp_network_plane_height); planes with equal y
+ * count once. The record of a plane ends when the echo of the front arrives: t10 at the top wall, plus the time from
+ * the top back to the plane. SP_EREFUSED for a box with fewer than 8 planes, and if there is no front. */
+SP_API sp_status sp_coherent_section_make(const sp_network *net, const sp_coherent_section_options *opt,
+                                          sp_coherent_section *out, sp_error *err);
 
-/* A e^(i k y - alpha y) at one frequency. */
-typedef struct sp_coherent {
+/* The wave A exp(i k y - alpha y) at one frequency. */
+typedef struct sp_coherent_wave {
     double omega;
     double k;     /* wave number [1/d] */
-    double alpha; /* attenuation of the amplitude [1/d], by scattering where nothing is damped */
-    double part;  /* of the planes' squared spectra, weighted as they are, that the wave accounts for, 0 .. 1 */
+    double alpha; /* attenuation of the amplitude [1/d]; without damping it is due to scattering */
+    double part;  /* fraction of the weighted squared spectra of the planes that the wave explains, 0 .. 1 */
     double k_shift,
-        alpha_shift; /* by how much k and alpha change if only half the time after the wave's coming counts */
-} sp_coherent;
-/* Least squares over the planes' Fourier integrals, by which the planes near the source, where the wave stands out of
- * what is scattered, count most. The integrals end, smoothly, four periods after the front: later comes what was
- * scattered. Where the whole record leaves less than half as much unexplained, as in an ordered system whose slow waves
- * come late, it is taken. Planes whose record ends within half a period of the wave's coming do not count. Planes D
- * apart tell wave numbers below pi/D. k, alpha and the shifts are NAN where the section does not tell them: above its
- * highest frequency, with fewer than 4 planes that count, with alpha at an end of its range, -1/range .. 1/D, k at the
- * end of its, or alpha above k, which is no wave. omega > 0, below the half of what the spacing of the times can carry.
- * SP_EINVAL. */
-SP_API sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, sp_error *err);
+        alpha_shift; /* changes of k and alpha if only half the time after the arrival of the wave is used */
+} sp_coherent_wave;
+/* Least-squares fit of the wave to the Fourier integrals of all planes. Planes near the source have most weight,
+ * because the coherent wave dominates there. The integrals end smoothly four periods after the front, since what
+ * follows is mostly scattered. The whole record is used instead if it leaves less than half as much unexplained, as in
+ * an ordered system whose slow waves arrive late. A plane is left out if its record ends within half a period of the
+ * arrival of the wave. Planes at a distance D resolve wave numbers below pi/D. k, alpha and their shifts are NAN above
+ * the highest frequency of the section, with fewer than 4 planes, if k or alpha is at the end of its range (alpha:
+ * -1/range .. 1/D), and if alpha > k. SP_EINVAL unless omega is positive and below half the Nyquist frequency of the
+ * times. */
+SP_API sp_status sp_coherent_fit(const sp_coherent_section *s, double omega, sp_coherent_wave *out, sp_error *err);
 
 #ifdef __cplusplus
 }

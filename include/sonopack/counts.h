@@ -1,7 +1,7 @@
 #ifndef SONOPACK_COUNTS_H
 #define SONOPACK_COUNTS_H
-/* Histograms of the contacts of packings: directions (Fig. 2 of Somfai et al. 2005), normal forces and stiffnesses
- * (Fig. 1(c)). Packings are added one at a time, so that thousands of them need no memory. */
+/* Histograms of contacts: directions (Fig. 2 of Somfai et al. 2005), normal forces and stiffnesses (Fig. 1(c)).
+ * Packings are added one at a time and need not be kept. */
 
 #include <sonopack/packing.h>
 #include <sonopack/table.h>
@@ -12,36 +12,38 @@ extern "C" {
 
 enum { SP_ANGLE_BINS = 36, SP_VALUE_BINS = 100 };
 
-/* Density of one quantity: of each packing its own, with the integral 1; sums of it and of its square over packings. */
+/* Histogram of one quantity. Each packing contributes a density with integral 1; sums of the densities and of their
+ * squares are kept. */
 typedef struct sp_angle_counts {
-    int64_t packings; /* that have such contacts */
+    int64_t packings; /* number of packings with such contacts */
     double contacts;
     double sum[SP_ANGLE_BINS], squares[SP_ANGLE_BINS];
 } sp_angle_counts;
 typedef struct sp_value_counts {
     double sum[SP_VALUE_BINS], squares[SP_VALUE_BINS];
-    double beyond; /* part of the contacts beyond the last bin, summed over packings */
+    double beyond; /* fraction of contacts beyond the last bin, summed over packings */
 } sp_value_counts;
 
 typedef struct sp_contact_counts {
-    int dim; /* of the packings; 0: none yet */
+    int dim; /* dimension of the packings; 0: none added yet */
     int64_t packings;
     double contacts;
     sp_angle_counts all, strong,
-        weak; /* bins around 0, 5, ... degrees from the x axis, n and -n being the same; 1: isotropic */
-    sp_value_counts force, stiffness; /* bins of 0.1 of the value over its mean in its own packing */
+        weak; /* bins around 0, 5, ... degrees from the x axis; n and -n are equivalent; isotropic: 1 */
+    sp_value_counts force, stiffness; /* bins of width 0.1 of the value over its mean in the same packing */
 } sp_contact_counts;
 SP_API sp_contact_counts sp_contact_counts_none(void);
 
-/* Adds the contacts between grains that carry (threshold as in sp_packing_rattlers) and whose points lie at least
- * `margin` from both walls. Strong: the normal force is above the mean of these contacts, weak: it is not. SP_EREFUSED
- * for a packing without such contacts, SP_EINVAL for one of another dimension than those before. */
+/* Adds the force-carrying contacts between grains (threshold as in sp_packing_rattlers) at a distance of at least
+ * `margin` [d] from both walls. Strong contacts have a normal force above the mean of these contacts; the others are
+ * weak. SP_EREFUSED if there are no such contacts, SP_EINVAL if the dimension differs from that of earlier packings. */
 SP_API sp_status sp_contact_counts_add(sp_contact_counts *c, const sp_packing *p, double threshold, double margin,
                                        sp_error *err);
 
-/* Means over packings with their standard errors (nan for one packing). Columns: angle [degrees] all all_err strong
- * strong_err weak weak_err, of packings in two dimensions (SP_EREFUSED for others); x forces forces_err stiffnesses
- * stiffnesses_err, at the middle of the bins, up to the last that is not empty. SP_EREFUSED without a packing. */
+/* Tables of the means over packings with standard errors (nan for one packing). Angles, in two dimensions only: angle
+ * [degrees] all all_err strong strong_err weak weak_err. Values: x forces forces_err stiffnesses stiffnesses_err, where
+ * x is the centre of a bin, up to the last nonempty one. SP_EREFUSED without packings, or for angles in other
+ * dimensions. */
 SP_API sp_status sp_contact_angles_table(const sp_contact_counts *c, sp_table *out, sp_error *err);
 SP_API sp_status sp_contact_values_table(const sp_contact_counts *c, sp_table *out, sp_error *err);
 

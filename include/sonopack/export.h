@@ -1,6 +1,6 @@
 #ifndef SONOPACK_EXPORT_H
 #define SONOPACK_EXPORT_H
-/* What a shared library shows. All other symbols are hidden. */
+/* Symbol visibility. Everything else in a shared library is hidden. */
 
 #if defined(__GNUC__)
 #define SP_API __attribute__((visibility("default")))
@@ -8,8 +8,8 @@
 #define SP_API
 #endif
 
-/* What the libraries of this project share among themselves: shown by the linker, but in no installed header, and no
- * part of the interface. */
+/* Symbols that the libraries of this project share with each other. They are visible to the linker but not declared in
+ * installed headers, and are not part of the interface. */
 #define SP_SHARED SP_API
 
 #endif

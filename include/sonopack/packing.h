@@ -1,11 +1,12 @@
 #ifndef SONOPACK_PACKING_H
 #define SONOPACK_PACKING_H
-/* A packing: grains at rest under pressure, and the contacts that hold them.
+/* Packings: grains at rest under pressure, and their contacts.
  *
- * Units: length = mean grain diameter d, pressure = E* (modified Young modulus E/(1-nu^2) of one grain),
- * mass = grain material has unit density; hence force E* d^2 and time d / sqrt(E* / rho).
- * Grains are spheres in any dimension. The up axis (between the walls) is dim-1: x in 1D, y in 2D, z in 3D;
- * the other axes are periodic. The bottom wall is at 0, the top wall at the height. */
+ * Units: lengths in mean grain diameters d; pressures in E*, the modified Young modulus E/(1-nu^2) of a grain; grains
+ * have unit density rho. Hence forces are in E* d^2 and times in d / sqrt(E* / rho).
+ *
+ * Grains are spheres in any dimension. The up axis, from the bottom wall at 0 to the top wall at the height, is axis
+ * dim-1: x in 1D, y in 2D, z in 3D. The other axes are periodic. */
 
 #include <sonopack/status.h>
 #include <stdbool.h>
@@ -18,213 +19,220 @@ extern "C" {
 
 enum { SP_BOTTOM = -1, SP_TOP = -2 }; /* contact partners that are walls */
 
-/* One contact, i < j for two grains. In 2D ft = Ft (-ny, nx) with Ft the scalar of the text files. */
+/* A contact. For two grains i < j. In 2D ft = Ft (-ny, nx), where Ft is the scalar in text files. */
 typedef struct sp_contact {
-    int32_t i, j;   /* grains from 0; j may be SP_BOTTOM or SP_TOP */
-    double n[3];    /* unit normal, from i to j */
+    int32_t i, j;   /* grain indices; j may be SP_BOTTOM or SP_TOP */
+    double n[3];    /* unit normal from i to j */
     double overlap; /* R_i + R_j - r_ij, or R_i - distance to the wall [d] */
     double fn;      /* normal elastic force, >= 0 in compression [E* d^2] */
     double ft[3];   /* tangential elastic force on i [E* d^2] */
 } sp_contact;
 
-/* How walls answer a grain: rigid plane (Hertz with R = inf, E* of one grain), or as if the wall
- * were a fixed grain like its neighbour ("identical springs" of the 1D chain, Somfai et al. 2005, App. C). */
+/* Contact law at the walls. RIGID: a rigid plane (Hertz with R = inf and E* of one grain). GRAIN: the wall responds
+ * like a fixed grain identical to the one that touches it ("identical springs" of the 1D chain, Somfai et al. 2005,
+ * App. C). */
 typedef enum sp_wall { SP_WALL_RIGID = 0, SP_WALL_GRAIN = 1 } sp_wall;
 
 typedef struct sp_packing {
     int dim;   /* 1, 2 or 3 */
-    int32_t n; /* grains */
+    int32_t n; /* number of grains */
     int32_t n_contacts;
-    double *x; /* [n][3] centres, unused axes 0 [d] */
-    double *r; /* [n] radii [d] */
-    sp_contact
-        *contacts;   /* [n_contacts], in order: pairs by (i, j), then the bottom wall's by i, then the top wall's */
-    double box[3];   /* periods; box[dim-1] is the height; unused axes 1 [d] */
-    double pressure; /* force on a wall over its area (2D: width x d; 1D: d^2) [E*] */
-    double friction; /* Coulomb's mu; 0: no tangential springs, no rotations */
-    double poisson;  /* nu of the grain material */
+    double *x;            /* [n][3] centres, 0 on unused axes [d] */
+    double *r;            /* [n] radii [d] */
+    sp_contact *contacts; /* [n_contacts] sorted: pairs by (i, j), then bottom wall by i, then top wall by i */
+    double box[3];        /* periods; box[dim-1] is the height; 1 on unused axes [d] */
+    double pressure;      /* force on a wall over its area (2D: width x d; 1D: d^2) [E*] */
+    double friction;      /* Coulomb coefficient mu; 0: no tangential forces, no rotations */
+    double poisson;       /* Poisson's ratio nu of the grain material */
     sp_wall wall;
-    /* how it was made; 0, NAN or NULL where unknown (imported packings) */
+    /* provenance; 0, NAN or NULL if unknown (imported packings) */
     uint64_t seed;
     int64_t steps;   /* time steps of the compression */
     double residual; /* largest elastic acceleration (angular: times R) at the end [E* / (rho d)] */
-    double seconds;  /* CPU time that the making took; in no file, for equal packings make equal files */
-    char *scene;     /* text of the scene with every value, as sp_scene_text gives it; may be NULL */
+    double seconds;  /* CPU time of the compression; not saved, so that equal packings give equal files */
+    char *scene;     /* complete scene as text (sp_scene_text); may be NULL */
 } sp_packing;
 
-/* An empty packing, safe to free. */
+/* Returns an empty packing, which is safe to free. */
 SP_API sp_packing sp_packing_none(void);
-/* Arrays for n grains and n_contacts contacts, zeroed. */
+/* Allocates zeroed arrays for n grains and n_contacts contacts. SP_EINVAL for a bad size, SP_ENOMEM. */
 SP_API sp_status sp_packing_alloc(sp_packing *p, int dim, int32_t n, int32_t n_contacts, sp_error *err);
 SP_API void sp_packing_free(sp_packing *p);
 
-/* Puts the contacts into their order. */
+/* Sorts the contacts into the order of sp_packing.contacts. */
 SP_API void sp_packing_sort(sp_packing *p);
 
-/* Area of a wall [d^2], and height between walls [d]. */
+/* Area of a wall [d^2], and distance between the walls [d]. */
 SP_API double sp_packing_wall_area(const sp_packing *p);
 SP_API double sp_packing_height(const sp_packing *p);
 
-/* What an audit found (sp_packing_audit). Relative measures, 0 for a perfect packing. */
+/* Results of sp_packing_audit: relative errors, all 0 for a perfect packing. */
 typedef struct sp_audit {
-    double force_residual;    /* largest |sum of contact forces| on a grain of the network over p x (mean diameter)^2 */
-    double torque_residual;   /* largest |torque|/R likewise */
-    double wall_residual;     /* largest | |F_wall| / (p A) - 1 | of the two walls */
-    double law_residual;      /* largest relative difference between fn and Hertz's law at the stored overlap, above
-                                 rounding of a text file */
+    double force_residual;  /* largest net force on a force-carrying grain over p x (mean diameter)^2 */
+    double torque_residual; /* largest net torque over R, in the same unit */
+    double wall_residual;   /* largest | |F_wall| / (p A) - 1 | of the two walls */
+    double law_residual;    /* largest relative difference between fn and Hertz's law at the stored overlap, beyond the
+                               rounding of a text file */
     double geometry_residual; /* largest |overlap - overlap from the positions| over the largest overlap */
-    double coulomb_excess;    /* largest |ft|/(mu fn) - 1, 0 if none is above */
-    int32_t missing;          /* pairs that overlap but are not listed as contacts */
-    int32_t carrying;         /* force-carrying contacts of the network */
+    double coulomb_excess;    /* largest |ft|/(mu fn) - 1, or 0 if Coulomb's law holds everywhere */
+    int32_t missing;          /* overlapping pairs that are not listed as contacts */
+    int32_t carrying;         /* force-carrying contacts */
     int32_t rattlers;
 } sp_audit;
 
-/* Structure only: sizes, indices, finite numbers, unit normals, radii > 0, grains in the box, sorted, no double
- * contact. Run on everything that comes from a file. SP_EFORMAT with the first fault. */
+/* Checks the structure of a packing: sizes, indices, finite numbers, unit normals, positive radii, grains inside the
+ * box, sorted contacts, no contact twice. Use it on everything read from a file. SP_EFORMAT with the first fault. */
 SP_API sp_status sp_packing_check(const sp_packing *p, sp_error *err);
 
-/* Physics: force and torque balance of the grains that carry (threshold: fraction of p x d^2 above which a contact
- * carries), Coulomb, walls against p, contacts against positions. Never changes the packing. */
+/* Checks the physics of a packing: balance of forces and torques, Coulomb's law, wall forces against the pressure,
+ * contacts against positions. A contact carries force if fn > threshold x p d^2. SP_ENOMEM. */
 SP_API sp_status sp_packing_audit(const sp_packing *p, double threshold, sp_audit *audit, sp_error *err);
-/* The largest relative measure of an audit, and its first fault: a pair that is not listed, or a measure above the
- * tolerance. reason = "" if there is none. */
-SP_API double sp_audit_judge(const sp_audit *audit, double tolerance, char *reason, size_t size);
+/* Returns the largest relative error of an audit, and writes its first fault to reason: a missing contact, or an error
+ * above the tolerance. reason is "" if there is none. */
+SP_API double sp_audit_worst(const sp_audit *audit, double tolerance, char *reason, size_t size);
 
-/* Which grains are rattlers: fewer than 2 force-carrying contacts (friction = 0: fewer than dim + 1; 1D: 2), walls
- * included, removed again and again until none is left. carrying[c] says whether contact c belongs to the network.
- * Either array may be NULL. threshold as a fraction of the pressure (1e-4 by default). */
+/* Finds rattlers: grains with fewer than 2 force-carrying contacts (without friction: fewer than dim + 1), walls
+ * included. They are removed repeatedly until none is left. Outputs, either of which may be NULL: rattler[n], and
+ * carrying[n_contacts], which tells whether a contact belongs to the force network. threshold: force of a carrying
+ * contact over p d^2; usually 1e-4. SP_ENOMEM. */
 SP_API sp_status sp_packing_rattlers(const sp_packing *p, double threshold, uint8_t *rattler, uint8_t *carrying,
                                      int32_t *n_rattlers, sp_error *err);
 
-/* Table I of Somfai et al. 2005: bulk averages, layers of `margin` (3) diameters at both walls left out, partly
- * covered spheres counted by their part. NAN where the bulk is empty. */
+/* Averages of Table I of Somfai et al. 2005 over the bulk: layers of thickness `margin` (usually 3 d) at both walls are
+ * left out, and spheres that reach into them count in part. NAN if the bulk is empty. */
 typedef struct sp_statics {
-    double phi2, phi3, phi3s; /* area fraction, volume fraction in a layer one diameter thick, same without rattlers */
-    double zs, f0;            /* force-carrying contacts per non-rattler grain; fraction of rattlers in percent */
-    double n_over_p;          /* mean normal force of carrying contacts over p d^2 */
-    double z2, z3;            /* <N^a>/<N>^a, Eq. (5) */
-    double f2, f2s;           /* <n_up^2>, Eq. (6), over all and over contacts above the mean force */
-    double s1_over_s2;        /* horizontal over vertical stress, all carrying contacts, walls included */
-    /* shear over vertical stress: positive where what lies below pushes what lies above towards +x; s32: towards +y, in
-       three dimensions (else NAN) */
+    double phi2, phi3,
+        phi3s;         /* area fraction; volume fraction of a layer one diameter thick; the same without rattlers */
+    double zs, f0;     /* force-carrying contacts per non-rattler grain; fraction of rattlers [percent] */
+    double n_over_p;   /* mean normal force of carrying contacts over p d^2 */
+    double z2, z3;     /* <N^a>/<N>^a, Eq. (5) */
+    double f2, f2s;    /* <n_up^2>, Eq. (6), over all contacts, and over those above the mean force */
+    double s1_over_s2; /* horizontal over vertical stress, from all carrying contacts, walls included */
+    /* Shear stress over vertical stress. Positive if the lower part pushes the upper part towards +x (s12) or +y (s32;
+     * NAN in two dimensions). */
     double s12_over_s2, s32_over_s2;
-    double mobilised; /* fraction of the carrying contacts, walls included, with |F_t| >= 0.99 mu F_n; NAN without
-                         friction */
+    double
+        mobilised; /* fraction of carrying contacts, walls included, with |F_t| >= 0.99 mu F_n; NAN without friction */
 } sp_statics;
 
 SP_API sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err);
 
 /* ---- making packings ---------------------------------------------------------------------------------------- */
 
-/* SP_PACK_FILE: a packing that is there already is compressed or decompressed further. */
+/* PISTON: a gas compressed by a piston. CHAIN, TRIANGULAR: ordered. FILE: compresses or decompresses a given
+ * packing. */
 typedef enum sp_pack_kind { SP_PACK_PISTON = 0, SP_PACK_CHAIN, SP_PACK_TRIANGULAR, SP_PACK_FILE } sp_pack_kind;
 
-/* Laws of the diameters, see docs/physics.md. */
+/* Distributions of the diameters; see docs/physics.md. */
 typedef enum sp_sizes { SP_SIZES_UNIFORM = 0, SP_SIZES_BIDISPERSE, SP_SIZES_LOGNORMAL, SP_SIZES_LIST } sp_sizes;
-enum { SP_DIAMETERS_MAX = 1000000 }; /* numbers in a list of diameters */
-enum { SP_HISTORY_MAX = 1000 };      /* pressures in a history */
+enum { SP_DIAMETERS_MAX = 1000000 }; /* most entries of a list of diameters */
+enum { SP_HISTORY_MAX = 1000 };      /* most pressures of a history */
 
-/* What shrinks under the pressure: the height, or the sides as well until the horizontal stress is the pressure too. */
+/* PISTON: only the height shrinks. ISOTROPIC: the periods shrink too, until the horizontal stress equals the
+ * pressure. */
 typedef enum sp_compression { SP_COMPRESSION_PISTON = 0, SP_COMPRESSION_ISOTROPIC } sp_compression;
 
-/* Where the damping, the piston, the gas and the time step come from that the spec leaves open. DEFAULT and SOMFAI2005
- * are one motion until the grains are nearly at rest. QUICK is braked early: it takes an eighth to two fifths of the
- * steps, and is another material, above all in tall boxes (docs/physics.md, Preparation). */
+/* Sets the damping, piston mass, gas fraction and time step that the spec leaves open. DEFAULT and SOMFAI2005 are
+ * identical until the grains are nearly at rest. QUICK dissipates earlier and needs 1/8 to 2/5 of the steps, but gives
+ * a different material, especially in tall boxes (docs/physics.md, Preparation). */
 typedef enum sp_protocol { SP_PROTOCOL_DEFAULT = 0, SP_PROTOCOL_SOMFAI2005, SP_PROTOCOL_QUICK } sp_protocol;
 
-/* Everything that decides a packing. sp_pack_spec_default() fills it with the defaults of docs/physics.md. A plain
- * value: copies share the list of diameters, which whoever made it keeps until the last copy has been used. */
+/* Everything that determines a packing. sp_pack_spec_default() fills in the defaults of docs/physics.md. Copies share
+ * the arrays `diameters` and `history`; whoever allocated these keeps them until the last copy is unused. */
 typedef struct sp_pack_spec {
     sp_pack_kind kind;
     int dim;
     int32_t grains;
     double width;    /* period along x [d] */
-    double depth;    /* period along y in three dimensions [d]; 0: the width */
+    double depth;    /* period along y in 3D [d]; 0: the width */
     double pressure; /* [E*] */
-    double friction; /* mu */
-    double poisson;  /* nu */
+    double friction; /* Coulomb coefficient mu */
+    double poisson;  /* Poisson's ratio nu */
     sp_sizes sizes;
-    double diameter_min, diameter_max; /* limits of the law [d]; both 0: its own, for uniform diameters 0.8 .. 1.2 under
-                                          the piston and 1 in ordered packings */
-    double large_fraction;             /* bidisperse: grains with diameter_max over all */
+    double diameter_min, diameter_max; /* limits of the distribution [d]; both 0: its default, which for uniform is 0.8
+                                          .. 1.2 under the piston and 1 in ordered packings */
+    double large_fraction;             /* bidisperse: fraction of grains with diameter_max */
     double size_spread;                /* lognormal: standard deviation of ln d */
-    const double *diameters;           /* list: of the grains in their order [d]; NULL: none */
-    int32_t diameter_count;            /* at least as many as grains */
+    const double *diameters;           /* list: diameters of the grains [d]; NULL: none */
+    int32_t diameter_count;            /* at least the number of grains */
     sp_compression compression;
     sp_protocol protocol;
-    bool reference; /* the plain path: no tricks that change rounding or skip steps */
+    bool reference; /* use the reference code (packing/plain.c), which is slow and simple */
     uint64_t seed;
-    double tolerance;     /* largest elastic acceleration at the end [E* / (rho d)]; 0: min(1e-10, 1e-6 p), over the
-                             smallest diameter where that is above 1 */
-    double damping;       /* zeta, fraction of critical at a contact, while the packing forms; 0: the protocol's own */
-    double piston_mass;   /* per unit of wall area [rho d]; 0: the protocol's own */
-    double gas_fraction;  /* of the starting gas: area (2D) or volume (3D) fraction; 0: the protocol's own */
-    double time_step;     /* over the largest stable one (packing/piston.c); 0: the protocol's own */
-    double calm;          /* global damping starts once the largest acceleration is below calm x p; 0: never, < 0: the
-                             protocol's own */
-    double drag;          /* rate of the global damping at p = 1e-4 [sqrt(E* / rho)/d]; scales as p^(1/3); < 0: the
-                             protocol's own */
-    double calm_damping;  /* zeta once the global damping has started; 0: the protocol's own */
-    double viscous_limit; /* Coulomb's limit of the whole tangential force, viscous part included, over that of its
-                             elastic part, until the global damping starts (from then on 1); 0: the protocol's own */
-    int64_t max_steps;    /* refuse after that many; 0: a bound from the pressure and the height */
-    const double
-        *history; /* pressures that are gone through first, each to its equilibrium [E*]; shared like diameters */
+    double tolerance; /* largest elastic acceleration at the end [E* / (rho d)]; 0: min(1e-10, 1e-6 p), divided by the
+                         smallest diameter if that exceeds 1 */
+    double damping; /* fraction zeta of critical damping at contacts, while the packing forms; 0: set by the protocol */
+    double piston_mass;  /* per wall area [rho d]; 0: set by the protocol */
+    double gas_fraction; /* area (2D) or volume (3D) fraction of the initial gas; 0: set by the protocol */
+    double time_step;    /* over the largest stable one (packing/piston.c); 0: set by the protocol */
+    double calm; /* global damping starts once the largest acceleration is below calm x p; 0: never; < 0: set by the
+                    protocol */
+    double drag; /* rate of the global damping at p = 1e-4 [sqrt(E* / rho)/d]; scales as p^(1/3); < 0: set by the
+                    protocol */
+    double calm_damping;   /* zeta once the global damping has started; 0: set by the protocol */
+    double viscous_limit;  /* limit of the total tangential force, viscous part included, over the Coulomb limit of its
+                              elastic part; from the start of the global damping on, it is 1. 0: set by the protocol */
+    int64_t max_steps;     /* fail after this many; 0: a bound from the pressure and the height */
+    const double *history; /* pressures [E*] to be equilibrated at first, in this order */
     int32_t history_count;
-    uint64_t content; /* SP_PACK_FILE: sp_packing_content of the packing to start from; 0: whatever is given */
+    uint64_t content; /* SP_PACK_FILE: required sp_packing_hash of the initial packing; 0: any */
 } sp_pack_spec;
 
 SP_API sp_pack_spec sp_pack_spec_default(void);
-/* Values and their combination (box narrower than 4 grains, gas too dense, ...). SP_EINVAL with the field. */
+/* Checks the values and their combination, for example a box narrower than 4 grains or too dense a gas. SP_EINVAL names
+ * the field. */
 SP_API sp_status sp_pack_spec_check(const sp_pack_spec *spec, sp_error *err);
-/* How many grains make a box about that high, to one or two percent for the default law: height x width (x depth) over
- * the mean area (volume) of a grain, times the usual area fraction 0.815 (volume fraction 0.6) of a packing under the
- * piston. SP_EINVAL for other kinds, whose height follows from the grains, and for more than 1e8 grains. */
+/* Estimates the number of grains that fill a box of the given height [d], to 1 or 2 percent for the default sizes:
+ * height x width (x depth) over the mean grain area (volume), times the typical area fraction 0.815 (volume fraction
+ * 0.6) under the piston. SP_EINVAL for other kinds, whose height follows from the grains, and for more than 1e8
+ * grains. */
 SP_API sp_status sp_pack_spec_fill(const sp_pack_spec *spec, double height, int32_t *grains, sp_error *err);
 
-/* Progress of a making; return false to stop it (SP_EINTERRUPTED). */
+/* Progress of a compression. The callback returns false to stop it (SP_EINTERRUPTED). */
 typedef struct sp_pack_progress {
-    const char *phase; /* "flight" of the gas, "compaction", or "equilibration" */
+    const char *phase; /* "flight" (of the gas), "compaction" or "equilibration" */
     int64_t steps;
-    double height, strain; /* strain: 1 - height / height at the start */
-    double residual;       /* largest elastic acceleration now, to be brought below the tolerance */
-    double fraction;       /* of the work that is done, a guess in 0 .. 1 */
+    double height, strain; /* strain: 1 - height / initial height */
+    double residual;       /* current largest elastic acceleration, compared with the tolerance */
+    double fraction;       /* estimated fraction of the work done, 0 .. 1 */
 } sp_pack_progress;
 typedef bool (*sp_pack_watch)(const sp_pack_progress *progress, void *user);
 
-/* Makes one packing: a function of spec alone, bit for bit. SP_EFAILED when it never comes to rest, blows up or a
- * grain escapes: never a wrong packing. watch may be NULL. */
+/* Creates a packing. It depends on the spec alone, bit for bit. watch may be NULL. SP_EINVAL for a bad spec, SP_EFAILED
+ * if the grains do not come to rest, the motion blows up or a grain escapes, SP_EINTERRUPTED, SP_ENOMEM. */
 SP_API sp_status sp_packing_make(const sp_pack_spec *spec, sp_pack_watch watch, void *user, sp_packing *out,
                                  sp_error *err);
 
-/* What a making may use and tell beside its spec; none of it changes the packing. */
+/* Options of a run that do not affect the packing. */
 typedef struct sp_pack_hooks {
     sp_pack_watch watch; /* may be NULL */
     void *user;          /* passed to watch, save and stage */
-    int threads;         /* for packings of thousands of grains; 0 and 1: none beside the caller's */
-    /* Called now and then with the whole state as bytes, to be kept until the next call; may be NULL. */
+    int threads;         /* used for packings of 5000 grains or more; 0 or 1: the caller's thread only */
+    /* Called now and then with the complete state, to be kept until the next call; may be NULL. An error ends the
+     * run. */
     sp_status (*save)(const void *state, size_t size, void *user, sp_error *err);
-    const void *state; /* bytes that save was given by a making of the same spec that did not end; NULL: from the start.
-                          The packing is the same, bit for bit. SP_EFORMAT if they are not, or are damaged. */
+    const void *state; /* State to resume from, as given to `save` in an interrupted run with the same spec; NULL: start
+                          anew. The packing is the same, bit for bit. SP_EFORMAT if the state is damaged or belongs to
+                          another spec. */
     size_t state_size;
-    const sp_packing *from; /* the packing that kind SP_PACK_FILE starts from */
-    /* Called with the packing at each pressure of the history, index from 0; may be NULL. */
+    const sp_packing *from; /* initial packing of SP_PACK_FILE */
+    /* Called with the packing at each pressure of the history, index from 0; may be NULL. An error ends the run. */
     sp_status (*stage)(const sp_packing *packing, int32_t index, void *user, sp_error *err);
 } sp_pack_hooks;
 SP_API sp_status sp_packing_make_with(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out,
                                       sp_error *err);
 
-/* Whether bytes are the state of some making. */
-SP_API bool sp_pack_state_looks(const void *state, size_t size);
-/* Whether these bytes are the whole state of a making of this spec, and at which step: else SP_EFORMAT. For
- * SP_PACK_FILE the spec must have gone through sp_pack_spec_from. */
+/* Whether bytes look like a saved state. */
+SP_API bool sp_pack_is_state(const void *state, size_t size);
+/* Checks a saved state completely: SP_EFORMAT if it is damaged or belongs to another spec. Writes the step it was saved
+ * at. For SP_PACK_FILE call sp_pack_spec_from first. */
 SP_API sp_status sp_pack_state_check(const sp_pack_spec *spec, const void *state, size_t size, int64_t *steps,
                                      sp_error *err);
 
-/* What a packing is made of as one number, 63 bits: the same for equal grains, contacts and box only. */
-SP_API uint64_t sp_packing_content(const sp_packing *p);
-/* Fills in what SP_PACK_FILE takes from the packing: dimension, grains, box, sizes and content. SP_EINVAL where the
- * spec has another value for one of them (its default is none), or the packing is no start. */
+/* A 63-bit hash of the grains, contacts and box, never 0. */
+SP_API uint64_t sp_packing_hash(const sp_packing *p);
+/* Copies dimension, number of grains, box, size limits and hash of the initial packing to a spec of kind SP_PACK_FILE.
+ * SP_EINVAL if the spec has set one of them to another value, or if the packing cannot be compressed. */
 SP_API sp_status sp_pack_spec_from(sp_pack_spec *spec, const sp_packing *from, sp_error *err);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
 #ifndef SONOPACK_SPARSE_H
 #define SONOPACK_SPARSE_H
-/* A sparse square matrix. */
+/* Sparse square matrices. */
 
 #include <sonopack/export.h>
 #include <stdint.h>
@@ -9,12 +9,12 @@
 extern "C" {
 #endif
 
-/* Compressed columns, rows ascending in each: all entries, or those of the lower triangle with the diagonal first. */
+/* Compressed sparse columns with ascending rows. Holds either all entries or the lower triangle, diagonal first. */
 typedef struct sp_sparse {
     int64_t n;
-    int64_t *p; /* [n+1] where each column begins; p[n] entries in all */
-    int64_t *i; /* [p[n]] rows */
-    double *x;  /* [p[n]] */
+    int64_t *p; /* [n+1] start of each column; p[n] is the number of entries */
+    int64_t *i; /* [p[n]] row indices */
+    double *x;  /* [p[n]] values */
 } sp_sparse;
 
 SP_API void sp_sparse_free(sp_sparse *a);

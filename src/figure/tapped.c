@@ -1,4 +1,4 @@
-/* Figures of the tapped column: which one the tables make. */
+/* Chooses the figure of the tapped column that suits the given tables. */
 #include "figure/canvas.h"
 #include "figure/tapped_table.h"
 
@@ -9,24 +9,22 @@
 
 enum { TABLES_MOST = 6 };
 
-static bool has_shape(const tapped_plot_table *s) {
-    return s->output == TAPPED_PLOT_TRAJECTORY || s->output == TAPPED_PLOT_DENSITY;
-}
+static bool has_shape(const tapped_table *s) { return s->output == TAPPED_TRAJECTORY || s->output == TAPPED_DENSITY; }
 
-static bool all_have_shape(int tables, const tapped_plot_table *s) {
+static bool all_have_shape(int tables, const tapped_table *s) {
     bool all = true;
     for (int k = 0; k < tables; k++)
         all = all && has_shape(&s[k]);
     return all;
 }
 
-/* Bifurcation and exponents, in any order. */
-static bool make_diagram(int tables, const tapped_plot_table *s, const tapped_plot_table *of[2]) {
+/* Sorts a bifurcation and a Lyapunov table, given in any order; false if there are others. */
+static bool make_diagram(int tables, const tapped_table *s, const tapped_table *of[2]) {
     of[0] = of[1] = NULL;
     for (int k = 0; k < tables; k++) {
-        if (s[k].output != TAPPED_PLOT_BIFURCATION && s[k].output != TAPPED_PLOT_LYAPUNOV)
+        if (s[k].output != TAPPED_BIFURCATION && s[k].output != TAPPED_LYAPUNOV)
             return false;
-        const int which = s[k].output == TAPPED_PLOT_LYAPUNOV;
+        const int which = s[k].output == TAPPED_LYAPUNOV;
         if (of[which])
             return false;
         of[which] = &s[k];
@@ -34,11 +32,10 @@ static bool make_diagram(int tables, const tapped_plot_table *s, const tapped_pl
     return true;
 }
 
-static sp_status draw_diagram(const tapped_plot_table *const of[2], const char *wanted, const char *path,
-                              sp_error *err) {
+static sp_status draw_diagram(const tapped_table *const of[2], const char *wanted, const char *path, sp_error *err) {
     int column = -1;
     if (of[0]) {
-        column = sp_tapped_plot_column(of[0], wanted ? wanted : "y1");
+        column = sp_tapped_table_column(of[0], wanted ? wanted : "y1");
         if (column < of[0]->first || column >= of[0]->first + of[0]->particles)
             return sp_fail(err, SP_EINVAL, "the table has no column %.40s of positions, must be y1 to y%d", wanted,
                            of[0]->particles);
@@ -46,14 +43,13 @@ static sp_status draw_diagram(const tapped_plot_table *const of[2], const char *
     return sp_tapped_draw_diagram(of[0], column, of[1], path, err);
 }
 
-static bool go_together(const tapped_plot_table *a, const tapped_plot_table *b) {
-    return (has_shape(a) && has_shape(b)) ||
-           (a->output == TAPPED_PLOT_BIFURCATION && b->output == TAPPED_PLOT_LYAPUNOV) ||
-           (a->output == TAPPED_PLOT_LYAPUNOV && b->output == TAPPED_PLOT_BIFURCATION);
+static bool go_together(const tapped_table *a, const tapped_table *b) {
+    return (has_shape(a) && has_shape(b)) || (a->output == TAPPED_BIFURCATION && b->output == TAPPED_LYAPUNOV) ||
+           (a->output == TAPPED_LYAPUNOV && b->output == TAPPED_BIFURCATION);
 }
 
-/* Names the first two tables that do not go together. */
-static sp_status fail_together(int tables, const tapped_plot_table *s, sp_error *err) {
+/* Reports the first two tables that cannot share a figure. */
+static sp_status fail_together(int tables, const tapped_table *s, sp_error *err) {
     int one = 0, two = 1;
     while (one + 2 < tables && go_together(&s[one], &s[two])) {
         two = two + 1 < tables ? two + 1 : ++one + 1;
@@ -61,30 +57,30 @@ static sp_status fail_together(int tables, const tapped_plot_table *s, sp_error 
     return sp_fail(err, SP_EINVAL,
                    "table %d is %s and table %d %s: they make no figure together; must be trajectories, densities, or "
                    "a bifurcation and a Lyapunov table",
-                   one + 1, sp_tapped_plot_kind(s[one].output), two + 1, sp_tapped_plot_kind(s[two].output));
+                   one + 1, sp_tapped_table_kind(s[one].output), two + 1, sp_tapped_table_kind(s[two].output));
 }
 
-static sp_status draw_one(const tapped_plot_table *s, const char *path, sp_error *err) {
+static sp_status draw_one(const tapped_table *s, const char *path, sp_error *err) {
     switch (s->output) {
-    case TAPPED_PLOT_STROBE: return sp_tapped_draw_strobe(s, path, err);
-    case TAPPED_PLOT_COMPARE: return sp_tapped_draw_compare(s, path, err);
-    case TAPPED_PLOT_DENSITY: return sp_tapped_draw_density(s, path, err);
-    case TAPPED_PLOT_ENERGY: return sp_tapped_draw_energy(s, path, err);
-    case TAPPED_PLOT_TRAJECTORY:
-    case TAPPED_PLOT_LYAPUNOV:
-    case TAPPED_PLOT_BIFURCATION: break;
+    case TAPPED_STROBE: return sp_tapped_draw_strobe(s, path, err);
+    case TAPPED_COMPARE: return sp_tapped_draw_compare(s, path, err);
+    case TAPPED_DENSITY: return sp_tapped_draw_density(s, path, err);
+    case TAPPED_ENERGY: return sp_tapped_draw_energy(s, path, err);
+    case TAPPED_TRAJECTORY:
+    case TAPPED_LYAPUNOV:
+    case TAPPED_BIFURCATION: break;
     }
     return sp_tapped_draw_trajectory(s, path, err);
 }
 
-static sp_status draw(int tables, const tapped_plot_table *s, const sp_plot_column_options *o, const char *path,
+static sp_status draw(int tables, const tapped_table *s, const sp_plot_column_options *o, const char *path,
                       sp_error *err) {
-    const tapped_plot_table *of[2];
+    const tapped_table *of[2];
     const bool diagram = make_diagram(tables, s, of), surface = tables > 1 || o->surface;
     if (o->column && !(diagram && of[0]))
-        return sp_fail(err, SP_EINVAL, "column %.40s: only a bifurcation is drawn of one column", o->column);
+        return sp_fail(err, SP_EINVAL, "column %.40s: only a bifurcation has a choice of column", o->column);
     if (o->surface && !all_have_shape(tables, s))
-        return sp_fail(err, SP_EINVAL, "a surface is drawn of trajectories (t y0 y1 ...) or densities alone");
+        return sp_fail(err, SP_EINVAL, "a surface is drawn of trajectories (t y0 y1 ...) or densities only");
     if (diagram)
         return draw_diagram(of, o->column, path, err);
     if (surface && all_have_shape(tables, s))
@@ -97,12 +93,12 @@ static sp_status draw(int tables, const tapped_plot_table *s, const sp_plot_colu
 sp_status sp_plot_column(int tables, const sp_plot_table *table, const sp_plot_column_options *options,
                          const char *path, sp_error *err) {
     static const sp_plot_column_options none = {0};
-    tapped_plot_table s[TABLES_MOST];
+    tapped_table s[TABLES_MOST];
     sp_status status = sp_canvas_check(path, err);
     if (status == SP_OK && (tables < 1 || tables > TABLES_MOST))
         status = sp_fail(err, SP_EINVAL, "%d tables: a figure shows 1 to %d", tables, TABLES_MOST);
     for (int k = 0; k < tables && status == SP_OK; k++) {
-        status = sp_tapped_plot_find(&table[k], &s[k], err);
+        status = sp_tapped_table_read(&table[k], &s[k], err);
         if (status != SP_OK && tables > 1)
             sp_fail_prefix(err, "table %d", k + 1);
     }

@@ -1,14 +1,12 @@
-/* Density along a tapped column: profiles at rest and after taps, and against time at three heights. */
+/* Figure of the density along a tapped column: profiles at rest and after taps, and three particles against time. */
 #include "figure/tapped_table.h"
-
-#include "base/base.h"
 
 #include <math.h>
 #include <stdio.h>
 
 enum { PROFILES = 6, PLACES = 3, MARKED_MOST = 40, LABEL_ROOM = 200 };
 
-/* The row nearest to a time. */
+/* Finds the row nearest to a time, by bisection. */
 static int64_t row_at(int64_t rows, const double *t, double time) {
     int64_t low = 0, high = rows - 1;
     while (high - low > 1) {
@@ -21,11 +19,11 @@ static int64_t row_at(int64_t rows, const double *t, double time) {
     return fabs(t[high] - time) < fabs(t[low] - time) ? high : low;
 }
 
-/* The first row and those at .99T, 1.99T, ..., of many taps the first, the last and some between; without a period rows
- * evenly apart. number: of the tap; 0: not known. */
-static int choose_rows(const tapped_plot_table *s, const double *t, int64_t row[PROFILES], double number[PROFILES]) {
+/* Chooses the first row and those at .99T, 1.99T, ...; of many taps the first, the last and some in between. Without a
+ * known period the rows are evenly spaced. number: of the tap, or 0 if unknown. */
+static int choose_rows(const tapped_table *s, const double *t, int64_t row[PROFILES], double number[PROFILES]) {
     const int64_t rows = s->table->rows;
-    const double period = sp_tapped_plot_setting(s, "period"), taps = floor((t[rows - 1] - t[0]) / period + 0.02);
+    const double period = sp_tapped_table_setting(s, "period"), taps = floor((t[rows - 1] - t[0]) / period + 0.02);
     int n = 0;
     row[n] = 0;
     number[n++] = 0;
@@ -43,7 +41,7 @@ static int choose_rows(const tapped_plot_table *s, const double *t, int64_t row[
     return n;
 }
 
-static void profile(const tapped_plot_table *s, int64_t row, double *y, double *rho) {
+static void profile(const tapped_table *s, int64_t row, double *y, double *rho) {
     for (int k = 0; k < s->particles; k++) {
         const double height = sp_table_number(s->table, row, s->first + k);
         const double value = sp_table_number(s->table, row, s->density + k);
@@ -52,7 +50,7 @@ static void profile(const tapped_plot_table *s, int64_t row, double *y, double *
     }
 }
 
-static int profile_curves(const tapped_plot_table *s, const double *t, double *memory, sp_curve *curve,
+static int profile_curves(const tapped_table *s, const double *t, double *memory, sp_curve *curve,
                           char (*label)[LABEL_ROOM]) {
     static const sp_mark marks[] = {SP_MARK_CIRCLE, SP_MARK_SQUARE, SP_MARK_TRIANGLE, SP_MARK_DIAMOND};
     int64_t row[PROFILES];
@@ -81,8 +79,8 @@ static int profile_curves(const tapped_plot_table *s, const double *t, double *m
     return n;
 }
 
-/* At the lowest, a middle and the highest particle. */
-static int time_curves(const tapped_plot_table *s, const double *t, double *memory, sp_curve *curve,
+/* Curves for the lowest, a middle and the highest particle. */
+static int time_curves(const tapped_table *s, const double *t, double *memory, sp_curve *curve,
                        char (*label)[LABEL_ROOM]) {
     const int place[PLACES] = {1, (s->particles + 1) / 2, s->particles};
     int n = 0;
@@ -91,7 +89,7 @@ static int time_curves(const tapped_plot_table *s, const double *t, double *memo
             continue;
         double *to = memory + n * s->table->rows;
         snprintf(label[n], LABEL_ROOM, "particle %d", place[k]);
-        sp_tapped_plot_values(s, s->density + place[k] - 1, to);
+        sp_tapped_table_values(s, s->density + place[k] - 1, to);
         curve[n] = (sp_curve){.label = label[n], .n = s->table->rows, .x = t, .y = to, .ink = 1 + n, .width = 0.7};
         curve[n].dash = n == 1 ? SP_DASH_DASHED : SP_DASH_SOLID;
         n++;
@@ -99,26 +97,26 @@ static int time_curves(const tapped_plot_table *s, const double *t, double *memo
     return n;
 }
 
-static sp_status draw(const tapped_plot_table *s, double *memory, const char *path, sp_error *err) {
+static sp_status draw(const tapped_table *s, double *memory, const char *path, sp_error *err) {
     const int64_t rows = s->table->rows;
     sp_curve curve[PROFILES], late[PLACES];
     char label[PROFILES][LABEL_ROOM], place[PLACES][LABEL_ROOM];
-    char x[2][TAPPED_PLOT_LABEL], y[TAPPED_PLOT_LABEL];
-    sp_status status = sp_tapped_plot_times(s, memory, err);
+    char x[2][TAPPED_LABEL], y[TAPPED_LABEL];
+    sp_status status = sp_tapped_table_abscissa(s, memory, err);
     if (status != SP_OK)
         return status;
     const int profiles = profile_curves(s, memory, memory + (1 + PLACES) * rows, curve, label);
     const int places = time_curves(s, memory, memory + rows, late, place);
-    sp_tapped_plot_axis(s, "density |\xcf\x81|", s->density, y);
+    sp_tapped_axis_label(s, "density |\xcf\x81|", s->density, y);
     const sp_panel panel[2] = {
         {.tag = "(a)",
-         .x = {.label = sp_tapped_plot_axis(s, "height |y|", s->first, x[0])},
+         .x = {.label = sp_tapped_axis_label(s, "height |y|", s->first, x[0])},
          .y = {.label = y},
          .curves = profiles,
          .curve = curve,
          .tight = true},
         {.tag = "(b)",
-         .x = {.label = sp_tapped_plot_axis(s, "|t|", s->abscissa, x[1]), .low = memory[0], .high = memory[rows - 1]},
+         .x = {.label = sp_tapped_axis_label(s, "|t|", s->abscissa, x[1]), .low = memory[0], .high = memory[rows - 1]},
          .y = {.label = y},
          .curves = places,
          .curve = late}};
@@ -127,10 +125,7 @@ static sp_status draw(const tapped_plot_table *s, double *memory, const char *pa
     return sp_plot_sheet(&sheet, path, err);
 }
 
-sp_status sp_tapped_draw_density(const tapped_plot_table *s, const char *path, sp_error *err) {
+sp_status sp_tapped_draw_density(const tapped_table *s, const char *path, sp_error *err) {
     const size_t count = (1 + PLACES) * (size_t)s->table->rows + 2 * PROFILES * (size_t)s->particles;
-    double *memory = sp_alloc(count, sizeof *memory);
-    const sp_status status = memory ? draw(s, memory, path, err) : sp_fail_memory(err, count * sizeof *memory);
-    sp_free(memory);
-    return status;
+    return sp_tapped_draw_with_memory(draw, count, s, path, err);
 }

@@ -1,4 +1,4 @@
-/* Bifurcations and Lyapunov exponents of the tapped column against a parameter. */
+/* Figure of bifurcations and Lyapunov exponents of the tapped column against a parameter. */
 #include "figure/tapped_table.h"
 
 #include "base/base.h"
@@ -9,7 +9,7 @@
 
 enum { MARKED_MOST = 60 };
 
-static sp_status check_parameter(const tapped_plot_table *s, double *to, double *low, double *high, sp_error *err) {
+static sp_status check_parameter(const tapped_table *s, double *to, double *low, double *high, sp_error *err) {
     for (int64_t k = 0; k < s->table->rows; k++) {
         to[k] = sp_table_number(s->table, k, s->abscissa);
         if (!isfinite(to[k]))
@@ -20,16 +20,17 @@ static sp_status check_parameter(const tapped_plot_table *s, double *to, double 
     return SP_OK;
 }
 
-/* Marks alone: between windows of cycles the exponent jumps, and a line would show values that it does not take. */
-static sp_curve exponents(const tapped_plot_table *s, const double *x, double *memory) {
+/* Draws marks without a line: the exponent jumps between windows of cycles, and a line would show values that it never
+ * takes. */
+static sp_curve exponents(const tapped_table *s, const double *x, double *memory) {
     const int64_t n = s->table->rows;
-    const int error = sp_tapped_plot_column(s, "error");
-    const double *y = sp_tapped_plot_values(s, sp_tapped_plot_column(s, "lambda"), memory);
+    const int error = sp_tapped_table_column(s, "error");
+    const double *y = sp_tapped_table_values(s, sp_tapped_table_column(s, "lambda"), memory);
     sp_curve curve = {.n = n, .x = x, .y = y, .ink = 1, .dash = SP_DASH_NONE, .width = 0.8};
     curve.mark = n <= MARKED_MOST ? SP_MARK_CIRCLE : SP_MARK_DOT;
     if (error >= 0 && n <= MARKED_MOST) {
         double *e = memory + n;
-        sp_tapped_plot_values(s, error, e);
+        sp_tapped_table_values(s, error, e);
         for (int64_t k = 0; k < n; k++)
             e[k] = isfinite(e[k]) ? fabs(e[k]) : 0;
         curve.error = e;
@@ -38,26 +39,19 @@ static sp_curve exponents(const tapped_plot_table *s, const double *x, double *m
 }
 
 typedef struct diagram {
-    const tapped_plot_table *bifurcation, *lyapunov;
+    const tapped_table *bifurcation, *lyapunov;
     int column;
     double low, high; /* of the parameter */
     sp_curve dots, exponents;
-    char x[TAPPED_PLOT_LABEL], y[2][TAPPED_PLOT_LABEL], note[2 * TAPPED_PLOT_LABEL];
+    char x[TAPPED_LABEL], y[2][TAPPED_LABEL], note[2 * TAPPED_LABEL];
 } diagram;
 
-static bool any(const sp_curve *c) {
-    for (int64_t k = 0; k < c->n; k++)
-        if (isfinite(c->y[k]))
-            return true;
-    return false;
-}
-
-/* Two tables that say what they go through must say the same. */
+/* Refuses two tables with different parameters. */
 static sp_status check_common(const diagram *d, sp_error *err) {
     const char *one = d->bifurcation ? sp_table_comment_value(d->bifurcation->table, "parameter") : NULL;
     const char *two = d->lyapunov ? sp_table_comment_value(d->lyapunov->table, "parameter") : NULL;
     if (one && two && strcmp(one, two) != 0)
-        return sp_fail(err, SP_EINVAL, "a bifurcation over the %.40s and exponents over the %.40s, must be the same",
+        return sp_fail(err, SP_EINVAL, "a bifurcation over the %.40s, but exponents over the %.40s: must be the same",
                        one, two);
     return SP_OK;
 }
@@ -70,30 +64,30 @@ static sp_status read(diagram *d, double *memory, sp_error *err) {
         const int64_t n = d->bifurcation->table->rows;
         status = check_parameter(d->bifurcation, memory, &d->low, &d->high, err);
         d->dots = (sp_curve){.n = n, .x = memory, .ink = 1, .dash = SP_DASH_NONE, .mark = SP_MARK_DOT};
-        d->dots.y = sp_tapped_plot_values(d->bifurcation, d->column, memory + n);
+        d->dots.y = sp_tapped_table_values(d->bifurcation, d->column, memory + n);
         memory += 2 * n;
     }
     if (d->lyapunov && status == SP_OK) {
         status = check_parameter(d->lyapunov, memory, &d->low, &d->high, err);
         d->exponents = exponents(d->lyapunov, memory, memory + d->lyapunov->table->rows);
     }
-    if (status == SP_OK && d->bifurcation && !any(&d->dots))
+    if (status == SP_OK && d->bifurcation && !sp_tapped_any_finite(d->dots.n, d->dots.y))
         status = sp_fail(err, SP_EREFUSED, "nothing to draw: no position is finite");
-    if (status == SP_OK && d->lyapunov && !any(&d->exponents))
+    if (status == SP_OK && d->lyapunov && !sp_tapped_any_finite(d->exponents.n, d->exponents.y))
         status = sp_fail(err, SP_EREFUSED, "nothing to draw: no Lyapunov exponent is finite");
     if (status == SP_OK && !(d->low < d->high))
-        status =
-            sp_fail(err, SP_EREFUSED, "nothing to draw: one value of the parameter, %g, must be two at least", d->low);
+        status = sp_fail(err, SP_EREFUSED, "nothing to draw: only one value of the parameter, %g; must be two or more",
+                         d->low);
     return status;
 }
 
-/* What the tables warn of; two that say the same say it once. */
+/* Writes the warnings of the tables into the note; equal ones only once. */
 static void write_note(diagram *d) {
-    char one[TAPPED_PLOT_LABEL] = "", two[TAPPED_PLOT_LABEL] = "";
+    char one[TAPPED_LABEL] = "", two[TAPPED_LABEL] = "";
     if (d->bifurcation)
-        sp_tapped_plot_violation(d->bifurcation, one);
+        sp_tapped_violation_note(d->bifurcation, one);
     if (d->lyapunov)
-        sp_tapped_plot_violation(d->lyapunov, two);
+        sp_tapped_violation_note(d->lyapunov, two);
     if (!d->bifurcation || !d->lyapunov || strcmp(one, two) == 0)
         snprintf(d->note, sizeof d->note, "%s", *one ? one : two);
     else
@@ -102,33 +96,33 @@ static void write_note(diagram *d) {
 }
 
 static sp_status draw(diagram *d, const char *path, sp_error *err) {
-    const tapped_plot_table *one = d->bifurcation ? d->bifurcation : d->lyapunov;
+    const tapped_table *one = d->bifurcation ? d->bifurcation : d->lyapunov;
     const double room = 0.015 * (d->high - d->low);
-    const sp_axis x = {.label = sp_tapped_plot_parameter(one, d->x), .low = d->low - room, .high = d->high + room};
+    const sp_axis x = {.label = sp_tapped_parameter_label(one, d->x), .low = d->low - room, .high = d->high + room};
     sp_panel panel[2] = {{0}, {0}};
     int panels = 0;
     if (d->bifurcation) {
         char name[64];
         snprintf(name, sizeof name, "|y|_{%d} after a tap", d->column - d->bifurcation->first + 1);
         panel[panels] = (sp_panel){.tag = d->lyapunov ? "(a)" : NULL, .x = x, .curves = 1, .curve = &d->dots};
-        panel[panels++].y.label = sp_tapped_plot_axis(d->bifurcation, name, d->column, d->y[0]);
+        panel[panels++].y.label = sp_tapped_axis_label(d->bifurcation, name, d->column, d->y[0]);
     }
     if (d->lyapunov) {
         panel[panels] = (sp_panel){.tag = d->bifurcation ? "(b)" : NULL, .x = x, .curves = 1, .curve = &d->exponents};
         panel[panels].zero_line = true;
         panel[panels++].y.label =
-            sp_tapped_plot_axis(d->lyapunov, "|\xce\xbb|", sp_tapped_plot_column(d->lyapunov, "lambda"), d->y[1]);
+            sp_tapped_axis_label(d->lyapunov, "|\xce\xbb|", sp_tapped_table_column(d->lyapunov, "lambda"), d->y[1]);
     }
     write_note(d);
-    const tapped_plot_sheet sheet = {.title = d->bifurcation ? "Bifurcations of a tapped column" : "Lyapunov exponents",
-                                     .panels = panels,
-                                     .panel = panel,
-                                     .aspect = panels == 2 ? 0.66 : 0.75,
-                                     .note = d->note};
+    const tapped_sheet sheet = {.title = d->bifurcation ? "Bifurcations of a tapped column" : "Lyapunov exponents",
+                                .panels = panels,
+                                .panel = panel,
+                                .aspect = panels == 2 ? 0.66 : 0.75,
+                                .note = d->note};
     return sp_tapped_draw_sheet(&sheet, path, err);
 }
 
-sp_status sp_tapped_draw_diagram(const tapped_plot_table *bifurcation, int column, const tapped_plot_table *lyapunov,
+sp_status sp_tapped_draw_diagram(const tapped_table *bifurcation, int column, const tapped_table *lyapunov,
                                  const char *path, sp_error *err) {
     diagram d = {.bifurcation = bifurcation, .column = column, .lyapunov = lyapunov};
     const size_t count =

@@ -1,7 +1,8 @@
-/* Panels one below the other as in sp_plot_sheet, with what that has not: ticks at whole numbers alone, and a line of
- * small print. */
+/* Draws panels below each other, with two features that sp_plot_sheet lacks: ticks at whole numbers only, and a note.
+ */
 #include "figure/panel.h"
 #include "figure/tapped_table.h"
+#include "figure/tapped_view.h"
 
 #include "base/base.h"
 
@@ -9,28 +10,13 @@
 #include <stdio.h>
 
 enum { PANELS_MOST = 4 };
-#define NOTE 12.0 /* height of the small print [pt] */
+#define NOTE 12.0 /* height of the note [pt] */
 
 typedef struct sheet {
-    const tapped_plot_sheet *source;
+    const tapped_sheet *source;
     canvas canvas;
     panel panel[PANELS_MOST];
 } sheet;
-
-/* There is nothing between one tap and the next. */
-static void whole_ticks(axis *a) {
-    int kept = 0;
-    for (int k = 0; k < a->ticks && a->power == 0; k++) {
-        const double at = a->tick[k].at, whole = round(at);
-        if (fabs(at - whole) > 1e-6)
-            continue;
-        a->tick[kept] = a->tick[k];
-        if (a->tick[k].major)
-            snprintf(a->tick[kept].label, sizeof a->tick[kept].label, "%.0f", whole);
-        kept++;
-    }
-    a->ticks = a->power == 0 ? kept : a->ticks;
-}
 
 static sp_status make_panels(sheet *s, double height, sp_error *err) {
     sp_status status = SP_OK;
@@ -47,7 +33,7 @@ static sp_status make_panels(sheet *s, double height, sp_error *err) {
     return status;
 }
 
-/* Frames begin and end at the same x. */
+/* Lays out the panels so that all frames have the same left and right edges. */
 static sp_status layout(sheet *s, sp_error *err) {
     sp_status status = SP_OK;
     for (int pass = 0; pass < 2; pass++) {
@@ -63,8 +49,11 @@ static sp_status layout(sheet *s, sp_error *err) {
             s->panel[k].figure.axes.margin[1] = right;
         }
     }
-    for (int k = 0; k < s->source->panels && s->source->whole; k++)
-        whole_ticks(&s->panel[k].figure.axes.x);
+    for (int k = 0; k < s->source->panels && s->source->whole; k++) {
+        axis *x = &s->panel[k].figure.axes.x;
+        if (x->power == 0)
+            sp_axis_keep_whole_ticks(x, -INFINITY); /* there is nothing between one tap and the next */
+    }
     return status;
 }
 
@@ -89,7 +78,7 @@ static sp_status draw(sheet *s, const char *path, sp_error *err) {
     return sp_canvas_save(c, err);
 }
 
-sp_status sp_tapped_draw_sheet(const tapped_plot_sheet *source, const char *path, sp_error *err) {
+sp_status sp_tapped_draw_sheet(const tapped_sheet *source, const char *path, sp_error *err) {
     sheet *s = sp_alloc(1, sizeof *s);
     if (!s)
         return sp_fail_memory(err, sizeof *s);

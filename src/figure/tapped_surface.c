@@ -1,5 +1,5 @@
-/* Solution surfaces y(z, t) of the lattice and of continua, side by side: the purpose of Fig. 2 of Blackmore et al.
- * 2011. The colour is what the height alone does not show: how far a particle is above where it was, or the density. */
+/* Draws surfaces y(z, t) of the lattice and the continua side by side, as in Fig. 2 of Blackmore et al. 2011. The
+ * colour shows what the height alone does not: the displacement from the first row, or the density. */
 #include "figure/tapped_table.h"
 #include "figure/tapped_view.h"
 
@@ -19,7 +19,7 @@ typedef struct limits {
 } limits;
 
 typedef struct picture {
-    const tapped_plot_table *s;
+    const tapped_table *s;
     surface face;
     double *memory;
 } picture;
@@ -38,13 +38,13 @@ static void widen(limits *l, double value) {
     l->high = fmax(l->high, value);
 }
 
-/* Item k of `shown' spread evenly over n, first and last among them. */
+/* Index of item k of `shown` items spread evenly over n, including the first and the last. */
 static int64_t pick(int64_t n, int shown, int k) { return shown > 1 ? (n - 1) * k / (shown - 1) : 0; }
 
 /* ---- reading ---------------------------------------------------------------------------------------------------- */
 
 static void read_cells(gallery *g, picture *p, const int64_t *row, double *y, double *shade) {
-    const tapped_plot_table *s = p->s;
+    const tapped_table *s = p->s;
     for (int j = 0; j < p->face.columns; j++) {
         const int particle = (int)p->face.z[j];
         const int tint = s->density >= 0 ? s->density + particle - 1 : -1;
@@ -60,7 +60,7 @@ static void read_cells(gallery *g, picture *p, const int64_t *row, double *y, do
 }
 
 static sp_status read_table(gallery *g, picture *p, sp_error *err) {
-    const tapped_plot_table *s = p->s;
+    const tapped_table *s = p->s;
     const int64_t all = s->table->rows;
     const int rows = (int)(all < TIMES_MOST ? all : TIMES_MOST);
     const int columns = s->particles < LABELS_MOST ? s->particles : LABELS_MOST;
@@ -68,12 +68,12 @@ static sp_status read_table(gallery *g, picture *p, sp_error *err) {
                  count = (size_t)all + 2 * (size_t)rows + (size_t)columns + 2 * cells;
     int64_t row[TIMES_MOST];
     if (s->particles < 2)
-        return sp_fail(err, SP_EINVAL, "%d particle: a surface needs two at least", s->particles);
+        return sp_fail(err, SP_EINVAL, "%d particle: a surface needs two or more", s->particles);
     p->memory = sp_alloc(count, sizeof *p->memory);
     if (!p->memory)
         return sp_fail_memory(err, count * sizeof *p->memory);
     double *every = p->memory, *t = every + all, *floor = t + rows, *z = floor + rows, *y = z + columns;
-    const sp_status status = sp_tapped_plot_times(s, every, err);
+    const sp_status status = sp_tapped_table_abscissa(s, every, err);
     if (status != SP_OK)
         return status;
     for (int k = 0; k < rows; k++) {
@@ -94,7 +94,7 @@ static sp_status read_table(gallery *g, picture *p, sp_error *err) {
     return SP_OK;
 }
 
-/* The model of a table, or where another has the same the name of the file, too. */
+/* Title of a table: its model, or the name of its file where another table has the same model. */
 static void name_table(const gallery *g, int k, char *out, size_t size) {
     static const char *const known[][2] = {{"longwave", "long wave"}, {"bsr", "BSR"}};
     const char *model = sp_table_comment_value(g->of[k].s->table, "model");
@@ -115,12 +115,12 @@ static void name_table(const gallery *g, int k, char *out, size_t size) {
         snprintf(out, size, "%s", g->tables > 1 ? file : name);
 }
 
-static sp_status read_all(gallery *g, const tapped_plot_table *s, sp_error *err) {
+static sp_status read_all(gallery *g, const tapped_table *s, sp_error *err) {
     sp_status status = SP_OK;
     for (int k = 0; k < g->tables && status == SP_OK; k++) {
         g->of[k].s = &s[k];
         if ((s[k].density >= 0) != (s[0].density >= 0))
-            return sp_fail(err, SP_EINVAL, "trajectories and densities have no common scale: must be one or the other");
+            return sp_fail(err, SP_EINVAL, "trajectories and densities have no common scale: must be all of one kind");
         status = read_table(g, &g->of[k], err);
         if (status != SP_OK && g->tables > 1)
             sp_fail_prefix(err, "table %d", k + 1);
@@ -130,7 +130,7 @@ static sp_status read_all(gallery *g, const tapped_plot_table *s, sp_error *err)
     return status;
 }
 
-/* From values to parts of the colour scale. */
+/* Scales the values to the range of the colours. */
 static void scale_shades(gallery *g) {
     const bool is_signed = g->of[0].s->density < 0;
     const double most = fmax(fabs(g->shade.low), fabs(g->shade.high));
@@ -146,7 +146,7 @@ static void scale_shades(gallery *g) {
 
 /* ---- drawing ---------------------------------------------------------------------------------------------------- */
 
-/* A strip of colours with the axis of its values below. */
+/* Draws the colour bar with its axis below. */
 static void draw_bar(gallery *g, const char *label) {
     enum { STRIPS = 128 };
     canvas *c = &g->canvas;
@@ -184,15 +184,15 @@ static void draw_bar(gallery *g, const char *label) {
     sp_figure_text_draw(c, a.x.label, 0.5 * c->width, c->height - 3, (text_style){size, 0.5, 0.0, 0.0});
 }
 
-/* Names with the power of ten that the axis has taken out. */
-static void name_axis(axis *a, const char *name, const tapped_plot_table *s, int column) {
+/* Sets the name of an axis with its unit and the power of ten taken out of the tick labels. */
+static void name_axis(axis *a, const char *name, const tapped_table *s, int column) {
     char unit[120];
     sp_figure_text_escape(unit, sizeof unit, column >= 0 ? s->table->column[column].unit : "", 24);
     sp_axis_name(a, name, unit);
 }
 
 static void draw_panel(gallery *g, int k, double left, double top, double width, double height) {
-    const tapped_plot_table *s = g->of[k].s;
+    const tapped_table *s = g->of[k].s;
     const double size = TEXT_LEGEND, head = 1.6 * size;
     scene3 view = {.c = &g->canvas, .left = left, .top = top + head, .width = width, .height = height - head};
     char title[140], name[120];
@@ -219,8 +219,8 @@ static sp_status draw_all(gallery *g, const char *path, sp_error *err) {
     const int down = (g->tables + across - 1) / across;
     const double width = (across == 1 ? 1.25 * CANVAS_COLUMN : WIDE) / across,
                  height = (across == 1 ? 0.80 : 0.74) * width + 20;
-    const tapped_plot_table *s = g->of[0].s;
-    char label[TAPPED_PLOT_LABEL];
+    const tapped_table *s = g->of[0].s;
+    char label[TAPPED_LABEL];
     sp_status status = sp_canvas_open(&g->canvas, path, "Solution surfaces of a tapped column", width * across,
                                       height * down + BAR, err);
     if (status != SP_OK)
@@ -228,14 +228,14 @@ static sp_status draw_all(gallery *g, const char *path, sp_error *err) {
     for (int k = 0; k < g->tables; k++)
         draw_panel(g, k, k % across * width, (double)(k / across) * height, width, height);
     if (s->density >= 0)
-        sp_tapped_plot_axis(s, "density |\xcf\x81|", s->density, label);
+        sp_tapped_axis_label(s, "density |\xcf\x81|", s->density, label);
     else
-        sp_tapped_plot_axis(s, "|y|(|t|) \xe2\x88\x92 |y|(0)", s->first, label);
+        sp_tapped_axis_label(s, "|y|(|t|) \xe2\x88\x92 |y|(0)", s->first, label);
     draw_bar(g, label);
     return sp_canvas_save(&g->canvas, err);
 }
 
-sp_status sp_tapped_draw_surfaces(int tables, const tapped_plot_table *s, const char *path, sp_error *err) {
+sp_status sp_tapped_draw_surfaces(int tables, const tapped_table *s, const char *path, sp_error *err) {
     const limits none = {INFINITY, -INFINITY};
     gallery *g = sp_alloc(1, sizeof *g);
     if (!g)

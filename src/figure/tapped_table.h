@@ -1,75 +1,82 @@
-#ifndef SP_PLOT_COLUMN_TABLE_H
-#define SP_PLOT_COLUMN_TABLE_H
-/* Tables of `sonopack column': which output one is, and its columns as numbers. */
+#ifndef SP_FIGURE_TAPPED_TABLE_H
+#define SP_FIGURE_TAPPED_TABLE_H
+/* Reads the tables of `sonopack column` for figures: the kind of output, and its columns as numbers. */
 
 #include "figure/markup.h"
 
 #include <sonopack/figure/figure.h>
 #include <sonopack/figure/plot.h>
 
-typedef enum tapped_plot_output {
-    TAPPED_PLOT_TRAJECTORY = 0,
-    TAPPED_PLOT_STROBE,
-    TAPPED_PLOT_LYAPUNOV,
-    TAPPED_PLOT_BIFURCATION,
-    TAPPED_PLOT_COMPARE,
-    TAPPED_PLOT_DENSITY,
-    TAPPED_PLOT_ENERGY
-} tapped_plot_output;
+typedef enum tapped_output {
+    TAPPED_TRAJECTORY = 0,
+    TAPPED_STROBE,
+    TAPPED_LYAPUNOV,
+    TAPPED_BIFURCATION,
+    TAPPED_COMPARE,
+    TAPPED_DENSITY,
+    TAPPED_ENERGY
+} tapped_output;
 
-typedef struct tapped_plot_table {
+typedef struct tapped_table {
     const sp_table *table;
     const char *label;
-    tapped_plot_output output;
-    int particles; /* columns y1 .. yN; 0: none */
-    int abscissa;  /* t, tap or parameter */
-    int floor;     /* y0; < 0: none */
-    int first;     /* y1 */
-    int density;   /* rho1; < 0: none */
-} tapped_plot_table;
+    tapped_output output;
+    int particles; /* number of columns y1 .. yN; 0: none */
+    int abscissa;  /* column t, tap or parameter */
+    int floor;     /* column y0; < 0: none */
+    int first;     /* column y1 */
+    int density;   /* column rho1; < 0: none */
+} tapped_table;
 
-/* SP_EINVAL for a table of another kind or with columns missing, SP_EREFUSED for one without rows. */
-sp_status sp_tapped_plot_find(const sp_plot_table *from, tapped_plot_table *out, sp_error *err);
-/* A column of numbers by its name; < 0: there is none. */
-int sp_tapped_plot_column(const tapped_plot_table *s, const char *name);
-/* Its numbers, NAN where they are infinite; to [rows]. */
-const double *sp_tapped_plot_values(const tapped_plot_table *s, int column, double *to);
-/* The abscissa; SP_EREFUSED where it is not finite, or does not rise, or where there are fewer than two rows. */
-sp_status sp_tapped_plot_times(const tapped_plot_table *s, double *to, sp_error *err);
-/* A positive number in a comment "key = value"; NAN: none. */
-double sp_tapped_plot_setting(const tapped_plot_table *s, const char *key);
+/* Returns SP_EINVAL for a table of another kind or with columns missing, SP_EREFUSED for one without rows. */
+sp_status sp_tapped_table_read(const sp_plot_table *from, tapped_table *out, sp_error *err);
+/* Index of a column of numbers; < 0 if there is none. */
+int sp_tapped_table_column(const tapped_table *s, const char *name);
+/* Copies a column to `to` [rows], with NAN for infinite values. */
+const double *sp_tapped_table_values(const tapped_table *s, int column, double *to);
+/* Whether any of the n numbers is finite. */
+bool sp_tapped_any_finite(int64_t n, const double *y);
+/* Copies the abscissa. Returns SP_EREFUSED if it is not finite or not ascending, or has fewer than two rows. */
+sp_status sp_tapped_table_abscissa(const tapped_table *s, double *to, sp_error *err);
+/* Value of a comment "key = value" if it is a positive number, else NAN. */
+double sp_tapped_table_setting(const tapped_table *s, const char *key);
 
-enum { TAPPED_PLOT_LABEL = 200 };
-/* A name with the unit of a column behind it. */
-const char *sp_tapped_plot_axis(const tapped_plot_table *s, const char *name, int column, char out[TAPPED_PLOT_LABEL]);
-/* What the parameter of a diagram is called. */
-const char *sp_tapped_plot_parameter(const tapped_plot_table *s, char out[TAPPED_PLOT_LABEL]);
+enum { TAPPED_LABEL = 200 };
+/* Writes an axis label: the name with the unit of the column. */
+const char *sp_tapped_axis_label(const tapped_table *s, const char *name, int column, char out[TAPPED_LABEL]);
+/* Axis label of the varied parameter of a diagram. */
+const char *sp_tapped_parameter_label(const tapped_table *s, char out[TAPPED_LABEL]);
 
-/* What a table is called in a sentence, as "a trajectory". */
-const char *sp_tapped_plot_kind(tapped_plot_output output);
-/* "order (1) violated at 3 of 40 points" where the comments of a diagram warn of it; else "". */
-const char *sp_tapped_plot_violation(const tapped_plot_table *s, char out[TAPPED_PLOT_LABEL]);
+/* Description of a table for messages, as "a trajectory". */
+const char *sp_tapped_table_kind(tapped_output output);
+/* Writes "order (1) violated at 3 of 40 points" if the comments of a diagram warn of it, else "". */
+const char *sp_tapped_violation_note(const tapped_table *s, char out[TAPPED_LABEL]);
 
-/* One to four panels in the width of a column of print, one below the other. */
-typedef struct tapped_plot_sheet {
-    const char *title; /* of the document, not drawn */
+/* One to four panels below each other, one column of print wide. */
+typedef struct tapped_sheet {
+    const char *title; /* title of the document, not drawn */
     int panels;
     const sp_panel *panel; /* [panels] */
     double aspect;         /* height of a panel over its width */
     bool whole;            /* ticks of x at whole numbers only */
-    const char *note;      /* small print at the foot, markup; NULL or "": none */
-} tapped_plot_sheet;
-sp_status sp_tapped_draw_sheet(const tapped_plot_sheet *source, const char *path, sp_error *err);
+    const char *note;      /* small print at the bottom, in markup; NULL or "": none */
+} tapped_sheet;
+sp_status sp_tapped_draw_sheet(const tapped_sheet *source, const char *path, sp_error *err);
 
-/* Figures; tables of the right outputs. */
-sp_status sp_tapped_draw_trajectory(const tapped_plot_table *s, const char *path, sp_error *err);
-sp_status sp_tapped_draw_surfaces(int tables, const tapped_plot_table *s, const char *path, sp_error *err);
-sp_status sp_tapped_draw_strobe(const tapped_plot_table *s, const char *path, sp_error *err);
-sp_status sp_tapped_draw_compare(const tapped_plot_table *s, const char *path, sp_error *err);
-sp_status sp_tapped_draw_density(const tapped_plot_table *s, const char *path, sp_error *err);
-sp_status sp_tapped_draw_energy(const tapped_plot_table *s, const char *path, sp_error *err);
-/* lyapunov or bifurcation may be NULL, column then too; column: of the bifurcation. */
-sp_status sp_tapped_draw_diagram(const tapped_plot_table *bifurcation, int column, const tapped_plot_table *lyapunov,
+/* Draws a figure with memory for `count` numbers. */
+typedef sp_status tapped_draw(const tapped_table *s, double *memory, const char *path, sp_error *err);
+sp_status sp_tapped_draw_with_memory(tapped_draw *draw, size_t count, const tapped_table *s, const char *path,
+                                     sp_error *err);
+
+/* Each draws one figure; the caller has checked the kind of the tables. */
+sp_status sp_tapped_draw_trajectory(const tapped_table *s, const char *path, sp_error *err);
+sp_status sp_tapped_draw_surfaces(int tables, const tapped_table *s, const char *path, sp_error *err);
+sp_status sp_tapped_draw_strobe(const tapped_table *s, const char *path, sp_error *err);
+sp_status sp_tapped_draw_compare(const tapped_table *s, const char *path, sp_error *err);
+sp_status sp_tapped_draw_density(const tapped_table *s, const char *path, sp_error *err);
+sp_status sp_tapped_draw_energy(const tapped_table *s, const char *path, sp_error *err);
+/* Either table may be NULL. column: the column of positions in the bifurcation table. */
+sp_status sp_tapped_draw_diagram(const tapped_table *bifurcation, int column, const tapped_table *lyapunov,
                                  const char *path, sp_error *err);
 
 #endif

@@ -1,4 +1,4 @@
-/* Positions of the particles of a column against time: Fig. 1 of Blackmore et al. 2011. */
+/* Figure of the positions of a column's particles against time, as Fig. 1 of Blackmore et al. 2011. */
 #include "figure/tapped_table.h"
 
 #include "base/base.h"
@@ -9,20 +9,20 @@
 enum { LINES_MOST = 40, NAMED_MOST = 6, TAPS_MOST = 40, ROWS_MOST = 20000, BUCKETS = 5000 };
 
 typedef struct picture {
-    const tapped_plot_table *s;
-    int stride, shown; /* particles k stride, counted from the top */
+    const tapped_table *s;
+    int stride, shown; /* every stride-th particle is drawn, counted from the top */
     double *t, *value; /* [rows] */
-    int64_t points;    /* of a line at the most */
-    double *memory;    /* what is left of the lines' points */
+    int64_t points;    /* most points of one curve */
+    double *memory;    /* free part of the memory for points */
     sp_curve curve[LINES_MOST + 3 + TAPS_MOST];
-    char label[NAMED_MOST + 1][TAPPED_PLOT_LABEL];
+    char label[NAMED_MOST + 1][TAPPED_LABEL];
     double low, high; /* of all positions */
     double tap[TAPS_MOST][2], ends[2];
     int curves;
 } picture;
 
-/* Lowest and highest of each of many equal runs of rows, in their order: a line of millions of points looks the same.
- */
+/* Keeps the lowest and the highest point of each of many equal intervals, in their order. A curve of millions of points
+ * then looks the same. */
 static int64_t thin(int64_t rows, const double *t, const double *y, double *x, double *to) {
     const int64_t run = rows > ROWS_MOST ? (rows + BUCKETS - 1) / BUCKETS : 1;
     int64_t n = 0;
@@ -46,7 +46,7 @@ static int64_t thin(int64_t rows, const double *t, const double *y, double *x, d
 static sp_curve *add_line(picture *p, int column) {
     const int64_t rows = p->s->table->rows, most = p->points;
     sp_curve *c = &p->curve[p->curves++];
-    sp_tapped_plot_values(p->s, column, p->value);
+    sp_tapped_table_values(p->s, column, p->value);
     *c = (sp_curve){.n = thin(rows, p->t, p->value, p->memory, p->memory + most), .x = p->memory};
     c->y = p->memory + most;
     p->memory += 2 * most;
@@ -58,7 +58,7 @@ static sp_curve *add_line(picture *p, int column) {
     return c;
 }
 
-/* Few particles have a colour and an entry each, lowest first; of many, neighbours differ. */
+/* A few particles get a colour and a legend entry each, lowest first; of many, neighbours alternate between two. */
 static void add_particles(picture *p) {
     const int n = p->s->particles;
     for (int k = 0; k < p->shown; k++) {
@@ -67,22 +67,22 @@ static void add_particles(picture *p) {
         c->ink = n <= NAMED_MOST ? 1 + k : k % 2 == 0 ? 1 : 6;
         c->width = n <= NAMED_MOST ? 0.8 : p->shown <= 15 ? 0.7 : 0.5;
         if (n <= NAMED_MOST) {
-            snprintf(p->label[k], TAPPED_PLOT_LABEL, "|y|_{%d}", particle);
+            snprintf(p->label[k], TAPPED_LABEL, "|y|_{%d}", particle);
             c->label = p->label[k];
         } else if (k == 0) {
             if (p->stride == 1)
-                snprintf(p->label[0], TAPPED_PLOT_LABEL, "|y|_{1} \xe2\x80\xa6 |y|_{%d}", n);
+                snprintf(p->label[0], TAPPED_LABEL, "|y|_{1} \xe2\x80\xa6 |y|_{%d}", n);
             else
-                snprintf(p->label[0], TAPPED_PLOT_LABEL, "|y|_{%d}, |y|_{%d} \xe2\x80\xa6 |y|_{%d}", particle,
+                snprintf(p->label[0], TAPPED_LABEL, "|y|_{%d}, |y|_{%d} \xe2\x80\xa6 |y|_{%d}", particle,
                          particle + p->stride, n);
             c->label = p->label[0];
         }
     }
 }
 
-/* Where taps begin. */
+/* Lines at the starts of the taps. */
 static void add_taps(picture *p) {
-    const double period = sp_tapped_plot_setting(p->s, "period"), from = p->t[0], to = p->t[p->s->table->rows - 1];
+    const double period = sp_tapped_table_setting(p->s, "period"), from = p->t[0], to = p->t[p->s->table->rows - 1];
     if (!isfinite(period) || (to - from) / period > TAPS_MOST - 1)
         return;
     for (double k = ceil(from / period + 1e-9); k * period < to - 1e-9 * (to - from); k += 1) {
@@ -94,7 +94,7 @@ static void add_taps(picture *p) {
     }
 }
 
-/* The floor, with what lies below it shaded. */
+/* The floor, shaded below. */
 static void add_floor(picture *p, double *foot) {
     sp_curve *c = add_line(p, p->s->floor);
     c->label = "floor |y|_{0}";
@@ -104,8 +104,8 @@ static void add_floor(picture *p, double *foot) {
 }
 
 static sp_status draw(picture *p, double *foot, const char *path, sp_error *err) {
-    const tapped_plot_table *s = p->s;
-    char x[TAPPED_PLOT_LABEL], y[TAPPED_PLOT_LABEL];
+    const tapped_table *s = p->s;
+    char x[TAPPED_LABEL], y[TAPPED_LABEL];
     add_particles(p);
     if (s->floor >= 0)
         add_floor(p, foot);
@@ -118,8 +118,10 @@ static sp_status draw(picture *p, double *foot, const char *path, sp_error *err)
         foot[k] = p->ends[0];
     add_taps(p);
     const sp_panel panel = {
-        .x = {.label = sp_tapped_plot_axis(s, "|t|", s->abscissa, x), .low = p->t[0], .high = p->t[s->table->rows - 1]},
-        .y = {.label = sp_tapped_plot_axis(s, "|y|", s->first, y), .low = p->ends[0], .high = p->ends[1]},
+        .x = {.label = sp_tapped_axis_label(s, "|t|", s->abscissa, x),
+              .low = p->t[0],
+              .high = p->t[s->table->rows - 1]},
+        .y = {.label = sp_tapped_axis_label(s, "|y|", s->first, y), .low = p->ends[0], .high = p->ends[1]},
         .curves = p->curves,
         .curve = p->curve,
         .tight = true};
@@ -128,7 +130,7 @@ static sp_status draw(picture *p, double *foot, const char *path, sp_error *err)
     return sp_plot_sheet(&sheet, path, err);
 }
 
-sp_status sp_tapped_draw_trajectory(const tapped_plot_table *s, const char *path, sp_error *err) {
+sp_status sp_tapped_draw_trajectory(const tapped_table *s, const char *path, sp_error *err) {
     const int n = s->particles, stride = (n + LINES_MOST - 1) / LINES_MOST;
     const size_t rows = (size_t)s->table->rows, points = rows > ROWS_MOST ? 2 * BUCKETS : rows;
     picture *p = sp_alloc(1, sizeof *p);
@@ -143,7 +145,7 @@ sp_status sp_tapped_draw_trajectory(const tapped_plot_table *s, const char *path
         p->t = memory;
         p->value = memory + rows;
         p->memory = memory + 2 * rows + points;
-        status = sp_tapped_plot_times(s, p->t, err);
+        status = sp_tapped_table_abscissa(s, p->t, err);
     }
     if (status == SP_OK)
         status = draw(p, memory + 2 * rows, path, err);

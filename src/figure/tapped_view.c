@@ -1,3 +1,4 @@
+/* Draws a surface over two axes in parallel projection, with its walls and axes. */
 #include "figure/tapped_view.h"
 
 #include "base/base.h"
@@ -5,7 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Lengths of time, label and height axis before the projection, and the directions of view. */
+/* Lengths of the axes for time, label and height before the projection, and the angles of view. */
 #define LONG_TIME  1.55
 #define LONG_LABEL 1.0
 #define TALL       1.15
@@ -17,12 +18,12 @@
 typedef struct point {
     double x, y;
 } point;
-/* Parts of the axes, 0 .. 1. */
+/* Coordinates along the axes, each 0 .. 1. */
 typedef struct point3 {
     double time, label, height;
 } point3;
 
-/* From parts of the axes, 0 .. 1, to units with y downwards. */
+/* Projects such coordinates to the plane, with y downwards. */
 static point project(double time, double label, double height) {
     const double p = LONG_TIME * time, q = LONG_LABEL * label, h = TALL * height;
     const double across = p * cos(AZIMUTH) + q * sin(AZIMUTH), depth = q * cos(AZIMUTH) - p * sin(AZIMUTH);
@@ -62,7 +63,7 @@ colour sp_scene3_colour(double part) {
 
 /* ---- layout ----------------------------------------------------------------------------------------------------- */
 
-/* Ticks of an axis of that length: those of a plain frame. */
+/* Chooses the ticks of an axis of this length, as in a plain frame. */
 static void choose(canvas *c, axis *a, double letters, double length) {
     axes plain = {.x = *a, .y = *a, .width = length + 4 * letters, .height = length};
     plain.x.size = plain.y.size = letters;
@@ -73,16 +74,17 @@ static void choose(canvas *c, axis *a, double letters, double length) {
         a->tick[k] = plain.x.tick[k];
 }
 
-/* Particles are whole numbers from 1. */
-static void whole_ticks(axis *a) {
+void sp_axis_keep_whole_ticks(axis *a, double low) {
     int kept = 0;
-    for (int k = 0; k < a->ticks; k++)
-        if (fabs(a->tick[k].at - round(a->tick[k].at)) < 1e-6 && a->tick[k].at > 0.5) {
-            a->tick[kept] = a->tick[k];
-            if (a->tick[k].major)
-                snprintf(a->tick[kept].label, sizeof a->tick[kept].label, "%.0f", a->tick[k].at);
-            kept++;
-        }
+    for (int k = 0; k < a->ticks; k++) {
+        const double at = a->tick[k].at;
+        if (fabs(at - round(at)) > 1e-6 || at < low)
+            continue;
+        a->tick[kept] = a->tick[k];
+        if (a->tick[k].major)
+            snprintf(a->tick[kept].label, sizeof a->tick[kept].label, "%.0f", round(at));
+        kept++;
+    }
     a->ticks = kept;
 }
 
@@ -102,7 +104,7 @@ void sp_scene3_layout(scene3 *s) {
         s->scale = fmin(room / (right.x - left.x), tall / (low.y - high.y));
         choose(s->c, &s->time, s->letters, 0.9 * s->scale * LONG_TIME);
         choose(s->c, &s->label, s->letters, s->scale * LONG_LABEL);
-        whole_ticks(&s->label);
+        sp_axis_keep_whole_ticks(&s->label, 0.5); /* particles count from 1 */
         choose(s->c, &s->height_axis, s->letters, s->scale * TALL);
         west = widest(s, &s->height_axis) + line + 2 * TICK + 7;
         east = widest(s, &s->label) + line + TICK;
@@ -153,7 +155,7 @@ static void draw_walls(const scene3 *s) {
     cairo_stroke(cr);
 }
 
-/* Ticks stand out along `out' [pt]. */
+/* Draws the ticks of an axis along `out` [pt]. */
 static void draw_ticks(const scene3 *s, const axis *a, int which, point out, text_style style) {
     cairo_t *cr = s->c->cr;
     for (int k = 0; k < a->ticks; k++) {
@@ -168,7 +170,7 @@ static void draw_ticks(const scene3 *s, const axis *a, int which, point out, tex
     }
 }
 
-/* A name beside the middle of an edge, along it. */
+/* Writes the name of an axis beside the middle of its edge, parallel to it. */
 static void draw_name(const scene3 *s, const axis *a, point from, point to, double off) {
     const double length = hypot(to.x - from.x, to.y - from.y), angle = atan2(from.y - to.y, to.x - from.x);
     const point across = {-(to.y - from.y) / length, (to.x - from.x) / length};
@@ -183,8 +185,8 @@ static point unit(point from, point to) {
     return (point){(to.x - from.x) / length, (to.y - from.y) / length};
 }
 
-/* How far from its edge the name of the particles stands clear of their numbers, which begin at the ends of the ticks.
- */
+/* Distance from the edge at which the name of the particle axis clears the tick labels, which begin at the ends of the
+ * ticks. */
 static double beside_labels(const scene3 *s, point out, point along) {
     const point across = {-along.y, along.x};
     const double ends = (TICK + 2) * (out.x * across.x + out.y * across.y);
@@ -216,7 +218,7 @@ static point corner_of(const scene3 *s, const surface *f, int column, int row) {
     return place(s, part_of(&s->time, f->t[row]), part_of(&s->label, f->z[column]), part_of(&s->height_axis, y));
 }
 
-/* The steeper it falls with time, the darker; where it rests it has the colour of the scale. */
+/* Shade of a cell: the steeper it falls with time, the darker. Flat cells keep the colour of the scale. */
 static double light_of(const scene3 *s, const surface *f, int column, int row) {
     const size_t at = (size_t)column * (size_t)f->rows + (size_t)row;
     const double rise = (f->y[at + 1] - f->y[at]) / (s->height_axis.high - s->height_axis.low) * TALL;
@@ -248,9 +250,9 @@ static void draw_cell(const scene3 *s, const surface *f, cairo_t *cr, int column
     cairo_line_to(cr, d.x, d.y);
     cairo_close_path(cr);
     cairo_fill_preserve(cr);
-    cairo_set_line_width(cr, 0.25); /* of the same colour: no seams between cells */
+    cairo_set_line_width(cr, 0.25); /* an outline of the same colour hides the seams */
     cairo_stroke(cr);
-    /* edges that the next cells do not paint over */
+    /* edges that later cells do not cover */
     if (column + 2 == f->columns)
         mesh_line(cr, d, c, 0.7);
     else if ((column + 1) % f->every_z == 0)
@@ -263,7 +265,7 @@ static void draw_cell(const scene3 *s, const surface *f, cairo_t *cr, int column
         mesh_line(cr, a, d, 0.2);
 }
 
-/* From the back to the front, which for a surface over a grid is in the order of its cells. */
+/* Paints the cells from back to front, which for a surface over a grid is the order of its indices. */
 static void draw_cells(const scene3 *s, const surface *f, cairo_t *cr) {
     cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
     for (int column = f->columns - 2; column >= 0; column--)
@@ -285,7 +287,7 @@ static void draw_cells(const scene3 *s, const surface *f, cairo_t *cr) {
     cairo_stroke(cr);
 }
 
-/* Tens of thousands of cells make a vector figure slow: there the surface is an image. */
+/* Draws the surface. Vector figures get it as an image, because tens of thousands of cells would make them slow. */
 static void draw_surface(const scene3 *s, const surface *f) {
     if (s->c->kind == CANVAS_PNG) {
         cairo_save(s->c->cr);
@@ -304,7 +306,7 @@ static void draw_surface(const scene3 *s, const surface *f) {
     cairo_save(s->c->cr);
     cairo_translate(s->c->cr, s->left, s->top);
     cairo_scale(s->c->cr, 1 / scale, 1 / scale);
-    cairo_set_source_surface(s->c->cr, image, 0, 0); /* a failed image makes the canvas fail */
+    cairo_set_source_surface(s->c->cr, image, 0, 0); /* an error of the image becomes an error of the canvas */
     cairo_paint(s->c->cr);
     cairo_restore(s->c->cr);
     cairo_surface_destroy(image);

@@ -1,33 +1,36 @@
-#ifndef SP_PLOT_COLUMN_VIEW_H
-#define SP_PLOT_COLUMN_VIEW_H
-/* A surface over two axes, seen from the front, the right and above, without perspective. */
+#ifndef SP_FIGURE_TAPPED_VIEW_H
+#define SP_FIGURE_TAPPED_VIEW_H
+/* A surface over two axes in parallel projection, seen from the front right and above. */
 
 #include "figure/figure.h"
 
-/* y [columns][rows] over time t [rows] and label z [columns], both rising; shade [columns][rows] in -1 .. 1 or 0 .. 1
- * picks the colour. Not finite: a hole. */
+/* y [columns][rows] over time t [rows] and label z [columns], both ascending. shade [columns][rows], in -1 .. 1 or 0 ..
+ * 1, selects the colour. Cells with values that are not finite are left out. */
 typedef struct surface {
     int rows, columns;
     const double *t, *z, *y, *shade;
     bool is_signed;
     const double *floor; /* y of a line at z = floor_at; NULL: none */
     double floor_at;
-    int every_t, every_z; /* lines of the mesh */
+    int every_t, every_z; /* mesh lines at every n-th row and column */
 } surface;
 
 typedef struct scene3 {
     canvas *c;
-    double left, top, width, height; /* the part of the canvas [pt] */
-    double letters;                  /* size [pt] */
-    axis time, label, height_axis;   /* limits and names; ticks are chosen */
-    double scale, x0, y0;            /* canvas of the origin, and points a unit */
+    double left, top, width, height; /* area of the canvas [pt] */
+    double letters;                  /* font size [pt] */
+    axis time, label, height_axis;   /* limits and names are given; the layout chooses the ticks */
+    double scale, x0, y0;            /* points per unit; position of the origin */
 } scene3;
 
-/* Ticks, scale and origin for the part of the canvas. */
+/* Chooses ticks, scale and origin for the area. */
 void sp_scene3_layout(scene3 *s);
-/* Walls with the lines of the ticks behind the surface, the surface, and ticks and names in front. */
+/* Draws the walls with the grid lines, the surface, and the axes in front. */
 void sp_scene3_draw(const scene3 *s, const surface *f);
-/* Light grey at 0, towards red at 1 and blue at -1; or light yellow at 0 to dark blue at 1. */
+/* Removes the ticks that are not at whole numbers, or below low. */
+void sp_axis_keep_whole_ticks(axis *a, double low);
+/* Colours of a value. Signed: from blue at -1 over light grey at 0 to red at 1. Unsigned: from light yellow at 0 to
+ * dark blue at 1. */
 colour sp_scene3_signed_colour(double part);
 colour sp_scene3_colour(double part);
 

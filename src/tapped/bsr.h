@@ -1,52 +1,53 @@
 #ifndef SP_TAPPED_BSR_H
 #define SP_TAPPED_BSR_H
-/* What the two BSR models share: rows with densities, and the times that no step may cross. */
+/* Parts common to the two BSR models: rows with densities, and the time loop. */
 
 #include "tapped/column.h"
 
-/* As sp_tapped_row, with the density rho [N] at the particles [g/cm]. */
+/* Row callback as sp_tapped_row, with the densities rho [N] at the particles [g/cm]. */
 typedef sp_status (*sp_tapped_bsr_row)(double t, const double *y, const double *v, const double *rho, void *user,
                                        sp_error *err);
 typedef struct sp_tapped_sink {
-    int64_t n, next; /* times, and the first that is still to come */
+    int64_t n, next; /* number of times; the next one to write */
     const double *t;
     sp_tapped_bsr_row row;
     void *user;
 } sp_tapped_sink;
 
+/* Runs the variant c->bsr. Arguments otherwise as for sp_tapped_solver. */
+sp_status sp_tapped_run_bsr_sink(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report,
+                                 sp_error *err);
+/* The two schemes behind it. */
 sp_status sp_tapped_conservative(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report,
                                  sp_error *err);
 sp_status sp_tapped_literal(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report, sp_error *err);
 
-/* Positions, velocities [N + 1], the floor first, and densities [N] at the start and the end of a step. */
+/* State at one end of a step: positions and velocities [N + 1], the floor first, and densities [N]. */
 typedef struct sp_tapped_frame {
     double t;
     double *y, *v, *rho;
 } sp_tapped_frame;
-sp_status sp_tapped_frames_make(const sp_tapped_spec *c, sp_tapped_frame frame[2], sp_error *err);
-void sp_tapped_frames_free(sp_tapped_frame frame[2]);
-/* Hands over the rows in frame[0].t .. frame[1].t, interpolated between the two; and notes
- * separations and violations at frame[1] in the report. */
-sp_status sp_tapped_frames_pass(const sp_tapped_spec *c, sp_tapped_frame frame[2], sp_tapped_sink *sink,
-                                sp_tapped_report *report, sp_error *err);
 
-/* Equal particles, which (43)-(48) take for granted, or SP_EINVAL. */
+typedef struct sp_tapped_bsr_scheme {
+    void *model;
+    /* Writes the initial state, except that of the floor. */
+    void (*start)(void *model, sp_tapped_frame *at);
+    /* Takes one step, at most to `until`, and writes the new state. */
+    sp_status (*step)(void *model, double until, const sp_tapped_frame *from, sp_tapped_frame *to, sp_error *err);
+} sp_tapped_bsr_scheme;
+/* Integrates over all taps. Steps end at the jumps of the floor's velocity. Rows are interpolated; separations and
+ * violations go into the report. */
+sp_status sp_tapped_bsr_integrate(const sp_tapped_spec *c, const sp_tapped_bsr_scheme *scheme, sp_tapped_sink *sink,
+                                  sp_tapped_report *report, sp_error *err);
+
+/* Shortens a step dt from t so that its end, *end, does not exceed `until`. Returns SP_EFAILED if dt is lost in the
+ * rounding of t. */
+sp_status sp_tapped_bsr_limit_step(double t, double until, double *dt, double *end, sp_error *err);
+/* Returns SP_EFAILED if the sum of the solution's values at t is not finite. */
+sp_status sp_tapped_bsr_check_finite(double sum, double t, sp_error *err);
+/* Returns SP_EINVAL unless all particles are equal, as (43)-(48) assume. */
 sp_status sp_tapped_check_equal(const sp_tapped_spec *c, sp_error *err);
-/* SP_EINVAL for a column.time_step above the stable one. */
-sp_status sp_tapped_check_step(const sp_tapped_spec *c, double bound, sp_error *err);
-
-/* The times at which the floor's velocity jumps, in their order: k T and k T + pi/omega. */
-typedef struct sp_tapped_clock {
-    int32_t tap;
-    bool half; /* the half sine of this tap is over */
-} sp_tapped_clock;
-static inline double sp_tapped_clock_next(const sp_tapped_spec *c, const sp_tapped_clock *k) {
-    double end = (k->tap + 1) * c->period;
-    return k->half ? end : fmin(end, k->tap * c->period + 0.5 / c->frequency);
-}
-static inline void sp_tapped_clock_pass(const sp_tapped_spec *c, sp_tapped_clock *k) {
-    bool over = sp_tapped_clock_next(c, k) >= (k->tap + 1) * c->period;
-    *k = (sp_tapped_clock){.tap = k->tap + over, .half = !over};
-}
+/* Returns SP_EINVAL if column.time_step is above the stability bound. */
+sp_status sp_tapped_check_time_step(const sp_tapped_spec *c, double bound, sp_error *err);
 
 #endif

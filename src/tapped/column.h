@@ -1,35 +1,38 @@
 #ifndef SP_TAPPED_COLUMN_H
 #define SP_TAPPED_COLUMN_H
-/* What the models of the column share. */
+/* Declarations shared by the models of the tapped column. */
 
 #include <math.h>
 #include <sonopack/tapped/tapped.h>
 
 static const double sp_tapped_pi = 3.14159265358979323846;
 
-/* One model: as sp_tapped_run. report is never NULL, its taps are there, zeroed but for rest and at (NAN) and
- * separation (INFINITY); t is ascending, within the taps. */
+/* The solver of one model, with the arguments of sp_tapped_run. The caller has checked that t is ascending and within
+ * the taps, and has allocated report->tap: zero except rest and at (NAN) and separation (INFINITY). */
 typedef sp_status sp_tapped_solver(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_row row, void *user,
                                    sp_tapped_report *report, sp_error *err);
-sp_tapped_solver sp_tapped_run_events, sp_tapped_run_smooth, sp_tapped_run_rk4, sp_tapped_run_longwave,
-    sp_tapped_run_conservative, sp_tapped_run_literal;
-/* (35) and (37): SP_EREFUSED, with the symbol in the text. */
+sp_tapped_solver sp_tapped_run_events, sp_tapped_run_ode, sp_tapped_run_longwave, sp_tapped_run_bsr;
+/* Models (35) and (37): returns SP_EREFUSED; the message gives the growth rate of the worst wave. */
 sp_tapped_solver sp_tapped_refuse_printed;
 
-/* Whether a run may go on after so many steps: SP_EINTERRUPTED if it is stopped, SP_EFAILED above `most` (0: any). */
-sp_status sp_tapped_go_on(const sp_tapped_spec *c, int64_t steps, int64_t most, double t, sp_error *err);
-/* Most steps of one tap of continua, smooth lattice and RK4: what needs more is refused. */
+/* A report with one entry for each of c->taps, as a solver expects it. Free with sp_tapped_report_free. */
+sp_status sp_tapped_report_make(const sp_tapped_spec *c, sp_tapped_report *r, sp_error *err);
+
+/* Called once a step, at time t. Returns SP_EINTERRUPTED if the user has stopped the run, and SP_EFAILED after more
+ * than `most` steps (0: no limit). */
+sp_status sp_tapped_check_steps(const sp_tapped_spec *c, int64_t steps, int64_t most, double t, sp_error *err);
+/* Limit on the steps of one tap, for the continua, the smooth lattice and RK4. */
 enum { SP_TAPPED_MOST_STEPS = 10000000 };
 
-/* SP_EINVAL unless times are ascending and within the taps. */
+/* Returns SP_EINVAL unless the times ascend and lie within the taps. */
 sp_status sp_tapped_check_times(const sp_tapped_spec *c, int64_t n, const double *t, sp_error *err);
 
-/* Contact i (0 .. N - 1) has particle i + 1 above it. */
+/* Distance of the two centres when contact i (0 .. N - 1) just touches; contact i lies below particle i + 1. */
 static inline double sp_tapped_distance(const sp_tapped_spec *c, int32_t contact) {
     return sp_tapped_radius(c, contact + 1) + (contact > 0 ? sp_tapped_radius(c, contact) : 0);
 }
 
-/* Diagrams of the lattice by events, which the caller has made sure of: Lyapunov exponents and bifurcations. */
+/* Bifurcation and Lyapunov diagrams. The caller has checked that c asks for the lattice by events. */
 sp_status sp_tapped_diagram(const sp_tapped_spec *c, int threads, sp_tapped_watcher watcher, sp_table *out,
                             sp_error *err);
 

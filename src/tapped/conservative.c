@@ -1,20 +1,22 @@
-/* BSR in conservative form: mass and momentum of a compressible column,
+/* The BSR model in conservative form: mass and momentum of a compressible column.
  *
  *     rho_t + (rho u)_z = 0,   (rho u)_t + (rho u^2 + P)_z = -rho g,
- *     P = K (h - s)_+ (1 - e tanh(alpha_v s u_z)),   s = m/rho, the distance of neighbours,
+ *     P = K (h - s)_+ (1 - e tanh(alpha_v s u_z)),   s = m/rho, the distance of neighbours.
  *
- * which is what (45) means: s_t + u s_z = s u_z is the velocity at which a distance opens, so that P is the force (18)
- * of a contact. (With h u_z, that at s = h, the lower half of a tall column is too viscous: 80 particles are 0.017 cm
- * from the smooth lattice in the mean, and with s u_z 0.002 cm.) Below s = h sound travels at c = s sqrt(K/m) along z;
- * above, the particles do not touch and there is no pressure, nor any sound.
+ * This is what (45) intends. From s_t + u s_z = s u_z, a distance opens with the velocity s u_z, so that P is the force
+ * (18) of a contact. (The choice h u_z, its value at s = h, makes the lower half of a tall column too viscous. For 80
+ * particles the mean difference from the smooth lattice is then 0.017 cm, with s u_z 0.002 cm.) Below s = h the speed
+ * of sound along z is c = s sqrt(K/m). Above, the particles do not touch, and there is neither pressure nor sound.
  *
- * Cells of equal length that move with the lowest of them: a column that flies as one does not move through them, and
- * its edge stays sharp. The floor bears on the edge Y as on half a distance of particles, F = 2 K (1 - e sigma)
- * (y0 - Y)_+: in the lattice the whole overlap of the lowest contact lies below particle 1, where the column has only
- * half of it; on a rigid floor all particles would rest N m g/(2K) too high. Rusanov's fluxes, of states at the faces
- * that see s^2 and u as straight lines (minmod): s^2 is one at rest, so that nothing flows there. With plain cell means
- * five particles at rest creep by 0.028 cm with cells of h/8; so, by 0.0001 cm. In flight gravity acts in two
- * halves around the rest of the step, so that free fall is exact. */
+ * The cells have equal lengths and move with the lowest one. A column in flight therefore does not move relative to
+ * them, and its edge stays sharp. The floor acts on the edge Y as over half a particle distance, F = 2 K (1 - e sigma)
+ * (y0 - Y)_+. In the lattice the whole overlap of the lowest contact lies below particle 1, but in the column only half
+ * of it. With a rigid floor all particles would rest N m g/(2K) too high.
+ *
+ * The fluxes are Rusanov's. The states at the faces are reconstructed from s^2 and u, linearly with minmod slopes. At
+ * rest s^2 is linear, so that nothing flows: five particles creep by 0.0001 cm with cells of h/8, and with piecewise
+ * constant states by 0.028 cm. In flight gravity acts in two half steps around the rest of the step, so that free fall
+ * is exact. */
 #include "base/base.h"
 #include "tapped/bsr.h"
 
@@ -22,22 +24,23 @@
 
 typedef struct fluid {
     const sp_tapped_spec *c;
-    double m, h, stiffness, mean; /* mean: density of particles that just touch, m/h */
-    double dx, edge;              /* of a cell; height of the lower edge of the first */
-    double t;
-    int64_t cells, used;                 /* room for; with something in them */
-    double *rho, *q, *next_rho, *next_q; /* density, momentum [cells] */
-    double *u, *s;                       /* velocity, distance (h where particles do not touch) */
-    double *low, *high, *tilt; /* s at the lower and the upper face of a cell, half of what u gains on the way */
-    double *push, *drag;       /* P at lower faces, its viscous part over a difference of velocities */
-    double *pivot, *moved;     /* of the implicit equations for the velocities */
+    double m, h, stiffness, mean; /* mean: density m/h of particles that just touch */
+    double dx, edge;              /* length of a cell; lower edge of the first cell */
+    double t, mass_error;
+    int64_t cells, used;                 /* allocated; in use */
+    double *rho, *q, *next_rho, *next_q; /* densities and momenta [cells] */
+    double *u, *s;                       /* velocity; distance of neighbours, h where they do not touch */
+    double *low, *high, *tilt;           /* s at the lower and upper face of a cell; half the change of u across it */
+    double *push, *drag;   /* elastic P at the lower faces; viscous part of P over the velocity difference */
+    double *pivot, *moved; /* of the implicit equations for the velocities */
     double *block;
 } fluid;
 
 enum { parts = 13 };
 
-/* Of the density m/h: less counts as nothing, and has no velocity; a lowest cell that has less goes into the next. Of
- * dx over the fastest signal: Euler's step with slopes keeps its order below half of it. */
+/* nothing and crumb are relative to the density m/h. A cell below `nothing` is empty and has no velocity of its own. A
+ * lowest cell below `crumb` is merged into the next. safety is the Courant number: Euler's step with linear
+ * reconstruction keeps its order below one half. */
 static const double nothing = 1e-20, crumb = 1e-4, safety = 0.4;
 
 static sp_status resize(fluid *f, int64_t cells, sp_error *err) {
@@ -61,8 +64,8 @@ static sp_status resize(fluid *f, int64_t cells, sp_error *err) {
     return SP_OK;
 }
 
-/* Mass below the height x over the lower edge: of a column that just touches, and of one at rest, where
- * s^2 = (h - N M)^2 + 2 M x balances gravity, M = m g/K. */
+/* Mass below the height x above the lower edge: of a column that just touches, or of one at rest. There s^2 = (h - N
+ * M)^2 + 2 M x balances gravity, M = m g/K. */
 static double mass_below(const fluid *f, double x) {
     double n = f->c->particles, sag = f->m * f->c->gravity / f->stiffness, low = f->h - n * sag;
     if (f->c->drop >= 0)
@@ -90,7 +93,7 @@ static sp_status start(const sp_tapped_spec *c, fluid *f, sp_error *err) {
 
 /* ---- one step --------------------------------------------------------------------------------------------------- */
 
-/* Velocities and distances of cells; returns the largest stable step. */
+/* Computes velocities and distances in the cells; returns the longest stable step. */
 static double measure(fluid *f) {
     const double root = sqrt(f->stiffness / f->m), bottom = f->q[0] / f->rho[0];
     const double under = sp_tapped_floor_velocity(f->c, f->t);
@@ -105,8 +108,8 @@ static double measure(fluid *f) {
     return safety * f->dx / speed;
 }
 
-/* The same, known beforehand: sound where particles just touch, and a floor that meets the column at its velocity and
- * at that of its fall. */
+/* A lower bound of the stable step, known before the run: from the speed of sound where particles just touch, the
+ * velocity of the floor, and that of the column's fall. */
 static double stable_step(const fluid *f) {
     const sp_tapped_spec *c = f->c;
     double speed = f->h * sqrt(f->stiffness / f->m) + 2 * sp_tapped_pi * c->frequency * c->amplitude +
@@ -116,7 +119,7 @@ static double stable_step(const fluid *f) {
 
 static double minmod(double a, double b) { return a * b <= 0 ? 0 : fabs(a) < fabs(b) ? a : b; }
 
-/* s^2 is a straight line in a column at rest, and so are its parts here: at rest the faces see no difference. */
+/* s^2 is linear in a column at rest, and so is its reconstruction here: at rest the faces see no jump. */
 static void slopes(fluid *f) {
     for (int64_t i = 0; i < f->used; i++) {
         double square = f->s[i] * f->s[i], slope = 0;
@@ -138,8 +141,8 @@ static void slopes(fluid *f) {
 /* tanh(a x)/x */
 static double bend(double a, double x) { return fabs(a * x) < 1e-4 ? a : tanh(a * x) / x; }
 
-/* The elastic part of P at the faces, and the drag of the other, e P tanh(alpha_v s u_z) over the difference of
- * velocities; of the floor likewise. Returns how far the floor gets into the column if that rests. */
+/* Computes the elastic part of P at the faces. The viscous part, e P tanh(alpha_v s u_z), is kept as a drag
+ * coefficient: its ratio to the velocity difference. The same holds for the floor. */
 static void press(fluid *f, double dt) {
     const sp_tapped_spec *c = f->c;
     const double before = sp_tapped_floor(c, f->t) - f->edge;
@@ -154,22 +157,23 @@ static void press(fluid *f, double dt) {
     f->drag[0] = 2 * f->stiffness * fmax(0, before) * c->e * bend(c->alpha_v, opening);
 }
 
-/* Whether the floor bears on the column at the end of the step. */
+/* Whether the floor touches the column at the end of the step. */
 static bool floor_meets(const fluid *f, double dt) {
     double free = f->u[0] - dt * (f->c->gravity + f->push[1] / (f->rho[0] * f->dx));
     return sp_tapped_floor(f->c, f->t + dt) > f->edge + dt * free;
 }
 
-/* Adds the viscous part to P, and finds P of the floor and the velocity of the edge, that of the first cell after the
- * step; all by velocities at its end: explicitly the drag would need steps of dx^2 m/(K e alpha_v h^3), a hundredth
- * of what sound needs, and the floor's shorter ones the emptier the first cell is. */
+/* Solves for the velocities at the end of the step, then adds the viscous part to P and computes P at the floor.
+ * Returns the velocity of the edge, which is that of the first cell. The equations are implicit, because an explicit
+ * drag would need steps of dx^2 m/(K e alpha_v h^3), a hundredth of what sound needs, and the floor even shorter ones
+ * when the first cell is nearly empty. */
 static double resist(fluid *f, double dt, bool meets) {
     const sp_tapped_spec *c = f->c;
     const double under = sp_tapped_floor_velocity(c, f->t + dt / 2), sunk = sp_tapped_floor(c, f->t + dt) - f->edge;
     const double spring = meets ? 2 * f->stiffness : 0;
     if (!meets)
         f->drag[0] = 0;
-    for (int64_t i = 0; i < f->used; i++) { /* Thomas' elimination */
+    for (int64_t i = 0; i < f->used; i++) { /* tridiagonal elimination (Thomas) */
         double above = i + 1 < f->used ? f->drag[i + 1] : 0, inertia = f->rho[i] * f->dx;
         f->pivot[i] = inertia + dt * (f->drag[i] + above);
         f->moved[i] = inertia * f->u[i] - dt * ((i + 1 < f->used ? f->push[i + 1] : 0) - f->push[i]);
@@ -228,7 +232,7 @@ static void kick(fluid *f, double dt) {
         f->u[i] -= dt * f->c->gravity;
 }
 
-/* A lowest cell that is as good as empty goes into the next: the edge is that of what is there. */
+/* Merges a nearly empty lowest cell into the next, so that the edge is that of the matter. */
 static void drop_crumbs(fluid *f) {
     while (f->used > 2 && f->rho[0] < crumb * f->mean && f->rho[1] > f->rho[0]) {
         f->rho[1] += f->rho[0];
@@ -240,7 +244,7 @@ static void drop_crumbs(fluid *f) {
     }
 }
 
-/* There is always an empty cell on top. */
+/* Ensures that the top cell is empty. */
 static sp_status make_room(fluid *f, sp_error *err) {
     while (f->used < 2 || f->rho[f->used - 1] > nothing * f->mean) {
         if (f->used == f->cells) {
@@ -260,15 +264,14 @@ static void swap(double **a, double **b) {
     *b = c;
 }
 
-static sp_status step(fluid *f, double until, sp_error *err) {
-    double dt = measure(f), gravity = f->c->gravity;
+/* Advances the fluid by one step, at most to `until`. */
+static sp_status advance(fluid *f, double until, sp_error *err) {
+    double dt = measure(f), gravity = f->c->gravity, end;
     if (f->c->time_step > 0)
         dt = fmin(dt, f->c->time_step);
-    bool last = f->t + dt >= until;
-    if (last)
-        dt = until - f->t;
-    if (!last && !(f->t + dt > f->t))
-        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the velocities leave no step", f->t);
+    sp_status status = sp_tapped_bsr_limit_step(f->t, until, &dt, &end, err);
+    if (status != SP_OK)
+        return status;
     slopes(f);
     press(f, dt);
     bool meets = floor_meets(f, dt);
@@ -284,18 +287,20 @@ static sp_status step(fluid *f, double until, sp_error *err) {
         sum += f->rho[i] + f->q[i];
     }
     f->edge += dt * edge;
-    if (!isfinite(sum + f->edge))
-        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: not a number", f->t);
-    f->t = last ? until : f->t + dt;
+    status = sp_tapped_bsr_check_finite(sum + f->edge, f->t, err);
+    if (status != SP_OK)
+        return status;
+    f->t = end;
     drop_crumbs(f);
     return make_room(f, err);
 }
 
 /* ---- the run ---------------------------------------------------------------------------------------------------- */
 
-/* Particle i is where the mass below is (i - 1/2) m. Returns the mass of all. */
-static double place(const fluid *f, sp_tapped_frame *out) {
-    double below = 0;
+/* Puts particle i where the mass below is (i - 1/2) m, and records the error of the total mass. */
+static void place(void *model, sp_tapped_frame *out) {
+    fluid *f = model;
+    double below = 0, all = f->c->particles * f->m;
     int32_t particle = 1;
     out->t = f->t;
     for (int64_t i = 0; i < f->used; i++) {
@@ -307,50 +312,31 @@ static double place(const fluid *f, sp_tapped_frame *out) {
         }
         below += here;
     }
-    return below;
+    f->mass_error = fmax(f->mass_error, fabs(below - all) / all);
 }
 
-static sp_status go(fluid *f, sp_tapped_frame frame[2], sp_tapped_sink *sink, sp_tapped_report *report, sp_error *err) {
-    const sp_tapped_spec *c = f->c;
-    const double end = sp_tapped_taps(c) * c->period, all = c->particles * f->m;
-    sp_tapped_clock clock = {0};
-    sp_status status = SP_OK;
-    report->error = fabs(place(f, &frame[1]) - all) / all;
-    frame[0].t = frame[1].t;
-    status = sp_tapped_frames_pass(c, frame, sink, report, err);
-    while (status == SP_OK && f->t < end) {
-        sp_tapped_frame old = frame[0];
-        frame[0] = frame[1];
-        frame[1] = old;
-        status = step(f, sp_tapped_clock_next(c, &clock), err);
-        if (status != SP_OK)
-            break;
-        if (f->t >= sp_tapped_clock_next(c, &clock))
-            sp_tapped_clock_pass(c, &clock);
-        report->steps++;
-        report->error = fmax(report->error, fabs(place(f, &frame[1]) - all) / all);
-        status = sp_tapped_frames_pass(c, frame, sink, report, err);
-    }
+static sp_status step(void *model, double until, const sp_tapped_frame *from, sp_tapped_frame *to, sp_error *err) {
+    (void)from;
+    sp_status status = advance(model, until, err);
+    if (status == SP_OK)
+        place(model, to);
     return status;
 }
 
 sp_status sp_tapped_conservative(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report,
                                  sp_error *err) {
     fluid f = {0};
-    sp_tapped_frame frame[2] = {{.t = 0}, {.t = 0}};
+    const sp_tapped_bsr_scheme scheme = {&f, place, step};
     sp_status status = sp_tapped_check_equal(c, err);
     if (status == SP_OK)
         status = start(c, &f, err);
     if (status == SP_OK)
         status = make_room(&f, err);
     if (status == SP_OK)
-        status = sp_tapped_check_step(c, stable_step(&f), err);
+        status = sp_tapped_check_time_step(c, stable_step(&f), err);
     if (status == SP_OK)
-        status = sp_tapped_frames_make(c, frame, err);
-    if (status == SP_OK)
-        status = go(&f, frame, sink, report, err);
-    report->time_step = c->time_step;
-    sp_tapped_frames_free(frame);
+        status = sp_tapped_bsr_integrate(c, &scheme, sink, report, err);
+    report->error = f.mass_error;
     sp_free(f.block);
     return status;
 }

@@ -1,4 +1,4 @@
-/* When the next event happens: zeros of Taylor polynomials, the first of them for certain. */
+/* Finds the time of the next event: the first zero of the Taylor polynomials, with certainty. */
 #include "tapped/lattice.h"
 
 #include <float.h>
@@ -27,10 +27,10 @@ static double curvature(const double *f, int n, double end) {
     return n >= 2 ? bound * end + 2 * f[2] : 0;
 }
 
-/* f stays below the parabola through its value and slope with the largest curvature ahead: up to the parabola's zero
- * there is none of f. Steps to that converge like Newton's, from one side. */
+/* With the largest curvature ahead, the parabola through the value and slope of f lies above f. Up to the zero of the
+ * parabola f has no zero. Steps to these zeros converge from one side, like Newton's method. */
 double sp_first_root(const double *f, int n, double h) {
-    while (n >= 0 && f[0] == 0) /* f/tau has the same sign */
+    while (n >= 0 && f[0] == 0) /* f/tau has the same sign as f */
         f++, n--;
     if (n < 0)
         return INFINITY;
@@ -47,7 +47,7 @@ double sp_first_root(const double *f, int n, double h) {
         double next = tau + step;
         if (next > end && end >= h)
             return INFINITY;
-        if (next > end) { /* none up to there */
+        if (next > end) { /* no zero up to there */
             next = end;
             end = h;
             bend = curvature(f, n, end);
@@ -62,7 +62,7 @@ double sp_first_root(const double *f, int n, double h) {
 typedef struct search {
     sp_lattice *l;
     lattice_event best;
-    double reach_floor; /* by how much y0'' changes within h at most */
+    double reach_floor; /* bound of the change of y0'' within h */
 } search;
 
 static void take(search *s, event_kind kind, int32_t contact, const double *f, int n) {
@@ -81,7 +81,7 @@ static void opening_series(const sp_lattice *l, int32_t j, double sign, double *
         f[p - 1] = -sign * p * l->c[(size_t)p * (size_t)l->stride + (size_t)j];
 }
 
-/* How far overlaps (value) and openings (slope) can get within h. */
+/* Bounds of the changes of the overlaps (value) and of the opening velocities (slope) within h. */
 static inline void reach_lanes(sp_lattice *l, double h, int32_t lanes) {
     double *restrict value = l->value, *restrict slope = l->slope;
     for (int32_t j = 0; j < lanes; j++)
@@ -128,13 +128,13 @@ static void search_mover(search *s, int32_t j) {
 
 static const double nothing[1] = {0};
 
-/* The force on sticking contact i: between the forces at the ends of its cluster in proportion to the mass that it
- * carries; above the floor, what that mass needs. */
+/* The force on sticking contact i interpolates between the forces at the two ends of its cluster, in proportion to the
+ * mass that it carries. For the cluster on the floor it follows from that mass and the floor's acceleration. */
 static void search_stuck(search *s, int32_t j, int32_t i) {
     sp_lattice *l = s->l;
     int32_t top = j + 1;
     size_t stride = (size_t)l->stride;
-    const double *c_top = top < l->movers ? l->c + top : nothing; /* nothing is on top of the uppermost cluster */
+    const double *c_top = top < l->movers ? l->c + top : nothing; /* nothing rests on the uppermost cluster */
     size_t stride_top = top < l->movers ? stride : 0;
     double above = top < l->movers ? l->stiffness[top] : 0, below = j >= 0 ? l->stiffness[j] : 0;
     double carried = l->carried[i], share = j >= 0 ? carried * l->inverse_mass[j] : 0;
@@ -164,7 +164,7 @@ static void search_stuck(search *s, int32_t j, int32_t i) {
 lattice_event sp_lattice_next_event(sp_lattice *l, double h) {
     search s = {l, {EVENT_NONE, -1, h}, 0};
     double power = h;
-    for (int p = 1; l->lifted && p <= l->order; p++, power *= h)
+    for (int p = 1; l->floor_moves && p <= l->order; p++, power *= h)
         s.reach_floor += fabs(l->floor[p]) * power;
     find_reach(l, h);
     for (int32_t j = 0; j < l->movers; j++)

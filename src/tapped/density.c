@@ -1,4 +1,4 @@
-/* Density along the column, by each model's own definition. */
+/* Density along the column, by the definition of each model. */
 #include "base/base.h"
 #include "tapped/bsr.h"
 
@@ -9,10 +9,10 @@ typedef struct local {
     void *user;
 } local;
 
-/* The lattice: m over the length that is a particle's, from the floor to the top. The distance of two neighbours is
- * shared in proportion to their radii, half for equal ones; the lowest has all down to the floor, the highest its own
- * radius upwards. The sum of rho times length is the mass of all, and a column that just touches has m/2r everywhere,
- * (42). No density where neighbours have passed each other. */
+/* Lattice: mass over the length that belongs to a particle. Neighbours share their distance in proportion to their
+ * radii. The lowest particle has all the length down to the floor, the highest one radius upwards. The sum of rho times
+ * length is then the mass of the column, and a column that just touches has m/2r everywhere, (42). Where neighbours
+ * have passed each other the density is NAN. */
 static sp_status of_lattice(double t, const double *y, const double *v, void *user, sp_error *err) {
     const local *to = user;
     const int32_t n = to->c->particles;
@@ -28,8 +28,8 @@ static sp_status of_lattice(double t, const double *y, const double *v, void *us
     return to->row(t, y, to->rho, to->user, err);
 }
 
-/* The long wave: rho = m/(h y_z), (41) along a label, with y_z by differences of second order at the labels. One
- * particle alone has no y_z, and m/h. */
+/* Long wave: rho = m/(h y_z), (41) along a label, with second-order differences for y_z. A single particle has no y_z
+ * and gets m/h. */
 static sp_status of_labels(double t, const double *y, const double *v, void *user, sp_error *err) {
     const local *to = user;
     const int32_t n = to->c->particles;
@@ -55,24 +55,23 @@ static sp_status of_bsr(double t, const double *y, const double *v, const double
     return to->row(t, y, rho, to->user, err);
 }
 
-/* The BSR models hand over their densities beside the rows; what sp_tapped_run checks before them is checked here. */
+/* The BSR models write densities with their rows. This function repeats the checks of sp_tapped_run. */
 static sp_status run_bsr(const sp_tapped_spec *c, int64_t n, const double *t, local *to, sp_error *err) {
     sp_tapped_sink sink = {.n = n, .t = t, .row = of_bsr, .user = to};
-    sp_tapped_report report = {.violated_at = NAN, .violated = -1, .taps = sp_tapped_taps(c)};
+    sp_tapped_report report = {0};
     sp_status status = sp_tapped_check_times(c, n, t, err);
-    if (status != SP_OK)
-        return status;
-    report.tap = sp_alloc((size_t)report.taps, sizeof *report.tap);
-    if (!report.tap)
-        return sp_fail_memory(err, (size_t)report.taps * sizeof *report.tap);
-    status = c->bsr == SP_TAPPED_BSR_CONSERVATIVE ? sp_tapped_conservative(c, &sink, &report, err)
-                                                  : sp_tapped_literal(c, &sink, &report, err);
+    if (status == SP_OK)
+        status = sp_tapped_report_make(c, &report, err);
+    if (status == SP_OK)
+        status = sp_tapped_run_bsr_sink(c, &sink, &report, err);
     sp_tapped_report_free(&report);
     return status;
 }
 
-sp_status sp_tapped_run_density(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_density_row row,
+sp_status sp_tapped_run_density(const sp_tapped_spec *spec, int64_t n, const double *t, sp_tapped_density_row row,
                                 void *user, sp_error *err) {
+    sp_tapped_spec own = *spec, *c = &own;
+    own.taps = sp_tapped_taps(spec);
     local to = {.c = c, .row = row, .user = user};
     sp_status status = sp_tapped_check(c, err);
     if (status != SP_OK)

@@ -1,12 +1,11 @@
-/* Diagrams: one column after the other over a parameter, by several threads; each starts anew, so that a point depends
- * on nothing but its parameter. */
+/* Bifurcation and Lyapunov diagrams over a parameter, computed in parallel. Each point starts afresh, so that it
+ * depends on its parameter alone. */
 #include "base/base.h"
-#include "base/team.h"
+#include "base/pool.h"
 #include "tapped/events.h"
 #include "tapped/table.h"
 
 #include <stdatomic.h>
-#include <stdio.h>
 #include <string.h>
 
 static const char *const units[] = {"cm", "s", "Hz", ""};
@@ -14,12 +13,12 @@ static const char *const units[] = {"cm", "s", "Hz", ""};
 typedef struct diagram {
     const sp_tapped_spec *c;
     sp_tapped_watcher watcher;
-    int32_t points, kept; /* of each point, rows of `values` numbers */
+    int32_t points, kept; /* kept: rows of `values` numbers for each point */
     int32_t values;
     double *value;     /* [points][kept][values] */
     sp_status *status; /* [points] */
-    bool *violated;    /* [points]: ordering (1) */
-    sp_error *reason;  /* the first failure's */
+    bool *violated;    /* [points]: whether ordering (1) was violated */
+    sp_error *reason;  /* the first failure */
     atomic_int next, done, failed;
     atomic_bool stop;
 } diagram;
@@ -45,7 +44,7 @@ static sp_tapped_spec spec_at(const sp_tapped_spec *c, int32_t point) {
     return own;
 }
 
-/* Positions at the moments before taps: (k - 0.01) T. */
+/* Stores the positions at (k - 0.01) T. */
 typedef struct keeper {
     int32_t n;
     double *to;
@@ -60,22 +59,20 @@ static sp_status keep(double t, const double *y, const double *v, void *user, sp
 }
 
 static sp_status bifurcate(const sp_tapped_spec *c, double *value, bool *violated, sp_error *err) {
-    sp_tapped_tap tap;
-    sp_tapped_report report = {.taps = 1, .tap = &tap, .violated_at = NAN, .violated = -1};
-    sp_run r;
+    sp_event_run r;
     keeper k = {c->particles, value};
     double moment = 0.99 * c->period;
-    sp_status status = sp_run_make(c, 0, &report, &r, err);
+    sp_status status = sp_event_run_make(c, 0, NULL, &r, err);
     if (status == SP_OK)
         sp_lattice_start(&r.l);
     r.time = &moment, r.row = keep, r.user = &k;
     for (int32_t i = 0; status == SP_OK && i < c->transient + c->taps; i++) {
         r.rows = i < c->transient ? 0 : 1;
         r.next = 0;
-        status = sp_run_tap(&r, 0, err);
+        status = sp_event_run_tap(&r, 0, err);
     }
-    *violated = report.violated >= 0;
-    sp_run_free(&r);
+    *violated = r.report->violated >= 0;
+    sp_event_run_free(&r);
     return status;
 }
 
@@ -143,12 +140,7 @@ static sp_status add_columns(const diagram *d, sp_table *t, sp_error *err) {
     }
     if (status == SP_OK)
         status = sp_table_add_column(t, "tap", "", SP_CELL_INTEGER, err);
-    for (int32_t i = 1; status == SP_OK && i <= c->particles; i++) {
-        char name[16];
-        snprintf(name, sizeof name, "y%d", i);
-        status = sp_table_add_column(t, name, "cm", SP_CELL_NUMBER, err);
-    }
-    return status;
+    return status == SP_OK ? sp_tapped_add_particles(c, "y", 1, "cm", t, err) : status;
 }
 
 static sp_status add_point(const diagram *d, int32_t point, double *row, sp_table *t, sp_error *err) {
@@ -166,7 +158,7 @@ static sp_status add_point(const diagram *d, int32_t point, double *row, sp_tabl
     return status;
 }
 
-static sp_status note_violations(const diagram *d, sp_table *t, sp_error *err) {
+static sp_status comment_violations(const diagram *d, sp_table *t, sp_error *err) {
     int32_t count = 0, first = -1;
     char value[SP_NUMBER_TEXT];
     for (int32_t k = 0; k < d->points; k++)
@@ -191,20 +183,20 @@ static sp_status write_table(const diagram *d, sp_table *t, sp_error *err) {
         status =
             sp_table_add_comment(t, err, "%d points could not be made (nan); the first: %s", failed, d->reason->text);
     if (status == SP_OK)
-        status = note_violations(d, t, err);
+        status = comment_violations(d, t, err);
     for (int32_t k = 0; status == SP_OK && k < d->points; k++)
         status = add_point(d, k, row, t, err);
     sp_free(row);
     return status;
 }
 
-static sp_status run_team(diagram *d, int threads, sp_error *err) {
-    sp_team *team = NULL;
-    sp_status status = sp_team_make(threads < d->points ? threads : d->points, &team, err);
+static sp_status run_points(diagram *d, int threads, sp_error *err) {
+    sp_pool *team = NULL;
+    sp_status status = sp_pool_make(threads < d->points ? threads : d->points, &team, err);
     if (status != SP_OK)
         return status;
-    sp_team_run(team, work, d);
-    sp_team_free(team);
+    sp_pool_run(team, work, d);
+    sp_pool_free(team);
     if (atomic_load(&d->stop))
         return sp_fail(err, SP_EINTERRUPTED, "stopped after %d of %d points", atomic_load(&d->done), d->points);
     if (atomic_load(&d->failed) == d->points) {
@@ -233,7 +225,7 @@ sp_status sp_tapped_diagram(const sp_tapped_spec *spec, int threads, sp_tapped_w
     d.value = sp_alloc((size_t)d.points * (size_t)d.kept * (size_t)d.values, sizeof *d.value);
     d.status = sp_alloc((size_t)d.points, sizeof *d.status);
     d.violated = sp_alloc((size_t)d.points, sizeof *d.violated);
-    status = d.value && d.status && d.violated ? run_team(&d, threads, err) : sp_fail_memory(err, (size_t)bytes);
+    status = d.value && d.status && d.violated ? run_points(&d, threads, err) : sp_fail_memory(err, (size_t)bytes);
     if (status == SP_OK)
         status = write_table(&d, out, err);
     sp_free(d.value);

@@ -1,30 +1,22 @@
-/* The largest Lyapunov exponent: of a cycle from its multipliers, exactly; else from the growth of one tangent. */
+/* The largest Lyapunov exponent: from the multipliers of a cycle where there is one, else from the growth of a tangent.
+ */
 #include "base/base.h"
 #include "linalg/general.h"
 #include "tapped/events.h"
 
-#include <string.h>
-
 enum {
-    CYCLE_MAX = 32,       /* taps of the longest cycle that is looked for */
-    CYCLE_PARTICLES = 64, /* beyond that the matrix costs more than the average */
+    CYCLE_MAX = 32,       /* longest cycle that is searched for, in taps */
+    CYCLE_PARTICLES = 64, /* for more particles the matrix costs more than the average */
     BLOCKS = 16,
     LEAST_TAPS = 10
 };
 
-static const double closes = 1e-9; /* a cycle does so within this, times the size of the state */
+static const double closes = 1e-9; /* tolerance for the return to a state, relative to its size */
 
-typedef struct orbit {
-    sp_run run;
-    sp_tapped_tap tap;
-    sp_tapped_report report;
-} orbit;
-
-static sp_status make_orbit(const sp_tapped_spec *c, int tangents, orbit *o, sp_error *err) {
-    o->report = (sp_tapped_report){.taps = 1, .tap = &o->tap, .violated_at = NAN, .violated = -1};
-    sp_status status = sp_run_make(c, tangents, &o->report, &o->run, err);
+static sp_status make_orbit(const sp_tapped_spec *c, int tangents, sp_event_run *o, sp_error *err) {
+    sp_status status = sp_event_run_make(c, tangents, NULL, o, err);
     if (status == SP_OK)
-        sp_lattice_start(&o->run.l);
+        sp_lattice_start(&o->l);
     return status;
 }
 
@@ -37,25 +29,20 @@ static double distance_of(const sp_lattice *l, const double *delta, const double
     return most;
 }
 
-static void save(const sp_lattice *l, sp_tapped_state *s) {
-    memcpy(s->overlap, l->delta, (size_t)l->n * sizeof(double));
-    memcpy(s->opening, l->w, (size_t)l->n * sizeof(double));
-}
-
-/* How many taps after state s the orbit comes back to it; 0: not within CYCLE_MAX. */
-static sp_status find_cycle(orbit *o, sp_tapped_state *s, int32_t *cycle, sp_error *err) {
+/* Finds the number of taps after which the orbit returns to state s; 0 if it is above CYCLE_MAX. */
+static sp_status find_cycle(sp_event_run *o, sp_tapped_state *s, int32_t *cycle, sp_error *err) {
     sp_status status = SP_OK;
     *cycle = 0;
-    save(&o->run.l, s);
+    sp_lattice_get(&o->l, s->overlap, s->opening);
     for (int32_t k = 1; status == SP_OK && k <= CYCLE_MAX && *cycle == 0; k++) {
-        status = sp_run_tap(&o->run, 0, err);
-        if (status == SP_OK && distance_of(&o->run.l, s->overlap, s->opening) < closes)
+        status = sp_event_run_tap(o, 0, err);
+        if (status == SP_OK && distance_of(&o->l, s->overlap, s->opening) < closes)
             *cycle = k;
     }
     return status;
 }
 
-/* The largest modulus of the multipliers of a cycle, once round; the state moves on by it. */
+/* Largest modulus of the multipliers over one cycle, after which s has moved on by the cycle. */
 static sp_status find_multiplier(const sp_tapped_spec *c, sp_tapped_state *s, int32_t cycle, double *most,
                                  sp_error *err) {
     size_t n = 2 * (size_t)c->particles;
@@ -63,7 +50,7 @@ static sp_status find_multiplier(const sp_tapped_spec *c, sp_tapped_state *s, in
     double *re = sp_alloc(n, sizeof(double)), *im = sp_alloc(n, sizeof(double));
     sp_status status = matrix && vectors && re && im ? sp_tapped_map(c, s, cycle, matrix, err)
                                                      : sp_fail_memory(err, 2 * (n + 1) * n * sizeof(double));
-    if (status == SP_OK) /* its transpose has the same */
+    if (status == SP_OK) /* the transpose has the same eigenvalues */
         status = sp_eigen_general((int64_t)n, matrix, re, im, vectors, err);
     *most = 0;
     for (size_t k = 0; status == SP_OK && k < n; k++)
@@ -89,7 +76,7 @@ static sp_status of_cycle(const sp_tapped_spec *c, sp_tapped_state *s, int32_t c
     return SP_OK;
 }
 
-/* Weights exp(-1/(x (1 - x))) make such an average converge faster than any power where the orbit is quasiperiodic
+/* Average with the weights exp(-1/(x (1 - x))), which converges faster than any power where the orbit is quasiperiodic
  * (S. Das, Y. Saiki, E. Sander, J. A. Yorke, Nonlinearity 30, 4111, 2017). */
 static double smooth_mean(const double *value, int32_t n) {
     double sum = 0, weights = 0;
@@ -101,7 +88,7 @@ static double smooth_mean(const double *value, int32_t n) {
     return sum / weights;
 }
 
-/* Standard error of a mean of values that remember little, from the means of BLOCKS pieces. */
+/* Standard error of the mean of weakly correlated values, from BLOCKS block means. */
 static double block_error(const double *value, int32_t n) {
     double sum = 0, squares = 0;
     int32_t length = n / BLOCKS;
@@ -115,8 +102,8 @@ static double block_error(const double *value, int32_t n) {
     return sqrt(fmax(0, squares / BLOCKS - sum * sum / (BLOCKS * BLOCKS)) / (BLOCKS - 1));
 }
 
-/* The change since half of the taps is the error where the orbit is regular; a chaotic one scatters. The smooth weights
- * count a third more than equal ones would. */
+/* Regular orbits: the change since half of the taps. Chaotic orbits also have a statistical error; the smooth weights
+ * enlarge it by a third over equal weights. */
 static double error_of(const double *growth, int32_t n, double lambda) {
     if (n < 2)
         return NAN;
@@ -138,15 +125,15 @@ static double scale_tangent(sp_lattice *l) {
 
 static void start_tangent(sp_lattice *l) {
     for (int32_t i = 0; i < l->n; i++) {
-        l->t_delta[i] = (1 + sin(1.0 + i)) / l->fastest; /* in no special direction */
+        l->t_delta[i] = (1 + sin(1.0 + i)) / l->fastest; /* a direction without symmetry */
         l->t_w[i] = l->state[i] == CONTACT_STUCK ? 0 : 1 - cos(2.0 + i);
     }
     scale_tangent(l);
 }
 
-/* The orbit goes on with one tangent; the first tenth lets it turn to where it grows. */
-static sp_status of_average(orbit *o, int32_t taps, sp_tapped_exponent *out, sp_error *err) {
-    sp_lattice *l = &o->run.l;
+/* Follows one tangent along the orbit. The first tenth of the taps lets it align with the direction of growth. */
+static sp_status of_average(sp_event_run *o, int32_t taps, sp_tapped_exponent *out, sp_error *err) {
+    sp_lattice *l = &o->l;
     double *growth = sp_alloc((size_t)taps, sizeof *growth);
     if (!growth)
         return sp_fail_memory(err, (size_t)taps * sizeof *growth);
@@ -154,7 +141,7 @@ static sp_status of_average(orbit *o, int32_t taps, sp_tapped_exponent *out, sp_
     bool vanished = false;
     start_tangent(l);
     for (int32_t k = -taps / 10; status == SP_OK && k < taps && !vanished; k++) {
-        status = sp_run_tap(&o->run, 0, err);
+        status = sp_event_run_tap(o, 0, err);
         double size = scale_tangent(l);
         vanished = !(size > 0);
         if (k >= 0)
@@ -169,28 +156,26 @@ static sp_status of_average(orbit *o, int32_t taps, sp_tapped_exponent *out, sp_
     return status;
 }
 
-static sp_status find_exponent(const sp_tapped_spec *c, orbit *o, sp_tapped_state *s, sp_tapped_exponent *out,
+static sp_status find_exponent(const sp_tapped_spec *c, sp_event_run *o, sp_tapped_state *s, sp_tapped_exponent *out,
                                sp_error *err) {
     sp_status status = SP_OK;
     int32_t cycle = 0;
     for (int32_t k = 0; status == SP_OK && k < c->transient; k++)
-        status = sp_run_tap(&o->run, 0, err);
+        status = sp_event_run_tap(o, 0, err);
     if (status == SP_OK && c->particles <= CYCLE_PARTICLES)
         status = find_cycle(o, s, &cycle, err);
     if (status == SP_OK && cycle > 0)
         status = of_cycle(c, s, cycle, out, err);
-    if (status != SP_OK || (cycle > 0 && out->lambda <= 0)) /* an orbit does not stay on a cycle that repels */
+    if (status != SP_OK || (cycle > 0 && out->lambda <= 0)) /* an orbit does not stay on a repelling cycle */
         return status;
-    orbit with = {0};
+    sp_event_run with = {0};
     status = make_orbit(c, 1, &with, err);
     if (status == SP_OK) {
-        save(&o->run.l, s);
-        memcpy(with.run.l.delta, s->overlap, (size_t)c->particles * sizeof(double));
-        memcpy(with.run.l.w, s->opening, (size_t)c->particles * sizeof(double));
-        sp_lattice_judge(&with.run.l);
+        sp_lattice_get(&o->l, s->overlap, s->opening);
+        sp_lattice_set(&with.l, s->overlap, s->opening);
         status = of_average(&with, c->taps, out, err);
     }
-    sp_run_free(&with.run);
+    sp_event_run_free(&with);
     return status;
 }
 
@@ -198,7 +183,7 @@ sp_status sp_tapped_lyapunov(const sp_tapped_spec *spec, sp_tapped_exponent *out
     sp_tapped_spec c = *spec;
     c.output = SP_TAPPED_LYAPUNOV;
     c.taps = sp_tapped_taps(&c);
-    orbit o = {0};
+    sp_event_run o = {0};
     sp_tapped_state s = {0};
     sp_tapped_exponent found = {0};
     sp_status status = sp_tapped_state_make(&c, &s, err);
@@ -211,9 +196,9 @@ sp_status sp_tapped_lyapunov(const sp_tapped_spec *spec, sp_tapped_exponent *out
         status = find_exponent(&c, &o, &s, &found, err);
     if (status == SP_OK) {
         *out = found;
-        out->violated = o.report.violated >= 0;
+        out->violated = o.report->violated >= 0;
     }
-    sp_run_free(&o.run);
+    sp_event_run_free(&o);
     sp_tapped_state_free(&s);
     return status;
 }

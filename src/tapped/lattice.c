@@ -1,11 +1,11 @@
-/* The lattice (19) between events: clusters, and the Taylor series of what moves between them. */
+/* The lattice (19) between events: memory, clusters of sticking particles, and the Taylor series of their motion. */
 #include "tapped/lattice.h"
 
 #include "base/base.h"
 
 #include <string.h>
 
-/* By the rows of the matrix with all contacts closed (Gershgorin); clusters are heavier, hence slower. */
+/* Gershgorin bound of the matrix with all contacts closed. Clusters are heavier, hence slower. */
 static double frequency_bound(const sp_lattice *l) {
     double most = 0;
     for (int32_t i = 0; i < l->n; i++)
@@ -68,44 +68,12 @@ void sp_lattice_free(sp_lattice *l) {
     *l = (sp_lattice){0};
 }
 
-void sp_lattice_start(sp_lattice *l) {
-    double above = 0; /* masses from the top: from below, differences would leave each contact its own rounding */
-    for (int32_t i = l->n - 1; i >= 0; i--) {
-        above += l->mass[i];
-        l->delta[i] = l->spec->drop < 0 ? above * l->g / l->k : i == 0 ? -l->spec->drop : 0;
-        l->w[i] = 0;
-    }
-    l->s = 0;
-    l->lifted = false;
-    sp_lattice_judge(l);
-}
-
-void sp_lattice_judge(sp_lattice *l) {
-    for (int32_t i = 0; i < l->n; i++) {
-        bool closed = l->delta[i] > 0 || (l->delta[i] == 0 && l->w[i] < 0);
-        l->state[i] = (unsigned char)(!closed                    ? CONTACT_OPEN
-                                      : l->e == 0 || l->w[i] > 0 ? CONTACT_SEPARATING
-                                                                 : CONTACT_APPROACHING);
-        l->anchor[i] = l->delta[i];
-        l->slack[i] = 0;
-        l->released[i] = 0;
-    }
-    if (l->e > 0)
-        for (int32_t i = 0; i < l->n; i++)
-            if (l->w[i] == 0 && l->delta[i] > 0) {
-                sp_lattice_stick(l, i, -1);
-                while (i + 1 < l->n && l->w[i + 1] == 0 && l->delta[i + 1] > 0)
-                    i++;
-            }
-    sp_lattice_group(l);
-}
-
 static double stiffness_of(const sp_lattice *l, int32_t i) {
     contact_state s = (contact_state)l->state[i];
     return s == CONTACT_OPEN ? 0 : l->k * (s == CONTACT_APPROACHING ? 1 + l->e : 1 - l->e);
 }
 
-void sp_lattice_group(sp_lattice *l) {
+void sp_lattice_find_clusters(sp_lattice *l) {
     int32_t j = 0;
     l->closed = 0;
     for (int32_t i = 0; i < l->n; i++)
@@ -131,23 +99,23 @@ void sp_lattice_group(sp_lattice *l) {
 }
 
 double sp_lattice_floor_acceleration(const sp_lattice *l) {
-    return l->lifted ? -l->a * l->omega * l->omega * sin(l->omega * l->s) : 0;
+    return l->floor_moves ? -l->a * l->omega * l->omega * sin(l->omega * l->s) : 0;
 }
 
 double sp_lattice_floor_jerk(const sp_lattice *l) {
-    return l->lifted ? -l->a * l->omega * l->omega * l->omega * cos(l->omega * l->s) : 0;
+    return l->floor_moves ? -l->a * l->omega * l->omega * l->omega * cos(l->omega * l->s) : 0;
 }
 
-/* 1/((p + 1)(p + 2)): divisions would take longer than the rest of the recurrence. */
+/* 1/((p + 1)(p + 2)), tabulated because divisions would dominate the recurrence. */
 #define SHARE(p)  1.0 / (((p) + 1) * ((p) + 2))
 #define SHARES(p) SHARE(p), SHARE((p) + 1), SHARE((p) + 2), SHARE((p) + 3), SHARE((p) + 4)
 static const double shares[LATTICE_ORDER] = {SHARES(0), SHARES(5), SHARES(10), SHARES(15), SHARES(20), SHARES(25)};
 
-/* y0'' as a series, up to l->order, and gravity. */
+/* Taylor series of y0'', up to l->order, plus gravity. */
 static void expand_floor(sp_lattice *l) {
     const double acceleration = sp_lattice_floor_acceleration(l), square = -l->omega * l->omega;
     memset(l->floor, 0, sizeof l->floor);
-    if (l->lifted) {
+    if (l->floor_moves) {
         l->floor[0] = acceleration;
         l->floor[1] = sp_lattice_floor_jerk(l);
         for (int p = 0; p + 2 <= l->order; p++)
@@ -156,8 +124,8 @@ static void expand_floor(sp_lattice *l) {
     l->floor[0] = acceleration + l->g;
 }
 
-/* One power from the second last: c_(p+2) (p+1) (p+2) = A_below - A_above, accelerations of the clusters. Called with
- * constants where there are few movers; lanes beyond them have no stiffness. */
+/* One step of the recurrence: c_(p+2) (p+1) (p+2) = A_below - A_above, the accelerations of the two clusters. For few
+ * movers it is called with a constant number of lanes; the unused lanes have zero stiffness. */
 static inline void raise_lanes(const sp_lattice *l, double *c, int p, double floor, int32_t lanes) {
     size_t stride = (size_t)l->stride;
     const double *restrict now = c + (size_t)p * stride, *restrict k = l->stiffness, *restrict im = l->inverse_mass;
@@ -178,7 +146,7 @@ static void raise_power(const sp_lattice *l, double *c, int p, double floor) {
         raise_lanes(l, c, p, floor, l->lanes);
         return;
     }
-    size_t stride = (size_t)l->stride; /* in registers: memory would be read before it is written */
+    size_t stride = (size_t)l->stride; /* kept in registers: otherwise memory would be read before it is written */
     const double *now = c + (size_t)p * stride;
     double *next = c + (size_t)(p + 2) * stride, share = shares[p];
     double below = floor, force = l->stiffness[0] * now[0];
@@ -197,18 +165,18 @@ static void hold_released(const sp_lattice *l, double *c) {
             c[2 * (size_t)l->stride + (size_t)j] = 0;
 }
 
-/* The power from which on terms of e^x are below 1e-18; *rest bounds their sum. */
+/* Lowest order beyond which the terms of e^x stay below 1e-18; *rest bounds the sum of the omitted terms. */
 static int order_for(double x, double *rest) {
     double term = x * x * x / 6;
     int p = 3;
-    for (; p + 2 < LATTICE_ORDER && term > 1e-18; p += 2) /* two at a time, for a division less */
+    for (; p + 2 < LATTICE_ORDER && term > 1e-18; p += 2) /* two orders at a time save a division */
         term *= x * x * shares[p];
     *rest = term * x / (p + 1 - fmin(x, p));
     return p;
 }
 
 void sp_lattice_expand(sp_lattice *l, double h) {
-    double rate = fmax(l->closed > 0 ? l->fastest : 0, l->lifted ? l->omega : 0);
+    double rate = fmax(l->closed > 0 ? l->fastest : 0, l->floor_moves ? l->omega : 0);
     double rest;
     l->order = order_for(rate * h, &rest);
     l->truncation = fmax(l->truncation, rest);
@@ -234,7 +202,7 @@ void sp_lattice_motion(const sp_lattice *l, int32_t mover, double tau, double *o
     *opening = -slope;
 }
 
-/* Values and derivatives at tau of all movers, into value and slope. */
+/* Values and slopes of all movers at tau. */
 static inline void sum_lanes(sp_lattice *l, const double *c, double tau, int32_t lanes) {
     double *restrict value = l->value, *restrict slope = l->slope;
     size_t stride = (size_t)l->stride;
@@ -258,7 +226,7 @@ static void sum_series(sp_lattice *l, const double *c, double tau) {
         sum_lanes(l, c, tau, l->lanes);
 }
 
-/* Tangents obey the same system without floor and gravity; those of sticking contacts stay. */
+/* Tangents obey the same system without floor and gravity. Those of sticking contacts stay constant. */
 static void advance_tangent(sp_lattice *l, double *delta, double *w, double tau) {
     for (int32_t j = 0; j < l->movers; j++) {
         l->t_c[j] = delta[l->mover[j]];

@@ -1,28 +1,30 @@
-/* BSR as [B] has it, (45) with (44) and (46), printed or with signs; particles are carried along by u.
+/* The BSR model as in [B]: (45) with (44) and (46), either as printed or with corrected signs. The particles move with
+ * u.
  *
  *     u_t + u u_z = -g - (K/m) int_-h^h Theta(z + y) S [1 - e sigma(S (u(z + y) - u(z)))] (h - |y|) dy,
  *     Theta(x) = exp(-(x - b)^2/(2 c^2))/(p sqrt(2 pi)),   b = 7h, c = 3h.
  *
- * Printed: S = 1 and p = b, so that the neighbours above and below both push downwards. With signs: S = sgn(y), a
- * neighbour above pushes downwards and one below upwards, and w = S (u(z + y) - u(z)) is the velocity at which the two
- * part; p = c, for a normal distribution. (45) does not know the density, so neither can build up a pressure: what is
- * left of equal and opposite pushes is the slope of Theta, which is of no column. Both columns fall through the floor:
- * (46) can give the field u(0, t) = y0' only where that moves into the column (Bardos, le Roux, Nedelec 1979), as
- * Godunov's flux at the floor has it. A particle below z = 0 has left the field, and falls on. */
+ * As printed, S = 1 and p = b, so that neighbours above and below both push downwards. With corrected signs S = sgn(y):
+ * a neighbour above pushes downwards and one below upwards, and w = S (u(z + y) - u(z)) is the velocity at which the
+ * two separate; p = c normalises Theta. The density does not occur in (45), so neither version can build up a pressure.
+ * What is left of the opposite forces is the slope of Theta, which does not depend on the column.
+ *
+ * Both columns fall through the floor. (46) can impose u(0, t) = y0' only where the floor moves into the column
+ * (Bardos, le Roux, Nedelec 1979), as in Godunov's flux. A particle below z = 0 has left the field and falls freely. */
 #include "base/base.h"
 #include "tapped/bsr.h"
 
-enum { UP = 40 }; /* the field reaches so many h above the column: Theta is below 1e-26 of its maximum there */
+enum { UP = 40 }; /* height of the field above the column, in h; Theta is below 1e-26 of its maximum there */
 
 typedef struct field {
     const sp_tapped_spec *c;
     double h, dz;
     double t;
-    int32_t reach; /* cells in h */
+    int32_t reach; /* number of cells in h */
     int64_t cells;
-    int64_t inside;   /* particles that are still in the field */
-    double *u, *next; /* from the cell -reach, below the floor, to reach beyond the last [cells + 2 reach] */
-    double *theta, *part, *steady; /* (44) at the same places; (h - |y|) K/m dy; the integral for e = 0 */
+    int64_t inside;   /* number of particles still in the field */
+    double *u, *next; /* [cells + 2 reach]: from `reach` cells below the floor to `reach` cells above the field */
+    double *theta, *part, *steady; /* (44) in the same cells; (h - |y|) K/m dy; the integral for e = 0 */
     double *block;
 } field;
 
@@ -34,7 +36,7 @@ static double theta(const sp_tapped_spec *c, double x) {
 
 /* ---- the force -------------------------------------------------------------------------------------------------- */
 
-/* Force on a particle at z over m g, downwards, without e: Simpson's rule on both sides of the kink at y = 0. */
+/* Downward force on a particle at z over m g for e = 0, by Simpson's rule on both sides of the kink at y = 0. */
 static double force_at(const sp_tapped_spec *c, double z) {
     enum { HALVES = 400 };
     double h = 2 * sp_tapped_radius(c, 1), dy = h / HALVES, sum = 0;
@@ -46,8 +48,8 @@ static double force_at(const sp_tapped_spec *c, double z) {
     return sp_tapped_stiffness(c) / (sp_tapped_mass(c, 1) * c->gravity) * sum * dy / 3;
 }
 
-/* The printed one is the largest where Theta is, by symmetry; that with signs between there and the outside, and as
- * large upwards above b as downwards below. */
+/* As printed the force is largest at the maximum of Theta, by symmetry. With corrected signs the maximum lies between
+ * there and the tail; the largest upward force above b equals the largest downward force below. */
 double sp_tapped_bsr_force(const sp_tapped_spec *c, sp_tapped_bsr which) {
     sp_tapped_spec as = *c;
     as.bsr = which;
@@ -58,7 +60,7 @@ double sp_tapped_bsr_force(const sp_tapped_spec *c, sp_tapped_bsr which) {
         return force_at(&as, b);
     for (int k = 0; k < 60; k++) { /* golden section */
         double left = high - 0.6180339887498949 * (high - low), right = low + 0.6180339887498949 * (high - low);
-        if (force_at(&as, left) < force_at(&as, right)) /* upwards is negative */
+        if (force_at(&as, left) < force_at(&as, right)) /* upward forces are negative */
             high = right;
         else
             low = left;
@@ -101,12 +103,13 @@ static sp_status make(const sp_tapped_spec *c, field *f, sp_error *err) {
     return SP_OK;
 }
 
-/* tanh(x)/x, which is most of the work. */
+/* tanh(x)/x; most of the run time is dissipated here. */
 static double bend(double x) { return fabs(x) < 1e-3 ? 1 - x * x / 3 : fabs(x) > 20 ? 1 / fabs(x) : tanh(x) / x; }
 
-/* What the integral, trapezoidal as in [B], does to cell j in dt. With e it draws u to that of its neighbours, S
- * sigma(S w) = sigma(w) with signs and without, at a rate that an explicit step could not follow for a large alpha_v:
- * implicit in u(z), tanh w taken as w times tanh w/w of the start. */
+/* Change of u in cell j over dt due to the integral, by the trapezoidal rule as in [B]. With e > 0 it draws u towards
+ * the velocities of the neighbours, because S sigma(S w) = sigma(w) for both signs. For a large alpha_v this rate is
+ * too stiff for an explicit step. The step is therefore implicit in u(z), with the ratio tanh(w)/w taken at its start.
+ */
 static double pushed(const field *f, int64_t j, double dt) {
     const double here = f->u[j + f->reach], rate = f->c->e * f->c->alpha_v;
     double sum = 0, drawn = 0;
@@ -119,12 +122,12 @@ static double pushed(const field *f, int64_t j, double dt) {
     return dt * (sum - f->steady[j]) / (1 + dt * drawn);
 }
 
-static double godunov(double left, double right) { /* flux of u^2/2 */
+static double godunov(double left, double right) { /* for the flux u^2/2 */
     double from_left = fmax(left, 0), from_right = fmin(right, 0);
     return fmax(from_left * from_left, from_right * from_right) / 2;
 }
 
-/* What is beyond the field: the floor below, which (46) makes move with y0', and nothing but gravity above. */
+/* Values outside the field: below, the floor's velocity as (46) demands; above, free fall. */
 static void surround(field *f, double dt) {
     double under = sp_tapped_floor_velocity(f->c, f->t + dt / 2), over = -f->c->gravity * f->t;
     for (int32_t k = 0; k < f->reach; k++) {
@@ -149,7 +152,7 @@ static void advance(field *f, double dt) {
     f->next = old;
 }
 
-/* u at z, between cells on straight lines, and u_z. */
+/* Interpolates u linearly at z, and returns its slope u_z. */
 static double velocity(const field *f, double z, double *slope) {
     double x = z / f->dz - 0.5;
     int64_t j = (int64_t)fmin(fmax(floor(x), 0), (double)f->cells - 2);
@@ -160,7 +163,8 @@ static double velocity(const field *f, double z, double *slope) {
 
 /* ---- the particles ---------------------------------------------------------------------------------------------- */
 
-static void place(const field *f, sp_tapped_frame *at) {
+static void place(void *model, sp_tapped_frame *at) {
+    const field *f = model;
     const sp_tapped_spec *c = f->c;
     if (c->drop < 0)
         sp_tapped_rest(c, at->y + 1);
@@ -173,13 +177,13 @@ static void place(const field *f, sp_tapped_frame *at) {
     at->t = 0;
 }
 
-/* dy/dt = u(y, t), and (48) along that, d rho/dt = -u_z rho. */
+/* Moves the particles by dy/dt = u(y, t), and their densities by (48) along the path: d rho/dt = -u_z rho. */
 static void carry(field *f, double dt, const sp_tapped_frame *from, sp_tapped_frame *to) {
     const double gravity = f->c->gravity;
     f->inside = 0;
     for (int32_t i = 1; i <= f->c->particles; i++) {
         double slope = 0, y = from->y[i], v = from->v[i], fallen = y + dt * (v - gravity * dt / 2);
-        if (y >= 0) { /* Heun */
+        if (y >= 0) { /* Heun's method */
             fallen = y + dt / 2 * (v + velocity(f, y + dt * v, &slope));
             v = velocity(f, fallen, &slope);
             f->inside += fallen >= 0;
@@ -193,8 +197,9 @@ static void carry(field *f, double dt, const sp_tapped_frame *from, sp_tapped_fr
     to->t = f->t;
 }
 
-static sp_status step(field *f, double until, const sp_tapped_frame *from, sp_tapped_frame *to, sp_error *err) {
-    double fastest = fabs(sp_tapped_floor_velocity(f->c, f->t)), dt = f->c->period / 100;
+static sp_status step(void *model, double until, const sp_tapped_frame *from, sp_tapped_frame *to, sp_error *err) {
+    field *f = model;
+    double fastest = fabs(sp_tapped_floor_velocity(f->c, f->t)), dt = f->c->period / 100, end;
     if (f->inside > 0) {
         for (int64_t j = 0; j < f->cells; j++)
             fastest = fmax(fastest, fabs(f->u[j + f->reach]));
@@ -202,66 +207,40 @@ static sp_status step(field *f, double until, const sp_tapped_frame *from, sp_ta
         if (f->c->time_step > 0)
             dt = fmin(dt, f->c->time_step);
     }
-    bool last = f->t + dt >= until;
-    if (last)
-        dt = until - f->t;
-    if (!last && !(f->t + dt > f->t))
-        return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the velocities leave no step", f->t);
+    sp_status status = sp_tapped_bsr_limit_step(f->t, until, &dt, &end, err);
+    if (status != SP_OK)
+        return status;
     if (f->inside > 0)
         advance(f, dt);
-    f->t = last ? until : f->t + dt;
+    f->t = end;
     carry(f, dt, from, to);
     double sum = 0;
     for (int32_t i = 1; i <= f->c->particles; i++)
         sum += to->y[i] + to->rho[i - 1];
-    return isfinite(sum) ? SP_OK : sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: not a number", f->t);
+    return sp_tapped_bsr_check_finite(sum, f->t, err);
 }
 
 /* ---- the run ---------------------------------------------------------------------------------------------------- */
 
-/* A fall from the top of the column under gravity and the largest force, onto a floor that comes up. */
+/* Bounds the step by the velocity of a fall from the top of the column under gravity and the largest force, onto the
+ * moving floor. */
 static sp_status check(const field *f, const sp_tapped_spec *c, sp_error *err) {
     double down = c->gravity * (1 + (1 + c->e) * sp_tapped_bsr_force(c, c->bsr));
     double top = c->particles * f->h + fmax(0, c->drop);
     double bound = stable_step(f, 2 * sp_tapped_pi * c->frequency * c->amplitude + sqrt(2 * down * top));
-    return sp_tapped_check_step(c, bound, err);
-}
-
-static sp_status go(field *f, sp_tapped_frame frame[2], sp_tapped_sink *sink, sp_tapped_report *report, sp_error *err) {
-    const sp_tapped_spec *c = f->c;
-    const double end = sp_tapped_taps(c) * c->period;
-    sp_tapped_clock clock = {0};
-    place(f, &frame[1]);
-    sp_status status = sp_tapped_frames_pass(c, frame, sink, report, err);
-    while (status == SP_OK && f->t < end) {
-        sp_tapped_frame old = frame[0];
-        frame[0] = frame[1];
-        frame[1] = old;
-        status = step(f, sp_tapped_clock_next(c, &clock), &frame[0], &frame[1], err);
-        if (status != SP_OK)
-            break;
-        if (f->t >= sp_tapped_clock_next(c, &clock))
-            sp_tapped_clock_pass(c, &clock);
-        report->steps++;
-        status = sp_tapped_frames_pass(c, frame, sink, report, err);
-    }
-    return status;
+    return sp_tapped_check_time_step(c, bound, err);
 }
 
 sp_status sp_tapped_literal(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report, sp_error *err) {
     field f = {.c = c};
-    sp_tapped_frame frame[2] = {{.t = 0}, {.t = 0}};
+    const sp_tapped_bsr_scheme scheme = {&f, place, step};
     sp_status status = sp_tapped_check_equal(c, err);
     if (status == SP_OK)
         status = make(c, &f, err);
     if (status == SP_OK)
         status = check(&f, c, err);
     if (status == SP_OK)
-        status = sp_tapped_frames_make(c, frame, err);
-    if (status == SP_OK)
-        status = go(&f, frame, sink, report, err);
-    report->time_step = c->time_step;
-    sp_tapped_frames_free(frame);
+        status = sp_tapped_bsr_integrate(c, &scheme, sink, report, err);
     sp_free(f.block);
     return status;
 }

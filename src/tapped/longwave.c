@@ -1,30 +1,41 @@
-/* The long-wave limit of the lattice in a form that is well posed. With the label z of a particle, in [0, 2 N r],
- *     (1 - (h^2/12) d_zz) y_tt = -g - (h/m) d_z F,  F = K (1 - e tanh(alpha_v h y_tz)) h (1 - y_z)_+,  h = 2 r.
- * The dispersion of the lattice, to the order in k h that (35) and (37) want too, is on the side of inertia, so that
- * omega^2 = c^2 k^2/(1 + h^2 k^2/12), c^2 = K h^2/m, is positive and bounded for all k: 12 K/m at most.
+/* The long-wave limit of the lattice in a well-posed form. With the label z of a particle in [0, 2 N r] and h = 2 r,
  *
- * Linear elements. Inertia: m/h a length, lumped, and m h/12 times the elements' stiffness matrix: tridiagonal,
- * constant, factored once. A free top needs no more than no force there. The floor pushes with
+ *     (1 - (h^2/12) d_zz) y_tt = -g - (h/m) d_z F,   F = K (1 - e tanh(alpha_v h y_tz)) h (1 - y_z)_+.
+ *
+ * The dispersion of the lattice, to the order in k h that (35) and (37) aim at, appears in the inertia. Hence omega^2 =
+ * c^2 k^2/(1 + h^2 k^2/12) with c^2 = K h^2/m is positive for all k and never above 12 K/m.
+ *
+ * Space is discretised by linear elements. The inertia is the lumped mass m/h per length plus m h/12 times the
+ * stiffness matrix of the elements: tridiagonal, constant, and factored once. The free top needs no condition other
+ * than zero force. The floor pushes with
+ *
  *     F(0) = 2 K (1 - e tanh(alpha_v (y_t(0) - y0'))) (y0 - y(0))_+,
- * half a contact, in series with half a cell of the continuum. In time the classical Runge-Kutta scheme, stable for
- *     dt <= min(sqrt(8/((6 + 2 sqrt(21)) (1 + e) K/m)), 2.5 m/(12 K e alpha_v delta)):
- * delta is the largest overlap, h (1 - y_z) or 2 (y0 - y(0)). 6 + 2 sqrt(21) is the largest (4 x + x^2)/(1 + x^2/12),
- * of y = exp(-x z/h) next to the floor, whose spring makes it more than the 12 of the bulk (0.8/sqrt(K/m), which those
- * would allow, blows up from 8 cells a particle on); the damping there is 6 + 4 sqrt(3), which 2.5 has room for.
- * 2 sqrt(2) and 2.785 are its bounds on the imaginary and the real axis. The resting profile (27), y = z - (M/h)(N z -
- * z^2/2h) - N M/2 with M = m g/K, is a parabola, whose slope at the middle of an element is its difference quotient:
- * the elements rest in it, too; at the particles' labels it is M/8 above the lattice's. */
+ *
+ * half a contact, in series with half a cell of the continuum. Time is integrated by the classical Runge-Kutta scheme,
+ * which is stable for
+ *
+ *     dt <= min(sqrt(8/((6 + 2 sqrt(21)) (1 + e) K/m)), 2.5 m/(12 K e alpha_v delta)),
+ *
+ * where delta is the largest overlap, h (1 - y_z) or 2 (y0 - y(0)). The stability limits of the scheme are 2 sqrt(2) on
+ * the imaginary axis and 2.785 on the real axis. The factor 6 + 2 sqrt(21) is the maximum of (4 x + x^2)/(1 + x^2/12),
+ * for modes y = exp(-x z/h) next to the floor, whose spring raises it above the 12 of the bulk. (The bound
+ * 0.8/sqrt(K/m) of the bulk is unstable from 8 cells per particle on.) The damping of these modes has the factor 6 + 4
+ * sqrt(3), which the constant 2.5 allows for.
+ *
+ * The profile at rest, (27), is the parabola y = z - (M/h)(N z - z^2/2h) - N M/2 with M = m g/K. Its slope at the
+ * middle of an element equals its difference quotient, so that the elements are at rest in it, too. At the particles'
+ * labels it lies M/8 above the lattice. */
 #include "base/base.h"
 #include "numeric/ode.h"
-#include "tapped/march.h"
+#include "tapped/integrate.h"
 
 typedef struct longwave {
     int32_t particles, cells;
     int64_t nodes;
     double stiffness, e, gravity, alpha, h, dz, mass;
-    double time_step;       /* asked for, or what resolves the waves */
-    double *factor, *pivot; /* of the inertia */
-    double off;             /* its off-diagonal */
+    double time_step;       /* as given, or short enough to resolve the waves */
+    double *factor, *pivot; /* factorisation of the inertia matrix */
+    double off;             /* off-diagonal element of the inertia matrix */
     sp_tapped_phase phase;
     sp_ode ode;
 } longwave;
@@ -49,7 +60,7 @@ static sp_status make_inertia(longwave *p, sp_error *err) {
     return SP_OK;
 }
 
-/* Forces on nodes to accelerations. */
+/* Solves for the accelerations, in place of the forces on the nodes. */
 static void divide(const longwave *p, double *f) {
     f[0] *= p->pivot[0];
     for (int64_t j = 1; j < p->nodes; j++)
@@ -97,15 +108,15 @@ static double stable(const longwave *p, double overlap) {
     return fmin(elastic_bound(p), rate > 0 ? 2.5 / rate : INFINITY);
 }
 
-/* Longest t for which damping at an overlap of delta + w t, which grows meanwhile, is stable: b (delta + w t) t = 2.5.
- * A tenth more delta for what w does not know. */
+/* Longest t for which the damping is stable while the overlap grows to delta + w t: b (delta + w t) t = 2.5. Delta is
+ * increased by a tenth for changes that w does not predict. */
 static double damped(double b, double delta, double w) {
     double now = b * (delta > 0 ? 1.1 * delta : delta);
     double denominator = w > 0 ? now + sqrt(now * now + 10 * b * w) : 2 * now;
     return denominator > 0 ? 5 / denominator : INFINITY;
 }
 
-static double longest(void *model, double s, const double *state) {
+static double max_step(void *model, double s, const double *state) {
     const longwave *p = model;
     const double *y = state, *v = state + p->nodes, per = p->h / p->dz;
     const double b = 12 * p->stiffness * p->e * p->alpha / p->mass;
@@ -121,8 +132,8 @@ static double step(void *model, double s, double h, const double *from, double *
     return 0;
 }
 
-/* Half way between nodes j and j + 1: their mean less an eighth of the second difference, of both nodes where both have
- * one, so that the resting parabola stays one. */
+/* Value half way between nodes j and j + 1: their mean less an eighth of the second difference, averaged over the inner
+ * nodes of the two. The parabola at rest is reproduced exactly. */
 static double half_way(const longwave *p, const double *y, int64_t j) {
     double sum = 0, count = 0;
     for (int64_t i = j; i <= j + 1; i++)
@@ -133,8 +144,8 @@ static double half_way(const longwave *p, const double *y, int64_t j) {
     return 0.5 * (y[j] + y[j + 1]) - (count > 0 ? sum / (8 * count) : 0);
 }
 
-/* Labels (2 i - 1) r lie on nodes, or half way between two. */
-static void particles(void *model, const double *state, double *y, double *v) {
+/* The labels (2 i - 1) r lie on nodes or half way between two. */
+static void positions(void *model, const double *state, double *y, double *v) {
     const longwave *p = model;
     for (int32_t i = 1; i <= p->particles; i++) {
         int64_t twice = (2 * (int64_t)i - 1) * p->cells, j = twice / 2;
@@ -174,13 +185,14 @@ static sp_status check(const sp_tapped_spec *c, sp_error *err) {
         if (sp_tapped_mass(c, i) != sp_tapped_mass(c, 1) || sp_tapped_radius(c, i) != sp_tapped_radius(c, 1))
             return sp_fail(err, SP_EINVAL,
                            "column.model = \"longwave\": particle %d differs from particle 1 in mass or radius; the "
-                           "expansion in y(z +- h, t) is that of equal particles: must be one mass and one radius",
+                           "long-wave expansion requires equal particles",
                            i);
     return SP_OK;
 }
 
-/* Overlaps that the run will meet, as far as can be told: the resting one at the bottom, and that of the floor's first
- * velocity or of the fall, v/sqrt(K/m), in a wave that starts from it. The steps adapt to what comes. */
+/* Estimates the largest overlap of the run: the one at rest at the bottom, plus the wave v/sqrt(K/m) that starts with
+ * the floor's first velocity or the velocity of the fall. A given time step must be stable there; the steps then adapt
+ * to the state. */
 static sp_status choose(const sp_tapped_spec *c, longwave *p, sp_error *err) {
     double speed = c->drop < 0 ? 2 * sp_tapped_pi * c->frequency * c->amplitude : sqrt(2 * c->gravity * c->drop);
     double overlap = speed / sqrt(p->stiffness / p->mass);
@@ -192,7 +204,7 @@ static sp_status choose(const sp_tapped_spec *c, longwave *p, sp_error *err) {
             err, SP_EINVAL,
             "column.time_step = %.17g s: the long wave is stable up to %.6g s, the smaller of %.3g s, for its "
             "elastic waves, and 2.5 m/(12 K e alpha_v delta), for their damping at an overlap delta = %.3g "
-            "cm; 0 takes one that is",
+            "cm; 0 chooses a stable one",
             c->time_step, bound, elastic_bound(p), overlap);
     p->time_step = c->time_step > 0 ? c->time_step : 0.05 / sqrt(p->stiffness / p->mass);
     return SP_OK;
@@ -210,14 +222,14 @@ sp_status sp_tapped_run_longwave(const sp_tapped_spec *c, int64_t n, const doubl
                   .h = 2 * sp_tapped_radius(c, 1),
                   .mass = sp_tapped_mass(c, 1)};
     p.dz = p.h / c->cells;
-    sp_tapped_marcher m = {.model = &p,
+    sp_tapped_stepper m = {.model = &p,
                            .size = 2 * p.nodes + 2,
                            .phase = &p.phase,
-                           .longest = longest,
+                           .max_step = max_step,
                            .step = step,
-                           .particles = particles,
+                           .positions = positions,
                            .energy = energy,
-                           .stiff = "a large column.alpha_v (or a small column.time_step)"};
+                           .cause = "a large column.alpha_v (or a small column.time_step)"};
     double *state = NULL;
     sp_status status = check(c, err);
     if (status == SP_OK)
@@ -230,8 +242,8 @@ sp_status sp_tapped_run_longwave(const sp_tapped_spec *c, int64_t n, const doubl
         status = sp_fail_memory(err, (size_t)m.size * sizeof *state);
     if (status == SP_OK) {
         start(c, &p, state);
-        status = sp_tapped_march(c, &m, state, &(sp_tapped_rows){n, t, row, user}, report, err);
-        report->error = NAN; /* nothing bounds it */
+        status = sp_tapped_integrate(c, &m, state, &(sp_tapped_rows){n, t, row, user}, report, err);
+        report->error = NAN; /* no bound is known */
     }
     sp_free(state);
     sp_ode_free(&p.ode);

@@ -2,23 +2,19 @@
 #include "base/base.h"
 #include "tapped/events.h"
 
-#include <string.h>
-
 sp_status sp_tapped_state_make(const sp_tapped_spec *c, sp_tapped_state *out, sp_error *err) {
     sp_lattice l;
     sp_status status = sp_tapped_check(c, err);
     if (status != SP_OK)
         return status;
-    size_t bytes = (size_t)c->particles * sizeof(double);
     status = sp_lattice_make(c, 0, &l, err);
     sp_tapped_state s = {sp_alloc((size_t)c->particles, sizeof(double)),
                          sp_alloc((size_t)c->particles, sizeof(double))};
     if (status == SP_OK && (!s.overlap || !s.opening))
-        status = sp_fail_memory(err, 2 * bytes);
+        status = sp_fail_memory(err, 2 * sizeof(double) * (size_t)c->particles);
     if (status == SP_OK) {
         sp_lattice_start(&l);
-        memcpy(s.overlap, l.delta, bytes);
-        memcpy(s.opening, l.w, bytes);
+        sp_lattice_get(&l, s.overlap, s.opening);
         *out = s;
     } else
         sp_tapped_state_free(&s);
@@ -47,7 +43,8 @@ static void start_tangents(sp_lattice *l) {
     for (size_t v = 0; v < (size_t)l->tangents; v++) {
         if (v < n)
             l->t_delta[v * n + v] = 1;
-        else if (l->state[v - n] != CONTACT_STUCK) /* a push at a contact that sticks is gone at once */
+        else if (l->state[v - n] !=
+                 CONTACT_STUCK) /* a perturbation of the velocity at a sticking contact vanishes at once */
             l->t_w[v * n + v - n] = 1;
     }
 }
@@ -63,29 +60,23 @@ static void copy_tangents(const sp_lattice *l, double *derivative) {
 
 sp_status sp_tapped_map(const sp_tapped_spec *c, sp_tapped_state *s, int32_t periods, double *derivative,
                         sp_error *err) {
-    sp_run r = {0};
-    sp_tapped_tap tap;
-    sp_tapped_report report = {.taps = 1, .tap = &tap, .violated_at = NAN, .violated = -1};
-    size_t bytes = (size_t)c->particles * sizeof(double);
+    sp_event_run r = {0};
     sp_status status = sp_tapped_check(c, err);
     if (status != SP_OK)
         return status;
-    status = sp_run_make(c, derivative ? 2 * c->particles : 0, &report, &r, err);
+    status = sp_event_run_make(c, derivative ? 2 * c->particles : 0, NULL, &r, err);
     if (status == SP_OK) {
-        memcpy(r.l.delta, s->overlap, bytes);
-        memcpy(r.l.w, s->opening, bytes);
-        sp_lattice_judge(&r.l);
+        sp_lattice_set(&r.l, s->overlap, s->opening);
         if (derivative)
             start_tangents(&r.l);
     }
     for (int32_t k = 0; status == SP_OK && k < periods; k++)
-        status = sp_run_tap(&r, k, err);
+        status = sp_event_run_tap(&r, k, err);
     if (status == SP_OK) {
-        memcpy(s->overlap, r.l.delta, bytes);
-        memcpy(s->opening, r.l.w, bytes);
+        sp_lattice_get(&r.l, s->overlap, s->opening);
         if (derivative)
             copy_tangents(&r.l, derivative);
     }
-    sp_run_free(&r);
+    sp_event_run_free(&r);
     return status;
 }

@@ -1,21 +1,27 @@
-/* What the printed long-wave equations are, by their symbols.
+/* Linear analysis of the printed long-wave equations, which shows why they are refused.
  *
- * (35), y_tt = -g + (K h^2/m) (A+/3 y_zz - (h/3) (B y_z + e sigma'(0) A+ y_tz) y_zz + h^2 (A-/36 y_zzzz + 2 r sigma'(0)
- * y_z^2 y_zz + ...)), is linearised about y = s z. With y = s z + exp(i k z + lambda t) all terms with e go: each is a
- * product of two of y_zz, y_tz, y_tzz, which vanish in s z. What stays is
- *     lambda^2 = -(K h^2/m) (C k^2 - A- h^2 k^4/36),  C = A+/3 - B h s/3 + 2 r alpha h^2 s^2,
- * with sigma'(0) = alpha; (37), whose right-hand side has the other sign, has the other sign here. A- > 0: (35) is
- * elliptic beyond k^2 = 36 C/(A- h^2), lambda growing like k^2; (37) is so below it, lambda being largest at half of
- * that k^2: 3 C sqrt(K/(m A-)). A smaller step cannot mend that; beyond all bounds for (35).
+ * Linearise (35), y_tt = -g + (K h^2/m) (A+/3 y_zz - (h/3) (B y_z + e sigma'(0) A+ y_tz) y_zz + h^2 (A-/36 y_zzzz + 2 r
+ * sigma'(0) y_z^2 y_zz + ...)), about y = s z + exp(i k z + lambda t). All terms with e vanish, since each contains two
+ * of y_zz, y_tz and y_tzz, which are zero in s z. What remains is
  *
- * A and B are (38) with A- = 3/2 + 6 r alpha + 16 r^3 alpha^3 from (36), 6.5 at alpha = 1/h (the text has 13.5).
+ *     lambda^2 = -(K h^2/m) (C k^2 - A- h^2 k^4/36),   C = A+/3 - B h s/3 + 2 r alpha h^2 s^2,
  *
- * (35) is not the expansion that it is meant to be, either. With phi(X) = X chi(X), X = 2 r - Dy, (31) is y_tt = -g +
- * (K/m) times the difference of -phi over two contacts, and for (30)
- *     phi = phi(2 r) - (A+/3) Dy + (B/2) Dy^2 - (2 r sigma'''(0)/3) Dy^3 + ...,  sigma'''(0) = -2 alpha^3,
- * so that C = A+/3 - B h s + 2 r sigma'''(0) h^2 s^2: no 1/3 with B, and a third derivative, as the units want it. At
- * alpha = 1/h and s = 1 that is 5/6 + 1 - 2 = -1/6: three orders of one size, and the wrong sign; while at the contact,
- * Dy = h, phi has the slope chi(0) = 1/2. */
+ * with sigma'(0) = alpha. The right-hand side of (37) has the other sign, and so has its lambda^2. Since A- > 0, (35)
+ * is elliptic beyond k^2 = 36 C/(A- h^2), with a growth rate proportional to k^2. (37) is elliptic below it; its growth
+ * rate is largest at half of that k^2, where lambda = 3 C sqrt(K/(m A-)). No smaller step can cure this, and for (35)
+ * the growth is unbounded.
+ *
+ * A and B are those of (38), with A- = 3/2 + 6 r alpha + 16 r^3 alpha^3 from (36): 6.5 at alpha = 1/h, where the paper
+ * prints 13.5.
+ *
+ * Nor is (35) the expansion that it is meant to be. With phi(X) = X chi(X) and X = 2 r - Dy, (31) reads y_tt = -g +
+ * (K/m) times the difference of -phi over two contacts. For (30),
+ *
+ *     phi = phi(2 r) - (A+/3) Dy + (B/2) Dy^2 - (2 r sigma'''(0)/3) Dy^3 + ...,   sigma'''(0) = -2 alpha^3,
+ *
+ * so that C = A+/3 - B h s + 2 r sigma'''(0) h^2 s^2: B without the factor 1/3, and a third derivative, as the units
+ * require. At alpha = 1/h and s = 1 this is 5/6 + 1 - 2 = -1/6. All three orders are of equal size and the sign is
+ * wrong, whereas at the contact, Dy = h, the slope of phi is chi(0) = 1/2. */
 #include "base/base.h"
 #include "tapped/column.h"
 
@@ -29,7 +35,7 @@ static printed coefficients(double r, double alpha) {
         .plus = 1.5 + 6 * x - 16 * x * x * x, .minus = 1.5 + 6 * x + 16 * x * x * x, .b = alpha * (1 - 8 * x * x)};
 }
 
-/* C of (35). Its last term as printed is in cm^2. */
+/* C of (35). Its last term, as printed, has the unit cm^2. */
 static double leading(const printed *a, double r, double alpha, double slope) {
     double h = 2 * r;
     return a->plus / 3 - a->b * h * slope / 3 + 2 * r * alpha * h * h * slope * slope;
@@ -43,7 +49,7 @@ double sp_tapped_expansion_speed2(const sp_tapped_spec *c, double alpha, double 
 }
 
 /* The long wave: (1 + h^2 k^2/12) lambda^2 + (K e alpha_v delta h^2/m) k^2 lambda + (K h^2/m) k^2 = 0, delta = h (1 -
- * s). Open contacts, s > 1, have neither spring nor damping. */
+ * s). Open contacts, s > 1, have neither stiffness nor damping. */
 static sp_tapped_symbol longwave(const sp_tapped_spec *c, double slope, double k) {
     double h = 2 * sp_tapped_radius(c, 1), x = h * h * k * k;
     double frequency2 = slope <= 1 ? sp_tapped_stiffness(c) / sp_tapped_mass(c, 1) * x / (1 + x / 12) : 0;
@@ -59,10 +65,11 @@ sp_status sp_tapped_symbol_at(const sp_tapped_spec *c, sp_tapped_model model, do
         return sp_fail(err, SP_EINVAL, "column: model %d has no symbol; must be (35), (37) or the long wave",
                        (int)model);
     if (!(k > 0 && isfinite(k) && alpha > 0 && isfinite(alpha) && isfinite(slope)))
-        return sp_fail(err, SP_EINVAL,
-                       "column: symbol at k = %g /cm, alpha = %g /cm, slope %g; the first two must be positive, all "
-                       "finite",
-                       k, alpha, slope);
+        return sp_fail(
+            err, SP_EINVAL,
+            "column: wave at k = %g /cm, alpha = %g /cm, slope %g: k and alpha must be positive, all must be "
+            "finite",
+            k, alpha, slope);
     if (model == SP_TAPPED_LONGWAVE) {
         *out = longwave(c, slope, k);
         return SP_OK;
@@ -77,8 +84,8 @@ sp_status sp_tapped_symbol_at(const sp_tapped_spec *c, sp_tapped_model model, do
     return SP_OK;
 }
 
-/* Where (37) grows most, at a slope of 1 and alpha = 1/h as in [B]. There is no such k for (35): the highest of the
- * paper's grid, then. */
+/* The k of the largest growth of (37), for slope 1 and alpha = 1/h as in [B]. (35) has none; for it, the largest k of
+ * the paper's grid. */
 static double worst(const sp_tapped_spec *c, double step) {
     double r = sp_tapped_radius(c, 1), h = 2 * r;
     printed a = coefficients(r, 1 / h);

@@ -1,4 +1,4 @@
-/* What is asked for: defaults, checks, and what follows from it alone. */
+/* The specification of a column: defaults, checks, and quantities that follow from it directly. */
 #include "base/base.h"
 #include "tapped/column.h"
 #include "tapped/keys.h"
@@ -74,7 +74,7 @@ void sp_tapped_rest(const sp_tapped_spec *c, double *y) {
     }
 }
 
-/* Time since the start of the tap. A time that only rounding keeps below k T is k T. */
+/* Time since the start of the tap. A time that is below k T by rounding alone counts as k T. */
 static double phase(const sp_tapped_spec *c, double t) {
     double taps = floor(t / c->period * (1 + 4e-16));
     return fmax(0, t - taps * c->period);
@@ -119,7 +119,7 @@ sp_status sp_tapped_check(const sp_tapped_spec *c, sp_error *err) {
         return sp_fail_key(err, SP_EINVAL, "column.e", " = 1: must be at least 0 and below 1");
     if (c->e > 0 && c->e < least_e)
         return sp_fail_key(err, SP_EINVAL, "column.e",
-                           " = %s: must be 0, or at least 1e-9: bands of friction below that are lost in rounding",
+                           " = %s: must be 0, or at least 1e-9: narrower friction bands are lost in rounding",
                            sp_number_text(c->e, value));
     if (c->drop < 0 && c->drop != -1)
         return sp_fail_key(err, SP_EINVAL, "column.drop", " = %s: must be 0 .. 1e6 cm, or -1 to start at rest",
@@ -130,7 +130,7 @@ sp_status sp_tapped_check(const sp_tapped_spec *c, sp_error *err) {
                            "column.frequency: 1/(2 * %s Hz) = %s s",
                            sp_number_text(c->period, value), sp_number_text(c->frequency, other),
                            sp_number_text(tap, limit));
-    if (!(stiffness > bound * (1 + 1e-12))) /* what equals it, but for rounding, is refused */
+    if (!(stiffness > bound * (1 + 1e-12))) /* equality within rounding is refused, too */
         return sp_fail_key(err, SP_EINVAL, "column.stiffness",
                            " = %s g/s^2: the column collapses under its own weight; must be above "
                            "%.10g g/s^2 (condition (28), for equal particles N m g/r)",

@@ -1,4 +1,4 @@
-/* Forces and energies of the lattice. */
+/* Forces and energies of the lattice as an ordinary differential equation. */
 #include "tapped/springs.h"
 
 #include "base/base.h"
@@ -15,8 +15,8 @@ static double overlapping(double alpha, double delta) {
     return delta > 0 ? delta : 0;
 }
 
-/* Contact i makes f on what is above it, - f on what is below. The floor does f_0 y0' of work, a contact takes away
- * e K delta chi sigma(w) w. */
+/* Right-hand side of the system. Contact i pushes the particle above with f and the one below with -f. The floor does
+ * work at the rate f_0 y0'; each contact dissipates e K delta chi sigma(w) w. */
 static void slope(double s, const double *state, double *out, void *user) {
     const sp_tapped_springs *p = user;
     const double *y = state, *v = state + p->n;
@@ -80,15 +80,15 @@ void sp_tapped_springs_start(const sp_tapped_spec *c, const sp_tapped_springs *s
         state[i] = height += s->distance[i];
 }
 
-void sp_tapped_springs_particles(const sp_tapped_springs *s, const double *state, double *y, double *v) {
+void sp_tapped_springs_positions(const sp_tapped_springs *s, const double *state, double *y, double *v) {
     for (int32_t i = 0; i < s->n; i++) {
         y[i + 1] = state[i];
         v[i + 1] = state[s->n + i];
     }
 }
 
-/* int_a^inf x/(1 + exp(2 alpha x)) dx, a >= 0: a ln(1 + u)/(2 alpha) - Li2(-u)/(4 alpha^2), u = exp(-2 alpha a). By
- * Landen, -Li2(-u) = Li2(u/(1 + u)) + ln(1 + u)^2/2, whose series halves from term to term. */
+/* Integral of x/(1 + exp(2 alpha x)) from a >= 0 to infinity: a ln(1 + u)/(2 alpha) - Li2(-u)/(4 alpha^2), u = exp(-2
+ * alpha a). Landen's identity, -Li2(-u) = Li2(u/(1 + u)) + ln(1 + u)^2/2, gives a series whose terms at least halve. */
 static double beyond(double alpha, double a) {
     double u = exp(-2 * alpha * a), x = u / (1 + u), power = 1, sum = 0, log1 = log1p(u);
     for (int k = 1; k < 60; k++) {
@@ -98,7 +98,7 @@ static double beyond(double alpha, double a) {
     return a * log1 / (2 * alpha) + (sum + 0.5 * log1 * log1) / (4 * alpha * alpha);
 }
 
-/* int x chi(x) dx from -infinity to delta; chi = 1/(1 + exp(-2 alpha x)). */
+/* Integral of x chi(x) from -infinity to delta, chi = 1/(1 + exp(-2 alpha x)): the elastic energy over K. */
 static double stored(double alpha, double delta) {
     if (isinf(alpha))
         return delta > 0 ? 0.5 * delta * delta : 0;

@@ -1,4 +1,4 @@
-/* The tables of a column: rows of a run, what a tap did, and the models beside each other. */
+/* Tables of a column: trajectories, states and energies of each tap, and the comparison of models. */
 #include "tapped/table.h"
 #include "base/base.h"
 #include "tapped/column.h"
@@ -6,30 +6,35 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A table under way. */
+/* A table under construction. */
 typedef struct maker {
     const sp_tapped_spec *c;
     sp_tapped_watcher watcher;
     sp_table *t;
-    int64_t n;            /* times at which the run hands over rows */
-    double *time, *cells; /* [n]; one row of the table */
-    int64_t seen;         /* rows that came */
-    double begin, share;  /* of the whole work: before this run, and of it */
+    int64_t n;            /* number of times at which the run writes rows */
+    double *time, *cells; /* [n]; the values of one row */
+    int64_t seen;         /* rows written so far */
+    double begin, share;  /* progress: part of the work before this run; share of this run */
 } maker;
 
-/* Called once a row of the run. */
-static sp_status look(maker *m, sp_error *err) {
+/* Counts a row and reports the progress. */
+static sp_status count_row(maker *m, sp_error *err) {
     m->seen++;
     const double share = m->begin + m->share * (double)m->seen / (double)m->n;
     if (m->watcher.watch && !m->watcher.watch(share, m->watcher.user))
-        return sp_fail(err, SP_EINTERRUPTED, "stopped at row %lld of %lld: nothing is written, start it again",
-                       (long long)m->seen, (long long)m->n);
+        return sp_fail(err, SP_EINTERRUPTED, "stopped at row %lld of %lld: nothing is written", (long long)m->seen,
+                       (long long)m->n);
     return SP_OK;
+}
+
+static sp_status add_cells(maker *m, sp_error *err) {
+    const sp_status status = sp_table_add_numbers(m->t, m->cells, err);
+    return status == SP_OK ? count_row(m, err) : status;
 }
 
 /* ---- size and times --------------------------------------------------------------------------------------------- */
 
-/* A value takes its cell twice, as the room for rows doubles, and up to 24 letters of the text. */
+/* A value takes up to two cells of 8 bytes, because the capacity for rows doubles, and up to 24 characters of text. */
 static const double bytes_a_value = 40;
 
 static sp_status check_size(const sp_tapped_spec *c, double rows, double columns, sp_error *err) {
@@ -38,57 +43,56 @@ static sp_status check_size(const sp_tapped_spec *c, double rows, double columns
     if (bytes <= most)
         return SP_OK;
     return sp_fail(err, SP_ENOMEM,
-                   "column.%s: %.6g rows of %.0f columns need some %.3g GB: must be %.3g GB at the most: a longer "
+                   "column.%s: %.6g rows of %.0f columns need about %.3g GB, the limit is %.3g GB: use a longer "
                    "column.step, fewer column.taps or fewer column.particles",
                    c->output == SP_TAPPED_STROBE || c->output == SP_TAPPED_ENERGY ? "taps" : "step", rows, columns,
                    1e-9 * bytes, 1e-9 * most);
+}
+
+static sp_status make_times(maker *m, double rows, double columns, sp_error *err) {
+    sp_status status = check_size(m->c, rows, columns, err);
+    if (status != SP_OK)
+        return status;
+    m->n = (int64_t)rows;
+    m->time = sp_alloc((size_t)m->n, sizeof *m->time);
+    return m->time ? SP_OK : sp_fail_memory(err, (size_t)m->n * sizeof *m->time);
 }
 
 /* Multiples of the step, up to the end of the last tap. */
 static sp_status step_times(maker *m, double columns, sp_error *err) {
     const sp_tapped_spec *c = m->c;
     const double end = c->taps * c->period, step = c->step > 0 ? c->step : 0.01 * c->period;
-    const double rows = floor(end / step * (1 + 1e-12)) + 1;
-    sp_status status = check_size(c, rows, columns, err);
-    if (status != SP_OK)
-        return status;
-    m->n = (int64_t)rows;
-    m->time = sp_alloc((size_t)m->n, sizeof *m->time);
-    if (!m->time)
-        return sp_fail_memory(err, (size_t)m->n * sizeof *m->time);
-    for (int64_t k = 0; k < m->n; k++)
+    const sp_status status = make_times(m, floor(end / step * (1 + 1e-12)) + 1, columns, err);
+    for (int64_t k = 0; k < m->n && status == SP_OK; k++)
         m->time[k] = fmin((double)k * step, end);
-    return SP_OK;
+    return status;
 }
 
 /* .99T, 1.99T, ... */
 static sp_status strobe_times(maker *m, double columns, sp_error *err) {
-    sp_status status = check_size(m->c, m->c->taps, columns, err);
-    if (status != SP_OK)
-        return status;
-    m->n = m->c->taps;
-    m->time = sp_alloc((size_t)m->n, sizeof *m->time);
-    if (!m->time)
-        return sp_fail_memory(err, (size_t)m->n * sizeof *m->time);
-    for (int64_t k = 0; k < m->n; k++)
+    const sp_status status = make_times(m, m->c->taps, columns, err);
+    for (int64_t k = 0; k < m->n && status == SP_OK; k++)
         m->time[k] = ((double)k + 0.99) * m->c->period;
-    return SP_OK;
+    return status;
 }
 
 /* ---- columns ---------------------------------------------------------------------------------------------------- */
 
-/* letter<first> .. letter<N>. */
-static sp_status add_particles(maker *m, const char *letter, int32_t first, const char *unit, sp_error *err) {
-    sp_status status = SP_OK;
-    char name[32];
-    for (int32_t i = first; i <= m->c->particles && status == SP_OK; i++) {
-        snprintf(name, sizeof name, "%s%d", letter, i);
-        status = sp_table_add_column(m->t, name, unit, SP_CELL_NUMBER, err);
-    }
-    return status;
-}
+/* One column, or with `each` the columns name<first> .. name<N>. */
+typedef struct heading {
+    const char *name, *unit;
+    sp_cell_kind kind;
+    bool each;
+    int32_t first;
+} heading;
 
-static sp_status make_cells(maker *m, sp_error *err) {
+static sp_status add_headings(maker *m, size_t n, const heading *of, sp_error *err) {
+    sp_status status = SP_OK;
+    for (size_t k = 0; k < n && status == SP_OK; k++)
+        status = of[k].each ? sp_tapped_add_particles(m->c, of[k].name, of[k].first, of[k].unit, m->t, err)
+                            : sp_table_add_column(m->t, of[k].name, of[k].unit, of[k].kind, err);
+    if (status != SP_OK)
+        return status;
     m->cells = sp_alloc((size_t)m->t->columns, sizeof *m->cells);
     return m->cells ? SP_OK : sp_fail_memory(err, (size_t)m->t->columns * sizeof *m->cells);
 }
@@ -99,7 +103,7 @@ static sp_status run(maker *m, sp_tapped_row row, sp_error *err) {
     sp_tapped_report report = {0};
     sp_status status = sp_tapped_run(m->c, m->n, m->time, row, m, &report, err);
     if (status == SP_OK)
-        status = sp_tapped_note_report(m->c, &report, m->t, err);
+        status = sp_tapped_comment_report(m->c, &report, m->t, err);
     sp_tapped_report_free(&report);
     return status;
 }
@@ -109,18 +113,14 @@ static sp_status trajectory_row(double t, const double *y, const double *v, void
     (void)v;
     m->cells[0] = t;
     memcpy(m->cells + 1, y, ((size_t)m->c->particles + 1) * sizeof *y);
-    sp_status status = sp_table_add_numbers(m->t, m->cells, err);
-    return status == SP_OK ? look(m, err) : status;
+    return add_cells(m, err);
 }
 
 static sp_status trajectory(maker *m, sp_error *err) {
+    static const heading headings[] = {{"t", "s", SP_CELL_NUMBER, false, 0}, {"y", "cm", SP_CELL_NUMBER, true, 0}};
     sp_status status = step_times(m, m->c->particles + 2.0, err);
     if (status == SP_OK)
-        status = sp_table_add_column(m->t, "t", "s", SP_CELL_NUMBER, err);
-    if (status == SP_OK)
-        status = add_particles(m, "y", 0, "cm", err);
-    if (status == SP_OK)
-        status = make_cells(m, err);
+        status = add_headings(m, sizeof headings / sizeof *headings, headings, err);
     return status == SP_OK ? run(m, trajectory_row, err) : status;
 }
 
@@ -132,12 +132,11 @@ static sp_status strobe_row(double t, const double *y, const double *v, void *us
     m->cells[1] = t;
     memcpy(m->cells + 2, y + 1, n * sizeof *y);
     m->cells[n + 2] = sp_tapped_density(m->c, y);
-    sp_status status = sp_table_add_numbers(m->t, m->cells, err);
-    return status == SP_OK ? look(m, err) : status;
+    return add_cells(m, err);
 }
 
-/* What the densities after taps are to be compared with. */
-static sp_status note_initial_density(maker *m, sp_error *err) {
+/* The density before the first tap, for comparison with those after taps. */
+static sp_status comment_initial_density(maker *m, sp_error *err) {
     const size_t n = (size_t)m->c->particles;
     sp_tapped_state s;
     sp_status status = sp_tapped_state_make(m->c, &s, err);
@@ -155,19 +154,15 @@ static sp_status note_initial_density(maker *m, sp_error *err) {
 }
 
 static sp_status strobe(maker *m, sp_error *err) {
+    static const heading headings[] = {{"tap", "", SP_CELL_INTEGER, false, 0},
+                                       {"t", "s", SP_CELL_NUMBER, false, 0},
+                                       {"y", "cm", SP_CELL_NUMBER, true, 1},
+                                       {"density", "g/cm", SP_CELL_NUMBER, false, 0}};
     sp_status status = strobe_times(m, m->c->particles + 3.0, err);
     if (status == SP_OK)
-        status = sp_table_add_column(m->t, "tap", "", SP_CELL_INTEGER, err);
+        status = add_headings(m, sizeof headings / sizeof *headings, headings, err);
     if (status == SP_OK)
-        status = sp_table_add_column(m->t, "t", "s", SP_CELL_NUMBER, err);
-    if (status == SP_OK)
-        status = add_particles(m, "y", 1, "cm", err);
-    if (status == SP_OK)
-        status = sp_table_add_column(m->t, "density", "g/cm", SP_CELL_NUMBER, err);
-    if (status == SP_OK)
-        status = note_initial_density(m, err);
-    if (status == SP_OK)
-        status = make_cells(m, err);
+        status = comment_initial_density(m, err);
     return status == SP_OK ? run(m, strobe_row, err) : status;
 }
 
@@ -177,32 +172,28 @@ static sp_status density_row(double t, const double *y, const double *rho, void 
     m->cells[0] = t;
     memcpy(m->cells + 1, y + 1, n * sizeof *y);
     memcpy(m->cells + 1 + n, rho, n * sizeof *rho);
-    sp_status status = sp_table_add_numbers(m->t, m->cells, err);
-    return status == SP_OK ? look(m, err) : status;
+    return add_cells(m, err);
 }
 
 static sp_status density(maker *m, sp_error *err) {
+    static const heading headings[] = {{"t", "s", SP_CELL_NUMBER, false, 0},
+                                       {"y", "cm", SP_CELL_NUMBER, true, 1},
+                                       {"rho", "g/cm", SP_CELL_NUMBER, true, 1}};
     sp_status status = step_times(m, 2.0 * m->c->particles + 1, err);
     if (status == SP_OK)
-        status = sp_table_add_column(m->t, "t", "s", SP_CELL_NUMBER, err);
-    if (status == SP_OK)
-        status = add_particles(m, "y", 1, "cm", err);
-    if (status == SP_OK)
-        status = add_particles(m, "rho", 1, "g/cm", err);
-    if (status == SP_OK)
-        status = make_cells(m, err);
+        status = add_headings(m, sizeof headings / sizeof *headings, headings, err);
     return status == SP_OK ? sp_tapped_run_density(m->c, m->n, m->time, density_row, m, err) : status;
 }
 
-/* ---- what each tap did ------------------------------------------------------------------------------------------ */
+/* ---- energies of the taps --------------------------------------------------------------------------------------- */
 
-static sp_status pass_row(double t, const double *y, const double *v, void *user, sp_error *err) {
+static sp_status energy_row(double t, const double *y, const double *v, void *user, sp_error *err) {
     (void)t, (void)y, (void)v;
-    return look(user, err);
+    return count_row(user, err);
 }
 
 static sp_status energy_rows(maker *m, const sp_tapped_report *r, sp_error *err) {
-    sp_status status = sp_tapped_note_report(m->c, r, m->t, err);
+    sp_status status = sp_tapped_comment_report(m->c, r, m->t, err);
     char number[SP_NUMBER_TEXT];
     if (status == SP_OK)
         status = sp_table_add_comment(m->t, err, "initial_energy = %s", sp_number_text(r->initial_energy, number));
@@ -215,31 +206,29 @@ static sp_status energy_rows(maker *m, const sp_tapped_report *r, sp_error *err)
 }
 
 static sp_status energy(maker *m, sp_error *err) {
-    static const char *const columns[][2] = {{"work", "erg"},         {"dissipated", "erg"}, {"energy", "erg"},
-                                             {"residual", ""},        {"rest", "s"},         {"separation", "cm"},
-                                             {"separation_time", "s"}};
+    static const heading headings[] = {
+        {"tap", "", SP_CELL_INTEGER, false, 0},          {"work", "erg", SP_CELL_NUMBER, false, 0},
+        {"dissipated", "erg", SP_CELL_NUMBER, false, 0}, {"energy", "erg", SP_CELL_NUMBER, false, 0},
+        {"residual", "", SP_CELL_NUMBER, false, 0},      {"rest", "s", SP_CELL_NUMBER, false, 0},
+        {"separation", "cm", SP_CELL_NUMBER, false, 0},  {"separation_time", "s", SP_CELL_NUMBER, false, 0},
+        {"contact", "", SP_CELL_INTEGER, false, 0}};
     if (m->c->model != SP_TAPPED_LATTICE)
-        return sp_fail(
-            err, SP_EINVAL,
-            "column.output = \"energy\": column.model must be \"lattice\": the balance is one of the floor's "
-            "work and of its contacts");
+        return sp_fail(err, SP_EINVAL,
+                       "column.output = \"energy\": column.model must be \"lattice\": the continua have no energy "
+                       "balance of contacts");
     sp_tapped_report report = {0};
     sp_status status = strobe_times(m, 9, err);
     if (status == SP_OK)
-        status = sp_table_add_column(m->t, "tap", "", SP_CELL_INTEGER, err);
-    for (size_t k = 0; k < sizeof columns / sizeof *columns && status == SP_OK; k++)
-        status = sp_table_add_column(m->t, columns[k][0], columns[k][1], SP_CELL_NUMBER, err);
+        status = add_headings(m, sizeof headings / sizeof *headings, headings, err);
     if (status == SP_OK)
-        status = sp_table_add_column(m->t, "contact", "", SP_CELL_INTEGER, err);
-    if (status == SP_OK)
-        status = sp_tapped_run(m->c, m->n, m->time, pass_row, m, &report, err);
+        status = sp_tapped_run(m->c, m->n, m->time, energy_row, m, &report, err);
     if (status == SP_OK)
         status = energy_rows(m, &report, err);
     sp_tapped_report_free(&report);
     return status;
 }
 
-/* ---- models beside each other ----------------------------------------------------------------------------------- */
+/* ---- comparison of the models ----------------------------------------------------------------------------------- */
 
 enum { LONGWAVE, BSR, CONTINUA };
 
@@ -247,7 +236,7 @@ typedef struct comparison {
     maker *m;
     double *lattice;                         /* [n][N] */
     double *mean[CONTINUA], *most[CONTINUA]; /* [n] */
-    int which;                               /* under way */
+    int which;                               /* index of the current model */
 } comparison;
 
 static sp_status lattice_row(double t, const double *y, const double *v, void *user, sp_error *err) {
@@ -255,7 +244,7 @@ static sp_status lattice_row(double t, const double *y, const double *v, void *u
     const size_t n = (size_t)k->m->c->particles;
     (void)t, (void)v;
     memcpy(k->lattice + (size_t)k->m->seen * n, y + 1, n * sizeof *y);
-    return look(k->m, err);
+    return count_row(k->m, err);
 }
 
 static sp_status continuum_row(double t, const double *y, const double *v, void *user, sp_error *err) {
@@ -270,10 +259,10 @@ static sp_status continuum_row(double t, const double *y, const double *v, void 
     }
     k->mean[k->which][row] = sum / (double)n;
     k->most[k->which][row] = most;
-    return look(k->m, err);
+    return count_row(k->m, err);
 }
 
-/* One model after the other, each a third of the work. */
+/* Runs the three models, each of which counts as a third of the work. */
 static sp_status run_models(comparison *k, sp_error *err) {
     static const char *const names[] = {"longwave", "bsr"};
     maker *m = k->m;
@@ -284,7 +273,7 @@ static sp_status run_models(comparison *k, sp_error *err) {
     m->share = 1.0 / 3;
     sp_status status = sp_tapped_run(&c, m->n, m->time, lattice_row, k, &report, err);
     if (status == SP_OK)
-        status = sp_tapped_note_report(&c, &report, m->t, err);
+        status = sp_tapped_comment_report(&c, &report, m->t, err);
     sp_tapped_report_free(&report);
     for (k->which = 0; k->which < CONTINUA && status == SP_OK; k->which++) {
         m->begin += m->share;
@@ -298,7 +287,7 @@ static sp_status run_models(comparison *k, sp_error *err) {
     return status;
 }
 
-/* Over time: of the mean over particles its mean, of the largest the largest. */
+/* Summary over time: the mean of the means, or the largest of the maxima. */
 static sp_status add_summary(const comparison *k, const char *name, const double *values, sp_error *err) {
     double sum = 0, most = 0;
     for (int64_t row = 0; row < k->m->n; row++) {
@@ -352,23 +341,23 @@ static bool is_diagram(const sp_tapped_spec *c) {
     return c->output == SP_TAPPED_LYAPUNOV || c->output == SP_TAPPED_BIFURCATION;
 }
 
-static sp_status note(const maker *m, sp_error *err) {
-    sp_status status = sp_tapped_note_spec(m->c, m->t, err);
-    return status == SP_OK ? sp_tapped_note_model(m->c, m->t, err) : status;
+static sp_status add_comments(const maker *m, sp_error *err) {
+    sp_status status = sp_tapped_comment_spec(m->c, m->t, err);
+    return status == SP_OK ? sp_tapped_comment_model(m->c, m->t, err) : status;
 }
 
 static sp_status diagram(maker *m, int threads, sp_error *err) {
     if (m->c->model != SP_TAPPED_LATTICE || m->c->method != SP_TAPPED_EVENT)
         return sp_fail(err, SP_EINVAL,
-                       "column.output = \"%s\": column.model must be \"lattice\" and column.method \"event\": the map "
-                       "from tap to tap and its derivative are known of these alone",
+                       "column.output = \"%s\": column.model must be \"lattice\" and column.method \"event\": only "
+                       "these provide the map from tap to tap and its derivative",
                        m->c->output == SP_TAPPED_LYAPUNOV ? "lyapunov" : "bifurcation");
     sp_status status = sp_tapped_diagram(m->c, threads, m->watcher, m->t, err);
-    return status == SP_OK ? note(m, err) : status;
+    return status == SP_OK ? add_comments(m, err) : status;
 }
 
 static sp_status make(maker *m, sp_error *err) {
-    sp_status status = note(m, err);
+    sp_status status = add_comments(m, err);
     if (status != SP_OK)
         return status;
     switch (m->c->output) {

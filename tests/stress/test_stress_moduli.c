@@ -129,7 +129,7 @@ static void test_sine(void **state) {
         const stress_case *c = &stress_cases[k];
         sp_network net = c->make(c->value, 1);
         const sp_probe probe = {SP_PROBE_SINE, 1};
-        sp_probed p;
+        sp_probe_moduli p;
         sp_error err = {0};
         const sp_status status = sp_moduli_probe(&net, 0.5, 1, &probe, NULL, &p, &err);
         if (status != SP_OK) {

@@ -158,7 +158,7 @@ static void test_threads(void **state) {
     for (int q = 0; q < 2; q++) {
         assert_ok(sp_recurrence_make(&op, net.mass, net.omega_bound, 1 + q, &r[q], &err));
         r[q].doubled = true;
-        assert_true((r[q].team != NULL) == (q == 1));
+        assert_true((r[q].pool != NULL) == (q == 1));
         r[q].past_caches = q == 0;
         for (int lane = 0; lane < 2; lane++)
             sp_recurrence_start(&r[q], lane, lane == 0, &(sparse_row){1, &at[lane], &ones[lane]});

@@ -10,8 +10,8 @@
 enum { PLANES = 60, TIMES = 3000 };
 static const double speed = 0.2, rayleigh = 1.3, pulse = 8, start = 50, step = 0.25;
 
-static sp_section made_up(double noise) {
-    sp_section s = {.planes = PLANES, .n = TIMES, .spacing = step};
+static sp_coherent_section made_up(double noise) {
+    sp_coherent_section s = {.planes = PLANES, .n = TIMES, .spacing = step};
     s.y = sp_alloc(PLANES, sizeof *s.y);
     s.arrival = sp_alloc(PLANES, sizeof *s.arrival);
     s.until = sp_alloc(PLANES, sizeof *s.until);
@@ -37,29 +37,29 @@ static sp_section made_up(double noise) {
  * frequencies that are left farther up are longer than the window, and what is cut off of them is felt: 1e-3. */
 static void test_known_wave(void **state) {
     (void)state;
-    sp_section s = made_up(0);
+    sp_coherent_section s = made_up(0);
     for (double w = 0.04; w < 0.16; w += 0.02) {
-        sp_coherent c;
+        sp_coherent_wave c;
         const double k = w / speed;
         assert_ok(sp_coherent_fit(&s, w, &c, &err));
         assert_relative(c.k, k, k < 0.3 ? 1e-4 : 4e-3);
         assert_relative(c.alpha, rayleigh * k * k * k, k < 0.3 ? 2e-3 : 1e-2);
         assert_true(c.part > 1 - 1e-3);
     }
-    sp_section_free(&s);
+    sp_coherent_section_free(&s);
 }
 
 /* Noise on every plane that is independent of the others: k and alpha stay near, and `part` tells of it. */
 static void test_noise(void **state) {
     (void)state;
-    sp_section s = made_up(20);
-    sp_coherent c;
+    sp_coherent_section s = made_up(20);
+    sp_coherent_wave c;
     const double w = 0.06, k = w / speed;
     assert_ok(sp_coherent_fit(&s, w, &c, &err));
     assert_relative(c.k, k, 0.05);
     assert_close(c.alpha, rayleigh * k * k * k, 0.03);
     assert_true(c.part < 0.999);
-    sp_section_free(&s);
+    sp_coherent_section_free(&s);
 }
 
 /* omega = 2 sqrt(K/m) sin(k l/2), no attenuation. The slower the waves of a frequency are beside the front, the more of
@@ -67,9 +67,9 @@ static void test_noise(void **state) {
  * time changes. */
 static void check_rows(const sp_packing *p, bool lattice) {
     sp_network net = network_of(p, false);
-    sp_section s = sp_section_none();
-    const sp_section_options o = sp_section_options_default();
-    assert_ok(sp_section_make(&net, &o, &s, &err));
+    sp_coherent_section s = sp_coherent_section_none();
+    const sp_coherent_section_options o = sp_coherent_section_options_default();
+    assert_ok(sp_coherent_section_make(&net, &o, &s, &err));
     const double angle = lattice ? sqrt(0.75) : 1, l = angle * net.length[0];
     const double root = sqrt((lattice ? 1.5 : 1) * net.springs[0].kn / net.mass[0]);
     for (int32_t j = 0; j < s.planes; j++) { /* half way between two rows */
@@ -77,7 +77,7 @@ static void check_rows(const sp_packing *p, bool lattice) {
         assert_close(rows, round(rows), 1e-9);
     }
     for (double part = 0.1; part < 0.95; part += 0.1) {
-        sp_coherent c;
+        sp_coherent_wave c;
         const double k = 2 * asin(part) / l;
         assert_ok(sp_coherent_fit(&s, part * 2 * root, &c, &err));
         const double error = hypot(c.k - k, c.alpha), shift = hypot(c.k_shift, c.alpha_shift);
@@ -87,11 +87,11 @@ static void check_rows(const sp_packing *p, bool lattice) {
     }
     assert_true(s.highest > 2 * root && s.highest < 1.0011 * 2 * root);
     for (int q = 0; q < 3; q++) { /* where nothing can swing, no wave */
-        sp_coherent c;
+        sp_coherent_wave c;
         assert_ok(sp_coherent_fit(&s, (const double[]){1.002, 1.05, 1.2}[q] * 2 * root, &c, &err));
         assert_true(isnan(c.k) && isnan(c.alpha) && isnan(c.k_shift) && isnan(c.alpha_shift));
     }
-    sp_section_free(&s);
+    sp_coherent_section_free(&s);
     sp_network_free(&net);
 }
 
@@ -123,11 +123,11 @@ static void test_few_planes(void **state) {
     (void)state;
     sp_packing p = chain_packing(40, 1e-4);
     sp_network net = network_of(&p, false);
-    sp_section s = sp_section_none();
-    sp_section_options o = sp_section_options_default();
-    sp_coherent c;
+    sp_coherent_section s = sp_coherent_section_none();
+    sp_coherent_section_options o = sp_coherent_section_options_default();
+    sp_coherent_wave c;
     o.spacing = 0.1;
-    assert_ok(sp_section_make(&net, &o, &s, &err));
+    assert_ok(sp_coherent_section_make(&net, &o, &s, &err));
     assert_true(s.planes >= 20 && s.planes <= 21);
     const double length = s.until[0];
     assert_ok(sp_coherent_fit(&s, 0.2, &c, &err));
@@ -138,15 +138,15 @@ static void test_few_planes(void **state) {
     assert_ok(sp_coherent_fit(&s, 0.2, &c, &err));
     assert_true(isnan(c.k) && isnan(c.alpha) && isnan(c.k_shift) && isnan(c.alpha_shift));
     assert_close(sp_network_plane_height(&net, 0.1), 0.5 * net.x[net.dim - 1], 1e-14); /* the contact with the wall */
-    sp_section_free(&s);
+    sp_coherent_section_free(&s);
     sp_network_free(&net);
     sp_packing_free(&p);
 }
 
 static void test_refusals(void **state) {
     (void)state;
-    sp_section s = made_up(0);
-    sp_coherent c = {.k = 7};
+    sp_coherent_section s = made_up(0);
+    sp_coherent_wave c = {.k = 7};
     assert_fails(sp_coherent_fit(&s, 0, &c, &err), SP_EINVAL, "omega = 0");
     assert_fails(sp_coherent_fit(&s, NAN, &c, &err), SP_EINVAL, "omega = nan");
     assert_fails(sp_coherent_fit(&s, 7, &c, &err), SP_EINVAL, "below 6.28");
@@ -157,17 +157,17 @@ static void test_refusals(void **state) {
     memset(s.f, 0, sizeof *s.f * PLANES * TIMES); /* silence has no wave */
     assert_ok(sp_coherent_fit(&s, 0.1, &c, &err));
     assert_true(isnan(c.k) && isnan(c.alpha));
-    sp_section_free(&s);
+    sp_coherent_section_free(&s);
     sp_packing p = chain_packing(12, 1e-4);
     sp_network net = network_of(&p, false);
-    sp_section_options o = sp_section_options_default();
-    assert_fails(sp_section_make(&net, &o, &s, &err), SP_EREFUSED, "at least 8 needed");
+    sp_coherent_section_options o = sp_coherent_section_options_default();
+    assert_fails(sp_coherent_section_make(&net, &o, &s, &err), SP_EREFUSED, "at least 8 needed");
     o.spacing = 0;
-    assert_fails(sp_section_make(&net, &o, &s, &err), SP_EINVAL, "spacing = 0");
+    assert_fails(sp_coherent_section_make(&net, &o, &s, &err), SP_EINVAL, "spacing = 0");
     o.spacing = 1e-9;
-    assert_fails(sp_section_make(&net, &o, &s, &err), SP_EINVAL, "at most");
+    assert_fails(sp_coherent_section_make(&net, &o, &s, &err), SP_EINVAL, "at most");
     o.spacing = 0.3;
-    assert_fails(sp_section_make(&net, &o, &s, &err), SP_EREFUSED, "cross 4 different sets of contacts");
+    assert_fails(sp_coherent_section_make(&net, &o, &s, &err), SP_EREFUSED, "cross 4 different sets of contacts");
     sp_network_free(&net);
     sp_packing_free(&p);
     p = chain_packing(30, 1e-4);
@@ -175,14 +175,14 @@ static void test_refusals(void **state) {
     for (int k = 0;; k++) {
         sp_error err = {0};
         sp_alloc_fail_after(k);
-        const sp_status status = sp_section_make(&net, &o, &s, &err);
+        const sp_status status = sp_coherent_section_make(&net, &o, &s, &err);
         sp_alloc_fail_after(-1);
         if (status == SP_OK)
             break;
         assert_int_equal(status, SP_ENOMEM);
         assert_null(s.f);
     }
-    sp_section_free(&s);
+    sp_coherent_section_free(&s);
     sp_network_free(&net);
     sp_packing_free(&p);
 }

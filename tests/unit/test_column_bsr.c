@@ -445,7 +445,7 @@ static void test_ends(void **state) {
             sp_alloc_fail_after(-1);
             assert_true(status == SP_OK || status == SP_ENOMEM);
         }
-        assert_true(fails > 4);
+        assert_true(fails > 3);
         assert_fails(sp_tapped_run(&c, 3, t, stop, NULL, NULL, &err), SP_EINTERRUPTED, "enough");
     }
 }

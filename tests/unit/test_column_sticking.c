@@ -4,6 +4,7 @@
 
 #include "numeric/random.h"
 #include "tapped/lattice.h"
+#include "tapped/taut_string.h"
 
 enum { NODES = 1000 };
 

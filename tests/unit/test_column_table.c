@@ -88,30 +88,30 @@ static void warnings_stand_in_the_comments(void **state) {
     sp_tapped_report report = {.violated_at = 1.5, .violated = 3};
     const sp_tapped_spec c = small(SP_TAPPED_TRAJECTORY);
     sp_table t = sp_table_none();
-    assert_ok(sp_tapped_note_report(&c, &report, &t, &err));
+    assert_ok(sp_tapped_comment_report(&c, &report, &t, &err));
     assert_true(has_comment(&t, "warning: ordering (1) violated at t = 1.5 s between particles 3 and 4"));
     report.violated = 0;
-    assert_ok(sp_tapped_note_report(&c, &report, &t, &err));
+    assert_ok(sp_tapped_comment_report(&c, &report, &t, &err));
     assert_true(has_comment(&t, "warning: ordering (1) violated at t = 1.5 s between the floor and particle 1"));
     sp_table_free(&t);
     report.violated_at = NAN;
-    assert_ok(sp_tapped_note_report(&c, &report, &t, &err));
+    assert_ok(sp_tapped_comment_report(&c, &report, &t, &err));
     assert_int_equal(t.comments, 0);
     sp_tapped_spec literal = c;
     literal.model = SP_TAPPED_BSR;
     literal.bsr = SP_TAPPED_BSR_LITERAL;
     literal.particles = 10;
-    assert_ok(sp_tapped_note_model(&literal, &t, &err));
+    assert_ok(sp_tapped_comment_model(&literal, &t, &err));
     assert_true(has_comment(&t, "warning: bsr = literal: the force of (45) as it was printed points downwards, and is "
                                 "2.2588 m g at the most"));
     sp_table_free(&t);
     literal.bsr = SP_TAPPED_BSR_SIGNED;
-    assert_ok(sp_tapped_note_model(&literal, &t, &err));
+    assert_ok(sp_tapped_comment_model(&literal, &t, &err));
     assert_true(has_comment(&t, "warning: bsr = signed: the force of (45) with its signs put right is 0.354"));
     sp_table_free(&t);
     literal.model = SP_TAPPED_LATTICE;
     literal.method = SP_TAPPED_RK4;
-    assert_ok(sp_tapped_note_model(&literal, &t, &err));
+    assert_ok(sp_tapped_comment_model(&literal, &t, &err));
     assert_true(has_comment(&t, "warning: method rk4 is of first order"));
     sp_table_free(&t);
 }

@@ -5,8 +5,8 @@
 #include "base/base.h"
 #include "packing/contact.h"
 #include "packing/dynamics.h"
-#include "packing/making.h"
 #include "packing/pairs.h"
+#include "packing/prepare.h"
 
 #include <sonopack/network.h>
 

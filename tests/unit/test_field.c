@@ -46,7 +46,7 @@ static void compare(const sp_packing *p, const sp_place *from) {
     double *u = calloc(4 * (size_t)n, sizeof *u), *v = calloc((size_t)n, sizeof *v), errors[4];
     assert_true(u && v);
     for (int s = 0; s < 3; s++) {
-        const sp_field_spec spec = {.source = sources[s], .from = from, .times = 4, .t = t};
+        const sp_field_options spec = {.source = sources[s], .from = from, .times = 4, .t = t};
         assert_ok(sp_signal_field(&net, &spec, u, errors, &err));
         for (int l = 0; l < 4; l++) {
             by_modes(&net, sources[s], from, t[l], v);
@@ -96,7 +96,7 @@ static void test_detector_sees_the_signal(void **state) {
     assert_ok(sp_signal_make(&net, &o, &s, &err));
     double *u = calloc(POINTS * (size_t)n, sizeof *u), *row = calloc((size_t)n, sizeof *row), errors[POINTS];
     assert_true(u && row);
-    const sp_field_spec spec = {.times = POINTS, .t = s.t, .threads = 2};
+    const sp_field_options spec = {.times = POINTS, .t = s.t, .threads = 2};
     assert_ok(sp_signal_field(&net, &spec, u, errors, &err));
     assert_ok(sp_network_detector(&net, row, &err));
     const double largest = largest_of(POINTS, s.f);
@@ -123,15 +123,15 @@ static void test_refusals(void **state) {
     double u[10];
     static const double bad[] = {-1, NAN, INFINITY}, late = 1e12, good = 3;
     for (int k = 0; k < 3; k++) {
-        const sp_field_spec spec = {.times = 1, .t = &bad[k]};
+        const sp_field_options spec = {.times = 1, .t = &bad[k]};
         assert_fails(sp_signal_field(&net, &spec, u, NULL, &err), SP_EINVAL, "time 1 of the field");
     }
-    sp_field_spec spec = {.times = 0, .t = &good};
+    sp_field_options spec = {.times = 0, .t = &good};
     assert_fails(sp_signal_field(&net, &spec, u, NULL, &err), SP_EINVAL, "0 times");
-    spec = (sp_field_spec){.times = 1, .t = &late};
+    spec = (sp_field_options){.times = 1, .t = &late};
     assert_fails(sp_signal_field(&net, &spec, u, NULL, &err), SP_EREFUSED, "matrix products");
     const sp_place nowhere = {.kind = SP_PLACE_PLANE, .height = 3};
-    spec = (sp_field_spec){.times = 1, .t = &good, .from = &nowhere};
+    spec = (sp_field_options){.times = 1, .t = &good, .from = &nowhere};
     assert_int_not_equal(sp_signal_field(&net, &spec, u, NULL, NULL), SP_OK);
     int64_t k = 0;
     spec.from = NULL;

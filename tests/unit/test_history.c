@@ -3,7 +3,7 @@
 #include "making.h"
 
 #include "base/base.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 #include <sonopack/study/scene.h>
 
@@ -218,10 +218,10 @@ static void what_is_refused(void **state) {
     s.diameter_max = 1.2;
     assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.diameter_max = 1.2");
     s.diameter_max = 1;
-    s.content = sp_packing_content(&lattice) + 1;
+    s.content = sp_packing_hash(&lattice) + 1;
     assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.content");
     lattice.wall = SP_WALL_GRAIN;
-    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "walls answer like grains");
+    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.file: its walls");
     c.history = &c.pressure;
     c.history_count = 1;
     assert_fails(sp_packing_make(&c, NULL, NULL, &p, &err), SP_EINVAL, "packing.history");

@@ -2,10 +2,10 @@
 #include "test.h"
 
 #include "base/base.h"
-#include "base/team.h"
+#include "base/pool.h"
 #include "packing/contact.h"
 #include "packing/dynamics.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 #include "packing/roots.h"
 
 typedef struct dense {
@@ -219,8 +219,8 @@ static void test_threads(void **state) {
         dynamics alone = make_moving(&states[k], &c, false);
         for (int threads = 1; threads <= 3; threads++) {
             dynamics d = make_moving(&states[k], &c, false);
-            assert_ok(sp_team_make(threads, &d.team, &err));
-            assert_true((d.team != NULL) == (threads > 1));
+            assert_ok(sp_pool_make(threads, &d.pool, &err));
+            assert_true((d.pool != NULL) == (threads > 1));
             dynamics *run = threads == 1 ? &alone : &d;
             for (int step = 0; step < 300; step++) {
                 if (step % 30 == 0) /* new lists now and then, as if the grains had gone far */

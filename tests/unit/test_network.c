@@ -1,5 +1,5 @@
 #include "base/base.h"
-#include "network/kernel.h"
+#include "network/apply.h"
 #include "reference.h"
 
 #include <float.h>

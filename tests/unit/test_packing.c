@@ -293,8 +293,8 @@ static void test_spec_refuses(void **state) {
     REFUSED(s.dim = 1, "packing.dimension = 1: must be 2 or 3");
     REFUSED(s.dim = 4, "packing.dimension");
     REFUSED(s.depth = 24, "packing.depth = 24: must be 0");
-    REFUSED((s.dim = 3, s.depth = 4), "packing.depth = 4: a box narrower than four of the largest grains (4.8)");
-    REFUSED((s.dim = 3, s.width = 4, s.depth = 9), "packing.width = 4: a box narrower");
+    REFUSED((s.dim = 3, s.depth = 4), "packing.depth = 4: must be at least four of the largest diameters (4.8)");
+    REFUSED((s.dim = 3, s.width = 4, s.depth = 9), "packing.width = 4: must be at least");
     REFUSED(s.depth = NAN, "packing.depth");
     REFUSED(s.gas_fraction = 0.8, "packing.gas_fraction");
     REFUSED(s.gas_fraction = 0.46, "packing.gas_fraction = 0.46: must be 0.01 .. 0.45");
@@ -319,12 +319,12 @@ static void test_spec_refuses(void **state) {
     REFUSED((s.grains = 2, s.width = 500, s.pressure = 0.01), "packing.pressure = 0.01: must be at most");
     REFUSED((s.grains = 10, s.compression = SP_COMPRESSION_ISOTROPIC), "packing.grains = 10: must be at least 29");
     REFUSED(s.tolerance = 1, "packing.tolerance = 1: must be at most 0.1 of packing.pressure");
-    REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.diameter_min = 2, s.diameter_max = 3), "has 0.0001");
-    REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.diameter_min = s.diameter_max = 1), "has 0 of its grains");
+    REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.diameter_min = 2, s.diameter_max = 3), "fraction 0.0001");
+    REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.diameter_min = s.diameter_max = 1), "has a fraction 0 of its grains");
     REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.size_spread = 0, s.diameter_min = 1.1, s.diameter_max = 1.2),
-            "all grains have diameter 1");
+            "all grains then have diameter 1");
     REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.size_spread = 0.8), "at most 100 times");
-    REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.size_spread = 0.7), "packing.width = 24: a box narrower"); /* 6.4 d */
+    REFUSED((s.sizes = SP_SIZES_LOGNORMAL, s.size_spread = 0.7), "packing.width = 24: must be at least"); /* 6.4 d */
     REFUSED((s.sizes = SP_SIZES_BIDISPERSE, s.diameter_min = 1, s.diameter_max = 7), "packing.width = 24");
     REFUSED(s.sizes = SP_SIZES_LIST, "packing.diameters = (0 numbers): must be one for each of packing.grains = 600");
     const double list[] = {1, 1.1, 0.9, 1, 1.2}, torn[] = {1, NAN, 1}, wide[] = {1, 1, 0.009};

@@ -259,7 +259,7 @@ static void test_contacts_and_motion(void **state) {
     assert_ok(sp_plot_snapshot(&p, &net, u, 0, svg, &err)); /* nothing moves */
     says((const char *[]){"t = 0\n", NULL});
     const double t = 20;
-    const sp_field_spec spec = {.times = 1, .t = &t};
+    const sp_field_options spec = {.times = 1, .t = &t};
     assert_ok(sp_signal_field(&net, &spec, u, NULL, &err));
     assert_ok(sp_plot_snapshot(&p, &net, u, t, svg, &err));
     says((const char *[]){"t = 20\n", "longer, cut\n", "\n= ", NULL});

@@ -1,11 +1,11 @@
 /* With prestress the springs are the derivative of the forces while packings form: of the very code that makes them. */
 #include "carried.h"
 
-#include "network/kernel.h"
+#include "network/apply.h"
 #include "network/largest.h"
 #include "network/operator.h"
 #include "packing/dynamics.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 #include "packing/vibrate.h"
 
 #include <float.h>

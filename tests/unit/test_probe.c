@@ -14,9 +14,9 @@ static sp_network network_of(const sp_packing *p) {
     return net;
 }
 
-static sp_probed probe_of(const sp_network *net, sp_probe_kind kind, int n) {
+static sp_probe_moduli probe_of(const sp_network *net, sp_probe_kind kind, int n) {
     const sp_probe probe = {kind, n};
-    sp_probed out;
+    sp_probe_moduli out;
     assert_ok(sp_moduli_probe(net, 0.5, 1, &probe, NULL, &out, &err));
     return out;
 }
@@ -32,7 +32,7 @@ static void test_chain(void **state) {
     for (int i = 0; i < N; i++)
         net.x[3 * i] = height * (i + 1) / (N + 1);
     for (int n = 1; n <= 11; n++) {
-        const sp_probed got = probe_of(&net, SP_PROBE_SINE, n);
+        const sp_probe_moduli got = probe_of(&net, SP_PROBE_SINE, n);
         const double s = sin(n * PI / (2 * (N + 1))), force = 4 * PI / 3 * 0.125 / 0.5;
         const double energy = 0.5 * force * force * (N + 1) / 2 / (4 * k * s * s);
         const double c = height * height * height / (4 * n * n * PI * PI * energy);
@@ -42,7 +42,7 @@ static void test_chain(void **state) {
         assert_true(got.error_along < 1e-11 * c && got.left_out == 0);
     }
     for (int n = 1; n <= 5; n += 2) { /* (n + 1) lines apart by whole numbers of balls: 24 is divided by 2, 4 and 6 */
-        const sp_probed got = probe_of(&net, SP_PROBE_LINES, n);
+        const sp_probe_moduli got = probe_of(&net, SP_PROBE_LINES, n);
         assert_relative(got.along, k * height / (N + 1), 1e-12);
         assert_close(got.along, k * height / (N + 1), got.error_along);
     }
@@ -64,7 +64,7 @@ static void test_lattice(void **state) {
         sp_packing p = make_packing(&spec);
         sp_network net = network_of(&p);
         const sp_probe probe[] = {{SP_PROBE_SINE, 1}, {SP_PROBE_LINES, 1}};
-        sp_probed got[2];
+        sp_probe_moduli got[2];
         sp_moduli m;
         sp_statics s;
         assert_ok(sp_statics_make(&p, 1e-4, 3, &s, &err));
@@ -88,13 +88,13 @@ static void test_together(void **state) {
     sp_packing p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
     sp_network net = network_of(&p);
     const sp_probe probe[] = {{SP_PROBE_SINE, 1}, {SP_PROBE_SINE, 2}, {SP_PROBE_LINES, 1}, {SP_PROBE_LINES, 3}};
-    sp_probed all[4];
+    sp_probe_moduli all[4];
     sp_moduli m, alone;
     assert_ok(sp_moduli_probe(&net, 0.5, 4, probe, &m, all, &err));
     assert_ok(sp_moduli_make(&net, 0.5, &alone, &err));
     assert_true(m.c11 == alone.c11 && m.c22 == alone.c22 && m.c33 == alone.c33 && m.residual == alone.residual);
     for (int k = 0; k < 4; k++) {
-        const sp_probed one = probe_of(&net, probe[k].kind, probe[k].n);
+        const sp_probe_moduli one = probe_of(&net, probe[k].kind, probe[k].n);
         assert_true(one.along == all[k].along && one.shear == all[k].shear);
         /* Tables IV and V at p = 1e-4: the largest deviation of a mean from 1 is 0.37, four deviations of a sample 0.4
          */
@@ -114,11 +114,11 @@ static void test_smooth(void **state) {
     (void)state;
     sp_packing p = scattered_packing(2, 16, 0.5, 1);
     sp_network net = network_of(&p);
-    const sp_probed rough = probe_of(&net, SP_PROBE_SINE, 2);
+    const sp_probe_moduli rough = probe_of(&net, SP_PROBE_SINE, 2);
     for (int k = 0; k < net.n_springs; k++)
         if (net.springs[k].j < 0)
             net.springs[k].kt = 0;
-    const sp_probed sine = probe_of(&net, SP_PROBE_SINE, 2), lines = probe_of(&net, SP_PROBE_LINES, 1);
+    const sp_probe_moduli sine = probe_of(&net, SP_PROBE_SINE, 2), lines = probe_of(&net, SP_PROBE_LINES, 1);
     assert_true(sine.error_shear < 1e-9 * sine.shear);
     assert_close(sine.shear / rough.shear, 1, 0.15);
     assert_close(sine.along / rough.along, 1, 0.05);
@@ -126,7 +126,7 @@ static void test_smooth(void **state) {
     for (int k = 0; k < net.n_springs; k++) /* one wall */
         if (net.springs[k].j == SP_TOP)
             net.springs[k].kt = net.springs[k].kn;
-    const sp_probed half = probe_of(&net, SP_PROBE_SINE, 1);
+    const sp_probe_moduli half = probe_of(&net, SP_PROBE_SINE, 1);
     assert_true(half.along > 0 && isnan(half.shear));
     sp_network_free(&net);
     sp_packing_free(&p);
@@ -140,7 +140,7 @@ static void test_loose(void **state) {
     (void)state;
     sp_packing p = scattered_packing(2, 16, 0.5, 1);
     sp_network net = network_of(&p);
-    const sp_probed whole = probe_of(&net, SP_PROBE_SINE, 1);
+    const sp_probe_moduli whole = probe_of(&net, SP_PROBE_SINE, 1);
     int springs = 0;
     for (int k = 0; k < net.n_springs; k++) {
         sp_spring *s = &net.springs[k];
@@ -149,19 +149,19 @@ static void test_loose(void **state) {
             s->kn = springs++ == 0 ? s->kn : 0;
         }
     }
-    const sp_probed loose = probe_of(&net, SP_PROBE_SINE, 1);
+    const sp_probe_moduli loose = probe_of(&net, SP_PROBE_SINE, 1);
     assert_true(loose.left_out > 1e-4 && loose.left_out < 0.02 && loose.concentrated < 0.2);
     assert_close(loose.along / whole.along, 1, 0.3);
     assert_close(loose.shear / whole.shear, 1, 0.3);
     for (int k = 0; k < net.n_springs; k++)
         if (net.springs[k].i == LOOSE || net.springs[k].j == LOOSE)
             net.springs[k].kt = 1e-5 * net.springs[0].kn;
-    const sp_probed hung = probe_of(&net, SP_PROBE_SINE, 1);
+    const sp_probe_moduli hung = probe_of(&net, SP_PROBE_SINE, 1);
     assert_true(hung.left_out == 0 && hung.concentrated > 0.8 && hung.grain == LOOSE);
     for (int k = 0; k < net.n_springs; k++) /* half of all */
         if (net.springs[k].i % 2 == 0 || (net.springs[k].j >= 0 && net.springs[k].j % 2 == 0))
             net.springs[k].kt = net.springs[k].kn = net.springs[k].i % 2 ? 0 : 1e-30;
-    sp_probed out;
+    sp_probe_moduli out;
     const sp_probe probe = {SP_PROBE_SINE, 1};
     sp_error refused = {0};
     assert_int_equal(sp_moduli_probe(&net, 0.5, 1, &probe, NULL, &out, &refused), SP_EREFUSED);
@@ -175,7 +175,7 @@ static void test_space(void **state) {
         sp_packing p = scattered_packing(3, 6, smooth ? 0 : 0.5, 1);
         sp_network net = network_of(&p);
         const sp_probe probe[] = {{SP_PROBE_SINE, 1}, {SP_PROBE_LINES, 1}};
-        sp_probed got[2];
+        sp_probe_moduli got[2];
         sp_moduli m;
         assert_ok(sp_moduli_probe(&net, 0.6, 2, probe, &m, got, &err));
         if (!smooth) { /* smooth grains in such places are nearly loose */
@@ -193,7 +193,7 @@ static void test_refusals(void **state) {
     (void)state;
     sp_packing p = scattered_packing(2, 8, 0.5, 1);
     sp_network net = network_of(&p);
-    sp_probed out[2];
+    sp_probe_moduli out[2];
     sp_moduli m;
     const sp_probe zero = {SP_PROBE_SINE, 0}, even = {SP_PROBE_LINES, 2}, fine = {SP_PROBE_SINE, 8},
                    close = {SP_PROBE_LINES, 7}, odd = {(sp_probe_kind)7, 1}, good = {SP_PROBE_SINE, 1};

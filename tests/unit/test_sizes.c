@@ -3,7 +3,7 @@
 
 #include "base/base.h"
 #include "ensemble/sample.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 static sp_pack_spec law(sp_sizes sizes, double low, double high, int32_t grains) {
     sp_pack_spec s = sp_pack_spec_default();

@@ -228,7 +228,7 @@ static void test_dispersion_chain(void **state) {
     assert_ok(sp_dispersion_make(&net, &o, &d, &err));
     assert_int_equal(d.n, 60);
     for (int q = 0; q < d.n; q++) {
-        const sp_wave *w = &d.wave[q];
+        const sp_dispersion_point *w = &d.wave[q];
         const double exact = chain_frequency(&net, q + 1);
         assert_int_equal(w->polarization, SP_LONGITUDINAL);
         assert_close(w->k, M_PI * (q + 1) / (p.box[0] + 1), 1e-14);

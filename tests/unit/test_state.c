@@ -2,7 +2,7 @@
 #include "test.h"
 
 #include "base/base.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 /* Every state that a making saves; it is stopped after the one with this number. */
 typedef struct album {
@@ -32,7 +32,7 @@ static sp_status count_stage(const sp_packing *p, int32_t index, void *user, sp_
 
 static void assert_same(const sp_packing *p, const sp_packing *q) {
     assert_int_equal(p->n_contacts, q->n_contacts);
-    assert_true(sp_packing_content(p) == sp_packing_content(q));
+    assert_true(sp_packing_hash(p) == sp_packing_hash(q));
     assert_true(p->steps == q->steps && memcmp(&p->residual, &q->residual, sizeof p->residual) == 0);
     assert_memory_equal(p->x, q->x, 3 * (size_t)p->n * sizeof *p->x);
     assert_memory_equal(p->r, q->r, (size_t)p->n * sizeof *p->r);
@@ -144,16 +144,16 @@ static void what_is_no_state(void **state) {
     other.seed++;
     assert_fails(sp_pack_state_check(&other, a.state, a.size, &steps, &err), SP_EFORMAT, "another packing");
     assert_fails(sp_pack_state_check(&s, a.state, a.size - 1, &steps, &err), SP_EFORMAT, "length");
-    assert_fails(sp_pack_state_check(&s, a.state, 3, &steps, &err), SP_EFORMAT, "no state");
+    assert_fails(sp_pack_state_check(&s, a.state, 3, &steps, &err), SP_EFORMAT, "not a saved state");
     assert_fails(sp_pack_state_check(&s, "sonopack sonopack sonopack sonopack sonopack sonopack", 52, &steps, &err),
-                 SP_EFORMAT, "no state");
+                 SP_EFORMAT, "not a saved state");
     hooks.state = a.state;
     hooks.state_size = a.size;
     hooks.save = NULL;
     other = s;
     other.kind = SP_PACK_CHAIN;
     other.dim = 1;
-    assert_fails(sp_packing_make_with(&other, &hooks, &p, &err), SP_EFORMAT, "no state to go on from");
+    assert_fails(sp_packing_make_with(&other, &hooks, &p, &err), SP_EFORMAT, "no state");
     srand(4);
     for (int k = 0; k < 300; k++) { /* a bit that has changed, anywhere */
         const size_t at = (size_t)rand() % a.size;

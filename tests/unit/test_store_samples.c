@@ -119,10 +119,10 @@ static void newer_parts_are_kept(void **state) {
             front[i] = k == 3 ? NAN : fixture_uniform(&random);
     }
     for (int k = 0; k < SP_PROBES; k++)
-        s.probe[k] = (sp_probed){.along = fixture_uniform(&random),
-                                 .shear = k == 2 ? NAN : fixture_uniform(&random),
-                                 .concentrated = 0.125 * k,
-                                 .left_out = k == 1 ? NAN : 0.5};
+        s.probe[k] = (sp_probe_moduli){.along = fixture_uniform(&random),
+                                       .shear = k == 2 ? NAN : fixture_uniform(&random),
+                                       .concentrated = 0.125 * k,
+                                       .left_out = k == 1 ? NAN : 0.5};
     s.signal = (sp_signal_made){.points = 3, .method = SP_SIGNAL_DENSE, .until = 2, .tolerance = 1e-7};
     double t[3] = {0, 1, 2}, f[3] = {0, 0.5, -0.25};
     double omega[6] = {0, 0.25, 0.5, 1e-300, 0.1, 0.7}; /* a store keeps them as they are */

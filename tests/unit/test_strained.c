@@ -13,12 +13,12 @@ static sp_network network_of(const sp_packing *p, bool prestress) {
     return net;
 }
 
-static sp_strained strained(const sp_packing *p, const sp_network *net, double strain, bool turning) {
-    sp_strained_options o = sp_strained_options_default();
-    sp_strained out;
+static sp_finite_strain strained(const sp_packing *p, const sp_network *net, double strain, bool turning) {
+    sp_finite_strain_options o = sp_finite_strain_options_default();
+    sp_finite_strain out;
     o.strain = strain;
     o.turning = turning;
-    assert_ok(sp_moduli_strained(p, net, 0.5, &o, &out, &err));
+    assert_ok(sp_moduli_finite_strain(p, net, 0.5, &o, &out, &err));
     assert_true(out.residual < 1e-6);
     return out;
 }
@@ -39,7 +39,7 @@ static void assert_first_power(const sp_packing *p, bool turning, double strain)
     components(&m, linear);
     for (int k = 0; k < 2; k++) {
         double c[9];
-        const sp_strained s = strained(p, &net, k == 0 ? strain : strain / 3, turning);
+        const sp_finite_strain s = strained(p, &net, k == 0 ? strain : strain / 3, turning);
         assert_true(s.residual < 1e-9 && s.sliding == 0 && s.lost == 0 && s.made == 0);
         components(&s.moduli, c);
         for (int q = 0; q < 9; q++)
@@ -93,7 +93,7 @@ static void test_turning(void **state) {
     sp_moduli m, prestressed;
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
     assert_ok(sp_moduli_make(&stiff, 0.5, &prestressed, &err));
-    const sp_strained s = strained(&p, &net, 1e-8, true);
+    const sp_finite_strain s = strained(&p, &net, 1e-8, true);
     assert_true(fabs(s.moduli.c22 - prestressed.c22) < 0.01 * fabs(m.c22 - prestressed.c22));
     assert_true(isnan(s.moduli.c33));
     sp_network_free(&stiff);
@@ -109,12 +109,12 @@ static void test_sliding(void **state) {
     sp_network net = network_of(&p, true);
     sp_moduli m;
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
-    const sp_strained little = strained(&p, &net, 1e-9, true), much = strained(&p, &net, 5e-5, true);
+    const sp_finite_strain little = strained(&p, &net, 1e-9, true), much = strained(&p, &net, 5e-5, true);
     assert_close(little.moduli.c22 / m.c22, 1, 1e-6);
     assert_close(little.moduli.c33 / m.c33, 1, 1e-6);
     assert_true(much.sliding > little.sliding && much.factors > 0);
     assert_true(much.moduli.c33 < little.moduli.c33);
-    const sp_strained other = strained(&p, &net, -5e-5, true); /* extension slides others */
+    const sp_finite_strain other = strained(&p, &net, -5e-5, true); /* extension slides others */
     assert_true(other.sliding > 0 && other.moduli.c22 != much.moduli.c22);
     sp_network_free(&net);
     sp_packing_free(&p);
@@ -138,7 +138,7 @@ static void test_space(void **state) {
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
     double off[2] = {0, 0};
     for (int k = 0; k < 2; k++) {
-        const sp_strained s = strained(&p, &net, k ? 1e-9 : 1e-8, true);
+        const sp_finite_strain s = strained(&p, &net, k ? 1e-9 : 1e-8, true);
         const double pairs[][2] = {{s.moduli.c11, m.c11}, {s.moduli.c12, m.c12}, {s.moduli.c22, m.c22},
                                    {s.moduli.c33, m.c33}, {s.moduli.c13, m.c13}, {s.moduli.c23, m.c23},
                                    {s.moduli.c44, m.c44}, {s.moduli.c55, m.c55}, {s.moduli.c66, m.c66}};
@@ -170,7 +170,7 @@ static void test_spins(void **state) {
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
     const double errors[] = {m.error11, m.error12, m.error22, m.error33, m.error13,
                              m.error23, m.error44, m.error55, m.error66};
-    const sp_strained s = strained(&p, &net, 1e-8, true);
+    const sp_finite_strain s = strained(&p, &net, 1e-8, true);
     assert_int_equal(s.sliding, 0);
     components(&m, springs);
     components(&s.moduli, small);
@@ -209,7 +209,7 @@ static void test_spheres(void **state) {
         sp_moduli stick;
         double small[9], smaller[9], springs[9];
         assert_ok(sp_moduli_make(&net, 0.5, &stick, &err));
-        const sp_strained one = strained(&p, &net, 1e-9, true), two = strained(&p, &net, 1e-11, true);
+        const sp_finite_strain one = strained(&p, &net, 1e-9, true), two = strained(&p, &net, 1e-11, true);
         components(&one.moduli, small);
         components(&two.moduli, smaller);
         components(&stick, springs);
@@ -229,12 +229,12 @@ static void test_advice(void **state) {
     (void)state;
     sp_packing p = small_spheres(100, 0.5, 22);
     sp_network net = network_of(&p, false);
-    sp_strained_options o = sp_strained_options_default();
-    sp_strained out;
+    sp_finite_strain_options o = sp_finite_strain_options_default();
+    sp_finite_strain out;
     o.strain = 2e-4;
-    assert_fails(sp_moduli_strained(&p, &net, 0.5, &o, &out, &err), SP_EREFUSED,
+    assert_fails(sp_moduli_finite_strain(&p, &net, 0.5, &o, &out, &err), SP_EREFUSED,
                  "begin to slide, try a smaller strain");
-    const sp_strained little = strained(&p, &net, 1e-5, true);
+    const sp_finite_strain little = strained(&p, &net, 1e-5, true);
     assert_true(little.lost == 0 && little.made == 0 && little.sliding > 0);
     sp_network_free(&net);
     sp_packing_free(&p);
@@ -244,18 +244,18 @@ static void test_refusals(void **state) {
     (void)state;
     sp_packing p = scattered_packing(2, 6, 0.5, 1), q = scattered_packing(2, 5, 0.5, 1);
     sp_network net = network_of(&p, false);
-    sp_strained_options o = sp_strained_options_default();
-    sp_strained out;
+    sp_finite_strain_options o = sp_finite_strain_options_default();
+    sp_finite_strain out;
     for (int k = 0; k < 3; k++) {
         o.strain = (const double[]){0, NAN, 0.5}[k];
-        assert_fails(sp_moduli_strained(&p, &net, 0.5, &o, &out, &err), SP_EINVAL, "strain");
+        assert_fails(sp_moduli_finite_strain(&p, &net, 0.5, &o, &out, &err), SP_EINVAL, "strain");
     }
     o.strain = 1e-6;
-    assert_fails(sp_moduli_strained(&q, &net, 0.5, &o, &out, &err), SP_EINVAL, "must be of this one");
+    assert_fails(sp_moduli_finite_strain(&q, &net, 0.5, &o, &out, &err), SP_EINVAL, "must be of this one");
     for (int k = 0;; k++) {
         sp_error error = {0};
         sp_alloc_fail_after(k);
-        const sp_status status = sp_moduli_strained(&p, &net, 0.5, &o, &out, &error);
+        const sp_status status = sp_moduli_finite_strain(&p, &net, 0.5, &o, &out, &error);
         sp_alloc_fail_after(-1);
         if (status == SP_OK) {
             assert_true(k > 15);
@@ -264,14 +264,14 @@ static void test_refusals(void **state) {
         assert_int_equal(status, SP_ENOMEM);
     }
     net.n_springs = net.n_bulk;
-    assert_fails(sp_moduli_strained(&p, &net, 0.5, &o, &out, &err), SP_EREFUSED, "both walls");
+    assert_fails(sp_moduli_finite_strain(&p, &net, 0.5, &o, &out, &err), SP_EREFUSED, "both walls");
     sp_network_free(&net);
     sp_packing_free(&q);
     sp_packing_free(&p);
     p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
     net = network_of(&p, false);
     o.strain = -0.01; /* more than the contacts' overlaps: they open all over */
-    assert_fails(sp_moduli_strained(&p, &net, 0.5, &o, &out, &err), SP_EREFUSED, "yields");
+    assert_fails(sp_moduli_finite_strain(&p, &net, 0.5, &o, &out, &err), SP_EREFUSED, "yields");
     sp_network_free(&net);
     sp_packing_free(&p);
 }

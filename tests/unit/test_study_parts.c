@@ -230,7 +230,7 @@ static void probes_beside_moduli(void **state) {
     assert_ok(sp_network_make(&packing, &scene.network, &net, &err));
     const sp_probe probe[SP_PROBES] = {
         {SP_PROBE_SINE, 1}, {SP_PROBE_SINE, 2}, {SP_PROBE_LINES, 1}, {SP_PROBE_LINES, 3}};
-    sp_probed alone[SP_PROBES];
+    sp_probe_moduli alone[SP_PROBES];
     assert_ok(sp_moduli_probe(&net, both.statics.phi3s, SP_PROBES, probe, NULL, alone, &err));
     for (int k = 0; k < SP_PROBES; k++) {
         assert_relative(both.probe[k].along, alone[k].along, 1e-9);

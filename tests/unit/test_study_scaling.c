@@ -39,7 +39,7 @@ static sp_sample made_up(double p, double width, int height, int seed) {
     s.front.t10 += offset / speed;
     s.moduli = (sp_moduli){.c22 = 2 + offset, .c33 = 0.5, .c_l = (height ? 0.22 : 0.2) + offset, .c_t = 0.1};
     for (int k = 0; k < SP_PROBES; k++)
-        s.probe[k] = (sp_probed){.along = (0.9 - 0.1 * k) * s.moduli.c22, .shear = 0.5 * (1 + k)};
+        s.probe[k] = (sp_probe_moduli){.along = (0.9 - 0.1 * k) * s.moduli.c22, .shear = 0.5 * (1 + k)};
     s.planes = height ? 3 : 2;
     for (int k = 0; k < s.planes; k++) {
         s.plane[k] = 3 * pow(2, k);

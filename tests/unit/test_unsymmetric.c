@@ -126,8 +126,8 @@ static void test_signals(void **state) {
             sp_signal_free(&s);
         }
         const double times[] = {0, until};
-        const sp_field_spec first = {.source = source, .times = 1, .t = times},
-                            spec = {.source = source, .times = 1, .t = times + 1};
+        const sp_field_options first = {.source = source, .times = 1, .t = times},
+                               spec = {.source = source, .times = 1, .t = times + 1};
         double error;
         assert_ok(sp_signal_field(&net, &first, u, &error, &err));
         assert_true(source == SP_SOURCE_DISPLACEMENT || error < 1e-15);

@@ -62,7 +62,7 @@ typedef struct sp_store_finding {
 typedef struct sp_store_check {
     int64_t names;                                              /* below 0: all samples of the store */
     const char (*name)[SP_NAME_MAX];                            /* those of them that are in the store are looked at */
-    double tolerance;                                           /* of the audit (sp_audit_judge) */
+    double tolerance;                                           /* of the audit (sp_audit_worst) */
     bool (*found)(const sp_store_finding *finding, void *user); /* false: stop */
     void *user;
 } sp_store_check;

@@ -52,7 +52,7 @@ typedef struct sp_sample {
     sp_front front;
     sp_statics statics;
     sp_moduli moduli;
-    sp_probed probe[SP_PROBES];
+    sp_probe_moduli probe[SP_PROBES];
     int32_t planes;                      /* of the scene's planes those that lie inside the packing */
     double plane[SP_PLANES_MAX];         /* their heights above the bottom wall [d] */
     sp_front plane_front[SP_PLANES_MAX]; /* fronts of the momentum flux through them; NAN where there is none */

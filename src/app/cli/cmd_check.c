@@ -79,7 +79,7 @@ static sp_status check_file(const arguments *a, const char *path, double thresho
     if (status == SP_OK)
         status = sp_packing_audit(&p, threshold, &audit, &fault);
     if (status == SP_OK)
-        residual = sp_audit_judge(&audit, a->tolerance, reason, sizeof reason);
+        residual = sp_audit_worst(&audit, a->tolerance, reason, sizeof reason);
     else
         snprintf(reason, sizeof reason, "%s", fault.text);
     *good = status == SP_OK && *reason == '\0';

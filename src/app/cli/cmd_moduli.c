@@ -199,7 +199,7 @@ static sp_status probe_columns(const moduli_arguments *a, const sp_packing *p, s
 
 /* What nan in the rows of probes is due to. */
 static void explain_probes(const moduli_arguments *a, const char *path, const subject *s, const sp_moduli *m,
-                           const sp_probed *each) {
+                           const sp_probe_moduli *each) {
     const char *shear = s->p.dim == 3 ? "C55" : "C33";
     if (s->p.dim == 1)
         cli_note(&a->common, "%s: a chain has C22 alone, C33 is nan", path);
@@ -227,7 +227,7 @@ static void explain_probes(const moduli_arguments *a, const char *path, const su
 
 static sp_status probe_rows(const moduli_arguments *a, const char *path, subject *s, sp_table *t, sp_error *err) {
     sp_probe probe[MODULI_PROBES_MAX];
-    sp_probed measured[MODULI_PROBES_MAX], each[MODULI_PROBES_MAX];
+    sp_probe_moduli measured[MODULI_PROBES_MAX], each[MODULI_PROBES_MAX];
     sp_moduli m;
     int32_t count = 0, at = 0;
     for (int k = 0; k < a->probes; k++)
@@ -240,7 +240,7 @@ static sp_status probe_rows(const moduli_arguments *a, const char *path, subject
     }
     const double along = s->p.dim == 3 ? m.c33 : m.c22, shear = s->p.dim == 3 ? m.c55 : m.c33;
     for (int k = 0; k < a->probes; k++)
-        each[k] = a->probe[k].global ? (sp_probed){.along = along, .shear = shear} : measured[at++];
+        each[k] = a->probe[k].global ? (sp_probe_moduli){.along = along, .shear = shear} : measured[at++];
     explain_probes(a, path, s, &m, each);
     for (int k = 0; k < a->probes && status == SP_OK; k++) {
         const double l = each[k].along, t_ = each[k].shear;

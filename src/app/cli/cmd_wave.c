@@ -10,7 +10,7 @@ enum { FREQUENCIES_MAX = 10000, USUAL = 24 };
 typedef struct arguments {
     cli_common common;
     cli_springs springs;
-    sp_section_options section;
+    sp_coherent_section_options section;
     const char *at;
     int files;
     char **file;
@@ -88,7 +88,7 @@ typedef struct waves {
     sums *sum;
 } waves;
 
-static void add_fit(sums *s, const sp_coherent *c) {
+static void add_fit(sums *s, const sp_coherent_wave *c) {
     if (isnan(c->k))
         return;
     s->n++;
@@ -108,8 +108,8 @@ static double error_of_mean(double sum, double squares, int64_t n) {
     return n > 1 ? sqrt(fmax(0, squares - sum * sum / m) / (m - 1) / m) : NAN;
 }
 
-static sp_status choose(const arguments *a, const sp_network *net, const sp_section *s, int32_t *n, double *omega,
-                        sp_error *err) {
+static sp_status choose(const arguments *a, const sp_network *net, const sp_coherent_section *s, int32_t *n,
+                        double *omega, sp_error *err) {
     if (a->at)
         return cli_frequencies(a->at, FREQUENCIES_MAX, n, omega, err);
     const double low = 4 * 2 * M_PI / s->until[0], high = 0.3 * sp_network_omega_bound(net);
@@ -126,8 +126,8 @@ static sp_status add_packing(const arguments *a, const sp_scene *scene, const ch
     double *const omega = w->omega;
     sp_packing p = sp_packing_none();
     sp_network net = sp_network_none();
-    sp_section s = sp_section_none();
-    sp_coherent fit;
+    sp_coherent_section s = sp_coherent_section_none();
+    sp_coherent_wave fit;
     sp_status status = cli_read_network(path, &scene->network, &p, &net, err);
     const bool readable = status == SP_OK;
     if (status == SP_OK && w->dim && w->dim != p.dim)
@@ -135,7 +135,7 @@ static sp_status add_packing(const arguments *a, const sp_scene *scene, const ch
             sp_fail(err, SP_EREFUSED, "has %d dimensions and the packings before %d: must be alike", p.dim, w->dim);
     w->dim = p.dim;
     if (status == SP_OK)
-        status = sp_section_make(&net, &a->section, &s, err);
+        status = sp_coherent_section_make(&net, &a->section, &s, err);
     if (status == SP_OK && *n == 0)
         status = choose(a, &net, &s, n, omega, err);
     for (int32_t l = 0; l < *n && status == SP_OK; l++) {
@@ -145,7 +145,7 @@ static sp_status add_packing(const arguments *a, const sp_scene *scene, const ch
     }
     if (status != SP_OK && status != SP_EINVAL && readable)
         sp_fail_prefix(err, "%s", path);
-    sp_section_free(&s);
+    sp_coherent_section_free(&s);
     sp_network_free(&net);
     sp_packing_free(&p);
     return status;
@@ -217,7 +217,7 @@ static sp_status work(const arguments *a, sp_error *err) {
 }
 
 int cmd_wave(int argc, char **argv) {
-    arguments a = {.section = sp_section_options_default()};
+    arguments a = {.section = sp_coherent_section_options_default()};
     argp_parse(&argp, argc, argv, 0, NULL, &a);
     sp_error err = {0};
     return work(&a, &err) == SP_OK ? CLI_OK : cli_fail(&err);

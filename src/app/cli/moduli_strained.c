@@ -22,7 +22,7 @@ sp_status moduli_strained_columns(const sp_packing *p, sp_table *t, sp_error *er
     return status;
 }
 
-static sp_status add_row(const char *path, const sp_packing *p, double strain, const sp_strained *s, sp_table *t,
+static sp_status add_row(const char *path, const sp_packing *p, double strain, const sp_finite_strain *s, sp_table *t,
                          sp_error *err) {
     const sp_moduli *m = &s->moduli;
     const int64_t sliding = s->sliding, lost = s->lost, made = s->made;
@@ -37,10 +37,10 @@ sp_status moduli_strained_rows(const moduli_arguments *a, const char *path, cons
                                sp_table *t, sp_error *err) {
     sp_status status = SP_OK;
     for (int k = 0; k < a->strains && status == SP_OK; k++) {
-        sp_strained_options o = sp_strained_options_default();
-        sp_strained s;
+        sp_finite_strain_options o = sp_finite_strain_options_default();
+        sp_finite_strain s;
         o.strain = a->strain[k];
-        status = sp_moduli_strained(p, net, NAN, &o, &s, err);
+        status = sp_moduli_finite_strain(p, net, NAN, &o, &s, err);
         if (status != SP_OK)
             sp_fail_prefix(err, "%s", path);
         else

@@ -18,7 +18,7 @@ static sp_status look(pack_state *s, const sp_pack_spec *spec, sp_error *err) {
     sp_status status = S_ISREG(info.st_mode) ? sp_file_read(s->path, &data, &size, err) : SP_OK;
     if (status != SP_OK)
         return status;
-    if (!data || !sp_pack_state_looks(data, size)) {
+    if (!data || !sp_pack_is_state(data, size)) {
         sp_free(data);
         return sp_fail(err, SP_EINVAL,
                        "%s: is where the state of this making would be kept, but is something else, which is never "

@@ -69,7 +69,7 @@ sp_status plot_snapshot_file(const cli_common *common, const sp_scene *scene, co
     status = u ? SP_OK : sp_fail_memory(err, (size_t)sp_network_dofs(&net) * sizeof *u);
     if (status == SP_OK && p.dim == 3)
         status = sp_fail(err, SP_EREFUSED, "a packing in 3 dimensions has no flat picture: must be in 1 or 2");
-    const sp_field_spec spec = {.source = scene->signal.source, .times = 1, .t = &t, .threads = common->threads};
+    const sp_field_options spec = {.source = scene->signal.source, .times = 1, .t = &t, .threads = common->threads};
     if (status == SP_OK)
         status = sp_signal_field(&net, &spec, u, &error, err);
     if (status == SP_OK)

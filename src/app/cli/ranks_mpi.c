@@ -5,7 +5,7 @@
 #include "cli/ranks.h"
 
 #include "base/base.h"
-#include "base/file.h"
+#include "base/hash.h"
 
 #include <math.h>
 #include <mpi.h>

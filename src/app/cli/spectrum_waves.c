@@ -80,7 +80,7 @@ static sp_status put_waves(const sp_dispersion *d, sp_table *t, sp_error *err) {
                                           NULL};
     sp_status status = cli_add_columns(t, columns, err);
     for (int32_t q = 0; q < d->n && status == SP_OK; q++) {
-        const sp_wave *w = &d->wave[q];
+        const sp_dispersion_point *w = &d->wave[q];
         status = sp_table_add_row(t, err, polarizations[w->polarization], (int64_t)w->n, w->k, w->rms, w->spread,
                                   w->peak, w->half_width, w->resolution);
     }

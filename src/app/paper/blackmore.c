@@ -1,4 +1,4 @@
-/* The paper of the tapped column: its items, their rows, and the whole way. */
+/* The paper on the tapped column: its items, and their reproduction from rows to report. */
 #include "paper/blackmore.h"
 #include "base/base.h"
 
@@ -79,7 +79,7 @@ static bool holds(const blackmore_row *row) {
     return fabs(row->ours - row->paper) <= row->precision + err;
 }
 
-/* Ours lies within its error of what the claim turns on. */
+/* Whether our value lies within its error of the limit of the claim. */
 static bool is_near(const blackmore_row *row) {
     const double off = fabs(row->ours - row->paper), err = isfinite(row->err) ? row->err : 0;
     return row->relation == BLACKMORE_EQUAL
@@ -201,7 +201,7 @@ sp_status sp_blackmore_save(tapped *p, const char *name, sp_table *t, sp_error *
     return status;
 }
 
-/* The path of the figure NAME, which the section is going to show. */
+/* Adds figure NAME to the section and returns its path. */
 static void add_figure(tapped *p, int item, const char *name, const char *caption, char path[SP_PATH_MAX]) {
     blackmore_section *s = &p->section[item];
     snprintf(path, SP_PATH_MAX, "%.3900s/%s.%s", p->opt->folder, name, p->opt->figures);

@@ -1,6 +1,7 @@
 #ifndef SP_PAPER_BLACKMORE_H
 #define SP_PAPER_BLACKMORE_H
-/* What the files on the paper of the tapped column share. Equation numbers are those of the paper, called [B]. */
+/* Declarations shared by the files that reproduce the paper on the tapped column. Equation numbers are those of the
+ * paper, called [B]. */
 
 #include "base/file.h"
 #include "paper/page.h"
@@ -20,7 +21,7 @@ enum {
     BLACKMORE_FIGURES = 6
 };
 
-/* What the paper says of ours. */
+/* What the paper claims about our value, relative to its own. */
 typedef enum blackmore_relation { BLACKMORE_EQUAL = 0, BLACKMORE_ABOVE, BLACKMORE_BELOW } blackmore_relation;
 
 typedef struct blackmore_row {
@@ -29,18 +30,18 @@ typedef struct blackmore_row {
     const char *unit;
     char quantity[80];
     blackmore_relation relation;
-    double paper, precision; /* paper NAN: no number; precision 0: exact */
-    double ours, err;        /* err NAN: no bound is known; 0: rounding alone */
-    bool claim;              /* in words or a theorem: it holds or not */
-    bool misprint;           /* paper is what is wrongly printed, ours what is right */
-    bool detail;             /* in the table, not in the report */
+    double paper, precision; /* paper: NAN if there is no number; precision: 0 if it is exact */
+    double ours, err;        /* err: NAN if no bound is known, 0 for rounding alone */
+    bool claim;              /* a statement in words, or a theorem, that holds or not */
+    bool misprint;           /* the paper's value is a misprint, ours the correct one */
+    bool detail;             /* left out of the report, but not of the table */
     char note[240];
-    const char *verdict; /* filled in by sp_blackmore_judge */
+    const char *verdict; /* set by sp_blackmore_judge */
 } blackmore_row;
 void sp_blackmore_judge(blackmore_row *row);
 
 typedef struct blackmore_section {
-    sp_text text; /* a paragraph a line */
+    sp_text text; /* one paragraph a line */
     int figures;
     char file[BLACKMORE_FIGURES][40];
     char caption[BLACKMORE_FIGURES][320];
@@ -50,8 +51,8 @@ typedef struct tapped {
     const sp_paper_column_options *opt;
     sp_paper_watch watch;
     void *user;
-    double begun;               /* wall clock */
-    double item_at, item_share; /* of the item under way in the whole work */
+    double begun;               /* wall clock at the start */
+    double item_at, item_share; /* progress of the whole work: at the start of the item, and share of the item */
     int64_t rows, capacity;
     blackmore_row *row;
     blackmore_section section[SP_PAPER_COLUMN_ITEMS];
@@ -60,27 +61,27 @@ typedef struct tapped {
 typedef struct blackmore_item {
     const char *name, *title, *shows; /* shows: what the paper has there */
     sp_status (*make)(tapped *p, sp_error *err);
-    double share; /* of the work */
+    double share; /* share of the work */
 } blackmore_item;
 extern const blackmore_item sp_blackmore_items[SP_PAPER_COLUMN_ITEMS];
 
 bool sp_blackmore_wants(const tapped *p, int item);
-/* The share of the present item that is done, told to the watch. SP_EINTERRUPTED if it says stop. */
+/* Reports the progress of the present item, 0 .. 1. Returns SP_EINTERRUPTED if the watch asks to stop. */
 sp_status sp_blackmore_tell(tapped *p, double done, sp_error *err);
 
 /* The column of Fig. 1: 5 particles at 7.5 Hz or 10 at 9.5 Hz, T = 1 s, four taps. */
 sp_tapped_spec sp_blackmore_column(int32_t particles);
-/* m g/K, the overlap that carries one particle [cm]. */
+/* m g/K, the overlap that supports one particle [cm]. */
 double sp_blackmore_overlap(const sp_tapped_spec *c);
 
-/* Judges a row and keeps it. note: "" or words for people. */
+/* Sets the verdict of a row and stores the row. */
 sp_status sp_blackmore_add(tapped *p, blackmore_row row, sp_error *err, const char *quantity, ...)
     __attribute__((format(printf, 4, 5)));
 void sp_blackmore_say(tapped *p, int item, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/* Tables and figures go into the folder, where there is one. */
+/* These write tables and figures to the folder, if there is one. */
 sp_status sp_blackmore_save(tapped *p, const char *name, sp_table *t, sp_error *err);
-/* Draws tables of the column as NAME. labels: of each, may be NULL. */
+/* Draws the tables as figure NAME. labels [tables] may be NULL. */
 sp_status sp_blackmore_draw(tapped *p, int item, const char *name, int tables, const sp_table *const *table,
                             const char *const *labels, const char *caption, sp_error *err);
 sp_status sp_blackmore_draw_sheet(tapped *p, int item, const char *name, const sp_sheet *sheet, const char *caption,

@@ -1,4 +1,4 @@
-/* Theorem 1: cycles whose multipliers are known, and where the exponent is above 0. */
+/* Theorem 1: cycles with known multipliers, and the parameters at which the Lyapunov exponent is positive. */
 #include "base/base.h"
 #include "paper/blackmore.h"
 
@@ -12,7 +12,7 @@ static blackmore_row value(const char *unit, double paper, double ours, double e
 
 /* ---- cycles ----------------------------------------------------------------------------------------------------- */
 
-/* One particle, T = 0.2 s: after this many taps only the fixed point is left, |multiplier| = 0.83. */
+/* For one particle and T = 0.2 s, |multiplier| = 0.83: after this many taps only the fixed point is left. */
 enum { SETTLED = 400 };
 
 static sp_status settle(const sp_tapped_spec *c, double *y, double *v, double derivative[4], sp_error *err) {
@@ -85,11 +85,11 @@ static sp_status add_cycles(tapped *p, sp_error *err) {
 
 /* ---- diagrams --------------------------------------------------------------------------------------------------- */
 
-/* Through periods or amplitudes, with the paper's stiffness or one where (1) holds at most points. */
+/* A scan of the period or the amplitude, with the paper's stiffness or with one for which (1) mostly holds. */
 typedef struct scan {
     const char *name, *words;
     sp_tapped_parameter parameter;
-    double from, to, stiffness; /* over m g/r; from 0: the shortest period, that of a tap */
+    double from, to, stiffness; /* stiffness in m g/r; from 0: from the shortest period, that of a tap */
 } scan;
 
 static const scan scans[] = {{"chaos-period", "T", SP_TAPPED_BY_PERIOD, 0, 1, 2},
@@ -107,14 +107,14 @@ static sp_tapped_spec scanned(const scan *s) {
     return c;
 }
 
-/* No cycle, and an exponent above its own error. */
+/* Chaos: no cycle, and an exponent larger than its error. */
 static bool is_chaos(const sp_table *t, int64_t row) {
     return sp_table_number(t, row, 3) < 1 && sp_table_number(t, row, 1) > sp_table_number(t, row, 2);
 }
 
 typedef struct found {
-    int64_t points, best; /* chaotic ones, and that of the largest exponent; -1: none */
-    double low, high;     /* of the parameter where it is chaotic */
+    int64_t points, best; /* number of chaotic points; the one with the largest exponent, -1: none */
+    double low, high;     /* range of the parameter with chaos */
 } found;
 
 static found look_for(const sp_table *t) {
@@ -136,7 +136,7 @@ static sp_status skip_row(double t, const double *y, const double *v, void *user
     return SP_OK;
 }
 
-/* The smallest separation over 400 taps at the most chaotic point. */
+/* Adds the smallest separation over 400 taps at the point with the largest exponent. */
 static sp_status add_separation(tapped *p, const scan *s, double at, sp_error *err) {
     sp_tapped_spec c = scanned(s);
     sp_tapped_report report = {0};
@@ -197,7 +197,7 @@ static sp_status add_exponents(tapped *p, const scan *s, const sp_table *t, sp_e
     return status == SP_OK ? add_separation(p, s, sp_table_number(t, best, 0), err) : status;
 }
 
-/* At how many points (1) is violated: what the table says of it, without the first of them. */
+/* The table's warning about violations of (1) at some points, up to its first comma. */
 static const char *disorder(const sp_table *t, char *text, size_t size) {
     static const char start[] = "warning: ordering (1) violated";
     text[0] = '\0';

@@ -1,5 +1,4 @@
-/* What the paper says in words and in theorems, and what a computation shows of it: integrability, cycles of large
- * periods, choices of parameters, trends over many taps. */
+/* Claims in words and theorems, tested by computation: integrability, long cycles, parameters, and long-term trends. */
 #include "base/base.h"
 #include "paper/blackmore.h"
 
@@ -26,7 +25,7 @@ static sp_status skip_row(double t, const double *y, const double *v, void *user
 
 /* ---- (22) ------------------------------------------------------------------------------------------------------- */
 
-/* Without taps and without loss (22) is a Hamiltonian system. An integrable one has no exponent above 0. */
+/* Without taps and dissipation (22) is a Hamiltonian system. If it were integrable, no exponent would be positive. */
 static sp_status add_integrability(tapped *p, sp_error *err) {
     static const int32_t particles[] = {1, 2, 3, 5};
     sp_status status = SP_OK;
@@ -73,10 +72,10 @@ static sp_status largest_growth(const sp_tapped_spec *c, sp_tapped_model model, 
     return status;
 }
 
-/* With e = 0, w = y_z obeys w_tt = (a w + b w^2 + d w^3/3)_zz + f w_zzzz. About a singularity w = alpha/phi, alpha^2 =
- * -6 f/d, an arbitrary function enters with phi^(r - 1) at each resonance r, here (r - 3)(r - 4)(f (r - 1)(r - 2) + d
- * alpha^2) = 0. Two that are equal bring a logarithm: the equation does not pass Painleve's test, which integrable ones
- * do. (37) has the same d and f with the other sign. */
+/* With e = 0, w = y_z obeys w_tt = (a w + b w^2 + d w^3/3)_zz + f w_zzzz. About a singularity w = alpha/phi with
+ * alpha^2 = -6 f/d, an arbitrary function enters with phi^(r - 1) at each resonance r; here (r - 3)(r - 4)(f (r - 1)(r
+ * - 2) + d alpha^2) = 0. Two equal resonances bring in a logarithm, so that the equation fails Painleve's test, which
+ * integrable equations pass. (37) has the same d and f with the other sign. */
 static sp_status add_painleve(tapped *p, sp_error *err) {
     const sp_tapped_spec c = sp_blackmore_column(10);
     const double r = sp_tapped_radius(&c, 1), h = 2 * r, slope = 1 / h, cubed = 16 * pow(r * slope, 3);
@@ -134,8 +133,9 @@ static sp_status add_solitons(tapped *p, sp_error *err) {
     return sp_blackmore_add(p, row, err, "decay exponent gamma of a pulse, closed contacts, e = 0");
 }
 
-/* With e = 0 the force of (45) depends on z alone, and (45) is u_t + u u_z = f(z): each point moves in the field f as a
- * particle does. Where f falls with height, neighbours meet: a smooth solution ends there. f by Simpson's rule. */
+/* With e = 0 the force of (45) depends on z alone, and (45) is u_t + u u_z = f(z): each point moves in the field f like
+ * a particle. Where f falls with height, neighbours meet and the smooth solution ends. f is computed by Simpson's rule.
+ */
 static double field_of(const sp_tapped_spec *c, double z) {
     enum { CELLS = 64 };
     const double h = 2 * sp_tapped_radius(c, 1), b = 7 * h, width = 3 * h;
@@ -149,7 +149,7 @@ static double field_of(const sp_tapped_spec *c, double z) {
     return -c->gravity - sp_tapped_stiffness(c) / sp_tapped_mass(c, 1) * integral;
 }
 
-/* When the distance of two points 1e-4 cm apart, at rest at z, becomes 0; at most `until`. */
+/* Time at which two points 1e-4 cm apart, at rest at z, meet; at most `until`. */
 static double meeting(const sp_tapped_spec *c, double z, double until) {
     const double apart = 1e-4, step = 1e-4;
     double x[2] = {z, z + apart}, v[2] = {0, 0};
@@ -197,7 +197,8 @@ static sp_status add_burgers(tapped *p, sp_error *err) {
 
 enum { LONGEST = 12, STARTS = 60, ROUNDS = 40 };
 
-/* Newton's method for a fixed point of `period` taps, N = 1. The residual where it ended; INFINITY where it failed. */
+/* Newton's method for a fixed point of `period` taps, N = 1. Returns the final residual, or INFINITY after a failure.
+ */
 static double newton(const sp_tapped_spec *c, int32_t period, double x[2]) {
     double residual = INFINITY;
     sp_error err;
@@ -219,7 +220,7 @@ static double newton(const sp_tapped_spec *c, int32_t period, double x[2]) {
     return residual;
 }
 
-/* Whether it comes back earlier than after `period` taps. */
+/* Whether the orbit returns to x after fewer than `period` taps. */
 static bool is_shorter(const sp_tapped_spec *c, int32_t period, const double x[2]) {
     double overlap = x[0], opening = x[1];
     sp_tapped_state s = {&overlap, &opening};
@@ -277,7 +278,8 @@ static sp_status add_periods(tapped *p, sp_error *err) {
 
 /* ---- Section 2 -------------------------------------------------------------------------------------------------- */
 
-/* N >= 20, T = 1, pi/omega < 1/10, a <= 1/50, r < 1/100, m < 1/20, in m, kg and s: here at the edge of these. */
+/* The paper's choice N >= 20, T = 1, pi/omega < 1/10, a <= 1/50, r < 1/100, m < 1/20, read in m, kg and s; these are
+ * values at its edge. */
 static sp_status add_choice(tapped *p, double amplitude, double frequency, sp_error *err) {
     static const double mass = 40, radius = 0.9;
     sp_tapped_spec c = sp_blackmore_column(20);
@@ -355,14 +357,14 @@ static sp_status add_trend(tapped *p, int32_t particles, sp_error *err) {
 
 /* ---- Section 4 -------------------------------------------------------------------------------------------------- */
 
-/* A grid of the ten particles of Fig. 1, 20 cm high. */
+/* A grid for the ten particles of Fig. 1, 20 cm high. */
 typedef struct grid {
     int cells;
     double dz, dt;
     int64_t steps;
 } grid;
 
-/* The top of the lattice, above which the force of (37) is set to 0. */
+/* Heights of the top of the lattice, above which the force of (37) is zero. */
 typedef struct top {
     int64_t n;
     double *height;
@@ -375,7 +377,7 @@ static sp_status keep_top(double t, const double *y, const double *v, void *user
     return SP_OK;
 }
 
-/* The right-hand side of (37), with (38), by central differences at node j; v: velocities. */
+/* Right-hand side of (37) with (38), by central differences at node j; v: velocities. */
 static double rate(const sp_tapped_spec *c, double dz, const double *y, const double *v, int j) {
     const double r = sp_tapped_radius(c, 1), h = 2 * r, alpha = 1 / h, e = c->e, cubed = 16 * pow(r * alpha, 3);
     const double plus = 1.5 + 6 * r * alpha - cubed, minus = 1.5 + 6 * r * alpha + cubed,
@@ -389,7 +391,8 @@ static double rate(const sp_tapped_spec *c, double dz, const double *y, const do
     return -c->gravity - sp_tapped_stiffness(c) * h * h / sp_tapped_mass(c, 1) * bracket;
 }
 
-/* From (39) on; when a point is farther away than 1e3 cm, or the steps are over. room [4][cells + 1]. */
+/* Integrates from (39) on. Returns the time at which a point is farther away than 1e3 cm, or the end. memory: [4][cells
+ * + 1]. */
 static double march(const sp_tapped_spec *c, const grid *g, const double *height, double *room) {
     const int n = g->cells;
     double *y = room, *old = room + n + 1, *v = room + 2 * (n + 1), *next = room + 3 * (n + 1);
@@ -404,7 +407,7 @@ static double march(const sp_tapped_spec *c, const grid *g, const double *height
             next[j] = 2 * y[j] - old[j] + g->dt * g->dt * (inside ? rate(c, g->dz, y, v, j) : -c->gravity);
         }
         next[0] = sp_tapped_floor(c, t);
-        next[1] = next[0] + g->dz; /* no gravity along the floor, which moves it */
+        next[1] = next[0] + g->dz; /* no gravity at the floor, which moves this node */
         for (int j = 0; j <= n; j++) {
             if (!(fabs(next[j]) < 1e3))
                 return t;
@@ -416,7 +419,7 @@ static double march(const sp_tapped_spec *c, const grid *g, const double *height
     return (double)g->steps * g->dt;
 }
 
-/* When the scheme breaks down, with loss e in (37). */
+/* Finds the time at which the scheme with dissipation e in (37) breaks down. */
 static sp_status breakdown(const grid *g, double e, double *time, sp_error *err) {
     const sp_tapped_spec lattice = sp_blackmore_column(10);
     sp_tapped_spec c = lattice;
@@ -446,8 +449,8 @@ static sp_status add_hybrid(tapped *p, double time, double error, const char *qu
     return sp_blackmore_add(p, row, err, "%s", quantity);
 }
 
-/* With the paper's steps; and with steps within the stable ones, where the time does not depend on the grid: it is the
- * equation that breaks down. (With its loss it does so the sooner the finer the grid is.) */
+/* Adds the breakdown with the paper's steps, and with stable steps. In the latter case the time does not depend on the
+ * grid, so it is the equation that breaks down. (With dissipation it does so earlier on finer grids.) */
 static sp_status add_hybrids(tapped *p, sp_error *err) {
     const grid printed = {2000, 0.01, 0.01, 400}, coarse = {100, 0.2, 1e-5, 2000}, fine = {200, 0.1, 1e-5, 2000};
     double time, rough;

@@ -1,4 +1,4 @@
-/* What is wrong in the paper: each error by a number from what is printed, and the right one, both computed. */
+/* Errors of the paper: for each the value that follows from the print, and the correct one, both computed. */
 #include "base/base.h"
 #include "paper/blackmore.h"
 
@@ -28,13 +28,13 @@ static double overlap(const sp_tapped_spec *c, const double *y, int32_t contact)
     return fmax(0, contact == 0 ? 0.5 * h - y[0] : h - (y[contact] - y[contact - 1]));
 }
 
-/* (19) at rest on a resting floor, where sigma(0) = 0: y [N], particle from 1. */
+/* Acceleration by (19) of a particle (from 1) at rest at y [N] on a resting floor, where sigma(0) = 0. */
 static double acceleration(const sp_tapped_spec *c, const double *y, int32_t particle) {
     return -c->gravity +
            sp_tapped_stiffness(c) / sp_tapped_mass(c, 1) * (overlap(c, y, particle - 1) - overlap(c, y, particle));
 }
 
-/* The middle line of (24), whose two brackets are multiplied. */
+/* The middle line of (24) as printed, where its two brackets are multiplied. */
 static double printed_middle(const sp_tapped_spec *c, const double *y, int32_t particle) {
     return -c->gravity -
            sp_tapped_stiffness(c) / sp_tapped_mass(c, 1) * overlap(c, y, particle) * overlap(c, y, particle - 1);
@@ -94,7 +94,7 @@ static sp_status add_rest(const errata *e, sp_error *err) {
     return status;
 }
 
-/* omega = 2 pi Gamma takes the acceleration Gamma = a omega^2/g for a frequency. */
+/* omega = 2 pi Gamma mistakes the acceleration Gamma = a omega^2/g for a frequency. */
 static sp_status add_gamma(const errata *e, sp_error *err) {
     static const double printed[] = {2.4019, 3.8476};
     const sp_tapped_spec *const column[] = {&e->five, &e->ten};
@@ -114,7 +114,7 @@ static sp_status add_gamma(const errata *e, sp_error *err) {
     return sp_blackmore_add(e->p, row, err, "period T");
 }
 
-/* The upper contact just open, the lower one as at rest below three particles. */
+/* The upper contact is just open; the lower one carries three particles, as at rest. */
 static sp_status add_step(const errata *e, sp_error *err) {
     const sp_tapped_spec *c = &e->five;
     blackmore_row row = erratum("(30)", "", 1, 2, "alpha_v [s/cm] for velocities, alpha_x [1/cm] for lengths");
@@ -159,8 +159,8 @@ static sp_status add_long_wave(const errata *e, sp_error *err) {
     return status == SP_OK ? sp_blackmore_add(e->p, row, err, "acceleration as it starts") : status;
 }
 
-/* y = (1 + s t) z, mass m/h a label: the density at a label is m/(h (1 + s t)). (41) has y_t rho_z, of places, with y
- * of labels, and gives exp(-s t). */
+/* y = (1 + s t) z with mass m/h per label: the density at a label is m/(h (1 + s t)). (41) mixes rho_z at fixed places
+ * with y of labels, and gives exp(-s t). */
 static sp_status add_continuity(const errata *e, sp_error *err) {
     blackmore_row row =
         erratum("(41)", "m/h", exp(-1), 0.5,
@@ -173,16 +173,16 @@ static sp_status add_continuity(const errata *e, sp_error *err) {
 
 /* ---- BSR and the scheme ----------------------------------------------------------------------------------------- */
 
-/* Theta of (44) over all y, prefactor as given. */
+/* Integral of Theta, (44), over all y, with the given prefactor. */
 static double normalisation(double prefactor, double b, double c) {
     enum { POINTS = 4000 };
-    const double step = 24 * c / POINTS; /* 12 widths to both sides, where the trapezoidal rule is exact */
+    const double step = 24 * c / POINTS; /* over 12 widths on either side the trapezoidal rule is exact */
     double sum = 0;
     for (int k = 0; k <= POINTS; k++) {
         const double x = -12 * c + k * step;
         sum += exp(-x * x / (2 * c * c)) * step;
     }
-    (void)b; /* moves it only */
+    (void)b; /* only shifts the maximum */
     return prefactor * sum / sqrt(2 * pi);
 }
 

@@ -1,11 +1,11 @@
-/* Figs. 1 and 2: the lattice, and the continua beside it. */
+/* Figs. 1 and 2: trajectories of the lattice, and the continua in comparison with it. */
 #include "base/base.h"
 #include "paper/blackmore.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Of positions of the lattice [cm], and of densities [g/cm]: tests hold it to this against other solvers. */
+/* Error of the lattice's positions [cm] and densities [g/cm], as tests against other solvers confirm. */
 static const double lattice_error = 1e-8;
 
 /* ---- Fig. 1 ----------------------------------------------------------------------------------------------------- */
@@ -48,7 +48,7 @@ static sp_status add_positions(const stack *s, sp_error *err) {
     return status;
 }
 
-/* Before the first tap, and at .99T, 1.99T, ... */
+/* Densities before the first tap and at .99T, 1.99T, ... */
 static sp_status add_densities(const stack *s, sp_error *err) {
     const int32_t n = s->c.particles;
     double y[11] = {0};
@@ -170,10 +170,10 @@ enum { LATTICE, LONGWAVE, BSR, MODELS };
 typedef struct surfaces {
     tapped *p;
     sp_tapped_spec c;
-    sp_table of[MODELS], coarse[MODELS]; /* t y0 .. yN; coarse: with half the cells */
+    sp_table of[MODELS], coarse[MODELS]; /* t y0 .. yN; coarse: with half as many cells */
 } surfaces;
 
-/* Mean and largest |y - y| over particles and times. */
+/* Mean and largest difference of positions over particles and times. */
 static void distance(const sp_table *a, const sp_table *b, double *mean, double *most) {
     double sum = 0;
     *most = 0;
@@ -222,7 +222,7 @@ static sp_status add_pair(const surfaces *s, int a, int b, const char *name, con
     return status == SP_OK ? sp_blackmore_add(s->p, row, err, "largest |y - y|, %s", name) : status;
 }
 
-/* The highest that the topmost particle comes. */
+/* Adds the greatest height of the topmost particle. */
 static sp_status add_heights(const surfaces *s, sp_error *err) {
     static const char *const names[MODELS] = {"lattice", "long wave", "BSR"};
     double high[MODELS] = {0};
@@ -259,7 +259,7 @@ static sp_status skip_row(double t, const double *y, const double *v, void *user
     return SP_OK;
 }
 
-/* (45) as printed, and with its signs put right: the columns fall through the floor. */
+/* (45) as printed and with corrected signs: the columns fall through the floor. */
 static sp_status add_collapse(const surfaces *s, sp_error *err) {
     static const sp_tapped_bsr kinds[2] = {SP_TAPPED_BSR_LITERAL, SP_TAPPED_BSR_SIGNED};
     static const char *const names[2] = {"(45) as printed", "(45) with sgn(y)"};

@@ -1,4 +1,4 @@
-/* The report on the paper of the tapped column. */
+/* Writes the report on the reproduction of the paper on the tapped column. */
 #include "base/base.h"
 #include "paper/blackmore.h"
 
@@ -41,7 +41,7 @@ static void add_row(paper_page *page, const blackmore_row *row, bool with_item) 
     sp_paper_page_row(page, n, cell, row->verdict, n - 1);
 }
 
-/* Rows of an item, or (item < 0) all that deviate or do not hold. */
+/* Selects the rows of an item or, for item < 0, all that deviate or do not hold. */
 static bool in_table(const blackmore_row *row, int item) {
     if (item >= 0)
         return row->item == item && !row->detail;

@@ -1,15 +1,15 @@
-/* Equations (35) and (37) as printed: what their symbols say, and that they are not run. */
+/* Equations (35) and (37) as printed: growth rates and speeds of their linear waves, and the refusal to run them. */
 #include "base/base.h"
 #include "paper/blackmore.h"
 
 #include <stdio.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846, step = 0.01; /* of the paper, in cm and in s */
+static const double pi = 3.14159265358979323846, step = 0.01; /* the paper's steps [s, cm] */
 
 enum { WAVES = 241, CURVES = 4 };
 
-/* Growth rates and squares of speeds over k, linearised about y_z = 1. */
+/* Growth rates and squared speeds against k, linearised about y_z = 1. */
 typedef struct symbols {
     double k[WAVES], growth[CURVES][WAVES], speed2[CURVES][WAVES];
 } symbols;
@@ -67,7 +67,7 @@ static sp_status draw(tapped *p, symbols *s, sp_error *err) {
     for (int j = 0; j < CURVES; j++) {
         for (int i = 0; i < WAVES && j < 2; i++)
             if (!(s->growth[j][i] > 0))
-                s->growth[j][i] = NAN; /* no place on the axis */
+                s->growth[j][i] = NAN; /* a logarithmic axis cannot show it */
         speed[j] = (sp_curve){.label = j < 2 ? NULL : labels[j],
                               .n = WAVES,
                               .x = s->k,
@@ -118,7 +118,7 @@ static sp_status add_coefficients(tapped *p, const sp_tapped_spec *c, sp_error *
     return status == SP_OK ? sp_blackmore_add(p, row, err, "B at alpha = 1/h") : status;
 }
 
-/* The largest growth of (37), and that of (35) on the paper's grid. */
+/* Adds the largest growth rate of (37), and that of (35) on the paper's grid. */
 static sp_status add_growth(tapped *p, const sp_tapped_spec *c, const symbols *s, sp_error *err) {
     const double h = 2 * sp_tapped_radius(c, 1);
     double most = 0, at = 0;
@@ -140,7 +140,7 @@ static sp_status add_growth(tapped *p, const sp_tapped_spec *c, const symbols *s
     sp_tapped_symbol grid;
     sp_status status = sp_tapped_symbol_at(c, SP_TAPPED_EQ35, 1 / h, 1, pi / step, &grid, err);
     blackmore_row row = value("(37)", "1/s", NAN, most, "");
-    row.err = 1e-6 * most; /* of the maximum, quadratic in the step of k */
+    row.err = 1e-6 * most; /* error of the maximum, quadratic in the step of k */
     snprintf(row.note, sizeof row.note, "at k = %.4g /cm: a factor of %.3g in each step of 0.01 s", at,
              exp(step * most));
     if (status == SP_OK)
@@ -177,7 +177,7 @@ static sp_status skip_row(double t, const double *y, const double *v, void *user
     return SP_OK;
 }
 
-/* What the library says to both. */
+/* Adds the library's refusals of both. */
 static sp_status add_refusals(tapped *p, const sp_tapped_spec *c, sp_error *err) {
     static const sp_tapped_model models[2] = {SP_TAPPED_EQ35, SP_TAPPED_EQ37};
     sp_status status = SP_OK;

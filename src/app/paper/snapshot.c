@@ -57,7 +57,7 @@ static sp_status draw(const sp_sample *sample, const sp_packing *packing, const 
                       sp_error *err) {
     (void)sample;
     snapshot *s = user;
-    const sp_field_spec spec = {.source = SP_SOURCE_IMPULSE, .times = 1, .t = &snapshot_time, .threads = 1};
+    const sp_field_options spec = {.source = SP_SOURCE_IMPULSE, .times = 1, .t = &snapshot_time, .threads = 1};
     const size_t dofs = (size_t)sp_network_dofs(net);
     char path[SP_PATH_MAX];
     double *u = sp_alloc(dofs, sizeof *u);

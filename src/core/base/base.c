@@ -1,3 +1,4 @@
+/* Status and error text, allocation, memory limit, number text and clocks. */
 #include "base/base.h"
 
 #include <sonopack/version.h>
@@ -29,7 +30,7 @@ const char *sp_status_name(sp_status status) {
     return "unknown";
 }
 
-/* A reason is one line: control characters from file names or hostile input become spaces. */
+/* An error text is one line, so control characters (from file names or hostile input) become spaces. */
 static void one_line(char *text) {
     for (; *text; text++)
         if ((unsigned char)*text < ' ' || *text == 127)
@@ -97,7 +98,7 @@ static atomic_int_fast64_t fail_after = -1;
 
 void sp_alloc_fail_after(int64_t count) { atomic_store(&fail_after, count); }
 
-/* From HUGE_FROM bytes on memory comes in pages of 2 MiB, where the system has them. */
+/* Blocks of HUGE_FROM bytes or more use pages of 2 MiB where the system offers them. */
 enum { HUGE_PAGE = 2 << 20, HUGE_FROM = 16 << 20 };
 
 void *sp_alloc(size_t count, size_t size) {
@@ -114,7 +115,7 @@ void *sp_alloc(size_t count, size_t size) {
     void *memory = aligned_alloc(align, bytes);
 #ifdef MADV_HUGEPAGE
     if (memory && align == HUGE_PAGE)
-        madvise(memory, bytes, MADV_HUGEPAGE); /* a hint: a fraction of the page faults, and of the address lookups */
+        madvise(memory, bytes, MADV_HUGEPAGE); /* only a hint; it saves most of the page faults and address lookups */
 #endif
     if (memory)
         memset(memory, 0, bytes);
@@ -122,6 +123,22 @@ void *sp_alloc(size_t count, size_t size) {
 }
 
 void sp_free(void *memory) { free(memory); }
+
+void *sp_grow(void *array, size_t need, size_t *capacity, size_t size) {
+    enum { PAGE = 4096, FEWEST = 8 };
+    if (array && need <= *capacity)
+        return array;
+    size_t more = *capacity > 0 ? 2 * *capacity : size < PAGE / FEWEST ? PAGE / size : FEWEST;
+    more = more > need ? more : need;
+    void *larger = sp_alloc(more, size);
+    if (!larger)
+        return NULL;
+    if (array)
+        memcpy(larger, array, *capacity * size);
+    sp_free(array);
+    *capacity = more;
+    return larger;
+}
 
 char *sp_strdup(const char *text) {
     size_t size = strlen(text) + 1;
@@ -146,7 +163,7 @@ double sp_memory_limit(void) {
 
 char *sp_number_text(double value, char text[SP_NUMBER_TEXT]) {
     if (value != value) {
-        snprintf(text, SP_NUMBER_TEXT, "nan"); /* without the sign that printf may show */
+        snprintf(text, SP_NUMBER_TEXT, "nan"); /* printf may print a sign */
         return text;
     }
     for (int digits = 15; digits <= 17; digits++) {
@@ -154,7 +171,7 @@ char *sp_number_text(double value, char text[SP_NUMBER_TEXT]) {
         if (strtod(text, NULL) == value)
             break;
     }
-    for (char *c = text; *c; c++) /* whatever locale the program has chosen */
+    for (char *c = text; *c; c++) /* the locale may use a decimal comma */
         if (*c == ',')
             *c = '.';
     return text;

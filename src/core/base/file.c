@@ -1,6 +1,8 @@
+/* Whole files: reading, hashing, atomic writing, and cleaning up temporary files. */
 #include "base/file.h"
 
 #include "base/base.h"
+#include "base/hash.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -17,7 +19,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* No text that this program reads is larger; a device without end stops here. */
+/* Limit for text files, so that an endless device cannot fill the memory. */
 static const size_t text_limit = (size_t)1 << 31;
 
 static sp_status fail_errno(sp_error *err, const char *what, const char *path, int code) {
@@ -26,18 +28,6 @@ static sp_status fail_errno(sp_error *err, const char *what, const char *path, i
 
 /* ---- reading --------------------------------------------------------------------------------------------------- */
 
-/* Doubles a buffer that is full. */
-static bool grow(char **buffer, size_t *capacity) {
-    char *larger = sp_alloc(2 * *capacity, 1);
-    if (!larger)
-        return false;
-    memcpy(larger, *buffer, *capacity);
-    sp_free(*buffer);
-    *buffer = larger;
-    *capacity *= 2;
-    return true;
-}
-
 static sp_status read_all(int fd, const char *path, bool any, char **text, size_t *size, sp_error *err) {
     struct stat info;
     if (fstat(fd, &info) != 0)
@@ -45,16 +35,18 @@ static sp_status read_all(int fd, const char *path, bool any, char **text, size_
     if (S_ISDIR(info.st_mode))
         return fail_errno(err, "read", path, EISDIR);
     if (S_ISREG(info.st_mode) && (uint64_t)info.st_size > text_limit)
-        return sp_fail(err, SP_EFORMAT, "%s: %.3g GB are too large", path, (double)info.st_size * 1e-9);
-    /* two more than a regular file's size: the closing zero, and room in which read() finds the end */
+        return sp_fail(err, SP_EFORMAT, "%s: %.3g GB is too large", path, (double)info.st_size * 1e-9);
+    /* two bytes more than a regular file's size: the final zero, and one for read() to find the end of the file */
     size_t capacity = S_ISREG(info.st_mode) ? (size_t)info.st_size + 2 : 65536, used = 0;
     char *buffer = sp_alloc(capacity, 1);
     sp_status status = buffer ? SP_OK : sp_fail_memory(err, capacity);
     while (status == SP_OK) {
-        if (used + 1 == capacity && !grow(&buffer, &capacity)) {
+        char *larger = sp_grow(buffer, used + 2, &capacity, 1);
+        if (!larger) {
             status = sp_fail_memory(err, 2 * capacity);
             break;
         }
+        buffer = larger;
         ssize_t got = read(fd, buffer + used, capacity - 1 - used);
         if (got < 0 && errno == EINTR)
             continue;
@@ -67,7 +59,7 @@ static sp_status read_all(int fd, const char *path, bool any, char **text, size_
                              used + (size_t)got);
         used += (size_t)got;
         if (used > text_limit)
-            status = sp_fail(err, SP_EFORMAT, "%s: more than %zu bytes are too large", path, text_limit);
+            status = sp_fail(err, SP_EFORMAT, "%s: more than %zu bytes is too large", path, text_limit);
     }
     if (status != SP_OK) {
         sp_free(buffer);
@@ -94,14 +86,6 @@ sp_status sp_file_read_text(const char *path, char **text, size_t *size, sp_erro
 
 sp_status sp_file_read(const char *path, char **data, size_t *size, sp_error *err) {
     return read_file(path, true, data, size, err);
-}
-
-/* Fowler, Noll, Vo, Eastlake. */
-uint64_t sp_hash64(uint64_t begin, const void *data, size_t size) {
-    const unsigned char *byte = data;
-    for (size_t k = 0; k < size; k++)
-        begin = (begin ^ byte[k]) * 0x100000001b3u;
-    return begin;
 }
 
 sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err) {
@@ -138,7 +122,7 @@ static int write_all(int fd, const char *data, size_t size) {
     return 0;
 }
 
-/* The folder part of a path: "." for a bare name. */
+/* Folder part of a path, "." for a bare name. */
 static void folder_of(const char *path, char folder[SP_PATH_MAX]) {
     const char *slash = strrchr(path, '/');
     if (!slash)
@@ -147,8 +131,8 @@ static void folder_of(const char *path, char folder[SP_PATH_MAX]) {
         snprintf(folder, SP_PATH_MAX, "%.*s", slash == path ? 1 : (int)(slash - path), path);
 }
 
-/* Whether the file is ours for as long as it is open: whoever removes what the dead have left asks for the same lock
- * first, and may have been faster than we. Without locks nothing is removed. */
+/* Locks the file. False if another process has locked it, or has already removed it as a leftover. Where the file
+ * system has no locks, this returns true and nothing is removed. */
 static bool own(int fd) {
     struct stat info;
     if (flock(fd, LOCK_EX | LOCK_NB) != 0)
@@ -156,18 +140,16 @@ static bool own(int fd) {
     return fstat(fd, &info) == 0 && info.st_nlink > 0;
 }
 
-/* What the names of this machine's temporary files begin with: some file systems have locks within a machine only. */
+/* Prefix of this machine's temporary files. It contains the host because some file systems only lock within a
+ * machine. */
 static void own_prefix(char prefix[32]) {
     char host[256] = "";
-    uint32_t hash = 0x811c9dc5u; /* FNV-1a of 32 bits (Fowler, Noll, Vo, Eastlake) */
     gethostname(host, sizeof host - 1);
-    for (const char *c = host; *c; c++)
-        hash = (hash ^ (unsigned char)*c) * 0x01000193u;
-    snprintf(prefix, 32, ".sonopack-%08x-", hash);
+    snprintf(prefix, 32, ".sonopack-%08x-", (unsigned)sp_hash64(SP_HASH64_BEGIN, host, strlen(host)));
 }
 
-/* Opens a new temporary file in the folder. Its name is its own (machine, process, counter), and short, so that it
- * fits where the final name fits; an old one of a dead process with the same number is stepped over. */
+/* Opens a new temporary file in the folder. The name is unique (machine, process, counter), and short enough to fit
+ * wherever the final name fits. A leftover of a dead process with the same number is skipped. */
 static int open_temporary(const char *folder, char name[SP_PATH_MAX]) {
     static atomic_uint counter;
     char prefix[32];
@@ -190,7 +172,7 @@ static int open_temporary(const char *folder, char name[SP_PATH_MAX]) {
     return -1;
 }
 
-/* Makes the rename itself last. Some file systems cannot sync a folder; the file's data are safe then all the same. */
+/* Makes the rename durable. Some file systems cannot sync a folder; the file's data are safe even then. */
 static void sync_folder(const char *folder) {
     int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (fd >= 0) {
@@ -210,18 +192,18 @@ static sp_status write_renamed(const char *path, const void *data, size_t size, 
         code = errno;
     if (code == 0 && fsync(fd) != 0)
         code = errno;
-    if (code == 0 && rename(temporary, path) != 0) /* while it is open, and so ours */
+    if (code == 0 && rename(temporary, path) != 0) /* still open, so still locked */
         code = errno;
     if (code != 0)
         unlink(temporary);
-    close(fd); /* all its data are on the disk: nothing can be lost any more */
+    close(fd); /* fsync has succeeded, so close cannot lose data */
     if (code != 0)
         return fail_errno(err, "write", path, code);
     sync_folder(folder);
     return SP_OK;
 }
 
-/* A device or a pipe is not replaced by a file: renaming over /dev/null would take it away from everybody. */
+/* Devices and pipes are written in place: a rename would replace /dev/null for everybody. */
 static sp_status write_direct(const char *path, const void *data, size_t size, sp_error *err) {
     int fd = open(path, O_WRONLY | O_CLOEXEC);
     if (fd < 0)
@@ -239,7 +221,7 @@ sp_status sp_file_write(const char *path, const void *data, size_t size, sp_erro
         return fail_errno(err, "write", "a file", ENAMETOOLONG);
     struct stat info;
     char target[PATH_MAX];
-    if (stat(path, &info) != 0) { /* a link that leads nowhere is no place for a file */
+    if (stat(path, &info) != 0) { /* a dangling link is an error */
         bool missing = errno == ENOENT && lstat(path, &info) != 0;
         return missing ? write_renamed(path, data, size, NULL, err) : fail_errno(err, "write", path, errno);
     }
@@ -256,8 +238,8 @@ sp_status sp_text_save(const char *path, const char *text, size_t size, sp_error
     return sp_file_write(path, text, size, err);
 }
 
-/* Nobody writes it any more: its lock is free, and if it is another machine's, whose locks may not be seen here, it is
- * a day old. */
+/* Whether nobody writes the file any more. For this machine's files a free lock is enough. Locks of other machines may
+ * be invisible here, so their files must also be a day old. */
 static bool is_left_behind(int fd, bool own_machine) {
     struct stat info;
     return flock(fd, LOCK_EX | LOCK_NB) == 0 &&

@@ -1,35 +1,33 @@
 #ifndef SP_FILE_H
 #define SP_FILE_H
-/* Whole files: read into memory, or written atomically. */
+/* Reads whole files, and writes them atomically. */
 
 #include <sonopack/status.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/* Longest path that is handled, the terminating zero included. */
+/* Longest supported path, including the terminating zero. */
 enum { SP_PATH_MAX = 4096 };
 
-/* Reads a whole text file; *text ends with a zero that *size does not count. SP_EIO when it cannot be opened or read,
- * SP_EFORMAT when it holds a zero byte (no text) or is beyond reason. Caller frees with sp_free. */
+/* Reads a whole text file. *text is terminated by a zero that *size does not count; free it with sp_free. SP_EIO if the
+ * file cannot be opened or read, SP_EFORMAT if it contains a zero byte or is too large. */
 SP_SHARED sp_status sp_file_read_text(const char *path, char **text, size_t *size, sp_error *err);
 
-/* Any file, likewise. */
+/* The same for any file; zero bytes are allowed. */
 SP_SHARED sp_status sp_file_read(const char *path, char **data, size_t *size, sp_error *err);
 
-/* FNV-1a of 64 bits over the bytes of a file. SP_EIO. */
+/* sp_hash64 of a file's bytes. SP_EIO if it cannot be read. */
 SP_SHARED sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err);
-SP_SHARED uint64_t sp_hash64(uint64_t begin, const void *data, size_t size);
-#define SP_HASH64_BEGIN 0xcbf29ce484222325u
 
-/* Writes data to a temporary file in the folder of path, syncs it, and renames it. Devices and pipes are written to
- * directly; a symbolic link stays one. On failure (SP_EIO) nothing has changed under the name. */
+/* Writes data to a temporary file in the same folder, syncs it, and renames it to path. Devices and pipes are written
+ * directly, and a symbolic link keeps pointing to its target. On failure (SP_EIO) the old file is unchanged. */
 SP_SHARED sp_status sp_file_write(const char *path, const void *data, size_t size, sp_error *err);
 
-/* Whether a file can be made in a folder: makes a temporary and removes it. */
+/* Checks that a file can be created in the folder, by creating a temporary one and removing it. SP_EIO if not. */
 SP_SHARED sp_status sp_folder_probe(const char *folder, sp_error *err);
 
-/* Removes the temporary files that processes left behind which were killed while they wrote. */
+/* Removes temporary files of processes that were killed while writing. */
 SP_SHARED void sp_folder_clean(const char *folder);
 
 #endif

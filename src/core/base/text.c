@@ -1,3 +1,4 @@
+/* Text buffers, numbers in text, and lines. */
 #include "base/text.h"
 
 #include "base/base.h"
@@ -26,24 +27,11 @@ void sp_locale_leave(sp_locale *l) {
 /* ---- writing --------------------------------------------------------------------------------------------------- */
 
 static bool reserve(sp_text *t, size_t more) {
-    if (t->failed)
-        return false;
-    size_t need = t->size + more + 1, capacity = t->capacity ? t->capacity : 4096;
-    if (need <= t->capacity)
-        return true;
-    while (capacity < need)
-        capacity *= 2;
-    char *larger = sp_alloc(capacity, 1);
-    if (!larger) {
-        t->failed = true;
-        return false;
-    }
-    if (t->data)
-        memcpy(larger, t->data, t->size + 1);
-    sp_free(t->data);
-    t->data = larger;
-    t->capacity = capacity;
-    return true;
+    char *data = t->failed ? NULL : sp_grow(t->data, t->size + more + 1, &t->capacity, 1);
+    if (data)
+        t->data = data;
+    t->failed = !data;
+    return data != NULL;
 }
 
 void sp_text_bytes(sp_text *t, const char *bytes, size_t size) {
@@ -99,7 +87,7 @@ bool sp_word_number(const char *word, double *out) {
     return true;
 }
 
-/* Only a sign and digits: what strtoll would skip or stop at is refused. */
+/* Only a sign and digits: refuses what strtoll would skip or stop at. */
 static bool plain_integer(const char *word, bool sign) {
     if (sign && (*word == '-' || *word == '+'))
         word++;

@@ -1,3 +1,4 @@
+/* Signals of the chain of equal balls in closed form. */
 #include <sonopack/chain.h>
 
 #include "base/base.h"
@@ -10,7 +11,7 @@ enum { LONGEST = 1000000000 };
 
 double sp_chain_omega(int64_t grains, int64_t n) { return 2 * sin((double)n * M_PI / (2 * ((double)grains + 1))); }
 
-/* Sines of angles that stay below pi/2 are right to rounding; pi less a rounded angle would not be. */
+/* Sines of angles below pi/2 are exact to rounding; pi minus a rounded angle would not be. */
 double sp_chain_amplitude(int64_t grains, int64_t n, sp_chain_source source) {
     const double length = (double)grains + 1, rest = length - (double)n;
     if (source == SP_CHAIN_VELOCITY)
@@ -31,18 +32,18 @@ static sp_status check(int64_t grains, sp_chain_source source, int64_t n, const 
     return SP_OK;
 }
 
-/* In an infinite chain a displaced ball leaves J_2j(2t) at j balls from it (Neumann's generating function of the
- * dispersion relation (C2)). Walls are images: balls displaced by +1 at 1 + 2qL and by -1 at -1 + 2qL, L = N + 1, for
- * all q. At ball N they make, for M = L, 3L, 5L, ...,
+/* In an infinite chain a displaced ball causes the displacement J_2j(2t) j balls away (Neumann's generating function of
+ * the dispersion relation (C2)). Walls act as mirrors: the images are balls displaced by +1 at 1 + 2qL and by -1 at -1
+ * + 2qL, L = N + 1, for all q. At ball N they give, with M = L, 3L, 5L, ...,
  *     F_B = sum_M  J_(2M-4) - 2 J_2M + J_(2M+4),
  * and integrated over time, with d/dt J_m(2t) = J_(m-1) - J_(m+1),
  *     F_A = sum_M  J_(2M-3) + J_(2M-1) - J_(2M+1) - J_(2M+3),   all at 2t.
- * These coefficients are the moments of the chain with respect to Omega = 2, where a step of the recurrence carries a
- * pulse by one ball. A wall spring K_wall = (1 - r) K adds r u_1 to a step of the first ball; with z a step, the wave
- * it sends out becomes z/(1 - r z), what the last ball does of what arrives (1 - z^2)/(1 - r z), and an echo
- * -z (z - r)/(1 - r z). All moments are those of
+ * These coefficients are the moments of the chain for Omega = 2, where a step of the recurrence moves a pulse by one
+ * ball. A wall spring K_wall = (1 - r) K adds r u_1 to a step of the first ball. With z for one step, the wave it emits
+ * becomes z/(1 - r z), the response of the last ball to an arriving wave (1 - z^2)/(1 - r z), and the echo -z (z -
+ * r)/(1 - r z). The moments are the power series of
  *     P(z)/((1 - r z)^2 - z^(2N) (z - r)^2),  P_A = z^(N-1) (1 + z)(1 - z^2),  P_B = z^(N-1) (1 - z^2)^2.
- * c[k] belongs to J_2k (B) or J_(2k+1) (A). */
+ * c[k] is the coefficient of J_2k (B) or J_(2k+1) (A). */
 static void moments(const sp_chain *chain, int64_t n, double *c) {
     static const double kick[] = {1, 1, -1, -1, 0}, shift[] = {1, 0, -2, 0, 1};
     const double *image = chain->source == SP_CHAIN_VELOCITY ? kick : shift;
@@ -113,8 +114,8 @@ sp_status sp_chain_modal(int64_t grains, sp_chain_source source, int64_t n, cons
     return SP_OK;
 }
 
-/* Near the front J_m(2t) -> t^(-1/3) Ai((m - 2t)/t^(1/3)), and the combinations of it above are its first and its
- * second difference: -8 t^(-2/3) Ai' and 16 t^(-1) Ai''. */
+/* Near the front J_m(2t) -> t^(-1/3) Ai((m - 2t)/t^(1/3)). The combinations above are its first and second difference,
+ * -8 t^(-2/3) Ai' and 16 t^(-1) Ai''. */
 sp_status sp_chain_airy(int64_t grains, sp_chain_source source, int64_t n, const double *t, double *f, sp_error *err) {
     sp_status status = check(grains, source, n, t, err);
     if (status != SP_OK)

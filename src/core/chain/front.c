@@ -1,5 +1,5 @@
-/* Marks of the first front from a polynomial: around its front the signal is as smooth as an Airy function, and through
- * a few dozen of its values goes a Chebyshev series that differs from it by rounding. */
+/* The first front of a chain's signal. Near its front the signal is as smooth as an Airy function, so a Chebyshev
+ * series through a few dozen values represents it up to rounding. */
 #include <sonopack/chain.h>
 
 #include "base/base.h"
@@ -52,7 +52,7 @@ static sp_status fit(int64_t grains, sp_chain_source source, series *s, sp_error
     return status;
 }
 
-/* The place between `low` and `high` where the series passes `level`. */
+/* The point between `low` and `high` at which the series crosses `level`. */
 static double place(const series *s, double low, double high, double level) {
     const int up = value(s, low) < level;
     for (int step = 0; step < 200; step++) {
@@ -69,8 +69,8 @@ static double place(const series *s, double low, double high, double level) {
 
 sp_status sp_chain_front(int64_t grains, sp_chain_source source, sp_front *out, sp_error *err) {
     const double length = (double)grains + 1, unit = cbrt(length);
-    /* From 1e-3 of the peak to behind the zero, and not to the next crest: in (16) t - N is -1.3 N^(1/3) (A) or
-     * -1.6 N^(1/3) (B) at a tenth of the peak, 0.5 N^(1/3) or 0 at the zero, 2 N^(1/3) or 1.7 N^(1/3) at the crest. */
+    /* From 1e-3 of the peak to beyond the zero, but before the next crest. In (16), t - N is -1.3 N^(1/3) (A) or -1.6
+     * N^(1/3) (B) at a tenth of the peak, 0.5 N^(1/3) or 0 at the zero, 2 N^(1/3) or 1.7 N^(1/3) at the crest. */
     series s = {.from = fmax(0, length - 2.6 * unit), .to = length + unit};
     if (grains == 1 && source == SP_CHAIN_DISPLACEMENT)
         return sp_fail(err, SP_EREFUSED,
@@ -104,8 +104,8 @@ sp_status sp_chain_front(int64_t grains, sp_chain_source source, sp_front *out, 
     return SP_OK;
 }
 
-/* A: Ai'' = 0 at w = 0 and Ai' = 0 at -1.01879. B: (w Ai)' = 0 at 0.88405, w Ai = 0 at 0. A tenth of the peak is at
- * w = 2.50944 and 3.24289; times are half of w. */
+/* A: Ai'' = 0 at w = 0 and Ai' = 0 at -1.01879. B: (w Ai)' = 0 at 0.88405 and w Ai = 0 at 0. A tenth of the peak is at
+ * w = 2.50944 and 3.24289. Times are half of w. */
 sp_chain_limit sp_chain_limit_of(sp_chain_source source) {
     if (source == SP_CHAIN_VELOCITY)
         return (sp_chain_limit){.gamma = 2.0 / 3,

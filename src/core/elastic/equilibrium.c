@@ -1,3 +1,4 @@
+/* Solves for the static equilibrium of a network between fixed walls. */
 #include "elastic/equilibrium.h"
 
 #include "base/base.h"
@@ -11,7 +12,7 @@ sp_equilibrium sp_equilibrium_none(void) { return (sp_equilibrium){0}; }
 void sp_equilibrium_free(sp_equilibrium *e) {
     sp_cholesky_free(e->factor);
     sp_lu_free(e->lu);
-    sp_free(e->solid.x);
+    sp_free(e->solid);
     sp_free(e->diagonal);
     sp_sparse_free(&e->k);
     sp_free(e->chosen);
@@ -19,7 +20,7 @@ void sp_equilibrium_free(sp_equilibrium *e) {
     *e = sp_equilibrium_none();
 }
 
-/* What the walls hold: count of springs and their tangential stiffness. */
+/* A wall's springs: their number and their total tangential stiffness. */
 typedef struct hold {
     int32_t springs;
     double tangential;
@@ -35,8 +36,8 @@ static hold wall_hold(const sp_network *net, int32_t wall) {
     return h;
 }
 
-/* Whether springs lead from wall to wall: else there is nothing that could carry a stress. Grains reached from the
- * bottom are marked until no more are found; a sweep in either direction follows long paths at once. */
+/* Refuses a network in which no chain of springs connects the walls: it carries no stress. Marks grains reached from
+ * the bottom until there are no more. Sweeps run in both directions, so that long chains take few sweeps. */
 static sp_status check_connected(const sp_network *net, sp_error *err) {
     uint8_t *reached = sp_alloc((size_t)net->n, 1);
     bool more = true, top = false;
@@ -78,8 +79,8 @@ static double largest_diagonal(const sp_equilibrium *e) {
     return largest;
 }
 
-/* Degrees of freedom that no strain can move are held, which changes no force: rotations without any tangential
- * spring, and, between walls that do not grip, the sideways position of the whole, at its first grain. */
+/* Fixes degrees of freedom that no strain can move, which changes no force: rotations without any tangential spring,
+ * and, between walls without friction, the sideways position of the network, at its first grain. */
 static void hold_free(const sp_equilibrium *e) {
     const sp_network *net = e->net;
     const double largest = largest_diagonal(e);
@@ -92,9 +93,9 @@ static void hold_free(const sp_equilibrium *e) {
         e->k.x[e->diagonal[a]] += largest;
 }
 
-/* Floppy parts (a cluster that hangs on too few contacts, say) make K singular. Yet K u = f can always be solved for a
- * load f of spring forces, which does no work on a motion that stretches no spring, and the stress is that of any of
- * the solutions. So the diagonal is raised by this fraction, and refinement takes the change out again. */
+/* Floppy parts, such as a cluster with too few contacts, make K singular. K u = f still has a solution if f consists of
+ * spring forces, since these do no work on a motion that stretches no spring; the stress is the same for all
+ * solutions. So this fraction is added to the diagonal, and iterative refinement removes its effect. */
 static const double RAISE = 1e-9;
 
 static void raise_diagonal(const sp_equilibrium *e) {
@@ -119,17 +120,17 @@ static sp_status factorize_whole(sp_equilibrium *e, sp_error *err) {
     const size_t entries = (size_t)e->k.p[e->k.n];
     sp_status status = SP_OK;
     if (!e->lu) {
-        e->solid = e->k;
-        e->solid.x = sp_alloc(entries, sizeof *e->solid.x);
-        status = e->solid.x ? sp_lu_make(&e->k, &e->lu, err) : sp_fail_memory(err, entries * sizeof *e->solid.x);
+        e->solid = sp_alloc(entries, sizeof *e->solid);
+        status = e->solid ? sp_lu_make(e->k.n, e->k.p, e->k.i, false, &e->lu, err)
+                          : sp_fail_memory(err, entries * sizeof *e->solid);
     }
     if (status != SP_OK)
         return status;
-    memcpy(e->solid.x, e->k.x, entries * sizeof *e->solid.x);
-    return sp_lu_factor(e->lu, &e->solid, err);
+    memcpy(e->solid, e->k.x, entries * sizeof *e->solid);
+    return sp_lu_factor(e->lu, e->solid, err);
 }
 
-/* The factor of K with what is held and raised; K's diagonal is as before afterwards. */
+/* Factors K with fixed motions and shift, then restores K's diagonal. */
 static sp_status factorize(sp_equilibrium *e, sp_error *err) {
     double *before = e->work;
     for (int64_t c = 0; c < e->k.n; c++)
@@ -143,10 +144,11 @@ static sp_status factorize(sp_equilibrium *e, sp_error *err) {
 }
 
 sp_status sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double *x, sp_error *err) {
-    return e->lu ? sp_lu_solve(e->lu, &e->solid, e->transposed, b, x, err) : sp_cholesky_solve(e->factor, 1, b, x, err);
+    return e->lu ? sp_lu_solve(e->lu, e->solid, e->transposed, b, x, err) : sp_cholesky_solve(e->factor, 1, b, x, err);
 }
 
-/* A sphere with two contacts turns about the line through them, one with a single contact in other ways too. */
+/* Whether there are spheres with at most two contacts. One with two spins about the line through them; one with a
+ * single contact has more free rotations. */
 static sp_status has_pivots(const sp_network *net, bool *out, sp_error *err) {
     sp_spin *spin;
     *out = false;
@@ -157,7 +159,7 @@ static sp_status has_pivots(const sp_network *net, bool *out, sp_error *err) {
     return status;
 }
 
-/* K as it is if that is regular, else raised. */
+/* Factors K itself if it is regular, else with a shift. */
 static sp_status factorize_any(sp_equilibrium *e, sp_error *err) {
     bool pivots;
     sp_status status = has_pivots(e->net, &pivots, err);
@@ -173,8 +175,8 @@ static sp_status factorize_any(sp_equilibrium *e, sp_error *err) {
     return status;
 }
 
-/* Without symmetry there is no factor that tells. The eigenvalues of A are at most `skew` from those of its symmetric
- * part: if that has none below -skew, nothing is plainly unstable. */
+/* An LU factor does not reveal instability. The eigenvalues of A are within `skew` of those of its symmetric part. If
+ * that has none below -skew, the network is not obviously unstable. */
 static sp_status check_stable(const sp_network *net, sp_error *err) {
     sp_sparse k = {0};
     sp_cholesky *factor = NULL;
@@ -235,7 +237,7 @@ sp_status sp_equilibrium_raise(sp_equilibrium *e, equilibrium_raise raise, doubl
     return factorize(e, err);
 }
 
-/* The rows and columns of K that are not held. */
+/* Extracts the rows and columns of K that are not fixed. */
 static sp_status choose(const sp_sparse *k, const uint8_t *held, sp_equilibrium *e, sp_error *err) {
     const size_t n = (size_t)k->n, entries = (size_t)k->p[k->n];
     int64_t *to = sp_alloc(n, sizeof *to), at = 0;

@@ -1,59 +1,58 @@
 #ifndef SP_EQUILIBRIUM_H
 #define SP_EQUILIBRIUM_H
-/* K u = f for the displacements of grains between fixed walls, all or some of them free. A K that is not symmetric has
- * an LU factor in the place of Cholesky's, and its transposed can be solved with too. */
+/* Solves K u = f for the displacements of grains between fixed walls, with all or some degrees of freedom free. A
+ * symmetric K is factored by Cholesky, a nonsymmetric one by LU, which also solves with K^T. */
 
 #include "elastic/stiffness.h"
 #include "linalg/cholesky.h"
 #include "linalg/lu.h"
 
-/* What makes K invertible where parts of the network are floppy. Either is so small that refinement takes it out
- * again. */
+/* How K is made invertible where parts of the network are floppy. The shift is so small that refinement removes its
+ * effect. */
 typedef enum equilibrium_raise {
     RAISE_NONE = 0,
-    RAISE_DIAGONAL, /* the diagonal by a fraction of itself: loads by spring forces, whatever the solution */
-    RAISE_MASS      /* by masses: what other loads leave over are accelerations of floppy parts */
+    RAISE_DIAGONAL, /* adds a fraction of the diagonal; for loads that consist of spring forces */
+    RAISE_MASS      /* adds a multiple of M; other loads then accelerate floppy parts */
 } equilibrium_raise;
 
-/* Without symmetry a free spin is one but for forces that do not quite balance, so that it has a little stiffness, of
- * either sign, and a little load: a fraction to raise by that is well above, or it would turn a hundred times a strain.
- */
+/* Shift of a nonsymmetric K. Since forces at rest do not balance exactly, a free spin has a small stiffness of either
+ * sign and a small load. The shift must be well above that stiffness, or the spin would be a hundred times the
+ * strain. */
 #define RAISE_LOOSE 1e-6
 
 typedef struct sp_equilibrium {
     const sp_network *net;
-    sp_sparse k;       /* K itself: its lower triangle, or all of it if it is not symmetric */
-    int64_t *diagonal; /* [count] where in k.x */
+    sp_sparse k;       /* K itself: the lower triangle, or all entries if K is not symmetric */
+    int64_t *diagonal; /* [count] position of each diagonal entry in k.x */
     sp_cholesky *factor;
-    sp_lu *lu;       /* not symmetric; else NULL */
-    sp_sparse solid; /* not symmetric: what lu is the factor of; shares p and i with k */
-    bool transposed; /* K^T u = f is meant; the caller's choice, false */
+    sp_lu *lu;       /* nonsymmetric K only; else NULL */
+    double *solid;   /* nonsymmetric K only: values of the matrix that lu factored; its pattern is that of k */
+    bool transposed; /* solve K^T u = f; set by the caller, false */
     equilibrium_raise raised;
-    double raise;    /* fraction of the diagonal, or so many times M, that was added */
-    bool slips;      /* neither wall grips: the whole floats sideways */
-    bool grips;      /* both walls do */
-    int64_t count;   /* free degrees of freedom */
-    int64_t *chosen; /* [count] which they are, ascending; NULL: all */
-    double *work;    /* [2][dofs], and [2][count] behind */
+    double raise;    /* the fraction of the diagonal, or multiple of M, that was added */
+    bool slips;      /* neither wall has friction: the whole network can move sideways */
+    bool grips;      /* both walls have friction */
+    int64_t count;   /* number of free degrees of freedom */
+    int64_t *chosen; /* [count] the free degrees of freedom, ascending; NULL: all */
+    double *work;    /* scratch: [2][dofs], then [2][count] */
 } sp_equilibrium;
 
 sp_equilibrium sp_equilibrium_none(void);
-/* SP_EREFUSED for a network without springs at both walls, or none that lead from wall to wall, or one that is
- * unstable. */
+/* SP_EREFUSED if a wall has no springs, if no chain of springs connects the walls, and if the network is unstable. */
 sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_error *err);
-/* Another factor of the same, floppy K, raised by this fraction; 0: the smallest that serves. */
+/* Factors the same floppy K again with this shift; 0: the smallest that serves. */
 sp_status sp_equilibrium_raise(sp_equilibrium *e, equilibrium_raise raise, double fraction, sp_error *err);
-/* A system of those degrees of freedom alone that held[] (dofs) does not hold. */
+/* A system in which only the degrees of freedom with fixed[] = 0 are free; fixed [dofs]. */
 sp_status sp_equilibrium_hold(const sp_equilibrium *e, const uint8_t *held, sp_equilibrium *out, sp_error *err);
 void sp_equilibrium_free(sp_equilibrium *e);
 
-/* x = F^-1 b with F what was factored, [count] each. */
+/* x = F^-1 b, where F is the factored matrix; [count] each. */
 sp_status sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double *x, sp_error *err);
-/* Adds to u (which may be anything but for held degrees of freedom, which keep their values) what makes K u = f, with
- * refinement until the residual |K u - f| over free degrees of freedom, which goes into *residual, stays the same: one
- * step for a factor of K itself, a few for a raised one. */
+/* Changes u so that K u = f. On entry u may be anything; fixed degrees of freedom keep their values. Refines until the
+ * residual |K u - f| over the free degrees of freedom no longer falls: one step without a shift, a few steps with one.
+ * *residual: its last value. */
 sp_status sp_equilibrium_solve(sp_equilibrium *e, const double *f, double *u, double *residual, sp_error *err);
-/* rest = f - K u, 0 at what is held; its length is returned. */
+/* Residual vector f - K u, 0 where fixed; returns its norm. */
 double sp_equilibrium_rest(sp_equilibrium *e, const double *f, const double *u, double *rest);
 
 #endif

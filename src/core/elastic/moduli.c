@@ -1,7 +1,7 @@
-/* Moduli by imposed strain. The displacement is the affine field plus what the grains add to it, u, at equilibrium:
- * K u = -B^T k d, with d the affine field's own relative displacements at the contacts. A wall's contact points follow
- * the affine field too, so that stress and strain are conjugate and C is symmetric if K is. Extension and tension count
- * positive here, shrinking and compression in Eq. (7): the moduli are the same. */
+/* Moduli by imposed strain. The displacement is the affine field plus u, which the grains add at equilibrium: K u =
+ * -B^T k d with the affine relative displacements d at the contacts. The contact points of a wall follow the affine
+ * field too, so that stress and strain are conjugate and C is symmetric if K is. Extension and tension are positive
+ * here, compression in Eq. (7); the moduli are the same. */
 #include "elastic/moduli.h"
 
 #include "base/base.h"
@@ -11,9 +11,9 @@
 #include <math.h>
 #include <string.h>
 
-/* A stress computed from u_b is off by u_a . (K u_b - f_b) over the volume, u_a being the exact solution of the strain
- * that belongs to it (where K is not symmetric, that of K^T), and by rounding. solutions and stresses: of all strains,
- * [strains][n]; work: [4][n]. Twice the first part makes up for the second order. */
+/* Bounds the errors of stresses. The stress a computed from u_b has the error u_a . (K u_b - f_b) over the volume, plus
+ * rounding, where u_a is the exact solution for strain a (of K^T if K is not symmetric). A factor 2 covers the second
+ * order. solutions, stresses: of all strains, [strains][n]; work: [4][n]. */
 static void put_errors(const sp_network *net, int strain, const double *solutions, const double *stresses, double *work,
                        sp_stiffness *out) {
     const int64_t n = sp_network_dofs(net);
@@ -31,11 +31,10 @@ static void put_errors(const sp_network *net, int strain, const double *solution
     }
 }
 
-/* Solutions of K^T for what the stresses see, and what spins do to the stresses. A sphere with two contacts turns about
- * the line through them, against no stiffness but for what its forces at rest are off their balance. Raised by
- * RAISE_LOOSE those do not drive it, and it hardly turns; yet how far it does is none of the springs' to tell, and the
- * stress depends on it a little: spin . (f - K^T u). A turn of 1 per strain, as grains turn that are held, is in the
- * error. */
+/* Solves K^T u = (stress functional) for each stress, and bounds the effect of spins on the stresses. A sphere with two
+ * contacts spins about the line through them; the only stiffness is due to imbalance of its forces at rest. With the
+ * shift SHIFT_NONSYMMETRIC it hardly turns, but the springs do not determine by how much, and the stress depends on it
+ * slightly: spin . (f - K^T u). The error allows for a rotation of 1 per unit strain, typical of grains in contact. */
 static sp_status solve_transposed(sp_equilibrium *e, double *f, double *rest, double *stresses, sp_stiffness *out,
                                   sp_error *err) {
     const int64_t n = sp_network_dofs(e->net);
@@ -72,7 +71,7 @@ static sp_status strain_all(sp_equilibrium *e, double *work, sp_stiffness *out, 
             return status;
         for (int64_t k = 0; k < n; k++)
             norm += f[k] * f[k];
-        /* in a lattice f is rounding alone */
+        /* in a lattice f is pure rounding error */
         out->residual = fmax(out->residual, residual / fmax(sqrt(norm), 1e-6 * scale));
         sp_strain_stresses(net, a, u, out);
     }
@@ -97,8 +96,8 @@ static sp_status strain_all(sp_equilibrium *e, double *work, sp_stiffness *out, 
     return SP_OK;
 }
 
-/* A modulus on the diagonal that is 0 within its error is that of a mechanism. If that from wall to wall is, springs
- * lead there, but carry nothing. */
+/* A modulus on the diagonal that is 0 within its error belongs to a mechanism. If that is the longitudinal modulus from
+ * wall to wall, the springs there carry nothing. */
 static sp_status find_mechanisms(const sp_network *net, sp_stiffness *c, sp_error *err) {
     const int up = net->dim == 3 ? STRAIN_33_3D : STRAIN_22;
     if (!(c->c[up][up] > c->error[up][up]))
@@ -138,7 +137,8 @@ sp_status sp_stiffness_make(const sp_network *net, sp_stiffness *out, sp_error *
     return status;
 }
 
-/* A modulus below zero is one of a mechanism, zero but for rounding: what is unstable has no Cholesky factor. */
+/* A modulus below zero belongs to a mechanism and is zero up to rounding, since the Cholesky factorization refuses
+ * unstable networks. */
 static double speed(double modulus, double density) {
     return density > 0 ? sqrt((modulus < 0 ? 0 : modulus) / density) : NAN;
 }
@@ -153,7 +153,7 @@ void sp_moduli_put(const sp_network *net, double phi3s, const sp_stiffness *s, s
         .c33 = s->c[up][up],
         .c13 = NAN,
         .c23 = NAN,
-        .c44 = s->c[STRAIN_23_3D][STRAIN_23_3D], /* NAN in the plane, as of all strains that are not there */
+        .c44 = s->c[STRAIN_23_3D][STRAIN_23_3D], /* NAN in 2D, like all strains that do not exist there */
         .c55 = s->c[STRAIN_13_3D][STRAIN_13_3D],
         .c66 = s->c[STRAIN_12_3D][STRAIN_12_3D],
         .residual = s->residual,

@@ -1,9 +1,10 @@
 /* Apparent moduli on smaller scales, from the elastic energy of a static response (Somfai et al. 2005, Appendix B). In
- * the plane energies are those of a layer one diameter thick, in space (B2) and (B3) have the walls' area for L1. */
+ * 2D, energies are those of a layer one diameter thick. In 3D, the area of the walls replaces L1 in (B2) and (B3). */
 #include "base/base.h"
 #include "elastic/moduli.h"
 #include "elastic/strain.h"
-#include "network/kernel.h"
+#include "linalg/vector.h"
+#include "network/apply.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,16 +14,9 @@ static const double PI = 3.14159265358979323846;
 
 static double height_of(const sp_network *net, int32_t i) { return net->x[3 * (int64_t)i + net->dim - 1]; }
 
-static double dot(int64_t n, const double *x, const double *y) {
-    double sum = 0;
-    for (int64_t k = 0; k < n; k++)
-        sum += x[k] * y[k];
-    return sum;
-}
-
 /* ---- the sine ------------------------------------------------------------------------------------------------- */
 
-/* (B1) on every grain, f0 = 1. */
+/* The body force (B1) on each grain, f0 = 1. */
 static void body_force(const sp_equilibrium *e, double phi3s, int n, int axis, double *f) {
     const sp_network *net = e->net;
     const double wave = n * PI / net->box[net->dim - 1];
@@ -34,7 +28,7 @@ static void body_force(const sp_equilibrium *e, double phi3s, int n, int axis, d
     }
 }
 
-/* Takes the net force out of f, by an acceleration of the whole along axis. */
+/* Subtracts the net force, as a uniform acceleration along axis. */
 static void drop_net_force(const sp_network *net, int axis, double *f) {
     double force = 0, mass = 0;
     for (int32_t i = 0; i < net->n; i++) {
@@ -53,9 +47,9 @@ static double square_of(const sp_network *net, const double *f) {
     return sum;
 }
 
-/* Takes out of f what accelerates floppy parts, and puts it into all. K + s M with a small s passes a load on a motion
- * that K does not resist through unchanged as s M (K + s M)^-1 f and all else nearly not; what rounding leaves is taken
- * out by turns. work: [2][n]. *share: of the square of f that was taken out. */
+/* Removes from f the part that accelerates floppy parts, and adds it to `removed`. For small s, s M (K + s M)^-1 f
+ * keeps the load on a motion that K does not resist, and almost nothing else. Repetition removes what rounding leaves.
+ * work: [2][n]. *share: the removed part of the square of f. */
 static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double *all, double *share, sp_error *err) {
     enum { TURNS = 3, PASSES = 4 };
     const int64_t n = sp_network_dofs(e->net);
@@ -72,7 +66,7 @@ static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double 
         }
         if (turn == 0) {
             const double part = square_of(e->net, loose) / whole;
-            if (!(part > 1e-20)) /* rounding: nothing is loose, and nothing is taken out */
+            if (!(part > 1e-20)) /* rounding errors only: there is nothing floppy to remove */
                 break;
             *share = fmax(*share, part);
         }
@@ -84,7 +78,7 @@ static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double 
     return SP_OK;
 }
 
-/* What a residual changes in f . u, with K^T w = f: w times it. w is u where K is symmetric, else it is put into w. */
+/* Weights with which a residual changes f . u: the w with K^T w = f. For symmetric K this is u. */
 static sp_status find_weights(sp_equilibrium *e, const double *f, const double *u, double *w, sp_error *err) {
     double residual;
     if (!e->net->carried) {
@@ -98,7 +92,7 @@ static sp_status find_weights(sp_equilibrium *e, const double *f, const double *
     return status;
 }
 
-/* Twice the energy is f . u; it is off by w . (K u - f) to first order, and by rounding. work: [3][n]. */
+/* Twice the energy is f . u. Its error is w . (K u - f) to first order, plus rounding. work: [3][n]. */
 static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u, double *work, double *energy,
                              double *error, sp_error *err) {
     const int64_t n = sp_network_dofs(e->net);
@@ -109,15 +103,15 @@ static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u
     sp_strain_rounding(e->net, -1, u, size, NULL);
     for (int64_t k = 0; k < n; k++)
         off += fabs(w[k]) * (fabs(rest[k]) + noise * (size[k] + fabs(f[k])));
-    *energy = 0.5 * dot(n, f, u);
+    *energy = 0.5 * sp_dot(n, f, u);
     *error = off;
     return status;
 }
 
-/* The grain that takes most of the energy. */
-static void find_loosest(const sp_network *net, const double *f, const double *u, double energy, sp_probed *out) {
+/* Finds the grain with most of the energy. */
+static void find_loosest(const sp_network *net, const double *f, const double *u, double energy, sp_probe_moduli *out) {
     for (int32_t i = 0; i < net->n; i++) {
-        const double share = 0.5 * dot(net->dof, f + (int64_t)i * net->dof, u + (int64_t)i * net->dof) / energy;
+        const double share = 0.5 * sp_dot(net->dof, f + (int64_t)i * net->dof, u + (int64_t)i * net->dof) / energy;
         if (share > out->concentrated) {
             out->concentrated = share;
             out->grain = net->grain[i];
@@ -125,8 +119,8 @@ static void find_loosest(const sp_network *net, const double *f, const double *u
     }
 }
 
-/* One direction: apparent modulus and bound of its error. work: [6][n]. */
-static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, double *work, sp_probed *out,
+/* Apparent modulus and its error for one direction. work: [6][n]. */
+static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, double *work, sp_probe_moduli *out,
                             sp_error *err) {
     const sp_network *net = e->net;
     const int64_t dofs = sp_network_dofs(net);
@@ -144,7 +138,7 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
         status = sp_equilibrium_solve(e, f, u, &residual, err);
     if (status != SP_OK)
         return status;
-    residual /= sqrt(dot(dofs, f, f));
+    residual /= sp_norm(dofs, f);
     if (!(residual < 1e-8))
         return sp_fail(err, SP_EREFUSED, "probe sine:%d: residual %.3g of the solve, must be below 1e-8", n, residual);
     status = sine_energy(e, f, u, work + 2 * dofs, &energy, &error, err);
@@ -153,7 +147,7 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     if (!(energy > 0))
         return sp_fail(err, SP_EREFUSED, "probe sine:%d: the body force does the work %.3g, must be above 0: unstable",
                        n, 2 * energy);
-    error += 2 * fabs(dot(dofs, u, loose)); /* 0 but for what is soft and not quite floppy */
+    error += 2 * fabs(sp_dot(dofs, u, loose)); /* nonzero only for soft motions that are not quite floppy */
     find_loosest(net, f, u, energy, out);
     /* (B2) */
     const double c = sp_strain_area(net) * height * height * height / (4.0 * n * n * PI * PI * energy);
@@ -162,7 +156,7 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     return SP_OK;
 }
 
-static sp_status sine(sp_equilibrium *e, double phi3s, int n, double *work, sp_probed *out, sp_error *err) {
+static sp_status sine(sp_equilibrium *e, double phi3s, int n, double *work, sp_probe_moduli *out, sp_error *err) {
     const double most = 0.1;
     sp_status status = SP_OK;
     if (e->raised == RAISE_DIAGONAL)
@@ -181,8 +175,8 @@ static sp_status sine(sp_equilibrium *e, double phi3s, int n, double *work, sp_p
 
 /* ---- lines ---------------------------------------------------------------------------------------------------- */
 
-/* The continuum's displacement at height y between n + 2 lines, of which every fourth from the second is at 1 and every
- * fourth from the fourth at -1. */
+/* Displacement of the continuum at height y between n + 2 lines. Of these every fourth from the second is displaced by
+ * 1 and every fourth from the fourth by -1. */
 static double line_field(double height, int n, double y) {
     static const double turns[] = {0, 1, 0, -1};
     const double at = y * (n + 1) / height;
@@ -190,9 +184,9 @@ static double line_field(double height, int n, double y) {
     return turns[k % 4] + (at - k) * (turns[(k + 1) % 4] - turns[k % 4]);
 }
 
-/* held[i]: grain i lies on a line between the walls. Each must have a grain, and no grain two. The lines at the walls
- * are the walls themselves: with the grains that touch them displaced too the moduli come out higher than Table V, by
- * 13% for C33 of one line at p = 1e-4. */
+/* fixed[i]: grain i lies on a line between the walls. Each line must cross a grain, and no grain may be crossed by two.
+ * The lines at the walls are the walls themselves: displacing the grains in contact with them too gives higher moduli
+ * than Table V, by 13% for C33 (the 2D shear modulus) of one line at p = 1e-4. */
 static sp_status find_lines(const sp_network *net, int n, uint8_t *held, sp_error *err) {
     const double height = net->box[net->dim - 1], between = height / (n + 1);
     uint8_t *met = sp_alloc((size_t)n + 1, 1);
@@ -217,8 +211,8 @@ static sp_status find_lines(const sp_network *net, int n, uint8_t *held, sp_erro
     return status;
 }
 
-/* K u + K^T u at what is free is what the energy u . K u/2 sees of a change of u there, twice: where K is symmetric it
- * is 0 at equilibrium. What a residual changes in the energy: half of *weight times it. work: [n]. */
+/* Weights with which a residual changes the energy u . K u/2, times 2. They come from K u + K^T u at free degrees of
+ * freedom, which vanishes at equilibrium for symmetric K. load: [n] scratch. */
 static sp_status find_line_weights(sp_equilibrium *e, const double *u, double *load, double *weight, sp_error *err) {
     const int64_t n = sp_network_dofs(e->net);
     double residual;
@@ -235,11 +229,11 @@ static sp_status find_line_weights(sp_equilibrium *e, const double *u, double *l
     return status;
 }
 
-/* One direction. Displacements of held grains are imposed; where K is symmetric the energy is least at equilibrium, so
- * that it is off in second order: by half of the residual times what is missing in u, for which u stands. work: [6][n].
- */
-static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *held, int axis, double *work, sp_probed *out,
-                             sp_error *err) {
+/* Apparent modulus and its error for one direction, with imposed displacements of fixed grains. For symmetric K the
+ * energy is minimal at equilibrium, and its error is of second order: half the residual times the error of u, which u
+ * bounds. work: [6][n]. */
+static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *held, int axis, double *work,
+                             sp_probe_moduli *out, sp_error *err) {
     const sp_network *net = e->net;
     const int64_t dofs = sp_network_dofs(net);
     const double height = net->box[net->dim - 1], noise = sp_strain_noise(net);
@@ -274,7 +268,7 @@ static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *held, int 
     return SP_OK;
 }
 
-static sp_status lines(const sp_equilibrium *whole, int n, double *work, sp_probed *out, sp_error *err) {
+static sp_status lines(const sp_equilibrium *whole, int n, double *work, sp_probe_moduli *out, sp_error *err) {
     const sp_network *net = whole->net;
     const int64_t dofs = sp_network_dofs(net);
     sp_equilibrium e = sp_equilibrium_none();
@@ -329,12 +323,12 @@ static sp_status check_probe(const sp_network *net, double phi3s, const sp_probe
 }
 
 sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, const sp_probe *probe, sp_moduli *global,
-                          sp_probed *out, sp_error *err) {
+                          sp_probe_moduli *out, sp_error *err) {
     const size_t size = 6 * (size_t)sp_network_dofs(net);
     sp_equilibrium e = sp_equilibrium_none();
     sp_moduli m;
     double *work = NULL;
-    sp_probed *each = NULL;
+    sp_probe_moduli *each = NULL;
     sp_status status = SP_OK;
     if (count < 0)
         return sp_fail(err, SP_EINVAL, "%d probes, must be 0 or more", count);
@@ -348,7 +342,7 @@ sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, co
     if (status == SP_OK && global)
         status = sp_moduli_of(&e, phi3s, &m, err);
     for (int32_t k = 0; k < count && status == SP_OK; k++) {
-        each[k] = (sp_probed){.shear = NAN, .error_shear = NAN};
+        each[k] = (sp_probe_moduli){.shear = NAN, .error_shear = NAN};
         status = probe[k].kind == SP_PROBE_SINE ? sine(&e, phi3s, probe[k].n, work, &each[k], err)
                                                 : lines(&e, probe[k].n, work, &each[k], err);
     }

@@ -1,3 +1,4 @@
+/* Loads and stresses of imposed affine strains. */
 #include "elastic/strain.h"
 
 #include "network/rows.h"
@@ -5,7 +6,7 @@
 #include <float.h>
 #include <math.h>
 
-/* A strain is the field u_along = x_of. */
+/* The affine field u_along = x_of. */
 typedef struct field {
     int along, of;
 } field;
@@ -76,7 +77,7 @@ double sp_strain_load(const sp_network *net, int strain, double *f) { return loa
 
 void sp_strain_load_transposed(const sp_network *net, int strain, double *f) { load(net, strain, true, f); }
 
-/* What the tangential force of spring k at rest adds to the stresses times the volume. */
+/* Adds the contribution of spring k's tangential force at rest to the stresses times the volume. */
 static void add_turns(const sp_network *net, int32_t k, double gap[STRAINS_3D][3], int strain, const double *u,
                       double sum[STRAINS_3D], double *wall) {
     const sp_spring *s = &net->springs[k];
@@ -93,7 +94,7 @@ static void add_turns(const sp_network *net, int32_t k, double gap[STRAINS_3D][3
     }
 }
 
-/* Sizes of the same, as sp_strain_rounding has them. */
+/* Adds the magnitudes of these terms, for sp_strain_rounding. */
 static void add_turns_sizes(const sp_network *net, int32_t k, double gap[STRAINS_3D][3], int strain, const double *u,
                             int strains, double *size, double *sum) {
     const sp_spring *s = &net->springs[k];

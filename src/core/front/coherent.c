@@ -1,33 +1,33 @@
-/* One damped wave fitted to the Fourier integrals of signals at planes. */
+/* Fits one damped wave to the Fourier integrals of a record section. */
 #include "base/base.h"
 
 #include <complex.h>
 #include <math.h>
 #include <sonopack/coherent.h>
 
-enum { PLANES_LEAST = 4 }; /* a wave has four numbers, a plane two */
+enum { PLANES_LEAST = 4 }; /* a wave has four parameters, a plane gives two numbers */
 
-sp_section sp_section_none(void) { return (sp_section){0}; }
+sp_coherent_section sp_coherent_section_none(void) { return (sp_coherent_section){0}; }
 
-void sp_section_free(sp_section *s) {
+void sp_coherent_section_free(sp_coherent_section *s) {
     sp_free(s->y);
     sp_free(s->arrival);
     sp_free(s->until);
     sp_free(s->f);
-    *s = sp_section_none();
+    *s = sp_coherent_section_none();
 }
 
-/* Where the integrals end. The wave is at a plane at the time of `at` + `slowness` y, not before the front. */
+/* End of the integrals. The wave arrives at a plane at `at` + `slowness` y, but not before the front. */
 typedef struct gate {
     double at, slowness;
-    double length; /* time after that which counts, if the record is so long */
-    double part;   /* of that time, taken in the end */
+    double length; /* duration used after that, if the record is long enough */
+    double part;   /* fraction of that duration */
 } gate;
 
-static const double PERIODS = 4; /* of the wave that count after the front, where much is scattered */
-static const double LEAST = 0.5; /* periods that a plane must hold after the wave has come, to count */
+static const double PERIODS = 4; /* periods used after the front; later most is scattered */
+static const double LEAST = 0.5; /* periods that a plane's record must contain after the wave's arrival */
 
-/* Integrals over the planes that count: of F e^(i omega t), and of t F e^(i omega t). */
+/* Integrals at the planes that are used: of F e^(i omega t), and of t F e^(i omega t). */
 typedef struct integrals {
     int32_t n;
     double *y;                /* [n] */
@@ -35,9 +35,9 @@ typedef struct integrals {
     double complex *turn;     /* [times] e^(i omega t) */
 } integrals;
 
-/* By the trapezoidal rule, which is exact to rounding for a signal that holds no frequencies beyond pi/spacing. From
- * half way between the wave's coming and the end on, a half cosine fades, so that the end makes no wave of its own. */
-static void integrate_plane(const sp_section *s, int32_t plane, double fade, double until, integrals *in) {
+/* Trapezoidal rule, exact up to rounding for a signal without frequencies beyond pi/spacing. A half cosine tapers the
+ * record from halfway between the wave's arrival and the end, so that the end causes no artefacts. */
+static void integrate_plane(const sp_coherent_section *s, int32_t plane, double fade, double until, integrals *in) {
     const double *f = s->f + (int64_t)plane * s->n;
     double complex z = 0.5 * f[0], late = 0;
     for (int32_t l = 1; l < s->n && l * s->spacing < until; l++) {
@@ -52,7 +52,7 @@ static void integrate_plane(const sp_section *s, int32_t plane, double fade, dou
     in->late[in->n++] = s->spacing * late;
 }
 
-static void integrate(const sp_section *s, double omega, const gate *g, integrals *in) {
+static void integrate(const sp_coherent_section *s, double omega, const gate *g, integrals *in) {
     const double period = 2 * M_PI / omega;
     in->n = 0;
     for (int32_t j = 0; j < s->planes; j++) {
@@ -64,8 +64,8 @@ static void integrate(const sp_section *s, double omega, const gate *g, integral
     }
 }
 
-/* When the waves of this frequency come: the real part of -i dS/domega over S is their mean time at a plane. A line is
- * laid through the times, each with its plane's weight. False if the line falls. */
+/* Arrival of waves of this frequency. The real part of -i dS/domega over S is their mean time at a plane. Fits a line
+ * to these times, weighted by the planes' squared spectra. False if the line falls. */
 static bool follow_group(const integrals *in, gate *g) {
     double weight = 0, y = 0, t = 0, yy = 0, yt = 0;
     for (int32_t j = 0; j < in->n; j++) {
@@ -81,7 +81,7 @@ static bool follow_group(const integrals *in, gate *g) {
     return g->slowness > 0;
 }
 
-/* What is left of the squares after the best amplitude for (k, alpha), as a part of them. */
+/* Fraction of the squares left by the best amplitude for (k, alpha). */
 static double misfit(int32_t n, const double *y, const double complex *z, double k, double alpha) {
     double complex along = 0;
     double wave = 0, all = 0;
@@ -94,19 +94,19 @@ static double misfit(int32_t n, const double *y, const double complex *z, double
     return all > 0 ? 1 - creal(along * conj(along)) / (wave * all) : NAN;
 }
 
-/* Lowest point of the parabola through three equidistant values, from the middle one, in steps; 0 if there is none. */
+/* Minimum of the parabola through three equidistant values, in steps from the middle one; 0 if there is none. */
 static double lowest(double left, double middle, double right) {
     const double curve = left - 2 * middle + right;
     return curve > 0 ? fmax(-1, fmin(1, 0.5 * (left - right) / curve)) : 0;
 }
 
-/* Steps of the search, and the least alpha: noise may make it negative where there is hardly any. */
+/* Steps of the search, and the smallest alpha. Noise may make a small alpha negative. */
 typedef struct search {
     double k, alpha, least;
 } search;
 
-/* From a start on the grid: by turns in k and in alpha, with ever smaller steps. The valley is round to second order
- * (k turns phases, alpha lengths), so that turns converge fast. */
+/* Refines a point of the grid, alternately in k and alpha, with ever smaller steps. The minimum is isotropic to second
+ * order (k affects phases, alpha magnitudes), so this converges fast. */
 static void polish(int32_t n, const double *y, const double complex *z, search step, double *k, double *alpha) {
     for (int pass = 0; pass < 60; pass++) {
         const double here = misfit(n, y, z, *k, *alpha), dk = step.k, da = step.alpha;
@@ -124,17 +124,17 @@ static void polish(int32_t n, const double *y, const double complex *z, search s
     }
 }
 
-/* A wave fitted to integrals; `part` is NAN for none. */
+/* A fitted wave; `part` is NAN if there is none. */
 typedef struct wave {
     double k, alpha, part;
 } wave;
 
-/* Steps and ends of the search of a section. */
+/* Steps and limits of the search. */
 typedef struct bounds {
     double k_most, dk, a_first, a_least, a_most;
 } bounds;
 
-static bounds bounds_of(const sp_section *s) {
+static bounds bounds_of(const sp_coherent_section *s) {
     const double range = s->y[s->planes - 1] - s->y[0], gap = range / (s->planes - 1);
     return (bounds){
         .k_most = M_PI / gap, .dk = 0.5 / range, .a_first = 0.1 / range, .a_least = -1 / range, .a_most = 1 / gap};
@@ -148,7 +148,7 @@ static wave polish_from(const integrals *in, const bounds *b, wave start) {
     return w;
 }
 
-/* The best of a grid, polished. */
+/* The best point of a grid, refined. */
 static wave find_wave(const integrals *in, const bounds *b) {
     wave w = {NAN, NAN, NAN};
     double least = INFINITY;
@@ -165,9 +165,9 @@ static wave find_wave(const integrals *in, const bounds *b) {
     return isfinite(least) ? polish_from(in, b, w) : w;
 }
 
-/* Integrals up to the end of the record, once it is known when the group has come. Each guess lengthens them, which
- * lets later waves in. */
-static wave find_late_wave(const sp_section *s, double omega, const bounds *b, gate *g, integrals *in) {
+/* Integrals to the end of the records, after the arrival of the group is known. Each guess lengthens the integrals,
+ * which includes later waves. */
+static wave find_late_wave(const sp_coherent_section *s, double omega, const bounds *b, gate *g, integrals *in) {
     enum { TURNS_MAX = 8 };
     wave none = {NAN, NAN, NAN};
     *g = (gate){.length = INFINITY, .part = 1};
@@ -183,9 +183,9 @@ static wave find_late_wave(const sp_section *s, double omega, const bounds *b, g
     return find_wave(in, b);
 }
 
-/* Much that comes late is scattered, and belongs to no wave along y; in an ordered system nothing is, and late is what
- * is slow. So the later end is taken where it leaves not half as much unexplained. */
-static wave choose_wave(const sp_section *s, double omega, const bounds *b, gate *g, integrals *in) {
+/* Most of what arrives late is scattered and belongs to no wave along y. In an ordered system nothing is scattered, and
+ * slow waves arrive late. So the later end is used only if it leaves less than half as much unexplained. */
+static wave choose_wave(const sp_coherent_section *s, double omega, const bounds *b, gate *g, integrals *in) {
     gate whole;
     *g = (gate){.length = PERIODS * 2 * M_PI / omega, .part = 1};
     integrate(s, omega, g, in);
@@ -200,7 +200,7 @@ static bool is_wave(const wave *w, const bounds *b) {
     return w->k > w->alpha && w->k > 0 && w->k < b->k_most && w->alpha > b->a_least && w->alpha < b->a_most;
 }
 
-static sp_status check(const sp_section *s, double omega, sp_error *err) {
+static sp_status check(const sp_coherent_section *s, double omega, sp_error *err) {
     if (s->planes < PLANES_LEAST || s->n < 3 || !(s->spacing > 0))
         return sp_fail(err, SP_EINVAL, "coherent wave: %d planes of %d times, at least %d and 3 are needed", s->planes,
                        s->n, PLANES_LEAST);
@@ -214,15 +214,16 @@ static sp_status check(const sp_section *s, double omega, sp_error *err) {
     return SP_OK;
 }
 
-/* Some plane's record holds a period: of less the integrals are those of the front's tail, whatever the frequency. */
-static bool holds_period(const sp_section *s, double omega) {
+/* Whether some record contains a period. In shorter ones the integrals reflect only the end of the front, at any
+ * frequency. */
+static bool holds_period(const sp_coherent_section *s, double omega) {
     double longest = 0;
     for (int32_t j = 0; j < s->planes; j++)
         longest = fmax(longest, s->until[j]);
     return omega * longest >= 2 * M_PI;
 }
 
-static sp_status open_integrals(const sp_section *s, double omega, integrals *in, sp_error *err) {
+static sp_status open_integrals(const sp_coherent_section *s, double omega, integrals *in, sp_error *err) {
     const size_t planes = (size_t)s->planes, size = 2 * planes + (size_t)s->n;
     *in = (integrals){.y = sp_alloc(planes, sizeof *in->y), .z = sp_alloc(size, sizeof *in->z)};
     if (!in->y || !in->z) {
@@ -237,12 +238,12 @@ static sp_status open_integrals(const sp_section *s, double omega, integrals *in
     return SP_OK;
 }
 
-sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, sp_error *err) {
+sp_status sp_coherent_fit(const sp_coherent_section *s, double omega, sp_coherent_wave *out, sp_error *err) {
     sp_status status = check(s, omega, err);
     if (status != SP_OK)
         return status;
     if (!holds_period(s, omega) || (s->highest > 0 && omega > s->highest)) {
-        *out = (sp_coherent){omega, NAN, NAN, NAN, NAN, NAN};
+        *out = (sp_coherent_wave){omega, NAN, NAN, NAN, NAN, NAN};
         return SP_OK;
     }
     const bounds b = bounds_of(s);
@@ -252,7 +253,7 @@ sp_status sp_coherent_fit(const sp_section *s, double omega, sp_coherent *out, s
     if (status != SP_OK)
         return status;
     const wave w = choose_wave(s, omega, &b, &g, &in);
-    sp_coherent fit = {omega, NAN, NAN, w.part, NAN, NAN};
+    sp_coherent_wave fit = {omega, NAN, NAN, w.part, NAN, NAN};
     if (is_wave(&w, &b)) {
         fit.k = w.k;
         fit.alpha = w.alpha;

@@ -1,3 +1,4 @@
+/* Finds the first wave front of a signal. */
 #include <sonopack/front.h>
 
 #include "base/base.h"
@@ -5,8 +6,8 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* A maximum counts once the signal has fallen below it by this fraction of the largest value: noise of 1e-3 of the peak
- * (peak to valley 8e-3 at four standard deviations) does not make maxima of its own. */
+/* A maximum counts once the signal has fallen below it by this fraction of the largest value. Noise of 1e-3 of the peak
+ * (peak to valley 8e-3 at four standard deviations) then makes no maxima. */
 static const double confirm = 0.01;
 
 sp_front_options sp_front_options_default(void) {
@@ -31,14 +32,14 @@ static sp_status check(int64_t n, const double *t, const double *f, const sp_fro
     return SP_OK;
 }
 
-/* Time at which the straight line from point k-1 to point k is at `level`. Halves: no difference overflows. */
+/* Time at which the line from point k-1 to point k reaches `level`. Halving avoids overflow of differences. */
 static double crossing(const double *t, const double *f, int64_t k, double level) {
     double low = 0.5 * f[k - 1], high = 0.5 * f[k], part = (0.5 * level - low) / (high - low);
     return t[k - 1] + fmin(fmax(part, 0), 1) * (t[k] - t[k - 1]);
 }
 
-/* First maximum above `least` that the signal falls below by `fall` before it rises above it. *first and *last are the
- * ends of its plateau, the same point as a rule. */
+/* First maximum above `least` below which the signal falls by `fall` before it rises above it. *first and *last are the
+ * ends of its plateau, usually the same point. */
 static bool first_maximum(int64_t n, const double *f, double least, double fall, int64_t *first, int64_t *last) {
     int64_t top = -1;
     for (int64_t k = 0; k < n; k++) {
@@ -54,8 +55,8 @@ static bool first_maximum(int64_t n, const double *f, double least, double fall,
     return false;
 }
 
-/* Vertex of the parabola through points k-1, k, k+1, of which k is the highest; of a plateau of three points and more
- * the middle. */
+/* Vertex of the parabola through the highest point and its neighbours; the middle of a plateau of three or more
+ * points. */
 static void vertex(const double *t, const double *f, int64_t first, int64_t last, double *t_peak, double *height) {
     *t_peak = 0.5 * (t[first] + t[last]);
     *height = f[first];
@@ -74,7 +75,7 @@ static void vertex(const double *t, const double *f, int64_t first, int64_t last
     *height = f[first] * (1 + 0.5 * slope * step);
 }
 
-/* Upward crossings of the level up to point `peak`; *at is the point behind the first of them. */
+/* Upward crossings of the level up to point `peak`; *at: the point after the first of them. */
 static int64_t upward_crossings(const double *f, int64_t peak, double level, int64_t *at) {
     int64_t count = 0;
     for (int64_t k = 1; k <= peak; k++)
@@ -104,7 +105,7 @@ sp_status sp_front_find(int64_t n, const double *t, const double *f, const sp_fr
                        opt->prominence, largest, t[n - 1]);
     sp_front front = {.t_zero = NAN};
     vertex(t, f, first, last, &front.t_peak, &front.amplitude);
-    double level = fmin(opt->rise * front.amplitude, f[first]); /* the parabola rises above its points */
+    double level = fmin(opt->rise * front.amplitude, f[first]); /* the vertex lies above the points */
     if (f[0] >= level)
         return sp_fail(
             err, SP_EREFUSED,

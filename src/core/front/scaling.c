@@ -1,3 +1,4 @@
+/* How fronts change with distance: means, exponents and speeds with bootstrap errors. */
 #include <sonopack/scaling.h>
 
 #include "base/base.h"
@@ -7,26 +8,26 @@
 #include <math.h>
 #include <string.h>
 
-/* What is averaged over the samples of a row. */
+/* Quantities averaged over the samples of a row. */
 typedef enum mean_of { T10 = 0, T_PEAK, T_ZERO, AMPLITUDE, LOG_AMPLITUDE, WIDTH, WIDTH_PEAK, MEANS } mean_of;
-/* What the bootstrap looks at: intervals of each row, then the fits. */
+/* Quantities of the bootstrap: for each interval between rows, then the fits. */
 typedef enum interval { SPEED = 0, SPEED_PEAK, SPEED_ZERO, GAMMA, ALPHA, ALPHA_PEAK, INTERVALS } interval;
 typedef enum fit_of { FIT_GAMMA = 0, FIT_GAMMA_LOG, FIT_ALPHA, FIT_ALPHA_PEAK, FIT_SPEED, FITS } fit_of;
 
 static const mean_of fitted[FITS] = {AMPLITUDE, LOG_AMPLITUDE, WIDTH, WIDTH_PEAK, T10};
 static const mean_of compared[INTERVALS] = {T10, T_PEAK, T_ZERO, AMPLITUDE, WIDTH, WIDTH_PEAK};
 
-/* Means of a row and the mean distance of the samples that each is over; NAN of none. */
+/* Means of a row, and the mean distances of the samples in them; NAN without samples. */
 typedef struct means {
     double value[MEANS], distance[MEANS];
 } means;
 
 typedef struct problem {
     const sp_scaling_input *in;
-    means *row;           /* [rows] of the resample under way */
+    means *row;           /* [rows] of the current resample */
     double *weight[FITS]; /* [rows] errors of the points; NAN: unknown */
     bool weighted[FITS];
-    int64_t used[FITS];    /* rows that have a point */
+    int64_t used[FITS];    /* number of rows that have a point */
     double *x, *y, *error; /* [rows] of a fit */
     void *memory;
 } problem;
@@ -43,7 +44,7 @@ static double mark(const sp_front *f, mean_of m) {
     }
 }
 
-/* Over the picked samples of a row, or all of them. */
+/* Means over the given samples of a row, or over all. */
 static means means_of(const sp_scaling_input *in, int row, int64_t n, const int64_t *pick) {
     means sum = {{0}, {0}};
     int64_t count[MEANS] = {0};
@@ -82,7 +83,7 @@ static double interval_value(const means *low, const means *high, interval what)
 
 /* ---- fits ------------------------------------------------------------------------------------------------------ */
 
-/* x and y of a row in a fit; false where it has no point. */
+/* x and y of a row in a fit; false if it has no point. */
 static bool point(const means *row, fit_of fit, double *x, double *y) {
     const double l = row->distance[fitted[fit]], v = row->value[fitted[fit]];
     const bool logarithm = fit == FIT_GAMMA || fit == FIT_ALPHA || fit == FIT_ALPHA_PEAK;
@@ -91,7 +92,7 @@ static bool point(const means *row, fit_of fit, double *x, double *y) {
     return isfinite(*x) && isfinite(*y);
 }
 
-/* The line through the rows; *n: how many have a point. */
+/* Fits a line to the rows; *n: number of rows that have a point. */
 static sp_status fit_rows(const problem *p, const means *row, fit_of fit, sp_line *line, int64_t *n, sp_error *err) {
     int64_t count = 0;
     for (int r = 0; r < p->in->rows; r++) {
@@ -112,7 +113,7 @@ static double of_slope(fit_of fit, double slope) {
     return fit == FIT_GAMMA || fit == FIT_GAMMA_LOG ? -slope : slope;
 }
 
-/* Standard error of y - slope x of a row to first order in the samples' deviations from their means. */
+/* Standard error of y - slope x of a row, to first order in the deviations of the samples from their means. */
 static double residual_error(const sp_scaling_input *in, int row, const means *mean, fit_of fit, double slope,
                              double *scratch) {
     const mean_of m = fitted[fit];
@@ -127,14 +128,14 @@ static double residual_error(const sp_scaling_input *in, int row, const means *m
     return sp_standard_error(n, scratch);
 }
 
-/* Weights of a fit: first equal ones, for the slope that the errors of the second fit need. */
+/* Weights of a fit. A first fit with equal weights gives the slope from which the errors follow. */
 static void find_weights(problem *p, fit_of fit, double *scratch) {
     const sp_scaling_input *in = p->in;
     sp_line line;
     int64_t n;
     p->weighted[fit] = false;
     if (fit_rows(p, p->row, fit, &line, &n, NULL) != SP_OK)
-        return; /* no fit, no weights */
+        return; /* without a fit there are no weights */
     p->used[fit] = n;
     bool all = true;
     for (int r = 0; r < in->rows; r++) {
@@ -190,7 +191,7 @@ static sp_estimate mean_and_error(const sp_scaling_input *in, int row, mean_of m
     return (sp_estimate){sp_mean(n, scratch), sp_standard_error(n, scratch)};
 }
 
-/* The means of a row; the distance of samples that have an arrival. */
+/* Means of a row. The distance is that of samples with a t10. */
 static void take_row(const sp_scaling_input *in, int row, double *scratch, sp_scaling_row *out) {
     sp_estimate *const to[MEANS] = {&out->t10,           &out->t_peak, &out->t_zero,    &out->amplitude,
                                     &out->log_amplitude, &out->width,  &out->width_peak};

@@ -1,6 +1,6 @@
 #ifndef SP_BLAS_H
 #define SP_BLAS_H
-/* The only door to LAPACKE: its header asks for complex.h, whose I is a poor neighbour. */
+/* Include this instead of lapacke.h, which includes complex.h and with it the macro I. */
 
 #include <lapacke.h>
 #undef I

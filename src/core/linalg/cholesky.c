@@ -1,3 +1,4 @@
+/* Sparse Cholesky factorization with CHOLMOD. */
 #include "linalg/cholesky.h"
 #include "base/base.h"
 
@@ -10,7 +11,7 @@ struct sp_cholesky {
     cholmod_factor *factor;
 };
 
-/* A copy: CHOLMOD takes no constant input. Lower triangle: stype -1. */
+/* CHOLMOD takes no constant matrix, so this makes a copy. stype -1: lower triangle. */
 static cholmod_sparse *copy_matrix(const sp_sparse *a, cholmod_common *common) {
     const size_t n = (size_t)a->n, entries = (size_t)a->p[a->n];
     cholmod_sparse *m = cholmod_l_allocate_sparse(n, n, entries, 1, 1, -1, CHOLMOD_REAL, common);
@@ -25,7 +26,7 @@ static cholmod_sparse *copy_matrix(const sp_sparse *a, cholmod_common *common) {
     return m;
 }
 
-/* Reads the status of the last call, which the next one clears. */
+/* Reads the status of the last call, which the next call clears. */
 static sp_status check_call(const sp_cholesky *c, sp_error *err) {
     const int state = c->common.status;
     if (state == CHOLMOD_OUT_OF_MEMORY)
@@ -42,8 +43,8 @@ sp_status sp_cholesky_analyze(const sp_sparse *a, sp_cholesky **out, sp_error *e
     sp_status status = SP_OK;
     cholmod_l_start(&c->common);
     c->common.print = 0;
-    c->common.final_ll = 1;  /* LL': an LDL' would take an indefinite matrix without a word */
-    c->common.try_catch = 1; /* errors come back as a status, nothing is printed */
+    c->common.final_ll = 1;  /* LL': an LDL' would accept an indefinite matrix silently */
+    c->common.try_catch = 1; /* CHOLMOD returns errors as a status and prints nothing */
     cholmod_sparse *m = copy_matrix(a, &c->common);
     if (!m) {
         status = sp_fail_memory(err, 16 * (size_t)a->p[a->n]);
@@ -59,8 +60,8 @@ sp_status sp_cholesky_analyze(const sp_sparse *a, sp_cholesky **out, sp_error *e
     return status;
 }
 
-/* A failed factorisation returns TRUE. A singular matrix may pass with a pivot that is rounding alone, hence the bound
- * on the ratio of pivots. */
+/* A factorization that fails returns TRUE. A singular matrix may pass with a pivot that is pure rounding error, hence
+ * the bound on the ratio of pivots. */
 sp_status sp_cholesky_factorize(sp_cholesky *c, const sp_sparse *a, sp_error *err) {
     cholmod_common *common = &c->common;
     cholmod_sparse *m = copy_matrix(a, common);

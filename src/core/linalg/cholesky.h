@@ -1,19 +1,19 @@
 #ifndef SP_CHOLESKY_H
 #define SP_CHOLESKY_H
-/* Sparse Cholesky: the only door to CHOLMOD. */
+/* Sparse Cholesky factorization (CHOLMOD). */
 
 #include <sonopack/network.h>
 
 typedef struct sp_cholesky sp_cholesky;
 
-/* Factor of a symmetric positive definite matrix. SP_EREFUSED for one that is singular or indefinite in double
+/* Factors a symmetric positive definite matrix. SP_EREFUSED if the matrix is singular or indefinite in double
  * precision. */
 sp_status sp_cholesky_make(const sp_sparse *a, sp_cholesky **out, sp_error *err);
-/* The same in two steps: an order for matrices with these entries, whatever their values, and the factor of one, which
- * replaces the one before. The factor of what was refused is of no use. */
+/* The same in two steps: an ordering for all matrices with this pattern, and the factor of one matrix, which replaces
+ * the last factor. After SP_EREFUSED the factor must not be used. */
 sp_status sp_cholesky_analyze(const sp_sparse *a, sp_cholesky **out, sp_error *err);
 sp_status sp_cholesky_factorize(sp_cholesky *c, const sp_sparse *a, sp_error *err);
-/* x = A^-1 b for `columns` right-hand sides, [columns][n]. */
+/* x = A^-1 b for `columns` right-hand sides, [columns][n] each. */
 sp_status sp_cholesky_solve(sp_cholesky *c, int columns, const double *b, double *x, sp_error *err);
 void sp_cholesky_free(sp_cholesky *c);
 

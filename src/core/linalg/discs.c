@@ -1,3 +1,4 @@
+/* Encloses the eigenvalues of a nonsymmetric matrix in Gershgorin discs. */
 #include "linalg/discs.h"
 #include "base/base.h"
 #include "linalg/blas.h"
@@ -15,13 +16,14 @@ void sp_discs_free(sp_discs *d) {
     *d = (sp_discs){0};
 }
 
-/* n x n by columns: V; its approximate inverse Y; R = A V - V D, D the eigenvalues; a product. */
+/* Dense n x n matrices by columns: eigenvectors V, approximate inverse Y of V, residuals R = A V - V D with the
+ * eigenvalues D, and a product. */
 typedef struct frame {
     int64_t n;
     const sp_sparse *a;
     sp_discs d;
     double *v, *y, *r, *product;
-    double *sum, *size, *noise; /* [n] rows' sums */
+    double *sum, *size, *noise; /* [n] sums over rows */
 } frame;
 
 static void frame_free(frame *f) {
@@ -64,13 +66,13 @@ static sp_status find_inverse(frame *f, sp_error *err) {
         return sp_fail_memory(err, (size_t)n * sizeof *pivots);
     memcpy(f->y, f->v, (size_t)f->n * (size_t)f->n * sizeof *f->y);
     lapack_int info = LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->y, n, pivots);
-    if (info == 0) /* the product has room for dgetri's work, n at least */
+    if (info == 0) /* the product serves as dgetri's workspace of at least n */
         info = LAPACKE_dgetri_work(LAPACK_COL_MAJOR, n, f->y, n, pivots, f->product, n * (n < 64 ? n : 64));
     sp_free(pivots);
     return info == 0 ? SP_OK : sp_fail(err, SP_EREFUSED, "the eigenvectors are linearly dependent");
 }
 
-/* R = A V - V D, column by column; of a pair (x, y) with a + i b: A x = a x - b y, A y = b x + a y. */
+/* R = A V - V D, column by column. A pair (x, y) with eigenvalue a + i b satisfies A x = a x - b y, A y = b x + a y. */
 static void find_residuals(frame *f) {
     const int64_t n = f->n;
     memset(f->r, 0, (size_t)n * (size_t)n * sizeof *f->r);
@@ -112,7 +114,7 @@ static double largest(int64_t n, const double *x) {
     return most;
 }
 
-/* A bound of the largest row sum of |1 - Y V|. */
+/* Upper bound of the largest row sum of |1 - Y V|. */
 static double inverse_error(frame *f) {
     const int64_t n = f->n;
     multiply(n, f->y, f->v, f->product);
@@ -124,8 +126,8 @@ static double inverse_error(frame *f) {
     return largest(n, f->sum) + 2 * (double)n * DBL_EPSILON * largest(n, f->noise) + (double)n * DBL_EPSILON;
 }
 
-/* What rounding may have changed in the rows' sums of R, of which A's entries are known to some roundings of their
- * terms, the largest of which is its largest entry. */
+/* Bounds the rounding errors in the row sums of R. Each entry of A is a sum of terms no larger than the largest entry,
+ * known to a few roundings. */
 static void residual_noise(frame *f) {
     const int64_t n = f->n;
     double top = 0, turn = 0;
@@ -144,7 +146,7 @@ static void residual_noise(frame *f) {
         f->noise[i] += 8 * DBL_EPSILON * turn * f->size[i];
 }
 
-/* V^-1 A V = D + W, W = V^-1 R = (1 - F)^-1 Y R with F = 1 - Y V: rows' sums of |W|. */
+/* Row sums of |W| in V^-1 A V = D + W, with W = V^-1 R = (1 - F)^-1 Y R and F = 1 - Y V. */
 static sp_status find_radii(frame *f, sp_error *err) {
     const int64_t n = f->n;
     const double off = inverse_error(f);
@@ -162,7 +164,7 @@ static sp_status find_radii(frame *f, sp_error *err) {
     const double rest = off / (1 - off) * largest(n, f->sum);
     for (int64_t i = 0; i < n; i++)
         f->d.radius[i] = f->sum[i] + rest;
-    for (int64_t i = 0; i + 1 < n; i++) /* the two rows of a pair are a block, which is normal */
+    for (int64_t i = 0; i + 1 < n; i++) /* the two rows of a complex pair form one block, which is normal */
         if (f->d.im[i] > 0) {
             f->d.radius[i] = f->d.radius[i + 1] = f->d.radius[i] + f->d.radius[i + 1];
             i++;

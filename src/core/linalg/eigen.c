@@ -1,3 +1,4 @@
+/* Dense symmetric eigenproblems with LAPACK. */
 #include "linalg/eigen.h"
 #include "base/base.h"
 #include "linalg/blas.h"
@@ -17,7 +18,7 @@ static bool lower_is_finite(int64_t n, const double *a) {
 }
 
 static sp_status check(int64_t n, const double *a, sp_error *err) {
-    /* LAPACK's own sizes, 2 n^2 among them, are 32-bit */
+    /* LAPACK's workspace sizes, such as 2 n^2, are 32-bit integers */
     if (n < 1 || n > 32000)
         return sp_fail(err, SP_EINVAL, "dense eigenproblem of order %lld, must be 1 .. 32000", (long long)n);
     if (!lower_is_finite(n, a))
@@ -111,7 +112,7 @@ sp_status sp_tridiagonal_vectors(const sp_tridiagonal *t, int64_t count, double 
         status = sp_fail_memory(err, 69 * n * sizeof *d);
         goto out;
     }
-    double *e = d + n, *w = d + 2 * n; /* both are overwritten */
+    double *e = d + n, *w = d + 2 * n; /* dstemr overwrites both */
     memcpy(d, t->d, n * sizeof *d);
     memcpy(e, t->e, n * sizeof *e);
     info = LAPACKE_dstemr(LAPACK_COL_MAJOR, 'V', 'I', order, d, e, 0, 0, 1, many, &found, w, vectors, order, many,
@@ -120,7 +121,7 @@ sp_status sp_tridiagonal_vectors(const sp_tridiagonal *t, int64_t count, double 
         status = lapack_failed("dstemr", info, err);
         goto out;
     }
-    /* Q is the product of n-1 reflectors below the first row. */
+    /* Q is a product of n-1 reflectors that act below the first row. */
     info = LAPACKE_dormtr_work(LAPACK_COL_MAJOR, 'L', 'L', 'N', order, many, t->a, order, t->tau, vectors, order, work,
                                (lapack_int)(64 * n));
     if (info != 0)
@@ -142,7 +143,8 @@ sp_status sp_orthogonality(int64_t n, int64_t count, const double *vectors, doub
     double *product = sp_alloc((size_t)(block * count), sizeof *product), most = 0;
     if (!product)
         return sp_fail_memory(err, (size_t)(block * count) * sizeof *product);
-    for (int64_t first = 0; first < count; first += block) { /* vectors first .. against all from first on */
+    for (int64_t first = 0; first < count;
+         first += block) { /* vectors first, first + 1, ... with all vectors from first on */
         const int64_t many = count - first < block ? count - first : block, rest = count - first;
         cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, (int)rest, (int)many, (int)n, 1, vectors + first * n,
                     (int)n, vectors + first * n, (int)n, 0, product, (int)rest);

@@ -1,3 +1,4 @@
+/* Dense nonsymmetric eigenproblems with LAPACK. */
 #include "linalg/general.h"
 #include "base/base.h"
 #include "linalg/blas.h"

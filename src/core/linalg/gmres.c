@@ -1,11 +1,13 @@
+/* GMRES without restarts, preconditioned from the right. */
 #include "linalg/gmres.h"
 
 #include "base/base.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Arnoldi's vectors, and the Hessenberg matrix that Givens' rotations make triangular as it grows. */
+/* Arnoldi vectors, and the Hessenberg matrix, which Givens rotations reduce to a triangle as it grows. */
 typedef struct gmres {
     int64_t n;
     int m;
@@ -15,19 +17,12 @@ typedef struct gmres {
     double *work;      /* [n] */
 } gmres;
 
-static double dot(int64_t n, const double *a, const double *b) {
-    double sum = 0;
-    for (int64_t k = 0; k < n; k++)
-        sum += a[k] * b[k];
-    return sum;
-}
-
 static void scale_to(int64_t n, double by, const double *from, double *to) {
     for (int64_t k = 0; k < n; k++)
         to[k] = by * from[k];
 }
 
-/* The next vector of the basis: A M^-1 times the last, made orthogonal twice, so that it stays so. */
+/* The next basis vector: A M^-1 times the last one, orthogonalized twice so that it stays orthogonal. */
 static sp_status extend(const gmres_problem *p, gmres *q, int j, sp_error *err) {
     double *next = q->basis + (int64_t)(j + 1) * q->n, *h = q->h + (size_t)j * ((size_t)q->m + 1);
     sp_status status = p->precondition(p->with, q->basis + (int64_t)j * q->n, q->work, err);
@@ -37,12 +32,12 @@ static sp_status extend(const gmres_problem *p, gmres *q, int j, sp_error *err) 
         return status;
     for (int pass = 0; pass < 2; pass++)
         for (int i = 0; i <= j; i++) {
-            const double *v = q->basis + (int64_t)i * q->n, part = dot(q->n, v, next);
+            const double *v = q->basis + (int64_t)i * q->n, part = sp_dot(q->n, v, next);
             h[i] += part;
             for (int64_t k = 0; k < q->n; k++)
                 next[k] -= part * v[k];
         }
-    h[j + 1] = sqrt(dot(q->n, next, next));
+    h[j + 1] = sp_norm(q->n, next);
     if (h[j + 1] > 0)
         scale_to(q->n, 1 / h[j + 1], next, next);
     return SP_OK;
@@ -63,7 +58,7 @@ static void rotate(gmres *q, int j) {
     q->g[j] *= q->c[j];
 }
 
-/* x = M^-1 (basis y), with the triangle solved for y. */
+/* x = M^-1 (basis y), where y solves the triangular system. */
 static sp_status combine(const gmres_problem *p, gmres *q, int steps, double *x, sp_error *err) {
     for (int j = steps; j-- > 0;) {
         const double *h = q->h + (size_t)j * ((size_t)q->m + 1);
@@ -80,7 +75,7 @@ static sp_status combine(const gmres_problem *p, gmres *q, int steps, double *x,
 
 sp_status sp_gmres(const gmres_problem *p, const double *b, double *x, double *residual, sp_error *err) {
     const size_t n = (size_t)p->n, m = (size_t)p->steps_max, size = (m + 2) * n + m * (m + 1) + 3 * m + 1;
-    const double norm = sqrt(dot(p->n, b, b));
+    const double norm = sp_norm(p->n, b);
     gmres q = {.n = p->n, .m = p->steps_max};
     sp_status status = SP_OK;
     int steps = 0;

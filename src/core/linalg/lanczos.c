@@ -1,6 +1,7 @@
-/* The basis is kept orthonormal to rounding, so that degenerate eigenvalues cause no ghosts; directions that die out
- * (fewer distinct eigenvalues than steps) are replaced by random ones, so that further copies of an eigenvalue are
- * found. A full basis is restarted from its best vectors (Wu and Simon, SIAM J. Matrix Anal. Appl. 22, 602, 2000). */
+/* Block Lanczos iteration with thick restarts (Wu and Simon, SIAM J. Matrix Anal. Appl. 22, 602, 2000). Full
+ * orthogonalization keeps degenerate eigenvalues from producing spurious copies. Directions that vanish, because there
+ * are fewer distinct eigenvalues than steps, are replaced by random ones, which find further copies of an
+ * eigenvalue. */
 #include "linalg/lanczos.h"
 #include "base/base.h"
 #include "linalg/blas.h"
@@ -17,21 +18,22 @@ enum { BLOCK = SP_LDL_LANES, PASSES_MAX = 4, RESTARTS_MAX = 15 };
 typedef struct lanczos {
     sp_ldl *factor;
     const sp_lanczos_spec *spec;
-    int64_t n, capacity, m; /* m: columns of the basis, the last block included, whose products are in h */
-    int64_t first;          /* of the columns that the last block's product overlaps with in exact arithmetic */
-    double *basis;          /* [capacity + BLOCK][n] */
-    double *h;       /* basis^T (A - sigma)^-1 basis, by columns, the upper triangle; leading dimension capacity */
-    double *next;    /* [BLOCK][n]: the products on the way to the next block */
-    double *copy;    /* the same */
-    double *overlap; /* [BLOCK][capacity + locked] */
-    double b[BLOCK * BLOCK];          /* (A - sigma)^-1 last = basis h + next b, by columns */
-    double *small, *theta, *residual; /* eigenvectors [m][m] by columns, eigenvalues of h, |b s| of each */
-    int64_t *rank;                    /* Ritz pairs, the largest |theta| first */
+    int64_t n, capacity, m;  /* m: columns of the basis with products in h, last block included */
+    int64_t first;           /* first column that overlaps with the product of the last block in exact arithmetic */
+    double *basis;           /* [capacity + BLOCK][n] */
+    double *h;               /* basis^T (A - sigma)^-1 basis by columns: upper triangle, leading dimension capacity */
+    double *next;            /* [BLOCK][n] products that become the next block */
+    double *copy;            /* [BLOCK][n] */
+    double *overlap;         /* [BLOCK][capacity + locked] */
+    double b[BLOCK * BLOCK]; /* (A - sigma)^-1 last = basis h + next b, by columns */
+    double *small, *theta,
+        *residual; /* eigenvectors [m][m] of h by columns, its eigenvalues, |b s| of each eigenvector s */
+    int64_t *rank; /* Ritz pairs in descending order of |theta| */
     uint64_t random;
     sp_lanczos_pairs *out;
 } lanczos;
 
-/* SplitMix64: starting directions need no more. */
+/* SplitMix64, good enough for starting vectors. */
 static double random_number(uint64_t *state) {
     uint64_t z = (*state += 0x9e3779b97f4a7c15u);
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -40,7 +42,7 @@ static double random_number(uint64_t *state) {
     return (double)(z >> 11) * 0x1p-53 - 0.5;
 }
 
-/* w -= q (q^T w) for `count` columns of each; the coefficients are added to h (may be NULL, leading dimension ld). */
+/* w -= q (q^T w) for `count` columns of q. Adds the coefficients to h (leading dimension ld), unless h is NULL. */
 static void project(int64_t n, const double *q, int64_t count, double *w, int columns, double *overlap, double *h,
                     int64_t ld) {
     if (count == 0)
@@ -59,11 +61,10 @@ static void project_all(lanczos *z, double *w, int columns, int64_t known, doubl
     project(z->n, z->basis, known, w, columns, z->overlap, h, z->capacity);
 }
 
-/* Nothing here is near the ends of the range of doubles, which dnrm2 is slow to guard. */
+/* Faster than dnrm2, which guards against overflow; that cannot happen here. */
 static double norm(int64_t n, const double *x) { return sqrt(cblas_ddot((int)n, x, 1, x, 1)); }
 
-/* Upper Cholesky factor of a Gram matrix of the block, in place; false where a direction is all but dependent on the
- * others. */
+/* Upper Cholesky factor of the block's Gram matrix, in place. False if a column almost depends on the others. */
 static bool cholesky(double g[BLOCK * BLOCK]) {
     for (int c = 0; c < BLOCK; c++) {
         const double whole = g[c * BLOCK + c];
@@ -82,7 +83,8 @@ static bool cholesky(double g[BLOCK * BLOCK]) {
     return true;
 }
 
-/* w = q r with q orthonormal, twice over, as once is right to the square of the condition only. false: dependent. */
+/* w = q r with orthonormal q; false if the columns are dependent. Done twice, because the error of a single pass grows
+ * with the square of the condition number. */
 static bool orthonormalise(int64_t n, double *w, double r[BLOCK * BLOCK]) {
     double g[2][BLOCK * BLOCK] = {{0}};
     for (int pass = 0; pass < 2; pass++) {
@@ -103,7 +105,8 @@ static bool orthonormalise(int64_t n, double *w, double r[BLOCK * BLOCK]) {
     return true;
 }
 
-/* Column by column; a column of which nothing is left beyond rounding (of `scale`) becomes a random direction. */
+/* Orthonormalizes column by column. A column with nothing left beyond rounding errors (relative to `scale`) becomes a
+ * random direction. */
 static void orthonormalise_weak(lanczos *z, double *w, int64_t known, const double scale[BLOCK]) {
     const int64_t n = z->n;
     for (int c = 0; c < BLOCK; c++) {
@@ -133,14 +136,14 @@ static void orthonormalise_weak(lanczos *z, double *w, int64_t known, const doub
     }
 }
 
-/* The next block: w, made orthogonal to all that is known, and orthonormal. h: the columns of the last block, or NULL
- * for the first block. */
+/* Makes w the next block: orthogonal to the basis and to the locked vectors, and orthonormal. h: the columns of the
+ * last block; NULL for the first block. */
 static void next_block(lanczos *z, double *w, double *h) {
     const int64_t n = z->n, known = h ? z->m : 0;
     double before[BLOCK], scale[BLOCK];
     for (int c = 0; c < BLOCK; c++)
         scale[c] = norm(n, w + c * n);
-    if (h && z->first > 0) { /* what is there in exact arithmetic */
+    if (h && z->first > 0) { /* overlaps that exist in exact arithmetic */
         const int64_t first = z->first;
         project(n, z->basis + first * n, known - first, w, BLOCK, z->overlap, h + first, z->capacity);
     }
@@ -169,7 +172,7 @@ static void next_block(lanczos *z, double *w, double *h) {
     }
 }
 
-/* One block more. */
+/* Extends the basis by one block. */
 static void step(lanczos *z) {
     const int64_t n = z->n;
     const double clock = sp_clock_cpu();
@@ -196,7 +199,7 @@ static int by_magnitude(const void *a, const void *b, void *context) {
 static sp_status ritz(lanczos *z, sp_error *err) {
     const int64_t m = z->m;
     for (int64_t c = 0; c < m; c++)
-        for (int64_t r = 0; r <= c; r++) /* as a lower triangle */
+        for (int64_t r = 0; r <= c; r++) /* lower triangle */
             z->small[r * m + c] = z->h[c * z->capacity + r];
     sp_status status = sp_eigen_all(m, z->small, z->theta, err);
     if (status != SP_OK)
@@ -218,7 +221,7 @@ static sp_status ritz(lanczos *z, sp_error *err) {
 
 static double value_of(const lanczos *z, int64_t k) { return sp_ldl_sigma(z->factor) + 1 / z->theta[k]; }
 
-/* How many of the wanted interval are there, before the first of them that has not converged. */
+/* Number of Ritz values in the interval that converged, up to the first that did not. */
 static int64_t converged(const lanczos *z) {
     int64_t count = 0;
     for (int64_t q = 0; q < z->m; q++) {
@@ -234,7 +237,8 @@ static int64_t converged(const lanczos *z) {
     return count;
 }
 
-/* basis <- basis times the best `keep` Ritz vectors, by strips of rows as there is no room for both. */
+/* Replaces the basis by its `keep` best Ritz vectors. Works on strips of rows, since memory for both bases is
+ * lacking. */
 static sp_status restart(lanczos *z, int64_t keep, sp_error *err) {
     enum { STRIP = 128 };
     const int64_t n = z->n, m = z->m;
@@ -268,7 +272,7 @@ static int by_value(const void *a, const void *b, void *context) {
     return x != y ? (x < y ? -1 : 1) : (p > q) - (p < q);
 }
 
-/* x = basis s + next b s/theta, one step of inverse iteration that costs no solve: (A - sigma) x = basis s/theta. */
+/* x = basis s + next b s/theta: one step of inverse iteration without a solve, since (A - sigma) x = basis s/theta. */
 static sp_status put_pairs(lanczos *z, int64_t count, sp_error *err) {
     const int64_t n = z->n, m = z->m;
     double *chosen = sp_alloc((size_t)(m * count), sizeof *chosen);
@@ -364,7 +368,7 @@ static sp_status iterate(lanczos *z, sp_error *err) {
             z->out->seconds[2] += sp_clock_cpu() - clock;
             return status;
         }
-        /* pairs converge in proportion to the columns beyond the first ones */
+        /* the number of converged pairs grows in proportion to the number of further columns */
         const double slope = (double)(count - before + 1) / (double)(z->m - then);
         const double more = fmin(fmax(0.9 * (double)(wanted - count) / slope, BLOCK), 0.25 * (double)z->m);
         before = count;
@@ -401,7 +405,7 @@ sp_status sp_lanczos(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_
     if (status == SP_OK) {
         for (int64_t k = 0; k < BLOCK * n; k++)
             z.next[k] = random_number(&z.random);
-        sp_ldl_solve(factor, z.next, z.next); /* little of the far end of the spectrum is left */
+        sp_ldl_solve(factor, z.next, z.next); /* damps the far end of the spectrum */
         next_block(&z, z.next, NULL);
         status = iterate(&z, err);
     }

@@ -5,24 +5,24 @@
 #include "linalg/ldl.h"
 
 typedef struct sp_lanczos_spec {
-    double low, high;     /* open interval of eigenvalues of A that are wanted */
-    int64_t wanted;       /* how many of them; those nearest to the shift where the interval holds more */
-    double tolerance;     /* |A x - lambda x| at most, over |lambda - sigma| and over |lambda| or the floor */
+    double low, high;     /* open interval of the wanted eigenvalues of A */
+    int64_t wanted;       /* minimum number of pairs; those nearest to the shift if the interval holds more */
+    double tolerance;     /* |A x - lambda x| <= tolerance times |lambda - sigma|, and times max(|lambda|, floor) */
     double floor;         /* > 0 */
-    int64_t locked_count; /* vectors that are known already: the search is orthogonal to them */
+    int64_t locked_count; /* number of known eigenvectors; the search is orthogonal to them */
     const double *locked; /* [locked_count][n], orthonormal */
 } sp_lanczos_spec;
 
-/* Converged pairs of the interval, eigenvalues ascending; `wanted` of them at least. */
+/* Converged pairs in the interval, at least `wanted`, eigenvalues ascending. */
 typedef struct sp_lanczos_pairs {
     int64_t count;
     double *value;     /* [count] */
     double *vector;    /* [count][n], orthonormal */
     int64_t solves;    /* right-hand sides */
-    double seconds[3]; /* of CPU time: solves, orthogonalisation, small eigenproblems and vectors */
+    double seconds[3]; /* CPU time of solves, of orthogonalization, and of small eigenproblems and vectors */
 } sp_lanczos_pairs;
 
-/* The factor holds the shift. SP_EREFUSED without convergence, or where the order is too small for `wanted`. */
+/* factor: the factor of A - sigma. SP_EREFUSED without convergence, and if n is too small for `wanted`. */
 sp_status sp_lanczos(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_lanczos_pairs *out, sp_error *err);
 void sp_lanczos_free(sp_lanczos_pairs *p);
 

@@ -1,5 +1,5 @@
-/* CHOLMOD factors; the factor is then copied into groups of columns that share their rows (the degrees of freedom of a
- * grain, at least), so that a solve reads an entry's row once for up to four columns and eight right-hand sides. */
+/* LDL' factorization with CHOLMOD. The factor is copied into groups of columns with equal rows, at least the degrees of
+ * freedom of one grain. A solve then reads each row index once for up to four columns and eight right-hand sides. */
 #include "linalg/ldl.h"
 #include "base/base.h"
 #include "base/clones.h"
@@ -13,18 +13,18 @@
 enum { LANES = SP_LDL_LANES, WIDEST = 4 };
 typedef double lanes __attribute__((vector_size(8 * LANES), aligned(64), may_alias));
 
-/* Columns first .. first + width - 1; below them the same `below` rows. */
+/* Columns first .. first + width - 1, with the same `below` rows below the triangle. */
 typedef struct group {
     int32_t first, width, below;
-    int64_t rows; /* the first of its rows in sp_ldl.row */
-    int64_t
-        values; /* its values in sp_ldl.value: the triangle by rows, without the unit diagonal, then [below][width] */
+    int64_t rows;   /* its first row in sp_ldl.row */
+    int64_t values; /* its first value in sp_ldl.value: the triangle by rows without the unit diagonal, then
+                       [below][width] */
 } group;
 
 struct sp_ldl {
     cholmod_common common;
     cholmod_sparse *a;
-    cholmod_factor *factor; /* the pattern, between calls */
+    cholmod_factor *factor; /* only the pattern between calls */
     int64_t n, groups, negative;
     double sigma, size, error;
     group *group; /* [n] at most */
@@ -33,7 +33,7 @@ struct sp_ldl {
     bool ready;
 };
 
-/* Lower triangle: stype -1. */
+/* stype -1: lower triangle. */
 static cholmod_sparse *copy_matrix(const sp_sparse *a, cholmod_common *common) {
     const size_t n = (size_t)a->n, entries = (size_t)a->p[a->n];
     cholmod_sparse *m = cholmod_allocate_sparse(n, n, entries, 1, 1, -1, CHOLMOD_REAL, common);
@@ -56,7 +56,7 @@ static sp_status cholmod_failed(const sp_ldl *f, sp_error *err) {
     return sp_fail(err, SP_EFAILED, "CHOLMOD: factorisation failed (status %d)", f->common.status);
 }
 
-/* The largest row sum of |A| bounds its norm. */
+/* The largest row sum of |A|, which bounds its norm. */
 static sp_status find_size(const sp_sparse *a, double *size, sp_error *err) {
     double *sum = sp_alloc((size_t)a->n, sizeof *sum), most = 0;
     if (!sum)
@@ -89,7 +89,7 @@ sp_status sp_ldl_make(const sp_sparse *a, sp_ldl **out, sp_error *err) {
     cholmod_common *common = &f->common;
     cholmod_start(common);
     common->print = 0;
-    common->try_catch = 1; /* errors come back as a status, nothing is printed */
+    common->try_catch = 1; /* CHOLMOD returns errors as a status and prints nothing */
     common->supernodal = CHOLMOD_SIMPLICIAL;
     common->final_ll = 0;
     common->final_super = 0;
@@ -128,7 +128,7 @@ void sp_ldl_free(sp_ldl *f) {
     sp_free(f);
 }
 
-/* Column c+1 holds what column c holds, less row c+1. */
+/* Whether column c+1 has the rows of column c except row c+1. */
 static bool follows(const cholmod_factor *l, int64_t c) {
     const int *p = l->p, *i = l->i, *count = l->nz;
     if (count[c] != count[c + 1] + 1)
@@ -136,7 +136,7 @@ static bool follows(const cholmod_factor *l, int64_t c) {
     return memcmp(i + p[c] + 1, i + p[c + 1], (size_t)count[c + 1] * sizeof *i) == 0;
 }
 
-/* Widths and places of the groups; returns the number of values. */
+/* Finds widths and positions of the groups; returns the number of values. */
 static int64_t find_groups(sp_ldl *f) {
     const int *count = f->factor->nz;
     int64_t rows = 0, values = 0;
@@ -185,9 +185,10 @@ static sp_status copy_factor(sp_ldl *f, sp_error *err) {
     return SP_OK;
 }
 
-/* |E| <= (k + 3) eps |L||D||L'| entry by entry, k the most terms that met in an entry (Higham, Accuracy and Stability
- * of Numerical Algorithms, 2002, section 10.1, whose proof does not need positive pivots); k is at most the number of
- * entries in a row of L. A symmetric matrix is bounded by its largest row sum. Forming A - sigma adds a rounding. */
+/* Bounds the backward error E. |E| <= (k + 3) eps |L||D||L'| for each entry, where k, the largest number of terms in an
+ * entry, is at most the number of entries in a row of L (Higham, Accuracy and Stability of Numerical Algorithms, 2002,
+ * section 10.1; the proof does not need positive pivots). The largest row sum bounds the norm of a symmetric matrix.
+ * Forming A - sigma adds one rounding. */
 static void find_error(sp_ldl *f) {
     double *t = f->work, *s = f->work + f->n, *terms = f->work + 2 * f->n, most = 0;
     for (int64_t k = 0; k < f->n; k++)
@@ -239,7 +240,7 @@ sp_status sp_ldl_factor(sp_ldl *f, double sigma, sp_error *err) {
         return sp_fail(err, SP_EREFUSED, "shift = %.17g: pivot %lld of %lld is zero", sigma,
                        (long long)f->factor->minor, (long long)f->factor->n);
     sp_status status = copy_factor(f, err);
-    /* the numbers are ours now */
+    /* the values have been copied */
     cholmod_change_factor(CHOLMOD_PATTERN, 0, 0, 1, 1, f->factor, common);
     if (status != SP_OK)
         return status;
@@ -263,7 +264,7 @@ int64_t sp_ldl_entries(const sp_ldl *f) {
     return last->values + last->width * (last->width - 1) / 2 + last->below * last->width;
 }
 
-/* L^-1 for a group of W columns. */
+/* x = L^-1 x for a group of w columns. */
 static ALWAYS_INLINE void forward(const sp_ldl *f, const group *g, int w, lanes *x) {
     const double *triangle = f->value + g->values, *l = triangle + w * (w - 1) / 2;
     const int32_t *row = f->row + g->rows;
@@ -282,7 +283,7 @@ static ALWAYS_INLINE void forward(const sp_ldl *f, const group *g, int w, lanes 
     }
 }
 
-/* (D L')^-1 */
+/* x = (D L')^-1 x for a group of w columns. */
 static ALWAYS_INLINE void backward(const sp_ldl *f, const group *g, int w, lanes *x) {
     const double *triangle = f->value + g->values, *l = triangle + w * (w - 1) / 2;
     const int32_t *row = f->row + g->rows;

@@ -1,6 +1,7 @@
+/* Default options and memory of tables of modes. */
+#include <sonopack/modes.h>
+
 #include "base/base.h"
-#include "linalg/eigen.h"
-#include "modes/fill.h"
 
 #include <math.h>
 
@@ -20,116 +21,17 @@ void sp_modes_free(sp_modes *m) {
     *m = sp_modes_none();
 }
 
-/* A = M^-1/2 K M^-1/2, the lower triangle by columns. */
-static sp_status dense_matrix(const sp_network *net, double **out, sp_error *err) {
-    sp_sparse k = {0};
-    const size_t n = (size_t)sp_network_dofs(net);
-    double *a = NULL;
-    sp_status status = sp_network_assemble(net, &k, err);
-    if (status != SP_OK)
-        return status;
-    a = sp_alloc(n * n, sizeof *a);
-    if (!a)
-        status = sp_fail_memory(err, n * n * sizeof *a);
-    for (int64_t c = 0; a && c < k.n; c++)
-        for (int64_t q = k.p[c]; q < k.p[c + 1]; q++)
-            a[(size_t)c * n + (size_t)k.i[q]] = k.x[q] / sqrt(net->mass[c] * net->mass[k.i[q]]);
-    sp_sparse_free(&k);
-    *out = a;
-    return status;
-}
+sp_modes_range sp_modes_range_all(void) { return (sp_modes_range){0, 0, HUGE_VAL}; }
+sp_modes_range sp_modes_range_lowest(int64_t count) { return (sp_modes_range){count, 0, HUGE_VAL}; }
+sp_modes_range sp_modes_range_band(double from, double to) { return (sp_modes_range){0, from, to}; }
 
-/* Without vectors: the matrix is made tridiagonal once, its values are taken, and vectors only of the modes so soft
- * that LAPACK's error shows in them; those are refined. */
-static sp_status frequencies(const sp_network *net, double *a, sp_ritz *ritz, sp_error *err) {
-    enum { FINE = 20 }; /* accepted: omega within 1/FINE of 1e-12 */
-    const int64_t n = sp_network_dofs(net);
-    const double blur = sp_lapack_error(net);
-    sp_tridiagonal t = {0};
-    double *values = sp_alloc((size_t)n, sizeof *values), *vectors = NULL;
-    int64_t count = 0;
-    sp_status status = values ? sp_tridiagonal_make(n, a, &t, err) : sp_fail_memory(err, (size_t)n * sizeof *values);
-    if (status != SP_OK)
-        goto out;
-    status = sp_tridiagonal_values(&t, values, err);
-    if (status != SP_OK)
-        goto out;
-    for (int64_t k = 0; k < n; k++)
-        ritz[k] = (sp_ritz){values[k], blur, NAN};
-    while (count < n &&
-           (blur > values[count] * 2e-12 / FINE || (count > 0 && values[count] - values[count - 1] <= 8 * blur)))
-        count++; /* a cluster is not cut */
-    if (count == 0)
-        goto out;
-    vectors = sp_alloc((size_t)(count * n), sizeof *vectors);
-    if (!vectors) {
-        status = sp_fail_memory(err, (size_t)(count * n) * sizeof *vectors);
-        goto out;
-    }
-    status = sp_tridiagonal_vectors(&t, count, vectors, err);
-    if (status == SP_OK)
-        status = sp_modes_refine(net,
-                                 &(sp_refine_set){.count = count,
-                                                  .vectors = vectors,
-                                                  .values = values,
-                                                  .blur = 2 * blur,
-                                                  .below = -HUGE_VAL,
-                                                  .above = count < n ? values[count] : HUGE_VAL},
-                                 ritz, err);
-out:
-    sp_free(vectors);
-    sp_free(values);
-    sp_tridiagonal_free(&t);
-    return status;
-}
+sp_damped_modes sp_damped_modes_none(void) { return (sp_damped_modes){0}; }
 
-/* All vectors: refined, sorted, and what follows from them. a becomes the vectors in LAPACK's order. */
-static sp_status with_vectors(const sp_network *net, double *a, sp_ritz *ritz, sp_error *err) {
-    const int64_t n = sp_network_dofs(net);
-    double *values = sp_alloc((size_t)n, sizeof *values);
-    sp_status status = values ? sp_eigen_all(n, a, values, err) : sp_fail_memory(err, (size_t)n * sizeof *values);
-    if (status == SP_OK)
-        status = sp_modes_refine(net,
-                                 &(sp_refine_set){.count = n,
-                                                  .vectors = a,
-                                                  .values = values,
-                                                  .blur = 2 * sp_lapack_error(net),
-                                                  .below = -HUGE_VAL,
-                                                  .above = HUGE_VAL},
-                                 ritz, err);
-    sp_free(values);
-    return status;
-}
-
-sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_modes *out, sp_error *err) {
-    double *a = NULL;
-    sp_ritz *ritz = NULL;
-    const int64_t n = sp_network_dofs(net);
-    if (n > SP_MODES_DENSE_MAX)
-        return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom: all modes by a dense solver are for %d at the most",
-                       (long long)n, SP_MODES_DENSE_MAX);
-    sp_status status = sp_network_need_symmetry(net, "a table of modes", err);
-    if (status == SP_OK)
-        status = dense_matrix(net, &a, err);
-    if (status != SP_OK)
-        goto out;
-    ritz = sp_alloc((size_t)n, sizeof *ritz);
-    status = ritz ? SP_OK : sp_fail_memory(err, (size_t)n * sizeof *ritz);
-    if (status == SP_OK)
-        status = opt->vectors ? with_vectors(net, a, ritz, err) : frequencies(net, a, ritz, err);
-    if (status == SP_OK) {
-        const sp_mode_set set = {.count = n,
-                                 .ritz = ritz,
-                                 .vectors = opt->vectors ? a : NULL,
-                                 .rattlers = (int64_t)net->rattlers * net->dof};
-        status = sp_modes_fill(net, opt->source, &set, out, err);
-    }
-    if (status == SP_OK) {
-        out->method = SP_MODES_DENSE;
-        out->certified_to = HUGE_VAL;
-    }
-out:
-    sp_free(ritz);
-    sp_free(a);
-    return status;
+void sp_damped_modes_free(sp_damped_modes *m) {
+    sp_free(m->omega);
+    sp_free(m->decay);
+    sp_free(m->cosine);
+    sp_free(m->sine);
+    sp_free(m->error);
+    *m = sp_damped_modes_none();
 }

@@ -1,11 +1,12 @@
+/* Refines eigenvalues by Rayleigh quotients and bounds their errors. */
 #include "modes/refine.h"
 #include "base/base.h"
-#include "network/kernel.h"
+#include "network/apply.h"
 
 #include <float.h>
 #include <math.h>
 
-/* Vectors of unresolved eigenvalues up to this many are looked at pair by pair. */
+/* Largest cluster whose vectors are compared in pairs. */
 enum { CLUSTER_MAX = 32 };
 
 double sp_lapack_error(const sp_network *net) {
@@ -22,7 +23,7 @@ void sp_mode_residual(const sp_network *net, const double *e, double lambda, dou
         r[k] = r[k] / sqrt(net->mass[k]) - lambda * e[k];
 }
 
-/* Scratch vectors over the degrees of freedom. */
+/* Scratch vectors, [dofs]. */
 typedef struct scratch {
     double *u, *ku;
 } scratch;
@@ -38,13 +39,13 @@ static double displacement(const sp_network *net, const double *e, const double 
     return norm;
 }
 
-/* Rayleigh quotient, its rounding (left in error), and the residual. */
+/* Rayleigh quotient with its rounding error, and the residual. */
 static void rayleigh(const sp_network *net, const double *e, scratch s, sp_ritz *r) {
     const int64_t n = sp_network_dofs(net);
     double rounding, sum = 0;
     const double norm = displacement(net, e, NULL, 0, s.u);
     r->lambda = sp_network_energy2_bound(net, s.u, &rounding) / norm;
-    /* the sum of n squares in norm is right to sqrt(n) roundings as these come, n at the worst */
+    /* the sum of n squares in norm has an error of about sqrt(n) roundings, n at worst */
     r->error = rounding / norm + fabs(r->lambda) * DBL_EPSILON * (4 + sqrt((double)n));
     sp_network_apply(net, s.u, s.ku);
     for (int64_t k = 0; k < n; k++) {
@@ -54,7 +55,7 @@ static void rayleigh(const sp_network *net, const double *e, scratch s, sp_ritz 
     r->residual = sqrt(sum / norm);
 }
 
-/* Bound of |e . A f| for two of the vectors: (E(e+f) - E(e-f))/4. */
+/* Upper bound of |e . A f| = |E(e+f) - E(e-f)|/4 for two of the vectors. */
 static double coupling(const sp_network *net, const double *e, const double *f, scratch s) {
     double rounding[2], energy[2];
     for (int q = 0; q < 2; q++) {
@@ -64,14 +65,15 @@ static double coupling(const sp_network *net, const double *e, const double *f, 
     return 0.25 * (fabs(energy[0] - energy[1]) + rounding[0] + rounding[1]);
 }
 
-/* Vectors first .. last belong to eigenvalues that LAPACK cannot tell apart; gap: the distance to all others. */
+/* Vectors first .. last, whose eigenvalues LAPACK cannot separate; gap: distance to all others. */
 typedef struct cluster {
     int64_t first, last;
     double gap;
 } cluster;
 
-/* The eigenvalues of H = V^T A V are within |R|^2/gap of A's, R = A V - V H (Kato and Temple), and the diagonal of H is
- * within the sum of a row's other entries of them. Without a gap an eigenvalue is within |R| (Weyl). */
+/* The eigenvalues of H = V^T A V are within |R|^2/gap of those of A, R = A V - V H (Kato and Temple). The diagonal of H
+ * is within the sum of the other entries of a row of its eigenvalues. Without a gap the error is at most |R|
+ * (Weyl). */
 static void bound_cluster(const sp_network *net, const double *vectors, const cluster *c, scratch s, sp_ritz *ritz) {
     const int64_t n = sp_network_dofs(net), first = c->first, last = c->last, members = last - first + 1;
     const double omega = sp_network_omega_bound(net), noise = 8 * DBL_EPSILON * omega * omega;
@@ -95,13 +97,13 @@ static void bound_cluster(const sp_network *net, const double *vectors, const cl
         ritz[m].error += bound;
 }
 
-/* The gap between a cluster and all other eigenvalues. */
+/* Distance between a cluster and all other eigenvalues. */
 static double gap_of(const sp_network *net, const sp_refine_set *set, const double *values, double blur,
                      const cluster *c) {
     const double low = c->first > 0 ? values[c->first - 1] : set->below,
                  high = c->last + 1 < set->count ? values[c->last + 1] : set->above;
     const double gap = fmin(values[c->first] - low, high - values[c->last]) - blur;
-    return isfinite(gap) ? gap : sp_network_omega_bound(net) * sp_network_omega_bound(net); /* nothing else is there */
+    return isfinite(gap) ? gap : sp_network_omega_bound(net) * sp_network_omega_bound(net); /* there are no others */
 }
 
 sp_status sp_modes_refine(const sp_network *net, const sp_refine_set *set, sp_ritz *ritz, sp_error *err) {

@@ -1,3 +1,4 @@
+/* Finds all eigenpairs between two shifts, slice by slice, and proves that none is missing. */
 #include "modes/slices.h"
 #include "base/base.h"
 
@@ -6,9 +7,9 @@
 #include <string.h>
 
 enum {
-    SLICE = 128,    /* modes of a slice: the basis costs their square, a factorisation is for each slice */
-    SPARE = 6,      /* modes beyond those asked for, among which a gap for the edge is sought */
-    DEPTH_MAX = 60, /* of halvings */
+    SLICE = 128, /* modes per slice; the cost of a basis grows as the square, while each slice costs a factorization */
+    SPARE = 6,   /* additional modes among which a gap for the edge is sought */
+    DEPTH_MAX = 60, /* halvings of the interval */
     LOCKED_MAX = 32
 };
 
@@ -24,7 +25,7 @@ sp_status sp_slicer_make(const sp_network *net, bool vectors, slicer *out, sp_er
     const double omega = sp_network_omega_bound(net);
     slicer z = {.net = net, .vectors = vectors, .tolerance = 1e-10, .n = sp_network_dofs(net), .top = omega * omega};
     sp_sparse a = {0};
-    /* Each entry is a sum of at most some tens of products of three factors, scaled by two roots. */
+    /* An entry is a sum of some tens of products of three factors, scaled by two square roots. */
     z.noise = 64 * DBL_EPSILON * z.top;
     sp_status status = sp_network_assemble(net, &a, err);
     for (int64_t c = 0; status == SP_OK && c < a.n; c++)
@@ -41,7 +42,7 @@ sp_status sp_slicer_make(const sp_network *net, bool vectors, slicer *out, sp_er
 }
 
 static sp_status reserve(slicer *z, int64_t count, sp_error *err) {
-    /* vectors are there twice in the end: in this list, and in the table that is made of it */
+    /* vectors exist twice at the end: here and in the table of modes */
     const double bytes = (double)count * ((double)z->n * (z->vectors ? 2 * sizeof(double) : 0) + sizeof(sp_ritz));
     if (bytes > 0.8 * sp_memory_limit())
         return sp_fail(err, SP_EREFUSED, "%lld modes of %lld degrees of freedom take %.3g GB, must be below %.3g",
@@ -66,7 +67,7 @@ static sp_status factor(slicer *z, double sigma, slice_edge *out, sp_error *err)
 }
 
 sp_status sp_slicer_edge(slicer *z, double low, double high, slice_edge *out, sp_error *err) {
-    /* no simple fractions: the pivots of ordered packings vanish at simple values */
+    /* irregular fractions, since pivots of ordered packings vanish at simple ones */
     static const double places[] = {0.5137, 0.3719, 0.6473, 0.2311, 0.7829, 0.1093, 0.9117};
     slice_edge best = {.error = HUGE_VAL};
     sp_error reason = {0};
@@ -121,7 +122,7 @@ double sp_slicer_guess(const slicer *z, double count) {
     return 0.07 * z->top * pow(count / (double)z->n, 2.0 / z->net->dim);
 }
 
-/* Error bounds, and into the list. below, above: where the next eigenvalues on either side are at the nearest. */
+/* Refines pairs and appends them to the list. below, above: bounds of the next eigenvalues on either side. */
 static sp_status append(slicer *z, const sp_lanczos_pairs *p, int64_t count, double below, double above,
                         sp_error *err) {
     const sp_refine_set set = {count, p->vector, NULL, z->noise, 1e-6, below, above};
@@ -134,8 +135,8 @@ static sp_status append(slicer *z, const sp_lanczos_pairs *p, int64_t count, dou
     return SP_OK;
 }
 
-/* Vectors of the slice before that are near its upper edge: two slices agree on none of them twice, and are orthogonal
- * where they meet. */
+/* Number of vectors of the last slice near its upper edge. Orthogonality to them keeps two slices from finding the same
+ * mode. */
 static int64_t neighbours(const slicer *z, slice_edge a, double width) {
     int64_t count = 0;
     while (count < z->last.count && count < LOCKED_MAX &&
@@ -148,8 +149,7 @@ static sp_status leaf(slicer *z, slice_edge a, slice_edge b, int64_t wanted, sp_
     const double width = b.sigma - a.sigma;
     sp_lanczos_pairs p = {0};
     slice_edge middle;
-    /* soft modes are as exact as others, relative to themselves, only from a shift that is nearer to them than they are
-     * to zero */
+    /* a soft mode has full relative accuracy only if the shift is nearer to it than it is to zero */
     sp_status status = a.sigma < 0 ? factor(z, a.sigma, &middle, err)
                                    : sp_slicer_edge(z, a.sigma + 0.4 * width, a.sigma + 0.6 * width, &middle, err);
     if (status != SP_OK)
@@ -171,7 +171,7 @@ static sp_status leaf(slicer *z, slice_edge a, slice_edge b, int64_t wanted, sp_
         return status;
     z->solves += p.solves;
     double above = b.sigma - b.error;
-    if (p.count > wanted) /* one at the very edge belongs to the next slice */
+    if (p.count > wanted) /* the next mode lies at the edge and belongs to the next slice */
         above = p.value[wanted] - b.error;
     p.count = wanted;
     status = append(z, &p, wanted, below, above, err);
@@ -181,7 +181,7 @@ static sp_status leaf(slicer *z, slice_edge a, slice_edge b, int64_t wanted, sp_
 }
 
 static sp_status between(slicer *z, slice_edge a, slice_edge b, int64_t start, int depth, sp_error *err) {
-    const int64_t wanted = b.below - start - z->found; /* by the sum: an edge may lie on a mode */
+    const int64_t wanted = b.below - start - z->found; /* from the total, since an edge may coincide with a mode */
     if (wanted <= 0)
         return SP_OK;
     const double width = b.sigma - a.sigma, size = fmax(fabs(a.sigma), fabs(b.sigma));
@@ -220,7 +220,7 @@ sp_status sp_slicer_between(slicer *z, slice_edge a, slice_edge b, bool *certain
     return SP_OK;
 }
 
-/* The widest gap after mode number `count` or one of the next. */
+/* The widest gap after mode number `count` or one of the next SPARE. */
 static int64_t widest_gap(const sp_lanczos_pairs *p, int64_t count) {
     int64_t best = count;
     for (int64_t k = count; k + 1 <= p->count - 1 && k <= count + SPARE; k++)
@@ -229,12 +229,12 @@ static int64_t widest_gap(const sp_lanczos_pairs *p, int64_t count) {
     return best;
 }
 
-/* Any number: an edge that has enough modes below it, then slices. guess: where it may be. */
+/* Any number of modes: finds an edge above enough modes, starting from guess, and solves in slices. */
 static sp_status lowest_by_slices(slicer *z, int64_t count, double guess, slice_edge *end, sp_error *err) {
     slice_edge bottom, top = {0};
     bool certain = false;
     sp_status status = sp_slicer_bottom(z, 1e-3 * guess, &bottom, err);
-    guess = fmax(guess, 1e5 * z->noise); /* zero modes are counted from well above them */
+    guess = fmax(guess, 1e5 * z->noise); /* keep well above the zero modes */
     for (int k = 0; k < 60 && status == SP_OK && top.below < count; k++) {
         if (1.01 * guess >= z->top)
             top = sp_slicer_top(z);
@@ -254,14 +254,13 @@ static sp_status lowest_by_slices(slicer *z, int64_t count, double guess, slice_
     return status;
 }
 
-/* Few enough for one basis: nearest to a shift below the spectrum. Where the count above them says that some are
- * missing (copies of degenerate modes), or where no gap is left for a count, by slices, of which each knows its number
- * beforehand. */
+/* Few modes, from one basis at a shift below the spectrum. Falls back to slices, each with a known number of modes, if
+ * the count shows that modes are missing (copies of degenerate ones) or if there is no gap for a count. */
 static sp_status lowest_of_one_basis(slicer *z, int64_t count, slice_edge *end, sp_error *err) {
     slice_edge bottom;
     sp_lanczos_pairs p = {0};
     sp_status status = SP_EREFUSED;
-    /* from too far below, modes much softer than guessed look all alike */
+    /* from a shift too far below, much softer modes look alike */
     for (double part = 1e-3; part > 1e-12 && status == SP_EREFUSED; part *= 1e-4) {
         status = sp_slicer_bottom(z, part * sp_slicer_guess(z, (double)count), &bottom, err);
         if (status != SP_OK)
@@ -292,8 +291,9 @@ static sp_status lowest_of_one_basis(slicer *z, int64_t count, slice_edge *end, 
     return status == SP_OK && !proved ? lowest_by_slices(z, count, 1.05 * high, end, err) : status;
 }
 
-/* Cheaper, as a shift in the middle has the modes wanted on both sides: an edge above them, guessed and counted, then
- * one basis. found: not where the guesses fail, modes are much softer than the others, or too near the edge. */
+/* Cheaper than a shift below the spectrum, since a shift in the middle has wanted modes on both sides: guesses an edge
+ * above the modes, counts, and solves with one basis. *found stays false if the guesses fail, if some modes are much
+ * softer than the rest, or if modes are too near the edge. */
 static sp_status lowest_around_middle(slicer *z, int64_t count, slice_edge *end, bool *found, sp_error *err) {
     const double aim = 1.05 * (double)count + SPARE / 2;
     double guess = sp_slicer_guess(z, aim);
@@ -302,14 +302,14 @@ static sp_status lowest_around_middle(slicer *z, int64_t count, slice_edge *end,
     sp_error reason = {0};
     sp_status status = SP_OK;
     *found = false;
-    /* a factor costs as much as some ten modes too many */
+    /* a factorization costs about as much as ten additional modes */
     double power = 2.0 / z->net->dim;
     for (int k = 0; k < 5 && status == SP_OK && (top.below < count || top.below > count + count / 6 + SPARE); k++) {
         const slice_edge before = top;
         if (!(guess < z->top && guess > 1e6 * z->noise))
             return SP_OK;
         status = sp_slicer_edge(z, 0.99 * guess, 1.01 * guess, &top, &reason);
-        if (before.below > 0 && top.below > 0 && before.below != top.below) /* two counts tell the local law */
+        if (before.below > 0 && top.below > 0 && before.below != top.below) /* two counts give the local exponent */
             power = fmin(fmax(log(top.sigma / before.sigma) / log((double)top.below / (double)before.below), 0.05), 3);
         guess *= fmax(0.1, fmin(5, pow(aim / fmax(1, (double)top.below), power)));
     }

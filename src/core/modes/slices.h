@@ -1,11 +1,11 @@
 #ifndef SP_SLICES_H
 #define SP_SLICES_H
-/* Eigenpairs of A = M^-1/2 K M^-1/2 between two shifts at which the inertia tells how many there are. */
+/* Eigenpairs of A = M^-1/2 K M^-1/2 between two shifts, with their number from the inertia. */
 
 #include "linalg/lanczos.h"
 #include "modes/refine.h"
 
-/* A shift and what its factor counts: the eigenvalues below sigma of a matrix within `error` of A. */
+/* A shift and its count: `below` eigenvalues below sigma of a matrix within `error` of A. */
 typedef struct slice_edge {
     double sigma, error;
     int64_t below;
@@ -13,35 +13,35 @@ typedef struct slice_edge {
 
 typedef struct slicer {
     const sp_network *net;
-    bool vectors;     /* whether they are kept */
+    bool vectors;     /* keep the eigenvectors */
     double tolerance; /* of the Lanczos residuals */
     int64_t n;
     double top;   /* upper bound of the spectrum of A */
-    double noise; /* |A as assembled - A| is at most this */
+    double noise; /* upper bound of |A as assembled - A| */
     sp_ldl *ldl;
     int64_t room, found;
     sp_ritz *ritz;         /* [room] */
     double *vector;        /* [room][n] */
-    sp_lanczos_pairs last; /* of the slice before */
+    sp_lanczos_pairs last; /* pairs of the last slice */
     int64_t factors, solves;
 } slicer;
 
 sp_status sp_slicer_make(const sp_network *net, bool vectors, slicer *out, sp_error *err);
 void sp_slicer_free(slicer *z);
 
-/* An edge somewhere in low .. high, where the count is as good as can be had; SP_EREFUSED where none is. */
+/* Finds the most reliable edge between low and high. SP_EREFUSED if there is none. */
 sp_status sp_slicer_edge(slicer *z, double low, double high, slice_edge *out, sp_error *err);
-/* An edge below the whole spectrum, `depth` below 0 or more. SP_EREFUSED for an unstable network. */
+/* An edge below the whole spectrum, at -depth or lower. SP_EREFUSED for an unstable network. */
 sp_status sp_slicer_bottom(slicer *z, double depth, slice_edge *out, sp_error *err);
-/* An edge above it, which costs nothing. */
+/* An edge above the whole spectrum; needs no factorization. */
 slice_edge sp_slicer_top(const slicer *z);
-/* omega^2 below which `count` modes are, roughly: Debye's law. */
+/* Estimate of the omega^2 below which `count` modes lie, by Debye's law. */
 double sp_slicer_guess(const slicer *z, double count);
 
-/* All eigenvalues between two edges, into ritz and vector. certain: none of them is so near one of the two edges that
- * it may be on its other side. */
+/* Finds all eigenvalues between two edges and stores them in ritz and vector. *certain: none is so near an edge that it
+ * may lie on the other side. */
 sp_status sp_slicer_between(slicer *z, slice_edge a, slice_edge b, bool *certain, sp_error *err);
-/* The lowest `count`, or some more, with the edge above the last of them that proves that none is missing. */
+/* Finds the `count` lowest modes or some more. *end: an edge above the last one, which proves that none is missing. */
 sp_status sp_slicer_lowest(slicer *z, int64_t count, slice_edge *end, sp_error *err);
 
 #endif

@@ -1,16 +1,12 @@
-/* Ranges of frequencies to slices, and the choice between the sparse and the dense solver. */
+/* Modes in a range of frequencies, by the sparse or the dense solver. */
 #include "base/base.h"
-#include "modes/fill.h"
 #include "modes/slices.h"
+#include "modes/table.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { SMALL = 400 }; /* degrees of freedom: the dense solver is faster whatever is asked */
-
-sp_modes_range sp_modes_range_all(void) { return (sp_modes_range){0, 0, HUGE_VAL}; }
-sp_modes_range sp_modes_range_lowest(int64_t count) { return (sp_modes_range){count, 0, HUGE_VAL}; }
-sp_modes_range sp_modes_range_band(double from, double to) { return (sp_modes_range){0, from, to}; }
+enum { SMALL = 400 }; /* degrees of freedom up to which the dense solver is always faster */
 
 static sp_status check(const sp_network *net, const sp_modes_range *r, sp_error *err) {
     const int64_t n = sp_network_dofs(net);
@@ -26,7 +22,7 @@ static bool is_all(const sp_network *net, const sp_modes_range *r) {
     return r->lowest == sp_network_dofs(net) || (r->lowest == 0 && r->from == 0 && isinf(r->to));
 }
 
-/* -1 below the band, 1 above, 0 in it or, perhaps, at a limit: then edge counts it. */
+/* -1 below the band, 1 above, 0 inside or possibly inside; *edge counts the doubtful cases. */
 static int place(double low, double high, const sp_modes_range *r, int64_t *edge) {
     if (high < r->from)
         return -1;
@@ -36,7 +32,7 @@ static int place(double low, double high, const sp_modes_range *r, int64_t *edge
     return 0;
 }
 
-/* The dense solver's rows, cut to the range. */
+/* Keeps only the rows in the range. */
 static void cut(sp_modes *m, const sp_modes_range *r) {
     int64_t first = 0, last = m->n, edge = 0;
     if (r->lowest > 0)
@@ -73,7 +69,7 @@ static sp_status dense(const sp_network *net, const sp_modes_options *opt, const
     return status;
 }
 
-/* The edges of a band lie a little outside of its limits, `pad` of them; none lies within rounding of zero. */
+/* Chooses edges slightly outside the band, by the fraction pad; none within rounding errors of zero. */
 static sp_status band_edges(slicer *z, const sp_modes_range *r, double pad, slice_edge *a, slice_edge *b,
                             sp_error *err) {
     const double low = r->from * r->from, high = r->to * r->to;
@@ -99,12 +95,12 @@ static sp_status band(slicer *z, const sp_modes_range *r, slice_edge *a, slice_e
     sp_status status = SP_OK;
     for (double pad = 1e-4; pad < 0.2 && status == SP_OK && !certain; pad *= 10) {
         status = band_edges(z, r, pad, a, b, err);
-        if (status == SP_EREFUSED && pad < 1e-2) { /* no room for a count between so narrow limits */
+        if (status == SP_EREFUSED && pad < 1e-2) { /* limits too close for a count */
             status = SP_OK;
             continue;
         }
         if (status == SP_OK && b->sigma <= a->sigma)
-            certain = true; /* all of it above the spectrum */
+            certain = true; /* the band lies above the spectrum */
         else if (status == SP_OK)
             status = sp_slicer_between(z, *a, *b, &certain, err);
     }
@@ -115,7 +111,7 @@ static sp_status band(slicer *z, const sp_modes_range *r, slice_edge *a, slice_e
     return status;
 }
 
-/* From the slicer's list to the table: what lies in the range. */
+/* Makes the table of the modes in the range. */
 static sp_status put(const slicer *z, const sp_modes_options *opt, const sp_modes_range *r, slice_edge a, slice_edge b,
                      sp_modes *out, sp_error *err) {
     const int64_t rattlers = (int64_t)z->net->rattlers * z->net->dof;
@@ -136,19 +132,19 @@ static sp_status put(const slicer *z, const sp_modes_options *opt, const sp_mode
             first = first < 0 ? k : first;
             inside = k + 1 - first;
         }
-        if (first < 0) { /* an empty band: its place in the spectrum all the same */
+        if (first < 0) { /* an empty band still has a position in the spectrum */
             for (first = 0; first < z->found && z->ritz[first].lambda < r->from * r->from;)
                 first++;
         }
         last = first + inside;
     }
     const bool whole = r->from == 0;
-    const sp_mode_set set = {.count = last - first,
-                             .ritz = z->ritz + first,
-                             .vectors = opt->vectors ? z->vector + first * z->n : NULL,
-                             .rattlers = whole ? rattlers : 0,
-                             .first = whole ? 0 : rattlers + a.below + first};
-    sp_status status = sp_modes_fill(z->net, opt->source, &set, out, err);
+    const sp_mode_pairs set = {.count = last - first,
+                               .ritz = z->ritz + first,
+                               .vectors = opt->vectors ? z->vector + first * z->n : NULL,
+                               .rattlers = whole ? rattlers : 0,
+                               .first = whole ? 0 : rattlers + a.below + first};
+    sp_status status = sp_modes_tabulate(z->net, opt->source, &set, out, err);
     if (status != SP_OK)
         return status;
     out->method = SP_MODES_SPARSE;

@@ -1,17 +1,16 @@
-/* Whether the network is stable: discs around all eigenvalues, or counts of those of the symmetric part. */
+/* Decides whether a network is stable, by discs around all eigenvalues or by counts of those of the symmetric part. */
 #include "base/base.h"
 #include "linalg/discs.h"
-#include "linalg/ldl.h"
+#include "modes/count.h"
 #include "network/spins.h"
 
-#include <float.h>
 #include <math.h>
 #include <sonopack/modes.h>
 #include <stdlib.h>
 
 /* ---- forces that do not balance ------------------------------------------------------------------------------- */
 
-/* Adds F and R n x F of a contact to side i (sign 1) or j (-1) of it, of a grain with radius r. */
+/* Adds the force F and the torque R n x F of a contact on grain i (sign 1) or j (sign -1) of radius r. */
 static void add_contact(const sp_contact *c, double sign, double r, double sum[6]) {
     for (int a = 0; a < 3; a++) {
         const int b = (a + 1) % 3, g = (a + 2) % 3;
@@ -20,18 +19,19 @@ static void add_contact(const sp_contact *c, double sign, double r, double sum[6
     }
 }
 
-/* How well the forces at rest balance, as far as eigenvalues feel it. */
+/* Imbalance of the forces at rest, as it affects eigenvalues. */
 typedef struct rest {
     double balance; /* of the worst grain */
-    int64_t spins;  /* spheres with two contacts at rest: motions with omega^2 = 0 but for `spin` */
-    double spin;    /* of the worst of those */
+    int64_t spins;  /* number of spheres with two contacts at rest, which spin with omega^2 near 0 */
+    double spin;    /* imbalance of the worst of them */
 } rest;
 
-/* Forces left over, in p, of spheres that are at rest: some contacts too weak to carry (network.threshold) are out. */
+/* A sphere is at rest if its net force is below this fraction of p. Contacts too weak to carry (network.threshold) are
+ * not counted. */
 static const double RESTED = 1e-3;
 
-/* A floppy motion of a grain has omega^2 = 0 as long as its forces balance: terms of K that cancel then are forces over
- * m R, torques over the moment of inertia. The largest of what is left over. */
+/* A floppy motion of a grain has omega^2 = 0 only if its forces balance: the terms of K that cancel then are forces
+ * over m R and torques over the moment of inertia. Finds the largest net values. */
 static sp_status find_rest(const sp_packing *p, const sp_network *net, rest *out, sp_error *err) {
     double(*sum)[6] = sp_alloc((size_t)net->n, sizeof *sum);
     sp_spin *spin = NULL;
@@ -62,20 +62,20 @@ static sp_status find_rest(const sp_packing *p, const sp_network *net, rest *out
     return status;
 }
 
-/* |Im sqrt(z)|, the rate at which a motion with omega^2 = z grows. */
+/* |Im sqrt(z)|, the growth rate of a motion with omega^2 = z. */
 static double growth_of(double re, double im) { return sqrt(fmax(0, 0.5 * (hypot(re, im) - re))); }
 
 /* ---- discs ---------------------------------------------------------------------------------------------------- */
 
-/* A connected part of the union of discs. */
+/* A connected component of the union of all discs. */
 typedef struct part {
-    int64_t discs, above; /* all; those with centres above the real axis */
-    double low, high;     /* along the real axis */
-    double nearest;       /* to the real axis: the least |im| - radius */
-    double farthest;      /* from it */
+    int64_t discs, above; /* number of discs; those with centres above the real axis */
+    double low, high;     /* extent along the real axis */
+    double nearest;       /* smallest |im| - radius: distance from the real axis */
+    double farthest;      /* largest distance from the real axis */
     double size;          /* largest distance from 0 */
-    double growth;        /* the most that its discs allow */
-    double certain;       /* the least growth of its discs with centres off the axis, or below 0 */
+    double growth;        /* upper bound of the growth rate */
+    double certain;       /* lower bound of the growth rate */
 } part;
 
 typedef struct disc {
@@ -94,7 +94,7 @@ static int64_t root_of(int64_t *owner, int64_t k) {
     return k;
 }
 
-/* Discs sorted by their left ends; owner[k]: one disc of each connected part. */
+/* Discs in ascending order of their left ends. owner[k]: one disc of the component of disc k. */
 static void connect(int64_t n, const disc *d, int64_t *owner) {
     double widest = 0;
     for (int64_t k = 0; k < n; k++) {
@@ -118,12 +118,13 @@ static void add_disc(part *to, const disc *d) {
     to->nearest = fmin(to->nearest, off - d->radius);
     to->farthest = fmax(to->farthest, off + d->radius);
     to->size = fmax(to->size, hypot(d->re, d->im) + d->radius);
-    /* growth rises with |im| and falls with re */
+    /* growth increases with |im| and decreases with re */
     to->growth = fmax(to->growth, growth_of(d->re - d->radius, off + d->radius));
     to->certain = fmin(to->certain, growth_of(d->re + d->radius, fmax(0, off - d->radius)));
 }
 
-/* What a part says. One disc alone on the axis holds a real eigenvalue: the conjugate of another would be in it too. */
+/* Classifies a component. A single disc that touches the real axis contains a real eigenvalue: with a complex one it
+ * would contain its conjugate too. */
 static void judge(const part *q, sp_stability *s) {
     s->growth_bound = fmax(s->growth_bound, q->discs == 1 && q->nearest <= 0 && q->low > 0 ? 0 : q->growth);
     if (q->nearest <= 0 && q->low <= 0 && q->high >= 0 && q->size <= 2 * s->error) {
@@ -150,7 +151,7 @@ static int by_size(const void *a, const void *b) {
     return (x->size > y->size) - (x->size < y->size);
 }
 
-/* Spins first: as many of the smallest as there are, if what their forces are off balance explains them. */
+/* Spins first: the smallest components count as spins if the imbalance of their forces explains them. */
 static void judge_parts(int64_t n, part *parts, const rest *r, sp_stability *s) {
     int64_t spins = r->spins;
     qsort(parts, (size_t)n, sizeof *parts, by_size);
@@ -163,7 +164,7 @@ static void judge_parts(int64_t n, part *parts, const rest *r, sp_stability *s) 
             s->zero += q->discs;
             s->growth_bound = fmax(s->growth_bound, sqrt(q->size));
         } else {
-            spins = 0; /* the rest is larger */
+            spins = 0; /* the others are larger */
             judge(q, s);
         }
     }
@@ -198,7 +199,7 @@ static sp_status judge_all(const sp_discs *all, const rest *r, sp_stability *s, 
     return status;
 }
 
-/* M^-1/2 K M^-1/2 in the place of K. */
+/* K becomes M^-1/2 K M^-1/2. */
 static void scale(const sp_network *net, sp_sparse *k) {
     for (int64_t c = 0; c < k->n; c++)
         for (int64_t q = k->p[c]; q < k->p[c + 1]; q++)
@@ -223,13 +224,8 @@ static sp_status by_discs(const sp_network *net, const rest *r, sp_stability *s,
 
 /* ---- counts --------------------------------------------------------------------------------------------------- */
 
-typedef struct count {
-    sp_ldl *ldl;
-    double noise; /* of the entries */
-} count;
-
-/* Eigenvalues below sigma, for certain below sigma + *error; where a pivot vanishes sigma is moved a little. */
-static sp_status count_below(const count *c, double *sigma, int64_t *below, double *error, sp_error *err) {
+/* Counts the eigenvalues below *sigma + *error. Moves *sigma slightly if a pivot vanishes. */
+static sp_status count_below(const counter *c, double *sigma, int64_t *below, double *error, sp_error *err) {
     sp_status status = SP_EREFUSED;
     for (int k = 0; k < 8 && status == SP_EREFUSED; k++, *sigma *= status == SP_EREFUSED ? 1.01 : 1)
         status = sp_ldl_factor(c->ldl, *sigma, err);
@@ -240,8 +236,9 @@ static sp_status count_below(const count *c, double *sigma, int64_t *below, doub
     return status;
 }
 
-/* The least eigenvalue above `from` (> 0, with `already` of them below it) up to 1%, as a lower bound of it. */
-static sp_status find_next(const count *c, double from, double top, int64_t already, double *out, sp_error *err) {
+/* Finds the smallest eigenvalue above `from`, as a lower bound within 1%; `already` eigenvalues lie below `from` >
+ * 0. */
+static sp_status find_next(const counter *c, double from, double top, int64_t already, double *out, sp_error *err) {
     double low = from, high = from, error;
     int64_t below = already;
     sp_status status = SP_OK;
@@ -262,8 +259,8 @@ static sp_status find_next(const count *c, double from, double top, int64_t alre
     return status;
 }
 
-/* -delta, a lower bound of all eigenvalues, up to 10%; the least delta is `from`. */
-static sp_status find_bottom(const count *c, double from, double *delta, sp_error *err) {
+/* Finds a lower bound -*delta of all eigenvalues, within 10%; *delta is at least `from`. */
+static sp_status find_bottom(const counter *c, double from, double *delta, sp_error *err) {
     double low = 0, high = from, error = 0;
     int64_t below = 1;
     sp_status status = SP_OK;
@@ -288,8 +285,8 @@ static sp_status find_bottom(const count *c, double from, double *delta, sp_erro
     return status;
 }
 
-/* The least distance from 0 beyond which counts tell signs: 1e4 times the noise, or more where pivots are small. */
-static sp_status find_rounding(const count *c, double most, double *rounding, sp_error *err) {
+/* Finds the smallest distance from 0 at which counts are reliable: 1e4 times the noise, or more if pivots are small. */
+static sp_status find_rounding(const counter *c, double most, double *rounding, sp_error *err) {
     double error = 0;
     int64_t below = 0;
     *rounding = 1e4 * c->noise;
@@ -302,13 +299,13 @@ static sp_status find_rounding(const count *c, double most, double *rounding, sp
     return sp_fail(err, SP_EREFUSED, "eigenvalues near 0 cannot be counted: pivots are off by %.2g", error);
 }
 
-/* Eigenvalues below -window, and up to window. */
+/* Counts of eigenvalues below -window and up to +window. */
 typedef struct around {
     double window, error;
     int64_t below, up;
 } around;
 
-static sp_status count_around(const count *c, double window, around *out, sp_error *err) {
+static sp_status count_around(const counter *c, double window, around *out, sp_error *err) {
     double sigma = -window, high = window, error = 0;
     *out = (around){.window = window};
     sp_status status = count_below(c, &sigma, &out->below, &out->error, err);
@@ -319,9 +316,9 @@ static sp_status count_around(const count *c, double window, around *out, sp_err
     return status;
 }
 
-/* What counts as zero: within rounding, or within what the forces of spins are off balance if nothing but spins lies
+/* Finds the window in which eigenvalues count as zero: rounding errors, or the imbalance of spins if only spins lie
  * there. */
-static sp_status find_zeros(const count *c, const rest *r, double rounding, around *zero, sp_error *err) {
+static sp_status find_zeros(const counter *c, const rest *r, double rounding, around *zero, sp_error *err) {
     around wide;
     sp_status status = count_around(c, rounding, zero, err);
     if (status != SP_OK || r->spins == 0 || r->spin <= rounding)
@@ -332,8 +329,7 @@ static sp_status find_zeros(const count *c, const rest *r, double rounding, arou
     return status;
 }
 
-static sp_status judge_counts(const sp_network *net, const count *c, const rest *r, sp_stability *s, sp_error *err) {
-    const double top = 2 * sp_network_omega_bound(net) * sp_network_omega_bound(net);
+static sp_status judge_counts(const counter *c, const rest *r, sp_stability *s, sp_error *err) {
     double rounding = 0, delta = 0, error = 0;
     int64_t beyond = 0;
     around zero = {0};
@@ -358,31 +354,19 @@ static sp_status judge_counts(const sp_network *net, const count *c, const rest 
     s->verdict = beyond > 0 ? SP_MODES_UNSTABLE : zero.below > 0 ? SP_MODES_UNDECIDED : SP_MODES_STABLE;
     s->growth_bound = sqrt(delta);
     s->zero = zero.up - zero.below;
-    if (zero.below > 0) /* the bottom is known to 10% */
+    if (zero.below > 0) /* the lower bound is known to 10% */
         s->growth = sqrt(fmax(fmax(zero.window, (delta - zero.error) / 1.11) - zero.error, 0));
-    return status == SP_OK ? find_next(c, zero.window, top, zero.up, &s->softest, err) : status;
+    return status == SP_OK ? find_next(c, zero.window, 2 * c->top, zero.up, &s->softest, err) : status;
 }
 
 static sp_status by_counts(const sp_network *net, const rest *r, sp_stability *s, sp_error *err) {
-    sp_sparse a = {0};
-    count c = {0};
-    int64_t longest = 0;
-    sp_status status = sp_network_assemble(net, &a, err);
+    counter c = {0};
     s->negative = s->flutter = s->unbalanced = s->zero = -1;
     s->softest = NAN;
-    if (status == SP_OK) {
-        scale(net, &a);
-        for (int64_t k = 0; k < a.n; k++)
-            longest = a.p[k + 1] - a.p[k] > longest ? a.p[k + 1] - a.p[k] : longest;
-        /* as of spectrum/count.c: entries are sums of some springs */
-        c.noise =
-            DBL_EPSILON * sp_network_omega_bound(net) * sp_network_omega_bound(net) * 16 * sqrt(2 * (double)longest);
-        status = sp_ldl_make(&a, &c.ldl, err);
-    }
+    sp_status status = sp_counter_make(net, &c, err);
     if (status == SP_OK)
-        status = judge_counts(net, &c, r, s, err);
-    sp_ldl_free(c.ldl);
-    sp_sparse_free(&a);
+        status = judge_counts(&c, r, s, err);
+    sp_counter_free(&c);
     return status;
 }
 

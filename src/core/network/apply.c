@@ -1,5 +1,5 @@
-/* K applied without being assembled, spring by spring. */
-#include "network/kernel.h"
+/* Applies K spring by spring, without assembling it, and computes energies. */
+#include "network/apply.h"
 #include "network/spring.h"
 
 #include <float.h>
@@ -74,7 +74,7 @@ void sp_network_add_pair(const sp_network *net, const double *restrict u, double
         apply_shapes(2, false, net, u, out);
 }
 
-/* A sum that loses no digits to its length (Neumaier 1974). */
+/* Compensated sum (Neumaier 1974). */
 typedef struct exact_sum {
     double sum, lost;
 } exact_sum;
@@ -85,7 +85,7 @@ static inline void sum_add(exact_sum *s, double x) {
     s->sum = t;
 }
 
-/* The size of the terms that make up a stretch, against which it is rounded. */
+/* Sizes of the terms that add up to a stretch. They determine its rounding error. */
 static void stretch_size(const sp_network *net, const sp_spring *c, const double *ui, const double *uj, double *normal,
                          double *side) {
     const int dim = net->dim, rotations = net->dof - net->dim;
@@ -101,8 +101,8 @@ static void stretch_size(const sp_network *net, const sp_spring *c, const double
     *side = 2 * all + 2 * turn;
 }
 
-/* What the tangential force at rest adds to u^T K u: of its symmetric part. magnitude: of the terms; stiffness: what
- * squares of displacements are multiplied with in them, at the most. */
+/* Contribution of the tangential force at rest to u^T K u, which depends on the symmetric part only. magnitude: size of
+ * the terms. stiffness: upper bound of the coefficients of squared displacements. */
 typedef struct carried_energy {
     double value, magnitude, stiffness;
 } carried_energy;
@@ -161,7 +161,8 @@ double sp_network_energy2_bound(const sp_network *net, const double *u, double *
             sizes += more.stiffness * (normal_size * normal_size + side_size * side_size);
         }
     }
-    /* Each stretch is off by at most 3 roundings of its terms; Cauchy-Schwarz over the springs for the cross term. */
+    /* Each stretch is off by at most 3 roundings of its terms. Cauchy-Schwarz over the springs bounds the cross
+     * term. */
     if (rounding)
         *rounding = DBL_EPSILON * (4 * magnitude + 4 * sqrt(magnitude * sizes) + 9 * DBL_EPSILON * sizes);
     return energy.sum + energy.lost;

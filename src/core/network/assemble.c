@@ -1,11 +1,11 @@
-/* K as a sparse matrix. */
+/* Assembles K as a sparse matrix. */
 #include "base/base.h"
 #include "network/rows.h"
 
 #include <stdlib.h>
 
-/* For each grain its neighbours, ascending and once each: rows start[g] .. start[g+1]-1 of list. Of the lower triangle
- * those of higher index; of the whole matrix all, the grain itself among them. */
+/* Neighbours of each grain g, ascending and each once: list[start[g] .. start[g+1]-1]. For the lower triangle only
+ * those of higher index; for the whole matrix all of them and the grain itself. */
 typedef struct neighbours {
     bool whole;
     int64_t *start;
@@ -23,7 +23,7 @@ static sp_status find_neighbours(const sp_network *net, neighbours *nb, sp_error
     nb->list = sp_alloc(most, sizeof *nb->list);
     if (!nb->start || !nb->list)
         return sp_fail_memory(err, (n + 2) * sizeof *nb->start + most * sizeof *nb->list);
-    /* counts are kept two places on, so that filling turns start[g+1] into the end of row g */
+    /* counts are stored two places ahead, so that filling moves start[g+1] to the end of row g */
     for (int32_t k = 0; k < net->n_bulk; k++) {
         const sp_spring *s = &net->springs[k];
         nb->start[(s->i < s->j ? s->i : s->j) + 2]++;
@@ -53,8 +53,8 @@ static sp_status find_neighbours(const sp_network *net, neighbours *nb, sp_error
     return SP_OK;
 }
 
-/* Where the entries of column dof b of grain h in the rows of grain g begin. Of the lower triangle g > h; the rows of h
- * itself begin with the diagonal, at p. */
+/* Index of the first entry of grain g's rows in column b of grain h. In the lower triangle g > h, and the rows of h
+ * itself begin with the diagonal at p. */
 static int64_t block_start(const neighbours *nb, const sp_sparse *m, int dof, int32_t g, int64_t column) {
     const int64_t h = column / dof, b = column % dof;
     int64_t low = nb->start[h], high = nb->start[h + 1] - 1;
@@ -83,7 +83,7 @@ static void make_pattern(const sp_network *net, const neighbours *nb, sp_sparse 
     m->p[m->n] = at;
 }
 
-/* Entry a, b of what a spring's tangential force at rest adds, or of its symmetric part. */
+/* Entry (a, b) of the contribution of a spring's tangential force at rest, or of its symmetric part. */
 static double added(const sp_turns *t, bool whole, int a, int b) {
     double sum = 0;
     for (int q = 0; q < t->count; q++)
@@ -92,7 +92,7 @@ static double added(const sp_turns *t, bool whole, int a, int b) {
     return sum;
 }
 
-/* K = sum over springs of B^T diag(k) B, and what the tangential forces at rest add. */
+/* Adds B^T diag(k) B of a spring, and the contribution of its tangential force at rest. */
 static void add_spring(const sp_network *net, const neighbours *nb, int32_t k, sp_sparse *m) {
     const sp_spring *s = &net->springs[k];
     const int dof = net->dof;

@@ -1,5 +1,5 @@
-/* The bound of the spectrum that the sizes of K's entries give. K is not assembled: a dense block for each grain, and
- * one for each spring between two. */
+/* Bounds of the spectrum from the absolute values of K's entries. K is not assembled: there is a dense block for each
+ * grain, and one for each spring between two grains. */
 #include "network/bound.h"
 #include "base/base.h"
 #include "base/clones.h"
@@ -13,7 +13,7 @@ enum { STEPS = 16, DOF_MAX = 6 };
 typedef struct sizes {
     int dof;
     double *own;  /* [n][dof][dof] |K_ii| */
-    double *link; /* [n_bulk][dof][dof] |K_ij|, a spring's part of it, rows of i */
+    double *link; /* [n_bulk][dof][dof] a spring's part of |K_ij|, rows of i */
     double *w, *next;
 } sizes;
 
@@ -24,10 +24,11 @@ static void sizes_free(sizes *m) {
     sp_free(m->next);
 }
 
-/* Which matrix: the symmetric part of K, what of that the forces at rest add, the antisymmetric part. */
+/* The matrix to bound: the symmetric part of K, the contribution of the forces at rest to it, or the antisymmetric
+ * part. */
 typedef enum part { PART_SYMMETRIC = 0, PART_ADDED, PART_SKEW } part;
 
-/* A spring's matrix: rows, and the symmetric (sign 1) or antisymmetric (-1) part of turns. */
+/* Matrix of a spring: rows, and the symmetric (sign 1) or antisymmetric (-1) part of turns. */
 typedef struct matrix {
     sp_rows rows;
     sp_turns turns;
@@ -45,7 +46,7 @@ static void matrix_of(const sp_network *net, int32_t k, part which, matrix *out)
     sp_network_turns(net, k, &out->turns);
 }
 
-/* Adds the matrix's part of side a's dofs times side b's. */
+/* Adds the block of the matrix with rows of end a and columns of end b. */
 static void add_block(const matrix *m, int dof, int side_a, int side_b, double *block) {
     const sp_rows *rows = &m->rows;
     for (int q = 0; q < rows->count; q++)
@@ -60,8 +61,8 @@ static void add_block(const matrix *m, int dof, int side_a, int side_b, double *
                                              m->sign * t->right[q][side_a * dof + a] * t->left[q][side_b * dof + b]);
 }
 
-/* Two springs between the same grains are bounded by the sum of their sizes; a grain that touches itself through a
- * periodic side has all of the spring in its own block. */
+/* Adding absolute values also bounds several springs between the same grains. If a grain touches its own periodic
+ * image, the whole spring belongs to the grain's own block. */
 static void add_spring(const sp_network *net, int32_t k, part which, const sizes *m) {
     const sp_spring *s = &net->springs[k];
     const int dof = net->dof;
@@ -117,9 +118,9 @@ static void apply(const sp_network *net, const sizes *m) {
     }
 }
 
-/* Perron and Frobenius: the spectral radius of A = M^-1/2 K M^-1/2, here K or a part of it whose sizes are symmetric,
- * is at most that of |A|, which is at most max (|A| v)_i / v_i for every v > 0 (Collatz and Wielandt). Here with v =
- * M^1/2 w, w improved by power steps, the smallest of their maxima taken. */
+/* Bounds the spectral radius of A = M^-1/2 K M^-1/2, where K may be a part with symmetric absolute values. By Perron
+ * and Frobenius it is at most that of |A|, and by Collatz and Wielandt this is at most max (|A| v)_i / v_i for every v
+ * > 0. Here v = M^1/2 w. Power steps improve w, and the smallest of the maxima is used. */
 static double collatz_wielandt(const sp_network *net, const sizes *m) {
     const int64_t n = sp_network_dofs(net);
     double best = HUGE_VAL;
@@ -135,13 +136,13 @@ static double collatz_wielandt(const sp_network *net, const sizes *m) {
         if (largest == 0)
             return 0;
         best = fmin(best, largest);
-        for (int64_t k = 0; k < n; k++) /* the old part keeps every entry positive */
+        for (int64_t k = 0; k < n; k++) /* keeping part of the old w keeps all entries positive */
             m->w[k] = m->next[k] / largest + 0.05 * m->w[k];
     }
     return best;
 }
 
-/* An upper bound of the size of the eigenvalues of a part of M^-1/2 K M^-1/2. */
+/* Upper bound of the absolute eigenvalues of a part of M^-1/2 K M^-1/2. */
 static double bound_of(const sp_network *net, part which, const sizes *m) {
     const size_t dof = (size_t)net->dof, n = (size_t)net->n, links = (size_t)net->n_bulk;
     memset(m->own, 0, n * dof * dof * sizeof *m->own);
@@ -167,7 +168,7 @@ sp_status sp_network_find_bounds(sp_network *net, sp_error *err) {
         status = sp_fail_memory(err, ((n + links) * dof + 2 * n) * dof * sizeof(double));
         goto out;
     }
-    /* room for the rounding of sums of some tens of terms */
+    /* margin for rounding in sums of some tens of terms */
     net->omega_bound = sqrt(bound_of(net, PART_SYMMETRIC, &m)) * (1 + 1e-13);
     net->soft = net->prestress ? bound_of(net, PART_ADDED, &m) * (1 + 1e-13) : 0;
     net->skew = net->carried ? bound_of(net, PART_SKEW, &m) * (1 + 1e-13) : 0;

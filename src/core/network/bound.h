@@ -3,7 +3,7 @@
 
 #include <sonopack/network.h>
 
-/* Puts in the bounds: of the largest eigenfrequency, of the antisymmetric part, of how far prestress softens. */
+/* Sets omega_bound, skew and soft of a network (see sp_network_omega_bound). SP_ENOMEM. */
 sp_status sp_network_find_bounds(sp_network *net, sp_error *err);
 
 #endif

@@ -1,4 +1,4 @@
-/* Dashpots at the contacts: a network whose K is the damping matrix C. */
+/* The dashpots of the contacts as a network whose K is the damping matrix C. */
 #include "base/base.h"
 #include "network/bound.h"
 

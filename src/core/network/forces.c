@@ -1,5 +1,5 @@
-/* Forces of a block's springs. Two bodies for quads: by vectors of eight (four springs, two lanes), and of two; each
- * lane sees the same operations in the same order in both. */
+/* Forces of the springs of a block. Quads have two versions: vectors of eight (four springs times two lanes), and
+ * vectors of two. In both, each lane has the same operations in the same order. */
 #include "network/operator.h"
 #include "network/spring.h"
 
@@ -55,10 +55,10 @@ typedef int64_t i8 __attribute__((vector_size(64), aligned(64), may_alias));
 #define HIGH_HALVES(a, b)   __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15)
 #define EVEN_QUARTERS(a, b) __builtin_shufflevector(a, b, 0, 1, 4, 5, 8, 9, 12, 13)
 #define ODD_QUARTERS(a, b)  __builtin_shufflevector(a, b, 2, 3, 6, 7, 10, 11, 14, 15)
-#define TURN_BACK(x)        ((v8)((i8)(x) ^ back)) /* the rotation's sign changed */
+#define TURN_BACK(x)        ((v8)((i8)(x) ^ back)) /* changes the sign of the rotation */
 
-/* A row is x, y, rotation, nothing, two lanes each; four rows are turned into x of four springs, y of four springs...
- * and back. */
+/* A row is x, y, rotation, unused, each in two lanes. Four rows are transposed to the x of four springs, the y of four
+ * springs, and so on, and the forces are transposed back. */
 WIDE static ALWAYS_INLINE void wide_quads(const sp_quad *q, int64_t count, bool both, int32_t first,
                                           const double *restrict u, double *restrict force) {
     const i8 back = {0, 0, 0, 0, INT64_MIN, INT64_MIN, 0, 0};

@@ -1,3 +1,4 @@
+/* The largest eigenfrequency by the Lanczos recursion. */
 #include "network/largest.h"
 
 #include "base/base.h"
@@ -8,7 +9,7 @@
 
 enum { STEPS = 200 };
 
-/* Whether the symmetric tridiagonal matrix has an eigenvalue above x: a pivot of T - x above 0 (Sylvester). */
+/* Whether the symmetric tridiagonal matrix T has an eigenvalue above x: some pivot of T - x is positive (Sylvester). */
 static bool exceeds(int n, const double *diagonal, const double *beside, double x) {
     double pivot = diagonal[0] - x;
     for (int k = 1; k < n && pivot < 0; k++)
@@ -37,7 +38,7 @@ static double dot(int64_t n, const double *a, const double *b) {
     return sum;
 }
 
-/* out = A x, A the symmetric part of M^-1/2 K M^-1/2. */
+/* out = A x, where A is the symmetric part of M^-1/2 K M^-1/2. */
 static void apply(const sp_network *net, const double *x, double *out, double *work) {
     const int64_t n = sp_network_dofs(net);
     double *scaled = work, *other = work + n;
@@ -53,7 +54,7 @@ static void apply(const sp_network *net, const double *x, double *out, double *w
         out[k] /= sqrt(net->mass[k]);
 }
 
-/* Vectors are not kept orthogonal: copies of an eigenvalue that this makes do the largest no harm. */
+/* The vectors are not reorthogonalized: the resulting copies of eigenvalues do not affect the largest one. */
 static double recur(const sp_network *net, double *work) {
     const int64_t n = sp_network_dofs(net);
     double *x = work, *before = work + n, *next = work + 2 * n, diagonal[STEPS], beside[STEPS], beta = 0;

@@ -3,8 +3,9 @@
 
 #include <sonopack/network.h>
 
-/* The largest eigenfrequency, from below, by Lanczos's recursion: exact in small networks, to some 1e-4 in perfect
- * lattices, whose frequencies crowd at the edge. Where K is not symmetric: of its symmetric part. */
+/* Largest eigenfrequency, approached from below by the Lanczos recursion. Exact in small networks, and accurate to
+ * about 1e-4 in perfect lattices, whose frequencies are dense at the upper edge. If K is not symmetric: of its
+ * symmetric part. SP_ENOMEM. */
 sp_status sp_network_find_largest(const sp_network *net, double *omega, sp_error *err);
 
 #endif

@@ -1,4 +1,4 @@
-/* Contacts to springs. */
+/* Creates the network of a packing from its contacts. */
 #include "base/base.h"
 #include "network/bound.h"
 #include "packing/contact.h"
@@ -40,7 +40,7 @@ void sp_network_free(sp_network *net) {
     *net = sp_network_none();
 }
 
-/* Moment of inertia of a sphere over its mass: d^2/10. */
+/* d^2/10 for a sphere. */
 static double inertia_over_mass(double r) { return 0.4 * r * r; }
 
 static sp_status make_grains(const sp_packing *p, const uint8_t *rattler, int32_t *row, sp_network *net,
@@ -72,14 +72,14 @@ static sp_status make_grains(const sp_packing *p, const uint8_t *rattler, int32_
     return SP_OK;
 }
 
-/* Whether a contact slides: within 1% of the Coulomb limit, as what slid last relaxes a little below it. */
+/* Whether a contact is within 1% of the Coulomb limit; contacts that slid last are a little below it. */
 static bool slides(const sp_packing *p, const sp_contact *c) {
     const double ft = sqrt(c->ft[0] * c->ft[0] + c->ft[1] * c->ft[1] + c->ft[2] * c->ft[2]);
     return ft >= p->friction * c->fn * (1 - 1e-2);
 }
 
-/* (A1), (A2), (A4). A wall does not rotate (no lever arm), and turns no force as a grain moves along it (no prestress
- * term). */
+/* Stiffnesses by (A1), (A2), (A4). A wall has no lever arm, and its normal does not turn when a grain moves along
+ * it. */
 static sp_status make_spring(const sp_packing *p, const sp_network_options *opt, int32_t contact, const int32_t *row,
                              sp_network *net, sp_error *err) {
     const sp_contact *c = &p->contacts[contact];
@@ -125,7 +125,7 @@ static sp_status make_springs(const sp_packing *p, const sp_network_options *opt
     return status;
 }
 
-/* The tangential forces, laid across their normals: a file has them to so many digits. None is kept where all are 0. */
+/* Keeps the tangential forces if any is not 0. They are projected again, because a text file has few digits. */
 static sp_status make_carried(const sp_packing *p, sp_network *net, sp_error *err) {
     bool any = false;
     net->carried = sp_alloc((size_t)net->n_springs, sizeof *net->carried);

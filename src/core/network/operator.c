@@ -1,4 +1,4 @@
-/* The compact form of K: the order of grains, blocks, and their springs. */
+/* Builds the compact form of K: order of the grains, blocks, and springs. */
 #include "network/operator.h"
 #include "base/base.h"
 
@@ -6,8 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Up to ONE_BLOCK grains are one block; larger networks are cut into blocks of about BLOCK, as high as wide. Their
- * vectors fit the second-level cache, and some 7% of their springs lead elsewhere. */
+/* Networks of up to ONE_BLOCK grains are one block. Larger ones are divided into roughly square blocks of about BLOCK
+ * grains. Their vectors fit into the second-level cache, and about 7% of their springs lead to other blocks. */
 enum { ONE_BLOCK = 2048, BLOCK = 1024, CHUNK = 128, QUAD_ROW = 8 };
 
 void sp_operator_free(sp_operator *op) {
@@ -30,7 +30,8 @@ void sp_operator_free(sp_operator *op) {
     *op = (sp_operator){0};
 }
 
-/* Whether four springs at once will do: two translations of one mass and one rotation a grain, levers its radius. */
+/* Whether the network fits sp_quad: two translations with the same mass and one rotation per grain, and lever arms
+ * equal to the radius. */
 static bool fits_quads(const sp_network *net) {
     if (net->dim != 2 || net->dof != 3 || net->prestress || net->carried)
         return false;
@@ -63,7 +64,7 @@ static void sort_along(const sp_network *net, int axis, placed *list, int32_t n)
     qsort(list, (size_t)n, sizeof *list, by_place);
 }
 
-/* Bands of equal numbers of grains one above the other, each cut into blocks along x. */
+/* The grains are divided into horizontal bands of equal numbers of grains, and each band into blocks along x. */
 static int32_t count_bands(const sp_network *net, int32_t blocks) {
     double bands = 1;
     if (net->dim == 1)
@@ -135,11 +136,11 @@ static sp_status set_scale(const sp_network *net, sp_operator *op, sp_error *err
     return SP_OK;
 }
 
-/* Where things are, while springs are dealt out. */
+/* Used while springs are assigned to blocks. */
 typedef struct dealing {
     const sp_network *net;
-    int32_t *block;     /* [n] of a row */
-    int64_t *two, *one; /* [n] springs of each row: their number, then where the next goes */
+    int32_t *block;     /* [n] block of a row */
+    int64_t *two, *one; /* [n] springs of each row: first their number, then the place of the next one */
 } dealing;
 
 static void dealing_free(dealing *d) {
@@ -175,8 +176,8 @@ static sp_status dealing_make(const sp_network *net, sp_operator *op, dealing *d
     return SP_OK;
 }
 
-/* Numbers of springs of rows to places in the list, each chunk's beginning at a multiple of `unit`; first: of chunks,
- * in units. */
+/* Replaces the numbers of springs of rows by places in the list. Each chunk begins at a multiple of `unit`; first[]
+ * gives the chunks' beginnings in units. */
 static void number_springs(const sp_operator *op, int64_t unit, int64_t *rows, int64_t *first) {
     const int32_t chunks = op->chunk[op->blocks];
     int64_t at = 0;
@@ -192,7 +193,7 @@ static void number_springs(const sp_operator *op, int64_t unit, int64_t *rows, i
     first[chunks] = at / unit;
 }
 
-/* At least one of each, so that the pointers tell. */
+/* Allocates at least one entry, so that the pointers are not NULL. */
 static sp_status allocate_carried(sp_operator *op, size_t two, size_t one, sp_error *err) {
     op->two_carried = sp_alloc(two + 1, sizeof *op->two_carried);
     op->one_carried = sp_alloc(one + 1, sizeof *op->one_carried);
@@ -221,7 +222,7 @@ static sp_status allocate_springs(sp_operator *op, dealing *d, sp_error *err) {
     return d->net->carried ? allocate_carried(op, two, one, err) : SP_OK;
 }
 
-/* What fills up a chunk's last quad: springs of no stiffness. */
+/* Fills the last quad of each chunk with springs of zero stiffness. */
 static void fill_up(const sp_operator *op) {
     for (int32_t c = 0; c < op->chunk[op->blocks]; c++)
         for (int k = 0; k < 4; k++) {
@@ -237,7 +238,7 @@ static void fill_up(const sp_operator *op) {
         }
 }
 
-/* Spring s as row i sees it: j is row's other end, or n for a wall. */
+/* Stores spring s as seen from row i. j is the row at its other end, or n for a wall. */
 static void put(const sp_operator *op, const sp_spring *s, const sp_carried *held, int32_t i, int32_t j, bool turned,
                 bool both, int64_t at) {
     const double sign = turned ? -1 : 1;
@@ -263,7 +264,7 @@ static void put(const sp_operator *op, const sp_spring *s, const sp_carried *hel
         return;
     sp_carried *h = (both ? op->two_carried : op->one_carried) + at;
     h->turn = held->turn;
-    for (int a = 0; a < 3; a++) /* as the force on its own i */
+    for (int a = 0; a < 3; a++) /* force on the i of the stored spring */
         h->ft[a] = sign * held->ft[a];
 }
 
@@ -289,7 +290,7 @@ static int32_t other_end(const sp_operator *op, int64_t k) {
     return op->quad ? op->one_quads[k / 4].j[k % 4] : op->one_springs[k].j;
 }
 
-/* The blocks beside each block; `beside` may be NULL to have them counted. */
+/* Lists the neighbouring blocks of each block. With a NULL list they are only counted. */
 static int32_t list_beside(const sp_operator *op, const dealing *d, int32_t *seen, int32_t *beside) {
     const int64_t unit = op->quad ? 4 : 1;
     int32_t count = 0;

@@ -1,54 +1,55 @@
 #ifndef SP_OPERATOR_H
 #define SP_OPERATOR_H
-/* K for those who apply it many hundred times to two vectors: grains renumbered, so that neighbours are near in memory,
- * and cut into blocks. A block owns the forces on its grains: nothing is added up by two of them, so that sums have one
- * order for any number of threads. Springs within a block serve both their grains at once, those to other blocks are
- * in both. sp_network_apply is the same operator, plainly. */
+/* K optimized for repeated application to two vectors. Grains are renumbered so that neighbours are close in memory,
+ * and divided into blocks. Each block computes all forces on its grains, so the order of summation does not depend on
+ * the number of threads. Springs within a block act on both of their grains; springs between blocks are stored in both
+ * blocks. sp_network_apply is the simple version of the same operator. */
 
 #include <sonopack/network.h>
 
-/* Four springs of a network in the plane with friction and without prestress. */
+/* Four springs of a 2D network with friction and without prestress. */
 typedef struct sp_quad {
     _Alignas(32) double nx[4], ny[4], kn[4], kt[4];
     int32_t i[4], j[4]; /* rows */
 } sp_quad;
 
-/* A vector over the network is two vectors (lanes), interleaved: [n + 1][row], value a of a row at 2 a and 2 a + 1; the
- * last row stands for the walls and is 0. Values are those of the network times `scale`, forces over it: rotations are
- * measured along the grain's surface, where springs need no lever arms. */
+/* A vector holds two vectors over the network (lanes), interleaved: [n + 1][row], with component a of a row at 2 a and
+ * 2 a + 1. The last row belongs to the walls and is 0. Components are those of the network times `scale`, and forces
+ * are divided by it: rotations are measured as displacements of the grain's surface, so that springs need no lever
+ * arms. */
 typedef struct sp_operator {
     int dim, dof;
     bool prestress;
-    bool quad; /* quads, else springs */
-    bool wide; /* by vectors of eight; the bits are the same */
-    int row;   /* doubles of a row, 2 dof or more */
+    bool quad; /* stored as quads rather than springs */
+    bool wide; /* use vectors of eight; the result has the same bits */
+    int row;   /* doubles per row, at least 2 dof */
     int32_t n;
-    int32_t *row_of;         /* [n] row of a grain of the network */
-    int32_t *grain;          /* [n] grain in a row */
+    int32_t *row_of;         /* [n] row of each grain of the network */
+    int32_t *grain;          /* [n] grain of each row */
     double *scale;           /* [n][dof] */
-    int32_t blocks, largest; /* number, and rows of the largest */
-    int32_t *first;          /* [blocks + 1] rows */
-    /* Blocks are cut into chunks: once the springs of a chunk are done, the forces on its rows are complete, and U
-     * there is not needed any more by the block. */
-    int32_t *chunk;     /* [blocks + 1] first chunks */
-    int32_t *chunk_row; /* [chunk[blocks] + 1] first rows */
-    int64_t *two, *one; /* [chunk[blocks] + 1] quads or springs, i in the chunk: j in this or a later chunk of the
-                           block; in another block or a wall */
+    int32_t blocks, largest; /* number of blocks; rows of the largest */
+    int32_t *first;          /* [blocks + 1] first row of each block */
+    /* Blocks are divided into chunks. Once the springs of a chunk are done, the forces on its rows are complete, and
+     * the block no longer needs u there. */
+    int32_t *chunk;     /* [blocks + 1] first chunk of each block */
+    int32_t *chunk_row; /* [chunk[blocks] + 1] first row of each chunk */
+    int64_t *two, *one; /* [chunk[blocks] + 1] first quad or spring of each chunk, with i in the chunk. two: j in this
+                           or a later chunk of the block. one: j in another block or a wall. */
     sp_quad *two_quads, *one_quads;
     sp_spring *two_springs, *one_springs;
-    sp_carried *two_carried, *one_carried; /* of those springs, NULL where K is symmetric */
-    bool transposed;                       /* forces are those of K^T; the caller's choice, false */
-    int32_t *beside_first, *beside;        /* [blocks + 1], and of each block those that it has springs to */
+    sp_carried *two_carried, *one_carried; /* of those springs; NULL if K is symmetric */
+    bool transposed;                       /* apply K^T; set by the caller, initially false */
+    int32_t *beside_first, *beside;        /* [blocks + 1] and list of the neighbouring blocks of each block */
 } sp_operator;
 
 sp_status sp_operator_make(const sp_network *net, sp_operator *out, sp_error *err);
 void sp_operator_free(sp_operator *op);
 
-/* Adds the forces of a chunk's springs to force, [rows of the block][row]; both aligned to 64 bytes. */
+/* Adds the forces of a chunk's springs to force, [rows of the block][row]. u and force are aligned to 64 bytes. */
 void sp_operator_force(const sp_operator *op, int32_t block, int32_t chunk, const double *restrict u,
                        double *restrict force);
 
-/* Whether this machine has vectors of eight that the program was compiled for. */
+/* Whether the program was compiled for vectors of eight and this machine has them. */
 bool sp_operator_wide(void);
 
 #endif

@@ -1,4 +1,4 @@
-/* Sources and detectors: walls, parts of them, single grains, planes. */
+/* Sources and detectors: walls, parts of walls, single grains, planes. */
 #include "base/base.h"
 #include "network/rows.h"
 
@@ -13,10 +13,10 @@ static void clear(const sp_network *net, double *out) {
         out[k] = 0;
 }
 
-/* A spring's energy is 1/2 sum k (b . u + gap . w)^2, w its wall's displacement: a unit of w along the axis pushes the
- * grain with -k b gap, and a displacement u of the grain pushes the wall with the same numbers. A grain that turns
- * about the wall's normal turns the tangential force as well, which a wall that moves does not: felt at the top only,
- * as a detector. */
+/* Adds the response of a wall's spring. Its energy is 1/2 sum k (b . u + gap . w)^2, with w the displacement of the
+ * wall. A unit of w along the axis exerts the force -k b gap on the grain, and a displacement u of the grain exerts a
+ * force on the wall with the same coefficients. In addition, a grain that rotates about the wall's normal turns the
+ * tangential force at rest. A moving wall does not, so this term belongs to detectors (the top wall) only. */
 static void add_wall_spring(const sp_network *net, int32_t k, int axis, double *out) {
     const sp_spring *s = &net->springs[k];
     sp_rows rows;
@@ -31,7 +31,7 @@ static void add_wall_spring(const sp_network *net, int32_t k, int axis, double *
             out[(int64_t)s->i * net->dof + a] -= rows.k[q] * rows.b[q][a] * rows.gap[q][axis];
 }
 
-/* x of a grain's centre, between 0 and the period. */
+/* x of a grain's centre, in [0, period). */
 static double wrapped(const sp_network *net, int32_t grain) {
     const double period = net->box[0], x = net->x[3 * (int64_t)grain];
     return x - period * floor(x / period);
@@ -46,7 +46,7 @@ static bool belongs(const sp_network *net, const sp_place *at, const sp_spring *
     return x >= at->from && x < at->to;
 }
 
-/* Adds the springs of one wall that belong to the place; returns their number. */
+/* Adds the springs of one wall that belong to the place. Returns their number. */
 static int32_t add_wall(const sp_network *net, const sp_place *at, int32_t wall, double *out) {
     int32_t count = 0;
     for (int32_t k = net->n_bulk; k < net->n_springs; k++) {
@@ -110,7 +110,7 @@ sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp
     return SP_OK;
 }
 
-/* Force on side `upper` of a spring (0: i, 1: j or j's wall). */
+/* Adds the force on one end of a spring: on i (end 0), or on j or the wall (end 1). */
 static void add_force(const sp_network *net, int32_t k, int upper, int axis, double *out) {
     const sp_spring *s = &net->springs[k];
     sp_rows rows;

@@ -1,9 +1,10 @@
+/* Springs as rows of coefficients. */
 #include "network/rows.h"
 
 #include <string.h>
 
-/* One row: the component along `along` of the relative displacement at the contact point, u_j - u_i minus, with arms,
- * (R_i theta_i + R_j theta_j) x n. */
+/* Adds a row for one component of the relative displacement at the contact point: along . (u_j - u_i), minus, with
+ * arms, along . ((R_i theta_i + R_j theta_j) x n). */
 static void add_row(const sp_network *net, const sp_spring *s, const double along[3], double k, bool arms,
                     sp_rows *rows) {
     const int dim = net->dim, dof = net->dof, q = rows->count;
@@ -19,7 +20,7 @@ static void add_row(const sp_network *net, const sp_spring *s, const double alon
     }
     if (!arms)
         return;
-    /* -(R theta x n) . along = -R theta . (n x along); in 2D only the third component of theta is there */
+    /* -(R theta x n) . along = -R theta . (n x along); 2D has the third component of theta only */
     const double turn[3] = {s->n[1] * along[2] - s->n[2] * along[1], s->n[2] * along[0] - s->n[0] * along[2],
                             s->n[0] * along[1] - s->n[1] * along[0]};
     for (int a = 0; a < dof - dim; a++) {
@@ -40,7 +41,7 @@ void sp_network_rows(const sp_network *net, const sp_spring *s, sp_rows *rows) {
         add_row(net, s, tangent, s->kt, arms, rows);
         add_row(net, s, tangent, s->kp, false, rows);
     }
-    for (int a = 0; net->dim == 3 && a < 3; a++) { /* the rows of the projector 1 - n n^T */
+    for (int a = 0; net->dim == 3 && a < 3; a++) { /* rows of the projector 1 - n n^T */
         double tangent[3];
         for (int b = 0; b < 3; b++)
             tangent[b] = (a == b) - s->n[a] * s->n[b];
@@ -49,7 +50,7 @@ void sp_network_rows(const sp_network *net, const sp_spring *s, sp_rows *rows) {
     }
 }
 
-/* along . (u_j - u_i) */
+/* Row for along . (u_j - u_i). */
 static void translate(const sp_network *net, const sp_spring *s, const double along[3], double *row, double *gap) {
     for (int a = 0; a < net->dim; a++) {
         row[a] -= along[a];
@@ -59,7 +60,7 @@ static void translate(const sp_network *net, const sp_spring *s, const double al
     }
 }
 
-/* along . (arm_i theta_i + arm_j theta_j) in space */
+/* Row for along . (arm_i theta_i + arm_j theta_j) in 3D. */
 static void rotate(const sp_network *net, const sp_spring *s, const double along[3], double arm_i, double arm_j,
                    double *row) {
     for (int a = 0; a < 3; a++) {
@@ -69,7 +70,7 @@ static void rotate(const sp_network *net, const sp_spring *s, const double along
     }
 }
 
-/* The formulas of network/spring.h as rows: forces along the left ones grow with displacements along the right ones. */
+/* The formulas of network/spring.h as rows: a displacement along right[q] adds a force along left[q]. */
 static void turns_3d(const sp_network *net, const sp_spring *s, const sp_carried *held, sp_turns *t) {
     const double *n = s->n, *f = held->ft;
     double half[3], down[3], tilt[3], side[3];

@@ -1,3 +1,4 @@
+/* Free rotations of spheres with two contacts. */
 #include "network/spins.h"
 
 #include "base/base.h"
@@ -47,7 +48,7 @@ double sp_spin_work(const sp_network *net, const sp_spin *spin, const double *f)
         double axis[3], work = 0;
         if (!sp_spin_axis(&spin[i], axis))
             continue;
-        for (int a = 0; a < 3; a++) { /* a turn about a line at `at`: the centre moves by at x axis */
+        for (int a = 0; a < 3; a++) { /* rotation about an axis through `at`: the centre moves by at x axis */
             const int b = (a + 1) % 3, c = (a + 2) % 3;
             work += g[a] * (spin[i].at[0][b] * axis[c] - spin[i].at[0][c] * axis[b]) + g[3 + a] * axis[a];
         }

@@ -1,20 +1,20 @@
 #ifndef SP_SPRING_H
 #define SP_SPRING_H
-/* One spring's stretch and force. One body serves every dimension, with and without rotations, for one vector and for
- * two interleaved ones: its first argument is a constant where it is called. */
+/* Stretch and force of one spring. The same code serves all dimensions, with and without rotations, for one vector or
+ * two interleaved ones: its first argument is a compile-time constant at each call. */
 
 #include "base/clones.h"
 
 #include <sonopack/network.h>
 
-/* Values of two vectors at one degree of freedom; with one vector the second is idle. */
+/* One component of two vectors; for one vector the second entry is unused. */
 typedef double pair __attribute__((vector_size(16)));
 typedef pair pair_memory __attribute__((may_alias));
 
 typedef struct shape {
     int dim, rotations, lanes;
     bool prestress;
-    bool carried, transposed; /* forces along the contact turn with it; K^T */
+    bool carried, transposed; /* forces at rest rotate with the contact; apply K^T */
 } shape;
 
 static ALWAYS_INLINE pair load(shape s, const double *p) {
@@ -31,8 +31,8 @@ static ALWAYS_INLINE void add(shape s, double *p, pair x) {
         p[0] += x[0];
 }
 
-/* The relative displacement of a spring, Appendix A: along n; transverse without rotations; tangential at the contact
- * point, rotations included. 2D: one tangential component, along (-ny, nx). */
+/* Relative displacement of a spring (Appendix A): along n; transverse, without rotations; tangential at the contact
+ * point, including rotations. In 2D there is one tangential component, along (-ny, nx). */
 typedef struct stretch {
     pair normal, transverse[3], tangential[3];
 } stretch;
@@ -70,7 +70,7 @@ static ALWAYS_INLINE void cross3(const double a[3], const pair b[3], pair out[3]
 
 static ALWAYS_INLINE pair dot3(const double a[3], const pair b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* What the tangential force F of a plane's contact adds: as the normal n turns towards t, F t turns towards -n. */
+/* Contribution of the tangential force F t at rest in 2D: when the normal n turns towards t, F t turns towards -n. */
 static ALWAYS_INLINE void add_carried_2d(shape s, const sp_spring *c, const sp_carried *held, const stretch *e,
                                          double *oi, double *oj) {
     const double tilt = held->turn * (held->ft[1] * c->n[0] - held->ft[0] * c->n[1]);
@@ -84,11 +84,12 @@ static ALWAYS_INLINE void add_carried_2d(shape s, const sp_spring *c, const sp_c
     }
 }
 
-/* In space, with the pair's rotation w = (theta_i + theta_j) . n, the transverse displacement e, and the turning of the
- * normal e/r:
+/* Contribution of the tangential force F at rest in 3D. With the pair's rotation w = (theta_i + theta_j) . n, the
+ * transverse displacement e and the turn e/r of the normal,
+ *
  *   dF = 1/2 w n x F - (F . e)/r n,    d(n x F) = -1/2 w F + (e x F)/r,
- * the latter with the lever arms; transposed it is what displacements along dF and rotations of arms T along d(n x F)
- * give back. */
+ *
+ * and d(n x F) acts through the lever arms. The transpose exchanges displacements and forces. */
 static ALWAYS_INLINE void add_carried_3d(shape s, const sp_spring *c, const sp_carried *held, const stretch *e,
                                          const double *ui, const double *uj, double *oi, double *oj) {
     const double *n = c->n, *f = held->ft;
@@ -126,8 +127,8 @@ static ALWAYS_INLINE void add_carried_3d(shape s, const sp_spring *c, const sp_c
     }
 }
 
-/* Adds minus the forces on both grains: the gradient of the spring's energy, and what the force at rest adds. held:
- * NULL but for s.carried. */
+/* Subtracts the forces on both grains, that is, adds the gradient of the spring's energy and the contribution of the
+ * forces at rest. held is NULL unless s.carried. */
 static ALWAYS_INLINE void add_spring(shape s, const sp_spring *c, const sp_carried *held, const double *ui,
                                      const double *uj, double *oi, double *oj) {
     const stretch e = stretch_of(s, c, ui, uj);
@@ -144,7 +145,7 @@ static ALWAYS_INLINE void add_spring(shape s, const sp_spring *c, const sp_carri
         f[0] -= side[0] * c->n[1];
         f[1] += side[0] * c->n[0];
     } else if (s.dim == 3) {
-        /* the energy projects twice: n is a unit vector to rounding only, which shows where k_t is large */
+        /* projects twice, as the energy does: n is a unit vector up to rounding only, which matters if k_t is large */
         const pair off = side[0] * c->n[0] + side[1] * c->n[1] + side[2] * c->n[2];
         for (int a = 0; a < 3; a++)
             f[a] += side[a] - off * c->n[a];

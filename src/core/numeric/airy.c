@@ -1,5 +1,6 @@
-/* Between -9 and 9 Taylor series about the nearest integer: Ai'' = x Ai gives every coefficient from two. Beyond, the
- * asymptotic series (Abramowitz and Stegun, 10.4.59 to 10.4.62), whose smallest term is exp(-2 zeta) < 1e-15. */
+/* Airy functions. For |x| < 9: Taylor series about the nearest integer, where Ai'' = x Ai gives each coefficient from
+ * two others. Beyond: the asymptotic series (Abramowitz and Stegun, 10.4.59 to 10.4.62), whose smallest term is exp(-2
+ * zeta) < 1e-15. */
 #include "numeric/airy.h"
 
 #include <math.h>
@@ -7,7 +8,7 @@
 
 enum { EDGE = 9, TERMS = 26, ASYMPTOTIC = 30 };
 
-/* Ai and Ai' at the integers -EDGE .. EDGE, from the power series at 0 in 40 digits. */
+/* Ai and Ai' at the integers -EDGE .. EDGE, from the power series at 0 with 40 digits. */
 static const double at_integer[2 * EDGE + 1][2] = {
     {-0.022133721547341403674, -0.97566398092633159471},   {-0.052705050356386202622, 0.93556093819830655103},
     {0.18428083525050563728, -0.77100816841012654773},     {-0.32914517362982310523, 0.34593548728134289493},
@@ -36,8 +37,8 @@ static void taylor(double x, double *ai, double *slope) {
     *slope = derivative;
 }
 
-/* Sums of the terms u_k/zeta^k and v_k/zeta^k with even k and with odd k, the signs of every second of each changed for
- * oscillating functions. */
+/* Sums of the terms u_k/zeta^k and v_k/zeta^k with even and with odd k. For the oscillating functions every second term
+ * of each changes its sign. */
 typedef struct asymptotic {
     double u[2], v[2];
 } asymptotic;

@@ -1,23 +1,23 @@
-/* Downward recurrence J_(m-1) = (2m/x) J_m - J_(m+1) from an order where J is negligible, normalised afterwards by
- * J_0^2 + 2 sum J_m^2 = 1, a sum that cancels nothing; its sign by J_0 + 2 sum J_2k = 1 (Abramowitz and Stegun, 9.1.76
- * and 9.1.46). */
+/* Bessel functions by the downward recurrence J_(m-1) = (2m/x) J_m - J_(m+1). It starts at an order where J is
+ * negligible and is normalised by J_0^2 + 2 sum J_m^2 = 1, a sum without cancellation. The sign follows from J_0 + 2
+ * sum J_2k = 1 (Abramowitz and Stegun, 9.1.76 and 9.1.46). */
 #include "numeric/bessel.h"
 #include "base/clones.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The recurrence starts with this. From it values grow by less than 1e165 (x >= TINY), and neither they nor their
- * squares leave the range of double. */
+/* First value of the recurrence. Values grow by less than 1e165 (x >= TINY), so they and their squares stay in the
+ * range of double. */
 #define START 1e-140
-/* Below this argument two terms of the power series are exact. */
+/* For smaller arguments two terms of the power series are exact. */
 #define TINY 1e-4
 
-/* Arguments are taken LANES at a time: independent chains, CHAINS vectors of WIDTH, hide the latency of each. */
+/* LANES arguments are processed together: CHAINS independent vectors of WIDTH hide the latency of each. */
 enum { WIDTH = 8, CHAINS = 2, LANES = WIDTH * CHAINS };
 typedef double v8 __attribute__((vector_size(8 * WIDTH)));
 
-/* The cube root to 1e-4: a third of the exponent, and two steps of Newton's. */
+/* Cube root to 1e-4: a third of the exponent and two Newton steps. */
 static double cube_root(double x) {
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
@@ -81,13 +81,13 @@ void sp_bessel_j(double x, int64_t n, double *j) {
         j[k] *= scale;
 }
 
-/* Recurrences at an even order: here = J_m, above = J_(m+1), up to normalisation. 2/x in two parts, the first so short
- * that its products with orders are exact: a rounded 2/x would shift the argument. */
+/* Recurrences at an even order: here = J_m and above = J_(m+1), up to normalisation. 2/x is split in two parts. The
+ * first is so short that its products with orders are exact; a rounded 2/x would shift the argument. */
 typedef struct recurrence {
     v8 here[CHAINS], above[CHAINS], even[CHAINS], squares[CHAINS], series[CHAINS], high[CHAINS], low[CHAINS];
 } recurrence;
 
-/* What is done with the values: summed with coefficients, or kept as rows of a table. */
+/* Use of the values: summed with coefficients, or stored in a table. */
 typedef struct purpose {
     int64_t n;
     int parity;
@@ -106,7 +106,7 @@ static ALWAYS_INLINE void take(const purpose *p, int64_t k, const v8 *value, v8 
     }
 }
 
-/* From even order m down to even order `stop`. Locals: the compiler keeps them in registers. */
+/* Descends from even order m to even order `stop`. Local variables let the compiler use registers. */
 static ALWAYS_INLINE void descend(recurrence *r, int64_t m, int64_t stop, int parity, const purpose *p) {
     v8 here[CHAINS], above[CHAINS], even[CHAINS], squares[CHAINS], series[CHAINS];
     for (int q = 0; q < CHAINS; q++) {
@@ -140,17 +140,17 @@ static ALWAYS_INLINE void descend(recurrence *r, int64_t m, int64_t stop, int pa
     }
 }
 
-/* The recurrences of a group of arguments down to J_0, and by what their values are to be divided. */
+/* Runs the recurrences of a group of arguments down to J_0, and finds their normalisation. */
 static ALWAYS_INLINE void run_group(const double *x, const purpose *p, recurrence *r, double *norm) {
     int64_t start[LANES];
     *r = (recurrence){0};
     for (int l = 0; l < LANES; l++) {
-        const double high = (float)(2 / x[l]), head = (float)x[l]; /* 24 bits each: high x head is exact */
+        const double high = (float)(2 / x[l]), head = (float)x[l]; /* 24 bits each, so that high x head is exact */
         start[l] = sp_bessel_orders(x[l]);
         r->high[l / WIDTH][l % WIDTH] = high;
         r->low[l / WIDTH][l % WIDTH] = ((2 - high * head) - high * (x[l] - head)) / x[l];
     }
-    for (int l = LANES - 1; l >= 0; l--) { /* a lane is 0 until its own starting order */
+    for (int l = LANES - 1; l >= 0; l--) { /* a lane is 0 above its own starting order */
         r->here[l / WIDTH][l % WIDTH] = START;
         const int64_t stop = l > 0 ? start[l - 1] : 0;
         if (p->parity == 0)
@@ -174,12 +174,12 @@ CLONES static void group_series(const double *x, const purpose *p, double *f) {
         f[l] = r.series[l / WIDTH][l % WIDTH] / norm[l];
 }
 
-/* Sums over rows 0 .. n-1 of the table for `columns` series at once, c[k][columns], f[columns][LANES]. */
+/* Sums rows 0 .. n-1 of the table for `columns` series at once: c[k][columns], f[columns][LANES]. */
 static ALWAYS_INLINE void table_sums(int64_t n, int64_t columns, int many, const double *c, const double *table,
                                      const double *norm, double *f) {
     enum { MOST = 4 };
     v8 sum[MOST][CHAINS] = {0};
-    for (int64_t k = n - 1; k >= 0; k--) /* small ones first, as in a single series */
+    for (int64_t k = n - 1; k >= 0; k--) /* small ones first, as for a single series */
         for (int q = 0; q < CHAINS; q++) {
             const v8 value = *(const v8 *)(table + k * LANES + q * WIDTH);
             for (int s = 0; s < many; s++)
@@ -202,7 +202,7 @@ CLONES static void group_series_many(const double *x, int64_t columns, const dou
         table_sums(n, columns, 1, c + s, p->table, norm, f + s * LANES);
 }
 
-/* The next LANES arguments; a last group is filled up with its last argument. Returns how many are there. */
+/* Copies the next LANES arguments. An incomplete group is filled with its last argument. Returns the number copied. */
 static int64_t take_group(int64_t count, const double *x, double *at) {
     const int64_t many = count < LANES ? count : LANES;
     for (int64_t l = 0; l < LANES; l++)
@@ -224,12 +224,12 @@ void sp_bessel_series(int64_t n, const double *c, int parity, int64_t count, con
     }
 }
 
-int64_t sp_bessel_room(int64_t n, int64_t columns) { return LANES * (n + columns); }
+int64_t sp_bessel_scratch(int64_t n, int64_t columns) { return LANES * (n + columns); }
 
 void sp_bessel_series_many(int64_t n, int64_t columns, const double *c, int parity, int64_t count, const double *x,
-                           double *f, int64_t stride, double *room) {
-    const purpose p = {.n = n, .parity = parity, .table = room};
-    double *value = room + LANES * n;
+                           double *f, int64_t stride, double *scratch) {
+    const purpose p = {.n = n, .parity = parity, .table = scratch};
+    double *value = scratch + LANES * n;
     int64_t first = 0, many;
     for (; first < count && x[first] < TINY; first++)
         for (int64_t s = 0; s < columns; s++)

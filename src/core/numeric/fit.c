@@ -1,3 +1,4 @@
+/* Straight-line fits. */
 #include "numeric/fit.h"
 
 #include "base/base.h"
@@ -22,7 +23,7 @@ sp_status sp_fit_line(int64_t n, const double *x, const double *y, const double 
     sp_status status = check(n, x, y, y_err, err);
     if (status != SP_OK)
         return status;
-    /* weights relative to the smallest error, so that their squares neither overflow nor vanish */
+    /* weights relative to the smallest error, so that squares neither overflow nor underflow */
     double unit = y_err ? y_err[0] : 1;
     for (int64_t k = 1; y_err && k < n; k++)
         unit = fmin(unit, y_err[k]);

@@ -1,3 +1,4 @@
+/* Studentised bootstrap intervals, and Student's t distribution. */
 #include "numeric/interval.h"
 
 #include "base/base.h"
@@ -7,9 +8,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Student's quantile times this is the largest t. */
+/* Limit of t, in units of Student's quantile. */
 static const double largest = 2;
-/* An error below this part of that of all samples is rounding. */
+/* Errors below this fraction of the error of all samples are rounding. */
 static const double rounding = 1e-9;
 
 sp_interval_options sp_interval_options_default(void) { return (sp_interval_options){.level = 0.95, .seed = 1}; }
@@ -37,7 +38,7 @@ double sp_quantile(int64_t n, const double *ascending, double p) {
     return ascending[below] + (at - (double)below) * (ascending[below + 1] - ascending[below]);
 }
 
-/* Probability of |T| < t: finite sums for whole degrees of freedom (Abramowitz and Stegun, 26.7.3 and 26.7.4). */
+/* Probability of |T| < t: finite sums for integer degrees of freedom (Abramowitz and Stegun, 26.7.3 and 26.7.4). */
 static double student_within(double t, int64_t freedom) {
     const double angle = atan2(t, sqrt((double)freedom)), c = cos(angle), s = sin(angle);
     const int64_t first = freedom % 2 ? 1 : 0;
@@ -93,11 +94,11 @@ sp_interval sp_interval_of_t(int64_t n, double *t, double level, int64_t freedom
     return (sp_interval){value - sp_quantile(count, t, 1 - tail) * error, value - sp_quantile(count, t, tail) * error};
 }
 
-/* What is drawn, and what comes of it. */
+/* Resamples and their results. */
 typedef struct drawing {
-    int64_t *numbers; /* samples of all groups */
+    int64_t *numbers; /* drawn samples of all groups */
     const int64_t **pick;
-    double *value, *error; /* [values] of all samples */
+    double *value, *error; /* [values] for all samples */
     double *one, *one_error;
     double *t; /* [values][resamples] */
 } drawing;
@@ -173,8 +174,8 @@ out:
 typedef struct deviations {
     int values;
     const double *mean; /* [values] */
-    const double *d;    /* [n][values], from the mean */
-    double *sum;        /* [2][values] scratch: sums and sums of squares of what is picked */
+    const double *d;    /* [n][values] deviations from the mean */
+    double *sum;        /* [2][values] scratch: sums and sums of squares over the drawn samples */
 } deviations;
 
 static void measure_means(const int64_t *size, const int64_t *const *pick, double *value, double *error, void *user) {

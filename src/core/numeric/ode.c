@@ -1,3 +1,4 @@
+/* Explicit Runge-Kutta steps. */
 #include "numeric/ode.h"
 
 #include "base/base.h"
@@ -8,21 +9,21 @@
 enum { STAGES = 7 };
 
 sp_status sp_ode_make(int64_t n, sp_ode_slope *slope, void *user, sp_ode *out, sp_error *err) {
-    double *room = sp_alloc((size_t)n * (STAGES + 1), sizeof *room);
-    if (!room)
-        return sp_fail_memory(err, (size_t)n * (STAGES + 1) * sizeof *room);
-    *out = (sp_ode){.n = n, .slope = slope, .user = user, .room = room};
+    double *scratch = sp_alloc((size_t)n * (STAGES + 1), sizeof *scratch);
+    if (!scratch)
+        return sp_fail_memory(err, (size_t)n * (STAGES + 1) * sizeof *scratch);
+    *out = (sp_ode){.n = n, .slope = slope, .user = user, .scratch = scratch};
     return SP_OK;
 }
 
 void sp_ode_free(sp_ode *ode) {
-    sp_free(ode->room);
-    ode->room = NULL;
+    sp_free(ode->scratch);
+    ode->scratch = NULL;
 }
 
 void sp_ode_step4(sp_ode *ode, double t, double h, const double *y, double *to) {
     const int64_t n = ode->n;
-    double *k1 = ode->room, *k2 = k1 + n, *k3 = k2 + n, *k4 = k3 + n, *at = k4 + n;
+    double *k1 = ode->scratch, *k2 = k1 + n, *k3 = k2 + n, *k4 = k3 + n, *at = k4 + n;
     ode->slope(t, y, k1, ode->user);
     for (int64_t i = 0; i < n; i++)
         at[i] = y[i] + 0.5 * h * k1[i];
@@ -37,7 +38,8 @@ void sp_ode_step4(sp_ode *ode, double t, double h, const double *y, double *to) 
         to[i] = y[i] + h / 6 * (k1[i] + 2 * (k2[i] + k3[i]) + k4[i]);
 }
 
-/* Nodes and coefficients; the last row makes the solution of order 5, error is that row less the one of order 4. */
+/* Nodes and weights. The last row of weights gives the solution of order 5; `difference` is that row minus the one of
+ * order 4. */
 static const double node[STAGES] = {0, 1 / 5.0, 3 / 10.0, 4 / 5.0, 8 / 9.0, 1, 1};
 static const double weight[STAGES][STAGES - 1] = {
     {0, 0, 0, 0, 0, 0},
@@ -52,7 +54,7 @@ static const double difference[STAGES] = {71 / 57600.0,      0,          -71 / 1
 
 double sp_ode_step5(sp_ode *ode, double t, double h, const double *y, const double *scale, double *to) {
     const int64_t n = ode->n;
-    double *k = ode->room, *at = k + STAGES * n, worst = 0;
+    double *k = ode->scratch, *at = k + STAGES * n, worst = 0;
     for (int s = 0; s < STAGES; s++) {
         double *point = s == STAGES - 1 ? to : at;
         for (int64_t i = 0; i < n; i++) {
@@ -69,7 +71,7 @@ double sp_ode_step5(sp_ode *ode, double t, double h, const double *y, const doub
             sum += difference[s] * k[s * n + i];
         double error = fabs(h * sum) / (scale[i] + fabs(y[i]));
         if (!(error <= worst))
-            worst = error; /* and NaN stays */
+            worst = error; /* keeps NAN */
     }
     return worst;
 }

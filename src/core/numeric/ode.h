@@ -1,7 +1,7 @@
 #ifndef SP_ODE_H
 #define SP_ODE_H
-/* Single explicit Runge-Kutta steps of y' = f(t, y). Who drives them chooses lengths, stops at jumps of f, and looks
- * between steps by a shorter step from the same start, which costs no order. */
+/* Single explicit Runge-Kutta steps of y' = f(t, y). The caller chooses step lengths and stops at jumps of f. For
+ * values between steps it takes a shorter step from the same start, which keeps the order. */
 
 #include <sonopack/status.h>
 #include <stdint.h>
@@ -12,18 +12,18 @@ typedef struct sp_ode {
     int64_t n;
     sp_ode_slope *slope;
     void *user;
-    double *room; /* stages and a point to evaluate them at, [8][n] */
+    double *scratch; /* stages and a point to evaluate them at, [8][n] */
 } sp_ode;
 
 SP_SHARED sp_status sp_ode_make(int64_t n, sp_ode_slope *slope, void *user, sp_ode *out, sp_error *err);
 SP_SHARED void sp_ode_free(sp_ode *ode);
 
-/* The classical scheme of order 4; to may be y. */
+/* Classical step of order 4. `to` may be y. */
 SP_SHARED void sp_ode_step4(sp_ode *ode, double t, double h, const double *y, double *to);
-/* The pair of orders 5 and 4 of J. R. Dormand, P. J. Prince (J. Comput. Appl. Math. 6, 1980), going on with order 5.
- * Returns the largest |difference of the two| over scale[i] + |y[i]|; to may not be y. */
+/* Step of order 5 with an error estimate of order 4, by Dormand and Prince (J. Comput. Appl. Math. 6, 1980). Returns
+ * the largest |difference of both orders| over scale[i] + |y[i]|. `to` must not be y. */
 SP_SHARED double sp_ode_step5(sp_ode *ode, double t, double h, const double *y, const double *scale, double *to);
-/* By which factor the length of a step of the pair should change when its error is error times the tolerance. */
+/* Factor for the next step length, for an error in units of the tolerance. */
 SP_SHARED double sp_ode_factor(double error);
 
 #endif

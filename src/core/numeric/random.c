@@ -1,3 +1,4 @@
+/* Random streams. */
 #include "numeric/random.h"
 
 #include <Random123/philox.h>
@@ -14,7 +15,7 @@ uint64_t sp_random_bits(sp_random *r) {
 double sp_random_uniform(sp_random *r) { return (double)(sp_random_bits(r) >> 11) * 0x1p-53; }
 
 uint64_t sp_random_below(sp_random *r, uint64_t n) {
-    uint64_t limit = UINT64_MAX - UINT64_MAX % n; /* a multiple of n: what is above would favour small values */
+    uint64_t limit = UINT64_MAX - UINT64_MAX % n; /* a multiple of n: larger numbers would favour small results */
     uint64_t bits = sp_random_bits(r);
     while (bits >= limit)
         bits = sp_random_bits(r);

@@ -1,15 +1,15 @@
 #ifndef SP_RANDOM_H
 #define SP_RANDOM_H
-/* Counter-based random streams (Philox4x32-10; Salmon et al., SC 2011): number k of stream s of a seed is a function of
- * (seed, s, k) alone, so results do not depend on threads, order or interruption. */
+/* Counter-based random streams (Philox4x32-10; Salmon et al., SC 2011). Number k of stream s of a seed depends on
+ * (seed, s, k) alone, so results do not depend on threads, order or interruptions. */
 
 #include <stdint.h>
 
 typedef struct sp_random {
-    uint64_t seed, stream, count; /* count: numbers drawn so far; setting it jumps */
+    uint64_t seed, stream, count; /* count: numbers drawn so far; may be set to jump */
 } sp_random;
 
-/* Streams in use: one name, one number, for ever. */
+/* Stream numbers. They never change. */
 enum {
     SP_STREAM_DIAMETERS = 1,
     SP_STREAM_GAS = 2,
@@ -22,8 +22,8 @@ enum {
 
 static inline sp_random sp_random_make(uint64_t seed, uint64_t stream) { return (sp_random){seed, stream, 0}; }
 uint64_t sp_random_bits(sp_random *r);
-double sp_random_uniform(sp_random *r); /* [0, 1), 53 bits */
-/* 0 .. n-1, n >= 1, without bias. */
+double sp_random_uniform(sp_random *r); /* uniform in [0, 1), 53 bits */
+/* Uniform in 0 .. n-1 without bias; n >= 1. */
 uint64_t sp_random_below(sp_random *r, uint64_t n);
 
 #endif

@@ -1,3 +1,4 @@
+/* Poisson bootstrap intervals from one sample at a time. */
 #include "numeric/resampled.h"
 
 #include "base/base.h"
@@ -6,12 +7,12 @@
 #include <math.h>
 #include <string.h>
 
-enum { BLOCK = 256 }; /* numbers whose sums stay in the nearest cache */
+enum { BLOCK = 256 }; /* numbers whose sums stay in the first-level cache */
 
 int sp_poisson_weight(uint64_t seed, uint64_t sample, uint64_t resample) {
     sp_random random = {seed, SP_STREAM_POISSON, sample << 24 | resample};
     const double u = sp_random_uniform(&random);
-    double term = exp(-1), sum = term; /* the law's sums, as far as 53 bits see them */
+    double term = exp(-1), sum = term; /* partial sums of the distribution, to 53 bits */
     int w = 0;
     while (u >= sum && w < 20) {
         term /= ++w;
@@ -37,7 +38,7 @@ sp_status sp_resampled_make(int32_t numbers, double level, sp_resampled *out, sp
     sp_resampled r = {.numbers = numbers, .resamples = sp_interval_resamples(level), .level = level};
     r.seed = sp_interval_options_default().seed;
     const size_t n = (size_t)numbers, all = (size_t)r.resamples + 1, small = (1 + SP_RESAMPLED_AHEAD) * n + all;
-    r.first = sp_alloc(small, sizeof *r.first); /* zeros */
+    r.first = sp_alloc(small, sizeof *r.first); /* zeroed */
     r.sums = sp_alloc(2 * all * n, sizeof *r.sums);
     if (!r.first || !r.sums) {
         sp_resampled_free(&r);
@@ -49,7 +50,7 @@ sp_status sp_resampled_make(int32_t numbers, double level, sp_resampled *out, sp
     return SP_OK;
 }
 
-/* Sums of one resample over the waiting samples. */
+/* Adds the waiting samples to the sums of one resample. */
 static void sum_up(const sp_resampled *r, const double *w, double *restrict sum, double *restrict squares) {
     for (int32_t begin = 0; begin < r->numbers; begin += BLOCK) {
         const int32_t end = begin + BLOCK < r->numbers ? begin + BLOCK : r->numbers;
@@ -89,11 +90,11 @@ void sp_resampled_add(sp_resampled *r, const double *x) {
         sum_up_all(r);
 }
 
-/* Mean of the deviations from the first sample in a resample, and its standard error. */
+/* Mean deviation from the first sample in a resample, and its standard error. */
 static double mean_of(const sp_resampled *r, int32_t b, int32_t number, double *error) {
     const double *sum = r->sums + 2 * (size_t)b * (size_t)r->numbers + number, weight = r->weight[b];
     const double mean = sum[0] / weight, variance = (sum[r->numbers] / weight - mean * mean) / (weight - 1);
-    /* a difference of squares is rounding below this */
+    /* smaller variances are rounding of a difference of squares */
     *error = weight > 1 && !(variance <= 1e-15 * mean * mean) ? sqrt(variance) : 0 * mean;
     return mean;
 }
@@ -127,7 +128,7 @@ sp_status sp_resampled_intervals(sp_resampled *r, sp_interval *out, sp_error *er
         }
         for (int32_t b = 0; b < r->resamples; b++) {
             if (!(r->weight[b] > 0))
-                continue; /* an empty one */
+                continue; /* empty resample */
             const double one = mean_of(r, b, k, &one_error);
             t[count++] = sp_interval_t(one - mean, one_error, error);
         }

@@ -1,3 +1,4 @@
+/* Means and bootstrap errors. */
 #include "numeric/statistics.h"
 
 #include "base/base.h"
@@ -22,7 +23,7 @@ double sp_sd(int64_t n, const double *x) {
         squares += (x[k] - mean) * (x[k] - mean);
         sum += x[k] - mean;
     }
-    /* the second term removes what rounding left in the mean */
+    /* the second term corrects the rounding of the mean */
     double variance = (squares - sum * sum / (double)n) / (double)(n - 1);
     return variance < 0 ? 0 : sqrt(variance);
 }
@@ -31,8 +32,8 @@ double sp_standard_error(int64_t n, const double *x) { return sp_sd(n, x) / sqrt
 
 sp_bootstrap_options sp_bootstrap_options_default(void) { return (sp_bootstrap_options){.resamples = 1000, .seed = 1}; }
 
-/* Standard deviation of the finite ones among `n' numbers, which are moved to the front; NAN where more than one in ten
- * is not. */
+/* Standard deviation of the finite ones among n numbers, which are moved to the front. NAN if more than one in ten is
+ * not finite. */
 static double spread_of_finite(int64_t n, double *value) {
     int64_t finite = 0;
     for (int64_t k = 0; k < n; k++)

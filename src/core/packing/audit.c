@@ -1,4 +1,4 @@
-/* An auditor that trusts nothing but positions, radii and the law. */
+/* Checks the physics of a packing, from positions, radii and the contact law alone. */
 #include "base/base.h"
 #include "packing/contact.h"
 
@@ -15,7 +15,7 @@ static void image(const sp_packing *p, int32_t i, int32_t j, double d[3]) {
     }
 }
 
-/* Overlap out of the positions alone, and how far the stored normal is from theirs. */
+/* Overlap from the positions, and the largest deviation of the stored normal from theirs. */
 static double true_overlap(const sp_packing *p, const sp_contact *c, double *turn) {
     const int up = p->dim - 1;
     double d[3] = {0, 0, 0}, r2 = 0;
@@ -37,7 +37,7 @@ static double stiffness_of(const sp_packing *p, const sp_contact *c) {
     return c->j >= 0 ? contact_stiffness(p->r[c->i], p->r[c->j]) : contact_wall_stiffness(p->r[c->i], p->wall);
 }
 
-/* What each contact says of itself. */
+/* Errors of each contact by itself. */
 static void audit_contacts(const sp_packing *p, double small, sp_audit *a) {
     double deepest = 0;
     for (int32_t c = 0; c < p->n_contacts; c++)
@@ -53,7 +53,7 @@ static void audit_contacts(const sp_packing *p, double small, sp_audit *a) {
     }
 }
 
-/* force[6 i ..]: sum of forces on grain i, then of n x ft, which is the torque over R. */
+/* force[6 i ..]: net force on grain i, then the sum of n x ft, which is the net torque over R. */
 static void sum_on_grains(const sp_packing *p, double *force, double wall[2]) {
     for (int32_t c = 0; c < p->n_contacts; c++) {
         const sp_contact *k = &p->contacts[c];
@@ -117,7 +117,7 @@ static bool listed(const sp_packing *p, int32_t i, int32_t j) {
     return low < p->n_contacts && p->contacts[low].i == i && p->contacts[low].j == j;
 }
 
-/* Sweeps upwards: only grains within a largest diameter above can touch. */
+/* Sweeps upwards: only grains up to the largest diameter above can touch. */
 static sp_status audit_missing(const sp_packing *p, double slack, sp_audit *a, sp_error *err) {
     const size_t n = (size_t)p->n;
     const int up = p->dim - 1;

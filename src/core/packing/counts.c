@@ -6,31 +6,31 @@
 #include <sonopack/counts.h>
 
 #define PI          3.14159265358979323846
-#define VALUE_WIDTH 0.1        /* of a bin, over the mean */
-#define EQUAL       (1 + 1e-9) /* a force that is the mean but for rounding is not above it */
+#define VALUE_WIDTH 0.1        /* bin width, in units of the mean */
+#define EQUAL       (1 + 1e-9) /* a force equal to the mean up to rounding is not above it */
 
 sp_contact_counts sp_contact_counts_none(void) { return (sp_contact_counts){0}; }
 
-/* One packing's own histograms, as counts. */
+/* Histograms of one packing, as numbers of contacts. */
 typedef struct own_counts {
     double n, strong;
     double mean_force, mean_stiffness;
     double all[SP_ANGLE_BINS], strong_of[SP_ANGLE_BINS], weak_of[SP_ANGLE_BINS];
-    double force[SP_VALUE_BINS + 1], stiffness[SP_VALUE_BINS + 1]; /* the last: beyond */
+    double force[SP_VALUE_BINS + 1], stiffness[SP_VALUE_BINS + 1]; /* last entry: beyond the bins */
 } own_counts;
 
 static double stiffness_of(const sp_packing *p, const sp_contact *k) {
     return contact_normal_stiffness(contact_stiffness(p->r[k->i], p->r[k->j]), fmax(k->overlap, 0));
 }
 
-/* Between grains, and its point within the bulk. */
+/* Whether the contact joins two grains and its point lies in the bulk. */
 static bool counts(const sp_packing *p, const sp_contact *k, double margin) {
     const int up = p->dim - 1;
     const double y = p->x[3 * (size_t)k->i + (size_t)up] + k->n[up] * (p->r[k->i] - 0.5 * k->overlap);
     return k->j >= 0 && y >= margin && y <= sp_packing_height(p) - margin;
 }
 
-/* A direction and its opposite are one. Bins lie around 0, 5, ... degrees: bonds of lattices are in their middle. */
+/* n and -n are equivalent. Bins are centred at 0, 5, ... degrees, where lattices have their bonds. */
 static int angle_bin(const sp_contact *k) {
     const double angle = atan2(k->n[1], k->n[0]); /* -pi .. pi */
     return (int)(floor(angle / PI * SP_ANGLE_BINS + 0.5) + SP_ANGLE_BINS) % SP_ANGLE_BINS;

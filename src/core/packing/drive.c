@@ -1,5 +1,5 @@
-/* What presses on the grains besides the piston's weight: the stage's pressure, approached slowly, and moving sides. */
-#include "packing/run.h"
+/* Loading: the pressure, which approaches that of the stage slowly, and the lateral strain rates. */
+#include "packing/compression.h"
 
 #include <math.h>
 
@@ -15,10 +15,10 @@ void sp_compression_set_stage(piston_run *run) {
     run->spec = &run->now;
 }
 
-/* Stiffness of a packing against its box: 0.2 .. 0.35 p^(1/3) were measured, the larger one for frictionless grains. */
+/* Stiffness of a packing in its box. Measured: 0.2 .. 0.35 p^(1/3), largest for frictionless grains. */
 static double stiffness(double pressure) { return 0.3 * cbrt(pressure); }
 
-/* The piston swings on the packing with this over 2 pi as its period. */
+/* Period of the piston's oscillation on the packing, over 2 pi. */
 static double swing_time(const piston_run *run) {
     const dynamics *d = &run->d;
     double mass = 0;
@@ -27,7 +27,8 @@ static double swing_time(const piston_run *run) {
     return sqrt((d->piston_mass + 0.5 * mass) / d->area * d->piston_y / stiffness(d->pressure));
 }
 
-/* Slow against the swing: a jump would let the piston rebound and open the packing. */
+/* Changes the pressure slowly compared with the oscillation; after a jump the piston would rebound and open the
+ * packing. */
 static void ramp_pressure(piston_run *run, double dt) {
     dynamics *d = &run->d;
     const double end = run->spec->pressure;
@@ -39,10 +40,10 @@ static void ramp_pressure(piston_run *run, double dt) {
     d->pressure = d->pressure < end ? fmin(end, d->pressure * (1 + change)) : fmax(end, d->pressure * (1 - change));
 }
 
-/* So slow that grains follow at the pressure p: strain rate times d sqrt(rho / p). */
+/* Strain rate that the grains follow at pressure p: a small fraction of sqrt(p / rho)/d. */
 static double gentle_rate(double pressure) { return 3e-3 * sqrt(pressure); }
 
-/* Shrinks to the end of the start; lands on it. */
+/* Changes a period towards its required start, and stops exactly there. */
 static void shrink_side(piston_run *run, int a, double dt) {
     dynamics *d = &run->d;
     const double left = run->side_end[a] / d->side[a] - 1;
@@ -54,9 +55,9 @@ static void shrink_side(piston_run *run, int a, double dt) {
     d->side_rate[a] = fabs(left) < rate * dt ? left / dt : copysign(rate, left);
 }
 
-/* A side yields to the difference of the pressures as a dashpot would, which takes energy out whatever the packing
- * does; the rate is bounded by what the packing answers within a few updates. Once the grains are calm, and the
- * pressures equal, it stops. */
+/* Changes a period at a rate proportional to the excess pressure, like a dashpot, which always dissipates energy. The
+ * rate is limited to what the packing can follow within a few updates. It becomes 0 once the grains have settled and
+ * the pressures are equal. */
 static void press_side(piston_run *run, int a, double dt) {
     dynamics *d = &run->d;
     const double p = d->pressure, excess = sp_dynamics_side_pressure(d, a) / p - 1;

@@ -1,3 +1,4 @@
+/* Motion of grains under a piston: time step, forces on grains, and measures of equilibrium. */
 #include "packing/dynamics.h"
 
 #include "base/base.h"
@@ -99,13 +100,13 @@ void sp_dynamics_free(dynamics *d) {
     sp_free(d->plain_f);
     sp_free(d->listed);
     sp_free(d->g);
-    sp_team_free(d->team);
+    sp_pool_free(d->pool);
     *d = (dynamics){0};
 }
 
 /* ---- one step ------------------------------------------------------------------------------------------------ */
 
-/* A wall is a grain of infinite radius, E12 = E*, which does not turn; its normal is (0, sign) or (0, 0, sign). */
+/* A wall is a non-rotating grain of infinite radius with E12 = E*. Its normal is (0, sign) or (0, 0, sign). */
 static void wall_pair(dynamics *d, int side, int32_t i, double *row, double dt) {
     const contact_law *law = &d->law;
     const int up = d->dim - 1;
@@ -181,7 +182,7 @@ void sp_dynamics_forces(dynamics *d, double dt_past) {
     if (d->plain)
         sp_plain_forces(d, dt_past);
     else
-        sp_team_run(d->team, forces_part, &work);
+        sp_pool_run(d->pool, forces_part, &work);
 }
 
 static void move_part(void *data, int part, int parts) {
@@ -194,7 +195,7 @@ static void move_part(void *data, int part, int parts) {
 static void move_grains(dynamics *d, double dt) {
     step_work work = {.d = d, .dt = dt};
     kernel_seen all = {0, 0};
-    sp_team_run(d->team, move_part, &work);
+    sp_pool_run(d->pool, move_part, &work);
     for (int part = 0; part < (int)(sizeof work.seen / sizeof *work.seen); part++) {
         all.v2 = work.seen[part].v2 > all.v2 ? work.seen[part].v2 : all.v2;
         all.rate = work.seen[part].rate > all.rate ? work.seen[part].rate : all.rate;
@@ -259,7 +260,7 @@ static double acceleration(const dynamics *d, int32_t i, const double force[3], 
 
 double sp_dynamics_acceleration(const dynamics *d) {
     const double load = d->pressure * d->area, imbalance = fabs(d->wall_force[1] - load);
-    if (imbalance > 0.5 * load) /* a heavy piston in free fall accelerates little, but is not carried */
+    if (imbalance > 0.5 * load) /* a heavy piston in free fall has a small acceleration but is not supported */
         return INFINITY;
     double worst = imbalance / d->piston_mass;
     for (int32_t i = 0; i < d->n; i++) {
@@ -272,7 +273,7 @@ double sp_dynamics_acceleration(const dynamics *d) {
 
 /* ---- how far from rest --------------------------------------------------------------------------------------- */
 
-/* From grain i to grain j of a pair, and its length. */
+/* Vector from grain i to grain j of a pair; returns its length. */
 static double separation(const dynamics *d, const pair_list *p, int32_t k, double x[3]) {
     const double *g = dynamics_grain(d, p->i[k]), *h = dynamics_grain(d, p->j[k]);
     x[2] = 0;
@@ -281,7 +282,7 @@ static double separation(const dynamics *d, const pair_list *p, int32_t k, doubl
     return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
 }
 
-/* Elastic force on i of a pair, and its turning force. False for an open pair. */
+/* Elastic force on i of a pair, and its torque/R. False for an open pair. */
 static bool elastic_pair(const dynamics *d, const pair_list *p, int32_t k, double force[3], double turn[3]) {
     double x[3], r = separation(d, p, k, x), overlap = p->reach[k] - r, t[3] = {0, 0, 0};
     if (!(overlap > 0))
@@ -304,7 +305,7 @@ static bool elastic_pair(const dynamics *d, const pair_list *p, int32_t k, doubl
     return true;
 }
 
-/* f: [n][6], force and turning force. Returns the wall's total normal force. */
+/* Adds the elastic forces of a wall to f: [n][6] force and torque/R. Returns the total normal force on the wall. */
 static double add_elastic_walls(const dynamics *d, int side, double *f) {
     const int up = d->dim - 1;
     const double sign = side == 0 ? -1 : 1;

@@ -1,104 +1,105 @@
 #ifndef SP_DYNAMICS_H
 #define SP_DYNAMICS_H
-/* The motion of grains under a piston in 2D and 3D: state, neighbour lists, forces and one time step. The protocol that
- * makes a packing of it is in piston.c. */
+/* Motion of grains under a piston in 2D and 3D: forces, one time step, and measures of equilibrium. The compression
+ * protocol is in piston.c. */
 
-#include "base/team.h"
+#include "base/pool.h"
 
 #include <sonopack/packing.h>
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Where a grain's numbers lie in its line of `stride` doubles (one cache line in 2D, two in 3D): what a contact reads
- * of a grain lies together. Positions first (x not wrapped between list rebuilds), then velocities; w is R times the
- * angular velocity (2D: one number). */
+/* Layout of a grain's data, a row of `stride` doubles (one cache line in 2D, two in 3D), so that a contact finds all of
+ * it together. The position comes first (x is wrapped only when the lists are rebuilt), then the velocity. w is R times
+ * the angular velocity (2D: one number). */
 typedef struct grain_layout {
     int stride, v, w, r, inv_m;
-    int row, turn; /* doubles of a row of forces, and where its turning force begins */
-    int forces;    /* numbers of a pair's tangential force */
+    int row, turn; /* doubles of a force row, and position of its torque/R */
+    int forces;    /* components of a pair's tangential force */
 } grain_layout;
 
-/* Pairs that may touch. Two of these exist: `outer`, from cells, with all pairs closer than a wide gap, which keeps the
- * tangential forces; and `inner`, the few of them that can touch within the next steps, on which the kernel works.
- * Arrays with more than one number a pair are planes of `capacity` numbers each. */
+/* Pairs that may touch. There are two lists. `outer` holds all pairs closer than a wide gap, and stores the tangential
+ * forces between rebuilds. `inner` holds those of them that can touch within the next steps; the kernel works on it.
+ * Arrays with several numbers per pair are stored as planes of `capacity` numbers. */
 typedef struct pair_list {
     int32_t n, capacity;
-    int32_t padded; /* inner: n and as many pairs that never touch as fill whole vectors */
+    int32_t padded; /* inner: n plus dummy pairs that fill the last vector */
     int32_t *i, *j;
-    int32_t *at_i, *at_j; /* inner: where their lines of numbers begin */
-    int32_t *from;        /* inner: place in outer */
-    double *image;        /* [dim-1] periods to be added to x_j - x_i */
+    int32_t *at_i, *at_j; /* inner: position of the grains' rows in g */
+    int32_t *from;        /* inner: index in outer */
+    double *image;        /* [dim-1] periods to add to x_j - x_i */
     double *reach;        /* R_i + R_j */
-    double *ft;           /* elastic tangential force on i: 2D along (-ny, nx), 3D [3] */
+    double *ft;           /* elastic tangential force on i: 2D along (-ny, nx); 3D [3] */
     double *e2;           /* 2 E12 sqrt(R12) */
     double *sm;           /* sqrt(m_eff 2 E12 sqrt(R12)) */
 } pair_list;
 
-/* Grains near a wall, in the order of their numbers. */
+/* Grains near a wall, in ascending order. */
 typedef struct wall_list {
     int32_t n;
     int32_t *i;
 } wall_list;
 
-/* Where the forces on each grain are found: rows of the pair's (i, then j further down), the walls' rows, and a row of
- * zeros that fills up. Grains with more than SLOTS neighbours have the rest in a chain. */
+/* Where to find the forces on each grain. There is a row for i and one for j of each pair, one for each grain at a
+ * wall, and a row of zeros that fills unused slots. Rows of grains with more than SLOTS neighbours continue in a linked
+ * list. */
 enum { SLOTS = 6 };
 typedef struct force_rows {
     int64_t capacity;
-    double *row;      /* [rows][layout.row]: force, turning force (2D: fx fy t s; 3D: fx fy fz s, q, 0) */
-    int32_t *slot;    /* [n][SLOTS] where rows begin */
-    int32_t *count;   /* [n] rows of this grain */
-    int32_t *further; /* [n] head of the chain, -1 */
-    int32_t *chain;   /* [2 capacity] pairs (where the row begins, next) */
+    double *row;      /* [rows][layout.row] force, torque/R (2D: fx fy t s; 3D: fx fy fz s, q, 0) */
+    int32_t *slot;    /* [n][SLOTS] positions of rows */
+    int32_t *count;   /* [n] number of rows */
+    int32_t *further; /* [n] head of the linked list, or -1 */
+    int32_t *chain;   /* [2 capacity] list nodes: position of the row, next node */
     int32_t chained;
-    int32_t other, wall[2], zero; /* where the rows of the j, of the walls, and the row of zeros are */
+    int32_t other, wall[2], zero; /* index of the first row of the j, of the walls, and of the zero row */
 } force_rows;
 
-/* Contact parameters of a run. */
+/* Contact parameters. */
 typedef struct contact_law {
     double friction, eta, sqrt_eta, damping;
-    double viscous_limit; /* Coulomb's limit of the whole tangential force over that of its elastic part */
+    double viscous_limit; /* limit of the total tangential force over the Coulomb limit of its elastic part */
 } contact_law;
 
 typedef struct dynamics {
     int dim;
     grain_layout at;
     int32_t n;
-    double side[2];      /* periods */
-    double side_rate[2]; /* their relative rates of change */
+    double side[2];      /* periods of the horizontal axes */
+    double side_rate[2]; /* their strain rates */
     double area, pressure;
     contact_law law;
-    bool plain;      /* the reference path: all pairs near, one at a time, no tricks (plain.c) */
-    double *g;       /* [n + 1][stride]: the last one is nowhere */
-    double *plain_f; /* [n][6] forces of the plain path */
+    bool plain;      /* reference code (plain.c) */
+    double *g;       /* [n + 1][stride] grains; the last one is a dummy */
+    double *plain_f; /* [n][6] forces of the reference code */
     double piston_y, piston_v, piston_mass;
-    double wall_force[2]; /* total force on bottom and top wall, last evaluation */
-    double *wall_ft[2];   /* [n][dim-1] elastic tangential force on the grain at the bottom and top wall */
+    double wall_force[2]; /* last normal force on the bottom and top wall */
+    double *wall_ft[2];   /* [n][dim-1] elastic tangential force on grains at the bottom and top wall */
     wall_list wall[2];
     pair_list outer, inner;
     force_rows rows;
     double r_max, m_min;
-    double scale;                      /* of the grains: the power of two that is nearest to their mean diameter */
-    double outer_gap, inner_gap;       /* gaps up to which pairs are listed */
-    double outer_travel, inner_travel; /* bound of relative displacement since the lists were made */
-    double outer_strain;               /* the part of it by the sides' motion */
-    double *listed;                    /* [n][dim] where the grains were when the outer list was made */
+    double scale;                      /* the power of two nearest to the mean diameter */
+    double outer_gap, inner_gap;       /* pairs are listed up to these gaps */
+    double outer_travel, inner_travel; /* bounds of the relative displacement since the lists were built */
+    double outer_strain;               /* part of outer_travel due to the lateral strain */
+    double *listed;                    /* [n][dim] positions when the outer list was built */
     double v_max;                      /* largest speed of a grain or the piston */
-    double rate;     /* largest sum of sqrt(m_eff k_n)/m over the contacts of a grain, last step: 1/5 of the largest
-                        eigenvalue of the contacts' viscous rates at critical damping (measured within 5%) */
-    double k_max;    /* plain path: largest stiffness */
-    double piston_k; /* sum of the stiffnesses that carried the piston then */
-    double drag;     /* rate of the global damping, 0 at first */
-    double dt;       /* last step */
+    double rate;  /* last largest sum of sqrt(m_eff k_n)/m over the contacts of a grain; 1/5 of the largest viscous rate
+                     at critical damping (measured, within 5%) */
+    double k_max; /* reference code: largest stiffness */
+    double piston_k; /* sum of the stiffnesses that act on the piston */
+    double drag;     /* rate of the global damping; 0 at first */
+    double dt;       /* length of the last step */
     int64_t rebuilds, refills;
-    int32_t *cell_head, *cell_next; /* cells of the outer list */
+    int32_t *cell_head, *cell_next; /* linked lists of the grains in each cell */
     int64_t cells;
-    sp_team *team; /* may be NULL */
+    sp_pool *pool; /* threads; may be NULL */
 } dynamics;
 
 grain_layout sp_dynamics_layout(int dim);
 
-/* Grains at rest at x [n][3] with radii r between walls at 0 and height. */
+/* Creates grains at rest at x [n][3] with radii r, between walls at 0 and height. SP_ENOMEM. */
 sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const double *x, double height, dynamics *out,
                            sp_error *err);
 void sp_dynamics_free(dynamics *d);
@@ -106,30 +107,31 @@ void sp_dynamics_free(dynamics *d);
 static inline double *dynamics_grain(const dynamics *d, int32_t i) { return d->g + (int64_t)d->at.stride * i; }
 static inline double dynamics_radius(const dynamics *d, int32_t i) { return dynamics_grain(d, i)[d->at.r]; }
 
-/* The list that holds the tangential forces. */
+/* The list that holds the current tangential forces. */
 static inline const pair_list *dynamics_pairs(const dynamics *d) { return d->plain ? &d->outer : &d->inner; }
 
-/* Makes the lists anew where the grains may have outrun them. SP_ENOMEM. */
+/* Rebuilds the lists if grains may have moved too far. SP_ENOMEM. */
 sp_status sp_dynamics_refresh(dynamics *d, sp_error *err);
-/* Forces at the present positions and velocities; tangential springs advance by the relative velocity times dt_past,
- * the time of the last drift. The lists must be fresh. */
+/* Computes the forces at the current positions and velocities. Tangential springs stretch by the relative velocity
+ * times dt_past, the length of the last step. The lists must be up to date. */
 void sp_dynamics_forces(dynamics *d, double dt_past);
-/* Kick and drift by dt with the forces above (leapfrog: velocities half a step behind positions). */
+/* Advances velocities and positions by dt (leapfrog: velocities lag half a step behind positions). */
 void sp_dynamics_advance(dynamics *d, double dt);
 
-/* The force on a grain in the last evaluation, and its turning force (torque/R; 2D: turn[0]). */
+/* Last force on a grain, and torque/R (2D: turn[0]). */
 void sp_dynamics_force_on(const dynamics *d, int32_t i, double force[3], double turn[3]);
-/* Mean pressure on the sides along axis a (0 or 1) by the contacts' elastic forces: sum of F_a r_a over the volume. */
+/* Mean elastic pressure along the horizontal axis a (0 or 1): sum of F_a r_a over the pairs, divided by the volume. */
 double sp_dynamics_side_pressure(const dynamics *d, int a);
-/* Largest acceleration in the last evaluation of sp_dynamics_forces, viscous forces included (angular: times R; the
- * piston's included); infinite as long as the grains carry less than half of the piston's load. */
+/* Largest acceleration of a grain (angular: times R) or the piston at the last forces, including viscous ones. Infinite
+ * while the grains carry less than half of the piston's load. */
 double sp_dynamics_acceleration(const dynamics *d);
-/* How far from rest: largest acceleration by elastic forces alone (angular: times R; the piston's included), and the
- * difference between the elastic pressure on the piston and p. Needs fresh lists. SP_ENOMEM. */
+/* Distance from equilibrium: the largest acceleration by elastic forces alone, and the difference between the elastic
+ * pressure on the piston and p. The lists must be up to date. SP_ENOMEM. */
 sp_status sp_dynamics_residual(const dynamics *d, double *residual, double *wall_imbalance, sp_error *err);
-/* Finite and nowhere absurd: no grain through a wall, no overlap above 0.8 radii. */
+/* Whether all numbers are finite, no grain has passed a wall, and no overlap exceeds 0.8 radii. */
 bool sp_dynamics_sane(const dynamics *d);
-/* Sides nearer to each other than this would let two grains touch through both, of which one is listed. */
+/* Smallest period for which a pair cannot touch through both sides of the box; only one of these contacts would be
+ * listed. */
 double sp_dynamics_narrowest(const dynamics *d);
 
 #endif

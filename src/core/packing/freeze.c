@@ -1,11 +1,12 @@
+/* Extracts the packing from the final state of a compression. */
+#include "packing/compression.h"
 #include "packing/contact.h"
-#include "packing/run.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The forces are those of the last evaluation, before the last step: in the packing, too, Coulomb's law holds for the
- * overlaps that are stored, and tangential forces are normal to n. */
+/* The tangential forces are those of the last evaluation, before the last step. Makes them tangential to the stored
+ * normal and limits them by Coulomb's law at the stored overlap. */
 static void finish_contact(const dynamics *d, sp_contact *c) {
     double along = 0, square = 0;
     for (int a = 0; a < 3; a++)
@@ -19,7 +20,7 @@ static void finish_contact(const dynamics *d, sp_contact *c) {
         c->ft[a] = (size > limit ? c->ft[a] * (limit / size) : c->ft[a]) + 0.0; /* no negative zero */
 }
 
-/* Adds the pair k of the list as a contact if it is closed, from the lower grain number to the higher one. */
+/* Adds pair k of the list as a contact, from the lower to the higher index, if it is closed. */
 static void add_pair(const piston_run *run, const pair_list *list, int32_t k, sp_packing *p, int32_t *count) {
     const dynamics *d = &run->d;
     const int32_t one = run->id[list->i[k]], two = run->id[list->j[k]], i = one < two ? one : two,
@@ -36,7 +37,7 @@ static void add_pair(const piston_run *run, const pair_list *list, int32_t k, sp
         return;
     for (int a = 0; a < d->dim; a++)
         n[a] /= r;
-    if (d->dim == 2) { /* the scalar along (-ny, nx) is the same from both sides */
+    if (d->dim == 2) { /* the scalar along (-ny, nx) does not depend on the order of i and j */
         t[0] = -list->ft[k] * n[1];
         t[1] = list->ft[k] * n[0];
     } else {

@@ -1,7 +1,7 @@
-/* The gas of grains that a packing starts from: each is dropped at random places until it overlaps no other. */
+/* The initial gas: each grain is put at random positions until it overlaps no other (random sequential addition). */
 #include "base/base.h"
 #include "numeric/random.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,8 +10,8 @@ static const double PI = 3.14159265358979323846;
 
 enum { MOST_TRIES = 1000000, MOST_ATTEMPTS = 10, MOST_LEVELS = 64 };
 
-/* Grains within a factor of two in size, and cells at least as wide as the largest of them. Larger levels are filled
- * first: between small grains there would be no room left for large ones. */
+/* Grains within a factor of two in size, with cells at least as wide as the largest of them. Levels with larger grains
+ * are filled first, because small grains would leave no space for large ones. */
 typedef struct gas_level {
     int32_t grains;
     double r_max;
@@ -25,18 +25,18 @@ typedef struct gas {
     double box[3];
     const double *r;
     double *x;
-    int32_t *next;  /* grain that follows in a cell, of its own level; -1: none */
-    int32_t *order; /* by levels, and in each as they are numbered */
+    int32_t *next;  /* next grain of the same level in the cell; -1: none */
+    int32_t *order; /* [n] by level, and by index within each */
     uint8_t *level_of;
     gas_level level[MOST_LEVELS];
 } gas;
 
 static int cell_along(const gas_level *level, int axis, double x) {
     const int cell = (int)(x / level->width[axis]);
-    return cell < level->n[axis] ? cell : level->n[axis] - 1; /* x / width may be rounded up to n */
+    return cell < level->n[axis] ? cell : level->n[axis] - 1; /* x / width may round up to n */
 }
 
-/* Squared distance through the periodic sides. */
+/* Squared distance with periodic boundaries. */
 static inline double distance2(const gas *g, const int dim, const double *a, const double *b) {
     double sum = 0;
     for (int k = 0; k < dim; k++) {
@@ -95,7 +95,7 @@ static void enter(gas *g, gas_level *level, int32_t i) {
     level->head[cell] = i;
 }
 
-/* Which grains are in which level, and the order of placing. */
+/* Assigns the grains to levels and finds the order of placing. */
 static void sort_levels(gas *g, int32_t n, double r_max) {
     int32_t at[MOST_LEVELS + 1] = {0};
     for (int32_t i = 0; i < n; i++) {
@@ -113,7 +113,7 @@ static void sort_levels(gas *g, int32_t n, double r_max) {
         g->order[at[g->level_of[i]]++] = i;
 }
 
-/* No more cells than grains, however small these are: few small grains in a large box need none. */
+/* At most as many cells as grains, however small these are. */
 static sp_status make_cells(gas *g, gas_level *level, sp_error *err) {
     double volume = 1;
     for (int k = 0; k < g->dim; k++)
@@ -158,14 +158,15 @@ static double gas_height(const sp_pack_spec *spec, const double *r, double r_max
     for (int32_t i = 0; i < spec->grains; i++)
         volume += flat ? PI * r[i] * r[i] : 4.0 / 3.0 * PI * r[i] * r[i] * r[i];
     const double floor_area = flat ? spec->width : spec->width * spec->depth;
-    return fmax(volume / (spec->gas_fraction * floor_area), 4 * r_max); /* few grains: room for the largest anywhere */
+    return fmax(volume / (spec->gas_fraction * floor_area),
+                4 * r_max); /* at least enough for the largest grain if there are few */
 }
 
 double sp_gas_memory(const sp_pack_spec *spec) {
     return (double)spec->grains * (3 * sizeof(int32_t) + sizeof(uint8_t)) + MOST_LEVELS * sizeof(gas_level);
 }
 
-/* Drops the grains into the box. */
+/* Places all grains. */
 static sp_status fill(gas *g, const sp_pack_spec *spec, sp_random *stream, sp_error *err) {
     sp_status status = SP_OK;
     for (int l = 0; l < g->levels && status == SP_OK; l++)
@@ -197,7 +198,7 @@ sp_status sp_gas_make(const sp_pack_spec *spec, const double *r, double *x, doub
     }
     sort_levels(&g, spec->grains, r_max);
     sp_random stream = sp_random_make(spec->seed, SP_STREAM_GAS);
-    /* beside walls there is less room: a few layers of what is no dense gas may need a higher box */
+    /* walls exclude some volume, so a few layers of a thin gas may need a higher box */
     const int attempts = spec->gas_fraction <= (spec->dim == 2 ? 0.45 : 0.3) ? MOST_ATTEMPTS : 1;
     for (int attempt = 0; attempt < attempts && status == SP_EFAILED; attempt++) {
         h *= attempt > 0 ? 1.1 : 1;

@@ -1,5 +1,5 @@
-/* What a making takes from a packing that it starts from. */
-#include "packing/making.h"
+/* Completes a spec from the packing that its compression starts from. */
+#include "packing/prepare.h"
 
 #include "base/base.h"
 
@@ -7,7 +7,7 @@
 
 typedef struct taken {
     const char *name;
-    double given, usual, own; /* of the spec, its default, of the packing */
+    double given, usual, own; /* value in the spec, its default, value of the packing */
 } taken;
 
 static sp_status check_start(const sp_packing *from, sp_error *err) {
@@ -17,13 +17,13 @@ static sp_status check_start(const sp_packing *from, sp_error *err) {
     if (status != SP_OK)
         return status;
     if (from->dim == 1)
+        return sp_fail(err, SP_EINVAL,
+                       "packing.file: a chain (dimension 1): must have 2 or 3 dimensions; for a chain under another "
+                       "pressure use packing.kind = \"chain\"");
+    if (from->wall != SP_WALL_RIGID)
         return sp_fail(
             err, SP_EINVAL,
-            "packing.file: a chain (dimension 1): must have 2 or 3 dimensions, a chain under another pressure "
-            "is made at once with packing.kind = \"chain\"");
-    if (from->wall != SP_WALL_RIGID)
-        return sp_fail(err, SP_EINVAL,
-                       "packing.file: its walls answer like grains: must be rigid planes, no piston compresses others");
+            "packing.file: its walls respond like grains: must be rigid planes to be compressed by a piston");
     if (!(from->pressure >= 1e-10 && from->pressure <= 1e-2))
         return sp_fail(err, SP_EINVAL, "packing.file: its pressure = %g: must be 1e-10 .. 1e-2 E*", from->pressure);
     return SP_OK;
@@ -32,7 +32,7 @@ static sp_status check_start(const sp_packing *from, sp_error *err) {
 static sp_status check_sizes(const sp_pack_spec *spec, sp_error *err) {
     if (spec->sizes != SP_SIZES_UNIFORM || spec->diameter_count > 0)
         return sp_fail(err, SP_EINVAL,
-                       "packing.sizes: must not be given for packing.kind = \"file\", whose grains have their sizes");
+                       "packing.sizes: must not be given for packing.kind = \"file\", whose grains already have sizes");
     return SP_OK;
 }
 
@@ -58,11 +58,11 @@ sp_status sp_pack_spec_from(sp_pack_spec *spec, const sp_packing *from, sp_error
         if (all[k].given != all[k].usual && all[k].given != all[k].own)
             return sp_fail(err, SP_EINVAL, "packing.%s = %.10g: must be that of packing.file, %.10g, or not given",
                            all[k].name, all[k].given, all[k].own);
-    const uint64_t content = sp_packing_content(from);
+    const uint64_t content = sp_packing_hash(from);
     if (spec->content && spec->content != content)
         return sp_fail(err, SP_EINVAL,
-                       "packing.content = %llu: the packing of packing.file is another one now (%llu): must be the "
-                       "number of the file, or 0 for any",
+                       "packing.content = %llu: packing.file has changed, its number is %llu: must be this number, "
+                       "or 0 for any",
                        (unsigned long long)spec->content, (unsigned long long)content);
     spec->dim = from->dim;
     spec->grains = from->n;

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The relative measures of an audit, in the order in which they are judged. */
+/* The relative errors of an audit, in the order of reporting. */
 static const struct measure {
     size_t offset;
     const char *fault;
@@ -17,7 +17,7 @@ static const struct measure {
     {offsetof(sp_audit, wall_residual), "the force on a wall is not pressure times area"},
 };
 
-double sp_audit_judge(const sp_audit *audit, double tolerance, char *reason, size_t size) {
+double sp_audit_worst(const sp_audit *audit, double tolerance, char *reason, size_t size) {
     double largest = 0;
     *reason = '\0';
     if (audit->missing > 0)

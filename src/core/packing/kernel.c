@@ -1,4 +1,4 @@
-/* The hot loops. They are plain C over flat arrays, in a form that compilers turn into vectors of any width. */
+/* The hot loops, in plain C over flat arrays that compilers can vectorize for any width. */
 #include "packing/kernel.h"
 #include "base/clones.h"
 
@@ -8,14 +8,15 @@
 
 typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
 
-/* Of open pairs: small, but its fourth root's powers are normal numbers: others take the processor a hundred times as
- * long. It is added, because a compiler may take a choice between the two as leave to take the root of both. */
+/* Overlap used for open pairs. It is tiny, but powers of its fourth root are still normal numbers; denormal ones would
+ * be a hundred times slower. It is added rather than selected, because for a selection a compiler may compute the roots
+ * of both. */
 static const double NO_OVERLAP = 1e-40;
 
 /* ---- 2D ------------------------------------------------------------------------------------------------------ */
 
 typedef struct block2 {
-    _Alignas(64) double d[4 * BLOCK]; /* x, y, vx, vy of j minus those of i */
+    _Alignas(64) double d[4 * BLOCK]; /* x, y, vx, vy of j minus i */
     double spin[BLOCK];               /* w_i + w_j */
     double x[BLOCK], y[BLOCK], r[BLOCK], vx[BLOCK], vy[BLOCK];
     double fx[BLOCK], fy[BLOCK], t[BLOCK], s[BLOCK];
@@ -31,8 +32,8 @@ static inline void gather2(const dynamics *d, int32_t first, int32_t count, bloc
     }
 }
 
-/* Distances. This is apart from the next loop because a processor that looks ahead finds more to do at once in two
- * short chains of operations than in a long one. */
+/* Distances. They have a loop of their own because processors execute two short dependency chains faster than one long
+ * chain. */
 static inline void distances2(const dynamics *d, int32_t first, int32_t count, block2 *b) {
     const pair_list *p = &d->inner;
     const double *restrict image = p->image + first, *restrict diff = b->d;
@@ -50,8 +51,7 @@ static inline void distances2(const dynamics *d, int32_t first, int32_t count, b
     }
 }
 
-/* Appendix A of the paper for a block of pairs. dt: time over which the tangential spring stretches with the present
- * relative velocity. */
+/* Appendix A of the paper for a block of pairs. Tangential springs stretch by the relative velocity times dt. */
 static inline void law2(const dynamics *d, double dt, int32_t first, int32_t count, block2 *b) {
     const pair_list *p = &d->inner;
     const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
@@ -73,8 +73,8 @@ static inline void law2(const dynamics *d, double dt, int32_t first, int32_t cou
         double elastic = (2.0 / 3.0) * kn * overlap;            /* (A1) */
         double viscous = two_zeta * s;
         double normal = elastic - viscous * (vx * nx + vy * ny);
-        normal = normal > 0 ? normal : 0;    /* never attracts */
-        double cap = mu * elastic;           /* (A3), on the elastic spring */
+        normal = normal > 0 ? normal : 0;    /* no attraction */
+        double cap = mu * elastic;           /* (A3), for the elastic spring */
         double t = ft[k] + eta_dt * kn * vt; /* (A2): k_t = eta k_n */
         t = t > cap ? cap : t;
         t = t < -cap ? -cap : t;
@@ -89,7 +89,7 @@ static inline void law2(const dynamics *d, double dt, int32_t first, int32_t cou
     }
 }
 
-/* The block's forces into the rows of i, and opposite forces with the same turning force into those of j. */
+/* Writes the forces of a block to the rows of i, and the opposite forces with the same torque to those of j. */
 static inline void rows2(const dynamics *d, int32_t first, int32_t count, const block2 *b) {
     const v4 other = {-1.0, -1.0, 1.0, 1.0};
     double *on_i = d->rows.row + 4 * (int64_t)first, *on_j = d->rows.row + 4 * ((int64_t)d->rows.other + first);
@@ -146,7 +146,7 @@ CLONES kernel_seen sp_kernel_move_2d(const dynamics *d, double dt, int32_t first
 /* ---- 3D ------------------------------------------------------------------------------------------------------ */
 
 typedef struct block3 {
-    double x[3][BLOCK], v[3][BLOCK]; /* of j minus those of i */
+    double x[3][BLOCK], v[3][BLOCK]; /* of j minus i */
     double w[3][BLOCK];              /* w_i + w_j */
     double turn[3][BLOCK];           /* sum of the angular velocities */
 } block3;
@@ -165,9 +165,9 @@ static ALWAYS_INLINE void gather3(const dynamics *d, int32_t first, int32_t coun
     }
 }
 
-/* As law2. The tangential force is a vector that is carried along: it turns about the normal with the pair's mean
- * rotation, follows the normal's direction, and keeps its size in both. What a pair gives takes the place of what it
- * took: force in x, turning force in w, s in turn[0]. */
+/* As law2. The tangential force is a vector: it turns about the normal with the pair's mean rotation, follows the
+ * direction of the normal, and keeps its length in both. Results overwrite the inputs: force in x, torque/R in w, s in
+ * turn[0]. */
 static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b) {
     const pair_list *p = &d->inner;
     const double *restrict ix = p->image + first, *restrict iy = ix + p->capacity;

@@ -1,16 +1,17 @@
+/* Creates packings: completes the spec, checks the memory, and calls the generator. */
 #include "base/base.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 
-/* Whether it is compressed step by step. */
+/* Whether the packing is found by a simulated compression. */
 static bool is_compressed(const sp_pack_spec *s) {
     return s->kind == SP_PACK_PISTON || s->kind == SP_PACK_FILE ||
            (s->kind == SP_PACK_TRIANGULAR && s->diameter_min < s->diameter_max);
 }
 
-/* Bytes that making takes at its peak: contacts are sorted in a copy; grains that are compressed have lists of
- * neighbours, of which two lie side by side while they are made anew, and the gas has cells. */
+/* Peak memory in bytes. Sorting needs a copy of the contacts. Compressed grains have neighbour lists, two of them
+ * during a rebuild, and the gas has cells. */
 static double peak_memory(const sp_pack_spec *s) {
     const double n = s->grains;
     if (!is_compressed(s))
@@ -32,7 +33,7 @@ sp_status sp_packing_make(const sp_pack_spec *spec, sp_pack_watch watch, void *u
     return sp_packing_make_with(spec, &hooks, out, err);
 }
 
-/* The spec with everything filled in, checked. */
+/* Fills in and checks the spec. */
 static sp_status complete(const sp_pack_spec *given, const sp_pack_hooks *hooks, sp_pack_spec *out, sp_error *err) {
     sp_pack_spec spec = *given;
     sp_status status = SP_OK;
@@ -47,7 +48,7 @@ static sp_status complete(const sp_pack_spec *given, const sp_pack_hooks *hooks,
 
 static sp_status make_ordered(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err) {
     if (hooks->state)
-        return sp_fail(err, SP_EFORMAT, "a packing that is made at once has no state to go on from");
+        return sp_fail(err, SP_EFORMAT, "an ordered packing has no state to resume from");
     return spec->kind == SP_PACK_CHAIN ? sp_chain_make(spec, out, err) : sp_triangular_make(spec, out, err);
 }
 

@@ -1,6 +1,7 @@
+/* Ordered packings in closed form: the chain and the triangular lattice. */
 #include "base/base.h"
 #include "packing/contact.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 
@@ -12,7 +13,7 @@ static void set_globals(sp_packing *p, const sp_pack_spec *spec) {
     p->residual = 0;
 }
 
-/* Hertz's law is for overlaps that are small beside both grains; beyond this it is not even a packing. */
+/* Hertz's law assumes overlaps that are small against both grains; beyond these limits there is not even a packing. */
 static sp_status crushed(const sp_pack_spec *spec, sp_error *err) {
     return sp_fail(err, SP_EFAILED,
                    "packing.pressure = %g: is too much for these grains: overlaps are not below their radii, or grains "
@@ -20,8 +21,8 @@ static sp_status crushed(const sp_pack_spec *spec, sp_error *err) {
                    spec->pressure);
 }
 
-/* N balls between two walls that answer like their neighbours, so that all springs of equal balls are equal
- * (Somfai et al. 2005, Appendix C); every contact carries p d^2. */
+/* N balls between two walls that respond like the neighbouring balls, so that equal balls have equal springs (Somfai et
+ * al. 2005, Appendix C). Every contact carries p d^2. */
 sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err) {
     sp_packing p = sp_packing_none();
     const int32_t n = spec->grains;
@@ -32,7 +33,7 @@ sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err
     p.wall = SP_WALL_GRAIN;
     sp_radii_draw(spec, p.r);
     const double force = spec->pressure;
-    double wall = 0; /* where the next surface is */
+    double wall = 0; /* position of the next surface */
     bool too_much = false;
     for (int32_t i = 0; i <= n; i++) {
         sp_contact *c = &p.contacts[i < n ? (i > 0 ? i - 1 : n - 1) : n];
@@ -67,9 +68,9 @@ sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err
     return SP_OK;
 }
 
-/* The overlap n of the lattice's contacts. Under an isotropic pressure all carry the same force F, and two of them hold
- * a piece of wall as long as their spacing d - n, and as thick as the unit of length: sqrt(3) F(n) = p (d - n) 1.
- * Newton. */
+/* Overlap n of the lattice's contacts. Under isotropic pressure all contacts carry the same force F. Each piece of wall
+ * with the width d - n of a grain, and unit thickness, is held by two of them: sqrt(3) F(n) = p (d - n). Solved by
+ * Newton's method. */
 static double lattice_overlap(double d, double pressure) {
     const double e = contact_stiffness(0.5 * d, 0.5 * d), load = pressure;
     double overlap = contact_overlap(e, load * d / sqrt(3.0));
@@ -92,7 +93,7 @@ static void add_contact(sp_packing *p, int32_t *count, int32_t i, int32_t j, con
     c->n[1] = flip ? 0.0 - n[1] : n[1];
 }
 
-/* The contacts of grain m of row k with the walls, the next grain of its row, and the row above. */
+/* Adds the contacts of grain m of row k with the walls, the next grain of its row, and the row above. */
 static void add_lattice_contacts(sp_packing *p, int32_t *count, int32_t row, int32_t rows, int32_t k, int32_t m) {
     static const double down[] = {0, -1}, up[] = {0, 1}, right[] = {1, 0};
     const double left_up[] = {-0.5, sqrt(0.75)}, right_up[] = {0.5, sqrt(0.75)};
@@ -108,15 +109,15 @@ static void add_lattice_contacts(sp_packing *p, int32_t *count, int32_t row, int
     add_contact(p, count, i, above + (k % 2 ? next : m), right_up);
 }
 
-/* A lattice of grains with diameter d under pressure: all lengths of it. */
+/* Lengths of a lattice of grains of diameter d under pressure. */
 typedef struct lattice {
-    int32_t row, rows;                     /* grains a row, and rows */
-    double overlap, wall_overlap, spacing; /* between neighbours, with a wall; of neighbours' centres */
+    int32_t row, rows;                     /* grains per row, number of rows */
+    double overlap, wall_overlap, spacing; /* of neighbours; at a wall; distance of neighbouring centres */
     double width, height;
 } lattice;
 
 static sp_status make_lattice(const sp_pack_spec *spec, double d, lattice *out, sp_error *err) {
-    /* as sp_pack_spec_check counts them, with the mean diameter of the law */
+    /* as in sp_pack_spec_check, with the mean diameter */
     lattice l = {.row = (int32_t)floor(spec->width / sp_sizes_moment(spec, 1) + 1e-9)};
     l.rows = spec->grains / l.row;
     l.overlap = lattice_overlap(d, spec->pressure);
@@ -130,7 +131,7 @@ static sp_status make_lattice(const sp_pack_spec *spec, double d, lattice *out, 
     return SP_OK;
 }
 
-/* Centres with the first row at `bottom`. */
+/* Places the centres, the first row at height `bottom`. */
 static void place_rows(const lattice *l, double spacing, double bottom, double *x) {
     for (int32_t k = 0; k < l->rows; k++)
         for (int32_t m = 0; m < l->row; m++) {
@@ -141,8 +142,8 @@ static void place_rows(const lattice *l, double spacing, double bottom, double *
         }
 }
 
-/* Rows parallel to the walls, each shifted by half a spacing, six equal contacts a grain (section V B of the paper):
- * the box is as wide as a row that is compressed like the rest. */
+/* Rows parallel to the walls, each shifted by half a spacing, with six equal contacts per grain (section V B of the
+ * paper). The width of the box follows from the compressed rows. */
 sp_status sp_triangular_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err) {
     const double d = spec->diameter_max;
     if (spec->diameter_min != d)
@@ -191,7 +192,7 @@ sp_status sp_triangular_start(const sp_pack_spec *spec, double *r, double *x, sp
     lattice l;
     sp_status status = make_lattice(spec, 2 * sum / n, &l, err);
     if (status == SP_OK) {
-        const double apart = 2 * r_max * (1 + 1e-6); /* far above rounding, far below an overlap */
+        const double apart = 2 * r_max * (1 + 1e-6); /* well above rounding, well below an overlap */
         for (int32_t i = 0; i < n; i++)
             r[i] = drawn[i];
         place_rows(&l, apart, 0.5 * apart, x);

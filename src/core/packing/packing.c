@@ -1,3 +1,4 @@
+/* Memory, geometry, structure check and contact order of packings. */
 #include "base/base.h"
 
 #include <math.h>
@@ -83,8 +84,8 @@ static sp_status check_grains(const sp_packing *p, sp_error *err) {
     return SP_OK;
 }
 
-/* Hertz's law gives at most 4/3 of the radii squared at the deepest overlap. Other laws may give more; what is far more
- * is no force in units of E* d^2. */
+/* Hertz's law gives at most 4/3 of the squared radii at the deepest overlap. Other laws may give more, but far larger
+ * values are not forces in units of E* d^2. */
 static const double FORCE_MAX = 1e6;
 
 static sp_status check_contact(const sp_packing *p, int32_t c, sp_error *err) {
@@ -119,7 +120,7 @@ static sp_status check_contact(const sp_packing *p, int32_t c, sp_error *err) {
     return SP_OK;
 }
 
-/* Order of contacts: pairs by (i, j), then the bottom wall's, then the top wall's. */
+/* Pairs by (i, j), then the bottom wall, then the top wall. */
 static int compare_contacts(const void *a, const void *b) {
     const sp_contact *p = a, *q = b;
     int wall_p = p->j < 0 ? -p->j : 0, wall_q = q->j < 0 ? -q->j : 0;

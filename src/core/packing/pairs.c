@@ -1,3 +1,4 @@
+/* Neighbour lists. */
 #include "packing/pairs.h"
 
 #include "base/base.h"
@@ -23,7 +24,7 @@ void sp_pair_list_free(pair_list *p) {
     *p = (pair_list){0};
 }
 
-/* A list with room for capacity pairs; inner lists carry what the kernel reads. */
+/* Allocates a list for capacity pairs; inner lists have additional arrays for the kernel. */
 static sp_status pair_list_alloc(pair_list *p, int dim, int32_t capacity, bool inner, sp_error *err) {
     const size_t n = (size_t)capacity, sides = (size_t)dim - 1, forces = (size_t)sp_dynamics_layout(dim).forces;
     pair_list q = {.capacity = capacity};
@@ -72,7 +73,7 @@ static sp_status grow(pair_list *p, int dim, sp_error *err) {
 
 void sp_pairs_return(dynamics *d) {
     if (d->inner.n == 0)
-        return; /* nor are there any arrays at first */
+        return; /* the arrays may not exist yet */
     for (int a = 0; a < d->at.forces; a++) {
         const double *from = d->inner.ft + (int64_t)a * d->inner.capacity;
         double *to = d->outer.ft + (int64_t)a * d->outer.capacity;
@@ -83,11 +84,11 @@ void sp_pairs_return(dynamics *d) {
 
 /* ---- outer list ---------------------------------------------------------------------------------------------- */
 
-/* One grid for each octave of sizes: a cell holds a few grains whatever the range of sizes is. A pair belongs to its
- * smaller grain's octave and is looked for in the larger one's grid. */
+/* There is one grid for each octave of grain sizes, so that a cell holds a few grains for any range of sizes. A pair
+ * belongs to the octave of its smaller grain, which searches the grid of the larger one. */
 enum { OCTAVES = 8 };
 typedef struct cell_grid {
-    int64_t n[3], first; /* cells along each axis; place of the first in cell_head */
+    int64_t n[3], first; /* cells along each axis; index of the first cell in cell_head */
     double width[3];
     bool used;
 } cell_grid;
@@ -108,7 +109,7 @@ static cell_grid grid_for(const dynamics *d, double range, int64_t grains) {
         grid.n[a] = most > 1 ? (int64_t)most : 1;
         cells *= grid.n[a];
     }
-    for (; cells > 8 * grains + 64;) { /* a thin gas: more cells than grains serve nobody */
+    for (; cells > 8 * grains + 64;) { /* thin gas: no need for many more cells than grains */
         int64_t *longest = &grid.n[0];
         for (int a = 1; a < d->dim; a++)
             longest = grid.n[a] > *longest ? &grid.n[a] : longest;
@@ -120,7 +121,8 @@ static cell_grid grid_for(const dynamics *d, double range, int64_t grains) {
     return grid;
 }
 
-/* Whatever a motion that has blown up gives, not a number included, ends in some cell: it is found out later. */
+/* Positions may be wild or not finite after the motion has blown up. Any cell will do: sp_dynamics_sane detects this
+ * later. */
 static int64_t place_of(const cell_grid *grid, int a, double x) {
     const double place = floor(x / grid->width[a]);
     return place >= (double)grid->n[a] ? grid->n[a] - 1 : place > 0 ? (int64_t)place : 0;
@@ -164,7 +166,7 @@ static sp_status sort_into_cells(dynamics *d, double gap, cell_grid grids[OCTAVE
     return SP_OK;
 }
 
-/* The tangential forces that the old list has for a pair: its pairs are in rows by i. */
+/* Copies tangential forces from the old list, whose pairs are sorted by i. */
 static void carry_forces(const dynamics *d, const int32_t *row, pair_list *p, int32_t first) {
     const pair_list *old = &d->outer;
     for (int32_t k = first; k < p->n; k++)
@@ -174,7 +176,7 @@ static void carry_forces(const dynamics *d, const int32_t *row, pair_list *p, in
                     p->ft[k + (int64_t)a * p->capacity] = old->ft[q + (int64_t)a * old->capacity];
 }
 
-/* Which of the two grains is i is decided where pairs are found: either way is given. */
+/* The search decides which grain of a pair is i, so each pair is entered both ways. */
 sp_status sp_pairs_give(dynamics *d, const pair_force *force, int32_t count, sp_error *err) {
     const int32_t n = 2 * count;
     const int forces = d->at.forces;
@@ -207,7 +209,7 @@ out:
     return status;
 }
 
-/* Adds the pair, which is nearer than the gap. */
+/* Appends a pair. */
 static sp_status push_pair(const dynamics *d, int32_t i, int32_t j, const double image[2], pair_list *p,
                            sp_error *err) {
     const double *g = dynamics_grain(d, i), *h = dynamics_grain(d, j);
@@ -225,8 +227,8 @@ static sp_status push_pair(const dynamics *d, int32_t i, int32_t j, const double
     return SP_OK;
 }
 
-/* The grains of one cell that are nearer to grain i than the gap. same: i's own octave, where a pair belongs to the
- * smaller number. One body for both dimensions. */
+/* Appends the pairs of grain i in one cell that are closer than the gap. same: the cell is of i's own octave, where a
+ * pair belongs to the lower index. Compiled for both dimensions. */
 static inline sp_status pairs_in_cell(const dynamics *d, int64_t cell, double gap, int32_t i, bool same, pair_list *p,
                                       const int dim, sp_error *err) {
     const double *g = dynamics_grain(d, i), r = g[d->at.r] + gap;
@@ -237,7 +239,7 @@ static inline sp_status pairs_in_cell(const dynamics *d, int64_t cell, double ga
         double image[2] = {0, 0}, square = 0;
         for (int a = 0; a < dim; a++) {
             double x = h[a] - g[a];
-            if (a < dim - 1) { /* both lie in [0, side) */
+            if (a < dim - 1) { /* both lie in [0, period) */
                 image[a] = x > 0.5 * d->side[a] ? -1 : x < -0.5 * d->side[a] ? 1 : 0;
                 x += image[a] * d->side[a];
             }
@@ -250,7 +252,7 @@ static inline sp_status pairs_in_cell(const dynamics *d, int64_t cell, double ga
     return SP_OK;
 }
 
-/* All j in the cells of one grid around grain i (each cell once, however few there are). */
+/* Searches the cells of one grid around grain i, each cell once even if there are few. */
 static sp_status pairs_in_grid(const dynamics *d, const cell_grid *grid, double gap, int32_t i, bool same, pair_list *p,
                                sp_error *err) {
     const double *g = dynamics_grain(d, i);
@@ -348,7 +350,7 @@ static void refill_walls(dynamics *d, double gap) {
     }
 }
 
-/* The pairs of the outer list that are nearer than the gap. One body for both dimensions. */
+/* Copies the pairs of the outer list that are closer than the gap. Compiled for both dimensions. */
 static inline int32_t select_near(dynamics *d, double gap, const int dim) {
     pair_list *inner = &d->inner;
     const pair_list *outer = &d->outer;
@@ -383,7 +385,7 @@ static inline int32_t select_near(dynamics *d, double gap, const int dim) {
     return n;
 }
 
-/* The inner list, and pairs of nobody that fill up its last vector. */
+/* Fills the inner list, and its last vector with dummy pairs. */
 static void select_pairs(dynamics *d, double gap) {
     pair_list *inner = &d->inner;
     inner->n = d->dim == 2 ? select_near(d, gap, 2) : select_near(d, gap, 3);
@@ -400,7 +402,7 @@ static void select_pairs(dynamics *d, double gap) {
     }
 }
 
-/* row: where it begins */
+/* row: its position in rows.row */
 static void give_row(force_rows *f, int32_t i, int32_t row) {
     if (f->count[i] < SLOTS) {
         f->slot[SLOTS * (int64_t)i + f->count[i]++] = row;
@@ -425,7 +427,7 @@ static sp_status rows_alloc(dynamics *d, int64_t rows, sp_error *err) {
     return f->capacity ? SP_OK : sp_fail_memory(err, (size_t)capacity * 8 * (size_t)(d->at.row + 1));
 }
 
-/* Which rows each grain adds up. */
+/* Assigns the force rows of all grains. */
 static sp_status assign_rows(dynamics *d, sp_error *err) {
     force_rows *f = &d->rows;
     const pair_list *p = &d->inner;
@@ -475,12 +477,12 @@ sp_status sp_pairs_refill(dynamics *d, double gap, sp_error *err) {
     return assign_rows(d, err);
 }
 
-/* Steps that an inner list should last, and the gaps over the scale of the grains. */
+/* Number of steps that an inner list should last; gaps in units of `scale`. */
 enum { REFILL_STEPS = 10 };
 static const double OUTER_GAP = 0.4, INNER_GAP_MIN = 2e-3, INNER_GAP_MAX = 0.15;
 
-/* Bound of the relative displacement since the outer list was made, from where the grains are: grains that swing to and
- * fro travel far, but get nowhere. */
+/* Bound of the relative displacement since the outer list was built, from the positions: oscillating grains travel far
+ * but stay near. */
 static double displacement(const dynamics *d) {
     double worst = 0;
     for (int32_t i = 0; i < d->n; i++) {

@@ -1,40 +1,41 @@
-/* The preparation of Somfai et al. 2005, section III: a loose gas compressed by a massive rough piston until all motion
- * stops. Where the paper is silent (damping, piston mass, time step) the spec's defaults are those that reproduce its
- * tables. */
+/* Compression by a piston, Somfai et al. 2005, section III: a massive rough piston compresses a loose gas until all
+ * motion stops. Values that the paper does not give (damping, piston mass, time step) default to those that reproduce
+ * its tables. */
 #include "base/base.h"
-#include "packing/making.h"
-#include "packing/run.h"
+#include "packing/compression.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 
 /* ---- the time step ------------------------------------------------------------------------------------------- */
 
-/* The largest stable step times the rate, for contacts at zeta of critical damping. With `rate` the largest sum of
- * sqrt(m_eff k_n)/m over the contacts of a grain, the largest eigenvalue of the viscous rates is 6.25 zeta rate and the
- * largest frequency is the rate, both within 5% (measured on packings at 1e-4 and 1e-7). Leapfrog whose viscous forces
- * lag half a step is stable for (viscous rate) dt + (omega dt)^2/2 < 2. */
+/* Largest stable step times `rate`, the largest sum of sqrt(m_eff k_n)/m over the contacts of a grain, for contacts
+ * with fraction zeta of critical damping. The largest viscous rate is 6.25 zeta rate, and the largest frequency is
+ * rate, both within 5% (measured on packings at 1e-4 and 1e-7). Leapfrog with viscous forces that lag half a step is
+ * stable for (viscous rate) dt + (omega dt)^2/2 < 2. */
 static double stable_step(double zeta) {
     const double viscous = 6.25 * zeta;
     return sqrt(viscous * viscous + 4) - viscous;
 }
 
-/* While the packing forms, steps of 0.7 of the stable one make it a little denser (Phi2 by 0.2 standard deviations);
- * while it comes to rest they only have to be stable, which in lattices of equal disks they would not be. */
+/* Fraction of the stable step. While the packing forms, 0.7 of it makes the packing slightly denser (Phi2 by 0.2
+ * standard deviations). During equilibration steps only need to be stable, which 0.7 is not in lattices of equal
+ * disks. */
 static double step_fraction(const piston_run *run) {
     const sp_pack_spec *spec = run->spec;
     const double longer = fmax(spec->time_step, fmin(0.7, 1.4 * spec->time_step));
     return run->phase == PHASE_EQUILIBRATION && !sp_sizes_alike(spec) ? longer : spec->time_step;
 }
 
-/* The same for two equal grains that touch nothing else, which matters where there is little damping: their frequency
- * is twice the rate, and where nothing slides sqrt(7/2) times that, as they turn against each other. */
+/* The same for two equal grains without other contacts, which matters if there is little damping. Their frequency is 2
+ * rate or, without sliding, when they rotate against each other, sqrt(7/2) times that. */
 static double stable_pair(const contact_law *law) {
     const double zeta = law->damping, square = law->friction > 2 ? 2.0 / 7 : 1;
     return sqrt(zeta * zeta + square) - zeta;
 }
 
-/* Explicit steps follow the stiffest grain. A contact that closes within the step counts as well, with the stiffness
- * it has after a step at the largest speed and a looser factor, as it is one step only. */
+/* Length of the next step, from the stiffest grain. A contact that closes during the step counts with the stiffness it
+ * would have after a step at the largest speed, and with a looser factor, because it is only one step. */
 static double next_step(const piston_run *run) {
     const dynamics *d = &run->d;
     const double factor = fmin(step_fraction(run) * stable_step(d->law.damping), 0.95 * stable_pair(&d->law));
@@ -47,7 +48,7 @@ static double next_step(const piston_run *run) {
     return fmin(dt, past > 0 ? 1.25 * past : INFINITY);
 }
 
-/* The plain path: a small fraction of the period of the lightest grain on the stiffest contact. */
+/* Step of the reference code: a small fraction of the period of the lightest grain at the stiffest contact. */
 static double plain_step(const piston_run *run) {
     const dynamics *d = &run->d;
     const double factor = 0.05, past = d->dt, soon = 2.0 * sqrt(d->r_max * 2.0 * d->v_max * past);
@@ -59,8 +60,9 @@ static double plain_step(const piston_run *run) {
 
 /* ---- rest ---------------------------------------------------------------------------------------------------- */
 
-/* The drag is to damp the slowest waves, not to hold them back: their frequency falls with the pressure, and as one
- * over the box. 30 d: at 24 and 25 d no less than the protocol's was best. */
+/* Rate of the global damping, which should damp the slowest waves but not hold them back. Their frequency decreases
+ * with the pressure and as one over the size of the box. For boxes up to 30 d the protocol's value is used: at 24 and
+ * 25 d it was best. */
 static double find_drag(const piston_run *run) {
     const dynamics *d = &run->d;
     const double longest = fmax(d->piston_y, fmax(d->side[0], d->dim == 3 ? d->side[1] : 0));
@@ -77,9 +79,9 @@ static void start_calm(piston_run *run) {
     run->full_drag = run->d.drag = find_drag(run);
 }
 
-/* Grains that roll along a mechanism without stiffness (a ball between two strong contacts, say) do so at the speed at
- * which the drag balances a tiny force, and would come to the end of it after 1e7 steps only. Where the residual has
- * not halved for long, the drag makes way for as long, each time more, so that they fall towards their next contact. */
+/* Some grains roll along a mechanism without stiffness, such as a ball between two strong contacts. Their speed is set
+ * by the balance of drag and a tiny force, and they would need 1e7 steps to reach the next contact. If the residual has
+ * not halved for STALL_STEPS, the drag is reduced for as long, each time further. */
 static void ease_drag(piston_run *run) {
     if (run->phase != PHASE_EQUILIBRATION || run->steps - run->stall_step < STALL_STEPS)
         return;
@@ -92,18 +94,18 @@ static void ease_drag(piston_run *run) {
 }
 
 static bool at_rest(const piston_run *run) {
-    /* rattlers in free flight have no elastic force on them: they must have stopped, too */
+    /* rattlers in free flight have no elastic force, so their speed counts */
     bool still = run->d.drag == 0 || run->d.v_max * run->full_drag < run->spec->tolerance;
-    /* the piston weighs as much as hundreds of grains: its acceleration alone would leave the pressure wrong by 1e-5 */
+    /* the piston weighs as much as hundreds of grains: its acceleration alone would allow a pressure error of 1e-5 */
     bool balanced = run->wall_imbalance < run->spec->tolerance;
     bool calm = run->phase == PHASE_EQUILIBRATION || run->spec->calm == 0;
-    /* sides that move slowly have no acceleration, either */
+    /* a slowly changing period has no acceleration either */
     bool driven = sp_compression_driven(run) && run->d.side_rate[0] == 0 && run->d.side_rate[1] == 0 &&
                   run->side_imbalance < 1e-3 * run->spec->pressure;
     return driven && calm && still && balanced && run->residual < run->spec->tolerance;
 }
 
-/* Steps between two calls of the watch: some tenths of a second for many grains, too. */
+/* Steps between two progress reports: some tenths of a second, also for many grains. */
 static int64_t watch_steps(int32_t grains) {
     const int32_t checks = 60000 / grains;
     return (int64_t)CHECK_STEPS * (checks > 100 ? 100 : checks > 1 ? checks : 1);
@@ -132,7 +134,7 @@ static sp_status fail_insane(const piston_run *run, sp_error *err) {
         (unsigned long long)s->seed, (long long)run->steps, s->pressure, s->time_step);
 }
 
-/* Isotropic: sides that too few grains hold apart close up. */
+/* Isotropic: if too few grains hold the box open, it collapses. */
 static sp_status check_sides(const piston_run *run, sp_error *err) {
     const dynamics *d = &run->d;
     const double narrowest = sp_dynamics_narrowest(d);
@@ -147,16 +149,16 @@ static sp_status check_sides(const piston_run *run, sp_error *err) {
     return SP_OK;
 }
 
-/* Parts of the work: a guess from packings of hundreds of grains. */
+/* Shares of the work, estimated from packings of hundreds of grains. */
 static const double FLIGHT_PART = 0.1, CALM_PART = 0.6;
 
-/* x in 0 .. 1 of the way from one part of the work to another; never less than was told. */
+/* Reports that the fraction x of the way between two shares is done. The estimate never decreases. */
 static void guess_work(piston_run *run, double from, double to, double x) {
-    const double part = from + (to - from) * fmax(0, fmin(1, x)); /* fmax(0, not a number) is 0 */
+    const double part = from + (to - from) * fmax(0, fmin(1, x)); /* fmax(0, NAN) is 0 */
     run->fraction = fmax(run->fraction, (run->stage + part) / (run->whole->history_count + 1));
 }
 
-/* How near the residual has come to the tolerance, and before that the piston to the grains. */
+/* Progress from the residual, or during the flight from the piston's height. */
 static void guess_rest(piston_run *run) {
     const double grains =
         run->d.n * (run->d.dim == 2 ? sp_sizes_mean_area(run->whole) : sp_sizes_mean_volume(run->whole));
@@ -195,7 +197,7 @@ static sp_status tell(piston_run *run, sp_error *err) {
     return SP_OK;
 }
 
-/* Every CHECK_STEPS: sane, calm, at rest? */
+/* Every CHECK_STEPS: checks the motion, looks for equilibrium and reports progress. */
 static sp_status inspect(piston_run *run, bool *done, sp_error *err) {
     if (!sp_dynamics_sane(&run->d))
         return fail_insane(run, err);
@@ -220,7 +222,7 @@ static sp_status inspect(piston_run *run, bool *done, sp_error *err) {
     return tell(run, err);
 }
 
-/* Where a state may be saved the lists are made anew. */
+/* Saves the state if wanted, and rebuilds the lists in any case (see state.c). */
 static sp_status pass_state(piston_run *run, sp_error *err) {
     sp_status status = SP_OK;
     if (run->hooks->save && !run->resumed && run->steps > 0)
@@ -229,14 +231,14 @@ static sp_status pass_state(piston_run *run, sp_error *err) {
     return status;
 }
 
-/* Creep is slow motion in which viscous forces balance the elastic ones: no acceleration, but not yet rest. Forces are
- * those of this step. */
+/* Looks for the start of equilibration, at the forces of this step. The acceleration includes viscous forces because
+ * during creep these balance the elastic ones. */
 static void look_for_calm(piston_run *run) {
     const double acceleration = sp_dynamics_acceleration(&run->d), end = run->spec->calm * run->spec->pressure;
     const bool isotropic = run->spec->compression == SP_COMPRESSION_ISOTROPIC;
     if (run->steps > 0 && acceleration < end && sp_compression_driven(run))
         start_calm(run);
-    /* sooner, grains that fly would be no resistance to the sides */
+    /* not earlier: grains in flight offer no resistance */
     if (isotropic && run->steps > 0 && acceleration < fmax(end, 0.01 * run->spec->pressure) &&
         sp_compression_pressed(run))
         run->sides_free = 1;
@@ -268,7 +270,7 @@ static sp_status compress(piston_run *run, sp_error *err) {
 
 /* ---- stages -------------------------------------------------------------------------------------------------- */
 
-/* From rest at one pressure on the way to the next one. */
+/* Continues from the equilibrium of one stage to the next. */
 static void next_stage(piston_run *run) {
     dynamics *d = &run->d;
     run->stage++;

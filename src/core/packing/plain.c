@@ -1,3 +1,4 @@
+/* Reference code for forces and motion, slow and simple. */
 #include "packing/plain.h"
 
 #include "packing/contact.h"
@@ -22,19 +23,19 @@ static vector limited(vector a, double limit) {
 /* Position or velocity of a grain. */
 static vector read3(const dynamics *d, const double *at) { return (vector){at[0], at[1], d->dim == 3 ? at[2] : 0}; }
 
-/* R times angular velocity: in 2D the grain turns about z. */
+/* R times the angular velocity; in 2D the grain turns about z. */
 static vector spin_of(const dynamics *d, int32_t i) {
     const double *w = dynamics_grain(d, i) + d->at.w;
     return d->dim == 3 ? (vector){w[0], w[1], w[2]} : (vector){0, 0, w[0]};
 }
 
 typedef struct touch {
-    vector n, v;     /* normal from i to j, velocity of j's centre against i's */
-    vector w, twist; /* sum of the R omega, sum of the omega */
+    vector n, v;     /* normal from i to j; velocity of j relative to i */
+    vector w, twist; /* sum of the R omega; sum of the omega */
     double e, overlap, m_eff;
 } touch;
 
-/* Appendix A of the paper for one closed contact: force on i, and the turning force n x f_t; *ft advances by dt. */
+/* Appendix A of the paper for one closed contact: force on i and torque/R, n x f_t. Advances *ft by dt. */
 static void law(const dynamics *d, const touch *c, double dt, vector *ft, vector *force, vector *turn) {
     const contact_law *law = &d->law;
     const double kn = contact_normal_stiffness(c->e, c->overlap), elastic = contact_force(c->e, c->overlap);

@@ -1,10 +1,10 @@
 #ifndef SP_PLAIN_H
 #define SP_PLAIN_H
-/* The reference path of `packing.reference = true`: the same model as the kernel, one pair after the other in plain
- * scalar code over all pairs that are near, square roots by the library, forces added where they fall. */
+/* Reference code for `packing.reference = true`. It has the same model as the kernel, but handles all listed pairs one
+ * by one in plain scalar code, with library square roots, and adds forces directly. */
 #include "packing/dynamics.h"
 
-/* As sp_dynamics_forces and sp_dynamics_advance, which call these when d->plain is set. */
+/* Reference versions of sp_dynamics_forces and sp_dynamics_advance. */
 void sp_plain_forces(dynamics *d, double dt_past);
 void sp_plain_advance(dynamics *d, double dt);
 

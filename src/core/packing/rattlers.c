@@ -1,13 +1,14 @@
+/* Finds the grains that do not carry force. */
 #include "base/base.h"
 
 #include <sonopack/packing.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Contacts a grain needs: 2 with friction (or in 1D), dim + 1 without. */
+/* Contacts needed to carry force: 2 with friction or in 1D, dim + 1 without friction. */
 static int32_t contacts_needed(const sp_packing *p) { return p->dim == 1 || p->friction > 0 ? 2 : p->dim + 1; }
 
-/* For each grain the list of its carrying contacts: rows start[i] .. start[i+1]-1 of list. */
+/* Lists the carrying contacts of each grain i at list[start[i] .. start[i+1]-1]. */
 static void list_contacts(const sp_packing *p, const uint8_t *carrying, int32_t *start, int32_t *list) {
     for (int32_t c = 0; c < p->n_contacts; c++) {
         if (!carrying[c])
@@ -25,7 +26,7 @@ static void list_contacts(const sp_packing *p, const uint8_t *carrying, int32_t 
         if (p->contacts[c].j >= 0)
             list[--start[p->contacts[c].j + 1]] = c;
     }
-    /* each start[i+1] was counted down to the row's beginning */
+    /* filling has moved each start[i+1] back to the start of row i */
     memmove(start, start + 1, (size_t)p->n * sizeof *start);
 }
 
@@ -55,7 +56,7 @@ sp_status sp_packing_rattlers(const sp_packing *p, double threshold, uint8_t *ra
             queue[queued++] = i;
         }
     }
-    for (; total < queued; total++) { /* taking one out may leave a neighbour with too few */
+    for (; total < queued; total++) { /* removing a grain may leave its neighbours with too few contacts */
         int32_t i = queue[total];
         for (int32_t k = start[i]; k < start[i + 1]; k++) {
             const sp_contact *contact = &p->contacts[list[k]];

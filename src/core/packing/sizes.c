@@ -1,15 +1,15 @@
-/* The laws of the diameters. */
+/* Size distributions of the grains. */
 #include "base/base.h"
 #include "numeric/random.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 
 static const double PI = 3.14159265358979323846, LN2 = 0.69314718055994530942;
-static const double FARTHEST = 8; /* standard deviations from the median, beyond which no draw of 1e14 would go */
+static const double FARTHEST = 8; /* in standard deviations from the median; beyond this, fewer than one draw in 1e14 */
 
-/* exp and log of the C library differ in their last bits from machine to machine, and packings must not: these two
- * are made of operations that are rounded alike everywhere. Good to some 1e-16. */
+/* exp and log for sizes. Those of the C library differ in their last bits between machines, which would give different
+ * packings. These two use only operations that are rounded alike everywhere, and are accurate to about 1e-16. */
 static double same_exp(double x) {
     const double k = nearbyint(x / LN2), rest = x - k * LN2;
     double sum = 1;
@@ -32,7 +32,7 @@ static double same_log(double x) {
     return k * LN2 + 2 * t * sum;
 }
 
-/* ln of the median: the mean of the whole law is the unit of length. */
+/* ln of the median, for which the mean of the unrestricted distribution is the unit of length. */
 static double log_median(const sp_pack_spec *s) { return -0.5 * s->size_spread * s->size_spread; }
 
 void sp_sizes_limits(const sp_pack_spec *s, double *low, double *high) {
@@ -56,7 +56,7 @@ void sp_sizes_limits(const sp_pack_spec *s, double *low, double *high) {
     }
 }
 
-/* Part of a normal law between two limits, each counted from the nearer end so that tails keep their digits. */
+/* Probability of a normal variable between a and b, computed from the nearer tail to keep its digits. */
 static double normal_part(double a, double b) {
     return a > 0 ? 0.5 * (erfc(a * sqrt(0.5)) - erfc(b * sqrt(0.5)))
                  : 0.5 * (erfc(-b * sqrt(0.5)) - erfc(-a * sqrt(0.5)));
@@ -69,7 +69,7 @@ double sp_sizes_within(const sp_pack_spec *s) {
     return normal_part((log(s->diameter_min) - m) / w, (log(s->diameter_max) - m) / w);
 }
 
-/* <d^k> of a lognormal law between its limits: those of the normal law of ln d are moved by k times the spread. */
+/* <d^k> of a lognormal distribution with limits: the normal distribution of ln d, shifted by k times the spread. */
 static double lognormal_moment(const sp_pack_spec *s, int k) {
     const double m = log_median(s), w = s->size_spread;
     if (w == 0)
@@ -84,7 +84,7 @@ double sp_sizes_moment(const sp_pack_spec *s, int k) {
     const double a = s->diameter_min, b = s->diameter_max;
     double sum = 0;
     switch (s->sizes) {
-    case SP_SIZES_UNIFORM: /* (b^(k+1) - a^(k+1)) / ((k+1) (b - a)), for equal limits too */
+    case SP_SIZES_UNIFORM: /* (b^(k+1) - a^(k+1)) / ((k+1) (b - a)), also for equal limits */
         for (int i = 0; i <= k; i++)
             sum += pow(a, i) * pow(b, k - i);
         return sum / (k + 1);
@@ -106,7 +106,7 @@ static void draw_uniform(const sp_pack_spec *s, sp_random *stream, double *r) {
         r[i] = 0.5 * (s->diameter_min + (s->diameter_max - s->diameter_min) * sp_random_uniform(stream));
 }
 
-/* As many large grains as the fraction says, to the nearest whole number, at random places. */
+/* Gives the nearest whole number of grains to the large fraction, at random indices. */
 static void draw_bidisperse(const sp_pack_spec *s, sp_random *stream, double *r) {
     uint64_t large = (uint64_t)floor(s->large_fraction * s->grains + 0.5);
     for (int32_t i = 0; i < s->grains; i++) {
@@ -116,7 +116,8 @@ static void draw_bidisperse(const sp_pack_spec *s, sp_random *stream, double *r)
     }
 }
 
-/* Rejection from the box around the bell between the limits: as quick in a tail as in the middle. */
+/* Rejection from the rectangle around the normal density between the limits, which is as fast in a tail as in the
+ * middle. */
 static void draw_lognormal(const sp_pack_spec *s, sp_random *stream, double *r) {
     const double m = log_median(s), w = s->size_spread, low = s->diameter_min, high = s->diameter_max;
     double a = 0, b = 0;
@@ -124,7 +125,7 @@ static void draw_lognormal(const sp_pack_spec *s, sp_random *stream, double *r) 
         a = fmax(-FARTHEST, (same_log(low) - m) / w);
         b = fmin(FARTHEST, (same_log(high) - m) / w);
     }
-    const double top = a > 0 ? a : b < 0 ? b : 0; /* where the bell is highest */
+    const double top = a > 0 ? a : b < 0 ? b : 0; /* position of the maximum */
     for (int32_t i = 0; i < s->grains; i++) {
         double z;
         do

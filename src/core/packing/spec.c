@@ -1,19 +1,20 @@
+/* Defaults, checks and resolved values of a packing's spec. */
 #include "base/base.h"
 #include "packing/contact.h"
 #include "packing/keys.h"
-#include "packing/making.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 #include <sonopack/packing.h>
 
-/* What a protocol decides where the spec leaves it open. */
+/* Values that a protocol sets if the spec leaves them open. */
 typedef struct protocol {
     double damping, piston_mass, gas_fraction[4], time_step, calm, drag, viscous_limit,
         calm_damping; /* gas_fraction by dimension */
 } protocol;
 
 static const protocol protocols[] = {
-    /* that of SOMFAI2005 until the global damping begins: another motion would be another material */
+    /* as SOMFAI2005 until the global damping starts: a different motion would give a different material */
     [SP_PROTOCOL_DEFAULT] = {.damping = 0.8,
                              .piston_mass = 12.5,
                              .gas_fraction = {0.3, 0.3, 0.3, 0.2},
@@ -56,14 +57,14 @@ sp_pack_spec sp_pack_spec_default(void) {
                           .drag = -1};
 }
 
-/* Lists that are too long, or that say more values than they have. */
+/* Lists that are too long, or that have fewer values than they claim. */
 static sp_status check_lists(const sp_pack_spec *s, sp_error *err) {
     if (s->diameter_count < 0 || s->diameter_count > SP_DIAMETERS_MAX)
-        return sp_fail_key(err, SP_EINVAL, "packing.diameters", " = (%d numbers): must be %d at the most",
+        return sp_fail_key(err, SP_EINVAL, "packing.diameters", " = (%d numbers): must be at most %d",
                            s->diameter_count, SP_DIAMETERS_MAX);
     if (s->history_count < 0 || s->history_count > SP_HISTORY_MAX || (s->history_count > 0 && !s->history))
-        return sp_fail_key(err, SP_EINVAL, "packing.history", " = (%d pressures): must be %d at the most",
-                           s->history_count, SP_HISTORY_MAX);
+        return sp_fail_key(err, SP_EINVAL, "packing.history", " = (%d pressures): must be at most %d", s->history_count,
+                           SP_HISTORY_MAX);
     return SP_OK;
 }
 
@@ -88,23 +89,23 @@ static sp_status check_list(const sp_pack_spec *given, sp_error *err) {
     return SP_OK;
 }
 
-/* Limits that leave next to nothing are a slip: the grains would all be as large as the nearer limit. */
+/* Limits that exclude nearly all grains are a mistake: all grains would be as large as the nearer limit. */
 static sp_status check_lognormal(const sp_pack_spec *s, sp_error *err) {
     const double within = sp_sizes_within(s);
     if (within >= 0.01)
         return SP_OK;
     if (s->size_spread == 0)
         return sp_fail_key(err, SP_EINVAL, "packing.size_spread",
-                           " = 0: all grains have diameter 1 then, which must be in the limits "
+                           " = 0: all grains then have diameter 1, which must lie within "
                            "packing.diameter_min = %g .. packing.diameter_max = %g",
                            s->diameter_min, s->diameter_max);
     return sp_fail_key(err, SP_EINVAL, "packing.size_spread",
-                       " = %g: a lognormal law of this spread has %.2g of its grains in the limits "
+                       " = %g: a lognormal distribution of this spread has a fraction %.2g of its grains within "
                        "packing.diameter_min = %g .. packing.diameter_max = %g: must be at least 0.01",
                        s->size_spread, within, s->diameter_min, s->diameter_max);
 }
 
-/* The law, and that its limits can be met; s is `given` resolved. */
+/* Checks the distribution and its limits. s is `given`, resolved. */
 static sp_status check_sizes(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err) {
     if (s->sizes == SP_SIZES_LIST)
         return check_list(given, err);
@@ -117,7 +118,7 @@ static sp_status check_sizes(const sp_pack_spec *given, const sp_pack_spec *s, s
         return sp_fail_key(err, SP_EINVAL, given->diameter_min == 0 ? "packing.diameter_min" : "packing.diameter_max",
                            " = 0: must be given if packing.diameter_%s is, or neither",
                            given->diameter_min == 0 ? "max" : "min");
-    sp_status status = sp_keys_check(sp_pack_keys, s, err); /* the limits that the law itself decides */
+    sp_status status = sp_keys_check(sp_pack_keys, s, err); /* limits that the distribution itself determines */
     if (status != SP_OK)
         return status;
     if (s->diameter_min > s->diameter_max)
@@ -126,13 +127,13 @@ static sp_status check_sizes(const sp_pack_spec *given, const sp_pack_spec *s, s
     return s->sizes == SP_SIZES_LOGNORMAL ? check_lognormal(s, err) : SP_OK;
 }
 
-/* For what is compressed step by step: the unit of length is met, and grains of all sizes see each other. */
+/* For compressed packings: the mean diameter must be near 1, and grains of all sizes must be visible to each other. */
 static sp_status check_scale(const sp_pack_spec *s, sp_error *err) {
     const double slack = 1 + 1e-9, mean = sp_sizes_moment(s, 1);
     if (!(mean * slack >= 0.1 && mean <= 10 * slack))
         return sp_fail_key(err, SP_EINVAL, "packing.diameter_min",
-                           " = %g, packing.diameter_max = %g: must be 0.1 .. 10 in the mean (it is %g), "
-                           "which is the unit of length",
+                           " = %g, packing.diameter_max = %g: their mean is %g: must be 0.1 .. 10, "
+                           "because it is the unit of length",
                            s->diameter_min, s->diameter_max, mean);
     if (s->diameter_max > 100 * slack * s->diameter_min)
         return sp_fail_key(err, SP_EINVAL, "packing.diameter_max",
@@ -141,25 +142,24 @@ static sp_status check_scale(const sp_pack_spec *s, sp_error *err) {
     const double sides[] = {s->width, s->depth};
     for (int k = 0; k < s->dim - 1; k++)
         if (sides[k] < 4 * s->diameter_max)
-            return sp_fail_key(
-                err, SP_EINVAL, k == 0 ? "packing.width" : "packing.depth",
-                " = %g: a box narrower than four of the largest grains (%g) would see itself through the "
-                "periodic sides",
-                sides[k], 4 * s->diameter_max);
+            return sp_fail_key(err, SP_EINVAL, k == 0 ? "packing.width" : "packing.depth",
+                               " = %g: must be at least four of the largest diameters (%g): in a narrower box "
+                               "grains would touch their own periodic images",
+                               sides[k], 4 * s->diameter_max);
     return SP_OK;
 }
 
 /* ---- kinds ----------------------------------------------------------------------------------------------------- */
 
-/* Accelerations of heavy grains are small for large forces: by this much less is allowed where all grains, or the
- * largest among smaller ones, are so heavy that forces would be off by more than 1e-5 of those that are usual. 1 for
+/* Heavy grains have small accelerations even under large forces. This factor lowers the tolerance if all grains, or the
+ * largest among smaller ones, are so heavy that forces would be off by more than 1e-5 of typical ones. It is 1 for
  * diameters up to 2.6. */
 static double heaviness(const sp_pack_spec *s) {
     const double mean = sp_sizes_moment(s, 1);
     return fmax(fmax(1, s->diameter_min), grain_mass(0.5 * s->diameter_max) / (10 * mean * mean));
 }
 
-/* Places in the box are rounded, and contacts have stiffnesses of about p^(1/3): 2e-15 were reached at 1e-4. */
+/* Positions are rounded, and contact stiffnesses are about p^(1/3). A tolerance of 2e-15 was reached at p = 1e-4. */
 static double least_tolerance(const sp_pack_spec *s) {
     const double area = s->dim == 3 ? s->width * s->depth : s->width;
     return 1e-13 * cbrt(s->pressure) * fmax(1, fmax(s->width, s->grains / area) / 25);
@@ -169,8 +169,8 @@ static sp_status check_motion(const sp_pack_spec *s, sp_error *err) {
     const double slack = 1 + 1e-9;
     if (s->tolerance > 0.1 * slack * s->pressure)
         return sp_fail_key(err, SP_EINVAL, "packing.tolerance",
-                           " = %g: must be at most 0.1 of packing.pressure = %g, no packing is at rest "
-                           "above that",
+                           " = %g: must be at most 0.1 of packing.pressure = %g, above which no packing is "
+                           "at rest",
                            s->tolerance, s->pressure);
     const double least = least_tolerance(s);
     if (s->tolerance < least)
@@ -180,7 +180,7 @@ static sp_status check_motion(const sp_pack_spec *s, sp_error *err) {
                            s->tolerance, least);
     if (s->calm > 0 && s->calm < 1e-6)
         return sp_fail_key(err, SP_EINVAL, "packing.calm",
-                           " = %g: must be at least 1e-6, or 0 (never), or below 0 (the protocol's own)", s->calm);
+                           " = %g: must be at least 1e-6, or 0 (never), or below 0 (set by the protocol)", s->calm);
     return SP_OK;
 }
 
@@ -215,7 +215,7 @@ static sp_status check_ordered(const sp_pack_spec *s, sp_error *err) {
     return chain ? SP_OK : check_triangular(s, err);
 }
 
-/* Sides close on grains that do not fill the floor, or push them on top of each other, until there is no box. */
+/* If the grains do not fill a layer, the periods shrink to nothing, or the grains are pushed on top of each other. */
 static sp_status check_layer(const sp_pack_spec *s, sp_error *err) {
     if (s->compression != SP_COMPRESSION_ISOTROPIC)
         return SP_OK;
@@ -229,7 +229,7 @@ static sp_status check_layer(const sp_pack_spec *s, sp_error *err) {
                        s->grains, least);
 }
 
-/* The most that a wall of nothing but the largest grains carries before these are flat: Hertz, 0.8 radii deep. */
+/* Largest pressure that a layer of the largest grains carries before the overlaps reach 0.8 radii (Hertz). */
 static sp_status check_load(const sp_pack_spec *s, sp_error *err) {
     const double r = 0.5 * s->diameter_max, area = s->width * (s->dim == 2 ? 1 : s->depth);
     const double most = 4.0 / 3.0 * sqrt(r) * pow(0.8 * r, 1.5) * s->grains / area;
@@ -248,8 +248,8 @@ static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
     sp_status status = check_scale(s, err);
     if (status != SP_OK)
         return status;
-    /* dropping disks at random stops at an area fraction of 0.547, spheres at a volume fraction of 0.38, and takes
-     * ever longer before; equal grains are the worst */
+    /* random sequential addition stops at an area fraction of 0.547 for disks and a volume fraction of 0.38 for
+     * spheres, and slows down long before; equal grains are the worst case */
     const double densest = s->dim == 2 ? 0.45 : 0.3;
     if (s->gas_fraction > densest)
         return sp_fail_key(err, SP_EINVAL, "packing.gas_fraction",
@@ -262,14 +262,14 @@ static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
     return status == SP_OK ? check_motion(s, err) : status;
 }
 
-/* The packing itself may not be known yet. */
+/* The initial packing may not be known yet. */
 static sp_status check_file(const sp_pack_spec *s, sp_error *err) {
     sp_status status = s->content ? check_scale(s, err) : SP_OK;
     return status == SP_OK ? check_motion(s, err) : status;
 }
 
-/* Where disks of one size lie in a lattice, all turning the same way has 1.6 times the viscous rate that is the largest
- * in other packings: above 0.65 of their stable step the turning grows. */
+/* In a lattice of equal disks, rotation of all disks in the same sense has 1.6 times the largest viscous rate of other
+ * packings. It grows above 0.65 of their stable step. */
 static const double LATTICE_STEP = 0.5;
 
 sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
@@ -280,7 +280,7 @@ sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     if (s.tolerance == 0)
         s.tolerance = fmax(fmin(1e-10, 1e-6 * s.pressure) / heaviness(&s), least_tolerance(&s));
     if (s.dim < 1 || s.dim > 3 || (unsigned)s.protocol >= PROTOCOLS)
-        return s; /* no spec that a check would pass */
+        return s; /* such a spec fails every check */
     const protocol *own = &protocols[s.protocol];
     if (s.damping == 0)
         s.damping = own->damping;
@@ -324,22 +324,22 @@ sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
 }
 
 sp_status sp_pack_spec_fill(const sp_pack_spec *given, double height, int32_t *grains, sp_error *err) {
-    /* measured: 0.795 .. 0.822 over the whole boxes of 8 .. 400 d, 24 wide, at p = 1e-4, most in the highest */
+    /* measured: 0.795 .. 0.822 over whole boxes 24 wide and 8 .. 400 d high at p = 1e-4, largest in the highest */
     const double disks = 0.815, spheres = 0.6;
     if (given->kind != SP_PACK_PISTON || given->compression != SP_COMPRESSION_PISTON || given->dim < 2)
         return sp_fail_key(err, SP_EINVAL, "packing.height",
-                           " = %g: must be 0 (packing.grains decides) but for packing.kind = \"piston\" with "
+                           " = %g: must be 0 (packing.grains determines it) except for packing.kind = \"piston\" with "
                            "packing.compression = \"piston\"",
                            height);
     sp_pack_spec s = *given;
     if (s.sizes == SP_SIZES_LIST)
-        s.grains = s.diameter_count; /* the mean of the whole list */
+        s.grains = s.diameter_count; /* mean of the whole list */
     s = sp_pack_spec_resolve(&s);
     const double number = s.dim == 2 ? height * s.width * disks / sp_sizes_mean_area(&s)
                                      : height * s.width * s.depth * spheres / sp_sizes_mean_volume(&s);
     if (!(number <= 1e8))
         return sp_fail_key(err, SP_EINVAL, "packing.height",
-                           " = %g: must be lower, it takes %.3g grains and 1e8 are the most", height, number);
+                           " = %g: must be lower: it takes %.3g grains, and at most 1e8 are possible", height, number);
     *grains = number > 1 ? (int32_t)floor(number + 0.5) : 1;
     return SP_OK;
 }

@@ -1,23 +1,22 @@
-/* Where a compression starts: a gas, a lattice that is blown up, or a packing. */
+/* Initial states of a compression: a gas, an expanded lattice, or a packing. */
 #include "base/base.h"
+#include "packing/compression.h"
 #include "packing/contact.h"
-#include "packing/making.h"
 #include "packing/pairs.h"
-#include "packing/run.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A stiffness that the packing certainly has at the end, for the first step: one grain that carries p d^2. */
+/* Uses a stiffness that the packing certainly reaches: that of one grain that carries p d^2. */
 double sp_compression_first_step(const piston_run *run) {
     double e = contact_stiffness(0.5, 0.5), overlap = contact_overlap(e, run->spec->pressure);
     return 0.1 * sqrt(run->d.m_min / contact_normal_stiffness(e, overlap));
 }
 
-/* Gas, compaction and creep of 600 grains take 1e5 steps at 1e-4 and 3e5 at 1e-7 by the slower protocol, more with the
- * height (the number of grains across) and the grains' mass ratio: forty times that means that it never comes to
- * rest. */
+/* Gas, compaction and creep of 600 grains take 1e5 steps at p = 1e-4 and 3e5 at 1e-7 by the slower protocol, more with
+ * the height in grains and with their mass ratio. After forty times as many steps the packing will not come to rest. */
 static int64_t default_max_steps(const piston_run *run) {
     const sp_pack_spec *spec = run->whole;
     const double diameter = sp_sizes_moment(spec, 1);
@@ -43,8 +42,8 @@ static int by_place(const void *one, const void *two) {
     return a->id < b->id ? -1 : 1;
 }
 
-/* Numbers the grains in layers, rows and columns of the compressed packing, so that neighbours lie together in memory:
- * id[k] is the grain that comes as number k. */
+/* Orders the grains by layer, row and column of the compressed packing, so that neighbours are close in memory. id[k]
+ * is the grain at place k. */
 static sp_status number_by_place(const sp_pack_spec *spec, const double *x, double height, int32_t *id, sp_error *err) {
     const int up = spec->dim - 1;
     const double layers = fmax(1, spec->grains / (spec->width * (up == 2 ? spec->depth : 1)));
@@ -75,19 +74,19 @@ static void reorder(const int32_t *id, int32_t n, const double *r, const double 
 sp_status sp_compression_place(piston_run *run, const sp_pack_spec *spec, const double *r, const double *x,
                                double height, sp_error *err) {
     const size_t n = (size_t)spec->grains;
-    double *room = sp_alloc(4 * n, sizeof *room);
+    double *scratch = sp_alloc(4 * n, sizeof *scratch);
     run->id = sp_alloc(n, sizeof *run->id);
-    sp_status status = room && run->id ? SP_OK : sp_fail_memory(err, n * 36);
+    sp_status status = scratch && run->id ? SP_OK : sp_fail_memory(err, n * 36);
     if (status == SP_OK)
         status = number_by_place(spec, x, height, run->id, err);
     if (status == SP_OK) {
-        reorder(run->id, spec->grains, r, x, room, room + n);
-        status = sp_dynamics_make(spec, room, room + n, height, &run->d, err);
+        reorder(run->id, spec->grains, r, x, scratch, scratch + n);
+        status = sp_dynamics_make(spec, scratch, scratch + n, height, &run->d, err);
     }
     run->start_height = height;
     run->start_side[0] = spec->width;
     run->start_side[1] = spec->depth;
-    sp_free(room);
+    sp_free(scratch);
     return status;
 }
 
@@ -111,7 +110,7 @@ static sp_status start_lattice(piston_run *run, double *r, double *x, sp_error *
     return sp_compression_place(run, &blown_up, r, x, lattice.height, err);
 }
 
-/* The tangential forces of a packing's contacts, into grains that have just been placed. */
+/* Transfers the tangential forces of a packing's contacts to grains that have just been placed. */
 static sp_status give_forces(piston_run *run, const sp_packing *from, sp_error *err) {
     dynamics *d = &run->d;
     int32_t *at = sp_alloc((size_t)d->n, sizeof *at), count = 0;
@@ -140,7 +139,7 @@ out:
     return status;
 }
 
-/* The step that the packing allows is known before anything moves: a step of no length finds the stiffest grain. */
+/* Finds the stable step before anything moves: a step of length zero finds the stiffest grain. */
 static sp_status measure_step(piston_run *run, sp_error *err) {
     dynamics *d = &run->d;
     sp_status status = sp_dynamics_refresh(d, err);
@@ -148,7 +147,7 @@ static sp_status measure_step(piston_run *run, sp_error *err) {
         return status;
     sp_dynamics_forces(d, 0);
     sp_dynamics_advance(d, 0);
-    const double rate = d->plain ? sqrt(d->k_max / d->m_min) / 0.04 : d->rate / 0.1; /* stable with any damping */
+    const double rate = d->plain ? sqrt(d->k_max / d->m_min) / 0.04 : d->rate / 0.1; /* stable for any damping */
     d->dt = rate > 0 ? fmin(sp_compression_first_step(run), 1 / rate) : sp_compression_first_step(run);
     return SP_OK;
 }
@@ -168,8 +167,9 @@ static sp_status start_packing(piston_run *run, sp_error *err) {
 
 /* ---- all together -------------------------------------------------------------------------------------------- */
 
-/* A piston that falls with more than this drives grains through one another where it strikes, small ones between large
- * ones first, which carry what these do: what is missing comes on once it rests on them. */
+/* Initial pressure. A faster piston would push grains through each other where it hits them, and small grains between
+ * large ones first, because these pass their load on to them. The pressure rises to its full value once the piston
+ * rests on the grains. */
 static double gentle_pressure(const piston_run *run) {
     const double small = run->spec->diameter_min / run->d.scale;
     return 1e-3 * fmin(1, 4 * small * small);
@@ -201,7 +201,7 @@ sp_status sp_compression_start(piston_run *run, sp_error *err) {
     sp_compression_set_stage(run);
     sp_status status = run->hooks->state ? sp_state_load(run, err) : start_new(run, err);
     if (status == SP_OK && spec->grains >= 5000)
-        status = sp_team_make(run->hooks->threads, &run->d.team, err);
+        status = sp_pool_make(run->hooks->threads, &run->d.pool, err);
     run->r_min = 0.5 * spec->diameter_min;
     if (status == SP_OK)
         run->max_steps = spec->max_steps ? spec->max_steps : default_max_steps(run);

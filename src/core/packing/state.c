@@ -1,12 +1,13 @@
-/* A compression's state as bytes, so that a making that was ended at any time goes on as if it had not been.
+/* The state of a compression as bytes, so that an interrupted run can be resumed with an identical result.
  *
- * The lists of neighbours decide the order in which forces are added up, and so the bits. They are made anew from the
- * positions wherever a state may be saved, whether it is or not. */
+ * The order of pairs in the neighbour lists determines the order of summation, and so the bits. Therefore the lists are
+ * rebuilt from the positions wherever a state may be saved, even if none is. */
 #include "base/base.h"
+#include "base/hash.h"
+#include "packing/compression.h"
 #include "packing/keys.h"
-#include "packing/making.h"
 #include "packing/pairs.h"
-#include "packing/run.h"
+#include "packing/prepare.h"
 
 #include <math.h>
 #include <sonopack/version.h>
@@ -17,37 +18,19 @@ enum { STATE_VERSION = 1, BYTE_ORDER_MARK = 0x01020304 };
 
 /* ---- hashes -------------------------------------------------------------------------------------------------- */
 
-/* FNV-1a over whole words of 64 bits, and over the bytes that are left; the upper bits are folded down, as a product
- * carries upwards only. */
-static uint64_t add_bytes(uint64_t hash, const void *data, size_t size) {
-    const unsigned char *byte = data;
-    for (; size > 0;) {
-        const size_t part = size < 8 ? size : 8;
-        uint64_t word = 0;
-        memcpy(&word, byte, part);
-        hash = (hash ^ word) * 0x100000001b3u;
-        hash ^= hash >> 29;
-        byte += part;
-        size -= part;
-    }
-    return hash;
-}
+static uint64_t add_number(uint64_t hash, double value) { return sp_hash64_words(hash, &value, sizeof value); }
 
-static const uint64_t first_hash = 0xcbf29ce484222325u;
+static uint64_t add_integer(uint64_t hash, uint64_t value) { return sp_hash64_words(hash, &value, sizeof value); }
 
-static uint64_t add_number(uint64_t hash, double value) { return add_bytes(hash, &value, sizeof value); }
-
-static uint64_t add_integer(uint64_t hash, uint64_t value) { return add_bytes(hash, &value, sizeof value); }
-
-uint64_t sp_packing_content(const sp_packing *p) {
-    uint64_t hash = add_integer(first_hash, (uint64_t)p->dim);
+uint64_t sp_packing_hash(const sp_packing *p) {
+    uint64_t hash = add_integer(SP_HASH64_BEGIN, (uint64_t)p->dim);
     hash = add_integer(hash, (uint64_t)p->n);
     hash = add_integer(hash, (uint64_t)p->n_contacts);
     for (int a = 0; a < 3; a++)
         hash = add_number(hash, p->box[a]);
     hash = add_number(hash, p->pressure);
-    hash = add_bytes(hash, p->x, 3 * (size_t)p->n * sizeof *p->x);
-    hash = add_bytes(hash, p->r, (size_t)p->n * sizeof *p->r);
+    hash = sp_hash64_words(hash, p->x, 3 * (size_t)p->n * sizeof *p->x);
+    hash = sp_hash64_words(hash, p->r, (size_t)p->n * sizeof *p->r);
     for (int32_t c = 0; c < p->n_contacts; c++) {
         const sp_contact *k = &p->contacts[c];
         hash = add_integer(hash, (uint64_t)k->i << 32 | (uint32_t)k->j);
@@ -64,13 +47,13 @@ static uint64_t add_list(uint64_t hash, const sp_key *key, const sp_pack_spec *s
     memcpy(&values, (const char *)s + key->offset, sizeof values);
     memcpy(&count, (const char *)s + key->count, sizeof count);
     hash = add_integer(hash, (uint64_t)count);
-    return add_bytes(hash, values, (size_t)count * sizeof *values);
+    return sp_hash64_words(hash, values, (size_t)count * sizeof *values);
 }
 
-/* Everything that decides the packing: every key of the table, first integers and words, then real numbers, then lists.
- * s is resolved. */
+/* Hash of everything that determines the packing: every key of the table, first integers and words, then real numbers,
+ * then lists. s is resolved. */
 static uint64_t spec_hash(const sp_pack_spec *s) {
-    uint64_t hash = add_bytes(first_hash, SONOPACK_VERSION, sizeof SONOPACK_VERSION);
+    uint64_t hash = sp_hash64_words(SP_HASH64_BEGIN, SONOPACK_VERSION, sizeof SONOPACK_VERSION);
     hash = add_integer(hash, (uint64_t)SONOPACK_ALGORITHM);
     for (const sp_key *key = sp_pack_keys; key->name; key++)
         if (key->type != SP_KEY_REAL && key->type != SP_KEY_REALS)
@@ -86,12 +69,12 @@ static uint64_t spec_hash(const sp_pack_spec *s) {
 
 /* ---- what goes in and out ------------------------------------------------------------------------------------ */
 
-/* Counts bytes, writes them, or reads them: whatever it is, it goes through the fields in the same order. */
+/* Counts, writes or reads bytes. All three visit the fields in the same order. */
 typedef struct stream {
-    unsigned char *to;         /* NULL: none are written */
-    const unsigned char *from; /* NULL: none are read */
-    size_t at, size;           /* reading: no further than size */
-    bool short_of;             /* reading went beyond */
+    unsigned char *to;         /* destination, or NULL */
+    const unsigned char *from; /* source, or NULL */
+    size_t at, size;           /* size: limit for reading */
+    bool short_of;             /* an attempt to read beyond size */
 } stream;
 
 static void pass(stream *s, void *data, size_t size) {
@@ -109,7 +92,7 @@ static void pass(stream *s, void *data, size_t size) {
 typedef struct header {
     char magic[8];
     uint32_t version, order;
-    uint64_t spec, size; /* of all bytes, the checksum at the end included */
+    uint64_t spec, size; /* size: of the whole state, including the checksum at its end */
     int64_t steps;
 } header;
 
@@ -162,7 +145,7 @@ static void pass_run(stream *s, piston_run *run) {
     run->rest_checks = rest_checks;
 }
 
-/* Springs that are stretched: the others are known without being written. */
+/* Writes the pairs with a tangential force; all others are recomputed. */
 static void write_pairs(stream *s, const dynamics *d) {
     const pair_list *p = &d->outer;
     const int forces = d->at.forces;
@@ -202,7 +185,7 @@ static size_t write_all(piston_run *run, unsigned char *to, size_t size) {
     pass(&s, d->g, (size_t)d->n * (size_t)d->at.stride * sizeof *d->g);
     pass_walls(&s, d);
     write_pairs(&s, d);
-    uint64_t sum = to ? add_bytes(first_hash, to, s.at) : 0;
+    uint64_t sum = to ? sp_hash64_words(SP_HASH64_BEGIN, to, s.at) : 0;
     pass(&s, &sum, sizeof sum);
     return s.at;
 }
@@ -225,25 +208,25 @@ static sp_status damaged(sp_error *err, const char *what) {
     return sp_fail(err, SP_EFORMAT, "the state is damaged: %s", what);
 }
 
-bool sp_pack_state_looks(const void *state, size_t size) {
+bool sp_pack_is_state(const void *state, size_t size) {
     return size >= sizeof magic && memcmp(state, magic, sizeof magic) == 0;
 }
 
 static sp_status check_header(const sp_pack_spec *spec, const void *state, size_t size, header *out, sp_error *err) {
     header h;
     uint64_t sum;
-    if (!sp_pack_state_looks(state, size) || size < sizeof h + sizeof sum)
-        return sp_fail(err, SP_EFORMAT, "these are no state of a packing's making");
+    if (!sp_pack_is_state(state, size) || size < sizeof h + sizeof sum)
+        return sp_fail(err, SP_EFORMAT, "this is not a saved state of a compression");
     memcpy(&h, state, sizeof h);
     if (h.version != STATE_VERSION || h.order != BYTE_ORDER_MARK)
         return sp_fail(err, SP_EFORMAT, "the state was written by another version or another kind of machine");
     if (h.size != size)
-        return damaged(err, "it has not the length that it says");
+        return damaged(err, "its length is wrong");
     memcpy(&sum, (const unsigned char *)state + size - sizeof sum, sizeof sum);
-    if (sum != add_bytes(first_hash, state, size - sizeof sum))
-        return damaged(err, "its checksum is not that of its bytes");
+    if (sum != sp_hash64_words(SP_HASH64_BEGIN, state, size - sizeof sum))
+        return damaged(err, "its checksum is wrong");
     if (h.spec != spec_hash(spec))
-        return sp_fail(err, SP_EFORMAT, "the state is that of another packing, or of another version");
+        return sp_fail(err, SP_EFORMAT, "the state belongs to another packing or another version");
     *out = h;
     return SP_OK;
 }
@@ -257,7 +240,7 @@ sp_status sp_pack_state_check(const sp_pack_spec *spec, const void *state, size_
     return status;
 }
 
-/* Grains' numbers and lines, and with them the rooms of the dynamics. */
+/* Reads the order and data of the grains, and creates the dynamics. */
 static sp_status read_grains(stream *s, piston_run *run, sp_error *err) {
     const sp_pack_spec *spec = run->whole;
     const grain_layout at = sp_dynamics_layout(spec->dim);
@@ -279,7 +262,7 @@ static sp_status read_grains(stream *s, piston_run *run, sp_error *err) {
         if (good)
             seen[id] = 1;
         else
-            status = damaged(err, "a grain is none");
+            status = damaged(err, "a grain is invalid");
         r[i] = g[stride * i + r_at];
     }
     if (status == SP_OK && s->short_of)
@@ -322,12 +305,12 @@ static sp_status read_pairs(stream *s, dynamics *d, sp_error *err) {
             good = good && isfinite(f->ft[a]);
         }
     }
-    sp_status status = good ? sp_pairs_give(d, force, count, err) : damaged(err, "a contact is none");
+    sp_status status = good ? sp_pairs_give(d, force, count, err) : damaged(err, "a contact is invalid");
     sp_free(force);
     return status;
 }
 
-/* Lengths that no arithmetic can be done with. */
+/* Whether lengths and counts are possible. */
 static bool sane(const piston_run *run) {
     const dynamics *d = &run->d;
     const double lengths[] = {run->start_height, run->start_side[0], d->side[0], d->area,
@@ -346,7 +329,7 @@ sp_status sp_state_load(piston_run *run, sp_error *err) {
     stream s = {.from = run->hooks->state, .at = sizeof h, .size = run->hooks->state_size - sizeof(uint64_t)};
     pass_run(&s, run);
     if (s.short_of || !sane(run))
-        return damaged(err, "its numbers are none of a compression");
+        return damaged(err, "its numbers are impossible");
     status = read_grains(&s, run, err);
     if (status != SP_OK)
         return status;
@@ -354,7 +337,7 @@ sp_status sp_state_load(piston_run *run, sp_error *err) {
     pass_walls(&s, &run->d);
     status = read_pairs(&s, &run->d, err);
     if (status == SP_OK && s.at != s.size)
-        status = damaged(err, "it goes on behind its end");
+        status = damaged(err, "there are bytes after its end");
     sp_compression_set_stage(run);
     run->resumed = true;
     return status;

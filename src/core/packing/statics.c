@@ -1,4 +1,4 @@
-/* Table I of Somfai et al. 2005. */
+/* Bulk averages of Table I of Somfai et al. 2005. */
 #include "base/base.h"
 #include "packing/contact.h"
 
@@ -7,7 +7,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* Part of a disc or of a ball of radius r at height y that lies below a level: 0 .. 1. */
+/* Fraction of a disc or ball of radius r at height y that lies below a level. */
 static double disc_below(double level, double y, double r) {
     double s = fmax(-1, fmin(1, (level - y) / r));
     return 0.5 + (asin(s) + s * sqrt(1 - s * s)) / PI;
@@ -19,7 +19,7 @@ static double ball_below(double level, double y, double r) {
 }
 
 typedef struct bulk {
-    double low, high; /* heights between which the walls are far */
+    double low, high; /* heights of its boundaries */
     int up;
 } bulk;
 
@@ -40,7 +40,7 @@ static void sum_fractions(const sp_packing *p, const bulk *b, const uint8_t *rat
     s->phi3s = carrying / base;
 }
 
-/* Grains whose centre is in the bulk: rattlers, and the contacts of the others, wherever their partners are. */
+/* Averages over grains with centres in the bulk, wherever their contacts are. */
 static sp_status sum_coordination(const sp_packing *p, const bulk *b, const uint8_t *rattler, const uint8_t *carrying,
                                   sp_statics *s, sp_error *err) {
     int32_t *count = sp_alloc((size_t)p->n, sizeof *count);
@@ -67,7 +67,7 @@ static sp_status sum_coordination(const sp_packing *p, const bulk *b, const uint
     return SP_OK;
 }
 
-/* The point where grain i is touched. */
+/* Height of a contact point. */
 static double contact_height(const sp_packing *p, const sp_contact *c, int up) {
     return p->x[3 * (size_t)c->i + (size_t)up] + c->n[up] * (p->r[c->i] - 0.5 * c->overlap);
 }
@@ -100,8 +100,8 @@ static void sum_forces(const sp_packing *p, const bulk *b, const uint8_t *carryi
     s->f2s = strong_fabric / strong;
 }
 
-/* sigma_ab = 1/V sum F_a r_b, positive in compression, over all carrying contacts, walls included: F what i does to j,
- * r from i to j. Only b = up matters beside the diagonal: the force on a horizontal plane. */
+/* sigma_ab = 1/V sum F_a r_b over all carrying contacts, walls included, positive in compression. F is the force of i
+ * on j and r points from i to j. Besides the diagonal only b = up is needed: the force on a horizontal plane. */
 static void sum_stress(const sp_packing *p, const uint8_t *carrying, sp_statics *s) {
     double diagonal[3] = {0}, on_plane[3] = {0};
     const int up = p->dim - 1;
@@ -126,7 +126,7 @@ static void sum_stress(const sp_packing *p, const uint8_t *carrying, sp_statics 
     s->s32_over_s2 = up == 2 ? on_plane[1] / diagonal[up] : NAN;
 }
 
-/* Contacts that slide relax a little below Coulomb's limit. */
+/* Sliding contacts relax a little below Coulomb's limit. */
 static const double at_limit = 0.99;
 
 static double mobilised(const sp_packing *p, const uint8_t *carrying) {

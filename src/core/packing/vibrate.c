@@ -1,3 +1,4 @@
+/* Nonlinear motion of a packing about its rest state. */
 #include "packing/vibrate.h"
 
 #include "base/base.h"
@@ -7,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Gaps that are watched, over the smallest radius. */
+/* Width of watched gaps, in units of the smallest radius. */
 #define REACH 0.4
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -37,7 +38,7 @@ typedef struct survey {
 
 static double height_of(const survey *s, int32_t i) { return s->p->x[3 * (int64_t)i + s->p->dim - 1]; }
 
-/* Everything that follows from who touches whom at which overlap. */
+/* Fills in everything that follows from i, j and the overlap. */
 static void complete(const survey *s, touching *t) {
     const sp_packing *p = s->p;
     const double ri = p->r[t->i], mi = s->m->mass[2 * (int64_t)t->i];
@@ -89,7 +90,7 @@ static int by_pair(const void *a, const void *b) {
     return x->j < y->j ? -1 : x->j > y->j;
 }
 
-/* Whether the packing lists this pair as a contact already: its contacts are sorted by (i, j), walls behind. */
+/* Whether the pair is a contact of the packing. Contacts are sorted by (i, j), walls last. */
 static bool listed(const survey *s, int32_t i, int32_t j) {
     if (j < 0) {
         for (int32_t c = s->p->n_contacts; c-- > 0 && s->m->touch[c].j < 0;)
@@ -116,7 +117,7 @@ static sp_status consider(survey *s, int32_t one, int32_t two, sp_error *err) {
     t.overlap = p->r[t.i] + p->r[t.j] - r;
     if (!(t.overlap > -s->m->reach && r > 0) || listed(s, t.i, t.j))
         return SP_OK;
-    t.overlap = fmin(t.overlap, 0); /* what is no contact at rest is a gap */
+    t.overlap = fmin(t.overlap, 0); /* an unlisted pair is open at rest */
     for (int a = 0; a < 3; a++)
         t.n0[a] /= r;
     return add(s, t, err);
@@ -150,7 +151,7 @@ static int by_height(const void *a, const void *b) {
     return x->i < y->i ? -1 : x->i > y->i;
 }
 
-/* Pairs near each other, by a sweep from below to above. */
+/* Finds nearby pairs by a sweep upwards. */
 static sp_status add_gaps(survey *s, sp_error *err) {
     const sp_packing *p = s->p;
     layer *sorted = sp_alloc((size_t)p->n, sizeof *sorted);
@@ -223,7 +224,7 @@ void sp_vibration_rest(vibration *m) {
 
 /* ---- forces -------------------------------------------------------------------------------------------------- */
 
-/* Difference of the translations of j and i, and R_i times the rotation of i plus R_j times that of j, of u or v. */
+/* For u or v: the translation of j minus that of i, and the rotations of i and j times their radii, added. */
 static void relative(const touching *t, const double *of, double d[3], double turn[3]) {
     const double *x = of + 6 * (int64_t)t->i, *y = t->j >= 0 ? of + 6 * (int64_t)t->j : NULL;
     for (int a = 0; a < 3; a++) {
@@ -232,13 +233,13 @@ static void relative(const touching *t, const double *of, double d[3], double tu
     }
 }
 
-/* Normal, overlap and normal force at the present u. False for an open contact. */
+/* Updates normal, overlap and normal force for the current u. False for an open contact. */
 static bool place(const vibration *m, touching *t, double change[3]) {
     double d[3], turn[3], n[3], stretch = 0, r = 0, overlap;
     relative(t, m->u, d, turn);
     for (int a = 0; a < 3; a++)
         d[a] += t->shift[a];
-    if (t->j < 0 || m->straight) { /* planes have one normal */
+    if (t->j < 0 || m->straight) { /* planes and straight springs have a fixed normal */
         stretch = dot(t->n0, d);
         memcpy(n, t->n0, sizeof n);
     } else {
@@ -258,7 +259,7 @@ static bool place(const vibration *m, touching *t, double change[3]) {
         t->fn = -t->fn0;
         return false;
     }
-    /* f(overlap) - f(rest) without a difference of large numbers */
+    /* f(overlap) - f(rest), without a difference of large numbers */
     const double rest = fmax(0, t->overlap), delta = t->overlap > 0 ? -stretch : overlap;
     t->fn = 4.0 / 3.0 * t->e * delta * (overlap * overlap + overlap * rest + rest * rest) /
             (overlap * sqrt(overlap) + rest * sqrt(rest));
@@ -266,8 +267,8 @@ static bool place(const vibration *m, touching *t, double change[3]) {
     return true;
 }
 
-/* The tangential spring over a step: turns with the contact, is stretched by the slip `moved` (relative displacement
- * and turn), and slides at Coulomb's limit. */
+/* Tangential spring over a step: turns with the contact, stretches by the slip `moved` (relative displacement and
+ * rotation), and slides at Coulomb's limit. */
 static void drag(const vibration *m, touching *t, double kn_old, const double change[3], const double moved[3],
                  const double turn[3], double twist) {
     double n[3], arm[3], whole[3], side[3], off = 0, size = 0;
@@ -294,8 +295,8 @@ static void drag(const vibration *m, touching *t, double kn_old, const double ch
             t->ft[a] = t->ft[a] * (limit / size) + t->ft0[a] * (limit / size - 1);
 }
 
-/* All contacts at the present u; tangential springs follow `path` times h, the velocity of the step, and `shifted`
- * times the shifts: 0 but for h = 1, with the displacement itself as the path. */
+/* Updates all contacts for the current u. Tangential springs follow h times `path`, the velocity during the step. For
+ * an initial displacement h = 1, `path` is u itself, and `shifted` = 1 adds the shifts. */
 static void follow(vibration *m, const double *path, double h, double shifted) {
     for (int32_t k = 0; k < m->count; k++) {
         touching *t = &m->touch[k];
@@ -322,8 +323,8 @@ static void follow(vibration *m, const double *path, double h, double shifted) {
     }
 }
 
-/* Change of the force on i, dashpots included: the whole normal force never attracts, the viscous tangential one has no
- * limit. `side` is the change of the whole tangential force. */
+/* Change of the force on i, including dashpots. The total normal force is never attractive; the viscous tangential
+ * force has no limit. `side` is the change of the total tangential force. */
 static void press(const vibration *m, touching *t, double side[3]) {
     double normal = t->fn, v[3], turn[3], arm[3];
     memcpy(side, t->ft, sizeof t->ft);
@@ -382,7 +383,7 @@ void sp_vibration_step(vibration *m, double h) {
     for (int64_t k = 0; k < n; k++) {
         m->v[k] += 0.5 * h * m->a[k];
         m->u[k] += h * m->v[k];
-        m->now[k] = m->v[k] + 0.5 * h * m->a[k]; /* for the dashpots: right to second order */
+        m->now[k] = m->v[k] + 0.5 * h * m->a[k]; /* velocity at the dashpots, of second order */
     }
     follow(m, m->v, h, 0);
     accelerate(m);

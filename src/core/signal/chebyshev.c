@@ -1,16 +1,17 @@
-#include "signal/chebyshev.h"
+/* Signals by the Chebyshev expansion, for all sources and detectors. */
 #include "base/base.h"
+#include "signal/expansion.h"
 #include "signal/job.h"
+#include "signal/pass.h"
 
 #include <math.h>
 #include <sonopack/front.h>
 #include <string.h>
 
-/* Moments beyond what fits any machine's patience and memory; times summed at once; parts of the time in which a front
- * is looked for. */
+/* limit of the number of moments; times per sum; parts of the time in which a front is sought */
 enum { TERMS_MAX = 20000000, TIMES = 4096, PARTS = 48 };
 
-/* Sources or detectors, as rows in the operator's order. */
+/* Sources or detectors as sparse rows in the operator's order. */
 typedef struct places {
     int32_t n;
     sparse_row *row;
@@ -24,7 +25,7 @@ static void places_free(places *p) {
     sp_free(p->value);
 }
 
-/* mass: what displacements are multiplied with to be like forces, or NULL. */
+/* mass: factor that makes momenta of displacements; NULL: none. */
 static sp_status places_make(const sp_operator *op, const signal_rows *from, const double *mass, places *out,
                              sp_error *err) {
     const size_t count = (size_t)from->first[from->n];
@@ -46,17 +47,17 @@ static sp_status places_make(const sp_operator *op, const signal_rows *from, con
     return SP_OK;
 }
 
-/* All passes of a signal. Sources are carried, or detectors if they are fewer, two in a pass. */
+/* All passes of a signal. Each pass propagates two sources, or two detectors if these are fewer. */
 typedef struct passes {
     const signal_job *job;
     sp_operator op;
     places from, to;
-    bool doubled, turned; /* turned: detectors are carried */
+    bool doubled, turned; /* reversed: detectors are propagated */
     int32_t n;
     int64_t terms;
     double omega;
     pass *pass;         /* [n] */
-    double *f, *errors; /* of one pass, [columns][TIMES] and [columns] */
+    double *f, *errors; /* results of one pass, [columns][TIMES] and [columns] */
 } passes;
 
 static void passes_free(passes *a) {
@@ -108,20 +109,20 @@ static sp_status begin_pass(passes *a, int32_t q, sp_error *err) {
     return sp_pass_make(&plan, &a->pass[q], err);
 }
 
-/* Where column c of pass q goes. */
+/* Index of the pair (source, detector) of column c of pass q. */
 static int64_t pair_of(const passes *a, int32_t q, int64_t c) {
     const int32_t others = a->pass[q].others;
     const int64_t carried = 2 * (int64_t)q + c / others, other = c % others;
     return a->turned ? other * a->job->detectors + carried : carried * a->job->detectors + other;
 }
 
-/* What moments suffice for at times first .. end-1 into s. */
+/* Sums pass q at times first .. end-1, for which its moments suffice. */
 static sp_status sum_pass(const passes *a, int32_t q, int32_t first, int32_t end, sp_signal *s, sp_error *err) {
     const pass *p = &a->pass[q];
     sp_status status = SP_OK;
     for (int32_t at = first; at < end && status == SP_OK; at += TIMES) {
         const int32_t count = end - at < TIMES ? end - at : TIMES;
-        status = sp_expansion_sum(p, a->omega, count, s->t + at, TIMES, a->f, a->errors, err);
+        status = sp_pass_sum(p, a->omega, count, s->t + at, TIMES, a->f, a->errors, err);
         for (int64_t c = 0; c < p->columns && status == SP_OK; c++) {
             const int64_t to = pair_of(a, q, c);
             memcpy(s->f + to * s->n + at, a->f + c * TIMES, (size_t)count * sizeof *s->f);
@@ -131,7 +132,7 @@ static sp_status sum_pass(const passes *a, int32_t q, int32_t first, int32_t end
     return status;
 }
 
-/* At the end of a pass. */
+/* Counts products and checks stability at the end of a pass. */
 static sp_status end_pass(const passes *a, const pass *p, sp_signal *s, sp_error *err) {
     s->products += (int32_t)(a->doubled ? p->n - 1 : p->lanes * (p->n - 1));
     if (!sp_pass_bounded(p))
@@ -156,8 +157,8 @@ static sp_status follow_all(passes *a, sp_signal *s, sp_error *err) {
 
 /* ---- as far as the first front -------------------------------------------------------------------------------- */
 
-/* Whether every signal has its front, with its zero crossing, in the first n points. Before it arrives there is next to
- * nothing, whose ripples are none. */
+/* Whether every signal has its front and zero crossing in the first n points. Ripples before the front are ignored:
+ * they are too small. */
 static bool fronts_known(const passes *a, const sp_signal *s, int32_t n) {
     const sp_front_options options = sp_front_options_default();
     for (int64_t k = 0; k < (int64_t)s->sources * s->detectors; k++) {

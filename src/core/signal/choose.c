@@ -1,15 +1,15 @@
-/* The choice of a method by what each costs. Every method's cost is a sum over what it does: the counts below are
- * exact or nearly so, the nanoseconds were fitted to 84 and 20 timed signals of seven networks (30 grains to a lattice
- * of 2500; 2D, 3D, smooth and rough; 13 to 6000 over Omega, 101 and 1601 times, 1 and 16 pairs), which they give within
- * a factor of 0.6 to 1.25. Both methods are bound by the same arithmetic, so that another machine changes all of them
- * much alike. What a choice among the two costs at the most is therefore less than twice the better one. */
+/* Chooses the method by its estimated cost, a sum over all operations. The numbers of operations are exact or nearly
+ * so. The nanoseconds were fitted to 84 (Chebyshev) and 20 timed signals of seven networks (30 grains to a lattice of
+ * 2500; 2D, 3D, smooth and rough; 13 to 6000 over Omega, 101 and 1601 times, 1 and 16 pairs), which they reproduce
+ * within factors of 0.6 to 1.25. All methods are limited by the same arithmetic, so other machines change all costs
+ * alike. The chosen method therefore costs less than twice the best one. */
 #include "signal/choose.h"
 
 #include <math.h>
 
 enum { SPARSE_DOFS = 4000, DENSE_DOFS = 20000 };
 
-/* What is asked, as numbers. */
+/* Size of the problem. */
 typedef struct load {
     double n, springs, x, points, sources, detectors, pairs;
     bool spatial;
@@ -27,8 +27,8 @@ static load load_of(const sp_network *net, const sp_signal_options *o) {
     return l;
 }
 
-/* Products carry two vectors: source and detector of a single pair, half as often; else two sources (or detectors, of
- * which there are fewer). Bessel functions of every order at every time, for each pass over the network. */
+/* Each product carries two vectors: source and detector of a single pair, with half as many products, or two sources
+ * (or detectors if these are fewer). Each pass needs Bessel functions of all orders at all times. */
 static double chebyshev_cost(const load *l) {
     const double terms = l->x / 2 + 6 * cbrt(l->x) + 3,
                  passes = l->pairs > 1 ? ceil(fmin(l->sources, l->detectors) / 2) : 1;
@@ -38,7 +38,7 @@ static double chebyshev_cost(const load *l) {
            0.034 * l->pairs * l->points * terms;
 }
 
-/* All eigenvectors, their residuals, a sine for each mode and time, and for each pair their sum and the coupling of
+/* All eigenvectors and their residuals, a sine for each mode and time, and for each pair the sum and the coupling of
  * modes. */
 static double dense_cost(const load *l) {
     if (l->n > DENSE_DOFS)
@@ -47,7 +47,7 @@ static double dense_cost(const load *l) {
                            l->pairs * (1.2 * l->points + 3.3 * l->n));
 }
 
-/* All modes in slices: a tolerance below some percent needs nearly all of them. Fewer are left to the dense solver. */
+/* All modes in slices, since a tolerance below some percent needs nearly all. Small problems go to the dense solver. */
 static double sparse_cost(const load *l) {
     if (l->n < SPARSE_DOFS)
         return HUGE_VAL;

@@ -1,22 +1,22 @@
-/* F(t) = integral of s(t') G(t - t') dt': Gauss's rule panel by panel, G by local polynomials. */
+/* Convolution F(t) = integral of s(t') G(t - t') dt': Gauss's rule on panels, with G from local polynomials. */
+#include "signal/convolve.h"
 #include "base/base.h"
-#include "signal/pulse.h"
 
 #include <math.h>
 
 #define PI 3.14159265358979323846
 
 enum { NODES_MAX = 16, POINTS_MAX = 16 };
-#define WORK_MAX 2e10 /* interpolated values times their points */
+#define WORK_MAX 2e10 /* interpolated values times points of each */
 
-/* What one convolution goes on with. */
+/* Data of one convolution. */
 typedef struct convolution {
     const sp_response *g;
     const sp_pulse *pulse;
     const sp_quadrature *rule;
     double node[NODES_MAX], weight[NODES_MAX]; /* on -1 .. 1 */
-    double barycentric[POINTS_MAX];            /* of equally spaced points */
-    double step;                               /* of the points */
+    double barycentric[POINTS_MAX];            /* weights of barycentric interpolation at equally spaced points */
+    double step;                               /* spacing of the points */
     int64_t last;                              /* number of points - 1 */
 } convolution;
 
@@ -39,12 +39,12 @@ static void gauss_rule(int n, double *node, double *weight) {
     }
 }
 
-/* The value of a point, which may lie before t = 0. */
+/* The value at a point, also before t = 0. */
 static double sample(const convolution *c, int64_t point) {
     return point < 0 ? c->g->mirror * c->g->g[-point * c->rule->stride] : c->g->g[point * c->rule->stride];
 }
 
-/* G at a time >= 0: the barycentric formula with the nearest points (Berrut and Trefethen 2004). */
+/* G at a time >= 0 from the nearest points, by the barycentric formula (Berrut and Trefethen 2004). */
 static double response(const convolution *c, double time) {
     const int points = c->rule->points;
     const double place = time / c->step;
@@ -65,7 +65,7 @@ static double response(const convolution *c, double time) {
     return above / below;
 }
 
-/* One panel, from a to b. */
+/* Gauss's rule on the panel a .. b. */
 static double panel(const convolution *c, double t, double a, double b) {
     const double half = 0.5 * (b - a), middle = 0.5 * (a + b);
     double sum = 0;
@@ -76,7 +76,7 @@ static double panel(const convolution *c, double t, double a, double b) {
     return half * sum;
 }
 
-/* A stretch over which the pulse is smooth, cut into equal panels. */
+/* Integral over an interval in which the pulse is smooth, divided into equal panels. */
 static double stretch(const convolution *c, double t, double a, double b) {
     if (b > t)
         b = t;
@@ -99,7 +99,7 @@ static double at_time(const convolution *c, double t) {
     return sum;
 }
 
-/* Stretches of the pulse and their length, of what is sent before `until`. */
+/* Number and total length of these intervals before `until`. */
 static double stretches_of(const sp_pulse *p, double until, double *length) {
     double first, last, count = 1;
     sp_pulse_span(p, &first, &last);

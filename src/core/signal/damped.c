@@ -1,11 +1,11 @@
-/* The signal with dashpots, M u'' + C u' + K u = 0, as y(t) = exp(t L) y(0) of the first-order form y = (u, v),
- * L = (0, 1; -M^-1 K, -M^-1 C), in Faber polynomials of an ellipse (for ellipses, Chebyshev polynomials). With centre c
- * and half axes A along the real and B along the imaginary axis, a = (A + B)/2 and beta = (A - B)/(A + B),
+/* Damped signals, M u'' + C u' + K u = 0, by a Faber expansion on an ellipse. The first-order form is y' = L y with y =
+ * (u, v), L = (0, 1; -M^-1 K, -M^-1 C). With centre c and half axes A (real) and B (imaginary) of the ellipse, a = (A
+ * + B)/2 and beta = (A - B)/(A + B),
  *   exp(t L) = sum_k S_k(t) Q_k,  Q_0 = 1, Q_1 = (L - c)/a, Q_2 = Q_1^2 - 2 beta, Q_(k+1) = Q_1 Q_k - beta Q_(k-1),
- *   S_k(t) = e^(c t) |beta|^(-k/2) times J_k or I_k of 2 a sqrt|beta| t (beta < 0 or > 0; a Poisson law for beta = 0).
- * The ellipse decides how many terms it takes, never whether the result is right: the defect of the sum to N,
+ *   S_k(t) = e^(c t) |beta|^(-k/2) times J_k or I_k of 2 a sqrt|beta| t (beta < 0 or > 0; Poisson if beta = 0).
+ * The choice of the ellipse affects only the number of terms. The error is known at the end: the defect of the sum,
  *   y' - L y = a (beta S_(N+1) Q_N - S_N Q_(N+1)) y(0),
- * is known when it ends, and energy never grows, so its integral bounds the error. */
+ * is computed, and since energy never grows, its integral bounds the error. */
 #include "base/base.h"
 #include "numeric/random.h"
 #include "signal/job.h"
@@ -14,19 +14,19 @@
 #include <math.h>
 #include <string.h>
 
-/* e-folds by which an ellipse may reach to the right of the imaginary axis in a substep. */
+/* How far an ellipse may extend to the right of the imaginary axis, times the length of a substep. */
 #define REACH_WIDE  3.0
 #define REACH_TIGHT 6.0
-/* Largest term of the expansion of a random state, over e^(right h): an ellipse around all that L can do has 1 + sqrt 2
- * (Crouzeix and Palencia 2017). */
+/* Bound of the largest term for a random state, over e^(right h). An ellipse around the field of values of L has 1 +
+ * sqrt 2 (Crouzeix and Palencia 2017). */
 #define GROWTH          3.0
 #define MOMENT_ROUNDING 5.0
 #define PHASE_ROUNDING  5.0
-#define START           1e-200 /* of the downward recurrence */
+#define START           1e-200 /* first value of the downward recurrence */
 #define PRODUCTS_MAX    2e7
 
 typedef struct ellipse {
-    double centre, a, beta, right; /* right: its rightmost point */
+    double centre, a, beta, right; /* right: real part of its rightmost point */
     double re, im;                 /* half axes */
     int64_t substeps;
 } ellipse;
@@ -35,17 +35,17 @@ typedef struct damped {
     const signal_job *job;
     sp_network dashpots;
     bool has_dashpots;
-    double omega, rate, until; /* rate: of the fastest dashpots, a bound */
+    double omega, rate, until; /* rate: upper bound of the decay rates of the dashpots */
     ellipse e;
     double h;
-    int64_t room;                          /* terms that fit */
-    double *dash;                          /* [detectors][dofs] the dashpots' part of a detector */
+    int64_t room;                          /* number of terms for which there is memory */
+    double *dash;                          /* [detectors][dofs] contribution of the dashpots to each detector */
     double *u, *v, *u_old, *v_old;         /* [dofs] Q_k y, Q_(k-1) y */
-    double *ku, *cv, *u_next, *v_next;     /* [dofs]; y at the end of the substep */
-    double *s, *power;                     /* [room] S_k, beta^k */
-    double *moment, *size;                 /* [detectors][room] */
-    double error_energy, error_u, *square; /* bounds so far; [detectors] squares of rounding */
-    int64_t terms, probed;                 /* all so far; of the random state */
+    double *ku, *cv, *u_next, *v_next;     /* [dofs] products; y at the end of the substep */
+    double *s, *power;                     /* [capacity] S_k, beta^k */
+    double *moment, *size;                 /* [detectors][capacity] */
+    double error_energy, error_u, *square; /* error bounds so far; [detectors] squared rounding errors */
+    int64_t terms, probed;                 /* terms so far; terms of the random state */
 } damped;
 
 static void damped_free(damped *d) {
@@ -62,9 +62,9 @@ static double terms_of(const ellipse *e, double t) {
     return t * e->im + 9 * sqrt(t * e->re) + 16 * cbrt(t * e->a) + 30;
 }
 
-/* Slow modes lie near 0, overdamped ones on the negative axis. Fast ones lie left of +-i Omega, far left if their
- * contacts' dashpots are no weaker than others: a tight ellipse has its top there. A wide one goes through -rate, right
- * and the corners +-i Omega, and holds whatever can be. */
+/* Slow modes lie near 0, overdamped modes on the negative axis, and fast modes left of +-i Omega: far left if the
+ * dashpots of their contacts are not unusually weak. The tight ellipse has its top there. The wide one passes through
+ * -rate, right and the corners +-i Omega, and contains all possible modes. */
 static ellipse ellipse_of(const damped *d, bool tight, int64_t substeps) {
     const double h = d->until / (double)substeps, right = fmin(d->rate, (tight ? REACH_TIGHT : REACH_WIDE) / h);
     ellipse e = {.substeps = substeps, .right = right, .re = 0.5 * (d->rate + right), .im = d->omega};
@@ -81,7 +81,7 @@ static double products_of(const damped *d, const ellipse *e) {
     return n * (h * e->im + 6 * sqrt(h * e->re) + 6 * cbrt(h * e->a) + 15);
 }
 
-/* The number of substeps that takes the fewest products. */
+/* The ellipse with the number of substeps that needs the fewest products. */
 static ellipse best_ellipse(const damped *d, bool tight) {
     ellipse best = ellipse_of(d, tight, 1);
     for (double n = 2; n < 10 + d->rate * d->until; n = ceil(1.25 * n)) {
@@ -92,8 +92,8 @@ static ellipse best_ellipse(const damped *d, bool tight) {
     return best;
 }
 
-/* S_k(t), k < room, by downward recurrence S_(k-1) = k/(a t) S_k + beta S_(k+1) from where they are negligible;
- * normalised by sum_(k>=0) S_k + sum_(k>0) beta^k S_k = e^(right t). Returns how many there are, the rest being 0. */
+/* S_k(t), k < capacity, by the downward recurrence S_(k-1) = k/(a t) S_k + beta S_(k+1) from negligible values;
+ * normalized by sum_(k>=0) S_k + sum_(k>0) beta^k S_k = e^(right t). Returns the number of nonzero values. */
 static int64_t weights(const damped *d, double t, double *s) {
     const ellipse *e = &d->e;
     const int64_t n = d->room;
@@ -132,7 +132,7 @@ static void apply(damped *d) {
         sp_network_apply(&d->dashpots, d->v, d->cv);
 }
 
-/* Norms of Q_k y: of u in the masses, and of the energy u^T K u + v^T M v; ku must be K u. */
+/* Norms of Q_k y: of u in the metric of the masses, and the root of the energy u^T K u + v^T M v. ku must be K u. */
 static void norms(const damped *d, double *size, double *energy) {
     const double *mass = d->job->net->mass;
     double uu = 0, all = 0;
@@ -150,7 +150,7 @@ static void swap(double **a, double **b) {
     *b = old;
 }
 
-/* Q_(k+1) y of Q_k y and Q_(k-1) y. */
+/* Q_(k+1) y from Q_k y and Q_(k-1) y. */
 static void next_term(damped *d, int64_t k) {
     const ellipse *e = &d->e;
     const double *restrict mass = d->job->net->mass, *restrict u = d->u, *restrict v = d->v;
@@ -187,7 +187,7 @@ static void add_to_end(damped *d, int64_t k) {
     }
 }
 
-/* All terms of a substep that starts at y = (u, v). Ends when the integral of the defect is below `enough`. */
+/* Computes all terms of a substep from y = (u, v), until the integral of the defect is below `enough`. */
 static sp_status expand(damped *d, double enough, int64_t *terms, sp_error *err) {
     const size_t bytes = (size_t)sp_network_dofs(d->job->net) * sizeof(double);
     const ellipse *e = &d->e;
@@ -201,7 +201,7 @@ static sp_status expand(damped *d, double enough, int64_t *terms, sp_error *err)
         apply(d);
         if (k + 1 >= from || k == 0)
             norms(d, &size, &energy);
-        if (k > from + 1) { /* S_N, S_(N+1) rise with t there; terms up to N = k - 1 are in */
+        if (k > from + 1) { /* here S_N and S_(N+1) increase with t; terms up to N = k - 1 are included */
             const double now = e->a * d->s[k - 1], then = e->a * fabs(e->beta) * d->s[k];
             const double defect = d->h * (then * energy_old + now * energy);
             if (defect <= enough) {
@@ -232,8 +232,8 @@ static void take_ellipse(damped *d, const ellipse *e) {
     weights(d, d->h, d->s);
 }
 
-/* Whether no term of the expansion of a random state grows as it would outside the ellipse: then rounding does not
- * either, in whatever direction. */
+/* Whether no term of the expansion of a random state exceeds its bound. Then rounding errors do not grow either, in any
+ * direction. */
 static bool behaves(damped *d) {
     const double *mass = d->job->net->mass;
     sp_random any = sp_random_make(1, SP_STREAM_PROBE);
@@ -257,7 +257,7 @@ static bool behaves(damped *d) {
 
 /* ---- one source ---------------------------------------------------------------------------------------------- */
 
-/* F at the points of a substep. */
+/* F at the times within a substep. */
 static void sum_points(damped *d, sp_signal *out, int32_t source, int64_t terms, double since, int32_t first,
                        int32_t last) {
     for (int32_t l = first; l < last; l++) {
@@ -288,7 +288,7 @@ static void start(damped *d, int32_t source) {
     memset(d->square, 0, (size_t)d->job->detectors * sizeof *d->square);
 }
 
-/* Error bound of each detector: truncation, |u| of the error growing by its v; and rounding. */
+/* Error bound of each detector: truncation, where the error of u grows with that of v, and rounding. */
 static void find_errors(const damped *d, sp_signal *out, int32_t source) {
     const int64_t n = sp_network_dofs(d->job->net);
     const double *mass = d->job->net->mass, until = out->t[out->n - 1];
@@ -366,7 +366,7 @@ static sp_status allocate(damped *d, sp_error *err) {
     return SP_OK;
 }
 
-/* What the dashpots at a detector feel: the same rows with c in place of k. */
+/* Detector vectors of the dashpots: the rows of the springs with c in place of k. */
 static sp_status find_dashes(damped *d, sp_error *err) {
     const sp_place wall = sp_place_wall(), *to = d->job->options->to;
     sp_status status = SP_OK;
@@ -376,7 +376,7 @@ static sp_status find_dashes(damped *d, sp_error *err) {
     return status;
 }
 
-/* The ellipse, and memory for it. */
+/* Chooses the ellipse and allocates memory. */
 static sp_status prepare(damped *d, sp_error *err) {
     const ellipse wide = best_ellipse(d, false), tight = best_ellipse(d, true);
     const double h_wide = d->until / (double)wide.substeps, h_tight = d->until / (double)tight.substeps;

@@ -1,6 +1,6 @@
-/* The signal of the packing itself, at a finite amplitude: its grains and contacts with the full contact law, contacts
- * that open, close and slide included (packing/vibrate.h). F is the change of the force over the amplitude of the
- * source, so that it tends to the linear signal as the amplitude goes to 0. */
+/* Signals of the nonlinear motion at a finite amplitude, with contacts that open, close and slide (packing/vibrate.h).
+ * F is the change of the force over the amplitude of the source; it tends to the linear signal as the amplitude tends
+ * to 0. */
 #include "base/base.h"
 #include "packing/vibrate.h"
 #include "signal/job.h"
@@ -9,10 +9,10 @@
 #include <string.h>
 
 enum { ATTEMPTS = 6 };
-/* Contacts times steps beyond which a step found from the tolerance is refused: minutes. */
+/* Limit of contacts times steps for a step chosen from the tolerance: minutes. */
 #define WORK_MAX 3e9
 
-/* What a detector adds up: changes of the forces on the first grains of some contacts, with signs. */
+/* A detector: a sum of changes of contact forces on their first grains, with signs. */
 typedef struct ear {
     int axis;
     int32_t n;
@@ -24,8 +24,8 @@ typedef struct shaking {
     const signal_job *job;
     vibration m;
     ear *ears;      /* [detectors] */
-    double *before; /* f of the run before */
-    double overlap; /* mean of the carrying contacts */
+    double *before; /* f of the previous run */
+    double overlap; /* mean over the carrying contacts */
     double spacing;
 } shaking;
 
@@ -47,7 +47,7 @@ static double height_of(const sp_packing *p, int32_t grain) {
     return p->x[3 * (int64_t)grain + p->dim - 1];
 }
 
-/* Whether a grain is felt by its contact with the top wall, as sp_network_detector_at has it. */
+/* Whether a grain is detected by its contact with the top wall, as in sp_network_detector_at. */
 static bool at_wall(const sp_network *net, const sp_place *at) {
     for (int32_t k = net->n_bulk; k < net->n_springs; k++) {
         const sp_spring *s = &net->springs[k];
@@ -57,7 +57,7 @@ static bool at_wall(const sp_network *net, const sp_place *at) {
     return false;
 }
 
-/* The sign with which a contact counts; 0: it does not. */
+/* Sign of a contact in a detector; 0: it does not count. */
 static double sign_of(const shaking *s, const sp_place *at, bool wall, const touching *t) {
     const sp_packing *p = s->job->packing;
     const double x = p->x[3 * (int64_t)t->i], y = x - p->box[0] * floor(x / p->box[0]);
@@ -112,8 +112,8 @@ static double hear(const vibration *m, const ear *e) {
 
 /* ---- motion -------------------------------------------------------------------------------------------------- */
 
-/* Sets a source off; returns the factor of the source: the largest velocity over Omega, or displacement, of a grain
- * becomes `amplitude` times the mean overlap. */
+/* Starts a source. Returns its factor, chosen so that the largest displacement, or velocity over Omega, of a grain is
+ * `amplitude` times the mean overlap. */
 static double set_off(shaking *s, int32_t source) {
     const sp_network *net = s->job->net;
     const double *sent = job_source(s->job, source);
@@ -165,8 +165,9 @@ static sp_status run(shaking *s, sp_signal *out, int64_t each, sp_error *err) {
     return SP_OK;
 }
 
-/* Error of the last run against the one before, whose steps were twice as long or longer: a run of order 1 or more is
- * off by less than they differ. Returns the smallest ratio of what is allowed to it. */
+/* Estimates the error from the difference to the previous run, whose steps were at least twice as long; the error of a
+ * method of order 1 or more is smaller than that difference. Returns the smallest ratio of allowed to estimated
+ * error. */
 static double compare(const shaking *s, sp_signal *out) {
     double least = INFINITY;
     for (int32_t q = 0; q < out->sources * out->detectors; q++) {
@@ -190,7 +191,7 @@ static double work(const shaking *s, const sp_signal *out, double each) {
     return each * (out->n - 1) * out->sources * s->m.count;
 }
 
-/* `longest`: the longest step that is stable with room to spare. */
+/* longest: the longest stable step, with a margin. */
 static sp_status converge(shaking *s, sp_signal *out, double longest, sp_error *err) {
     const double given = s->job->options->step, tolerance = s->job->options->tolerance;
     double each = fmax(2, ceil(s->spacing / (given > 0 ? fmin(given, longest) : 0.5 * longest) * (1 - 1e-12)));
@@ -217,7 +218,7 @@ static sp_status converge(shaking *s, sp_signal *out, double longest, sp_error *
     return status;
 }
 
-/* The stiffest dashpots' rate limits the step too. */
+/* The decay rate of the stiffest dashpots limits the step too. */
 static sp_status longest_step(const signal_job *job, double *longest, sp_error *err) {
     const double omega = sp_network_omega_bound(job->net), zeta = job->options->damping;
     double rate = 0;

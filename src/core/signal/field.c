@@ -1,7 +1,7 @@
-/* Displacements of all grains at a few times. */
+/* Displacements of all grains at given times. */
 #include "base/base.h"
 #include "numeric/bessel.h"
-#include "signal/chebyshev.h"
+#include "signal/expansion.h"
 #include "signal/recurrence.h"
 
 #include <float.h>
@@ -10,22 +10,22 @@
 #include <string.h>
 
 enum { TERMS_MAX = 20000000, TIMES_MAX = 1000000 };
-/* Rounding, in parts of DBL_EPSILON: of a step of the recurrence, and of Omega t, as for signals. */
+/* Rounding errors in units of DBL_EPSILON: of one step of the recurrence, and of Omega t. */
 #define STEP_ROUNDING  5.0
 #define PHASE_ROUNDING 5.0
-#define TAIL           1e-17 /* of the terms that are left out, over the norm of the source */
+#define TAIL           1e-17 /* remainder of the series, relative to the norm of the source */
 
 typedef struct field {
     const sp_network *net;
-    const sp_field_spec *spec;
+    const sp_field_options *spec;
     bool velocity;
-    double omega, norm; /* bound of the frequencies; |a| or |u_0| with the mass */
+    double omega, norm; /* upper bound of the frequencies; |a|, or |u_0| in the metric of the masses */
     sp_operator op;
     recurrence r;
     sparse_row from;
     int64_t terms;
-    double *j;                      /* [times][terms] J_(2k+1) or J_2k, the first of these halved */
-    double *tail, *steps, *largest; /* [times] of what is left out; squares of rounding, of the terms */
+    double *j;                      /* [times][terms] J_(2k+1) or J_2k, the latter halved at k = 0 */
+    double *tail, *steps, *largest; /* [times] remainder; squared rounding errors of steps; squares of the terms */
     double *sum;                    /* [times][(n + 1) row] in the operator's order */
 } field;
 
@@ -39,7 +39,7 @@ static void field_free(field *f) {
     sp_free(f->sum);
 }
 
-static sp_status check(const sp_field_spec *spec, double omega, double *until, sp_error *err) {
+static sp_status check(const sp_field_options *spec, double omega, double *until, sp_error *err) {
     if (spec->times < 1 || spec->times > TIMES_MAX || !spec->t)
         return sp_fail(err, SP_EINVAL, "%d times, must be 1 .. %d", spec->times, TIMES_MAX);
     *until = 0;
@@ -54,7 +54,7 @@ static sp_status check(const sp_field_spec *spec, double omega, double *until, s
     return SP_OK;
 }
 
-/* The source, in the operator's order, as something like forces: displacements times masses. */
+/* The source in the operator's order; displacements are multiplied by masses. */
 static sp_status make_source(field *f, sp_error *err) {
     const sp_place wall = sp_place_wall();
     const int64_t n = sp_network_dofs(f->net);
@@ -76,7 +76,7 @@ static sp_status make_source(field *f, sp_error *err) {
     return status;
 }
 
-/* Bessel functions of all times; what lies beyond the terms is the tail. */
+/* Bessel functions at all times, and the remainder beyond the last term. */
 static sp_status make_weights(field *f, double until, sp_error *err) {
     const size_t times = (size_t)f->spec->times;
     const double spread = sp_expansion_spread(f->net);
@@ -101,11 +101,11 @@ static sp_status make_weights(field *f, double until, sp_error *err) {
             if (k < f->terms)
                 j[k] = k == 0 && !f->velocity ? 0.5 * value : value;
             else if (!(spread > 0))
-                f->tail[l] += (f->velocity ? 2 * (double)k + 1 : 1) * fabs(value);
+                f->tail[l] += sp_expansion_weight(f->velocity, k) * fabs(value);
         }
         if (spread > 0)
             f->tail[l] = sp_expansion_tail(f->omega * f->spec->t[l], f->velocity, spread, f->terms);
-        f->tail[l] += 1e-19; /* of orders that count as 0 */
+        f->tail[l] += 1e-19; /* orders set to 0 as negligible */
     }
     sp_free(all);
     return SP_OK;
@@ -130,7 +130,7 @@ static sp_status make(field *f, double until, sp_error *err) {
     return SP_OK;
 }
 
-/* Term k to all times that it matters at. */
+/* Adds term k at all times at which it is not negligible. */
 static void add_term(field *f, int64_t k, double squares) {
     const size_t size = (size_t)f->op.n * (size_t)f->op.row, stride = size + (size_t)f->op.row;
     for (int32_t l = 0; l < f->spec->times; l++) {
@@ -145,12 +145,12 @@ static void add_term(field *f, int64_t k, double squares) {
     }
 }
 
-/* |W_k a| <= (2 k + 1)|a| and |T_k u| <= |u|: more means a frequency that is imaginary. */
+/* |W_k a| <= (2 k + 1)|a| and |T_k u| <= |u|. Larger values indicate an imaginary frequency. */
 static sp_status follow(field *f, sp_error *err) {
     const double allowed = sp_expansion_growth(sp_expansion_spread(f->net));
     for (int64_t k = 0; k < f->terms; k++) {
         const double squares = sp_recurrence_squares(&f->r)[0];
-        const double growth = (f->velocity ? 2 * (double)k + 1 : 1) * allowed * f->norm;
+        const double growth = sp_expansion_weight(f->velocity, k) * allowed * f->norm;
         if (!(squares <= growth * growth))
             return sp_fail(err, SP_EREFUSED, "the motion grows without bound: the network is unstable (prestress)");
         add_term(f, k, squares);
@@ -160,7 +160,7 @@ static sp_status follow(field *f, sp_error *err) {
     return SP_OK;
 }
 
-/* Bounds hold for |M^1/2 u|; an entry is that over the root of its mass. */
+/* The bounds hold for |M^1/2 u|, hence for a component of u after division by the root of its mass. */
 static void finish(const field *f, double *u, double *errors) {
     const sp_operator *op = &f->op;
     const size_t stride = (size_t)(op->n + 1) * (size_t)op->row;
@@ -182,7 +182,8 @@ static void finish(const field *f, double *u, double *errors) {
     }
 }
 
-sp_status sp_signal_field(const sp_network *net, const sp_field_spec *spec, double *u, double *errors, sp_error *err) {
+sp_status sp_signal_field(const sp_network *net, const sp_field_options *spec, double *u, double *errors,
+                          sp_error *err) {
     field f = {.net = net, .spec = spec, .velocity = spec->source != SP_SOURCE_DISPLACEMENT};
     double until = 0;
     f.omega = sp_network_omega_bound(net);

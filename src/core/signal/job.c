@@ -1,4 +1,4 @@
-/* Places as vectors: what is sent in and what is seen. */
+/* Vectors of the sources and detectors of a signal. */
 #include "signal/job.h"
 #include "base/base.h"
 
@@ -55,7 +55,7 @@ static sp_status append_row(signal_rows *rows, int64_t n, const double *vector, 
     return SP_OK;
 }
 
-/* Sources, or detectors. dense: [places][dofs], or [dofs] for one after the other. */
+/* Sources, or detectors. dense: vector is [places][dofs], else [dofs] scratch. */
 static sp_status make_rows(signal_job *job, bool source, bool dense, double *vector, sp_error *err) {
     const sp_place wall = sp_place_wall();
     const sp_signal_options *o = job->options;

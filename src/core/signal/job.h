@@ -1,10 +1,10 @@
 #ifndef SP_SIGNAL_JOB_H
 #define SP_SIGNAL_JOB_H
-/* What every method of the signal is given, and what it fills in. */
+/* Input and output of every method for signals. */
 
 #include <sonopack/signal.h>
 
-/* Vectors over the dofs of the network, without what is 0 in them. */
+/* Sparse vectors over the degrees of freedom of the network. */
 typedef struct signal_rows {
     int32_t n;
     int64_t *first; /* [n + 1] */
@@ -15,23 +15,24 @@ typedef struct signal_rows {
 
 typedef struct signal_job {
     const sp_network *net;
-    const sp_packing *packing; /* that the network was made of; NULL: not known */
+    const sp_packing *packing; /* packing from which the network was made; NULL: unknown */
     const sp_signal_options *options;
     int32_t sources, detectors;
-    signal_rows from, to; /* sources: momenta, or displacements, at t = 0; detectors */
-    double *sent, *seen;  /* the same, [sources][dofs] and [detectors][dofs]; NULL for methods that take sparse rows */
+    signal_rows from, to; /* sources (momenta or displacements at t = 0), and detectors */
+    double *sent,
+        *seen; /* the same, dense: [sources][dofs] and [detectors][dofs]; NULL for methods that use sparse rows */
 } signal_job;
 
-/* dense: sent and seen are wanted. */
+/* dense: also make the dense vectors. */
 sp_status sp_job_make(const sp_network *net, const sp_signal_options *o, bool dense, signal_job *job, sp_error *err);
 void sp_job_free(signal_job *job);
 
-/* Room for all pairs in *s, and its times. What there is of it is freed by sp_signal_free, come what may. */
+/* Allocates *s for all pairs and sets its times. After a failure the caller frees *s with sp_signal_free as well. */
 sp_status sp_signal_allocate(const sp_signal_options *o, int32_t sources, int32_t detectors, sp_signal *s,
                              sp_error *err);
 
-/* The method fills s->f and s->errors, s->products, and s->omega_max if it knows better than the network's bound; t, n,
- * sources and detectors are given, f and errors are zero. */
+/* A method. It fills s->f, s->errors and s->products, and s->omega_max if it has a better bound than the network's. t,
+ * n, sources and detectors are set on entry; f and errors are zero. */
 typedef sp_status (*signal_way)(const signal_job *job, sp_signal *s, sp_error *err);
 
 static inline const double *job_source(const signal_job *job, int32_t k) {
@@ -46,7 +47,7 @@ static inline double *signal_pair(const sp_signal *s, int32_t source, int32_t de
 }
 static inline bool job_moves(const signal_job *job) { return job->options->source != SP_SOURCE_DISPLACEMENT; }
 
-/* |a||b|/Omega, or |a||b| for displacements: the scale of the signal of a single hop. */
+/* |a||b|/Omega, or |a||b| for displacements: the scale of a signal. */
 double sp_job_hop(const signal_job *job, int32_t source, int32_t detector);
 
 sp_status sp_signal_by_verlet(const signal_job *job, sp_signal *s, sp_error *err);
@@ -54,9 +55,9 @@ sp_status sp_signal_by_lax_wendroff(const signal_job *job, sp_signal *s, sp_erro
 sp_status sp_signal_by_faber(const signal_job *job, sp_signal *s, sp_error *err);
 sp_status sp_signal_by_dynamics(const signal_job *job, sp_signal *s, sp_error *err);
 sp_status sp_signal_by_chebyshev(const signal_job *job, sp_signal *s, sp_error *err);
-/* The sum over the lowest modes, with a bound of what the others contribute. */
+/* Sum over the lowest modes, with a bound of the contribution of the others. */
 sp_status sp_signal_by_lowest_modes(const signal_job *job, sp_signal *s, sp_error *err);
-/* The sum over all modes of the dense solver, Eq. (3). */
+/* Sum over all modes of the dense solver, Eq. (3). */
 sp_status sp_signal_by_modes(const signal_job *job, sp_signal *s, sp_error *err);
 
 #endif

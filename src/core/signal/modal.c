@@ -1,3 +1,4 @@
+/* Signals as a sum over all modes, Eq. (3) of Somfai et al. 2005, with error bounds. */
 #include "base/base.h"
 #include "linalg/eigen.h"
 #include "modes/refine.h"
@@ -7,11 +8,11 @@
 #include <math.h>
 #include <sonopack/modes.h>
 
-/* A source or a detector in the modes of the network. */
+/* Projections of a source or a detector on the modes. */
 typedef struct modal_side {
-    double *c;    /* [modes] projections, mass weighted; a source's not yet over omega */
-    double norm;  /* of all of it */
-    double reach; /* sqrt(sum (c w)^2): w = min(t, 1/omega), 1 for displacements */
+    double *c;    /* [modes] mass weighted; for a source not yet divided by omega */
+    double norm;  /* norm of the source or detector */
+    double reach; /* sqrt(sum (c w)^2), w = min(t, 1/omega), or 1 for displacements */
 } modal_side;
 
 /* One source at one detector. */
@@ -27,7 +28,7 @@ static double weight(const signal_job *job, double omega, bool source) {
     return source && !job_moves(job) ? 1 : omega * t > 1 ? 1 / omega : t;
 }
 
-/* given: momenta, displacements or a detector's row; weighted: [dofs] scratch. */
+/* vector: momenta, displacements or a detector; weighted: [dofs] scratch. */
 static void project(const signal_job *job, const sp_modes *m, const double *given, bool source, double *weighted,
                     modal_side *side) {
     const bool displaced = source && !job_moves(job);
@@ -49,10 +50,11 @@ static void project(const signal_job *job, const sp_modes *m, const double *give
     side->reach = sqrt(side->reach);
 }
 
-/* The solver's modes are those of A - E, E_mn = e_m . (A e_n - omega_n^2 e_n): they couple through
- *   dF = - int_0^t s_b(t - q) E s_a(q) dq = - sum_mn b_m E_mn a_n g_mn   (Duhamel, first order),
- * |g_mn| <= w_m w_n min(t, 1/|omega_m - omega_n|). Rounding has no preferred sign: the terms add up as squares. row:
- * E_mn of one n, for all m. */
+/* The computed modes are those of A - E, E_mn = e_m . (A e_n - omega_n^2 e_n). E couples them, to first order
+ * (Duhamel):
+ *   dF = - int_0^t s_b(t - q) E s_a(q) dq = - sum_mn b_m E_mn a_n g_mn,  |g_mn| <= w_m w_n min(t, 1/|omega_m -
+ *   omega_n|).
+ * Signs of rounding errors are random, so the terms add as squares. row: E_mn of one n for all m. */
 static void add_coupling(const signal_job *job, const sp_modes *m, int64_t n, const double *row, double noise,
                          modal_pair *p) {
     const double t = job->options->until, *omega = omegas(m), push = p->a->c[n] * weight(job, omega[n], true);
@@ -87,8 +89,8 @@ static sp_status couple(const signal_job *job, const sp_modes *m, int64_t pairs,
     return SP_OK;
 }
 
-/* Error of the sum at the last time: each frequency's own error turns its phase; the solver's residuals couple modes;
- * projections and orthogonality are rounded; so are sine and sum. */
+/* Error of the sum at the last time: phase errors due to errors of the frequencies, coupling of modes, rounding of
+ * projections and orthogonality, and rounding of the sines and the sum. */
 static double modal_error(const signal_job *job, const sp_modes *m, const modal_pair *p) {
     const double last = job->options->until, omega = sp_network_omega_bound(job->net);
     double phases = 0, squares = 0;
@@ -110,7 +112,7 @@ static void add_modes(const sp_modes *m, const modal_pair *pair, bool moves, dou
             const double phase = omega[k] * s->t[l];
             if (!moves)
                 wave[k] = cos(phase);
-            else /* no force is felt of a mode that stretches nothing */
+            else /* a mode that stretches no spring causes no force */
                 wave[k] = omega[k] > 0 ? sin(phase) / omega[k] : 0;
         }
         for (int64_t q = 0; q < (int64_t)s->sources * s->detectors; q++) {

@@ -1,5 +1,7 @@
+/* Extends the moments of one pass of the Chebyshev recurrence. */
+#include "signal/pass.h"
 #include "base/base.h"
-#include "signal/chebyshev.h"
+#include "signal/expansion.h"
 
 #include <math.h>
 
@@ -59,8 +61,8 @@ sp_status sp_pass_make(const pass_plan *plan, pass *out, sp_error *err) {
     return SP_OK;
 }
 
-/* b^T T_m W_k a = 1/2 b^T (W_(k+m) + W_(k-m)) a, W_(-k-1) = -W_k, and T_m T_k = 1/2 (T_(k+m) + T_|k-m|), with m = k + 1
- * and both at k + 1. */
+/* b^T T_m W_k a = b^T (W_(k+m) + W_(k-m)) a/2, W_(-k-1) = -W_k, and T_m T_k = (T_(k+m) + T_|m-k|)/2, for m = k + 1 and
+ * for both at k + 1. */
 static void extend_doubled(pass *p) {
     const int64_t k = p->r.step;
     const recurrence_products of = sp_recurrence_step(&p->r);

@@ -1,9 +1,8 @@
-/* Pulses and the signals that they make. */
-#include "signal/pulse.h"
-#include "base/base.h"
-#include "signal/job.h"
+/* Pulse shapes: strength, extent, and checks of parameters. */
+#include <sonopack/pulse.h>
 
-#include <float.h>
+#include "base/base.h"
+
 #include <math.h>
 
 #define PI 3.14159265358979323846
@@ -67,7 +66,7 @@ void sp_pulse_span(const sp_pulse *p, double *first, double *last) {
     }
 }
 
-/* The last point at or before t, so that a jump gives its later value. */
+/* Uses the last point at or before t, so that a jump gives its later value. */
 static double interpolate(const sp_pulse *p, double t) {
     if (t < p->t[0] || t > p->t[p->n - 1])
         return 0;
@@ -98,150 +97,4 @@ double sp_pulse_strength(const sp_pulse *p, double t) {
     case SP_PULSE_TABLE: return interpolate(p, t);
     default: return 0;
     }
-}
-
-/* ---- signals ---------------------------------------------------------------------------------------------------- */
-
-enum { FINE_POINTS = 16, COARSE_POINTS = 14, TIMES_MAX = 50000000 };
-/* Step of the response over 1/Omega: 50 of them to the shortest period. */
-#define FINE_STEP 0.125
-
-/* The length of a panel over which Gauss's rule sees both the response and the pulse as smooth. */
-static double panel_of(const sp_pulse *p, double omega) {
-    const double response = 4 / omega;
-    switch (p->kind) {
-    case SP_PULSE_GAUSS: return fmin(response, p->width);
-    case SP_PULSE_RICKER: return fmin(response, 1.5 / p->omega);
-    case SP_PULSE_SINE: return fmin(response, 3 / p->omega / fmax(1, 1 / p->cycles));
-    default: return response; /* straight between the points at which panels end */
-    }
-}
-
-/* The largest |s| and the integral of |s|, of what is sent before `until`. */
-static void sizes(const sp_pulse *p, double until, double *most, double *integral) {
-    enum { STEPS = 20000 };
-    double first, last;
-    sp_pulse_span(p, &first, &last);
-    last = fmax(first, fmin(last, until));
-    *most = *integral = 0;
-    if (p->kind == SP_PULSE_TABLE) {
-        for (int64_t k = 0; k < p->n && (k == 0 ? p->t[0] : p->t[k - 1]) < until; k++) {
-            *most = fmax(*most, fabs(p->s[k]));
-            if (k > 0)
-                *integral += (p->t[k] - p->t[k - 1]) * fmax(fabs(p->s[k]), fabs(p->s[k - 1]));
-        }
-        return;
-    }
-    for (int k = 0; k < STEPS; k++) {
-        const double s = fabs(sp_pulse_strength(p, first + (last - first) * (k + 0.5) / STEPS));
-        *most = fmax(*most, s);
-        *integral += s * (last - first) / STEPS;
-    }
-    *most *= 1.01;
-    *integral *= 1.01;
-}
-
-/* The error of F from that of the response, by rounding too: interpolation between 16 equally spaced points makes it at
- * most twice as large in the middle and, by interval from the end, 513, 56, 13, 5, 3 times where it has values on one
- * side only, near t = 0 without a mirror. */
-static double response_error(const sp_pulse *p, const sp_response *g, double until, double error, double largest) {
-    const double middle = 2, end = g->mirror == 0 ? 513 : 0, intervals = 1.2;
-    double most, integral;
-    sizes(p, until, &most, &integral);
-    return (error + 8 * DBL_EPSILON * largest) * (middle * integral + end * fmin(integral, most * intervals * g->step));
-}
-
-/* One signal: by the fine and by the coarse rule. The coarse one is worse by orders of magnitude, so that the
- * difference is its own error and more than that of the fine one. */
-static sp_status convolve_pair(const sp_response *g, const sp_pulse *pulse, double omega, double response_bound,
-                               const sp_signal *s, double *f, double *error, sp_error *err) {
-    const double panel = panel_of(pulse, omega);
-    const sp_quadrature fine = {1, FINE_POINTS, 16, panel}, coarse = {2, COARSE_POINTS, 12, panel};
-    double *check = sp_alloc((size_t)s->n, sizeof *check), worst = 0, largest = 0;
-    sp_status status = check ? SP_OK : sp_fail_memory(err, (size_t)s->n * sizeof *check);
-    if (status == SP_OK)
-        status = sp_convolve(g, pulse, &fine, s->n, s->t, f, err);
-    if (status == SP_OK)
-        status = sp_convolve(g, pulse, &coarse, s->n, s->t, check, err);
-    for (int32_t l = 0; l < s->n && status == SP_OK; l++)
-        worst = fmax(worst, fabs(f[l] - check[l]));
-    for (int64_t k = 0; k < g->n && status == SP_OK; k++)
-        largest = fmax(largest, fabs(g->g[k]));
-    if (status == SP_OK)
-        *error = worst + response_error(pulse, g, s->t[s->n - 1], response_bound, largest);
-    sp_free(check);
-    return status;
-}
-
-/* The times of the response: from 0 to the last that is needed, and those beyond it that interpolation wants. */
-static sp_status response_options(const sp_network *net, const sp_signal_options *opt, const sp_pulse *pulse,
-                                  sp_signal_options *o, sp_error *err) {
-    double first, last;
-    const double step = FINE_STEP / sp_network_omega_bound(net);
-    sp_pulse_span(pulse, &first, &last);
-    const double until = opt->until - fmin(first, 0), steps = ceil(until / step) + 2 * FINE_POINTS;
-    if (!(steps < TIMES_MAX))
-        return sp_fail(err, SP_EREFUSED, "pulse: the response up to t = %g needs %.3g times, %d at the most", until,
-                       steps, TIMES_MAX);
-    *o = *opt;
-    o->points = (int32_t)steps + 1;
-    o->until = step * steps;
-    o->tolerance = 0.25 * opt->tolerance; /* a pulse of both signs leaves less of F than of its error */
-    return SP_OK;
-}
-
-static sp_status vouch(const sp_signal *s, double tolerance, sp_error *err) {
-    for (int32_t q = 0; q < s->sources * s->detectors; q++) {
-        double largest = 0;
-        for (int32_t l = 0; l < s->n; l++)
-            largest = fmax(largest, fabs(s->f[(int64_t)q * s->n + l]));
-        if (!(s->errors[q] <= tolerance * largest))
-            return sp_fail(err, SP_EREFUSED,
-                           "pulse: error bound %.3g is %.2g of the largest |F| = %.3g, must be at most %.2g",
-                           s->errors[q], s->errors[q] / largest, largest, tolerance);
-    }
-    return SP_OK;
-}
-
-sp_status sp_signal_pulse(const sp_network *net, const sp_signal_options *opt, const sp_pulse *pulse, sp_signal *out,
-                          sp_error *err) {
-    sp_signal g = sp_signal_none(), s = sp_signal_none();
-    sp_signal_options o;
-    sp_status status = sp_pulse_check(pulse, err);
-    if (status != SP_OK)
-        return status;
-    if (pulse->kind == SP_PULSE_DELTA)
-        return sp_signal_make(net, opt, out, err);
-    if (opt->method == SP_SIGNAL_DYNAMICS)
-        return sp_fail(err, SP_EINVAL, "pulse: the nonlinear motion is no sum of responses, must be another method");
-    if (opt->front)
-        return sp_fail(err, SP_EINVAL, "pulse: stopping at the front is for short pulses only, must be without it");
-    if (opt->points < 2 || !(opt->until > 0 && isfinite(opt->until)))
-        return sp_fail(err, SP_EINVAL, "%d points until t = %g, must be 2 or more until a time above 0", opt->points,
-                       opt->until);
-    status = response_options(net, opt, pulse, &o, err);
-    if (status == SP_OK)
-        status = sp_signal_make(net, &o, &g, err);
-    if (status == SP_OK)
-        status = sp_signal_allocate(opt, g.sources, g.detectors, &s, err);
-    s.omega_max = g.omega_max;
-    s.products = g.products;
-    s.method = g.method;
-    s.step = g.step;
-    s.modes = g.modes;
-    for (int32_t q = 0; q < g.sources * g.detectors && status == SP_OK; q++) {
-        const int mirror = o.damping > 0 ? 0 : o.source == SP_SOURCE_DISPLACEMENT ? 1 : -1;
-        const sp_response r = {g.n, o.until / (g.n - 1), g.f + (int64_t)q * g.n, mirror};
-        status = convolve_pair(&r, pulse, g.omega_max, g.errors[q], &s, s.f + (int64_t)q * s.n, &s.errors[q], err);
-        if (status == SP_OK)
-            s.error = fmax(s.error, s.errors[q]);
-    }
-    if (status == SP_OK)
-        status = vouch(&s, opt->tolerance, err);
-    sp_signal_free(&g);
-    if (status == SP_OK)
-        *out = s;
-    else
-        sp_signal_free(&s);
-    return status;
 }

@@ -1,3 +1,4 @@
+/* Propagates two vectors by the Chebyshev recurrence, block by block and in parallel. */
 #include "signal/recurrence.h"
 #include "base/base.h"
 #include "base/clones.h"
@@ -8,15 +9,15 @@
 typedef pair pair_memory __attribute__((may_alias));
 typedef int64_t bits __attribute__((vector_size(16)));
 
-/* Fewer blocks than this are not worth waking other threads for. */
+/* With fewer blocks, waking other threads is not worthwhile. */
 enum { BLOCKS_SHARED = 32, DOF_MAX = 6, ROW = 8 };
-/* A block that sleeps stays asleep while the squares of what reaches it are below this part of those of U_0. */
+/* A block stays asleep while the squares of what reaches it are below this fraction of those of U_0. */
 #define TINY 1e-80
-/* Vectors of this many bytes are in no cache when they are next needed: what is written need not be fetched first. */
+/* Vectors of this many bytes exceed all caches, so results are written past the caches. */
 #define PAST_CACHES (1.6e7)
 
 void sp_recurrence_free(recurrence *r) {
-    sp_team_free(r->team);
+    sp_pool_free(r->pool);
     if (r->next != r->u)
         sp_free(r->next);
     sp_free(r->u);
@@ -64,7 +65,7 @@ sp_status sp_recurrence_make(const sp_operator *op, const double *mass, double o
     if (!r.u || !r.v || !r.next || !r.weight || !r.force || !r.awake || !r.active || !r.dots || !r.sizes)
         status = sp_fail_memory(err, 4 * size * sizeof(double));
     else
-        status = sp_team_make(threads, &r.team, err);
+        status = sp_pool_make(threads, &r.pool, err);
     if (status == SP_OK)
         set_weights(&r, mass, omega);
     r.past_caches = (double)size * sizeof(double) > PAST_CACHES;
@@ -75,7 +76,7 @@ sp_status sp_recurrence_make(const sp_operator *op, const double *mass, double o
     return status;
 }
 
-/* Mass of value a of a row. */
+/* Mass of component a of a row. */
 static double mass_of(const recurrence *r, int64_t row, int a) {
     const int kinds = kinds_of(r->op);
     return r->weight[2 * kinds * row + (r->op->quad ? a / r->op->dim : a)];
@@ -118,7 +119,7 @@ double sp_recurrence_norm(const recurrence *r, const sparse_row *row) {
 
 static ALWAYS_INLINE pair absolute(pair x) { return (pair)((bits)x & (bits){INT64_MAX, INT64_MAX}); }
 
-/* The forces are taken and cleared. */
+/* Takes the forces and clears them. */
 static ALWAYS_INLINE void advance_rows(const recurrence *r, int dof, int row, bool quad, bool doubled, int32_t chunk,
                                        double *restrict force, recurrence_products *sum) {
     const int kinds = quad ? 2 : dof;
@@ -157,7 +158,7 @@ typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
 typedef double v8 __attribute__((vector_size(64), aligned(64), may_alias));
 typedef int64_t i8 __attribute__((vector_size(64), aligned(64)));
 
-/* The same for rows of quads, a row at a time. */
+/* The same for rows of quads, one row at a time. */
 __attribute__((target("arch=x86-64-v4,prefer-vector-width=512"))) static void
 advance_wide(const recurrence *r, bool doubled, int32_t chunk, double *restrict force, recurrence_products *sum) {
     const i8 positive = {INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX};
@@ -221,11 +222,11 @@ static pair block_squares(const recurrence *r, int32_t block, const double *u) {
     return sum;
 }
 
-/* A block that slept wakes, or what came there is dropped. */
+/* Wakes a block, or drops what has arrived in it. */
 static uint8_t wake(const recurrence *r, int32_t block) {
     const sp_operator *op = r->op;
     const pair squares = block_squares(r, block, r->next);
-    const double tiny = op->two_carried ? 0 : TINY; /* without symmetry what is left out might grow */
+    const double tiny = op->two_carried ? 0 : TINY; /* with a nonsymmetric K, what is dropped might have grown */
     if (squares[0] > tiny * r->start[0] || squares[1] > tiny * r->start[1] || !isfinite(squares[0] + squares[1]))
         return 1;
     const ptrdiff_t at = (ptrdiff_t)op->first[block] * op->row;
@@ -236,7 +237,7 @@ static uint8_t wake(const recurrence *r, int32_t block) {
     return squares[0] + squares[1] > 0 ? 2 : 0;
 }
 
-/* T_(-1) = T_1 is met by half a first step. */
+/* Half a first step, because T_(-1) = T_1. */
 static void halve_first(const recurrence *r, int32_t chunk, double *force) {
     const int64_t size = (int64_t)(r->op->chunk_row[chunk + 1] - r->op->chunk_row[chunk]) * r->op->row;
     for (int64_t k = 0; k < size; k++)
@@ -265,7 +266,7 @@ static void visit_blocks(void *data, int part, int parts) {
     }
 }
 
-/* Those awake and those beside them, in order. */
+/* Lists blocks that are awake and their neighbours, in order. */
 static void find_active(recurrence *r) {
     const sp_operator *op = r->op;
     r->n_active = 0;
@@ -281,7 +282,7 @@ static void find_active(recurrence *r) {
 recurrence_products sp_recurrence_step(recurrence *r) {
     recurrence_products sum = {{0, 0}, {0, 0}};
     find_active(r);
-    sp_team_run(r->team, visit_blocks, r);
+    sp_pool_run(r->pool, visit_blocks, r);
     for (int32_t k = 0; k < r->n_active; k++) {
         const int32_t b = r->active[k];
         sum.dot += r->dots[b];
@@ -297,8 +298,8 @@ recurrence_products sp_recurrence_step(recurrence *r) {
 }
 
 double sp_recurrence_dropped(const recurrence *r, int64_t terms) {
-    /* What is dropped would have grown like U_j = sin((j+1) theta)/sin(theta), at most terms + 1 times; the other side
-     * is at most 2 terms + 1. */
+    /* What is dropped would have grown like U_j = sin((j+1) theta)/sin(theta), at most terms + 1 times; the other
+     * vector is at most 2 terms + 1. */
     const double n = 2 * (double)terms + 1;
     return r->dropped == 0 ? 0 : 4 * sqrt(TINY) * (double)r->dropped * n * n;
 }

@@ -1,4 +1,4 @@
-/* Record sections of packings. */
+/* Record sections of packings: signals at planes one above the other. */
 #include "base/base.h"
 #include "network/largest.h"
 
@@ -9,12 +9,12 @@
 
 enum { LEAST_PLANES = 8, MOST_PLANES = 100000 };
 
-sp_section_options sp_section_options_default(void) {
-    return (sp_section_options){.spacing = 1, .low = 4, .part = 0.6};
+sp_coherent_section_options sp_coherent_section_options_default(void) {
+    return (sp_coherent_section_options){.spacing = 1, .low = 4, .part = 0.6};
 }
 
-/* t10 at the top wall, as for the table of fronts. */
-static sp_status arrival(const sp_network *net, const sp_section_options *opt, double height, double *t10,
+/* t10 at the top wall, as in the table of fronts. */
+static sp_status arrival(const sp_network *net, const sp_coherent_section_options *opt, double height, double *t10,
                          sp_error *err) {
     sp_signal_options o = sp_signal_options_default();
     sp_signal signal = sp_signal_none();
@@ -33,7 +33,7 @@ static sp_status arrival(const sp_network *net, const sp_section_options *opt, d
     return status;
 }
 
-static sp_status alloc_section(int32_t planes, sp_section *s, sp_place **place, sp_error *err) {
+static sp_status alloc_section(int32_t planes, sp_coherent_section *s, sp_place **place, sp_error *err) {
     s->planes = planes;
     s->y = sp_alloc((size_t)planes, sizeof *s->y);
     s->arrival = sp_alloc((size_t)planes, sizeof *s->arrival);
@@ -43,7 +43,7 @@ static sp_status alloc_section(int32_t planes, sp_section *s, sp_place **place, 
                                                     : sp_fail_memory(err, (size_t)planes * (24 + sizeof **place));
 }
 
-static sp_status check(const sp_section_options *opt, double height, int32_t *planes, sp_error *err) {
+static sp_status check(const sp_coherent_section_options *opt, double height, int32_t *planes, sp_error *err) {
     if (!(opt->spacing > 0) || !(opt->low >= 0) || !(opt->part > 0 && opt->part <= 1))
         return sp_fail(err, SP_EINVAL, "section: spacing = %g, low = %g, part = %g; must be > 0, >= 0, and in 0 .. 1",
                        opt->spacing, opt->low, opt->part);
@@ -59,9 +59,9 @@ static sp_status check(const sp_section_options *opt, double height, int32_t *pl
     return SP_OK;
 }
 
-/* Planes which the same contacts cross have one flux and one height, and are one plane. */
-static sp_status place_planes(const sp_network *net, const sp_section_options *opt, int32_t count, double t10,
-                              sp_section *s, sp_place *place, sp_error *err) {
+/* Planes crossed by the same contacts have the same flux and height, and count once. */
+static sp_status place_planes(const sp_network *net, const sp_coherent_section_options *opt, int32_t count, double t10,
+                              sp_coherent_section *s, sp_place *place, sp_error *err) {
     const double height = net->box[net->dim - 1];
     s->planes = 0;
     for (int32_t k = 0; k < count; k++) {
@@ -83,9 +83,9 @@ static sp_status place_planes(const sp_network *net, const sp_section_options *o
                          count, opt->low, opt->part * height, s->planes, LEAST_PLANES);
 }
 
-/* Times up to `until`, so dense that frequencies up to the bound of the spectrum are a third of what they can carry. */
-static sp_status record(const sp_network *net, const sp_section_options *opt, double until, const sp_place *place,
-                        sp_section *s, sp_error *err) {
+/* Records up to `until`. The bound of the spectrum is a third of the Nyquist frequency of the times. */
+static sp_status record(const sp_network *net, const sp_coherent_section_options *opt, double until,
+                        const sp_place *place, sp_coherent_section *s, sp_error *err) {
     sp_signal_options o = sp_signal_options_default();
     sp_signal signal = sp_signal_none();
     const double points = ceil(until / (M_PI / 3 / sp_network_omega_bound(net))) + 1;
@@ -108,9 +108,10 @@ static sp_status record(const sp_network *net, const sp_section_options *opt, do
     return status;
 }
 
-sp_status sp_section_make(const sp_network *net, const sp_section_options *opt, sp_section *out, sp_error *err) {
+sp_status sp_coherent_section_make(const sp_network *net, const sp_coherent_section_options *opt,
+                                   sp_coherent_section *out, sp_error *err) {
     const double height = net->box[net->dim - 1];
-    sp_section s = sp_section_none();
+    sp_coherent_section s = sp_coherent_section_none();
     sp_place *place = NULL;
     double t10 = 0;
     int32_t planes = 0;
@@ -125,10 +126,10 @@ sp_status sp_section_make(const sp_network *net, const sp_section_options *opt, 
         status = record(net, opt, s.until[0], place, &s, err);
     if (status == SP_OK)
         status = sp_network_find_largest(net, &s.highest, err);
-    s.highest *= 1.001; /* known from below */
+    s.highest *= 1.001; /* the value is a lower bound */
     sp_free(place);
     if (status != SP_OK) {
-        sp_section_free(&s);
+        sp_coherent_section_free(&s);
         return status;
     }
     *out = s;

@@ -1,4 +1,4 @@
-/* Which method, with what parameters, and whether its result can be vouched for. */
+/* Runs a method for signals and checks its error bound. */
 #include "base/base.h"
 #include "signal/choose.h"
 #include "signal/job.h"
@@ -9,7 +9,7 @@
 static const struct {
     const char *name;
     signal_way way;
-    bool sparse; /* takes places as sparse rows only */
+    bool sparse; /* uses only sparse rows for places */
 } methods[] = {[SP_SIGNAL_AUTO] = {"auto", NULL, false},
                [SP_SIGNAL_CHEBYSHEV] = {"chebyshev", sp_signal_by_chebyshev, true},
                [SP_SIGNAL_DENSE] = {"dense", sp_signal_by_modes, false},
@@ -84,8 +84,7 @@ static sp_status check_options(const sp_signal_options *o, sp_error *err) {
     return status == SP_OK ? check_places("detectors", o->detectors, o->to, err) : status;
 }
 
-/* Before anything arrives the signal is as small as one likes; there the error is held against a millionth of the scale
- * instead. */
+/* Before the front the signal is arbitrarily small. There the error is compared with 1e-6 of the signal's scale. */
 static sp_status vouch(const signal_job *job, sp_signal *s, sp_error *err) {
     for (int32_t a = 0; a < s->sources; a++)
         for (int32_t b = 0; b < s->detectors; b++) {
@@ -107,7 +106,7 @@ sp_status sp_signal_make(const sp_network *net, const sp_signal_options *opt, sp
     return sp_signal_dynamics(NULL, net, opt, out, err);
 }
 
-/* *unsure: what was refused is not the method's work but its error bound. */
+/* *unsure: the method succeeded but its error bound exceeds the tolerance. */
 static sp_status make_by(sp_signal_method method, const sp_packing *p, const sp_network *net,
                          const sp_signal_options *opt, sp_signal *out, bool *unsure, sp_error *err) {
     sp_signal s = sp_signal_none();
@@ -152,7 +151,7 @@ sp_status sp_signal_dynamics(const sp_packing *p, const sp_network *net, const s
                        net->n_all);
     const int choices = opt->method == SP_SIGNAL_AUTO ? sp_signal_choose(net, opt, choice) : 1;
     status = make_by(choice[0], p, net, opt, out, &unsure, err);
-    for (int k = 1; k < choices && unsure; k++) /* the reason that is told is that of the first choice */
+    for (int k = 1; k < choices && unsure; k++) /* report the failure of the first choice */
         if (make_by(choice[k], p, net, opt, out, &unsure, NULL) == SP_OK)
             status = SP_OK;
     return status;

@@ -1,10 +1,9 @@
-/* A sum over the lowest modes, and a bound of what the others contribute.
- *
- * With A = M^-1/2 K M^-1/2, a the source and b the detector (mass weighted), a = V c + a' for the modes V that were
- * found (A V = V D + R, R their residuals) and b likewise, the signal F = b^T s(A) a, s(x) = sin(sqrt(x) t)/sqrt(x), is
+/* Signals as a sum over the lowest modes, with a bound of the contribution of the others.
+ * With A = M^-1/2 K M^-1/2 and mass-weighted source a and detector b, let V be the modes found (A V = V D + R with
+ * residuals R), a = V c + a', and b = V d + b'. The signal F = b^T s(A) a, s(x) = sin(sqrt(x) t)/sqrt(x), is
  *   d^T s(D) c  +  b'^T s(A) a'  +  terms with R, by Duhamel's formula.
- * The second is at most |b'| |A^-1/2 a'|, or |a'| |A^-1/2 b'|; a solve gives a'^T A^-1 a'. No frequency beyond those
- * found enters: what the bound needs of the left-out modes are these residual moments alone. */
+ * The second term is at most |b'| |A^-1/2 a'|, or |a'| |A^-1/2 b'|, and a solve gives a'^T A^-1 a'. The bound needs no
+ * frequencies beyond those found. */
 #include "base/base.h"
 #include "modes/refine.h"
 #include "modes/slices.h"
@@ -16,25 +15,25 @@
 
 enum { LANES = SP_LDL_LANES, FIRST_TRY = 64 };
 
-/* A source or a detector. */
+/* Projections of a source or a detector. */
 typedef struct shadow {
-    double *c;                              /* [modes] its projections */
-    double *leak;                           /* [modes] those of what is left of it: rounding */
+    double *c;                              /* [modes] projections on the modes */
+    double *leak;                           /* [modes] projections of the remainder: rounding errors */
     double norm, inverse;                   /* |a|, |A^-1/2 a| */
-    double rest, rest_inverse, rest_energy; /* of a': |a'|, |A^-1/2 a'|, |A^1/2 a'| */
+    double rest, rest_inverse, rest_energy; /* remainder a': |a'|, |A^-1/2 a'|, |A^1/2 a'| */
     double residuals;                       /* sum of |R_k| |c_k| w_k, w = 1/omega_k, or 1 for displacements */
 } shadow;
 
 typedef struct sum {
     const signal_job *job;
     sp_modes m;
-    int64_t modes;       /* rows of the network: without rattlers */
+    int64_t modes;       /* rows of the table that belong to the network, not to rattlers */
     const double *omega; /* [modes] */
-    double *residual;    /* [modes] |A e - omega^2 e| at most */
+    double *residual;    /* [modes] upper bound of |A e - omega^2 e| */
     slicer z;            /* holds the factor of A + depth */
     double depth;
     shadow *from, *to;
-    double *numbers; /* what c and leak point to */
+    double *numbers; /* memory of c and leak */
 } sum;
 
 static void sum_free(sum *q) {
@@ -46,13 +45,13 @@ static void sum_free(sum *q) {
     sp_free(q->numbers);
 }
 
-/* min(t, 1/omega): how far a unit of momentum moves a mode. */
+/* min(t, 1/omega): largest displacement of a mode per unit of momentum. */
 static double reach(const sum *q, int64_t k) {
     const double t = q->job->options->until;
     return q->omega[k] * t > 1 ? 1 / q->omega[k] : t;
 }
 
-/* What one of the two factors 1/omega of a mode's response is worth in the sums with residuals. */
+/* Weight of a mode in the sums with residuals. */
 static double swing(const sum *q, int64_t k) { return job_moves(q->job) ? reach(q, k) : 1; }
 
 static sp_status find_residuals(sum *q, sp_error *err) {
@@ -74,7 +73,7 @@ static sp_status find_residuals(sum *q, sp_error *err) {
     return status;
 }
 
-/* rest <- rest - V (V^T rest), the projections added to c. */
+/* rest <- rest - V (V^T rest); adds the projections to c. */
 static void take_out(const sum *q, double *rest, double *c) {
     const int64_t n = q->m.dofs;
     for (int64_t k = 0; k < q->modes; k++) {
@@ -88,8 +87,8 @@ static void take_out(const sum *q, double *rest, double *c) {
     }
 }
 
-/* Norms of up to eight vectors at once, as a solve takes eight. places: rows over the network; sources != 0 are
- * momenta or displacements, detectors forces. */
+/* Norms of up to eight vectors, as many as a solve takes. places: [count][dofs], momenta or displacements of sources,
+ * or detectors. */
 static void cast(sum *q, const double *places, bool source, int count, shadow *out, double *rest, double *solved) {
     const sp_network *net = q->job->net;
     const int64_t n = q->m.dofs;
@@ -105,14 +104,14 @@ static void cast(sum *q, const double *places, bool source, int count, shadow *o
         }
         out[p].norm = sqrt(out[p].norm);
         take_out(q, r, out[p].c);
-        take_out(q, r, out[p].c); /* twice: V is orthonormal to rounding only */
+        take_out(q, r, out[p].c); /* twice, since V is orthonormal only up to rounding */
         for (int64_t k = 0; k < q->modes; k++)
             for (int64_t i = 0; i < n; i++)
                 out[p].leak[k] += q->m.vectors[k * n + i] * r[i];
     }
     sp_ldl_solve(q->z.ldl, rest, solved);
-    /* a'^T (A + s)^-1 a' falls short of a'^T A^-1 a' by at most s over the lowest eigenvalue left out; and solves are
-     * not exact */
+    /* a'^T (A + s)^-1 a' is smaller than a'^T A^-1 a' by at most s over the lowest omitted eigenvalue; the second
+     * factor is for the error of the solve */
     const double cut = fmin(q->m.certified_to, sp_network_omega_bound(net));
     const double short_of = (1 + q->depth / (cut * cut)) * (1 + 1e-6);
     for (int p = 0; p < count; p++) {
@@ -208,7 +207,7 @@ static sp_status prepare(sum *q, int64_t modes, sp_error *err) {
     return SP_OK;
 }
 
-/* The sum over that many modes, whatever its error. */
+/* The sum over a given number of modes, whatever its error. */
 static sp_status by_lowest(const signal_job *job, int64_t modes, sp_signal *s, sp_error *err) {
     sum q = {.job = job, .m = sp_modes_none()};
     sp_status status = prepare(&q, modes, err);
@@ -227,7 +226,7 @@ static sp_status by_lowest(const signal_job *job, int64_t modes, sp_signal *s, s
     return status;
 }
 
-/* The largest error of a pair over its tolerance. */
+/* Largest ratio of error to tolerance of all pairs. */
 static double excess(const signal_job *job, const sp_signal *s) {
     double worst = 0;
     for (int32_t a = 0; a < s->sources; a++)
@@ -252,7 +251,7 @@ sp_status sp_signal_by_lowest_modes(const signal_job *job, sp_signal *s, sp_erro
         if (status != SP_OK)
             return status;
         ratio = excess(job, s);
-        /* what is left falls no faster than with the number of modes, unless that is all of them */
+        /* what is left falls at best in proportion to the number of modes */
         if (ratio <= 1 || !(ratio * (double)modes < 4 * (double)most))
             break;
     }

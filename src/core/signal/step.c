@@ -1,11 +1,11 @@
-/* Time stepping of M u'' = -K u by two explicit symplectic schemes: velocity Verlet, and the leapfrog of the potential
- * 1/2 u^T (A - h^2/12 A^2) u, A = M^-1 K, which is of fourth order (Lax and Wendroff 1960; Dablain, Geophysics 51, 54,
- * 1986; two products a step). On a mode both are rotations: u after n steps of h is gamma sin(n theta)/omega or
- * cos(n theta), where with x = (h omega)^2
+/* Signals by time stepping of M u'' = -K u with two explicit symplectic schemes: velocity Verlet, and the leapfrog
+ * scheme of the potential u^T (A - h^2/12 A^2) u/2, A = M^-1 K, of fourth order with two products per step (Lax and
+ * Wendroff 1960; Dablain, Geophysics 51, 54, 1986). Both act on a mode as rotations: u after n steps of h is gamma
+ * sin(n theta)/omega or cos(n theta), and with x = (h omega)^2
  *   Verlet:  cos theta = 1 - x/2,           gamma = 1/sqrt(1 - x/4)
  *   fourth:  cos theta = 1 - x/2 + x^2/24,  gamma = sqrt(x) (1 - x/6)/sin theta
- * so that errors are a change of frequency, theta/h - omega, and of amplitude, gamma - 1; both are bounded by powers of
- * omega (docs/physics.md), hence the error of the signal by moments of source and detector. */
+ * The errors are thus a shift of frequency, theta/h - omega, and of amplitude, gamma - 1. Powers of omega bound both
+ * (docs/physics.md), so moments of source and detector bound the error of the signal. */
 #include "base/base.h"
 #include "signal/job.h"
 
@@ -14,14 +14,14 @@
 #include <stdio.h>
 
 enum { MOMENTS = 4, ATTEMPTS = 4 };
-/* Springs times products beyond which a step found from the tolerance is refused: half a minute or so. */
+/* Limit of springs times products for a step chosen from the tolerance: about half a minute. */
 #define WORK_MAX 5e9
 #define ROUNDING 8.0
 
 typedef struct scheme {
     bool fourth;
-    int order, products; /* a step */
-    double reach;        /* largest h Omega for which the bounds hold; stable up to 2 and sqrt(12) */
+    int order, products; /* products per step */
+    double reach;        /* largest h Omega for which the bounds hold; the schemes are stable up to 2 and sqrt(12) */
 } scheme;
 
 /* Norms |A^(j/2) x|, j = 0 .. 3, of a source or detector x in the metric of the masses. */
@@ -33,10 +33,10 @@ typedef struct stepping {
     const signal_job *job;
     scheme way;
     double omega, last, spacing;
-    bool from_sources;         /* the motion starts from each source; else, by reciprocity, from each detector */
-    int32_t starts, ends;      /* their numbers */
+    bool from_sources;         /* start from each source; false: from each detector, by reciprocity */
+    int32_t starts, ends;      /* number of starts, and of places where each is recorded */
     moments *sent, *seen;      /* [sources], [detectors] */
-    double *u, *v, *du, *dv;   /* [dofs] displacement, its change in a step, and what their sums have lost */
+    double *u, *v, *du, *dv;   /* [dofs] displacement, its change per step, and the compensation of both sums */
     double *force, *row, *aux; /* [dofs] */
 } stepping;
 
@@ -62,14 +62,14 @@ static void accelerate(const sp_network *net, const double *x, double *out) {
         out[k] /= net->mass[k];
 }
 
-/* The displacement that a place stands for: what a source gives, or a detector's row over the masses. */
+/* Displacement for a source, or for a detector over the masses. */
 static void as_displacement(const signal_job *job, bool source, const double *given, double *x) {
     const bool as_is = source && !job_moves(job);
     for (int64_t k = 0; k < sp_network_dofs(job->net); k++)
         x[k] = as_is ? given[k] : given[k] / job->net->mass[k];
 }
 
-/* The row that reads its own response off a displacement. */
+/* Row that reads the response at a place from a displacement. */
 static void as_row(const signal_job *job, bool source, const double *given, double *row) {
     const bool weigh = source && !job_moves(job);
     for (int64_t k = 0; k < sp_network_dofs(job->net); k++)
@@ -116,7 +116,7 @@ static sp_status stepping_make(const signal_job *job, scheme way, const sp_signa
     return status;
 }
 
-/* The best bound of |b^T A^(power/2) a| by Cauchy and Schwarz. */
+/* The best bound of |b^T A^(power/2) a| by Cauchy-Schwarz. */
 static double split(const moments *a, const moments *b, int power) {
     double least = INFINITY;
     for (int j = 0; j < MOMENTS; j++)
@@ -125,7 +125,7 @@ static double split(const moments *a, const moments *b, int power) {
     return least;
 }
 
-/* Error of a signal by the scheme, at the last time. */
+/* Upper bound of the error of the scheme at the last time. */
 static double scheme_error(const stepping *s, const moments *a, const moments *b, double h) {
     const double x = h * h * s->omega * s->omega;
     const bool moves = job_moves(s->job);
@@ -134,28 +134,28 @@ static double scheme_error(const stepping *s, const moments *a, const moments *b
         const double phase = s->last * h * h / 24 * steep;
         return moves ? phase / sqrt(w) * split(a, b, 2) + h * h / 8 * steep * split(a, b, 1) : phase * split(a, b, 3);
     }
-    /* cos theta - cos sqrt(x) is at most x^3/720; the sine between the angles is at least theirs over the range */
+    /* cos theta - cos sqrt(x) is at most x^3/720; the sine between the two angles is at least the smaller of theirs */
     const double sine2 = (1 - x / 12) * (1 - x / 4 + x * x / 48), root = sqrt(x);
     const double least = fmin(sqrt(sine2), root > 1e-3 ? sin(root) / root : 1 - x / 6), h4 = h * h * h * h;
     const double phase = s->last * h4 / (720 * least);
     return moves ? phase * split(a, b, 4) + h4 / (72 * sine2) * split(a, b, 3) : phase * split(a, b, 5);
 }
 
-/* Sums of steps lose nothing (they are compensated); each force is rounded, some DBL_EPSILON of h^2 Omega^2 u, which
- * drifts on with the steps that follow. */
+/* Rounding. Sums of steps are compensated. Each force is rounded to some DBL_EPSILON of h^2 Omega^2 u, and this error
+ * propagates with the following steps. */
 static double rounding(const stepping *s, double steps, double h, double largest, double reach) {
     const double x = h * h * s->omega * s->omega;
     return ROUNDING * DBL_EPSILON * largest * reach * (1 + s->omega * s->last + x * steps * sqrt(steps));
 }
 
-/* sum += x, with what was lost before and is lost now. */
+/* Compensated summation (Kahan): sum += x. */
 static inline void add(double *sum, double *lost, double x) {
     const double y = x - *lost, t = *sum + y;
     *lost = (t - *sum) - y;
     *sum = t;
 }
 
-/* dv += factor A' u, A' = A or A - h^2/12 A^2: what a step changes the change of u by. */
+/* dv += factor A' u, A' = A or A - h^2/12 A^2. */
 static void kick(stepping *s, double h, double factor) {
     const sp_network *net = s->job->net;
     const double second = s->way.fourth ? h * h / 12 : 0;
@@ -171,7 +171,7 @@ static void drift(stepping *s) {
         add(&s->u[k], &s->du[k], s->v[k] - s->dv[k]);
 }
 
-/* u and its first change: h v, corrected at fourth order by -h^3/6 A v; or cos(theta) u - u. */
+/* Initial u and its first change: h v, in fourth order minus h^3/6 A v; or cos(theta) u - u. */
 static void start(stepping *s, int32_t which, double h) {
     const signal_job *job = s->job;
     const int64_t n = sp_network_dofs(job->net);
@@ -189,7 +189,7 @@ static void start(stepping *s, int32_t which, double h) {
     }
 }
 
-/* One start, sampled every `each` steps. Returns the largest |u| seen; infinite if it grew as no sound does. */
+/* Follows one start, recording every `each` steps. Returns the largest |u|, infinite if it grows without bound. */
 static double march(stepping *s, sp_signal *out, int32_t which, int64_t each, double h) {
     const sp_network *net = s->job->net;
     const int64_t n = sp_network_dofs(net);
@@ -210,7 +210,7 @@ static double march(stepping *s, sp_signal *out, int32_t which, int64_t each, do
         }
         const double size = norm(net, s->u), bound = m->m[0] * (job_moves(s->job) ? out->t[l] : 1);
         largest = fmax(largest, size);
-        if (!(size <= 2.0001 * bound)) /* gamma stays below 2 within reach */
+        if (!(size <= 2.0001 * bound)) /* gamma is below 2 in the allowed range */
             return INFINITY;
     }
     return largest;
@@ -234,8 +234,8 @@ static sp_status run(stepping *s, sp_signal *out, int64_t each, sp_error *err) {
     return SP_OK;
 }
 
-/* Smallest ratio of what is allowed to what the scheme makes, over the signals. Rounding takes its part of what is
- * allowed, but never all of it: shorter steps do not make it smaller as they do the other. */
+/* Smallest ratio of allowed error to that of the scheme. Rounding uses part of the allowed error, but at most 0.9 of
+ * it, since shorter steps do not reduce it. */
 static double room(const stepping *s, const sp_signal *out) {
     double least = INFINITY;
     for (int32_t a = 0; a < out->sources; a++)
@@ -268,8 +268,7 @@ static sp_status too_much(const stepping *s, const sp_signal *out, double each, 
         s->job->options->tolerance, each * (out->n - 1), s->spacing / each, most * (out->n - 1), reach);
 }
 
-/* The signal's size is known from a coarse run only, so steps are chosen from it, and once more if it was misleading.
- */
+/* A coarse run gives the size of the signal, from which the step is chosen; repeated if that was misleading. */
 static sp_status find_step(stepping *s, sp_signal *out, sp_error *err) {
     double each = fmax(1, ceil(s->spacing * s->omega / fmin(1, s->way.reach)));
     sp_status status = SP_OK;
@@ -285,7 +284,7 @@ static sp_status find_step(stepping *s, sp_signal *out, sp_error *err) {
     return status;
 }
 
-/* The longest step that divides the spacing of the points and is no longer than the one given. */
+/* The longest step up to the given one that divides the spacing of the points. */
 static sp_status given_step(stepping *s, sp_signal *out, sp_error *err) {
     const double each = ceil(s->spacing / s->job->options->step * (1 - 1e-12));
     if (!(s->spacing / each * s->omega <= s->way.reach))

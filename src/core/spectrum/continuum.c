@@ -1,4 +1,4 @@
-/* Modes of a homogeneous elastic strip with the packing's moduli, and the packing's own beside them. */
+/* Compares modes of a packing with those of a homogeneous elastic strip with the same moduli. */
 #include "base/base.h"
 #include "linalg/eigen.h"
 
@@ -7,14 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Polynomials for each component: one and a half times what 24 half waves need. */
+/* polynomials for each component: one and a half times as many as 24 half waves need */
 enum { BASIS = 48, SIZE = 2 * BASIS, COUNT_MAX = BASIS / 2 };
 static const double PI = 3.14159265358979323846;
 
 /* ---- the strip ------------------------------------------------------------------------------------------------ */
 
-/* phi_k = c_k (L_k - L_(k+2)), c_k = 1/sqrt(4 k + 6): zero at both walls; the integrals of phi_j' phi_k' are 1 for j =
- * k, else 0 (Shen, SIAM J. Sci. Comput. 15, 1489, 1994). */
+/* phi_k = c_k (L_k - L_(k+2)), c_k = 1/sqrt(4 k + 6), vanishes at both walls. The integral of phi_j' phi_k' is 1 for j
+ * = k, else 0 (Shen, SIAM J. Sci. Comput. 15, 1489, 1994). */
 static double weight(int k) { return 1 / sqrt(4.0 * k + 6); }
 
 /* Integral of phi_j phi_k over -1 .. 1. */
@@ -25,15 +25,15 @@ static double mass_of(int j, int k) {
     return abs(j - k) == 2 ? -weight(j) * weight(k) * 2 / (2.0 * low + 5) : 0;
 }
 
-/* Integral of phi_j phi_k'. */
+/* Integral of phi_j phi_k' over -1 .. 1. */
 static double slope_of(int j, int k) {
     if (j == k + 1)
         return -2 * weight(j) * weight(k);
     return k == j + 1 ? 2 * weight(j) * weight(k) : 0;
 }
 
-/* Stiffness and mass of the strip for v, then w: rho omega^2 v = C11 k1^2 v - C33 v'' + k1 (C12 + C33) w' and
- * rho omega^2 w = C33 k1^2 w - C22 w'' - k1 (C12 + C33) v'. By columns. */
+/* Stiffness a and mass b of the strip, by columns, first v then w; C33 is the shear modulus (2D): rho omega^2 v = C11
+ * k1^2 v - C33 v'' + k1 (C12 + C33) w', rho omega^2 w = C33 k1^2 w - C22 w'' - k1 (C12 + C33) v'. */
 static void strip_matrices(const sp_moduli *m, double phi3s, double k1, double height, double *a, double *b) {
     const double half = 0.5 * height, pull = k1 * (m->c12 + m->c33);
     for (int j = 0; j < BASIS; j++)
@@ -47,7 +47,7 @@ static void strip_matrices(const sp_moduli *m, double phi3s, double k1, double h
         }
 }
 
-/* b = L L^T in its lower triangle, and a = L^-1 a L^-T; columns of SIZE. */
+/* b becomes L with b = L L^T (lower triangle), and a becomes L^-1 a L^-T; columns of SIZE. */
 static void reduce(double *a, double *b) {
     for (int k = 0; k < SIZE; k++) {
         for (int q = 0; q < k; q++)
@@ -57,7 +57,7 @@ static void reduce(double *a, double *b) {
         for (int j = k; j < SIZE; j++)
             b[k * SIZE + j] /= root;
     }
-    for (int turn = 0; turn < 2; turn++) { /* L^-1 times, and transposed: twice makes both sides */
+    for (int turn = 0; turn < 2; turn++) { /* multiply by L^-1 and transpose, twice */
         for (int c = 0; c < SIZE; c++)
             for (int k = 0; k < SIZE; k++) {
                 a[c * SIZE + k] /= b[k * SIZE + k];
@@ -82,7 +82,7 @@ static void expand(const double *b, double *x) {
     }
 }
 
-/* phi_k at s in -1 .. 1, all of them. */
+/* All phi_k at s in -1 .. 1. */
 static void basis_at(double s, double *phi) {
     double legendre[BASIS + 2] = {1, s};
     for (int k = 2; k < BASIS + 2; k++)
@@ -98,7 +98,7 @@ static double sum_of(const double *coefficients, const double *phi) {
     return sum;
 }
 
-/* Both squares of the plane waves of a wave vector, the lower first. */
+/* omega^2 of both plane waves of a wave vector, the lower first. */
 static void plane_squares(const sp_moduli *m, double phi3s, double k1, double k2, double out[2]) {
     const double a = m->c11 * k1 * k1 + m->c33 * k2 * k2, b = m->c33 * k1 * k1 + m->c22 * k2 * k2;
     const double c = (m->c12 + m->c33) * k1 * k2, middle = 0.5 * (a + b), apart = hypot(0.5 * (a - b), c);
@@ -106,7 +106,7 @@ static void plane_squares(const sp_moduli *m, double phi3s, double k1, double k2
     out[1] = (middle + apart) / phi3s;
 }
 
-/* The strongest sine, and the nearer of its two plane waves. */
+/* Finds the strongest sine component and the nearer of its two plane waves. */
 static void name_mode(const sp_moduli *m, double phi3s, const double box[2], sp_strip_mode *out) {
     enum { POINTS = 400 };
     double sine[COUNT_MAX + 2][2] = {{0}}, best = 0, square[2];
@@ -168,8 +168,8 @@ void sp_continuum_free(sp_continuum *c) {
     *c = sp_continuum_none();
 }
 
-/* The mode at the grains' centres, mass weighted, translations only: [2][n][2], the cosine and the sine of v. The two
- * are made orthonormal; those of n1 = 0 are one. Returns their number. */
+/* The mode at the centres of the grains, mass weighted, translations only: [2][n][2], the cosine and the sine of v,
+ * made orthonormal. For n1 = 0 there is only one. Returns their number. */
 static int field_at(const sp_network *net, const sp_strip_mode *mode, double *field) {
     const double k1 = 2 * PI * mode->n1 / net->box[0];
     const int64_t n = 2 * (int64_t)net->n;
@@ -211,7 +211,7 @@ static double overlap(const sp_network *net, const double *e, int fields, const 
     return sum;
 }
 
-/* Every mode of the strip up to a frequency well above the packing's, each against every mode of the packing. */
+/* Compares all modes of the strip, up to twice the packing's highest frequency, with all modes of the packing. */
 static sp_status match(const sp_network *net, double phi3s, const sp_modes *modes, int64_t first, sp_continuum *c,
                        sp_error *err) {
     enum { WAVES_MAX = 1000 };

@@ -1,4 +1,4 @@
-/* Frequencies of plane and standing waves, from the moments of their spectral function. */
+/* Dispersion relation of plane and standing waves, from moments of their spectral functions. */
 #include "base/base.h"
 #include "spectrum/moments.h"
 
@@ -40,7 +40,7 @@ static sp_status check(const sp_network *net, const sp_dispersion_options *o, sp
     return SP_OK;
 }
 
-/* The degree of freedom that a polarization moves; -1: the network has none. */
+/* The degree of freedom that a polarization moves; -1: the network does not have it. */
 static int component(const sp_network *net, bool up, sp_polarization p) {
     const int vertical = net->dim - 1;
     switch (p) {
@@ -50,10 +50,10 @@ static int component(const sp_network *net, bool up, sp_polarization p) {
     }
 }
 
-/* The wave as displacements: cosine and sine of plane waves side by side (together they are the complex wave), or the
- * standing one alone, all scaled to |q| = 1. */
-static sp_status make_wave(const sp_network *net, const sp_dispersion_options *o, int at, sp_wave *w, double *start,
-                           sp_error *err) {
+/* The wave as displacements: the cosine and sine of a plane wave, which form a complex wave, or a single standing wave;
+ * scaled to |q| = 1. */
+static sp_status make_wave(const sp_network *net, const sp_dispersion_options *o, int at, sp_dispersion_point *w,
+                           double *start, sp_error *err) {
     double norm = 0, all = 0;
     const int vertical = net->dim - 1;
     w->k = o->up ? PI * w->n / (net->box[vertical] + 2 * o->node) : 2 * PI * w->n / net->box[0];
@@ -75,8 +75,9 @@ static sp_status make_wave(const sp_network *net, const sp_dispersion_options *o
     return SP_OK;
 }
 
-/* q . A q as a sum of squares over springs, and |A q|^2. u, out: scratch. */
-static void exact_moments(const sp_network *net, const double *start, double *u, double *force, sp_wave *w) {
+/* q . A q as a sum of squares over springs, and |A q|^2. u, force: scratch. */
+static void exact_moments(const sp_network *net, const double *start, double *u, double *force,
+                          sp_dispersion_point *w) {
     const int64_t n = sp_network_dofs(net);
     double second = 0, fourth = 0;
     for (int lane = 0; lane < 2; lane++) {
@@ -91,8 +92,8 @@ static void exact_moments(const sp_network *net, const double *start, double *u,
     w->spread = w->rms > 0 ? sqrt(fmax(fourth - second * second, 0)) / (2 * w->rms) : 0;
 }
 
-/* A smoothed spectral function, per unit of phi: there the kernel has the same width everywhere, and of two lines the
- * stronger one is the higher. */
+/* A smoothed spectral function per unit of phi. The kernel has the same width at all phi, so peak heights show the
+ * strength of lines. */
 typedef struct spectral {
     double omega;
     int64_t n;
@@ -116,9 +117,9 @@ static double crossing(const spectral *s, double half, double a, double b) {
     return 0.5 * (a + b);
 }
 
-/* The largest of a grid of four points to the kernel's width, refined by thirds. The grid is even in phi, in which the
- * kernel has the same width everywhere. */
-static void find_peak(const spectral *s, sp_wave *w) {
+/* Finds the largest value on a grid with four points per kernel width, even in phi, and refines it by ternary
+ * search. */
+static void find_peak(const spectral *s, sp_dispersion_point *w) {
     const int64_t steps = 4 * s->n;
     const double turn = PI / (double)steps;
     int64_t best = 0;
@@ -161,7 +162,7 @@ typedef struct scratch {
 
 static sp_status one_wave(const sp_network *net, const sp_dispersion_options *o, sp_polarization p, int32_t n,
                           const scratch *x, sp_dispersion *d, sp_error *err) {
-    sp_wave w = {.polarization = p, .n = n};
+    sp_dispersion_point w = {.polarization = p, .n = n};
     moment_set m = {0};
     sp_status status = make_wave(net, o, component(net, o->up, p), &w, x->start, err);
     if (status == SP_OK)
@@ -170,7 +171,7 @@ static sp_status one_wave(const sp_network *net, const sp_dispersion_options *o,
         return status;
     exact_moments(net, x->start, x->u, x->force, &w);
     for (int64_t k = 0; k < m.n; k++)
-        m.xx[k] += m.yy[k]; /* of the complex wave */
+        m.xx[k] += m.yy[k]; /* moments of the complex wave */
     const spectral s = {m.omega, m.n, x->g, m.xx};
     find_peak(&s, &w);
     for (int32_t l = 0; l < d->profile; l++)

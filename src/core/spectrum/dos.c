@@ -1,8 +1,8 @@
 /* Density of states. */
 #include "base/base.h"
-#include "base/team.h"
+#include "base/pool.h"
+#include "modes/count.h"
 #include "numeric/random.h"
-#include "spectrum/count.h"
 #include "spectrum/moments.h"
 
 #include <math.h>
@@ -75,7 +75,7 @@ static double middle(const sp_dos *d, int32_t b) { return 0.5 * (d->edge[b] + d-
 
 /* ---- exact ------------------------------------------------------------------------------------------------------ */
 
-/* Modes at most at x, and those that are within their error of it. */
+/* Number of modes up to x, and number of those within their error of x. */
 static void count_below(const sp_modes *m, double x, double *below, double *doubtful) {
     *below = *doubtful = 0;
     for (int64_t k = m->n_zero; k < m->n; k++) {
@@ -136,7 +136,7 @@ static sp_status exact(const sp_network *net, sp_dos *d, sp_error *err) {
 
 /* ---- kernel polynomials ------------------------------------------------------------------------------------------ */
 
-/* The trace of T_k is the mean of <z|T_k|z> over vectors of independent signs (Hutchinson 1990). */
+/* The trace of T_k, as the mean of <z|T_k|z> over vectors z of random signs (Hutchinson 1990). */
 typedef struct trace {
     const sp_network *net;
     const sp_dos *dos;
@@ -147,7 +147,7 @@ typedef struct trace {
     sp_error *reason;
 } trace;
 
-/* Signs of two vectors, as displacements. Vector v has bits of its own, wherever it is drawn. */
+/* Random signs of two vectors, as displacements. Each vector has its own stream of bits, whichever thread draws it. */
 static void draw_signs(const sp_network *net, uint64_t seed, int32_t pair, double *out) {
     const int64_t n = sp_network_dofs(net);
     for (int lane = 0; lane < 2; lane++) {
@@ -186,27 +186,27 @@ static void some_pairs(void *data, int part, int parts) {
 }
 
 static sp_status find_trace(trace *t, int threads, sp_error *err) {
-    sp_team *team = NULL;
+    sp_pool *pool = NULL;
     const int parts = threads < t->pairs ? threads : t->pairs;
     t->status = sp_alloc((size_t)parts, sizeof *t->status);
     t->reason = sp_alloc((size_t)parts, sizeof *t->reason);
-    sp_status status = t->status && t->reason ? sp_team_make(parts, &team, err)
+    sp_status status = t->status && t->reason ? sp_pool_make(parts, &pool, err)
                                               : sp_fail_memory(err, (size_t)parts * sizeof *t->reason);
     if (status == SP_OK)
-        sp_team_run(team, some_pairs, t);
+        sp_pool_run(pool, some_pairs, t);
     for (int k = 0; k < parts && status == SP_OK; k++)
         if (t->status[k] != SP_OK) {
             status = t->status[k];
             if (err)
                 *err = t->reason[k];
         }
-    sp_team_free(team);
+    sp_pool_free(pool);
     sp_free(t->status);
     sp_free(t->reason);
     return status;
 }
 
-/* Mean of values that come one by one, and its standard error. */
+/* Running mean and variance (Welford 1962). */
 typedef struct running {
     double mean, squares;
     int32_t n;
@@ -268,7 +268,7 @@ static sp_status kpm(const sp_network *net, const sp_dos_options *o, sp_dos *d, 
 
 /* ---- counting ---------------------------------------------------------------------------------------------------- */
 
-/* The histogram by inertia; the smooth density is that of kernel polynomials. */
+/* The histogram by inertia; the smooth density stays that of kernel polynomials. */
 static sp_status count_bins(const sp_network *net, sp_dos *d, sp_error *err) {
     counter c = {0};
     int64_t least = 0, most = 0, before = 0, unsure = 0;
@@ -298,7 +298,7 @@ static sp_status count_bins(const sp_network *net, sp_dos *d, sp_error *err) {
 static void normalise(const sp_network *net, sp_dos_norm norm, sp_dos *d) {
     const double by = norm == SP_DOS_GRAIN ? net->n : norm == SP_DOS_ONE ? (double)d->modes : 1;
     for (int64_t k = 0; k < 6 * (int64_t)d->bins; k++)
-        d->density[k] /= by; /* the six columns lie one behind the other */
+        d->density[k] /= by; /* the six columns are contiguous */
 }
 
 sp_status sp_dos_make(const sp_network *net, const sp_dos_options *opt, sp_dos *out, sp_error *err) {

@@ -1,11 +1,13 @@
+/* Solves the driven network at one frequency and bounds the error of the response. */
 #include "spectrum/driven.h"
 #include "base/base.h"
+#include "linalg/vector.h"
 
 #include <float.h>
 #include <math.h>
 
 void sp_driven_free(driven *d) {
-    sp_complex_free(d->solver);
+    sp_lu_free(d->lu);
     sp_free(d->p);
     sp_free(d->i);
     sp_free(d->a);
@@ -19,7 +21,7 @@ void sp_driven_free(driven *d) {
     *d = (driven){0};
 }
 
-/* All entries of a symmetric matrix of which the lower triangle is given: column by column, rows ascending. */
+/* Pattern of all entries of a symmetric matrix given by its lower triangle: by columns, rows ascending. */
 static void fill_pattern(const sp_sparse *k, driven *d) {
     const int64_t n = k->n;
     for (int64_t c = 0; c < n; c++)
@@ -32,8 +34,8 @@ static void fill_pattern(const sp_sparse *k, driven *d) {
         d->p[c + 1] += d->p[c];
 }
 
-/* Values over sqrt(m m), and the sizes of the sums that they are: by Cauchy and Schwarz at most sqrt(K_rr K_cc). A
- * column's upper part comes from earlier columns, so that rows ascend. */
+/* Entries over sqrt(m m), and the magnitudes of the sums that form them, at most sqrt(K_rr K_cc) by Cauchy-Schwarz. The
+ * upper part of a column comes from earlier columns, so rows ascend. */
 static void fill_values(const sp_sparse *k, const driven *d, int64_t *next, double *x, double *size) {
     const int64_t n = k->n;
     for (int64_t c = 0; c < n; c++)
@@ -96,7 +98,7 @@ sp_status sp_driven_make(const sp_network *net, const sp_network *dashpots, driv
         fill_values(&k, &d, next, d.a, d.size_a);
         if (dashpots)
             fill_values(&c, &d, next, d.c, d.size_c);
-        status = sp_complex_make(d.n, d.p, d.i, &d.solver, err);
+        status = sp_lu_make(d.n, d.p, d.i, true, &d.lu, err);
     }
     sp_free(next);
     sp_sparse_free(&c);
@@ -108,31 +110,24 @@ sp_status sp_driven_make(const sp_network *net, const sp_network *dashpots, driv
     return status;
 }
 
-static double norm(int64_t n, const double *v) {
-    double sum = 0;
-    for (int64_t k = 0; k < 2 * n; k++)
-        sum += v[k] * v[k];
-    return sqrt(sum);
-}
-
-/* |H^-1| from a few steps of the power method on H^-1 and its conjugate: H is symmetric, so that H^-* x is the
+/* Estimates |H^-1| by a few steps of the power method on H^-1 and its adjoint. Since H is symmetric, H^-* x is the
  * conjugate of H^-1 applied to the conjugate of x. */
 static sp_status estimate_inverse(driven *d, sp_error *err) {
     enum { STEPS = 4 };
     const int64_t n = d->n;
-    for (int64_t k = 0; k < n; k++) { /* a start without symmetry */
+    for (int64_t k = 0; k < n; k++) { /* a starting vector without symmetry */
         d->v[2 * k] = 1 + 0.5 * sin(2.0 * (double)k * (double)k + 1);
         d->v[2 * k + 1] = 0;
     }
     d->inverse = 0;
     for (int step = 0; step < STEPS; step++) {
-        const double before = norm(n, d->v);
+        const double before = sp_norm(2 * n, d->v);
         for (int64_t k = 0; k < 2 * n; k++)
             d->v[k] /= before;
-        const sp_status status = sp_complex_solve(d->solver, d->x, d->v, d->w, err);
+        const sp_status status = sp_lu_solve(d->lu, d->x, false, d->v, d->w, err);
         if (status != SP_OK)
             return status;
-        d->inverse = fmax(d->inverse, norm(n, d->w));
+        d->inverse = fmax(d->inverse, sp_norm(2 * n, d->w));
         for (int64_t k = 0; k < n; k++) {
             d->v[2 * k] = d->w[2 * k];
             d->v[2 * k + 1] = -d->w[2 * k + 1];
@@ -148,16 +143,16 @@ sp_status sp_driven_factor(driven *d, double omega, sp_error *err) {
             d->x[2 * q] = d->a[q] - (d->i[q] == c ? omega * omega : 0);
             d->x[2 * q + 1] = d->c ? omega * d->c[q] : 0;
         }
-    const sp_status status = sp_complex_factor(d->solver, d->x, err);
+    const sp_status status = sp_lu_factor(d->lu, d->x, err);
     return status == SP_OK ? estimate_inverse(d, err) : status;
 }
 
 sp_status sp_driven_solve(driven *d, const double *right, double *u, sp_error *err) {
-    return sp_complex_solve(d->solver, d->x, right, u, err);
+    return sp_lu_solve(d->lu, d->x, false, right, u, err);
 }
 
-/* r = right - H u, and bounds of how far it may be off, by its own rounding and by that of H and right: entries are
- * sums of some springs, each of some products. The matrix is symmetric: columns are rows. */
+/* r = right - H u, and bounds of its error due to rounding of r, H and right. H is symmetric, so its columns are its
+ * rows. */
 static void residual(const driven *d, const double *right, const double *u, double *r, double *off) {
     for (int64_t c = 0; c < d->n; c++) {
         double re = right[2 * c], im = right[2 * c + 1], sizes = fabs(re) + fabs(im);
@@ -175,8 +170,8 @@ static void residual(const driven *d, const double *right, const double *u, doub
     }
 }
 
-/* With r = sent - H u, s = seen - H y for the u and y at hand, the error of seen . u is
- * y . r + s . H^-1 r. */
+/* With r = source - H u and s = detector - H y for the computed u and y, the error of detector . u is y . r + s . H^-1
+ * r. */
 void sp_driven_response(driven *d, const double *sent, const double *u, const double *seen, const double *y,
                         double f[2], double *error) {
     double first = 0, r2 = 0, s2 = 0, own = 0, terms = 0;
@@ -197,6 +192,6 @@ void sp_driven_response(driven *d, const double *sent, const double *u, const do
         const double s = hypot(d->v[2 * k], d->v[2 * k + 1]) + off[k];
         s2 += s * s;
     }
-    /* the estimate of |H^-1| is one from below: a tenfold of it */
+    /* the factor 10 is for the estimate of |H^-1|, a lower bound */
     *error = first + 10 * d->inverse * sqrt(r2) * sqrt(s2) + DBL_EPSILON * (12 + 2 * terms) * own;
 }

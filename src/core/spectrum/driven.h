@@ -1,34 +1,35 @@
 #ifndef SP_DRIVEN_H
 #define SP_DRIVEN_H
-/* H = M^-1/2 (K - omega^2 M + i omega C) M^-1/2 as a sparse matrix, solves with it, and what they are worth. */
+/* The driven network, H = M^-1/2 (K - omega^2 M + i omega C) M^-1/2: sparse solves with error bounds. */
 
-#include "linalg/complex.h"
+#include "linalg/lu.h"
 
 #include <sonopack/spectrum.h>
 
 typedef struct driven {
     int64_t n;
-    int64_t *p, *i;          /* all entries by columns */
-    double *a, *c;           /* [p[n]] K and C over sqrt(m m); c NULL without damping */
-    double *size_a, *size_c; /* [p[n]] sizes of the terms that the entries are sums of */
+    int64_t *p, *i;          /* all entries, by columns */
+    double *a, *c;           /* [p[n]] K and C over sqrt(m m); c is NULL without damping */
+    double *size_a, *size_c; /* [p[n]] magnitudes of the terms that form the entries */
     double *x;               /* [p[n]][2] H */
     double *root;            /* [n] sqrt(m) */
-    sp_complex_solver *solver;
-    double omega, inverse; /* of the last sp_driven_factor; an estimate of |H^-1| from below */
+    sp_lu *lu;
+    double omega, inverse; /* frequency of the factor; estimate of |H^-1| from below */
     double *v, *w;         /* [n][2] scratch */
 } driven;
 
-/* dashpots: NULL for none. */
+/* dashpots: NULL without damping. */
 sp_status sp_driven_make(const sp_network *net, const sp_network *dashpots, driven *out, sp_error *err);
 sp_status sp_driven_factor(driven *d, double omega, sp_error *err);
-/* u = H^-1 right; [n][2]. */
+/* u = H^-1 right, [n][2] each. */
 sp_status sp_driven_solve(driven *d, const double *right, double *u, sp_error *err);
-/* seen . u (no conjugate) and a bound of its error: u = H^-1 sent, y = H^-1 seen as sp_driven_solve gives them. */
+/* f = detector . u (without conjugation) and an upper bound of its error; u = H^-1 source and y = H^-1 detector from
+ * sp_driven_solve. */
 void sp_driven_response(driven *d, const double *sent, const double *u, const double *seen, const double *y,
                         double f[2], double *error);
 void sp_driven_free(driven *d);
 
-/* The fit of sp_wave_fit. f [n][2] at heights y, ascending, of equal distance. */
+/* Fits the waves of sp_wave_fit. f [n][2] at heights y, ascending and equally spaced. */
 void sp_driven_fit(int32_t n, const double *y, const double *f, sp_wave_fit *out);
 
 #endif

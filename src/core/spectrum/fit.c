@@ -1,4 +1,4 @@
-/* Two waves through equally spaced planes, f(y) = A exp(-q y) + B exp(q y), q = alpha + i k: least squares in A, B and
+/* Fits two waves to equally spaced planes, f(y) = A exp(-q y) + B exp(q y), q = alpha + i k: least squares in A, B and
  * q by variable projection (Golub and Pereyra 1973). */
 #include "spectrum/driven.h"
 
@@ -17,14 +17,14 @@ typedef struct sample {
     const double *f; /* [n][2] */
 } sample;
 
-/* A and B for a q, and the squares that are left; both waves are 1 where they are strongest. */
+/* Best A and B for a given q, and the sum of squares left. Each wave is 1 where it is largest. */
 typedef struct amplitudes {
     value a, b;
     double rest;
-    double overlap; /* 1: the two waves are the same */
+    double overlap; /* 1: both waves are equal */
 } amplitudes;
 
-/* CMPLX of C11, which not every compiler has. */
+/* C11's CMPLX, which not every compiler has. */
 static value number(double re, double im) { return re + im * _Complex_I; }
 
 static value at(const sample *s, int32_t j) { return number(s->f[2 * j], s->f[2 * j + 1]); }
@@ -35,7 +35,7 @@ static value wave_down(const sample *s, value q, int32_t j) { return cexp(q * (s
 
 static double square(value z) { return creal(z) * creal(z) + cimag(z) * cimag(z); }
 
-/* The two waves plane by plane. */
+/* Both waves, plane by plane. */
 typedef struct pair_of_waves {
     value up, down, up_step, down_step;
 } pair_of_waves;
@@ -76,7 +76,7 @@ static amplitudes project(const sample *s, value q) {
     return p;
 }
 
-/* A step of Gauss and Newton: the derivative by q, less its projection on the two waves; *slope: its squared norm. */
+/* A Gauss-Newton step: the derivative by q, minus its projection on the two waves. *slope: its squared norm. */
 static value newton(const sample *s, value q, const amplitudes *p, double *slope) {
     double uu = 0, dd = 0;
     value ud = 0, ug = 0, dg = 0, gr = 0;
@@ -102,7 +102,7 @@ static value newton(const sample *s, value q, const amplitudes *p, double *slope
     return *slope > 0 ? gr / *slope : 0;
 }
 
-/* The best of a grid of wave numbers and attenuations. */
+/* The best point of a grid of wave numbers and attenuations. */
 static value search(const sample *s) {
     enum { WAVES = 240, ATTENUATIONS = 9 };
     const double step = s->y[1] - s->y[0], length = s->y[s->n - 1] - s->y[0];
@@ -149,7 +149,7 @@ void sp_driven_fit(int32_t n, const double *y, const double *f, sp_wave_fit *out
     newton(&s, q, &p, &slope);
     const double error = slope > 0 && n > 3 ? sqrt(0.5 * p.rest / (n - 3) / slope) : NAN;
     const bool decays = fabs(creal(q)) > 3 * error;
-    if (decays ? creal(q) < 0 : cimag(q) < 0) /* the same two waves, the other way about */
+    if (decays ? creal(q) < 0 : cimag(q) < 0) /* the same two waves with exchanged roles */
         q = -q;
     *out = (sp_wave_fit){.k = cimag(q), .k_err = error, .alpha = creal(q), .alpha_err = error, .misfit = p.rest / all};
 }

@@ -1,4 +1,4 @@
-/* Harmonic driving: frequency by frequency a sparse solve, at a detector and through planes. */
+/* Response to harmonic driving, one sparse solve per frequency, at a detector and through planes. */
 #include "base/base.h"
 #include "spectrum/driven.h"
 
@@ -46,16 +46,17 @@ static sp_status check(const sp_network *net, const sp_harmonic_options *o, sp_e
     return SP_OK;
 }
 
-/* What one frequency after the other is solved with. */
+/* Data for solving one frequency after another. */
 typedef struct bench {
     const sp_network *net;
     const sp_harmonic_options *options;
     driven d;
-    double *sent;             /* [dofs][2], over sqrt(m) */
-    double *springs, *dashes; /* [1 + planes][dofs] detectors likewise: forces of springs, and of dashpots */
-    double *seen;             /* [dofs][2] one detector at one frequency, springs + i omega dashpots */
-    double *u, *y;            /* [dofs][2] */
-    double low, high;         /* planes of the fit */
+    double *sent; /* [dofs][2], over sqrt(m) */
+    double *springs,
+        *dashes;      /* [1 + planes][dofs] detector and planes, over sqrt(m): forces of springs, and of dashpots */
+    double *seen;     /* [dofs][2] one of them at one frequency: springs + i omega dashpots */
+    double *u, *y;    /* [dofs][2] */
+    double low, high; /* heights of the planes in the fit */
 } bench;
 
 static void bench_free(bench *b) {
@@ -101,7 +102,7 @@ static sp_status allocate(const sp_network *net, const sp_harmonic_options *o, b
     return SP_OK;
 }
 
-/* The detector and the planes, of a network's springs or of its dashpots. */
+/* Detector and planes, of a network of springs or of dashpots. */
 static sp_status make_detectors(const bench *b, const sp_network *net, const sp_harmonic *h, double *out,
                                 sp_error *err) {
     const int64_t dofs = sp_network_dofs(net);
@@ -143,7 +144,7 @@ static sp_status make_bench(const sp_network *net, const sp_harmonic_options *o,
     return status;
 }
 
-/* The planes in range, which are neighbours. */
+/* Fits the planes in the range, which are contiguous. */
 static void fit_wave(const bench *b, int32_t l, sp_harmonic *h) {
     int32_t first = 0, last = h->planes;
     while (first < last && h->height[first] < b->low)
@@ -153,8 +154,8 @@ static void fit_wave(const bench *b, int32_t l, sp_harmonic *h) {
     sp_driven_fit(last - first, h->height + first, h->flux + 2 * ((int64_t)l * h->planes + first), &h->fit[l]);
 }
 
-/* What dies out on its way may be as small as one likes: there the error is held against a millionth of the largest
- * force on the way. */
+/* A decaying wave may be arbitrarily small at the detector. There the error is compared with 1e-6 of the largest force
+ * at a plane. */
 static sp_status vouch(const bench *b, int32_t l, const sp_harmonic *h, sp_error *err) {
     double most = 0, error = 0;
     for (int32_t k = 0; k < h->planes; k++) {

@@ -1,6 +1,7 @@
+/* Chebyshev moments of a spectrum, and densities from them. */
 #include "spectrum/moments.h"
 #include "base/base.h"
-#include "network/kernel.h"
+#include "network/apply.h"
 
 #include <math.h>
 
@@ -16,7 +17,7 @@ void sp_moments_free(moment_set *m) {
     *m = (moment_set){0};
 }
 
-/* u: T_k; v: T_k - T_(k-1); force: K T_k, cleared by every step. */
+/* u: T_k; v: T_k - T_(k-1); force: K T_k, cleared in each step. */
 typedef struct chain {
     int64_t dofs;
     double *u, *v, *force, *step; /* [dofs][2], step [dofs]: 4/(Omega^2 m) */
@@ -47,7 +48,7 @@ static sp_status chain_make(const sp_network *net, const double *start, double o
     return SP_OK;
 }
 
-/* <now|now>, <now|old> of each vector, and across: x now y now, x old y now, x now y old. */
+/* <now|now> and <now|old> of each vector; products of the two: x now y now, x old y now, x now y old. */
 typedef struct products {
     pair now, old;
     double both, back, ahead;
@@ -63,8 +64,8 @@ static products squares(const chain *c) {
     return p;
 }
 
-/* T_(k+1) = T_k + V_(k+1), V_(k+1) = V_k - (4/Omega^2) M^-1 K T_k: the recurrence in the form that keeps rounding
- * small; half a step first, as T_(-1) = T_1. */
+/* T_(k+1) = T_k + V_(k+1), V_(k+1) = V_k - (4/Omega^2) M^-1 K T_k: this form of the recurrence keeps rounding errors
+ * small. The first step is half a step, since T_(-1) = T_1. */
 static products advance(const chain *c, double factor) {
     enum { WAYS = 4 }; /* independent sums, added in a fixed order */
     pair now_now[WAYS] = {{0, 0}}, now_old[WAYS] = {{0, 0}};
@@ -89,7 +90,7 @@ static products advance(const chain *c, double factor) {
                       (back[0] + back[1]) + (back[2] + back[3]), (ahead[0] + ahead[1]) + (ahead[2] + ahead[3])};
 }
 
-/* T_m T_k = 1/2 (T_(m+k) + T_|m-k|): two moments a product. */
+/* T_m T_k = (T_(m+k) + T_|m-k|)/2 gives two moments per matrix product. */
 static sp_status find_moments(const sp_network *net, const chain *c, moment_set *m, sp_error *err) {
     const products first = squares(c);
     m->xx[0] = first.now[0];
@@ -115,7 +116,7 @@ static sp_status find_moments(const sp_network *net, const chain *c, moment_set 
             m->xy[2 * k + 2] = 2 * p.both - m->xy[0];
         }
     }
-    /* |T_k x| <= |x| where all frequencies are between 0 and Omega */
+    /* |T_k x| <= |x| if all frequencies are between 0 and Omega */
     if (!(p.now[0] <= 1.0002 * first.now[0] && p.now[1] <= 1.0002 * first.now[1]))
         return sp_fail(err, SP_EREFUSED, "the motion grows without bound: the network is unstable (prestress)");
     return SP_OK;
@@ -156,7 +157,7 @@ void sp_moments_jackson(int64_t n, double *g) {
 
 double sp_moments_phase(double omega, double frequency) { return frequency < omega ? 2 * asin(frequency / omega) : PI; }
 
-/* sum_(k >= 1) c_k cos(k phi), c_k = g_k mu_k (Clenshaw). */
+/* sum over k >= 1 of c_k cos(k phi), c_k = g_k mu_k (Clenshaw). */
 static double cosines(int64_t n, const double *g, const double *mu, double phi) {
     const double twice = 2 * cos(phi);
     double one = 0, two = 0;

@@ -1,9 +1,10 @@
+/* Statistics of participation ratios in bins of frequency. */
 #include "base/base.h"
 
 #include <math.h>
 #include <sonopack/spectrum.h>
 
-/* Mean and deviations as they come (Welford 1962). */
+/* Running mean and variance (Welford 1962). */
 static void take(sp_participation_bin *b, double x) {
     if (b->modes == 0) {
         b->least = b->largest = x;

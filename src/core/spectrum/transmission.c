@@ -1,8 +1,8 @@
-/* The spectrum of the signal. With psi = asin(omega/Omega), from the Bessel series of the signal (docs/physics.md, The
- * signal) and the integral of J_m(Omega t) exp(i omega t) over t > 0, which is exp(i m psi)/(Omega cos psi),
+/* Spectrum of the signal. With psi = asin(omega/Omega), the Bessel series of the signal (docs/physics.md, The signal)
+ * and the integral of J_m(Omega t) exp(i omega t) over t > 0, which is exp(i m psi)/(Omega cos psi), give
  *   F^(omega) = 2/(Omega^2 cos psi) sum_k g_(2k+1) w_k exp(i (2k+1) psi),  w_k = <b|W_k|a> = t_0 + 2 sum_(j<=k) t_j,
- * and for displacements 1/(Omega cos psi) [t_0 + 2 sum_k g_2k t_k exp(i 2k psi)], t_k = <b|T_k|a>; g are Jackson's
- * factors of twice the order. */
+ * and for displacements 1/(Omega cos psi) [t_0 + 2 sum_k g_2k t_k exp(i 2k psi)], t_k = <b|T_k|a>. g: Jackson's factors
+ * of twice the order. */
 #include "base/base.h"
 #include "spectrum/moments.h"
 
@@ -40,7 +40,7 @@ static sp_status check(const sp_network *net, const sp_transmission_options *o, 
     return SP_OK;
 }
 
-/* Source and detector side by side, as displacements. */
+/* Source and detector as the two vectors of displacements. */
 static sp_status make_start(const sp_network *net, const sp_transmission_options *o, double **out, sp_error *err) {
     const size_t n = (size_t)sp_network_dofs(net);
     double *start = sp_alloc(2 * n, sizeof *start), *sent = sp_alloc(2 * n, sizeof *sent);
@@ -62,8 +62,8 @@ static sp_status make_start(const sp_network *net, const sp_transmission_options
     return status;
 }
 
-/* Coefficients of exp(i m psi), m = 2k + 1 or 2k, kernel included; *rounding: the sum of their errors. Moment t_k has
- * gathered the independent errors of some k/2 steps, each a few DBL_EPSILON of |a||b|; w_k is a sum of k of those. */
+/* Coefficients of exp(i m psi), m = 2k + 1 or 2k, with the kernel. *rounding: the sum of their errors. Moment t_k
+ * carries the independent errors of about k/2 steps, each a few DBL_EPSILON of |a||b|; w_k is a sum of k of these. */
 static void coefficients(const moment_set *m, bool velocity, const double *g, double *c, double *rounding) {
     double w = 0;
     *rounding = 0;
@@ -98,7 +98,7 @@ static void sum_series(const moment_set *m, bool velocity, const double *c, doub
     }
 }
 
-/* A sum of n terms by Horner, with a turn by an angle that is rounded: 8 DBL_EPSILON n of the terms' size. */
+/* Rounding of Horner's scheme with n terms and a rounded angle: 8 DBL_EPSILON n times the size of the terms. */
 static double horner_rounding(int64_t n, const double *c) {
     double sum = 0;
     for (int64_t k = 0; k < n; k++)

@@ -174,7 +174,7 @@ static sp_status make_probes(const part_input *in, bool moduli, sp_sample *sampl
                                               [SP_LINES_1] = {SP_PROBE_LINES, 1},
                                               [SP_LINES_3] = {SP_PROBE_LINES, 3}};
     sp_moduli global;
-    sp_probed probed[SP_PROBES];
+    sp_probe_moduli probed[SP_PROBES];
     sp_status status =
         sp_moduli_probe(in->net, sample->statics.phi3s, SP_PROBES, probe, moduli ? &global : NULL, probed, err);
     if (status != SP_OK)

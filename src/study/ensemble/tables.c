@@ -160,8 +160,8 @@ static int probe_quantities(int dim, quantity *q) {
                 *one = (quantity){.unit = apparent ? "E*" : "", .over = apparent ? 0 : global[shear]};
                 snprintf(one->name, sizeof one->name, "%s_%s%s", modulus[space][shear], probe[k],
                          apparent ? "" : "_ratio");
-                one->offset = offsetof(sp_sample, probe) + (size_t)k * sizeof(sp_probed) +
-                              (shear ? offsetof(sp_probed, shear) : offsetof(sp_probed, along));
+                one->offset = offsetof(sp_sample, probe) + (size_t)k * sizeof(sp_probe_moduli) +
+                              (shear ? offsetof(sp_probe_moduli, shear) : offsetof(sp_probe_moduli, along));
             }
     return count;
 }

@@ -89,7 +89,7 @@ static sp_status check_content(const sp_record *r, const sp_packing *p, double t
     if (status == SP_OK)
         status = sp_packing_audit(p, scene.network.threshold, &audit, err);
     if (status == SP_OK) {
-        sp_audit_judge(&audit, tolerance, reason, sizeof reason);
+        sp_audit_worst(&audit, tolerance, reason, sizeof reason);
         if (*reason)
             status = sp_fail(err, SP_EFAILED, "%s", reason);
     }

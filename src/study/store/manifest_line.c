@@ -1,7 +1,7 @@
 #include "store/manifest_line.h"
 
 #include "base/base.h"
-#include "base/file.h"
+#include "base/hash.h"
 #include "store/sample_h5.h"
 
 #include <stdio.h>

@@ -437,7 +437,7 @@ sp_sample sp_sample_blank(void) {
                               .error55 = NAN,
                               .error66 = NAN}};
     for (int k = 0; k < SP_PROBES; k++)
-        s.probe[k] = (sp_probed){.error_along = NAN, .error_shear = NAN, .grain = -1};
+        s.probe[k] = (sp_probe_moduli){.error_along = NAN, .error_shear = NAN, .grain = -1};
     return s;
 }
 

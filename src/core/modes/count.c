@@ -1,4 +1,5 @@
-#include "spectrum/count.h"
+/* Counts the modes below a frequency by the inertia of K - omega^2 M. */
+#include "modes/count.h"
 #include "base/base.h"
 
 #include <float.h>
@@ -22,8 +23,8 @@ sp_status sp_counter_make(const sp_network *net, counter *out, sp_error *err) {
         for (int64_t q = a.p[k]; q < a.p[k + 1]; q++)
             a.x[q] /= sqrt(net->mass[k]) * sqrt(net->mass[a.i[q]]);
     }
-    /* entries are sums of some springs, each within a few roundings of a diagonal entry, which is below top; a row of
-     * the matrix has twice the entries of a column of its lower triangle, or so */
+    /* An entry is a sum over a few springs, each within a few roundings of a diagonal entry, which is below top. A row
+     * of the whole matrix has about twice the entries of a column of its lower triangle. */
     c.noise = DBL_EPSILON * c.top * 16 * sqrt(2 * (double)longest);
     status = sp_ldl_make(&a, &c.ldl, err);
     sp_sparse_free(&a);
@@ -34,8 +35,8 @@ sp_status sp_counter_make(const sp_network *net, counter *out, sp_error *err) {
     return status;
 }
 
-/* A count at limit + side x 64, 256, ... x noise, so far off that what the factor and the entries are off by cannot
- * carry an eigenvalue across the limit; where a pivot vanishes, a little farther. */
+/* Counts at limit + side x 64, 256, ... x noise, where errors of the factor and of the entries cannot move an
+ * eigenvalue across the limit. Moves farther away if a pivot vanishes. */
 static sp_status count_beside(const counter *c, double limit, double side, int64_t *count, sp_error *err) {
     enum { TRIES = 12 };
     double off = 64 * c->noise;

@@ -1,49 +1,44 @@
-/* Moduli of finite strain: the packing as it is, not its springs, at equilibrium between walls that have moved. */
+/* Moduli at finite strain: brings a strained packing to equilibrium with its full contact law. */
 #include "base/base.h"
 #include "elastic/moduli.h"
 #include "elastic/strain.h"
+#include "elastic/tangent.h"
 #include "linalg/gmres.h"
+#include "linalg/vector.h"
 #include "packing/contact.h"
 #include "packing/vibrate.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Residual over the load: what Newton's steps aim at where they get on well and where they do not, and what is accepted
- * at last, as one grain that has come loose and is not caught yet is no matter to the stress. */
+/* Residual over the load: goal of Newton's method; goal if it converges slowly; largest value accepted. A single loose
+ * grain that is still moving does not affect the stress. */
 static const double AIM = 1e-11, ENOUGH = 1e-9, ACCEPTED = 1e-6;
 
-/* Stiffness of floppy motions in Newton's steps, over that of their grains: they must not run away. */
+/* Stiffness given to floppy motions in Newton steps, relative to that of their grains, to limit them. */
 static const double FLOPPY = 1e-4;
 
-sp_strained_options sp_strained_options_default(void) { return (sp_strained_options){.strain = 1e-6, .turning = true}; }
+sp_finite_strain_options sp_finite_strain_options_default(void) {
+    return (sp_finite_strain_options){.strain = 1e-6, .turning = true};
+}
 
 typedef struct run {
     const sp_packing *p;
     const sp_network *net;
     sp_equilibrium rest; /* springs at rest */
-    sp_equilibrium now;  /* those of the contacts as they are now, where these are too far from rest */
-    sp_equilibrium soft; /* those at rest, floppy motions held, where K is singular */
-    sp_network springs;  /* of `now`; springs and length are its own */
-    int32_t *row;        /* [p->n] grains of the network, from 1; 0: rattlers */
+    sp_equilibrium now;  /* springs of the current contacts, if these differ too much from those at rest */
+    sp_equilibrium soft; /* springs at rest with stiffened floppy motions, if K is singular */
+    sp_network springs;  /* network of `current`; owns its springs and length */
+    int32_t *row;        /* [p->n] row of a grain in the network, from 1; 0: rattler */
     vibration m;
-    double strain, load; /* extension positive; size of what it loads the grains with */
-    double part;         /* of its stiffness that a contact which slides or opens keeps in Newton's steps */
+    double strain, load; /* extension positive; norm of the forces of the affine strain */
+    double part;         /* fraction of its stiffness that a sliding or open contact keeps in Newton steps */
     double *u, *more, *force, *best, *start; /* [dofs] */
-    sp_strained out;
+    sp_finite_strain out;
 } run;
 
-static int column(const sp_network *net, int d) { return d < net->dim || net->dim == 3 ? d : 5; }
-
-static double length_of(int64_t n, const double *x) {
-    double sum = 0;
-    for (int64_t k = 0; k < n; k++)
-        sum += x[k] * x[k];
-    return sqrt(sum);
-}
-
-/* Contacts and gaps between grains of the network, the walls included; what touches a little but is no spring is left
- * out, as there. */
+/* Selects contacts and gaps between grains of the network, and with walls. Weak contacts that are not springs of the
+ * network are left out. */
 static sp_status choose_contacts(run *r, sp_error *err) {
     const sp_network *net = r->net;
     vibration *m = &r->m;
@@ -76,26 +71,24 @@ static void set_strain(run *r, int strain) {
     }
 }
 
-/* Forces on the grains at the displacement u; their size is returned. */
+/* Forces on the grains at the displacement u; returns their norm. */
 static double forces(run *r, const double *u, double *force) {
     const sp_network *net = r->net;
     sp_vibration_rest(&r->m);
     for (int32_t i = 0; i < net->n; i++)
         for (int d = 0; d < net->dof; d++)
-            r->m.u[6 * (int64_t)net->grain[i] + column(net, d)] = u[(int64_t)i * net->dof + d];
+            r->m.u[6 * (int64_t)net->grain[i] + sp_tangent_component(net, d)] = u[(int64_t)i * net->dof + d];
     sp_vibration_begin(&r->m);
     for (int32_t i = 0; i < net->n; i++)
         for (int d = 0; d < net->dof; d++) {
             const int64_t k = (int64_t)i * net->dof + d;
-            force[k] = r->m.a[6 * (int64_t)net->grain[i] + column(net, d)] * net->mass[k];
+            force[k] = r->m.a[6 * (int64_t)net->grain[i] + sp_tangent_component(net, d)] * net->mass[k];
         }
-    return length_of(sp_network_dofs(net), force);
+    return sp_norm(sp_network_dofs(net), force);
 }
 
-static bool slides(const vibration *m, const touching *t) { return m->turns && t->kn > 0 && t->held < 1; }
-
-/* The spring of a contact as it is now. Contacts that slide keep a part of their tangential stiffness, and those that
- * are open a part of all: a step must not run away. */
+/* Adds the spring of a contact in its current state. A sliding contact keeps a fraction of its tangential stiffness and
+ * an open one a fraction of its whole stiffness, to limit the steps. */
 static void add_spring(run *r, int32_t k) {
     const double part = r->part;
     sp_network *net = &r->springs;
@@ -103,8 +96,8 @@ static void add_spring(run *r, int32_t k) {
     const double rest = t->overlap > 0 ? contact_normal_stiffness(t->e, t->overlap) : 0;
     const double side = r->m.turns ? 0.5 * r->m.eta * (rest + t->kn) : 0;
     sp_spring s = {.i = r->row[t->i] - 1, .j = t->j < 0 ? t->j : r->row[t->j] - 1, .ri = t->arm_i, .rj = t->arm_j};
-    s.kn = fmax(t->kn, part * rest); /* one that hardly touches will be stiffer soon */
-    s.kt = t->kn > 0 && !slides(&r->m, t) ? side : part * side;
+    s.kn = fmax(t->kn, part * rest); /* a contact that barely touches will be stiffer soon */
+    s.kt = t->kn > 0 && !sp_contact_slides(&r->m, t) ? side : part * side;
     for (int a = 0; a < 3; a++)
         s.n[a] = r->m.straight ? t->n0[a] : t->n[a];
     net->length[net->n_springs] = t->length;
@@ -132,7 +125,7 @@ static sp_status factor_now(run *r, sp_error *err) {
     return status;
 }
 
-/* One step of `taken` times more, shorter while it makes things much worse; the size of the forces is returned. */
+/* Takes `factor` times a step, halved as long as the forces grow much; returns their norm. */
 static double take_step(run *r, double taken, double before) {
     const int64_t n = sp_network_dofs(r->net);
     double size;
@@ -148,71 +141,6 @@ static double take_step(run *r, double taken, double before) {
     return size;
 }
 
-static void cross(const double a[3], const double b[3], double out[3]) {
-    for (int k = 0; k < 3; k++)
-        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/* How the tangential force of a contact at Coulomb's limit follows. Along itself it has the size of the normal force
- * times the coefficient, whatever the slip; sideways it still has its spring. The first makes the stiffness
- * unsymmetric. */
-static void limit(const vibration *m, const touching *t, double along, double push[3]) {
-    double force[3];
-    for (int a = 0; a < 3; a++)
-        force[a] = t->ft0[a] + t->ft[a];
-    const double size = sqrt(dot(force, force));
-    if (!(size > 0))
-        return;
-    const double part = dot(force, push) / size;
-    for (int a = 0; a < 3; a++)
-        push[a] = t->held * (push[a] - part * force[a] / size) - m->friction * t->kn * along * force[a] / size;
-}
-
-/* Change of the force on i with the relative displacement and the lever arms times the rotations. */
-static void stiffen(const vibration *m, const touching *t, const double moved[3], const double turn[3],
-                    double push[3]) {
-    const double *n = m->straight ? t->n0 : t->n, along = dot(moved, n);
-    memset(push, 0, 3 * sizeof *push);
-    if (m->turns) {
-        const double rest = t->overlap > 0 ? contact_normal_stiffness(t->e, t->overlap) : 0;
-        const double kt = 0.5 * m->eta * (rest + t->kn);
-        double arm[3];
-        cross(turn, n, arm);
-        for (int a = 0; a < 3; a++)
-            push[a] = kt * (moved[a] - along * n[a] - arm[a]);
-    }
-    if (slides(m, t))
-        limit(m, t, along, push);
-    for (int a = 0; a < 3; a++)
-        push[a] += t->kn * along * n[a];
-}
-
-/* Adds a contact's forces for the displacements `in`. */
-static void add_tangent(const run *r, const touching *t, const double *in, double *out) {
-    const sp_network *net = r->net;
-    const int64_t i = (int64_t)(r->row[t->i] - 1) * net->dof;
-    const int64_t j = t->j < 0 ? -1 : (int64_t)(r->row[t->j] - 1) * net->dof;
-    double moved[3] = {0}, turn[3] = {0}, push[3], twist[3];
-    for (int d = 0; d < net->dof; d++) {
-        const int c = column(net, d);
-        const double one = in[i + d], other = j < 0 ? 0 : in[j + d];
-        if (c < 3)
-            moved[c] = other - one;
-        else
-            turn[c - 3] = t->arm_i * one + t->arm_j * other;
-    }
-    stiffen(&r->m, t, moved, turn, push);
-    cross(r->m.straight ? t->n0 : t->n, push, twist);
-    for (int d = 0; d < net->dof; d++) {
-        const int c = column(net, d);
-        out[i + d] -= c < 3 ? push[c] : t->arm_i * twist[c - 3];
-        if (j >= 0)
-            out[j + d] -= c < 3 ? -push[c] : t->arm_j * twist[c - 3];
-    }
-}
-
 static sp_equilibrium *at_rest(run *r) { return r->soft.factor ? &r->soft : &r->rest; }
 
 static sp_status apply_tangent(void *with, const double *in, double *out, sp_error *err) {
@@ -221,9 +149,7 @@ static sp_status apply_tangent(void *with, const double *in, double *out, sp_err
     const sp_equilibrium *e = at_rest(r);
     (void)err;
     memset(out, 0, (size_t)n * sizeof *out);
-    for (int32_t k = 0; k < r->m.count; k++)
-        if (r->m.touch[k].kn > 0)
-            add_tangent(r, &r->m.touch[k], in, out);
+    sp_tangent_apply(&r->m, r->net, r->row, in, out);
     for (int64_t k = 0; k < n && e->raised; k++) /* as in the factor */
         out[k] += e->raise * e->k.x[e->diagonal[k]] * in[k];
     return SP_OK;
@@ -235,8 +161,9 @@ static sp_status precondition(void *with, const double *in, double *out, sp_erro
     return sp_equilibrium_apply(at_rest(r), in, out, err);
 }
 
-/* Newton's steps with the stiffness of the contacts as they are, least residual kept in `best`. It differs from that at
- * rest by some numbers a sliding contact, so that the factor at rest leads to its solution in few steps. */
+/* Newton's method with the exact tangent stiffness; keeps the best u in `best`. The tangent differs from the stiffness
+ * at rest by a few numbers for each sliding contact, so GMRES needs few steps with the factor at rest as
+ * preconditioner. */
 static sp_status follow_contacts(run *r, double *least, sp_error *err) {
     enum { STEPS_MAX = 40, PATIENCE = 4, SEARCH_MAX = 120 };
     const gmres_problem g = {sp_network_dofs(r->net), apply_tangent, precondition, r, 1e-4, SEARCH_MAX};
@@ -262,16 +189,17 @@ static sp_status follow_contacts(run *r, double *least, sp_error *err) {
     return SP_OK;
 }
 
-/* Contacts that stick and slide by turns can make steps go round in circles, and a grain that has come loose has a long
- * way to go to where it is held again. After `stalled` steps without progress other lengths and parts are tried. */
+/* Contacts that alternate between sticking and sliding can make the steps cycle, and a loose grain must travel far
+ * until it is held again. After `stalled` steps without progress this tries other step lengths and stiffness
+ * fractions. */
 static double unstick(run *r, int stalled) {
     static const double part[] = {3e-2, 3e-3, 3e-4, 3e-5, 1e-1, 1e-2};
     r->part = part[stalled / 9 % 6];
     return 1.0 / (1 << stalled / 3 % 3);
 }
 
-/* Newton's steps with springs that are symmetric, as a contact that slides or opens keeps a part of its stiffness: more
- * steps, but they are not lost where many contacts change. Goes on from `u`, and with the least residual so far. */
+/* Newton's method with symmetric springs, where a sliding or open contact keeps a fraction of its stiffness. It needs
+ * more steps but survives many changes of contacts. Continues from `u`; least: smallest residual so far. */
 static sp_status soften_contacts(run *r, double least, sp_error *err) {
     enum { STEPS_MAX = 500, PATIENCE = 20 };
     const int64_t n = sp_network_dofs(r->net);
@@ -301,7 +229,7 @@ static sp_status soften_contacts(run *r, double least, sp_error *err) {
             break;
         if (size > 0.3 * before) {
             status = factor_now(r, err);
-            if (status == SP_EREFUSED) /* nothing leads from wall to wall any more */
+            if (status == SP_EREFUSED) /* no chain of springs connects the walls any more */
                 break;
             if (status != SP_OK)
                 return status;
@@ -311,7 +239,7 @@ static sp_status soften_contacts(run *r, double least, sp_error *err) {
     return SP_OK;
 }
 
-/* From the linear answer. */
+/* Starts from the linear solution. */
 static sp_status equilibrate(run *r, double *residual, sp_error *err) {
     const size_t bytes = (size_t)sp_network_dofs(r->net) * sizeof *r->u;
     double least = 0;
@@ -324,7 +252,7 @@ static sp_status equilibrate(run *r, double *residual, sp_error *err) {
     if (status != SP_OK)
         return status;
     *residual = forces(r, r->best, r->force);
-    if (*residual > 0) /* a strain that no contact feels loads nothing */
+    if (*residual > 0) /* a strain that stretches no contact causes no load */
         *residual /= r->load;
     return SP_OK;
 }
@@ -333,7 +261,7 @@ static void count_contacts(run *r) {
     int32_t sliding = 0, lost = 0, made = 0;
     for (int32_t k = 0; k < r->m.count; k++) {
         const touching *t = &r->m.touch[k];
-        sliding += slides(&r->m, t);
+        sliding += sp_contact_slides(&r->m, t);
         lost += t->overlap > 0 && t->kn == 0;
         made += t->overlap <= 0 && t->kn > 0;
     }
@@ -342,7 +270,7 @@ static void count_contacts(run *r) {
     r->out.made = made > r->out.made ? made : r->out.made;
 }
 
-/* Change of the stress, one column of C. The force on i pulls it to j where a contact is stretched. */
+/* One column of C: changes of the stress. A stretched contact pulls grain i towards j. */
 static void put_stress(const run *r, int strain, sp_stiffness *c) {
     const int strains = sp_strain_count(r->net);
     double sum[STRAINS_3D] = {0};
@@ -360,35 +288,36 @@ static void put_stress(const run *r, int strain, sp_stiffness *c) {
             c->c[b][strain] = sum[b] / (r->strain * sp_strain_volume(r->net));
 }
 
-/* Whether contacts that are not watched could have closed. */
+/* Whether all contacts that may have closed were watched. */
 static bool within_reach(const run *r) {
     double worst = 0, shift = 0;
     for (int32_t i = 0; i < r->net->n; i++)
-        worst = fmax(worst, length_of(r->net->dim, r->best + (int64_t)i * r->net->dof));
+        worst = fmax(worst, sp_norm(r->net->dim, r->best + (int64_t)i * r->net->dof));
     for (int32_t k = 0; k < r->m.count; k++)
         shift = fmax(shift, fabs(r->strain) * r->m.touch[k].length);
     return 2 * worst + shift <= r->m.reach;
 }
 
-/* At rest below Coulomb's limit and now at it; at that limit a contact slides under any strain, or under none. */
+/* Below Coulomb's limit at rest and at the limit now. A contact at the limit already at rest slides under any strain of
+ * one sign. */
 static bool begins_to_slide(const vibration *m, const touching *t) {
     const double *f = t->ft0;
-    return slides(m, t) && t->overlap > 0 && sqrt(dot(f, f)) < (1 - 1e-9) * m->friction * t->fn0;
+    return sp_contact_slides(m, t) && t->overlap > 0 && sp_norm(3, f) < (1 - 1e-9) * m->friction * t->fn0;
 }
 
-/* Names the grain that finds no rest. The law has no scale of its own but where contacts open, close or begin to slide:
- * fewer do under a smaller strain. */
+/* Reports the grain with the largest residual force. The contact law has no scale of its own except where contacts
+ * open, close or begin to slide; a smaller strain changes fewer contacts. */
 static sp_status refuse(run *r, double residual, sp_error *err) {
     int32_t worst = 0, contacts = 0, sliding = 0, changed = 0;
     const int dof = r->net->dof;
     for (int32_t i = 1; i < r->net->n; i++)
-        if (length_of(dof, r->force + (int64_t)i * dof) > length_of(dof, r->force + (int64_t)worst * dof))
+        if (sp_norm(dof, r->force + (int64_t)i * dof) > sp_norm(dof, r->force + (int64_t)worst * dof))
             worst = i;
     for (int32_t k = 0; k < r->m.count; k++) {
         const touching *t = &r->m.touch[k];
         const bool own = r->row[t->i] == worst + 1 || (t->j >= 0 && r->row[t->j] == worst + 1);
         contacts += own && t->kn > 0;
-        sliding += own && slides(&r->m, t);
+        sliding += own && sp_contact_slides(&r->m, t);
         changed += (t->overlap > 0) != (t->kn > 0) || begins_to_slide(&r->m, t);
     }
     return sp_fail(
@@ -454,7 +383,7 @@ static sp_status open_run(run *r, sp_error *err) {
     r->springs = *r->net;
     r->springs.springs = NULL;
     r->springs.length = NULL;
-    r->springs.carried = NULL; /* for Newton's steps what K lacks of the derivative is little */
+    r->springs.carried = NULL; /* these terms of K matter little for Newton steps */
     r->springs.springs = sp_alloc((size_t)r->m.count, sizeof *r->springs.springs);
     r->springs.length = sp_alloc((size_t)r->m.count, sizeof *r->springs.length);
     r->u = sp_alloc(5 * n, sizeof *r->u);
@@ -467,8 +396,8 @@ static sp_status open_run(run *r, sp_error *err) {
     return r->rest.raised ? hold_floppy(r, err) : SP_OK;
 }
 
-sp_status sp_moduli_strained(const sp_packing *p, const sp_network *net, double phi3s, const sp_strained_options *opt,
-                             sp_strained *out, sp_error *err) {
+sp_status sp_moduli_finite_strain(const sp_packing *p, const sp_network *net, double phi3s,
+                                  const sp_finite_strain_options *opt, sp_finite_strain *out, sp_error *err) {
     if (!(fabs(opt->strain) >= 1e-12 && fabs(opt->strain) <= 0.01))
         return sp_fail(err, SP_EINVAL, "strain %g, must be of size 1e-12 .. 0.01", opt->strain);
     if (net->n_all != p->n)

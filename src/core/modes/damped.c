@@ -1,6 +1,6 @@
-/* Modes of the damped motion, (lambda^2 M + lambda C + K) u = 0, by the first-order form of twice the size. The three
- * matrices are symmetric, so u is the left eigenvector as well (transposed, not conjugated):
- *   G(s) = (s^2 M + s C + K)^-1 = sum u u^T / ((s - lambda) u^T (2 lambda M + C) u). */
+/* Modes of damped motion, (lambda^2 M + lambda C + K) u = 0, from the first-order form of twice the size. All three
+ * matrices are symmetric, so u is also the left eigenvector (transposed, not conjugated):
+ *   G(s) = (s^2 M + s C + K)^-1 = sum u u^T/((s - lambda) u^T (2 lambda M + C) u). */
 #include "base/base.h"
 #include "linalg/general.h"
 #include "network/rows.h"
@@ -23,7 +23,7 @@ typedef struct damped {
     int64_t n; /* degrees of freedom */
     double omega, rate;
     double *matrix, *vectors, *re, *im;
-    double *sent, *seen, *felt;   /* [n] source; detector, of springs and of dashpots */
+    double *sent, *seen, *felt;   /* [n] source, and detector vectors of springs and of dashpots */
     double *u[2], *ku[2], *cu[2]; /* [n] real and imaginary parts */
 } damped;
 
@@ -49,7 +49,7 @@ static sp_status allocate(damped *d, sp_error *err) {
     return ok ? SP_OK : sp_fail_memory(err, (2 * order + 11) * order * sizeof(double));
 }
 
-/* Adds factor M^-1/2 (a network's K) M^-1/2 to the block of the first-order matrix that begins at (row, column). */
+/* Adds factor M^-1/2 K M^-1/2, K that of net, to the block of the first-order matrix that begins at (row, column). */
 static void add_block(const damped *d, const sp_network *net, int64_t row, int64_t column, double factor) {
     for (int32_t q = 0; q < net->n_springs; q++) {
         const sp_spring *s = &net->springs[q];
@@ -66,7 +66,7 @@ static void add_block(const damped *d, const sp_network *net, int64_t row, int64
     }
 }
 
-/* y = (Omega M^1/2 u, M^1/2 u'): all blocks are of the size of Omega. */
+/* The vector is (Omega M^1/2 u, M^1/2 u'), so that all blocks have the magnitude of Omega. */
 static void fill_matrix(const damped *d) {
     for (int64_t k = 0; k < d->n; k++)
         d->matrix[(d->n + k) * 2 * d->n + k] = d->omega;
@@ -74,7 +74,7 @@ static void fill_matrix(const damped *d) {
     add_block(d, &d->dashpots, d->n, d->n, -1);
 }
 
-/* u of eigenvalue k, from the half of its vector that is larger. */
+/* Reads u of eigenvalue k from the larger half of its vector. */
 static void take_vector(const damped *d, int64_t k) {
     const int64_t order = 2 * d->n;
     const number lambda = number_of(d->re[k], d->im[k]);
@@ -92,7 +92,7 @@ static void take_vector(const damped *d, int64_t k) {
     }
 }
 
-/* x^T y without conjugation, of complex x and y; y may be real. */
+/* x^T y without conjugation, x and y complex; im NULL: y is real. */
 static number product(int64_t n, double *const x[2], const double *re, const double *im, const double *weight) {
     number sum = 0;
     for (int64_t k = 0; k < n; k++)
@@ -100,8 +100,8 @@ static number product(int64_t n, double *const x[2], const double *re, const dou
     return sum;
 }
 
-/* One more Newton step for lambda, which is right to second order with the vector on both sides; its error, residual
- * and weight in the signal. */
+/* Improves lambda by a Newton step, whose error is of second order because u is both left and right eigenvector. Stores
+ * its error, residual and amplitudes. */
 static void finish_mode(const damped *d, int64_t k, sp_damped_modes *out) {
     const double *mass = d->net->mass;
     number lambda = number_of(d->re[k], d->im[k]);
@@ -118,7 +118,7 @@ static void finish_mode(const damped *d, int64_t k, sp_damped_modes *out) {
     const double scale = cabs(lambda) * (cabs(lambda) + d->rate) + d->omega * d->omega;
     const number slope = 2 * lambda * m + c;
     const number step = cabs(slope) > 0 ? (lambda * (lambda * m + c) + s) / slope : 0;
-    /* rounding of the matrices themselves; a double eigenvalue has no slope, and moves by the root */
+    /* rounding of the matrices; at a double eigenvalue slope is 0, and lambda moves with the square root */
     const double blur = 8 * DBL_EPSILON * scale * size;
     const double error = fmin(cabs(step) + blur / cabs(slope), sqrt((blur + sqrt(residual * size)) / size));
     if (cabs(step) <= error && cabs(step) <= 1e-6 * d->omega)
@@ -169,17 +169,6 @@ static sp_status sort_modes(sp_damped_modes *m, sp_error *err) {
     sp_free(copy);
     sp_free(rank);
     return ok ? SP_OK : sp_fail_memory(err, (size_t)m->n * (sizeof *rank + sizeof *copy));
-}
-
-sp_damped_modes sp_damped_modes_none(void) { return (sp_damped_modes){0}; }
-
-void sp_damped_modes_free(sp_damped_modes *m) {
-    sp_free(m->omega);
-    sp_free(m->decay);
-    sp_free(m->cosine);
-    sp_free(m->sine);
-    sp_free(m->error);
-    *m = sp_damped_modes_none();
 }
 
 static sp_status collect(const damped *d, sp_damped_modes *out, sp_error *err) {

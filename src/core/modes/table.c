@@ -1,4 +1,5 @@
-#include "modes/fill.h"
+/* Makes a table of modes from eigenpairs. */
+#include "modes/table.h"
 #include "base/base.h"
 #include "linalg/eigen.h"
 
@@ -6,10 +7,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* One mode on the way to its place in the list. */
+/* A mode before sorting. */
 typedef struct candidate {
     sp_ritz ritz;
-    int64_t vector; /* its row among the vectors */
+    int64_t vector; /* row of its vector */
 } candidate;
 
 static int by_lambda(const void *a, const void *b) {
@@ -30,7 +31,7 @@ static sp_status sort_modes(int64_t n, const sp_ritz *ritz, candidate **out, sp_
     return SP_OK;
 }
 
-/* Eigenvalues below their own error are floppy modes: omega = 0. One that is negative beyond its error has no
+/* An eigenvalue below its own error is a floppy mode: omega = 0. One that is negative beyond its error has no
  * frequency. */
 static sp_status put_frequencies(const candidate *list, int64_t n, sp_modes *m, sp_error *err) {
     for (int64_t k = 0; k < n; k++) {
@@ -52,7 +53,7 @@ static sp_status put_frequencies(const candidate *list, int64_t n, sp_modes *m, 
     return SP_OK;
 }
 
-/* The sign of a vector: its largest part positive. */
+/* Copies a vector with the sign that makes its largest component positive. */
 static void copy_vector(int64_t n, const double *from, double *to) {
     int64_t largest = 0;
     for (int64_t k = 1; k < n; k++)
@@ -77,8 +78,9 @@ static double participation(const sp_network *net, const double *e) {
     return sum * sum / (net->n * squares);
 }
 
-/* u = sum a_n u^(n) sin(omega_n t): a_n = e . M^-1/2 p/omega_n from momenta p, or, with a cosine, e . M^1/2 u(0); b_n =
- * (detector) M^-1/2 e. A floppy mode's sin(omega t)/omega = t does not fit the form: a = 0 there. */
+/* Amplitudes in u = sum a_n u^(n) sin(omega_n t): a_n = e . M^-1/2 p/omega_n for momenta p, or e . M^1/2 u(0) with cos
+ * for displacements; b_n = (detector) M^-1/2 e. a = 0 for floppy modes, whose limit sin(omega t)/omega = t does not fit
+ * this form. */
 static sp_status put_amplitudes(const sp_network *net, sp_source source, sp_modes *m, sp_error *err) {
     const int64_t n = sp_network_dofs(net);
     double *sent = sp_alloc((size_t)n, sizeof *sent), *seen = sp_alloc((size_t)n, sizeof *seen);
@@ -96,7 +98,7 @@ static sp_status put_amplitudes(const sp_network *net, sp_source source, sp_mode
     }
     for (int64_t row = 0; row < m->n; row++) {
         if (row < m->n_rattler) {
-            m->participation[row] = 1.0 / net->n; /* one grain moves */
+            m->participation[row] = 1.0 / net->n; /* a single grain moves */
             continue;
         }
         const double *e = m->vectors + (row - m->n_rattler) * n;
@@ -129,7 +131,7 @@ static sp_status put_vectors(const sp_network *net, const double *vectors, const
     return sp_orthogonality(n, count, m->vectors, &m->orthogonality, err);
 }
 
-static sp_status allocate(const sp_network *net, const sp_mode_set *set, sp_modes *m, sp_error *err) {
+static sp_status allocate(const sp_network *net, const sp_mode_pairs *set, sp_modes *m, sp_error *err) {
     m->dofs = sp_network_dofs(net);
     m->n_rattler = set->rattlers;
     m->n_zero = m->n_rattler;
@@ -149,7 +151,8 @@ static sp_status allocate(const sp_network *net, const sp_mode_set *set, sp_mode
     return SP_OK;
 }
 
-sp_status sp_modes_fill(const sp_network *net, sp_source source, const sp_mode_set *set, sp_modes *out, sp_error *err) {
+sp_status sp_modes_tabulate(const sp_network *net, sp_source source, const sp_mode_pairs *set, sp_modes *out,
+                            sp_error *err) {
     sp_modes m = sp_modes_none();
     candidate *list = NULL;
     sp_status status = sort_modes(set->count, set->ritz, &list, err);

@@ -1,0 +1,21 @@
+#ifndef SP_MODES_TABLE_H
+#define SP_MODES_TABLE_H
+/* Makes the public table of modes from eigenpairs of any solver. */
+
+#include "modes/refine.h"
+
+#include <sonopack/modes.h>
+
+typedef struct sp_mode_pairs {
+    int64_t count;
+    const sp_ritz *ritz;   /* [count], in any order */
+    const double *vectors; /* [count][dofs] in the same order; NULL: frequencies only */
+    int64_t rattlers;      /* number of rattlers' rows in front: all, or 0 if the set begins above omega = 0 */
+    int64_t first;         /* number of modes of the whole spectrum below the first row */
+} sp_mode_pairs;
+
+/* SP_EREFUSED for an eigenvalue that is negative beyond its error. */
+sp_status sp_modes_tabulate(const sp_network *net, sp_source source, const sp_mode_pairs *set, sp_modes *out,
+                            sp_error *err);
+
+#endif

@@ -1,0 +1,51 @@
+#ifndef SP_PREPARE_H
+#define SP_PREPARE_H
+/* Internal interface of packing generation: resolved specs, size distributions, the initial gas, and the generators. */
+
+#include <sonopack/packing.h>
+
+/* Returns the spec with all open values filled in: limits of the diameters (for a list: its extremes), depth,
+ * tolerance, and the values set by the protocol. Resolving a spec twice changes nothing. */
+sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given);
+
+/* Ordered packings, exact in closed form. These and all functions below expect a checked and resolved spec. */
+sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err);
+/* For equal diameters only. */
+sp_status sp_triangular_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err);
+
+/* Initial state of the compression of a triangular lattice of unequal grains: the perfect lattice, expanded until no
+ * grain can touch another or a wall. Writes radii r [n] and positions x [n][3]. */
+typedef struct sp_lattice_start {
+    double width, height; /* of the expanded box; the walls are at 0 and height */
+    double width_end;     /* of a perfect lattice of grains of the same mean diameter under the pressure */
+    double height_end;
+} sp_lattice_start;
+sp_status sp_triangular_start(const sp_pack_spec *spec, double *r, double *x, sp_lattice_start *out, sp_error *err);
+
+/* Compresses a gas, lattice or packing to equilibrium. Errors as in sp_packing_make. */
+sp_status sp_piston_make(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err);
+
+/* ---- sizes ----------------------------------------------------------------------------------------------------- */
+
+/* Smallest and largest diameter of the distribution; inf and 0 for an empty list. */
+void sp_sizes_limits(const sp_pack_spec *spec, double *low, double *high);
+/* Fraction of the unrestricted lognormal distribution within the limits. */
+double sp_sizes_within(const sp_pack_spec *spec);
+/* Moment <d^k>, k >= 0, of the distribution (of a list: of its entries), and quantities derived from it. */
+double sp_sizes_moment(const sp_pack_spec *spec, int k);
+double sp_sizes_mean_area(const sp_pack_spec *spec);
+double sp_sizes_mean_volume(const sp_pack_spec *spec);
+/* Whether the grains are so similar that they may form a lattice. */
+bool sp_sizes_alike(const sp_pack_spec *spec);
+/* Radii r [n] of all grains, drawn from the stream SP_STREAM_DIAMETERS. */
+void sp_radii_draw(const sp_pack_spec *spec, double *r);
+
+/* ---- gas ------------------------------------------------------------------------------------------------------- */
+
+/* Places grains at random without overlap at the gas fraction of the spec, between walls at 0 and *height (2D and 3D).
+ * x is [n][3]; unused axes are not written. SP_EFAILED if a grain finds no free place. */
+sp_status sp_gas_make(const sp_pack_spec *spec, const double *r, double *x, double *height, sp_error *err);
+/* Memory needed besides r and x, in bytes. */
+double sp_gas_memory(const sp_pack_spec *spec);
+
+#endif
