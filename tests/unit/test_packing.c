@@ -353,7 +353,7 @@ static void test_spec_refuses(void **state) {
     s.diameter_max = 1.1;
     assert_ok(sp_pack_spec_check(&s, &err));
     REFUSED((s.kind = SP_PACK_TRIANGULAR, s.diameter_min = 0.5, s.diameter_max = 7.5, s.grains = 6),
-            "narrower than four");
+            "at least four of the largest");
     REFUSED((s.kind = SP_PACK_TRIANGULAR, s.diameter_min = 0.9, s.diameter_max = 1.1, s.tolerance = 1), "tolerance");
     REFUSED((s.kind = SP_PACK_CHAIN), "packing.dimension");
     REFUSED((s.kind = SP_PACK_CHAIN, s.dim = 1, s.compression = SP_COMPRESSION_ISOTROPIC), "which has no sides");

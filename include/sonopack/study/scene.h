@@ -52,7 +52,7 @@ typedef struct sp_scene {
     bool dimension_given;          /* else packing.dimension is that of a swept packing.kind */
     double *diameters;             /* of a list, where this scene owns it: pack.diameters points there */
     double *history;               /* likewise */
-    sp_tapped_spec column;         /* no packing, and no sample of a study, depends on it */
+    sp_tapped_spec tapped;         /* no packing, and no sample of a study, depends on it */
     double *masses, *radii;        /* of lists, where this scene owns them: column.mass and column.radius point there */
     char from[SP_FROM_MAX]; /* packing.file, from the current folder; "": none. Whoever makes packings of it reads it */
 } sp_scene;
@@ -66,7 +66,7 @@ SP_API void sp_scene_free(sp_scene *s);
  * SP_EINVAL for every wrong scene, a missing or unreadable file included. */
 SP_API sp_status sp_scene_read(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err);
 /* The same for the tapped column: the column is checked (sp_tapped_check), and no packing. */
-SP_API sp_status sp_scene_read_column(const char *path, int overrides, char *const *override, sp_scene *out,
+SP_API sp_status sp_scene_read_tapped(const char *path, int overrides, char *const *override, sp_scene *out,
                                       sp_error *err);
 /* sp_scene_read from text; name stands for the file in messages. */
 SP_API sp_status sp_scene_parse(const char *text, const char *name, int overrides, char *const *override, sp_scene *out,

@@ -166,24 +166,25 @@ SP_API sp_status sp_study_table(const char *table, int64_t n, const sp_sample *s
                                 sp_table *out, sp_error *err);
 
 /* Mean and scatter of many signals at each of their times, from one signal at a time: none is kept. Start from
- * sp_signals_none(). */
-typedef struct sp_signals {
+ * sp_signal_average_none(). */
+typedef struct sp_signal_average {
     int32_t points;
     int64_t count;   /* signals */
     double *t;       /* [points] times of the first signal */
     double *mean;    /* [points] over the signals */
     double *squares; /* [points] sum of squares of the deviations from the mean */
-} sp_signals;
-SP_API sp_signals sp_signals_none(void);
-SP_API void sp_signals_free(sp_signals *s);
+} sp_signal_average;
+SP_API sp_signal_average sp_signal_average_none(void);
+SP_API void sp_signal_average_free(sp_signal_average *s);
 /* One signal more, points >= 1 values f at the times t, by Welford's update (Technometrics 4, 419, 1962): no
  * difference of large sums. SP_EREFUSED, and nothing added, where the times are not those of the signals before to
  * 1e-12 of the last one. NAN in f is NAN in the results. */
-SP_API sp_status sp_signals_add(sp_signals *s, int32_t points, const double *t, const double *f, sp_error *err);
+SP_API sp_status sp_signal_average_add(sp_signal_average *s, int32_t points, const double *t, const double *f,
+                                       sp_error *err);
 /* At time k: the root mean square deviation from the mean (the sum of squares over the count, as Fig. 4 of Somfai et
  * al. 2005 shows it), and the standard error of the mean (with the count - 1). NAN for a single signal. */
-SP_API double sp_signals_rms(const sp_signals *s, int32_t k);
-SP_API double sp_signals_mean_err(const sp_signals *s, int32_t k);
+SP_API double sp_signal_average_rms(const sp_signal_average *s, int32_t k);
+SP_API double sp_signal_average_mean_err(const sp_signal_average *s, int32_t k);
 
 /* Exponent of y ~ x^a with its standard error, from n >= 3 points with errors (relative weights). */
 SP_API sp_status sp_fit_power(int64_t n, const double *x, const double *y, const double *y_err, double *exponent,

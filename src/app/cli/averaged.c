@@ -112,12 +112,12 @@ static sp_status resample(passing *p, const double *f, sp_error *err) {
 
 /* The first pass sums up, too. */
 static sp_status add_array(const cli_averaged *a, const sp_sample *s, const cli_array *x, passing *p, sp_error *err) {
-    sp_signals *all = &p->to->all;
+    sp_signal_average *all = &p->to->all;
     sp_status status = SP_OK;
     if (p->begin > 0 && x->points != all->points)
         status = sp_fail(err, SP_EREFUSED, "the %s of sample %s changed meanwhile", a->part, s->name);
     else if (p->begin == 0) {
-        status = sp_signals_add(all, x->points, x->t, x->f, err);
+        status = sp_signal_average_add(all, x->points, x->t, x->f, err);
         if (status == SP_EREFUSED)
             sp_fail_prefix(err,
                            "the %s of sample %s is not at the times of the others (make them with the same "
@@ -132,7 +132,7 @@ static sp_status add_array(const cli_averaged *a, const sp_sample *s, const cli_
 
 sp_status cli_averaged_sum(const cli_averaged *a, double level, int32_t intervals, cli_array_read read, void *user,
                            cli_sums *out, sp_error *err) {
-    cli_sums sums = {.all = sp_signals_none()};
+    cli_sums sums = {.all = sp_signal_average_none()};
     passing p = {.to = &sums, .some = sp_resampled_none(), .intervals = intervals, .level = level};
     sp_status status = SP_OK;
     while (a->n > 0 && status == SP_OK && (p.begin == 0 || p.begin < p.intervals)) {
@@ -166,7 +166,7 @@ const char *cli_interval_rule(const cli_averaged *a, double level, char *out, si
 }
 
 void cli_sums_free(cli_sums *s) {
-    sp_signals_free(&s->all);
+    sp_signal_average_free(&s->all);
     sp_free(s->interval);
-    *s = (cli_sums){.all = sp_signals_none()};
+    *s = (cli_sums){.all = sp_signal_average_none()};
 }

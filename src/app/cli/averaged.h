@@ -32,7 +32,7 @@ typedef struct cli_array {
 typedef sp_status (*cli_array_read)(void *user, const sp_sample *sample, cli_array *out, sp_error *err);
 
 typedef struct cli_sums {
-    sp_signals all;
+    sp_signal_average all;
     sp_interval *interval; /* of the means of the first `intervals' numbers, or of all where there are fewer */
 } cli_sums;
 

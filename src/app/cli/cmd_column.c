@@ -71,10 +71,10 @@ static void warn(const arguments *a, const sp_table *t) {
 
 static sp_status make(arguments *a, sp_scene *scene, sp_table *t, sp_error *err) {
     cli_catch_signals();
-    scene->column.stopped = stopped;
+    scene->tapped.stopped = stopped;
     a->begun = sp_clock_wall();
     sp_status status =
-        sp_tapped_table_watched(&scene->column, a->common.threads, (sp_tapped_watcher){watch, a}, t, err);
+        sp_tapped_table_watched(&scene->tapped, a->common.threads, (sp_tapped_watcher){watch, a}, t, err);
     cli_progress_end(&a->common);
     return status;
 }
@@ -82,7 +82,7 @@ static sp_status make(arguments *a, sp_scene *scene, sp_table *t, sp_error *err)
 static sp_status work(arguments *a, sp_scene *scene, sp_table *t, sp_error *err) {
     sp_status status = cli_may_write_table(&a->common, err);
     if (status == SP_OK)
-        status = sp_scene_read_column(a->scene, a->common.sets, a->common.set, scene, err);
+        status = sp_scene_read_tapped(a->scene, a->common.sets, a->common.set, scene, err);
     if (status == SP_OK)
         status = make(a, scene, t, err);
     if (status == SP_OK)

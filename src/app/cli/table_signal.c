@@ -33,13 +33,14 @@ static sp_status check_methods(const cli_averaged *of, sp_error *err) {
 
 static sp_status add_rows(const cli_sums *sums, sp_table *t, sp_error *err) {
     static const char *const names[] = {"mean", "rms", "mean_err", "low", "high"};
-    const sp_signals *s = &sums->all;
+    const sp_signal_average *s = &sums->all;
     sp_status status = sp_table_add_column(t, "t", "d/sqrt(E* / rho)", SP_CELL_NUMBER, err);
     for (int k = 0; k < 5 && status == SP_OK; k++)
         status = sp_table_add_column(t, names[k], "E* d^2", SP_CELL_NUMBER, err);
     for (int32_t k = 0; k < s->points && status == SP_OK; k++) {
         const sp_interval *i = &sums->interval[k];
-        const double row[] = {s->t[k], s->mean[k], sp_signals_rms(s, k), sp_signals_mean_err(s, k), i->low, i->high};
+        const double row[] = {s->t[k], s->mean[k], sp_signal_average_rms(s, k), sp_signal_average_mean_err(s, k),
+                              i->low,  i->high};
         status = sp_table_add_numbers(t, row, err);
     }
     return status;
@@ -61,7 +62,7 @@ sp_status cli_table_signal(sp_store *store, int64_t n, const sp_sample *samples,
                            sp_table *out, sp_error *err) {
     reader from = {store, sp_sample_arrays_none()};
     cli_averaged of = {0};
-    cli_sums sums = {.all = sp_signals_none()};
+    cli_sums sums = {.all = sp_signal_average_none()};
     sp_table t = sp_table_none();
     sp_status status = cli_averaged_make(SP_WANT_SIGNAL, "signal", "signals", n, samples, &of, err);
     if (status == SP_OK)

@@ -87,7 +87,7 @@ static sp_status add_rows(const reader *r, const cli_sums *sums, sp_table *t, sp
                                           "density_err",    SPECTRUM_TIME,      "density_low", SPECTRUM_TIME,
                                           "density_high",   SPECTRUM_TIME,      "cumulative",  "modes/grain",
                                           "cumulative_err", "modes/grain",      NULL};
-    const sp_signals *s = &sums->all;
+    const sp_signal_average *s = &sums->all;
     sp_status status = cli_add_columns(t, columns, err);
     for (int32_t b = 0; 2 * b < s->points && status == SP_OK; b++) {
         const bool empty = !(s->mean[b] > 0); /* in all samples: nothing tells how rare its modes are */
@@ -95,11 +95,11 @@ static sp_status add_rows(const reader *r, const cli_sums *sums, sp_table *t, sp
                               r->edge[b],
                               r->edge[b + 1],
                               s->mean[b],
-                              sp_signals_mean_err(s, b),
+                              sp_signal_average_mean_err(s, b),
                               empty ? NAN : sums->interval[b].low,
                               empty ? NAN : sums->interval[b].high,
                               s->mean[r->bins + b],
-                              sp_signals_mean_err(s, r->bins + b)};
+                              sp_signal_average_mean_err(s, r->bins + b)};
         status = sp_table_add_numbers(t, row, err);
     }
     return status;
@@ -152,7 +152,7 @@ sp_status cli_table_spectrum(sp_store *store, int64_t n, const sp_sample *sample
                              const cli_bins *bins, sp_table *out, sp_error *err) {
     reader from = {.store = store};
     cli_averaged of = {0};
-    cli_sums sums = {.all = sp_signals_none()};
+    cli_sums sums = {.all = sp_signal_average_none()};
     sp_table t = sp_table_none();
     sp_status status = cli_averaged_make(SP_WANT_SPECTRUM, "spectrum", "spectra", n, samples, &of, err);
     if (status == SP_OK)

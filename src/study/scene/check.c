@@ -206,5 +206,5 @@ sp_status sp_reader_check(sp_reader *r) {
 sp_status sp_reader_check_tapped(sp_reader *r) {
     int listed = 0;
     sp_status status = sp_join_sweeps(r, &listed);
-    return status == SP_OK ? sp_tapped_check(&r->scene.column, r->err) : status;
+    return status == SP_OK ? sp_tapped_check(&r->scene.tapped, r->err) : status;
 }

@@ -298,6 +298,6 @@ sp_status sp_scene_read(const char *path, int overrides, char *const *override, 
     return read_file(path, overrides, override, sp_reader_check, out, err);
 }
 
-sp_status sp_scene_read_column(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err) {
+sp_status sp_scene_read_tapped(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err) {
     return read_file(path, overrides, override, sp_reader_check_tapped, out, err);
 }
