@@ -130,7 +130,7 @@ def seeds(folder):
     assert len(there) == 6 and list(column(ctof, "samples")) == [6]
     _, first = study(folder, CHAIN, "packing.seed=11")
     assert first.items() < there.items()
-    assert "must differ by study.samples = 2" in study(folder, CHAIN, "packing.seed=[1, 2]", status=2)
+    assert "must differ by at least study.samples = 2" in study(folder, CHAIN, "packing.seed=[1, 2]", status=2)
 
 
 def tables_of_a_scene(folder):
@@ -149,7 +149,7 @@ def tables_of_a_scene(folder):
 def refusals(folder):
     for override, reason in (
             ("packing.pressure=[1e-7, 1]", "packing.pressure = 1: must be 1e-10 .. 0.01 E*"),
-            ("packing.pressure=[1e-7, 1e-7]", "1e-07 stands there twice"),
+            ("packing.pressure=[1e-7, 1e-7]", "1e-07 is there twice"),
             ("packing.pressure=[]", "must be a list of values"),
             ("packing.pressure=[nan]", "packing.pressure = "),
             ("packing.pressure=[[1e-7]]", "packing.pressure = a list"),
@@ -158,9 +158,9 @@ def refusals(folder):
             ("packing.sizes=[uniform, bidispers]", "must be uniform, bidisperse, lognormal or list"),
             ("packing.kind=[chain, file]", "packing.kind = \"file\": must not be swept"),
             ("packing.content=[1, 2]", "packing.content cannot be swept"),
-            ("signal.method=[dense, chebyshev]", "signal.method cannot be swept: it makes no other sample"),
+            ("signal.method=[dense, chebyshev]", "signal.method cannot be swept: it does not change the sample"),
             ("study.samples=[1, 2]", "study.samples cannot be swept"),
-            ('study.sweep=({ key = "study.want"; values = ["ctof"]; })', "cannot be swept: it makes no other sample"),
+            ('study.sweep=({ key = "study.want"; values = ["ctof"]; })', "cannot be swept: it does not change the sample"),
             ("packing.grains={from=1;to=10;count=30;spacing=\"log\";}", "has 1 twice"),
             ("packing.seed={from=1;to=10000;count=10000;}", "must differ by study.samples")):
         error = study(folder, CHAIN, override, status=2)

@@ -316,7 +316,7 @@ static void sweeps_that_make_no_sense(void **state) {
     refuses("study = { sweep = ( { key = \"packing.grains\"; values = [200]; },\n"
             "{ key = \"packing.grains\"; values = [600]; } ); };",
             "s.cfg:2: study.sweep: key \"packing.grains\" is swept twice");
-    refuses("study = { sweep = ( { key = \"packing.grains\"; values = [200, 200]; } ); };", "stands there twice");
+    refuses("study = { sweep = ( { key = \"packing.grains\"; values = [200, 200]; } ); };", "is there twice");
     refuses("study = { sweep = ( { key = \"packing.grains\"; values = [200,\n 0]; } ); };",
             "s.cfg:2: packing.grains = 0: must be");
     refuses("study = { sweep = ( { key = \"packing.grains\"; values = []; } ); };", "must be a list of values");

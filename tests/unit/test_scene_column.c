@@ -90,7 +90,7 @@ static void bounds_are_named(void **state) {
 static void columns_are_not_swept(void **state) {
     (void)state;
     sp_scene s;
-    refuses("column.amplitude=[1, 1.06]", "column.amplitude cannot be swept: its diagrams go through column.parameter");
+    refuses("column.amplitude=[1, 1.06]", "column.amplitude cannot be swept: its diagrams vary column.parameter");
     refuses("column.model=[lattice, bsr]", "column.model cannot be swept");
     refuses("column.mass=([1], [2])", "column.mass cannot be swept");
     assert_fails(parse("study = { sweep = ( { key = \"column.e\"; values = [0, 0.1]; } ); };", &s, &err), SP_EINVAL,

@@ -176,7 +176,7 @@ static void seeds(void **state) {
     check_round_trip(&s);
     sp_scene_free(&s);
     refuses("packing = {\n seed = [100, 1]; }; study = { samples = 100; };",
-            "s.cfg:2: packing.seed: 1 and 100 are swept: must differ by study.samples = 100 at least");
+            "s.cfg:2: packing.seed: 1 and 100 are swept: must differ by at least study.samples = 100");
     is_swept("packing = { seed = [9007199254740991, 9007199254740992, 4503599627370497]; };",
              "packing.seed=9007199254740991|9007199254740992|4503599627370497");
     is_swept("packing = { seed = { from = 9007199254740980; to = 9007199254740992; step = 4; }; };",
@@ -304,8 +304,8 @@ static void ranges_that_make_no_sense(void **state) {
         {"grains = { from = 200; to = 205; step = 2.5; }", "has 202.5 as value 2 of 3: must be integers"},
         {"grains = { from = 200; to = 600.5; count = 3; }", "packing.grains = 600.5: must be an integer"},
         {"grains = { from = 1; to = 10; count = 30; spacing = \"log\"; }", "has 1 twice: must be fewer"},
-        {"sizes = { from = 1; to = 2; count = 2; }", "packing.sizes: a range must be one of numbers"},
-        {"reference = { from = 0; to = 1; count = 2; }", "packing.reference: a range must be one of numbers"},
+        {"sizes = { from = 1; to = 2; count = 2; }", "packing.sizes: a range has numbers only"},
+        {"reference = { from = 0; to = 1; count = 2; }", "packing.reference: a range has numbers only"},
         {"history = { from = 1e-4; to = 1e-3; count = 2; }", "packing.history = { ... }: must be a list"},
     };
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
@@ -346,16 +346,15 @@ static void lists_in_the_place_of_values(void **state) {
             "s.cfg:2: packing.pressure: is swept here and by study.sweep: must be swept in one place");
     refuses("packing = { pressure = []; };", "packing.pressure: what is swept must be a list of values, such as [1e-7");
     refuses("packing = { sizes = [\"uniform\", \"bidispers\"]; };", "\"bidispers\": must be uniform, bidisperse");
-    refuses("packing = { sizes = [\"uniform\",\n \"uniform\"]; };",
-            "s.cfg:1: packing.sizes: uniform stands there twice");
-    refuses("packing = { reference = [true, false, true]; };", "packing.reference: true stands there twice");
+    refuses("packing = { sizes = [\"uniform\",\n \"uniform\"]; };", "s.cfg:1: packing.sizes: uniform is there twice");
+    refuses("packing = { reference = [true, false, true]; };", "packing.reference: true is there twice");
     refuses("packing = { pressure = [1e-4, [1e-5]]; };", "packing.pressure = a list: must be 1e-10 .. 0.01 E*");
     refuses("packing = { pressure = [1e-4,\n 1e999]; };", "s.cfg:2: packing.pressure = inf: must be");
-    refuses("packing = { friction = [0.0, -0.0]; };", "packing.friction: 0 stands there twice");
+    refuses("packing = { friction = [0.0, -0.0]; };", "packing.friction: 0 is there twice");
     refuses("network = { prestress = [true, 1]; };", "network.prestress = 1: must be true or false");
     refuses("signal = {\n method = [\"dense\"]; };",
-            "s.cfg:2: signal.method cannot be swept: it makes no other sample");
-    refuses("signal = { until = [10, 20]; };", "signal.until cannot be swept: it makes no other sample");
+            "s.cfg:2: signal.method cannot be swept: it does not change the sample");
+    refuses("signal = { until = [10, 20]; };", "signal.until cannot be swept: it does not change the sample");
     refuses("signal = { points = { from = 10; to = 20; count = 2; }; };", "signal.points cannot be swept");
     refuses("study = { samples = [10, 20]; };", "study.samples cannot be swept");
     refuses("packing = { content = [10, 20]; };", "packing.content cannot be swept: it follows from packing.file");
@@ -381,13 +380,13 @@ static void entries_that_make_no_sense(void **state) {
     (void)state;
     static const char *const wrong[][2] = {
         {"key = \"signal.method\"; values = [\"dense\"]",
-         "\"signal.method\" cannot be swept: it makes no other sample"},
-        {"key = \"study.want\"; values = [\"ctof\"]", "\"study.want\" cannot be swept: it makes no other sample"},
+         "\"signal.method\" cannot be swept: it does not change the sample"},
+        {"key = \"study.want\"; values = [\"ctof\"]", "\"study.want\" cannot be swept: it does not change the sample"},
         {"key = \"study.sweep\"; values = [1]", "\"study.sweep\" cannot be swept"},
         {"key = \"signal.planes\"; values = ([1])", "\"signal.planes\" cannot be swept"},
         {"key = \"packing.file\"; values = [\"a.h5\"]",
-         "cannot be swept: all samples of a study begin with one packing"},
-        {"key = \"packing.diameter_file\"; values = [\"a\"]", "cannot be swept: packing.diameters may be swept"},
+         "cannot be swept: all samples of a study start from the same packing"},
+        {"key = \"packing.diameter_file\"; values = [\"a\"]", "cannot be swept: sweep packing.diameters"},
         {"key = \"signal.sourse\"; values = [\"impulse\"]", "(did you mean signal.source?)"},
         {"key = \"presure\"; values = [1]", "(did you mean packing.pressure?)"},
         {"key = \"\"; values = [1]", "key \"\" is unknown"},
@@ -395,11 +394,10 @@ static void entries_that_make_no_sense(void **state) {
         {"key = \"packing.history\"; values = [1e-3, 1e-4]", "packing.history = 0.001: must be a list"},
         {"key = \"packing.history\"; values = ([1e-3], [[1e-4]])", "packing.history = a list: must be a list"},
         {"key = \"packing.history\"; values = ([1e-3], [1])", "packing.history = 1: must be a list"},
-        {"key = \"packing.history\"; values = ([1e-3, 1e-4], [], [1e-3, 1e-4])", "[0.001, 0.0001] stands there twice"},
-        {"key = \"packing.history\"; values = ([], [])", "packing.history: [] stands there twice"},
+        {"key = \"packing.history\"; values = ([1e-3, 1e-4], [], [1e-3, 1e-4])", "[0.001, 0.0001] is there twice"},
+        {"key = \"packing.history\"; values = ([], [])", "packing.history: [] is there twice"},
         {"key = \"packing.history\"; values = []", "must be a list of values, such as ([1e-4], [1e-3, 1e-4])"},
-        {"key = \"packing.history\"; from = 1e-4; to = 1e-3; count = 2",
-         "packing.history: a range must be one of numbers"},
+        {"key = \"packing.history\"; from = 1e-4; to = 1e-3; count = 2", "packing.history: a range has numbers only"},
         {"key = \"packing.history\"; values = 1e-3", "packing.history: what is swept must be a list of values"},
         {"key = \"packing.pressure\"; values = [\"x\"]", "packing.pressure = \"x\": must be"},
     };

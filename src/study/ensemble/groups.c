@@ -1,3 +1,4 @@
+/* Sorts samples, and finds groups that may be averaged. */
 #include "ensemble/groups.h"
 
 #include "base/base.h"
@@ -48,10 +49,10 @@ sp_status sp_samples_sorted(int64_t n, const sp_sample *samples, const sp_sample
     return SP_OK;
 }
 
-/* Files of earlier versions do not say, and failures have nothing to average. */
+/* Files of earlier versions have no material, and a failed sample has nothing to average. */
 static bool is_known(const sp_sample *s) { return s->material != 0 && !s->failed; }
 
-/* Samples of one material (up to what tables have rows for, and check by themselves). */
+/* Refuses samples of different materials. Pressure, size, friction and width are not part of the material. */
 static sp_status one_material(int64_t n, const sp_sample *const *s, sp_error *err) {
     const sp_sample *first = NULL;
     for (int64_t k = 0; k < n; k++) {

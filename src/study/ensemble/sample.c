@@ -35,7 +35,7 @@ static sp_status describe(const sp_scene *scene, sp_sample *sample, sp_error *er
     return SP_OK;
 }
 
-/* Whether a status says something about the sample, so that it would fail again. */
+/* Whether a failure is one of the sample itself, so that it would fail again. */
 static bool of_the_sample(sp_status status) {
     return status == SP_EFAILED || status == SP_EREFUSED || status == SP_EINVAL || status == SP_EFORMAT;
 }
@@ -50,9 +50,9 @@ sp_status sp_sample_make_with(const sp_scene *given, unsigned want, const sp_pac
     if (status != SP_OK)
         return status;
     want = sp_want_parts(want);
-    if (want & SP_WANT_PROBES) /* whose ratios are over the moduli */
+    if (want & SP_WANT_PROBES) /* their ratios need the moduli */
         want |= SP_WANT_MODULI;
-    if (want & SP_WANT_MODULI) /* which take their Phi3* from there */
+    if (want & SP_WANT_MODULI) /* they need Phi_3* */
         want |= SP_WANT_STATICS;
     if (packing->n == 0) {
         sample->have = 0;

@@ -1,11 +1,11 @@
-/* Mean and scatter of signals, one at a time. */
+/* Mean and scatter of many signals, which are added one by one. */
 #include "base/base.h"
 
 #include <math.h>
 #include <sonopack/study/study.h>
 #include <string.h>
 
-/* Times of one grid differ by rounding, over the last of them. */
+/* Times of the same grid differ by rounding only: at most this, relative to the last time. */
 static const double same_time = 1e-12;
 
 sp_signal_average sp_signal_average_none(void) { return (sp_signal_average){0}; }

@@ -39,7 +39,8 @@ static sp_status check_spectrum(const sp_spectrum_made *made, const sp_sample_ar
     return SP_OK;
 }
 
-/* Averages over nothing, and places without a front, are not numbers by right; what a front or a solve gave is one. */
+/* Averages over nothing are NAN, and so are planes without a front. The results of a front or a solve must be finite.
+ */
 static sp_status check_results(const sp_record *r, sp_error *err) {
     const sp_sample *s = &r->sample;
     const sp_front *f = &s->front;
@@ -48,7 +49,7 @@ static sp_status check_results(const sp_record *r, sp_error *err) {
                        f->t_peak, f->amplitude);
     if (s->have & SP_WANT_STATICS && any_infinite(&s->statics.phi2, sizeof s->statics))
         return sp_fail(err, SP_EFAILED, "/results/statics: an infinite number");
-    const double along = s->dim == 3 ? s->moduli.c33 : s->moduli.c22; /* from wall to wall */
+    const double along = s->dim == 3 ? s->moduli.c33 : s->moduli.c22; /* in the direction from wall to wall */
     if (s->have & SP_WANT_MODULI && !isfinite(along))
         return sp_fail(err, SP_EFAILED, "/results/moduli: %s = %g: must be finite", s->dim == 3 ? "c33" : "c22", along);
     for (int k = 0; s->have & SP_WANT_PROBES && k < SP_PROBES; k++)
@@ -61,8 +62,8 @@ static sp_status check_results(const sp_record *r, sp_error *err) {
     return status == SP_OK ? check_spectrum(&s->spectrum, &r->arrays, err) : status;
 }
 
-/* The sample as its packing and its scene have it. A scene of a version with other keys says nothing. */
-static sp_status check_origin(const sp_record *r, const sp_packing *p, sp_scene *scene, sp_error *err) {
+/* Compares the sample with its packing and its scene. A scene with keys of another version is ignored. */
+static sp_status check_scene(const sp_record *r, const sp_packing *p, sp_scene *scene, sp_error *err) {
     const sp_sample *s = &r->sample;
     if (s->dim != p->dim || s->grains != p->n)
         return sp_fail(err, SP_EFAILED, "results of %d grains in %d dimensions beside a packing of %d in %d", s->grains,
@@ -83,7 +84,7 @@ static sp_status check_content(const sp_record *r, const sp_packing *p, double t
     sp_scene scene = sp_scene_default();
     sp_audit audit;
     char reason[SP_ERROR_TEXT];
-    sp_status status = check_origin(r, p, &scene, err);
+    sp_status status = check_scene(r, p, &scene, err);
     if (status == SP_OK)
         status = check_results(r, err);
     if (status == SP_OK)
@@ -109,7 +110,7 @@ sp_status sp_store_check_sample(const sp_store *store, const char *name, double 
     if (status == SP_OK)
         sp_store_enter(store, &r.sample);
     if (status != SP_OK && status != SP_ENOMEM)
-        status = SP_EFAILED; /* it was read: whatever is wrong with it, it stays */
+        status = SP_EFAILED; /* the file can be read, so it is not damaged, and stays */
     sp_packing_free(&p);
     sp_record_free(&r);
     return status;

@@ -1,4 +1,4 @@
-/* The files of a store: their paths, one file in and out, and the names of all samples. */
+/* Paths of a store, reading and writing one sample, and the names of all samples. */
 #include "base/base.h"
 #include "store/folder.h"
 #include "store/packing_h5.h"
@@ -93,17 +93,10 @@ sp_status sp_store_put(const sp_store *store, const sp_record *r, const sp_packi
 /* ---- all names ------------------------------------------------------------------------------------------------- */
 
 static sp_status add_name(sp_name_list *list, const char *name, sp_error *err) {
-    if (list->count == list->capacity) {
-        size_t capacity = list->capacity ? 2 * (size_t)list->capacity : 256;
-        char(*larger)[SP_NAME_MAX] = sp_alloc(capacity, sizeof *larger);
-        if (!larger)
-            return sp_fail_memory(err, capacity * sizeof *larger);
-        if (list->count > 0)
-            memcpy(larger, list->name, (size_t)list->count * sizeof *larger);
-        sp_free(list->name);
-        list->name = larger;
-        list->capacity = (int64_t)capacity;
-    }
+    char(*grown)[SP_NAME_MAX] = sp_grow(list->name, (size_t)list->count + 1, &list->capacity, sizeof *grown);
+    if (!grown)
+        return sp_fail_memory(err, (size_t)list->count * sizeof *grown);
+    list->name = grown;
     memcpy(list->name[list->count++], name, SP_NAME_MAX);
     return SP_OK;
 }

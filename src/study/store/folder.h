@@ -39,7 +39,8 @@ sp_status sp_store_get(const sp_store *store, const char *name, sp_packing *pack
 sp_status sp_store_put(const sp_store *store, const sp_record *record, const sp_packing *packing, sp_error *err);
 
 typedef struct sp_name_list {
-    int64_t count, capacity;
+    int64_t count;
+    size_t capacity;
     char (*name)[SP_NAME_MAX]; /* sp_free */
 } sp_name_list;
 /* The names of all samples with a result or a failure, sorted, each once. The list must be empty at first. The caller

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* A file of the store, as it is. */
+/* A file of the store, and its status. */
 typedef struct place {
     char path[SP_PATH_MAX];
     struct stat info;
@@ -18,7 +18,7 @@ static bool find_file(const sp_store *store, const char *name, const char *endin
     return stat(out->path, &out->info) == 0;
 }
 
-static void enter(const sp_store *store, const place *file, uint64_t content, const sp_sample *sample) {
+static void add_line(const sp_store *store, const place *file, uint64_t content, const sp_sample *sample) {
     const sp_manifest_line line = {
         .bytes = file->info.st_size, .modified = sp_manifest_time(&file->info), .content = content, .sample = *sample};
     sp_manifest_add(store->manifest, &line);
@@ -29,11 +29,11 @@ void sp_store_enter(const sp_store *store, const sp_sample *sample) {
     uint64_t content;
     if (find_file(store, sample->name, sample->failed ? "failed" : "h5", &file) && S_ISREG(file.info.st_mode) &&
         sp_file_hash(file.path, &content, NULL) == SP_OK)
-        enter(store, &file, content, sample);
+        add_line(store, &file, content, sample);
 }
 
-/* The last line of the sample speaks of this file: same size and time, or the same bytes at another time, as after it
- * was copied. */
+/* Finds the last line of a sample, if it describes the file: same size and time, or same size and bytes, as after the
+ * file was copied. */
 static bool recall(const sp_store *store, const char *name, bool failed, const place *file, sp_sample *out) {
     sp_manifest_line line;
     uint64_t content;
@@ -43,7 +43,7 @@ static bool recall(const sp_store *store, const char *name, bool failed, const p
         if (!S_ISREG(file->info.st_mode) || sp_file_hash(file->path, &content, NULL) != SP_OK ||
             content != line.content)
             return false;
-        enter(store, file, content, &line.sample);
+        add_line(store, file, content, &line.sample);
     }
     *out = line.sample;
     return true;

@@ -1,3 +1,4 @@
+/* Writes and parses lines of the manifest. */
 #include "store/manifest_line.h"
 
 #include "base/base.h"
@@ -182,7 +183,7 @@ static bool get_planes(char *cell, sp_sample *s) {
     return true;
 }
 
-/* What stands in front of the results. */
+/* Parses the cells before the results. */
 static bool get_file(char **rest, sp_manifest_line *l) {
     int64_t have;
     const char *name = next_cell(rest), *file = next_cell(rest), *bytes = next_cell(rest), *modified = next_cell(rest),

@@ -1,5 +1,5 @@
-/* A packing as HDF5: H5MD's groups for grains and box, its connectivity for pairs in contact, and /sonopack for what
- * H5MD has no name for. docs/file-format.md describes the layout. */
+/* Reads and writes a packing as HDF5: groups of H5MD for grains and box, connectivity of H5MD for contacts, and
+ * /sonopack for everything else. docs/file-format.md describes the layout. */
 #include "store/packing_h5.h"
 
 #include "base/base.h"
@@ -135,7 +135,7 @@ static sp_status put_grains(sp_h5 *h, const sp_packing *p, sp_error *err) {
     return status;
 }
 
-/* The parts of contacts that are numbers, or vectors of the dimension. */
+/* The numbers and vectors of a contact. */
 static const struct contact_part {
     const sp_h5_name *name;
     size_t offset;
@@ -195,7 +195,7 @@ sp_status sp_h5_finish(sp_h5 *h, sp_status status, const char *path, sp_error *e
     size_t size = 0;
     if (status == SP_OK)
         status = sp_h5_image(h, &data, &size, err);
-    sp_h5_close(h); /* before the writing, which may take its time */
+    sp_h5_close(h); /* before writing, which may take long */
     if (status == SP_OK)
         status = sp_file_write(path, data, size, err);
     sp_free(data);

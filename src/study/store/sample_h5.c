@@ -1,3 +1,4 @@
+/* Reads and writes the results of a sample as HDF5. */
 #include "store/sample_h5.h"
 
 #include "base/base.h"
@@ -83,7 +84,7 @@ static const sp_h5_field probe_field[] = {
     PROBE(SP_LINES_3, "lines_3", "grains on three lines displaced by turns"),
 };
 
-/* Numbers of a part that are left out where they are no number, and read so where a file does not have them. */
+/* Optional numbers of a part. NAN is not written, and a missing number is read as NAN. */
 #define SHARES(row, name)                                                                                              \
     {{"/results/probes/left_out_" name, "1", "share of the body force on floppy parts, which is left out"},            \
      SP_H5_F64,                                                                                                        \
@@ -100,7 +101,7 @@ static const sp_h5_field moduli_3d_field[] = {
     SPACE(c13, "modulus C13"),       SPACE(c23, "modulus C23"),       SPACE(c44, "shear modulus C44"),
     SPACE(c55, "shear modulus C55"), SPACE(c66, "shear modulus C66"),
 };
-/* Missing in files of earlier versions too. */
+/* Also missing in files of earlier versions. */
 static const sp_h5_field stress_field[] = {
     STATICS_LATER(s12_over_s2, "shear over vertical stress, on a horizontal plane along x"),
     STATICS_LATER(s32_over_s2, "the same along y, in three dimensions"),
@@ -139,7 +140,7 @@ static const struct part {
 };
 enum { PARTS = sizeof part / sizeof *part, SAMPLE_FIELDS = sizeof sample_field / sizeof *sample_field };
 
-/* Fronts at planes: an array of the members of all planes. */
+/* Fronts at planes: one array for each member. */
 static const struct {
     sp_h5_name name;
     size_t offset; /* of the first plane's in sp_sample */
@@ -171,7 +172,7 @@ static const sp_h5_field kind_field =
 /* Missing in files of earlier versions. */
 static const sp_h5_field material_field =
     SAMPLE(material, SP_H5_U64, "1", "hash of the keys beside those above: samples that differ in it are not averaged");
-/* Parts that were tried and could not be made, with the reason of the first. */
+/* Parts that failed, with the reason of the first. */
 static const sp_h5_field lacks_field[] = {
     SAMPLE(lacks, SP_H5_I32, "1",
            "parts that could not be made: 1 front, 2 statics, 4 moduli, 8 signal, 16 probes, 32 planes, "
@@ -321,7 +322,7 @@ static sp_status get_method(sp_h5 *h, sp_signal_method *method, sp_error *err) {
     return status;
 }
 
-/* What the signal was made with; the signal itself stays in the file. */
+/* Reads how the signal was computed, but not the signal itself. */
 static sp_status get_made(sp_h5 *h, sp_signal_made *made, sp_error *err) {
     sp_h5_shape shape;
     sp_signal_made m = {.tolerance = NAN, .until = NAN};
@@ -366,7 +367,7 @@ static sp_status get_signal(sp_h5 *h, sp_signal *s, sp_error *err) {
     return status;
 }
 
-/* The frequencies, as many as the network has degrees of freedom. *omega NULL where data = false. */
+/* Checks the number of frequencies, and reads them if data is true. */
 static sp_status get_omega(sp_h5 *h, const sp_spectrum_made *made, bool data, sp_sample_arrays *out, sp_error *err) {
     const int64_t modes = (int64_t)made->carrying * made->dof;
     sp_h5_shape shape;
@@ -408,7 +409,7 @@ static sp_status get_lacks(sp_h5 *h, sp_sample *s, sp_error *err) {
     return status;
 }
 
-/* What tables sort and divide by. */
+/* Checks the numbers that tables sort and divide by. */
 static sp_status check_sample(sp_h5 *h, const sp_sample *s, sp_error *err) {
     const char *bad = s->dim < 1 || s->dim > 3                                    ? "dim"
                       : s->grains < 1                                             ? "grains"

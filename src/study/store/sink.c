@@ -1,4 +1,4 @@
-/* A store as the sink of a study: what it has of a sample, and how a finished sample is saved. */
+/* Makes a store the sink of a study: loads and saves its samples. */
 #include "base/base.h"
 #include "store/failure.h"
 #include "store/folder.h"
@@ -43,10 +43,10 @@ static sp_status sink_load(void *user, const char *name, sp_packing *packing, sp
     sp_record r;
     sp_status status = sp_store_trusted(store, name, sample, NULL);
     if (status == SP_EFORMAT || status == SP_EFAILED)
-        return sp_store_make_way(store, name, "h5", err); /* one to make anew */
+        return sp_store_make_way(store, name, "h5", err); /* it is to be made again */
     status = sp_store_get(store, name, packing, false, &r, err);
     if (status == SP_EFORMAT)
-        return SP_OK; /* a damaged sample is one to make anew */
+        return SP_OK; /* a damaged sample is made again */
     if (status != SP_OK)
         return status;
     *sample = r.sample;
@@ -55,7 +55,7 @@ static sp_status sink_load(void *user, const char *name, sp_packing *packing, sp
     return SP_OK;
 }
 
-/* What could not be made then, and was neither tried nor made now. */
+/* Keeps the failures of parts that were neither made nor tried again. */
 static void keep_lacks(sp_sample *fresh, const sp_sample *old) {
     const unsigned described = SP_WANT_SIGNAL | SP_WANT_PLANES, kept = old->lacks & ~fresh->have & ~fresh->lacks;
     if (kept == 0)
@@ -67,7 +67,7 @@ static void keep_lacks(sp_sample *fresh, const sp_sample *old) {
     fresh->lacks |= kept;
 }
 
-/* Adds to `fresh` what only the old record has. Arrays and the scene change hands. */
+/* Adds the parts that only the old record has to `fresh`, which becomes the owner of arrays and scene. */
 static void keep_old_parts(sp_record *fresh, sp_record *old) {
     const unsigned missing = old->sample.have & ~fresh->sample.have;
     if (missing & SP_WANT_CTOF)
@@ -134,12 +134,12 @@ static sp_status copy_arrays(const sp_sample_arrays *from, sp_sample_arrays *to,
     return SP_OK;
 }
 
-/* What is in the store already goes into *fresh and, if the caller brings none, *packing. A damaged file makes room. */
+/* Adds what is stored already to *fresh; also the packing, if needed. A damaged file is renamed. */
 static sp_status merge_old(const sp_store *store, sp_record *fresh, bool need_packing, sp_packing *packing,
                            sp_error *err) {
     const char *name = fresh->sample.name;
     sp_record old = {0};
-    if (!sp_store_holds(store, name, "h5")) /* at the most a link that leads nowhere */
+    if (!sp_store_holds(store, name, "h5")) /* or a link that leads nowhere */
         return need_packing ? sp_fail(err, SP_EINVAL, "sample %s: no packing, neither given nor stored", name)
                             : sp_store_make_way(store, name, "h5", err);
     sp_status status = sp_store_get(store, name, need_packing ? packing : NULL, true, &old, err);
@@ -162,7 +162,7 @@ static sp_status save_made(const sp_store *store, const sp_scene *scene, const s
         status = sp_fail_memory(err, 1);
     if (status == SP_OK)
         status = merge_old(store, &fresh, given == NULL, &stored, err);
-    if (fresh.arrays.modes == 0) /* they were in a file that has gone bad since */
+    if (fresh.arrays.modes == 0) /* they were in a file that is damaged now */
         fresh.sample.have &= ~(unsigned)SP_WANT_SPECTRUM;
     if (fresh.arrays.signal.n == 0)
         fresh.sample.have &= ~(unsigned)SP_WANT_SIGNAL;
@@ -172,7 +172,7 @@ static sp_status save_made(const sp_store *store, const sp_scene *scene, const s
         char path[SP_PATH_MAX];
         sp_store_path(store, sample->name, "failed", path);
         if (sp_failure_read(path, sample->name, &(sp_sample){0}, NULL) == SP_OK)
-            unlink(path); /* it did not fail for good */
+            unlink(path); /* this time it did not fail */
         else
             sp_store_make_way(store, sample->name, "failed", NULL);
         sp_store_enter(store, &fresh.sample);
@@ -196,7 +196,7 @@ static sp_status save_failed(const sp_store *store, const sp_sample *sample, sp_
     return status;
 }
 
-/* Between reading the old parts and writing the new file no other process may write. */
+/* Holds the claim from reading the old parts to writing the new file, so that no other process writes in between. */
 static sp_status sink_save(void *user, const sp_scene *scene, const sp_sample *sample, const sp_packing *packing,
                            const sp_sample_arrays *arrays, sp_error *err) {
     sp_store *store = user;

@@ -20,7 +20,7 @@ static sp_status check_folder(const char *dir, sp_error *err) {
     return SP_OK;
 }
 
-/* Where nothing can be written there may still be samples to make tables of. */
+/* A folder that cannot be written to may still have samples for tables. */
 static sp_status prepare_writing(sp_store *store, sp_error *err) {
     sp_name_list list = {0};
     sp_error why = {0};
@@ -121,7 +121,7 @@ sp_status sp_store_samples(sp_store *store, int64_t *n, sp_sample **samples, int
         return status;
     }
     if (damaged > 0)
-        sp_fail(err, SP_OK, "%s", first.text); /* why the first of them is bad */
+        sp_fail(err, SP_OK, "%s", first.text); /* the reason of the first */
     *n = good;
     *samples = all;
     *bad = damaged;

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-/* Of a sound record *err gets why the sample failed. */
+/* Checks the record of a failure. If it is sound, *err says why the sample failed. */
 static sp_status check_record(const sp_store *store, const char *name, sp_error *err) {
     char path[SP_PATH_MAX];
     sp_sample s;
@@ -24,7 +24,8 @@ static sp_status check_file(const sp_store *store, const char *name, bool record
     return record ? check_record(store, name, err) : sp_store_check_sample(store, name, tolerance, err);
 }
 
-/* Under the lock, and only if it is still damaged: another process may have made it anew, or be about to. */
+/* Renames a damaged file. With the claim, and only if the file is still damaged: another process may be replacing it.
+ */
 static bool put_aside(sp_store *store, const char *name, bool record) {
     sp_error again = {0};
     if (sp_claim_take(&store->claims, store->dir, name, false) == SP_CLAIM_OTHERS)
@@ -35,7 +36,7 @@ static bool put_aside(sp_store *store, const char *name, bool record) {
     return aside;
 }
 
-/* One file; SP_EINTERRUPTED when the caller has seen enough. */
+/* Checks one file and reports the finding. SP_EINTERRUPTED if the caller stops the check. */
 static sp_status look(sp_store *store, const sp_store_check *check, sp_store_finding *f, const char *name,
                       sp_error *err) {
     char file[SP_NAME_MAX + 8];
