@@ -204,7 +204,7 @@ def check_wrong():
                          ("mass=0", "column.mass = 0"), ("mass=[1, 0, 1]", "column.mass = 0"),
                          ("radius=[1, -1]", "column.radius = -1"), ("mass=[]", "column.mass: must have one value or more"),
                          ("mass=[1, heavy]", "column.mass"), ("radius=1e13", "column.radius = 10000000000000"),
-                         ("amplitude=[1, 1.06]", "column.amplitude cannot be swept: its diagrams go through"),
+                         ("amplitude=[1, 1.06]", "column.amplitude cannot be swept: its diagrams vary"),
                          ("e={ from = 0; to = 0.5; count = 3; }", "column.e cannot be swept"),
                          ("particle=3", "did you mean column.particles?")):
         done = column(text, status=2, reason=reason)

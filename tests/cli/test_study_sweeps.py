@@ -162,7 +162,7 @@ def refusals(folder):
             ("study.samples=[1, 2]", "study.samples cannot be swept"),
             ('study.sweep=({ key = "study.want"; values = ["ctof"]; })', "cannot be swept: it does not change the sample"),
             ("packing.grains={from=1;to=10;count=30;spacing=\"log\";}", "has 1 twice"),
-            ("packing.seed={from=1;to=10000;count=10000;}", "must differ by study.samples")):
+            ("packing.seed={from=1;to=10000;count=10000;}", "must differ by at least study.samples")):
         error = study(folder, CHAIN, override, status=2)
         assert reason in error and "--set" in error and error.count("\n") == 1, (override, error)
     hidden = CHAIN.replace('"signal"];', '"signal"]; sweep = ({ key = "packing.poisson"; values = [0, 0.1]; });')

@@ -94,7 +94,7 @@ static void columns_are_not_swept(void **state) {
     refuses("column.model=[lattice, bsr]", "column.model cannot be swept");
     refuses("column.mass=([1], [2])", "column.mass cannot be swept");
     assert_fails(parse("study = { sweep = ( { key = \"column.e\"; values = [0, 0.1]; } ); };", &s, &err), SP_EINVAL,
-                 "study.sweep: key \"column.e\" cannot be swept: its diagrams go through");
+                 "study.sweep: key \"column.e\" cannot be swept: its diagrams vary");
 }
 
 /* A store that was made without this group is found again with it. */

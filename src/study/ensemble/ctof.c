@@ -191,26 +191,21 @@ static sp_status add_exponent(sp_table *t, sp_error *err) {
 }
 
 sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, double level, sp_table *t, sp_error *err) {
-    static const struct {
-        const char *name, *unit;
-        sp_cell_kind kind;
-    } column[] = {{"p", "E*", SP_CELL_NUMBER},
-                  {"samples", "", SP_CELL_INTEGER},
-                  {"c_tof", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_tof_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_peak", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_zero", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_l", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_t", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_tof_low", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_tof_high", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_peak_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_zero_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_l_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_t_err", "sqrt(E* / rho)", SP_CELL_NUMBER}};
-    sp_status status = SP_OK;
-    for (size_t k = 0; k < sizeof column / sizeof *column && status == SP_OK; k++)
-        status = sp_table_add_column(t, column[k].name, column[k].unit, column[k].kind, err);
+    static const sp_column column[] = {{"p", "E*", SP_CELL_NUMBER},
+                                       {"samples", "", SP_CELL_INTEGER},
+                                       {"c_tof", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_tof_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_peak", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_zero", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_l", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_t", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_tof_low", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_tof_high", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_peak_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_zero_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_l_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_t_err", "sqrt(E* / rho)", SP_CELL_NUMBER}};
+    sp_status status = sp_columns_add(t, sizeof column / sizeof *column, column, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err,
                                       "c_tof = (<H2> - <H1>)/(<t10>_2 - <t10>_1) between the lowest and the "

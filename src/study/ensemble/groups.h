@@ -28,6 +28,8 @@ sp_status sp_samples_by_material(int64_t n, const sp_sample **s, sp_error *err);
 int64_t sp_material_end(int64_t n, const sp_sample *const *s, int64_t begin);
 int64_t sp_height_end(int64_t n, const sp_sample *const *s, int64_t begin);
 
+/* Adds columns to a table without rows. */
+sp_status sp_columns_add(sp_table *t, int count, const sp_column *column, sp_error *err);
 /* Fills the table of fronts over distance: a row for each height of boxes, or a row for each plane inside boxes of one
  * size. level is that of the intervals. */
 sp_status sp_scaling_fill(int64_t n, const sp_sample *const *s, bool planes, double level, sp_table *t, sp_error *err);

@@ -316,9 +316,7 @@ static sp_status explain(bool planes, double level, sp_table *t, sp_error *err) 
 }
 
 sp_status sp_scaling_fill(int64_t n, const sp_sample *const *s, bool planes, double level, sp_table *t, sp_error *err) {
-    sp_status status = SP_OK;
-    for (int k = 0; k < COLUMNS && status == SP_OK; k++)
-        status = sp_table_add_column(t, columns[k].name, columns[k].unit, columns[k].kind, err);
+    sp_status status = sp_columns_add(t, COLUMNS, columns, err);
     if (status == SP_OK)
         status = explain(planes, level, t, err);
     for (int64_t begin = 0, end; begin < n && status == SP_OK; begin = end) {

@@ -64,11 +64,9 @@ static double value_of(const sp_sample *s, const quantity *q) {
 }
 
 static sp_status means_columns(int quantities, const quantity *q, sp_table *t, sp_error *err) {
-    sp_status status = sp_table_add_column(t, "p", "E*", SP_CELL_NUMBER, err);
-    if (status == SP_OK)
-        status = sp_table_add_column(t, "grains", "", SP_CELL_INTEGER, err);
-    if (status == SP_OK)
-        status = sp_table_add_column(t, "samples", "", SP_CELL_INTEGER, err);
+    static const sp_column first[] = {
+        {"p", "E*", SP_CELL_NUMBER}, {"grains", "", SP_CELL_INTEGER}, {"samples", "", SP_CELL_INTEGER}};
+    sp_status status = sp_columns_add(t, sizeof first / sizeof *first, first, err);
     static const char *const end[COLUMNS] = {"", "_sd", "_err", "_low", "_high"};
     for (int k = 0; k < COLUMNS * quantities && status == SP_OK; k++) {
         const quantity *of = &q[k / COLUMNS];
@@ -229,29 +227,25 @@ static sp_status fill_means(int64_t n, const sp_sample *const *s, unsigned part,
 }
 
 static sp_status ensemble_columns(sp_table *t, sp_error *err) {
-    static const struct {
-        const char *name, *unit;
-        sp_cell_kind kind;
-    } first[] = {{"p", "E*", SP_CELL_NUMBER},
-                 {"grains", "", SP_CELL_INTEGER},
-                 {"seed", "", SP_CELL_INTEGER},
-                 {"height", "d", SP_CELL_NUMBER},
-                 {"t10", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
-                 {"t_peak", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
-                 {"t_zero", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
-                 {"amplitude", "E* d^2", SP_CELL_NUMBER},
-                 {"width", "d/sqrt(E* / rho)", SP_CELL_NUMBER}},
-      last[] = {{"dimension", "", SP_CELL_INTEGER}, {"Lx", "d", SP_CELL_NUMBER},  {"friction", "", SP_CELL_NUMBER},
-                {"failed", "", SP_CELL_INTEGER},    {"reason", "", SP_CELL_TEXT}, {"name", "", SP_CELL_TEXT}};
-    sp_status status = SP_OK;
-    for (size_t k = 0; k < sizeof first / sizeof *first && status == SP_OK; k++)
-        status = sp_table_add_column(t, first[k].name, first[k].unit, first[k].kind, err);
+    static const sp_column first[] = {{"p", "E*", SP_CELL_NUMBER},
+                                      {"grains", "", SP_CELL_INTEGER},
+                                      {"seed", "", SP_CELL_INTEGER},
+                                      {"height", "d", SP_CELL_NUMBER},
+                                      {"t10", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                                      {"t_peak", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                                      {"t_zero", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                                      {"amplitude", "E* d^2", SP_CELL_NUMBER},
+                                      {"width", "d/sqrt(E* / rho)", SP_CELL_NUMBER}},
+                           last[] = {{"dimension", "", SP_CELL_INTEGER}, {"Lx", "d", SP_CELL_NUMBER},
+                                     {"friction", "", SP_CELL_NUMBER},   {"failed", "", SP_CELL_INTEGER},
+                                     {"reason", "", SP_CELL_TEXT},       {"name", "", SP_CELL_TEXT}};
+    sp_status status = sp_columns_add(t, sizeof first / sizeof *first, first, err);
     for (size_t k = 0; k < sizeof statics_columns / sizeof *statics_columns && status == SP_OK; k++)
         status = sp_table_add_column(t, statics_columns[k].name, statics_columns[k].unit, SP_CELL_NUMBER, err);
     for (size_t k = 0; k < sizeof moduli_columns / sizeof *moduli_columns && status == SP_OK; k++)
         status = sp_table_add_column(t, moduli_columns[k].name, moduli_columns[k].unit, SP_CELL_NUMBER, err);
-    for (size_t k = 0; k < sizeof last / sizeof *last && status == SP_OK; k++)
-        status = sp_table_add_column(t, last[k].name, last[k].unit, last[k].kind, err);
+    if (status == SP_OK)
+        status = sp_columns_add(t, sizeof last / sizeof *last, last, err);
     return status;
 }
 

@@ -93,19 +93,16 @@ static const sp_h5_field probe_field[] = {
         {"/results/probes/concentrated_" name, "1", "largest share of one grain in the energy"}, SP_H5_F64,            \
             offsetof(sp_sample, probe[row].concentrated)                                                               \
     }
-#define STATICS_LATER(member, description)                                                                             \
-    { {"/results/statics/" #member, "1", description}, SP_H5_F64, offsetof(sp_sample, statics.member) }
-#define SPACE(member, description)                                                                                     \
-    { {"/results/moduli/" #member, "E*", description}, SP_H5_F64, offsetof(sp_sample, moduli.member) }
 static const sp_h5_field moduli_3d_field[] = {
-    SPACE(c13, "modulus C13"),       SPACE(c23, "modulus C23"),       SPACE(c44, "shear modulus C44"),
-    SPACE(c55, "shear modulus C55"), SPACE(c66, "shear modulus C66"),
+    MODULI(c13, "E*", "modulus C13"),       MODULI(c23, "E*", "modulus C23"),
+    MODULI(c44, "E*", "shear modulus C44"), MODULI(c55, "E*", "shear modulus C55"),
+    MODULI(c66, "E*", "shear modulus C66"),
 };
 /* Also missing in files of earlier versions. */
 static const sp_h5_field stress_field[] = {
-    STATICS_LATER(s12_over_s2, "shear over vertical stress, on a horizontal plane along x"),
-    STATICS_LATER(s32_over_s2, "the same along y, in three dimensions"),
-    STATICS_LATER(mobilised, "fraction of the carrying contacts with |Ft| >= 0.99 mu Fn"),
+    STATICS(s12_over_s2, "1", "shear over vertical stress, on a horizontal plane along x"),
+    STATICS(s32_over_s2, "1", "the same along y, in three dimensions"),
+    STATICS(mobilised, "1", "fraction of the carrying contacts with |Ft| >= 0.99 mu Fn"),
 };
 static const sp_h5_field share_field[] = {
     SHARES(SP_SINE_1, "sine_1"),
@@ -113,18 +110,10 @@ static const sp_h5_field share_field[] = {
     SHARES(SP_LINES_1, "lines_1"),
     SHARES(SP_LINES_3, "lines_3"),
 };
-static const struct {
-    unsigned want;
-    int count;
-    const sp_h5_field *field;
-} optional[] = {{SP_WANT_MODULI, sizeof moduli_3d_field / sizeof *moduli_3d_field, moduli_3d_field},
-                {SP_WANT_PROBES, sizeof share_field / sizeof *share_field, share_field},
-                {SP_WANT_STATICS, sizeof stress_field / sizeof *stress_field, stress_field}};
-enum { OPTIONAL = sizeof optional / sizeof *optional };
 
 static const struct part {
     unsigned want;
-    const char *group;
+    const char *group; /* NULL: the numbers are optional, and belong to a group above */
     int count;
     const sp_h5_field *field;
     size_t offset;
@@ -137,6 +126,10 @@ static const struct part {
     {SP_WANT_PROBES, "/results/probes", sizeof probe_field / sizeof *probe_field, probe_field, 0},
     {SP_WANT_SPECTRUM, "/results/spectrum", sizeof spectrum_field / sizeof *spectrum_field, spectrum_field,
      offsetof(sp_sample, spectrum)},
+    {SP_WANT_MODULI, NULL, sizeof moduli_3d_field / sizeof *moduli_3d_field, moduli_3d_field,
+     offsetof(sp_sample, moduli)},
+    {SP_WANT_PROBES, NULL, sizeof share_field / sizeof *share_field, share_field, 0},
+    {SP_WANT_STATICS, NULL, sizeof stress_field / sizeof *stress_field, stress_field, offsetof(sp_sample, statics)},
 };
 enum { PARTS = sizeof part / sizeof *part, SAMPLE_FIELDS = sizeof sample_field / sizeof *sample_field };
 
@@ -213,15 +206,19 @@ static sp_status put_planes(sp_h5 *h, const sp_sample *s, sp_error *err) {
     return status;
 }
 
-static sp_status put_optional(sp_h5 *h, const sp_sample *s, sp_error *err) {
+static sp_status put_part(sp_h5 *h, const struct part *of, const sp_sample *s, sp_error *err) {
+    const char *from = (const char *)s + of->offset;
+    if (of->group) {
+        sp_status status = sp_h5_group(h, of->group, err);
+        return status == SP_OK ? sp_h5_put_fields(h, of->count, of->field, from, err) : status;
+    }
     sp_status status = SP_OK;
-    for (int o = 0; o < OPTIONAL; o++)
-        for (int k = 0; status == SP_OK && s->have & optional[o].want && k < optional[o].count; k++) {
-            double x;
-            memcpy(&x, (const char *)s + optional[o].field[k].offset, sizeof x);
-            if (!isnan(x))
-                status = sp_h5_put_fields(h, 1, &optional[o].field[k], s, err);
-        }
+    for (int k = 0; status == SP_OK && k < of->count; k++) {
+        double x;
+        memcpy(&x, from + of->field[k].offset, sizeof x);
+        if (!isnan(x))
+            status = sp_h5_put_fields(h, 1, &of->field[k], from, err);
+    }
     return status;
 }
 
@@ -262,15 +259,9 @@ sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err) {
         status = put_lacks(h, &r->sample, err);
     if (status == SP_OK && r->scene)
         status = sp_h5_put_text(h, &name_scene, r->scene, err);
-    for (int k = 0; status == SP_OK && k < PARTS; k++) {
-        if (!(r->sample.have & part[k].want))
-            continue;
-        status = sp_h5_group(h, part[k].group, err);
-        if (status == SP_OK)
-            status = sp_h5_put_fields(h, part[k].count, part[k].field, (const char *)&r->sample + part[k].offset, err);
-    }
-    if (status == SP_OK)
-        status = put_optional(h, &r->sample, err);
+    for (int k = 0; status == SP_OK && k < PARTS; k++)
+        if (r->sample.have & part[k].want)
+            status = put_part(h, &part[k], &r->sample, err);
     if (status == SP_OK && r->sample.have & SP_WANT_PLANES)
         status = put_planes(h, &r->sample, err);
     if (status == SP_OK && r->sample.have & SP_WANT_SPECTRUM)
@@ -299,16 +290,22 @@ static sp_status get_planes(sp_h5 *h, sp_sample *s, sp_error *err) {
     return status;
 }
 
-static sp_status get_optional(sp_h5 *h, sp_sample *s, sp_error *err) {
+/* Reads a part if the file has it. */
+static sp_status get_part(sp_h5 *h, const struct part *of, sp_sample *s, sp_error *err) {
+    const double none = NAN;
+    char *to = (char *)s + of->offset;
+    if (of->group) {
+        if (!sp_h5_has(h, of->group))
+            return SP_OK;
+        s->have |= of->want;
+        return sp_h5_get_fields(h, of->count, of->field, to, err);
+    }
     sp_status status = SP_OK;
-    for (int o = 0; o < OPTIONAL; o++)
-        for (int k = 0; status == SP_OK && s->have & optional[o].want && k < optional[o].count; k++) {
-            const sp_h5_field *f = &optional[o].field[k];
-            const double none = NAN;
-            memcpy((char *)s + f->offset, &none, sizeof none);
-            if (sp_h5_has(h, f->name.path))
-                status = sp_h5_get_fields(h, 1, f, s, err);
-        }
+    for (int k = 0; status == SP_OK && s->have & of->want && k < of->count; k++) {
+        memcpy(to + of->field[k].offset, &none, sizeof none);
+        if (sp_h5_has(h, of->field[k].name.path))
+            status = sp_h5_get_fields(h, 1, &of->field[k], to, err);
+    }
     return status;
 }
 
@@ -456,8 +453,6 @@ int sp_results(sp_result out[SP_RESULTS_MAX]) {
     used = add_results(out, used, sizeof lacks_field / sizeof *lacks_field, lacks_field, &always);
     for (int k = 0; k < PARTS; k++)
         used = add_results(out, used, part[k].count, part[k].field, &(sp_result){NULL, part[k].offset, part[k].want});
-    for (int k = 0; k < OPTIONAL; k++)
-        used = add_results(out, used, optional[k].count, optional[k].field, &(sp_result){NULL, 0, optional[k].want});
     return used;
 }
 
@@ -474,14 +469,8 @@ sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out, sp_error *er
         status = sp_h5_get_fields(h, 1, &material_field, &r.sample, err);
     if (status == SP_OK && sp_h5_has(h, lacks_field[0].name.path))
         status = get_lacks(h, &r.sample, err);
-    for (int k = 0; status == SP_OK && k < PARTS; k++) {
-        if (!sp_h5_has(h, part[k].group))
-            continue;
-        status = sp_h5_get_fields(h, part[k].count, part[k].field, (char *)&r.sample + part[k].offset, err);
-        r.sample.have |= part[k].want;
-    }
-    if (status == SP_OK)
-        status = get_optional(h, &r.sample, err);
+    for (int k = 0; status == SP_OK && k < PARTS; k++)
+        status = get_part(h, &part[k], &r.sample, err);
     if (status == SP_OK && sp_h5_has(h, "/results/planes")) {
         status = get_planes(h, &r.sample, err);
         r.sample.have |= SP_WANT_PLANES;
