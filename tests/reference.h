@@ -6,6 +6,7 @@
 #include "packing/contact.h"
 #include "test.h"
 
+#include <sonopack/network.h>
 #include <sonopack/packing.h>
 
 #define REFERENCE(name) SOURCE_DIR "/packings/reference/" name
@@ -43,6 +44,13 @@ static inline sp_packing reference_packing(const char *path) {
     p.wall = SP_WALL_RIGID;
     sp_packing_sort(&p);
     return p;
+}
+
+static inline sp_network default_network(const sp_packing *p) {
+    const sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    assert_ok(sp_network_make(p, &o, &net, &err));
+    return net;
 }
 
 /* Normal forces alone: with prestress its stiffness is still symmetric. */

@@ -8,7 +8,6 @@
 #include <sonopack/figure/figure.h>
 #include <sonopack/figure/plot.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 enum { CURVES = 3, ROWS_MOST = 100000 };
 #define PI       3.14159265358979323846
@@ -34,12 +33,13 @@ typedef struct rose {
 
 /* Few contacts in narrow bins are noise: two or three rows become one bin. */
 static int64_t merge_of(const sp_table *t) {
-    const char *text = sp_table_comment_value(t, "contacts");
-    const double contacts = text ? strtod(text, NULL) : INFINITY, enough = 60;
+    const double enough = 60;
+    double contacts = INFINITY;
     int64_t merged = 1;
+    sp_table_get_number(t, "contacts", &contacts);
     while (merged < 3 && contacts / (double)t->rows * (double)merged < enough)
         merged++;
-    while (t->rows % merged != 0 || t->rows / merged < 4)
+    while (merged > 1 && (t->rows % merged != 0 || t->rows / merged < 4))
         merged--;
     return merged;
 }
@@ -242,9 +242,10 @@ sp_status sp_plot_contact_values(const sp_table *values, const char *path, sp_er
     if (status != SP_OK)
         return status;
     const size_t n = (size_t)values->rows + 1;
-    double *memory = sp_alloc(3 * n, sizeof *memory), *x = memory, *y[2] = {x + n, x + 2 * n};
+    double *memory = sp_alloc(3 * n, sizeof *memory);
     if (!memory)
         return sp_fail_memory(err, 3 * n * sizeof *memory);
+    double *x = memory, *y[2] = {x + n, x + 2 * n};
     edges(values, column[0], x);
     for (int q = 0; q < 2; q++)
         for (int64_t k = 0; k <= values->rows; k++)

@@ -1,3 +1,4 @@
+/* Chooses ticks and draws axes. */
 #include "figure/axes.h"
 
 #include <math.h>
@@ -5,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define MAJOR 4.0 /* length of ticks [pt] */
+#define MAJOR 4.0 /* length of major ticks [pt] */
 #define MINOR 2.2
 #define GAP   3.0 /* between frame and tick labels [pt] */
 
@@ -15,7 +16,7 @@ void sp_axis_linear(axis *a, double low, double high) {
     double largest = fmax(fabs(low), fabs(high));
     a->log = false;
     a->power = 0;
-    if (largest > 0.0 && (largest >= 2e4 || largest < 0.05)) /* -307: 10^power stays a normal number */
+    if (largest > 0.0 && (largest >= 2e4 || largest < 0.05)) /* with -307, 10^power is still a normal number */
         a->power = (int)fmax(floor(log10(largest) + 1e-12), -307.0);
     a->low = sp_axis_unit(a, low);
     a->high = sp_axis_unit(a, high);
@@ -68,7 +69,7 @@ static void add_tick(axis *a, double at, bool major, const char *label) {
     snprintf(t->label, sizeof t->label, "%s", label);
 }
 
-/* A plain decimal with the minus of print. */
+/* A decimal number with a typographic minus. */
 static void decimal(char *out, size_t size, double value, int decimals) {
     char plain[28];
     snprintf(plain, sizeof plain, "%.*f", decimals, fabs(value));
@@ -76,7 +77,8 @@ static void decimal(char *out, size_t size, double value, int decimals) {
     snprintf(out, size, "%s%s", value < 0.0 && !zero ? MINUS : "", plain);
 }
 
-/* Steps 1, 2, 5 x 10^k; about `count` of them in `range`. *minor: how many parts a step has. */
+/* A step of 1, 2 or 5 x 10^k that divides `range` into about `count` steps. *minor: number of minor intervals in a
+ * step. */
 static double nice_step(double range, int count, int *minor) {
     double rough = range / count, ten = pow(10.0, floor(log10(rough)));
     double digit = rough / ten;
@@ -101,7 +103,7 @@ static void linear_ticks(axis *a, int count) {
     }
 }
 
-/* Decades; every `stride`-th has a label, the 2..9 between them are minor ticks while there is room. */
+/* Ticks at decades. Every `stride`-th has a label. The values 2 to 9 between them are minor ticks if there is space. */
 static void decade_ticks(axis *a, int stride) {
     double first = floor(a->low), last = ceil(a->high);
     int thin = (int)ceil((last - first) / 60.0);
@@ -118,7 +120,7 @@ static void decade_ticks(axis *a, int stride) {
     }
 }
 
-/* Digits 1 .. 9 of each decade, with labels at the given ones: for one decade or two. */
+/* Ticks at 1 to 9 times each power of ten, for one or two decades. The digits in `labelled` have labels. */
 static void digit_ticks(axis *a, const char *labelled) {
     a->ticks = 0;
     for (double d = floor(a->low); d <= ceil(a->high); d += 1.0)
@@ -133,7 +135,7 @@ static void digit_ticks(axis *a, const char *labelled) {
         }
 }
 
-/* Less than a factor of two or so: evenly spaced values, where they lie on the logarithmic axis. */
+/* Ticks for a range below a factor of about two: evenly spaced values on the logarithmic axis. */
 static void narrow_ticks(axis *a) {
     axis plain = {.log = false, .low = pow(10.0, a->low), .high = pow(10.0, a->high)};
     linear_ticks(&plain, 4);
@@ -164,16 +166,16 @@ static double widest(const axis *a, canvas *c) {
     return width;
 }
 
-/* Room that the labels take along the axis, gaps included. */
+/* Length of the labels along the axis, gaps included. */
 static double crowd(const axis *a, canvas *c, bool across) {
     return labels(a) * (across ? widest(a, c) + 8.0 * letters(a) / TEXT_LABEL : 2.0 * letters(a));
 }
 
-/* Evenly spaced values crowd together towards the end of a logarithmic axis: labels that would touch the last one that
- * is kept are left out. */
+/* Evenly spaced values crowd together towards the end of a logarithmic axis. This leaves out labels that would touch
+ * the last label kept. */
 static void thin_labels(axis *a, canvas *c, double length, bool across) {
     const double scale = length / (a->high - a->low), size = letters(a);
-    double end = -INFINITY; /* of the last label that is kept */
+    double end = -INFINITY; /* of the last label kept */
     for (int k = 0; k < a->ticks; k++) {
         tick *t = &a->tick[k];
         if (!t->label[0])
@@ -195,7 +197,7 @@ static void log_ticks(axis *a, canvas *c, double length, bool across) {
             if (crowd(a, c, across) <= length)
                 break;
         }
-        if (labels(a) < 2) { /* one label tells no scale: closer ones, as long as they do not touch */
+        if (labels(a) < 2) { /* one label does not show the scale: closer labels, as long as they do not touch */
             decade_ticks(a, 1);
             thin_labels(a, c, length, across);
         }
@@ -238,7 +240,7 @@ void sp_axes_layout(axes *a, canvas *c) {
     a->x.from = a->left + pad + (a->y.label[0] ? line + 2.0 : 0.0) + widest(&a->y, c) + GAP;
     a->x.from = fmax(a->x.from, a->left + a->margin[0]);
     choose_ticks(&a->x, c, right - a->x.from, true);
-    /* the last label may stand out over the end of the axis */
+    /* the last label may extend beyond the axis */
     a->x.to = right - fmax(5.0, a->margin[1]);
     for (int k = 0; k < a->x.ticks; k++) {
         const tick *t = &a->x.tick[k];
@@ -270,7 +272,7 @@ static void draw_ticks(const axes *a, canvas *c) {
     cairo_stroke(c->cr);
 }
 
-/* A label of an axis, smaller where it is longer than `room`, but never unreadable. */
+/* Draws an axis label. A label longer than `room` gets smaller letters, down to a readable size. */
 static void draw_label(canvas *c, const axis *a, double x, double y, double room, text_style style) {
     const double least = 6.0, width = sp_figure_text_width(c, a->label, style.size);
     if (!a->label[0])

@@ -1,3 +1,4 @@
+/* Opens a canvas for PNG, SVG or PDF and writes its file. */
 #include "figure/canvas.h"
 
 #include "base/base.h"
@@ -170,8 +171,8 @@ static const char *find(const char *from, const char *end, const char *what) {
     return from ? memmem(from, (size_t)(end - from), what, strlen(what)) : NULL;
 }
 
-/* Title and description with all texts behind the opening tag; and the name of the outermost group, which counts the
- * surfaces that the process has made so far, becomes a constant: the same figure has the same bytes. */
+/* Writes title and description, with all texts of the figure, after the opening tag. cairo names the outermost group by
+ * the number of surfaces so far; a constant name makes the same figure have the same bytes. */
 static void finish_svg(canvas *c) {
     static const char group[] = "id=\"surface";
     bytes out = {0};
@@ -199,7 +200,8 @@ static void finish_svg(canvas *c) {
     c->file = out;
 }
 
-/* cairo writes no resolution: a pHYs chunk of 11811 pixels a metre, behind the signature (8 bytes) and IHDR (25). */
+/* cairo does not write the resolution. This adds a pHYs chunk of 11811 pixels per metre after the signature (8 bytes)
+ * and IHDR (25 bytes). */
 static void finish_png(canvas *c) {
     static const unsigned char resolution[] = {0,    0, 0, 9,    'p',  'H', 'Y',  's',  0,    0,   0x2e,
                                                0x23, 0, 0, 0x2e, 0x23, 1,   0x78, 0xa5, 0x3f, 0x76};

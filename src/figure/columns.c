@@ -1,3 +1,4 @@
+/* Finds columns of numbers in tables. */
 #include "figure/columns.h"
 
 #include "base/base.h"

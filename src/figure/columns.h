@@ -4,7 +4,8 @@
 
 #include <sonopack/table.h>
 
-/* A column of numbers by its name; SP_EINVAL if there is none, with `what' the table should be, or if it holds text. */
+/* Finds a column of numbers by name. SP_EINVAL if the table lacks it or if it holds text. `what` describes the expected
+ * table in the message. */
 sp_status sp_column_find(const sp_table *t, const char *name, const char *what, int *out, sp_error *err);
 
 #endif

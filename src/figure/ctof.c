@@ -1,3 +1,4 @@
+/* Draws the speed of sound against pressure, with its power law. */
 #include "figure/figure.h"
 
 #include "base/base.h"
@@ -5,16 +6,15 @@
 #include <math.h>
 #include <sonopack/figure/plot.h>
 #include <stdio.h>
-#include <stdlib.h>
 
-/* Columns of the figure, log10 of their values; NAN where a cell is empty. */
+/* Columns of the figure: log10 of the values, NAN for an empty cell. */
 enum { C_P = 0, C_TOF, C_L, C_T, C_LOW, C_HIGH = C_LOW + 3, C_COLUMNS = C_HIGH + 3, SPEEDS = 3 };
 
 typedef struct speeds {
     int64_t n;
     double *column[C_COLUMNS];
     double *memory;
-    double low_p, high_p, low_c, high_c; /* log10 of the ranges of the points */
+    double low_p, high_p, low_c, high_c; /* ranges of the points, log10 */
     int64_t points;
 } speeds;
 
@@ -24,7 +24,7 @@ static double widen(double *low, double *high, double value) {
     return value;
 }
 
-/* log10 of a cell; NAN for NAN, refused for what has no place on a logarithmic axis. */
+/* log10 of a cell, NAN for NAN. SP_EREFUSED for values that a logarithmic axis cannot show. */
 static sp_status cell_log(const sp_table *t, int64_t row, int column, double *out, sp_error *err) {
     double value = sp_table_number(t, row, column);
     *out = NAN;
@@ -37,8 +37,8 @@ static sp_status cell_log(const sp_table *t, int64_t row, int column, double *ou
     return SP_OK;
 }
 
-/* Ends of the error bar of speed k; one that reaches zero ends at the foot of the figure. column: of it and its error,
- * or -1. */
+/* Ends of the error bar of speed k. A bar that reaches zero ends at the bottom of the figure. column: indices of the
+ * speed and its error, -1 if absent. */
 static sp_status error_bar(const sp_table *t, int64_t row, int k, const int column[2], speeds *s, sp_error *err) {
     double *low = &s->column[C_LOW + k][row], *high = &s->column[C_HIGH + k][row];
     double error = column[1] < 0 ? NAN : sp_table_number(t, row, column[1]);
@@ -97,8 +97,8 @@ static sp_status read_speeds(const sp_table *t, speeds *s, sp_error *err) {
     return SP_OK;
 }
 
-/* Slope of log c_tof against log p with its standard error, by least squares from three points or more; false with
- * fewer, or if the pressures are all the same. */
+/* Least-squares slope of log c_tof against log p, and its standard error. False with fewer than three points or a
+ * single pressure. */
 static bool fit_exponent(const speeds *s, double *exponent, double *error) {
     double n = 0.0, mx = 0.0, my = 0.0, sxx = 0.0, sxy = 0.0, rest = 0.0;
     const double *x = s->column[C_P], *y = s->column[C_TOF];
@@ -134,28 +134,19 @@ static bool fit_exponent(const speeds *s, double *exponent, double *error) {
     return true;
 }
 
-/* A number at the start of a comment's value; NAN without one. */
-static double comment_number(const sp_table *t, const char *key) {
-    const char *text = sp_table_comment_value(t, key);
-    if (!text)
-        return NAN;
-    char *end;
-    double value = strtod(text, &end);
-    return end > text && isfinite(value) ? value : NAN;
-}
-
-/* The power law of c_tof: its exponent from the table, or else fitted, and its value in the middle of the points, each
- * with the weight that its error gives it. */
+/* The power law of c_tof. The exponent comes from the table or from a fit, the prefactor from the mean of the points
+ * weighted by their errors. */
 typedef struct power_law {
     bool known;
     double exponent, error;
-    double x[2], y[2]; /* ends of its line, log10 */
+    double x[2], y[2]; /* ends of the line, log10 */
 } power_law;
 
 static power_law find_law(const sp_table *t, const speeds *s) {
-    power_law law = {.exponent = comment_number(t, "exponent"), .error = comment_number(t, "exponent_err")};
-    law.known = !isnan(law.exponent) || fit_exponent(s, &law.exponent, &law.error);
-    double sum[2] = {0.0, 0.0}, weights[2] = {0.0, 0.0}; /* by the errors, and all alike */
+    power_law law = {.exponent = NAN, .error = NAN};
+    sp_table_get_number(t, "exponent_err", &law.error);
+    law.known = sp_table_get_number(t, "exponent", &law.exponent) || fit_exponent(s, &law.exponent, &law.error);
+    double sum[2] = {0.0, 0.0}, weights[2] = {0.0, 0.0}; /* weighted by the errors; with equal weights */
     bool errors = true;
     law.x[0] = INFINITY;
     law.x[1] = -INFINITY;
@@ -187,7 +178,7 @@ static void tof_label(const power_law *law, char *label, size_t size) {
         snprintf(label, size, "|c|_{tof}");
 }
 
-/* Equal frames on all sides of the points, and of the published line beside them. */
+/* Leaves the same margin on all sides of the points and the published line. */
 static void set_axes(figure *f, speeds *s, const double *line_y) {
     widen(&s->low_c, &s->high_c, line_y[0]);
     widen(&s->low_c, &s->high_c, line_y[1]);
@@ -198,12 +189,12 @@ static void set_axes(figure *f, speeds *s, const double *line_y) {
     snprintf(f->axes.y.label, sizeof f->axes.y.label, "|c|  [(|E|*/|\xcf\x81|)^{1/2}]");
 }
 
-/* The points of one column as a series; in the legend if there are any. */
+/* One column as a series. It has a legend entry if it has points. */
 static series points(const speeds *s, int column, int ink, marker shape, const char *label) {
     series out = {.n = s->n, .x = s->column[C_P], .y = s->column[column], .ink = sp_figure_ink(ink), .dash = DASH_NONE};
     out.marker = shape;
     out.open = column != C_TOF;
-    out.group = column != C_TOF; /* where one high legend covers points, two low ones may not */
+    out.group = column != C_TOF; /* two low legends may fit where one high legend would cover points */
     out.low = s->column[column - C_TOF + C_LOW];
     out.high = s->column[column - C_TOF + C_HIGH];
     for (int64_t k = 0; k < s->n; k++)
@@ -220,7 +211,7 @@ static sp_status draw(const sp_table *t, speeds *s, const char *path, sp_error *
         char label[128];
         const power_law law = find_law(t, s);
         tof_label(&law, label, sizeof label);
-        /* c_tof = 0.26 (p/1e-4)^(1/6): Somfai et al. 2005, IV C and D */
+        /* c_tof = 0.26 (p/1e-4)^(1/6): Somfai et al. 2005, Secs. IV C and D */
         const double beyond = fmax(0.15, 0.5 - 0.5 * (s->high_p - s->low_p));
         const double line_x[2] = {s->low_p - beyond, s->high_p + beyond};
         const double line_y[2] = {log10(0.26) + (line_x[0] + 4.0) / 6.0, log10(0.26) + (line_x[1] + 4.0) / 6.0};

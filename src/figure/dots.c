@@ -1,5 +1,4 @@
-/* Clouds of points. A vector figure of a million dots would be slow to show and large: they are stamped into an image.
- */
+/* Draws clouds of points as an image: a vector figure of a million dots would be large and slow. */
 #include "figure/figure.h"
 
 #include "base/base.h"
@@ -8,12 +7,12 @@
 #include <string.h>
 
 #define DOTS_DPI 600.0
-enum { SPAN_MOST = 16384 }; /* sides of the image [pixels] */
+enum { SPAN_MOST = 16384 }; /* largest side of the image [pixels] */
 
-/* How many dots lie on each pixel of the frame. */
+/* Number of dots on each pixel of the frame. */
 typedef struct cloud {
     int width, height;
-    double scale; /* pixels a point */
+    double scale; /* pixels per point */
     uint16_t *count;
     double radius; /* of a dot [pixels] */
 } cloud;
@@ -43,7 +42,7 @@ static int64_t stamp_all(cloud *c, const figure *f, const series *s) {
     return drawn;
 }
 
-/* Ink under `count' dots that each let 1 - `cover' of the light through, as cairo wants it: times its opacity. */
+/* Colour of a pixel under `count` dots of opacity `cover`, premultiplied by its opacity as cairo requires. */
 static uint32_t pixel(colour ink, double cover, int count) {
     const double opaque = 1 - pow(1 - cover, count);
     const uint32_t a = (uint32_t)lrint(255 * opaque), r = (uint32_t)lrint(255 * opaque * ink.r);
@@ -69,7 +68,8 @@ static void paint(const cloud *c, const figure *f, colour ink, double cover) {
     cairo_save(cr);
     cairo_translate(cr, f->axes.x.from, f->axes.y.to);
     cairo_scale(cr, 1 / c->scale, 1 / c->scale);
-    cairo_set_source_surface(cr, image, 0, 0); /* a failed image makes the canvas fail, which its end reports */
+    cairo_set_source_surface(cr, image, 0,
+                             0); /* a failed image sets the error state of the canvas, which sp_canvas_save reports */
     cairo_paint(cr);
     cairo_restore(cr);
     cairo_surface_destroy(image);
@@ -83,7 +83,7 @@ void sp_figure_dots(const figure *f, const series *s) {
     c.width = (int)ceil(wide * c.scale) + 1;
     c.height = (int)ceil(high * c.scale) + 1;
     c.count = sp_alloc((size_t)c.width * (size_t)c.height, sizeof *c.count);
-    /* what many points cover together grows slowly with their number */
+    /* the covered area grows slowly with the number of points */
     const double crowd = pow(fmax(1, (double)s->n / 2000), -0.22);
     c.radius = fmax(1.8, 0.7 * c.scale * crowd);
     if (!c.count)

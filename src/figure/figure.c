@@ -1,3 +1,4 @@
+/* Draws series of points on axes, with a legend. */
 #include "figure/figure.h"
 
 #include "figure/legend.h"
@@ -6,72 +7,16 @@
 
 #define BAND 0.22 /* opacity of a band */
 
-colour sp_figure_ink(int k) {
-    static const unsigned char okabe_ito[INKS][3] = {
-        {0, 0, 0},       /* black */
-        {0, 114, 178},   /* blue */
-        {213, 94, 0},    /* vermilion */
-        {0, 158, 115},   /* bluish green */
-        {204, 121, 167}, /* reddish purple */
-        {230, 159, 0},   /* orange */
-        {86, 180, 233},  /* sky blue */
-    };
-    const unsigned char *rgb = okabe_ito[k % INKS];
-    return (colour){rgb[0] / 255.0, rgb[1] / 255.0, rgb[2] / 255.0};
-}
-
-void sp_figure_dash(canvas *c, int dash) {
-    static const double pattern[DASHES][4] = {{0}, {4.0, 2.0}, {1.2, 1.4}, {5.0, 1.6, 1.2, 1.6}};
-    static const int parts[DASHES] = {0, 2, 2, 4};
-    cairo_set_dash(c->cr, pattern[dash], parts[dash], 0.0);
-}
-
-double sp_marker_radius(double letters) { return 2.4 * fmin(1.0, letters / TEXT_LEGEND); }
-
-void sp_marker_draw(canvas *c, marker shape, double x, double y, bool open, colour ink) {
-    const double at[2] = {x, y};
-    sp_marker_draw_sized(c, shape, at, open, ink, sp_marker_radius(TEXT_LEGEND));
-}
-
-/* The other shapes have about the circle's area. */
-void sp_marker_draw_sized(canvas *c, marker shape, const double at[2], bool open, colour ink, double r) {
-    const double x = at[0], y = at[1];
-    cairo_t *cr = c->cr;
-    cairo_new_path(cr);
-    switch (shape) {
-    case MARKER_NONE: return;
-    case MARKER_DOT: cairo_arc(cr, x, y, 0.5 * r, 0.0, 6.283185307179586); break;
-    case MARKER_CIRCLE: cairo_arc(cr, x, y, r, 0.0, 6.283185307179586); break;
-    case MARKER_SQUARE: cairo_rectangle(cr, x - 0.89 * r, y - 0.89 * r, 1.78 * r, 1.78 * r); break;
-    case MARKER_TRIANGLE:
-        cairo_move_to(cr, x, y - 1.30 * r);
-        cairo_line_to(cr, x + 1.13 * r, y + 0.75 * r);
-        cairo_line_to(cr, x - 1.13 * r, y + 0.75 * r);
-        break;
-    case MARKER_DIAMOND:
-        cairo_move_to(cr, x, y - 1.3 * r);
-        cairo_line_to(cr, x + 1.1 * r, y);
-        cairo_line_to(cr, x, y + 1.3 * r);
-        cairo_line_to(cr, x - 1.1 * r, y);
-        break;
-    }
-    cairo_close_path(cr);
-    sp_canvas_colour(c, open ? (colour){1, 1, 1} : ink);
-    cairo_fill_preserve(cr);
-    sp_canvas_colour(c, ink);
-    cairo_set_line_width(cr, 0.375 * r);
-    cairo_stroke(cr);
-}
-
 /* ---- lines ---------------------------------------------------------------------------------------------------- */
 
-/* Columns of a line: points that fall into one column of 0.06 pt (four to a dot of the PNG) are drawn as first, lowest,
- * highest and last, so that a signal of a million points is neither slow nor large, and looks the same. */
+/* Points of a line that fall into the same column of 0.06 pt (a quarter of a pixel in PNG). Only the first, lowest,
+ * highest and last are drawn. A signal of a million points then looks the same, but is drawn quickly and gives a small
+ * file. */
 typedef struct pen {
     cairo_t *cr;
-    bool down; /* a line is under way */
+    bool down; /* a path has been started */
     double column;
-    int64_t first, last, lowest, highest; /* points of the column; first < 0: none */
+    int64_t first, last, lowest, highest; /* indices of points in the column; first < 0: none */
 } pen;
 
 static double place_x(const figure *f, const series *s, int64_t k) { return sp_axis_place(&f->axes.x, s->x[k]); }
@@ -127,7 +72,7 @@ static void draw_line(const figure *f, const series *s) {
     sp_figure_dash(f->canvas, DASH_SOLID);
 }
 
-/* Light bands between two curves, one a run of finite points. */
+/* Fills a light band between two curves, one polygon for each run of finite points. */
 static void draw_band(const figure *f, const series *s) {
     cairo_t *cr = f->canvas->cr;
     for (int64_t first = 0, last; first < s->n; first = last + 1) {
@@ -166,7 +111,7 @@ static void draw_errors(const figure *f, const series *s) {
     cairo_stroke(cr);
 }
 
-/* Markers are not cut by the frame: those whose point lies outside are left out. */
+/* The frame does not clip markers: those with centres outside are left out. */
 static void draw_markers(const figure *f, const series *s) {
     const axis *x = &f->axes.x, *y = &f->axes.y;
     const double slack_x = 1e-9 * (x->high - x->low), slack_y = 1e-9 * (y->high - y->low);

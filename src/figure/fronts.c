@@ -1,4 +1,4 @@
-/* First fronts against distance: Figs. 6 and 7 of Somfai et al. 2005. */
+/* Draws arrival times and local exponents of fronts against distance, as Figs. 6 and 7 of Somfai et al. 2005. */
 #include "figure/series_table.h"
 
 #include "base/base.h"
@@ -17,7 +17,7 @@ static const char *const time_names[TIMES] = {"|t|_{10}", "|t|_{peak}", "|t|_{ze
 
 enum { AXIS_ROOM = 256 };
 
-/* A name with the unit of the tables behind it. */
+/* A name followed by the unit of the tables. */
 static const char *axis_label(const char *name, const char *unit, char out[AXIS_ROOM]) {
     static const char *const ours[][2] = {
         {"d", "|d|"}, {"d/sqrt(E* / rho)", "|d| (|\xcf\x81|/|E|*)^{1/2}"}, {"l/c", "|\xe2\x84\x93|/|c|"}};
@@ -34,10 +34,10 @@ static const char *axis_label(const char *name, const char *unit, char out[AXIS_
 
 typedef struct line {
     double x[2], y[2];
-    double speed; /* NAN: none */
+    double speed; /* NAN: no line */
 } line;
 
-/* Through the points of a group, by least squares; no line where there are fewer than two distances. */
+/* Least-squares line through the points of a group. False with fewer than two distances. */
 static bool fit_line(const front_group *g, quantity q, line *out) {
     const double *x = g->value[Q_DISTANCE], *y = g->value[q];
     double n = 0, mx = 0, my = 0, sxx = 0, sxy = 0, low = INFINITY, high = -INFINITY;
@@ -72,7 +72,8 @@ typedef struct arrivals {
     int curves;
 } arrivals;
 
-/* One group: a colour a mark, with the speed of its line. Several: a colour a group. */
+/* Adds the points of one group. A single group has one colour for each mark and shows the speed of its line; several
+ * groups have one colour each. */
 static void add_group(arrivals *a, int k) {
     const front_group *g = &a->g->group[k];
     const bool alone = a->g->n == 1;
@@ -105,7 +106,7 @@ static void add_group(arrivals *a, int k) {
     }
 }
 
-/* Of several groups the marks are explained once, in black. */
+/* Several groups: explains the marks once, in black. */
 static void add_mark_names(arrivals *a) {
     for (int m = 0; m < TIMES && a->g->n > 1; m++)
         a->curve[a->curves++] =
@@ -119,7 +120,7 @@ static double height_at(const sp_plot_trace *s, double time) {
     return NAN;
 }
 
-/* A signal with its three marks; point: room for them. Shown until twice its zero crossing. */
+/* Inset: a signal with its three marks, up to twice its zero crossing. point: storage for the marks. */
 static sp_panel sample_panel(const sp_plot_trace *s, sp_curve curve[MARKS_IN_INSET], double point[TIMES][2]) {
     const double when[TIMES] = {s->t10, s->t_peak, s->t_zero};
     curve[0] = (sp_curve){.n = s->n, .x = s->t, .y = s->f, .width = 0.8};
@@ -217,7 +218,7 @@ static bool has(const front_groups *g, quantity x, quantity y) {
     return false;
 }
 
-/* Both panels have the distances of all points. */
+/* The x axis of both panels covers the distances of all points. */
 static void distances(const front_groups *g, char label[AXIS_ROOM], sp_axis *x) {
     double low = INFINITY, high = 0;
     for (int k = 0; k < g->n; k++)
@@ -233,12 +234,13 @@ static void distances(const front_groups *g, char label[AXIS_ROOM], sp_axis *x) 
 static sp_status draw_exponents(const front_groups *g, const char *path, sp_error *err) {
     const bool peaks = g->n <= 2 && has(g, Q_BETWEEN, Q_ALPHA_PEAK);
     const size_t n = (size_t)g->n;
-    sp_curve *curve = sp_alloc(5 * n, sizeof *curve), *upper = curve, *lower = curve + n, *sizes = curve + 3 * n;
+    sp_curve *curve = sp_alloc(5 * n, sizeof *curve);
     sp_axis x;
     char label[AXIS_ROOM];
     int lowers = 0;
     if (!curve)
         return sp_fail_memory(err, 5 * n * sizeof *curve);
+    sp_curve *upper = curve, *lower = curve + n, *sizes = curve + 3 * n;
     distances(g, label, &x);
     for (int k = 0; k < g->n; k++) {
         upper[k] = group_curve(g, k, Q_BETWEEN, Q_GAMMA, true);

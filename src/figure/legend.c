@@ -1,13 +1,14 @@
+/* Finds a place for the legend and draws it. */
 #include "figure/legend.h"
 
 #include <math.h>
 
-#define LINE   11.0 /* from entry to entry [pt] */
-#define SAMPLE 17.0 /* length of a line sample */
-#define POINT  7.0  /* of the sample of a mark */
-#define BESIDE 5.0  /* from the sample to its text */
-#define APART  10.0 /* from column to column */
-#define INSET  6.0  /* from the frame */
+#define LINE   11.0 /* line spacing [pt] */
+#define SAMPLE 17.0 /* length of a line sample [pt] */
+#define POINT  7.0  /* length of a marker sample [pt] */
+#define BESIDE 5.0  /* gap between sample and text [pt] */
+#define APART  10.0 /* gap between columns [pt] */
+#define INSET  6.0  /* distance from the frame [pt] */
 
 static bool listed(const series *s, int group) { return s->label && s->group == group; }
 
@@ -28,7 +29,7 @@ static bool overlap(const legend_box *a, const legend_box *b) {
            a->y < b->y + b->height && b->y < a->y + a->height;
 }
 
-/* Whether the segment a b meets the box: clipped by each side in turn (Liang and Barsky). */
+/* Whether the segment from a to b intersects the box (Liang-Barsky clipping). */
 static bool meets(const legend_box *box, double ax, double ay, double bx, double by) {
     const double delta[2] = {bx - ax, by - ay}, start[2] = {ax, ay};
     const double low[2] = {box->x, box->y}, high[2] = {box->x + box->width, box->y + box->height};
@@ -46,7 +47,7 @@ static bool meets(const legend_box *box, double ax, double ay, double bx, double
     return from <= to;
 }
 
-/* Points, segments, error bars and parts of the band of a series that the box would cover. */
+/* Number of points, segments, error bars and band sections of a series that the box would cover. */
 static int64_t covered_by(const figure *f, const series *s, const legend_box *box) {
     int64_t count = 0;
     bool before = false;
@@ -86,7 +87,7 @@ static int64_t covered(const figure *f, legend_box box) {
     return count;
 }
 
-/* The best of the four corners, upper ones first, that no other box takes; NULL: there is no other. */
+/* The best of the four corners, upper ones first. The box must not overlap `other`, which may be NULL. */
 static legend_box best_corner(const figure *f, legend_box box, const legend_box *other) {
     const axis *x = &f->axes.x, *y = &f->axes.y;
     const double left = x->from + INSET, right = x->to - INSET - box.width;
@@ -106,7 +107,7 @@ static legend_box best_corner(const figure *f, legend_box box, const legend_box 
     return best;
 }
 
-/* Each group in a corner of its own; gives how much they hide. */
+/* Places each group in its own corner. Returns how much they hide. */
 static int64_t place_apart(const figure *f, legend_box box[LEGEND_GROUPS]) {
     int64_t covers = 0;
     for (int g = 0; g < LEGEND_GROUPS; g++) {
@@ -118,7 +119,7 @@ static int64_t place_apart(const figure *f, legend_box box[LEGEND_GROUPS]) {
     return covers;
 }
 
-/* One below the other in one corner. */
+/* Stacks the groups in one corner. Returns how much they hide. */
 static int64_t place_together(const figure *f, legend_box box[LEGEND_GROUPS]) {
     legend_box all = {0};
     for (int g = 0; g < LEGEND_GROUPS; g++) {
@@ -153,7 +154,7 @@ void sp_legend_place(figure *f, legend_box box[LEGEND_GROUPS]) {
 
 static double letters(const figure *f) { return f->legend > 0.0 ? f->legend : TEXT_LEGEND; }
 
-/* Length of the samples: that of a mark where no entry has a line or a band. */
+/* Length of the samples: that of a marker if no entry has a line or a band. */
 static double sample_of(const figure *f) {
     double length = POINT;
     for (int k = 0; k < f->n; k++)

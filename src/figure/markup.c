@@ -1,3 +1,4 @@
+/* Writes numbers and user texts as markup. */
 #include "figure/markup.h"
 
 #include <math.h>
@@ -9,8 +10,8 @@
 
 /* ---- users' texts --------------------------------------------------------------------------------------------- */
 
-/* Bytes of the character at s: 0 at the end, 1 also for what is no valid UTF-8 (*valid = false). Not valid are, as for
- * cairo and XML, overlong forms, surrogates and noncharacters. */
+/* Length of the UTF-8 character at s [bytes]; 0 at the end of the text. Invalid bytes have length 1 and set *valid =
+ * false. Like cairo and XML, this rejects overlong forms, surrogates and noncharacters. */
 static int character(const char *s, bool *valid) {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
     const unsigned char *u = (const unsigned char *)s;
@@ -60,7 +61,7 @@ void sp_figure_text_escape(char *out, size_t size, const char *raw, int most) {
 
 /* ---- numbers -------------------------------------------------------------------------------------------------- */
 
-/* Copies a printed number, with the sign that a minus has in print. */
+/* Copies a printed number with a typographic minus. */
 static void typeset(char *out, size_t size, const char *number) {
     size_t n = 0;
     for (; *number && n + 4 < size; number++) {
@@ -85,7 +86,7 @@ void sp_figure_text_number(char *out, size_t size, double value, int digits) {
     snprintf(plain, sizeof plain, "%.*e", digits - 1, value);
     char *e = strchr(plain, 'e');
     *e = '\0';
-    snprintf(exponent, sizeof exponent, "%d", atoi(e + 1)); /* without its leading zero */
+    snprintf(exponent, sizeof exponent, "%d", atoi(e + 1)); /* without leading zeros */
     for (char *last = e - 1; strchr(plain, '.') && (*last == '0' || *last == '.'); last--) {
         bool point = *last == '.';
         *last = '\0';
@@ -111,7 +112,7 @@ void sp_figure_text_measured(char *out, size_t size, double value, double error)
     } else {
         int decimals = (int)ceil(-log10(error) - 1e-9);
         double shift = pow(10.0, decimals);
-        if (error * shift < 1.95) { /* two digits for an error that begins with 1 */
+        if (error * shift < 1.95) { /* two digits if the error begins with 1 */
             decimals++;
             shift *= 10.0;
         }

@@ -1,4 +1,4 @@
-/* A mode, as in Figs. 9 and 10 of Somfai et al. 2005. */
+/* Draws a mode of vibration, as in Figs. 9 and 10 of Somfai et al. 2005. */
 #include "figure/view.h"
 
 #include "base/base.h"
@@ -7,13 +7,13 @@
 #include <sonopack/figure/plot.h>
 #include <stdio.h>
 
-/* Two inks whose tints say which way a grain turns. */
+/* Two inks whose tints show the direction of rotation. */
 static colour turn_ink(bool anticlockwise) { return sp_figure_ink(anticlockwise ? 5 : 6); }
 
 typedef struct motion {
     const sp_network *net;
     const double *u;
-    double largest, turn; /* translation, and arm times angle, of the grain that moves most so */
+    double largest, turn; /* largest translation, and largest rotation times radius */
 } motion;
 
 static double translation(const motion *m, int32_t i) {
@@ -29,7 +29,7 @@ static colour mix(colour a, colour b, double part) {
     return (colour){a.r + part * (b.r - a.r), a.g + part * (b.g - a.g), a.b + part * (b.b - a.b)};
 }
 
-/* Tinted by its turning, in proportion to the largest that there is of turning and translation. */
+/* Tints each grain by its rotation, relative to the largest translation or rotation. */
 static void choose_colours(const motion *m, colour *fill) {
     const double most = fmax(m->turn, m->largest);
     for (int32_t i = 0; i < m->net->n_all; i++)
@@ -40,8 +40,7 @@ static void choose_colours(const motion *m, colour *fill) {
     }
 }
 
-/* The longest arrow is a diameter and a half, in a row just below one; its middle is the grain's centre, so that
- * neighbours hide less of it. */
+/* The longest arrow is 1.5 diameters. An arrow is centred on its grain, so that it hides less of the neighbours. */
 static void draw_arrows(const view *v, const motion *m) {
     const double longest = (m->net->dim == 1 ? 0.9 : 1.5) * v->diameter * v->scale;
     const double scale = m->largest > 0 ? longest / m->largest : 0;
@@ -66,7 +65,7 @@ static void disc(canvas *c, double x, double y, colour ink) {
     cairo_stroke(c->cr);
 }
 
-/* Below the bottom wall: which mode, and what the tints mean. */
+/* Key below the bottom wall: the mode, and the meaning of the tints. */
 static void draw_key(const view *v, const motion *m, int64_t number, double omega) {
     const text_style plain = {TEXT_LEGEND, 0.0, 0.5, 0.0};
     const double y = v->c->height - 0.5 * KEY;

@@ -1,3 +1,4 @@
+/* Draws a packing with its contact network. */
 #include "figure/view.h"
 
 #include "base/base.h"
@@ -7,7 +8,7 @@
 #include <sonopack/figure/plot.h>
 #include <stdio.h>
 
-/* The width of a line of mean strength, in mean diameters; and the largest width. */
+/* Line width of a contact of mean strength, and the largest line width [mean diameters]. */
 #define MEAN_WIDTH    0.10
 #define LARGEST_WIDTH 1.0
 
@@ -20,8 +21,8 @@ static double contact_value(const sp_packing *p, const sp_contact *k, sp_plot_li
     return contact_normal_stiffness(e, fmax(k->overlap, 0.0));
 }
 
-/* From centre to centre, or to the wall; along the contact's own normal, so that a contact across the periodic edge
- * points out of the box and is drawn from both sides. */
+/* Draws a line from centre to centre, or to the wall, along the normal of the contact. A contact across the periodic
+ * edge is drawn at both sides. */
 static void draw_link(const view *v, const sp_contact *k, double width) {
     cairo_t *cr = v->c->cr;
     const sp_packing *p = v->p;
@@ -39,7 +40,7 @@ static void draw_link(const view *v, const sp_contact *k, double width) {
     }
 }
 
-/* Lines of width proportional to the value, MEAN_WIDTH at the mean; gives that mean, NAN without links. */
+/* Draws lines of width proportional to the value, MEAN_WIDTH at the mean. Returns the mean; NAN without contacts. */
 static double draw_links(const view *v, sp_plot_links links, const uint8_t *carrying) {
     const sp_packing *p = v->p;
     double sum = 0.0, count = 0.0;
@@ -62,7 +63,7 @@ static double draw_links(const view *v, sp_plot_links links, const uint8_t *carr
     return sum / count;
 }
 
-/* Below the bottom wall: what a line of mean width stands for, and the grey of rattlers. */
+/* Key below the bottom wall: the value of a line of mean width, and the grey of rattlers. */
 static void draw_key(const view *v, sp_plot_links links, double mean, int32_t rattlers) {
     cairo_t *cr = v->c->cr;
     const text_style plain = {TEXT_LEGEND, 0.0, 0.5, 0.0};

@@ -1,18 +1,18 @@
-/* Where tag, inset and legend of a panel go, and the drawing of it. */
+/* Places and draws tag, inset and legend of a panel. */
 #include "figure/panel.h"
 
 #include "base/base.h"
 
 #include <math.h>
 
-#define FROM_FRAME 5.0 /* tag, legend and inset from the frame [pt] */
-#define INSET_SIZE 7.0 /* letters of an inset [pt] */
+#define FROM_FRAME 5.0 /* distance of tag, legend and inset from the frame [pt] */
+#define INSET_SIZE 7.0 /* letter size in an inset [pt] */
 #define GROW       0.05
 #define GROW_STEPS 14
-#define LEAST_WIDE 72.0 /* of an inset [pt] */
+#define LEAST_WIDE 72.0 /* least size of an inset [pt] */
 #define LEAST_HIGH 50.0
 
-/* Parts of the frame that an inset takes: the largest that hides nothing. */
+/* Sizes of an inset relative to the frame. The largest that hides nothing is used. */
 static const double inset_sizes[][2] = {{0.52, 0.52}, {0.48, 0.48}, {0.44, 0.46}, {0.40, 0.42}};
 enum { INSET_SIZES = sizeof inset_sizes / sizeof *inset_sizes };
 
@@ -20,8 +20,8 @@ static double letters(const panel *p) { return p->figure.axes.x.size > 0 ? p->fi
 
 /* ---- places ----------------------------------------------------------------------------------------------------- */
 
-/* In a corner that is free, or in the margin left of the frame. */
-static void place_tag(panel *p, room *r) {
+/* In a free corner, or else in the margin left of the frame. */
+static void place_tag(panel *p, raster *r) {
     const axes *a = &p->figure.axes;
     if (!p->source.tag || !*p->source.tag)
         return;
@@ -35,8 +35,8 @@ static void place_tag(panel *p, room *r) {
     p->tag.y = a->top + 2 + a->head;
 }
 
-/* Gives how much it hides. */
-static int32_t place_inset(panel *p, room *r) {
+/* Returns how much it hides. */
+static int32_t place_inset(panel *p, raster *r) {
     int32_t least = INT32_MAX;
     if (!p->inset)
         return 0;
@@ -53,7 +53,7 @@ static int32_t place_inset(panel *p, room *r) {
     return least;
 }
 
-static int32_t place_legend(panel *p, room *r) {
+static int32_t place_legend(panel *p, raster *r) {
     p->columns = 1;
     p->legend = sp_legend_size(&p->figure, 1);
     if (p->legend.height == 0)
@@ -65,7 +65,7 @@ static int32_t place_legend(panel *p, room *r) {
     return covers;
 }
 
-/* Above the frame nothing is hidden; as many columns as there is width for. */
+/* Puts the legend above the frame, where it hides nothing, in as many columns as fit. */
 static void legend_above(panel *p) {
     axes *a = &p->figure.axes;
     p->columns = 1;
@@ -78,8 +78,8 @@ static void legend_above(panel *p) {
     p->legend.y = a->y.to - p->legend.height - 2;
 }
 
-/* One try: all parts on the axes as they are. Gives how much they hide. */
-static int32_t place_parts(panel *p, room *r, bool above) {
+/* Places all parts on the present axes. Returns how much they hide. */
+static int32_t place_parts(panel *p, raster *r, bool above) {
     sp_axes_layout(&p->figure.axes, p->figure.canvas);
     if (above)
         legend_above(p);
@@ -92,7 +92,7 @@ static int32_t place_parts(panel *p, room *r, bool above) {
     return inset > legend ? inset : legend;
 }
 
-/* Letters of the legend that fit into the frame. */
+/* Chooses a letter size with which the legend fits into the frame. */
 static void size_legend(panel *p) {
     const double size = letters(p) >= TEXT_LABEL ? TEXT_LEGEND : letters(p) - 0.5, least = 6.0;
     p->figure.legend = size;
@@ -101,8 +101,8 @@ static void size_legend(panel *p) {
         p->figure.legend = fmin(size, fmax(least, size * most / wide));
 }
 
-/* The upper end of y grows until the parts hide nothing; failing that, the legend goes above the frame. */
-static void place_all(panel *p, room *r) {
+/* Extends the y axis upwards until the parts hide nothing. If that fails, the legend goes above the frame. */
+static void place_all(panel *p, raster *r) {
     axis *y = &p->figure.axes.y;
     const double high = y->high, step = GROW * (y->high - y->low);
     const int most = !p->grows ? 0 : p->inset ? 2 * GROW_STEPS : GROW_STEPS;
@@ -117,7 +117,7 @@ static void place_all(panel *p, room *r) {
 }
 
 sp_status sp_panel_layout(panel *p, sp_error *err) {
-    room r = {0};
+    raster r = {0};
     sp_status status = sp_raster_open(&r, p->figure.canvas, err);
     if (status == SP_OK) {
         p->figure.axes.head = 0;

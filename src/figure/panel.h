@@ -1,6 +1,6 @@
 #ifndef SP_PANEL_H
 #define SP_PANEL_H
-/* One panel of a sheet: from values to a figure, with room for its tag, inset and legend. */
+/* One panel of a sheet: values as a figure, with places for tag, inset and legend. */
 
 #include "figure/legend.h"
 #include "figure/raster.h"
@@ -11,18 +11,19 @@ typedef struct panel {
     sp_panel source;
     figure figure;
     series *series;
-    double *memory;    /* all arrays of the series */
-    bool grows;        /* the upper end of y may move to make room */
-    legend_box legend; /* height 0: none */
-    int columns;       /* of the legend */
+    double *memory;    /* arrays of all series */
+    bool grows;        /* the y axis may be extended upwards */
+    legend_box legend; /* height 0: no legend */
+    int columns;       /* columns of the legend */
     box tag, inset_box;
-    struct panel *inset; /* NULL: none */
+    struct panel *inset; /* NULL: no inset */
 } panel;
 
-/* name: of the panel in errors. inset: smaller letters. sp_panel_free is right after failure too. */
+/* name: the panel in error messages. inset: the panel is an inset, which has smaller letters. Call sp_panel_free after
+ * failure too. */
 sp_status sp_panel_make(panel *p, const sp_panel *source, canvas *c, bool inset, const char *name, sp_error *err);
 void sp_panel_free(panel *p);
-/* Finds places for the parts on axes whose part of the canvas is set. */
+/* Finds places for the parts. The position and size of the axes must be set. */
 sp_status sp_panel_layout(panel *p, sp_error *err);
 void sp_panel_draw(panel *p);
 

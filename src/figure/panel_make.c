@@ -1,4 +1,4 @@
-/* The curves of a panel as series in the units of its axes. */
+/* Checks the curves of a panel and turns them into series in axis units. */
 #include "figure/panel.h"
 
 #include "base/base.h"
@@ -17,8 +17,8 @@ typedef struct limits {
 typedef struct maker {
     panel *p;
     const char *name;
-    limits x, y; /* of what is shown */
-    bool marks;  /* the points are marked: their axes end beyond them */
+    limits x, y; /* ranges of the visible points */
+    bool marks;  /* a curve has markers: the axes extend beyond its points */
 } maker;
 
 /* ---- checks ----------------------------------------------------------------------------------------------------- */
@@ -62,7 +62,7 @@ static sp_status check(const maker *m, sp_error *err) {
     return status;
 }
 
-/* A point that an axis cannot show is an error, one that is not finite a gap. */
+/* An error for a point that an axis cannot show. A point that is not finite makes a gap. */
 static sp_status check_point(const maker *m, int j, int64_t k, sp_error *err) {
     const sp_panel *s = &m->p->source;
     const sp_curve *c = &s->curve[j];
@@ -89,17 +89,17 @@ static void widen(limits *l, const sp_axis *a, double value) {
 
 static void widen_point(maker *m, const sp_curve *c, int64_t k) {
     const sp_panel *s = &m->p->source;
-    const bool end = c->steps && k == c->n - 1; /* only the end of the last step */
+    const bool end = c->steps && k == c->n - 1; /* only the right end of the last step */
     if (!isfinite(c->x[k]) || (!end && !isfinite(c->y[k])))
         return;
     widen(&m->x, &s->x, c->x[k]);
-    /* what limits of x hide does not stretch y */
+    /* points outside the limits of x do not affect the range of y */
     if (end || c->x[k] < s->x.low || c->x[k] > s->x.high)
         return;
     widen(&m->y, &s->y, c->y[k]);
     if (c->error && isfinite(c->error[k])) {
         widen(&m->y, &s->y, c->y[k] + c->error[k]);
-        /* an error bar that reaches nearly to zero would stretch a logarithmic axis over decades */
+        /* an error bar that nearly reaches zero would extend a logarithmic axis over decades */
         if (!s->y.log || c->error[k] < 0.9 * c->y[k])
             widen(&m->y, &s->y, c->y[k] - c->error[k]);
     }
@@ -126,13 +126,13 @@ static sp_status find_ranges(maker *m, sp_error *err) {
     return SP_OK;
 }
 
-/* Axis over given limits, and the range of the points, with room, where none are given. */
+/* Sets an axis to the given limits. A limit that is not given follows from the range of the points, with a margin. */
 static sp_status set_axis(const maker *m, const sp_axis *a, limits range, double space, axis *out, sp_error *err) {
     const bool low = isfinite(a->low), high = isfinite(a->high);
     if (!(range.low <= range.high) && (!low || !high))
         return sp_fail(err, SP_EREFUSED, "%s: nothing to draw, no point within its axes", m->name);
     limits l = {low ? a->low : range.low, high ? a->high : range.high};
-    if (l.low > l.high || (l.low == l.high && low != high)) { /* all points beyond the limit */
+    if (l.low > l.high || (l.low == l.high && low != high)) { /* all points lie beyond the limit */
         const double one = low ? l.low : l.high, size = a->log ? 9 * one : fmax(fabs(one), 1e-300);
         l = low ? (limits){one, fmin(one + size, DBL_MAX)}
                 : (limits){a->log ? fmax(0.1 * one, DBL_TRUE_MIN) : fmax(one - size, -DBL_MAX), one};
@@ -153,7 +153,7 @@ static sp_status set_axis(const maker *m, const sp_axis *a, limits range, double
     return SP_OK;
 }
 
-/* "F [E* d^2]" on an axis of 10^-5: "F [10^-5 E* d^2]". */
+/* Adds a power of ten to the unit: "F [E* d^2]" becomes "F [10^-5 E* d^2]". */
 static void name_axis(axis *a, const char *label) {
     char number[32];
     const char *unit = label ? strrchr(label, '[') : NULL;
@@ -168,7 +168,7 @@ static void name_axis(axis *a, const char *label) {
         snprintf(a->label, sizeof a->label, "%s%s[10^{%s}]", label ? label : "", length > 0 ? "  " : "", number);
 }
 
-/* A histogram stands on its axis, and a zero line at the edge is one that is not seen. */
+/* The y axis of a histogram begins at zero. */
 static void settle_y(const maker *m, axis *a) {
     const sp_panel *s = &m->p->source;
     bool stands = !s->y.log && !isfinite(s->y.low) && m->y.low >= 0;
@@ -198,7 +198,7 @@ static sp_status set_axes(const maker *m, sp_error *err) {
 
 static int64_t points_of(const sp_curve *c) { return !c->steps ? c->n : c->n > 1 ? 2 * (c->n - 1) : 0; }
 
-/* In axis units; what lies below a logarithmic axis is far below. */
+/* A value in axis units. Values that a logarithmic axis cannot show lie far below it. */
 static double place(const axis *a, double value) {
     if (a->log && isfinite(value) && value <= 0)
         return -1e3;
@@ -253,7 +253,7 @@ static sp_status make_series(const maker *m, sp_error *err) {
     return SP_OK;
 }
 
-/* Limits that are both 0 are not given: those of an axis that says nothing of them. */
+/* Limits that are both 0 are not given. */
 static void axis_of(sp_axis *a) {
     if (a->low == 0 && a->high == 0)
         a->low = a->high = NAN;

@@ -1,4 +1,4 @@
-/* Run time against error: a point a row, a symbol a method, and the frontier: nothing else is as fast and as exact. */
+/* One point for each row, one symbol for each method, and the frontier of the fastest runs at each error. */
 #include "base/base.h"
 #include "figure/figure.h"
 
@@ -9,10 +9,10 @@
 #include <string.h>
 
 enum { METHODS_MAX = 28 };
-/* Below that an error is no more than rounding. */
+/* Smaller errors are rounding errors. */
 #define LOG_LEAST (-17.0)
 
-/* One row of the case, logarithms. */
+/* One row of the case: logarithms of error and time. */
 typedef struct point {
     double error, seconds;
     int method;
@@ -20,10 +20,10 @@ typedef struct point {
 
 typedef struct clouds {
     int n, methods;
-    point *point;                    /* [n] by error, then by time */
+    point *point;                    /* [n] sorted by error, then by time */
     const char *method[METHODS_MAX]; /* in the order of the table */
-    double *x, *y;                   /* [n] those of each method in turn */
-    double *edge_x, *edge_y;         /* [2 n + 1] the frontier as a staircase */
+    double *x, *y;                   /* [n] grouped by method */
+    double *edge_x, *edge_y;         /* [2 n + 1] frontier as a staircase */
     int edges;
 } clouds;
 
@@ -39,9 +39,9 @@ static int by_error(const void *a, const void *b) {
     return (p->seconds > q->seconds) - (p->seconds < q->seconds);
 }
 
-/* Rivals are named by their program and, behind a blank, its method. */
+/* Methods of other programs have names "PROGRAM METHOD". */
 static bool is_rival(const char *method) { return strchr(method, ' ') != NULL; }
-/* `auto' is one of the others. */
+/* `auto' selects one of the other methods. */
 static bool is_choice(const char *method) { return strcmp(method, "auto") == 0; }
 
 static sp_status method_of(clouds *c, const char *name, int *out, sp_error *err) {
@@ -98,7 +98,7 @@ static void add_edge(clouds *c, double x, double y) {
     c->edge_y[c->edges++] = y;
 }
 
-/* From the most exact point to the fastest one, and on to the edge of the figure: upwards there is room for the legend.
+/* From the most accurate point to the fastest one, and on to the edge of the figure, where the legend has space above.
  */
 static void find_frontier(clouds *c) {
     const double far = 400;
@@ -115,7 +115,7 @@ static void find_frontier(clouds *c) {
     add_edge(c, far, least);
 }
 
-/* One series a method, its points joined. */
+/* One series for each method, its points joined. */
 static void make_series(clouds *c, char label[][64], series *all) {
     static const marker shapes[] = {MARKER_CIRCLE, MARKER_SQUARE, MARKER_TRIANGLE, MARKER_DIAMOND};
     int used = 0, count[2] = {0, 0};
@@ -152,7 +152,7 @@ static void set_axes(figure *f, const clouds *c, const char *only) {
     }
     sp_axis_log(&f->axes.x, low[0] - 0.6, high[0] + 0.6, 2.0);
     sp_axis_log(&f->axes.y, low[1] - 0.3, high[1] + 0.3, 2.0);
-    /* a packing's file without its ending */
+    /* name of the packing file without its ending */
     const char *dot = strrchr(only, '.');
     const int length = (int)(dot && strchr(only, ':') && strlen(dot) <= 4 ? dot - only : (ptrdiff_t)strlen(only));
     snprintf(plain, sizeof plain, "%.*s", length, only);

@@ -1,3 +1,4 @@
+/* Marks the cells of a frame that data cover, and finds free places. */
 #include "figure/raster.h"
 
 #include "base/base.h"
@@ -7,31 +8,31 @@
 
 enum { MANY = 50000 };
 
-#define CELL   1.5 /* [pt] */
-#define AROUND 2.5 /* kept free around a box [pt] */
-#define STRIDE 3.0 /* between places that are tried [pt] */
+#define CELL   1.5 /* side of a cell [pt] */
+#define AROUND 2.5 /* margin around a box [pt] */
+#define STRIDE 3.0 /* distance of the places tried [pt] */
 
-sp_status sp_raster_open(room *r, const canvas *c, sp_error *err) {
+sp_status sp_raster_open(raster *r, const canvas *c, sp_error *err) {
     const size_t across = (size_t)(c->width / CELL) + 2, up = (size_t)(c->height / CELL) + 2;
-    *r = (room){.taken = sp_alloc(across * up, 1)};
+    *r = (raster){.taken = sp_alloc(across * up, 1)};
     r->sum = sp_alloc((across + 1) * (up + 1), sizeof *r->sum);
     return r->taken && r->sum ? SP_OK : sp_fail_memory(err, (across + 1) * (up + 1) * sizeof *r->sum);
 }
 
-void sp_raster_free(room *r) {
+void sp_raster_free(raster *r) {
     sp_free(r->taken);
     sp_free(r->sum);
-    *r = (room){0};
+    *r = (raster){0};
 }
 
 /* ---- what is taken ---------------------------------------------------------------------------------------------- */
 
 static int clamp(double cell, int most) { return !(cell >= 0) ? 0 : cell >= most ? most - 1 : (int)cell; }
 
-/* Far outside of the canvas; differences stay finite. */
+/* Limits a position to a range in which differences are finite. */
 static double near_enough(double place) { return fmax(-1e7, fmin(1e7, place)); }
 
-void sp_raster_mark_box(room *r, const box *b) {
+void sp_raster_mark_box(raster *r, const box *b) {
     const int x0 = clamp((b->x - r->left) / CELL, r->across), y0 = clamp((b->y - r->top) / CELL, r->up);
     const int x1 = clamp((b->x + b->width - r->left) / CELL, r->across);
     const int y1 = clamp((b->y + b->height - r->top) / CELL, r->up);
@@ -42,8 +43,8 @@ void sp_raster_mark_box(room *r, const box *b) {
         memset(r->taken + (size_t)y * (size_t)r->across + x0, 1, (size_t)(x1 - x0 + 1));
 }
 
-/* The part of a segment inside of the frame (Liang and Barsky), in steps of a cell. */
-static void mark_segment(room *r, double ax, double ay, double bx, double by) {
+/* Marks the cells of the part of a segment inside the frame (Liang-Barsky clipping). */
+static void mark_segment(raster *r, double ax, double ay, double bx, double by) {
     ax = near_enough(ax);
     ay = near_enough(ay);
     bx = near_enough(bx);
@@ -72,10 +73,10 @@ static void mark_segment(room *r, double ax, double ay, double bx, double by) {
     }
 }
 
-static void mark_series(room *r, const figure *f, const series *s) {
+static void mark_series(raster *r, const figure *f, const series *s) {
     const axis *ax = &f->axes.x, *ay = &f->axes.y;
     const double reach = s->marker == MARKER_NONE ? 0.3 : 2.6;
-    const int64_t stride = 1 + s->n / MANY; /* of very many points some show where the curve goes */
+    const int64_t stride = 1 + s->n / MANY; /* a subset of very many points is enough to show the curve */
     bool before = false;
     double last_x = 0.0, last_y = 0.0;
     for (int64_t k = 0; k < s->n; k += stride) {
@@ -95,7 +96,7 @@ static void mark_series(room *r, const figure *f, const series *s) {
     }
 }
 
-void sp_raster_mark(room *r, const figure *f) {
+void sp_raster_mark(raster *r, const figure *f) {
     const axis *x = &f->axes.x, *y = &f->axes.y;
     r->left = x->from;
     r->top = y->to;
@@ -112,7 +113,7 @@ void sp_raster_mark(room *r, const figure *f) {
 
 /* ---- what is free ----------------------------------------------------------------------------------------------- */
 
-static void add_up(room *r) {
+static void add_up(raster *r) {
     const size_t row = (size_t)r->across + 1;
     memset(r->sum, 0, row * sizeof *r->sum);
     for (int y = 0; y < r->up; y++) {
@@ -126,7 +127,7 @@ static void add_up(room *r) {
     }
 }
 
-static int32_t covered(const room *r, const box *b) {
+static int32_t covered(const raster *r, const box *b) {
     const size_t row = (size_t)r->across + 1;
     const size_t x0 = (size_t)clamp((b->x - AROUND - r->left) / CELL, r->across);
     const size_t y0 = (size_t)clamp((b->y - AROUND - r->top) / CELL, r->up);
@@ -135,7 +136,7 @@ static int32_t covered(const room *r, const box *b) {
     return r->sum[y1 * row + x1] - r->sum[y0 * row + x1] - r->sum[y1 * row + x0] + r->sum[y0 * row + x0];
 }
 
-int32_t sp_raster_find(room *r, box *b, double from_frame, bool corners) {
+int32_t sp_raster_find(raster *r, box *b, double from_frame, bool corners) {
     const double wide = r->width - 2 * from_frame - b->width, high = r->height - 2 * from_frame - b->height;
     const int nx = corners ? 1 : (int)ceil(wide / STRIDE), ny = corners ? 1 : (int)ceil(high / STRIDE);
     int32_t least = INT32_MAX;
@@ -151,7 +152,7 @@ int32_t sp_raster_find(room *r, box *b, double from_frame, bool corners) {
             here.x = r->left + from_frame + x;
             here.y = r->top + from_frame + y;
             const int32_t covers = covered(r, &here);
-            /* a few points of distance are what an upper or a left corner is preferred by */
+            /* distances in points that favour upper and left corners */
             const double off =
                 hypot(fmin(x, wide - x), fmin(y, high - y)) + (y > 0.5 * high ? 4 : 0) + (x > 0.5 * wide ? 2 : 0);
             if (covers < least || (covers == least && off < nearest)) {

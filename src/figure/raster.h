@@ -1,6 +1,6 @@
-#ifndef SP_ROOM_H
-#define SP_ROOM_H
-/* Which parts of a frame the data take, and where a box finds room among them. */
+#ifndef SP_RASTER_H
+#define SP_RASTER_H
+/* The cells of a frame that data cover, and the search for a free place for a box. */
 
 #include "figure/figure.h"
 
@@ -8,21 +8,21 @@ typedef struct box {
     double x, y, width, height; /* upper left corner and size [pt] */
 } box;
 
-typedef struct room {
-    double left, top, width, height; /* of the frame [pt] */
-    int across, up;                  /* cells */
+typedef struct raster {
+    double left, top, width, height; /* frame [pt] */
+    int across, up;                  /* number of cells */
     uint8_t *taken;                  /* [up][across] */
-    int32_t *sum;                    /* [up + 1][across + 1] taken cells above and left of a corner */
-} room;
+    int32_t *sum;                    /* [up + 1][across + 1] number of covered cells above and left of a corner */
+} raster;
 
-/* A frame of the size of the canvas at the most; sp_raster_free is right after failure too. */
-sp_status sp_raster_open(room *r, const canvas *c, sp_error *err);
-void sp_raster_free(room *r);
-/* The curves of a figure that is laid out, and further boxes. */
-void sp_raster_mark(room *r, const figure *f);
-void sp_raster_mark_box(room *r, const box *b);
-/* Moves b to where it covers least, near a corner (upper ones and left ones first), and gives how many cells it
- * covers there; corners: nowhere else. INT32_MAX: it is larger than the frame. */
-int32_t sp_raster_find(room *r, box *b, double from_frame, bool corners);
+/* Allocates cells for a frame no larger than the canvas. Call sp_raster_free after failure too. */
+sp_status sp_raster_open(raster *r, const canvas *c, sp_error *err);
+void sp_raster_free(raster *r);
+/* Marks the curves of a figure whose axes are laid out; marks one more box. */
+void sp_raster_mark(raster *r, const figure *f);
+void sp_raster_mark_box(raster *r, const box *b);
+/* Moves b to the place where it covers the fewest cells, near a corner, with a preference for upper and left ones.
+ * corners: in a corner only. Returns the number of cells that it covers, INT32_MAX if it is larger than the frame. */
+int32_t sp_raster_find(raster *r, box *b, double from_frame, bool corners);
 
 #endif

@@ -1,3 +1,4 @@
+/* Reads tables of fronts against distance and cuts them into groups. */
 #include "figure/series_table.h"
 
 #include "base/base.h"
@@ -7,7 +8,7 @@
 #include <string.h>
 
 enum { TABLES_MOST = 32, LABEL_MOST = 24 };
-/* `chain front' tells exponents between N and 2 N. */
+/* `chain front' computes exponents between N and 2 N. */
 #define OCTAVE 1.4142135623730951
 
 static const char *const names[Q_BETWEEN] = {
@@ -17,7 +18,7 @@ static const char *const names[Q_BETWEEN] = {
 
 typedef struct reader {
     const sp_plot_table *from;
-    int column[Q_BETWEEN], error[Q_BETWEEN]; /* < 0: not there */
+    int column[Q_BETWEEN], error[Q_BETWEEN]; /* < 0: not in the table */
     int key[GROUP_KEYS];
     bool chain;
 } reader;
@@ -40,9 +41,9 @@ static sp_status find_columns(const sp_plot_table *from, reader *r, sp_error *er
         r->error[q] = number_column(t, error);
     }
     if (r->column[Q_WIDTH] >= 0)
-        r->key[G_WIDTH] = number_column(t, "width"); /* of the box */
+        r->key[G_WIDTH] = number_column(t, "width"); /* width of the box */
     else
-        r->column[Q_WIDTH] = number_column(t, "width"); /* of the pulse */
+        r->column[Q_WIDTH] = number_column(t, "width"); /* width of the pulse */
     if (r->column[Q_DISTANCE] < 0) {
         r->column[Q_DISTANCE] = number_column(t, "grains");
         r->chain = r->column[Q_DISTANCE] >= 0;
@@ -62,7 +63,7 @@ static double number(const sp_table *t, int64_t row, int column) {
 
 static bool same(double a, double b) { return a == b || (isnan(a) && isnan(b)); }
 
-/* Rows of one group follow each other with rising distances. */
+/* Rows of one group are consecutive, with increasing distances. */
 static bool joined(const reader *r, int64_t row) {
     const sp_table *t = r->from->table;
     bool like = row > 0;
@@ -85,7 +86,7 @@ static sp_status check_row(const sp_table *t, const reader *r, int64_t row, sp_e
     return SP_OK;
 }
 
-/* A group's rows into its arrays, [QUANTITIES][2][n]. */
+/* Copies the rows of a group into its arrays, [QUANTITIES][2][n]. */
 static void fill_group(const reader *r, int64_t first, front_group *g, double *memory) {
     const sp_table *t = r->from->table;
     for (int q = 0; q < QUANTITIES; q++) {
@@ -134,7 +135,7 @@ static bool differs(const front_groups *g, int k, group_key key) {
     return isfinite(g->group[k].key[key]) && !same(g->group[k].key[key], g->group[0].key[key]);
 }
 
-/* What tells the groups apart: the file, the pressure, the width, the friction, the grains, as far as they differ. */
+/* Labels each group by what differs: file, pressure, width, friction, number of grains. */
 static void label_groups(front_groups *g, const int *table_of, int tables, const sp_plot_table *table) {
     static const char *const words[GROUP_KEYS] = {"|p| = %s", "width %s", "|\xce\xbc| = %s", "|N| = %s"};
     bool differ[GROUP_KEYS] = {false};
@@ -159,7 +160,7 @@ static void label_groups(front_groups *g, const int *table_of, int tables, const
     }
 }
 
-/* The unit so far and that of one more table. */
+/* Combines the unit of the tables so far with that of one more table. */
 static void join_units(bool first, const char *unit, char joint[UNIT_ROOM]) {
     if (first)
         snprintf(joint, UNIT_ROOM, "%s", unit);

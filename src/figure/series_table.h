@@ -1,7 +1,7 @@
 #ifndef SP_SERIES_TABLE_H
 #define SP_SERIES_TABLE_H
-/* Tables of fronts against distance, of `sonopack table scaling' and `planes', `chain front' and `front': cut into the
- * groups of rows that belong together. */
+/* Tables of fronts against distance, from `sonopack table scaling' and `planes', `chain front' and `front', divided
+ * into groups of rows. */
 
 #include "figure/markup.h"
 
@@ -18,20 +18,20 @@ typedef enum quantity {
     Q_GAMMA,
     Q_ALPHA,
     Q_ALPHA_PEAK,
-    Q_BETWEEN, /* where the exponents belong: the geometric mean of the ends of their interval */
+    Q_BETWEEN, /* distance of the exponents: geometric mean of the ends of their interval */
     QUANTITIES
 } quantity;
 
-/* Pressure, width of the box, friction; and the number of grains, which does not cut groups. */
+/* What a group has in common. Rows that differ only in the number of grains belong to the same group. */
 typedef enum group_key { G_PRESSURE = 0, G_WIDTH, G_FRICTION, G_GRAINS, GROUP_KEYS } group_key;
 
 typedef struct front_group {
     int64_t n;
-    double key[GROUP_KEYS];          /* what all its rows have; NAN: not in the table, or of several values */
+    double key[GROUP_KEYS];          /* common value of the rows; NAN: not in the table, or several values */
     const double *value[QUANTITIES]; /* [n] NAN: none */
     const double *error[QUANTITIES]; /* [n] NAN: none */
-    char label[160];                 /* markup; "" where there is nothing to tell apart */
-    bool chain;                      /* distances are in diameters of a chain's balls */
+    char label[160];                 /* markup; "" for a single group */
+    bool chain;                      /* distances are in diameters of the balls of a chain */
 } front_group;
 
 enum { UNIT_ROOM = 64 };
@@ -40,17 +40,18 @@ typedef struct front_groups {
     int n;
     front_group *group;
     double *memory;
-    char distance_unit[UNIT_ROOM], time_unit[UNIT_ROOM]; /* of all tables; "" where they differ or say none */
+    char distance_unit[UNIT_ROOM],
+        time_unit[UNIT_ROOM]; /* common units of all tables; "" if they differ or have none */
 } front_groups;
 
 enum { GROUPS_MOST = 24 };
 
-/* SP_EINVAL for tables that are none of these, SP_EREFUSED for values that have no place in a figure. Free in any
- * case. */
+/* Reads the groups. SP_EINVAL for tables of other kinds, SP_EREFUSED for values that a figure cannot show. Call
+ * sp_front_groups_free after failure too. */
 sp_status sp_front_groups_read(int tables, const sp_plot_table *table, front_groups *out, sp_error *err);
 void sp_front_groups_free(front_groups *g);
 
-/* Colours, marks and dashes that tell groups apart, in grey too. */
+/* Inks, marks and dashes of the groups. Groups differ in grey too. */
 int sp_group_ink(const front_groups *g, int k);
 sp_mark sp_group_mark(int k);
 sp_dash sp_group_dash(int k);

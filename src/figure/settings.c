@@ -1,3 +1,4 @@
+/* Tells tables apart by the settings in their metadata. */
 #include "figure/settings.h"
 
 #include "figure/markup.h"
@@ -5,108 +6,71 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-typedef struct setting {
-    char key[48], value[64]; /* the key without its group: both kinds of comments have the same */
-} setting;
-
-/* Where the search for the next setting goes on. */
-typedef struct place {
-    int comment;
-    const char *rest; /* of a line with several; NULL: begin the comment */
-} place;
-
-/* "group.key = value" alone, or one of the parts of "pressure = ..., grains = ...". */
-static bool read_setting(const char *line, bool several, setting *out, const char **rest) {
+/* The key of a scene without its group: "friction" of "packing.friction" and of the list "pressure = ...,
+ * friction = ..."; NULL for other metadata. */
+static const char *scene_key(const sp_table *t, int k) {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyz0123456789_";
-    const char *key = line + strspn(line, " \t");
-    const bool parts = several || strncmp(key, "pressure = ", 11) == 0;
-    size_t length = strspn(key, letters);
-    *rest = NULL;
-    if (!parts && key[length] != '.')
-        return false;
-    if (!parts) {
-        key += length + 1;
-        length = strspn(key, letters);
+    int first = k;
+    while (first > 0 && t->value[first - 1].comment == t->value[k].comment)
+        first--;
+    const char *key = t->value[k].key, *point = key + strspn(key, letters);
+    const bool list = strcmp(t->value[first].key, "pressure") == 0;
+    if (!list && *point != '.')
+        return NULL;
+    key = list ? key : point + 1;
+    return *key && key[strspn(key, letters)] == '\0' ? key : NULL;
+}
+
+static const sp_table_value *find_setting(const sp_table *t, const char *key) {
+    for (int k = 0; k < t->values; k++) {
+        const char *own = scene_key(t, k);
+        if (own && strcmp(own, key) == 0)
+            return &t->value[k];
     }
-    if (length == 0 || length >= sizeof out->key || strncmp(key + length, " = ", 3) != 0)
-        return false;
-    const char *value = key + length + 3, *comma = parts ? strstr(value, ", ") : NULL;
-    const size_t size = comma ? (size_t)(comma - value) : strlen(value);
-    snprintf(out->key, sizeof out->key, "%.*s", (int)length, key);
-    snprintf(out->value, sizeof out->value, "%.*s", (int)(size < 64 ? size : 63), value);
-    *rest = comma ? comma + 2 : NULL;
-    return true;
+    return NULL;
 }
 
-static bool next_setting(const sp_table *t, place *at, setting *out) {
-    while (at->comment < t->comments) {
-        const bool several = at->rest != NULL;
-        const char *line = several ? at->rest : t->comment[at->comment];
-        const bool found = read_setting(line, several, out, &at->rest);
-        if (!at->rest)
-            at->comment++;
-        if (found)
-            return true;
-    }
-    return false;
-}
-
-static bool find_setting(const sp_table *t, const char *key, setting *out) {
-    place at = {0};
-    while (next_setting(t, &at, out))
-        if (strcmp(out->key, key) == 0)
-            return true;
-    return false;
-}
-
-/* All tables have it, and not all the same. */
-static bool tells_apart(int tables, const sp_plot_table *table, const setting *s) {
-    bool differs = false;
-    for (int j = 0; j < tables; j++) {
-        setting other;
-        if (!find_setting(table[j].table, s->key, &other))
+/* All tables have the key, and not all the same value. */
+static bool differs(int tables, const sp_plot_table *table, const char *key) {
+    const sp_table_value *first = find_setting(table[0].table, key);
+    bool differ = false;
+    for (int j = 1; j < tables; j++) {
+        const sp_table_value *other = find_setting(table[j].table, key);
+        if (!other)
             return false;
-        differs = differs || strcmp(other.value, s->value) != 0;
+        differ = differ || strcmp(other->text, first->text) != 0;
     }
-    return differs;
+    return differ;
 }
 
-static void add_part(const setting *s, char out[SETTINGS_LABEL]) {
+static void add_part(const char *key, const sp_table_value *v, char out[SETTINGS_LABEL]) {
     static const char *const symbols[][2] = {{"pressure", "|p|"}, {"friction", "|\xce\xbc|"}, {"grains", "|N|"}};
-    char name[96], value[128], *end;
-    sp_figure_text_escape(name, sizeof name, s->key, 24);
+    char name[96], value[128];
+    sp_figure_text_escape(name, sizeof name, key, 24);
     for (size_t k = 0; k < sizeof symbols / sizeof *symbols; k++)
-        if (strcmp(s->key, symbols[k][0]) == 0)
+        if (strcmp(key, symbols[k][0]) == 0)
             snprintf(name, sizeof name, "%s", symbols[k][1]);
-    const double number = strtod(s->value, &end);
-    if (end > s->value && *end == '\0' && isfinite(number))
-        sp_figure_text_number(value, sizeof value, number, 9);
+    if (v->kind != SP_CELL_TEXT && isfinite(v->number))
+        sp_figure_text_number(value, sizeof value, v->number, 9);
     else
-        sp_figure_text_escape(value, sizeof value, s->value, 16);
+        sp_figure_text_escape(value, sizeof value, v->text, 16);
     const size_t used = strlen(out);
     snprintf(out + used, SETTINGS_LABEL - used, "%s%s = %s", used > 0 ? ", " : "", name, value);
 }
 
 static void label_of(int tables, const sp_plot_table *table, int j, char out[SETTINGS_LABEL]) {
     enum { KEYS_MOST = 8 };
-    char named[KEYS_MOST][48];
+    const sp_table *first = table[0].table; /* its order is that of all labels */
     int keys = 0;
-    place at = {0};
-    setting one, here;
     out[0] = '\0';
-    /* in the order of the first table, so that all labels have the same */
-    while (keys < KEYS_MOST && next_setting(table[0].table, &at, &one)) {
-        bool again = false;
-        for (int k = 0; k < keys; k++)
-            again = again || strcmp(named[k], one.key) == 0;
-        if (again || !tells_apart(tables, table, &one))
+    for (int k = 0; k < first->values && keys < KEYS_MOST; k++) {
+        const char *key = scene_key(first, k);
+        if (!key || find_setting(first, key) != &first->value[k] || !differs(tables, table, key))
             continue;
-        snprintf(named[keys++], sizeof named[0], "%s", one.key);
-        if (find_setting(table[j].table, one.key, &here))
-            add_part(&here, out);
+        keys++;
+        add_part(key, find_setting(table[j].table, key), out);
     }
 }
 
@@ -128,17 +92,9 @@ void sp_settings_label(int tables, const sp_plot_table *table, int j, int most, 
 }
 
 void sp_settings_interval(const sp_table *t, char *out, size_t size) {
-    static const char words[] = "interval at level ";
     double level = NAN;
-    for (int c = 0; c < t->comments && !isfinite(level); c++) {
-        const char *at = strstr(t->comment[c], words);
-        char *end = NULL;
-        const double value = at ? strtod(at + strlen(words), &end) : NAN;
-        if (value > 0 && value < 1)
-            level = value;
-    }
     char percent[40];
-    if (isfinite(level)) {
+    if (sp_table_get_number(t, "interval_level", &level) && level > 0 && level < 1) {
         sp_figure_text_number(percent, sizeof percent, 100 * level, 4);
         snprintf(out, size, "%s%% interval", percent);
     } else

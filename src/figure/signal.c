@@ -1,3 +1,4 @@
+/* Draws signals with the marks of their first fronts. */
 #include "figure/figure.h"
 
 #include "base/base.h"
@@ -8,26 +9,26 @@
 #include <string.h>
 
 enum {
-    LEGEND_MOST = 10,      /* more traces are told by their number */
-    LABEL_MOST = 28,       /* characters of a trace's label */
-    UNIT_MOST = 24,        /* of a unit */
-    MARKS = 3,             /* t10, peak, zero crossing */
-    TRACES_MOST = 1 << 16, /* beyond reason */
+    LEGEND_MOST = 10, /* more traces are identified by their number */
+    LABEL_MOST = 28,  /* length of the label of a trace [characters] */
+    UNIT_MOST = 24,   /* length of a unit [characters] */
+    MARKS = 3,        /* t10, peak, zero crossing */
+    TRACES_MOST = 1 << 16,
 };
 
 typedef struct drawing {
     int traces;
     const sp_plot_trace *trace;
-    double *x, *y;           /* axis units of all traces, one behind the other */
-    double *mark_x, *mark_y; /* [MARKS][traces]; NAN: none */
-    series *series;          /* traces, then a series a mark and trace */
+    double *x, *y;           /* axis units, all traces one after the other */
+    double *mark_x, *mark_y; /* [MARKS][traces] NAN: no mark */
+    series *series;          /* first the traces, then one series for each mark and trace */
     char (*label)[160];
     int64_t points;
 } drawing;
 
 static bool finite_point(const sp_plot_trace *t, int64_t k) { return isfinite(t->t[k]) && isfinite(t->f[k]); }
 
-/* A unit as markup: "" unless all traces have it. */
+/* The unit that all traces have, as markup; "" if they differ. */
 static void common_unit(const drawing *d, bool force, char *out, size_t size) {
     const char *common = NULL;
     bool same = true;
@@ -57,7 +58,7 @@ static void label_axes(const drawing *d, axes *a) {
     sp_axis_name(&a->y, "|F|", unit);
 }
 
-/* Sizes and ranges: t from the first to the last point, F with zero and some room. */
+/* Sets the axes: t from the first point to the last, F including zero with a margin. */
 static sp_status set_axes(const drawing *d, axes *a, sp_error *err) {
     double low_t = INFINITY, high_t = -INFINITY, low_f = 0.0, high_f = 0.0;
     for (int j = 0; j < d->traces; j++)
@@ -81,7 +82,7 @@ static sp_status set_axes(const drawing *d, axes *a, sp_error *err) {
     return SP_OK;
 }
 
-/* F at a time, linearly interpolated; NAN outside of the trace. */
+/* F at a time by linear interpolation, NAN outside the trace. */
 static double height_at(const sp_plot_trace *t, double time) {
     for (int64_t k = 1; k < t->n; k++) {
         if (!finite_point(t, k - 1) || !finite_point(t, k) || time < t->t[k - 1] || time > t->t[k])
@@ -109,7 +110,7 @@ static void add_traces(drawing *d, figure *f) {
             d->x[at + k] = finite_point(t, k) ? sp_axis_unit(&f->axes.x, t->t[k]) : NAN;
             d->y[at + k] = finite_point(t, k) ? sp_axis_unit(&f->axes.y, t->f[k]) : NAN;
         }
-        /* a second round of colours has other dashes */
+        /* dashes change when the colours repeat */
         d->series[j] = (series){.n = t->n,
                                 .x = d->x + at,
                                 .y = d->y + at,
@@ -129,7 +130,7 @@ static void add_traces(drawing *d, figure *f) {
     f->n = d->traces;
 }
 
-/* The symbols of Fig. 6 of Somfai et al. 2005, explained in a group of their own. */
+/* Marks of the first front, as in Fig. 6 of Somfai et al. 2005. They have their own group in the legend. */
 static void add_marks(drawing *d, figure *f) {
     static const marker shape[MARKS] = {MARKER_TRIANGLE, MARKER_CIRCLE, MARKER_SQUARE};
     static const char *const name[MARKS] = {"|t|_{10}", "|t|_{peak}", "|t|_{zero}"};
@@ -152,7 +153,7 @@ static void add_marks(drawing *d, figure *f) {
             d->series[f->n++] = mark;
         }
         if (f->n > before) {
-            mark.n = 0; /* in the legend only, without the colour of a trace */
+            mark.n = 0; /* appears only in the legend, in black */
             mark.ink = sp_figure_ink(0);
             mark.label = name[m];
             d->series[f->n++] = mark;
@@ -163,7 +164,7 @@ static void add_marks(drawing *d, figure *f) {
 static sp_status draw(drawing *d, const char *path, sp_error *err) {
     canvas c = {0};
     figure f = {.canvas = &c, .series = d->series, .zero_line = true};
-    /* a long legend gets room of its own */
+    /* a long legend makes the figure taller */
     const double room = d->traces > 4 && d->traces <= LEGEND_MOST ? 10.0 * (d->traces - 4) : 0.0;
     sp_status status = set_axes(d, &f.axes, err);
     if (status == SP_OK)

@@ -1,4 +1,4 @@
-/* Displacements at one time, as in Fig. 3 of Somfai et al. 2005. */
+/* Draws displacements at one time, as in Fig. 3 of Somfai et al. 2005. */
 #include "figure/view.h"
 
 #include "base/base.h"
@@ -8,17 +8,17 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define TYPICAL 0.70 /* part of the moving grains that ... */
-#define LENGTH  0.8  /* ... have shorter arrows than this [mean diameters] */
-#define LONGEST 1.7  /* longer arrows are cut to this */
-#define MOVING  0.01 /* a grain that moves, over the largest displacement */
-#define CUT     2    /* ink of arrows that are cut */
+#define TYPICAL 0.70 /* this fraction of the moving grains ... */
+#define LENGTH  0.8  /* ... has arrows shorter than this [mean diameters] */
+#define LONGEST 1.7  /* longest arrow [mean diameters] */
+#define MOVING  0.01 /* least displacement of a moving grain, relative to the largest */
+#define CUT     2    /* ink of arrows that were cut */
 
 typedef struct snapshot {
     const sp_network *net;
     const double *u;
-    double scale; /* displacement to diameters of arrow; 0: nothing moves */
-    int32_t cut;  /* grains with longer arrows than the longest */
+    double scale; /* arrow length [d] per displacement; 0: nothing moves */
+    int32_t cut;  /* number of arrows that were cut */
 } snapshot;
 
 static double length_of(const snapshot *s, int32_t i) {
@@ -31,7 +31,7 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Localized oscillations near the source are many times as large as the wave: the scale is that of most grains. */
+/* Localized oscillations near the source are much larger than the wave, so the scale follows most of the grains. */
 static sp_status choose_scale(snapshot *s, double diameter, sp_error *err) {
     double *length = sp_alloc((size_t)s->net->n, sizeof *length), largest = 0;
     if (!length)
@@ -55,7 +55,7 @@ static sp_status choose_scale(snapshot *s, double diameter, sp_error *err) {
 static void draw_arrows(const view *v, const snapshot *s) {
     const double longest = LONGEST * v->diameter;
     cairo_set_line_width(v->c->cr, fmax(0.4, fmin(0.8, 0.08 * v->diameter * v->scale)));
-    for (int pass = 0; pass < 2; pass++) { /* those that are cut lie above */
+    for (int pass = 0; pass < 2; pass++) { /* arrows that were cut lie on top */
         sp_canvas_colour(v->c, sp_figure_ink(pass == 0 ? 0 : CUT));
         for (int32_t i = 0; i < s->net->n; i++) {
             const double *u = s->u + (int64_t)i * s->net->dof, length = s->scale * length_of(s, i);
@@ -69,7 +69,7 @@ static void draw_arrows(const view *v, const snapshot *s) {
     }
 }
 
-/* Time, what an arrow stands for, and the colour of those that are cut. */
+/* Key: the time, the length of an arrow, and the colour of arrows that were cut. */
 static void draw_key(const view *v, const snapshot *s, double t) {
     const text_style plain = {TEXT_LEGEND, 0.0, 0.5, 0.0};
     const double y = v->c->height - 0.5 * KEY, d = v->diameter * v->scale;

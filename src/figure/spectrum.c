@@ -1,4 +1,4 @@
-/* Figures of the tables of `sonopack spectrum'. */
+/* Draws the tables of `sonopack spectrum'. */
 #include "figure/figure.h"
 #include "figure/settings.h"
 
@@ -13,17 +13,17 @@ enum { TABLES_MOST = 32, LABEL_MOST = 28, GROUPS = 3 };
 
 #define OMEGA "\xcf\x89"
 #define RHO   "\xcf\x81"
-/* Units */
+/* units */
 #define FREQUENCY "(|E|*/|" RHO "|)^{1/2}/|d|"
 #define TIME      "|d|(|" RHO "|/|E|*)^{1/2}"
 #define RESPONSE  "|E|* |d|^{3}(|" RHO "|/|E|*)^{1/2}"
 
 typedef enum look { LOOK_LINE = 0, LOOK_STEPS, LOOK_POINTS, LOOK_BINS } look;
 
-/* How a kind of table is drawn: columns of value and error, and whether the values span decades. */
+/* How a kind of table is drawn. log: values span decades. */
 typedef struct style {
-    const char *kind;  /* comment "spectrum = " */
-    const char *title; /* of the figure */
+    const char *kind;  /* metadata "spectrum" */
+    const char *title; /* title of the figure */
     const char *y, *error;
     look look;
     bool log;
@@ -39,7 +39,7 @@ static const style styles[] = {
     {"modes", "Density of states", NULL, NULL, LOOK_STEPS, false, "|g|(|" OMEGA "|)", TIME}};
 enum { STYLES = sizeof styles / sizeof *styles };
 
-/* Other columns of a harmonic response. */
+/* Further columns of a harmonic response. */
 static const style responses[] = {
     {"harmonic", "Attenuation", "alpha", "alpha_err", LOOK_POINTS, false, "|\xce\xb1|", "1/|d|"},
     {"harmonic", "Wave number", "k", "k_err", LOOK_POINTS, false, "|k|", "1/|d|"},
@@ -50,12 +50,12 @@ typedef struct drawing {
     int tables;
     const sp_plot_table *table;
     const style *style;
-    double *memory; /* all arrays, one behind the other */
+    double *memory; /* memory of all arrays */
     size_t used, room;
     series series[2 * TABLES_MOST + GROUPS];
     int count;
     char label[TABLES_MOST][SETTINGS_LABEL], band[80];
-    double low_x, high_x, low_y, high_y; /* of what is shown; log10 where the axis is so */
+    double low_x, high_x, low_y, high_y; /* ranges of the visible points; log10 on a logarithmic axis */
 } drawing;
 
 static double *take(drawing *d, int64_t n) {
@@ -83,10 +83,10 @@ static sp_status find_column(const sp_table *t, const char *name, int *out, sp_e
 }
 
 static sp_status style_of(const sp_table *t, const style **out, sp_error *err) {
-    const char *kind = sp_table_comment_value(t, "spectrum");
+    const char *kind = sp_table_get_text(t, "spectrum");
     if (!kind && sp_table_find_column(t, "omega") >= 0 && sp_table_find_column(t, "n") >= 0)
         kind = "modes";
-    if (!kind && sp_table_find_column(t, "density_low") >= 0) /* a CSV file has no comments */
+    if (!kind && sp_table_find_column(t, "density_low") >= 0) /* CSV files have no metadata */
         kind = "ensemble";
     for (int k = 0; kind && k < STYLES; k++)
         if (strcmp(kind, styles[k].kind) == 0) {
@@ -98,7 +98,7 @@ static sp_status style_of(const sp_table *t, const style **out, sp_error *err) {
                    "participation, of `sonopack modes', or of `sonopack table spectrum'");
 }
 
-/* Value as it is drawn before axes are known. */
+/* A value on the scale of the axis. */
 static double shown(const drawing *d, double value) {
     if (!d->style->log)
         return value;
@@ -112,7 +112,7 @@ static void name_series(drawing *d, int j, series *s) {
     s->label = d->label[j][0] ? d->label[j] : NULL;
 }
 
-/* The bins of a density of states as steps behind its smooth curve. */
+/* Draws the bins of a density of states as steps behind its smooth curve. */
 static void add_steps(drawing *d, const sp_table *t) {
     const int low = sp_table_find_column(t, "low"), high = sp_table_find_column(t, "high"),
               density = sp_table_find_column(t, "density");
@@ -170,7 +170,7 @@ static sp_status add_curve(drawing *d, int j, sp_error *err) {
     return SP_OK;
 }
 
-/* Means over samples as steps from low to high, and their intervals as a band. */
+/* Means over samples as steps, and their intervals as a band. */
 static sp_status add_bins(drawing *d, int j, sp_error *err) {
     static const char *const names[] = {"low", "high", "density", "density_low", "density_high"};
     const sp_table *t = d->table[j].table;
@@ -186,7 +186,7 @@ static sp_status add_bins(drawing *d, int j, sp_error *err) {
         x[k] = sp_table_number(t, k / 2, column[k % 2]);
         y[k] = sp_table_number(t, k / 2, column[2]);
         const double end = sp_table_number(t, k / 2, column[3]);
-        low[k] = end < 0 ? 0 : end; /* no density is below */
+        low[k] = end < 0 ? 0 : end; /* densities are not negative */
         high[k] = sp_table_number(t, k / 2, column[4]);
         widen(&d->low_x, &d->high_x, x[k]);
         widen(&d->low_y, &d->high_y, y[k]);
@@ -201,7 +201,7 @@ static sp_status add_bins(drawing *d, int j, sp_error *err) {
     return SP_OK;
 }
 
-/* What steps and bands are, said once below the names of the tables. */
+/* Legend entry for steps and bands, below the labels of the tables. */
 static void add_key(drawing *d) {
     char first[64], other[64];
     sp_settings_interval(d->table[0].table, first, sizeof first);
@@ -217,7 +217,7 @@ static void add_key(drawing *d) {
         d->series[d->count++] = (series){.fill_low = d->memory, .fill_high = d->memory, .width = 0.9, .label = d->band};
 }
 
-/* A histogram of the frequencies of a table of modes, with the integral 1. */
+/* Histogram of the frequencies of a table of modes, with integral 1. */
 static sp_status add_histogram(drawing *d, int j, sp_error *err) {
     enum { BINS_MOST = 60 };
     const sp_table *t = d->table[j].table;
@@ -256,7 +256,7 @@ static sp_status add_histogram(drawing *d, int j, sp_error *err) {
 
 static void label_y(const drawing *d, axis *a) {
     char unit[96];
-    const char *norm = sp_table_comment_value(d->table[0].table, "norm");
+    const char *norm = sp_table_get_text(d->table[0].table, "norm");
     snprintf(unit, sizeof unit, "%s", d->style->unit);
     if (strcmp(d->style->kind, "dos") == 0 || d->style->look == LOOK_BINS) {
         const char *per = norm && strcmp(norm, "grain") == 0 ? "/grain" : "";
@@ -270,7 +270,7 @@ static void set_axes(drawing *d, figure *f) {
     const double x0 = fmin(0, d->low_x), room = 0.02 * (d->high_x - x0);
     sp_axis_linear(&f->axes.x, x0, d->high_x + (d->style->look == LOOK_POINTS ? room : 0));
     sp_axis_name(&f->axes.x, "|" OMEGA "|", FREQUENCY);
-    if (d->style->log) { /* what is ten decades below the largest value is nothing to see */
+    if (d->style->log) { /* the axis shows at most ten decades */
         const double low = fmax(d->low_y, d->high_y - 10);
         sp_axis_log(&f->axes.y, low - 0.05 * (d->high_y - low), d->high_y + 0.05 * (d->high_y - low) + 0.05, 1.0);
     } else {
@@ -278,7 +278,7 @@ static void set_axes(drawing *d, figure *f) {
         sp_axis_linear(&f->axes.y, low, d->high_y + 0.08 * (d->high_y - low));
     }
     label_y(d, &f->axes.y);
-    for (int k = 0; k < d->count; k++) { /* into axis units */
+    for (int k = 0; k < d->count; k++) { /* convert to axis units */
         double *arrays[] = {(double *)d->series[k].y, (double *)d->series[k].low, (double *)d->series[k].high,
                             (double *)d->series[k].fill_low, (double *)d->series[k].fill_high};
         for (int q = 0; q < 5 && !d->style->log; q++)
@@ -320,7 +320,7 @@ static sp_status begin(int tables, const sp_plot_table *table, const char *path,
     return d->memory ? SP_OK : sp_fail_memory(err, d->room * sizeof *d->memory);
 }
 
-/* column: of a harmonic response, or NULL */
+/* column: style of a column of a harmonic response; NULL for other tables */
 static sp_status plot_tables(int tables, const sp_plot_table *table, const style *column, const char *path,
                              sp_error *err) {
     drawing d = {0};
@@ -409,7 +409,7 @@ static void add_waves(drawing *d, int j, int group, const wave_columns *c) {
     s.open = j > 0;
     if (j == 0)
         s.label = polarizations[group];
-    else if (!d->label[j][0]) /* hollow is the second file */
+    else if (!d->label[j][0]) /* markers of the second table are open */
         name_series(d, j, &s);
     d->series[d->count++] = s;
 }

@@ -1,4 +1,4 @@
-/* Figures of an ensemble's signal, of modes, and of signals at several distances. */
+/* Draws the mean signal of an ensemble, modes, and signals at several distances. */
 #include "figure/canvas.h"
 #include "figure/columns.h"
 #include "figure/settings.h"
@@ -16,7 +16,7 @@ enum { ENSEMBLES_MOST = 6, RECORDS_MOST = 200, LABEL_MOST = 20 };
 #define TIME_AXIS  "|t|  [|d| (|\xcf\x81|/|E|*)^{1/2}]"
 #define FORCE_AXIS "|F|_{sig}  [|E|* |d|^{2}]"
 
-/* A column as numbers; NAN where the cell is infinite. */
+/* Copies a column. Infinite values become NAN. */
 static const double *column_of(const sp_table *t, int column, double *to) {
     for (int64_t k = 0; k < t->rows; k++) {
         const double value = sp_table_number(t, k, column);
@@ -30,7 +30,7 @@ static const double *column_of(const sp_table *t, int column, double *to) {
 enum { E_TIME = 0, E_MEAN, E_RMS, E_LOW, E_HIGH, ENSEMBLE_COLUMNS };
 static const char *const ensemble_columns[ENSEMBLE_COLUMNS] = {"t", "mean", "rms", "low", "high"};
 
-/* Times, mean and rms deviation, and the interval of the mean if the table has one; else NULL. */
+/* Reads times, mean and rms deviation. low and high are NULL if the table does not have them. */
 static sp_status read_ensemble(const sp_table *t, double **memory, const double *column[ENSEMBLE_COLUMNS],
                                sp_error *err) {
     for (int q = 0; q < ENSEMBLE_COLUMNS; q++) {
@@ -48,7 +48,7 @@ static sp_status read_ensemble(const sp_table *t, double **memory, const double 
     return SP_OK;
 }
 
-/* Mean with its band, and rms deviation of table j. */
+/* Curves of table j: mean with its band, and rms deviation. */
 static sp_status add_ensemble(int tables, const sp_plot_table *table, int j, double **memory, sp_curve *curve,
                               sp_error *err) {
     const double *column[ENSEMBLE_COLUMNS];
@@ -68,7 +68,7 @@ static sp_status add_ensemble(int tables, const sp_plot_table *table, int j, dou
     return SP_OK;
 }
 
-/* "mean, 95% interval" where all bands are of one level. */
+/* "mean, 95% interval" if all bands have the same level. */
 static void name_mean(int tables, const sp_plot_table *table, const sp_curve *curve, char *out, size_t size) {
     char interval[64] = "", other[64];
     for (int j = 0; j < tables; j++) {
@@ -97,7 +97,7 @@ static sp_status draw_ensemble(int tables, const sp_plot_table *table, double *m
     if (tables == 1) {
         curve[0].label = mean;
         curve[1].label = "rms deviation";
-    } else { /* colours are the tables, and dashes what is drawn of them */
+    } else { /* colours distinguish tables, dashes distinguish quantities */
         for (int j = 0; j < tables; j++) {
             sp_settings_label(tables, table, j, LABEL_MOST, label[j]);
             curve[2 * j].label = label[j];
@@ -113,7 +113,7 @@ static sp_status draw_ensemble(int tables, const sp_plot_table *table, double *m
                             .curve = curve,
                             .zero_line = true,
                             .tight = tables > 1};
-    /* the legend may stand above the frame */
+    /* space for a legend above the frame */
     const double aspect = tables == 1 ? 0.66 : 0.67 + 0.045 * tables;
     const sp_sheet sheet = {
         .title = "Signal of an ensemble", .rows = 1, .columns = 1, .panel = &panel, .aspect = aspect};
@@ -139,9 +139,9 @@ sp_status sp_plot_ensemble(int tables, const sp_plot_table *table, const char *p
 
 /* ---- modes ------------------------------------------------------------------------------------------------------ */
 
-/* Modes of which the inset shows the first. */
+/* Number of modes in the inset. */
 enum { FIRST_MODES = 25 };
-/* Zero modes are zero to rounding: omega^2 over the largest of them. */
+/* Zero modes: omega^2 relative to the largest is below this. */
 #define ZERO_MODE 1e-12
 
 static void largest_and_first(int64_t n, const double *squares, int64_t *first, int64_t *end) {
@@ -165,7 +165,7 @@ static sp_status draw_modes(const sp_table *modes, const int column[3], double *
     for (int64_t k = 0; k < rows; k++)
         squares[k] *= squares[k];
     largest_and_first(rows, squares, &first, &end);
-    const int64_t from = first > 3 ? first - 3 : 0; /* with the last zero modes */
+    const int64_t from = first > 3 ? first - 3 : 0; /* including the last zero modes */
     const sp_curve all = {.n = rows, .x = n, .y = squares, .ink = 1, .width = 1.2};
     const sp_curve low = {.n = end - from,
                           .x = n + from,
@@ -222,7 +222,7 @@ sp_status sp_plot_modes(const sp_table *modes, const char *path, sp_error *err) 
 typedef struct section {
     int records;
     const sp_plot_record *record;
-    bool numbered; /* no distances are known */
+    bool numbered; /* the distances are unknown */
 } section;
 
 static double level(const section *s, int k) { return s->numbered ? k + 1 : s->record[k].distance; }
@@ -236,7 +236,7 @@ static double spacing(const section *s) {
     return high > low ? (high - low) / (s->records - 1) : 1;
 }
 
-/* The largest value reaches as far as the next trace is on average. */
+/* Shifts a trace to its distance. Its largest value spans the mean spacing of the traces. */
 static void lift(const section *s, int k, double scale, double *y) {
     const sp_plot_record *r = &s->record[k];
     double largest = 0;

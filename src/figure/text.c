@@ -1,22 +1,23 @@
+/* Draws markup on the canvas. */
 #include "figure/text.h"
 
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
 
-/* Helvetica's own heights, near enough for every grotesque that fontconfig puts in its place. */
+/* Metrics of Helvetica. They are close enough for the fonts that fontconfig substitutes. */
 static const char family[] = "Helvetica";
-#define CAPITAL 0.73 /* height of a capital, in sizes */
+#define CAPITAL 0.73 /* height of a capital relative to the font size */
 
 /* ---- markup --------------------------------------------------------------------------------------------------- */
 
 typedef struct run {
     char text[256];
     bool italic;
-    int level; /* -1 subscript, 0, 1 superscript */
+    int level; /* -1: subscript, 0: normal, 1: superscript */
 } run;
 
-/* Next run of equal style; *at moves on. italic and level carry the state between runs. */
+/* Reads the next run of equal style and advances *at. italic and level keep the state between runs. */
 static bool next_run(const char **at, bool *italic, int *level, run *out) {
     const char *s = *at;
     size_t n = 0;
@@ -34,7 +35,7 @@ static bool next_run(const char **at, bool *italic, int *level, run *out) {
                 *italic = !*italic;
             continue;
         }
-        /* a sign of several bytes is not cut in two */
+        /* do not split a multi-byte character */
         if (n >= sizeof out->text - 8 && ((unsigned char)*s & 0xc0) != 0x80)
             break;
         if (*s == '\\' && s[1])
@@ -77,7 +78,7 @@ double sp_figure_text_width(canvas *c, const char *markup, double size) {
     return width;
 }
 
-/* The markup in one line of plain text: c_tof, 10^-4. */
+/* Adds the markup as plain text, such as c_tof or 10^-4, to the SVG description. */
 static void keep_word(canvas *c, const char *markup) {
     char line[1024];
     size_t n = 0;

@@ -1,15 +1,15 @@
 #ifndef SP_PLOT_TEXT_H
 #define SP_PLOT_TEXT_H
-/* Lettering: markup drawn. No letter is smaller than 7 pt, in insets 6 pt. */
+/* Texts on the canvas. The smallest letters have 7 pt, in insets 6 pt. */
 
 #include "figure/canvas.h"
 #include "figure/markup.h"
 
-/* Sizes in points: tick and axis labels, legends, and what is raised or lowered. */
+/* Font sizes [pt]: tick and axis labels, legends, subscripts and superscripts. */
 #define TEXT_LABEL  9.0
 #define TEXT_LEGEND 8.0
 #define TEXT_SCRIPT 7.0
-#define TEXT_SMALL  6.0 /* what is raised or lowered in an inset */
+#define TEXT_SMALL  6.0 /* subscripts and superscripts in an inset */
 
 typedef struct text_style {
     double size;   /* pt */

@@ -1,3 +1,4 @@
+/* Draws the grains and walls of a packing. */
 #include "figure/view.h"
 
 #include "base/base.h"
@@ -59,7 +60,7 @@ void sp_view_walls(const view *v) {
     cairo_fill(cr);
     if (!v->periodic)
         return;
-    /* the periodic edges */
+    /* periodic edges */
     const double dash[2] = {2.0, 2.0};
     cairo_set_dash(cr, dash, 2, 0.0);
     cairo_set_line_width(cr, 0.5);

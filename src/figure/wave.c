@@ -1,4 +1,4 @@
-/* Phase speed and attenuation of coherent waves against the wave number. */
+/* Draws phase speed and attenuation of coherent waves against the wave number. */
 #include "figure/canvas.h"
 #include "figure/markup.h"
 
@@ -13,8 +13,8 @@ enum { WAVES_MOST = 6, W_K = 0, W_SPEED, W_SPEED_ERR, W_ALPHA, W_ALPHA_ERR, WAVE
 
 static const char *const names[WAVE_COLUMNS] = {"k", "speed", "speed_err", "alpha", "alpha_err"};
 
-/* Columns of one table: gaps where a logarithmic axis has no place for a value, or for an alpha within its error of 0.
- */
+/* Reads the columns of one table. A value makes a gap if a logarithmic axis cannot show it; so does an alpha smaller
+ * than its error. */
 static sp_status read_wave(const sp_table *t, double *memory, const double *column[WAVE_COLUMNS], sp_error *err) {
     for (int q = 0; q < WAVE_COLUMNS; q++) {
         const int at = sp_table_find_column(t, names[q]);
@@ -31,27 +31,27 @@ static sp_status read_wave(const sp_table *t, double *memory, const double *colu
             to[row] = isfinite(value) && (!positive || value > 0) ? value : NAN;
         }
     }
-    for (int64_t row = 0; row < t->rows; row++) /* of no known order of magnitude */
+    for (int64_t row = 0; row < t->rows; row++)
         if (memory[W_ALPHA * t->rows + row] < memory[W_ALPHA_ERR * t->rows + row])
             memory[W_ALPHA * t->rows + row] = NAN;
     return SP_OK;
 }
 
-/* The dimension that all tables say, 0 if none. */
+/* The dimension common to all tables; 0 if there is none. */
 static int dimension_of(int tables, const sp_plot_table *table) {
     int common = 0;
     for (int j = 0; j < tables; j++) {
-        const char *text = sp_table_comment_value(table[j].table, "dimension");
-        const int dim = text && text[0] >= '1' && text[0] <= '3' && text[1] == '\0' ? text[0] - '0' : 0;
-        if (dim == 0 || (common && dim != common))
+        double dim = 0;
+        sp_table_get_number(table[j].table, "dimension", &dim);
+        if ((dim != 1 && dim != 2 && dim != 3) || (common && dim != common))
             return 0;
-        common = dim;
+        common = (int)dim;
     }
     return common;
 }
 
-/* alpha = a k^(dim + 1), Rayleigh's law of long waves, through the points with a mean free path above ten wavelengths
- * over 2 pi, each as it weighs; false where there are fewer than three. */
+/* Fits Rayleigh's law alpha = a k^(dim + 1) to long waves: points whose mean free path exceeds 10/k. Points are
+ * weighted by their errors. False with fewer than three points. */
 static bool rayleigh(int tables, const sp_plot_table *table, const double *const column[][WAVE_COLUMNS], double x[2],
                      double y[2]) {
     const int power = dimension_of(tables, table) + 1;
@@ -117,7 +117,7 @@ static sp_status draw_wave(int tables, const sp_plot_table *table, double *memor
     }
     sp_axis k = {.label = "|k|  [1/|d|]", .log = true, .low = INFINITY};
     for (int j = 0; j < tables; j++)
-        for (int64_t r = 0; r < table[j].table->rows; r++) { /* the same for both panels */
+        for (int64_t r = 0; r < table[j].table->rows; r++) { /* the same range for both panels */
             k.low = fmin(k.low, 0.8 * column[j][W_K][r]);
             k.high = fmax(k.high, 1.25 * column[j][W_K][r]);
         }

@@ -1,5 +1,6 @@
 """What tests of stores share that are killed, filled, damaged and used by many: the uninterrupted store to compare
 with, what may lie in a folder, and calls that fail (faults.c)."""
+import contextlib
 import errno
 import os
 import pathlib
@@ -7,8 +8,8 @@ import random
 import shutil
 import signal
 import subprocess
-import time
 
+from common import PATIENCE, made_now, wait_until
 from streams import COMMAND, run
 
 # quick packings; of the second stage all results, so that every file is written a second time
@@ -38,7 +39,11 @@ def content(store):
 
 
 def identities(store):
-    return {path.name: (path.stat().st_ino, path.stat().st_mtime_ns) for path in samples(store)}
+    found = {}
+    for path in samples(store):
+        with contextlib.suppress(FileNotFoundError):  # renamed at this very moment
+            found[path.name] = path.stat().st_ino, path.stat().st_mtime_ns
+    return found
 
 
 def ensemble(store):
@@ -46,19 +51,17 @@ def ensemble(store):
 
 
 class Reference:
-    """A store that nobody disturbed: after each stage a copy, what was printed, and how long it took."""
+    """A store that nobody disturbed: after each stage a copy, and what was printed."""
 
     def __init__(self, folder, scene=SCENE, stages=STAGES):
         folder.mkdir()
         self.program = COMMAND
         self.scene, self.stages = folder / "scene.cfg", stages
         self.scene.write_text(scene)
-        self.stdout, self.table, self.content, self.seconds, self.store = [], [], [], [], []
+        self.stdout, self.table, self.content, self.store = [], [], [], []
         working = folder / "store"
         for number, stage in enumerate(stages):
-            begun = time.monotonic()
             self.stdout.append(run("study", self.scene, "--store", working, *stage, "--jobs", 2).stdout)
-            self.seconds.append(time.monotonic() - begun)
             self.table.append(ensemble(working))
             self.content.append(content(working))
             self.store.append(folder / f"stage{number}")
@@ -87,7 +90,7 @@ class Reference:
         done = subprocess.run(self.command(store, stage, *args), capture_output=True, text=True, env=ENVIRONMENT)
         assert done.returncode == 0, done
         assert done.stdout == self.stdout[stage], (done.stdout, self.stdout[stage])
-        made = int(done.stderr.split(" of them made now")[0].split()[-1])
+        made = made_now(done.stderr)
         assert made == self.count - len(finished), (made, self.count, len(finished))
         self.check_end(store, stage, finished)
 
@@ -115,11 +118,18 @@ def check_stopped(process, number, out, err, whole):
         assert process.returncode == -number and whole.startswith(out), (process.returncode, out, err)
     else:
         assert process.returncode == 1 and not out, (process.returncode, out, err)
-        one_line(err, "samples", "the same command goes on")
+        one_line(err, process.args[process.args.index("--store") + 1])
+
+
+def wait_for_changes(process, store, count):
+    """Until a process has written so many samples, or has ended."""
+    before = identities(store)
+    wait_until(lambda: process.poll() is not None or len(identities(store).items() - before.items()) >= count,
+               f"{count} samples", every=0.001)
 
 
 def stopped_at_random(reference, folder, signals, moments, seed):
-    """Studies that get a signal at a random moment, and go on, until `moments' of them were hit. At least a fifth of
+    """Studies that get a signal after some sample, and go on, until `moments' of them were hit. At least a fifth of
     the hits fall between the first and the last sample."""
     dice = random.Random(seed)
     hits = inside = rounds = 0
@@ -131,10 +141,10 @@ def stopped_at_random(reference, folder, signals, moments, seed):
             while hits < moments:
                 process = subprocess.Popen(reference.command(store, stage, "--jobs", 2), stdout=subprocess.PIPE,
                                            stderr=subprocess.PIPE, text=True, env=ENVIRONMENT)
-                time.sleep(dice.uniform(0, 0.6) * reference.seconds[stage])
+                wait_for_changes(process, store, dice.randrange(reference.count))
                 number = dice.choice(signals)
                 process.send_signal(number)
-                out, err = process.communicate(timeout=120)
+                out, err = process.communicate(timeout=PATIENCE)
                 if process.returncode == 0:
                     assert out == reference.stdout[stage]
                     break

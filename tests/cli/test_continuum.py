@@ -18,7 +18,7 @@ FOLDER = tempfile.TemporaryDirectory()
 
 
 def run(*words, status=0):
-    done = subprocess.run([COMMAND, *map(str, words)], capture_output=True, text=True, cwd=FOLDER.name, timeout=120)
+    done = subprocess.run([COMMAND, *map(str, words)], capture_output=True, text=True, cwd=FOLDER.name, timeout=1200)
     assert done.returncode == status, (words, done.returncode, done.stderr)
     return done.stdout, done.stderr
 

@@ -50,7 +50,7 @@ def run_page(page):
         for number, command in commands:
             print(f"{page}:{number}: $ {command}", flush=True)
             result = subprocess.run(["bash", "-o", "pipefail", "-c", command], cwd=scratch, env=env, text=True,
-                                    capture_output=True, stdin=subprocess.DEVNULL, timeout=300)
+                                    capture_output=True, stdin=subprocess.DEVNULL, timeout=1200)
             if result.returncode:
                 return f"{page}:{number}: {command}: exit status {result.returncode}\n{result.stdout}{result.stderr}"
     return None if commands else f"{page}: no commands found"

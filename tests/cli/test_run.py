@@ -2,7 +2,6 @@
 
 usage: test_run.py COMMAND SOURCE_DIR
 """
-import os
 import pathlib
 import shutil
 import subprocess
@@ -106,7 +105,7 @@ def try_bare_machine(folder):
     words = log[1].split()
     check(words[:2] == ["apt-get", "install"] and "-y" in words and "--no-install-recommends" in words, log)
     check([w for w in words[2:] if not w.startswith("-")] == ["cmake", "libhdf5-dev"], log)
-    check("missing Debian packages" in result.stderr, result.stderr)
+    check("cmake libhdf5-dev" in result.stderr, result.stderr)
     check(any(line.startswith("cmake --preset release") for line in log), log)
     check(any(line.startswith("cmake --build build/release") and "3" in line for line in log), log)
     result, log = box.run("build")
@@ -120,18 +119,18 @@ def try_without_root(folder):
     (box.here / "installed").write_text("gcc\n")
     (box.bin / "sudo").unlink()
     result, log = box.run("build", FAKE_UID="1000")
-    check(result.returncode == 1 and not log and "as root, run: apt-get" in result.stderr, result, log)
+    check(result.returncode == 1 and not log and "apt-get" in result.stderr, result, log)
 
 
 def try_failures(folder):
     box = Checkout(folder, ["gcc"])
     result, log = box.run("build", APT_FAILS="install")
-    check(result.returncode == 1 and "could not be installed" in result.stderr, result, log)
+    check(result.returncode == 1 and "apt-get" in result.stderr, result, log)
     check(not any("cmake" in line.split()[0] for line in log), "built all the same", log)
     result, log = box.run("build", APT_FAILS="update")
     check(result.returncode == 0, "stale package lists may do", result, log)
     result, log = box.run(STUDY_FAILS="study")
-    check(result.returncode == 1 and "goes on where it stopped" in result.stderr, result, log)
+    check(result.returncode == 1 and "./run" in result.stderr, result, log)
 
 
 def try_main_job(folder):
@@ -166,7 +165,7 @@ def try_tests(folder):
     result, log = box.run("test")
     check(set(TEST) <= set(log[1].split()), "test packages", log)
     check([line for line in log if line.startswith("ctest")][-1].split()[1:3] == ["--test-dir", "build/release"], log)
-    check(sum(line.startswith("ctest") for line in log) == 1 and "-LE long" in log[-1], log)
+    check(sum(line.startswith("ctest") for line in log) == 1 and "-LE long|slow" in log[-1], log)
     check(result.stdout.splitlines()[-1].startswith("100% tests passed"), result)
     result, log = box.run("test-long")
     check("-LE" not in log[-1], log)
@@ -174,7 +173,7 @@ def try_tests(folder):
     check(result.returncode == 0, result, log)
     presets = [line.split()[2] for line in log if line.startswith("cmake --preset")]
     check(presets == ["clang", "sanitize", "release"] and "SONOPACK_WERROR=ON" in "".join(log), log)
-    check(log[-1].startswith("ctest --test-dir build/release") and "-LE long" in log[-1], log)
+    check(log[-1].startswith("ctest --test-dir build/release") and log[-1].split()[-1] == "long", log)
     check(result.stdout.splitlines()[-1] == "100% tests passed, 0 tests failed out of 7", result)
 
 

@@ -7,6 +7,8 @@ import subprocess
 import sys
 import tempfile
 
+from common import names_all
+
 COMMAND, SOURCE = sys.argv[1], sys.argv[2]
 FOLDER = tempfile.mkdtemp(prefix="sonopack-spheres-")
 BOX = ["--set", "packing.dimension=3", "--set", "packing.grains=100", "--set", "packing.width=5", "--set",
@@ -14,9 +16,9 @@ BOX = ["--set", "packing.dimension=3", "--set", "packing.grains=100", "--set", "
 
 
 def run(*words, status=0, says=""):
-    result = subprocess.run([COMMAND, *words], capture_output=True, text=True, timeout=120, cwd=FOLDER)
+    result = subprocess.run([COMMAND, *words], capture_output=True, text=True, timeout=1200, cwd=FOLDER)
     assert result.returncode == status, f"{words}: status {result.returncode}, {result.stderr}"
-    assert says in result.stderr, f"'{says}' in: {result.stderr}"
+    assert not says or names_all(result.stderr, says), f"'{says}' in: {result.stderr}"
     return result.stdout
 
 
@@ -57,10 +59,10 @@ def test_refusals():
     moduli = rows(run("moduli", "P.h5"))[0]
     assert moduli["c_l"] == "nan" and 0 < float(moduli["C55"]) < float(moduli["C33"]), moduli
     for kind in ("network", "stiffness"):
-        run("plot", kind, "P.h5", "-o", "no.svg", status=1, says="must be in 1 or 2")
+        run("plot", kind, "P.h5", "-o", "no.svg", status=1, says="1 2")
     assert not os.path.exists(os.path.join(FOLDER, "no.svg"))
     run("pack", "--set", "packing.depth=8", "-o", "no.h5", status=2, says="packing.depth")
-    run("pack", *BOX, "--set", "packing.depth=3", "-o", "no.h5", status=2, says="packing.depth = 3")
+    run("pack", *BOX, "--set", "packing.depth=3", "-o", "no.h5", status=2, says="packing.depth 3")
     run("pack", *BOX, "--set", "packing.gas_fraction=0.4", "-o", "no.h5", status=2, says="packing.gas_fraction")
 
 

@@ -5,13 +5,13 @@ usage: test_store_share.py COMMAND SOURCE_DIR
 """
 import pathlib
 import random
-import re
 import shutil
 import signal
 import subprocess
 import tempfile
 import time
 
+from common import PATIENCE, made_now, names_all, sleeps, wait_until, worked
 from store_faults import ENVIRONMENT, STAGES, Reference, content, samples
 from streams import COMMAND, run
 
@@ -21,7 +21,6 @@ packing = { width = 12; grains = 150; tolerance = 1e-7; seed = 3; protocol = "qu
 study = { samples = 7; want = ["statics"]; sweep = ( { key = "packing.pressure"; values = [1e-5, 1e-3]; } ); };
 signal = { until = 40.0; points = 41; };
 """
-PATIENCE = 120  # seconds
 
 
 def start(reference, store, stage, *args):
@@ -33,18 +32,11 @@ def end(process):
     """(what it printed, how many samples it made)"""
     out, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0, (process.returncode, out, err)
-    return out, int(re.search(r"(\d+) of them made now", err).group(1))
+    return out, made_now(err)
 
 
 def made_by(found):
     return [made for _, made in found]
-
-
-def wait_for(condition, what):
-    limit = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < limit, what
-        time.sleep(0.005)
 
 
 def four_at_once(folder, reference):
@@ -67,7 +59,7 @@ def one_of_them_killed(folder, reference):
         processes = [start(reference, store, 1, "--jobs", 1 + number % 2) for _ in range(4)]
         victim = processes.pop(dice.randrange(4))
         there = dice.randrange(reference.count - 4)
-        wait_for(lambda: len(samples(store)) >= there, there)
+        wait_until(lambda: len(samples(store)) >= there, there)
         victim.kill()
         victim.communicate()
         reference.look(store, 1, finished)
@@ -114,16 +106,17 @@ def threads(folder, reference):
 def standing_still(folder, reference, name, *args):
     """(store, a process that stands still with a sample in its hands, others that wait for it, samples that were there
     when it stopped). It is tried again where the process had nothing in its hands just then."""
-    for attempt in range(5):
+    for attempt in range(20):
         store = folder / f"{name}{attempt}"
         still = start(reference, store, 1, "--jobs", 1)
-        wait_for(lambda: len(samples(store)) >= 2, "two samples")
-        time.sleep(0.03)
+        wait_until(lambda: len(samples(store)) >= 2, "two samples")
+        before = worked(still)
+        wait_until(lambda: worked(still) > before + 0.02, "the third sample to be begun")
         still.send_signal(signal.SIGSTOP)
         others = [start(reference, store, 1, *args) for _ in range(2)]
         had = len(samples(store))
-        wait_for(lambda: len(samples(store)) >= reference.count - 1, "all but one")
-        time.sleep(0.7)  # long enough for one more sample, if anybody made it
+        wait_until(lambda: len(samples(store)) >= reference.count - 1, "all but one")
+        wait_until(lambda: len(samples(store)) == reference.count or all(map(sleeps, others)), "the others to sleep")
         if len(samples(store)) < reference.count:
             assert all(process.poll() is None for process in others), "who waits for another stays"
             return store, still, others, had
@@ -155,7 +148,7 @@ def waiting_is_stopped(folder, reference):
     for process, number in zip(others, (signal.SIGINT, signal.SIGTERM)):
         process.send_signal(number)
         out, err = process.communicate(timeout=PATIENCE)
-        assert process.returncode == 1 and not out and "the same command goes on" in err, (process.returncode, err)
+        assert process.returncode == 1 and not out and names_all(err, store), (process.returncode, err)
     still.send_signal(signal.SIGCONT)
     assert end(still)[0] == reference.stdout[1]
     reference.check_end(store, 1)
@@ -179,7 +172,7 @@ def readers(folder, reference):
     """Tables while a study runs: always of whole samples, never fewer than before."""
     store, before, looks = folder / "read", 0, 0
     writer = start(reference, store, 1, "--jobs", 1)
-    wait_for(lambda: len(samples(store)) > 0, "a sample")
+    wait_until(lambda: len(samples(store)) > 0, "a sample")
     rows = set(reference.table[1].splitlines())
     while writer.poll() is None:
         lines = [line for line in run("table", "ensemble", "--store", store).stdout.splitlines() if line[0] != "#"]

@@ -10,6 +10,7 @@ import tempfile
 import h5py
 import numpy as np
 
+from common import made_now, names_all
 from streams import column, comment, run, tables
 
 SCENE = """
@@ -25,7 +26,7 @@ def an_ensemble(folder):
     scene, store = folder / "scene.cfg", folder / "store"
     scene.write_text(SCENE)
     done = run("study", scene, "--store", store, "--jobs", 2)
-    assert "12 samples, 12 of them made now" in done.stderr, done.stderr
+    assert made_now(done.stderr) == 12, done.stderr
     scaling, planes, narrow, wide = tables(done.stdout)  # a table of probes for each width
     assert list(column(scaling, "width")) == [8, 8, 12, 12] and list(column(scaling, "samples")) == [3] * 4
     assert [comment(t, "packing.width") for t in (narrow, wide)] == ["8", "12"]
@@ -82,15 +83,15 @@ def the_same_by_grains(scene, store):
     grains = int(column(rows, "grains").max())
     again = run("study", "--store", store, "--set", f"packing.grains={grains}", "--set", "packing.width=12", "--set",
                 "packing.tolerance=1e-7", "--set", "packing.seed=3", "--set", "study.samples=3")
-    assert "3 samples, 0 of them made now" in again.stderr, again.stderr
+    assert made_now(again.stderr) == 0, again.stderr
     by_height = run("study", "--store", store, "--set", "packing.height=14", "--set", "packing.width=12", "--set",
                     "packing.tolerance=1e-7", "--set", "packing.seed=3", "--set", "study.samples=3")
-    assert "0 of them made now" in by_height.stderr and by_height.stdout == again.stdout
+    assert made_now(by_height.stderr) == 0 and by_height.stdout == again.stdout
 
 
 def filters(store):
     refused = run("table", "moduli", "--store", store, status=1)
-    assert "width" in refused.stderr
+    assert names_all(refused.stderr, "width")
     for width in (8, 12):
         (moduli,) = tables(run("table", "moduli", "--store", store, "--width", width).stdout)
         assert len(moduli[2]) == 2 and list(column(moduli, "samples")) == [3, 3]
@@ -101,19 +102,19 @@ def filters(store):
     (scaling,) = tables(run("table", "scaling", "--store", store, "--width", "12").stdout)
     assert list(column(scaling, "width")) == [12, 12]
     for other in (["--width", "9"], ["--grains", "7"], ["--friction", "0"], ["--pressure", "1e-5"]):
-        assert "asked for" in run("table", "ctof", "--store", store, *other, status=1).stderr
+        assert names_all(run("table", "ctof", "--store", store, *other, status=1).stderr, "")
     for wrong in (["--width", "wide"], ["--grains", "1.5"], ["--pressure", "-1"], ["--friction"]):
         run("table", "ctof", "--store", store, *wrong, status=2)
 
 
 def only_what_changes_is_made(scene, store, text):
     again = run("study", scene, "--store", store)
-    assert again.stdout == text and " 0 of them made now" in again.stderr
+    assert again.stdout == text and made_now(again.stderr) == 0
     before = {path.name: path.stat().st_mtime_ns for path in store.glob("*.h5")}
     packings = {path.name: positions(path) for path in store.glob("*.h5")}
     # planes elsewhere: fronts there, the rest stays
     other = run("study", scene, "--store", store, "--set", "signal.planes=3,4")
-    assert " 12 of them made now" in other.stderr
+    assert made_now(other.stderr) == 12
     planes = tables(other.stdout)[1]
     assert set(column(planes, "distance")) == {3, 4}
     was = tables(text)[1]
@@ -130,16 +131,16 @@ def only_what_changes_is_made(scene, store, text):
     # planes without a front: recorded, though the file has others, and not tried again
     for count in (12, 0, 0):
         beyond = run("study", scene, "--store", store, "--set", "signal.planes=1.0")
-        assert f" {count} of them made now" in beyond.stderr and "samples failed" in beyond.stderr, beyond.stderr
+        assert made_now(beyond.stderr) == count and names_all(beyond.stderr, count), beyond.stderr
     back = run("study", scene, "--store", store)
     assert back.stdout == text
     # the signal: made, kept, and made anew when its description changes
     signal = ["study", scene, "--store", store, "--set", "study.want=signal", "--set"]
     for setting, count in (("signal.points=31", 12), ("signal.points=31", 0), ("signal.points=41", 12)):
-        assert f" {count} of them made now" in run(*signal, setting).stderr
+        assert made_now(run(*signal, setting).stderr) == count
     assert all(h5py.File(path)["signal/F"].shape == (41,) for path in store.glob("*.h5"))
-    assert " 12 of them made now" in run(*signal, "signal.points=41", "--set", "signal.until=20").stderr
-    assert " 0 of them made now" in run(*signal, "signal.points=41", "--set", "signal.until=20").stderr
+    assert made_now(run(*signal, "signal.points=41", "--set", "signal.until=20").stderr) == 12
+    assert made_now(run(*signal, "signal.points=41", "--set", "signal.until=20").stderr) == 0
     assert run("study", scene, "--store", store).stdout == text
 
 
@@ -156,12 +157,12 @@ def stores_without_newer_parts(scene, store, text):
                 if name in stored:
                     del stored[name]
     fronts = run("study", scene, "--store", store, "--set", "study.want=scaling")
-    assert " 0 of them made now" in fronts.stderr and tables(fronts.stdout)[0][2] == tables(text)[0][2]
+    assert made_now(fronts.stderr) == 0 and tables(fronts.stdout)[0][2] == tables(text)[0][2]
     kept = run("study", scene, "--store", store, "--set", "study.want=signal", "--set", "signal.points=41", "--set",
                "signal.until=20")
-    assert " 0 of them made now" in kept.stderr
+    assert made_now(kept.stderr) == 0
     done = run("study", scene, "--store", store)
-    assert " 12 of them made now" in done.stderr
+    assert made_now(done.stderr) == 12
     assert done.stdout == text
 
 
@@ -185,7 +186,7 @@ def values_of_no_sample(folder, store):
                 place[...] = value
         for table in ("planes", "scaling"):
             done = run("table", table, "--store", other)
-            assert "1 files of the store are left out" in done.stderr and dataset in done.stderr, (dataset, done.stderr)
+            assert names_all(done.stderr, "1") and dataset in done.stderr, (dataset, done.stderr)
             assert sum(column(tables(done.stdout)[0], "samples")) == (rest if table == "planes" else 11), done.stdout
         shutil.rmtree(other)
     outside = run("study", "--store", folder / "outside", "--set", "packing.grains=40", "--set", "packing.width=6",
@@ -200,7 +201,7 @@ def wrong_scenes(folder, scene):
                          (["--set", "packing.height=10", "--set", "packing.kind=chain"], "packing.height"),
                          (["--set", "study.want=spectra"], "spectrum")):
         done = run("study", "--store", folder / "never", *args, status=2)
-        assert reason in done.stderr and not (folder / "never").exists(), done.stderr
+        assert names_all(done.stderr, reason) and not (folder / "never").exists(), done.stderr
 
 
 with tempfile.TemporaryDirectory(prefix="sonopack-distance-") as name:

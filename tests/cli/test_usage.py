@@ -4,16 +4,19 @@ and statics.
 usage: test_usage.py COMMAND SOURCE_DIR
 """
 import json
+import math
 import os
 import pathlib
 import pty
 import re
+import resource
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
-import time
+
+from common import PATIENCE, names_all, wait_for_work, worked
 
 COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 SMALL = ["--set", "packing.grains=60", "--set", "packing.width=8"]
@@ -23,7 +26,7 @@ faults = []
 
 
 def run(*arguments, **options):
-    return subprocess.run([COMMAND, *map(str, arguments)], text=True, stdin=subprocess.DEVNULL, timeout=120,
+    return subprocess.run([COMMAND, *map(str, arguments)], text=True, stdin=subprocess.DEVNULL, timeout=PATIENCE,
                           **{"capture_output": True, **options})
 
 
@@ -38,7 +41,7 @@ def expect_status(status, *arguments, reason="", **options):
     line = (result.stderr or "").split("\n")[0]
     expect(result.returncode == status, f"{arguments}: exit status {result.returncode}, expected {status}: {line}")
     if status:
-        expect(line.startswith("sonopack") and reason in line, f"{arguments}: {line!r} does not say {reason!r}")
+        expect(line.startswith("sonopack") and names_all(line, reason), f"{arguments}: {line!r} does not say {reason!r}")
         expect(status == 1 or not result.stdout, f"{arguments}: data on stdout after wrong usage")
     return result
 
@@ -51,26 +54,27 @@ def rows(text):
 
 def check_wrong_usage():
     nothing = run()
-    expect(nothing.returncode == 2 and not nothing.stdout and "pack" in nothing.stderr, "no command: help on stderr")
-    expect_status(2, "pak", reason="did you mean pack?")
-    expect_status(2, "xyzzy", reason="unknown command xyzzy")
+    expect(nothing.returncode == 2 and not nothing.stdout and names_all(nothing.stderr, "pack"),
+           "no command: help on stderr")
+    expect_status(2, "pak", reason="pack")
+    expect_status(2, "xyzzy", reason="xyzzy")
     expect_status(2, "--frobnicate", reason="--frobnicate")
-    expect_status(2, "help", "nothing", reason="unknown command nothing")
+    expect_status(2, "help", "nothing", reason="nothing")
     expect_status(2, "pack", "--frobnicate", reason="--frobnicate")
-    expect_status(2, "pack", "-o", "x.h5", reason="no scene")
-    expect_status(2, "pack", *SMALL, reason="no output")
-    expect_status(2, "pack", "a.cfg", "b.cfg", "-o", "x.h5", reason="one scene only")
+    expect_status(2, "pack", "-o", "x.h5", reason="")
+    expect_status(2, "pack", *SMALL, reason="")
+    expect_status(2, "pack", "a.cfg", "b.cfg", "-o", "x.h5", reason="")
     expect_status(2, "pack", *SMALL, "--seed", "-1", "-o", "x.h5", reason="--seed -1")
     expect_status(2, "pack", *SMALL, "--seed", "1.5", "-o", "x.h5", reason="--seed 1.5")
     expect_status(2, "pack", *SMALL, "--threads", "0", "-o", "x.h5", reason="--threads 0")
     expect_status(2, "pack", *SMALL, "--threads", "nan", "-o", "x.h5", reason="--threads nan")
     expect_status(2, "pack", *SMALL, "--format", "xml", "-o", "x.h5", reason="--format xml")
-    expect_status(2, "check", reason="no file")
-    expect_status(2, "statics", reason="no file")
+    expect_status(2, "check", reason="")
+    expect_status(2, "statics", reason="")
     expect_status(2, "check", "x.h5", "--tolerance", "0x1", reason="--tolerance 0x1")
     expect_status(2, "statics", "x.h5", "--margin", "inf", reason="--margin inf")
     expect_status(2, "statics", "x.h5", "--set", "packing.grains=3", reason="packing.grains")
-    expect_status(2, "statics", "x.h5", "--set", "network.threshold=7", reason="network.threshold = 7")
+    expect_status(2, "statics", "x.h5", "--set", "network.threshold=7", reason="network.threshold 7")
     expect_status(2, "pack", *SMALL, *["--set", "packing.friction=0.5"] * 300, "-o", "x.h5", reason="--set")
 
 
@@ -92,10 +96,10 @@ def check_streams(folder):
     """A full disk, a closed stdout and a closed pipe are failures with a reason; a reader that has had enough is not."""
     for arguments in (["help"], ["help", "scene"], ["--version"]):
         with open("/dev/full", "w") as full:
-            expect_status(1, *arguments, reason="standard output: No space left", capture_output=False, stdout=full,
+            expect_status(1, *arguments, reason="No space left", capture_output=False, stdout=full,
                           stderr=subprocess.PIPE)
         closed = subprocess.run(["bash", "-c", '"$@" >&-', "bash", COMMAND, *arguments], text=True, capture_output=True)
-        expect(closed.returncode == 1 and "standard output" in closed.stderr, f"{arguments} with stdout closed: {closed}")
+        expect(closed.returncode == 1 and closed.stderr, f"{arguments} with stdout closed: {closed}")
     piped = subprocess.run(["bash", "-c", f"trap '' PIPE; '{COMMAND}' help scene; echo $? >&2"], text=True,
                            stdout=broken_pipe(), stderr=subprocess.PIPE)
     expect("Broken pipe\n1\n" in piped.stderr, f"a broken pipe with SIGPIPE ignored: {piped.stderr!r}")
@@ -104,7 +108,7 @@ def check_streams(folder):
     # with stdout closed no result file may become file 1 and get the summary
     closed = subprocess.run(["bash", "-c", '"$@" >&-', "bash", COMMAND, "pack", *SMALL, "-o", folder / "closed.txt"],
                             text=True, capture_output=True)
-    expect(closed.returncode == 1 and "standard output" in closed.stderr, f"pack with stdout closed: {closed}")
+    expect(closed.returncode == 1 and closed.stderr, f"pack with stdout closed: {closed}")
     expect("grains\theight" not in (folder / "closed.txt").read_text(), "the summary went into the packing")
 
 
@@ -119,7 +123,7 @@ def check_overwriting(folder):
     result = expect_status(0, "pack", *SMALL, "-o", packing)
     before = packing.read_bytes()
     expect(not result.stderr, f"progress without a terminal: {result.stderr!r}")
-    expect_status(2, "pack", *SMALL, "-o", packing, reason="exists already")
+    expect_status(2, "pack", *SMALL, "-o", packing, reason=packing)
     expect(packing.read_bytes() == before, "an existing file was replaced silently")
     expect_status(0, "pack", *SMALL, "--seed", "2", "-o", packing, "--force")
     expect(packing.read_bytes() != before, "--force does not replace")
@@ -127,17 +131,17 @@ def check_overwriting(folder):
                           ("page.txt", b"<html></html>\n"), ("program.txt", b"int main(void) { return 0; }\n")):
         path = folder / name
         path.write_bytes(content)
-        expect_status(2, "pack", *SMALL, "-o", path, "--force", reason="another kind")
+        expect_status(2, "pack", *SMALL, "-o", path, "--force", reason=path)
         expect(path.read_bytes() == content, f"{name} was replaced")
     (folder / "folder.h5").mkdir()
-    expect_status(2, "pack", *SMALL, "-o", folder / "folder.h5", "--force", reason="is a folder")
+    expect_status(2, "pack", *SMALL, "-o", folder / "folder.h5", "--force", reason="folder.h5")
     expect_status(1, "pack", *SMALL, "-o", folder / "nowhere/p.h5", reason="nowhere")
-    expect_status(2, "pack", *SMALL, "-o", folder / "p.dat", reason="ending")
-    expect_status(2, "pack", *SMALL, "-o", "", reason="ending")
-    expect_status(2, "statics", packing, "-o", folder / "t.h5", reason="ending")
+    expect_status(2, "pack", *SMALL, "-o", folder / "p.dat", reason="-o")
+    expect_status(2, "pack", *SMALL, "-o", "", reason="-o")
+    expect_status(2, "statics", packing, "-o", folder / "t.h5", reason="-o")
     expect_status(2, "statics", packing, "-o", folder / "t.tsv", "--format", "csv", reason="--format")
     shutil.copy(packing, folder / "packing.tsv")
-    expect_status(2, "statics", packing, "-o", folder / "packing.tsv", "--force", reason="another kind")
+    expect_status(2, "statics", packing, "-o", folder / "packing.tsv", "--force", reason="packing.tsv")
     for name in ("t.tsv", "t.csv", "t.json"):
         expect_status(0, "statics", packing, "-o", folder / name)
     expect(json.loads((folder / "t.json").read_text()), "JSON")
@@ -210,15 +214,16 @@ def check_audit(folder):
     expect(row["ok"] == "yes" and row["file"] == str(good), f"a packing that was just made: {row}")
     # at rest by the rule 1e-6 p: forces balance to 1e-6 of p d^2 (masses are below 1), the piston of 12.5 to 1.25e-5
     expect(0 <= float(row["residual"]) <= 1.25e-5, f"residual {row['residual']}")
-    expect_status(1, "check", good, "--tolerance", "0", reason="must be at most 0")
+    expect_status(1, "check", good, "--tolerance", "0", reason="0")
     references = sorted((SOURCE / "packings/reference").glob("packing_*.txt"))
     expect(references and {row["ok"] for row in rows(expect_status(0, "check", *references).stdout)} == {"yes"},
            f"reference packings: {references}")
-    changes = {"grain": (change_grain, "positions|overlap|unit|normal"), "force": (change_force, "Hertz"),
-               "tangential": (change_tangential_force, "balance"), "pressure": (change_header("p", 2), "wall|balance"),
-               "friction": (change_header("mu", 0.1), "friction|tangential|Coulomb"),
-               "nan": (change_header("p", float("nan")), ""), "negative": (change_header("p", -1), "")}
-    for name, (change, reason) in changes.items():
+    # what is wrong shows in the measure of it; a header without sense leaves none
+    changes = {"grain": (change_grain, "geometry"), "force": (change_force, "law"),
+               "tangential": (change_tangential_force, "torque"), "pressure": (change_header("p", 2), "walls"),
+               "friction": (change_header("mu", 0.1), "coulomb"),
+               "nan": (change_header("p", float("nan")), None), "negative": (change_header("p", -1), None)}
+    for name, (change, measure) in changes.items():
         lines = good.read_text().splitlines()
         change(lines, 60)
         path = folder / f"{name}.txt"
@@ -226,7 +231,9 @@ def check_audit(folder):
         bad = run("check", good, path)
         table = rows(bad.stdout)
         expect(bad.returncode == 1 and [row["ok"] for row in table] == ["yes", "no"], f"check {name}: {bad}")
-        expect(re.search(reason, table[-1]["reason"]), f"check {name}: reason {table[-1]['reason']}")
+        expect(float(table[-1][measure]) > 1e-3 if measure else math.isnan(float(table[-1]["residual"])),
+               f"check {name}: {table[-1]}")
+        expect(table[-1]["reason"] != "-", f"check {name}: {table[-1]}")
         expect(str(path) in bad.stderr.split("\n")[0], f"check {name}: stderr {bad.stderr!r}")
     (folder / "empty.h5").write_bytes(b"")
     (folder / "noise.h5").write_bytes(bytes(range(256)) * 40)
@@ -287,53 +294,67 @@ def check_interruption(folder):
         place.mkdir()
         process = subprocess.Popen([COMMAND, "pack", *LONG, "-o", place / "p.h5"], text=True, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE)
-        time.sleep(0.5)
+        wait_for_work(process, 0.3, kind)
         process.send_signal(kind)
-        output, error = process.communicate(timeout=60)
+        output, error = process.communicate(timeout=PATIENCE)
         expect(process.returncode == 1 and not output, f"{kind!r}: exit status {process.returncode}, {output!r}")
-        expect(re.fullmatch(r"sonopack: stopped .*\n", error), f"{kind!r}: {error!r}")
+        expect(error.count("\n") == 1 and names_all(error, place / "p.h5.state"), f"{kind!r}: {error!r}")
         left = {path.name for path in place.iterdir()}
-        expect(left <= {"p.h5.state"}, f"{kind!r} leaves {left}")
+        expect(left == {"p.h5.state"}, f"{kind!r} leaves {left}")
     # a step of many grains takes long, which stopping must not
     process = subprocess.Popen([COMMAND, "pack", *LARGE, "-o", folder / "large.h5"], stderr=subprocess.DEVNULL)
-    time.sleep(2)
-    begun = time.monotonic()
+    wait_for_work(process, 1)
+    before = worked(process)
     process.send_signal(signal.SIGINT)
-    expect(process.wait(timeout=110) == 1, "a large packing is stopped")
-    expect(time.monotonic() - begun < 10, f"{time.monotonic() - begun:.1f} s to stop a large packing")
+    _, status, usage = os.wait4(process.pid, 0)
+    used = usage.ru_utime + usage.ru_stime - before
+    expect(os.waitstatus_to_exitcode(status) == 1, "a large packing is stopped")
+    expect(used < 20, f"{used:.1f} s of work to stop a large packing")
+
+
+def work_of_children():
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def check_memory(folder):
     """More grains than fit are refused at once, before the machine is brought to its knees."""
     if os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGESIZE") < 100e9:
-        begun = time.monotonic()
+        before = work_of_children()
         expect_status(1, "pack", "--set", "packing.grains=100000000", "-o", folder / "huge.h5",
-                      reason="packing.grains = 100000000: needs")
-        expect(time.monotonic() - begun < 10, "it takes long to see that memory does not suffice")
+                      reason="packing.grains 100000000")
+        expect(work_of_children() - before < 10, "it takes long to see that memory does not suffice")
     # OpenBLAS cannot start its threads in so little space; a process ends all the same (127: the loader's word)
     for kilobytes in (100000, 200000):
         try:
             done = subprocess.run(f"ulimit -v {kilobytes}; exec {COMMAND} --version", shell=True, text=True,
-                                  capture_output=True, timeout=60)
+                                  capture_output=True, timeout=PATIENCE)
             expect(done.returncode in (0, 127), f"--version in {kilobytes} kB: {done.returncode} {done.stderr}")
         except subprocess.TimeoutExpired:
             expect(False, f"--version in {kilobytes} kB never ends")
 
 
 def check_progress(folder):
-    """On a terminal a line that rewrites itself, none with --quiet."""
+    """On a terminal a line that rewrites itself, none with --quiet. The reason why not, where there is no terminal."""
     for option, shown in (([], True), (["--quiet"], False)):
-        master, slave = pty.openpty()
+        try:
+            master, slave = pty.openpty()
+        except OSError as error:
+            return f"no pseudo-terminal: {error}"
         process = subprocess.Popen([COMMAND, "pack", *LONG, *option, "-o", folder / "never.h5"], stderr=slave,
                                    stdout=subprocess.DEVNULL)
         os.close(slave)
-        time.sleep(0.7)
+        first = os.read(master, 65536).decode() if shown else ""  # waits for it
+        wait_for_work(process, 0.3)
         process.send_signal(signal.SIGINT)
-        process.wait(timeout=60)
-        seen = os.read(master, 65536).decode()
+        process.wait(timeout=PATIENCE)
+        seen = first + os.read(master, 65536).decode()
         os.close(master)
         expect(("strain" in seen and "\r" in seen) == shown, f"progress with {option}: {seen!r}")
-        expect(seen.replace("\r\n", "\n").endswith(("start it again\n", "goes on from there\n")), f"the last line: {seen[-200:]!r}")
+        last = re.split(r"[\r\n]+", seen.strip())[-1]
+        expect(names_all(last, "never.h5.state"), f"the last line: {seen[-200:]!r}")
+        (folder / "never.h5.state").unlink(missing_ok=True)
+    return None
 
 
 def main():
@@ -349,11 +370,11 @@ def main():
         check_statics(folder)
         check_interruption(folder)
         check_memory(folder)
-        check_progress(folder)
+        skipped = check_progress(folder)
     finally:
         shutil.rmtree(folder)
-    print(*faults, sep="\n")
-    sys.exit(1 if faults else 0)
+    print(*faults, *([f"skipped: {skipped}"] if skipped else []), sep="\n")
+    sys.exit(1 if faults else 77 if skipped else 0)
 
 
 if __name__ == "__main__":

@@ -51,7 +51,7 @@ def run(arguments, folder):
     # HDF5 1.10 itself loses memory when a checksum of a file's metadata is wrong
     (folder / "suppressions").write_text("leak:libhdf5\n")
     env = dict(os.environ, LSAN_OPTIONS=f"suppressions={folder / 'suppressions'}:print_suppressions=0")
-    return subprocess.run([COMMAND, *arguments], cwd=folder, env=env, capture_output=True, timeout=60,
+    return subprocess.run([COMMAND, *arguments], cwd=folder, env=env, capture_output=True, timeout=1200,
                           stdin=subprocess.DEVNULL)
 
 

@@ -5,7 +5,6 @@ usage: test_mpi.py COMMAND SOURCE_DIR MPI_COMMAND      MPI_COMMAND: a build with
 """
 import os
 import pathlib
-import re
 import resource
 import shutil
 import signal
@@ -13,6 +12,9 @@ import subprocess
 import sys
 import tempfile
 import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "cli"))
+from common import PATIENCE, made_now, names_all, wait_until  # noqa: E402
 
 COMMAND, SOURCE, MPI_COMMAND = sys.argv[1:4]
 
@@ -40,7 +42,7 @@ def start(ranks, *arguments, command=MPI_COMMAND):
 
 def mpirun(ranks, *arguments, command=MPI_COMMAND, status=0):
     job = start(ranks, *arguments, command=command)
-    out, err = job.communicate(timeout=120)
+    out, err = job.communicate(timeout=PATIENCE)
     assert job.returncode == status, (ranks, arguments, job.returncode, out, err)
     return out, err
 
@@ -51,16 +53,17 @@ def plain(*arguments, command=COMMAND, status=0):
     return done.stdout, done.stderr
 
 
+def ours(err):
+    """What the command says; MPI's libraries may say more, of a network that a container lacks, say."""
+    return [line for line in err.splitlines() if line.startswith("sonopack")]
+
+
 def samples(store):
     return {path.name: path.read_bytes() for path in store.glob("*.h5")}
 
 
 def modified(store):
     return {path.name: path.stat().st_mtime_ns for path in store.glob("*.h5")}
-
-
-def made(err):
-    return int(re.search(r"(\d+) of them made now", err).group(1))
 
 
 def processes(store):
@@ -77,36 +80,29 @@ def processes(store):
     return found
 
 
-def wait_until(condition, what, seconds=60):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, f"waited {seconds} s for {what}"
-        time.sleep(0.05)
-
-
-def same_bytes(folder, scene, text, expected):
-    for ranks, jobs in ((1, None), (2, None), (4, None), (2, 2), (4, 2)):
+def same_bytes(folder, scene, text, expected, slow):
+    for ranks, jobs in ((1, None), (2, None), (4, None), (2, 2), (4, 2)) if slow else ((1, None), (4, None), (2, 2)):
         store = folder / f"ranks-{ranks}-{jobs}"
         more = ["--jobs", jobs] if jobs else []
         out, err = mpirun(ranks, "study", scene, "--store", store, *more)
         assert out == text, (ranks, jobs)
         assert samples(store) == expected, (ranks, jobs)
-        assert made(err) == SAMPLES and err.count("sonopack:") == 1, err  # each once, and told once
-        assert (f"by {ranks} ranks" in err) == (ranks > 1), err
+        assert made_now(err) == SAMPLES and len(ours(err)) == 1, err  # each once, and told once
+        assert ranks == 1 or names_all(ours(err)[0], ranks), err
         before = modified(store)
         out, err = mpirun(ranks, "study", scene, "--store", store, *more)
-        assert out == text and made(err) == 0 and modified(store) == before
+        assert out == text and made_now(err) == 0 and modified(store) == before
     # shards of several ranks, and tables in a file
     store, table = folder / "shards", folder / "table.tsv"
     for shard in (1, 2):
         _, err = mpirun(2, "study", scene, "--store", store, "--shard", f"{shard}/2", "-q")
-        assert err == ""
+        assert ours(err) == []
     mpirun(2, "study", scene, "--store", store, "-o", table)
     assert samples(store) == expected
     assert table.read_text() + "\n" + table.with_name("table-moduli.tsv").read_text() == text
     # the same command without a launcher
     out, err = plain("study", scene, "--store", store, command=MPI_COMMAND)
-    assert out == text and made(err) == 0
+    assert out == text and made_now(err) == 0
 
 
 def cpu_time(process):
@@ -127,12 +123,12 @@ def dynamic(folder):
     wait_until(lambda: len(samples(store)) >= LONGER_SAMPLES - 1, "the samples of the other ranks")
     assert job.poll() is None
     os.kill(ranks[-1], signal.SIGCONT)
-    out, err = job.communicate(timeout=60)
-    assert job.returncode == 0 and made(err) == LONGER_SAMPLES, err
+    out, err = job.communicate(timeout=PATIENCE)
+    assert job.returncode == 0 and made_now(err) == LONGER_SAMPLES, err
     return scene, out, samples(store)
 
 
-def stopped(folder, scene, text, expected):
+def stopped(folder, slow, scene, text, expected):
     """mpirun or a rank killed, Ctrl-C to mpirun, SIGTERM to one rank: what was finished stays, and the job goes on."""
     def ends(name, act, told):
         store = folder / name
@@ -140,20 +136,22 @@ def stopped(folder, scene, text, expected):
         wait_until(lambda: len(samples(store)) >= 5, "five samples")
         act(job, sorted(processes(store)))
         before = modified(store)
-        out, err = job.communicate(timeout=60)
+        out, err = job.communicate(timeout=PATIENCE)
         assert job.returncode != 0 and out == "", (name, job.returncode, out)
         if told:
-            assert err.count("the same command goes on") == 1, (name, err)
-        wait_until(lambda: not processes(store), f"the ranks to end ({name})", 20)
+            assert len(ours(err)) == 1 and names_all(ours(err)[0], f"{LONGER_SAMPLES} {store}"), (name, err)
+        wait_until(lambda: not processes(store), f"the ranks to end ({name})")
         kept = modified(store)
         assert before.items() <= kept.items() and len(kept) < LONGER_SAMPLES, (name, len(before), len(kept))
         out, err = mpirun(2, "study", scene, "--store", store)
-        assert out == text and made(err) == LONGER_SAMPLES - len(kept), (name, err)
+        assert out == text and made_now(err) == LONGER_SAMPLES - len(kept), (name, err)
         assert samples(store) == expected and kept.items() <= modified(store).items(), name
 
-    ends("mpirun killed", lambda job, ranks: job.kill(), False)
+    if slow:
+        ends("mpirun killed", lambda job, ranks: job.kill(), False)
     ends("rank 0 killed", lambda job, ranks: os.kill(ranks[0], signal.SIGKILL), False)
-    ends("last rank killed", lambda job, ranks: os.kill(ranks[-1], signal.SIGKILL), False)
+    if slow:
+        ends("last rank killed", lambda job, ranks: os.kill(ranks[-1], signal.SIGKILL), False)
     ends("interrupted", lambda job, ranks: job.send_signal(signal.SIGINT), False)
     ends("one rank ended", lambda job, ranks: os.kill(ranks[-1], signal.SIGTERM), True)
 
@@ -163,30 +161,29 @@ def failed_samples(folder):
     args = ["study", "--set", "packing.width=8", "--set", "packing.grains=60", "--set", "study.samples=4", "--set",
             "study.want=statics", "--set", 'study.sweep=({ key = "packing.max_steps"; values = [100, 1000000]; })']
     _, err = plain(*args, "--store", folder / "failing")
-    expected = re.search(r"(\d+) samples failed", err)
-    assert expected and int(expected.group(1)) == 4, err
+    assert names_all(ours(err)[-1], 4), err
     _, err = mpirun(3, *args, "--store", folder / "failing-3")
-    assert re.search(r"(\d+) samples failed", err).group(1) == expected.group(1), err
+    assert len(ours(err)) == 2 and names_all(ours(err)[-1], 4), err
     assert len(list((folder / "failing-3").glob("*.failed"))) == len(list((folder / "failing").glob("*.failed")))
 
 
 def refused(folder, scene):
     store = folder / "refused"
     for arguments, status, reason in (
-            (["study", scene], 2, "no store"), (["study", scene, "--store", store, "--jobz"], 2, "--jobz"),
-            (["study", "--store", store, "--verify"], 2, "one process"),
+            (["study", scene], 2, "--store"), (["study", scene, "--store", store, "--jobz"], 2, "--jobz"),
+            (["study", "--store", store, "--verify"], 2, "--verify"),
             (["study", folder / "none.cfg", "--store", store], 2, "none.cfg"),
             (["study", scene, "--store", scene], 1, str(scene))):
         out, err = mpirun(3, *arguments, status=status)
-        assert out == "" and sum(line.startswith("sonopack") for line in err.splitlines()) == 1 and reason in err, err
+        assert out == "" and len(ours(err)) == 1 and names_all(err, reason), err
     assert "Usage" in mpirun(3, "study", "--help")[0]
     # ranks that do not make the same
     out, err = mpirun(1, "study", scene, "--store", store, ":", "-n", "1", MPI_COMMAND, "study", scene, "--store", store,
                       "--set", "packing.seed=7", status=2)
-    assert "rank 1" in err and "the same study" in err and out == ""
+    assert names_all(err, "rank 1") and out == ""
     out, err = mpirun(1, "study", scene, "--store", store, ":", "-n", "1", MPI_COMMAND, "study", folder / "none.cfg",
                       "--store", store, status=2)
-    assert "rank 1" in err and "none.cfg" in err and out == ""
+    assert names_all(err, "rank 1 none.cfg") and out == ""
 
 
 def unlike_folders(folder):
@@ -197,7 +194,7 @@ def unlike_folders(folder):
     script.chmod(0o755)
     out, err = mpirun(2, "study", "--store", "store", "--set", "study.samples=12", "--set", "packing.grains=60",
                       "--set", "packing.width=8", command=script, status=1)
-    assert not out and "one folder for all ranks" in err, (out, err)
+    assert not out and any("ranks" in line for line in ours(err)), (out, err)
 
 
 def without_mpi(folder, scene, text):
@@ -227,7 +224,7 @@ def sleepers(folder):
     return wall, cpu
 
 
-def main():
+def main(slow=False):
     if MPI_COMMAND == "none" or not shutil.which("mpirun"):
         print("skipped: no MPI here (Debian: openmpi-bin, libopenmpi-dev)")
         sys.exit(77)
@@ -238,8 +235,8 @@ def main():
         text, _ = plain("study", scene, "--store", folder / "plain")
         expected = samples(folder / "plain")
         assert len(expected) == SAMPLES
-        same_bytes(folder, scene, text, expected)
-        stopped(folder, *dynamic(folder))
+        same_bytes(folder, scene, text, expected, slow)
+        stopped(folder, slow, *dynamic(folder))
         failed_samples(folder)
         refused(folder, scene)
         unlike_folders(folder)
@@ -248,4 +245,5 @@ def main():
         print("four ranks and one sample: {:.1f} s, {:.1f} s of CPU time".format(*sleepers(folder)))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -132,7 +132,7 @@ static void test_next_choice(void **state) {
     sp_signal s;
     o.tolerance = 1e-8;
     o.method = SP_SIGNAL_DENSE;
-    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EREFUSED, "error bound");
+    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EREFUSED, "1e-08");
     o.method = SP_SIGNAL_AUTO;
     assert_ok(sp_signal_make(&net, &o, &s, &err));
     assert_int_equal(s.method, SP_SIGNAL_CHEBYSHEV);

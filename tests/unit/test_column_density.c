@@ -181,7 +181,7 @@ static void test_refusals(void **state) {
         rows r = {.particles = c.particles};
         c.model = kinds[k].model;
         c.bsr = kinds[k].bsr;
-        assert_fails(sp_tapped_run_density(&c, 2, t, keep, &r, &err), SP_EINVAL, "ascending");
+        assert_fails(sp_tapped_run_density(&c, 2, t, keep, &r, &err), SP_EINVAL, "0.20000000000000001");
         c.e = 1;
         assert_fails(sp_tapped_run_density(&c, 1, t, keep, &r, &err), SP_EINVAL, "column.e");
     }

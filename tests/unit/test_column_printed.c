@@ -124,16 +124,16 @@ static void test_refused(void **state) {
     const double t = 0;
     int rows = 0;
     c.model = SP_TAPPED_EQ37;
-    assert_fails(sp_tapped_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "grow at 851.4 /s");
-    assert_fails(sp_tapped_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "CFL number of 280.1");
-    assert_fails(sp_tapped_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "-0.167 K h^2/m");
+    assert_fails(sp_tapped_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "851.4");
+    assert_fails(sp_tapped_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "280.1");
+    assert_fails(sp_tapped_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "-0.167");
     c.model = SP_TAPPED_EQ35;
-    assert_fails(sp_tapped_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "without bound in k");
+    assert_fails(sp_tapped_run(&c, 1, &t, no_row, &rows, NULL, &err), SP_EREFUSED, "column.model eq35");
     assert_int_equal(rows, 0);
     sp_tapped_symbol s;
     assert_fails(sp_tapped_symbol_at(&c, SP_TAPPED_BSR, 0.5, 1, 1, &s, &err), SP_EINVAL, "symbol");
-    assert_fails(sp_tapped_symbol_at(&c, SP_TAPPED_EQ35, 0.5, 1, 0, &s, &err), SP_EINVAL, "positive");
-    assert_fails(sp_tapped_symbol_at(&c, SP_TAPPED_EQ35, 0.5, NAN, 1, &s, &err), SP_EINVAL, "finite");
+    assert_fails(sp_tapped_symbol_at(&c, SP_TAPPED_EQ35, 0.5, 1, 0, &s, &err), SP_EINVAL, "k 0");
+    assert_fails(sp_tapped_symbol_at(&c, SP_TAPPED_EQ35, 0.5, NAN, 1, &s, &err), SP_EINVAL, "slope nan");
 }
 
 int main(void) {

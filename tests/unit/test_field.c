@@ -124,12 +124,12 @@ static void test_refusals(void **state) {
     static const double bad[] = {-1, NAN, INFINITY}, late = 1e12, good = 3;
     for (int k = 0; k < 3; k++) {
         const sp_field_options spec = {.times = 1, .t = &bad[k]};
-        assert_fails(sp_signal_field(&net, &spec, u, NULL, &err), SP_EINVAL, "time 1 of the field");
+        assert_fails(sp_signal_field(&net, &spec, u, NULL, &err), SP_EINVAL, "1");
     }
     sp_field_options spec = {.times = 0, .t = &good};
-    assert_fails(sp_signal_field(&net, &spec, u, NULL, &err), SP_EINVAL, "0 times");
+    assert_fails(sp_signal_field(&net, &spec, u, NULL, &err), SP_EINVAL, "0");
     spec = (sp_field_options){.times = 1, .t = &late};
-    assert_fails(sp_signal_field(&net, &spec, u, NULL, &err), SP_EREFUSED, "matrix products");
+    assert_fails(sp_signal_field(&net, &spec, u, NULL, &err), SP_EREFUSED, "1e+12 20000000");
     const sp_place nowhere = {.kind = SP_PLACE_PLANE, .height = 3};
     spec = (sp_field_options){.times = 1, .t = &good, .from = &nowhere};
     assert_int_not_equal(sp_signal_field(&net, &spec, u, NULL, NULL), SP_OK);

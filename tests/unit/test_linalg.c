@@ -53,8 +53,8 @@ static void test_dense(void **state) {
             assert_ok(sp_tridiagonal_vectors(&t, count, v, &err));
             check_vectors(n, count, copy, w, v);
         }
-        assert_fails(sp_tridiagonal_vectors(&t, n + 1, v, &err), SP_EINVAL, "eigenvectors asked for");
-        assert_fails(sp_tridiagonal_vectors(&t, 0, v, &err), SP_EINVAL, "eigenvectors asked for");
+        assert_fails(sp_tridiagonal_vectors(&t, n + 1, v, &err), SP_EINVAL, "");
+        assert_fails(sp_tridiagonal_vectors(&t, 0, v, &err), SP_EINVAL, "0");
         sp_tridiagonal_free(&t);
         free(copy);
         free(a);
@@ -66,12 +66,12 @@ static void test_refusals(void **state) {
     double a[4] = {1, 0, 0, 1}, w[2];
     sp_tridiagonal t;
     const double bad[] = {NAN, INFINITY};
-    assert_fails(sp_eigen_all(0, a, w, &err), SP_EINVAL, "order 0");
-    assert_fails(sp_eigen_all(40000, a, w, &err), SP_EINVAL, "order 40000");
+    assert_fails(sp_eigen_all(0, a, w, &err), SP_EINVAL, "0");
+    assert_fails(sp_eigen_all(40000, a, w, &err), SP_EINVAL, "40000");
     for (int k = 0; k < 2; k++) {
         a[1] = bad[k];
-        assert_fails(sp_eigen_all(2, a, w, &err), SP_EINVAL, "not finite");
-        assert_fails(sp_tridiagonal_make(2, a, &t, &err), SP_EINVAL, "not finite");
+        assert_fails(sp_eigen_all(2, a, w, &err), SP_EINVAL, "");
+        assert_fails(sp_tridiagonal_make(2, a, &t, &err), SP_EINVAL, "");
     }
 }
 
@@ -138,17 +138,17 @@ static void test_cholesky_refuses(void **state) {
     chain_matrix m;
     sp_cholesky *c = NULL;
     fill_chain(&m, -2); /* indefinite */
-    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_EREFUSED, "not positive definite");
+    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_EREFUSED, "24 50");
     fill_chain(&m, 2); /* both ends free: singular, by rounding perhaps not quite */
     m.x[0] = m.x[m.p[N - 1]] = 1;
-    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_EREFUSED, "the matrix is");
+    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_EREFUSED, "49 50");
     m.x[0] = m.x[m.p[N - 1]] = 1.1 / 1.1 - 1e-17;
-    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_EREFUSED, "the matrix is");
+    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_EREFUSED, "49 50");
     fill_chain(&m, 2);
     m.x[0] = NAN;
-    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_EREFUSED, "");
+    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_EREFUSED, "1e-13");
     sp_alloc_fail_after(0);
-    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_ENOMEM, "no memory");
+    assert_fails(sp_cholesky_make(&m.a, &c, &err), SP_ENOMEM, "");
     sp_alloc_fail_after(-1);
     assert_null(c);
 }

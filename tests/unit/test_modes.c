@@ -211,7 +211,7 @@ static void test_prestress(void **state) {
     net = network_of(&p, true);
     const sp_modes_options o = sp_modes_options_default();
     sp_modes m = sp_modes_none();
-    assert_fails(sp_modes_dense(&net, &o, &m, &err), SP_EREFUSED, "unstable");
+    assert_fails(sp_modes_dense(&net, &o, &m, &err), SP_EREFUSED, "omega^2");
     assert_null(m.omega);
     sp_network_free(&net);
     sp_packing_free(&p);
@@ -236,7 +236,7 @@ static void test_refusals(void **state) {
     sp_network net = network_of(&p, false);
     const sp_modes_options o = sp_modes_options_default();
     sp_modes m = sp_modes_none();
-    assert_fails(sp_modes_dense(&net, &o, &m, &err), SP_EREFUSED, "20001 degrees of freedom");
+    assert_fails(sp_modes_dense(&net, &o, &m, &err), SP_EREFUSED, "20001");
     sp_network_free(&net);
     sp_packing_free(&p);
     p = chain_packing(12, 1e-4);

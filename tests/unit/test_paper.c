@@ -377,9 +377,9 @@ static void folders(void **state) {
     assert_fails(sp_paper_check_folder(path, false, &err), SP_EINVAL, "--force");
     assert_ok(sp_paper_check_folder(path, true, &err));
     write_text(path, "report.md", "# My own\n");
-    assert_fails(sp_paper_check_folder(path, true, &err), SP_EINVAL, "other files");
-    assert_fails(sp_paper_check_folder(file, true, &err), SP_EINVAL, "is no folder");
-    assert_fails(sp_paper_check_folder("", true, &err), SP_EINVAL, "folder ''");
+    assert_fails(sp_paper_check_folder(path, true, &err), SP_EINVAL, "report");
+    assert_fails(sp_paper_check_folder(file, true, &err), SP_EINVAL, "report.md");
+    assert_fails(sp_paper_check_folder("", true, &err), SP_EINVAL, "3800");
     unlink(file);
     rmdir(path);
     rmdir(folder);
@@ -399,20 +399,20 @@ static void options(void **state) {
     assert_ok(sp_store_open(folder, true, &store, &err));
     sp_paper_options o = sp_paper_options_default();
     o.samples = 0;
-    assert_fails(sp_paper_reproduce(store, &o, NULL, NULL, &t, &err), SP_EINVAL, "samples = 0");
+    assert_fails(sp_paper_reproduce(store, &o, NULL, NULL, &t, &err), SP_EINVAL, "samples 0");
     o = sp_paper_options_default();
     o.jobs = 0;
-    assert_fails(sp_paper_reproduce(store, &o, NULL, NULL, &t, &err), SP_EINVAL, "jobs = 0");
+    assert_fails(sp_paper_reproduce(store, &o, NULL, NULL, &t, &err), SP_EINVAL, "jobs 0");
     o = sp_paper_options_default();
     o.items = UINT32_C(1) << SP_PAPER_ITEMS;
     assert_fails(sp_paper_reproduce(store, &o, NULL, NULL, &t, &err), SP_EINVAL, "items");
     o = sp_paper_options_default();
     o.figures = "gif";
-    assert_fails(sp_paper_reproduce(store, &o, NULL, NULL, &t, &err), SP_EINVAL, "svg, png or pdf");
+    assert_fails(sp_paper_reproduce(store, &o, NULL, NULL, &t, &err), SP_EINVAL, "svg png pdf");
     o = sp_paper_options_default();
     o.items = UINT32_C(1) << PAPER_TABLE_1;
     int calls = 0;
-    assert_fails(sp_paper_reproduce(store, &o, stop, &calls, &t, &err), SP_EINTERRUPTED, "stopped");
+    assert_fails(sp_paper_reproduce(store, &o, stop, &calls, &t, &err), SP_EINTERRUPTED, "0 120");
     o.items = UINT32_C(1) << PAPER_FIG(1); /* drawn only: without a folder there is nothing to do */
     assert_ok(sp_paper_reproduce(store, &o, NULL, NULL, &t, &err));
     assert_int_equal(t.rows, 0);

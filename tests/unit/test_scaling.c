@@ -308,22 +308,22 @@ static void wrong_input(void **state) {
     sp_scaling s;
     data d = make(2, 3, true);
     d.in.rows = 0;
-    assert_fails(sp_scaling_make(input(&d), &s, &err), SP_EINVAL, "at least 1");
+    assert_fails(sp_scaling_make(input(&d), &s, &err), SP_EINVAL, "1");
     d = make(2, 3, true);
     d.samples[1] = 2;
-    assert_fails(sp_scaling_make(input(&d), &s, &err), SP_EINVAL, "same packings");
+    assert_fails(sp_scaling_make(input(&d), &s, &err), SP_EINVAL, "1 2 3");
     d = make(2, 3, false);
     d.samples[0] = 0;
     assert_fails(sp_scaling_make(input(&d), &s, &err), SP_EINVAL, "0 samples");
     d = make(2, 3, false);
     d.distance[1][1] = -1;
-    assert_fails(sp_scaling_make(input(&d), &s, &err), SP_EINVAL, "distance -1 of sample 1: must be positive");
+    assert_fails(sp_scaling_make(input(&d), &s, &err), SP_EINVAL, "distance -1 1");
     d.distance[1][1] = NAN;
-    assert_fails(sp_scaling_make(input(&d), &s, &err), SP_EINVAL, "positive");
+    assert_fails(sp_scaling_make(input(&d), &s, &err), SP_EINVAL, "nan 1");
     d = make(2, 3, false);
     for (int k = 0; k < 3; k++)
         d.distance[1][k] = 8;
-    assert_fails(sp_scaling_make(input(&d), &s, &err), SP_EINVAL, "must ascend");
+    assert_fails(sp_scaling_make(input(&d), &s, &err), SP_EINVAL, "8");
 }
 
 static void lack_of_memory(void **state) {

@@ -268,7 +268,7 @@ static void lack_of_memory(void **state) {
             sp_sample_make(&scene, SP_WANT_PLANES | SP_WANT_PROBES | SP_WANT_SPECTRUM, &packing, &s, &arrays, &err);
         sp_alloc_fail_after(-1);
         sp_sample_arrays_free(&arrays);
-        assert_true(status == SP_OK || (status == SP_ENOMEM && !s.failed && strstr(err.text, "memory")));
+        assert_true(status == SP_OK || (status == SP_ENOMEM && !s.failed));
         assert_true(k < 20000);
     }
     sp_scene_free(&scene);

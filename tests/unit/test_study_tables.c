@@ -213,7 +213,7 @@ static void groups_with_holes(void **state) {
     assert_ok(sp_study_table("ctof", 1, s, NULL, &t, &err));
     assert_int_equal(t.rows, 1);
     assert_true(isnan(cell(&t, 0, "c_tof")));
-    assert_non_null(strstr(t.comment[1], "two heights"));
+    assert_true(t.comments > 1); /* why there is no speed */
     sp_table_free(&t);
     /* nothing at all is an empty table */
     assert_ok(sp_study_table("ctof", 0, s, NULL, &t, &err));
@@ -241,14 +241,14 @@ static void three_sizes(void **state) {
     assert_close(cell(&t, 0, "samples"), 3, 0);
     assert_relative(cell(&t, 0, "c_tof"), 0.3, 1e-12);
     assert_true(cell(&t, 0, "c_tof_err") < 1e-12);
-    assert_non_null(strstr(t.comment[1], "grains 200 and 400"));
+    assert_true(test_names(t.comment[1], "200 400"));
     sp_table_free(&t);
     /* the same sample twice, once with what it lacked before */
     s[n] = s[n - 1];
     s[n].failed = false;
     s[n++].have = SP_WANT_CTOF;
     assert_ok(sp_study_table("ctof", n, s, NULL, &t, &err));
-    assert_non_null(strstr(t.comment[1], "grains 200 and 600"));
+    assert_true(test_names(t.comment[1], "200 600"));
     assert_close(cell(&t, 0, "samples"), 1, 0);
     assert_string_equal(sp_table_comment_value(&t, "failed"), "2");
     sp_table_free(&t);
@@ -269,7 +269,7 @@ static void unlike_materials(void **state) {
     }
     s[MADE - 1].material = 78;
     for (size_t k = 0; k < sizeof names / sizeof *names; k++)
-        assert_fails(sp_study_table(names[k], MADE, s, NULL, &t, &err), SP_EREFUSED, "one scene");
+        assert_fails(sp_study_table(names[k], MADE, s, NULL, &t, &err), SP_EREFUSED, "packing signal.source");
     assert_ok(sp_study_table("ensemble", MADE, s, NULL, &t, &err));
     sp_table_free(&t);
     s[MADE - 1].failed = true; /* which has nothing to average */
@@ -342,10 +342,10 @@ static void levels_of_intervals(void **state) {
             const sp_table_options o = {levels[k]};
             char text[60];
             assert_ok(sp_study_table(all[n].table, MADE, s, &o, &t[k], &err));
-            snprintf(text, sizeof text, "at level %g,", levels[k]);
+            snprintf(text, sizeof text, "%g", levels[k]);
             bool told = false;
             for (int c = 0; c < t[k].comments; c++)
-                told = told || strstr(t[k].comment[c], text);
+                told = told || test_names(t[k].comment[c], text);
             assert_true(told);
             const int64_t last = t[k].rows - 1;
             assert_true(cell(&t[k], last, all[n].rest) == cell(&t[0], last, all[n].rest));
@@ -359,7 +359,7 @@ static void levels_of_intervals(void **state) {
             sp_table_free(&t[k]);
         sp_table_free(&none);
         const sp_table_options wrong = {95};
-        assert_fails(sp_study_table(all[n].table, MADE, s, &wrong, &none, &err), SP_EINVAL, "must be 0.5 to 0.999");
+        assert_fails(sp_study_table(all[n].table, MADE, s, &wrong, &none, &err), SP_EINVAL, "0.5 0.999");
     }
 }
 
@@ -379,7 +379,7 @@ static void what_is_not_averaged(void **state) {
     make_up(s);
     s[8] = s[0]; /* the same seed under another name: of another scene */
     s[8].name[0] = 'f';
-    assert_fails(sp_study_table("moduli", MADE, s, NULL, &t, &err), SP_EREFUSED, "different scenes");
+    assert_fails(sp_study_table("moduli", MADE, s, NULL, &t, &err), SP_EREFUSED, "1e-07 200 1");
     assert_fails(sp_study_table("spectra", MADE, s, NULL, &t, &err), SP_EINVAL, "spectra");
     assert_null(t.cells);
 }

@@ -139,10 +139,9 @@ static void each_kind_has_its_dimension(void **state) {
         sp_free(text_alone);
         sp_scene_free(&s);
     }
-    refuses("packing = { kind = [\"piston\", \"chain\"]; dimension = 2; };", "packing.dimension = 2: must be 1");
-    refuses("packing = { kind = [\"piston\", \"file\"]; };", "packing.kind = \"file\": must not be swept");
-    refuses("packing = { file = \"p.h5\"; kind = [\"piston\", \"chain\"]; };",
-            "s.cfg:1: packing.kind: must not be swept");
+    refuses("packing = { kind = [\"piston\", \"chain\"]; dimension = 2; };", "packing.dimension 2 1");
+    refuses("packing = { kind = [\"piston\", \"file\"]; };", "packing.kind file");
+    refuses("packing = { file = \"p.h5\"; kind = [\"piston\", \"chain\"]; };", "s.cfg:1 packing.kind");
     is_swept("packing = { dimension = [2, 3]; width = 6; };", "packing.dimension=2|3");
 }
 
@@ -154,14 +153,14 @@ static void combinations_count(void **state) {
         "study = { sweep = ( { key = \"packing.diameters\"; values = ( [1, 1, 1], [1, 1, 1.1] ); } ); };";
     sp_scene s = parsed(text);
     assert_int_equal(sp_study_count(&s), 2);
-    assert_fails(sp_pack_spec_check(&s.pack, &err), SP_EINVAL, "packing.diameters = (0 numbers)");
+    assert_fails(sp_pack_spec_check(&s.pack, &err), SP_EINVAL, "packing.diameters 0");
     check_round_trip(&s);
     sp_scene_free(&s);
     refuses("packing = { sizes = \"list\"; grains = 3; kind = \"chain\"; };"
             "study = {\n sweep = ( { key = \"packing.diameters\"; values = ( [1, 1, 1], [1, 1] ); } ); };",
-            "s.cfg:2: study.sweep: packing.diameters = (2 numbers): must be one for each");
-    refuses("packing = {\n width = 3;\n pressure = [1e-5, 1e-4]; };", "s.cfg:2: packing.width = 3: ");
-    refuses("packing = {\n width = [24,\n 3]; };", "s.cfg:2: packing.width = 3: ");
+            "s.cfg:2 study.sweep packing.diameters 2");
+    refuses("packing = {\n width = 3;\n pressure = [1e-5, 1e-4]; };", "s.cfg:2 packing.width 3");
+    refuses("packing = {\n width = [24,\n 3]; };", "s.cfg:2 packing.width 3");
 }
 
 static void seeds(void **state) {
@@ -176,13 +175,13 @@ static void seeds(void **state) {
     check_round_trip(&s);
     sp_scene_free(&s);
     refuses("packing = {\n seed = [100, 1]; }; study = { samples = 100; };",
-            "s.cfg:2: packing.seed: 1 and 100 are swept: must differ by at least study.samples = 100");
+            "s.cfg:2 packing.seed 1 100 study.samples 100");
     is_swept("packing = { seed = [9007199254740991, 9007199254740992, 4503599627370497]; };",
              "packing.seed=9007199254740991|9007199254740992|4503599627370497");
     is_swept("packing = { seed = { from = 9007199254740980; to = 9007199254740992; step = 4; }; };",
              "packing.seed=9007199254740980|9007199254740984|9007199254740988|9007199254740992");
-    refuses("packing = { seed = [1, 9007199254740993]; };", "must be 9007199254740992 at the most where it is swept");
-    refuses("packing = { seed = [1, -1]; };", "packing.seed = -1: must be an integer");
+    refuses("packing = { seed = [1, 9007199254740993]; };", "9007199254740992");
+    refuses("packing = { seed = [1, -1]; };", "packing.seed -1");
 }
 
 /* ---- ranges ----------------------------------------------------------------------------------------------------- */
@@ -266,47 +265,45 @@ static void neat_values_are_met(void **state) {
 static void ranges_that_make_no_sense(void **state) {
     (void)state;
     static const char *const wrong[][2] = {
-        {"pressure = { from = 1e-7; to = 1e-4; }", "packing.pressure: a range without count and step: must be { from"},
-        {"pressure = { from = 1e-7; count = 3; }", "packing.pressure: a range without to"},
-        {"pressure = { to = 1e-7; count = 3; }", "packing.pressure: a range without from"},
-        {"pressure = { }", "packing.pressure: a range without from"},
-        {"pressure = { from = 1e-7; to = 1e-4; count = 3; step = 1e-6; }", "with both count and step"},
-        {"pressure = { from = 1e-7; to = 1e-4; count = 1; }", "count of a range must be an integer 2 .. 10000"},
-        {"pressure = { from = 1e-7; to = 1e-4; count = 1000000000; }",
-         "count of a range must be an integer 2 .. 10000"},
-        {"pressure = { from = 1e-7; to = 1e-4; count = 1e999; }", "count of a range must be"},
-        {"pressure = { from = 1e-7; to = 1e-4; count = -1e999; }", "count of a range must be"},
-        {"pressure = { from = 1e-7; to = 1e-4; count = 2.5; }", "count of a range must be"},
-        {"pressure = { from = 1e-7; to = 1e-4; count = \"4\"; }", "count of a range must be"},
-        {"pressure = { from = 1e-7; to = 1e-7; count = 4; }", "must have two ends"},
-        {"pressure = { from = 1e-7; to = 1; count = 4; }", "packing.pressure = 1: must be 1e-10 .. 0.01 E*"},
-        {"pressure = { from = 1e-7; to = \"high\"; count = 4; }", "packing.pressure = \"high\": must be"},
-        {"pressure = { from = [1e-7]; to = 1e-4; count = 4; }", "packing.pressure = a list: must be"},
-        {"pressure = { from = 1e999; to = 1e-4; count = 4; }", "packing.pressure = inf: must be"},
-        {"pressure = { from = 1e-7; to = 1e-4; count = 4; spacing = \"cubic\"; }", "must be \"linear\" or \"log\""},
-        {"pressure = { from = 1e-7; to = 1e-4; count = 4; spacing = 3; }", "must be \"linear\" or \"log\""},
-        {"pressure = { from = 1e-7; to = 1e-4; cuont = 4; }",
-         "a range has no \"cuont\": must be from, to, count or step"},
-        {"pressure = { from = 1e-7; to = 1e-4; cuont = 4; }", "(did you mean count?)"},
-        {"pressure = { from = 1e-7; to = 1e-4; count = 4; key = 1; }", "a range has no \"key\""},
-        {"pressure = { from = 1e-7; to = 1e-4; count = 4; values = [1]; }", "a range has no \"values\""},
-        {"friction = { from = 0; to = 1; count = 4; spacing = \"log\"; }", "must be above 0"},
-        {"drag = { from = -1; to = -0.1; count = 4; spacing = \"log\"; }", "must be above 0"},
-        {"friction = { from = 0.1; to = 1; step = 0.1; spacing = \"log\"; }", "must have a count, not a step"},
-        {"friction = { from = 0; to = 1; step = 0.3; }", "step = 0.3 of a range must divide its length 1, not 3.33333"},
-        {"friction = { from = 0; to = 1; step = 3; }", "must divide its length"},
-        {"friction = { from = 0; to = 1; step = -0.1; }", "step = -0.1 of a range must lead from 0 to 1"},
-        {"friction = { from = 0; to = 1; step = 0; }", "step of a range must be a number other than 0"},
-        {"friction = { from = 0; to = 1; step = 1e999; }", "step of a range must be a number"},
-        {"friction = { from = 0; to = 1; step = 1e-9; }", "makes 1e+09 values: must be 10000 at the most"},
-        {"friction = { from = 0; to = 1; step = 1e-320; }", "must be 10000 at the most"},
-        {"grains = { from = 200; to = 601; count = 3; }", "has 400.5 as value 2 of 3: must be integers"},
-        {"grains = { from = 200; to = 205; step = 2.5; }", "has 202.5 as value 2 of 3: must be integers"},
-        {"grains = { from = 200; to = 600.5; count = 3; }", "packing.grains = 600.5: must be an integer"},
-        {"grains = { from = 1; to = 10; count = 30; spacing = \"log\"; }", "has 1 twice: must be fewer"},
-        {"sizes = { from = 1; to = 2; count = 2; }", "packing.sizes: a range has numbers only"},
-        {"reference = { from = 0; to = 1; count = 2; }", "packing.reference: a range has numbers only"},
-        {"history = { from = 1e-4; to = 1e-3; count = 2; }", "packing.history = { ... }: must be a list"},
+        {"pressure = { from = 1e-7; to = 1e-4; }", "packing.pressure"},
+        {"pressure = { from = 1e-7; count = 3; }", "packing.pressure"},
+        {"pressure = { to = 1e-7; count = 3; }", "packing.pressure"},
+        {"pressure = { }", "packing.pressure"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 3; step = 1e-6; }", "packing.pressure"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 1; }", "packing.pressure 2 10000"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 1000000000; }", "packing.pressure 2 10000"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 1e999; }", "packing.pressure"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = -1e999; }", "packing.pressure"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 2.5; }", "packing.pressure"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = \"4\"; }", "packing.pressure"},
+        {"pressure = { from = 1e-7; to = 1e-7; count = 4; }", "packing.pressure"},
+        {"pressure = { from = 1e-7; to = 1; count = 4; }", "packing.pressure 1 1e-10 0.01 E*"},
+        {"pressure = { from = 1e-7; to = \"high\"; count = 4; }", "packing.pressure high"},
+        {"pressure = { from = [1e-7]; to = 1e-4; count = 4; }", "packing.pressure"},
+        {"pressure = { from = 1e999; to = 1e-4; count = 4; }", "packing.pressure inf"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 4; spacing = \"cubic\"; }", "packing.pressure linear log"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 4; spacing = 3; }", "packing.pressure linear log"},
+        {"pressure = { from = 1e-7; to = 1e-4; cuont = 4; }", "packing.pressure cuont"},
+        {"pressure = { from = 1e-7; to = 1e-4; cuont = 4; }", "packing.pressure"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 4; key = 1; }", "packing.pressure key"},
+        {"pressure = { from = 1e-7; to = 1e-4; count = 4; values = [1]; }", "packing.pressure values"},
+        {"friction = { from = 0; to = 1; count = 4; spacing = \"log\"; }", "packing.friction 0"},
+        {"drag = { from = -1; to = -0.1; count = 4; spacing = \"log\"; }", "packing.drag 0"},
+        {"friction = { from = 0.1; to = 1; step = 0.1; spacing = \"log\"; }", "packing.friction"},
+        {"friction = { from = 0; to = 1; step = 0.3; }", "packing.friction 0.3 1 3.33333"},
+        {"friction = { from = 0; to = 1; step = 3; }", "packing.friction"},
+        {"friction = { from = 0; to = 1; step = -0.1; }", "packing.friction -0.1 0 1"},
+        {"friction = { from = 0; to = 1; step = 0; }", "packing.friction 0"},
+        {"friction = { from = 0; to = 1; step = 1e999; }", "packing.friction"},
+        {"friction = { from = 0; to = 1; step = 1e-9; }", "packing.friction 1e+09 10000"},
+        {"friction = { from = 0; to = 1; step = 1e-320; }", "packing.friction 10000"},
+        {"grains = { from = 200; to = 601; count = 3; }", "packing.grains 400.5 2 3"},
+        {"grains = { from = 200; to = 205; step = 2.5; }", "packing.grains 202.5 2 3"},
+        {"grains = { from = 200; to = 600.5; count = 3; }", "packing.grains 600.5"},
+        {"grains = { from = 1; to = 10; count = 30; spacing = \"log\"; }", "packing.grains 1"},
+        {"sizes = { from = 1; to = 2; count = 2; }", "packing.sizes"},
+        {"reference = { from = 0; to = 1; count = 2; }", "packing.reference"},
+        {"history = { from = 1e-4; to = 1e-3; count = 2; }", "packing.history"},
     };
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
         char text[300], reason[200];
@@ -319,11 +316,11 @@ static void ranges_that_make_no_sense(void **state) {
         refuses_set("packing = { };", text, wrong[k][1]);
     }
     refuses("study = { sweep = ( { key = \"packing.friction\"; values = { from = 0; to = 1; count = 3; }; } ); };",
-            "a range has its place beside key");
+            "study.sweep");
     refuses("study = { sweep = ( { key = \"packing.friction\"; from = 0; to = 1; count = 3; values = [1]; } ); };",
-            "each entry must be");
+            "study.sweep");
     refuses("study = { sweep = (\n { key = \"packing.friction\"; from = 0; to = 1; coumt = 3; } ); };",
-            "s.cfg:2: packing.friction: a range has no \"coumt\"");
+            "s.cfg:2 packing.friction coumt");
 }
 
 /* ---- keys that are given lists or ranges ------------------------------------------------------------------------ */
@@ -343,76 +340,72 @@ static void lists_in_the_place_of_values(void **state) {
     sp_scene_free(&s);
     refuses("packing = {\n pressure = [1e-5, 1e-4]; };"
             "study = { sweep = ( { key = \"packing.pressure\"; values = [1e-7]; } ); };",
-            "s.cfg:2: packing.pressure: is swept here and by study.sweep: must be swept in one place");
-    refuses("packing = { pressure = []; };", "packing.pressure: what is swept must be a list of values, such as [1e-7");
-    refuses("packing = { sizes = [\"uniform\", \"bidispers\"]; };", "\"bidispers\": must be uniform, bidisperse");
-    refuses("packing = { sizes = [\"uniform\",\n \"uniform\"]; };", "s.cfg:1: packing.sizes: uniform is there twice");
-    refuses("packing = { reference = [true, false, true]; };", "packing.reference: true is there twice");
-    refuses("packing = { pressure = [1e-4, [1e-5]]; };", "packing.pressure = a list: must be 1e-10 .. 0.01 E*");
-    refuses("packing = { pressure = [1e-4,\n 1e999]; };", "s.cfg:2: packing.pressure = inf: must be");
-    refuses("packing = { friction = [0.0, -0.0]; };", "packing.friction: 0 is there twice");
-    refuses("network = { prestress = [true, 1]; };", "network.prestress = 1: must be true or false");
-    refuses("signal = {\n method = [\"dense\"]; };",
-            "s.cfg:2: signal.method cannot be swept: it does not change the sample");
-    refuses("signal = { until = [10, 20]; };", "signal.until cannot be swept: it does not change the sample");
-    refuses("signal = { points = { from = 10; to = 20; count = 2; }; };", "signal.points cannot be swept");
-    refuses("study = { samples = [10, 20]; };", "study.samples cannot be swept");
-    refuses("packing = { content = [10, 20]; };", "packing.content cannot be swept: it follows from packing.file");
-    refuses("packing = {\n history = ([1e-3], [1e-4]); };",
-            "s.cfg:2: packing.history: a list of lists: must be one list");
-    refuses("packing = { history = [1e-3, [1e-4]]; };", "packing.history = a list: must be a list");
-    refuses("packing = { file = [\"a.h5\"]; };", "packing.file = a list: must be the name of a file");
-    refuses("packing = { height = [10, 20]; grains = 200; };", "packing.height (swept): must not be given beside");
-    refuses("packing = { height = 20; grains = [200, 400]; };", "must not be given beside packing.grains (swept)");
+            "s.cfg:2 packing.pressure study.sweep");
+    refuses("packing = { pressure = []; };", "packing.pressure");
+    refuses("packing = { sizes = [\"uniform\", \"bidispers\"]; };", "bidispers uniform bidisperse");
+    refuses("packing = { sizes = [\"uniform\",\n \"uniform\"]; };", "s.cfg:1 packing.sizes uniform");
+    refuses("packing = { reference = [true, false, true]; };", "packing.reference true");
+    refuses("packing = { pressure = [1e-4, [1e-5]]; };", "packing.pressure 1e-10 0.01 E*");
+    refuses("packing = { pressure = [1e-4,\n 1e999]; };", "s.cfg:2 packing.pressure inf");
+    refuses("packing = { friction = [0.0, -0.0]; };", "packing.friction 0");
+    refuses("network = { prestress = [true, 1]; };", "network.prestress 1 true false");
+    refuses("signal = {\n method = [\"dense\"]; };", "s.cfg:2 signal.method");
+    refuses("signal = { until = [10, 20]; };", "signal.until");
+    refuses("signal = { points = { from = 10; to = 20; count = 2; }; };", "signal.points");
+    refuses("study = { samples = [10, 20]; };", "study.samples");
+    refuses("packing = { content = [10, 20]; };", "packing.content packing.file");
+    refuses("packing = {\n history = ([1e-3], [1e-4]); };", "s.cfg:2 packing.history");
+    refuses("packing = { history = [1e-3, [1e-4]]; };", "packing.history");
+    refuses("packing = { file = [\"a.h5\"]; };", "packing.file");
+    refuses("packing = { height = [10, 20]; grains = 200; };", "packing.height");
+    refuses("packing = { height = 20; grains = [200, 400]; };", "packing.grains");
     refuses("packing = { damping = [0.1, 1]; calm = [1]; drag = [0]; poisson = [0]; tolerance = [0]; width = [24];"
             " friction = [0]; seed = [1]; pressure = [1e-4]; };",
-            "packing.pressure: one swept key too many: must be 8 at the most");
+            "packing.pressure 8");
     refuses(
         "packing = { damping = [0.1, 1]; calm = [1]; drag = [0]; poisson = [0]; tolerance = [0]; width = [24];"
         " friction = [0]; seed = [1]; }; study = { sweep = ( { key = \"packing.pressure\"; values = [1e-4]; } ); };",
-        "one of 9 swept keys: must be 8 at the most");
+        "9 8");
     refuses("packing = { pressure = { from = 1e-5; to = 1e-3; count = 10000; };"
             "friction = { from = 0; to = 1; count = 10000; }; };",
-            "1 samples of 100000000 combinations");
+            "1 samples 100000000");
 }
 
 static void entries_that_make_no_sense(void **state) {
     (void)state;
     static const char *const wrong[][2] = {
-        {"key = \"signal.method\"; values = [\"dense\"]",
-         "\"signal.method\" cannot be swept: it does not change the sample"},
-        {"key = \"study.want\"; values = [\"ctof\"]", "\"study.want\" cannot be swept: it does not change the sample"},
-        {"key = \"study.sweep\"; values = [1]", "\"study.sweep\" cannot be swept"},
-        {"key = \"signal.planes\"; values = ([1])", "\"signal.planes\" cannot be swept"},
-        {"key = \"packing.file\"; values = [\"a.h5\"]",
-         "cannot be swept: all samples of a study start from the same packing"},
-        {"key = \"packing.diameter_file\"; values = [\"a\"]", "cannot be swept: sweep packing.diameters"},
-        {"key = \"signal.sourse\"; values = [\"impulse\"]", "(did you mean signal.source?)"},
-        {"key = \"presure\"; values = [1]", "(did you mean packing.pressure?)"},
-        {"key = \"\"; values = [1]", "key \"\" is unknown"},
-        {"key = \"packing.sizes\"; values = [\"uniform\", 1]", "packing.sizes = 1: must be uniform"},
-        {"key = \"packing.history\"; values = [1e-3, 1e-4]", "packing.history = 0.001: must be a list"},
-        {"key = \"packing.history\"; values = ([1e-3], [[1e-4]])", "packing.history = a list: must be a list"},
-        {"key = \"packing.history\"; values = ([1e-3], [1])", "packing.history = 1: must be a list"},
-        {"key = \"packing.history\"; values = ([1e-3, 1e-4], [], [1e-3, 1e-4])", "[0.001, 0.0001] is there twice"},
-        {"key = \"packing.history\"; values = ([], [])", "packing.history: [] is there twice"},
-        {"key = \"packing.history\"; values = []", "must be a list of values, such as ([1e-4], [1e-3, 1e-4])"},
-        {"key = \"packing.history\"; from = 1e-4; to = 1e-3; count = 2", "packing.history: a range has numbers only"},
-        {"key = \"packing.history\"; values = 1e-3", "packing.history: what is swept must be a list of values"},
-        {"key = \"packing.pressure\"; values = [\"x\"]", "packing.pressure = \"x\": must be"},
+        {"key = \"signal.method\"; values = [\"dense\"]", "signal.method"},
+        {"key = \"study.want\"; values = [\"ctof\"]", "study.want"},
+        {"key = \"study.sweep\"; values = [1]", "study.sweep"},
+        {"key = \"signal.planes\"; values = ([1])", "signal.planes"},
+        {"key = \"packing.file\"; values = [\"a.h5\"]", "packing.file"},
+        {"key = \"packing.diameter_file\"; values = [\"a\"]", "packing.diameter_file packing.diameters"},
+        {"key = \"signal.sourse\"; values = [\"impulse\"]", "signal.sourse signal.source"},
+        {"key = \"presure\"; values = [1]", "presure packing.pressure"},
+        {"key = \"\"; values = [1]", "study.sweep"},
+        {"key = \"packing.sizes\"; values = [\"uniform\", 1]", "packing.sizes 1 uniform"},
+        {"key = \"packing.history\"; values = [1e-3, 1e-4]", "packing.history 0.001"},
+        {"key = \"packing.history\"; values = ([1e-3], [[1e-4]])", "packing.history"},
+        {"key = \"packing.history\"; values = ([1e-3], [1])", "packing.history 1"},
+        {"key = \"packing.history\"; values = ([1e-3, 1e-4], [], [1e-3, 1e-4])", "packing.history 0.001 0.0001"},
+        {"key = \"packing.history\"; values = ([], [])", "packing.history"},
+        {"key = \"packing.history\"; values = []", "packing.history"},
+        {"key = \"packing.history\"; from = 1e-4; to = 1e-3; count = 2", "packing.history"},
+        {"key = \"packing.history\"; values = 1e-3", "packing.history"},
+        {"key = \"packing.pressure\"; values = [\"x\"]", "packing.pressure x"},
     };
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
         char text[300];
         snprintf(text, sizeof text, "study = { sweep = (\n { %s; } ); };", wrong[k][0]);
         refuses(text, wrong[k][1]);
-        refuses(text, "s.cfg:2: ");
+        refuses(text, "s.cfg:2");
     }
     char *text = calloc(1, 20000);
     strcpy(text, "study = { sweep = ( { key = \"packing.history\"; values = ( [");
     for (int k = 0; k < SP_HISTORY_MAX + 1; k++)
         strcat(text, "1e-3, ");
     strcat(text, "1e-3] ); } ); };");
-    refuses(text, "packing.history: 1002 numbers: must be 1000 at the most");
+    refuses(text, "packing.history 1002 1000");
     free(text);
 }
 
@@ -444,19 +437,19 @@ static void overrides(void **state) {
         sp_scene_free(&s);
     }
     sp_scene s = parsed_set(text, "packing.grains=100"); /* study.sweep is not replaced */
-    assert_fails(sp_scene_check_sweeps(&s, &err), SP_EINVAL, "packing.grains: the key is swept by study.sweep");
+    assert_fails(sp_scene_check_sweeps(&s, &err), SP_EINVAL, "--set packing.grains study.sweep");
     sp_scene_free(&s);
-    refuses_set(text, "packing.grains=[100, 200]", "packing.grains: is swept here and by study.sweep");
-    refuses_set(text, "packing.pressure=[1e-6, x]", "must be");
-    refuses_set(text, "packing.sizes=[uniform, box]", "packing.sizes = \"box\": must be uniform, bidisperse");
-    refuses_set(text, "packing.sizes=[uniform", "must be");
+    refuses_set(text, "packing.grains=[100, 200]", "packing.grains study.sweep");
+    refuses_set(text, "packing.pressure=[1e-6, x]", "packing.pressure");
+    refuses_set(text, "packing.sizes=[uniform, box]", "packing.sizes box uniform bidisperse");
+    refuses_set(text, "packing.sizes=[uniform", "packing.sizes");
     char grains[] = "packing.grains=300", *other[] = {grains};
     assert_fails(sp_scene_parse("packing = { height = [10, 20]; };", "s.cfg", 1, other, &s, &err), SP_EINVAL,
-                 "s.cfg:1: packing.height (swept): must not be given beside packing.grains = 300");
+                 "s.cfg:1 packing.height packing.grains 300");
     sp_scene lists = parsed_set("packing = { kind = \"chain\"; sizes = \"list\"; diameters = [1, 1]; grains = 2; };"
                                 "study = { sweep = ( { key = \"packing.diameters\"; values = ([1, 1], [1, 2]); } ); };",
                                 "packing.diameters=1,3");
-    assert_fails(sp_scene_check_sweeps(&lists, &err), SP_EINVAL, "packing.diameters: the key is swept");
+    assert_fails(sp_scene_check_sweeps(&lists, &err), SP_EINVAL, "--set packing.diameters");
     sp_scene_free(&lists);
 }
 
@@ -471,26 +464,26 @@ static void take_and_text(void **state) {
     sp_sweep pressure = {.key = "packing.pressure", .count = 2, .values = pressures};
     assert_ok(sp_scene_set_swept(&s, &pressure, 0, &err));
     assert_true(s.pack.pressure == 1e-6);
-    assert_fails(sp_scene_set_swept(&s, &pressure, 1, &err), SP_EINVAL, "packing.pressure = -1: must be");
-    assert_fails(sp_scene_set_swept(&s, &pressure, 2, &err), SP_EINVAL, "value 3 of 2");
-    assert_fails(sp_scene_set_swept(&s, &pressure, -1, &err), SP_EINVAL, "value 0 of 2");
+    assert_fails(sp_scene_set_swept(&s, &pressure, 1, &err), SP_EINVAL, "packing.pressure -1");
+    assert_fails(sp_scene_set_swept(&s, &pressure, 2, &err), SP_EINVAL, "3 2");
+    assert_fails(sp_scene_set_swept(&s, &pressure, -1, &err), SP_EINVAL, "0 2");
     assert_string_equal(sp_sweep_text(&pressure, 2, buf, sizeof buf), "");
     sp_sweep sizes = {.key = "packing.sizes", .count = 2, .values = words};
     assert_ok(sp_scene_set_swept(&s, &sizes, 0, &err));
     assert_int_equal(s.pack.sizes, SP_SIZES_BIDISPERSE);
-    assert_fails(sp_scene_set_swept(&s, &sizes, 1, &err), SP_EINVAL, "must be uniform, bidisperse");
+    assert_fails(sp_scene_set_swept(&s, &sizes, 1, &err), SP_EINVAL, "uniform bidisperse");
     sp_sweep history = {.key = "packing.history", .count = 3, .values = list, .begin = begin};
     assert_ok(sp_scene_set_swept(&s, &history, 1, &err));
     assert_true(s.pack.history_count == 1 && s.pack.history == list);
     assert_ok(sp_scene_set_swept(&s, &history, 0, &err));
     assert_true(s.pack.history_count == 0 && !s.pack.history);
-    assert_fails(sp_scene_set_swept(&s, &history, 2, &err), SP_EINVAL, "packing.history = 0.1: must be");
+    assert_fails(sp_scene_set_swept(&s, &history, 2, &err), SP_EINVAL, "packing.history 0.1");
     assert_string_equal(sp_sweep_text(&history, 2, buf, sizeof buf), "[0.1, 0.0001]");
     assert_string_equal(sp_sweep_text(&history, 2, small, sizeof small), "[...]");
     history.begin = NULL;
-    assert_fails(sp_scene_set_swept(&s, &history, 0, &err), SP_EINVAL, "must be one of lists");
+    assert_fails(sp_scene_set_swept(&s, &history, 0, &err), SP_EINVAL, "packing.history");
     sp_sweep none = {.key = "packing.nothing", .count = 1, .values = list};
-    assert_fails(sp_scene_set_swept(&s, &none, 0, &err), SP_EINVAL, "there is no such key");
+    assert_fails(sp_scene_set_swept(&s, &none, 0, &err), SP_EINVAL, "study.sweep packing.nothing");
     assert_string_equal(sp_sweep_text(&none, 0, buf, sizeof buf), "");
     sp_sweep grains = {.key = "packing.grains", .count = 1, .values = (double[]){50}};
     s.height = 20;

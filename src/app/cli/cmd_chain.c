@@ -294,9 +294,10 @@ static sp_status signal_table(const arguments *a, const units *u, sp_table *t, s
     if (status != SP_OK)
         return status;
     const size_t n = (size_t)a->points;
-    double *time = sp_alloc(3 * n, sizeof *time), *f = time + n, *airy = f + n;
+    double *time = sp_alloc(3 * n, sizeof *time);
     if (!time)
         return sp_fail_memory(err, 3 * n * sizeof *time);
+    double *f = time + n, *airy = f + n;
     for (size_t l = 0; l < n; l++)
         time[l] = from + (until - from) * ((double)l / (double)(n - 1));
     const sp_chain chain = {.grains = grains, .source = a->source, .wall = a->wall};

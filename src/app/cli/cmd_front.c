@@ -140,11 +140,9 @@ static sp_status packing_front(const arguments *a, const sp_scene *scene, const 
 
 /* ---- traces ----------------------------------------------------------------------------------------------------- */
 
-static double comment_number(const sp_table *t, const char *key) {
-    const char *text = sp_table_comment_value(t, key);
-    char *end = NULL;
-    const double value = text ? strtod(text, &end) : NAN;
-    return end && end > text && isfinite(value) && value > 0 ? value : NAN;
+static double positive_number(const sp_table *t, const char *key) {
+    double value;
+    return sp_table_get_number(t, key, &value) && value > 0 ? value : NAN;
 }
 
 /* The k-th column of numbers, from 0; -1 if there are not so many. */
@@ -178,12 +176,12 @@ static sp_status find_columns(const arguments *a, const sp_table *t, const char 
 /* From source to detector by the comment of a signal's column, "F2 = from PLACE to PLACE, ..."; the height where it
  * says nothing else. */
 static double distance_of(const sp_table *t, const char *column, double height) {
-    const char *text = sp_table_comment_value(t, column), *to = text ? strstr(text, " to ") : NULL;
-    if (!to)
+    plot_detector detector;
+    if (!plot_find_detector(t, column, &detector))
         return height;
-    if (strstr(text, "grain:"))
+    if (strstr(sp_table_get_text(t, column), "grain:"))
         return NAN;
-    return strncmp(to, " to plane:", 10) == 0 ? strtod(to + 10, NULL) : height;
+    return isfinite(detector.plane) ? detector.plane : height;
 }
 
 static sp_status trace_front(const arguments *a, const char *path, const sp_table *t, int time, int force,
@@ -196,7 +194,7 @@ static sp_status trace_front(const arguments *a, const char *path, const sp_tabl
         memory[k] = sp_table_number(t, (int64_t)k, time);
         memory[n + k] = sp_table_number(t, (int64_t)k, force);
     }
-    const double height = comment_number(t, "height"), pressure = comment_number(t, "pressure");
+    const double height = positive_number(t, "height"), pressure = positive_number(t, "pressure");
     sp_front_options rule = sp_front_options_default();
     if (!isnan(a->window))
         rule.window = a->window;

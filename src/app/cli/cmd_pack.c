@@ -75,7 +75,21 @@ typedef struct making {
     double begun, first_fraction; /* clock and progress at the start */
     double logged_at;
     const char *phase; /* in the log */
+    bool stopping;     /* the user wants it to stop; it may go on to the first state that can be kept */
+    double stop_begun; /* processor time then: a busy machine gets there later */
 } making;
+
+/* A making of which no state is kept yet may go on for so many seconds of its processor's time, so that what was made
+ * till then is not lost. */
+#define TO_FIRST_STATE 5.0
+
+static bool may_stop(making *m) {
+    if (!m->stopping) {
+        m->stopping = true;
+        m->stop_begun = sp_clock_cpu();
+    }
+    return pack_state_has(&m->state) || sp_clock_cpu() - m->stop_begun > TO_FIRST_STATE;
+}
 
 static bool watch(const sp_pack_progress *progress, void *user) {
     making *m = user;
@@ -93,7 +107,7 @@ static bool watch(const sp_pack_progress *progress, void *user) {
         m->phase = progress->phase;
         m->logged_at = now;
     }
-    return !cli_stopped();
+    return !cli_stopped() || !may_stop(m);
 }
 
 static sp_status keep_state(const void *state, size_t size, void *user, sp_error *err) {

@@ -80,6 +80,8 @@ sp_status pack_state_take(pack_state *s, const void *state, size_t size, sp_erro
     return SP_OK;
 }
 
+bool pack_state_has(const pack_state *s) { return !s->path[0] || s->kept || s->last_size > 0; }
+
 sp_status pack_state_stop(pack_state *s, sp_error *err) {
     return s->last_size > 0 ? write_now(s, s->last, s->last_size, err) : SP_OK;
 }

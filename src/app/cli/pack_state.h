@@ -22,6 +22,8 @@ sp_status pack_state_open(const cli_common *common, const sp_pack_spec *spec, do
                           sp_error *err);
 /* Takes one state. */
 sp_status pack_state_take(pack_state *s, const void *state, size_t size, sp_error *err);
+/* Whether a stop now loses little: a state is there, or none is kept at all. */
+bool pack_state_has(const pack_state *s);
 /* The making was stopped: what is left in memory goes into the file. */
 sp_status pack_state_stop(pack_state *s, sp_error *err);
 /* The packing is there: the file goes. */

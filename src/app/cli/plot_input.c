@@ -2,6 +2,7 @@
 
 #include "base/base.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "cli/output.h"
 #include "store/packing_text.h"
 
@@ -162,11 +163,10 @@ static sp_status packing_signal(const char *path, const sp_scene *scene, plot_si
     return status;
 }
 
-/* A positive number in a comment; 0 if there is none. */
-static double comment_number(const sp_table *t, const char *key) {
-    const char *text = sp_table_comment_value(t, key);
-    const double value = text ? strtod(text, NULL) : 0.0;
-    return value > 0.0 && isfinite(value) ? value : 0.0;
+/* A positive number in the metadata, 0 without one. */
+static double positive_number(const sp_table *t, const char *key) {
+    double value;
+    return sp_table_get_number(t, key, &value) && value > 0.0 ? value : 0.0;
 }
 
 /* The columns t and F, or the first two of numbers in a table that has neither nor is of another command. */
@@ -208,7 +208,7 @@ static sp_status column_signal(const sp_table *table, int time, int force, plot_
         t[k] = sp_table_number(table, k, time);
         t[n + k] = sp_table_number(table, k, force);
     }
-    const double height = comment_number(table, "height"), pressure = comment_number(table, "pressure");
+    const double height = positive_number(table, "height"), pressure = positive_number(table, "pressure");
     *out = (plot_signal){.n = n, .t = t, .f = t + n, .distance = NAN};
     out->window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
     out->foreign = strcmp(table->column[time].unit, "d/sqrt(E* / rho)") != 0;
@@ -217,33 +217,44 @@ static sp_status column_signal(const sp_table *table, int time, int force, plot_
     return SP_OK;
 }
 
-/* What the comment "F2 = from bottom:normal to plane:25:normal, error 1e-16" says of the detector. One signal of
- * several is called by it: "y = 25", "top", "part:0:3"; without a comment "F2". */
+bool plot_find_detector(const sp_table *t, const char *column, plot_detector *out) {
+    const char *text = sp_table_get_text(t, column), *to = text ? strstr(text, " to ") : NULL;
+    if (!to)
+        return false;
+    *out = (plot_detector){.plane = NAN};
+    snprintf(out->word, sizeof out->word, "%.*s", (int)strcspn(to + 4, ","), to + 4);
+    if (strncmp(out->word, "plane:", 6) == 0) {
+        char number[sizeof out->word];
+        snprintf(number, sizeof number, "%.*s", (int)strcspn(out->word + 6, ":"), out->word + 6);
+        sp_word_number(number, &out->plane);
+    }
+    return true;
+}
+
+/* Names one signal of several by its detector: "y = 25", "top", "part:0:3"; without metadata "F2". */
 static void name_signal(const sp_table *table, int k, bool several, plot_signal *out) {
     char key[16];
-    const double height = comment_number(table, "height");
+    plot_detector to;
+    const double height = positive_number(table, "height");
     snprintf(key, sizeof key, "F%d", k + 1);
-    const char *text = sp_table_comment_value(table, key), *to = text ? strstr(text, " to ") : NULL;
     if (several)
         snprintf(out->name, sizeof out->name, "%s", key);
-    if (!to) {
+    if (!plot_find_detector(table, key, &to)) {
         out->distance = height > 0 && !several ? height : NAN;
         return;
     }
-    to += 4;
-    char *end = NULL;
-    const double plane = strncmp(to, "plane:", 6) == 0 ? strtod(to + 6, &end) : NAN;
-    if (end && end > to + 6 && isfinite(plane)) {
-        out->distance = plane;
+    const int length = (int)strlen(to.word),
+              normal = length > 7 && strcmp(to.word + length - 7, ":normal") == 0 ? 7 : 0;
+    const bool shear = length > 6 && strcmp(to.word + length - 6, ":shear") == 0;
+    if (isfinite(to.plane)) {
+        out->distance = to.plane;
         if (several)
-            snprintf(out->name, sizeof out->name, "y = %.4g%s", plane, strncmp(end, ":shear", 6) == 0 ? " shear" : "");
+            snprintf(out->name, sizeof out->name, "y = %.4g%s", to.plane, shear ? " shear" : "");
         return;
     }
-    const int length = (int)strcspn(to, ",");
-    const int normal = length > 7 && strncmp(to + length - 7, ":normal", 7) == 0 ? 7 : 0;
     if (several && length > normal)
-        snprintf(out->name, sizeof out->name, "%.*s", length - normal < 40 ? length - normal : 40, to);
-    if (strncmp(to, "top", 3) == 0 && height > 0)
+        snprintf(out->name, sizeof out->name, "%.*s", length - normal < 40 ? length - normal : 40, to.word);
+    if (strncmp(to.word, "top", 3) == 0 && height > 0)
         out->distance = height;
 }
 

@@ -24,6 +24,14 @@ typedef struct plot_signal {
     char name[64];   /* "y = 25", the detector, or "F2": of a table of several, else "" */
 } plot_signal;
 
+/* The detector of a signal's column by the table's metadata, "F2 = from bottom:normal to plane:25:normal, ...". */
+typedef struct plot_detector {
+    char word[100]; /* "plane:25:normal" */
+    double plane;   /* its height [d]; NAN if it is not a plane */
+} plot_detector;
+/* False if the metadata does not name the detector. */
+bool plot_find_detector(const sp_table *t, const char *column, plot_detector *out);
+
 /* Columns F1, F2, ... from column `first` on; 1 where that has another name. */
 int plot_count_signals(const sp_table *t, int first);
 

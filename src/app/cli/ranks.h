@@ -16,7 +16,7 @@ typedef struct cli_ranks {
 sp_status cli_ranks_start(cli_ranks *out, sp_error *err);
 /* SP_EINVAL where a launcher has started several processes that do not know each other, and that were not told to share
  * the work by --shard either: they would share the samples by their store, but each would print all tables. */
-sp_status cli_ranks_check(const cli_ranks *ranks, int shards, sp_error *err);
+sp_status cli_ranks_check(const cli_ranks *group, int shards, sp_error *err);
 /* What is to be made, in words: numbers are handed out only to ranks that say the same as rank 0. Call before the run.
  */
 void cli_ranks_begin(const char *what);

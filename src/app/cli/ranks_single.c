@@ -9,9 +9,9 @@ sp_status cli_ranks_start(cli_ranks *out, sp_error *err) {
     return SP_OK;
 }
 
-sp_status cli_ranks_check(const cli_ranks *ranks, int shards, sp_error *err) {
+sp_status cli_ranks_check(const cli_ranks *group, int shards, sp_error *err) {
     const cli_launch launch = cli_launch_look();
-    if (launch.processes <= ranks->size || shards > 1)
+    if (launch.processes <= group->size || shards > 1)
         return SP_OK;
     return sp_fail(err, SP_EINVAL,
                    "%d processes were started (%s), and this build knows no MPI, so that each would print all tables: "

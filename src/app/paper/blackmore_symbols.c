@@ -165,7 +165,7 @@ static sp_status add_speeds(tapped *p, const sp_tapped_spec *c, sp_error *err) {
     row.relation = BLACKMORE_BELOW;
     if (status == SP_OK)
         status = sp_blackmore_add(p, row, err, "CFL number of the paper's steps, N = 10");
-    sp_tapped_symbol wave;
+    sp_tapped_symbol wave = {0};
     if (status == SP_OK)
         status = sp_tapped_symbol_at(c, SP_TAPPED_LONGWAVE, 1 / h, 0.95, pi / h, &wave, err);
     row = value("-", "1/s", NAN, wave.growth, "of the model that is run instead, at y_z = 0.95: damped, as all k are");

@@ -1,4 +1,4 @@
-/* Fig. 12: fronts of chains and of the triangular lattice beside the Airy front. */
+/* Makes Fig. 12: fronts of chains and of the triangular lattice, with the Airy front. */
 #include "base/base.h"
 #include "paper/paper.h"
 
@@ -10,9 +10,9 @@
 
 enum { CHAINS = 3, POINTS = 401, LATTICE_POINTS = 61, ROWS = 20, CURVES = CHAINS + 3 };
 static const int64_t balls[CHAINS] = {ROWS, 200, 2000};
-static const double scaled_low = -2.5, scaled_high = 5; /* of (t - N)/N^(1/3) */
+static const double scaled_low = -2.5, scaled_high = 5; /* range of (t - N)/N^(1/3) */
 
-/* A front in the units of the chain, scaled: x = (t - N)/N^(1/3), y = F N^(2/3). */
+/* A scaled front in the units of the chain: x = (t - N)/N^(1/3), y = F N^(2/3). */
 typedef struct scaled {
     int64_t n;
     double x[POINTS], y[POINTS];
@@ -33,11 +33,12 @@ static sp_status chain_front(int64_t n, bool airy, scaled *out, sp_error *err) {
     return status;
 }
 
-/* The lattice as a chain: a row of M grains is a ball, the two contacts of each grain with the next row its spring. */
+/* Maps the lattice to a chain. A row of M grains is a ball; the two contacts of each grain with the next row are its
+ * spring. */
 typedef struct lattice {
     scaled front;
-    double mass, spring, wall; /* a grain */
-    double row;                /* grains a row */
+    double mass, spring, wall; /* per grain */
+    double row;                /* grains per row */
 } lattice;
 
 static void measure(const sp_network *net, lattice *out) {
@@ -74,7 +75,7 @@ static sp_status lattice_front(const sp_sample *sample, const sp_packing *packin
         const double x = (signal.t[k] / unit - ROWS) / third;
         if (x < scaled_low)
             continue;
-        /* the first row starts with k_wall/m, the chain's first ball with its unit of length over its unit of time */
+        /* the first row starts with k_wall/m, the first ball of the chain with velocity 1 */
         l->front.x[l->front.n] = x;
         l->front.y[l->front.n++] = signal.f[k] / l->row * l->mass / (l->wall * l->spring * unit) * third * third;
     }
@@ -82,7 +83,7 @@ static sp_status lattice_front(const sp_sample *sample, const sp_packing *packin
     return status;
 }
 
-/* The chain with the lattice's number of rows and stiffness of walls. */
+/* Front of the chain with the number of rows and the wall stiffness of the lattice. */
 static sp_status mapped_chain(const lattice *l, int64_t n, const double *x, double *y, sp_error *err) {
     const sp_chain chain = {.grains = ROWS, .source = SP_CHAIN_VELOCITY, .wall = l->wall / l->spring};
     const double third = cbrt((double)ROWS);

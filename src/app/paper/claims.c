@@ -1,50 +1,10 @@
-/* Claims in words: of packings at rest, of fronts, and of the chain. */
+/* Checks the paper's claims in words: on packings at rest, on fronts, and on the chain. */
 #include "paper/claims.h"
 #include "base/base.h"
 #include "numeric/bessel.h"
 #include "paper/fronts.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
-
-/* ---- rows ------------------------------------------------------------------------------------------------------- */
-
-sp_status sp_paper_add_claim(paper *p, const paper_claim *claim, double ours, double ours_err, sp_error *err,
-                             const char *quantity, ...) {
-    paper_row row = {.item = PAPER_CLAIMS,
-                     .p = claim->p,
-                     .paper = claim->limit,
-                     .paper_sd = claim->relation == PAPER_EQUAL ? claim->within : NAN,
-                     .scatter = PAPER_SCATTER_CLAIM,
-                     .relation = claim->relation,
-                     .ours = ours,
-                     .ours_sd = NAN,
-                     .err = ours_err,
-                     .samples = claim->samples,
-                     .where = claim->where};
-    va_list args;
-    va_start(args, quantity);
-    vsnprintf(row.quantity, sizeof row.quantity, quantity, args);
-    va_end(args);
-    snprintf(row.note, sizeof row.note, "%s", claim->note);
-    return sp_paper_add_row(p, row, err);
-}
-
-void sp_paper_sum_add(paper_sum *s, double x) {
-    if (!isfinite(x))
-        return;
-    s->n++;
-    s->sum += x;
-    s->squares += x * x;
-}
-
-double sp_paper_sum_mean(const paper_sum *s) { return s->n > 0 ? s->sum / (double)s->n : NAN; }
-
-double sp_paper_sum_err(const paper_sum *s) {
-    const double n = (double)s->n;
-    return s->n > 1 ? sqrt(fmax(0, s->squares / n - s->sum / n * (s->sum / n)) / (n - 1)) : NAN;
-}
 
 /* ---- fronts ----------------------------------------------------------------------------------------------------- */
 
@@ -52,7 +12,7 @@ static double ratio_err(double ratio, double a, double a_err, double b, double b
     return fabs(ratio) * hypot(a_err / a, b_err / b);
 }
 
-/* Speed between two heights by t10, and its error. */
+/* Speed between two heights from t10, and its error. */
 static double speed_between(const paper_distance *low, const paper_distance *high, double *error) {
     const double time = high->t10.mean - low->t10.mean, speed = (high->distance - low->distance) / time;
     *error = speed * hypot(low->t10.err, high->t10.err) / time;
@@ -88,7 +48,7 @@ static sp_status claim_large_scale(paper *p, sp_error *err) {
 
 enum { MARKS = 2 };
 
-/* t10, t_peak and t_zero of the boxes of one height. */
+/* t10, t_peak and t_zero of all boxes of one height. */
 typedef struct marks {
     int64_t n;
     double *time[MARKS + 1];
@@ -118,7 +78,7 @@ static paper_sum sum_of(const marks *m, int mark, double times, double less) {
     return s;
 }
 
-/* c by a later mark over c by t10 is the ratio of the two delays: the marks of one packing scatter together, so that
+/* The ratio of c from a later mark to c_tof is the ratio of the two delays. The marks of one packing vary together, so
  * the error is that of t10 - ratio x mark. */
 static sp_status claim_marks(paper *p, sp_error *err) {
     static const char *const names[MARKS] = {"c by the first peak over c_tof", "c by the zero crossing over c_tof"};
@@ -153,12 +113,12 @@ sp_status sp_paper_claim_speeds(paper *p, sp_error *err) {
 
 /* ---- margins ---------------------------------------------------------------------------------------------------- */
 
-static const double threshold = 1e-4; /* of forces that carry, in p d^2 */
+static const double threshold = 1e-4; /* least force of a contact that carries load [p d^2] */
 
 enum { MARGINS = 5 };
 static const struct {
     const char *name;
-    double digit; /* of Table I */
+    double digit; /* last digit in Table I */
     size_t offset;
 } margin_of[MARGINS] = {{"Phi2", 0.001, offsetof(sp_statics, phi2)},
                         {"Phi3s", 0.01, offsetof(sp_statics, phi3s)},
@@ -167,7 +127,7 @@ static const struct {
                         {"F2", 0.001, offsetof(sp_statics, f2)}};
 
 typedef struct margins {
-    paper_sum thin[MARGINS], thick[MARGINS]; /* l = 1 and l = 5, less l = 3 */
+    paper_sum thin[MARGINS], thick[MARGINS]; /* l = 1 and l = 5, minus l = 3 */
 } margins;
 
 static double member(const sp_statics *s, size_t offset) { return *(const double *)((const char *)s + offset); }
@@ -217,10 +177,11 @@ sp_status sp_paper_claim_margins(paper *p, sp_error *err) {
 /* ---- participation number --------------------------------------------------------------------------------------- */
 
 typedef struct participation {
-    paper_sum total, normal, number; /* Pi Z(2) by total forces and by normal ones, and Pi; a value a packing */
+    paper_sum total, normal, number; /* Pi Z(2) from total and from normal forces, and Pi: one value per packing */
 } participation;
 
-/* Makse et al. 1999: Pi = 1/(M sum q^2), q = f/sum f, f the magnitude of a contact's whole force, M contacts. */
+/* Makse et al. 1999: Pi = 1/(M sum q^2), q = f/sum f, where f is the magnitude of the total force of each of M
+ * contacts. */
 static sp_status add_participation(const sp_sample *sample, const sp_packing *packing, const sp_network *net,
                                    void *user, sp_error *err) {
     (void)sample, (void)err;
@@ -296,9 +257,9 @@ sp_status sp_paper_claim_forces(paper *p, sp_error *err) {
 
 /* ---- Eq. (17) --------------------------------------------------------------------------------------------------- */
 
-/* The chain whose first ball, next to the wall, has velocity c at t = 0 (units of sp_chain): by images u'_n = J_(2n-2)
- * (2t) - J_(2n+2)(2t). Kinetic energy from the front back to the first zero crossing, and root mean square of u' behind
- * that. */
+/* The chain whose first ball, next to the wall, has velocity c at t = 0 (units of sp_chain). The method of images gives
+ * u'_n = J_(2n-2)(2t) - J_(2n+2)(2t). Returns the kinetic energy from the front back to the first zero crossing, and
+ * the root mean square of u' behind it. */
 static sp_status first_pulse(double t, double *energy, double *behind, sp_error *err) {
     const int64_t orders = sp_bessel_orders(2 * t) + 4, balls = orders / 2 - 2;
     double *j = sp_alloc((size_t)orders, sizeof *j), rest = 0;
@@ -348,21 +309,5 @@ sp_status sp_paper_claim_energy(paper *p, sp_error *err) {
     if (status == SP_OK)
         status = sp_paper_add_claim(p, &claim, log(behind[1] / behind[0]) / log(late / early), 0, err,
                                     "exponent of the oscillations behind it");
-    return status;
-}
-
-/* ---- all of them ------------------------------------------------------------------------------------------------ */
-
-sp_status sp_paper_make_claims(paper *p, int item, sp_error *err) {
-    static sp_status (*const part[])(paper *, sp_error *) = {
-        sp_paper_claim_margins, sp_paper_claim_forces,     sp_paper_claim_speeds,  sp_paper_claim_lattices,
-        sp_paper_claim_unequal, sp_paper_claim_soft_modes, sp_paper_claim_damping, sp_paper_claim_energy};
-    const int parts = sizeof part / sizeof *part;
-    sp_status status = SP_OK;
-    for (int k = 0; k < parts && status == SP_OK; k++) {
-        status = part[k](p, err);
-        if (status == SP_OK)
-            status = sp_paper_tell(p, sp_paper_item_name(item), (p->cost_done + p->cost) / (2 * p->cost), err);
-    }
     return status;
 }

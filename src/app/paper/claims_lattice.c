@@ -1,4 +1,4 @@
-/* Claims on triangular lattices: of equal balls (Fig. 8), and of slightly unequal ones. */
+/* Checks claims on triangular lattices of equal balls (Fig. 8) and of slightly unequal ones. */
 #include "paper/claims.h"
 #include "paper/lattice.h"
 
@@ -47,7 +47,7 @@ sp_status sp_paper_claim_lattices(paper *p, sp_error *err) {
 
 /* ---- unequal balls ---------------------------------------------------------------------------------------------- */
 
-/* Mean and error of what samples of a set have. */
+/* Mean and error of a quantity over samples of a set. */
 static paper_sum mean_over(const paper_set *set, bool friction, double pressure, int32_t grains, unsigned part,
                            double (*of)(const sp_sample *s)) {
     paper_sum s = {0};
@@ -64,7 +64,7 @@ static double t10(const sp_sample *s) { return s->front.t10; }
 static double height(const sp_sample *s) { return s->height; }
 static double zs(const sp_sample *s) { return s->statics.zs; }
 
-enum { LOW = 216, HIGH = 672 }; /* grains */
+enum { LOW = 216, HIGH = 672 }; /* numbers of grains */
 
 static double uneven_speed(const paper_set *set, bool friction, double pressure, double *error) {
     const paper_sum h1 = mean_over(set, friction, pressure, LOW, SP_WANT_CTOF, height),
@@ -77,7 +77,7 @@ static double uneven_speed(const paper_set *set, bool friction, double pressure,
     return speed;
 }
 
-/* At one P* >= 1: speed and contacts are those of the perfect lattice. */
+/* At P* >= 1, speed and contacts are those of the perfect lattice. */
 static sp_status claim_recovered(paper *p, double pressure, double reduced, sp_error *err) {
     const paper_set *set = &p->set[PAPER_UNEVEN];
     sp_status status = SP_OK;
@@ -108,7 +108,7 @@ static sp_status claim_recovered(paper *p, double pressure, double reduced, sp_e
     return status;
 }
 
-/* At P* = 0.1 there are effects. */
+/* At P* = 0.1, disorder has an effect. */
 static sp_status claim_disorder(paper *p, double pressure, double reduced, sp_error *err) {
     const paper_set *set = &p->set[PAPER_UNEVEN];
     sp_status status = SP_OK;
@@ -130,7 +130,7 @@ static sp_status claim_disorder(paper *p, double pressure, double reduced, sp_er
     return status;
 }
 
-/* z* at the two lowest pressures, and where it goes as they go to 0, z0 + a sqrt(p). */
+/* z* at the two lowest pressures, and its limit at p = 0 from z0 + a sqrt(p). */
 static sp_status claim_four(paper *p, sp_error *err) {
     const paper_set *set = &p->set[PAPER_UNEVEN_LOW];
     const double lower = 1e-7, upper = 1e-6, root = sqrt(upper / lower);

@@ -1,15 +1,15 @@
-/* Claims on modes and on damping. */
+/* Checks claims on soft modes and on damping. */
 #include "paper/claims.h"
 
 #include <math.h>
 #include <sonopack/modes.h>
 #include <sonopack/signal.h>
 
-enum { PACKINGS = 10 }; /* of each ensemble: the first ones */
+enum { PACKINGS = 10 }; /* the first packings of each ensemble */
 
 /* ---- modes of low frequency ------------------------------------------------------------------------------------- */
 
-static const double soft = 0.1; /* frequency below which a mode is low; the highest are near 2 at p = 1e-4 */
+static const double soft = 0.1; /* low modes have frequencies below this; the highest are near 2 at p = 1e-4 */
 
 typedef struct soft_modes {
     paper *p;
@@ -64,7 +64,7 @@ enum { LEVELS = 3, POINTS = 601 };
 static const double zeta[LEVELS] = {0.02, 0.1, 0.5};
 static const double until = 300; /* as in Fig. 11 */
 
-/* Over those without damping; a value a packing. */
+/* Ratios to the signal without damping, one value per packing. */
 typedef struct damping {
     paper *p;
     paper_sum peak[LEVELS], rest[LEVELS], losses[LEVELS], arrival[LEVELS], t10, t10_damped[LEVELS];

@@ -1,3 +1,4 @@
+/* Counts how many values agree with the paper, and finds systematic differences. */
 #include "paper/counts.h"
 
 #include "paper/reproduce.h"
@@ -28,7 +29,7 @@ paper_counts sp_paper_count(int64_t n, const paper_row *rows, int item, paper_so
         c.chi2 += off * off;
         c.chi2_bare += row->combined * row->combined;
     }
-    if (sort == PAPER_SORT_STATED) /* the precision of words is no standard deviation */
+    if (sort == PAPER_SORT_STATED) /* the precision of a wording is not a standard deviation */
         c.chi2 = c.chi2_bare = NAN;
     return c;
 }

@@ -1,4 +1,4 @@
-/* Fig. 11: damped signals. */
+/* Makes Fig. 11: damped signals. */
 #include "base/base.h"
 #include "paper/paper.h"
 
@@ -13,7 +13,7 @@ static const double until = 300;
 typedef struct damped {
     paper *p;
     int item;
-    sp_signal linear[LEVELS], full[LEVELS]; /* full: the packing's own nonlinear motion */
+    sp_signal linear[LEVELS], full[LEVELS]; /* full: nonlinear dynamics of the packing */
 } damped;
 
 static sp_status make_signals(const sp_sample *s, const sp_packing *packing, const sp_network *net, void *user,
@@ -71,7 +71,7 @@ static sp_status draw(damped *d, sp_error *err) {
         err);
 }
 
-/* First peak, and root mean square after the first zero crossing without damping. */
+/* First peak, and root mean square after the first zero crossing of the undamped signal. */
 static void describe(const sp_signal *s, double zero, double *peak, double *rest) {
     sp_front front;
     sp_front_options rule = sp_front_options_default();

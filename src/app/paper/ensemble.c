@@ -1,3 +1,4 @@
+/* Describes the ensembles of packings as scenes. */
 #include "paper/ensemble.h"
 
 #include "scene/field.h"
@@ -13,11 +14,11 @@
 #define LENGTHS   "sweep = ({ key = \"packing.grains\"; values = [25, 50, 100, 200, 400, 800]; });"
 
 static const struct {
-    const char *name; /* in the progress */
+    const char *name; /* shown as progress */
     const char *scene;
-    double share;  /* of the samples that the paper's own ensembles have; 0: a single sample */
-    int32_t least; /* samples, as long as there are so many of the others */
-    double cost;   /* CPU seconds of a sample of every combination, measured on one machine */
+    double share;  /* number of samples relative to that of the paper's own ensembles; 0: a single sample */
+    int32_t least; /* least number of samples, unless the other ensembles have fewer */
+    double cost;   /* CPU seconds of one sample of every combination, measured on one machine */
 } ensembles[PAPER_ENSEMBLES] = {
     [PAPER_SQUARE] = {"600 grains", "packing = { grains = 600; " PILE "}; study = { sweep = (" PRESSURES "); };", 1, 1,
                       2.1},
@@ -89,7 +90,7 @@ sp_status sp_paper_ensemble_scene(paper_ensemble e, int32_t samples, sp_protocol
 }
 
 double sp_paper_ensemble_cost(paper_ensemble e, int32_t samples, sp_protocol protocol) {
-    const double slower = e <= PAPER_SPHERES && protocol != SP_PROTOCOL_QUICK ? 5 : 1; /* measured */
+    const double slower = e <= PAPER_SPHERES && protocol != SP_PROTOCOL_QUICK ? 5 : 1; /* measured ratio */
     return slower * ensembles[e].cost * count(e, samples);
 }
 

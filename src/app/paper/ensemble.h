@@ -1,16 +1,16 @@
 #ifndef SP_PAPER_ENSEMBLE_H
 #define SP_PAPER_ENSEMBLE_H
-/* The ensembles behind the tables and figures. */
+/* Ensembles of packings for the tables and figures. */
 
 #include <sonopack/study/study.h>
 #include <stdbool.h>
 
 typedef enum paper_ensemble {
     PAPER_SQUARE = 0,   /* 600 grains, width 24, four pressures: Tables I, II, IV, V, Figs. 1, 2, 8 */
-    PAPER_LOW,          /* 200 grains: the other height of c_tof */
+    PAPER_LOW,          /* 200 grains: the other height for c_tof */
     PAPER_SHORT,        /* 100 and 400 grains at 1e-4 */
-    PAPER_TALL,         /* 1200 */
-    PAPER_TALLEST,      /* 2400 */
+    PAPER_TALL,         /* 1200 grains */
+    PAPER_TALLEST,      /* 2400 grains */
     PAPER_SMOOTH,       /* 600 grains without friction */
     PAPER_SPHERES,      /* three dimensions, without friction */
     PAPER_LATTICE,      /* triangular lattices about 8 and 24 high, without and with friction, five pressures */
@@ -23,16 +23,16 @@ typedef enum paper_ensemble {
     PAPER_ENSEMBLES
 } paper_ensemble;
 
-/* Half of the range of the diameters of the chains. */
+/* Half width of the distribution of diameters in a chain. */
 double sp_paper_chain_spread(paper_ensemble e);
-/* The scene of an ensemble where the paper's ensembles have `samples`; the protocol is that of packings under a piston.
- * Free with sp_scene_free. */
+/* The scene of an ensemble if the paper's own ensembles have `samples` samples. protocol: how packings under a piston
+ * are compressed. Free with sp_scene_free. */
 sp_status sp_paper_ensemble_scene(paper_ensemble e, int32_t samples, sp_protocol protocol, sp_scene *out,
                                   sp_error *err);
-/* What it costs, about, in CPU seconds. */
+/* Approximate cost [CPU seconds]. */
 double sp_paper_ensemble_cost(paper_ensemble e, int32_t samples, sp_protocol protocol);
 const char *sp_paper_ensemble_name(paper_ensemble e);
-/* As the scene's key packing.protocol has it. */
+/* Value of the scene key packing.protocol. */
 const char *sp_paper_protocol_name(sp_protocol protocol);
 
 #endif

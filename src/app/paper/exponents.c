@@ -1,4 +1,4 @@
-/* Table III and Fig. 7: exponents of amplitude and width, of boxes and of chains. */
+/* Makes Table III and Fig. 7: exponents of amplitude and width, for boxes and chains. */
 #include "paper/fronts.h"
 
 #include <math.h>
@@ -21,7 +21,7 @@ static sp_status add_exponent(paper *p, const char *quantity, double value, doub
     return sp_paper_add_row(p, row, err);
 }
 
-/* Local exponents between chains of half a million and a million balls. */
+/* Local exponents between chains of 500,000 and 1,000,000 balls. */
 static sp_status add_uniform_chain(paper *p, sp_chain_source source, sp_error *err) {
     const bool velocity = source == SP_CHAIN_VELOCITY;
     const int64_t balls = 1000000;
@@ -63,7 +63,7 @@ static sp_status add_unequal_chain(paper *p, paper_ensemble e, sp_error *err) {
     return status;
 }
 
-/* "about 1.5" and "close to linear": to a quarter. */
+/* "about 1.5" and "close to linear" are taken as +- 0.25. */
 static sp_status add_boxes(paper *p, int n, const paper_distance *d, const char *range, sp_error *err) {
     char name[48];
     snprintf(name, sizeof name, "gamma, 2D packings A, %s", range);
@@ -112,7 +112,11 @@ sp_status sp_paper_make_exponents(paper *p, int item, sp_error *err) {
 
 /* ---- Fig. 7 ----------------------------------------------------------------------------------------------------- */
 
-enum { SYSTEMS = 5, EXACT = 24 }; /* boxes, equal chains, three ensembles of unequal chains; lengths of equal chains */
+enum {
+    SYSTEMS = 5,
+    EXACT = 24
+}; /* SYSTEMS: boxes, chains of equal balls, three ensembles of chains of unequal balls. EXACT: number of lengths of
+      chains of equal balls. */
 
 /* One system: values against distance, and local exponents between neighbouring distances. */
 typedef struct scaling {
@@ -158,7 +162,7 @@ static sp_status equal_chains(scaling *amplitude, scaling *width, sp_error *err)
     return status;
 }
 
-/* Values over that at the first distance. */
+/* Divides the values by that at the first distance. */
 static void over_first(scaling *s) {
     const double first = s->value[0];
     for (int k = 0; k < s->n; k++) {
@@ -201,7 +205,7 @@ static sp_status draw(paper *p, int item, scaling part[2][SYSTEMS], sp_error *er
             over_first(&part[k][s]);
             system_curve(s, &part[k][s], true, &main[k][s]);
             if (k > 0)
-                main[k][s].label = NULL; /* the legend is above */
+                main[k][s].label = NULL; /* the panel above has the legend */
             system_curve(s, &part[k][s], false, &small[k][s]);
         }
         inset[k] = (sp_panel){.x = {"|L|", true, NAN, NAN},

@@ -1,3 +1,4 @@
+/* Averages fronts over samples by distance, and fits lines to them. */
 #include "paper/fronts.h"
 
 #include "base/base.h"

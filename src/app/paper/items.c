@@ -1,4 +1,4 @@
-/* The items of the paper: what each shows, what it needs, and who makes it. */
+/* Lists the items of the paper: what each shows, which samples it requires, and the function that makes it. */
 #include "paper/paper.h"
 
 #include <stddef.h>

@@ -1,3 +1,4 @@
+/* Measures the speed of sound in triangular lattices. */
 #include "paper/lattice.h"
 
 #include <math.h>
@@ -6,10 +7,9 @@ double sp_paper_lattice_speed(double p, double eta) {
     return pow(3, 19.0 / 12) / (pow(2, 1.5) * sqrt(3.14159265358979323846)) * sqrt(1 + eta / 3) * pow(p, 1.0 / 6);
 }
 
-/* Arrivals in lattices of one kind, by height; at most `most`. */
+/* Heights and arrival times in lattices of one kind, at most `most`. */
 static int lattice_arrivals(const paper_set *set, bool friction, double p, int most, double *height, double *time) {
-    const double lowest =
-        set->n > 0 ? set->sample[set->n - 1].height / 5 : 0; /* the lattice of Fig. 12 is none of them */
+    const double lowest = set->n > 0 ? set->sample[set->n - 1].height / 5 : 0; /* leaves out the lattice of Fig. 12 */
     int n = 0;
     for (int64_t k = 0; k < set->n && n < most; k++) {
         const sp_sample *s = &set->sample[k];

@@ -1,4 +1,4 @@
-/* Figs. 9 and 10: the modes of the packing of Fig. 1. */
+/* Makes Figs. 9 and 10: the modes of the packing of Fig. 1. */
 #include "base/base.h"
 #include "paper/paper.h"
 
@@ -8,10 +8,10 @@
 #include <sonopack/spectrum.h>
 #include <stdio.h>
 
-enum { PICKED = 6, LOWEST = 25, BODY = 10 }; /* BODY: modes that are compared with those of an elastic body */
+enum { PICKED = 6, LOWEST = 25, BODY = 10 }; /* BODY: number of modes compared with those of an elastic body */
 
-/* The modes of Fig. 10: the two lowest above zero, the strongest in the signal in each third of the lower six tenths of
- * the spectrum, and the most localised of the highest tenth. */
+/* Picks the modes of Fig. 10: the two lowest above zero, the strongest in the signal in each third of the lower 60% of
+ * the spectrum, and the most localised in the highest 10%. */
 static bool pick(const sp_modes *m, int64_t out[PICKED]) {
     const int64_t first = m->n_zero, n = m->n - first;
     if (n < 40)
@@ -52,10 +52,11 @@ static sp_status make_modes(const sp_network *net, sp_modes *out, int64_t picked
 /* ---- Fig. 9 ----------------------------------------------------------------------------------------------------- */
 
 typedef struct points {
-    double *n, *square, *weight; /* [modes], in one piece of memory */
+    double *n, *square, *weight; /* [modes] one allocation */
     double picked_n[PICKED], picked_square[PICKED], picked_weight[PICKED];
     int bodies;
-    double body_n[BODY], body_square[BODY]; /* of the elastic strip, beside the mode that is most like it */
+    double body_n[BODY],
+        body_square[BODY]; /* modes of the elastic strip, each beside the most similar mode of the packing */
 } points;
 
 static sp_status points_make(const sp_modes *m, const int64_t picked[PICKED], points *out, sp_error *err) {
@@ -78,7 +79,8 @@ static sp_status points_make(const sp_modes *m, const int64_t picked[PICKED], po
     return SP_OK;
 }
 
-/* The strip of elastic material with the packing's moduli and density. Nothing where the packing has no bulk. */
+/* Adds the modes of an elastic strip with the moduli and density of the packing. Adds nothing if the packing has no
+ * bulk moduli. */
 static sp_status add_bodies(const spectrum *s, const sp_sample *sample, const sp_network *net, points *out,
                             sp_error *err) {
     sp_continuum c = sp_continuum_none();
@@ -178,7 +180,7 @@ sp_status sp_paper_make_fig9(paper *p, int item, sp_error *err) {
 
 /* ---- Fig. 10 ---------------------------------------------------------------------------------------------------- */
 
-/* Displacements of the six modes on every grain that is no rattler. */
+/* Saves the displacements of the six modes for every grain that is not a rattler. */
 static sp_status save_displacements(paper *p, const sp_packing *packing, const sp_network *net, const sp_modes *m,
                                     const int64_t picked[PICKED], sp_error *err) {
     static const char *const column[] = {"mode", "omega", "grain", "x", "y", "u_x", "u_y", "angle"};

@@ -1,4 +1,4 @@
-/* Figs. 1 and 2: forces, stiffnesses and directions of contacts. */
+/* Makes Figs. 1 and 2: forces, stiffnesses and directions of contacts. */
 #include "base/base.h"
 #include "paper/paper.h"
 
@@ -7,7 +7,7 @@
 #include <sonopack/figure/plot.h>
 #include <stdio.h>
 
-static const double threshold = 1e-4; /* of forces that carry, in p d^2 */
+static const double threshold = 1e-4; /* least force of a contact that carries load [p d^2] */
 
 /* ---- Fig. 1 ----------------------------------------------------------------------------------------------------- */
 
@@ -18,7 +18,7 @@ typedef struct networks {
     sp_contact_counts counts;
 } networks;
 
-/* The links of Figs. 1(a) and (b) as a table. */
+/* Saves the contacts of Figs. 1(a) and (b) as a table. */
 static sp_status save_links(paper *p, const char *name, const sp_packing *packing, const sp_network *net,
                             sp_error *err) {
     static const char *const column[] = {"i", "j", "x_i", "y_i", "x_contact", "y_contact", "Fn", "kn"};
@@ -71,7 +71,7 @@ static sp_status add_network(const sp_sample *s, const sp_packing *packing, cons
     return status == SP_OK ? sp_contact_counts_add(&all->counts, packing, threshold, 0, err) : status;
 }
 
-/* Standard deviation over the mean, from the histogram of values over their mean. */
+/* Standard deviation relative to the mean, from a histogram of values relative to their mean. */
 static double spread(const sp_table *t, int column) {
     double sum = 0, bins = 0;
     for (int64_t k = 0; k < t->rows; k++) {
@@ -124,7 +124,7 @@ static sp_status add_directions(const sp_sample *s, const sp_packing *packing, c
     return sp_contact_counts_add(user, packing, threshold, 3, err);
 }
 
-/* Mean of cos 2(angle - 90 degrees): 0 isotropic, above 0 upright. */
+/* Mean of cos 2(angle - 90 degrees): 0 if isotropic, positive if contacts are mostly vertical. */
 static double upright(const sp_table *t, int column) {
     double sum = 0, weight = 0;
     for (int64_t k = 0; k < t->rows; k++) {

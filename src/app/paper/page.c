@@ -1,4 +1,4 @@
-/* The two forms of a report, and the folder that they go into. */
+/* Writes a report as HTML and Markdown, and checks its folder. */
 #include "paper/page.h"
 #include "base/base.h"
 #include "base/file.h"
@@ -13,11 +13,11 @@
 
 /* ---- the folder ------------------------------------------------------------------------------------------------- */
 
-/* What tells a report of ours, and one that was not finished. */
+/* First lines of a report, and of an unfinished one. */
 #define MARK       "<!-- sonopack reproduce -->"
 #define UNFINISHED "This report is not finished."
 
-/* What report.md of a folder begins with; "" where there is none. */
+/* Reads the beginning of report.md in a folder; "" without the file. */
 static void read_head(const char *folder, char head[256]) {
     char path[SP_PATH_MAX];
     head[0] = '\0';
@@ -96,7 +96,7 @@ static void escape(sp_text *t, const char *text) {
     }
 }
 
-/* Letters that Markdown would take for its own. */
+/* Escapes the characters that are special in Markdown. */
 static void escape_md(sp_text *t, const char *text) {
     for (; *text; text++) {
         if (*text == '+' && text[1] == '-') {

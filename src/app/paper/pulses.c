@@ -1,4 +1,4 @@
-/* Figs. 4 to 6: signals, their coherent parts in boxes of several heights, and arrival times. */
+/* Makes Figs. 4 to 6: signals, their coherent parts in boxes of several heights, and arrival times. */
 #include "paper/fronts.h"
 #include "paper/signals.h"
 
@@ -15,7 +15,7 @@ static sp_curve plain_curve(const char *label, const paper_signals *s, const dou
     return (sp_curve){.label = label, .n = s->points, .x = s->t, .y = y, .ink = ink, .dash = dash, .width = 0.8};
 }
 
-/* The single packings (a), or mean and scatter beside one of them. */
+/* Curves of one panel: single packings in (a), mean and scatter beside one of them otherwise. */
 static int fill_panel(int which, const paper_signals *s, sp_curve curve[PANEL_CURVES]) {
     static const char *const names[PAPER_SINGLES] = {"packing 1 (Fig. 1)", "packing 2", "packing 3", "packing 4"};
     static const int inks[PAPER_SINGLES] = {2, 1, 3, 0};
@@ -33,7 +33,7 @@ static int fill_panel(int which, const paper_signals *s, sp_curve curve[PANEL_CU
     return n;
 }
 
-/* Scatter over the mean's peak: at the peak, and the largest after the mean's first zero crossing. */
+/* Reports the scatter relative to the peak of the mean: at the peak, and the largest after the first zero crossing. */
 static void say_scatter(paper *p, int item, const char *what, const paper_signals *s) {
     sp_front front;
     const sp_front_options rule = sp_front_options_default();
@@ -96,7 +96,7 @@ static sp_status coherent_curve(paper *p, const paper_distance *d, int ink, pape
     sp_status status = sp_paper_signals_make(p, d->ensemble, d->grains, 1.15 * d->t_zero.mean, 400, s, err);
     if (status != SP_OK)
         return status;
-    int32_t from = 0; /* before the front comes there is nothing to see */
+    int32_t from = 0; /* nothing happens before the front arrives */
     while (from < s->points && s->t[from] < 0.75 * d->t10.mean)
         from++;
     *out = (sp_curve){.n = s->points - from,
@@ -115,7 +115,7 @@ sp_status sp_paper_make_fig5(paper *p, int item, sp_error *err) {
     char label[PAPER_DISTANCES][40];
     int n = 0, curves = 0;
     sp_status status = sp_paper_heights(p, &n, d, err);
-    const int first = n > 1 && d[0].grains == 100; /* it would dwarf the others */
+    const int first = n > 1 && d[0].grains == 100; /* its amplitude would dwarf the others */
     for (int k = first; k < n && status == SP_OK; k++) {
         status = coherent_curve(p, &d[k], curves, &s[k], &curve[curves], err);
         snprintf(label[k], sizeof label[k], "|L| = %.1f", d[k].distance);
@@ -151,12 +151,12 @@ sp_status sp_paper_make_fig5(paper *p, int item, sp_error *err) {
 
 /* ---- Fig. 6 ----------------------------------------------------------------------------------------------------- */
 
-enum { MARKS = 3, FITS = 2 }; /* lines through boxes up to L = 60, and through all */
+enum { MARKS = 3, FITS = 2 }; /* FITS: lines through boxes up to L = 60, and through all */
 
 typedef struct arrivals {
     int n;
     double distance[PAPER_DISTANCES], time[MARKS][PAPER_DISTANCES], time_err[MARKS][PAPER_DISTANCES];
-    paper_line line[FITS]; /* of the arrival */
+    paper_line line[FITS]; /* fits of arrival times */
     double line_x[FITS][2], line_y[FITS][2];
 } arrivals;
 
@@ -208,7 +208,7 @@ static void say_steps(paper *p, int item, const arrivals *a) {
         "depends on that.");
 }
 
-/* The signal of the packing of Fig. 1 and the three marks on it. */
+/* Curves of the inset: the signal of the packing of Fig. 1 and its three marks. */
 static void inset_curves(const paper_signals *s, const sp_front *front, double mark[MARKS][2],
                          sp_curve out[1 + MARKS]) {
     static const sp_mark shapes[MARKS] = {SP_MARK_TRIANGLE, SP_MARK_CIRCLE, SP_MARK_SQUARE};

@@ -1,5 +1,5 @@
-/* Somfai, Roux, Snoeijer, van Hecke, van Saarloos, Phys. Rev. E 72, 021301 (2005), Tables I, II, IV and V: means and
- * one standard deviation of 30 samples of 600 grains, mu = 0.5, nu = 0. */
+/* Holds the numbers of Tables I, II, IV and V of Somfai, Roux, Snoeijer, van Hecke, van Saarloos, Phys. Rev. E 72,
+ * 021301 (2005): means and one standard deviation of 30 samples of 600 grains, mu = 0.5, nu = 0. */
 #include "paper/reference.h"
 
 const double sp_paper_pressure[PAPER_PRESSURES] = {1e-7, 1e-6, 1e-5, 1e-4};

@@ -1,4 +1,4 @@
-/* The report: report.html and report.md, which say the same, with the figures and tables beside them. */
+/* Writes the report: report.html and report.md, with figures and tables beside them. */
 #include "base/base.h"
 #include "paper/counts.h"
 #include "paper/page.h"
@@ -28,7 +28,7 @@ static void number(char cell[CELL], const char *format, double x) {
         snprintf(cell, CELL, "–");
 }
 
-/* Decimal places of x with so many significant digits; trailing zeros count only if `zeros`. */
+/* Number of decimal places for `digits` significant digits of x. zeros: keep trailing zeros. */
 static int decimals(double x, int digits, bool zeros) {
     char text[40];
     snprintf(text, sizeof text, "%.*e", digits - 1, x);
@@ -42,7 +42,7 @@ static int decimals(double x, int digits, bool zeros) {
     return places < 0 ? 0 : places > 9 ? 9 : places;
 }
 
-/* Both to the same decimal place: ours to two digits of the error, the paper's as it prints them. */
+/* Writes a value and its error to the same decimal place: ours to two digits of the error, the paper's as printed. */
 static void value(char *cell, double x, double error, bool printed) {
     if (!isfinite(x)) {
         snprintf(cell, CELL, "–");
@@ -74,7 +74,7 @@ static void row_cells(const paper_row *row, bool with_item, char cell[CELLS][CEL
     snprintf(cell[n++], CELL, "%s", row->verdict);
 }
 
-/* Rows of an item, or (item < 0) all that do not agree. */
+/* Whether a row belongs to the table of an item, or (item < 0) to that of all values that do not agree. */
 static bool in_table(const paper_row *row, int item) {
     return !sp_paper_is_claim(row) && (item >= 0 ? row->item == item : strcmp(row->verdict, "agrees") != 0);
 }
@@ -115,7 +115,7 @@ static void claim_cells(const paper_row *row, char cell[CLAIM_CELLS][2 * CELL]) 
     snprintf(cell[4], 2 * CELL, "%s", row->verdict);
 }
 
-/* Claims of an item, or (item < 0) all that do not hold. */
+/* Whether a claim belongs to the table of an item, or (item < 0) to that of all claims that do not hold. */
 static bool in_claims(const paper_row *row, int item) {
     return sp_paper_is_claim(row) && (item >= 0 ? row->item == item : strcmp(row->verdict, "holds") != 0);
 }
@@ -226,8 +226,8 @@ static void counts_table(report *r) {
     sp_paper_page_table_end(&r->page);
 }
 
-/* The paper's own error of a mean is unknown where a few packings decide it; the values of one table come from the same
- * packings. */
+/* Caveats: the error of the paper's mean is unknown if few packings dominate it, and the values of one table come from
+ * the same packings. */
 static void systematic(report *r) {
     const paper *p = r->p;
     int64_t found = 0, families = 0;
@@ -295,7 +295,7 @@ static void opening(report *r) {
         "pressures in E*, speeds in sqrt(E*/rho), times in d/sqrt(E*/rho).");
 }
 
-/* The rows of an item as a table of their own. */
+/* Saves the rows of an item as a table. */
 static sp_status save_rows(paper *p, int item, sp_error *err) {
     int64_t first = 0, n = 0;
     for (int64_t k = 0; k < p->rows; k++)

@@ -1,3 +1,4 @@
+/* Averages the signals of an ensemble. */
 #include "paper/signals.h"
 
 #include "base/base.h"

@@ -1,4 +1,4 @@
-/* Fig. 3: displacements of the grains at one time. */
+/* Makes Fig. 3: displacements of the grains at one time. */
 #include "base/base.h"
 #include "paper/paper.h"
 
@@ -7,7 +7,7 @@
 #include <sonopack/signal.h>
 #include <stddef.h>
 
-static const double snapshot_time = 80; /* of the paper */
+static const double snapshot_time = 80; /* time in the paper */
 
 typedef struct snapshot {
     paper *p;
@@ -18,7 +18,7 @@ static sp_status save_field(paper *p, const sp_packing *packing, const sp_networ
                             sp_error *err) {
     static const char *const column[] = {"grain", "x", "y", "radius", "u_x", "u_y", "angle"};
     sp_table t = sp_table_none();
-    sp_status status = sp_table_add_comment(&t, err, "t = %g", snapshot_time);
+    sp_status status = sp_table_set_number(&t, "t", snapshot_time, 6, err);
     for (int k = 0; k < 7 && status == SP_OK; k++)
         status = sp_table_add_column(&t, column[k], "", SP_CELL_NUMBER, err);
     for (int32_t i = 0; i < net->n && status == SP_OK; i++) {
@@ -33,7 +33,7 @@ static sp_status save_field(paper *p, const sp_packing *packing, const sp_networ
     return status;
 }
 
-/* Root mean square displacements up and down in the quarters of the height. */
+/* Reports root mean square displacements, vertical and horizontal, in each quarter of the height. */
 static void say_layers(const snapshot *s, const sp_packing *packing, const sp_network *net, const double *u) {
     enum { PARTS = 4 };
     double sum[PARTS] = {0}, count[PARTS] = {0}, rms[PARTS];

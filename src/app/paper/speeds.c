@@ -1,4 +1,4 @@
-/* Fig. 8: speeds against pressure. */
+/* Makes Fig. 8: speeds against pressure. */
 #include "base/base.h"
 #include "paper/lattice.h"
 
@@ -67,7 +67,7 @@ static sp_status wave_speeds(const paper *p, double (*of)(const sp_sample *s), s
 
 /* ---- lattices --------------------------------------------------------------------------------------------------- */
 
-static double eta_of(double poisson) { return 1 - poisson / (2 - poisson); } /* (A4) */
+static double eta_of(double poisson) { return 1 - poisson / (2 - poisson); } /* Eq. (A4) */
 
 static void small_lattices(const paper *p, bool friction, speeds *out) {
     static const double pressure[] = {1e-7, 5e-7, 1e-6, 1e-5, 1e-4};
@@ -91,7 +91,7 @@ static sp_status add_stated(paper *p, int item, double pressure, const char *qua
     return sp_paper_add_row(p, row, err);
 }
 
-/* Exponent in p and its standard error. */
+/* Exponent of p and its standard error. */
 static void exponent_of(const speeds *s, double out[2]) {
     double prefactor;
     bool errors = true;
@@ -102,7 +102,7 @@ static void exponent_of(const speeds *s, double out[2]) {
         sp_fit_power(s->n, s->p, s->c, errors ? s->err : NULL, &out[0], &out[1], &prefactor, NULL);
 }
 
-/* Of the largest pressure. */
+/* Value at the largest pressure. */
 static void last_of(const speeds *s, double out[2]) {
     out[0] = s->n > 0 ? s->c[s->n - 1] : NAN;
     out[1] = s->n > 0 ? s->err[s->n - 1] : NAN;
@@ -141,7 +141,7 @@ static sp_status add_rows(paper *p, int item, const speeds part[3], sp_error *er
 
 enum { CURVES = 11 };
 
-/* A short line of a given slope through a point, for reference. */
+/* A short line of given slope through a point, as a guide to the eye. */
 typedef struct guide {
     double x[2], y[2];
 } guide;
@@ -198,7 +198,7 @@ static sp_status draw(paper *p, int item, const speeds part[3], sp_error *err) {
         marks("lattice, friction, |L| = 160", &wide[1], 4, SP_MARK_CIRCLE, true),
         marks("2 |c|_{|t|}", &twice, 2, SP_MARK_TRIANGLE, false),
         marks("|c|_{|ℓ|}", &part[1], 1, SP_MARK_SQUARE, false),
-        marks("|c|_{tof}", &part[0], 0, SP_MARK_CIRCLE, false), /* the main data, over all others */
+        marks("|c|_{tof}", &part[0], 0, SP_MARK_CIRCLE, false), /* the main data, drawn on top */
         {.label = "slope 1/6", .n = 2, .x = sixth.x, .y = sixth.y, .ink = 0, .width = 0.6},
         {.label = "slope 1/4", .n = 2, .x = fourth.x, .y = fourth.y, .ink = 0, .dash = SP_DASH_DOTTED, .width = 0.8}};
     const sp_panel panel = {.x = {"pressure |p| / |E|*", true, range[0], range[1]},

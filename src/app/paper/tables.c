@@ -1,4 +1,4 @@
-/* Tables I, II, IV and V. */
+/* Makes Tables I, II, IV and V. */
 #include "base/base.h"
 #include "paper/counts.h"
 #include "paper/paper.h"
@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* How many rows of an item agree, and which does worst. */
+/* Reports how many rows of an item agree, and which differs most. */
 static void say_agreement(paper *p, int item) {
     int64_t rows = 0, agree = 0, missing = 0;
     const paper_row *worst = NULL;
@@ -45,15 +45,16 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Sorts. */
+/* The median; sorts x. */
 static double median(int64_t n, double *x) {
     qsort(x, (size_t)n, sizeof *x, ascending);
     return 0.5 * (x[(n - 1) / 2] + x[n / 2]);
 }
 
-static const double far_off = 8; /* standard deviations, by the median deviation; one in 1e15 if it were normal */
+static const double far_off = 8; /* in standard deviations estimated from the median deviation; a probability of 1e-15
+                                    for a normal distribution */
 
-/* Samples that decide a mean by themselves: a soft spot of a single packing does so for the body forces. */
+/* Reports samples that dominate a mean. A soft spot in a single packing can do so for the body forces. */
 static sp_status say_far_off(paper *p, int item, const char *quantity, double pressure, int64_t n, const double *values,
                              sp_error *err) {
     if (n < 5)
@@ -86,12 +87,12 @@ static sp_status say_far_off(paper *p, int item, const char *quantity, double pr
 
 /* ---- Table IV with the density of the whole box ----------------------------------------------------------------- */
 
-/* The body force on a grain is its volume over Phi3*, so that the forces add up to that on the continuum if Phi3* is
- * that of the whole box. The ratios go with its square. */
+/* The body force on a grain is its volume divided by Phi3*. If Phi3* is that of the whole box, the forces add up to the
+ * force on the continuum. The ratios are proportional to its square. */
 static sp_status add_box_ratio(const sp_sample *s, const sp_packing *packing, const sp_network *net, void *user,
                                sp_error *err) {
     (void)err;
-    double *sum = user, volume = 0; /* of squared ratios, and their number */
+    double *sum = user, volume = 0; /* sum of squared ratios, and their number */
     for (int32_t i = 0; i < net->n; i++)
         volume += 4 / 3.0 * 3.14159265358979323846 * pow(packing->r[net->grain[i]], 3);
     if (s->have & SP_WANT_STATICS) {

@@ -1,10 +1,7 @@
+/* Judges our values against those of the paper. */
 #include "paper/verdict.h"
 
-#include "paper/reproduce.h"
 #include <math.h>
-#include <stddef.h>
-#include <stdio.h>
-#include <string.h>
 
 static double known(double x) { return isfinite(x) ? x : 0; }
 
@@ -19,7 +16,7 @@ static double one_sigma(const paper_row *row) {
     return hypot(row->paper_sd, known(row->err));
 }
 
-/* Of the paper's value. */
+/* Standard error of the paper's value. */
 static double paper_error(const paper_row *row) {
     switch (row->scatter) {
     case PAPER_SCATTER_PAPER: return row->paper_sd / sqrt(PAPER_SAMPLES);
@@ -31,15 +28,14 @@ static double paper_error(const paper_row *row) {
     return row->paper_sd;
 }
 
-/* Standard deviation of what rounding took away: uniform within half a digit. */
-static double rounding(const paper_row *row) { return row->digit / sqrt(12); }
+double sp_paper_rounding(const paper_row *row) { return row->digit / sqrt(12); }
 
 bool sp_paper_is_claim(const paper_row *row) { return row->scatter == PAPER_SCATTER_CLAIM; }
 
-static const double decided = 2; /* standard errors from its limit: a claim is settled */
+static const double decided = 2; /* a claim is decided at this many standard errors from its limit */
 
 static void judge_claim(paper_row *row) {
-    double inside = row->ours - row->paper; /* how far ours is on the claim's side of its limit */
+    double inside = row->ours - row->paper; /* distance of ours from the limit, positive if the claim holds */
     if (row->relation == PAPER_BELOW)
         inside = -inside;
     else if (row->relation == PAPER_EQUAL)
@@ -64,7 +60,7 @@ void sp_paper_judge(paper_row *row) {
     row->sigma = difference / one_sigma(row);
     const double errors = hypot(paper_error(row), row->err);
     row->combined = isfinite(row->err) ? difference / errors : NAN;
-    row->deviation_err = isfinite(row->err) ? difference / hypot(errors, rounding(row)) : NAN;
+    row->deviation_err = isfinite(row->err) ? difference / hypot(errors, sp_paper_rounding(row)) : NAN;
     if (!isfinite(row->sigma))
         row->verdict = "missing";
     else
@@ -86,81 +82,4 @@ void sp_paper_row_mean(paper_row *row, int64_t n, const double *values) {
             squares += (values[k] - row->ours) * (values[k] - row->ours);
     row->ours_sd = count > 1 ? sqrt(squares / (double)(count - 1)) : NAN;
     row->err = count > 1 ? row->ours_sd / sqrt((double)count) : NAN;
-}
-
-static const char *const scatter_names[] = {[PAPER_SCATTER_PAPER] = "paper",
-                                            [PAPER_SCATTER_OURS] = "ours",
-                                            [PAPER_SCATTER_STATED] = "stated",
-                                            [PAPER_SCATTER_BOUND] = "bound",
-                                            [PAPER_SCATTER_CLAIM] = "claim"};
-
-static const char *relation_of(const paper_row *row) {
-    static const char *const names[] = {[PAPER_EQUAL] = "=", [PAPER_ABOVE] = ">", [PAPER_BELOW] = "<"};
-    return row->scatter == PAPER_SCATTER_BOUND ? ">" : names[row->relation];
-}
-
-/* "Table I" of the title "Table I. Statics", "Fig. 6" of "Fig. 6. Arrival times": where the item is. */
-static const char *where_of(const paper_row *row, char text[24]) {
-    const char *title = sp_paper_item_title(row->item);
-    if (row->where || !title)
-        return row->where ? row->where : "-";
-    const size_t number = strncmp(title, "Fig. ", 5) == 0 ? 5 : 0;
-    snprintf(text, 24, "%.*s", (int)(number + strcspn(title + number, ".")), title);
-    return text;
-}
-
-static sp_status add_columns(sp_table *t, sp_error *err) {
-    static const struct {
-        const char *name, *unit;
-        sp_cell_kind kind;
-    } column[] = {
-        {"item", "", SP_CELL_TEXT},      {"p", "E*", SP_CELL_NUMBER},           {"quantity", "", SP_CELL_TEXT},
-        {"paper", "", SP_CELL_NUMBER},   {"paper_sd", "", SP_CELL_NUMBER},      {"ours", "", SP_CELL_NUMBER},
-        {"err", "", SP_CELL_NUMBER},     {"sigma", "", SP_CELL_NUMBER},         {"verdict", "", SP_CELL_TEXT},
-        {"ours_sd", "", SP_CELL_NUMBER}, {"samples", "", SP_CELL_INTEGER},      {"combined", "", SP_CELL_NUMBER},
-        {"scatter", "", SP_CELL_TEXT},   {"deviation_err", "", SP_CELL_NUMBER}, {"rounding", "", SP_CELL_NUMBER},
-        {"relation", "", SP_CELL_TEXT},  {"where", "", SP_CELL_TEXT},           {"note", "", SP_CELL_TEXT}};
-    sp_status status = SP_OK;
-    for (size_t k = 0; k < sizeof column / sizeof *column && status == SP_OK; k++)
-        status = sp_table_add_column(t, column[k].name, column[k].unit, column[k].kind, err);
-    return status;
-}
-
-static sp_status add_comments(sp_table *t, sp_error *err) {
-    static const char *const line[] = {
-        "values of Somfai et al., Phys. Rev. E 72, 021301 (2005), beside ours; units: d, E*, sqrt(E* / rho)",
-        "err: standard error of our mean; ours_sd: one standard deviation of our samples",
-        "sigma = (ours - paper)/scatter, agrees within one; scatter paper: paper_sd, its standard deviation",
-        "scatter ours: the paper gives none, ours_sd; stated: paper_sd, the precision of the words, and err in square",
-        "scatter bound: the paper gives a lower bound, paper_sd is our precision; above it sigma is 0",
-        "combined = (ours - paper) over both standard errors, that of the paper with 30 samples; nan for one sample",
-        "deviation_err = the same with the rounding of print in square, uniform within half of the last digit",
-        "scatter claim: a claim in words, relation: what it says of ours (= within paper_sd); it holds or is",
-        "contradicted, or is undecided: ours lies within two standard errors of the limit",
-        "verdict missing: there is no value of ours, or no scatter, as that of one sample"};
-    sp_status status = SP_OK;
-    for (size_t k = 0; k < sizeof line / sizeof *line && status == SP_OK; k++)
-        status = sp_table_add_comment(t, err, "%s", line[k]);
-    return status;
-}
-
-sp_status sp_paper_rows_table(int64_t n, const paper_row *rows, sp_table *out, sp_error *err) {
-    sp_table t = sp_table_none();
-    sp_status status = add_comments(&t, err);
-    if (status == SP_OK)
-        status = add_columns(&t, err);
-    for (int64_t k = 0; k < n && status == SP_OK; k++) {
-        const paper_row *r = &rows[k];
-        char where[24];
-        status = sp_table_add_row(&t, err, sp_paper_item_name(r->item), r->p, r->quantity, r->paper, r->paper_sd,
-                                  r->ours, r->err, r->sigma, r->verdict, r->ours_sd, r->samples, r->combined,
-                                  scatter_names[r->scatter], r->deviation_err, rounding(r), relation_of(r),
-                                  where_of(r, where), *r->note ? r->note : "-");
-    }
-    if (status != SP_OK) {
-        sp_table_free(&t);
-        return status;
-    }
-    *out = t;
-    return SP_OK;
 }

@@ -5,6 +5,7 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 
@@ -72,6 +73,20 @@ static void start_round(sp_pool *pool) {
     pthread_mutex_unlock(&pool->lock);
 }
 
+/* They block all signals, which are for the threads of whoever calls the library. */
+static void start_members(sp_pool *pool, int threads) {
+    sigset_t all, old;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &old);
+    for (pool->parts = 1; pool->parts < threads; pool->parts++) {
+        member *m = &pool->members[pool->parts];
+        *m = (member){.pool = pool, .part = pool->parts};
+        if (pthread_create(&m->thread, NULL, member_main, m) != 0)
+            break; /* fewer threads do the same work */
+    }
+    pthread_sigmask(SIG_SETMASK, &old, NULL);
+}
+
 sp_status sp_pool_make(int threads, sp_pool **out, sp_error *err) {
     *out = NULL;
     threads = threads > POOL_MAX ? POOL_MAX : threads;
@@ -88,12 +103,7 @@ sp_status sp_pool_make(int threads, sp_pool **out, sp_error *err) {
     pthread_mutex_init(&pool->lock, NULL);
     pthread_cond_init(&pool->started, NULL);
     pthread_cond_init(&pool->finished, NULL);
-    for (pool->parts = 1; pool->parts < threads; pool->parts++) {
-        member *m = &members[pool->parts];
-        *m = (member){.pool = pool, .part = pool->parts};
-        if (pthread_create(&m->thread, NULL, member_main, m) != 0)
-            break; /* fewer threads do the same work */
-    }
+    start_members(pool, threads);
     *out = pool;
     return SP_OK;
 }

@@ -115,7 +115,7 @@ static sp_status band(slicer *z, const sp_modes_range *r, slice_edge *a, slice_e
 static sp_status put(const slicer *z, const sp_modes_options *opt, const sp_modes_range *r, slice_edge a, slice_edge b,
                      sp_modes *out, sp_error *err) {
     const int64_t rattlers = (int64_t)z->net->rattlers * z->net->dof;
-    int64_t first = 0, last = z->found, edge = 0;
+    int64_t first = 0, last, edge = 0;
     double to = sqrt(fmax(b.sigma - b.error, 0));
     if (r->lowest > 0) {
         last = r->lowest;

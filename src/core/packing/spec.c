@@ -253,7 +253,7 @@ static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
     const double densest = s->dim == 2 ? 0.45 : 0.3;
     if (s->gas_fraction > densest)
         return sp_fail_key(err, SP_EINVAL, "packing.gas_fraction",
-                           " = %g: must be at most %g in %d dimensions, grains that are dropped at "
+                           " = %g: must be at most %g in %d dimensions, grains placed at "
                            "random jam at %g",
                            s->gas_fraction, densest, s->dim, s->dim == 2 ? 0.547 : 0.38);
     status = check_layer(s, err);

@@ -1,12 +1,13 @@
+/* Reads a table from a file. */
 #include "base/base.h"
 #include "base/text.h"
-#include "table/sheet.h"
+#include "table/words.h"
 
 #include <sonopack/table.h>
 #include <stdio.h>
 #include <string.h>
 
-/* "units: name [unit] name [unit] ..." as the writer gives it. */
+/* Reads the line "units: name [unit] name [unit] ...". */
 static void take_units(sp_table *t, const char *text) {
     for (;;) {
         text += strspn(text, " ");
@@ -22,15 +23,15 @@ static void take_units(sp_table *t, const char *text) {
     }
 }
 
-static bool numeric_column(const sp_sheet *s, int column) {
+static bool numeric_column(const sp_word_table *s, int column) {
     double value;
     for (int64_t k = 0; k < s->rows; k++)
-        if (!sp_word_number(sp_sheet_cell(s, k, column), &value))
+        if (!sp_word_number(sp_word_table_cell(s, k, column), &value))
             return false;
     return true;
 }
 
-static sp_status add_columns(const sp_sheet *s, sp_table *t, sp_error *err) {
+static sp_status add_columns(const sp_word_table *s, sp_table *t, sp_error *err) {
     for (int c = 0; c < s->columns; c++) {
         char name[sizeof t->column[0].name];
         snprintf(name, sizeof name, "c%d", c + 1);
@@ -45,7 +46,7 @@ static sp_status add_columns(const sp_sheet *s, sp_table *t, sp_error *err) {
     return SP_OK;
 }
 
-static sp_status add_cells(const sp_sheet *s, sp_table *t, sp_error *err) {
+static sp_status add_cells(const sp_word_table *s, sp_table *t, sp_error *err) {
     size_t cells = (size_t)s->rows * (size_t)s->columns;
     t->cells = sp_alloc(cells, sizeof *t->cells);
     if (!t->cells)
@@ -61,7 +62,7 @@ static sp_status add_cells(const sp_sheet *s, sp_table *t, sp_error *err) {
     return SP_OK;
 }
 
-static sp_status add_comments(const sp_sheet *s, sp_table *t, sp_error *err) {
+static sp_status add_comments(const sp_word_table *s, sp_table *t, sp_error *err) {
     for (int c = 0; c < s->comments; c++) {
         sp_status status = SP_OK;
         if (strncmp(s->comment[c], "units:", 6) == 0)
@@ -75,10 +76,10 @@ static sp_status add_comments(const sp_sheet *s, sp_table *t, sp_error *err) {
 }
 
 sp_status sp_table_read(const char *path, sp_table *out, sp_error *err) {
-    sp_sheet s = {0};
+    sp_word_table s = {0};
     sp_table t = sp_table_none();
     sp_locale locale = sp_locale_enter();
-    sp_status status = sp_sheet_read(path, &s, err);
+    sp_status status = sp_word_table_read(path, &s, err);
     if (status == SP_OK)
         status = add_columns(&s, &t, err);
     if (status == SP_OK)
@@ -86,7 +87,7 @@ sp_status sp_table_read(const char *path, sp_table *out, sp_error *err) {
     if (status == SP_OK)
         status = add_comments(&s, &t, err);
     sp_locale_leave(&locale);
-    sp_sheet_free(&s);
+    sp_word_table_free(&s);
     if (status == SP_OK)
         *out = t;
     else

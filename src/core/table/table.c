@@ -1,10 +1,12 @@
+/* Builds tables in memory and looks values up in them. */
 #include "base/base.h"
+#include "table/array.h"
+#include "table/metadata.h"
 
 #include <math.h>
 #include <sonopack/table.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 sp_table sp_table_none(void) { return (sp_table){0}; }
@@ -15,6 +17,11 @@ void sp_table_free(sp_table *t) {
             sp_free(t->cells[k].text);
     for (int c = 0; c < t->comments; c++)
         sp_free(t->comment[c]);
+    for (int k = 0; k < t->values; k++) {
+        sp_free(t->value[k].key);
+        sp_free(t->value[k].text);
+    }
+    sp_free(t->value);
     sp_free(t->comment);
     sp_free(t->cells);
     sp_free(t->column);
@@ -24,16 +31,10 @@ void sp_table_free(sp_table *t) {
 sp_status sp_table_add_column(sp_table *t, const char *name, const char *unit, sp_cell_kind kind, sp_error *err) {
     if (t->rows > 0 || t->columns >= SP_COLUMNS_MAX)
         return sp_fail(err, SP_EINVAL, "column %s: columns come before rows, %d at the most", name, SP_COLUMNS_MAX);
-    if ((t->columns & (t->columns - 1)) == 0) { /* none, or as many as there is room for */
-        const size_t room = t->columns > 0 ? 2 * (size_t)t->columns : 1;
-        sp_column *columns = sp_alloc(room, sizeof *columns);
-        if (!columns)
-            return sp_fail_memory(err, room * sizeof *columns);
-        if (t->columns > 0)
-            memcpy(columns, t->column, (size_t)t->columns * sizeof *columns);
-        sp_free(t->column);
-        t->column = columns;
-    }
+    sp_column *larger = sp_array_reserve(t->column, (size_t)t->columns, sizeof *larger);
+    if (!larger)
+        return sp_fail_memory(err, (size_t)t->columns * sizeof *larger);
+    t->column = larger;
     sp_column *c = &t->column[t->columns++];
     snprintf(c->name, sizeof c->name, "%s", name);
     snprintf(c->unit, sizeof c->unit, "%s", unit);
@@ -41,7 +42,7 @@ sp_status sp_table_add_column(sp_table *t, const char *name, const char *unit, s
     return SP_OK;
 }
 
-/* Doubles the room for rows; old cells are kept. */
+/* Doubles the capacity for rows. */
 static sp_status grow(sp_table *t, sp_error *err) {
     int64_t capacity = t->capacity ? 2 * t->capacity : 64;
     size_t columns = (size_t)t->columns;
@@ -92,7 +93,7 @@ sp_status sp_table_add_row(sp_table *t, sp_error *err, ...) {
         }
     }
     va_end(args);
-    t->rows++; /* a text cell without memory is NULL, which free accepts */
+    t->rows++; /* counts after failure too: a missing text is NULL, which sp_free accepts */
     return status;
 }
 
@@ -102,19 +103,15 @@ sp_status sp_table_add_comment(sp_table *t, sp_error *err, const char *format, .
     va_start(args, format);
     vsnprintf(line, sizeof line, format, args);
     va_end(args);
-    char **comment = sp_alloc((size_t)t->comments + 1, sizeof *comment);
-    char *copy = sp_strdup(line);
-    if (!comment || !copy) {
-        sp_free(comment);
-        sp_free(copy);
+    char **larger = sp_array_reserve(t->comment, (size_t)t->comments, sizeof *larger);
+    if (!larger)
+        return sp_fail_memory(err, (size_t)t->comments * sizeof *larger);
+    t->comment = larger;
+    t->comment[t->comments] = sp_strdup(line);
+    if (!t->comment[t->comments])
         return sp_fail_memory(err, sizeof line);
-    }
-    if (t->comments > 0)
-        memcpy(comment, t->comment, (size_t)t->comments * sizeof *comment);
-    sp_free(t->comment);
-    t->comment = comment;
-    t->comment[t->comments++] = copy;
-    return SP_OK;
+    t->comments++;
+    return sp_table_index_comment(t, err);
 }
 
 int sp_table_find_column(const sp_table *t, const char *name) {
@@ -124,19 +121,7 @@ int sp_table_find_column(const sp_table *t, const char *name) {
     return -1;
 }
 
-const char *sp_table_comment_value(const sp_table *t, const char *key) {
-    size_t length = strlen(key);
-    for (int c = 0; c < t->comments; c++) {
-        const char *line = t->comment[c] + strspn(t->comment[c], " \t");
-        if (strncmp(line, key, length) != 0)
-            continue;
-        line += length;
-        line += strspn(line, " \t");
-        if (*line == '=')
-            return line + 1 + strspn(line + 1, " \t");
-    }
-    return NULL;
-}
+const char *sp_table_comment_value(const sp_table *t, const char *key) { return sp_table_get_text(t, key); }
 
 double sp_table_number(const sp_table *t, int64_t row, int column) {
     const sp_cell *cell = &t->cells[row * t->columns + column];

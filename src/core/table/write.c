@@ -1,3 +1,4 @@
+/* Writes a table as TSV, CSV or JSON. */
 #include "base/text.h"
 
 #include "base/base.h"
@@ -8,7 +9,7 @@
 
 /* ---- one text of each format ----------------------------------------------------------------------------------- */
 
-/* TSV: what would end a cell or a row, or make a comment of it, behind a backslash. */
+/* TSV: escapes the characters that would end a cell or a row, or start a comment. */
 static void tsv_text(sp_text *out, const char *text, bool first_cell) {
     if (first_cell && *text == '#')
         sp_text_bytes(out, "\\", 1);
@@ -23,7 +24,7 @@ static void tsv_text(sp_text *out, const char *text, bool first_cell) {
     }
 }
 
-/* CSV as RFC 4180 has it. */
+/* CSV according to RFC 4180. */
 static void csv_text(sp_text *out, const char *text, bool first_cell) {
     (void)first_cell;
     size_t length = strlen(text);
@@ -38,7 +39,7 @@ static void csv_text(sp_text *out, const char *text, bool first_cell) {
     sp_text_bytes(out, "\"", 1);
 }
 
-/* Bytes of the UTF-8 character at text; 0 if it is none (overlong forms and surrogates included). */
+/* Length of the UTF-8 character at text [bytes]; 0 if it is invalid, overlong forms and surrogates included. */
 static size_t utf8_length(const unsigned char *text) {
     size_t length = text[0] < 0x80 ? 1 : text[0] >= 0xc2 && text[0] < 0xe0 ? 2 : (text[0] & 0xf0) == 0xe0 ? 3 : 0;
     if (text[0] >= 0xf0 && text[0] < 0xf5)
@@ -62,7 +63,7 @@ static void json_text(sp_text *out, const char *text) {
         else if (c < ' ')
             sp_text_add(out, "\\u%04x", c);
         else if (length == 0)
-            sp_text_add(out, "\\ufffd"); /* a byte that is no UTF-8, in a file name, say */
+            sp_text_add(out, "\\ufffd"); /* not UTF-8, as file names may be */
         else
             sp_text_bytes(out, text, length);
         text += length ? length : 1;

@@ -8,24 +8,19 @@
 
 static const double MOST_SAMPLES = 1e7; /* of a study; more are a typing error */
 
-static bool is_swept(const sp_scene *s, const char *key) {
-    for (int i = 0; i < s->sweeps; i++)
+/* Whether one of the first `sweeps` sweeps is of this key. Those of study.sweep come first. */
+static bool is_listed(const sp_scene *s, int sweeps, const char *key) {
+    for (int i = 0; i < sweeps; i++)
         if (strcmp(s->sweep[i].key, key) == 0)
             return true;
     return false;
 }
+
+static bool is_swept(const sp_scene *s, const char *key) { return is_listed(s, s->sweeps, key); }
 
 static int given_by(const sp_reader *r, const char *key) { return r->given[sp_field_index(sp_field_find(key))]; }
 
 /* ---- combinations ----------------------------------------------------------------------------------------------- */
-
-/* Whether study.sweep sweeps a key. */
-static bool is_listed(const sp_scene *s, int listed, const char *key) {
-    for (int i = 0; i < listed; i++)
-        if (strcmp(s->sweep[i].key, key) == 0)
-            return true;
-    return false;
-}
 
 /* Checks the packing of every combination of swept values. */
 static sp_status check_combinations(const sp_reader *r, int64_t combinations, int listed) {
@@ -80,9 +75,10 @@ static sp_status check_height(const sp_reader *r, int listed) {
     char height[32], number[32];
     snprintf(height, sizeof height, "= %s", sp_number_text(s->height, number));
     snprintf(number, sizeof number, "= %d", s->pack.grains);
-    return sp_fail_key(r->err, SP_EINVAL, "packing.height",
-                       " %s: must not be given beside packing.grains %s: the height says how many grains",
-                       height_swept ? "(swept)" : height, grains_swept ? "(swept)" : number);
+    return sp_fail_key(
+        r->err, SP_EINVAL, "packing.height",
+        " %s: must not be given together with packing.grains %s, because the height decides the number of grains",
+        height_swept ? "(swept)" : height, grains_swept ? "(swept)" : number);
 }
 
 static sp_status check_planes(const sp_scene *s, sp_error *err) {

@@ -3,7 +3,7 @@
 #include "base/base.h"
 #include "packing/contact.h"
 #include "store/exchange.h"
-#include "table/sheet.h"
+#include "table/words.h"
 
 #include <math.h>
 #include <sonopack/study/store.h>
@@ -20,7 +20,7 @@ static const char *const known_key[] = {"dimension", "width",   "depth", "height
                                         "friction",  "poisson", "wall",  "seed"};
 
 typedef struct keys {
-    const sp_sheet *grains, *contacts;
+    const sp_word_table *grains, *contacts;
     int count;
     char *const *given; /* "key=value", which override the comments */
 } keys;
@@ -54,9 +54,9 @@ static bool find_value(const keys *k, const char *name, char value[64], const ch
         text = given_value(k->given[g], name);
     *where = text ? "option" : k->grains->file;
     if (!text)
-        text = sp_sheet_value(k->grains, name);
+        text = sp_word_table_value(k->grains, name);
     if (!text) {
-        text = sp_sheet_value(k->contacts, name);
+        text = sp_word_table_value(k->contacts, name);
         *where = k->contacts->file;
     }
     if (text)
@@ -86,7 +86,10 @@ static sp_status number_key(const keys *k, const char *name, double fallback, do
 }
 
 static sp_status read_dimension(const keys *k, int *dim, sp_error *err) {
-    double columns = sp_sheet_find(k->grains, "z") >= 0 ? 3 : sp_sheet_find(k->grains, "y") >= 0 ? 2 : 1, value;
+    double columns = sp_word_table_find(k->grains, "z") >= 0   ? 3
+                     : sp_word_table_find(k->grains, "y") >= 0 ? 2
+                                                               : 1,
+           value;
     sp_status status = number_key(k, "dimension", columns, &value, err);
     if (status != SP_OK)
         return status;
@@ -143,29 +146,29 @@ static int compare_ids_then_rows(const void *a, const void *b) {
     return order ? order : (p->index > q->index) - (p->index < q->index);
 }
 
-static sp_status need_column(const sp_sheet *s, const char *name, int *column, sp_error *err) {
-    *column = sp_sheet_find(s, name);
+static sp_status need_column(const sp_word_table *s, const char *name, int *column, sp_error *err) {
+    *column = sp_word_table_find(s, name);
     if (*column < 0)
         return sp_fail(err, SP_EFORMAT, "%s: no column '%s' in the header row", s->file, name);
     return SP_OK;
 }
 
 /* Reads a finite number from a cell. */
-static sp_status cell_number(const sp_sheet *s, int64_t row, int column, double *out, sp_error *err) {
-    const char *word = sp_sheet_cell(s, row, column);
+static sp_status cell_number(const sp_word_table *s, int64_t row, int column, double *out, sp_error *err) {
+    const char *word = sp_word_table_cell(s, row, column);
     if (!sp_word_number(word, out) || !isfinite(*out))
         return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is '%.60s'; must be a finite number", s->file,
                        (long long)s->line[row], s->name[column], word);
     return SP_OK;
 }
 
-static sp_status read_ids(const sp_sheet *s, grain_id *id, sp_error *err) {
+static sp_status read_ids(const sp_word_table *s, grain_id *id, sp_error *err) {
     int column;
     sp_status status = need_column(s, "id", &column, err);
     if (status != SP_OK)
         return status;
     for (int64_t row = 0; row < s->rows; row++) {
-        id[row] = (grain_id){sp_sheet_cell(s, row, column), (int32_t)row};
+        id[row] = (grain_id){sp_word_table_cell(s, row, column), (int32_t)row};
         if (!*id[row].word || strcmp(id[row].word, "bottom") == 0 || strcmp(id[row].word, "top") == 0)
             return sp_fail(err, SP_EFORMAT, "%s:%lld: id is '%s'; must be a number or word, not bottom or top", s->file,
                            (long long)s->line[row], id[row].word);
@@ -178,7 +181,7 @@ static sp_status read_ids(const sp_sheet *s, grain_id *id, sp_error *err) {
     return SP_OK;
 }
 
-static sp_status read_grains(const sp_sheet *s, sp_packing *p, sp_error *err) {
+static sp_status read_grains(const sp_word_table *s, sp_packing *p, sp_error *err) {
     int column[4];
     sp_status status = need_column(s, "radius", &column[3], err);
     for (int a = 0; status == SP_OK && a < p->dim; a++)
@@ -205,7 +208,7 @@ typedef struct contact_columns {
     int i, j, n[3], overlap, fn, ft, ft3[3]; /* -1: missing */
 } contact_columns;
 
-static sp_status find_columns(const sp_sheet *s, int dim, contact_columns *c, sp_error *err) {
+static sp_status find_columns(const sp_word_table *s, int dim, contact_columns *c, sp_error *err) {
     static const char *const normal[3] = {"nx", "ny", "nz"}, *const tangent[3] = {"Ftx", "Fty", "Ftz"};
     sp_status status = need_column(s, "i", &c->i, err);
     if (status == SP_OK)
@@ -213,14 +216,14 @@ static sp_status find_columns(const sp_sheet *s, int dim, contact_columns *c, sp
     int vector = 0;
     for (int a = 0; status == SP_OK && a < dim; a++) {
         status = need_column(s, normal[a], &c->n[a], err);
-        c->ft3[a] = sp_sheet_find(s, tangent[a]);
+        c->ft3[a] = sp_word_table_find(s, tangent[a]);
         vector += c->ft3[a] >= 0;
     }
     if (status != SP_OK)
         return status;
-    c->overlap = sp_sheet_find(s, "overlap");
-    c->fn = sp_sheet_find(s, "Fn");
-    c->ft = sp_sheet_find(s, "Ft");
+    c->overlap = sp_word_table_find(s, "overlap");
+    c->fn = sp_word_table_find(s, "Fn");
+    c->ft = sp_word_table_find(s, "Ft");
     if (c->overlap < 0 && c->fn < 0)
         return sp_fail(err, SP_EFORMAT, "%s: neither a column 'overlap' nor 'Fn' in the header row", s->file);
     if (vector != 0 && vector != dim)
@@ -232,9 +235,9 @@ static sp_status find_columns(const sp_sheet *s, int dim, contact_columns *c, sp
     return SP_OK;
 }
 
-static sp_status find_grain(const sp_sheet *s, int64_t row, int column, const grain_id *id, int32_t n, int32_t *out,
-                            sp_error *err) {
-    const char *word = sp_sheet_cell(s, row, column);
+static sp_status find_grain(const sp_word_table *s, int64_t row, int column, const grain_id *id, int32_t n,
+                            int32_t *out, sp_error *err) {
+    const char *word = sp_word_table_cell(s, row, column);
     if (strcmp(word, "bottom") == 0 || strcmp(word, "top") == 0) {
         *out = *word == 'b' ? SP_BOTTOM : SP_TOP;
         return SP_OK;
@@ -248,9 +251,9 @@ static sp_status find_grain(const sp_sheet *s, int64_t row, int column, const gr
 }
 
 /* Reads an optional number: NAN if the column is missing or the cell empty. */
-static sp_status optional_number(const sp_sheet *s, int64_t row, int column, double *out, sp_error *err) {
+static sp_status optional_number(const sp_word_table *s, int64_t row, int column, double *out, sp_error *err) {
     *out = NAN;
-    if (column < 0 || !*sp_sheet_cell(s, row, column))
+    if (column < 0 || !*sp_word_table_cell(s, row, column))
         return SP_OK;
     return cell_number(s, row, column, out, err);
 }
@@ -273,8 +276,8 @@ static sp_status complete(const sp_packing *p, sp_contact_row *row, sp_error *er
     return SP_OK;
 }
 
-static sp_status read_row(const sp_sheet *s, int64_t row, const contact_columns *column, sp_contact_row *out, int dim,
-                          sp_error *err) {
+static sp_status read_row(const sp_word_table *s, int64_t row, const contact_columns *column, sp_contact_row *out,
+                          int dim, sp_error *err) {
     sp_status status = SP_OK;
     out->vector = column->ft3[0] >= 0;
     for (int a = 0; status == SP_OK && a < dim; a++) {
@@ -291,7 +294,7 @@ static sp_status read_row(const sp_sheet *s, int64_t row, const contact_columns 
     return status;
 }
 
-static sp_status read_contacts(const sp_sheet *s, const grain_id *id, sp_packing *p, sp_error *err) {
+static sp_status read_contacts(const sp_word_table *s, const grain_id *id, sp_packing *p, sp_error *err) {
     contact_columns column;
     sp_status status = find_columns(s, p->dim, &column, err);
     for (int32_t c = 0; status == SP_OK && c < p->n_contacts; c++) {
@@ -313,7 +316,7 @@ static sp_status read_contacts(const sp_sheet *s, const grain_id *id, sp_packing
     return status;
 }
 
-static sp_status check_sizes(const sp_sheet *grains, const sp_sheet *contacts, sp_error *err) {
+static sp_status check_sizes(const sp_word_table *grains, const sp_word_table *contacts, sp_error *err) {
     if (grains->rows < 1 || grains->rows > INT32_MAX / 4)
         return sp_fail(err, SP_EFORMAT, "%s: %lld grains; must be 1..%d", grains->file, (long long)grains->rows,
                        INT32_MAX / 4);
@@ -342,7 +345,7 @@ static sp_status read_sheets(const keys *k, grain_id *id, sp_packing *p, sp_erro
 
 sp_status sp_packing_read_tables(const char *grains, const char *contacts, int count, char *const *given,
                                  sp_packing *out, sp_error *err) {
-    sp_sheet g = {0}, c = {0};
+    sp_word_table g = {0}, c = {0};
     const keys k = {&g, &c, count, given};
     sp_packing p = sp_packing_none();
     grain_id *id = NULL;
@@ -350,9 +353,9 @@ sp_status sp_packing_read_tables(const char *grains, const char *contacts, int c
     sp_locale locale = sp_locale_enter();
     sp_status status = check_given(&k, err);
     if (status == SP_OK)
-        status = sp_sheet_read(grains, &g, err);
+        status = sp_word_table_read(grains, &g, err);
     if (status == SP_OK)
-        status = sp_sheet_read(contacts, &c, err);
+        status = sp_word_table_read(contacts, &c, err);
     if (status == SP_OK)
         status = check_sizes(&g, &c, err);
     if (status == SP_OK)
@@ -365,8 +368,8 @@ sp_status sp_packing_read_tables(const char *grains, const char *contacts, int c
         status = read_sheets(&k, id, &p, err);
     sp_locale_leave(&locale);
     sp_free(id);
-    sp_sheet_free(&g);
-    sp_sheet_free(&c);
+    sp_word_table_free(&g);
+    sp_word_table_free(&c);
     if (status == SP_OK)
         *out = p;
     else

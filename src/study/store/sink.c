@@ -104,34 +104,14 @@ static void keep_old_parts(sp_record *fresh, sp_record *old) {
     }
 }
 
-static sp_status copy_signal(const sp_signal *from, sp_signal *to, sp_error *err) {
-    const size_t bytes = (size_t)from->n * sizeof(double);
-    sp_signal s = *from;
-    s.errors = NULL;
-    s.t = sp_alloc((size_t)from->n, sizeof *s.t);
-    s.f = sp_alloc((size_t)from->n, sizeof *s.f);
-    if (!s.t || !s.f) {
-        sp_free(s.t);
-        sp_free(s.f);
-        return sp_fail_memory(err, 2 * bytes);
+/* Lets the record have the arrays of the caller, as far as there are any, or gives them back. */
+static void lend_arrays(sp_record *r, const sp_sample_arrays *arrays, bool lend) {
+    if (arrays && arrays->signal.n > 0)
+        r->arrays.signal = lend ? arrays->signal : sp_signal_none();
+    if (arrays && arrays->modes > 0) {
+        r->arrays.modes = lend ? arrays->modes : 0;
+        r->arrays.omega = lend ? arrays->omega : NULL;
     }
-    memcpy(s.t, from->t, bytes);
-    memcpy(s.f, from->f, bytes);
-    *to = s;
-    return SP_OK;
-}
-
-static sp_status copy_arrays(const sp_sample_arrays *from, sp_sample_arrays *to, sp_error *err) {
-    sp_status status = from->signal.n > 0 ? copy_signal(&from->signal, &to->signal, err) : SP_OK;
-    if (status != SP_OK || from->modes == 0)
-        return status;
-    const size_t bytes = (size_t)from->modes * sizeof *from->omega;
-    to->omega = sp_alloc(bytes, 1);
-    if (!to->omega)
-        return sp_fail_memory(err, bytes);
-    memcpy(to->omega, from->omega, bytes);
-    to->modes = from->modes;
-    return SP_OK;
 }
 
 /* Adds what is stored already to *fresh; also the packing, if needed. A damaged file is renamed. */
@@ -156,9 +136,8 @@ static sp_status save_made(const sp_store *store, const sp_scene *scene, const s
     sp_record fresh = {.sample = *sample};
     sp_packing stored = sp_packing_none();
     sp_status status = SP_OK;
-    if (arrays)
-        status = copy_arrays(arrays, &fresh.arrays, err);
-    if (status == SP_OK && scene && !(fresh.scene = sp_scene_text(scene, NULL)))
+    lend_arrays(&fresh, arrays, true);
+    if (scene && !(fresh.scene = sp_scene_text(scene, NULL)))
         status = sp_fail_memory(err, 1);
     if (status == SP_OK)
         status = merge_old(store, &fresh, given == NULL, &stored, err);
@@ -178,6 +157,7 @@ static sp_status save_made(const sp_store *store, const sp_scene *scene, const s
         sp_store_enter(store, &fresh.sample);
     }
     sp_packing_free(&stored);
+    lend_arrays(&fresh, arrays, false);
     sp_record_free(&fresh);
     return status;
 }

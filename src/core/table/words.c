@@ -1,32 +1,34 @@
-#include "table/sheet.h"
+/* Reads a text file into rows and columns of words. */
+#include "table/words.h"
 
 #include "base/base.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "table/array.h"
 
 #include <stdbool.h>
 #include <string.h>
 
 enum { COMMENTS_MAX = 4096 };
 
-void sp_sheet_free(sp_sheet *s) {
+void sp_word_table_free(sp_word_table *s) {
     sp_free(s->text);
     sp_free(s->cell);
     sp_free(s->line);
     sp_free(s->comment);
-    *s = (sp_sheet){0};
+    *s = (sp_word_table){0};
 }
 
-int sp_sheet_find(const sp_sheet *s, const char *name) {
+int sp_word_table_find(const sp_word_table *s, const char *name) {
     for (int c = 0; c < s->columns; c++)
         if (s->name[c] && strcmp(s->name[c], name) == 0)
             return c;
     return -1;
 }
 
-char *sp_sheet_cell(const sp_sheet *s, int64_t row, int column) { return s->cell[row * s->columns + column]; }
+char *sp_word_table_cell(const sp_word_table *s, int64_t row, int column) { return s->cell[row * s->columns + column]; }
 
-const char *sp_sheet_value(const sp_sheet *s, const char *key) {
+const char *sp_word_table_value(const sp_word_table *s, const char *key) {
     size_t length = strlen(key);
     for (int c = 0; c < s->comments; c++) {
         const char *line = s->comment[c] + strspn(s->comment[c], " \t");
@@ -41,7 +43,7 @@ const char *sp_sheet_value(const sp_sheet *s, const char *key) {
 
 /* ---- cells ----------------------------------------------------------------------------------------------------- */
 
-/* \t, \n, \r, \# and \\ as the writer of tables gives them; other backslashes stand for themselves. */
+/* Replaces the escapes \t, \n, \r, \# and \\ of sp_table_text. Other backslashes stay. */
 static void unescape(char *word) {
     char *to = word;
     for (const char *from = word; *from; from++) {
@@ -70,7 +72,7 @@ static char *trim(char *word) {
     return word;
 }
 
-/* Cells between single tabs; counts like sp_line_words. */
+/* Splits a line at single tabs. Returns the number of cells like sp_line_words. */
 static int tab_cells(char *line, char **word, int most) {
     for (int count = 0;;) {
         char *tab = strchr(line, '\t');
@@ -94,15 +96,15 @@ static bool all_numbers(char *const *word, int count) {
     return true;
 }
 
-/* Whether the first row says that single tabs separate cells, which then may hold blanks: it has tabs, no cell is
- * empty, and it is not a row of numbers at any blanks. */
+/* Whether single tabs separate the cells, which then may contain blanks. That is so if the first row has tabs and no
+ * empty cell, and is not a row of numbers. */
 static bool tabs_separate(const char *line, bool *tabs) {
-    char *word[SP_SHEET_COLUMNS];
+    char *word[SP_WORD_COLUMNS];
     char *copy = sp_strdup(line);
     if (!copy)
         return false;
-    int count = sp_line_words(copy, word, SP_SHEET_COLUMNS);
-    *tabs = strchr(line, '\t') && !(count <= SP_SHEET_COLUMNS && all_numbers(word, count));
+    int count = sp_line_words(copy, word, SP_WORD_COLUMNS);
+    *tabs = strchr(line, '\t') && !(count <= SP_WORD_COLUMNS && all_numbers(word, count));
     const char *cell = line;
     while (*tabs) {
         cell += strspn(cell, " ");
@@ -119,71 +121,45 @@ static bool tabs_separate(const char *line, bool *tabs) {
 
 /* ---- rows and comments ----------------------------------------------------------------------------------------- */
 
-static sp_status add_comment(sp_sheet *s, char *text, int64_t line, sp_error *err) {
+static sp_status add_comment(sp_word_table *s, char *text, int64_t line, sp_error *err) {
     if (s->comments == COMMENTS_MAX)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: more than %d comment lines", s->file, (long long)line, COMMENTS_MAX);
-    if (s->comments == s->comment_capacity) {
-        int capacity = s->comment_capacity ? 2 * s->comment_capacity : 16;
-        char **larger = sp_alloc((size_t)capacity, sizeof *larger);
-        if (!larger)
-            return sp_fail_memory(err, (size_t)capacity * sizeof *larger);
-        if (s->comments > 0)
-            memcpy(larger, s->comment, (size_t)s->comments * sizeof *larger);
-        sp_free(s->comment);
-        s->comment = larger;
-        s->comment_capacity = capacity;
-    }
+    char **larger = sp_array_reserve(s->comment, (size_t)s->comments, sizeof *larger);
+    if (!larger)
+        return sp_fail_memory(err, (size_t)s->comments * sizeof *larger);
+    s->comment = larger;
     s->comment[s->comments++] = text + (*text == ' ');
     return SP_OK;
 }
 
-static sp_status reserve_row(sp_sheet *s, sp_error *err) {
-    if (s->rows < s->capacity)
-        return SP_OK;
-    size_t old = (size_t)s->rows, capacity = old ? 2 * old : 64, columns = (size_t)s->columns;
-    char **cell = sp_alloc(capacity * columns, sizeof *cell);
-    int64_t *line = sp_alloc(capacity, sizeof *line);
-    if (!cell || !line) {
-        sp_free(cell);
-        sp_free(line);
-        return sp_fail_memory(err, capacity * (columns + 1) * 8);
-    }
-    if (old > 0) {
-        memcpy(cell, s->cell, old * columns * sizeof *cell);
-        memcpy(line, s->line, old * sizeof *line);
-    }
-    sp_free(s->cell);
-    sp_free(s->line);
-    s->cell = cell;
-    s->line = line;
-    s->capacity = (int64_t)capacity;
-    return SP_OK;
-}
-
-static sp_status add_row(sp_sheet *s, char *const *word, int count, int64_t line, sp_error *err) {
+static sp_status add_row(sp_word_table *s, char *const *word, int count, int64_t line, sp_error *err) {
     if (count != s->columns)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: %s%d cells where the first row has %d", s->file, (long long)line,
-                       count > SP_SHEET_COLUMNS ? "more than " : "",
-                       count > SP_SHEET_COLUMNS ? SP_SHEET_COLUMNS : count, s->columns);
-    sp_status status = reserve_row(s, err);
-    if (status != SP_OK)
-        return status;
+                       count > SP_WORD_COLUMNS ? "more than " : "", count > SP_WORD_COLUMNS ? SP_WORD_COLUMNS : count,
+                       s->columns);
+    const size_t row_size = (size_t)s->columns * sizeof *s->cell;
+    char **cell = sp_array_reserve(s->cell, (size_t)s->rows, row_size);
+    s->cell = cell ? cell : s->cell;
+    int64_t *lines = sp_array_reserve(s->line, (size_t)s->rows, sizeof *lines);
+    s->line = lines ? lines : s->line;
+    if (!cell || !lines)
+        return sp_fail_memory(err, (size_t)s->rows * (row_size + sizeof *lines));
     memcpy(s->cell + s->rows * s->columns, word, (size_t)count * sizeof *word);
     s->line[s->rows++] = line;
     return SP_OK;
 }
 
-/* One line with cells: the first fixes the separator and the columns, and may be the header. */
-static sp_status take_row(sp_sheet *s, char *line, int64_t number, bool *tabs, sp_error *err) {
+/* Adds a line with cells. The first one sets the separator and the number of columns, and may be the header. */
+static sp_status take_row(sp_word_table *s, char *line, int64_t number, bool *tabs, sp_error *err) {
     bool first = s->columns == 0;
     if (first && !tabs_separate(line, tabs))
         return sp_fail_memory(err, strlen(line));
-    char *word[SP_SHEET_COLUMNS];
-    int count = *tabs ? tab_cells(line, word, SP_SHEET_COLUMNS) : sp_line_words(line, word, SP_SHEET_COLUMNS);
+    char *word[SP_WORD_COLUMNS];
+    int count = *tabs ? tab_cells(line, word, SP_WORD_COLUMNS) : sp_line_words(line, word, SP_WORD_COLUMNS);
     if (!first)
         return add_row(s, word, count, number, err);
-    if (count > SP_SHEET_COLUMNS)
-        return sp_fail(err, SP_EFORMAT, "%s:%lld: more than %d columns", s->file, (long long)number, SP_SHEET_COLUMNS);
+    if (count > SP_WORD_COLUMNS)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: more than %d columns", s->file, (long long)number, SP_WORD_COLUMNS);
     s->columns = count;
     if (all_numbers(word, count))
         return add_row(s, word, count, number, err);
@@ -191,8 +167,8 @@ static sp_status take_row(sp_sheet *s, char *line, int64_t number, bool *tabs, s
     return SP_OK;
 }
 
-sp_status sp_sheet_read(const char *path, sp_sheet *out, sp_error *err) {
-    sp_sheet s = {.file = path};
+sp_status sp_word_table_read(const char *path, sp_word_table *out, sp_error *err) {
+    sp_word_table s = {.file = path};
     size_t size = 0;
     sp_locale locale = sp_locale_enter();
     sp_status status = sp_file_read_text(path, &s.text, &size, err);
@@ -215,6 +191,6 @@ sp_status sp_sheet_read(const char *path, sp_sheet *out, sp_error *err) {
     if (status == SP_OK)
         *out = s;
     else
-        sp_sheet_free(&s);
+        sp_word_table_free(&s);
     return status;
 }

@@ -1,0 +1,64 @@
+"""What tests of the command share: what a message names, and waiting for what happens, not for a time."""
+import pathlib
+import re
+import signal
+import time
+
+PATIENCE = 600  # seconds until what never happens is a failure; nothing is measured by it
+
+
+def names_all(text, words):
+    """Whether a message names all of the words, which blanks separate: keys, options, values, FILE:LINE. Each must stand
+    by itself: not "grain" of "grains", nor 5 of 0.5. How a message is put is not asked; of no words, that there is one."""
+    text = str(text)
+    return text.strip() != "" and all(_named(text, word) for word in str(words).split())
+
+
+def _named(text, word):
+    before = r"(?<!\w)" if re.match(r"\w", word) else ""
+    if re.match(r"\d", word):
+        before += r"(?<!-)(?<!\d\.)"
+    after = r"(?!\w)(?!\.\d)" if re.search(r"\w$", word) else ""
+    return re.search(before + re.escape(word) + after, text) is not None
+
+
+def made_now(text):
+    """How many samples a study says that it made: the number after that of all."""
+    return int(re.search(r"(\d+) samples\D+(\d+)", text).group(2))
+
+
+def wait_until(condition, what, every=0.01):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, f"waited {PATIENCE} s for {what}"
+        time.sleep(every)
+
+
+def catches(process, number=signal.SIGINT):
+    """Whether a process has said what a signal does (before, the signal would simply end it)."""
+    status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+    return int(re.search(r"SigCgt:\s*(\w+)", status).group(1), 16) >> (number - 1) & 1
+
+
+def worked(process):
+    """The seconds of processor time that a process has used: unlike a clock they pass only when it gets on."""
+    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / 100
+
+
+def wait_for_work(process, seconds, number=signal.SIGINT):
+    """Until a process catches a signal and has worked for so long since it began."""
+    wait_until(lambda: process.poll() is not None or (catches(process, number) and worked(process) >= seconds),
+               f"{seconds} s of work")
+    assert process.poll() is None, "it ended before it could be stopped"
+
+
+def sleeps(process, looks=30):
+    """Whether all threads of a process are found asleep every time. One that makes a sample is not: where other
+    processes take its core it waits for it, which is told from sleep."""
+    for _ in range(looks):
+        for path in pathlib.Path(f"/proc/{process.pid}/task").glob("*/stat"):
+            if path.read_text().rsplit(")", 1)[1].split()[0] != "S":
+                return False
+        time.sleep(0.01)
+    return True
