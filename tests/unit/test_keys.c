@@ -15,7 +15,7 @@ static void assert_refused(const sp_field *f, const char *value) {
     sp_error err = {0};
     snprintf(override, sizeof override, "%s=%s", f->key, value);
     const bool path = f->type == SP_FIELD_FILE || f->type == SP_FIELD_PATH; /* of which --set takes any text */
-    sp_status status = sp_field_is_tapped(f) ? sp_scene_read_column(NULL, path ? 0 : 1, overrides, &s, &err)
+    sp_status status = sp_field_is_tapped(f) ? sp_scene_read_tapped(NULL, path ? 0 : 1, overrides, &s, &err)
                                              : sp_scene_read(NULL, path ? 0 : 1, overrides, &s, &err);
     if (path && status == SP_OK)
         sp_scene_free(&s);

@@ -179,20 +179,20 @@ static void text_reads_back_bit_for_bit(void **state) {
         double lists[8];
         for (int k = 0; k < 8; k++)
             lists[k] = exp(4 * ((double)(draw(&random) >> 11) * 0x1p-53) - 2);
-        s.column.masses = 1 + (int32_t)(draw(&random) % 4);
-        s.column.radii = 1 + (int32_t)(draw(&random) % 4);
-        s.column.mass = lists;
-        s.column.radius = lists + 4;
-        s.column.output = draw(&random) % 7;
-        s.column.parameter = draw(&random) % 4;
+        s.tapped.masses = 1 + (int32_t)(draw(&random) % 4);
+        s.tapped.radii = 1 + (int32_t)(draw(&random) % 4);
+        s.tapped.mass = lists;
+        s.tapped.radius = lists + 4;
+        s.tapped.output = draw(&random) % 7;
+        s.tapped.parameter = draw(&random) % 4;
         char *text = text_of_all(&s);
         assert_ok(parse(text, &back, &err));
         char *again = text_of_all(&back);
         assert_string_equal(text, again);
-        assert_true(s.column.output == back.column.output && s.column.parameter == back.column.parameter);
-        assert_true(s.column.masses == back.column.masses && s.column.radii == back.column.radii);
-        assert_memory_equal(lists, back.column.mass, sizeof *lists * (size_t)s.column.masses);
-        assert_memory_equal(lists + 4, back.column.radius, sizeof *lists * (size_t)s.column.radii);
+        assert_true(s.tapped.output == back.tapped.output && s.tapped.parameter == back.tapped.parameter);
+        assert_true(s.tapped.masses == back.tapped.masses && s.tapped.radii == back.tapped.radii);
+        assert_memory_equal(lists, back.tapped.mass, sizeof *lists * (size_t)s.tapped.masses);
+        assert_memory_equal(lists + 4, back.tapped.radius, sizeof *lists * (size_t)s.tapped.radii);
         for (int k = 0; k < SP_FIELDS; k++) {
             const double drawn = sp_field_is_number(&sp_fields[k]) ? sp_field_load(&s, &sp_fields[k]).real : 0;
             const double read = sp_field_is_number(&sp_fields[k]) ? sp_field_load(&back, &sp_fields[k]).real : 0;

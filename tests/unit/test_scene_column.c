@@ -14,7 +14,7 @@ static sp_status parse(const char *text, sp_scene *out, sp_error *err) {
 
 static sp_status column_of(const char *override, sp_scene *out, sp_error *err) {
     char *list[] = {(char *)(uintptr_t) override};
-    return sp_scene_read_column(NULL, override ? 1 : 0, list, out, err);
+    return sp_scene_read_tapped(NULL, override ? 1 : 0, list, out, err);
 }
 
 static void refuses(const char *override, const char *reason) {
@@ -31,8 +31,8 @@ static void defaults_are_those_of_the_column(void **state) {
     const sp_tapped_spec c = sp_tapped_spec_default();
     sp_scene s;
     assert_ok(column_of(NULL, &s, &err));
-    assert_true(s.column.particles == c.particles && s.column.frequency == c.frequency && s.column.e == c.e);
-    assert_true(s.column.masses == 1 && s.column.mass[0] == 1 && s.column.radii == 1 && s.column.radius[0] == 1);
+    assert_true(s.tapped.particles == c.particles && s.tapped.frequency == c.frequency && s.tapped.e == c.e);
+    assert_true(s.tapped.masses == 1 && s.tapped.mass[0] == 1 && s.tapped.radii == 1 && s.tapped.radius[0] == 1);
     assert_true(s.masses == NULL && s.radii == NULL);
     sp_scene_free(&s);
     assert_true(sp_scene_get(&s, "column.amplitude") == c.amplitude);
@@ -42,16 +42,16 @@ static void lists_are_one_number_or_several(void **state) {
     (void)state;
     sp_scene s;
     assert_ok(parse("column = { mass = 2; radius = [1, 0.5, 1]; };", &s, &err));
-    assert_int_equal(s.column.masses, 1);
-    assert_int_equal(s.column.radii, 3);
-    assert_true(s.column.mass[0] == 2 && s.column.radius[1] == 0.5);
-    assert_ptr_equal(s.column.mass, s.masses);
+    assert_int_equal(s.tapped.masses, 1);
+    assert_int_equal(s.tapped.radii, 3);
+    assert_true(s.tapped.mass[0] == 2 && s.tapped.radius[1] == 0.5);
+    assert_ptr_equal(s.tapped.mass, s.masses);
     sp_scene_free(&s);
     assert_ok(column_of("column.mass=1,2, 3", &s, &err));
-    assert_true(s.column.masses == 3 && s.column.mass[2] == 3);
+    assert_true(s.tapped.masses == 3 && s.tapped.mass[2] == 3);
     sp_scene_free(&s);
     assert_ok(column_of("column.mass=0.5", &s, &err));
-    assert_true(s.column.masses == 1 && s.column.mass[0] == 0.5);
+    assert_true(s.tapped.masses == 1 && s.tapped.mass[0] == 0.5);
     sp_scene_free(&s);
 
     refuses("column.mass=0", "column.mass 0");
@@ -69,9 +69,9 @@ static void each_check_is_for_its_own(void **state) {
     sp_scene s;
     assert_ok(sp_scene_read(NULL, 1, column, &s, &err)); /* a packing has nothing to do with it */
     sp_scene_free(&s);
-    assert_fails(sp_scene_read_column(NULL, 1, column, &s, &err), SP_EINVAL, "column.e 1");
+    assert_fails(sp_scene_read_tapped(NULL, 1, column, &s, &err), SP_EINVAL, "column.e 1");
     assert_fails(sp_scene_read(NULL, 1, packing, &s, &err), SP_EINVAL, "packing.width");
-    assert_ok(sp_scene_read_column(NULL, 1, packing, &s, &err));
+    assert_ok(sp_scene_read_tapped(NULL, 1, packing, &s, &err));
     sp_scene_free(&s);
 }
 
@@ -118,7 +118,7 @@ static void samples_do_not_know_it(void **state) {
     sp_scene sample;
     assert_ok(sp_study_scene(&other, 0, &sample, &err));
     sp_scene_free(&sample); /* lists stay the study's */
-    assert_true(other.column.mass[1] == 2);
+    assert_true(other.tapped.mass[1] == 2);
     sp_scene_free(&plain);
     sp_scene_free(&other);
 }
@@ -131,7 +131,7 @@ static void lack_of_memory(void **state) {
     for (int64_t after = 0; status == SP_ENOMEM; after++) {
         sp_scene s;
         sp_alloc_fail_after(after);
-        status = sp_scene_read_column(NULL, 2, list, &s, NULL);
+        status = sp_scene_read_tapped(NULL, 2, list, &s, NULL);
         sp_alloc_fail_after(-1);
         failures += status == SP_ENOMEM;
         if (status == SP_OK)

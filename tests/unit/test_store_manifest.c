@@ -28,7 +28,7 @@ static int teardown(void **state) {
 /* A sample with numbers of all magnitudes in everything that it has. */
 static sp_sample example(unsigned have, uint64_t number) {
     uint64_t random = number;
-    sp_sample s = sp_sample_kept();
+    sp_sample s = sp_sample_blank();
     sp_result result[SP_RESULTS_MAX];
     const int results = sp_results(result);
     for (int k = 0; k < results; k++) {

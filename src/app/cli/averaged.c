@@ -100,12 +100,12 @@ static sp_status resample(pass *p, const double *f, sp_error *err) {
 
 /* Sums are made in the first pass only. */
 static sp_status add_array(const cli_averaged *a, const sp_sample *s, const cli_array *x, pass *p, sp_error *err) {
-    sp_signals *all = &p->to->all;
+    sp_signal_average *all = &p->to->all;
     sp_status status = SP_OK;
     if (p->begin > 0 && x->points != all->points)
         status = sp_fail(err, SP_EREFUSED, "the %s of sample %s has changed since it was first read", a->part, s->name);
     else if (p->begin == 0) {
-        status = sp_signals_add(all, x->points, x->t, x->f, err);
+        status = sp_signal_average_add(all, x->points, x->t, x->f, err);
         if (status == SP_EREFUSED)
             sp_fail_prefix(
                 err,
@@ -153,7 +153,7 @@ static const char *interval_rule(const cli_averaged *a, double level, char *out,
 sp_status cli_average(const cli_averaging *how, void *user, int64_t n, const sp_sample *samples, double level,
                       sp_table *out, sp_error *err) {
     cli_averaged of = {0};
-    cli_sums sums = {.all = sp_signals_none()};
+    cli_sums sums = {.all = sp_signal_average_none()};
     sp_table t = sp_table_none();
     int32_t intervals = INT32_MAX;
     char rule[80];
@@ -172,7 +172,7 @@ sp_status cli_average(const cli_averaging *how, void *user, int64_t n, const sp_
         *out = t;
     else
         sp_table_free(&t);
-    sp_signals_free(&sums.all);
+    sp_signal_average_free(&sums.all);
     sp_free(sums.interval);
     sp_free(of.sample);
     return w.status;

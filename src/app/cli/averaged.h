@@ -44,7 +44,7 @@ typedef struct cli_array {
 } cli_array;
 
 typedef struct cli_sums {
-    sp_signals all;
+    sp_signal_average all;
     sp_interval *interval; /* of the means of the first numbers */
 } cli_sums;
 

@@ -58,10 +58,10 @@ static void warn(const arguments *a, const sp_table *t) {
 
 static sp_status compute(arguments *a, sp_scene *scene, sp_table *t, sp_error *err) {
     cli_catch_signals();
-    scene->column.stopped = stopped;
+    scene->tapped.stopped = stopped;
     a->begun = sp_clock_wall();
     sp_status status =
-        sp_tapped_table_watched(&scene->column, a->common.threads, (sp_tapped_watcher){watch, a}, t, err);
+        sp_tapped_table_watched(&scene->tapped, a->common.threads, (sp_tapped_watcher){watch, a}, t, err);
     cli_progress_end();
     return status;
 }
@@ -69,7 +69,7 @@ static sp_status compute(arguments *a, sp_scene *scene, sp_table *t, sp_error *e
 static sp_status work(arguments *a, sp_scene *scene, sp_table *t, sp_error *err) {
     sp_status status = cli_may_write_table(&a->common, err);
     if (status == SP_OK)
-        status = sp_scene_read_column(a->common.files > 0 ? a->common.file[0] : NULL, a->common.sets, a->common.set,
+        status = sp_scene_read_tapped(a->common.files > 0 ? a->common.file[0] : NULL, a->common.sets, a->common.set,
                                       scene, err);
     if (status == SP_OK)
         status = compute(a, scene, t, err);

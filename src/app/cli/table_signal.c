@@ -34,13 +34,14 @@ static sp_status check_methods(void *user, const cli_averaged *of, int32_t *inte
 
 static void add_rows(void *user, const cli_sums *sums, cli_writer *w) {
     const char *const unit = "E* d^2";
-    const sp_signals *s = &sums->all;
+    const sp_signal_average *s = &sums->all;
     (void)user;
     cli_columns(w, SP_CELL_NUMBER, "t", "d/sqrt(E* / rho)", "mean", unit, "rms", unit, "mean_err", unit, "low", unit,
                 "high", unit, NULL);
     for (int32_t k = 0; k < s->points && w->status == SP_OK; k++) {
         const sp_interval *i = &sums->interval[k];
-        const double row[] = {s->t[k], s->mean[k], sp_signals_rms(s, k), sp_signals_mean_err(s, k), i->low, i->high};
+        const double row[] = {s->t[k], s->mean[k], sp_signal_average_rms(s, k), sp_signal_average_mean_err(s, k),
+                              i->low,  i->high};
         w->status = sp_table_add_numbers(w->table, row, w->err);
     }
 }

@@ -88,7 +88,7 @@ static sp_status make_bins(void *user, const cli_averaged *of, int32_t *interval
 
 static void add_rows(void *user, const cli_sums *sums, cli_writer *w) {
     const reader *r = user;
-    const sp_signals *s = &sums->all;
+    const sp_signal_average *s = &sums->all;
     cli_columns(w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "low", SPECTRUM_FREQUENCY, "high", SPECTRUM_FREQUENCY,
                 "density", SPECTRUM_TIME, "density_err", SPECTRUM_TIME, "density_low", SPECTRUM_TIME, "density_high",
                 SPECTRUM_TIME, "cumulative", "modes/grain", "cumulative_err", "modes/grain", NULL);
@@ -98,11 +98,11 @@ static void add_rows(void *user, const cli_sums *sums, cli_writer *w) {
                               r->edge[b],
                               r->edge[b + 1],
                               s->mean[b],
-                              sp_signals_mean_err(s, b),
+                              sp_signal_average_mean_err(s, b),
                               empty ? NAN : sums->interval[b].low,
                               empty ? NAN : sums->interval[b].high,
                               s->mean[r->bins + b],
-                              sp_signals_mean_err(s, r->bins + b)};
+                              sp_signal_average_mean_err(s, r->bins + b)};
         w->status = sp_table_add_numbers(w->table, row, w->err);
     }
 }

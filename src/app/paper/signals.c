@@ -8,7 +8,7 @@
 
 typedef struct sums {
     paper_signals *s;
-    sp_signals all;
+    sp_signal_average all;
     double until;
 } sums;
 
@@ -24,7 +24,7 @@ static sp_status add_signal(const sp_sample *sample, const sp_packing *packing, 
     sp_signal signal = sp_signal_none();
     sp_status status = sp_signal_make(net, &options, &signal, err);
     if (status == SP_OK)
-        status = sp_signals_add(&sum->all, signal.n, signal.t, signal.f, err);
+        status = sp_signal_average_add(&sum->all, signal.n, signal.t, signal.f, err);
     if (status == SP_OK) {
         if (s->n < PAPER_SINGLES)
             memcpy(s->single + s->n * s->points, signal.f, (size_t)s->points * sizeof *s->single);
@@ -46,14 +46,14 @@ sp_status sp_paper_signals_make(paper *p, paper_ensemble e, int32_t grains, doub
     s.single = s.t + 3 * n;
     for (size_t k = 0; k < PAPER_SINGLES * n; k++)
         s.single[k] = NAN;
-    sums sum = {.s = &s, .all = sp_signals_none(), .until = until};
+    sums sum = {.s = &s, .all = sp_signal_average_none(), .until = until};
     sp_status status = sp_paper_walk(p, e, 1e-4, grains, 0, add_signal, &sum, err);
     for (size_t k = 0; k < n && status == SP_OK; k++) {
         s.t[k] = sum.all.t[k];
         s.mean[k] = sum.all.mean[k];
-        s.rms[k] = sp_signals_rms(&sum.all, (int32_t)k);
+        s.rms[k] = sp_signal_average_rms(&sum.all, (int32_t)k);
     }
-    sp_signals_free(&sum.all);
+    sp_signal_average_free(&sum.all);
     if (status != SP_OK) {
         sp_paper_signals_free(&s);
         return status;

@@ -1,5 +1,5 @@
-/* c_tof: the front's speed from the difference of arrival times at two heights (Fig. 6 of Somfai et al. 2005). Never
- * height over time: the front is slower near the source. */
+/* Makes the table ctof: speed of the front from the difference of arrival times at two heights (Fig. 6 of Somfai et al.
+ * 2005). Height over time would be wrong, because the front is slower near the source. */
 #include "base/base.h"
 #include "ensemble/groups.h"
 #include "ensemble/speed.h"
@@ -9,19 +9,19 @@
 
 typedef enum mark { T10 = 0, T_PEAK, T_ZERO, MARKS } mark;
 
-/* Samples of one pressure and size that have a front. */
-typedef struct arm {
-    int64_t n[MARKS]; /* with that mark */
+/* Fronts of the samples of one pressure and size. */
+typedef struct arrivals {
+    int64_t n[MARKS]; /* samples with this mark */
     double *height[MARKS], *time[MARKS];
     double *memory;
     int32_t grains;
-} arm;
+} arrivals;
 
-/* Two heights and one mark, as sp_bootstrap wants them. */
-typedef struct flight {
-    const arm *low, *high;
+/* Two heights and one mark, for sp_bootstrap. */
+typedef struct height_pair {
+    const arrivals *low, *high;
     mark mark;
-} flight;
+} height_pair;
 
 static double mean_of(const double *x, int64_t n, const int64_t *pick) {
     double sum = 0;
@@ -30,24 +30,24 @@ static double mean_of(const double *x, int64_t n, const int64_t *pick) {
     return sum / (double)n;
 }
 
-/* (<H2> - <H1>) / (<t>_2 - <t>_1); NAN where that is no speed. */
+/* (<H2> - <H1>) / (<t>_2 - <t>_1); NAN unless both differences are positive. */
 static double speed(const int64_t *size, const int64_t *const *pick, void *user) {
-    const flight *f = user;
+    const height_pair *f = user;
     mark m = f->mark;
     double rise = mean_of(f->high->height[m], size[1], pick[1]) - mean_of(f->low->height[m], size[0], pick[0]);
     double time = mean_of(f->high->time[m], size[1], pick[1]) - mean_of(f->low->time[m], size[0], pick[0]);
     return rise > 0 && time > 0 ? rise / time : NAN;
 }
 
-static double plain_speed(const arm *low, const arm *high, mark m) {
-    flight f = {low, high, m};
+static double plain_speed(const arrivals *low, const arrivals *high, mark m) {
+    height_pair f = {low, high, m};
     const int64_t size[2] = {low->n[m], high->n[m]};
     const int64_t *const pick[2] = {NULL, NULL};
     return size[0] > 0 && size[1] > 0 ? speed(size, pick, &f) : NAN;
 }
 
-static sp_status arm_make(int64_t n, const sp_sample *const *s, arm *out, sp_error *err) {
-    arm a = {.grains = s[0]->grains};
+static sp_status arrivals_make(int64_t n, const sp_sample *const *s, arrivals *out, sp_error *err) {
+    arrivals a = {.grains = s[0]->grains};
     a.memory = sp_alloc((size_t)n, 2 * MARKS * sizeof *a.memory);
     if (!a.memory)
         return sp_fail_memory(err, (size_t)n * 2 * MARKS * sizeof *a.memory);
@@ -66,8 +66,8 @@ static sp_status arm_make(int64_t n, const sp_sample *const *s, arm *out, sp_err
     return SP_OK;
 }
 
-/* The first and the last size of one pressure that have fronts: s[low_begin .. low_end) and s[high_begin .. high_end).
- * Without fronts: the last size. */
+/* The smallest and the largest size of one pressure that have fronts: s[low_begin .. low_end) and s[high_begin ..
+ * high_end). Without any front, both are the largest size. */
 typedef struct ends {
     int64_t low_begin, low_end, high_begin, high_end;
 } ends;
@@ -95,17 +95,17 @@ static ends find_ends(int64_t n, const sp_sample *const *s) {
     return e;
 }
 
-/* What two heights tell; NAN where there is nothing. */
-typedef struct flown {
+/* Speeds between two heights; NAN where there is none. */
+typedef struct speeds {
     double c[MARKS], error[MARKS];
     sp_interval interval; /* of c[T10] */
-} flown;
+} speeds;
 
-static sp_status fly(const arm *low, const arm *high, double level, flown *out, sp_error *err) {
+static sp_status measure_speeds(const arrivals *low, const arrivals *high, double level, speeds *out, sp_error *err) {
     const sp_bootstrap_options options = sp_bootstrap_options_default();
     sp_status status = SP_OK;
     for (int m = 0; m < MARKS && status == SP_OK; m++) {
-        flight f = {low, high, (mark)m};
+        height_pair f = {low, high, (mark)m};
         const int64_t size[2] = {low->n[m], high->n[m]};
         out->c[m] = plain_speed(low, high, (mark)m);
         status = sp_bootstrap(2, size, speed, &f, &options, &out->error[m], err);
@@ -115,17 +115,17 @@ static sp_status fly(const arm *low, const arm *high, double level, flown *out, 
     return status == SP_OK ? sp_speed_interval(&near, &far, false, level, &out->interval, err) : status;
 }
 
-/* The row of one pressure. */
+/* Adds the row of one pressure. */
 static sp_status add_pressure(int64_t n, const sp_sample *const *s, double level, sp_table *t, sp_error *err) {
     const ends e = find_ends(n, s);
     const int64_t high_n = e.high_end - e.high_begin;
-    arm low = {0}, high = {0};
-    flown v = {{NAN, NAN, NAN}, {NAN, NAN, NAN}, {NAN, NAN}};
+    arrivals low = {0}, high = {0};
+    speeds v = {{NAN, NAN, NAN}, {NAN, NAN, NAN}, {NAN, NAN}};
     sp_estimate c_l, c_t;
     const double p = s[0]->pressure;
-    sp_status status = arm_make(e.low_end - e.low_begin, s + e.low_begin, &low, err);
+    sp_status status = arrivals_make(e.low_end - e.low_begin, s + e.low_begin, &low, err);
     if (status == SP_OK)
-        status = arm_make(high_n, s + e.high_begin, &high, err);
+        status = arrivals_make(high_n, s + e.high_begin, &high, err);
     double *scratch = sp_alloc((size_t)high_n, sizeof *scratch);
     if (status == SP_OK && !scratch)
         status = sp_fail_memory(err, (size_t)high_n * sizeof *scratch);
@@ -134,7 +134,7 @@ static sp_status add_pressure(int64_t n, const sp_sample *const *s, double level
     c_l = sp_wave_speed(high_n, s + e.high_begin, false, scratch);
     c_t = sp_wave_speed(high_n, s + e.high_begin, true, scratch);
     if (e.low_begin < e.high_begin) {
-        status = fly(&low, &high, level, &v, err);
+        status = measure_speeds(&low, &high, level, &v, err);
         if (status == SP_OK)
             status = sp_table_add_comment(t, err, "p = %.6g: grains %d and %d, heights %.6g and %.6g", p, low.grains,
                                           high.grains, sp_mean(low.n[T10], low.height[T10]),
@@ -156,7 +156,7 @@ out:
     return status;
 }
 
-/* The exponent of c_tof in p, as comments. */
+/* Adds comments with the exponent of c_tof in p. */
 static sp_status add_exponent(sp_table *t, sp_error *err) {
     size_t rows = (size_t)t->rows;
     double *memory = sp_alloc(rows, 3 * sizeof *memory);
@@ -191,26 +191,21 @@ static sp_status add_exponent(sp_table *t, sp_error *err) {
 }
 
 sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, double level, sp_table *t, sp_error *err) {
-    static const struct {
-        const char *name, *unit;
-        sp_cell_kind kind;
-    } column[] = {{"p", "E*", SP_CELL_NUMBER},
-                  {"samples", "", SP_CELL_INTEGER},
-                  {"c_tof", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_tof_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_peak", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_zero", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_l", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_t", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_tof_low", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_tof_high", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_peak_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_zero_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_l_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                  {"c_t_err", "sqrt(E* / rho)", SP_CELL_NUMBER}};
-    sp_status status = SP_OK;
-    for (size_t k = 0; k < sizeof column / sizeof *column && status == SP_OK; k++)
-        status = sp_table_add_column(t, column[k].name, column[k].unit, column[k].kind, err);
+    static const sp_column column[] = {{"p", "E*", SP_CELL_NUMBER},
+                                       {"samples", "", SP_CELL_INTEGER},
+                                       {"c_tof", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_tof_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_peak", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_zero", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_l", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_t", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_tof_low", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_tof_high", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_peak_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_zero_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_l_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
+                                       {"c_t_err", "sqrt(E* / rho)", SP_CELL_NUMBER}};
+    sp_status status = sp_columns_add(t, sizeof column / sizeof *column, column, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err,
                                       "c_tof = (<H2> - <H1>)/(<t10>_2 - <t10>_1) between the lowest and the "

@@ -1,3 +1,4 @@
+/* Sorts samples, and finds groups that may be averaged. */
 #include "ensemble/groups.h"
 
 #include "base/base.h"
@@ -7,20 +8,33 @@
 
 #define ORDER(a, b) ((a) < (b) ? -1 : (a) > (b))
 
-static int by_material_and_seed(const sp_sample *a, const sp_sample *b) {
-    int order = ORDER(a->pressure, b->pressure);
-    order = order ? order : ORDER(a->grains, b->grains);
-    order = order ? order : ORDER(a->dim, b->dim);
-    order = order ? order : ORDER(a->width, b->width);
-    order = order ? order : ORDER(a->friction, b->friction);
-    order = order ? order : ORDER(a->kind, b->kind);
-    return order ? order : ORDER(a->seed, b->seed);
+/* Compares samples by these members, one after the other: p pressure, g grains, d dimension, w width, f friction, k
+ * kind, s seed, n name. */
+static int compare(const sp_sample *a, const sp_sample *b, const char *members) {
+    int order = 0;
+    for (; *members && order == 0; members++)
+        switch (*members) {
+        case 'p': order = ORDER(a->pressure, b->pressure); break;
+        case 'g': order = ORDER(a->grains, b->grains); break;
+        case 'd': order = ORDER(a->dim, b->dim); break;
+        case 'w': order = ORDER(a->width, b->width); break;
+        case 'f': order = ORDER(a->friction, b->friction); break;
+        case 'k': order = ORDER(a->kind, b->kind); break;
+        case 's': order = ORDER(a->seed, b->seed); break;
+        default: order = strcmp(a->name, b->name); break;
+        }
+    return order;
 }
 
+static const char *const material = "pfdkw"; /* of a row for each height, in the order of the table */
+static const char *const same_packing = "pgdwfks";
+
 static int in_table(const void *left, const void *right) {
-    const sp_sample *a = *(const sp_sample *const *)left, *b = *(const sp_sample *const *)right;
-    int order = by_material_and_seed(a, b);
-    return order ? order : strcmp(a->name, b->name);
+    return compare(*(const sp_sample *const *)left, *(const sp_sample *const *)right, "pgdwfksn");
+}
+
+static int over_heights(const void *left, const void *right) {
+    return compare(*(const sp_sample *const *)left, *(const sp_sample *const *)right, "pfdkwgsn");
 }
 
 static int by_name(const void *left, const void *right) {
@@ -48,10 +62,10 @@ sp_status sp_samples_sorted(int64_t n, const sp_sample *samples, const sp_sample
     return SP_OK;
 }
 
-/* Files of earlier versions do not say, and failures have nothing to average. */
+/* Files of earlier versions have no material, and a failed sample has nothing to average. */
 static bool is_known(const sp_sample *s) { return s->material != 0 && !s->failed; }
 
-/* Samples of one material (up to what tables have rows for, and check by themselves). */
+/* Refuses samples of different materials. Pressure, size, friction and width are not part of the material. */
 static sp_status one_material(int64_t n, const sp_sample *const *s, sp_error *err) {
     const sp_sample *first = NULL;
     for (int64_t k = 0; k < n; k++) {
@@ -89,63 +103,35 @@ sp_status sp_samples_alike(int64_t n, const sp_sample *const *s, sp_error *err) 
                            "samples %s and %s differ in packing.%s (width %g and %g, friction %g and %g) and are not "
                            "averaged: choose those of one width, one friction, or one scene",
                            a->name, b->name, what, a->width, b->width, a->friction, b->friction);
-        if (by_material_and_seed(s[k - 1], b) == 0)
+        if (compare(s[k - 1], b, same_packing) == 0)
             return same_seed(s[k - 1], b, err);
     }
     return one_material(n, s, err);
 }
 
-static int by_material(const sp_sample *a, const sp_sample *b) {
-    int order = ORDER(a->pressure, b->pressure);
-    order = order ? order : ORDER(a->friction, b->friction);
-    order = order ? order : ORDER(a->dim, b->dim);
-    order = order ? order : ORDER(a->kind, b->kind);
-    return order ? order : ORDER(a->width, b->width);
-}
-
-static int over_heights(const void *left, const void *right) {
-    const sp_sample *a = *(const sp_sample *const *)left, *b = *(const sp_sample *const *)right;
-    int order = by_material(a, b);
-    order = order ? order : ORDER(a->grains, b->grains);
-    order = order ? order : ORDER(a->seed, b->seed);
-    return order ? order : strcmp(a->name, b->name);
-}
-
 sp_status sp_samples_by_material(int64_t n, const sp_sample **s, sp_error *err) {
     qsort(s, (size_t)n, sizeof *s, over_heights);
     for (int64_t k = 1; k < n; k++)
-        if (by_material_and_seed(s[k - 1], s[k]) == 0)
+        if (compare(s[k - 1], s[k], same_packing) == 0)
             return same_seed(s[k - 1], s[k], err);
     return one_material(n, s, err);
 }
 
-int64_t sp_material_end(int64_t n, const sp_sample *const *s, int64_t begin) {
+/* End of the samples that equal s[begin] in these members. */
+static int64_t end_of(int64_t n, const sp_sample *const *s, int64_t begin, const char *members) {
     int64_t k = begin + 1;
-    while (k < n && by_material(s[k], s[begin]) == 0)
+    while (k < n && compare(s[k], s[begin], members) == 0)
         k++;
     return k;
 }
 
-int64_t sp_height_end(int64_t n, const sp_sample *const *s, int64_t begin) {
-    int64_t k = begin + 1;
-    while (k < n && by_material(s[k], s[begin]) == 0 && s[k]->grains == s[begin]->grains)
-        k++;
-    return k;
-}
+int64_t sp_pressure_end(int64_t n, const sp_sample *const *s, int64_t begin) { return end_of(n, s, begin, "p"); }
 
-int64_t sp_pressure_end(int64_t n, const sp_sample *const *s, int64_t begin) {
-    int64_t k = begin + 1;
-    while (k < n && !ORDER(s[k]->pressure, s[begin]->pressure))
-        k++;
-    return k;
-}
+int64_t sp_size_end(int64_t n, const sp_sample *const *s, int64_t begin) { return end_of(n, s, begin, "pg"); }
 
-int64_t sp_size_end(int64_t n, const sp_sample *const *s, int64_t begin) {
-    int64_t k = begin + 1, end = sp_pressure_end(n, s, begin);
-    while (k < end && s[k]->grains == s[begin]->grains)
-        k++;
-    return k;
-}
+int64_t sp_material_end(int64_t n, const sp_sample *const *s, int64_t begin) { return end_of(n, s, begin, material); }
+
+int64_t sp_height_end(int64_t n, const sp_sample *const *s, int64_t begin) { return end_of(n, s, begin, "pfdkwg"); }
 
 int64_t sp_samples_failed(int64_t n, const sp_sample *const *s) {
     int64_t failed = 0;

@@ -1,3 +1,4 @@
+/* Names of samples, and hashes of what they have in common. */
 #include "base/base.h"
 #include "ensemble/sample.h"
 
@@ -23,7 +24,7 @@ void sp_hash128(const void *data, size_t size, char text[SP_NAME_MAX]) {
 void sp_sample_name(const sp_scene *scene, char name[SP_NAME_MAX]) {
     name[0] = '\0';
     sp_scene nameless = *scene;
-    nameless.from[0] = '\0'; /* its packing is known by content, wherever it lies */
+    nameless.from[0] = '\0'; /* packing.content identifies the file, wherever it is */
     if (sp_scene_resolve(&nameless, NULL) != SP_OK)
         return;
     char *packing = sp_scene_text(&nameless, "packing"), *network = sp_scene_text(scene, "network");

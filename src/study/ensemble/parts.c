@@ -1,4 +1,4 @@
-/* The parts of a sample's results, made of its packing. */
+/* Computes the parts of a sample's results from its packing. */
 #include "ensemble/parts.h"
 
 #include "base/base.h"
@@ -10,7 +10,7 @@
 
 /* Layers left out at both walls for bulk averages (Somfai et al. 2005, Table I) [d]. */
 static const double bulk_margin = 3;
-/* Least distance of a plane from the walls [d]: the grains of a wall are cut by no plane. */
+/* Least distance of a plane from the walls [d], so that it cuts no grain at a wall. */
 static const double plane_margin = 1;
 
 unsigned sp_want_parts(unsigned want) {
@@ -34,7 +34,7 @@ static bool signal_fits(const sp_scene *scene, const sp_sample *s) {
            (isnan(made->tolerance) || made->tolerance == o->tolerance);
 }
 
-/* The signal itself, as the scene describes it. */
+/* Computes the signal as the scene describes it. */
 static sp_status make_signal(const part_input *in, sp_sample *sample, sp_signal *out, sp_error *err) {
     sp_signal_options options = in->scene->signal;
     options.until = last_time(in->scene, in->net->box[in->net->dim - 1]);
@@ -51,7 +51,7 @@ static sp_status make_signal(const part_input *in, sp_sample *sample, sp_signal 
 
 /* ---- the spectrum ----------------------------------------------------------------------------------------------- */
 
-/* Every frequency of the network, those of rattlers left out. */
+/* Computes every frequency of the network, without rattlers. */
 static sp_status make_spectrum(const sp_network *net, sp_sample *sample, sp_sample_arrays *arrays, sp_error *err) {
     const sp_modes_options frequencies = {.vectors = false};
     sp_modes modes = sp_modes_none();
@@ -78,7 +78,7 @@ static sp_status make_spectrum(const sp_network *net, sp_sample *sample, sp_samp
 
 /* ---- planes ---------------------------------------------------------------------------------------------------- */
 
-/* The scene's planes that lie inside. */
+/* Finds those planes of the scene that lie inside the packing. */
 static int32_t planes_inside(const sp_scene *scene, double height, double plane[SP_PLANES_MAX]) {
     int32_t count = 0;
     for (int32_t k = 0; k < scene->planes; k++)
@@ -96,13 +96,13 @@ static bool planes_fit(const sp_scene *scene, const sp_sample *s) {
     return fit;
 }
 
-/* Whether the first front is over when its echo comes back from the top wall: at its own mean speed, which is not below
- * that of the way that is left, so that none is taken that the echo has touched. */
+/* Whether the first front is over before its echo returns from the top wall. The echo is taken to travel at the mean
+ * speed of the front up to the plane; it is never faster than that. */
 static bool before_echo(const sp_front *f, double plane, double height) {
     return f->t_zero <= f->t10 * (2 * height - plane) / plane;
 }
 
-/* Each plane's front by the rule in the plane's own window; NAN where there is none, or where its echo comes too
+/* Finds the front at each plane, in the plane's own window; NAN where there is none, or where the echo comes too
  * early. */
 static sp_status find_fronts(const sp_signal *signal, const sp_network *net, int32_t count, const double *plane,
                              sp_front *front, sp_error *err) {
@@ -133,8 +133,8 @@ static sp_status find_fronts(const sp_signal *signal, const sp_network *net, int
     return SP_OK;
 }
 
-/* All planes listen to one pass, which goes on to the end of the highest one's window: what decides the first peak is
- * the largest value in the window, so it may not end before. */
+/* Finds the fronts at all planes from one run. It lasts to the end of the window of the highest plane, because the
+ * first peak depends on the largest value in the whole window. */
 static sp_status make_planes(const part_input *in, sp_sample *sample, sp_error *err) {
     const sp_network *net = in->net;
     sp_place detector[SP_PLANES_MAX];
@@ -167,7 +167,7 @@ static sp_status make_planes(const part_input *in, sp_sample *sample, sp_error *
 
 /* ---- moduli ---------------------------------------------------------------------------------------------------- */
 
-/* Probes, and moduli with them where these are missing too: both share factors. */
+/* Computes the probes; and also the moduli if they are missing, because both use the same factorisation. */
 static sp_status make_probes(const part_input *in, bool moduli, sp_sample *sample, sp_error *err) {
     static const sp_probe probe[SP_PROBES] = {[SP_SINE_1] = {SP_PROBE_SINE, 1},
                                               [SP_SINE_2] = {SP_PROBE_SINE, 2},
@@ -196,10 +196,10 @@ unsigned sp_sample_parts(const sp_scene *scene, const sp_sample *sample) {
     return parts;
 }
 
-/* Of the parts that could not be made those that the scene describes as it was described then. */
+/* Parts that could not be made, and that the scene describes as the scene did then. */
 static unsigned still_lacks(const sp_scene *scene, const sp_sample *sample) {
     const unsigned described = SP_WANT_SIGNAL | SP_WANT_PLANES;
-    unsigned lacks = sample->lacks; /* beside which there may be the same part of another description */
+    unsigned lacks = sample->lacks;
     if (lacks & described && sample->lacks_signal != sp_signal_keys(scene))
         lacks &= ~described;
     return lacks;
@@ -214,7 +214,7 @@ sp_stored sp_sample_stored(const sp_scene *scene, const sp_sample *sample) {
     return missing & ~still_lacks(scene, sample) ? SP_STORED_NOT : SP_STORED_FAILED;
 }
 
-/* The first reason stays; no memory is no property of the sample and goes before all others. */
+/* Keeps the first reason. A lack of memory replaces any other, because it says nothing about the sample. */
 static void keep_first(sp_status status, const sp_error *reason, sp_status *first, sp_error *err) {
     if (status == SP_OK || (*first != SP_OK && status != SP_ENOMEM))
         return;
@@ -223,7 +223,7 @@ static void keep_first(sp_status status, const sp_error *reason, sp_status *firs
         *err = *reason;
 }
 
-/* One part that is no other's by-product. */
+/* Makes one part. */
 static sp_status make_part(const part_input *in, unsigned part, sp_sample *sample, sp_sample_arrays *arrays,
                            sp_error *err) {
     switch (part) {
@@ -242,14 +242,14 @@ sp_status sp_parts_make(const sp_scene *scene, unsigned missing, const sp_packin
                         sp_sample_arrays *arrays, sp_error *err) {
     static const unsigned order[] = {SP_WANT_STATICS, SP_WANT_CTOF,   SP_WANT_PLANES,  SP_WANT_PROBES,
                                      SP_WANT_MODULI,  SP_WANT_SIGNAL, SP_WANT_SPECTRUM};
-    const unsigned of_the_network = missing & ~(unsigned)SP_WANT_STATICS;
+    const unsigned needs_network = missing & ~(unsigned)SP_WANT_STATICS;
     sp_status first = SP_OK, status = SP_OK;
     sp_error reason = {0};
     sp_network net = sp_network_none();
     const part_input in = {scene, packing, &net};
     bool network = false;
     unsigned made = 0;
-    if (of_the_network) {
+    if (needs_network) {
         status = sp_network_make(packing, &scene->network, &net, &reason);
         keep_first(status, &reason, &first, err);
         network = status == SP_OK;
@@ -259,7 +259,7 @@ sp_status sp_parts_make(const sp_scene *scene, unsigned missing, const sp_packin
         const bool elastic = part == SP_WANT_MODULI || part == SP_WANT_PROBES;
         if (!part || (part != SP_WANT_STATICS && !network) || (elastic && !(sample->have & SP_WANT_STATICS)))
             continue;
-        if (part == SP_WANT_PROBES && missing & SP_WANT_MODULI) /* moduli alone are tried next, should both fail */
+        if (part == SP_WANT_PROBES && missing & SP_WANT_MODULI) /* if this fails, the moduli alone are tried next */
             status = make_probes(&in, true, sample, &reason);
         else
             status = make_part(&in, part, sample, arrays, &reason);

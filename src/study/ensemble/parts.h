@@ -1,6 +1,6 @@
 #ifndef SP_STUDY_PARTS_H
 #define SP_STUDY_PARTS_H
-/* What a part of a sample's results is made of. */
+/* The parts of a sample's results. */
 
 #include <sonopack/study/study.h>
 
@@ -10,8 +10,8 @@ typedef struct part_input {
     const sp_network *net;
 } part_input;
 
-/* Every part of `missing' from a packing, as far as it can be made: *sample's `have' says which could. The first
- * reason is returned. */
+/* Makes the `missing' parts of a sample from its packing. sample->have tells which of them succeeded. Returns the
+ * reason of the first that failed. */
 sp_status sp_parts_make(const sp_scene *scene, unsigned missing, const sp_packing *packing, sp_sample *sample,
                         sp_sample_arrays *arrays, sp_error *err);
 

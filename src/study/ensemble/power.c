@@ -1,3 +1,4 @@
+/* Fits a power law. */
 #include "base/base.h"
 #include "numeric/fit.h"
 
@@ -27,7 +28,7 @@ sp_status sp_fit_power(int64_t n, const double *x, const double *y, const double
     status = sp_fit_line(n, lx, ly, y_err ? le : NULL, &line, err);
     if (status != SP_OK)
         goto out;
-    /* points that scatter more than their errors say make the error larger, never smaller */
+    /* scatter beyond the given errors increases the error of the exponent; smaller scatter does not decrease it */
     double scatter = y_err ? fmax(1, sqrt(line.chi2 / (double)line.freedom)) : 1;
     *exponent = line.slope;
     *exponent_err = line.slope_err * scatter;

@@ -1,4 +1,4 @@
-/* Samples made by several threads, and by several processes on one store. */
+/* Runs a study: several threads, and several processes on one store, make its samples. */
 #include "base/base.h"
 #include "ensemble/order.h"
 #include "ensemble/sample.h"
@@ -11,21 +11,22 @@
 #include <string.h>
 #include <time.h>
 
-static const double watch_interval = 0.25;         /* seconds between two calls of the watch */
-static const long another_look = 50 * 1000 * 1000; /* nanoseconds between two looks at samples that others have */
+static const double watch_interval = 0.25;         /* seconds between calls of the watch */
+static const long another_look = 50 * 1000 * 1000; /* nanoseconds between checks of samples that others have reserved */
 
 typedef struct run {
     const sp_scene *study;
     const sp_study_sink *sink;
     const sp_study_options *options;
     sp_order order;
-    int64_t next; /* first place in the order that nobody has taken */
-    int64_t put_off, put_off_room;
-    int64_t looked_at; /* of those that were put off, the ones that are looked at now */
-    int64_t *later;    /* [put_off] samples that another process has claimed */
+    int64_t next; /* first place in the order that is not taken */
+    int64_t postponed;
+    size_t capacity;   /* of later */
+    int64_t rechecked; /* postponed samples that are being checked now */
+    int64_t *later;    /* [postponed] samples that another process has reserved */
     atomic_bool stop;
-    pthread_mutex_t lock;  /* of the sink and of all below and above */
-    pthread_mutex_t takes; /* of options->take */
+    pthread_mutex_t lock;  /* guards the sink and the other members */
+    pthread_mutex_t takes; /* guards options->take */
     pthread_cond_t left;   /* a worker has ended */
     int working;
     sp_study_progress progress;
@@ -40,7 +41,7 @@ static bool go_on(const sp_pack_progress *progress, void *user) {
     return !atomic_load(&r->stop);
 }
 
-/* The run ends for a reason that is no sample's own. Under the lock. */
+/* Stops the run for a reason that is not one of a sample. The caller holds the lock. */
 static void stop_run(run *r, sp_status status, const sp_error *reason) {
     if (r->status == SP_OK) {
         r->status = status;
@@ -49,7 +50,7 @@ static void stop_run(run *r, sp_status status, const sp_error *reason) {
     atomic_store(&r->stop, true);
 }
 
-/* A sample is there: counted, under the lock. */
+/* Counts a finished sample. The caller holds the lock. */
 static void count_done(run *r, int64_t number, bool computed, bool failed) {
     const double cost = sp_order_cost(&r->order, number);
     r->progress.done++;
@@ -60,7 +61,7 @@ static void count_done(run *r, int64_t number, bool computed, bool failed) {
         r->progress.cost_computed += cost;
 }
 
-/* One sample on its way. */
+/* A sample that is being made. */
 typedef struct job {
     int64_t number; /* in the study */
     sp_scene scene;
@@ -68,8 +69,8 @@ typedef struct job {
     sp_sample sample;
     sp_sample_arrays arrays;
     bool claimed;
-    bool stored; /* the sink has its packing, and of the parts: */
-    unsigned parts;
+    bool stored;    /* the sink has its packing */
+    unsigned parts; /* that the sink has */
 } job;
 
 static sp_stored look(const run *r, const job *j) {
@@ -77,35 +78,28 @@ static sp_stored look(const run *r, const job *j) {
     return sink->has ? sink->has(sink->user, &j->scene, j->sample.name) : SP_STORED_NOT;
 }
 
-/* For the end, when the other process may be done with it, or gone. */
-static sp_status remember(run *r, int64_t number, sp_error *err) {
-    if (r->put_off == r->put_off_room) {
-        const int64_t room = 2 * r->put_off_room + 64;
-        int64_t *more = sp_alloc((size_t)room, sizeof *more);
-        if (!more)
-            return sp_fail_memory(err, (size_t)room * sizeof *more);
-        if (r->put_off > 0)
-            memcpy(more, r->later, (size_t)r->put_off * sizeof *more);
-        sp_free(r->later);
-        r->later = more;
-        r->put_off_room = room;
-    }
-    r->later[r->put_off++] = number;
+/* Postpones a sample to the end. By then the other process has made it, or has ended. */
+static sp_status postpone(run *r, int64_t number, sp_error *err) {
+    int64_t *later = sp_grow(r->later, (size_t)r->postponed + 1, &r->capacity, sizeof *later);
+    if (!later)
+        return sp_fail_memory(err, (size_t)r->postponed * sizeof *later);
+    r->later = later;
+    r->later[r->postponed++] = number;
     return SP_OK;
 }
 
-/* What the sink has; *make: the sample is now this thread's to make. What was made while we waited for the claim is
- * seen by the second look. A stored file that cannot be read is made again, and so are parts that the scene now
- * describes otherwise. */
-static sp_status take_stored(run *r, job *j, bool *make, bool *put_off, sp_error *err) {
+/* Asks the sink for the sample. *make: this thread has to make it. The second look finds what another process made
+ * before this one got the claim. A file that cannot be read is made again, and so are parts that the scene now
+ * describes differently. */
+static sp_status take_stored(run *r, job *j, bool *make, bool *postponed, sp_error *err) {
     const sp_study_sink *sink = r->sink;
     sp_status status = SP_OK;
     sp_stored stored = look(r, j);
     if (stored == SP_STORED_NOT && sink->claim) {
         status = sink->claim(sink->user, j->sample.name, &j->claimed, err);
-        *put_off = status == SP_OK && !j->claimed;
-        if (*put_off)
-            return remember(r, j->number, err);
+        *postponed = status == SP_OK && !j->claimed;
+        if (*postponed)
+            return postpone(r, j->number, err);
         if (status == SP_OK)
             stored = look(r, j);
     }
@@ -122,8 +116,8 @@ static sp_status take_stored(run *r, job *j, bool *make, bool *put_off, sp_error
     return status == SP_EFORMAT ? SP_OK : status;
 }
 
-/* A sample whose packing failed is saved as failed. Where only a part of the results failed, the packing and the other
- * parts are saved with the reason: a study that does not want that part shall find them. */
+/* Saves a sample. If its packing failed, it is saved as failed. If only a part of the results failed, the packing and
+ * the other parts are saved with the reason, for studies that do not want that part. */
 static sp_status save(run *r, job *j, sp_error *err) {
     const bool made = j->packing.n > 0;
     sp_sample sample = j->sample;
@@ -140,15 +134,15 @@ static sp_status save(run *r, job *j, sp_error *err) {
     return r->sink->save(r->sink->user, &j->scene, &sample, made ? &j->packing : NULL, &j->arrays, err);
 }
 
-/* False: another process has it, and it was put off (again). */
+/* Makes one sample. False if another process has reserved it; it is then postponed, perhaps again. */
 static bool run_sample(run *r, int64_t number) {
     job j = {.number = number, .packing = sp_packing_none(), .arrays = sp_sample_arrays_none(), .sample.height = NAN};
     sp_error reason = {0};
-    bool make = false, put_off = false;
+    bool make = false, postponed = false;
     sp_status status = sp_study_sample(r->study, number, &j.scene, j.sample.name, &reason);
     pthread_mutex_lock(&r->lock);
     if (status == SP_OK)
-        status = take_stored(r, &j, &make, &put_off, &reason);
+        status = take_stored(r, &j, &make, &postponed, &reason);
     if (status != SP_OK)
         stop_run(r, status, &reason);
     pthread_mutex_unlock(&r->lock);
@@ -174,10 +168,10 @@ static bool run_sample(run *r, int64_t number) {
     }
     sp_packing_free(&j.packing);
     sp_sample_arrays_free(&j.arrays);
-    return !put_off;
+    return !postponed;
 }
 
-/* Number of the next sample, below 0 when all are taken: from the order of this process, or of all of them. */
+/* Number of the next sample, negative when all are taken. The order is that of this process, or shared by all. */
 static int64_t take_next(run *r) {
     const sp_study_options *o = r->options;
     int64_t number = -1;
@@ -192,14 +186,14 @@ static int64_t take_next(run *r) {
     return number;
 }
 
-/* One of the samples that others have, the longest waiting first. */
-static int64_t take_put_off(run *r) {
+/* The postponed sample that has waited longest; negative if there is none. */
+static int64_t take_postponed(run *r) {
     int64_t number = -1;
     pthread_mutex_lock(&r->lock);
-    if (r->put_off > 0) {
+    if (r->postponed > 0) {
         number = r->later[0];
-        memmove(r->later, r->later + 1, (size_t)--r->put_off * sizeof *r->later);
-        r->looked_at++;
+        memmove(r->later, r->later + 1, (size_t)--r->postponed * sizeof *r->later);
+        r->rechecked++;
     }
     pthread_mutex_unlock(&r->lock);
     return number;
@@ -210,12 +204,12 @@ static void *work(void *user) {
     int64_t number;
     while (!atomic_load(&r->stop) && (number = take_next(r)) >= 0)
         run_sample(r, number);
-    while (!atomic_load(&r->stop) && (number = take_put_off(r)) >= 0) {
+    while (!atomic_load(&r->stop) && (number = take_postponed(r)) >= 0) {
         const struct timespec wait = {.tv_nsec = another_look};
-        if (!run_sample(r, number)) /* nor is it likely that the next one is free already */
+        if (!run_sample(r, number)) /* the next one is probably not free yet either */
             nanosleep(&wait, NULL);
         pthread_mutex_lock(&r->lock);
-        r->looked_at--;
+        r->rechecked--;
         pthread_mutex_unlock(&r->lock);
     }
     pthread_mutex_lock(&r->lock);
@@ -225,18 +219,19 @@ static void *work(void *user) {
     return NULL;
 }
 
-/* The numbers as they are now; under the lock. */
+/* The progress at this moment. The caller holds the lock. */
 static sp_study_progress now(const run *r) {
     sp_study_progress p = r->progress;
-    p.elsewhere = r->put_off + r->looked_at;
+    p.elsewhere = r->postponed + r->rechecked;
     p.seconds = sp_clock_wall() - r->begun;
     p.seconds_left = NAN;
-    if (p.cost_computed > 0 && (p.done + p.elsewhere < p.total || p.elsewhere == 0)) /* else it is up to others */
+    if (p.cost_computed > 0 &&
+        (p.done + p.elsewhere < p.total || p.elsewhere == 0)) /* else it depends on other processes */
         p.seconds_left = p.done < p.total ? p.seconds * (p.cost - p.cost_done) / p.cost_computed : 0;
     return p;
 }
 
-/* Waits for the workers, calling the watch, which may ask to stop. */
+/* Waits for the workers, and calls the watch, which may stop them. */
 static void wait_for_workers(run *r, sp_study_watch watch, void *user) {
     pthread_mutex_lock(&r->lock);
     while (r->working > 0) {
@@ -260,7 +255,8 @@ static void wait_for_workers(run *r, sp_study_watch watch, void *user) {
         watch(&last, user);
 }
 
-/* Starts the workers, waits, and joins them. Signals are for the caller's threads, not for the workers. */
+/* Starts the workers, waits for them, and joins them. They block all signals, which are for the threads of the caller.
+ */
 static sp_status run_workers(run *r, int jobs, sp_study_watch watch, void *user, sp_error *err) {
     pthread_t *thread = sp_alloc((size_t)jobs, sizeof *thread);
     if (!thread)
@@ -272,7 +268,7 @@ static sp_status run_workers(run *r, int jobs, sp_study_watch watch, void *user,
     pthread_mutex_lock(&r->lock);
     while (started < jobs && pthread_create(&thread[started], NULL, work, r) == 0)
         started++;
-    r->working = started; /* known before any worker can count itself out: the lock is held */
+    r->working = started; /* set before any worker can decrement it, because the lock is held */
     pthread_mutex_unlock(&r->lock);
     pthread_sigmask(SIG_SETMASK, &old, NULL);
     if (started > 0)

@@ -1,3 +1,4 @@
+/* Makes one sample: its packing, and the results that a scene asks for. */
 #include "ensemble/sample.h"
 
 #include "base/base.h"
@@ -6,41 +7,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-/* Measured at p = 1e-4 and 1e-7: marks within 2e-5 of those on a grid 20 times finer for packings of 200 and 600
- * grains, within 7e-5 for a chain of 3 grains, at a cost of 2 ms; twice the spacing makes the errors three to five
- * times larger. */
-double sp_front_spacing(double pressure) { return 0.1 * pow(pressure / 1e-4, -1.0 / 6); }
-
-sp_status sp_front_grid(const sp_network *net, sp_source source, double window, sp_signal_options *out, sp_error *err) {
-    double points = ceil(window / sp_front_spacing(net->pressure)) + 1;
-    if (!(points < 1e8))
-        return sp_fail(err, SP_EINVAL, "front: window %g at pressure %g needs %g points, at most 1e8", window,
-                       net->pressure, points);
-    sp_signal_options options = sp_signal_options_default();
-    options.method = SP_SIGNAL_CHEBYSHEV;
-    options.source = source;
-    options.until = window;
-    options.points = points > 3 ? (int32_t)points : 3;
-    *out = options;
-    return SP_OK;
-}
-
-sp_status sp_network_front(const sp_network *net, sp_source source, double window, sp_front *out, sp_error *err) {
-    if (!(window > 0))
-        window = sp_signal_window(net->box[net->dim - 1], net->pressure);
-    sp_signal_options options;
-    sp_signal signal = sp_signal_none();
-    sp_status status = sp_front_grid(net, source, window, &options, err);
-    if (status == SP_OK)
-        status = sp_signal_make(net, &options, &signal, err);
-    if (status == SP_OK) {
-        sp_front_options rule = sp_front_options_default();
-        status = sp_front_find(signal.n, signal.t, signal.f, &rule, out, err);
-    }
-    sp_signal_free(&signal);
-    return status;
-}
 
 sp_sample_arrays sp_sample_arrays_none(void) { return (sp_sample_arrays){.signal = sp_signal_none()}; }
 
@@ -69,7 +35,7 @@ static sp_status describe(const sp_scene *scene, sp_sample *sample, sp_error *er
     return SP_OK;
 }
 
-/* Whether a status says something about the sample, so that it would fail again. */
+/* Whether a failure is one of the sample itself, so that it would fail again. */
 static bool of_the_sample(sp_status status) {
     return status == SP_EFAILED || status == SP_EREFUSED || status == SP_EINVAL || status == SP_EFORMAT;
 }
@@ -84,9 +50,9 @@ sp_status sp_sample_make_with(const sp_scene *given, unsigned want, const sp_pac
     if (status != SP_OK)
         return status;
     want = sp_want_parts(want);
-    if (want & SP_WANT_PROBES) /* whose ratios are over the moduli */
+    if (want & SP_WANT_PROBES) /* their ratios need the moduli */
         want |= SP_WANT_MODULI;
-    if (want & SP_WANT_MODULI) /* which take their Phi3* from there */
+    if (want & SP_WANT_MODULI) /* they need Phi_3* */
         want |= SP_WANT_STATICS;
     if (packing->n == 0) {
         sample->have = 0;

@@ -1,30 +1,28 @@
 #ifndef SP_STUDY_SAMPLE_H
 #define SP_STUDY_SAMPLE_H
-/* What the files of this room, and the command `front`, share. */
+/* Names of samples, fronts, and the making of one sample. */
 
 #include <sonopack/front.h>
 #include <sonopack/study/study.h>
 #include <stddef.h>
 
-/* FNV-1a of 128 bits as 32 hexadecimal digits. */
+/* FNV-1a of 128 bits, as 32 hexadecimal digits. */
 void sp_hash128(const void *data, size_t size, char text[SP_NAME_MAX]);
-
 /* Scene and name of sample k of a study. */
 SP_SHARED sp_status sp_study_sample(const sp_scene *study, int64_t k, sp_scene *scene, char name[SP_NAME_MAX],
                                     sp_error *err);
-
-/* What tells one signal of a sample from another: a hash of the scene's keys of the group `signal'; 0: no memory. */
+/* Hash of the scene's keys of the group signal, by which one signal of a sample differs from another. 0: no memory. */
 uint64_t sp_signal_keys(const sp_scene *scene);
 
 /* Spacing of the times at which a signal is sampled for its front. */
 double sp_front_spacing(double pressure);
-/* A signal over the times 0 .. window on that grid. */
+/* Options for a signal over the times 0 .. window whose front is to be found. */
 sp_status sp_front_grid(const sp_network *net, sp_source source, double window, sp_signal_options *out, sp_error *err);
-/* The front of a network's signal on that grid, over the times 0 .. window (<= 0: sp_signal_window). */
+/* The front of a network's signal over the times 0 .. window; window <= 0 stands for sp_signal_window. */
 SP_SHARED sp_status sp_network_front(const sp_network *net, sp_source source, double window, sp_front *out,
                                      sp_error *err);
 
-/* sp_sample_make with hooks for the making of the packing. */
+/* sp_sample_make with hooks for the compression of the packing. */
 sp_status sp_sample_make_with(const sp_scene *scene, unsigned want, const sp_pack_hooks *hooks, sp_packing *packing,
                               sp_sample *sample, sp_sample_arrays *arrays, sp_error *err);
 

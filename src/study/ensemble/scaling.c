@@ -1,4 +1,5 @@
-/* Fronts over distance as tables: wall to wall in boxes of several heights, and at planes inside of tall ones. */
+/* Makes the tables scaling and planes: fronts over distance, from wall to wall in boxes of several heights, or at
+ * planes inside tall boxes. */
 #include "base/base.h"
 #include "ensemble/groups.h"
 #include "ensemble/speed.h"
@@ -8,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A group of samples as sp_scaling_make wants it. */
+/* The fronts of a group of samples, as input of sp_scaling_make. */
 typedef struct fronts {
     sp_scaling_input in;
     int64_t *samples;
@@ -16,8 +17,8 @@ typedef struct fronts {
     const sp_front **front;
     double *memory; /* distances */
     sp_front *fronts;
-    const sp_sample *const *first; /* of the group */
-    int64_t *begin; /* of wall-to-wall rows: samples begin[r] .. begin[r + 1] of the group; of planes unused */
+    const sp_sample *const *first; /* sample of the group */
+    int64_t *begin;                /* from wall to wall: row r has the samples from begin[r] on. Not used for planes */
     int64_t n;
 } fronts;
 
@@ -47,7 +48,7 @@ static sp_status fronts_make(int64_t rows, int64_t numbers, const sp_sample *con
     return SP_OK;
 }
 
-/* Heights that have fronts. */
+/* Collects the fronts from wall to wall, a row for each height. */
 static sp_status of_walls(int64_t n, const sp_sample *const *s, fronts *f, sp_error *err) {
     sp_status status = fronts_make(n, n, s, n, f, err);
     int64_t used = 0;
@@ -72,15 +73,15 @@ static sp_status of_walls(int64_t n, const sp_sample *const *s, fronts *f, sp_er
     return status;
 }
 
-/* All heights of planes of a group at which any sample has a front, ascending. */
-static int planes_of(int64_t n, const sp_sample *const *s, int64_t room, double *plane) {
+/* Collects the heights of all planes at which any sample of the group has a front, ascending. */
+static int planes_of(int64_t n, const sp_sample *const *s, int64_t capacity, double *plane) {
     int count = 0;
     for (int64_t k = 0; k < n; k++)
         for (int32_t i = 0; s[k]->have & SP_WANT_PLANES && i < s[k]->planes; i++) {
             int at = 0;
             while (at < count && plane[at] < s[k]->plane[i])
                 at++;
-            if (!isfinite(s[k]->plane_front[i].t10) || (at < count && plane[at] == s[k]->plane[i]) || count == room)
+            if (!isfinite(s[k]->plane_front[i].t10) || (at < count && plane[at] == s[k]->plane[i]) || count == capacity)
                 continue;
             memmove(plane + at + 1, plane + at, (size_t)(count - at) * sizeof *plane);
             plane[at] = s[k]->plane[i];
@@ -96,9 +97,9 @@ static sp_front front_at(const sp_sample *s, double plane) {
     return (sp_front){NAN, NAN, NAN, NAN, NAN, 0};
 }
 
-/* Planes of all samples of one size; a plane that one of them lacks is missing there. */
+/* Collects the fronts at planes, for samples of one size. A sample without a front at a plane has NAN there. */
 static sp_status of_planes(int64_t n, const sp_sample *const *s, fronts *f, sp_error *err) {
-    const int64_t most = 8 * SP_PLANES_MAX; /* of several scenes together */
+    const int64_t most = 8 * SP_PLANES_MAX; /* enough for several scenes together */
     double *plane = sp_alloc((size_t)most, sizeof *plane);
     if (!plane)
         return sp_fail_memory(err, (size_t)most * sizeof *plane);
@@ -168,7 +169,7 @@ static const sp_column columns[] = {
 };
 enum { COLUMNS = sizeof columns / sizeof *columns };
 
-/* Samples of a row of the group: of planes all. */
+/* The samples of a row; for planes, all samples of the group. */
 static int64_t row_samples(const fronts *f, int r, const sp_sample *const **s) {
     if (f->in.joint) {
         *s = f->first;
@@ -185,7 +186,7 @@ static sp_arrivals arrivals(const fronts *f, int r, double *time) {
     return a;
 }
 
-/* Of the speed to the next row; NAN in the last. scratch: of the samples of both. */
+/* Interval of the speed to the next row; NAN in the last row. scratch has space for the samples of both rows. */
 static sp_status speed_interval(const fronts *f, int r, double level, double *scratch, sp_interval *out,
                                 sp_error *err) {
     if (r + 1 >= f->in.rows) {
@@ -241,7 +242,7 @@ static sp_status add_row(const fronts *f, const sp_scaling *scaling, int r, doub
     return sp_table_add_numbers(t, v, err);
 }
 
-/* "gamma(p=0.0001, width=24) = 1.5, error 0.02, ..." of each fit. */
+/* Adds a comment "gamma(p=0.0001, width=24) = 1.5, error 0.02, ..." for each fit. */
 static sp_status add_fits(const fronts *f, const sp_scaling *s, sp_table *t, sp_error *err) {
     const struct {
         const char *name;
@@ -315,9 +316,7 @@ static sp_status explain(bool planes, double level, sp_table *t, sp_error *err) 
 }
 
 sp_status sp_scaling_fill(int64_t n, const sp_sample *const *s, bool planes, double level, sp_table *t, sp_error *err) {
-    sp_status status = SP_OK;
-    for (int k = 0; k < COLUMNS && status == SP_OK; k++)
-        status = sp_table_add_column(t, columns[k].name, columns[k].unit, columns[k].kind, err);
+    sp_status status = sp_columns_add(t, COLUMNS, columns, err);
     if (status == SP_OK)
         status = explain(planes, level, t, err);
     for (int64_t begin = 0, end; begin < n && status == SP_OK; begin = end) {

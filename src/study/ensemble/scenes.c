@@ -1,3 +1,4 @@
+/* The scene of each sample of a study. */
 #include "base/base.h"
 #include "ensemble/sample.h"
 
@@ -28,12 +29,11 @@ sp_status sp_study_scene(const sp_scene *study, int64_t k, sp_scene *out, sp_err
     scene.sweeps = 0;
     scene.samples = 1;
     memset(scene.sweep, 0, sizeof scene.sweep);
-    scene.diameters = scene.history = scene.masses = scene.radii = NULL; /* they stay the study's */
-    int64_t left = k % combinations(study);                              /* the last sweep turns fastest */
+    scene.diameters = scene.history = scene.masses = scene.radii = NULL; /* owned by the study */
+    int64_t left = k % combinations(study);                              /* the last sweep varies fastest */
     for (int s = study->sweeps - 1; s >= 0; s--) {
         const sp_sweep *sweep = &study->sweep[s];
-        sp_status status =
-            sp_scene_set_swept(&scene, sweep, (int)(left % sweep->count), err); /* lists stay the study's */
+        sp_status status = sp_scene_set_swept(&scene, sweep, (int)(left % sweep->count), err);
         if (status != SP_OK)
             return status;
         left /= sweep->count;

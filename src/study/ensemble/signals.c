@@ -1,21 +1,21 @@
-/* Mean and scatter of signals, one at a time. */
+/* Mean and scatter of many signals, which are added one by one. */
 #include "base/base.h"
 
 #include <math.h>
 #include <sonopack/study/study.h>
 #include <string.h>
 
-/* Times of one grid differ by rounding, over the last of them. */
+/* Times of the same grid differ by rounding only: at most this, relative to the last time. */
 static const double same_time = 1e-12;
 
-sp_signals sp_signals_none(void) { return (sp_signals){0}; }
+sp_signal_average sp_signal_average_none(void) { return (sp_signal_average){0}; }
 
-void sp_signals_free(sp_signals *s) {
+void sp_signal_average_free(sp_signal_average *s) {
     sp_free(s->t);
-    *s = sp_signals_none();
+    *s = sp_signal_average_none();
 }
 
-static sp_status start(sp_signals *s, int32_t points, const double *t, sp_error *err) {
+static sp_status start(sp_signal_average *s, int32_t points, const double *t, sp_error *err) {
     if (points < 1)
         return sp_fail(err, SP_EINVAL, "a signal of %d points: must be 1 or more", points);
     const size_t n = (size_t)points;
@@ -23,11 +23,11 @@ static sp_status start(sp_signals *s, int32_t points, const double *t, sp_error 
     if (!memory)
         return sp_fail_memory(err, 3 * n * sizeof *memory);
     memcpy(memory, t, n * sizeof *memory);
-    *s = (sp_signals){.points = points, .t = memory, .mean = memory + n, .squares = memory + 2 * n};
+    *s = (sp_signal_average){.points = points, .t = memory, .mean = memory + n, .squares = memory + 2 * n};
     return SP_OK;
 }
 
-static sp_status check_times(const sp_signals *s, int32_t points, const double *t, sp_error *err) {
+static sp_status check_times(const sp_signal_average *s, int32_t points, const double *t, sp_error *err) {
     if (points != s->points)
         return sp_fail(err, SP_EREFUSED, "a signal of %d points: must be %d as those before", points, s->points);
     const double most = same_time * fabs(s->t[points - 1]);
@@ -38,7 +38,7 @@ static sp_status check_times(const sp_signals *s, int32_t points, const double *
     return SP_OK;
 }
 
-sp_status sp_signals_add(sp_signals *s, int32_t points, const double *t, const double *f, sp_error *err) {
+sp_status sp_signal_average_add(sp_signal_average *s, int32_t points, const double *t, const double *f, sp_error *err) {
     sp_status status = s->count == 0 ? start(s, points, t, err) : check_times(s, points, t, err);
     if (status != SP_OK)
         return status;
@@ -51,10 +51,10 @@ sp_status sp_signals_add(sp_signals *s, int32_t points, const double *t, const d
     return SP_OK;
 }
 
-double sp_signals_rms(const sp_signals *s, int32_t k) {
+double sp_signal_average_rms(const sp_signal_average *s, int32_t k) {
     return s->count > 1 ? sqrt(s->squares[k] / (double)s->count) : NAN;
 }
 
-double sp_signals_mean_err(const sp_signals *s, int32_t k) {
+double sp_signal_average_mean_err(const sp_signal_average *s, int32_t k) {
     return s->count > 1 ? sqrt(s->squares[k] / ((double)(s->count - 1) * (double)s->count)) : NAN;
 }

@@ -1,15 +1,16 @@
+/* Confidence intervals of speeds, and long-wave speeds. */
 #include "ensemble/speed.h"
 
 #include "numeric/statistics.h"
 
 #include <math.h>
 
-typedef struct flight {
+typedef struct arrival_pair {
     const sp_arrivals *end[2]; /* near, far */
     bool joint;
-} flight;
+} arrival_pair;
 
-/* Means over the picked ones that arrive. */
+/* Means over the picked samples that have an arrival. */
 typedef struct means {
     double distance, time, arrived;
 } means;
@@ -29,13 +30,13 @@ static means means_of(const sp_arrivals *a, int64_t n, const int64_t *pick) {
     return m;
 }
 
-/* What sample i adds to ln speed to first order, but for its sign. */
+/* Contribution of sample i to ln speed, to first order and up to its sign. */
 static double deviation(const sp_arrivals *a, const means *m, int64_t i, double rise, double time) {
     return isnan(a->time[i]) ? 0 : ((a->distance[i] - m->distance) / rise - (a->time[i] - m->time) / time) / m->arrived;
 }
 
 static void measure(const int64_t *size, const int64_t *const *pick, double *value, double *error, void *user) {
-    const flight *f = user;
+    const arrival_pair *f = user;
     const int far = f->joint ? 0 : 1;
     const means m[2] = {means_of(f->end[0], size[0], pick[0]), means_of(f->end[1], size[far], pick[far])};
     const double rise = m[1].distance - m[0].distance, time = m[1].time - m[0].time;
@@ -59,7 +60,7 @@ static void measure(const int64_t *size, const int64_t *const *pick, double *val
 
 sp_status sp_speed_interval(const sp_arrivals *near, const sp_arrivals *far, bool joint, double level, sp_interval *out,
                             sp_error *err) {
-    flight f = {{near, far}, joint};
+    arrival_pair f = {{near, far}, joint};
     const int64_t size[2] = {near->n, far->n};
     const sp_interval_problem problem = {joint ? 1 : 2, size, 1, measure, &f};
     sp_interval_options options = sp_interval_options_default();

@@ -1,3 +1,4 @@
+/* Makes the tables of a study: means over samples, and one row for each sample. */
 #include "base/base.h"
 #include "ensemble/groups.h"
 #include "ensemble/speed.h"
@@ -8,16 +9,16 @@
 #include <stdio.h>
 #include <string.h>
 
-/* One averaged quantity: where a sample keeps it, and what it is divided by there. */
+/* An averaged quantity: its offset in sp_sample, and that of the quantity it is divided by. */
 typedef struct quantity {
     char name[24];
     const char *unit;
-    size_t offset, over; /* over = 0: nothing */
+    size_t offset, over; /* over = 0: not divided */
 } quantity;
 
 enum { QUANTITIES_MAX = 16 };
 
-/* What the tables of means have of each quantity. */
+/* The columns of each quantity in tables of means. */
 enum { MEAN = 0, SD, ERROR, LOW, HIGH, COLUMNS };
 
 static const quantity statics_columns[] = {{"Phi2", "", offsetof(sp_sample, statics.phi2), 0},
@@ -34,7 +35,7 @@ static const quantity statics_columns[] = {{"Phi2", "", offsetof(sp_sample, stat
                                            {"s12_over_s2", "", offsetof(sp_sample, statics.s12_over_s2), 0},
                                            {"mobilised", "", offsetof(sp_sample, statics.mobilised), 0}};
 
-/* What a sample in three dimensions has besides. */
+/* Additional quantities in three dimensions. */
 static const quantity statics_3d_columns[] = {{"s32_over_s2", "", offsetof(sp_sample, statics.s32_over_s2), 0}};
 
 static const quantity moduli_columns[] = {{"C11", "E*", offsetof(sp_sample, moduli.c11), 0},
@@ -44,7 +45,7 @@ static const quantity moduli_columns[] = {{"C11", "E*", offsetof(sp_sample, modu
                                           {"c_l", "sqrt(E* / rho)", offsetof(sp_sample, moduli.c_l), 0},
                                           {"c_t", "sqrt(E* / rho)", offsetof(sp_sample, moduli.c_t), 0}};
 
-/* What a sample in three dimensions has besides. */
+/* Additional quantities in three dimensions. */
 static const quantity moduli_3d_columns[] = {{"C13", "E*", offsetof(sp_sample, moduli.c13), 0},
                                              {"C23", "E*", offsetof(sp_sample, moduli.c23), 0},
                                              {"C44", "E*", offsetof(sp_sample, moduli.c44), 0},
@@ -63,11 +64,9 @@ static double value_of(const sp_sample *s, const quantity *q) {
 }
 
 static sp_status means_columns(int quantities, const quantity *q, sp_table *t, sp_error *err) {
-    sp_status status = sp_table_add_column(t, "p", "E*", SP_CELL_NUMBER, err);
-    if (status == SP_OK)
-        status = sp_table_add_column(t, "grains", "", SP_CELL_INTEGER, err);
-    if (status == SP_OK)
-        status = sp_table_add_column(t, "samples", "", SP_CELL_INTEGER, err);
+    static const sp_column first[] = {
+        {"p", "E*", SP_CELL_NUMBER}, {"grains", "", SP_CELL_INTEGER}, {"samples", "", SP_CELL_INTEGER}};
+    sp_status status = sp_columns_add(t, sizeof first / sizeof *first, first, err);
     static const char *const end[COLUMNS] = {"", "_sd", "_err", "_low", "_high"};
     for (int k = 0; k < COLUMNS * quantities && status == SP_OK; k++) {
         const quantity *of = &q[k / COLUMNS];
@@ -78,7 +77,7 @@ static sp_status means_columns(int quantities, const quantity *q, sp_table *t, s
     return status;
 }
 
-/* A table of means under way. */
+/* A table of means that is being made. */
 typedef struct averaged {
     unsigned part;
     int quantities;
@@ -87,7 +86,8 @@ typedef struct averaged {
     double *x; /* values of the samples, quantity by quantity */
 } averaged;
 
-/* A value that one sample does not have is none of a mean: leaving the sample out would choose among the samples. */
+/* Explains means that are NAN. A quantity that one sample lacks has no mean: without that sample, the mean would be
+ * biased by the choice of samples. */
 static sp_status explain_no_means(const sp_sample *row, int64_t samples, const averaged *a, sp_table *t,
                                   sp_error *err) {
     char list[400] = "";
@@ -96,7 +96,7 @@ static sp_status explain_no_means(const sp_sample *row, int64_t samples, const a
     for (int k = 0; k < a->quantities; k++) {
         int64_t none = 0;
         if (a->q[k].offset == offsetof(sp_sample, statics.mobilised) && !(row->friction > 0))
-            continue; /* nobody expects friction to be mobilised where there is none */
+            continue; /* without friction, none can be mobilised */
         for (int64_t i = 0; i < samples; i++)
             none += !isfinite(a->x[k * samples + i]);
         most = none > most ? none : most;
@@ -113,7 +113,7 @@ static sp_status explain_no_means(const sp_sample *row, int64_t samples, const a
                                                            : "");
 }
 
-/* One row: each quantity over the samples of one pressure and size that have the part. */
+/* Adds a row: the mean of each quantity over the samples of one pressure and size that have the part. */
 static sp_status add_means(int64_t n, const sp_sample *const *s, const averaged *a, sp_table *t, sp_error *err) {
     double row[3 + COLUMNS * QUANTITIES_MAX] = {s[0]->pressure, s[0]->grains};
     const double *x[QUANTITIES_MAX];
@@ -122,7 +122,7 @@ static sp_status add_means(int64_t n, const sp_sample *const *s, const averaged 
     for (int64_t i = 0; i < n; i++)
         samples += (s[i]->have & a->part) != 0;
     if (samples == 0 && sp_samples_failed(n, s) == 0 && sp_samples_lacking(n, s, a->part) == 0)
-        return SP_OK; /* nobody asked for this part */
+        return SP_OK; /* the part was not asked for */
     row[2] = (double)samples;
     for (int k = 0; k < a->quantities; k++) {
         double *to = a->x + k * samples;
@@ -166,7 +166,7 @@ static int probe_quantities(int dim, quantity *q) {
     return count;
 }
 
-/* The quantities of a part; samples of one table are of one dimension. */
+/* The quantities of a part. All samples of a table have the same dimension. */
 static int quantities_of(unsigned part, int dim, quantity *q) {
     enum { STATICS = sizeof statics_columns / sizeof *q, MODULI = sizeof moduli_columns / sizeof *q };
     enum { SPACE = sizeof moduli_3d_columns / sizeof *q, SPACE_STATICS = sizeof statics_3d_columns / sizeof *q };
@@ -185,7 +185,8 @@ static int quantities_of(unsigned part, int dim, quantity *q) {
     }
 }
 
-/* A grain that hangs loose takes most of the energy of a body force, and the modulus is then that of its contacts. */
+/* Counts samples in which a single loose grain takes most of the energy of a body force. Their modulus is that of its
+ * contacts. */
 static sp_status explain_probes(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err) {
     int64_t loose = 0;
     for (int64_t k = 0; k < n; k++)
@@ -226,33 +227,29 @@ static sp_status fill_means(int64_t n, const sp_sample *const *s, unsigned part,
 }
 
 static sp_status ensemble_columns(sp_table *t, sp_error *err) {
-    static const struct {
-        const char *name, *unit;
-        sp_cell_kind kind;
-    } first[] = {{"p", "E*", SP_CELL_NUMBER},
-                 {"grains", "", SP_CELL_INTEGER},
-                 {"seed", "", SP_CELL_INTEGER},
-                 {"height", "d", SP_CELL_NUMBER},
-                 {"t10", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
-                 {"t_peak", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
-                 {"t_zero", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
-                 {"amplitude", "E* d^2", SP_CELL_NUMBER},
-                 {"width", "d/sqrt(E* / rho)", SP_CELL_NUMBER}},
-      last[] = {{"dimension", "", SP_CELL_INTEGER}, {"Lx", "d", SP_CELL_NUMBER},  {"friction", "", SP_CELL_NUMBER},
-                {"failed", "", SP_CELL_INTEGER},    {"reason", "", SP_CELL_TEXT}, {"name", "", SP_CELL_TEXT}};
-    sp_status status = SP_OK;
-    for (size_t k = 0; k < sizeof first / sizeof *first && status == SP_OK; k++)
-        status = sp_table_add_column(t, first[k].name, first[k].unit, first[k].kind, err);
+    static const sp_column first[] = {{"p", "E*", SP_CELL_NUMBER},
+                                      {"grains", "", SP_CELL_INTEGER},
+                                      {"seed", "", SP_CELL_INTEGER},
+                                      {"height", "d", SP_CELL_NUMBER},
+                                      {"t10", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                                      {"t_peak", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                                      {"t_zero", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                                      {"amplitude", "E* d^2", SP_CELL_NUMBER},
+                                      {"width", "d/sqrt(E* / rho)", SP_CELL_NUMBER}},
+                           last[] = {{"dimension", "", SP_CELL_INTEGER}, {"Lx", "d", SP_CELL_NUMBER},
+                                     {"friction", "", SP_CELL_NUMBER},   {"failed", "", SP_CELL_INTEGER},
+                                     {"reason", "", SP_CELL_TEXT},       {"name", "", SP_CELL_TEXT}};
+    sp_status status = sp_columns_add(t, sizeof first / sizeof *first, first, err);
     for (size_t k = 0; k < sizeof statics_columns / sizeof *statics_columns && status == SP_OK; k++)
         status = sp_table_add_column(t, statics_columns[k].name, statics_columns[k].unit, SP_CELL_NUMBER, err);
     for (size_t k = 0; k < sizeof moduli_columns / sizeof *moduli_columns && status == SP_OK; k++)
         status = sp_table_add_column(t, moduli_columns[k].name, moduli_columns[k].unit, SP_CELL_NUMBER, err);
-    for (size_t k = 0; k < sizeof last / sizeof *last && status == SP_OK; k++)
-        status = sp_table_add_column(t, last[k].name, last[k].unit, last[k].kind, err);
+    if (status == SP_OK)
+        status = sp_columns_add(t, sizeof last / sizeof *last, last, err);
     return status;
 }
 
-/* One row of everything; NAN for parts that are not there. */
+/* Adds a row with all results of a sample; NAN for missing parts. */
 static sp_status add_sample(const sp_sample *s, sp_table *t, sp_error *err) {
     const sp_front none = {NAN, NAN, NAN, NAN, NAN, 0};
     const sp_front f = s->have & SP_WANT_CTOF ? s->front : none;
@@ -261,7 +258,7 @@ static sp_status add_sample(const sp_sample *s, sp_table *t, sp_error *err) {
         v[k] = s->have & SP_WANT_STATICS ? value_of(s, &statics_columns[k]) : NAN;
     for (size_t k = 0; k < sizeof moduli_columns / sizeof *moduli_columns; k++)
         c[k] = s->have & SP_WANT_MODULI ? value_of(s, &moduli_columns[k]) : NAN;
-    const char *reason = s->reason[0] ? s->reason : "-"; /* of a failure, or of a part that it lacks */
+    const char *reason = s->reason[0] ? s->reason : "-"; /* of a failed sample or part */
     return sp_table_add_row(t, err, s->pressure, (int64_t)s->grains, (int64_t)s->seed, s->height, f.t10, f.t_peak,
                             f.t_zero, f.amplitude, f.width, v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9],
                             v[10], v[11], v[12], c[0], c[1], c[2], c[3], c[4], c[5], (int64_t)s->dim, s->width,

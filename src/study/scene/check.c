@@ -1,4 +1,4 @@
-/* The checks of a scene as a whole. */
+/* Checks a scene as a whole. */
 #include "base/base.h"
 #include "scene/reader.h"
 
@@ -6,33 +6,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double MOST_SAMPLES = 1e7; /* of a study: a slip of the keyboard, not an ensemble, is above */
+static const double MOST_SAMPLES = 1e7; /* of a study; more are a typing error */
 
-static bool is_swept(const sp_scene *s, const char *key) {
-    for (int i = 0; i < s->sweeps; i++)
+/* Whether one of the first `sweeps` sweeps is of this key. Those of study.sweep come first. */
+static bool is_listed(const sp_scene *s, int sweeps, const char *key) {
+    for (int i = 0; i < sweeps; i++)
         if (strcmp(s->sweep[i].key, key) == 0)
             return true;
     return false;
 }
+
+static bool is_swept(const sp_scene *s, const char *key) { return is_listed(s, s->sweeps, key); }
 
 static int given_by(const sp_reader *r, const char *key) { return r->given[sp_field_index(sp_field_find(key))]; }
 
 /* ---- combinations ----------------------------------------------------------------------------------------------- */
 
-/* Whether the sweep of a key stands in study.sweep. */
-static bool is_listed(const sp_scene *s, int listed, const char *key) {
-    for (int i = 0; i < listed; i++)
-        if (strcmp(s->sweep[i].key, key) == 0)
-            return true;
-    return false;
-}
-
-/* Every combination of the swept values must make a packing. */
+/* Checks the packing of every combination of swept values. */
 static sp_status check_combinations(const sp_reader *r, int64_t combinations, int listed) {
-    sp_scene one = r->scene; /* its sweeps and lists stay the reader's */
+    sp_scene one = r->scene; /* borrows the reader's sweeps and lists */
     sp_status status = SP_OK;
     for (int64_t k = 0; k < combinations && status == SP_OK; k++) {
-        int64_t each = 1; /* combinations for which a sweep keeps its value */
+        int64_t each = 1; /* the value of a sweep changes after so many combinations */
         for (int i = 0; i < one.sweeps && k % each == 0 && status == SP_OK; i++) {
             status = sp_scene_set_swept(&one, &one.sweep[i], (int)(k / each % one.sweep[i].count), r->err);
             each *= one.sweep[i].count;
@@ -49,25 +44,25 @@ static sp_status check_combinations(const sp_reader *r, int64_t combinations, in
     return status;
 }
 
-/* What says the same as a key in another way; the key itself if there is nothing. */
-static const char *twin_of(const char *key) {
-    static const char *const twins[][2] = {{"packing.height", "packing.grains"},
+/* The other key that decides the same quantity; the key itself if there is none. */
+static const char *alternative_to(const char *key) {
+    static const char *const pairs[][2] = {{"packing.height", "packing.grains"},
                                            {"packing.grains", "packing.height"},
                                            {"packing.diameters", "packing.diameter_file"}};
-    for (size_t k = 0; k < sizeof twins / sizeof *twins; k++)
-        if (strcmp(key, twins[k][0]) == 0)
-            return twins[k][1];
+    for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++)
+        if (strcmp(key, pairs[k][0]) == 0)
+            return pairs[k][1];
     return key;
 }
 
-/* Whether an override gave the swept key a value, which no sample of the study would have. */
+/* Whether an override gave a value to a key that is swept. No sample of the study would have that value. */
 static bool is_overridden(const sp_reader *r, const char *key) {
-    return given_by(r, key) == SP_FROM_OVERRIDE || given_by(r, twin_of(key)) == SP_FROM_OVERRIDE;
+    return given_by(r, key) == SP_FROM_OVERRIDE || given_by(r, alternative_to(key)) == SP_FROM_OVERRIDE;
 }
 
 /* ---- single keys ------------------------------------------------------------------------------------------------ */
 
-/* Grains and height say the same in two ways. */
+/* packing.grains and packing.height decide the same quantity: only one of them may be given. */
 static sp_status check_height(const sp_reader *r, int listed) {
     const sp_scene *s = &r->scene;
     const bool height_swept = is_swept(s, "packing.height"), grains_swept = is_swept(s, "packing.grains");
@@ -75,21 +70,21 @@ static sp_status check_height(const sp_reader *r, int listed) {
         grains_swept || (given_by(r, "packing.grains") != 0 && s->pack.grains != sp_pack_spec_default().grains);
     const char *one = height_swept ? "packing.height" : "packing.grains";
     const bool one_overridden = height_swept != grains_swept && is_listed(s, listed, one) && is_overridden(r, one);
-    if (!(s->height > 0 || height_swept) || !grains || one_overridden) /* of which a study takes neither */
+    if (!(s->height > 0 || height_swept) || !grains || one_overridden) /* sp_scene_check_sweeps refuses that */
         return SP_OK;
     char height[32], number[32];
     snprintf(height, sizeof height, "= %s", sp_number_text(s->height, number));
     snprintf(number, sizeof number, "= %d", s->pack.grains);
-    return sp_fail_key(r->err, SP_EINVAL, "packing.height",
-                       " %s: must not be given beside packing.grains %s: the height says how many grains",
-                       height_swept ? "(swept)" : height, grains_swept ? "(swept)" : number);
+    return sp_fail_key(
+        r->err, SP_EINVAL, "packing.height",
+        " %s: must not be given together with packing.grains %s, because the height decides the number of grains",
+        height_swept ? "(swept)" : height, grains_swept ? "(swept)" : number);
 }
 
-/* What is wanted must be said in full. */
-static sp_status check_wants(const sp_scene *s, sp_error *err) {
+static sp_status check_planes(const sp_scene *s, sp_error *err) {
     if (s->want & SP_WANT_PLANES && s->planes == 0)
         return sp_fail_key(err, SP_EINVAL, "study.want",
-                           ": planes are those of signal.planes = [12.5, 25], which must be given");
+                           ": planes needs signal.planes = [12.5, 25], which must be given");
     return SP_OK;
 }
 
@@ -115,7 +110,7 @@ static int compare_values(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Each seed of a sweep is the first of study.samples: those of another must begin after them. */
+/* Each swept seed is the first of study.samples consecutive seeds, which must not overlap. */
 static sp_status check_swept_seeds(const sp_scene *s, sp_error *err) {
     const sp_sweep *sweep = s->sweep;
     while (sweep < s->sweep + s->sweeps && strcmp(sweep->key, "packing.seed") != 0)
@@ -131,8 +126,8 @@ static sp_status check_swept_seeds(const sp_scene *s, sp_error *err) {
     for (int k = 1; k < sweep->count && status == SP_OK; k++)
         if (sorted[k] - sorted[k - 1] < s->samples)
             status = sp_fail_key(err, SP_EINVAL, "packing.seed",
-                                 ": %.0f and %.0f are swept: must differ by study.samples = %d at least, each "
-                                 "is the first of so many seeds",
+                                 ": %.0f and %.0f are swept: must differ by at least study.samples = %d, because "
+                                 "each is the first of that many seeds",
                                  sorted[k - 1], sorted[k], s->samples);
     sp_free(sorted);
     return status;
@@ -147,7 +142,8 @@ static sp_status check_seeds(const sp_scene *s, sp_error *err) {
 
 /* ---- the whole -------------------------------------------------------------------------------------------------- */
 
-/* The scene's own packing: the number of grains is that of its height, which a study keeps for its other widths. */
+/* Checks the scene's own packing. The number of grains follows from its height; a study keeps the height, because its
+ * samples may have other widths. */
 static sp_status check_packing(sp_reader *r) {
     const double height = r->scene.height;
     sp_status status = sp_scene_resolve(&r->scene, r->err);
@@ -156,7 +152,8 @@ static sp_status check_packing(sp_reader *r) {
     return status == SP_OK ? sp_pack_spec_check(&r->scene.pack, r->err) : status;
 }
 
-/* A study makes the combinations alone: what only the scene's own packing lacks is told by what makes that. */
+/* A study makes only the combinations of its sweeps. A fault of the scene's own packing alone is reported when that
+ * packing is made. */
 static sp_status check_packings(sp_reader *r, int64_t combinations, int listed) {
     sp_status own = check_packing(r);
     if (r->scene.sweeps == 0)
@@ -168,7 +165,7 @@ static sp_status check_packings(sp_reader *r, int64_t combinations, int listed) 
     return status;
 }
 
-/* The number of combinations; and which sweeps an override would hide, those that no override can replace. */
+/* Counts the combinations, and marks the sweeps of study.sweep whose key an override gave a value. */
 static sp_status count_combinations(sp_reader *r, int listed, int64_t *out) {
     double combinations = 1;
     for (int i = 0; i < r->scene.sweeps; i++) {
@@ -199,12 +196,12 @@ sp_status sp_reader_check(sp_reader *r) {
     if (status == SP_OK)
         status = check_height(r, listed);
     if (status == SP_OK)
-        status = check_wants(&r->scene, r->err);
+        status = check_planes(&r->scene, r->err);
     return status == SP_OK ? check_packings(r, combinations, listed) : status;
 }
 
 sp_status sp_reader_check_tapped(sp_reader *r) {
     int listed = 0;
     sp_status status = sp_join_sweeps(r, &listed);
-    return status == SP_OK ? sp_tapped_check(&r->scene.column, r->err) : status;
+    return status == SP_OK ? sp_tapped_check(&r->scene.tapped, r->err) : status;
 }

@@ -86,143 +86,146 @@ const sp_field sp_fields[] = {
     {"packing.kind", SP_FIELD_WORD, AT(pack.kind), pack_kinds,
      "random grains compressed by a piston, a triangular lattice, a one-dimensional chain, or a packing from a file"},
     {"packing.file", SP_FIELD_PATH, AT(from), NULL,
-     "packing to start from with kind = \"file\"; relative to the scene, in --set to the current folder"},
+     "packing to start from, with kind = \"file\"; the path is relative to the scene, in --set to the current folder"},
     {"packing.content", SP_FIELD_INT64, AT(pack.content), NULL,
-     "number that tells the packing of packing.file from others; 0: any will do"},
+     "hash of the packing in packing.file, which must have it; 0: any packing"},
     {"packing.dimension", SP_FIELD_INT, AT(pack.dim), NULL,
-     "of space: a chain has 1, a lattice 2, packings under a piston 2 or 3"},
+     "of space: 1 for a chain, 2 for a lattice, 2 or 3 under a piston"},
     {"packing.grains", SP_FIELD_INT, AT(pack.grains), NULL, "number of grains"},
     {"packing.width", SP_FIELD_REAL, AT(pack.width), NULL,
-     "period sideways; a piston needs four of the largest grains, a lattice has whole grains"},
+     "horizontal period; under a piston at least four of the largest diameters, in a lattice a whole number of grains"},
     {"packing.depth", SP_FIELD_REAL, AT(pack.depth), NULL,
-     "the other period sideways in dimension 3; 0: like the width"},
+     "second horizontal period, in dimension 3; 0: equal to the width"},
     {"packing.height", SP_FIELD_REAL, AT(height), NULL,
-     "aimed-at height of the box under a piston, from which packing.grains follows; 0: packing.grains decides"},
+     "approximate height of the box under a piston, which decides packing.grains; 0: packing.grains is given"},
     {"packing.pressure", SP_FIELD_REAL, AT(pack.pressure), NULL, "confining pressure"},
     {"packing.history", SP_FIELD_REALS, AT(pack.history), NULL,
-     "pressures that are gone through first, each to its equilibrium"},
+     "pressures before packing.pressure; the packing comes to equilibrium at each of them in turn"},
     {"packing.friction", SP_FIELD_REAL, AT(pack.friction), NULL,
-     "Coulomb's coefficient; 0: no tangential forces, no rotations"},
+     "Coulomb's coefficient; 0: no tangential forces and no rotations"},
     {"packing.poisson", SP_FIELD_REAL, AT(pack.poisson), NULL, "Poisson's ratio of the grain material"},
     {"packing.sizes", SP_FIELD_WORD, AT(pack.sizes), laws,
-     "law of the diameters: uniform between the limits; one of the two; lognormal of mean 1; or a list"},
+     "distribution of diameters: uniform between the limits, one of the two limits, lognormal with mean 1, or a list"},
     {"packing.diameter_min", SP_FIELD_REAL, AT(pack.diameter_min), NULL,
-     "smallest diameter; both 0: the law's own, as 0.8 .. 1.2 under a piston and equal grains in lattice and chain"},
+     "smallest diameter; both 0: set by the distribution, such as 0.8 .. 1.2 under a piston and 1 in lattice and "
+     "chain"},
     {"packing.diameter_max", SP_FIELD_REAL, AT(pack.diameter_max), NULL,
      "largest diameter, at most 100 times the smallest"},
     {"packing.large_fraction", SP_FIELD_REAL, AT(pack.large_fraction), NULL,
-     "of bidisperse grains: number of the large ones over all"},
+     "of bidisperse grains: fraction of the grains that are large"},
     {"packing.size_spread", SP_FIELD_REAL, AT(pack.size_spread), NULL,
      "of lognormal grains: standard deviation of ln d"},
     {"packing.diameters", SP_FIELD_REALS, AT(pack.diameters), NULL,
-     "of the grains in their order, for packing.sizes = \"list\""},
+     "diameters of the grains in their order, for packing.sizes = \"list\""},
     {"packing.diameter_file", SP_FIELD_FILE, 0, NULL,
-     "diameters from a text file, a number a line; its name is relative to the scene, in --set to the current folder"},
+     "text file of diameters, one a line; the path is relative to the scene, in --set to the current folder"},
     {"packing.compression", SP_FIELD_WORD, AT(pack.compression), compressions,
-     "what yields to the pressure: the piston alone, or the sides as well"},
+     "what moves under the pressure: the piston alone, or the sides as well"},
     {"packing.protocol", SP_FIELD_WORD, AT(pack.protocol), protocols,
-     "decides damping, piston, gas, time step and how the motion ends, where these are not given"},
-    {"packing.reference", SP_FIELD_BOOL, AT(pack.reference), NULL, "the plain and slow way, to compare with"},
-    {"packing.seed", SP_FIELD_INT64, AT(pack.seed), NULL, "of the random streams"},
+     "sets damping, piston mass, gas, time step and the approach to rest, where these are not given"},
+    {"packing.reference", SP_FIELD_BOOL, AT(pack.reference), NULL, "plain, slow algorithm, for comparison"},
+    {"packing.seed", SP_FIELD_INT64, AT(pack.seed), NULL, "seed of the random numbers"},
     {"packing.tolerance", SP_FIELD_REAL, AT(pack.tolerance), NULL,
      "largest elastic acceleration at rest; 0: the smaller of 1e-10 and 1e-6 p"},
     {"packing.damping", SP_FIELD_REAL, AT(pack.damping), NULL,
-     "viscosity of contacts while the packing forms; 0: the protocol's own (0.8; quick: 0.5)"},
+     "viscous damping of contacts while the packing forms; 0: set by the protocol (0.8; quick: 0.5)"},
     {"packing.piston_mass", SP_FIELD_REAL, AT(pack.piston_mass), NULL,
-     "mass of the piston per area of wall; 0: the protocol's own (12.5; quick: 2)"},
+     "mass of the piston per area of the wall; 0: set by the protocol (12.5; quick: 2)"},
     {"packing.gas_fraction", SP_FIELD_REAL, AT(pack.gas_fraction), NULL,
-     "area or volume fraction of the gas of grains at the start, at most 0.3 in dimension 3; 0: the protocol's own "
-     "(0.3, 3D 0.2; quick: 0.45, 3D 0.25)"},
+     "area or volume fraction of the initial gas of grains, at most 0.3 in dimension 3; 0: set by the protocol (0.3, "
+     "3D 0.2; quick: 0.45, 3D 0.25)"},
     {"packing.time_step", SP_FIELD_REAL, AT(pack.time_step), NULL,
-     "while the packing forms, over the largest stable one; up to 1.4 times that while it comes to rest; "
-     "0: the protocol's own (0.7; quick: 0.5)"},
+     "time step while the packing forms; up to 1.4 times as large while it comes to rest; 0: set by the protocol (0.7; "
+     "quick: 0.5)"},
     {"packing.calm", SP_FIELD_REAL, AT(pack.calm), NULL,
-     "global damping begins once every acceleration is below this; 0: never, below 0: the protocol's own "
-     "(0.01; quick: 3)"},
+     "global damping begins when every acceleration is below this; 0: never; below 0: set by the protocol (0.01; "
+     "quick: 3)"},
     {"packing.drag", SP_FIELD_REAL, AT(pack.drag), NULL,
-     "rate of the global damping at p = 1e-4, grows as p^(1/3), and falls as one over boxes above 30 d; below 0: the "
-     "protocol's own (0.01)"},
+     "rate of the global damping at p = 1e-4; it scales as p^(1/3), and inversely with the height above 30 d; below 0: "
+     "set by the protocol (0.01)"},
     {"packing.calm_damping", SP_FIELD_REAL, AT(pack.calm_damping), NULL,
-     "viscosity of contacts once the global damping has begun; 0: the protocol's own (0.2; somfai2005: 0.8)"},
+     "viscous damping of contacts after the global damping has begun; 0: set by the protocol (0.2; somfai2005: 0.8)"},
     {"packing.viscous_limit", SP_FIELD_REAL, AT(pack.viscous_limit), NULL,
-     "Coulomb's limit of the whole tangential force over that of its elastic part, until the global damping begins; 0: "
-     "the protocol's own (1e6; quick: 1)"},
+     "Coulomb's limit of the whole tangential force, over the limit of its elastic part, until the global damping "
+     "begins; 0: set by the protocol (1e6; quick: 1)"},
     {"packing.max_steps", SP_FIELD_INT64, AT(pack.max_steps), NULL,
-     "give up after that many steps; 0: a bound from pressure and height"},
+     "give up after this number of steps; 0: a limit that depends on pressure and height"},
 
-    {"network.threshold", SP_FIELD_REAL, AT(network.threshold), NULL, "contacts carry above this normal force"},
-    {"network.prestress", SP_FIELD_BOOL, AT(network.prestress), NULL,
-     "add what the forces at rest do as contacts turn"},
+    {"network.threshold", SP_FIELD_REAL, AT(network.threshold), NULL,
+     "contacts with a larger normal force carry force"},
+    {"network.prestress", SP_FIELD_BOOL, AT(network.prestress), NULL, "include the forces at rest in the stiffness"},
     {"network.sliding_free", SP_FIELD_BOOL, AT(network.sliding_free), NULL,
      "no tangential stiffness at contacts on the Coulomb limit"},
 
-    {"signal.method", SP_FIELD_WORD, AT(signal.method), methods, "how the force on the top wall is found"},
+    {"signal.method", SP_FIELD_WORD, AT(signal.method), methods, "how the force on the top wall is computed"},
     {"signal.source", SP_FIELD_WORD, AT(signal.source), sources,
-     "what the bottom wall does: momentum, velocity or displacement in proportion to the stiffness"},
-    {"signal.until", SP_FIELD_REAL, AT(signal.until), NULL, "last time; 0: when the first front has passed"},
-    {"signal.points", SP_FIELD_INT, AT(signal.points), NULL, "equally spaced times from 0 on"},
-    {"signal.tolerance", SP_FIELD_REAL, AT(signal.tolerance), NULL, "error asked for"},
+     "what is given to the bottom grains: momentum, velocity or displacement, in proportion to their stiffness to the "
+     "wall"},
+    {"signal.until", SP_FIELD_REAL, AT(signal.until), NULL, "last time; 0: after the first front has passed"},
+    {"signal.points", SP_FIELD_INT, AT(signal.points), NULL, "number of equally spaced times, from 0"},
+    {"signal.tolerance", SP_FIELD_REAL, AT(signal.tolerance), NULL, "error of the signal"},
     {"signal.planes", SP_FIELD_REALS, AT(plane), NULL,
-     "heights above the bottom wall of the planes that planes of study.want listens at, ascending, 32 at the most"},
+     "heights above the bottom wall at which planes of study.want records fronts, ascending, at most 32"},
 
-    {"study.samples", SP_FIELD_INT, AT(samples), NULL, "seeds of each combination: packing.seed and those that follow"},
+    {"study.samples", SP_FIELD_INT, AT(samples), NULL,
+     "number of seeds of each combination: packing.seed and those that follow"},
     {"study.want", SP_FIELD_LIST, AT(want), wants,
-     "results to make; packings: nothing but the packings themselves; signal: signals are kept, for `sonopack table "
-     "signal' (study has no table of these two); spectrum: every frequency, for the density of states"},
+     "results to compute; packings: only the packings; signal: stored signals, for `sonopack table signal' (study "
+     "prints no table of these two); spectrum: every frequency, for the density of states"},
     {"study.sweep", SP_FIELD_SWEEP, AT(sweep), NULL,
-     "every combination of these: ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... ), and of keys that "
-     "are given lists or ranges"},
+     "keys to sweep, in every combination: ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... ); keys with "
+     "a list or a range in place of a value are swept as well"},
 
-    {"column.particles", SP_FIELD_INT, AT(column.particles), NULL,
-     "how many, one above the other on a floor that is tapped (cm, g, s)"},
-    {"column.frequency", SP_FIELD_REAL, AT(column.frequency), NULL,
-     "of the tap: at the start of each period the floor rises and comes back as half a sine of this frequency"},
-    {"column.period", SP_FIELD_REAL, AT(column.period), NULL,
-     "from the start of a tap to that of the next: at least the length of a tap, 1/(2 frequency)"},
-    {"column.taps", SP_FIELD_INT, AT(column.taps), NULL,
-     "how many; of a diagram those that count, after column.transient others; 0: 4, of lyapunov 1000, of bifurcation "
-     "50"},
-    {"column.amplitude", SP_FIELD_REAL, AT(column.amplitude), NULL, "height of the half sine; 0: the floor rests"},
-    {"column.e", SP_FIELD_REAL, AT(column.e), NULL,
-     "of Walton and Braun, below 1: the stiffness is K(1 + e) while a contact closes and K(1 - e) while it opens"},
-    {"column.stiffness", SP_FIELD_REAL, AT(column.stiffness), NULL,
-     "K of the contacts, above N m g/r, where the column collapses; 0: 2 N m g/r, with the mean of m and the smallest "
-     "r"},
-    {"column.gravity", SP_FIELD_REAL, AT(column.gravity), NULL, "acceleration downwards"},
-    {"column.drop", SP_FIELD_REAL, AT(column.drop), NULL,
-     "height from which the column, just touching, falls onto the floor; below 0: it starts at rest"},
-    {"column.mass", SP_FIELD_REALS, AT(column.mass), NULL,
-     "of the particles, one number or several, repeated from the floor upwards"},
-    {"column.radius", SP_FIELD_REALS, AT(column.radius), NULL,
-     "of the particles, one number or several, repeated from the floor upwards"},
-    {"column.model", SP_FIELD_WORD, AT(column.model), column_models,
-     "lattice: the particles; longwave, bsr: continua; eq35, eq37: long-wave equations as printed, refused with the "
-     "reason"},
-    {"column.method", SP_FIELD_WORD, AT(column.method), column_methods,
+    {"column.particles", SP_FIELD_INT, AT(tapped.particles), NULL,
+     "number of particles, one above the other on a floor that is tapped (cm, g, s)"},
+    {"column.frequency", SP_FIELD_REAL, AT(tapped.frequency), NULL,
+     "of the tap: at the start of each period the floor moves up and back, as half a sine of this frequency"},
+    {"column.period", SP_FIELD_REAL, AT(tapped.period), NULL,
+     "from the start of one tap to the next; at least the length of a tap, 1/(2 frequency)"},
+    {"column.taps", SP_FIELD_INT, AT(tapped.taps), NULL,
+     "number of taps; in a diagram, of those after column.transient; 0: 4, for lyapunov 1000, for bifurcation 50"},
+    {"column.amplitude", SP_FIELD_REAL, AT(tapped.amplitude), NULL, "height of the half sine; 0: the floor is at rest"},
+    {"column.e", SP_FIELD_REAL, AT(tapped.e), NULL,
+     "of the law of Walton and Braun, below 1: the stiffness is K(1 + e) while a contact closes and K(1 - e) while it "
+     "opens"},
+    {"column.stiffness", SP_FIELD_REAL, AT(tapped.stiffness), NULL,
+     "K of the contacts, above N m g/r, where the column collapses; 0: 2 N m g/r, with the mean mass m and the "
+     "smallest radius r"},
+    {"column.gravity", SP_FIELD_REAL, AT(tapped.gravity), NULL, "acceleration of gravity"},
+    {"column.drop", SP_FIELD_REAL, AT(tapped.drop), NULL,
+     "height from which the column, its particles just touching, falls onto the floor; -1: it starts at rest"},
+    {"column.mass", SP_FIELD_REALS, AT(tapped.mass), NULL,
+     "masses of the particles: one number, or several, which repeat from the floor upwards"},
+    {"column.radius", SP_FIELD_REALS, AT(tapped.radius), NULL,
+     "radii of the particles: one number, or several, which repeat from the floor upwards"},
+    {"column.model", SP_FIELD_WORD, AT(tapped.model), column_models,
+     "lattice: the particles; longwave, bsr: continuum models; eq35, eq37: long-wave equations as printed, refused "
+     "with the reason"},
+    {"column.method", SP_FIELD_WORD, AT(tapped.method), column_methods,
      "of the lattice; event: exact; smooth: tanh in place of the sign; rk4: fixed steps, of first order, creeps at "
      "rest"},
-    {"column.bsr", SP_FIELD_WORD, AT(column.bsr), column_bsrs,
-     "which bsr: one that carries a column; as it was printed; that with its signs put right (these two collapse)"},
-    {"column.output", SP_FIELD_WORD, AT(column.output), column_outputs,
-     "the table that is made: see `sonopack help column'"},
-    {"column.step", SP_FIELD_REAL, AT(column.step), NULL,
-     "between the rows of trajectory, density and compare; 0: period/100"},
-    {"column.alpha_v", SP_FIELD_REAL, AT(column.alpha_v), NULL,
-     "slope of tanh in place of the sign of velocities: of longwave, bsr and method smooth"},
-    {"column.alpha_x", SP_FIELD_REAL, AT(column.alpha_x), NULL,
+    {"column.bsr", SP_FIELD_WORD, AT(tapped.bsr), column_bsrs,
+     "form of bsr: conservative, which supports a column; as printed; or as printed with corrected signs (both "
+     "collapse)"},
+    {"column.output", SP_FIELD_WORD, AT(tapped.output), column_outputs, "table to make: see `sonopack help column'"},
+    {"column.step", SP_FIELD_REAL, AT(tapped.step), NULL,
+     "time between rows of trajectory, density and compare; 0: period/100"},
+    {"column.alpha_v", SP_FIELD_REAL, AT(tapped.alpha_v), NULL,
+     "slope of tanh in place of the sign of velocities, of longwave, bsr and method smooth"},
+    {"column.alpha_x", SP_FIELD_REAL, AT(tapped.alpha_x), NULL,
      "slope of tanh in place of the step at touching, of method smooth; 0: the step itself"},
-    {"column.time_step", SP_FIELD_REAL, AT(column.time_step), NULL,
-     "of longwave, bsr and rk4, up to the largest stable one; 0: chosen"},
-    {"column.tolerance", SP_FIELD_REAL, AT(column.tolerance), NULL, "error of a step of method smooth, relative"},
-    {"column.cells", SP_FIELD_INT, AT(column.cells), NULL, "of the grid of longwave and bsr, for each particle"},
-    {"column.parameter", SP_FIELD_WORD, AT(column.parameter), column_parameters,
-     "what the diagrams lyapunov and bifurcation go through, from column.from to column.to"},
-    {"column.from", SP_FIELD_REAL, AT(column.from), NULL,
-     "first value of the parameter; 0 with one point: the one that the scene gives it"},
-    {"column.to", SP_FIELD_REAL, AT(column.to), NULL, "last value of the parameter"},
-    {"column.points", SP_FIELD_INT, AT(column.points), NULL, "equally spaced values of the parameter"},
-    {"column.transient", SP_FIELD_INT, AT(column.transient), NULL,
-     "taps at each point of a diagram before those that count"},
+    {"column.time_step", SP_FIELD_REAL, AT(tapped.time_step), NULL,
+     "of longwave, bsr and rk4, at most the largest stable one; 0: chosen automatically"},
+    {"column.tolerance", SP_FIELD_REAL, AT(tapped.tolerance), NULL, "relative error of a step of method smooth"},
+    {"column.cells", SP_FIELD_INT, AT(tapped.cells), NULL, "grid cells of longwave and bsr for each particle"},
+    {"column.parameter", SP_FIELD_WORD, AT(tapped.parameter), column_parameters,
+     "what the diagrams lyapunov and bifurcation vary, from column.from to column.to"},
+    {"column.from", SP_FIELD_REAL, AT(tapped.from), NULL,
+     "first value of the parameter; 0 with one point: the value in the scene"},
+    {"column.to", SP_FIELD_REAL, AT(tapped.to), NULL, "last value of the parameter"},
+    {"column.points", SP_FIELD_INT, AT(tapped.points), NULL, "number of equally spaced values of the parameter"},
+    {"column.transient", SP_FIELD_INT, AT(tapped.transient), NULL,
+     "taps before those that count, at each point of a diagram"},
 };
 
 _Static_assert(sizeof sp_fields / sizeof *sp_fields == SP_FIELDS, "the table is complete");
@@ -250,7 +253,7 @@ static const struct {
     size_t offset, size;
     const sp_key *keys;
 } specs[] = {{AT(pack), sizeof(sp_pack_spec), sp_pack_keys},
-             {AT(column), sizeof(sp_tapped_spec), sp_tapped_keys},
+             {AT(tapped), sizeof(sp_tapped_spec), sp_tapped_keys},
              {0, sizeof(sp_scene), scene_keys}};
 
 const sp_key *sp_field_limits(const sp_field *f) {
@@ -317,16 +320,16 @@ bool sp_field_is_scalar(const sp_field *f) {
 
 const char *sp_field_not_swept(const sp_field *f) {
     if (sp_field_is_tapped(f))
-        return "its diagrams go through column.parameter, from column.from to column.to";
+        return "its diagrams vary column.parameter, from column.from to column.to";
     if (f->type == SP_FIELD_PATH)
-        return "all samples of a study begin with one packing";
+        return "all samples of a study start from the same packing";
     if (f->type == SP_FIELD_FILE)
-        return "packing.diameters may be swept in its place";
+        return "sweep packing.diameters instead";
     if (f->offset == AT(pack.content) && f->type == SP_FIELD_INT64)
         return "it follows from packing.file";
     if (sp_field_in_group(f, "packing") || sp_field_in_group(f, "network") || f->offset == AT(signal.source))
         return NULL;
-    return "it makes no other sample, one value of it is kept with each";
+    return "it does not change the sample, which is stored with one value of it";
 }
 
 static void words_text(const sp_word *words, char *buf, size_t size) {

@@ -1,3 +1,4 @@
+/* Finds the known word that is most like an unknown one. */
 #include "scene/field.h"
 
 #include <limits.h>
@@ -9,7 +10,7 @@ static int smaller(int a, int b) { return a < b ? a : b; }
 
 int sp_edit_distance(const char *a, const char *b) {
     const int na = (int)strnlen(a, LETTERS - 1), nb = (int)strnlen(b, LETTERS - 1);
-    int row[3][LETTERS]; /* of the table of distances between beginnings: this row and the two before */
+    int row[3][LETTERS]; /* distances between prefixes: this row of the table, and the two before */
     for (int j = 0; j <= nb; j++)
         row[0][j] = j;
     for (int i = 1; i <= na; i++) {

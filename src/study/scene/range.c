@@ -1,4 +1,4 @@
-/* Ranges of a sweep: equal steps, or equal ratios, from one number to another. */
+/* Reads a range of a sweep: from one number to another in equal steps or equal ratios. */
 #include "base/base.h"
 #include "scene/reader.h"
 
@@ -19,7 +19,7 @@ typedef struct range {
 static const char *const members[] = {"from", "to", "count", "step", "spacing"};
 enum { FROM, TO, COUNT, STEP, SPACING, MEMBERS };
 
-/* The members of a range by number, NULL for those that are not there. A key may stand beside them. */
+/* Finds the members of a range; NULL for missing ones. An entry of study.sweep has a key as well. */
 static sp_status find_members(sp_reader *r, const range *g, const config_setting_t *group,
                               const config_setting_t *found[MEMBERS]) {
     for (int k = 0; k < config_setting_length(group); k++) {
@@ -119,16 +119,16 @@ static sp_status read_members(sp_reader *r, const sp_field *f, const config_sett
     return member[COUNT] ? read_count(r, g, member[COUNT]) : read_step(r, g, member[STEP]);
 }
 
-/* A value that is a number of few digits but for rounding is that number: decades are decades, as if they were written
- * down. */
-static double neat(double value) {
+/* Removes rounding errors: a value within 1e-14 of a number of 12 digits becomes that number, so that decades are
+ * exact. */
+static double rounded(double value) {
     char text[SP_NUMBER_TEXT];
     snprintf(text, sizeof text, "%.12g", value);
     const double few = strtod(text, NULL);
     return fabs(few - value) <= 1e-14 * fabs(value) ? few + 0.0 : value;
 }
 
-/* Value k. Long doubles, so that the last bit does not depend on the library's pow. */
+/* Value k of a range. Long doubles make the last bit independent of the library's pow. */
 static long double value_at(const range *g, int k) {
     const int last = g->count - 1;
     const long double from = g->from, to = g->to;
@@ -157,8 +157,7 @@ static sp_status make_integers(const sp_reader *r, const range *g, double *value
 sp_status sp_read_range(sp_reader *r, const sp_field *f, const config_setting_t *group, sp_sweep *sweep) {
     range g = {.key = sweep->key};
     if (!sp_field_is_number(f))
-        return sp_fail_key(r->err, SP_EINVAL, sweep->key,
-                           ": a range must be one of numbers: what is swept here must be a list");
+        return sp_fail_key(r->err, SP_EINVAL, sweep->key, ": a range has numbers only: other values must be a list");
     const unsigned line = r->line;
     sp_status status = read_members(r, f, group, &g);
     if (status != SP_OK)
@@ -173,7 +172,7 @@ sp_status sp_read_range(sp_reader *r, const sp_field *f, const config_setting_t 
     for (int k = 0; k < g.count; k++) {
         const bool end = k == 0 || k == g.count - 1;
         const double value = (double)value_at(&g, k);
-        sweep->values[k] = end ? value : neat(value);
+        sweep->values[k] = end ? value : rounded(value);
     }
     return SP_OK;
 }

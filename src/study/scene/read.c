@@ -1,4 +1,4 @@
-/* From a scene's text to a checked sp_scene. */
+/* Turns the text of a scene into a checked sp_scene. */
 #include "base/base.h"
 #include "scene/reader.h"
 #include "scene/source.h"
@@ -90,7 +90,7 @@ static sp_status read_key(sp_reader *r, const char *group, const config_setting_
     return read_field(r, f, setting);
 }
 
-/* One group of the file and its keys. */
+/* Reads the keys of one group. */
 static sp_status read_group(sp_reader *r, const config_setting_t *group) {
     const char *name = config_setting_name(group);
     bool known = false;
@@ -137,7 +137,7 @@ out:
     return status;
 }
 
-/* The name of a file as a string of libconfig. */
+/* A file name as a string in the syntax of libconfig. */
 static char *quoted(const char *name) {
     char *text = sp_alloc(2 * strlen(name) + 32, 1);
     if (!text)
@@ -150,14 +150,14 @@ static char *quoted(const char *name) {
     return text;
 }
 
-/* A list of words, each of which gets the quotes that it lacks. */
+/* Puts quotes around the words of a list that have none. */
 static char *quoted_words(const char *list) {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
     char *text = sp_alloc(3 * strlen(list) + 32, 1);
     if (!text)
         return NULL;
     char *to = text + sprintf(text, "value = ");
-    bool inside = false; /* of quotes that are there */
+    bool inside = false; /* quotes */
     while (*list) {
         const int word = inside ? 0 : (int)strspn(list, letters);
         inside = inside != (*list == '"');
@@ -168,7 +168,7 @@ static char *quoted_words(const char *list) {
     return text;
 }
 
-/* A value of --set in the syntax of a scene: words need no quotes there, lists of numbers no brackets. */
+/* A value of --set in the syntax of a scene. In --set, words need no quotes and lists of numbers no brackets. */
 static char *override_text(const sp_field *f, const char *value) {
     if ((f->type == SP_FIELD_FILE || f->type == SP_FIELD_PATH) && value[0] != '"')
         return quoted(value);
@@ -177,18 +177,18 @@ static char *override_text(const sp_field *f, const char *value) {
     bool bare = isalpha((unsigned char)value[0]) && f->type != SP_FIELD_BOOL;
     for (const char *c = value; *c; c++)
         bare = bare && (isalnum((unsigned char)*c) || strchr("_-,", *c));
-    const size_t room = 4 * strlen(value) + 32;
-    char *text = sp_alloc(room, 1);
+    const size_t size = 4 * strlen(value) + 32;
+    char *text = sp_alloc(size, 1);
     if (!text)
         return NULL;
     if (!bare) {
         const bool numbers = f->type == SP_FIELD_REALS && value[strspn(value, "0123456789+-.eE, \t")] == '\0' &&
                              strpbrk(value, "0123456789");
-        snprintf(text, room, numbers ? "value = [%s]\n" : "value = %s\n", value);
+        snprintf(text, size, numbers ? "value = [%s]\n" : "value = %s\n", value);
         return text;
     }
     const bool list = f->type == SP_FIELD_LIST;
-    char *to = text + snprintf(text, room, "value = %s\"", list ? "[" : "");
+    char *to = text + snprintf(text, size, "value = %s\"", list ? "[" : "");
     for (const char *c = value; *c; c++) {
         if (list && *c == ',')
             to += sprintf(to, "\",\"");
@@ -240,7 +240,7 @@ static sp_status read_override(sp_reader *r, const char *override) {
     return read_override_value(r, f, equals + 1);
 }
 
-/* Puts in front of a reason where the key at fault was given. */
+/* Prepends to a reason where the key at fault was given. */
 static sp_status locate(const sp_reader *r, sp_status status) {
     if (status != SP_EINVAL)
         return status;
@@ -253,12 +253,12 @@ static sp_status locate(const sp_reader *r, sp_status status) {
     return r->name ? sp_fail_prefix(r->err, "%s", r->name) : status;
 }
 
-/* The finished scene as a whole. */
+/* A check of the finished scene. */
 typedef sp_status (*scene_check)(sp_reader *r);
 
 static sp_status read_all(const char *text, const char *name, int overrides, char *const *override, scene_check check,
                           sp_scene *out, sp_error *err) {
-    sp_error own = {0}; /* so that reasons can be built up where the caller wants none */
+    sp_error own = {0}; /* decisions here need the key at fault, even if the caller passes no err */
     sp_reader r = {.scene = sp_scene_default(), .name = text && !name ? "scene" : name, .err = err ? err : &own};
     sp_status status = text ? read_text(&r, text) : SP_OK;
     for (int k = 0; k < overrides && status == SP_OK; k++) {
@@ -298,6 +298,6 @@ sp_status sp_scene_read(const char *path, int overrides, char *const *override, 
     return read_file(path, overrides, override, sp_reader_check, out, err);
 }
 
-sp_status sp_scene_read_column(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err) {
+sp_status sp_scene_read_tapped(const char *path, int overrides, char *const *override, sp_scene *out, sp_error *err) {
     return read_file(path, overrides, override, sp_reader_check_tapped, out, err);
 }

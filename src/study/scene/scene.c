@@ -12,7 +12,7 @@ sp_scene sp_scene_default(void) {
                   .signal = sp_signal_options_default(),
                   .samples = 1,
                   .want = SP_WANT_CTOF,
-                  .column = sp_tapped_spec_default()};
+                  .tapped = sp_tapped_spec_default()};
     s.signal.until = 0; /* until the first front has passed: sp_signal_window() */
     return s;
 }

@@ -1,3 +1,4 @@
+/* Loads the text of a scene, and rewrites what libconfig would misread. */
 #include "scene/source.h"
 
 #include "base/base.h"
@@ -14,33 +15,33 @@ enum { MAX_BYTES = 32 << 20, MAX_DEPTH = 32, MAX_SETTINGS = 10000 };
 sp_status sp_source_load(const char *path, const char *what, char **text, sp_error *err) {
     sp_status status = SP_OK;
     char *data = NULL;
-    size_t size = 0, room = 1 << 16;
+    size_t size = 0, capacity = 1 << 16;
     FILE *file = fopen(path, "rb");
     if (!file)
         return sp_fail(err, SP_EINVAL, "%s: %s", path, strerror(errno));
-    for (;;) { /* grows with what is read: a pipe does not tell its size */
-        char *more = sp_alloc(room + 1, 1);
+    for (;;) { /* a pipe has no known size */
+        char *more = sp_alloc(capacity + 1, 1);
         if (!more) {
-            status = sp_fail_memory(err, room);
+            status = sp_fail_memory(err, capacity);
             goto out;
         }
         if (size > 0)
             memcpy(more, data, size);
         sp_free(data);
         data = more;
-        size += fread(data + size, 1, room - size, file);
+        size += fread(data + size, 1, capacity - size, file);
         if (ferror(file)) {
             status = sp_fail(err, SP_EINVAL, "%s: %s", path, strerror(errno));
             goto out;
         }
-        if (size < room)
+        if (size < capacity)
             break;
-        if (room >= MAX_BYTES) {
+        if (capacity >= MAX_BYTES) {
             status =
                 sp_fail(err, SP_EINVAL, "%s: too large for a %s: must be below %d MB", path, what, MAX_BYTES >> 20);
             goto out;
         }
-        room *= 2;
+        capacity *= 2;
     }
     if (memchr(data, 0, size)) {
         status = sp_fail(err, SP_EINVAL, "%s: binary data, not a %s: must be text", path, what);
@@ -59,8 +60,8 @@ typedef struct scanner {
     char *to;
     const char *name;
     int line, depth, settings;
-    char open[MAX_DEPTH]; /* the brackets that wait for their end */
-    char last;            /* first letter of the last token that was neither comment nor blank */
+    char open[MAX_DEPTH]; /* brackets that are not closed yet */
+    char last;            /* first letter of the last token, comments and blanks aside */
     sp_error *err;
 } scanner;
 
@@ -73,7 +74,7 @@ static void copy(scanner *s) {
     *s->to++ = *s->at++;
 }
 
-/* Where libconfig does not expect a string it reports a syntax error, but loses the memory of the string. */
+/* libconfig leaks a string where it does not expect one. Such strings are therefore refused here. */
 static bool may_be_string(const scanner *s) {
     const bool in_list = s->depth > 0 && s->open[s->depth - 1] != '{';
     return s->last && (strchr("=:([\"", s->last) || (s->last == ',' && in_list));
@@ -108,7 +109,7 @@ static sp_status copy_block_comment(scanner *s) {
     return SP_OK;
 }
 
-/* A run of letters, digits and signs that begins like a number; anything but an integer is left to libconfig. */
+/* Copies what begins like a number, and appends L to an integer. Other numbers are left to libconfig. */
 static sp_status copy_number(scanner *s) {
     char run[80];
     size_t n = strspn(s->at, "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_.+-");
@@ -153,7 +154,7 @@ static sp_status copy_structure(scanner *s) {
         if (c == ']' && opened == '[')
             s->to[-1] = ')';
         else if (c == ')' && opened == '[')
-            s->to[-1] = ']'; /* no pair: left for libconfig to refuse */
+            s->to[-1] = ']'; /* brackets that do not match are left to libconfig, which refuses them */
     }
     return SP_OK;
 }
@@ -180,7 +181,7 @@ static sp_status copy_token(scanner *s) {
     return copy_structure(s);
 }
 
-/* libconfig knows @include at the beginning of a line only; refused in comments too, to be sure. */
+/* libconfig allows @include at the beginning of a line only. It is refused everywhere, even in comments. */
 static sp_status refuse_include(const scanner *s) {
     int number = 1;
     for (const char *line = s->at; line; number++) {
@@ -196,7 +197,7 @@ sp_status sp_source_clean(const char *text, const char *name, char **clean, sp_e
     if (strncmp(text, "\xef\xbb\xbf", 3) == 0) /* the byte order mark of some editors */
         text += 3;
     const size_t size = strlen(text);
-    char *copied = sp_alloc(2 * size + 2, 1); /* at worst every other letter is an integer */
+    char *copied = sp_alloc(2 * size + 2, 1); /* at worst, every second character is an integer */
     if (!copied)
         return sp_fail_memory(err, 2 * size);
     scanner s = {.at = text, .to = copied, .name = name, .line = 1, .err = err};
@@ -212,7 +213,7 @@ sp_status sp_source_clean(const char *text, const char *name, char **clean, sp_e
         sp_free(copied);
         return status;
     }
-    if (comment) /* which libconfig refuses at the end of the text, without a new line */
+    if (comment) /* libconfig refuses a comment without a new line at the end of the text */
         *s.to = '\n';
     *clean = copied;
     return SP_OK;

@@ -1,4 +1,4 @@
-/* The sweeps of a study: of study.sweep, and of keys that are given lists or ranges. */
+/* Reads the sweeps of a study: those of study.sweep, and keys that are given a list or a range in place of a value. */
 #include "base/base.h"
 #include "scene/reader.h"
 
@@ -8,36 +8,36 @@
 
 /* ---- values that differ ----------------------------------------------------------------------------------------- */
 
-/* One value of a sweep. */
-typedef struct piece {
+/* One value of a sweep, which may be a list. */
+typedef struct swept_value {
     const double *number;
     int count, index;
-} piece;
+} swept_value;
 
-static int compare_pieces(const void *a, const void *b) {
-    const piece *x = a, *y = b;
+static int compare_values(const void *a, const void *b) {
+    const swept_value *x = a, *y = b;
     for (int k = 0; k < x->count && k < y->count; k++)
         if (x->number[k] < y->number[k] || x->number[k] > y->number[k])
             return x->number[k] < y->number[k] ? -1 : 1;
     return (x->count > y->count) - (x->count < y->count);
 }
 
-/* The same value twice would count the same samples twice. */
+/* Equal values would count the same samples twice. */
 static sp_status check_values_differ(const sp_reader *r, const sp_sweep *sweep) {
-    piece *sorted = sp_alloc((size_t)sweep->count, sizeof *sorted);
+    swept_value *sorted = sp_alloc((size_t)sweep->count, sizeof *sorted);
     if (!sorted)
         return sp_fail_memory(r->err, (size_t)sweep->count * sizeof *sorted);
     for (int k = 0; k < sweep->count; k++) {
         const int begin = sweep->begin ? sweep->begin[k] : k, end = sweep->begin ? sweep->begin[k + 1] : k + 1;
-        sorted[k] = (piece){sweep->values + begin, end - begin, k};
+        sorted[k] = (swept_value){sweep->values + begin, end - begin, k};
     }
-    qsort(sorted, (size_t)sweep->count, sizeof *sorted, compare_pieces);
+    qsort(sorted, (size_t)sweep->count, sizeof *sorted, compare_values);
     sp_status status = SP_OK;
     char value[64];
     for (int k = 1; k < sweep->count && status == SP_OK; k++)
-        if (compare_pieces(&sorted[k - 1], &sorted[k]) == 0)
+        if (compare_values(&sorted[k - 1], &sorted[k]) == 0)
             status =
-                sp_fail_key(r->err, SP_EINVAL, sweep->key, ": %s stands there twice: the values of a sweep must differ",
+                sp_fail_key(r->err, SP_EINVAL, sweep->key, ": %s is there twice: the values of a sweep must differ",
                             sp_sweep_text(sweep, sorted[k].index, value, sizeof value));
     sp_free(sorted);
     return status;
@@ -45,7 +45,7 @@ static sp_status check_values_differ(const sp_reader *r, const sp_sweep *sweep) 
 
 /* ---- lists ------------------------------------------------------------------------------------------------------ */
 
-/* A value of a key that is no list. */
+/* Reads one value of a key that is no list. */
 static sp_status read_value(sp_reader *r, const sp_field *f, const config_setting_t *setting, double *out) {
     if (sp_field_is_number(f))
         return sp_reader_swept_number(r, f, setting, out);
@@ -59,7 +59,7 @@ static sp_status read_value(sp_reader *r, const sp_field *f, const config_settin
         return sp_reader_wrong(r, f, setting);
     if (strcmp(f->key, "packing.kind") == 0 && word->value == SP_PACK_FILE)
         return sp_fail_key(r->err, SP_EINVAL, "packing.kind",
-                           " = \"file\": must not be swept: all samples of a study begin with one packing");
+                           " = \"file\": must not be swept: all samples of a study start from the same packing");
     *out = word->value;
     return SP_OK;
 }
@@ -81,7 +81,7 @@ static sp_status read_lists(sp_reader *r, const sp_field *f, const config_settin
         const config_setting_t *list = config_setting_get_elem(values, (unsigned)k);
         r->line = config_setting_source_line(list);
         status = config_setting_is_list(list) ? sp_reader_length(r, f, list) : sp_reader_wrong(r, f, list);
-        total += status == SP_OK ? (size_t)config_setting_length(list) : 0; /* of one text: below 2^25 */
+        total += status == SP_OK ? (size_t)config_setting_length(list) : 0; /* below 2^25, the size of a text */
     }
     if (status != SP_OK)
         return status;
@@ -97,7 +97,7 @@ static sp_status read_lists(sp_reader *r, const sp_field *f, const config_settin
     return status;
 }
 
-/* The values of a list or a range; what was read is the sweep's on failure, too. */
+/* Reads the values of a list or a range into *sweep, which the caller frees even after a failure. */
 static sp_status read_values(sp_reader *r, const sp_field *f, const config_setting_t *values, sp_sweep *sweep) {
     const unsigned line = r->line;
     sp_status status;
@@ -123,7 +123,7 @@ static sp_status read_values(sp_reader *r, const sp_field *f, const config_setti
 
 /* ---- study.sweep ------------------------------------------------------------------------------------------------ */
 
-/* The key of an entry, or why there is none. */
+/* Finds the field of a key in study.sweep. */
 static sp_status find_key(const sp_reader *r, const char *key, const sp_field **out) {
     const sp_field *f = sp_field_find(key);
     if (f && sp_field_not_swept(f))

@@ -1,3 +1,4 @@
+/* Locks that reserve the samples of a store for one process. */
 #include "store/claim.h"
 
 #include "base/base.h"
@@ -10,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Within what off_t can name. */
+/* The byte of the lock file that stands for a sample; small enough for off_t. */
 static uint64_t byte_of(const char *name) {
     char half[17];
     snprintf(half, sizeof half, "%.16s", name);
@@ -34,17 +35,10 @@ static int64_t place_of(const sp_claims *c, uint64_t byte) {
 }
 
 static bool remember(sp_claims *c, uint64_t byte) {
-    if (c->held == c->room) {
-        const int64_t room = 2 * c->room + 16;
-        uint64_t *more = sp_alloc((size_t)room, sizeof *more);
-        if (!more)
-            return false;
-        if (c->held > 0)
-            memcpy(more, c->byte, (size_t)c->held * sizeof *more);
-        sp_free(c->byte);
-        c->byte = more;
-        c->room = room;
-    }
+    uint64_t *grown = sp_grow(c->byte, (size_t)c->held + 1, &c->capacity, sizeof *grown);
+    if (!grown)
+        return false;
+    c->byte = grown;
     c->byte[c->held++] = byte;
     return true;
 }
@@ -63,7 +57,7 @@ sp_claimed sp_claim_take(sp_claims *c, const char *dir, const char *name, bool w
     open_file(c, dir);
     if (c->none)
         return SP_CLAIM_FREE;
-    if (place_of(c, byte) >= 0) /* another thread makes it */
+    if (place_of(c, byte) >= 0) /* by another thread */
         return SP_CLAIM_OTHERS;
     const int code = set_lock(c, byte, F_WRLCK, wait);
     if (code == EAGAIN || code == EACCES)

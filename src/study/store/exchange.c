@@ -1,3 +1,4 @@
+/* Turns rows of text files into contacts, and tangential forces into scalars and back. */
 #include "store/exchange.h"
 
 #include "base/base.h"
@@ -6,7 +7,7 @@
 
 /* ---- the tangential force in 2D -------------------------------------------------------------------------------- */
 
-/* The rounded product; + 0.0 so that no zero is negative. */
+/* The rounded product. + 0.0 makes a negative zero positive. */
 static void plain_product(const double n[3], double scalar, double ft[3]) {
     ft[0] = scalar * -n[1] + 0.0;
     ft[1] = scalar * n[0] + 0.0;
@@ -39,8 +40,8 @@ void sp_tangent_vector(const double n[3], double scalar, double ft[3]) {
     plain_product(n, scalar, ft);
     if (sp_tangent_scalar(n, ft) == scalar)
         return;
-    /* Two neighbouring scalars have the same product: move it by an ulp, to a vector that is no product and decodes to
-     * this one. */
+    /* Two neighbouring scalars have the same product. Move the vector by an ulp, to one that is no product and is
+     * converted to this scalar. */
     double product[3] = {ft[0], ft[1], 0};
     for (int a = -1; a <= 1; a++)
         for (int b = -1; b <= 1; b++) {

@@ -1,37 +1,38 @@
 #ifndef SP_STORE_EXCHANGE_H
 #define SP_STORE_EXCHANGE_H
-/* What the text forms of a packing share: how grains and contacts of a file become those of a packing. */
+/* What both text forms of a packing share: rows of contacts, tangential forces as scalars, and checked numbers. */
 
 #include "base/text.h"
 
 #include <sonopack/packing.h>
 
-/* Numbers of one contact as the text forms list them. */
+/* One contact as the text forms list it. */
 typedef struct sp_contact_row {
-    int32_t i, j; /* in either order; one of them may be a wall */
+    int32_t i, j; /* in any order; one of them may be a wall */
     double n[3];  /* from i to j */
     double overlap, fn;
-    double ft;          /* 2D: along t = (-ny, nx), on i */
-    double ft3[3];      /* the vector on i, if `vector` */
-    bool vector;        /* ft3 is meant (3D) */
-    double unit_within; /* normals off unit length by more are refused; if above 1e-9, they are made unit */
+    double ft;          /* 2D: force on i along t = (-ny, nx) */
+    double ft3[3];      /* force on i as a vector, if `vector` */
+    bool vector;        /* ft3 counts, not ft */
+    double unit_within; /* normals whose length differs from 1 by more are refused; those off by more than 1e-9 are
+                           normalised */
 } sp_contact_row;
 
-/* Turns the row into a contact with i < j or j a wall: i and j change places, and n and the force on i their signs. In
- * 2D the scalar is the same on either side, since t turns with n. SP_EFORMAT for indices out of range, for numbers that
- * are not finite, and for normals off unit length. */
+/* Turns a row into a contact with i < j, or with a wall as j. If i and j are swapped, n and the force on i change their
+ * signs; the scalar in 2D does not, because t turns with n. SP_EFORMAT for indices out of range, for numbers that are
+ * not finite, and for normals that are not of unit length. */
 sp_status sp_contact_from_row(const sp_packing *p, const sp_contact_row *row, sp_contact *out, sp_error *err);
 
-/* Ft of the text files from the vector and back, ft = Ft (-ny, nx). Rounding makes this map neither one to one nor
- * onto; these two are chosen so that scalar -> vector -> scalar is exact, and vector -> scalar -> vector is exact for
- * vectors that are the rounded product. */
+/* Convert between the scalar Ft of the text files and the vector ft = Ft (-ny, nx). With rounding this map is neither
+ * one to one nor onto. Scalar -> vector -> scalar is exact; vector -> scalar -> vector is exact for vectors that are
+ * the rounded product. */
 double sp_tangent_scalar(const double n[3], const double ft[3]);
 void sp_tangent_vector(const double n[3], double scalar, double ft[3]);
 
-/* A coordinate along a periodic axis into [0, period); one that is inside stays as it is, bit for bit. */
+/* Moves a coordinate along a periodic axis into [0, period). A coordinate inside remains the same, bit for bit. */
 double sp_wrap(double x, double period);
 
-/* words -> finite numbers; SP_EFORMAT names the file, line and word. names: what the words are, for the message. */
+/* Converts words to finite numbers. SP_EFORMAT with the file, the line and the word. name[k] is what word k means. */
 sp_status sp_finite_numbers(const sp_lines *at, int count, char *const *word, const char *const *name, double *out,
                             sp_error *err);
 

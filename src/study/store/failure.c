@@ -1,3 +1,4 @@
+/* Records of failed samples: text files of keys and values. */
 #include "store/failure.h"
 
 #include "base/base.h"
@@ -29,11 +30,11 @@ sp_status sp_failure_save(const char *path, const sp_sample *s, sp_error *err) {
     return status;
 }
 
-/* What every record has. */
+/* Keys that every record has. */
 static const char *const keys[] = {"reason", "dim", "grains", "width", "pressure", "friction", "seed"};
 enum { KEYS = sizeof keys / sizeof *keys };
 
-/* One "key = value" line into the sample; lines that nobody knows are passed over. */
+/* Stores the value of a "key = value" line in the sample. Unknown keys are ignored. */
 static bool take_line(const char *key, const char *value, sp_sample *s) {
     double *number = strcmp(key, "width") == 0      ? &s->width
                      : strcmp(key, "pressure") == 0 ? &s->pressure
@@ -86,7 +87,7 @@ sp_status sp_failure_read(const char *path, const char *name, sp_sample *out, sp
     sp_sample s = {.failed = true};
     struct stat info;
     snprintf(s.name, sizeof s.name, "%s", name);
-    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) /* of a pipe or a device one would never see the end */
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) /* reading a pipe or a device might never end */
         return sp_fail(err, SP_EFORMAT, "%s: not a regular file, which a record of a failed sample must be", path);
     sp_status status = sp_file_read_text(path, &text, &size, err);
     if (status == SP_OK && (size == 0 || text[size - 1] != '\n')) {

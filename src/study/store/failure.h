@@ -1,6 +1,6 @@
 #ifndef SP_STORE_FAILURE_H
 #define SP_STORE_FAILURE_H
-/* NAME.failed: a sample that could not be made, as 'key = value' lines. */
+/* NAME.failed is the record of a sample that could not be made, in 'key = value' lines. */
 
 #include <sonopack/study/study.h>
 

@@ -1,6 +1,9 @@
 #ifndef SP_STORE_FOLDER_H
 #define SP_STORE_FOLDER_H
-/* The files of a store, for what works on all of them. */
+/* The files of a store.
+ *
+ * From the bottom: files.c reads and writes single files, lookup.c finds results by way of the manifest, check.c checks
+ * a sample; the sink of a study (sink.c), the check of a whole store (verify.c) and store.c use them. */
 
 #include "base/file.h"
 #include "store/claim.h"
@@ -11,42 +14,59 @@
 
 struct sp_store {
     char dir[SP_PATH_MAX];
-    bool retry;      /* recorded failures are no reason to leave a sample */
-    bool no_writing; /* nothing can be written; why: */
-    sp_error why;
+    bool retry;     /* samples that are recorded as failed are made again */
+    bool read_only; /* the folder cannot be written to */
+    sp_error why;   /* it cannot */
     sp_manifest *manifest;
     sp_claims claims;
 };
 
-typedef struct sp_name_list {
-    int64_t count, capacity;
-    char (*name)[SP_NAME_MAX]; /* sp_free */
-} sp_name_list;
+/* ---- files.c ---------------------------------------------------------------------------------------------------- */
 
-/* DIR/NAME.ENDING; the folder's length was checked when the store was opened. */
+/* Whether a word may be the name of a sample: 32 hexadecimal digits. */
+bool sp_store_is_name(const char *name);
+/* DIR/NAME.ENDING. sp_store_open has checked that the path is short enough. */
 void sp_store_path(const sp_store *store, const char *name, const char *ending, char path[SP_PATH_MAX]);
 bool sp_store_holds(const sp_store *store, const char *name, const char *ending);
-/* Renames it to NAME.bad, or NAME.bad2 and so on where that is there. */
+/* Renames a file to NAME.bad; to NAME.bad2, NAME.bad3, ... if that exists. False on failure. */
 bool sp_store_put_aside(const sp_store *store, const char *name, const char *ending);
-/* Reads NAME.h5: the packing too if packing is not NULL. SP_EFORMAT for a file that is damaged, or not that sample. */
+/* Renames what stands where a new file is to be written. SP_EIO if that fails. */
+sp_status sp_store_make_way(const sp_store *store, const char *name, const char *ending, sp_error *err);
+/* Reads NAME.h5, and its packing unless packing is NULL. SP_EFORMAT if the file is damaged or holds another sample. */
 sp_status sp_store_get(const sp_store *store, const char *name, sp_packing *packing, bool with_arrays, sp_record *out,
                        sp_error *err);
-/* Names with a sample or a failure, sorted, each once. The list begins empty and is the caller's to free, also after an
- * error. */
+/* Writes NAME.h5, NAME being the name in the record. */
+sp_status sp_store_put(const sp_store *store, const sp_record *record, const sp_packing *packing, sp_error *err);
+
+typedef struct sp_name_list {
+    int64_t count;
+    size_t capacity;
+    char (*name)[SP_NAME_MAX]; /* sp_free */
+} sp_name_list;
+/* The names of all samples with a result or a failure, sorted, each once. The list must be empty at first. The caller
+ * frees list->name, even after an error. */
 sp_status sp_store_names(const sp_store *store, sp_name_list *list, sp_error *err);
-/* The sample of a name: its results, or else its failure; from the manifest where it speaks of the file as it is. */
+
+/* ---- lookup.c --------------------------------------------------------------------------------------------------- */
+
+/* Whether the manifest has an up-to-date line of the sample's file; if so *out is the sample. */
+bool sp_store_recall(const sp_store *store, const char *name, bool failed, sp_sample *out);
+/* The results of a sample, or else the record of its failure; read from the manifest where that is up to date. */
 sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
-/* The sample, if its file is one that the manifest speaks of, or else passes the checks of sp_store_verify, how good
- * its balance is excepted: that is what the scene asked for. Otherwise as sp_store_check_sample. */
-sp_status sp_store_trusted(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
-/* Whether it is recorded that the sample failed. A damaged record says nothing. */
+/* Whether the sample is recorded as failed. A damaged record does not count. */
 bool sp_store_has_failed(const sp_store *store, const char *name);
-/* SP_EFORMAT if the file's bytes are not those that the manifest speaks of, though size and time are. */
+/* SP_EFORMAT if the manifest has the file's size and time, but another hash of its bytes. */
 sp_status sp_store_check_bytes(const sp_store *store, const char *name, sp_error *err);
-/* SP_OK: sound, and entered into the manifest. SP_EFORMAT: damaged. SP_EFAILED: it can be read, and is not what it
- * should be. SP_EIO, SP_ENOMEM. */
-sp_status sp_store_check_sample(const sp_store *store, const char *name, double tolerance, sp_error *err);
-/* Enters the sample of that file into the manifest. */
+/* Adds the sample's file to the manifest. */
 void sp_store_enter(const sp_store *store, const sp_sample *sample);
+
+/* ---- check.c ---------------------------------------------------------------------------------------------------- */
+
+/* Checks a sample. SP_OK: it is sound, and in the manifest now. SP_EFORMAT: its file is damaged. SP_EFAILED: its file
+ * can be read, but its content is wrong. SP_EIO and SP_ENOMEM. */
+sp_status sp_store_check_sample(const sp_store *store, const char *name, double tolerance, sp_error *err);
+/* A sample that is safe to use: either the manifest has an up-to-date line of it, or it passes sp_store_check_sample.
+ * That check allows any imbalance of forces, because the scene decides how good the balance is. */
+sp_status sp_store_trusted(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
 
 #endif

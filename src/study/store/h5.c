@@ -1,3 +1,4 @@
+/* Opens and closes HDF5 files. */
 #include "store/h5.h"
 
 #include "base/base.h"
@@ -26,14 +27,14 @@ static void enter(sp_h5 *h, const char *path) {
 
 void sp_h5_close(sp_h5 *h) {
     if (h->file >= 0)
-        H5Fclose(h->file); /* strong: closes what is open in it; what counts was flushed and checked before */
+        H5Fclose(h->file); /* closes what is still open in it; the data were flushed and checked before */
     H5Eclear2(H5E_DEFAULT);
     H5Eset_auto2(H5E_DEFAULT, h->handler, h->handler_data);
     h->file = H5I_INVALID_HID;
     pthread_mutex_unlock(&library);
 }
 
-/* The innermost reason of the library's error stack. */
+/* Finds the innermost reason on HDF5's error stack. */
 static herr_t innermost(unsigned n, const H5E_error2_t *entry, void *out) {
     if (n == 0 && entry->desc)
         snprintf(out, 200, "%s", entry->desc);
@@ -75,8 +76,8 @@ hid_t sp_h5_memory_type(sp_h5_type type) {
     return H5I_INVALID_HID;
 }
 
-/* Properties for files: the format of HDF5 1.8, whose object headers carry checksums; no file locks, since a file never
- * changes. */
+/* Access properties: the format of HDF5 1.8, whose object headers have checksums; no file locks, because files never
+ * change. */
 static hid_t file_access(bool memory) {
     hid_t fapl = H5Pcreate(H5P_FILE_ACCESS);
     if (fapl >= 0 && (H5Pset_fclose_degree(fapl, H5F_CLOSE_STRONG) < 0 || H5Pset_file_locking(fapl, false, true) < 0 ||
@@ -102,7 +103,7 @@ sp_status sp_h5_create(sp_h5 *h, const char *path, sp_error *err) {
 
 void sp_hdf5_exit_silently(void) { H5dont_atexit(); }
 
-/* A file that cannot be reached is not damaged; and of a pipe or a device the library would never see the end. */
+/* A file that cannot be opened is not damaged. Reading a pipe or a device might never end. */
 static sp_status look_at_file(const char *path, sp_error *err) {
     struct stat info;
     if (stat(path, &info) != 0 || (S_ISREG(info.st_mode) && access(path, R_OK) != 0))
@@ -124,7 +125,7 @@ sp_status sp_h5_open(sp_h5 *h, const char *path, sp_error *err) {
     sp_status status = SP_OK;
     if (h->file < 0 || H5Fget_filesize(h->file, &size) < 0)
         status = sp_h5_fail(h, err, SP_EFORMAT, "not an intact HDF5 file");
-    H5Pclose(fapl); /* after the reason was taken, which the next call clears */
+    H5Pclose(fapl); /* not earlier, because it clears the reason */
     h->size = size;
     return status;
 }

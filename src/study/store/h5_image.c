@@ -1,4 +1,4 @@
-/* A finished file as bytes. */
+/* Turns a finished HDF5 file into bytes. */
 #include "base/base.h"
 #include "store/h5.h"
 

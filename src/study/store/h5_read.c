@@ -1,15 +1,15 @@
-/* Reading: every dataset is looked at before it is trusted, and no size is believed that the file has no room for. */
+/* Reads HDF5 files. The type and the extents of every dataset are checked, and no size is accepted that exceeds what
+ * the file can hold. */
 #include "base/base.h"
 #include "store/h5.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Deflate packs zeros 1032 to 1: no honest dataset holds more data per byte of its file. */
+/* Deflate compresses zeros 1032 to 1, so no valid dataset has more data per byte of its file. */
 static const uint64_t packing_limit = 1100;
 
-/* Walks a path by its parts, each of which must be a hard link: a link into another file would read what nobody meant
- * to be read. */
+/* Whether a path exists. Every part of it must be a hard link, so that no link leads into another file. */
 static bool path_exists(sp_h5 *h, const char *path) {
     char part[256];
     for (const char *end = path; *end;) {
@@ -43,7 +43,7 @@ static sp_status check_type(sp_h5 *h, hid_t set, const char *path, H5T_class_t c
     return good ? SP_OK : sp_h5_fail(h, err, SP_EFORMAT, "%s has the wrong type; must be %s", path, type_name(class));
 }
 
-/* The data must lie in this file, and be no larger than it can hold. */
+/* Checks that the data are in this file, and not larger than it can hold. */
 static sp_status check_storage(sp_h5 *h, hid_t set, const char *path, uint64_t bytes, sp_error *err) {
     hid_t dcpl = H5Dget_create_plist(set);
     H5D_layout_t layout = dcpl >= 0 ? H5Pget_layout(dcpl) : H5D_LAYOUT_ERROR;
@@ -87,7 +87,7 @@ static sp_status open_dataset(sp_h5 *h, const char *path, hid_t *set, sp_error *
     return *set >= 0 ? SP_OK : sp_h5_fail(h, err, SP_EFORMAT, "%s is no intact dataset", path);
 }
 
-/* Type, rank and storage of an open dataset. */
+/* Checks type, rank and storage of an open dataset. */
 static sp_status look_at(sp_h5 *h, hid_t set, const char *path, sp_h5_type type, sp_h5_shape *shape, sp_error *err) {
     sp_status status = check_type(h, set, path, class_of(type), err);
     if (status == SP_OK)
@@ -139,7 +139,7 @@ sp_status sp_h5_get(sp_h5 *h, const char *path, sp_h5_type type, const sp_h5_sha
 
 /* ---- texts ----------------------------------------------------------------------------------------------------- */
 
-/* Fixed-length texts, or those of variable length that Python writes. */
+/* Texts have a fixed length; Python writes texts of variable length. */
 static sp_status read_fixed(sp_h5 *h, hid_t set, hid_t type, const char *path, char **text, sp_error *err) {
     size_t size = H5Tget_size(type);
     sp_status status = check_storage(h, set, path, size, err);
@@ -191,7 +191,7 @@ sp_status sp_h5_get_text(sp_h5 *h, const char *path, char **text, sp_error *err)
 
 /* ---- attributes ------------------------------------------------------------------------------------------------ */
 
-/* Opens an attribute of this class with `count` entries (0: a single one). */
+/* Opens an attribute of this class with `count` entries; 0: a single value. */
 static sp_status open_attribute(sp_h5 *h, const char *object, const char *name, H5T_class_t class, int count,
                                 hid_t *attribute, sp_error *err) {
     if (!path_exists(h, object))
@@ -226,7 +226,7 @@ sp_status sp_h5_attribute_int(sp_h5 *h, const char *object, const char *name, in
     return status;
 }
 
-/* Entries of fixed width, compared to the expected ones. */
+/* Compares entries of fixed width to those expected. */
 static bool fixed_texts_equal(hid_t attribute, hid_t type, int count, const char *const *text) {
     char buffer[SP_H5_RANK * 64 + 1] = {0};
     size_t width = H5Tget_size(type);

@@ -1,10 +1,11 @@
+/* Builds HDF5 files in memory. */
 #include "base/base.h"
 #include "store/h5.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Data up to this size lie in the object's header, larger ones in chunks: both carry a checksum. */
+/* Data up to this size go into the object's header, larger data into chunks. Both have checksums. */
 static const size_t compact_limit = 32768, chunk_limit = (size_t)1 << 19;
 
 static hid_t disk_type(sp_h5_type type) {
@@ -24,7 +25,7 @@ static sp_status fail_put(sp_h5 *h, const char *path, sp_error *err) {
 
 sp_status sp_h5_group(sp_h5 *h, const char *path, sp_error *err) {
     hid_t gcpl = H5Pcreate(H5P_GROUP_CREATE), group = H5I_INVALID_HID;
-    /* no time stamps, so that equal contents are equal bytes; links in the group's header up to 64 */
+    /* no time stamps, so that equal data give equal bytes; up to 64 links in the header of the group */
     if (gcpl >= 0 && H5Pset_obj_track_times(gcpl, false) >= 0 && H5Pset_link_phase_change(gcpl, 64, 32) >= 0)
         group = H5Gcreate2(h->file, path, H5P_DEFAULT, gcpl, H5P_DEFAULT);
     H5Pclose(gcpl);
@@ -96,7 +97,7 @@ static sp_status describe(sp_h5 *h, const sp_h5_name *name, sp_error *err) {
 
 /* ---- datasets -------------------------------------------------------------------------------------------------- */
 
-/* What stands where a damaged index lost a chunk: nothing that a check would take for data. */
+/* Fill value of a chunk that a damaged index lost. No check accepts it as data. */
 static bool set_fill(hid_t dcpl, hid_t disk) {
     const double no_number = NAN;
     const int64_t no_index = INT32_MIN;

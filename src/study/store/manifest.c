@@ -1,3 +1,4 @@
+/* The index of a store. */
 #include "store/manifest.h"
 
 #include "base/base.h"
@@ -11,24 +12,24 @@
 #include <string.h>
 #include <unistd.h>
 
-static const int64_t tidy_from = 1 << 18; /* bytes that are not worth a tidying */
+static const int64_t tidy_from = 1 << 18; /* fewer outdated bytes are not worth rewriting the file */
 
-/* Where the last line of a sample stands. */
+/* Place of the last line of a sample. */
 typedef struct slot {
-    uint64_t key[2]; /* the name as a number */
+    uint64_t key[2]; /* the name as a number of 128 bits */
     int64_t at;      /* from the beginning of the file */
     int32_t length;  /* without the end of line; 0: a free slot */
 } slot;
 
 struct sp_manifest {
     char path[SP_PATH_MAX];
-    int fd; /* < 0: there is none that can be read */
+    int fd; /* negative: there is no readable file */
     bool adding;
-    bool torn;       /* the last line may have no end */
+    bool torn;       /* the last line may be incomplete */
     int64_t read_to; /* lines up to here are in the table */
     int64_t samples; /* slots in use */
     int64_t slots;   /* a power of two */
-    slot *slot;      /* by open addressing */
+    slot *slot;      /* hash table with open addressing */
     char head[SP_MANIFEST_LINE_MAX];
 };
 
@@ -46,7 +47,7 @@ static bool name_key(const char *name, uint64_t key[2]) {
     return true;
 }
 
-/* The slot of a key, or the free one where it belongs. */
+/* The slot of a key, or the free slot for it. */
 static slot *find_slot(const sp_manifest *m, const uint64_t key[2]) {
     uint64_t k = key[1];
     for (;; k++) {
@@ -71,8 +72,8 @@ static sp_status grow(sp_manifest *m, sp_error *err) {
     return SP_OK;
 }
 
-/* A line at a place of the file; one that is not sound is passed over. */
-static sp_status take_line(sp_manifest *m, const char *line, size_t length, int64_t at, sp_error *err) {
+/* Stores the place of a line. A line with a wrong checksum is ignored. */
+static sp_status index_line(sp_manifest *m, const char *line, size_t length, int64_t at, sp_error *err) {
     uint64_t key[2];
     char name[33];
     if (length < 33 || length >= SP_MANIFEST_LINE_MAX || line[32] != '\t' || !sp_manifest_sound(line, length))
@@ -104,12 +105,12 @@ static void forget(sp_manifest *m) {
     m->torn = false;
 }
 
-/* Reads the lines that have been added since. A line without an end is left for the next time. */
+/* Reads lines that have been added. An incomplete line is left for the next time. */
 static sp_status read_on(sp_manifest *m, sp_error *err) {
     enum { CHUNK = 4 * SP_MANIFEST_LINE_MAX };
     char buffer[CHUNK];
     sp_status status = SP_OK;
-    bool skip = false; /* within a line that is too long */
+    bool skip = false; /* the rest of a line that is too long */
     while (status == SP_OK) {
         const ssize_t got = pread(m->fd, buffer, CHUNK, m->read_to);
         if (got <= 0)
@@ -117,11 +118,11 @@ static sp_status read_on(sp_manifest *m, sp_error *err) {
         const char *line = buffer, *end = buffer + got, *stop;
         while (status == SP_OK && (stop = memchr(line, '\n', (size_t)(end - line)))) {
             if (!skip)
-                status = take_line(m, line, (size_t)(stop - line), m->read_to + (line - buffer), err);
+                status = index_line(m, line, (size_t)(stop - line), m->read_to + (line - buffer), err);
             skip = false;
             line = stop + 1;
         }
-        m->torn = line == buffer && got < CHUNK; /* there is only a line without an end */
+        m->torn = line == buffer && got < CHUNK; /* there is only an incomplete line */
         if (m->torn)
             break;
         skip = skip || line == buffer;
@@ -130,7 +131,7 @@ static sp_status read_on(sp_manifest *m, sp_error *err) {
     return status;
 }
 
-/* Opens it, and sees that it has this form. */
+/* Opens the file. False if there is none of this format. */
 static bool open_file(sp_manifest *m) {
     char first[SP_MANIFEST_LINE_MAX];
     const size_t length = strlen(m->head);
@@ -146,7 +147,7 @@ static bool open_file(sp_manifest *m) {
     return false;
 }
 
-/* The file may have been made anew by another process, or taken away: then all lines are read again. */
+/* Reads new lines; or all lines, if another process has replaced or removed the file. */
 static sp_status refresh(sp_manifest *m, sp_error *err) {
     struct stat mine, there;
     const bool same = m->fd >= 0 && fstat(m->fd, &mine) == 0 && stat(m->path, &there) == 0 &&
@@ -230,7 +231,7 @@ bool sp_manifest_find(sp_manifest *m, const char *name, bool failed, const struc
     return refresh(m, NULL) == SP_OK ? find(m, name, failed, out) : known;
 }
 
-/* Begins the file where there is none, or one of another form; what is no file is left alone. */
+/* Creates the file if there is none, or one of another format. Anything but a regular file is left alone. */
 static void begin_file(sp_manifest *m) {
     struct stat info;
     if (lstat(m->path, &info) == 0 && !S_ISREG(info.st_mode))
@@ -239,12 +240,12 @@ static void begin_file(sp_manifest *m) {
         refresh(m, NULL);
 }
 
-/* Whether the last line of the sample is this text (with its end of line). */
-static bool says(const sp_manifest *m, const char *name, const sp_text *text) {
+/* Whether the last line of the sample is this text, end of line included. */
+static bool has_line(const sp_manifest *m, const char *name, const sp_text *text) {
     char line[SP_MANIFEST_LINE_MAX];
     uint64_t key[2];
     if (!name_key(name, key))
-        return true; /* no name of a sample: nothing to say */
+        return true; /* no name of a sample has a line */
     const slot *s = find_slot(m, key);
     return (size_t)s->length + 1 == text->size && pread(m->fd, line, (size_t)s->length, s->at) == s->length &&
            memcmp(line, text->data, (size_t)s->length) == 0;
@@ -259,7 +260,7 @@ void sp_manifest_add(sp_manifest *m, const sp_manifest_line *line) {
         return;
     sp_text text = {0};
     sp_manifest_put(&text, line);
-    if (!text.failed && !says(m, line->sample.name, &text)) {
+    if (!text.failed && !has_line(m, line->sample.name, &text)) {
         if (m->torn && write(m->fd, "\n", 1) != 1)
             text.size = 0;
         m->torn = write(m->fd, text.data, text.size) != (ssize_t)text.size;

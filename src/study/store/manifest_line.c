@@ -1,3 +1,4 @@
+/* Writes and parses lines of the manifest. */
 #include "store/manifest_line.h"
 
 #include "base/base.h"
@@ -182,7 +183,7 @@ static bool get_planes(char *cell, sp_sample *s) {
     return true;
 }
 
-/* What stands in front of the results. */
+/* Parses the cells before the results. */
 static bool get_file(char **rest, sp_manifest_line *l) {
     int64_t have;
     const char *name = next_cell(rest), *file = next_cell(rest), *bytes = next_cell(rest), *modified = next_cell(rest),
@@ -202,7 +203,7 @@ static bool get_line(char *line, sp_manifest_line *l) {
     sp_result result[SP_RESULTS_MAX];
     const int results = sp_results(result);
     char *rest = line;
-    l->sample = sp_sample_kept();
+    l->sample = sp_sample_blank();
     if (!get_file(&rest, l))
         return false;
     for (int k = 0; k < results; k++) {

@@ -1,4 +1,4 @@
-/* Reading a packing file of either kind. */
+/* Reads a packing from HDF5 or from text. */
 #include "base/base.h"
 #include "base/file.h"
 #include "store/packing_h5.h"
@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* HDF5's signature stands at the start, or behind a user block of 512, 1024, 2048, ... bytes. */
+/* HDF5's signature is at the start, or after a user block of 512, 1024, 2048, ... bytes. */
 static bool has_signature(int fd, int64_t size) {
     char head[8];
     for (int64_t at = 0; at + 8 <= size; at = at ? 2 * at : 512)
@@ -24,7 +24,7 @@ static sp_status is_hdf5(const char *path, bool *yes, sp_error *err) {
     struct stat info;
     int fd = -1, code = stat(path, &info) != 0 ? errno : S_ISDIR(info.st_mode) ? EISDIR : 0;
     *yes = false;
-    if (code == 0 && S_ISREG(info.st_mode)) { /* a pipe can be opened and read once only: it is taken for text */
+    if (code == 0 && S_ISREG(info.st_mode)) { /* a pipe can be read only once, and is taken for text */
         fd = open(path, O_RDONLY | O_CLOEXEC);
         code = fd < 0 ? errno : 0;
         *yes = fd >= 0 && has_signature(fd, info.st_size);

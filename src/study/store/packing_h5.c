@@ -1,5 +1,5 @@
-/* A packing as HDF5: H5MD's groups for grains and box, its connectivity for pairs in contact, and /sonopack for what
- * H5MD has no name for. docs/file-format.md describes the layout. */
+/* Reads and writes a packing as HDF5: groups of H5MD for grains and box, connectivity of H5MD for contacts, and
+ * /sonopack for everything else. docs/file-format.md describes the layout. */
 #include "store/packing_h5.h"
 
 #include "base/base.h"
@@ -77,30 +77,33 @@ static sp_status put_groups(sp_h5 *h, int dim, sp_error *err) {
                                         "/particles/grains/position",
                                         "/sonopack",
                                         "/sonopack/contacts"};
-    static const char *const version = SONOPACK_VERSION, *const us = "sonopack", *const nobody = "unknown";
+    const char *const version = SONOPACK_VERSION, *const us = "sonopack", *const unknown = "unknown";
     const char *boundary[3] = {"periodic", "periodic", "periodic"};
     boundary[dim - 1] = "none";
     const int32_t h5md[2] = {1, 1}, format = SP_H5_FORMAT, dimension = dim;
+    /* in this order: texts, or else integers */
+    const struct {
+        const char *object, *name;
+        int count;
+        const char *const *text;
+        const int32_t *integer;
+    } attribute[] = {{"/h5md", "version", 2, NULL, h5md},
+                     {"/h5md/author", "name", 0, &unknown, NULL},
+                     {"/h5md/creator", "name", 0, &us, NULL},
+                     {"/h5md/creator", "version", 0, &version, NULL},
+                     {"/particles/grains/box", "dimension", 0, NULL, &dimension},
+                     {"/particles/grains/box", "boundary", dim, boundary, NULL},
+                     {"/sonopack", "format", 0, NULL, &format},
+                     {"/sonopack", "version", 0, &version, NULL}};
     sp_status status = SP_OK;
     for (size_t k = 0; status == SP_OK && k < sizeof group / sizeof *group; k++)
         status = sp_h5_group(h, group[k], err);
-    const char *const box = "/particles/grains/box";
-    if (status == SP_OK)
-        status = sp_h5_attribute_ints(h, "/h5md", "version", 2, h5md, err);
-    if (status == SP_OK)
-        status = sp_h5_attribute_texts(h, "/h5md/author", "name", 0, &nobody, err);
-    if (status == SP_OK)
-        status = sp_h5_attribute_texts(h, "/h5md/creator", "name", 0, &us, err);
-    if (status == SP_OK)
-        status = sp_h5_attribute_texts(h, "/h5md/creator", "version", 0, &version, err);
-    if (status == SP_OK)
-        status = sp_h5_attribute_ints(h, box, "dimension", 0, &dimension, err);
-    if (status == SP_OK)
-        status = sp_h5_attribute_texts(h, box, "boundary", dim, boundary, err);
-    if (status == SP_OK)
-        status = sp_h5_attribute_ints(h, "/sonopack", "format", 0, &format, err);
-    if (status == SP_OK)
-        status = sp_h5_attribute_texts(h, "/sonopack", "version", 0, &version, err);
+    for (size_t k = 0; status == SP_OK && k < sizeof attribute / sizeof *attribute; k++) {
+        const char *object = attribute[k].object, *name = attribute[k].name;
+        status = attribute[k].text
+                     ? sp_h5_attribute_texts(h, object, name, attribute[k].count, attribute[k].text, err)
+                     : sp_h5_attribute_ints(h, object, name, attribute[k].count, attribute[k].integer, err);
+    }
     return status;
 }
 
@@ -135,7 +138,7 @@ static sp_status put_grains(sp_h5 *h, const sp_packing *p, sp_error *err) {
     return status;
 }
 
-/* The parts of contacts that are numbers, or vectors of the dimension. */
+/* The numbers and vectors of a contact. */
 static const struct contact_part {
     const sp_h5_name *name;
     size_t offset;
@@ -195,7 +198,7 @@ sp_status sp_h5_finish(sp_h5 *h, sp_status status, const char *path, sp_error *e
     size_t size = 0;
     if (status == SP_OK)
         status = sp_h5_image(h, &data, &size, err);
-    sp_h5_close(h); /* before the writing, which may take its time */
+    sp_h5_close(h); /* before writing, which may take long */
     if (status == SP_OK)
         status = sp_file_write(path, data, size, err);
     sp_free(data);

@@ -1,22 +1,22 @@
 #ifndef SP_STORE_PACKING_H5_H
 #define SP_STORE_PACKING_H5_H
-/* A packing inside an HDF5 file that is open: what packings and samples of a store share. */
+/* A packing in an open HDF5 file, which may be a packing file or a sample of a store. */
 
 #include "store/h5.h"
 
 #include <sonopack/packing.h>
 
-/* Raised when a reader of the last format would misread the new one. */
+/* Increased when older versions would misread the format. */
 enum { SP_H5_FORMAT = 1 };
 
 sp_status sp_packing_put(sp_h5 *h, const sp_packing *p, sp_error *err);
-/* Checked. */
+/* Reads a packing, and checks it (sp_packing_check). */
 sp_status sp_packing_get(sp_h5 *h, sp_packing *out, sp_error *err);
 
-/* Closes the file and writes it; or, with a status that is not SP_OK, only closes it. Returns that status. */
+/* Closes the file, and writes it to path if status is SP_OK. Returns status, or the error of writing. */
 sp_status sp_h5_finish(sp_h5 *h, sp_status status, const char *path, sp_error *err);
 
-/* Single numbers of a struct, by one table for writing and reading. */
+/* A number in a struct, and its dataset. */
 typedef struct sp_h5_field {
     sp_h5_name name;
     sp_h5_type type;

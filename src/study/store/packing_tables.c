@@ -1,5 +1,5 @@
-/* The two-table form: grains.tsv 'id x y [z] radius', contacts.tsv 'i j nx ny [nz] overlap Fn Ft', box and material in
- * comment lines '# key = value'. */
+/* Reads a packing from two tables: grains.tsv 'id x y [z] radius' and contacts.tsv 'i j nx ny [nz] overlap Fn Ft'. Box
+ * and material are in comment lines '# key = value'. */
 #include "base/base.h"
 #include "packing/contact.h"
 #include "store/exchange.h"
@@ -22,10 +22,10 @@ static const char *const known_key[] = {"dimension", "width",   "depth", "height
 typedef struct keys {
     const sp_word_table *grains, *contacts;
     int count;
-    char *const *given; /* "key=value", stronger than the comments */
+    char *const *given; /* "key=value", which override the comments */
 } keys;
 
-/* The value's part of "key=value" or "packing.key=value" if it has this name. */
+/* The value in "key=value" or "packing.key=value", if the key has this name; else NULL. */
 static const char *given_value(const char *given, const char *name) {
     if (strncmp(given, "packing.", 8) == 0)
         given += 8;
@@ -47,7 +47,7 @@ static sp_status check_given(const keys *k, sp_error *err) {
     return SP_OK;
 }
 
-/* First word of a key's value; false if nobody gives it. *where: who did, for messages. */
+/* Finds the first word of a key's value; false if it is not given. *where is where it was given, for messages. */
 static bool find_value(const keys *k, const char *name, char value[64], const char **where) {
     const char *text = NULL;
     for (int g = k->count - 1; g >= 0 && !text; g--)
@@ -69,7 +69,7 @@ static sp_status fail_value(const char *name, const char *value, const char *whe
                    name, value, rule);
 }
 
-/* fallback NAN: the key must be there. */
+/* Reads a numeric key. With fallback = NAN the key is required. */
 static sp_status number_key(const keys *k, const char *name, double fallback, double *out, sp_error *err) {
     char value[64];
     const char *where;
@@ -98,7 +98,7 @@ static sp_status read_dimension(const keys *k, int *dim, sp_error *err) {
     if (value > columns)
         return sp_fail(err, SP_EFORMAT, "%s: dimension is %g, but there is no column '%s'", k->grains->file, value,
                        axis[(int)columns]);
-    *dim = (int)value; /* below the columns: the last of them are left aside */
+    *dim = (int)value; /* if there are more columns, the last are ignored */
     return SP_OK;
 }
 
@@ -153,7 +153,7 @@ static sp_status need_column(const sp_word_table *s, const char *name, int *colu
     return SP_OK;
 }
 
-/* A finite number from a cell, or an error with the line. */
+/* Reads a finite number from a cell. */
 static sp_status cell_number(const sp_word_table *s, int64_t row, int column, double *out, sp_error *err) {
     const char *word = sp_word_table_cell(s, row, column);
     if (!sp_word_number(word, out) || !isfinite(*out))
@@ -205,7 +205,7 @@ static sp_status read_grains(const sp_word_table *s, sp_packing *p, sp_error *er
 /* ---- contacts -------------------------------------------------------------------------------------------------- */
 
 typedef struct contact_columns {
-    int i, j, n[3], overlap, fn, ft, ft3[3]; /* -1: not there */
+    int i, j, n[3], overlap, fn, ft, ft3[3]; /* -1: missing */
 } contact_columns;
 
 static sp_status find_columns(const sp_word_table *s, int dim, contact_columns *c, sp_error *err) {
@@ -250,7 +250,7 @@ static sp_status find_grain(const sp_word_table *s, int64_t row, int column, con
     return SP_OK;
 }
 
-/* The cell of a number that may be left out: NAN where the column is not there or the cell empty. */
+/* Reads an optional number: NAN if the column is missing or the cell empty. */
 static sp_status optional_number(const sp_word_table *s, int64_t row, int column, double *out, sp_error *err) {
     *out = NAN;
     if (column < 0 || !*sp_word_table_cell(s, row, column))
@@ -258,7 +258,7 @@ static sp_status optional_number(const sp_word_table *s, int64_t row, int column
     return cell_number(s, row, column, out, err);
 }
 
-/* Of overlap and normal force each gives the other by Hertz's law (A1 of docs/physics.md; walls by their kind). */
+/* Computes overlap or normal force from the other by Hertz's law (A1 of docs/physics.md), if only one is given. */
 static sp_status complete(const sp_packing *p, sp_contact_row *row, sp_error *err) {
     if (isnan(row->overlap) && isnan(row->fn))
         return sp_fail(err, SP_EFORMAT, "neither overlap nor Fn");
@@ -266,7 +266,7 @@ static sp_status complete(const sp_packing *p, sp_contact_row *row, sp_error *er
         return sp_fail(err, SP_EFORMAT, "overlap %g, Fn %g; must be >= 0", row->overlap, row->fn);
     int32_t grain = row->i >= 0 ? row->i : row->j;
     if (grain < 0)
-        return SP_OK; /* two walls: refused with the contact's other faults */
+        return SP_OK; /* two walls: sp_contact_from_row refuses them */
     bool wall = row->i < 0 || row->j < 0;
     double e = wall ? contact_wall_stiffness(p->r[grain], p->wall) : contact_stiffness(p->r[row->i], p->r[row->j]);
     if (isnan(row->overlap))
@@ -298,7 +298,7 @@ static sp_status read_contacts(const sp_word_table *s, const grain_id *id, sp_pa
     contact_columns column;
     sp_status status = find_columns(s, p->dim, &column, err);
     for (int32_t c = 0; status == SP_OK && c < p->n_contacts; c++) {
-        /* measured normals have few digits: made unit where they nearly are */
+        /* measured normals have few digits, and are normalised */
         sp_contact_row row = {.unit_within = 1e-3};
         status = find_grain(s, c, column.i, id, p->n, &row.i, err);
         if (status == SP_OK)

@@ -1,4 +1,4 @@
-/* The two-table form of a packing, written. */
+/* Writes a packing as two tables. */
 #include "base/base.h"
 #include "store/exchange.h"
 
@@ -78,7 +78,7 @@ sp_status sp_packing_save_tables(const sp_packing *p, const char *grains, const 
     if (status == SP_OK) {
         status = sp_text_save(contacts, c.data, c.size, err);
         if (status != SP_OK && is_new)
-            unlink(grains); /* half a packing is none */
+            unlink(grains); /* it is useless without the contacts */
     }
     sp_text_free(&g);
     sp_text_free(&c);

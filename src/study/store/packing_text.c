@@ -1,5 +1,6 @@
-/* The one-file text form: a comment, a header line of keys and values, a line a grain, a line a contact. 2D has columns
- * 'x y R rattler' and 'i j nx ny overlap Fn Ft'; 1D leaves out y, ny and Ft; 3D has z, nz, and Ft as a vector. */
+/* Reads and writes a packing as one text file: a comment, a header line of keys and values, a line for each grain, a
+ * line for each contact. The columns in 2D are 'x y R rattler' and 'i j nx ny overlap Fn Ft'. 1D has no y, ny and Ft;
+ * 3D has z and nz as well, and Ft as a vector. */
 #include "store/packing_text.h"
 
 #include "base/base.h"
@@ -52,7 +53,7 @@ static sp_status header_number(const sp_lines *at, char *const *value, int key, 
     return SP_OK;
 }
 
-/* A count cannot exceed what the file has room for: `least` bytes each. */
+/* Reads a count, which must not exceed what the file can contain. */
 static sp_status header_count(const sp_lines *at, char *const *value, int key, int64_t most, int64_t *out,
                               sp_error *err) {
     if (!value[key] || !sp_word_integer(value[key], out) || *out < 0)
@@ -64,13 +65,13 @@ static sp_status header_count(const sp_lines *at, char *const *value, int key, i
 }
 
 static sp_status header_numbers(const sp_lines *at, char *const *value, header *h, sp_error *err) {
-    int64_t room = at->end - at->next;
+    int64_t bytes = at->end - at->next;
     const struct {
         int key;
         int64_t *out;
     } count[] = {{KEY_N, &h->grains}, {KEY_CONTACTS, &h->pairs}, {KEY_BOTTOM, &h->bottom}, {KEY_TOP, &h->top}};
     for (size_t k = 0; k < sizeof count / sizeof *count; k++) {
-        sp_status status = header_count(at, value, count[k].key, room / 4 < INT32_MAX / 4 ? room / 4 : INT32_MAX / 4,
+        sp_status status = header_count(at, value, count[k].key, bytes / 4 < INT32_MAX / 4 ? bytes / 4 : INT32_MAX / 4,
                                         count[k].out, err);
         if (status != SP_OK)
             return status;
@@ -123,7 +124,7 @@ static sp_status read_header(sp_lines *lines, header *h, sp_error *err) {
 
 /* ---- rows ------------------------------------------------------------------------------------------------------ */
 
-/* The next line's words, of which there must be low..high. */
+/* Reads the words of the next line, which must be low .. high in number. */
 static sp_status next_words(sp_lines *lines, const char *what, int low, int high, char **word, sp_error *err) {
     char *line;
     sp_status status = sp_lines_next_data(lines, &line, err);
@@ -193,7 +194,7 @@ static sp_status read_contact(sp_lines *lines, sp_packing *p, int32_t c, sp_erro
     return status;
 }
 
-/* How many contacts are pairs, at the bottom and at the top, against the header. */
+/* Compares the numbers of contacts at the bottom and at the top with the header. */
 static sp_status check_counts(const char *path, const header *h, const sp_packing *p, sp_error *err) {
     int64_t bottom = 0, top = 0;
     for (int32_t c = 0; c < p->n_contacts; c++) {
@@ -253,7 +254,7 @@ static void add_numbers(sp_text *t, const double *value, int count) {
     }
 }
 
-/* Of the comment line, by dimension. */
+/* Words of the comment line, by dimension. */
 static const char *const centre[3] = {"x", "x y", "x y z"}, *const normal[3] = {"nx", "nx ny", "nx ny nz"};
 static const char *const columns[3] = {"", " Ft", " Ftx Fty Ftz"};
 static const char *const meaning[3] = {"", "; Ft = force on i along t=(-ny,nx)", "; Ft = force on i"};

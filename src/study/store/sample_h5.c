@@ -1,3 +1,4 @@
+/* Reads and writes the results of a sample as HDF5. */
 #include "store/sample_h5.h"
 
 #include "base/base.h"
@@ -83,7 +84,7 @@ static const sp_h5_field probe_field[] = {
     PROBE(SP_LINES_3, "lines_3", "grains on three lines displaced by turns"),
 };
 
-/* Numbers of a part that are left out where they are no number, and read so where a file does not have them. */
+/* Optional numbers of a part. NAN is not written, and a missing number is read as NAN. */
 #define SHARES(row, name)                                                                                              \
     {{"/results/probes/left_out_" name, "1", "share of the body force on floppy parts, which is left out"},            \
      SP_H5_F64,                                                                                                        \
@@ -92,19 +93,16 @@ static const sp_h5_field probe_field[] = {
         {"/results/probes/concentrated_" name, "1", "largest share of one grain in the energy"}, SP_H5_F64,            \
             offsetof(sp_sample, probe[row].concentrated)                                                               \
     }
-#define STATICS_LATER(member, description)                                                                             \
-    { {"/results/statics/" #member, "1", description}, SP_H5_F64, offsetof(sp_sample, statics.member) }
-#define SPACE(member, description)                                                                                     \
-    { {"/results/moduli/" #member, "E*", description}, SP_H5_F64, offsetof(sp_sample, moduli.member) }
 static const sp_h5_field moduli_3d_field[] = {
-    SPACE(c13, "modulus C13"),       SPACE(c23, "modulus C23"),       SPACE(c44, "shear modulus C44"),
-    SPACE(c55, "shear modulus C55"), SPACE(c66, "shear modulus C66"),
+    MODULI(c13, "E*", "modulus C13"),       MODULI(c23, "E*", "modulus C23"),
+    MODULI(c44, "E*", "shear modulus C44"), MODULI(c55, "E*", "shear modulus C55"),
+    MODULI(c66, "E*", "shear modulus C66"),
 };
-/* Missing in files of earlier versions too. */
+/* Also missing in files of earlier versions. */
 static const sp_h5_field stress_field[] = {
-    STATICS_LATER(s12_over_s2, "shear over vertical stress, on a horizontal plane along x"),
-    STATICS_LATER(s32_over_s2, "the same along y, in three dimensions"),
-    STATICS_LATER(mobilised, "fraction of the carrying contacts with |Ft| >= 0.99 mu Fn"),
+    STATICS(s12_over_s2, "1", "shear over vertical stress, on a horizontal plane along x"),
+    STATICS(s32_over_s2, "1", "the same along y, in three dimensions"),
+    STATICS(mobilised, "1", "fraction of the carrying contacts with |Ft| >= 0.99 mu Fn"),
 };
 static const sp_h5_field share_field[] = {
     SHARES(SP_SINE_1, "sine_1"),
@@ -112,18 +110,10 @@ static const sp_h5_field share_field[] = {
     SHARES(SP_LINES_1, "lines_1"),
     SHARES(SP_LINES_3, "lines_3"),
 };
-static const struct {
-    unsigned want;
-    int count;
-    const sp_h5_field *field;
-} optional[] = {{SP_WANT_MODULI, sizeof moduli_3d_field / sizeof *moduli_3d_field, moduli_3d_field},
-                {SP_WANT_PROBES, sizeof share_field / sizeof *share_field, share_field},
-                {SP_WANT_STATICS, sizeof stress_field / sizeof *stress_field, stress_field}};
-enum { OPTIONAL = sizeof optional / sizeof *optional };
 
 static const struct part {
     unsigned want;
-    const char *group;
+    const char *group; /* NULL: the numbers are optional, and belong to a group above */
     int count;
     const sp_h5_field *field;
     size_t offset;
@@ -136,10 +126,14 @@ static const struct part {
     {SP_WANT_PROBES, "/results/probes", sizeof probe_field / sizeof *probe_field, probe_field, 0},
     {SP_WANT_SPECTRUM, "/results/spectrum", sizeof spectrum_field / sizeof *spectrum_field, spectrum_field,
      offsetof(sp_sample, spectrum)},
+    {SP_WANT_MODULI, NULL, sizeof moduli_3d_field / sizeof *moduli_3d_field, moduli_3d_field,
+     offsetof(sp_sample, moduli)},
+    {SP_WANT_PROBES, NULL, sizeof share_field / sizeof *share_field, share_field, 0},
+    {SP_WANT_STATICS, NULL, sizeof stress_field / sizeof *stress_field, stress_field, offsetof(sp_sample, statics)},
 };
 enum { PARTS = sizeof part / sizeof *part, SAMPLE_FIELDS = sizeof sample_field / sizeof *sample_field };
 
-/* Fronts at planes: an array of the members of all planes. */
+/* Fronts at planes: one array for each member. */
 static const struct {
     sp_h5_name name;
     size_t offset; /* of the first plane's in sp_sample */
@@ -171,7 +165,7 @@ static const sp_h5_field kind_field =
 /* Missing in files of earlier versions. */
 static const sp_h5_field material_field =
     SAMPLE(material, SP_H5_U64, "1", "hash of the keys beside those above: samples that differ in it are not averaged");
-/* Parts that were tried and could not be made, with the reason of the first. */
+/* Parts that failed, with the reason of the first. */
 static const sp_h5_field lacks_field[] = {
     SAMPLE(lacks, SP_H5_I32, "1",
            "parts that could not be made: 1 front, 2 statics, 4 moduli, 8 signal, 16 probes, 32 planes, "
@@ -212,15 +206,19 @@ static sp_status put_planes(sp_h5 *h, const sp_sample *s, sp_error *err) {
     return status;
 }
 
-static sp_status put_optional(sp_h5 *h, const sp_sample *s, sp_error *err) {
+static sp_status put_part(sp_h5 *h, const struct part *of, const sp_sample *s, sp_error *err) {
+    const char *from = (const char *)s + of->offset;
+    if (of->group) {
+        sp_status status = sp_h5_group(h, of->group, err);
+        return status == SP_OK ? sp_h5_put_fields(h, of->count, of->field, from, err) : status;
+    }
     sp_status status = SP_OK;
-    for (int o = 0; o < OPTIONAL; o++)
-        for (int k = 0; status == SP_OK && s->have & optional[o].want && k < optional[o].count; k++) {
-            double x;
-            memcpy(&x, (const char *)s + optional[o].field[k].offset, sizeof x);
-            if (!isnan(x))
-                status = sp_h5_put_fields(h, 1, &optional[o].field[k], s, err);
-        }
+    for (int k = 0; status == SP_OK && k < of->count; k++) {
+        double x;
+        memcpy(&x, from + of->field[k].offset, sizeof x);
+        if (!isnan(x))
+            status = sp_h5_put_fields(h, 1, &of->field[k], from, err);
+    }
     return status;
 }
 
@@ -261,15 +259,9 @@ sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err) {
         status = put_lacks(h, &r->sample, err);
     if (status == SP_OK && r->scene)
         status = sp_h5_put_text(h, &name_scene, r->scene, err);
-    for (int k = 0; status == SP_OK && k < PARTS; k++) {
-        if (!(r->sample.have & part[k].want))
-            continue;
-        status = sp_h5_group(h, part[k].group, err);
-        if (status == SP_OK)
-            status = sp_h5_put_fields(h, part[k].count, part[k].field, (const char *)&r->sample + part[k].offset, err);
-    }
-    if (status == SP_OK)
-        status = put_optional(h, &r->sample, err);
+    for (int k = 0; status == SP_OK && k < PARTS; k++)
+        if (r->sample.have & part[k].want)
+            status = put_part(h, &part[k], &r->sample, err);
     if (status == SP_OK && r->sample.have & SP_WANT_PLANES)
         status = put_planes(h, &r->sample, err);
     if (status == SP_OK && r->sample.have & SP_WANT_SPECTRUM)
@@ -298,16 +290,22 @@ static sp_status get_planes(sp_h5 *h, sp_sample *s, sp_error *err) {
     return status;
 }
 
-static sp_status get_optional(sp_h5 *h, sp_sample *s, sp_error *err) {
+/* Reads a part if the file has it. */
+static sp_status get_part(sp_h5 *h, const struct part *of, sp_sample *s, sp_error *err) {
+    const double none = NAN;
+    char *to = (char *)s + of->offset;
+    if (of->group) {
+        if (!sp_h5_has(h, of->group))
+            return SP_OK;
+        s->have |= of->want;
+        return sp_h5_get_fields(h, of->count, of->field, to, err);
+    }
     sp_status status = SP_OK;
-    for (int o = 0; o < OPTIONAL; o++)
-        for (int k = 0; status == SP_OK && s->have & optional[o].want && k < optional[o].count; k++) {
-            const sp_h5_field *f = &optional[o].field[k];
-            const double none = NAN;
-            memcpy((char *)s + f->offset, &none, sizeof none);
-            if (sp_h5_has(h, f->name.path))
-                status = sp_h5_get_fields(h, 1, f, s, err);
-        }
+    for (int k = 0; status == SP_OK && s->have & of->want && k < of->count; k++) {
+        memcpy(to + of->field[k].offset, &none, sizeof none);
+        if (sp_h5_has(h, of->field[k].name.path))
+            status = sp_h5_get_fields(h, 1, &of->field[k], to, err);
+    }
     return status;
 }
 
@@ -321,7 +319,7 @@ static sp_status get_method(sp_h5 *h, sp_signal_method *method, sp_error *err) {
     return status;
 }
 
-/* What the signal was made with; the signal itself stays in the file. */
+/* Reads how the signal was computed, but not the signal itself. */
 static sp_status get_made(sp_h5 *h, sp_signal_made *made, sp_error *err) {
     sp_h5_shape shape;
     sp_signal_made m = {.tolerance = NAN, .until = NAN};
@@ -366,7 +364,7 @@ static sp_status get_signal(sp_h5 *h, sp_signal *s, sp_error *err) {
     return status;
 }
 
-/* The frequencies, as many as the network has degrees of freedom. *omega NULL where data = false. */
+/* Checks the number of frequencies, and reads them if data is true. */
 static sp_status get_omega(sp_h5 *h, const sp_spectrum_made *made, bool data, sp_sample_arrays *out, sp_error *err) {
     const int64_t modes = (int64_t)made->carrying * made->dof;
     sp_h5_shape shape;
@@ -408,7 +406,7 @@ static sp_status get_lacks(sp_h5 *h, sp_sample *s, sp_error *err) {
     return status;
 }
 
-/* What tables sort and divide by. */
+/* Checks the numbers that tables sort and divide by. */
 static sp_status check_sample(sp_h5 *h, const sp_sample *s, sp_error *err) {
     const char *bad = s->dim < 1 || s->dim > 3                                    ? "dim"
                       : s->grains < 1                                             ? "grains"
@@ -426,7 +424,7 @@ static sp_status check_sample(sp_h5 *h, const sp_sample *s, sp_error *err) {
     return SP_OK;
 }
 
-sp_sample sp_sample_kept(void) {
+sp_sample sp_sample_blank(void) {
     sp_sample s = {.moduli = {.error11 = NAN,
                               .error12 = NAN,
                               .error13 = NAN,
@@ -455,13 +453,11 @@ int sp_results(sp_result out[SP_RESULTS_MAX]) {
     used = add_results(out, used, sizeof lacks_field / sizeof *lacks_field, lacks_field, &always);
     for (int k = 0; k < PARTS; k++)
         used = add_results(out, used, part[k].count, part[k].field, &(sp_result){NULL, part[k].offset, part[k].want});
-    for (int k = 0; k < OPTIONAL; k++)
-        used = add_results(out, used, optional[k].count, optional[k].field, &(sp_result){NULL, 0, optional[k].want});
     return used;
 }
 
 sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out, sp_error *err) {
-    sp_record r = {.sample = sp_sample_kept()};
+    sp_record r = {.sample = sp_sample_blank()};
     if (!sp_h5_has(h, "/results/sample"))
         return sp_h5_fail(h, err, SP_EFORMAT, "no group /results/sample: not a sample of a store");
     sp_status status = get_name(h, r.sample.name, err);
@@ -473,14 +469,8 @@ sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out, sp_error *er
         status = sp_h5_get_fields(h, 1, &material_field, &r.sample, err);
     if (status == SP_OK && sp_h5_has(h, lacks_field[0].name.path))
         status = get_lacks(h, &r.sample, err);
-    for (int k = 0; status == SP_OK && k < PARTS; k++) {
-        if (!sp_h5_has(h, part[k].group))
-            continue;
-        status = sp_h5_get_fields(h, part[k].count, part[k].field, (char *)&r.sample + part[k].offset, err);
-        r.sample.have |= part[k].want;
-    }
-    if (status == SP_OK)
-        status = get_optional(h, &r.sample, err);
+    for (int k = 0; status == SP_OK && k < PARTS; k++)
+        status = get_part(h, &part[k], &r.sample, err);
     if (status == SP_OK && sp_h5_has(h, "/results/planes")) {
         status = get_planes(h, &r.sample, err);
         r.sample.have |= SP_WANT_PLANES;

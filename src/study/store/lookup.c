@@ -1,14 +1,13 @@
-/* What a store knows of its files: from the manifest where it speaks of them as they are, and else from themselves. */
+/* Looks up samples: in the manifest where it is up to date, and in their files otherwise. */
 #include "base/base.h"
 #include "store/failure.h"
 #include "store/folder.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
-/* A file of the store, as it is. */
+/* A file of the store, and its status. */
 typedef struct place {
     char path[SP_PATH_MAX];
     struct stat info;
@@ -19,7 +18,7 @@ static bool find_file(const sp_store *store, const char *name, const char *endin
     return stat(out->path, &out->info) == 0;
 }
 
-static void enter(const sp_store *store, const place *file, uint64_t content, const sp_sample *sample) {
+static void add_line(const sp_store *store, const place *file, uint64_t content, const sp_sample *sample) {
     const sp_manifest_line line = {
         .bytes = file->info.st_size, .modified = sp_manifest_time(&file->info), .content = content, .sample = *sample};
     sp_manifest_add(store->manifest, &line);
@@ -30,11 +29,11 @@ void sp_store_enter(const sp_store *store, const sp_sample *sample) {
     uint64_t content;
     if (find_file(store, sample->name, sample->failed ? "failed" : "h5", &file) && S_ISREG(file.info.st_mode) &&
         sp_file_hash(file.path, &content, NULL) == SP_OK)
-        enter(store, &file, content, sample);
+        add_line(store, &file, content, sample);
 }
 
-/* The last line of the sample speaks of this file: same size and time, or the same bytes at another time, as after it
- * was copied. */
+/* Finds the last line of a sample, if it describes the file: same size and time, or same size and bytes, as after the
+ * file was copied. */
 static bool recall(const sp_store *store, const char *name, bool failed, const place *file, sp_sample *out) {
     sp_manifest_line line;
     uint64_t content;
@@ -44,7 +43,7 @@ static bool recall(const sp_store *store, const char *name, bool failed, const p
         if (!S_ISREG(file->info.st_mode) || sp_file_hash(file->path, &content, NULL) != SP_OK ||
             content != line.content)
             return false;
-        enter(store, file, content, &line.sample);
+        add_line(store, file, content, &line.sample);
     }
     *out = line.sample;
     return true;
@@ -67,14 +66,9 @@ sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *ou
     return status;
 }
 
-sp_status sp_store_trusted(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
+bool sp_store_recall(const sp_store *store, const char *name, bool failed, sp_sample *out) {
     place file;
-    if (!find_file(store, name, "h5", &file))
-        return sp_fail(err, SP_EIO, "no finished sample %s in the store %s", name, store->dir);
-    if (recall(store, name, false, &file, out))
-        return SP_OK;
-    sp_status status = sp_store_check_sample(store, name, INFINITY, err);
-    return status == SP_OK ? sp_store_sample(store, name, out, err) : status;
+    return find_file(store, name, failed ? "failed" : "h5", &file) && recall(store, name, failed, &file, out);
 }
 
 bool sp_store_has_failed(const sp_store *store, const char *name) {
