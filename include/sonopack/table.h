@@ -75,8 +75,6 @@ SP_API sp_status sp_table_set_text(sp_table *t, const char *key, const char *val
 SP_API bool sp_table_get_number(const sp_table *t, const char *key, double *value);
 /* The value as it is written, owned by the table; NULL without the key. */
 SP_API const char *sp_table_get_text(const sp_table *t, const char *key);
-/* Older name of sp_table_get_text. */
-SP_API const char *sp_table_comment_value(const sp_table *t, const char *key);
 
 /* ---- looking up ------------------------------------------------------------------------------------------------- */
 

@@ -209,10 +209,8 @@ sp_status sp_plot_angles(const sp_table *angles, const char *path, sp_error *err
                 draw_curve(&r, q);
         number_rings(&r);
         draw_legend(&r);
-        status = sp_canvas_save(&c, err);
     }
-    sp_canvas_free(&c);
-    return status;
+    return sp_canvas_close(&c, status, err);
 }
 
 /* ---- values ----------------------------------------------------------------------------------------------------- */

@@ -248,3 +248,10 @@ void sp_canvas_free(canvas *c) {
     }
     *c = (canvas){0};
 }
+
+sp_status sp_canvas_close(canvas *c, sp_status status, sp_error *err) {
+    if (status == SP_OK)
+        status = sp_canvas_save(c, err);
+    sp_canvas_free(c);
+    return status;
+}

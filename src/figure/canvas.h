@@ -43,6 +43,8 @@ sp_status sp_canvas_check(const char *path, sp_error *err);
 sp_status sp_canvas_open(canvas *c, const char *path, const char *title, double width, double height, sp_error *err);
 /* Finishes the drawing and writes the file at once. Reports any error of cairo during drawing. */
 sp_status sp_canvas_save(canvas *c, sp_error *err);
+/* Ends the use of a canvas: writes the file if status is SP_OK, and frees the canvas. Returns the status. */
+sp_status sp_canvas_close(canvas *c, sp_status status, sp_error *err);
 void sp_canvas_free(canvas *c);
 
 void sp_canvas_colour(canvas *c, colour ink);

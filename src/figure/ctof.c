@@ -226,10 +226,8 @@ static sp_status draw(const sp_table *t, speeds *s, const char *path, sp_error *
         figure f = {.canvas = &c, .n = 5, .series = all};
         set_axes(&f, s, line_y);
         sp_figure_draw(&f);
-        status = sp_canvas_save(&c, err);
     }
-    sp_canvas_free(&c);
-    return status;
+    return sp_canvas_close(&c, status, err);
 }
 
 sp_status sp_plot_ctof(const sp_table *ctof, const char *path, sp_error *err) {

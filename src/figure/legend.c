@@ -1,5 +1,6 @@
 /* Finds a place for the legend and draws it. */
 #include "figure/legend.h"
+#include "figure/raster.h"
 
 #include <math.h>
 
@@ -29,22 +30,11 @@ static bool overlap(const legend_box *a, const legend_box *b) {
            a->y < b->y + b->height && b->y < a->y + a->height;
 }
 
-/* Whether the segment from a to b intersects the box (Liang-Barsky clipping). */
 static bool meets(const legend_box *box, double ax, double ay, double bx, double by) {
     const double delta[2] = {bx - ax, by - ay}, start[2] = {ax, ay};
     const double low[2] = {box->x, box->y}, high[2] = {box->x + box->width, box->y + box->height};
-    double from = 0.0, to = 1.0;
-    for (int d = 0; d < 2; d++) {
-        if (delta[d] == 0.0) {
-            if (start[d] < low[d] || start[d] > high[d])
-                return false;
-            continue;
-        }
-        double one = (low[d] - start[d]) / delta[d], two = (high[d] - start[d]) / delta[d];
-        from = fmax(from, fmin(one, two));
-        to = fmin(to, fmax(one, two));
-    }
-    return from <= to;
+    double from, to;
+    return sp_clip_segment(low, high, start, delta, &from, &to);
 }
 
 /* Number of points, segments, error bars and band sections of a series that the box would cover. */

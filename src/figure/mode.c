@@ -95,21 +95,16 @@ static sp_status draw(const sp_packing *p, motion *m, int64_t number, double ome
         return sp_fail_memory(err, (size_t)p->n * sizeof *fill);
     view v = sp_view_make(p);
     v.c = &c;
-    sp_status status =
-        sp_canvas_open(&c, path, "Packing: displacements of a mode", CANVAS_COLUMN, v.floor + WALL + KEY, err);
+    sp_status status = sp_view_open(&v, path, "Packing: displacements of a mode", err);
     if (status == SP_OK) {
         choose_colours(m, fill);
-        cairo_save(c.cr);
-        cairo_rectangle(c.cr, v.left, MARGIN, v.width * v.scale, v.floor + WALL - MARGIN);
-        cairo_clip(c.cr);
-        sp_view_grains(&v, fill);
+        sp_view_begin(&v, fill);
         sp_view_walls(&v);
         draw_arrows(&v, m);
-        cairo_restore(c.cr);
+        sp_view_end(&v);
         draw_key(&v, m, number, omega);
-        status = sp_canvas_save(&c, err);
     }
-    sp_canvas_free(&c);
+    status = sp_canvas_close(&c, status, err);
     sp_free(fill);
     return status;
 }

@@ -110,21 +110,16 @@ static sp_status draw(const sp_packing *p, sp_plot_links links, double threshold
     view v = sp_view_make(p);
     v.c = &c;
     status =
-        sp_canvas_open(&c, path, links == SP_PLOT_FORCES ? "Packing: normal forces" : "Packing: normal stiffnesses",
-                       CANVAS_COLUMN, v.floor + WALL + KEY, err);
+        sp_view_open(&v, path, links == SP_PLOT_FORCES ? "Packing: normal forces" : "Packing: normal stiffnesses", err);
     if (status != SP_OK)
         goto out;
-    cairo_save(c.cr);
-    cairo_rectangle(c.cr, v.left, MARGIN, v.width * v.scale, v.floor + WALL - MARGIN);
-    cairo_clip(c.cr);
-    sp_view_grains(&v, fill);
-    double mean = draw_links(&v, links, carrying);
+    sp_view_begin(&v, fill);
+    const double mean = draw_links(&v, links, carrying);
     sp_view_walls(&v);
-    cairo_restore(c.cr);
+    sp_view_end(&v);
     draw_key(&v, links, mean, rattlers);
-    status = sp_canvas_save(&c, err);
 out:
-    sp_canvas_free(&c);
+    status = sp_canvas_close(&c, status, err);
     sp_free(fill);
     sp_free(rattler);
     sp_free(carrying);

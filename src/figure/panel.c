@@ -25,8 +25,8 @@ static void place_tag(panel *p, raster *r) {
     const axes *a = &p->figure.axes;
     if (!p->source.tag || !*p->source.tag)
         return;
-    p->tag =
-        (box){.width = sp_figure_text_width(p->figure.canvas, p->source.tag, letters(p)), .height = 0.8 * letters(p)};
+    p->tag = (rectangle){.width = sp_figure_text_width(p->figure.canvas, p->source.tag, letters(p)),
+                         .height = 0.8 * letters(p)};
     if (sp_raster_find(r, &p->tag, FROM_FRAME, true) == 0) {
         sp_raster_mark_box(r, &p->tag);
         return;
@@ -41,8 +41,8 @@ static int32_t place_inset(panel *p, raster *r) {
     if (!p->inset)
         return 0;
     for (int k = 0; k < INSET_SIZES && least > 0; k++) {
-        box b = {.width = fmax(inset_sizes[k][0] * r->width, LEAST_WIDE),
-                 .height = fmax(inset_sizes[k][1] * r->height, LEAST_HIGH)};
+        rectangle b = {.width = fmax(inset_sizes[k][0] * r->width, LEAST_WIDE),
+                       .height = fmax(inset_sizes[k][1] * r->height, LEAST_HIGH)};
         const int32_t covers = sp_raster_find(r, &b, 3.0, false);
         if (covers < least) {
             least = covers;
@@ -58,7 +58,7 @@ static int32_t place_legend(panel *p, raster *r) {
     p->legend = sp_legend_size(&p->figure, 1);
     if (p->legend.height == 0)
         return 0;
-    box b = {.width = p->legend.width, .height = p->legend.height};
+    rectangle b = {.width = p->legend.width, .height = p->legend.height};
     const int32_t covers = sp_raster_find(r, &b, FROM_FRAME, false);
     p->legend.x = b.x;
     p->legend.y = b.y;

@@ -15,7 +15,7 @@ typedef struct panel {
     bool grows;        /* the y axis may be extended upwards */
     legend_box legend; /* height 0: no legend */
     int columns;       /* columns of the legend */
-    box tag, inset_box;
+    rectangle tag, inset_box;
     struct panel *inset; /* NULL: no inset */
 } panel;
 

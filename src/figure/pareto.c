@@ -179,10 +179,8 @@ static sp_status draw(clouds *c, const char *only, const char *path, sp_error *e
         f.n = 1 + c->methods;
         set_axes(&f, c, only);
         sp_figure_draw(&f);
-        status = sp_canvas_save(&sheet, err);
     }
-    sp_canvas_free(&sheet);
-    return status;
+    return sp_canvas_close(&sheet, status, err);
 }
 
 sp_status sp_plot_pareto(const sp_table *bench, const char *only, const char *path, sp_error *err) {

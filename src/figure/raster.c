@@ -9,7 +9,7 @@
 enum { MANY = 50000 };
 
 #define CELL   1.5 /* side of a cell [pt] */
-#define AROUND 2.5 /* margin around a box [pt] */
+#define AROUND 2.5 /* margin around a rectangle [pt] */
 #define STRIDE 3.0 /* distance of the places tried [pt] */
 
 sp_status sp_raster_open(raster *r, const canvas *c, sp_error *err) {
@@ -32,7 +32,7 @@ static int clamp(double cell, int most) { return !(cell >= 0) ? 0 : cell >= most
 /* Limits a position to a range in which differences are finite. */
 static double near_enough(double place) { return fmax(-1e7, fmin(1e7, place)); }
 
-void sp_raster_mark_box(raster *r, const box *b) {
+void sp_raster_mark_box(raster *r, const rectangle *b) {
     const int x0 = clamp((b->x - r->left) / CELL, r->across), y0 = clamp((b->y - r->top) / CELL, r->up);
     const int x1 = clamp((b->x + b->width - r->left) / CELL, r->across);
     const int y1 = clamp((b->y + b->height - r->top) / CELL, r->up);
@@ -43,7 +43,24 @@ void sp_raster_mark_box(raster *r, const box *b) {
         memset(r->taken + (size_t)y * (size_t)r->across + x0, 1, (size_t)(x1 - x0 + 1));
 }
 
-/* Marks the cells of the part of a segment inside the frame (Liang-Barsky clipping). */
+bool sp_clip_segment(const double low[2], const double high[2], const double start[2], const double delta[2],
+                     double *from, double *to) {
+    *from = 0.0;
+    *to = 1.0;
+    for (int d = 0; d < 2; d++) {
+        if (delta[d] == 0.0) {
+            if (start[d] < low[d] || start[d] > high[d])
+                return false;
+            continue;
+        }
+        const double one = (low[d] - start[d]) / delta[d], two = (high[d] - start[d]) / delta[d];
+        *from = fmax(*from, fmin(one, two));
+        *to = fmin(*to, fmax(one, two));
+    }
+    return *from <= *to;
+}
+
+/* Marks the cells of the part of a segment inside the frame. */
 static void mark_segment(raster *r, double ax, double ay, double bx, double by) {
     ax = near_enough(ax);
     ay = near_enough(ay);
@@ -51,18 +68,8 @@ static void mark_segment(raster *r, double ax, double ay, double bx, double by) 
     by = near_enough(by);
     const double delta[2] = {bx - ax, by - ay}, start[2] = {ax, ay};
     const double low[2] = {r->left, r->top}, high[2] = {r->left + r->width, r->top + r->height};
-    double from = 0.0, to = 1.0;
-    for (int d = 0; d < 2; d++) {
-        if (delta[d] == 0.0) {
-            if (start[d] < low[d] || start[d] > high[d])
-                return;
-            continue;
-        }
-        const double one = (low[d] - start[d]) / delta[d], two = (high[d] - start[d]) / delta[d];
-        from = fmax(from, fmin(one, two));
-        to = fmin(to, fmax(one, two));
-    }
-    if (!(from <= to))
+    double from, to;
+    if (!sp_clip_segment(low, high, start, delta, &from, &to))
         return;
     const int steps = (int)fmin(1e5, (to - from) * hypot(delta[0], delta[1]) / (0.7 * CELL)) + 1;
     for (int k = 0; k <= steps; k++) {
@@ -87,7 +94,7 @@ static void mark_series(raster *r, const figure *f, const series *s) {
             mark_segment(r, x, sp_axis_place(ay, s->fill_low[k]), x, sp_axis_place(ay, s->fill_high[k]));
         const bool here = isfinite(x) && isfinite(y);
         if (here && s->marker != MARKER_NONE)
-            sp_raster_mark_box(r, &(box){x - reach, y - reach, 2 * reach, 2 * reach});
+            sp_raster_mark_box(r, &(rectangle){x - reach, y - reach, 2 * reach, 2 * reach});
         if (here && before && s->dash != DASH_NONE)
             mark_segment(r, last_x, last_y, x, y);
         before = here;
@@ -127,7 +134,7 @@ static void add_up(raster *r) {
     }
 }
 
-static int32_t covered(const raster *r, const box *b) {
+static int32_t covered(const raster *r, const rectangle *b) {
     const size_t row = (size_t)r->across + 1;
     const size_t x0 = (size_t)clamp((b->x - AROUND - r->left) / CELL, r->across);
     const size_t y0 = (size_t)clamp((b->y - AROUND - r->top) / CELL, r->up);
@@ -136,19 +143,19 @@ static int32_t covered(const raster *r, const box *b) {
     return r->sum[y1 * row + x1] - r->sum[y0 * row + x1] - r->sum[y1 * row + x0] + r->sum[y0 * row + x0];
 }
 
-int32_t sp_raster_find(raster *r, box *b, double from_frame, bool corners) {
+int32_t sp_raster_find(raster *r, rectangle *b, double from_frame, bool corners) {
     const double wide = r->width - 2 * from_frame - b->width, high = r->height - 2 * from_frame - b->height;
     const int nx = corners ? 1 : (int)ceil(wide / STRIDE), ny = corners ? 1 : (int)ceil(high / STRIDE);
     int32_t least = INT32_MAX;
     double nearest = INFINITY;
-    box best = *b;
+    rectangle best = *b;
     if (!(wide >= 0 && high >= 0))
         return INT32_MAX;
     add_up(r);
     for (int j = 0; j <= ny; j++)
         for (int i = 0; i <= nx; i++) {
             const double x = nx > 0 ? wide * i / nx : 0, y = ny > 0 ? high * j / ny : 0;
-            box here = *b;
+            rectangle here = *b;
             here.x = r->left + from_frame + x;
             here.y = r->top + from_frame + y;
             const int32_t covers = covered(r, &here);

@@ -174,10 +174,8 @@ static sp_status draw(drawing *d, const char *path, sp_error *err) {
         add_traces(d, &f);
         add_marks(d, &f);
         sp_figure_draw(&f);
-        status = sp_canvas_save(&c, err);
     }
-    sp_canvas_free(&c);
-    return status;
+    return sp_canvas_close(&c, status, err);
 }
 
 sp_status sp_plot_signal(int traces, const sp_plot_trace *trace, const char *path, sp_error *err) {

@@ -103,24 +103,19 @@ static sp_status draw(const sp_packing *p, snapshot *s, double t, const char *pa
     sp_status status = fill ? choose_scale(s, v.diameter, err) : sp_fail_memory(err, (size_t)p->n * sizeof *fill);
     v.c = &c;
     if (status == SP_OK)
-        status =
-            sp_canvas_open(&c, path, "Packing: displacements after a pulse", CANVAS_COLUMN, v.floor + WALL + KEY, err);
+        status = sp_view_open(&v, path, "Packing: displacements after a pulse", err);
     if (status == SP_OK) {
         for (int32_t i = 0; i < p->n; i++)
             fill[i] = RATTLER_GREY;
         for (int32_t i = 0; i < s->net->n; i++)
             fill[s->net->grain[i]] = GRAIN_GREY;
-        cairo_save(c.cr);
-        cairo_rectangle(c.cr, v.left, MARGIN, v.width * v.scale, v.floor + WALL - MARGIN);
-        cairo_clip(c.cr);
-        sp_view_grains(&v, fill);
+        sp_view_begin(&v, fill);
         sp_view_walls(&v);
         draw_arrows(&v, s);
-        cairo_restore(c.cr);
+        sp_view_end(&v);
         draw_key(&v, s, t);
-        status = sp_canvas_save(&c, err);
     }
-    sp_canvas_free(&c);
+    status = sp_canvas_close(&c, status, err);
     sp_free(fill);
     return status;
 }

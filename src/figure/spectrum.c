@@ -1,4 +1,5 @@
 /* Draws the tables of `sonopack spectrum'. */
+#include "figure/columns.h"
 #include "figure/figure.h"
 #include "figure/settings.h"
 
@@ -72,14 +73,7 @@ static void widen(double *low, double *high, double value) {
 }
 
 static sp_status find_column(const sp_table *t, const char *name, int *out, sp_error *err) {
-    *out = sp_table_find_column(t, name);
-    if (*out < 0)
-        return sp_fail(err, SP_EINVAL,
-                       "the table has no column %s; must be one of `sonopack spectrum' without --lines and --profile",
-                       name);
-    if (t->column[*out].kind == SP_CELL_TEXT)
-        return sp_fail(err, SP_EINVAL, "column %s holds text: must be numbers", name);
-    return SP_OK;
+    return sp_column_find(t, name, "must be from `sonopack spectrum' without --lines and --profile", out, err);
 }
 
 static sp_status style_of(const sp_table *t, const style **out, sp_error *err) {
@@ -290,19 +284,22 @@ static void set_axes(drawing *d, figure *f) {
     }
 }
 
-static sp_status draw(drawing *d, const char *path, sp_error *err) {
+/* Draws the series on axes that are set. height: over the width. */
+static sp_status draw(const drawing *d, figure *f, double height, const char *path, sp_error *err) {
     canvas c = {0};
-    figure f = {.canvas = &c, .n = d->count, .series = d->series};
+    f->canvas = &c;
+    f->n = d->count;
+    f->series = d->series;
+    const sp_status status = sp_canvas_open(&c, path, d->style->title, CANVAS_COLUMN, height * CANVAS_COLUMN, err);
+    if (status == SP_OK)
+        sp_figure_draw(f);
+    return sp_canvas_close(&c, status, err);
+}
+
+static sp_status check_ranges(const drawing *d, const char *columns, sp_error *err) {
     if (!(d->low_x <= d->high_x) || !(d->low_y <= d->high_y))
-        return sp_fail(err, SP_EREFUSED, "nothing to draw: no row has a frequency and a value");
-    set_axes(d, &f);
-    sp_status status = sp_canvas_open(&c, path, d->style->title, CANVAS_COLUMN, 0.72 * CANVAS_COLUMN, err);
-    if (status == SP_OK) {
-        sp_figure_draw(&f);
-        status = sp_canvas_save(&c, err);
-    }
-    sp_canvas_free(&c);
-    return status;
+        return sp_fail(err, SP_EREFUSED, "nothing to draw: no row has %s", columns);
+    return SP_OK;
 }
 
 static sp_status begin(int tables, const sp_plot_table *table, const char *path, drawing *d, sp_error *err) {
@@ -343,8 +340,13 @@ static sp_status plot_tables(int tables, const sp_plot_table *table, const style
     }
     if (status == SP_OK && d.style->look == LOOK_BINS)
         add_key(&d);
+    figure f = {0};
     if (status == SP_OK)
-        status = draw(&d, path, err);
+        status = check_ranges(&d, "a frequency and a value", err);
+    if (status == SP_OK) {
+        set_axes(&d, &f);
+        status = draw(&d, &f, 0.72, path, err);
+    }
     sp_free(d.memory);
     return status;
 }
@@ -427,21 +429,15 @@ sp_status sp_plot_dispersion(int tables, const sp_plot_table *table, const char 
         for (int g = 0; g < GROUPS && status == SP_OK; g++)
             add_waves(&d, j, g, &c);
     }
-    if (status == SP_OK && !(d.low_x <= d.high_x && d.low_y <= d.high_y))
-        status = sp_fail(err, SP_EREFUSED, "nothing to draw: no row has a wave number and a peak");
-    canvas c = {0};
-    figure f = {.canvas = &c, .n = d.count, .series = d.series};
+    figure f = {0};
+    if (status == SP_OK)
+        status = check_ranges(&d, "a wave number and a peak", err);
     if (status == SP_OK) {
         set_axes(&d, &f);
         sp_axis_name(&f.axes.x, "|k|", "1/|d|");
         sp_axis_name(&f.axes.y, "|" OMEGA "|", FREQUENCY);
-        status = sp_canvas_open(&c, path, waves.title, CANVAS_COLUMN, 0.78 * CANVAS_COLUMN, err);
+        status = draw(&d, &f, 0.78, path, err);
     }
-    if (status == SP_OK) {
-        sp_figure_draw(&f);
-        status = sp_canvas_save(&c, err);
-    }
-    sp_canvas_free(&c);
     sp_free(d.memory);
     return status;
 }

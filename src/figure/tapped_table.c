@@ -116,7 +116,7 @@ sp_status sp_tapped_table_abscissa(const tapped_table *s, double *to, sp_error *
 
 double sp_tapped_table_setting(const tapped_table *s, const char *key) {
     double value;
-    return sp_table_get_number(s->table, key, &value) && value > 0 ? value : NAN;
+    return sp_table_get_number(s->table, key, &value) && value > 0 && isfinite(value) ? value : NAN;
 }
 
 const char *sp_tapped_axis_label(const tapped_table *s, const char *name, int column, char out[TAPPED_LABEL]) {

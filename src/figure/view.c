@@ -32,7 +32,7 @@ view sp_view_make(const sp_packing *p) {
     return v;
 }
 
-void sp_view_grains(const view *v, const colour *fill) {
+static void draw_grains(const view *v, const colour *fill) {
     cairo_t *cr = v->c->cr;
     cairo_set_line_width(cr, fmin(0.4, 0.05 * v->scale));
     for (int32_t i = 0; i < v->p->n; i++) {
@@ -50,6 +50,19 @@ void sp_view_grains(const view *v, const colour *fill) {
         }
     }
 }
+
+sp_status sp_view_open(const view *v, const char *path, const char *title, sp_error *err) {
+    return sp_canvas_open(v->c, path, title, CANVAS_COLUMN, v->floor + WALL + KEY, err);
+}
+
+void sp_view_begin(const view *v, const colour *fill) {
+    cairo_save(v->c->cr);
+    cairo_rectangle(v->c->cr, v->left, MARGIN, v->width * v->scale, v->floor + WALL - MARGIN);
+    cairo_clip(v->c->cr);
+    draw_grains(v, fill);
+}
+
+void sp_view_end(const view *v) { cairo_restore(v->c->cr); }
 
 void sp_view_walls(const view *v) {
     cairo_t *cr = v->c->cr;

@@ -37,9 +37,13 @@ double sp_view_up(const view *v, int32_t i);
 /* Positions on the canvas [pt]. */
 double sp_view_x(const view *v, double across);
 double sp_view_y(const view *v, double up);
-/* Draws grains, with images at the periodic edges. fill[i]: colour of grain i. */
-void sp_view_grains(const view *v, const colour *fill);
 void sp_view_walls(const view *v);
+/* Opens the canvas for the view, with height for the key. */
+sp_status sp_view_open(const view *v, const char *path, const char *title, sp_error *err);
+/* Clips the canvas to the box and its walls, and draws the grains, with images at the periodic edges. fill[i]: colour
+ * of grain i. sp_view_end removes the clip. */
+void sp_view_begin(const view *v, const colour *fill);
+void sp_view_end(const view *v);
 /* Draws an arrow from (x, y) to (x + dx, y + dy) [pt] in the current colour. Arrows too short to see are left out. */
 void sp_view_arrow(const view *v, double x, double y, double dx, double dy);
 

@@ -41,8 +41,8 @@ static void shapes_of_the_tables(void **state) {
         assert_int_equal(t.columns, expected[k].columns);
         assert_string_equal(t.column[0].name, expected[k].first);
         assert_string_equal(t.column[t.columns - 1].name, expected[k].last);
-        assert_string_equal(sp_table_comment_value(&t, "stiffness"), "3922.68");
-        assert_string_equal(sp_table_comment_value(&t, "method"), "event");
+        assert_string_equal(sp_table_get_text(&t, "stiffness"), "3922.68");
+        assert_string_equal(sp_table_get_text(&t, "method"), "event");
         sp_table_free(&t);
     }
 }
@@ -77,7 +77,7 @@ static void long_lists_are_cut_in_comments(void **state) {
     c.masses = 40;
     sp_table t;
     assert_ok(sp_tapped_table(&c, 1, &t, &err));
-    const char *text = sp_table_comment_value(&t, "mass");
+    const char *text = sp_table_get_text(&t, "mass");
     assert_non_null(text);
     assert_non_null(strstr(text, ", ... 40 values)"));
     sp_table_free(&t);

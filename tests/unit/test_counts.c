@@ -81,7 +81,7 @@ static void test_lattice(void **state) {
         assert_close(cell(&t, k, "all_err"), 0, 1e-7);
     }
     assert_close(near, SP_ANGLE_BINS, 1e-9);
-    assert_non_null(sp_table_comment_value(&t, "packings"));
+    assert_non_null(sp_table_get_text(&t, "packings"));
     /* no force is above the mean, which all are */
     assert_int_equal(c.strong.packings, 0);
     assert_true(isnan(cell(&t, 0, "strong")));

@@ -72,7 +72,7 @@ static void tsv_round_trip(void **state) {
     assert_int_equal(back.rows, 3);
     assert_string_equal(back.column[3].unit, "sqrt(E* / rho)");
     assert_string_equal(back.column[0].unit, "");
-    assert_string_equal(sp_table_comment_value(&back, "pressure"), "0.0001");
+    assert_string_equal(sp_table_get_text(&back, "pressure"), "0.0001");
     for (int64_t row = 0; row < 3; row++) {
         assert_string_equal(back.cells[row * 4].text, t.cells[row * 4].text);
         for (int c = 1; c < 4; c++) {

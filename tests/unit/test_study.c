@@ -374,7 +374,7 @@ static void a_failed_packing_is_recorded(void **state) {
     sp_table t = table_of("ctof", s);
     assert_int_equal(t.rows, 1);
     assert_true(isnan(sp_table_number(&t, 0, 2)));
-    assert_string_equal(sp_table_comment_value(&t, "failed"), "2");
+    assert_string_equal(sp_table_get_text(&t, "failed"), "2");
     sp_table_free(&t);
     shelf_free(s);
     sp_scene_free(&scene);

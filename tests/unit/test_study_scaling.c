@@ -94,11 +94,11 @@ static void a_row_a_height(void **state) {
         const double error = sqrt(2 * 0.01 * 5 / 3 / 4) / log(heights[r % 3 + 1] / heights[r % 3]);
         assert_relative(cell(&t, r, "gamma_err"), error, 0.15);
     }
-    const char *fit = sp_table_comment_value(&t, "gamma(p=1e-06, width=24, friction=0.5)");
+    const char *fit = sp_table_get_text(&t, "gamma(p=1e-06, width=24, friction=0.5)");
     assert_non_null(fit);
     assert_close(strtod(fit, NULL), 1.2, 1e-5);
     assert_non_null(strstr(fit, "chi2"));
-    assert_close(strtod(sp_table_comment_value(&t, "speed(p=0.0001, width=12, friction=0.5)"), NULL), 0.25, 1e-5);
+    assert_close(strtod(sp_table_get_text(&t, "speed(p=0.0001, width=12, friction=0.5)"), NULL), 0.25, 1e-5);
     sp_table_free(&t);
 }
 
@@ -128,7 +128,7 @@ static void a_row_a_plane(void **state) {
         assert_close(cell(&t, r, "gamma"), 1, 1e-12);
         assert_close(cell(&t, r, "gamma_err"), 0, 1e-12); /* factors of the packings cancel */
     }
-    assert_non_null(sp_table_comment_value(&t, "alpha(p=1e-06, width=12, friction=0.5, grains=600)"));
+    assert_non_null(sp_table_get_text(&t, "alpha(p=1e-06, width=12, friction=0.5, grains=600)"));
     sp_table_free(&t);
 }
 
@@ -185,7 +185,7 @@ static void means_of_probes(void **state) {
         snprintf(name, sizeof name, "C33_%s_ratio", probe[k]);
         assert_relative(cell(&t, 0, name), 1.0 + k, 1e-12);
     }
-    assert_true(test_names(sp_table_comment_value(&t, "loose"), "1"));
+    assert_true(test_names(sp_table_get_text(&t, "loose"), "1"));
     sp_table_free(&t);
     for (int k = 0; k < n; k++) { /* names of three dimensions; without moduli no ratio */
         s[k].dim = 3;
@@ -216,7 +216,7 @@ static void what_is_refused_and_left_out(void **state) {
     s[2].failed = true;
     assert_ok(sp_study_table("scaling", MADE, s, NULL, &t, &err));
     assert_int_equal(t.rows, 0);
-    assert_string_equal(sp_table_comment_value(&t, "failed"), "1");
+    assert_string_equal(sp_table_get_text(&t, "failed"), "1");
     sp_table_free(&t);
     assert_ok(sp_study_table("planes", MADE, s, NULL, &t, &err));
     assert_int_equal(t.rows, 0);
@@ -287,8 +287,8 @@ static void kinds_are_kept_apart(void **state) {
     assert_int_equal(t.rows, 24);
     for (int r = 0; r < 24; r++)
         assert_true(cell(&t, r, "samples") == SEEDS / 2);
-    assert_non_null(sp_table_comment_value(&t, "gamma(p=1e-06, width=24, friction=0.5, triangular)"));
-    assert_non_null(sp_table_comment_value(&t, "gamma(p=1e-06, width=24, friction=0.5)"));
+    assert_non_null(sp_table_get_text(&t, "gamma(p=1e-06, width=24, friction=0.5, triangular)"));
+    assert_non_null(sp_table_get_text(&t, "gamma(p=1e-06, width=24, friction=0.5)"));
     sp_table_free(&t);
     s[1] = s[0];
     s[1].kind = SP_PACK_CHAIN;

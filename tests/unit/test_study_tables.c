@@ -81,8 +81,8 @@ static void table_of_speeds(void **state) {
         assert_relative(cell(&t, k, "c_l_err"), 0.1 * sqrt(2.5 / 5), 1e-12);
         assert_close(cell(&t, k, "c_t_err"), 0, 1e-15);
     }
-    assert_close(strtod(sp_table_comment_value(&t, "exponent"), NULL), 1.0 / 6, 1e-6);
-    assert_string_equal(sp_table_comment_value(&t, "failed"), "0");
+    assert_close(strtod(sp_table_get_text(&t, "exponent"), NULL), 1.0 / 6, 1e-6);
+    assert_string_equal(sp_table_get_text(&t, "failed"), "0");
     sp_table_free(&t);
 }
 
@@ -200,7 +200,7 @@ static void groups_with_holes(void **state) {
                                          "c_zero_err", "c_l_err",   "c_t_err"};
     for (int c = 0; c < 7; c++)
         assert_true(isnan(cell(&t, 3, spread[c])));
-    assert_string_equal(sp_table_comment_value(&t, "failed"), "11");
+    assert_string_equal(sp_table_get_text(&t, "failed"), "11");
     sp_table_free(&t);
     assert_ok(sp_study_table("moduli", MADE, s, NULL, &t, &err));
     const int with_moduli[8] = {5, 5, 2, 2, 4, 4, 1, 1};
@@ -250,7 +250,7 @@ static void three_sizes(void **state) {
     assert_ok(sp_study_table("ctof", n, s, NULL, &t, &err));
     assert_true(test_names(t.comment[1], "200 600"));
     assert_close(cell(&t, 0, "samples"), 1, 0);
-    assert_string_equal(sp_table_comment_value(&t, "failed"), "2");
+    assert_string_equal(sp_table_get_text(&t, "failed"), "2");
     sp_table_free(&t);
 }
 

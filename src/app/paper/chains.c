@@ -162,18 +162,11 @@ static sp_status draw(paper *p, int item, const lattice *l, sp_error *err) {
 sp_status sp_paper_make_fig12(paper *p, int item, sp_error *err) {
     lattice l = {0};
     sp_status status = sp_paper_walk(p, PAPER_LATTICE_LONG, 5e-7, 24 * ROWS, 0, lattice_front, &l, err);
-    paper_row row = {.item = item,
-                     .p = 5e-7,
-                     .quantity = "K_wall / K_bulk of the lattice",
-                     .paper = pow(3, 5.0 / 6) / 4,
-                     .paper_sd = 0.005,
-                     .scatter = PAPER_SCATTER_STATED,
-                     .ours = l.wall / l.spring,
-                     .ours_sd = NAN,
-                     .err = 0};
+    const double theory[2] = {pow(3, 5.0 / 6) / 4, 0.005}, ours[2] = {l.wall / l.spring, 0};
     if (status == SP_OK)
-        status = sp_paper_add_row(p, row, err);
-    if (status == SP_OK && fabs(l.spring / l.wall - row.paper) < row.paper_sd)
+        status = sp_paper_add_stated(p, item, 5e-7, PAPER_SCATTER_STATED, theory, ours, err,
+                                     "K_wall / K_bulk of the lattice");
+    if (status == SP_OK && fabs(l.spring / l.wall - theory[0]) < theory[1])
         sp_paper_say(
             p, item,
             "The walls' springs are %.3f times as stiff as those between rows, which is Hertz's law for rigid walls; "

@@ -77,57 +77,39 @@ static double uneven_speed(const paper_set *set, bool friction, double pressure,
     return speed;
 }
 
-/* At P* >= 1, speed and contacts are those of the perfect lattice. */
-static sp_status claim_recovered(paper *p, double pressure, double reduced, sp_error *err) {
+/* At P* >= 1, speed and contacts are those of the perfect lattice. Below that, disorder has an effect. */
+static sp_status claim_uneven(paper *p, bool friction, double pressure, double reduced, sp_error *err) {
     const paper_set *set = &p->set[PAPER_UNEVEN];
-    sp_status status = SP_OK;
-    for (int friction = 0; friction < 2 && status == SP_OK; friction++) {
-        const char *kind = friction ? "friction" : "smooth";
-        const double perfect = sp_paper_lattice_small(p, friction, pressure);
-        double error;
-        const double speed = uneven_speed(set, friction, pressure, &error);
-        paper_claim claim = {.where = "Sec. IV D",
-                             .relation = PAPER_EQUAL,
-                             .limit = 1,
-                             .within = 0.02,
-                             .p = pressure,
-                             .samples = mean_over(set, friction, pressure, HIGH, SP_WANT_CTOF, t10).n,
-                             .note = "effects of polydispersity disappear as P* grows beyond 1: c_tof over that of the "
-                                     "lattice of equal balls, both from L = 8 and 24; to 2% is meant here"};
-        status = sp_paper_add_claim(p, &claim, speed / perfect, error / perfect, err,
-                                    "P* = %g, %s: c over the lattice's", reduced, kind);
-        const paper_sum z = mean_over(set, friction, pressure, HIGH, SP_WANT_STATICS, zs);
-        claim.where = "Sec. VI";
-        claim.limit = 6;
-        claim.within = 0.1;
-        claim.note = "the coordination number only recovers the perfect lattice's at P* >= 1: to 0.1 is meant here";
-        if (status == SP_OK)
-            status = sp_paper_add_claim(p, &claim, sp_paper_sum_mean(&z), sp_paper_sum_err(&z), err,
-                                        "P* = %g, %s: contacts z*", reduced, kind);
+    const char *kind = friction ? "friction" : "smooth";
+    const double perfect = sp_paper_lattice_small(p, friction, pressure);
+    double error;
+    const double speed = uneven_speed(set, friction, pressure, &error);
+    paper_claim claim = {.where = "Sec. VI",
+                         .relation = PAPER_BELOW,
+                         .limit = 0.98,
+                         .p = pressure,
+                         .samples = mean_over(set, friction, pressure, HIGH, SP_WANT_CTOF, t10).n,
+                         .note = "recruitment of contacts stiffens a lattice of unequal balls: below P* = 1 it is "
+                                 "slower than the perfect one, by 2% is meant here"};
+    if (reduced >= 1) {
+        claim.where = "Sec. IV D";
+        claim.relation = PAPER_EQUAL;
+        claim.limit = 1;
+        claim.within = 0.02;
+        claim.note = "effects of polydispersity disappear as P* grows beyond 1: c_tof over that of the lattice of "
+                     "equal balls, both from L = 8 and 24; to 2% is meant here";
     }
-    return status;
-}
-
-/* At P* = 0.1, disorder has an effect. */
-static sp_status claim_disorder(paper *p, double pressure, double reduced, sp_error *err) {
-    const paper_set *set = &p->set[PAPER_UNEVEN];
-    sp_status status = SP_OK;
-    for (int friction = 0; friction < 2 && status == SP_OK; friction++) {
-        const char *kind = friction ? "friction" : "smooth";
-        double error;
-        const double perfect = sp_paper_lattice_small(p, friction, pressure),
-                     speed = uneven_speed(set, friction, pressure, &error);
-        paper_claim claim = {.where = "Sec. VI",
-                             .relation = PAPER_BELOW,
-                             .limit = 0.98,
-                             .p = pressure,
-                             .samples = mean_over(set, friction, pressure, HIGH, SP_WANT_CTOF, t10).n,
-                             .note = "recruitment of contacts stiffens a lattice of unequal balls: below P* = 1 it is "
-                                     "slower than the perfect one, by 2% is meant here"};
-        status = sp_paper_add_claim(p, &claim, speed / perfect, error / perfect, err,
-                                    "P* = %g, %s: c over the lattice's", reduced, kind);
-    }
-    return status;
+    sp_status status = sp_paper_add_claim(p, &claim, speed / perfect, error / perfect, err,
+                                          "P* = %g, %s: c over the lattice's", reduced, kind);
+    if (status != SP_OK || reduced < 1)
+        return status;
+    const paper_sum z = mean_over(set, friction, pressure, HIGH, SP_WANT_STATICS, zs);
+    claim.where = "Sec. VI";
+    claim.limit = 6;
+    claim.within = 0.1;
+    claim.note = "the coordination number only recovers the perfect lattice's at P* >= 1: to 0.1 is meant here";
+    return sp_paper_add_claim(p, &claim, sp_paper_sum_mean(&z), sp_paper_sum_err(&z), err, "P* = %g, %s: contacts z*",
+                              reduced, kind);
 }
 
 /* z* at the two lowest pressures, and its limit at p = 0 from z0 + a sqrt(p). */
@@ -159,11 +141,11 @@ static sp_status claim_four(paper *p, sp_error *err) {
 }
 
 sp_status sp_paper_claim_unequal(paper *p, sp_error *err) {
-    /* diameters of PAPER_UNEVEN: P* = 3 p/alpha^(3/2) is 0.1, 1 and 10 */
-    sp_status status = claim_disorder(p, 1e-6, 0.1, err);
-    if (status == SP_OK)
-        status = claim_recovered(p, 1e-5, 1, err);
-    if (status == SP_OK)
-        status = claim_recovered(p, 1e-4, 10, err);
+    /* pressures of PAPER_UNEVEN, and P* = 3 p/alpha^(3/2) */
+    static const double pressure[][2] = {{1e-6, 0.1}, {1e-5, 1}, {1e-4, 10}};
+    sp_status status = SP_OK;
+    for (int k = 0; k < 3; k++)
+        for (int friction = 0; friction < 2 && status == SP_OK; friction++)
+            status = claim_uneven(p, friction, pressure[k][0], pressure[k][1], err);
     return status == SP_OK ? claim_four(p, err) : status;
 }

@@ -1,9 +1,9 @@
 /* Checks claims on soft modes and on damping. */
 #include "paper/claims.h"
+#include "paper/signals.h"
 
 #include <math.h>
 #include <sonopack/modes.h>
-#include <sonopack/signal.h>
 
 enum { PACKINGS = 10 }; /* the first packings of each ensemble */
 
@@ -72,23 +72,8 @@ typedef struct damping {
 
 static sp_status damped_front(const sp_network *net, double level, sp_front *front, sp_signal *out, sp_error *err) {
     const sp_front_options rule = sp_front_options_default();
-    sp_signal_options options = sp_signal_options_default();
-    options.until = until;
-    options.points = POINTS;
-    options.damping = level;
-    options.tolerance = 1e-6;
-    sp_status status = sp_signal_make(net, &options, out, err);
+    const sp_status status = sp_paper_damped_signal(net, level, until, POINTS, out, err);
     return status == SP_OK ? sp_front_find(out->n, out->t, out->f, &rule, front, err) : status;
-}
-
-static double rms_after(const sp_signal *s, double time) {
-    double sum = 0, n = 0;
-    for (int32_t k = 0; k < s->n; k++)
-        if (s->t[k] > time) {
-            sum += s->f[k] * s->f[k];
-            n++;
-        }
-    return sqrt(sum / n);
 }
 
 static sp_status add_damping(const sp_sample *sample, const sp_packing *packing, const sp_network *net, void *user,
@@ -98,13 +83,13 @@ static sp_status add_damping(const sp_sample *sample, const sp_packing *packing,
     sp_signal bare = sp_signal_none();
     sp_front first;
     sp_status status = damped_front(net, 0, &first, &bare, err);
-    const double rest0 = status == SP_OK ? rms_after(&bare, first.t_zero) : NAN;
+    const double rest0 = status == SP_OK ? sp_paper_rms_after(&bare, first.t_zero) : NAN;
     for (int k = 0; k < LEVELS && status == SP_OK; k++) {
         sp_signal s = sp_signal_none();
         sp_front front;
         status = damped_front(net, zeta[k], &front, &s, err);
         if (status == SP_OK) {
-            const double peak = front.amplitude / first.amplitude, rest = rms_after(&s, first.t_zero) / rest0;
+            const double peak = front.amplitude / first.amplitude, rest = sp_paper_rms_after(&s, first.t_zero) / rest0;
             sp_paper_sum_add(&d->peak[k], peak);
             sp_paper_sum_add(&d->rest[k], rest);
             sp_paper_sum_add(&d->losses[k], (1 - peak) / (1 - rest));

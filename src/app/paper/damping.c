@@ -1,9 +1,7 @@
 /* Makes Fig. 11: damped signals. */
-#include "base/base.h"
-#include "paper/paper.h"
+#include "paper/signals.h"
 
 #include <math.h>
-#include <sonopack/signal.h>
 #include <stdio.h>
 
 enum { LEVELS = 4, CURVES = 2, POINTS = 601 };
@@ -26,11 +24,10 @@ static sp_status make_signals(const sp_sample *s, const sp_packing *packing, con
         options.until = until;
         options.points = POINTS;
         options.damping = zeta[k];
-        options.tolerance = 1e-6;
-        status = sp_signal_make(net, &options, &d->linear[k], err);
         options.method = SP_SIGNAL_DYNAMICS;
         options.tolerance = 1e-2;
         options.amplitude = 1e-4;
+        status = sp_paper_damped_signal(net, zeta[k], until, POINTS, &d->linear[k], err);
         if (status == SP_OK)
             status = sp_signal_dynamics(packing, net, &options, &d->full[k], err);
         if (status == SP_OK)
@@ -71,27 +68,17 @@ static sp_status draw(damped *d, sp_error *err) {
         err);
 }
 
-/* First peak, and root mean square after the first zero crossing of the undamped signal. */
-static void describe(const sp_signal *s, double zero, double *peak, double *rest) {
+static double first_peak(const sp_signal *s) {
     sp_front front;
-    sp_front_options rule = sp_front_options_default();
-    int64_t n = 0;
-    *peak = sp_front_find(s->n, s->t, s->f, &rule, &front, NULL) == SP_OK ? front.amplitude : NAN;
-    *rest = 0;
-    for (int32_t k = 0; k < s->n; k++)
-        if (s->t[k] > zero) {
-            *rest += s->f[k] * s->f[k];
-            n++;
-        }
-    *rest = n > 0 ? sqrt(*rest / (double)n) : NAN;
+    const sp_front_options rule = sp_front_options_default();
+    return sp_front_find(s->n, s->t, s->f, &rule, &front, NULL) == SP_OK ? front.amplitude : NAN;
 }
 
 static void say_damping(damped *d, double zero) {
-    double peak0, rest0;
-    describe(&d->linear[0], zero, &peak0, &rest0);
+    const double peak0 = first_peak(&d->linear[0]), rest0 = sp_paper_rms_after(&d->linear[0], zero);
     for (int k = 1; k < LEVELS; k++) {
-        double peak, rest, apart = 0;
-        describe(&d->linear[k], zero, &peak, &rest);
+        const double peak = first_peak(&d->linear[k]), rest = sp_paper_rms_after(&d->linear[k], zero);
+        double apart = 0;
         for (int32_t i = 0; i < POINTS; i++)
             apart = fmax(apart, fabs(d->linear[k].f[i] - d->full[k].f[i]));
         sp_paper_say(

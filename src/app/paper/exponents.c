@@ -7,18 +7,24 @@
 
 /* ---- Table III -------------------------------------------------------------------------------------------------- */
 
-static sp_status add_exponent(paper *p, const char *quantity, double value, double precision, paper_scatter scatter,
-                              paper_line ours, sp_error *err) {
-    paper_row row = {.item = PAPER_TABLE_3,
-                     .p = NAN,
-                     .paper = value,
-                     .paper_sd = precision,
-                     .scatter = scatter,
-                     .ours = ours.slope,
-                     .ours_sd = NAN,
-                     .err = ours.err};
-    snprintf(row.quantity, sizeof row.quantity, "%s", quantity);
-    return sp_paper_add_row(p, row, err);
+static paper_line negative(paper_line line) {
+    line.slope = -line.slope;
+    return line;
+}
+
+/* Exponents gamma of the amplitude and alpha of the width, and the precision of the wording. */
+typedef struct exponents {
+    double gamma, alpha, precision;
+} exponents;
+
+static sp_status add_exponents(paper *p, const char *system, exponents stated, paper_scatter scatter,
+                               const paper_line *gamma, const paper_line *alpha, sp_error *err) {
+    const double value[2][2] = {{stated.gamma, stated.precision}, {stated.alpha, stated.precision}},
+                 ours[2][2] = {{gamma->slope, gamma->err}, {alpha->slope, alpha->err}};
+    sp_status status = sp_paper_add_stated(p, PAPER_TABLE_3, NAN, scatter, value[0], ours[0], err, "gamma, %s", system);
+    if (status == SP_OK)
+        status = sp_paper_add_stated(p, PAPER_TABLE_3, NAN, scatter, value[1], ours[1], err, "alpha, %s", system);
+    return status;
 }
 
 /* Local exponents between chains of 500,000 and 1,000,000 balls. */
@@ -33,46 +39,34 @@ static sp_status add_uniform_chain(paper *p, sp_chain_source source, sp_error *e
         return status;
     const paper_line gamma = {.slope = log(half.amplitude / whole.amplitude) / log(2.0), .err = 0},
                      alpha = {.slope = log(whole.width / half.width) / log(2.0), .err = 0};
-    status = add_exponent(p, velocity ? "gamma, equal chain A" : "gamma, equal chain B", velocity ? 2.0 / 3 : 1, 0.001,
-                          PAPER_SCATTER_STATED, gamma, err);
-    if (status == SP_OK)
-        status = add_exponent(p, velocity ? "alpha, equal chain A" : "alpha, equal chain B", 1.0 / 3, 0.001,
-                              PAPER_SCATTER_STATED, alpha, err);
-    return status;
+    return add_exponents(p, velocity ? "equal chain A" : "equal chain B",
+                         (exponents){velocity ? 2.0 / 3 : 1, 1.0 / 3, 0.001}, PAPER_SCATTER_STATED, &gamma, &alpha,
+                         err);
 }
 
-static paper_line negative(paper_line line) {
-    line.slope = -line.slope;
-    return line;
+/* Exponents of fits through the fronts at several distances. */
+static sp_status add_fits(paper *p, const char *system, exponents stated, paper_scatter scatter, int n,
+                          const paper_distance *d, sp_error *err) {
+    const paper_line gamma = negative(sp_paper_power(n, d, sp_paper_amplitude)),
+                     alpha = sp_paper_power(n, d, sp_paper_width);
+    return add_exponents(p, system, stated, scatter, &gamma, &alpha, err);
 }
 
 static sp_status add_unequal_chain(paper *p, paper_ensemble e, sp_error *err) {
     paper_distance d[PAPER_DISTANCES];
     int n = 0;
-    char name[48];
-    const double spread = sp_paper_chain_spread(e);
+    char name[40];
     sp_status status = sp_paper_chains(p, e, &n, d, err);
-    if (status != SP_OK)
-        return status;
-    snprintf(name, sizeof name, "gamma, chain 1+-%.1f A", spread);
-    status = add_exponent(p, name, 2.0 / 3, 0.01, PAPER_SCATTER_BOUND,
-                          negative(sp_paper_power(n, d, sp_paper_amplitude)), err);
-    snprintf(name, sizeof name, "alpha, chain 1+-%.1f A", spread);
-    if (status == SP_OK)
-        status = add_exponent(p, name, 1.0 / 3, 0.01, PAPER_SCATTER_BOUND, sp_paper_power(n, d, sp_paper_width), err);
-    return status;
+    snprintf(name, sizeof name, "chain 1+-%.1f A", sp_paper_chain_spread(e));
+    return status == SP_OK ? add_fits(p, name, (exponents){2.0 / 3, 1.0 / 3, 0.01}, PAPER_SCATTER_BOUND, n, d, err)
+                           : status;
 }
 
 /* "about 1.5" and "close to linear" are taken as +- 0.25. */
 static sp_status add_boxes(paper *p, int n, const paper_distance *d, const char *range, sp_error *err) {
-    char name[48];
-    snprintf(name, sizeof name, "gamma, 2D packings A, %s", range);
-    sp_status status =
-        add_exponent(p, name, 1.5, 0.25, PAPER_SCATTER_STATED, negative(sp_paper_power(n, d, sp_paper_amplitude)), err);
-    snprintf(name, sizeof name, "alpha, 2D packings A, %s", range);
-    if (status == SP_OK)
-        status = add_exponent(p, name, 1, 0.25, PAPER_SCATTER_STATED, sp_paper_power(n, d, sp_paper_width), err);
-    return status;
+    char name[40];
+    snprintf(name, sizeof name, "2D packings A, %s", range);
+    return add_fits(p, name, (exponents){1.5, 1, 0.25}, PAPER_SCATTER_STATED, n, d, err);
 }
 
 static void say_local(paper *p, int item, int n, const paper_distance *d) {
@@ -113,10 +107,9 @@ sp_status sp_paper_make_exponents(paper *p, int item, sp_error *err) {
 /* ---- Fig. 7 ----------------------------------------------------------------------------------------------------- */
 
 enum {
-    SYSTEMS = 5,
-    EXACT = 24
-}; /* SYSTEMS: boxes, chains of equal balls, three ensembles of chains of unequal balls. EXACT: number of lengths of
-      chains of equal balls. */
+    SYSTEMS = 5, /* boxes, chains of equal balls, three ensembles of chains of unequal balls */
+    EXACT = 24   /* number of lengths of chains of equal balls */
+};
 
 /* One system: values against distance, and local exponents between neighbouring distances. */
 typedef struct scaling {

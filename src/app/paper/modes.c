@@ -32,11 +32,6 @@ static bool pick(const sp_modes *m, int64_t out[PICKED]) {
     return true;
 }
 
-typedef struct spectrum {
-    paper *p;
-    int item;
-} spectrum;
-
 static sp_status make_modes(const sp_network *net, sp_modes *out, int64_t picked[PICKED], sp_error *err) {
     sp_modes_options options = sp_modes_options_default();
     options.vectors = true;
@@ -81,7 +76,7 @@ static sp_status points_make(const sp_modes *m, const int64_t picked[PICKED], po
 
 /* Adds the modes of an elastic strip with the moduli and density of the packing. Adds nothing if the packing has no
  * bulk moduli. */
-static sp_status add_bodies(const spectrum *s, const sp_sample *sample, const sp_network *net, points *out,
+static sp_status add_bodies(const paper_work *s, const sp_sample *sample, const sp_network *net, points *out,
                             sp_error *err) {
     sp_continuum c = sp_continuum_none();
     out->bodies = 0;
@@ -110,7 +105,7 @@ static sp_curve circles(int n, const double *x, const double *y) {
     return (sp_curve){.n = n, .x = x, .y = y, .ink = 2, .dash = SP_DASH_NONE, .mark = SP_MARK_CIRCLE, .open = true};
 }
 
-static sp_status draw_spectrum(const spectrum *s, const sp_modes *m, const points *q, sp_error *err) {
+static sp_status draw_spectrum(const paper_work *s, const sp_modes *m, const points *q, sp_error *err) {
     const int64_t from = m->n_zero > 2 ? m->n_zero - 2 : 0;
     const sp_curve small[3] = {
         {.n = LOWEST,
@@ -151,7 +146,7 @@ static sp_status draw_spectrum(const spectrum *s, const sp_modes *m, const point
 static sp_status make_spectrum(const sp_sample *sample, const sp_packing *packing, const sp_network *net, void *user,
                                sp_error *err) {
     (void)packing;
-    spectrum *s = user;
+    paper_work *s = user;
     sp_modes m = sp_modes_none();
     points q = {0};
     int64_t picked[PICKED];
@@ -174,7 +169,7 @@ static sp_status make_spectrum(const sp_sample *sample, const sp_packing *packin
 }
 
 sp_status sp_paper_make_fig9(paper *p, int item, sp_error *err) {
-    spectrum s = {p, item};
+    paper_work s = {p, item};
     return sp_paper_walk(p, PAPER_SQUARE, 1e-4, 0, 1, make_spectrum, &s, err);
 }
 
@@ -206,7 +201,7 @@ static sp_status save_displacements(paper *p, const sp_packing *packing, const s
     return status;
 }
 
-static sp_status draw_mode(const spectrum *s, const sp_packing *packing, const sp_network *net, const sp_modes *m,
+static sp_status draw_mode(const paper_work *s, const sp_packing *packing, const sp_network *net, const sp_modes *m,
                            int64_t number, int letter, sp_error *err) {
     static const char *const why[PICKED] = {"the lowest above zero", "the second above zero",
                                             "strong in the signal",  "strong in the signal",
@@ -232,7 +227,7 @@ static sp_status draw_mode(const spectrum *s, const sp_packing *packing, const s
 static sp_status make_six(const sp_sample *sample, const sp_packing *packing, const sp_network *net, void *user,
                           sp_error *err) {
     (void)sample;
-    spectrum *s = user;
+    paper_work *s = user;
     sp_modes m = sp_modes_none();
     int64_t picked[PICKED];
     sp_status status = make_modes(net, &m, picked, err);
@@ -259,6 +254,6 @@ static sp_status make_six(const sp_sample *sample, const sp_packing *packing, co
 }
 
 sp_status sp_paper_make_fig10(paper *p, int item, sp_error *err) {
-    spectrum s = {p, item};
+    paper_work s = {p, item};
     return sp_paper_walk(p, PAPER_SQUARE, 1e-4, 0, 1, make_six, &s, err);
 }

@@ -32,14 +32,20 @@ typedef struct paper {
     sp_store *store;
     sp_paper_watch watch;
     void *user;
-    double begun, cost,
-        cost_done; /* begun: wall clock. CPU seconds expected of all ensembles, and of those that are finished */
+    double begun;           /* wall clock */
+    double cost, cost_done; /* CPU seconds expected of all ensembles, and of the finished ones */
     int64_t computed, failed;
     int64_t rows;
     paper_row *row;
     paper_set set[PAPER_ENSEMBLES];
     paper_section section[SP_PAPER_ITEMS];
 } paper;
+
+/* User data of a walk over samples for one item. */
+typedef struct paper_work {
+    paper *p;
+    int item;
+} paper_work;
 
 /* An ensemble that an item requires. drawn: only for its figures. */
 typedef struct paper_need {
@@ -82,6 +88,11 @@ sp_status sp_paper_walk(paper *p, paper_ensemble e, double pressure, int32_t gra
 
 /* Judges a row and adds it. */
 sp_status sp_paper_add_row(paper *p, paper_row row, sp_error *err);
+/* Adds a row for a number that the paper states in words. value: {number, precision of the wording}, ours: {value,
+ * standard error}. quantity: printf-style. */
+sp_status sp_paper_add_stated(paper *p, int item, double pressure, paper_scatter scatter, const double value[2],
+                              const double ours[2], sp_error *err, const char *quantity, ...)
+    __attribute__((format(printf, 8, 9)));
 /* Adds a sentence about our result; plain text, printf-style. */
 void sp_paper_say(paper *p, int item, const char *format, ...) __attribute__((format(printf, 3, 4)));
 

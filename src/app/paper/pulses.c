@@ -153,6 +153,8 @@ sp_status sp_paper_make_fig5(paper *p, int item, sp_error *err) {
 
 enum { MARKS = 3, FITS = 2 }; /* FITS: lines through boxes up to L = 60, and through all */
 
+static const sp_mark shapes[MARKS] = {SP_MARK_TRIANGLE, SP_MARK_CIRCLE, SP_MARK_SQUARE};
+
 typedef struct arrivals {
     int n;
     double distance[PAPER_DISTANCES], time[MARKS][PAPER_DISTANCES], time_err[MARKS][PAPER_DISTANCES];
@@ -183,16 +185,9 @@ static void arrivals_fill(int n, const paper_distance *d, arrivals *out) {
 
 static sp_status add_slope(paper *p, int item, const arrivals *a, int fit, sp_error *err) {
     const paper_line *line = &a->line[fit];
-    paper_row row = {.item = item,
-                     .p = 1e-4,
-                     .paper = 0.25,
-                     .paper_sd = 0.005,
-                     .scatter = PAPER_SCATTER_STATED,
-                     .ours = 1 / line->slope,
-                     .ours_sd = NAN,
-                     .err = line->err / (line->slope * line->slope)};
-    snprintf(row.quantity, sizeof row.quantity, "c_tof, slope of t10 over %s", fit == 0 ? "L 8 to 50" : "L 8 to 100");
-    return sp_paper_add_row(p, row, err);
+    const double value[2] = {0.25, 0.005}, ours[2] = {1 / line->slope, line->err / (line->slope * line->slope)};
+    return sp_paper_add_stated(p, item, 1e-4, PAPER_SCATTER_STATED, value, ours, err, "c_tof, slope of t10 over %s",
+                               fit == 0 ? "L 8 to 50" : "L 8 to 100");
 }
 
 static void say_steps(paper *p, int item, const arrivals *a) {
@@ -211,7 +206,6 @@ static void say_steps(paper *p, int item, const arrivals *a) {
 /* Curves of the inset: the signal of the packing of Fig. 1 and its three marks. */
 static void inset_curves(const paper_signals *s, const sp_front *front, double mark[MARKS][2],
                          sp_curve out[1 + MARKS]) {
-    static const sp_mark shapes[MARKS] = {SP_MARK_TRIANGLE, SP_MARK_CIRCLE, SP_MARK_SQUARE};
     const double time[MARKS] = {front->t10, front->t_peak, front->t_zero},
                  force[MARKS] = {0.1 * front->amplitude, front->amplitude, 0};
     out[0] = (sp_curve){.n = s->points, .x = s->t, .y = s->single, .width = 0.7};
@@ -230,7 +224,6 @@ static void inset_curves(const paper_signals *s, const sp_front *front, double m
 
 static sp_status draw_arrivals(paper *p, int item, const arrivals *a, sp_error *err) {
     static const char *const labels[MARKS] = {"arrival (10% of the peak)", "peak", "zero crossing"};
-    static const sp_mark shapes[MARKS] = {SP_MARK_TRIANGLE, SP_MARK_CIRCLE, SP_MARK_SQUARE};
     sp_curve curve[MARKS + FITS], small[MARKS + 1];
     double mark[MARKS][2];
     char label[FITS][64];

@@ -39,6 +39,23 @@ sp_status sp_paper_add_row(paper *p, paper_row row, sp_error *err) {
     return SP_OK;
 }
 
+sp_status sp_paper_add_stated(paper *p, int item, double pressure, paper_scatter scatter, const double value[2],
+                              const double ours[2], sp_error *err, const char *quantity, ...) {
+    paper_row row = {.item = item,
+                     .p = pressure,
+                     .paper = value[0],
+                     .paper_sd = value[1],
+                     .scatter = scatter,
+                     .ours = ours[0],
+                     .ours_sd = NAN,
+                     .err = ours[1]};
+    va_list args;
+    va_start(args, quantity);
+    vsnprintf(row.quantity, sizeof row.quantity, quantity, args);
+    va_end(args);
+    return sp_paper_add_row(p, row, err);
+}
+
 void sp_paper_say(paper *p, int item, const char *format, ...) {
     char line[1200];
     va_list args;

@@ -87,3 +87,23 @@ double sp_paper_signals_peak(const paper_signals *s) {
         largest = fmax(largest, s->mean[k]);
     return largest > 0 ? largest : 1;
 }
+
+sp_status sp_paper_damped_signal(const sp_network *net, double damping, double until, int32_t points, sp_signal *out,
+                                 sp_error *err) {
+    sp_signal_options options = sp_signal_options_default();
+    options.until = until;
+    options.points = points;
+    options.damping = damping;
+    options.tolerance = 1e-6;
+    return sp_signal_make(net, &options, out, err);
+}
+
+double sp_paper_rms_after(const sp_signal *s, double time) {
+    double sum = 0, n = 0;
+    for (int32_t k = 0; k < s->n; k++)
+        if (s->t[k] > time) {
+            sum += s->f[k] * s->f[k];
+            n++;
+        }
+    return sqrt(sum / n);
+}

@@ -26,4 +26,10 @@ void sp_paper_signals_over(paper_signals *s, double by);
 /* Height of the first peak of the mean; its largest value if there is no front. */
 double sp_paper_signals_peak(const paper_signals *s);
 
+/* Signal of a network with viscous damping, a fraction of critical. */
+sp_status sp_paper_damped_signal(const sp_network *net, double damping, double until, int32_t points, sp_signal *out,
+                                 sp_error *err);
+/* Root mean square of a signal after a time; NAN if it ends before. */
+double sp_paper_rms_after(const sp_signal *s, double time);
+
 #endif

@@ -9,11 +9,6 @@
 
 static const double snapshot_time = 80; /* time in the paper */
 
-typedef struct snapshot {
-    paper *p;
-    int item;
-} snapshot;
-
 static sp_status save_field(paper *p, const sp_packing *packing, const sp_network *net, const double *u,
                             sp_error *err) {
     static const char *const column[] = {"grain", "x", "y", "radius", "u_x", "u_y", "angle"};
@@ -33,8 +28,8 @@ static sp_status save_field(paper *p, const sp_packing *packing, const sp_networ
     return status;
 }
 
-/* Reports root mean square displacements, vertical and horizontal, in each quarter of the height. */
-static void say_layers(const snapshot *s, const sp_packing *packing, const sp_network *net, const double *u) {
+/* Reports root mean square displacements, in the vertical direction, in each quarter of the height. */
+static void say_layers(const paper_work *s, const sp_packing *packing, const sp_network *net, const double *u) {
     enum { PARTS = 4 };
     double sum[PARTS] = {0}, count[PARTS] = {0}, rms[PARTS];
     const double height = sp_packing_height(packing);
@@ -56,7 +51,7 @@ static void say_layers(const snapshot *s, const sp_packing *packing, const sp_ne
 static sp_status draw(const sp_sample *sample, const sp_packing *packing, const sp_network *net, void *user,
                       sp_error *err) {
     (void)sample;
-    snapshot *s = user;
+    paper_work *s = user;
     const sp_field_options spec = {.source = SP_SOURCE_IMPULSE, .times = 1, .t = &snapshot_time, .threads = 1};
     const size_t dofs = (size_t)sp_network_dofs(net);
     char path[SP_PATH_MAX];
@@ -81,6 +76,6 @@ static sp_status draw(const sp_sample *sample, const sp_packing *packing, const 
 }
 
 sp_status sp_paper_make_fig3(paper *p, int item, sp_error *err) {
-    snapshot s = {p, item};
+    paper_work s = {p, item};
     return sp_paper_walk(p, PAPER_SQUARE, 1e-4, 0, 1, draw, &s, err);
 }

@@ -77,18 +77,10 @@ static void small_lattices(const paper *p, bool friction, speeds *out) {
 
 /* ---- rows ------------------------------------------------------------------------------------------------------- */
 
-static sp_status add_stated(paper *p, int item, double pressure, const char *quantity, double value, double precision,
+static sp_status add_stated(paper *p, int item, double pressure, const char *quantity, double number, double precision,
                             const double ours[2], sp_error *err) {
-    paper_row row = {.item = item,
-                     .p = pressure,
-                     .paper = value,
-                     .paper_sd = precision,
-                     .scatter = PAPER_SCATTER_STATED,
-                     .ours = ours[0],
-                     .ours_sd = NAN,
-                     .err = ours[1]};
-    snprintf(row.quantity, sizeof row.quantity, "%s", quantity);
-    return sp_paper_add_row(p, row, err);
+    const double value[2] = {number, precision};
+    return sp_paper_add_stated(p, item, pressure, PAPER_SCATTER_STATED, value, ours, err, "%s", quantity);
 }
 
 /* Exponent of p and its standard error. */

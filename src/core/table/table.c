@@ -121,8 +121,6 @@ int sp_table_find_column(const sp_table *t, const char *name) {
     return -1;
 }
 
-const char *sp_table_comment_value(const sp_table *t, const char *key) { return sp_table_get_text(t, key); }
-
 double sp_table_number(const sp_table *t, int64_t row, int column) {
     const sp_cell *cell = &t->cells[row * t->columns + column];
     switch (t->column[column].kind) {
