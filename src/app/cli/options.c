@@ -124,7 +124,7 @@ static int find_option(const reading *r, int key) {
 static sp_status set_option(const cli_option *o, void *arguments, const char *text, sp_error *err) {
     char name[64];
     void *field = (char *)arguments + o->field;
-    snprintf(name, sizeof name, "--%s", o->name);
+    snprintf(name, sizeof name, o->alias ? "--%s (--%s)" : "--%s", o->name, o->alias);
     switch (o->kind) {
     case CLI_FLAG: *(bool *)field = true; break;
     case CLI_TEXT: *(const char **)field = text; break;
