@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""The tapped column as one would solve it without a program for it: Newton's equations (19) of Blackmore et al.
-(J. Mech. Mater. Struct. 6, 2011) by the solvers of SciPy's solve_ivp, restarted where the floor's velocity jumps.
+"""The tapped column with general tools: Newton's equations (19) of Blackmore et al. (J. Mech. Mater. Struct. 6, 2011)
+by the solvers of SciPy's solve_ivp, restarted where the velocity of the floor jumps.
 
     column_rival.py METHOD RTOL ALPHA [--particles N] [--period T] [--taps n] [--limit s] [--strobe TRANSIENT]
 
-METHOD: RK45, DOP853, LSODA, Radau. ALPHA: tanh(ALPHA w) for the sign of the opening velocity; inf: the sign itself.
-Times count without the start of Python. Comments: calls of the right-hand side, CPU seconds, time reached; then rows
-t y1 .. yN every T/100, or with --strobe at .99T of each tap after so many.
+METHOD: RK45, DOP853, LSODA, Radau. ALPHA: tanh(ALPHA w) replaces the sign of the opening velocity; inf: the sign
+itself. Times exclude the start of Python. The comments give the calls of the right-hand side, CPU seconds and the time
+reached. The rows are t y1 .. yN every T/100, or with --strobe at .99T of each tap after the transient ones.
 """
 import argparse
 import math
@@ -56,7 +56,7 @@ def pieces(taps, period):
 
 
 def solve(column, make, rtol, taps, period, rows, limit):
-    """Positions at the rows that were reached, the time reached, and what stopped it."""
+    """Positions at the rows reached, the time reached, and the reason for stopping."""
     state, found, begun = column.rest(), [], time.process_time()
     for begin, end, column.tapping in pieces(taps, period):
         if column.tapping:

@@ -1,4 +1,4 @@
-"""What the measuring scripts of this folder share: runs of commands with their CPU time, and tables."""
+"""Shared by the measuring scripts of this folder: runs of commands with their CPU time, and tables."""
 import concurrent.futures
 import contextlib
 import dataclasses
@@ -50,7 +50,7 @@ class Runner:
                 process = subprocess.Popen(command, cwd=cwd, stdin=subprocess.DEVNULL, stdout=out, stderr=err,
                                            env={**os.environ, **ONE_THREAD})
                 self.running.add(process)
-            with contextlib.suppress(OSError, ValueError):  # a stricter bound holds already
+            with contextlib.suppress(OSError, ValueError):  # a stricter bound is in force
                 resource.prlimit(process.pid, resource.RLIMIT_CPU, (self.limit, self.limit + 5))
             # wait4 and not wait: the CPU time of this child alone, whatever else runs
             _, status, usage = os.wait4(process.pid, 0)
@@ -79,13 +79,13 @@ class Runner:
 
 
 def table_rows(text):
-    """Rows of a TSV table as dictionaries, comments passed over."""
+    """Rows of a TSV table as dictionaries, without the comments."""
     lines = [line.split("\t") for line in text.splitlines() if line.strip() and not line.startswith("#")]
     return [dict(zip(lines[0], line)) for line in lines[1:]] if lines else []
 
 
 def pack_command(command, seed, settings, path, threads=1):
-    """The command line of a packing; settings: a list of key=value, later ones are stronger."""
+    """The command line of a packing; settings: a list of key=value, of which later ones override earlier ones."""
     options = [word for setting in settings for word in ("--set", setting)]
     return [command, "pack", "-q", "--force", f"--threads={threads}", f"--seed={seed}", *options, "-o", path]
 
@@ -116,7 +116,7 @@ def version(command):
 
 
 def write(lines, path):
-    """Lines to a file, or to stdout without one; a file has its name only when it is whole."""
+    """Writes lines to a file, or to stdout without one; a file gets its name only when complete."""
     text = "".join(line + "\n" for line in lines)
     if not path:
         print(text, end="")

@@ -1,17 +1,17 @@
 #!/usr/bin/python3
-"""What the packings of a protocol are like, and cost: means of all quantities of Tables I and II of Somfai et al. 2005,
+"""Properties and cost of the packings of a protocol: means of all quantities of Tables I and II of Somfai et al. 2005,
 of t10 and, with --ctof, of c_tof, beside the paper's and beside those of another protocol.
 
     protocol.py build/release/sonopack --samples 60 --ctof -o default.tsv
     protocol.py build/release/sonopack --samples 60 --ctof --set 'packing.protocol="somfai2005"' \\
         --against default.tsv -o somfai2005.tsv
 
-A line a pressure and quantity: mean, median, standard deviation of a sample, standard error of the mean; the paper's
-mean and standard deviation; the deviation from the paper in its standard deviations, or in ours where it gives none.
-With --against: the difference to the other file's mean, in standard errors of the difference (of independent samples).
-CPU: user seconds of the whole command, one thread. c_tof = (<H2> - <H1>)/(<t10>_2 - <t10>_1) between boxes of 200 and
-600 grains. The paper gives 0.25 and 0.26 for it at p = 1e-4, growing as p^(1/6), and no standard deviation: compared
-with 0.255 (p/1e-4)^(1/6).
+Each pressure and quantity has a row: mean, median, standard deviation of a sample, standard error of the mean; the
+paper's mean and standard deviation; the deviation from the paper in its standard deviations, or in ours where it gives
+none. With --against: the difference to the other file's mean, in standard errors of the difference (of independent
+samples). CPU: user seconds of the whole command, one thread. c_tof = (<H2> - <H1>)/(<t10>_2 - <t10>_1) between boxes of
+200 and 600 grains. The paper gives 0.25 and 0.26 for it at p = 1e-4, growing as p^(1/6), and no standard deviation; we
+compare with 0.255 (p/1e-4)^(1/6).
 """
 import argparse
 import math
@@ -59,7 +59,7 @@ def arguments():
 
 
 def make_packings(runner, given, p, grains, folder):
-    """The packings that came to be, {path: {cpu_s, steps}}, and the failures as texts."""
+    """The packings that were made, {path: {cpu_s, steps}}, and the failures as texts."""
     settings = [f"packing.grains={grains}", "packing.width=24", "packing.friction=0.5", f"packing.pressure={p}",
                 *given.set]
     seeds = range(given.seed, given.seed + given.samples)
@@ -115,7 +115,7 @@ def speed(low, high):
         return Estimate(n, math.nan)
     (h1, t1), (h2, t2) = (front.mean(axis=0) for front in fronts)
     c = (h2 - h1) / (t2 - t1)
-    # heights and times of a box go together: the variance of h - c t, not that of each
+    # height and time of a box are correlated: use the variance of h - c t
     variance = sum(np.var(front[:, 0] - c * front[:, 1], ddof=1) / len(front) for front in fronts)
     err = math.sqrt(variance) / abs(t2 - t1)
     return Estimate(n, float(c), math.nan, err * math.sqrt(n), err)
@@ -202,7 +202,7 @@ def one_pressure(runner, given, p, tables, folder):
 def main():
     given = arguments()
     tables = published(os.path.join(HERE, "somfai2005.tsv")), other_means(given.against)
-    # so that the temporary folder goes and the packings stop when the script is told to end
+    # on SIGTERM remove the temporary folder and stop the packings
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     head = [f"# {measure.version(given.command)}", f"# machine: {measure.machine()}",
             f"# seeds {given.seed} .. {given.seed + given.samples - 1}; settings: {' '.join(given.set) or 'defaults'}"]

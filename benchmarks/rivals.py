@@ -1,13 +1,13 @@
 #!/usr/bin/python3
-"""What the same work costs elsewhere: SciPy, and SLEPc where it is installed (python3-slepc4py), on one thread.
+"""The cost of the same work by other programs: SciPy, and SLEPc if installed (python3-slepc4py), on one thread.
 
     rivals.py [build/release/sonopack] [PACKING.txt ...] -o TABLE.tsv [--join bench.tsv]
 
-Rows as `sonopack bench` has them, of the cases signal (T = 400, 801 times), modes, lowest10, lowest100 (frequencies and
-vectors), frequencies and moduli; a method is named by its program and, behind a blank, its own name. The networks are
-assembled here from the packings' files. Errors: of signals the largest difference from `sonopack signal` at 1e-12 over
-the peak; of frequencies the largest relative one from Rayleigh quotients of all modes as sums of squares over the
-springs; of moduli that of C22. --join puts the rows of another table in front.
+The rows are like those of `sonopack bench`, for the cases signal (T = 400, 801 times), modes, lowest10, lowest100
+(frequencies and vectors), frequencies and moduli. A method is named by its program, a blank and its own name. The
+networks are assembled here from the files of the packings. Errors: of signals the largest difference from `sonopack
+signal` at 1e-12 over the peak; of frequencies the largest relative one from Rayleigh quotients of all modes as sums of
+squares over the springs; of moduli that of C22. --join puts the rows of another table in front.
 """
 import argparse
 import glob
@@ -43,7 +43,7 @@ UNTIL, POINTS = 400.0, 801
 
 
 class Subject:
-    """One packing: matrices, and what is right."""
+    """One packing: its matrices, and the reference results."""
 
     def __init__(self, command, path):
         self.name = os.path.basename(path)
@@ -167,8 +167,8 @@ if SLEPc:
 
 
 def measure(run, s, parameter):
-    """Median of up to 5 runs, one alone if it takes a second, and growth of the resident set in the first; all in a
-    child, for memory that a process has given back to its own heap would not be seen to grow again."""
+    """Median of up to 5 runs (one if it takes a second), and growth of the resident set in the first. They run in a
+    child process, because memory that a process has freed to its own heap would not count as growth again."""
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:

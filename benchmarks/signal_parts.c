@@ -1,4 +1,4 @@
-/* What the parts of a Chebyshev signal cost on one packing, and what memory allows:
+/* The cost of the parts of a Chebyshev signal on one packing, and the rate of memory:
  *     signal_parts PACKING THREADS UNTIL
  * One line: grains, threads; milliseconds for the network, for a whole signal at 801 times up to UNTIL (0: none) and
  * for one product of two vectors with every grain awake, each the least of several, in CPU time with one thread and in
@@ -17,7 +17,7 @@
 
 enum { POINTS = 801, STREAM = 1 << 24 };
 
-/* With one thread what it worked, however many others want the processor; with more, they wait for each other. */
+/* CPU time with one thread, so that other work on the processor does not count; wall time with more. */
 static double (*seconds)(void) = sp_clock_cpu;
 
 typedef struct stream {
@@ -71,7 +71,7 @@ static double product_seconds(recurrence *r, int32_t n) {
     return least;
 }
 
-/* Springs; U and V read, both written, of which U need not be fetched where it is past all caches; masses. */
+/* Springs; U and V are read and written, but U is not fetched when it exceeds all caches; masses. */
 static double product_bytes(const sp_operator *op, const recurrence *r) {
     const int32_t chunks = op->chunk[op->blocks];
     const double springs =

@@ -1,4 +1,4 @@
-# bash completion for sonopack. Options are asked from `sonopack COMMAND --help`, so that they are always true.
+# bash completion for sonopack. The options come from `sonopack COMMAND --help`, so they are never out of date.
 
 _sonopack_options() {
     "$1" "$2" --help 2>/dev/null | grep -oE -- '(^|[ ,])--[a-z][a-z0-9-]*' | tr -d ' ,' | sort -u
@@ -40,7 +40,7 @@ _sonopack() {
         return
         ;;
     --protocol)
-        mapfile -t COMPREPLY < <(compgen -W 'default somfai2005' -- "$current")
+        mapfile -t COMPREPLY < <(compgen -W 'default somfai2005 quick' -- "$current")
         return
         ;;
     --only)

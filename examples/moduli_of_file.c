@@ -18,7 +18,7 @@ static sp_status check(const sp_packing *p, sp_error *err) {
     sp_status status = sp_packing_audit(p, threshold, &audit, err);
     if (status != SP_OK)
         return status;
-    const double worst = sp_audit_judge(&audit, 1e-3, reason, sizeof reason);
+    const double worst = sp_audit_worst(&audit, 1e-3, reason, sizeof reason);
     printf("%d grains, %d of them rattlers; p = %g E*; largest relative fault %.1e%s%s\n", (int)p->n,
            (int)audit.rattlers, p->pressure, worst, *reason ? ": " : "", reason);
     return SP_OK;

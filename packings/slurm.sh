@@ -1,25 +1,25 @@
 #!/bin/bash
-# A study as an array of Slurm: every task makes its share of the samples, all of them into one store.
+# A study as a Slurm array: every task makes its share of the samples, all in one store.
 #
 #   sbatch packings/slurm.sh my.cfg store
 #   sbatch --array=1-64 --time=12:00:00 packings/slurm.sh my.cfg store
 #
-# The store is a folder that all nodes see. Tasks may run in any order, at any time, and again: nothing that is in the
-# store is made twice. A job that waits for the array and writes the tables (--force: also in the place of older ones),
-# and the same study as one job of MPI:
+# The store is a folder that all nodes share. Tasks may run in any order, at any time, and again: nothing that is in the
+# store is made twice. The first command below waits for the array and writes the tables (--force replaces older ones);
+# the second runs the same study as one MPI job:
 #
 #   sbatch --dependency=afterok:ARRAY_JOB_ID \
 #     --wrap 'sonopack study my.cfg --store store --jobs 1 -o tables.tsv --force'
 #   sbatch --ntasks=64 --wrap 'mpirun sonopack study my.cfg --store store -o tables.tsv --force'
 #
-# What to adapt is marked with <--, and may as well be given to sbatch. How to choose it, and more, in docs/cluster.md.
+# Adapt the lines marked with <--, or give these options to sbatch. docs/cluster.md says how to choose them.
 
 #SBATCH --job-name=sonopack
 #SBATCH --array=1-16             # <-- tasks
-#SBATCH --cpus-per-task=1        # <-- samples that a task makes at the same time
+#SBATCH --cpus-per-task=1        # <-- samples in progress in a task at the same time
 #SBATCH --mem-per-cpu=1G         # <-- enough for samples of 10 000 grains
-#SBATCH --time=04:00:00          # <-- more than the longest sample takes; then a task is queued again, and goes on
-#SBATCH --signal=B:USR1@120      # how it hears of that, in seconds before
+#SBATCH --time=04:00:00          # <-- more than the longest sample takes; then the task is queued again and continues
+#SBATCH --signal=B:USR1@120      # how the task is told, in seconds before
 #SBATCH --requeue
 #SBATCH --open-mode=append
 #SBATCH --output=sonopack-%A_%a.log

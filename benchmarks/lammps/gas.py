@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """A loose gas of polydisperse spheres between two walls as LAMMPS data: gas.py GRAINS WIDTH PRESSURE SEED FILE.
 
-Units of sonopack: mean diameter 1, density 1, E* = 1; diameters uniform in 0.8 .. 1.2. Each grain has a cell of 1.25 of
-a square grid to itself (area fraction 0.5) and velocities up to sqrt(p): denser than sonopack's own gas, so a shorter
-way for LAMMPS. Atom GRAINS + 1, of type 2, is the piston: its y is the height of the wall, its mass that of a layer.
+Units of sonopack: mean diameter 1, density 1, E* = 1; diameters uniform in 0.8 .. 1.2. Each grain has its own cell of a
+square grid of spacing 1.25 (area fraction 0.5) and velocities up to sqrt(p). This gas is denser than sonopack's, so
+LAMMPS has less to compress. Atom GRAINS + 1, of type 2, is the piston: its y is the height of the wall, its mass that
+of a layer.
 """
 import math
 import sys

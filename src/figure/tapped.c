@@ -9,17 +9,19 @@
 
 enum { TABLES_MOST = 6 };
 
-static bool has_shape(const tapped_table *s) { return s->output == TAPPED_TRAJECTORY || s->output == TAPPED_DENSITY; }
+static bool suits_surface(const tapped_table *s) {
+    return s->output == TAPPED_TRAJECTORY || s->output == TAPPED_DENSITY;
+}
 
-static bool all_have_shape(int tables, const tapped_table *s) {
+static bool all_suit_surface(int tables, const tapped_table *s) {
     bool all = true;
     for (int k = 0; k < tables; k++)
-        all = all && has_shape(&s[k]);
+        all = all && suits_surface(&s[k]);
     return all;
 }
 
 /* Sorts a bifurcation and a Lyapunov table, given in any order; false if there are others. */
-static bool make_diagram(int tables, const tapped_table *s, const tapped_table *of[2]) {
+static bool sort_diagram(int tables, const tapped_table *s, const tapped_table *of[2]) {
     of[0] = of[1] = NULL;
     for (int k = 0; k < tables; k++) {
         if (s[k].output != TAPPED_BIFURCATION && s[k].output != TAPPED_LYAPUNOV)
@@ -43,15 +45,16 @@ static sp_status draw_diagram(const tapped_table *const of[2], const char *wante
     return sp_tapped_draw_diagram(of[0], column, of[1], path, err);
 }
 
-static bool go_together(const tapped_table *a, const tapped_table *b) {
-    return (has_shape(a) && has_shape(b)) || (a->output == TAPPED_BIFURCATION && b->output == TAPPED_LYAPUNOV) ||
+static bool share_a_figure(const tapped_table *a, const tapped_table *b) {
+    return (suits_surface(a) && suits_surface(b)) ||
+           (a->output == TAPPED_BIFURCATION && b->output == TAPPED_LYAPUNOV) ||
            (a->output == TAPPED_LYAPUNOV && b->output == TAPPED_BIFURCATION);
 }
 
 /* Reports the first two tables that cannot share a figure. */
 static sp_status fail_together(int tables, const tapped_table *s, sp_error *err) {
     int one = 0, two = 1;
-    while (one + 2 < tables && go_together(&s[one], &s[two])) {
+    while (one + 2 < tables && share_a_figure(&s[one], &s[two])) {
         two = two + 1 < tables ? two + 1 : ++one + 1;
     }
     return sp_fail(err, SP_EINVAL,
@@ -76,14 +79,14 @@ static sp_status draw_one(const tapped_table *s, const char *path, sp_error *err
 static sp_status draw(int tables, const tapped_table *s, const sp_plot_column_options *o, const char *path,
                       sp_error *err) {
     const tapped_table *of[2];
-    const bool diagram = make_diagram(tables, s, of), surface = tables > 1 || o->surface;
+    const bool diagram = sort_diagram(tables, s, of), surface = tables > 1 || o->surface;
     if (o->column && !(diagram && of[0]))
         return sp_fail(err, SP_EINVAL, "column %.40s: only a bifurcation has a choice of column", o->column);
-    if (o->surface && !all_have_shape(tables, s))
+    if (o->surface && !all_suit_surface(tables, s))
         return sp_fail(err, SP_EINVAL, "a surface is drawn of trajectories (t y0 y1 ...) or densities only");
     if (diagram)
         return draw_diagram(of, o->column, path, err);
-    if (surface && all_have_shape(tables, s))
+    if (surface && all_suit_surface(tables, s))
         return sp_tapped_draw_surfaces(tables, s, path, err);
     if (tables > 1)
         return fail_together(tables, s, err);

@@ -48,8 +48,8 @@ typedef struct diagram {
 
 /* Refuses two tables with different parameters. */
 static sp_status check_common(const diagram *d, sp_error *err) {
-    const char *one = d->bifurcation ? sp_table_comment_value(d->bifurcation->table, "parameter") : NULL;
-    const char *two = d->lyapunov ? sp_table_comment_value(d->lyapunov->table, "parameter") : NULL;
+    const char *one = d->bifurcation ? sp_table_get_text(d->bifurcation->table, "parameter") : NULL;
+    const char *two = d->lyapunov ? sp_table_get_text(d->lyapunov->table, "parameter") : NULL;
     if (one && two && strcmp(one, two) != 0)
         return sp_fail(err, SP_EINVAL, "a bifurcation over the %.40s, but exponents over the %.40s: must be the same",
                        one, two);
@@ -97,8 +97,8 @@ static void write_note(diagram *d) {
 
 static sp_status draw(diagram *d, const char *path, sp_error *err) {
     const tapped_table *one = d->bifurcation ? d->bifurcation : d->lyapunov;
-    const double room = 0.015 * (d->high - d->low);
-    const sp_axis x = {.label = sp_tapped_parameter_label(one, d->x), .low = d->low - room, .high = d->high + room};
+    const double margin = 0.015 * (d->high - d->low);
+    const sp_axis x = {.label = sp_tapped_parameter_label(one, d->x), .low = d->low - margin, .high = d->high + margin};
     sp_panel panel[2] = {{0}, {0}};
     int panels = 0;
     if (d->bifurcation) {

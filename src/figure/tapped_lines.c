@@ -29,8 +29,9 @@ static sp_axis taps_axis(int64_t rows, const double *tap, const char *label) {
         low = fmin(low, tap[k]);
         high = fmax(high, tap[k]);
     }
-    const double room = fmax(0.04 * (high - low), fmin(0.5, 0.08 * (high - low)));
-    return (sp_axis){.label = label, .low = low - (room > 0 ? room : 0.5), .high = high + (room > 0 ? room : 0.5)};
+    const double margin = fmax(0.04 * (high - low), fmin(0.5, 0.08 * (high - low)));
+    return (sp_axis){
+        .label = label, .low = low - (margin > 0 ? margin : 0.5), .high = high + (margin > 0 ? margin : 0.5)};
 }
 
 /* ---- after each tap --------------------------------------------------------------------------------------------- */
@@ -181,7 +182,7 @@ sp_status sp_tapped_draw_compare(const tapped_table *s, const char *path, sp_err
 enum { E_TAP = 0, E_WORK, E_DISSIPATED, E_KEPT, E_REST, E_SEPARATION, ENERGIES };
 
 /* Limits from below zero to well above the values, which leaves space for the panel's tag. */
-static void with_room(sp_axis *a, int64_t rows, const double *value) {
+static void with_headroom(sp_axis *a, int64_t rows, const double *value) {
     double low = 0, high = 0;
     for (int64_t k = 0; k < rows; k++) {
         low = fmin(low, value[k]); /* NAN is ignored */
@@ -237,7 +238,7 @@ static sp_status draw_energy(const tapped_table *s, double *memory, const char *
             continue;
         panel[panels] = (sp_panel){.x = abscissa, .curves = 1, .curve = &curve[q], .zero_line = true};
         panel[panels].y.label = sp_tapped_axis_label(s, labels[q], column[q], y[q]);
-        with_room(&panel[panels].y, rows, curve[q].y);
+        with_headroom(&panel[panels].y, rows, curve[q].y);
         panels++;
     }
     for (int k = 0; k < panels && panels > 1; k++)

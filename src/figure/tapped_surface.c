@@ -97,7 +97,7 @@ static sp_status read_table(gallery *g, picture *p, sp_error *err) {
 /* Title of a table: its model, or the name of its file where another table has the same model. */
 static void name_table(const gallery *g, int k, char *out, size_t size) {
     static const char *const known[][2] = {{"longwave", "long wave"}, {"bsr", "BSR"}};
-    const char *model = sp_table_comment_value(g->of[k].s->table, "model");
+    const char *model = sp_table_get_text(g->of[k].s->table, "model");
     char file[100], name[60];
     bool twice = false;
     sp_figure_text_escape(file, sizeof file, g->of[k].s->label ? g->of[k].s->label : "", 24);
@@ -106,7 +106,7 @@ static void name_table(const gallery *g, int k, char *out, size_t size) {
         if (strcmp(model, known[q][0]) == 0)
             snprintf(name, sizeof name, "%s", known[q][1]);
     for (int j = 0; j < g->tables && model; j++) {
-        const char *other = sp_table_comment_value(g->of[j].s->table, "model");
+        const char *other = sp_table_get_text(g->of[j].s->table, "model");
         twice = twice || (j != k && other && strcmp(other, model) == 0);
     }
     if (model && !twice)

@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const char what[] = "must be a table of `sonopack column'";
@@ -116,10 +115,8 @@ sp_status sp_tapped_table_abscissa(const tapped_table *s, double *to, sp_error *
 }
 
 double sp_tapped_table_setting(const tapped_table *s, const char *key) {
-    const char *text = sp_table_comment_value(s->table, key);
-    char *end = NULL;
-    const double value = text ? strtod(text, &end) : NAN;
-    return end != text && value > 0 && isfinite(value) ? value : NAN;
+    double value;
+    return sp_table_get_number(s->table, key, &value) && value > 0 ? value : NAN;
 }
 
 const char *sp_tapped_axis_label(const tapped_table *s, const char *name, int column, char out[TAPPED_LABEL]) {
@@ -150,7 +147,7 @@ const char *sp_tapped_violation_note(const tapped_table *s, char out[TAPPED_LABE
 const char *sp_tapped_parameter_label(const tapped_table *s, char out[TAPPED_LABEL]) {
     static const char *const known[][2] = {
         {"amplitude", "|a|"}, {"period", "|T|"}, {"frequency", "|f|"}, {"restitution", "|e|"}, {"e", "|e|"}};
-    const char *text = sp_table_comment_value(s->table, "parameter");
+    const char *text = sp_table_get_text(s->table, "parameter");
     char name[100];
     sp_figure_text_escape(name, sizeof name, text ? text : "parameter", 30);
     for (size_t k = 0; text && k < sizeof known / sizeof *known; k++)

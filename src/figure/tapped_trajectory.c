@@ -111,9 +111,9 @@ static sp_status draw(picture *p, double *foot, const char *path, sp_error *err)
         add_floor(p, foot);
     if (!(p->low <= p->high))
         return sp_fail(err, SP_EREFUSED, "nothing to draw: no position is finite");
-    const double room = p->high > p->low ? p->high - p->low : 1;
-    p->ends[0] = p->low - 0.04 * room;
-    p->ends[1] = p->high + 0.04 * room;
+    const double range = p->high > p->low ? p->high - p->low : 1;
+    p->ends[0] = p->low - 0.04 * range;
+    p->ends[1] = p->high + 0.04 * range;
     for (int64_t k = 0; k < p->points; k++)
         foot[k] = p->ends[0];
     add_taps(p);

@@ -100,8 +100,8 @@ void sp_scene3_layout(scene3 *s) {
     const double line = 1.3 * s->letters;
     double west = 4 * line, east = 3 * line;
     for (int pass = 0; pass < 2; pass++) {
-        const double room = s->width - west - east, tall = s->height - 2.9 * line - 2;
-        s->scale = fmin(room / (right.x - left.x), tall / (low.y - high.y));
+        const double across = s->width - west - east, tall = s->height - 2.9 * line - 2;
+        s->scale = fmin(across / (right.x - left.x), tall / (low.y - high.y));
         choose(s->c, &s->time, s->letters, 0.9 * s->scale * LONG_TIME);
         choose(s->c, &s->label, s->letters, s->scale * LONG_LABEL);
         sp_axis_keep_whole_ticks(&s->label, 0.5); /* particles count from 1 */

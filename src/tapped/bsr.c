@@ -1,27 +1,22 @@
 /* Runs the BSR model in one of its variants. */
 #include "tapped/bsr.h"
 
-sp_status sp_tapped_run_bsr_sink(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report,
+sp_status sp_tapped_run_bsr_rows(const sp_tapped_spec *c, const sp_tapped_bsr_rows *rows, sp_tapped_report *report,
                                  sp_error *err) {
-    return c->bsr == SP_TAPPED_BSR_CONSERVATIVE ? sp_tapped_conservative(c, sink, report, err)
-                                                : sp_tapped_literal(c, sink, report, err);
+    return c->bsr == SP_TAPPED_BSR_CONSERVATIVE ? sp_tapped_conservative(c, rows, report, err)
+                                                : sp_tapped_literal(c, rows, report, err);
 }
-
-typedef struct plain {
-    sp_tapped_row row;
-    void *user;
-} plain;
 
 static sp_status without_density(double t, const double *y, const double *v, const double *rho, void *user,
                                  sp_error *err) {
-    const plain *to = user;
+    const sp_tapped_rows *plain = user;
     (void)rho;
-    return to->row(t, y, v, to->user, err);
+    return plain->row(t, y, v, plain->user, err);
 }
 
-sp_status sp_tapped_run_bsr(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_row row, void *user,
-                            sp_tapped_report *report, sp_error *err) {
-    plain to = {.row = row, .user = user};
-    sp_tapped_sink sink = {.n = n, .t = t, .row = without_density, .user = &to};
-    return sp_tapped_run_bsr_sink(c, &sink, report, err);
+sp_status sp_tapped_run_bsr(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
+                            sp_error *err) {
+    sp_tapped_rows plain = *rows;
+    const sp_tapped_bsr_rows with_density = {rows->n, rows->t, without_density, &plain};
+    return sp_tapped_run_bsr_rows(c, &with_density, report, err);
 }

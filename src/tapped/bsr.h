@@ -7,20 +7,17 @@
 /* Row callback as sp_tapped_row, with the densities rho [N] at the particles [g/cm]. */
 typedef sp_status (*sp_tapped_bsr_row)(double t, const double *y, const double *v, const double *rho, void *user,
                                        sp_error *err);
-typedef struct sp_tapped_sink {
-    int64_t n, next; /* number of times; the next one to write */
+typedef struct sp_tapped_bsr_rows {
+    int64_t n;
     const double *t;
     sp_tapped_bsr_row row;
     void *user;
-} sp_tapped_sink;
+} sp_tapped_bsr_rows;
 
-/* Runs the variant c->bsr. Arguments otherwise as for sp_tapped_solver. */
-sp_status sp_tapped_run_bsr_sink(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report,
-                                 sp_error *err);
-/* The two schemes behind it. */
-sp_status sp_tapped_conservative(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report,
-                                 sp_error *err);
-sp_status sp_tapped_literal(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report, sp_error *err);
+typedef sp_status sp_tapped_bsr_solver(const sp_tapped_spec *c, const sp_tapped_bsr_rows *rows,
+                                       sp_tapped_report *report, sp_error *err);
+/* The two schemes, and the one that c->bsr asks for. */
+sp_tapped_bsr_solver sp_tapped_conservative, sp_tapped_literal, sp_tapped_run_bsr_rows;
 
 /* State at one end of a step: positions and velocities [N + 1], the floor first, and densities [N]. */
 typedef struct sp_tapped_frame {
@@ -37,8 +34,8 @@ typedef struct sp_tapped_bsr_scheme {
 } sp_tapped_bsr_scheme;
 /* Integrates over all taps. Steps end at the jumps of the floor's velocity. Rows are interpolated; separations and
  * violations go into the report. */
-sp_status sp_tapped_bsr_integrate(const sp_tapped_spec *c, const sp_tapped_bsr_scheme *scheme, sp_tapped_sink *sink,
-                                  sp_tapped_report *report, sp_error *err);
+sp_status sp_tapped_bsr_integrate(const sp_tapped_spec *c, const sp_tapped_bsr_scheme *scheme,
+                                  const sp_tapped_bsr_rows *rows, sp_tapped_report *report, sp_error *err);
 
 /* Shortens a step dt from t so that its end, *end, does not exceed `until`. Returns SP_EFAILED if dt is lost in the
  * rounding of t. */

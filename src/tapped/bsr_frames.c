@@ -5,16 +5,14 @@
 sp_status sp_tapped_check_equal(const sp_tapped_spec *c, sp_error *err) {
     for (int32_t i = 2; i <= c->particles; i++) {
         if (sp_tapped_mass(c, i) != sp_tapped_mass(c, 1))
-            return sp_fail(
-                err, SP_EINVAL,
-                "column.mass: particle %d has %.17g g, the first %.17g g; BSR, (43)-(48), requires equal masses", i,
-                sp_tapped_mass(c, i), sp_tapped_mass(c, 1));
+            return sp_fail_key(err, SP_EINVAL, "column.mass",
+                               ": particle %d has %.17g g, the first %.17g g; BSR, (43)-(48), requires equal masses", i,
+                               sp_tapped_mass(c, i), sp_tapped_mass(c, 1));
         if (sp_tapped_radius(c, i) != sp_tapped_radius(c, 1))
-            return sp_fail(
-                err, SP_EINVAL,
-                "column.radius: particle %d has %.17g cm, the first %.17g cm; BSR, (43)-(48), requires equal "
-                "radii",
-                i, sp_tapped_radius(c, i), sp_tapped_radius(c, 1));
+            return sp_fail_key(err, SP_EINVAL, "column.radius",
+                               ": particle %d has %.17g cm, the first %.17g cm; BSR, (43)-(48), requires equal "
+                               "radii",
+                               i, sp_tapped_radius(c, i), sp_tapped_radius(c, 1));
     }
     return SP_OK;
 }
@@ -22,10 +20,10 @@ sp_status sp_tapped_check_equal(const sp_tapped_spec *c, sp_error *err) {
 sp_status sp_tapped_check_time_step(const sp_tapped_spec *c, double bound, sp_error *err) {
     char step[SP_NUMBER_TEXT], most[SP_NUMBER_TEXT];
     if (c->time_step > bound)
-        return sp_fail(err, SP_EINVAL,
-                       "column.time_step = %s s: must not be above %s s, where the BSR scheme becomes unstable (0 "
-                       "chooses the steps)",
-                       sp_number_text(c->time_step, step), sp_number_text(bound, most));
+        return sp_fail_key(err, SP_EINVAL, "column.time_step",
+                           " = %s s: must not be above %s s, where the BSR scheme becomes unstable (0 "
+                           "chooses the steps)",
+                           sp_number_text(c->time_step, step), sp_number_text(bound, most));
     return SP_OK;
 }
 
@@ -33,7 +31,8 @@ sp_status sp_tapped_check_time_step(const sp_tapped_spec *c, double bound, sp_er
 typedef struct loop {
     const sp_tapped_spec *c;
     sp_tapped_frame from, to, mixed;
-    sp_tapped_sink *sink;
+    const sp_tapped_bsr_rows *rows;
+    int64_t next; /* row */
     sp_tapped_report *report;
 } loop;
 
@@ -84,13 +83,13 @@ static sp_status write_row(loop *w, double t, sp_error *err) {
         v[i] = rest * a->v[i] + x * b->v[i];
         rho[i - 1] = rest * a->rho[i - 1] + x * b->rho[i - 1];
     }
-    return w->sink->row(t, y, v, rho, w->sink->user, err);
+    return w->rows->row(t, y, v, rho, w->rows->user, err);
 }
 
 /* Records the end of a step, and writes the rows within it. */
 static sp_status finish_step(loop *w, sp_error *err) {
     const sp_tapped_spec *c = w->c;
-    sp_tapped_sink *sink = w->sink;
+    const sp_tapped_bsr_rows *rows = w->rows;
     const int64_t most = (int64_t)SP_TAPPED_MOST_STEPS * sp_tapped_taps(c);
     sp_status status = sp_tapped_check_steps(c, w->report->steps, most, w->to.t, err);
     if (status != SP_OK)
@@ -98,8 +97,8 @@ static sp_status finish_step(loop *w, sp_error *err) {
     w->to.y[0] = sp_tapped_floor(c, w->to.t);
     note_separations(c, &w->to, w->report);
     bool last = w->to.t >= sp_tapped_taps(c) * c->period; /* includes times that exceed the end by rounding */
-    while (status == SP_OK && sink->next < sink->n && (sink->t[sink->next] <= w->to.t || last))
-        status = write_row(w, sink->t[sink->next++], err);
+    while (status == SP_OK && w->next < rows->n && (rows->t[w->next] <= w->to.t || last))
+        status = write_row(w, rows->t[w->next++], err);
     return status;
 }
 
@@ -124,13 +123,13 @@ static sp_status run_taps(loop *w, const sp_tapped_bsr_scheme *scheme, sp_error 
     return status;
 }
 
-sp_status sp_tapped_bsr_integrate(const sp_tapped_spec *c, const sp_tapped_bsr_scheme *scheme, sp_tapped_sink *sink,
-                                  sp_tapped_report *report, sp_error *err) {
+sp_status sp_tapped_bsr_integrate(const sp_tapped_spec *c, const sp_tapped_bsr_scheme *scheme,
+                                  const sp_tapped_bsr_rows *rows, sp_tapped_report *report, sp_error *err) {
     const size_t n = (size_t)c->particles + 1;
     double *all = sp_alloc(9 * n, sizeof *all);
     if (!all)
         return sp_fail_memory(err, 9 * n * sizeof *all);
-    loop w = {.c = c, .sink = sink, .report = report};
+    loop w = {.c = c, .rows = rows, .report = report};
     sp_tapped_frame *frames[] = {&w.from, &w.to, &w.mixed};
     for (size_t k = 0; k < 3; k++)
         *frames[k] = (sp_tapped_frame){.y = all + 3 * k * n, .v = all + (3 * k + 1) * n, .rho = all + (3 * k + 2) * n};

@@ -7,10 +7,17 @@
 
 static const double sp_tapped_pi = 3.14159265358979323846;
 
-/* The solver of one model, with the arguments of sp_tapped_run. The caller has checked that t is ascending and within
- * the taps, and has allocated report->tap: zero except rest and at (NAN) and separation (INFINITY). */
-typedef sp_status sp_tapped_solver(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_row row, void *user,
-                                   sp_tapped_report *report, sp_error *err);
+/* The rows that the caller of a run asks for: n ascending times t. */
+typedef struct sp_tapped_rows {
+    int64_t n;
+    const double *t;
+    sp_tapped_row row;
+    void *user;
+} sp_tapped_rows;
+
+/* The solver of one model. The caller has checked that the times lie within the taps, and has made the report. */
+typedef sp_status sp_tapped_solver(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
+                                   sp_error *err);
 sp_tapped_solver sp_tapped_run_events, sp_tapped_run_ode, sp_tapped_run_longwave, sp_tapped_run_bsr;
 /* Models (35) and (37): returns SP_EREFUSED; the message gives the growth rate of the worst wave. */
 sp_tapped_solver sp_tapped_refuse_printed;

@@ -13,8 +13,8 @@
  * (y0 - Y)_+. In the lattice the whole overlap of the lowest contact lies below particle 1, but in the column only half
  * of it. With a rigid floor all particles would rest N m g/(2K) too high.
  *
- * The fluxes are Rusanov's. The states at the faces are reconstructed from s^2 and u, linearly with minmod slopes. At
- * rest s^2 is linear, so that nothing flows: five particles creep by 0.0001 cm with cells of h/8, and with piecewise
+ * The fluxes are Rusanov's. The states at the faces are reconstructed from s^2 and u, linearly with minmod slopes.
+ * At rest s^2 is linear, so that nothing flows: five particles creep by 0.0001 cm with cells of h/8, and with piecewise
  * constant states by 0.028 cm. In flight gravity acts in two half steps around the rest of the step, so that free fall
  * is exact. */
 #include "base/base.h"
@@ -30,33 +30,33 @@ typedef struct fluid {
     int64_t cells, used;                 /* allocated; in use */
     double *rho, *q, *next_rho, *next_q; /* densities and momenta [cells] */
     double *u, *s;                       /* velocity; distance of neighbours, h where they do not touch */
-    double *low, *high, *tilt;           /* s at the lower and upper face of a cell; half the change of u across it */
-    double *push, *drag;   /* elastic P at the lower faces; viscous part of P over the velocity difference */
-    double *pivot, *moved; /* of the implicit equations for the velocities */
+    double *low, *high, *half_slope;     /* s at the lower and upper face of a cell; half the change of u across it */
+    double *pressure, *drag;  /* elastic P at the lower faces; viscous part of P over the velocity difference */
+    double *pivot, *velocity; /* of the implicit equations for the velocities */
     double *block;
 } fluid;
 
-enum { parts = 13 };
+enum { ARRAYS = 13 };
 
-/* nothing and crumb are relative to the density m/h. A cell below `nothing` is empty and has no velocity of its own. A
- * lowest cell below `crumb` is merged into the next. safety is the Courant number: Euler's step with linear
+/* The two densities are relative to m/h. A cell below empty_density is empty and has no velocity of its own. A
+ * lowest cell below thin_density is merged into the next. safety is the Courant number: Euler's step with linear
  * reconstruction keeps its order below one half. */
-static const double nothing = 1e-20, crumb = 1e-4, safety = 0.4;
+static const double empty_density = 1e-20, thin_density = 1e-4, safety = 0.4;
 
 static sp_status resize(fluid *f, int64_t cells, sp_error *err) {
-    if (!(8.0 * parts * (double)cells < 0.5 * sp_memory_limit()))
+    if (!(8.0 * ARRAYS * (double)cells < 0.5 * sp_memory_limit()))
         return sp_fail(err, SP_EFAILED, "BSR, t = %.17g s: the column is %.3g cm high, more cells than memory holds",
                        f->t, (double)cells * f->dx);
-    double *block = sp_alloc((size_t)cells * parts, sizeof *block);
+    double *block = sp_alloc((size_t)cells * ARRAYS, sizeof *block);
     if (!block)
-        return sp_fail_memory(err, (size_t)cells * parts * sizeof *block);
+        return sp_fail_memory(err, (size_t)cells * ARRAYS * sizeof *block);
     if (f->block) {
         memcpy(block, f->rho, (size_t)f->used * sizeof *block);
         memcpy(block + cells, f->q, (size_t)f->used * sizeof *block);
     }
     sp_free(f->block);
-    double **part[] = {&f->rho,  &f->q,    &f->next_rho, &f->next_q, &f->u,     &f->s,    &f->low,
-                       &f->high, &f->tilt, &f->push,     &f->drag,   &f->pivot, &f->moved};
+    double **part[] = {&f->rho,  &f->q,          &f->next_rho, &f->next_q, &f->u,     &f->s,       &f->low,
+                       &f->high, &f->half_slope, &f->pressure, &f->drag,   &f->pivot, &f->velocity};
     f->block = block;
     for (size_t k = 0; k < sizeof part / sizeof *part; k++)
         *part[k] = block + (size_t)cells * k;
@@ -94,12 +94,12 @@ static sp_status start(const sp_tapped_spec *c, fluid *f, sp_error *err) {
 /* ---- one step --------------------------------------------------------------------------------------------------- */
 
 /* Computes velocities and distances in the cells; returns the longest stable step. */
-static double measure(fluid *f) {
+static double measure_cells(fluid *f) {
     const double root = sqrt(f->stiffness / f->m), bottom = f->q[0] / f->rho[0];
     const double under = sp_tapped_floor_velocity(f->c, f->t);
     double speed = sqrt(f->c->gravity * f->dx);
     for (int64_t i = 0; i < f->used; i++) {
-        bool any = f->rho[i] > nothing * f->mean;
+        bool any = f->rho[i] > empty_density * f->mean;
         f->u[i] = any ? f->q[i] / f->rho[i] : bottom;
         f->s[i] = any ? fmin(f->m / f->rho[i], f->h) : f->h;
         double sound = f->s[i] < f->h ? f->s[i] * root : 0;
@@ -120,18 +120,18 @@ static double stable_step(const fluid *f) {
 static double minmod(double a, double b) { return a * b <= 0 ? 0 : fabs(a) < fabs(b) ? a : b; }
 
 /* s^2 is linear in a column at rest, and so is its reconstruction here: at rest the faces see no jump. */
-static void slopes(fluid *f) {
+static void reconstruct(fluid *f) {
     for (int64_t i = 0; i < f->used; i++) {
         double square = f->s[i] * f->s[i], slope = 0;
         bool below = i > 0 && f->s[i - 1] < f->h, above = i + 1 < f->used && f->s[i + 1] < f->h;
-        f->tilt[i] = 0;
+        f->half_slope[i] = 0;
         f->low[i] = f->high[i] = f->s[i];
         if (f->s[i] >= f->h || !(below || above))
             continue;
         double down = below ? square - f->s[i - 1] * f->s[i - 1] : 0;
         double up = above ? f->s[i + 1] * f->s[i + 1] - square : 0;
         if (below && above)
-            f->tilt[i] = minmod(f->u[i] - f->u[i - 1], f->u[i + 1] - f->u[i]) / 2;
+            f->half_slope[i] = minmod(f->u[i] - f->u[i - 1], f->u[i + 1] - f->u[i]) / 2;
         slope = below && above ? minmod(down, up) : down + up;
         f->low[i] = sqrt(fmin(f->h * f->h, fmax(square / 4, square - slope / 2)));
         f->high[i] = sqrt(fmin(f->h * f->h, fmax(square / 4, square + slope / 2)));
@@ -139,27 +139,27 @@ static void slopes(fluid *f) {
 }
 
 /* tanh(a x)/x */
-static double bend(double a, double x) { return fabs(a * x) < 1e-4 ? a : tanh(a * x) / x; }
+static double tanh_ratio(double a, double x) { return fabs(a * x) < 1e-4 ? a : tanh(a * x) / x; }
 
 /* Computes the elastic part of P at the faces. The viscous part, e P tanh(alpha_v s u_z), is kept as a drag
  * coefficient: its ratio to the velocity difference. The same holds for the floor. */
-static void press(fluid *f, double dt) {
+static void set_elastic_pressure(fluid *f, double dt) {
     const sp_tapped_spec *c = f->c;
     const double before = sp_tapped_floor(c, f->t) - f->edge;
     const double opening = f->u[0] - sp_tapped_floor_velocity(c, f->t + dt / 2);
     for (int64_t i = 1; i < f->used; i++) {
-        f->push[i] = f->stiffness * (f->h - (f->high[i - 1] + f->low[i]) / 2);
+        f->pressure[i] = f->stiffness * (f->h - (f->high[i - 1] + f->low[i]) / 2);
         bool both = f->s[i - 1] < f->h && f->s[i] < f->h;
         double rate = c->alpha_v * (f->s[i - 1] + f->s[i]) / (2 * f->dx);
-        f->drag[i] = both ? c->e * f->push[i] * bend(rate, f->u[i] - f->u[i - 1]) : 0;
+        f->drag[i] = both ? c->e * f->pressure[i] * tanh_ratio(rate, f->u[i] - f->u[i - 1]) : 0;
     }
-    f->push[0] = 0;
-    f->drag[0] = 2 * f->stiffness * fmax(0, before) * c->e * bend(c->alpha_v, opening);
+    f->pressure[0] = 0;
+    f->drag[0] = 2 * f->stiffness * fmax(0, before) * c->e * tanh_ratio(c->alpha_v, opening);
 }
 
 /* Whether the floor touches the column at the end of the step. */
-static bool floor_meets(const fluid *f, double dt) {
-    double free = f->u[0] - dt * (f->c->gravity + f->push[1] / (f->rho[0] * f->dx));
+static bool floor_touches(const fluid *f, double dt) {
+    double free = f->u[0] - dt * (f->c->gravity + f->pressure[1] / (f->rho[0] * f->dx));
     return sp_tapped_floor(f->c, f->t + dt) > f->edge + dt * free;
 }
 
@@ -167,58 +167,58 @@ static bool floor_meets(const fluid *f, double dt) {
  * Returns the velocity of the edge, which is that of the first cell. The equations are implicit, because an explicit
  * drag would need steps of dx^2 m/(K e alpha_v h^3), a hundredth of what sound needs, and the floor even shorter ones
  * when the first cell is nearly empty. */
-static double resist(fluid *f, double dt, bool meets) {
+static double solve_velocities(fluid *f, double dt, bool touches) {
     const sp_tapped_spec *c = f->c;
     const double under = sp_tapped_floor_velocity(c, f->t + dt / 2), sunk = sp_tapped_floor(c, f->t + dt) - f->edge;
-    const double spring = meets ? 2 * f->stiffness : 0;
-    if (!meets)
+    const double spring = touches ? 2 * f->stiffness : 0;
+    if (!touches)
         f->drag[0] = 0;
     for (int64_t i = 0; i < f->used; i++) { /* tridiagonal elimination (Thomas) */
         double above = i + 1 < f->used ? f->drag[i + 1] : 0, inertia = f->rho[i] * f->dx;
         f->pivot[i] = inertia + dt * (f->drag[i] + above);
-        f->moved[i] = inertia * f->u[i] - dt * ((i + 1 < f->used ? f->push[i + 1] : 0) - f->push[i]);
-        if (meets)
-            f->moved[i] -= inertia * c->gravity * dt;
+        f->velocity[i] = inertia * f->u[i] - dt * ((i + 1 < f->used ? f->pressure[i + 1] : 0) - f->pressure[i]);
+        if (touches)
+            f->velocity[i] -= inertia * c->gravity * dt;
         if (i == 0) {
             f->pivot[i] += dt * dt * spring;
-            f->moved[i] += dt * (spring * sunk + f->drag[0] * under);
+            f->velocity[i] += dt * (spring * sunk + f->drag[0] * under);
         } else if (f->drag[i] > 0) {
             double factor = dt * f->drag[i] / f->pivot[i - 1];
             f->pivot[i] -= factor * dt * f->drag[i];
-            f->moved[i] += factor * f->moved[i - 1];
+            f->velocity[i] += factor * f->velocity[i - 1];
         }
     }
     for (int64_t i = f->used - 1; i >= 0; i--) {
-        double above = i + 1 < f->used && f->drag[i + 1] > 0 ? dt * f->drag[i + 1] * f->moved[i + 1] : 0;
-        f->moved[i] = f->pivot[i] > 0 ? (f->moved[i] + above) / f->pivot[i] : f->u[i];
+        double above = i + 1 < f->used && f->drag[i + 1] > 0 ? dt * f->drag[i + 1] * f->velocity[i + 1] : 0;
+        f->velocity[i] = f->pivot[i] > 0 ? (f->velocity[i] + above) / f->pivot[i] : f->u[i];
     }
     for (int64_t i = 1; i < f->used; i++)
-        f->push[i] -= f->drag[i] * (f->moved[i] - f->moved[i - 1]);
-    f->push[0] = fmax(0, spring * (sunk - dt * f->moved[0]) - f->drag[0] * (f->moved[0] - under));
-    return f->moved[0];
+        f->pressure[i] -= f->drag[i] * (f->velocity[i] - f->velocity[i - 1]);
+    f->pressure[0] = fmax(0, spring * (sunk - dt * f->velocity[0]) - f->drag[0] * (f->velocity[0] - under));
+    return f->velocity[0];
 }
 
 /* Density and velocity relative to the edge on one side of a face, and the fastest signal there. */
-typedef struct side {
+typedef struct face_state {
     double rho, u, fast;
-} side;
-static side side_of(const fluid *f, int64_t i, double s, double u) {
-    bool any = f->rho[i] > nothing * f->mean, touching = f->s[i] < f->h;
-    return (side){.rho = touching ? f->m / s : f->rho[i],
-                  .u = u,
-                  .fast = any ? fabs(u) + (touching ? s * sqrt(f->stiffness / f->m) : 0) : 0};
+} face_state;
+static face_state state_at_face(const fluid *f, int64_t i, double s, double u) {
+    bool any = f->rho[i] > empty_density * f->mean, touching = f->s[i] < f->h;
+    return (face_state){.rho = touching ? f->m / s : f->rho[i],
+                        .u = u,
+                        .fast = any ? fabs(u) + (touching ? s * sqrt(f->stiffness / f->m) : 0) : 0};
 }
 
 static void transport(fluid *f, double dt, double edge) {
-    double mass_in = 0, push_in = f->push[0];
+    double mass_in = 0, push_in = f->pressure[0];
     for (int64_t i = 0; i < f->used; i++) {
         double mass_out = 0, push_out = 0;
         if (i + 1 < f->used) {
-            side l = side_of(f, i, f->high[i], f->u[i] + f->tilt[i] - edge);
-            side r = side_of(f, i + 1, f->low[i + 1], f->u[i + 1] - f->tilt[i + 1] - edge);
+            face_state l = state_at_face(f, i, f->high[i], f->u[i] + f->half_slope[i] - edge);
+            face_state r = state_at_face(f, i + 1, f->low[i + 1], f->u[i + 1] - f->half_slope[i + 1] - edge);
             double fast = fmax(l.fast, r.fast), rise = r.rho * r.u - l.rho * l.u;
             mass_out = (l.rho * l.u + r.rho * r.u - fast * (r.rho - l.rho)) / 2;
-            push_out = (l.rho * l.u * l.u + r.rho * r.u * r.u - fast * rise) / 2 + edge * mass_out + f->push[i + 1];
+            push_out = (l.rho * l.u * l.u + r.rho * r.u * r.u - fast * rise) / 2 + edge * mass_out + f->pressure[i + 1];
         }
         f->next_rho[i] = f->rho[i] - dt / f->dx * (mass_out - mass_in);
         f->next_q[i] = f->rho[i] * f->u[i] - dt / f->dx * (push_out - push_in);
@@ -227,14 +227,14 @@ static void transport(fluid *f, double dt, double edge) {
     }
 }
 
-static void kick(fluid *f, double dt) {
+static void apply_gravity(fluid *f, double dt) {
     for (int64_t i = 0; i < f->used; i++)
         f->u[i] -= dt * f->c->gravity;
 }
 
 /* Merges a nearly empty lowest cell into the next, so that the edge is that of the matter. */
-static void drop_crumbs(fluid *f) {
-    while (f->used > 2 && f->rho[0] < crumb * f->mean && f->rho[1] > f->rho[0]) {
+static void merge_thin_cells(fluid *f) {
+    while (f->used > 2 && f->rho[0] < thin_density * f->mean && f->rho[1] > f->rho[0]) {
         f->rho[1] += f->rho[0];
         f->q[1] += f->q[0];
         f->used--;
@@ -245,8 +245,8 @@ static void drop_crumbs(fluid *f) {
 }
 
 /* Ensures that the top cell is empty. */
-static sp_status make_room(fluid *f, sp_error *err) {
-    while (f->used < 2 || f->rho[f->used - 1] > nothing * f->mean) {
+static sp_status ensure_empty_top(fluid *f, sp_error *err) {
+    while (f->used < 2 || f->rho[f->used - 1] > empty_density * f->mean) {
         if (f->used == f->cells) {
             sp_status status = resize(f, f->cells + f->cells / 2, err);
             if (status != SP_OK)
@@ -266,18 +266,18 @@ static void swap(double **a, double **b) {
 
 /* Advances the fluid by one step, at most to `until`. */
 static sp_status advance(fluid *f, double until, sp_error *err) {
-    double dt = measure(f), gravity = f->c->gravity, end;
+    double dt = measure_cells(f), gravity = f->c->gravity, end;
     if (f->c->time_step > 0)
         dt = fmin(dt, f->c->time_step);
     sp_status status = sp_tapped_bsr_limit_step(f->t, until, &dt, &end, err);
     if (status != SP_OK)
         return status;
-    slopes(f);
-    press(f, dt);
-    bool meets = floor_meets(f, dt);
-    double early = meets ? 0 : dt / 2;
-    kick(f, early);
-    double edge = resist(f, dt, meets);
+    reconstruct(f);
+    set_elastic_pressure(f, dt);
+    bool touches = floor_touches(f, dt);
+    double early = touches ? 0 : dt / 2;
+    apply_gravity(f, early);
+    double edge = solve_velocities(f, dt, touches);
     transport(f, dt, edge);
     swap(&f->rho, &f->next_rho);
     swap(&f->q, &f->next_q);
@@ -291,8 +291,8 @@ static sp_status advance(fluid *f, double until, sp_error *err) {
     if (status != SP_OK)
         return status;
     f->t = end;
-    drop_crumbs(f);
-    return make_room(f, err);
+    merge_thin_cells(f);
+    return ensure_empty_top(f, err);
 }
 
 /* ---- the run ---------------------------------------------------------------------------------------------------- */
@@ -323,7 +323,7 @@ static sp_status step(void *model, double until, const sp_tapped_frame *from, sp
     return status;
 }
 
-sp_status sp_tapped_conservative(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report,
+sp_status sp_tapped_conservative(const sp_tapped_spec *c, const sp_tapped_bsr_rows *rows, sp_tapped_report *report,
                                  sp_error *err) {
     fluid f = {0};
     const sp_tapped_bsr_scheme scheme = {&f, place, step};
@@ -331,11 +331,11 @@ sp_status sp_tapped_conservative(const sp_tapped_spec *c, sp_tapped_sink *sink, 
     if (status == SP_OK)
         status = start(c, &f, err);
     if (status == SP_OK)
-        status = make_room(&f, err);
+        status = ensure_empty_top(&f, err);
     if (status == SP_OK)
         status = sp_tapped_check_time_step(c, stable_step(&f), err);
     if (status == SP_OK)
-        status = sp_tapped_bsr_integrate(c, &scheme, sink, report, err);
+        status = sp_tapped_bsr_integrate(c, &scheme, rows, report, err);
     report->error = f.mass_error;
     sp_free(f.block);
     return status;

@@ -37,20 +37,20 @@ double sp_first_root(const double *f, int n, double h) {
     if (f[0] > 0)
         return 0;
     jet j = {f[0], n > 0 ? f[1] : 0, 4 * DBL_EPSILON * -f[0]};
-    double tau = 0, end = 0.5 * h, bend = curvature(f, n, end);
+    double tau = 0, end = 0.5 * h, curvature_bound = curvature(f, n, end);
     while (j.value < -j.noise) {
-        double square = j.slope * j.slope - 2 * bend * j.value, step = INFINITY;
+        double square = j.slope * j.slope - 2 * curvature_bound * j.value, step = INFINITY;
         if (square >= 0 && j.slope >= 0)
             step = -2 * j.value / (j.slope + sqrt(square));
-        else if (square >= 0 && bend > 0)
-            step = (sqrt(square) - j.slope) / bend;
+        else if (square >= 0 && curvature_bound > 0)
+            step = (sqrt(square) - j.slope) / curvature_bound;
         double next = tau + step;
         if (next > end && end >= h)
             return INFINITY;
         if (next > end) { /* no zero up to there */
             next = end;
             end = h;
-            bend = curvature(f, n, end);
+            curvature_bound = curvature(f, n, end);
         } else if (next == tau)
             break;
         tau = next;
@@ -65,7 +65,7 @@ typedef struct search {
     double reach_floor; /* bound of the change of y0'' within h */
 } search;
 
-static void take(search *s, event_kind kind, int32_t contact, const double *f, int n) {
+static void keep_earlier(search *s, event_kind kind, int32_t contact, const double *f, int n) {
     double tau = sp_first_root(f, n, s->best.tau);
     if (tau < s->best.tau || (tau == s->best.tau && s->best.kind == EVENT_NONE))
         s->best = (lattice_event){kind, contact, tau};
@@ -111,22 +111,22 @@ static void search_mover(search *s, int32_t j) {
     contact_state state = (contact_state)l->state[i];
     if (state == CONTACT_OPEN && overlap + l->value[j] >= 0) {
         overlap_series(l, j, 1, f);
-        take(s, EVENT_CLOSE, i, f, l->order);
+        keep_earlier(s, EVENT_CLOSE, i, f, l->order);
     }
     if (state == CONTACT_SEPARATING && overlap - l->value[j] <= 0) {
         overlap_series(l, j, -1, f);
-        take(s, EVENT_OPEN, i, f, l->order);
+        keep_earlier(s, EVENT_OPEN, i, f, l->order);
     }
     if (l->e == 0 || state == CONTACT_OPEN)
         return;
     double sign = state == CONTACT_APPROACHING ? 1 : -1;
     if (sign * opening + l->slope[j] >= 0) {
         opening_series(l, j, sign, f);
-        take(s, EVENT_TURN, i, f, l->order - 1);
+        keep_earlier(s, EVENT_TURN, i, f, l->order - 1);
     }
 }
 
-static const double nothing[1] = {0};
+static const double zero[1] = {0};
 
 /* The force on sticking contact i interpolates between the forces at the two ends of its cluster, in proportion to the
  * mass that it carries. For the cluster on the floor it follows from that mass and the floor's acceleration. */
@@ -134,7 +134,7 @@ static void search_stuck(search *s, int32_t j, int32_t i) {
     sp_lattice *l = s->l;
     int32_t top = j + 1;
     size_t stride = (size_t)l->stride;
-    const double *c_top = top < l->movers ? l->c + top : nothing; /* nothing rests on the uppermost cluster */
+    const double *c_top = top < l->movers ? l->c + top : zero; /* nothing rests on the uppermost cluster */
     size_t stride_top = top < l->movers ? stride : 0;
     double above = top < l->movers ? l->stiffness[top] : 0, below = j >= 0 ? l->stiffness[j] : 0;
     double carried = l->carried[i], share = j >= 0 ? carried * l->inverse_mass[j] : 0;
@@ -156,9 +156,9 @@ static void search_stuck(search *s, int32_t j, int32_t i) {
     f[0] -= high;
     g[0] += low;
     if (force + reach >= high)
-        take(s, EVENT_SLIP, i, f, l->order);
+        keep_earlier(s, EVENT_SLIP, i, f, l->order);
     if (force - reach <= low)
-        take(s, EVENT_SLIP, i, g, l->order);
+        keep_earlier(s, EVENT_SLIP, i, g, l->order);
 }
 
 lattice_event sp_lattice_next_event(sp_lattice *l, double h) {

@@ -13,45 +13,45 @@ static const char *const units[] = {"cm", "s", "Hz", ""};
 typedef struct diagram {
     const sp_tapped_spec *c;
     sp_tapped_watcher watcher;
-    int32_t points, kept; /* kept: rows of `values` numbers for each point */
+    int32_t points, rows_per_point; /* rows_per_point: rows of `values` numbers for each point */
     int32_t values;
-    double *value;     /* [points][kept][values] */
-    sp_status *status; /* [points] */
-    bool *violated;    /* [points]: whether ordering (1) was violated */
-    sp_error *reason;  /* the first failure */
+    double *value;         /* [points][rows_per_point][values] */
+    sp_status *status;     /* [points] */
+    bool *violated;        /* [points]: whether ordering (1) was violated */
+    sp_error *first_error; /* the first failure */
     atomic_int next, done, failed;
     atomic_bool stop;
 } diagram;
 
-static double parameter_at(const sp_tapped_spec *c, int32_t point) {
-    if (c->points == 1 && c->from == 0)
-        return c->parameter == SP_TAPPED_BY_AMPLITUDE   ? c->amplitude
-               : c->parameter == SP_TAPPED_BY_PERIOD    ? c->period
-               : c->parameter == SP_TAPPED_BY_FREQUENCY ? c->frequency
-                                                        : c->e;
-    return c->points == 1 ? c->from : c->from + (c->to - c->from) * point / (c->points - 1);
+static double *parameter_of(sp_tapped_spec *c) {
+    return c->parameter == SP_TAPPED_BY_AMPLITUDE   ? &c->amplitude
+           : c->parameter == SP_TAPPED_BY_PERIOD    ? &c->period
+           : c->parameter == SP_TAPPED_BY_FREQUENCY ? &c->frequency
+                                                    : &c->e;
 }
 
 static sp_tapped_spec spec_at(const sp_tapped_spec *c, int32_t point) {
     sp_tapped_spec own = *c;
-    double value = parameter_at(c, point);
-    switch (c->parameter) {
-    case SP_TAPPED_BY_AMPLITUDE: own.amplitude = value; break;
-    case SP_TAPPED_BY_PERIOD: own.period = value; break;
-    case SP_TAPPED_BY_FREQUENCY: own.frequency = value; break;
-    case SP_TAPPED_BY_RESTITUTION: own.e = value; break;
-    }
+    if (c->points > 1)
+        *parameter_of(&own) = c->from + (c->to - c->from) * point / (c->points - 1);
+    else if (c->from != 0)
+        *parameter_of(&own) = c->from;
     return own;
 }
 
+static double parameter_at(const sp_tapped_spec *c, int32_t point) {
+    sp_tapped_spec own = spec_at(c, point);
+    return *parameter_of(&own);
+}
+
 /* Stores the positions at (k - 0.01) T. */
-typedef struct keeper {
+typedef struct recorder {
     int32_t n;
     double *to;
-} keeper;
+} recorder;
 
-static sp_status keep(double t, const double *y, const double *v, void *user, sp_error *err) {
-    keeper *k = user;
+static sp_status record_row(double t, const double *y, const double *v, void *user, sp_error *err) {
+    recorder *k = user;
     (void)t, (void)v, (void)err;
     memcpy(k->to, y + 1, (size_t)k->n * sizeof(double));
     k->to += k->n;
@@ -60,14 +60,14 @@ static sp_status keep(double t, const double *y, const double *v, void *user, sp
 
 static sp_status bifurcate(const sp_tapped_spec *c, double *value, bool *violated, sp_error *err) {
     sp_event_run r;
-    keeper k = {c->particles, value};
-    double moment = 0.99 * c->period;
+    recorder k = {c->particles, value};
+    const double moment = 0.99 * c->period;
+    const sp_tapped_rows rows = {1, &moment, record_row, &k};
     sp_status status = sp_event_run_make(c, 0, NULL, &r, err);
     if (status == SP_OK)
         sp_lattice_start(&r.l);
-    r.time = &moment, r.row = keep, r.user = &k;
     for (int32_t i = 0; status == SP_OK && i < c->transient + c->taps; i++) {
-        r.rows = i < c->transient ? 0 : 1;
+        r.rows = i < c->transient ? NULL : &rows;
         r.next = 0;
         status = sp_event_run_tap(&r, 0, err);
     }
@@ -78,7 +78,7 @@ static sp_status bifurcate(const sp_tapped_spec *c, double *value, bool *violate
 
 static sp_status make_point(diagram *d, int32_t point, sp_error *err) {
     sp_tapped_spec c = spec_at(d->c, point);
-    double *value = d->value + (size_t)point * (size_t)d->kept * (size_t)d->values;
+    double *value = d->value + (size_t)point * (size_t)d->rows_per_point * (size_t)d->values;
     if (c.output == SP_TAPPED_BIFURCATION)
         return bifurcate(&c, value, &d->violated[point], err);
     sp_tapped_exponent found;
@@ -101,7 +101,7 @@ static void work(void *data, int part, int parts) {
             return;
         }
         if (d->status[point] != SP_OK && atomic_fetch_add(&d->failed, 1) == 0)
-            *d->reason = err;
+            *d->first_error = err;
         int done = atomic_fetch_add(&d->done, 1) + 1;
         if (part == 0 && d->watcher.watch && !d->watcher.watch((double)done / d->points, d->watcher.user))
             atomic_store(&d->stop, true);
@@ -111,11 +111,12 @@ static void work(void *data, int part, int parts) {
 static sp_status check_range(const sp_tapped_spec *c, sp_error *err) {
     const char *name = sp_tapped_parameter_name(c->parameter);
     if (c->points == 1 && c->to > c->from)
-        return sp_fail(err, SP_EINVAL, "column.points = 1: must be 2 or more to go from column.from to column.to");
+        return sp_fail_key(err, SP_EINVAL, "column.points",
+                           " = 1: must be 2 or more to go from column.from to column.to");
     if (c->points > 1 && !(c->from < c->to))
-        return sp_fail(err, SP_EINVAL,
-                       "column.to = %.17g: must be above column.from = %.17g for %d points of column.%s", c->to,
-                       c->from, c->points, name);
+        return sp_fail_key(err, SP_EINVAL, "column.to",
+                           " = %.17g: must be above column.from = %.17g for %d points of column.%s", c->to, c->from,
+                           c->points, name);
     for (int32_t end = 0; end < 2; end++) {
         sp_tapped_spec own = spec_at(c, end * (c->points - 1));
         sp_status status = sp_tapped_check(&own, err);
@@ -145,11 +146,11 @@ static sp_status add_columns(const diagram *d, sp_table *t, sp_error *err) {
 
 static sp_status add_point(const diagram *d, int32_t point, double *row, sp_table *t, sp_error *err) {
     sp_status status = SP_OK;
-    const double *value = d->value + (size_t)point * (size_t)d->kept * (size_t)d->values;
+    const double *value = d->value + (size_t)point * (size_t)d->rows_per_point * (size_t)d->values;
     bool made = d->status[point] == SP_OK, exponents = d->c->output == SP_TAPPED_LYAPUNOV;
     int32_t at = exponents ? 1 : 2;
     row[0] = parameter_at(d->c, point);
-    for (int32_t k = 0; status == SP_OK && k < (made ? d->kept : 1); k++) {
+    for (int32_t k = 0; status == SP_OK && k < (made ? d->rows_per_point : 1); k++) {
         row[1] = d->c->transient + k + 1;
         for (int32_t i = 0; i < d->values; i++)
             row[at + i] = made ? value[k * d->values + i] : exponents && i == 2 ? 0 : NAN;
@@ -180,8 +181,8 @@ static sp_status write_table(const diagram *d, sp_table *t, sp_error *err) {
     sp_status status = row ? add_columns(d, t, err) : sp_fail_memory(err, (size_t)d->values * sizeof *row);
     int failed = atomic_load(&d->failed);
     if (status == SP_OK && failed > 0)
-        status =
-            sp_table_add_comment(t, err, "%d points could not be made (nan); the first: %s", failed, d->reason->text);
+        status = sp_table_add_comment(t, err, "%d points could not be made (nan); the first: %s", failed,
+                                      d->first_error->text);
     if (status == SP_OK)
         status = comment_violations(d, t, err);
     for (int32_t k = 0; status == SP_OK && k < d->points; k++)
@@ -191,16 +192,16 @@ static sp_status write_table(const diagram *d, sp_table *t, sp_error *err) {
 }
 
 static sp_status run_points(diagram *d, int threads, sp_error *err) {
-    sp_pool *team = NULL;
-    sp_status status = sp_pool_make(threads < d->points ? threads : d->points, &team, err);
+    sp_pool *pool = NULL;
+    sp_status status = sp_pool_make(threads < d->points ? threads : d->points, &pool, err);
     if (status != SP_OK)
         return status;
-    sp_pool_run(team, work, d);
-    sp_pool_free(team);
+    sp_pool_run(pool, work, d);
+    sp_pool_free(pool);
     if (atomic_load(&d->stop))
         return sp_fail(err, SP_EINTERRUPTED, "stopped after %d of %d points", atomic_load(&d->done), d->points);
     if (atomic_load(&d->failed) == d->points) {
-        *err = *d->reason;
+        *err = *d->first_error;
         return err->status;
     }
     return SP_OK;
@@ -210,19 +211,20 @@ sp_status sp_tapped_diagram(const sp_tapped_spec *spec, int threads, sp_tapped_w
                             sp_error *err) {
     sp_tapped_spec c = *spec;
     c.taps = sp_tapped_taps(spec);
-    sp_error reason = {0};
+    sp_error first_error = {0};
     bool exponents = c.output == SP_TAPPED_LYAPUNOV;
-    diagram d = {.c = &c, .watcher = watcher, .points = c.points, .reason = &reason};
-    d.kept = exponents ? 1 : c.taps;
+    diagram d = {.c = &c, .watcher = watcher, .points = c.points, .first_error = &first_error};
+    d.rows_per_point = exponents ? 1 : c.taps;
     d.values = exponents ? 3 : c.particles;
     sp_status status = check_range(&c, err);
-    double bytes = (double)d.points * d.kept * (d.values + 2.0) * 2 * sizeof(double);
+    double bytes = (double)d.points * d.rows_per_point * (d.values + 2.0) * 2 * sizeof(double);
     if (status == SP_OK && bytes > 0.5 * sp_memory_limit())
-        status = sp_fail(err, SP_EINVAL, "column.points = %d, column.taps = %d: a table of %.3g bytes; must be smaller",
-                         d.points, c.taps, bytes);
+        status =
+            sp_fail_key(err, SP_EINVAL, "column.points",
+                        " = %d, column.taps = %d: a table of %.3g bytes; must be smaller", d.points, c.taps, bytes);
     if (status != SP_OK)
         return status;
-    d.value = sp_alloc((size_t)d.points * (size_t)d.kept * (size_t)d.values, sizeof *d.value);
+    d.value = sp_alloc((size_t)d.points * (size_t)d.rows_per_point * (size_t)d.values, sizeof *d.value);
     d.status = sp_alloc((size_t)d.points, sizeof *d.status);
     d.violated = sp_alloc((size_t)d.points, sizeof *d.violated);
     status = d.value && d.status && d.violated ? run_points(&d, threads, err) : sp_fail_memory(err, (size_t)bytes);

@@ -119,14 +119,14 @@ static sp_status write_row(sp_event_run *r, double t, sp_error *err) {
         r->y[i + 1] = r->y[i] + (l->distance[i] - overlap);
         r->v[i + 1] = r->v[i] + opening;
     }
-    return r->row(t, r->y, r->v, r->user, err);
+    return r->rows->row(t, r->y, r->v, r->rows->user, err);
 }
 
 /* Writes the rows of the step up to tau. Rows at the end of the tap belong to the next tap, unless this is the last. */
 static sp_status write_rows(sp_event_run *r, double tau, sp_error *err) {
     sp_status status = SP_OK;
-    for (; status == SP_OK && r->next < r->rows; r->next++) {
-        double t = r->time[r->next];
+    for (; status == SP_OK && r->rows && r->next < r->rows->n; r->next++) {
+        double t = r->rows->t[r->next];
         bool ends = r->l.s + tau >= r->l.period;
         if (ends ? !(r->last || t < r->begin + r->l.period) : t - r->begin > r->l.s + tau)
             break;
@@ -316,12 +316,12 @@ void sp_event_run_free(sp_event_run *r) {
     sp_free(r->v);
 }
 
-sp_status sp_tapped_run_events(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_row row, void *user,
-                               sp_tapped_report *report, sp_error *err) {
+sp_status sp_tapped_run_events(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
+                               sp_error *err) {
     sp_event_run r;
     sp_status status = sp_event_run_make(c, 0, report, &r, err);
     if (status == SP_OK) {
-        r.rows = n, r.time = t, r.row = row, r.user = user;
+        r.rows = rows;
         sp_lattice_start(&r.l);
         report->initial_energy = energy_of(&r.l);
     }

@@ -12,12 +12,10 @@ typedef struct sp_event_run {
     sp_tapped_tap *tap;
     double begin, until; /* start of the tap; end of the present phase, relative to it */
     bool last;
-    double interval;      /* running mean of the time between events, which limits the step */
-    int64_t simultaneous; /* events at the present time */
-    int64_t rows, next;
-    const double *time;
-    sp_tapped_row row;
-    void *user;
+    double interval;            /* running mean of the time between events, which limits the step */
+    int64_t simultaneous;       /* events at the present time */
+    const sp_tapped_rows *rows; /* NULL: none */
+    int64_t next;               /* row */
     double *y, *v;
 } sp_event_run;
 

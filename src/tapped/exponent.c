@@ -11,7 +11,7 @@ enum {
     LEAST_TAPS = 10
 };
 
-static const double closes = 1e-9; /* tolerance for the return to a state, relative to its size */
+static const double return_tolerance = 1e-9; /* tolerance for the return to a state, relative to its size */
 
 static sp_status make_orbit(const sp_tapped_spec *c, int tangents, sp_event_run *o, sp_error *err) {
     sp_status status = sp_event_run_make(c, tangents, NULL, o, err);
@@ -36,7 +36,7 @@ static sp_status find_cycle(sp_event_run *o, sp_tapped_state *s, int32_t *cycle,
     sp_lattice_get(&o->l, s->overlap, s->opening);
     for (int32_t k = 1; status == SP_OK && k <= CYCLE_MAX && *cycle == 0; k++) {
         status = sp_event_run_tap(o, 0, err);
-        if (status == SP_OK && distance_of(&o->l, s->overlap, s->opening) < closes)
+        if (status == SP_OK && distance_of(&o->l, s->overlap, s->opening) < return_tolerance)
             *cycle = k;
     }
     return status;
@@ -45,25 +45,23 @@ static sp_status find_cycle(sp_event_run *o, sp_tapped_state *s, int32_t *cycle,
 /* Largest modulus of the multipliers over one cycle, after which s has moved on by the cycle. */
 static sp_status find_multiplier(const sp_tapped_spec *c, sp_tapped_state *s, int32_t cycle, double *most,
                                  sp_error *err) {
-    size_t n = 2 * (size_t)c->particles;
-    double *matrix = sp_alloc(n * n, sizeof(double)), *vectors = sp_alloc(n * n, sizeof(double));
-    double *re = sp_alloc(n, sizeof(double)), *im = sp_alloc(n, sizeof(double));
-    sp_status status = matrix && vectors && re && im ? sp_tapped_map(c, s, cycle, matrix, err)
-                                                     : sp_fail_memory(err, 2 * (n + 1) * n * sizeof(double));
+    const size_t n = 2 * (size_t)c->particles, size = 2 * n * (n + 1);
+    double *matrix = sp_alloc(size, sizeof *matrix);
+    if (!matrix)
+        return sp_fail_memory(err, size * sizeof *matrix);
+    double *vectors = matrix + n * n, *re = vectors + n * n, *im = re + n;
+    sp_status status = sp_tapped_map(c, s, cycle, matrix, err);
     if (status == SP_OK) /* the transpose has the same eigenvalues */
         status = sp_eigen_general((int64_t)n, matrix, re, im, vectors, err);
     *most = 0;
     for (size_t k = 0; status == SP_OK && k < n; k++)
         *most = fmax(*most, hypot(re[k], im[k]));
     sp_free(matrix);
-    sp_free(vectors);
-    sp_free(re);
-    sp_free(im);
     return status;
 }
 
-static sp_status of_cycle(const sp_tapped_spec *c, sp_tapped_state *s, int32_t cycle, sp_tapped_exponent *out,
-                          sp_error *err) {
+static sp_status exponent_of_cycle(const sp_tapped_spec *c, sp_tapped_state *s, int32_t cycle, sp_tapped_exponent *out,
+                                   sp_error *err) {
     double first, second;
     sp_status status = find_multiplier(c, s, cycle, &first, err);
     if (status == SP_OK)
@@ -132,7 +130,7 @@ static void start_tangent(sp_lattice *l) {
 }
 
 /* Follows one tangent along the orbit. The first tenth of the taps lets it align with the direction of growth. */
-static sp_status of_average(sp_event_run *o, int32_t taps, sp_tapped_exponent *out, sp_error *err) {
+static sp_status exponent_by_average(sp_event_run *o, int32_t taps, sp_tapped_exponent *out, sp_error *err) {
     sp_lattice *l = &o->l;
     double *growth = sp_alloc((size_t)taps, sizeof *growth);
     if (!growth)
@@ -165,17 +163,17 @@ static sp_status find_exponent(const sp_tapped_spec *c, sp_event_run *o, sp_tapp
     if (status == SP_OK && c->particles <= CYCLE_PARTICLES)
         status = find_cycle(o, s, &cycle, err);
     if (status == SP_OK && cycle > 0)
-        status = of_cycle(c, s, cycle, out, err);
+        status = exponent_of_cycle(c, s, cycle, out, err);
     if (status != SP_OK || (cycle > 0 && out->lambda <= 0)) /* an orbit does not stay on a repelling cycle */
         return status;
-    sp_event_run with = {0};
-    status = make_orbit(c, 1, &with, err);
+    sp_event_run tangent = {0};
+    status = make_orbit(c, 1, &tangent, err);
     if (status == SP_OK) {
         sp_lattice_get(&o->l, s->overlap, s->opening);
-        sp_lattice_set(&with.l, s->overlap, s->opening);
-        status = of_average(&with, c->taps, out, err);
+        sp_lattice_set(&tangent.l, s->overlap, s->opening);
+        status = exponent_by_average(&tangent, c->taps, out, err);
     }
-    sp_event_run_free(&with);
+    sp_event_run_free(&tangent);
     return status;
 }
 
@@ -188,8 +186,8 @@ sp_status sp_tapped_lyapunov(const sp_tapped_spec *spec, sp_tapped_exponent *out
     sp_tapped_exponent found = {0};
     sp_status status = sp_tapped_state_make(&c, &s, err);
     if (status == SP_OK && c.taps < LEAST_TAPS)
-        status = sp_fail(err, SP_EINVAL, "column.taps = %d: must be at least %d for an exponent, or 0 for 1000", c.taps,
-                         LEAST_TAPS);
+        status = sp_fail_key(err, SP_EINVAL, "column.taps", " = %d: must be at least %d for an exponent, or 0 for 1000",
+                             c.taps, LEAST_TAPS);
     if (status == SP_OK)
         status = make_orbit(&c, 0, &o, err);
     if (status == SP_OK)

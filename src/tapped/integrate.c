@@ -149,7 +149,7 @@ static sp_status integrate_tap(integration *w, sp_tapped_tap *tap, double *energ
     return SP_OK;
 }
 
-sp_status sp_tapped_integrate(const sp_tapped_spec *c, const sp_tapped_stepper *m, double *state,
+sp_status sp_tapped_integrate(const sp_tapped_spec *c, const sp_tapped_stepper *m, const double *state,
                               const sp_tapped_rows *rows, sp_tapped_report *report, sp_error *err) {
     const size_t size = (size_t)m->size, particles = (size_t)c->particles + 1;
     double *memory = sp_alloc(3 * size + 2 * particles, sizeof *memory);

@@ -38,14 +38,8 @@ typedef struct sp_tapped_stepper {
     const char *cause; /* the scene key that makes the steps short, for a message */
 } sp_tapped_stepper;
 
-/* Runs all taps from `state`, which is left unchanged. Arguments otherwise as for sp_tapped_run. */
-typedef struct sp_tapped_rows {
-    int64_t n;
-    const double *t;
-    sp_tapped_row row;
-    void *user;
-} sp_tapped_rows;
-sp_status sp_tapped_integrate(const sp_tapped_spec *c, const sp_tapped_stepper *m, double *state,
+/* Runs all taps from `state`, which is left unchanged. */
+sp_status sp_tapped_integrate(const sp_tapped_spec *c, const sp_tapped_stepper *m, const double *state,
                               const sp_tapped_rows *rows, sp_tapped_report *report, sp_error *err);
 
 #endif

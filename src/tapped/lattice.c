@@ -27,26 +27,32 @@ sp_status sp_lattice_make(const sp_tapped_spec *c, int tangents, sp_lattice *out
                         .stride = (int32_t)stride,
                         .tangents = tangents};
     sp_lattice *l = out;
-    double **arrays[] = {&l->mass, &l->distance, &l->delta, &l->w, &l->anchor, &l->slack, &l->carried};
-    bool made = true;
-    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
-        made = (*arrays[k] = sp_alloc(n, sizeof(double))) && made;
-    double **strided[] = {&l->stiffness, &l->inverse_mass, &l->force, &l->pull, &l->value, &l->slope};
-    for (size_t k = 0; k < sizeof strided / sizeof *strided; k++)
-        made = (*strided[k] = sp_alloc(stride, sizeof(double))) && made;
-    made = (l->state = sp_alloc(n, 1)) && made;
-    made = (l->released = sp_alloc(n, 1)) && made;
-    made = (l->mover = sp_alloc(n + 1, sizeof *l->mover)) && made;
-    made = (l->c = sp_alloc((LATTICE_ORDER + 1) * stride, sizeof(double))) && made;
-    if (tangents > 0) {
-        made = (l->t_delta = sp_alloc(all, sizeof(double))) && made;
-        made = (l->t_w = sp_alloc(all, sizeof(double))) && made;
-        made = (l->t_c = sp_alloc((LATTICE_ORDER + 1) * stride, sizeof(double))) && made;
-        made = (l->before = sp_alloc(n, sizeof(double))) && made;
-        made = (l->after = sp_alloc(n, sizeof(double))) && made;
-    }
-    if (!made)
-        return sp_fail_memory(err, (LATTICE_ORDER + 20) * stride * sizeof(double));
+    const size_t series = (LATTICE_ORDER + 1) * stride, some = tangents > 0;
+    const struct {
+        double **array;
+        size_t size;
+    } part[] = {{&l->c, series},         {&l->t_c, some * series},
+                {&l->stiffness, stride}, {&l->inverse_mass, stride},
+                {&l->force, stride},     {&l->acceleration, stride},
+                {&l->value, stride},     {&l->slope, stride},
+                {&l->mass, n},           {&l->distance, n},
+                {&l->delta, n},          {&l->w, n},
+                {&l->anchor, n},         {&l->slack, n},
+                {&l->carried, n},        {&l->t_delta, all},
+                {&l->t_w, all},          {&l->before, some * n},
+                {&l->after, some * n}};
+    size_t size = 0;
+    for (size_t k = 0; k < sizeof part / sizeof *part; k++)
+        size += part[k].size;
+    l->block = sp_alloc(size, sizeof *l->block);
+    l->state = sp_alloc(2 * n, sizeof *l->state);
+    l->mover = sp_alloc(n + 1, sizeof *l->mover);
+    if (!l->block || !l->state || !l->mover)
+        return sp_fail_memory(err, size * sizeof *l->block);
+    l->released = l->state + n;
+    double *next = l->block;
+    for (size_t k = 0; k < sizeof part / sizeof *part; next += part[k++].size)
+        *part[k].array = next;
     for (int32_t i = 0; i < l->n; i++) {
         l->mass[i] = sp_tapped_mass(c, i + 1);
         l->distance[i] = sp_tapped_distance(c, i);
@@ -57,13 +63,8 @@ sp_status sp_lattice_make(const sp_tapped_spec *c, int tangents, sp_lattice *out
 }
 
 void sp_lattice_free(sp_lattice *l) {
-    double *arrays[] = {l->mass,      l->distance,     l->delta, l->w,      l->anchor, l->slack, l->carried,
-                        l->stiffness, l->inverse_mass, l->force, l->pull,   l->value,  l->slope, l->c,
-                        l->t_delta,   l->t_w,          l->t_c,   l->before, l->after};
-    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
-        sp_free(arrays[k]);
+    sp_free(l->block);
     sp_free(l->state);
-    sp_free(l->released);
     sp_free(l->mover);
     *l = (sp_lattice){0};
 }
@@ -126,10 +127,10 @@ static void expand_floor(sp_lattice *l) {
 
 /* One step of the recurrence: c_(p+2) (p+1) (p+2) = A_below - A_above, the accelerations of the two clusters. For few
  * movers it is called with a constant number of lanes; the unused lanes have zero stiffness. */
-static inline void raise_lanes(const sp_lattice *l, double *c, int p, double floor, int32_t lanes) {
+static inline void next_power_lanes(const sp_lattice *l, double *c, int p, double floor, int32_t lanes) {
     size_t stride = (size_t)l->stride;
     const double *restrict now = c + (size_t)p * stride, *restrict k = l->stiffness, *restrict im = l->inverse_mass;
-    double *restrict next = c + (size_t)(p + 2) * stride, *restrict f = l->force, *restrict a = l->pull;
+    double *restrict next = c + (size_t)(p + 2) * stride, *restrict f = l->force, *restrict a = l->acceleration;
     for (int32_t j = 0; j < lanes; j++)
         f[j] = k[j] * now[j];
     f[lanes] = 0;
@@ -141,9 +142,9 @@ static inline void raise_lanes(const sp_lattice *l, double *c, int p, double flo
         next[j] = (a[j] - a[j + 1]) * share;
 }
 
-static void raise_power(const sp_lattice *l, double *c, int p, double floor) {
+static void next_power(const sp_lattice *l, double *c, int p, double floor) {
     if (l->lanes > LATTICE_FEW) {
-        raise_lanes(l, c, p, floor, l->lanes);
+        next_power_lanes(l, c, p, floor, l->lanes);
         return;
     }
     size_t stride = (size_t)l->stride; /* kept in registers: otherwise memory would be read before it is written */
@@ -152,9 +153,9 @@ static void raise_power(const sp_lattice *l, double *c, int p, double floor) {
     double below = floor, force = l->stiffness[0] * now[0];
     for (int32_t j = 0; j < l->movers; j++) {
         double above = j + 1 < l->movers ? l->stiffness[j + 1] * now[j + 1] : 0;
-        double pull = (force - above) * l->inverse_mass[j];
-        next[j] = (below - pull) * share;
-        below = pull;
+        double acceleration = (force - above) * l->inverse_mass[j];
+        next[j] = (below - acceleration) * share;
+        below = acceleration;
         force = above;
     }
 }
@@ -186,7 +187,7 @@ void sp_lattice_expand(sp_lattice *l, double h) {
         l->c[l->stride + j] = -l->w[l->mover[j]];
     }
     for (int p = 0; p + 2 <= l->order; p++) {
-        raise_power(l, l->c, p, l->floor[p]);
+        next_power(l, l->c, p, l->floor[p]);
         if (p == 0)
             hold_released(l, l->c);
     }
@@ -233,7 +234,7 @@ static void advance_tangent(sp_lattice *l, double *delta, double *w, double tau)
         l->t_c[l->stride + j] = -w[l->mover[j]];
     }
     for (int p = 0; p + 2 <= l->order; p++)
-        raise_power(l, l->t_c, p, 0);
+        next_power(l, l->t_c, p, 0);
     sum_series(l, l->t_c, tau);
     for (int32_t j = 0; j < l->movers; j++) {
         delta[l->mover[j]] = l->value[j];
@@ -258,7 +259,7 @@ void sp_lattice_advance(sp_lattice *l, double tau) {
 void sp_lattice_rates(sp_lattice *l, double *rate) {
     for (int32_t j = 0; j < l->movers; j++)
         l->c[j] = l->delta[l->mover[j]];
-    raise_power(l, l->c, 0, sp_lattice_floor_acceleration(l) + l->g);
+    next_power(l, l->c, 0, sp_lattice_floor_acceleration(l) + l->g);
     hold_released(l, l->c);
     memset(rate, 0, (size_t)l->n * sizeof *rate);
     for (int32_t j = 0; j < l->movers; j++)

@@ -40,10 +40,11 @@ typedef struct sp_lattice {
                   0) */
     int32_t stride;
     double *c, floor[LATTICE_ORDER + 1];
-    double *force, *pull, *value, *slope; /* scratch memory, [stride] */
+    double *force, *acceleration, *value, *slope; /* scratch memory, [stride] */
 
     int tangents; /* number of tangent vectors; each holds overlaps and opening velocities, [tangents][n] */
     double *t_delta, *t_w, *t_c, *before, *after;
+    double *block; /* memory of all arrays of numbers */
 } sp_lattice;
 
 /* Allocates the memory and sets the constants. The spec must outlive the lattice. Free it after a failure, too. */

@@ -14,7 +14,7 @@
 #include "base/base.h"
 #include "tapped/bsr.h"
 
-enum { UP = 40 }; /* height of the field above the column, in h; Theta is below 1e-26 of its maximum there */
+enum { HEIGHT_ABOVE = 40 }; /* height of the field above the column, in h; Theta is below 1e-26 of its maximum there */
 
 typedef struct field {
     const sp_tapped_spec *c;
@@ -24,7 +24,7 @@ typedef struct field {
     int64_t cells;
     int64_t inside;   /* number of particles still in the field */
     double *u, *next; /* [cells + 2 reach]: from `reach` cells below the floor to `reach` cells above the field */
-    double *theta, *part, *steady; /* (44) in the same cells; (h - |y|) K/m dy; the integral for e = 0 */
+    double *theta, *weight, *steady; /* (44) in the same cells; (h - |y|) K/m dy; the integral for e = 0 */
     double *block;
 } field;
 
@@ -77,7 +77,7 @@ static sp_status make(const sp_tapped_spec *c, field *f, sp_error *err) {
     f->reach = c->cells;
     f->dz = f->h / c->cells;
     f->inside = c->particles;
-    double cells = ceil((high + UP) * c->cells), all = cells + 2 * f->reach;
+    double cells = ceil((high + HEIGHT_ABOVE) * c->cells), all = cells + 2 * f->reach;
     if (!(8 * 5 * all < 0.5 * sp_memory_limit()))
         return sp_fail(err, SP_EINVAL, "column: BSR needs %.3g cells for this column, more than memory holds", cells);
     f->cells = (int64_t)cells;
@@ -90,32 +90,33 @@ static sp_status make(const sp_tapped_spec *c, field *f, sp_error *err) {
     f->next = block + n;
     f->theta = block + 2 * n;
     f->steady = block + 3 * n;
-    f->part = block + 4 * n;
+    f->weight = block + 4 * n;
     for (int64_t j = 0; j < (int64_t)n; j++)
         f->theta[j] = theta(c, ((double)(j - f->reach) + 0.5) * f->dz);
     for (int32_t k = 0; k <= 2 * f->reach; k++)
-        f->part[k] = strength * (f->h - fabs((k - f->reach) * f->dz)) * f->dz;
+        f->weight[k] = strength * (f->h - fabs((k - f->reach) * f->dz)) * f->dz;
     for (int64_t j = 0; j < f->cells; j++)
         for (int32_t k = 0; k <= 2 * f->reach; k++) {
             double sign = c->bsr == SP_TAPPED_BSR_LITERAL ? 1 : (k > f->reach) - (k < f->reach);
-            f->steady[j] += sign * f->part[k] * f->theta[j + k];
+            f->steady[j] += sign * f->weight[k] * f->theta[j + k];
         }
     return SP_OK;
 }
 
 /* tanh(x)/x; most of the run time is dissipated here. */
-static double bend(double x) { return fabs(x) < 1e-3 ? 1 - x * x / 3 : fabs(x) > 20 ? 1 / fabs(x) : tanh(x) / x; }
+static double tanh_ratio(double x) { return fabs(x) < 1e-3 ? 1 - x * x / 3 : fabs(x) > 20 ? 1 / fabs(x) : tanh(x) / x; }
 
 /* Change of u in cell j over dt due to the integral, by the trapezoidal rule as in [B]. With e > 0 it draws u towards
  * the velocities of the neighbours, because S sigma(S w) = sigma(w) for both signs. For a large alpha_v this rate is
  * too stiff for an explicit step. The step is therefore implicit in u(z), with the ratio tanh(w)/w taken at its start.
  */
-static double pushed(const field *f, int64_t j, double dt) {
+static double velocity_change(const field *f, int64_t j, double dt) {
     const double here = f->u[j + f->reach], rate = f->c->e * f->c->alpha_v;
     double sum = 0, drawn = 0;
     if (rate > 0)
         for (int32_t k = 0; k <= 2 * f->reach; k++) {
-            double rise = f->u[j + k] - here, draw = rate * f->part[k] * f->theta[j + k] * bend(f->c->alpha_v * rise);
+            double rise = f->u[j + k] - here,
+                   draw = rate * f->weight[k] * f->theta[j + k] * tanh_ratio(f->c->alpha_v * rise);
             sum += draw * rise;
             drawn += draw;
         }
@@ -128,7 +129,7 @@ static double godunov(double left, double right) { /* for the flux u^2/2 */
 }
 
 /* Values outside the field: below, the floor's velocity as (46) demands; above, free fall. */
-static void surround(field *f, double dt) {
+static void set_boundaries(field *f, double dt) {
     double under = sp_tapped_floor_velocity(f->c, f->t + dt / 2), over = -f->c->gravity * f->t;
     for (int32_t k = 0; k < f->reach; k++) {
         f->u[k] = under;
@@ -142,10 +143,10 @@ static double stable_step(const field *f, double fastest) {
 
 static void advance(field *f, double dt) {
     const int32_t at = f->reach;
-    surround(f, dt);
+    set_boundaries(f, dt);
     for (int64_t j = 0; j < f->cells; j++) {
         double in = godunov(f->u[j + at - 1], f->u[j + at]), out = godunov(f->u[j + at], f->u[j + at + 1]);
-        f->next[j + at] = f->u[j + at] - dt / f->dz * (out - in) - dt * f->c->gravity + pushed(f, j, dt);
+        f->next[j + at] = f->u[j + at] - dt / f->dz * (out - in) - dt * f->c->gravity + velocity_change(f, j, dt);
     }
     double *old = f->u;
     f->u = f->next;
@@ -163,7 +164,7 @@ static double velocity(const field *f, double z, double *slope) {
 
 /* ---- the particles ---------------------------------------------------------------------------------------------- */
 
-static void place(void *model, sp_tapped_frame *at) {
+static void place_particles(void *model, sp_tapped_frame *at) {
     const field *f = model;
     const sp_tapped_spec *c = f->c;
     if (c->drop < 0)
@@ -178,7 +179,7 @@ static void place(void *model, sp_tapped_frame *at) {
 }
 
 /* Moves the particles by dy/dt = u(y, t), and their densities by (48) along the path: d rho/dt = -u_z rho. */
-static void carry(field *f, double dt, const sp_tapped_frame *from, sp_tapped_frame *to) {
+static void move_particles(field *f, double dt, const sp_tapped_frame *from, sp_tapped_frame *to) {
     const double gravity = f->c->gravity;
     f->inside = 0;
     for (int32_t i = 1; i <= f->c->particles; i++) {
@@ -213,7 +214,7 @@ static sp_status step(void *model, double until, const sp_tapped_frame *from, sp
     if (f->inside > 0)
         advance(f, dt);
     f->t = end;
-    carry(f, dt, from, to);
+    move_particles(f, dt, from, to);
     double sum = 0;
     for (int32_t i = 1; i <= f->c->particles; i++)
         sum += to->y[i] + to->rho[i - 1];
@@ -231,16 +232,17 @@ static sp_status check(const field *f, const sp_tapped_spec *c, sp_error *err) {
     return sp_tapped_check_time_step(c, bound, err);
 }
 
-sp_status sp_tapped_literal(const sp_tapped_spec *c, sp_tapped_sink *sink, sp_tapped_report *report, sp_error *err) {
+sp_status sp_tapped_literal(const sp_tapped_spec *c, const sp_tapped_bsr_rows *rows, sp_tapped_report *report,
+                            sp_error *err) {
     field f = {.c = c};
-    const sp_tapped_bsr_scheme scheme = {&f, place, step};
+    const sp_tapped_bsr_scheme scheme = {&f, place_particles, step};
     sp_status status = sp_tapped_check_equal(c, err);
     if (status == SP_OK)
         status = make(c, &f, err);
     if (status == SP_OK)
         status = check(&f, c, err);
     if (status == SP_OK)
-        status = sp_tapped_bsr_integrate(c, &scheme, sink, report, err);
+        status = sp_tapped_bsr_integrate(c, &scheme, rows, report, err);
     sp_free(f.block);
     return status;
 }

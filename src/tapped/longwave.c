@@ -35,7 +35,7 @@ typedef struct longwave {
     double stiffness, e, gravity, alpha, h, dz, mass;
     double time_step;       /* as given, or short enough to resolve the waves */
     double *factor, *pivot; /* factorisation of the inertia matrix */
-    double off;             /* off-diagonal element of the inertia matrix */
+    double off_diagonal;    /* off-diagonal element of the inertia matrix */
     sp_tapped_phase phase;
     sp_ode ode;
 } longwave;
@@ -51,20 +51,20 @@ static sp_status make_inertia(longwave *p, sp_error *err) {
         return sp_fail_memory(err, 2 * n * sizeof *p->factor);
     p->pivot = p->factor + n;
     const double link = p->mass * p->h / (12 * p->dz);
-    p->off = -link;
+    p->off_diagonal = -link;
     for (int64_t j = 0; j < p->nodes; j++) {
         double diagonal = lumped(p, j) + link * (j == 0 || j == p->nodes - 1 ? 1 : 2);
-        p->pivot[j] = 1 / (diagonal - (j > 0 ? p->off * p->factor[j - 1] : 0));
-        p->factor[j] = p->off * p->pivot[j];
+        p->pivot[j] = 1 / (diagonal - (j > 0 ? p->off_diagonal * p->factor[j - 1] : 0));
+        p->factor[j] = p->off_diagonal * p->pivot[j];
     }
     return SP_OK;
 }
 
 /* Solves for the accelerations, in place of the forces on the nodes. */
-static void divide(const longwave *p, double *f) {
+static void solve_inertia(const longwave *p, double *f) {
     f[0] *= p->pivot[0];
     for (int64_t j = 1; j < p->nodes; j++)
-        f[j] = (f[j] - p->off * f[j - 1]) * p->pivot[j];
+        f[j] = (f[j] - p->off_diagonal * f[j - 1]) * p->pivot[j];
     for (int64_t j = p->nodes - 2; j >= 0; j--)
         f[j] -= p->factor[j] * f[j + 1];
 }
@@ -96,21 +96,21 @@ static void slope(double s, const double *state, double *out, void *user) {
         f[j] = below - above - lumped(p, j) * p->gravity;
         below = above;
     }
-    divide(p, f);
+    solve_inertia(p, f);
 }
 
 static double elastic_bound(const longwave *p) {
     return sqrt(8 * p->mass / ((6 + 2 * sqrt(21)) * (1 + p->e) * p->stiffness));
 }
 
-static double stable(const longwave *p, double overlap) {
+static double stable_step(const longwave *p, double overlap) {
     double rate = 12 * p->stiffness * p->e * p->alpha * overlap / p->mass;
     return fmin(elastic_bound(p), rate > 0 ? 2.5 / rate : INFINITY);
 }
 
-/* Longest t for which the damping is stable while the overlap grows to delta + w t: b (delta + w t) t = 2.5. Delta is
- * increased by a tenth for changes that w does not predict. */
-static double damped(double b, double delta, double w) {
+/* Longest t for which the damping is stable while the overlap grows to delta + w t: b (delta + w t) t = 2.5. Delta
+ * is increased by a tenth for changes that w does not predict. */
+static double damped_step(double b, double delta, double w) {
     double now = b * (delta > 0 ? 1.1 * delta : delta);
     double denominator = w > 0 ? now + sqrt(now * now + 10 * b * w) : 2 * now;
     return denominator > 0 ? 5 / denominator : INFINITY;
@@ -120,10 +120,10 @@ static double max_step(void *model, double s, const double *state) {
     const longwave *p = model;
     const double *y = state, *v = state + p->nodes, per = p->h / p->dz;
     const double b = 12 * p->stiffness * p->e * p->alpha / p->mass;
-    double least = damped(b, 2 * (sp_tapped_phase_floor(&p->phase, s) - y[0]),
-                          2 * (sp_tapped_phase_velocity(&p->phase, s) - v[0]));
+    double least = damped_step(b, 2 * (sp_tapped_phase_floor(&p->phase, s) - y[0]),
+                               2 * (sp_tapped_phase_velocity(&p->phase, s) - v[0]));
     for (int64_t j = 0; j + 1 < p->nodes; j++)
-        least = fmin(least, damped(b, p->h - per * (y[j + 1] - y[j]), per * (v[j] - v[j + 1])));
+        least = fmin(least, damped_step(b, p->h - per * (y[j + 1] - y[j]), per * (v[j] - v[j + 1])));
     return fmin(least, fmin(p->time_step, elastic_bound(p)));
 }
 
@@ -162,7 +162,7 @@ static double energy(void *model, double floor, const double *state) {
         sum += lumped(p, j) * (0.5 * v[j] * v[j] + p->gravity * y[j]);
         if (j + 1 < p->nodes) {
             double delta = fmax(0, p->h * (1 - (y[j + 1] - y[j]) / p->dz)), w = v[j + 1] - v[j];
-            sum += 0.5 * p->stiffness * delta * delta * p->dz / p->h - 0.5 * p->off * w * w;
+            sum += 0.5 * p->stiffness * delta * delta * p->dz / p->h - 0.5 * p->off_diagonal * w * w;
         }
     }
     return sum;
@@ -183,26 +183,26 @@ static void start(const sp_tapped_spec *c, const longwave *p, double *state) {
 static sp_status check(const sp_tapped_spec *c, sp_error *err) {
     for (int32_t i = 2; i <= c->particles; i++)
         if (sp_tapped_mass(c, i) != sp_tapped_mass(c, 1) || sp_tapped_radius(c, i) != sp_tapped_radius(c, 1))
-            return sp_fail(err, SP_EINVAL,
-                           "column.model = \"longwave\": particle %d differs from particle 1 in mass or radius; the "
-                           "long-wave expansion requires equal particles",
-                           i);
+            return sp_fail_key(err, SP_EINVAL, "column.model",
+                               " = \"longwave\": particle %d differs from particle 1 in mass or radius; the "
+                               "long-wave expansion requires equal particles",
+                               i);
     return SP_OK;
 }
 
 /* Estimates the largest overlap of the run: the one at rest at the bottom, plus the wave v/sqrt(K/m) that starts with
- * the floor's first velocity or the velocity of the fall. A given time step must be stable there; the steps then adapt
- * to the state. */
-static sp_status choose(const sp_tapped_spec *c, longwave *p, sp_error *err) {
+ * the floor's first velocity or the velocity of the fall. A given time step must be stable there; the steps then
+ * adapt to the state. */
+static sp_status choose_time_step(const sp_tapped_spec *c, longwave *p, sp_error *err) {
     double speed = c->drop < 0 ? 2 * sp_tapped_pi * c->frequency * c->amplitude : sqrt(2 * c->gravity * c->drop);
     double overlap = speed / sqrt(p->stiffness / p->mass);
     if (c->drop < 0)
         overlap += p->particles * p->mass * p->gravity / p->stiffness;
-    double bound = stable(p, overlap);
+    double bound = stable_step(p, overlap);
     if (c->time_step > bound * (1 + 1e-9))
-        return sp_fail(
-            err, SP_EINVAL,
-            "column.time_step = %.17g s: the long wave is stable up to %.6g s, the smaller of %.3g s, for its "
+        return sp_fail_key(
+            err, SP_EINVAL, "column.time_step",
+            " = %.17g s: the long wave is stable up to %.6g s, the smaller of %.3g s, for its "
             "elastic waves, and 2.5 m/(12 K e alpha_v delta), for their damping at an overlap delta = %.3g "
             "cm; 0 chooses a stable one",
             c->time_step, bound, elastic_bound(p), overlap);
@@ -210,8 +210,8 @@ static sp_status choose(const sp_tapped_spec *c, longwave *p, sp_error *err) {
     return SP_OK;
 }
 
-sp_status sp_tapped_run_longwave(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_row row, void *user,
-                                 sp_tapped_report *report, sp_error *err) {
+sp_status sp_tapped_run_longwave(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
+                                 sp_error *err) {
     longwave p = {.particles = c->particles,
                   .cells = c->cells,
                   .nodes = (int64_t)c->particles * c->cells + 1,
@@ -233,7 +233,7 @@ sp_status sp_tapped_run_longwave(const sp_tapped_spec *c, int64_t n, const doubl
     double *state = NULL;
     sp_status status = check(c, err);
     if (status == SP_OK)
-        status = choose(c, &p, err);
+        status = choose_time_step(c, &p, err);
     if (status == SP_OK)
         status = make_inertia(&p, err);
     if (status == SP_OK)
@@ -242,7 +242,7 @@ sp_status sp_tapped_run_longwave(const sp_tapped_spec *c, int64_t n, const doubl
         status = sp_fail_memory(err, (size_t)m.size * sizeof *state);
     if (status == SP_OK) {
         start(c, &p, state);
-        status = sp_tapped_integrate(c, &m, state, &(sp_tapped_rows){n, t, row, user}, report, err);
+        status = sp_tapped_integrate(c, &m, state, rows, report, err);
         report->error = NAN; /* no bound is known */
     }
     sp_free(state);

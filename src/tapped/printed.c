@@ -36,7 +36,7 @@ static printed coefficients(double r, double alpha) {
 }
 
 /* C of (35). Its last term, as printed, has the unit cm^2. */
-static double leading(const printed *a, double r, double alpha, double slope) {
+static double leading_coefficient(const printed *a, double r, double alpha, double slope) {
     double h = 2 * r;
     return a->plus / 3 - a->b * h * slope / 3 + 2 * r * alpha * h * h * slope * slope;
 }
@@ -77,7 +77,7 @@ sp_status sp_tapped_symbol_at(const sp_tapped_spec *c, sp_tapped_model model, do
     double r = sp_tapped_radius(c, 1), h = 2 * r;
     printed a = coefficients(r, alpha);
     double speed2 = sp_tapped_stiffness(c) * h * h / sp_tapped_mass(c, 1) *
-                    (leading(&a, r, alpha, slope) - a.minus * h * h * k * k / 36);
+                    (leading_coefficient(&a, r, alpha, slope) - a.minus * h * h * k * k / 36);
     if (model == SP_TAPPED_EQ37)
         speed2 = -speed2;
     *out = (sp_tapped_symbol){.growth = speed2 < 0 ? k * sqrt(-speed2) : 0, .speed2 = speed2};
@@ -86,20 +86,17 @@ sp_status sp_tapped_symbol_at(const sp_tapped_spec *c, sp_tapped_model model, do
 
 /* The k of the largest growth of (37), for slope 1 and alpha = 1/h as in [B]. (35) has none; for it, the largest k of
  * the paper's grid. */
-static double worst(const sp_tapped_spec *c, double step) {
+static double worst_wavenumber(const sp_tapped_spec *c, double step) {
     double r = sp_tapped_radius(c, 1), h = 2 * r;
     printed a = coefficients(r, 1 / h);
-    return c->model == SP_TAPPED_EQ37 ? sqrt(18 * leading(&a, r, 1 / h, 1) / a.minus) / h : sp_tapped_pi / step;
+    return c->model == SP_TAPPED_EQ37 ? sqrt(18 * leading_coefficient(&a, r, 1 / h, 1) / a.minus) / h
+                                      : sp_tapped_pi / step;
 }
 
-sp_status sp_tapped_refuse_printed(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_row row, void *user,
-                                   sp_tapped_report *report, sp_error *err) {
-    (void)n;
-    (void)t;
-    (void)row;
-    (void)user;
-    (void)report;
-    const double h = 2 * sp_tapped_radius(c, 1), step = 0.01, k = worst(c, step);
+sp_status sp_tapped_refuse_printed(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
+                                   sp_error *err) {
+    (void)rows, (void)report;
+    const double h = 2 * sp_tapped_radius(c, 1), step = 0.01, k = worst_wavenumber(c, step);
     const double speed = h * sqrt(sp_tapped_stiffness(c) / sp_tapped_mass(c, 1));
     sp_tapped_symbol symbol;
     sp_status status = sp_tapped_symbol_at(c, c->model, 1 / h, 1, k, &symbol, err);

@@ -31,6 +31,7 @@ void sp_tapped_report_free(sp_tapped_report *r) {
 
 sp_status sp_tapped_run(const sp_tapped_spec *spec, int64_t n, const double *t, sp_tapped_row row, void *user,
                         sp_tapped_report *report, sp_error *err) {
+    const sp_tapped_rows rows = {n, t, row, user};
     sp_tapped_report made = {0};
     sp_tapped_spec own = *spec, *c = &own;
     own.taps = sp_tapped_taps(spec);
@@ -40,7 +41,7 @@ sp_status sp_tapped_run(const sp_tapped_spec *spec, int64_t n, const double *t, 
     if (status == SP_OK)
         status = sp_tapped_report_make(c, &made, err);
     if (status == SP_OK)
-        status = solver_of(c)(c, n, t, row, user, &made, err);
+        status = solver_of(c)(c, &rows, &made, err);
     if (status == SP_OK && report)
         *report = made;
     else

@@ -54,10 +54,10 @@ static sp_status choose_fixed_step(const sp_tapped_spec *c, solver *m, sp_error 
     double frequency = sp_tapped_springs_frequency(&m->springs), bound = 2 * sqrt(2) / frequency;
     m->max_step = c->time_step > 0 ? c->time_step : 2 * sp_tapped_pi / frequency / STEPS_PER_CONTACT;
     if (m->max_step > bound)
-        return sp_fail(err, SP_EINVAL,
-                       "column.time_step = %.17g s: the Runge-Kutta scheme is stable up to %.6g s, sqrt(2 m/(K (1 + "
-                       "e))) of the lightest particle; 0 chooses %d steps per contact",
-                       m->max_step, bound, STEPS_PER_CONTACT);
+        return sp_fail_key(err, SP_EINVAL, "column.time_step",
+                           " = %.17g s: the Runge-Kutta scheme is stable up to %.6g s, sqrt(2 m/(K (1 + "
+                           "e))) of the lightest particle; 0 chooses %d steps per contact",
+                           m->max_step, bound, STEPS_PER_CONTACT);
     return SP_OK;
 }
 
@@ -85,8 +85,8 @@ static sp_status prepare(const sp_tapped_spec *c, solver *m, sp_error *err) {
     return SP_OK;
 }
 
-sp_status sp_tapped_run_ode(const sp_tapped_spec *c, int64_t n, const double *t, sp_tapped_row row, void *user,
-                            sp_tapped_report *report, sp_error *err) {
+sp_status sp_tapped_run_ode(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
+                            sp_error *err) {
     const bool fixed = c->method == SP_TAPPED_RK4;
     const double alpha_v = fixed ? INFINITY : c->alpha_v, alpha_x = fixed || !(c->alpha_x > 0) ? INFINITY : c->alpha_x;
     solver m = {0};
@@ -108,7 +108,7 @@ sp_status sp_tapped_run_ode(const sp_tapped_spec *c, int64_t n, const double *t,
     status = state ? prepare(c, &m, err) : sp_fail_memory(err, 2 * (size_t)stepper.size * sizeof *state);
     if (status == SP_OK) {
         sp_tapped_springs_start(c, &m.springs, state);
-        status = sp_tapped_integrate(c, &stepper, state, &(sp_tapped_rows){n, t, row, user}, report, err);
+        status = sp_tapped_integrate(c, &stepper, state, rows, report, err);
         report->error = fixed ? NAN : c->tolerance; /* NAN: no bound is known */
         report->time_step = fixed ? report->time_step : 0;
     }

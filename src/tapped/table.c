@@ -213,9 +213,9 @@ static sp_status energy(maker *m, sp_error *err) {
         {"separation", "cm", SP_CELL_NUMBER, false, 0},  {"separation_time", "s", SP_CELL_NUMBER, false, 0},
         {"contact", "", SP_CELL_INTEGER, false, 0}};
     if (m->c->model != SP_TAPPED_LATTICE)
-        return sp_fail(err, SP_EINVAL,
-                       "column.output = \"energy\": column.model must be \"lattice\": the continua have no energy "
-                       "balance of contacts");
+        return sp_fail_key(err, SP_EINVAL, "column.output",
+                           " = \"energy\": column.model must be \"lattice\": the continua have no energy "
+                           "balance of contacts");
     sp_tapped_report report = {0};
     sp_status status = strobe_times(m, 9, err);
     if (status == SP_OK)
@@ -348,10 +348,10 @@ static sp_status add_comments(const maker *m, sp_error *err) {
 
 static sp_status diagram(maker *m, int threads, sp_error *err) {
     if (m->c->model != SP_TAPPED_LATTICE || m->c->method != SP_TAPPED_EVENT)
-        return sp_fail(err, SP_EINVAL,
-                       "column.output = \"%s\": column.model must be \"lattice\" and column.method \"event\": only "
-                       "these provide the map from tap to tap and its derivative",
-                       m->c->output == SP_TAPPED_LYAPUNOV ? "lyapunov" : "bifurcation");
+        return sp_fail_key(err, SP_EINVAL, "column.output",
+                           " = \"%s\": column.model must be \"lattice\" and column.method \"event\": only "
+                           "these provide the map from tap to tap and its derivative",
+                           m->c->output == SP_TAPPED_LYAPUNOV ? "lyapunov" : "bifurcation");
     sp_status status = sp_tapped_diagram(m->c, threads, m->watcher, m->t, err);
     return status == SP_OK ? add_comments(m, err) : status;
 }

@@ -27,7 +27,7 @@ typedef struct setting {
 } setting;
 
 static sp_status add_setting(sp_table *t, const char *key, const char *word, sp_error *err) {
-    return sp_table_comment_value(t, key) ? SP_OK : sp_table_add_comment(t, err, "%s = %s", key, word);
+    return sp_table_get_text(t, key) ? SP_OK : sp_table_set_text(t, key, word, err);
 }
 
 static sp_status add_settings(sp_table *t, size_t n, const setting *of, sp_error *err) {

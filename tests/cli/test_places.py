@@ -149,7 +149,7 @@ def test_refusals():
                           (["--method", "magic"], "auto chebyshev")):
         text = run("signal", N200, *words, status=2)
         assert names_all(text.splitlines()[0], reason), (words, text)
-    assert "chebyshev needs none" in run("signal", N200, "--method", "verlet", status=1)
+    assert "chebyshev needs no steps" in run("signal", N200, "--method", "verlet", status=1)
     assert "must be smaller" in run("signal", N200, "--method", "dynamics", "--amplitude", 900, status=1)
     with tempfile.TemporaryDirectory() as folder:
         smooth = os.path.join(folder, "smooth.h5")

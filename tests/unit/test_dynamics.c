@@ -5,6 +5,7 @@
 #include "base/base.h"
 #include "packing/contact.h"
 #include "packing/dynamics.h"
+#include "packing/neighbours.h"
 #include "packing/pairs.h"
 #include "packing/prepare.h"
 
@@ -99,7 +100,7 @@ static dynamics make_stick(const sp_packing *p) {
     spec.poisson = p->poisson;
     spec.damping = 0;
     assert_ok(sp_dynamics_make(&spec, p->r, p->x, sp_packing_height(p), &d, &err));
-    assert_ok(sp_dynamics_refresh(&d, &err));
+    assert_ok(sp_neighbours_refresh(&d, &err));
     return d;
 }
 
@@ -277,7 +278,7 @@ static bool touching(const dynamics *d, int32_t i, int32_t j) {
     for (int a = 0; a < d->dim; a++) {
         double x = h[a] - g[a];
         if (a < d->dim - 1)
-            x -= d->side[a] * nearbyint(x / d->side[a]);
+            x -= d->period[a] * nearbyint(x / d->period[a]);
         square += x * x;
     }
     return sqrt(square) < g[d->at.r] + h[d->at.r];
@@ -308,7 +309,7 @@ static void check_lists(const sp_pack_spec *spec, double dt) {
     d.law.friction = 0;
     d.dt = dt;
     for (int step = 0; step < 2000; step++) {
-        assert_ok(sp_dynamics_refresh(&d, &err));
+        assert_ok(sp_neighbours_refresh(&d, &err));
         sp_dynamics_forces(&d, dt);
         contacts += assert_pairs_are_complete(&d, seen);
         sp_dynamics_advance(&d, dt);
@@ -353,7 +354,7 @@ static double energy_error(int dim, double dt) {
     d.dt = dt;
     d.v_max = 0.05;
     for (double t = 0; t < 20; t += dt) {
-        assert_ok(sp_dynamics_refresh(&d, &err));
+        assert_ok(sp_neighbours_refresh(&d, &err));
         sp_dynamics_forces(&d, dt);
         sp_dynamics_advance(&d, dt);
     }
@@ -392,7 +393,7 @@ static double potential_of(const dynamics *d, const double *g0) {
             double square = 0;
             for (int a = 0; a < d->dim; a++) {
                 double x = h[a] - g[a];
-                x -= a < up ? d->side[a] * nearbyint(x / d->side[a]) : 0;
+                x -= a < up ? d->period[a] * nearbyint(x / d->period[a]) : 0;
                 square += x * x;
             }
             const double n = r + h[d->at.r] - sqrt(square);
@@ -414,7 +415,7 @@ static double gas_energy_error(int dim, double dt) {
     double *before = sp_alloc(size, 1), first = 0, worst = 0;
     d.dt = dt;
     for (int64_t step = 0; (double)step * dt < 100; step++) {
-        assert_ok(sp_dynamics_refresh(&d, &err));
+        assert_ok(sp_neighbours_refresh(&d, &err));
         sp_dynamics_forces(&d, dt);
         memcpy(before, d.g, size);
         sp_dynamics_advance(&d, dt);
@@ -477,7 +478,7 @@ static double carried_error(const double e[3], int steps, bool plain) {
     spec.reference = plain;
     assert_ok(sp_dynamics_make(&spec, r, x, 20, &d, &err));
     place_pair(&d, e, 0, step, dt);
-    assert_ok(sp_dynamics_refresh(&d, &err));
+    assert_ok(sp_neighbours_refresh(&d, &err));
     pair_list *list = plain ? &d.outer : &d.inner;
     assert_int_equal(list->n, 1);
     const bool swapped = list->i[0] == 1;

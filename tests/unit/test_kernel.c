@@ -5,6 +5,7 @@
 #include "base/pool.h"
 #include "packing/contact.h"
 #include "packing/dynamics.h"
+#include "packing/neighbours.h"
 #include "packing/prepare.h"
 #include "packing/roots.h"
 
@@ -67,7 +68,7 @@ static double separation(const dynamics *d, int32_t i, int32_t j) {
     double square = 0;
     for (int a = 0; a < d->dim; a++) {
         double x = h[a] - g[a];
-        x -= a < d->dim - 1 ? d->side[a] * nearbyint(x / d->side[a]) : 0;
+        x -= a < d->dim - 1 ? d->period[a] * nearbyint(x / d->period[a]) : 0;
         square += x * x;
     }
     return sqrt(square);
@@ -89,7 +90,7 @@ static dynamics make_moving(const dense *from, const conditions *c, bool plain) 
     assert_ok(sp_dynamics_make(&spec, from->p.r, from->p.x, sp_packing_height(&from->p), &d, &err));
     d.v_max = 0.01; /* lists with many open pairs */
     d.dt = 5;
-    assert_ok(sp_dynamics_refresh(&d, &err));
+    assert_ok(sp_neighbours_refresh(&d, &err));
     for (int32_t i = 0; i < d.n; i++) {
         double *g = dynamics_grain(&d, i);
         for (int a = 0; a < dim; a++)
@@ -199,7 +200,7 @@ static void test_kernel_equals_plain(void **state) {
         dynamics fast = make_moving(&states[k / 24], &c, false), plain = make_moving(&states[k / 24], &c, true);
         if (k % 3 == 0) /* sides that shrink */
             for (int a = 0; a < fast.dim - 1; a++)
-                fast.side_rate[a] = plain.side_rate[a] = -1e-4 * (a + 1);
+                fast.strain_rate[a] = plain.strain_rate[a] = -1e-4 * (a + 1);
         sp_dynamics_forces(&fast, c.dt);
         sp_dynamics_forces(&plain, c.dt);
         assert_same_forces(&fast, &plain);
@@ -225,7 +226,7 @@ static void test_threads(void **state) {
             for (int step = 0; step < 300; step++) {
                 if (step % 30 == 0) /* new lists now and then, as if the grains had gone far */
                     *(step % 60 == 0 ? &run->outer_travel : &run->inner_travel) = INFINITY;
-                assert_ok(sp_dynamics_refresh(run, &err));
+                assert_ok(sp_neighbours_refresh(run, &err));
                 sp_dynamics_forces(run, 0.1);
                 sp_dynamics_advance(run, 0.1);
             }

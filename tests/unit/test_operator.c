@@ -37,11 +37,11 @@ static void check_order(const kind *k, const sp_operator *op) {
         assert_true(op->first[b + 1] > op->first[b] && op->first[b + 1] - op->first[b] <= op->largest);
         assert_int_equal(op->chunk_row[op->chunk[b]], op->first[b]);
         assert_int_equal(op->chunk_row[op->chunk[b + 1]], op->first[b + 1]);
-        for (int q = op->beside_first[b]; q < op->beside_first[b + 1]; q++) {
-            const int other = op->beside[q];
+        for (int q = op->adjacent_first[b]; q < op->adjacent_first[b + 1]; q++) {
+            const int other = op->adjacent[q];
             bool mutual = false;
-            for (int s = op->beside_first[other]; s < op->beside_first[other + 1]; s++)
-                mutual = mutual || op->beside[s] == b;
+            for (int s = op->adjacent_first[other]; s < op->adjacent_first[other + 1]; s++)
+                mutual = mutual || op->adjacent[s] == b;
             assert_true(mutual && other != b);
         }
     }

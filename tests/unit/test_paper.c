@@ -147,7 +147,7 @@ static void sums(void **state) {
 }
 
 static const char *verdict_of(blackmore_row row) {
-    sp_blackmore_judge(&row);
+    sp_blackmore_set_verdict(&row);
     return row.verdict;
 }
 

@@ -5,6 +5,7 @@
 #include "network/largest.h"
 #include "network/operator.h"
 #include "packing/dynamics.h"
+#include "packing/neighbours.h"
 #include "packing/prepare.h"
 #include "packing/vibrate.h"
 
@@ -30,7 +31,7 @@ static dynamics at_rest(const sp_packing *p, bool plain) {
     d.law.damping = 0;
     d.v_max = 0.01; /* lists with pairs that stay open */
     d.dt = 5;
-    assert_ok(sp_dynamics_refresh(&d, &err));
+    assert_ok(sp_neighbours_refresh(&d, &err));
     pair_list *list = plain ? &d.outer : &d.inner;
     int found = 0;
     for (int32_t c = 0; c < p->n_contacts; c++) {

@@ -194,7 +194,6 @@ static void check_gas(sp_pack_spec s) {
     const double volume = s.width * h * (s.dim == 3 ? s.depth : 1);
     if (s.grains > 100) /* fewer have more room than asked for */
         assert_relative(volume_of(s.dim, &s, r) / volume, s.gas_fraction, 1e-12);
-    assert_true(sp_gas_memory(&s) >= 13.0 * s.grains);
     sp_free(again);
     sp_free(x);
     sp_free(r);
@@ -279,7 +278,7 @@ static void no_room_is_an_error(void **state) {
         sp_alloc_fail_after(after);
         status = sp_gas_make(&s, r, x, &h, NULL);
         sp_alloc_fail_after(-1);
-        assert_true((status == SP_OK) == (h > 0) && (after >= 4 || status == SP_ENOMEM));
+        assert_true((status == SP_OK) == (h > 0) && (after >= 2 || status == SP_ENOMEM));
     }
     assert_int_equal(status, SP_OK);
     sp_free(x);

@@ -1,8 +1,9 @@
-/* Time and memory of one run, and what the table says of the choice of methods. */
+/* Measures time and memory of a run, and compares `auto' with the fastest method. */
 #include "base/base.h"
 #include "cli/bench.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -10,7 +11,7 @@
 
 enum { REPEATS_MAX = 401 };
 
-/* What a process of its own tells. */
+/* The result of the runs, which a child process sends. */
 typedef struct outcome {
     sp_status status;
     double seconds, error, megabytes;
@@ -23,8 +24,8 @@ static double largest_resident(void) {
     return (double)usage.ru_maxrss / 1024;
 }
 
-/* The first run is asked for its memory, all for their time: 15, less of long ones, and of short ones as many as
- * outlast what else the machine is at. */
+/* Measures the memory of the first run and the time of all: 15 runs, fewer if they are long, and more if they are
+ * short, so that other work of the machine averages out. */
 static void run_all(const bench_row *row, outcome *o) {
     double each[REPEATS_MAX], total = 0;
     int count = 0;
@@ -53,11 +54,11 @@ static bool read_all(int end, void *to, size_t size) {
     return true;
 }
 
-/* In a child: what a process has given back to its own heap would not be seen to grow again. Where no child can be had
- * the runs are done here, without a figure of their memory. */
+/* Runs in a child process, because memory that an earlier run has freed would hide the growth. If there can be no
+ * child, it runs here, and the memory is NAN. */
 static void run_apart(const bench_row *row, outcome *o) {
     int ends[2];
-    bool told = false;
+    bool received = false;
     if (pipe(ends) == 0) {
         const pid_t child = fork();
         if (child == 0) {
@@ -65,12 +66,12 @@ static void run_apart(const bench_row *row, outcome *o) {
             _exit(write(ends[1], o, sizeof *o) == (ssize_t)sizeof *o ? 0 : 1);
         }
         close(ends[1]);
-        told = child > 0 && read_all(ends[0], o, sizeof *o);
+        received = child > 0 && read_all(ends[0], o, sizeof *o);
         close(ends[0]);
         if (child > 0)
             waitpid(child, NULL, 0);
     }
-    if (!told) {
+    if (!received) {
         run_all(row, o);
         o->megabytes = NAN;
     }
@@ -94,7 +95,8 @@ sp_status bench_measure(const bench_subject *s, const bench_row *row, sp_error *
 
 enum { CASE = 0, METHOD, PARAMETER, SECONDS, ERROR };
 
-/* The fastest row of the case of row `of` whose error is at most what was asked of it there; of modes, any. */
+/* The shortest time among the rows of the same case whose error is at most the tolerance of row `of`; for modes, among
+ * all of them. */
 static double fastest(const sp_table *t, int64_t of) {
     const char *name = t->cells[of * t->columns + CASE].text;
     const double asked = sp_table_number(t, of, PARAMETER);
@@ -106,7 +108,7 @@ static double fastest(const sp_table *t, int64_t of) {
     return best;
 }
 
-sp_status bench_judge_auto(sp_table *t, sp_error *err) {
+sp_status bench_compare_auto(sp_table *t, sp_error *err) {
     int64_t worst = -1;
     double most = 0;
     for (int64_t row = 0; row < t->rows; row++) {

@@ -1,4 +1,4 @@
-/* What modes and moduli cost. */
+/* Measures the run time of modes and moduli. */
 #include "cli/bench.h"
 
 #include <math.h>
@@ -38,7 +38,7 @@ static sp_status run_moduli(const void *data, double *error, sp_error *err) {
 
 enum { DENSE_DOFS = 3000 };
 
-/* auto before what it chooses from; the dense solver makes all modes whatever is asked. */
+/* The dense solver computes all modes, however many are asked for. */
 static sp_status bench_range(const bench_subject *s, const char *name, int64_t lowest, bool vectors, sp_error *err) {
     const struct {
         const char *name;

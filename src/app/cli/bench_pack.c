@@ -1,4 +1,4 @@
-/* What a packing costs. */
+/* Measures the run time of the compression of packings. */
 #include "cli/bench.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* What a signal costs, by every method. */
+/* Measures the run time of signals with every method. */
 #include "base/base.h"
 #include "cli/bench.h"
 
@@ -9,7 +9,7 @@ enum { DENSE_DOFS = 6000, LONG_DOFS = 700, PLACES = 12 };
 typedef struct job {
     const sp_network *net;
     sp_signal_options options;
-    const sp_signal *exact; /* what to compare with; NULL: the result's own bound */
+    const sp_signal *exact; /* to compare with; NULL: use the error bound of the result */
 } job;
 
 static double peak_of(const sp_signal *s, int64_t pair) {
@@ -19,7 +19,7 @@ static double peak_of(const sp_signal *s, int64_t pair) {
     return peak;
 }
 
-/* The largest deviation of a signal over its peak. */
+/* The largest deviation from `exact`, over the peak. */
 static double deviation(const sp_signal *s, const sp_signal *exact) {
     double most = 0;
     for (int64_t pair = 0; pair < (int64_t)s->sources * s->detectors; pair++) {
@@ -41,7 +41,7 @@ static sp_status run(const void *data, double *error, sp_error *err) {
     return status;
 }
 
-/* As exact as a method can: the tightest tolerance that it can vouch for. */
+/* Computes a signal with the smallest tolerance that the method can guarantee. */
 static sp_status best_of(const sp_network *net, sp_signal_options o, sp_signal_method method, sp_signal *out,
                          sp_error *err) {
     sp_status status = SP_EREFUSED;
@@ -55,31 +55,32 @@ static bool steps_in_time(sp_signal_method method) {
     return method == SP_SIGNAL_VERLET || method == SP_SIGNAL_LAX_WENDROFF;
 }
 
-/* Whether a method is tried at all: those that find all modes on small networks only, and no motion of another kind. */
+/* Methods that compute all modes run on small networks only; nonlinear motion is not comparable. */
 static bool is_tried(sp_signal_method method, const sp_network *net) {
     if (method == SP_SIGNAL_DENSE || method == SP_SIGNAL_SPARSE)
         return sp_network_dofs(net) <= DENSE_DOFS;
     return method != SP_SIGNAL_DYNAMICS;
 }
 
-/* The same signal in several ways, each as exact as it can be; empty where one is not used. */
-enum { WAYS = 16 };
+/* The signal of every method, as exact as it can be; empty if the method is not used. */
+enum { METHODS_MAX = 16 };
 typedef struct references {
-    sp_signal by[WAYS];
+    sp_signal by[METHODS_MAX];
 } references;
 
 static void free_references(references *r) {
-    for (int m = 0; m < WAYS; m++)
+    for (int m = 0; m < METHODS_MAX; m++)
         sp_signal_free(&r->by[m]);
 }
 
-/* all: by every method but time stepping; else by expansion and dense sum. */
+/* all: with every method except time stepping; else with the expansion and the dense sum. */
 static sp_status make_references(const sp_network *net, const sp_signal_options *o, bool all, references *r,
                                  sp_error *err) {
     sp_status status = SP_OK;
-    for (int m = 0; m < WAYS; m++)
+    for (int m = 0; m < METHODS_MAX; m++)
         r->by[m] = sp_signal_none();
-    for (int m = SP_SIGNAL_CHEBYSHEV; m < WAYS && sp_signal_method_name((sp_signal_method)m) && status == SP_OK; m++) {
+    for (int m = SP_SIGNAL_CHEBYSHEV; m < METHODS_MAX && sp_signal_method_name((sp_signal_method)m) && status == SP_OK;
+         m++) {
         if (!is_tried((sp_signal_method)m, net) || steps_in_time((sp_signal_method)m) || (!all && m > SP_SIGNAL_DENSE))
             continue;
         status = best_of(net, *o, (sp_signal_method)m, &r->by[m], err);
@@ -88,16 +89,16 @@ static sp_status make_references(const sp_network *net, const sp_signal_options 
     return status;
 }
 
-/* What a method is held against: of the other methods' signals the one that vouches for the least error. */
+/* The signal that a method is compared with: that of the other method with the smallest error bound. */
 static const sp_signal *reference_for(const references *r, sp_signal_method used) {
     const sp_signal *best = NULL;
-    for (int m = 0; m < WAYS; m++)
+    for (int m = 0; m < METHODS_MAX; m++)
         if (m != (int)used && r->by[m].f && (!best || r->by[m].error < best->error))
             best = &r->by[m];
     return best;
 }
 
-/* Which method `auto` takes. */
+/* The method that `auto` chooses. */
 static sp_signal_method used_by(const job *j) {
     sp_signal s = sp_signal_none();
     sp_signal_method method = j->options.method;
@@ -123,7 +124,7 @@ static sp_status bench_tolerances(const bench_subject *s, const char *name, cons
     return status;
 }
 
-/* Steps from 1/Omega down, halved twice each time; each row has the step as its parameter. */
+/* Time steps 1/Omega, 1/(4 Omega), ..., which are the parameters of the rows. */
 static sp_status bench_steps(const bench_subject *s, const char *name, const references *r, job *j, sp_error *err) {
     sp_status status = SP_OK;
     for (int k = 0; k < 5 && status == SP_OK; k++) {
@@ -134,7 +135,7 @@ static sp_status bench_steps(const bench_subject *s, const char *name, const ref
     return status;
 }
 
-/* All methods that can be asked for a tolerance; with `all` also time stepping. */
+/* Methods with a tolerance; time stepping only with `all`. */
 static sp_status bench_methods(const bench_subject *s, const char *name, const sp_signal_options *o, bool all,
                                sp_error *err) {
     static const double tight[] = {1e-3, 1e-6, 1e-9, 1e-12}, chosen[] = {1e-3, 1e-9}, loose[] = {1e-6};
@@ -173,7 +174,7 @@ sp_status bench_long(const bench_subject *s, sp_error *err) {
     return bench_methods(s, "long", &o, false, err);
 }
 
-/* Pushed at grains all over the packing, heard at others. */
+/* Sources and detectors are grains throughout the packing. */
 sp_status bench_many(const bench_subject *s, sp_error *err) {
     sp_place from[PLACES], to[PLACES];
     sp_signal_options o = sp_signal_options_default();
@@ -189,7 +190,7 @@ sp_status bench_many(const bench_subject *s, sp_error *err) {
     return bench_methods(s, "many", &o, false, err);
 }
 
-/* With dashpots at a tenth of critical damping; the error is the method's own bound. */
+/* Dashpots with a tenth of critical damping. The error is the error bound of the method. */
 sp_status bench_damped(const bench_subject *s, sp_error *err) {
     static const double tolerances[] = {1e-3, 1e-9};
     job j = {.net = s->net, .options = sp_signal_options_default()};

@@ -1,30 +1,34 @@
 #ifndef SP_CLI_H
 #define SP_CLI_H
-/* What the commands share: common options, exit status, output. The only room that prints or exits. */
+/* What the commands share: common options, exit statuses, messages and output. Only src/app prints or exits. */
 
-#include <argp.h>
 #include <sonopack/sonopack.h>
 #include <sonopack/study/store.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2 };
 
-/* Options every command takes: --quiet --verbose --threads N --set key=value (repeatable) -o/--output FILE
- * --format tsv|csv|json --force (overwrite). */
+/* The first member of the arguments of every command. cli_parse fills it in. */
 typedef struct cli_common {
     bool quiet, verbose, force;
-    int threads;
+    int threads; /* before cli_parse: the default, 0 for one per core */
     const char *output;
     sp_table_format format;
     bool format_given;
     int sets;
-    char *set[256];
+    char *set[256];   /* KEY=VALUE of each --set */
+    double threshold; /* --threshold; < 0: not given */
+    bool prestress;
+    uint64_t given; /* see cli_given */
+    int kind;       /* index of the word KIND */
+    int files;      /* the other arguments */
+    char **file;
 } cli_common;
 
-/* argp child that fills a cli_common given as its input: state->child_inputs[0] = &common in ARGP_KEY_INIT. */
-extern const struct argp cli_common_argp;
+/* ---- commands --------------------------------------------------------------------------------------------------- */
 
-/* One command: argv[0] is "sonopack NAME". Returns the exit status. */
+/* argv[0] is "sonopack NAME". Returns the exit status. */
 typedef int (*cli_command)(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
 int cmd_chain(int argc, char **argv);
@@ -44,38 +48,110 @@ int cmd_study(int argc, char **argv);
 int cmd_table(int argc, char **argv);
 int cmd_wave(int argc, char **argv);
 
-/* Prints "sonopack: reason" on stderr; returns CLI_USAGE for SP_EINVAL, else CLI_FAILED. */
-int cli_fail(const sp_error *err);
-/* "sonopack: ..." on stderr; returns CLI_USAGE. */
-int cli_usage(const char *format, ...) __attribute__((format(printf, 1, 2)));
-/* Log line on stderr unless quiet; cli_debug only with --verbose. */
-void cli_note(const cli_common *common, const char *format, ...) __attribute__((format(printf, 2, 3)));
-void cli_debug(const cli_common *common, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Progress: one line rewritten in place on a terminal, a line a minute elsewhere with --verbose; fraction < 0: unknown.
- * seconds_left NAN: unknown. cli_progress_end clears it. */
-void cli_progress(const cli_common *common, const char *text, double fraction, double seconds_left);
-void cli_progress_end(const cli_common *common);
-/* Whether an existing file may be replaced: a file of another kind (by its ending and content) never, one of the same
- * kind only with --force. SP_EINVAL with the reason. Call before the work. */
-sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err);
-/* cli_may_write for common->output (which may be NULL), and whether its ending and --format name one table format. */
-sp_status cli_may_write_table(const cli_common *common, sp_error *err);
-/* The table on stdout, or in common->output with the format its ending names. Adds a comment with the version. */
-sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err);
-/* A comment "key = value" with a number that reads back as it is. */
-sp_status cli_add_number(sp_table *t, const char *key, double value, sp_error *err);
-/* Columns of numbers: pairs of name and unit, ended by NULL. */
-sp_status cli_add_columns(sp_table *t, const char *const *names, sp_error *err);
-/* The scene of --set alone, for commands that read finished packings: only keys of `groups` ("network", "network
- * signal") are taken. Free with sp_scene_free. */
-sp_status cli_scene_of_sets(const cli_common *common, const char *groups, sp_scene *out, sp_error *err);
-/* Turns on clean stopping by Ctrl-C and SIGTERM; cli_stopped() says whether one came. A second one ends at once. */
-void cli_catch_signals(void);
-bool cli_stopped(void);
-/* Strict numbers from options: the whole text, finite, in range; else cli_usage-style SP_EINVAL. */
+/* ---- options ---------------------------------------------------------------------------------------------------- */
+
+typedef enum cli_option_kind {
+    CLI_PARSED = 0, /* calls parse() */
+    CLI_FLAG,       /* sets a bool to true */
+    CLI_TEXT,       /* const char *: the argument itself */
+    CLI_NUMBER,     /* double between low and high */
+    CLI_INTEGER,    /* int64_t between low and high */
+    CLI_CHOICE      /* int: the index of the argument in `words` */
+} cli_option_kind;
+
+/* One long option, which sets a field of the command's arguments. */
+typedef struct cli_option {
+    const char *name;     /* NULL: `help` is the heading of the options that follow */
+    const char *argument; /* its name in the help; NULL for a flag */
+    const char *help;
+    cli_option_kind kind;
+    size_t field; /* offset in the arguments */
+    double low, high;
+    const char *const *words; /* ended by NULL */
+    sp_status (*parse)(void *arguments, const char *text, sp_error *err);
+    const char *kinds; /* the words KIND that take the option, separated by blanks; NULL: all */
+    const char *alias; /* an older name */
+    int letter;        /* short option */
+} cli_option;
+
+/* The command line of one command. */
+typedef struct cli_syntax {
+    const char *usage; /* the arguments; one line for each form */
+    const char *help;  /* one sentence, \v, and what follows the options */
+    const cli_option *options;
+    const char *const *kinds; /* possible words of the first argument, ended by NULL; NULL: it is a file */
+    const char *kind_name;    /* "kind of spectrum", for messages */
+    const char *file_name;    /* what a file is, for messages: "packing", "scene" */
+    int files_min, files_max; /* how many */
+    bool springs;             /* takes --threshold and --prestress */
+    sp_status (*check)(void *arguments, sp_error *err); /* called after everything has been read; may be NULL */
+} cli_syntax;
+
+enum { CLI_ANY_NUMBER = 1 << 30 };
+
+/* Reads the command line. Prints the reason and exits if it is wrong; prints and exits for --help. */
+void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments);
+/* Whether the command line has this option, or its alias. */
+bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *name);
+
+extern const char *const cli_source_names[]; /* by sp_source */
+/* "a, b or c" */
+char *cli_list_words(const char *const *words, char *text, size_t size);
+/* The index of a word in a list that NULL ends. SP_EINVAL lists the words. */
+sp_status cli_choose(const char *option, const char *word, const char *const *words, int *out, sp_error *err);
+/* The index of the name that a misspelt word most likely means; -1 if none is similar. name(k) is NULL after the last.
+ */
+int cli_nearest(const char *word, const char *(*name)(int k, const void *user), const void *user);
+/* A finite decimal number between low and high, and nothing else. The option's name is for the message. */
 sp_status cli_number(const char *option, const char *text, double low, double high, double *out, sp_error *err);
 sp_status cli_integer(const char *option, const char *text, int64_t low, int64_t high, int64_t *out, sp_error *err);
-/* Frequencies of --at: W, or W1,W2,..., or LOW:HIGH:N; omega has room for `most`. */
-sp_status cli_frequencies(const char *text, int32_t most, int32_t *n, double *omega, sp_error *err);
+/* Frequencies W, or W1,W2,..., or LOW:HIGH:N of --at; omega has `capacity` elements. */
+sp_status cli_frequencies(const char *text, int32_t capacity, int32_t *n, double *omega, sp_error *err);
+/* A scene from --set, --threshold and --prestress, for commands that read packings. `groups` names the groups of keys
+ * that --set takes, as in "network signal". Free with sp_scene_free. */
+sp_status cli_scene_of_sets(const cli_common *common, const char *groups, sp_scene *out, sp_error *err);
+
+/* ---- messages on stderr ----------------------------------------------------------------------------------------- */
+
+/* Prints "sonopack: reason". Returns CLI_USAGE for SP_EINVAL, else CLI_FAILED. */
+int cli_fail(const sp_error *err);
+/* Prints "sonopack: ...". Returns CLI_USAGE. */
+int cli_usage(const char *format, ...) __attribute__((format(printf, 1, 2)));
+/* A message, unless --quiet is given; cli_debug: only if --verbose is given. */
+void cli_note(const cli_common *common, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void cli_debug(const cli_common *common, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Progress: one line, rewritten in place, on a terminal; elsewhere one line per minute with --verbose. Unknown values:
+ * fraction < 0, seconds_left NAN. */
+void cli_progress(const cli_common *common, const char *text, double fraction, double seconds_left);
+/* Clears the progress line. */
+void cli_progress_end(void);
+
+/* The first Ctrl-C or SIGTERM makes cli_stopped() true; a second one ends the process. */
+void cli_catch_signals(void);
+bool cli_stopped(void);
+
+/* ---- output ----------------------------------------------------------------------------------------------------- */
+
+/* Whether a file may be written. An existing file is replaced only with --force, and never by a file of another kind.
+ * Call before the computation. */
+sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err);
+/* The same for the table in common->output, which may be NULL. */
+sp_status cli_may_write_table(const cli_common *common, sp_error *err);
+/* Prints the table, or writes it to common->output in the format of that ending. Adds a comment with the version. */
+sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err);
+
+/* Adds columns and comments to a table. After a failure the calls do nothing, so that a caller may make several and
+ * check `status` once. */
+typedef struct cli_writer {
+    sp_table *table;
+    sp_error *err;
+    sp_status status; /* SP_OK at the start */
+} cli_writer;
+
+/* Columns of one kind: pairs of name and unit, ended by NULL. */
+void cli_columns(cli_writer *w, sp_cell_kind kind, ...) __attribute__((sentinel));
+void cli_comment(cli_writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* The comment "key = value", with all digits of the value. */
+void cli_value(cli_writer *w, const char *key, double value);
 
 #endif

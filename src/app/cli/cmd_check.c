@@ -1,5 +1,6 @@
-/* sonopack check: whether packings are what they say they are. */
+/* sonopack check: checks that packings are in mechanical equilibrium and consistent with their force law. */
 #include "base/base.h"
+#include "cli/files.h"
 #include "cli/verify.h"
 
 #include <math.h>
@@ -9,67 +10,46 @@
 typedef struct arguments {
     cli_common common;
     double tolerance;
-    int files;
-    char **file;
 } arguments;
 
-enum { KEY_TOLERANCE = 0x1000 };
+static const cli_option options[] = {{"tolerance", "EPS", "Largest relative error that passes (2e-5)", CLI_NUMBER,
+                                      .field = offsetof(arguments, tolerance), .high = 1},
+                                     {0}};
 
-static const struct argp_option options[] = {
-    {"tolerance", KEY_TOLERANCE, "EPS", 0, "Largest relative error that is ok (2e-5)", 0}, {0}};
-static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
+static const cli_syntax syntax = {
+    .usage = "FILE...",
+    .help = "Checks packings: structure, overlaps, contact forces, balance of forces and torques, Coulomb's condition, "
+            "and the force on the walls.\v"
+            "residual is the largest of the relative errors, and reason names the first one above EPS (- if there is "
+            "none). The other columns are the errors themselves:\n"
+            "force and torque: the unbalanced force and torque of a grain, over p d^2.\n"
+            "walls: the force on a wall against pressure times area.\n"
+            "law: normal forces against Hertz's law.\n"
+            "geometry: overlaps against positions.\n"
+            "coulomb: the largest excess of a tangential force over friction times the normal force.\n"
+            "\n"
+            "The exit status is 1 if any file fails. A packing that was made with a larger packing.tolerance, or that "
+            "was read from a file with few digits, may need a larger EPS.",
+    .options = options,
+    .file_name = "packing",
+    .files_min = 1,
+    .files_max = CLI_ANY_NUMBER};
 
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    arguments *a = state->input;
-    sp_error err;
-    switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
-    case KEY_TOLERANCE:
-        if (cli_number("--tolerance", arg, 0, 1, &a->tolerance, &err) != SP_OK)
-            argp_error(state, "%s", err.text);
-        return 0;
-    case ARGP_KEY_ARGS:
-        a->file = state->argv + state->next;
-        a->files = state->argc - state->next;
-        return 0;
-    case ARGP_KEY_NO_ARGS: argp_error(state, "no file: must be one packing or more"); return 0;
-    default: return ARGP_ERR_UNKNOWN;
-    }
+static sp_status add_columns(void *user, sp_table *t, sp_error *err) {
+    cli_writer w = {.table = t, .err = err};
+    (void)user;
+    cli_columns(&w, SP_CELL_TEXT, "file", "", "ok", "", NULL);
+    cli_columns(&w, SP_CELL_NUMBER, "residual", "", NULL);
+    cli_columns(&w, SP_CELL_TEXT, "reason", "", NULL);
+    cli_columns(&w, SP_CELL_NUMBER, "force", "", "torque", "", "walls", "", "law", "", "geometry", "", "coulomb", "",
+                NULL);
+    return w.status;
 }
 
-static const struct argp argp = {
-    options,
-    parse,
-    "FILE...",
-    "Audits packings: structure, overlaps, force law, balance of forces and torques, "
-    "Coulomb, walls against the pressure.\v"
-    "residual is the largest relative error of all measures, reason the first fault (- if there is none). Then each "
-    "measure: force and torque, what is left of them on a grain over p d^2; walls, their force against pressure times "
-    "area; law, normal forces against Hertz's; geometry, overlaps against positions; coulomb, the largest tangential "
-    "force above friction times the normal force. The exit "
-    "status is 1 if any file is not ok. A packing that was made with a larger packing.tolerance, or read from a file "
-    "with few digits, may need a larger EPS.",
-    children,
-    NULL,
-    NULL};
-
-static sp_status add_columns(sp_table *t, sp_error *err) {
-    static const struct {
-        const char *name;
-        sp_cell_kind kind;
-    } columns[] = {{"file", SP_CELL_TEXT},     {"ok", SP_CELL_TEXT},      {"residual", SP_CELL_NUMBER},
-                   {"reason", SP_CELL_TEXT},   {"force", SP_CELL_NUMBER}, {"torque", SP_CELL_NUMBER},
-                   {"walls", SP_CELL_NUMBER},  {"law", SP_CELL_NUMBER},   {"geometry", SP_CELL_NUMBER},
-                   {"coulomb", SP_CELL_NUMBER}};
-    sp_status status = SP_OK;
-    for (size_t k = 0; k < sizeof columns / sizeof *columns && status == SP_OK; k++)
-        status = sp_table_add_column(t, columns[k].name, "", columns[k].kind, err);
-    return status;
-}
-
-/* One row of the table; *good says whether the file is ok. */
-static sp_status check_file(const arguments *a, const char *path, double threshold, sp_table *t, bool *good,
-                            sp_error *err) {
+/* A file that cannot be read has a row as well. */
+static sp_status check_file(void *user, cli_file *file, sp_table *t, sp_error *err) {
+    const arguments *a = user;
+    const char *path = file->path;
     sp_packing p = sp_packing_none();
     sp_audit audit = {NAN, NAN, NAN, NAN, NAN, NAN, 0, 0, 0};
     sp_error fault = {0};
@@ -77,49 +57,26 @@ static sp_status check_file(const arguments *a, const char *path, double thresho
     double residual = NAN;
     sp_status status = sp_packing_read(path, &p, &fault);
     if (status == SP_OK)
-        status = sp_packing_audit(&p, threshold, &audit, &fault);
+        status = sp_packing_audit(&p, file->scene->network.threshold, &audit, &fault);
     if (status == SP_OK)
         residual = sp_audit_worst(&audit, a->tolerance, reason, sizeof reason);
     else
         snprintf(reason, sizeof reason, "%s", fault.text);
-    *good = status == SP_OK && *reason == '\0';
-    if (!*good) {
+    file->failed = status != SP_OK || *reason;
+    if (file->failed) {
         const bool named = status == SP_EIO || status == SP_EFORMAT; /* by what reads the file */
         sp_fail(&fault, SP_EFAILED, "%s%s%s", named ? "" : path, named ? "" : ": ", reason);
         cli_fail(&fault);
     }
     sp_packing_free(&p);
-    return sp_table_add_row(t, err, path, *good ? "yes" : "no", residual, *good ? "-" : reason, audit.force_residual,
-                            audit.torque_residual, audit.wall_residual, audit.law_residual, audit.geometry_residual,
-                            audit.coulomb_excess);
-}
-
-static sp_status work(const arguments *a, bool *all_good, sp_error *err) {
-    sp_scene scene = sp_scene_default();
-    sp_table t = sp_table_none();
-    sp_status status = cli_may_write_table(&a->common, err);
-    if (status == SP_OK)
-        status = cli_scene_of_sets(&a->common, "network", &scene, err);
-    if (status == SP_OK)
-        status = add_columns(&t, err);
-    for (int k = 0; k < a->files && status == SP_OK; k++) {
-        bool good = false;
-        status = check_file(a, a->file[k], scene.network.threshold, &t, &good, err);
-        *all_good = *all_good && good;
-    }
-    if (status == SP_OK)
-        status = cli_write_table(&a->common, &t, err);
-    sp_table_free(&t);
-    sp_scene_free(&scene);
-    return status;
+    return sp_table_add_row(t, err, path, file->failed ? "no" : "yes", residual, file->failed ? reason : "-",
+                            audit.force_residual, audit.torque_residual, audit.wall_residual, audit.law_residual,
+                            audit.geometry_residual, audit.coulomb_excess);
 }
 
 int cmd_check(int argc, char **argv) {
+    static const cli_files command = {.groups = "network", .begin = add_columns, .add = check_file};
     arguments a = {.tolerance = CLI_AUDIT_TOLERANCE};
-    argp_parse(&argp, argc, argv, 0, NULL, &a);
-    sp_error err = {0};
-    bool all_good = true;
-    if (work(&a, &all_good, &err) != SP_OK)
-        return cli_fail(&err);
-    return all_good ? CLI_OK : CLI_FAILED;
+    cli_parse(&syntax, argc, argv, &a);
+    return cli_run_files(&command, &a);
 }

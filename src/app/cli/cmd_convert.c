@@ -1,4 +1,4 @@
-/* sonopack convert: import and export of packings. */
+/* sonopack convert: imports and exports packings. */
 #include "base/base.h"
 #include "cli/output.h"
 
@@ -11,61 +11,40 @@ typedef struct arguments {
     const char *in, *out;          /* packing files as given; NULL: none */
 } arguments;
 
-enum { KEY_GRAINS = 0x1000, KEY_CONTACTS };
-
-static const struct argp_option options[] = {
-    {"grains", KEY_GRAINS, "FILE.tsv", 0, "Table of grains: id x y [z] radius", 0},
-    {"contacts", KEY_CONTACTS, "FILE.tsv", 0, "Table of contacts: i j nx ny [nz] overlap Fn Ft", 0},
+static const cli_option options[] = {
+    {"grain-table", "FILE.tsv", "Table of grains: id x y [z] radius. --grains is its older name", CLI_TEXT,
+     .field = offsetof(arguments, grains), .alias = "grains"},
+    {"contact-table", "FILE.tsv", "Table of contacts: i j nx ny [nz] overlap Fn Ft. --contacts is its older name",
+     CLI_TEXT, .field = offsetof(arguments, contacts), .alias = "contacts"},
     {0}};
-static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    arguments *a = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
-    case KEY_GRAINS: a->grains = arg; return 0;
-    case KEY_CONTACTS: a->contacts = arg; return 0;
-    case ARGP_KEY_ARG:
-        if (!a->in)
-            a->in = arg;
-        else if (!a->out)
-            a->out = arg;
-        else
-            argp_error(state, "%s: must be two files at the most, IN and OUT", arg);
-        return 0;
-    default: return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp argp = {
-    options,
-    parse,
-    "IN OUT [--grains G.tsv --contacts C.tsv]\nIN --grains G.tsv --contacts C.tsv\nOUT --grains G.tsv --contacts C.tsv",
-    "Converts packings: HDF5 (.h5), one text file (.txt), or two tables.\v"
-    "IN is told by its content, OUT by its ending: .h5 or .txt. With the two tables and one packing file, the packing "
-    "is "
-    "made from the tables if they are there and it is not, and the tables from the packing if it is the other way "
-    "round. A table may also take the place of IN or OUT, then --contacts alone says the other one:\n"
-    "  sonopack convert grains.tsv P.h5 --contacts contacts.tsv\n"
-    "With IN, OUT and both tables the packing is written in both forms.\n"
-    "Box and material of tables stand in their comment lines `# key = value', or in --set key=value: width, depth "
-    "(3D), "
-    "height, pressure, friction, poisson, wall, seed. Lengths are in mean grain diameters, pressures in E*.",
-    children,
-    NULL,
-    NULL};
+static const cli_syntax syntax = {
+    .usage = "IN OUT [--grain-table G.tsv --contact-table C.tsv]\nIN --grain-table G.tsv --contact-table C.tsv\n"
+             "OUT --grain-table G.tsv --contact-table C.tsv",
+    .help =
+        "Converts packings between HDF5 (.h5), a text file (.txt), and two tables.\v"
+        "The format of IN is recognised by its content, that of OUT by its ending, .h5 or .txt. With two tables and "
+        "one packing file, the existing one of the two is read and the other is written. A table of grains may also "
+        "take the place of IN or OUT; then only the table of contacts needs an option:\n"
+        "  sonopack convert grains.tsv P.h5 --contact-table contacts.tsv\n"
+        "With IN, OUT and both tables the packing is written in both forms.\n"
+        "Box and material of tables are in comment lines `# key = value' or in --set key=value: width, depth (3D), "
+        "height, pressure, friction, poisson, wall, seed. Lengths are in mean grain diameters, pressures in E*.",
+    .options = options,
+    .file_name = "packing",
+    .files_max = 2};
 
 static bool is_file(const char *path) { return access(path, F_OK) == 0; }
 
-/* ---- what is asked for ----------------------------------------------------------------------------------------- */
+/* ---- input and output ------------------------------------------------------------------------------------------- */
 
-/* One packing file and both tables: which way, by what is there. */
+/* With one packing file and both tables, what exists is read. */
 static sp_status choose_direction(arguments *a, sp_error *err) {
     const bool tables = is_file(a->grains) && is_file(a->contacts), packing = is_file(a->in);
     if (tables && packing)
         return sp_fail(err, SP_EINVAL,
-                       "%s and both tables exist: must be `convert %s %s --contacts ...' to write the tables, or "
-                       "`convert %s %s --contacts ...' to read them",
+                       "%s and both tables exist: use `convert %s %s --contact-table ...' to write the tables, or "
+                       "`convert %s %s --contact-table ...' to read them",
                        a->in, a->in, a->grains, a->grains, a->in);
     if (tables || (!packing && (is_file(a->grains) || is_file(a->contacts)))) {
         a->out = a->in;
@@ -74,16 +53,16 @@ static sp_status choose_direction(arguments *a, sp_error *err) {
     return SP_OK;
 }
 
-/* Puts what the command line says in order: afterwards `in` is the packing to read (NULL: the tables) and `out` the
- * packing to write (NULL: none); tables that are not read are written. */
-static sp_status understand(arguments *a, sp_error *err) {
+/* Decides what is read and what is written. Afterwards `in` is the packing to read (NULL: the tables) and `out` the
+ * packing to write (NULL: none). Tables that are not read are written. */
+static sp_status resolve_files(arguments *a, sp_error *err) {
     if (a->common.output && a->in && a->out)
-        return sp_fail(err, SP_EINVAL, "OUT is given twice: %s and -o %s", a->out, a->common.output);
+        return sp_fail(err, SP_EINVAL, "OUT is given twice, as %s and -o %s", a->out, a->common.output);
     const bool two = a->in && (a->out || a->common.output);
     if (a->common.output)
         a->out = a->common.output;
     if (!a->in && !a->out)
-        return sp_fail(err, SP_EINVAL, "no file: must be IN and OUT, see `sonopack help convert'");
+        return sp_fail(err, SP_EINVAL, "no file: must be IN and OUT; see `sonopack help convert'");
     if (two && (!a->grains || strcmp(a->grains, a->in) == 0) && cli_has_ending(a->in, ".tsv")) {
         a->grains = a->in;
         a->in = NULL;
@@ -92,20 +71,21 @@ static sp_status understand(arguments *a, sp_error *err) {
         a->out = NULL;
     }
     if (!a->grains != !a->contacts)
-        return sp_fail(err, SP_EINVAL, "a table of %s alone: must be --grains and --contacts",
+        return sp_fail(err, SP_EINVAL,
+                       "a table of %s alone: give both --grain-table and --contact-table (or --grains and --contacts)",
                        a->grains ? "grains" : "contacts");
     if (a->in && strcmp(a->in, "-") == 0 && a->grains)
         a->in = NULL;
     if (a->in && !a->out) {
         if (!a->grains)
-            return sp_fail(err, SP_EINVAL, "no OUT: must be a name that ends in .h5 or .txt");
+            return sp_fail(err, SP_EINVAL, "no OUT: must be a file name that ends in .h5 or .txt");
         if (!two)
             return choose_direction(a, err);
     }
     return SP_OK;
 }
 
-/* ---- doing it -------------------------------------------------------------------------------------------------- */
+/* ---- conversion ------------------------------------------------------------------------------------------------- */
 
 static bool writes_tables(const arguments *a) { return a->in && a->grains; }
 
@@ -126,7 +106,8 @@ static sp_status read_input(const arguments *a, sp_packing *p, sp_error *err) {
     if (!a->in)
         return sp_packing_read_tables(a->grains, a->contacts, a->common.sets, a->common.set, p, err);
     if (a->common.sets > 0)
-        return sp_fail(err, SP_EINVAL, "--set %.60s: is only for tables, %s says its own", a->common.set[0], a->in);
+        return sp_fail(err, SP_EINVAL, "--set %.60s: applies only to tables; %s has its own values", a->common.set[0],
+                       a->in);
     return sp_packing_read(a->in, p, err);
 }
 
@@ -143,7 +124,7 @@ static sp_status write_output(const arguments *a, const sp_packing *p, sp_error 
 
 static sp_status work(arguments *a, sp_error *err) {
     sp_packing p = sp_packing_none();
-    sp_status status = understand(a, err);
+    sp_status status = resolve_files(a, err);
     if (status == SP_OK)
         status = check_output(a, err);
     if (status == SP_OK)
@@ -159,7 +140,9 @@ static sp_status work(arguments *a, sp_error *err) {
 
 int cmd_convert(int argc, char **argv) {
     arguments a = {0};
-    argp_parse(&argp, argc, argv, 0, NULL, &a);
+    cli_parse(&syntax, argc, argv, &a);
+    a.in = a.common.files > 0 ? a.common.file[0] : NULL;
+    a.out = a.common.files > 1 ? a.common.file[1] : NULL;
     sp_error err = {0};
     return work(&a, &err) == SP_OK ? CLI_OK : cli_fail(&err);
 }

@@ -1,138 +1,74 @@
-/* sonopack front: arrival, peak and width of the first wave front, of packings and of traces. */
+/* sonopack front: prints arrival, peak and width of the first wave front of packings and of recorded traces. */
 #include "base/base.h"
-#include "cli/cli.h"
+#include "cli/files.h"
 #include "cli/plot_input.h"
 #include "ensemble/sample.h"
-#include "store/packing_text.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 typedef struct arguments {
     cli_common common;
     double window, distance; /* NAN: not given */
     const char *column;
-    bool source_given;
-    sp_source source;
-    int files;
-    char **file;
+    int source; /* sp_source; -1: not given */
 } arguments;
 
-enum { KEY_WINDOW = 0x1000, KEY_DISTANCE, KEY_SOURCE, KEY_COLUMN };
-
-static const struct argp_option options[] = {
-    {"window", KEY_WINDOW, "T", 0, "Look for the front up to this time only", 0},
-    {"distance", KEY_DISTANCE, "D", 0, "Distance from source to detector, instead of the height", 0},
-    {"source", KEY_SOURCE, "impulse|velocity|displacement", 0, "What the bottom wall does (packings)", 0},
-    {"column", KEY_COLUMN, "NAME|N", 0,
-     "Column of the trace, by name or number from 1 (F; all of F1, F2, ...; or the second of numbers)", 0},
+static const cli_option options[] = {
+    {"window", "T", "Search for the front only up to time T", CLI_NUMBER, .field = offsetof(arguments, window),
+     .low = 1e-9, .high = 1e12},
+    {"distance", "D", "Distance from source to detector (the height)", CLI_NUMBER,
+     .field = offsetof(arguments, distance), .high = 1e12},
+    {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall, for packings (impulse)", CLI_CHOICE,
+     .field = offsetof(arguments, source), .words = cli_source_names},
+    {"column", "NAME|N",
+     "Column of the trace, by name or by number from 1 (F; else all of F1, F2, ...; else the second column of numbers)",
+     CLI_TEXT, .field = offsetof(arguments, column)},
     {0}};
-static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 
-static void parse_source(arguments *a, const char *word, struct argp_state *state) {
-    static const char *const words[] = {
-        [SP_SOURCE_IMPULSE] = "impulse", [SP_SOURCE_VELOCITY] = "velocity", [SP_SOURCE_DISPLACEMENT] = "displacement"};
-    for (unsigned k = 0; k < sizeof words / sizeof *words; k++) {
-        if (strcmp(word, words[k]) == 0) {
-            a->source = (sp_source)k;
-            a->source_given = true;
-            return;
-        }
-    }
-    argp_error(state, "--source %.60s: must be impulse, velocity or displacement", word);
-}
+static const cli_syntax syntax = {
+    .usage = "FILE...",
+    .help =
+        "Arrival, peak and width of the first wave front. A FILE is a packing, whose signal is computed, or a "
+        "trace.\v"
+        "The first peak is the first maximum above 0.2 of the largest value that is followed by a fall of at least "
+        "0.01 of that value. t10: first time at which the force reaches a tenth of the peak. t_zero: first zero "
+        "crossing after the peak. width: t_zero - t10. A trace is a table of numbers with columns of times and "
+        "forces. Its comments `# height = H' and `# pressure = P' set the distance and the time window, from 0 to 8 "
+        "H + 40 times (P/1e-4)^(-1/6). Without them the whole trace is searched. A table of `sonopack signal' with "
+        "columns F1, F2, ... gives one row for each; the distance of a plane is its height. For a speed take two "
+        "distances, (D2 - D1)/(t10_2 - t10_1): one distance over one time does not give it. A column has a unit if "
+        "all files agree on it.",
+    .options = options,
+    .file_name = "packing or trace",
+    .files_min = 1,
+    .files_max = CLI_ANY_NUMBER};
 
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    arguments *a = state->input;
-    sp_error err;
-    switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
-    case KEY_WINDOW:
-        if (cli_number("--window", arg, 1e-9, 1e12, &a->window, &err) != SP_OK)
-            argp_error(state, "%s", err.text);
-        return 0;
-    case KEY_DISTANCE:
-        if (cli_number("--distance", arg, 0, 1e12, &a->distance, &err) != SP_OK)
-            argp_error(state, "%s", err.text);
-        return 0;
-    case KEY_SOURCE: parse_source(a, arg, state); return 0;
-    case KEY_COLUMN: a->column = arg; return 0;
-    case ARGP_KEY_ARGS:
-        a->file = state->argv + state->next;
-        a->files = state->argc - state->next;
-        return 0;
-    case ARGP_KEY_NO_ARGS: argp_error(state, "no file: must be one packing or trace, or more"); return 0;
-    default: return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp argp = {
-    options,
-    parse,
-    "FILE...",
-    "Arrival, peak and width of the first wave front of packings (their signal is computed) and of traces.\v"
-    "First peak: the first maximum above 0.2 of the largest value, and followed by a fall of 0.01 of it. t10: first "
-    "time at a tenth of its height; t_zero: first zero crossing after it; width: t_zero - t10. A trace is a table of "
-    "numbers, times and forces; its comments `# height = H' and `# pressure = P' give distance and window, [0, 8 H + "
-    "40] times (P/1e-4)^(-1/6). Without them the whole trace is used, and its first maximum above 0.2 of the largest "
-    "value of all. A table of `sonopack signal' with F1, F2, ... gives a row a signal, planes with their distance from "
-    "the bottom. Two distances make a speed, (D2 - D1)/(t10_2 - t10_1); one distance over one time does not. Units are "
-    "those of the files, as far as all agree.",
-    children,
-    NULL,
-    NULL};
-
-/* What is found in one file, and its units. */
-typedef struct measured {
+/* One front, and the units of its file. */
+typedef struct arrival {
     double distance;
     sp_front front;
     char length[sizeof((sp_column *)0)->unit], time[sizeof((sp_column *)0)->unit], force[sizeof((sp_column *)0)->unit];
-} measured;
+} arrival;
 
 static const char *const time_unit = "d/sqrt(E* / rho)"; /* of packings and their signals */
 
 /* ---- packings --------------------------------------------------------------------------------------------------- */
 
-/* Whether a file is a packing rather than a table: binary, or text with a packing's header. What cannot be looked into
- * without using it up (a pipe) is taken for a table. */
-static sp_status is_packing(const char *path, bool *yes, sp_error *err) {
-    struct stat info;
-    if (stat(path, &info) != 0)
-        return sp_fail(err, SP_EIO, "cannot read %s: %s", path, strerror(errno));
-    *yes = false;
-    if (!S_ISREG(info.st_mode))
-        return SP_OK;
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return sp_fail(err, SP_EIO, "cannot read %s: %s", path, strerror(errno));
-    char head[8192];
-    const size_t size = fread(head, 1, sizeof head - 1, file);
-    fclose(file);
-    head[size] = '\0';
-    *yes = strlen(head) < size || strncmp(head, "# packing", 9) == 0 || sp_packing_text_looks(head);
-    return SP_OK;
-}
-
-static sp_status packing_front(const arguments *a, const sp_scene *scene, const char *path, measured *out,
-                               sp_error *err) {
-    sp_packing p = sp_packing_none();
-    sp_network net = sp_network_none();
-    sp_status status = sp_packing_read(path, &p, err);
-    if (status != SP_OK)
-        return status;
-    status = sp_network_make(&p, &scene->network, &net, err);
+static sp_status packing_front(const arguments *a, const cli_file *file, arrival *out, sp_error *err) {
+    sp_packing p;
+    sp_network net;
+    sp_status status = cli_read_network(file->path, &file->scene->network, &p, &net, err);
     if (status == SP_OK) {
-        *out = (measured){.distance = sp_packing_height(&p), .length = "d", .force = "E* d^2"};
+        *out = (arrival){.distance = sp_packing_height(&p), .length = "d", .force = "E* d^2"};
         snprintf(out->time, sizeof out->time, "%s", time_unit);
-        status = sp_network_front(&net, a->source_given ? a->source : scene->signal.source,
+        status = sp_network_front(&net, a->source >= 0 ? (sp_source)a->source : file->scene->signal.source,
                                   isnan(a->window) ? 0 : a->window, &out->front, err);
+        if (status != SP_OK)
+            sp_fail_prefix(err, "%s", file->path);
     }
-    if (status != SP_OK)
-        sp_fail_prefix(err, "%s", path);
     sp_network_free(&net);
     sp_packing_free(&p);
     return status;
@@ -140,12 +76,7 @@ static sp_status packing_front(const arguments *a, const sp_scene *scene, const 
 
 /* ---- traces ----------------------------------------------------------------------------------------------------- */
 
-static double positive_number(const sp_table *t, const char *key) {
-    double value;
-    return sp_table_get_number(t, key, &value) && value > 0 ? value : NAN;
-}
-
-/* The k-th column of numbers, from 0; -1 if there are not so many. */
+/* The k-th column of numbers, counted from 0; -1 if there are fewer. */
 static int number_column(const sp_table *t, int k) {
     for (int c = 0; c < t->columns; c++)
         if (t->column[c].kind != SP_CELL_TEXT && k-- == 0)
@@ -166,15 +97,14 @@ static sp_status find_columns(const arguments *a, const sp_table *t, const char 
         *force = (int)number - 1;
     if (*time < 0 || *force < 0 || t->column[*time].kind == SP_CELL_TEXT || t->column[*force].kind == SP_CELL_TEXT) {
         if (a->column)
-            return sp_fail(err, SP_EFORMAT, "%s: no column %.60s of numbers beside the times", path, a->column);
+            return sp_fail(err, SP_EFORMAT, "%s: has no column %.60s of numbers beside the times", path, a->column);
         return sp_fail(err, SP_EFORMAT,
-                       "%s: two columns of numbers are needed, times and forces, parted by tabs or blanks", path);
+                       "%s: must have two columns of numbers, times and forces, separated by tabs or blanks", path);
     }
     return SP_OK;
 }
 
-/* From source to detector by the comment of a signal's column, "F2 = from PLACE to PLACE, ..."; the height where it
- * says nothing else. */
+/* The height of the detector, if the table says "F2 = from PLACE to PLACE, ..." of the column; else the packing's. */
 static double distance_of(const sp_table *t, const char *column, double height) {
     plot_detector detector;
     if (!plot_find_detector(t, column, &detector))
@@ -184,46 +114,38 @@ static double distance_of(const sp_table *t, const char *column, double height) 
     return isfinite(detector.plane) ? detector.plane : height;
 }
 
-static sp_status trace_front(const arguments *a, const char *path, const sp_table *t, int time, int force,
-                             measured *out, sp_error *err) {
-    const size_t n = (size_t)t->rows;
-    double *memory = sp_alloc(n, 2 * sizeof *memory);
-    if (!memory)
-        return sp_fail_memory(err, n * 2 * sizeof *memory);
-    for (size_t k = 0; k < n; k++) {
-        memory[k] = sp_table_number(t, (int64_t)k, time);
-        memory[n + k] = sp_table_number(t, (int64_t)k, force);
-    }
-    const double height = positive_number(t, "height"), pressure = positive_number(t, "pressure");
+static sp_status trace_front(const arguments *a, const char *path, const sp_table *t, int time, int force, arrival *out,
+                             sp_error *err) {
+    plot_signal s;
+    sp_status status = plot_column_signal(t, time, force, &s, err);
+    if (status != SP_OK)
+        return status;
     sp_front_options rule = sp_front_options_default();
-    if (!isnan(a->window))
-        rule.window = a->window;
-    else if (!isnan(height) && !isnan(pressure))
-        rule.window = sp_signal_window(height, pressure);
-    *out = (measured){.distance = distance_of(t, t->column[force].name, height)};
-    snprintf(out->time, sizeof out->time, "%s", t->column[time].unit);
-    snprintf(out->force, sizeof out->force, "%s", t->column[force].unit);
-    if (strcmp(out->time, time_unit) == 0)
-        snprintf(out->length, sizeof out->length, "d");
-    const sp_status status = sp_front_find(t->rows, memory, memory + n, &rule, &out->front, err);
+    rule.window = isnan(a->window) ? s.window : a->window;
+    *out = (arrival){.distance = distance_of(t, t->column[force].name, s.height)};
+    snprintf(out->time, sizeof out->time, "%s", s.t_unit);
+    snprintf(out->force, sizeof out->force, "%s", s.f_unit);
+    snprintf(out->length, sizeof out->length, "%s", s.foreign ? "" : "d");
+    status = sp_front_find(s.n, s.t, s.f, &rule, &out->front, err);
     if (status != SP_OK)
         sp_fail_prefix(err, "%s", path);
-    sp_free(memory);
+    sp_free(s.t);
     return status;
 }
 
 /* ---- the table -------------------------------------------------------------------------------------------------- */
 
-static sp_status add_columns(sp_table *t, sp_error *err) {
-    static const char *const names[] = {"distance", "t10", "t_peak", "t_zero", "amplitude", "width"};
-    sp_status status = sp_table_add_column(t, "file", "", SP_CELL_TEXT, err);
-    for (size_t k = 0; k < sizeof names / sizeof *names && status == SP_OK; k++)
-        status = sp_table_add_column(t, names[k], "", SP_CELL_NUMBER, err);
-    return status;
+static sp_status add_columns(void *user, sp_table *t, sp_error *err) {
+    cli_writer w = {.table = t, .err = err};
+    (void)user;
+    cli_columns(&w, SP_CELL_TEXT, "file", "", NULL);
+    cli_columns(&w, SP_CELL_NUMBER, "distance", "", "t10", "", "t_peak", "", "t_zero", "", "amplitude", "", "width", "",
+                NULL);
+    return w.status;
 }
 
-/* The units of a row, which is the table's last: a column keeps those that all of its rows have. */
-static void merge_units(sp_table *t, const measured *m) {
+/* Merges the units of the last row into the columns. A column keeps a unit that all of its rows have. */
+static void merge_units(sp_table *t, const arrival *m) {
     const char *const unit[] = {"", m->length, m->time, m->time, m->time, m->force, m->time};
     for (int c = 1; c < t->columns; c++) {
         char *common = t->column[c].unit;
@@ -234,24 +156,23 @@ static void merge_units(sp_table *t, const measured *m) {
     }
 }
 
-/* Options that say nothing about this kind of file, and a first crossing that may be noise. */
+/* Notes options that do not apply to this kind of file, and a trace in which noise may hide the arrival. */
 static void add_notes(const arguments *a, const char *path, bool packing, const sp_front *f) {
     if (packing && a->column)
         cli_note(&a->common, "%s: is a packing: --column is not used", path);
-    if (!packing && a->source_given)
+    if (!packing && a->source >= 0)
         cli_note(&a->common, "%s: is a trace: --source is not used", path);
     if (!packing && a->common.sets > 0)
         cli_note(&a->common, "%s: is a trace: --set is not used", path);
     if (f->crossings > 1)
-        cli_note(&a->common,
-                 "%s: F crosses a tenth of the peak %lld times before it: noise or a precursor; t10 is the first, "
-                 "filter the trace",
-                 path, (long long)f->crossings);
+        cli_note(
+            &a->common,
+            "%s: F crosses a tenth of the peak %lld times before the peak, because of noise or a precursor; t10 is "
+            "the first crossing: filter the trace",
+            path, (long long)f->crossings);
 }
 
-/* One row. */
-static sp_status add_front(const arguments *a, const char *name, bool packing, measured *m, sp_table *t,
-                           sp_error *err) {
+static sp_status add_front(const arguments *a, const char *name, bool packing, arrival *m, sp_table *t, sp_error *err) {
     if (!isnan(a->distance))
         m->distance = a->distance;
     const sp_front *f = &m->front;
@@ -263,79 +184,51 @@ static sp_status add_front(const arguments *a, const char *name, bool packing, m
     return status;
 }
 
-/* A row a signal of the table; those without a front are told on stderr and set *failed. */
-static sp_status add_trace(const arguments *a, const char *path, sp_table *t, bool *failed, sp_error *err) {
-    sp_table read = sp_table_none();
-    measured m;
+/* Adds a row for each signal of a table. A signal without a front is reported, and the next one follows. */
+static sp_status add_signals(const arguments *a, cli_file *file, const sp_table *read, sp_table *t, sp_error *err) {
     int time = 0, force = 0;
-    sp_error fault = {0};
-    sp_status status = sp_table_read(path, &read, &fault);
-    if (status == SP_OK)
-        status = find_columns(a, &read, path, &time, &force, &fault);
-    const bool readable = status == SP_OK;
-    const int signals = readable && !a->column ? plot_count_signals(&read, force) : 1;
-    char *name = sp_alloc(strlen(path) + 16, 1);
-    if (!readable)
-        cli_fail(&fault);
-    *failed = *failed || !readable;
-    status = name ? SP_OK : sp_fail_memory(err, strlen(path) + 16);
-    for (int k = 0; k < signals && readable && status == SP_OK; k++) {
-        if (signals > 1)
-            snprintf(name, strlen(path) + 16, "%s:F%d", path, k + 1);
-        else
-            snprintf(name, strlen(path) + 16, "%s", path);
-        if (trace_front(a, name, &read, time, force + k, &m, &fault) == SP_OK) {
+    sp_status status = find_columns(a, read, file->path, &time, &force, err);
+    const int signals = status == SP_OK && !a->column ? plot_count_signals(read, force) : 1;
+    const size_t size = strlen(file->path) + 16;
+    char *name = sp_alloc(size, 1);
+    if (status == SP_OK && !name)
+        status = sp_fail_memory(err, size);
+    for (int k = 0; k < signals && status == SP_OK; k++) {
+        arrival m;
+        sp_error reason = {0};
+        snprintf(name, size, signals > 1 ? "%s:F%d" : "%s", file->path, k + 1);
+        if (trace_front(a, name, read, time, force + k, &m, &reason) == SP_OK) {
             status = add_front(a, name, false, &m, t, err);
         } else {
-            cli_fail(&fault);
-            *failed = true;
+            cli_fail(&reason);
+            file->failed = true;
         }
     }
     sp_free(name);
+    return status;
+}
+
+static sp_status add_file(void *user, cli_file *file, sp_table *t, sp_error *err) {
+    const arguments *a = user;
+    sp_table read = sp_table_none();
+    arrival m;
+    bool packing = false;
+    sp_status status = plot_is_packing(file->path, &packing, err);
+    if (status == SP_OK && packing) {
+        status = packing_front(a, file, &m, err);
+        return status == SP_OK ? add_front(a, file->path, true, &m, t, err) : status;
+    }
+    if (status == SP_OK)
+        status = sp_table_read(file->path, &read, err);
+    if (status == SP_OK)
+        status = add_signals(a, file, &read, t, err);
     sp_table_free(&read);
     return status;
 }
 
-static sp_status add_file(const arguments *a, const sp_scene *scene, const char *path, sp_table *t, bool *failed,
-                          sp_error *err) {
-    measured m;
-    sp_error fault = {0};
-    bool packing = false;
-    sp_status status = is_packing(path, &packing, &fault);
-    if (status == SP_OK && !packing)
-        return add_trace(a, path, t, failed, err);
-    if (status == SP_OK)
-        status = packing_front(a, scene, path, &m, &fault);
-    if (status == SP_OK)
-        return add_front(a, path, true, &m, t, err);
-    cli_fail(&fault);
-    *failed = true;
-    return SP_OK;
-}
-
-static sp_status work(const arguments *a, bool *failed, sp_error *err) {
-    sp_scene scene = sp_scene_default();
-    sp_table t = sp_table_none();
-    sp_status status = cli_may_write_table(&a->common, err);
-    if (status == SP_OK)
-        status = cli_scene_of_sets(&a->common, "network signal", &scene, err);
-    if (status == SP_OK)
-        status = add_columns(&t, err);
-    for (int k = 0; k < a->files && status == SP_OK; k++)
-        status = add_file(a, &scene, a->file[k], &t, failed, err);
-    if (status == SP_OK && t.rows > 0)
-        status = cli_write_table(&a->common, &t, err);
-    sp_table_free(&t);
-    sp_scene_free(&scene);
-    return status;
-}
-
 int cmd_front(int argc, char **argv) {
-    arguments a = {.window = NAN, .distance = NAN};
-    argp_parse(&argp, argc, argv, 0, NULL, &a);
-    sp_error err = {0};
-    bool failed = false;
-    if (work(&a, &failed, &err) != SP_OK)
-        return cli_fail(&err);
-    return failed ? CLI_FAILED : CLI_OK;
+    static const cli_files command = {.groups = "network signal", .begin = add_columns, .add = add_file};
+    arguments a = {.window = NAN, .distance = NAN, .source = -1};
+    cli_parse(&syntax, argc, argv, &a);
+    return cli_run_files(&command, &a);
 }

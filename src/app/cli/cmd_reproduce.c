@@ -1,4 +1,4 @@
-/* sonopack reproduce: the tables and figures of a paper beside our own values. */
+/* sonopack reproduce: computes the tables and figures of a paper and compares them with the printed values. */
 #include "base/base.h"
 #include "cli/output.h"
 #include "scene/field.h"
@@ -7,65 +7,38 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { PAPER_SOMFAI = 0, PAPER_BLACKMORE };
+static const char *const papers[] = {"somfai2005", "blackmore2011", NULL};
+static const char *const figure_formats[] = {"svg", "png", "pdf", NULL};
+
 typedef struct arguments {
     cli_common common;
-    const char *paper, *store, *only;
-    bool column;           /* the paper of the tapped column, which makes no packings */
+    const char *store, *only;
+    bool column;           /* the paper on the tapped column, which needs no packings */
     int64_t samples, jobs; /* jobs 0: as many as --threads */
-    const char *idle;      /* an option that is for packings alone */
     uint32_t items;
-    const char *figures;
+    int figures; /* index of the format */
     sp_protocol protocol;
-    int64_t failed; /* samples, as the progress tells */
+    int64_t failed; /* samples, as of the last progress report */
 } arguments;
 
-enum { KEY_STORE = 0x1000, KEY_JOBS, KEY_ONLY, KEY_SAMPLES, KEY_FIGURES, KEY_PROTOCOL };
-
-static const struct argp_option options[] = {
-    {"store", KEY_STORE, "DIR", 0, "Folder of the samples; made if it is not there (somfai2005)", 0},
-    {"only", KEY_ONLY, "ITEMS", 0, "These alone, as in fig6,table2, or fig1,chaos (all)", 0},
-    {"samples", KEY_SAMPLES, "N", 0, "Packings of each pressure (30, as in the paper; somfai2005)", 0},
-    {"jobs", KEY_JOBS, "N", 0, "Samples made at the same time (as many as there are cores)", 0},
-    {"figures", KEY_FIGURES, "svg|png|pdf", 0, "Form of the figures (svg)", 0},
-    {"protocol", KEY_PROTOCOL, "NAME", 0,
-     "How packings are compressed, as packing.protocol: default; somfai2005, the same motion until all is damped in "
-     "the "
-     "end; or quick, another material, several times faster. What lattices of unequal balls are made by stays the "
-     "default",
-     0},
-    {0}};
-static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
-
-static const char *item_name(const arguments *a, int item) {
+static const char *item_name(int item, const void *user) {
+    const arguments *a = user;
     return a->column ? sp_paper_column_item_name(item) : sp_paper_item_name(item);
 }
 
-/* "table1 .. table5, fig1 .. fig12" */
-static void item_names(const arguments *a, char *text, size_t size) {
-    size_t used = 0;
-    for (int k = 0; item_name(a, k) && used < size; k++)
-        used += (size_t)snprintf(text + used, size - used, "%s%s", k > 0 ? ", " : "", item_name(a, k));
-}
-
 static sp_status find_item(const arguments *a, const char *name, int *item, sp_error *err) {
-    int near = -1, least = 1000;
-    for (int k = 0; item_name(a, k); k++) {
-        const int distance = sp_edit_distance(name, item_name(a, k));
-        if (distance == 0) {
-            *item = k;
-            return SP_OK;
-        }
-        if (distance < least && sp_is_near(name, distance)) {
-            least = distance;
-            near = k;
-        }
-    }
-    char names[200];
-    item_names(a, names, sizeof names);
-    if (near >= 0)
-        return sp_fail(err, SP_EINVAL, "--only %.60s: did you mean %s? must be one of %s", name, item_name(a, near),
-                       names);
-    return sp_fail(err, SP_EINVAL, "--only %.60s: must be one of %s", name, names);
+    char names[200] = "";
+    size_t used = 0;
+    for (int k = 0; item_name(k, a) && used < sizeof names; k++)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", k > 0 ? ", " : "", item_name(k, a));
+    *item = cli_nearest(name, item_name, a);
+    if (*item < 0)
+        return sp_fail(err, SP_EINVAL, "--only %.60s: must be one of %s", name, names);
+    if (strcmp(name, item_name(*item, a)) == 0)
+        return SP_OK;
+    return sp_fail(err, SP_EINVAL, "--only %.60s: did you mean %s? must be one of %s", name, item_name(*item, a),
+                   names);
 }
 
 static sp_status read_items(arguments *a, sp_error *err) {
@@ -84,102 +57,72 @@ static sp_status read_items(arguments *a, sp_error *err) {
     }
 }
 
-static void set_paper(arguments *a, const char *name, struct argp_state *state) {
-    if (a->paper)
-        argp_error(state, "%.60s: one paper only", name);
-    if (strcmp(name, "somfai2005") != 0 && strcmp(name, "blackmore2011") != 0)
-        argp_error(state, "paper %.60s: must be somfai2005 or blackmore2011", name);
-    a->paper = name;
-    a->column = strcmp(name, "blackmore2011") == 0;
-}
-
-/* Every protocol that scenes know. */
-static void set_protocol(arguments *a, const char *name, struct argp_state *state) {
+static sp_status set_protocol(void *user, const char *name, sp_error *err) {
     const sp_field *field = sp_field_find("packing.protocol");
     char right[200];
     for (const sp_word *w = field->words; w->word; w++)
         if (strcmp(w->word, name) == 0) {
-            a->protocol = (sp_protocol)w->value;
-            return;
+            ((arguments *)user)->protocol = (sp_protocol)w->value;
+            return SP_OK;
         }
-    argp_error(state, "--protocol %.60s: must be %s", name, sp_field_right(field, right, sizeof right));
+    return sp_fail(err, SP_EINVAL, "--protocol %.60s: must be %s", name, sp_field_right(field, right, sizeof right));
 }
 
-/* What can be said when the paper is known. */
-static void check(arguments *a, struct argp_state *state) {
-    sp_error err;
-    if (!a->paper)
-        argp_error(state, "no paper: must be somfai2005 or blackmore2011");
+static sp_status check(void *user, sp_error *err) {
+    arguments *a = user;
+    a->column = a->common.kind == PAPER_BLACKMORE;
     if (!a->store && !a->column)
-        argp_error(state, "no store: must be --store DIR");
+        return sp_fail(err, SP_EINVAL, "no store: must be --store DIR");
     if (a->common.sets > 0)
-        argp_error(state, "--set: has no place here, the paper decides the scenes");
-    if (a->only && read_items(a, &err) != SP_OK)
-        argp_error(state, "%s", err.text);
+        return sp_fail(err, SP_EINVAL, "--set: not used here, because the paper determines the scenes");
+    return a->only ? read_items(a, err) : SP_OK;
 }
 
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    arguments *a = state->input;
-    sp_error err;
-    sp_status status = SP_OK;
-    switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
-    case KEY_STORE: a->store = arg; return 0;
-    case KEY_JOBS:
-        a->idle = "--jobs";
-        status = cli_integer("--jobs", arg, 1, 4096, &a->jobs, &err);
-        break;
-    case KEY_SAMPLES:
-        a->idle = "--samples";
-        status = cli_integer("--samples", arg, 1, 100000, &a->samples, &err);
-        break;
-    case KEY_ONLY: a->only = arg; return 0;
-    case KEY_FIGURES:
-        if (strcmp(arg, "svg") != 0 && strcmp(arg, "png") != 0 && strcmp(arg, "pdf") != 0)
-            argp_error(state, "--figures %.60s: must be svg, png or pdf", arg);
-        a->figures = arg;
-        return 0;
-    case KEY_PROTOCOL:
-        set_protocol(a, arg, state);
-        a->idle = "--protocol";
-        return 0;
-    case ARGP_KEY_ARG: set_paper(a, arg, state); return 0;
-    case ARGP_KEY_END: check(a, state); return 0;
-    default: return ARGP_ERR_UNKNOWN;
-    }
-    if (status != SP_OK)
-        argp_error(state, "%s", err.text);
-    return 0;
-}
+static const cli_option options[] = {
+    {"store", "DIR", "somfai2005: folder of the samples; it is created if necessary", CLI_TEXT,
+     .field = offsetof(arguments, store)},
+    {"only", "ITEMS", "Compute only these items, as in fig6,table2 or fig1,chaos (all)", CLI_TEXT,
+     .field = offsetof(arguments, only)},
+    {"samples", "N", "somfai2005: number of packings at each pressure (30, as in the paper)", CLI_INTEGER,
+     .field = offsetof(arguments, samples), .low = 1, .high = 100000},
+    {"jobs", "N", "somfai2005: number of samples computed at the same time (one per core)", CLI_INTEGER,
+     .field = offsetof(arguments, jobs), .low = 1, .high = 4096},
+    {"figures", "svg|png|pdf", "Format of the figures (svg)", CLI_CHOICE, .field = offsetof(arguments, figures),
+     .words = figure_formats},
+    {"protocol", "NAME",
+     "somfai2005: how packings are compressed, as packing.protocol: default; somfai2005, the same motion, damped until "
+     "the end; or quick, with another material, several times faster. Lattices of unequal balls always use the default",
+     .parse = set_protocol},
+    {0}};
 
-static const struct argp argp = {
-    options,
-    parse,
-    "somfai2005 --store DIR [-o FOLDER]\nblackmore2011 [-o FOLDER]",
-    "Computes a paper again and prints its values beside ours. somfai2005: E. Somfai, J.-N. Roux, J. H. Snoeijer, M. "
-    "van "
-    "Hecke, W. van Saarloos, Phys. Rev. E 72, 021301 (2005), whose packings are made; blackmore2011: D. Blackmore, A. "
-    "Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. Mater. Struct. 6 (2011), on the tapped column.\v"
-    "With -o FOLDER there is a report, report.html and report.md, with every figure, and the numbers of each beside "
-    "it.\n\n"
-    "somfai2005: a row a value: the paper's mean and standard deviation, our mean and its standard error, sigma, the "
-    "difference over one standard deviation, and the verdict: agrees within one, else deviates, or missing without a "
-    "value or a scatter; deviation_err: the difference over the standard errors of both means and the rounding of "
-    "print. Comments count both ways, with chi^2 and the differences that have a system. Claims in words hold, are "
-    "contradicted or undecided. Items: table1 to table5, fig1 to fig12, claims; only what they need is made. The "
-    "samples "
-    "stay in the "
-    "store: an interrupted run goes on where it stopped, and more samples or items add to what is there.\n\n"
-    "blackmore2011: a row a value: what is printed or follows from what is printed, ours with its error, the verdict "
-    "(agrees, deviates, erratum, not given; of claims in words holds, contradicted, undecided), and why. Items: "
-    "errata, "
-    "fig1, fig2, symbols, chaos, claims. Seconds, no store.\n\n"
-    "  sonopack reproduce somfai2005 --store results/somfai2005 -o results/report\n"
-    "  sonopack reproduce somfai2005 --only table2,fig8 --samples 4 --store results/somfai2005\n"
-    "  sonopack reproduce blackmore2011 --only errata",
-    children,
-    NULL,
-    NULL};
+static const cli_syntax syntax = {
+    .usage = "somfai2005 --store DIR [-o FOLDER]\nblackmore2011 [-o FOLDER]",
+    .help =
+        "Computes the results of a paper and compares them with the printed values. somfai2005: E. Somfai, J.-N. "
+        "Roux, J. H. Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, 021301 (2005), with newly compressed "
+        "packings. blackmore2011: D. Blackmore, A. Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. Mater. "
+        "Struct. 6 (2011), on the tapped column.\v"
+        "With -o FOLDER a report is written, report.html and report.md, with all figures and their numbers.\n"
+        "\n"
+        "somfai2005 prints one row per value: mean and standard deviation in the paper, our mean and its standard "
+        "error, the difference in standard deviations (sigma), and the verdict: agrees (within one standard "
+        "deviation), deviates, or missing (no value or no scatter). deviation_err is the difference divided by the "
+        "standard errors of both means and the rounding in print. Comments count both, with chi^2 and with "
+        "systematic differences. Statements in words hold, are contradicted or undecided. Items: table1 to table5, "
+        "fig1 to fig12, claims; only the samples that they need are computed. The samples stay in the store: an "
+        "interrupted run continues where it stopped, and further samples or items reuse what is there.\n"
+        "\n"
+        "blackmore2011 prints one row per value: what is printed or follows from it, our value with its error, the "
+        "verdict (agrees, deviates, erratum, not given; for statements holds, contradicted, undecided), and the "
+        "reason. Items: errata, fig1, fig2, symbols, chaos, claims. This takes seconds and needs no store.\n"
+        "\n"
+        "  sonopack reproduce somfai2005 --store results/somfai2005 -o results/report\n"
+        "  sonopack reproduce somfai2005 --only table2,fig8 --samples 4 --store results/somfai2005\n"
+        "  sonopack reproduce blackmore2011 --only errata",
+    .options = options,
+    .kinds = papers,
+    .kind_name = "paper",
+    .check = check};
 
 static bool watch(const sp_paper_progress *now, void *user) {
     arguments *a = user;
@@ -189,7 +132,7 @@ static bool watch(const sp_paper_progress *now, void *user) {
         cli_progress(&a->common, now->what, now->fraction, now->seconds_left);
         return !cli_stopped();
     }
-    int length = snprintf(text, sizeof text, "%s, %lld samples made", now->what, (long long)now->computed);
+    int length = snprintf(text, sizeof text, "%s, %lld samples computed", now->what, (long long)now->computed);
     if (now->failed > 0)
         snprintf(text + length, sizeof text - (size_t)length, ", %lld failed", (long long)now->failed);
     cli_progress(&a->common, text, now->fraction, now->seconds_left);
@@ -201,8 +144,8 @@ static sp_status finish(arguments *a, sp_table *t, sp_error *err) {
     if (folder)
         cli_note(&a->common, "report: %s/report.html", folder);
     else if (t->rows == 0)
-        cli_note(&a->common, "no values to compare, and figures need -o FOLDER");
-    a->common.output = NULL; /* the folder has the report; the table is for stdout */
+        cli_note(&a->common, "there are no values to compare, and figures need -o FOLDER");
+    a->common.output = NULL; /* the table goes to stdout */
     return cli_write_table(&a->common, t, err);
 }
 
@@ -211,17 +154,19 @@ static sp_status work_column(arguments *a, sp_table *t, sp_error *err) {
     o.items = a->items;
     o.threads = a->common.threads;
     o.folder = a->common.output;
-    o.figures = a->figures;
+    o.figures = figure_formats[a->figures];
     sp_status status = o.folder ? sp_paper_check_folder(o.folder, a->common.force, err) : SP_OK;
     if (status != SP_OK)
         return status;
-    if (a->idle)
-        cli_note(&a->common, "%s: without effect, blackmore2011 makes no packings", a->idle);
+    static const char *const unused[] = {"jobs", "samples", "protocol"};
+    for (int k = 0; k < 3; k++)
+        if (cli_given(&syntax, &a->common, unused[k]))
+            cli_note(&a->common, "--%s has no effect: blackmore2011 needs no packings", unused[k]);
     cli_catch_signals();
     status = sp_paper_column_reproduce(&o, watch, a, t, err);
-    cli_progress_end(&a->common);
+    cli_progress_end();
     if (status == SP_EINTERRUPTED)
-        return sp_fail(err, status, "stopped, nothing is kept: the same command starts anew");
+        return sp_fail(err, status, "stopped, and nothing was saved");
     return status == SP_OK ? finish(a, t, err) : status;
 }
 
@@ -234,7 +179,7 @@ static sp_status work(arguments *a, sp_store **store, sp_table *t, sp_error *err
     o.threads = a->common.threads;
     o.protocol = a->protocol;
     o.folder = folder;
-    o.figures = a->figures;
+    o.figures = figure_formats[a->figures];
     sp_status status = folder ? sp_paper_check_folder(folder, a->common.force, err) : SP_OK;
     if (status == SP_OK)
         status = sp_store_open(a->store, true, store, err);
@@ -242,20 +187,21 @@ static sp_status work(arguments *a, sp_store **store, sp_table *t, sp_error *err
         return status;
     cli_catch_signals();
     status = sp_paper_reproduce(*store, &o, watch, a, t, err);
-    cli_progress_end(&a->common);
+    cli_progress_end();
     if (status == SP_EINTERRUPTED)
-        return sp_fail(err, status, "stopped, all finished samples are in %s: the same command goes on", a->store);
+        return sp_fail(err, status, "stopped: all finished samples are in %s, and the same command continues",
+                       a->store);
     if (status != SP_OK)
         return status;
     if (a->failed > 0)
-        cli_note(&a->common, "%lld samples failed or lack a part: column `samples' says how many are left",
+        cli_note(&a->common, "%lld samples failed or lack a result: the column `samples' counts those that were used",
                  (long long)a->failed);
     return finish(a, t, err);
 }
 
 int cmd_reproduce(int argc, char **argv) {
-    arguments a = {.samples = sp_paper_options_default().samples, .figures = "svg"};
-    argp_parse(&argp, argc, argv, 0, NULL, &a);
+    arguments a = {.samples = sp_paper_options_default().samples};
+    cli_parse(&syntax, argc, argv, &a);
     sp_error err = {0};
     sp_store *store = NULL;
     sp_table t = sp_table_none();

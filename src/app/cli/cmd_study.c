@@ -1,4 +1,4 @@
-/* sonopack study: an ensemble of samples, kept in a store, and its tables. */
+/* sonopack study: computes the samples of an ensemble, keeps them in a store, and prints its tables. */
 #include "base/base.h"
 #include "cli/output.h"
 #include "cli/ranks.h"
@@ -15,120 +15,98 @@
 
 typedef struct arguments {
     cli_common common;
-    const char *scene, *store;
+    const char *store;
     int64_t jobs; /* 0: as many as --threads */
     bool verify, retry;
     double tolerance; /* of --verify; NAN: not given */
-    double level;     /* of the tables' intervals */
+    double level;     /* confidence level of the intervals */
     sp_study_options study;
     cli_ranks ranks;
 } arguments;
 
-enum { KEY_STORE = 0x1000, KEY_JOBS, KEY_SHARD, KEY_RETRY, KEY_VERIFY, KEY_TOLERANCE, KEY_INTERVAL };
-
-static const struct argp_option options[] = {
-    {"store", KEY_STORE, "DIR", 0, "Folder of the samples; made if it is not there", 0},
-    {"jobs", KEY_JOBS, "N", 0, "Samples made at the same time (as many as cores it may use)", 0},
-    {"shard", KEY_SHARD, "I/N", 0, "Make only every N-th sample, beginning with the I-th", 0},
-    {"retry", KEY_RETRY, NULL, 0, "Try again the samples that are recorded as failed", 0},
-    {"verify", KEY_VERIFY, NULL, 0, "Make nothing: check every file of the scene's samples, or of the store", 0},
-    {"tolerance", KEY_TOLERANCE, "EPS", 0, "With --verify: largest relative error that is ok (2e-5)", 0},
-    {"interval", KEY_INTERVAL, "LEVEL", 0, "Confidence of the tables' intervals, 0.5 to 0.999 (0.95)", 0},
-    {0}};
-static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
-
-static void parse_shard(arguments *a, const char *arg, struct argp_state *state) {
+static sp_status set_shard(void *user, const char *text, sp_error *err) {
+    arguments *a = user;
     char first[24];
-    const char *slash = strchr(arg, '/');
+    const char *slash = strchr(text, '/');
     int64_t shard, shards;
-    snprintf(first, sizeof first, "%.*s", slash ? (int)strcspn(arg, "/") : 0, arg);
+    snprintf(first, sizeof first, "%.*s", slash ? (int)strcspn(text, "/") : 0, text);
     if (!slash || cli_integer("--shard", slash + 1, 1, INT32_MAX, &shards, NULL) != SP_OK ||
-        cli_integer("--shard", first, 1, shards, &shard, NULL) != SP_OK) {
-        argp_error(state, "--shard %.60s: must be I/N with 1 <= I <= N, as in 2/8", arg);
-        return;
-    }
+        cli_integer("--shard", first, 1, shards, &shard, NULL) != SP_OK)
+        return sp_fail(err, SP_EINVAL, "--shard %.60s: must be I/N with 1 <= I <= N, as in 2/8", text);
     a->study.shard = (int)shard;
     a->study.shards = (int)shards;
+    return SP_OK;
 }
 
-static void check_usage(const arguments *a, struct argp_state *state) {
-    if (!a->scene && a->common.sets == 0 && !a->verify)
-        argp_error(state, "no scene: must be a scene file, or --set KEY=VALUE");
+static sp_status check(void *user, sp_error *err) {
+    const arguments *a = user;
+    if (a->common.files == 0 && a->common.sets == 0 && !a->verify)
+        return sp_fail(err, SP_EINVAL, "no scene: must be a scene file, or --set KEY=VALUE");
     if (!a->store)
-        argp_error(state, "no store: must be --store DIR");
+        return sp_fail(err, SP_EINVAL, "no store: must be --store DIR");
     if (a->verify && (a->retry || a->study.shards > 1 || a->jobs > 0))
-        argp_error(state, "--verify makes no sample: must be without --retry, --shard and --jobs");
+        return sp_fail(err, SP_EINVAL, "--verify cannot be combined with --retry, --shard or --jobs");
     if (!a->verify && !isnan(a->tolerance))
-        argp_error(state, "--tolerance: only with --verify");
+        return sp_fail(err, SP_EINVAL, "--tolerance applies only to --verify");
     if (a->verify && a->ranks.size > 1)
-        argp_error(state, "--verify: must be one process, not %d ranks", a->ranks.size);
-    sp_error err;
-    if (cli_ranks_check(&a->ranks, a->study.shards, &err) != SP_OK)
-        argp_error(state, "%s", err.text);
+        return sp_fail(err, SP_EINVAL, "--verify: must run as one process, not as %d ranks", a->ranks.size);
+    return cli_ranks_check(&a->ranks, a->study.shards, err);
 }
 
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    arguments *a = state->input;
-    sp_error err;
-    switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
-    case KEY_STORE: a->store = arg; return 0;
-    case KEY_JOBS:
-        if (cli_integer("--jobs", arg, 1, 4096, &a->jobs, &err) != SP_OK)
-            argp_error(state, "%s", err.text);
-        return 0;
-    case KEY_SHARD: parse_shard(a, arg, state); return 0;
-    case KEY_RETRY: a->retry = true; return 0;
-    case KEY_VERIFY: a->verify = true; return 0;
-    case KEY_TOLERANCE:
-        if (cli_number("--tolerance", arg, 0, 1, &a->tolerance, &err) != SP_OK)
-            argp_error(state, "%s", err.text);
-        return 0;
-    case KEY_INTERVAL: cli_parse_interval(&a->level, arg, state); return 0;
-    case ARGP_KEY_ARG:
-        if (a->scene)
-            argp_error(state, "%s: one scene only", arg);
-        a->scene = arg;
-        return 0;
-    case ARGP_KEY_END: check_usage(a, state); return 0;
-    default: return ARGP_ERR_UNKNOWN;
-    }
-}
+static const cli_option options[] = {
+    {"store", "DIR", "Folder of the samples; it is created if necessary", CLI_TEXT,
+     .field = offsetof(arguments, store)},
+    {"jobs", "N", "Number of samples computed at the same time (one per core)", CLI_INTEGER,
+     .field = offsetof(arguments, jobs), .low = 1, .high = 4096},
+    {"shard", "I/N", "Compute only every N-th sample, starting with the I-th", .parse = set_shard},
+    {"retry", NULL, "Try again the samples that are recorded as failed", CLI_FLAG, .field = offsetof(arguments, retry)},
+    {"verify", NULL, "Compute nothing: check all files of the scene's samples, or of the store", CLI_FLAG,
+     .field = offsetof(arguments, verify)},
+    {"tolerance", "EPS", "With --verify: largest relative error that passes (2e-5)", CLI_NUMBER,
+     .field = offsetof(arguments, tolerance), .high = 1},
+    {"interval", "LEVEL", "Confidence level of the intervals, 0.5 to 0.999 (0.95)", CLI_NUMBER,
+     .field = offsetof(arguments, level), .low = SP_LEVEL_LEAST, .high = SP_LEVEL_MOST},
+    {0}};
 
-static const struct argp argp = {
-    options,
-    parse,
-    "[SCENE] --store DIR",
-    "Makes every sample of a scene that is not in the store yet, and prints the tables that the scene wants.\v"
-    "A sample is known by what made it, so an interrupted study goes on where it stopped, more samples or more wishes "
-    "add to what is there, several studies may share a store, and several processes may fill one at the same time. "
-    "Several tables follow each other with a blank line between; with -o FILE.tsv the first goes there and the others "
-    "beside it (FILE-moduli.tsv). Values of swept keys other than packing.pressure, packing.grains, packing.height and "
-    "packing.seed have tables of their own, from the second value on in FILE-ctof-2.tsv, FILE-moduli-2.tsv and so on, "
-    "with a comment that says the value (of fronts over distance, scaling and planes, those other than "
-    "packing.width and packing.friction as well; of spectrum all but packing.seed).\n\n"
-    "Samples that cannot be made are recorded with their reasons and counted, also in the tables; the exit status is 0 "
-    "all the same. They would fail again in the same way: --retry is for another version of the program. The words "
-    "packings and signal of study.want only keep something in the store and have no table here.\n\n"
-    "--verify reads every file of the samples and prints a table of them: whether each is the sample of its name, and "
-    "its packing passes what `sonopack check' looks at. What cannot be read, or is not the sample of its name, is "
-    "renamed to NAME.bad: the next study makes it anew. The exit status is 1 if any file is not ok.\n\n"
-    "  sonopack study packings/ctof-quick.cfg --store results/quick\n"
-    "  sonopack study big.cfg --store results/big --shard 3/16 --jobs 1\n"
-    "  mpirun -n 16 sonopack study big.cfg --store results/big          (a build with -DSONOPACK_MPI=ON)",
-    children,
-    NULL,
-    NULL};
+static const cli_syntax syntax = {
+    .usage = "[SCENE] --store DIR",
+    .help =
+        "Computes every sample of a scene that is not in the store yet, and prints the tables that the scene asks "
+        "for.\v"
+        "A sample is identified by all that determines it. So an interrupted study continues where it stopped, and "
+        "larger studies or further results reuse what is there. Several studies may share a store, and several "
+        "processes may fill it at the same time. A blank line separates the tables; with -o FILE.tsv the first goes "
+        "there, and the others to FILE-moduli.tsv and so on. If a key other than packing.pressure, packing.grains, "
+        "packing.height and packing.seed is swept, each of its values has tables of its own, from the second value "
+        "on in FILE-ctof-2.tsv, FILE-moduli-2.tsv and so on, with the value in a comment. (Of scaling and planes, "
+        "packing.width and packing.friction are not among these keys; of spectrum, all keys but packing.seed are.)\n"
+        "\n"
+        "Samples that cannot be computed are recorded with the reason and counted in the tables; the exit status is "
+        "still 0. They would fail again in the same way, so --retry is for a new version of the program. The words "
+        "packings and signal of study.want only store something, and print no table.\n"
+        "\n"
+        "--verify reads all files of the samples and prints a table of them: whether each is the sample of its name, "
+        "and whether its packing passes `sonopack check'. A file that cannot be read, or is not the sample of its "
+        "name, is renamed to NAME.bad, and the next study computes the sample again. The exit status is 1 if any "
+        "file fails.\n"
+        "\n"
+        "  sonopack study packings/ctof-quick.cfg --store results/quick\n"
+        "  sonopack study big.cfg --store results/big --shard 3/16 --jobs 1\n"
+        "  mpirun -n 16 sonopack study big.cfg --store results/big          (a build with -DSONOPACK_MPI=ON)",
+    .options = options,
+    .file_name = "scene",
+    .files_max = 1,
+    .check = check};
 
 /* The tables of study.want, in their usual order. */
-static cli_tables wanted_tables(const cli_common *common, const sp_scene *scene) {
+static cli_tables tables_of(const cli_common *common, const sp_scene *scene) {
     static const struct {
         unsigned want;
         const char *name;
     } all[] = {{SP_WANT_CTOF, "ctof"},        {SP_WANT_SCALING, "scaling"}, {SP_WANT_PLANES, "planes"},
                {SP_WANT_STATICS, "statics"},  {SP_WANT_MODULI, "moduli"},   {SP_WANT_PROBES, "probes"},
                {SP_WANT_SPECTRUM, "spectrum"}};
-    cli_tables tables = {.common = common, .scene = scene, .filter = cli_filter_none(), .bins = cli_bins_default()};
+    cli_tables tables = {.common = common, .scene = scene, .filter = cli_filter_none()};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         if (scene->want & all[k].want)
             tables.name[tables.count++] = all[k].name;
@@ -143,13 +121,13 @@ static bool watch(const sp_study_progress *progress, void *user) {
     if (now.failed > 0)
         length += snprintf(text + length, sizeof text - (size_t)length, ", %lld failed", (long long)now.failed);
     if (now.elsewhere > 0)
-        snprintf(text + length, sizeof text - (size_t)length, ", %lld at other processes", (long long)now.elsewhere);
+        snprintf(text + length, sizeof text - (size_t)length, ", %lld in other processes", (long long)now.elsewhere);
     cli_progress(user, text, now.total > 0 ? (double)now.done / (double)now.total : 1, now.seconds_left);
     return go_on;
 }
 
-/* Ranks of MPI share the numbers of one scene, one shard, and one store. */
-static sp_status say_what(const arguments *a, const sp_scene *scene, sp_error *err) {
+/* Tells the other ranks what this one computes: the scene, the store and the shard. */
+static sp_status announce(const arguments *a, const sp_scene *scene, sp_error *err) {
     char *text = sp_scene_text(scene, NULL);
     const size_t size = text ? strlen(text) + strlen(a->store) + 64 : 0;
     char *what = text ? sp_alloc(size, 1) : NULL;
@@ -169,16 +147,17 @@ static sp_status run(arguments *a, const sp_scene *scene, sp_store *store, sp_st
     a->study.jobs = a->jobs > 0 ? (int)a->jobs : a->common.threads;
     a->study.threads = a->common.threads;
     a->study.take = a->ranks.take;
-    sp_status status = say_what(a, scene, err);
+    sp_status status = announce(a, scene, err);
     cli_catch_signals();
     return status == SP_OK ? sp_study_run(scene, &a->study, &sink, watch, &a->common, done, err) : status;
 }
 
-static sp_status tell(const arguments *a, sp_status status, const sp_study_progress *done, sp_error *err) {
+static sp_status report(const arguments *a, sp_status status, const sp_study_progress *done, sp_error *err) {
     char ranks[40] = "";
-    cli_progress_end(&a->common);
+    cli_progress_end();
     if (status == SP_EINTERRUPTED)
-        return sp_fail(err, status, "stopped with %lld of %lld samples done, all kept in %s: the same command goes on",
+        return sp_fail(err, status,
+                       "stopped with %lld of %lld samples done, all kept in %s: the same command continues",
                        (long long)done->done, (long long)done->total, a->store);
     if (a->ranks.size > 1)
         snprintf(ranks, sizeof ranks, " by %d ranks", a->ranks.size);
@@ -186,15 +165,15 @@ static sp_status tell(const arguments *a, sp_status status, const sp_study_progr
         cli_note(&a->common, "%lld samples, %lld of them made now in %.1f s%s", (long long)done->total,
                  (long long)done->computed, done->seconds, ranks);
     if (status == SP_OK && done->failed > 0)
-        cli_note(&a->common,
-                 "%lld samples failed, or lack a part that is wanted: see `sonopack table ensemble --store %s'",
+        cli_note(&a->common, "%lld samples failed, or lack a result: see `sonopack table ensemble --store %s'",
                  (long long)done->failed, a->store);
     return status;
 }
 
-/* The scene, and the packing that it begins with. */
+/* Reads the scene, and the packing that it starts from, if it names one. */
 static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
-    sp_status status = sp_scene_read(a->scene, a->common.sets, a->common.set, scene, err);
+    sp_status status =
+        sp_scene_read(a->common.files > 0 ? a->common.file[0] : NULL, a->common.sets, a->common.set, scene, err);
     if (status == SP_OK)
         status = sp_scene_check_sweeps(scene, err);
     if (status == SP_OK && scene->pack.kind == SP_PACK_FILE) {
@@ -204,8 +183,8 @@ static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_
     return status;
 }
 
-/* The store of rank 0 has what all ranks made, unless theirs is another folder of the same name. */
-static sp_status check_whole(const arguments *a, const sp_scene *scene, sp_store *store, sp_error *err) {
+/* Checks that rank 0 sees the samples of all ranks: on other machines --store might be another folder. */
+static sp_status check_complete(const arguments *a, const sp_scene *scene, sp_store *store, sp_error *err) {
     const sp_study_sink sink = sp_store_sink(store);
     const int64_t count = a->ranks.size > 1 && a->ranks.rank == 0 ? sp_study_count(scene) : 0;
     int64_t missing = 0;
@@ -217,21 +196,22 @@ static sp_status check_whole(const arguments *a, const sp_scene *scene, sp_store
         missing += status == SP_OK && sink.has(sink.user, &one, name) == SP_STORED_NOT;
     }
     if (status == SP_OK && missing > 0 && !a->retry)
-        status = sp_fail(err, SP_EIO,
-                         "%lld samples that were made are not in %s, as rank 0 sees it: --store must be one folder for "
-                         "all ranks",
-                         (long long)missing, a->store);
+        status =
+            sp_fail(err, SP_EIO,
+                    "rank 0 does not see %lld of the computed samples in %s: --store must be one folder that all ranks "
+                    "share",
+                    (long long)missing, a->store);
     return status;
 }
 
-/* The samples, then their tables. Of several ranks each makes samples, whatever became of the scene there: all of them
- * are to know when one cannot. */
+/* Computes the samples, then writes their tables. All ranks call cli_ranks_join, even after a failure, so that all of
+ * them learn of it. */
 static sp_status make(arguments *a, sp_scene *scene, sp_packing *from, sp_store **store, sp_error *err) {
     sp_study_progress done = {0};
     cli_tables tables = {0};
     sp_status status = read_scene(a, scene, from, err);
     if (status == SP_OK) {
-        tables = wanted_tables(&a->common, scene);
+        tables = tables_of(&a->common, scene);
         tables.level = a->level;
         if (a->common.output && tables.count == 0)
             status = sp_fail(err, SP_EINVAL, "-o %s: study.want names no table", a->common.output);
@@ -243,13 +223,13 @@ static sp_status make(arguments *a, sp_scene *scene, sp_packing *from, sp_store 
     if (status == SP_OK)
         status = run(a, scene, *store, &done, err);
     status = cli_ranks_join(status, done.total > 0 ? watch : NULL, &a->common, &done, err);
-    status = tell(a, status, &done, err);
+    status = report(a, status, &done, err);
     if (status == SP_OK)
-        status = check_whole(a, scene, *store, err);
+        status = check_complete(a, scene, *store, err);
     return status == SP_OK && tables.count > 0 && a->ranks.rank == 0 ? cli_tables_write(&tables, *store, err) : status;
 }
 
-/* argp speaks by itself, and ends the process: on other ranks than the first in silence. */
+/* argp prints messages by itself, and exits: on ranks other than 0 nothing is to be printed. */
 static void read_arguments(arguments *a, int argc, char **argv) {
     int keep[2] = {-1, -1};
     for (int file = STDOUT_FILENO; a->ranks.rank > 0 && file <= STDERR_FILENO; file++) {
@@ -258,9 +238,9 @@ static void read_arguments(arguments *a, int argc, char **argv) {
         dup2(null, file);
         close(null);
     }
-    /* several ranks are several threads already; options may say otherwise */
+    /* with several ranks, one thread each is the default */
     a->common.threads = a->ranks.size > 1 ? 1 : 0;
-    argp_parse(&argp, argc, argv, 0, NULL, a);
+    cli_parse(&syntax, argc, argv, a);
     for (int file = STDOUT_FILENO; file <= STDERR_FILENO; file++) {
         if (keep[file - STDOUT_FILENO] >= 0) {
             dup2(keep[file - STDOUT_FILENO], file);
@@ -277,7 +257,7 @@ static int study(arguments *a, int argc, char **argv) {
     sp_scene scene = sp_scene_default();
     sp_store *store = NULL;
     sp_packing from = sp_packing_none();
-    const bool whole = !a->scene && a->common.sets == 0; /* of the store: with --verify only */
+    const bool whole = a->common.files == 0 && a->common.sets == 0; /* --verify of the whole store */
     bool good = true;
     sp_status status = SP_OK;
     if (!a->verify)

@@ -1,4 +1,4 @@
-/* sonopack table: a table of a store's samples. */
+/* sonopack table: prints a table of the samples in a store. */
 #include "base/base.h"
 #include "cli/tables.h"
 
@@ -6,129 +6,85 @@
 
 typedef struct arguments {
     cli_common common;
-    const char *name, *scene, *store;
+    const char *store;
     cli_filter filter;
     double level;
-    cli_bins bins;
-    bool bins_given;
+    int64_t bins;
+    double omega_max;
 } arguments;
 
-enum { KEY_STORE = 0x1000, KEY_WIDTH, KEY_GRAINS, KEY_PRESSURE, KEY_FRICTION, KEY_INTERVAL, KEY_BINS, KEY_UNTIL };
+static sp_status check(void *user, sp_error *err) {
+    const arguments *a = user;
+    if (!a->store)
+        return sp_fail(err, SP_EINVAL, "no store: must be --store DIR");
+    if (a->common.sets > 0 && a->common.files == 0)
+        return sp_fail(err, SP_EINVAL, "--set: needs the SCENE that made the store");
+    return SP_OK;
+}
 
-static const struct argp_option options[] = {
-    {"store", KEY_STORE, "DIR", 0, "Folder of the samples", 0},
-    {"width", KEY_WIDTH, "W", 0, "Only samples of boxes so wide [d]", 0},
-    {"grains", KEY_GRAINS, "N", 0, "Only samples of so many grains", 0},
-    {"pressure", KEY_PRESSURE, "P", 0, "Only samples at this pressure [E*]", 0},
-    {"friction", KEY_FRICTION, "MU", 0, "Only samples with this friction", 0},
-    {"interval", KEY_INTERVAL, "LEVEL", 0, "Confidence of the intervals, 0.5 to 0.999 (0.95)", 0},
-    {"bins", KEY_BINS, "N", 0, "spectrum: bins of equal width (20 to 100, by the number of modes)", 0},
-    {"until", KEY_UNTIL, "OMEGA", 0, "spectrum: last frequency (the largest there is, rounded up)", 0},
+static const cli_option options[] = {
+    {"store", "DIR", "Folder of the samples", CLI_TEXT, .field = offsetof(arguments, store)},
+    {"width", "W", "Only samples in boxes of this width [d]", CLI_NUMBER, .field = offsetof(arguments, filter.width),
+     .low = 1e-6, .high = 1e6},
+    {"grains", "N", "Only samples of N grains", CLI_INTEGER, .field = offsetof(arguments, filter.grains), .low = 1,
+     .high = INT32_MAX},
+    {"pressure", "P", "Only samples at this pressure [E*]", CLI_NUMBER, .field = offsetof(arguments, filter.pressure),
+     .low = 1e-10, .high = 1e-2},
+    {"friction", "MU", "Only samples with this friction coefficient", CLI_NUMBER,
+     .field = offsetof(arguments, filter.friction), .high = 1e6},
+    {"interval", "LEVEL", "Confidence level of the intervals, 0.5 to 0.999 (0.95)", CLI_NUMBER,
+     .field = offsetof(arguments, level), .low = SP_LEVEL_LEAST, .high = SP_LEVEL_MOST},
+    {"bins", "N", "spectrum: number of bins of equal width (20 to 100, depending on the number of modes)", CLI_INTEGER,
+     .field = offsetof(arguments, bins), .low = 1, .high = CLI_BINS_MAX, .kinds = "spectrum"},
+    {"omega-max", "OMEGA",
+     "spectrum: last frequency (the largest of all samples, rounded up). --until is its older name", CLI_NUMBER,
+     .field = offsetof(arguments, omega_max), .low = 1e-12, .high = 1e9, .kinds = "spectrum", .alias = "until"},
     {0}};
-static const struct argp_child children[] = {{&cli_common_argp, 0, "Common options:", 90}, {0}};
 
-#define TABLE_NAMES "ctof, scaling, planes, statics, moduli, probes, spectrum, ensemble or signal"
-
-static const char *known_table(const char *name) {
-    for (size_t k = 0; k < CLI_TABLES; k++)
-        if (strcmp(name, cli_table_names[k]) == 0)
-            return cli_table_names[k];
-    return NULL;
-}
-
-static void parse_filter(cli_filter *f, int key, const char *arg, struct argp_state *state) {
-    sp_error err = {0};
-    sp_status status = SP_OK;
-    switch (key) {
-    case KEY_WIDTH: status = cli_number("--width", arg, 1e-6, 1e6, &f->width, &err); break;
-    case KEY_GRAINS: status = cli_integer("--grains", arg, 1, INT32_MAX, &f->grains, &err); break;
-    case KEY_PRESSURE: status = cli_number("--pressure", arg, 1e-10, 1e-2, &f->pressure, &err); break;
-    default: status = cli_number("--friction", arg, 0, 1e6, &f->friction, &err); break;
-    }
-    if (status != SP_OK)
-        argp_error(state, "%s", err.text);
-}
-
-static void parse_bins(arguments *a, int key, const char *arg, struct argp_state *state) {
-    sp_error err = {0};
-    int64_t bins = a->bins.bins;
-    sp_status status = key == KEY_BINS ? cli_integer("--bins", arg, 1, CLI_BINS_MAX, &bins, &err)
-                                       : cli_number("--until", arg, 1e-12, 1e9, &a->bins.until, &err);
-    if (status != SP_OK)
-        argp_error(state, "%s", err.text);
-    a->bins.bins = (int32_t)bins;
-    a->bins_given = true;
-}
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    arguments *a = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; return 0;
-    case KEY_STORE: a->store = arg; return 0;
-    case KEY_WIDTH:
-    case KEY_GRAINS:
-    case KEY_PRESSURE:
-    case KEY_FRICTION: parse_filter(&a->filter, key, arg, state); return 0;
-    case KEY_INTERVAL: cli_parse_interval(&a->level, arg, state); return 0;
-    case KEY_BINS:
-    case KEY_UNTIL: parse_bins(a, key, arg, state); return 0;
-    case ARGP_KEY_ARG:
-        if (a->scene)
-            argp_error(state, "%s: one table and one scene only", arg);
-        else if (a->name)
-            a->scene = arg;
-        else if (!(a->name = known_table(arg)))
-            argp_error(state, "table %.60s: must be " TABLE_NAMES, arg);
-        return 0;
-    case ARGP_KEY_END:
-        if (!a->name)
-            argp_error(state, "no table: must be " TABLE_NAMES);
-        if (!a->store)
-            argp_error(state, "no store: must be --store DIR");
-        if (a->bins_given && a->name && strcmp(a->name, "spectrum") != 0)
-            argp_error(state, "--bins and --until: only the table spectrum has bins, not %s", a->name);
-        if (a->common.sets > 0 && !a->scene)
-            argp_error(state, "--set: needs the SCENE that made the store, whose samples it chooses");
-        return 0;
-    default: return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp argp = {
-    options,
-    parse,
-    "NAME --store DIR [SCENE]",
-    "Prints a table of the samples in a store.\v"
-    "ctof: speed of the first front, a row a pressure. scaling: fronts over distance, with speeds and exponents, a row "
-    "a height of each pressure, friction and width. planes: the same inside of packings, a row a plane, of each number "
-    "of grains besides. statics, moduli, probes: means X with X_sd, one standard deviation, X_err, the standard error, "
-    "and the interval X_low to X_high, a row a pressure and size. ensemble: a row a sample, with everything that is "
-    "known of it. spectrum: density of states, modes for each carrying grain and unit of omega, a row a bin, with "
-    "standard errors, intervals, and the integral from 0, of samples of one pressure and size (study.want with "
-    "spectrum). signal: mean of the stored signals, their rms deviation from it, the standard error and the interval "
-    "of the mean, a row a time, of samples of one pressure and size with signals at the same times (study.want with "
-    "signal, and signal.until). With SCENE (and its --set) only the samples of that scene, at "
-    "least one of which must be there (of keys that it sweeps signal and spectrum have a table a value): a store may "
-    "hold several ensembles, and those that differ in more than pressure "
-    "and size are not averaged. --width, --grains, --pressure and --friction choose among them.",
-    children,
-    NULL,
-    NULL};
+static const cli_syntax syntax = {
+    .usage = "NAME --store DIR [SCENE]",
+    .help =
+        "Prints a table of the samples in a store.\v"
+        "ctof: speed of the first front, one row per pressure.\n"
+        "scaling: fronts against distance, with speeds and exponents, one row per height, pressure, friction and "
+        "width.\n"
+        "planes: the same inside packings, one row per plane (and per number of grains).\n"
+        "statics, moduli, probes: one row per pressure and size with means X, their standard deviation over the "
+        "samples X_sd, the standard error X_err, and the confidence interval X_low to X_high.\n"
+        "ensemble: one row per sample, with all its results.\n"
+        "spectrum: density of states, in modes per grain (without rattlers) and unit of omega, one row per bin, with "
+        "standard errors, confidence intervals and the integral from 0; for samples of one pressure and size, made "
+        "with spectrum in study.want.\n"
+        "signal: mean of the stored signals, rms deviation from it, its standard error and confidence interval, one "
+        "row per time; for samples of one pressure and size whose signals have the same times, made with signal in "
+        "study.want, and signal.until.\n"
+        "\n"
+        "With a SCENE (and --set) only the samples of that scene are used; at least one must be in the store, and "
+        "signal and spectrum have one table for each value of a swept key. A store may hold several ensembles: "
+        "samples that differ in more than pressure and size are not averaged. --width, --grains, --pressure and "
+        "--friction select among them.",
+    .options = options,
+    .kinds = cli_table_names,
+    .kind_name = "table",
+    .file_name = "scene",
+    .files_max = 1,
+    .check = check};
 
 static sp_status work(const arguments *a, sp_scene *scene, sp_store **store, sp_error *err) {
+    const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
     sp_status status = SP_OK;
-    if (a->scene)
-        status = sp_scene_read(a->scene, a->common.sets, a->common.set, scene, err);
+    if (path)
+        status = sp_scene_read(path, a->common.sets, a->common.set, scene, err);
     if (status == SP_OK)
         status = sp_scene_check_sweeps(scene, err);
     cli_tables tables = {.common = &a->common,
-                         .scene = a->scene ? scene : NULL,
+                         .scene = path ? scene : NULL,
                          .needs_samples = true,
                          .count = 1,
-                         .name = {a->name},
+                         .name = {cli_table_names[a->common.kind]},
                          .filter = a->filter,
                          .level = a->level,
-                         .bins = a->bins};
+                         .bins = {(int32_t)a->bins, a->omega_max}};
     if (status == SP_OK)
         status = cli_tables_may_write(&tables, err);
     if (status == SP_OK)
@@ -137,8 +93,8 @@ static sp_status work(const arguments *a, sp_scene *scene, sp_store **store, sp_
 }
 
 int cmd_table(int argc, char **argv) {
-    arguments a = {.filter = cli_filter_none(), .level = sp_table_options_default().level, .bins = cli_bins_default()};
-    argp_parse(&argp, argc, argv, 0, NULL, &a);
+    arguments a = {.filter = cli_filter_none(), .level = sp_table_options_default().level};
+    cli_parse(&syntax, argc, argv, &a);
     sp_error err = {0};
     sp_scene scene = sp_scene_default();
     sp_store *store = NULL;

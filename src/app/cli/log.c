@@ -1,4 +1,4 @@
-/* What goes to stderr: reasons, log and progress; and being stopped. */
+/* Prints messages and progress on stderr, and handles Ctrl-C. */
 #include "cli/cli.h"
 
 #include "base/base.h"
@@ -11,9 +11,9 @@
 #include <string.h>
 #include <unistd.h>
 
-static const double log_interval = 60; /* seconds between two lines of progress in a log */
+static const double log_interval = 60; /* seconds between progress lines when stderr is no terminal */
 
-static bool progress_shown; /* a progress line stands on the terminal */
+static bool progress_shown; /* a progress line is on the terminal */
 
 static void clear_progress(void) {
     if (progress_shown)
@@ -70,7 +70,7 @@ static void duration_text(double seconds, char *buf, size_t size) {
         snprintf(buf, size, "%ld s", s);
 }
 
-/* The share of the work that is done, on a terminal with a bar; remaining time where it is known. */
+/* The fraction done, as a bar on a terminal, and the remaining time if it is known. */
 static void progress_text(double fraction, double seconds_left, bool with_bar, char *buf, size_t size) {
     enum { WIDTH = 20 };
     char bar[64] = "", left[64] = "", duration[32];
@@ -109,10 +109,7 @@ void cli_progress(const cli_common *common, const char *text, double fraction, d
     shown_at = now;
 }
 
-void cli_progress_end(const cli_common *common) {
-    (void)common; /* nothing was shown if it is quiet */
-    clear_progress();
-}
+void cli_progress_end(void) { clear_progress(); }
 
 static atomic_bool stopped;
 
@@ -128,7 +125,7 @@ void cli_catch_signals(void) {
     for (size_t k = 0; k < sizeof signals / sizeof *signals; k++) {
         struct sigaction before, action = {.sa_handler = stop, .sa_flags = SA_RESTART};
         sigemptyset(&action.sa_mask);
-        /* what the caller has told us to ignore (nohup, a job in the background) stays ignored */
+        /* a signal that the caller has us ignore (nohup, a background job) stays ignored */
         if (sigaction(signals[k], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
             sigaction(signals[k], &action, NULL);
     }

@@ -1,10 +1,10 @@
-/* The table of commands. */
+/* The command sonopack: finds the subcommand and runs it. */
 #include "cli/output.h"
 
 #include "base/base.h"
 #include "base/file.h"
-#include "scene/field.h"
 
+#include <argp.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,24 +23,24 @@ static const struct command {
     cli_command run;
     const char *meaning;
 } commands[] = {
-    {"pack", cmd_pack, "makes one packing of a scene"},
-    {"check", cmd_check, "audits packings: overlaps, balance of forces, Coulomb, walls"},
+    {"pack", cmd_pack, "compress one packing of a scene"},
+    {"check", cmd_check, "check packings: overlaps, balance of forces, Coulomb's condition, walls"},
     {"statics", cmd_statics, "densities, contacts, forces and stress of packings"},
-    {"moduli", cmd_moduli, "elastic moduli and the speeds of long waves"},
-    {"modes", cmd_modes, "eigenfrequencies, and what each mode adds to the signal"},
-    {"spectrum", cmd_spectrum, "density of states, transmission, waves and harmonic driving"},
+    {"moduli", cmd_moduli, "elastic moduli and speeds of long waves"},
+    {"modes", cmd_modes, "eigenfrequencies, and the weight of each mode in the signal"},
+    {"spectrum", cmd_spectrum, "density of states, transmission, dispersion, harmonic driving"},
     {"signal", cmd_signal, "force on the top wall after a short pulse at the bottom wall"},
     {"front", cmd_front, "arrival, peak and width of the first wave front"},
-    {"study", cmd_study, "an ensemble of packings and what is wanted of them; resumes by itself"},
+    {"study", cmd_study, "compute an ensemble of packings and their results; can be interrupted"},
     {"table", cmd_table, "tables of a finished or running study"},
     {"wave", cmd_wave, "phase speed and attenuation of the coherent wave inside packings"},
-    {"chain", cmd_chain, "the chain of equal balls in closed form, of any length"},
-    {"column", cmd_column, "the tapped column of particles, as lattice and as continuum"},
-    {"reproduce", cmd_reproduce, "a paper's tables and figures beside our own values"},
-    {"plot", cmd_plot, "figures"},
-    {"convert", cmd_convert, "import and export of packings"},
-    {"bench", cmd_bench, "run time against error of the methods"},
-    {"help", help, "this text, or that of a command, or of `scene': the keys of scene files"},
+    {"chain", cmd_chain, "chain of equal balls in closed form, of any length"},
+    {"column", cmd_column, "tapped column of particles, discrete and as a continuum"},
+    {"reproduce", cmd_reproduce, "compare the results of a paper with our own"},
+    {"plot", cmd_plot, "draw figures"},
+    {"convert", cmd_convert, "import and export packings"},
+    {"bench", cmd_bench, "measure run time against error of the methods"},
+    {"help", help, "explain a command, or `scene': the keys of scene files"},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
@@ -51,35 +51,35 @@ static const struct command *find(const char *name) {
     return NULL;
 }
 
+static const char *command_name(int k, const void *unused) {
+    (void)unused;
+    return k < COMMANDS ? commands[k].name : NULL;
+}
+
 static int unknown(const char *name) {
-    const char *near = NULL;
-    for (int k = 0, least = 1000; k < COMMANDS; k++) {
-        const int distance = sp_edit_distance(name, commands[k].name);
-        if (distance < least && sp_is_near(name, distance)) {
-            least = distance;
-            near = commands[k].name;
-        }
-    }
-    if (near)
-        return cli_usage("unknown command %.60s: did you mean %s?", name, near);
-    return cli_usage("unknown command %.60s: must be one that `sonopack help' lists", name);
+    const int near = cli_nearest(name, command_name, NULL);
+    if (near >= 0)
+        return cli_usage("unknown command %.60s: did you mean %s?", name, commands[near].name);
+    return cli_usage("unknown command %.60s: see `sonopack help'", name);
 }
 
 static void overview(FILE *out) {
-    fputs("Usage: sonopack COMMAND [OPTIONS] [FILES]\n\n"
-          "Sound in compressed granular packings: makes packings, finds the force on the top wall after a short pulse "
-          "at\nthe bottom wall, and what that says about the speed of sound.\n\nCommands:\n",
-          out);
+    fputs(
+        "Usage: sonopack COMMAND [OPTIONS] [FILES]\n\n"
+        "Sound in compressed granular packings: compresses packings, computes the force on the top wall after a short\n"
+        "pulse at the bottom wall, and derives the speed of sound from it.\n\nCommands:\n",
+        out);
     for (int k = 0; k < COMMANDS; k++)
         fprintf(out, "  %-9s %s\n", commands[k].name, commands[k].meaning);
-    fputs("\n`sonopack help COMMAND' explains a command, `sonopack help scene' the scene files; `sonopack --version'.\n"
-          "Data go to stdout, log and progress to stderr. Exit status: 0 done, 1 the work failed, 2 wrong usage or "
-          "scene.\n",
+    fputs("\n`sonopack help COMMAND' explains a command, `sonopack help scene' the scene files. `sonopack --version'\n"
+          "prints the version. Data go to stdout, messages and progress to stderr. Exit status: 0 success, 1 the "
+          "command\n"
+          "failed, 2 wrong usage or scene.\n",
           out);
 }
 
 static int run(const struct command *command, int argc, char **argv) {
-    char name[64]; /* as messages of argp shall begin */
+    char name[64]; /* with which messages of argp begin */
     snprintf(name, sizeof name, "sonopack %s", command->name);
     argv[0] = name;
     return command->run(argc, argv);
@@ -91,7 +91,7 @@ static int help(int argc, char **argv) {
         return CLI_OK;
     }
     if (argc > 2)
-        return cli_usage("help %.60s %.60s: must be one command", argv[1], argv[2]);
+        return cli_usage("help %.60s %.60s: one command only", argv[1], argv[2]);
     if (strcmp(argv[1], "scene") == 0) {
         sp_error err = {0};
         char *text = sp_scene_help();
@@ -110,15 +110,15 @@ static int help(int argc, char **argv) {
     return run(command, 2, arguments);
 }
 
-/* Files 0, 1 and 2 must be open, or a result file would take their place and get what is printed. */
+/* If file 0, 1 or 2 were closed, a result file would get its number, and with it what is printed. */
 static void keep_standard_files(void) {
     for (int file = 0; file <= 2; file++)
         if (fcntl(file, F_GETFD) == -1 && open("/dev/null", file == 0 ? O_WRONLY : O_RDONLY) != file)
             _Exit(CLI_FAILED);
 }
 
-/* Where the address space is limited, OpenBLAS cannot start its threads, and at the end of a process would wait for
- * them for ever. All files are closed by then. */
+/* If the address space is limited, OpenBLAS cannot start its threads, and would wait for them for ever when the process
+ * ends. All files are closed by now. */
 static void leave(int status, void *nothing) {
     struct rlimit space;
     (void)nothing;
@@ -140,7 +140,7 @@ int main(int argc, char **argv) {
     if (!SONOPACK_LATE) /* else it is loaded so */
         sp_hdf5_exit_silently();
     use_one_blas_thread();
-    if (on_exit(leave, NULL) != 0 || atexit(cli_close_stdout) != 0) /* the last one first */
+    if (on_exit(leave, NULL) != 0 || atexit(cli_close_stdout) != 0) /* called in reverse order */
         return CLI_FAILED;
     argp_err_exit_status = CLI_USAGE;
     if (argc < 2) {
@@ -157,7 +157,7 @@ int main(int argc, char **argv) {
         return CLI_OK;
     }
     if (word[0] == '-')
-        return cli_usage("option %.60s: the command must come first, as in `sonopack pack --quiet'", word);
+        return cli_usage("option %.60s: the command comes first, as in `sonopack pack --quiet'", word);
     const struct command *command = find(word);
     return command ? run(command, argc - 1, argv + 1) : unknown(word);
 }

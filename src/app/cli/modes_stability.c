@@ -1,6 +1,5 @@
-#include "cli/modes_stability.h"
-
-#include "base/base.h"
+/* Fills the table of sonopack modes --stability: whether any motion of the network grows. */
+#include "cli/modes.h"
 
 #include <math.h>
 
@@ -9,44 +8,25 @@ static const char *const verdicts[] = {
 
 static double known(int64_t count) { return count < 0 ? NAN : (double)count; }
 
-static sp_status add_comments(const sp_packing *p, const sp_stability *s, sp_table *t, sp_error *err) {
-    char number[SP_NUMBER_TEXT];
-    sp_status status = sp_table_add_comment(t, err, "pressure = %s", sp_number_text(p->pressure, number));
-    if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "method = %s", s->dense ? "dense" : "counts");
-    if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "degrees_of_freedom = %lld", (long long)s->dofs);
-    if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "skew = %.3g", s->skew);
-    if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "balance = %.3g", s->balance);
-    if (status == SP_OK && s->unbalanced > 0)
-        status =
-            sp_table_add_comment(t, err,
-                                 "%lld of the motions that grow are within balance: the forces at rest are as much "
-                                 "off theirs, see packing.tolerance and network.threshold",
-                                 (long long)s->unbalanced);
-    if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "%s: no motion grows faster than exp(%.3g t)", verdicts[s->verdict],
-                                      s->growth_bound);
-    return status;
-}
-
-sp_status cli_stability(const sp_packing *p, const sp_network *net, sp_table *t, sp_error *err) {
-    static const char *const names[] = {"negative", "flutter", "zero", "softest", "growth", "growth_bound", "error"};
-    static const char *const units[] = {
-        "", "", "", "E* / (rho d^2)", "sqrt(E* / rho)/d", "sqrt(E* / rho)/d", "E* / (rho d^2)"};
-    const int count = sizeof names / sizeof *names;
-    sp_stability s;
-    sp_status status = sp_stability_make(p, net, &s, err);
-    if (status == SP_OK)
-        status = sp_table_add_column(t, "verdict", "", SP_CELL_TEXT, err);
-    for (int k = 0; k < count && status == SP_OK; k++)
-        status = sp_table_add_column(t, names[k], units[k], SP_CELL_NUMBER, err);
-    if (status == SP_OK)
-        status = add_comments(p, &s, t, err);
-    if (status == SP_OK)
-        status = sp_table_add_row(t, err, verdicts[s.verdict], known(s.negative), known(s.flutter), known(s.zero),
-                                  s.softest, s.growth, s.growth_bound, s.error);
-    return status;
+sp_status modes_stability(const sp_packing *p, const sp_network *net, sp_table *t, sp_error *err) {
+    sp_stability s = {0};
+    cli_writer w = {.table = t, .err = err, .status = sp_stability_make(p, net, &s, err)};
+    cli_columns(&w, SP_CELL_TEXT, "verdict", "", NULL);
+    cli_columns(&w, SP_CELL_NUMBER, "negative", "", "flutter", "", "zero", "", "softest", "E* / (rho d^2)", "growth",
+                MODES_FREQUENCY, "growth_bound", MODES_FREQUENCY, "error", "E* / (rho d^2)", NULL);
+    cli_value(&w, "pressure", p->pressure);
+    cli_comment(&w, "method = %s", s.dense ? "dense" : "counts");
+    cli_comment(&w, "degrees_of_freedom = %lld", (long long)s.dofs);
+    cli_comment(&w, "skew = %.3g", s.skew);
+    cli_comment(&w, "balance = %.3g", s.balance);
+    if (s.unbalanced > 0)
+        cli_comment(&w,
+                    "%lld of the motions that grow are within balance: the forces at rest are as much off theirs, see "
+                    "packing.tolerance and network.threshold",
+                    (long long)s.unbalanced);
+    cli_comment(&w, "%s: no motion grows faster than exp(%.3g t)", verdicts[s.verdict], s.growth_bound);
+    if (w.status == SP_OK)
+        w.status = sp_table_add_row(t, err, verdicts[s.verdict], known(s.negative), known(s.flutter), known(s.zero),
+                                    s.softest, s.growth, s.growth_bound, s.error);
+    return w.status;
 }

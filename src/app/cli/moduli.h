@@ -1,31 +1,36 @@
 #ifndef SP_CLI_MODULI_H
 #define SP_CLI_MODULI_H
-/* What the parts of sonopack moduli share. */
+/* What the files of sonopack moduli share. */
 
-#include "cli/springs.h"
+#include "cli/files.h"
 
 enum { MODULI_PROBES_MAX = 64 };
 
 typedef struct moduli_probe {
     const char *text; /* as it was given */
-    bool global;      /* or else: */
+    bool global;      /* imposed strain; else `probe` */
     sp_probe probe;
 } moduli_probe;
 
 typedef struct moduli_arguments {
     cli_common common;
-    cli_springs springs;
     double margin;
     int probes, strains;
     moduli_probe probe[MODULI_PROBES_MAX];
     double strain[MODULI_PROBES_MAX];
-    int files;
-    char **file;
+    int dim; /* of the packings so far; 0: none */
 } moduli_arguments;
 
+/* Whether the walls cannot shear the packing, so that its shear moduli are nan. */
+bool moduli_no_shear(int dim, const sp_moduli *m);
+/* The columns C11, C12, ... of a packing of this dimension. */
+void moduli_columns(cli_writer *w, int dim);
 /* The table of --strain. */
-sp_status moduli_strained_columns(const sp_packing *p, sp_table *t, sp_error *err);
-sp_status moduli_strained_rows(const moduli_arguments *a, const char *path, const sp_packing *p, const sp_network *net,
-                               sp_table *t, sp_error *err);
+void moduli_strained_columns(cli_writer *w, int dim);
+sp_status moduli_strained_rows(const moduli_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
+/* The table of --probe. */
+void moduli_probe_columns(cli_writer *w, const moduli_arguments *a, int dim);
+sp_status moduli_probe_rows(const moduli_arguments *a, const cli_file *file, double density, sp_table *t,
+                            sp_error *err);
 
 #endif

@@ -1,123 +1,249 @@
-/* Options that every command takes, strict numbers, and the scene of --set. */
+/* Reads the command lines of all commands: their own options, the common ones, and the scene of --set. */
 #include "cli/cli.h"
 
 #include "base/base.h"
 
-#include <ctype.h>
-#include <errno.h>
-#include <math.h>
+#include <argp.h>
 #include <sched.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-enum { KEY_THREADS = 0x2000, KEY_SET, KEY_FORMAT, KEY_FORCE, MOST_THREADS = 4096 };
+enum { FIRST_KEY = 0x1000, OPTIONS_MAX = 60, THREADS_MAX = 4096 };
 
-static const struct argp_option options[] = {
-    {"output", 'o', "FILE", 0, "Write to FILE instead of printing; its ending says the format", 90},
-    {"format", KEY_FORMAT, "tsv|csv|json", 0, "Format of the table", 90},
-    {"force", KEY_FORCE, NULL, 0, "Replace an existing file of the same kind", 90},
-    {"set", KEY_SET, "KEY=VALUE", 0, "Override a key of the scene (repeatable; see `sonopack help scene')", 90},
-    {"threads", KEY_THREADS, "N", 0, "Threads to use (as many as there are cores)", 90},
-    {"quiet", 'q', NULL, 0, "No log and no progress on stderr", 90},
-    {"verbose", 'v', NULL, 0, "More log on stderr", 90},
+/* ---- options of many commands ----------------------------------------------------------------------------------- */
+
+static sp_status set_quiet(void *arguments, const char *text, sp_error *err) {
+    cli_common *common = arguments;
+    (void)text, (void)err;
+    common->quiet = true;
+    common->verbose = false;
+    return SP_OK;
+}
+
+static sp_status set_verbose(void *arguments, const char *text, sp_error *err) {
+    cli_common *common = arguments;
+    (void)text, (void)err;
+    common->verbose = true;
+    common->quiet = false;
+    return SP_OK;
+}
+
+static sp_status set_threads(void *arguments, const char *text, sp_error *err) {
+    int64_t threads;
+    sp_status status = cli_integer("--threads", text, 1, THREADS_MAX, &threads, err);
+    if (status == SP_OK)
+        ((cli_common *)arguments)->threads = (int)threads;
+    return status;
+}
+
+static sp_status set_format(void *arguments, const char *text, sp_error *err) {
+    static const char *const words[] = {[SP_TSV] = "tsv", [SP_CSV] = "csv", [SP_JSON] = "json", NULL};
+    cli_common *common = arguments;
+    int format = SP_TSV;
+    sp_status status = cli_choose("--format", text, words, &format, err);
+    common->format = (sp_table_format)format;
+    common->format_given = true;
+    return status;
+}
+
+static sp_status add_set(void *arguments, const char *text, sp_error *err) {
+    cli_common *common = arguments;
+    const int capacity = (int)(sizeof common->set / sizeof *common->set);
+    if (common->sets == capacity)
+        return sp_fail(err, SP_EINVAL, "--set: may be given at most %d times", capacity);
+    common->set[common->sets++] = (char *)text;
+    return SP_OK;
+}
+
+static const cli_option springs_options[] = {
+    {.help = "Springs:"},
+    {"threshold", "F", "Use only contacts with a normal force above F p d^2 (1e-4)", CLI_NUMBER,
+     .field = offsetof(cli_common, threshold), .high = 1},
+    {"prestress", NULL, "Include the effect of the forces at rest when contacts rotate", CLI_FLAG,
+     .field = offsetof(cli_common, prestress)},
     {0}};
 
-/* Cores that this process may use. */
+static const cli_option common_options[] = {
+    {.help = "Common options:"},
+    {"output", "FILE", "Write to FILE instead of printing; its ending sets the format", CLI_TEXT,
+     .field = offsetof(cli_common, output), .letter = 'o'},
+    {"format", "tsv|csv|json", "Format of the table (tsv)", .parse = set_format},
+    {"force", NULL, "Replace an existing file of the same kind", CLI_FLAG, .field = offsetof(cli_common, force)},
+    {"set", "KEY=VALUE", "Override a key of the scene (repeatable; see `sonopack help scene')", .parse = add_set},
+    {"threads", "N", "Number of threads (one per core)", .parse = set_threads},
+    {"quiet", NULL, "Print no messages and no progress", .parse = set_quiet, .letter = 'q'},
+    {"verbose", NULL, "Print more messages", .parse = set_verbose, .letter = 'v'},
+    {0}};
+
+/* Number of cores that this process may use. */
 static int cores(void) {
     cpu_set_t set;
     if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
         return CPU_COUNT(&set);
     const long online = sysconf(_SC_NPROCESSORS_ONLN);
-    return online > 0 && online <= MOST_THREADS ? (int)online : 1;
+    return online > 0 && online <= THREADS_MAX ? (int)online : 1;
 }
 
-static void parse_format(cli_common *common, const char *word, struct argp_state *state) {
-    static const char *const words[] = {[SP_TSV] = "tsv", [SP_CSV] = "csv", [SP_JSON] = "json"};
-    for (unsigned k = 0; k < sizeof words / sizeof *words; k++) {
-        if (strcmp(word, words[k]) == 0) {
-            common->format = (sp_table_format)k;
-            common->format_given = true;
-            return;
+/* ---- the command line ------------------------------------------------------------------------------------------- */
+
+/* A command line while argp reads it. The key of option k is FIRST_KEY + k, or its letter. */
+typedef struct reading {
+    const cli_syntax *syntax;
+    const char *command; /* name */
+    void *arguments;
+    int count, rows;
+    const cli_option *option[OPTIONS_MAX];    /* [count] */
+    struct argp_option argp[2 * OPTIONS_MAX]; /* [rows], then one of zeros */
+} reading;
+
+static void add_options(reading *r, const cli_option *options, int first_group) {
+    int group = first_group;
+    for (; options && (options->name || options->help); options++) {
+        const int key = options->letter ? options->letter : FIRST_KEY + r->count;
+        if (!options->name) {
+            group = group > 0 ? group : 10;
+            r->argp[r->rows++] = (struct argp_option){.doc = options->help, .group = group};
+            continue;
         }
-    }
-    argp_error(state, "--format %s: must be tsv, csv or json", word);
-}
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    cli_common *common = state->input;
-    const int most = (int)(sizeof common->set / sizeof *common->set);
-    sp_error err;
-    int64_t integer;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        if (common->threads == 0)
-            common->threads = cores();
-        return 0;
-    case 'o': common->output = arg; return 0;
-    case 'q':
-        common->quiet = true;
-        common->verbose = false;
-        return 0;
-    case 'v':
-        common->verbose = true;
-        common->quiet = false;
-        return 0;
-    case KEY_FORCE: common->force = true; return 0;
-    case KEY_FORMAT: parse_format(common, arg, state); return 0;
-    case KEY_THREADS:
-        if (cli_integer("--threads", arg, 1, MOST_THREADS, &integer, &err) == SP_OK)
-            common->threads = (int)integer;
-        else
-            argp_error(state, "%s", err.text);
-        return 0;
-    case KEY_SET:
-        if (common->sets == most)
-            argp_error(state, "--set: must be given %d times at the most", most);
-        else
-            common->set[common->sets++] = arg;
-        return 0;
-    default: return ARGP_ERR_UNKNOWN;
+        r->option[r->count++] = options;
+        r->argp[r->rows++] = (struct argp_option){options->name, key, options->argument, 0, options->help, group};
+        if (options->alias)
+            r->argp[r->rows++] = (struct argp_option){.name = options->alias, .flags = OPTION_ALIAS, .group = group};
     }
 }
 
-const struct argp cli_common_argp = {options, parse, NULL, NULL, NULL, NULL, NULL};
+static int find_option(const reading *r, int key) {
+    for (int k = 0; k < r->count; k++)
+        if (key == (r->option[k]->letter ? r->option[k]->letter : FIRST_KEY + k))
+            return k;
+    return -1;
+}
 
-/* Decimal digits, sign, point and exponent only: strtod would take "nan", "0x1p3" and leading spaces too. */
-static bool is_decimal(const char *text) { return *text && text[strspn(text, "0123456789+-.eE")] == '\0'; }
-
-sp_status cli_number(const char *option, const char *text, double low, double high, double *out, sp_error *err) {
-    char *end = NULL;
-    const double value = is_decimal(text) ? strtod(text, &end) : NAN;
-    if (!end || end == text || *end || !isfinite(value) || value < low || value > high)
-        return sp_fail(err, SP_EINVAL, "%s %.60s: must be a number %g .. %g", option, text, low, high);
-    *out = value;
+static sp_status set_option(const cli_option *o, void *arguments, const char *text, sp_error *err) {
+    char name[64];
+    void *field = (char *)arguments + o->field;
+    snprintf(name, sizeof name, "--%s", o->name);
+    switch (o->kind) {
+    case CLI_FLAG: *(bool *)field = true; break;
+    case CLI_TEXT: *(const char **)field = text; break;
+    case CLI_NUMBER: return cli_number(name, text, o->low, o->high, field, err);
+    case CLI_INTEGER:
+        return cli_integer(name, text, (int64_t)o->low, o->high < 9e18 ? (int64_t)o->high : INT64_MAX, field, err);
+    case CLI_CHOICE: return cli_choose(name, text, o->words, field, err);
+    case CLI_PARSED: return o->parse(arguments, text, err);
+    }
     return SP_OK;
 }
 
-sp_status cli_integer(const char *option, const char *text, int64_t low, int64_t high, int64_t *out, sp_error *err) {
-    char *end = NULL;
-    errno = 0;
-    const long long value = is_decimal(text) ? strtoll(text, &end, 10) : 0;
-    if (!end || end == text || *end || errno || value < low || value > high)
-        return sp_fail(err, SP_EINVAL, "%s %.60s: must be an integer %lld .. %lld", option, text, (long long)low,
-                       (long long)high);
-    *out = value;
-    return SP_OK;
+/* Whether a list of words, separated by blanks, has this word. */
+static bool has_word(const char *words, const char *word, size_t length) {
+    for (; *words; words += strspn(words, " ")) {
+        const size_t n = strcspn(words, " ");
+        if (n == length && strncmp(words, word, n) == 0)
+            return true;
+        words += n;
+    }
+    return false;
+}
+
+/* Refuses an option that does not apply to the kind. */
+static sp_status check_option(const reading *r, const cli_option *o, const char *kind, sp_error *err) {
+    char list[200] = "";
+    size_t used = 0;
+    if (!o->kinds || has_word(o->kinds, kind, strlen(kind)))
+        return SP_OK;
+    for (const char *at = o->kinds; *at && used < sizeof list; at++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s", *at == ' ' ? " or " : (char[]){*at, '\0'});
+    return sp_fail(err, SP_EINVAL, "--%s: is no option of %s %s; only %s %s can use it", o->name, r->command, kind,
+                   r->command, list);
+}
+
+static sp_status check_kind(const reading *r, cli_common *common, sp_error *err) {
+    const cli_syntax *s = r->syntax;
+    char list[400];
+    if (common->files == 0)
+        return sp_fail(err, SP_EINVAL, "no %s: must be %s", s->kind_name, cli_list_words(s->kinds, list, sizeof list));
+    sp_status status = cli_choose(s->kind_name, common->file[0], s->kinds, &common->kind, err);
+    common->file++;
+    common->files--;
+    for (int k = 0; k < r->count && k < 64 && status == SP_OK; k++)
+        if (common->given >> k & 1)
+            status = check_option(r, r->option[k], s->kinds[common->kind], err);
+    return status;
+}
+
+static sp_status check_arguments(const reading *r, sp_error *err) {
+    const cli_syntax *s = r->syntax;
+    cli_common *common = r->arguments;
+    sp_status status = s->kinds ? check_kind(r, common, err) : SP_OK;
+    if (status == SP_OK && s->check && common->files >= s->files_min && common->files <= s->files_max)
+        return s->check(r->arguments, err);
+    if (status == SP_OK && common->files < s->files_min)
+        return sp_fail(err, SP_EINVAL, "no file: must be a %s", s->file_name);
+    if (status == SP_OK && common->files > s->files_max && s->files_max == 0)
+        return sp_fail(err, SP_EINVAL, "%.200s: this command takes no file", common->file[0]);
+    if (status == SP_OK && common->files > s->files_max)
+        return sp_fail(err, SP_EINVAL, "%.200s: one %s only", common->file[s->files_max], s->file_name);
+    return status;
+}
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    reading *r = state->input;
+    cli_common *common = r->arguments;
+    sp_error err = {0};
+    sp_status status = SP_OK;
+    const int found = find_option(r, key);
+    if (found >= 0) {
+        common->given |= UINT64_C(1) << found;
+        status = set_option(r->option[found], r->arguments, text, &err);
+    } else if (key == ARGP_KEY_ARGS) {
+        common->file = state->argv + state->next;
+        common->files = state->argc - state->next;
+    } else if (key == ARGP_KEY_END) {
+        status = check_arguments(r, &err);
+    } else {
+        return ARGP_ERR_UNKNOWN;
+    }
+    if (status != SP_OK)
+        argp_error(state, "%s", err.text);
+    return 0;
+}
+
+void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments) {
+    cli_common *common = arguments;
+    reading r = {.syntax = syntax, .command = argv[0] + strlen("sonopack "), .arguments = arguments};
+    add_options(&r, syntax->options, 0);
+    if (syntax->springs)
+        add_options(&r, springs_options, 50);
+    add_options(&r, common_options, 90);
+    common->threshold = -1;
+    if (common->threads == 0)
+        common->threads = cores();
+    const struct argp argp = {r.argp, parse, syntax->usage, syntax->help, NULL, NULL, NULL};
+    argp_parse(&argp, argc, argv, 0, NULL, &r);
+}
+
+bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *name) {
+    int k = 0;
+    for (const cli_option *o = syntax->options; o->name || o->help; o++) {
+        if (o->name && strcmp(o->name, name) == 0)
+            return common->given >> k & 1;
+        k += o->name != NULL;
+    }
+    return false;
 }
 
 sp_status cli_scene_of_sets(const cli_common *common, const char *groups, sp_scene *out, sp_error *err) {
-    for (int k = 0; k < common->sets; k++) {
-        const char *key = common->set[k], *dot = strchr(key, '.');
-        const size_t length = dot ? (size_t)(dot - key) : strlen(key);
-        bool known = false;
-        for (const char *at = groups; *at;) {
-            const size_t n = strcspn(at, " ");
-            known = known || (n == length && strncmp(at, key, n) == 0);
-            at += n + strspn(at + n, " ");
-        }
-        if (!known)
-            return sp_fail(err, SP_EINVAL, "--set %.60s: must be a key of %s, no other is used here", key, groups);
-    }
-    return sp_scene_read(NULL, common->sets, common->set, out, err);
+    for (int k = 0; k < common->sets; k++)
+        if (!has_word(groups, common->set[k], strcspn(common->set[k], ".")))
+            return sp_fail(err, SP_EINVAL, "--set %.60s: this command takes only keys of the group %s", common->set[k],
+                           groups);
+    sp_status status = sp_scene_read(NULL, common->sets, common->set, out, err);
+    if (status == SP_OK && common->threshold >= 0)
+        out->network.threshold = common->threshold;
+    if (status == SP_OK && common->prestress)
+        out->network.prestress = true;
+    return status;
 }

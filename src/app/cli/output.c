@@ -1,4 +1,4 @@
-/* Results: tables on stdout or in files, and which files may be replaced. */
+/* Writes tables to stdout or to files, and decides which files may be replaced. */
 #include "cli/output.h"
 
 #include "base/base.h"
@@ -7,6 +7,7 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,7 +50,7 @@ static file_kind kind_by_ending(const char *path) {
     return KIND_UNKNOWN;
 }
 
-/* head[size] is 0. */
+/* head[size] must be 0. */
 static file_kind kind_by_content(const char *head, size_t size) {
     static const struct {
         const char *magic;
@@ -69,7 +70,7 @@ static file_kind kind_by_content(const char *head, size_t size) {
     return c == '<' ? KIND_MARKUP : c == '{' || c == '[' ? KIND_JSON : KIND_TEXT;
 }
 
-/* Whether what lies under the name is of the kind that the name promises. */
+/* Checks that an existing file is of the kind that its name says. */
 static sp_status check_kind(const char *path, file_kind kind, sp_error *err) {
     char head[4096];
     FILE *file = fopen(path, "rb");
@@ -82,9 +83,9 @@ static sp_status check_kind(const char *path, file_kind kind, sp_error *err) {
     if (failed)
         return sp_fail(err, SP_EIO, "%s: cannot be read", path);
     if (size > 0 && kind_by_content(head, size) != kind)
-        return sp_fail(
-            err, SP_EINVAL,
-            "%s: is a file of another kind than its ending says, which is never replaced: choose another name", path);
+        return sp_fail(err, SP_EINVAL,
+                       "%s: is a file of another kind than its ending says, and is not replaced: choose another name",
+                       path);
     return SP_OK;
 }
 
@@ -92,23 +93,23 @@ sp_status cli_may_write(const cli_common *common, const char *path, sp_error *er
     file_kind kind = kind_by_ending(path);
     struct stat info;
     if (path[0] == '\0')
-        return sp_fail(err, SP_EINVAL, "-o: an empty name: must be a file");
+        return sp_fail(err, SP_EINVAL, "-o: the file name is empty");
     const bool exists = stat(path, &info) == 0;
     if (exists && S_ISDIR(info.st_mode))
-        return sp_fail(err, SP_EINVAL, "%s: is a folder: must be a file", path);
+        return sp_fail(err, SP_EINVAL, "%s: is a folder, must be a file", path);
     if (exists && !S_ISREG(info.st_mode))
-        return SP_OK; /* a device or a pipe: nothing is replaced */
+        return SP_OK; /* a device or a pipe */
     if (kind == KIND_UNKNOWN && common->format_given)
         kind = common->format == SP_JSON ? KIND_JSON : KIND_TEXT;
     if (kind == KIND_UNKNOWN)
         return sp_fail(err, SP_EINVAL,
-                       "%s: ending \"%s\" says no format: must be .tsv, .csv or .json for a table, .h5 or .txt for a "
-                       "packing, .svg, .png or .pdf for a figure",
+                       "%s: unknown ending \"%s\": must be .tsv, .csv or .json for a table, .h5 or .txt for a packing, "
+                       ".svg, .png or .pdf for a figure",
                        path, ending_of(path));
     if (exists) {
         sp_status status = check_kind(path, kind, err);
         if (status == SP_OK && !common->force)
-            status = sp_fail(err, SP_EINVAL, "%s: exists already: must be a new name, or give --force", path);
+            status = sp_fail(err, SP_EINVAL, "%s: exists already: choose another name, or use --force", path);
         if (status != SP_OK)
             return status;
     }
@@ -116,7 +117,8 @@ sp_status cli_may_write(const cli_common *common, const char *path, sp_error *er
     const char *slash = strrchr(path, '/');
     const int length = slash ? (int)(slash - path) + 1 : 1;
     if (length >= SP_PATH_MAX)
-        return sp_fail(err, SP_EINVAL, "-o: a name of %zu bytes: must be below %d", strlen(path), SP_PATH_MAX);
+        return sp_fail(err, SP_EINVAL, "-o: the file name has %zu bytes, must have fewer than %d", strlen(path),
+                       SP_PATH_MAX);
     snprintf(folder, sizeof folder, "%.*s", length, slash ? path : ".");
     return sp_folder_probe(folder, err);
 }
@@ -139,13 +141,13 @@ static sp_status table_format(const cli_common *common, sp_table_format *out, sp
         if (!cli_has_ending(common->output, names[k]))
             continue;
         if (common->format_given && common->format != (sp_table_format)k)
-            return sp_fail(err, SP_EINVAL, "-o %s: its ending is not the %s of --format", common->output,
+            return sp_fail(err, SP_EINVAL, "-o %s: --format asks for the ending %s", common->output,
                            names[common->format]);
         *out = (sp_table_format)k;
         return SP_OK;
     }
     if (kind_by_ending(common->output) != KIND_UNKNOWN || !common->format_given)
-        return sp_fail(err, SP_EINVAL, "-o %s: a table's ending must be .tsv, .csv or .json", common->output);
+        return sp_fail(err, SP_EINVAL, "-o %s: the ending of a table must be .tsv, .csv or .json", common->output);
     return SP_OK;
 }
 
@@ -155,7 +157,7 @@ sp_status cli_may_write_table(const cli_common *common, sp_error *err) {
     return status == SP_OK && common->output ? cli_may_write(common, common->output, err) : status;
 }
 
-static bool output_failed; /* reported already */
+static bool output_failed; /* and the failure has been reported */
 
 sp_status cli_print(const char *text, sp_error *err) {
     const size_t size = strlen(text);
@@ -193,14 +195,25 @@ void cli_close_stdout(void) {
     _exit(CLI_FAILED);
 }
 
-sp_status cli_add_number(sp_table *t, const char *key, double value, sp_error *err) {
-    char number[SP_NUMBER_TEXT];
-    return sp_table_add_comment(t, err, "%s = %s", key, sp_number_text(value, number));
+void cli_columns(cli_writer *w, sp_cell_kind kind, ...) {
+    va_list list;
+    va_start(list, kind);
+    for (const char *name; w->status == SP_OK && (name = va_arg(list, const char *)) != NULL;)
+        w->status = sp_table_add_column(w->table, name, va_arg(list, const char *), kind, w->err);
+    va_end(list);
 }
 
-sp_status cli_add_columns(sp_table *t, const char *const *names, sp_error *err) {
-    sp_status status = SP_OK;
-    for (; *names && status == SP_OK; names += 2)
-        status = sp_table_add_column(t, names[0], names[1], SP_CELL_NUMBER, err);
-    return status;
+void cli_comment(cli_writer *w, const char *format, ...) {
+    char line[2048]; /* as sp_table_add_comment has */
+    va_list list;
+    va_start(list, format);
+    vsnprintf(line, sizeof line, format, list);
+    va_end(list);
+    if (w->status == SP_OK)
+        w->status = sp_table_add_comment(w->table, w->err, "%s", line);
+}
+
+void cli_value(cli_writer *w, const char *key, double value) {
+    char number[SP_NUMBER_TEXT];
+    cli_comment(w, "%s = %s", key, sp_number_text(value, number));
 }

@@ -1,16 +1,16 @@
 #ifndef SP_CLI_OUTPUT_H
 #define SP_CLI_OUTPUT_H
-/* Output that main and single commands need beside cli.h. */
+/* Output functions that only a few commands need. */
 
 #include "cli/cli.h"
 
-/* Whether the name ends so (".h5"), in small or capital letters. */
+/* Whether a file name has this ending, as in ".h5". Upper case and lower case are the same. */
 bool cli_has_ending(const char *path, const char *ending);
-/* The packing that packing.file names; the scene takes over what follows from it. */
+/* Reads the packing that packing.file names, and sets what the scene takes from it. */
 sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err);
-/* Text on stdout, all of it or SP_EIO. */
+/* Prints text on stdout. */
 sp_status cli_print(const char *text, sp_error *err);
-/* For atexit: a full disk or a closed pipe behind stdout makes the exit status CLI_FAILED, with a reason. */
+/* Closes stdout, for atexit: after a write error it prints the reason and exits with CLI_FAILED. */
 void cli_close_stdout(void);
 
 #endif

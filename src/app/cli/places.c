@@ -1,3 +1,4 @@
+/* Reads and writes the places of sources and detectors. */
 #include "cli/places.h"
 
 #include "base/base.h"
@@ -5,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const kinds[] = {[SP_PLACE_WALL] = "", /* has a name of its own for each wall */
+static const char *const kinds[] = {[SP_PLACE_WALL] = "", /* bottom or top */
                                     [SP_PLACE_PART] = "part",
                                     [SP_PLACE_GRAIN] = "grain",
                                     [SP_PLACE_PLANE] = "plane"};
@@ -14,52 +15,31 @@ enum { KINDS = sizeof kinds / sizeof *kinds, WORDS_MAX = 4 };
 
 static const char *wall_of(bool source) { return source ? "bottom" : "top"; }
 
-bool cli_component_of(const char *word, cli_component *out) {
-    const bool normal = strcmp(word, "normal") == 0, shear = strcmp(word, "shear") == 0;
-    if (normal || shear)
-        *out = shear ? COMPONENT_SHEAR : COMPONENT_NORMAL;
-    return normal || shear;
+const char *const cli_component_names[] = {"normal", "shear", NULL};
+
+static bool read_component(const char *word, cli_component *out) {
+    int shear;
+    if (cli_choose("", word, cli_component_names, &shear, NULL) != SP_OK)
+        return false;
+    *out = shear ? COMPONENT_SHEAR : COMPONENT_NORMAL;
+    return true;
 }
 
-static sp_status no_place(const cli_places *p, const char *option, const char *word, sp_error *err) {
+static sp_status wrong_place(const cli_places *p, const char *option, const char *word, sp_error *err) {
     return sp_fail(err, SP_EINVAL,
-                   "%s %.60s: must be %s, part:X0:X1%s or grain:I, and then :normal or :shear if wanted", option, word,
-                   wall_of(p->sources), p->sources ? "" : ", plane:Y");
-}
-
-static sp_status grow(cli_places *p, sp_error *err) {
-    if (p->n < p->capacity)
-        return SP_OK;
-    const size_t room = p->capacity > 0 ? 2 * (size_t)p->capacity : 8;
-    sp_place *at = sp_alloc(room, sizeof *at);
-    cli_component *component = sp_alloc(room, sizeof *component);
-    if (!at || !component) {
-        sp_free(at);
-        sp_free(component);
-        return sp_fail_memory(err, room * (sizeof *at + sizeof *component));
-    }
-    if (p->n > 0) {
-        memcpy(at, p->at, (size_t)p->n * sizeof *at);
-        memcpy(component, p->component, (size_t)p->n * sizeof *component);
-    }
-    sp_free(p->at);
-    sp_free(p->component);
-    p->at = at;
-    p->component = component;
-    p->capacity = (int32_t)room;
-    return SP_OK;
+                   "%s %.60s: must be %s, part:X0:X1%s or grain:I, optionally followed by :normal or :shear", option,
+                   word, wall_of(p->sources), p->sources ? "" : ", plane:Y");
 }
 
 static sp_status add(cli_places *p, sp_place at, cli_component component, sp_error *err) {
-    sp_status status = grow(p, err);
-    if (status == SP_OK) {
-        p->at[p->n] = at;
-        p->component[p->n++] = component;
-    }
-    return status;
+    if (p->n == CLI_PLACES_MAX)
+        return sp_fail(err, SP_EINVAL, "more than %d %s", CLI_PLACES_MAX, p->sources ? "sources" : "detectors");
+    p->at[p->n] = at;
+    p->component[p->n++] = component;
+    return SP_OK;
 }
 
-/* The numbers behind the kind. */
+/* Reads the numbers that follow the kind of a place. */
 static sp_status read_numbers(const char *option, char *const *word, sp_place *at, sp_error *err) {
     char what[60];
     int64_t grain = 0;
@@ -82,17 +62,17 @@ static sp_status read_numbers(const char *option, char *const *word, sp_place *a
 
 sp_status cli_places_add(cli_places *p, const char *option, const char *word, sp_error *err) {
     char copy[200], *words[WORDS_MAX] = {NULL}, *rest = copy;
-    cli_component component = COMPONENT_OPEN;
+    cli_component component = COMPONENT_DEFAULT;
     sp_place at = sp_place_wall();
     int count = 0;
     if (strlen(word) >= sizeof copy)
-        return no_place(p, option, word, err);
+        return wrong_place(p, option, word, err);
     strcpy(copy, word);
     while (rest && count < WORDS_MAX)
         words[count++] = strsep(&rest, ":");
     if (rest)
-        return no_place(p, option, word, err);
-    if (cli_component_of(words[count - 1], &component))
+        return wrong_place(p, option, word, err);
+    if (read_component(words[count - 1], &component))
         count--;
     if (count == 0 || (count == 1 && strcmp(words[0], wall_of(p->sources)) == 0))
         return add(p, at, component, err);
@@ -102,28 +82,22 @@ sp_status cli_places_add(cli_places *p, const char *option, const char *word, sp
             sp_status status = read_numbers(option, words + 1, &at, err);
             return status == SP_OK ? add(p, at, component, err) : status;
         }
-    return no_place(p, option, word, err);
+    return wrong_place(p, option, word, err);
 }
 
 sp_status cli_places_add_planes(cli_places *p, int64_t count, double height, sp_error *err) {
     sp_status status = SP_OK;
     for (int64_t k = 1; k <= count && status == SP_OK; k++)
         status = add(p, (sp_place){.kind = SP_PLACE_PLANE, .height = height * (double)k / (double)(count + 1)},
-                     COMPONENT_OPEN, err);
+                     COMPONENT_DEFAULT, err);
     return status;
 }
 
-sp_status cli_places_settle(cli_places *p, bool shear, sp_error *err) {
-    sp_status status = p->n == 0 ? add(p, sp_place_wall(), COMPONENT_OPEN, err) : SP_OK;
+sp_status cli_places_set_component(cli_places *p, bool shear, sp_error *err) {
+    sp_status status = p->n == 0 ? add(p, sp_place_wall(), COMPONENT_DEFAULT, err) : SP_OK;
     for (int32_t k = 0; k < p->n; k++)
-        p->at[k].shear = p->component[k] == COMPONENT_OPEN ? shear : p->component[k] == COMPONENT_SHEAR;
+        p->at[k].shear = p->component[k] == COMPONENT_DEFAULT ? shear : p->component[k] == COMPONENT_SHEAR;
     return status;
-}
-
-void cli_places_free(cli_places *p) {
-    sp_free(p->at);
-    sp_free(p->component);
-    *p = (cli_places){.sources = p->sources};
 }
 
 char *cli_place_text(const sp_place *at, bool source, char text[CLI_PLACE_TEXT]) {

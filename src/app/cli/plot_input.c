@@ -1,3 +1,4 @@
+/* Reads tables and signals for figures. */
 #include "cli/plot_input.h"
 
 #include "base/base.h"
@@ -15,7 +16,7 @@
 
 /* ---- CSV -------------------------------------------------------------------------------------------------------- */
 
-/* Next cell of a line, in place; quotes as in RFC 4180. NULL behind the last. */
+/* The next cell of a line, unquoted in place as in RFC 4180; NULL after the last. */
 static char *csv_cell(char **at) {
     char *from = *at, *to = *at, *cell = *at;
     if (!from)
@@ -43,7 +44,7 @@ static bool csv_number(const char *cell, double *out) {
     return !*cell || (end > cell && end[strspn(end, " ")] == '\0');
 }
 
-/* Columns, and room for `rows` rows. */
+/* Adds the columns, and allocates `rows` rows. */
 static sp_status csv_header(const char *path, char *text, int64_t rows, sp_table *t, sp_error *err) {
     for (char *cell; (cell = csv_cell(&text)) != NULL;) {
         sp_status status = sp_table_add_column(t, cell, "", SP_CELL_NUMBER, err);
@@ -72,7 +73,7 @@ static sp_status csv_row(const char *path, int64_t line, char *text, sp_table *t
     return SP_OK;
 }
 
-/* Lines of a CSV file: comments behind '#', a header, rows. `lines` is their number. */
+/* Reads comments after '#', a header, and rows. */
 static sp_status csv_lines(const char *path, char *text, int64_t lines, sp_table *t, sp_error *err) {
     sp_status status = SP_OK;
     char *rest = text;
@@ -87,7 +88,7 @@ static sp_status csv_lines(const char *path, char *text, int64_t lines, sp_table
             status = csv_row(path, number, line, t, err);
     }
     if (status == SP_OK && t->columns == 0)
-        status = sp_fail(err, SP_EFORMAT, "%s: no table: no header", path);
+        status = sp_fail(err, SP_EFORMAT, "%s: is no table: it has no header", path);
     return status;
 }
 
@@ -169,7 +170,7 @@ static double positive_number(const sp_table *t, const char *key) {
     return sp_table_get_number(t, key, &value) && value > 0.0 ? value : 0.0;
 }
 
-/* The columns t and F, or the first two of numbers in a table that has neither nor is of another command. */
+/* Finds the columns t and F or F1, or the first two columns of numbers. A table with a column omega is no signal. */
 static sp_status find_columns(const char *path, const sp_table *t, int column[2], sp_error *err) {
     column[0] = sp_table_find_column(t, "t");
     column[1] = sp_table_find_column(t, "F");
@@ -199,7 +200,7 @@ int plot_count_signals(const sp_table *t, int first) {
     return n > 1 ? n - 1 : 1;
 }
 
-static sp_status column_signal(const sp_table *table, int time, int force, plot_signal *out, sp_error *err) {
+sp_status plot_column_signal(const sp_table *table, int time, int force, plot_signal *out, sp_error *err) {
     const int64_t n = table->rows;
     double *t = sp_alloc((size_t)n, 2 * sizeof *t);
     if (!t)
@@ -209,7 +210,7 @@ static sp_status column_signal(const sp_table *table, int time, int force, plot_
         t[n + k] = sp_table_number(table, k, force);
     }
     const double height = positive_number(table, "height"), pressure = positive_number(table, "pressure");
-    *out = (plot_signal){.n = n, .t = t, .f = t + n, .distance = NAN};
+    *out = (plot_signal){.n = n, .t = t, .f = t + n, .height = height > 0 ? height : NAN, .distance = NAN};
     out->window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
     out->foreign = strcmp(table->column[time].unit, "d/sqrt(E* / rho)") != 0;
     snprintf(out->t_unit, sizeof out->t_unit, "%s", table->column[time].unit);
@@ -273,7 +274,7 @@ static sp_status table_signals(const char *path, plot_signals *out, sp_error *er
     if (status == SP_OK)
         status = begin_signals(plot_count_signals(&table, column[1]), out, err);
     for (int k = 0; status == SP_OK && k < out->n; k++) {
-        status = column_signal(&table, column[0], column[1] + k, &out->signal[k], err);
+        status = plot_column_signal(&table, column[0], column[1] + k, &out->signal[k], err);
         if (status == SP_OK)
             name_signal(&table, k, out->n > 1, &out->signal[k]);
     }

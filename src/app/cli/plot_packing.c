@@ -1,12 +1,13 @@
+/* Draws histograms of contacts and snapshots of the motion in packings. */
 #include "cli/plot_packing.h"
 
 #include "base/base.h"
+#include "cli/files.h"
 #include "cli/plot_input.h"
-#include "cli/springs.h"
 
 #include <math.h>
 
-#define MARGIN 3.0 /* of the bulk from both walls [d] */
+#define MARGIN 3.0 /* distance of the bulk from both walls [d] */
 
 /* ---- contacts --------------------------------------------------------------------------------------------------- */
 
@@ -27,7 +28,7 @@ static sp_status count_files(const cli_common *common, const sp_scene *scene, in
         if (files > 1)
             cli_progress(common, "packings", (k + 1.0) / files, NAN);
     }
-    cli_progress_end(common);
+    cli_progress_end();
     return status;
 }
 
@@ -68,7 +69,7 @@ sp_status plot_snapshot_file(const cli_common *common, const sp_scene *scene, co
     u = sp_alloc((size_t)sp_network_dofs(&net), sizeof *u);
     status = u ? SP_OK : sp_fail_memory(err, (size_t)sp_network_dofs(&net) * sizeof *u);
     if (status == SP_OK && p.dim == 3)
-        status = sp_fail(err, SP_EREFUSED, "a packing in 3 dimensions has no flat picture: must be in 1 or 2");
+        status = sp_fail(err, SP_EREFUSED, "only packings in one or two dimensions can be drawn");
     const sp_field_options spec = {.source = scene->signal.source, .times = 1, .t = &t, .threads = common->threads};
     if (status == SP_OK)
         status = sp_signal_field(&net, &spec, u, &error, err);

@@ -1,3 +1,4 @@
+/* Draws spectra, dispersion relations and modes. */
 #include "cli/plot_spectrum.h"
 
 #include "base/base.h"
@@ -8,60 +9,47 @@
 #include <math.h>
 #include <string.h>
 
-/* The table that `sonopack spectrum' would print. */
-static sp_status packing_table(const char *path, const sp_scene *scene, bool waves, sp_table *t, sp_error *err) {
+/* Makes the table that `sonopack spectrum' would print. */
+static sp_status packing_table(const char *path, const sp_scene *scene, bool dispersion, sp_table *t, sp_error *err) {
     const spectrum_arguments a = spectrum_arguments_default();
-    sp_packing p = sp_packing_none();
-    sp_network net = sp_network_none();
-    sp_status status = cli_read_network(path, &scene->network, &p, &net, err);
-    if (status == SP_EINVAL || status == SP_EREFUSED)
-        status = err->status = SP_EFORMAT; /* the fault of the file, which is named */
-    if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "spectrum = %s", waves ? "dispersion" : "dos");
-    if (status == SP_OK)
-        status = waves ? spectrum_dispersion(&a, &p, &net, t, err) : spectrum_dos(&a, &p, &net, t, err);
-    sp_network_free(&net);
-    sp_packing_free(&p);
-    return status;
+    cli_file file = {.path = path, .scene = scene};
+    cli_writer w = {.table = t, .err = err};
+    w.status = cli_read_network(path, &scene->network, &file.packing, &file.network, err);
+    if (w.status == SP_EINVAL || w.status == SP_EREFUSED)
+        w.status = err->status = SP_EFORMAT; /* the fault of the file, which is named */
+    cli_comment(&w, "spectrum = %s", dispersion ? "dispersion" : "dos");
+    if (w.status == SP_OK)
+        w.status = dispersion ? spectrum_dispersion(&a, &file, t, err) : spectrum_dos(&a, &file, t, err);
+    sp_network_free(&file.network);
+    sp_packing_free(&file.packing);
+    return w.status;
 }
 
-sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, const plot_spectra *want,
+sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, const plot_spectra *spectra,
                               sp_error *err) {
-    const int files = want->files;
-    char **file = want->file;
-    sp_table *table = sp_alloc((size_t)files, sizeof *table);
-    sp_plot_table *shown = sp_alloc((size_t)files, sizeof *shown);
-    char(*name)[PLOT_NAME] = sp_alloc((size_t)files, sizeof *name);
-    sp_status status = table && shown && name
-                           ? SP_OK
-                           : sp_fail_memory(err, (size_t)files * (sizeof *table + sizeof *shown + sizeof *name));
-    for (int k = 0; k < files && status == SP_OK; k++) {
-        bool packing = false;
-        status = plot_is_packing(file[k], &packing, err);
+    plot_tables t;
+    bool packing = false;
+    sp_status status = plot_tables_alloc(spectra->files, spectra->file, &t, err);
+    for (int k = 0; k < t.files && status == SP_OK; k++) {
+        status = plot_is_packing(t.file[k], &packing, err);
         if (status == SP_OK)
-            status = packing ? packing_table(file[k], scene, want->waves, &table[k], err)
-                             : plot_read_table(file[k], &table[k], err);
-        shown[k] = (sp_plot_table){plot_name(file[k], name[k]), &table[k]};
+            status = packing ? packing_table(t.file[k], scene, spectra->dispersion, &t.table[k], err)
+                             : plot_read_table(t.file[k], &t.table[k], err);
     }
     if (status == SP_OK)
-        status = want->waves    ? sp_plot_dispersion(files, shown, common->output, err)
-                 : want->column ? sp_plot_harmonic(files, shown, want->column, common->output, err)
-                                : sp_plot_spectrum(files, shown, common->output, err);
-    for (int k = 0; k < files && table; k++)
-        sp_table_free(&table[k]);
-    sp_free(name);
-    sp_free(shown);
-    sp_free(table);
+        status = spectra->dispersion ? sp_plot_dispersion(t.files, t.shown, common->output, err)
+                 : spectra->column   ? sp_plot_harmonic(t.files, t.shown, spectra->column, common->output, err)
+                                     : sp_plot_spectrum(t.files, t.shown, common->output, err);
+    plot_tables_free(&t);
     return status;
 }
 
-/* Mass-weighted to displacements. */
+/* Converts a mass-weighted mode to displacements. */
 static sp_status mode_vector(const sp_network *net, const sp_modes *m, int64_t number, double *u, sp_error *err) {
     if (number >= m->n)
-        return sp_fail(err, SP_EINVAL, "--mode %lld: must be one of the modes, 0 .. %lld", (long long)number,
-                       (long long)m->n - 1);
+        return sp_fail(err, SP_EINVAL, "--mode %lld: must be in 0 .. %lld", (long long)number, (long long)m->n - 1);
     if (number < m->n_rattler)
-        return sp_fail(err, SP_EREFUSED, "mode %lld is a rattler's: must be %lld or more", (long long)number,
+        return sp_fail(err, SP_EREFUSED, "mode %lld belongs to a rattler: must be %lld or more", (long long)number,
                        (long long)m->n_rattler);
     const double *e = m->vectors + (number - m->n_rattler) * m->dofs;
     for (int64_t k = 0; k < m->dofs; k++)
@@ -69,7 +57,7 @@ static sp_status mode_vector(const sp_network *net, const sp_modes *m, int64_t n
     return SP_OK;
 }
 
-/* The modes up to the wanted one, or up to the first that is no zero mode. */
+/* Finds the modes up to this number, or up to the first that is not a zero mode if it is negative. */
 static sp_status find_modes(const sp_network *net, int64_t number, sp_modes *m, sp_error *err) {
     enum { FEW = 8 };
     const sp_modes_options o = sp_modes_options_default();
@@ -85,7 +73,7 @@ static sp_status find_modes(const sp_network *net, int64_t number, sp_modes *m, 
             break;
     }
     if (status == SP_OK && number < 0 && m->n == m->n_zero)
-        status = sp_fail(err, SP_EREFUSED, "there is no mode but zero modes");
+        status = sp_fail(err, SP_EREFUSED, "there are only zero modes");
     return status;
 }
 
@@ -101,7 +89,7 @@ sp_status plot_mode_file(const cli_common *common, const sp_scene *scene, const 
     u = sp_alloc((size_t)sp_network_dofs(&net), sizeof *u);
     status = u ? SP_OK : sp_fail_memory(err, (size_t)sp_network_dofs(&net) * sizeof *u);
     if (status == SP_OK && p.dim == 3)
-        status = sp_fail(err, SP_EREFUSED, "a packing in 3 dimensions has no flat picture: must be in 1 or 2");
+        status = sp_fail(err, SP_EREFUSED, "only packings in one or two dimensions can be drawn");
     if (status == SP_OK)
         status = find_modes(&net, number, &m, err);
     const int64_t mode = number >= 0 ? number : m.n_zero;

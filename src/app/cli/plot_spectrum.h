@@ -4,16 +4,16 @@
 
 #include "cli/cli.h"
 
-/* Tables of `sonopack spectrum', or packings: their density of states, or the dispersion of their waves. column: of a
- * harmonic response, or NULL. */
+/* Tables of `sonopack spectrum', or packings, of which the density of states or the dispersion is computed. */
 typedef struct plot_spectra {
-    bool waves;
-    const char *column;
+    bool dispersion;    /* else spectra */
+    const char *column; /* of a harmonic response; NULL: the force */
     int files;
     char **file;
 } plot_spectra;
-sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, const plot_spectra *want, sp_error *err);
-/* A mode of a packing by its number among all modes; < 0: the first that is no zero mode. */
+sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, const plot_spectra *spectra,
+                              sp_error *err);
+/* One mode of a packing, by its number among all modes; < 0: the first that is not a zero mode. */
 sp_status plot_mode_file(const cli_common *common, const sp_scene *scene, const char *path, int64_t number,
                          sp_error *err);
 

@@ -1,3 +1,4 @@
+/* Draws tables of fronts, ensembles, modes, waves and the tapped column. */
 #include "cli/plot_tables.h"
 
 #include "base/base.h"
@@ -7,14 +8,14 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *plot_name(const char *path, char out[PLOT_NAME]) {
+static const char *plot_name(const char *path, char out[PLOT_NAME]) {
     const char *slash = strrchr(path, '/'), *name = slash && slash[1] ? slash + 1 : path, *dot = strrchr(name, '.');
     const size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
     snprintf(out, PLOT_NAME, "%.*s", (int)(length < PLOT_NAME ? length : PLOT_NAME - 1), name);
     return out;
 }
 
-/* The signal for the inset, with its front. */
+/* Draws fronts with an inset: the signal of a sample, with its front. */
 static sp_status draw_with_sample(const cli_common *common, const sp_scene *scene, const char *sample, int files,
                                   const sp_plot_table *shown, sp_error *err) {
     plot_signals read = {0};
@@ -50,35 +51,18 @@ static sp_status draw(const cli_common *common, plot_tables_kind kind, int files
     return SP_EINVAL;
 }
 
-/* Tables of files, with the names that they have in a legend. */
-typedef struct tables {
-    int files;
-    sp_table *table;
-    sp_plot_table *shown;
-    char (*name)[PLOT_NAME];
-} tables;
-
-static sp_status read_tables(int files, char **file, tables *out, sp_error *err) {
-    *out = (tables){.files = files, .table = sp_alloc((size_t)files, sizeof *out->table)};
+sp_status plot_tables_alloc(int files, char **file, plot_tables *out, sp_error *err) {
+    *out = (plot_tables){.files = files, .file = file, .table = sp_alloc((size_t)files, sizeof *out->table)};
     out->shown = sp_alloc((size_t)files, sizeof *out->shown);
     out->name = sp_alloc((size_t)files, sizeof *out->name);
     if (!out->table || !out->shown || !out->name)
-        return sp_fail_memory(err, (size_t)files * sizeof *out->table);
-    sp_status status = SP_OK;
-    bool packing = false;
-    for (int k = 0; k < files && status == SP_OK; k++) {
-        status = plot_is_packing(file[k], &packing, err);
-        if (status == SP_OK && packing)
-            status = sp_fail(err, SP_EFORMAT, "%s: a packing, must be a table", file[k]);
-        if (status == SP_OK)
-            status = plot_read_table(file[k], &out->table[k], err);
-        if (status == SP_OK)
-            out->shown[k] = (sp_plot_table){plot_name(file[k], out->name[k]), &out->table[k]};
-    }
-    return status;
+        return sp_fail_memory(err, (size_t)files * (sizeof *out->table + sizeof *out->shown + sizeof *out->name));
+    for (int k = 0; k < files; k++)
+        out->shown[k] = (sp_plot_table){plot_name(file[k], out->name[k]), &out->table[k]};
+    return SP_OK;
 }
 
-static void free_tables(tables *t) {
+void plot_tables_free(plot_tables *t) {
     for (int k = 0; k < t->files && t->table; k++)
         sp_table_free(&t->table[k]);
     sp_free(t->table);
@@ -86,23 +70,36 @@ static void free_tables(tables *t) {
     sp_free(t->name);
 }
 
+static sp_status read_tables(int files, char **file, plot_tables *out, sp_error *err) {
+    bool packing = false;
+    sp_status status = plot_tables_alloc(files, file, out, err);
+    for (int k = 0; k < files && status == SP_OK; k++) {
+        status = plot_is_packing(file[k], &packing, err);
+        if (status == SP_OK && packing)
+            status = sp_fail(err, SP_EFORMAT, "%s: is a packing, must be a table", file[k]);
+        if (status == SP_OK)
+            status = plot_read_table(file[k], &out->table[k], err);
+    }
+    return status;
+}
+
 sp_status plot_tables_files(const cli_common *common, const sp_scene *scene, plot_tables_kind kind, const char *sample,
                             int files, char **file, sp_error *err) {
-    tables t;
+    plot_tables t;
     sp_status status = read_tables(files, file, &t, err);
     if (status == SP_OK)
         status = sample ? draw_with_sample(common, scene, sample, files, t.shown, err)
                         : draw(common, kind, files, t.shown, err);
-    free_tables(&t);
+    plot_tables_free(&t);
     return status;
 }
 
 sp_status plot_column_files(const cli_common *common, const sp_plot_column_options *options, int files, char **file,
                             sp_error *err) {
-    tables t;
+    plot_tables t;
     sp_status status = read_tables(files, file, &t, err);
     if (status == SP_OK)
         status = sp_plot_column(files, t.shown, options, common->output, err);
-    free_tables(&t);
+    plot_tables_free(&t);
     return status;
 }

@@ -1,3 +1,4 @@
+/* Reads pulses from the command line and from files. */
 #include "cli/pulse.h"
 
 #include "base/base.h"
@@ -16,26 +17,26 @@ static const struct {
              {"square", SP_PULSE_SQUARE, 1}};
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
-static sp_status no_pulse(const char *word, sp_error *err) {
+static sp_status wrong_pulse(const char *word, sp_error *err) {
     return sp_fail(err, SP_EINVAL, "--pulse %.60s: must be " CLI_PULSES, word);
 }
 
-/* Numbers behind colons, as many as the kind has. */
+/* Reads `count` numbers, each after a colon. */
 static sp_status numbers(const char *word, const char *at, int count, double *value, sp_error *err) {
     for (int k = 0; k < count; k++) {
         char text[64];
         if (*at != ':')
-            return no_pulse(word, err);
+            return wrong_pulse(word, err);
         const size_t length = strcspn(++at, ":");
         if (length == 0 || length >= sizeof text)
-            return no_pulse(word, err);
+            return wrong_pulse(word, err);
         memcpy(text, at, length);
         text[length] = '\0';
         if (cli_number("--pulse", text, 1e-9, 1e9, &value[k], err) != SP_OK)
             return err->status;
         at += length;
     }
-    return *at ? no_pulse(word, err) : SP_OK;
+    return *at ? wrong_pulse(word, err) : SP_OK;
 }
 
 sp_status cli_pulse_parse(const char *word, cli_pulse *out, sp_error *err) {
@@ -58,7 +59,7 @@ sp_status cli_pulse_parse(const char *word, cli_pulse *out, sp_error *err) {
         out->pulse.cycles = value[1];
         return SP_OK;
     }
-    return no_pulse(word, err);
+    return wrong_pulse(word, err);
 }
 
 sp_status cli_pulse_open(cli_pulse *p, sp_error *err) {
@@ -70,7 +71,7 @@ sp_status cli_pulse_open(cli_pulse *p, sp_error *err) {
     if (status != SP_OK)
         return status;
     if (t.columns < 2 || t.column[0].kind == SP_CELL_TEXT || t.column[1].kind == SP_CELL_TEXT) {
-        status = sp_fail(err, SP_EFORMAT, "%s: no pulse: must be a table with columns of times and strengths", path);
+        status = sp_fail(err, SP_EFORMAT, "%s: is no pulse: must be a table with columns of times and strengths", path);
         goto out;
     }
     p->points = sp_alloc(2 * (size_t)t.rows, sizeof *p->points);

@@ -1,4 +1,4 @@
-/* Who has started this process, from the variables that launchers set. */
+/* Finds out from the environment which launcher has started this process. */
 #include "cli/ranks.h"
 
 #include <stdlib.h>
@@ -9,8 +9,9 @@ static int number_of(const char *variable) {
     return text && cli_integer(variable, text, 1, INT32_MAX, &number, NULL) == SP_OK ? (int)number : 0;
 }
 
-cli_launch cli_launch_look(void) {
-    /* mpirun of OpenMPI; of MPICH, Intel and srun --mpi=pmi2; of MVAPICH; steps of srun, last: the others say more */
+cli_launch cli_launch_of_environment(void) {
+    /* mpirun of OpenMPI; of MPICH and Intel, and srun --mpi=pmi2; of MVAPICH; srun, last because the others know more
+     */
     static const char *const sizes[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE",
                                         "SLURM_STEP_NUM_TASKS"};
     static const char *const marks[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "MV2_COMM_WORLD_SIZE",

@@ -1,7 +1,9 @@
-/* Ranks of an MPI job. All of MPI happens in one thread of each process, which asks for what has come instead of
- * waiting in MPI for it: so workers never wait for a sample that is being made, rank 0 answers wherever it is in its
- * own work, and ranks that wait for the last one sleep. MPI's weakest level of threads does, and messages that each
- * transport has; windows with atomic operations need the one that owns them to help on many networks. */
+/* Shares a study among the ranks of an MPI job.
+ *
+ * A thread of each process makes all MPI calls, and polls for messages instead of waiting for them. So a worker never
+ * waits for a sample that another one computes, rank 0 answers while it computes samples itself, and ranks that wait
+ * for the last sample sleep. This needs only MPI_THREAD_FUNNELED and plain messages; one-sided operations would need
+ * the progress of the target process on many networks. */
 #include "cli/ranks.h"
 
 #include "base/base.h"
@@ -17,18 +19,18 @@
 #include <time.h>
 #include <unistd.h>
 
-/* To rank 0. */
-typedef enum ask { ASK_NUMBER = 1, ASK_NOTHING, ASK_JOIN, ASK_END } ask;
-typedef struct question {
-    ask kind;
+/* From another rank to rank 0: asks for a sample, reports progress, has no more samples, or is about to exit. */
+typedef enum request_kind { REQUEST_NUMBER = 1, REPORT_PROGRESS, REPORT_JOINED, REPORT_END } request_kind;
+typedef struct request {
+    request_kind kind;
     bool stop;
     sp_status status;
-    uint64_t study; /* hash of what it makes */
+    uint64_t study; /* hash of what it computes */
     sp_study_progress progress;
     char reason[512];
-} question;
+} request;
 
-/* From rank 0. */
+/* From rank 0 to another rank. */
 typedef enum answer_kind { ANSWER_NUMBER = 1, ANSWER_STOP, ANSWER_LEAVE } answer_kind;
 typedef struct answer {
     answer_kind kind;
@@ -36,9 +38,9 @@ typedef struct answer {
     int64_t number;
 } answer;
 
-/* Another rank, as rank 0 knows it. */
+/* What rank 0 knows of another rank. */
 typedef struct other {
-    bool waits; /* for a number */
+    bool waits; /* for the number of a sample */
     bool joined, ended;
     uint64_t study;
     sp_status status;
@@ -48,15 +50,15 @@ typedef struct other {
 
 static struct {
     pthread_t thread;
-    pthread_mutex_t lock;   /* of all below */
-    pthread_cond_t changed; /* for those who wait for the others */
-    pthread_cond_t wake;    /* there is something to be sent */
-    bool up, over;          /* MPI has begun; nothing is to be sent any more */
+    pthread_mutex_t lock;   /* of all members below */
+    pthread_cond_t changed; /* signalled when a message has changed something */
+    pthread_cond_t wake;    /* signalled when there is something to send */
+    bool up, over;          /* MPI has started; the thread is to end */
     int rank, size;
     pid_t launcher;
     /* this rank */
-    uint64_t study; /* 0: not known yet */
-    bool tell[ASK_END + 1];
+    uint64_t study;               /* 0: not known yet */
+    bool pending[REPORT_END + 1]; /* requests to be sent */
     bool waits, stop, leaves;
     int64_t number;
     int exit_status;
@@ -64,23 +66,23 @@ static struct {
     sp_study_progress progress;
     char reason[512];
     /* rank 0 */
-    bool stop_told;
+    bool stop_sent;
     int64_t next;
     other *other; /* [size] */
 } ranks = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
-static const double settle = 2e-3; /* seconds of quick looks after something has come */
+static const double busy_time = 2e-3; /* for so long after a message, the thread polls quickly [s] */
 
-static void ask_zero(ask kind) {
-    question q = {
+static void send_request(request_kind kind) {
+    request q = {
         .kind = kind, .stop = ranks.stop, .status = ranks.status, .study = ranks.study, .progress = ranks.progress};
     snprintf(q.reason, sizeof q.reason, "%s", ranks.reason);
     MPI_Send(&q, (int)sizeof q, MPI_BYTE, 0, 0, MPI_COMM_WORLD);
 }
 
-static void answer_to(int rank, answer a) { MPI_Send(&a, (int)sizeof a, MPI_BYTE, rank, 0, MPI_COMM_WORLD); }
+static void send_answer(int rank, answer a) { MPI_Send(&a, (int)sizeof a, MPI_BYTE, rank, 0, MPI_COMM_WORLD); }
 
-/* One message, if there is one. */
+/* Receives one message, if there is one. */
 static bool receive(void *message, size_t size, int *from) {
     MPI_Status status;
     int there = 0;
@@ -92,42 +94,42 @@ static bool receive(void *message, size_t size, int *from) {
     return there;
 }
 
-/* Rank 0 hears another one. */
-static void hear(int from, const question *q) {
+/* Rank 0: handles a request. */
+static void handle(int from, const request *q) {
     other *o = &ranks.other[from];
     o->study = q->study;
     o->progress = q->progress;
-    o->waits = o->waits || q->kind == ASK_NUMBER;
-    if (q->kind == ASK_JOIN)
+    o->waits = o->waits || q->kind == REQUEST_NUMBER;
+    if (q->kind == REPORT_JOINED)
         o->joined = true;
-    if (q->kind == ASK_JOIN && o->status == SP_OK) { /* else it has been stopped for making something else */
+    if (q->kind == REPORT_JOINED && o->status == SP_OK) { /* else it was stopped because it computes another study */
         o->status = q->status;
         memcpy(o->reason, q->reason, sizeof o->reason);
     }
-    if (q->kind == ASK_END)
+    if (q->kind == REPORT_END)
         o->joined = o->ended = true;
     if (q->stop || o->status != SP_OK)
         ranks.stop = true;
 }
 
-/* A rank that makes something else would take numbers that nobody makes. */
-static void compare(int rank) {
+/* Stops if a rank computes another study: it would take numbers whose samples nobody computes here. */
+static void compare_study(int rank) {
     other *o = &ranks.other[rank];
     if (ranks.stop || o->study == ranks.study)
         return;
     o->status = SP_EINVAL;
     snprintf(o->reason, sizeof o->reason,
-             "was started with another scene, store or --shard than rank 0: all ranks must make the same study");
+             "has another scene, store or --shard than rank 0: all ranks must be started with the same study");
     ranks.stop = true;
 }
 
-/* Rank 0: hears all, answers, and says when to stop and to leave. */
-static bool lead(void) {
-    question q;
+/* Rank 0: receives and answers requests, and tells the others when to stop and when to exit. */
+static bool run_rank_zero(void) {
+    request q;
     int from;
     bool came = false, ended = true;
     while (receive(&q, sizeof q, &from)) {
-        hear(from, &q);
+        handle(from, &q);
         came = true;
     }
     for (int k = 1; k < ranks.size; k++) {
@@ -135,33 +137,33 @@ static bool lead(void) {
         ended = ended && o->ended;
         if (!o->waits || (!ranks.study && !ranks.stop))
             continue;
-        compare(k);
-        answer_to(k, (answer){.kind = ANSWER_NUMBER, .number = ranks.stop ? -1 : ranks.next++});
+        compare_study(k);
+        send_answer(k, (answer){.kind = ANSWER_NUMBER, .number = ranks.stop ? -1 : ranks.next++});
         o->waits = false;
     }
-    if (ranks.stop && !ranks.stop_told) {
-        ranks.stop_told = true;
+    if (ranks.stop && !ranks.stop_sent) {
+        ranks.stop_sent = true;
         for (int k = 1; k < ranks.size; k++)
             if (!ranks.other[k].ended)
-                answer_to(k, (answer){.kind = ANSWER_STOP});
+                send_answer(k, (answer){.kind = ANSWER_STOP});
     }
     if (ranks.leaves && ended) {
         for (int k = 1; k < ranks.size; k++)
-            answer_to(k, (answer){.kind = ANSWER_LEAVE, .exit_status = ranks.exit_status});
+            send_answer(k, (answer){.kind = ANSWER_LEAVE, .exit_status = ranks.exit_status});
         ranks.over = true;
     }
     return came;
 }
 
-/* Other ranks: say what there is to say, and hear rank 0. */
-static bool follow(void) {
+/* Other ranks: send pending requests, and receive answers. */
+static bool run_other_rank(void) {
     answer a;
     int from;
     bool came = false;
-    for (ask kind = ASK_NUMBER; kind <= ASK_END; kind++) {
-        if (ranks.tell[kind])
-            ask_zero(kind);
-        ranks.tell[kind] = false;
+    for (request_kind kind = REQUEST_NUMBER; kind <= REPORT_END; kind++) {
+        if (ranks.pending[kind])
+            send_request(kind);
+        ranks.pending[kind] = false;
     }
     while (receive(&a, sizeof a, &from)) {
         came = true;
@@ -187,7 +189,8 @@ static void wait_for(pthread_cond_t *condition, double seconds) {
     pthread_cond_timedwait(condition, &ranks.lock, &until);
 }
 
-/* The thread of MPI. Rank 0 looks often, since others wait for it; these hear nothing unasked but to stop. */
+/* The thread that makes all MPI calls. Rank 0 polls often, because others wait for it; the others receive nothing
+ * unasked except a stop. */
 static void *serve(void *nothing) {
     int level;
     (void)nothing;
@@ -206,14 +209,14 @@ static void *serve(void *nothing) {
     while (!ranks.over) {
         if (getppid() != ranks.launcher)
             ranks.stop = true;
-        const bool came = ranks.rank == 0 ? lead() : follow();
+        const bool came = ranks.rank == 0 ? run_rank_zero() : run_other_rank();
         if (came)
             last = sp_clock_wall();
         if (came || ranks.stop != stopped)
             pthread_cond_broadcast(&ranks.changed);
         stopped = ranks.stop;
         if (!ranks.over)
-            wait_for(&ranks.wake, sp_clock_wall() - last < settle ? 50e-6 : idle);
+            wait_for(&ranks.wake, sp_clock_wall() - last < busy_time ? 50e-6 : idle);
     }
     pthread_cond_broadcast(&ranks.changed);
     pthread_mutex_unlock(&ranks.lock);
@@ -221,13 +224,13 @@ static void *serve(void *nothing) {
     return NULL;
 }
 
-/* Workers call it one at a time. */
+/* The number of the next sample, or -1. Workers call it one at a time. */
 static int64_t take(void *nothing) {
     (void)nothing;
     pthread_mutex_lock(&ranks.lock);
     int64_t number = -1;
     if (ranks.rank > 0 && !ranks.stop) {
-        ranks.waits = ranks.tell[ASK_NUMBER] = true;
+        ranks.waits = ranks.pending[REQUEST_NUMBER] = true;
         pthread_cond_signal(&ranks.wake);
         while (ranks.waits && !ranks.stop)
             pthread_cond_wait(&ranks.changed, &ranks.lock);
@@ -241,7 +244,7 @@ static int64_t take(void *nothing) {
     return number;
 }
 
-/* For ends of the process elsewhere, as after a wrong option. */
+/* For exits elsewhere, such as after a wrong option. */
 static void leave(int status, void *nothing) {
     (void)nothing;
     cli_ranks_end(status);
@@ -249,7 +252,7 @@ static void leave(int status, void *nothing) {
 
 sp_status cli_ranks_start(cli_ranks *out, sp_error *err) {
     *out = (cli_ranks){.rank = 0, .size = 1};
-    if (!cli_launch_look().mpi)
+    if (!cli_launch_of_environment().mpi)
         return SP_OK;
     pthread_condattr_t attributes;
     pthread_condattr_init(&attributes);
@@ -258,7 +261,7 @@ sp_status cli_ranks_start(cli_ranks *out, sp_error *err) {
     pthread_cond_init(&ranks.wake, &attributes);
     pthread_condattr_destroy(&attributes);
     ranks.launcher = getppid();
-    sigset_t all, old; /* signals are for the caller's thread */
+    sigset_t all, old; /* the calling thread handles signals */
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &old);
     const bool started = pthread_create(&ranks.thread, NULL, serve, NULL) == 0;
@@ -275,13 +278,13 @@ sp_status cli_ranks_start(cli_ranks *out, sp_error *err) {
 }
 
 sp_status cli_ranks_check(const cli_ranks *group, int shards, sp_error *err) {
-    const cli_launch launch = cli_launch_look();
+    const cli_launch launch = cli_launch_of_environment();
     if (launch.processes <= 1 || group->size > 1 || shards > 1)
         return SP_OK;
     return sp_fail(
         err, SP_EINVAL,
-        "%d processes were started (%s) that MPI does not join, and each would print all tables: must be started "
-        "by mpirun, or srun --mpi=pmix, or each process told its --shard I/%d",
+        "%d processes were started (%s), but not as one MPI job, so that each would print all tables: start them "
+        "with mpirun or srun --mpi=pmix, or give each its --shard I/%d",
         launch.processes, launch.variable, launch.processes);
 }
 
@@ -291,7 +294,7 @@ void cli_ranks_begin(const char *what) {
     pthread_mutex_unlock(&ranks.lock);
 }
 
-/* Of all ranks together, from what they said last; on rank 0, under the lock. */
+/* The progress of all ranks, as of their last reports. On rank 0, with the lock held. */
 static sp_study_progress sum(void) {
     sp_study_progress all = ranks.progress;
     for (int k = 1; k < ranks.size; k++) {
@@ -313,7 +316,7 @@ bool cli_ranks_share(sp_study_progress *progress, bool stopped) {
     if (ranks.rank == 0)
         *progress = sum();
     else
-        ranks.tell[ASK_NOTHING] = true;
+        ranks.pending[REPORT_PROGRESS] = true;
     if (ranks.up)
         pthread_cond_signal(&ranks.wake);
     const bool go_on = !ranks.stop;
@@ -328,8 +331,8 @@ static bool all_joined(void) {
     return all;
 }
 
-/* What became of the study: this rank's failure before another's, a failure before an interruption. */
-static sp_status judge(sp_status status, const sp_study_progress *all, sp_error *err) {
+/* The status of the whole study: the failure of this rank, else of another one, else an interruption. */
+static sp_status overall(sp_status status, const sp_study_progress *all, sp_error *err) {
     bool stopped = all->done < all->total;
     for (int k = 1; k < ranks.size && (status == SP_OK || status == SP_EINTERRUPTED); k++) {
         const other *o = &ranks.other[k];
@@ -351,10 +354,10 @@ sp_status cli_ranks_join(sp_status status, sp_study_watch watch, void *user, sp_
     ranks.stop = ranks.stop || status != SP_OK;
     if (status != SP_OK)
         snprintf(ranks.reason, sizeof ranks.reason, "%.511s", err->text);
-    ranks.tell[ASK_JOIN] = true;
+    ranks.pending[REPORT_JOINED] = true;
     pthread_cond_signal(&ranks.wake);
     while (ranks.rank == 0 && !all_joined()) {
-        /* as often as the run itself called the watch, not whenever something comes */
+        /* calls the watch as often as the run did, not after every message */
         for (double left = 0.25, end = sp_clock_wall() + left; left > 0 && !all_joined(); left = end - sp_clock_wall())
             wait_for(&ranks.changed, left);
         sp_study_progress now = *progress;
@@ -368,7 +371,7 @@ sp_status cli_ranks_join(sp_status status, sp_study_watch watch, void *user, sp_
         ranks.progress = *progress;
         ranks.progress.seconds = before + sp_clock_wall() - begun;
         *progress = sum();
-        status = judge(status, progress, err);
+        status = overall(status, progress, err);
     }
     pthread_mutex_unlock(&ranks.lock);
     return status;
@@ -381,9 +384,9 @@ int cli_ranks_end(int exit_status) {
         ranks.stop = ranks.stop || !all_joined();
         ranks.exit_status = exit_status;
         ranks.leaves = true;
-        fflush(stdout); /* a launcher may end the others, and this one, as soon as one rank has failed */
+        fflush(stdout); /* a launcher may end all ranks as soon as one has failed */
     } else if (up) {
-        ranks.tell[ASK_END] = true;
+        ranks.pending[REPORT_END] = true;
     }
     if (up)
         pthread_cond_signal(&ranks.wake);

@@ -1,4 +1,4 @@
-/* One process: builds without MPI. */
+/* Runs a study in a single process, for builds without MPI. */
 #include "cli/ranks.h"
 
 #include "base/base.h"
@@ -10,12 +10,12 @@ sp_status cli_ranks_start(cli_ranks *out, sp_error *err) {
 }
 
 sp_status cli_ranks_check(const cli_ranks *group, int shards, sp_error *err) {
-    const cli_launch launch = cli_launch_look();
+    const cli_launch launch = cli_launch_of_environment();
     if (launch.processes <= group->size || shards > 1)
         return SP_OK;
     return sp_fail(err, SP_EINVAL,
-                   "%d processes were started (%s), and this build knows no MPI, so that each would print all tables: "
-                   "must be built with -DSONOPACK_MPI=ON, or each process told its --shard I/%d",
+                   "%d processes were started (%s), but this build has no MPI, so that each would print all tables: "
+                   "build with -DSONOPACK_MPI=ON, or give each process its --shard I/%d",
                    launch.processes, launch.variable, launch.processes);
 }
 

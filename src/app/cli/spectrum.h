@@ -1,40 +1,32 @@
 #ifndef SP_CLI_SPECTRUM_H
 #define SP_CLI_SPECTRUM_H
-/* The kinds of `sonopack spectrum', each a table of one packing. */
+/* The kinds of `sonopack spectrum'. Each makes a table of one packing. */
 
-#include "cli/springs.h"
+#include "cli/files.h"
 
 typedef struct spectrum_arguments {
     cli_common common;
-    cli_springs springs;
-    const char *file;
-    const char *method, *norm;                          /* words, NULL: not given */
+    int method, norm, direction;                        /* index of the word; -1: not given */
+    int source;                                         /* sp_source */
     int64_t bins, vectors, seed, waves, layers, lowest; /* -1: not given */
     double until, resolution, damping, node, tolerance; /* < 0: not given */
     double range[2];                                    /* heights of the fit; NAN: not given */
-    const char *at;                                     /* frequencies */
-    const char *direction;                              /* of waves */
-    sp_source source;
+    const char *at;                                     /* frequencies; NULL: not given */
     bool lines, profile;
 } spectrum_arguments;
 
 spectrum_arguments spectrum_arguments_default(void); /* nothing given */
 
-/* Adds columns, comments and rows. */
-typedef sp_status (*spectrum_table)(const spectrum_arguments *a, const sp_packing *p, const sp_network *net,
-                                    sp_table *t, sp_error *err);
-sp_status spectrum_dos(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
-                       sp_error *err);
-sp_status spectrum_transmission(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
-                                sp_error *err);
-sp_status spectrum_dispersion(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
-                              sp_error *err);
-sp_status spectrum_participation(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
-                                 sp_error *err);
-sp_status spectrum_harmonic(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
-                            sp_error *err);
-sp_status spectrum_continuum(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
-                             sp_error *err);
+extern const char *const spectrum_dos_methods[], *const spectrum_dos_norms[], *const spectrum_directions[];
+
+/* Adds the columns, comments and rows of one kind. */
+typedef sp_status (*spectrum_table)(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
+sp_status spectrum_dos(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
+sp_status spectrum_transmission(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
+sp_status spectrum_dispersion(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
+sp_status spectrum_participation(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
+sp_status spectrum_harmonic(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
+sp_status spectrum_continuum(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
 
 #define SPECTRUM_FREQUENCY "sqrt(E* / rho)/d"
 #define SPECTRUM_TIME      "d/sqrt(E* / rho)"

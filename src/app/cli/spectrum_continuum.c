@@ -1,50 +1,36 @@
-/* sonopack spectrum continuum: the lowest modes beside those of a homogeneous elastic strip. */
-#include "base/base.h"
+/* Fills the table of sonopack spectrum continuum: the lowest modes and those of a homogeneous elastic strip. */
 #include "cli/spectrum.h"
 
-#include <math.h>
-
-static sp_status add_columns(sp_table *t, sp_error *err) {
-    static const char *const last[] = {
-        "omega_plane", SPECTRUM_FREQUENCY, "omega_continuum", SPECTRUM_FREQUENCY, "ratio", "", "overlap", "", NULL};
-    sp_status status = sp_table_add_column(t, "n", "", SP_CELL_INTEGER, err);
-    if (status == SP_OK)
-        status = sp_table_add_column(t, "omega", SPECTRUM_FREQUENCY, SP_CELL_NUMBER, err);
-    if (status == SP_OK)
-        status = sp_table_add_column(t, "n1", "", SP_CELL_INTEGER, err);
-    if (status == SP_OK)
-        status = sp_table_add_column(t, "n2", "", SP_CELL_INTEGER, err);
-    if (status == SP_OK)
-        status = sp_table_add_column(t, "branch", "", SP_CELL_TEXT, err);
-    return status == SP_OK ? cli_add_columns(t, last, err) : status;
+static void add_columns(cli_writer *w) {
+    cli_columns(w, SP_CELL_INTEGER, "n", "", NULL);
+    cli_columns(w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, NULL);
+    cli_columns(w, SP_CELL_INTEGER, "n1", "", "n2", "", NULL);
+    cli_columns(w, SP_CELL_TEXT, "branch", "", NULL);
+    cli_columns(w, SP_CELL_NUMBER, "omega_plane", SPECTRUM_FREQUENCY, "omega_continuum", SPECTRUM_FREQUENCY, "ratio",
+                "", "overlap", "", NULL);
 }
 
-sp_status spectrum_continuum(const spectrum_arguments *a, const sp_packing *p, const sp_network *net, sp_table *t,
-                             sp_error *err) {
-    const double margin = 3;
+sp_status spectrum_continuum(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
+    const double threshold = 1e-4, margin = 3;
     sp_continuum c = sp_continuum_none();
     sp_statics s;
-    sp_status status = sp_statics_make(p, 1e-4, margin, &s, err);
-    if (status == SP_OK)
-        status = sp_continuum_make(net, s.phi3s, a->lowest < 0 ? 12 : (int32_t)a->lowest, &c, err);
-    if (status == SP_OK)
-        status = cli_add_number(t, "Phi3s", s.phi3s, err);
-    if (status == SP_OK)
-        status = cli_add_number(t, "C11", c.moduli.c11, err);
-    if (status == SP_OK)
-        status = cli_add_number(t, "C12", c.moduli.c12, err);
-    if (status == SP_OK)
-        status = cli_add_number(t, "C22", c.moduli.c22, err);
-    if (status == SP_OK)
-        status = cli_add_number(t, "C33", c.moduli.c33, err);
-    if (status == SP_OK)
-        status = add_columns(t, err);
-    for (int32_t k = 0; k < c.n && status == SP_OK; k++) {
+    cli_writer w = {.table = t, .err = err, .status = sp_statics_make(&file->packing, threshold, margin, &s, err)};
+    if (w.status == SP_OK)
+        w.status = sp_continuum_make(&file->network, s.phi3s, a->lowest < 0 ? 12 : (int32_t)a->lowest, &c, err);
+    if (w.status != SP_OK)
+        return w.status;
+    cli_value(&w, "Phi3s", s.phi3s);
+    cli_value(&w, "C11", c.moduli.c11);
+    cli_value(&w, "C12", c.moduli.c12);
+    cli_value(&w, "C22", c.moduli.c22);
+    cli_value(&w, "C33", c.moduli.c33);
+    add_columns(&w);
+    for (int32_t k = 0; k < c.n && w.status == SP_OK; k++) {
         const sp_continuum_row *row = &c.row[k];
         const int64_t n1 = row->n1, n2 = row->n2;
-        status = sp_table_add_row(t, err, row->n, row->omega, n1, n2, row->fast ? "+" : "-", row->omega_plane,
-                                  row->omega_continuum, row->omega / row->omega_continuum, row->overlap);
+        w.status = sp_table_add_row(t, err, row->n, row->omega, n1, n2, row->fast ? "+" : "-", row->omega_plane,
+                                    row->omega_continuum, row->omega / row->omega_continuum, row->overlap);
     }
     sp_continuum_free(&c);
-    return status;
+    return w.status;
 }

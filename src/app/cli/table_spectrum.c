@@ -1,17 +1,18 @@
-#include "cli/table_spectrum.h"
-
+/* Makes the table spectrum: the density of states of the samples of a store. */
 #include "base/base.h"
 #include "cli/averaged.h"
 #include "cli/spectrum.h"
 
 #include <math.h>
 
-/* The histogram of one sample after the other. */
+/* The histogram of the last sample that was read. */
 typedef struct reader {
     sp_store *store;
+    const cli_bins *options;
+    double level;
     int32_t bins;
     double *edge;    /* [bins + 1] */
-    double *place;   /* [2 bins] what a number belongs to: middles of bins, then their upper edges */
+    double *place;   /* [2 bins] positions of the numbers: middles of the bins, then their upper edges */
     double *numbers; /* [2 bins] densities, then integrals from 0 to the upper edges */
 } reader;
 
@@ -20,7 +21,7 @@ static sp_status read_histogram(void *user, const sp_sample *sample, cli_array *
     sp_sample_arrays arrays = sp_sample_arrays_none();
     sp_status status = sp_store_read(r->store, sample->name, NULL, NULL, &arrays, err);
     if (status == SP_OK && arrays.modes == 0)
-        status = sp_fail(err, SP_EREFUSED, "the frequencies of sample %s are there no more", sample->name);
+        status = sp_fail(err, SP_EREFUSED, "the frequencies of sample %s are no longer in the store", sample->name);
     const double grains = sample->spectrum.carrying;
     int64_t k = 0, before = 0;
     while (k < arrays.modes && !(arrays.omega[k] > 0))
@@ -38,11 +39,12 @@ static sp_status read_histogram(void *user, const sp_sample *sample, cli_array *
     return status;
 }
 
-/* To two digits, so that rows have round numbers. */
+/* Rounds up to two digits. */
 static double rounded_up(double x) {
-    const double unit = pow(10, fabs(floor(log10(x)) - 1)); /* or its inverse: powers above 1 have no rounding */
+    /* a positive power of 10 is exact: for large x, the unit divides instead of multiplying */
+    const double unit = pow(10, fabs(floor(log10(x)) - 1));
     const double up = x < 10 ? ceil(x * unit) / unit : ceil(x / unit) * unit;
-    return up >= x ? up : x; /* whatever rounding did */
+    return up >= x ? up : x;
 }
 
 static double largest(const cli_averaged *of) {
@@ -52,7 +54,7 @@ static double largest(const cli_averaged *of) {
     return most;
 }
 
-/* So few that steps stand out of their noise: that of 20 modes is a fourth or a fifth. */
+/* With 20 modes in a bin its noise is about a fifth of its height. */
 static int32_t bins_for(const cli_averaged *of) {
     enum { MODES = 20, LEAST = 20, MOST = 100 };
     double modes = 0;
@@ -63,9 +65,12 @@ static int32_t bins_for(const cli_averaged *of) {
     return (int32_t)fmax(LEAST, fmin(MOST, floor(modes / MODES)));
 }
 
-static sp_status make_bins(const cli_averaged *of, const cli_bins *bins, reader *r, sp_error *err) {
-    const double most = largest(of), until = bins->until > 0 ? bins->until : most > 0 ? rounded_up(most) : 1;
+static sp_status make_bins(void *user, const cli_averaged *of, int32_t *intervals, sp_error *err) {
+    reader *r = user;
+    const cli_bins *bins = r->options;
+    const double most = largest(of), until = bins->omega_max > 0 ? bins->omega_max : most > 0 ? rounded_up(most) : 1;
     r->bins = bins->bins > 0 ? bins->bins : bins_for(of);
+    *intervals = r->bins;
     const size_t n = (size_t)r->bins;
     r->edge = sp_alloc(5 * n + 1, sizeof *r->edge);
     if (!r->edge)
@@ -81,16 +86,14 @@ static sp_status make_bins(const cli_averaged *of, const cli_bins *bins, reader 
     return SP_OK;
 }
 
-static sp_status add_rows(const reader *r, const cli_sums *sums, sp_table *t, sp_error *err) {
-    static const char *const columns[] = {"omega",          SPECTRUM_FREQUENCY, "low",         SPECTRUM_FREQUENCY,
-                                          "high",           SPECTRUM_FREQUENCY, "density",     SPECTRUM_TIME,
-                                          "density_err",    SPECTRUM_TIME,      "density_low", SPECTRUM_TIME,
-                                          "density_high",   SPECTRUM_TIME,      "cumulative",  "modes/grain",
-                                          "cumulative_err", "modes/grain",      NULL};
+static void add_rows(void *user, const cli_sums *sums, cli_writer *w) {
+    const reader *r = user;
     const sp_signal_average *s = &sums->all;
-    sp_status status = cli_add_columns(t, columns, err);
-    for (int32_t b = 0; 2 * b < s->points && status == SP_OK; b++) {
-        const bool empty = !(s->mean[b] > 0); /* in all samples: nothing tells how rare its modes are */
+    cli_columns(w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "low", SPECTRUM_FREQUENCY, "high", SPECTRUM_FREQUENCY,
+                "density", SPECTRUM_TIME, "density_err", SPECTRUM_TIME, "density_low", SPECTRUM_TIME, "density_high",
+                SPECTRUM_TIME, "cumulative", "modes/grain", "cumulative_err", "modes/grain", NULL);
+    for (int32_t b = 0; 2 * b < s->points && w->status == SP_OK; b++) {
+        const bool empty = !(s->mean[b] > 0); /* in all samples: its interval is not known */
         const double row[] = {r->place[b],
                               r->edge[b],
                               r->edge[b + 1],
@@ -100,76 +103,51 @@ static sp_status add_rows(const reader *r, const cli_sums *sums, sp_table *t, sp
                               empty ? NAN : sums->interval[b].high,
                               s->mean[r->bins + b],
                               sp_signal_average_mean_err(s, r->bins + b)};
-        status = sp_table_add_numbers(t, row, err);
+        w->status = sp_table_add_numbers(w->table, row, w->err);
     }
-    return status;
 }
 
-/* What the samples have that is no row. */
-static sp_status add_means(const cli_averaged *of, sp_table *t, sp_error *err) {
-    double carrying = 0, zeros = 0, of_a_grain = 0;
+static void add_means(const cli_averaged *of, cli_writer *w) {
+    double carrying = 0, zeros = 0, zeros_per_grain = 0;
     for (int64_t k = 0; k < of->n; k++) {
         const sp_spectrum_made *made = &of->sample[k]->spectrum;
         carrying += made->carrying;
         zeros += made->zero_modes;
-        of_a_grain += (double)made->zero_modes / made->carrying;
+        zeros_per_grain += (double)made->zero_modes / made->carrying;
     }
-    sp_status status = cli_add_number(t, "dof", of->sample[0]->spectrum.dof, err);
-    if (status == SP_OK)
-        status = cli_add_number(t, "omega_max", largest(of), err);
-    if (status == SP_OK)
-        status = cli_add_number(t, "mean_carrying", carrying / (double)of->n, err);
-    if (status == SP_OK)
-        status = cli_add_number(t, "mean_zero_modes", zeros / (double)of->n, err);
-    if (status == SP_OK)
-        status = cli_add_number(t, "mean_zero_modes_per_grain", of_a_grain / (double)of->n, err);
-    return status;
+    cli_value(w, "dof", of->sample[0]->spectrum.dof);
+    cli_value(w, "omega_max", largest(of));
+    cli_value(w, "mean_carrying", carrying / (double)of->n);
+    cli_value(w, "mean_zero_modes", zeros / (double)of->n);
+    cli_value(w, "mean_zero_modes_per_grain", zeros_per_grain / (double)of->n);
 }
 
-static sp_status explain(const cli_averaged *of, double level, sp_table *t, sp_error *err) {
-    char rule[80];
-    sp_status status = cli_averaged_head(of, t, err);
-    if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "spectrum = ensemble");
-    if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "norm = grain");
-    if (status == SP_OK && of->n > 0)
-        status = add_means(of, t, err);
-    if (status == SP_OK && of->n > 0)
-        status = sp_table_add_comment(t, err,
-                                      "means over the samples of modes for each carrying grain, low < omega <= high: "
-                                      "the last cumulative and mean_zero_modes_per_grain make dof where no mode is "
-                                      "above the last bin");
-    if (status == SP_OK && of->n > 0)
-        status = sp_table_add_comment(t, err,
-                                      "_err: standard error of the mean; density_low, density_high: its interval at "
-                                      "level %.15g, %s; nan in bins without a mode in any sample",
-                                      level, cli_interval_rule(of, level, rule, sizeof rule));
-    return status == SP_OK ? cli_averaged_left_out(of, t, err) : status;
+static void explain(void *user, const cli_averaged *of, const char *interval, cli_writer *w) {
+    const reader *r = user;
+    cli_comment(w, "spectrum = ensemble");
+    cli_comment(w, "norm = grain");
+    if (of->n == 0)
+        return;
+    add_means(of, w);
+    cli_comment(w, "means over the samples of modes for each carrying grain, low < omega <= high: the last cumulative "
+                   "and mean_zero_modes_per_grain make dof where no mode is above the last bin");
+    cli_comment(w,
+                "_err: standard error of the mean; density_low, density_high: its interval at level %.15g, %s; nan in "
+                "bins without a mode in any sample",
+                r->level, interval);
 }
 
 sp_status cli_table_spectrum(sp_store *store, int64_t n, const sp_sample *samples, const sp_table_options *opt,
                              const cli_bins *bins, sp_table *out, sp_error *err) {
-    reader from = {.store = store};
-    cli_averaged of = {0};
-    cli_sums sums = {.all = sp_signal_average_none()};
-    sp_table t = sp_table_none();
-    sp_status status = cli_averaged_make(SP_WANT_SPECTRUM, "spectrum", "spectra", n, samples, &of, err);
-    if (status == SP_OK)
-        status = make_bins(&of, bins, &from, err);
-    if (status == SP_OK)
-        status = cli_averaged_sum(&of, opt->level, from.bins, read_histogram, &from, &sums, err);
-    if (status == SP_OK)
-        status = add_rows(&from, &sums, &t, err);
-    if (status == SP_OK)
-        status = explain(&of, opt->level, &t, err);
-    if (status == SP_OK) {
-        *out = t;
-        t = sp_table_none();
-    }
-    sp_table_free(&t);
-    cli_sums_free(&sums);
-    sp_free(from.edge);
-    cli_averaged_free(&of);
+    static const cli_averaging how = {.part = SP_WANT_SPECTRUM,
+                                      .name = "spectrum",
+                                      .plural = "spectra",
+                                      .begin = make_bins,
+                                      .read = read_histogram,
+                                      .rows = add_rows,
+                                      .explain = explain};
+    reader r = {.store = store, .options = bins, .level = opt->level};
+    sp_status status = cli_average(&how, &r, n, samples, opt->level, out, err);
+    sp_free(r.edge);
     return status;
 }

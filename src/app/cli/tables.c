@@ -1,10 +1,9 @@
+/* Writes tables of the samples in a store, to stdout or to files. */
 #include "cli/tables.h"
 
 #include "base/base.h"
 #include "base/file.h"
-#include "cli/table_signal.h"
 #include "ensemble/sample.h"
-#include "numeric/interval.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,10 +12,10 @@
 
 /* ---- cases ------------------------------------------------------------------------------------------------------ */
 
-const char *const cli_table_names[CLI_TABLES] = {"ctof",   "scaling",  "planes",   "statics", "moduli",
-                                                 "probes", "spectrum", "ensemble", "signal"};
+const char *const cli_table_names[CLI_TABLES + 1] = {"ctof",   "scaling",  "planes",   "statics", "moduli",
+                                                     "probes", "spectrum", "ensemble", "signal",  NULL};
 
-/* Keys that a table has rows for. Seeds are what tables average over. */
+/* Whether the table has a row for each value of the sweep. It averages over seeds. */
 static bool has_rows(const char *table, const sp_sweep *sweep) {
     if (strcmp(sweep->key, "packing.seed") == 0)
         return true;
@@ -42,7 +41,7 @@ static int64_t cases_of(const char *table, const sp_scene *scene) {
     return cases;
 }
 
-/* The scene with the other sweeps at their values of case c; the sweeps that are left stay the scene's own. */
+/* Sets the sweeps without rows to their values of case c. The other sweeps remain. */
 static sp_status case_scene(const char *table, const sp_scene *scene, int64_t c, sp_scene *out, sp_error *err) {
     sp_scene one = *scene;
     sp_status status = SP_OK;
@@ -60,8 +59,7 @@ static sp_status case_scene(const char *table, const sp_scene *scene, int64_t c,
     return status;
 }
 
-/* The values of case c as comments. */
-/* Sweep s of a scene at case c of a table; NULL: the table has rows for it. *c is what is left for the sweeps after. */
+/* The value of sweep s in case c, or NULL if the table has rows for it. Divides *c for the next sweep. */
 static const char *case_value(const char *table, const sp_scene *scene, int s, int64_t *c, char *buf, size_t size) {
     const sp_sweep *sweep = &scene->sweep[s];
     if (has_rows(table, sweep))
@@ -71,6 +69,7 @@ static const char *case_value(const char *table, const sp_scene *scene, int s, i
     return sp_sweep_text(sweep, k, buf, size);
 }
 
+/* Adds the values of case c as comments. */
 static sp_status add_case(sp_table *t, const char *table, const sp_scene *scene, int64_t c, sp_error *err) {
     char buf[200];
     sp_status status = SP_OK;
@@ -82,7 +81,7 @@ static sp_status add_case(sp_table *t, const char *table, const sp_scene *scene,
     return status;
 }
 
-/* Case c of a table, in words: ", packing.friction = 0.1"; "" where there is one only. */
+/* The values of case c as text, ", packing.friction = 0.1"; "" if there is only one case. */
 static void case_text(const char *table, const sp_scene *scene, int64_t c, char *text, size_t size) {
     char buf[200];
     size_t used = 0;
@@ -96,7 +95,7 @@ static void case_text(const char *table, const sp_scene *scene, int64_t c, char 
 
 /* ---- files ------------------------------------------------------------------------------------------------------ */
 
-/* Where table k of case c goes: the file of -o itself for the first of all. */
+/* The file of table k of case c. The very first table goes to the file of -o itself. */
 static sp_status path_of(const cli_tables *tables, int k, int64_t c, char path[SP_PATH_MAX], sp_error *err) {
     const char *output = tables->common->output, *slash = strrchr(output, '/');
     const char *name = slash ? slash + 1 : output, *dot = strrchr(name, '.');
@@ -110,7 +109,7 @@ static sp_status path_of(const cli_tables *tables, int k, int64_t c, char path[S
     else
         length = snprintf(path, SP_PATH_MAX, "%.*s-%s%s%s", stem, output, tables->name[k], number, output + stem);
     if (length >= SP_PATH_MAX)
-        return sp_fail(err, SP_EINVAL, "-o: a name of %d bytes: must be below %d", length, SP_PATH_MAX);
+        return sp_fail(err, SP_EINVAL, "-o: the file name has %d bytes, must have fewer than %d", length, SP_PATH_MAX);
     return SP_OK;
 }
 
@@ -130,7 +129,7 @@ sp_status cli_tables_may_write(const cli_tables *tables, sp_error *err) {
     return status;
 }
 
-/* The c-th of table k that there is; of: which case it is, in words. */
+/* Writes table k. c counts the cases that have been written, `of` is the text of this one. */
 static sp_status write_table(const cli_tables *tables, int k, int64_t c, const char *of, sp_table *t, sp_error *err) {
     cli_common common = *tables->common;
     char path[SP_PATH_MAX];
@@ -150,9 +149,9 @@ static sp_status write_table(const cli_tables *tables, int k, int64_t c, const c
 
 /* ---- samples ---------------------------------------------------------------------------------------------------- */
 
-/* The samples that a table is made of. */
+/* The samples of a table. */
 typedef struct choice {
-    int64_t n, missing; /* missing: samples of the scene that the store does not have */
+    int64_t n, missing; /* missing: samples of the scene that are not in the store */
     sp_sample *sample;
 } choice;
 
@@ -162,21 +161,21 @@ static int by_names(const void *a, const void *b) { return by_name(a, ((const sp
 
 static int find_name(const void *name, const void *sample) { return -by_name(sample, name); }
 
-/* What the scene says of one of its samples: which parts it should have, and does not. */
-static void judge(const sp_scene *scene, sp_sample *s) {
+/* Marks which results the scene asks for and the sample lacks, and hides those of another scene. */
+static void compare_parts(const sp_scene *scene, sp_sample *s) {
     const unsigned parts = sp_sample_parts(scene, s), missing = sp_want_parts(scene->want) & ~parts;
     if (!s->failed && missing) {
         if (!(s->lacks & missing) || !s->reason[0])
             snprintf(s->reason, sizeof s->reason, "it lacks a part that is wanted: not made yet");
         s->lacks = missing;
     }
-    if (scene->planes > 0) /* those of another scene are not asked for */
+    if (scene->planes > 0)
         s->have &= parts | ~(unsigned)SP_WANT_PLANES;
     if (scene->want & SP_WANT_SIGNAL)
         s->have &= parts | ~(unsigned)SP_WANT_SIGNAL;
 }
 
-/* Where sample k of the scene stands among `all' (sorted by name); below 0: nowhere. */
+/* The index of sample k of the scene in `all', which is sorted by name; -1 if it is not there. */
 static sp_status find_sample(const sp_scene *scene, int64_t k, const choice *all, sp_scene *one, int64_t *place,
                              sp_error *err) {
     char name[SP_NAME_MAX];
@@ -188,7 +187,7 @@ static sp_status find_sample(const sp_scene *scene, int64_t k, const choice *all
     return SP_OK;
 }
 
-/* Those of `all' that a scene makes. They are `all' no more: their memory is out's. */
+/* Keeps only the samples that the scene makes. */
 static sp_status keep(const sp_scene *scene, choice *all, sp_error *err) {
     const int64_t count = sp_study_count(scene);
     bool *chosen = sp_alloc((size_t)all->n, sizeof *chosen);
@@ -200,7 +199,7 @@ static sp_status keep(const sp_scene *scene, choice *all, sp_error *err) {
         all->missing += status == SP_OK && place < 0;
         if (place >= 0) {
             chosen[place] = true;
-            judge(&one, &all->sample[place]);
+            compare_parts(&one, &all->sample[place]);
         }
     }
     int64_t kept = 0;
@@ -213,7 +212,7 @@ static sp_status keep(const sp_scene *scene, choice *all, sp_error *err) {
     return status;
 }
 
-/* Copies of those that a scene makes. */
+/* Copies the samples that the scene makes. */
 static sp_status choose(const sp_scene *scene, const choice *all, choice *out, sp_error *err) {
     const int64_t count = sp_study_count(scene);
     choice c = {.sample = sp_alloc((size_t)(count < all->n ? count : all->n), sizeof *c.sample)};
@@ -233,7 +232,7 @@ static sp_status choose(const sp_scene *scene, const choice *all, choice *out, s
         }
         taken[place] = true;
         c.sample[c.n] = all->sample[place];
-        judge(&one, &c.sample[c.n++]);
+        compare_parts(&one, &c.sample[c.n++]);
     }
     sp_free(taken);
     if (status == SP_OK)
@@ -245,11 +244,9 @@ static sp_status choose(const sp_scene *scene, const choice *all, choice *out, s
 
 /* ---- the filter ------------------------------------------------------------------------------------------------- */
 
-cli_bins cli_bins_default(void) { return (cli_bins){0}; }
-
 cli_filter cli_filter_none(void) { return (cli_filter){.width = NAN, .pressure = NAN, .friction = NAN}; }
 
-/* Numbers are given with a few digits. */
+/* The precision allows for numbers that are given with a few digits. */
 static bool is_near(double asked, double value) { return isnan(asked) || fabs(asked - value) <= 1e-3 * fabs(asked); }
 
 static bool passes(const cli_filter *f, const sp_sample *s) {
@@ -261,7 +258,7 @@ static bool is_filter(const cli_filter *f) {
     return f->grains != 0 || !isnan(f->width) || !isnan(f->pressure) || !isnan(f->friction);
 }
 
-/* Moves the samples that pass to the front; the others do not count. */
+/* Moves the samples that pass to the front, and returns their number. */
 static int64_t filter(const cli_filter *f, int64_t n, sp_sample *all) {
     int64_t kept = 0;
     for (int64_t k = 0; k < n; k++) {
@@ -276,7 +273,7 @@ static int64_t filter(const cli_filter *f, int64_t n, sp_sample *all) {
 
 /* ---- writing ---------------------------------------------------------------------------------------------------- */
 
-/* Samples of the scene that the filter leaves out are not missing. */
+/* With a filter, samples that it leaves out would be counted as well. */
 static sp_status add_missing(const cli_tables *tables, int64_t missing, sp_table *t, sp_error *err) {
     if (missing == 0 || is_filter(&tables->filter))
         return SP_OK;
@@ -284,17 +281,11 @@ static sp_status add_missing(const cli_tables *tables, int64_t missing, sp_table
                                 (long long)missing);
 }
 
-void cli_parse_interval(double *level, const char *arg, struct argp_state *state) {
-    sp_error err = {0};
-    if (cli_number("--interval", arg, SP_LEVEL_LEAST, SP_LEVEL_MOST, level, &err) != SP_OK)
-        argp_error(state, "%s", err.text);
-}
-
-/* The samples of all tables, sorted by name: those of the store, or of the scene, that pass the filter. */
+/* The samples of all tables, sorted by name. */
 typedef struct stored {
     sp_store *store;
     choice of;
-    int64_t cases; /* of the table that has most */
+    int64_t cases; /* of the table with the most cases */
 } stored;
 
 static sp_status make_table(const cli_tables *tables, const char *name, const stored *all, const choice *of,
@@ -307,7 +298,7 @@ static sp_status make_table(const cli_tables *tables, const char *name, const st
     return sp_study_table(name, of->n, of->sample, &options, out, err);
 }
 
-/* *written: how many of table k there are so far. */
+/* *written: how many cases of table k have been written. */
 static sp_status write_case(const cli_tables *tables, int k, int64_t c, const stored *all, int64_t *written,
                             sp_error *err) {
     const char *name = tables->name[k];
@@ -325,7 +316,7 @@ static sp_status write_case(const cli_tables *tables, int k, int64_t c, const st
     }
     sp_table t = sp_table_none();
     if (status == SP_OK && chosen.n == 0 && tables->scene && is_filter(&tables->filter))
-        goto out; /* another case is what it chooses */
+        goto out; /* the filter selects another case */
     if (status == SP_OK)
         status = make_table(tables, name, all, &chosen, &t, err);
     if (status == SP_OK && tables->scene)
@@ -351,7 +342,7 @@ static int64_t most_cases(const cli_tables *tables) {
     return most;
 }
 
-/* Case by case, all tables of a case together. */
+/* All tables of the first case come first, then those of the second, ... */
 static sp_status write_all(const cli_tables *tables, const stored *all, sp_error *err) {
     int64_t written[CLI_TABLES] = {0};
     sp_status status = SP_OK;
@@ -362,27 +353,28 @@ static sp_status write_all(const cli_tables *tables, const stored *all, sp_error
     return status;
 }
 
-/* Leaves those that pass the filter and, if there is a scene, belong to it. SP_EREFUSED where none is left for a table
- * that needs one. */
-static sp_status take_samples(const cli_tables *tables, choice *of, sp_error *err) {
+/* Keeps the samples that pass the filter and belong to the scene. SP_EREFUSED if none is left and the table needs one.
+ */
+static sp_status select_samples(const cli_tables *tables, choice *of, sp_error *err) {
     const int64_t stored_ones = of->n;
     of->n = filter(&tables->filter, of->n, of->sample);
     const int64_t found = of->n;
     if (stored_ones > 0 && found == 0)
         return sp_fail(err, SP_EREFUSED,
-                       "no table: none of the %lld samples in the store has the width, grains, pressure and friction "
-                       "asked for: see `sonopack table ensemble'",
+                       "no table: none of the %lld samples in the store has this width, number of grains, pressure and "
+                       "friction: see `sonopack table ensemble'",
                        (long long)stored_ones);
     if (found == 0 && tables->needs_samples)
-        return sp_fail(err, SP_EREFUSED, "no table: there is no sample in the store");
+        return sp_fail(err, SP_EREFUSED, "no table: the store has no samples");
     if (found > 0)
         qsort(of->sample, (size_t)found, sizeof *of->sample, by_names);
     sp_status status = tables->scene ? keep(tables->scene, of, err) : SP_OK;
     if (status == SP_OK && of->n == 0 && tables->needs_samples)
-        status = sp_fail(err, SP_EREFUSED,
-                         "no table: none of the %lld samples of the scene is among the %lld in the store: must be the "
-                         "scene (and --set) that made them, see `sonopack table ensemble'",
-                         (long long)of->missing, (long long)found);
+        status =
+            sp_fail(err, SP_EREFUSED,
+                    "no table: none of the %lld samples of the scene is among the %lld in the store: use the scene "
+                    "(and --set) that made them, see `sonopack table ensemble'",
+                    (long long)of->missing, (long long)found);
     return status;
 }
 
@@ -396,10 +388,10 @@ sp_status cli_tables_write(const cli_tables *tables, sp_store *store, sp_error *
         return status;
     }
     if (all.of.n == 0 && !tables->needs_samples)
-        cli_note(tables->common, "there is no sample in the store");
+        cli_note(tables->common, "the store has no samples");
     if (bad > 0)
-        cli_note(tables->common, "%lld files of the store are left out: %s", (long long)bad, reason.text);
-    status = take_samples(tables, &all.of, err);
+        cli_note(tables->common, "%lld files of the store are not used: %s", (long long)bad, reason.text);
+    status = select_samples(tables, &all.of, err);
     if (status == SP_OK)
         status = write_all(tables, &all, err);
     sp_free(all.of.sample);

@@ -1,3 +1,4 @@
+/* Checks the files of a store and prints a table of them. */
 #include "cli/verify.h"
 
 #include "base/base.h"
@@ -9,8 +10,9 @@
 typedef struct verification {
     const cli_common *common;
     sp_table table;
-    int64_t samples, failed, bad; /* files: sound ones, sound records of failures, others */
-    int64_t wanted, there, last;  /* samples of the scene, 0: no scene; those that have a file; the last of them */
+    int64_t samples, failed, bad; /* files: good samples, good records of failures, others */
+    int64_t expected;             /* samples of the scene; 0: no scene */
+    int64_t present, last;        /* how many of them have a file; the number of the last one */
     double begun;
     sp_status status; /* of the table */
     sp_error error;
@@ -21,14 +23,14 @@ static bool found(const sp_store_finding *f, void *user) {
     char text[120];
     const double seconds = sp_clock_wall() - v->begun, fraction = (double)f->done / (double)f->names;
     const bool sound = f->verdict == SP_SOUND;
-    v->there += f->done != v->last;
+    v->present += f->done != v->last;
     v->last = f->done;
     v->samples += sound && !f->record;
     v->failed += sound && f->record;
     v->bad += !sound;
     if (!sound) {
         sp_error fault = {0};
-        cli_progress_end(v->common);
+        cli_progress_end();
         sp_fail(&fault, SP_EFAILED, "%s: %s%s", f->file, f->reason,
                 f->aside                   ? "; renamed to .bad"
                 : f->verdict == SP_DAMAGED ? "; it could not be renamed"
@@ -38,16 +40,16 @@ static bool found(const sp_store_finding *f, void *user) {
     char reason[SP_ERROR_TEXT + 16];
     snprintf(reason, sizeof reason, "%s%s", sound && f->record ? "failed: " : "", *f->reason ? f->reason : "-");
     v->status = sp_table_add_row(&v->table, &v->error, f->file, sound ? "yes" : "no", reason);
-    snprintf(text, sizeof text, "%lld/%lld samples looked at", (long long)f->done, (long long)f->names);
+    snprintf(text, sizeof text, "%lld/%lld samples checked", (long long)f->done, (long long)f->names);
     cli_progress(v->common, text, fraction, seconds * (1 / fraction - 1));
     return v->status == SP_OK && !cli_stopped();
 }
 
-/* Names of all samples of a scene. */
+/* Lists the names of all samples of a scene. */
 static sp_status scene_names(const sp_scene *scene, sp_store_check *check, char (**out)[SP_NAME_MAX], sp_error *err) {
     const int64_t count = sp_study_count(scene);
     if (count < 1)
-        return sp_fail(err, SP_EINVAL, "study.sweep: a sweep without values, or more than 2^63 samples");
+        return sp_fail(err, SP_EINVAL, "study.sweep: no values, or more than 2^63 samples");
     char(*name)[SP_NAME_MAX] = sp_alloc((size_t)count, sizeof *name);
     if (!name)
         return sp_fail_memory(err, (size_t)count * sizeof *name);
@@ -64,16 +66,15 @@ static sp_status scene_names(const sp_scene *scene, sp_store_check *check, char 
 }
 
 static sp_status verify(verification *v, sp_store *store, const sp_scene *scene, double tolerance, sp_error *err) {
-    static const char *const columns[] = {"file", "ok", "reason"};
     sp_store_check check = {.names = -1, .tolerance = tolerance, .found = found, .user = v};
     char(*name)[SP_NAME_MAX] = NULL;
-    sp_status status = SP_OK;
-    for (size_t k = 0; k < sizeof columns / sizeof *columns && status == SP_OK; k++)
-        status = sp_table_add_column(&v->table, columns[k], "", SP_CELL_TEXT, err);
+    cli_writer w = {.table = &v->table, .err = err};
+    cli_columns(&w, SP_CELL_TEXT, "file", "", "ok", "", "reason", "", NULL);
+    sp_status status = w.status;
     if (status == SP_OK && scene)
         status = scene_names(scene, &check, &name, err);
     if (status == SP_OK && scene)
-        v->wanted = check.names;
+        v->expected = check.names;
     if (status == SP_OK)
         status = sp_store_verify(store, &check, err);
     if (v->status != SP_OK) {
@@ -94,16 +95,16 @@ sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *
     if (status == SP_OK) {
         cli_catch_signals();
         status = verify(&v, store, scene, tolerance, err);
-        cli_progress_end(common);
+        cli_progress_end();
     }
     if (status == SP_OK)
         status = cli_write_table(common, &v.table, err);
     if (status == SP_OK)
-        cli_note(common, "%lld samples are sound, %lld failed when they were made, %lld files are not ok",
+        cli_note(common, "%lld samples are sound, %lld are recorded as failed, %lld files are not ok",
                  (long long)v.samples, (long long)v.failed, (long long)v.bad);
-    if (status == SP_OK && v.wanted > v.there)
-        cli_note(common, "%lld of the %lld samples of the scene are not in the store", (long long)(v.wanted - v.there),
-                 (long long)v.wanted);
+    if (status == SP_OK && v.expected > v.present)
+        cli_note(common, "%lld of the %lld samples of the scene are not in the store",
+                 (long long)(v.expected - v.present), (long long)v.expected);
     *good = v.bad == 0;
     if (store)
         sp_store_close(store);

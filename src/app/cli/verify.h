@@ -1,16 +1,15 @@
 #ifndef SP_CLI_VERIFY_H
 #define SP_CLI_VERIFY_H
-/* The check of a store, for `study --verify'. */
+/* Checks the files of a store, for `study --verify'. */
 
 #include "cli/cli.h"
 
-/* As `sonopack check' has it: by the default rule grains and walls balance to about 1e-6 of p d^2. Packings from
- * elsewhere that stop at the paper's acceleration of 1e-10, a heavy piston included, have walls that are off by 1e-5.
- */
+/* Default tolerance of `sonopack check'. By the default rule grains and walls are balanced to about 1e-6 of p d^2;
+ * packings that were compressed elsewhere to an acceleration of 1e-10, with a heavy piston, are off by 1e-5 at the
+ * walls. */
 #define CLI_AUDIT_TOLERANCE 2e-5
 
-/* The table of the files of a scene's samples in the store DIR, or of all where scene is NULL; *good says whether all
- * are sound. */
+/* Prints a table of the files of a scene's samples, or of all files of the store if scene is NULL. *good: all pass. */
 sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *scene, double tolerance, bool *good,
                      sp_error *err);
 

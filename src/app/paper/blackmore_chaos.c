@@ -1,5 +1,4 @@
 /* Theorem 1: cycles with known multipliers, and the parameters at which the Lyapunov exponent is positive. */
-#include "base/base.h"
 #include "paper/blackmore.h"
 
 #include <stdio.h>
@@ -29,12 +28,11 @@ static sp_status settle(const sp_tapped_spec *c, double *y, double *v, double de
     return status;
 }
 
-static sp_status add_fixed_point(tapped *p, sp_error *err) {
+static sp_status add_fixed_point(blackmore *p, sp_error *err) {
     sp_tapped_spec c = sp_blackmore_column(1);
     sp_tapped_exponent exponent;
     double y, v, d[4];
     c.period = 0.2;
-    c.output = SP_TAPPED_LYAPUNOV;
     c.taps = 1000;
     sp_status status = settle(&c, &y, &v, d, err);
     if (status == SP_OK)
@@ -42,43 +40,37 @@ static sp_status add_fixed_point(tapped *p, sp_error *err) {
     if (status != SP_OK)
         return status;
     const double trace = d[0] + d[3], det = d[0] * d[3] - d[1] * d[2], exact = 0.5 * log(det);
-    status = sp_blackmore_add(p, value("cm", NAN, y, 1e-8), err, "fixed point y, N = 1, T = 0.2 s");
-    if (status == SP_OK)
-        status = sp_blackmore_add(p, value("cm/s", NAN, v, 1e-7), err, "fixed point v, N = 1, T = 0.2 s");
-    if (status == SP_OK)
-        status = sp_blackmore_add(p, value("", NAN, det, 1e-7), err, "determinant of the map there");
-    if (status == SP_OK)
-        status = sp_blackmore_add(p, value("", NAN, trace, 1e-7), err, "trace of the map there");
+    sp_blackmore_add(p, value("cm", NAN, y, 1e-8), "fixed point y, N = 1, T = 0.2 s");
+    sp_blackmore_add(p, value("cm/s", NAN, v, 1e-7), "fixed point v, N = 1, T = 0.2 s");
+    sp_blackmore_add(p, value("", NAN, det, 1e-7), "determinant of the map there");
+    sp_blackmore_add(p, value("", NAN, trace, 1e-7), "trace of the map there");
     blackmore_row row = value("1/tap", NAN, exponent.lambda, fabs(exponent.lambda - exact) + exponent.error);
-    snprintf(row.note, sizeof row.note,
-             "complex multipliers, hence lambda = log(det)/2; err: the difference from that");
-    return status == SP_OK ? sp_blackmore_add(p, row, err, "lambda, N = 1, T = 0.2 s") : status;
+    sp_blackmore_note(&row, "complex multipliers, hence lambda = log(det)/2; err: the difference from that");
+    sp_blackmore_add(p, row, "lambda, N = 1, T = 0.2 s");
+    return status;
 }
 
-static sp_status add_cycles(tapped *p, sp_error *err) {
+static sp_status add_cycles(blackmore *p, sp_error *err) {
     sp_tapped_spec c = sp_blackmore_column(1);
     sp_tapped_exponent exponent;
     c.period = 0.7;
-    c.output = SP_TAPPED_LYAPUNOV;
     c.taps = 1000;
     sp_status status = sp_tapped_lyapunov(&c, &exponent, err);
     if (status == SP_OK)
-        status = sp_blackmore_add(p, value("taps", NAN, exponent.cycle, 0), err, "cycle, N = 1, T = 0.7 s");
+        sp_blackmore_add(p, value("taps", NAN, exponent.cycle, 0), "cycle, N = 1, T = 0.7 s");
     for (int32_t n = 5; n <= 10 && status == SP_OK; n += 5) {
         c = sp_blackmore_column(n);
-        c.output = SP_TAPPED_LYAPUNOV;
         c.taps = 1000;
         status = sp_tapped_lyapunov(&c, &exponent, err);
+        if (status != SP_OK)
+            return status;
         blackmore_row row = value("1/tap", NAN, exponent.lambda, exponent.error);
-        snprintf(row.note, sizeof row.note, "a cycle of %d: no chaos where the paper computes", exponent.cycle);
-        if (status == SP_OK)
-            status = sp_blackmore_add(p, row, err, "lambda, settings of Fig. 1, N = %d", n);
-        if (status == SP_OK)
-            sp_blackmore_say(
-                p, BLACKMORE_CHAOS,
-                "At the settings of Fig. 1, N = %d, the column is a cycle of %d tap%s with lambda = %.4f: not "
-                "chaotic.",
-                n, exponent.cycle, exponent.cycle == 1 ? "" : "s", exponent.lambda);
+        sp_blackmore_note(&row, "a cycle of %d: no chaos where the paper computes", exponent.cycle);
+        sp_blackmore_add(p, row, "lambda, settings of Fig. 1, N = %d", n);
+        sp_blackmore_say(p, BLACKMORE_CHAOS,
+                         "At the settings of Fig. 1, N = %d, the column is a cycle of %d tap%s with lambda = %.4f: not "
+                         "chaotic.",
+                         n, exponent.cycle, exponent.cycle == 1 ? "" : "s", exponent.lambda);
     }
     return status;
 }
@@ -117,7 +109,7 @@ typedef struct found {
     double low, high;     /* range of the parameter with chaos */
 } found;
 
-static found look_for(const sp_table *t) {
+static found find_chaos(const sp_table *t) {
     found f = {.best = -1, .low = INFINITY, .high = -INFINITY};
     for (int64_t k = 0; k < t->rows; k++) {
         if (!is_chaos(t, k))
@@ -131,13 +123,8 @@ static found look_for(const sp_table *t) {
     return f;
 }
 
-static sp_status skip_row(double t, const double *y, const double *v, void *user, sp_error *err) {
-    (void)t, (void)y, (void)v, (void)user, (void)err;
-    return SP_OK;
-}
-
 /* Adds the smallest separation over 400 taps at the point with the largest exponent. */
-static sp_status add_separation(tapped *p, const scan *s, double at, sp_error *err) {
+static sp_status add_separation(blackmore *p, const scan *s, double at, sp_error *err) {
     sp_tapped_spec c = scanned(s);
     sp_tapped_report report = {0};
     if (s->parameter == SP_TAPPED_BY_PERIOD)
@@ -145,22 +132,20 @@ static sp_status add_separation(tapped *p, const scan *s, double at, sp_error *e
     else
         c.amplitude = at;
     c.taps = 400;
-    sp_status status = sp_tapped_run(&c, 0, NULL, skip_row, NULL, &report, err);
+    sp_status status = sp_tapped_run(&c, 0, NULL, NULL, NULL, &report, err);
     if (status != SP_OK)
         return status;
-    double least = INFINITY;
-    for (int32_t k = 0; k < report.taps; k++)
-        least = fmin(least, report.tap[k].separation);
+    blackmore_row row = value("cm", 0, sp_blackmore_separation(&report), NAN);
     sp_tapped_report_free(&report);
-    blackmore_row row = value("cm", 0, least, NAN);
     row.equation = "(1)";
     row.relation = BLACKMORE_ABOVE;
-    snprintf(row.note, sizeof row.note, "400 taps at %s = %.3f; err: chaotic, one orbit of many", s->words, at);
-    return sp_blackmore_add(p, row, err, "smallest separation there, K = %g m g/r, over %s", s->stiffness, s->words);
+    sp_blackmore_note(&row, "400 taps at %s = %.3f; err: chaotic, one orbit of many", s->words, at);
+    sp_blackmore_add(p, row, "smallest separation there, K = %g m g/r, over %s", s->stiffness, s->words);
+    return SP_OK;
 }
 
-static sp_status add_exponents(tapped *p, const scan *s, const sp_table *t, sp_error *err) {
-    const found f = look_for(t);
+static sp_status add_exponents(blackmore *p, const scan *s, const sp_table *t, sp_error *err) {
+    const found f = find_chaos(t);
     const bool any = f.best >= 0;
     int64_t best = any ? f.best : 0;
     for (int64_t k = 0; k < t->rows && !any; k++)
@@ -168,13 +153,11 @@ static sp_status add_exponents(tapped *p, const scan *s, const sp_table *t, sp_e
             best = k;
     blackmore_row row = value("1/tap", 0, sp_table_number(t, best, 1), sp_table_number(t, best, 2));
     row.relation = BLACKMORE_ABOVE;
-    snprintf(row.note, sizeof row.note,
-             "at %s = %.3f; chaotic at %lld of %lld values from %.3g to %g; err: an estimate", s->words,
-             sp_table_number(t, best, 0), (long long)f.points, (long long)t->rows, s->from, s->to);
-    sp_status status =
-        sp_blackmore_add(p, row, err, "largest lambda, N = 1, K = %g m g/r, over %s", s->stiffness, s->words);
-    if (!any || status != SP_OK)
-        return status;
+    sp_blackmore_note(&row, "at %s = %.3f; chaotic at %lld of %lld values from %.3g to %g; err: an estimate", s->words,
+                      sp_table_number(t, best, 0), (long long)f.points, (long long)t->rows, s->from, s->to);
+    sp_blackmore_add(p, row, "largest lambda, N = 1, K = %g m g/r, over %s", s->stiffness, s->words);
+    if (!any)
+        return SP_OK;
     const char *unit = s->parameter == SP_TAPPED_BY_PERIOD ? "s" : "cm";
     sp_blackmore_say(
         p, BLACKMORE_CHAOS,
@@ -184,21 +167,21 @@ static sp_status add_exponents(tapped *p, const scan *s, const sp_table *t, sp_e
         sp_table_number(t, best, 1));
     if (s->parameter == SP_TAPPED_BY_AMPLITUDE) {
         row = value(unit, NAN, f.low, (s->to - s->from) / (EXPONENTS - 1));
-        snprintf(row.note, sizeof row.note, "err: the step of the scan, of %lld values", (long long)t->rows);
-        status = sp_blackmore_add(p, row, err, "smallest a with chaos, N = 1, K = %g m g/r", s->stiffness);
+        sp_blackmore_note(&row, "err: the step of the scan, of %lld values", (long long)t->rows);
+        sp_blackmore_add(p, row, "smallest a with chaos, N = 1, K = %g m g/r", s->stiffness);
     } else {
         row = value("1/tap", 0, sp_table_number(t, 0, 1), sp_table_number(t, 0, 2));
         row.relation = BLACKMORE_ABOVE;
-        snprintf(
-            row.note, sizeof row.note,
+        sp_blackmore_note(
+            &row,
             "the shortest period that (2) allows; of the orbit from rest, others may be chaotic; err: an estimate");
-        status = sp_blackmore_add(p, row, err, "lambda at T = pi/omega, N = 1, K = %g m g/r", s->stiffness);
+        sp_blackmore_add(p, row, "lambda at T = pi/omega, N = 1, K = %g m g/r", s->stiffness);
     }
-    return status == SP_OK ? add_separation(p, s, sp_table_number(t, best, 0), err) : status;
+    return add_separation(p, s, sp_table_number(t, best, 0), err);
 }
 
 /* The table's warning about violations of (1) at some points, up to its first comma. */
-static const char *disorder(const sp_table *t, char *text, size_t size) {
+static const char *violation_text(const sp_table *t, char *text, size_t size) {
     static const char start[] = "warning: ordering (1) violated";
     text[0] = '\0';
     for (int k = 0; k < t->comments; k++)
@@ -209,7 +192,7 @@ static const char *disorder(const sp_table *t, char *text, size_t size) {
     return text;
 }
 
-static sp_status show_scan(tapped *p, const scan *s, sp_table *exponents, sp_error *err) {
+static sp_status show_scan(blackmore *p, const scan *s, sp_table *exponents, sp_error *err) {
     sp_table orbits = sp_table_none();
     sp_tapped_spec c = scanned(s);
     char name[48], text[120], caption[320];
@@ -228,14 +211,14 @@ static sp_status show_scan(tapped *p, const scan *s, sp_table *exponents, sp_err
     snprintf(caption, sizeof caption,
              "One particle, K = %g m g/r: its position at .99T of %d taps over %s, and the Lyapunov exponent%s.",
              s->stiffness, SHOWN, s->parameter == SP_TAPPED_BY_PERIOD ? "the period" : "the amplitude",
-             disorder(&orbits, text, sizeof text));
+             violation_text(&orbits, text, sizeof text));
     if (status == SP_OK)
         status = sp_blackmore_draw(p, BLACKMORE_CHAOS, s->name, 2, both, NULL, caption, err);
     sp_table_free(&orbits);
     return status;
 }
 
-static sp_status make_scan(tapped *p, const scan *plan, sp_error *err) {
+static sp_status make_scan(blackmore *p, const scan *plan, sp_error *err) {
     scan own = *plan, *s = &own;
     if (!(s->from > 0))
         s->from = 0.5 / sp_blackmore_column(1).frequency * (1 + 1e-9);
@@ -253,12 +236,12 @@ static sp_status make_scan(tapped *p, const scan *plan, sp_error *err) {
     return status;
 }
 
-sp_status sp_blackmore_make_chaos(tapped *p, sp_error *err) {
+sp_status sp_blackmore_make_chaos(blackmore *p, sp_error *err) {
     sp_status status = add_fixed_point(p, err);
     if (status == SP_OK)
         status = add_cycles(p, err);
     for (int k = 0; k < SCANS && status == SP_OK; k++) {
-        status = sp_blackmore_tell(p, 0.05 + 0.95 * k / SCANS, err);
+        status = sp_blackmore_progress(p, 0.05 + 0.95 * k / SCANS, err);
         if (status == SP_OK)
             status = make_scan(p, &scans[k], err);
     }

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846, step = 0.01; /* the paper's steps [s, cm] */
+static const double step = 0.01; /* the paper's steps [s, cm] */
 
 enum { WAVES = 241, CURVES = 4 };
 
@@ -18,7 +18,7 @@ static const char *const names[CURVES] = {"eq35", "eq37", "longwave", "lattice"}
 
 static sp_status evaluate(const sp_tapped_spec *c, symbols *s, sp_error *err) {
     static const sp_tapped_model models[] = {SP_TAPPED_EQ35, SP_TAPPED_EQ37, SP_TAPPED_LONGWAVE};
-    const double h = 2 * sp_tapped_radius(c, 1), unit = sp_tapped_stiffness(c) * h * h / sp_tapped_mass(c, 1);
+    const double h = 2 * sp_tapped_radius(c, 1), unit = sp_blackmore_speed2(c);
     sp_status status = SP_OK;
     for (int i = 0; i < WAVES; i++) {
         const double k = s->k[i] = 0.01 * pow(10, 4.5 * i / (WAVES - 1)), x = sin(0.5 * k * h) / (0.5 * k * h);
@@ -31,12 +31,12 @@ static sp_status evaluate(const sp_tapped_spec *c, symbols *s, sp_error *err) {
             s->speed2[j][i] = at.speed2 / unit;
         }
         s->growth[3][i] = 0;
-        s->speed2[3][i] = k * h <= pi ? x * x : NAN;
+        s->speed2[3][i] = k * h <= blackmore_pi ? x * x : NAN;
     }
     return status;
 }
 
-static sp_status save(tapped *p, const symbols *s, sp_error *err) {
+static sp_status save(blackmore *p, const symbols *s, sp_error *err) {
     sp_table t = sp_table_none();
     char name[40];
     sp_status status = sp_table_add_comment(&t, err,
@@ -60,7 +60,7 @@ static sp_status save(tapped *p, const symbols *s, sp_error *err) {
     return status;
 }
 
-static sp_status draw(tapped *p, symbols *s, sp_error *err) {
+static sp_status draw(blackmore *p, symbols *s, sp_error *err) {
     static const char *const labels[CURVES] = {"(35) as printed", "(37) as printed", "long wave here", "lattice"};
     static const sp_dash dash[CURVES] = {SP_DASH_SOLID, SP_DASH_DASHED, SP_DASH_SOLID, SP_DASH_DOTTED};
     sp_curve growth[2], speed[CURVES];
@@ -105,21 +105,21 @@ static sp_status draw(tapped *p, symbols *s, sp_error *err) {
 
 static blackmore_row value(const char *equation, const char *unit, double paper, double ours, const char *note) {
     blackmore_row row = {.item = BLACKMORE_SYMBOLS, .equation = equation, .unit = unit, .paper = paper, .ours = ours};
-    snprintf(row.note, sizeof row.note, "%s", note);
+    sp_blackmore_note(&row, "%s", note);
     return row;
 }
 
-static sp_status add_coefficients(tapped *p, const sp_tapped_spec *c, sp_error *err) {
-    const double r = sp_tapped_radius(c, 1), alpha = 0.5 / r;
-    blackmore_row row = value("(38)", "", 2.5, 1.5 + 6 * r * alpha - 16 * pow(r * alpha, 3), "");
+static void add_coefficients(blackmore *p, const sp_tapped_spec *c) {
+    const double h = 2 * sp_tapped_radius(c, 1);
+    const blackmore_coefficients a = sp_blackmore_coefficients(0.5 * h, 1 / h);
+    blackmore_row row = value("(38)", "", 2.5, a.plus, "");
     row.precision = 0.05;
-    sp_status status = sp_blackmore_add(p, row, err, "A(+) at chi(0) = 1/2, alpha = 1/h");
-    row = value("(38)", "1/h", -1, alpha * (1 - 8 * r * r * alpha * alpha) * 2 * r, "");
-    return status == SP_OK ? sp_blackmore_add(p, row, err, "B at alpha = 1/h") : status;
+    sp_blackmore_add(p, row, "A(+) at chi(0) = 1/2, alpha = 1/h");
+    sp_blackmore_add(p, value("(38)", "1/h", -1, a.b * h, ""), "B at alpha = 1/h");
 }
 
 /* Adds the largest growth rate of (37), and that of (35) on the paper's grid. */
-static sp_status add_growth(tapped *p, const sp_tapped_spec *c, const symbols *s, sp_error *err) {
+static sp_status add_growth(blackmore *p, const sp_tapped_spec *c, const symbols *s, sp_error *err) {
     const double h = 2 * sp_tapped_radius(c, 1);
     double most = 0, at = 0;
     for (int i = 0; i < WAVES; i++)
@@ -138,76 +138,67 @@ static sp_status add_growth(tapped *p, const sp_tapped_spec *c, const symbols *s
         }
     }
     sp_tapped_symbol grid;
-    sp_status status = sp_tapped_symbol_at(c, SP_TAPPED_EQ35, 1 / h, 1, pi / step, &grid, err);
+    sp_status status = sp_tapped_symbol_at(c, SP_TAPPED_EQ35, 1 / h, 1, blackmore_pi / step, &grid, err);
+    if (status != SP_OK)
+        return status;
     blackmore_row row = value("(37)", "1/s", NAN, most, "");
     row.err = 1e-6 * most; /* error of the maximum, quadratic in the step of k */
-    snprintf(row.note, sizeof row.note, "at k = %.4g /cm: a factor of %.3g in each step of 0.01 s", at,
-             exp(step * most));
-    if (status == SP_OK)
-        status = sp_blackmore_add(p, row, err, "largest growth rate of all waves");
+    sp_blackmore_note(&row, "at k = %.4g /cm: a factor of %.3g in each step of 0.01 s", at, exp(step * most));
+    sp_blackmore_add(p, row, "largest growth rate of all waves");
     row = value("(35)", "1/s", NAN, grid.growth, "grows as k^2, without bound: a finer grid is worse");
-    if (status == SP_OK)
-        status = sp_blackmore_add(p, row, err, "growth rate of the shortest wave on dz = 0.01 cm");
+    sp_blackmore_add(p, row, "growth rate of the shortest wave on dz = 0.01 cm");
     sp_blackmore_say(
         p, BLACKMORE_SYMBOLS,
         "(37) has no waves below k = %.3g /cm: they grow, by up to %.4g /s. (35), of the other sign, has waves "
         "there and growth above, without bound in k. No scheme helps: a finer one follows the growth better.",
         at * sqrt(2), most);
-    return status;
+    return SP_OK;
 }
 
-static sp_status add_speeds(tapped *p, const sp_tapped_spec *c, sp_error *err) {
-    const double h = 2 * sp_tapped_radius(c, 1), unit = sp_tapped_stiffness(c) * h * h / sp_tapped_mass(c, 1);
+static sp_status add_speeds(blackmore *p, const sp_tapped_spec *c, sp_error *err) {
+    const double h = 2 * sp_tapped_radius(c, 1), unit = sp_blackmore_speed2(c);
     blackmore_row row = value("(35)", "K h^2/m", NAN, sp_tapped_expansion_speed2(c, 1 / h, 1) / unit,
                               "the lattice has +1/2: all orders of the expansion are as large as the last");
-    sp_status status = sp_blackmore_add(p, row, err, "c^2 of the expansion with its coefficients put right");
+    sp_blackmore_add(p, row, "c^2 of the expansion with its coefficients put right");
     row = value("Sect. 7", "", 1, sqrt(unit), "dt = dz = 0.01 is printed; above 1 central differences blow up");
     row.relation = BLACKMORE_BELOW;
-    if (status == SP_OK)
-        status = sp_blackmore_add(p, row, err, "CFL number of the paper's steps, N = 10");
+    sp_blackmore_add(p, row, "CFL number of the paper's steps, N = 10");
     sp_tapped_symbol wave = {0};
-    if (status == SP_OK)
-        status = sp_tapped_symbol_at(c, SP_TAPPED_LONGWAVE, 1 / h, 0.95, pi / h, &wave, err);
+    const sp_status status = sp_tapped_symbol_at(c, SP_TAPPED_LONGWAVE, 1 / h, 0.95, blackmore_pi / h, &wave, err);
+    if (status != SP_OK)
+        return status;
     row = value("-", "1/s", NAN, wave.growth, "of the model that is run instead, at y_z = 0.95: damped, as all k are");
-    return status == SP_OK ? sp_blackmore_add(p, row, err, "growth rate of the long wave here, k = pi/h") : status;
-}
-
-static sp_status skip_row(double t, const double *y, const double *v, void *user, sp_error *err) {
-    (void)t, (void)y, (void)v, (void)user, (void)err;
+    sp_blackmore_add(p, row, "growth rate of the long wave here, k = pi/h");
     return SP_OK;
 }
 
 /* Adds the library's refusals of both. */
-static sp_status add_refusals(tapped *p, const sp_tapped_spec *c, sp_error *err) {
+static void add_refusals(blackmore *p, const sp_tapped_spec *c) {
     static const sp_tapped_model models[2] = {SP_TAPPED_EQ35, SP_TAPPED_EQ37};
-    sp_status status = SP_OK;
-    for (int k = 0; k < 2 && status == SP_OK; k++) {
+    for (int k = 0; k < 2; k++) {
         sp_tapped_spec own = *c;
         sp_error why = {0};
         own.model = models[k];
-        const bool refused = sp_tapped_run(&own, 0, NULL, skip_row, NULL, NULL, &why) == SP_EREFUSED;
+        const bool refused = sp_tapped_run(&own, 0, NULL, NULL, NULL, NULL, &why) == SP_EREFUSED;
         blackmore_row row =
             value(k == 0 ? "(35)" : "(37)", "", k == 0 ? NAN : 1, refused ? 0 : 1, "refused; the command says why");
-        status = sp_blackmore_add(p, row, err, "can be run as printed (1: yes)");
+        sp_blackmore_add(p, row, "can be run as printed (1: yes)");
         sp_blackmore_say(p, BLACKMORE_SYMBOLS, "The command refuses %s: %s.", row.equation, why.text);
     }
-    return status;
 }
 
-sp_status sp_blackmore_make_symbols(tapped *p, sp_error *err) {
+sp_status sp_blackmore_make_symbols(blackmore *p, sp_error *err) {
     const sp_tapped_spec c = sp_blackmore_column(10);
     symbols *s = sp_alloc(1, sizeof *s);
     if (!s)
         return sp_fail_memory(err, sizeof *s);
     sp_status status = evaluate(&c, s, err);
-    if (status == SP_OK)
-        status = add_coefficients(p, &c, err);
+    add_coefficients(p, &c);
     if (status == SP_OK)
         status = add_growth(p, &c, s, err);
     if (status == SP_OK)
         status = add_speeds(p, &c, err);
-    if (status == SP_OK)
-        status = add_refusals(p, &c, err);
+    add_refusals(p, &c);
     if (status == SP_OK)
         status = save(p, s, err);
     if (status == SP_OK)

@@ -9,14 +9,14 @@
 /* Stores the reason in err (may be NULL) and returns status: `return sp_fail(err, SP_EINVAL, "...", ...)`. */
 SP_SHARED sp_status sp_fail(sp_error *err, sp_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-/* Does the same for a wrong value of a key. err->key is the key, and the text begins with it:
+/* The same for a wrong value of a key. Sets err->key and begins the text with the key:
  * `sp_fail_key(err, SP_EINVAL, "packing.width", " = %g: must be ...", ...)`. */
 SP_SHARED sp_status sp_fail_key(sp_error *err, sp_status status, const char *key, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 /* Prepends "prefix: " to the reason in err, for example the file name that only the caller knows. Returns err's
  * status. */
 SP_SHARED sp_status sp_fail_prefix(sp_error *err, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Prepends "key: " and makes it the key at fault: the user gave the wrong value through this key. */
+/* Prepends "key: " and sets err->key, for a wrong value that the user gave through this key. */
 SP_SHARED sp_status sp_fail_prefix_key(sp_error *err, const char *key);
 
 /* Allocates zeroed memory for count elements of size bytes, aligned to 64 bytes. A count of 0 gives one element.

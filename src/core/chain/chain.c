@@ -73,8 +73,8 @@ sp_status sp_chain_walls_signal(const sp_chain *chain, int64_t n, const double *
     if (status != SP_OK || n < 1)
         return status;
     if (!(8 * t[n - 1] < 0.5 * sp_memory_limit()))
-        return sp_fail(err, SP_EINVAL, "chain: t = %g; needs %.3g GB, of which there are %.3g", t[n - 1],
-                       8e-9 * t[n - 1], 0.5e-9 * sp_memory_limit());
+        return sp_fail(err, SP_EINVAL, "chain: t = %g needs %.3g GB, %.3g are available", t[n - 1], 8e-9 * t[n - 1],
+                       0.5e-9 * sp_memory_limit());
     const int64_t orders = sp_bessel_orders(2 * t[n - 1]) / 2 + 1;
     double *c = sp_alloc((size_t)orders, sizeof *c), *x = sp_alloc((size_t)n, sizeof *x);
     if (c && x) {

@@ -53,7 +53,7 @@ static sp_status fit(int64_t grains, sp_chain_source source, series *s, sp_error
 }
 
 /* The point between `low` and `high` at which the series crosses `level`. */
-static double place(const series *s, double low, double high, double level) {
+static double find_crossing(const series *s, double low, double high, double level) {
     const int up = value(s, low) < level;
     for (int step = 0; step < 200; step++) {
         const double middle = 0.5 * (low + high);
@@ -92,13 +92,13 @@ sp_status sp_chain_front(int64_t grains, sp_chain_source source, sp_front *out, 
     if (top == 0 || top == SAMPLES || !(sample[fall] <= 0))
         return sp_fail(err, SP_EFAILED, "chain: no front of %lld grains about t = %g", (long long)grains, length);
     sp_front front = {.crossings = 1};
-    front.t_peak = place(&slope, s.from + (top - 1) * step, s.from + (top + 1) * step, 0);
+    front.t_peak = find_crossing(&slope, s.from + (top - 1) * step, s.from + (top + 1) * step, 0);
     front.amplitude = value(&s, front.t_peak);
     const double level = sp_front_options_default().rise * front.amplitude;
     while (rise < top && sample[rise] < level)
         rise++;
-    front.t10 = place(&s, s.from + (rise - 1) * step, s.from + rise * step, level);
-    front.t_zero = place(&s, s.from + (fall - 1) * step, s.from + fall * step, 0);
+    front.t10 = find_crossing(&s, s.from + (rise - 1) * step, s.from + rise * step, level);
+    front.t_zero = find_crossing(&s, s.from + (fall - 1) * step, s.from + fall * step, 0);
     front.width = front.t_zero - front.t10;
     *out = front;
     return SP_OK;

@@ -12,22 +12,22 @@ sp_equilibrium sp_equilibrium_none(void) { return (sp_equilibrium){0}; }
 void sp_equilibrium_free(sp_equilibrium *e) {
     sp_cholesky_free(e->factor);
     sp_lu_free(e->lu);
-    sp_free(e->solid);
+    sp_free(e->factored);
     sp_free(e->diagonal);
     sp_sparse_free(&e->k);
-    sp_free(e->chosen);
+    sp_free(e->free_dofs);
     sp_free(e->work);
     *e = sp_equilibrium_none();
 }
 
 /* A wall's springs: their number and their total tangential stiffness. */
-typedef struct hold {
+typedef struct wall_support {
     int32_t springs;
     double tangential;
-} hold;
+} wall_support;
 
-static hold wall_hold(const sp_network *net, int32_t wall) {
-    hold h = {0, 0};
+static wall_support support_of(const sp_network *net, int32_t wall) {
+    wall_support h = {0, 0};
     for (int32_t k = net->n_bulk; k < net->n_springs; k++)
         if (net->springs[k].j == wall) {
             h.springs++;
@@ -61,16 +61,19 @@ static sp_status check_connected(const sp_network *net, sp_error *err) {
         }
     }
     sp_free(reached);
-    return top ? SP_OK : sp_fail(err, SP_EREFUSED, "the network is in parts: no springs lead from wall to wall");
+    return top ? SP_OK : sp_fail(err, SP_EREFUSED, "no chain of springs leads from wall to wall");
 }
 
 static sp_status check_network(const sp_network *net, sp_error *err) {
-    const int32_t bottom = wall_hold(net, SP_BOTTOM).springs, top = wall_hold(net, SP_TOP).springs;
+    const int32_t bottom = support_of(net, SP_BOTTOM).springs, top = support_of(net, SP_TOP).springs;
     if (bottom == 0 || top == 0)
         return sp_fail(err, SP_EREFUSED, "moduli need carrying contacts at both walls, there are %d and %d", bottom,
                        top);
     return check_connected(net, err);
 }
+
+/* The degree of freedom of column c of K. */
+static int64_t dof_of(const sp_equilibrium *e, int64_t c) { return e->free_dofs ? e->free_dofs[c] : c; }
 
 static double largest_diagonal(const sp_equilibrium *e) {
     double largest = 0;
@@ -81,31 +84,31 @@ static double largest_diagonal(const sp_equilibrium *e) {
 
 /* Fixes degrees of freedom that no strain can move, which changes no force: rotations without any tangential spring,
  * and, between walls without friction, the sideways position of the network, at its first grain. */
-static void hold_free(const sp_equilibrium *e) {
+static void fix_free_motions(const sp_equilibrium *e) {
     const sp_network *net = e->net;
     const double largest = largest_diagonal(e);
     for (int64_t c = 0; c < e->k.n; c++) {
-        const int64_t d = e->chosen ? e->chosen[c] : c;
+        const int64_t d = dof_of(e, c);
         if (d % net->dof >= net->dim && e->k.x[e->diagonal[c]] == 0)
             e->k.x[e->diagonal[c]] = largest;
     }
-    for (int a = 0; a < net->dim - 1 && e->slips && !e->chosen; a++)
+    for (int a = 0; a < net->dim - 1 && e->slips && !e->free_dofs; a++)
         e->k.x[e->diagonal[a]] += largest;
 }
 
 /* Floppy parts, such as a cluster with too few contacts, make K singular. K u = f still has a solution if f consists of
  * spring forces, since these do no work on a motion that stretches no spring; the stress is the same for all
  * solutions. So this fraction is added to the diagonal, and iterative refinement removes its effect. */
-static const double RAISE = 1e-9;
+static const double SHIFT_SMALLEST = 1e-9;
 
-static void raise_diagonal(const sp_equilibrium *e) {
+static void shift_diagonal(const sp_equilibrium *e) {
     const double largest = largest_diagonal(e);
     for (int64_t c = 0; c < e->k.n; c++) {
         double *x = &e->k.x[e->diagonal[c]];
-        if (e->raised == RAISE_DIAGONAL)
-            *x += e->raise * (*x > 0 ? *x : largest);
-        else if (e->raised == RAISE_MASS)
-            *x += e->raise * e->net->mass[e->chosen ? e->chosen[c] : c];
+        if (e->shift_kind == SHIFT_DIAGONAL)
+            *x += e->shift * (*x > 0 ? *x : largest);
+        else if (e->shift_kind == SHIFT_MASS)
+            *x += e->shift * e->net->mass[dof_of(e, c)];
     }
 }
 
@@ -120,14 +123,14 @@ static sp_status factorize_whole(sp_equilibrium *e, sp_error *err) {
     const size_t entries = (size_t)e->k.p[e->k.n];
     sp_status status = SP_OK;
     if (!e->lu) {
-        e->solid = sp_alloc(entries, sizeof *e->solid);
-        status = e->solid ? sp_lu_make(e->k.n, e->k.p, e->k.i, false, &e->lu, err)
-                          : sp_fail_memory(err, entries * sizeof *e->solid);
+        e->factored = sp_alloc(entries, sizeof *e->factored);
+        status = e->factored ? sp_lu_make(e->k.n, e->k.p, e->k.i, false, &e->lu, err)
+                             : sp_fail_memory(err, entries * sizeof *e->factored);
     }
     if (status != SP_OK)
         return status;
-    memcpy(e->solid, e->k.x, entries * sizeof *e->solid);
-    return sp_lu_factor(e->lu, e->solid, err);
+    memcpy(e->factored, e->k.x, entries * sizeof *e->factored);
+    return sp_lu_factor(e->lu, e->factored, err);
 }
 
 /* Factors K with fixed motions and shift, then restores K's diagonal. */
@@ -135,8 +138,8 @@ static sp_status factorize(sp_equilibrium *e, sp_error *err) {
     double *before = e->work;
     for (int64_t c = 0; c < e->k.n; c++)
         before[c] = e->k.x[e->diagonal[c]];
-    hold_free(e);
-    raise_diagonal(e);
+    fix_free_motions(e);
+    shift_diagonal(e);
     sp_status status = e->net->carried ? factorize_whole(e, err) : factorize_symmetric(e, err);
     for (int64_t c = 0; c < e->k.n; c++)
         e->k.x[e->diagonal[c]] = before[c];
@@ -144,12 +147,13 @@ static sp_status factorize(sp_equilibrium *e, sp_error *err) {
 }
 
 sp_status sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double *x, sp_error *err) {
-    return e->lu ? sp_lu_solve(e->lu, e->solid, e->transposed, b, x, err) : sp_cholesky_solve(e->factor, 1, b, x, err);
+    return e->lu ? sp_lu_solve(e->lu, e->factored, e->transposed, b, x, err)
+                 : sp_cholesky_solve(e->factor, 1, b, x, err);
 }
 
 /* Whether there are spheres with at most two contacts. One with two spins about the line through them; one with a
  * single contact has more free rotations. */
-static sp_status has_pivots(const sp_network *net, bool *out, sp_error *err) {
+static sp_status has_spins(const sp_network *net, bool *out, sp_error *err) {
     sp_spin *spin;
     *out = false;
     sp_status status = sp_spins_make(net, &spin, err);
@@ -160,14 +164,14 @@ static sp_status has_pivots(const sp_network *net, bool *out, sp_error *err) {
 }
 
 /* Factors K itself if it is regular, else with a shift. */
-static sp_status factorize_any(sp_equilibrium *e, sp_error *err) {
-    bool pivots;
-    sp_status status = has_pivots(e->net, &pivots, err);
-    if (status == SP_OK && !pivots)
+static sp_status factorize_or_shift(sp_equilibrium *e, sp_error *err) {
+    bool spins;
+    sp_status status = has_spins(e->net, &spins, err);
+    if (status == SP_OK && !spins)
         status = factorize(e, err);
-    if ((status == SP_OK && pivots) || status == SP_EREFUSED) {
-        e->raised = RAISE_DIAGONAL;
-        e->raise = e->net->carried ? RAISE_LOOSE : RAISE;
+    if ((status == SP_OK && spins) || status == SP_EREFUSED) {
+        e->shift_kind = SHIFT_DIAGONAL;
+        e->shift = e->net->carried ? SHIFT_NONSYMMETRIC : SHIFT_SMALLEST;
         status = factorize(e, err);
         if (status == SP_EREFUSED && e->net->prestress)
             sp_fail_prefix(err, "the network is unstable under its prestress");
@@ -210,7 +214,7 @@ sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_err
     sp_status status = check_network(net, err);
     if (status != SP_OK)
         return status;
-    const double bottom = wall_hold(net, SP_BOTTOM).tangential, top = wall_hold(net, SP_TOP).tangential;
+    const double bottom = support_of(net, SP_BOTTOM).tangential, top = support_of(net, SP_TOP).tangential;
     e.slips = net->dim > 1 && bottom == 0 && top == 0;
     e.grips = bottom > 0 && top > 0;
     if (net->carried)
@@ -220,7 +224,7 @@ sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_err
     if (status == SP_OK)
         status = allocate(&e, err);
     if (status == SP_OK)
-        status = factorize_any(&e, err);
+        status = factorize_or_shift(&e, err);
     if (status == SP_OK)
         *out = e;
     else
@@ -228,36 +232,36 @@ sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_err
     return status;
 }
 
-sp_status sp_equilibrium_raise(sp_equilibrium *e, equilibrium_raise raise, double fraction, sp_error *err) {
+sp_status sp_equilibrium_shift(sp_equilibrium *e, equilibrium_shift kind, double fraction, sp_error *err) {
     double fastest = 0;
     for (int64_t c = 0; c < e->k.n; c++)
-        fastest = fmax(fastest, e->k.x[e->diagonal[c]] / e->net->mass[e->chosen ? e->chosen[c] : c]);
-    e->raised = raise;
-    e->raise = fmax(fraction, RAISE) * (raise == RAISE_MASS ? fastest : 1);
+        fastest = fmax(fastest, e->k.x[e->diagonal[c]] / e->net->mass[dof_of(e, c)]);
+    e->shift_kind = kind;
+    e->shift = fmax(fraction, SHIFT_SMALLEST) * (kind == SHIFT_MASS ? fastest : 1);
     return factorize(e, err);
 }
 
 /* Extracts the rows and columns of K that are not fixed. */
-static sp_status choose(const sp_sparse *k, const uint8_t *held, sp_equilibrium *e, sp_error *err) {
+static sp_status extract_free(const sp_sparse *k, const uint8_t *fixed, sp_equilibrium *e, sp_error *err) {
     const size_t n = (size_t)k->n, entries = (size_t)k->p[k->n];
     int64_t *to = sp_alloc(n, sizeof *to), at = 0;
-    e->chosen = sp_alloc(n, sizeof *e->chosen);
+    e->free_dofs = sp_alloc(n, sizeof *e->free_dofs);
     e->k.p = sp_alloc(n + 1, sizeof *e->k.p);
     e->k.i = sp_alloc(entries, sizeof *e->k.i);
     e->k.x = sp_alloc(entries, sizeof *e->k.x);
-    if (!to || !e->chosen || !e->k.p || !e->k.i || !e->k.x) {
+    if (!to || !e->free_dofs || !e->k.p || !e->k.i || !e->k.x) {
         sp_free(to);
         return sp_fail_memory(err, 24 * n + 16 * entries);
     }
     for (int64_t c = 0; c < k->n; c++)
-        if (!held[c]) {
+        if (!fixed[c]) {
             to[c] = e->count;
-            e->chosen[e->count++] = c;
+            e->free_dofs[e->count++] = c;
         }
     for (int64_t c = 0; c < e->count; c++) {
-        const int64_t column = e->chosen[c];
+        const int64_t column = e->free_dofs[c];
         for (int64_t q = k->p[column]; q < k->p[column + 1]; q++)
-            if (!held[k->i[q]]) {
+            if (!fixed[k->i[q]]) {
                 e->k.i[at] = to[k->i[q]];
                 e->k.x[at++] = k->x[q];
             }
@@ -268,13 +272,14 @@ static sp_status choose(const sp_sparse *k, const uint8_t *held, sp_equilibrium 
     return SP_OK;
 }
 
-sp_status sp_equilibrium_hold(const sp_equilibrium *whole, const uint8_t *held, sp_equilibrium *out, sp_error *err) {
+sp_status sp_equilibrium_restrict(const sp_equilibrium *whole, const uint8_t *fixed, sp_equilibrium *out,
+                                  sp_error *err) {
     sp_equilibrium e = {.net = whole->net, .slips = whole->slips, .grips = whole->grips};
-    sp_status status = choose(&whole->k, held, &e, err);
+    sp_status status = extract_free(&whole->k, fixed, &e, err);
     if (status == SP_OK)
         status = allocate(&e, err);
     if (status == SP_OK && e.count > 0)
-        status = factorize_any(&e, err);
+        status = factorize_or_shift(&e, err);
     if (status == SP_OK)
         *out = e;
     else
@@ -282,17 +287,17 @@ sp_status sp_equilibrium_hold(const sp_equilibrium *whole, const uint8_t *held, 
     return status;
 }
 
-double sp_equilibrium_rest(sp_equilibrium *e, const double *f, const double *u, double *rest) {
+double sp_equilibrium_residual(sp_equilibrium *e, const double *f, const double *u, double *rest) {
     const int64_t n = sp_network_dofs(e->net);
     double *ku = e->work, sum = 0;
     if (e->transposed)
         sp_network_apply_transposed(e->net, u, ku);
     else
         sp_network_apply(e->net, u, ku);
-    if (e->chosen)
+    if (e->free_dofs)
         memset(rest, 0, (size_t)n * sizeof *rest);
     for (int64_t c = 0; c < e->count; c++) {
-        const int64_t d = e->chosen ? e->chosen[c] : c;
+        const int64_t d = dof_of(e, c);
         rest[d] = f[d] - ku[d];
         sum += rest[d] * rest[d];
     }
@@ -304,19 +309,19 @@ sp_status sp_equilibrium_solve(sp_equilibrium *e, const double *f, double *u, do
     const int64_t n = sp_network_dofs(e->net);
     double *rest = e->work + n, *right = e->work + 2 * n, *more = right + e->count, before;
     int pass = 0;
-    *residual = sp_equilibrium_rest(e, f, u, rest);
+    *residual = sp_equilibrium_residual(e, f, u, rest);
     if (e->count == 0)
         return SP_OK;
     do {
         before = *residual;
         for (int64_t c = 0; c < e->count; c++)
-            right[c] = rest[e->chosen ? e->chosen[c] : c];
+            right[c] = rest[dof_of(e, c)];
         sp_status status = sp_equilibrium_apply(e, right, more, err);
         if (status != SP_OK)
             return status;
         for (int64_t c = 0; c < e->count; c++)
-            u[e->chosen ? e->chosen[c] : c] += more[c];
-        *residual = sp_equilibrium_rest(e, f, u, rest);
+            u[dof_of(e, c)] += more[c];
+        *residual = sp_equilibrium_residual(e, f, u, rest);
     } while (++pass < 2 || (*residual < 0.5 * before && pass < PASSES_MAX));
     return SP_OK;
 }

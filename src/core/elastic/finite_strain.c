@@ -13,7 +13,7 @@
 
 /* Residual over the load: goal of Newton's method; goal if it converges slowly; largest value accepted. A single loose
  * grain that is still moving does not affect the stress. */
-static const double AIM = 1e-11, ENOUGH = 1e-9, ACCEPTED = 1e-6;
+static const double GOAL = 1e-11, SLOW_GOAL = 1e-9, ACCEPTED = 1e-6;
 
 /* Stiffness given to floppy motions in Newton steps, relative to that of their grains, to limit them. */
 static const double FLOPPY = 1e-4;
@@ -22,24 +22,24 @@ sp_finite_strain_options sp_finite_strain_options_default(void) {
     return (sp_finite_strain_options){.strain = 1e-6, .turning = true};
 }
 
-typedef struct run {
+typedef struct strain_run {
     const sp_packing *p;
     const sp_network *net;
-    sp_equilibrium rest; /* springs at rest */
-    sp_equilibrium now;  /* springs of the current contacts, if these differ too much from those at rest */
-    sp_equilibrium soft; /* springs at rest with stiffened floppy motions, if K is singular */
-    sp_network springs;  /* network of `current`; owns its springs and length */
-    int32_t *row;        /* [p->n] row of a grain in the network, from 1; 0: rattler */
+    sp_equilibrium initial;   /* springs at rest */
+    sp_equilibrium current;   /* springs of the current contacts, if these differ too much from those at rest */
+    sp_equilibrium stiffened; /* springs at rest with stiffened floppy motions, if K is singular */
+    sp_network springs;       /* network of `current`; owns its springs and length */
+    int32_t *row;             /* [p->n] row of a grain in the network, from 1; 0: rattler */
     vibration m;
     double strain, load; /* extension positive; norm of the forces of the affine strain */
-    double part;         /* fraction of its stiffness that a sliding or open contact keeps in Newton steps */
-    double *u, *more, *force, *best, *start; /* [dofs] */
+    double kept;         /* fraction of its stiffness that a sliding or open contact keeps in Newton steps */
+    double *u, *step, *force, *best, *start; /* [dofs] */
     sp_finite_strain out;
-} run;
+} strain_run;
 
 /* Selects contacts and gaps between grains of the network, and with walls. Weak contacts that are not springs of the
  * network are left out. */
-static sp_status choose_contacts(run *r, sp_error *err) {
+static sp_status choose_contacts(strain_run *r, sp_error *err) {
     const sp_network *net = r->net;
     vibration *m = &r->m;
     uint8_t *spring = sp_alloc((size_t)r->p->n_contacts, 1);
@@ -61,18 +61,18 @@ static sp_status choose_contacts(run *r, sp_error *err) {
     return status;
 }
 
-static void set_strain(run *r, int strain) {
+static void set_strain(strain_run *r, int strain) {
     for (int32_t k = 0; k < r->m.count; k++) {
         touching *t = &r->m.touch[k];
         double gap[3];
-        sp_strain_gap(r->net, strain, t->n0, t->length, gap);
+        sp_strain_displacement(r->net, strain, t->n0, t->length, gap);
         for (int a = 0; a < 3; a++)
             t->shift[a] = r->strain * gap[a];
     }
 }
 
 /* Forces on the grains at the displacement u; returns their norm. */
-static double forces(run *r, const double *u, double *force) {
+static double forces(strain_run *r, const double *u, double *force) {
     const sp_network *net = r->net;
     sp_vibration_rest(&r->m);
     for (int32_t i = 0; i < net->n; i++)
@@ -89,22 +89,22 @@ static double forces(run *r, const double *u, double *force) {
 
 /* Adds the spring of a contact in its current state. A sliding contact keeps a fraction of its tangential stiffness and
  * an open one a fraction of its whole stiffness, to limit the steps. */
-static void add_spring(run *r, int32_t k) {
-    const double part = r->part;
+static void add_spring(strain_run *r, int32_t k) {
+    const double kept = r->kept;
     sp_network *net = &r->springs;
     const touching *t = &r->m.touch[k];
     const double rest = t->overlap > 0 ? contact_normal_stiffness(t->e, t->overlap) : 0;
-    const double side = r->m.turns ? 0.5 * r->m.eta * (rest + t->kn) : 0;
+    const double tangential = r->m.turns ? 0.5 * r->m.eta * (rest + t->kn) : 0;
     sp_spring s = {.i = r->row[t->i] - 1, .j = t->j < 0 ? t->j : r->row[t->j] - 1, .ri = t->arm_i, .rj = t->arm_j};
-    s.kn = fmax(t->kn, part * rest); /* a contact that barely touches will be stiffer soon */
-    s.kt = t->kn > 0 && !sp_contact_slides(&r->m, t) ? side : part * side;
+    s.kn = fmax(t->kn, kept * rest); /* a contact that barely touches will be stiffer soon */
+    s.kt = t->kn > 0 && !sp_contact_slides(&r->m, t) ? tangential : kept * tangential;
     for (int a = 0; a < 3; a++)
         s.n[a] = r->m.straight ? t->n0[a] : t->n[a];
     net->length[net->n_springs] = t->length;
     net->springs[net->n_springs++] = s;
 }
 
-static sp_status factor_now(run *r, sp_error *err) {
+static sp_status factor_now(strain_run *r, sp_error *err) {
     sp_equilibrium e = sp_equilibrium_none();
     r->springs.n_springs = 0;
     for (int walls = 0; walls < 2; walls++) {
@@ -115,56 +115,56 @@ static sp_status factor_now(run *r, sp_error *err) {
             r->springs.n_bulk = r->springs.n_springs;
     }
     sp_status status = sp_equilibrium_make(&r->springs, &e, err);
-    if (status == SP_OK && e.raised)
-        status = sp_equilibrium_raise(&e, RAISE_DIAGONAL, FLOPPY, err);
+    if (status == SP_OK && e.shift_kind)
+        status = sp_equilibrium_shift(&e, SHIFT_DIAGONAL, FLOPPY, err);
     if (status == SP_OK) {
-        sp_equilibrium_free(&r->now);
-        r->now = e;
+        sp_equilibrium_free(&r->current);
+        r->current = e;
         r->out.factors++;
     }
     return status;
 }
 
-/* Takes `factor` times a step, halved as long as the forces grow much; returns their norm. */
-static double take_step(run *r, double taken, double before) {
+/* Takes `fraction` times a step, halved as long as the forces grow much; returns their norm. */
+static double take_step(strain_run *r, double fraction, double before) {
     const int64_t n = sp_network_dofs(r->net);
     double size;
     for (int64_t k = 0; k < n; k++)
-        r->u[k] += taken * r->more[k];
+        r->u[k] += fraction * r->step[k];
     size = forces(r, r->u, r->force);
     for (int turn = 0; turn < 6 && !(size < 2 * before); turn++) {
-        taken *= 0.5;
+        fraction *= 0.5;
         for (int64_t k = 0; k < n; k++)
-            r->u[k] -= taken * r->more[k];
+            r->u[k] -= fraction * r->step[k];
         size = forces(r, r->u, r->force);
     }
     return size;
 }
 
-static sp_equilibrium *at_rest(run *r) { return r->soft.factor ? &r->soft : &r->rest; }
+static sp_equilibrium *initial_factor(strain_run *r) { return r->stiffened.factor ? &r->stiffened : &r->initial; }
 
 static sp_status apply_tangent(void *with, const double *in, double *out, sp_error *err) {
-    run *r = with;
+    strain_run *r = with;
     const int64_t n = sp_network_dofs(r->net);
-    const sp_equilibrium *e = at_rest(r);
+    const sp_equilibrium *e = initial_factor(r);
     (void)err;
     memset(out, 0, (size_t)n * sizeof *out);
     sp_tangent_apply(&r->m, r->net, r->row, in, out);
-    for (int64_t k = 0; k < n && e->raised; k++) /* as in the factor */
-        out[k] += e->raise * e->k.x[e->diagonal[k]] * in[k];
+    for (int64_t k = 0; k < n && e->shift_kind; k++) /* as in the factor */
+        out[k] += e->shift * e->k.x[e->diagonal[k]] * in[k];
     return SP_OK;
 }
 
 static sp_status precondition(void *with, const double *in, double *out, sp_error *err) {
-    run *r = with;
+    strain_run *r = with;
     r->out.solves++;
-    return sp_equilibrium_apply(at_rest(r), in, out, err);
+    return sp_equilibrium_apply(initial_factor(r), in, out, err);
 }
 
 /* Newton's method with the exact tangent stiffness; keeps the best u in `best`. The tangent differs from the stiffness
  * at rest by a few numbers for each sliding contact, so GMRES needs few steps with the factor at rest as
  * preconditioner. */
-static sp_status follow_contacts(run *r, double *least, sp_error *err) {
+static sp_status newton_exact(strain_run *r, double *least, sp_error *err) {
     enum { STEPS_MAX = 40, PATIENCE = 4, SEARCH_MAX = 120 };
     const gmres_problem g = {sp_network_dofs(r->net), apply_tangent, precondition, r, 1e-4, SEARCH_MAX};
     const size_t bytes = (size_t)g.n * sizeof *r->u;
@@ -172,9 +172,9 @@ static sp_status follow_contacts(run *r, double *least, sp_error *err) {
     int stalled = 0;
     *least = size;
     memcpy(r->best, r->u, bytes);
-    for (int step = 0; step < STEPS_MAX && stalled < PATIENCE && size > AIM * r->load; step++) {
+    for (int step = 0; step < STEPS_MAX && stalled < PATIENCE && size > GOAL * r->load; step++) {
         const double before = size;
-        sp_status status = sp_gmres(&g, r->force, r->more, &left, err);
+        sp_status status = sp_gmres(&g, r->force, r->step, &left, err);
         if (status != SP_OK)
             return status;
         size = take_step(r, 1, before);
@@ -183,7 +183,7 @@ static sp_status follow_contacts(run *r, double *least, sp_error *err) {
             *least = size;
             memcpy(r->best, r->u, bytes);
         }
-        if (!isfinite(size) || (size > 0.5 * before && *least < ENOUGH * r->load))
+        if (!isfinite(size) || (size > 0.5 * before && *least < SLOW_GOAL * r->load))
             break;
     }
     return SP_OK;
@@ -192,39 +192,39 @@ static sp_status follow_contacts(run *r, double *least, sp_error *err) {
 /* Contacts that alternate between sticking and sliding can make the steps cycle, and a loose grain must travel far
  * until it is held again. After `stalled` steps without progress this tries other step lengths and stiffness
  * fractions. */
-static double unstick(run *r, int stalled) {
+static double vary_step(strain_run *r, int stalled) {
     static const double part[] = {3e-2, 3e-3, 3e-4, 3e-5, 1e-1, 1e-2};
-    r->part = part[stalled / 9 % 6];
+    r->kept = part[stalled / 9 % 6];
     return 1.0 / (1 << stalled / 3 % 3);
 }
 
 /* Newton's method with symmetric springs, where a sliding or open contact keeps a fraction of its stiffness. It needs
  * more steps but survives many changes of contacts. Continues from `u`; least: smallest residual so far. */
-static sp_status soften_contacts(run *r, double least, sp_error *err) {
+static sp_status newton_symmetric(strain_run *r, double least, sp_error *err) {
     enum { STEPS_MAX = 500, PATIENCE = 20 };
     const int64_t n = sp_network_dofs(r->net);
-    sp_equilibrium *factor = &r->rest;
+    sp_equilibrium *factor = &r->initial;
     double size = forces(r, r->u, r->force);
     int stalled = 0;
-    if (r->rest.raised) {
+    if (r->initial.shift_kind) {
         sp_status status = factor_now(r, err);
         if (status != SP_OK)
             return status;
-        factor = &r->now;
+        factor = &r->current;
     }
-    for (int step = 0; step < STEPS_MAX && size > AIM * r->load; step++) {
-        const double before = size, taken = unstick(r, stalled);
-        sp_status status = sp_equilibrium_apply(factor, r->force, r->more, err);
+    for (int step = 0; step < STEPS_MAX && size > GOAL * r->load; step++) {
+        const double before = size, fraction = vary_step(r, stalled);
+        sp_status status = sp_equilibrium_apply(factor, r->force, r->step, err);
         if (status != SP_OK)
             return status;
         r->out.solves++;
-        size = take_step(r, taken, before);
+        size = take_step(r, fraction, before);
         stalled = size < 0.9 * least ? 0 : stalled + 1;
         if (size < least) {
             least = size;
             memcpy(r->best, r->u, (size_t)n * sizeof *r->u);
         }
-        if (!isfinite(size) || (size > 0.3 * before && least < ENOUGH * r->load) ||
+        if (!isfinite(size) || (size > 0.3 * before && least < SLOW_GOAL * r->load) ||
             (stalled > PATIENCE && least < ACCEPTED * r->load))
             break;
         if (size > 0.3 * before) {
@@ -233,21 +233,21 @@ static sp_status soften_contacts(run *r, double least, sp_error *err) {
                 break;
             if (status != SP_OK)
                 return status;
-            factor = &r->now;
+            factor = &r->current;
         }
     }
     return SP_OK;
 }
 
 /* Starts from the linear solution. */
-static sp_status equilibrate(run *r, double *residual, sp_error *err) {
+static sp_status find_equilibrium(strain_run *r, double *residual, sp_error *err) {
     const size_t bytes = (size_t)sp_network_dofs(r->net) * sizeof *r->u;
     double least = 0;
     memcpy(r->start, r->u, bytes);
-    sp_status status = follow_contacts(r, &least, err);
+    sp_status status = newton_exact(r, &least, err);
     if (status == SP_OK && !(least < ACCEPTED * r->load) && least > 0) {
         memcpy(r->u, r->start, bytes);
-        status = soften_contacts(r, least, err);
+        status = newton_symmetric(r, least, err);
     }
     if (status != SP_OK)
         return status;
@@ -257,7 +257,7 @@ static sp_status equilibrate(run *r, double *residual, sp_error *err) {
     return SP_OK;
 }
 
-static void count_contacts(run *r) {
+static void count_contacts(strain_run *r) {
     int32_t sliding = 0, lost = 0, made = 0;
     for (int32_t k = 0; k < r->m.count; k++) {
         const touching *t = &r->m.touch[k];
@@ -271,25 +271,25 @@ static void count_contacts(run *r) {
 }
 
 /* One column of C: changes of the stress. A stretched contact pulls grain i towards j. */
-static void put_stress(const run *r, int strain, sp_stiffness *c) {
+static void put_stress(const strain_run *r, int strain, sp_stiffness *c) {
     const int strains = sp_strain_count(r->net);
     double sum[STRAINS_3D] = {0};
     for (int32_t k = 0; k < r->m.count; k++) {
         const touching *t = &r->m.touch[k];
         for (int b = 0; b < strains; b++) {
             double gap[3];
-            sp_strain_gap(r->net, b, t->n0, t->length, gap);
+            sp_strain_displacement(r->net, b, t->n0, t->length, gap);
             for (int a = 0; a < 3; a++)
                 sum[b] += t->force[a] * gap[a];
         }
     }
     for (int b = 0; b < strains; b++)
-        if (sp_strain_allowed(r->net, b, r->rest.grips))
+        if (sp_strain_allowed(r->net, b, r->initial.grips))
             c->c[b][strain] = sum[b] / (r->strain * sp_strain_volume(r->net));
 }
 
 /* Whether all contacts that may have closed were watched. */
-static bool within_reach(const run *r) {
+static bool within_reach(const strain_run *r) {
     double worst = 0, shift = 0;
     for (int32_t i = 0; i < r->net->n; i++)
         worst = fmax(worst, sp_norm(r->net->dim, r->best + (int64_t)i * r->net->dof));
@@ -307,7 +307,7 @@ static bool begins_to_slide(const vibration *m, const touching *t) {
 
 /* Reports the grain with the largest residual force. The contact law has no scale of its own except where contacts
  * open, close or begin to slide; a smaller strain changes fewer contacts. */
-static sp_status refuse(run *r, double residual, sp_error *err) {
+static sp_status report_failure(strain_run *r, double residual, sp_error *err) {
     int32_t worst = 0, contacts = 0, sliding = 0, changed = 0;
     const int dof = r->net->dof;
     for (int32_t i = 1; i < r->net->n; i++)
@@ -326,28 +326,29 @@ static sp_status refuse(run *r, double residual, sp_error *err) {
         "whose %d contacts %d slide; %s",
         -r->strain, residual, ACCEPTED, r->net->grain[worst], contacts, sliding,
         changed > 0 ? "contacts open, close or begin to slide, try a smaller strain"
-                    : "the contacts stay as they are at rest, a smaller strain is not likely to help");
+                    : "contacts do not change, so a smaller strain is not likely to help");
 }
 
-static sp_status strain_one(run *r, int strain, sp_stiffness *c, sp_error *err) {
+static sp_status strain_one(strain_run *r, int strain, sp_stiffness *c, sp_error *err) {
     const int64_t n = sp_network_dofs(r->net);
     double residual = 0;
     sp_strain_load(r->net, strain, r->force);
     memset(r->u, 0, (size_t)n * sizeof *r->u);
-    sp_status status = sp_equilibrium_solve(&r->rest, r->force, r->u, &residual, err);
+    sp_status status = sp_equilibrium_solve(&r->initial, r->force, r->u, &residual, err);
     if (status != SP_OK)
         return status;
     for (int64_t k = 0; k < n; k++)
         r->u[k] *= r->strain;
     r->load = fabs(r->strain) * sp_strain_load(r->net, strain, r->force);
     set_strain(r, strain);
-    status = equilibrate(r, &residual, err);
+    status = find_equilibrium(r, &residual, err);
     if (status != SP_OK)
         return status;
     if (!(residual < ACCEPTED))
-        return refuse(r, residual, err);
+        return report_failure(r, residual, err);
     if (!within_reach(r))
-        return sp_fail(err, SP_EREFUSED, "strain %g: grains move by more than their neighbourhood, must be smaller",
+        return sp_fail(err, SP_EREFUSED,
+                       "strain %g: grains move farther than the search for contacts reaches, must be smaller",
                        -r->strain);
     r->out.residual = fmax(r->out.residual, residual);
     count_contacts(r);
@@ -355,25 +356,25 @@ static sp_status strain_one(run *r, int strain, sp_stiffness *c, sp_error *err) 
     return SP_OK;
 }
 
-static sp_status strain_all(run *r, sp_stiffness *c, sp_error *err) {
+static sp_status strain_all(strain_run *r, sp_stiffness *c, sp_error *err) {
     sp_status status = SP_OK;
     for (int a = 0; a < STRAINS_3D; a++)
         for (int b = 0; b < STRAINS_3D; b++)
             c->c[a][b] = c->error[a][b] = NAN;
     for (int a = 0; a < sp_strain_count(r->net) && status == SP_OK; a++)
-        if (sp_strain_allowed(r->net, a, r->rest.grips))
+        if (sp_strain_allowed(r->net, a, r->initial.grips))
             status = strain_one(r, a, c, err);
     return status;
 }
 
-static sp_status hold_floppy(run *r, sp_error *err) {
-    sp_status status = sp_equilibrium_make(r->net, &r->soft, err);
-    return status == SP_OK ? sp_equilibrium_raise(&r->soft, RAISE_DIAGONAL, FLOPPY, err) : status;
+static sp_status stiffen_floppy(strain_run *r, sp_error *err) {
+    sp_status status = sp_equilibrium_make(r->net, &r->stiffened, err);
+    return status == SP_OK ? sp_equilibrium_shift(&r->stiffened, SHIFT_DIAGONAL, FLOPPY, err) : status;
 }
 
-static sp_status open_run(run *r, sp_error *err) {
+static sp_status open_run(strain_run *r, sp_error *err) {
     const size_t n = (size_t)sp_network_dofs(r->net);
-    sp_status status = sp_equilibrium_make(r->net, &r->rest, err);
+    sp_status status = sp_equilibrium_make(r->net, &r->initial, err);
     if (status == SP_OK)
         status = sp_vibration_make(r->p, 0, &r->m, err);
     if (status == SP_OK)
@@ -389,21 +390,21 @@ static sp_status open_run(run *r, sp_error *err) {
     r->u = sp_alloc(5 * n, sizeof *r->u);
     if (!r->springs.springs || !r->springs.length || !r->u)
         return sp_fail_memory(err, 5 * n * sizeof *r->u);
-    r->more = r->u + n;
+    r->step = r->u + n;
     r->force = r->u + 2 * n;
     r->best = r->u + 3 * n;
     r->start = r->u + 4 * n;
-    return r->rest.raised ? hold_floppy(r, err) : SP_OK;
+    return r->initial.shift_kind ? stiffen_floppy(r, err) : SP_OK;
 }
 
 sp_status sp_moduli_finite_strain(const sp_packing *p, const sp_network *net, double phi3s,
                                   const sp_finite_strain_options *opt, sp_finite_strain *out, sp_error *err) {
     if (!(fabs(opt->strain) >= 1e-12 && fabs(opt->strain) <= 0.01))
-        return sp_fail(err, SP_EINVAL, "strain %g, must be of size 1e-12 .. 0.01", opt->strain);
+        return sp_fail(err, SP_EINVAL, "strain %g, its magnitude must be 1e-12 .. 0.01", opt->strain);
     if (net->n_all != p->n)
-        return sp_fail(err, SP_EINVAL, "network of a packing of %d grains, must be of this one, of %d", net->n_all,
-                       p->n);
-    run r = {.p = p, .net = net, .strain = -opt->strain};
+        return sp_fail(err, SP_EINVAL, "network of a packing of %d grains, must be that of this packing, of %d",
+                       net->n_all, p->n);
+    strain_run r = {.p = p, .net = net, .strain = -opt->strain};
     sp_stiffness c = {0};
     sp_status status = open_run(&r, err);
     r.m.straight = !opt->turning;
@@ -411,7 +412,7 @@ sp_status sp_moduli_finite_strain(const sp_packing *p, const sp_network *net, do
         status = strain_all(&r, &c, err);
     if (status == SP_OK) {
         c.residual = r.out.residual;
-        sp_moduli_put(net, phi3s, &c, &r.out.moduli);
+        sp_moduli_from_stiffness(net, phi3s, &c, &r.out.moduli);
         *out = r.out;
     }
     sp_free(r.springs.springs);
@@ -419,8 +420,8 @@ sp_status sp_moduli_finite_strain(const sp_packing *p, const sp_network *net, do
     sp_free(r.row);
     sp_free(r.u);
     sp_vibration_free(&r.m);
-    sp_equilibrium_free(&r.now);
-    sp_equilibrium_free(&r.soft);
-    sp_equilibrium_free(&r.rest);
+    sp_equilibrium_free(&r.current);
+    sp_equilibrium_free(&r.stiffened);
+    sp_equilibrium_free(&r.initial);
     return status;
 }

@@ -6,6 +6,7 @@
 
 #include "base/base.h"
 #include "elastic/strain.h"
+#include "linalg/vector.h"
 #include "network/spins.h"
 
 #include <math.h>
@@ -14,8 +15,8 @@
 /* Bounds the errors of stresses. The stress a computed from u_b has the error u_a . (K u_b - f_b) over the volume, plus
  * rounding, where u_a is the exact solution for strain a (of K^T if K is not symmetric). A factor 2 covers the second
  * order. solutions, stresses: of all strains, [strains][n]; work: [4][n]. */
-static void put_errors(const sp_network *net, int strain, const double *solutions, const double *stresses, double *work,
-                       sp_stiffness *out) {
+static void bound_errors(const sp_network *net, int strain, const double *solutions, const double *stresses,
+                         double *work, sp_stiffness *out) {
     const int64_t n = sp_network_dofs(net);
     double *f = work, *ku = work + n, *size = work + 2 * n, sum[STRAINS_3D];
     const double *u = solutions + strain * n;
@@ -47,7 +48,7 @@ static sp_status solve_transposed(sp_equilibrium *e, double *f, double *rest, do
         if (sp_strain_allowed(e->net, a, e->grips))
             status = sp_equilibrium_solve(e, f, stresses + a * n, &residual, err);
         if (status == SP_OK && spin) {
-            sp_equilibrium_rest(e, f, stresses + a * n, rest);
+            sp_equilibrium_residual(e, f, stresses + a * n, rest);
             out->spins[a] = sp_spin_work(e->net, spin, rest) / sp_strain_volume(e->net);
         }
     }
@@ -64,15 +65,13 @@ static sp_status strain_all(sp_equilibrium *e, double *work, sp_stiffness *out, 
     for (int a = 0; a < strains; a++) {
         if (!sp_strain_allowed(net, a, e->grips))
             continue;
-        double residual = 0, norm = 0, *u = solutions + a * n;
+        double residual = 0, *u = solutions + a * n;
         const double scale = sp_strain_load(net, a, f);
         sp_status status = sp_equilibrium_solve(e, f, u, &residual, err);
         if (status != SP_OK)
             return status;
-        for (int64_t k = 0; k < n; k++)
-            norm += f[k] * f[k];
         /* in a lattice f is pure rounding error */
-        out->residual = fmax(out->residual, residual / fmax(sqrt(norm), 1e-6 * scale));
+        out->residual = fmax(out->residual, residual / fmax(sp_norm(n, f), 1e-6 * scale));
         sp_strain_stresses(net, a, u, out);
     }
     if (net->carried) {
@@ -82,17 +81,15 @@ static sp_status strain_all(sp_equilibrium *e, double *work, sp_stiffness *out, 
     }
     for (int a = 0; a < strains; a++)
         if (sp_strain_allowed(net, a, e->grips))
-            put_errors(net, a, solutions, stresses, work, out);
-    for (int a = 0; a < STRAINS_3D; a++)
-        for (int b = 0; b < STRAINS_3D; b++)
-            if (a >= strains || b >= strains || !sp_strain_allowed(net, a, e->grips) ||
-                !sp_strain_allowed(net, b, e->grips)) {
-                out->c[a][b] = NAN;
-                out->error[a][b] = NAN;
-            }
-    for (int b = 0; b < STRAINS_3D; b++)
-        if (b >= strains || !sp_strain_allowed(net, b, e->grips))
+            bound_errors(net, a, solutions, stresses, work, out);
+    for (int b = 0; b < STRAINS_3D; b++) {
+        const bool defined = sp_strain_allowed(net, b, e->grips);
+        for (int a = 0; a < STRAINS_3D; a++)
+            if (!defined || !sp_strain_allowed(net, a, e->grips))
+                out->c[a][b] = out->error[a][b] = NAN;
+        if (!defined)
             out->wall[b] = NAN;
+    }
     return SP_OK;
 }
 
@@ -110,7 +107,7 @@ static sp_status find_mechanisms(const sp_network *net, sp_stiffness *c, sp_erro
     return SP_OK;
 }
 
-static sp_status stiffness_of(sp_equilibrium *e, sp_stiffness *out, sp_error *err) {
+static sp_status compute_stiffness(sp_equilibrium *e, sp_stiffness *out, sp_error *err) {
     const size_t sets = e->net->carried ? 2 : 1;
     const size_t size = (4 + sets * (size_t)sp_strain_count(e->net)) * (size_t)sp_network_dofs(e->net);
     sp_stiffness c = {0};
@@ -132,7 +129,7 @@ sp_status sp_stiffness_make(const sp_network *net, sp_stiffness *out, sp_error *
     sp_equilibrium e = sp_equilibrium_none();
     sp_status status = sp_equilibrium_make(net, &e, err);
     if (status == SP_OK)
-        status = stiffness_of(&e, out, err);
+        status = compute_stiffness(&e, out, err);
     sp_equilibrium_free(&e);
     return status;
 }
@@ -143,35 +140,22 @@ static double speed(double modulus, double density) {
     return density > 0 ? sqrt((modulus < 0 ? 0 : modulus) / density) : NAN;
 }
 
-void sp_moduli_put(const sp_network *net, double phi3s, const sp_stiffness *s, sp_moduli *out) {
+void sp_moduli_from_stiffness(const sp_network *net, double phi3s, const sp_stiffness *s, sp_moduli *out) {
     const bool space = net->dim == 3;
-    const int up = space ? STRAIN_33_3D : STRAIN_SHEAR;
-    sp_moduli m = {
-        .c11 = s->c[STRAIN_11][STRAIN_11],
-        .c12 = s->c[STRAIN_11][STRAIN_22],
-        .c22 = s->c[STRAIN_22][STRAIN_22],
-        .c33 = s->c[up][up],
-        .c13 = NAN,
-        .c23 = NAN,
-        .c44 = s->c[STRAIN_23_3D][STRAIN_23_3D], /* NAN in 2D, like all strains that do not exist there */
-        .c55 = s->c[STRAIN_13_3D][STRAIN_13_3D],
-        .c66 = s->c[STRAIN_12_3D][STRAIN_12_3D],
-        .residual = s->residual,
-        .error11 = s->error[STRAIN_11][STRAIN_11],
-        .error12 = s->error[STRAIN_11][STRAIN_22],
-        .error22 = s->error[STRAIN_22][STRAIN_22],
-        .error33 = s->error[up][up],
-        .error13 = NAN,
-        .error23 = NAN,
-        .error44 = s->error[STRAIN_23_3D][STRAIN_23_3D],
-        .error55 = s->error[STRAIN_13_3D][STRAIN_13_3D],
-        .error66 = s->error[STRAIN_12_3D][STRAIN_12_3D],
-    };
-    if (space) {
-        m.c13 = s->c[STRAIN_11][STRAIN_33_3D];
-        m.c23 = s->c[STRAIN_22][STRAIN_33_3D];
-        m.error13 = s->error[STRAIN_11][STRAIN_33_3D];
-        m.error23 = s->error[STRAIN_22][STRAIN_33_3D];
+    const int c33 = space ? STRAIN_33_3D : STRAIN_SHEAR; /* longitudinal in 3D, shear in 2D */
+    sp_moduli m = {.residual = s->residual};
+    const struct {
+        double *c, *error;
+        int a, b;
+    } all[] = {{&m.c11, &m.error11, STRAIN_11, STRAIN_11},       {&m.c12, &m.error12, STRAIN_11, STRAIN_22},
+               {&m.c22, &m.error22, STRAIN_22, STRAIN_22},       {&m.c33, &m.error33, c33, c33},
+               {&m.c13, &m.error13, STRAIN_11, STRAIN_33_3D},    {&m.c23, &m.error23, STRAIN_22, STRAIN_33_3D},
+               {&m.c44, &m.error44, STRAIN_23_3D, STRAIN_23_3D}, {&m.c55, &m.error55, STRAIN_13_3D, STRAIN_13_3D},
+               {&m.c66, &m.error66, STRAIN_12_3D, STRAIN_12_3D}};
+    for (int k = 0; k < 9; k++) {
+        const bool exists = space || k < 4;
+        *all[k].c = exists ? s->c[all[k].a][all[k].b] : NAN;
+        *all[k].error = exists ? s->error[all[k].a][all[k].b] : NAN;
     }
     m.c_l = speed(space ? m.c33 : m.c22, phi3s);
     m.c_t = speed(space ? 0.5 * (m.c44 + m.c55) : m.c33, phi3s);
@@ -180,9 +164,9 @@ void sp_moduli_put(const sp_network *net, double phi3s, const sp_stiffness *s, s
 
 sp_status sp_moduli_of(sp_equilibrium *e, double phi3s, sp_moduli *out, sp_error *err) {
     sp_stiffness s;
-    sp_status status = stiffness_of(e, &s, err);
+    sp_status status = compute_stiffness(e, &s, err);
     if (status == SP_OK)
-        sp_moduli_put(e->net, phi3s, &s, out);
+        sp_moduli_from_stiffness(e->net, phi3s, &s, out);
     return status;
 }
 

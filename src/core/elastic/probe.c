@@ -50,41 +50,38 @@ static double square_of(const sp_network *net, const double *f) {
 /* Removes from f the part that accelerates floppy parts, and adds it to `removed`. For small s, s M (K + s M)^-1 f
  * keeps the load on a motion that K does not resist, and almost nothing else. Repetition removes what rounding leaves.
  * work: [2][n]. *share: the removed part of the square of f. */
-static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double *all, double *share, sp_error *err) {
+static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double *removed, double *share,
+                             sp_error *err) {
     enum { TURNS = 3, PASSES = 4 };
     const int64_t n = sp_network_dofs(e->net);
-    double *loose = work, *v = work + n;
+    double *floppy = work, *v = work + n;
     const double whole = square_of(e->net, f);
     for (int turn = 0; turn < TURNS; turn++) {
-        memcpy(loose, f, (size_t)n * sizeof *f);
+        memcpy(floppy, f, (size_t)n * sizeof *f);
         for (int pass = 0; pass < PASSES; pass++) {
-            sp_status status = sp_equilibrium_apply(e, loose, v, err);
+            sp_status status = sp_equilibrium_apply(e, floppy, v, err);
             if (status != SP_OK)
                 return status;
             for (int64_t k = 0; k < n; k++)
-                loose[k] = e->raise * e->net->mass[k] * v[k];
+                floppy[k] = e->shift * e->net->mass[k] * v[k];
         }
         if (turn == 0) {
-            const double part = square_of(e->net, loose) / whole;
+            const double part = square_of(e->net, floppy) / whole;
             if (!(part > 1e-20)) /* rounding errors only: there is nothing floppy to remove */
                 break;
             *share = fmax(*share, part);
         }
         for (int64_t k = 0; k < n; k++) {
-            f[k] -= loose[k];
-            all[k] += loose[k];
+            f[k] -= floppy[k];
+            removed[k] += floppy[k];
         }
     }
     return SP_OK;
 }
 
-/* Weights with which a residual changes f . u: the w with K^T w = f. For symmetric K this is u. */
-static sp_status find_weights(sp_equilibrium *e, const double *f, const double *u, double *w, sp_error *err) {
+/* Solves K^T w = f. */
+static sp_status solve_transposed(sp_equilibrium *e, const double *f, double *w, sp_error *err) {
     double residual;
-    if (!e->net->carried) {
-        memcpy(w, u, (size_t)sp_network_dofs(e->net) * sizeof *w);
-        return SP_OK;
-    }
     memset(w, 0, (size_t)sp_network_dofs(e->net) * sizeof *w);
     e->transposed = true;
     const sp_status status = sp_equilibrium_solve(e, f, w, &residual, err);
@@ -97,9 +94,14 @@ static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u
                              double *error, sp_error *err) {
     const int64_t n = sp_network_dofs(e->net);
     const double noise = sp_strain_noise(e->net);
-    double *rest = work, *size = work + n, *w = work + 2 * n, off = 0;
-    sp_status status = find_weights(e, f, u, w, err);
-    sp_equilibrium_rest(e, f, u, rest);
+    double *rest = work, *size = work + n, off = 0;
+    const double *w = u; /* the weights of a residual in f . u: for symmetric K, u itself */
+    sp_status status = SP_OK;
+    if (e->net->carried) {
+        status = solve_transposed(e, f, work + 2 * n, err);
+        w = work + 2 * n;
+    }
+    sp_equilibrium_residual(e, f, u, rest);
     sp_strain_rounding(e->net, -1, u, size, NULL);
     for (int64_t k = 0; k < n; k++)
         off += fabs(w[k]) * (fabs(rest[k]) + noise * (size[k] + fabs(f[k])));
@@ -109,7 +111,8 @@ static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u
 }
 
 /* Finds the grain with most of the energy. */
-static void find_loosest(const sp_network *net, const double *f, const double *u, double energy, sp_probe_moduli *out) {
+static void find_concentration(const sp_network *net, const double *f, const double *u, double energy,
+                               sp_probe_moduli *out) {
     for (int32_t i = 0; i < net->n; i++) {
         const double share = 0.5 * sp_dot(net->dof, f + (int64_t)i * net->dof, u + (int64_t)i * net->dof) / energy;
         if (share > out->concentrated) {
@@ -125,14 +128,14 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     const sp_network *net = e->net;
     const int64_t dofs = sp_network_dofs(net);
     const double height = net->box[net->dim - 1];
-    double *f = work, *u = work + dofs, *loose = work + 5 * dofs, residual, energy, error;
+    double *f = work, *u = work + dofs, *floppy = work + 5 * dofs, residual, energy, error;
     sp_status status = SP_OK;
-    memset(loose, 0, (size_t)dofs * sizeof *loose);
+    memset(floppy, 0, (size_t)dofs * sizeof *floppy);
     body_force(e, phi3s, n, axis, f);
     if (e->slips && axis != net->dim - 1)
         drop_net_force(net, axis, f);
-    if (e->raised == RAISE_MASS)
-        status = drop_floppy(e, f, work + 2 * dofs, loose, &out->left_out, err);
+    if (e->shift_kind == SHIFT_MASS)
+        status = drop_floppy(e, f, work + 2 * dofs, floppy, &out->left_out, err);
     memset(u, 0, (size_t)dofs * sizeof *u);
     if (status == SP_OK)
         status = sp_equilibrium_solve(e, f, u, &residual, err);
@@ -145,10 +148,11 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     if (status != SP_OK)
         return status;
     if (!(energy > 0))
-        return sp_fail(err, SP_EREFUSED, "probe sine:%d: the body force does the work %.3g, must be above 0: unstable",
-                       n, 2 * energy);
-    error += 2 * fabs(sp_dot(dofs, u, loose)); /* nonzero only for soft motions that are not quite floppy */
-    find_loosest(net, f, u, energy, out);
+        return sp_fail(err, SP_EREFUSED,
+                       "probe sine:%d: the work of the body force is %.3g, must be above 0: the network is unstable", n,
+                       2 * energy);
+    error += 2 * fabs(sp_dot(dofs, u, floppy)); /* nonzero only for soft motions that are not quite floppy */
+    find_concentration(net, f, u, energy, out);
     /* (B2) */
     const double c = sp_strain_area(net) * height * height * height / (4.0 * n * n * PI * PI * energy);
     *(axis == net->dim - 1 ? &out->along : &out->shear) = c;
@@ -159,17 +163,16 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
 static sp_status sine(sp_equilibrium *e, double phi3s, int n, double *work, sp_probe_moduli *out, sp_error *err) {
     const double most = 0.1;
     sp_status status = SP_OK;
-    if (e->raised == RAISE_DIAGONAL)
-        status = sp_equilibrium_raise(e, RAISE_MASS, e->net->carried ? RAISE_LOOSE : 0, err);
+    if (e->shift_kind == SHIFT_DIAGONAL)
+        status = sp_equilibrium_shift(e, SHIFT_MASS, e->net->carried ? SHIFT_NONSYMMETRIC : 0, err);
     if (status == SP_OK)
         status = sine_along(e, phi3s, n, e->net->dim - 1, work, out, err);
     if (status == SP_OK && e->net->dim > 1 && (e->grips || e->slips))
         status = sine_along(e, phi3s, n, 0, work, out, err);
     if (status == SP_OK && out->left_out > most)
-        status = sp_fail(
-            err, SP_EREFUSED,
-            "probe sine:%d: floppy parts leave %.2g of the squared body force without an answer, must be below %g", n,
-            out->left_out, most);
+        status = sp_fail(err, SP_EREFUSED,
+                         "probe sine:%d: %.2g of the squared body force acts on floppy parts, must be below %g", n,
+                         out->left_out, most);
     return status;
 }
 
@@ -187,7 +190,7 @@ static double line_field(double height, int n, double y) {
 /* fixed[i]: grain i lies on a line between the walls. Each line must cross a grain, and no grain may be crossed by two.
  * The lines at the walls are the walls themselves: displacing the grains in contact with them too gives higher moduli
  * than Table V, by 13% for C33 (the 2D shear modulus) of one line at p = 1e-4. */
-static sp_status find_lines(const sp_network *net, int n, uint8_t *held, sp_error *err) {
+static sp_status find_lines(const sp_network *net, int n, uint8_t *fixed, sp_error *err) {
     const double height = net->box[net->dim - 1], between = height / (n + 1);
     uint8_t *met = sp_alloc((size_t)n + 1, 1);
     sp_status status = met ? SP_OK : sp_fail_memory(err, (size_t)n + 1);
@@ -200,13 +203,13 @@ static sp_status find_lines(const sp_network *net, int n, uint8_t *held, sp_erro
                              "fewer",
                              n, between, net->grain[i], 2 * r);
         if (last == first)
-            held[i] = met[first] = 1;
+            fixed[i] = met[first] = 1;
     }
     for (int k = 1; k <= n && status == SP_OK; k++)
         if (!met[k])
             status =
-                sp_fail(err, SP_EREFUSED, "probe lines:%d: line %d, at height %.6g d, crosses no grain that carries", n,
-                        k, k * between);
+                sp_fail(err, SP_EREFUSED, "probe lines:%d: line %d, at height %.6g d, crosses no grain of the network",
+                        n, k, k * between);
     sp_free(met);
     return status;
 }
@@ -214,25 +217,20 @@ static sp_status find_lines(const sp_network *net, int n, uint8_t *held, sp_erro
 /* Weights with which a residual changes the energy u . K u/2, times 2. They come from K u + K^T u at free degrees of
  * freedom, which vanishes at equilibrium for symmetric K. load: [n] scratch. */
 static sp_status find_line_weights(sp_equilibrium *e, const double *u, double *load, double *weight, sp_error *err) {
-    const int64_t n = sp_network_dofs(e->net);
-    double residual;
-    memset(weight, 0, (size_t)n * sizeof *weight);
-    if (!e->net->carried) {
-        for (int64_t c = 0; c < e->count; c++)
-            weight[e->chosen[c]] = u[e->chosen[c]];
-        return SP_OK;
+    if (e->net->carried) {
+        sp_network_apply_transposed(e->net, u, load);
+        return solve_transposed(e, load, weight, err);
     }
-    sp_network_apply_transposed(e->net, u, load);
-    e->transposed = true;
-    const sp_status status = sp_equilibrium_solve(e, load, weight, &residual, err);
-    e->transposed = false;
-    return status;
+    memset(weight, 0, (size_t)sp_network_dofs(e->net) * sizeof *weight);
+    for (int64_t c = 0; c < e->count; c++)
+        weight[e->free_dofs[c]] = u[e->free_dofs[c]];
+    return SP_OK;
 }
 
 /* Apparent modulus and its error for one direction, with imposed displacements of fixed grains. For symmetric K the
  * energy is minimal at equilibrium, and its error is of second order: half the residual times the error of u, which u
  * bounds. work: [6][n]. */
-static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *held, int axis, double *work,
+static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *fixed, int axis, double *work,
                              sp_probe_moduli *out, sp_error *err) {
     const sp_network *net = e->net;
     const int64_t dofs = sp_network_dofs(net);
@@ -241,9 +239,9 @@ static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *held, int 
     double residual, rounding, off = 0;
     memset(f, 0, 2 * (size_t)dofs * sizeof *f);
     for (int32_t i = 0; i < net->n; i++)
-        if (held[i])
+        if (fixed[i])
             u[(int64_t)i * net->dof + axis] = line_field(height, n, height_of(net, i));
-    const double load = sp_equilibrium_rest(e, f, u, rest);
+    const double load = sp_equilibrium_residual(e, f, u, rest);
     sp_status status = sp_equilibrium_solve(e, f, u, &residual, err);
     if (status != SP_OK)
         return status;
@@ -254,10 +252,10 @@ static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *held, int 
     status = find_line_weights(e, u, work + 5 * dofs, weight, err);
     if (status != SP_OK)
         return status;
-    sp_equilibrium_rest(e, f, u, rest);
+    sp_equilibrium_residual(e, f, u, rest);
     sp_strain_rounding(net, -1, u, size, NULL);
     for (int64_t c = 0; c < e->count; c++) {
-        const int64_t k = e->chosen[c];
+        const int64_t k = e->free_dofs[c];
         off += fabs(weight[k]) * (fabs(rest[k]) + noise * size[k]);
     }
     /* (B3), u0 = 1 */
@@ -272,20 +270,20 @@ static sp_status lines(const sp_equilibrium *whole, int n, double *work, sp_prob
     const sp_network *net = whole->net;
     const int64_t dofs = sp_network_dofs(net);
     sp_equilibrium e = sp_equilibrium_none();
-    uint8_t *grain = sp_alloc((size_t)net->n, 1), *held = sp_alloc((size_t)dofs, 1);
-    sp_status status = grain && held ? SP_OK : sp_fail_memory(err, (size_t)net->n + (size_t)dofs);
+    uint8_t *grain = sp_alloc((size_t)net->n, 1), *fixed = sp_alloc((size_t)dofs, 1);
+    sp_status status = grain && fixed ? SP_OK : sp_fail_memory(err, (size_t)net->n + (size_t)dofs);
     if (status == SP_OK)
         status = find_lines(net, n, grain, err);
     for (int64_t k = 0; k < dofs && status == SP_OK; k++)
-        held[k] = k % net->dof < net->dim && grain[k / net->dof];
+        fixed[k] = k % net->dof < net->dim && grain[k / net->dof];
     if (status == SP_OK)
-        status = sp_equilibrium_hold(whole, held, &e, err);
+        status = sp_equilibrium_restrict(whole, fixed, &e, err);
     if (status == SP_OK)
         status = lines_along(&e, n, grain, net->dim - 1, work, out, err);
     if (status == SP_OK && net->dim > 1 && whole->grips)
         status = lines_along(&e, n, grain, 0, work, out, err);
     sp_equilibrium_free(&e);
-    sp_free(held);
+    sp_free(fixed);
     sp_free(grain);
     return status;
 }
@@ -307,7 +305,7 @@ static sp_status check_probe(const sp_network *net, double phi3s, const sp_probe
     if (height / (p->kind == SP_PROBE_SINE ? p->n : p->n + 1.0) < mean) {
         const char *name = p->kind == SP_PROBE_SINE ? "sine" : "lines";
         const int fit = (int)(height / mean), most = p->kind == SP_PROBE_SINE ? fit : fit / 2 * 2 - 1;
-        char right[40] = "there is none so coarse";
+        char right[40] = "none is coarse enough";
         if (most > 0)
             snprintf(right, sizeof right, "must be at most %s:%d", name, most);
         return sp_fail(err, SP_EREFUSED,
@@ -316,8 +314,8 @@ static sp_status check_probe(const sp_network *net, double phi3s, const sp_probe
     }
     if (p->kind == SP_PROBE_SINE && !(phi3s > 0))
         return sp_fail(err, SP_EREFUSED,
-                       "probe sine:%d needs Phi3*, which the packing, %.3g d high, has not: too low for layers at both "
-                       "walls to be left out",
+                       "probe sine:%d needs Phi3*, which is undefined in a packing %.3g d high: too low to leave out "
+                       "layers at both walls",
                        p->n, height);
     return SP_OK;
 }
@@ -328,7 +326,7 @@ sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, co
     sp_equilibrium e = sp_equilibrium_none();
     sp_moduli m;
     double *work = NULL;
-    sp_probe_moduli *each = NULL;
+    sp_probe_moduli *result = NULL;
     sp_status status = SP_OK;
     if (count < 0)
         return sp_fail(err, SP_EINVAL, "%d probes, must be 0 or more", count);
@@ -337,21 +335,21 @@ sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, co
     if (status != SP_OK)
         return status;
     work = sp_alloc(size, sizeof *work);
-    each = sp_alloc((size_t)count, sizeof *each);
-    status = work && each ? sp_equilibrium_make(net, &e, err) : sp_fail_memory(err, size * sizeof *work);
+    result = sp_alloc((size_t)count, sizeof *result);
+    status = work && result ? sp_equilibrium_make(net, &e, err) : sp_fail_memory(err, size * sizeof *work);
     if (status == SP_OK && global)
         status = sp_moduli_of(&e, phi3s, &m, err);
     for (int32_t k = 0; k < count && status == SP_OK; k++) {
-        each[k] = (sp_probe_moduli){.shear = NAN, .error_shear = NAN};
-        status = probe[k].kind == SP_PROBE_SINE ? sine(&e, phi3s, probe[k].n, work, &each[k], err)
-                                                : lines(&e, probe[k].n, work, &each[k], err);
+        result[k] = (sp_probe_moduli){.shear = NAN, .error_shear = NAN};
+        status = probe[k].kind == SP_PROBE_SINE ? sine(&e, phi3s, probe[k].n, work, &result[k], err)
+                                                : lines(&e, probe[k].n, work, &result[k], err);
     }
     if (status == SP_OK && global)
         *global = m;
     if (status == SP_OK && count > 0)
-        memcpy(out, each, (size_t)count * sizeof *out);
+        memcpy(out, result, (size_t)count * sizeof *out);
     sp_equilibrium_free(&e);
-    sp_free(each);
+    sp_free(result);
     sp_free(work);
     return status;
 }

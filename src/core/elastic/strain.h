@@ -4,7 +4,7 @@
 
 #include "elastic/stiffness.h"
 
-/* Number of strains in this dimension, and whether one of them is possible; grips: both walls have friction. */
+/* Number of strains in this dimension, and whether a strain exists and is possible; grips: both walls have friction. */
 int sp_strain_count(const sp_network *net);
 bool sp_strain_allowed(const sp_network *net, int strain, bool grips);
 /* Area of a wall and volume between the walls [d]. */
@@ -12,12 +12,12 @@ double sp_strain_area(const sp_network *net);
 double sp_strain_volume(const sp_network *net);
 
 /* Index in a vector of the network of entry `entry` of a row of B (network/rows.h). */
-static inline int64_t sp_strain_place(const sp_network *net, const sp_spring *s, int entry) {
+static inline int64_t sp_strain_index(const sp_network *net, const sp_spring *s, int entry) {
     return (int64_t)(entry < net->dof ? s->i : s->j) * net->dof + entry % net->dof;
 }
 
 /* Affine displacement of j's side of a contact relative to i's. */
-void sp_strain_gap(const sp_network *net, int strain, const double n[3], double length, double out[3]);
+void sp_strain_displacement(const sp_network *net, int strain, const double n[3], double length, double out[3]);
 
 /* f = -B^T k d with the affine relative displacements d at the contacts. Returns |k d|, the scale of its terms. */
 double sp_strain_load(const sp_network *net, int strain, double *f);

@@ -17,7 +17,7 @@ static void cross(const double a[3], const double b[3], double out[3]) {
 /* Change of the tangential force of a contact at Coulomb's limit. Along the force it is the change of the normal force
  * times the friction coefficient, whatever the slip; across it the spring still acts. The first part makes the
  * stiffness nonsymmetric. */
-static void limit(const vibration *m, const touching *t, double along, double push[3]) {
+static void limit_friction(const vibration *m, const touching *t, double along, double push[3]) {
     double force[3];
     for (int a = 0; a < 3; a++)
         force[a] = t->ft0[a] + t->ft[a];
@@ -30,8 +30,8 @@ static void limit(const vibration *m, const touching *t, double along, double pu
 }
 
 /* Change of the force on i due to the relative displacement and to the rotations times lever arms. */
-static void stiffen(const vibration *m, const touching *t, const double moved[3], const double turn[3],
-                    double push[3]) {
+static void force_change(const vibration *m, const touching *t, const double moved[3], const double turn[3],
+                         double push[3]) {
     const double *n = m->straight ? t->n0 : t->n, along = sp_dot(3, moved, n);
     memset(push, 0, 3 * sizeof *push);
     if (m->turns) {
@@ -43,7 +43,7 @@ static void stiffen(const vibration *m, const touching *t, const double moved[3]
             push[a] = kt * (moved[a] - along * n[a] - arm[a]);
     }
     if (sp_contact_slides(m, t))
-        limit(m, t, along, push);
+        limit_friction(m, t, along, push);
     for (int a = 0; a < 3; a++)
         push[a] += t->kn * along * n[a];
 }
@@ -62,7 +62,7 @@ static void add_contact(const vibration *m, const sp_network *net, const int32_t
         else
             turn[c - 3] = t->arm_i * one + t->arm_j * other;
     }
-    stiffen(m, t, moved, turn, push);
+    force_change(m, t, moved, turn, push);
     cross(m->straight ? t->n0 : t->n, push, twist);
     for (int d = 0; d < net->dof; d++) {
         const int c = sp_tangent_component(net, d);

@@ -32,7 +32,7 @@ typedef struct integrals {
     int32_t n;
     double *y;                /* [n] */
     double complex *z, *late; /* [n] */
-    double complex *turn;     /* [times] e^(i omega t) */
+    double complex *phase;    /* [times] e^(i omega t) */
 } integrals;
 
 /* Trapezoidal rule, exact up to rounding for a signal without frequencies beyond pi/spacing. A half cosine tapers the
@@ -43,7 +43,7 @@ static void integrate_plane(const sp_coherent_section *s, int32_t plane, double 
     for (int32_t l = 1; l < s->n && l * s->spacing < until; l++) {
         const double t = l * s->spacing;
         const double taper = t <= fade ? 1 : 0.5 + 0.5 * cos(M_PI * (t - fade) / (until - fade));
-        const double complex term = taper * f[l] * in->turn[l];
+        const double complex term = taper * f[l] * in->phase[l];
         z += term;
         late += t * term;
     }
@@ -232,9 +232,9 @@ static sp_status open_integrals(const sp_coherent_section *s, double omega, inte
         return sp_fail_memory(err, size * sizeof *in->z);
     }
     in->late = in->z + planes;
-    in->turn = in->z + 2 * planes;
+    in->phase = in->z + 2 * planes;
     for (int32_t l = 0; l < s->n; l++)
-        in->turn[l] = cexp(I * fmod(omega * (l * s->spacing), 2 * M_PI));
+        in->phase[l] = cexp(I * fmod(omega * (l * s->spacing), 2 * M_PI));
     return SP_OK;
 }
 

@@ -120,7 +120,7 @@ sp_status sp_front_find(int64_t n, const double *t, const double *f, const sp_fr
             front.t_zero = crossing(t, f, k, 0);
     front.width = front.t_zero - front.t10;
     if (!isfinite(front.t10) || !isfinite(front.t_peak) || !isfinite(front.amplitude))
-        return sp_fail(err, SP_EREFUSED, "no front: the numbers of the signal, up to %g, are too large", largest);
+        return sp_fail(err, SP_EREFUSED, "no front: the values of the signal, up to %g, are too large", largest);
     *out = front;
     return SP_OK;
 }

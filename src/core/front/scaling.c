@@ -32,7 +32,7 @@ typedef struct problem {
     void *memory;
 } problem;
 
-static double mark(const sp_front *f, mean_of m) {
+static double value_of(const sp_front *f, mean_of m) {
     switch (m) {
     case T10: return f->t10;
     case T_PEAK: return f->t_peak;
@@ -51,7 +51,7 @@ static means means_of(const sp_scaling_input *in, int row, int64_t n, const int6
     for (int64_t k = 0; k < n; k++) {
         const int64_t i = pick ? pick[k] : k;
         for (int m = 0; m < MEANS; m++) {
-            const double value = mark(&in->front[row][i], (mean_of)m);
+            const double value = value_of(&in->front[row][i], (mean_of)m);
             if (!isfinite(value))
                 continue;
             sum.value[m] += value;
@@ -121,7 +121,7 @@ static double residual_error(const sp_scaling_input *in, int row, const means *m
     const double dx = fit == FIT_SPEED ? 1 : 1 / l, dy = fit == FIT_SPEED || fit == FIT_GAMMA_LOG ? 1 : 1 / v;
     int64_t n = 0;
     for (int64_t k = 0; k < in->samples[row]; k++) {
-        const double value = mark(&in->front[row][k], m);
+        const double value = value_of(&in->front[row][k], m);
         if (isfinite(value))
             scratch[n++] = dy * (value - v) - slope * dx * (in->distance[row][k] - l);
     }
@@ -147,7 +147,7 @@ static void find_weights(problem *p, fit_of fit, double *scratch) {
     p->weighted[fit] = all;
 }
 
-static void take_fit(const problem *p, fit_of fit, sp_scaling_fit *out) {
+static void set_fit(const problem *p, fit_of fit, sp_scaling_fit *out) {
     sp_line line;
     int64_t n = 0;
     sp_scaling_fit f = {{NAN, NAN}, NAN, NAN, NAN, 0};
@@ -184,7 +184,7 @@ static void measure(const int64_t *size, const int64_t *const *pick, double *val
 static sp_estimate mean_and_error(const sp_scaling_input *in, int row, mean_of m, double *scratch) {
     int64_t n = 0;
     for (int64_t k = 0; k < in->samples[row]; k++) {
-        const double value = mark(&in->front[row][k], m);
+        const double value = value_of(&in->front[row][k], m);
         if (isfinite(value))
             scratch[n++] = value;
     }
@@ -192,7 +192,7 @@ static sp_estimate mean_and_error(const sp_scaling_input *in, int row, mean_of m
 }
 
 /* Means of a row. The distance is that of samples with a t10. */
-static void take_row(const sp_scaling_input *in, int row, double *scratch, sp_scaling_row *out) {
+static void set_row(const sp_scaling_input *in, int row, double *scratch, sp_scaling_row *out) {
     sp_estimate *const to[MEANS] = {&out->t10,           &out->t_peak, &out->t_zero,    &out->amplitude,
                                     &out->log_amplitude, &out->width,  &out->width_peak};
     for (int m = 0; m < MEANS; m++)
@@ -205,7 +205,7 @@ static void take_row(const sp_scaling_input *in, int row, double *scratch, sp_sc
         out->distance.error = 0;
 }
 
-static void take_intervals(const problem *p, const double *error, sp_scaling *s) {
+static void set_intervals(const problem *p, const double *error, sp_scaling *s) {
     static const sp_estimate none = {NAN, NAN};
     for (int r = 0; r < s->rows; r++) {
         sp_scaling_row *row = &s->row[r];
@@ -259,7 +259,7 @@ static sp_status problem_make(const sp_scaling_input *in, problem *out, sp_error
     return SP_OK;
 }
 
-static void take_means(problem *p) {
+static void set_means(problem *p) {
     for (int r = 0; r < p->in->rows; r++)
         p->row[r] = means_of(p->in, r, p->in->samples[r], NULL);
 }
@@ -284,20 +284,20 @@ sp_status sp_scaling_make(const sp_scaling_input *in, sp_scaling *out, sp_error 
         status = problem_make(in, &p, err);
     if (status != SP_OK)
         goto out;
-    take_means(&p);
+    set_means(&p);
     for (int f = 0; f < FITS; f++)
         find_weights(&p, (fit_of)f, scratch);
     const sp_bootstrap_options options = sp_bootstrap_options_default();
     status = sp_bootstrap_many(in->joint ? 1 : in->rows, in->samples, values, measure, &p, &options, error, err);
     if (status != SP_OK)
         goto out;
-    take_means(&p);
+    set_means(&p);
     for (int r = 0; r < in->rows; r++)
-        take_row(in, r, scratch, &s.row[r]);
-    take_intervals(&p, error, &s);
+        set_row(in, r, scratch, &s.row[r]);
+    set_intervals(&p, error, &s);
     sp_scaling_fit *const fit[FITS] = {&s.gamma, &s.gamma_log, &s.alpha, &s.alpha_peak, &s.speed};
     for (int f = 0; f < FITS; f++) {
-        take_fit(&p, (fit_of)f, fit[f]);
+        set_fit(&p, (fit_of)f, fit[f]);
         fit[f]->value.error = isfinite(fit[f]->value.value) ? error[(in->rows - 1) * INTERVALS + f] : NAN;
     }
     *out = s;

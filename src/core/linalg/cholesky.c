@@ -32,7 +32,7 @@ static sp_status check_call(const sp_cholesky *c, sp_error *err) {
     if (state == CHOLMOD_OUT_OF_MEMORY)
         return sp_fail(err, SP_ENOMEM, "CHOLMOD: no memory for the factor");
     if (!c->factor || (state != CHOLMOD_OK && state != CHOLMOD_NOT_POSDEF))
-        return sp_fail(err, SP_EFAILED, "CHOLMOD: factorisation failed (status %d)", state);
+        return sp_fail(err, SP_EFAILED, "CHOLMOD: factorization failed (status %d)", state);
     return SP_OK;
 }
 

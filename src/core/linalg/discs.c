@@ -1,8 +1,10 @@
 /* Encloses the eigenvalues of a nonsymmetric matrix in Gershgorin discs. */
 #include "linalg/discs.h"
 #include "base/base.h"
+#include "linalg/arrays.h"
 #include "linalg/blas.h"
 #include "linalg/general.h"
+#include "linalg/vector.h"
 
 #include <cblas.h>
 #include <float.h>
@@ -10,56 +12,40 @@
 #include <string.h>
 
 void sp_discs_free(sp_discs *d) {
-    sp_free(d->re);
-    sp_free(d->im);
-    sp_free(d->radius);
+    sp_free(d->re); /* one block */
     *d = (sp_discs){0};
 }
 
 /* Dense n x n matrices by columns: eigenvectors V, approximate inverse Y of V, residuals R = A V - V D with the
  * eigenvalues D, and a product. */
-typedef struct frame {
+typedef struct diagonalization {
     int64_t n;
     const sp_sparse *a;
     sp_discs d;
     double *v, *y, *r, *product;
     double *sum, *size, *noise; /* [n] sums over rows */
-} frame;
+    double *memory;
+} diagonalization;
 
-static void frame_free(frame *f) {
-    sp_free(f->v);
-    sp_free(f->y);
-    sp_free(f->r);
-    sp_free(f->product);
-    sp_free(f->sum);
-}
-
-static sp_status frame_make(const sp_sparse *a, frame *f, sp_error *err) {
+static sp_status diagonalization_make(const sp_sparse *a, diagonalization *f, sp_error *err) {
     const size_t n = (size_t)a->n;
-    *f = (frame){.n = a->n, .a = a, .d = {.n = a->n}};
-    f->d.re = sp_alloc(n, sizeof *f->d.re);
-    f->d.im = sp_alloc(n, sizeof *f->d.im);
-    f->d.radius = sp_alloc(n, sizeof *f->d.radius);
-    f->v = sp_alloc(n * n, sizeof *f->v);
-    f->y = sp_alloc(n * n, sizeof *f->y);
-    f->r = sp_alloc(n * n, sizeof *f->r);
-    f->product = sp_alloc(n * n, sizeof *f->product);
-    f->sum = sp_alloc(n, 3 * sizeof *f->sum);
-    f->size = f->sum + n;
-    f->noise = f->sum + 2 * n;
-    return f->d.re && f->d.im && f->d.radius && f->v && f->y && f->r && f->product && f->sum
-               ? SP_OK
-               : sp_fail_memory(err, 4 * n * n * sizeof *f->v);
+    *f = (diagonalization){.n = a->n, .a = a, .d = {.n = a->n}};
+    const sp_array discs[] = {{&f->d.re, n}, {&f->d.im, n}, {&f->d.radius, n}, {0}};
+    const sp_array arrays[] = {{&f->v, n * n}, {&f->y, n * n}, {&f->r, n * n}, {&f->product, n * n},
+                               {&f->sum, n},   {&f->size, n},  {&f->noise, n}, {0}};
+    double *block;
+    const sp_status status = sp_arrays_make(discs, &block, err);
+    return status == SP_OK ? sp_arrays_make(arrays, &f->memory, err) : status;
 }
 
-static sp_status find_vectors(frame *f, sp_error *err) {
+static sp_status find_vectors(diagonalization *f, sp_error *err) {
     for (int64_t c = 0; c < f->n; c++)
         for (int64_t q = f->a->p[c]; q < f->a->p[c + 1]; q++)
             f->r[c * f->n + f->a->i[q]] = f->a->x[q];
     return sp_eigen_general(f->n, f->r, f->d.re, f->d.im, f->v, err);
 }
 
-static sp_status find_inverse(frame *f, sp_error *err) {
+static sp_status find_inverse(diagonalization *f, sp_error *err) {
     const lapack_int n = (lapack_int)f->n;
     lapack_int *pivots = sp_alloc((size_t)n, sizeof *pivots);
     if (!pivots)
@@ -73,7 +59,7 @@ static sp_status find_inverse(frame *f, sp_error *err) {
 }
 
 /* R = A V - V D, column by column. A pair (x, y) with eigenvalue a + i b satisfies A x = a x - b y, A y = b x + a y. */
-static void find_residuals(frame *f) {
+static void find_residuals(diagonalization *f) {
     const int64_t n = f->n;
     memset(f->r, 0, (size_t)n * (size_t)n * sizeof *f->r);
     for (int64_t k = 0; k < n; k++) {
@@ -107,15 +93,8 @@ static void row_sums(int64_t n, const double *x, double *out) {
             out[i] += fabs(x[c * n + i]);
 }
 
-static double largest(int64_t n, const double *x) {
-    double most = 0;
-    for (int64_t i = 0; i < n; i++)
-        most = fmax(most, x[i]);
-    return most;
-}
-
 /* Upper bound of the largest row sum of |1 - Y V|. */
-static double inverse_error(frame *f) {
+static double inverse_error(diagonalization *f) {
     const int64_t n = f->n;
     multiply(n, f->y, f->v, f->product);
     for (int64_t i = 0; i < n; i++)
@@ -123,12 +102,12 @@ static double inverse_error(frame *f) {
     row_sums(n, f->product, f->sum);
     row_sums(n, f->v, f->size);
     multiply_sizes(n, f->y, f->size, f->noise);
-    return largest(n, f->sum) + 2 * (double)n * DBL_EPSILON * largest(n, f->noise) + (double)n * DBL_EPSILON;
+    return sp_largest(n, f->sum) + 2 * (double)n * DBL_EPSILON * sp_largest(n, f->noise) + (double)n * DBL_EPSILON;
 }
 
 /* Bounds the rounding errors in the row sums of R. Each entry of A is a sum of terms no larger than the largest entry,
  * known to a few roundings. */
-static void residual_noise(frame *f) {
+static void residual_noise(diagonalization *f) {
     const int64_t n = f->n;
     double top = 0, turn = 0;
     row_sums(n, f->v, f->size);
@@ -147,11 +126,12 @@ static void residual_noise(frame *f) {
 }
 
 /* Row sums of |W| in V^-1 A V = D + W, with W = V^-1 R = (1 - F)^-1 Y R and F = 1 - Y V. */
-static sp_status find_radii(frame *f, sp_error *err) {
+static sp_status find_radii(diagonalization *f, sp_error *err) {
     const int64_t n = f->n;
     const double off = inverse_error(f);
     if (!(off < 0.5))
-        return sp_fail(err, SP_EREFUSED, "the eigenvectors are nearly dependent: their inverse is off by %.2g", off);
+        return sp_fail(err, SP_EREFUSED, "the eigenvectors are nearly dependent: their inverse has an error of %.2g",
+                       off);
     residual_noise(f);
     row_sums(n, f->r, f->sum);
     for (int64_t i = 0; i < n; i++)
@@ -161,7 +141,7 @@ static sp_status find_radii(frame *f, sp_error *err) {
     multiply_sizes(n, f->y, f->noise, f->size);
     for (int64_t i = 0; i < n; i++)
         f->sum[i] = (f->sum[i] + f->size[i]) * (1 + 2 * (double)n * DBL_EPSILON);
-    const double rest = off / (1 - off) * largest(n, f->sum);
+    const double rest = off / (1 - off) * sp_largest(n, f->sum);
     for (int64_t i = 0; i < n; i++)
         f->d.radius[i] = f->sum[i] + rest;
     for (int64_t i = 0; i + 1 < n; i++) /* the two rows of a complex pair form one block, which is normal */
@@ -173,8 +153,8 @@ static sp_status find_radii(frame *f, sp_error *err) {
 }
 
 sp_status sp_discs_make(const sp_sparse *a, sp_discs *out, sp_error *err) {
-    frame f;
-    sp_status status = frame_make(a, &f, err);
+    diagonalization f;
+    sp_status status = diagonalization_make(a, &f, err);
     if (status == SP_OK)
         status = find_vectors(&f, err);
     if (status == SP_OK)
@@ -183,7 +163,7 @@ sp_status sp_discs_make(const sp_sparse *a, sp_discs *out, sp_error *err) {
         find_residuals(&f);
         status = find_radii(&f, err);
     }
-    frame_free(&f);
+    sp_free(f.memory);
     if (status == SP_OK)
         *out = f.d;
     else

@@ -4,6 +4,7 @@
  * eigenvalue. */
 #include "linalg/lanczos.h"
 #include "base/base.h"
+#include "linalg/arrays.h"
 #include "linalg/blas.h"
 #include "linalg/eigen.h"
 
@@ -27,8 +28,9 @@ typedef struct lanczos {
     double *overlap;         /* [BLOCK][capacity + locked] */
     double b[BLOCK * BLOCK]; /* (A - sigma)^-1 last = basis h + next b, by columns */
     double *small, *theta,
-        *residual; /* eigenvectors [m][m] of h by columns, its eigenvalues, |b s| of each eigenvector s */
-    int64_t *rank; /* Ritz pairs in descending order of |theta| */
+        *residual;  /* eigenvectors [m][m] of h by columns, its eigenvalues, |b s| of each eigenvector s */
+    int64_t *rank;  /* Ritz pairs in descending order of |theta| */
+    double *memory; /* of all arrays except rank */
     uint64_t random;
     sp_lanczos_pairs *out;
 } lanczos;
@@ -85,7 +87,7 @@ static bool cholesky(double g[BLOCK * BLOCK]) {
 
 /* w = q r with orthonormal q; false if the columns are dependent. Done twice, because the error of a single pass grows
  * with the square of the condition number. */
-static bool orthonormalise(int64_t n, double *w, double r[BLOCK * BLOCK]) {
+static bool orthonormalize(int64_t n, double *w, double r[BLOCK * BLOCK]) {
     double g[2][BLOCK * BLOCK] = {{0}};
     for (int pass = 0; pass < 2; pass++) {
         cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, BLOCK, BLOCK, (int)n, 1, w, (int)n, w, (int)n, 0, g[pass],
@@ -107,7 +109,7 @@ static bool orthonormalise(int64_t n, double *w, double r[BLOCK * BLOCK]) {
 
 /* Orthonormalizes column by column. A column with nothing left beyond rounding errors (relative to `scale`) becomes a
  * random direction. */
-static void orthonormalise_weak(lanczos *z, double *w, int64_t known, const double scale[BLOCK]) {
+static void orthonormalize_columns(lanczos *z, double *w, int64_t known, const double scale[BLOCK]) {
     const int64_t n = z->n;
     for (int c = 0; c < BLOCK; c++) {
         double *x = w + c * n, before = norm(n, x);
@@ -164,9 +166,9 @@ static void next_block(lanczos *z, double *w, double *h) {
     bool weak = false;
     for (int c = 0; c < BLOCK; c++)
         weak = weak || !(norm(n, w + c * n) > 1e-12 * scale[c]);
-    if (weak || !orthonormalise(n, w, z->b)) {
+    if (weak || !orthonormalize(n, w, z->b)) {
         memcpy(w, z->copy, (size_t)(BLOCK * n) * sizeof *w);
-        orthonormalise_weak(z, w, known, scale);
+        orthonormalize_columns(z, w, known, scale);
         cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, BLOCK, BLOCK, (int)n, 1, w, (int)n, z->copy, (int)n, 0,
                     z->b, BLOCK);
     }
@@ -175,17 +177,13 @@ static void next_block(lanczos *z, double *w, double *h) {
 /* Extends the basis by one block. */
 static void step(lanczos *z) {
     const int64_t n = z->n;
-    const double clock = sp_clock_cpu();
     double *last = z->basis + (z->m - BLOCK) * n;
     sp_ldl_solve(z->factor, last, z->next);
     z->out->solves += BLOCK;
-    const double solved = sp_clock_cpu();
     double *h = z->h + (z->m - BLOCK) * z->capacity;
     for (int c = 0; c < BLOCK; c++)
         memset(h + c * z->capacity, 0, (size_t)z->capacity * sizeof *h);
     next_block(z, z->next, h);
-    z->out->seconds[0] += solved - clock;
-    z->out->seconds[1] += sp_clock_cpu() - solved;
 }
 
 static int by_magnitude(const void *a, const void *b, void *context) {
@@ -273,7 +271,7 @@ static int by_value(const void *a, const void *b, void *context) {
 }
 
 /* x = basis s + next b s/theta: one step of inverse iteration without a solve, since (A - sigma) x = basis s/theta. */
-static sp_status put_pairs(lanczos *z, int64_t count, sp_error *err) {
+static sp_status extract_pairs(lanczos *z, int64_t count, sp_error *err) {
     const int64_t n = z->n, m = z->m;
     double *chosen = sp_alloc((size_t)(m * count), sizeof *chosen);
     double *tail = sp_alloc((size_t)count, BLOCK * sizeof *tail);
@@ -317,30 +315,17 @@ out:
 static sp_status allocate(lanczos *z, sp_error *err) {
     const size_t n = (size_t)z->n, capacity = (size_t)z->capacity;
     const size_t overlap = capacity > (size_t)z->spec->locked_count ? capacity : (size_t)z->spec->locked_count;
-    z->basis = sp_alloc(capacity, n * sizeof *z->basis);
-    z->next = sp_alloc(BLOCK, n * sizeof *z->next);
-    z->copy = sp_alloc(BLOCK, n * sizeof *z->copy);
-    z->h = sp_alloc(capacity, capacity * sizeof *z->h);
-    z->small = sp_alloc(capacity, capacity * sizeof *z->small);
-    z->overlap = sp_alloc(overlap, BLOCK * sizeof *z->overlap);
-    z->theta = sp_alloc(capacity, sizeof *z->theta);
-    z->residual = sp_alloc(capacity, sizeof *z->residual);
+    const sp_array arrays[] = {{&z->basis, capacity * n},
+                               {&z->next, BLOCK * n},
+                               {&z->copy, BLOCK * n},
+                               {&z->h, capacity * capacity},
+                               {&z->small, capacity * capacity},
+                               {&z->overlap, overlap * BLOCK},
+                               {&z->theta, capacity},
+                               {&z->residual, capacity},
+                               {0}};
     z->rank = sp_alloc(capacity, sizeof *z->rank);
-    if (!z->basis || !z->next || !z->copy || !z->h || !z->small || !z->overlap || !z->theta || !z->residual || !z->rank)
-        return sp_fail_memory(err, ((capacity + 2 * BLOCK) * n + 2 * capacity * capacity) * sizeof(double));
-    return SP_OK;
-}
-
-static void free_scratch(lanczos *z) {
-    sp_free(z->basis);
-    sp_free(z->next);
-    sp_free(z->copy);
-    sp_free(z->h);
-    sp_free(z->small);
-    sp_free(z->overlap);
-    sp_free(z->theta);
-    sp_free(z->residual);
-    sp_free(z->rank);
+    return z->rank ? sp_arrays_make(arrays, &z->memory, err) : sp_fail_memory(err, capacity * sizeof *z->rank);
 }
 
 static void append(lanczos *z) {
@@ -358,16 +343,12 @@ static sp_status iterate(lanczos *z, sp_error *err) {
         z->first = z->m - BLOCK;
         if (z->m < check && !full)
             continue;
-        const double clock = sp_clock_cpu();
         sp_status status = ritz(z, err);
         if (status != SP_OK)
             return status;
         const int64_t count = converged(z);
-        if (count >= wanted) {
-            status = put_pairs(z, count, err);
-            z->out->seconds[2] += sp_clock_cpu() - clock;
-            return status;
-        }
+        if (count >= wanted)
+            return extract_pairs(z, count, err);
         /* the number of converged pairs grows in proportion to the number of further columns */
         const double slope = (double)(count - before + 1) / (double)(z->m - then);
         const double more = fmin(fmax(0.9 * (double)(wanted - count) / slope, BLOCK), 0.25 * (double)z->m);
@@ -387,16 +368,15 @@ static sp_status iterate(lanczos *z, sp_error *err) {
             check = keep + (z->capacity - keep) / 2;
             then = keep - BLOCK;
         }
-        z->out->seconds[2] += sp_clock_cpu() - clock;
     }
 }
 
 sp_status sp_lanczos(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_lanczos_pairs *out, sp_error *err) {
     sp_lanczos_pairs pairs = {0};
     lanczos z = {.factor = factor, .spec = spec, .n = n, .random = 1, .out = &pairs};
-    const int64_t room = n - spec->locked_count - BLOCK;
+    const int64_t limit = n - spec->locked_count - BLOCK;
     z.capacity = spec->wanted * 5 / 2 + 8 * BLOCK;
-    z.capacity = z.capacity < room ? z.capacity : room;
+    z.capacity = z.capacity < limit ? z.capacity : limit;
     z.capacity -= z.capacity % BLOCK;
     if (spec->wanted < 1 || z.capacity < spec->wanted + 4 * BLOCK || n > INT32_MAX / BLOCK)
         return sp_fail(err, SP_EREFUSED, "Lanczos: %lld modes of %lld degrees of freedom, must be fewer",
@@ -409,7 +389,8 @@ sp_status sp_lanczos(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_
         next_block(&z, z.next, NULL);
         status = iterate(&z, err);
     }
-    free_scratch(&z);
+    sp_free(z.memory);
+    sp_free(z.rank);
     if (status == SP_OK)
         *out = pairs;
     else

@@ -16,10 +16,9 @@ typedef struct sp_lanczos_spec {
 /* Converged pairs in the interval, at least `wanted`, eigenvalues ascending. */
 typedef struct sp_lanczos_pairs {
     int64_t count;
-    double *value;     /* [count] */
-    double *vector;    /* [count][n], orthonormal */
-    int64_t solves;    /* right-hand sides */
-    double seconds[3]; /* CPU time of solves, of orthogonalization, and of small eigenproblems and vectors */
+    double *value;  /* [count] */
+    double *vector; /* [count][n], orthonormal */
+    int64_t solves; /* right-hand sides */
 } sp_lanczos_pairs;
 
 /* factor: the factor of A - sigma. SP_EREFUSED without convergence, and if n is too small for `wanted`. */

@@ -53,7 +53,7 @@ static sp_status cholmod_failed(const sp_ldl *f, sp_error *err) {
         return sp_fail(err, SP_ENOMEM, "CHOLMOD: no memory for the factor");
     if (f->common.status == CHOLMOD_TOO_LARGE)
         return sp_fail(err, SP_EREFUSED, "CHOLMOD: the factor has more than 2^31 entries");
-    return sp_fail(err, SP_EFAILED, "CHOLMOD: factorisation failed (status %d)", f->common.status);
+    return sp_fail(err, SP_EFAILED, "CHOLMOD: factorization failed (status %d)", f->common.status);
 }
 
 /* The largest row sum of |A|, which bounds its norm. */
@@ -259,10 +259,6 @@ sp_status sp_ldl_factor(sp_ldl *f, double sigma, sp_error *err) {
 double sp_ldl_sigma(const sp_ldl *f) { return f->sigma; }
 int64_t sp_ldl_negative(const sp_ldl *f) { return f->negative; }
 double sp_ldl_error(const sp_ldl *f) { return f->ready ? f->error : HUGE_VAL; }
-int64_t sp_ldl_entries(const sp_ldl *f) {
-    const group *last = &f->group[f->groups - 1];
-    return last->values + last->width * (last->width - 1) / 2 + last->below * last->width;
-}
 
 /* x = L^-1 x for a group of w columns. */
 static ALWAYS_INLINE void forward(const sp_ldl *f, const group *g, int w, lanes *x) {

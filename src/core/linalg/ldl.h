@@ -20,8 +20,6 @@ int64_t sp_ldl_negative(const sp_ldl *f);
 /* Upper bound of |E|, where the factor is exactly that of A - sigma + E. Large if small pivots have spoilt the
  * factor. */
 double sp_ldl_error(const sp_ldl *f);
-/* Number of entries of the factor. A solve takes twice as many products for each right-hand side. */
-int64_t sp_ldl_entries(const sp_ldl *f);
 /* x = (A - sigma)^-1 b, [8][n] each. x may be b. Needs no memory and cannot fail. */
 void sp_ldl_solve(sp_ldl *f, const double *b, double *x);
 void sp_ldl_free(sp_ldl *f);

@@ -14,4 +14,12 @@ static inline double sp_dot(int64_t n, const double *a, const double *b) {
 
 static inline double sp_norm(int64_t n, const double *a) { return sqrt(sp_dot(n, a, a)); }
 
+/* Largest |a[k]|; 0 for n = 0. */
+static inline double sp_largest(int64_t n, const double *a) {
+    double largest = 0;
+    for (int64_t k = 0; k < n; k++)
+        largest = fmax(largest, fabs(a[k]));
+    return largest;
+}
+
 #endif

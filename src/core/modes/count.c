@@ -5,6 +5,12 @@
 #include <float.h>
 #include <math.h>
 
+void sp_scale_by_masses(const sp_network *net, sp_sparse *k) {
+    for (int64_t c = 0; c < k->n; c++)
+        for (int64_t q = k->p[c]; q < k->p[c + 1]; q++)
+            k->x[q] /= sqrt(net->mass[c]) * sqrt(net->mass[k->i[q]]);
+}
+
 void sp_counter_free(counter *c) {
     sp_ldl_free(c->ldl);
     *c = (counter){0};
@@ -18,11 +24,9 @@ sp_status sp_counter_make(const sp_network *net, counter *out, sp_error *err) {
     sp_status status = sp_network_assemble(net, &a, err);
     if (status != SP_OK)
         return status;
-    for (int64_t k = 0; k < a.n; k++) {
+    sp_scale_by_masses(net, &a);
+    for (int64_t k = 0; k < a.n; k++)
         longest = a.p[k + 1] - a.p[k] > longest ? a.p[k + 1] - a.p[k] : longest;
-        for (int64_t q = a.p[k]; q < a.p[k + 1]; q++)
-            a.x[q] /= sqrt(net->mass[k]) * sqrt(net->mass[a.i[q]]);
-    }
     /* An entry is a sum over a few springs, each within a few roundings of a diagonal entry, which is below top. A row
      * of the whole matrix has about twice the entries of a column of its lower triangle. */
     c.noise = DBL_EPSILON * c.top * 16 * sqrt(2 * (double)longest);

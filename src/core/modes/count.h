@@ -10,6 +10,9 @@ typedef struct counter {
     double noise; /* upper bound of |A as assembled - A| */
 } counter;
 
+/* K becomes A = M^-1/2 K M^-1/2. */
+void sp_scale_by_masses(const sp_network *net, sp_sparse *k);
+
 sp_status sp_counter_make(const sp_network *net, counter *out, sp_error *err);
 void sp_counter_free(counter *c);
 /* Bounds the number of modes with omega^2 <= limit: at least *least and at most *most, by the inertia just below and

@@ -2,6 +2,7 @@
  * matrices are symmetric, so u is also the left eigenvector (transposed, not conjugated):
  *   G(s) = (s^2 M + s C + K)^-1 = sum u u^T/((s - lambda) u^T (2 lambda M + C) u). */
 #include "base/base.h"
+#include "linalg/arrays.h"
 #include "linalg/general.h"
 #include "network/rows.h"
 
@@ -22,31 +23,30 @@ typedef struct damped {
     sp_source source;
     int64_t n; /* degrees of freedom */
     double omega, rate;
+    double *memory; /* of all arrays */
     double *matrix, *vectors, *re, *im;
-    double *sent, *seen, *felt;   /* [n] source, and detector vectors of springs and of dashpots */
-    double *u[2], *ku[2], *cu[2]; /* [n] real and imaginary parts */
+    double *source_vector;                      /* [n] */
+    double *spring_detector, *dashpot_detector; /* [n] detector vectors of springs and of dashpots */
+    double *u[2], *ku[2], *cu[2];               /* [n] real and imaginary parts */
 } damped;
-
-static void damped_free(damped *d) {
-    double *const all[] = {d->matrix, d->vectors, d->re,    d->im,    d->sent,  d->seen, d->felt,
-                           d->u[0],   d->u[1],    d->ku[0], d->ku[1], d->cu[0], d->cu[1]};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        sp_free(all[k]);
-    sp_network_free(&d->dashpots);
-}
 
 static sp_status allocate(damped *d, sp_error *err) {
     const size_t n = (size_t)d->n, order = 2 * n;
-    double **const all[] = {&d->re,   &d->im,    &d->sent,  &d->seen,  &d->felt, &d->u[0],
-                            &d->u[1], &d->ku[0], &d->ku[1], &d->cu[0], &d->cu[1]};
-    d->matrix = sp_alloc(order, order * sizeof *d->matrix);
-    d->vectors = sp_alloc(order, order * sizeof *d->vectors);
-    bool ok = d->matrix && d->vectors;
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
-        *all[k] = sp_alloc(order, sizeof(double));
-        ok = ok && *all[k];
-    }
-    return ok ? SP_OK : sp_fail_memory(err, (2 * order + 11) * order * sizeof(double));
+    const sp_array arrays[] = {{&d->matrix, order * order},
+                               {&d->vectors, order * order},
+                               {&d->re, order},
+                               {&d->im, order},
+                               {&d->source_vector, n},
+                               {&d->spring_detector, n},
+                               {&d->dashpot_detector, n},
+                               {&d->u[0], n},
+                               {&d->u[1], n},
+                               {&d->ku[0], n},
+                               {&d->ku[1], n},
+                               {&d->cu[0], n},
+                               {&d->cu[1], n},
+                               {0}};
+    return sp_arrays_make(arrays, &d->memory, err);
 }
 
 /* Adds factor M^-1/2 K M^-1/2, K that of net, to the block of the first-order matrix that begins at (row, column). */
@@ -75,7 +75,7 @@ static void fill_matrix(const damped *d) {
 }
 
 /* Reads u of eigenvalue k from the larger half of its vector. */
-static void take_vector(const damped *d, int64_t k) {
+static void load_vector(const damped *d, int64_t k) {
     const int64_t order = 2 * d->n;
     const number lambda = number_of(d->re[k], d->im[k]);
     const bool fast = cabs(lambda) > d->omega;
@@ -102,10 +102,10 @@ static number product(int64_t n, double *const x[2], const double *re, const dou
 
 /* Improves lambda by a Newton step, whose error is of second order because u is both left and right eigenvector. Stores
  * its error, residual and amplitudes. */
-static void finish_mode(const damped *d, int64_t k, sp_damped_modes *out) {
+static void refine_mode(const damped *d, int64_t k, sp_damped_modes *out) {
     const double *mass = d->net->mass;
     number lambda = number_of(d->re[k], d->im[k]);
-    take_vector(d, k);
+    load_vector(d, k);
     const number m = product(d->n, d->u, d->u[0], d->u[1], mass), c = product(d->n, d->u, d->cu[0], d->cu[1], NULL),
                  s = product(d->n, d->u, d->ku[0], d->ku[1], NULL);
     double size = 0, residual = 0;
@@ -123,11 +123,13 @@ static void finish_mode(const damped *d, int64_t k, sp_damped_modes *out) {
     const double error = fmin(cabs(step) + blur / cabs(slope), sqrt((blur + sqrt(residual * size)) / size));
     if (cabs(step) <= error && cabs(step) <= 1e-6 * d->omega)
         lambda -= d->im[k] != 0 ? step : creal(step);
-    number given = product(d->n, d->u, d->sent, NULL, NULL);
+    number excitation = product(d->n, d->u, d->source_vector, NULL, NULL);
     if (d->source == SP_SOURCE_DISPLACEMENT)
-        given = lambda * product(d->n, d->u, d->sent, NULL, mass) + product(d->n, d->cu, d->sent, NULL, NULL);
-    const number heard = product(d->n, d->u, d->seen, NULL, NULL) + lambda * product(d->n, d->u, d->felt, NULL, NULL);
-    const number weight = (d->im[k] != 0 ? 2 : 1) * heard * given / slope;
+        excitation = lambda * product(d->n, d->u, d->source_vector, NULL, mass) +
+                     product(d->n, d->cu, d->source_vector, NULL, NULL);
+    const number response = product(d->n, d->u, d->spring_detector, NULL, NULL) +
+                            lambda * product(d->n, d->u, d->dashpot_detector, NULL, NULL);
+    const number weight = (d->im[k] != 0 ? 2 : 1) * response * excitation / slope;
     const int64_t at = out->n++;
     out->omega[at] = d->im[k] != 0 ? fabs(cimag(lambda)) : 0;
     out->decay[at] = 0.0 - creal(lambda);
@@ -172,17 +174,16 @@ static sp_status sort_modes(sp_damped_modes *m, sp_error *err) {
 }
 
 static sp_status collect(const damped *d, sp_damped_modes *out, sp_error *err) {
-    double **const all[] = {&out->omega, &out->decay, &out->cosine, &out->sine, &out->error};
-    bool ok = true;
-    for (size_t q = 0; q < sizeof all / sizeof *all; q++) {
-        *all[q] = sp_alloc(2 * (size_t)d->n, sizeof(double));
-        ok = ok && *all[q];
-    }
-    if (!ok)
-        return sp_fail_memory(err, 10 * (size_t)d->n * sizeof(double));
+    const size_t n = 2 * (size_t)d->n;
+    const sp_array arrays[] = {{&out->omega, n}, {&out->decay, n}, {&out->cosine, n},
+                               {&out->sine, n},  {&out->error, n}, {0}};
+    double *block;
+    const sp_status status = sp_arrays_make(arrays, &block, err);
+    if (status != SP_OK)
+        return status;
     for (int64_t k = 0; k < 2 * d->n; k++)
         if (d->im[k] >= 0) /* one of each pair */
-            finish_mode(d, k, out);
+            refine_mode(d, k, out);
     return sort_modes(out, err);
 }
 
@@ -199,11 +200,11 @@ sp_status sp_damped_modes_make(const sp_network *net, double zeta, sp_source sou
     if (status == SP_OK)
         status = allocate(&d, err);
     if (status == SP_OK)
-        status = sp_network_source(net, source, d.sent, err);
+        status = sp_network_source(net, source, d.source_vector, err);
     if (status == SP_OK)
-        status = sp_network_detector(net, d.seen, err);
+        status = sp_network_detector(net, d.spring_detector, err);
     if (status == SP_OK)
-        status = sp_network_detector(&d.dashpots, d.felt, err);
+        status = sp_network_detector(&d.dashpots, d.dashpot_detector, err);
     if (status == SP_OK) {
         d.omega = sp_network_omega_bound(net);
         d.rate = sp_network_omega_bound(&d.dashpots) * sp_network_omega_bound(&d.dashpots);
@@ -212,7 +213,8 @@ sp_status sp_damped_modes_make(const sp_network *net, double zeta, sp_source sou
     }
     if (status == SP_OK)
         status = collect(&d, &m, err);
-    damped_free(&d);
+    sp_free(d.memory);
+    sp_network_free(&d.dashpots);
     if (status == SP_OK)
         *out = m;
     else

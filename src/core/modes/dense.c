@@ -24,6 +24,18 @@ static sp_status dense_matrix(const sp_network *net, double **out, sp_error *err
     return status;
 }
 
+/* Refines eigenvalues whose vectors LAPACK found; `above`: the next eigenvalue. */
+static sp_status refine(const sp_network *net, int64_t count, const double *vectors, const double *values, double above,
+                        sp_ritz *ritz, sp_error *err) {
+    const sp_refine_set set = {.count = count,
+                               .vectors = vectors,
+                               .values = values,
+                               .blur = 2 * sp_lapack_error(net),
+                               .below = -HUGE_VAL,
+                               .above = above};
+    return sp_modes_refine(net, &set, ritz, err);
+}
+
 /* Frequencies only. Reduces A to tridiagonal form once for all eigenvalues. Computes eigenvectors only of modes so soft
  * that LAPACK's error matters, and refines these. */
 static sp_status frequencies(const sp_network *net, double *a, sp_ritz *ritz, sp_error *err) {
@@ -53,14 +65,7 @@ static sp_status frequencies(const sp_network *net, double *a, sp_ritz *ritz, sp
     }
     status = sp_tridiagonal_vectors(&t, count, vectors, err);
     if (status == SP_OK)
-        status = sp_modes_refine(net,
-                                 &(sp_refine_set){.count = count,
-                                                  .vectors = vectors,
-                                                  .values = values,
-                                                  .blur = 2 * blur,
-                                                  .below = -HUGE_VAL,
-                                                  .above = count < n ? values[count] : HUGE_VAL},
-                                 ritz, err);
+        status = refine(net, count, vectors, values, count < n ? values[count] : HUGE_VAL, ritz, err);
 out:
     sp_free(vectors);
     sp_free(values);
@@ -74,14 +79,7 @@ static sp_status with_vectors(const sp_network *net, double *a, sp_ritz *ritz, s
     double *values = sp_alloc((size_t)n, sizeof *values);
     sp_status status = values ? sp_eigen_all(n, a, values, err) : sp_fail_memory(err, (size_t)n * sizeof *values);
     if (status == SP_OK)
-        status = sp_modes_refine(net,
-                                 &(sp_refine_set){.count = n,
-                                                  .vectors = a,
-                                                  .values = values,
-                                                  .blur = 2 * sp_lapack_error(net),
-                                                  .below = -HUGE_VAL,
-                                                  .above = HUGE_VAL},
-                                 ritz, err);
+        status = refine(net, n, a, values, HUGE_VAL, ritz, err);
     sp_free(values);
     return status;
 }
@@ -91,7 +89,7 @@ sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_
     sp_ritz *ritz = NULL;
     const int64_t n = sp_network_dofs(net);
     if (n > SP_MODES_DENSE_MAX)
-        return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom: all modes by a dense solver are for %d at the most",
+        return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom, must be at most %d for the dense solver",
                        (long long)n, SP_MODES_DENSE_MAX);
     sp_status status = sp_network_need_symmetry(net, "a table of modes", err);
     if (status == SP_OK)

@@ -12,12 +12,7 @@ sp_modes_options sp_modes_options_default(void) {
 sp_modes sp_modes_none(void) { return (sp_modes){.residual = NAN, .orthogonality = NAN}; }
 
 void sp_modes_free(sp_modes *m) {
-    sp_free(m->omega);
-    sp_free(m->error);
-    sp_free(m->a);
-    sp_free(m->b);
-    sp_free(m->participation);
-    sp_free(m->vectors);
+    sp_free(m->omega); /* all arrays are one block */
     *m = sp_modes_none();
 }
 
@@ -28,10 +23,6 @@ sp_modes_range sp_modes_range_band(double from, double to) { return (sp_modes_ra
 sp_damped_modes sp_damped_modes_none(void) { return (sp_damped_modes){0}; }
 
 void sp_damped_modes_free(sp_damped_modes *m) {
-    sp_free(m->omega);
-    sp_free(m->decay);
-    sp_free(m->cosine);
-    sp_free(m->sine);
-    sp_free(m->error);
+    sp_free(m->omega); /* all arrays are one block */
     *m = sp_damped_modes_none();
 }

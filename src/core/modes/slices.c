@@ -50,7 +50,7 @@ static sp_status reserve(slicer *z, int64_t count, sp_error *err) {
     sp_free(z->ritz);
     sp_free(z->vector);
     z->found = 0;
-    z->room = count;
+    z->capacity = count;
     z->vector = NULL;
     z->ritz = sp_alloc((size_t)count, sizeof *z->ritz);
     if (z->vectors)
@@ -81,8 +81,8 @@ sp_status sp_slicer_edge(slicer *z, double low, double high, slice_edge *out, sp
     }
     if (!(best.error < 0.5 * (high - low)))
         return sp_fail(err, SP_EREFUSED,
-                       "the number of modes below omega^2 = %.6g .. %.6g cannot be vouched for (a factor that is right "
-                       "to %.3g at best)",
+                       "the number of modes below omega^2 = %.6g .. %.6g cannot be certified (the best factor has an "
+                       "error of %.3g)",
                        low, high, best.error);
     if (sp_ldl_sigma(z->ldl) != best.sigma) {
         sp_status status = factor(z, best.sigma, &best, err);
@@ -105,7 +105,7 @@ sp_status sp_slicer_bottom(slicer *z, double depth, slice_edge *out, sp_error *e
             return status;
     }
     if (status == SP_OK && !(e.error < -e.sigma / 4))
-        return sp_fail(err, SP_EREFUSED, "no factor of K is good enough (error %.3g of omega^2 = %.3g)", e.error,
+        return sp_fail(err, SP_EREFUSED, "no factor of K is accurate enough (error %.3g of omega^2 = %.3g)", e.error,
                        z->top);
     if (status == SP_OK && e.below > 0)
         return sp_fail(err, SP_EREFUSED,
@@ -145,7 +145,7 @@ static int64_t neighbours(const slicer *z, slice_edge a, double width) {
     return count;
 }
 
-static sp_status leaf(slicer *z, slice_edge a, slice_edge b, int64_t wanted, sp_error *err) {
+static sp_status solve_slice(slicer *z, slice_edge a, slice_edge b, int64_t wanted, sp_error *err) {
     const double width = b.sigma - a.sigma;
     sp_lanczos_pairs p = {0};
     slice_edge middle;
@@ -180,13 +180,13 @@ static sp_status leaf(slicer *z, slice_edge a, slice_edge b, int64_t wanted, sp_
     return status;
 }
 
-static sp_status between(slicer *z, slice_edge a, slice_edge b, int64_t start, int depth, sp_error *err) {
+static sp_status solve_between(slicer *z, slice_edge a, slice_edge b, int64_t start, int depth, sp_error *err) {
     const int64_t wanted = b.below - start - z->found; /* from the total, since an edge may coincide with a mode */
     if (wanted <= 0)
         return SP_OK;
     const double width = b.sigma - a.sigma, size = fmax(fabs(a.sigma), fabs(b.sigma));
     if (wanted <= SLICE || depth >= DEPTH_MAX || width < 1e-7 * size + 64 * (a.error + b.error))
-        return leaf(z, a, b, wanted, err);
+        return solve_slice(z, a, b, wanted, err);
     slice_edge middle;
     sp_status status = sp_slicer_edge(z, a.sigma + 0.4 * width, a.sigma + 0.6 * width, &middle, err);
     if (status == SP_OK && (middle.below < a.below || middle.below > b.below))
@@ -194,19 +194,19 @@ static sp_status between(slicer *z, slice_edge a, slice_edge b, int64_t start, i
             sp_fail(err, SP_EREFUSED, "%lld modes below omega^2 = %.6g, but %lld below %.6g and %lld below %.6g",
                     (long long)middle.below, middle.sigma, (long long)a.below, a.sigma, (long long)b.below, b.sigma);
     if (status == SP_OK)
-        status = between(z, a, middle, start, depth + 1, err);
-    return status == SP_OK ? between(z, middle, b, start, depth + 1, err) : status;
+        status = solve_between(z, a, middle, start, depth + 1, err);
+    return status == SP_OK ? solve_between(z, middle, b, start, depth + 1, err) : status;
 }
 
 sp_status sp_slicer_between(slicer *z, slice_edge a, slice_edge b, bool *certain, sp_error *err) {
     const int64_t wanted = b.below - a.below;
     if (wanted < 0 || !(a.sigma < b.sigma))
-        return sp_fail(err, SP_EREFUSED, "%lld modes between omega^2 = %.6g and %.6g: no count can be vouched for",
+        return sp_fail(err, SP_EREFUSED, "%lld modes between omega^2 = %.6g and %.6g: their number cannot be certified",
                        (long long)wanted, a.sigma, b.sigma);
     sp_status status = reserve(z, wanted > 0 ? wanted : 1, err);
     sp_lanczos_free(&z->last);
     if (status == SP_OK)
-        status = between(z, a, b, a.below, 0, err);
+        status = solve_between(z, a, b, a.below, 0, err);
     if (status == SP_OK && z->found != wanted)
         status = sp_fail(err, SP_EREFUSED, "%lld modes found between omega^2 = %.6g and %.6g, must be %lld",
                          (long long)z->found, a.sigma, b.sigma, (long long)wanted);

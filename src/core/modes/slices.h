@@ -19,9 +19,9 @@ typedef struct slicer {
     double top;   /* upper bound of the spectrum of A */
     double noise; /* upper bound of |A as assembled - A| */
     sp_ldl *ldl;
-    int64_t room, found;
-    sp_ritz *ritz;         /* [room] */
-    double *vector;        /* [room][n] */
+    int64_t capacity, found;
+    sp_ritz *ritz;         /* [capacity] */
+    double *vector;        /* [capacity][n] */
     sp_lanczos_pairs last; /* pairs of the last slice */
     int64_t factors, solves;
 } slicer;

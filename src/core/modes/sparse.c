@@ -112,8 +112,8 @@ static sp_status band(slicer *z, const sp_modes_range *r, slice_edge *a, slice_e
 }
 
 /* Makes the table of the modes in the range. */
-static sp_status put(const slicer *z, const sp_modes_options *opt, const sp_modes_range *r, slice_edge a, slice_edge b,
-                     sp_modes *out, sp_error *err) {
+static sp_status make_table(const slicer *z, const sp_modes_options *opt, const sp_modes_range *r, slice_edge a,
+                            slice_edge b, sp_modes *out, sp_error *err) {
     const int64_t rattlers = (int64_t)z->net->rattlers * z->net->dof;
     int64_t first = 0, last, edge = 0;
     double to = sqrt(fmax(b.sigma - b.error, 0));
@@ -173,7 +173,7 @@ sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, co
     else
         status = band(&z, range, &a, &b, err);
     if (status == SP_OK)
-        status = put(&z, opt, range, a, b, out, err);
+        status = make_table(&z, opt, range, a, b, out, err);
     sp_slicer_free(&z);
     return status;
 }

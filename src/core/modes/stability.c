@@ -20,19 +20,19 @@ static void add_contact(const sp_contact *c, double sign, double r, double sum[6
 }
 
 /* Imbalance of the forces at rest, as it affects eigenvalues. */
-typedef struct rest {
+typedef struct imbalance {
     double balance; /* of the worst grain */
     int64_t spins;  /* number of spheres with two contacts at rest, which spin with omega^2 near 0 */
     double spin;    /* imbalance of the worst of them */
-} rest;
+} imbalance;
 
 /* A sphere is at rest if its net force is below this fraction of p. Contacts too weak to carry (network.threshold) are
  * not counted. */
-static const double RESTED = 1e-3;
+static const double AT_REST = 1e-3;
 
 /* A floppy motion of a grain has omega^2 = 0 only if its forces balance: the terms of K that cancel then are forces
  * over m R and torques over the moment of inertia. Finds the largest net values. */
-static sp_status find_rest(const sp_packing *p, const sp_network *net, rest *out, sp_error *err) {
+static sp_status find_imbalance(const sp_packing *p, const sp_network *net, imbalance *out, sp_error *err) {
     double(*sum)[6] = sp_alloc((size_t)net->n, sizeof *sum);
     sp_spin *spin = NULL;
     sp_status status = sum ? SP_OK : sp_fail_memory(err, (size_t)net->n * sizeof *sum);
@@ -44,7 +44,7 @@ static sp_status find_rest(const sp_packing *p, const sp_network *net, rest *out
         if (s->j >= 0)
             add_contact(&p->contacts[s->contact], -1, s->rj, sum[s->j]);
     }
-    *out = (rest){0};
+    *out = (imbalance){0};
     for (int32_t i = 0; i < net->n && net->prestress && status == SP_OK; i++) {
         const double *f = sum[i], r = net->r[i], mass = net->mass[(int64_t)i * net->dof];
         const double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
@@ -52,7 +52,7 @@ static sp_status find_rest(const sp_packing *p, const sp_network *net, rest *out
         const double turned = net->dof > net->dim ? (force * r + torque) / (0.4 * mass * r * r) : 0;
         double axis[3];
         out->balance = fmax(out->balance, fmax(force / (mass * r), turned));
-        if (spin && sp_spin_axis(&spin[i], axis) && force + torque / r <= RESTED * net->pressure) {
+        if (spin && sp_spin_axis(&spin[i], axis) && force + torque / r <= AT_REST * net->pressure) {
             out->spins++;
             out->spin = fmax(out->spin, turned);
         }
@@ -125,7 +125,7 @@ static void add_disc(part *to, const disc *d) {
 
 /* Classifies a component. A single disc that touches the real axis contains a real eigenvalue: with a complex one it
  * would contain its conjugate too. */
-static void judge(const part *q, sp_stability *s) {
+static void classify(const part *q, sp_stability *s) {
     s->growth_bound = fmax(s->growth_bound, q->discs == 1 && q->nearest <= 0 && q->low > 0 ? 0 : q->growth);
     if (q->nearest <= 0 && q->low <= 0 && q->high >= 0 && q->size <= 2 * s->error) {
         s->zero += q->discs;
@@ -152,7 +152,7 @@ static int by_size(const void *a, const void *b) {
 }
 
 /* Spins first: the smallest components count as spins if the imbalance of their forces explains them. */
-static void judge_parts(int64_t n, part *parts, const rest *r, sp_stability *s) {
+static void classify_parts(int64_t n, part *parts, const imbalance *r, sp_stability *s) {
     int64_t spins = r->spins;
     qsort(parts, (size_t)n, sizeof *parts, by_size);
     for (int64_t k = 0; k < n; k++) {
@@ -165,7 +165,7 @@ static void judge_parts(int64_t n, part *parts, const rest *r, sp_stability *s) 
             s->growth_bound = fmax(s->growth_bound, sqrt(q->size));
         } else {
             spins = 0; /* the others are larger */
-            judge(q, s);
+            classify(q, s);
         }
     }
     if (s->negative + s->flutter > s->unbalanced)
@@ -174,7 +174,7 @@ static void judge_parts(int64_t n, part *parts, const rest *r, sp_stability *s) 
         s->verdict = SP_MODES_UNDECIDED;
 }
 
-static sp_status judge_all(const sp_discs *all, const rest *r, sp_stability *s, sp_error *err) {
+static sp_status classify_discs(const sp_discs *all, const imbalance *r, sp_stability *s, sp_error *err) {
     const size_t n = (size_t)all->n;
     disc *d = sp_alloc(n, sizeof *d);
     int64_t *owner = sp_alloc(n, sizeof *owner);
@@ -191,7 +191,7 @@ static sp_status judge_all(const sp_discs *all, const rest *r, sp_stability *s, 
         for (size_t k = 0; k < n; k++)
             add_disc(&parts[root_of(owner, (int64_t)k)], &d[k]);
         s->softest = INFINITY;
-        judge_parts((int64_t)n, parts, r, s);
+        classify_parts((int64_t)n, parts, r, s);
     }
     sp_free(d);
     sp_free(owner);
@@ -199,23 +199,16 @@ static sp_status judge_all(const sp_discs *all, const rest *r, sp_stability *s, 
     return status;
 }
 
-/* K becomes M^-1/2 K M^-1/2. */
-static void scale(const sp_network *net, sp_sparse *k) {
-    for (int64_t c = 0; c < k->n; c++)
-        for (int64_t q = k->p[c]; q < k->p[c + 1]; q++)
-            k->x[q] /= sqrt(net->mass[c]) * sqrt(net->mass[k->i[q]]);
-}
-
-static sp_status by_discs(const sp_network *net, const rest *r, sp_stability *s, sp_error *err) {
+static sp_status by_discs(const sp_network *net, const imbalance *r, sp_stability *s, sp_error *err) {
     sp_sparse a = {0};
     sp_discs d = {0};
     sp_status status = sp_network_assemble_whole(net, &a, err);
     if (status == SP_OK) {
-        scale(net, &a);
+        sp_scale_by_masses(net, &a);
         status = sp_discs_make(&a, &d, err);
     }
     if (status == SP_OK)
-        status = judge_all(&d, r, s, err);
+        status = classify_discs(&d, r, s, err);
     s->dense = true;
     sp_discs_free(&d);
     sp_sparse_free(&a);
@@ -296,7 +289,7 @@ static sp_status find_rounding(const counter *c, double most, double *rounding, 
         if (status != SP_OK || error < *rounding)
             return status;
     }
-    return sp_fail(err, SP_EREFUSED, "eigenvalues near 0 cannot be counted: pivots are off by %.2g", error);
+    return sp_fail(err, SP_EREFUSED, "eigenvalues near 0 cannot be counted: the factor has an error of %.2g", error);
 }
 
 /* Counts of eigenvalues below -window and up to +window. */
@@ -318,7 +311,7 @@ static sp_status count_around(const counter *c, double window, around *out, sp_e
 
 /* Finds the window in which eigenvalues count as zero: rounding errors, or the imbalance of spins if only spins lie
  * there. */
-static sp_status find_zeros(const counter *c, const rest *r, double rounding, around *zero, sp_error *err) {
+static sp_status find_zeros(const counter *c, const imbalance *r, double rounding, around *zero, sp_error *err) {
     around wide;
     sp_status status = count_around(c, rounding, zero, err);
     if (status != SP_OK || r->spins == 0 || r->spin <= rounding)
@@ -329,7 +322,7 @@ static sp_status find_zeros(const counter *c, const rest *r, double rounding, ar
     return status;
 }
 
-static sp_status judge_counts(const counter *c, const rest *r, sp_stability *s, sp_error *err) {
+static sp_status classify_counts(const counter *c, const imbalance *r, sp_stability *s, sp_error *err) {
     double rounding = 0, delta = 0, error = 0;
     int64_t beyond = 0;
     around zero = {0};
@@ -359,13 +352,13 @@ static sp_status judge_counts(const counter *c, const rest *r, sp_stability *s, 
     return status == SP_OK ? find_next(c, zero.window, 2 * c->top, zero.up, &s->softest, err) : status;
 }
 
-static sp_status by_counts(const sp_network *net, const rest *r, sp_stability *s, sp_error *err) {
+static sp_status by_counts(const sp_network *net, const imbalance *r, sp_stability *s, sp_error *err) {
     counter c = {0};
     s->negative = s->flutter = s->unbalanced = s->zero = -1;
     s->softest = NAN;
     sp_status status = sp_counter_make(net, &c, err);
     if (status == SP_OK)
-        status = judge_counts(&c, r, s, err);
+        status = classify_counts(&c, r, s, err);
     sp_counter_free(&c);
     return status;
 }
@@ -373,10 +366,10 @@ static sp_status by_counts(const sp_network *net, const rest *r, sp_stability *s
 sp_status sp_stability_make(const sp_packing *p, const sp_network *net, sp_stability *out, sp_error *err) {
     sp_stability s = {.verdict = SP_MODES_STABLE, .dofs = sp_network_dofs(net), .skew = sp_network_skew(net)};
     if (p->n != net->n_all || p->dim != net->dim)
-        return sp_fail(err, SP_EINVAL, "a packing of %d grains with a network of %d, must be its own", p->n,
+        return sp_fail(err, SP_EINVAL, "a packing of %d grains and a network of %d, must be of the same packing", p->n,
                        net->n_all);
-    rest r;
-    sp_status status = find_rest(p, net, &r, err);
+    imbalance r;
+    sp_status status = find_imbalance(p, net, &r, err);
     s.balance = r.balance;
     if (status == SP_OK)
         status = net->carried && s.dofs <= SP_STABILITY_MAX ? by_discs(net, &r, &s, err) : by_counts(net, &r, &s, err);

@@ -1,6 +1,7 @@
 /* Makes a table of modes from eigenpairs. */
 #include "modes/table.h"
 #include "base/base.h"
+#include "linalg/arrays.h"
 #include "linalg/eigen.h"
 
 #include <float.h>
@@ -33,7 +34,7 @@ static sp_status sort_modes(int64_t n, const sp_ritz *ritz, candidate **out, sp_
 
 /* An eigenvalue below its own error is a floppy mode: omega = 0. One that is negative beyond its error has no
  * frequency. */
-static sp_status put_frequencies(const candidate *list, int64_t n, sp_modes *m, sp_error *err) {
+static sp_status set_frequencies(const candidate *list, int64_t n, sp_modes *m, sp_error *err) {
     for (int64_t k = 0; k < n; k++) {
         const double lambda = list[k].ritz.lambda, error = list[k].ritz.error;
         const int64_t row = m->n_rattler + k;
@@ -81,20 +82,22 @@ static double participation(const sp_network *net, const double *e) {
 /* Amplitudes in u = sum a_n u^(n) sin(omega_n t): a_n = e . M^-1/2 p/omega_n for momenta p, or e . M^1/2 u(0) with cos
  * for displacements; b_n = (detector) M^-1/2 e. a = 0 for floppy modes, whose limit sin(omega t)/omega = t does not fit
  * this form. */
-static sp_status put_amplitudes(const sp_network *net, sp_source source, sp_modes *m, sp_error *err) {
+static sp_status set_amplitudes(const sp_network *net, sp_source source, sp_modes *m, sp_error *err) {
     const int64_t n = sp_network_dofs(net);
-    double *sent = sp_alloc((size_t)n, sizeof *sent), *seen = sp_alloc((size_t)n, sizeof *seen);
-    sp_status status = sent && seen ? SP_OK : sp_fail_memory(err, 2 * (size_t)n * sizeof *sent);
+    double *source_vector = sp_alloc((size_t)n, sizeof *source_vector),
+           *detector_vector = sp_alloc((size_t)n, sizeof *detector_vector);
+    sp_status status =
+        source_vector && detector_vector ? SP_OK : sp_fail_memory(err, 2 * (size_t)n * sizeof *source_vector);
     if (status == SP_OK)
-        status = sp_network_source(net, source, sent, err);
+        status = sp_network_source(net, source, source_vector, err);
     if (status == SP_OK)
-        status = sp_network_detector(net, seen, err);
+        status = sp_network_detector(net, detector_vector, err);
     if (status != SP_OK)
         goto out;
     for (int64_t k = 0; k < n; k++) {
         const double root = sqrt(net->mass[k]);
-        sent[k] = source == SP_SOURCE_DISPLACEMENT ? sent[k] * root : sent[k] / root;
-        seen[k] /= root;
+        source_vector[k] = source == SP_SOURCE_DISPLACEMENT ? source_vector[k] * root : source_vector[k] / root;
+        detector_vector[k] /= root;
     }
     for (int64_t row = 0; row < m->n; row++) {
         if (row < m->n_rattler) {
@@ -104,8 +107,8 @@ static sp_status put_amplitudes(const sp_network *net, sp_source source, sp_mode
         const double *e = m->vectors + (row - m->n_rattler) * n;
         double a = 0, b = 0;
         for (int64_t k = 0; k < n; k++) {
-            a += e[k] * sent[k];
-            b += e[k] * seen[k];
+            a += e[k] * source_vector[k];
+            b += e[k] * detector_vector[k];
         }
         if (source != SP_SOURCE_DISPLACEMENT)
             a = m->omega[row] > 0 ? a / m->omega[row] : 0;
@@ -114,12 +117,12 @@ static sp_status put_amplitudes(const sp_network *net, sp_source source, sp_mode
         m->participation[row] = participation(net, e);
     }
 out:
-    sp_free(seen);
-    sp_free(sent);
+    sp_free(detector_vector);
+    sp_free(source_vector);
     return status;
 }
 
-static sp_status put_vectors(const sp_network *net, const double *vectors, const candidate *list, sp_modes *m,
+static sp_status set_vectors(const sp_network *net, const double *vectors, const candidate *list, sp_modes *m,
                              sp_error *err) {
     const int64_t n = sp_network_dofs(net), count = m->n - m->n_rattler;
     const double omega = sp_network_omega_bound(net);
@@ -138,17 +141,16 @@ static sp_status allocate(const sp_network *net, const sp_mode_pairs *set, sp_mo
     m->n = m->n_rattler + set->count;
     m->first = set->first;
     const size_t n = (size_t)m->n, count = (size_t)set->count;
-    m->omega = sp_alloc(n, sizeof *m->omega);
-    m->error = sp_alloc(n, sizeof *m->error);
-    if (set->vectors) {
-        m->a = sp_alloc(n, sizeof *m->a);
-        m->b = sp_alloc(n, sizeof *m->b);
-        m->participation = sp_alloc(n, sizeof *m->participation);
-        m->vectors = sp_alloc(count, (size_t)m->dofs * sizeof *m->vectors);
-    }
-    if (!m->omega || !m->error || (set->vectors && (!m->a || !m->b || !m->participation || !m->vectors)))
-        return sp_fail_memory(err, (5 * n + (set->vectors ? count * (size_t)m->dofs : 0)) * sizeof(double));
-    return SP_OK;
+    /* without vectors the list ends after the errors */
+    const sp_array arrays[] = {{&m->omega, n},
+                               {&m->error, n},
+                               {set->vectors ? &m->a : NULL, n},
+                               {&m->b, n},
+                               {&m->participation, n},
+                               {&m->vectors, count * (size_t)m->dofs},
+                               {0}};
+    double *block;
+    return sp_arrays_make(arrays, &block, err);
 }
 
 sp_status sp_modes_tabulate(const sp_network *net, sp_source source, const sp_mode_pairs *set, sp_modes *out,
@@ -159,11 +161,11 @@ sp_status sp_modes_tabulate(const sp_network *net, sp_source source, const sp_mo
     if (status == SP_OK)
         status = allocate(net, set, &m, err);
     if (status == SP_OK)
-        status = put_frequencies(list, set->count, &m, err);
+        status = set_frequencies(list, set->count, &m, err);
     if (status == SP_OK && set->vectors) {
-        status = put_vectors(net, set->vectors, list, &m, err);
+        status = set_vectors(net, set->vectors, list, &m, err);
         if (status == SP_OK)
-            status = put_amplitudes(net, source, &m, err);
+            status = set_amplitudes(net, source, &m, err);
     }
     sp_free(list);
     if (status == SP_OK)

@@ -109,14 +109,15 @@ typedef struct carried_energy {
 
 static carried_energy energy_of_carried(const sp_network *net, const sp_spring *c, const sp_carried *held,
                                         const double *ui, const double *uj, const stretch *e) {
-    const double *n = c->n, *f = held->ft, size = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+    const double *n = c->n, *f = held->ft, size = length3(f);
     carried_energy out = {0, 0, 3 * size * (held->turn + 1 / c->ri)};
     if (net->dim == 2) {
         out.value = -held->turn * (f[1] * n[0] - f[0] * n[1]) * e->transverse[0][0] * e->normal[0];
         out.magnitude = fabs(out.value);
         return out;
     }
-    const double side[3] = {n[1] * f[2] - n[2] * f[1], n[2] * f[0] - n[0] * f[2], n[0] * f[1] - n[1] * f[0]};
+    double side[3];
+    cross3(n, f, side);
     double half = 0, tilt = 0, twist = 0, lever = 0, arm[3];
     for (int a = 0; a < 3; a++) {
         arm[a] = c->ri * ui[3 + a] + (uj ? c->rj * uj[3 + a] : 0);

@@ -19,10 +19,10 @@ enum { ROW = 8 };
 
 static ALWAYS_INLINE pair pair_at(const double *row, int a) { return ((const pair_memory *)row)[a]; }
 
-static ALWAYS_INLINE void quad_springs(const sp_quad *quads, int64_t count, bool both, int32_t first,
+static ALWAYS_INLINE void quad_springs(const sp_spring_set *set, int32_t chunk, bool both, int32_t first,
                                        const double *restrict u, double *restrict force) {
-    for (int64_t k = 0; k < 4 * count; k++) {
-        const sp_quad *q = &quads[k / 4];
+    for (int64_t k = 4 * set->first[chunk]; k < 4 * set->first[chunk + 1]; k++) {
+        const sp_quad *q = &set->quads[k / 4];
         const int s = (int)(k % 4);
         const double nx = q->nx[s], ny = q->ny[s];
         const double *ui = u + (ptrdiff_t)q->i[s] * ROW, *uj = u + (ptrdiff_t)q->j[s] * ROW;
@@ -59,11 +59,12 @@ typedef int64_t i8 __attribute__((vector_size(64), aligned(64), may_alias));
 
 /* A row is x, y, rotation, unused, each in two lanes. Four rows are transposed to the x of four springs, the y of four
  * springs, and so on, and the forces are transposed back. */
-WIDE static ALWAYS_INLINE void wide_quads(const sp_quad *q, int64_t count, bool both, int32_t first,
+WIDE static ALWAYS_INLINE void wide_quads(const sp_spring_set *set, int32_t chunk, bool both, int32_t first,
                                           const double *restrict u, double *restrict force) {
     const i8 back = {0, 0, 0, 0, INT64_MIN, INT64_MIN, 0, 0};
     const v8 zero = {0};
-    for (const sp_quad *end = q + count; q < end; q++) {
+    const sp_quad *end = set->quads + set->first[chunk + 1];
+    for (const sp_quad *q = set->quads + set->first[chunk]; q < end; q++) {
         v8 d[4], f[4];
         for (int s = 0; s < 4; s++) {
             const v8 ui = *(const v8 *)(u + (ptrdiff_t)q->i[s] * ROW), uj = *(const v8 *)(u + (ptrdiff_t)q->j[s] * ROW);
@@ -93,8 +94,8 @@ WIDE static ALWAYS_INLINE void wide_quads(const sp_quad *q, int64_t count, bool 
 
 WIDE static void wide_chunk(const sp_operator *op, int32_t c, int32_t first, const double *restrict u,
                             double *restrict force) {
-    wide_quads(op->two_quads + op->two[c], op->two[c + 1] - op->two[c], true, first, u, force);
-    wide_quads(op->one_quads + op->one[c], op->one[c + 1] - op->one[c], false, first, u, force);
+    wide_quads(&op->inner, c, true, first, u, force);
+    wide_quads(&op->border, c, false, first, u, force);
 }
 #else
 static void wide_chunk(const sp_operator *op, int32_t c, int32_t first, const double *u, double *force) {
@@ -104,17 +105,18 @@ static void wide_chunk(const sp_operator *op, int32_t c, int32_t first, const do
 
 /* ---- spring by spring: all other networks ------------------------------------------------------------------- */
 
+static ALWAYS_INLINE void add_springs(shape s, const sp_spring_set *set, int32_t chunk, bool both, ptrdiff_t first,
+                                      ptrdiff_t stride, const double *restrict u, double *restrict force) {
+    const sp_carried *held = s.carried ? set->carried + set->first[chunk] : NULL;
+    for (const sp_spring *c = set->springs + set->first[chunk]; c < set->springs + set->first[chunk + 1]; c++)
+        add_spring(s, c, s.carried ? held++ : NULL, u + c->i * stride, u + c->j * stride,
+                   force + (c->i - first) * stride, both ? force + (c->j - first) * stride : NULL);
+}
+
 static ALWAYS_INLINE void springs_body(shape s, const sp_operator *op, int32_t chunk, ptrdiff_t first,
                                        const double *restrict u, double *restrict force) {
-    const ptrdiff_t stride = op->row;
-    const sp_carried *two = s.carried ? op->two_carried + op->two[chunk] : NULL;
-    const sp_carried *one = s.carried ? op->one_carried + op->one[chunk] : NULL;
-    for (const sp_spring *c = op->two_springs + op->two[chunk]; c < op->two_springs + op->two[chunk + 1]; c++)
-        add_spring(s, c, s.carried ? two++ : NULL, u + c->i * stride, u + c->j * stride,
-                   force + (c->i - first) * stride, force + (c->j - first) * stride);
-    for (const sp_spring *c = op->one_springs + op->one[chunk]; c < op->one_springs + op->one[chunk + 1]; c++)
-        add_spring(s, c, s.carried ? one++ : NULL, u + c->i * stride, u + c->j * stride,
-                   force + (c->i - first) * stride, NULL);
+    add_springs(s, &op->inner, chunk, true, first, op->row, u, force);
+    add_springs(s, &op->border, chunk, false, first, op->row, u, force);
 }
 
 static void carried_chunk(const sp_operator *op, int32_t chunk, ptrdiff_t first, const double *restrict u,
@@ -145,9 +147,9 @@ void sp_operator_force(const sp_operator *op, int32_t block, int32_t chunk, cons
     if (op->quad && op->wide) {
         wide_chunk(op, chunk, first, u, force);
     } else if (op->quad) {
-        quad_springs(op->two_quads + op->two[chunk], op->two[chunk + 1] - op->two[chunk], true, first, u, force);
-        quad_springs(op->one_quads + op->one[chunk], op->one[chunk + 1] - op->one[chunk], false, first, u, force);
-    } else if (op->two_carried) {
+        quad_springs(&op->inner, chunk, true, first, u, force);
+        quad_springs(&op->border, chunk, false, first, u, force);
+    } else if (op->inner.carried) {
         carried_chunk(op, chunk, first, u, force);
     } else if (op->prestress) {
         springs_chunk(true, op, chunk, first, u, force);

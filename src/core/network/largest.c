@@ -10,20 +10,21 @@
 enum { STEPS = 200 };
 
 /* Whether the symmetric tridiagonal matrix T has an eigenvalue above x: some pivot of T - x is positive (Sylvester). */
-static bool exceeds(int n, const double *diagonal, const double *beside, double x) {
+static bool exceeds(int n, const double *diagonal, const double *off_diagonal, double x) {
     double pivot = diagonal[0] - x;
     for (int k = 1; k < n && pivot < 0; k++)
-        pivot = diagonal[k] - x - beside[k - 1] * beside[k - 1] / pivot;
+        pivot = diagonal[k] - x - off_diagonal[k - 1] * off_diagonal[k - 1] / pivot;
     return pivot >= 0;
 }
 
-static double largest_of(int n, const double *diagonal, const double *beside) {
+static double largest_of(int n, const double *diagonal, const double *off_diagonal) {
     double low = 0, high = 0;
     for (int k = 0; k < n; k++)
-        high = fmax(high, diagonal[k] + (k > 0 ? fabs(beside[k - 1]) : 0) + (k + 1 < n ? fabs(beside[k]) : 0));
+        high =
+            fmax(high, diagonal[k] + (k > 0 ? fabs(off_diagonal[k - 1]) : 0) + (k + 1 < n ? fabs(off_diagonal[k]) : 0));
     while (high - low > 1e-12 * high) {
         const double middle = 0.5 * (low + high);
-        if (exceeds(n, diagonal, beside, middle))
+        if (exceeds(n, diagonal, off_diagonal, middle))
             low = middle;
         else
             high = middle;
@@ -57,7 +58,7 @@ static void apply(const sp_network *net, const double *x, double *out, double *w
 /* The vectors are not reorthogonalized: the resulting copies of eigenvalues do not affect the largest one. */
 static double recur(const sp_network *net, double *work) {
     const int64_t n = sp_network_dofs(net);
-    double *x = work, *before = work + n, *next = work + 2 * n, diagonal[STEPS], beside[STEPS], beta = 0;
+    double *x = work, *before = work + n, *next = work + 2 * n, diagonal[STEPS], off_diagonal[STEPS], beta = 0;
     sp_random stream = sp_random_make(1, SP_STREAM_LARGEST);
     int steps = 0;
     for (int64_t k = 0; k < n; k++)
@@ -72,7 +73,7 @@ static double recur(const sp_network *net, double *work) {
             next[k] -= alpha * x[k] + beta * before[k];
         beta = sqrt(dot(n, next, next));
         diagonal[steps] = alpha;
-        beside[steps++] = beta;
+        off_diagonal[steps++] = beta;
         if (!(beta > 1e-12 * fabs(alpha)))
             break;
         for (int64_t k = 0; k < n; k++)
@@ -82,7 +83,7 @@ static double recur(const sp_network *net, double *work) {
         x = next;
         next = oldest;
     }
-    return sqrt(largest_of(steps, diagonal, beside));
+    return sqrt(largest_of(steps, diagonal, off_diagonal));
 }
 
 sp_status sp_network_find_largest(const sp_network *net, double *omega, sp_error *err) {

@@ -10,6 +10,13 @@
  * grains. Their vectors fit into the second-level cache, and about 7% of their springs lead to other blocks. */
 enum { ONE_BLOCK = 2048, BLOCK = 1024, CHUNK = 128, QUAD_ROW = 8 };
 
+static void spring_set_free(sp_spring_set *s) {
+    sp_free(s->first);
+    sp_free(s->quads);
+    sp_free(s->springs);
+    sp_free(s->carried);
+}
+
 void sp_operator_free(sp_operator *op) {
     sp_free(op->row_of);
     sp_free(op->grain);
@@ -17,16 +24,10 @@ void sp_operator_free(sp_operator *op) {
     sp_free(op->first);
     sp_free(op->chunk);
     sp_free(op->chunk_row);
-    sp_free(op->two);
-    sp_free(op->one);
-    sp_free(op->two_quads);
-    sp_free(op->one_quads);
-    sp_free(op->two_springs);
-    sp_free(op->one_springs);
-    sp_free(op->two_carried);
-    sp_free(op->one_carried);
-    sp_free(op->beside_first);
-    sp_free(op->beside);
+    spring_set_free(&op->inner);
+    spring_set_free(&op->border);
+    sp_free(op->adjacent_first);
+    sp_free(op->adjacent);
     *op = (sp_operator){0};
 }
 
@@ -137,26 +138,26 @@ static sp_status set_scale(const sp_network *net, sp_operator *op, sp_error *err
 }
 
 /* Used while springs are assigned to blocks. */
-typedef struct dealing {
+typedef struct assignment {
     const sp_network *net;
-    int32_t *block;     /* [n] block of a row */
-    int64_t *two, *one; /* [n] springs of each row: first their number, then the place of the next one */
-} dealing;
+    int32_t *block;          /* [n] block of a row */
+    int64_t *inner, *border; /* [n] springs of each row: first their number, then the place of the next one */
+} assignment;
 
-static void dealing_free(dealing *d) {
+static void assignment_free(assignment *d) {
     sp_free(d->block);
-    sp_free(d->two);
-    sp_free(d->one);
+    sp_free(d->inner);
+    sp_free(d->border);
 }
 
-static sp_status dealing_make(const sp_network *net, sp_operator *op, dealing *d, sp_error *err) {
+static sp_status assignment_make(const sp_network *net, sp_operator *op, assignment *d, sp_error *err) {
     const size_t n = (size_t)net->n;
-    *d = (dealing){.net = net};
+    *d = (assignment){.net = net};
     op->row_of = sp_alloc(n, sizeof *op->row_of);
     d->block = sp_alloc(n, sizeof *d->block);
-    d->two = sp_alloc(n, sizeof *d->two);
-    d->one = sp_alloc(n, sizeof *d->one);
-    if (!op->row_of || !d->block || !d->two || !d->one)
+    d->inner = sp_alloc(n, sizeof *d->inner);
+    d->border = sp_alloc(n, sizeof *d->border);
+    if (!op->row_of || !d->block || !d->inner || !d->border)
         return sp_fail_memory(err, n * 24);
     for (int32_t b = 0; b < op->blocks; b++)
         for (int32_t k = op->first[b]; k < op->first[b + 1]; k++) {
@@ -166,12 +167,12 @@ static sp_status dealing_make(const sp_network *net, sp_operator *op, dealing *d
     for (int32_t k = 0; k < net->n_springs; k++) {
         const int32_t i = op->row_of[net->springs[k].i], j = net->springs[k].j < 0 ? -1 : op->row_of[net->springs[k].j];
         if (j >= 0 && d->block[i] == d->block[j]) {
-            d->two[i < j ? i : j]++;
+            d->inner[i < j ? i : j]++;
             continue;
         }
-        d->one[i]++;
+        d->border[i]++;
         if (j >= 0)
-            d->one[j]++;
+            d->border[j]++;
     }
     return SP_OK;
 }
@@ -193,57 +194,38 @@ static void number_springs(const sp_operator *op, int64_t unit, int64_t *rows, i
     first[chunks] = at / unit;
 }
 
-/* Allocates at least one entry, so that the pointers are not NULL. */
-static sp_status allocate_carried(sp_operator *op, size_t two, size_t one, sp_error *err) {
-    op->two_carried = sp_alloc(two + 1, sizeof *op->two_carried);
-    op->one_carried = sp_alloc(one + 1, sizeof *op->one_carried);
-    return op->two_carried && op->one_carried ? SP_OK : sp_fail_memory(err, (two + one) * sizeof(sp_carried));
-}
-
-static sp_status allocate_springs(sp_operator *op, dealing *d, sp_error *err) {
-    const int64_t unit = op->quad ? 4 : 1;
+/* Allocates a set and sets its `first`. rows: numbers of springs of the rows, which become places. */
+static sp_status allocate_springs(const sp_operator *op, bool carried, int64_t *rows, sp_spring_set *out,
+                                  sp_error *err) {
     const size_t chunks = (size_t)op->chunk[op->blocks];
-    op->two = sp_alloc(chunks + 1, sizeof *op->two);
-    op->one = sp_alloc(chunks + 1, sizeof *op->one);
-    if (!op->two || !op->one)
-        return sp_fail_memory(err, 2 * (chunks + 1) * sizeof *op->two);
-    number_springs(op, unit, d->two, op->two);
-    number_springs(op, unit, d->one, op->one);
-    const size_t two = (size_t)op->two[chunks], one = (size_t)op->one[chunks];
-    if (op->quad) {
-        op->two_quads = sp_alloc(two, sizeof *op->two_quads);
-        op->one_quads = sp_alloc(one, sizeof *op->one_quads);
-        return op->two_quads && op->one_quads ? SP_OK : sp_fail_memory(err, (two + one) * sizeof(sp_quad));
-    }
-    op->two_springs = sp_alloc(two, sizeof *op->two_springs);
-    op->one_springs = sp_alloc(one, sizeof *op->one_springs);
-    if (!op->two_springs || !op->one_springs)
-        return sp_fail_memory(err, (two + one) * sizeof(sp_spring));
-    return d->net->carried ? allocate_carried(op, two, one, err) : SP_OK;
+    out->first = sp_alloc(chunks + 1, sizeof *out->first);
+    if (!out->first)
+        return sp_fail_memory(err, (chunks + 1) * sizeof *out->first);
+    number_springs(op, op->quad ? 4 : 1, rows, out->first);
+    const size_t n = (size_t)out->first[chunks];
+    out->quads = op->quad ? sp_alloc(n, sizeof *out->quads) : NULL;
+    out->springs = op->quad ? NULL : sp_alloc(n, sizeof *out->springs);
+    out->carried = carried ? sp_alloc(n, sizeof *out->carried) : NULL;
+    const bool ok = (out->quads || out->springs) && (out->carried || !carried);
+    return ok ? SP_OK : sp_fail_memory(err, n * (sizeof(sp_spring) + sizeof(sp_carried)));
 }
 
-/* Fills the last quad of each chunk with springs of zero stiffness. */
-static void fill_up(const sp_operator *op) {
+/* Fills the last quad of each chunk with springs of zero stiffness, which end at row j or, if j < 0, in the chunk. */
+static void fill_up(const sp_operator *op, const sp_spring_set *s, int32_t j) {
     for (int32_t c = 0; c < op->chunk[op->blocks]; c++)
-        for (int k = 0; k < 4; k++) {
-            if (op->two[c + 1] > op->two[c]) {
-                sp_quad *last = &op->two_quads[op->two[c + 1] - 1];
-                last->i[k] = last->j[k] = op->chunk_row[c];
-            }
-            if (op->one[c + 1] > op->one[c]) {
-                sp_quad *last = &op->one_quads[op->one[c + 1] - 1];
-                last->i[k] = op->chunk_row[c];
-                last->j[k] = op->n;
-            }
+        for (int k = 0; k < 4 && s->first[c + 1] > s->first[c]; k++) {
+            sp_quad *last = &s->quads[s->first[c + 1] - 1];
+            last->i[k] = op->chunk_row[c];
+            last->j[k] = j < 0 ? op->chunk_row[c] : j;
         }
 }
 
 /* Stores spring s as seen from row i. j is the row at its other end, or n for a wall. */
-static void put(const sp_operator *op, const sp_spring *s, const sp_carried *held, int32_t i, int32_t j, bool turned,
-                bool both, int64_t at) {
+static void put(const sp_spring_set *set, const sp_spring *s, const sp_carried *held, int32_t i, int32_t j, bool turned,
+                int64_t at) {
     const double sign = turned ? -1 : 1;
-    if (op->quad) {
-        sp_quad *q = (both ? op->two_quads : op->one_quads) + at / 4;
+    if (set->quads) {
+        sp_quad *q = &set->quads[at / 4];
         q->nx[at % 4] = sign * s->n[0];
         q->ny[at % 4] = sign * s->n[1];
         q->kn[at % 4] = s->kn;
@@ -252,7 +234,7 @@ static void put(const sp_operator *op, const sp_spring *s, const sp_carried *hel
         q->j[at % 4] = j;
         return;
     }
-    sp_spring *t = (both ? op->two_springs : op->one_springs) + at;
+    sp_spring *t = &set->springs[at];
     *t = *s;
     t->i = i;
     t->j = j;
@@ -262,72 +244,74 @@ static void put(const sp_operator *op, const sp_spring *s, const sp_carried *hel
     t->rj = turned ? s->ri : s->rj;
     if (!held)
         return;
-    sp_carried *h = (both ? op->two_carried : op->one_carried) + at;
+    sp_carried *h = &set->carried[at];
     h->turn = held->turn;
     for (int a = 0; a < 3; a++) /* force on the i of the stored spring */
         h->ft[a] = sign * held->ft[a];
 }
 
-static void deal_springs(const sp_operator *op, dealing *d) {
-    if (op->quad)
-        fill_up(op);
+static void assign_springs(const sp_operator *op, assignment *d) {
+    if (op->quad) {
+        fill_up(op, &op->inner, -1);
+        fill_up(op, &op->border, op->n);
+    }
     for (int32_t k = 0; k < d->net->n_springs; k++) {
         const sp_spring *s = &d->net->springs[k];
         const sp_carried *held = d->net->carried ? &d->net->carried[k] : NULL;
         const int32_t i = op->row_of[s->i], j = s->j < 0 ? op->n : op->row_of[s->j];
         if (j < op->n && d->block[i] == d->block[j]) {
             const bool turned = j < i;
-            put(op, s, held, turned ? j : i, turned ? i : j, turned, true, d->two[turned ? j : i]++);
+            put(&op->inner, s, held, turned ? j : i, turned ? i : j, turned, d->inner[turned ? j : i]++);
             continue;
         }
-        put(op, s, held, i, j, false, false, d->one[i]++);
+        put(&op->border, s, held, i, j, false, d->border[i]++);
         if (j < op->n)
-            put(op, s, held, j, i, true, false, d->one[j]++);
+            put(&op->border, s, held, j, i, true, d->border[j]++);
     }
 }
 
 static int32_t other_end(const sp_operator *op, int64_t k) {
-    return op->quad ? op->one_quads[k / 4].j[k % 4] : op->one_springs[k].j;
+    return op->quad ? op->border.quads[k / 4].j[k % 4] : op->border.springs[k].j;
 }
 
 /* Lists the neighbouring blocks of each block. With a NULL list they are only counted. */
-static int32_t list_beside(const sp_operator *op, const dealing *d, int32_t *seen, int32_t *beside) {
+static int32_t list_adjacent(const sp_operator *op, const assignment *d, int32_t *seen, int32_t *adjacent) {
     const int64_t unit = op->quad ? 4 : 1;
     int32_t count = 0;
     for (int32_t b = 0; b < op->blocks; b++)
         seen[b] = -1;
     for (int32_t b = 0; b < op->blocks; b++) {
-        op->beside_first[b] = count;
-        for (int64_t k = unit * op->one[op->chunk[b]]; k < unit * op->one[op->chunk[b + 1]]; k++) {
+        op->adjacent_first[b] = count;
+        for (int64_t k = unit * op->border.first[op->chunk[b]]; k < unit * op->border.first[op->chunk[b + 1]]; k++) {
             const int32_t j = other_end(op, k);
             if (j == op->n || seen[d->block[j]] == b)
                 continue;
             seen[d->block[j]] = b;
-            if (beside)
-                beside[count] = d->block[j];
+            if (adjacent)
+                adjacent[count] = d->block[j];
             count++;
         }
     }
-    op->beside_first[op->blocks] = count;
+    op->adjacent_first[op->blocks] = count;
     return count;
 }
 
-static sp_status find_beside(sp_operator *op, const dealing *d, sp_error *err) {
+static sp_status find_adjacent(sp_operator *op, const assignment *d, sp_error *err) {
     const size_t blocks = (size_t)op->blocks;
     int32_t *seen = sp_alloc(blocks, sizeof *seen);
-    op->beside_first = sp_alloc(blocks + 1, sizeof *op->beside_first);
-    if (seen && op->beside_first) {
-        op->beside = sp_alloc((size_t)list_beside(op, d, seen, NULL), sizeof *op->beside);
-        if (op->beside)
-            list_beside(op, d, seen, op->beside);
+    op->adjacent_first = sp_alloc(blocks + 1, sizeof *op->adjacent_first);
+    if (seen && op->adjacent_first) {
+        op->adjacent = sp_alloc((size_t)list_adjacent(op, d, seen, NULL), sizeof *op->adjacent);
+        if (op->adjacent)
+            list_adjacent(op, d, seen, op->adjacent);
     }
     sp_free(seen);
-    return op->beside ? SP_OK : sp_fail_memory(err, 3 * blocks * sizeof *seen);
+    return op->adjacent ? SP_OK : sp_fail_memory(err, 3 * blocks * sizeof *seen);
 }
 
 sp_status sp_operator_make(const sp_network *net, sp_operator *out, sp_error *err) {
     sp_operator op = {.dim = net->dim, .dof = net->dof, .prestress = net->prestress, .n = net->n};
-    dealing d = {0};
+    assignment d = {0};
     op.quad = fits_quads(net);
     op.wide = op.quad && sp_operator_wide();
     op.row = op.quad ? QUAD_ROW : 2 * net->dof;
@@ -337,14 +321,16 @@ sp_status sp_operator_make(const sp_network *net, sp_operator *out, sp_error *er
     if (status == SP_OK)
         status = set_scale(net, &op, err);
     if (status == SP_OK)
-        status = dealing_make(net, &op, &d, err);
+        status = assignment_make(net, &op, &d, err);
     if (status == SP_OK)
-        status = allocate_springs(&op, &d, err);
+        status = allocate_springs(&op, net->carried != NULL, d.inner, &op.inner, err);
+    if (status == SP_OK)
+        status = allocate_springs(&op, net->carried != NULL, d.border, &op.border, err);
     if (status == SP_OK) {
-        deal_springs(&op, &d);
-        status = find_beside(&op, &d, err);
+        assign_springs(&op, &d);
+        status = find_adjacent(&op, &d, err);
     }
-    dealing_free(&d);
+    assignment_free(&d);
     if (status == SP_OK)
         *out = op;
     else

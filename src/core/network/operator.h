@@ -13,6 +13,14 @@ typedef struct sp_quad {
     int32_t i[4], j[4]; /* rows */
 } sp_quad;
 
+/* Springs of all chunks (see sp_operator), either as quads or one by one. */
+typedef struct sp_spring_set {
+    int64_t *first; /* [chunks + 1] first quad or spring of each chunk */
+    sp_quad *quads;
+    sp_spring *springs;
+    sp_carried *carried; /* of the springs; NULL if K is symmetric */
+} sp_spring_set;
+
 /* A vector holds two vectors over the network (lanes), interleaved: [n + 1][row], with component a of a row at 2 a and
  * 2 a + 1. The last row belongs to the walls and is 0. Components are those of the network times `scale`, and forces
  * are divided by it: rotations are measured as displacements of the grain's surface, so that springs need no lever
@@ -33,13 +41,11 @@ typedef struct sp_operator {
      * the block no longer needs u there. */
     int32_t *chunk;     /* [blocks + 1] first chunk of each block */
     int32_t *chunk_row; /* [chunk[blocks] + 1] first row of each chunk */
-    int64_t *two, *one; /* [chunk[blocks] + 1] first quad or spring of each chunk, with i in the chunk. two: j in this
-                           or a later chunk of the block. one: j in another block or a wall. */
-    sp_quad *two_quads, *one_quads;
-    sp_spring *two_springs, *one_springs;
-    sp_carried *two_carried, *one_carried; /* of those springs; NULL if K is symmetric */
-    bool transposed;                       /* apply K^T; set by the caller, initially false */
-    int32_t *beside_first, *beside;        /* [blocks + 1] and list of the neighbouring blocks of each block */
+    /* Springs with i in the chunk. inner: j in this or a later chunk of the block. border: j in another block or a
+     * wall. */
+    sp_spring_set inner, border;
+    bool transposed;                    /* apply K^T; set by the caller, initially false */
+    int32_t *adjacent_first, *adjacent; /* [blocks + 1] and list of the neighbouring blocks of each block */
 } sp_operator;
 
 sp_status sp_operator_make(const sp_network *net, sp_operator *out, sp_error *err);

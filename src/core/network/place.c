@@ -8,9 +8,11 @@ sp_place sp_place_wall(void) { return (sp_place){.kind = SP_PLACE_WALL}; }
 
 static int axis_of(const sp_network *net, const sp_place *at) { return at->shear ? 0 : net->dim - 1; }
 
-static void clear(const sp_network *net, double *out) {
-    for (int64_t k = 0; k < sp_network_dofs(net); k++)
-        out[k] = 0;
+/* Subtracts `stiffness` x `push` times a spring's row of coefficients. */
+static void add_row(const sp_network *net, const sp_spring *s, int width, double stiffness, const double *row,
+                    double push, double *out) {
+    for (int a = 0; a < width; a++)
+        out[(int64_t)(a < net->dof ? s->i : s->j) * net->dof + a % net->dof] -= stiffness * row[a] * push;
 }
 
 /* Adds the response of a wall's spring. Its energy is 1/2 sum k (b . u + gap . w)^2, with w the displacement of the
@@ -23,12 +25,10 @@ static void add_wall_spring(const sp_network *net, int32_t k, int axis, double *
     sp_turns turns;
     sp_network_turns(net, k, &turns);
     for (int q = 0; q < turns.count && s->j == SP_TOP; q++)
-        for (int a = 0; a < net->dof; a++)
-            out[(int64_t)s->i * net->dof + a] -= turns.right[q][a] * turns.left_gap[q][axis];
+        add_row(net, s, net->dof, 1, turns.right[q], turns.left_gap[q][axis], out);
     sp_network_rows(net, s, &rows);
     for (int q = 0; q < rows.count; q++)
-        for (int a = 0; a < net->dof; a++)
-            out[(int64_t)s->i * net->dof + a] -= rows.k[q] * rows.b[q][a] * rows.gap[q][axis];
+        add_row(net, s, net->dof, rows.k[q], rows.b[q], rows.gap[q][axis], out);
 }
 
 /* x of a grain's centre, in [0, period). */
@@ -70,7 +70,8 @@ static sp_status find_grain(const sp_network *net, const sp_place *at, int32_t *
     return sp_fail(err, SP_EREFUSED, "grain %d is a rattler: it carries no sound", at->grain);
 }
 
-static sp_status check_place(const sp_network *net, const sp_place *at, sp_error *err) {
+/* Checks the place, sets out to 0, and finds the row of a grain (otherwise *row = -1). */
+static sp_status begin(const sp_network *net, const sp_place *at, double *out, int32_t *row, sp_error *err) {
     const double height = net->box[net->dim - 1];
     if (at->shear && net->dim < 2)
         return sp_fail(err, SP_EINVAL, "shear in one dimension, must be normal");
@@ -79,7 +80,11 @@ static sp_status check_place(const sp_network *net, const sp_place *at, sp_error
     if (at->kind == SP_PLACE_PART && !(net->dim > 1 && at->from >= 0 && at->from < at->to && at->to <= net->box[0]))
         return sp_fail(err, SP_EINVAL, "part %g .. %g of a wall, must be an interval in 0 .. %.6g", at->from, at->to,
                        net->dim > 1 ? net->box[0] : 0);
-    return SP_OK;
+    *row = -1;
+    sp_status status = at->kind == SP_PLACE_GRAIN ? find_grain(net, at, row, err) : SP_OK;
+    for (int64_t k = 0; k < sp_network_dofs(net) && status == SP_OK; k++)
+        out[k] = 0;
+    return status;
 }
 
 static sp_status nothing_there(const sp_place *at, const char *wall, const char *what, sp_error *err) {
@@ -93,13 +98,10 @@ sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp
         return sp_fail(err, SP_EINVAL, "source %d, must be impulse, velocity or displacement", (int)source);
     if (at->kind == SP_PLACE_PLANE)
         return sp_fail(err, SP_EINVAL, "a plane is no source, must be a wall, a part of it or a grain");
-    sp_status status = check_place(net, at, err);
-    int32_t row = -1;
-    if (status == SP_OK && at->kind == SP_PLACE_GRAIN)
-        status = find_grain(net, at, &row, err);
+    int32_t row;
+    sp_status status = begin(net, at, out, &row, err);
     if (status != SP_OK)
         return status;
-    clear(net, out);
     if (add_wall(net, at, SP_BOTTOM, out) == 0) {
         if (row < 0)
             return nothing_there(at, "bottom", "sent in", err);
@@ -111,22 +113,16 @@ sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp
 }
 
 /* Adds the force on one end of a spring: on i (end 0), or on j or the wall (end 1). */
-static void add_force(const sp_network *net, int32_t k, int upper, int axis, double *out) {
+static void add_force(const sp_network *net, int32_t k, int end, int axis, double *out) {
     const sp_spring *s = &net->springs[k];
     sp_rows rows;
     sp_turns turns;
     sp_network_rows(net, s, &rows);
     sp_network_turns(net, k, &turns);
-    for (int q = 0; q < rows.count; q++) {
-        const double push = upper == 0 ? rows.b[q][axis] : rows.gap[q][axis];
-        for (int a = 0; a < rows.width; a++)
-            out[(int64_t)(a < net->dof ? s->i : s->j) * net->dof + a % net->dof] -= rows.k[q] * rows.b[q][a] * push;
-    }
-    for (int q = 0; q < turns.count; q++) {
-        const double push = upper == 0 ? turns.left[q][axis] : turns.left_gap[q][axis];
-        for (int a = 0; a < turns.width; a++)
-            out[(int64_t)(a < net->dof ? s->i : s->j) * net->dof + a % net->dof] -= turns.right[q][a] * push;
-    }
+    for (int q = 0; q < rows.count; q++)
+        add_row(net, s, rows.width, rows.k[q], rows.b[q], end == 0 ? rows.b[q][axis] : rows.gap[q][axis], out);
+    for (int q = 0; q < turns.count; q++)
+        add_row(net, s, turns.width, 1, turns.right[q], end == 0 ? turns.left[q][axis] : turns.left_gap[q][axis], out);
 }
 
 static double height_of(const sp_network *net, int32_t grain) {
@@ -164,13 +160,10 @@ double sp_network_plane_height(const sp_network *net, double height) {
 }
 
 sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, double *out, sp_error *err) {
-    sp_status status = check_place(net, at, err);
-    int32_t row = -1;
-    if (status == SP_OK && at->kind == SP_PLACE_GRAIN)
-        status = find_grain(net, at, &row, err);
+    int32_t row;
+    sp_status status = begin(net, at, out, &row, err);
     if (status != SP_OK)
         return status;
-    clear(net, out);
     if (at->kind == SP_PLACE_PLANE) {
         if (add_plane(net, at, out) == 0)
             return sp_fail(err, SP_EREFUSED, "no carrying contact crosses the plane at %g", at->height);

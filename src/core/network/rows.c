@@ -1,6 +1,8 @@
 /* Springs as rows of coefficients. */
 #include "network/rows.h"
 
+#include "base/vector.h"
+
 #include <string.h>
 
 /* Adds a row for one component of the relative displacement at the contact point: along . (u_j - u_i), minus, with
@@ -21,8 +23,8 @@ static void add_row(const sp_network *net, const sp_spring *s, const double alon
     if (!arms)
         return;
     /* -(R theta x n) . along = -R theta . (n x along); 2D has the third component of theta only */
-    const double turn[3] = {s->n[1] * along[2] - s->n[2] * along[1], s->n[2] * along[0] - s->n[0] * along[2],
-                            s->n[0] * along[1] - s->n[1] * along[0]};
+    double turn[3];
+    cross3(s->n, along, turn);
     for (int a = 0; a < dof - dim; a++) {
         const double t = dim == 2 ? turn[2] : turn[a];
         rows->b[q][dim + a] = -s->ri * t;
@@ -73,13 +75,12 @@ static void rotate(const sp_network *net, const sp_spring *s, const double along
 /* The formulas of network/spring.h as rows: a displacement along right[q] adds a force along left[q]. */
 static void turns_3d(const sp_network *net, const sp_spring *s, const sp_carried *held, sp_turns *t) {
     const double *n = s->n, *f = held->ft;
-    double half[3], down[3], tilt[3], side[3];
+    double half[3], down[3], tilt[3], side[3], across[3];
+    cross3(n, f, across);
     for (int a = 0; a < 3; a++) {
-        const int b = (a + 1) % 3, g = (a + 2) % 3;
-        const double across = n[b] * f[g] - n[g] * f[b]; /* n x F */
-        half[a] = 0.5 * across;
+        half[a] = 0.5 * across[a];
         tilt[a] = -held->turn * f[a];
-        side[a] = held->turn * across;
+        side[a] = held->turn * across[a];
         down[a] = 0.5 * f[a];
     }
     translate(net, s, half, t->left[0], t->left_gap[0]);

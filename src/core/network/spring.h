@@ -4,6 +4,7 @@
  * two interleaved ones: its first argument is a compile-time constant at each call. */
 
 #include "base/clones.h"
+#include "base/vector.h"
 
 #include <sonopack/network.h>
 
@@ -63,12 +64,14 @@ static ALWAYS_INLINE stretch stretch_of(shape s, const sp_spring *c, const doubl
     return e;
 }
 
-static ALWAYS_INLINE void cross3(const double a[3], const pair b[3], pair out[3]) {
+static ALWAYS_INLINE void cross_pair(const double a[3], const pair b[3], pair out[3]) {
     for (int k = 0; k < 3; k++)
         out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-static ALWAYS_INLINE pair dot3(const double a[3], const pair b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static ALWAYS_INLINE pair dot_pair(const double a[3], const pair b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 /* Contribution of the tangential force F t at rest in 2D: when the normal n turns towards t, F t turns towards -n. */
 static ALWAYS_INLINE void add_carried_2d(shape s, const sp_spring *c, const sp_carried *held, const stretch *e,
@@ -93,7 +96,8 @@ static ALWAYS_INLINE void add_carried_2d(shape s, const sp_spring *c, const sp_c
 static ALWAYS_INLINE void add_carried_3d(shape s, const sp_spring *c, const sp_carried *held, const stretch *e,
                                          const double *ui, const double *uj, double *oi, double *oj) {
     const double *n = c->n, *f = held->ft;
-    const double side[3] = {n[1] * f[2] - n[2] * f[1], n[2] * f[0] - n[0] * f[2], n[0] * f[1] - n[1] * f[0]};
+    double side[3];
+    cross3(n, f, side);
     pair spin[3], arm[3], force[3], turn[3];
     for (int a = 0; a < 3; a++) {
         const pair one = load(s, ui + (3 + a) * s.lanes);
@@ -103,15 +107,15 @@ static ALWAYS_INLINE void add_carried_3d(shape s, const sp_spring *c, const sp_c
     }
     if (s.transposed) {
         pair tilted[3];
-        cross3(f, arm, tilted);
-        const pair off = dot3(n, tilted), back = 0.5 * (dot3(side, e->transverse) + dot3(f, arm));
+        cross_pair(f, arm, tilted);
+        const pair off = dot_pair(n, tilted), back = 0.5 * (dot_pair(side, e->transverse) + dot_pair(f, arm));
         for (int a = 0; a < 3; a++) {
             force[a] = -held->turn * (f[a] * e->normal + tilted[a] - off * n[a]);
             turn[a] = back * n[a];
         }
     } else {
-        const pair half = 0.5 * dot3(n, spin), tilt = held->turn * dot3(f, e->transverse);
-        cross3(f, e->transverse, turn);
+        const pair half = 0.5 * dot_pair(n, spin), tilt = held->turn * dot_pair(f, e->transverse);
+        cross_pair(f, e->transverse, turn);
         for (int a = 0; a < 3; a++) {
             force[a] = half * side[a] - tilt * n[a];
             turn[a] = half * f[a] + held->turn * turn[a]; /* -d(n x F) */

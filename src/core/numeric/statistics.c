@@ -42,46 +42,6 @@ static double spread_of_finite(int64_t n, double *value) {
     return 10 * finite >= 9 * n ? sp_sd(finite, value) : NAN;
 }
 
-sp_status sp_bootstrap(int groups, const int64_t *size, sp_statistic statistic, void *user,
-                       const sp_bootstrap_options *opt, double *standard_error, sp_error *err) {
-    if (groups < 1 || groups > SP_BOOTSTRAP_GROUPS || opt->resamples < 2)
-        return sp_fail(err, SP_EINVAL, "bootstrap: %d groups and %d resamples; 1 to %d groups and at least 2 resamples",
-                       groups, opt->resamples, SP_BOOTSTRAP_GROUPS);
-    size_t total = 0;
-    int64_t drawn[SP_BOOTSTRAP_GROUPS] = {0};
-    for (int g = 0; g < groups; g++) {
-        if (size[g] < 2) {
-            *standard_error = NAN;
-            return SP_OK;
-        }
-        drawn[g] = size[g] - 1;
-        total += (size_t)drawn[g];
-    }
-    sp_status status = SP_OK;
-    int64_t *numbers = sp_alloc(total, sizeof *numbers);
-    double *value = sp_alloc((size_t)opt->resamples, sizeof *value);
-    if (!numbers || !value) {
-        status = sp_fail_memory(err, total * sizeof *numbers + (size_t)opt->resamples * sizeof *value);
-        goto out;
-    }
-    sp_random random = sp_random_make(opt->seed, SP_STREAM_BOOTSTRAP);
-    for (int32_t k = 0; k < opt->resamples; k++) {
-        const int64_t *pick[SP_BOOTSTRAP_GROUPS] = {0};
-        int64_t *next = numbers;
-        for (int g = 0; g < groups; g++) {
-            pick[g] = next;
-            for (int64_t s = 0; s < drawn[g]; s++)
-                *next++ = (int64_t)sp_random_below(&random, (uint64_t)size[g]);
-        }
-        value[k] = statistic(drawn, pick, user);
-    }
-    *standard_error = spread_of_finite(opt->resamples, value);
-out:
-    sp_free(numbers);
-    sp_free(value);
-    return status;
-}
-
 sp_status sp_bootstrap_many(int groups, const int64_t *size, int values, sp_statistics_of statistics, void *user,
                             const sp_bootstrap_options *opt, double *standard_error, sp_error *err) {
     if (groups < 1 || values < 1 || opt->resamples < 2)
@@ -123,4 +83,25 @@ out:
     sp_free(value);
     sp_free(one);
     return status;
+}
+
+typedef struct single {
+    sp_statistic statistic;
+    void *user;
+} single;
+
+static void measure_single(const int64_t *size, const int64_t *const *pick, double *value, void *user) {
+    const single *one = user;
+    *value = one->statistic(size, pick, one->user);
+}
+
+sp_status sp_bootstrap(int groups, const int64_t *size, sp_statistic statistic, void *user,
+                       const sp_bootstrap_options *opt, double *standard_error, sp_error *err) {
+    single one = {statistic, user};
+    for (int g = 0; g < groups && opt->resamples >= 2; g++)
+        if (size[g] < 2) {
+            *standard_error = NAN;
+            return SP_OK;
+        }
+    return sp_bootstrap_many(groups, size, 1, measure_single, &one, opt, standard_error, err);
 }

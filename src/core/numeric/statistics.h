@@ -10,8 +10,6 @@ SP_SHARED double sp_mean(int64_t n, const double *x);           /* NAN for n < 1
 SP_SHARED double sp_sd(int64_t n, const double *x);             /* standard deviation with n - 1; NAN for n < 2 */
 SP_SHARED double sp_standard_error(int64_t n, const double *x); /* of the mean: sd / sqrt(n) */
 
-enum { SP_BOOTSTRAP_GROUPS = 4 };
-
 /* A statistic of samples in groups. Of group g it uses samples pick[g][0 .. size[g]-1], numbered from 0, possibly with
  * repetitions. */
 typedef double (*sp_statistic)(const int64_t *size, const int64_t *const *pick, void *user);

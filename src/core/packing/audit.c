@@ -1,19 +1,14 @@
 /* Checks the physics of a packing, from positions, radii and the contact law alone. */
 #include "base/base.h"
+#include "base/vector.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <sonopack/packing.h>
-#include <stdlib.h>
+#include <stddef.h>
+#include <stdio.h>
 #include <string.h>
-
-static void image(const sp_packing *p, int32_t i, int32_t j, double d[3]) {
-    for (int a = 0; a < 3; a++) {
-        d[a] = p->x[3 * (size_t)j + (size_t)a] - p->x[3 * (size_t)i + (size_t)a];
-        if (a < p->dim - 1)
-            d[a] -= p->box[a] * nearbyint(d[a] / p->box[a]);
-    }
-}
 
 /* Overlap from the positions, and the largest deviation of the stored normal from theirs. */
 static double true_overlap(const sp_packing *p, const sp_contact *c, double *turn) {
@@ -21,7 +16,7 @@ static double true_overlap(const sp_packing *p, const sp_contact *c, double *tur
     double d[3] = {0, 0, 0}, r2 = 0;
     *turn = 0;
     if (c->j >= 0) {
-        image(p, c->i, c->j, d);
+        sp_packing_separation(p, c->i, c->j, d);
     } else {
         double y = p->x[3 * (size_t)c->i + (size_t)up];
         d[up] = c->j == SP_BOTTOM ? -y : p->box[up] - y;
@@ -46,7 +41,7 @@ static void audit_contacts(const sp_packing *p, double small, sp_audit *a) {
         const sp_contact *k = &p->contacts[c];
         double turn, overlap = true_overlap(p, k, &turn);
         double hertz = contact_force(stiffness_of(p, k), k->overlap);
-        double ft = sqrt(k->ft[0] * k->ft[0] + k->ft[1] * k->ft[1] + k->ft[2] * k->ft[2]);
+        double ft = length3(k->ft);
         a->geometry_residual = fmax(a->geometry_residual, fmax(turn, fabs(overlap - k->overlap) / deepest));
         a->law_residual = fmax(a->law_residual, fabs(hertz - k->fn) / fmax(k->fn, small));
         a->coulomb_excess = fmax(a->coulomb_excess, (ft - p->friction * k->fn) / fmax(p->friction * k->fn, small));
@@ -57,10 +52,10 @@ static void audit_contacts(const sp_packing *p, double small, sp_audit *a) {
 static void sum_on_grains(const sp_packing *p, double *force, double wall[2]) {
     for (int32_t c = 0; c < p->n_contacts; c++) {
         const sp_contact *k = &p->contacts[c];
-        const double *n = k->n, *ft = k->ft;
-        const double turn[3] = {n[1] * ft[2] - n[2] * ft[1], n[2] * ft[0] - n[0] * ft[2], n[0] * ft[1] - n[1] * ft[0]};
+        double turn[3];
+        cross3(k->n, k->ft, turn);
         for (int a = 0; a < 3; a++) {
-            double f = ft[a] - k->fn * n[a];
+            const double f = k->ft[a] - k->fn * k->n[a];
             force[6 * (size_t)k->i + (size_t)a] += f;
             force[6 * (size_t)k->i + 3 + (size_t)a] += turn[a];
             if (k->j >= 0) {
@@ -73,8 +68,6 @@ static void sum_on_grains(const sp_packing *p, double *force, double wall[2]) {
     }
 }
 
-static double length(const double *v) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-
 static sp_status audit_balance(const sp_packing *p, const uint8_t *rattler, double unit, sp_audit *a, sp_error *err) {
     double *force = sp_alloc((size_t)p->n * 6, sizeof *force), wall[2] = {0, 0};
     if (!force)
@@ -83,8 +76,8 @@ static sp_status audit_balance(const sp_packing *p, const uint8_t *rattler, doub
     for (size_t i = 0; i < (size_t)p->n; i++) {
         if (rattler[i])
             continue;
-        a->force_residual = fmax(a->force_residual, length(force + 6 * i) / unit);
-        a->torque_residual = fmax(a->torque_residual, length(force + 6 * i + 3) / unit);
+        a->force_residual = fmax(a->force_residual, length3(force + 6 * i) / unit);
+        a->torque_residual = fmax(a->torque_residual, length3(force + 6 * i + 3) / unit);
     }
     for (int side = 0; side < 2; side++)
         a->wall_residual = fmax(a->wall_residual, fabs(wall[side] / (p->pressure * sp_packing_wall_area(p)) - 1.0));
@@ -94,52 +87,20 @@ static sp_status audit_balance(const sp_packing *p, const uint8_t *rattler, doub
 
 /* ---- pairs that overlap but are not listed ------------------------------------------------------------------ */
 
-typedef struct by_height {
-    double y;
-    int32_t i;
-} by_height;
+typedef struct search {
+    const sp_packing *p;
+    double slack;
+    int32_t missing;
+} search;
 
-static int compare_heights(const void *a, const void *b) {
-    const by_height *p = a, *q = b;
-    return (p->y > q->y) - (p->y < q->y);
-}
-
-static bool listed(const sp_packing *p, int32_t i, int32_t j) {
-    int32_t low = 0, high = p->n_contacts; /* pairs come first, ordered by (i, j) */
-    while (low < high) {
-        int32_t mid = low + (high - low) / 2;
-        const sp_contact *c = &p->contacts[mid];
-        if (c->j >= 0 && (c->i < i || (c->i == i && c->j < j)))
-            low = mid + 1;
-        else
-            high = mid;
-    }
-    return low < p->n_contacts && p->contacts[low].i == i && p->contacts[low].j == j;
-}
-
-/* Sweeps upwards: only grains up to the largest diameter above can touch. */
-static sp_status audit_missing(const sp_packing *p, double slack, sp_audit *a, sp_error *err) {
-    const size_t n = (size_t)p->n;
-    const int up = p->dim - 1;
-    by_height *order = sp_alloc(n, sizeof *order);
-    if (!order)
-        return sp_fail_memory(err, n * sizeof *order);
-    double r_max = 0;
-    for (size_t i = 0; i < n; i++) {
-        order[i] = (by_height){p->x[3 * i + (size_t)up], (int32_t)i};
-        r_max = fmax(r_max, p->r[i]);
-    }
-    qsort(order, n, sizeof *order, compare_heights);
-    for (size_t k = 0; k < n; k++)
-        for (size_t m = k + 1; m < n && order[m].y - order[k].y < 2 * r_max; m++) {
-            int32_t i = order[k].i < order[m].i ? order[k].i : order[m].i;
-            int32_t j = order[k].i < order[m].i ? order[m].i : order[k].i;
-            double d[3], reach = p->r[i] + p->r[j] - slack;
-            image(p, i, j, d);
-            if (length(d) < reach && !listed(p, i, j))
-                a->missing++;
-        }
-    sp_free(order);
+static sp_status check_listed(int32_t i, int32_t j, void *user, sp_error *err) {
+    search *s = user;
+    double d[3];
+    (void)err;
+    if (j < 0)
+        return SP_OK;
+    sp_packing_separation(s->p, i, j, d);
+    s->missing += length3(d) < s->p->r[i] + s->p->r[j] - s->slack && !sp_packing_has_contact(s->p, i, j);
     return SP_OK;
 }
 
@@ -161,12 +122,46 @@ sp_status sp_packing_audit(const sp_packing *p, double threshold, sp_audit *out,
         a.carrying += carrying[c];
     audit_contacts(p, threshold * unit, &a);
     status = audit_balance(p, rattler, unit, &a, err);
+    search missing = {.p = p, .slack = 1e-6 * deepest + 1e-12 * diameter};
     if (status == SP_OK)
-        status = audit_missing(p, 1e-6 * deepest + 1e-12 * diameter, &a, err);
+        status = sp_packing_sweep(p, 0, check_listed, &missing, err);
+    a.missing = missing.missing;
     if (status == SP_OK)
         *out = a;
 out:
     sp_free(carrying);
     sp_free(rattler);
     return status;
+}
+
+/* ---- verdict -------------------------------------------------------------------------------------------------- */
+
+/* The relative errors of an audit, in the order of reporting. */
+static const struct measure {
+    size_t offset;
+    const char *fault;
+} measures[] = {
+    {offsetof(sp_audit, geometry_residual), "overlaps do not follow from the positions"},
+    {offsetof(sp_audit, law_residual), "normal forces do not follow from the overlaps (Hertz)"},
+    {offsetof(sp_audit, force_residual), "forces on a grain do not balance"},
+    {offsetof(sp_audit, torque_residual), "torques on a grain do not balance"},
+    {offsetof(sp_audit, coulomb_excess), "a tangential force is above friction times the normal force"},
+    {offsetof(sp_audit, wall_residual), "the force on a wall is not pressure times area"},
+};
+
+double sp_audit_worst(const sp_audit *audit, double tolerance, char *reason, size_t size) {
+    double largest = 0;
+    *reason = '\0';
+    if (audit->missing > 0)
+        snprintf(reason, size, "%d pairs overlap that are not listed as contacts: must be 0", audit->missing);
+    for (size_t k = 0; k < sizeof measures / sizeof *measures; k++) {
+        double value;
+        memcpy(&value, (const char *)audit + measures[k].offset, sizeof value);
+        if (!(value <= largest))
+            largest = isnan(largest) ? largest : value;
+        if (!(value <= tolerance) && *reason == '\0')
+            snprintf(reason, size, "%s: relative error %.3g, must be at most %.3g", measures[k].fault, value,
+                     tolerance);
+    }
+    return largest;
 }

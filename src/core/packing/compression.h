@@ -4,67 +4,67 @@
  * (state.c) and resulting packing (freeze.c). */
 #include "packing/dynamics.h"
 
-/* Intervals in steps. CHECK: the forces are inspected. SIDE: the lateral strain rates are updated. REST: equilibrium
+/* Intervals in steps. CHECK: the forces are inspected. LATERAL: the lateral strain rates are updated. REST: equilibrium
  * must last this long. STATE: the neighbour lists are rebuilt, at the cost of about ten steps, and the state may be
  * saved. STALL: the residual of a packing that will come to rest halves at least once in this interval. */
-enum { CHECK_STEPS = 40, SIDE_STEPS = 10, REST_STEPS = 200, STATE_STEPS = 4000, STALL_STEPS = 20000 };
+enum { CHECK_STEPS = 40, LATERAL_STEPS = 10, REST_STEPS = 200, STATE_STEPS = 4000, STALL_STEPS = 20000 };
 
-typedef enum run_phase { PHASE_FLIGHT = 0, PHASE_COMPACTION, PHASE_EQUILIBRATION } run_phase;
+typedef enum compression_phase { PHASE_FLIGHT = 0, PHASE_COMPACTION, PHASE_EQUILIBRATION } compression_phase;
 
 /* State of a run. Everything here and in dynamics that changes from step to step is saved by state.c. */
-typedef struct piston_run {
-    const sp_pack_spec *whole; /* the spec of the run, with its final pressure */
+typedef struct compression {
+    const sp_pack_spec *whole; /* the spec of the run, with the final pressure */
     sp_pack_spec now;          /* the same with the pressure and tolerance of the current stage */
     const sp_pack_spec *spec;  /* &now */
     dynamics d;
     double r_min;
     int32_t *id; /* [n] index of each grain in the packing */
-    double start_height, start_side[2];
-    double side_end[2]; /* periods to reach before the pressure alone controls them; 0: none */
-    int32_t sides_free; /* isotropic: the grains have settled under the piston, and the periods may change */
-    double ramp_time;   /* time in which the pressure changes by a factor e between stages */
-    double past;        /* length of the last step */
+    double start_height, start_period[2];
+    double period_end[2]; /* periods to reach before the pressure alone controls them; 0: none */
+    int32_t lateral_free; /* isotropic: the grains have settled under the piston, and the periods may change */
+    double ramp_time;     /* time in which the pressure changes by a factor e between stages */
+    double past;          /* length of the last step */
     int64_t steps, max_steps;
     int32_t stage;   /* current stage, 0 .. history_count */
     int rest_checks; /* consecutive checks that found equilibrium */
-    run_phase phase;
-    double residual, wall_imbalance, side_imbalance;
-    double full_drag, ease,
-        stall_residual; /* during equilibration: full drag, its current reduction, and the residual at stall_step */
+    compression_phase phase;
+    double residual, wall_imbalance, lateral_imbalance;
+    /* during equilibration: full drag, its current reduction, and the residual at stall_step */
+    double full_drag, ease, stall_residual;
     int64_t stall_step;
     double first_acceleration, first_residual; /* of the current phase; 0: not known yet */
     double fraction;                           /* of the work, as last reported */
     bool resumed;                              /* just resumed: do not save the same state again */
     const sp_pack_hooks *hooks;
-} piston_run;
+} compression;
 
 /* Starts a run at its initial state or at hooks->state. *run has `whole` and `hooks`. Call sp_compression_free even if
  * this fails. */
-sp_status sp_compression_start(piston_run *run, sp_error *err);
-void sp_compression_free(piston_run *run);
-/* Length of the first step, unless the packing allows more information. */
-double sp_compression_first_step(const piston_run *run);
+sp_status sp_compression_start(compression *run, sp_error *err);
+void sp_compression_free(compression *run);
+/* Length of the first step, unless contacts need a shorter one. */
+double sp_compression_first_step(const compression *run);
 /* Creates the dynamics of grains at x with radii r, given in packing order, and chooses their order in memory. */
-sp_status sp_compression_place(piston_run *run, const sp_pack_spec *spec, const double *r, const double *x,
+sp_status sp_compression_place(compression *run, const sp_pack_spec *spec, const double *r, const double *x,
                                double height, sp_error *err);
 
 /* Pressure of a stage. */
 double sp_compression_stage_pressure(const sp_pack_spec *spec, int32_t stage);
 /* Sets the pressure and tolerance of stage run->stage. */
-void sp_compression_set_stage(piston_run *run);
+void sp_compression_set_stage(compression *run);
 /* Called before each step of length dt: moves the pressure towards that of the stage, and sets the lateral strain
  * rates. */
-void sp_compression_drive(piston_run *run, double dt);
+void sp_compression_drive(compression *run, double dt);
 /* Whether the pressure is that of the stage, and the periods have reached their required start. */
-bool sp_compression_pressed(const piston_run *run);
+bool sp_compression_pressed(const compression *run);
 /* The same, and the lateral pressure is close to the pressure as well. */
-bool sp_compression_driven(const piston_run *run);
+bool sp_compression_driven(const compression *run);
 
-sp_status sp_state_save(piston_run *run, sp_error *err);
+sp_status sp_state_save(compression *run, sp_error *err);
 /* Restores *run from hooks->state. *run has `whole` and `hooks` only. SP_EFORMAT, SP_ENOMEM. */
-sp_status sp_state_load(piston_run *run, sp_error *err);
+sp_status sp_state_load(compression *run, sp_error *err);
 
 /* Extracts the packing from the final state. */
-sp_status sp_compression_freeze(const piston_run *run, sp_packing *out, sp_error *err);
+sp_status sp_compression_freeze(const compression *run, sp_packing *out, sp_error *err);
 
 #endif

@@ -7,7 +7,7 @@ double sp_compression_stage_pressure(const sp_pack_spec *spec, int32_t stage) {
     return stage < spec->history_count ? spec->history[stage] : spec->pressure;
 }
 
-void sp_compression_set_stage(piston_run *run) {
+void sp_compression_set_stage(compression *run) {
     const sp_pack_spec *whole = run->whole;
     run->now = *whole;
     run->now.pressure = sp_compression_stage_pressure(whole, run->stage);
@@ -19,7 +19,7 @@ void sp_compression_set_stage(piston_run *run) {
 static double stiffness(double pressure) { return 0.3 * cbrt(pressure); }
 
 /* Period of the piston's oscillation on the packing, over 2 pi. */
-static double swing_time(const piston_run *run) {
+static double swing_time(const compression *run) {
     const dynamics *d = &run->d;
     double mass = 0;
     for (int32_t i = 0; i < d->n; i++)
@@ -29,7 +29,7 @@ static double swing_time(const piston_run *run) {
 
 /* Changes the pressure slowly compared with the oscillation; after a jump the piston would rebound and open the
  * packing. */
-static void ramp_pressure(piston_run *run, double dt) {
+static void ramp_pressure(compression *run, double dt) {
     dynamics *d = &run->d;
     const double end = run->spec->pressure;
     if (d->pressure == end || run->phase == PHASE_FLIGHT)
@@ -44,46 +44,46 @@ static void ramp_pressure(piston_run *run, double dt) {
 static double gentle_rate(double pressure) { return 3e-3 * sqrt(pressure); }
 
 /* Changes a period towards its required start, and stops exactly there. */
-static void shrink_side(piston_run *run, int a, double dt) {
+static void shrink_period(compression *run, int a, double dt) {
     dynamics *d = &run->d;
-    const double left = run->side_end[a] / d->side[a] - 1;
+    const double left = run->period_end[a] / d->period[a] - 1;
     if (fabs(left) < 1e-14) {
-        run->side_end[a] = d->side_rate[a] = 0;
+        run->period_end[a] = d->strain_rate[a] = 0;
         return;
     }
     const double rate = gentle_rate(run->spec->pressure);
-    d->side_rate[a] = fabs(left) < rate * dt ? left / dt : copysign(rate, left);
+    d->strain_rate[a] = fabs(left) < rate * dt ? left / dt : copysign(rate, left);
 }
 
 /* Changes a period at a rate proportional to the excess pressure, like a dashpot, which always dissipates energy. The
  * rate is limited to what the packing can follow within a few updates. It becomes 0 once the grains have settled and
  * the pressures are equal. */
-static void press_side(piston_run *run, int a, double dt) {
+static void follow_pressure(compression *run, int a, double dt) {
     dynamics *d = &run->d;
-    const double p = d->pressure, excess = sp_dynamics_side_pressure(d, a) / p - 1;
-    const double stop = d->side_rate[a] == 0 ? 3e-4 : 1e-5;
-    const double rate = fmin(gentle_rate(p), p / (stiffness(p) * 6 * SIDE_STEPS * dt));
-    const bool calm = run->phase == PHASE_EQUILIBRATION && d->pressure == run->spec->pressure;
-    d->side_rate[a] = calm && fabs(excess) < stop ? 0 : rate * fmax(-1, fmin(1, excess));
+    const double p = d->pressure, excess = sp_dynamics_lateral_pressure(d, a) / p - 1;
+    const double stop = d->strain_rate[a] == 0 ? 3e-4 : 1e-5;
+    const double rate = fmin(gentle_rate(p), p / (stiffness(p) * 6 * LATERAL_STEPS * dt));
+    const bool settled = run->phase == PHASE_EQUILIBRATION && d->pressure == run->spec->pressure;
+    d->strain_rate[a] = settled && fabs(excess) < stop ? 0 : rate * fmax(-1, fmin(1, excess));
 }
 
-void sp_compression_drive(piston_run *run, double dt) {
+void sp_compression_drive(compression *run, double dt) {
     ramp_pressure(run, dt);
     for (int a = 0; a < run->d.dim - 1; a++) {
-        if (run->side_end[a] > 0)
-            shrink_side(run, a, dt);
-        else if (run->sides_free && run->steps % SIDE_STEPS == 0)
-            press_side(run, a, dt);
+        if (run->period_end[a] > 0)
+            shrink_period(run, a, dt);
+        else if (run->lateral_free && run->steps % LATERAL_STEPS == 0)
+            follow_pressure(run, a, dt);
     }
 }
 
-bool sp_compression_pressed(const piston_run *run) {
-    return run->d.pressure == run->spec->pressure && run->side_end[0] == 0 && run->side_end[1] == 0;
+bool sp_compression_pressed(const compression *run) {
+    return run->d.pressure == run->spec->pressure && run->period_end[0] == 0 && run->period_end[1] == 0;
 }
 
-bool sp_compression_driven(const piston_run *run) {
+bool sp_compression_driven(const compression *run) {
     if (!sp_compression_pressed(run))
         return false;
     return run->spec->compression == SP_COMPRESSION_PISTON ||
-           (run->sides_free && run->side_imbalance < 0.05 * run->spec->pressure);
+           (run->lateral_free && run->lateral_imbalance < 0.05 * run->spec->pressure);
 }

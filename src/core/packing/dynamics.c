@@ -2,6 +2,7 @@
 #include "packing/dynamics.h"
 
 #include "base/base.h"
+#include "base/vector.h"
 #include "packing/contact.h"
 #include "packing/kernel.h"
 #include "packing/pairs.h"
@@ -10,24 +11,15 @@
 #include <math.h>
 #include <string.h>
 
-static const grain_layout layout_2d = {
-    .stride = 8, .v = 2, .w = 4, .r = 5, .inv_m = 6, .row = 4, .turn = 2, .forces = 1};
-static const grain_layout layout_3d = {
-    .stride = 16, .v = 4, .w = 8, .r = 12, .inv_m = 13, .row = 8, .turn = 4, .forces = 3};
-
-grain_layout sp_dynamics_layout(int dim) { return dim == 3 ? layout_3d : layout_2d; }
-
 static bool alloc_arrays(dynamics *d) {
     const size_t n = (size_t)d->n;
     d->g = sp_alloc((n + 1) * (size_t)d->at.stride, sizeof *d->g);
     d->listed = sp_alloc(n * (size_t)d->dim, sizeof *d->listed);
-    d->cell_next = sp_alloc(n, sizeof *d->cell_next);
     d->rows.slot = sp_alloc(n * SLOTS, sizeof *d->rows.slot);
     d->rows.count = sp_alloc(n, sizeof *d->rows.count);
     d->rows.further = sp_alloc(n, sizeof *d->rows.further);
     d->plain_f = d->plain ? sp_alloc(6 * n, sizeof *d->plain_f) : NULL;
-    bool ok = d->g && d->listed && d->cell_next && d->rows.slot && d->rows.count && d->rows.further &&
-              (d->plain_f || !d->plain);
+    bool ok = d->g && d->listed && d->rows.slot && d->rows.count && d->rows.further && (d->plain_f || !d->plain);
     for (int side = 0; side < 2; side++) {
         d->wall_ft[side] = sp_alloc(n * (size_t)(d->dim - 1), sizeof(double));
         d->wall[side].i = sp_alloc(n, sizeof(int32_t));
@@ -47,9 +39,9 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
     const double depth = spec->dim == 3 ? (spec->depth > 0 ? spec->depth : spec->width) : 1;
     double sum = 0;
     dynamics d = {.dim = spec->dim,
-                  .at = sp_dynamics_layout(spec->dim),
+                  .at = grain_layout_of(spec->dim),
                   .n = spec->grains,
-                  .side = {spec->width, depth},
+                  .period = {spec->width, depth},
                   .area = spec->width * depth,
                   .pressure = spec->pressure,
                   .plain = spec->reference,
@@ -79,8 +71,12 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
         sum += r[i];
     }
     d.scale = power_of_two(2 * sum / d.n);
-    *out = d;
-    return SP_OK;
+    sp_status status = sp_cells_make(d.dim, d.n, d.r_max, &d.cells, err);
+    if (status == SP_OK)
+        *out = d;
+    else
+        sp_dynamics_free(&d);
+    return status;
 }
 
 void sp_dynamics_free(dynamics *d) {
@@ -95,8 +91,7 @@ void sp_dynamics_free(dynamics *d) {
     sp_free(d->rows.count);
     sp_free(d->rows.further);
     sp_free(d->rows.chain);
-    sp_free(d->cell_head);
-    sp_free(d->cell_next);
+    sp_cells_free(&d->cells);
     sp_free(d->plain_f);
     sp_free(d->listed);
     sp_free(d->g);
@@ -157,7 +152,7 @@ static void wall_pair(dynamics *d, int side, int32_t i, double *row, double dt) 
 typedef struct step_work {
     dynamics *d;
     double dt;
-    kernel_seen seen[256];
+    kernel_maxima seen[256];
 } step_work;
 
 static void forces_part(void *data, int part, int parts) {
@@ -194,7 +189,7 @@ static void move_part(void *data, int part, int parts) {
 
 static void move_grains(dynamics *d, double dt) {
     step_work work = {.d = d, .dt = dt};
-    kernel_seen all = {0, 0};
+    kernel_maxima all = {0, 0};
     sp_pool_run(d->pool, move_part, &work);
     for (int part = 0; part < (int)(sizeof work.seen / sizeof *work.seen); part++) {
         all.v2 = work.seen[part].v2 > all.v2 ? work.seen[part].v2 : all.v2;
@@ -215,11 +210,11 @@ void sp_dynamics_advance(dynamics *d, double dt) {
     d->v_max = fmax(d->v_max, fabs(d->piston_v));
     double strain = 0;
     for (int a = 0; a < d->dim - 1; a++) {
-        d->side[a] *= 1 + d->side_rate[a] * dt;
-        strain += fabs(d->side_rate[a]) * d->side[a];
+        d->period[a] *= 1 + d->strain_rate[a] * dt;
+        strain += fabs(d->strain_rate[a]) * d->period[a];
     }
     if (strain > 0)
-        d->area = d->side[0] * d->side[1];
+        d->area = d->period[0] * d->period[1];
     d->inner_travel += (2 * d->v_max + strain) * dt;
     d->outer_travel += (2 * d->v_max + strain) * dt;
     d->outer_strain += strain * dt;
@@ -253,9 +248,7 @@ void sp_dynamics_force_on(const dynamics *d, int32_t i, double force[3], double 
 }
 
 static double acceleration(const dynamics *d, int32_t i, const double force[3], const double turn[3]) {
-    const double f = sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
-    const double q = sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]);
-    return dynamics_grain(d, i)[d->at.inv_m] * fmax(f, 2.5 * q);
+    return dynamics_grain(d, i)[d->at.inv_m] * fmax(length3(force), 2.5 * length3(turn));
 }
 
 double sp_dynamics_acceleration(const dynamics *d) {
@@ -278,8 +271,8 @@ static double separation(const dynamics *d, const pair_list *p, int32_t k, doubl
     const double *g = dynamics_grain(d, p->i[k]), *h = dynamics_grain(d, p->j[k]);
     x[2] = 0;
     for (int a = 0; a < d->dim; a++)
-        x[a] = h[a] - g[a] + (a < d->dim - 1 ? p->image[k + (int64_t)a * p->capacity] * d->side[a] : 0);
-    return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+        x[a] = h[a] - g[a] + (a < d->dim - 1 ? p->image[k + (int64_t)a * p->capacity] * d->period[a] : 0);
+    return length3(x);
 }
 
 /* Elastic force on i of a pair, and its torque/R. False for an open pair. */
@@ -297,8 +290,7 @@ static bool elastic_pair(const dynamics *d, const pair_list *p, int32_t k, doubl
     } else {
         for (int a = 0; a < 3; a++)
             t[a] = p->ft[k + (int64_t)a * p->capacity];
-        for (int a = 0; a < 3; a++)
-            turn[a] = n[(a + 1) % 3] * t[(a + 2) % 3] - n[(a + 2) % 3] * t[(a + 1) % 3];
+        cross3(n, t, turn);
     }
     for (int a = 0; a < 3; a++)
         force[a] = t[a] - normal * n[a];
@@ -359,7 +351,7 @@ sp_status sp_dynamics_residual(const dynamics *d, double *residual, double *wall
     return SP_OK;
 }
 
-double sp_dynamics_side_pressure(const dynamics *d, int a) {
+double sp_dynamics_lateral_pressure(const dynamics *d, int a) {
     const pair_list *p = dynamics_pairs(d);
     double sum = 0;
     for (int32_t k = 0; k < p->n; k++) {

@@ -1,6 +1,8 @@
 /* Extracts the packing from the final state of a compression. */
+#include "base/vector.h"
 #include "packing/compression.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <string.h>
@@ -21,18 +23,13 @@ static void finish_contact(const dynamics *d, sp_contact *c) {
 }
 
 /* Adds pair k of the list as a contact, from the lower to the higher index, if it is closed. */
-static void add_pair(const piston_run *run, const pair_list *list, int32_t k, sp_packing *p, int32_t *count) {
+static void add_pair(const compression *run, const pair_list *list, int32_t k, sp_packing *p, int32_t *count) {
     const dynamics *d = &run->d;
     const int32_t one = run->id[list->i[k]], two = run->id[list->j[k]], i = one < two ? one : two,
                   j = one < two ? two : one;
-    double n[3] = {0, 0, 0}, t[3] = {0, 0, 0}, square = 0;
-    for (int a = 0; a < d->dim; a++) {
-        n[a] = p->x[3 * (size_t)j + (size_t)a] - p->x[3 * (size_t)i + (size_t)a];
-        if (a < d->dim - 1)
-            n[a] -= p->box[a] * nearbyint(n[a] / p->box[a]);
-        square += n[a] * n[a];
-    }
-    const double r = sqrt(square), overlap = p->r[i] + p->r[j] - r, flip = one < two ? 1 : -1;
+    double n[3], t[3] = {0, 0, 0};
+    sp_packing_separation(p, i, j, n);
+    const double r = length3(n), overlap = p->r[i] + p->r[j] - r, flip = one < two ? 1 : -1;
     if (!(overlap > 0))
         return;
     for (int a = 0; a < d->dim; a++)
@@ -50,7 +47,7 @@ static void add_pair(const piston_run *run, const pair_list *list, int32_t k, sp
     finish_contact(d, c);
 }
 
-static void add_wall(const piston_run *run, int side, int32_t at, sp_packing *p, int32_t *count) {
+static void add_wall(const compression *run, int side, int32_t at, sp_packing *p, int32_t *count) {
     const dynamics *d = &run->d;
     const int32_t i = run->id[at];
     const int up = d->dim - 1;
@@ -67,7 +64,7 @@ static void add_wall(const piston_run *run, int side, int32_t at, sp_packing *p,
     p->contacts[(*count)++] = c;
 }
 
-sp_status sp_compression_freeze(const piston_run *run, sp_packing *out, sp_error *err) {
+sp_status sp_compression_freeze(const compression *run, sp_packing *out, sp_error *err) {
     const dynamics *d = &run->d;
     const sp_pack_spec *spec = run->spec;
     const pair_list *list = dynamics_pairs(d);
@@ -76,7 +73,7 @@ sp_status sp_compression_freeze(const piston_run *run, sp_packing *out, sp_error
     if (status != SP_OK)
         return status;
     for (int a = 0; a < d->dim - 1; a++)
-        p.box[a] = d->side[a];
+        p.box[a] = d->period[a];
     p.box[d->dim - 1] = d->piston_y;
     p.pressure = spec->pressure;
     p.friction = spec->friction;
@@ -91,8 +88,8 @@ sp_status sp_compression_freeze(const piston_run *run, sp_packing *out, sp_error
         for (int a = 0; a < d->dim; a++)
             x[a] = g[a];
         for (int a = 0; a < d->dim - 1; a++) {
-            x[a] -= d->side[a] * floor(x[a] / d->side[a]);
-            x[a] = x[a] < d->side[a] ? x[a] : 0;
+            x[a] -= d->period[a] * floor(x[a] / d->period[a]);
+            x[a] = x[a] < d->period[a] ? x[a] : 0;
         }
     }
     int32_t count = 0;

@@ -39,14 +39,14 @@ static inline void distances2(const dynamics *d, int32_t first, int32_t count, b
     const double *restrict image = p->image + first, *restrict diff = b->d;
     double *restrict x_out = b->x, *restrict y_out = b->y, *restrict r_out = b->r;
     double *restrict vx_out = b->vx, *restrict vy_out = b->vy;
-    const double side = d->side[0], side_rate = d->side_rate[0];
+    const double side = d->period[0], strain_rate = d->strain_rate[0];
 #pragma GCC ivdep
     for (int32_t k = 0; k < (count & -8); k++) {
         double x = diff[4 * k + 0] + image[k] * side, y = diff[4 * k + 1];
         x_out[k] = x;
         y_out[k] = y;
         r_out[k] = sqrt(x * x + y * y);
-        vx_out[k] = diff[4 * k + 2] + side_rate * x;
+        vx_out[k] = diff[4 * k + 2] + strain_rate * x;
         vy_out[k] = diff[4 * k + 3];
     }
 }
@@ -116,8 +116,8 @@ CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first,
     rows2(d, first, count, &b);
 }
 
-CLONES kernel_seen sp_kernel_move_2d(const dynamics *d, double dt, int32_t first, int32_t last) {
-    const double keep = 1.0 - d->drag * dt, strain = d->side_rate[0] * dt;
+CLONES kernel_maxima sp_kernel_move_2d(const dynamics *d, double dt, int32_t first, int32_t last) {
+    const double keep = 1.0 - d->drag * dt, strain = d->strain_rate[0] * dt;
     const double *restrict row = d->rows.row;
     const int32_t *restrict slot = d->rows.slot, *restrict count = d->rows.count;
     double v2 = 0, rate = 0;
@@ -140,7 +140,7 @@ CLONES kernel_seen sp_kernel_move_2d(const dynamics *d, double dt, int32_t first
         v2 = square > v2 ? square : v2;
         rate = fast > rate ? fast : rate;
     }
-    return (kernel_seen){v2, rate};
+    return (kernel_maxima){v2, rate};
 }
 
 /* ---- 3D ------------------------------------------------------------------------------------------------------ */
@@ -173,7 +173,7 @@ static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int3
     const double *restrict ix = p->image + first, *restrict iy = ix + p->capacity;
     const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
     double *restrict tx = p->ft + first, *restrict ty = tx + p->capacity, *restrict tz = ty + p->capacity;
-    const double sx = d->side[0], sy = d->side[1], rx = d->side_rate[0], ry = d->side_rate[1];
+    const double sx = d->period[0], sy = d->period[1], rx = d->strain_rate[0], ry = d->strain_rate[1];
     const double mu = d->law.friction, eta_dt = d->law.eta * dt, sqrt_eta = d->law.sqrt_eta, half_dt = 0.5 * dt;
     const double two_zeta = 2.0 * d->law.damping, mu_viscous = mu * d->law.viscous_limit;
 #pragma GCC ivdep
@@ -255,8 +255,8 @@ CLONES void sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first,
     rows3(d, first, count, &b);
 }
 
-CLONES kernel_seen sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last) {
-    const double keep = 1.0 - d->drag * dt, strain[3] = {d->side_rate[0] * dt, d->side_rate[1] * dt, 0};
+CLONES kernel_maxima sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last) {
+    const double keep = 1.0 - d->drag * dt, strain[3] = {d->strain_rate[0] * dt, d->strain_rate[1] * dt, 0};
     const double *restrict row = d->rows.row;
     double v2 = 0, rate = 0;
     for (int32_t i = first; i < last; i++) {
@@ -283,5 +283,5 @@ CLONES kernel_seen sp_kernel_move_3d(const dynamics *d, double dt, int32_t first
         v2 = square > v2 ? square : v2;
         rate = fast > rate ? fast : rate;
     }
-    return (kernel_seen){v2, rate};
+    return (kernel_maxima){v2, rate};
 }

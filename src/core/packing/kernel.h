@@ -2,7 +2,7 @@
 #define SP_KERNEL_H
 /* The two loops that take most of the time of a compression: over pairs and over grains. Each call handles a part of
  * them. Parts may run in parallel, and the result does not depend on their number. */
-#include "packing/dynamics.h"
+#include "packing/grains.h"
 
 enum { BLOCK = 128 }; /* pairs per call; a multiple of the widest vector */
 
@@ -12,12 +12,12 @@ void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first, int32_
 void sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first, int32_t count);
 
 /* Largest squared speed and largest rate (see dynamics) of a part of the grains. */
-typedef struct kernel_seen {
+typedef struct kernel_maxima {
     double v2, rate;
-} kernel_seen;
+} kernel_maxima;
 
 /* Adds up the force rows of the grains [first, last) and moves these grains by dt. */
-kernel_seen sp_kernel_move_2d(const dynamics *d, double dt, int32_t first, int32_t last);
-kernel_seen sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last);
+kernel_maxima sp_kernel_move_2d(const dynamics *d, double dt, int32_t first, int32_t last);
+kernel_maxima sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last);
 
 #endif

@@ -25,7 +25,7 @@ const sp_key sp_pack_keys[] = {
     {"packing.seed", SP_KEY_INT64, AT(seed), 0, "", 0, 0x1p64, false},
     {"packing.tolerance", SP_KEY_REAL, AT(tolerance), 0, "E* / (rho d)", 0, 1, false},
     {"packing.damping", SP_KEY_REAL, AT(damping), 0, "critical", 1e-3, 2, true},
-    /* a lighter piston is kicked about by single grains, a heavier one oscillates long after they have come to rest */
+    /* a lighter piston is pushed about by single grains, a heavier one oscillates long after they have come to rest */
     {"packing.piston_mass", SP_KEY_REAL, AT(piston_mass), 0, "rho d", 0.1, 1e4, true},
     {"packing.gas_fraction", SP_KEY_REAL, AT(gas_fraction), 0, "", 0.01, 0.45, true},
     {"packing.time_step", SP_KEY_REAL, AT(time_step), 0, "of the largest stable one", 1e-3, 0.8, true},

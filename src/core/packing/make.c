@@ -16,8 +16,7 @@ static double peak_memory(const sp_pack_spec *s) {
     const double n = s->grains;
     if (!is_compressed(s))
         return n * (32 + (s->kind == SP_PACK_CHAIN ? 2 : 6) * (double)sizeof(sp_contact));
-    const double lists = (s->dim == 3 ? 6000 : 1500) * n;
-    return s->kind == SP_PACK_PISTON ? fmax(lists, 32 * n + sp_gas_memory(s)) : lists;
+    return (s->dim == 3 ? 6000 : 1500) * n;
 }
 
 static sp_status check_memory(const sp_pack_spec *s, sp_error *err) {

@@ -1,5 +1,6 @@
 /* Memory, geometry, structure check and contact order of packings. */
 #include "base/base.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <sonopack/packing.h>
@@ -129,6 +130,11 @@ static int compare_contacts(const void *a, const void *b) {
     if (p->i != q->i)
         return p->i < q->i ? -1 : 1;
     return (p->j > q->j) - (p->j < q->j);
+}
+
+bool sp_packing_has_contact(const sp_packing *p, int32_t i, int32_t j) {
+    const sp_contact key = {.i = i, .j = j};
+    return p->n_contacts > 0 && bsearch(&key, p->contacts, (size_t)p->n_contacts, sizeof key, compare_contacts) != NULL;
 }
 
 static sp_status check_contacts(const sp_packing *p, sp_error *err) {

@@ -3,6 +3,7 @@
  * its tables. */
 #include "base/base.h"
 #include "packing/compression.h"
+#include "packing/neighbours.h"
 #include "packing/prepare.h"
 
 #include <math.h>
@@ -21,7 +22,7 @@ static double stable_step(double zeta) {
 /* Fraction of the stable step. While the packing forms, 0.7 of it makes the packing slightly denser (Phi2 by 0.2
  * standard deviations). During equilibration steps only need to be stable, which 0.7 is not in lattices of equal
  * disks. */
-static double step_fraction(const piston_run *run) {
+static double step_fraction(const compression *run) {
     const sp_pack_spec *spec = run->spec;
     const double longer = fmax(spec->time_step, fmin(0.7, 1.4 * spec->time_step));
     return run->phase == PHASE_EQUILIBRATION && !sp_sizes_alike(spec) ? longer : spec->time_step;
@@ -36,7 +37,7 @@ static double stable_pair(const contact_law *law) {
 
 /* Length of the next step, from the stiffest grain. A contact that closes during the step counts with the stiffness it
  * would have after a step at the largest speed, and with a looser factor, because it is only one step. */
-static double next_step(const piston_run *run) {
+static double next_step(const compression *run) {
     const dynamics *d = &run->d;
     const double factor = fmin(step_fraction(run) * stable_step(d->law.damping), 0.95 * stable_pair(&d->law));
     const double past = d->dt;
@@ -49,7 +50,7 @@ static double next_step(const piston_run *run) {
 }
 
 /* Step of the reference code: a small fraction of the period of the lightest grain at the stiffest contact. */
-static double plain_step(const piston_run *run) {
+static double plain_step(const compression *run) {
     const dynamics *d = &run->d;
     const double factor = 0.05, past = d->dt, soon = 2.0 * sqrt(d->r_max * 2.0 * d->v_max * past);
     double dt = factor * sqrt(d->m_min / fmax(d->k_max, 0.16 * soon));
@@ -63,13 +64,13 @@ static double plain_step(const piston_run *run) {
 /* Rate of the global damping, which should damp the slowest waves but not hold them back. Their frequency decreases
  * with the pressure and as one over the size of the box. For boxes up to 30 d the protocol's value is used: at 24 and
  * 25 d it was best. */
-static double find_drag(const piston_run *run) {
+static double find_drag(const compression *run) {
     const dynamics *d = &run->d;
-    const double longest = fmax(d->piston_y, fmax(d->side[0], d->dim == 3 ? d->side[1] : 0));
+    const double longest = fmax(d->piston_y, fmax(d->period[0], d->dim == 3 ? d->period[1] : 0));
     return run->spec->drag * cbrt(run->spec->pressure / 1e-4) * fmin(1, 30 / longest);
 }
 
-static void start_calm(piston_run *run) {
+static void start_equilibration(compression *run) {
     run->phase = PHASE_EQUILIBRATION;
     run->ease = 1;
     run->stall_step = run->steps;
@@ -82,7 +83,7 @@ static void start_calm(piston_run *run) {
 /* Some grains roll along a mechanism without stiffness, such as a ball between two strong contacts. Their speed is set
  * by the balance of drag and a tiny force, and they would need 1e7 steps to reach the next contact. If the residual has
  * not halved for STALL_STEPS, the drag is reduced for as long, each time further. */
-static void ease_drag(piston_run *run) {
+static void ease_drag(compression *run) {
     if (run->phase != PHASE_EQUILIBRATION || run->steps - run->stall_step < STALL_STEPS)
         return;
     const bool stalled = run->residual > 0.5 * run->stall_residual, full = run->d.drag == run->full_drag;
@@ -93,16 +94,16 @@ static void ease_drag(piston_run *run) {
     run->stall_residual = run->residual;
 }
 
-static bool at_rest(const piston_run *run) {
+static bool at_rest(const compression *run) {
     /* rattlers in free flight have no elastic force, so their speed counts */
     bool still = run->d.drag == 0 || run->d.v_max * run->full_drag < run->spec->tolerance;
     /* the piston weighs as much as hundreds of grains: its acceleration alone would allow a pressure error of 1e-5 */
     bool balanced = run->wall_imbalance < run->spec->tolerance;
-    bool calm = run->phase == PHASE_EQUILIBRATION || run->spec->calm == 0;
+    bool settled = run->phase == PHASE_EQUILIBRATION || run->spec->calm == 0;
     /* a slowly changing period has no acceleration either */
-    bool driven = sp_compression_driven(run) && run->d.side_rate[0] == 0 && run->d.side_rate[1] == 0 &&
-                  run->side_imbalance < 1e-3 * run->spec->pressure;
-    return driven && calm && still && balanced && run->residual < run->spec->tolerance;
+    bool driven = sp_compression_driven(run) && run->d.strain_rate[0] == 0 && run->d.strain_rate[1] == 0 &&
+                  run->lateral_imbalance < 1e-3 * run->spec->pressure;
+    return driven && settled && still && balanced && run->residual < run->spec->tolerance;
 }
 
 /* Steps between two progress reports: some tenths of a second, also for many grains. */
@@ -111,78 +112,77 @@ static int64_t watch_steps(int32_t grains) {
     return (int64_t)CHECK_STEPS * (checks > 100 ? 100 : checks > 1 ? checks : 1);
 }
 
-static sp_status fail_insane(const piston_run *run, sp_error *err) {
+static sp_status fail_insane(const compression *run, sp_error *err) {
     const sp_pack_spec *s = run->spec;
     const double layer = run->d.area / (s->dim == 2 ? sp_sizes_moment(s, 1) : sp_sizes_moment(s, 2));
     if (run->d.n < layer)
-        return sp_fail(err, SP_EFAILED,
-                       "seed %llu: a grain went through a wall or another grain at step %lld: packing.grains = %d are "
-                       "less than a layer, %.3g, of this box, and each carries more than packing.pressure = %g",
-                       (unsigned long long)s->seed, (long long)run->steps, run->d.n, layer, s->pressure);
-    if (s->diameter_max > 3 * s->diameter_min)
-        return sp_fail(err, SP_EFAILED,
-                       "seed %llu: a grain went through a wall or another grain at step %lld: packing.pressure = %g is "
-                       "too much for grains as small as packing.diameter_min = %g between ones of packing.diameter_max "
-                       "= %g",
-                       (unsigned long long)s->seed, (long long)run->steps, s->pressure, s->diameter_min,
-                       s->diameter_max);
-    return sp_fail(
-        err, SP_EFAILED,
-        "seed %llu: a grain went through a wall or another grain at step %lld: packing.pressure = %g is too "
-        "much for it or arrives too fast (a larger packing.piston_mass is slower), or packing.time_step = %g "
-        "is too large",
-        (unsigned long long)s->seed, (long long)run->steps, s->pressure, s->time_step);
+        sp_fail(err, SP_EFAILED,
+                "packing.grains = %d are less than a layer, %.3g, of this box, and each carries more than "
+                "packing.pressure = %g",
+                run->d.n, layer, s->pressure);
+    else if (s->diameter_max > 3 * s->diameter_min)
+        sp_fail(err, SP_EFAILED,
+                "packing.pressure = %g is too much for grains as small as packing.diameter_min = %g between ones of "
+                "packing.diameter_max = %g",
+                s->pressure, s->diameter_min, s->diameter_max);
+    else
+        sp_fail(err, SP_EFAILED,
+                "packing.pressure = %g is too much for it or arrives too fast (a larger packing.piston_mass is "
+                "slower), or packing.time_step = %g is too large",
+                s->pressure, s->time_step);
+    return sp_fail_prefix(err, "seed %llu: a grain went through a wall or another grain at step %lld",
+                          (unsigned long long)s->seed, (long long)run->steps);
 }
 
 /* Isotropic: if too few grains hold the box open, it collapses. */
-static sp_status check_sides(const piston_run *run, sp_error *err) {
+static sp_status check_periods(const compression *run, sp_error *err) {
     const dynamics *d = &run->d;
-    const double narrowest = sp_dynamics_narrowest(d);
+    const double narrowest = sp_neighbours_narrowest(d);
     for (int a = 0; a < d->dim - 1; a++)
-        if (!(d->side[a] > narrowest) && run->side_end[a] == 0 && run->sides_free)
+        if (!(d->period[a] > narrowest) && run->period_end[a] == 0 && run->lateral_free)
             return sp_fail(
                 err, SP_EFAILED,
                 "packing.grains = %d: too few for packing.compression = \"isotropic\" in this box: the sides "
                 "have come as near as %.3g, must stay above %.3g (two of the largest grains and the gaps "
                 "around them)",
-                d->n, d->side[a], narrowest);
+                d->n, d->period[a], narrowest);
     return SP_OK;
 }
 
 /* Shares of the work, estimated from packings of hundreds of grains. */
-static const double FLIGHT_PART = 0.1, CALM_PART = 0.6;
+static const double FLIGHT_PART = 0.1, SETTLED_PART = 0.6;
 
-/* Reports that the fraction x of the way between two shares is done. The estimate never decreases. */
-static void guess_work(piston_run *run, double from, double to, double x) {
+/* Sets the estimate to the fraction x of the way from one share to another. It never decreases. */
+static void estimate_progress(compression *run, double from, double to, double x) {
     const double part = from + (to - from) * fmax(0, fmin(1, x)); /* fmax(0, NAN) is 0 */
     run->fraction = fmax(run->fraction, (run->stage + part) / (run->whole->history_count + 1));
 }
 
 /* Progress from the residual, or during the flight from the piston's height. */
-static void guess_rest(piston_run *run) {
+static void estimate_from_residual(compression *run) {
     const double grains =
         run->d.n * (run->d.dim == 2 ? sp_sizes_mean_area(run->whole) : sp_sizes_mean_volume(run->whole));
     if (run->phase == PHASE_FLIGHT) {
         const double end = grains / (run->d.area * (run->d.dim == 2 ? 0.8 : 0.6));
-        guess_work(run, 0, FLIGHT_PART, (run->start_height - run->d.piston_y) / (run->start_height - end));
+        estimate_progress(run, 0, FLIGHT_PART, (run->start_height - run->d.piston_y) / (run->start_height - end));
     }
     if (run->phase != PHASE_EQUILIBRATION)
         return;
     run->first_residual = fmax(run->first_residual, run->residual);
-    guess_work(run, CALM_PART, 1,
-               log(run->first_residual / run->residual) / log(run->first_residual / run->spec->tolerance));
+    estimate_progress(run, SETTLED_PART, 1,
+                      log(run->first_residual / run->residual) / log(run->first_residual / run->spec->tolerance));
 }
 
-static void find_side_imbalance(piston_run *run) {
-    run->side_imbalance = 0;
+static void find_lateral_imbalance(compression *run) {
+    run->lateral_imbalance = 0;
     if (run->spec->compression != SP_COMPRESSION_ISOTROPIC)
         return;
     for (int a = 0; a < run->d.dim - 1; a++)
-        run->side_imbalance =
-            fmax(run->side_imbalance, fabs(sp_dynamics_side_pressure(&run->d, a) - run->spec->pressure));
+        run->lateral_imbalance =
+            fmax(run->lateral_imbalance, fabs(sp_dynamics_lateral_pressure(&run->d, a) - run->spec->pressure));
 }
 
-static sp_status tell(piston_run *run, sp_error *err) {
+static sp_status report_progress(compression *run, sp_error *err) {
     static const char *const names[] = {"flight", "compaction", "equilibration"};
     if (!run->hooks->watch || run->steps % watch_steps(run->d.n) != 0)
         return SP_OK;
@@ -198,19 +198,19 @@ static sp_status tell(piston_run *run, sp_error *err) {
 }
 
 /* Every CHECK_STEPS: checks the motion, looks for equilibrium and reports progress. */
-static sp_status inspect(piston_run *run, bool *done, sp_error *err) {
+static sp_status inspect(compression *run, bool *done, sp_error *err) {
     if (!sp_dynamics_sane(&run->d))
         return fail_insane(run, err);
     if (run->phase == PHASE_FLIGHT && run->d.wall_force[1] > 0.5 * run->d.pressure * run->d.area)
         run->phase = PHASE_COMPACTION;
-    sp_status status = check_sides(run, err);
+    sp_status status = check_periods(run, err);
     if (status == SP_OK)
         status = sp_dynamics_residual(&run->d, &run->residual, &run->wall_imbalance, err);
     if (status != SP_OK)
         return status;
-    find_side_imbalance(run);
+    find_lateral_imbalance(run);
     ease_drag(run);
-    guess_rest(run);
+    estimate_from_residual(run);
     run->rest_checks = at_rest(run) ? run->rest_checks + 1 : 0;
     *done = run->rest_checks >= REST_STEPS / CHECK_STEPS;
     if (!*done && run->steps >= run->max_steps)
@@ -219,11 +219,11 @@ static sp_status inspect(piston_run *run, bool *done, sp_error *err) {
                        "by %.3g: both must be below packing.tolerance = %.3g before packing.max_steps = %lld",
                        (unsigned long long)run->spec->seed, (long long)run->steps, run->residual, run->wall_imbalance,
                        run->spec->tolerance, (long long)run->max_steps);
-    return tell(run, err);
+    return report_progress(run, err);
 }
 
 /* Saves the state if wanted, and rebuilds the lists in any case (see state.c). */
-static sp_status pass_state(piston_run *run, sp_error *err) {
+static sp_status save_state(compression *run, sp_error *err) {
     sp_status status = SP_OK;
     if (run->hooks->save && !run->resumed && run->steps > 0)
         status = sp_state_save(run, err);
@@ -233,35 +233,35 @@ static sp_status pass_state(piston_run *run, sp_error *err) {
 
 /* Looks for the start of equilibration, at the forces of this step. The acceleration includes viscous forces because
  * during creep these balance the elastic ones. */
-static void look_for_calm(piston_run *run) {
+static void look_for_equilibration(compression *run) {
     const double acceleration = sp_dynamics_acceleration(&run->d), end = run->spec->calm * run->spec->pressure;
     const bool isotropic = run->spec->compression == SP_COMPRESSION_ISOTROPIC;
     if (run->steps > 0 && acceleration < end && sp_compression_driven(run))
-        start_calm(run);
+        start_equilibration(run);
     /* not earlier: grains in flight offer no resistance */
     if (isotropic && run->steps > 0 && acceleration < fmax(end, 0.01 * run->spec->pressure) &&
         sp_compression_pressed(run))
-        run->sides_free = 1;
+        run->lateral_free = 1;
     if (isinf(acceleration) || !(end > 0))
         return;
     run->first_acceleration = fmax(run->first_acceleration, acceleration);
-    guess_work(run, FLIGHT_PART, CALM_PART,
-               log(run->first_acceleration / acceleration) / log(run->first_acceleration / end));
+    estimate_progress(run, FLIGHT_PART, SETTLED_PART,
+                      log(run->first_acceleration / acceleration) / log(run->first_acceleration / end));
 }
 
-static sp_status compress(piston_run *run, sp_error *err) {
+static sp_status compress(compression *run, sp_error *err) {
     for (bool done = false;; run->steps++) {
-        sp_status status = run->steps % STATE_STEPS == 0 ? pass_state(run, err) : SP_OK;
+        sp_status status = run->steps % STATE_STEPS == 0 ? save_state(run, err) : SP_OK;
         run->resumed = false;
         if (status == SP_OK)
-            status = sp_dynamics_refresh(&run->d, err);
+            status = sp_neighbours_refresh(&run->d, err);
         if (status == SP_OK && run->steps % CHECK_STEPS == 0)
             status = inspect(run, &done, err);
         if (status != SP_OK || done)
             return status;
         sp_dynamics_forces(&run->d, run->past);
         if (run->phase != PHASE_EQUILIBRATION && run->steps % CHECK_STEPS == 0)
-            look_for_calm(run);
+            look_for_equilibration(run);
         run->past = run->d.plain ? plain_step(run) : next_step(run);
         sp_compression_drive(run, run->past);
         sp_dynamics_advance(&run->d, run->past);
@@ -271,7 +271,7 @@ static sp_status compress(piston_run *run, sp_error *err) {
 /* ---- stages -------------------------------------------------------------------------------------------------- */
 
 /* Continues from the equilibrium of one stage to the next. */
-static void next_stage(piston_run *run) {
+static void next_stage(compression *run) {
     dynamics *d = &run->d;
     run->stage++;
     sp_compression_set_stage(run);
@@ -283,7 +283,7 @@ static void next_stage(piston_run *run) {
     d->law.damping = run->spec->damping;
 }
 
-static sp_status hand_out_stage(piston_run *run, sp_error *err) {
+static sp_status report_stage(compression *run, sp_error *err) {
     if (!run->hooks->stage)
         return SP_OK;
     sp_packing p = sp_packing_none();
@@ -295,16 +295,16 @@ static sp_status hand_out_stage(piston_run *run, sp_error *err) {
 }
 
 sp_status sp_piston_make(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err) {
-    piston_run run = {.whole = spec, .hooks = hooks};
+    compression run = {.whole = spec, .hooks = hooks};
     sp_status status = sp_compression_start(&run, err);
     while (status == SP_OK) {
         status = compress(&run, err);
         if (status != SP_OK || run.stage == spec->history_count)
             break;
-        status = hand_out_stage(&run, err);
+        status = report_stage(&run, err);
         next_stage(&run);
         if (status == SP_OK)
-            status = pass_state(&run, err);
+            status = save_state(&run, err);
     }
     if (status == SP_OK)
         status = sp_compression_freeze(&run, out, err);

@@ -56,7 +56,7 @@ static void law(const dynamics *d, const touch *c, double dt, vector *ft, vector
     *force = add(t, -normal, c->n);
 }
 
-static void give(dynamics *d, int32_t i, double sign, vector force, vector turn) {
+static void add_force(dynamics *d, int32_t i, double sign, vector force, vector turn) {
     double *f = d->plain_f + 6 * (int64_t)i;
     f[0] += sign * force.x;
     f[1] += sign * force.y;
@@ -72,8 +72,8 @@ static void plain_pair(dynamics *d, int32_t k, double dt) {
     const double *g = dynamics_grain(d, i), *h = dynamics_grain(d, j);
     const int64_t plane = p->capacity;
     vector x = add(read3(d, h), -1, read3(d, g));
-    x.x += p->image[k] * d->side[0];
-    x.y += d->dim == 3 ? p->image[k + plane] * d->side[1] : 0;
+    x.x += p->image[k] * d->period[0];
+    x.y += d->dim == 3 ? p->image[k + plane] * d->period[1] : 0;
     const double r = sqrt(dot(x, x)), overlap = g[d->at.r] + h[d->at.r] - r;
     if (!(overlap > 0)) {
         for (int a = 0; a < (d->dim == 3 ? 3 : 1); a++)
@@ -82,8 +82,8 @@ static void plain_pair(dynamics *d, int32_t k, double dt) {
     }
     touch c = {.n = add((vector){0, 0, 0}, 1 / r, x), .overlap = overlap};
     c.v = add(read3(d, h + d->at.v), -1, read3(d, g + d->at.v));
-    c.v.x += d->side_rate[0] * x.x;
-    c.v.y += d->side_rate[1] * x.y;
+    c.v.x += d->strain_rate[0] * x.x;
+    c.v.y += d->strain_rate[1] * x.y;
     c.w = add(spin_of(d, i), 1, spin_of(d, j));
     c.twist = add(add((vector){0, 0, 0}, 1 / g[d->at.r], spin_of(d, i)), 1 / h[d->at.r], spin_of(d, j));
     c.e = contact_stiffness(g[d->at.r], h[d->at.r]);
@@ -96,8 +96,8 @@ static void plain_pair(dynamics *d, int32_t k, double dt) {
         ft[0] = t.x, ft[plane] = t.y, ft[2 * plane] = t.z;
     else
         ft[0] = t.y * c.n.x - t.x * c.n.y;
-    give(d, i, 1, force, turn);
-    give(d, j, -1, force, turn);
+    add_force(d, i, 1, force, turn);
+    add_force(d, j, -1, force, turn);
     d->k_max = fmax(d->k_max, contact_normal_stiffness(c.e, overlap));
 }
 
@@ -123,7 +123,7 @@ static void plain_wall(dynamics *d, int side, int32_t i, double dt) {
     ft[0] = t.x;
     if (d->dim == 3)
         ft[1] = t.y;
-    give(d, i, 1, force, turn);
+    add_force(d, i, 1, force, turn);
     d->wall_force[side] += -dot(force, c.n);
     const double kn = contact_normal_stiffness(c.e, overlap);
     d->k_max = fmax(d->k_max, kn);
@@ -150,7 +150,7 @@ void sp_plain_advance(dynamics *d, double dt) {
         for (int a = 0; a < d->dim; a++) {
             double *v = g + d->at.v + a;
             *v = keep * *v + kick * f[a];
-            g[a] += dt * *v + (a < d->dim - 1 ? d->side_rate[a] * dt * g[a] : 0);
+            g[a] += dt * *v + (a < d->dim - 1 ? d->strain_rate[a] * dt * g[a] : 0);
             square += *v * *v;
         }
         for (int a = 0; a < (d->dim == 3 ? 3 : 1); a++) /* I = 0.4 m R^2 */

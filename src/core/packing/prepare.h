@@ -45,7 +45,5 @@ void sp_radii_draw(const sp_pack_spec *spec, double *r);
 /* Places grains at random without overlap at the gas fraction of the spec, between walls at 0 and *height (2D and 3D).
  * x is [n][3]; unused axes are not written. SP_EFAILED if a grain finds no free place. */
 sp_status sp_gas_make(const sp_pack_spec *spec, const double *r, double *x, double *height, sp_error *err);
-/* Memory needed besides r and x, in bytes. */
-double sp_gas_memory(const sp_pack_spec *spec);
 
 #endif

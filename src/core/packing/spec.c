@@ -9,36 +9,16 @@
 
 /* Values that a protocol sets if the spec leaves them open. */
 typedef struct protocol {
-    double damping, piston_mass, gas_fraction[4], time_step, calm, drag, viscous_limit,
-        calm_damping; /* gas_fraction by dimension */
+    double damping, piston_mass;
+    double gas_fraction[4]; /* by dimension */
+    double time_step, calm, drag, viscous_limit, calm_damping;
 } protocol;
 
+/* DEFAULT is as SOMFAI2005 until the global damping starts: a different motion would give a different material. */
 static const protocol protocols[] = {
-    /* as SOMFAI2005 until the global damping starts: a different motion would give a different material */
-    [SP_PROTOCOL_DEFAULT] = {.damping = 0.8,
-                             .piston_mass = 12.5,
-                             .gas_fraction = {0.3, 0.3, 0.3, 0.2},
-                             .time_step = 0.7,
-                             .calm = 0.01,
-                             .drag = 0.01,
-                             .viscous_limit = 1e6,
-                             .calm_damping = 0.2},
-    [SP_PROTOCOL_SOMFAI2005] = {.damping = 0.8,
-                                .piston_mass = 12.5,
-                                .gas_fraction = {0.3, 0.3, 0.3, 0.2},
-                                .time_step = 0.7,
-                                .calm = 0.01,
-                                .drag = 0.01,
-                                .viscous_limit = 1e6,
-                                .calm_damping = 0.8},
-    [SP_PROTOCOL_QUICK] = {.damping = 0.5,
-                           .piston_mass = 2,
-                           .gas_fraction = {0.45, 0.45, 0.45, 0.25},
-                           .time_step = 0.5,
-                           .calm = 3,
-                           .drag = 0.01,
-                           .viscous_limit = 1,
-                           .calm_damping = 0.2},
+    [SP_PROTOCOL_DEFAULT] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 0.01, 0.01, 1e6, 0.2},
+    [SP_PROTOCOL_SOMFAI2005] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 0.01, 0.01, 1e6, 0.8},
+    [SP_PROTOCOL_QUICK] = {0.5, 2, {0.45, 0.45, 0.45, 0.25}, 0.5, 3, 0.01, 1, 0.2},
 };
 enum { PROTOCOLS = sizeof protocols / sizeof *protocols };
 _Static_assert(PROTOCOLS == SP_PROTOCOL_QUICK + 1, "the range of packing.protocol covers all protocols");
@@ -57,7 +37,7 @@ sp_pack_spec sp_pack_spec_default(void) {
                           .drag = -1};
 }
 
-/* Lists that are too long, or that have fewer values than they claim. */
+/* Checks the lengths of the lists, before their values are read. */
 static sp_status check_lists(const sp_pack_spec *s, sp_error *err) {
     if (s->diameter_count < 0 || s->diameter_count > SP_DIAMETERS_MAX)
         return sp_fail_key(err, SP_EINVAL, "packing.diameters", " = (%d numbers): must be at most %d",
@@ -118,7 +98,7 @@ static sp_status check_sizes(const sp_pack_spec *given, const sp_pack_spec *s, s
         return sp_fail_key(err, SP_EINVAL, given->diameter_min == 0 ? "packing.diameter_min" : "packing.diameter_max",
                            " = 0: must be given if packing.diameter_%s is, or neither",
                            given->diameter_min == 0 ? "max" : "min");
-    sp_status status = sp_keys_check(sp_pack_keys, s, err); /* limits that the distribution itself determines */
+    sp_status status = sp_keys_check(sp_pack_keys, s, err); /* the limits that the law itself decides */
     if (status != SP_OK)
         return status;
     if (s->diameter_min > s->diameter_max)
@@ -142,10 +122,11 @@ static sp_status check_scale(const sp_pack_spec *s, sp_error *err) {
     const double sides[] = {s->width, s->depth};
     for (int k = 0; k < s->dim - 1; k++)
         if (sides[k] < 4 * s->diameter_max)
-            return sp_fail_key(err, SP_EINVAL, k == 0 ? "packing.width" : "packing.depth",
-                               " = %g: must be at least four of the largest diameters (%g): in a narrower box "
-                               "grains would touch their own periodic images",
-                               sides[k], 4 * s->diameter_max);
+            return sp_fail_key(
+                err, SP_EINVAL, k == 0 ? "packing.width" : "packing.depth",
+                " = %g: must be at least four of the largest diameters (%g): in a narrower box grains would "
+                "touch their own periodic images",
+                sides[k], 4 * s->diameter_max);
     return SP_OK;
 }
 
@@ -169,8 +150,8 @@ static sp_status check_motion(const sp_pack_spec *s, sp_error *err) {
     const double slack = 1 + 1e-9;
     if (s->tolerance > 0.1 * slack * s->pressure)
         return sp_fail_key(err, SP_EINVAL, "packing.tolerance",
-                           " = %g: must be at most 0.1 of packing.pressure = %g, above which no packing is "
-                           "at rest",
+                           " = %g: must be at most 0.1 of packing.pressure = %g, above which no packing "
+                           "is at rest",
                            s->tolerance, s->pressure);
     const double least = least_tolerance(s);
     if (s->tolerance < least)
@@ -262,7 +243,7 @@ static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
     return status == SP_OK ? check_motion(s, err) : status;
 }
 
-/* The initial packing may not be known yet. */
+/* The packing itself may not be known yet. */
 static sp_status check_file(const sp_pack_spec *s, sp_error *err) {
     sp_status status = s->content ? check_scale(s, err) : SP_OK;
     return status == SP_OK ? check_motion(s, err) : status;

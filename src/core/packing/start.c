@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "packing/compression.h"
 #include "packing/contact.h"
+#include "packing/neighbours.h"
 #include "packing/pairs.h"
 #include "packing/prepare.h"
 
@@ -10,14 +11,14 @@
 #include <string.h>
 
 /* Uses a stiffness that the packing certainly reaches: that of one grain that carries p d^2. */
-double sp_compression_first_step(const piston_run *run) {
+double sp_compression_first_step(const compression *run) {
     double e = contact_stiffness(0.5, 0.5), overlap = contact_overlap(e, run->spec->pressure);
     return 0.1 * sqrt(run->d.m_min / contact_normal_stiffness(e, overlap));
 }
 
 /* Gas, compaction and creep of 600 grains take 1e5 steps at p = 1e-4 and 3e5 at 1e-7 by the slower protocol, more with
  * the height in grains and with their mass ratio. After forty times as many steps the packing will not come to rest. */
-static int64_t default_max_steps(const piston_run *run) {
+static int64_t default_max_steps(const compression *run) {
     const sp_pack_spec *spec = run->whole;
     const double diameter = sp_sizes_moment(spec, 1);
     double layers = fmax(1.0, run->start_height / (75.0 * diameter)), slowness = 0;
@@ -71,7 +72,7 @@ static void reorder(const int32_t *id, int32_t n, const double *r, const double 
     }
 }
 
-sp_status sp_compression_place(piston_run *run, const sp_pack_spec *spec, const double *r, const double *x,
+sp_status sp_compression_place(compression *run, const sp_pack_spec *spec, const double *r, const double *x,
                                double height, sp_error *err) {
     const size_t n = (size_t)spec->grains;
     double *scratch = sp_alloc(4 * n, sizeof *scratch);
@@ -84,34 +85,34 @@ sp_status sp_compression_place(piston_run *run, const sp_pack_spec *spec, const 
         status = sp_dynamics_make(spec, scratch, scratch + n, height, &run->d, err);
     }
     run->start_height = height;
-    run->start_side[0] = spec->width;
-    run->start_side[1] = spec->depth;
+    run->start_period[0] = spec->width;
+    run->start_period[1] = spec->depth;
     sp_free(scratch);
     return status;
 }
 
 /* ---- starts -------------------------------------------------------------------------------------------------- */
 
-static sp_status start_gas(piston_run *run, double *r, double *x, sp_error *err) {
+static sp_status start_gas(compression *run, double *r, double *x, sp_error *err) {
     double height = 0;
     sp_radii_draw(run->spec, r);
     sp_status status = sp_gas_make(run->spec, r, x, &height, err);
     return status == SP_OK ? sp_compression_place(run, run->spec, r, x, height, err) : status;
 }
 
-static sp_status start_lattice(piston_run *run, double *r, double *x, sp_error *err) {
+static sp_status start_lattice(compression *run, double *r, double *x, sp_error *err) {
     sp_lattice_start lattice;
     sp_status status = sp_triangular_start(run->spec, r, x, &lattice, err);
     if (status != SP_OK)
         return status;
     sp_pack_spec blown_up = *run->spec;
     blown_up.width = lattice.width;
-    run->side_end[0] = lattice.width_end;
+    run->period_end[0] = lattice.width_end;
     return sp_compression_place(run, &blown_up, r, x, lattice.height, err);
 }
 
 /* Transfers the tangential forces of a packing's contacts to grains that have just been placed. */
-static sp_status give_forces(piston_run *run, const sp_packing *from, sp_error *err) {
+static sp_status set_forces(compression *run, const sp_packing *from, sp_error *err) {
     dynamics *d = &run->d;
     int32_t *at = sp_alloc((size_t)d->n, sizeof *at), count = 0;
     pair_force *force = sp_alloc((size_t)from->n_contacts, sizeof *force);
@@ -132,7 +133,7 @@ static sp_status give_forces(piston_run *run, const sp_packing *from, sp_error *
         if (d->dim == 2)
             f->ft[0] = k->ft[1] * k->n[0] - k->ft[0] * k->n[1];
     }
-    status = sp_pairs_give(d, force, count, err);
+    status = sp_pairs_set_forces(d, force, count, err);
 out:
     sp_free(force);
     sp_free(at);
@@ -140,9 +141,9 @@ out:
 }
 
 /* Finds the stable step before anything moves: a step of length zero finds the stiffest grain. */
-static sp_status measure_step(piston_run *run, sp_error *err) {
+static sp_status measure_step(compression *run, sp_error *err) {
     dynamics *d = &run->d;
-    sp_status status = sp_dynamics_refresh(d, err);
+    sp_status status = sp_neighbours_refresh(d, err);
     if (status != SP_OK)
         return status;
     sp_dynamics_forces(d, 0);
@@ -152,16 +153,16 @@ static sp_status measure_step(piston_run *run, sp_error *err) {
     return SP_OK;
 }
 
-static sp_status start_packing(piston_run *run, sp_error *err) {
+static sp_status start_packing(compression *run, sp_error *err) {
     const sp_packing *from = run->hooks->from;
     sp_status status = sp_compression_place(run, run->spec, from->r, from->x, sp_packing_height(from), err);
     if (status == SP_OK)
-        status = give_forces(run, from, err);
+        status = set_forces(run, from, err);
     if (status != SP_OK)
         return status;
     run->d.pressure = from->pressure;
     run->phase = PHASE_COMPACTION;
-    run->sides_free = run->spec->compression == SP_COMPRESSION_ISOTROPIC;
+    run->lateral_free = run->spec->compression == SP_COMPRESSION_ISOTROPIC;
     return measure_step(run, err);
 }
 
@@ -170,12 +171,12 @@ static sp_status start_packing(piston_run *run, sp_error *err) {
 /* Initial pressure. A faster piston would push grains through each other where it hits them, and small grains between
  * large ones first, because these pass their load on to them. The pressure rises to its full value once the piston
  * rests on the grains. */
-static double gentle_pressure(const piston_run *run) {
+static double gentle_pressure(const compression *run) {
     const double small = run->spec->diameter_min / run->d.scale;
     return 1e-3 * fmin(1, 4 * small * small);
 }
 
-static sp_status start_new(piston_run *run, sp_error *err) {
+static sp_status start_new(compression *run, sp_error *err) {
     const size_t n = (size_t)run->spec->grains;
     double *r = sp_alloc(n, sizeof *r), *x = sp_alloc(3 * n, sizeof *x);
     sp_status status = r && x ? SP_OK : sp_fail_memory(err, n * 32);
@@ -196,7 +197,7 @@ out:
     return status;
 }
 
-sp_status sp_compression_start(piston_run *run, sp_error *err) {
+sp_status sp_compression_start(compression *run, sp_error *err) {
     const sp_pack_spec *spec = run->whole;
     sp_compression_set_stage(run);
     sp_status status = run->hooks->state ? sp_state_load(run, err) : start_new(run, err);
@@ -208,7 +209,7 @@ sp_status sp_compression_start(piston_run *run, sp_error *err) {
     return status;
 }
 
-void sp_compression_free(piston_run *run) {
+void sp_compression_free(compression *run) {
     sp_dynamics_free(&run->d);
     sp_free(run->id);
     run->id = NULL;

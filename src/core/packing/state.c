@@ -50,7 +50,7 @@ static uint64_t add_list(uint64_t hash, const sp_key *key, const sp_pack_spec *s
     return sp_hash64_words(hash, values, (size_t)count * sizeof *values);
 }
 
-/* Hash of everything that determines the packing: every key of the table, first integers and words, then real numbers,
+/* Hash of everything that determines the packing: all keys of the table, first integers and words, then real numbers,
  * then lists. s is resolved. */
 static uint64_t spec_hash(const sp_pack_spec *s) {
     uint64_t hash = sp_hash64_words(SP_HASH64_BEGIN, SONOPACK_VERSION, sizeof SONOPACK_VERSION);
@@ -96,28 +96,28 @@ typedef struct header {
     int64_t steps;
 } header;
 
-static void pass_run(stream *s, piston_run *run) {
+static void pass_run(stream *s, compression *run) {
     dynamics *d = &run->d;
     double *const numbers[] = {&run->start_height,
-                               &run->start_side[0],
-                               &run->start_side[1],
-                               &run->side_end[0],
-                               &run->side_end[1],
+                               &run->start_period[0],
+                               &run->start_period[1],
+                               &run->period_end[0],
+                               &run->period_end[1],
                                &run->ramp_time,
                                &run->past,
                                &run->residual,
                                &run->wall_imbalance,
-                               &run->side_imbalance,
+                               &run->lateral_imbalance,
                                &run->first_acceleration,
                                &run->first_residual,
                                &run->full_drag,
                                &run->ease,
                                &run->stall_residual,
                                &run->fraction,
-                               &d->side[0],
-                               &d->side[1],
-                               &d->side_rate[0],
-                               &d->side_rate[1],
+                               &d->period[0],
+                               &d->period[1],
+                               &d->strain_rate[0],
+                               &d->strain_rate[1],
                                &d->area,
                                &d->pressure,
                                &d->law.viscous_limit,
@@ -138,10 +138,10 @@ static void pass_run(stream *s, piston_run *run) {
     pass(s, &run->steps, sizeof run->steps);
     pass(s, &run->stall_step, sizeof run->stall_step);
     pass(s, &run->stage, sizeof run->stage);
-    pass(s, &run->sides_free, sizeof run->sides_free);
+    pass(s, &run->lateral_free, sizeof run->lateral_free);
     pass(s, &phase, sizeof phase);
     pass(s, &rest_checks, sizeof rest_checks);
-    run->phase = phase >= PHASE_FLIGHT && phase <= PHASE_EQUILIBRATION ? (run_phase)phase : PHASE_FLIGHT;
+    run->phase = phase >= PHASE_FLIGHT && phase <= PHASE_EQUILIBRATION ? (compression_phase)phase : PHASE_FLIGHT;
     run->rest_checks = rest_checks;
 }
 
@@ -173,7 +173,7 @@ static void pass_walls(stream *s, dynamics *d) {
         pass(s, d->wall_ft[side], (size_t)d->n * (size_t)(d->dim - 1) * sizeof(double));
 }
 
-static size_t write_all(piston_run *run, unsigned char *to, size_t size) {
+static size_t write_all(compression *run, unsigned char *to, size_t size) {
     stream s = {.to = to};
     dynamics *d = &run->d;
     header h = {.version = STATE_VERSION, .order = BYTE_ORDER_MARK, .size = size, .steps = run->steps};
@@ -190,8 +190,8 @@ static size_t write_all(piston_run *run, unsigned char *to, size_t size) {
     return s.at;
 }
 
-sp_status sp_state_save(piston_run *run, sp_error *err) {
-    sp_pairs_return(&run->d);
+sp_status sp_state_save(compression *run, sp_error *err) {
+    sp_pairs_store_forces(&run->d);
     const size_t size = write_all(run, NULL, 0);
     unsigned char *bytes = sp_alloc(size, 1);
     if (!bytes)
@@ -241,9 +241,9 @@ sp_status sp_pack_state_check(const sp_pack_spec *spec, const void *state, size_
 }
 
 /* Reads the order and data of the grains, and creates the dynamics. */
-static sp_status read_grains(stream *s, piston_run *run, sp_error *err) {
+static sp_status read_grains(stream *s, compression *run, sp_error *err) {
     const sp_pack_spec *spec = run->whole;
-    const grain_layout at = sp_dynamics_layout(spec->dim);
+    const grain_layout at = grain_layout_of(spec->dim);
     const size_t n = (size_t)spec->grains, stride = (size_t)at.stride, r_at = (size_t)at.r;
     double *g = sp_alloc(n * stride, sizeof *g), *r = sp_alloc(n, sizeof *r), *x = sp_alloc(3 * n, sizeof *x);
     uint8_t *seen = sp_alloc(n, 1);
@@ -270,8 +270,8 @@ static sp_status read_grains(stream *s, piston_run *run, sp_error *err) {
     if (status != SP_OK)
         goto out;
     sp_pack_spec start = *spec;
-    start.width = run->start_side[0];
-    start.depth = run->start_side[1];
+    start.width = run->start_period[0];
+    start.depth = run->start_period[1];
     status = sp_dynamics_make(&start, r, x, run->start_height, &run->d, err);
     if (status != SP_OK)
         goto out;
@@ -305,23 +305,23 @@ static sp_status read_pairs(stream *s, dynamics *d, sp_error *err) {
             good = good && isfinite(f->ft[a]);
         }
     }
-    sp_status status = good ? sp_pairs_give(d, force, count, err) : damaged(err, "a contact is invalid");
+    sp_status status = good ? sp_pairs_set_forces(d, force, count, err) : damaged(err, "a contact is invalid");
     sp_free(force);
     return status;
 }
 
 /* Whether lengths and counts are possible. */
-static bool sane(const piston_run *run) {
+static bool sane(const compression *run) {
     const dynamics *d = &run->d;
-    const double lengths[] = {run->start_height, run->start_side[0], d->side[0], d->area,
-                              d->pressure,       d->piston_y,        d->dt};
+    const double lengths[] = {run->start_height, run->start_period[0], d->period[0], d->area,
+                              d->pressure,       d->piston_y,          d->dt};
     bool good = run->steps >= 0 && run->stage >= 0 && run->stage <= run->whole->history_count;
     for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++)
         good = good && isfinite(lengths[k]) && lengths[k] > 0;
-    return good && (run->whole->dim == 2 || (run->start_side[1] > 0 && d->side[1] > 0 && isfinite(d->side[1])));
+    return good && (run->whole->dim == 2 || (run->start_period[1] > 0 && d->period[1] > 0 && isfinite(d->period[1])));
 }
 
-sp_status sp_state_load(piston_run *run, sp_error *err) {
+sp_status sp_state_load(compression *run, sp_error *err) {
     header h;
     sp_status status = check_header(run->whole, run->hooks->state, run->hooks->state_size, &h, err);
     if (status != SP_OK)
@@ -333,7 +333,7 @@ sp_status sp_state_load(piston_run *run, sp_error *err) {
     status = read_grains(&s, run, err);
     if (status != SP_OK)
         return status;
-    pass_run(&(stream){.from = s.from, .at = sizeof h, .size = s.size}, run); /* into the dynamics that there are now */
+    pass_run(&(stream){.from = s.from, .at = sizeof h, .size = s.size}, run); /* again, as the dynamics exist now */
     pass_walls(&s, &run->d);
     status = read_pairs(&s, &run->d, err);
     if (status == SP_OK && s.at != s.size)

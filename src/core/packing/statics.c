@@ -1,5 +1,6 @@
 /* Bulk averages of Table I of Somfai et al. 2005. */
 #include "base/base.h"
+#include "base/vector.h"
 #include "packing/contact.h"
 
 #include <math.h>
@@ -135,7 +136,7 @@ static double mobilised(const sp_packing *p, const uint8_t *carrying) {
         const sp_contact *k = &p->contacts[c];
         if (!carrying[c])
             continue;
-        const double ft = sqrt(k->ft[0] * k->ft[0] + k->ft[1] * k->ft[1] + k->ft[2] * k->ft[2]);
+        const double ft = length3(k->ft);
         contacts++;
         full += ft >= at_limit * p->friction * k->fn;
     }

@@ -2,29 +2,19 @@
 #include "packing/vibrate.h"
 
 #include "base/base.h"
+#include "base/vector.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Width of watched gaps, in units of the smallest radius. */
 #define REACH 0.4
 
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    for (int k = 0; k < 3; k++)
-        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
 void sp_vibration_free(vibration *m) {
     sp_free(m->touch);
-    sp_free(m->mass);
     sp_free(m->u);
-    sp_free(m->v);
-    sp_free(m->a);
-    sp_free(m->now);
     *m = (vibration){0};
 }
 
@@ -33,10 +23,8 @@ void sp_vibration_free(vibration *m) {
 typedef struct survey {
     const sp_packing *p;
     vibration *m;
-    int32_t room;
+    size_t capacity; /* of m->touch */
 } survey;
-
-static double height_of(const survey *s, int32_t i) { return s->p->x[3 * (int64_t)i + s->p->dim - 1]; }
 
 /* Fills in everything that follows from i, j and the overlap. */
 static void complete(const survey *s, touching *t) {
@@ -53,17 +41,11 @@ static void complete(const survey *s, touching *t) {
 
 static sp_status add(survey *s, touching t, sp_error *err) {
     vibration *m = s->m;
-    if (m->count == s->room) {
-        const size_t room = 2 * (size_t)s->room + 64;
-        touching *larger = room <= INT32_MAX ? sp_alloc(room, sizeof *larger) : NULL;
-        if (!larger)
-            return sp_fail_memory(err, room * sizeof *larger);
-        if (m->count > 0)
-            memcpy(larger, m->touch, (size_t)m->count * sizeof *larger);
-        sp_free(m->touch);
-        m->touch = larger;
-        s->room = (int32_t)room;
-    }
+    const size_t need = (size_t)m->count + 1;
+    touching *touch = need <= INT32_MAX ? sp_grow(m->touch, need, &s->capacity, sizeof *touch) : NULL;
+    if (!touch)
+        return sp_fail_memory(err, need * sizeof *touch);
+    m->touch = touch;
     complete(s, &t);
     m->touch[m->count++] = t;
     return SP_OK;
@@ -83,96 +65,28 @@ static sp_status add_contacts(survey *s, sp_error *err) {
     return status;
 }
 
-static int by_pair(const void *a, const void *b) {
-    const touching *x = a, *y = b;
-    if (x->i != y->i)
-        return x->i < y->i ? -1 : 1;
-    return x->j < y->j ? -1 : x->j > y->j;
-}
-
-/* Whether the pair is a contact of the packing. Contacts are sorted by (i, j), walls last. */
-static bool listed(const survey *s, int32_t i, int32_t j) {
-    if (j < 0) {
-        for (int32_t c = s->p->n_contacts; c-- > 0 && s->m->touch[c].j < 0;)
-            if (s->m->touch[c].i == i && s->m->touch[c].j == j)
-                return true;
-        return false;
-    }
-    size_t pairs = (size_t)s->p->n_contacts;
-    while (pairs > 0 && s->m->touch[pairs - 1].j < 0)
-        pairs--;
-    const touching key = {.i = i, .j = j};
-    return pairs > 0 && bsearch(&key, s->m->touch, pairs, sizeof key, by_pair);
-}
-
-static sp_status consider(survey *s, int32_t one, int32_t two, sp_error *err) {
+/* Adds a pair, or a grain and a wall, that is no contact but closer than the watched gap. */
+static sp_status add_gap(int32_t i, int32_t j, void *user, sp_error *err) {
+    survey *s = user;
     const sp_packing *p = s->p;
-    touching t = {.i = one < two ? one : two, .j = one < two ? two : one};
-    for (int a = 0; a < p->dim; a++) {
-        t.n0[a] = p->x[3 * (int64_t)t.j + a] - p->x[3 * (int64_t)t.i + a];
-        if (a < p->dim - 1)
-            t.n0[a] -= p->box[a] * nearbyint(t.n0[a] / p->box[a]);
+    const int up = p->dim - 1;
+    touching t = {.i = i, .j = j};
+    double r = 1;
+    if (j < 0) {
+        const double y = p->x[3 * (int64_t)i + up];
+        t.overlap = p->r[i] - (j == SP_BOTTOM ? y : sp_packing_height(p) - y);
+        t.n0[up] = j == SP_BOTTOM ? -1 : 1;
+    } else {
+        sp_packing_separation(p, i, j, t.n0);
+        r = length3(t.n0);
+        t.overlap = p->r[i] + p->r[j] - r;
     }
-    const double r = sqrt(dot(t.n0, t.n0));
-    t.overlap = p->r[t.i] + p->r[t.j] - r;
-    if (!(t.overlap > -s->m->reach && r > 0) || listed(s, t.i, t.j))
+    if (!(t.overlap > -s->m->reach && r > 0) || sp_packing_has_contact(p, i, j))
         return SP_OK;
     t.overlap = fmin(t.overlap, 0); /* an unlisted pair is open at rest */
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3 && j >= 0; a++)
         t.n0[a] /= r;
     return add(s, t, err);
-}
-
-static sp_status consider_walls(survey *s, int32_t i, sp_error *err) {
-    const int up = s->p->dim - 1;
-    sp_status status = SP_OK;
-    for (int side = 0; side < 2 && status == SP_OK; side++) {
-        touching t = {.i = i, .j = side == 0 ? SP_BOTTOM : SP_TOP};
-        const double y = height_of(s, i);
-        t.overlap = s->p->r[i] - (side == 0 ? y : sp_packing_height(s->p) - y);
-        t.n0[up] = side == 0 ? -1 : 1;
-        if (!(t.overlap > -s->m->reach) || listed(s, i, t.j))
-            continue;
-        t.overlap = fmin(t.overlap, 0);
-        status = add(s, t, err);
-    }
-    return status;
-}
-
-typedef struct layer {
-    double y;
-    int32_t i;
-} layer;
-
-static int by_height(const void *a, const void *b) {
-    const layer *x = a, *y = b;
-    if (x->y != y->y)
-        return x->y < y->y ? -1 : 1;
-    return x->i < y->i ? -1 : x->i > y->i;
-}
-
-/* Finds nearby pairs by a sweep upwards. */
-static sp_status add_gaps(survey *s, sp_error *err) {
-    const sp_packing *p = s->p;
-    layer *sorted = sp_alloc((size_t)p->n, sizeof *sorted);
-    sp_status status = sorted ? SP_OK : sp_fail_memory(err, (size_t)p->n * sizeof *sorted);
-    double largest = 0;
-    for (int32_t i = 0; i < p->n && sorted; i++) {
-        sorted[i].y = height_of(s, i);
-        sorted[i].i = i;
-        largest = fmax(largest, p->r[i]);
-    }
-    if (sorted)
-        qsort(sorted, (size_t)p->n, sizeof *sorted, by_height);
-    for (int32_t k = 0; k < p->n && status == SP_OK; k++) {
-        const double far = sorted[k].y + p->r[sorted[k].i] + largest + s->m->reach;
-        for (int32_t q = k + 1; q < p->n && sorted[q].y <= far && status == SP_OK; q++)
-            status = consider(s, sorted[k].i, sorted[q].i, err);
-        if (status == SP_OK)
-            status = consider_walls(s, sorted[k].i, err);
-    }
-    sp_free(sorted);
-    return status;
 }
 
 sp_status sp_vibration_make(const sp_packing *p, double damping, vibration *out, sp_error *err) {
@@ -182,21 +96,21 @@ sp_status sp_vibration_make(const sp_packing *p, double damping, vibration *out,
     m.turns = p->dim > 1 && p->friction > 0;
     m.friction = m.turns ? p->friction : 0;
     m.eta = m.turns ? contact_eta(p->poisson) : 0;
-    m.mass = sp_alloc(2 * n, sizeof *m.mass);
-    m.u = sp_alloc(6 * n, sizeof *m.u);
-    m.v = sp_alloc(6 * n, sizeof *m.v);
-    m.a = sp_alloc(6 * n, sizeof *m.a);
-    m.now = sp_alloc(6 * n, sizeof *m.now);
-    sp_status status = m.mass && m.u && m.v && m.a && m.now ? SP_OK : sp_fail_memory(err, 26 * n * sizeof(double));
-    for (size_t i = 0; i < n && status == SP_OK; i++) {
+    m.u = sp_alloc(26 * n, sizeof *m.u); /* and the arrays behind it */
+    if (!m.u)
+        return sp_fail_memory(err, 26 * n * sizeof *m.u);
+    m.v = m.u + 6 * n;
+    m.a = m.v + 6 * n;
+    m.now = m.a + 6 * n;
+    m.mass = m.now + 6 * n;
+    for (size_t i = 0; i < n; i++) {
         m.mass[2 * i] = grain_mass(p->r[i]);
         m.mass[2 * i + 1] = 0.4 * m.mass[2 * i] * p->r[i] * p->r[i];
         m.reach = fmin(m.reach, REACH * p->r[i]);
     }
+    sp_status status = add_contacts(&s, err);
     if (status == SP_OK)
-        status = add_contacts(&s, err);
-    if (status == SP_OK)
-        status = add_gaps(&s, err);
+        status = sp_packing_sweep(p, m.reach, add_gap, &s, err);
     if (status == SP_OK) {
         sp_vibration_rest(&m);
         *out = m;
@@ -240,10 +154,10 @@ static bool place(const vibration *m, touching *t, double change[3]) {
     for (int a = 0; a < 3; a++)
         d[a] += t->shift[a];
     if (t->j < 0 || m->straight) { /* planes and straight springs have a fixed normal */
-        stretch = dot(t->n0, d);
+        stretch = dot3(t->n0, d);
         memcpy(n, t->n0, sizeof n);
     } else {
-        const double along = dot(t->n0, d), square = dot(d, d);
+        const double along = dot3(t->n0, d), square = dot3(d, d);
         r = sqrt(t->length * t->length + 2 * t->length * along + square);
         stretch = (2 * t->length * along + square) / (r + t->length);
         for (int a = 0; a < 3; a++)
@@ -276,9 +190,9 @@ static void drag(const vibration *m, touching *t, double kn_old, const double ch
         n[a] = t->n[a] - 0.5 * change[a];
         whole[a] = t->ft0[a] + t->ft[a];
     }
-    const double kt = 0.5 * m->eta * (kn_old + t->kn), along = dot(moved, n), tilt = dot(whole, change);
-    cross(turn, n, arm);
-    cross(n, whole, side);
+    const double kt = 0.5 * m->eta * (kn_old + t->kn), along = dot3(moved, n), tilt = dot3(whole, change);
+    cross3(turn, n, arm);
+    cross3(n, whole, side);
     for (int a = 0; a < 3; a++)
         t->ft[a] += -tilt * n[a] + 0.5 * twist * side[a] + kt * (moved[a] - along * n[a] - arm[a]);
     for (int a = 0; a < 3; a++) /* (ft0 + ft) . n, and ft0 . n0 = 0 */
@@ -331,8 +245,8 @@ static void press(const vibration *m, touching *t, double side[3]) {
     if (m->damping > 0 && t->kn > 0) {
         const double c = 2 * m->damping * sqrt(t->m_eff * t->kn), ct = c * sqrt(m->eta);
         relative(t, m->now, v, turn);
-        const double along = dot(v, t->n);
-        cross(turn, t->n, arm);
+        const double along = dot3(v, t->n);
+        cross3(turn, t->n, arm);
         normal = fmax(-t->fn0, t->fn - c * along);
         for (int a = 0; a < 3 && m->turns; a++)
             side[a] += ct * (v[a] - along * t->n[a] - arm[a]);
@@ -353,8 +267,8 @@ static void accelerate(vibration *m) {
         press(m, t, side);
         for (int a = 0; a < 3; a++)
             lean[a] = t->n[a] - t->n0[a];
-        cross(t->n, side, one); /* n x (ft0 + side) - n0 x ft0 */
-        cross(lean, t->ft0, two);
+        cross3(t->n, side, one); /* n x (ft0 + side) - n0 x ft0 */
+        cross3(lean, t->ft0, two);
         double *i = m->a + 6 * (int64_t)t->i, *j = t->j >= 0 ? m->a + 6 * (int64_t)t->j : NULL;
         for (int a = 0; a < 3; a++) {
             i[a] += t->force[a];
@@ -394,7 +308,7 @@ void sp_vibration_step(vibration *m, double h) {
 bool sp_vibration_sane(const vibration *m) {
     double worst = 0;
     for (int64_t i = 0; i < m->n; i++) {
-        const double *u = m->u + 6 * i, square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        const double square = dot3(m->u + 6 * i, m->u + 6 * i);
         if (!isfinite(square))
             return false;
         worst = fmax(worst, square);

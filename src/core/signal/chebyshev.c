@@ -52,7 +52,7 @@ typedef struct passes {
     const signal_job *job;
     sp_operator op;
     places from, to;
-    bool doubled, turned; /* reversed: detectors are propagated */
+    bool doubled, reversed; /* reversed: detectors are propagated */
     int32_t n;
     int64_t terms;
     double omega;
@@ -74,18 +74,19 @@ static void passes_free(passes *a) {
 static sp_status passes_make(const signal_job *job, double omega, int64_t terms, passes *a, sp_error *err) {
     *a = (passes){.job = job, .omega = omega, .terms = terms};
     a->doubled = job->sources == 1 && job->detectors == 1 && !job->net->carried;
-    a->turned = job->detectors < job->sources;
-    const int32_t carried = a->turned ? job->detectors : job->sources, seen = a->turned ? job->sources : job->detectors;
-    a->n = (carried + 1) / 2;
+    a->reversed = job->detectors < job->sources;
+    const int32_t propagated = a->reversed ? job->detectors : job->sources,
+                  observers = a->reversed ? job->sources : job->detectors;
+    a->n = (propagated + 1) / 2;
     sp_status status = sp_operator_make(job->net, &a->op, err);
-    a->op.transposed = a->turned && job->net->carried;
+    a->op.transposed = a->reversed && job->net->carried;
     if (status == SP_OK)
-        status = places_make(&a->op, &job->from, job_moves(job) ? NULL : job->net->mass, &a->from, err);
+        status = places_make(&a->op, &job->from, job_has_momenta(job) ? NULL : job->net->mass, &a->from, err);
     if (status == SP_OK)
         status = places_make(&a->op, &job->to, NULL, &a->to, err);
     if (status != SP_OK)
         return status;
-    const size_t columns = (carried > 1 ? 2 : 1) * (size_t)seen;
+    const size_t columns = (propagated > 1 ? 2 : 1) * (size_t)observers;
     a->pass = sp_alloc((size_t)a->n, sizeof *a->pass);
     a->f = sp_alloc(columns, TIMES * sizeof *a->f);
     a->errors = sp_alloc(columns, sizeof *a->errors);
@@ -93,27 +94,27 @@ static sp_status passes_make(const signal_job *job, double omega, int64_t terms,
 }
 
 static sp_status begin_pass(passes *a, int32_t q, sp_error *err) {
-    const places *carried = a->turned ? &a->to : &a->from, *seen = a->turned ? &a->from : &a->to;
+    const places *propagated = a->reversed ? &a->to : &a->from, *observers = a->reversed ? &a->from : &a->to;
     const pass_plan plan = {.op = &a->op,
                             .mass = a->job->net->mass,
                             .omega = a->omega,
                             .threads = a->job->options->threads,
-                            .velocity = job_moves(a->job),
+                            .velocity = job_has_momenta(a->job),
                             .doubled = a->doubled,
                             .spread = sp_expansion_spread(a->job->net),
                             .terms = a->terms,
-                            .lanes = carried->n - 2 * q < 2 ? 1 : 2,
-                            .others = seen->n,
-                            .carried = carried->row + 2 * q,
-                            .seen = seen->row};
+                            .lanes = propagated->n - 2 * q < 2 ? 1 : 2,
+                            .observer_count = observers->n,
+                            .propagated = propagated->row + 2 * q,
+                            .observers = observers->row};
     return sp_pass_make(&plan, &a->pass[q], err);
 }
 
 /* Index of the pair (source, detector) of column c of pass q. */
 static int64_t pair_of(const passes *a, int32_t q, int64_t c) {
-    const int32_t others = a->pass[q].others;
-    const int64_t carried = 2 * (int64_t)q + c / others, other = c % others;
-    return a->turned ? other * a->job->detectors + carried : carried * a->job->detectors + other;
+    const int32_t observer_count = a->pass[q].observer_count;
+    const int64_t propagated = 2 * (int64_t)q + c / observer_count, other = c % observer_count;
+    return a->reversed ? other * a->job->detectors + propagated : propagated * a->job->detectors + other;
 }
 
 /* Sums pass q at times first .. end-1, for which its moments suffice. */
@@ -140,7 +141,7 @@ static sp_status end_pass(const passes *a, const pass *p, sp_signal *s, sp_error
     return SP_OK;
 }
 
-static sp_status follow_all(passes *a, sp_signal *s, sp_error *err) {
+static sp_status run_all(passes *a, sp_signal *s, sp_error *err) {
     sp_status status = SP_OK;
     for (int32_t q = 0; q < a->n && status == SP_OK; q++) {
         status = begin_pass(a, q, err);
@@ -155,7 +156,7 @@ static sp_status follow_all(passes *a, sp_signal *s, sp_error *err) {
     return status;
 }
 
-/* ---- as far as the first front -------------------------------------------------------------------------------- */
+/* ---- until the first front ------------------------------------------------------------------------------------ */
 
 /* Whether every signal has its front and zero crossing in the first n points. Ripples before the front are ignored:
  * they are too small. */
@@ -165,8 +166,8 @@ static bool fronts_known(const passes *a, const sp_signal *s, int32_t n) {
         sp_front front;
         if (n < 3 || sp_front_find(n, s->t, s->f + k * s->n, &options, &front, NULL) != SP_OK)
             return false;
-        const double hop = sp_job_hop(a->job, (int32_t)(k / s->detectors), (int32_t)(k % s->detectors));
-        if (!(isfinite(front.t_zero) && front.amplitude > 1e-6 * hop))
+        const double scale = sp_job_scale(a->job, (int32_t)(k / s->detectors), (int32_t)(k % s->detectors));
+        if (!(isfinite(front.t_zero) && front.amplitude > 1e-6 * scale))
             return false;
     }
     return true;
@@ -178,7 +179,7 @@ static void shorten(sp_signal *s, int32_t n) {
     s->n = n;
 }
 
-static sp_status follow_front(passes *a, sp_signal *s, sp_error *err) {
+static sp_status run_to_front(passes *a, sp_signal *s, sp_error *err) {
     const double tail = 1e-8 * a->job->options->tolerance;
     sp_status status = SP_OK;
     int32_t known = 0;
@@ -187,7 +188,7 @@ static sp_status follow_front(passes *a, sp_signal *s, sp_error *err) {
     while (status == SP_OK && known < s->n && !fronts_known(a, s, known)) {
         const int32_t more = s->n / PARTS > 8 ? s->n / PARTS : 8, end = s->n - known < more ? s->n : known + more;
         int64_t terms;
-        status = sp_expansion_terms(a->job->net, s->t[end - 1], job_moves(a->job), tail, &terms, err);
+        status = sp_expansion_terms(a->job->net, s->t[end - 1], job_has_momenta(a->job), tail, &terms, err);
         for (int32_t q = 0; q < a->n && status == SP_OK; q++) {
             sp_pass_extend(&a->pass[q], terms);
             status = sum_pass(a, q, known, end, s, err);
@@ -206,14 +207,14 @@ sp_status sp_signal_by_chebyshev(const signal_job *job, sp_signal *s, sp_error *
     int64_t terms;
     passes all;
     if (0.5 * s->omega_max * o->until > TERMS_MAX)
-        return sp_fail(err, SP_EREFUSED, "until = %g needs %.3g matrix products, %d at the most; take the dense method",
+        return sp_fail(err, SP_EREFUSED, "until = %g needs %.3g matrix products, must be at most %d; use method dense",
                        o->until, 0.5 * s->omega_max * o->until, TERMS_MAX);
-    sp_status status = sp_expansion_terms(job->net, o->until, job_moves(job), 1e-8 * o->tolerance, &terms, err);
+    sp_status status = sp_expansion_terms(job->net, o->until, job_has_momenta(job), 1e-8 * o->tolerance, &terms, err);
     if (status != SP_OK)
         return status;
     status = passes_make(job, s->omega_max, terms, &all, err);
     if (status == SP_OK)
-        status = o->front ? follow_front(&all, s, err) : follow_all(&all, s, err);
+        status = o->front ? run_to_front(&all, s, err) : run_all(&all, s, err);
     passes_free(&all);
     return status;
 }

@@ -7,6 +7,8 @@
  *   y' - L y = a (beta S_(N+1) Q_N - S_N Q_(N+1)) y(0),
  * is computed, and since energy never grows, its integral bounds the error. */
 #include "base/base.h"
+#include "linalg/arrays.h"
+#include "linalg/vector.h"
 #include "numeric/random.h"
 #include "signal/job.h"
 
@@ -38,23 +40,16 @@ typedef struct damped {
     double omega, rate, until; /* rate: upper bound of the decay rates of the dashpots */
     ellipse e;
     double h;
-    int64_t room;                          /* number of terms for which there is memory */
-    double *dash;                          /* [detectors][dofs] contribution of the dashpots to each detector */
+    int64_t capacity;                      /* number of terms for which there is memory */
+    double *memory;                        /* of all arrays */
+    double *dashpot_rows;                  /* [detectors][dofs] contribution of the dashpots to each detector */
     double *u, *v, *u_old, *v_old;         /* [dofs] Q_k y, Q_(k-1) y */
     double *ku, *cv, *u_next, *v_next;     /* [dofs] products; y at the end of the substep */
     double *s, *power;                     /* [capacity] S_k, beta^k */
     double *moment, *size;                 /* [detectors][capacity] */
     double error_energy, error_u, *square; /* error bounds so far; [detectors] squared rounding errors */
-    int64_t terms, probed;                 /* terms so far; terms of the random state */
+    int64_t terms, random_terms;           /* terms so far; terms of the random state */
 } damped;
-
-static void damped_free(damped *d) {
-    double *const all[] = {d->dash,   d->u,      d->v, d->u_old, d->v_old,  d->ku,   d->cv,
-                           d->u_next, d->v_next, d->s, d->power, d->moment, d->size, d->square};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        sp_free(all[k]);
-    sp_network_free(&d->dashpots);
-}
 
 /* ---- the ellipse --------------------------------------------------------------------------------------------- */
 
@@ -96,7 +91,7 @@ static ellipse best_ellipse(const damped *d, bool tight) {
  * normalized by sum_(k>=0) S_k + sum_(k>0) beta^k S_k = e^(right t). Returns the number of nonzero values. */
 static int64_t weights(const damped *d, double t, double *s) {
     const ellipse *e = &d->e;
-    const int64_t n = d->room;
+    const int64_t n = d->capacity;
     const double x = e->a * t;
     int64_t top = x < 0.5 ? 16 : (int64_t)terms_of(e, t);
     if (x < 1e-12)
@@ -168,15 +163,15 @@ static void next_term(damped *d, int64_t k) {
 static void read_moments(damped *d, int64_t k) {
     const int64_t n = sp_network_dofs(d->job->net);
     for (int32_t b = 0; b < d->job->detectors; b++) {
-        const double *spring = job_detector(d->job, b), *dash = d->dash + b * n;
+        const double *spring = job_detector(d->job, b), *dashpot_rows = d->dashpot_rows + b * n;
         double sum = 0, size = 0;
         for (int64_t q = 0; q < n; q++) {
-            const double one = spring[q] * d->u[q], two = dash[q] * d->v[q];
+            const double one = spring[q] * d->u[q], two = dashpot_rows[q] * d->v[q];
             sum += one + two;
             size += fabs(one) + fabs(two);
         }
-        d->moment[b * d->room + k] = sum;
-        d->size[b * d->room + k] = size;
+        d->moment[b * d->capacity + k] = sum;
+        d->size[b * d->capacity + k] = size;
     }
 }
 
@@ -187,15 +182,15 @@ static void add_to_end(damped *d, int64_t k) {
     }
 }
 
-/* Computes all terms of a substep from y = (u, v), until the integral of the defect is below `enough`. */
-static sp_status expand(damped *d, double enough, int64_t *terms, sp_error *err) {
+/* Computes all terms of a substep from y = (u, v), until the integral of the defect is below `allowed`. */
+static sp_status expand(damped *d, double allowed, int64_t *terms, sp_error *err) {
     const size_t bytes = (size_t)sp_network_dofs(d->job->net) * sizeof(double);
     const ellipse *e = &d->e;
     const int64_t from = (int64_t)(d->h * e->im);
     double size = 0, energy = 0, size_old, energy_old;
     memset(d->u_next, 0, bytes);
     memset(d->v_next, 0, bytes);
-    for (int64_t k = 0; k + 1 < d->room; k++) {
+    for (int64_t k = 0; k + 1 < d->capacity; k++) {
         size_old = size;
         energy_old = energy;
         apply(d);
@@ -204,7 +199,7 @@ static sp_status expand(damped *d, double enough, int64_t *terms, sp_error *err)
         if (k > from + 1) { /* here S_N and S_(N+1) increase with t; terms up to N = k - 1 are included */
             const double now = e->a * d->s[k - 1], then = e->a * fabs(e->beta) * d->s[k];
             const double defect = d->h * (then * energy_old + now * energy);
-            if (defect <= enough) {
+            if (defect <= allowed) {
                 d->error_energy += defect;
                 d->error_u += d->h * (then * size_old + now * size);
                 *terms = k;
@@ -218,23 +213,23 @@ static sp_status expand(damped *d, double enough, int64_t *terms, sp_error *err)
     }
     return sp_fail(err, SP_EREFUSED,
                    "the expansion does not converge in %lld terms: the network is unstable (prestress)",
-                   (long long)d->room);
+                   (long long)d->capacity);
 }
 
 /* ---- which ellipse ------------------------------------------------------------------------------------------- */
 
-static void take_ellipse(damped *d, const ellipse *e) {
+static void set_ellipse(damped *d, const ellipse *e) {
     d->e = *e;
     d->h = d->until / (double)e->substeps;
     d->power[0] = 1;
-    for (int64_t k = 1; k < d->room; k++)
+    for (int64_t k = 1; k < d->capacity; k++)
         d->power[k] = d->power[k - 1] * e->beta;
     weights(d, d->h, d->s);
 }
 
 /* Whether no term of the expansion of a random state exceeds its bound. Then rounding errors do not grow either, in any
  * direction. */
-static bool behaves(damped *d) {
+static bool random_state_bounded(damped *d) {
     const double *mass = d->job->net->mass;
     sp_random any = sp_random_make(1, SP_STREAM_PROBE);
     double size, energy, first = 0;
@@ -243,7 +238,7 @@ static bool behaves(damped *d) {
         d->v[q] = (2 * sp_random_uniform(&any) - 1) / sqrt(mass[q]);
     }
     const int64_t terms = (int64_t)terms_of(&d->e, d->h);
-    d->probed = terms;
+    d->random_terms = terms;
     for (int64_t k = 0; k < terms; k++) {
         apply(d);
         norms(d, &size, &energy);
@@ -263,7 +258,7 @@ static void sum_points(damped *d, sp_signal *out, int32_t source, int64_t terms,
     for (int32_t l = first; l < last; l++) {
         const int64_t many = weights(d, out->t[l] - since, d->s), n = many < terms ? many : terms;
         for (int32_t b = 0; b < out->detectors; b++) {
-            const double *moment = d->moment + b * d->room, *size = d->size + b * d->room;
+            const double *moment = d->moment + b * d->capacity, *size = d->size + b * d->capacity;
             double sum = 0, square = 0, own;
             for (int64_t k = 0; k < n; k++) {
                 sum += d->s[k] * moment[k];
@@ -278,10 +273,10 @@ static void sum_points(damped *d, sp_signal *out, int32_t source, int64_t terms,
 
 static void start(damped *d, int32_t source) {
     const sp_network *net = d->job->net;
-    const double *sent = job_source(d->job, source);
+    const double *vector = job_source(d->job, source);
     for (int64_t k = 0; k < sp_network_dofs(net); k++) {
-        d->u[k] = job_moves(d->job) ? 0 : sent[k];
-        d->v[k] = job_moves(d->job) ? sent[k] / net->mass[k] : 0;
+        d->u[k] = job_has_momenta(d->job) ? 0 : vector[k];
+        d->v[k] = job_has_momenta(d->job) ? vector[k] / net->mass[k] : 0;
     }
     d->error_energy = d->error_u = 0;
     d->terms = 0;
@@ -293,14 +288,14 @@ static void find_errors(const damped *d, sp_signal *out, int32_t source) {
     const int64_t n = sp_network_dofs(d->job->net);
     const double *mass = d->job->net->mass, until = out->t[out->n - 1];
     for (int32_t b = 0; b < out->detectors; b++) {
-        const double *spring = job_detector(d->job, b), *dash = d->dash + b * n, *f = signal_pair(out, source, b);
-        double one = 0, two = 0, largest = 0;
+        const double *spring = job_detector(d->job, b), *dashpot_rows = d->dashpot_rows + b * n,
+                     *f = signal_pair(out, source, b);
+        double one = 0, two = 0;
         for (int64_t k = 0; k < n; k++) {
             one += spring[k] * spring[k] / mass[k];
-            two += dash[k] * dash[k] / mass[k];
+            two += dashpot_rows[k] * dashpot_rows[k] / mass[k];
         }
-        for (int32_t l = 0; l < out->n; l++)
-            largest = fmax(largest, fabs(f[l]));
+        const double largest = sp_largest(out->n, f);
         out->errors[source * out->detectors + b] =
             sqrt(one) * (d->error_u + until * d->error_energy) + sqrt(two) * d->error_energy +
             DBL_EPSILON * (MOMENT_ROUNDING * sqrt(d->square[b]) +
@@ -347,32 +342,33 @@ static sp_status follow(damped *d, sp_signal *out, int32_t source, sp_error *err
 /* ---- all ----------------------------------------------------------------------------------------------------- */
 
 static sp_status allocate(damped *d, sp_error *err) {
-    const size_t n = (size_t)sp_network_dofs(d->job->net), room = (size_t)d->room,
+    const size_t n = (size_t)sp_network_dofs(d->job->net), capacity = (size_t)d->capacity,
                  detectors = (size_t)d->job->detectors;
-    double **const vectors[] = {&d->u, &d->v, &d->u_old, &d->v_old, &d->ku, &d->cv, &d->u_next, &d->v_next};
-    bool ok = true;
-    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++) {
-        *vectors[k] = sp_alloc(n, sizeof(double));
-        ok = ok && *vectors[k];
-    }
-    d->dash = sp_alloc(detectors, n * sizeof *d->dash);
-    d->s = sp_alloc(room, sizeof *d->s);
-    d->power = sp_alloc(room, sizeof *d->power);
-    d->moment = sp_alloc(detectors, room * sizeof *d->moment);
-    d->size = sp_alloc(detectors, room * sizeof *d->size);
-    d->square = sp_alloc(detectors, sizeof *d->square);
-    if (!ok || !d->dash || !d->s || !d->power || !d->moment || !d->size || !d->square)
-        return sp_fail_memory(err, ((8 + detectors) * n + (1 + 2 * detectors) * room) * sizeof(double));
-    return SP_OK;
+    const sp_array arrays[] = {{&d->u, n},
+                               {&d->v, n},
+                               {&d->u_old, n},
+                               {&d->v_old, n},
+                               {&d->ku, n},
+                               {&d->cv, n},
+                               {&d->u_next, n},
+                               {&d->v_next, n},
+                               {&d->dashpot_rows, detectors * n},
+                               {&d->s, capacity},
+                               {&d->power, capacity},
+                               {&d->moment, detectors * capacity},
+                               {&d->size, detectors * capacity},
+                               {&d->square, detectors},
+                               {0}};
+    return sp_arrays_make(arrays, &d->memory, err);
 }
 
 /* Detector vectors of the dashpots: the rows of the springs with c in place of k. */
-static sp_status find_dashes(damped *d, sp_error *err) {
+static sp_status find_dashpot_rows(damped *d, sp_error *err) {
     const sp_place wall = sp_place_wall(), *to = d->job->options->to;
     sp_status status = SP_OK;
     for (int32_t b = 0; b < d->job->detectors && status == SP_OK && d->has_dashpots; b++)
-        status =
-            sp_network_detector_at(&d->dashpots, to ? &to[b] : &wall, d->dash + b * sp_network_dofs(d->job->net), err);
+        status = sp_network_detector_at(&d->dashpots, to ? &to[b] : &wall,
+                                        d->dashpot_rows + b * sp_network_dofs(d->job->net), err);
     return status;
 }
 
@@ -384,16 +380,16 @@ static sp_status prepare(damped *d, sp_error *err) {
     if (!(products <= PRODUCTS_MAX))
         return sp_fail(err, SP_EREFUSED, "until = %g needs up to %.3g matrix products, must be at most %g", d->until,
                        products, PRODUCTS_MAX);
-    d->room = (int64_t)fmax(terms_of(&wide, h_wide), terms_of(&tight, h_tight)) + 40;
+    d->capacity = (int64_t)fmax(terms_of(&wide, h_wide), terms_of(&tight, h_tight)) + 40;
     sp_status status = allocate(d, err);
     if (status == SP_OK)
-        status = find_dashes(d, err);
+        status = find_dashpot_rows(d, err);
     if (status != SP_OK)
         return status;
-    take_ellipse(d, &tight);
+    set_ellipse(d, &tight);
     const double probe = 1.0 / ((double)tight.substeps * d->job->sources);
-    if (!(products_of(d, &tight) * (1 + probe) < products_of(d, &wide)) || !behaves(d))
-        take_ellipse(d, &wide);
+    if (!(products_of(d, &tight) * (1 + probe) < products_of(d, &wide)) || !random_state_bounded(d))
+        set_ellipse(d, &wide);
     return SP_OK;
 }
 
@@ -409,12 +405,13 @@ sp_status sp_signal_by_faber(const signal_job *job, sp_signal *s, sp_error *err)
         d.rate = sp_network_omega_bound(&d.dashpots) * sp_network_omega_bound(&d.dashpots);
     if (status == SP_OK)
         status = prepare(&d, err);
-    int64_t terms = d.probed;
+    int64_t terms = d.random_terms;
     for (int32_t a = 0; a < job->sources && status == SP_OK; a++) {
         status = follow(&d, s, a, err);
         terms += d.terms;
     }
     s->products = (int32_t)(terms * (1 + d.has_dashpots));
-    damped_free(&d);
+    sp_free(d.memory);
+    sp_network_free(&d.dashpots);
     return status;
 }

@@ -49,7 +49,7 @@ static sp_status check(const sp_field_options *spec, double omega, double *until
         *until = fmax(*until, spec->t[l]);
     }
     if (0.5 * omega * *until > TERMS_MAX)
-        return sp_fail(err, SP_EREFUSED, "time %g needs %.3g matrix products, %d at the most", *until,
+        return sp_fail(err, SP_EREFUSED, "time %g needs %.3g matrix products, must be at most %d", *until,
                        0.5 * omega * *until, TERMS_MAX);
     return SP_OK;
 }

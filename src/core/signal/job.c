@@ -12,40 +12,22 @@ void sp_job_free(signal_job *job) {
         sp_free(all[k]->dof);
         sp_free(all[k]->value);
     }
-    sp_free(job->sent);
-    sp_free(job->seen);
-}
-
-static sp_status make_room(signal_rows *rows, int64_t used, int64_t more, sp_error *err) {
-    if (used + more <= rows->room)
-        return SP_OK;
-    const int64_t room = 2 * rows->room > used + more ? 2 * rows->room : used + more;
-    int64_t *dof = sp_alloc((size_t)room, sizeof *dof);
-    double *value = sp_alloc((size_t)room, sizeof *value);
-    if (!dof || !value) {
-        sp_free(dof);
-        sp_free(value);
-        return sp_fail_memory(err, (size_t)room * 16);
-    }
-    if (used > 0) {
-        memcpy(dof, rows->dof, (size_t)used * sizeof *dof);
-        memcpy(value, rows->value, (size_t)used * sizeof *value);
-    }
-    sp_free(rows->dof);
-    sp_free(rows->value);
-    rows->dof = dof;
-    rows->value = value;
-    rows->room = room;
-    return SP_OK;
+    sp_free(job->source_vectors);
+    sp_free(job->detector_vectors);
 }
 
 static sp_status append_row(signal_rows *rows, int64_t n, const double *vector, sp_error *err) {
     int64_t at = rows->first[rows->n], count = 0;
     for (int64_t k = 0; k < n; k++)
         count += vector[k] != 0;
-    sp_status status = make_room(rows, at, count, err);
-    if (status != SP_OK)
-        return status;
+    const size_t need = (size_t)(at + count);
+    size_t capacity = rows->capacity;
+    int64_t *dof = sp_grow(rows->dof, need, &capacity, sizeof *dof);
+    rows->dof = dof ? dof : rows->dof;
+    double *value = dof ? sp_grow(rows->value, need, &rows->capacity, sizeof *value) : NULL;
+    if (!value)
+        return sp_fail_memory(err, need * (sizeof *dof + sizeof *value));
+    rows->value = value;
     for (int64_t k = 0; k < n; k++)
         if (vector[k] != 0) {
             rows->dof[at] = k;
@@ -85,29 +67,29 @@ sp_status sp_job_make(const sp_network *net, const sp_signal_options *o, bool de
     job->detectors = o->to && o->detectors > 0 ? o->detectors : 1;
     double *vector = dense ? NULL : sp_alloc(n, sizeof *vector);
     if (dense) {
-        job->sent = sp_alloc((size_t)job->sources, n * sizeof *job->sent);
-        job->seen = sp_alloc((size_t)job->detectors, n * sizeof *job->seen);
+        job->source_vectors = sp_alloc((size_t)job->sources, n * sizeof *job->source_vectors);
+        job->detector_vectors = sp_alloc((size_t)job->detectors, n * sizeof *job->detector_vectors);
     }
     sp_status status = SP_OK;
-    if (dense ? !job->sent || !job->seen : !vector)
+    if (dense ? !job->source_vectors || !job->detector_vectors : !vector)
         status = sp_fail_memory(err, (dense ? (size_t)job->sources + (size_t)job->detectors : 1) * n * sizeof(double));
     if (status == SP_OK)
-        status = make_rows(job, true, dense, dense ? job->sent : vector, err);
+        status = make_rows(job, true, dense, dense ? job->source_vectors : vector, err);
     if (status == SP_OK)
-        status = make_rows(job, false, dense, dense ? job->seen : vector, err);
+        status = make_rows(job, false, dense, dense ? job->detector_vectors : vector, err);
     sp_free(vector);
     return status;
 }
 
-double sp_job_hop(const signal_job *job, int32_t source, int32_t detector) {
+double sp_job_scale(const signal_job *job, int32_t source, int32_t detector) {
     const signal_rows *from = &job->from, *to = &job->to;
     const double *mass = job->net->mass;
     double a = 0, b = 0;
     for (int64_t k = from->first[source]; k < from->first[source + 1]; k++)
-        a += from->value[k] * from->value[k] * (job_moves(job) ? 1 / mass[from->dof[k]] : mass[from->dof[k]]);
+        a += from->value[k] * from->value[k] * (job_has_momenta(job) ? 1 / mass[from->dof[k]] : mass[from->dof[k]]);
     for (int64_t k = to->first[detector]; k < to->first[detector + 1]; k++)
         b += to->value[k] * to->value[k] / mass[to->dof[k]];
-    return sqrt(a) * sqrt(b) / (job_moves(job) ? sp_network_omega_bound(job->net) : 1);
+    return sqrt(a) * sqrt(b) / (job_has_momenta(job) ? sp_network_omega_bound(job->net) : 1);
 }
 
 sp_status sp_signal_allocate(const sp_signal_options *o, int32_t sources, int32_t detectors, sp_signal *s,

@@ -10,7 +10,7 @@ typedef struct signal_rows {
     int64_t *first; /* [n + 1] */
     int64_t *dof;   /* [first[n]] */
     double *value;
-    int64_t room;
+    size_t capacity; /* of dof and value */
 } signal_rows;
 
 typedef struct signal_job {
@@ -18,9 +18,9 @@ typedef struct signal_job {
     const sp_packing *packing; /* packing from which the network was made; NULL: unknown */
     const sp_signal_options *options;
     int32_t sources, detectors;
-    signal_rows from, to; /* sources (momenta or displacements at t = 0), and detectors */
-    double *sent,
-        *seen; /* the same, dense: [sources][dofs] and [detectors][dofs]; NULL for methods that use sparse rows */
+    signal_rows from, to;                      /* sources (momenta or displacements at t = 0), and detectors */
+    double *source_vectors, *detector_vectors; /* the same, dense: [sources][dofs] and [detectors][dofs]; NULL for
+                                                  methods that use sparse rows */
 } signal_job;
 
 /* dense: also make the dense vectors. */
@@ -33,22 +33,22 @@ sp_status sp_signal_allocate(const sp_signal_options *o, int32_t sources, int32_
 
 /* A method. It fills s->f, s->errors and s->products, and s->omega_max if it has a better bound than the network's. t,
  * n, sources and detectors are set on entry; f and errors are zero. */
-typedef sp_status (*signal_way)(const signal_job *job, sp_signal *s, sp_error *err);
+typedef sp_status (*signal_function)(const signal_job *job, sp_signal *s, sp_error *err);
 
 static inline const double *job_source(const signal_job *job, int32_t k) {
-    return job->sent + k * sp_network_dofs(job->net);
+    return job->source_vectors + k * sp_network_dofs(job->net);
 }
 static inline const double *job_detector(const signal_job *job, int32_t k) {
-    return job->seen + k * sp_network_dofs(job->net);
+    return job->detector_vectors + k * sp_network_dofs(job->net);
 }
 /* F of one source at one detector, [n]. */
 static inline double *signal_pair(const sp_signal *s, int32_t source, int32_t detector) {
     return s->f + ((int64_t)source * s->detectors + detector) * s->n;
 }
-static inline bool job_moves(const signal_job *job) { return job->options->source != SP_SOURCE_DISPLACEMENT; }
+static inline bool job_has_momenta(const signal_job *job) { return job->options->source != SP_SOURCE_DISPLACEMENT; }
 
 /* |a||b|/Omega, or |a||b| for displacements: the scale of a signal. */
-double sp_job_hop(const signal_job *job, int32_t source, int32_t detector);
+double sp_job_scale(const signal_job *job, int32_t source, int32_t detector);
 
 sp_status sp_signal_by_verlet(const signal_job *job, sp_signal *s, sp_error *err);
 sp_status sp_signal_by_lax_wendroff(const signal_job *job, sp_signal *s, sp_error *err);

@@ -1,6 +1,7 @@
 /* Signals as a sum over all modes, Eq. (3) of Somfai et al. 2005, with error bounds. */
 #include "base/base.h"
 #include "linalg/eigen.h"
+#include "linalg/vector.h"
 #include "modes/refine.h"
 #include "signal/job.h"
 
@@ -9,15 +10,15 @@
 #include <sonopack/modes.h>
 
 /* Projections of a source or a detector on the modes. */
-typedef struct modal_side {
+typedef struct modal_projection {
     double *c;    /* [modes] mass weighted; for a source not yet divided by omega */
     double norm;  /* norm of the source or detector */
     double reach; /* sqrt(sum (c w)^2), w = min(t, 1/omega), or 1 for displacements */
-} modal_side;
+} modal_projection;
 
 /* One source at one detector. */
 typedef struct modal_pair {
-    const modal_side *a, *b;
+    const modal_projection *a, *b;
     double coupled; /* sum (a_n b_m E_mn g_mn)^2, see add_coupling */
 } modal_pair;
 
@@ -25,29 +26,25 @@ static const double *omegas(const sp_modes *m) { return m->omega + m->n_rattler;
 
 static double weight(const signal_job *job, double omega, bool source) {
     const double t = job->options->until;
-    return source && !job_moves(job) ? 1 : omega * t > 1 ? 1 / omega : t;
+    return source && !job_has_momenta(job) ? 1 : omega * t > 1 ? 1 / omega : t;
 }
 
 /* vector: momenta, displacements or a detector; weighted: [dofs] scratch. */
-static void project(const signal_job *job, const sp_modes *m, const double *given, bool source, double *weighted,
-                    modal_side *side) {
-    const bool displaced = source && !job_moves(job);
+static void project(const signal_job *job, const sp_modes *m, const double *vector, bool source, double *weighted,
+                    modal_projection *projection) {
+    const bool displaced = source && !job_has_momenta(job);
     for (int64_t q = 0; q < m->dofs; q++) {
         const double mass = job->net->mass[q], root = sqrt(mass);
-        weighted[q] = displaced ? given[q] * root : given[q] / root;
-        side->norm += given[q] * given[q] * (displaced ? mass : 1 / mass);
+        weighted[q] = displaced ? vector[q] * root : vector[q] / root;
+        projection->norm += vector[q] * vector[q] * (displaced ? mass : 1 / mass);
     }
-    side->norm = sqrt(side->norm);
+    projection->norm = sqrt(projection->norm);
     for (int64_t k = 0; k < m->dofs; k++) {
-        const double *e = m->vectors + k * m->dofs;
-        double sum = 0;
-        for (int64_t q = 0; q < m->dofs; q++)
-            sum += e[q] * weighted[q];
-        side->c[k] = sum;
-        const double moved = sum * weight(job, omegas(m)[k], source);
-        side->reach += moved * moved;
+        projection->c[k] = sp_dot(m->dofs, m->vectors + k * m->dofs, weighted);
+        const double moved = projection->c[k] * weight(job, omegas(m)[k], source);
+        projection->reach += moved * moved;
     }
-    side->reach = sqrt(side->reach);
+    projection->reach = sqrt(projection->reach);
 }
 
 /* The computed modes are those of A - E, E_mn = e_m . (A e_n - omega_n^2 e_n). E couples them, to first order
@@ -105,12 +102,12 @@ static double modal_error(const signal_job *job, const sp_modes *m, const modal_
 }
 
 /* wave: [modes] scratch. */
-static void add_modes(const sp_modes *m, const modal_pair *pair, bool moves, double *wave, sp_signal *s) {
+static void add_modes(const sp_modes *m, const modal_pair *pair, bool momenta, double *wave, sp_signal *s) {
     const double *omega = omegas(m);
     for (int32_t l = 0; l < s->n; l++) {
         for (int64_t k = 0; k < m->dofs; k++) {
             const double phase = omega[k] * s->t[l];
-            if (!moves)
+            if (!momenta)
                 wave[k] = cos(phase);
             else /* a mode that stretches no spring causes no force */
                 wave[k] = omega[k] > 0 ? sin(phase) / omega[k] : 0;
@@ -127,36 +124,37 @@ static void add_modes(const sp_modes *m, const modal_pair *pair, bool moves, dou
 sp_status sp_signal_by_modes(const signal_job *job, sp_signal *s, sp_error *err) {
     sp_modes m = sp_modes_none();
     const sp_modes_options how = {.vectors = true, .source = job->options->source};
-    const int64_t pairs = (int64_t)s->sources * s->detectors, sides = (int64_t)s->sources + s->detectors;
+    const int64_t pairs = (int64_t)s->sources * s->detectors, places = (int64_t)s->sources + s->detectors;
     modal_pair *pair = NULL;
-    modal_side *side = NULL; /* sources, then detectors */
+    modal_projection *projection = NULL; /* sources, then detectors */
     double *numbers = NULL;
     sp_status status = sp_modes_dense(job->net, &how, &m, err);
     if (status != SP_OK)
         goto out;
     pair = sp_alloc((size_t)pairs, sizeof *pair);
-    side = sp_alloc((size_t)sides, sizeof *side);
-    numbers = sp_alloc((size_t)sides + 1, (size_t)m.dofs * sizeof *numbers);
-    if (!pair || !side || !numbers) {
+    projection = sp_alloc((size_t)places, sizeof *projection);
+    numbers = sp_alloc((size_t)places + 1, (size_t)m.dofs * sizeof *numbers);
+    if (!pair || !projection || !numbers) {
         status =
-            sp_fail_memory(err, (size_t)pairs * sizeof *pair + (size_t)(sides + 1) * (size_t)m.dofs * sizeof *numbers);
+            sp_fail_memory(err, (size_t)pairs * sizeof *pair + (size_t)(places + 1) * (size_t)m.dofs * sizeof *numbers);
         goto out;
     }
-    double *scratch = numbers + sides * m.dofs;
-    for (int32_t k = 0; k < sides; k++) {
+    double *scratch = numbers + places * m.dofs;
+    for (int32_t k = 0; k < places; k++) {
         const bool source = k < s->sources;
-        side[k].c = numbers + k * m.dofs;
-        project(job, &m, source ? job_source(job, k) : job_detector(job, k - s->sources), source, scratch, &side[k]);
+        projection[k].c = numbers + k * m.dofs;
+        project(job, &m, source ? job_source(job, k) : job_detector(job, k - s->sources), source, scratch,
+                &projection[k]);
     }
     for (int64_t k = 0; k < pairs; k++)
-        pair[k] = (modal_pair){.a = &side[k / s->detectors], .b = &side[s->sources + k % s->detectors]};
-    add_modes(&m, pair, job_moves(job), scratch, s);
+        pair[k] = (modal_pair){.a = &projection[k / s->detectors], .b = &projection[s->sources + k % s->detectors]};
+    add_modes(&m, pair, job_has_momenta(job), scratch, s);
     status = couple(job, &m, pairs, pair, err);
     for (int64_t k = 0; k < pairs && status == SP_OK; k++)
         s->errors[k] = modal_error(job, &m, &pair[k]);
 out:
     sp_free(numbers);
-    sp_free(side);
+    sp_free(projection);
     sp_free(pair);
     sp_modes_free(&m);
     return status;

@@ -9,24 +9,25 @@ void sp_pass_free(pass *p) {
     sp_recurrence_free(&p->r);
     sp_free(p->mu);
     sp_free(p->size);
-    sp_free(p->reach);
+    sp_free(p->norms);
     *p = (pass){0};
 }
 
 /* Moment 0, and norms. */
 static void begin(const pass_plan *plan, pass *p) {
     pair size;
-    sp_recurrence_start(&p->r, 0, plan->velocity, &plan->carried[0]);
+    sp_recurrence_start(&p->r, 0, plan->velocity, &plan->propagated[0]);
     if (plan->doubled)
-        sp_recurrence_start(&p->r, 1, false, &plan->seen[0]);
+        sp_recurrence_start(&p->r, 1, false, &plan->observers[0]);
     else if (plan->lanes == 2)
-        sp_recurrence_start(&p->r, 1, plan->velocity, &plan->carried[1]);
-    for (int32_t q = 0; q < p->others; q++) {
-        const pair mu = sp_recurrence_seen(&p->r, &p->seen[q], &size);
+        sp_recurrence_start(&p->r, 1, plan->velocity, &plan->propagated[1]);
+    for (int32_t q = 0; q < p->observer_count; q++) {
+        const pair mu = sp_recurrence_product(&p->r, &p->observers[q], &size);
         for (int32_t lane = 0; lane < p->lanes; lane++) {
-            p->mu[lane * p->others + q] = p->velocity ? mu[lane] : 0.5 * mu[lane];
-            p->size[lane * p->others + q] = size[lane];
-            p->reach[lane * p->others + q] = sqrt(p->r.start[lane]) * sp_recurrence_norm(&p->r, &p->seen[q]);
+            p->mu[lane * p->observer_count + q] = p->velocity ? mu[lane] : 0.5 * mu[lane];
+            p->size[lane * p->observer_count + q] = size[lane];
+            p->norms[lane * p->observer_count + q] =
+                sqrt(p->r.start[lane]) * sp_recurrence_norm(&p->r, &p->observers[q]);
         }
         p->first = mu[0];
     }
@@ -37,19 +38,19 @@ sp_status sp_pass_make(const pass_plan *plan, pass *out, sp_error *err) {
     pass p = {.doubled = plan->doubled,
               .velocity = plan->velocity,
               .lanes = plan->doubled ? 1 : plan->lanes,
-              .others = plan->others,
+              .observer_count = plan->observer_count,
               .spread = plan->spread,
-              .seen = plan->seen,
-              .room = plan->terms + 2};
-    p.columns = (int64_t)p.lanes * p.others;
+              .observers = plan->observers,
+              .capacity = plan->terms + 2};
+    p.columns = (int64_t)p.lanes * p.observer_count;
     const size_t count = (size_t)p.columns;
     sp_status status = sp_recurrence_make(plan->op, plan->mass, plan->omega, plan->threads, &p.r, err);
     if (status == SP_OK) {
-        p.mu = sp_alloc((size_t)p.room, count * sizeof *p.mu);
-        p.size = sp_alloc((size_t)p.room, count * sizeof *p.size);
-        p.reach = sp_alloc(count, sizeof *p.reach);
-        if (!p.mu || !p.size || !p.reach)
-            status = sp_fail_memory(err, 2 * (size_t)p.room * count * sizeof *p.mu);
+        p.mu = sp_alloc((size_t)p.capacity, count * sizeof *p.mu);
+        p.size = sp_alloc((size_t)p.capacity, count * sizeof *p.size);
+        p.norms = sp_alloc(count, sizeof *p.norms);
+        if (!p.mu || !p.size || !p.norms)
+            status = sp_fail_memory(err, 2 * (size_t)p.capacity * count * sizeof *p.mu);
     }
     if (status != SP_OK) {
         sp_pass_free(&p);
@@ -79,19 +80,19 @@ static void extend_doubled(pass *p) {
 static void extend_plainly(pass *p) {
     sp_recurrence_step(&p->r);
     double *mu = p->mu + p->n * p->columns, *size = p->size + p->n * p->columns;
-    for (int32_t q = 0; q < p->others; q++) {
+    for (int32_t q = 0; q < p->observer_count; q++) {
         pair magnitude;
-        const pair sum = sp_recurrence_seen(&p->r, &p->seen[q], &magnitude);
+        const pair sum = sp_recurrence_product(&p->r, &p->observers[q], &magnitude);
         for (int32_t lane = 0; lane < p->lanes; lane++) {
-            mu[lane * p->others + q] = sum[lane];
-            size[lane * p->others + q] = magnitude[lane];
+            mu[lane * p->observer_count + q] = sum[lane];
+            size[lane * p->observer_count + q] = magnitude[lane];
         }
     }
     p->n++;
 }
 
 void sp_pass_extend(pass *p, int64_t n) {
-    while (p->n < n && p->n + 2 <= p->room) {
+    while (p->n < n && p->n + 2 <= p->capacity) {
         if (p->doubled)
             extend_doubled(p);
         else

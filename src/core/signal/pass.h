@@ -9,17 +9,17 @@
 
 typedef struct pass {
     recurrence r;
-    bool doubled;           /* one lane for the source and one for the detector */
-    bool velocity;          /* moments of W, else of T */
-    int32_t lanes, others;  /* number of propagated vectors; number of observers */
-    const sparse_row *seen; /* [observers] */
-    int64_t columns;        /* moments per step: 1, or lanes x observers, lane by lane */
-    int64_t n, room;        /* moments known, and moments for which there is memory */
-    double *mu,
-        *size; /* [capacity][columns] moments (mu_0 of T halved), and the sums of the absolute values of their terms */
-    double *reach; /* [columns] |a| |b| */
-    double first;  /* mu_0 of a doubled pass */
-    double spread; /* as in the plan */
+    bool doubled;                  /* one lane for the source and one for the detector */
+    bool velocity;                 /* moments of W, else of T */
+    int32_t lanes, observer_count; /* number of propagated vectors; number of observers */
+    const sparse_row *observers;   /* [observers] */
+    int64_t columns;               /* moments per step: 1, or lanes x observers, lane by lane */
+    int64_t n, capacity;           /* moments known, and moments for which there is memory */
+    double *mu;                    /* [capacity][columns] moments; mu_0 of T is halved */
+    double *size;                  /* [capacity][columns] sums of the absolute values of their terms */
+    double *norms;                 /* [columns] |a| |b| */
+    double first;                  /* mu_0 of a doubled pass */
+    double spread;                 /* as in the plan */
 } pass;
 
 typedef struct pass_plan {
@@ -30,9 +30,9 @@ typedef struct pass_plan {
     bool velocity, doubled;
     double spread; /* sp_expansion_spread; must be 0 for doubling */
     int64_t terms; /* upper limit of their number */
-    int32_t lanes, others;
-    const sparse_row *carried; /* [lanes] vectors to propagate; with doubling: the source */
-    const sparse_row *seen;    /* [observers]; with doubling: the detector */
+    int32_t lanes, observer_count;
+    const sparse_row *propagated; /* [lanes] vectors to propagate; with doubling: the source */
+    const sparse_row *observers;  /* [observers]; with doubling: the detector */
 } pass_plan;
 
 sp_status sp_pass_make(const pass_plan *plan, pass *out, sp_error *err);

@@ -45,7 +45,7 @@ static sp_status find_errors(const pass *p, double omega, double last, double *e
             0; /* moments whose Bessel functions were set to 0; for a spread above 0 these moments may be large */
         for (int64_t k = terms; k < p->n && p->spread > 0; k++)
             low += 1e-20 * fabs(p->mu[k * p->columns + c]);
-        errors[c] = scale * (p->reach[c] * tail + low + rounding(p, c, x, terms, j));
+        errors[c] = scale * (p->norms[c] * tail + low + rounding(p, c, x, terms, j));
     }
     sp_free(j);
     return SP_OK;
@@ -54,11 +54,11 @@ static sp_status find_errors(const pass *p, double omega, double last, double *e
 sp_status sp_pass_sum(const pass *p, double omega, int64_t n, const double *t, int64_t stride, double *f,
                       double *errors, sp_error *err) {
     const double scale = p->velocity ? 2 / omega : 2;
-    double *x = sp_alloc((size_t)n, sizeof *x), *room = NULL;
+    double *x = sp_alloc((size_t)n, sizeof *x), *work = NULL;
     sp_status status = SP_OK;
     if (p->columns > 1)
-        room = sp_alloc((size_t)sp_bessel_scratch(p->n, p->columns), sizeof *room);
-    if (!x || (p->columns > 1 && !room)) {
+        work = sp_alloc((size_t)sp_bessel_scratch(p->n, p->columns), sizeof *work);
+    if (!x || (p->columns > 1 && !work)) {
         status = sp_fail_memory(err, ((size_t)n + (size_t)sp_bessel_scratch(p->n, p->columns)) * sizeof *x);
         goto out;
     }
@@ -67,13 +67,13 @@ sp_status sp_pass_sum(const pass *p, double omega, int64_t n, const double *t, i
     if (p->columns == 1)
         sp_bessel_series(p->n, p->mu, p->velocity, n, x, f);
     else
-        sp_bessel_series_many(p->n, p->columns, p->mu, p->velocity, n, x, f, stride, room);
+        sp_bessel_series_many(p->n, p->columns, p->mu, p->velocity, n, x, f, stride, work);
     for (int64_t c = 0; c < p->columns; c++)
         for (int64_t l = 0; l < n; l++)
             f[c * stride + l] *= scale;
     status = find_errors(p, omega, t[n - 1], errors, err);
 out:
     sp_free(x);
-    sp_free(room);
+    sp_free(work);
     return status;
 }

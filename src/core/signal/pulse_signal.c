@@ -1,5 +1,6 @@
 /* Signals of pulses of any shape: the response to a short pulse, convolved with the pulse. */
 #include "base/base.h"
+#include "linalg/vector.h"
 #include "signal/convolve.h"
 #include "signal/job.h"
 
@@ -22,7 +23,7 @@ static double panel_of(const sp_pulse *p, double omega) {
 }
 
 /* Largest |s| and integral of |s| before `until`. */
-static void sizes(const sp_pulse *p, double until, double *most, double *integral) {
+static void pulse_bounds(const sp_pulse *p, double until, double *most, double *integral) {
     enum { STEPS = 20000 };
     double first, last;
     sp_pulse_span(p, &first, &last);
@@ -51,7 +52,7 @@ static void sizes(const sp_pulse *p, double until, double *most, double *integra
 static double response_error(const sp_pulse *p, const sp_response *g, double until, double error, double largest) {
     const double middle = 2, end = g->mirror == 0 ? 513 : 0, intervals = 1.2;
     double most, integral;
-    sizes(p, until, &most, &integral);
+    pulse_bounds(p, until, &most, &integral);
     return (error + 8 * DBL_EPSILON * largest) * (middle * integral + end * fmin(integral, most * intervals * g->step));
 }
 
@@ -61,7 +62,7 @@ static sp_status convolve_pair(const sp_response *g, const sp_pulse *pulse, doub
                                const sp_signal *s, double *f, double *error, sp_error *err) {
     const double panel = panel_of(pulse, omega);
     const sp_quadrature fine = {1, FINE_POINTS, 16, panel}, coarse = {2, COARSE_POINTS, 12, panel};
-    double *check = sp_alloc((size_t)s->n, sizeof *check), worst = 0, largest = 0;
+    double *check = sp_alloc((size_t)s->n, sizeof *check), worst = 0;
     sp_status status = check ? SP_OK : sp_fail_memory(err, (size_t)s->n * sizeof *check);
     if (status == SP_OK)
         status = sp_convolve(g, pulse, &fine, s->n, s->t, f, err);
@@ -69,10 +70,8 @@ static sp_status convolve_pair(const sp_response *g, const sp_pulse *pulse, doub
         status = sp_convolve(g, pulse, &coarse, s->n, s->t, check, err);
     for (int32_t l = 0; l < s->n && status == SP_OK; l++)
         worst = fmax(worst, fabs(f[l] - check[l]));
-    for (int64_t k = 0; k < g->n && status == SP_OK; k++)
-        largest = fmax(largest, fabs(g->g[k]));
     if (status == SP_OK)
-        *error = worst + response_error(pulse, g, s->t[s->n - 1], response_bound, largest);
+        *error = worst + response_error(pulse, g, s->t[s->n - 1], response_bound, sp_largest(g->n, g->g));
     sp_free(check);
     return status;
 }
@@ -85,7 +84,7 @@ static sp_status response_options(const sp_network *net, const sp_signal_options
     sp_pulse_span(pulse, &first, &last);
     const double until = opt->until - fmin(first, 0), steps = ceil(until / step) + 2 * FINE_POINTS;
     if (!(steps < TIMES_MAX))
-        return sp_fail(err, SP_EREFUSED, "pulse: the response up to t = %g needs %.3g times, %d at the most", until,
+        return sp_fail(err, SP_EREFUSED, "pulse: the response up to t = %g needs %.3g times, must be at most %d", until,
                        steps, TIMES_MAX);
     *o = *opt;
     o->points = (int32_t)steps + 1;
@@ -94,11 +93,9 @@ static sp_status response_options(const sp_network *net, const sp_signal_options
     return SP_OK;
 }
 
-static sp_status vouch(const sp_signal *s, double tolerance, sp_error *err) {
+static sp_status check_errors(const sp_signal *s, double tolerance, sp_error *err) {
     for (int32_t q = 0; q < s->sources * s->detectors; q++) {
-        double largest = 0;
-        for (int32_t l = 0; l < s->n; l++)
-            largest = fmax(largest, fabs(s->f[(int64_t)q * s->n + l]));
+        const double largest = sp_largest(s->n, s->f + (int64_t)q * s->n);
         if (!(s->errors[q] <= tolerance * largest))
             return sp_fail(err, SP_EREFUSED,
                            "pulse: error bound %.3g is %.2g of the largest |F| = %.3g, must be at most %.2g",
@@ -117,9 +114,10 @@ sp_status sp_signal_pulse(const sp_network *net, const sp_signal_options *opt, c
     if (pulse->kind == SP_PULSE_DELTA)
         return sp_signal_make(net, opt, out, err);
     if (opt->method == SP_SIGNAL_DYNAMICS)
-        return sp_fail(err, SP_EINVAL, "pulse: the nonlinear motion is no sum of responses, must be another method");
+        return sp_fail(err, SP_EINVAL,
+                       "pulse: method dynamics is nonlinear and allows no convolution, must be another method");
     if (opt->front)
-        return sp_fail(err, SP_EINVAL, "pulse: stopping at the front is for short pulses only, must be without it");
+        return sp_fail(err, SP_EINVAL, "pulse: only signals of a short pulse can end after the front");
     if (opt->points < 2 || !(opt->until > 0 && isfinite(opt->until)))
         return sp_fail(err, SP_EINVAL, "%d points until t = %g, must be 2 or more until a time above 0", opt->points,
                        opt->until);
@@ -141,7 +139,7 @@ sp_status sp_signal_pulse(const sp_network *net, const sp_signal_options *opt, c
             s.error = fmax(s.error, s.errors[q]);
     }
     if (status == SP_OK)
-        status = vouch(&s, opt->tolerance, err);
+        status = check_errors(&s, opt->tolerance, err);
     sp_signal_free(&g);
     if (status == SP_OK)
         *out = s;

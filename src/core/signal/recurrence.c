@@ -226,7 +226,7 @@ static pair block_squares(const recurrence *r, int32_t block, const double *u) {
 static uint8_t wake(const recurrence *r, int32_t block) {
     const sp_operator *op = r->op;
     const pair squares = block_squares(r, block, r->next);
-    const double tiny = op->two_carried ? 0 : TINY; /* with a nonsymmetric K, what is dropped might have grown */
+    const double tiny = op->inner.carried ? 0 : TINY; /* with a nonsymmetric K, what is dropped might have grown */
     if (squares[0] > tiny * r->start[0] || squares[1] > tiny * r->start[1] || !isfinite(squares[0] + squares[1]))
         return 1;
     const ptrdiff_t at = (ptrdiff_t)op->first[block] * op->row;
@@ -272,8 +272,8 @@ static void find_active(recurrence *r) {
     r->n_active = 0;
     for (int32_t b = 0; b < op->blocks; b++) {
         bool active = r->awake[b];
-        for (int32_t k = op->beside_first[b]; k < op->beside_first[b + 1] && !active; k++)
-            active = r->awake[op->beside[k]];
+        for (int32_t k = op->adjacent_first[b]; k < op->adjacent_first[b + 1] && !active; k++)
+            active = r->awake[op->adjacent[k]];
         if (active)
             r->active[r->n_active++] = b;
     }
@@ -304,7 +304,7 @@ double sp_recurrence_dropped(const recurrence *r, int64_t terms) {
     return r->dropped == 0 ? 0 : 4 * sqrt(TINY) * (double)r->dropped * n * n;
 }
 
-pair sp_recurrence_seen(const recurrence *r, const sparse_row *row, pair *size) {
+pair sp_recurrence_product(const recurrence *r, const sparse_row *row, pair *size) {
     enum { WAYS = 4 }; /* independent sums, added in a fixed order */
     pair sum[WAYS] = {{0, 0}}, magnitude[WAYS] = {{0, 0}};
     int64_t k = 0;

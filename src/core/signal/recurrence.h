@@ -53,7 +53,7 @@ recurrence_products sp_recurrence_step(recurrence *r);
  * up to `terms`. */
 double sp_recurrence_dropped(const recurrence *r, int64_t terms);
 /* row . U_k of both lanes; *size: sums of the absolute values of the terms. */
-pair sp_recurrence_seen(const recurrence *r, const sparse_row *row, pair *size);
+pair sp_recurrence_product(const recurrence *r, const sparse_row *row, pair *size);
 /* Norm of M^-1 row in the metric of the masses. */
 double sp_recurrence_norm(const recurrence *r, const sparse_row *row);
 /* Squared norms of both lanes in the metric of the masses. */

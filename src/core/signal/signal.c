@@ -1,5 +1,6 @@
 /* Runs a method for signals and checks its error bound. */
 #include "base/base.h"
+#include "linalg/vector.h"
 #include "signal/choose.h"
 #include "signal/job.h"
 
@@ -8,7 +9,7 @@
 
 static const struct {
     const char *name;
-    signal_way way;
+    signal_function function;
     bool sparse; /* uses only sparse rows for places */
 } methods[] = {[SP_SIGNAL_AUTO] = {"auto", NULL, false},
                [SP_SIGNAL_CHEBYSHEV] = {"chebyshev", sp_signal_by_chebyshev, true},
@@ -71,7 +72,7 @@ static sp_status check_options(const sp_signal_options *o, sp_error *err) {
                        "damping = %g with method %s, must be faber, dynamics or auto for damped signals", o->damping,
                        sp_signal_method_name(o->method));
     if (o->front && ((o->method != SP_SIGNAL_AUTO && o->method != SP_SIGNAL_CHEBYSHEV) || o->damping > 0))
-        return sp_fail(err, SP_EINVAL, "a signal that ends with its front with method %s%s, must be chebyshev or auto",
+        return sp_fail(err, SP_EINVAL, "a signal that ends after its front by method %s%s, must be chebyshev or auto",
                        sp_signal_method_name(o->method), o->damping > 0 ? " and damping" : "");
     if (o->step > 0 && o->method != SP_SIGNAL_VERLET && o->method != SP_SIGNAL_LAX_WENDROFF &&
         o->method != SP_SIGNAL_DYNAMICS)
@@ -85,15 +86,13 @@ static sp_status check_options(const sp_signal_options *o, sp_error *err) {
 }
 
 /* Before the front the signal is arbitrarily small. There the error is compared with 1e-6 of the signal's scale. */
-static sp_status vouch(const signal_job *job, sp_signal *s, sp_error *err) {
+static sp_status check_errors(const signal_job *job, sp_signal *s, sp_error *err) {
     for (int32_t a = 0; a < s->sources; a++)
         for (int32_t b = 0; b < s->detectors; b++) {
             const double *f = signal_pair(s, a, b), error = s->errors[a * s->detectors + b];
-            double largest = 0;
-            for (int32_t l = 0; l < s->n; l++)
-                largest = fmax(largest, fabs(f[l]));
+            const double largest = sp_largest(s->n, f);
             if (!(job->options->step > 0) && job->options->modes == 0 &&
-                !(error <= job->options->tolerance * fmax(largest, 1e-6 * sp_job_hop(job, a, b))))
+                !(error <= job->options->tolerance * fmax(largest, 1e-6 * sp_job_scale(job, a, b))))
                 return sp_fail(err, SP_EREFUSED,
                                "error bound %.3g is %.2g of the largest |F| = %.3g, must be at most %.2g", error,
                                error / largest, largest, job->options->tolerance);
@@ -107,8 +106,8 @@ sp_status sp_signal_make(const sp_network *net, const sp_signal_options *opt, sp
 }
 
 /* *unsure: the method succeeded but its error bound exceeds the tolerance. */
-static sp_status make_by(sp_signal_method method, const sp_packing *p, const sp_network *net,
-                         const sp_signal_options *opt, sp_signal *out, bool *unsure, sp_error *err) {
+static sp_status run_method(sp_signal_method method, const sp_packing *p, const sp_network *net,
+                            const sp_signal_options *opt, sp_signal *out, bool *unsure, sp_error *err) {
     sp_signal s = sp_signal_none();
     signal_job job = {0};
     s.omega_max = sp_network_omega_bound(net);
@@ -126,9 +125,9 @@ static sp_status make_by(sp_signal_method method, const sp_packing *p, const sp_
     if (status == SP_OK)
         status = sp_signal_allocate(opt, job.sources, job.detectors, &s, err);
     if (status == SP_OK)
-        status = methods[method].way(&job, &s, err);
+        status = methods[method].function(&job, &s, err);
     if (status == SP_OK) {
-        status = vouch(&job, &s, err);
+        status = check_errors(&job, &s, err);
         *unsure = status != SP_OK;
     }
     sp_job_free(&job);
@@ -147,12 +146,12 @@ sp_status sp_signal_dynamics(const sp_packing *p, const sp_network *net, const s
     if (status != SP_OK)
         return status;
     if (p && (p->n != net->n_all || p->dim != net->dim))
-        return sp_fail(err, SP_EINVAL, "a packing of %d grains with a network of %d, must be its own", p->n,
+        return sp_fail(err, SP_EINVAL, "a packing of %d grains and a network of %d, must be of the same packing", p->n,
                        net->n_all);
     const int choices = opt->method == SP_SIGNAL_AUTO ? sp_signal_choose(net, opt, choice) : 1;
-    status = make_by(choice[0], p, net, opt, out, &unsure, err);
+    status = run_method(choice[0], p, net, opt, out, &unsure, err);
     for (int k = 1; k < choices && unsure; k++) /* report the failure of the first choice */
-        if (make_by(choice[k], p, net, opt, out, &unsure, NULL) == SP_OK)
+        if (run_method(choice[k], p, net, opt, out, &unsure, NULL) == SP_OK)
             status = SP_OK;
     return status;
 }

@@ -7,6 +7,8 @@
  * The errors are thus a shift of frequency, theta/h - omega, and of amplitude, gamma - 1. Powers of omega bound both
  * (docs/physics.md), so moments of source and detector bound the error of the signal. */
 #include "base/base.h"
+#include "linalg/arrays.h"
+#include "linalg/vector.h"
 #include "signal/job.h"
 
 #include <float.h>
@@ -31,21 +33,20 @@ typedef struct moments {
 
 typedef struct stepping {
     const signal_job *job;
-    scheme way;
+    scheme method;
     double omega, last, spacing;
-    bool from_sources;         /* start from each source; false: from each detector, by reciprocity */
-    int32_t starts, ends;      /* number of starts, and of places where each is recorded */
-    moments *sent, *seen;      /* [sources], [detectors] */
+    bool from_sources;                          /* start from each source; false: from each detector, by reciprocity */
+    int32_t starts, ends;                       /* number of starts, and of places where each is recorded */
+    moments *source_moments, *detector_moments; /* [sources], [detectors] */
     double *u, *v, *du, *dv;   /* [dofs] displacement, its change per step, and the compensation of both sums */
     double *force, *row, *aux; /* [dofs] */
+    double *memory;            /* of these arrays */
 } stepping;
 
 static void stepping_free(stepping *s) {
-    double *const all[] = {s->u, s->v, s->du, s->dv, s->force, s->row, s->aux};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        sp_free(all[k]);
-    sp_free(s->sent);
-    sp_free(s->seen);
+    sp_free(s->memory);
+    sp_free(s->source_moments);
+    sp_free(s->detector_moments);
 }
 
 static double norm(const sp_network *net, const double *x) {
@@ -64,14 +65,14 @@ static void accelerate(const sp_network *net, const double *x, double *out) {
 
 /* Displacement for a source, or for a detector over the masses. */
 static void as_displacement(const signal_job *job, bool source, const double *given, double *x) {
-    const bool as_is = source && !job_moves(job);
+    const bool as_is = source && !job_has_momenta(job);
     for (int64_t k = 0; k < sp_network_dofs(job->net); k++)
         x[k] = as_is ? given[k] : given[k] / job->net->mass[k];
 }
 
 /* Row that reads the response at a place from a displacement. */
 static void as_row(const signal_job *job, bool source, const double *given, double *row) {
-    const bool weigh = source && !job_moves(job);
+    const bool weigh = source && !job_has_momenta(job);
     for (int64_t k = 0; k < sp_network_dofs(job->net); k++)
         row[k] = weigh ? given[k] * job->net->mass[k] : given[k];
 }
@@ -88,31 +89,27 @@ static sp_status find_moments(stepping *s, bool source, const double *given, mom
     return SP_OK;
 }
 
-static sp_status stepping_make(const signal_job *job, scheme way, const sp_signal *out, stepping *s, sp_error *err) {
+static sp_status stepping_make(const signal_job *job, scheme method, const sp_signal *out, stepping *s, sp_error *err) {
     const size_t n = (size_t)sp_network_dofs(job->net);
     *s = (stepping){.job = job,
-                    .way = way,
+                    .method = method,
                     .omega = sp_network_omega_bound(job->net),
                     .last = job->options->until,
                     .spacing = job->options->until / (out->n - 1),
                     .from_sources = job->sources <= job->detectors};
     s->starts = s->from_sources ? job->sources : job->detectors;
     s->ends = s->from_sources ? job->detectors : job->sources;
-    s->sent = sp_alloc((size_t)job->sources, sizeof *s->sent);
-    s->seen = sp_alloc((size_t)job->detectors, sizeof *s->seen);
-    bool ok = s->sent && s->seen;
-    double **const all[] = {&s->u, &s->v, &s->du, &s->dv, &s->force, &s->row, &s->aux};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
-        *all[k] = sp_alloc(n, sizeof(double));
-        ok = ok && *all[k];
-    }
-    if (!ok)
-        return sp_fail_memory(err, 7 * n * sizeof(double));
-    sp_status status = SP_OK;
+    s->source_moments = sp_alloc((size_t)job->sources, sizeof *s->source_moments);
+    s->detector_moments = sp_alloc((size_t)job->detectors, sizeof *s->detector_moments);
+    if (!s->source_moments || !s->detector_moments)
+        return sp_fail_memory(err, (size_t)(job->sources + job->detectors) * sizeof *s->source_moments);
+    const sp_array arrays[] = {{&s->u, n},     {&s->v, n},   {&s->du, n},  {&s->dv, n},
+                               {&s->force, n}, {&s->row, n}, {&s->aux, n}, {0}};
+    sp_status status = sp_arrays_make(arrays, &s->memory, err);
     for (int32_t k = 0; k < job->sources && status == SP_OK; k++)
-        status = find_moments(s, true, job_source(job, k), &s->sent[k], err);
+        status = find_moments(s, true, job_source(job, k), &s->source_moments[k], err);
     for (int32_t k = 0; k < job->detectors && status == SP_OK; k++)
-        status = find_moments(s, false, job_detector(job, k), &s->seen[k], err);
+        status = find_moments(s, false, job_detector(job, k), &s->detector_moments[k], err);
     return status;
 }
 
@@ -128,8 +125,8 @@ static double split(const moments *a, const moments *b, int power) {
 /* Upper bound of the error of the scheme at the last time. */
 static double scheme_error(const stepping *s, const moments *a, const moments *b, double h) {
     const double x = h * h * s->omega * s->omega;
-    const bool moves = job_moves(s->job);
-    if (!s->way.fourth) { /* asin y - y <= y^3/6 (1 - y^2)^(-3/2), y = sqrt(x)/2 */
+    const bool moves = job_has_momenta(s->job);
+    if (!s->method.fourth) { /* asin y - y <= y^3/6 (1 - y^2)^(-3/2), y = sqrt(x)/2 */
         const double w = 1 - 0.25 * x, steep = 1 / (w * sqrt(w));
         const double phase = s->last * h * h / 24 * steep;
         return moves ? phase / sqrt(w) * split(a, b, 2) + h * h / 8 * steep * split(a, b, 1) : phase * split(a, b, 3);
@@ -158,9 +155,9 @@ static inline void add(double *sum, double *lost, double x) {
 /* dv += factor A' u, A' = A or A - h^2/12 A^2. */
 static void kick(stepping *s, double h, double factor) {
     const sp_network *net = s->job->net;
-    const double second = s->way.fourth ? h * h / 12 : 0;
+    const double second = s->method.fourth ? h * h / 12 : 0;
     accelerate(net, s->u, s->force);
-    if (s->way.fourth)
+    if (s->method.fourth)
         accelerate(net, s->force, s->aux);
     for (int64_t k = 0; k < sp_network_dofs(net); k++)
         add(&s->v[k], &s->dv[k], factor * (s->force[k] - second * s->aux[k]));
@@ -178,26 +175,26 @@ static void start(stepping *s, int32_t which, double h) {
     as_displacement(job, s->from_sources, s->from_sources ? job_source(job, which) : job_detector(job, which), s->u);
     for (int64_t k = 0; k < n; k++)
         s->v[k] = s->du[k] = s->dv[k] = 0;
-    if (!job_moves(job)) {
+    if (!job_has_momenta(job)) {
         kick(s, h, -0.5 * h * h);
         return;
     }
     accelerate(job->net, s->u, s->force);
     for (int64_t k = 0; k < n; k++) {
-        s->v[k] = h * s->u[k] - (s->way.fourth ? h * h * h / 6 * s->force[k] : 0);
+        s->v[k] = h * s->u[k] - (s->method.fourth ? h * h * h / 6 * s->force[k] : 0);
         s->u[k] = 0;
     }
 }
 
-/* Follows one start, recording every `each` steps. Returns the largest |u|, infinite if it grows without bound. */
-static double march(stepping *s, sp_signal *out, int32_t which, int64_t each, double h) {
+/* Follows one start, recording every `substeps` steps. Returns the largest |u|, infinite if it grows without bound. */
+static double run_start(stepping *s, sp_signal *out, int32_t which, int64_t substeps, double h) {
     const sp_network *net = s->job->net;
     const int64_t n = sp_network_dofs(net);
-    const moments *m = s->from_sources ? &s->sent[which] : &s->seen[which];
+    const moments *m = s->from_sources ? &s->source_moments[which] : &s->detector_moments[which];
     double largest = 0;
     start(s, which, h);
     for (int32_t l = 0; l < out->n; l++) {
-        for (int64_t k = 0; k < (l > 0 ? each : 0); k++) {
+        for (int64_t k = 0; k < (l > 0 ? substeps : 0); k++) {
             drift(s);
             kick(s, h, -h * h);
         }
@@ -208,7 +205,7 @@ static double march(stepping *s, sp_signal *out, int32_t which, int64_t each, do
                 sum += s->row[k] * s->u[k];
             signal_pair(out, s->from_sources ? which : e, s->from_sources ? e : which)[l] = sum;
         }
-        const double size = norm(net, s->u), bound = m->m[0] * (job_moves(s->job) ? out->t[l] : 1);
+        const double size = norm(net, s->u), bound = m->m[0] * (job_has_momenta(s->job) ? out->t[l] : 1);
         largest = fmax(largest, size);
         if (!(size <= 2.0001 * bound)) /* gamma is below 2 in the allowed range */
             return INFINITY;
@@ -216,34 +213,33 @@ static double march(stepping *s, sp_signal *out, int32_t which, int64_t each, do
     return largest;
 }
 
-static sp_status run(stepping *s, sp_signal *out, int64_t each, sp_error *err) {
-    const double h = s->spacing / (double)each, steps = (double)each * (out->n - 1);
+static sp_status run(stepping *s, sp_signal *out, int64_t substeps, sp_error *err) {
+    const double h = s->spacing / (double)substeps, steps = (double)substeps * (out->n - 1);
     for (int32_t k = 0; k < s->starts; k++) {
-        const double largest = march(s, out, k, each, h);
+        const double largest = run_start(s, out, k, substeps, h);
         if (!isfinite(largest))
             return sp_fail(err, SP_EREFUSED, "the motion grows without bound: the network is unstable (prestress)");
         for (int32_t e = 0; e < s->ends; e++) {
             const int32_t a = s->from_sources ? k : e, b = s->from_sources ? e : k;
-            const double reach = s->from_sources ? s->seen[b].m[0] : s->sent[a].m[0];
-            out->errors[a * out->detectors + b] =
-                scheme_error(s, &s->sent[a], &s->seen[b], h) + rounding(s, steps, h, largest, reach);
+            const double reach = s->from_sources ? s->detector_moments[b].m[0] : s->source_moments[a].m[0];
+            out->errors[a * out->detectors + b] = scheme_error(s, &s->source_moments[a], &s->detector_moments[b], h) +
+                                                  rounding(s, steps, h, largest, reach);
         }
     }
     out->step = h;
-    out->products = (int32_t)(steps * s->way.products) * s->starts;
+    out->products = (int32_t)(steps * s->method.products) * s->starts;
     return SP_OK;
 }
 
 /* Smallest ratio of allowed error to that of the scheme. Rounding uses part of the allowed error, but at most 0.9 of
  * it, since shorter steps do not reduce it. */
-static double room(const stepping *s, const sp_signal *out) {
+static double allowed_ratio(const stepping *s, const sp_signal *out) {
     double least = INFINITY;
     for (int32_t a = 0; a < out->sources; a++)
         for (int32_t b = 0; b < out->detectors; b++) {
-            const double *f = signal_pair(out, a, b), error = scheme_error(s, &s->sent[a], &s->seen[b], out->step);
-            double largest = 1e-6 * sp_job_hop(s->job, a, b);
-            for (int32_t l = 0; l < out->n; l++)
-                largest = fmax(largest, fabs(f[l]));
+            const double *f = signal_pair(out, a, b),
+                         error = scheme_error(s, &s->source_moments[a], &s->detector_moments[b], out->step);
+            const double largest = fmax(1e-6 * sp_job_scale(s->job, a, b), sp_largest(out->n, f));
             const double allowed = s->job->options->tolerance * largest,
                          rounded = fmin(fmax(0, out->errors[a * out->detectors + b] - error), 0.9 * allowed);
             least = fmin(least, (allowed - rounded) / error);
@@ -251,54 +247,54 @@ static double room(const stepping *s, const sp_signal *out) {
     return least;
 }
 
-static double work(const stepping *s, const sp_signal *out, double each) {
-    return each * (out->n - 1) * s->starts * s->way.products * s->job->net->n_springs;
+static double work(const stepping *s, const sp_signal *out, double substeps) {
+    return substeps * (out->n - 1) * s->starts * s->method.products * s->job->net->n_springs;
 }
 
-static sp_status too_much(const stepping *s, const sp_signal *out, double each, sp_error *err) {
+static sp_status refuse_work(const stepping *s, const sp_signal *out, double substeps, sp_error *err) {
     const double most = WORK_MAX / work(s, out, 1),
-                 within = s->job->options->tolerance * pow(each / most, s->way.order);
+                 within = s->job->options->tolerance * pow(substeps / most, s->method.order);
     char reach[80] = "which are too few for any tolerance";
     if (within < 0.1)
         snprintf(reach, sizeof reach, "for a tolerance of about %.1g", within);
-    return sp_fail(
-        err, SP_EREFUSED,
-        "tolerance %.2g takes %.3g steps of %.3g: at most %.3g are made unless a step is given, %s; chebyshev "
-        "needs none",
-        s->job->options->tolerance, each * (out->n - 1), s->spacing / each, most * (out->n - 1), reach);
+    return sp_fail(err, SP_EREFUSED,
+                   "tolerance %.2g needs %.3g steps of %.3g, at most %.3g unless a step is given, %s; method chebyshev "
+                   "needs no steps",
+                   s->job->options->tolerance, substeps * (out->n - 1), s->spacing / substeps, most * (out->n - 1),
+                   reach);
 }
 
 /* A coarse run gives the size of the signal, from which the step is chosen; repeated if that was misleading. */
 static sp_status find_step(stepping *s, sp_signal *out, sp_error *err) {
-    double each = fmax(1, ceil(s->spacing * s->omega / fmin(1, s->way.reach)));
+    double substeps = fmax(1, ceil(s->spacing * s->omega / fmin(1, s->method.reach)));
     sp_status status = SP_OK;
     for (int attempt = 0; attempt < ATTEMPTS && status == SP_OK; attempt++) {
-        if (!(work(s, out, each) <= WORK_MAX))
-            return too_much(s, out, each, err);
-        status = run(s, out, (int64_t)each, err);
-        const double left = status == SP_OK ? room(s, out) : 1;
+        if (!(work(s, out, substeps) <= WORK_MAX))
+            return refuse_work(s, out, substeps, err);
+        status = run(s, out, (int64_t)substeps, err);
+        const double left = status == SP_OK ? allowed_ratio(s, out) : 1;
         if (left >= 1 || attempt == ATTEMPTS - 1)
             break;
-        each = ceil(each * pow(0.9 * left, -1.0 / s->way.order));
+        substeps = ceil(substeps * pow(0.9 * left, -1.0 / s->method.order));
     }
     return status;
 }
 
 /* The longest step up to the given one that divides the spacing of the points. */
 static sp_status given_step(stepping *s, sp_signal *out, sp_error *err) {
-    const double each = ceil(s->spacing / s->job->options->step * (1 - 1e-12));
-    if (!(s->spacing / each * s->omega <= s->way.reach))
+    const double substeps = ceil(s->spacing / s->job->options->step * (1 - 1e-12));
+    if (!(s->spacing / substeps * s->omega <= s->method.reach))
         return sp_fail(err, SP_EINVAL, "step = %g, must be at most %.6g: longer ones are unstable",
-                       s->job->options->step, s->way.reach / s->omega);
-    if (!(each * (out->n - 1) * s->way.products * s->starts <= 1e9))
+                       s->job->options->step, s->method.reach / s->omega);
+    if (!(substeps * (out->n - 1) * s->method.products * s->starts <= 1e9))
         return sp_fail(err, SP_EINVAL, "step = %g takes %.3g products, must be at most 1e9", s->job->options->step,
-                       each * (out->n - 1) * s->way.products * s->starts);
-    return run(s, out, (int64_t)each, err);
+                       substeps * (out->n - 1) * s->method.products * s->starts);
+    return run(s, out, (int64_t)substeps, err);
 }
 
-static sp_status make(const signal_job *job, scheme way, sp_signal *out, sp_error *err) {
+static sp_status make(const signal_job *job, scheme method, sp_signal *out, sp_error *err) {
     stepping s;
-    sp_status status = stepping_make(job, way, out, &s, err);
+    sp_status status = stepping_make(job, method, out, &s, err);
     if (status == SP_OK)
         status = job->options->step > 0 ? given_step(&s, out, err) : find_step(&s, out, err);
     stepping_free(&s);

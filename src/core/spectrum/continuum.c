@@ -251,11 +251,10 @@ static sp_status check_continuum(const sp_network *net, double phi3s, int32_t lo
     if (net->dim != 2)
         return sp_fail(err, SP_EREFUSED, "continuum modes of a packing in %d dimensions, must be in 2", net->dim);
     if (!(phi3s > 0))
-        return sp_fail(
-            err, SP_EREFUSED,
-            "continuum modes need Phi3*, which the packing, %.3g d high, has not: too low for layers at both "
-            "walls to be left out",
-            net->box[1]);
+        return sp_fail(err, SP_EREFUSED,
+                       "continuum modes need Phi3*, which is undefined in a packing %.3g d high: too low to leave out "
+                       "layers at both walls",
+                       net->box[1]);
     return SP_OK;
 }
 
@@ -268,9 +267,8 @@ sp_status sp_continuum_make(const sp_network *net, double phi3s, int32_t lowest,
     if (status == SP_OK)
         status = sp_moduli_make(net, phi3s, &c.moduli, err);
     if (status == SP_OK && isnan(c.moduli.c33))
-        status =
-            sp_fail(err, SP_EREFUSED,
-                    "continuum modes need walls that grip: without friction there is no shear modulus between them");
+        status = sp_fail(err, SP_EREFUSED,
+                         "continuum modes need walls with friction: without it there is no shear modulus between them");
     if (status == SP_OK)
         status = sp_modes_make(net, &o, &range, &modes, err);
     if (status == SP_OK && modes.n == modes.n_zero)

@@ -1,5 +1,6 @@
 /* Dispersion relation of plane and standing waves, from moments of their spectral functions. */
 #include "base/base.h"
+#include "linalg/arrays.h"
 #include "spectrum/moments.h"
 
 #include <math.h>
@@ -35,7 +36,7 @@ static sp_status check(const sp_network *net, const sp_dispersion_options *o, sp
     if (!(omega > 0 && isfinite(omega)))
         return sp_fail(err, SP_EREFUSED, "bound of the spectrum = %g: there are no vibrations", omega);
     if (o->resolution > 0 && !(1.6 * omega / o->resolution < MOMENTS_MAX))
-        return sp_fail(err, SP_EINVAL, "resolution = %g needs %.3g moments, %d at the most", o->resolution,
+        return sp_fail(err, SP_EINVAL, "resolution = %g needs %.3g moments, must be at most %d", o->resolution,
                        1.6 * omega / o->resolution, MOMENTS_MAX);
     return SP_OK;
 }
@@ -68,7 +69,7 @@ static sp_status make_wave(const sp_network *net, const sp_dispersion_options *o
         all += net->mass[k];
     }
     if (!(norm > 1e-20 * all))
-        return sp_fail(err, SP_EREFUSED, "wave %d moves no grain: every one is at a node", w->n);
+        return sp_fail(err, SP_EREFUSED, "wave %d moves no grain: all grains are at its nodes", w->n);
     for (int32_t i = 0; i < net->n; i++)
         for (int lane = 0; lane < 2; lane++)
             start[2 * ((int64_t)i * net->dof + at) + lane] /= sqrt(norm);
@@ -117,6 +118,16 @@ static double crossing(const spectral *s, double half, double a, double b) {
     return 0.5 * (a + b);
 }
 
+/* Where S falls to `half` on one side of the peak, in steps of the grid from index `best`; NAN: nowhere. */
+static double half_point(const spectral *s, double half, double peak, int64_t best, int64_t step, int64_t steps) {
+    for (int64_t l = best + step; l >= 0 && l < steps; l += step) {
+        const double at = s->omega * sin(0.5 * (PI / (double)steps) * (double)l);
+        if (value(s, at) <= half)
+            return crossing(s, half, peak, at);
+    }
+    return NAN;
+}
+
 /* Finds the largest value on a grid with four points per kernel width, even in phi, and refines it by ternary
  * search. */
 static void find_peak(const spectral *s, sp_dispersion_point *w) {
@@ -141,23 +152,14 @@ static void find_peak(const spectral *s, sp_dispersion_point *w) {
     }
     w->peak = s->omega * sin(0.25 * (low + high));
     const double half = 0.5 * value(s, w->peak), part = w->peak / s->omega;
-    double below = NAN, above = NAN;
-    for (int64_t l = best - 1; l >= 0 && isnan(below); l--) {
-        const double at = s->omega * sin(0.5 * turn * (double)l);
-        if (value(s, at) <= half)
-            below = crossing(s, half, w->peak, at);
-    }
-    for (int64_t l = best + 1; l < steps && isnan(above); l++) {
-        const double at = s->omega * sin(0.5 * turn * (double)l);
-        if (value(s, at) <= half)
-            above = crossing(s, half, w->peak, at);
-    }
+    const double below = half_point(s, half, w->peak, best, -1, steps);
+    const double above = half_point(s, half, w->peak, best, 1, steps);
     w->half_width = isnan(above) ? w->peak - below : isnan(below) ? above - w->peak : 0.5 * (above - below);
     w->resolution = sp_moments_width(s->omega, s->n) * sqrt(fmax(1 - part * part, 0));
 }
 
 typedef struct scratch {
-    double *start, *u, *force, *g;
+    double *start, *u, *force, *g, *memory;
 } scratch;
 
 static sp_status one_wave(const sp_network *net, const sp_dispersion_options *o, sp_polarization p, int32_t n,
@@ -188,16 +190,17 @@ static sp_status allocate(const sp_network *net, const sp_dispersion_options *o,
     d->moments = sp_moments_for_width(d->omega_max, o->resolution > 0 ? o->resolution : d->omega_max / 200);
     d->profile = o->profile;
     d->wave = sp_alloc(waves, sizeof *d->wave);
-    x->start = sp_alloc(2 * dofs, sizeof *x->start);
-    x->u = sp_alloc(dofs, sizeof *x->u);
-    x->force = sp_alloc(dofs, sizeof *x->force);
-    x->g = sp_alloc((size_t)d->moments, sizeof *x->g);
     if (o->profile > 0) {
         d->omega = sp_alloc((size_t)o->profile, sizeof *d->omega);
         d->s = sp_alloc(waves, (size_t)o->profile * sizeof *d->s);
     }
-    if (!d->wave || !x->start || !x->u || !x->force || !x->g || (o->profile > 0 && (!d->omega || !d->s)))
-        return sp_fail_memory(err, (4 * dofs + (size_t)d->moments + waves * (size_t)o->profile) * sizeof(double));
+    if (!d->wave || (o->profile > 0 && (!d->omega || !d->s)))
+        return sp_fail_memory(err, waves * (sizeof *d->wave + (size_t)o->profile * sizeof(double)));
+    const sp_array arrays[] = {
+        {&x->start, 2 * dofs}, {&x->u, dofs}, {&x->force, dofs}, {&x->g, (size_t)d->moments}, {0}};
+    const sp_status status = sp_arrays_make(arrays, &x->memory, err);
+    if (status != SP_OK)
+        return status;
     sp_moments_jackson(d->moments, x->g);
     for (int32_t l = 0; l < d->profile; l++)
         d->omega[l] = d->omega_max * (l + 0.5) / d->profile;
@@ -217,10 +220,7 @@ sp_status sp_dispersion_make(const sp_network *net, const sp_dispersion_options 
     for (int p = 0; p < SP_POLARIZATIONS; p++)
         for (int32_t n = 1; n <= opt->waves && component(net, opt->up, (sp_polarization)p) >= 0 && status == SP_OK; n++)
             status = one_wave(net, opt, (sp_polarization)p, n, &x, &d, err);
-    sp_free(x.start);
-    sp_free(x.u);
-    sp_free(x.force);
-    sp_free(x.g);
+    sp_free(x.memory);
     if (status == SP_OK)
         *out = d;
     else

@@ -52,7 +52,7 @@ static sp_status allocate(const sp_network *net, const sp_dos_options *o, sp_dos
     const double wanted = o->resolution > 0 ? o->resolution : until / o->bins;
     const double needed = 0.5 * 3.15 * d->omega_max / wanted + 2;
     if (!(needed < MOMENTS_MAX))
-        return sp_fail(err, SP_EINVAL, "resolution = %g needs %.3g moments, %d at the most", wanted, needed,
+        return sp_fail(err, SP_EINVAL, "resolution = %g needs %.3g moments, must be at most %d", wanted, needed,
                        MOMENTS_MAX);
     d->moments = sp_moments_for_width(d->omega_max, wanted);
     d->resolution = sp_moments_width(d->omega_max, d->moments);
@@ -212,7 +212,7 @@ typedef struct running {
     int32_t n;
 } running;
 
-static void take(running *r, double x) {
+static void add_value(running *r, double x) {
     const double before = x - r->mean;
     r->n++;
     r->mean += before / r->n;
@@ -229,9 +229,9 @@ static void put_estimates(const trace *t, const double *g, sp_dos *d) {
             const double *mu = t->mu + v * d->moments;
             const double low = sp_moments_integral(omega, d->moments, g, mu, d->edge[b]),
                          high = sp_moments_integral(omega, d->moments, g, mu, d->edge[b + 1]);
-            take(&density, (high - low) / (d->edge[b + 1] - d->edge[b]));
-            take(&cumulative, high);
-            take(&smooth, sp_moments_density(omega, d->moments, g, mu, middle(d, b)));
+            add_value(&density, (high - low) / (d->edge[b + 1] - d->edge[b]));
+            add_value(&cumulative, high);
+            add_value(&smooth, sp_moments_density(omega, d->moments, g, mu, middle(d, b)));
         }
         d->density[b] = density.mean;
         d->cumulative[b] = cumulative.mean;
@@ -250,7 +250,7 @@ static sp_status kpm(const sp_network *net, const sp_dos_options *o, sp_dos *d, 
     const size_t n = (size_t)d->moments;
     const double bytes = 8.0 * (double)d->vectors * (double)d->moments;
     if (bytes > 0.5 * sp_memory_limit())
-        return sp_fail(err, SP_EREFUSED, "%lld moments of %d vectors need %.3g GB, there are %.3g",
+        return sp_fail(err, SP_EREFUSED, "%lld moments of %d vectors need %.3g GB, %.3g are available",
                        (long long)d->moments, d->vectors, 1e-9 * bytes, 1e-9 * sp_memory_limit());
     double *g = sp_alloc(n, sizeof *g);
     t.mu = sp_alloc((size_t)d->vectors, n * sizeof *t.mu);

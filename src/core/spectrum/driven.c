@@ -1,6 +1,7 @@
 /* Solves the driven network at one frequency and bounds the error of the response. */
 #include "spectrum/driven.h"
 #include "base/base.h"
+#include "linalg/arrays.h"
 #include "linalg/vector.h"
 
 #include <float.h>
@@ -10,14 +11,7 @@ void sp_driven_free(driven *d) {
     sp_lu_free(d->lu);
     sp_free(d->p);
     sp_free(d->i);
-    sp_free(d->a);
-    sp_free(d->c);
-    sp_free(d->size_a);
-    sp_free(d->size_c);
-    sp_free(d->x);
-    sp_free(d->root);
-    sp_free(d->v);
-    sp_free(d->w);
+    sp_free(d->memory);
     *d = (driven){0};
 }
 
@@ -61,17 +55,21 @@ static sp_status allocate(const sp_network *net, const sp_sparse *k, bool damped
     d->n = k->n;
     d->p = sp_alloc(n + 1, sizeof *d->p);
     d->i = sp_alloc(entries, sizeof *d->i);
-    d->a = sp_alloc(entries, sizeof *d->a);
-    d->size_a = sp_alloc(entries, sizeof *d->size_a);
-    d->c = damped ? sp_alloc(entries, sizeof *d->c) : NULL;
-    d->size_c = damped ? sp_alloc(entries, sizeof *d->size_c) : NULL;
-    d->x = sp_alloc(2 * entries, sizeof *d->x);
-    d->root = sp_alloc(n, sizeof *d->root);
-    d->v = sp_alloc(2 * n, sizeof *d->v);
-    d->w = sp_alloc(2 * n, sizeof *d->w);
-    if (!d->p || !d->i || !d->a || !d->size_a || (damped && (!d->c || !d->size_c)) || !d->x || !d->root || !d->v ||
-        !d->w)
-        return sp_fail_memory(err, (7 * entries + 6 * n) * sizeof(double));
+    if (!d->p || !d->i)
+        return sp_fail_memory(err, (entries + n + 1) * sizeof *d->p);
+    const sp_array arrays[] = {{&d->a, entries},
+                               {&d->size_a, entries},
+                               {&d->x, 2 * entries},
+                               {&d->root, n},
+                               {&d->v, 2 * n},
+                               {&d->w, 2 * n},
+                               {damped ? &d->c : NULL, entries},
+                               {&d->size_c, entries},
+                               {0}};
+    /* without damping the list ends before c */
+    const sp_status status = sp_arrays_make(arrays, &d->memory, err);
+    if (status != SP_OK)
+        return status;
     for (size_t r = 0; r < n; r++)
         d->root[r] = sqrt(net->mass[r]);
     return SP_OK;
@@ -172,22 +170,22 @@ static void residual(const driven *d, const double *right, const double *u, doub
 
 /* With r = source - H u and s = detector - H y for the computed u and y, the error of detector . u is y . r + s . H^-1
  * r. */
-void sp_driven_response(driven *d, const double *sent, const double *u, const double *seen, const double *y,
+void sp_driven_response(driven *d, const double *source, const double *u, const double *detector, const double *y,
                         double f[2], double *error) {
     double first = 0, r2 = 0, s2 = 0, own = 0, terms = 0;
     double *off = d->w;
-    residual(d, sent, u, d->v, off);
+    residual(d, source, u, d->v, off);
     f[0] = f[1] = 0;
     for (int64_t k = 0; k < d->n; k++) {
         const double r = hypot(d->v[2 * k], d->v[2 * k + 1]) + off[k], size = hypot(u[2 * k], u[2 * k + 1]);
         first += hypot(y[2 * k], y[2 * k + 1]) * r;
         r2 += r * r;
-        f[0] += seen[2 * k] * u[2 * k] - seen[2 * k + 1] * u[2 * k + 1];
-        f[1] += seen[2 * k] * u[2 * k + 1] + seen[2 * k + 1] * u[2 * k];
-        own += (fabs(seen[2 * k]) + fabs(seen[2 * k + 1])) * size;
-        terms += seen[2 * k] != 0 || seen[2 * k + 1] != 0;
+        f[0] += detector[2 * k] * u[2 * k] - detector[2 * k + 1] * u[2 * k + 1];
+        f[1] += detector[2 * k] * u[2 * k + 1] + detector[2 * k + 1] * u[2 * k];
+        own += (fabs(detector[2 * k]) + fabs(detector[2 * k + 1])) * size;
+        terms += detector[2 * k] != 0 || detector[2 * k + 1] != 0;
     }
-    residual(d, seen, y, d->v, off);
+    residual(d, detector, y, d->v, off);
     for (int64_t k = 0; k < d->n; k++) {
         const double s = hypot(d->v[2 * k], d->v[2 * k + 1]) + off[k];
         s2 += s * s;

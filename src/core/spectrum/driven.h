@@ -15,6 +15,7 @@ typedef struct driven {
     double *root;            /* [n] sqrt(m) */
     sp_lu *lu;
     double omega, inverse; /* frequency of the factor; estimate of |H^-1| from below */
+    double *memory;        /* of all arrays except p and i */
     double *v, *w;         /* [n][2] scratch */
 } driven;
 
@@ -25,7 +26,7 @@ sp_status sp_driven_factor(driven *d, double omega, sp_error *err);
 sp_status sp_driven_solve(driven *d, const double *right, double *u, sp_error *err);
 /* f = detector . u (without conjugation) and an upper bound of its error; u = H^-1 source and y = H^-1 detector from
  * sp_driven_solve. */
-void sp_driven_response(driven *d, const double *sent, const double *u, const double *seen, const double *y,
+void sp_driven_response(driven *d, const double *source, const double *u, const double *detector, const double *y,
                         double f[2], double *error);
 void sp_driven_free(driven *d);
 

@@ -1,5 +1,6 @@
 /* Response to harmonic driving, one sparse solve per frequency, at a detector and through planes. */
 #include "base/base.h"
+#include "linalg/arrays.h"
 #include "spectrum/driven.h"
 
 #include <math.h>
@@ -15,12 +16,7 @@ sp_harmonic_options sp_harmonic_options_default(void) {
 sp_harmonic sp_harmonic_none(void) { return (sp_harmonic){0}; }
 
 void sp_harmonic_free(sp_harmonic *h) {
-    sp_free(h->omega);
-    sp_free(h->f);
-    sp_free(h->error);
-    sp_free(h->height);
-    sp_free(h->flux);
-    sp_free(h->flux_error);
+    sp_free(h->omega); /* one block with the other arrays of doubles */
     sp_free(h->fit);
     *h = sp_harmonic_none();
 }
@@ -47,51 +43,48 @@ static sp_status check(const sp_network *net, const sp_harmonic_options *o, sp_e
 }
 
 /* Data for solving one frequency after another. */
-typedef struct bench {
+typedef struct harmonic_solver {
     const sp_network *net;
     const sp_harmonic_options *options;
     driven d;
-    double *sent; /* [dofs][2], over sqrt(m) */
-    double *springs,
-        *dashes;      /* [1 + planes][dofs] detector and planes, over sqrt(m): forces of springs, and of dashpots */
-    double *seen;     /* [dofs][2] one of them at one frequency: springs + i omega dashpots */
-    double *u, *y;    /* [dofs][2] */
-    double low, high; /* heights of the planes in the fit */
-} bench;
+    double *source;                     /* [dofs][2], over sqrt(m) */
+    double *spring_rows, *dashpot_rows; /* [1 + planes][dofs] forces on detector and planes, over sqrt(m) */
+    double *detector;                   /* [dofs][2] one of them at one frequency: springs + i omega dashpots */
+    double *u, *y;                      /* [dofs][2] */
+    double *memory;                     /* of these arrays */
+    double low, high;                   /* heights of the planes in the fit */
+} harmonic_solver;
 
-static void bench_free(bench *b) {
-    sp_driven_free(&b->d);
-    sp_free(b->sent);
-    sp_free(b->springs);
-    sp_free(b->dashes);
-    sp_free(b->seen);
-    sp_free(b->u);
-    sp_free(b->y);
-}
-
-static sp_status allocate(const sp_network *net, const sp_harmonic_options *o, bench *b, sp_harmonic *h,
+static sp_status allocate(const sp_network *net, const sp_harmonic_options *o, harmonic_solver *b, sp_harmonic *h,
                           sp_error *err) {
     const double height = net->box[net->dim - 1];
     const size_t dofs = (size_t)sp_network_dofs(net), n = (size_t)o->n;
     h->n = o->n;
     h->planes = o->planes > 0 ? o->planes : (int32_t)fmin(PLANES_MAX, fmax(1, round(height) - 1));
     const size_t planes = (size_t)h->planes;
-    h->omega = sp_alloc(n, sizeof *h->omega);
-    h->f = sp_alloc(2 * n, sizeof *h->f);
-    h->error = sp_alloc(n, sizeof *h->error);
-    h->height = sp_alloc(planes, sizeof *h->height);
-    h->flux = sp_alloc(n, 2 * planes * sizeof *h->flux);
-    h->flux_error = sp_alloc(n, planes * sizeof *h->flux_error);
     h->fit = sp_alloc(n, sizeof *h->fit);
-    b->sent = sp_alloc(2 * dofs, sizeof *b->sent);
-    b->springs = sp_alloc(dofs, (1 + planes) * sizeof *b->springs);
-    b->dashes = sp_alloc(dofs, (1 + planes) * sizeof *b->dashes);
-    b->seen = sp_alloc(2 * dofs, sizeof *b->seen);
-    b->u = sp_alloc(2 * dofs, sizeof *b->u);
-    b->y = sp_alloc(2 * dofs, sizeof *b->y);
-    if (!h->omega || !h->f || !h->error || !h->height || !h->flux || !h->flux_error || !h->fit || !b->sent ||
-        !b->springs || !b->dashes || !b->seen || !b->u || !b->y)
-        return sp_fail_memory(err, (2 * dofs * (5 + planes) + n * (4 + 3 * planes)) * sizeof(double));
+    if (!h->fit)
+        return sp_fail_memory(err, n * sizeof *h->fit);
+    const sp_array response[] = {{&h->omega, n},
+                                 {&h->f, 2 * n},
+                                 {&h->error, n},
+                                 {&h->height, planes},
+                                 {&h->flux, 2 * n * planes},
+                                 {&h->flux_error, n * planes},
+                                 {0}};
+    const sp_array arrays[] = {{&b->source, 2 * dofs},
+                               {&b->spring_rows, dofs * (1 + planes)},
+                               {&b->dashpot_rows, dofs * (1 + planes)},
+                               {&b->detector, 2 * dofs},
+                               {&b->u, 2 * dofs},
+                               {&b->y, 2 * dofs},
+                               {0}};
+    double *block;
+    sp_status status = sp_arrays_make(response, &block, err);
+    if (status == SP_OK)
+        status = sp_arrays_make(arrays, &b->memory, err);
+    if (status != SP_OK)
+        return status;
     for (size_t l = 0; l < n; l++)
         h->omega[l] = o->omega[l];
     for (size_t k = 0; k < planes; k++)
@@ -103,7 +96,7 @@ static sp_status allocate(const sp_network *net, const sp_harmonic_options *o, b
 }
 
 /* Detector and planes, of a network of springs or of dashpots. */
-static sp_status make_detectors(const bench *b, const sp_network *net, const sp_harmonic *h, double *out,
+static sp_status make_detectors(const harmonic_solver *b, const sp_network *net, const sp_harmonic *h, double *out,
                                 sp_error *err) {
     const int64_t dofs = sp_network_dofs(net);
     sp_status status = sp_network_detector_at(net, &b->options->to, out, err);
@@ -114,30 +107,30 @@ static sp_status make_detectors(const bench *b, const sp_network *net, const sp_
     return status;
 }
 
-static sp_status make_bench(const sp_network *net, const sp_harmonic_options *o, bench *b, sp_harmonic *h,
-                            sp_error *err) {
+static sp_status make_solver(const sp_network *net, const sp_harmonic_options *o, harmonic_solver *b, sp_harmonic *h,
+                             sp_error *err) {
     sp_network dashpots = sp_network_none();
     const int64_t dofs = sp_network_dofs(net);
     b->net = net;
     b->options = o;
     sp_status status = allocate(net, o, b, h, err);
     if (status == SP_OK)
-        status = sp_network_source_at(net, o->source, &o->from, b->seen, err);
+        status = sp_network_source_at(net, o->source, &o->from, b->detector, err);
     for (int64_t k = 0; k < dofs && status == SP_OK; k++)
-        b->sent[2 * k] = b->seen[k];
+        b->source[2 * k] = b->detector[k];
     if (status == SP_OK)
-        status = make_detectors(b, net, h, b->springs, err);
+        status = make_detectors(b, net, h, b->spring_rows, err);
     if (status == SP_OK && o->damping > 0)
         status = sp_network_damping(net, o->damping, &dashpots, err);
     if (status == SP_OK && o->damping > 0)
-        status = make_detectors(b, &dashpots, h, b->dashes, err);
+        status = make_detectors(b, &dashpots, h, b->dashpot_rows, err);
     if (status == SP_OK)
         status = sp_driven_make(net, o->damping > 0 ? &dashpots : NULL, &b->d, err);
     for (int64_t k = 0; k < dofs && status == SP_OK; k++) {
-        b->sent[2 * k] /= b->d.root[k];
+        b->source[2 * k] /= b->d.root[k];
         for (int32_t q = 0; q <= h->planes; q++) {
-            b->springs[q * dofs + k] /= b->d.root[k];
-            b->dashes[q * dofs + k] /= b->d.root[k];
+            b->spring_rows[q * dofs + k] /= b->d.root[k];
+            b->dashpot_rows[q * dofs + k] /= b->d.root[k];
         }
     }
     sp_network_free(&dashpots);
@@ -145,7 +138,7 @@ static sp_status make_bench(const sp_network *net, const sp_harmonic_options *o,
 }
 
 /* Fits the planes in the range, which are contiguous. */
-static void fit_wave(const bench *b, int32_t l, sp_harmonic *h) {
+static void fit_wave(const harmonic_solver *b, int32_t l, sp_harmonic *h) {
     int32_t first = 0, last = h->planes;
     while (first < last && h->height[first] < b->low)
         first++;
@@ -156,7 +149,7 @@ static void fit_wave(const bench *b, int32_t l, sp_harmonic *h) {
 
 /* A decaying wave may be arbitrarily small at the detector. There the error is compared with 1e-6 of the largest force
  * at a plane. */
-static sp_status vouch(const bench *b, int32_t l, const sp_harmonic *h, sp_error *err) {
+static sp_status check_errors(const harmonic_solver *b, int32_t l, const sp_harmonic *h, sp_error *err) {
     double most = 0, error = 0;
     for (int32_t k = 0; k < h->planes; k++) {
         const double *f = h->flux + 2 * ((int64_t)l * h->planes + k);
@@ -174,20 +167,20 @@ static sp_status vouch(const bench *b, int32_t l, const sp_harmonic *h, sp_error
     return SP_OK;
 }
 
-static sp_status one_frequency(bench *b, int32_t l, sp_harmonic *h, sp_error *err) {
+static sp_status one_frequency(harmonic_solver *b, int32_t l, sp_harmonic *h, sp_error *err) {
     const int64_t dofs = sp_network_dofs(b->net);
     sp_status status = sp_driven_factor(&b->d, h->omega[l], err);
     if (status == SP_OK)
-        status = sp_driven_solve(&b->d, b->sent, b->u, err);
+        status = sp_driven_solve(&b->d, b->source, b->u, err);
     for (int32_t q = 0; q <= h->planes && status == SP_OK; q++) {
         const int64_t at = (int64_t)l * h->planes + q - 1;
         for (int64_t k = 0; k < dofs; k++) {
-            b->seen[2 * k] = b->springs[q * dofs + k];
-            b->seen[2 * k + 1] = h->omega[l] * b->dashes[q * dofs + k];
+            b->detector[2 * k] = b->spring_rows[q * dofs + k];
+            b->detector[2 * k + 1] = h->omega[l] * b->dashpot_rows[q * dofs + k];
         }
-        status = sp_driven_solve(&b->d, b->seen, b->y, err);
+        status = sp_driven_solve(&b->d, b->detector, b->y, err);
         if (status == SP_OK)
-            sp_driven_response(&b->d, b->sent, b->u, b->seen, b->y, q == 0 ? h->f + 2 * l : h->flux + 2 * at,
+            sp_driven_response(&b->d, b->source, b->u, b->detector, b->y, q == 0 ? h->f + 2 * l : h->flux + 2 * at,
                                q == 0 ? h->error + l : h->flux_error + at);
     }
     if (status != SP_OK) {
@@ -195,21 +188,22 @@ static sp_status one_frequency(bench *b, int32_t l, sp_harmonic *h, sp_error *er
         return status;
     }
     fit_wave(b, l, h);
-    return vouch(b, l, h, err);
+    return check_errors(b, l, h, err);
 }
 
 sp_status sp_harmonic_make(const sp_network *net, const sp_harmonic_options *opt, sp_harmonic *out, sp_error *err) {
     sp_harmonic h = sp_harmonic_none();
-    bench b = {0};
+    harmonic_solver b = {0};
     sp_status status = check(net, opt, err);
     if (status == SP_OK)
         status = sp_network_need_symmetry(net, "harmonic driving", err);
     if (status != SP_OK)
         return status;
-    status = make_bench(net, opt, &b, &h, err);
+    status = make_solver(net, opt, &b, &h, err);
     for (int32_t l = 0; l < opt->n && status == SP_OK; l++)
         status = one_frequency(&b, l, &h, err);
-    bench_free(&b);
+    sp_driven_free(&b.d);
+    sp_free(b.memory);
     if (status == SP_OK)
         *out = h;
     else

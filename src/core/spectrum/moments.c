@@ -1,6 +1,7 @@
 /* Chebyshev moments of a spectrum, and densities from them. */
 #include "spectrum/moments.h"
 #include "base/base.h"
+#include "linalg/arrays.h"
 #include "network/apply.h"
 
 #include <math.h>
@@ -11,9 +12,7 @@ typedef double pair __attribute__((vector_size(16)));
 typedef pair pair_memory __attribute__((may_alias));
 
 void sp_moments_free(moment_set *m) {
-    sp_free(m->xx);
-    sp_free(m->yy);
-    sp_free(m->xy);
+    sp_free(m->xx); /* one block */
     *m = (moment_set){0};
 }
 
@@ -22,24 +21,16 @@ typedef struct chain {
     int64_t dofs;
     double *u, *v, *force, *step; /* [dofs][2], step [dofs]: 4/(Omega^2 m) */
     const double *mass;
+    double *memory;
 } chain;
-
-static void chain_free(chain *c) {
-    sp_free(c->u);
-    sp_free(c->v);
-    sp_free(c->force);
-    sp_free(c->step);
-}
 
 static sp_status chain_make(const sp_network *net, const double *start, double omega, chain *c, sp_error *err) {
     const size_t n = (size_t)sp_network_dofs(net);
     *c = (chain){.dofs = (int64_t)n, .mass = net->mass};
-    c->u = sp_alloc(2 * n, sizeof *c->u);
-    c->v = sp_alloc(2 * n, sizeof *c->v);
-    c->force = sp_alloc(2 * n, sizeof *c->force);
-    c->step = sp_alloc(n, sizeof *c->step);
-    if (!c->u || !c->v || !c->force || !c->step)
-        return sp_fail_memory(err, 7 * n * sizeof(double));
+    const sp_array arrays[] = {{&c->u, 2 * n}, {&c->v, 2 * n}, {&c->force, 2 * n}, {&c->step, n}, {0}};
+    const sp_status status = sp_arrays_make(arrays, &c->memory, err);
+    if (status != SP_OK)
+        return status;
     for (size_t k = 0; k < n; k++) {
         c->u[2 * k] = start[2 * k];
         c->u[2 * k + 1] = start[2 * k + 1];
@@ -132,12 +123,13 @@ sp_status sp_moments_make(const sp_network *net, int64_t n, const double *start,
         status = chain_make(net, start, m.omega, &c, err);
     if (status != SP_OK)
         goto out;
-    m.xx = sp_alloc((size_t)n, sizeof *m.xx);
-    m.yy = sp_alloc((size_t)n, sizeof *m.yy);
-    m.xy = sp_alloc((size_t)n, sizeof *m.xy);
-    status = m.xx && m.yy && m.xy ? find_moments(net, &c, &m, err) : sp_fail_memory(err, 3 * (size_t)n * sizeof *m.xx);
+    const sp_array moments[] = {{&m.xx, (size_t)n}, {&m.yy, (size_t)n}, {&m.xy, (size_t)n}, {0}};
+    double *block;
+    status = sp_arrays_make(moments, &block, err);
+    if (status == SP_OK)
+        status = find_moments(net, &c, &m, err);
 out:
-    chain_free(&c);
+    sp_free(c.memory);
     if (status == SP_OK)
         *out = m;
     else
@@ -157,32 +149,32 @@ void sp_moments_jackson(int64_t n, double *g) {
 
 double sp_moments_phase(double omega, double frequency) { return frequency < omega ? 2 * asin(frequency / omega) : PI; }
 
-/* sum over k >= 1 of c_k cos(k phi), c_k = g_k mu_k (Clenshaw). */
-static double cosines(int64_t n, const double *g, const double *mu, double phi) {
+/* Sums c_k, or c_k/k, times cosines over k >= 1 with c_k = g_k mu_k (Clenshaw). Returns the last value, which times
+ * sin(phi) is the sum with sines; *cosines: the sum with cosines. */
+static double clenshaw(int64_t n, const double *g, const double *mu, bool over_k, double phi, double *cosines) {
     const double twice = 2 * cos(phi);
     double one = 0, two = 0;
     for (int64_t k = n - 1; k >= 1; k--) {
-        const double here = (g ? g[k] : 1) * mu[k] + twice * one - two;
+        const double here = (g ? g[k] : 1) * mu[k] / (over_k ? (double)k : 1) + twice * one - two;
         two = one;
         one = here;
     }
-    return 0.5 * twice * one - two;
+    *cosines = 0.5 * twice * one - two;
+    return one;
 }
 
 double sp_moments_density(double omega, int64_t n, const double *g, const double *mu, double frequency) {
     const double phi = sp_moments_phase(omega, frequency), slope = 0.5 * omega * cos(0.5 * phi);
     if (!(slope > 0) || frequency < 0)
         return 0;
-    return ((g ? g[0] : 1) * mu[0] + 2 * cosines(n, g, mu, phi)) / (PI * slope);
+    double cosines;
+    clenshaw(n, g, mu, false, phi, &cosines);
+    return ((g ? g[0] : 1) * mu[0] + 2 * cosines) / (PI * slope);
 }
 
 double sp_moments_integral(double omega, int64_t n, const double *g, const double *mu, double frequency) {
-    const double phi = sp_moments_phase(omega, frequency), twice = 2 * cos(phi);
-    double one = 0, two = 0;
-    for (int64_t k = n - 1; k >= 1; k--) {
-        const double here = (g ? g[k] : 1) * mu[k] / (double)k + twice * one - two;
-        two = one;
-        one = here;
-    }
-    return ((g ? g[0] : 1) * mu[0] * phi + 2 * sin(phi) * one) / PI;
+    const double phi = sp_moments_phase(omega, frequency);
+    double cosines;
+    const double sines = clenshaw(n, g, mu, true, phi, &cosines);
+    return ((g ? g[0] : 1) * mu[0] * phi + 2 * sin(phi) * sines) / PI;
 }

@@ -5,7 +5,7 @@
 #include <sonopack/spectrum.h>
 
 /* Running mean and variance (Welford 1962). */
-static void take(sp_participation_bin *b, double x) {
+static void add_value(sp_participation_bin *b, double x) {
     if (b->modes == 0) {
         b->least = b->largest = x;
         b->mean = b->sd = 0;
@@ -25,7 +25,7 @@ sp_status sp_participation(const sp_modes *modes, int32_t bins, double until, sp
     if (!(until >= 0 && isfinite(until)))
         return sp_fail(err, SP_EINVAL, "until = %g, must be a frequency, or 0 for the largest", until);
     if (!modes->participation)
-        return sp_fail(err, SP_EINVAL, "modes without vectors, must be with them for participation ratios");
+        return sp_fail(err, SP_EINVAL, "modes have no vectors, which participation ratios need");
     const double last = until > 0 ? until : modes->n > 0 ? modes->omega[modes->n - 1] : 0;
     if (!(last > 0))
         return sp_fail(err, SP_EREFUSED, "there are no vibrations: all frequencies are 0");
@@ -42,7 +42,7 @@ sp_status sp_participation(const sp_modes *modes, int32_t bins, double until, sp
             continue;
         while (modes->omega[k] > out[b].high)
             b++;
-        take(&out[b], modes->participation[k]);
+        add_value(&out[b], modes->participation[k]);
     }
     for (b = 0; b < bins; b++)
         if (out[b].modes > 0)

@@ -43,18 +43,18 @@ static sp_status check(const sp_network *net, const sp_transmission_options *o, 
 /* Source and detector as the two vectors of displacements. */
 static sp_status make_start(const sp_network *net, const sp_transmission_options *o, double **out, sp_error *err) {
     const size_t n = (size_t)sp_network_dofs(net);
-    double *start = sp_alloc(2 * n, sizeof *start), *sent = sp_alloc(2 * n, sizeof *sent);
-    sp_status status = start && sent ? SP_OK : sp_fail_memory(err, 4 * n * sizeof *sent);
-    double *seen = sent + n;
+    double *start = sp_alloc(2 * n, sizeof *start), *source = sp_alloc(2 * n, sizeof *source);
+    sp_status status = start && source ? SP_OK : sp_fail_memory(err, 4 * n * sizeof *source);
+    double *detector = source + n;
     if (status == SP_OK)
-        status = sp_network_source_at(net, o->source, &o->from, sent, err);
+        status = sp_network_source_at(net, o->source, &o->from, source, err);
     if (status == SP_OK)
-        status = sp_network_detector_at(net, &o->to, seen, err);
+        status = sp_network_detector_at(net, &o->to, detector, err);
     for (size_t k = 0; k < n && status == SP_OK; k++) {
-        start[2 * k] = o->source == SP_SOURCE_DISPLACEMENT ? sent[k] : sent[k] / net->mass[k];
-        start[2 * k + 1] = seen[k] / net->mass[k];
+        start[2 * k] = o->source == SP_SOURCE_DISPLACEMENT ? source[k] : source[k] / net->mass[k];
+        start[2 * k + 1] = detector[k] / net->mass[k];
     }
-    sp_free(sent);
+    sp_free(source);
     if (status == SP_OK)
         *out = start;
     else
@@ -113,7 +113,7 @@ static sp_status allocate(const sp_network *net, const sp_transmission_options *
     const double until = o->until > 0 ? o->until : t->omega_max;
     const double wanted = o->resolution > 0 ? o->resolution : until / o->points;
     if (!(1.6 * t->omega_max / wanted + 2 < MOMENTS_MAX))
-        return sp_fail(err, SP_EINVAL, "resolution = %g needs %.3g moments, %d at the most", wanted,
+        return sp_fail(err, SP_EINVAL, "resolution = %g needs %.3g moments, must be at most %d", wanted,
                        1.6 * t->omega_max / wanted, MOMENTS_MAX);
     t->moments = sp_moments_for_width(t->omega_max, wanted);
     t->resolution = sp_moments_width(t->omega_max, t->moments);

@@ -5,6 +5,7 @@
  * The second term is at most |b'| |A^-1/2 a'|, or |a'| |A^-1/2 b'|, and a solve gives a'^T A^-1 a'. The bound needs no
  * frequencies beyond those found. */
 #include "base/base.h"
+#include "linalg/vector.h"
 #include "modes/refine.h"
 #include "modes/slices.h"
 #include "signal/job.h"
@@ -16,13 +17,13 @@
 enum { LANES = SP_LDL_LANES, FIRST_TRY = 64 };
 
 /* Projections of a source or a detector. */
-typedef struct shadow {
+typedef struct projection {
     double *c;                              /* [modes] projections on the modes */
     double *leak;                           /* [modes] projections of the remainder: rounding errors */
     double norm, inverse;                   /* |a|, |A^-1/2 a| */
     double rest, rest_inverse, rest_energy; /* remainder a': |a'|, |A^-1/2 a'|, |A^1/2 a'| */
     double residuals;                       /* sum of |R_k| |c_k| w_k, w = 1/omega_k, or 1 for displacements */
-} shadow;
+} projection;
 
 typedef struct sum {
     const signal_job *job;
@@ -32,7 +33,7 @@ typedef struct sum {
     double *residual;    /* [modes] upper bound of |A e - omega^2 e| */
     slicer z;            /* holds the factor of A + depth */
     double depth;
-    shadow *from, *to;
+    projection *from, *to;
     double *numbers; /* memory of c and leak */
 } sum;
 
@@ -52,7 +53,7 @@ static double reach(const sum *q, int64_t k) {
 }
 
 /* Weight of a mode in the sums with residuals. */
-static double swing(const sum *q, int64_t k) { return job_moves(q->job) ? reach(q, k) : 1; }
+static double residual_weight(const sum *q, int64_t k) { return job_has_momenta(q->job) ? reach(q, k) : 1; }
 
 static sp_status find_residuals(sum *q, sp_error *err) {
     const sp_network *net = q->job->net;
@@ -62,11 +63,8 @@ static sp_status find_residuals(sum *q, sp_error *err) {
     q->residual = sp_alloc((size_t)q->modes, sizeof *q->residual);
     sp_status status = u && r && q->residual ? SP_OK : sp_fail_memory(err, 2 * (size_t)n * sizeof *u);
     for (int64_t k = 0; k < q->modes && status == SP_OK; k++) {
-        double squares = 0;
         sp_mode_residual(net, q->m.vectors + k * n, q->omega[k] * q->omega[k], u, r);
-        for (int64_t i = 0; i < n; i++)
-            squares += r[i] * r[i];
-        q->residual[k] = sqrt(squares) + noise;
+        q->residual[k] = sp_norm(n, r) + noise;
     }
     sp_free(r);
     sp_free(u);
@@ -74,13 +72,11 @@ static sp_status find_residuals(sum *q, sp_error *err) {
 }
 
 /* rest <- rest - V (V^T rest); adds the projections to c. */
-static void take_out(const sum *q, double *rest, double *c) {
+static void remove_modes(const sum *q, double *rest, double *c) {
     const int64_t n = q->m.dofs;
     for (int64_t k = 0; k < q->modes; k++) {
         const double *e = q->m.vectors + k * n;
-        double part = 0;
-        for (int64_t i = 0; i < n; i++)
-            part += e[i] * rest[i];
+        const double part = sp_dot(n, e, rest);
         for (int64_t i = 0; i < n; i++)
             rest[i] -= part * e[i];
         c[k] += part;
@@ -89,10 +85,11 @@ static void take_out(const sum *q, double *rest, double *c) {
 
 /* Norms of up to eight vectors, as many as a solve takes. places: [count][dofs], momenta or displacements of sources,
  * or detectors. */
-static void cast(sum *q, const double *places, bool source, int count, shadow *out, double *rest, double *solved) {
+static void project(sum *q, const double *places, bool source, int count, projection *out, double *rest,
+                    double *solved) {
     const sp_network *net = q->job->net;
     const int64_t n = q->m.dofs;
-    const bool moved = source && !job_moves(q->job);
+    const bool moved = source && !job_has_momenta(q->job);
     for (int64_t i = 0; i < LANES * n; i++)
         rest[i] = 0;
     for (int p = 0; p < count; p++) {
@@ -103,11 +100,10 @@ static void cast(sum *q, const double *places, bool source, int count, shadow *o
             out[p].norm += r[i] * r[i];
         }
         out[p].norm = sqrt(out[p].norm);
-        take_out(q, r, out[p].c);
-        take_out(q, r, out[p].c); /* twice, since V is orthonormal only up to rounding */
+        remove_modes(q, r, out[p].c);
+        remove_modes(q, r, out[p].c); /* twice, since V is orthonormal only up to rounding */
         for (int64_t k = 0; k < q->modes; k++)
-            for (int64_t i = 0; i < n; i++)
-                out[p].leak[k] += q->m.vectors[k * n + i] * r[i];
+            out[p].leak[k] = sp_dot(n, q->m.vectors + k * n, r);
     }
     sp_ldl_solve(q->z.ldl, rest, solved);
     /* a'^T (A + s)^-1 a' is smaller than a'^T A^-1 a' by at most s over the lowest omitted eigenvalue; the second
@@ -116,57 +112,53 @@ static void cast(sum *q, const double *places, bool source, int count, shadow *o
     const double short_of = (1 + q->depth / (cut * cut)) * (1 + 1e-6);
     for (int p = 0; p < count; p++) {
         const double *r = rest + p * n, *x = solved + p * n;
-        double squares = 0, inverse = 0, whole = 0;
-        for (int64_t i = 0; i < n; i++) {
-            squares += r[i] * r[i];
-            inverse += r[i] * x[i];
-        }
+        double whole = 0;
         for (int64_t k = 0; k < q->modes; k++) {
             const double far = q->omega[k] > 0 ? out[p].c[k] / q->omega[k] : 0;
             whole += far * far;
-            out[p].residuals += q->residual[k] * fabs(out[p].c[k]) * swing(q, k);
+            out[p].residuals += q->residual[k] * fabs(out[p].c[k]) * residual_weight(q, k);
         }
-        out[p].rest = sqrt(squares);
-        out[p].rest_inverse = sqrt(fmax(inverse, 0) * short_of);
+        out[p].rest = sp_norm(n, r);
+        out[p].rest_inverse = sqrt(fmax(sp_dot(n, r, x), 0) * short_of);
         out[p].rest_energy = out[p].rest * sp_network_omega_bound(net);
         out[p].inverse = sqrt(whole + out[p].rest_inverse * out[p].rest_inverse);
     }
 }
 
-static sp_status cast_all(sum *q, const double *places, bool source, int32_t count, shadow *out, sp_error *err) {
+static sp_status project_all(sum *q, const double *places, bool source, int32_t count, projection *out, sp_error *err) {
     const int64_t n = q->m.dofs;
     double *rest = sp_alloc(LANES, (size_t)n * sizeof *rest), *solved = sp_alloc(LANES, (size_t)n * sizeof *solved);
     sp_status status = rest && solved ? SP_OK : sp_fail_memory(err, 2 * LANES * (size_t)n * sizeof *rest);
     for (int32_t p = 0; p < count && status == SP_OK; p += LANES)
-        cast(q, places + p * n, source, count - p < LANES ? count - p : LANES, out + p, rest, solved);
+        project(q, places + p * n, source, count - p < LANES ? count - p : LANES, out + p, rest, solved);
     sp_free(solved);
     sp_free(rest);
     return status;
 }
 
-static double error_of(const sum *q, const shadow *a, const shadow *b) {
+static double error_of(const sum *q, const projection *a, const projection *b) {
     const double t = q->job->options->until;
     double left, leak = 0, rounding = 0;
-    if (job_moves(q->job))
+    if (job_has_momenta(q->job))
         left = fmin(fmin(b->rest * a->rest_inverse, a->rest * b->rest_inverse), t * a->rest * b->rest);
     else
         left = fmin(a->rest * b->rest, b->rest_inverse * a->rest_energy);
     for (int64_t k = 0; k < q->modes; k++) {
-        const double w = swing(q, k);
+        const double w = residual_weight(q, k);
         leak += w * (fabs(b->c[k]) * fabs(a->leak[k]) + fabs(a->c[k]) * fabs(b->leak[k]));
         rounding += w * fabs(a->c[k] * b->c[k]) * (4 + q->omega[k] * t);
     }
-    const double loose = job_moves(q->job) ? a->norm * b->inverse + b->norm * a->inverse : 2 * a->norm * b->norm;
+    const double loose = job_has_momenta(q->job) ? a->norm * b->inverse + b->norm * a->inverse : 2 * a->norm * b->norm;
     return left + leak + t * (b->inverse * a->residuals + a->rest_inverse * b->residuals) +
            DBL_EPSILON * (rounding + 16 * loose);
 }
 
-static void add_modes(const sum *q, const shadow *a, const shadow *b, const sp_signal *s, double *f) {
+static void add_modes(const sum *q, const projection *a, const projection *b, const sp_signal *s, double *f) {
     for (int32_t l = 0; l < s->n; l++) {
         double total = 0;
         for (int64_t k = 0; k < q->modes; k++) {
             const double omega = q->omega[k], part = a->c[k] * b->c[k];
-            if (!job_moves(q->job))
+            if (!job_has_momenta(q->job))
                 total += part * cos(omega * s->t[l]);
             else
                 total += omega > 0 ? part / omega * sin(omega * s->t[l]) : part * s->t[l];
@@ -200,7 +192,7 @@ static sp_status prepare(sum *q, int64_t modes, sp_error *err) {
     if (!q->from || !q->to || !q->numbers)
         return sp_fail_memory(err, 2 * places * (size_t)q->modes * sizeof *q->numbers);
     for (int64_t p = 0; p < job->sources + job->detectors; p++) {
-        shadow *x = p < job->sources ? &q->from[p] : &q->to[p - job->sources];
+        projection *x = p < job->sources ? &q->from[p] : &q->to[p - job->sources];
         x->c = q->numbers + 2 * p * q->modes;
         x->leak = x->c + q->modes;
     }
@@ -208,13 +200,13 @@ static sp_status prepare(sum *q, int64_t modes, sp_error *err) {
 }
 
 /* The sum over a given number of modes, whatever its error. */
-static sp_status by_lowest(const signal_job *job, int64_t modes, sp_signal *s, sp_error *err) {
+static sp_status sum_lowest(const signal_job *job, int64_t modes, sp_signal *s, sp_error *err) {
     sum q = {.job = job, .m = sp_modes_none()};
     sp_status status = prepare(&q, modes, err);
     if (status == SP_OK)
-        status = cast_all(&q, job->sent, true, job->sources, q.from, err);
+        status = project_all(&q, job->source_vectors, true, job->sources, q.from, err);
     if (status == SP_OK)
-        status = cast_all(&q, job->seen, false, job->detectors, q.to, err);
+        status = project_all(&q, job->detector_vectors, false, job->detectors, q.to, err);
     for (int32_t a = 0; a < s->sources && status == SP_OK; a++)
         for (int32_t b = 0; b < s->detectors; b++) {
             add_modes(&q, &q.from[a], &q.to[b], s, signal_pair(s, a, b));
@@ -232,9 +224,7 @@ static double excess(const signal_job *job, const sp_signal *s) {
     for (int32_t a = 0; a < s->sources; a++)
         for (int32_t b = 0; b < s->detectors; b++) {
             const double *f = signal_pair(s, a, b);
-            double largest = 1e-6 * sp_job_hop(job, a, b);
-            for (int32_t l = 0; l < s->n; l++)
-                largest = fmax(largest, fabs(f[l]));
+            const double largest = fmax(1e-6 * sp_job_scale(job, a, b), sp_largest(s->n, f));
             const double ratio = s->errors[a * s->detectors + b] / (job->options->tolerance * largest);
             worst = ratio > worst || isnan(ratio) ? ratio : worst;
         }
@@ -244,10 +234,10 @@ static double excess(const signal_job *job, const sp_signal *s) {
 sp_status sp_signal_by_lowest_modes(const signal_job *job, sp_signal *s, sp_error *err) {
     const int64_t n = sp_network_dofs(job->net), most = n / 4;
     if (job->options->modes > 0)
-        return by_lowest(job, job->options->modes, s, err);
+        return sum_lowest(job, job->options->modes, s, err);
     double ratio = HUGE_VAL;
     for (int64_t modes = FIRST_TRY; modes <= most; modes *= 2) {
-        sp_status status = by_lowest(job, modes, s, err);
+        sp_status status = sum_lowest(job, modes, s, err);
         if (status != SP_OK)
             return status;
         ratio = excess(job, s);
@@ -258,11 +248,10 @@ sp_status sp_signal_by_lowest_modes(const signal_job *job, sp_signal *s, sp_erro
     if (ratio <= 1)
         return SP_OK;
     if (n > SP_MODES_DENSE_MAX)
-        return sp_fail(
-            err, SP_EREFUSED,
-            "tolerance = %g: the %lld lowest of %lld modes leave %.2g of the largest |F|, and all of them are "
-            "dearer than method chebyshev",
-            job->options->tolerance, (long long)s->modes, (long long)n, ratio * job->options->tolerance);
+        return sp_fail(err, SP_EREFUSED,
+                       "tolerance = %g: the %lld lowest of %lld modes have an error of %.2g of the largest |F|, and "
+                       "all modes cost more than method chebyshev",
+                       job->options->tolerance, (long long)s->modes, (long long)n, ratio * job->options->tolerance);
     s->modes = n;
     return sp_signal_by_modes(job, s, err);
 }

@@ -1,0 +1,76 @@
+/* Runs commands that read packings, one after another, and print one table. */
+#include "cli/files.h"
+
+#include "base/base.h"
+
+sp_status cli_read_network(const char *path, const sp_network_options *opt, sp_packing *p, sp_network *net,
+                           sp_error *err) {
+    *p = sp_packing_none();
+    *net = sp_network_none();
+    sp_status status = sp_packing_read(path, p, err);
+    if (status != SP_OK)
+        return status;
+    status = sp_network_make(p, opt, net, err);
+    if (status != SP_OK)
+        sp_fail_prefix(err, "%s", path);
+    return status;
+}
+
+static sp_status add_file(const cli_files *command, void *arguments, cli_file *f, sp_table *t, sp_error *err) {
+    sp_status status = SP_OK;
+    f->packing = sp_packing_none();
+    f->network = sp_network_none();
+    if (command->contents == CLI_NETWORK)
+        status = cli_read_network(f->path, &f->scene->network, &f->packing, &f->network, err);
+    else if (command->contents == CLI_PACKING)
+        status = sp_packing_read(f->path, &f->packing, err);
+    if (status == SP_OK) {
+        status = command->add(arguments, f, t, err);
+        /* of a single file SP_EINVAL is about an option, and needs no file name */
+        if (status != SP_OK && command->contents != CLI_PATH && !(command->stop && status == SP_EINVAL))
+            sp_fail_prefix(err, "%s", f->path);
+    }
+    sp_network_free(&f->network);
+    sp_packing_free(&f->packing);
+    return status;
+}
+
+static sp_status add_files(const cli_files *command, void *arguments, const sp_scene *scene, sp_table *t, bool *failed,
+                           sp_error *err) {
+    const cli_common *common = arguments;
+    for (int k = 0; k < common->files; k++) {
+        cli_file f = {.path = common->file[k], .scene = scene};
+        sp_error reason = {0};
+        const sp_status status = add_file(command, arguments, &f, t, &reason);
+        if (status != SP_OK && command->stop) {
+            *err = reason;
+            return status;
+        }
+        if (status != SP_OK)
+            cli_fail(&reason);
+        *failed = *failed || f.failed || status != SP_OK;
+    }
+    return SP_OK;
+}
+
+int cli_run_files(const cli_files *command, void *arguments) {
+    const cli_common *common = arguments;
+    sp_scene scene = sp_scene_default();
+    sp_table t = sp_table_none();
+    sp_error err = {0};
+    bool failed = false;
+    sp_status status = cli_may_write_table(common, &err);
+    if (status == SP_OK)
+        status = cli_scene_of_sets(common, command->groups, &scene, &err);
+    if (status == SP_OK && command->begin)
+        status = command->begin(arguments, &t, &err);
+    if (status == SP_OK)
+        status = add_files(command, arguments, &scene, &t, &failed, &err);
+    if (status == SP_OK && command->end)
+        status = command->end(arguments, &t, &err);
+    if (status == SP_OK && (t.rows > 0 || command->stop))
+        status = cli_write_table(common, &t, &err);
+    sp_table_free(&t);
+    sp_scene_free(&scene);
+    return status != SP_OK ? cli_fail(&err) : failed ? CLI_FAILED : CLI_OK;
+}

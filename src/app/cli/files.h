@@ -1,0 +1,36 @@
+#ifndef SP_CLI_FILES_H
+#define SP_CLI_FILES_H
+/* Commands that read packings, one after another, and print one table. */
+
+#include "cli/cli.h"
+
+/* One file, open. */
+typedef struct cli_file {
+    const char *path;
+    const sp_scene *scene; /* of --set, --threshold and --prestress */
+    sp_packing packing;
+    sp_network network;
+    bool failed; /* add() may set it after it has reported an error itself: the exit status becomes CLI_FAILED */
+} cli_file;
+
+typedef enum cli_file_contents { CLI_PATH = 0, CLI_PACKING, CLI_NETWORK } cli_file_contents;
+
+/* What a command does with its files. `arguments` begin with a cli_common. */
+typedef struct cli_files {
+    const char *groups;         /* groups of keys that --set takes */
+    cli_file_contents contents; /* what of a cli_file is read before add() is called */
+    bool stop;                  /* the first bad file ends the command; else it is reported, and the next is read */
+    sp_status (*begin)(void *arguments, sp_table *t, sp_error *err); /* adds columns; may be NULL */
+    /* Adds the rows of one file. Its message needs no file name, unless contents is CLI_PATH. */
+    sp_status (*add)(void *arguments, cli_file *file, sp_table *t, sp_error *err);
+    sp_status (*end)(void *arguments, sp_table *t, sp_error *err); /* after the last file; may be NULL */
+} cli_files;
+
+/* Runs the command on common->file[] and writes the table. Returns the exit status. */
+int cli_run_files(const cli_files *command, void *arguments);
+
+/* Reads a packing and makes its network. The message names the file. Free both, even after a failure. */
+sp_status cli_read_network(const char *path, const sp_network_options *opt, sp_packing *p, sp_network *net,
+                           sp_error *err);
+
+#endif

@@ -1,0 +1,18 @@
+#ifndef SP_ARRAYS_H
+#define SP_ARRAYS_H
+/* Several arrays of doubles in one block of memory. */
+
+#include <sonopack/status.h>
+#include <stddef.h>
+
+/* Where to put the pointer, and the number of elements. */
+typedef struct sp_array {
+    double **at;
+    size_t n;
+} sp_array;
+
+/* Allocates arrays of zeros, each aligned to 64 bytes. The list ends with {0}. *memory: the block, to be freed with
+ * sp_free; NULL after a failure. */
+sp_status sp_arrays_make(const sp_array *list, double **memory, sp_error *err);
+
+#endif

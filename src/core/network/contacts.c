@@ -1,0 +1,171 @@
+/* Creates the network of a packing from its contacts. */
+#include "base/base.h"
+#include "base/vector.h"
+#include "network/bound.h"
+#include "packing/contact.h"
+
+#include <math.h>
+#include <sonopack/network.h>
+
+/* d^2/10 for a sphere. */
+static double inertia_over_mass(double r) { return 0.4 * r * r; }
+
+static sp_status make_grains(const sp_packing *p, const uint8_t *rattler, int32_t *row, sp_network *net,
+                             sp_error *err) {
+    const size_t n = (size_t)net->n, dof = (size_t)net->dof;
+    net->grain = sp_alloc(n, sizeof *net->grain);
+    net->mass = sp_alloc(n * dof, sizeof *net->mass);
+    net->x = sp_alloc(3 * n, sizeof *net->x);
+    net->r = sp_alloc(n, sizeof *net->r);
+    if (!net->grain || !net->mass || !net->x || !net->r)
+        return sp_fail_memory(err, n * (dof + 5) * sizeof(double));
+    int32_t k = 0;
+    for (int32_t i = 0; i < p->n; i++) {
+        row[i] = rattler[i] ? -1 : k;
+        if (rattler[i])
+            continue;
+        const double mass = grain_mass(p->r[i]), inertia = mass * inertia_over_mass(p->r[i]);
+        if (!isnormal(mass) || (net->dof > net->dim && !isnormal(inertia)))
+            return sp_fail(err, SP_EFORMAT,
+                           "grain %d: r = %g, mass or moment of inertia is beyond the range of numbers", i, p->r[i]);
+        net->grain[k] = i;
+        net->r[k] = p->r[i];
+        for (size_t a = 0; a < 3; a++)
+            net->x[3 * (size_t)k + a] = p->x[3 * (size_t)i + a];
+        for (size_t a = 0; a < dof; a++)
+            net->mass[(size_t)k * dof + a] = a < (size_t)net->dim ? mass : inertia;
+        k++;
+    }
+    return SP_OK;
+}
+
+/* Whether a contact is within 1% of the Coulomb limit; contacts that slid last are a little below it. */
+static bool slides(const sp_packing *p, const sp_contact *c) {
+    return length3(c->ft) >= p->friction * c->fn * (1 - 1e-2);
+}
+
+/* Stiffnesses by (A1), (A2), (A4). A wall has no lever arm, and its normal does not turn when a grain moves along
+ * it. */
+static sp_status make_spring(const sp_packing *p, const sp_network_options *opt, int32_t contact, const int32_t *row,
+                             sp_network *net, sp_error *err) {
+    const sp_contact *c = &p->contacts[contact];
+    const bool wall = c->j < 0;
+    const double ri = p->r[c->i], rj = wall ? 0 : p->r[c->j];
+    const double e = wall ? contact_wall_stiffness(ri, p->wall) : contact_stiffness(ri, rj);
+    const double length = ri + rj - c->overlap, kn = contact_normal_stiffness(e, c->overlap);
+    if (!(c->overlap > 0 && length > 0 && kn > 0 && isfinite(kn)))
+        return sp_fail(err, SP_EFORMAT,
+                       "contact %d: overlap = %g, must be above 0 and below %g where a force is carried", contact,
+                       c->overlap, ri + rj);
+    sp_spring *s = &net->springs[net->n_springs];
+    net->length[net->n_springs++] = length;
+    *s = (sp_spring){.i = row[c->i], .j = wall ? c->j : row[c->j], .contact = contact, .kn = kn, .ri = ri, .rj = rj};
+    for (int a = 0; a < net->dim; a++)
+        s->n[a] = c->n[a];
+    if (net->dof > net->dim && !(opt->sliding_free && slides(p, c)))
+        s->kt = contact_eta(p->poisson) * kn;
+    if (opt->prestress && !wall && net->dim > 1) {
+        s->kp = -c->fn / length;
+        net->prestress = true;
+    }
+    return SP_OK;
+}
+
+static sp_status make_springs(const sp_packing *p, const sp_network_options *opt, const uint8_t *carrying,
+                              const int32_t *row, sp_network *net, sp_error *err) {
+    size_t count = 0;
+    for (int32_t c = 0; c < p->n_contacts; c++)
+        count += carrying[c];
+    net->springs = sp_alloc(count, sizeof *net->springs);
+    net->length = sp_alloc(count, sizeof *net->length);
+    if (!net->springs || !net->length)
+        return sp_fail_memory(err, count * (sizeof *net->springs + sizeof *net->length));
+    sp_status status = SP_OK;
+    for (int walls = 0; walls < 2; walls++) {
+        for (int32_t c = 0; c < p->n_contacts && status == SP_OK; c++)
+            if (carrying[c] && (p->contacts[c].j < 0) == walls)
+                status = make_spring(p, opt, c, row, net, err);
+        if (!walls)
+            net->n_bulk = net->n_springs;
+    }
+    return status;
+}
+
+/* Keeps the tangential forces if any is not 0. They are projected again, because a text file has few digits. */
+static sp_status make_carried(const sp_packing *p, sp_network *net, sp_error *err) {
+    bool any = false;
+    net->carried = sp_alloc((size_t)net->n_springs, sizeof *net->carried);
+    if (!net->carried)
+        return sp_fail_memory(err, (size_t)net->n_springs * sizeof *net->carried);
+    for (int32_t k = 0; k < net->n_springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        const double *ft = p->contacts[s->contact].ft;
+        sp_carried *held = &net->carried[k];
+        held->turn = s->j < 0 ? 0 : 1 / net->length[k];
+        const double off = dot3(ft, s->n);
+        for (int a = 0; a < net->dim; a++) {
+            held->ft[a] = ft[a] - off * s->n[a];
+            any = any || held->ft[a] != 0;
+        }
+    }
+    if (!any) {
+        sp_free(net->carried);
+        net->carried = NULL;
+    }
+    net->prestress = net->prestress || any;
+    return SP_OK;
+}
+
+static int degrees_of_freedom(const sp_packing *p) {
+    if (p->dim == 1 || !(p->friction > 0))
+        return p->dim;
+    return p->dim == 2 ? 3 : 6;
+}
+
+sp_status sp_network_make(const sp_packing *p, const sp_network_options *opt, sp_network *out, sp_error *err) {
+    sp_network net = sp_network_none();
+    uint8_t *rattler = NULL, *carrying = NULL;
+    int32_t *row = NULL;
+    sp_status status;
+    if (!(opt->threshold >= 0 && isfinite(opt->threshold)))
+        return sp_fail(err, SP_EINVAL, "threshold = %g, must be a fraction of the pressure, 0 or more", opt->threshold);
+    if (p->dim < 1 || p->dim > 3)
+        return sp_fail(err, SP_EINVAL, "packing of dimension %d, must be 1, 2 or 3", p->dim);
+    rattler = sp_alloc((size_t)p->n, 1);
+    carrying = sp_alloc((size_t)p->n_contacts, 1);
+    row = sp_alloc((size_t)p->n, sizeof *row);
+    if (!rattler || !carrying || !row) {
+        status = sp_fail_memory(err, 5 * (size_t)p->n + (size_t)p->n_contacts);
+        goto out;
+    }
+    status = sp_packing_rattlers(p, opt->threshold, rattler, carrying, &net.rattlers, err);
+    if (status != SP_OK)
+        goto out;
+    net.dim = p->dim;
+    net.dof = degrees_of_freedom(p);
+    net.n_all = p->n;
+    net.n = p->n - net.rattlers;
+    net.pressure = p->pressure;
+    for (int a = 0; a < 3; a++)
+        net.box[a] = p->box[a];
+    if (net.n == 0) {
+        status = sp_fail(err, SP_EREFUSED, "no grain carries: all %d are rattlers above %g p", p->n, opt->threshold);
+        goto out;
+    }
+    status = make_grains(p, rattler, row, &net, err);
+    if (status == SP_OK)
+        status = make_springs(p, opt, carrying, row, &net, err);
+    if (status == SP_OK && opt->prestress && net.dof > net.dim)
+        status = make_carried(p, &net, err);
+    if (status == SP_OK)
+        status = sp_network_find_bounds(&net, err);
+out:
+    sp_free(row);
+    sp_free(carrying);
+    sp_free(rattler);
+    if (status == SP_OK)
+        *out = net;
+    else
+        sp_network_free(&net);
+    return status;
+}
