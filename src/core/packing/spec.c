@@ -98,7 +98,7 @@ static sp_status check_sizes(const sp_pack_spec *given, const sp_pack_spec *s, s
         return sp_fail_key(err, SP_EINVAL, given->diameter_min == 0 ? "packing.diameter_min" : "packing.diameter_max",
                            " = 0: must be given if packing.diameter_%s is, or neither",
                            given->diameter_min == 0 ? "max" : "min");
-    sp_status status = sp_keys_check(sp_pack_keys, s, err); /* limits that the distribution itself determines */
+    sp_status status = sp_keys_check(sp_pack_keys, s, err); /* the limits that the law itself decides */
     if (status != SP_OK)
         return status;
     if (s->diameter_min > s->diameter_max)
@@ -122,10 +122,11 @@ static sp_status check_scale(const sp_pack_spec *s, sp_error *err) {
     const double sides[] = {s->width, s->depth};
     for (int k = 0; k < s->dim - 1; k++)
         if (sides[k] < 4 * s->diameter_max)
-            return sp_fail_key(err, SP_EINVAL, k == 0 ? "packing.width" : "packing.depth",
-                               " = %g: must be at least four of the largest diameters (%g): in a narrower box "
-                               "grains would touch their own periodic images",
-                               sides[k], 4 * s->diameter_max);
+            return sp_fail_key(
+                err, SP_EINVAL, k == 0 ? "packing.width" : "packing.depth",
+                " = %g: must be at least four of the largest diameters (%g): in a narrower box grains would "
+                "touch their own periodic images",
+                sides[k], 4 * s->diameter_max);
     return SP_OK;
 }
 
@@ -149,8 +150,8 @@ static sp_status check_motion(const sp_pack_spec *s, sp_error *err) {
     const double slack = 1 + 1e-9;
     if (s->tolerance > 0.1 * slack * s->pressure)
         return sp_fail_key(err, SP_EINVAL, "packing.tolerance",
-                           " = %g: must be at most 0.1 of packing.pressure = %g, above which no packing is "
-                           "at rest",
+                           " = %g: must be at most 0.1 of packing.pressure = %g, above which no packing "
+                           "is at rest",
                            s->tolerance, s->pressure);
     const double least = least_tolerance(s);
     if (s->tolerance < least)
@@ -242,7 +243,7 @@ static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
     return status == SP_OK ? check_motion(s, err) : status;
 }
 
-/* The initial packing may not be known yet. */
+/* The packing itself may not be known yet. */
 static sp_status check_file(const sp_pack_spec *s, sp_error *err) {
     sp_status status = s->content ? check_scale(s, err) : SP_OK;
     return status == SP_OK ? check_motion(s, err) : status;
