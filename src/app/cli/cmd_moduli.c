@@ -94,8 +94,6 @@ static void explain_mechanisms(const moduli_arguments *a, const char *path, cons
                      each[k].name);
 }
 
-bool moduli_no_shear(int dim, const sp_moduli *m) { return dim > 1 && isnan(dim == 3 ? m->c55 : m->c33); }
-
 /* Notes why values of the row are nan. */
 static void explain(const moduli_arguments *a, const cli_file *file, double density, const sp_moduli *m) {
     const int dim = file->packing.dim;
@@ -112,14 +110,6 @@ static void explain(const moduli_arguments *a, const cli_file *file, double dens
                  "%s: c_l and c_t are nan: no grain of this packing, which is %.3g d high, is %.3g d away from both "
                  "walls; see --margin",
                  file->path, sp_packing_height(&file->packing), a->margin);
-}
-
-void moduli_columns(cli_writer *w, int dim) {
-    if (dim == 3)
-        cli_columns(w, SP_CELL_NUMBER, "C11", "E*", "C12", "E*", "C13", "E*", "C22", "E*", "C23", "E*", "C33", "E*",
-                    "C44", "E*", "C55", "E*", "C66", "E*", NULL);
-    else
-        cli_columns(w, SP_CELL_NUMBER, "C11", "E*", "C12", "E*", "C22", "E*", "C33", "E*", NULL);
 }
 
 static sp_status global_row(const moduli_arguments *a, const cli_file *file, double density, sp_table *t,

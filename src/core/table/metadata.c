@@ -6,6 +6,7 @@
 #include "table/array.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -73,7 +74,8 @@ static sp_status index_sentence(sp_table *t, const char *line, sp_error *err) {
     return add_value(t, key, strlen(key), level, strcspn(level, ",; \n"), err);
 }
 
-sp_status sp_table_index_comment(sp_table *t, sp_error *err) {
+/* Records the metadata in the last comment line, if there is any. */
+static sp_status index_comment(sp_table *t, sp_error *err) {
     const char *line = t->comment[t->comments - 1], *key = skip_blanks(line), *sign;
     const bool list = strncmp(key, "pressure = ", 11) == 0; /* "pressure = 1e-4, grains = 1024, ..." */
     sp_status status = index_sentence(t, line, err);
@@ -84,6 +86,16 @@ sp_status sp_table_index_comment(sp_table *t, sp_error *err) {
         key = comma ? skip_blanks(comma + 1) : NULL;
     }
     return status;
+}
+
+sp_status sp_table_add_comment(sp_table *t, sp_error *err, const char *format, ...) {
+    char line[2048];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(line, sizeof line, format, args);
+    va_end(args);
+    sp_status status = sp_table_add_line(t, line, err);
+    return status == SP_OK ? index_comment(t, err) : status;
 }
 
 static const sp_table_value *find(const sp_table *t, const char *key) {
@@ -111,7 +123,10 @@ const char *sp_table_get_text(const sp_table *t, const char *key) {
 sp_status sp_table_set_text(sp_table *t, const char *key, const char *value, sp_error *err) {
     if (find(t, key))
         return sp_fail(err, SP_EINVAL, "%s: the table already has this metadata", key);
-    return sp_table_add_comment(t, err, "%s = %s", key, value);
+    char line[2048];
+    snprintf(line, sizeof line, "%s = %s", key, value);
+    sp_status status = sp_table_add_line(t, line, err);
+    return status == SP_OK ? add_value(t, key, strlen(key), value, strlen(value), err) : status;
 }
 
 sp_status sp_table_set_integer(sp_table *t, const char *key, int64_t value, sp_error *err) {

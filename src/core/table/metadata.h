@@ -4,7 +4,7 @@
 
 #include <sonopack/table.h>
 
-/* Records the metadata in the table's last comment line, if there is any. */
-sp_status sp_table_index_comment(sp_table *t, sp_error *err);
+/* Adds a comment line without looking for metadata in it. */
+sp_status sp_table_add_line(sp_table *t, const char *line, sp_error *err);
 
 #endif

@@ -97,21 +97,16 @@ sp_status sp_table_add_row(sp_table *t, sp_error *err, ...) {
     return status;
 }
 
-sp_status sp_table_add_comment(sp_table *t, sp_error *err, const char *format, ...) {
-    char line[2048];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(line, sizeof line, format, args);
-    va_end(args);
+sp_status sp_table_add_line(sp_table *t, const char *line, sp_error *err) {
     char **larger = sp_array_reserve(t->comment, (size_t)t->comments, sizeof *larger);
     if (!larger)
         return sp_fail_memory(err, (size_t)t->comments * sizeof *larger);
     t->comment = larger;
     t->comment[t->comments] = sp_strdup(line);
     if (!t->comment[t->comments])
-        return sp_fail_memory(err, sizeof line);
+        return sp_fail_memory(err, strlen(line));
     t->comments++;
-    return sp_table_index_comment(t, err);
+    return SP_OK;
 }
 
 int sp_table_find_column(const sp_table *t, const char *name) {

@@ -1,9 +1,9 @@
 /* The table of a scene's keys, and values going in and out of a scene through it. */
 #include "scene/field.h"
 
-#include "../../tapped/keys.h" /* of a library beside this one */
 #include "base/base.h"
 #include "packing/keys.h"
+#include "tapped/keys.h" /* of a library beside this one */
 
 #include <math.h>
 #include <stdio.h>
