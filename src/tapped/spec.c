@@ -8,29 +8,11 @@
 static const double one = 1;
 
 sp_tapped_spec sp_tapped_spec_default(void) {
-    return (sp_tapped_spec){.model = SP_TAPPED_LATTICE,
-                            .method = SP_TAPPED_EVENT,
-                            .bsr = SP_TAPPED_BSR_CONSERVATIVE,
-                            .output = SP_TAPPED_TRAJECTORY,
-                            .particles = 5,
-                            .taps = 0,
-                            .frequency = 7.5,
-                            .period = 1,
-                            .amplitude = 1.06,
-                            .e = 0.09,
-                            .gravity = 980.67,
-                            .drop = -1,
-                            .masses = 1,
-                            .radii = 1,
-                            .mass = &one,
-                            .radius = &one,
-                            .alpha_v = 1,
-                            .tolerance = 1e-9,
-                            .cells = 8,
-                            .from = 0,
-                            .to = 0,
-                            .points = 1,
-                            .transient = 200};
+#define KEY(name, type, member, value, ...)           .member = value,
+#define LIST(name, member, value, count, values, ...) .member = value, .count = values,
+    return (sp_tapped_spec){
+#include "tapped/keys.inc"
+    };
 }
 
 int32_t sp_tapped_taps(const sp_tapped_spec *c) {

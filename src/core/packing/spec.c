@@ -24,17 +24,12 @@ enum { PROTOCOLS = sizeof protocols / sizeof *protocols };
 _Static_assert(PROTOCOLS == SP_PROTOCOL_QUICK + 1, "the range of packing.protocol covers all protocols");
 
 sp_pack_spec sp_pack_spec_default(void) {
-    return (sp_pack_spec){.kind = SP_PACK_PISTON,
-                          .dim = 2,
-                          .grains = 600,
-                          .width = 24,
-                          .pressure = 1e-4,
-                          .friction = 0.5,
-                          .large_fraction = 0.5,
-                          .size_spread = 0.2,
-                          .seed = 1,
-                          .calm = -1,
-                          .drag = -1};
+#define KEY(name, type, member, value, ...)           .member = value,
+#define LIST(name, member, value, count, values, ...) .member = value, .count = values,
+#define SCENE_KEY(...)
+    return (sp_pack_spec){
+#include "packing/keys.inc"
+    };
 }
 
 /* Checks the lengths of the lists, before their values are read. */

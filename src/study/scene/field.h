@@ -32,6 +32,7 @@ typedef struct sp_field {
     sp_field_type type;
     size_t offset;        /* of the value in sp_scene */
     const sp_word *words; /* of SP_FIELD_WORD and SP_FIELD_LIST */
+    sp_key limits;        /* range and unit of a number or a list */
     const char *meaning;
 } sp_field;
 
@@ -52,7 +53,7 @@ bool sp_field_in_group(const sp_field *f, const char *group);
 SP_SHARED const sp_field *sp_field_find(const char *key);
 /* The field whose key is most like an unknown one; NULL if none is similar. group may be "". */
 const sp_field *sp_field_nearest(const char *group, const char *name);
-/* Range and unit of a number or a list, from the table of the spec that holds the value; NULL for other fields. */
+/* Range and unit of a number or a list; NULL for other fields. */
 SP_SHARED const sp_key *sp_field_limits(const sp_field *f);
 
 bool sp_field_is_number(const sp_field *f);
