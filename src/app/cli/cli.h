@@ -67,6 +67,7 @@ typedef struct cli_option {
     cli_option_kind kind;
     size_t field; /* offset in the arguments */
     double low, high;
+    const char *key;          /* the range is that of this scene key, instead of low and high */
     const char *const *words; /* ended by NULL */
     sp_status (*parse)(void *arguments, const char *text, sp_error *err);
     const char *kinds; /* the words KIND that take the option, separated by blanks; NULL: all */

@@ -2,6 +2,7 @@
 #include "cli/cli.h"
 
 #include "base/base.h"
+#include "scene/field.h"
 
 #include <argp.h>
 #include <sched.h>
@@ -60,7 +61,7 @@ static sp_status add_set(void *arguments, const char *text, sp_error *err) {
 static const cli_option springs_options[] = {
     {.help = "Springs:"},
     {"threshold", "F", "Use only contacts with a normal force above F p d^2 (1e-4)", CLI_NUMBER,
-     .field = offsetof(cli_common, threshold), .high = 1},
+     .field = offsetof(cli_common, threshold), .key = "network.threshold"},
     {"prestress", NULL, "Include the effect of the forces at rest when contacts rotate", CLI_FLAG,
      .field = offsetof(cli_common, prestress)},
     {0}};
@@ -124,13 +125,14 @@ static int find_option(const reading *r, int key) {
 static sp_status set_option(const cli_option *o, void *arguments, const char *text, sp_error *err) {
     char name[64];
     void *field = (char *)arguments + o->field;
+    const sp_key *range = o->key ? sp_field_limits(sp_field_find(o->key)) : NULL;
+    const double low = range ? range->low : o->low, high = range ? range->high : o->high;
     snprintf(name, sizeof name, o->alias ? "--%s (--%s)" : "--%s", o->name, o->alias);
     switch (o->kind) {
     case CLI_FLAG: *(bool *)field = true; break;
     case CLI_TEXT: *(const char **)field = text; break;
-    case CLI_NUMBER: return cli_number(name, text, o->low, o->high, field, err);
-    case CLI_INTEGER:
-        return cli_integer(name, text, (int64_t)o->low, o->high < 9e18 ? (int64_t)o->high : INT64_MAX, field, err);
+    case CLI_NUMBER: return cli_number(name, text, low, high, field, err);
+    case CLI_INTEGER: return cli_integer(name, text, (int64_t)low, high < 9e18 ? (int64_t)high : INT64_MAX, field, err);
     case CLI_CHOICE: return cli_choose(name, text, o->words, field, err);
     case CLI_PARSED: return o->parse(arguments, text, err);
     }
