@@ -160,8 +160,8 @@ def test_refusals():
                   [N200, "--tolerance", "0"], [N200, "--threshold", "-1"], [N200, "--points", "2.5"],
                   [N200, "--set", "packing.grains=5"], [N200, "--no-such-option"]):
         run("signal", *words, status=2)
-    assert "one packing at a time" in run("signal", N200, N600, status=2)
-    assert "must be at most" in run("signal", N200, "--tolerance", "1e-15", status=1)
+    assert str(N600) in run("signal", N200, N600, status=2)
+    assert "1e-15" in run("signal", N200, "--tolerance", "1e-15", status=1)
     assert "no_such_file" in run("signal", "no_such_file", status=1)
     for words in ([], [N200, N600], [N200, "--lowest", "0"], [N200, "--source", "drum"]):
         run("modes", *words, status=2)
