@@ -27,11 +27,6 @@ void sp_figure_dash(canvas *c, int dash) {
 
 double sp_marker_radius(double letters) { return 2.4 * fmin(1.0, letters / TEXT_LEGEND); }
 
-void sp_marker_draw(canvas *c, marker shape, double x, double y, bool open, colour ink) {
-    const double at[2] = {x, y};
-    sp_marker_draw_sized(c, shape, at, open, ink, sp_marker_radius(TEXT_LEGEND));
-}
-
 /* The other shapes have about the circle's area. */
 void sp_marker_draw_sized(canvas *c, marker shape, const double at[2], bool open, colour ink, double r) {
     const double x = at[0], y = at[1];

@@ -25,8 +25,6 @@ void sp_figure_dash(canvas *c, int dash);
 
 /* Radius of a circle marker beside letters of a size [pt]. */
 double sp_marker_radius(double letters);
-/* Draws a marker with its centre at (x, y) [pt]; open: filled with white. */
-void sp_marker_draw(canvas *c, marker shape, double x, double y, bool open, colour ink);
 /* The same with a given radius. */
 void sp_marker_draw_sized(canvas *c, marker shape, const double at[2], bool open, colour ink, double radius);
 

@@ -31,7 +31,6 @@ static const blackmore_item items[SP_PAPER_COLUMN_ITEMS] = {
 
 static bool is_item(int item) { return item >= 0 && item < SP_PAPER_COLUMN_ITEMS; }
 const char *sp_paper_column_item_name(int item) { return is_item(item) ? items[item].name : NULL; }
-const char *sp_paper_column_item_title(int item) { return is_item(item) ? items[item].title : NULL; }
 
 sp_paper_column_options sp_paper_column_options_default(void) {
     return (sp_paper_column_options){.threads = 1, .figures = "svg"};

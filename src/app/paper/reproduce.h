@@ -58,7 +58,6 @@ sp_status sp_paper_reproduce(sp_store *store, const sp_paper_options *opt, sp_pa
 enum { SP_PAPER_COLUMN_ITEMS = 6 }; /* errata, fig1, fig2, symbols, chaos, claims */
 
 const char *sp_paper_column_item_name(int item); /* NULL for others */
-const char *sp_paper_column_item_title(int item);
 
 typedef struct sp_paper_column_options {
     uint32_t items; /* bit k: item k; 0: all */
