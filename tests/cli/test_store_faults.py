@@ -560,9 +560,10 @@ def old_temporaries(folder):
     dead.wait()
     living = subprocess.Popen(["cat"], stdin=subprocess.PIPE)  # ends when it is told to
     try:
-        host = 0x811c9dc5
+        host = 0xcbf29ce484222325  # FNV-1a of 64 bits, of which the name has the lower 32
         for byte in socket.gethostname().encode():
-            host = (host ^ byte) * 0x01000193 & 0xffffffff
+            host = (host ^ byte) * 0x100000001b3 & 0xffffffffffffffff
+        host &= 0xffffffff
         names = {f".sonopack-{host:08x}-{dead.pid}-{k}.tmp" for k in (3, 4)}
         # of another machine, whose locks may not be seen here: removed when it is a day old
         away = {f".sonopack-{host ^ 1:08x}-{dead.pid}-{k}.tmp" for k in (5, 6)}
