@@ -36,11 +36,11 @@ static const cli_syntax syntax = {
         "The first peak is the first maximum above 0.2 of the largest value that is followed by a fall of at least "
         "0.01 of that value. t10: first time at which the force reaches a tenth of the peak. t_zero: first zero "
         "crossing after the peak. width: t_zero - t10. A trace is a table of numbers with columns of times and "
-        "forces. Its comments `# height = H' and `# pressure = P' set the distance and the time window, from 0 to 8 "
-        "H + 40 times (P/1e-4)^(-1/6). Without them the whole trace is searched. A table of `sonopack signal' with "
-        "columns F1, F2, ... gives one row for each; the distance of a plane is its height. For a speed take two "
-        "distances, (D2 - D1)/(t10_2 - t10_1): one distance over one time does not give it. A column has a unit if "
-        "all files agree on it.",
+        "forces. Its comments `# height = H' and `# pressure = P' set the distance and the time window, from 0 to (8 "
+        "H + 40) (P/1e-4)^(-1/6). Without them the whole trace is searched. A table of `sonopack signal' with "
+        "columns F1, F2, ... gives one row for each; the distance of a plane is its height. A speed needs two "
+        "distances: (D2 - D1)/(t10_2 - t10_1). One distance over its time is biased. A unit is shown only if all "
+        "files have the same one.",
     .options = options,
     .file_name = "packing or trace",
     .files_min = 1,

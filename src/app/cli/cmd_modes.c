@@ -8,7 +8,7 @@
 
 typedef struct arguments {
     cli_common common;
-    bool all, frequencies_only, stability;
+    bool frequencies_only, stability;
     int source; /* sp_source */
     sp_modes_range range;
     bool part;      /* --lowest or --band */
@@ -39,9 +39,16 @@ static sp_status set_band(void *user, const char *text, sp_error *err) {
     return SP_OK;
 }
 
+static sp_status add_all(void *user, const char *text, sp_error *err) {
+    arguments *a = user;
+    (void)text, (void)err;
+    a->ranges++;
+    return SP_OK;
+}
+
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
-    if (a->ranges + a->all > 1)
+    if (a->ranges > 1)
         return sp_fail(err, SP_EINVAL, "--all, --lowest and --band: only one of them may be given, once");
     if (a->damping > 0 && (a->part || a->frequencies_only))
         return sp_fail(err, SP_EINVAL, "--damping cannot be combined with --lowest, --band or --frequencies-only");
@@ -52,7 +59,7 @@ static sp_status check(void *user, sp_error *err) {
 }
 
 static const cli_option options[] = {
-    {"all", NULL, "All modes (the default)", CLI_FLAG, .field = offsetof(arguments, all)},
+    {"all", NULL, "All modes (the default)", .parse = add_all},
     {"lowest", "K", "Only the K lowest modes, without zero modes of rattlers; n starts after those",
      .parse = set_lowest},
     {"band", "LO:HI", "Only the modes with LO <= omega <= HI; n counts from the lowest of all modes. HI may be inf",
@@ -64,7 +71,7 @@ static const cli_option options[] = {
      "2000 degrees of freedom)",
      CLI_NUMBER, .field = offsetof(arguments, damping), .low = 1e-12, .high = 100},
     {"stability", NULL,
-     "Print one row instead, with the verdict whether any motion grows (with --prestress and friction, up to 6000 "
+     "Print one row instead, with a verdict on whether any motion grows (with --prestress and friction, up to 6000 "
      "degrees of freedom; above that undecided, with a bound)",
      CLI_FLAG, .field = offsetof(arguments, stability)},
     {"source", "impulse|velocity|displacement", "Kind of source for the amplitudes a (impulse)", CLI_CHOICE,

@@ -215,6 +215,8 @@ static sp_status work(const arguments *a, sp_scene *scene, sp_packing *p, sp_err
     const char *path = a->common.output;
     if (!cli_has_ending(path, ".txt") && !cli_has_ending(path, ".h5") && !cli_has_ending(path, ".hdf5"))
         return sp_fail(err, SP_EINVAL, "-o %s: the ending of a packing must be .h5 or .txt", path);
+    if (!cli_has_ending(path, ".txt"))
+        sp_hdf5_load();
     sp_status status = cli_may_write(&a->common, path, err);
     if (status == SP_OK)
         status =

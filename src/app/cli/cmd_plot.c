@@ -330,7 +330,7 @@ static const cli_option options[] = {
 static const cli_syntax syntax = {
     .usage = "KIND FILE... -o FIGURE\nctof --store DIR -o FIGURE",
     .help =
-        "Draws figures as wide as a column of print, as PNG (300 dpi), SVG or PDF by the ending of FIGURE.\v"
+        "Draws figures one print column (86 mm) wide, as PNG (300 dpi), SVG or PDF by the ending of FIGURE.\v"
         "ctof: speed against pressure, with the published c_tof = 0.26 (p/1e-4)^(1/6), from a table of `sonopack "
         "table ctof' (TSV or CSV).\n"
         "signal: F(t) of tables with columns t and F (or F1, F2, ...), or of packings, whose signal is computed. The "

@@ -53,7 +53,7 @@ static sp_status set_source(void *user, const char *word, sp_error *err) {
 }
 
 static sp_status add_source(void *user, const char *word, sp_error *err) {
-    return cli_places_add(&((arguments *)user)->sources, "--source-at", word, err);
+    return cli_places_add(&((arguments *)user)->sources, "--from", word, err);
 }
 
 static sp_status add_detector(void *user, const char *word, sp_error *err) {
@@ -87,8 +87,7 @@ static const cli_option options[] = {
      "What the source imposes on a grain at the bottom wall, in proportion to the stiffness of its contact: impulse, "
      "velocity or displacement (impulse)",
      .parse = set_source},
-    {"source-at", "PLACE", "Source at bottom, part:X0:X1 or grain:I (bottom); repeatable. --from is its older name",
-     .parse = add_source, .alias = "from"},
+    {"from", "PLACE", "Source at bottom, part:X0:X1 or grain:I (bottom); repeatable", .parse = add_source},
     {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1 or grain:I (top); repeatable", .parse = add_detector},
     {"component", "normal|shear", "Component at every PLACE without :normal or :shear at its end (normal)", CLI_CHOICE,
      .field = offsetof(arguments, component), .words = cli_component_names},

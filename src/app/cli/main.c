@@ -39,7 +39,7 @@ static const struct command {
     {"reproduce", cmd_reproduce, "compare the results of a paper with our own"},
     {"plot", cmd_plot, "draw figures"},
     {"convert", cmd_convert, "import and export packings"},
-    {"bench", cmd_bench, "measure run time against error of the methods"},
+    {"bench", cmd_bench, "measure each method's run time against its error"},
     {"help", help, "explain a command, or `scene': the keys of scene files"},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };

@@ -187,7 +187,8 @@ static sp_status check_arguments(const reading *r, sp_error *err) {
     if (status == SP_OK && common->files > s->files_max && s->files_max == 0)
         return sp_fail(err, SP_EINVAL, "%.200s: this command takes no file", common->file[0]);
     if (status == SP_OK && common->files > s->files_max)
-        return sp_fail(err, SP_EINVAL, "%.200s: one %s only", common->file[s->files_max], s->file_name);
+        return sp_fail(err, SP_EINVAL, s->files_max == 1 ? "%.200s: one %s only" : "%.200s: too many files",
+                       common->file[s->files_max], s->file_name);
     return status;
 }
 

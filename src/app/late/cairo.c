@@ -5,7 +5,7 @@
 #include <cairo-svg.h>
 #include <cairo.h>
 
-static late_library cairo = {LATE_CAIRO, NULL, PTHREAD_MUTEX_INITIALIZER, NULL};
+static late_library cairo = {LATE_CAIRO, NULL, PTHREAD_RECURSIVE_MUTEX_INITIALIZER_NP, NULL};
 
 #define CAIRO(type, name, parameters, arguments) LATE_FUNCTION(&cairo, type, name, parameters, arguments)
 

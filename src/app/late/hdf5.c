@@ -12,7 +12,7 @@ hid_t H5P_CLS_DATASET_CREATE_ID_g, H5P_CLS_FILE_ACCESS_ID_g, H5P_CLS_FILE_CREATE
 
 static void fill_identifiers(void);
 
-static late_library hdf5 = {LATE_HDF5, fill_identifiers, PTHREAD_MUTEX_INITIALIZER, NULL};
+static late_library hdf5 = {LATE_HDF5, fill_identifiers, PTHREAD_RECURSIVE_MUTEX_INITIALIZER_NP, NULL};
 
 #define HDF5(type, name, parameters, arguments) LATE_FUNCTION(&hdf5, type, name, parameters, arguments)
 

@@ -4,8 +4,8 @@
 #include <cblas.h>
 #include <lapacke.h>
 
-static late_library lapacke = {LATE_LAPACKE, NULL, PTHREAD_MUTEX_INITIALIZER, NULL};
-static late_library blas = {LATE_BLAS, NULL, PTHREAD_MUTEX_INITIALIZER, NULL};
+static late_library lapacke = {LATE_LAPACKE, NULL, PTHREAD_RECURSIVE_MUTEX_INITIALIZER_NP, NULL};
+static late_library blas = {LATE_BLAS, NULL, PTHREAD_RECURSIVE_MUTEX_INITIALIZER_NP, NULL};
 
 #define LAPACKE(type, name, parameters, arguments) LATE_FUNCTION(&lapacke, type, name, parameters, arguments)
 #define BLAS(type, name, parameters, arguments)    LATE_FUNCTION(&blas, type, name, parameters, arguments)

@@ -2,21 +2,20 @@
 #include "late/late.h"
 
 #include <dlfcn.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 
+/* The lock is recursive, since `loaded` looks up functions itself: other threads wait until it has returned. */
 static void *load(late_library *library) {
-    bool first = false;
     pthread_mutex_lock(&library->lock);
     if (!library->handle) {
         library->handle = dlopen(library->file, RTLD_LAZY | RTLD_LOCAL);
-        first = library->handle != NULL;
+        if (library->handle && library->loaded)
+            library->loaded();
     }
+    void *handle = library->handle;
     pthread_mutex_unlock(&library->lock);
-    if (first && library->loaded)
-        library->loaded();
-    return library->handle;
+    return handle;
 }
 
 void *late_find(late_library *library, const char *name) {

@@ -4,8 +4,8 @@
 #include <cholmod.h>
 #include <umfpack.h>
 
-static late_library cholmod = {LATE_CHOLMOD, NULL, PTHREAD_MUTEX_INITIALIZER, NULL};
-static late_library umfpack = {LATE_UMFPACK, NULL, PTHREAD_MUTEX_INITIALIZER, NULL};
+static late_library cholmod = {LATE_CHOLMOD, NULL, PTHREAD_RECURSIVE_MUTEX_INITIALIZER_NP, NULL};
+static late_library umfpack = {LATE_UMFPACK, NULL, PTHREAD_RECURSIVE_MUTEX_INITIALIZER_NP, NULL};
 
 #define CHOLMOD(type, name, parameters, arguments) LATE_FUNCTION(&cholmod, type, name, parameters, arguments)
 #define UMFPACK(type, name, parameters, arguments) LATE_FUNCTION(&umfpack, type, name, parameters, arguments)

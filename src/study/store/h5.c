@@ -103,6 +103,12 @@ sp_status sp_h5_create(sp_h5 *h, const char *path, sp_error *err) {
 
 void sp_hdf5_exit_silently(void) { H5dont_atexit(); }
 
+void sp_hdf5_load(void) {
+    pthread_mutex_lock(&library);
+    H5open();
+    pthread_mutex_unlock(&library);
+}
+
 /* A file that cannot be opened is not damaged. Reading a pipe or a device might never end. */
 static sp_status look_at_file(const char *path, sp_error *err) {
     struct stat info;
