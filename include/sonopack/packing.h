@@ -117,7 +117,7 @@ typedef struct sp_statics {
 
 SP_API sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err);
 
-/* ---- making packings ---------------------------------------------------------------------------------------- */
+/* ---- compression -------------------------------------------------------------------------------------------- */
 
 /* PISTON: a gas compressed by a piston. CHAIN, TRIANGULAR: ordered. FILE: compresses or decompresses a given
  * packing. */
@@ -165,9 +165,9 @@ typedef struct sp_pack_spec {
     double piston_mass;  /* per wall area [rho d]; 0: set by the protocol */
     double gas_fraction; /* area (2D) or volume (3D) fraction of the initial gas; 0: set by the protocol */
     double time_step;    /* over the largest stable one (packing/piston.c); 0: set by the protocol */
-    double calm; /* global damping starts once the largest acceleration is below calm x p; 0: never; < 0: set by the
+    double calm; /* global damping starts once the largest acceleration is below calm x p; 0: never; -1: set by the
                     protocol */
-    double drag; /* rate of the global damping at p = 1e-4 [sqrt(E* / rho)/d]; scales as p^(1/3); < 0: set by the
+    double drag; /* rate of the global damping at p = 1e-4 [sqrt(E* / rho)/d]; scales as p^(1/3); -1: set by the
                     protocol */
     double calm_damping;   /* zeta once the global damping has started; 0: set by the protocol */
     double viscous_limit;  /* limit of the total tangential force, viscous part included, over the Coulomb limit of its

@@ -1,6 +1,6 @@
 #ifndef SP_STUDY_SAMPLE_H
 #define SP_STUDY_SAMPLE_H
-/* Names of samples, fronts, and the making of one sample. */
+/* Names of samples, and how one sample is computed. */
 
 #include <sonopack/front.h>
 #include <sonopack/study/study.h>
