@@ -21,9 +21,9 @@
 #endif
 #ifdef LEAK_CHECKED
 /* fontconfig, which cairo uses, stores offsets instead of pointers: the leak checker takes its memory for lost. */
-const char *__lsan_default_suppressions(void);
+__attribute__((visibility("default"))) const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) { return "leak:libfontconfig"; }
-const char *__lsan_default_options(void);
+__attribute__((visibility("default"))) const char *__lsan_default_options(void);
 const char *__lsan_default_options(void) { return "print_suppressions=0"; }
 #endif
 
