@@ -32,8 +32,17 @@ def completions(*words):
     return set(result.stdout.split())
 
 
+def versions():
+    """The version that each file names."""
+    for name, pattern in (("include/sonopack/version.h", r'SONOPACK_VERSION "([^"]+)"'), ("CHANGELOG.md", r"^## (\S+)"),
+                          ("CITATION.cff", r"^version: \"?([^\"\s]+)"), ("docs/man/sonopack.1", r'"sonopack ([^"]+)"')):
+        yield name, re.search(pattern, (SOURCE / name).read_text(), re.M).group(1)
+
+
 def main():
     faults = []
+    if len({version for _, version in versions()}) > 1:
+        faults.append(f"files name different versions: {dict(versions())}")
     page = (SOURCE / "docs/man/sonopack.1").read_text().replace("\\-", "-")
     overview = output("help")
     for command in COMMANDS:

@@ -216,6 +216,13 @@ def check_lengths(root):
     return faults
 
 
+def check_openings(root):
+    """Every source of src/ begins with a sentence that says what it does."""
+    return [f"{path.relative_to(root)}:1: no comment that says what the file does"
+            for path in sorted((root / "src").rglob("*.c"))
+            if not re.match(r"/\*\s*([A-Z\"]|sonopack \w+:).{10,}", path.read_text())]
+
+
 def check_words(root):
     faults = []
     endings = {".c", ".h", ".py", ".md", ".txt", ".cmake", ".cfg", ".json", ".in", ".1", ".bash", ".sh", ""}
@@ -239,6 +246,9 @@ def check_format(root):
     return sorted(set(re.findall(r"^(\S+?:\d+):\d+: error: code should be", result.stderr, re.M))) or [result.stderr]
 
 
+RULES = [check_includes, check_speech, check_lengths, check_openings, check_words]
+
+
 def write(root, name, text):
     path = root / name
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -253,13 +263,13 @@ def check_the_checker(with_format):
     with tempfile.TemporaryDirectory(prefix="sonopack-structure-") as folder:
         root = pathlib.Path(folder)
         shutil.copy(pathlib.Path(sys.argv[2], ".clang-format"), root)
-        good = '#include <sonopack/a.h>\n\n#include "base/base.h"\n\nint f(int x) { return x; }\n'
+        good = '/* Makes an f of an x. */\n#include <sonopack/a.h>\n\n#include "base/base.h"\n\nint f(int x) { return x; }\n'
         write(root, "include/sonopack/a.h", "int f(int x);\n")
         write(root, "src/core/base/base.h", "#include <stddef.h>\n")
         write(root, "src/study/ensemble/study.h", "")
         write(root, "src/core/network/network.c", good)
         write(root, "tests/test.h", "")
-        rules = [check_includes, check_speech, check_lengths, check_words] + ([check_format] if with_format else [])
+        rules = RULES + ([check_format] if with_format else [])
         for rule in rules:
             assert rule(root) == [], f"{rule.__name__} finds a fault in a good tree: {rule(root)}"
         body = "    x++;\n"
@@ -284,7 +294,7 @@ def main():
     root = pathlib.Path(sys.argv[2])
     with_format = shutil.which("clang-format") is not None
     check_the_checker(with_format)
-    rules = [check_includes, check_speech, check_lengths, check_words] + ([check_format] if with_format else [])
+    rules = RULES + ([check_format] if with_format else [])
     faults = [fault for rule in rules for fault in rule(root)]
     build = pathlib.Path(sys.argv[1]).resolve().parent
     if not objects_of(build):
