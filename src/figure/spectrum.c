@@ -293,6 +293,7 @@ static sp_status draw(const drawing *d, figure *f, double height, const char *pa
     const sp_status status = sp_canvas_open(&c, path, d->style->title, CANVAS_COLUMN, height * CANVAS_COLUMN, err);
     if (status == SP_OK)
         sp_figure_draw(f);
+    f->canvas = NULL;
     return sp_canvas_close(&c, status, err);
 }
 

@@ -194,9 +194,9 @@ static sp_status signal_rows(const arguments *a, const units *u, const sp_chain 
                              cli_writer *w) {
     const size_t n = (size_t)a->points;
     double *time = sp_alloc(3 * n, sizeof *time);
-    double *f = time + n, *airy = f + n;
     if (!time)
         return sp_fail_memory(w->err, 3 * n * sizeof *time);
+    double *f = time + n, *airy = f + n;
     for (size_t l = 0; l < n; l++)
         time[l] = from + (until - from) * ((double)l / (double)(n - 1));
     w->status = sp_chain_walls_signal(chain, a->points, time, f, w->err);
