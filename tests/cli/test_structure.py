@@ -223,6 +223,17 @@ def check_openings(root):
             if not re.match(r"/\*\s*([A-Z\"]|sonopack \w+:).{10,}", path.read_text())]
 
 
+def check_guards(root):
+    """No two headers share an include guard: whichever came second would be empty."""
+    faults, first = [], {}
+    for path in sources(root):
+        guard = re.search(r"^#ifndef (\w+)\n#define \1$", path.read_text(), re.M)
+        other = first.setdefault(guard[1], path) if guard else path
+        if other != path:
+            faults.append(f"{path.relative_to(root)}:1: {guard[1]} is the guard of {other.relative_to(root)} too")
+    return faults
+
+
 def check_words(root):
     faults = []
     endings = {".c", ".h", ".py", ".md", ".txt", ".cmake", ".cfg", ".json", ".in", ".1", ".bash", ".sh", ""}
@@ -246,7 +257,7 @@ def check_format(root):
     return sorted(set(re.findall(r"^(\S+?:\d+):\d+: error: code should be", result.stderr, re.M))) or [result.stderr]
 
 
-RULES = [check_includes, check_speech, check_lengths, check_openings, check_words]
+RULES = [check_includes, check_speech, check_lengths, check_openings, check_guards, check_words]
 
 
 def write(root, name, text):
@@ -265,7 +276,7 @@ def check_the_checker(with_format):
         shutil.copy(pathlib.Path(sys.argv[2], ".clang-format"), root)
         good = '/* Makes an f of an x. */\n#include <sonopack/a.h>\n\n#include "base/base.h"\n\nint f(int x) { return x; }\n'
         write(root, "include/sonopack/a.h", "int f(int x);\n")
-        write(root, "src/core/base/base.h", "#include <stddef.h>\n")
+        write(root, "src/core/base/base.h", "#ifndef SP_BASE_H\n#define SP_BASE_H\n#endif\n")
         write(root, "src/study/ensemble/study.h", "")
         write(root, "src/core/network/network.c", good)
         write(root, "tests/test.h", "")
@@ -284,6 +295,8 @@ def check_the_checker(with_format):
             write(root, "src/core/network/network.c", good + fault)
             if rule in rules:
                 assert rule(root), f"{rule.__name__} does not find {fault[:60]!r}"
+        write(root, "src/core/network/other.h", "#ifndef SP_BASE_H\n#define SP_BASE_H\n#endif\n")
+        assert check_guards(root), "check_guards does not find two equal guards"
         # neither comments nor snprintf nor a name that ends in exit are speech
         write(root, "src/core/network/network.c", good + 'void g(char *x) { snprintf(x, 2, "exit(1) %s", ""); on_exit(); }\n'
               "/* printf(x) */\n")

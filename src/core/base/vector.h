@@ -1,5 +1,5 @@
-#ifndef SP_VECTOR_H
-#define SP_VECTOR_H
+#ifndef SP_BASE_VECTOR_H
+#define SP_BASE_VECTOR_H
 /* Vectors of three components. */
 
 #include "base/clones.h"

@@ -1,6 +1,7 @@
 /* Loads and stresses of imposed affine strains. */
 #include "elastic/strain.h"
 
+#include "base/vector.h"
 #include "network/rows.h"
 
 #include <float.h>
@@ -43,8 +44,6 @@ void sp_strain_displacement(const sp_network *net, int strain, const double n[3]
     out[0] = out[1] = out[2] = 0;
     out[f.along] = length * n[f.of];
 }
-
-static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 static double sizes3(const double a[3], const double b[3]) {
     return fabs(a[0] * b[0]) + fabs(a[1] * b[1]) + fabs(a[2] * b[2]);

@@ -1,5 +1,5 @@
-#ifndef SP_VECTOR_H
-#define SP_VECTOR_H
+#ifndef SP_LINALG_VECTOR_H
+#define SP_LINALG_VECTOR_H
 /* Plain vectors of doubles. Sums are formed in the order of the elements. */
 
 #include <math.h>

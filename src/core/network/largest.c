@@ -2,6 +2,7 @@
 #include "network/largest.h"
 
 #include "base/base.h"
+#include "linalg/vector.h"
 #include "numeric/random.h"
 
 #include <math.h>
@@ -32,13 +33,6 @@ static double largest_of(int n, const double *diagonal, const double *off_diagon
     return low;
 }
 
-static double dot(int64_t n, const double *a, const double *b) {
-    double sum = 0;
-    for (int64_t k = 0; k < n; k++)
-        sum += a[k] * b[k];
-    return sum;
-}
-
 /* out = A x, where A is the symmetric part of M^-1/2 K M^-1/2. */
 static void apply(const sp_network *net, const double *x, double *out, double *work) {
     const int64_t n = sp_network_dofs(net);
@@ -63,15 +57,15 @@ static double recur(const sp_network *net, double *work) {
     int steps = 0;
     for (int64_t k = 0; k < n; k++)
         x[k] = sp_random_uniform(&stream) - 0.5;
-    const double size = sqrt(dot(n, x, x));
+    const double size = sqrt(sp_dot(n, x, x));
     for (int64_t k = 0; k < n; k++)
         x[k] /= size;
     while (steps < STEPS && steps < n) {
         apply(net, x, next, work + 3 * n);
-        const double alpha = dot(n, x, next);
+        const double alpha = sp_dot(n, x, next);
         for (int64_t k = 0; k < n; k++)
             next[k] -= alpha * x[k] + beta * before[k];
-        beta = sqrt(dot(n, next, next));
+        beta = sqrt(sp_dot(n, next, next));
         diagonal[steps] = alpha;
         off_diagonal[steps++] = beta;
         if (!(beta > 1e-12 * fabs(alpha)))
