@@ -10,16 +10,6 @@ static late_library umfpack = {LATE_UMFPACK, NULL, PTHREAD_RECURSIVE_MUTEX_INITI
 #define CHOLMOD(type, name, parameters, arguments) LATE_FUNCTION(&cholmod, type, name, parameters, arguments)
 #define UMFPACK(type, name, parameters, arguments) LATE_FUNCTION(&umfpack, type, name, parameters, arguments)
 
-CHOLMOD(cholmod_sparse *, cholmod_allocate_sparse,
-        (size_t a, size_t b, size_t c, int d, int e, int f, int g, cholmod_common *h), (a, b, c, d, e, f, g, h))
-CHOLMOD(cholmod_factor *, cholmod_analyze, (cholmod_sparse * a, cholmod_common *b), (a, b))
-CHOLMOD(int, cholmod_change_factor, (int a, int b, int c, int d, int e, cholmod_factor *f, cholmod_common *g),
-        (a, b, c, d, e, f, g))
-CHOLMOD(int, cholmod_factorize_p,
-        (cholmod_sparse * a, double b[2], int *c, size_t d, cholmod_factor *e, cholmod_common *f), (a, b, c, d, e, f))
-CHOLMOD(int, cholmod_finish, (cholmod_common * a), (a))
-CHOLMOD(int, cholmod_free_factor, (cholmod_factor * *a, cholmod_common *b), (a, b))
-CHOLMOD(int, cholmod_free_sparse, (cholmod_sparse * *a, cholmod_common *b), (a, b))
 CHOLMOD(cholmod_dense *, cholmod_l_allocate_dense, (size_t a, size_t b, size_t c, int d, cholmod_common *e),
         (a, b, c, d, e))
 CHOLMOD(cholmod_sparse *, cholmod_l_allocate_sparse,
@@ -33,7 +23,6 @@ CHOLMOD(int, cholmod_l_free_sparse, (cholmod_sparse * *a, cholmod_common *b), (a
 CHOLMOD(double, cholmod_l_rcond, (cholmod_factor * a, cholmod_common *b), (a, b))
 CHOLMOD(cholmod_dense *, cholmod_l_solve, (int a, cholmod_factor *b, cholmod_dense *c, cholmod_common *d), (a, b, c, d))
 CHOLMOD(int, cholmod_l_start, (cholmod_common * a), (a))
-CHOLMOD(int, cholmod_start, (cholmod_common * a), (a))
 UMFPACK(void, umfpack_dl_defaults, (double a[20]), (a))
 UMFPACK(void, umfpack_dl_free_numeric, (void **a), (a))
 UMFPACK(void, umfpack_dl_free_symbolic, (void **a), (a))

@@ -22,6 +22,8 @@ int64_t sp_ldl_negative(const sp_ldl *f);
 double sp_ldl_error(const sp_ldl *f);
 /* x = (A - sigma)^-1 b, [8][n] each. x may be b. Needs no memory and cannot fail. */
 void sp_ldl_solve(sp_ldl *f, const double *b, double *x);
+/* The same for one right-hand side, [n]. */
+void sp_ldl_solve_one(sp_ldl *f, const double *b, double *x);
 void sp_ldl_free(sp_ldl *f);
 
 #endif
