@@ -9,15 +9,22 @@
 extern "C" {
 #endif
 
+/* All of them give the same modes within their errors, and the same certificate. */
+typedef enum sp_modes_solver {
+    SP_SOLVER_AUTO = 0, /* the one that is expected to be the fastest */
+    SP_SOLVER_LANCZOS,  /* block Lanczos on (K - sigma M)^-1, eight right-hand sides at a time */
+    SP_SOLVER_ARPACK,   /* ARPACK on (K - sigma M)^-1; one search at a time in a process */
+    SP_SOLVER_DENSE     /* LAPACK */
+} sp_modes_solver;
+
 typedef struct sp_modes_options {
     bool vectors;     /* compute eigenvectors too; false: frequencies only */
     sp_source source; /* source of the amplitudes a; b is always the force on the top wall */
+    sp_modes_solver solver;
 } sp_modes_options;
 SP_API sp_modes_options sp_modes_options_default(void);
 
 enum { SP_MODES_DENSE_MAX = 20000 }; /* largest problem for the dense solver, in degrees of freedom */
-
-typedef enum sp_modes_method { SP_MODES_DENSE = 0, SP_MODES_SPARSE } sp_modes_method;
 
 /* The whole spectrum or a contiguous part of it, in ascending order. The zero modes of rattlers (dof each) come first;
  * no eigenvectors are stored for them. The mode shapes are u^(n) = M^(-1/2) e^(n) with orthonormal e^(n). The signal is
@@ -38,7 +45,7 @@ typedef struct sp_modes {
     double residual;      /* largest |A e - omega^2 e|/omega_max^2, A = M^(-1/2) K M^(-1/2); NAN without vectors */
     double orthogonality; /* largest |e_m . e_n - delta_mn|; NAN without vectors */
     int64_t first;        /* number of modes of the whole spectrum below row 0 */
-    sp_modes_method method;
+    sp_modes_solver solver;              /* the one that was used */
     double certified_from, certified_to; /* no mode between these frequencies is missing: all modes were found (dense),
                                             or the inertia of K - omega^2 M at both ends gives their number (sparse) */
     int64_t on_edge;                     /* modes within their own error of an end of the band; these are included */
@@ -60,13 +67,13 @@ SP_API sp_modes_range sp_modes_range_all(void);
 SP_API sp_modes_range sp_modes_range_lowest(int64_t count);
 SP_API sp_modes_range sp_modes_range_band(double from, double to);
 
-/* The modes in a range, by block Lanczos on (K - sigma M)^-1. The range is divided into slices; the inertia of K -
- * sigma M at their edges gives the number of modes in each. Memory: the eigenvectors and one sparse factor. SP_EINVAL
- * for an invalid range. SP_EREFUSED if the number of modes cannot be certified, if the network is unstable, or if
- * memory does not suffice. */
+/* The modes in a range, by Lanczos iteration on (K - sigma M)^-1 with the solver of the options. The range is divided
+ * into slices; the inertia of K - sigma M at their edges gives the number of modes in each. Memory: the eigenvectors
+ * and one sparse factor. SP_EINVAL for an invalid range, and for the dense solver. SP_EREFUSED if the number of modes
+ * cannot be certified, if the network is unstable, or if memory does not suffice. */
 SP_API sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
                                  sp_modes *out, sp_error *err);
-/* The same with the solver that is expected to be faster. */
+/* The same with any solver. */
 SP_API sp_status sp_modes_make(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
                                sp_modes *out, sp_error *err);
 SP_API void sp_modes_free(sp_modes *m);

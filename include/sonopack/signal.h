@@ -3,6 +3,7 @@
 /* The signal: the force on the top wall after a short pulse at the bottom wall (Eqs. (1) to (4) of Somfai et al. 2005).
  */
 
+#include <sonopack/modes.h>
 #include <sonopack/network.h>
 
 #ifdef __cplusplus
@@ -44,6 +45,7 @@ typedef struct sp_signal_options {
     bool front;
     int64_t modes; /* sparse: number of lowest modes to sum; the error bound may then exceed the tolerance. 0: chosen
                       from the tolerance */
+    sp_modes_solver solver; /* sparse: of these modes */
 } sp_signal_options;
 SP_API sp_signal_options sp_signal_options_default(void);
 

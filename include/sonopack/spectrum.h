@@ -240,8 +240,8 @@ typedef struct sp_continuum {
 SP_API sp_continuum sp_continuum_none(void);
 /* Compares the `lowest` modes of a 2D packing, apart from its zero modes, with those of the strip. SP_EREFUSED in other
  * dimensions, for walls without friction, and without phi3s. */
-SP_API sp_status sp_continuum_make(const sp_network *net, double phi3s, int32_t lowest, sp_continuum *out,
-                                   sp_error *err);
+SP_API sp_status sp_continuum_make(const sp_network *net, double phi3s, int32_t lowest, sp_modes_solver solver,
+                                   sp_continuum *out, sp_error *err);
 SP_API void sp_continuum_free(sp_continuum *c);
 
 #ifdef __cplusplus

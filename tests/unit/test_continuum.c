@@ -81,7 +81,7 @@ static void test_packing(void **state) {
     sp_continuum c = sp_continuum_none();
     assert_ok(sp_network_make(&p, &o, &net, &err));
     assert_ok(sp_statics_make(&p, 1e-4, 3, &s, &err));
-    assert_ok(sp_continuum_make(&net, s.phi3s, 6, &c, &err));
+    assert_ok(sp_continuum_make(&net, s.phi3s, 6, SP_SOLVER_AUTO, &c, &err));
     assert_int_equal(c.n, 6);
     /* the lowest is the shear of the whole, slower than the continuum's as walls and disorder soften it */
     assert_int_equal(c.row[0].n1, 0);
@@ -97,7 +97,7 @@ static void test_packing(void **state) {
     for (int k = 0;; k++) {
         sp_error error = {0};
         sp_alloc_fail_after(k);
-        const sp_status status = sp_continuum_make(&net, s.phi3s, 2, &c, &error);
+        const sp_status status = sp_continuum_make(&net, s.phi3s, 2, SP_SOLVER_AUTO, &c, &error);
         sp_alloc_fail_after(-1);
         if (status == SP_OK) {
             assert_true(k > 15);
@@ -106,8 +106,8 @@ static void test_packing(void **state) {
         assert_int_equal(status, SP_ENOMEM);
     }
     sp_continuum_free(&c);
-    assert_fails(sp_continuum_make(&net, NAN, 2, &c, &err), SP_EREFUSED, "Phi3*");
-    assert_fails(sp_continuum_make(&net, 0.5, 0, &c, &err), SP_EINVAL, "1");
+    assert_fails(sp_continuum_make(&net, NAN, 2, SP_SOLVER_AUTO, &c, &err), SP_EREFUSED, "Phi3*");
+    assert_fails(sp_continuum_make(&net, 0.5, 0, SP_SOLVER_AUTO, &c, &err), SP_EINVAL, "1");
     sp_strip_mode mode;
     const double box[2] = {1, 1};
     const sp_moduli bad = {.c11 = 1, .c22 = 1, .c33 = NAN};
@@ -117,12 +117,12 @@ static void test_packing(void **state) {
     sp_packing_free(&p);
     p = scattered_packing(3, 3, 0.5, 1);
     assert_ok(sp_network_make(&p, &o, &net, &err));
-    assert_fails(sp_continuum_make(&net, 0.5, 2, &c, &err), SP_EREFUSED, "2");
+    assert_fails(sp_continuum_make(&net, 0.5, 2, SP_SOLVER_AUTO, &c, &err), SP_EREFUSED, "2");
     sp_network_free(&net);
     sp_packing_free(&p);
     p = scattered_packing(2, 6, 0, 1);
     assert_ok(sp_network_make(&p, &o, &net, &err));
-    assert_fails(sp_continuum_make(&net, 0.5, 2, &c, &err), SP_EREFUSED, "");
+    assert_fails(sp_continuum_make(&net, 0.5, 2, SP_SOLVER_AUTO, &c, &err), SP_EREFUSED, "");
     sp_network_free(&net);
     sp_packing_free(&p);
 }

@@ -145,12 +145,14 @@ static void assert_part(const sp_modes *all, const sp_modes *part) {
         assert_true(part->residual < 1e-10 && part->orthogonality < 1e-9);
 }
 
+static sp_modes_solver solver; /* of the present test */
+
 static void check_lowest(const sp_network *net, const sp_modes *all, int64_t count, bool vectors) {
-    const sp_modes_options o = {.vectors = vectors};
+    const sp_modes_options o = {.vectors = vectors, .solver = solver};
     const sp_modes_range range = sp_modes_range_lowest(count);
     sp_modes m = sp_modes_none();
     assert_ok(sp_modes_sparse(net, &o, &range, &m, &err));
-    assert_int_equal(m.method, SP_MODES_SPARSE);
+    assert_int_equal(m.solver, solver == SP_SOLVER_AUTO ? SP_SOLVER_LANCZOS : solver);
     assert_int_equal(m.n, all->n_rattler + count);
     assert_int_equal(m.n_rattler, all->n_rattler);
     assert_int_equal(m.first, 0);
@@ -162,7 +164,7 @@ static void check_lowest(const sp_network *net, const sp_modes *all, int64_t cou
 }
 
 static void check_all(const sp_network *net, const sp_modes *all, bool vectors) {
-    const sp_modes_options o = {.vectors = vectors};
+    const sp_modes_options o = {.vectors = vectors, .solver = solver};
     const sp_modes_range range = sp_modes_range_all();
     sp_modes m = sp_modes_none();
     assert_ok(sp_modes_sparse(net, &o, &range, &m, &err));
@@ -173,7 +175,7 @@ static void check_all(const sp_network *net, const sp_modes *all, bool vectors) 
 }
 
 static void check_band(const sp_network *net, const sp_modes *all, double from, double to, bool vectors) {
-    const sp_modes_options o = {.vectors = vectors};
+    const sp_modes_options o = {.vectors = vectors, .solver = solver};
     const sp_modes_range range = sp_modes_range_band(from, to);
     sp_modes m = sp_modes_none();
     int64_t below = 0, inside = 0, edge = 0;
@@ -197,8 +199,8 @@ static void check_band(const sp_network *net, const sp_modes *all, double from, 
     sp_modes_free(&m);
 }
 
-static void test_parts(void **state) {
-    (void)state;
+static void check_parts(sp_modes_solver by) {
+    solver = by;
     const unsigned seed = 11;
     print_message("seed %u\n", seed);
     srand(seed);
@@ -228,6 +230,16 @@ static void test_parts(void **state) {
         sp_modes_free(&all);
         sp_network_free(&net);
     }
+}
+
+static void test_parts(void **state) {
+    (void)state;
+    check_parts(SP_SOLVER_AUTO);
+}
+
+static void test_parts_by_arpack(void **state) {
+    (void)state;
+    check_parts(SP_SOLVER_ARPACK);
 }
 
 /* A limit that is a mode's own frequency: the mode is in, and told of. */
@@ -318,8 +330,8 @@ static void test_no_memory(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_parts), cmocka_unit_test(test_on_the_edge),
-                                       cmocka_unit_test(test_amplitudes), cmocka_unit_test(test_refusals),
-                                       cmocka_unit_test(test_no_memory)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_parts),       cmocka_unit_test(test_parts_by_arpack),
+                                       cmocka_unit_test(test_on_the_edge), cmocka_unit_test(test_amplitudes),
+                                       cmocka_unit_test(test_refusals),    cmocka_unit_test(test_no_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -73,15 +73,21 @@ static sp_status signals(const sp_network *net, const sp_packing *p, FILE *out, 
 static sp_status modes(const sp_network *net, FILE *out, sp_error *err) {
     const sp_modes_options options = sp_modes_options_default();
     const sp_modes_range lowest = sp_modes_range_lowest(10);
-    sp_modes dense = sp_modes_none(), sparse = sp_modes_none();
+    sp_modes_options by_arpack = options;
+    by_arpack.solver = SP_SOLVER_ARPACK;
+    sp_modes dense = sp_modes_none(), sparse = sp_modes_none(), arpack = sp_modes_none();
     sp_status status = sp_modes_dense(net, &options, &dense, err);
     if (status == SP_OK)
         status = sp_modes_sparse(net, &options, &lowest, &sparse, err);
+    if (status == SP_OK) /* its state is static: one search waits for another */
+        status = sp_modes_sparse(net, &by_arpack, &lowest, &arpack, err);
     if (status == SP_OK) {
         keep(out, dense.omega, (size_t)dense.n, sizeof *dense.omega);
         keep(out, dense.vectors, (size_t)((dense.n - dense.n_rattler) * dense.dofs), sizeof *dense.vectors);
         keep(out, sparse.omega, (size_t)sparse.n, sizeof *sparse.omega);
+        keep(out, arpack.vectors, (size_t)((arpack.n - arpack.n_rattler) * arpack.dofs), sizeof *arpack.vectors);
     }
+    sp_modes_free(&arpack);
     sp_modes_free(&dense);
     sp_modes_free(&sparse);
     return status;

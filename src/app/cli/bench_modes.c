@@ -3,22 +3,19 @@
 
 #include <math.h>
 
-typedef sp_status (*solver)(const sp_network *, const sp_modes_options *, const sp_modes_range *, sp_modes *,
-                            sp_error *);
-
 typedef struct job {
     const sp_network *net;
     bool vectors;
     int64_t lowest; /* 0: all */
-    solver solve;   /* NULL: the dense one */
+    sp_modes_solver solver;
 } job;
 
 static sp_status run_modes(const void *data, double *error, sp_error *err) {
     const job *j = data;
-    const sp_modes_options o = {.vectors = j->vectors, .source = SP_SOURCE_IMPULSE};
+    const sp_modes_options o = {.vectors = j->vectors, .source = SP_SOURCE_IMPULSE, .solver = j->solver};
     const sp_modes_range range = j->lowest > 0 ? sp_modes_range_lowest(j->lowest) : sp_modes_range_all();
     sp_modes m = sp_modes_none();
-    sp_status status = j->solve ? j->solve(j->net, &o, &range, &m, err) : sp_modes_dense(j->net, &o, &m, err);
+    sp_status status = sp_modes_make(j->net, &o, &range, &m, err);
     *error = 0;
     for (int64_t k = 0; status == SP_OK && k < m.n; k++)
         if (m.omega[k] > 0)
@@ -40,18 +37,15 @@ enum { DENSE_DOFS = 3000 };
 
 /* The dense solver computes all modes, however many are asked for. */
 static sp_status bench_range(const bench_subject *s, const char *name, int64_t lowest, bool vectors, sp_error *err) {
-    const struct {
-        const char *name;
-        solver solve;
-        bool dense;
-    } ways[] = {{"auto", sp_modes_make, lowest == 0}, {"sparse", sp_modes_sparse, false}, {"dense", NULL, true}};
+    static const sp_modes_solver solvers[] = {SP_SOLVER_AUTO, SP_SOLVER_LANCZOS, SP_SOLVER_ARPACK, SP_SOLVER_DENSE};
+    const int64_t dofs = sp_network_dofs(s->net);
     sp_status status = SP_OK;
-    for (int k = 0; k < 3 && status == SP_OK; k++) {
-        const job j = {s->net, vectors, lowest, ways[k].solve};
-        if ((lowest > 0 && sp_network_dofs(s->net) < lowest) ||
-            ((ways[k].dense || lowest == 0) && sp_network_dofs(s->net) > DENSE_DOFS))
+    for (int k = 0; k < 4 && status == SP_OK; k++) {
+        const job j = {s->net, vectors, lowest, solvers[k]};
+        const bool dense = solvers[k] == SP_SOLVER_DENSE || lowest == 0, few = dofs < 4 * lowest;
+        if (dense ? dofs > DENSE_DOFS || lowest > dofs : few)
             continue;
-        status = bench_measure(s, &(bench_row){name, ways[k].name, NAN, run_modes, &j}, err);
+        status = bench_measure(s, &(bench_row){name, cli_solver_names[solvers[k]], NAN, run_modes, &j}, err);
     }
     return status;
 }

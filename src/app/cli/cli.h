@@ -96,6 +96,8 @@ void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments)
 bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *name);
 
 extern const char *const cli_source_names[]; /* by sp_source */
+extern const char *const cli_solver_names[]; /* by sp_modes_solver */
+#define CLI_SOLVERS "auto|lanczos|arpack|dense"
 /* "a, b or c" */
 char *cli_list_words(const char *const *words, char *text, size_t size);
 /* The index of a word in a list that NULL ends. SP_EINVAL lists the words. */

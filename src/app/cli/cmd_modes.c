@@ -9,7 +9,7 @@
 typedef struct arguments {
     cli_common common;
     bool frequencies_only, stability;
-    int source; /* sp_source */
+    int source, solver; /* sp_source, sp_modes_solver */
     sp_modes_range range;
     bool part;      /* --lowest or --band */
     int ranges;     /* how many of --lowest and --band */
@@ -70,6 +70,8 @@ static const cli_option options[] = {
      "Add dashpots with the fraction ZETA of critical damping: columns n, omega, decay, cosine, sine, error (at most "
      "2000 degrees of freedom)",
      CLI_NUMBER, .field = offsetof(arguments, damping), .low = 1e-12, .high = 100},
+    {"solver", CLI_SOLVERS, "Solver: block Lanczos, ARPACK, LAPACK, or the fastest of them (auto)", CLI_CHOICE,
+     .field = offsetof(arguments, solver), .words = cli_solver_names},
     {"stability", NULL,
      "Print one row instead, with a verdict on whether any motion grows (with --prestress and friction, up to 6000 "
      "degrees of freedom; above that undecided, with a bound)",
@@ -109,11 +111,14 @@ static void add_comments(const arguments *a, const cli_file *file, const sp_mode
         cli_comment(w, "residual = %.3g", m->residual);
         cli_comment(w, "orthogonality = %.3g", m->orthogonality);
     }
-    cli_comment(w, "method = %s", m->method == SP_MODES_SPARSE ? "sparse" : "dense");
+    cli_comment(w, "method = %s", m->solver == SP_SOLVER_DENSE ? "dense" : "sparse");
     /* no mode is missing between these two frequencies */
     cli_comment(w, "complete = %s:%s", sp_number_text(m->certified_from, from), sp_number_text(m->certified_to, to));
-    if (m->method == SP_MODES_SPARSE)
+    if (m->solver != SP_SOLVER_DENSE) {
+        cli_comment(w, "solver = %s", cli_solver_names[m->solver]);
         cli_comment(w, "factors = %lld", (long long)m->factors);
+        cli_comment(w, "solves = %lld", (long long)m->solves);
+    }
     if (m->on_edge > 0)
         cli_comment(w, "on_edge = %lld", (long long)m->on_edge);
 }
@@ -127,7 +132,8 @@ static void add_columns(bool vectors, cli_writer *w) {
 }
 
 static sp_status undamped(const arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
-    const sp_modes_options o = {.vectors = !a->frequencies_only, .source = (sp_source)a->source};
+    const sp_modes_options o = {
+        .vectors = !a->frequencies_only, .source = (sp_source)a->source, .solver = (sp_modes_solver)a->solver};
     sp_modes m = sp_modes_none();
     cli_writer w = {.table = t, .err = err, .status = sp_modes_make(&file->network, &o, &a->range, &m, err)};
     add_columns(!a->frequencies_only, &w);

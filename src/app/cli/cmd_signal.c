@@ -18,6 +18,7 @@ typedef struct arguments {
     double until, tolerance, step, damping, amplitude; /* < 0: not given */
     int64_t points, planes, modes;                     /* points -1: not given */
     bool front;
+    int solver;                    /* sp_modes_solver */
     int method, source, component; /* NOT_GIVEN, or sp_signal_method, sp_source, 1 for shear */
     cli_places sources, detectors;
     cli_pulse pulse;
@@ -74,6 +75,8 @@ static const cli_option options[] = {
      .field = offsetof(arguments, tolerance), .key = "signal.tolerance"},
     {"modes", "K", "sparse: use the K lowest modes, regardless of the error (as many as the tolerance needs)",
      CLI_INTEGER, .field = offsetof(arguments, modes), .low = 1, .high = INT32_MAX},
+    {"solver", CLI_SOLVERS, "sparse: solver of the modes, as in modes (auto)", CLI_CHOICE,
+     .field = offsetof(arguments, solver), .words = cli_solver_names},
     {"stop-at-front", NULL, "Stop soon after the first front of every signal; there may be fewer than N points",
      CLI_FLAG, .field = offsetof(arguments, front)},
     {"damping", "ZETA", "Add dashpots to all contacts, with the fraction ZETA of critical damping (0)", CLI_NUMBER,
@@ -136,6 +139,9 @@ static sp_status set_options(arguments *a, const sp_scene *scene, const sp_packi
         o.step = a->step;
     if (a->modes > 0)
         o.modes = a->modes;
+    o.solver = (sp_modes_solver)a->solver;
+    if (o.solver != SP_SOLVER_AUTO && a->method != SP_SIGNAL_SPARSE)
+        return sp_fail(err, SP_EINVAL, "--solver: applies only to --method sparse");
     o.front = o.front || a->front;
     if (a->damping >= 0)
         o.damping = a->damping;

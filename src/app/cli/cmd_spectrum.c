@@ -72,6 +72,8 @@ static const cli_option options[] = {
      .high = 0.1, .kinds = "harmonic"},
     {"lowest", "K", "continuum: the K lowest modes (12)", CLI_INTEGER, FIELD(lowest), .low = 1, .high = 100000,
      .kinds = "continuum"},
+    {"solver", CLI_SOLVERS, "continuum, participation, transmission --lines: solver of the modes, as in modes (auto)",
+     CLI_CHOICE, FIELD(solver), .words = cli_solver_names, .kinds = "continuum participation transmission"},
     {0}};
 
 static const cli_syntax syntax = {

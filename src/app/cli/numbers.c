@@ -38,6 +38,11 @@ const char *const cli_source_names[] = {[SP_SOURCE_IMPULSE] = "impulse",
                                         [SP_SOURCE_VELOCITY] = "velocity",
                                         [SP_SOURCE_DISPLACEMENT] = "displacement",
                                         NULL};
+const char *const cli_solver_names[] = {[SP_SOLVER_AUTO] = "auto",
+                                        [SP_SOLVER_LANCZOS] = "lanczos",
+                                        [SP_SOLVER_ARPACK] = "arpack",
+                                        [SP_SOLVER_DENSE] = "dense",
+                                        NULL};
 
 char *cli_list_words(const char *const *words, char *text, size_t size) {
     size_t used = 0;

@@ -16,7 +16,8 @@ sp_status spectrum_continuum(const spectrum_arguments *a, const cli_file *file, 
     sp_statics s;
     cli_writer w = {.table = t, .err = err, .status = sp_statics_make(&file->packing, threshold, margin, &s, err)};
     if (w.status == SP_OK)
-        w.status = sp_continuum_make(&file->network, s.phi3s, a->lowest < 0 ? 12 : (int32_t)a->lowest, &c, err);
+        w.status = sp_continuum_make(&file->network, s.phi3s, a->lowest < 0 ? 12 : (int32_t)a->lowest,
+                                     (sp_modes_solver)a->solver, &c, err);
     if (w.status != SP_OK)
         return w.status;
     cli_value(&w, "Phi3s", s.phi3s);

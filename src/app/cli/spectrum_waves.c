@@ -6,10 +6,11 @@
 
 /* The table of --lines: every mode with its weight in the signal. */
 static sp_status lines(const spectrum_arguments *a, const sp_network *net, sp_table *t, sp_error *err) {
-    const sp_modes_options o = {.vectors = true, .source = (sp_source)a->source};
+    const sp_modes_options o = {.vectors = true, .source = (sp_source)a->source, .solver = (sp_modes_solver)a->solver};
+    const sp_modes_range range = sp_modes_range_all();
     sp_modes m = sp_modes_none();
     double all = 0, sum = 0;
-    cli_writer w = {.table = t, .err = err, .status = sp_modes_dense(net, &o, &m, err)};
+    cli_writer w = {.table = t, .err = err, .status = sp_modes_make(net, &o, &range, &m, err)};
     cli_columns(&w, SP_CELL_INTEGER, "n", "", NULL);
     cli_columns(&w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "ab", "E* d^2", "share", "", NULL);
     cli_comment(&w, "source = %s", cli_source_names[a->source]);
@@ -121,12 +122,13 @@ sp_status spectrum_dispersion(const spectrum_arguments *a, const cli_file *file,
 /* ---- participation ---------------------------------------------------------------------------------------------- */
 
 sp_status spectrum_participation(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
-    const sp_modes_options o = {.vectors = true, .source = SP_SOURCE_IMPULSE};
+    const sp_modes_options o = {.vectors = true, .solver = (sp_modes_solver)a->solver};
+    const sp_modes_range all = sp_modes_range_all();
     const int32_t bins = a->bins >= 0 ? (int32_t)a->bins : 40;
     sp_modes m = sp_modes_none();
     sp_participation_bin *bin = sp_alloc((size_t)bins, sizeof *bin);
     cli_writer w = {.table = t, .err = err};
-    w.status = bin ? sp_modes_dense(&file->network, &o, &m, err) : sp_fail_memory(err, (size_t)bins * sizeof *bin);
+    w.status = bin ? sp_modes_make(&file->network, &o, &all, &m, err) : sp_fail_memory(err, (size_t)bins * sizeof *bin);
     if (w.status == SP_OK)
         w.status = sp_participation(&m, bins, a->until >= 0 ? a->until : 0, bin, err);
     cli_columns(&w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "low", SPECTRUM_FREQUENCY, "high", SPECTRUM_FREQUENCY,

@@ -41,6 +41,10 @@ BLAS(void, cblas_dgemm,
      (enum CBLAS_ORDER a, enum CBLAS_TRANSPOSE b, enum CBLAS_TRANSPOSE c, blasint d, blasint e, blasint f, double g,
       const double *h, blasint i, const double *j, blasint k, double l, double *m, blasint n),
      (a, b, c, d, e, f, g, h, i, j, k, l, m, n))
+BLAS(void, cblas_dgemv,
+     (CBLAS_ORDER a, CBLAS_TRANSPOSE b, blasint c, blasint d, double e, const double *f, blasint g, const double *h,
+      blasint i, double j, double *k, blasint l),
+     (a, b, c, d, e, f, g, h, i, j, k, l))
 BLAS(void, cblas_dscal, (blasint a, double b, double *c, blasint d), (a, b, c, d))
 BLAS(void, cblas_dtrsm,
      (enum CBLAS_ORDER a, enum CBLAS_SIDE b, enum CBLAS_UPLO c, enum CBLAS_TRANSPOSE d, enum CBLAS_DIAG e, blasint f,

@@ -82,7 +82,7 @@ static sp_status add_bodies(const paper_work *s, const sp_sample *sample, const 
     out->bodies = 0;
     if (!(sample->have & SP_WANT_STATICS) || !(sample->statics.phi3s > 0))
         return SP_OK;
-    sp_status status = sp_continuum_make(net, sample->statics.phi3s, BODY, &c, err);
+    sp_status status = sp_continuum_make(net, sample->statics.phi3s, BODY, SP_SOLVER_AUTO, &c, err);
     for (int k = 0; status == SP_OK && k < c.n && k < BODY; k++) {
         const sp_continuum_row *row = &c.row[k];
         out->body_n[k] = (double)row->n;

@@ -108,7 +108,7 @@ sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_
         status = sp_modes_tabulate(net, opt->source, &set, out, err);
     }
     if (status == SP_OK) {
-        out->method = SP_MODES_DENSE;
+        out->solver = SP_SOLVER_DENSE;
         out->certified_to = HUGE_VAL;
     }
 out:

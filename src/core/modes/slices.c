@@ -1,15 +1,18 @@
 /* Finds all eigenpairs between two shifts, slice by slice, and proves that none is missing. */
 #include "modes/slices.h"
 #include "base/base.h"
+#include "linalg/arpack.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
 enum {
-    SLICE = 128, /* modes per slice; the cost of a basis grows as the square, while each slice costs a factorization */
-    SPARE = 6,   /* additional modes among which a gap for the edge is sought */
-    DEPTH_MAX = 60, /* halvings of the interval */
+    /* modes per slice: the cost of a basis grows as the square, while each slice costs two factorizations */
+    SLICE = 128,
+    SLICE_ARPACK = 48, /* its orthogonalization takes one vector after another, and is bound by memory */
+    SPARE = 6,         /* additional modes among which a gap for the edge is sought */
+    DEPTH_MAX = 60,    /* halvings of the interval */
     LOCKED_MAX = 32
 };
 
@@ -38,6 +41,16 @@ sp_status sp_slicer_make(const sp_network *net, bool vectors, slicer *out, sp_er
         *out = z;
     else
         sp_slicer_free(&z);
+    return status;
+}
+
+static int64_t slice_size(const slicer *z) { return z->solver == SP_SOLVER_ARPACK ? SLICE_ARPACK : SLICE; }
+
+static sp_status search(slicer *z, const sp_lanczos_spec *spec, sp_lanczos_pairs *out, sp_error *err) {
+    const sp_status status = z->solver == SP_SOLVER_ARPACK ? sp_arpack(z->ldl, z->n, spec, out, err)
+                                                           : sp_lanczos(z->ldl, z->n, spec, out, err);
+    if (status == SP_OK)
+        z->solves += out->solves;
     return status;
 }
 
@@ -166,10 +179,9 @@ static sp_status solve_slice(slicer *z, slice_edge a, slice_edge b, int64_t want
         spec.locked = z->last.vector + (z->last.count - locked) * z->n;
         below = fmax(below, z->last.value[z->last.count - 1] + a.error);
     }
-    status = sp_lanczos(z->ldl, z->n, &spec, &p, err);
+    status = search(z, &spec, &p, err);
     if (status != SP_OK)
         return status;
-    z->solves += p.solves;
     double above = b.sigma - b.error;
     if (p.count > wanted) /* the next mode lies at the edge and belongs to the next slice */
         above = p.value[wanted] - b.error;
@@ -185,7 +197,7 @@ static sp_status solve_between(slicer *z, slice_edge a, slice_edge b, int64_t st
     if (wanted <= 0)
         return SP_OK;
     const double width = b.sigma - a.sigma, size = fmax(fabs(a.sigma), fabs(b.sigma));
-    if (wanted <= SLICE || depth >= DEPTH_MAX || width < 1e-7 * size + 64 * (a.error + b.error))
+    if (wanted <= slice_size(z) || depth >= DEPTH_MAX || width < 1e-7 * size + 64 * (a.error + b.error))
         return solve_slice(z, a, b, wanted, err);
     slice_edge middle;
     sp_status status = sp_slicer_edge(z, a.sigma + 0.4 * width, a.sigma + 0.6 * width, &middle, err);
@@ -270,11 +282,10 @@ static sp_status lowest_of_one_basis(slicer *z, int64_t count, slice_edge *end, 
                                       .wanted = count + SPARE,
                                       .tolerance = z->tolerance,
                                       .floor = -bottom.sigma};
-        status = sp_lanczos(z->ldl, z->n, &spec, &p, err);
+        status = search(z, &spec, &p, err);
     }
     if (status != SP_OK)
         return status;
-    z->solves += p.solves;
     const int64_t cut = widest_gap(&p, count);
     const double low = p.value[cut - 1], high = p.value[cut], gap = high - low;
     bool proved = gap > 1e-7 * high + 100 * z->noise;
@@ -323,13 +334,12 @@ static sp_status lowest_around_middle(slicer *z, int64_t count, slice_edge *end,
                                       .wanted = top.below,
                                       .tolerance = z->tolerance,
                                       .floor = 1e-4 * top.sigma};
-        status = sp_lanczos(z->ldl, z->n, &spec, &p, &reason);
+        status = search(z, &spec, &p, &reason);
     }
     if (status == SP_EREFUSED)
         return SP_OK;
     if (status != SP_OK)
         return sp_fail(err, status, "%s", reason.text);
-    z->solves += p.solves;
     if (p.count == top.below && p.value[0] > 1e-5 * top.sigma &&
         p.value[p.count - 1] < top.sigma - 2 * top.error - 1e-9 * top.sigma) {
         status = reserve(z, p.count, err);
@@ -343,7 +353,7 @@ static sp_status lowest_around_middle(slicer *z, int64_t count, slice_edge *end,
 }
 
 sp_status sp_slicer_lowest(slicer *z, int64_t count, slice_edge *end, sp_error *err) {
-    if (count <= SLICE + SLICE / 2) {
+    if (count <= slice_size(z) + slice_size(z) / 2) {
         bool found = false;
         const sp_status status = lowest_around_middle(z, count, end, &found, err);
         return status != SP_OK || found ? status : lowest_of_one_basis(z, count, end, err);

@@ -5,6 +5,8 @@
 #include "linalg/lanczos.h"
 #include "modes/refine.h"
 
+#include <sonopack/modes.h>
+
 /* A shift and its count: `below` eigenvalues below sigma of a matrix within `error` of A. */
 typedef struct slice_edge {
     double sigma, error;
@@ -13,8 +15,9 @@ typedef struct slice_edge {
 
 typedef struct slicer {
     const sp_network *net;
-    bool vectors;     /* keep the eigenvectors */
-    double tolerance; /* of the Lanczos residuals */
+    bool vectors;           /* keep the eigenvectors */
+    sp_modes_solver solver; /* ARPACK, or block Lanczos */
+    double tolerance;       /* of the Lanczos residuals */
     int64_t n;
     double top;   /* upper bound of the spectrum of A */
     double noise; /* upper bound of |A as assembled - A| */

@@ -147,7 +147,7 @@ static sp_status make_table(const slicer *z, const sp_modes_options *opt, const 
     sp_status status = sp_modes_tabulate(z->net, opt->source, &set, out, err);
     if (status != SP_OK)
         return status;
-    out->method = SP_MODES_SPARSE;
+    out->solver = z->solver;
     out->certified_from = sqrt(fmax(a.sigma + a.error, 0));
     out->certified_to = b.below == z->n ? HUGE_VAL : to;
     out->on_edge = edge;
@@ -163,11 +163,14 @@ sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, co
     sp_status status = check(net, range, err);
     if (status != SP_OK)
         return status;
-    if (sp_network_dofs(net) <= SMALL)
+    if (opt->solver == SP_SOLVER_DENSE)
+        return sp_fail(err, SP_EINVAL, "the solver of a part of the modes is dense, must be lanczos or arpack");
+    if (sp_network_dofs(net) <= SMALL && opt->solver == SP_SOLVER_AUTO)
         return dense(net, opt, range, out, err);
     status = sp_slicer_make(net, opt->vectors, &z, err);
     if (status != SP_OK)
         return status;
+    z.solver = opt->solver == SP_SOLVER_AUTO ? SP_SOLVER_LANCZOS : opt->solver;
     if (range->lowest > 0)
         status = sp_slicer_lowest(&z, range->lowest, &b, err);
     else
@@ -184,7 +187,8 @@ sp_status sp_modes_make(const sp_network *net, const sp_modes_options *opt, cons
     sp_status status = check(net, range, err);
     if (status != SP_OK)
         return status;
-    if (n <= SMALL || (n <= SP_MODES_DENSE_MAX && (is_all(net, range) || range->lowest > n / 4)))
+    const bool small = n <= SMALL || (n <= SP_MODES_DENSE_MAX && (is_all(net, range) || range->lowest > n / 4));
+    if (opt->solver == SP_SOLVER_DENSE || (opt->solver == SP_SOLVER_AUTO && small))
         return dense(net, opt, range, out, err);
     return sp_modes_sparse(net, opt, range, out, err);
 }

@@ -169,7 +169,7 @@ static void add_modes(const sum *q, const projection *a, const projection *b, co
 
 static sp_status prepare(sum *q, int64_t modes, sp_error *err) {
     const signal_job *job = q->job;
-    const sp_modes_options how = {.vectors = true, .source = job->options->source};
+    const sp_modes_options how = {.vectors = true, .source = job->options->source, .solver = job->options->solver};
     const sp_modes_range range = sp_modes_range_lowest(modes);
     const size_t places = (size_t)(job->sources + job->detectors);
     slice_edge bottom = {0};

@@ -258,8 +258,9 @@ static sp_status check_continuum(const sp_network *net, double phi3s, int32_t lo
     return SP_OK;
 }
 
-sp_status sp_continuum_make(const sp_network *net, double phi3s, int32_t lowest, sp_continuum *out, sp_error *err) {
-    const sp_modes_options o = {.vectors = true, .source = SP_SOURCE_IMPULSE};
+sp_status sp_continuum_make(const sp_network *net, double phi3s, int32_t lowest, sp_modes_solver solver,
+                            sp_continuum *out, sp_error *err) {
+    const sp_modes_options o = {.vectors = true, .source = SP_SOURCE_IMPULSE, .solver = solver};
     const sp_modes_range range = sp_modes_range_lowest(lowest);
     sp_continuum c = sp_continuum_none();
     sp_modes modes = sp_modes_none();
