@@ -21,7 +21,7 @@ BESIDE = {"tapped": {"core/base", "core/table", "core/numeric", "core/linalg"},
 # headers of other libraries, and the rooms that may see them
 FOREIGN = [(r"hdf5(_hl)?\.h|H5\w*\.h|zlib\.h", {"study/store", "app/late"}),
            (r"(suitesparse/)?(cholmod|SuiteSparse\w*|amd|umfpack)\.h", {"core/linalg", "app/late"}),
-           (r"(lapacke|lapack|cblas|openblas\w*|f77blas)\.h|arpack/.*", {"core/linalg", "app/late"}),
+           (r"(lapacke|lapack|cblas|openblas\w*|f77blas|arpack)\.h", {"core/linalg", "app/late"}),
            (r"libconfig\.h", {"study/scene"}), (r"(cairo/)?cairo[\w-]*\.h", {"figure", "app/late"}), (r"argp\.h|getopt\.h|mpi\.h", {"app/cli"}),
            (r"gsl/.*|Random123/.*", {"core/numeric"})]
 LIBC = set("""assert complex ctype errno fcntl fenv float inttypes limits locale math pthread setjmp signal stdalign stdarg

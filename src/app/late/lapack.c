@@ -50,3 +50,11 @@ BLAS(void, cblas_dtrsm,
      (enum CBLAS_ORDER a, enum CBLAS_SIDE b, enum CBLAS_UPLO c, enum CBLAS_TRANSPOSE d, enum CBLAS_DIAG e, blasint f,
       blasint g, double h, const double *i, blasint j, double *k, blasint l),
      (a, b, c, d, e, f, g, h, i, j, k, l))
+BLAS(void, cblas_zgemm,
+     (CBLAS_ORDER a, CBLAS_TRANSPOSE b, CBLAS_TRANSPOSE c, blasint d, blasint e, blasint f, const void *g,
+      const void *h, blasint i, const void *j, blasint k, const void *l, void *m, blasint n),
+     (a, b, c, d, e, f, g, h, i, j, k, l, m, n))
+BLAS(void, cblas_ztrsm,
+     (CBLAS_ORDER a, CBLAS_SIDE b, CBLAS_UPLO c, CBLAS_TRANSPOSE d, CBLAS_DIAG e, blasint f, blasint g, const void *h,
+      const void *i, blasint j, void *k, blasint l),
+     (a, b, c, d, e, f, g, h, i, j, k, l))

@@ -129,7 +129,7 @@ static void row_sums(const sp_ldl *f, const double *t, double *s, double *terms)
     }
 }
 
-/* Bounds the backward error E. |E| <= (k + 3) eps |L||D||L'| for each entry, where k, the largest number of terms in an
+/* Bounds the backward error E. |E| <= (k + 4) eps |L||D||L'| for each entry, where k, the largest number of terms in an
  * entry, is at most the number of entries in a row of L, in whatever order they are added (Higham, Accuracy and
  * Stability of Numerical Algorithms, 2002, section 10.1; the proof does not need positive pivots). The largest row sum
  * bounds the norm of a symmetric matrix. Forming A - sigma adds one rounding. */
@@ -138,7 +138,7 @@ static void find_error(sp_ldl *f) {
     column_sums(f, t);
     row_sums(f, t, s, terms);
     for (int64_t k = 0; k < f->s.n; k++) {
-        const double bound = (terms[k] + 3) * s[k];
+        const double bound = (terms[k] + 4) * s[k];
         most = bound > most || isnan(bound) ? bound : most;
     }
     f->error = DBL_EPSILON * (most + f->size + fabs(f->sigma));

@@ -6,9 +6,11 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdbool.h>
 
 void sp_driven_free(driven *d) {
-    sp_lu_free(d->lu);
+    sp_complex_ldl_free(d->ldl);
+    sp_free(d->in_lower);
     sp_free(d->p);
     sp_free(d->i);
     sp_free(d->memory);
@@ -40,6 +42,7 @@ static void fill_values(const sp_sparse *k, const driven *d, int64_t *next, doub
             const double scale = 1 / (d->root[c] * d->root[r]);
             const double most = sqrt(fabs(k->x[k->p[c]])) * sqrt(fabs(k->x[k->p[r]])) * scale;
             d->i[next[c]] = r;
+            d->in_lower[q] = next[c];
             x[next[c]] = k->x[q] * scale;
             size[next[c]++] = fmax(most, fabs(k->x[q]) * scale);
             if (r == c)
@@ -53,16 +56,19 @@ static void fill_values(const sp_sparse *k, const driven *d, int64_t *next, doub
 static sp_status allocate(const sp_network *net, const sp_sparse *k, bool damped, driven *d, sp_error *err) {
     const size_t n = (size_t)k->n, entries = 2 * (size_t)k->p[n] - n;
     d->n = k->n;
+    d->entries = k->p[n];
     d->p = sp_alloc(n + 1, sizeof *d->p);
     d->i = sp_alloc(entries, sizeof *d->i);
-    if (!d->p || !d->i)
-        return sp_fail_memory(err, (entries + n + 1) * sizeof *d->p);
+    d->in_lower = sp_alloc((size_t)d->entries, sizeof *d->in_lower);
+    if (!d->p || !d->i || !d->in_lower)
+        return sp_fail_memory(err, (2 * entries + n + 1) * sizeof *d->p);
     const sp_array arrays[] = {{&d->a, entries},
                                {&d->size_a, entries},
                                {&d->x, 2 * entries},
+                               {&d->lower, 2 * (size_t)d->entries},
                                {&d->root, n},
-                               {&d->v, 2 * n},
-                               {&d->w, 2 * n},
+                               {&d->v, 2 * n * SP_DRIVEN_MOST},
+                               {&d->w, 2 * n * SP_DRIVEN_MOST},
                                {damped ? &d->c : NULL, entries},
                                {&d->size_c, entries},
                                {0}};
@@ -96,7 +102,7 @@ sp_status sp_driven_make(const sp_network *net, const sp_network *dashpots, driv
         fill_values(&k, &d, next, d.a, d.size_a);
         if (dashpots)
             fill_values(&c, &d, next, d.c, d.size_c);
-        status = sp_lu_make(d.n, d.p, d.i, true, &d.lu, err);
+        status = sp_complex_ldl_make(&k, &d.ldl, err);
     }
     sp_free(next);
     sp_sparse_free(&c);
@@ -122,7 +128,7 @@ static sp_status estimate_inverse(driven *d, sp_error *err) {
         const double before = sp_norm(2 * n, d->v);
         for (int64_t k = 0; k < 2 * n; k++)
             d->v[k] /= before;
-        const sp_status status = sp_lu_solve(d->lu, d->x, false, d->v, d->w, err);
+        const sp_status status = sp_complex_ldl_solve(d->ldl, 1, d->v, d->w, err);
         if (status != SP_OK)
             return status;
         d->inverse = fmax(d->inverse, sp_norm(2 * n, d->w));
@@ -136,59 +142,99 @@ static sp_status estimate_inverse(driven *d, sp_error *err) {
 
 sp_status sp_driven_factor(driven *d, double omega, sp_error *err) {
     d->omega = omega;
-    for (int64_t c = 0; c < d->n; c++)
+    d->size = 0;
+    for (int64_t c = 0; c < d->n; c++) {
+        double sum = 0;
         for (int64_t q = d->p[c]; q < d->p[c + 1]; q++) {
             d->x[2 * q] = d->a[q] - (d->i[q] == c ? omega * omega : 0);
             d->x[2 * q + 1] = d->c ? omega * d->c[q] : 0;
+            sum += fabs(d->x[2 * q]) + fabs(d->x[2 * q + 1]);
         }
-    const sp_status status = sp_lu_factor(d->lu, d->x, err);
+        d->size = fmax(d->size, sum);
+    }
+    for (int64_t q = 0; q < d->entries; q++)
+        for (int part = 0; part < 2; part++)
+            d->lower[2 * q + part] = d->x[2 * d->in_lower[q] + part];
+    const sp_status status = sp_complex_ldl_factor(d->ldl, d->lower, err);
     return status == SP_OK ? estimate_inverse(d, err) : status;
 }
 
-sp_status sp_driven_solve(driven *d, const double *right, double *u, sp_error *err) {
-    return sp_lu_solve(d->lu, d->x, false, right, u, err);
-}
-
-/* r = right - H u, and bounds of its error due to rounding of r, H and right. H is symmetric, so its columns are its
- * rows. */
-static void residual(const driven *d, const double *right, const double *u, double *r, double *off) {
+/* r = b - H u; returns |r|. H is symmetric, so its columns are its rows. */
+static double residual(const driven *d, const double *b, const double *u, double *r) {
+    double squares = 0;
     for (int64_t c = 0; c < d->n; c++) {
-        double re = right[2 * c], im = right[2 * c + 1], sizes = fabs(re) + fabs(im);
+        double re = b[2 * c], im = b[2 * c + 1];
         for (int64_t q = d->p[c]; q < d->p[c + 1]; q++) {
             const int64_t k = d->i[q];
-            const double a = d->x[2 * q], b = d->x[2 * q + 1];
-            re -= a * u[2 * k] - b * u[2 * k + 1];
-            im -= a * u[2 * k + 1] + b * u[2 * k];
-            sizes += (d->size_a[q] + (k == c ? d->omega * d->omega : 0) + (d->c ? d->omega * d->size_c[q] : 0)) *
-                     (fabs(u[2 * k]) + fabs(u[2 * k + 1]));
+            re -= d->x[2 * q] * u[2 * k] - d->x[2 * q + 1] * u[2 * k + 1];
+            im -= d->x[2 * q] * u[2 * k + 1] + d->x[2 * q + 1] * u[2 * k];
         }
         r[2 * c] = re;
         r[2 * c + 1] = im;
-        off[c] = DBL_EPSILON * (12 + (double)(d->p[c + 1] - d->p[c])) * sizes;
+        squares += re * re + im * im;
     }
+    return sqrt(squares);
+}
+
+static double size2(const double *z) { return sqrt(z[0] * z[0] + z[1] * z[1]); }
+
+/* Bound of |b - H u|: the computed residual r, and the rounding of itself, of H and of b. sizes [n]: scratch. */
+static void bound_rest(const driven *d, const double *b, const double *u, const double *r, double *sizes,
+                       double *rest) {
+    for (int64_t k = 0; k < d->n; k++)
+        sizes[k] = fabs(u[2 * k]) + fabs(u[2 * k + 1]);
+    for (int64_t c = 0; c < d->n; c++) {
+        double sum = fabs(b[2 * c]) + fabs(b[2 * c + 1]) + d->omega * d->omega * sizes[c];
+        for (int64_t q = d->p[c]; q < d->p[c + 1]; q++)
+            sum += (d->size_a[q] + (d->c ? d->omega * d->size_c[q] : 0)) * sizes[d->i[q]];
+        rest[c] = size2(r + 2 * c) + DBL_EPSILON * (12 + (double)(d->p[c + 1] - d->p[c])) * sum;
+    }
+}
+
+/* The factor knows no exchange of rows, so that small pivots may spoil it: solutions are refined until residuals are
+ * rounding errors, or shrink no more. */
+sp_status sp_driven_solve(driven *d, int count, const double *b, double *u, double *rest, sp_error *err) {
+    enum { PASSES_MAX = 8 };
+    const int64_t n = d->n;
+    double before[SP_DRIVEN_MOST];
+    sp_status status = sp_complex_ldl_solve(d->ldl, count, b, u, err);
+    for (int pass = 0; status == SP_OK; pass++) {
+        bool refine = false;
+        for (int c = 0; c < count; c++) {
+            const double *x = u + 2 * n * c, size = residual(d, b + 2 * n * c, x, d->v + 2 * n * c);
+            if (size > 4 * DBL_EPSILON * d->size * sp_norm(2 * n, x))
+                refine = refine || pass == 0 || size < 0.25 * before[c];
+            before[c] = size;
+        }
+        if (!refine || pass == PASSES_MAX)
+            break;
+        status = sp_complex_ldl_solve(d->ldl, count, d->v, d->w, err);
+        for (int64_t k = 0; k < 2 * n * count && status == SP_OK; k++)
+            u[k] += d->w[k];
+    }
+    for (int c = 0; c < count && status == SP_OK; c++)
+        bound_rest(d, b + 2 * n * c, u + 2 * n * c, d->v + 2 * n * c, d->w, rest + n * c);
+    return status;
 }
 
 /* With r = source - H u and s = detector - H y for the computed u and y, the error of detector . u is y . r + s . H^-1
  * r. */
-void sp_driven_response(driven *d, const double *source, const double *u, const double *detector, const double *y,
-                        double f[2], double *error) {
+void sp_driven_response(const driven *d, const driven_solution *source, const driven_solution *detector, double f[2],
+                        double *error) {
+    const double *u = source->u, *y = detector->u, *b = detector->b;
     double first = 0, r2 = 0, s2 = 0, own = 0, terms = 0;
-    double *off = d->w;
-    residual(d, source, u, d->v, off);
     f[0] = f[1] = 0;
     for (int64_t k = 0; k < d->n; k++) {
-        const double r = hypot(d->v[2 * k], d->v[2 * k + 1]) + off[k], size = hypot(u[2 * k], u[2 * k + 1]);
-        first += hypot(y[2 * k], y[2 * k + 1]) * r;
+        const double r = source->rest[k], s = detector->rest[k];
+        first += size2(y + 2 * k) * r;
         r2 += r * r;
-        f[0] += detector[2 * k] * u[2 * k] - detector[2 * k + 1] * u[2 * k + 1];
-        f[1] += detector[2 * k] * u[2 * k + 1] + detector[2 * k + 1] * u[2 * k];
-        own += (fabs(detector[2 * k]) + fabs(detector[2 * k + 1])) * size;
-        terms += detector[2 * k] != 0 || detector[2 * k + 1] != 0;
-    }
-    residual(d, detector, y, d->v, off);
-    for (int64_t k = 0; k < d->n; k++) {
-        const double s = hypot(d->v[2 * k], d->v[2 * k + 1]) + off[k];
         s2 += s * s;
+        if (b[2 * k] == 0 && b[2 * k + 1] == 0)
+            continue;
+        f[0] += b[2 * k] * u[2 * k] - b[2 * k + 1] * u[2 * k + 1];
+        f[1] += b[2 * k] * u[2 * k + 1] + b[2 * k + 1] * u[2 * k];
+        own += (fabs(b[2 * k]) + fabs(b[2 * k + 1])) * size2(u + 2 * k);
+        terms++;
     }
     /* the factor 10 is for the estimate of |H^-1|, a lower bound */
     *error = first + 10 * d->inverse * sqrt(r2) * sqrt(s2) + DBL_EPSILON * (12 + 2 * terms) * own;

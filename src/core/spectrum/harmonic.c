@@ -49,10 +49,11 @@ typedef struct harmonic_solver {
     driven d;
     double *source;                     /* [dofs][2], over sqrt(m) */
     double *spring_rows, *dashpot_rows; /* [1 + planes][dofs] forces on detector and planes, over sqrt(m) */
-    double *detector;                   /* [dofs][2] one of them at one frequency: springs + i omega dashpots */
-    double *u, *y;                      /* [dofs][2] */
-    double *memory;                     /* of these arrays */
-    double low, high;                   /* heights of the planes in the fit */
+    double *detector;        /* [SP_DRIVEN_MOST][dofs][2] some at one frequency: springs + i omega dashpots */
+    double *u, *y;           /* [dofs][2], [SP_DRIVEN_MOST][dofs][2] */
+    double *u_rest, *y_rest; /* [dofs] each */
+    double *memory;          /* of these arrays */
+    double low, high;        /* heights of the planes in the fit */
 } harmonic_solver;
 
 static sp_status allocate(const sp_network *net, const sp_harmonic_options *o, harmonic_solver *b, sp_harmonic *h,
@@ -75,9 +76,11 @@ static sp_status allocate(const sp_network *net, const sp_harmonic_options *o, h
     const sp_array arrays[] = {{&b->source, 2 * dofs},
                                {&b->spring_rows, dofs * (1 + planes)},
                                {&b->dashpot_rows, dofs * (1 + planes)},
-                               {&b->detector, 2 * dofs},
+                               {&b->detector, 2 * dofs * SP_DRIVEN_MOST},
                                {&b->u, 2 * dofs},
-                               {&b->y, 2 * dofs},
+                               {&b->y, 2 * dofs * SP_DRIVEN_MOST},
+                               {&b->u_rest, dofs},
+                               {&b->y_rest, dofs * SP_DRIVEN_MOST},
                                {0}};
     double *block;
     sp_status status = sp_arrays_make(response, &block, err);
@@ -167,22 +170,32 @@ static sp_status check_errors(const harmonic_solver *b, int32_t l, const sp_harm
     return SP_OK;
 }
 
-static sp_status one_frequency(harmonic_solver *b, int32_t l, sp_harmonic *h, sp_error *err) {
+/* The forces at `many` places from number `first` on: the detector is number 0, then come the planes. */
+static sp_status some_places(harmonic_solver *b, int32_t l, int32_t first, int many, sp_harmonic *h, sp_error *err) {
     const int64_t dofs = sp_network_dofs(b->net);
+    const driven_solution source = {b->source, b->u, b->u_rest};
+    for (int q = 0; q < many; q++)
+        for (int64_t k = 0; k < dofs; k++) {
+            b->detector[2 * (q * dofs + k)] = b->spring_rows[(first + q) * dofs + k];
+            b->detector[2 * (q * dofs + k) + 1] = h->omega[l] * b->dashpot_rows[(first + q) * dofs + k];
+        }
+    const sp_status status = sp_driven_solve(&b->d, many, b->detector, b->y, b->y_rest, err);
+    for (int q = 0; q < many && status == SP_OK; q++) {
+        const int64_t at = (int64_t)l * h->planes + first + q - 1;
+        const driven_solution detector = {b->detector + 2 * q * dofs, b->y + 2 * q * dofs, b->y_rest + q * dofs};
+        sp_driven_response(&b->d, &source, &detector, first + q == 0 ? h->f + 2 * l : h->flux + 2 * at,
+                           first + q == 0 ? h->error + l : h->flux_error + at);
+    }
+    return status;
+}
+
+static sp_status one_frequency(harmonic_solver *b, int32_t l, sp_harmonic *h, sp_error *err) {
+    const int32_t places = 1 + h->planes;
     sp_status status = sp_driven_factor(&b->d, h->omega[l], err);
     if (status == SP_OK)
-        status = sp_driven_solve(&b->d, b->source, b->u, err);
-    for (int32_t q = 0; q <= h->planes && status == SP_OK; q++) {
-        const int64_t at = (int64_t)l * h->planes + q - 1;
-        for (int64_t k = 0; k < dofs; k++) {
-            b->detector[2 * k] = b->spring_rows[q * dofs + k];
-            b->detector[2 * k + 1] = h->omega[l] * b->dashpot_rows[q * dofs + k];
-        }
-        status = sp_driven_solve(&b->d, b->detector, b->y, err);
-        if (status == SP_OK)
-            sp_driven_response(&b->d, b->source, b->u, b->detector, b->y, q == 0 ? h->f + 2 * l : h->flux + 2 * at,
-                               q == 0 ? h->error + l : h->flux_error + at);
-    }
+        status = sp_driven_solve(&b->d, 1, b->source, b->u, b->u_rest, err);
+    for (int32_t q = 0; q < places && status == SP_OK; q += SP_DRIVEN_MOST)
+        status = some_places(b, l, q, places - q < SP_DRIVEN_MOST ? places - q : SP_DRIVEN_MOST, h, err);
     if (status != SP_OK) {
         sp_fail_prefix(err, "omega = %.10g", h->omega[l]);
         return status;
