@@ -30,7 +30,8 @@ typedef struct sp_modes {
     int64_t dofs;          /* length of an eigenvector: grains of the network times dof */
     double *omega;         /* [n] */
     double *error;         /* [n] upper bound of the error of omega */
-    double *a, *b;         /* [n] amplitudes at the source and at the detector; NULL without vectors */
+    double *a, *b;         /* [n] amplitudes at the source and at the detector; NULL without vectors; NAN if no spring
+                              leads to the bottom wall (a), to the top wall (b) */
     double *participation; /* [n] participation ratio (sum w)^2/(N sum w^2), w = |e|^2 of a grain, over the N grains of
                               the network (rattlers excluded; 1/N for a rattler's mode); NULL without vectors */
     double *vectors;      /* [n - n_rattler][dofs] e^(n), mass weighted; the largest component is positive. NULL without

@@ -85,8 +85,10 @@ static const cli_syntax syntax = {
         "signal.\v"
         "Modes are sorted by omega; the zero modes of rattlers come first. The signal is F(t) = sum of ab sin(omega "
         "t) (cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share of a grain in the "
-        "mode and N the number of grains without rattlers. error is a bound for the error of omega. --set takes keys "
-        "of the group network.\n"
+        "mode and N the number of grains without rattlers. error is a bound for the error of omega. A packing that "
+        "does "
+        "not touch the bottom (top) wall has no source (detector): a (b) is nan, and a comment says none. --set takes "
+        "keys of the group network.\n"
         "\n"
         "With --damping, F(t) = sum of exp(-decay t) (cosine cos(omega t) + sine sin(omega t)). Each conjugate pair "
         "has one row, each overdamped mode a row with omega = 0; n starts at 0 without rattlers.",
@@ -98,13 +100,16 @@ static const cli_syntax syntax = {
     .check = check};
 
 static void add_comments(const arguments *a, const cli_file *file, const sp_modes *m, cli_writer *w) {
+    const sp_network *net = &file->network;
     char from[SP_NUMBER_TEXT], to[SP_NUMBER_TEXT];
     cli_comment(w, "file = %s", file->path);
     cli_value(w, "pressure", file->packing.pressure);
     cli_comment(w, "zero_modes = %lld", (long long)m->n_zero);
     cli_comment(w, "rattler_modes = %lld", (long long)file->network.rattlers * file->network.dof);
     if (!a->frequencies_only)
-        cli_comment(w, "source = %s", cli_source_names[a->source]);
+        cli_comment(w, "source = %s", sp_network_touches(net, SP_BOTTOM) ? cli_source_names[a->source] : "none");
+    if (!a->frequencies_only && !sp_network_touches(net, SP_TOP))
+        cli_comment(w, "detector = none");
     if (m->vectors) {
         cli_comment(w, "residual = %.3g", m->residual);
         cli_comment(w, "orthogonality = %.3g", m->orthogonality);
