@@ -71,6 +71,11 @@ SP_API sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *
 SP_API sp_status sp_modes_make(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
                                sp_modes *out, sp_error *err);
 SP_API void sp_modes_free(sp_modes *m);
+/* Upper bound of |e - f| for the vector e of a row and the exact unit eigenvector f with the sign of e: sqrt(2) times
+ * the residual over the distance of omega^2 to the next eigenvalue (Davis, Kahan). sqrt(2) where nothing is known:
+ * modes that nearly coincide, such as several zero modes, span a space in which any vector is as good. row: n_rattler
+ * .. n - 1. */
+SP_API double sp_modes_vector_error(const sp_modes *m, const sp_network *net, int64_t row);
 
 enum { SP_DAMPED_MODES_MAX = 2000 }; /* largest problem, in degrees of freedom */
 

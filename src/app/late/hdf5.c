@@ -52,6 +52,7 @@ HDF5(herr_t, H5Lget_info, (hid_t a, const char *b, H5L_info_t *c, hid_t d), (a, 
 HDF5(herr_t, H5Pclose, (hid_t a), (a))
 HDF5(hid_t, H5Pcreate, (hid_t a), (a))
 HDF5(int, H5Pget_external_count, (hid_t a), (a))
+HDF5(int, H5Pget_chunk, (hid_t a, int b, hsize_t c[]), (a, b, c))
 HDF5(H5D_layout_t, H5Pget_layout, (hid_t a), (a))
 HDF5(herr_t, H5Pset_chunk, (hid_t a, int b, const hsize_t c[]), (a, b, c))
 HDF5(herr_t, H5Pset_fapl_core, (hid_t a, size_t b, hbool_t c), (a, b, c))
@@ -66,6 +67,9 @@ HDF5(herr_t, H5Pset_obj_track_times, (hid_t a, hbool_t b), (a, b))
 HDF5(herr_t, H5Rcreate, (void *a, hid_t b, const char *c, H5R_type_t d, hid_t e), (a, b, c, d, e))
 HDF5(herr_t, H5Sclose, (hid_t a), (a))
 HDF5(hid_t, H5Screate, (H5S_class_t a), (a))
+HDF5(herr_t, H5Sselect_hyperslab,
+     (hid_t a, H5S_seloper_t b, const hsize_t c[], const hsize_t d[], const hsize_t e[], const hsize_t f[]),
+     (a, b, c, d, e, f))
 HDF5(hid_t, H5Screate_simple, (int a, const hsize_t b[], const hsize_t c[]), (a, b, c))
 HDF5(int, H5Sget_simple_extent_dims, (hid_t a, hsize_t b[], hsize_t c[]), (a, b, c))
 HDF5(int, H5Sget_simple_extent_ndims, (hid_t a), (a))

@@ -36,7 +36,14 @@ typedef struct sp_h5_shape {
 /* ---- writing --------------------------------------------------------------------------------------------------- */
 
 sp_status sp_h5_create(sp_h5 *h, const char *path, sp_error *err); /* in memory; path is for messages */
-sp_status sp_h5_group(sp_h5 *h, const char *path, sp_error *err);  /* its parents must exist */
+/* On the disk, for data that should not be in memory a second time. draft: the file that HDF5 writes. */
+sp_status sp_h5_create_draft(sp_h5 *h, const char *draft, const char *path, sp_error *err);
+/* Ends a file of sp_h5_create_draft: flushes it and closes it in HDF5. SP_EIO. sp_h5_close is needed all the same. */
+sp_status sp_h5_flush_draft(sp_h5 *h, sp_error *err);
+sp_status sp_h5_group(sp_h5 *h, const char *path, sp_error *err); /* its parents must exist */
+/* An array of two axes with one row in a chunk, so that a row can be read alone. */
+sp_status sp_h5_put_rows(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, const void *data,
+                         sp_error *err);
 sp_status sp_h5_put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, const void *data,
                     sp_error *err);
 sp_status sp_h5_put_text(sp_h5 *h, const sp_h5_name *name, const char *text, sp_error *err);
@@ -61,6 +68,9 @@ sp_status sp_h5_find(sp_h5 *h, const char *path, sp_h5_type type, int rank, sp_h
 /* Reads a dataset, whose extents must be as expected. */
 sp_status sp_h5_get(sp_h5 *h, const char *path, sp_h5_type type, const sp_h5_shape *expected, void *data,
                     sp_error *err);
+/* Reads rows first .. first + count - 1 of an array of two axes with these extents. */
+sp_status sp_h5_get_rows(sp_h5 *h, const char *path, sp_h5_type type, const sp_h5_shape *expected, int64_t first,
+                         int64_t count, void *data, sp_error *err);
 sp_status sp_h5_get_text(sp_h5 *h, const char *path, char **text, sp_error *err); /* free with sp_free */
 sp_status sp_h5_attribute_int(sp_h5 *h, const char *object, const char *name, int64_t *value, sp_error *err);
 /* SP_EFORMAT unless an attribute is this array of `count` texts. */
