@@ -24,10 +24,10 @@ SP_SHARED sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err
  * directly, and a symbolic link keeps pointing to its target. On failure (SP_EIO) the old file is unchanged. */
 SP_SHARED sp_status sp_file_write(const char *path, const void *data, size_t size, sp_error *err);
 
-/* A file that another library writes: it fills `temporary`, which is in the folder of `path`, and closes it. */
+/* A file that is written piece by piece, under a temporary name in the folder of `path`. */
 typedef struct sp_draft {
     char path[SP_PATH_MAX], temporary[SP_PATH_MAX];
-    int fd;   /* keeps the lock; -1: there is no draft */
+    int fd;   /* open to read and write, and locked; -1: there is no draft */
     int mode; /* of the file that it replaces; -1: there is none */
 } sp_draft;
 /* SP_EIO if the file cannot be written, or is a device or a pipe. */

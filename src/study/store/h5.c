@@ -89,30 +89,37 @@ static hid_t file_access(bool create, bool memory) {
     return fapl;
 }
 
-static void create(sp_h5 *h, const char *file, bool memory) {
-    hid_t fapl = file_access(true, memory), fcpl = H5Pcreate(H5P_FILE_CREATE);
+/* fapl: access properties, which are closed. */
+static void create(sp_h5 *h, hid_t fapl) {
+    hid_t fcpl = H5Pcreate(H5P_FILE_CREATE);
     if (fapl >= 0 && fcpl >= 0 && H5Pset_obj_track_times(fcpl, false) >= 0)
-        h->file = H5Fcreate(file, H5F_ACC_TRUNC, fcpl, fapl);
+        h->file = H5Fcreate("sonopack", H5F_ACC_TRUNC, fcpl, fapl);
     H5Pclose(fcpl);
     H5Pclose(fapl);
 }
 
 sp_status sp_h5_create(sp_h5 *h, const char *path, sp_error *err) {
     enter(h, path);
-    create(h, "sonopack", true);
+    create(h, file_access(true, true));
     return h->file >= 0 ? SP_OK : sp_h5_fail(h, err, SP_ENOMEM, "no memory: cannot make an HDF5 file there");
 }
 
-sp_status sp_h5_create_draft(sp_h5 *h, const char *draft, const char *path, sp_error *err) {
+sp_status sp_h5_create_draft(sp_h5 *h, int fd, const char *path, sp_error *err) {
     enter(h, path);
-    create(h, draft, false);
-    return h->file >= 0 ? SP_OK : sp_h5_fail(h, err, SP_EIO, "cannot make an HDF5 file there");
+    hid_t fapl = file_access(true, false);
+    if (fapl >= 0 && sp_h5_set_draft(fapl, fd, &h->code))
+        create(h, fapl);
+    else
+        H5Pclose(fapl);
+    return h->file >= 0 ? SP_OK : sp_h5_fail(h, err, SP_ENOMEM, "no memory: cannot make an HDF5 file there");
 }
 
-sp_status sp_h5_flush_draft(sp_h5 *h, sp_error *err) {
+sp_status sp_h5_end_draft(sp_h5 *h, sp_error *err) {
     bool good = H5Fflush(h->file, H5F_SCOPE_GLOBAL) >= 0;
     good = H5Fclose(h->file) >= 0 && good;
     h->file = H5I_INVALID_HID;
+    if (h->code)
+        return sp_fail(err, SP_EIO, "cannot write %s: %s", h->path, strerror(h->code));
     return good ? SP_OK : sp_h5_fail(h, err, SP_EIO, "cannot be written");
 }
 

@@ -98,7 +98,7 @@ static sp_status put_vector_errors(sp_h5 *h, const sp_modes *m, const sp_network
 }
 
 static sp_status check(const sp_modes *m, const sp_packing *p, const sp_network *net, sp_error *err) {
-    if (!m->vectors)
+    if (m->n > 0 && (!m->a || (!m->vectors && m->n > m->n_rattler)))
         return sp_fail(err, SP_EINVAL, "modes without vectors: nothing to save");
     if (m->dofs != sp_network_dofs(net) || net->n_all != p->n || net->dim != p->dim)
         return sp_fail(err, SP_EINVAL, "modes of %lld degrees of freedom, network of %lld, packing of %d grains",
@@ -180,7 +180,7 @@ static sp_status put_all(sp_h5 *h, const sp_modes *m, const sp_packing *p, const
         status = put_vector_errors(h, m, net, err);
     if (status == SP_OK)
         status = sp_h5_put_rows(h, &sp_modes_name_vector, SP_H5_F64, &vectors, m->vectors, err);
-    return status == SP_OK ? sp_h5_flush_draft(h, err) : status;
+    return status == SP_OK ? sp_h5_end_draft(h, err) : status;
 }
 
 sp_status sp_modes_save(const sp_modes *m, const sp_packing *p, const sp_network *net, const sp_modes_made *made,
@@ -192,7 +192,7 @@ sp_status sp_modes_save(const sp_modes *m, const sp_packing *p, const sp_network
         status = sp_draft_begin(path, &draft, err);
     if (status != SP_OK)
         return status;
-    status = sp_h5_create_draft(&h, draft.temporary, path, err);
+    status = sp_h5_create_draft(&h, draft.fd, path, err);
     if (status == SP_OK)
         status = put_all(&h, m, p, net, made, err);
     sp_h5_close(&h);

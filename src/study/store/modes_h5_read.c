@@ -138,8 +138,8 @@ static sp_status check_modes(sp_h5 *h, const sp_modes *m, sp_error *err) {
     }
     if (!all_or_none(m->n, m->a) || !all_or_none(m->n, m->b))
         return sp_h5_fail(h, err, SP_EFORMAT, "an amplitude a or b is not finite");
-    if (!(m->certified_from >= 0 && m->certified_from <= m->certified_to) || !(m->residual >= 0) ||
-        !(m->orthogonality >= 0))
+    const bool measured = m->residual >= 0 && m->orthogonality >= 0;
+    if (!(m->certified_from >= 0 && m->certified_from <= m->certified_to) || (m->n > m->n_rattler && !measured))
         return sp_h5_fail(h, err, SP_EFORMAT, "certified %g to %g, residual %g, orthogonality %g", m->certified_from,
                           m->certified_to, m->residual, m->orthogonality);
     return SP_OK;
