@@ -20,7 +20,7 @@ static pthread_mutex_t library = PTHREAD_MUTEX_INITIALIZER;
 
 static void enter(sp_h5 *h, const char *path) {
     pthread_mutex_lock(&library);
-    *h = (sp_h5){.file = H5I_INVALID_HID, .path = path};
+    *h = (sp_h5){.file = H5I_INVALID_HID, .driver = H5I_INVALID_HID, .path = path};
     H5Eget_auto2(H5E_DEFAULT, &h->handler, &h->handler_data);
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
 }
@@ -28,9 +28,11 @@ static void enter(sp_h5 *h, const char *path) {
 void sp_h5_close(sp_h5 *h) {
     if (h->file >= 0)
         H5Fclose(h->file); /* closes what is still open in it; the data were flushed and checked before */
+    if (h->driver >= 0)
+        H5FDunregister(h->driver);
     H5Eclear2(H5E_DEFAULT);
     H5Eset_auto2(H5E_DEFAULT, h->handler, h->handler_data);
-    h->file = H5I_INVALID_HID;
+    h->file = h->driver = H5I_INVALID_HID;
     pthread_mutex_unlock(&library);
 }
 
@@ -107,7 +109,8 @@ sp_status sp_h5_create(sp_h5 *h, const char *path, sp_error *err) {
 sp_status sp_h5_create_draft(sp_h5 *h, int fd, const char *path, sp_error *err) {
     enter(h, path);
     hid_t fapl = file_access(true, false);
-    if (fapl >= 0 && sp_h5_set_draft(fapl, fd, &h->code))
+    h->driver = fapl >= 0 ? sp_h5_set_draft(fapl, fd, &h->code) : H5I_INVALID_HID;
+    if (h->driver >= 0)
         create(h, fapl);
     else
         H5Pclose(fapl);

@@ -12,6 +12,7 @@
 
 typedef struct sp_h5 {
     hid_t file;          /* H5I_INVALID_HID when closed */
+    hid_t driver;        /* of a draft; else H5I_INVALID_HID */
     const char *path;    /* for messages; belongs to the caller */
     uint64_t size;       /* of a file that is read [bytes] */
     int code;            /* errno of the first failure to write a draft; 0: none */
@@ -43,8 +44,9 @@ sp_status sp_h5_create_draft(sp_h5 *h, int fd, const char *path, sp_error *err);
 /* Ends a file of sp_h5_create_draft. SP_EIO if the disk did not take all of it; other functions do not notice.
  * sp_h5_close is needed all the same. */
 sp_status sp_h5_end_draft(sp_h5 *h, sp_error *err);
-/* Makes files of these access properties drafts (h5_draft.c). */
-bool sp_h5_set_draft(hid_t fapl, int fd, int *code);
+/* Makes a file of these access properties a draft (h5_draft.c). Returns the driver, which must outlive the file:
+ * H5Fclose still uses what it has released. H5I_INVALID_HID on failure. */
+hid_t sp_h5_set_draft(hid_t fapl, int fd, int *code);
 sp_status sp_h5_group(sp_h5 *h, const char *path, sp_error *err); /* its parents must exist */
 /* An array of two axes with one row in a chunk, so that a row can be read alone. */
 sp_status sp_h5_put_rows(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, const void *data,

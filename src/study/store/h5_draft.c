@@ -120,11 +120,11 @@ static const H5FD_class_t driver = {.name = "sonopack",
                                     .truncate = truncate_draft,
                                     .fl_map = H5FD_FLMAP_DICHOTOMY};
 
-bool sp_h5_set_draft(hid_t fapl, int fd, int *code) {
+hid_t sp_h5_set_draft(hid_t fapl, int fd, int *code) {
     const target to = {fd, code};
     const hid_t id = H5FDregister(&driver);
-    const bool good = id >= 0 && H5Pset_driver(fapl, id, &to) >= 0;
-    if (id >= 0)
-        H5FDunregister(id); /* the properties and the file keep it */
-    return good;
+    if (id < 0 || H5Pset_driver(fapl, id, &to) >= 0)
+        return id;
+    H5FDunregister(id);
+    return H5I_INVALID_HID;
 }
