@@ -42,7 +42,7 @@ static double turned(const motion *m, int32_t i) {
     const double *u = of_grain(m, i);
     if (m->net->dof == 6)
         return m->net->r[i] * hypot(hypot(u[3], u[4]), u[5]);
-    return fabs(turning(m, NULL, i));
+    return m->net->dim == 2 && m->net->dof == 3 ? m->net->r[i] * fabs(u[2]) : 0;
 }
 
 /* White, tinted by the rotation relative to the largest translation or rotation. */
@@ -102,9 +102,9 @@ static void draw_key(const view *v, const motion *m) {
 }
 
 static sp_status draw_flat(const view *v, const motion *m, sp_error *err) {
-    colour *fill = sp_alloc((size_t)v->p->n, sizeof *fill);
+    colour *fill = sp_alloc((size_t)m->net->n_all, sizeof *fill);
     if (!fill)
-        return sp_fail_memory(err, (size_t)v->p->n * sizeof *fill);
+        return sp_fail_memory(err, (size_t)m->net->n_all * sizeof *fill);
     choose_colours(m, v, fill);
     sp_view_begin(v, fill);
     sp_view_walls(v);
@@ -116,10 +116,10 @@ static sp_status draw_flat(const view *v, const motion *m, sp_error *err) {
 
 static sp_status draw_solid(const view *v, const motion *m, sp_error *err) {
     const double scale = arrow_scale(m, v);
-    view_mark *mark = sp_alloc((size_t)v->p->n, sizeof *mark);
+    view_mark *mark = sp_alloc((size_t)m->net->n_all, sizeof *mark);
     if (!mark)
-        return sp_fail_memory(err, (size_t)v->p->n * sizeof *mark);
-    for (int32_t i = 0; i < v->p->n; i++)
+        return sp_fail_memory(err, (size_t)m->net->n_all * sizeof *mark);
+    for (int32_t i = 0; i < m->net->n_all; i++)
         mark[i] = (view_mark){.fill = RATTLER_GREY};
     for (int32_t i = 0; i < m->net->n; i++) {
         const double *u = of_grain(m, i);

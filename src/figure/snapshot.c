@@ -106,10 +106,10 @@ static void draw_key(const view *v, const snapshot *s) {
 }
 
 static sp_status draw_flat(const view *v, const snapshot *s, sp_error *err) {
-    colour *fill = sp_alloc((size_t)v->p->n, sizeof *fill);
+    colour *fill = sp_alloc((size_t)s->net->n_all, sizeof *fill);
     if (!fill)
-        return sp_fail_memory(err, (size_t)v->p->n * sizeof *fill);
-    for (int32_t i = 0; i < v->p->n; i++)
+        return sp_fail_memory(err, (size_t)s->net->n_all * sizeof *fill);
+    for (int32_t i = 0; i < s->net->n_all; i++)
         fill[i] = RATTLER_GREY;
     for (int32_t i = 0; i < s->net->n; i++)
         fill[s->net->grain[i]] = GRAIN_GREY;
@@ -122,10 +122,10 @@ static sp_status draw_flat(const view *v, const snapshot *s, sp_error *err) {
 }
 
 static sp_status draw_solid(const view *v, const snapshot *s, sp_error *err) {
-    view_mark *mark = sp_alloc((size_t)v->p->n, sizeof *mark);
+    view_mark *mark = sp_alloc((size_t)s->net->n_all, sizeof *mark);
     if (!mark)
-        return sp_fail_memory(err, (size_t)v->p->n * sizeof *mark);
-    for (int32_t i = 0; i < v->p->n; i++)
+        return sp_fail_memory(err, (size_t)s->net->n_all * sizeof *mark);
+    for (int32_t i = 0; i < s->net->n_all; i++)
         mark[i] = (view_mark){.fill = RATTLER_GREY};
     for (int32_t i = 0; i < s->net->n; i++) {
         const double *u = s->u + (int64_t)i * s->net->dof;

@@ -225,13 +225,13 @@ def forgeries():
 
 def damage():
     whole, copy, rng = GOOD.read_bytes(), FOLDER / "damaged.h5", random.Random(SEED)
-    for size in [0, 7, 47, 100, *(rng.randrange(len(whole)) for _ in range(12)), len(whole) - 1]:
+    for size in [0, 7, 47, 100, *(rng.randrange(len(whole)) for _ in range(6)), len(whole) - 1]:
         copy.write_bytes(whole[:size])
         refuse(copy)
     refused, at = 0, 0
     with h5py.File(GOOD) as f:  # the row that is drawn
         at = f["modes/vector"].id.get_chunk_info_by_coord((80 - int(f["modes/n_rattler"][()]), 0)).byte_offset
-    for byte in [at + 5, at + 77] + [rng.randrange(len(whole)) for _ in range(60)]:
+    for byte in [at + 5, at + 77] + [rng.randrange(len(whole)) for _ in range(25)]:
         damaged = bytearray(whole)
         damaged[byte] ^= 1 << rng.randrange(8)
         copy.write_bytes(damaged)

@@ -8,13 +8,12 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const places[] = {"x", "y", "z"}, *const shifts[] = {"ux", "uy", "uz"},
-                         *const turns[] = {"rx", "ry", "rz"};
+static const char *const places[] = {"x", "y", "z"}, *const components[] = {"ux", "uy", "uz", "rx", "ry", "rz"};
 static const char *const kinds[] = {"snapshot", "mode"};
 
 /* Name of the column of component a. In 2D the only rotation is about z. */
 static const char *component(const sp_network *net, int a) {
-    return a < net->dim ? shifts[a] : turns[net->dim == 2 ? 2 : a - net->dim];
+    return components[a >= net->dim && net->dim == 2 ? 5 : a];
 }
 
 static void add_columns(const cli_motion *m, cli_writer *w) {
