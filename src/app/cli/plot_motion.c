@@ -44,8 +44,8 @@ static sp_status find_row(const drawing *d, const sp_modes *m, int64_t *row, sp_
     if (number < 0 && m->n == m->n_zero)
         return sp_fail(err, SP_EREFUSED, "there are only zero modes");
     if (*row < 0 || *row >= m->n)
-        return sp_fail(err, SP_EINVAL, "--mode %lld: must be in %lld .. %lld", (long long)number, (long long)m->first,
-                       (long long)(m->first + m->n) - 1);
+        return sp_fail(err, SP_EINVAL, "--mode %lld: must be in %lld .. %lld", (long long)number,
+                       (long long)(m->first + m->n_rattler), (long long)(m->first + m->n) - 1);
     if (*row < m->n_rattler)
         return sp_fail(err, SP_EREFUSED, "mode %lld belongs to a rattler: must be %lld or more", (long long)number,
                        (long long)(m->first + m->n_rattler));
