@@ -30,25 +30,9 @@ CHOLMOD(int, cholmod_l_finish, (cholmod_common * a), (a))
 CHOLMOD(int, cholmod_l_free_dense, (cholmod_dense * *a, cholmod_common *b), (a, b))
 CHOLMOD(int, cholmod_l_free_factor, (cholmod_factor * *a, cholmod_common *b), (a, b))
 CHOLMOD(int, cholmod_l_free_sparse, (cholmod_sparse * *a, cholmod_common *b), (a, b))
-CHOLMOD(double, cholmod_l_rcond, (cholmod_factor * a, cholmod_common *b), (a, b))
 CHOLMOD(cholmod_dense *, cholmod_l_solve, (int a, cholmod_factor *b, cholmod_dense *c, cholmod_common *d), (a, b, c, d))
 CHOLMOD(int, cholmod_l_start, (cholmod_common * a), (a))
 CHOLMOD(int, cholmod_start, (cholmod_common * a), (a))
-UMFPACK(void, umfpack_dl_defaults, (double a[20]), (a))
-UMFPACK(void, umfpack_dl_free_numeric, (void **a), (a))
-UMFPACK(void, umfpack_dl_free_symbolic, (void **a), (a))
-UMFPACK(SuiteSparse_long, umfpack_dl_numeric,
-        (const SuiteSparse_long a[], const SuiteSparse_long b[], const double c[], void *d, void **e,
-         const double f[20], double g[90]),
-        (a, b, c, d, e, f, g))
-UMFPACK(SuiteSparse_long, umfpack_dl_solve,
-        (SuiteSparse_long a, const SuiteSparse_long b[], const SuiteSparse_long c[], const double d[], double e[],
-         const double f[], void *g, const double h[20], double i[90]),
-        (a, b, c, d, e, f, g, h, i))
-UMFPACK(SuiteSparse_long, umfpack_dl_symbolic,
-        (SuiteSparse_long a, SuiteSparse_long b, const SuiteSparse_long c[], const SuiteSparse_long d[],
-         const double e[], void **f, const double g[20], double h[90]),
-        (a, b, c, d, e, f, g, h))
 UMFPACK(void, umfpack_zl_defaults, (double a[20]), (a))
 UMFPACK(void, umfpack_zl_free_numeric, (void **a), (a))
 UMFPACK(void, umfpack_zl_free_symbolic, (void **a), (a))

@@ -60,6 +60,34 @@ sp_status sp_cholesky_analyze(const sp_sparse *a, sp_cholesky **out, sp_error *e
     return status;
 }
 
+/* The square of entry c of the diagonal of L: a pivot. */
+static double pivot_of(const cholmod_factor *l, SuiteSparse_long c, SuiteSparse_long supernode) {
+    const double *x = l->x;
+    if (!l->is_super) {
+        const SuiteSparse_long *p = l->p;
+        return x[p[c]] * x[p[c]];
+    }
+    const SuiteSparse_long *first = l->super, *rows = l->pi, *at = l->px;
+    const SuiteSparse_long height = rows[supernode + 1] - rows[supernode], k = c - first[supernode];
+    const double d = x[at[supernode] + k * (height + 1)];
+    return d * d;
+}
+
+/* The smallest ratio of a pivot to the entry of A's diagonal that elimination made it from: how much was cancelled. It
+ * does not change if rows and columns of A are scaled, so that soft grains among stiff ones do not look singular. */
+static double least_ratio(const cholmod_factor *l, const cholmod_sparse *a) {
+    const SuiteSparse_long *p = a->p, *order = l->Perm, *first = l->super;
+    const double *x = a->x;
+    double least = 1;
+    for (SuiteSparse_long c = 0, supernode = 0; c < (SuiteSparse_long)l->n; c++) {
+        if (l->is_super && c == first[supernode + 1])
+            supernode++;
+        const double ratio = pivot_of(l, c, supernode) / x[p[order[c]]];
+        least = ratio >= least ? least : ratio; /* keeps a NAN */
+    }
+    return least;
+}
+
 /* A factorization that fails returns TRUE. A singular matrix may pass with a pivot that is pure rounding error, hence
  * the bound on the ratio of pivots. */
 sp_status sp_cholesky_factorize(sp_cholesky *c, const sp_sparse *a, sp_error *err) {
@@ -70,16 +98,15 @@ sp_status sp_cholesky_factorize(sp_cholesky *c, const sp_sparse *a, sp_error *er
     cholmod_l_factorize(m, c->factor, common);
     const bool indefinite = common->status == CHOLMOD_NOT_POSDEF || c->factor->minor != c->factor->n;
     sp_status status = check_call(c, err);
-    cholmod_l_free_sparse(&m, common);
-    if (status != SP_OK)
-        return status;
-    if (indefinite)
-        return sp_fail(err, SP_EREFUSED, "the matrix is not positive definite (pivot %lld of %lld)",
-                       (long long)c->factor->minor, (long long)c->factor->n);
-    const double ratio = cholmod_l_rcond(c->factor, common);
+    if (status == SP_OK && indefinite)
+        status = sp_fail(err, SP_EREFUSED, "the matrix is not positive definite (pivot %lld of %lld)",
+                         (long long)c->factor->minor, (long long)c->factor->n);
+    const double ratio = status == SP_OK ? least_ratio(c->factor, m) : 1;
     if (!(ratio > 1e-13))
-        return sp_fail(err, SP_EREFUSED, "the matrix is singular (ratio of pivots %.2g, must be above 1e-13)", ratio);
-    return SP_OK;
+        status = sp_fail(err, SP_EREFUSED,
+                         "the matrix is singular (a pivot is %.2g of its diagonal entry, must be above 1e-13)", ratio);
+    cholmod_l_free_sparse(&m, common);
+    return status;
 }
 
 sp_status sp_cholesky_make(const sp_sparse *a, sp_cholesky **out, sp_error *err) {

@@ -6,8 +6,9 @@
 
 typedef struct sp_cholesky sp_cholesky;
 
-/* Factors a symmetric positive definite matrix. SP_EREFUSED if the matrix is singular or indefinite in double
- * precision. */
+/* Factors a symmetric positive definite matrix: the lower triangle, the diagonal entry of each column first.
+ * SP_EREFUSED if the matrix is singular or indefinite in double precision. Scaling rows and columns does not change
+ * what is refused. */
 sp_status sp_cholesky_make(const sp_sparse *a, sp_cholesky **out, sp_error *err);
 /* The same in two steps: an ordering for all matrices with this pattern, and the factor of one matrix, which replaces
  * the last factor. After SP_EREFUSED the factor must not be used. */
