@@ -245,7 +245,7 @@ static sp_status factorize_or_shift(sp_equilibrium *e, sp_error *err) {
 }
 
 static sp_status allocate(sp_equilibrium *e, sp_error *err) {
-    const size_t size = 2 * (size_t)sp_network_dofs(e->net) + 3 * (size_t)e->count;
+    const size_t size = 2 * (size_t)sp_network_dofs(e->net) + 5 * (size_t)e->count;
     e->work = sp_alloc(size, sizeof *e->work);
     return e->work ? SP_OK : sp_fail_memory(err, size * sizeof *e->work);
 }

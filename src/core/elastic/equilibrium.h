@@ -39,7 +39,7 @@ typedef struct sp_equilibrium {
     int32_t spins;
     bool weighed;           /* whether masses weigh them */
     equilibrium_spin *spin; /* [spins] */
-    double *work;           /* scratch: [2][dofs], then [3][count] */
+    double *work;           /* scratch: [2][dofs], then [5][count] */
 } sp_equilibrium;
 
 sp_equilibrium sp_equilibrium_none(void);

@@ -125,11 +125,54 @@ static sp_status refine(sp_equilibrium *e, const double *f, double *u, sp_error 
  */
 static const double NOTHING = 1e-14;
 
-/* more = K^-1 right, nearly: up to a residual `goal`, or to what acts on floppy motions. Rounding errors act on them as
- * well; resisted by rounding errors only, the motion would be large. */
-static sp_status correct(sp_equilibrium *e, double goal, const double *right, double *more, sp_error *err) {
+/* What was added to the diagonal of column c. */
+static double shift_of(const sp_equilibrium *e, int64_t c) {
+    return e->shift * (e->shift_kind == SHIFT_MASS ? e->net->mass[sp_equilibrium_dof(e, c)] : e->k.x[e->k.p[c]]);
+}
+
+/* load = S F^-1 load, where S is the shift and F = K + S: keeps what acts on floppy motions, and little else. motion =
+ * F^-1 load, [count]. */
+static sp_status keep_floppy(const sp_equilibrium *e, double *load, double *motion, sp_error *err) {
+    const sp_status status = sp_equilibrium_apply(e, load, motion, err);
+    for (int64_t c = 0; c < e->count && status == SP_OK; c++)
+        load[c] = shift_of(e, c) * motion[c];
+    return status;
+}
+
+/* Whether K does not resist the motion. image: [count] scratch. */
+static bool is_floppy(sp_equilibrium *e, const double *motion, double *image) {
+    double threshold = 0;
+    apply_free(e, motion, image, NULL);
+    for (int64_t c = 0; c < e->count; c++)
+        threshold += NOTHING * e->k.x[e->k.p[c]] * motion[c] * motion[c];
+    return fabs(sp_dot(e->count, motion, image)) <= threshold;
+}
+
+/* Removes from a load what acts on motions that K does not resist, if this is so much that it would hide the rest.
+ * Changes *norm to the norm of what remains. load, motion: [count] scratch. */
+static sp_status drop_floppy(sp_equilibrium *e, double *right, double *norm, double *load, double *motion,
+                             sp_error *err) {
+    enum { PASSES = 3 };
+    memcpy(load, right, (size_t)e->count * sizeof *load);
+    sp_status status = keep_floppy(e, load, motion, err);
+    if (status != SP_OK || sp_dot(e->count, load, motion) < 1e-3 * sp_dot(e->count, right, motion))
+        return status;
+    for (int pass = 1; pass < PASSES && status == SP_OK; pass++)
+        status = keep_floppy(e, load, motion, err);
+    double *image = motion + e->count;
+    if (status != SP_OK || !is_floppy(e, motion, image))
+        return status;
+    for (int64_t c = 0; c < e->count; c++)
+        right[c] -= load[c];
+    *norm = sp_norm(e->count, right);
+    return SP_OK;
+}
+
+/* more = K^-1 right, nearly: up to a residual `goal`. */
+static sp_status correct(sp_equilibrium *e, double goal, const double *right, double *more, double *zero,
+                         sp_error *err) {
     enum { STEPS_MAX = 60 };
-    double *zero = e->work + 2 * sp_network_dofs(e->net) + 2 * e->count, left;
+    double left;
     if (e->net->carried) {
         const double norm = sp_norm(e->count, right);
         const gmres_problem g = {e->count, apply_free, precondition, e, goal / norm, STEPS_MAX};
@@ -141,23 +184,28 @@ static sp_status correct(sp_equilibrium *e, double goal, const double *right, do
     return sp_cg(&g, right, more, err);
 }
 
-/* A neighbour of K was factored. */
+/* A neighbour of K was factored. Rounding errors act on floppy motions, too, which would move far if only rounding
+ * errors resisted them. So what acts on such motions is removed; a load without prestress does not. */
 static sp_status iterate(sp_equilibrium *e, const double *f, double scale, double *u, sp_error *err) {
     enum { PASSES_MAX = 8 };
-    double *right = e->work + 2 * sp_network_dofs(e->net), *more = right + e->count;
-    double now = residual_of(e, f, u, more, right), floor = rounding_of(e, scale, u), before = 2 * now;
-    for (int pass = 0; pass < PASSES_MAX && now > 4 * floor && now <= 0.5 * before; pass++) {
-        const sp_status status = correct(e, fmax(1e-14 * now, floor), right, more, err);
+    double *right = e->work + 2 * sp_network_dofs(e->net), *more = right + e->count, *spare = more + e->count;
+    double before = HUGE_VAL;
+    for (int pass = 0; pass < PASSES_MAX; pass++) {
+        double now = residual_of(e, f, u, spare, right);
+        const double floor = rounding_of(e, scale, u);
+        const bool drop = !e->net->carried && (pass > 0 || e->net->prestress || e->shift_kind == SHIFT_MASS);
+        sp_status status = now > 4 * floor && drop ? drop_floppy(e, right, &now, spare, spare + e->count, err) : SP_OK;
+        if (status != SP_OK)
+            return status;
+        if (pass > 0 && !(now <= before)) /* rounding errors only */
+            add(e, -1, more, u);
+        if (!(now > 4 * floor) || now > 0.5 * before)
+            break;
+        before = now;
+        status = correct(e, fmax(1e-14 * now, floor), right, more, spare, err);
         if (status != SP_OK)
             return status;
         add(e, 1, more, u);
-        before = now;
-        now = residual_of(e, f, u, right + 2 * e->count, right);
-        if (!(now <= before)) { /* rounding errors only */
-            add(e, -1, more, u);
-            break;
-        }
-        floor = rounding_of(e, scale, u);
     }
     return SP_OK;
 }
