@@ -107,7 +107,7 @@ def resumed_and_shared(folder, scene, store, text):
     # more wishes: only they are made, the packings stay
     more = run("study", scene, "--store", shared, "--set", 'study.want=["ctof","statics","signal"]')
     ctof, statics = tables(more.stdout)
-    assert statics[1] == ["p", "grains", "samples"] + [name + end for name in STATICS for end in ENDS]
+    assert statics[1] == ["p", "grains", "samples", "left_out"] + [name + end for name in STATICS for end in ENDS]
     assert ctof[2] == tables(text)[0][2]
     for path in shared.glob("*.h5"):
         with h5py.File(path) as stored:

@@ -172,7 +172,7 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
                             sp_error *err) {
     const sp_network *net = e->net;
     const int64_t dofs = sp_network_dofs(net);
-    const double height = net->box[net->dim - 1];
+    const double height = net->box[net->dim - 1], most = 0.1;
     double *f = work, *u = work + dofs, *floppy = work + 5 * dofs, energy, error, turning;
     sp_status status = SP_OK;
     memset(floppy, 0, (size_t)dofs * sizeof *floppy);
@@ -182,6 +182,10 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     if (e->shift_kind == SHIFT_MASS)
         status = drop_floppy(e, f, work + 2 * dofs, floppy, &out->left_out, err);
     drop_spins(e, f, &out->left_out);
+    if (status == SP_OK && out->left_out > most)
+        status = sp_fail(err, SP_EREFUSED,
+                         "probe sine:%d: %.2g of the squared body force acts on floppy parts, must be below %g", n,
+                         out->left_out, most);
     if (status == SP_OK)
         status = solve_sine(e, n, f, u, work + 2 * dofs, err);
     if (status == SP_OK)
@@ -203,7 +207,6 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
 }
 
 static sp_status sine(sp_equilibrium *e, double phi3s, int n, double *work, sp_probe_moduli *out, sp_error *err) {
-    const double most = 0.1;
     sp_status status = SP_OK;
     if (e->shift_kind == SHIFT_DIAGONAL && !e->net->carried)
         status = sp_equilibrium_shift(e, SHIFT_MASS, 0, err);
@@ -213,10 +216,6 @@ static sp_status sine(sp_equilibrium *e, double phi3s, int n, double *work, sp_p
         status = sine_along(e, phi3s, n, e->net->dim - 1, work, out, err);
     if (status == SP_OK && e->net->dim > 1 && (e->grips || e->slips))
         status = sine_along(e, phi3s, n, 0, work, out, err);
-    if (status == SP_OK && out->left_out > most)
-        status = sp_fail(err, SP_EREFUSED,
-                         "probe sine:%d: %.2g of the squared body force acts on floppy parts, must be below %g", n,
-                         out->left_out, most);
     return status;
 }
 
