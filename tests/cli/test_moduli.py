@@ -6,6 +6,8 @@ import subprocess
 import sys
 import tempfile
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's threads wait for each other where others are at work
+
 import h5py
 import numpy as np
 

@@ -79,10 +79,11 @@ static double residual_of(sp_equilibrium *e, const double *f, const double *u, d
 
 double sp_equilibrium_spin_work(sp_equilibrium *e, const double *f, const double *u) {
     double *rest = e->work + sp_network_dofs(e->net), sum = 0;
-    const bool transposed = e->transposed;
+    if (e->spins == 0)
+        return 0;
     e->transposed = true;
     sp_equilibrium_residual(e, f, u, rest);
-    e->transposed = transposed;
+    e->transposed = false;
     for (int32_t s = 0; s < e->spins; s++) {
         const equilibrium_spin *spin = &e->spin[s];
         sum += fabs(sp_dot(spin->width, spin->motion, rest + sp_equilibrium_dof(e, spin->column)));

@@ -280,7 +280,6 @@ static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *fixed, int
     const double height = net->box[net->dim - 1], noise = sp_strain_noise(net);
     double *f = work, *u = work + dofs, *rest = work + 2 * dofs, *size = work + 3 * dofs, *weight = work + 4 * dofs;
     double residual, rounding, off = 0;
-    char what[32];
     memset(f, 0, 2 * (size_t)dofs * sizeof *f);
     for (int32_t i = 0; i < net->n; i++)
         if (fixed[i])
@@ -290,6 +289,7 @@ static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *fixed, int
     if (status != SP_OK)
         return status;
     if (load > 0 && !(residual < 1e-8 * load)) {
+        char what[32];
         snprintf(what, sizeof what, "probe lines:%d", n);
         return sp_equilibrium_refuse(e, what, load, f, u, err);
     }
