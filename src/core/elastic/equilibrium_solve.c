@@ -188,19 +188,20 @@ static sp_status correct(sp_equilibrium *e, double goal, const double *right, do
 /* A neighbour of K was factored. Rounding errors act on floppy motions, too, which would move far if only rounding
  * errors resisted them. So what acts on such motions is removed; a load without prestress does not. */
 static sp_status iterate(sp_equilibrium *e, const double *f, double scale, double *u, sp_error *err) {
-    enum { PASSES_MAX = 8 };
+    enum { PASSES_MAX = 8, ENOUGH = 16 }; /* sp_strain_noise allows for as many */
     double *right = e->work + 2 * sp_network_dofs(e->net), *more = right + e->count, *spare = more + e->count;
     double before = HUGE_VAL;
     for (int pass = 0; pass < PASSES_MAX; pass++) {
         double now = residual_of(e, f, u, spare, right);
         const double floor = rounding_of(e, scale, u);
         const bool drop = !e->net->carried && (pass > 0 || e->net->prestress || e->shift_kind == SHIFT_MASS);
-        sp_status status = now > 4 * floor && drop ? drop_floppy(e, right, &now, spare, spare + e->count, err) : SP_OK;
+        sp_status status =
+            now > ENOUGH * floor && drop ? drop_floppy(e, right, &now, spare, spare + e->count, err) : SP_OK;
         if (status != SP_OK)
             return status;
         if (pass > 0 && !(now <= before)) /* rounding errors only */
             add(e, -1, more, u);
-        if (!(now > 4 * floor) || now > 0.5 * before)
+        if (!(now > ENOUGH * floor) || now > 0.5 * before)
             break;
         before = now;
         status = correct(e, fmax(1e-14 * now, floor), right, more, spare, err);
