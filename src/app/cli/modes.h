@@ -1,14 +1,19 @@
 #ifndef SP_CLI_MODES_H
 #define SP_CLI_MODES_H
-/* What the files of sonopack modes share. */
+/* What the files of sonopack modes share, and the comments of all tables that count zero modes. */
 
 #include "cli/cli.h"
+
+#include <sonopack/modes.h>
 
 /* The table of --damping ZETA. */
 sp_status modes_damped(const sp_packing *p, const sp_network *net, double zeta, sp_source source, sp_table *t,
                        sp_error *err);
 /* The table of --stability. */
 sp_status modes_stability(const sp_packing *p, const sp_network *net, sp_table *t, sp_error *err);
+
+/* Adds the numbers of zero modes as comments. */
+void cli_zero_modes(cli_writer *w, const sp_zero_modes *z);
 
 #define MODES_FREQUENCY "sqrt(E* / rho)/d"
 

@@ -44,37 +44,35 @@ sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, c
     return status;
 }
 
-/* Converts a mass-weighted mode to displacements. */
+/* Converts a mass-weighted mode, row `number` of the whole table, to displacements. */
 static sp_status mode_vector(const sp_network *net, const sp_modes *m, int64_t number, double *u, sp_error *err) {
-    if (number >= m->n)
-        return sp_fail(err, SP_EINVAL, "--mode %lld: must be in 0 .. %lld", (long long)number, (long long)m->n - 1);
-    if (number < m->n_rattler)
+    const int64_t row = number - m->first;
+    if (row >= m->n)
+        return sp_fail(err, SP_EINVAL, "--mode %lld: must be in 0 .. %lld", (long long)number,
+                       (long long)(m->first + m->n - 1));
+    if (row < m->n_rattler)
         return sp_fail(err, SP_EREFUSED, "mode %lld belongs to a rattler: must be %lld or more", (long long)number,
                        (long long)m->n_rattler);
-    const double *e = m->vectors + (number - m->n_rattler) * m->dofs;
+    const double *e = m->vectors + (row - m->n_rattler) * m->dofs;
     for (int64_t k = 0; k < m->dofs; k++)
         u[k] = e[k] / sqrt(net->mass[k]);
     return SP_OK;
 }
 
-/* Finds the modes up to this number, or up to the first that is not a zero mode if it is negative. */
+/* Finds the modes up to this number, or the first that is not a zero mode if it is negative. */
 static sp_status find_modes(const sp_network *net, int64_t number, sp_modes *m, sp_error *err) {
-    enum { FEW = 8 };
     const sp_modes_options o = sp_modes_options_default();
+    const sp_modes_range all = sp_modes_range_all();
     const int64_t rattlers = (int64_t)net->rattlers * net->dof, dofs = sp_network_dofs(net);
-    int64_t count = number < 0 ? FEW : number - rattlers + 1;
-    sp_status status = SP_OK;
-    for (count = count < 1 ? 1 : count; status == SP_OK; count *= 2) {
-        const bool every = count >= dofs;
-        const sp_modes_range range = every ? sp_modes_range_all() : sp_modes_range_lowest(count);
-        sp_modes_free(m);
-        status = sp_modes_make(net, &o, &range, m, err);
-        if (every || number >= 0 || (status == SP_OK && m->n > m->n_zero))
-            break;
-    }
-    if (status == SP_OK && number < 0 && m->n == m->n_zero)
-        status = sp_fail(err, SP_EREFUSED, "there are only zero modes");
-    return status;
+    sp_modes_range range = sp_modes_range_lowest(number < rattlers ? 1 : number - rattlers + 1);
+    sp_error reason = {0};
+    range.zero = number >= 0;
+    sp_status status = range.lowest > dofs ? SP_EINVAL : sp_modes_make(net, &o, &range, m, &reason);
+    if (status == SP_EINVAL && number >= 0) /* there are not so many besides zero modes */
+        return sp_modes_make(net, &o, &all, m, err);
+    if (status == SP_EINVAL)
+        return sp_fail(err, SP_EREFUSED, "there are only zero modes");
+    return status == SP_OK ? SP_OK : sp_fail(err, status, "%s", reason.text);
 }
 
 sp_status plot_mode_file(const cli_common *common, const sp_scene *scene, const char *path, int64_t number,
@@ -92,11 +90,11 @@ sp_status plot_mode_file(const cli_common *common, const sp_scene *scene, const 
         status = sp_fail(err, SP_EREFUSED, "only packings in one or two dimensions can be drawn");
     if (status == SP_OK)
         status = find_modes(&net, number, &m, err);
-    const int64_t mode = number >= 0 ? number : m.n_zero;
+    const int64_t mode = number >= 0 ? number : m.first;
     if (status == SP_OK)
         status = mode_vector(&net, &m, mode, u, err);
     if (status == SP_OK)
-        status = sp_plot_mode(&p, &net, u, mode, m.omega[mode], common->output, err);
+        status = sp_plot_mode(&p, &net, u, mode, m.omega[mode - m.first], common->output, err);
     if (status != SP_OK)
         sp_fail_prefix(err, "%s", path);
 out:
