@@ -176,6 +176,14 @@ def check(path, label):
             assert np.array_equal(part["n"], inside), (label, words)
     comments, _ = table("spectrum", "dos", path, "--method", "kpm", "--bins", 3, "--vectors", 2)
     assert all(int(comments[key]) == expected[key] for key in KEYS[:3]) and "zero_modes" not in comments
+    # the sum over all that vibrate is the whole signal, and a partial sum has an error that holds
+    window = ("--until", 20, "--points", 40)
+    _, whole = table("signal", path, *window)
+    for modes in (left, max(1, left // 10)):
+        comments, some = table("signal", path, "--method", "sparse", "--modes", modes, *window)
+        off, size = np.abs(some["F"] - whole["F"]).max(), np.abs(whole["F"]).max()
+        assert int(comments["modes"]) == modes and off <= float(comments["error"]) + 1e-9 * size + 1e-12, (label, modes, off)
+        assert modes < left or float(comments["error"]) < 1e-9, (label, comments["error"])
     # as many as there are, and one more
     run("modes", path, "--lowest", left, "--frequencies-only")
     assert names_all(run("modes", path, "--lowest", left + 1, status=2).stderr, f"{left + 1} {left}"), label
