@@ -24,16 +24,37 @@ typedef struct sp_modes_options {
 } sp_modes_options;
 SP_API sp_modes_options sp_modes_options_default(void);
 
+/* Zero modes: motions without a restoring force. A mode counts as one if its frequency is below `below`, a fixed
+ * fraction of the upper bound of all frequencies (1e-8, or 1e-7 with prestress): motions that stretch no spring stay
+ * far below it in spite of rounding, and no mode of springs between grains is so soft. The numbers are exact: whatever
+ * cannot be proved to lie on one side is refused. They belong to the packing, not to the modes that are asked for. */
+typedef struct sp_zero_modes {
+    int64_t rattlers;   /* dof for each rattler */
+    int64_t spins;      /* motions of a single grain that stretch none of its springs: with friction, the spin of a
+                           sphere about the line through its two contacts, or that of a grain without tangential
+                           springs */
+    int64_t rigid;      /* motions of grains that hang together, as a rigid body: a packing that slides along walls
+                           without friction. Those that are sums of spins are not counted again. */
+    int64_t mechanisms; /* all others: several grains that move against each other */
+    int64_t total;      /* the sum of these four; -1, like mechanisms, if they were not counted */
+    double below;       /* [sqrt(E* / rho)/d] */
+} sp_zero_modes;
+/* Counts the zero modes, with one factorization of K unless there are mechanisms or very soft modes. SP_EREFUSED if K
+ * is not symmetric, for an unstable network, and if it cannot be decided whether a mode is a zero mode. */
+SP_API sp_status sp_zero_modes_count(const sp_network *net, sp_zero_modes *out, sp_error *err);
+
 enum { SP_MODES_DENSE_MAX = 20000 }; /* largest problem for the dense solver, in degrees of freedom */
 
-/* The whole spectrum or a contiguous part of it, in ascending order. The zero modes of rattlers (dof each) come first;
- * no eigenvectors are stored for them. The mode shapes are u^(n) = M^(-1/2) e^(n) with orthonormal e^(n). The signal is
- * F(t) = sum a_n b_n sin(omega_n t), Eq. (3) of Somfai et al. 2005, with cos in place of sin for a displacement source.
+/* The whole spectrum or a contiguous part of it, in ascending order. If zero modes are among the rows, those of
+ * rattlers come first; no eigenvectors are stored for them. The mode shapes are u^(n) = M^(-1/2) e^(n) with orthonormal
+ * e^(n). The signal is F(t) = sum a_n b_n sin(omega_n t), Eq. (3) of Somfai et al. 2005, with cos in place of sin for a
+ * displacement source.
  */
 typedef struct sp_modes {
     int64_t n;             /* number of rows, n_rattler included */
     int64_t n_rattler;     /* rows 0 .. n_rattler-1 are the zero modes of rattlers */
-    int64_t n_zero;        /* rows with omega = 0: rattlers and floppy modes */
+    int64_t n_zero;        /* rows with omega = 0, n_rattler included */
+    sp_zero_modes zero;    /* zero modes of the whole spectrum, in the rows or not */
     int64_t dofs;          /* length of an eigenvector: grains of the network times dof */
     double *omega;         /* [n] */
     double *error;         /* [n] upper bound of the error of omega */
@@ -45,7 +66,7 @@ typedef struct sp_modes {
                              vectors */
     double residual;      /* largest |A e - omega^2 e|/omega_max^2, A = M^(-1/2) K M^(-1/2); NAN without vectors */
     double orthogonality; /* largest |e_m . e_n - delta_mn|; NAN without vectors */
-    int64_t first;        /* number of modes of the whole spectrum below row 0 */
+    int64_t first;        /* number of modes of the whole spectrum below row 0, zero modes included */
     sp_modes_solver solver;              /* the one that was used */
     double certified_from, certified_to; /* no mode between these frequencies is missing: all modes were found (dense),
                                             or the inertia of K - omega^2 M at both ends gives their number (sparse) */
@@ -55,14 +76,15 @@ typedef struct sp_modes {
 
 SP_API sp_modes sp_modes_none(void);
 /* All modes, with LAPACK. Memory: 16 (n dof)^2 bytes. SP_EREFUSED above SP_MODES_DENSE_MAX degrees of freedom, and for
- * an unstable network. */
+ * an unstable network, and if it cannot be decided whether a mode is a zero mode. */
 SP_API sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_modes *out, sp_error *err);
 
 /* Which modes to compute. */
 typedef struct sp_modes_range {
-    int64_t lowest;  /* > 0: this many of the lowest modes of the network, and the rattlers' zero modes in addition; 0:
-                        the band from .. to */
-    double from, to; /* limits of omega, included; 0 and infinity: the whole spectrum */
+    int64_t lowest;  /* > 0: this many of the lowest modes that are no zero modes; 0: the band from .. to */
+    double from, to; /* limits of omega, included; 0 and infinity: the whole spectrum. A band from 0 has all zero modes,
+                        any other band none. */
+    bool zero;       /* with lowest: all zero modes too, in front of the others */
 } sp_modes_range;
 SP_API sp_modes_range sp_modes_range_all(void);
 SP_API sp_modes_range sp_modes_range_lowest(int64_t count);
@@ -70,7 +92,8 @@ SP_API sp_modes_range sp_modes_range_band(double from, double to);
 
 /* The modes in a range, by Lanczos iteration on (K - sigma M)^-1 with the solver of the options. The range is divided
  * into slices; the inertia of K - sigma M at their edges gives the number of modes in each. Memory: the eigenvectors
- * and one sparse factor. SP_EINVAL for an invalid range, and for the dense solver. SP_EREFUSED if the number of modes
+ * and one sparse factor. SP_EINVAL for an invalid range, also for more modes
+ * than there are besides zero modes, and for the dense solver. SP_EREFUSED if the number of modes
  * cannot be certified, if the network is unstable, or if memory does not suffice. */
 SP_API sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
                                  sp_modes *out, sp_error *err);

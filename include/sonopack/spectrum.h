@@ -43,7 +43,7 @@ SP_API sp_dos_options sp_dos_options_default(void);
 
 /* The density g(omega) with respect to omega, not omega^2. Rattlers are excluded. Zero modes would be a peak at omega =
  * 0. The methods exact and count report their number separately and leave them out of the histogram and the smooth
- * density. Kernel polynomials cannot distinguish zero modes from soft modes (zero_modes = -1) and smear them over the
+ * density. Kernel polynomials cannot distinguish zero modes from soft modes and smear them over the
  * kernel's width at 0. */
 typedef struct sp_dos {
     int32_t bins;
@@ -58,7 +58,7 @@ typedef struct sp_dos {
     double
         resolution; /* standard deviation of the kernel at omega = 0; at omega, sqrt(1 - (omega/Omega)^2) times this */
     double omega_max;   /* Omega, the upper bound of the spectrum */
-    int64_t zero_modes; /* zero modes of the network; -1: unknown */
+    sp_zero_modes zero; /* kpm: mechanisms and total are unknown, -1 */
     int64_t modes;      /* degrees of freedom of the network */
     int64_t moments;
     int32_t vectors; /* random vectors; 0 for the method exact */

@@ -78,7 +78,8 @@ def chain(folder):
     """More grains than the dense solver takes: omega_n = omega_max sin(n pi/(2(N+1)))."""
     number = 21000
     path = pack(folder, "chain.h5", 'packing.kind="chain"', "packing.dimension=1", f"packing.grains={number}")
-    _, first = modes(path, "--lowest", 30, "--frequencies-only")
+    comments, first = modes(path, "--lowest", 30, "--frequencies-only")
+    assert comments["zero_modes"] == "0" and float(comments["zero_below"]) < 1e-3 * first["omega"][0]
     angle = np.pi / (2 * (number + 1))
     top = first["omega"][0] / np.sin(angle)
     exact = top * np.sin(np.arange(1, 31) * angle)

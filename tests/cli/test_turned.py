@@ -152,7 +152,8 @@ def clusters(folder, rng):
             assert np.all(np.isnan(m[name])) if name in lost else np.all(np.isfinite(m[name]))
         assert np.all(np.isnan(m["ab"])) and np.all((m["participation"] > 0) & (m["participation"] <= 1 + 1e-12))
         _, part = columns(run("modes", path, "--lowest", 20))
-        at = int(comments["rattler_modes"])
+        at = int(part["n"][0])
+        assert at == int(comments["zero_modes"])
         assert np.all(np.abs(part["omega"] - m["omega"][at:at + 20]) <= part["error"] + m["error"][at:at + 20])
         printed = folder / "modes.tsv"
         run("modes", path, "-o", printed, "--force")

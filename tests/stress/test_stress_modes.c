@@ -99,7 +99,10 @@ static void compare_part(stress_record *r, const char *network, const char *what
 static void run_sparse(stress_record *r, const stress_case *c, const sp_network *net, const exact *x) {
     const sp_modes_options o = {.vectors = false, .source = SP_SOURCE_IMPULSE};
     const int n = x->n;
-    int from = n / 4, to = (3 * n) / 4, most = n / 3 > 0 ? n / 3 : 1;
+    int from = n / 4, to = (3 * n) / 4, zeros = 0;
+    while (zeros < n && x->lambda[zeros] < x->lambda[n - 1] * 1e-16L)
+        zeros++;
+    int most = n / 3 > zeros ? n / 3 : zeros < n ? zeros + 1 : n;
     const quad gap = x->lambda[n - 1] * 1e-6L;
     while (from > 0 && x->lambda[from] - x->lambda[from - 1] < gap)
         from--;
@@ -114,7 +117,7 @@ static void run_sparse(stress_record *r, const stress_case *c, const sp_network 
         sp_modes_range range;
         int first, count;
     } parts[] = {{"all", sp_modes_range_all(), 0, n},
-                 {"lowest third", sp_modes_range_lowest(most), 0, most},
+                 {"lowest third", {.lowest = most - zeros, .zero = true}, 0, most},
                  {"band", sp_modes_range_band(low, high), from, to - from}};
     for (int q = 0; q < 3; q++) {
         sp_modes m = sp_modes_none();

@@ -147,19 +147,31 @@ static void assert_part(const sp_modes *all, const sp_modes *part) {
 
 static sp_modes_solver solver; /* of the present test */
 
-static void check_lowest(const sp_network *net, const sp_modes *all, int64_t count, bool vectors) {
+static void assert_zeros(const sp_modes *all, const sp_modes *part) {
+    assert_int_equal(part->zero.rattlers, all->zero.rattlers);
+    assert_int_equal(part->zero.spins, all->zero.spins);
+    assert_int_equal(part->zero.rigid, all->zero.rigid);
+    assert_int_equal(part->zero.mechanisms, all->zero.mechanisms);
+    assert_int_equal(part->zero.total, all->n_zero);
+    assert_true(part->zero.below == all->zero.below);
+}
+
+static void check_lowest(const sp_network *net, const sp_modes *all, int64_t count, bool vectors, bool zero) {
     const sp_modes_options o = {.vectors = vectors, .solver = solver};
-    const sp_modes_range range = sp_modes_range_lowest(count);
+    sp_modes_range range = sp_modes_range_lowest(count);
     sp_modes m = sp_modes_none();
+    range.zero = zero;
     assert_ok(sp_modes_sparse(net, &o, &range, &m, &err));
     assert_int_equal(m.solver, solver == SP_SOLVER_AUTO ? SP_SOLVER_LANCZOS : solver);
-    assert_int_equal(m.n, all->n_rattler + count);
-    assert_int_equal(m.n_rattler, all->n_rattler);
-    assert_int_equal(m.first, 0);
+    assert_int_equal(m.n, count + (zero ? all->n_zero : 0));
+    assert_int_equal(m.n_rattler, zero ? all->n_rattler : 0);
+    assert_int_equal(m.n_zero, zero ? all->n_zero : 0);
+    assert_int_equal(m.first, zero ? 0 : all->n_zero);
+    assert_zeros(all, &m);
     assert_part(all, &m);
     assert_true(m.certified_from == 0 && m.certified_to >= m.omega[m.n - 1] - 1e-9);
-    if (m.n < all->n)
-        assert_true(m.certified_to <= all->omega[m.n] + all->error[m.n]);
+    if (m.first + m.n < all->n)
+        assert_true(m.certified_to <= all->omega[m.first + m.n] + all->error[m.first + m.n]);
     sp_modes_free(&m);
 }
 
@@ -170,6 +182,7 @@ static void check_all(const sp_network *net, const sp_modes *all, bool vectors) 
     assert_ok(sp_modes_sparse(net, &o, &range, &m, &err));
     assert_int_equal(m.n, all->n);
     assert_int_equal(m.n_zero, all->n_zero);
+    assert_zeros(all, &m);
     assert_part(all, &m);
     sp_modes_free(&m);
 }
@@ -191,6 +204,7 @@ static void check_band(const sp_network *net, const sp_modes *all, double from, 
                      (long long)m.first, (long long)inside, (long long)below);
     } else /* within its error of a limit a mode may be in or out, but is told of */
         assert_true(llabs(m.n - inside) <= edge + m.on_edge);
+    assert_zeros(all, &m);
     assert_part(all, &m);
     if (m.n > 0) {
         assert_true(m.certified_from <= m.omega[0] + m.error[0]);
@@ -208,10 +222,10 @@ static void check_parts(sp_modes_solver by) {
         sp_network net = shape(k);
         sp_modes all = dense_of(&net);
         const double top = all.omega[all.n - 1];
-        check_lowest(&net, &all, 1, true);
-        check_lowest(&net, &all, 17, k % 2);
-        check_lowest(&net, &all, 60, !(k % 2));
-        check_lowest(&net, &all, 210, k % 2);
+        check_lowest(&net, &all, 1, true, false);
+        check_lowest(&net, &all, 17, k % 2, true);
+        check_lowest(&net, &all, 60, !(k % 2), false);
+        check_lowest(&net, &all, 210, k % 2, k % 3 == 0);
         check_all(&net, &all, k % 2);
         for (int q = 0; q < 5; q++) {
             const double x = 1.05 * top * rand() / RAND_MAX, y = x + 0.2 * top * rand() / RAND_MAX + 1e-9;
@@ -267,10 +281,10 @@ static void test_amplitudes(void **state) {
     const sp_modes_options o = {.vectors = true};
     const sp_modes_range range = sp_modes_range_lowest(50);
     assert_ok(sp_modes_sparse(&net, &o, &range, &m, &err));
-    for (int64_t k = m.n_rattler; k < m.n; k++) {
-        assert_close(m.a[k], all.a[k], 1e-8);
-        assert_close(m.b[k], all.b[k], 1e-8);
-        assert_relative(m.participation[k], all.participation[k], 1e-6);
+    for (int64_t k = 0; k < m.n; k++) {
+        assert_close(m.a[k], all.a[m.first + k], 1e-8);
+        assert_close(m.b[k], all.b[m.first + k], 1e-8);
+        assert_relative(m.participation[k], all.participation[m.first + k], 1e-6);
     }
     sp_modes_free(&m);
     sp_modes_free(&all);
@@ -282,10 +296,16 @@ static void test_refusals(void **state) {
     sp_network net = shape(5);
     const sp_modes_options o = sp_modes_options_default();
     sp_modes m = sp_modes_none();
-    const sp_modes_range bad[] = {{-1, 0, HUGE_VAL}, {sp_network_dofs(&net) + 1, 0, HUGE_VAL},
-                                  {0, 1, 1},         {0, 2, 1},
-                                  {0, -0.1, 1},      {0, NAN, 1},
-                                  {0, 0, NAN},       {0, INFINITY, INFINITY}};
+    const sp_modes_range bad[] = {{-1, 0, HUGE_VAL, false},
+                                  {sp_network_dofs(&net) + 1, 0, HUGE_VAL, false},
+                                  {1000000000000, 0, HUGE_VAL, true},
+                                  {0, 1, 1, false},
+                                  {0, 2, 1, false},
+                                  {0, -0.1, 1, false},
+                                  {0, NAN, 1, false},
+                                  {0, 0, NAN, false},
+                                  {0, 1, 2, true}, /* a band has its zero modes or it has not */
+                                  {0, INFINITY, INFINITY, false}};
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         assert_fails(sp_modes_sparse(&net, &o, &bad[k], &m, &err), SP_EINVAL, "");
         assert_fails(sp_modes_make(&net, &o, &bad[k], &m, &err), SP_EINVAL, "");

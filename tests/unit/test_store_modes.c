@@ -48,7 +48,8 @@ static void same(const double *a, const double *b, int64_t n) { assert_memory_eq
 static void compare(const made *x, const sp_modes_file *f) {
     const sp_modes *m = &x->m, *g = &f->modes;
     assert_true(m->n == g->n && m->n_rattler == g->n_rattler && m->n_zero == g->n_zero && m->dofs == g->dofs);
-    assert_true(m->first == g->first && m->on_edge == g->on_edge && m->solver == g->solver);
+    assert_true(m->first == g->first && m->on_edge == g->on_edge && m->solver == g->solver &&
+                !memcmp(&m->zero, &g->zero, sizeof m->zero));
     same(m->omega, g->omega, m->n);
     same(m->error, g->error, m->n);
     same(m->a, g->a, m->n);

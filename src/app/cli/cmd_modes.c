@@ -7,7 +7,7 @@
 
 typedef struct arguments {
     cli_common common;
-    bool frequencies_only, stability;
+    bool frequencies_only, stability, zero;
     int source, solver; /* sp_source, sp_modes_solver */
     sp_modes_range range;
     bool part;      /* --lowest or --band */
@@ -55,6 +55,11 @@ static sp_status check(void *user, sp_error *err) {
     const sp_status vectors = modes_vectors_check(a->vectors, a->mode, err);
     if (vectors != SP_OK)
         return vectors;
+    if (a->zero && a->range.lowest == 0)
+        return sp_fail(
+            err, SP_EINVAL,
+            "--zero: only with --lowest; --all and a band that begins at 0 have all zero modes, any other band "
+            "none");
     if (a->ranges > 1)
         return sp_fail(err, SP_EINVAL, "--all, --lowest and --band: only one of them may be given, once");
     if (a->damping > 0 && (a->part || a->frequencies_only))
@@ -67,8 +72,8 @@ static sp_status check(void *user, sp_error *err) {
 
 static const cli_option options[] = {
     {"all", NULL, "All modes (the default)", .parse = add_all},
-    {"lowest", "K", "Only the K lowest modes, without zero modes of rattlers; n starts after those",
-     .parse = set_lowest},
+    {"lowest", "K", "Only the K lowest modes that are no zero modes; n starts after those", .parse = set_lowest},
+    {"zero", NULL, "With --lowest: all zero modes too, in front", CLI_FLAG, .field = offsetof(arguments, zero)},
     {"band", "LO:HI", "Only the modes with LO <= omega <= HI; n counts from the lowest of all modes. HI may be inf",
      .parse = set_band},
     {"frequencies-only", NULL, "Print only the columns n, omega and error: no amplitudes, no participation ratio",
@@ -98,12 +103,18 @@ static const cli_syntax syntax = {
     .help =
         "Eigenfrequencies of the spring network of a packing between fixed walls, and the weight of each mode in the "
         "signal.\v"
-        "Modes are sorted by omega; the zero modes of rattlers come first. The signal is F(t) = sum of ab sin(omega "
+        "Modes are sorted by omega; among the zero modes those of rattlers come first. The signal is F(t) = sum of ab "
+        "sin(omega "
         "t) (cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share of a grain in the "
         "mode and N the number of grains without rattlers. error is a bound for the error of omega. A packing that "
         "does "
         "not touch the bottom (top) wall has no source (detector): a (b) is nan, and a comment says none. --set takes "
         "keys of the group network.\n"
+        "\n"
+        "The comments count the zero modes of the packing, whichever modes are printed: zero_modes = rattler_modes + "
+        "free_spins (a grain that turns alone, such as a sphere with two contacts) + rigid_motions (grains that hang "
+        "together and move as a rigid body, such as a packing between walls without friction) + mechanisms (all "
+        "others). A mode is a zero mode if omega < zero_below.\n"
         "\n"
         "With --damping, F(t) = sum of exp(-decay t) (cosine cos(omega t) + sine sin(omega t)). Each conjugate pair "
         "has one row, each overdamped mode a row with omega = 0; n starts at 0 without rattlers.",
@@ -119,8 +130,7 @@ static void add_comments(const arguments *a, const cli_file *file, const sp_mode
     char from[SP_NUMBER_TEXT], to[SP_NUMBER_TEXT];
     cli_comment(w, "file = %s", file->path);
     cli_value(w, "pressure", file->packing.pressure);
-    cli_comment(w, "zero_modes = %lld", (long long)m->n_zero);
-    cli_comment(w, "rattler_modes = %lld", (long long)file->network.rattlers * file->network.dof);
+    cli_zero_modes(w, &m->zero);
     if (!a->frequencies_only)
         cli_comment(w, "source = %s", sp_network_touches(net, SP_BOTTOM) ? cli_source_names[a->source] : "none");
     if (!a->frequencies_only && !sp_network_touches(net, SP_TOP))
@@ -152,13 +162,15 @@ static void add_columns(bool vectors, cli_writer *w) {
 static sp_status undamped(const arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
     const sp_modes_options o = {
         .vectors = !a->frequencies_only, .source = (sp_source)a->source, .solver = (sp_modes_solver)a->solver};
+    sp_modes_range range = a->range;
     sp_modes m = sp_modes_none();
-    cli_writer w = {.table = t, .err = err, .status = sp_modes_make(&file->network, &o, &a->range, &m, err)};
+    range.zero = a->zero;
+    cli_writer w = {.table = t, .err = err, .status = sp_modes_make(&file->network, &o, &range, &m, err)};
     add_columns(!a->frequencies_only, &w);
     add_comments(a, file, &m, &w);
     if (a->vectors && w.status == SP_OK)
         w.status = modes_vectors(&a->common, file, &m, o.source, a->mode, a->vectors, err);
-    for (int64_t k = a->range.lowest > 0 ? m.n_rattler : 0; k < m.n && w.status == SP_OK; k++) {
+    for (int64_t k = 0; k < m.n && w.status == SP_OK; k++) {
         const int64_t n = m.first + k;
         if (m.vectors)
             w.status = sp_table_add_row(t, err, n, m.omega[k], m.a[k], m.b[k], m.a[k] * m.b[k], m.participation[k],

@@ -59,23 +59,21 @@ static void describe_mode(drawing *d, const sp_modes *m, int64_t row) {
     d->motion.error = sp_modes_vector_error(m, &d->net, row);
 }
 
-/* Finds the modes up to the wanted one, or up to the first that is not a zero mode. */
+/* Finds the modes up to the wanted one, or the first that is not a zero mode. */
 static sp_status find_modes(const drawing *d, sp_modes *m, sp_error *err) {
-    enum { FEW = 8 };
     const sp_modes_options o = sp_modes_options_default();
-    const int64_t number = d->what->number, dofs = sp_network_dofs(&d->net);
-    const int64_t rattlers = (int64_t)d->net.rattlers * d->net.dof;
-    int64_t count = number < 0 ? FEW : number - rattlers + 1;
-    sp_status status = SP_OK;
-    for (count = count < 1 ? 1 : count; status == SP_OK; count *= 2) {
-        const bool every = count >= dofs;
-        const sp_modes_range range = every ? sp_modes_range_all() : sp_modes_range_lowest(count);
-        sp_modes_free(m);
-        status = sp_modes_make(&d->net, &o, &range, m, err);
-        if (every || number >= 0 || (status == SP_OK && m->n > m->n_zero))
-            break;
-    }
-    return status;
+    const sp_modes_range all = sp_modes_range_all();
+    const int64_t number = d->what->number, rattlers = (int64_t)d->net.rattlers * d->net.dof;
+    sp_modes_range range = sp_modes_range_lowest(number < rattlers ? 1 : number - rattlers + 1);
+    sp_error reason = {0};
+    range.zero = number >= 0;
+    const bool too_many = range.lowest > sp_network_dofs(&d->net);
+    const sp_status status = too_many ? SP_EINVAL : sp_modes_make(&d->net, &o, &range, m, &reason);
+    if (status == SP_EINVAL && number >= 0) /* there are not so many besides zero modes */
+        return sp_modes_make(&d->net, &o, &all, m, err);
+    if (status == SP_EINVAL)
+        return sp_fail(err, SP_EREFUSED, "there are only zero modes");
+    return status == SP_OK ? SP_OK : sp_fail(err, status, "%s", reason.text);
 }
 
 static sp_status compute_mode(drawing *d, sp_error *err) {

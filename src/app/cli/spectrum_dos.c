@@ -1,5 +1,6 @@
 /* Fills the table of sonopack spectrum dos: the density of states. */
 #include "base/base.h"
+#include "cli/modes.h"
 #include "cli/spectrum.h"
 
 const char *const spectrum_dos_methods[] = {"auto", "exact", "kpm", "count", NULL};
@@ -43,11 +44,9 @@ sp_status spectrum_dos(const spectrum_arguments *a, const cli_file *file, sp_tab
     cli_comment(&w, "method = %s", spectrum_dos_methods[d.method]);
     cli_comment(&w, "norm = %s", spectrum_dos_norms[o.norm]);
     cli_value(&w, "modes", (double)d.modes);
-    cli_value(&w, "rattler_modes", (double)net->rattlers * net->dof);
-    if (d.zero_modes >= 0)
-        cli_value(&w, "zero_modes", (double)d.zero_modes);
-    else
-        cli_comment(&w, "zero modes of the network are not told apart: they are at omega = 0");
+    cli_zero_modes(&w, &d.zero);
+    if (d.zero.total < 0)
+        cli_comment(&w, "zero modes of the network are in the density, at omega = 0");
     cli_value(&w, "resolution", d.resolution);
     cli_value(&w, "omega_max", d.omega_max);
     if (d.vectors > 0)

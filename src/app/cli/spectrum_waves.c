@@ -1,5 +1,6 @@
 /* Fills the tables of sonopack spectrum transmission, dispersion and participation. */
 #include "base/base.h"
+#include "cli/modes.h"
 #include "cli/spectrum.h"
 
 #include <math.h>
@@ -138,8 +139,7 @@ sp_status spectrum_participation(const spectrum_arguments *a, const cli_file *fi
                 NULL);
     cli_columns(&w, SP_CELL_INTEGER, "modes", "", NULL);
     cli_columns(&w, SP_CELL_NUMBER, "participation", "", "sd", "", "min", "", "max", "", NULL);
-    cli_value(&w, "zero_modes", (double)(m.n_zero - m.n_rattler));
-    cli_value(&w, "rattler_modes", (double)m.n_rattler);
+    cli_zero_modes(&w, &m.zero);
     cli_comment(&w, "nan: no mode in the bin; sd: fewer than two");
     for (int32_t b = 0; b < bins && w.status == SP_OK; b++)
         w.status = sp_table_add_row(t, err, 0.5 * (bin[b].low + bin[b].high), bin[b].low, bin[b].high, bin[b].modes,

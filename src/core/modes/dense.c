@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "linalg/eigen.h"
 #include "modes/table.h"
+#include "modes/zeros.h"
 
 #include <math.h>
 
@@ -24,16 +25,20 @@ static sp_status dense_matrix(const sp_network *net, double **out, sp_error *err
     return status;
 }
 
-/* Refines eigenvalues whose vectors LAPACK found; `above`: the next eigenvalue. */
-static sp_status refine(const sp_network *net, int64_t count, const double *vectors, const double *values, double above,
+/* Refines eigenvalues whose vectors LAPACK found, softest first; `above`: the next eigenvalue. */
+static sp_status refine(const sp_network *net, int64_t count, double *vectors, const double *values, double above,
                         sp_ritz *ritz, sp_error *err) {
+    const double blur = sp_lapack_error(net);
+    const int64_t soft = sp_zeros_near(count, values, blur, above);
     const sp_refine_set set = {.count = count,
                                .vectors = vectors,
                                .values = values,
-                               .blur = 2 * sp_lapack_error(net),
+                               .blur = 2 * blur,
+                               .soft = soft,
                                .below = -HUGE_VAL,
                                .above = above};
-    return sp_modes_refine(net, &set, ritz, err);
+    sp_status status = sp_zeros_part(net, soft, vectors, err);
+    return status == SP_OK ? sp_modes_refine(net, &set, ritz, err) : status;
 }
 
 /* Frequencies only. Reduces A to tridiagonal form once for all eigenvalues. Computes eigenvectors only of modes so soft
@@ -52,7 +57,7 @@ static sp_status frequencies(const sp_network *net, double *a, sp_ritz *ritz, sp
     if (status != SP_OK)
         goto out;
     for (int64_t k = 0; k < n; k++)
-        ritz[k] = (sp_ritz){values[k], blur, NAN};
+        ritz[k] = (sp_ritz){.lambda = values[k], .error = blur, .residual = NAN, .rounding = blur};
     while (count < n &&
            (blur > values[count] * 2e-12 / FINE || (count > 0 && values[count] - values[count - 1] <= 8 * blur)))
         count++; /* never split a cluster */
@@ -84,6 +89,21 @@ static sp_status with_vectors(const sp_network *net, double *a, sp_ritz *ritz, s
     return status;
 }
 
+/* Counts the zero modes, of which the null motions are known. */
+static sp_status count_zeros(const sp_network *net, const sp_ritz *ritz, sp_mode_pairs *set, sp_error *err) {
+    sp_null_motions known = {0};
+    sp_status status = sp_null_motions_make(net, &known, err);
+    if (status == SP_OK)
+        status = sp_zeros_count(net, set->count, ritz, known.spins + known.rigid, &set->zeros, err);
+    if (status == SP_OK && set->zeros < known.spins + known.rigid)
+        status = sp_fail(err, SP_EREFUSED, "%lld zero modes found, must be at least %lld: eigenvalues are too inexact",
+                         (long long)set->zeros, (long long)(known.spins + known.rigid));
+    if (status == SP_OK)
+        set->zero = sp_zeros_sum(net, &known, set->zeros - known.spins - known.rigid);
+    sp_null_motions_free(&known);
+    return status;
+}
+
 sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_modes *out, sp_error *err) {
     double *a = NULL;
     sp_ritz *ritz = NULL;
@@ -101,11 +121,13 @@ sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_
     if (status == SP_OK)
         status = opt->vectors ? with_vectors(net, a, ritz, err) : frequencies(net, a, ritz, err);
     if (status == SP_OK) {
-        const sp_mode_pairs set = {.count = n,
-                                   .ritz = ritz,
-                                   .vectors = opt->vectors ? a : NULL,
-                                   .rattlers = (int64_t)net->rattlers * net->dof};
-        status = sp_modes_tabulate(net, opt->source, &set, out, err);
+        sp_mode_pairs set = {.count = n,
+                             .ritz = ritz,
+                             .vectors = opt->vectors ? a : NULL,
+                             .rattlers = (int64_t)net->rattlers * net->dof};
+        status = count_zeros(net, ritz, &set, err);
+        if (status == SP_OK)
+            status = sp_modes_tabulate(net, opt->source, &set, out, err);
     }
     if (status == SP_OK) {
         out->solver = SP_SOLVER_DENSE;

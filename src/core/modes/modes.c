@@ -16,9 +16,9 @@ void sp_modes_free(sp_modes *m) {
     *m = sp_modes_none();
 }
 
-sp_modes_range sp_modes_range_all(void) { return (sp_modes_range){0, 0, HUGE_VAL}; }
-sp_modes_range sp_modes_range_lowest(int64_t count) { return (sp_modes_range){count, 0, HUGE_VAL}; }
-sp_modes_range sp_modes_range_band(double from, double to) { return (sp_modes_range){0, from, to}; }
+sp_modes_range sp_modes_range_all(void) { return (sp_modes_range){.to = HUGE_VAL}; }
+sp_modes_range sp_modes_range_lowest(int64_t count) { return (sp_modes_range){.lowest = count, .to = HUGE_VAL}; }
+sp_modes_range sp_modes_range_band(double from, double to) { return (sp_modes_range){.from = from, .to = to}; }
 
 sp_damped_modes sp_damped_modes_none(void) { return (sp_damped_modes){0}; }
 

@@ -6,8 +6,8 @@
 #include <float.h>
 #include <math.h>
 
-/* Largest cluster whose vectors are compared in pairs. */
-enum { CLUSTER_MAX = 32 };
+/* Largest clusters whose vectors are compared in pairs; the second if there are zero modes in it. */
+enum { CLUSTER_MAX = 32, PAIRS_MAX = SP_PAIRS_MAX };
 
 double sp_lapack_error(const sp_network *net) {
     const double omega = sp_network_omega_bound(net);
@@ -46,6 +46,7 @@ static void rayleigh(const sp_network *net, const double *e, scratch s, sp_ritz 
     const double norm = displacement(net, e, NULL, 0, s.u);
     r->lambda = sp_network_energy2_bound(net, s.u, &rounding) / norm;
     /* the sum of n squares in norm has an error of about sqrt(n) roundings, n at worst */
+    r->rounding = rounding / norm;
     r->error = rounding / norm + fabs(r->lambda) * DBL_EPSILON * (4 + sqrt((double)n));
     sp_network_apply(net, s.u, s.ku);
     for (int64_t k = 0; k < n; k++) {
@@ -71,29 +72,58 @@ typedef struct cluster {
     double gap;
 } cluster;
 
+/* Largest sum over the other members of upper bounds of |H_ab|, H = V^T A V: by the couplings of all pairs. */
+static double sum_of_pairs(const sp_network *net, const double *vectors, const cluster *c, scratch s) {
+    const int64_t n = sp_network_dofs(net), first = c->first, members = c->last - first + 1;
+    double row[PAIRS_MAX] = {0}, most = 0;
+    for (int64_t a = 0; a < members; a++)
+        for (int64_t b = a + 1; b < members; b++) {
+            const double shared = coupling(net, vectors + (first + a) * n, vectors + (first + b) * n, s);
+            row[a] += shared;
+            row[b] += shared;
+        }
+    for (int64_t a = 0; a < members; a++)
+        most = fmax(most, row[a]);
+    return most;
+}
+
+/* The same by the bounds of Cauchy and Schwarz, sqrt(H_aa H_bb), for a positive K. Good for zero modes alone. */
+static double sum_of_roots(const cluster *c, const sp_ritz *ritz) {
+    double most = 0, roots = 0;
+    for (int64_t m = c->first; m <= c->last; m++)
+        roots += sqrt(fmax(ritz[m].lambda, 0) + ritz[m].rounding);
+    for (int64_t m = c->first; m <= c->last; m++) {
+        const double own = sqrt(fmax(ritz[m].lambda, 0) + ritz[m].rounding);
+        most = fmax(most, own * (roots - own));
+    }
+    return most;
+}
+
+static double row_sum(const sp_network *net, const double *vectors, const cluster *c, scratch s, const sp_ritz *ritz) {
+    const double omega = sp_network_omega_bound(net), little = 1e-20 * omega * omega;
+    const int64_t members = c->last - c->first + 1;
+    if (members <= CLUSTER_MAX)
+        return sum_of_pairs(net, vectors, c, s);
+    if (net->prestress)
+        return HUGE_VAL;
+    const double roots = sum_of_roots(c, ritz);
+    /* zero modes among soft ones need more */
+    const bool soft = ritz[c->first].lambda < 1e-12 * omega * omega;
+    return roots > little && soft && members <= PAIRS_MAX ? sum_of_pairs(net, vectors, c, s) : roots;
+}
+
 /* The eigenvalues of H = V^T A V are within |R|^2/gap of those of A, R = A V - V H (Kato and Temple). The diagonal of H
  * is within the sum of the other entries of a row of its eigenvalues. Without a gap the error is at most |R|
  * (Weyl). */
 static void bound_cluster(const sp_network *net, const double *vectors, const cluster *c, scratch s, sp_ritz *ritz) {
-    const int64_t n = sp_network_dofs(net), first = c->first, last = c->last, members = last - first + 1;
     const double omega = sp_network_omega_bound(net), noise = 8 * DBL_EPSILON * omega * omega;
-    double squares = 0, row[CLUSTER_MAX] = {0};
-    for (int64_t m = first; m <= last; m++)
+    double squares = 0;
+    for (int64_t m = c->first; m <= c->last; m++)
         squares += (ritz[m].residual + noise) * (ritz[m].residual + noise);
-    if (members <= CLUSTER_MAX)
-        for (int64_t a = 0; a < members; a++)
-            for (int64_t b = a + 1; b < members; b++) {
-                const double shared = coupling(net, vectors + (first + a) * n, vectors + (first + b) * n, s);
-                row[a] += shared;
-                row[b] += shared;
-            }
-    double most = 0;
-    for (int64_t a = 0; a < members && a < CLUSTER_MAX; a++)
-        most = fmax(most, row[a]);
     double bound = sqrt(squares);
-    if (members <= CLUSTER_MAX && c->gap > 0)
-        bound = fmin(bound, most + squares / c->gap);
-    for (int64_t m = first; m <= last; m++)
+    if (c->gap > 0)
+        bound = fmin(bound, row_sum(net, vectors, c, s, ritz) + squares / c->gap);
+    for (int64_t m = c->first; m <= c->last; m++)
         ritz[m].error += bound;
 }
 
@@ -123,8 +153,9 @@ sp_status sp_modes_refine(const sp_network *net, const sp_refine_set *set, sp_ri
             blur = fmax(blur, set->blur + ritz[m].residual);
     }
     for (int64_t first = 0, last; first < count; first = last + 1) {
-        for (last = first; last + 1 < count &&
-                           values[last + 1] - values[last] <= fmax(4 * blur, set->cluster * fabs(values[last + 1]));
+        for (last = first;
+             last + 1 < count && (last + 1 < set->soft || values[last + 1] - values[last] <=
+                                                              fmax(4 * blur, set->cluster * fabs(values[last + 1])));
              last++)
             ;
         cluster c = {first, last, 0};

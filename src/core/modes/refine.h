@@ -6,10 +6,13 @@
 
 #include <sonopack/network.h>
 
+enum { SP_PAIRS_MAX = 256 }; /* largest cluster with zero modes and soft ones whose errors are small */
+
 typedef struct sp_ritz {
     double lambda;   /* omega^2 */
     double error;    /* upper bound of |lambda - exact| */
     double residual; /* |A e - lambda e| */
+    double rounding; /* upper bound of |lambda - e . A e| */
 } sp_ritz;
 
 /* Error of LAPACK's eigenvalues of A = M^-1/2 K M^-1/2. */
@@ -23,6 +26,7 @@ typedef struct sp_refine_set {
                               quotients and add the largest residual to blur */
     double blur;
     double cluster; /* eigenvalues within this relative distance belong to one cluster, as do those within the blur */
+    int64_t soft;   /* so many of the first vectors are one cluster, whatever their eigenvalues */
     double below, above; /* all other eigenvalues of A lie below `below` or above `above`; infinite if there are none */
 } sp_refine_set;
 

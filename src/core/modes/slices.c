@@ -16,26 +16,46 @@ enum {
     LOCKED_MAX = 32
 };
 
+static const double LIFT = 1.25; /* where spins go, in units of the upper bound of the spectrum */
+
 void sp_slicer_free(slicer *z) {
     sp_ldl_free(z->ldl);
     sp_free(z->ritz);
     sp_free(z->vector);
     sp_lanczos_free(&z->last);
+    sp_null_motions_free(&z->null);
     *z = (slicer){0};
+}
+
+/* Adds LIFT top s s^T for each spin s to the lower triangle, in the block of its own grain. */
+static void lift_spins(const slicer *z, sp_sparse *a) {
+    const int dof = z->net->dof;
+    for (int64_t q = 0; q < z->null.spins; q++) {
+        const double *s = z->null.spin[q];
+        for (int c = 0; c < dof; c++)
+            for (int r = c; r < dof; r++)
+                a->x[a->p[(int64_t)z->null.grain[q] * dof + c] + r - c] += LIFT * z->top * s[r] * s[c];
+    }
 }
 
 sp_status sp_slicer_make(const sp_network *net, bool vectors, slicer *out, sp_error *err) {
     const double omega = sp_network_omega_bound(net);
     slicer z = {.net = net, .vectors = vectors, .tolerance = 1e-10, .n = sp_network_dofs(net), .top = omega * omega};
     sp_sparse a = {0};
-    /* An entry is a sum of some tens of products of three factors, scaled by two square roots. */
-    z.noise = 64 * DBL_EPSILON * z.top;
-    sp_status status = sp_network_assemble(net, &a, err);
+    sp_status status = sp_null_motions_make(net, &z.null, err);
+    /* An entry is a sum of some tens of products of three factors, scaled by two square roots. A spin moves alone as
+     * far as A times its vector vanishes. */
+    z.noise = 64 * DBL_EPSILON * z.top + 8 * omega * z.null.stretch;
+    z.modes = z.n - z.null.spins - z.null.rigid;
+    if (status == SP_OK)
+        status = sp_network_assemble(net, &a, err);
     for (int64_t c = 0; status == SP_OK && c < a.n; c++)
         for (int64_t k = a.p[c]; k < a.p[c + 1]; k++)
             a.x[k] /= sqrt(net->mass[c] * net->mass[a.i[k]]);
-    if (status == SP_OK)
+    if (status == SP_OK) {
+        lift_spins(&z, &a);
         status = sp_ldl_make(&a, &z.ldl, err);
+    }
     sp_sparse_free(&a);
     if (status == SP_OK)
         *out = z;
@@ -46,36 +66,65 @@ sp_status sp_slicer_make(const sp_network *net, bool vectors, slicer *out, sp_er
 
 static int64_t slice_size(const slicer *z) { return z->solver == SP_SOLVER_ARPACK ? SLICE_ARPACK : SLICE; }
 
-static sp_status search(slicer *z, const sp_lanczos_spec *spec, sp_lanczos_pairs *out, sp_error *err) {
-    const sp_status status = z->solver == SP_SOLVER_ARPACK ? sp_arpack(z->ldl, z->n, spec, out, err)
-                                                           : sp_lanczos(z->ldl, z->n, spec, out, err);
-    if (status == SP_OK)
-        z->solves += out->solves;
-    return status;
-}
-
+/* Makes room for `count` modes, and puts the null motions in front of them if these are wanted. */
 static sp_status reserve(slicer *z, int64_t count, sp_error *err) {
+    z->front = z->null_rows ? z->null.spins + z->null.rigid : 0;
+    const size_t rows = (size_t)(z->front + count);
     /* vectors exist twice at the end: here and in the table of modes */
-    const double bytes = (double)count * ((double)z->n * (z->vectors ? 2 * sizeof(double) : 0) + sizeof(sp_ritz));
+    const double bytes = (double)rows * ((double)z->n * (z->vectors ? 2 * sizeof(double) : 0) + sizeof(sp_ritz));
     if (bytes > 0.8 * sp_memory_limit())
         return sp_fail(err, SP_EREFUSED, "%lld modes of %lld degrees of freedom take %.3g GB, must be below %.3g",
-                       (long long)count, (long long)z->n, bytes * 1e-9, 0.8e-9 * sp_memory_limit());
+                       (long long)rows, (long long)z->n, bytes * 1e-9, 0.8e-9 * sp_memory_limit());
     sp_free(z->ritz);
     sp_free(z->vector);
     z->found = 0;
     z->capacity = count;
     z->vector = NULL;
-    z->ritz = sp_alloc((size_t)count, sizeof *z->ritz);
+    z->ritz = sp_alloc(rows, sizeof *z->ritz);
     if (z->vectors)
-        z->vector = sp_alloc((size_t)count, (size_t)z->n * sizeof *z->vector);
-    return z->ritz && (z->vector || !z->vectors) ? SP_OK : sp_fail_memory(err, (size_t)bytes);
+        z->vector = sp_alloc(rows, (size_t)z->n * sizeof *z->vector);
+    if (!z->ritz || (z->vectors && !z->vector))
+        return sp_fail_memory(err, (size_t)bytes);
+    const double energy = z->null.stretch * z->null.stretch;
+    for (int64_t k = 0; k < z->front; k++) {
+        z->ritz[k] = (sp_ritz){.error = energy, .residual = sqrt(energy * z->top), .rounding = energy};
+        if (z->vectors)
+            sp_null_motions_vector(z->net, &z->null, k, z->vector + k * z->n);
+    }
+    return SP_OK;
 }
 
 static sp_status factor(slicer *z, double sigma, slice_edge *out, sp_error *err) {
     z->factors++;
     sp_status status = sp_ldl_factor(z->ldl, sigma, err);
+    if (status != SP_OK)
+        return status;
+    *out = (slice_edge){sigma, sp_ldl_error(z->ldl) + z->noise, sp_ldl_negative(z->ldl)};
+    if (sigma > 0)
+        out->below -= z->null.rigid; /* which is wrong if the error exceeds sigma; nobody relies on such an edge */
+    return SP_OK;
+}
+
+/* The solver at the last factor, orthogonal to rigid motions and to spec.locked. */
+static sp_status search(slicer *z, sp_lanczos_spec spec, sp_lanczos_pairs *p, sp_error *err) {
+    const size_t n = (size_t)z->n, rigid = (size_t)z->null.rigid, others = (size_t)spec.locked_count;
+    double *both = NULL;
+    if (others == 0)
+        spec.locked = z->null.motion;
+    else if (rigid > 0) {
+        both = sp_alloc(rigid + others, n * sizeof *both);
+        if (!both)
+            return sp_fail_memory(err, (rigid + others) * n * sizeof *both);
+        memcpy(both, z->null.motion, rigid * n * sizeof *both);
+        memcpy(both + rigid * n, spec.locked, others * n * sizeof *both);
+        spec.locked = both;
+    }
+    spec.locked_count += z->null.rigid;
+    sp_status status = z->solver == SP_SOLVER_ARPACK ? sp_arpack(z->ldl, z->n, &spec, p, err)
+                                                     : sp_lanczos(z->ldl, z->n, &spec, p, err);
+    sp_free(both);
     if (status == SP_OK)
-        *out = (slice_edge){sigma, sp_ldl_error(z->ldl) + z->noise, sp_ldl_negative(z->ldl)};
+        z->solves += p->solves;
     return status;
 }
 
@@ -89,7 +138,7 @@ sp_status sp_slicer_edge(slicer *z, double low, double high, slice_edge *out, sp
         const sp_status status = factor(z, low + places[k] * (high - low), &e, &reason);
         if (status != SP_OK && status != SP_EREFUSED)
             return sp_fail(err, status, "%s", reason.text);
-        if (status == SP_OK && e.error < best.error)
+        if (status == SP_OK && e.error < best.error && (e.error < fabs(e.sigma) || z->null.rigid == 0))
             best = e;
     }
     if (!(best.error < 0.5 * (high - low)))
@@ -129,21 +178,45 @@ sp_status sp_slicer_bottom(slicer *z, double depth, slice_edge *out, sp_error *e
     return status;
 }
 
-slice_edge sp_slicer_top(const slicer *z) { return (slice_edge){z->top * (1 + 1e-9) + 4 * z->noise, z->noise, z->n}; }
+sp_status sp_slicer_soft(slicer *z, slice_edge *out, sp_error *err) {
+    slice_edge e = {.error = HUGE_VAL};
+    sp_error reason = {0};
+    /* at the first place the factor of a network of some 10^4 grains is accurate enough */
+    for (double sigma = 5e-11 * z->top; sigma < 1e-4 * z->top; sigma *= 4) {
+        const sp_status status = factor(z, sigma, &e, &reason);
+        if (status != SP_OK && status != SP_EREFUSED)
+            return sp_fail(err, status, "%s", reason.text);
+        if (status == SP_OK && e.error < 0.5 * sigma) {
+            *out = e;
+            return SP_OK;
+        }
+        if (status == SP_OK && e.error > sigma)
+            sigma = e.error;
+    }
+    return sp_fail(err, SP_EREFUSED, "the zero modes cannot be counted: no factor of K is accurate enough");
+}
+
+slice_edge sp_slicer_top(const slicer *z) {
+    return (slice_edge){z->top * (1 + 1e-9) + 4 * z->noise, z->noise, z->modes};
+}
 
 double sp_slicer_guess(const slicer *z, double count) {
     return 0.07 * z->top * pow(count / (double)z->n, 2.0 / z->net->dim);
 }
 
-/* Refines pairs and appends them to the list. below, above: bounds of the next eigenvalues on either side. */
+/* Refines pairs and appends them to the list. below, above: bounds of the next modes on either side. Null motions are
+ * exact eigenvectors, and the pairs are orthogonal to them: their eigenvalues do not count as neighbours. */
 static sp_status append(slicer *z, const sp_lanczos_pairs *p, int64_t count, double below, double above,
                         sp_error *err) {
-    const sp_refine_set set = {count, p->vector, NULL, z->noise, 1e-6, below, above};
-    sp_status status = sp_modes_refine(z->net, &set, z->ritz + z->found, err);
+    const int64_t at = z->front + z->found, soft = sp_zeros_near(count, p->value, z->noise, above);
+    const sp_refine_set set = {count, p->vector, NULL, z->noise, 1e-6, soft, below, above};
+    sp_status status = sp_zeros_part(z->net, soft, p->vector, err);
+    if (status == SP_OK)
+        status = sp_modes_refine(z->net, &set, z->ritz + at, err);
     if (status != SP_OK)
         return status;
     if (z->vectors)
-        memcpy(z->vector + z->found * z->n, p->vector, (size_t)(count * z->n) * sizeof *p->vector);
+        memcpy(z->vector + at * z->n, p->vector, (size_t)(count * z->n) * sizeof *p->vector);
     z->found += count;
     return SP_OK;
 }
@@ -179,7 +252,7 @@ static sp_status solve_slice(slicer *z, slice_edge a, slice_edge b, int64_t want
         spec.locked = z->last.vector + (z->last.count - locked) * z->n;
         below = fmax(below, z->last.value[z->last.count - 1] + a.error);
     }
-    status = search(z, &spec, &p, err);
+    status = search(z, spec, &p, err);
     if (status != SP_OK)
         return status;
     double above = b.sigma - b.error;
@@ -197,7 +270,9 @@ static sp_status solve_between(slicer *z, slice_edge a, slice_edge b, int64_t st
     if (wanted <= 0)
         return SP_OK;
     const double width = b.sigma - a.sigma, size = fmax(fabs(a.sigma), fabs(b.sigma));
-    if (wanted <= slice_size(z) || depth >= DEPTH_MAX || width < 1e-7 * size + 64 * (a.error + b.error))
+    /* many modes near zero are zero modes, which no edge divides; one too near them makes their errors large */
+    const bool zeros = a.sigma < 0 && b.sigma < 1e-8 * z->top;
+    if (wanted <= slice_size(z) || depth >= DEPTH_MAX || zeros || width < 1e-7 * size + 64 * (a.error + b.error))
         return solve_slice(z, a, b, wanted, err);
     slice_edge middle;
     sp_status status = sp_slicer_edge(z, a.sigma + 0.4 * width, a.sigma + 0.6 * width, &middle, err);
@@ -224,10 +299,11 @@ sp_status sp_slicer_between(slicer *z, slice_edge a, slice_edge b, bool *certain
                          (long long)z->found, a.sigma, b.sigma, (long long)wanted);
     if (status != SP_OK)
         return status;
+    const sp_ritz *found = z->ritz + z->front;
     *certain = true;
     for (int64_t k = 0; k < z->found; k++)
-        if (!(z->ritz[k].lambda - z->ritz[k].error > a.sigma + a.error &&
-              z->ritz[k].lambda + z->ritz[k].error < b.sigma - b.error))
+        if (!((a.below == 0 || found[k].lambda - found[k].error > a.sigma + a.error) &&
+              found[k].lambda + found[k].error < b.sigma - b.error))
             *certain = false;
     return SP_OK;
 }
@@ -282,7 +358,7 @@ static sp_status lowest_of_one_basis(slicer *z, int64_t count, slice_edge *end, 
                                       .wanted = count + SPARE,
                                       .tolerance = z->tolerance,
                                       .floor = -bottom.sigma};
-        status = search(z, &spec, &p, err);
+        status = search(z, spec, &p, err);
     }
     if (status != SP_OK)
         return status;
@@ -302,10 +378,15 @@ static sp_status lowest_of_one_basis(slicer *z, int64_t count, slice_edge *end, 
     return status == SP_OK && !proved ? lowest_by_slices(z, count, 1.05 * high, end, err) : status;
 }
 
+/* Below this fraction of the upper edge, a shift in the middle gives modes too inexactly. */
+static const double MUCH_SOFTER = 1e-5;
+
 /* Cheaper than a shift below the spectrum, since a shift in the middle has wanted modes on both sides: guesses an edge
  * above the modes, counts, and solves with one basis. *found stays false if the guesses fail, if some modes are much
- * softer than the rest, or if modes are too near the edge. */
-static sp_status lowest_around_middle(slicer *z, int64_t count, slice_edge *end, bool *found, sp_error *err) {
+ * softer than the rest, or if modes are too near the edge. *soft: number of modes that are much softer, zero modes
+ * among them; unchanged if it was not found. */
+static sp_status lowest_around_middle(slicer *z, int64_t count, slice_edge *end, bool *found, int64_t *soft,
+                                      sp_error *err) {
     const double aim = 1.05 * (double)count + SPARE / 2;
     double guess = sp_slicer_guess(z, aim);
     slice_edge top = {0}, middle;
@@ -334,13 +415,16 @@ static sp_status lowest_around_middle(slicer *z, int64_t count, slice_edge *end,
                                       .wanted = top.below,
                                       .tolerance = z->tolerance,
                                       .floor = 1e-4 * top.sigma};
-        status = search(z, &spec, &p, &reason);
+        status = search(z, spec, &p, &reason);
     }
     if (status == SP_EREFUSED)
         return SP_OK;
     if (status != SP_OK)
         return sp_fail(err, status, "%s", reason.text);
-    if (p.count == top.below && p.value[0] > 1e-5 * top.sigma &&
+    if (p.count == top.below)
+        for (*soft = 0; *soft < p.count && p.value[*soft] <= MUCH_SOFTER * top.sigma;)
+            ++*soft;
+    if (p.count == top.below && p.value[0] > MUCH_SOFTER * top.sigma &&
         p.value[p.count - 1] < top.sigma - 2 * top.error - 1e-9 * top.sigma) {
         status = reserve(z, p.count, err);
         if (status == SP_OK)
@@ -352,11 +436,43 @@ static sp_status lowest_around_middle(slicer *z, int64_t count, slice_edge *end,
     return status;
 }
 
-sp_status sp_slicer_lowest(slicer *z, int64_t count, slice_edge *end, sp_error *err) {
-    if (count <= slice_size(z) + slice_size(z) / 2) {
-        bool found = false;
-        const sp_status status = lowest_around_middle(z, count, end, &found, err);
-        return status != SP_OK || found ? status : lowest_of_one_basis(z, count, end, err);
-    }
+sp_status sp_slicer_softest(slicer *z, int64_t count, slice_edge *end, sp_error *err) {
+    if (count <= slice_size(z) + slice_size(z) / 2)
+        return lowest_of_one_basis(z, count, end, err);
     return lowest_by_slices(z, count, sp_slicer_guess(z, 1.05 * (double)count), end, err);
+}
+
+sp_status sp_slicer_zeros(const slicer *z, int64_t *zeros, sp_error *err) {
+    return sp_zeros_count(z->net, z->found, z->ritz + z->front, 0, zeros, err);
+}
+
+/* Zero modes and modes that may be zero modes, unless the `zeros` first of those found show how many there are. */
+static sp_status count_soft(slicer *z, int64_t zeros, int64_t *soft, sp_error *err) {
+    slice_edge zero = {.below = zeros};
+    const sp_status status = zeros < z->found ? SP_OK : sp_slicer_soft(z, &zero, err);
+    *soft = zero.below;
+    return status;
+}
+
+sp_status sp_slicer_lowest(slicer *z, int64_t count, slice_edge *end, sp_error *err) {
+    int64_t soft = 0, zeros = 0, all = 0;
+    bool found = false;
+    sp_status status = SP_OK;
+    if (count <= slice_size(z) + slice_size(z) / 2)
+        status = lowest_around_middle(z, count, end, &found, &soft, err);
+    if (status != SP_OK || found)
+        return status;
+    do { /* twice if zero modes take the places of others */
+        all = count + soft < z->modes ? count + soft : z->modes;
+        status = sp_slicer_softest(z, all, end, err);
+        if (status == SP_OK)
+            status = sp_slicer_zeros(z, &zeros, err);
+        if (status == SP_OK && z->found - zeros < count)
+            status = count_soft(z, zeros, &soft, err);
+    } while (status == SP_OK && z->found - zeros < count && all < z->modes);
+    if (status == SP_OK && z->found - zeros < count)
+        return sp_fail(err, SP_EINVAL,
+                       "%lld lowest modes, must be 1 .. %lld, the degrees of freedom less the zero modes",
+                       (long long)count, (long long)(z->modes - zeros));
+    return status;
 }

@@ -1,13 +1,18 @@
 #ifndef SP_SLICES_H
 #define SP_SLICES_H
-/* Eigenpairs of A = M^-1/2 K M^-1/2 between two shifts, with their number from the inertia. */
+/* Eigenpairs of A = M^-1/2 K M^-1/2 between two shifts, with their number from the inertia.
+ *
+ * Null motions are known beforehand and are neither searched nor counted: only the other eigenvalues, called modes
+ * here. Each spin s, a vector of one grain, is moved out of the spectrum: A + LIFT top s s^T has the eigenvalue LIFT
+ * top in place of 0, all others remain, and the matrix has no new entries. The search for vectors is orthogonal to
+ * rigid motions, and counts are corrected for them. */
 
 #include "linalg/lanczos.h"
-#include "modes/refine.h"
+#include "modes/zeros.h"
 
 #include <sonopack/modes.h>
 
-/* A shift and its count: `below` eigenvalues below sigma of a matrix within `error` of A. */
+/* A shift and its count: `below` modes below sigma of a matrix within `error` of A. */
 typedef struct slice_edge {
     double sigma, error;
     int64_t below;
@@ -18,13 +23,17 @@ typedef struct slicer {
     bool vectors;           /* keep the eigenvectors */
     sp_modes_solver solver; /* ARPACK, or block Lanczos */
     double tolerance;       /* of the Lanczos residuals */
-    int64_t n;
-    double top;   /* upper bound of the spectrum of A */
-    double noise; /* upper bound of |A as assembled - A| */
+    int64_t n;              /* length of a vector */
+    int64_t modes;          /* eigenvalues that are not those of null motions */
+    sp_null_motions null;
+    bool null_rows; /* keep the null motions in front of the list */
+    double top;     /* upper bound of the spectrum of A */
+    double noise;   /* upper bound of |A as assembled - A| */
     sp_ldl *ldl;
     int64_t capacity, found;
-    sp_ritz *ritz;         /* [capacity] */
-    double *vector;        /* [capacity][n] */
+    int64_t front;         /* null motions in the list, or 0 */
+    sp_ritz *ritz;         /* [front + capacity] */
+    double *vector;        /* [front + capacity][n] */
     sp_lanczos_pairs last; /* pairs of the last slice */
     int64_t factors, solves;
 } slicer;
@@ -36,15 +45,23 @@ void sp_slicer_free(slicer *z);
 sp_status sp_slicer_edge(slicer *z, double low, double high, slice_edge *out, sp_error *err);
 /* An edge below the whole spectrum, at -depth or lower. SP_EREFUSED for an unstable network. */
 sp_status sp_slicer_bottom(slicer *z, double depth, slice_edge *out, sp_error *err);
+/* An edge as near above zero as the factor allows. */
+sp_status sp_slicer_soft(slicer *z, slice_edge *out, sp_error *err);
 /* An edge above the whole spectrum; needs no factorization. */
 slice_edge sp_slicer_top(const slicer *z);
 /* Estimate of the omega^2 below which `count` modes lie, by Debye's law. */
 double sp_slicer_guess(const slicer *z, double count);
 
-/* Finds all eigenvalues between two edges and stores them in ritz and vector. *certain: none is so near an edge that it
+/* Finds all modes between two edges and stores them in ritz and vector. *certain: none is so near an edge that it
  * may lie on the other side. */
 sp_status sp_slicer_between(slicer *z, slice_edge a, slice_edge b, bool *certain, sp_error *err);
-/* Finds the `count` lowest modes or some more. *end: an edge above the last one, which proves that none is missing. */
+/* Finds the `count` softest modes, zero or not, or some more. *end: an edge above the last one, which proves that none
+ * is missing. */
+sp_status sp_slicer_softest(slicer *z, int64_t count, slice_edge *end, sp_error *err);
+/* Number of zero modes among the modes found, which are all up to some edge. */
+sp_status sp_slicer_zeros(const slicer *z, int64_t *zeros, sp_error *err);
+/* Finds all modes that are zero modes and the `count` lowest others, or some more. SP_EINVAL if there are fewer. *end:
+ * an edge above the last one, which proves that none is missing. */
 sp_status sp_slicer_lowest(slicer *z, int64_t count, slice_edge *end, sp_error *err);
 
 #endif

@@ -8,6 +8,11 @@
 
 enum { SMALL = 400 }; /* degrees of freedom up to which the dense solver is always faster */
 
+static sp_status too_many(int64_t lowest, int64_t most, sp_error *err) {
+    return sp_fail(err, SP_EINVAL, "%lld lowest modes, must be 1 .. %lld, the degrees of freedom less the zero modes",
+                   (long long)lowest, (long long)most);
+}
+
 static sp_status check(const sp_network *net, const sp_modes_range *r, sp_error *err) {
     const int64_t n = sp_network_dofs(net);
     if (r->lowest < 0 || r->lowest > n)
@@ -15,6 +20,10 @@ static sp_status check(const sp_network *net, const sp_modes_range *r, sp_error 
                        (long long)r->lowest, (long long)n);
     if (r->lowest == 0 && !(r->from >= 0 && r->to > r->from))
         return sp_fail(err, SP_EINVAL, "band of omega = %g .. %g, must be 0 or above, and ascending", r->from, r->to);
+    if (r->lowest == 0 && r->zero)
+        return sp_fail(err, SP_EINVAL,
+                       "zero modes are an option of the lowest modes: a band from 0 has all of them, any "
+                       "other band none");
     return sp_network_need_symmetry(net, "a table of modes", err);
 }
 
@@ -32,16 +41,17 @@ static int place(double low, double high, const sp_modes_range *r, int64_t *edge
     return 0;
 }
 
-/* Keeps only the rows in the range. */
+/* Keeps only the rows in the range, of all modes. */
 static void cut(sp_modes *m, const sp_modes_range *r) {
-    int64_t first = 0, last = m->n, edge = 0;
-    if (r->lowest > 0)
-        last = m->n_rattler + r->lowest;
-    else {
-        while (first < last &&
+    int64_t first = r->from > 0 ? m->n_zero : 0, last = m->n, edge = 0;
+    if (r->lowest > 0) {
+        first = r->zero ? 0 : m->n_zero;
+        last = m->n_zero + r->lowest;
+    } else {
+        while (first < last && first >= m->n_zero &&
                place(m->omega[first] - m->error[first], m->omega[first] + m->error[first], r, &edge) < 0)
             first++;
-        for (last = first, edge = 0; last < m->n; last++)
+        for (last = first > m->n_zero ? first : m->n_zero, edge = 0; last < m->n; last++)
             if (place(m->omega[last] - m->error[last], m->omega[last] + m->error[last], r, &edge) != 0)
                 break;
     }
@@ -54,9 +64,7 @@ static void cut(sp_modes *m, const sp_modes_range *r) {
         memmove(m->vectors, m->vectors + (first - m->n_rattler) * m->dofs, (size_t)(count * m->dofs) * sizeof(double));
     m->n = count;
     m->n_rattler = rattlers;
-    m->n_zero = 0;
-    while (m->n_zero < count && m->omega[m->n_zero] == 0)
-        m->n_zero++;
+    m->n_zero = first < m->n_zero ? m->n_zero - first : 0;
     m->first = first;
     m->on_edge = edge;
 }
@@ -64,6 +72,10 @@ static void cut(sp_modes *m, const sp_modes_range *r) {
 static sp_status dense(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range, sp_modes *out,
                        sp_error *err) {
     sp_status status = sp_modes_dense(net, opt, out, err);
+    if (status == SP_OK && range->lowest > out->n - out->n_zero) {
+        status = too_many(range->lowest, out->n - out->n_zero, err);
+        sp_modes_free(out);
+    }
     if (status == SP_OK)
         cut(out, range);
     return status;
@@ -111,55 +123,113 @@ static sp_status band(slicer *z, const sp_modes_range *r, slice_edge *a, slice_e
     return status;
 }
 
-/* Makes the table of the modes in the range. */
-static sp_status make_table(const slicer *z, const sp_modes_options *opt, const sp_modes_range *r, slice_edge a,
-                            slice_edge b, sp_modes *out, sp_error *err) {
-    const int64_t rattlers = (int64_t)z->net->rattlers * z->net->dof;
-    int64_t first = 0, last, edge = 0;
-    double to = sqrt(fmax(b.sigma - b.error, 0));
-    if (r->lowest > 0) {
-        last = r->lowest;
-        if (last < z->found)
-            to = sqrt(fmax(z->ritz[last].lambda - z->ritz[last].error, 0));
-    } else {
-        int64_t inside = 0;
-        first = -1;
-        for (int64_t k = 0; k < z->found; k++) {
-            const double low = sqrt(fmax(z->ritz[k].lambda - z->ritz[k].error, 0)),
-                         high = sqrt(fmax(z->ritz[k].lambda + z->ritz[k].error, 0));
-            if (place(low, high, r, &edge) != 0)
-                continue;
-            first = first < 0 ? k : first;
-            inside = k + 1 - first;
-        }
-        if (first < 0) { /* an empty band still has a position in the spectrum */
-            for (first = 0; first < z->found && z->ritz[first].lambda < r->from * r->from;)
-                first++;
-        }
-        last = first + inside;
+/* Rows first .. last - 1 of the modes found lie in the band, *edge of them possibly not. */
+static void find_band(const slicer *z, const sp_modes_range *r, int64_t zeros, int64_t *first, int64_t *last,
+                      int64_t *edge) {
+    const sp_ritz *ritz = z->ritz + z->front;
+    int64_t begin = -1, end = 0;
+    for (int64_t k = 0; k < z->found; k++) {
+        const double low = k < zeros ? 0 : sqrt(fmax(ritz[k].lambda - ritz[k].error, 0)),
+                     high = k < zeros ? 0 : sqrt(fmax(ritz[k].lambda + ritz[k].error, 0));
+        if (place(low, high, r, edge) != 0)
+            continue;
+        begin = begin < 0 ? k : begin;
+        end = k + 1;
     }
-    const bool whole = r->from == 0;
-    const sp_mode_pairs set = {.count = last - first,
+    if (begin < 0) { /* an empty band still has a position in the spectrum */
+        for (begin = 0; begin < z->found && ritz[begin].lambda < r->from * r->from;)
+            begin++;
+        end = begin;
+    }
+    *first = begin;
+    *last = end;
+}
+
+/* Makes the table of the modes in the range, of which `zeros` found ones are zero modes. */
+static sp_status make_table(const slicer *z, const sp_modes_options *opt, const sp_modes_range *r, slice_edge a,
+                            slice_edge b, int64_t zeros, sp_modes *out, sp_error *err) {
+    const sp_ritz *ritz = z->ritz + z->front;
+    const sp_zero_modes zero = sp_zeros_sum(z->net, &z->null, zeros);
+    const int64_t others = zero.total - zero.mechanisms;
+    int64_t first = r->zero ? 0 : zeros, last = zeros + r->lowest, edge = 0;
+    double to = sqrt(fmax(b.sigma - b.error, 0));
+    if (r->lowest > 0 && last < z->found)
+        to = sqrt(fmax(ritz[last].lambda - ritz[last].error, 0));
+    if (r->lowest == 0)
+        find_band(z, r, zeros, &first, &last, &edge);
+    /* null motions, if they are rows, come before row 0 of the modes found: then first = 0 */
+    const sp_mode_pairs set = {.count = z->front + last - first,
                                .ritz = z->ritz + first,
                                .vectors = opt->vectors ? z->vector + first * z->n : NULL,
-                               .rattlers = whole ? rattlers : 0,
-                               .first = whole ? 0 : rattlers + a.below + first};
+                               .zeros = z->front + (first < zeros ? zeros - first : 0),
+                               .zero = zero,
+                               .rattlers = z->null_rows ? zero.rattlers : 0,
+                               .first = z->null_rows ? 0 : others + a.below + first};
     sp_status status = sp_modes_tabulate(z->net, opt->source, &set, out, err);
     if (status != SP_OK)
         return status;
     out->solver = z->solver;
     out->certified_from = sqrt(fmax(a.sigma + a.error, 0));
-    out->certified_to = b.below == z->n ? HUGE_VAL : to;
+    out->certified_to = b.below == z->modes ? HUGE_VAL : to;
     out->on_edge = edge;
     out->factors = z->factors;
     out->solves = z->solves;
     return SP_OK;
 }
 
+/* Number of zero modes that are no null motions, whichever modes were found before, which are lost. */
+static sp_status count_mechanisms(slicer *z, int64_t *zeros, sp_error *err) {
+    slice_edge soft;
+    sp_status status = SP_OK;
+    if (z->net->prestress) /* no mode may be negative */
+        status = sp_slicer_bottom(z, 5e-11 * z->top, &soft, err);
+    if (status == SP_OK)
+        status = sp_slicer_soft(z, &soft, err);
+    *zeros = 0;
+    if (status != SP_OK || soft.below == 0)
+        return status;
+    status = sp_slicer_softest(z, soft.below, &soft, err);
+    return status == SP_OK ? sp_slicer_zeros(z, zeros, err) : status;
+}
+
+/* Modes in a band, and the numbers of all zero modes, which may lie below it. */
+static sp_status band_table(slicer *z, const sp_modes_options *opt, const sp_modes_range *r, sp_modes *out,
+                            sp_error *err) {
+    slice_edge a = {0}, b = {0};
+    int64_t zeros = 0;
+    sp_status status = band(z, r, &a, &b, err);
+    if (status == SP_OK && a.sigma < 0)
+        status = sp_slicer_zeros(z, &zeros, err);
+    if (status == SP_OK)
+        status = make_table(z, opt, r, a, b, zeros, out, err);
+    if (status != SP_OK || a.below == 0)
+        return status;
+    status = count_mechanisms(z, &zeros, err);
+    if (status != SP_OK) {
+        sp_modes_free(out);
+        return status;
+    }
+    out->zero = sp_zeros_sum(z->net, &z->null, zeros);
+    out->factors = z->factors;
+    out->solves = z->solves;
+    return SP_OK;
+}
+
+static sp_status lowest_table(slicer *z, const sp_modes_options *opt, const sp_modes_range *r, sp_modes *out,
+                              sp_error *err) {
+    slice_edge a = {0}, b = {0};
+    int64_t zeros = 0;
+    if (r->lowest > z->modes)
+        return too_many(r->lowest, z->modes, err);
+    sp_status status = sp_slicer_lowest(z, r->lowest, &b, err);
+    if (status == SP_OK)
+        status = sp_slicer_zeros(z, &zeros, err);
+    return status == SP_OK ? make_table(z, opt, r, a, b, zeros, out, err) : status;
+}
+
 sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
                           sp_modes *out, sp_error *err) {
     slicer z = {0};
-    slice_edge a = {0}, b = {0};
     sp_status status = check(net, range, err);
     if (status != SP_OK)
         return status;
@@ -171,12 +241,8 @@ sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, co
     if (status != SP_OK)
         return status;
     z.solver = opt->solver == SP_SOLVER_AUTO ? SP_SOLVER_LANCZOS : opt->solver;
-    if (range->lowest > 0)
-        status = sp_slicer_lowest(&z, range->lowest, &b, err);
-    else
-        status = band(&z, range, &a, &b, err);
-    if (status == SP_OK)
-        status = make_table(&z, opt, range, a, b, out, err);
+    z.null_rows = range->zero || (range->lowest == 0 && range->from == 0);
+    status = range->lowest > 0 ? lowest_table(&z, opt, range, out, err) : band_table(&z, opt, range, out, err);
     sp_slicer_free(&z);
     return status;
 }
@@ -191,4 +257,28 @@ sp_status sp_modes_make(const sp_network *net, const sp_modes_options *opt, cons
     if (opt->solver == SP_SOLVER_DENSE || (opt->solver == SP_SOLVER_AUTO && small))
         return dense(net, opt, range, out, err);
     return sp_modes_sparse(net, opt, range, out, err);
+}
+
+sp_status sp_zero_modes_count(const sp_network *net, sp_zero_modes *out, sp_error *err) {
+    const sp_modes_options how = {.vectors = false};
+    sp_modes m = sp_modes_none();
+    slicer z = {0};
+    int64_t zeros = 0;
+    sp_status status = sp_network_need_symmetry(net, "the number of zero modes", err);
+    if (status != SP_OK)
+        return status;
+    if (sp_network_dofs(net) <= SMALL) {
+        status = sp_modes_dense(net, &how, &m, err);
+        if (status == SP_OK)
+            *out = m.zero;
+        sp_modes_free(&m);
+        return status;
+    }
+    status = sp_slicer_make(net, false, &z, err);
+    if (status == SP_OK)
+        status = count_mechanisms(&z, &zeros, err);
+    if (status == SP_OK)
+        *out = sp_zeros_sum(net, &z.null, zeros);
+    sp_slicer_free(&z);
+    return status;
 }

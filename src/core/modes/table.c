@@ -32,17 +32,16 @@ static sp_status sort_modes(int64_t n, const sp_ritz *ritz, candidate **out, sp_
     return SP_OK;
 }
 
-/* An eigenvalue below its own error is a floppy mode: omega = 0. One that is negative beyond its error has no
- * frequency. */
-static sp_status set_frequencies(const candidate *list, int64_t n, sp_modes *m, sp_error *err) {
-    for (int64_t k = 0; k < n; k++) {
+/* Zero modes have omega = 0. An eigenvalue that is negative beyond its error has no frequency. */
+static sp_status set_frequencies(const candidate *list, const sp_mode_pairs *set, sp_modes *m, sp_error *err) {
+    for (int64_t k = 0; k < set->count; k++) {
         const double lambda = list[k].ritz.lambda, error = list[k].ritz.error;
         const int64_t row = m->n_rattler + k;
         if (lambda < -error)
             return sp_fail(err, SP_EREFUSED,
                            "omega^2 = %.6g of mode %lld is negative: the network is unstable (prestress)", lambda,
                            (long long)(m->first + row));
-        if (lambda <= error) {
+        if (k < set->zeros) {
             m->n_zero++;
             m->omega[row] = 0;
             m->error[row] = sqrt(fmax(lambda, 0) + error);
@@ -80,7 +79,7 @@ static double participation(const sp_network *net, const double *e) {
 }
 
 /* Amplitudes in u = sum a_n u^(n) sin(omega_n t): a_n = e . M^-1/2 p/omega_n for momenta p, or e . M^1/2 u(0) with cos
- * for displacements; b_n = (detector) M^-1/2 e. a = 0 for floppy modes, whose limit sin(omega t)/omega = t does not fit
+ * for displacements; b_n = (detector) M^-1/2 e. a = 0 for zero modes, whose limit sin(omega t)/omega = t does not fit
  * this form. A network that does not touch a wall has modes all the same, but no amplitudes there: NAN. */
 static sp_status wall_vectors(const sp_network *net, sp_source source, double *from, double *to, sp_error *err) {
     const int64_t n = sp_network_dofs(net);
@@ -140,6 +139,7 @@ static sp_status allocate(const sp_network *net, const sp_mode_pairs *set, sp_mo
     m->n_zero = m->n_rattler;
     m->n = m->n_rattler + set->count;
     m->first = set->first;
+    m->zero = set->zero;
     const size_t n = (size_t)m->n, count = (size_t)set->count;
     /* without vectors the list ends after the errors */
     const sp_array arrays[] = {{&m->omega, n},
@@ -161,7 +161,7 @@ sp_status sp_modes_tabulate(const sp_network *net, sp_source source, const sp_mo
     if (status == SP_OK)
         status = allocate(net, set, &m, err);
     if (status == SP_OK)
-        status = set_frequencies(list, set->count, &m, err);
+        status = set_frequencies(list, set, &m, err);
     if (status == SP_OK && set->vectors) {
         status = set_vectors(net, set->vectors, list, &m, err);
         if (status == SP_OK)

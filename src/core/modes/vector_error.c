@@ -15,6 +15,8 @@ static double gap_of(const sp_modes *m, int64_t row) {
         below = square(m->omega[row - 1] + m->error[row - 1]);
     else if (m->certified_from > 0)
         below = square(m->certified_from);
+    else if (m->first > 0) /* zero modes, which are not listed */
+        below = square(m->zero.below);
     if (row + 1 < m->n)
         above = square(fmax(0, m->omega[row + 1] - m->error[row + 1]));
     else if (isfinite(m->certified_to))

@@ -3,7 +3,11 @@
  * residuals R), a = V c + a', and b = V d + b'. The signal F = b^T s(A) a, s(x) = sin(sqrt(x) t)/sqrt(x), is
  *   d^T s(D) c  +  b'^T s(A) a'  +  terms with R, by Duhamel's formula.
  * The second term is at most |b'| |A^-1/2 a'|, or |a'| |A^-1/2 b'|, and a solve gives a'^T A^-1 a'. The bound needs no
- * frequencies beyond those found. */
+ * frequencies beyond those found.
+ *
+ * Zero modes stretch no spring and so give no force on a detector: b has no part in their space. They are left out, and
+ * a' is taken without its part there, which A^-1/2 does not allow for. Of that part the bound keeps the product with
+ * the part of b, which is rounding. */
 #include "base/base.h"
 #include "linalg/vector.h"
 #include "modes/refine.h"
@@ -21,6 +25,7 @@ typedef struct projection {
     double *c;                              /* [modes] projections on the modes */
     double *leak;                           /* [modes] projections of the remainder: rounding errors */
     double norm, inverse;                   /* |a|, |A^-1/2 a| */
+    double null;                            /* norm of the part in the space of the null motions */
     double rest, rest_inverse, rest_energy; /* remainder a': |a'|, |A^-1/2 a'|, |A^1/2 a'| */
     double residuals;                       /* sum of |R_k| |c_k| w_k, w = 1/omega_k, or 1 for displacements */
 } projection;
@@ -100,6 +105,7 @@ static void project(sum *q, const double *places, bool source, int count, projec
             out[p].norm += r[i] * r[i];
         }
         out[p].norm = sqrt(out[p].norm);
+        out[p].null = sp_null_motions_remove(net, &q->z.null, r);
         remove_modes(q, r, out[p].c);
         remove_modes(q, r, out[p].c); /* twice, since V is orthonormal only up to rounding */
         for (int64_t k = 0; k < q->modes; k++)
@@ -138,7 +144,7 @@ static sp_status project_all(sum *q, const double *places, bool source, int32_t 
 
 static double error_of(const sum *q, const projection *a, const projection *b) {
     const double t = q->job->options->until;
-    double left, leak = 0, rounding = 0;
+    double left, leak = (job_has_momenta(q->job) ? t : 1) * a->null * b->null, rounding = 0;
     if (job_has_momenta(q->job))
         left = fmin(fmin(b->rest * a->rest_inverse, a->rest * b->rest_inverse), t * a->rest * b->rest);
     else
@@ -170,10 +176,15 @@ static void add_modes(const sum *q, const projection *a, const projection *b, co
 static sp_status prepare(sum *q, int64_t modes, sp_error *err) {
     const signal_job *job = q->job;
     const sp_modes_options how = {.vectors = true, .source = job->options->source, .solver = job->options->solver};
-    const sp_modes_range range = sp_modes_range_lowest(modes);
+    sp_modes_range range = sp_modes_range_lowest(modes);
     const size_t places = (size_t)(job->sources + job->detectors);
     slice_edge bottom = {0};
     sp_status status = sp_modes_make(job->net, &how, &range, &q->m, err);
+    if (status == SP_OK && q->m.zero.mechanisms > 0) { /* only their vectors tell what is left without them */
+        range.zero = true;
+        sp_modes_free(&q->m);
+        status = sp_modes_make(job->net, &how, &range, &q->m, err);
+    }
     if (status != SP_OK)
         return status;
     q->modes = q->m.n - q->m.n_rattler;
@@ -213,7 +224,7 @@ static sp_status sum_lowest(const signal_job *job, int64_t modes, sp_signal *s, 
             s->errors[a * s->detectors + b] = error_of(&q, &q.from[a], &q.to[b]);
         }
     if (status == SP_OK)
-        s->modes = q.modes;
+        s->modes = modes;
     sum_free(&q);
     return status;
 }
@@ -237,9 +248,12 @@ sp_status sp_signal_by_lowest_modes(const signal_job *job, sp_signal *s, sp_erro
         return sum_lowest(job, job->options->modes, s, err);
     double ratio = HUGE_VAL;
     for (int64_t modes = FIRST_TRY; modes <= most; modes *= 2) {
-        sp_status status = sum_lowest(job, modes, s, err);
+        sp_error reason = {0};
+        const sp_status status = sum_lowest(job, modes, s, &reason);
+        if (status == SP_EINVAL) /* there are not so many */
+            break;
         if (status != SP_OK)
-            return status;
+            return sp_fail(err, status, "%s", reason.text);
         ratio = excess(job, s);
         /* what is left falls at best in proportion to the number of modes */
         if (ratio <= 1 || !(ratio * (double)modes < 4 * (double)most))

@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "base/pool.h"
 #include "modes/count.h"
+#include "modes/zeros.h"
 #include "numeric/random.h"
 #include "spectrum/moments.h"
 
@@ -117,7 +118,7 @@ static sp_status exact(const sp_network *net, sp_dos *d, sp_error *err) {
         status = smooth_exact(&m, d, err);
     if (status == SP_OK) {
         double before = 0, unsure = 0;
-        d->zero_modes = m.n_zero - m.n_rattler;
+        d->zero = m.zero;
         for (int32_t b = 0; b < d->bins; b++) {
             double below, doubtful;
             count_below(&m, d->edge[b + 1], &below, &doubtful);
@@ -242,10 +243,21 @@ static void put_estimates(const trace *t, const double *g, sp_dos *d) {
     }
 }
 
+/* What is known of the zero modes without their number. */
+static sp_status known_zeros(const sp_network *net, sp_dos *d, sp_error *err) {
+    sp_null_motions known = {0};
+    sp_status status = sp_null_motions_make(net, &known, err);
+    if (status == SP_OK) {
+        d->zero = sp_zeros_sum(net, &known, 0);
+        d->zero.mechanisms = d->zero.total = -1;
+    }
+    sp_null_motions_free(&known);
+    return status;
+}
+
 static sp_status kpm(const sp_network *net, const sp_dos_options *o, sp_dos *d, sp_error *err) {
     const double automatic = fmin(64, fmax(4, 2 * ceil(0.5 * DRAWN / (double)d->modes)));
     d->vectors = o->vectors > 0 ? o->vectors : (int32_t)automatic;
-    d->zero_modes = -1;
     trace t = {.net = net, .dos = d, .seed = o->seed, .pairs = d->vectors / 2};
     const size_t n = (size_t)d->moments;
     const double bytes = 8.0 * (double)d->vectors * (double)d->moments;
@@ -260,6 +272,7 @@ static sp_status kpm(const sp_network *net, const sp_dos_options *o, sp_dos *d, 
     if (status == SP_OK) {
         sp_moments_jackson(d->moments, g);
         put_estimates(&t, g, d);
+        status = known_zeros(net, d, err);
     }
     sp_free(t.mu);
     sp_free(g);
@@ -274,21 +287,18 @@ static sp_status count_bins(const sp_network *net, sp_dos *d, sp_error *err) {
     int64_t least = 0, most = 0, before = 0, unsure = 0;
     sp_status status = sp_counter_make(net, &c, err);
     if (status == SP_OK)
-        status = sp_counter_below(&c, 0, &least, &most, err);
-    if (status == SP_OK && least > 0)
-        status = sp_fail(err, SP_EREFUSED, "%lld modes with a negative omega^2: the network is unstable (prestress)",
-                         (long long)least);
-    d->zero_modes = most;
+        status = sp_zero_modes_count(net, &d->zero, err);
+    const int64_t zeros = d->zero.total - d->zero.rattlers;
     for (int32_t b = 0; b < d->bins && status == SP_OK; b++) {
         const double width = d->edge[b + 1] - d->edge[b], limit = d->edge[b + 1] * d->edge[b + 1];
         least = most = d->modes; /* above the bound of the spectrum */
         if (limit < c.top)
             status = sp_counter_below(&c, limit, &least, &most, err);
-        d->cumulative[b] = (double)(least - d->zero_modes);
+        d->cumulative[b] = (double)(least - zeros);
         d->cumulative_error[b] = (double)(most - least);
-        d->density[b] = (double)(least - d->zero_modes - before) / width;
+        d->density[b] = (double)(least - zeros - before) / width;
         d->density_error[b] = (double)(most - least + unsure) / width;
-        before = least - d->zero_modes;
+        before = least - zeros;
         unsure = most - least;
     }
     sp_counter_free(&c);
