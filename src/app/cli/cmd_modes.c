@@ -132,8 +132,10 @@ static void add_columns(bool vectors, cli_writer *w) {
 }
 
 static sp_status undamped(const arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
-    const sp_modes_options o = {
-        .vectors = !a->frequencies_only, .source = (sp_source)a->source, .solver = (sp_modes_solver)a->solver};
+    const sp_modes_options o = {.vectors = !a->frequencies_only,
+                                .source = (sp_source)a->source,
+                                .solver = (sp_modes_solver)a->solver,
+                                .threads = a->common.threads};
     sp_modes m = sp_modes_none();
     cli_writer w = {.table = t, .err = err, .status = sp_modes_make(&file->network, &o, &a->range, &m, err)};
     add_columns(!a->frequencies_only, &w);

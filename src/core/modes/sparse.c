@@ -1,5 +1,6 @@
 /* Modes in a range of frequencies, by the sparse or the dense solver. */
 #include "base/base.h"
+#include "modes/pieces.h"
 #include "modes/slices.h"
 #include "modes/table.h"
 
@@ -156,6 +157,11 @@ static sp_status make_table(const slicer *z, const sp_modes_options *opt, const 
     return SP_OK;
 }
 
+static bool in_pieces(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range) {
+    return is_all(net, range) && range->lowest == 0 && !opt->vectors && opt->solver != SP_SOLVER_ARPACK &&
+           sp_modes_is_large(net);
+}
+
 sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
                           sp_modes *out, sp_error *err) {
     slicer z = {0};
@@ -167,6 +173,11 @@ sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, co
         return sp_fail(err, SP_EINVAL, "the solver of a part of the modes is dense, must be lanczos or arpack");
     if (sp_network_dofs(net) <= SMALL && opt->solver == SP_SOLVER_AUTO)
         return dense(net, opt, range, out, err);
+    if (in_pieces(net, opt, range)) {
+        status = sp_modes_in_pieces(net, opt, out, err);
+        if (status != SP_EREFUSED)
+            return status;
+    }
     status = sp_slicer_make(net, opt->vectors, &z, err);
     if (status != SP_OK)
         return status;
@@ -188,6 +199,11 @@ sp_status sp_modes_make(const sp_network *net, const sp_modes_options *opt, cons
     if (status != SP_OK)
         return status;
     const bool small = n <= SMALL || (n <= SP_MODES_DENSE_MAX && (is_all(net, range) || range->lowest > n / 4));
+    if (opt->solver == SP_SOLVER_AUTO && small && in_pieces(net, opt, range)) {
+        status = sp_modes_in_pieces(net, opt, out, err);
+        if (status != SP_EREFUSED)
+            return status;
+    }
     if (opt->solver == SP_SOLVER_DENSE || (opt->solver == SP_SOLVER_AUTO && small))
         return dense(net, opt, range, out, err);
     return sp_modes_sparse(net, opt, range, out, err);
