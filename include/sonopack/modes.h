@@ -41,7 +41,9 @@ typedef struct sp_modes {
     double *error;         /* [n] upper bound of the error of omega */
     double *a, *b;         /* [n] amplitudes at the source and at the detector; NULL without vectors */
     double *participation; /* [n] participation ratio (sum w)^2/(N sum w^2), w = |e|^2 of a grain, over the N grains of
-                              the network (rattlers excluded; 1/N for a rattler's mode); NULL without vectors */
+                              the network (rattlers excluded; 1/N for a rattler's mode); NULL without vectors. It
+                              has no error bound: that of a vector is about `residual` over the relative distance to
+                              the next omega^2, and modes of one frequency have no definite vectors */
     double *vectors;      /* [n - n_rattler][dofs] e^(n), mass weighted; the largest component is positive. NULL without
                              vectors */
     double residual;      /* largest |A e - omega^2 e|/omega_max^2, A = M^(-1/2) K M^(-1/2); NAN without vectors */
