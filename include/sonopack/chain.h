@@ -23,8 +23,7 @@ SP_API double sp_chain_amplitude(int64_t grains, int64_t n, sp_chain_source sour
 /* Force of the last ball on its wall, Eq. (C6), at times t [n], ascending and >= 0; grains up to 1e9. No sum over modes
  * is needed: with Omega = 2, the exact end of the spectrum, the Chebyshev moments of the chain are 0, +-1 and +-2. F is
  * therefore a sum of a few Bessel functions of orders near 2 (N + 1), and of 6 (N + 1), ... for the echoes. Run time n
- * t and memory 8 t bytes, independent of N. Absolute error below 1e-15 (1 + t^(1/4)). SP_EINVAL for invalid arguments.
- */
+ * t and memory 8 t bytes, independent of N. Absolute error: sp_chain_signal_error. SP_EINVAL for invalid arguments. */
 SP_API sp_status sp_chain_signal(int64_t grains, sp_chain_source source, int64_t n, const double *t, double *f,
                                  sp_error *err);
 /* A chain whose wall springs differ from K. The triangular lattice (Section V B) maps to such a chain with K_wall/K =
@@ -36,6 +35,9 @@ typedef struct sp_chain {
     double wall; /* K_wall/K, 0 < wall < 2; from 2 on, modes of the walls lie above the spectrum */
 } sp_chain;
 SP_API sp_status sp_chain_walls_signal(const sp_chain *chain, int64_t n, const double *t, double *f, sp_error *err);
+/* Upper bound of the error of F at time t: 1e-15 (1 + (t + t^2/(N + 1))^(1/4)) for equal springs, where it grows with
+ * the number of echoes, and 1e-15 (1 + t) for others, where the rounding of K_wall/K shifts the frequencies. */
+SP_API double sp_chain_signal_error(const sp_chain *chain, double t);
 /* The same by the sum over modes (C4): grains x n terms. Absolute error below 1e-15 (1 + t). */
 SP_API sp_status sp_chain_modal(int64_t grains, sp_chain_source source, int64_t n, const double *t, double *f,
                                 sp_error *err);

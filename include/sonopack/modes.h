@@ -21,6 +21,8 @@ typedef struct sp_modes_options {
     bool vectors;     /* compute eigenvectors too; false: frequencies only */
     sp_source source; /* source of the amplitudes a; b is always the force on the top wall */
     sp_modes_solver solver;
+    int32_t threads; /* number of threads for all frequencies of a large network; does not change the result; 0 counts
+                        as 1 */
 } sp_modes_options;
 SP_API sp_modes_options sp_modes_options_default(void);
 
@@ -61,7 +63,9 @@ typedef struct sp_modes {
     double *a, *b;         /* [n] amplitudes at the source and at the detector; NULL without vectors; NAN if no spring
                               leads to the bottom wall (a), to the top wall (b) */
     double *participation; /* [n] participation ratio (sum w)^2/(N sum w^2), w = |e|^2 of a grain, over the N grains of
-                              the network (rattlers excluded; 1/N for a rattler's mode); NULL without vectors */
+                              the network (rattlers excluded; 1/N for a rattler's mode); NULL without vectors. It
+                              has no error bound: that of a vector is about `residual` over the relative distance to
+                              the next omega^2, and modes of one frequency have no definite vectors */
     double *vectors;      /* [n - n_rattler][dofs] e^(n), mass weighted; the largest component is positive. NULL without
                              vectors */
     double residual;      /* largest |A e - omega^2 e|/omega_max^2, A = M^(-1/2) K M^(-1/2); NAN without vectors */
@@ -97,7 +101,9 @@ SP_API sp_modes_range sp_modes_range_band(double from, double to);
  * cannot be certified, if the network is unstable, or if memory does not suffice. */
 SP_API sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
                                  sp_modes *out, sp_error *err);
-/* The same with any solver. */
+/* The same with any solver. All frequencies of a large network (above 5000 degrees of freedom, 8000 in three
+ * dimensions) without vectors come from the sparse solver, which shares them among threads; if it refuses, from LAPACK.
+ */
 SP_API sp_status sp_modes_make(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
                                sp_modes *out, sp_error *err);
 SP_API void sp_modes_free(sp_modes *m);

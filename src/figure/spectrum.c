@@ -134,7 +134,8 @@ static sp_status add_curve(drawing *d, int j, sp_error *err) {
     if (d->tables == 1 && strcmp(d->style->kind, "dos") == 0)
         add_steps(d, t);
     const int error = d->style->error ? sp_table_find_column(t, d->style->error) : -1;
-    double *x = take(d, t->rows), *y = take(d, t->rows), *low = take(d, t->rows), *high = take(d, t->rows), bars = 0;
+    double *x = take(d, t->rows), *y = take(d, t->rows), *low = take(d, t->rows), *high = take(d, t->rows), bars = 0,
+           top = 0;
     for (int64_t k = 0; k < t->rows; k++) {
         const double v = sp_table_number(t, k, value), e = error < 0 ? 0 : sp_table_number(t, k, error);
         x[k] = sp_table_number(t, k, omega);
@@ -142,6 +143,7 @@ static sp_status add_curve(drawing *d, int j, sp_error *err) {
         low[k] = e > 0 ? shown(d, v - e) : NAN;
         high[k] = e > 0 ? shown(d, v + e) : NAN;
         bars = fmax(bars, e);
+        top = fmax(top, fabs(v));
         widen(&d->low_x, &d->high_x, x[k]);
         widen(&d->low_y, &d->high_y, y[k]);
         widen(&d->low_y, &d->high_y, low[k]);
@@ -149,7 +151,7 @@ static sp_status add_curve(drawing *d, int j, sp_error *err) {
     }
     const bool points = d->style->look == LOOK_POINTS;
     series s = {.n = t->rows, .x = x, .y = y, .ink = sp_figure_ink(j + 1), .dash = j % DASHES, .width = 0.9};
-    if (bars > 0) {
+    if (bars > 1e-4 * top) { /* smaller ones, as of rounding, would be caps without bars */
         s.low = low;
         s.high = high;
     }

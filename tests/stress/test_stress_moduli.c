@@ -6,7 +6,6 @@
 #include <sonopack/elastic.h>
 
 enum { STRAINED = 6 };
-static const double PI = 3.14159265358979323846;
 
 static int strains_of(const sp_network *net) { return net->dim == 3 ? 6 : 3; }
 
@@ -191,58 +190,8 @@ static void test_mechanisms(void **state) {
     assert_true(r.refused <= 4); /* as a whole: nothing resists a strain from wall to wall */
 }
 
-/* The sine's modulus from wall to wall; what no spring resists is left out of the force, in the metric of the masses.
- */
-static quad exact_sine(const sp_network *net, const exact *x) {
-    const int up = net->dim - 1, n = x->n;
-    const quad height = net->box[up];
-    quad sum = 0;
-    for (int m = 0; m < n; m++) {
-        quad part = 0;
-        if (!(x->lambda[m] > x->lambda[n - 1] * 1e-28L))
-            continue;
-        for (int i = 0; i < net->n; i++) {
-            const double r = net->r[i], wave = PI / net->box[up], volume = 4 * PI / 3 * (r * r * r) / 0.5;
-            part += x->e[m * n + i * net->dof + up] * (volume * sin(wave * net->x[3 * i + up])) /
-                    quad_sqrt(net->mass[i * net->dof + up]);
-        }
-        sum += part * part / x->lambda[m];
-    }
-    return area_of(net) * height * height * height / (2 * (quad)PI * PI * sum);
-}
-
-static void test_sine(void **state) {
-    (void)state;
-    stress_record r = stress_open();
-    for (int k = 0; k < STRESS_CASES; k++) {
-        const stress_case *c = &stress_cases[k];
-        sp_network net = c->make(c->value, 1);
-        const sp_probe probe = {SP_PROBE_SINE, 1};
-        sp_probe_moduli p;
-        sp_error err = {0};
-        const sp_status status = sp_moduli_probe(&net, 0.5, 1, &probe, NULL, &p, &err);
-        if (status != SP_OK) {
-            stress_refuse(&r, c->name, "moduli", "sine", status, &err);
-        } else {
-            exact x = exact_solve(&net);
-            const quad want = exact_sine(&net, &x);
-            int soft = 0; /* what counts as floppy, though springs do resist it a little, is told in left_out */
-            for (int m = 0; m < x.n; m++)
-                soft += x.lambda[m] > 1e-28L * x.lambda[x.n - 1] && x.lambda[m] < 1e-8L * x.lambda[x.n - 1];
-            if (soft == 0 || p.left_out == 0)
-                stress_agree(&r, c->name, "moduli", "sine", (double)quad_abs(p.along - want), p.error_along,
-                             fabs((double)want));
-            exact_free(&x);
-        }
-        sp_network_free(&net);
-    }
-    stress_close(&r);
-    assert_int_equal(r.wrong, 0);
-}
-
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_moduli), cmocka_unit_test(test_mechanisms),
-                                       cmocka_unit_test(test_sine)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_moduli), cmocka_unit_test(test_mechanisms)};
     if (!STRESS_QUAD)
         return 77;
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,6 @@
 /* Parts of spectra by the sparse solver, against all modes by the dense one. */
 #include "base/base.h"
+#include "modes/pieces.h"
 #include "reference.h"
 
 #include <float.h>
@@ -349,9 +350,50 @@ static void test_no_memory(void **state) {
     sp_network_free(&net);
 }
 
+/* All frequencies of a chain, in pieces: omega_n = omega_max sin(n pi/(2(N+1))), bit for bit the same with any
+ * number of threads. */
+static void test_pieces(void **state) {
+    (void)state;
+    enum { N = 1300 };
+    const double pi = 3.14159265358979323846;
+    sp_network net = network_of(chain_packing(N, 1e-4), false);
+    sp_modes m[2] = {sp_modes_none(), sp_modes_none()};
+    for (int q = 0; q < 2; q++) {
+        const sp_modes_options how = {.vectors = false, .threads = q == 0 ? 1 : 3};
+        assert_ok(sp_modes_in_pieces(&net, &how, &m[q], &err));
+        assert_int_equal(m[q].n, N);
+        assert_int_equal(m[q].solver, SP_SOLVER_LANCZOS);
+        assert_true(m[q].certified_from == 0 && isinf(m[q].certified_to));
+    }
+    assert_memory_equal(m[0].omega, m[1].omega, N * sizeof(double));
+    assert_memory_equal(m[0].error, m[1].error, N * sizeof(double));
+    assert_true(m[0].factors == m[1].factors && m[0].solves == m[1].solves);
+    const double top = 2 * sqrt(net.springs[0].kn / net.mass[0]);
+    for (int n = 1; n <= N; n++) {
+        const double exact = top * sin(n * pi / (2 * (N + 1)));
+        /* springs and masses of a packing are equal to some roundings, which move a frequency by as many */
+        assert_close(m[0].omega[n - 1], exact, m[0].error[n - 1] + 1e-14 * exact);
+        assert_true(m[0].error[n - 1] < 1e-9 * exact);
+    }
+    for (int k = 0; k < 12; k++) {
+        const sp_modes_options how = {.vectors = false, .threads = 2};
+        sp_modes none = sp_modes_none();
+        sp_error err = {0};
+        sp_alloc_fail_after(k);
+        const sp_status status = sp_modes_in_pieces(&net, &how, &none, &err);
+        sp_alloc_fail_after(-1);
+        assert_int_equal(status, SP_ENOMEM);
+        assert_null(none.omega);
+    }
+    for (int q = 0; q < 2; q++)
+        sp_modes_free(&m[q]);
+    sp_network_free(&net);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_parts),       cmocka_unit_test(test_parts_by_arpack),
                                        cmocka_unit_test(test_on_the_edge), cmocka_unit_test(test_amplitudes),
-                                       cmocka_unit_test(test_refusals),    cmocka_unit_test(test_no_memory)};
+                                       cmocka_unit_test(test_refusals),    cmocka_unit_test(test_no_memory),
+                                       cmocka_unit_test(test_pieces)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -200,7 +200,7 @@ static void lack_of_memory(void **state) {
             status = sp_modes_file_read(path, &x.p, &f, &err);
         sp_alloc_fail_after(-1);
         done = status == SP_OK;
-        assert_true(done || status == SP_ENOMEM);
+        assert_true(done || (status == SP_ENOMEM && after < 100000));
         sp_modes_file_free(&f);
     }
     clear(&x);

@@ -173,6 +173,7 @@ static sp_status front_table(const arguments *a, const units *u, cli_writer *w) 
         work += 3 * 48.0 * (double)length[k];
     if (w->status == SP_OK)
         w->status = refuse_work(work, w->err);
+    cli_comment(w, "errors: 1e-11 of a time; amplitude and widths 1e-14 (1 + N^(2/3)) in units of K l and l/c");
     limit_comments(w, &limit, u);
     cli_columns(w, SP_CELL_INTEGER, "grains", "", NULL);
     cli_columns(w, SP_CELL_NUMBER, "t10", u->time_name, "t_peak", u->time_name, "t_zero", u->time_name, "amplitude",
@@ -218,6 +219,8 @@ static sp_status signal_table(const arguments *a, const units *u, cli_writer *w)
         return sp_fail(w->err, SP_EINVAL, "--start %g: must be below --until, %g", from * u->time, until * u->time);
     w->status = refuse_work((double)a->points * 0.5 * (from + until), w->err);
     cli_value(w, "wall", a->wall);
+    /* the last time has the largest; the rest is rounding of the units */
+    cli_value(w, "error", (sp_chain_signal_error(&chain, until) + 1e-15) * u->force);
     cli_comment(w, "airy: of an infinitely long chain, twice (16) of Somfai et al. 2005%s",
                 chain.source == SP_CHAIN_VELOCITY ? "" : ", differentiated");
     cli_columns(w, SP_CELL_NUMBER, "t", u->time_name, "F", u->force_name, "airy", u->force_name, NULL);
@@ -229,6 +232,7 @@ static sp_status modes_table(const arguments *a, cli_writer *w) {
     int64_t grains = 0;
     if (one_length(a, MODES_MAX, &grains, w) != SP_OK)
         return w->status;
+    cli_value(w, "relative_error", 1e-15);
     cli_comment(w, "F(t) = sum of a b %s(omega t)", source == SP_CHAIN_VELOCITY ? "sin" : "cos");
     cli_columns(w, SP_CELL_INTEGER, "n", "", NULL);
     cli_columns(w, SP_CELL_NUMBER, "omega", "c/l", "a", "l", "b", "K", NULL);

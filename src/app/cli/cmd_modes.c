@@ -106,7 +106,8 @@ static const cli_syntax syntax = {
         "Modes are sorted by omega; among the zero modes those of rattlers come first. The signal is F(t) = sum of ab "
         "sin(omega "
         "t) (cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share of a grain in the "
-        "mode and N the number of grains without rattlers. error is a bound for the error of omega. A packing that "
+        "mode and N the number of grains without rattlers. error is a bound for the error of omega. a, b and "
+        "participation of modes of equal frequencies are not definite. A packing that "
         "does "
         "not touch the bottom (top) wall has no source (detector): a (b) is nan, and a comment says none. --set takes "
         "keys of the group network.\n"
@@ -160,8 +161,10 @@ static void add_columns(bool vectors, cli_writer *w) {
 }
 
 static sp_status undamped(const arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
-    const sp_modes_options o = {
-        .vectors = !a->frequencies_only, .source = (sp_source)a->source, .solver = (sp_modes_solver)a->solver};
+    const sp_modes_options o = {.vectors = !a->frequencies_only,
+                                .source = (sp_source)a->source,
+                                .solver = (sp_modes_solver)a->solver,
+                                .threads = a->common.threads};
     sp_modes_range range = a->range;
     sp_modes m = sp_modes_none();
     range.zero = a->zero;

@@ -104,7 +104,8 @@ static const cli_syntax syntax = {
         "Force on the top wall, minus its value at rest, after a short pulse at the bottom wall, from the linear "
         "equation of motion between fixed walls.\v"
         "The columns t and F are the response to a pulse of unit strength. Comments give the height, the pressure, "
-        "the method, and a bound for the error of F. The command fails rather than exceed the tolerance. --set takes "
+        "the method, and a bound for the error of F (with dynamics and with --pulse an estimate, error_kind). The "
+        "command fails rather than exceed the tolerance. --set takes "
         "keys of the groups network and signal.\n"
         "\n"
         "With several sources or detectors there is a column F1, F2, ... for each pair, explained by a comment. A "
@@ -232,6 +233,8 @@ static sp_status add_signal(const arguments *a, const cli_file *file, const sp_s
     for (size_t k = 0; k < sizeof comments / sizeof *comments; k++)
         if (k < ALWAYS || comments[k].value != 0)
             cli_value(&w, comments[k].key, comments[k].value);
+    if (s->method == SP_SIGNAL_DYNAMICS || a->pulse.word) /* else a bound */
+        cli_comment(&w, "error_kind = estimate");
     name_columns(a, s, &w);
     return w.status == SP_OK ? add_rows(s, t, err) : w.status;
 }

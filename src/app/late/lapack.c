@@ -28,6 +28,10 @@ LAPACKE(lapack_int, LAPACKE_dstemr,
          lapack_int *k, double *l, double *m, lapack_int n, lapack_int o, lapack_int *p, lapack_int *q),
         (a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q))
 LAPACKE(lapack_int, LAPACKE_dsterf, (lapack_int a, double *b, double *c), (a, b, c))
+LAPACKE(lapack_int, LAPACKE_dsyevd_2stage_work,
+        (int a, char b, char c, lapack_int d, double *e, lapack_int f, double *g, double *h, lapack_int i,
+         lapack_int *j, lapack_int k),
+        (a, b, c, d, e, f, g, h, i, j, k))
 LAPACKE(lapack_int, LAPACKE_dsyevd_work,
         (int a, char b, char c, lapack_int d, double *e, lapack_int f, double *g, double *h, lapack_int i,
          lapack_int *j, lapack_int k),

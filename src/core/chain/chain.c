@@ -6,6 +6,7 @@
 #include "numeric/bessel.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 enum { LONGEST = 1000000000 };
 
@@ -90,6 +91,11 @@ sp_status sp_chain_walls_signal(const sp_chain *chain, int64_t n, const double *
     sp_free(x);
     sp_free(c);
     return status;
+}
+
+double sp_chain_signal_error(const sp_chain *chain, double t) {
+    const bool equal = !(chain->wall < 1 || chain->wall > 1);
+    return 1e-15 * (1 + (equal ? pow(t + t * t / ((double)chain->grains + 1), 0.25) : t));
 }
 
 sp_status sp_chain_signal(int64_t grains, sp_chain_source source, int64_t n, const double *t, double *f,

@@ -54,6 +54,30 @@ out:
     return status;
 }
 
+sp_status sp_eigen_values(int64_t n, double *a, double *w, sp_error *err) {
+    sp_status status = check(n, a, err);
+    if (status != SP_OK)
+        return status;
+    const lapack_int order = (lapack_int)n;
+    double best = 0, *work = NULL;
+    lapack_int whole = 0, *integers = NULL;
+    lapack_int info = LAPACKE_dsyevd_2stage_work(LAPACK_COL_MAJOR, 'N', 'L', order, a, order, w, &best, -1, &whole, -1);
+    if (info != 0 || !(best >= 1 && best < INT_MAX))
+        return lapack_failed("dsyevd_2stage", info, err);
+    work = sp_alloc((size_t)best, sizeof *work);
+    integers = sp_alloc((size_t)whole, sizeof *integers);
+    if (!work || !integers)
+        status = sp_fail_memory(err, (size_t)best * sizeof *work);
+    else
+        info = LAPACKE_dsyevd_2stage_work(LAPACK_COL_MAJOR, 'N', 'L', order, a, order, w, work, (lapack_int)best,
+                                          integers, whole);
+    if (info != 0)
+        status = lapack_failed("dsyevd_2stage", info, err);
+    sp_free(integers);
+    sp_free(work);
+    return status;
+}
+
 sp_status sp_tridiagonal_make(int64_t n, double *a, sp_tridiagonal *out, sp_error *err) {
     sp_status status = check(n, a, err);
     if (status != SP_OK)

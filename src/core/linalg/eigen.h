@@ -8,6 +8,11 @@
 /* All eigenvalues w in ascending order. Overwrites a with the orthonormal eigenvectors, by columns. */
 sp_status sp_eigen_all(int64_t n, double *a, double *w, sp_error *err);
 
+/* All eigenvalues w in ascending order, without vectors. Destroys a. Reduces it to a band and the band to tridiagonal
+ * form: nearly all of the work is products of matrices, while a reduction in one stage reads the whole matrix once for
+ * each column. */
+sp_status sp_eigen_values(int64_t n, double *a, double *w, sp_error *err);
+
 /* A = Q T Q^T with a tridiagonal T; Q is stored in a. One reduction gives all eigenvalues, and eigenvectors of the
  * lowest ones. */
 typedef struct sp_tridiagonal {

@@ -1,6 +1,7 @@
 /* Computes all modes with LAPACK and refines their eigenvalues. */
 #include "base/base.h"
 #include "linalg/eigen.h"
+#include "modes/slices.h"
 #include "modes/table.h"
 #include "modes/zeros.h"
 
@@ -41,25 +42,30 @@ static sp_status refine(const sp_network *net, int64_t count, double *vectors, c
     return status == SP_OK ? sp_modes_refine(net, &set, ritz, err) : status;
 }
 
-/* Frequencies only. Reduces A to tridiagonal form once for all eigenvalues. Computes eigenvectors only of modes so soft
- * that LAPACK's error matters, and refines these. */
-static sp_status frequencies(const sp_network *net, double *a, sp_ritz *ritz, sp_error *err) {
-    enum { FINE = 20 }; /* acceptable: an error of omega of 1e-12/FINE */
+/* Number of soft modes: those whose omega has a relative error above `allowed` by LAPACK's eigenvalues alone. */
+static int64_t soft_modes(int64_t n, const double *values, double blur, double allowed) {
+    int64_t count = 0;
+    while (count < n && blur > values[count] * 2 * allowed)
+        count++;
+    return count;
+}
+
+/* Frequencies only, in one reduction to tridiagonal form that also gives the eigenvectors of the soft modes. */
+static sp_status by_tridiagonal(const sp_network *net, double *a, sp_ritz *ritz, sp_error *err) {
     const int64_t n = sp_network_dofs(net);
     const double blur = sp_lapack_error(net);
     sp_tridiagonal t = {0};
     double *values = sp_alloc((size_t)n, sizeof *values), *vectors = NULL;
     int64_t count = 0;
     sp_status status = values ? sp_tridiagonal_make(n, a, &t, err) : sp_fail_memory(err, (size_t)n * sizeof *values);
-    if (status != SP_OK)
-        goto out;
-    status = sp_tridiagonal_values(&t, values, err);
+    if (status == SP_OK)
+        status = sp_tridiagonal_values(&t, values, err);
     if (status != SP_OK)
         goto out;
     for (int64_t k = 0; k < n; k++)
         ritz[k] = (sp_ritz){.lambda = values[k], .error = blur, .residual = NAN, .rounding = blur};
-    while (count < n &&
-           (blur > values[count] * 2e-12 / FINE || (count > 0 && values[count] - values[count - 1] <= 8 * blur)))
+    count = soft_modes(n, values, blur, 5e-14);
+    while (count > 0 && count < n && values[count] - values[count - 1] <= 8 * blur)
         count++; /* never split a cluster */
     if (count == 0)
         goto out;
@@ -76,6 +82,72 @@ out:
     sp_free(values);
     sp_tridiagonal_free(&t);
     return status;
+}
+
+/* Replaces the `count` lowest eigenvalues by those of the sparse solver, which are as accurate as their own size
+ * allows. SP_EREFUSED if it does not find the same modes. */
+static sp_status soften(const sp_network *net, int64_t count, sp_ritz *ritz, sp_error *err) {
+    slicer z = {0};
+    slice_edge end = {0};
+    sp_status status = sp_slicer_make(net, false, &z, err);
+    if (status != SP_OK)
+        return status;
+    z.solver = SP_SOLVER_LANCZOS;
+    z.null_rows = true;
+    const int64_t known = z.null.spins + z.null.rigid;
+    status = sp_slicer_softest(&z, count > known ? count - known : 1, &end, err);
+    for (int64_t k = 0; status == SP_OK && k < count; k++) {
+        const double apart = fabs(z.ritz[k].lambda - ritz[k].lambda);
+        if (!(apart <= z.ritz[k].error + ritz[k].error))
+            status = sp_fail(err, SP_EREFUSED, "two solvers differ by %.3g in omega^2 = %.6g", apart, ritz[k].lambda);
+        else if (z.ritz[k].error < ritz[k].error)
+            ritz[k] = z.ritz[k];
+    }
+    sp_slicer_free(&z);
+    return status;
+}
+
+/* Frequencies only: all by LAPACK, the soft modes again by the sparse solver. *done stays false if there are too many
+ * of these, or if the sparse solver refuses: it does where pivots vanish, as in perfect lattices. */
+static sp_status in_two_stages(const sp_network *net, double *a, sp_ritz *ritz, bool *done, sp_error *err) {
+    enum { FEW = 4 }; /* a quarter of the modes takes the sparse solver as long as LAPACK takes for all */
+    const int64_t n = sp_network_dofs(net);
+    const double blur = sp_lapack_error(net);
+    double *values = sp_alloc((size_t)n, sizeof *values);
+    sp_status status = values ? sp_eigen_values(n, a, values, err) : sp_fail_memory(err, (size_t)n * sizeof *values);
+    if (status != SP_OK)
+        goto out;
+    for (int64_t k = 0; k < n; k++)
+        ritz[k] = (sp_ritz){.lambda = values[k], .error = blur, .residual = NAN, .rounding = blur};
+    const int64_t count = soft_modes(n, values, blur, 1e-12);
+    sp_error reason = {0};
+    if (count > 0)
+        status = count <= n / FEW ? soften(net, count, ritz, &reason) : SP_EREFUSED;
+    *done = status == SP_OK;
+    if (status == SP_EREFUSED)
+        status = SP_OK;
+    else if (status != SP_OK)
+        sp_fail(err, status, "%s", reason.text);
+out:
+    sp_free(values);
+    return status;
+}
+
+/* Frequencies only. Destroys *a. */
+static sp_status frequencies(const sp_network *net, double **a, sp_ritz *ritz, sp_error *err) {
+    enum { SMALL = 400 }; /* degrees of freedom up to which one reduction is as fast */
+    bool done = false;
+    if (sp_network_dofs(net) > SMALL) {
+        sp_status status = in_two_stages(net, *a, ritz, &done, err);
+        if (status != SP_OK || done)
+            return status;
+        sp_free(*a);
+        *a = NULL;
+        status = dense_matrix(net, a, err);
+        if (status != SP_OK)
+            return status;
+    }
+    return by_tridiagonal(net, *a, ritz, err);
 }
 
 /* All eigenvectors and refined eigenvalues. Overwrites a with the vectors, in LAPACK's order. */
@@ -119,7 +191,7 @@ sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_
     ritz = sp_alloc((size_t)n, sizeof *ritz);
     status = ritz ? SP_OK : sp_fail_memory(err, (size_t)n * sizeof *ritz);
     if (status == SP_OK)
-        status = opt->vectors ? with_vectors(net, a, ritz, err) : frequencies(net, a, ritz, err);
+        status = opt->vectors ? with_vectors(net, a, ritz, err) : frequencies(net, &a, ritz, err);
     if (status == SP_OK) {
         sp_mode_pairs set = {.count = n,
                              .ritz = ritz,

@@ -66,6 +66,11 @@ sp_status sp_slicer_make(const sp_network *net, bool vectors, slicer *out, sp_er
 
 static int64_t slice_size(const slicer *z) { return z->solver == SP_SOLVER_ARPACK ? SLICE_ARPACK : SLICE; }
 
+sp_ritz sp_slicer_null(const slicer *z) {
+    const double energy = z->null.stretch * z->null.stretch;
+    return (sp_ritz){.error = energy, .residual = sqrt(energy * z->top), .rounding = energy};
+}
+
 /* Makes room for `count` modes, and puts the null motions in front of them if these are wanted. */
 static sp_status reserve(slicer *z, int64_t count, sp_error *err) {
     z->front = z->null_rows ? z->null.spins + z->null.rigid : 0;
@@ -85,9 +90,8 @@ static sp_status reserve(slicer *z, int64_t count, sp_error *err) {
         z->vector = sp_alloc(rows, (size_t)z->n * sizeof *z->vector);
     if (!z->ritz || (z->vectors && !z->vector))
         return sp_fail_memory(err, (size_t)bytes);
-    const double energy = z->null.stretch * z->null.stretch;
     for (int64_t k = 0; k < z->front; k++) {
-        z->ritz[k] = (sp_ritz){.error = energy, .residual = sqrt(energy * z->top), .rounding = energy};
+        z->ritz[k] = sp_slicer_null(z);
         if (z->vectors)
             sp_null_motions_vector(z->net, &z->null, k, z->vector + k * z->n);
     }

@@ -49,6 +49,8 @@ sp_status sp_slicer_bottom(slicer *z, double depth, slice_edge *out, sp_error *e
 sp_status sp_slicer_soft(slicer *z, slice_edge *out, sp_error *err);
 /* An edge above the whole spectrum; needs no factorization. */
 slice_edge sp_slicer_top(const slicer *z);
+/* What is known of the eigenvalue of a null motion. */
+sp_ritz sp_slicer_null(const slicer *z);
 /* Estimate of the omega^2 below which `count` modes lie, by Debye's law. */
 double sp_slicer_guess(const slicer *z, double count);
 

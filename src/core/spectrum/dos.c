@@ -6,11 +6,14 @@
 #include "numeric/random.h"
 #include "spectrum/moments.h"
 
+#include <float.h>
 #include <math.h>
 #include <sonopack/spectrum.h>
 #include <string.h>
 
 enum { EXACT_DOFS = 3000, VECTORS_MAX = 10000, BINS_MAX = 1000000, MOMENTS_MAX = 10000000, DRAWN = 200000 };
+
+static const double PI = 3.14159265358979323846;
 
 sp_dos_options sp_dos_options_default(void) { return (sp_dos_options){.bins = 100, .seed = 1, .threads = 1}; }
 
@@ -85,6 +88,23 @@ static void count_below(const sp_modes *m, double x, double *below, double *doub
     }
 }
 
+/* Bound of the errors of the smooth density: those of the frequencies, |dT_k| <= k |dphi|, and rounding, which the
+ * recurrences of T_k and of its sum amplify by k^2 at most, next to phi = 0 and pi. g: Jackson's factors. */
+static void bound_smooth(const sp_modes *m, const double *g, sp_dos *d) {
+    const double omega = d->omega_max, many = (double)(m->n - m->n_zero);
+    double turns = 0, sum = 8 * many * DBL_EPSILON;
+    for (int64_t k = m->n_zero; k < m->n; k++) {
+        const double s = fmin(m->omega[k] / omega, 1);
+        turns += 2 * m->error[k] / (omega * fmax(sqrt(1 - s * s), DBL_EPSILON));
+    }
+    for (int64_t k = 1; k < d->moments; k++)
+        sum += 2 * g[k] * (double)k * (turns + 8 * (double)k * many * DBL_EPSILON);
+    for (int32_t b = 0; b < d->bins; b++) {
+        const double s = middle(d, b) / omega;
+        d->smooth_error[b] = s < 1 ? 2 * sum / (PI * omega * sqrt(1 - s * s)) : 0;
+    }
+}
+
 static sp_status smooth_exact(const sp_modes *m, sp_dos *d, sp_error *err) {
     const size_t n = (size_t)d->moments;
     double *mu = sp_alloc(n, sizeof *mu), *g = sp_alloc(n, sizeof *g);
@@ -104,6 +124,7 @@ static sp_status smooth_exact(const sp_modes *m, sp_dos *d, sp_error *err) {
     }
     for (int32_t b = 0; b < d->bins; b++)
         d->smooth[b] = sp_moments_density(d->omega_max, d->moments, g, mu, middle(d, b));
+    bound_smooth(m, g, d);
 out:
     sp_free(g);
     sp_free(mu);
