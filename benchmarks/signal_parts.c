@@ -53,8 +53,8 @@ static double stream_rate(sp_pool *pool, stream *s, bool triad) {
 static void wake_all(const sp_operator *op, recurrence *r) {
     for (int32_t b = 0; b < op->blocks; b++)
         r->awake[b] = 1;
-    for (int64_t k = 0; k < (int64_t)op->n * op->row; k++)
-        r->u[k] = k % op->row < 2 * op->dof ? 1e-3 * (double)(k % 17) : 0;
+    for (int64_t k = 0; k < 2 * (int64_t)op->n * op->dof; k++)
+        r->u[sp_operator_at(op, k / 2) + k % 2] = 1e-3 * (double)(k % 17);
     r->start[0] = r->start[1] = 1;
     r->doubled = true;
 }
@@ -75,9 +75,9 @@ static double product_seconds(recurrence *r, int32_t n) {
 static double product_bytes(const sp_operator *op, const recurrence *r) {
     const int32_t chunks = op->chunk[op->blocks];
     const double springs =
-        (double)(op->two[chunks] + op->one[chunks]) * (op->quad ? sizeof(sp_quad) : sizeof(sp_spring));
+        (double)(op->inner.first[chunks] + op->border.first[chunks]) * quad_size(op->kind) * sizeof(double);
     const double vectors = (r->past_caches || op->blocks == 1 ? 4 : 5) * (double)op->row * sizeof(double);
-    return springs + op->n * (vectors + (op->quad ? 4.0 : 2.0 * op->dof) * sizeof(double));
+    return springs + op->n * (vectors + (op->kind.rotations ? 4.0 : 2.0) * sizeof(double));
 }
 
 static double signal_seconds(const sp_network *net, int threads, double until, sp_error *err) {

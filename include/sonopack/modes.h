@@ -37,7 +37,8 @@ typedef struct sp_modes {
     int64_t dofs;          /* length of an eigenvector: grains of the network times dof */
     double *omega;         /* [n] */
     double *error;         /* [n] upper bound of the error of omega */
-    double *a, *b;         /* [n] amplitudes at the source and at the detector; NULL without vectors */
+    double *a, *b;         /* [n] amplitudes at the source and at the detector; NULL without vectors; NAN if no spring
+                              leads to the bottom wall (a), to the top wall (b) */
     double *participation; /* [n] participation ratio (sum w)^2/(N sum w^2), w = |e|^2 of a grain, over the N grains of
                               the network (rattlers excluded; 1/N for a rattler's mode); NULL without vectors */
     double *vectors;      /* [n - n_rattler][dofs] e^(n), mass weighted; the largest component is positive. NULL without
@@ -77,6 +78,11 @@ SP_API sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *
 SP_API sp_status sp_modes_make(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
                                sp_modes *out, sp_error *err);
 SP_API void sp_modes_free(sp_modes *m);
+/* Upper bound of |e - f| for the vector e of a row and the exact unit eigenvector f with the sign of e: sqrt(2) times
+ * the residual over the distance of omega^2 to the next eigenvalue (Davis, Kahan). sqrt(2) where nothing is known:
+ * modes that nearly coincide, such as several zero modes, span a space in which any vector is as good. row: n_rattler
+ * .. n - 1. */
+SP_API double sp_modes_vector_error(const sp_modes *m, const sp_network *net, int64_t row);
 
 enum { SP_DAMPED_MODES_MAX = 2000 }; /* largest problem, in degrees of freedom */
 

@@ -103,15 +103,21 @@ typedef enum sp_place_kind {
 } sp_place_kind;
 typedef struct sp_place {
     sp_place_kind kind;
-    bool shear;      /* along x; false: along the up axis */
+    bool shear;      /* along x; false: along the up axis (of a wall: along its normals) */
     double from, to; /* of PART [d] */
     double height;   /* of PLANE [d] */
     int32_t grain;   /* of GRAIN: index in the packing */
 } sp_place;
-SP_API sp_place sp_place_wall(void); /* The whole wall, along the up axis. */
+SP_API sp_place sp_place_wall(void); /* The whole wall, along its normal. */
 
-/* Source vector [n][dof]: momenta (impulse, velocity) or displacements. Detector row [n][dof]: the force on the wall,
- * along the up axis or x, is det . u. SP_EINVAL for an invalid place, SP_EREFUSED for one without springs. */
+/* Whether any spring leads to the wall, SP_BOTTOM or SP_TOP. Without, the wall is no source and no detector. */
+SP_API bool sp_network_touches(const sp_network *net, int32_t wall);
+
+/* Source vector [n][dof]: momenta (impulse, velocity) or displacements. Detector row [n][dof]: the force on the wall is
+ * det . u. At a wall every contact acts along its own normal (shear: across it), so that a packing that is turned as a
+ * whole has the same signal; between level walls this is the up axis (x). SP_EINVAL for an invalid place, SP_EREFUSED
+ * for one without springs, and for one that the axes of the box describe (a plane, a part, a grain that touches no
+ * wall, shear in 3D) where a wall is inclined to them. */
 SP_API sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp_place *at, double *out,
                                       sp_error *err);
 SP_API sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, double *out, sp_error *err);
@@ -119,7 +125,7 @@ SP_API sp_status sp_network_detector_at(const sp_network *net, const sp_place *a
  * force under a uniform vertical strain. Between two rows of a lattice it is half way, wherever the plane lies. NAN if
  * nothing crosses the plane. */
 SP_API double sp_network_plane_height(const sp_network *net, double height);
-/* Source and detector for the whole walls along the up axis. */
+/* Source and detector for the whole walls along their normals. */
 SP_API sp_status sp_network_source(const sp_network *net, sp_source source, double *out, sp_error *err);
 SP_API sp_status sp_network_detector(const sp_network *net, double *out, sp_error *err);
 

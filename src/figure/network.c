@@ -107,7 +107,7 @@ static sp_status draw(const sp_packing *p, sp_plot_links links, double threshold
         goto out;
     for (int32_t i = 0; i < p->n; i++)
         fill[i] = rattler[i] ? RATTLER_GREY : GRAIN_GREY;
-    view v = sp_view_make(p);
+    view v = sp_view_make(p, 1);
     v.c = &c;
     status =
         sp_view_open(&v, path, links == SP_PLOT_FORCES ? "Packing: normal forces" : "Packing: normal stiffnesses", err);
@@ -127,6 +127,9 @@ out:
 }
 
 sp_status sp_plot_network(const sp_packing *p, sp_plot_links links, double threshold, const char *path, sp_error *err) {
-    const sp_status status = sp_view_check(p, path, err);
+    sp_status status = sp_view_check(p, path, err);
+    if (status == SP_OK && p->dim == 3)
+        status =
+            sp_fail(err, SP_EREFUSED, "%s: a packing in 3 dimensions has no flat picture: must be in 1 or 2", path);
     return status == SP_OK ? draw(p, links, threshold, path, err) : status;
 }

@@ -2,6 +2,7 @@
 #include "figure/view.h"
 
 #include "base/base.h"
+#include "figure/text.h"
 
 #include <math.h>
 #include <sonopack/figure/plot.h>
@@ -17,13 +18,15 @@
 typedef struct snapshot {
     const sp_network *net;
     const double *u;
+    double t;
     double scale; /* arrow length [d] per displacement; 0: nothing moves */
     int32_t cut;  /* number of arrows that were cut */
 } snapshot;
 
 static double length_of(const snapshot *s, int32_t i) {
     const double *u = s->u + (int64_t)i * s->net->dof;
-    return s->net->dim == 1 ? fabs(u[0]) : hypot(u[0], u[1]);
+    const double flat = s->net->dim == 1 ? fabs(u[0]) : hypot(u[0], u[1]);
+    return s->net->dim == 3 ? hypot(flat, u[2]) : flat;
 }
 
 static int ascending(const void *a, const void *b) {
@@ -52,40 +55,46 @@ static sp_status choose_scale(snapshot *s, double diameter, sp_error *err) {
     return SP_OK;
 }
 
+/* Points for each unit of a grain's displacement; arrows that are too long are cut. */
+static double arrow_scale(const view *v, const snapshot *s, int32_t i, bool *cut) {
+    const double longest = LONGEST * v->diameter, length = s->scale * length_of(s, i);
+    *cut = length > longest;
+    return s->scale * v->scale * (*cut ? longest / length : 1);
+}
+
 static void draw_arrows(const view *v, const snapshot *s) {
-    const double longest = LONGEST * v->diameter;
     cairo_set_line_width(v->c->cr, fmax(0.4, fmin(0.8, 0.08 * v->diameter * v->scale)));
     for (int pass = 0; pass < 2; pass++) { /* arrows that were cut lie on top */
         sp_canvas_colour(v->c, sp_figure_ink(pass == 0 ? 0 : CUT));
         for (int32_t i = 0; i < s->net->n; i++) {
-            const double *u = s->u + (int64_t)i * s->net->dof, length = s->scale * length_of(s, i);
-            if ((length > longest) != (pass == 1))
-                continue;
-            const double scale = s->scale * v->scale * (length > longest ? longest / length : 1);
-            const double dx = s->net->dim == 1 ? 0 : scale * u[0], dy = -scale * u[s->net->dim - 1];
+            const double *u = s->u + (int64_t)i * s->net->dof;
             const int32_t grain = s->net->grain[i];
-            sp_view_arrow(v, sp_view_x(v, sp_view_across(v, grain)), sp_view_y(v, sp_view_up(v, grain)), dx, dy);
+            bool cut;
+            const double scale = arrow_scale(v, s, i, &cut);
+            if (cut == (pass == 1))
+                sp_view_arrow(v, sp_view_x(v, sp_view_across(v, grain)), sp_view_y(v, sp_view_up(v, grain)),
+                              s->net->dim == 1 ? 0 : scale * u[0], -scale * u[s->net->dim - 1]);
         }
     }
 }
 
-/* Key: the time, the length of an arrow, and the colour of arrows that were cut. */
-static void draw_key(const view *v, const snapshot *s, double t) {
+/* Key: the time; on a line of its own the length of an arrow, and the colour of arrows that were cut. */
+static void draw_key(const view *v, const snapshot *s) {
     const text_style plain = {TEXT_LEGEND, 0.0, 0.5, 0.0};
-    const double y = v->c->height - 0.5 * KEY, d = v->diameter * v->scale;
+    const double d = v->diameter * v->scale, y = sp_view_line(v, 1);
     char number[64], text[160];
-    sp_figure_text_number(number, sizeof number, t, 4);
-    snprintf(text, sizeof text, "|t| = %s", number);
+    sp_figure_text_number(number, sizeof number, s->t, 4);
+    snprintf(text, sizeof text, "|t| = %s |d| (|\xcf\x81|/|E|*)^{1/2}", number);
     sp_canvas_colour(v->c, sp_figure_ink(0));
-    sp_figure_text_draw(v->c, text, MARGIN, y, plain);
-    double x = MARGIN + sp_figure_text_width(v->c, text, TEXT_LEGEND) + 14;
-    if (!(s->scale > 0) || v->c->width < 150)
+    sp_figure_text_draw(v->c, text, MARGIN, sp_view_line(v, 0), plain);
+    if (!(s->scale > 0))
         return;
     const double length = d * fmax(1, ceil(10 / d));
+    double x = MARGIN;
     cairo_set_line_width(v->c->cr, fmax(0.5, fmin(0.8, 0.08 * d)));
     sp_view_arrow(v, x, y, length, 0);
     sp_figure_text_number(number, sizeof number, length / v->scale / s->scale, 2);
-    snprintf(text, sizeof text, "= %s", number);
+    snprintf(text, sizeof text, "= %s |d|", number);
     sp_figure_text_draw(v->c, text, x + length + 4, y, plain);
     if (s->cut == 0)
         return;
@@ -96,35 +105,64 @@ static void draw_key(const view *v, const snapshot *s, double t) {
     sp_view_arrow(v, x - 16, y, 12, 0);
 }
 
-static sp_status draw(const sp_packing *p, snapshot *s, double t, const char *path, sp_error *err) {
-    canvas c = {0};
-    view v = sp_view_make(p);
-    colour *fill = sp_alloc((size_t)p->n, sizeof *fill);
-    sp_status status = fill ? choose_scale(s, v.diameter, err) : sp_fail_memory(err, (size_t)p->n * sizeof *fill);
-    v.c = &c;
-    if (status == SP_OK)
-        status = sp_view_open(&v, path, "Packing: displacements after a pulse", err);
-    if (status == SP_OK) {
-        for (int32_t i = 0; i < p->n; i++)
-            fill[i] = RATTLER_GREY;
-        for (int32_t i = 0; i < s->net->n; i++)
-            fill[s->net->grain[i]] = GRAIN_GREY;
-        sp_view_begin(&v, fill);
-        sp_view_walls(&v);
-        draw_arrows(&v, s);
-        sp_view_end(&v);
-        draw_key(&v, s, t);
-    }
-    status = sp_canvas_close(&c, status, err);
+static sp_status draw_flat(const view *v, const snapshot *s, sp_error *err) {
+    colour *fill = sp_alloc((size_t)s->net->n_all, sizeof *fill);
+    if (!fill)
+        return sp_fail_memory(err, (size_t)s->net->n_all * sizeof *fill);
+    for (int32_t i = 0; i < s->net->n_all; i++)
+        fill[i] = RATTLER_GREY;
+    for (int32_t i = 0; i < s->net->n; i++)
+        fill[s->net->grain[i]] = GRAIN_GREY;
+    sp_view_begin(v, fill);
+    sp_view_walls(v);
+    draw_arrows(v, s);
+    sp_view_end(v);
     sp_free(fill);
+    return SP_OK;
+}
+
+static sp_status draw_solid(const view *v, const snapshot *s, sp_error *err) {
+    view_mark *mark = sp_alloc((size_t)s->net->n_all, sizeof *mark);
+    if (!mark)
+        return sp_fail_memory(err, (size_t)s->net->n_all * sizeof *mark);
+    for (int32_t i = 0; i < s->net->n_all; i++)
+        mark[i] = (view_mark){.fill = RATTLER_GREY};
+    for (int32_t i = 0; i < s->net->n; i++) {
+        const double *u = s->u + (int64_t)i * s->net->dof;
+        bool cut;
+        const double scale = arrow_scale(v, s, i, &cut);
+        mark[s->net->grain[i]] = (view_mark){
+            .fill = GRAIN_GREY, .ink = sp_figure_ink(cut ? CUT : 0), .dx = scale * u[v->axis], .dy = -scale * u[2]};
+    }
+    const sp_status status = sp_view_draw_solid(v, mark, err);
+    sp_free(mark);
     return status;
+}
+
+static sp_status draw(const sp_packing *p, snapshot *s, const char *path, sp_error *err) {
+    canvas c = {0};
+    view v[VIEWS] = {sp_view_make(p, 2)};
+    const int views = p->dim == 3 ? VIEWS : 1;
+    if (views > 1)
+        sp_view_make_solid(p, 2, v);
+    v[0].c = v[1].c = &c;
+    sp_status status = choose_scale(s, v[0].diameter, err);
+    if (status == SP_OK)
+        status = sp_view_open(&v[0], path, "Packing: displacements after a pulse", err);
+    for (int k = 0; k < views && status == SP_OK; k++)
+        status = views > 1 ? draw_solid(&v[k], s, err) : draw_flat(&v[k], s, err);
+    if (status == SP_OK)
+        draw_key(&v[0], s);
+    if (status == SP_OK && views > 1)
+        sp_view_explain_depth(&v[0]);
+    return sp_canvas_close(&c, status, err);
 }
 
 sp_status sp_plot_snapshot(const sp_packing *p, const sp_network *net, const double *u, double t, const char *path,
                            sp_error *err) {
-    snapshot s = {.net = net, .u = u};
+    snapshot s = {.net = net, .u = u, .t = t};
     const sp_status status = sp_view_check_field(p, net, u, "", path, err);
     if (status != SP_OK)
         return status;
-    return draw(p, &s, t, path, err);
+    return draw(p, &s, path, err);
 }

@@ -154,11 +154,19 @@ static void largest_and_first(int64_t n, const double *squares, int64_t *first, 
     *end = *first + FIRST_MODES < n ? *first + FIRST_MODES : n;
 }
 
+/* NULL if no value is finite: of a packing that does not touch its walls. */
+static const double *if_any(int64_t n, const double *x) {
+    for (int64_t k = 0; k < n; k++)
+        if (isfinite(x[k]))
+            return x;
+    return NULL;
+}
+
 static sp_status draw_modes(const sp_table *modes, const int column[3], double *memory, const char *path,
                             sp_error *err) {
     const int64_t rows = modes->rows;
     const double *n = column_of(modes, column[0], memory);
-    const double *ab = column[2] < 0 ? NULL : column_of(modes, column[2], memory + 2 * rows);
+    const double *ab = column[2] < 0 ? NULL : if_any(rows, column_of(modes, column[2], memory + 2 * rows));
     double *squares = memory + rows;
     int64_t first = 0, end = 0;
     column_of(modes, column[1], squares);

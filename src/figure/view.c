@@ -8,7 +8,7 @@
 #define TALLEST (22.0 / 2.54 * 72.0)
 
 double sp_view_across(const view *v, int32_t i) {
-    double x = v->p->dim == 1 ? 0.0 : v->p->x[3 * i];
+    double x = v->p->dim == 1 ? 0.0 : v->p->x[3 * i + v->axis];
     return v->periodic ? x - v->width * floor(x / v->width) : x;
 }
 
@@ -17,8 +17,8 @@ double sp_view_up(const view *v, int32_t i) { return v->p->x[3 * i + v->p->dim -
 double sp_view_x(const view *v, double x) { return v->left + (x - v->low) * v->scale; }
 double sp_view_y(const view *v, double y) { return v->floor - y * v->scale; }
 
-view sp_view_make(const sp_packing *p) {
-    view v = {.p = p, .periodic = p->dim > 1, .height = sp_packing_height(p)};
+view sp_view_make(const sp_packing *p, int lines) {
+    view v = {.p = p, .periodic = p->dim > 1, .height = sp_packing_height(p), .below = KEY + (lines - 1) * LINE};
     double largest = 0.0;
     for (int32_t i = 0; i < p->n; i++) {
         v.diameter += 2.0 * p->r[i] / p->n;
@@ -26,7 +26,7 @@ view sp_view_make(const sp_packing *p) {
     }
     v.low = v.periodic ? 0.0 : -1.1 * largest;
     v.width = v.periodic ? p->box[0] : 2.2 * largest;
-    v.scale = fmin((CANVAS_COLUMN - 2.0 * MARGIN) / v.width, (TALLEST - 2.0 * (MARGIN + WALL) - KEY) / v.height);
+    v.scale = fmin((CANVAS_COLUMN - 2.0 * MARGIN) / v.width, (TALLEST - 2.0 * (MARGIN + WALL) - v.below) / v.height);
     v.left = 0.5 * (CANVAS_COLUMN - v.width * v.scale);
     v.floor = MARGIN + WALL + v.height * v.scale;
     return v;
@@ -52,7 +52,7 @@ static void draw_grains(const view *v, const colour *fill) {
 }
 
 sp_status sp_view_open(const view *v, const char *path, const char *title, sp_error *err) {
-    return sp_canvas_open(v->c, path, title, CANVAS_COLUMN, v->floor + WALL + KEY, err);
+    return sp_canvas_open(v->c, path, title, CANVAS_COLUMN, v->floor + WALL + v->below, err);
 }
 
 void sp_view_begin(const view *v, const colour *fill) {
@@ -101,14 +101,29 @@ void sp_view_arrow(const view *v, double x, double y, double dx, double dy) {
     cairo_fill(c->cr);
 }
 
+double sp_view_line(const view *v, int line) {
+    const double last = v->c->height - 0.5 * KEY, lines = floor((v->below - KEY) / LINE);
+    return last - (lines - line) * LINE;
+}
+
+void sp_view_disc(const view *v, double x, double y, colour ink) {
+    cairo_t *cr = v->c->cr;
+    cairo_new_path(cr);
+    cairo_arc(cr, x, y, 3.2, 0.0, 6.283185307179586);
+    sp_canvas_colour(v->c, ink);
+    cairo_fill_preserve(cr);
+    sp_canvas_colour(v->c, RIM_GREY);
+    cairo_set_line_width(cr, 0.4);
+    cairo_stroke(cr);
+}
+
+colour sp_view_mix(colour a, colour b, double part) {
+    return (colour){a.r + part * (b.r - a.r), a.g + part * (b.g - a.g), a.b + part * (b.b - a.b)};
+}
+
 sp_status sp_view_check(const sp_packing *p, const char *path, sp_error *err) {
-    sp_status status = sp_canvas_check(path, err);
-    if (status == SP_OK)
-        status = sp_packing_check(p, err);
-    if (status == SP_OK && p->dim == 3)
-        status =
-            sp_fail(err, SP_EREFUSED, "%s: a packing in 3 dimensions has no flat picture: must be in 1 or 2", path);
-    return status;
+    const sp_status status = sp_canvas_check(path, err);
+    return status == SP_OK ? sp_packing_check(p, err) : status;
 }
 
 sp_status sp_view_check_field(const sp_packing *p, const sp_network *net, const double *u, const char *of,

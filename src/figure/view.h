@@ -1,6 +1,6 @@
 #ifndef SP_VIEW_H
 #define SP_VIEW_H
-/* A 1D or 2D packing on the canvas: grains and walls. */
+/* A packing on the canvas: grains and walls. One in three dimensions is seen in two views (solid.c). */
 
 #include "figure/figure.h"
 
@@ -14,18 +14,24 @@ typedef struct view {
     double left, floor;        /* lower left corner of the box [pt] */
     double low, width, height; /* lateral start and width, and height of the box [d] */
     double diameter;           /* mean diameter of the grains [d] */
+    double below;              /* height of what is below the bottom wall [pt] */
+    int axis;                  /* the axis of the packing that runs across */
     bool periodic;
 } view;
 
 #define MARGIN 3.0  /* [pt] */
 #define WALL   4.0  /* thickness of a wall [pt] */
-#define KEY    15.0 /* height of the key below the bottom wall [pt] */
+#define KEY    15.0 /* height of the key below the bottom wall, if it has one line [pt] */
+#define LINE   12.5 /* of each further line [pt] */
 
 #define RATTLER_GREY ((colour){0.72, 0.72, 0.72})
 #define GRAIN_GREY   ((colour){0.96, 0.96, 0.96})
 #define RIM_GREY     ((colour){0.55, 0.55, 0.55})
 
-view sp_view_make(const sp_packing *p);
+/* A packing in 1 or 2 dimensions, with a key of so many lines. */
+view sp_view_make(const sp_packing *p, int lines);
+/* Height on the canvas of a line of the key, from 0. */
+double sp_view_line(const view *v, int line);
 /* Checks that a packing can be drawn in the file path. */
 sp_status sp_view_check(const sp_packing *p, const char *path, sp_error *err);
 /* Checks that displacements u of a network can be drawn on a packing. `of' names them in the message. */
@@ -46,5 +52,30 @@ void sp_view_begin(const view *v, const colour *fill);
 void sp_view_end(const view *v);
 /* Draws an arrow from (x, y) to (x + dx, y + dy) [pt] in the current colour. Arrows too short to see are left out. */
 void sp_view_arrow(const view *v, double x, double y, double dx, double dy);
+/* A disc of the key. */
+void sp_view_disc(const view *v, double x, double y, colour ink);
+colour sp_view_mix(colour a, colour b, double part);
+
+/* ---- three dimensions (solid.c) --------------------------------------------------------------------------------- */
+
+enum { VIEWS = 2 };
+
+/* Two views side by side at one scale: along y (x runs across), and along -x (y runs across); the up axis is vertical
+ * in both. */
+void sp_view_make_solid(const sp_packing *p, int lines, view v[VIEWS]);
+
+/* How a grain is drawn. */
+typedef struct view_mark {
+    colour fill, ink; /* of the grain and of its arrow */
+    double dx, dy;    /* arrow, y downwards [pt] */
+    double from;      /* where the arrow's centre is on it: 0.5 in the middle, 0 at its start */
+} view_mark;
+/* Draws walls, grains and arrows from the farthest to the nearest, the far ones paler. Grains are drawn smaller than
+ * they are, so that those behind them can be seen. mark: [p->n]. */
+sp_status sp_view_draw_solid(const view *v, const view_mark *mark, sp_error *err);
+/* Says at the right of the key's first line what paleness means. */
+void sp_view_explain_depth(const view *v);
+/* Component of a vector towards the viewer: that of a rotation is positive counterclockwise. */
+double sp_view_towards(const view *v, const double *vector);
 
 #endif

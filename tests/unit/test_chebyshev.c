@@ -1,6 +1,7 @@
 /* What the expansion does beyond one pair of small networks: blocks that sleep, threads, many places in one pass,
  * signals that end with their fronts. */
 #include "base/base.h"
+#include "carried.h"
 #include "extended.h"
 #include "signal/recurrence.h"
 #include "signals.h"
@@ -50,6 +51,7 @@ static void test_places(void **state) {
     } all[] = {{"2D", scattered_packing(2, 8, 0.5, 1), false},
                {"2D without friction", scattered_packing(2, 8, 0, 2), false},
                {"3D", scattered_packing(3, 4, 0.5, 3), false},
+               {"3D without friction", scattered_packing(3, 4, 0, 4), false},
                {"reference", without_tangential(reference_packing(REFERENCE("packing_N200_p1e-4.txt"))), true}};
     const double spans[] = {2, 12, 90};
     const int counts[][2] = {{1, 2}, {1, 5}, {3, 1}, {2, 2}, {5, 3}};
@@ -178,6 +180,60 @@ static void test_threads(void **state) {
     sp_packing_free(&p);
 }
 
+/* Both recurrences with the same start: the same bits by vectors of eight and past the caches as by vectors of two. */
+static void same_by_vectors(const char *name, const sp_network *net, bool doubled) {
+    enum { PLACES = 5, STEPS = 20 };
+    recurrence r[2] = {{0}, {0}};
+    sp_operator op[2] = {{.n = 0}, {.n = 0}};
+    recurrence_products products[2][STEPS];
+    for (int q = 0; q < 2; q++) {
+        int64_t at[PLACES];
+        double value[PLACES];
+        assert_ok(sp_operator_make(net, &op[q], &err));
+        op[q].wide = op[q].wide && q == 0;
+        for (int k = 0; k < PLACES; k++) {
+            at[k] = sp_operator_at(&op[q], (sp_network_dofs(net) - 1) * k / (PLACES - 1));
+            value[k] = 0.3 + 0.1 * k;
+        }
+        assert_ok(sp_recurrence_make(&op[q], net->mass, net->omega_bound, 1, &r[q], &err));
+        r[q].doubled = doubled;
+        r[q].past_caches = q == 0;
+        for (int lane = 0; lane < 2; lane++)
+            sp_recurrence_start(&r[q], lane, lane == 0, &(sparse_row){PLACES - lane, at, value});
+        for (int k = 0; k < STEPS; k++)
+            products[q][k] = sp_recurrence_step(&r[q]);
+    }
+    if (memcmp(r[0].u, r[1].u, ((size_t)op[0].n + 1) * (size_t)op[0].row * sizeof *r[0].u) != 0 ||
+        memcmp(products[0], products[1], sizeof products[0]) != 0)
+        fail_msg("%s: vectors of eight give other bits than vectors of two", name);
+    assert_true(fabs(products[0][STEPS - 1].dot[0]) > 0 || !doubled);
+    for (int q = 0; q < 2; q++) {
+        sp_recurrence_free(&r[q]);
+        sp_operator_free(&op[q]);
+    }
+}
+
+static void test_vectors(void **state) {
+    (void)state;
+    const struct {
+        const char *name;
+        int dim;
+        double friction;
+    } all[] = {{"chain", 1, 0}, {"2D", 2, 0}, {"2D with friction", 2, 0.5}, {"3D", 3, 0}, {"3D with friction", 3, 0.5}};
+    for (size_t q = 0; q < sizeof all / sizeof *all; q++)
+        for (int prestress = 0; prestress < 2; prestress++) {
+            sp_packing p = all[q].dim == 1
+                               ? chain_packing(300, 1e-4)
+                               : scattered_packing(all[q].dim, all[q].dim == 2 ? 17 : 7, all[q].friction, 3);
+            carry(&p, 0.4, 5);
+            sp_network net = network_of(&p, prestress);
+            same_by_vectors(all[q].name, &net, true);
+            same_by_vectors(all[q].name, &net, false);
+            sp_network_free(&net);
+            sp_packing_free(&p);
+        }
+}
+
 /* A signal that ends with its front is the beginning of the longer one, ends not long after the zero crossing, and has
  * the front that the rule finds in the longer one up to there. */
 static void test_front(void **state) {
@@ -244,8 +300,8 @@ static void test_no_memory(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_places), cmocka_unit_test(test_sleep),
-                                       cmocka_unit_test(test_threads), cmocka_unit_test(test_front),
-                                       cmocka_unit_test(test_no_memory)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_places),  cmocka_unit_test(test_sleep),
+                                       cmocka_unit_test(test_threads), cmocka_unit_test(test_vectors),
+                                       cmocka_unit_test(test_front),   cmocka_unit_test(test_no_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
 /* The compact operator against sp_network_apply, for all kinds of networks and any number of blocks. */
 #include "base/base.h"
+#include "carried.h"
 #include "network/operator.h"
 #include "reference.h"
 
@@ -65,17 +66,20 @@ static void check_forces(const kind *k, const sp_network *net, sp_operator *op) 
     for (int lane = 0; lane < 2; lane++)
         for (int64_t q = 0; q < n; q++) {
             const int64_t row = op->row_of[q / op->dof], a = q % op->dof;
-            in[row * op->row + 2 * a + lane] = u[lane * n + q] * op->scale[row * op->dof + a];
+            in[sp_operator_at(op, q) + lane] = u[lane * n + q] * op->scale[row * op->dof + a];
         }
     forces_of(op, in, out);
     for (int lane = 0; lane < 2; lane++) {
         double largest = 0;
-        sp_network_apply(net, u + lane * n, ku);
+        if (op->kind.transposed)
+            sp_network_apply_transposed(net, u + lane * n, ku);
+        else
+            sp_network_apply(net, u + lane * n, ku);
         for (int64_t q = 0; q < n; q++)
             largest = fmax(largest, fabs(ku[q]));
         for (int64_t q = 0; q < n; q++) {
             const int64_t row = op->row_of[q / op->dof], a = q % op->dof;
-            const double force = out[row * op->row + 2 * a + lane] * op->scale[row * op->dof + a];
+            const double force = out[sp_operator_at(op, q) + lane] * op->scale[row * op->dof + a];
             /* a few roundings of each of some ten springs */
             if (!(fabs(force - ku[q]) <= 50 * DBL_EPSILON * largest))
                 fail_msg("%s: force %g, expected %g (largest %g)", k->name, force, ku[q], largest);
@@ -106,14 +110,20 @@ static void test_forces(void **state) {
                   {"3D", scattered_packing(3, 4, 0.5, 3), false, 1, 1},
                   {"3D, large", scattered_packing(3, 14, 0.5, 3), false, 2, 5},
                   {"3D without friction, large", scattered_packing(3, 14, 0, 4), true, 2, 5},
+                  {"2D with prestress, no friction", scattered_packing(2, 20, 0, 5), true, 1, 1},
+                  {"2D with tangential forces", carried_packing(2, 52, 0.4, 43), true, 2, 4},
+                  {"3D with prestress", scattered_packing(3, 6, 0.5, 3), true, 1, 1},
+                  {"3D without friction", scattered_packing(3, 5, 0, 4), false, 1, 1},
+                  {"3D with tangential forces", carried_packing(3, 14, 0.4, 43), true, 2, 5},
                   {"reference", reference_packing(REFERENCE("packing_N600_p1e-4.txt")), false, 1, 1}};
     srand(7);
     for (size_t q = 0; q < sizeof all / sizeof *all; q++) {
         sp_network net = network_of(&all[q]);
         sp_operator op = {0};
         assert_ok(sp_operator_make(&net, &op, &err));
-        assert_int_equal(op.quad, net.dim == 2 && net.dof == 3 && !net.prestress);
         check_order(&all[q], &op);
+        check_forces(&all[q], &net, &op);
+        op.kind.transposed = true;
         check_forces(&all[q], &net, &op);
         sp_operator_free(&op);
         sp_network_free(&net);
@@ -121,21 +131,37 @@ static void test_forces(void **state) {
     }
 }
 
-/* Lever arms that are not the radii, or unequal masses: no quads, and still the same K. */
-static void test_general(void **state) {
+/* More grains than integers can number in a vector. */
+static void test_too_many(void **state) {
     (void)state;
-    for (int which = 0; which < 2; which++) {
-        kind k = {"levers", scattered_packing(2, 7, 0.5, 5), false, 1, 1};
+    kind k = {"chain", chain_packing(3, 1e-4), false, 1, 1};
+    sp_network net = network_of(&k);
+    const int32_t n = net.n;
+    sp_operator op = {0};
+    sp_error err = {0};
+    net.n = INT32_MAX / 2;
+    assert_int_equal(sp_operator_make(&net, &op, &err), SP_EREFUSED);
+    net.n = n;
+    sp_network_free(&net);
+    sp_packing_free(&k.p);
+}
+
+/* Lever arms that are not the radii, and masses that differ between axes or rotations, are refused. */
+static void test_refusals(void **state) {
+    (void)state;
+    for (int which = 0; which < 4; which++) {
+        kind k = {"levers", scattered_packing(which == 3 ? 3 : 2, 4, 0.5, 5), false, 1, 1};
         sp_network net = network_of(&k);
         sp_operator op = {0};
+        sp_error err = {0};
         if (which == 0)
             net.springs[3].rj *= 1.5;
+        else if (which == 1)
+            net.springs[2].ri *= 1.5;
         else
-            net.mass[6] *= 2;
-        assert_ok(sp_operator_make(&net, &op, &err));
-        assert_false(op.quad);
-        check_forces(&k, &net, &op);
-        sp_operator_free(&op);
+            net.mass[which == 2 ? 3 : 11] *= 2;
+        assert_int_equal(sp_operator_make(&net, &op, &err), SP_EINVAL);
+        assert_null(op.first);
         sp_network_free(&net);
         sp_packing_free(&k.p);
     }
@@ -164,7 +190,7 @@ static void test_no_memory(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_forces), cmocka_unit_test(test_general),
-                                       cmocka_unit_test(test_no_memory)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_forces), cmocka_unit_test(test_refusals),
+                                       cmocka_unit_test(test_too_many), cmocka_unit_test(test_no_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -136,17 +136,20 @@ static void test_mode(void **state) {
         double *u = calloc((size_t)sp_network_dofs(&net), sizeof *u);
         for (int64_t k = 0; k < sp_network_dofs(&net); k++)
             u[k] = sin(3.0 * (double)k);
-        if (q == 3) {
-            assert_fails(sp_plot_mode(&all[q], &net, u, 7, 0.25, figure, &err), SP_EREFUSED, "3");
-        } else {
-            assert_ok(sp_plot_mode(&all[q], &net, u, 7, 0.25, figure, &err));
-            assert_true(drawn("= 0.25"));
-            memset(u, 0, (size_t)sp_network_dofs(&net) * sizeof *u); /* nothing moves: no arrows, and no trouble */
-            assert_ok(sp_plot_mode(&all[q], &net, u, 7, 0.25, figure, &err));
-            assert_true(drawn("<svg"));
-            u[0] = NAN;
-            assert_fails(sp_plot_mode(&all[q], &net, u, 7, 0.25, figure, &err), SP_EREFUSED, "0");
-        }
+        assert_ok(sp_plot_mode(&all[q], &net, u, 7, 0.25, figure, &err));
+        assert_true(drawn("= 0.25"));
+        assert_ok(sp_plot_mode(&all[q], &net, u, 7, 0.25, figure, &err));
+        assert_true(drawn("\nclockwise\n") == (net.dof > net.dim));
+        assert_ok(sp_plot_mode(&all[q], &net, u, 7, 0.25, figure, &err));
+        assert_true(drawn("\nfar grains pale\n") == (net.dim == 3));
+        assert_ok(sp_plot_snapshot(&all[q], &net, u, 20, figure, &err));
+        assert_true(drawn("\nfar grains pale\n") == (net.dim == 3));
+        memset(u, 0, (size_t)sp_network_dofs(&net) * sizeof *u); /* nothing moves: no arrows, and no trouble */
+        assert_ok(sp_plot_mode(&all[q], &net, u, 7, 0.25, figure, &err));
+        assert_false(drawn("clockwise"));
+        u[0] = NAN;
+        assert_fails(sp_plot_mode(&all[q], &net, u, 7, 0.25, figure, &err), SP_EREFUSED, "0");
+        assert_fails(sp_plot_snapshot(&all[q], &net, u, 7, figure, &err), SP_EREFUSED, "0");
         free(u);
         sp_network_free(&net);
         sp_packing_free(&all[q]);

@@ -257,12 +257,12 @@ static void test_contacts_and_motion(void **state) {
     double *u = calloc((size_t)sp_network_dofs(&net), sizeof *u);
     assert_non_null(u);
     assert_ok(sp_plot_snapshot(&p, &net, u, 0, svg, &err)); /* nothing moves */
-    says((const char *[]){"t = 0\n", NULL});
+    says((const char *[]){"t = 0 d", NULL});
     const double t = 20;
     const sp_field_options spec = {.times = 1, .t = &t};
     assert_ok(sp_signal_field(&net, &spec, u, NULL, &err));
     assert_ok(sp_plot_snapshot(&p, &net, u, t, svg, &err));
-    says((const char *[]){"t = 20\n", "longer, cut\n", "\n= ", NULL});
+    says((const char *[]){"t = 20 d", "longer, cut\n", "\n= ", " d\n", NULL});
     u[7] = NAN;
     assert_fails(sp_plot_snapshot(&p, &net, u, t, svg, &err), SP_EREFUSED, "7");
     sp_packing other = chain_packing(5, 1e-4);

@@ -3,7 +3,6 @@
 
 #include "network/apply.h"
 #include "network/largest.h"
-#include "network/operator.h"
 #include "packing/dynamics.h"
 #include "packing/neighbours.h"
 #include "packing/prepare.h"
@@ -316,46 +315,6 @@ static void test_assembled(void **state) {
     }
 }
 
-/* The compact operator and its transposed. */
-static void test_operator(void **state) {
-    (void)state;
-    for (int q = 0; q < 4; q++) {
-        sp_packing p = carried_packing(2 + q / 2, q / 2 ? 14 : 52, 0.4, 43); /* several blocks */
-        sp_network net = carried_network(&p);
-        sp_operator op;
-        assert_ok(sp_operator_make(&net, &op, &err));
-        assert_true(op.blocks > 1 && !op.quad);
-        op.transposed = q % 2;
-        const int64_t n = sp_network_dofs(&net), size = (op.n + 1) * (int64_t)op.row;
-        double *u = carried_vector(n), *ju = calloc((size_t)n, sizeof *ju), largest = 0;
-        double *in = sp_alloc((size_t)size, sizeof *in), *out = sp_alloc((size_t)op.largest * (size_t)op.row, 8);
-        for (int64_t k = 0; k < n; k++)
-            in[op.row_of[k / op.dof] * (int64_t)op.row + 2 * (k % op.dof)] = u[k];
-        if (op.transposed)
-            sp_network_apply_transposed(&net, u, ju);
-        else
-            sp_network_apply(&net, u, ju);
-        for (int64_t k = 0; k < n; k++)
-            largest = fmax(largest, fabs(ju[k]));
-        for (int32_t b = 0; b < op.blocks; b++) {
-            memset(out, 0, (size_t)op.largest * (size_t)op.row * sizeof *out);
-            for (int32_t c = op.chunk[b]; c < op.chunk[b + 1]; c++)
-                sp_operator_force(&op, b, c, in, out);
-            for (int32_t row = op.first[b]; row < op.first[b + 1]; row++)
-                for (int a = 0; a < op.dof; a++)
-                    assert_close(out[(row - op.first[b]) * op.row + 2 * a], ju[op.grain[row] * op.dof + a],
-                                 1e-13 * largest);
-        }
-        sp_free(in);
-        sp_free(out);
-        free(u);
-        free(ju);
-        sp_operator_free(&op);
-        sp_network_free(&net);
-        sp_packing_free(&p);
-    }
-}
-
 /* Power steps with the antisymmetric (sign -1) or symmetric part of M^-1/2 J M^-1/2: its norm, from below. */
 static double norm_of(const sp_network *net, double sign) {
     const int64_t n = sp_network_dofs(net);
@@ -406,7 +365,7 @@ static void test_bounds(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_jacobian), cmocka_unit_test(test_packed),
-                                       cmocka_unit_test(test_turned),   cmocka_unit_test(test_assembled),
-                                       cmocka_unit_test(test_operator), cmocka_unit_test(test_bounds)};
+                                       cmocka_unit_test(test_turned), cmocka_unit_test(test_assembled),
+                                       cmocka_unit_test(test_bounds)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

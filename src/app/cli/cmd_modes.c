@@ -1,6 +1,5 @@
 /* sonopack modes: prints eigenfrequencies and eigenmodes of a packing, all of them or a part. */
 #include "base/base.h"
-#include "cli/files.h"
 #include "cli/modes.h"
 
 #include <stdlib.h>
@@ -14,6 +13,8 @@ typedef struct arguments {
     bool part;      /* --lowest or --band */
     int ranges;     /* how many of --lowest and --band */
     double damping; /* 0: none */
+    const char *vectors;
+    int64_t mode; /* < 0: not given */
 } arguments;
 
 static sp_status set_lowest(void *user, const char *text, sp_error *err) {
@@ -48,6 +49,12 @@ static sp_status add_all(void *user, const char *text, sp_error *err) {
 
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
+    if (a->vectors && (a->frequencies_only || a->stability || a->damping > 0))
+        return sp_fail(err, SP_EINVAL,
+                       "--vectors cannot be combined with --frequencies-only, --stability or --damping");
+    const sp_status vectors = modes_vectors_check(a->vectors, a->mode, err);
+    if (vectors != SP_OK)
+        return vectors;
     if (a->ranges > 1)
         return sp_fail(err, SP_EINVAL, "--all, --lowest and --band: only one of them may be given, once");
     if (a->damping > 0 && (a->part || a->frequencies_only))
@@ -76,6 +83,12 @@ static const cli_option options[] = {
      "Print one row instead, with a verdict on whether any motion grows (with --prestress and friction, up to 6000 "
      "degrees of freedom; above that undecided, with a bound)",
      CLI_FLAG, .field = offsetof(arguments, stability)},
+    {"vectors", "FILE",
+     "Write the eigenvectors too: of all modes to FILE.h5, or with --mode N the displacements in that mode to FILE.tsv "
+     "(.csv, .json)",
+     CLI_TEXT, .field = offsetof(arguments, vectors)},
+    {"mode", "N", "Number of the mode for --vectors FILE.tsv, as in the column n", CLI_INTEGER,
+     .field = offsetof(arguments, mode), .high = 1000000000},
     {"source", "impulse|velocity|displacement", "Kind of source for the amplitudes a (impulse)", CLI_CHOICE,
      .field = offsetof(arguments, source), .words = cli_source_names},
     {0}};
@@ -87,8 +100,10 @@ static const cli_syntax syntax = {
         "signal.\v"
         "Modes are sorted by omega; the zero modes of rattlers come first. The signal is F(t) = sum of ab sin(omega "
         "t) (cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share of a grain in the "
-        "mode and N the number of grains without rattlers. error is a bound for the error of omega. --set takes keys "
-        "of the group network.\n"
+        "mode and N the number of grains without rattlers. error is a bound for the error of omega. A packing that "
+        "does "
+        "not touch the bottom (top) wall has no source (detector): a (b) is nan, and a comment says none. --set takes "
+        "keys of the group network.\n"
         "\n"
         "With --damping, F(t) = sum of exp(-decay t) (cosine cos(omega t) + sine sin(omega t)). Each conjugate pair "
         "has one row, each overdamped mode a row with omega = 0; n starts at 0 without rattlers.",
@@ -100,13 +115,16 @@ static const cli_syntax syntax = {
     .check = check};
 
 static void add_comments(const arguments *a, const cli_file *file, const sp_modes *m, cli_writer *w) {
+    const sp_network *net = &file->network;
     char from[SP_NUMBER_TEXT], to[SP_NUMBER_TEXT];
     cli_comment(w, "file = %s", file->path);
     cli_value(w, "pressure", file->packing.pressure);
     cli_comment(w, "zero_modes = %lld", (long long)m->n_zero);
     cli_comment(w, "rattler_modes = %lld", (long long)file->network.rattlers * file->network.dof);
     if (!a->frequencies_only)
-        cli_comment(w, "source = %s", cli_source_names[a->source]);
+        cli_comment(w, "source = %s", sp_network_touches(net, SP_BOTTOM) ? cli_source_names[a->source] : "none");
+    if (!a->frequencies_only && !sp_network_touches(net, SP_TOP))
+        cli_comment(w, "detector = none");
     if (m->vectors) {
         cli_comment(w, "residual = %.3g", m->residual);
         cli_comment(w, "orthogonality = %.3g", m->orthogonality);
@@ -138,6 +156,8 @@ static sp_status undamped(const arguments *a, const cli_file *file, sp_table *t,
     cli_writer w = {.table = t, .err = err, .status = sp_modes_make(&file->network, &o, &a->range, &m, err)};
     add_columns(!a->frequencies_only, &w);
     add_comments(a, file, &m, &w);
+    if (a->vectors && w.status == SP_OK)
+        w.status = modes_vectors(&a->common, file, &m, o.source, a->mode, a->vectors, err);
     for (int64_t k = a->range.lowest > 0 ? m.n_rattler : 0; k < m.n && w.status == SP_OK; k++) {
         const int64_t n = m.first + k;
         if (m.vectors)
@@ -162,9 +182,16 @@ static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err
                         : modes_damped(&file->packing, &file->network, a->damping, (sp_source)a->source, t, err);
 }
 
+static sp_status begin(void *user, sp_table *t, sp_error *err) {
+    const arguments *a = user;
+    (void)t;
+    return a->vectors ? cli_may_write(&a->common, a->vectors, err) : SP_OK;
+}
+
 int cmd_modes(int argc, char **argv) {
-    static const cli_files command = {.groups = "network", .contents = CLI_NETWORK, .stop = true, .add = add_rows};
-    arguments a = {.range = sp_modes_range_all()};
+    static const cli_files command = {
+        .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = begin, .add = add_rows};
+    arguments a = {.range = sp_modes_range_all(), .mode = -1};
     cli_parse(&syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

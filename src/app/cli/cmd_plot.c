@@ -3,6 +3,7 @@
 #include "cli/cli.h"
 #include "cli/output.h"
 #include "cli/plot_input.h"
+#include "cli/plot_motion.h"
 #include "cli/plot_packing.h"
 #include "cli/plot_spectrum.h"
 #include "cli/plot_tables.h"
@@ -41,7 +42,7 @@ typedef struct kind {
 struct arguments {
     cli_common common;
     const kind *kind;
-    const char *store, *only, *column, *sample;
+    const char *store, *only, *column, *sample, *table;
     bool surface;
     int64_t mode; /* < 0: not given */
     double time;  /* < 0: not given */
@@ -228,16 +229,18 @@ static sp_status draw_spectra(const arguments *a, const sp_scene *scene, sp_erro
     return blame(plot_spectrum_files(&a->common, scene, &spectra, err), a->file[0], err);
 }
 
-static sp_status draw_mode(const arguments *a, const sp_scene *scene, sp_error *err) {
-    return plot_mode_file(&a->common, scene, a->file[0], a->mode, err);
+static sp_status draw_motion(const arguments *a, const sp_scene *scene, sp_error *err) {
+    const plot_motion what = {.mode = a->kind->variant,
+                              .number = a->mode,
+                              .time = a->time,
+                              .packing = a->file[0],
+                              .given = a->files > 1 ? a->file[1] : NULL,
+                              .table = a->table};
+    return plot_motion_file(&a->common, scene, &what, err);
 }
 
 static sp_status draw_contacts(const arguments *a, const sp_scene *scene, sp_error *err) {
     return blame(plot_contacts(&a->common, scene, a->kind->variant, a->files, a->file, err), a->file[0], err);
-}
-
-static sp_status draw_snapshot(const arguments *a, const sp_scene *scene, sp_error *err) {
-    return plot_snapshot_file(&a->common, scene, a->file[0], a->time, err);
 }
 
 static sp_status draw_tables(const arguments *a, const sp_scene *scene, sp_error *err) {
@@ -263,7 +266,7 @@ static const kind kinds[] = {{draw_ctof, 1, "", 0},
                              {draw_network, 1, "network", SP_PLOT_STIFFNESS},
                              {draw_contacts, ANY, "network", false},
                              {draw_contacts, ANY, "network", true},
-                             {draw_snapshot, 1, "network signal", 0},
+                             {draw_motion, 2, "network signal", false},
                              {draw_tables, 32, "network signal", PLOT_FRONTS},
                              {draw_tables, 32, "", PLOT_SCALING},
                              {draw_tables, 6, "", PLOT_ENSEMBLE},
@@ -272,7 +275,7 @@ static const kind kinds[] = {{draw_ctof, 1, "", 0},
                              {draw_spectra, 2, "network", true},
                              {draw_tables, 6, "", PLOT_WAVE},
                              {draw_column, 6, "", 0},
-                             {draw_mode, 1, "network", 0},
+                             {draw_motion, 2, "network", true},
                              {draw_tables, 1, "", PLOT_MODES}};
 
 /* ---- the command ------------------------------------------------------------------------------------------------ */
@@ -301,6 +304,8 @@ static sp_status check(void *user, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "plot %s: no file to draw", name);
     if (a->files > a->kind->files_max)
         return sp_fail(err, SP_EINVAL, "plot %s: %d files, must be at most %d", name, a->files, a->kind->files_max);
+    if (a->table && strcmp(a->table, a->common.output ? a->common.output : "") == 0)
+        return sp_fail(err, SP_EINVAL, "--table %s: must be another file than the figure", a->table);
     if (a->common.sets > 0 && !a->kind->sets[0])
         return sp_fail(err, SP_EINVAL, "--set: no key of a scene changes a figure of %s", name);
     if (!a->common.output)
@@ -321,6 +326,8 @@ static const cli_option options[] = {
     {"time", "T",
      "snapshot: time after the pulse (3.2 H (p/1e-4)^(-1/6), with the wave about three quarters of the way)",
      CLI_NUMBER, .field = offsetof(arguments, time), .high = 1e9, .kinds = "snapshot"},
+    {"table", "FILE", "mode, snapshot: write the displacements to this table too (.tsv, .csv, .json)", CLI_TEXT,
+     .field = offsetof(arguments, table), .kinds = "mode snapshot"},
     {"signal", "FILE", "fronts: a signal or packing, drawn in an inset that explains the marks of the front", CLI_TEXT,
      .field = offsetof(arguments, sample), .kinds = "fronts"},
     {"surface", NULL, "column: draw a trajectory or densities as a surface over particle and time", CLI_FLAG,
@@ -341,7 +348,8 @@ static const cli_syntax syntax = {
         "angles: directions of the contacts of packings, at least 3 d from the walls: all, strong and weak contacts; "
         "a circle of radius 1 is isotropic.\n"
         "forces: histograms of normal forces and stiffnesses, divided by their means.\n"
-        "snapshot: displacements of the grains at a time after the pulse.\n"
+        "snapshot: displacements of the grains at a time after the pulse. A second FILE, a table of --table, is drawn "
+        "in place of computing them.\n"
         "fronts: arrival times against distance, with fitted lines.\n"
         "scaling: local exponents gamma and alpha.\n"
         "fronts and scaling take tables of `sonopack table scaling' or `planes', `sonopack chain front' or (fronts) "
@@ -357,7 +365,10 @@ static const cli_syntax syntax = {
         "column: a table of `sonopack column' (trajectory, strobe, lyapunov, bifurcation, compare, density or "
         "energy); trajectories of lattice, longwave and bsr are drawn as surfaces side by side, two columns of print "
         "wide, and a bifurcation above a table of lyapunov.\n"
-        "mode: the displacements of a mode as arrows on the grains, tinted where they rotate.\n"
+        "mode: the displacements of a mode as arrows on the grains, tinted where they rotate. A second FILE, of "
+        "`sonopack "
+        "modes --vectors' (HDF5 or table) or a table of --table, is drawn in place of computing the mode.\n"
+        "In three dimensions mode and snapshot show two views, along y and along x; far grains are paler.\n"
         "modes: omega^2 and a b against n, from a table of `sonopack modes'.\n"
         "\n"
         "--set changes keys of network and signal.",
@@ -367,6 +378,13 @@ static const cli_syntax syntax = {
     .file_name = "table or packing",
     .files_max = CLI_ANY_NUMBER,
     .check = check};
+
+static sp_status may_write_table(const arguments *a, sp_error *err) {
+    cli_common there = a->common;
+    there.output = a->table;
+    there.format_given = false;
+    return a->table ? cli_may_write_table(&there, err) : SP_OK;
+}
 
 static sp_status may_write(const arguments *a, sp_error *err) {
     const char *path = a->common.output;
@@ -383,6 +401,8 @@ int cmd_plot(int argc, char **argv) {
     sp_error err = {0};
     sp_scene scene = sp_scene_default();
     sp_status status = may_write(&a, &err);
+    if (status == SP_OK)
+        status = may_write_table(&a, &err);
     if (status == SP_OK)
         status = cli_scene_of_sets(&a.common, a.kind->sets, &scene, &err);
     if (status == SP_OK)

@@ -3,12 +3,19 @@
 /* What the files of sonopack modes share. */
 
 #include "cli/cli.h"
+#include "cli/files.h"
 
 /* The table of --damping ZETA. */
 sp_status modes_damped(const sp_packing *p, const sp_network *net, double zeta, sp_source source, sp_table *t,
                        sp_error *err);
 /* The table of --stability. */
 sp_status modes_stability(const sp_packing *p, const sp_network *net, sp_table *t, sp_error *err);
+
+/* What is wrong with --vectors PATH and --mode (path NULL, mode < 0: not given). */
+sp_status modes_vectors_check(const char *path, int64_t mode, sp_error *err);
+/* Writes the vectors of all modes to an HDF5 file, or the displacements of one mode to a table. */
+sp_status modes_vectors(const cli_common *common, const cli_file *file, const sp_modes *m, sp_source source,
+                        int64_t mode, const char *path, sp_error *err);
 
 #define MODES_FREQUENCY "sqrt(E* / rho)/d"
 

@@ -1,6 +1,6 @@
 #ifndef SP_CLI_PLOT_PACKING_H
 #define SP_CLI_PLOT_PACKING_H
-/* Draws packings: directions, forces and stiffnesses of their contacts, and the motion after a pulse. */
+/* Draws packings: directions, forces and stiffnesses of their contacts. */
 
 #include "cli/cli.h"
 
@@ -8,8 +8,5 @@
  * with `values`, else of directions. */
 sp_status plot_contacts(const cli_common *common, const sp_scene *scene, bool values, int files, char **file,
                         sp_error *err);
-/* Draws displacements. time < 0: when the front has travelled about three quarters of the height. */
-sp_status plot_snapshot_file(const cli_common *common, const sp_scene *scene, const char *path, double time,
-                             sp_error *err);
 
 #endif

@@ -1,4 +1,4 @@
-/* Draws spectra, dispersion relations and modes. */
+/* Draws spectra and dispersion relations. */
 #include "cli/plot_spectrum.h"
 
 #include "base/base.h"
@@ -41,68 +41,5 @@ sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, c
                  : spectra->column   ? sp_plot_harmonic(t.files, t.shown, spectra->column, common->output, err)
                                      : sp_plot_spectrum(t.files, t.shown, common->output, err);
     plot_tables_free(&t);
-    return status;
-}
-
-/* Converts a mass-weighted mode to displacements. */
-static sp_status mode_vector(const sp_network *net, const sp_modes *m, int64_t number, double *u, sp_error *err) {
-    if (number >= m->n)
-        return sp_fail(err, SP_EINVAL, "--mode %lld: must be in 0 .. %lld", (long long)number, (long long)m->n - 1);
-    if (number < m->n_rattler)
-        return sp_fail(err, SP_EREFUSED, "mode %lld belongs to a rattler: must be %lld or more", (long long)number,
-                       (long long)m->n_rattler);
-    const double *e = m->vectors + (number - m->n_rattler) * m->dofs;
-    for (int64_t k = 0; k < m->dofs; k++)
-        u[k] = e[k] / sqrt(net->mass[k]);
-    return SP_OK;
-}
-
-/* Finds the modes up to this number, or up to the first that is not a zero mode if it is negative. */
-static sp_status find_modes(const sp_network *net, int64_t number, sp_modes *m, sp_error *err) {
-    enum { FEW = 8 };
-    const sp_modes_options o = sp_modes_options_default();
-    const int64_t rattlers = (int64_t)net->rattlers * net->dof, dofs = sp_network_dofs(net);
-    int64_t count = number < 0 ? FEW : number - rattlers + 1;
-    sp_status status = SP_OK;
-    for (count = count < 1 ? 1 : count; status == SP_OK; count *= 2) {
-        const bool every = count >= dofs;
-        const sp_modes_range range = every ? sp_modes_range_all() : sp_modes_range_lowest(count);
-        sp_modes_free(m);
-        status = sp_modes_make(net, &o, &range, m, err);
-        if (every || number >= 0 || (status == SP_OK && m->n > m->n_zero))
-            break;
-    }
-    if (status == SP_OK && number < 0 && m->n == m->n_zero)
-        status = sp_fail(err, SP_EREFUSED, "there are only zero modes");
-    return status;
-}
-
-sp_status plot_mode_file(const cli_common *common, const sp_scene *scene, const char *path, int64_t number,
-                         sp_error *err) {
-    sp_packing p = sp_packing_none();
-    sp_network net = sp_network_none();
-    sp_modes m = sp_modes_none();
-    double *u = NULL;
-    sp_status status = cli_read_network(path, &scene->network, &p, &net, err);
-    if (status != SP_OK)
-        goto out;
-    u = sp_alloc((size_t)sp_network_dofs(&net), sizeof *u);
-    status = u ? SP_OK : sp_fail_memory(err, (size_t)sp_network_dofs(&net) * sizeof *u);
-    if (status == SP_OK && p.dim == 3)
-        status = sp_fail(err, SP_EREFUSED, "only packings in one or two dimensions can be drawn");
-    if (status == SP_OK)
-        status = find_modes(&net, number, &m, err);
-    const int64_t mode = number >= 0 ? number : m.n_zero;
-    if (status == SP_OK)
-        status = mode_vector(&net, &m, mode, u, err);
-    if (status == SP_OK)
-        status = sp_plot_mode(&p, &net, u, mode, m.omega[mode], common->output, err);
-    if (status != SP_OK)
-        sp_fail_prefix(err, "%s", path);
-out:
-    sp_free(u);
-    sp_modes_free(&m);
-    sp_network_free(&net);
-    sp_packing_free(&p);
     return status;
 }

@@ -1,6 +1,6 @@
 #ifndef SP_CLI_PLOT_SPECTRUM_H
 #define SP_CLI_PLOT_SPECTRUM_H
-/* Figures of spectra and modes. */
+/* Figures of spectra. */
 
 #include "cli/cli.h"
 
@@ -13,8 +13,5 @@ typedef struct plot_spectra {
 } plot_spectra;
 sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, const plot_spectra *spectra,
                               sp_error *err);
-/* One mode of a packing, by its number among all modes; < 0: the first that is not a zero mode. */
-sp_status plot_mode_file(const cli_common *common, const sp_scene *scene, const char *path, int64_t number,
-                         sp_error *err);
 
 #endif

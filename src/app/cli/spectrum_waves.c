@@ -10,6 +10,9 @@ static sp_status lines(const spectrum_arguments *a, const sp_network *net, sp_ta
     const sp_modes_range range = sp_modes_range_all();
     sp_modes m = sp_modes_none();
     double all = 0, sum = 0;
+    if (!sp_network_touches(net, SP_BOTTOM) || !sp_network_touches(net, SP_TOP))
+        return sp_fail(err, SP_EREFUSED, "no carrying contact at the %s wall: no mode has a weight in a signal",
+                       sp_network_touches(net, SP_BOTTOM) ? "top" : "bottom");
     cli_writer w = {.table = t, .err = err, .status = sp_modes_make(net, &o, &range, &m, err)};
     cli_columns(&w, SP_CELL_INTEGER, "n", "", NULL);
     cli_columns(&w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "ab", "E* d^2", "share", "", NULL);

@@ -161,7 +161,7 @@ static int open_temporary(const char *folder, char name[SP_PATH_MAX]) {
             errno = ENAMETOOLONG;
             return -1;
         }
-        int fd = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (fd < 0 && errno != EEXIST)
             return fd;
         if (fd >= 0 && own(fd))
@@ -181,26 +181,54 @@ static void sync_folder(const char *folder) {
     }
 }
 
-static sp_status write_renamed(const char *path, const void *data, size_t size, const struct stat *old, sp_error *err) {
-    char folder[SP_PATH_MAX], temporary[SP_PATH_MAX];
+/* Starts a draft of the file `path`, which is no link. old: the file that it replaces, or NULL. */
+static sp_status begin_draft(const char *path, const struct stat *old, sp_draft *d, sp_error *err) {
+    char folder[SP_PATH_MAX];
+    *d = (sp_draft){.mode = old ? (int)(old->st_mode & 07777) : -1};
+    snprintf(d->path, sizeof d->path, "%s", path);
     folder_of(path, folder);
-    int fd = open_temporary(folder, temporary);
-    if (fd < 0)
-        return fail_errno(err, "write", path, errno);
-    int code = write_all(fd, data, size);
-    if (code == 0 && old && fchmod(fd, old->st_mode & 07777) != 0)
+    d->fd = open_temporary(folder, d->temporary);
+    return d->fd < 0 ? fail_errno(err, "write", path, errno) : SP_OK;
+}
+
+void sp_draft_drop(sp_draft *d) {
+    if (d->fd < 0)
+        return;
+    unlink(d->temporary);
+    close(d->fd);
+    d->fd = -1;
+}
+
+sp_status sp_draft_commit(sp_draft *d, sp_error *err) {
+    char folder[SP_PATH_MAX];
+    int code = 0;
+    if (d->mode >= 0 && fchmod(d->fd, (mode_t)d->mode) != 0)
         code = errno;
-    if (code == 0 && fsync(fd) != 0)
+    if (code == 0 && fsync(d->fd) != 0)
         code = errno;
-    if (code == 0 && rename(temporary, path) != 0) /* still open, so still locked */
+    if (code == 0 && rename(d->temporary, d->path) != 0) /* still open, so still locked */
         code = errno;
-    if (code != 0)
-        unlink(temporary);
-    close(fd); /* fsync has succeeded, so close cannot lose data */
-    if (code != 0)
-        return fail_errno(err, "write", path, code);
+    if (code != 0) {
+        sp_draft_drop(d);
+        return fail_errno(err, "write", d->path, code);
+    }
+    close(d->fd); /* fsync has succeeded, so close cannot lose data */
+    d->fd = -1;
+    folder_of(d->path, folder);
     sync_folder(folder);
     return SP_OK;
+}
+
+static sp_status write_renamed(const char *path, const void *data, size_t size, const struct stat *old, sp_error *err) {
+    sp_draft d;
+    sp_status status = begin_draft(path, old, &d, err);
+    if (status != SP_OK)
+        return status;
+    const int code = write_all(d.fd, data, size);
+    if (code == 0)
+        return sp_draft_commit(&d, err);
+    sp_draft_drop(&d);
+    return fail_errno(err, "write", path, code);
 }
 
 /* Devices and pipes are written in place: a rename would replace /dev/null for everybody. */
@@ -214,24 +242,49 @@ static sp_status write_direct(const char *path, const void *data, size_t size, s
     return code ? fail_errno(err, "write", path, code) : SP_OK;
 }
 
-sp_status sp_file_write(const char *path, const void *data, size_t size, sp_error *err) {
+/* Finds what a path names. *kind: 0 where nothing is there yet, else S_IFREG or another kind, with `target` and `info`
+ * of a regular file. */
+static sp_status find_target(const char *path, char target[PATH_MAX], struct stat *info, mode_t *kind, sp_error *err) {
+    *kind = 0;
     if (!path || !*path)
         return sp_fail(err, SP_EINVAL, "the name of the file to write is empty");
     if (strlen(path) >= SP_PATH_MAX)
         return fail_errno(err, "write", "a file", ENAMETOOLONG);
+    if (stat(path, info) != 0) { /* a dangling link is an error */
+        const int code = errno;
+        return code == ENOENT && lstat(path, info) != 0 ? SP_OK : fail_errno(err, "write", path, code);
+    }
+    if (S_ISDIR(info->st_mode))
+        return fail_errno(err, "write", path, EISDIR);
+    *kind = info->st_mode & S_IFMT;
+    if (S_ISREG(info->st_mode) && (!realpath(path, target) || access(target, W_OK) != 0))
+        return fail_errno(err, "write", path, errno);
+    return SP_OK;
+}
+
+sp_status sp_file_write(const char *path, const void *data, size_t size, sp_error *err) {
     struct stat info;
     char target[PATH_MAX];
-    if (stat(path, &info) != 0) { /* a dangling link is an error */
-        bool missing = errno == ENOENT && lstat(path, &info) != 0;
-        return missing ? write_renamed(path, data, size, NULL, err) : fail_errno(err, "write", path, errno);
-    }
-    if (S_ISDIR(info.st_mode))
-        return fail_errno(err, "write", path, EISDIR);
-    if (!S_ISREG(info.st_mode))
-        return write_direct(path, data, size, err);
-    if (!realpath(path, target) || access(target, W_OK) != 0)
-        return fail_errno(err, "write", path, errno);
-    return write_renamed(target, data, size, &info, err);
+    mode_t kind;
+    sp_status status = find_target(path, target, &info, &kind, err);
+    if (status != SP_OK)
+        return status;
+    if (kind == 0)
+        return write_renamed(path, data, size, NULL, err);
+    return kind == S_IFREG ? write_renamed(target, data, size, &info, err) : write_direct(path, data, size, err);
+}
+
+sp_status sp_draft_begin(const char *path, sp_draft *d, sp_error *err) {
+    struct stat info;
+    char target[PATH_MAX];
+    mode_t kind;
+    d->fd = -1;
+    sp_status status = find_target(path, target, &info, &kind, err);
+    if (status != SP_OK)
+        return status;
+    if (kind != 0 && kind != S_IFREG)
+        return sp_fail(err, SP_EIO, "cannot write %s: a device or a pipe, must be a regular file", path);
+    return begin_draft(kind ? target : path, kind ? &info : NULL, d, err);
 }
 
 sp_status sp_text_save(const char *path, const char *text, size_t size, sp_error *err) {

@@ -24,6 +24,18 @@ SP_SHARED sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err
  * directly, and a symbolic link keeps pointing to its target. On failure (SP_EIO) the old file is unchanged. */
 SP_SHARED sp_status sp_file_write(const char *path, const void *data, size_t size, sp_error *err);
 
+/* A file that is written piece by piece, under a temporary name in the folder of `path`. */
+typedef struct sp_draft {
+    char path[SP_PATH_MAX], temporary[SP_PATH_MAX];
+    int fd;   /* open to read and write, and locked; -1: there is no draft */
+    int mode; /* of the file that it replaces; -1: there is none */
+} sp_draft;
+/* SP_EIO if the file cannot be written, or is a device or a pipe. */
+SP_SHARED sp_status sp_draft_begin(const char *path, sp_draft *d, sp_error *err);
+/* Syncs the draft and renames it to `path`. On failure (SP_EIO) it is dropped, and the old file is unchanged. */
+SP_SHARED sp_status sp_draft_commit(sp_draft *d, sp_error *err);
+SP_SHARED void sp_draft_drop(sp_draft *d);
+
 /* Checks that a file can be created in the folder, by creating a temporary one and removing it. SP_EIO if not. */
 SP_SHARED sp_status sp_folder_probe(const char *folder, sp_error *err);
 

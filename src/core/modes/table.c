@@ -81,44 +81,44 @@ static double participation(const sp_network *net, const double *e) {
 
 /* Amplitudes in u = sum a_n u^(n) sin(omega_n t): a_n = e . M^-1/2 p/omega_n for momenta p, or e . M^1/2 u(0) with cos
  * for displacements; b_n = (detector) M^-1/2 e. a = 0 for floppy modes, whose limit sin(omega t)/omega = t does not fit
- * this form. */
+ * this form. A network that does not touch a wall has modes all the same, but no amplitudes there: NAN. */
+static sp_status wall_vectors(const sp_network *net, sp_source source, double *from, double *to, sp_error *err) {
+    const int64_t n = sp_network_dofs(net);
+    const bool has_source = sp_network_touches(net, SP_BOTTOM), has_detector = sp_network_touches(net, SP_TOP);
+    sp_status status = has_source ? sp_network_source(net, source, from, err) : SP_OK;
+    if (status == SP_OK && has_detector)
+        status = sp_network_detector(net, to, err);
+    for (int64_t k = 0; status == SP_OK && k < n; k++) {
+        const double root = sqrt(net->mass[k]);
+        from[k] = !has_source ? NAN : source == SP_SOURCE_DISPLACEMENT ? from[k] * root : from[k] / root;
+        to[k] = has_detector ? to[k] / root : NAN;
+    }
+    return status;
+}
+
 static sp_status set_amplitudes(const sp_network *net, sp_source source, sp_modes *m, sp_error *err) {
     const int64_t n = sp_network_dofs(net);
-    double *source_vector = sp_alloc((size_t)n, sizeof *source_vector),
-           *detector_vector = sp_alloc((size_t)n, sizeof *detector_vector);
-    sp_status status =
-        source_vector && detector_vector ? SP_OK : sp_fail_memory(err, 2 * (size_t)n * sizeof *source_vector);
+    double *from = sp_alloc((size_t)n, sizeof *from), *to = sp_alloc((size_t)n, sizeof *to);
+    sp_status status = from && to ? SP_OK : sp_fail_memory(err, 2 * (size_t)n * sizeof *from);
+    const bool has_source = sp_network_touches(net, SP_BOTTOM), has_detector = sp_network_touches(net, SP_TOP);
     if (status == SP_OK)
-        status = sp_network_source(net, source, source_vector, err);
-    if (status == SP_OK)
-        status = sp_network_detector(net, detector_vector, err);
-    if (status != SP_OK)
-        goto out;
-    for (int64_t k = 0; k < n; k++) {
-        const double root = sqrt(net->mass[k]);
-        source_vector[k] = source == SP_SOURCE_DISPLACEMENT ? source_vector[k] * root : source_vector[k] / root;
-        detector_vector[k] /= root;
-    }
-    for (int64_t row = 0; row < m->n; row++) {
-        if (row < m->n_rattler) {
-            m->participation[row] = 1.0 / net->n; /* a single grain moves */
-            continue;
-        }
-        const double *e = m->vectors + (row - m->n_rattler) * n;
+        status = wall_vectors(net, source, from, to, err);
+    for (int64_t row = 0; row < m->n && status == SP_OK; row++) {
+        const bool rattler = row < m->n_rattler; /* a single grain moves, away from the walls */
+        const double *e = rattler ? NULL : m->vectors + (row - m->n_rattler) * n;
         double a = 0, b = 0;
-        for (int64_t k = 0; k < n; k++) {
-            a += e[k] * source_vector[k];
-            b += e[k] * detector_vector[k];
+        for (int64_t k = 0; k < (rattler ? 0 : n); k++) {
+            a += e[k] * from[k];
+            b += e[k] * to[k];
         }
         if (source != SP_SOURCE_DISPLACEMENT)
             a = m->omega[row] > 0 ? a / m->omega[row] : 0;
-        m->a[row] = a;
-        m->b[row] = b;
-        m->participation[row] = participation(net, e);
+        m->a[row] = has_source ? a : NAN;
+        m->b[row] = has_detector ? b : NAN;
+        m->participation[row] = rattler ? 1.0 / net->n : participation(net, e);
     }
-out:
-    sp_free(detector_vector);
-    sp_free(source_vector);
+    sp_free(to);
+    sp_free(from);
     return status;
 }
 

@@ -8,13 +8,11 @@
 
 /* Networks of up to ONE_BLOCK grains are one block. Larger ones are divided into roughly square blocks of about BLOCK
  * grains. Their vectors fit into the second-level cache, and about 7% of their springs lead to other blocks. */
-enum { ONE_BLOCK = 2048, BLOCK = 1024, CHUNK = 128, QUAD_ROW = 8 };
+enum { ONE_BLOCK = 2048, BLOCK = 1024, CHUNK = 128 };
 
 static void spring_set_free(sp_spring_set *s) {
     sp_free(s->first);
     sp_free(s->quads);
-    sp_free(s->springs);
-    sp_free(s->carried);
 }
 
 void sp_operator_free(sp_operator *op) {
@@ -31,20 +29,24 @@ void sp_operator_free(sp_operator *op) {
     *op = (sp_operator){0};
 }
 
-/* Whether the network fits sp_quad: two translations with the same mass and one rotation per grain, and lever arms
- * equal to the radius. */
-static bool fits_quads(const sp_network *net) {
-    if (net->dim != 2 || net->dof != 3 || net->prestress || net->carried)
-        return false;
-    for (int32_t k = 0; k < net->n; k++)
-        if (!(net->r[k] > 0) || net->mass[3 * (int64_t)k] != net->mass[3 * (int64_t)k + 1])
+/* Rotations are measured as displacements of the surface, and a grain has one mass and one moment of inertia. Networks
+ * of packings are like that. */
+static bool fits(const sp_network *net) {
+    for (int64_t k = 0; k < sp_network_dofs(net); k++) {
+        const int64_t a = k % net->dof, same = a < net->dim ? a : a - net->dim;
+        if (net->mass[k] != net->mass[k - same] || !(net->r[k / net->dof] > 0))
             return false;
-    for (int32_t k = 0; k < net->n_springs; k++) {
+    }
+    for (int32_t k = 0; k < net->n_springs && net->dof > net->dim; k++) {
         const sp_spring *s = &net->springs[k];
         if (s->ri != net->r[s->i] || (s->j >= 0 && s->rj != net->r[s->j]))
             return false;
     }
     return true;
+}
+
+int64_t sp_operator_at(const sp_operator *op, int64_t dof) {
+    return op->row_of[dof / op->dof] * (int64_t)op->row + quad_component((int)(dof % op->dof));
 }
 
 typedef struct placed {
@@ -133,7 +135,7 @@ static sp_status set_scale(const sp_network *net, sp_operator *op, sp_error *err
         return sp_fail_memory(err, (size_t)net->n * (size_t)dof * sizeof *op->scale);
     for (int64_t k = 0; k < net->n; k++)
         for (int64_t a = 0; a < dof; a++)
-            op->scale[k * dof + a] = op->quad && a >= net->dim ? net->r[op->grain[k]] : 1;
+            op->scale[k * dof + a] = a >= net->dim ? net->r[op->grain[k]] : 1;
     return SP_OK;
 }
 
@@ -177,113 +179,109 @@ static sp_status assignment_make(const sp_network *net, sp_operator *op, assignm
     return SP_OK;
 }
 
-/* Replaces the numbers of springs of rows by places in the list. Each chunk begins at a multiple of `unit`; first[]
- * gives the chunks' beginnings in units. */
-static void number_springs(const sp_operator *op, int64_t unit, int64_t *rows, int64_t *first) {
+/* Replaces the numbers of springs of rows by places in the list. Each chunk begins with a quad of its own; first[]
+ * has the first quads of the chunks. */
+static void number_springs(const sp_operator *op, int64_t *rows, int64_t *first) {
     const int32_t chunks = op->chunk[op->blocks];
     int64_t at = 0;
     for (int32_t c = 0; c < chunks; c++) {
-        first[c] = at / unit;
+        first[c] = at / 4;
         for (int32_t k = op->chunk_row[c]; k < op->chunk_row[c + 1]; k++) {
             const int64_t count = rows[k];
             rows[k] = at;
             at += count;
         }
-        at = (at + unit - 1) / unit * unit;
+        at = (at + 3) / 4 * 4;
     }
-    first[chunks] = at / unit;
+    first[chunks] = at / 4;
 }
 
 /* Allocates a set and sets its `first`. rows: numbers of springs of the rows, which become places. */
-static sp_status allocate_springs(const sp_operator *op, bool carried, int64_t *rows, sp_spring_set *out,
-                                  sp_error *err) {
-    const size_t chunks = (size_t)op->chunk[op->blocks];
+static sp_status allocate_springs(const sp_operator *op, int64_t *rows, sp_spring_set *out, sp_error *err) {
+    const size_t chunks = (size_t)op->chunk[op->blocks], size = (size_t)quad_size(op->kind) * sizeof *out->quads;
     out->first = sp_alloc(chunks + 1, sizeof *out->first);
     if (!out->first)
         return sp_fail_memory(err, (chunks + 1) * sizeof *out->first);
-    number_springs(op, op->quad ? 4 : 1, rows, out->first);
-    const size_t n = (size_t)out->first[chunks];
-    out->quads = op->quad ? sp_alloc(n, sizeof *out->quads) : NULL;
-    out->springs = op->quad ? NULL : sp_alloc(n, sizeof *out->springs);
-    out->carried = carried ? sp_alloc(n, sizeof *out->carried) : NULL;
-    const bool ok = (out->quads || out->springs) && (out->carried || !carried);
-    return ok ? SP_OK : sp_fail_memory(err, n * (sizeof(sp_spring) + sizeof(sp_carried)));
+    number_springs(op, rows, out->first);
+    out->quads = sp_alloc((size_t)out->first[chunks], size);
+    return out->quads ? SP_OK : sp_fail_memory(err, (size_t)out->first[chunks] * size);
+}
+
+static quad_rows *rows_of(const sp_operator *op, const sp_spring_set *set, int64_t quad) {
+    return (quad_rows *)quad_rows_of(op->kind, set->quads + quad * quad_size(op->kind));
 }
 
 /* Fills the last quad of each chunk with springs of zero stiffness, which end at row j or, if j < 0, in the chunk. */
 static void fill_up(const sp_operator *op, const sp_spring_set *s, int32_t j) {
     for (int32_t c = 0; c < op->chunk[op->blocks]; c++)
         for (int k = 0; k < 4 && s->first[c + 1] > s->first[c]; k++) {
-            sp_quad *last = &s->quads[s->first[c + 1] - 1];
-            last->i[k] = op->chunk_row[c];
-            last->j[k] = j < 0 ? op->chunk_row[c] : j;
+            quad_rows *last = rows_of(op, s, s->first[c + 1] - 1);
+            last[k] = op->chunk_row[c] * op->row;
+            last[4 + k] = (j < 0 ? op->chunk_row[c] : j) * op->row;
         }
 }
 
-/* Stores spring s as seen from row i. j is the row at its other end, or n for a wall. */
-static void put(const sp_spring_set *set, const sp_spring *s, const sp_carried *held, int32_t i, int32_t j, bool turned,
-                int64_t at) {
-    const double sign = turned ? -1 : 1;
-    if (set->quads) {
-        sp_quad *q = &set->quads[at / 4];
-        q->nx[at % 4] = sign * s->n[0];
-        q->ny[at % 4] = sign * s->n[1];
-        q->kn[at % 4] = s->kn;
-        q->kt[at % 4] = s->kt;
-        q->i[at % 4] = i;
-        q->j[at % 4] = j;
+/* Stores what a force at rest adds to a spring, as seen from one of its ends. */
+static void put_carried(quad_kind kind, const sp_spring *s, const sp_carried *held, bool turned, double *number) {
+    const quad_fields f = quad_fields_of(kind);
+    const double r[2] = {s->ri, s->rj};
+    if (kind.dim == 2) {
+        number[4 * f.tilt] = held->turn * (held->ft[1] * s->n[0] - held->ft[0] * s->n[1]);
         return;
     }
-    sp_spring *t = &set->springs[at];
-    *t = *s;
-    t->i = i;
-    t->j = j;
     for (int a = 0; a < 3; a++)
-        t->n[a] = sign * s->n[a];
-    t->ri = turned ? s->rj : s->ri;
-    t->rj = turned ? s->ri : s->rj;
-    if (!held)
-        return;
-    sp_carried *h = &set->carried[at];
-    h->turn = held->turn;
-    for (int a = 0; a < 3; a++) /* force on the i of the stored spring */
-        h->ft[a] = sign * held->ft[a];
+        number[4 * (f.ft + a)] = turned ? -held->ft[a] : held->ft[a];
+    number[4 * f.over_r] = held->turn;
+    for (int end = 0; end < 2; end++)
+        number[4 * (f.inverse + end)] = r[end != turned] > 0 ? 0.5 / r[end != turned] : 0;
+}
+
+/* Stores spring s as seen from row i. j is the row at its other end, or n for a wall. */
+static void put(const sp_operator *op, const sp_spring_set *set, const sp_spring *s, const sp_carried *held, int32_t i,
+                int32_t j, bool turned, int64_t at) {
+    const quad_fields f = quad_fields_of(op->kind);
+    double *number = set->quads + at / 4 * quad_size(op->kind) + at % 4;
+    quad_rows *rows = rows_of(op, set, at / 4) + at % 4;
+    rows[0] = i * op->row;
+    rows[4] = j * op->row;
+    for (int a = 0; a < op->kind.dim && op->kind.dim > 1; a++)
+        number[4 * (f.n + a)] = turned ? -s->n[a] : s->n[a];
+    number[4 * f.kn] = op->kind.dim == 1 ? s->kn * s->n[0] * s->n[0] : s->kn;
+    if (op->kind.rotations)
+        number[4 * f.kt] = s->kt;
+    if (op->kind.prestress)
+        number[4 * f.kp] = s->kp;
+    if (op->kind.carried)
+        put_carried(op->kind, s, held, turned, number);
 }
 
 static void assign_springs(const sp_operator *op, assignment *d) {
-    if (op->quad) {
-        fill_up(op, &op->inner, -1);
-        fill_up(op, &op->border, op->n);
-    }
+    fill_up(op, &op->inner, -1);
+    fill_up(op, &op->border, op->n);
     for (int32_t k = 0; k < d->net->n_springs; k++) {
         const sp_spring *s = &d->net->springs[k];
         const sp_carried *held = d->net->carried ? &d->net->carried[k] : NULL;
         const int32_t i = op->row_of[s->i], j = s->j < 0 ? op->n : op->row_of[s->j];
         if (j < op->n && d->block[i] == d->block[j]) {
             const bool turned = j < i;
-            put(&op->inner, s, held, turned ? j : i, turned ? i : j, turned, d->inner[turned ? j : i]++);
+            put(op, &op->inner, s, held, turned ? j : i, turned ? i : j, turned, d->inner[turned ? j : i]++);
             continue;
         }
-        put(&op->border, s, held, i, j, false, d->border[i]++);
+        put(op, &op->border, s, held, i, j, false, d->border[i]++);
         if (j < op->n)
-            put(&op->border, s, held, j, i, true, d->border[j]++);
+            put(op, &op->border, s, held, j, i, true, d->border[j]++);
     }
-}
-
-static int32_t other_end(const sp_operator *op, int64_t k) {
-    return op->quad ? op->border.quads[k / 4].j[k % 4] : op->border.springs[k].j;
 }
 
 /* Lists the neighbouring blocks of each block. With a NULL list they are only counted. */
 static int32_t list_adjacent(const sp_operator *op, const assignment *d, int32_t *seen, int32_t *adjacent) {
-    const int64_t unit = op->quad ? 4 : 1;
     int32_t count = 0;
     for (int32_t b = 0; b < op->blocks; b++)
         seen[b] = -1;
     for (int32_t b = 0; b < op->blocks; b++) {
         op->adjacent_first[b] = count;
-        for (int64_t k = unit * op->border.first[op->chunk[b]]; k < unit * op->border.first[op->chunk[b + 1]]; k++) {
-            const int32_t j = other_end(op, k);
+        for (int64_t k = 4 * op->border.first[op->chunk[b]]; k < 4 * op->border.first[op->chunk[b + 1]]; k++) {
+            const int32_t j = rows_of(op, &op->border, k / 4)[4 + k % 4] / op->row;
             if (j == op->n || seen[d->block[j]] == b)
                 continue;
             seen[d->block[j]] = b;
@@ -310,11 +308,17 @@ static sp_status find_adjacent(sp_operator *op, const assignment *d, sp_error *e
 }
 
 sp_status sp_operator_make(const sp_network *net, sp_operator *out, sp_error *err) {
-    sp_operator op = {.dim = net->dim, .dof = net->dof, .prestress = net->prestress, .n = net->n};
+    sp_operator op = {
+        .kind = {net->dim, net->dof - net->dim, net->prestress || net->carried, net->carried != NULL, false},
+        .dof = net->dof,
+        .wide = net->dim > 1 && sp_operator_wide(),
+        .row = quad_row(net->dof),
+        .n = net->n};
     assignment d = {0};
-    op.quad = fits_quads(net);
-    op.wide = op.quad && sp_operator_wide();
-    op.row = op.quad ? QUAD_ROW : 2 * net->dof;
+    if (net->n >= INT32_MAX / op.row) /* quads have places in vectors as integers */
+        return sp_fail(err, SP_EREFUSED, "%d grains, must be below %d", (int)net->n, INT32_MAX / op.row);
+    if (!fits(net))
+        return sp_fail(err, SP_EINVAL, "lever arms must be the radii, and masses of a grain the same along all axes");
     sp_status status = order_grains(net, &op, err);
     if (status == SP_OK)
         status = cut_chunks(&op, err);
@@ -323,9 +327,9 @@ sp_status sp_operator_make(const sp_network *net, sp_operator *out, sp_error *er
     if (status == SP_OK)
         status = assignment_make(net, &op, &d, err);
     if (status == SP_OK)
-        status = allocate_springs(&op, net->carried != NULL, d.inner, &op.inner, err);
+        status = allocate_springs(&op, d.inner, &op.inner, err);
     if (status == SP_OK)
-        status = allocate_springs(&op, net->carried != NULL, d.border, &op.border, err);
+        status = allocate_springs(&op, d.border, &op.border, err);
     if (status == SP_OK) {
         assign_springs(&op, &d);
         status = find_adjacent(&op, &d, err);

@@ -1,4 +1,6 @@
 /* Sources and detectors: walls, parts of walls, single grains, planes. */
+#include "network/place.h"
+
 #include "base/base.h"
 #include "network/rows.h"
 
@@ -8,6 +10,40 @@ sp_place sp_place_wall(void) { return (sp_place){.kind = SP_PLACE_WALL}; }
 
 static int axis_of(const sp_network *net, const sp_place *at) { return at->shear ? 0 : net->dim - 1; }
 
+/* Largest horizontal component of a wall's normal that counts as rounding: normals may come in single precision. */
+static const double LEVEL = 1e-7;
+
+static bool is_level(const sp_network *net, const sp_spring *s) {
+    for (int a = 0; a < net->dim - 1; a++)
+        if (!(fabs(s->n[a]) <= LEVEL))
+            return false;
+    return s->j == SP_BOTTOM ? s->n[net->dim - 1] < 0 : s->n[net->dim - 1] > 0;
+}
+
+/* The way of a wall at a contact with normal n: along n into the packing at the bottom, out of it at the top, which is
+ * up between level walls. shear: along the wall, which is x between level walls (and only there in 3D). */
+static void set_way(const sp_network *net, int32_t wall, bool shear, const double n[3], double way[3]) {
+    for (int a = 0; a < 3; a++)
+        way[a] = wall == SP_BOTTOM ? -n[a] : n[a];
+    if (!shear)
+        return;
+    const double across[3] = {net->dim == 2 ? way[1] : 1, net->dim == 2 ? -way[0] : 0, 0};
+    for (int a = 0; a < 3; a++)
+        way[a] = across[a];
+}
+
+sp_status sp_network_need_level_walls(const sp_network *net, const char *what, sp_error *err) {
+    for (int32_t k = net->n_bulk; k < net->n_springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        if (!is_level(net, s))
+            return sp_fail(err, SP_EREFUSED,
+                           "contact %d has the normal %.6g %.6g %.6g, of an inclined %s wall: %s needs a bottom wall "
+                           "below and a top wall above, with vertical normals; turn the packing",
+                           s->contact, s->n[0], s->n[1], s->n[2], s->j == SP_BOTTOM ? "bottom" : "top", what);
+    }
+    return SP_OK;
+}
+
 /* Subtracts `stiffness` x `push` times a spring's row of coefficients. */
 static void add_row(const sp_network *net, const sp_spring *s, int width, double stiffness, const double *row,
                     double push, double *out) {
@@ -15,20 +51,30 @@ static void add_row(const sp_network *net, const sp_spring *s, int width, double
         out[(int64_t)(a < net->dof ? s->i : s->j) * net->dof + a % net->dof] -= stiffness * row[a] * push;
 }
 
+/* Component of a gap along the way of the wall. */
+static double gap_along(const sp_network *net, const double *gap, const double way[3]) {
+    double sum = 0;
+    for (int a = 0; a < net->dim; a++)
+        sum += gap[a] * way[a];
+    return sum;
+}
+
 /* Adds the response of a wall's spring. Its energy is 1/2 sum k (b . u + gap . w)^2, with w the displacement of the
- * wall. A unit of w along the axis exerts the force -k b gap on the grain, and a displacement u of the grain exerts a
- * force on the wall with the same coefficients. In addition, a grain that rotates about the wall's normal turns the
- * tangential force at rest. A moving wall does not, so this term belongs to detectors (the top wall) only. */
-static void add_wall_spring(const sp_network *net, int32_t k, int axis, double *out) {
+ * wall. A unit of w along the wall's way exerts the force -k b gap on the grain, and a displacement u of the grain
+ * exerts a force on the wall with the same coefficients. In addition, a grain that rotates about the wall's normal
+ * turns the tangential force at rest. A moving wall does not, so this term belongs to detectors (the top wall) only. */
+static void add_wall_spring(const sp_network *net, int32_t k, bool shear, double *out) {
     const sp_spring *s = &net->springs[k];
     sp_rows rows;
     sp_turns turns;
+    double way[3];
+    set_way(net, s->j, shear, s->n, way);
     sp_network_turns(net, k, &turns);
     for (int q = 0; q < turns.count && s->j == SP_TOP; q++)
-        add_row(net, s, net->dof, 1, turns.right[q], turns.left_gap[q][axis], out);
+        add_row(net, s, net->dof, 1, turns.right[q], gap_along(net, turns.left_gap[q], way), out);
     sp_network_rows(net, s, &rows);
     for (int q = 0; q < rows.count; q++)
-        add_row(net, s, net->dof, rows.k[q], rows.b[q], rows.gap[q][axis], out);
+        add_row(net, s, net->dof, rows.k[q], rows.b[q], gap_along(net, rows.gap[q], way), out);
 }
 
 /* x of a grain's centre, in [0, period). */
@@ -53,7 +99,7 @@ static int32_t add_wall(const sp_network *net, const sp_place *at, int32_t wall,
         const sp_spring *s = &net->springs[k];
         if (s->j != wall || !belongs(net, at, s) || (at->shear && s->kt == 0))
             continue;
-        add_wall_spring(net, k, axis_of(net, at), out);
+        add_wall_spring(net, k, at->shear, out);
         count++;
     }
     return count;
@@ -82,6 +128,12 @@ static sp_status begin(const sp_network *net, const sp_place *at, double *out, i
                        net->dim > 1 ? net->box[0] : 0);
     *row = -1;
     sp_status status = at->kind == SP_PLACE_GRAIN ? find_grain(net, at, row, err) : SP_OK;
+    if (status == SP_OK && at->kind == SP_PLACE_PLANE)
+        status = sp_network_need_level_walls(net, "a plane", err);
+    if (status == SP_OK && at->kind == SP_PLACE_PART)
+        status = sp_network_need_level_walls(net, "a part of a wall", err);
+    if (status == SP_OK && at->shear && net->dim == 3)
+        status = sp_network_need_level_walls(net, "shear along x", err);
     for (int64_t k = 0; k < sp_network_dofs(net) && status == SP_OK; k++)
         out[k] = 0;
     return status;
@@ -105,6 +157,9 @@ sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp
     if (add_wall(net, at, SP_BOTTOM, out) == 0) {
         if (row < 0)
             return nothing_there(at, "bottom", "sent in", err);
+        status = sp_network_need_level_walls(net, "a grain that does not touch the bottom wall", err);
+        if (status != SP_OK)
+            return status;
         out[(int64_t)row * net->dof + axis_of(net, at)] = 1;
     }
     for (int64_t k = 0; source == SP_SOURCE_VELOCITY && k < sp_network_dofs(net); k++)
@@ -173,10 +228,20 @@ sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, doub
         return SP_OK;
     if (row < 0)
         return nothing_there(at, "top", "detected", err);
+    status = sp_network_need_level_walls(net, "a grain that does not touch the top wall", err);
+    if (status != SP_OK)
+        return status;
     for (int32_t k = 0; k < net->n_springs; k++)
         if (net->springs[k].i == row || net->springs[k].j == row)
             add_force(net, k, net->springs[k].i == row ? 0 : 1, axis_of(net, at), out);
     return SP_OK;
+}
+
+bool sp_network_touches(const sp_network *net, int32_t wall) {
+    for (int32_t k = net->n_bulk; k < net->n_springs; k++)
+        if (net->springs[k].j == wall)
+            return true;
+    return false;
 }
 
 sp_status sp_network_source(const sp_network *net, sp_source source, double *out, sp_error *err) {

@@ -1,16 +1,13 @@
 #ifndef SP_SPRING_H
 #define SP_SPRING_H
-/* Stretch and force of one spring. The same code serves all dimensions, with and without rotations, for one vector or
+/* Stretch and force of one spring, in plain code. A pair is one component of two vectors; for one vector its second
+ * entry is unused. The same code serves all dimensions, with and without rotations, for one vector or
  * two interleaved ones: its first argument is a compile-time constant at each call. */
 
-#include "base/clones.h"
 #include "base/vector.h"
+#include "network/quads.h"
 
 #include <sonopack/network.h>
-
-/* One component of two vectors; for one vector the second entry is unused. */
-typedef double pair __attribute__((vector_size(16)));
-typedef pair pair_memory __attribute__((may_alias));
 
 typedef struct shape {
     int dim, rotations, lanes;

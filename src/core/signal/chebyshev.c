@@ -40,7 +40,7 @@ static sp_status places_make(const sp_operator *op, const signal_rows *from, con
         out->row[q] = (sparse_row){from->first[q + 1] - first, out->at + first, out->value + first};
         for (int64_t k = first; k < from->first[q + 1]; k++) {
             const int64_t dof = from->dof[k], row = op->row_of[dof / op->dof], a = dof % op->dof;
-            out->at[k] = row * op->row + 2 * a;
+            out->at[k] = sp_operator_at(op, dof);
             out->value[k] = from->value[k] * (mass ? mass[dof] : 1) / op->scale[row * op->dof + a];
         }
     }
@@ -79,7 +79,7 @@ static sp_status passes_make(const signal_job *job, double omega, int64_t terms,
                   observers = a->reversed ? job->sources : job->detectors;
     a->n = (propagated + 1) / 2;
     sp_status status = sp_operator_make(job->net, &a->op, err);
-    a->op.transposed = a->reversed && job->net->carried;
+    a->op.kind.transposed = a->reversed && job->net->carried;
     if (status == SP_OK)
         status = places_make(&a->op, &job->from, job_has_momenta(job) ? NULL : job->net->mass, &a->from, err);
     if (status == SP_OK)

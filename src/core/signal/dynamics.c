@@ -2,6 +2,7 @@
  * F is the change of the force over the amplitude of the source; it tends to the linear signal as the amplitude tends
  * to 0. */
 #include "base/base.h"
+#include "network/place.h"
 #include "packing/vibrate.h"
 #include "signal/job.h"
 
@@ -240,7 +241,10 @@ sp_status sp_signal_by_dynamics(const signal_job *job, sp_signal *s, sp_error *e
     double longest = 0;
     if (!job->packing)
         return sp_fail(err, SP_EINVAL, "method dynamics needs the packing, must be called as sp_signal_dynamics");
-    sp_status status = longest_step(job, &longest, err);
+    /* gaps that may close are found in the box, between its level walls */
+    sp_status status = sp_network_need_level_walls(net, "method dynamics", err);
+    if (status == SP_OK)
+        status = longest_step(job, &longest, err);
     if (status == SP_OK)
         status = sp_vibration_make(job->packing, job->options->damping, &k.m, err);
     if (status == SP_OK)

@@ -69,7 +69,7 @@ static sp_status make_source(field *f, sp_error *err) {
         if (vector[dof] == 0)
             continue;
         const int64_t row = op->row_of[dof / op->dof], a = dof % op->dof;
-        f->from.at[f->from.n] = row * op->row + 2 * a;
+        f->from.at[f->from.n] = sp_operator_at(op, dof);
         f->from.value[f->from.n++] = vector[dof] * (f->velocity ? 1 : f->net->mass[dof]) / op->scale[row * op->dof + a];
     }
     sp_free(vector);
@@ -173,7 +173,7 @@ static void finish(const field *f, double *u, double *errors) {
         const double x = f->omega * f->spec->t[l], *sum = f->sum + (size_t)l * stride;
         for (int64_t dof = 0; dof < n; dof++) {
             const int64_t row = op->row_of[dof / op->dof], a = dof % op->dof;
-            u[l * n + dof] = scale * sum[row * op->row + 2 * a] / op->scale[row * op->dof + a];
+            u[l * n + dof] = scale * sum[sp_operator_at(op, dof)] / op->scale[row * op->dof + a];
         }
         const double left = f->tail[l] + sp_recurrence_dropped(&f->r, f->terms);
         const double rounding = STEP_ROUNDING * sqrt(f->steps[l]) + PHASE_ROUNDING * (1 + x) * sqrt(f->largest[l]);

@@ -6,11 +6,10 @@
 #include <math.h>
 #include <string.h>
 
-typedef pair pair_memory __attribute__((may_alias));
 typedef int64_t bits __attribute__((vector_size(16)));
 
 /* With fewer blocks, waking other threads is not worthwhile. */
-enum { BLOCKS_SHARED = 32, DOF_MAX = 6, ROW = 8 };
+enum { BLOCKS_SHARED = 32, DOF_MAX = 6, LINE = 8 };
 /* A block stays asleep while the squares of what reaches it are below this fraction of those of U_0. */
 #define TINY 1e-80
 /* Vectors of this many bytes exceed all caches, so results are written past the caches. */
@@ -31,14 +30,15 @@ void sp_recurrence_free(recurrence *r) {
     *r = (recurrence){0};
 }
 
-static int kinds_of(const sp_operator *op) { return op->quad ? 2 : op->dof; }
+/* Masses of a grain: of translations, and of rotations. */
+static int kinds_of(const sp_operator *op) { return op->kind.rotations ? 2 : 1; }
 
 static void set_weights(recurrence *r, const double *mass, double omega) {
     const sp_operator *op = r->op;
     const int kinds = kinds_of(op);
     for (int64_t k = 0; k < op->n; k++)
         for (int q = 0; q < kinds; q++) {
-            const int a = op->quad && q == 1 ? op->dim : q;
+            const int a = q == 1 ? op->kind.dim : 0;
             const double scale = op->scale[k * op->dof + a];
             const double m = mass[(int64_t)op->grain[k] * op->dof + a] / (scale * scale);
             double *w = r->weight + 2 * kinds * k;
@@ -76,10 +76,11 @@ sp_status sp_recurrence_make(const sp_operator *op, const double *mass, double o
     return status;
 }
 
-/* Mass of component a of a row. */
-static double mass_of(const recurrence *r, int64_t row, int a) {
-    const int kinds = kinds_of(r->op);
-    return r->weight[2 * kinds * row + (r->op->quad ? a / r->op->dim : a)];
+/* Mass of a component of a vector, given its index. */
+static double mass_of(const recurrence *r, int64_t at) {
+    const sp_operator *op = r->op;
+    const bool turns = op->kind.rotations && at % op->row >= quad_component(op->kind.dim);
+    return r->weight[2 * kinds_of(op) * (at / op->row) + turns];
 }
 
 static int32_t block_of(const sp_operator *op, int64_t row) {
@@ -98,20 +99,18 @@ void sp_recurrence_start(recurrence *r, int lane, bool second, const sparse_row 
     r->second[lane] = second;
     r->start[lane] = 0;
     for (int64_t k = 0; k < row->n; k++) {
-        const int64_t grain = row->at[k] / r->op->row;
-        const double m = mass_of(r, grain, (int)(row->at[k] % r->op->row / 2)), value = row->value[k] / m;
+        const double m = mass_of(r, row->at[k]), value = row->value[k] / m;
         r->u[row->at[k] + lane] = value;
         r->v[row->at[k] + lane] = second ? 2 * value : 0;
         r->start[lane] += m * value * value;
-        r->awake[block_of(r->op, grain)] = 1;
+        r->awake[block_of(r->op, row->at[k] / r->op->row)] = 1;
     }
 }
 
 double sp_recurrence_norm(const recurrence *r, const sparse_row *row) {
     double squares = 0;
     for (int64_t k = 0; k < row->n; k++)
-        squares +=
-            row->value[k] * row->value[k] / mass_of(r, row->at[k] / r->op->row, (int)(row->at[k] % r->op->row / 2));
+        squares += row->value[k] * row->value[k] / mass_of(r, row->at[k]);
     return sqrt(squares);
 }
 
@@ -119,26 +118,30 @@ double sp_recurrence_norm(const recurrence *r, const sparse_row *row) {
 
 static ALWAYS_INLINE pair absolute(pair x) { return (pair)((bits)x & (bits){INT64_MAX, INT64_MAX}); }
 
+/* What a chunk's rows need, from its first row on. */
+typedef struct rows {
+    const double *u, *weight;
+    double *v, *next, *force;
+    ptrdiff_t count;
+    bool doubled;
+} rows;
+
 /* Takes the forces and clears them. */
-static ALWAYS_INLINE void advance_rows(const recurrence *r, int dof, int row, bool quad, bool doubled, int32_t chunk,
-                                       double *restrict force, recurrence_products *sum) {
-    const int kinds = quad ? 2 : dof;
-    const int32_t first = r->op->chunk_row[chunk], count = r->op->chunk_row[chunk + 1] - first;
-    const double *u = r->u + (ptrdiff_t)first * row, *weight = r->weight + (ptrdiff_t)first * 2 * kinds;
-    double *next = r->next + (ptrdiff_t)first * row, *v = r->v + (ptrdiff_t)first * row;
+static ALWAYS_INLINE void advance_rows(int dim, int dof, rows of, recurrence_products *sum) {
+    const int kinds = dof > dim ? 2 : 1, row = quad_row(dof);
     pair dot[DOF_MAX] = {{0, 0}}, size[DOF_MAX] = {{0, 0}};
-    for (ptrdiff_t k = 0; k < count; k++, weight += 2 * kinds)
+    for (ptrdiff_t k = 0; k < of.count; k++, of.weight += 2 * kinds)
         for (int a = 0; a < dof; a++) {
-            const ptrdiff_t at = k * row + 2 * a;
-            const double mass = weight[quad ? a / 2 : a], step = weight[kinds + (quad ? a / 2 : a)];
-            const pair old = *(const pair_memory *)(u + at);
-            const pair pull = *(const pair_memory *)(force + at);
-            const pair push = *(const pair_memory *)(v + at) - step * pull;
+            const ptrdiff_t at = k * row + quad_component(a);
+            const double mass = of.weight[a >= dim], step = of.weight[kinds + (a >= dim)];
+            const pair old = *(const pair_memory *)(of.u + at);
+            const pair pull = *(const pair_memory *)(of.force + at);
+            const pair push = *(const pair_memory *)(of.v + at) - step * pull;
             const pair now = old + push;
-            *(pair_memory *)(force + at) = (pair){0, 0};
-            *(pair_memory *)(v + at) = push;
-            *(pair_memory *)(next + at) = now;
-            if (doubled) {
+            *(pair_memory *)(of.force + at) = (pair){0, 0};
+            *(pair_memory *)(of.v + at) = push;
+            *(pair_memory *)(of.next + at) = now;
+            if (of.doubled) {
                 const pair product = (mass * now[1]) * (pair){old[0], now[0]};
                 dot[a] += product;
                 size[a] += absolute(product);
@@ -152,63 +155,119 @@ static ALWAYS_INLINE void advance_rows(const recurrence *r, int dof, int row, bo
     sum->size += size[0];
 }
 
+CLONES static void advance(int dim, int dof, rows of, recurrence_products *sum) {
+    switch (10 * dim + dof) {
+    case 11: advance_rows(1, 1, of, sum); break;
+    case 22: advance_rows(2, 2, of, sum); break;
+    case 23: advance_rows(2, 3, of, sum); break;
+    case 33: advance_rows(3, 3, of, sum); break;
+    default: advance_rows(3, 6, of, sum); break;
+    }
+}
+
 #if defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&     \
     defined(__x86_64__)
-typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v4,prefer-vector-width=512")
 typedef double v8 __attribute__((vector_size(64), aligned(64), may_alias));
+typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
 typedef int64_t i8 __attribute__((vector_size(64), aligned(64)));
 
-/* The same for rows of quads, one row at a time. */
-__attribute__((target("arch=x86-64-v4,prefer-vector-width=512"))) static void
-advance_wide(const recurrence *r, bool doubled, int32_t chunk, double *restrict force, recurrence_products *sum) {
-    const i8 positive = {INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX};
-    const int32_t first = r->op->chunk_row[chunk], count = r->op->chunk_row[chunk + 1] - first;
-    const v4 *weight = (const v4 *)r->weight + first;
-    const v8 *u = (const v8 *)r->u + first;
-    v8 *next = (v8 *)r->next + first, *v = (v8 *)r->v + first, *pull = (v8 *)force;
-    v8 dot = {0}, size = {0};
-    for (ptrdiff_t k = 0; k < count; k++) {
-        const v8 mass = __builtin_shufflevector(weight[k], weight[k], 0, 0, 0, 0, 1, 1, 1, 1);
-        const v8 step = __builtin_shufflevector(weight[k], weight[k], 2, 2, 2, 2, 3, 3, 3, 3);
-        const v8 old = u[k], push = v[k] - step * pull[k], now = old + push;
-        pull[k] = (v8){0};
-        v[k] = push;
-        if (r->past_caches)
-            __builtin_ia32_movntpd512((double *)&next[k], now);
-        else
-            next[k] = now;
-        if (doubled) {
-            const v8 second = __builtin_shufflevector(now, now, 1, 1, 3, 3, 5, 5, 7, 7);
-            const v8 product = (mass * second) * __builtin_shufflevector(old, now, 0, 8, 2, 10, 4, 12, 6, 14);
-            dot += product;
-            size += (v8)((i8)product & positive);
-        }
-    }
-    if (r->past_caches)
-        __builtin_ia32_sfence();
-    sum->dot += ((pair){dot[0], dot[1]} + (pair){dot[2], dot[3]}) + (pair){dot[4], dot[5]};
-    sum->size += ((pair){size[0], size[1]} + (pair){size[2], size[3]}) + (pair){size[4], size[5]};
+/* One of a grain's masses or step widths for each component of a line. In 2D with friction a line has components of
+ * both kinds. */
+static ALWAYS_INLINE v8 spread(int dim, int dof, int line, const double *x) {
+    const double one = x[line], two = dim == 2 && dof == 3 ? x[1] : one;
+    return (v8){one, one, one, one, two, two, two, two};
 }
+
+/* A line, or half a line for rows of two components. */
+static ALWAYS_INLINE v8 line_at(int dof, const double *x) {
+    return dof > 2 ? *(const v8 *)x : (v8)__builtin_ia32_pd512_256pd(*(const v4 *)x);
+}
+
+static ALWAYS_INLINE void set_line(int dof, double *x, v8 value, bool past_caches) {
+    const v4 half = __builtin_shufflevector(value, value, 0, 1, 2, 3);
+    if (dof == 2 && past_caches)
+        __builtin_ia32_movntpd256(x, half);
+    else if (dof == 2)
+        *(v4 *)x = half;
+    else if (past_caches)
+        __builtin_ia32_movntpd512(x, value);
+    else
+        *(v8 *)x = value;
+}
+
+/* What advance_rows does, by lines of three components and in the same order. */
+static ALWAYS_INLINE void advance_lines(int dim, int dof, rows of, bool past_caches, bool doubled,
+                                        recurrence_products *sum) {
+    const int kinds = dof > dim ? 2 : 1, lines = dof == 6 ? 2 : 1;
+    const i8 positive = {INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX};
+    v8 dot[2] = {{0}}, size[2] = {{0}};
+    for (ptrdiff_t k = 0; k < of.count; k++, of.weight += 2 * kinds)
+        for (int q = 0; q < lines; q++) {
+            const ptrdiff_t at = k * quad_row(dof) + q * LINE;
+            const v8 old = line_at(dof, of.u + at), pull = line_at(dof, of.force + at);
+            const v8 push = line_at(dof, of.v + at) - spread(dim, dof, q, of.weight + kinds) * pull;
+            const v8 now = old + push;
+            set_line(dof, of.force + at, (v8){0}, false);
+            set_line(dof, of.v + at, push, false);
+            set_line(dof, of.next + at, now, past_caches);
+            if (doubled) {
+                const v8 second = __builtin_shufflevector(now, now, 1, 1, 3, 3, 5, 5, 7, 7);
+                const v8 first = __builtin_shufflevector(old, now, 0, 8, 2, 10, 4, 12, 6, 14);
+                const v8 product = (spread(dim, dof, q, of.weight) * second) * first;
+                dot[q] += product;
+                size[q] += (v8)((i8)product & positive);
+            }
+        }
+    pair all[2] = {{0, 0}, {0, 0}};
+    for (int a = 0; a < dof; a++) {
+        all[0] += (pair){dot[a / 3][2 * (a % 3)], dot[a / 3][2 * (a % 3) + 1]};
+        all[1] += (pair){size[a / 3][2 * (a % 3)], size[a / 3][2 * (a % 3) + 1]};
+    }
+    sum->dot += all[0];
+    sum->size += all[1];
+    if (past_caches)
+        __builtin_ia32_sfence();
+}
+
+static ALWAYS_INLINE void advance_each(int dim, int dof, rows of, bool past_caches, recurrence_products *sum) {
+    if (past_caches)
+        of.doubled ? advance_lines(dim, dof, of, true, true, sum) : advance_lines(dim, dof, of, true, false, sum);
+    else
+        of.doubled ? advance_lines(dim, dof, of, false, true, sum) : advance_lines(dim, dof, of, false, false, sum);
+}
+
+static void advance_wide(int dim, int dof, rows of, bool past_caches, recurrence_products *sum) {
+    switch (10 * dim + dof) {
+    case 22: advance_each(2, 2, of, past_caches, sum); break;
+    case 23: advance_each(2, 3, of, past_caches, sum); break;
+    case 33: advance_each(3, 3, of, past_caches, sum); break;
+    default: advance_each(3, 6, of, past_caches, sum); break;
+    }
+}
+#pragma GCC pop_options
 #else
-static void advance_wide(const recurrence *r, bool doubled, int32_t chunk, double *force, recurrence_products *sum) {
-    (void)r, (void)doubled, (void)chunk, (void)force, (void)sum;
+static void advance_wide(int dim, int dof, rows of, bool past_caches, recurrence_products *sum) {
+    (void)dim, (void)dof, (void)of, (void)past_caches, (void)sum;
 }
 #endif
 
-static void advance(const recurrence *r, int32_t chunk, double *force, recurrence_products *sum) {
+static void advance_chunk(const recurrence *r, int32_t chunk, double *force, recurrence_products *sum) {
     const sp_operator *op = r->op;
+    const int32_t first = op->chunk_row[chunk];
+    const ptrdiff_t at = (ptrdiff_t)first * op->row;
+    const rows of = {.u = r->u + at,
+                     .weight = r->weight + (ptrdiff_t)first * 2 * kinds_of(op),
+                     .v = r->v + at,
+                     .next = r->next + at,
+                     .force = force,
+                     .count = op->chunk_row[chunk + 1] - first,
+                     .doubled = r->doubled};
     if (op->wide)
-        advance_wide(r, r->doubled, chunk, force, sum);
-    else if (op->quad)
-        advance_rows(r, 3, ROW, true, r->doubled, chunk, force, sum);
+        advance_wide(op->kind.dim, op->dof, of, r->past_caches, sum);
     else
-        switch (op->dof) {
-        case 1: advance_rows(r, 1, 2, false, r->doubled, chunk, force, sum); break;
-        case 2: advance_rows(r, 2, 4, false, r->doubled, chunk, force, sum); break;
-        case 3: advance_rows(r, 3, 6, false, r->doubled, chunk, force, sum); break;
-        case 6: advance_rows(r, 6, 12, false, r->doubled, chunk, force, sum); break;
-        default: break;
-        }
+        advance(op->kind.dim, op->dof, of, sum);
 }
 
 static pair block_squares(const recurrence *r, int32_t block, const double *u) {
@@ -216,8 +275,9 @@ static pair block_squares(const recurrence *r, int32_t block, const double *u) {
     pair sum = {0, 0};
     for (int64_t k = op->first[block]; k < op->first[block + 1]; k++)
         for (int a = 0; a < op->dof; a++) {
-            const pair x = *(const pair_memory *)(u + k * op->row + 2 * a);
-            sum += mass_of(r, k, a) * (x * x);
+            const int64_t at = k * op->row + quad_component(a);
+            const pair x = *(const pair_memory *)(u + at);
+            sum += mass_of(r, at) * (x * x);
         }
     return sum;
 }
@@ -226,7 +286,7 @@ static pair block_squares(const recurrence *r, int32_t block, const double *u) {
 static uint8_t wake(const recurrence *r, int32_t block) {
     const sp_operator *op = r->op;
     const pair squares = block_squares(r, block, r->next);
-    const double tiny = op->inner.carried ? 0 : TINY; /* with a nonsymmetric K, what is dropped might have grown */
+    const double tiny = op->kind.carried ? 0 : TINY; /* with a nonsymmetric K, what is dropped might have grown */
     if (squares[0] > tiny * r->start[0] || squares[1] > tiny * r->start[1] || !isfinite(squares[0] + squares[1]))
         return 1;
     const ptrdiff_t at = (ptrdiff_t)op->first[block] * op->row;
@@ -257,7 +317,7 @@ static void visit_blocks(void *data, int part, int parts) {
             sp_operator_force(op, b, c, r->u, force);
             if (r->step == 0)
                 halve_first(r, c, own);
-            advance(r, c, own, &sum);
+            advance_chunk(r, c, own, &sum);
         }
         r->dots[b] = sum.dot;
         r->sizes[b] = sum.size;

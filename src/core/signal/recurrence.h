@@ -6,8 +6,6 @@
 #include "base/pool.h"
 #include "network/operator.h"
 
-typedef double pair __attribute__((vector_size(16)));
-
 /* A sparse vector in an operator's order, with the units of forces. */
 typedef struct sparse_row {
     int64_t n;
@@ -21,8 +19,7 @@ typedef struct recurrence {
     int64_t step;
     double *u, *v;   /* [n + 1][row] U_k, U_k - U_(k-1) */
     double *next;    /* U_(k+1); with a single block it shares memory with U_k */
-    double *weight;  /* [n][2 kinds] masses and 4/(Omega^2 m), of each degree of freedom or of translations and the
-                        rotation */
+    double *weight;  /* [n][2 kinds] masses and 4/(Omega^2 m), of translations and, if there are any, rotations */
     double *force;   /* [threads][rows of the largest block][row] */
     uint8_t *awake;  /* [blocks] whether U_k or V_k is nonzero */
     int32_t *active; /* [n_active] blocks to visit in a step: those awake and their neighbours */

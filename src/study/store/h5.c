@@ -20,7 +20,7 @@ static pthread_mutex_t library = PTHREAD_MUTEX_INITIALIZER;
 
 static void enter(sp_h5 *h, const char *path) {
     pthread_mutex_lock(&library);
-    *h = (sp_h5){.file = H5I_INVALID_HID, .path = path};
+    *h = (sp_h5){.file = H5I_INVALID_HID, .driver = H5I_INVALID_HID, .path = path};
     H5Eget_auto2(H5E_DEFAULT, &h->handler, &h->handler_data);
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
 }
@@ -28,9 +28,11 @@ static void enter(sp_h5 *h, const char *path) {
 void sp_h5_close(sp_h5 *h) {
     if (h->file >= 0)
         H5Fclose(h->file); /* closes what is still open in it; the data were flushed and checked before */
+    if (h->driver >= 0)
+        H5FDunregister(h->driver);
     H5Eclear2(H5E_DEFAULT);
     H5Eset_auto2(H5E_DEFAULT, h->handler, h->handler_data);
-    h->file = H5I_INVALID_HID;
+    h->file = h->driver = H5I_INVALID_HID;
     pthread_mutex_unlock(&library);
 }
 
@@ -78,27 +80,50 @@ hid_t sp_h5_memory_type(sp_h5_type type) {
 
 /* Access properties: the format of HDF5 1.8, whose object headers have checksums; no file locks, because files never
  * change. */
-static hid_t file_access(bool memory) {
+static hid_t file_access(bool create, bool memory) {
     hid_t fapl = H5Pcreate(H5P_FILE_ACCESS);
     if (fapl >= 0 && (H5Pset_fclose_degree(fapl, H5F_CLOSE_STRONG) < 0 || H5Pset_file_locking(fapl, false, true) < 0 ||
-                      (memory && (H5Pset_libver_bounds(fapl, H5F_LIBVER_V18, H5F_LIBVER_V18) < 0 ||
-                                  H5Pset_fapl_core(fapl, (size_t)1 << 20, false) < 0)))) {
+                      (create && H5Pset_libver_bounds(fapl, H5F_LIBVER_V18, H5F_LIBVER_V18) < 0) ||
+                      (memory && H5Pset_fapl_core(fapl, (size_t)1 << 20, false) < 0))) {
         H5Pclose(fapl);
         fapl = H5I_INVALID_HID;
     }
     return fapl;
 }
 
-sp_status sp_h5_create(sp_h5 *h, const char *path, sp_error *err) {
-    enter(h, path);
-    hid_t fapl = file_access(true), fcpl = H5Pcreate(H5P_FILE_CREATE);
+/* fapl: access properties, which are closed. */
+static void create(sp_h5 *h, hid_t fapl) {
+    hid_t fcpl = H5Pcreate(H5P_FILE_CREATE);
     if (fapl >= 0 && fcpl >= 0 && H5Pset_obj_track_times(fcpl, false) >= 0)
         h->file = H5Fcreate("sonopack", H5F_ACC_TRUNC, fcpl, fapl);
-    sp_status status =
-        h->file >= 0 ? SP_OK : sp_h5_fail(h, err, SP_ENOMEM, "no memory: cannot make an HDF5 file there");
     H5Pclose(fcpl);
     H5Pclose(fapl);
-    return status;
+}
+
+sp_status sp_h5_create(sp_h5 *h, const char *path, sp_error *err) {
+    enter(h, path);
+    create(h, file_access(true, true));
+    return h->file >= 0 ? SP_OK : sp_h5_fail(h, err, SP_ENOMEM, "no memory: cannot make an HDF5 file there");
+}
+
+sp_status sp_h5_create_draft(sp_h5 *h, int fd, const char *path, sp_error *err) {
+    enter(h, path);
+    hid_t fapl = file_access(true, false);
+    h->driver = fapl >= 0 ? sp_h5_set_draft(fapl, fd, &h->code) : H5I_INVALID_HID;
+    if (h->driver >= 0)
+        create(h, fapl);
+    else
+        H5Pclose(fapl);
+    return h->file >= 0 ? SP_OK : sp_h5_fail(h, err, SP_ENOMEM, "no memory: cannot make an HDF5 file there");
+}
+
+sp_status sp_h5_end_draft(sp_h5 *h, sp_error *err) {
+    bool good = H5Fflush(h->file, H5F_SCOPE_GLOBAL) >= 0;
+    good = H5Fclose(h->file) >= 0 && good;
+    h->file = H5I_INVALID_HID;
+    if (h->code)
+        return sp_fail(err, SP_EIO, "cannot write %s: %s", h->path, strerror(h->code));
+    return good ? SP_OK : sp_h5_fail(h, err, SP_EIO, "cannot be written");
 }
 
 void sp_hdf5_exit_silently(void) { H5dont_atexit(); }
@@ -124,7 +149,7 @@ sp_status sp_h5_open(sp_h5 *h, const char *path, sp_error *err) {
     sp_status seen = look_at_file(path, err);
     if (seen != SP_OK)
         return seen;
-    hid_t fapl = file_access(false);
+    hid_t fapl = file_access(false, false);
     hsize_t size = 0;
     if (fapl >= 0)
         h->file = H5Fopen(path, H5F_ACC_RDONLY, fapl);

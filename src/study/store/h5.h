@@ -12,8 +12,10 @@
 
 typedef struct sp_h5 {
     hid_t file;          /* H5I_INVALID_HID when closed */
+    hid_t driver;        /* of a draft; else H5I_INVALID_HID */
     const char *path;    /* for messages; belongs to the caller */
     uint64_t size;       /* of a file that is read [bytes] */
+    int code;            /* errno of the first failure to write a draft; 0: none */
     H5E_auto2_t handler; /* of the calling program, restored by close */
     void *handler_data;
 } sp_h5;
@@ -36,7 +38,19 @@ typedef struct sp_h5_shape {
 /* ---- writing --------------------------------------------------------------------------------------------------- */
 
 sp_status sp_h5_create(sp_h5 *h, const char *path, sp_error *err); /* in memory; path is for messages */
-sp_status sp_h5_group(sp_h5 *h, const char *path, sp_error *err);  /* its parents must exist */
+/* On the disk, for data that should not be in memory a second time. fd: an empty file, open to read and write. *h must
+ * stay where it is until it is closed. */
+sp_status sp_h5_create_draft(sp_h5 *h, int fd, const char *path, sp_error *err);
+/* Ends a file of sp_h5_create_draft. SP_EIO if the disk did not take all of it; other functions do not notice.
+ * sp_h5_close is needed all the same. */
+sp_status sp_h5_end_draft(sp_h5 *h, sp_error *err);
+/* Makes a file of these access properties a draft (h5_draft.c). Returns the driver, which must outlive the file:
+ * H5Fclose still uses what it has released. H5I_INVALID_HID on failure. */
+hid_t sp_h5_set_draft(hid_t fapl, int fd, int *code);
+sp_status sp_h5_group(sp_h5 *h, const char *path, sp_error *err); /* its parents must exist */
+/* An array of two axes with one row in a chunk, so that a row can be read alone. */
+sp_status sp_h5_put_rows(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, const void *data,
+                         sp_error *err);
 sp_status sp_h5_put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, const void *data,
                     sp_error *err);
 sp_status sp_h5_put_text(sp_h5 *h, const sp_h5_name *name, const char *text, sp_error *err);
@@ -61,6 +75,9 @@ sp_status sp_h5_find(sp_h5 *h, const char *path, sp_h5_type type, int rank, sp_h
 /* Reads a dataset, whose extents must be as expected. */
 sp_status sp_h5_get(sp_h5 *h, const char *path, sp_h5_type type, const sp_h5_shape *expected, void *data,
                     sp_error *err);
+/* Reads rows first .. first + count - 1 of an array of two axes with these extents. */
+sp_status sp_h5_get_rows(sp_h5 *h, const char *path, sp_h5_type type, const sp_h5_shape *expected, int64_t first,
+                         int64_t count, void *data, sp_error *err);
 sp_status sp_h5_get_text(sp_h5 *h, const char *path, char **text, sp_error *err); /* free with sp_free */
 sp_status sp_h5_attribute_int(sp_h5 *h, const char *object, const char *name, int64_t *value, sp_error *err);
 /* SP_EFORMAT unless an attribute is this array of `count` texts. */

@@ -43,6 +43,32 @@ static sp_status check_type(sp_h5 *h, hid_t set, const char *path, H5T_class_t c
     return good ? SP_OK : sp_h5_fail(h, err, SP_EFORMAT, "%s has the wrong type; must be %s", path, type_name(class));
 }
 
+/* To read a single number HDF5 takes memory for the whole chunk, which may be far larger than the data. */
+static const uint64_t chunk_limit = (uint64_t)1 << 26;
+
+/* Bytes of a chunk; UINT64_MAX if there are more than a number can count. */
+static uint64_t chunk_bytes(hid_t dcpl, uint64_t bytes) {
+    hsize_t chunk[SP_H5_RANK] = {0};
+    const int rank = H5Pget_chunk(dcpl, SP_H5_RANK, chunk);
+    for (int k = 0; k < rank && k < SP_H5_RANK; k++)
+        if (__builtin_mul_overflow(bytes, (uint64_t)chunk[k], &bytes))
+            return UINT64_MAX;
+    return bytes;
+}
+
+/* least: bytes that a chunk may have however large that is. */
+static sp_status check_chunks(sp_h5 *h, hid_t set, const char *path, size_t size, uint64_t least, sp_error *err) {
+    hid_t dcpl = H5Dget_create_plist(set);
+    const bool chunked = dcpl >= 0 && H5Pget_layout(dcpl) == H5D_CHUNKED;
+    const uint64_t bytes = chunked ? chunk_bytes(dcpl, size) : 0, most = least > chunk_limit ? least : chunk_limit;
+    if (dcpl >= 0)
+        H5Pclose(dcpl);
+    if (bytes > most)
+        return sp_h5_fail(h, err, SP_EFORMAT, "%s has chunks of %.3g MB; must be at most %.3g", path,
+                          (double)bytes * 1e-6, (double)most * 1e-6);
+    return SP_OK;
+}
+
 /* Checks that the data are in this file, and not larger than it can hold. */
 static sp_status check_storage(sp_h5 *h, hid_t set, const char *path, uint64_t bytes, sp_error *err) {
     hid_t dcpl = H5Dget_create_plist(set);
@@ -98,7 +124,8 @@ static sp_status look_at(sp_h5 *h, hid_t set, const char *path, sp_h5_type type,
     for (int k = 0; k < shape->rank; k++)
         if (__builtin_mul_overflow(bytes, (uint64_t)shape->dim[k], &bytes))
             return sp_h5_fail(h, err, SP_EFORMAT, "%s is larger than memory can be", path);
-    return check_storage(h, set, path, bytes, err);
+    status = check_chunks(h, set, path, sp_h5_type_size(type), bytes, err);
+    return status == SP_OK ? check_storage(h, set, path, bytes, err) : status;
 }
 
 sp_status sp_h5_find(sp_h5 *h, const char *path, sp_h5_type type, int rank, sp_h5_shape *shape, sp_error *err) {
@@ -132,6 +159,38 @@ sp_status sp_h5_get(sp_h5 *h, const char *path, sp_h5_type type, const sp_h5_sha
     if (status == SP_OK)
         status = check_extents(h, path, &shape, expected, err);
     if (status == SP_OK && H5Dread(set, sp_h5_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+        status = sp_h5_fail(h, err, SP_EFORMAT, "%s cannot be read", path);
+    H5Dclose(set);
+    return status;
+}
+
+/* Reads part of an open dataset. */
+static bool read_rows(hid_t set, sp_h5_type type, int64_t width, int64_t first, int64_t count, void *data) {
+    const hsize_t from[2] = {(hsize_t)first, 0}, size[2] = {(hsize_t)count, (hsize_t)width};
+    hid_t memory = H5Screate_simple(2, size, NULL), space = H5Dget_space(set);
+    const bool good = memory >= 0 && space >= 0 &&
+                      H5Sselect_hyperslab(space, H5S_SELECT_SET, from, NULL, size, NULL) >= 0 &&
+                      H5Dread(set, sp_h5_memory_type(type), memory, space, H5P_DEFAULT, data) >= 0;
+    H5Sclose(space);
+    H5Sclose(memory);
+    return good;
+}
+
+sp_status sp_h5_get_rows(sp_h5 *h, const char *path, sp_h5_type type, const sp_h5_shape *expected, int64_t first,
+                         int64_t count, void *data, sp_error *err) {
+    hid_t set = H5I_INVALID_HID;
+    sp_status status = open_dataset(h, path, &set, err);
+    if (status != SP_OK)
+        return status;
+    sp_h5_shape shape = {.rank = expected->rank};
+    status = look_at(h, set, path, type, &shape, err);
+    if (status == SP_OK)
+        status = check_extents(h, path, &shape, expected, err);
+    if (status == SP_OK) {
+        const size_t size = sp_h5_type_size(type);
+        status = check_chunks(h, set, path, size, (uint64_t)shape.dim[1] * size, err);
+    }
+    if (status == SP_OK && count > 0 && !read_rows(set, type, shape.dim[1], first, count, data))
         status = sp_h5_fail(h, err, SP_EFORMAT, "%s cannot be read", path);
     H5Dclose(set);
     return status;

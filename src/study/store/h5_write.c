@@ -106,11 +106,12 @@ static bool set_fill(hid_t dcpl, hid_t disk) {
     return H5Tget_class(disk) != H5T_INTEGER || H5Pset_fill_value(dcpl, H5T_NATIVE_INT64, &no_index) >= 0;
 }
 
-/* Layout for `bytes` of data: in the header, or in chunks of whole rows with Fletcher checksums. */
-static hid_t creation_list(int rank, const hsize_t *dims, hid_t disk, size_t bytes) {
+/* Layout for `bytes` of data: in the header, or in chunks of whole rows with Fletcher checksums. single: always in
+ * chunks, of one row each. */
+static hid_t creation_list(int rank, const hsize_t *dims, hid_t disk, size_t bytes, bool single) {
     hid_t dcpl = H5Pcreate(H5P_DATASET_CREATE);
     bool good = dcpl >= 0 && H5Pset_obj_track_times(dcpl, false) >= 0 && set_fill(dcpl, disk);
-    if (good && bytes <= compact_limit) {
+    if (good && (single ? bytes == 0 : bytes <= compact_limit)) {
         good = H5Pset_layout(dcpl, H5D_COMPACT) >= 0;
     } else if (good && rank > 0) {
         hsize_t chunk[SP_H5_RANK];
@@ -118,7 +119,7 @@ static hid_t creation_list(int rank, const hsize_t *dims, hid_t disk, size_t byt
         int split = 0; /* the first axis longer than 1 */
         while (split < rank - 1 && dims[split] == 1)
             split++;
-        hsize_t rows = dims[split] * chunk_limit / bytes;
+        hsize_t rows = single ? 1 : dims[split] * chunk_limit / bytes;
         chunk[split] = rows < 1 ? 1 : rows > dims[split] ? dims[split] : rows;
         good = H5Pset_chunk(dcpl, rank, chunk) >= 0 && H5Pset_fletcher32(dcpl) >= 0;
     }
@@ -140,8 +141,8 @@ static sp_status put_dataset(sp_h5 *h, const sp_h5_name *name, const hid_t type[
     return good ? describe(h, name, err) : fail_put(h, name->path, err);
 }
 
-sp_status sp_h5_put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, const void *data,
-                    sp_error *err) {
+static sp_status put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, bool single,
+                     const void *data, sp_error *err) {
     hsize_t dims[SP_H5_RANK];
     size_t bytes = sp_h5_type_size(type);
     for (int k = 0; k < shape->rank; k++) {
@@ -149,7 +150,7 @@ sp_status sp_h5_put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_
         bytes *= (size_t)shape->dim[k];
     }
     hid_t space = shape->rank ? H5Screate_simple(shape->rank, dims, NULL) : H5Screate(H5S_SCALAR);
-    hid_t dcpl = creation_list(shape->rank, dims, disk_type(type), bytes);
+    hid_t dcpl = creation_list(shape->rank, dims, disk_type(type), bytes, single);
     const hid_t types[2] = {disk_type(type), sp_h5_memory_type(type)};
     sp_status status = put_dataset(h, name, types, space, dcpl, data, err);
     H5Pclose(dcpl);
@@ -157,9 +158,19 @@ sp_status sp_h5_put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_
     return status;
 }
 
+sp_status sp_h5_put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, const void *data,
+                    sp_error *err) {
+    return put(h, name, type, shape, false, data, err);
+}
+
+sp_status sp_h5_put_rows(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, const void *data,
+                         sp_error *err) {
+    return put(h, name, type, shape, true, data, err);
+}
+
 sp_status sp_h5_put_text(sp_h5 *h, const sp_h5_name *name, const char *text, sp_error *err) {
     size_t length = strlen(text);
-    hid_t type = text_type(length), space = H5Screate(H5S_SCALAR), dcpl = creation_list(0, NULL, type, length);
+    hid_t type = text_type(length), space = H5Screate(H5S_SCALAR), dcpl = creation_list(0, NULL, type, length, false);
     const hid_t types[2] = {type, type};
     sp_status status = put_dataset(h, name, types, space, dcpl, length ? text : "\0", err);
     H5Pclose(dcpl);

@@ -1,0 +1,211 @@
+/* Draws modes and snapshots: computed, or read from a file of modes or a table of displacements. */
+#include "cli/plot_motion.h"
+
+#include "base/base.h"
+#include "cli/files.h"
+#include "cli/motion.h"
+#include "cli/plot_input.h"
+
+#include <math.h>
+#include <sonopack/study/modes_file.h>
+
+/* What is drawn, and its memory. */
+typedef struct drawing {
+    const cli_common *common;
+    const sp_scene *scene;
+    const plot_motion *what;
+    sp_packing packing;
+    sp_network net;
+    double *u;
+    cli_motion motion;
+} drawing;
+
+/* Messages of functions that do not know the file name it here. */
+static sp_status of_packing(const drawing *d, sp_status status, sp_error *err) {
+    return status == SP_OK ? SP_OK : sp_fail_prefix(err, "%s", d->what->packing);
+}
+
+/* Makes the network of the packing, and room for the displacements. */
+static sp_status make_network(drawing *d, const sp_network_options *options, sp_error *err) {
+    const sp_status status = of_packing(d, sp_network_make(&d->packing, options, &d->net, err), err);
+    if (status != SP_OK)
+        return status;
+    d->motion.made = *options;
+    d->u = sp_alloc((size_t)sp_network_dofs(&d->net), sizeof *d->u);
+    return d->u ? SP_OK : sp_fail_memory(err, (size_t)sp_network_dofs(&d->net) * sizeof *d->u);
+}
+
+/* ---- modes ------------------------------------------------------------------------------------------------------ */
+
+/* Finds the row of the wanted mode. `modes' may be a part of the spectrum. */
+static sp_status find_row(const drawing *d, const sp_modes *m, int64_t *row, sp_error *err) {
+    const int64_t number = d->what->number;
+    *row = number < 0 ? m->n_zero : number - m->first;
+    if (number < 0 && m->n == m->n_zero)
+        return sp_fail(err, SP_EREFUSED, "there are only zero modes");
+    if (*row < 0 || *row >= m->n)
+        return sp_fail(err, SP_EINVAL, "--mode %lld: must be in %lld .. %lld", (long long)number,
+                       (long long)(m->first + m->n_rattler), (long long)(m->first + m->n) - 1);
+    if (*row < m->n_rattler)
+        return sp_fail(err, SP_EREFUSED, "mode %lld belongs to a rattler: must be %lld or more", (long long)number,
+                       (long long)(m->first + m->n_rattler));
+    return SP_OK;
+}
+
+static void describe_mode(drawing *d, const sp_modes *m, int64_t row) {
+    d->motion.number = m->first + row;
+    d->motion.omega = m->omega[row];
+    d->motion.omega_error = m->error[row];
+    d->motion.error = sp_modes_vector_error(m, &d->net, row);
+}
+
+/* Finds the modes up to the wanted one, or up to the first that is not a zero mode. */
+static sp_status find_modes(const drawing *d, sp_modes *m, sp_error *err) {
+    enum { FEW = 8 };
+    const sp_modes_options o = sp_modes_options_default();
+    const int64_t number = d->what->number, dofs = sp_network_dofs(&d->net);
+    const int64_t rattlers = (int64_t)d->net.rattlers * d->net.dof;
+    int64_t count = number < 0 ? FEW : number - rattlers + 1;
+    sp_status status = SP_OK;
+    for (count = count < 1 ? 1 : count; status == SP_OK; count *= 2) {
+        const bool every = count >= dofs;
+        const sp_modes_range range = every ? sp_modes_range_all() : sp_modes_range_lowest(count);
+        sp_modes_free(m);
+        status = sp_modes_make(&d->net, &o, &range, m, err);
+        if (every || number >= 0 || (status == SP_OK && m->n > m->n_zero))
+            break;
+    }
+    return status;
+}
+
+static sp_status compute_mode(drawing *d, sp_error *err) {
+    sp_modes m = sp_modes_none();
+    int64_t row = 0;
+    sp_status status = make_network(d, &d->scene->network, err);
+    if (status == SP_OK)
+        status = of_packing(d, find_modes(d, &m, err), err);
+    if (status == SP_OK)
+        status = of_packing(d, find_row(d, &m, &row, err), err);
+    if (status == SP_OK) {
+        cli_motion_of_mode(&d->net, m.vectors + (row - m.n_rattler) * m.dofs, d->u);
+        describe_mode(d, &m, row);
+    }
+    sp_modes_free(&m);
+    return status;
+}
+
+static sp_status check_grains(const drawing *d, const sp_modes_file *f, sp_error *err) {
+    bool same = f->n == d->net.n && f->dof == d->net.dof;
+    for (int32_t k = 0; same && k < f->n; k++)
+        same = f->grain[k] == d->net.grain[k];
+    return same ? SP_OK
+                : sp_fail(err, SP_EFORMAT, "%s: the modes have other grains or degrees of freedom than the network",
+                          d->what->given);
+}
+
+static sp_status read_mode(drawing *d, sp_error *err) {
+    sp_modes_file f = sp_modes_file_none();
+    double *e = NULL;
+    int64_t row = 0;
+    sp_status status = sp_modes_file_read(d->what->given, &d->packing, &f, err);
+    if (status == SP_OK)
+        status = make_network(d, &f.made.network, err);
+    if (status == SP_OK)
+        status = check_grains(d, &f, err);
+    if (status == SP_OK && (status = find_row(d, &f.modes, &row, err)) != SP_OK)
+        sp_fail_prefix(err, "%s", d->what->given);
+    if (status == SP_OK) {
+        e = sp_alloc((size_t)f.modes.dofs, sizeof *e);
+        status = e ? sp_modes_file_vectors(d->what->given, &f, row, 1, e, err)
+                   : sp_fail_memory(err, (size_t)f.modes.dofs * sizeof *e);
+    }
+    if (status == SP_OK) {
+        cli_motion_of_mode(&d->net, e, d->u);
+        describe_mode(d, &f.modes, row);
+    }
+    sp_free(e);
+    sp_modes_file_free(&f);
+    return status;
+}
+
+/* ---- snapshots and tables --------------------------------------------------------------------------------------- */
+
+static sp_status compute_snapshot(drawing *d, sp_error *err) {
+    sp_status status = make_network(d, &d->scene->network, err);
+    if (status != SP_OK)
+        return status;
+    /* 80 at a height of 25 and p = 1e-4, as in Fig. 3 of Somfai et al. 2005 */
+    const double pressure = d->packing.pressure, height = sp_packing_height(&d->packing);
+    d->motion.t = d->what->time >= 0 ? d->what->time : 3.2 * height * pow(pressure / 1e-4, -1.0 / 6);
+    d->motion.source = d->scene->signal.source;
+    const sp_field_options spec = {
+        .source = d->motion.source, .times = 1, .t = &d->motion.t, .threads = d->common->threads};
+    status = of_packing(d, sp_signal_field(&d->net, &spec, d->u, &d->motion.error, err), err);
+    if (status == SP_OK)
+        cli_debug(d->common, "displacements at t = %.6g, with errors of at most %.2g", d->motion.t, d->motion.error);
+    return status;
+}
+
+static sp_status read_table(drawing *d, sp_error *err) {
+    const char *path = d->what->given;
+    sp_table t = sp_table_none();
+    sp_status status = plot_read_table(path, &t, err);
+    if (status == SP_OK)
+        status = cli_motion_head(path, &d->packing, &t, &d->motion, err);
+    if (status == SP_OK) {
+        const sp_network_options made = d->motion.made;
+        status = make_network(d, &made, err);
+    }
+    if (status == SP_OK)
+        status = cli_motion_field(path, &d->net, &t, d->u, err);
+    if (status == SP_OK && d->what->mode && d->what->number >= 0 && d->what->number != d->motion.number)
+        status = sp_fail(err, SP_EINVAL, "--mode %lld: %s has mode %lld", (long long)d->what->number, path,
+                         (long long)d->motion.number);
+    sp_table_free(&t);
+    return status;
+}
+
+/* ---- the figure ------------------------------------------------------------------------------------------------- */
+
+static sp_status find_motion(drawing *d, sp_error *err) {
+    bool binary = false;
+    sp_status status = sp_packing_read(d->what->packing, &d->packing, err);
+    if (status != SP_OK)
+        return status;
+    d->motion.packing = &d->packing;
+    d->motion.net = &d->net;
+    d->motion.mode = d->what->mode;
+    if (d->what->given)
+        status = plot_is_packing(d->what->given, &binary, err);
+    if (status == SP_OK && binary && !d->what->mode)
+        status = sp_fail(err, SP_EINVAL, "plot snapshot: 2 files, %s must be a table of displacements", d->what->given);
+    if (status == SP_OK && d->what->given)
+        status = binary && d->what->mode ? read_mode(d, err) : read_table(d, err);
+    else if (status == SP_OK)
+        status = d->what->mode ? compute_mode(d, err) : compute_snapshot(d, err);
+    d->motion.u = d->u;
+    return status;
+}
+
+static sp_status draw(const drawing *d, sp_error *err) {
+    const cli_motion *m = &d->motion;
+    const char *path = d->common->output;
+    sp_status status = d->what->table ? cli_motion_write(d->common, m, d->what->table, err) : SP_OK;
+    if (status != SP_OK)
+        return status;
+    status = m->mode ? sp_plot_mode(m->packing, m->net, m->u, m->number, m->omega, path, err)
+                     : sp_plot_snapshot(m->packing, m->net, m->u, m->t, path, err);
+    return of_packing(d, status, err);
+}
+
+sp_status plot_motion_file(const cli_common *common, const sp_scene *scene, const plot_motion *what, sp_error *err) {
+    drawing d = {
+        .common = common, .scene = scene, .what = what, .packing = sp_packing_none(), .net = sp_network_none()};
+    sp_status status = find_motion(&d, err);
+    if (status == SP_OK)
+        status = draw(&d, err);
+    sp_free(d.u);
+    sp_network_free(&d.net);
+    sp_packing_free(&d.packing);
+    return status;
+}

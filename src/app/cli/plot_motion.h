@@ -1,0 +1,18 @@
+#ifndef SP_CLI_PLOT_MOTION_H
+#define SP_CLI_PLOT_MOTION_H
+/* Figures of displacements: a mode, or the motion at a time after a pulse. */
+
+#include "cli/cli.h"
+
+typedef struct plot_motion {
+    bool mode;      /* else a snapshot */
+    int64_t number; /* of the mode among all; < 0: the first that is not a zero mode */
+    double time;    /* of the snapshot; < 0: when the front has travelled about three quarters of the height */
+    const char *packing;
+    const char *given; /* file of modes, or table of displacements, drawn instead of computing them; or NULL */
+    const char *table; /* write the displacements to this table too; or NULL */
+} plot_motion;
+
+sp_status plot_motion_file(const cli_common *common, const sp_scene *scene, const plot_motion *what, sp_error *err);
+
+#endif

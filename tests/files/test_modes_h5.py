@@ -1,0 +1,304 @@
+"""Files of modes seen from outside: K u = omega^2 M u with K built by numpy, the units and meanings of all datasets, and
+forged, damaged and foreign files, each of which must give its reason (exit status 1) and never a crash or a figure."""
+import pathlib
+import random
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
+from common import names_all  # noqa: E402
+from network_oracle import Network  # noqa: E402
+
+COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+PACKING = SOURCE / "packings" / "reference" / "packing_N200_p1e-4.txt"
+OTHER = SOURCE / "packings" / "reference" / "packing_N600_p1e-4.txt"
+FOLDER = pathlib.Path(tempfile.mkdtemp(prefix="sonopack-modes-"))
+SEED = 20261122
+
+
+def limit_memory():
+    """A file must not make the reader ask for the moon."""
+    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+
+
+# A build with sanitizers maps terabytes, and cannot run under the limit at all.
+trial = subprocess.run([COMMAND, "help", "modes"], capture_output=True, preexec_fn=limit_memory)
+LIMIT = limit_memory if trial.returncode == 0 else None
+
+
+def run(*args, status=0):
+    done = subprocess.run([COMMAND, *map(str, args)], capture_output=True, text=True, preexec_fn=LIMIT)
+    assert done.returncode == status, (args, done.returncode, done.stderr)
+    return done
+
+
+def table(text):
+    lines = text.splitlines()
+    comments = dict(line[2:].split(" = ", 1) for line in lines if line.startswith("# ") and " = " in line)
+    rows = [line.split("\t") for line in lines if not line.startswith("#")]
+    data = np.array(rows[1:], float)
+    return comments, {name: data[:, c] for c, name in enumerate(rows[0])}
+
+
+GOOD, PRINTED = FOLDER / "good.h5", FOLDER / "good.tsv"
+run("modes", PACKING, "--vectors", GOOD, "-o", PRINTED)
+
+
+def equation_of_motion():
+    comments, printed = table(PRINTED.read_text())
+    net = Network(PACKING)
+    k = (net.b.T * net.k) @ net.b
+    with h5py.File(GOOD) as f:
+        g = f["modes"]
+        assert g.attrs["format"] == 1
+        for name, d in g.items():
+            assert d.attrs["unit"] and len(d.attrs["description"]) > 10, name
+        assert g["vector"].chunks == (1, g["vector"].shape[1]) and g["vector"].fletcher32
+        mass, rattlers = g["mass"][:], g["n_rattler"][()]
+        assert np.allclose(mass, net.mass, rtol=1e-14)
+        assert np.array_equal(g["grain"][:], net.alive)
+        assert np.array_equal(np.sort(np.concatenate([g["grain"][:], g["rattler"][:]])), np.arange(200))
+        assert np.array_equal(g["column"][:, 0], np.repeat(net.alive, 3))
+        assert np.array_equal(g["column"][:, 1], np.tile([0, 1, 5], len(net.alive)))
+        omega, e = g["omega"][:], g["vector"][:]
+        u = e / np.sqrt(mass)
+        top = omega[-1] ** 2
+        worst = np.abs(u @ k - omega[rattlers:, None] ** 2 * (u * mass)).max() / top
+        assert worst < 1e-13, worst
+        assert np.abs(e @ e.T - np.eye(len(e))).max() < 1e-12 and g["orthogonality"][()] < 1e-12
+        assert np.all(e[np.arange(len(e)), np.abs(e).argmax(1)] > 0)  # the sign
+        # a and b from the vectors, and what is printed
+        with np.errstate(divide="ignore", invalid="ignore"):
+            a = np.where(omega[rattlers:] > 0, u @ net.source / omega[rattlers:], 0)
+        assert np.allclose(g["a"][rattlers:], a, rtol=1e-8, atol=1e-10)
+        assert np.allclose(g["b"][rattlers:], u @ net.detector, rtol=1e-8, atol=1e-10)
+        for name in ("omega", "error", "a", "b", "participation"):
+            assert np.array_equal(g[name][:], printed[name]), name
+        w = (e ** 2).reshape(len(e), -1, 3).sum(2)
+        assert np.allclose(g["participation"][rattlers:], 1 / (w.shape[1] * (w ** 2).sum(1)), rtol=1e-10)
+        assert g["n_zero"][()] == int(comments["zero_modes"]) and g["first"][()] == 0
+        print(f"K u = omega^2 M u within {worst:.1g}")
+
+
+def part_of_a_spectrum():
+    path = FOLDER / "band.h5"
+    run("modes", PACKING, "--band", "0.3:0.5", "--vectors", path, "-o", FOLDER / "band.tsv")
+    with h5py.File(path) as f, h5py.File(GOOD) as whole:
+        g, first = f["modes"], f["modes/first"][()]
+        n = len(g["omega"])
+        assert first > 0 and g["n_rattler"][()] == 0 and g["solver"][()] == b"lanczos"
+        assert g["certified_from"][()] <= 0.3 and g["certified_to"][()] >= 0.5
+        rows = slice(first - whole["modes/n_rattler"][()], first - whole["modes/n_rattler"][()] + n)
+        e, v = g["vector"][:], whole["modes/vector"][rows]
+        far = np.minimum(np.linalg.norm(e - v, axis=1), np.linalg.norm(e + v, axis=1))
+        assert np.all(far <= g["vector_error"][:] + whole["modes/vector_error"][rows])
+    u = FOLDER / "u.tsv"
+    run("modes", PACKING, "--band", "0.3:0.5", "--vectors", u, "--mode", first + 2, "-o", FOLDER / "band2.tsv")
+    comments, t = table(u.read_text())
+    with h5py.File(path) as f:
+        shown = f["modes/vector"][2] / np.sqrt(f["modes/mass"][:])
+        assert np.array_equal(np.column_stack([t["ux"], t["uy"], t["rz"]]).ravel(), shown)
+        assert float(comments["omega"]) == f["modes/omega"][2] and int(comments["mode"]) == first + 2
+        assert float(comments["vector_error"]) == f["modes/vector_error"][2]
+    run("modes", PACKING, "--band", "0.3:0.5", "--vectors", u, "--mode", 0, "--force", status=2)
+
+
+def stiffness_from_tables(grains, contacts, members):
+    """K of spheres from the two tables of a packing, contact by contact, in the order of the members."""
+    comments, g = table(grains.read_text())
+    lines = [line.split("\t") for line in contacts.read_text().splitlines() if not line.startswith("#")]
+    row, radius, p = {int(k): a for a, k in enumerate(members)}, g["radius"], float(comments["pressure"])
+    k = np.zeros((6 * len(members), 6 * len(members)))
+    for words in lines[1:]:
+        i, n, overlap, fn = int(words[0]), np.array(words[2:5], float), float(words[5]), float(words[6])
+        wall = words[1] in ("bottom", "top")
+        if fn <= 1e-4 * p or i not in row or not (wall or int(words[1]) in row):
+            continue
+        ri, rj = radius[i], 0 if wall else radius[int(words[1])]
+        kn = 2 * np.sqrt(ri * overlap) if wall else np.sqrt(ri * rj / (ri + rj) * overlap)
+        b = np.zeros((3, 6 * len(members)))  # displacement at the contact: u_j - u_i - (R_i theta_i + R_j theta_j) x n
+        cross = np.array([[0, n[2], -n[1]], [-n[2], 0, n[0]], [n[1], -n[0], 0]])  # theta x n = cross theta
+        for end, sign, arm in ((i, -1, ri), *([] if wall else [(int(words[1]), 1, rj)])):
+            at = 6 * row[end]
+            b[:, at:at + 3] += sign * np.eye(3)
+            b[:, at + 3:at + 6] -= arm * cross
+        across = np.eye(3) - np.outer(n, n)
+        k += b.T @ (kn * np.outer(n, n) + kn * across) @ b  # nu = 0: k_t = k_n
+    return k
+
+
+def spheres():
+    packing, path, figure = FOLDER / "spheres.h5", FOLDER / "sv.h5", FOLDER / "s.svg"
+    grains, contacts = FOLDER / "grains.tsv", FOLDER / "contacts.tsv"
+    run("pack", SOURCE / "packings" / "spheres.cfg", "-q", "-o", packing, "--set", "packing.grains=50", "--set",
+        "packing.width=4", "--set", 'packing.protocol="quick"', "--set", "packing.poisson=0")
+    run("convert", packing, "-q", "--grain-table", grains, "--contact-table", contacts)
+    run("modes", packing, "--vectors", path, "-o", FOLDER / "sm.tsv")
+    with h5py.File(path) as f:
+        g = f["modes"]
+        k = stiffness_from_tables(grains, contacts, g["grain"][:])
+        mass, omega = g["mass"][:], g["omega"][g["n_rattler"][()]:]
+        assert g["freedoms"][()] == 6 and np.array_equal(g["column"][:6, 1], np.arange(6))
+        u = g["vector"][:] / np.sqrt(mass)
+        worst = np.abs(u @ k - omega[:, None] ** 2 * (u * mass)).max() / omega[-1] ** 2
+    assert worst < 1e-12, worst
+    run("plot", "mode", packing, path, "-o", figure)
+    assert "clockwise" in figure.read_text() and "far grains pale" in figure.read_text()
+    print(f"spheres: K u = omega^2 M u within {worst:.1g}")
+
+
+def drawn_from_files():
+    """The same picture from the packing, from the file of modes, and from the table."""
+    figure = [FOLDER / f"{k}.svg" for k in range(4)]
+    u, again = FOLDER / "mode.tsv", FOLDER / "again.tsv"
+    run("plot", "mode", PACKING, GOOD, "--mode", 80, "--table", u, "-o", figure[0])
+    run("plot", "mode", PACKING, u, "--table", again, "-o", figure[1])
+    assert figure[0].read_bytes() == figure[1].read_bytes()
+    assert table(u.read_text())[1].keys() == table(again.read_text())[1].keys()
+    for name, column in table(u.read_text())[1].items():
+        assert np.array_equal(column, table(again.read_text())[1][name]), name
+    s = FOLDER / "snapshot.tsv"
+    run("plot", "snapshot", PACKING, "--time", 20, "--table", s, "-o", figure[2])
+    run("plot", "snapshot", PACKING, s, "-o", figure[3])
+    assert figure[2].read_bytes() == figure[3].read_bytes()
+    # the wrong kind, packing, mode
+    run("plot", "snapshot", PACKING, u, "-o", FOLDER / "no.svg", status=1)
+    run("plot", "mode", PACKING, s, "-o", FOLDER / "no.svg", status=1)
+    run("plot", "mode", OTHER, u, "-o", FOLDER / "no.svg", status=1)
+    run("plot", "mode", OTHER, GOOD, "-o", FOLDER / "no.svg", status=1)
+    run("plot", "mode", PACKING, u, "--mode", 81, "-o", FOLDER / "no.svg", status=2)
+    run("plot", "mode", PACKING, GOOD, "--mode", 600, "-o", FOLDER / "no.svg", status=2)
+    run("plot", "mode", PACKING, GOOD, "--mode", 0, "-o", FOLDER / "no.svg", status=1)
+    bad = FOLDER / "bad.tsv"
+    for change in (lambda r: r[:-1], lambda r: [*r[:-1], r[-1].replace(r[-1].split("\t")[-1], "nan")],
+                   lambda r: [x for x in r if not x.startswith("# packing")],
+                   lambda r: [x for x in r if not x.startswith("# threshold")],
+                   lambda r: [*r[:-2], r[-1], r[-2]], lambda r: [x.replace("\tuy\t", "\tvy\t") for x in r]):
+        bad.write_text("\n".join(change(u.read_text().splitlines())) + "\n")
+        run("plot", "mode", PACKING, bad, "-o", FOLDER / "no.svg", status=1)
+    assert not (FOLDER / "no.svg").exists()
+
+
+def command_lines():
+    v = FOLDER / "v.h5"
+    for words in (["--frequencies-only"], ["--stability"], ["--damping", 0.1], ["--mode", 80]):
+        run("modes", PACKING, "--vectors", v, *words, status=2)
+    run("modes", PACKING, "--vectors", FOLDER / "v.tsv", status=2)
+    run("modes", PACKING, "--vectors", FOLDER / "v.txt", status=2)
+    run("modes", PACKING, "--mode", 80, status=2)
+    run("modes", PACKING, "--vectors", GOOD, status=2)  # exists
+    run("modes", PACKING, "--vectors", FOLDER / "none" / "v.h5", status=1)
+    assert not v.exists()
+
+
+# ---- forgeries -------------------------------------------------------------------------------------------------------
+def refuse(path, *parts):
+    done = run("plot", "mode", PACKING, path, "--mode", 80, "-o", FOLDER / "no.png", "--force", status=1)
+    assert names_all(done.stderr, " ".join([path.name, *parts])) and done.stderr.count("\n") == 1, (parts, done.stderr)
+
+
+def forge(change, *parts):
+    copy = FOLDER / "forged.h5"
+    shutil.copy(GOOD, copy)
+    with h5py.File(copy, "r+") as f:
+        change(f["modes"])
+    refuse(copy, *parts)
+
+
+def put(name, data, **options):
+    def change(g):
+        del g[name]
+        g.create_dataset(name, data=data, **options)
+    return change
+
+
+def set_one(name, at, value):
+    def change(g):
+        g[name][at] = value
+    return change
+
+
+def forgeries():
+    with h5py.File(GOOD) as f:
+        g = {name: d[()] for name, d in f["modes"].items()}
+    n, dofs, rows = len(g["omega"]), len(g["mass"]), len(g["vector"])
+    for name in ("omega", "error", "a", "b", "participation", "mass"):
+        forge(set_one(name, 90, np.nan))
+        forge(put(name, g[name][:-1]), *[f"/modes/{name}"][name == "omega":])
+    for name in ("omega", "error", "participation", "mass"):
+        forge(set_one(name, 90, -1.0))
+    forge(set_one("omega", 90, 1e-3))
+    forge(set_one("vector", (80 - g["n_rattler"], 7), np.nan), "80")
+    forge(set_one("vector", (80 - g["n_rattler"], 7), 2.0), "80")
+    forge(put("vector", g["vector"][:-1]))
+    forge(put("vector", g["vector"][:, :-1]))
+    forge(put("vector", g["vector"].ravel()), "/modes/vector")
+    forge(put("vector", g["vector"].astype("f4").astype("i4")), "/modes/vector")
+    forge(set_one("grain", 3, 1))
+    forge(set_one("grain", -1, 200))
+    forge(put("grain", g["grain"][:-1]))
+    for name, value in (("n_rattler", -1), ("n_rattler", n + 1), ("n_zero", n + 1), ("first", -1), ("dimension", 3),
+                        ("freedoms", 2), ("packing", 1), ("certified_from", np.nan), ("residual", np.nan)):
+        forge(put(name, np.array(value, g[name].dtype)))
+    forge(put("source", "loud"), "/modes/source", "loud")
+    forge(lambda g: g.attrs.modify("format", 2), "2")
+    for name in g:
+        if name not in ("column", "rattler", "vector_error"):  # these are for readers; ours derives them
+            forge(lambda f, name=name: f.__delitem__(name), f"/modes/{name}")
+    # claims: data that are not there, and chunks that memory cannot hold
+    def claim(g, chunks, shape=(rows, dofs)):
+        del g["vector"]
+        g.create_dataset("vector", shape=shape, chunks=chunks, maxshape=(None, None), dtype="f8", compression="gzip")
+        g["vector"][80 - 75, :5] = 1.0
+    forge(lambda g: claim(g, (rows * 40, dofs * 40)), "/modes/vector")
+    forge(lambda g: claim(g, (1, dofs), (2 ** 31 - 1, dofs)), "/modes/vector")
+    # other layouts are read
+    copy = FOLDER / "changed.h5"
+    for options in ({"chunks": (rows, dofs), "compression": "gzip"}, {}, {"dtype": ">f8"}):
+        shutil.copy(GOOD, copy)
+        with h5py.File(copy, "r+") as f:
+            put("vector", g["vector"].astype(options.pop("dtype", "<f8")), **options)(f["modes"])
+        run("plot", "mode", PACKING, copy, "--mode", 80, "-o", FOLDER / "yes.png", "--force")
+
+
+def damage():
+    whole, copy, rng = GOOD.read_bytes(), FOLDER / "damaged.h5", random.Random(SEED)
+    for size in [0, 7, 47, 100, *(rng.randrange(len(whole)) for _ in range(6)), len(whole) - 1]:
+        copy.write_bytes(whole[:size])
+        refuse(copy)
+    refused, at = 0, 0
+    with h5py.File(GOOD) as f:  # the row that is drawn
+        at = f["modes/vector"].id.get_chunk_info_by_coord((80 - int(f["modes/n_rattler"][()]), 0)).byte_offset
+    for byte in [at + 5, at + 77] + [rng.randrange(len(whole)) for _ in range(25)]:
+        damaged = bytearray(whole)
+        damaged[byte] ^= 1 << rng.randrange(8)
+        copy.write_bytes(damaged)
+        done = subprocess.run([COMMAND, "plot", "mode", PACKING, copy, "--mode", "80", "-o", FOLDER / "d.png", "--force"],
+                              capture_output=True, text=True, preexec_fn=LIMIT)
+        assert done.returncode in (0, 1), (byte, done)  # a byte of another row is not read
+        refused += done.returncode
+    assert refused >= 2
+    shutil.copy(PACKING, copy)
+    refuse(copy)
+    packing = FOLDER / "packing.h5"
+    run("convert", PACKING, packing)
+    refuse(packing, "/modes")
+
+
+try:
+    equation_of_motion()
+    part_of_a_spectrum()
+    spheres()
+    drawn_from_files()
+    command_lines()
+    forgeries()
+    damage()
+finally:
+    shutil.rmtree(FOLDER)
+print("files of modes are right, or refused with a reason")
