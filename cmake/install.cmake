@@ -49,7 +49,7 @@ function(install_pkgconfig PC_NAME PC_LIBRARY PC_DESCRIPTION ours theirs libs)
   configure_file(cmake/sonopack.pc.in ${PROJECT_BINARY_DIR}/${PC_NAME}.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/${PC_NAME}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endfunction()
-install_pkgconfig(sonopack sonopack "${PROJECT_DESCRIPTION}" "" "lapacke lapack blas arpack" "-lumfpack -lcholmod -pthread -lm")
+install_pkgconfig(sonopack sonopack "${PROJECT_DESCRIPTION}" "" "lapacke lapack blas arpack" "-lcholmod -pthread -lm")
 install_pkgconfig(sonopack-tapped sonopack_tapped "The tapped column of particles" "sonopack = ${PROJECT_VERSION}" "" "-lm")
 install_pkgconfig(sonopack-study sonopack_study "Scenes, studies and files of granular packings"
   "sonopack-tapped = ${PROJECT_VERSION}" "libconfig ${HDF5_MODULE_NAME}" "-pthread -lm")

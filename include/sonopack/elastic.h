@@ -17,17 +17,19 @@ typedef struct sp_moduli {
     double c13, c23, c44, c55, c66; /* 3D only [E*]; NAN in 2D */
     double c_l, c_t; /* speeds of longitudinal and transverse waves from wall to wall, Eq. (8) [sqrt(E* / rho)]. 2D:
                         sqrt(C22/Phi3*), sqrt(C33/Phi3*); 3D: sqrt(C33/Phi3*), sqrt((C44 + C55)/(2 Phi3*)) */
-    double residual; /* largest |K u - f|/|f| of the solves */
+    double residual; /* largest |K u - f|/|f| of the solves; forces on free spins (sp_moduli_make) count a thousandth */
     double error11, error12, error22, error33, error13, error23, error44, error55,
         error66; /* bounds of the errors of C11 .. C66 [E*] */
 } sp_moduli;
 
 /* Moduli of the linear springs. One sparse Cholesky factorization serves all strains. Strains along the walls act
  * through the periodic images, all others by displacing the top wall. The walls' contact points follow the strain
- * affinely, so C12 = C21. phi3s: Phi3* of sp_statics; NAN: no speeds. Floppy parts carry no stress and do no harm. A
- * modulus C11 .. C66 on the diagonal is set to 0 if it is within its error of 0. Shear moduli are NAN if the walls have
- * no friction. SP_EREFUSED for a packing without walls, if no chain of springs connects the walls, and if the network
- * as a whole is floppy. */
+ * affinely, so C12 = C21. phi3s: Phi3* of sp_statics; NAN: no speeds. Floppy parts carry no stress and do no harm.
+ * With prestress and friction the free spin of a sphere with two contacts is left out, and a turn of 1 is part of the
+ * errors. A modulus C11 .. C66 on the diagonal is set to 0 if it is within its error of 0. Shear moduli are NAN if the
+ * walls have no friction. SP_EREFUSED for a packing without walls, if no chain of springs connects the walls, if the
+ * network as a whole is floppy or unstable, and if a strain does work on a motion that nothing resists (only with
+ * prestress): the moduli do not exist then, and the reason names grains that move. */
 SP_API sp_status sp_moduli_make(const sp_network *net, double phi3s, sp_moduli *out, sp_error *err);
 
 typedef enum sp_probe_kind {

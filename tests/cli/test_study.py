@@ -39,7 +39,7 @@ def an_ensemble(folder):
     assert ctof[1] == CTOF
     assert list(column(ctof, "p")) == [1e-4, 1e-3] and list(column(ctof, "samples")) == [3, 3]
     assert comment(ctof, "failed") == "0"
-    assert moduli[1] == ["p", "grains", "samples"] + [name + end for name in MODULI for end in ENDS]
+    assert moduli[1] == ["p", "grains", "samples", "left_out"] + [name + end for name in MODULI for end in ENDS]
     assert list(column(moduli, "grains")) == [40, 120, 40, 120]
     # c_tof from the rows of the ensemble
     (rows,) = tables(run("table", "ensemble", "--store", store).stdout)
@@ -107,7 +107,7 @@ def resumed_and_shared(folder, scene, store, text):
     # more wishes: only they are made, the packings stay
     more = run("study", scene, "--store", shared, "--set", 'study.want=["ctof","statics","signal"]')
     ctof, statics = tables(more.stdout)
-    assert statics[1] == ["p", "grains", "samples"] + [name + end for name in STATICS for end in ENDS]
+    assert statics[1] == ["p", "grains", "samples", "left_out"] + [name + end for name in STATICS for end in ENDS]
     assert ctof[2] == tables(text)[0][2]
     for path in shared.glob("*.h5"):
         with h5py.File(path) as stored:

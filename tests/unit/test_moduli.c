@@ -1,5 +1,6 @@
 #include "base/base.h"
-#include "elastic/stiffness.h"
+#include "elastic/strain.h"
+#include "linalg/eigen.h"
 #include "reference.h"
 
 #include <sonopack/elastic.h>
@@ -83,34 +84,178 @@ static void test_symmetric_3d(void **state) {
 }
 
 /* A sphere with two contacts turns about the line through them: K is singular, the moduli are those of a sphere that
- * next to nothing more holds. */
+ * next to nothing more holds. Nor does a sphere of soft contacts make K more singular than one of stiff ones. */
 static void test_pivots(void **state) {
     (void)state;
-    sp_packing p = scattered_packing(3, 4, 0.5, 1);
-    sp_network net = network_of(&p, false), held = network_of(&p, false);
-    sp_moduli m, expected;
-    int springs = 0, at = 0;
-    for (int k = 0; k < net.n_springs; k++) {
-        sp_spring *s = &held.springs[k];
-        if ((s->i == 21 || s->j == 21) && springs++ >= 2) {
-            s->kn *= 1e-9;
-            s->kt *= 1e-9;
-        } else {
-            net.length[at] = net.length[k];
-            net.springs[at++] = net.springs[k];
+    for (int soft = 0; soft < 2; soft++) {
+        sp_packing p = scattered_packing(3, 4, 0.5, 1);
+        sp_network net = network_of(&p, false), held = network_of(&p, false);
+        sp_moduli m, expected;
+        int springs = 0, at = 0;
+        for (int k = 0; k < net.n_springs; k++) {
+            sp_spring *s = &held.springs[k];
+            const bool own = s->i == 21 || s->j == 21, third = own && springs++ >= 2;
+            const double stiffness = own ? soft ? 1e-6 : 1 : 1;
+            s->kn *= third ? 1e-9 * stiffness : stiffness;
+            s->kt *= third ? 1e-9 * stiffness : stiffness;
+            if (!third) {
+                net.length[at] = net.length[k];
+                net.springs[at++] = *s;
+            }
+        }
+        assert_true(springs > 2);
+        net.n_bulk -= net.n_springs - at;
+        net.n_springs = at;
+        assert_ok(sp_moduli_make(&held, 0.5, &expected, &err));
+        assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
+        assert_true(m.residual < 1e-12);
+        const double got[] = {m.c11, m.c33, m.c13, m.c55, m.c66};
+        const double want[] = {expected.c11, expected.c33, expected.c13, expected.c55, expected.c66};
+        for (int q = 0; q < 5; q++)
+            assert_relative(got[q], want[q], 1e-7);
+        sp_network_free(&held);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* ---- against dense matrices ------------------------------------------------------------------------------------- */
+
+/* All entries of K, by columns. */
+static double *dense_of(const sp_network *net) {
+    const int64_t n = sp_network_dofs(net);
+    sp_sparse k = {0};
+    double *a = calloc((size_t)(n * n), sizeof *a);
+    assert_ok(sp_network_assemble_whole(net, &k, &err));
+    for (int64_t c = 0; c < n; c++)
+        for (int64_t q = k.p[c]; q < k.p[c + 1]; q++)
+            a[c * n + k.i[q]] = k.x[q];
+    sp_sparse_free(&k);
+    return a;
+}
+
+/* x = A^-1 x by elimination with row exchanges; overwrites a. */
+static void eliminate(int64_t n, double *a, double *x) {
+    for (int64_t c = 0; c < n; c++) {
+        int64_t best = c;
+        for (int64_t r = c; r < n; r++)
+            best = fabs(a[c * n + r]) > fabs(a[c * n + best]) ? r : best;
+        for (int64_t k = c; k < n; k++) {
+            const double swap = a[k * n + c];
+            a[k * n + c] = a[k * n + best];
+            a[k * n + best] = swap;
+        }
+        const double swap = x[c];
+        x[c] = x[best];
+        x[best] = swap;
+        for (int64_t r = c + 1; r < n; r++) {
+            const double factor = a[c * n + r] / a[c * n + c];
+            for (int64_t k = c + 1; k < n; k++)
+                a[k * n + r] -= factor * a[k * n + c];
+            x[r] -= factor * x[c];
         }
     }
-    assert_true(springs > 2);
-    net.n_bulk -= net.n_springs - at;
-    net.n_springs = at;
-    assert_ok(sp_moduli_make(&held, 0.5, &expected, &err));
+    for (int64_t c = n - 1; c >= 0; c--) {
+        x[c] /= a[c * n + c];
+        for (int64_t r = 0; r < c; r++)
+            x[r] -= a[c * n + r] * x[c];
+    }
+}
+
+/* A tangential force of this fraction of the normal one at every contact, along some direction. */
+static void add_friction(sp_packing *p, double fraction) {
+    for (int k = 0; k < p->n_contacts; k++) {
+        sp_contact *c = &p->contacts[k];
+        const double along[3] = {-c->n[1], c->n[0], 0}, size = hypot(c->n[0], c->n[1]);
+        for (int a = 0; a < 2 && size > 0.1; a++)
+            c->ft[a] = (k % 2 ? fraction : -fraction) * c->fn * along[a] / size;
+    }
+}
+
+/* Forces that are carried along make K nonsymmetric. Every C is that of elimination, within its error. */
+static void test_nonsymmetric(void **state) {
+    (void)state;
+    for (int q = 0; q < 6; q++) {
+        const double fraction[] = {0.01, 0.1, 0.4};
+        sp_packing p = scattered_packing(q < 3 ? 2 : 3, q < 3 ? 6 : 3, 0.5, (unsigned)q + 1);
+        sp_network_options o = sp_network_options_default();
+        sp_network net = sp_network_none();
+        sp_stiffness s, want = {0};
+        o.prestress = true;
+        add_friction(&p, fraction[q % 3]);
+        assert_ok(sp_network_make(&p, &o, &net, &err));
+        assert_true(sp_network_skew(&net) > 1e-4);
+        assert_ok(sp_stiffness_make(&net, &s, &err));
+        assert_true(s.residual < 1e-13);
+        const int64_t n = sp_network_dofs(&net);
+        double *u = calloc((size_t)n, sizeof *u), scale = 0, skew = 0;
+        for (int b = 0; b < sp_strain_count(&net); b++) {
+            double *a = dense_of(&net);
+            sp_strain_load(&net, b, u);
+            eliminate(n, a, u);
+            sp_strain_stresses(&net, b, u, &want);
+            scale = fmax(scale, want.c[b][b]);
+            free(a);
+        }
+        for (int a = 0; a < sp_strain_count(&net); a++)
+            for (int b = 0; b < sp_strain_count(&net); b++) {
+                assert_close(s.c[a][b], want.c[a][b], 1e-12 * scale);
+                assert_close(s.c[a][b], want.c[a][b], s.error[a][b]);
+                assert_true(s.error[a][b] < 1e-9 * scale);
+                skew = fmax(skew, fabs(s.c[a][b] - s.c[b][a]));
+            }
+        assert_true(skew > 1e-6 * scale); /* the part that is not symmetric counts */
+        free(u);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* The least eigenvalue of a symmetric K, with its vector. */
+static double softest(const sp_network *net, double *vector) {
+    const int64_t n = sp_network_dofs(net);
+    double *a = dense_of(net), *w = calloc((size_t)n, sizeof *w);
+    assert_ok(sp_eigen_all(n, a, w, &err));
+    const double least = w[0];
+    memcpy(vector, a, (size_t)n * sizeof *vector);
+    free(w);
+    free(a);
+    return least;
+}
+
+static void set_prestress(sp_network *net, int grain, double stiffness) {
+    for (int k = 0; k < net->n_springs; k++)
+        if (net->springs[k].i == grain || net->springs[k].j == grain)
+            net->springs[k].kp = -stiffness;
+}
+
+/* Prestress that just cancels the stiffness of a motion that the strain drives: the moduli do not exist, and the reason
+ * names the grain that moves. */
+static void test_load_on_a_mechanism(void **state) {
+    (void)state;
+    enum { GRAIN = 14 };
+    sp_packing p = scattered_packing(2, 6, 0.5, 1);
+    sp_network net = network_of(&p, false);
+    const int64_t n = sp_network_dofs(&net);
+    double *vector = calloc((size_t)n, sizeof *vector), low = 0, high = 10;
+    sp_moduli m;
+    char name[16];
+    net.prestress = true;
+    set_prestress(&net, GRAIN, high);
+    assert_true(softest(&net, vector) < 0);
+    assert_fails(sp_moduli_make(&net, 0.5, &m, &err), SP_EREFUSED, "");
+    for (int turn = 0; turn < 60; turn++) {
+        set_prestress(&net, GRAIN, 0.5 * (low + high));
+        *(softest(&net, vector) < 0 ? &high : &low) = 0.5 * (low + high);
+    }
+    set_prestress(&net, GRAIN, 0.99 * low); /* far enough from it they do */
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
-    assert_true(m.residual < 1e-8);
-    const double got[] = {m.c11, m.c33, m.c13, m.c55, m.c66};
-    const double want[] = {expected.c11, expected.c33, expected.c13, expected.c55, expected.c66};
-    for (int q = 0; q < 5; q++)
-        assert_relative(got[q], want[q], 1e-7);
-    sp_network_free(&held);
+    set_prestress(&net, GRAIN, low);
+    assert_true(fabs(softest(&net, vector)) < 1e-14);
+    snprintf(name, sizeof name, "%d", GRAIN);
+    assert_true(fabs(vector[3 * GRAIN]) + fabs(vector[3 * GRAIN + 1]) + fabs(vector[3 * GRAIN + 2]) > 0.5);
+    assert_fails(sp_moduli_make(&net, 0.5, &m, &err), SP_EREFUSED, name);
+    free(vector);
     sp_network_free(&net);
     sp_packing_free(&p);
 }
@@ -264,6 +409,21 @@ static void test_floppy_parts(void **state) {
     sp_packing_free(&p);
 }
 
+static void fail_every_allocation(const sp_network *net) {
+    sp_moduli m;
+    for (int k = 0;; k++) {
+        sp_error reason = {0};
+        sp_alloc_fail_after(k);
+        const sp_status status = sp_moduli_make(net, 0.5, &m, &reason);
+        sp_alloc_fail_after(-1);
+        if (status == SP_OK) {
+            assert_true(k > 5);
+            break;
+        }
+        assert_int_equal(status, SP_ENOMEM);
+    }
+}
+
 static void test_refusals(void **state) {
     (void)state;
     sp_moduli m;
@@ -287,26 +447,31 @@ static void test_refusals(void **state) {
     assert_fails(sp_moduli_make(&net, 0.5, &m, &err), SP_EREFUSED, "");
     sp_network_free(&net);
     net = network_of(&p, false);
-    for (int k = 0;; k++) {
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_moduli_make(&net, 0.5, &m, &err);
-        sp_alloc_fail_after(-1);
-        if (status == SP_OK) {
-            assert_true(k > 5);
-            break;
-        }
-        assert_int_equal(status, SP_ENOMEM);
-    }
+    fail_every_allocation(&net);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+    p = scattered_packing(3, 3, 0.5, 1);
+    add_friction(&p, 0.1);
+    sp_network_options o = sp_network_options_default();
+    o.prestress = true;
+    assert_ok(sp_network_make(&p, &o, &net, &err));
+    fail_every_allocation(&net);
     sp_network_free(&net);
     sp_packing_free(&p);
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_symmetric),    cmocka_unit_test(test_symmetric_3d),
-                                       cmocka_unit_test(test_pivots),       cmocka_unit_test(test_table),
-                                       cmocka_unit_test(test_chain),        cmocka_unit_test(test_square_lattice),
-                                       cmocka_unit_test(test_frictionless), cmocka_unit_test(test_free_rotation),
-                                       cmocka_unit_test(test_floppy_parts), cmocka_unit_test(test_refusals)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_symmetric),
+                                       cmocka_unit_test(test_symmetric_3d),
+                                       cmocka_unit_test(test_pivots),
+                                       cmocka_unit_test(test_nonsymmetric),
+                                       cmocka_unit_test(test_load_on_a_mechanism),
+                                       cmocka_unit_test(test_table),
+                                       cmocka_unit_test(test_chain),
+                                       cmocka_unit_test(test_square_lattice),
+                                       cmocka_unit_test(test_frictionless),
+                                       cmocka_unit_test(test_free_rotation),
+                                       cmocka_unit_test(test_floppy_parts),
+                                       cmocka_unit_test(test_refusals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

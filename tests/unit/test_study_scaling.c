@@ -170,7 +170,7 @@ static void means_of_probes(void **state) {
     sp_table t = sp_table_none();
     assert_ok(sp_study_table("probes", n, s, NULL, &t, &err));
     assert_int_equal(t.rows, 1);
-    assert_int_equal(t.columns, 3 + 5 * 16);
+    assert_int_equal(t.columns, 4 + 5 * 16);
     static const char *const probe[SP_PROBES] = {"sine1", "sine2", "lines1", "lines3"};
     for (int k = 0; k < SP_PROBES; k++) {
         char name[40];
@@ -196,7 +196,7 @@ static void means_of_probes(void **state) {
     assert_true(isnan(cell(&t, 0, "C55_lines3_ratio")) && cell(&t, 0, "C55_lines3") == 2);
     sp_table_free(&t);
     assert_ok(sp_study_table("moduli", n, s, NULL, &t, &err));
-    assert_int_equal(t.columns, 3 + 5 * 11);
+    assert_int_equal(t.columns, 4 + 5 * 11);
     assert_close(cell(&t, 0, "C55"), 0.25, 1e-15);
     sp_table_free(&t);
 }

@@ -177,6 +177,7 @@ static void groups_with_holes(void **state) {
         if (s[k].pressure > 5e-6 && s[k].pressure < 2e-5 && s[k].seed == 4) { /* no zero crossing, no moduli */
             s[k].front.t_zero = s[k].front.width = NAN;
             s[k].have &= ~(unsigned)SP_WANT_MODULI;
+            s[k].lacks = SP_WANT_MODULI;
         }
         if (s[k].pressure > 5e-5 && s[k].seed > 1) /* one sample only */
             s[k] = made_up(1e-4, s[k].grains, 1, -0.2);
@@ -203,10 +204,12 @@ static void groups_with_holes(void **state) {
     assert_string_equal(sp_table_get_text(&t, "failed"), "11");
     sp_table_free(&t);
     assert_ok(sp_study_table("moduli", MADE, s, NULL, &t, &err));
-    const int with_moduli[8] = {5, 5, 2, 2, 4, 4, 1, 1};
+    const int with_moduli[8] = {5, 5, 2, 2, 4, 4, 1, 1}, without[8] = {0, 0, 3, 3, 1, 1, 0, 0};
     assert_int_equal(t.rows, 8);
-    for (int k = 0; k < 8; k++)
+    for (int k = 0; k < 8; k++) {
         assert_close(cell(&t, k, "samples"), with_moduli[k], 0);
+        assert_close(cell(&t, k, "left_out"), without[k], 0);
+    }
     assert_close(cell(&t, 5, "c_l"), 0.2 - 0.025, 1e-12);
     sp_table_free(&t);
     /* one size only */
@@ -283,7 +286,7 @@ static void table_of_means(void **state) {
     make_up(s);
     sp_table t = sp_table_none();
     assert_ok(sp_study_table("statics", MADE, s, NULL, &t, &err));
-    assert_int_equal(t.columns, 3 + 5 * 13);
+    assert_int_equal(t.columns, 4 + 5 * 13);
     assert_close(cell(&t, 0, "s12_over_s2"), 0.01, 1e-15);
     assert_close(cell(&t, 0, "mobilised"), 0.1, 1e-15);
     assert_int_equal(t.rows, 8);
@@ -304,7 +307,7 @@ static void table_of_means(void **state) {
     }
     sp_table_free(&t);
     assert_ok(sp_study_table("moduli", MADE, s, NULL, &t, &err));
-    assert_int_equal(t.columns, 3 + 5 * 6);
+    assert_int_equal(t.columns, 4 + 5 * 6);
     assert_close(cell(&t, 0, "C12"), 2, 0);
     assert_close(cell(&t, 0, "C33"), 4, 0);
     assert_close(cell(&t, 1, "c_l"), 0.2, 1e-15);

@@ -1,7 +1,8 @@
-/* Solves for the static equilibrium of a network between fixed walls. */
+/* Factors the stiffness of a network between fixed walls. */
 #include "elastic/equilibrium.h"
 
 #include "base/base.h"
+#include "linalg/vector.h"
 #include "network/spins.h"
 
 #include <math.h>
@@ -11,11 +12,9 @@ sp_equilibrium sp_equilibrium_none(void) { return (sp_equilibrium){0}; }
 
 void sp_equilibrium_free(sp_equilibrium *e) {
     sp_cholesky_free(e->factor);
-    sp_lu_free(e->lu);
-    sp_free(e->factored);
-    sp_free(e->diagonal);
     sp_sparse_free(&e->k);
     sp_free(e->free_dofs);
+    sp_free(e->spin);
     sp_free(e->work);
     *e = sp_equilibrium_none();
 }
@@ -72,141 +71,185 @@ static sp_status check_network(const sp_network *net, sp_error *err) {
     return check_connected(net, err);
 }
 
-/* The degree of freedom of column c of K. */
-static int64_t dof_of(const sp_equilibrium *e, int64_t c) { return e->free_dofs ? e->free_dofs[c] : c; }
+static double *diagonal(const sp_sparse *k, int64_t c) { return &k->x[k->p[c]]; }
 
-static double largest_diagonal(const sp_equilibrium *e) {
+static double largest_diagonal(const sp_sparse *k) {
     double largest = 0;
-    for (int64_t c = 0; c < e->k.n; c++)
-        largest = fmax(largest, e->k.x[e->diagonal[c]]);
+    for (int64_t c = 0; c < k->n; c++)
+        largest = fmax(largest, *diagonal(k, c));
     return largest;
 }
 
 /* Fixes degrees of freedom that no strain can move, which changes no force: rotations without any tangential spring,
  * and, between walls without friction, the sideways position of the network, at its first grain. */
-static void fix_free_motions(const sp_equilibrium *e) {
+static void fix_free_motions(const sp_equilibrium *e, sp_sparse *k) {
     const sp_network *net = e->net;
-    const double largest = largest_diagonal(e);
-    for (int64_t c = 0; c < e->k.n; c++) {
-        const int64_t d = dof_of(e, c);
-        if (d % net->dof >= net->dim && e->k.x[e->diagonal[c]] == 0)
-            e->k.x[e->diagonal[c]] = largest;
+    const double largest = largest_diagonal(k);
+    for (int64_t c = 0; c < k->n; c++) {
+        const int64_t d = sp_equilibrium_dof(e, c);
+        if (d % net->dof >= net->dim && *diagonal(k, c) == 0)
+            *diagonal(k, c) = largest;
     }
     for (int a = 0; a < net->dim - 1 && e->slips && !e->free_dofs; a++)
-        e->k.x[e->diagonal[a]] += largest;
+        *diagonal(k, a) += largest;
 }
 
-/* Floppy parts, such as a cluster with too few contacts, make K singular. K u = f still has a solution if f consists of
- * spring forces, since these do no work on a motion that stretches no spring; the stress is the same for all
- * solutions. So this fraction is added to the diagonal, and iterative refinement removes its effect. */
+/* The smallest fraction of the diagonal that is added to a singular matrix: small enough for GMRES to end after one or
+ * two steps, unless there are motions nearly as soft as this. */
 static const double SHIFT_SMALLEST = 1e-9;
 
-static void shift_diagonal(const sp_equilibrium *e) {
-    const double largest = largest_diagonal(e);
-    for (int64_t c = 0; c < e->k.n; c++) {
-        double *x = &e->k.x[e->diagonal[c]];
+static void shift_diagonal(const sp_equilibrium *e, sp_sparse *k) {
+    const double largest = largest_diagonal(k);
+    for (int64_t c = 0; c < k->n; c++) {
+        const double mass = e->net->mass[sp_equilibrium_dof(e, c)];
+        double *x = diagonal(k, c);
         if (e->shift_kind == SHIFT_DIAGONAL)
             *x += e->shift * (*x > 0 ? *x : largest);
         else if (e->shift_kind == SHIFT_MASS)
-            *x += e->shift * e->net->mass[dof_of(e, c)];
+            *x += e->shift * mass;
+        *x += e->lift * mass;
     }
 }
 
-static sp_status factorize_symmetric(sp_equilibrium *e, sp_error *err) {
-    sp_status status = SP_OK;
-    if (!e->factor)
-        status = sp_cholesky_analyze(&e->k, &e->factor, err);
-    return status == SP_OK ? sp_cholesky_factorize(e->factor, &e->k, err) : status;
-}
-
-static sp_status factorize_whole(sp_equilibrium *e, sp_error *err) {
-    const size_t entries = (size_t)e->k.p[e->k.n];
-    sp_status status = SP_OK;
-    if (!e->lu) {
-        e->factored = sp_alloc(entries, sizeof *e->factored);
-        status = e->factored ? sp_lu_make(e->k.n, e->k.p, e->k.i, false, &e->lu, err)
-                             : sp_fail_memory(err, entries * sizeof *e->factored);
+static void hold_spins(const sp_equilibrium *e, sp_sparse *k) {
+    for (int32_t s = 0; s < e->spins; s++) {
+        const equilibrium_spin *spin = &e->spin[s];
+        for (int a = 0; a < spin->width; a++)
+            for (int b = a; b < spin->width; b++)
+                k->x[k->p[spin->column + a] + b - a] += spin->push[a] * spin->push[b];
     }
-    if (status != SP_OK)
-        return status;
-    memcpy(e->factored, e->k.x, entries * sizeof *e->factored);
-    return sp_lu_factor(e->lu, e->factored, err);
 }
 
-/* Factors K with fixed motions and shift, then restores K's diagonal. */
+/* Factors the symmetric part of K with fixed motions, held spins and shift. */
 static sp_status factorize(sp_equilibrium *e, sp_error *err) {
-    double *before = e->work;
-    for (int64_t c = 0; c < e->k.n; c++)
-        before[c] = e->k.x[e->diagonal[c]];
-    fix_free_motions(e);
-    shift_diagonal(e);
-    sp_status status = e->net->carried ? factorize_whole(e, err) : factorize_symmetric(e, err);
-    for (int64_t c = 0; c < e->k.n; c++)
-        e->k.x[e->diagonal[c]] = before[c];
+    const size_t entries = (size_t)e->k.p[e->k.n];
+    sp_sparse k = e->k;
+    sp_status status = SP_OK;
+    k.x = sp_alloc(entries, sizeof *k.x);
+    if (!k.x)
+        return sp_fail_memory(err, entries * sizeof *k.x);
+    memcpy(k.x, e->k.x, entries * sizeof *k.x);
+    fix_free_motions(e, &k);
+    shift_diagonal(e, &k);
+    hold_spins(e, &k);
+    if (!e->factor)
+        status = sp_cholesky_analyze(&k, &e->factor, err);
+    if (status == SP_OK)
+        status = sp_cholesky_factorize(e->factor, &k, err);
+    sp_free(k.x);
+    return status;
+}
+
+/* Factors with the shift that is set. The eigenvalues of a nonsymmetric A are within `skew` of those of its symmetric
+ * part. If that has none below -skew, the network is not obviously unstable. */
+static sp_status factorize_shifted(sp_equilibrium *e, sp_error *err) {
+    e->lift = 0;
+    sp_status status = factorize(e, err);
+    if (status == SP_EREFUSED && e->net->carried) {
+        e->lift = sp_network_skew(e->net);
+        status = factorize(e, err);
+    }
+    if (status == SP_EREFUSED && e->net->prestress)
+        sp_fail_prefix(err, "the network is unstable under its prestress");
     return status;
 }
 
 sp_status sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double *x, sp_error *err) {
-    return e->lu ? sp_lu_solve(e->lu, e->factored, e->transposed, b, x, err)
-                 : sp_cholesky_solve(e->factor, 1, b, x, err);
+    (void)err;
+    sp_cholesky_solve(e->factor, 1, b, x);
+    return SP_OK;
 }
 
-/* Whether there are spheres with at most two contacts. One with two spins about the line through them; one with a
- * single contact has more free rotations. */
-static sp_status has_spins(const sp_network *net, bool *out, sp_error *err) {
+/* The spring that holds a spin is about as stiff as the others of the sphere, whose diagonal entries weigh the
+ * components of the motion: push = D motion/sqrt(motion . D motion). weight: [width], D. */
+static void set_push(const double *weight, equilibrium_spin *spin) {
+    double stiffness = 0;
+    for (int a = 0; a < spin->width; a++) {
+        spin->push[a] = weight[a] * spin->motion[a];
+        stiffness += spin->push[a] * spin->motion[a];
+    }
+    for (int a = 0; a < spin->width; a++)
+        spin->push[a] /= sqrt(stiffness);
+}
+
+/* The unit rotation about an axis through a contact point `at` moves the centre by at x axis. */
+static void set_motion(const double at[3], const double axis[3], double motion[6]) {
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        motion[a] = at[b] * axis[c] - at[c] * axis[b];
+        motion[3 + a] = axis[a];
+    }
+}
+
+/* The free rotation of grain i, whose columns begin at c and end before `end`. A fixed centre must be on the axis. */
+static bool set_spin(const sp_equilibrium *e, int32_t i, const sp_spin *of, int64_t c, int64_t end,
+                     equilibrium_spin *out) {
+    double axis[3], motion[6], weight[6];
+    if (!sp_spin_axis(of, axis))
+        return false;
+    set_motion(of->at[0], axis, motion);
+    const bool whole = end - c == 6;
+    const bool turns = end - c >= 3 && sp_equilibrium_dof(e, end - 3) == 6 * (int64_t)i + 3;
+    if (!whole && !(turns && sp_norm(3, motion) < 1e-6 * sp_norm(3, of->at[0])))
+        return false;
+    *out = (equilibrium_spin){.column = whole ? c : end - 3, .width = whole ? 6 : 3};
+    memcpy(out->motion, motion + 6 - out->width, (size_t)out->width * sizeof *motion);
+    for (int a = 0; a < out->width; a++)
+        weight[a] = *diagonal(&e->k, out->column + a);
+    set_push(weight, out);
+    return true;
+}
+
+static void list_spins(sp_equilibrium *e, const sp_spin *spin) {
+    int64_t c = 0;
+    for (int32_t i = 0; i < e->net->n; i++) {
+        int64_t end = c;
+        while (end < e->count && sp_equilibrium_dof(e, end) < 6 * (int64_t)(i + 1))
+            end++;
+        e->spins += set_spin(e, i, &spin[i], c, end, &e->spin[e->spins]);
+        c = end;
+    }
+}
+
+/* Holds free rotations if K is not symmetric. *singular: whether others are left. A sphere with two contacts spins
+ * about the line through them; one with a single contact has more free rotations. */
+static sp_status find_spins(sp_equilibrium *e, bool *singular, sp_error *err) {
+    const sp_network *net = e->net;
     sp_spin *spin;
-    *out = false;
+    *singular = false;
     sp_status status = sp_spins_make(net, &spin, err);
     for (int32_t i = 0; i < net->n && status == SP_OK && spin; i++)
-        *out = *out || spin[i].springs < 3;
+        *singular = *singular || spin[i].springs < 3;
+    if (*singular && net->carried) {
+        *singular = false;
+        e->spin = sp_alloc((size_t)net->n, sizeof *e->spin);
+        if (e->spin)
+            list_spins(e, spin);
+        else
+            status = sp_fail_memory(err, (size_t)net->n * sizeof *e->spin);
+    }
     sp_free(spin);
     return status;
 }
 
 /* Factors K itself if it is regular, else with a shift. */
 static sp_status factorize_or_shift(sp_equilibrium *e, sp_error *err) {
-    bool spins;
-    sp_status status = has_spins(e->net, &spins, err);
-    if (status == SP_OK && !spins)
+    bool singular;
+    sp_status status = find_spins(e, &singular, err);
+    if (status == SP_OK && !singular)
         status = factorize(e, err);
-    if ((status == SP_OK && spins) || status == SP_EREFUSED) {
+    if ((status == SP_OK && singular) || status == SP_EREFUSED) {
         e->shift_kind = SHIFT_DIAGONAL;
-        e->shift = e->net->carried ? SHIFT_NONSYMMETRIC : SHIFT_SMALLEST;
-        status = factorize(e, err);
-        if (status == SP_EREFUSED && e->net->prestress)
-            sp_fail_prefix(err, "the network is unstable under its prestress");
+        e->shift = SHIFT_SMALLEST;
+        status = factorize_shifted(e, err);
     }
     return status;
 }
 
-/* An LU factor does not reveal instability. The eigenvalues of A are within `skew` of those of its symmetric part. If
- * that has none below -skew, the network is not obviously unstable. */
-static sp_status check_stable(const sp_network *net, sp_error *err) {
-    sp_sparse k = {0};
-    sp_cholesky *factor = NULL;
-    sp_status status = sp_network_assemble(net, &k, err);
-    for (int64_t c = 0; c < k.n && status == SP_OK; c++)
-        k.x[k.p[c]] += sp_network_skew(net) * net->mass[c];
-    if (status == SP_OK)
-        status = sp_cholesky_make(&k, &factor, err);
-    if (status == SP_EREFUSED)
-        sp_fail_prefix(err, "the network is unstable under its prestress");
-    sp_cholesky_free(factor);
-    sp_sparse_free(&k);
-    return status;
-}
-
 static sp_status allocate(sp_equilibrium *e, sp_error *err) {
-    const size_t size = 2 * (size_t)sp_network_dofs(e->net) + 2 * (size_t)e->count;
+    const size_t size = 2 * (size_t)sp_network_dofs(e->net) + 5 * (size_t)e->count;
     e->work = sp_alloc(size, sizeof *e->work);
-    e->diagonal = sp_alloc((size_t)e->count, sizeof *e->diagonal);
-    if (!e->work || !e->diagonal)
-        return sp_fail_memory(err, size * sizeof *e->work);
-    for (int64_t c = 0; c < e->k.n; c++)
-        for (int64_t q = e->k.p[c]; q < e->k.p[c + 1]; q++)
-            if (e->k.i[q] == c)
-                e->diagonal[c] = q;
-    return SP_OK;
+    return e->work ? SP_OK : sp_fail_memory(err, size * sizeof *e->work);
 }
 
 sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_error *err) {
@@ -217,10 +260,7 @@ sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_err
     const double bottom = support_of(net, SP_BOTTOM).tangential, top = support_of(net, SP_TOP).tangential;
     e.slips = net->dim > 1 && bottom == 0 && top == 0;
     e.grips = bottom > 0 && top > 0;
-    if (net->carried)
-        status = check_stable(net, err);
-    if (status == SP_OK)
-        status = net->carried ? sp_network_assemble_whole(net, &e.k, err) : sp_network_assemble(net, &e.k, err);
+    status = sp_network_assemble(net, &e.k, err);
     if (status == SP_OK)
         status = allocate(&e, err);
     if (status == SP_OK)
@@ -232,13 +272,30 @@ sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_err
     return status;
 }
 
-sp_status sp_equilibrium_shift(sp_equilibrium *e, equilibrium_shift kind, double fraction, sp_error *err) {
-    double fastest = 0;
+/* The largest ratio of a diagonal entry to its mass. */
+static double fastest(const sp_equilibrium *e) {
+    double most = 0;
     for (int64_t c = 0; c < e->k.n; c++)
-        fastest = fmax(fastest, e->k.x[e->diagonal[c]] / e->net->mass[dof_of(e, c)]);
+        most = fmax(most, *diagonal(&e->k, c) / e->net->mass[sp_equilibrium_dof(e, c)]);
+    return most;
+}
+
+sp_status sp_equilibrium_shift(sp_equilibrium *e, equilibrium_shift kind, double fraction, sp_error *err) {
     e->shift_kind = kind;
-    e->shift = fmax(fraction, SHIFT_SMALLEST) * (kind == SHIFT_MASS ? fastest : 1);
-    return factorize(e, err);
+    e->shift = fmax(fraction, SHIFT_SMALLEST) * (kind == SHIFT_MASS ? fastest(e) : 1);
+    return factorize_shifted(e, err);
+}
+
+sp_status sp_equilibrium_weigh_spins(sp_equilibrium *e, sp_error *err) {
+    const double scale = fastest(e);
+    for (int32_t s = 0; s < e->spins; s++) {
+        double weight[6];
+        for (int a = 0; a < e->spin[s].width; a++)
+            weight[a] = scale * e->net->mass[sp_equilibrium_dof(e, e->spin[s].column + a)];
+        set_push(weight, &e->spin[s]);
+    }
+    e->weighed = true;
+    return factorize_shifted(e, err);
 }
 
 /* Extracts the rows and columns of K that are not fixed. */
@@ -285,43 +342,4 @@ sp_status sp_equilibrium_restrict(const sp_equilibrium *whole, const uint8_t *fi
     else
         sp_equilibrium_free(&e);
     return status;
-}
-
-double sp_equilibrium_residual(sp_equilibrium *e, const double *f, const double *u, double *rest) {
-    const int64_t n = sp_network_dofs(e->net);
-    double *ku = e->work, sum = 0;
-    if (e->transposed)
-        sp_network_apply_transposed(e->net, u, ku);
-    else
-        sp_network_apply(e->net, u, ku);
-    if (e->free_dofs)
-        memset(rest, 0, (size_t)n * sizeof *rest);
-    for (int64_t c = 0; c < e->count; c++) {
-        const int64_t d = dof_of(e, c);
-        rest[d] = f[d] - ku[d];
-        sum += rest[d] * rest[d];
-    }
-    return sqrt(sum);
-}
-
-sp_status sp_equilibrium_solve(sp_equilibrium *e, const double *f, double *u, double *residual, sp_error *err) {
-    enum { PASSES_MAX = 60 };
-    const int64_t n = sp_network_dofs(e->net);
-    double *rest = e->work + n, *right = e->work + 2 * n, *more = right + e->count, before;
-    int pass = 0;
-    *residual = sp_equilibrium_residual(e, f, u, rest);
-    if (e->count == 0)
-        return SP_OK;
-    do {
-        before = *residual;
-        for (int64_t c = 0; c < e->count; c++)
-            right[c] = rest[dof_of(e, c)];
-        sp_status status = sp_equilibrium_apply(e, right, more, err);
-        if (status != SP_OK)
-            return status;
-        for (int64_t c = 0; c < e->count; c++)
-            u[dof_of(e, c)] += more[c];
-        *residual = sp_equilibrium_residual(e, f, u, rest);
-    } while (++pass < 2 || (*residual < 0.5 * before && pass < PASSES_MAX));
-    return SP_OK;
 }

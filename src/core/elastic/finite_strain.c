@@ -151,7 +151,8 @@ static sp_status apply_tangent(void *with, const double *in, double *out, sp_err
     memset(out, 0, (size_t)n * sizeof *out);
     sp_tangent_apply(&r->m, r->net, r->row, in, out);
     for (int64_t k = 0; k < n && e->shift_kind; k++) /* as in the factor */
-        out[k] += e->shift * e->k.x[e->diagonal[k]] * in[k];
+        out[k] += e->shift * e->k.x[e->k.p[k]] * in[k];
+    sp_equilibrium_add_spins(e, 1, in, out);
     return SP_OK;
 }
 
@@ -332,14 +333,14 @@ static sp_status report_failure(strain_run *r, double residual, sp_error *err) {
 static sp_status strain_one(strain_run *r, int strain, sp_stiffness *c, sp_error *err) {
     const int64_t n = sp_network_dofs(r->net);
     double residual = 0;
-    sp_strain_load(r->net, strain, r->force);
+    const double scale = sp_strain_load(r->net, strain, r->force);
     memset(r->u, 0, (size_t)n * sizeof *r->u);
-    sp_status status = sp_equilibrium_solve(&r->initial, r->force, r->u, &residual, err);
+    sp_status status = sp_equilibrium_solve(&r->initial, r->force, scale, r->u, &residual, err);
     if (status != SP_OK)
         return status;
     for (int64_t k = 0; k < n; k++)
         r->u[k] *= r->strain;
-    r->load = fabs(r->strain) * sp_strain_load(r->net, strain, r->force);
+    r->load = fabs(r->strain) * scale;
     set_strain(r, strain);
     status = find_equilibrium(r, &residual, err);
     if (status != SP_OK)

@@ -47,24 +47,34 @@ static double square_of(const sp_network *net, const double *f) {
     return sum;
 }
 
-/* Removes from f the part that accelerates floppy parts, and adds it to `removed`. For small s, s M (K + s M)^-1 f
- * keeps the load on a motion that K does not resist, and almost nothing else. Repetition removes what rounding leaves.
- * work: [2][n]. *share: the removed part of the square of f. */
-static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double *removed, double *share,
-                             sp_error *err) {
-    enum { TURNS = 3, PASSES = 4 };
+/* The part of the load f that accelerates floppy parts. For small s, s M (K + s M)^-1 f keeps the load on a motion that
+ * K does not resist, and almost nothing else. v: [n] scratch. */
+static sp_status find_floppy(const sp_equilibrium *e, const double *f, double *floppy, double *v, sp_error *err) {
+    enum { PASSES = 4 };
     const int64_t n = sp_network_dofs(e->net);
-    double *floppy = work, *v = work + n;
+    memcpy(floppy, f, (size_t)n * sizeof *f);
+    for (int pass = 0; pass < PASSES; pass++) {
+        sp_status status = sp_equilibrium_apply(e, floppy, v, err);
+        if (status != SP_OK)
+            return status;
+        for (int64_t k = 0; k < n; k++)
+            floppy[k] = e->shift * e->net->mass[k] * v[k];
+    }
+    return SP_OK;
+}
+
+/* Removes from f the part that accelerates floppy parts, and adds it to `removed`. Repetition removes what rounding
+ * leaves. work: [2][n]. *share: the removed part of the square of f. */
+static sp_status drop_floppy(const sp_equilibrium *e, double *f, double *work, double *removed, double *share,
+                             sp_error *err) {
+    enum { TURNS = 3 };
+    const int64_t n = sp_network_dofs(e->net);
+    double *floppy = work;
     const double whole = square_of(e->net, f);
     for (int turn = 0; turn < TURNS; turn++) {
-        memcpy(floppy, f, (size_t)n * sizeof *f);
-        for (int pass = 0; pass < PASSES; pass++) {
-            sp_status status = sp_equilibrium_apply(e, floppy, v, err);
-            if (status != SP_OK)
-                return status;
-            for (int64_t k = 0; k < n; k++)
-                floppy[k] = e->shift * e->net->mass[k] * v[k];
-        }
+        sp_status status = find_floppy(e, f, floppy, work + n, err);
+        if (status != SP_OK)
+            return status;
         if (turn == 0) {
             const double part = square_of(e->net, floppy) / whole;
             if (!(part > 1e-20)) /* rounding errors only: there is nothing floppy to remove */
@@ -79,28 +89,63 @@ static sp_status drop_floppy(sp_equilibrium *e, double *f, double *work, double 
     return SP_OK;
 }
 
-/* Solves K^T w = f. */
-static sp_status solve_transposed(sp_equilibrium *e, const double *f, double *w, sp_error *err) {
-    double residual;
-    memset(w, 0, (size_t)sp_network_dofs(e->net) * sizeof *w);
-    e->transposed = true;
-    const sp_status status = sp_equilibrium_solve(e, f, w, &residual, err);
-    e->transposed = false;
-    return status;
+/* Removes from f what turns the spins that are held. */
+static void drop_spins(const sp_equilibrium *e, double *f, double *share) {
+    const double whole = square_of(e->net, f);
+    double part = 0;
+    for (int32_t s = 0; s < e->spins; s++) {
+        const equilibrium_spin *spin = &e->spin[s];
+        const double *mass = e->net->mass + spin->column;
+        double work = 0, inertia = 0;
+        for (int a = 0; a < spin->width; a++) {
+            work += f[spin->column + a] * spin->motion[a];
+            inertia += mass[a] * spin->motion[a] * spin->motion[a];
+        }
+        for (int a = 0; a < spin->width; a++)
+            f[spin->column + a] -= work / inertia * mass[a] * spin->motion[a];
+        part += work * work / inertia;
+    }
+    *share = fmax(*share, part / whole);
 }
 
-/* Twice the energy is f . u. Its error is w . (K u - f) to first order, plus rounding. work: [3][n]. */
+/* Solves K u = f without motion of floppy parts, which the rest of the load on them would move far: removes their
+ * motion from u, and corrects u. work: [3][n]. */
+static sp_status solve_sine(sp_equilibrium *e, int n, const double *f, double *u, double *work, sp_error *err) {
+    const int64_t dofs = sp_network_dofs(e->net);
+    const double load = sp_norm(dofs, f);
+    double *momentum = work, *floppy = work + dofs, residual;
+    char what[32];
+    memset(u, 0, (size_t)dofs * sizeof *u);
+    sp_status status = sp_equilibrium_solve(e, f, load, u, &residual, err);
+    if (status == SP_OK && e->shift_kind == SHIFT_MASS) {
+        for (int64_t k = 0; k < dofs; k++)
+            momentum[k] = e->net->mass[k] * u[k];
+        status = find_floppy(e, momentum, floppy, work + 2 * dofs, err);
+        for (int64_t k = 0; k < dofs; k++)
+            u[k] -= floppy[k] / e->net->mass[k];
+        if (status == SP_OK)
+            status = sp_equilibrium_solve(e, f, load, u, &residual, err);
+    }
+    if (status != SP_OK || residual < 1e-8 * load)
+        return status;
+    snprintf(what, sizeof what, "probe sine:%d", n);
+    return sp_equilibrium_refuse(e, what, load, f, u, err);
+}
+
+/* Twice the energy is f . u. Its error is w . (K u - f) to first order, plus rounding. *turning: its change if the
+ * spins that are held turn by 1. work: [3][n]. */
 static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u, double *work, double *energy,
-                             double *error, sp_error *err) {
+                             double *error, double *turning, sp_error *err) {
     const int64_t n = sp_network_dofs(e->net);
     const double noise = sp_strain_noise(e->net);
     double *rest = work, *size = work + n, off = 0;
     const double *w = u; /* the weights of a residual in f . u: for symmetric K, u itself */
     sp_status status = SP_OK;
     if (e->net->carried) {
-        status = solve_transposed(e, f, work + 2 * n, err);
+        status = sp_equilibrium_weights(e, f, sp_norm(n, f), work + 2 * n, err);
         w = work + 2 * n;
     }
+    *turning = sp_equilibrium_spin_work(e, f, w);
     sp_equilibrium_residual(e, f, u, rest);
     sp_strain_rounding(e->net, -1, u, size, NULL);
     for (int64_t k = 0; k < n; k++)
@@ -127,8 +172,8 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
                             sp_error *err) {
     const sp_network *net = e->net;
     const int64_t dofs = sp_network_dofs(net);
-    const double height = net->box[net->dim - 1];
-    double *f = work, *u = work + dofs, *floppy = work + 5 * dofs, residual, energy, error;
+    const double height = net->box[net->dim - 1], most = 0.1;
+    double *f = work, *u = work + dofs, *floppy = work + 5 * dofs, energy, error, turning;
     sp_status status = SP_OK;
     memset(floppy, 0, (size_t)dofs * sizeof *floppy);
     body_force(e, phi3s, n, axis, f);
@@ -136,15 +181,15 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
         drop_net_force(net, axis, f);
     if (e->shift_kind == SHIFT_MASS)
         status = drop_floppy(e, f, work + 2 * dofs, floppy, &out->left_out, err);
-    memset(u, 0, (size_t)dofs * sizeof *u);
+    drop_spins(e, f, &out->left_out);
+    if (status == SP_OK && out->left_out > most)
+        status = sp_fail(err, SP_EREFUSED,
+                         "probe sine:%d: %.2g of the squared body force acts on floppy parts, must be below %g", n,
+                         out->left_out, most);
     if (status == SP_OK)
-        status = sp_equilibrium_solve(e, f, u, &residual, err);
-    if (status != SP_OK)
-        return status;
-    residual /= sp_norm(dofs, f);
-    if (!(residual < 1e-8))
-        return sp_fail(err, SP_EREFUSED, "probe sine:%d: residual %.3g of the solve, must be below 1e-8", n, residual);
-    status = sine_energy(e, f, u, work + 2 * dofs, &energy, &error, err);
+        status = solve_sine(e, n, f, u, work + 2 * dofs, err);
+    if (status == SP_OK)
+        status = sine_energy(e, f, u, work + 2 * dofs, &energy, &error, &turning, err);
     if (status != SP_OK)
         return status;
     if (!(energy > 0))
@@ -155,24 +200,22 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     find_concentration(net, f, u, energy, out);
     /* (B2) */
     const double c = sp_strain_area(net) * height * height * height / (4.0 * n * n * PI * PI * energy);
+    error += turning * height / (n * PI * c); /* times the strain: what is typical of grains in contact */
     *(axis == net->dim - 1 ? &out->along : &out->shear) = c;
     *(axis == net->dim - 1 ? &out->error_along : &out->error_shear) = c * error / energy;
     return SP_OK;
 }
 
 static sp_status sine(sp_equilibrium *e, double phi3s, int n, double *work, sp_probe_moduli *out, sp_error *err) {
-    const double most = 0.1;
     sp_status status = SP_OK;
-    if (e->shift_kind == SHIFT_DIAGONAL)
-        status = sp_equilibrium_shift(e, SHIFT_MASS, e->net->carried ? SHIFT_NONSYMMETRIC : 0, err);
+    if (e->shift_kind == SHIFT_DIAGONAL && !e->net->carried)
+        status = sp_equilibrium_shift(e, SHIFT_MASS, 0, err);
+    if (e->spins > 0 && !e->weighed)
+        status = sp_equilibrium_weigh_spins(e, err);
     if (status == SP_OK)
         status = sine_along(e, phi3s, n, e->net->dim - 1, work, out, err);
     if (status == SP_OK && e->net->dim > 1 && (e->grips || e->slips))
         status = sine_along(e, phi3s, n, 0, work, out, err);
-    if (status == SP_OK && out->left_out > most)
-        status = sp_fail(err, SP_EREFUSED,
-                         "probe sine:%d: %.2g of the squared body force acts on floppy parts, must be below %g", n,
-                         out->left_out, most);
     return status;
 }
 
@@ -219,7 +262,7 @@ static sp_status find_lines(const sp_network *net, int n, uint8_t *fixed, sp_err
 static sp_status find_line_weights(sp_equilibrium *e, const double *u, double *load, double *weight, sp_error *err) {
     if (e->net->carried) {
         sp_network_apply_transposed(e->net, u, load);
-        return solve_transposed(e, load, weight, err);
+        return sp_equilibrium_weights(e, load, sp_norm(sp_network_dofs(e->net), load), weight, err);
     }
     memset(weight, 0, (size_t)sp_network_dofs(e->net) * sizeof *weight);
     for (int64_t c = 0; c < e->count; c++)
@@ -242,16 +285,20 @@ static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *fixed, int
         if (fixed[i])
             u[(int64_t)i * net->dof + axis] = line_field(height, n, height_of(net, i));
     const double load = sp_equilibrium_residual(e, f, u, rest);
-    sp_status status = sp_equilibrium_solve(e, f, u, &residual, err);
+    sp_status status = sp_equilibrium_solve(e, f, 0, u, &residual, err);
     if (status != SP_OK)
         return status;
-    if (load > 0 && !(residual < 1e-8 * load))
-        return sp_fail(err, SP_EREFUSED, "probe lines:%d: residual %.3g of the solve, must be below 1e-8", n,
-                       residual / load);
+    if (load > 0 && !(residual < 1e-8 * load)) {
+        char what[32];
+        snprintf(what, sizeof what, "probe lines:%d", n);
+        return sp_equilibrium_refuse(e, what, load, f, u, err);
+    }
     const double energy = 0.5 * sp_network_energy2_bound(net, u, &rounding);
     status = find_line_weights(e, u, work + 5 * dofs, weight, err);
     if (status != SP_OK)
         return status;
+    /* a turn of the strain for each spin that is held */
+    off += sp_equilibrium_spin_work(e, work + 5 * dofs, weight) * (n + 1) / height;
     sp_equilibrium_residual(e, f, u, rest);
     sp_strain_rounding(net, -1, u, size, NULL);
     for (int64_t c = 0; c < e->count; c++) {

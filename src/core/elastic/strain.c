@@ -96,7 +96,7 @@ static double load(const sp_network *net, int strain, bool transposed, double *f
 
 double sp_strain_load(const sp_network *net, int strain, double *f) { return load(net, strain, false, f); }
 
-void sp_strain_load_transposed(const sp_network *net, int strain, double *f) { load(net, strain, true, f); }
+double sp_strain_load_transposed(const sp_network *net, int strain, double *f) { return load(net, strain, true, f); }
 
 void sp_strain_stresses(const sp_network *net, int strain, const double *u, sp_stiffness *out) {
     const int strains = sp_strain_count(net);

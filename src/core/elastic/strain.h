@@ -22,7 +22,7 @@ void sp_strain_displacement(const sp_network *net, int strain, const double n[3]
 /* f = -B^T k d with the affine relative displacements d at the contacts. Returns |k d|, the scale of its terms. */
 double sp_strain_load(const sp_network *net, int strain, double *f);
 /* The same for K^T: stress times volume is that of the affine field minus f . u. */
-void sp_strain_load_transposed(const sp_network *net, int strain, double *f);
+double sp_strain_load_transposed(const sp_network *net, int strain, double *f);
 /* Stresses, sum of F d/V over all springs, at the displacement u in addition to the affine one: column `strain` of
  * out->c, and out->wall. */
 void sp_strain_stresses(const sp_network *net, int strain, const double *u, sp_stiffness *out);

@@ -1,58 +1,19 @@
-/* Sparse Cholesky factorization with CHOLMOD. */
+/* Sparse positive definite matrices: the LDL' factor, refused unless all pivots are positive and above rounding. */
 #include "linalg/cholesky.h"
 #include "base/base.h"
-
-#include <cholmod.h>
-#include <stdbool.h>
-#include <string.h>
+#include "linalg/ldl.h"
 
 struct sp_cholesky {
-    cholmod_common common;
-    cholmod_factor *factor;
+    sp_ldl *ldl;
+    int64_t n;
 };
-
-/* CHOLMOD takes no constant matrix, so this makes a copy. stype -1: lower triangle. */
-static cholmod_sparse *copy_matrix(const sp_sparse *a, cholmod_common *common) {
-    const size_t n = (size_t)a->n, entries = (size_t)a->p[a->n];
-    cholmod_sparse *m = cholmod_l_allocate_sparse(n, n, entries, 1, 1, -1, CHOLMOD_REAL, common);
-    if (!m)
-        return NULL;
-    SuiteSparse_long *p = m->p, *i = m->i;
-    for (size_t k = 0; k <= n; k++)
-        p[k] = a->p[k];
-    for (size_t k = 0; k < entries; k++)
-        i[k] = a->i[k];
-    memcpy(m->x, a->x, entries * sizeof(double));
-    return m;
-}
-
-/* Reads the status of the last call, which the next call clears. */
-static sp_status check_call(const sp_cholesky *c, sp_error *err) {
-    const int state = c->common.status;
-    if (state == CHOLMOD_OUT_OF_MEMORY)
-        return sp_fail(err, SP_ENOMEM, "CHOLMOD: no memory for the factor");
-    if (!c->factor || (state != CHOLMOD_OK && state != CHOLMOD_NOT_POSDEF))
-        return sp_fail(err, SP_EFAILED, "CHOLMOD: factorization failed (status %d)", state);
-    return SP_OK;
-}
 
 sp_status sp_cholesky_analyze(const sp_sparse *a, sp_cholesky **out, sp_error *err) {
     sp_cholesky *c = sp_alloc(1, sizeof *c);
     if (!c)
         return sp_fail_memory(err, sizeof *c);
-    sp_status status = SP_OK;
-    cholmod_l_start(&c->common);
-    c->common.print = 0;
-    c->common.final_ll = 1;  /* LL': an LDL' would accept an indefinite matrix silently */
-    c->common.try_catch = 1; /* CHOLMOD returns errors as a status and prints nothing */
-    cholmod_sparse *m = copy_matrix(a, &c->common);
-    if (!m) {
-        status = sp_fail_memory(err, 16 * (size_t)a->p[a->n]);
-    } else {
-        c->factor = cholmod_l_analyze(m, &c->common);
-        status = check_call(c, err);
-    }
-    cholmod_l_free_sparse(&m, &c->common);
+    c->n = a->n;
+    const sp_status status = sp_ldl_make(a, &c->ldl, err);
     if (status == SP_OK)
         *out = c;
     else
@@ -60,25 +21,19 @@ sp_status sp_cholesky_analyze(const sp_sparse *a, sp_cholesky **out, sp_error *e
     return status;
 }
 
-/* A factorization that fails returns TRUE. A singular matrix may pass with a pivot that is pure rounding error, hence
- * the bound on the ratio of pivots. */
 sp_status sp_cholesky_factorize(sp_cholesky *c, const sp_sparse *a, sp_error *err) {
-    cholmod_common *common = &c->common;
-    cholmod_sparse *m = copy_matrix(a, common);
-    if (!m)
-        return sp_fail_memory(err, 16 * (size_t)a->p[a->n]);
-    cholmod_l_factorize(m, c->factor, common);
-    const bool indefinite = common->status == CHOLMOD_NOT_POSDEF || c->factor->minor != c->factor->n;
-    sp_status status = check_call(c, err);
-    cholmod_l_free_sparse(&m, common);
+    sp_status status = sp_ldl_set(c->ldl, a, err);
+    if (status == SP_OK)
+        status = sp_ldl_factor(c->ldl, 0, err);
     if (status != SP_OK)
         return status;
-    if (indefinite)
-        return sp_fail(err, SP_EREFUSED, "the matrix is not positive definite (pivot %lld of %lld)",
-                       (long long)c->factor->minor, (long long)c->factor->n);
-    const double ratio = cholmod_l_rcond(c->factor, common);
+    if (sp_ldl_negative(c->ldl) > 0)
+        return sp_fail(err, SP_EREFUSED, "the matrix is not positive definite (%lld of %lld pivots are negative)",
+                       (long long)sp_ldl_negative(c->ldl), (long long)c->n);
+    const double ratio = sp_ldl_least_ratio(c->ldl, a);
     if (!(ratio > 1e-13))
-        return sp_fail(err, SP_EREFUSED, "the matrix is singular (ratio of pivots %.2g, must be above 1e-13)", ratio);
+        return sp_fail(err, SP_EREFUSED,
+                       "the matrix is singular (a pivot is %.2g of its diagonal entry, must be above 1e-13)", ratio);
     return SP_OK;
 }
 
@@ -94,26 +49,14 @@ sp_status sp_cholesky_make(const sp_sparse *a, sp_cholesky **out, sp_error *err)
     return status;
 }
 
-sp_status sp_cholesky_solve(sp_cholesky *c, int columns, const double *b, double *x, sp_error *err) {
-    const size_t n = c->factor->n, size = n * (size_t)columns;
-    cholmod_dense *right = cholmod_l_allocate_dense(n, (size_t)columns, n, CHOLMOD_REAL, &c->common);
-    cholmod_dense *solution = NULL;
-    if (right) {
-        memcpy(right->x, b, size * sizeof *b);
-        solution = cholmod_l_solve(CHOLMOD_A, c->factor, right, &c->common);
-    }
-    if (solution)
-        memcpy(x, solution->x, size * sizeof *x);
-    sp_status status = solution ? SP_OK : sp_fail_memory(err, size * sizeof *x);
-    cholmod_l_free_dense(&solution, &c->common);
-    cholmod_l_free_dense(&right, &c->common);
-    return status;
+void sp_cholesky_solve(sp_cholesky *c, int columns, const double *b, double *x) {
+    for (int q = 0; q < columns; q++)
+        sp_ldl_solve_one(c->ldl, b + q * c->n, x + q * c->n);
 }
 
 void sp_cholesky_free(sp_cholesky *c) {
     if (!c)
         return;
-    cholmod_l_free_factor(&c->factor, &c->common);
-    cholmod_l_finish(&c->common);
+    sp_ldl_free(c->ldl);
     sp_free(c);
 }

@@ -80,6 +80,12 @@ sp_status sp_ldl_make(const sp_sparse *a, sp_ldl **out, sp_error *err) {
     return status;
 }
 
+sp_status sp_ldl_set(sp_ldl *f, const sp_sparse *a, sp_error *err) {
+    const sp_status status = find_size(a, &f->size, err);
+    memcpy(f->entry, a->x, (size_t)f->entries * sizeof *f->entry);
+    return status;
+}
+
 void sp_ldl_free(sp_ldl *f) {
     if (!f)
         return;
@@ -166,6 +172,15 @@ sp_status sp_ldl_factor(sp_ldl *f, double sigma, sp_error *err) {
     find_error(f);
     f->ready = true;
     return SP_OK;
+}
+
+double sp_ldl_least_ratio(const sp_ldl *f, const sp_sparse *a) {
+    double least = 1;
+    for (int64_t k = 0; k < f->s.n; k++) {
+        const double ratio = f->pivot[k] / a->x[a->p[f->s.order[k]]];
+        least = ratio >= least ? least : ratio; /* keeps a NAN */
+    }
+    return least;
 }
 
 double sp_ldl_sigma(const sp_ldl *f) { return f->sigma; }

@@ -11,6 +11,8 @@ typedef struct sp_ldl sp_ldl;
 
 /* Orders the matrix and finds the pattern of the factor, for all sigma. Keeps a copy of a. */
 sp_status sp_ldl_make(const sp_sparse *a, sp_ldl **out, sp_error *err);
+/* Replaces A by another matrix with the same pattern. SP_EINVAL for entries that are not finite. */
+sp_status sp_ldl_set(sp_ldl *f, const sp_sparse *a, sp_error *err);
 /* Factors A - sigma; replaces the last factor. SP_EREFUSED if a pivot is zero (rows are not exchanged); try a sigma
  * nearby. After a failure there is no factor. */
 sp_status sp_ldl_factor(sp_ldl *f, double sigma, sp_error *err);
@@ -20,6 +22,10 @@ int64_t sp_ldl_negative(const sp_ldl *f);
 /* Upper bound of |E|, where the factor is exactly that of A - sigma + E. Large if small pivots have spoilt the
  * factor. */
 double sp_ldl_error(const sp_ldl *f);
+/* The smallest ratio of a pivot to the entry of a's diagonal that elimination made it from, for sigma = 0: how much was
+ * cancelled. It does not change if rows and columns of A are scaled, so that soft grains among stiff ones do not look
+ * singular. */
+double sp_ldl_least_ratio(const sp_ldl *f, const sp_sparse *a);
 /* x = (A - sigma)^-1 b, [8][n] each. x may be b. Needs no memory and cannot fail. */
 void sp_ldl_solve(sp_ldl *f, const double *b, double *x);
 /* The same for one right-hand side, [n]. */

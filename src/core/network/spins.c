@@ -40,19 +40,3 @@ bool sp_spin_axis(const sp_spin *grain, double axis[3]) {
         axis[a] /= sqrt(size);
     return grain->springs == 2 && size > 1e-12 * arm;
 }
-
-double sp_spin_work(const sp_network *net, const sp_spin *spin, const double *f) {
-    double sum = 0;
-    for (int32_t i = 0; i < net->n; i++) {
-        const double *g = f + 6 * (int64_t)i;
-        double axis[3], work = 0;
-        if (!sp_spin_axis(&spin[i], axis))
-            continue;
-        for (int a = 0; a < 3; a++) { /* rotation about an axis through `at`: the centre moves by at x axis */
-            const int b = (a + 1) % 3, c = (a + 2) % 3;
-            work += g[a] * (spin[i].at[0][b] * axis[c] - spin[i].at[0][c] * axis[b]) + g[3 + a] * axis[a];
-        }
-        sum += fabs(work);
-    }
-    return sum;
-}

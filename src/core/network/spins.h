@@ -14,7 +14,5 @@ typedef struct sp_spin {
 sp_status sp_spins_make(const sp_network *net, sp_spin **out, sp_error *err);
 /* Whether the grain can rotate freely, and its axis (a unit vector). */
 bool sp_spin_axis(const sp_spin *grain, double axis[3]);
-/* Sum over the free rotations of |work| of the forces f [n][dof] on a unit rotation. */
-double sp_spin_work(const sp_network *net, const sp_spin *spin, const double *f);
 
 #endif

@@ -18,7 +18,8 @@ typedef struct quantity {
 
 enum { QUANTITIES_MAX = 16 };
 
-/* The columns of each quantity in tables of means. */
+/* Columns before those of the quantities in tables of means, and the columns of each quantity. */
+enum { FIRST = 4 };
 enum { MEAN = 0, SD, ERROR, LOW, HIGH, COLUMNS };
 
 static const quantity statics_columns[] = {{"Phi2", "", offsetof(sp_sample, statics.phi2), 0},
@@ -64,9 +65,11 @@ static double value_of(const sp_sample *s, const quantity *q) {
 }
 
 static sp_status means_columns(int quantities, const quantity *q, sp_table *t, sp_error *err) {
-    static const sp_column first[] = {
-        {"p", "E*", SP_CELL_NUMBER}, {"grains", "", SP_CELL_INTEGER}, {"samples", "", SP_CELL_INTEGER}};
-    sp_status status = sp_columns_add(t, sizeof first / sizeof *first, first, err);
+    static const sp_column first[FIRST] = {{"p", "E*", SP_CELL_NUMBER},
+                                           {"grains", "", SP_CELL_INTEGER},
+                                           {"samples", "", SP_CELL_INTEGER},
+                                           {"left_out", "", SP_CELL_INTEGER}};
+    sp_status status = sp_columns_add(t, FIRST, first, err);
     static const char *const end[COLUMNS] = {"", "_sd", "_err", "_low", "_high"};
     for (int k = 0; k < COLUMNS * quantities && status == SP_OK; k++) {
         const quantity *of = &q[k / COLUMNS];
@@ -113,17 +116,28 @@ static sp_status explain_no_means(const sp_sample *row, int64_t samples, const a
                                                            : "");
 }
 
-/* Adds a row: the mean of each quantity over the samples of one pressure and size that have the part. */
+/* Samples that should have the part and do not. */
+static int64_t count_left_out(int64_t n, const sp_sample *const *s, unsigned part) {
+    int64_t count = 0;
+    for (int64_t k = 0; k < n; k++)
+        count += !(s[k]->have & part) && (s[k]->failed || s[k]->lacks & part);
+    return count;
+}
+
+/* Adds a row: the mean of each quantity over the samples of one pressure and size that have the part, and how many
+ * are left out. */
 static sp_status add_means(int64_t n, const sp_sample *const *s, const averaged *a, sp_table *t, sp_error *err) {
-    double row[3 + COLUMNS * QUANTITIES_MAX] = {s[0]->pressure, s[0]->grains};
+    const int64_t left_out = count_left_out(n, s, a->part);
+    double row[FIRST + COLUMNS * QUANTITIES_MAX] = {s[0]->pressure, s[0]->grains};
     const double *x[QUANTITIES_MAX];
     sp_interval interval[QUANTITIES_MAX];
     int64_t samples = 0;
     for (int64_t i = 0; i < n; i++)
         samples += (s[i]->have & a->part) != 0;
-    if (samples == 0 && sp_samples_failed(n, s) == 0 && sp_samples_lacking(n, s, a->part) == 0)
+    if (samples == 0 && left_out == 0)
         return SP_OK; /* the part was not asked for */
     row[2] = (double)samples;
+    row[3] = (double)left_out;
     for (int k = 0; k < a->quantities; k++) {
         double *to = a->x + k * samples;
         x[k] = to;
@@ -133,7 +147,7 @@ static sp_status add_means(int64_t n, const sp_sample *const *s, const averaged 
     }
     sp_status status = sp_intervals_of_means(samples, a->quantities, x, &a->interval, interval, err);
     for (int k = 0; k < a->quantities && status == SP_OK; k++) {
-        double *of = row + 3 + COLUMNS * k;
+        double *of = row + FIRST + COLUMNS * k;
         of[MEAN] = sp_mean(samples, x[k]);
         of[SD] = sp_sd(samples, x[k]);
         of[ERROR] = sp_standard_error(samples, x[k]);
