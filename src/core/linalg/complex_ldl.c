@@ -104,7 +104,7 @@ static void forward(sp_complex_ldl *f, int64_t k, int count, number *x) {
                 width, own, count, &zero, f->part, count);
     for (int r = 0; r < below; r++)
         for (int c = 0; c < count; c++)
-            x[(int64_t)row[r] * count + c] -= f->part[r * count + c];
+            x[(int64_t)row[r] * count + c] -= f->part[(int64_t)r * count + c];
 }
 
 /* x = (D L')^-1 x for the same columns. */
@@ -116,9 +116,9 @@ static void backward(sp_complex_ldl *f, int64_t k, int count, number *x) {
     number *own = x + (int64_t)f->s.first[k] * count;
     for (int r = 0; r < width; r++)
         for (int c = 0; c < count; c++)
-            own[r * count + c] *= inverse[r];
+            own[(int64_t)r * count + c] *= inverse[r];
     for (int r = 0; r < below; r++)
-        memcpy(f->part + r * count, x + (int64_t)row[r] * count, (size_t)count * sizeof *x);
+        memcpy(f->part + (int64_t)r * count, x + (int64_t)row[r] * count, (size_t)count * sizeof *x);
     if (below > 0)
         cblas_zgemm(CblasRowMajor, CblasTrans, CblasNoTrans, width, count, below, &minus,
                     panel + (int64_t)width * width, width, f->part, count, &one, own, count);

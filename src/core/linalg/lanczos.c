@@ -333,9 +333,20 @@ static void append(lanczos *z) {
     z->m += BLOCK;
 }
 
+/* Whether the Ritz values of m columns, which cost as much as about m^2/3n further blocks, are better looked at late
+ * than once too often. */
+static bool is_costly(const lanczos *z, int64_t m) { return m * m > 6 * z->n; }
+
+/* Columns until the next look. The number of converged pairs grows in proportion to that of further columns. */
+static int64_t columns_until_check(const lanczos *z, int64_t missing, double slope) {
+    const double more = is_costly(z, z->m) ? 1.15 * (double)missing / slope + BLOCK : 0.9 * (double)missing / slope;
+    return (int64_t)fmin(fmax(more, BLOCK), 0.25 * (double)z->m);
+}
+
 static sp_status iterate(lanczos *z, sp_error *err) {
     const int64_t wanted = z->spec->wanted;
-    int64_t check = wanted + wanted / 2 + 3 * BLOCK, then = wanted / 2, before = 0;
+    int64_t check = is_costly(z, 2 * wanted) ? 2 * wanted + 4 * BLOCK : wanted + wanted / 2 + 3 * BLOCK,
+            then = wanted / 2, before = 0;
     for (int restarts = 0;;) {
         append(z);
         step(z);
@@ -349,12 +360,10 @@ static sp_status iterate(lanczos *z, sp_error *err) {
         const int64_t count = converged(z);
         if (count >= wanted)
             return extract_pairs(z, count, err);
-        /* the number of converged pairs grows in proportion to the number of further columns */
         const double slope = (double)(count - before + 1) / (double)(z->m - then);
-        const double more = fmin(fmax(0.9 * (double)(wanted - count) / slope, BLOCK), 0.25 * (double)z->m);
         before = count;
         then = z->m;
-        check = z->m + (int64_t)more;
+        check = z->m + columns_until_check(z, wanted - count, slope);
         if (full) {
             if (restarts++ == RESTARTS_MAX)
                 return sp_fail(err, SP_EREFUSED, "Lanczos: %lld of %lld modes near omega^2 = %.6g converged",
@@ -375,7 +384,7 @@ sp_status sp_lanczos(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_
     sp_lanczos_pairs pairs = {0};
     lanczos z = {.factor = factor, .spec = spec, .n = n, .random = 1, .out = &pairs};
     const int64_t limit = n - spec->locked_count - BLOCK;
-    z.capacity = spec->wanted * 5 / 2 + 8 * BLOCK;
+    z.capacity = spec->wanted * 3 + 8 * BLOCK; /* a restart costs as much as the columns that it saves */
     z.capacity = z.capacity < limit ? z.capacity : limit;
     z.capacity -= z.capacity % BLOCK;
     if (spec->wanted < 1 || z.capacity < spec->wanted + 4 * BLOCK || n > INT32_MAX / BLOCK)
