@@ -62,6 +62,8 @@ static sp_status check(void *user, sp_error *err) {
             "none");
     if (a->ranges > 1)
         return sp_fail(err, SP_EINVAL, "--all, --lowest and --band: only one of them may be given, once");
+    if (a->solver != SP_SOLVER_AUTO && (a->damping > 0 || a->stability))
+        return sp_fail(err, SP_EINVAL, "--solver cannot be combined with --damping or --stability");
     if (a->damping > 0 && (a->part || a->frequencies_only))
         return sp_fail(err, SP_EINVAL, "--damping cannot be combined with --lowest, --band or --frequencies-only");
     if (a->stability && (a->part || a->frequencies_only || a->damping > 0))
