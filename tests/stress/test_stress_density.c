@@ -19,10 +19,10 @@ static int exact_below(const exact *x, double omega) {
 
 /* The row that is worst against its bound stands for all. */
 static void compare_counts(stress_record *r, const char *network, const char *method, const sp_dos *d, const exact *x) {
-    double error = 0, reported = 0, ratio = -1, before = (double)d->zero.total;
+    double error = 0, reported = 0, ratio = -1, before = (double)(d->zero.total - d->zero.rattlers);
     for (int b = 0; b < d->bins; b++) {
         const double below = exact_below(x, d->edge[b + 1]), width = d->edge[b + 1] - d->edge[b];
-        const double off[] = {fabs(d->cumulative[b] + (double)d->zero.total - below),
+        const double off[] = {fabs(d->cumulative[b] + (double)(d->zero.total - d->zero.rattlers) - below),
                               fabs(d->density[b] * width - (below - before))},
                      bound[] = {d->cumulative_error[b], d->density_error[b] * width + 1e-12 * x->n};
         for (int q = 0; q < 2; q++) {
@@ -54,7 +54,7 @@ static void exact_smooth(const exact *x, const sp_dos *d, bool zero, double *out
     quad *t = calloc(n, sizeof *t), *mu = calloc(n, sizeof *mu);
     const quad omega = d->omega_max;
     sp_moments_jackson(d->moments, g);
-    for (int m = zero ? 0 : (int)d->zero.total; m < x->n; m++) {
+    for (int m = zero ? 0 : (int)(d->zero.total - d->zero.rattlers); m < x->n; m++) {
         chebyshev(d->moments, x->lambda[m] / (omega * omega), t);
         for (size_t k = 0; k < n; k++)
             mu[k] += t[k];

@@ -189,8 +189,15 @@ static sp_status count_mechanisms(slicer *z, int64_t *zeros, sp_error *err) {
     *zeros = 0;
     if (status != SP_OK || soft.below == 0)
         return status;
-    status = sp_slicer_softest(z, soft.below, &soft, err);
-    return status == SP_OK ? sp_slicer_zeros(z, zeros, err) : status;
+    /* with more of their neighbours the softest modes are known better */
+    for (int64_t wanted = soft.below, more = 16;; wanted += more, more *= 4) {
+        wanted = wanted < z->modes ? wanted : z->modes;
+        status = sp_slicer_softest(z, wanted, &soft, err);
+        if (status == SP_OK)
+            status = sp_slicer_zeros(z, zeros, err);
+        if (status != SP_EREFUSED || wanted == z->modes || more > 64)
+            return status;
+    }
 }
 
 /* Modes in a band, and the numbers of all zero modes, which may lie below it. */
