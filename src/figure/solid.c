@@ -70,9 +70,13 @@ static void draw_grain(const view *v, const distant *d, const view_mark *mark) {
         sp_canvas_colour(v->c, at_distance(RIM_GREY, d->far));
         cairo_stroke(cr);
     }
+}
+
+static void draw_arrow(const view *v, const distant *d, const view_mark *mark) {
+    const double x = sp_view_x(v, sp_view_across(v, d->grain)), y = sp_view_y(v, sp_view_up(v, d->grain));
     sp_canvas_colour(v->c, at_distance(mark->ink, d->far));
-    cairo_set_line_width(cr, fmax(0.4, fmin(0.9, 0.08 * v->diameter * v->scale)));
-    sp_view_arrow(v, sp_view_x(v, x) - mark->from * mark->dx, y - mark->from * mark->dy, mark->dx, mark->dy);
+    cairo_set_line_width(v->c->cr, fmax(0.4, fmin(0.9, 0.08 * v->diameter * v->scale)));
+    sp_view_arrow(v, x - mark->from * mark->dx, y - mark->from * mark->dy, mark->dx, mark->dy);
 }
 
 /* The axes, as a small cross of arrows below the lower left corner. */
@@ -107,6 +111,8 @@ sp_status sp_view_draw_solid(const view *v, const view_mark *mark, sp_error *err
     sp_view_walls(v);
     for (int32_t k = 0; k < n; k++)
         draw_grain(v, &order[k], &mark[order[k].grain]);
+    for (int32_t k = 0; k < n; k++) /* above all grains: nearer ones would hide heads */
+        draw_arrow(v, &order[k], &mark[order[k].grain]);
     cairo_restore(v->c->cr);
     name_axes(v);
     sp_free(order);

@@ -145,8 +145,8 @@ static void add_comments(const arguments *a, const cli_file *file, const sp_mode
     cli_comment(w, "method = %s", m->solver == SP_SOLVER_DENSE ? "dense" : "sparse");
     /* no mode is missing between these two frequencies */
     cli_comment(w, "complete = %s:%s", sp_number_text(m->certified_from, from), sp_number_text(m->certified_to, to));
+    cli_comment(w, "solver = %s", cli_solver_names[m->solver]);
     if (m->solver != SP_SOLVER_DENSE) {
-        cli_comment(w, "solver = %s", cli_solver_names[m->solver]);
         cli_comment(w, "factors = %lld", (long long)m->factors);
         cli_comment(w, "solves = %lld", (long long)m->solves);
     }

@@ -13,7 +13,8 @@ static void add_responses(const sp_harmonic *h, cli_writer *w) {
                 NULL);
     for (int32_t l = 0; l < h->n && w->status == SP_OK; l++) {
         const sp_wave_fit *fit = &h->fit[l];
-        const double *f = h->f + 2 * l, speed = h->omega[l] / fit->k;
+        const bool travels = fit->k > 3 * fit->k_err; /* else it only decays, and has no speed */
+        const double *f = h->f + 2 * l, speed = travels ? h->omega[l] / fit->k : NAN;
         w->status =
             sp_table_add_row(w->table, w->err, h->omega[l], hypot(f[0], f[1]), f[0], f[1], h->error[l], fit->k,
                              fit->k_err, speed, speed * fit->k_err / fit->k, fit->alpha, fit->alpha_err, fit->misfit);

@@ -266,12 +266,15 @@ sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, co
 }
 
 /* The cost of LAPACK grows as n^3, that of slices as the number of modes times n, or somewhat faster: they meet where
- * modes n = n^3/REACH, measured with 411 to 2832 degrees of freedom. Without vectors LAPACK takes 2/5 of the time. */
+ * modes n = n^3/REACH, measured with 411 to 2832 degrees of freedom. Without vectors LAPACK takes 2/5 of the time. All
+ * vectors come from LAPACK somewhat longer: they are orthogonal to rounding, those of many slices to 1e-10. */
 static bool dense_is_faster(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *r) {
     const double n = (double)sp_network_dofs(net), reach = opt->vectors ? 2200 : 5500;
     if (is_all(net, r) && !opt->vectors)
         return !sp_modes_is_large(net);
-    return (is_all(net, r) ? n : (double)r->lowest) * reach > n * n;
+    if (is_all(net, r))
+        return n <= 5000;
+    return (double)r->lowest * reach > n * n;
 }
 
 sp_status sp_modes_make(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range, sp_modes *out,

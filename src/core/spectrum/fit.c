@@ -151,5 +151,10 @@ void sp_driven_fit(int32_t n, const double *y, const double *f, sp_wave_fit *out
     const bool decays = fabs(creal(q)) > 3 * error;
     if (decays ? creal(q) < 0 : cimag(q) < 0) /* the same two waves with exchanged roles */
         q = -q;
-    *out = (sp_wave_fit){.k = cimag(q), .k_err = error, .alpha = creal(q), .alpha_err = error, .misfit = p.rest / all};
+    const double period = 2 * PI / (y[1] - y[0]); /* planes see k and k + period alike */
+    *out = (sp_wave_fit){.k = cimag(q) > period ? fmod(cimag(q), period) : cimag(q),
+                         .k_err = error,
+                         .alpha = creal(q),
+                         .alpha_err = error,
+                         .misfit = p.rest / all};
 }

@@ -161,8 +161,9 @@ static sp_status check_errors(const harmonic_solver *b, int32_t l, const sp_harm
     }
     const double own = hypot(h->f[2 * l], h->f[2 * l + 1]), tolerance = b->options->tolerance;
     if (!(h->error[l] <= tolerance * fmax(own, 1e-6 * most)))
-        return sp_fail(err, SP_EREFUSED, "omega = %.10g: error bound %.3g of |F| = %.3g, must be at most %.2g of it%s",
-                       h->omega[l], h->error[l], own, tolerance,
+        return sp_fail(err, SP_EREFUSED,
+                       "omega = %.10g: |F| = %.3g with an error of up to %.3g, must be at most %.2g of |F|%s",
+                       h->omega[l], own, h->error[l], tolerance,
                        b->options->damping > 0 ? "" : " (a frequency of the undamped network is near)");
     if (!(error <= tolerance * most))
         return sp_fail(err, SP_EREFUSED, "omega = %.10g: error bound %.3g of forces up to %.3g, must be at most %.2g",
