@@ -39,6 +39,7 @@ RUNS = [
     (0, ["signal", "chain.h5", "--points", "200", "-o", "chain.tsv"]),
     (0, ["front", "chain.tsv"]),
     (0, ["modes", "chain.h5", "--all"]),
+    (0, ["modes", "cluster.txt", "--lowest", "2"]),
     (0, ["convert", "chain.h5", "chain.txt"]),
     (0, ["signal", "chain.txt", "--until", "40", "--points", "50"]),
     (0, ["convert", "chain.h5", "--grains", "grains.tsv", "--contacts", "contacts.tsv"]),
@@ -57,6 +58,24 @@ RUNS = [
     (2, ["pack", "wrong.cfg", "-o", "never.h5"]),
     (2, ["signal"]),
 ]
+
+
+def cluster():
+    """Smooth spheres in a cubic lattice, most of whose contacts are missing: motions of every kind that cost nothing."""
+    at = {(x, y, z): x + 3 * y + 9 * z for x in range(3) for y in range(3) for z in range(2)}
+    bulk, walls = [], []
+    for (x, y, z), i in at.items():
+        for n, j in (((1, 0, 0), at[(x + 1) % 3, y, z]), ((0, 1, 0), at[x, (y + 1) % 3, z]),
+                     ((0, 0, 1), at.get((x, y, z + 1), -2))):
+            if (i + n.index(1) + j) % 3 != 1:
+                (bulk if j >= 0 else walls).append((i, j, *n))
+        if z == 0:
+            walls.append((i, -1, 0, 0, -1))
+    top = sum(c[1] == -2 for c in walls)
+    lines = ["# packing: a cubic lattice", f"N 18 Lx 3 Ly 3 Lz 2 p 1e-4 mu 0 nu 0.3 contacts {len(bulk)} bottom 9 top {top}"]
+    lines += [f"{x + 0.5} {y + 0.5} {z + 0.5} 0.5 0" for x, y, z in sorted(at, key=at.get)]
+    lines += [" ".join(map(str, c)) + " 0.001 0.1 0 0 0" for c in bulk + walls]
+    return "\n".join(lines) + "\n"
 
 
 def sanitized(command):
@@ -82,6 +101,7 @@ def main():
         (scratch / "study.cfg").write_text(STUDY)
         (scratch / "flat.tsv").write_text("t\tF\n0\t0\n1\t0\n2\t0\n3\t0\n")
         shutil.copy(SOURCE / "packings/reference/packing_N200_p1e-4.txt", scratch / "reference.txt")
+        (scratch / "cluster.txt").write_text(cluster())
         (scratch / "wrong.cfg").write_text("packing = { presure = 1e-4; };\n")
         for status, arguments in RUNS:
             chain = scratch / "chain.h5"

@@ -114,7 +114,24 @@ def refusals():
     run("modes", PACKING, "--lowest", "0", status=2)
     assert names_all(run("modes", PACKING, "--band", "0:1", "--lowest", "3", status=2).stderr, "")
     assert names_all(run("modes", PACKING, "--lowest", "100000", status=2).stderr, "1")
+    run("modes", PACKING, "--solver", "none", "--lowest", "3", status=2)
+    run("modes", PACKING, "--solver", "arpack", "--stability", status=2)
     print("bad ranges are refused")
+
+
+def overwriting(folder):
+    """A packing is never replaced by vectors, nor vectors by a packing, and two outputs never share a file."""
+    packing, vectors, table = folder / "packing.h5", folder / "vectors.h5", folder / "one.tsv"
+    run("convert", PACKING, packing)
+    before = packing.read_bytes()
+    run("modes", packing, "--lowest", 2, "--vectors", packing, "--force", status=2)
+    assert packing.read_bytes() == before
+    run("modes", packing, "--lowest", 2, "--vectors", vectors)
+    before = vectors.read_bytes()
+    run("convert", PACKING, vectors, "--force", status=2)
+    assert vectors.read_bytes() == before
+    run("modes", packing, "--vectors", table, "--mode", 200, "-o", table, status=2)
+    assert not table.exists()
 
 
 with tempfile.TemporaryDirectory(prefix="sonopack-modes-") as name:
@@ -124,3 +141,4 @@ with tempfile.TemporaryDirectory(prefix="sonopack-modes-") as name:
     chain(pathlib.Path(name))
     lattice(pathlib.Path(name))
     refusals()
+    overwriting(pathlib.Path(name))

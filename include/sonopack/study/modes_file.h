@@ -36,6 +36,8 @@ typedef struct sp_modes_file {
 
 SP_API sp_modes_file sp_modes_file_none(void);
 SP_API void sp_modes_file_free(sp_modes_file *f);
+/* Whether there is a file of modes at this path: HDF5 with the group /modes. Its content is not checked. */
+SP_API bool sp_modes_file_looks(const char *path);
 /* Reads a file of modes and checks it. p: the packing; SP_EFORMAT if the modes are of another one. SP_EIO if the file
  * cannot be opened. SP_EFORMAT with the first fault: not a file of modes, truncated, wrong sizes, numbers out of range.
  * The network of p with made.network has the same grains in the same order. */

@@ -138,6 +138,8 @@ bool cli_stopped(void);
 /* Whether a file may be written. An existing file is replaced only with --force, and never by a file of another kind.
  * Call before the computation. */
 sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err);
+/* The same for a file of modes, or a table. */
+sp_status cli_may_write_modes(const cli_common *common, const char *path, sp_error *err);
 /* The same for the table in common->output, which may be NULL. */
 sp_status cli_may_write_table(const cli_common *common, sp_error *err);
 /* Prints the table, or writes it to common->output in the format of that ending. Adds a comment with the version. */

@@ -52,6 +52,8 @@ static sp_status check(void *user, sp_error *err) {
     if (a->vectors && (a->frequencies_only || a->stability || a->damping > 0))
         return sp_fail(err, SP_EINVAL,
                        "--vectors cannot be combined with --frequencies-only, --stability or --damping");
+    if (a->vectors && a->common.output && strcmp(a->vectors, a->common.output) == 0)
+        return sp_fail(err, SP_EINVAL, "--vectors and -o %s: must be two files", a->vectors);
     const sp_status vectors = modes_vectors_check(a->vectors, a->mode, err);
     if (vectors != SP_OK)
         return vectors;
@@ -202,7 +204,7 @@ static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err
 static sp_status begin(void *user, sp_table *t, sp_error *err) {
     const arguments *a = user;
     (void)t;
-    return a->vectors ? cli_may_write(&a->common, a->vectors, err) : SP_OK;
+    return a->vectors ? cli_may_write_modes(&a->common, a->vectors, err) : SP_OK;
 }
 
 int cmd_modes(int argc, char **argv) {

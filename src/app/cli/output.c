@@ -5,6 +5,8 @@
 #include "base/file.h"
 #include "store/packing_text.h"
 
+#include <sonopack/study/modes_file.h>
+
 #include <ctype.h>
 #include <errno.h>
 #include <stdarg.h>
@@ -89,7 +91,15 @@ static sp_status check_kind(const char *path, file_kind kind, sp_error *err) {
     return SP_OK;
 }
 
-sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err) {
+/* HDF5 holds packings, or modes. */
+static sp_status check_hdf5(const char *path, bool modes, sp_error *err) {
+    if (sp_modes_file_looks(path) == modes)
+        return SP_OK;
+    return sp_fail(err, SP_EINVAL, "%s: is %s, and is not replaced: choose another name", path,
+                   modes ? "no file of modes" : "a file of modes");
+}
+
+static sp_status may_write(const cli_common *common, const char *path, bool modes, sp_error *err) {
     file_kind kind = kind_by_ending(path);
     struct stat info;
     if (path[0] == '\0')
@@ -108,6 +118,8 @@ sp_status cli_may_write(const cli_common *common, const char *path, sp_error *er
                        path, ending_of(path));
     if (exists) {
         sp_status status = check_kind(path, kind, err);
+        if (status == SP_OK && info.st_size > 0 && (cli_has_ending(path, ".h5") || cli_has_ending(path, ".hdf5")))
+            status = check_hdf5(path, modes, err);
         if (status == SP_OK && !common->force)
             status = sp_fail(err, SP_EINVAL, "%s: exists already: choose another name, or use --force", path);
         if (status != SP_OK)
@@ -121,6 +133,14 @@ sp_status cli_may_write(const cli_common *common, const char *path, sp_error *er
                        SP_PATH_MAX);
     snprintf(folder, sizeof folder, "%.*s", length, slash ? path : ".");
     return sp_folder_probe(folder, err);
+}
+
+sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err) {
+    return may_write(common, path, false, err);
+}
+
+sp_status cli_may_write_modes(const cli_common *common, const char *path, sp_error *err) {
+    return may_write(common, path, true, err);
 }
 
 sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err) {

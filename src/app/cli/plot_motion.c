@@ -41,6 +41,8 @@ static sp_status make_network(drawing *d, const sp_network_options *options, sp_
 static sp_status find_row(const drawing *d, const sp_modes *m, int64_t *row, sp_error *err) {
     const int64_t number = d->what->number;
     *row = number < 0 ? m->n_zero : number - m->first;
+    if (m->n == 0)
+        return sp_fail(err, SP_EREFUSED, "there are no modes in it");
     if (number < 0 && m->n == m->n_zero)
         return sp_fail(err, SP_EREFUSED, "there are only zero modes");
     if (*row < 0 || *row >= m->n)

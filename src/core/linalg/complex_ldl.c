@@ -70,7 +70,7 @@ sp_status sp_complex_ldl_factor(sp_complex_ldl *f, const double *x, sp_error *er
     factor_panels(s, f->value, f->pivot, &f->memory);
     for (int64_t k = 0; k < s->n; k++) {
         const double re = __real__ f->pivot[k], im = __imag__ f->pivot[k];
-        if (!(fabs(re) + fabs(im) > 0) || !isfinite(re) || !isfinite(im))
+        if (!(fabs(re) + fabs(im) > 0) || !isfinite(re + im))
             return sp_fail(err, SP_EREFUSED, "the matrix is singular");
         f->inverse[k] = 1 / f->pivot[k];
     }

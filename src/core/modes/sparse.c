@@ -262,6 +262,9 @@ sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, co
     z.null_rows = range->zero || (range->lowest == 0 && range->from == 0);
     status = range->lowest > 0 ? lowest_table(&z, opt, range, out, err) : band_table(&z, opt, range, out, err);
     sp_slicer_free(&z);
+    if (status == SP_EREFUSED && sp_network_dofs(net) <= SMALL)
+        sp_fail_prefix(err, "%lld degrees of freedom are few for this solver, the solver dense finds all modes",
+                       (long long)sp_network_dofs(net));
     return status;
 }
 

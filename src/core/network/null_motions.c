@@ -71,7 +71,7 @@ static void add_stretches(const sp_network *net, const sp_spring *s, int columns
 /* Stores the null vectors of a grain; counts only while there is no memory for them. */
 static void keep_spins(maker *k, int32_t grain, const sp_triangle *t) {
     const double limit = SLACK * sp_network_omega_bound(k->net);
-    double value[DOFS], v[DOFS][DOFS];
+    double value[DOFS], v[DOFS][DOFS] = {{0}}; /* fewer degrees of freedom leave the rest 0 */
     if (sp_triangle_least(t) > limit)
         return;
     sp_triangle_values(t, value, v);

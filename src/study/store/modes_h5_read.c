@@ -88,6 +88,13 @@ static sp_status get_sizes(sp_h5 *h, const sp_packing *p, sp_modes_file *f, sp_e
     if ((!turns && !slides) || f->n < 1 || f->n > p->n || m->dofs != (int64_t)f->n * f->dof)
         return sp_h5_fail(h, err, SP_EFORMAT, "%d grains of %d with %d degrees of freedom, and %lld columns of vector",
                           f->n, p->n, f->dof, (long long)m->dofs);
+    const sp_zero_modes *z = &m->zero;
+    const bool counted = z->rattlers >= 0 && z->spins >= 0 && z->rigid >= 0 && z->mechanisms >= 0 && z->below >= 0 &&
+                         z->total == z->rattlers + z->spins + z->rigid + z->mechanisms;
+    if (!counted || m->n_zero > z->total || m->first > (int64_t)p->n * f->dof - m->n)
+        return sp_h5_fail(h, err, SP_EFORMAT,
+                          "%lld modes from number %lld on, of %d grains, and %lld zero modes: a count is wrong",
+                          (long long)m->n, (long long)m->first, p->n, (long long)z->total);
     if (m->n_rattler < 0 || m->n_rattler > m->n_zero || m->n_zero > m->n || m->first < 0 || m->on_edge < 0 ||
         vectors.dim[0] != m->n - m->n_rattler)
         return sp_h5_fail(h, err, SP_EFORMAT,
@@ -155,6 +162,14 @@ static sp_status check_columns(sp_h5 *h, const sp_modes_file *f, const sp_packin
             return sp_h5_fail(h, err, SP_EFORMAT, "%s[%lld] is %g; must be positive", sp_modes_name_mass.path,
                               (long long)k, f->mass[k]);
     return SP_OK;
+}
+
+bool sp_modes_file_looks(const char *path) {
+    sp_h5 h;
+    sp_error reason = {0};
+    const bool opened = sp_h5_open(&h, path, &reason) == SP_OK, looks = opened && sp_h5_has(&h, "/modes");
+    sp_h5_close(&h);
+    return looks;
 }
 
 sp_status sp_modes_file_read(const char *path, const sp_packing *p, sp_modes_file *out, sp_error *err) {
