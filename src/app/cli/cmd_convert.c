@@ -91,7 +91,7 @@ static bool writes_tables(const arguments *a) { return a->in && a->grains; }
 
 static sp_status check_output(const arguments *a, sp_error *err) {
     sp_status status = SP_OK;
-    if (a->out && !cli_has_ending(a->out, ".h5") && !cli_has_ending(a->out, ".hdf5") && !cli_has_ending(a->out, ".txt"))
+    if (a->out && !cli_is_hdf5(a->out) && !cli_has_ending(a->out, ".txt"))
         return sp_fail(err, SP_EINVAL, "%s: its ending must be .h5 or .txt", a->out);
     if (a->out)
         status = cli_may_write(&a->common, a->out, err);

@@ -213,7 +213,7 @@ static sp_status make_and_save(compression *c, const sp_packing *from, sp_packin
 
 static sp_status work(const arguments *a, sp_scene *scene, sp_packing *p, sp_error *err) {
     const char *path = a->common.output;
-    if (!cli_has_ending(path, ".txt") && !cli_has_ending(path, ".h5") && !cli_has_ending(path, ".hdf5"))
+    if (!cli_has_ending(path, ".txt") && !cli_is_hdf5(path))
         return sp_fail(err, SP_EINVAL, "-o %s: the ending of a packing must be .h5 or .txt", path);
     if (!cli_has_ending(path, ".txt"))
         sp_hdf5_load();

@@ -6,13 +6,11 @@
 
 #include <sonopack/study/modes_file.h>
 
-static bool is_hdf5(const char *path) { return cli_has_ending(path, ".h5") || cli_has_ending(path, ".hdf5"); }
-
 sp_status modes_vectors_check(const char *path, int64_t mode, sp_error *err) {
     if (!path)
         return mode < 0 ? SP_OK : sp_fail(err, SP_EINVAL, "--mode %lld: needs --vectors FILE", (long long)mode);
     const bool table = cli_has_ending(path, ".tsv") || cli_has_ending(path, ".csv") || cli_has_ending(path, ".json");
-    if (!is_hdf5(path) && !table)
+    if (!cli_is_hdf5(path) && !table)
         return sp_fail(err, SP_EINVAL,
                        "--vectors %s: the ending must be .h5, or .tsv, .csv or .json for one mode by --mode N", path);
     if (table && mode < 0)
@@ -50,7 +48,7 @@ static sp_status write_one(const cli_common *common, const cli_file *file, const
 sp_status modes_vectors(const cli_common *common, const cli_file *file, const sp_modes *m, sp_source source,
                         int64_t mode, const char *path, sp_error *err) {
     const sp_modes_made made = {.network = file->scene->network, .source = source};
-    if (!is_hdf5(path))
+    if (!cli_is_hdf5(path))
         return write_one(common, file, m, mode, path, err);
     return sp_modes_save(m, &file->packing, &file->network, &made, path, err);
 }

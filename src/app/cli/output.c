@@ -91,6 +91,8 @@ static sp_status check_kind(const char *path, file_kind kind, sp_error *err) {
     return SP_OK;
 }
 
+bool cli_is_hdf5(const char *path) { return cli_has_ending(path, ".h5") || cli_has_ending(path, ".hdf5"); }
+
 /* HDF5 holds packings, or modes. */
 static sp_status check_hdf5(const char *path, bool modes, sp_error *err) {
     if (sp_modes_file_looks(path) == modes)
@@ -118,7 +120,7 @@ static sp_status may_write(const cli_common *common, const char *path, bool mode
                        path, ending_of(path));
     if (exists) {
         sp_status status = check_kind(path, kind, err);
-        if (status == SP_OK && info.st_size > 0 && (cli_has_ending(path, ".h5") || cli_has_ending(path, ".hdf5")))
+        if (status == SP_OK && info.st_size > 0 && cli_is_hdf5(path))
             status = check_hdf5(path, modes, err);
         if (status == SP_OK && !common->force)
             status = sp_fail(err, SP_EINVAL, "%s: exists already: choose another name, or use --force", path);

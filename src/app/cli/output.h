@@ -6,6 +6,7 @@
 
 /* Whether a file name has this ending, as in ".h5". Upper case and lower case are the same. */
 bool cli_has_ending(const char *path, const char *ending);
+bool cli_is_hdf5(const char *path); /* .h5 or .hdf5 */
 /* Reads the packing that packing.file names, and sets what the scene takes from it. */
 sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err);
 /* Prints text on stdout. */

@@ -201,8 +201,9 @@ sp_status sp_arpack(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_l
     sp_lanczos_pairs found = {0};
     sp_status status = SP_OK;
     int64_t outside = 0;
-    /* the error of a soft mode is to be small beside the mode itself, as in sp_lanczos */
-    z.tolerance = spec->tolerance * fmin(1, fmax(spec->floor, isfinite(spec->low) ? fabs(spec->low) : 0) / span);
+    /* the error of a soft mode is to be small beside the mode itself, as in sp_lanczos; the softest matters most */
+    const double softest = fmax(spec->low, -spec->floor), apart = sigma - softest;
+    z.tolerance = spec->tolerance * (apart > 0 ? fmin(1, fmax(spec->floor, fabs(softest)) / apart) : 0.5);
     z.tolerance = fmax(z.tolerance, 4 * DBL_EPSILON);
     for (int round = 0; status == SP_OK && found.count < spec->wanted; round++) {
         const int64_t before = found.count, left = spec->wanted - before;

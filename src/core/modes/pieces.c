@@ -22,7 +22,8 @@ typedef struct division {
     const sp_network *net;
     slicer edges; /* finds the edges of the pieces */
     piece *piece; /* [capacity] ascending */
-    int64_t count, capacity;
+    int64_t count;
+    size_t capacity;
     sp_ritz *ritz;     /* [dofs] null motions, then the modes of all pieces */
     int64_t front;     /* null motions */
     atomic_llong next; /* the next piece to be solved */
@@ -36,17 +37,10 @@ bool sp_modes_is_large(const sp_network *net) {
 static sp_status add_piece(division *d, slice_edge a, slice_edge b, sp_error *err) {
     if (b.below == a.below)
         return SP_OK;
-    if (d->count == d->capacity) {
-        const int64_t capacity = 2 * d->capacity + 16;
-        piece *larger = sp_alloc((size_t)capacity, sizeof *larger);
-        if (!larger)
-            return sp_fail_memory(err, (size_t)capacity * sizeof *larger);
-        if (d->count > 0)
-            memcpy(larger, d->piece, (size_t)d->count * sizeof *larger);
-        sp_free(d->piece);
-        d->piece = larger;
-        d->capacity = capacity;
-    }
+    piece *larger = sp_grow(d->piece, (size_t)d->count + 1, &d->capacity, sizeof *larger);
+    if (!larger)
+        return sp_fail_memory(err, ((size_t)d->count + 1) * sizeof *larger);
+    d->piece = larger;
     d->piece[d->count++] = (piece){.a = a, .b = b};
     return SP_OK;
 }

@@ -5,8 +5,6 @@
 #include "base/file.h"
 
 #include <sonopack/version.h>
-#include <stdio.h>
-#include <string.h>
 
 #define FREQUENCY "sqrt(E* / rho)/d"
 
@@ -196,14 +194,6 @@ static sp_status put_all(sp_h5 *h, const sp_modes *m, const sp_packing *p, const
     return status == SP_OK ? sp_h5_end_draft(h, err) : status;
 }
 
-/* Removes what killed processes left: these files are large. */
-static void clean_folder(const char *path) {
-    char folder[SP_PATH_MAX];
-    const char *slash = strrchr(path, '/');
-    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
-    sp_folder_clean(folder);
-}
-
 sp_status sp_modes_save(const sp_modes *m, const sp_packing *p, const sp_network *net, const sp_modes_made *made,
                         const char *path, sp_error *err) {
     sp_draft draft;
@@ -211,8 +201,6 @@ sp_status sp_modes_save(const sp_modes *m, const sp_packing *p, const sp_network
     sp_status status = check(m, p, net, err);
     if (status == SP_OK)
         status = sp_draft_begin(path, &draft, err);
-    if (status == SP_OK)
-        clean_folder(path);
     if (status != SP_OK)
         return status;
     status = sp_h5_create_draft(&h, draft.fd, path, err);
