@@ -18,9 +18,9 @@ typedef struct arguments {
 
 static const cli_option options[] = {
     {"window", "T", "Search for the front only up to time T", CLI_NUMBER, .field = offsetof(arguments, window),
-     .low = 1e-9, .high = 1e12},
+     .low = 1e-9, .high = 1e12, .unit = "d/sqrt(E* / rho)"},
     {"distance", "D", "Distance from source to detector (the height)", CLI_NUMBER,
-     .field = offsetof(arguments, distance), .high = 1e12},
+     .field = offsetof(arguments, distance), .high = 1e12, .unit = "d"},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall, for packings (impulse)", CLI_CHOICE,
      .field = offsetof(arguments, source), .words = cli_source_names},
     {"column", "NAME|N",
@@ -41,6 +41,7 @@ static const cli_syntax syntax = {
         "columns F1, F2, ... gives one row for each; the distance of a plane is its height. A speed needs two "
         "distances: (D2 - D1)/(t10_2 - t10_1). One distance over its time is biased. A unit is shown only if all "
         "files have the same one.",
+    .finds_material = true,
     .options = options,
     .file_name = "packing or trace",
     .files_min = 1,
@@ -57,10 +58,12 @@ static const char *const time_unit = "d/sqrt(E* / rho)"; /* of packings and thei
 
 /* ---- packings --------------------------------------------------------------------------------------------------- */
 
-static sp_status packing_front(const arguments *a, const cli_file *file, arrival *out, sp_error *err) {
+static sp_status packing_front(arguments *a, const cli_file *file, arrival *out, sp_error *err) {
     sp_packing p;
     sp_network net;
     sp_status status = cli_read_network(file->path, &file->scene->network, &p, &net, err);
+    if (status == SP_OK)
+        status = cli_take_material(a, &p.material, file->path, err);
     if (status == SP_OK) {
         *out = (arrival){.distance = sp_packing_height(&p), .length = "d", .force = "E* d^2"};
         snprintf(out->time, sizeof out->time, "%s", time_unit);
@@ -125,7 +128,7 @@ static sp_status trace_front(const arguments *a, const char *path, const sp_tabl
     *out = (arrival){.distance = distance_of(t, t->column[force].name, s.height)};
     snprintf(out->time, sizeof out->time, "%s", s.t_unit);
     snprintf(out->force, sizeof out->force, "%s", s.f_unit);
-    snprintf(out->length, sizeof out->length, "%s", s.foreign ? "" : "d");
+    snprintf(out->length, sizeof out->length, "%s", s.length_unit);
     status = sp_front_find(s.n, s.t, s.f, &rule, &out->front, err);
     if (status != SP_OK)
         sp_fail_prefix(err, "%s", path);
@@ -172,9 +175,35 @@ static void add_notes(const arguments *a, const char *path, bool packing, const 
             path, (long long)f->crossings);
 }
 
+/* Converts a number and its unit, if the unit is ours. */
+static void to_si(const sp_material *m, double *value, char unit[SP_UNIT_TEXT]) {
+    double factor;
+    char si[SP_UNIT_TEXT];
+    if (sp_unit_is_ours(unit) && sp_unit_to_si(unit, m, &factor, si, NULL) == SP_OK) {
+        *value *= factor;
+        snprintf(unit, SP_UNIT_TEXT, "%s", si);
+    }
+}
+
+/* Each file by itself: some may be in SI already, and a column has one unit. */
+static void arrival_to_si(const sp_material *m, arrival *one) {
+    double *const time[] = {&one->front.t10, &one->front.t_peak, &one->front.t_zero, &one->front.width};
+    for (size_t k = 0; k < sizeof time / sizeof *time; k++) {
+        char unit[SP_UNIT_TEXT];
+        snprintf(unit, sizeof unit, "%s", one->time);
+        to_si(m, time[k], unit);
+        if (k + 1 == sizeof time / sizeof *time)
+            snprintf(one->time, sizeof one->time, "%s", unit);
+    }
+    to_si(m, &one->front.amplitude, one->force);
+    to_si(m, &one->distance, one->length);
+}
+
 static sp_status add_front(const arguments *a, const char *name, bool packing, arrival *m, sp_table *t, sp_error *err) {
     if (!isnan(a->distance))
         m->distance = a->distance;
+    if (a->common.units == CLI_UNITS_SI && cli_material(&a->common))
+        arrival_to_si(cli_material(&a->common), m);
     const sp_front *f = &m->front;
     add_notes(a, name, packing, f);
     const sp_status status =
@@ -209,7 +238,7 @@ static sp_status add_signals(const arguments *a, cli_file *file, const sp_table 
 }
 
 static sp_status add_file(void *user, cli_file *file, sp_table *t, sp_error *err) {
-    const arguments *a = user;
+    arguments *a = user;
     sp_table read = sp_table_none();
     arrival m;
     bool packing = false;
@@ -220,6 +249,8 @@ static sp_status add_file(void *user, cli_file *file, sp_table *t, sp_error *err
     }
     if (status == SP_OK)
         status = sp_table_read(file->path, &read, err);
+    if (status == SP_OK)
+        status = cli_take_table_material(a, &read, file->path, err);
     if (status == SP_OK)
         status = add_signals(a, file, &read, t, err);
     sp_table_free(&read);

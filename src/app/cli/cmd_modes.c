@@ -123,6 +123,7 @@ static const cli_syntax syntax = {
         "\n"
         "With --damping, F(t) = sum of exp(-decay t) (cosine cos(omega t) + sine sin(omega t)). Each conjugate pair "
         "has one row, each overdamped mode a row with omega = 0; n starts at 0 without rattlers.",
+    .finds_material = true,
     .options = options,
     .file_name = "packing",
     .files_min = 1,

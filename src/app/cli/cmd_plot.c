@@ -372,6 +372,7 @@ static const cli_syntax syntax = {
         "modes: omega^2 and a b against n, from a table of `sonopack modes'.\n"
         "\n"
         "--set changes keys of network and signal.",
+    .finds_material = true,
     .options = options,
     .kinds = kind_names,
     .kind_name = "kind of figure",
