@@ -140,16 +140,16 @@ sp_status cli_set_material(void *arguments, const char *text, sp_error *err);
 bool cli_keep_quantity(cli_common *common, const cli_option *option, const char *text);
 /* Gives the kept options their values. SP_EINVAL names the option. */
 sp_status cli_set_quantities(void *arguments, const sp_material *m, sp_error *err);
-/* The material of a file or of the scene, which may be unknown (young = 0); --material is stronger. Sets the options that
- * wait for it. SP_EINVAL if one of them, or --units si, needs a material and there is none, or not the same one in all
- * files. `arguments` begin with a cli_common. */
+/* The material of a file or of the scene, which may be unknown (young = 0); --material is stronger. Sets the options
+ * that wait for it. SP_EINVAL if one of them, or --units si, needs a material and there is none, or not the same one in
+ * all files. `arguments` begin with a cli_common. */
 sp_status cli_take_material(void *arguments, const sp_material *m, const char *from, sp_error *err);
 /* The same of a table's comment "material = ...". */
 sp_status cli_take_table_material(void *arguments, const sp_table *t, const char *from, sp_error *err);
 /* What counts: --material, else the one that was found; NULL if it is not known. */
 const sp_material *cli_material(const cli_common *common);
-/* Converts a table with --units si; otherwise it only gets the comment "material = ...", if the material is known and the
- * table has units that it explains. */
+/* Converts a table with --units si; otherwise it only gets the comment "material = ...", if the material is known and
+ * the table has units that it explains. */
 sp_status cli_convert_table(const cli_common *common, sp_table *t, sp_error *err);
 /* sp_scene_read with the overrides of --set, and with the material of --material. */
 sp_status cli_read_scene(const cli_common *common, const char *path, sp_scene *out, sp_error *err);

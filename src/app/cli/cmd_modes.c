@@ -161,7 +161,8 @@ static void add_columns(bool vectors, cli_writer *w) {
     cli_columns(w, SP_CELL_INTEGER, "n", "", NULL);
     cli_columns(w, SP_CELL_NUMBER, "omega", MODES_FREQUENCY, NULL);
     if (vectors)
-        cli_columns(w, SP_CELL_NUMBER, "a", "", "b", "", "ab", "E* d^2", "participation", "", NULL);
+        cli_columns(w, SP_CELL_NUMBER, "a", "d sqrt(rho d^3)", "b", "E* d/sqrt(rho d^3)", "ab", "E* d^2",
+                    "participation", "", NULL);
     cli_columns(w, SP_CELL_NUMBER, "error", MODES_FREQUENCY, NULL);
 }
 

@@ -165,10 +165,11 @@ sp_status cli_read_scene(const cli_common *common, const char *path, sp_scene *o
 void cli_note_material(const cli_common *common, const sp_scene *scene) {
     const sp_material *m = is_known(&common->material) ? &common->material : &scene->material;
     if (is_known(m) && (m->poisson < scene->pack.poisson || m->poisson > scene->pack.poisson))
-        cli_note(common,
-                 "warning: material.nu = %g, but packing.poisson = %g: the tangential stiffnesses of the packing are of "
-                 "another material",
-                 m->poisson, scene->pack.poisson);
+        cli_note(
+            common,
+            "warning: material.nu = %g, but packing.poisson = %g: the tangential stiffnesses of the packing are of "
+            "another material",
+            m->poisson, scene->pack.poisson);
 }
 
 /* ---- tables ----------------------------------------------------------------------------------------------------- */
@@ -183,10 +184,12 @@ static bool has_own_units(const sp_table *t) {
 sp_status cli_convert_table(const cli_common *common, sp_table *t, sp_error *err) {
     const sp_material *m = cli_material(common);
     char text[SP_MATERIAL_TEXT];
+    if (common->units == CLI_UNITS_SI && m)
+        return sp_table_to_si(t, m, err);
     if (!has_own_units(t))
         return SP_OK;
     if (common->units == CLI_UNITS_SI)
-        return m ? sp_table_to_si(t, m, err) : no_material("--units si", "this table", err);
+        return no_material("--units si", "this table", err);
     if (!m || sp_table_get_text(t, "material"))
         return SP_OK;
     return sp_table_set_text(t, "material", sp_material_text(m, text), err);

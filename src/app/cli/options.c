@@ -80,8 +80,8 @@ static const cli_option common_options[] = {
     {"set", "KEY=VALUE", "Override a key of the scene (repeatable; see `sonopack help scene')", .parse = add_set},
     {"units", "own|si", "Units of tables: own, in d, E* and rho, or SI, for which a material is needed (own)",
      .parse = set_units},
-    {"material", "E=..,nu=..,rho=..,d=..", "Material of the grains, in Pa, kg/m^3 and m, instead of that of scene or file",
-     .parse = cli_set_material},
+    {"material", "E=..,nu=..,rho=..,d=..",
+     "Material of the grains, in Pa, kg/m^3 and m, instead of that of scene or file", .parse = cli_set_material},
     {"threads", "N", "Number of threads (one per core)", .parse = set_threads},
     {"quiet", NULL, "Print no messages and no progress", .parse = set_quiet, .letter = 'q'},
     {"verbose", NULL, "Print more messages", .parse = set_verbose, .letter = 'v'},
@@ -256,7 +256,8 @@ bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *n
 
 sp_status cli_scene_of_sets(const cli_common *common, const char *groups, sp_scene *out, sp_error *err) {
     for (int k = 0; k < common->sets; k++)
-        if (strncmp(common->set[k], "material.", 9) != 0 && !has_word(groups, common->set[k], strcspn(common->set[k], ".")))
+        if (strncmp(common->set[k], "material.", 9) != 0 &&
+            !has_word(groups, common->set[k], strcspn(common->set[k], ".")))
             return sp_fail(err, SP_EINVAL, "--set %.60s: this command takes only keys of the group %s", common->set[k],
                            groups);
     sp_status status = cli_read_scene(common, NULL, out, err);

@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "cli/output.h"
+#include "cli/plot_units.h"
 #include "store/packing_text.h"
 
 #include <errno.h>
@@ -112,7 +113,15 @@ static sp_status read_csv(const char *path, sp_table *out, sp_error *err) {
 }
 
 sp_status plot_read_table(const char *path, sp_table *out, sp_error *err) {
-    return cli_has_ending(path, ".csv") ? read_csv(path, out, err) : sp_table_read(path, out, err);
+    sp_table t = sp_table_none();
+    sp_status status = cli_has_ending(path, ".csv") ? read_csv(path, &t, err) : sp_table_read(path, &t, err);
+    if (status == SP_OK)
+        status = plot_units_convert(&t, err);
+    if (status == SP_OK)
+        *out = t;
+    else
+        sp_table_free(&t);
+    return status;
 }
 
 /* ---- signals ---------------------------------------------------------------------------------------------------- */
@@ -131,6 +140,24 @@ sp_status plot_is_packing(const char *path, bool *yes, sp_error *err) {
     head[size] = '\0';
     *yes = strlen(head) < size || sp_packing_text_looks(head);
     return SP_OK;
+}
+
+/* Where figures are in SI, turns the signal of a packing into SI too. */
+static void to_si(plot_signal *s) {
+    const sp_material *m = plot_units_material();
+    double time, force, length;
+    char unit[SP_UNIT_TEXT];
+    if (!m || sp_unit_to_si("d/sqrt(E* / rho)", m, &time, s->t_unit, NULL) != SP_OK ||
+        sp_unit_to_si("E* d^2", m, &force, s->f_unit, NULL) != SP_OK ||
+        sp_unit_to_si("d", m, &length, unit, NULL) != SP_OK)
+        return;
+    for (int64_t k = 0; k < s->n; k++) {
+        s->t[k] *= time;
+        s->f[k] *= force;
+    }
+    s->window *= time;
+    s->distance *= length;
+    s->foreign = true;
 }
 
 static sp_status packing_signal(const char *path, const sp_scene *scene, plot_signal *out, sp_error *err) {
@@ -153,6 +180,7 @@ static sp_status packing_signal(const char *path, const sp_scene *scene, plot_si
         memcpy(t + signal.n, signal.f, (size_t)signal.n * sizeof *t);
         *out = (plot_signal){.n = signal.n, .t = t, .f = t + signal.n, .window = window};
         out->distance = sp_packing_height(&p);
+        to_si(out);
     } else if (status == SP_OK) {
         status = sp_fail_memory(err, (size_t)signal.n * 2 * sizeof *t);
     } else {

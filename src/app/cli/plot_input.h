@@ -16,9 +16,9 @@ sp_status plot_is_packing(const char *path, bool *yes, sp_error *err);
 
 typedef struct plot_signal {
     int64_t n;
-    double *t, *f; /* one block, t its start */
-    double window; /* the first front is searched for up to this time; 0: everywhere */
-    bool foreign;  /* the times are not in d/sqrt(E* / rho) */
+    double *t, *f;           /* one block, t its start */
+    double window;           /* the first front is searched for up to this time; 0: everywhere */
+    bool foreign;            /* the times are not in d/sqrt(E* / rho) */
     const char *length_unit; /* of height and distance; "": unknown */
     char t_unit[sizeof((sp_column *)0)->unit], f_unit[sizeof((sp_column *)0)->unit]; /* "": unknown */
     double height;                                                                   /* of the packing; NAN: unknown */

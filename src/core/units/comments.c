@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TIME "d/sqrt(E* / rho)"
-#define RATE "sqrt(E* / rho)/d"
+#define TIME  "d/sqrt(E* / rho)"
+#define RATE  "sqrt(E* / rho)/d"
 #define SPEED "sqrt(E* / rho)"
 
 static const char *const forms[] = {

@@ -193,24 +193,10 @@ double sp_unit_ratio(const sp_unit *a, const sp_unit *b, const sp_material *m) {
 }
 
 /* The units of tables in SI, one for each dimension. */
-static const char *const si_units[] = {"mm",
-                                       "us",
-                                       "m/s",
-                                       "rad/s",
-                                       "N",
-                                       "kPa",
-                                       "mg",
-                                       "1/mm",
-                                       "m/s^2",
-                                       "rad^2/s^2",
-                                       "N/m",
-                                       "N us",
-                                       "mg mm^2",
-                                       "mg/mm^2",
-                                       "1/sqrt(mg)",
-                                       "1/(sqrt(mg) mm)",
-                                       "mm sqrt(mg)",
-                                       "N/(m sqrt(mg))"};
+static const char *const si_units[] = {
+    "mm",      "us",      "m/s",        "rad/s",           "N",           "kPa",
+    "mg",      "1/mm",    "m/s^2",      "rad^2/s^2",       "N/m",         "N us",
+    "mg mm^2", "mg/mm^2", "1/sqrt(mg)", "1/(sqrt(mg) mm)", "mm sqrt(mg)", "N/(m sqrt(mg))"};
 
 const char *sp_unit_si(const sp_unit *u) {
     sp_unit si;
@@ -239,7 +225,7 @@ sp_status sp_unit_to_si(const char *unit, const sp_material *m, double *factor, 
 static const char *example_of(const sp_unit *u) {
     static const struct {
         const char *unit, *text;
-    } examples[] = {{"E*", "\"100 kPa\""},       {"d", "\"20 mm\""},      {"d/sqrt(E* / rho)", "\"50 us\""},
+    } examples[] = {{"E*", "\"100 kPa\""},           {"d", "\"20 mm\""},         {"d/sqrt(E* / rho)", "\"50 us\""},
                     {"E* / (rho d)", "\"1 m/s^2\""}, {"rho d", "\"30 kg/m^2\""}, {"sqrt(E* / rho)/d", "\"1e5 rad/s\""}};
     sp_unit unit;
     for (size_t k = 0; k < sizeof examples / sizeof *examples; k++)
@@ -265,7 +251,8 @@ sp_status sp_quantity_read(const char *text, const char *unit, const sp_material
     const size_t length = strspn(text, "0123456789+-.eE");
     const char *rest = text + length + strspn(text + length, " ");
     if (!sp_unit_read(unit, &ours))
-        return sp_fail(err, SP_EINVAL, "\"%.40s\": must be a number without quotes%s%s", text, *unit ? ", in " : "", unit);
+        return sp_fail(err, SP_EINVAL, "\"%.40s\": must be a number without quotes%s%s", text, *unit ? ", in " : "",
+                       unit);
     const char *example = example_of(&ours);
     snprintf(number, sizeof number, "%.*s", (int)(length < 63 ? length : 63), text);
     if (length > 63 || !sp_word_number(number, &value) || !isfinite(value))

@@ -1,5 +1,5 @@
-#ifndef SP_UNIT_H
-#define SP_UNIT_H
+#ifndef SP_UNITS_UNIT_H
+#define SP_UNITS_UNIT_H
 /* A unit as powers of its symbols. All powers are twice what they are, because of square roots. */
 
 #include <sonopack/units.h>

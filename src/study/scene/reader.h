@@ -29,8 +29,8 @@ typedef struct sp_reader {
 sp_status sp_reader_wrong(const sp_reader *r, const sp_field *f, const config_setting_t *setting);
 /* False for a setting that is no number. */
 bool sp_reader_number(const config_setting_t *setting, sp_number *out);
-/* A number, or a string with a number and a unit, which becomes a number in the unit of the field. Fails with the key for
- * other settings. */
+/* A number, or a string with a number and a unit, which becomes a number in the unit of the field. Fails with the key
+ * for other settings. */
 sp_status sp_reader_quantity(const sp_reader *r, const sp_field *f, const config_setting_t *setting, sp_number *out);
 /* A number in the range of its field. */
 sp_status sp_reader_checked_number(sp_reader *r, const sp_field *f, const config_setting_t *setting, sp_number *out);
