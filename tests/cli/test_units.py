@@ -12,7 +12,7 @@ import tempfile
 
 
 
-COMMAND = pathlib.Path(sys.argv[1]).resolve()
+COMMAND, SOURCE = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
 E, NU, RHO, D = 70e9, 0.22, 2500.0, 1e-3
 MATERIAL = "E=70e9,nu=0.22,rho=2500,d=1e-3"
 GROUP = "material = { E = 70e9; nu = 0.22; rho = 2500; d = 1e-3; };\n"
@@ -31,9 +31,9 @@ FACTORS = {"d": ("mm", D * 1e3), "1/d": ("1/mm", 1e-3 / D), "E*": ("kPa", MODULU
            "E* d/sqrt(rho d^3)": ("N/(m sqrt(mg))", MODULUS * D * (MASS * 1e6) ** -0.5)}
 SI = {si: factor for si, factor in FACTORS.values()}
 # columns and comments of numbers that have no dimension, and of texts
-PLAIN = re.compile(r"""file|reason|verdict|branch|polarization|ok|failed|name|seed|dimension|grains?|samples|left_out|modes|steps|
+PLAIN = re.compile(r"""file|probe|reason|verdict|branch|polarization|ok|failed|name|seed|dimension|grains?|samples|left_out|modes|steps|
     n|n1|n2|made|lost|sliding|rattlers|negative|flutter|zero|z_star|friction|strain|part|participation|share|min|max|sd|misfit|
-    overlap|ratio|alpha|alpha_err|alpha_peak|alpha_peak_err|gamma|gamma_err|speed_over_c_l|C\d\d_(sine|lines)\d_ratio(_\w+)?|
+    overlap|ratio|alpha|alpha_err|alpha_peak|alpha_peak_err|gamma|gamma_err|speed_over_c_l|C\d\d_((sine|lines)\d_)?ratio(_\w+)?|
     (Phi2|Phi3s?|zs|f0|N_over_p|Z2|Z3|F2S?|s1_over_s2|s[13]2_over_s2|mobilised)(_(sd|err|low|high))?|
     force|torque|walls|law|geometry|coulomb|residual""".replace("\n    ", ""))
 NUMBER = r"[-+]?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan)"
@@ -196,7 +196,19 @@ def check_study(folder):
     assert one.rows == two.rows and one.comments != two.comments, "speeds do not depend on d, times and lengths do"
 
 
+def check_sources():
+    """Every unit that the sources name is one of those above, or of stored files and scenes (tests/unit/test_units.c)."""
+    elsewhere = {"E* d", "rho d", "rho d^3", "rho d^5", "d / sqrt(E* / rho)", "sqrt(E* / rho) / d"}
+    found = set()
+    for path in sorted((SOURCE / "src").rglob("*")):
+        if path.suffix in (".c", ".h", ".inc") and "src/tapped" not in str(path):
+            found |= set(re.findall(r'"((?:modes )?(?=[^"]*(?:E\*|rho|\bd\b))(?:E\*|rho|sqrt|d|[ ()/^0-9])+)"', path.read_text()))
+    found = {text for text in found if re.search(r"E\*|rho|^d$|^1/d$", text)}
+    assert len(found) > 12 and found <= FACTORS.keys() | elsewhere, found - FACTORS.keys() - elsewhere
+
+
 def main():
+    check_sources()
     with tempfile.TemporaryDirectory(prefix="sonopack-units-") as name:
         folder = pathlib.Path(name)
         check_commands(folder)

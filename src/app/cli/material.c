@@ -121,14 +121,12 @@ sp_status cli_take_material(void *arguments, const sp_material *m, const char *f
         common->found_in = from;
         return SP_OK;
     }
-    if (is_known(&common->found) && !is_same(m, &common->found)) {
+    if (!is_known(m) && si)
+        return no_material("--units si", from, err);
+    if (is_known(&common->found) && !is_same(m, &common->found) && si)
+        return differ(common, from, err);
+    if (!is_known(m) || (is_known(&common->found) && !is_same(m, &common->found))) {
         common->mixed = true;
-        return si ? differ(common, from, err) : SP_OK;
-    }
-    if (!is_known(m)) {
-        common->mixed = true; /* with files that have one */
-        if (si)
-            return no_material("--units si", from, err);
         return cli_set_quantities(arguments, m, err);
     }
     if (!is_known(&common->found))

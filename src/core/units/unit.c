@@ -172,24 +172,29 @@ bool sp_unit_same_dimension(const sp_unit *a, const sp_unit *b) {
     return memcmp(x, y, sizeof x) == 0;
 }
 
-/* x^(half/2) by products and one root, which round the same on every machine. */
-static double half_power(double x, int half) {
-    const int n = abs(half);
-    double product = 1;
-    for (int k = 0; k < n / 2; k++)
-        product *= x;
-    if (n % 2)
-        product *= sqrt(x);
-    return half < 0 ? 1 / product : product;
+/* A product of powers as a fraction, and as a fraction under one root: products, quotients and roots round the same on
+ * every machine, and round values stay round. */
+typedef struct fraction {
+    double above, below, root_above, root_below;
+} fraction;
+
+/* Multiplies with x^(half/2). */
+static void times_power(fraction *f, double x, int half) {
+    for (int k = 0; k < abs(half) / 2; k++)
+        *(half > 0 ? &f->above : &f->below) *= x;
+    if (half % 2 != 0)
+        *(half > 0 ? &f->root_above : &f->root_below) *= x;
 }
 
-double sp_unit_ratio(const sp_unit *a, const sp_unit *b, const sp_material *m) {
-    double ratio = 1;
-    if (sp_unit_needs_material(a) || sp_unit_needs_material(b))
-        ratio = half_power(sp_material_modulus(m), a->modulus - b->modulus) *
-                half_power(m->density, a->density - b->density) * half_power(m->diameter, a->diameter - b->diameter);
-    const int ten = a->ten - b->ten;
-    return ten < 0 ? ratio / half_power(10, -ten) : ratio * half_power(10, ten);
+double sp_unit_convert(double value, const sp_unit *a, const sp_unit *b, const sp_material *m) {
+    fraction f = {value, 1, 1, 1};
+    if (sp_unit_needs_material(a) || sp_unit_needs_material(b)) {
+        times_power(&f, sp_material_modulus(m), a->modulus - b->modulus);
+        times_power(&f, m->density, a->density - b->density);
+        times_power(&f, m->diameter, a->diameter - b->diameter);
+    }
+    times_power(&f, 10, a->ten - b->ten);
+    return f.above / f.below * sqrt(f.root_above / f.root_below);
 }
 
 /* The units of tables in SI, one for each dimension. */
@@ -214,7 +219,7 @@ sp_status sp_unit_to_si(const char *unit, const sp_material *m, double *factor, 
     sp_status status = sp_material_check(m, err);
     if (status != SP_OK)
         return status;
-    *factor = sp_unit_ratio(&ours, &theirs, m);
+    *factor = sp_unit_convert(1, &ours, &theirs, m);
     snprintf(si, SP_UNIT_TEXT, "%s%s", ours.modes ? "modes " : "", name);
     return SP_OK;
 }
@@ -273,11 +278,6 @@ sp_status sp_quantity_read(const char *text, const char *unit, const sp_material
                            text);
         m = &none;
     }
-    sp_unit plain = given;
-    plain.ten = 0; /* a decimal prefix is exact where it is a divisor */
-    const int ten = given.ten - ours.ten;
-    value = ten < 0 ? value / half_power(10, -ten) : value * half_power(10, ten);
-    plain.ten = ours.ten;
-    *out = value / sp_unit_ratio(&ours, &plain, m);
+    *out = sp_unit_convert(value, &given, &ours, m);
     return SP_OK;
 }

@@ -17,8 +17,8 @@ bool sp_unit_read(const char *text, sp_unit *out);
 bool sp_unit_same_dimension(const sp_unit *a, const sp_unit *b);
 /* Whether the unit has a symbol of the material. */
 bool sp_unit_needs_material(const sp_unit *u);
-/* The number of units b in one unit a, which must have the same dimension. */
-double sp_unit_ratio(const sp_unit *a, const sp_unit *b, const sp_material *m);
+/* A value in the unit a in the unit b, which must have the same dimension. */
+double sp_unit_convert(double value, const sp_unit *a, const sp_unit *b, const sp_material *m);
 
 /* What a table has as SI unit of this dimension; NULL if there is none. */
 const char *sp_unit_si(const sp_unit *u);
