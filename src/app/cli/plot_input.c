@@ -246,7 +246,7 @@ static void find_window(const sp_table *table, plot_signal *s) {
     s->length_unit = s->foreign ? "" : "d";
     if (text && sp_material_read(text, &m, NULL) == SP_OK)
         sp_unit_to_si("d/sqrt(E* / rho)", &m, &factor, si, NULL);
-    const bool ours_in_si = s->foreign && strcmp(si, s->t_unit) == 0;
+    const bool ours_in_si = si[0] && strcmp(si, s->t_unit) == 0;
     if (ours_in_si)
         s->length_unit = "mm";
     else
