@@ -118,6 +118,7 @@ def check_options(folder):
         assert names_all(sonopack("signal", "a.h5", f"--until={word}", status=2, cwd=folder).stderr, "--until")
     assert names_all(sonopack("signal", "c.h5", "--until=50 us", status=2, cwd=folder).stderr, "--until --material")
     sonopack("signal", "c.h5", "--until=50 us", OPTION, cwd=folder)
+    assert names_all(sonopack("statics", "a.h5", "d.h5", "--margin=1 mm", status=1, cwd=folder).stderr, "a.h5 d.h5 --material")
     # fronts of a table: its material, or one that is given
     for more, name in (((), "own.tsv"), (("--units=si",), "si.tsv")):
         sonopack("signal", "a.h5", *more, "-o", name, cwd=folder)
@@ -128,6 +129,17 @@ def check_options(folder):
     (folder / "bare.tsv").write_text("\n".join(line for line in (folder / "own.tsv").read_text().splitlines() if "material" not in line))
     sonopack("front", "bare.tsv", "--units=si", status=1, cwd=folder)
     assert row(sonopack("front", "bare.tsv", "--units=si", OPTION, cwd=folder).stdout, "t10") == row(one, "t10")
+    # a window and a distance with units hold for packings and for tables in any unit; a number is in the unit of the file
+    (folder / "lab.tsv").write_text("# units: t [ms] F [V]\nt\tF\n" + "".join(f"{k / 1000}\t{math.exp(-(k - 50)**2 / 50)}\n" for k in range(100)))
+    for name in ("a.h5", "own.tsv", "si.tsv"):
+        late = sonopack("front", name, "--units=si", "--window=60 us", "--distance=2 cm", cwd=folder)
+        assert row(late.stdout, "distance") == 20 and abs(row(late.stdout, "t10") / row(one, "t10") - 1) < 1e-3, name
+        sonopack("front", name, "--units=si", "--window=5 us", status=1, cwd=folder)
+    assert row(sonopack("front", "lab.tsv", "--window=0.08 ms", "--distance=3 mm", cwd=folder).stdout, "distance") == 3
+    assert sonopack("front", "lab.tsv", "--window=80 us", cwd=folder).stdout == sonopack("front", "lab.tsv", "--window=0.08", cwd=folder).stdout
+    sonopack("front", "lab.tsv", "--window=10 us", status=1, cwd=folder)
+    for words in (("--window=10 kPa",), ("--distance=-1 mm",), ("--window=1 m",), ("--distance=0 mm",)):
+        assert names_all(sonopack("front", "lab.tsv", *words, status=2, cwd=folder).stderr, words[0].split("=")[0]), words
     both = sonopack("front", "own.tsv", "si.tsv", "--units=si", cwd=folder).stdout
     assert "t10 [us]" in both, "tables in both kinds of units have one unit in SI"
 

@@ -32,6 +32,7 @@ typedef struct cli_common {
     sp_material found;    /* of the first file, or of the scene, that has one */
     const char *found_in; /* its name */
     bool mixed;           /* files have different ones */
+    bool converted;       /* an option got its value from a material */
     int quantities;
     cli_quantity quantity[CLI_QUANTITIES_MAX];
     uint64_t given; /* see cli_given */

@@ -76,6 +76,7 @@ sp_status cli_set_quantities(void *arguments, const sp_material *m, sp_error *er
         if (status != SP_OK)
             return sp_fail_prefix(err, "%s", common->quantity[k].text);
     }
+    common->converted = common->converted || common->quantities > 0;
     common->quantities = 0;
     return SP_OK;
 }
@@ -100,8 +101,8 @@ static sp_status no_material(const char *what, const char *from, sp_error *err) 
 }
 
 static sp_status differ(const cli_common *common, const char *from, sp_error *err) {
-    return sp_fail(err, SP_EINVAL, "--units si: %s and %s are of different materials: choose one by --material",
-                   common->found_in, from);
+    return sp_fail(err, SP_EINVAL, "%s and %s are of different materials: choose one by --material", common->found_in,
+                   from);
 }
 
 static void note_size(const cli_common *common, const sp_material *m) {
@@ -123,9 +124,10 @@ sp_status cli_take_material(void *arguments, const sp_material *m, const char *f
     }
     if (!is_known(m) && si)
         return no_material("--units si", from, err);
-    if (is_known(&common->found) && !is_same(m, &common->found) && si)
+    const bool differs = is_known(&common->found) && !is_same(m, &common->found);
+    if (differs && (si || common->converted))
         return differ(common, from, err);
-    if (!is_known(m) || (is_known(&common->found) && !is_same(m, &common->found))) {
+    if (!is_known(m) || differs) {
         common->mixed = true;
         return cli_set_quantities(arguments, m, err);
     }
