@@ -1,6 +1,7 @@
 /* sonopack front: prints arrival, peak and width of the first wave front of packings and of recorded traces. */
 #include "base/base.h"
 #include "cli/files.h"
+#include "cli/low_box.h"
 #include "cli/plot_input.h"
 #include "ensemble/sample.h"
 
@@ -62,6 +63,7 @@ static sp_status packing_front(const arguments *a, const cli_file *file, arrival
     sp_network net;
     sp_status status = cli_read_network(file->path, &file->scene->network, &p, &net, err);
     if (status == SP_OK) {
+        cli_warn_packing(&a->common, file->path, &p, &net);
         *out = (arrival){.distance = sp_packing_height(&p), .length = "d", .force = "E* d^2"};
         snprintf(out->time, sizeof out->time, "%s", time_unit);
         status = sp_network_front(&net, a->source >= 0 ? (sp_source)a->source : file->scene->signal.source,

@@ -1,6 +1,7 @@
 /* sonopack study: computes the samples of an ensemble, keeps them in a store, and prints its tables. */
 #include "base/base.h"
 #include "cli/output.h"
+#include "cli/plan_study.h"
 #include "cli/ranks.h"
 #include "cli/tables.h"
 #include "cli/verify.h"
@@ -44,6 +45,10 @@ static sp_status check(void *user, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "no scene: must be a scene file, or --set KEY=VALUE");
     if (!a->store)
         return sp_fail(err, SP_EINVAL, "no store: must be --store DIR");
+    if (a->verify && a->common.dry_run)
+        return sp_fail(err, SP_EINVAL, "--verify cannot be combined with --dry-run: it makes nothing either");
+    if (a->common.dry_run && a->ranks.size > 1)
+        return sp_fail(err, SP_EINVAL, "--dry-run: must run as one process, not as %d ranks", a->ranks.size);
     if (a->verify && (a->retry || a->study.shards > 1 || a->jobs > 0))
         return sp_fail(err, SP_EINVAL, "--verify cannot be combined with --retry, --shard or --jobs");
     if (!a->verify && !isnan(a->tolerance))
@@ -66,6 +71,7 @@ static const cli_option options[] = {
      .field = offsetof(arguments, tolerance), .high = 1},
     {"interval", "LEVEL", "Confidence level of the intervals, 0.5 to 0.999 (0.95)", CLI_NUMBER,
      .field = offsetof(arguments, level), .low = SP_LEVEL_LEAST, .high = SP_LEVEL_MOST},
+    CLI_DRY_RUN,
     {0}};
 
 static const cli_syntax syntax = {
@@ -141,11 +147,44 @@ static sp_status announce(const arguments *a, const sp_scene *scene, sp_error *e
     return status;
 }
 
+/* Reads the scene, and the packing that it starts from, if it names one. */
+static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
+    sp_status status =
+        sp_scene_read(a->common.files > 0 ? a->common.file[0] : NULL, a->common.sets, a->common.set, scene, err);
+    if (status == SP_OK)
+        status = sp_scene_check_sweeps(scene, err);
+    if (status == SP_OK && scene->pack.kind == SP_PACK_FILE) {
+        status = cli_load_start(scene, from, err);
+        a->study.from = from;
+    }
+    return status;
+}
+
+static void share_threads(arguments *a) {
+    a->study.jobs = a->jobs > 0 ? (int)a->jobs : a->common.threads;
+    a->study.threads = a->common.threads;
+}
+
+static sp_status plan(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
+    cli_plan plan;
+    sp_status status = read_scene(a, scene, from, err);
+    if (status != SP_OK)
+        return status;
+    share_threads(a);
+    status =
+        cli_plan_begin(&a->common, 1U << SP_KERNEL_STEP | 1U << SP_KERNEL_PRODUCT | 1U << SP_KERNEL_SPARSE, &plan, err);
+    if (status == SP_OK)
+        status = cli_plan_study(&plan, "", scene, &a->study, a->store, err);
+    if (status == SP_OK)
+        status = cli_plan_end(&plan);
+    cli_plan_free(&plan);
+    return status;
+}
+
 static sp_status run(arguments *a, const sp_scene *scene, sp_store *store, sp_study_progress *done, sp_error *err) {
     sp_study_sink sink = sp_store_sink(store);
     sp_store_retry(store, a->retry);
-    a->study.jobs = a->jobs > 0 ? (int)a->jobs : a->common.threads;
-    a->study.threads = a->common.threads;
+    share_threads(a);
     a->study.take = a->ranks.take;
     sp_status status = announce(a, scene, err);
     cli_catch_signals();
@@ -167,19 +206,6 @@ static sp_status report(const arguments *a, sp_status status, const sp_study_pro
     if (status == SP_OK && done->failed > 0)
         cli_note(&a->common, "%lld samples failed, or lack a result: see `sonopack table ensemble --store %s'",
                  (long long)done->failed, a->store);
-    return status;
-}
-
-/* Reads the scene, and the packing that it starts from, if it names one. */
-static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
-    sp_status status =
-        sp_scene_read(a->common.files > 0 ? a->common.file[0] : NULL, a->common.sets, a->common.set, scene, err);
-    if (status == SP_OK)
-        status = sp_scene_check_sweeps(scene, err);
-    if (status == SP_OK && scene->pack.kind == SP_PACK_FILE) {
-        status = cli_load_start(scene, from, err);
-        a->study.from = from;
-    }
     return status;
 }
 
@@ -260,7 +286,9 @@ static int study(arguments *a, int argc, char **argv) {
     const bool whole = a->common.files == 0 && a->common.sets == 0; /* --verify of the whole store */
     bool good = true;
     sp_status status = SP_OK;
-    if (!a->verify)
+    if (a->common.dry_run)
+        status = plan(a, &scene, &from, &err);
+    else if (!a->verify)
         status = make(a, &scene, &from, &store, &err);
     else if (!whole)
         status = read_scene(a, &scene, &from, &err);
