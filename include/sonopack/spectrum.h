@@ -203,7 +203,7 @@ typedef struct sp_harmonic {
 } sp_harmonic;
 SP_API sp_harmonic sp_harmonic_none(void);
 /* SP_EREFUSED if the tolerance is missed, for example too near to an eigenfrequency of an undamped network; not with
- * `keep'. */
+ * `keep', unless all are refused. */
 SP_API sp_status sp_harmonic_make(const sp_network *net, const sp_harmonic_options *opt, sp_harmonic *out,
                                   sp_error *err);
 SP_API void sp_harmonic_free(sp_harmonic *h);

@@ -18,7 +18,8 @@ def output(*arguments):
 
 
 def options(command):
-    found = set(re.findall(r"(?:^|[\s,])(--[a-z][a-z0-9-]*)", output(command, "--help")))
+    found = set(re.findall(r"^ +(?:-\w, )?(--[a-z][a-z0-9-]*)", output(command, "--help"), re.M))
+    found |= set(re.findall(r"^ +--\S+, (--[a-z][a-z0-9-]*)", output(command, "--help"), re.M))
     return found - {"--help", "--usage", "--version"}
 
 

@@ -55,7 +55,7 @@ typedef struct cli_command_row {
     cli_command run;  /* NULL: `help' */
     const char *meaning;
 } cli_command_row;
-extern const cli_command_row cli_commands[];
+extern const cli_command_row *cli_commands; /* set by main */
 
 /* ---- options ---------------------------------------------------------------------------------------------------- */
 
@@ -141,6 +141,8 @@ void cli_debug(const cli_common *common, const char *format, ...) __attribute__(
 /* Progress: one line, rewritten in place, on a terminal; elsewhere one line per minute with --verbose. Unknown values:
  * fraction < 0, seconds_left NAN. */
 void cli_progress(const cli_common *common, const char *text, double fraction, double seconds_left);
+/* The same with a range, while the remaining time is not well known. */
+void cli_progress_between(const cli_common *common, const char *text, double fraction, double low, double high);
 /* Clears the progress line. */
 void cli_progress_end(void);
 

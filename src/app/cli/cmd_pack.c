@@ -4,6 +4,7 @@
 #include "cli/low_box.h"
 #include "cli/output.h"
 #include "cli/pack_state.h"
+#include "cost/remaining.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -52,7 +53,9 @@ typedef struct compression {
     const arguments *arguments;
     sp_scene *scene;
     pack_state state;
-    double begun, first_fraction; /* clock and progress at the start */
+    double begun; /* clock at the start */
+    sp_remaining left;
+    bool watched; /* `left' has begun */
     double logged_at;
     const char *phase; /* that was last logged */
     bool stopping;     /* Ctrl-C was pressed */
@@ -71,19 +74,28 @@ static bool may_stop(compression *c) {
     return pack_state_is_safe(&c->state) || sp_clock_cpu() - c->stop_begun > first_state_time;
 }
 
+/* What the cost model expects: the clock then corrects its pace. */
+static void begin_countdown(compression *c, int64_t steps) {
+    const sp_machine machine = sp_machine_reference();
+    const sp_packing_forecast f = sp_packing_expect(&c->scene->pack, c->arguments->common.threads, &machine);
+    c->left = sp_remaining_begin(f.steps, (double)steps, f.steps > 0 ? f.cost.wall / f.steps : 0);
+    c->watched = true;
+}
+
 static bool watch(const sp_pack_progress *progress, void *user) {
     compression *c = user;
     const cli_common *common = &c->arguments->common;
-    const double now = sp_clock_wall(), done = progress->fraction - c->first_fraction;
+    const double now = sp_clock_wall(), steps = (double)progress->steps;
     char text[120];
-    if (c->first_fraction < 0)
-        c->first_fraction = progress->fraction;
+    if (!c->watched)
+        begin_countdown(c, progress->steps);
+    const double fraction = sp_remaining_fraction(&c->left, steps);
     snprintf(text, sizeof text, "%s: strain %.4f, residual %.2g", progress->phase, progress->strain,
              progress->residual);
-    const double left = now - c->begun > 1 && done > 0.02 ? (now - c->begun) * (1 - progress->fraction) / done : NAN;
-    cli_progress(common, text, progress->fraction, left);
+    const sp_time_left left = sp_remaining_next(&c->left, now - c->begun, steps);
+    cli_progress_between(common, text, fraction, left.low, left.high);
     if (!isatty(STDERR_FILENO) && (!c->phase || strcmp(c->phase, progress->phase) != 0 || now - c->logged_at > 5)) {
-        cli_debug(common, "%s, %lld steps, %.0f%%", text, (long long)progress->steps, 100 * progress->fraction);
+        cli_debug(common, "%s, %lld steps, %.0f%%", text, (long long)progress->steps, 100 * fraction);
         c->phase = progress->phase;
         c->logged_at = now;
     }
@@ -180,7 +192,6 @@ static sp_status compress(compression *c, const sp_packing *from, sp_packing *p,
                                  .stage = save_stage};
     cli_catch_signals();
     c->begun = sp_clock_wall();
-    c->first_fraction = -1;
     sp_status status = sp_packing_make_with(&c->scene->pack, &hooks, p, err);
     cli_progress_end();
     if (status == SP_EINTERRUPTED) {

@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "cli/output.h"
 #include "cli/plan_study.h"
+#include "cost/remaining.h"
 #include "scene/field.h"
 
 #include "paper/reproduce.h"
@@ -24,6 +25,7 @@ typedef struct arguments {
     sp_protocol protocol;
     int64_t failed; /* samples, as of the last progress report */
     char step[64];  /* that was last said */
+    sp_remaining left;
 } arguments;
 
 static const char *item_name(int item, const void *user) {
@@ -147,14 +149,15 @@ static bool watch(const sp_paper_progress *now, void *user) {
     char text[120];
     a->failed = now->failed;
     say_step(a, now);
+    const double left = isnan(now->seconds_left) ? NAN : sp_remaining_fall(&a->left, now->seconds, now->seconds_left);
     if (a->column) {
-        cli_progress(&a->common, now->what, now->fraction, now->seconds_left);
+        cli_progress(&a->common, now->what, now->fraction, left);
         return !cli_stopped();
     }
     int length = snprintf(text, sizeof text, "%s, %lld samples computed", now->what, (long long)now->computed);
     if (now->failed > 0)
         snprintf(text + length, sizeof text - (size_t)length, ", %lld failed", (long long)now->failed);
-    cli_progress(&a->common, text, now->fraction, now->seconds_left);
+    cli_progress(&a->common, text, now->fraction, left);
     return !cli_stopped();
 }
 
@@ -273,7 +276,7 @@ static sp_status work(arguments *a, sp_store **store, sp_table *t, sp_error *err
 }
 
 int cmd_reproduce(int argc, char **argv) {
-    arguments a = {.samples = sp_paper_options_default().samples};
+    arguments a = {.samples = sp_paper_options_default().samples, .left = sp_remaining_begin(1, 0, 1)};
     cli_parse(&syntax, argc, argv, &a);
     sp_error err = {0};
     sp_store *store = NULL;

@@ -5,6 +5,7 @@
 #include "cli/ranks.h"
 #include "cli/tables.h"
 #include "cli/verify.h"
+#include "cost/remaining.h"
 #include "ensemble/sample.h"
 
 #include <fcntl.h>
@@ -119,6 +120,21 @@ static cli_tables tables_of(const cli_common *common, const sp_scene *scene) {
     return tables;
 }
 
+/* Of the study that is made. Before the first sample is done, what the cost model expects of it on some machine. */
+static sp_remaining left;
+static int side_by_side = 1;
+
+static void show(const cli_common *common, const char *text, const sp_study_progress *now) {
+    const double fraction = now->cost > 0 ? now->cost_done / now->cost : 1;
+    if (!isnan(now->seconds_left)) {
+        cli_progress(common, text, fraction, sp_remaining_fall(&left, now->seconds, now->seconds_left));
+        return;
+    }
+    const double expected = (now->cost - now->cost_done) / side_by_side;
+    const bool mine = now->done + now->elsewhere < now->total; /* else it depends on other processes */
+    cli_progress_between(common, text, fraction, mine ? 0.5 * expected : NAN, 2 * expected);
+}
+
 static bool watch(const sp_study_progress *progress, void *user) {
     sp_study_progress now = *progress;
     const bool go_on = cli_ranks_share(&now, cli_stopped());
@@ -128,7 +144,7 @@ static bool watch(const sp_study_progress *progress, void *user) {
         length += snprintf(text + length, sizeof text - (size_t)length, ", %lld failed", (long long)now.failed);
     if (now.elsewhere > 0)
         snprintf(text + length, sizeof text - (size_t)length, ", %lld in other processes", (long long)now.elsewhere);
-    cli_progress(user, text, now.total > 0 ? (double)now.done / (double)now.total : 1, now.seconds_left);
+    show(user, text, &now);
     return go_on;
 }
 
@@ -186,6 +202,8 @@ static sp_status run(arguments *a, const sp_scene *scene, sp_store *store, sp_st
     sp_store_retry(store, a->retry);
     share_threads(a);
     a->study.take = a->ranks.take;
+    left = sp_remaining_begin(1, 0, 1);
+    side_by_side = a->study.jobs * a->ranks.size;
     sp_status status = announce(a, scene, err);
     cli_catch_signals();
     return status == SP_OK ? sp_study_run(scene, &a->study, &sink, watch, &a->common, done, err) : status;

@@ -71,23 +71,31 @@ static void duration_text(double seconds, char *buf, size_t size) {
 }
 
 /* The fraction done, as a bar on a terminal, and the remaining time if it is known. */
-static void progress_text(double fraction, double seconds_left, bool with_bar, char *buf, size_t size) {
+static void progress_text(double fraction, double low, double high, bool with_bar, char *buf, size_t size) {
     enum { WIDTH = 20 };
-    char bar[64] = "", left[64] = "", duration[32];
+    char bar[64] = "", left[80] = "", least[32], most[32];
     const int full = (int)(fmin(fmax(fraction, 0), 1) * WIDTH), percent = (int)(100 * fmin(fmax(fraction, 0), 1));
     if (fraction >= 0 && with_bar)
         snprintf(bar, sizeof bar, " [%.*s%.*s] %3d%%", full, "====================", WIDTH - full,
                  "                    ", percent);
     else if (fraction >= 0)
         snprintf(bar, sizeof bar, ", %d%%", percent);
-    if (seconds_left >= 0 && seconds_left < 1e8) {
-        duration_text(seconds_left, duration, sizeof duration);
-        snprintf(left, sizeof left, ", %s left", duration);
+    if (low >= 0 && high < 1e8) {
+        duration_text(low, least, sizeof least);
+        duration_text(high, most, sizeof most);
+        if (strcmp(least, most) == 0)
+            snprintf(left, sizeof left, ", %s left", most);
+        else
+            snprintf(left, sizeof left, ", %s to %s left", least, most);
     }
     snprintf(buf, size, "%s%s", bar, left);
 }
 
 void cli_progress(const cli_common *common, const char *text, double fraction, double seconds_left) {
+    cli_progress_between(common, text, fraction, seconds_left, seconds_left);
+}
+
+void cli_progress_between(const cli_common *common, const char *text, double fraction, double low, double high) {
     static double shown_at, logged_at = -INFINITY;
     const double now = sp_clock_wall();
     char line[240], state[140];
@@ -96,7 +104,7 @@ void cli_progress(const cli_common *common, const char *text, double fraction, d
     const bool terminal = isatty(STDERR_FILENO);
     if (terminal ? progress_shown && now - shown_at < 0.1 : !common->verbose || now - logged_at < log_interval)
         return;
-    progress_text(fraction, seconds_left, terminal, state, sizeof state);
+    progress_text(fraction, low, high, terminal, state, sizeof state);
     snprintf(line, sizeof line, "%.90s%s", text, state);
     if (!terminal) {
         fprintf(stderr, "sonopack: %s\n", line);

@@ -14,11 +14,9 @@
 
 extern void openblas_set_num_threads(int threads) __attribute__((weak));
 
-__attribute__((visibility("default"))) const char *argp_program_version = "sonopack " SONOPACK_VERSION;
-
 static int help(int argc, char **argv);
 
-const cli_command_row cli_commands[] = {
+static const cli_command_row commands[] = {
     {"pack", cmd_pack, "compress one packing of a scene"},
     {"check", cmd_check, "check packings: overlaps, balance of forces, Coulomb's condition, walls"},
     {"statics", cmd_statics, "densities, contacts, forces and stress of packings"},
@@ -39,24 +37,24 @@ const cli_command_row cli_commands[] = {
     {"completion", cmd_completion, "print the completions for a shell: bash, zsh or fish"},
     {"help", NULL, "explain a command, a key of scenes (`friction'), or all of them (`scene')"},
     {NULL, NULL, NULL}};
-enum { COMMANDS = sizeof cli_commands / sizeof *cli_commands - 1 };
+enum { COMMANDS = sizeof commands / sizeof *commands - 1 };
 
 static const cli_command_row *find(const char *name) {
     for (int k = 0; k < COMMANDS; k++)
-        if (strcmp(cli_commands[k].name, name) == 0)
-            return &cli_commands[k];
+        if (strcmp(commands[k].name, name) == 0)
+            return &commands[k];
     return NULL;
 }
 
 static const char *command_name(int k, const void *unused) {
     (void)unused;
-    return k < COMMANDS ? cli_commands[k].name : NULL;
+    return k < COMMANDS ? commands[k].name : NULL;
 }
 
 static int unknown(const char *name) {
     const int near = cli_nearest(name, command_name, NULL);
     if (near >= 0)
-        return cli_usage("unknown command %.60s: did you mean %s?", name, cli_commands[near].name);
+        return cli_usage("unknown command %.60s: did you mean %s?", name, commands[near].name);
     return cli_usage("unknown command %.60s: see `sonopack help'", name);
 }
 
@@ -67,7 +65,7 @@ static void overview(FILE *out) {
         "pulse at the bottom wall, and derives the speed of sound from it.\n\nCommands:\n",
         out);
     for (int k = 0; k < COMMANDS; k++)
-        fprintf(out, "  %-9s %s\n", cli_commands[k].name, cli_commands[k].meaning);
+        fprintf(out, "  %-9s %s\n", commands[k].name, commands[k].meaning);
     fputs(
         "\n`sonopack help COMMAND' explains a command, `sonopack help scene' the scene files, `sonopack help KEY' one\n"
         "of their keys. `sonopack --version' prints the version. Data go to stdout, messages and progress to stderr.\n"
@@ -156,6 +154,7 @@ static void use_one_blas_thread(void) {
 }
 
 int main(int argc, char **argv) {
+    cli_commands = commands;
     keep_standard_files();
     if (!SONOPACK_LATE) /* else it is loaded so */
         sp_hdf5_exit_silently();
@@ -169,7 +168,7 @@ int main(int argc, char **argv) {
     }
     const char *word = argv[1];
     if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0) {
-        printf("%s\n", argp_program_version);
+        printf("sonopack %s\n", SONOPACK_VERSION);
         return CLI_OK;
     }
     if (strcmp(word, "--help") == 0 || strcmp(word, "-?") == 0 || strcmp(word, "-h") == 0) {

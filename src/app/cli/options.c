@@ -277,7 +277,7 @@ static void give_help(int key, struct argp_state *state) {
     if (key == USAGE_KEY)
         argp_state_help(state, stdout, ARGP_HELP_USAGE | ARGP_HELP_EXIT_OK);
     if (key == 'V') {
-        printf("%s\n", argp_program_version);
+        printf("sonopack %s\n", SONOPACK_VERSION);
         exit(CLI_OK);
     }
 }
@@ -311,6 +311,8 @@ static struct {
     jmp_buf back;
     const cli_syntax *syntax;
 } question;
+
+const cli_command_row *cli_commands;
 
 const cli_syntax *cli_syntax_of(const cli_command_row *command) {
     char name[64], *arguments[] = {name, NULL};

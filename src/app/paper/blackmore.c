@@ -53,6 +53,7 @@ static sp_status make_items(blackmore *p, sp_error *err) {
         if (!sp_blackmore_is_selected(p, item))
             continue;
         p->item_share = items[item].share / all;
+        p->step = items[item].name;
         status = sp_blackmore_progress(p, 0, err);
         if (status == SP_OK)
             status = items[item].make(p, err);

@@ -240,6 +240,8 @@ sp_status sp_harmonic_make(const sp_network *net, const sp_harmonic_options *opt
     status = make_solver(net, opt, &b, &h, err);
     for (int32_t l = 0; l < opt->n && status == SP_OK; l++)
         status = try_frequency(&b, l, &h, err);
+    if (status == SP_OK && h.refused == h.n)
+        status = sp_fail(err, SP_EREFUSED, "%s", h.reason);
     sp_driven_free(&b.d);
     sp_free(b.memory);
     if (status == SP_OK)
