@@ -176,6 +176,8 @@ static sp_status finish(arguments *a, sp_table *t, sp_error *err) {
 typedef struct planning {
     const arguments *arguments;
     cli_plan plan;
+    const char *name; /* of the last ensemble; several of one name follow each other */
+    int same;
 } planning;
 
 static sp_status plan_ensemble(const char *name, const sp_scene *scene, void *user, sp_error *err) {
@@ -184,7 +186,12 @@ static sp_status plan_ensemble(const char *name, const sp_scene *scene, void *us
     const sp_study_options o = {
         .jobs = a->jobs > 0 ? (int)a->jobs : a->common.threads, .threads = a->common.threads, .shard = 1, .shards = 1};
     char prefix[64];
-    snprintf(prefix, sizeof prefix, "%s: ", name);
+    p->same = p->name && strcmp(p->name, name) == 0 ? p->same + 1 : 1;
+    p->name = name;
+    if (p->same > 1)
+        snprintf(prefix, sizeof prefix, "%s %d: ", name, p->same);
+    else
+        snprintf(prefix, sizeof prefix, "%s: ", name);
     return cli_plan_study(&p->plan, prefix, scene, &o, a->store, err);
 }
 

@@ -7,11 +7,11 @@ sp_remaining sp_remaining_begin(double work, double before, double seconds) {
     return (sp_remaining){.work = fmax(work, 1), .before = before, .seconds = seconds, .shown = -1};
 }
 
-/* Share of the expected work that is left at the share x. From 0.8 on it only tends to 0: work that has lasted as long
- * as expected is not done for that. */
+/* Share of the expected work that is left at the share x. From 0.8 on it tends to 0 slowly: work that has lasted as
+ * long as expected is not done for that. */
 static double share_left(double x) {
     const double end = 0.2;
-    return x < 1 - end ? 1 - x : end * exp(-(x - (1 - end)) / end);
+    return x < 1 - end ? 1 - x : end / (1 + (x - (1 - end)) / end);
 }
 
 double sp_remaining_fraction(const sp_remaining *r, double done) { return 1 - share_left(fmax(0, done) / r->work); }
