@@ -315,6 +315,7 @@ static int study(arguments *a, int argc, char **argv) {
                             isnan(a->tolerance) ? CLI_AUDIT_TOLERANCE : a->tolerance, &good, &err);
     if (store)
         sp_store_close(store);
+    a->study.from = NULL;
     sp_packing_free(&from);
     sp_scene_free(&scene);
     if (status != SP_OK)
