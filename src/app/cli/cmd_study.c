@@ -120,19 +120,23 @@ static cli_tables tables_of(const cli_common *common, const sp_scene *scene) {
     return tables;
 }
 
-/* Of the study that is made. Before the first sample is done, what the cost model expects of it on some machine. */
+/* Of the study that is made: at first what the cost model expects of it. */
 static sp_remaining left;
 static int side_by_side = 1;
 
 static void show(const cli_common *common, const char *text, const sp_study_progress *now) {
     const double fraction = now->cost > 0 ? now->cost_done / now->cost : 1;
-    if (!isnan(now->seconds_left)) {
-        cli_progress(common, text, fraction, sp_remaining_fall(&left, now->seconds, now->seconds_left));
-        return;
+    if (left.shown < 0)
+        left = sp_remaining_begin(now->cost, 0, 1.0 / side_by_side);
+    left.before = now->cost_done - now->cost_computed; /* what was stored */
+    if (now->done >= now->total)
+        cli_progress(common, text, 1, 0);
+    else if (now->done + now->elsewhere >= now->total) /* the rest depends on other processes */
+        cli_progress(common, text, fraction, NAN);
+    else {
+        const sp_time_left t = sp_remaining_next(&left, now->seconds, now->cost_done);
+        cli_progress_between(common, text, fraction, t.low, t.high);
     }
-    const double expected = (now->cost - now->cost_done) / side_by_side;
-    const bool mine = now->done + now->elsewhere < now->total; /* else it depends on other processes */
-    cli_progress_between(common, text, fraction, mine ? 0.5 * expected : NAN, 2 * expected);
 }
 
 static bool watch(const sp_study_progress *progress, void *user) {
