@@ -56,6 +56,9 @@ def test_examples_of_keys():
     apart = {"packing.file", "packing.content", "packing.diameter_file", "packing.diameters", "study.sweep"}
     needs = {"packing.sizes": ["packing.diameter_min=0.8", "packing.diameter_max=1.2"],
              "packing.diameter_min": ["packing.diameter_max=1.2"], "packing.diameter_max": ["packing.diameter_min=0.8"], "packing.depth": ["packing.dimension=3"]}
+    glass = ["material.E=7e10", "material.nu=0.2", "material.rho=2500", "material.d=1e-3"]
+    needs.update({key: [other for other in glass if not other.startswith(key + "=")] for key in keys()
+                  if key.startswith("material.")})
     for key in keys():
         if key in apart or key.startswith("column."):
             continue

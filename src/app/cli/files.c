@@ -25,6 +25,8 @@ static sp_status add_file(const cli_files *command, void *arguments, cli_file *f
         status = cli_read_network(f->path, &f->scene->network, &f->packing, &f->network, err);
     else if (command->contents == CLI_PACKING)
         status = sp_packing_read(f->path, &f->packing, err);
+    if (status == SP_OK && command->contents != CLI_PATH)
+        status = cli_take_material(arguments, &f->packing.material, f->path, err);
     if (status == SP_OK && command->contents == CLI_NETWORK)
         cli_warn_packing(arguments, f->path, &f->packing, &f->network);
     if (status == SP_OK) {
@@ -61,6 +63,8 @@ static sp_status plan_file(const cli_files *command, void *arguments, cli_file *
     f->network = sp_network_none();
     sp_status status = cli_read_network(f->path, &f->scene->network, &f->packing, &f->network, err);
     if (status == SP_OK)
+        status = cli_take_material(arguments, &f->packing.material, f->path, err);
+    if (status == SP_OK)
         cli_warn_packing(arguments, f->path, &f->packing, &f->network);
     if (status == SP_OK)
         status = command->plan(arguments, f, plan, err);
@@ -93,6 +97,8 @@ int cli_run_files(const cli_files *command, void *arguments) {
     sp_status status = cli_may_write_table(common, &err);
     if (status == SP_OK)
         status = cli_scene_of_sets(common, command->groups, &scene, &err);
+    if (status == SP_OK && scene.material.young > 0)
+        status = cli_take_material(arguments, &scene.material, "--set", &err);
     if (status == SP_OK && common->dry_run) {
         const int done = plan_files(command, arguments, &scene);
         sp_scene_free(&scene);

@@ -109,10 +109,15 @@ static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
            (strcmp(f->key, "packing.grains") == 0 && s->height > 0);
 }
 
+/* Groups that a stored scene does not need. */
+static bool is_apart(const sp_scene *s, const char *group) {
+    return strcmp(group, "column") == 0 || (strcmp(group, "material") == 0 && !(s->material.young > 0));
+}
+
 char *sp_scene_text(const sp_scene *s, const char *group) {
     sp_text t = {0};
     for (int g = 0; g < SP_GROUPS; g++) {
-        if (group ? strcmp(group, sp_groups[g]) != 0 : strcmp(sp_groups[g], "column") == 0)
+        if (group ? strcmp(group, sp_groups[g]) != 0 : is_apart(s, sp_groups[g]))
             continue;
         sp_text_add(&t, "%s = {\n", sp_groups[g]);
         for (const sp_field *f = sp_fields; f < sp_fields + SP_FIELDS; f++) {
