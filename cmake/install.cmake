@@ -8,8 +8,19 @@ install(TARGETS ${components} EXPORT sonopackTargets
 install(TARGETS sonopack_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY include/sonopack DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
 install(FILES docs/man/sonopack.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-install(FILES completions/sonopack.bash RENAME sonopack
-  DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+# The command writes them from its own tables of options.
+set(completions ${PROJECT_BINARY_DIR}/completions)
+add_custom_command(OUTPUT ${completions}/sonopack ${completions}/_sonopack ${completions}/sonopack.fish
+  COMMAND ${CMAKE_COMMAND} -E make_directory ${completions}
+  COMMAND sonopack_command completion bash > ${completions}/sonopack
+  COMMAND sonopack_command completion zsh > ${completions}/_sonopack
+  COMMAND sonopack_command completion fish > ${completions}/sonopack.fish
+  DEPENDS sonopack_command VERBATIM)
+add_custom_target(sonopack_completions ALL
+  DEPENDS ${completions}/sonopack ${completions}/_sonopack ${completions}/sonopack.fish)
+install(FILES ${completions}/sonopack DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+install(FILES ${completions}/_sonopack DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+install(FILES ${completions}/sonopack.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 install(FILES README.md CHANGELOG.md CONTRIBUTING.md CITATION.cff LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # with what their links lead to
 install(DIRECTORY docs packings examples DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN man EXCLUDE PATTERN api EXCLUDE)

@@ -4,6 +4,7 @@
  * are in folders of their names: study/ (scenes, studies, files), figure/, tapped/ (the tapped column of particles). */
 #include <sonopack/chain.h>
 #include <sonopack/coherent.h>
+#include <sonopack/cost.h>
 #include <sonopack/counts.h>
 #include <sonopack/elastic.h>
 #include <sonopack/front.h>

@@ -173,6 +173,7 @@ typedef struct sp_harmonic_options {
     double range[2];     /* heights of the planes used in the fit; both 0: all planes at least 2 d from the walls */
     double tolerance;    /* allowed error of F relative to |F|, or to 1e-6 of the largest force at a plane if |F| is
                             smaller; at planes relative to that largest force. 1e-8 */
+    bool keep;           /* frequencies that miss the tolerance are kept, with NAN in place of all results; false */
 } sp_harmonic_options;
 SP_API sp_harmonic_options sp_harmonic_options_default(void);
 
@@ -197,9 +198,12 @@ typedef struct sp_harmonic {
     double *flux;       /* [n][planes][2] force through each plane, in the detector's component */
     double *flux_error; /* [n][planes] upper bound of its error */
     sp_wave_fit *fit;   /* [n]; NAN if fewer than 5 planes are in the range */
+    int32_t refused;    /* with `keep': frequencies without results */
+    char reason[256];   /* of the first of them; "" */
 } sp_harmonic;
 SP_API sp_harmonic sp_harmonic_none(void);
-/* SP_EREFUSED if the tolerance is missed, for example too near to an eigenfrequency of an undamped network. */
+/* SP_EREFUSED if the tolerance is missed, for example too near to an eigenfrequency of an undamped network; not with
+ * `keep', unless all are refused. */
 SP_API sp_status sp_harmonic_make(const sp_network *net, const sp_harmonic_options *opt, sp_harmonic *out,
                                   sp_error *err);
 SP_API void sp_harmonic_free(sp_harmonic *h);

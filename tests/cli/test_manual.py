@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
-COMMANDS = "pack check statics moduli modes spectrum signal front wave study table reproduce chain column plot convert bench".split()
+COMMANDS = "completion pack check statics moduli modes spectrum signal front wave study table reproduce chain column plot convert bench".split()
 
 
 def output(*arguments):
@@ -18,14 +18,15 @@ def output(*arguments):
 
 
 def options(command):
-    found = set(re.findall(r"(?:^|[\s,])(--[a-z][a-z0-9-]*)", output(command, "--help")))
+    found = set(re.findall(r"^ +(?:-\w, )?(--[a-z][a-z0-9-]*)", output(command, "--help"), re.M))
+    found |= set(re.findall(r"^ +--\S+, (--[a-z][a-z0-9-]*)", output(command, "--help"), re.M))
     return found - {"--help", "--usage", "--version"}
 
 
 def completions(*words):
     """What bash offers for the last word."""
     line = " ".join(f"'{word}'" for word in (COMMAND, *words))
-    script = (f"source '{SOURCE}/completions/sonopack.bash'; COMP_WORDS=({line}); COMP_CWORD={len(words)}; "
+    script = (f"source <('{COMMAND}' completion bash); COMP_WORDS=({line}); COMP_CWORD={len(words)}; "
               "_sonopack 2>/dev/null; printf '%s\\n' \"${COMPREPLY[@]}\"")
     result = subprocess.run(["bash", "-c", script], text=True, capture_output=True, cwd=SOURCE)
     assert result.returncode == 0 and not result.stderr, result

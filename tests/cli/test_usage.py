@@ -61,7 +61,6 @@ def check_wrong_usage():
     expect_status(2, "--frobnicate", reason="--frobnicate")
     expect_status(2, "help", "nothing", reason="nothing")
     expect_status(2, "pack", "--frobnicate", reason="--frobnicate")
-    expect_status(2, "pack", "-o", "x.h5", reason="")
     expect_status(2, "pack", *SMALL, reason="")
     expect_status(2, "pack", "a.cfg", "b.cfg", "-o", "x.h5", reason="")
     expect_status(2, "pack", *SMALL, "--seed", "-1", "-o", "x.h5", reason="--seed -1")

@@ -18,7 +18,7 @@ enum { CLI_QUANTITIES_MAX = 16 };
 
 /* The first member of the arguments of every command. cli_parse fills it in. */
 typedef struct cli_common {
-    bool quiet, verbose, force;
+    bool quiet, verbose, force, dry_run;
     int threads; /* before cli_parse: the default, 0 for one per core */
     const char *output;
     sp_table_format format;
@@ -49,6 +49,7 @@ int cmd_bench(int argc, char **argv);
 int cmd_chain(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_column(int argc, char **argv);
+int cmd_completion(int argc, char **argv);
 int cmd_convert(int argc, char **argv);
 int cmd_front(int argc, char **argv);
 int cmd_modes(int argc, char **argv);
@@ -62,6 +63,14 @@ int cmd_statics(int argc, char **argv);
 int cmd_study(int argc, char **argv);
 int cmd_table(int argc, char **argv);
 int cmd_wave(int argc, char **argv);
+
+/* The commands, in the order of the overview. */
+typedef struct cli_command_row {
+    const char *name; /* NULL: after the last */
+    cli_command run;  /* NULL: `help' */
+    const char *meaning;
+} cli_command_row;
+extern const cli_command_row *cli_commands; /* set by main */
 
 /* ---- options ---------------------------------------------------------------------------------------------------- */
 
@@ -85,10 +94,11 @@ typedef struct cli_option {
     const char *key;          /* the range is that of this scene key, instead of low and high */
     const char *const *words; /* ended by NULL */
     sp_status (*parse)(void *arguments, const char *text, sp_error *err);
-    const char *kinds; /* the words KIND that take the option, separated by blanks; NULL: all */
-    const char *alias; /* an older name */
-    int letter;        /* short option */
-    const char *unit;  /* of a number: it may be given with another unit of the same dimension */
+    const char *kinds;          /* the words KIND that take the option, separated by blanks; NULL: all */
+    const char *alias;          /* an older name */
+    int letter;                 /* short option */
+    const char *unit;           /* of a number: it may be given with another unit of the same dimension */
+    const char *(*word)(int k); /* CLI_PARSED: words that it takes, for completion; NULL after the last */
 } cli_option;
 
 /* The command line of one command. */
@@ -96,13 +106,14 @@ typedef struct cli_syntax {
     const char *usage; /* the arguments; one line for each form */
     const char *help;  /* one sentence, \v, and what follows the options */
     const cli_option *options;
-    const char *const *kinds; /* possible words of the first argument, ended by NULL; NULL: it is a file */
-    const char *kind_name;    /* "kind of spectrum", for messages */
-    const char *file_name;    /* what a file is, for messages: "packing", "scene" */
-    int files_min, files_max; /* how many */
-    bool springs;             /* takes --threshold and --prestress */
-    bool finds_material;      /* calls cli_take_material */
-    const char *not_si;       /* why the command has no --units si; NULL: it has */
+    const char *const *kinds;        /* possible words of the first argument, ended by NULL; NULL: it is a file */
+    const char *kind_name;           /* "kind of spectrum", for messages */
+    const char *file_name;           /* what a file is, for messages: "packing", "scene" */
+    int files_min, files_max;        /* how many */
+    const char *(*file_word)(int k); /* words in place of files; NULL: files */
+    bool springs;                    /* takes --threshold and --prestress */
+    bool finds_material;             /* calls cli_take_material */
+    const char *not_si;              /* why the command has no --units si; NULL: it has */
     sp_status (*check)(void *arguments, sp_error *err); /* called after everything has been read; may be NULL */
 } cli_syntax;
 
@@ -110,6 +121,10 @@ enum { CLI_ANY_NUMBER = 1 << 30 };
 
 /* Reads the command line. Prints the reason and exits if it is wrong; prints and exits for --help. */
 void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments);
+/* What a command would read: its syntax, and option k of its own and the common ones, headings included; NULL after the
+ * last. For completion. */
+const cli_syntax *cli_syntax_of(const cli_command_row *command);
+const cli_option *cli_option_at(const cli_syntax *syntax, int k);
 /* Whether the command line has this option, or its alias. */
 bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *name);
 
@@ -169,6 +184,8 @@ void cli_debug(const cli_common *common, const char *format, ...) __attribute__(
 /* Progress: one line, rewritten in place, on a terminal; elsewhere one line per minute with --verbose. Unknown values:
  * fraction < 0, seconds_left NAN. */
 void cli_progress(const cli_common *common, const char *text, double fraction, double seconds_left);
+/* The same with a range, while the remaining time is not well known. */
+void cli_progress_between(const cli_common *common, const char *text, double fraction, double low, double high);
 /* Clears the progress line. */
 void cli_progress_end(void);
 

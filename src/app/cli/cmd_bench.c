@@ -62,6 +62,8 @@ static sp_status read_cases(void *user, sp_error *err) {
     return SP_OK;
 }
 
+static const char *case_word(int k) { return k < CASES ? cases[k].name : k == CASES ? "pack" : NULL; }
+
 static const cli_option options[] = {
     {"packing", "FILE", "Packing to measure, instead of the four (repeatable)", .parse = add_packing},
     {"until", "T", "Last time of the signals (400)", CLI_NUMBER, .field = offsetof(arguments, until), .low = 1e-9,
@@ -85,6 +87,7 @@ static const cli_syntax syntax = {
     .options = options,
     .file_name = "case",
     .files_max = CLI_ANY_NUMBER,
+    .file_word = case_word,
     .check = read_cases};
 
 static sp_status add_columns(sp_table *t, sp_error *err) {

@@ -1,6 +1,7 @@
 /* sonopack front: prints arrival, peak and width of the first wave front of packings and of recorded traces. */
 #include "base/base.h"
 #include "cli/files.h"
+#include "cli/low_box.h"
 #include "cli/plot_input.h"
 #include "ensemble/sample.h"
 
@@ -102,6 +103,7 @@ static sp_status packing_front(arguments *a, const cli_file *file, arrival *out,
     if (status == SP_OK)
         status = cli_take_material(a, &p.material, file->path, err);
     if (status == SP_OK) {
+        cli_warn_packing(&a->common, file->path, &p, &net);
         *out = (arrival){.distance = sp_packing_height(&p), .length = "d", .force = "E* d^2"};
         snprintf(out->time, sizeof out->time, "%s", time_unit);
         double window = 0;
@@ -158,6 +160,30 @@ static double distance_of(const sp_table *t, const char *column, double height) 
     return isfinite(detector.plane) ? detector.plane : height;
 }
 
+/* The error of a signal by its table: "F2 = ..., error E" of the column, or else "error = E"; 0 if it says nothing. */
+static double error_of(const sp_table *t, const char *column) {
+    const char *text = sp_table_get_text(t, column), *at = text ? strstr(text, ", error ") : NULL;
+    double error = 0;
+    if (at)
+        return fabs(strtod(at + strlen(", error "), NULL));
+    return sp_table_get_number(t, "error", &error) ? fabs(error) : 0;
+}
+
+/* t10 is where the force passes a tenth of the peak. An error of that size could put it anywhere. */
+static sp_status check_error(const arguments *a, const char *path, double error, const sp_front *f, sp_error *err) {
+    const double most = 0.1, much = 0.01;
+    if (error >= most * f->amplitude)
+        return sp_fail(
+            err, SP_EREFUSED,
+            "%s: error = %.3g of F, at a peak of %.3g: must be below a tenth of the peak, where t10 is (a sum "
+            "over few modes is no signal: see `sonopack help signal')",
+            path, error, f->amplitude);
+    if (error >= much * f->amplitude)
+        cli_note(&a->common, "%s: warning: error = %.3g of F is %.2g of the peak: t10 and width are uncertain", path,
+                 error, error / f->amplitude);
+    return SP_OK;
+}
+
 static sp_status trace_front(const arguments *a, const char *path, const sp_table *t, int time, int force, arrival *out,
                              sp_error *err) {
     plot_signal s;
@@ -176,6 +202,8 @@ static sp_status trace_front(const arguments *a, const char *path, const sp_tabl
         status = sp_front_find(s.n, s.t, s.f, &rule, &out->front, err);
     if (status != SP_OK)
         sp_fail_prefix(err, "%s", path);
+    else
+        status = check_error(a, path, error_of(t, t->column[force].name), &out->front, err);
     sp_free(s.t);
     return status;
 }

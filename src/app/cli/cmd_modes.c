@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "cli/modes.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -100,6 +101,7 @@ static const cli_option options[] = {
      .field = offsetof(arguments, mode), .high = 1000000000},
     {"source", "impulse|velocity|displacement", "Kind of source for the amplitudes a (impulse)", CLI_CHOICE,
      .field = offsetof(arguments, source), .words = cli_source_names},
+    CLI_DRY_RUN,
     {0}};
 
 static const cli_syntax syntax = {
@@ -209,9 +211,41 @@ static sp_status begin(void *user, sp_table *t, sp_error *err) {
     return a->vectors ? cli_may_write_modes(&a->common, a->vectors, err) : SP_OK;
 }
 
+/* How many modes a band has: their density is about even over the spectrum. */
+static double expected_modes(const arguments *a, const sp_network_size *net) {
+    if (a->range.lowest > 0)
+        return (double)a->range.lowest;
+    return fmin(net->dofs, net->dofs * (fmin(a->range.to, net->omega) - a->range.from) / net->omega);
+}
+
+static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *err) {
+    const arguments *a = user;
+    const sp_network_size net = sp_network_size_of(&file->network, sp_packing_height(&file->packing));
+    const sp_modes_options o = {
+        .vectors = !a->frequencies_only, .solver = (sp_modes_solver)a->solver, .threads = a->common.threads};
+    const double modes = fmax(0, expected_modes(a, &net));
+    sp_cost cost = sp_cost_modes(&net, &o, &a->range, modes, &p->machine);
+    if (a->stability || a->damping > 0) {
+        cost.cpu = cost.wall = NAN;
+        cli_comment(&p->w, "nan: there is no law for --stability and --damping");
+    }
+    (void)err;
+    cli_plan_add(p, "network", 1, sp_cost_result(SP_RESULT_NETWORK, &net, 1, &p->machine), 0);
+    cli_plan_add(p, "modes", (int64_t)modes, cost, a->common.output ? sp_bytes_table(modes, 7) : 0);
+    if (a->vectors)
+        cli_plan_add(p, "vectors", a->mode >= 0 ? 1 : (int64_t)modes, (sp_cost){0},
+                     a->mode >= 0 ? sp_bytes_table(net.grains, 7) : 8 * modes * net.dofs);
+    return SP_OK;
+}
+
 int cmd_modes(int argc, char **argv) {
-    static const cli_files command = {
-        .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = begin, .add = add_rows};
+    static const cli_files command = {.groups = "network",
+                                      .contents = CLI_NETWORK,
+                                      .stop = true,
+                                      .begin = begin,
+                                      .add = add_rows,
+                                      .plan = plan,
+                                      .kernels = 1U << SP_KERNEL_DENSE | 1U << SP_KERNEL_SPARSE};
     arguments a = {.range = sp_modes_range_all(), .mode = -1};
     cli_parse(&syntax, argc, argv, &a);
     return cli_run_files(&command, &a);

@@ -1,7 +1,10 @@
 /* sonopack pack: compresses one packing of a scene and saves it. */
 #include "base/base.h"
+#include "cli/dry_run.h"
+#include "cli/low_box.h"
 #include "cli/output.h"
 #include "cli/pack_state.h"
+#include "cost/remaining.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -16,8 +19,6 @@ typedef struct arguments {
 
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
-    if (a->common.files == 0 && a->common.sets == 0)
-        return sp_fail(err, SP_EINVAL, "no scene: must be a scene file, or --set KEY=VALUE");
     if (!a->common.output)
         return sp_fail(err, SP_EINVAL, "no output: must be -o FILE.h5 or -o FILE.txt");
     return SP_OK;
@@ -27,18 +28,21 @@ static const cli_option options[] = {
     {"seed", "S", "Seed of the random numbers", CLI_INTEGER, .field = offsetof(arguments, seed), .high = 9.3e18},
     {"state-every", "SECONDS", "Save the state of the compression this often (10)", CLI_NUMBER,
      .field = offsetof(arguments, every), .high = 1e9},
+    CLI_DRY_RUN,
     {0}};
 
 static const cli_syntax syntax = {
     .usage = "[SCENE] -o FILE",
     .help =
         "Compresses one packing of a scene, saves it, and prints a summary.\v"
-        "FILE ends in .h5 (HDF5) or .txt (text). Without SCENE all keys have their defaults, except those of --set. "
+        "FILE ends in .h5 (HDF5) or .txt (text). Without SCENE all keys have their defaults, except those of --set. A "
+        "warning says before the work if the box will be lower than 6 diameters. "
         "If the compression is interrupted, the same command continues it: the state is kept in FILE.state. With "
         "packing.history the packing at each of its pressures is saved beside FILE (P.stage1.h5).\n"
         "\n"
         "  sonopack pack packings/single.cfg --seed 7 -o P.h5\n"
-        "  sonopack pack --set packing.grains=200 --set packing.pressure=1e-5 -o P.txt",
+        "  sonopack pack --set packing.grains=200 --set packing.pressure=1e-5 -o P.txt\n"
+        "  sonopack pack --dry-run packings/spheres.cfg -o P.h5",
     .options = options,
     .file_name = "scene",
     .files_max = 1,
@@ -49,7 +53,9 @@ typedef struct compression {
     const arguments *arguments;
     sp_scene *scene;
     pack_state state;
-    double begun, first_fraction; /* clock and progress at the start */
+    double begun; /* clock at the start */
+    sp_remaining left;
+    bool watched; /* `left' has begun */
     double logged_at;
     const char *phase; /* that was last logged */
     bool stopping;     /* Ctrl-C was pressed */
@@ -68,19 +74,28 @@ static bool may_stop(compression *c) {
     return pack_state_is_safe(&c->state) || sp_clock_cpu() - c->stop_begun > first_state_time;
 }
 
+/* What the cost model expects: the clock then corrects its pace. */
+static void begin_countdown(compression *c, int64_t steps) {
+    const sp_machine machine = sp_machine_reference();
+    const sp_packing_forecast f = sp_packing_expect(&c->scene->pack, c->arguments->common.threads, &machine);
+    c->left = sp_remaining_begin(f.steps, (double)steps, f.steps > 0 ? f.cost.wall / f.steps : 0);
+    c->watched = true;
+}
+
 static bool watch(const sp_pack_progress *progress, void *user) {
     compression *c = user;
     const cli_common *common = &c->arguments->common;
-    const double now = sp_clock_wall(), done = progress->fraction - c->first_fraction;
+    const double now = sp_clock_wall(), steps = (double)progress->steps;
     char text[120];
-    if (c->first_fraction < 0)
-        c->first_fraction = progress->fraction;
+    if (!c->watched)
+        begin_countdown(c, progress->steps);
+    const double fraction = sp_remaining_fraction(&c->left, steps);
     snprintf(text, sizeof text, "%s: strain %.4f, residual %.2g", progress->phase, progress->strain,
              progress->residual);
-    const double left = now - c->begun > 1 && done > 0.02 ? (now - c->begun) * (1 - progress->fraction) / done : NAN;
-    cli_progress(common, text, progress->fraction, left);
+    const sp_time_left left = sp_remaining_next(&c->left, now - c->begun, steps);
+    cli_progress_between(common, text, fraction, left.low, left.high);
     if (!isatty(STDERR_FILENO) && (!c->phase || strcmp(c->phase, progress->phase) != 0 || now - c->logged_at > 5)) {
-        cli_debug(common, "%s, %lld steps, %.0f%%", text, (long long)progress->steps, 100 * progress->fraction);
+        cli_debug(common, "%s, %lld steps, %.0f%%", text, (long long)progress->steps, 100 * fraction);
         c->phase = progress->phase;
         c->logged_at = now;
     }
@@ -178,7 +193,6 @@ static sp_status compress(compression *c, const sp_packing *from, sp_packing *p,
                                  .stage = save_stage};
     cli_catch_signals();
     c->begun = sp_clock_wall();
-    c->first_fraction = -1;
     sp_status status = sp_packing_make_with(&c->scene->pack, &hooks, p, err);
     cli_progress_end();
     if (status == SP_EINTERRUPTED) {
@@ -213,6 +227,28 @@ static sp_status make_and_save(compression *c, const sp_packing *from, sp_packin
     return status;
 }
 
+/* --dry-run. The stages of a history are saved beside the packing. */
+static sp_status plan(const arguments *a, const sp_scene *scene, sp_error *err) {
+    cli_plan plan;
+    const sp_pack_spec *spec = &scene->pack;
+    sp_status status = cli_plan_begin(&a->common, 1U << SP_KERNEL_STEP, &plan, err);
+    if (status == SP_OK) {
+        const sp_packing_forecast f = sp_packing_expect(spec, a->common.threads, &plan.machine);
+        const double bytes = cli_has_ending(a->common.output, ".txt")
+                                 ? sp_bytes_packing_text(spec->dim, spec->grains, f.contacts)
+                                 : sp_bytes_packing(spec->dim, spec->grains, f.contacts);
+        cli_comment(&plan.w, "expected: height %.3g d, %.3g steps, %.3g contacts, %.3g rattlers", f.height, f.steps,
+                    f.contacts, f.rattlers);
+        cli_plan_add(&plan, "packing", 1, f.cost, bytes);
+        if (spec->history_count > 0)
+            cli_plan_add(&plan, "packings of the history", spec->history_count, (sp_cost){0},
+                         spec->history_count * bytes);
+        status = cli_plan_end(&plan);
+    }
+    cli_plan_free(&plan);
+    return status;
+}
+
 static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *err) {
     const char *path = a->common.output;
     if (!cli_has_ending(path, ".txt") && !cli_is_hdf5(path))
@@ -238,9 +274,11 @@ static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *er
         status = cli_take_material(a, &scene->material, a->common.files > 0 ? a->common.file[0] : "the scene", err);
     cli_note_material(&a->common, scene);
     if (status == SP_OK)
-        status = make_and_save(&c, &from, p, err);
+        cli_warn_low_box(&a->common, &scene->pack);
+    if (status == SP_OK)
+        status = a->common.dry_run ? plan(a, scene, err) : make_and_save(&c, &from, p, err);
     sp_packing_free(&from);
-    return status == SP_OK ? summarise(a, scene, p, err) : status;
+    return status == SP_OK && !a->common.dry_run ? summarise(a, scene, p, err) : status;
 }
 
 int cmd_pack(int argc, char **argv) {

@@ -1,11 +1,15 @@
 /* sonopack reproduce: computes the tables and figures of a paper and compares them with the printed values. */
 #include "base/base.h"
 #include "cli/output.h"
+#include "cli/plan_study.h"
+#include "cost/remaining.h"
 #include "scene/field.h"
 
 #include "paper/reproduce.h"
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { PAPER_SOMFAI = 0, PAPER_BLACKMORE };
 static const char *const papers[] = {"somfai2005", "blackmore2011", NULL};
@@ -20,6 +24,8 @@ typedef struct arguments {
     int figures; /* index of the format */
     sp_protocol protocol;
     int64_t failed; /* samples, as of the last progress report */
+    char step[64];  /* that was last said */
+    sp_remaining left;
 } arguments;
 
 static const char *item_name(int item, const void *user) {
@@ -57,6 +63,11 @@ static sp_status read_items(arguments *a, sp_error *err) {
     }
 }
 
+/* The items of both papers. */
+static const char *any_item(int k) {
+    return k < SP_PAPER_ITEMS ? sp_paper_item_name(k) : sp_paper_column_item_name(k - SP_PAPER_ITEMS);
+}
+
 static sp_status set_protocol(void *user, const char *name, sp_error *err) {
     const sp_field *field = sp_field_find("packing.protocol");
     char right[200];
@@ -82,7 +93,7 @@ static const cli_option options[] = {
     {"store", "DIR", "somfai2005: folder of the samples; it is created if necessary", CLI_TEXT,
      .field = offsetof(arguments, store)},
     {"only", "ITEMS", "Compute only these items, as in fig6,table2 or fig1,chaos (all)", CLI_TEXT,
-     .field = offsetof(arguments, only)},
+     .field = offsetof(arguments, only), .word = any_item},
     {"samples", "N", "somfai2005: number of packings at each pressure (30, as in the paper)", CLI_INTEGER,
      .field = offsetof(arguments, samples), .low = 1, .high = 100000},
     {"jobs", "N", "somfai2005: number of samples computed at the same time (one per core)", CLI_INTEGER,
@@ -92,7 +103,8 @@ static const cli_option options[] = {
     {"protocol", "NAME",
      "somfai2005: how packings are compressed, as packing.protocol: default; somfai2005, the same motion, damped until "
      "the end; or quick, with another material, several times faster. Lattices of unequal balls always use the default",
-     .parse = set_protocol},
+     .parse = set_protocol, .key = "packing.protocol"},
+    CLI_DRY_RUN,
     {0}};
 
 static const cli_syntax syntax = {
@@ -125,18 +137,28 @@ static const cli_syntax syntax = {
     .kind_name = "paper",
     .check = check};
 
+/* Where no progress line can be shown: a line for each step. */
+static void say_step(arguments *a, const sp_paper_progress *now) {
+    if (isatty(STDERR_FILENO) || strcmp(a->step, now->what) == 0)
+        return;
+    snprintf(a->step, sizeof a->step, "%.63s", now->what);
+    cli_note(&a->common, "%s, %.0f%% done", now->what, 100 * fmin(1, fmax(0, now->fraction)));
+}
+
 static bool watch(const sp_paper_progress *now, void *user) {
     arguments *a = user;
     char text[120];
     a->failed = now->failed;
+    say_step(a, now);
+    const double left = isnan(now->seconds_left) ? NAN : sp_remaining_fall(&a->left, now->seconds, now->seconds_left);
     if (a->column) {
-        cli_progress(&a->common, now->what, now->fraction, now->seconds_left);
+        cli_progress(&a->common, now->what, now->fraction, left);
         return !cli_stopped();
     }
     int length = snprintf(text, sizeof text, "%s, %lld samples computed", now->what, (long long)now->computed);
     if (now->failed > 0)
         snprintf(text + length, sizeof text - (size_t)length, ", %lld failed", (long long)now->failed);
-    cli_progress(&a->common, text, now->fraction, now->seconds_left);
+    cli_progress(&a->common, text, now->fraction, left);
     return !cli_stopped();
 }
 
@@ -149,6 +171,67 @@ static sp_status finish(arguments *a, sp_table *t, sp_error *err) {
     a->common.output = NULL; /* the table goes to stdout */
     return cli_write_table(&a->common, t, err);
 }
+
+/* ---- --dry-run -------------------------------------------------------------------------------------------------- */
+
+typedef struct planning {
+    const arguments *arguments;
+    cli_plan plan;
+    const char *name; /* of the last ensemble; several of one name follow each other */
+    int same;
+} planning;
+
+static sp_status plan_ensemble(const char *name, const sp_scene *scene, void *user, sp_error *err) {
+    planning *p = user;
+    const arguments *a = p->arguments;
+    const sp_study_options o = {
+        .jobs = a->jobs > 0 ? (int)a->jobs : a->common.threads, .threads = a->common.threads, .shard = 1, .shards = 1};
+    char prefix[64];
+    p->same = p->name && strcmp(p->name, name) == 0 ? p->same + 1 : 1;
+    p->name = name;
+    if (p->same > 1)
+        snprintf(prefix, sizeof prefix, "%s %d: ", name, p->same);
+    else
+        snprintf(prefix, sizeof prefix, "%s: ", name);
+    return cli_plan_study(&p->plan, prefix, scene, &o, a->store, err);
+}
+
+/* What follows the samples: seconds on the machine of the laws. */
+static void plan_items(planning *p) {
+    const arguments *a = p->arguments;
+    const bool drawn = a->common.output != NULL;
+    int items = 0;
+    double seconds = 0;
+    for (int k = 0; item_name(k, a); k++)
+        if (a->items == 0 || a->items >> k & 1) {
+            items++;
+            seconds += a->column ? sp_paper_column_item_seconds(k, drawn) : sp_paper_item_seconds(k, drawn);
+        }
+    seconds *= p->plan.machine.slower[SP_KERNEL_STEP];
+    cli_plan_add(&p->plan, drawn ? "items and figures" : "items", items, (sp_cost){seconds, seconds, 1e7},
+                 drawn ? 4e5 * items : 0);
+}
+
+static sp_status plan(const arguments *a, sp_error *err) {
+    planning p = {.arguments = a};
+    sp_paper_options o = sp_paper_options_default();
+    const unsigned kernels = 1U << SP_KERNEL_STEP | (a->column ? 0 : 1U << SP_KERNEL_PRODUCT | 1U << SP_KERNEL_SPARSE);
+    o.items = a->items;
+    o.samples = (int32_t)a->samples;
+    o.protocol = a->protocol;
+    o.folder = a->common.output;
+    sp_status status = cli_plan_begin(&a->common, kernels, &p.plan, err);
+    if (status == SP_OK && !a->column)
+        status = sp_paper_ensembles(&o, plan_ensemble, &p, err);
+    if (status == SP_OK) {
+        plan_items(&p);
+        status = cli_plan_end(&p.plan);
+    }
+    cli_plan_free(&p.plan);
+    return status;
+}
+
+/* ---- the work --------------------------------------------------------------------------------------------------- */
 
 static sp_status work_column(arguments *a, sp_table *t, sp_error *err) {
     sp_paper_column_options o = sp_paper_column_options_default();
@@ -201,12 +284,14 @@ static sp_status work(arguments *a, sp_store **store, sp_table *t, sp_error *err
 }
 
 int cmd_reproduce(int argc, char **argv) {
-    arguments a = {.samples = sp_paper_options_default().samples};
+    arguments a = {.samples = sp_paper_options_default().samples, .left = sp_remaining_begin(1, 0, 1)};
     cli_parse(&syntax, argc, argv, &a);
     sp_error err = {0};
     sp_store *store = NULL;
     sp_table t = sp_table_none();
-    sp_status status = a.column ? work_column(&a, &t, &err) : work(&a, &store, &t, &err);
+    sp_status status = a.common.dry_run ? plan(&a, &err)
+                       : a.column       ? work_column(&a, &t, &err)
+                                        : work(&a, &store, &t, &err);
     if (store)
         sp_store_close(store);
     sp_table_free(&t);

@@ -24,6 +24,8 @@ typedef struct arguments {
     cli_pulse pulse;
 } arguments;
 
+static const char *method_word(int k) { return sp_signal_method_name((sp_signal_method)k); }
+
 static sp_status set_method(void *user, const char *word, sp_error *err) {
     const char *names[16] = {NULL};
     for (int k = 0; k < 15 && sp_signal_method_name((sp_signal_method)k); k++)
@@ -66,7 +68,7 @@ static const cli_option options[] = {
      .field = offsetof(arguments, until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {"points", "N", "Number of equally spaced times from 0 to T (801)", CLI_INTEGER,
      .field = offsetof(arguments, points), .key = "signal.points"},
-    {"method", "METHOD", "How to compute the signal; see below (auto)", .parse = set_method},
+    {"method", "METHOD", "How to compute the signal; see below (auto)", .parse = set_method, .word = method_word},
     {"pulse", "PULSE",
      "Strength of the source against time: delta, gauss:WIDTH, ricker:OMEGA, sine:OMEGA:CYCLES, square:WIDTH or "
      "file:PATH (delta)",
@@ -90,13 +92,15 @@ static const cli_option options[] = {
     {"source", "KIND[:PLACE]",
      "What the source imposes on a grain at the bottom wall, in proportion to the stiffness of its contact: impulse, "
      "velocity or displacement (impulse)",
-     .parse = set_source},
+     .parse = set_source, .words = cli_source_names},
     {"from", "PLACE", "Source at bottom, part:X0:X1 or grain:I (bottom); repeatable", .parse = add_source},
     {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1 or grain:I (top); repeatable", .parse = add_detector},
     {"component", "normal|shear", "Component at every PLACE without :normal or :shear at its end (normal)", CLI_CHOICE,
      .field = offsetof(arguments, component), .words = cli_component_names},
     {"planes", "N", "Detectors at N planes that divide the height into equal layers", CLI_INTEGER,
      .field = offsetof(arguments, planes), .low = 1, .high = SIGNALS_MAX},
+    {.help = "Before long work:"},
+    CLI_DRY_RUN,
     {0}};
 
 static const cli_syntax syntax = {
@@ -263,9 +267,37 @@ static sp_status compute(void *user, cli_file *file, sp_table *t, sp_error *err)
     return status;
 }
 
+static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *err) {
+    arguments *a = user;
+    sp_signal_options o;
+    sp_signal_method method = SP_SIGNAL_AUTO;
+    double products = 0;
+    char what[64];
+    sp_status status = set_options(a, file->scene, &file->packing, &o, err);
+    if (status != SP_OK)
+        return status;
+    const sp_network_size net = sp_network_size_of(&file->network, sp_packing_height(&file->packing));
+    const sp_cost cost = sp_cost_signal(&net, &o, &p->machine, &method, &products);
+    const int pairs = (o.sources > 0 ? o.sources : 1) * (o.detectors > 0 ? o.detectors : 1);
+    snprintf(what, sizeof what, "signals by %s", sp_signal_method_name(method));
+    if (products > 0)
+        cli_comment(&p->w, "products = %.3g", products);
+    if (isnan(cost.cpu))
+        cli_comment(&p->w, "nan: there is no law for the steps of %s", sp_signal_method_name(method));
+    cli_plan_add(p, "network", 1, sp_cost_result(SP_RESULT_NETWORK, &net, 1, &p->machine), 0);
+    cli_plan_add(p, what, pairs, cost, a->common.output ? sp_bytes_table(o.points, 1 + pairs) : 0);
+    return SP_OK;
+}
+
 int cmd_signal(int argc, char **argv) {
-    static const cli_files command = {
-        .groups = "network signal", .contents = CLI_NETWORK, .stop = true, .begin = open_pulse, .add = compute};
+    static const cli_files command = {.groups = "network signal",
+                                      .contents = CLI_NETWORK,
+                                      .stop = true,
+                                      .begin = open_pulse,
+                                      .add = compute,
+                                      .plan = plan,
+                                      .kernels =
+                                          1U << SP_KERNEL_STEP | 1U << SP_KERNEL_PRODUCT | 1U << SP_KERNEL_DENSE};
     arguments a = {.points = -1, .method = NOT_GIVEN, .source = NOT_GIVEN, .sources = {.sources = true}};
     a.until = a.tolerance = a.step = a.damping = a.amplitude = -1;
     cli_parse(&syntax, argc, argv, &a);

@@ -31,6 +31,8 @@ static sp_status set_range(void *user, const char *text, sp_error *err) {
 
 #define FIELD(name) .field = offsetof(spectrum_arguments, name)
 
+typedef spectrum_arguments arguments;
+
 static const cli_option options[] = {
     {"method", "auto|exact|kpm|count",
      "dos: all frequencies (exact), kernel polynomials (kpm), or the number of modes in each bin (count) (auto: exact "
@@ -74,6 +76,7 @@ static const cli_option options[] = {
      .kinds = "continuum"},
     {"solver", CLI_SOLVERS, "continuum, participation, transmission --lines: solver of the modes, as in modes (auto)",
      CLI_CHOICE, FIELD(solver), .words = cli_solver_names, .kinds = "continuum participation transmission"},
+    CLI_DRY_RUN,
     {0}};
 
 static const cli_syntax syntax = {
@@ -106,8 +109,61 @@ static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err
     return w.status == SP_OK ? tables[a->common.kind](a, file, t, err) : w.status;
 }
 
+/* ---- --dry-run -------------------------------------------------------------------------------------------------- */
+
+enum { DOS = 0, TRANSMISSION, DISPERSION, HARMONIC, PARTICIPATION, CONTINUUM }; /* as in kinds */
+
+/* Number of frequencies of --at. */
+static double count_frequencies(const spectrum_arguments *a) {
+    int32_t n = SPECTRUM_FREQUENCIES;
+    double *omega = sp_alloc(SPECTRUM_FREQUENCIES_MAX, sizeof *omega);
+    if (omega && a->at)
+        cli_frequencies(a->at, SPECTRUM_FREQUENCIES_MAX, &n, omega, NULL);
+    sp_free(omega);
+    return n;
+}
+
+/* Whether a kind needs all modes. */
+static bool needs_modes(const spectrum_arguments *a, const sp_network_size *net) {
+    enum { AUTO = 0, EXACT = 1, DENSE_MOST = 3000 };
+    switch (a->common.kind) {
+    case DOS: return a->method == EXACT || (a->method <= AUTO && net->dofs <= DENSE_MOST);
+    case TRANSMISSION: return a->lines;
+    default: return a->common.kind == PARTICIPATION;
+    }
+}
+
+static sp_cost kind_cost(const spectrum_arguments *a, const sp_network_size *net, double rows,
+                         const sp_machine *machine) {
+    static const sp_result result[] = {SP_RESULT_DENSITY,  SP_RESULT_TRANSMISSION, SP_RESULT_DISPERSION,
+                                       SP_RESULT_HARMONIC, SP_RESULT_DENSITY,      SP_RESULT_CONTINUUM};
+    const int kind = a->common.kind;
+    const sp_modes_options o = {.vectors = kind != DOS, .solver = (sp_modes_solver)a->solver};
+    const sp_modes_range all = sp_modes_range_all();
+    if (needs_modes(a, net))
+        return sp_cost_modes(net, &o, &all, net->dofs, machine);
+    return sp_cost_result(result[kind], net, kind == DOS || kind == HARMONIC ? rows : 1, machine);
+}
+
+static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *err) {
+    const spectrum_arguments *a = user;
+    const sp_network_size net = sp_network_size_of(&file->network, sp_packing_height(&file->packing));
+    const double rows = a->common.kind == HARMONIC ? count_frequencies(a) : a->bins > 0 ? (double)a->bins : 100;
+    (void)err;
+    cli_plan_add(p, "network", 1, sp_cost_result(SP_RESULT_NETWORK, &net, 1, &p->machine), 0);
+    cli_plan_add(p, kinds[a->common.kind], 1, kind_cost(a, &net, rows, &p->machine),
+                 a->common.output ? sp_bytes_table(rows, 6) : 0);
+    return SP_OK;
+}
+
 int cmd_spectrum(int argc, char **argv) {
-    static const cli_files command = {.groups = "network", .contents = CLI_NETWORK, .stop = true, .add = add_rows};
+    static const cli_files command = {.groups = "network",
+                                      .contents = CLI_NETWORK,
+                                      .stop = true,
+                                      .add = add_rows,
+                                      .plan = plan,
+                                      .kernels =
+                                          1U << SP_KERNEL_PRODUCT | 1U << SP_KERNEL_DENSE | 1U << SP_KERNEL_SPARSE};
     spectrum_arguments a = spectrum_arguments_default();
     cli_parse(&syntax, argc, argv, &a);
     return cli_run_files(&command, &a);

@@ -1,9 +1,11 @@
 /* sonopack study: computes the samples of an ensemble, keeps them in a store, and prints its tables. */
 #include "base/base.h"
 #include "cli/output.h"
+#include "cli/plan_study.h"
 #include "cli/ranks.h"
 #include "cli/tables.h"
 #include "cli/verify.h"
+#include "cost/remaining.h"
 #include "ensemble/sample.h"
 
 #include <fcntl.h>
@@ -44,6 +46,10 @@ static sp_status check(void *user, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "no scene: must be a scene file, or --set KEY=VALUE");
     if (!a->store)
         return sp_fail(err, SP_EINVAL, "no store: must be --store DIR");
+    if (a->verify && a->common.dry_run)
+        return sp_fail(err, SP_EINVAL, "--verify cannot be combined with --dry-run: it makes nothing either");
+    if (a->common.dry_run && a->ranks.size > 1)
+        return sp_fail(err, SP_EINVAL, "--dry-run: must run as one process, not as %d ranks", a->ranks.size);
     if (a->verify && (a->retry || a->study.shards > 1 || a->jobs > 0))
         return sp_fail(err, SP_EINVAL, "--verify cannot be combined with --retry, --shard or --jobs");
     if (!a->verify && !isnan(a->tolerance))
@@ -66,6 +72,7 @@ static const cli_option options[] = {
      .field = offsetof(arguments, tolerance), .high = 1},
     {"interval", "LEVEL", "Confidence level of the intervals, 0.5 to 0.999 (0.95)", CLI_NUMBER,
      .field = offsetof(arguments, level), .low = SP_LEVEL_LEAST, .high = SP_LEVEL_MOST},
+    CLI_DRY_RUN,
     {0}};
 
 static const cli_syntax syntax = {
@@ -113,6 +120,25 @@ static cli_tables tables_of(const cli_common *common, const sp_scene *scene) {
     return tables;
 }
 
+/* Of the study that is made: at first what the cost model expects of it. */
+static sp_remaining left;
+static int side_by_side = 1;
+
+static void show(const cli_common *common, const char *text, const sp_study_progress *now) {
+    const double fraction = now->cost > 0 ? now->cost_done / now->cost : 1;
+    if (left.shown < 0)
+        left = sp_remaining_begin(now->cost, 0, 1.0 / side_by_side);
+    left.before = now->cost_done - now->cost_computed; /* what was stored */
+    if (now->done >= now->total)
+        cli_progress(common, text, 1, 0);
+    else if (now->done + now->elsewhere >= now->total) /* the rest depends on other processes */
+        cli_progress(common, text, fraction, NAN);
+    else {
+        const sp_time_left t = sp_remaining_next(&left, now->seconds, now->cost_done);
+        cli_progress_between(common, text, fraction, t.low, t.high);
+    }
+}
+
 static bool watch(const sp_study_progress *progress, void *user) {
     sp_study_progress now = *progress;
     const bool go_on = cli_ranks_share(&now, cli_stopped());
@@ -122,7 +148,7 @@ static bool watch(const sp_study_progress *progress, void *user) {
         length += snprintf(text + length, sizeof text - (size_t)length, ", %lld failed", (long long)now.failed);
     if (now.elsewhere > 0)
         snprintf(text + length, sizeof text - (size_t)length, ", %lld in other processes", (long long)now.elsewhere);
-    cli_progress(user, text, now.total > 0 ? (double)now.done / (double)now.total : 1, now.seconds_left);
+    show(user, text, &now);
     return go_on;
 }
 
@@ -141,12 +167,51 @@ static sp_status announce(const arguments *a, const sp_scene *scene, sp_error *e
     return status;
 }
 
+/* Reads the scene, and the packing that it starts from, if it names one. */
+static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
+    const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
+    sp_status status = cli_read_scene(&a->common, path, scene, err);
+    if (status == SP_OK)
+        status = sp_scene_check_sweeps(scene, err);
+    if (status == SP_OK && scene->pack.kind == SP_PACK_FILE) {
+        status = cli_load_start(scene, from, err);
+        a->study.from = from;
+    }
+    if (status == SP_OK)
+        status = cli_take_material(a, &scene->material, path ? path : "the scene", err);
+    if (status == SP_OK)
+        cli_note_material(&a->common, scene);
+    return status;
+}
+
+static void share_threads(arguments *a) {
+    a->study.jobs = a->jobs > 0 ? (int)a->jobs : a->common.threads;
+    a->study.threads = a->common.threads;
+}
+
+static sp_status plan(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
+    cli_plan plan;
+    sp_status status = read_scene(a, scene, from, err);
+    if (status != SP_OK)
+        return status;
+    share_threads(a);
+    status =
+        cli_plan_begin(&a->common, 1U << SP_KERNEL_STEP | 1U << SP_KERNEL_PRODUCT | 1U << SP_KERNEL_SPARSE, &plan, err);
+    if (status == SP_OK)
+        status = cli_plan_study(&plan, "", scene, &a->study, a->store, err);
+    if (status == SP_OK)
+        status = cli_plan_end(&plan);
+    cli_plan_free(&plan);
+    return status;
+}
+
 static sp_status run(arguments *a, const sp_scene *scene, sp_store *store, sp_study_progress *done, sp_error *err) {
     sp_study_sink sink = sp_store_sink(store);
     sp_store_retry(store, a->retry);
-    a->study.jobs = a->jobs > 0 ? (int)a->jobs : a->common.threads;
-    a->study.threads = a->common.threads;
+    share_threads(a);
     a->study.take = a->ranks.take;
+    left = sp_remaining_begin(1, 0, 1);
+    side_by_side = a->study.jobs * a->ranks.size;
     sp_status status = announce(a, scene, err);
     cli_catch_signals();
     return status == SP_OK ? sp_study_run(scene, &a->study, &sink, watch, &a->common, done, err) : status;
@@ -167,23 +232,6 @@ static sp_status report(const arguments *a, sp_status status, const sp_study_pro
     if (status == SP_OK && done->failed > 0)
         cli_note(&a->common, "%lld samples failed, or lack a result: see `sonopack table ensemble --store %s'",
                  (long long)done->failed, a->store);
-    return status;
-}
-
-/* Reads the scene, and the packing that it starts from, if it names one. */
-static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
-    const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
-    sp_status status = cli_read_scene(&a->common, path, scene, err);
-    if (status == SP_OK)
-        status = sp_scene_check_sweeps(scene, err);
-    if (status == SP_OK && scene->pack.kind == SP_PACK_FILE) {
-        status = cli_load_start(scene, from, err);
-        a->study.from = from;
-    }
-    if (status == SP_OK)
-        status = cli_take_material(a, &scene->material, path ? path : "the scene", err);
-    if (status == SP_OK)
-        cli_note_material(&a->common, scene);
     return status;
 }
 
@@ -264,7 +312,9 @@ static int study(arguments *a, int argc, char **argv) {
     const bool whole = a->common.files == 0 && a->common.sets == 0; /* --verify of the whole store */
     bool good = true;
     sp_status status = SP_OK;
-    if (!a->verify)
+    if (a->common.dry_run)
+        status = plan(a, &scene, &from, &err);
+    else if (!a->verify)
         status = make(a, &scene, &from, &store, &err);
     else if (!whole)
         status = read_scene(a, &scene, &from, &err);
@@ -273,6 +323,7 @@ static int study(arguments *a, int argc, char **argv) {
                             isnan(a->tolerance) ? CLI_AUDIT_TOLERANCE : a->tolerance, &good, &err);
     if (store)
         sp_store_close(store);
+    a->study.from = NULL;
     sp_packing_free(&from);
     sp_scene_free(&scene);
     if (status != SP_OK)

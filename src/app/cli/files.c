@@ -1,5 +1,6 @@
 /* Runs commands that read packings, one after another, and print one table. */
 #include "cli/files.h"
+#include "cli/low_box.h"
 
 #include "base/base.h"
 
@@ -26,6 +27,8 @@ static sp_status add_file(const cli_files *command, void *arguments, cli_file *f
         status = sp_packing_read(f->path, &f->packing, err);
     if (status == SP_OK && command->contents != CLI_PATH)
         status = cli_take_material(arguments, &f->packing.material, f->path, err);
+    if (status == SP_OK && command->contents == CLI_NETWORK)
+        cli_warn_packing(arguments, f->path, &f->packing, &f->network);
     if (status == SP_OK) {
         status = command->add(arguments, f, t, err);
         /* of a single file SP_EINVAL is about an option, and needs no file name */
@@ -55,6 +58,36 @@ static sp_status add_files(const cli_files *command, void *arguments, const sp_s
     return SP_OK;
 }
 
+static sp_status plan_file(const cli_files *command, void *arguments, cli_file *f, cli_plan *plan, sp_error *err) {
+    f->packing = sp_packing_none();
+    f->network = sp_network_none();
+    sp_status status = cli_read_network(f->path, &f->scene->network, &f->packing, &f->network, err);
+    if (status == SP_OK)
+        status = cli_take_material(arguments, &f->packing.material, f->path, err);
+    if (status == SP_OK)
+        cli_warn_packing(arguments, f->path, &f->packing, &f->network);
+    if (status == SP_OK)
+        status = command->plan(arguments, f, plan, err);
+    sp_network_free(&f->network);
+    sp_packing_free(&f->packing);
+    return status;
+}
+
+static int plan_files(const cli_files *command, void *arguments, const sp_scene *scene) {
+    const cli_common *common = arguments;
+    sp_error err = {0};
+    cli_plan plan;
+    sp_status status = cli_plan_begin(common, command->kernels, &plan, &err);
+    for (int k = 0; k < common->files && status == SP_OK; k++) {
+        cli_file f = {.path = common->file[k], .scene = scene};
+        status = plan_file(command, arguments, &f, &plan, &err);
+    }
+    if (status == SP_OK)
+        status = cli_plan_end(&plan);
+    cli_plan_free(&plan);
+    return status == SP_OK ? CLI_OK : cli_fail(&err);
+}
+
 int cli_run_files(const cli_files *command, void *arguments) {
     const cli_common *common = arguments;
     sp_scene scene = sp_scene_default();
@@ -66,6 +99,11 @@ int cli_run_files(const cli_files *command, void *arguments) {
         status = cli_scene_of_sets(common, command->groups, &scene, &err);
     if (status == SP_OK && scene.material.young > 0)
         status = cli_take_material(arguments, &scene.material, "--set", &err);
+    if (status == SP_OK && common->dry_run) {
+        const int done = plan_files(command, arguments, &scene);
+        sp_scene_free(&scene);
+        return done;
+    }
     if (status == SP_OK && command->begin)
         status = command->begin(arguments, &t, &err);
     if (status == SP_OK)

@@ -2,7 +2,7 @@
 #define SP_CLI_FILES_H
 /* Commands that read packings, one after another, and print one table. */
 
-#include "cli/cli.h"
+#include "cli/dry_run.h"
 
 /* One file, open. */
 typedef struct cli_file {
@@ -24,6 +24,9 @@ typedef struct cli_files {
     /* Adds the rows of one file. Its message needs no file name, unless contents is CLI_PATH. */
     sp_status (*add)(void *arguments, cli_file *file, sp_table *t, sp_error *err);
     sp_status (*end)(void *arguments, sp_table *t, sp_error *err); /* after the last file; may be NULL */
+    /* With --dry-run, in place of the others: what one file would take; NULL: the command has no --dry-run. */
+    sp_status (*plan)(void *arguments, const cli_file *file, cli_plan *plan, sp_error *err);
+    unsigned kernels; /* that cost the most: bits 1 << sp_kernel */
 } cli_files;
 
 /* Runs the command on common->file[] and writes the table. Returns the exit status. */

@@ -70,24 +70,42 @@ static void duration_text(double seconds, char *buf, size_t size) {
         snprintf(buf, size, "%ld s", s);
 }
 
-/* The fraction done, as a bar on a terminal, and the remaining time if it is known. */
-static void progress_text(double fraction, double seconds_left, bool with_bar, char *buf, size_t size) {
-    enum { WIDTH = 20 };
-    char bar[64] = "", left[64] = "", duration[32];
-    const int full = (int)(fmin(fmax(fraction, 0), 1) * WIDTH), percent = (int)(100 * fmin(fmax(fraction, 0), 1));
-    if (fraction >= 0 && with_bar)
-        snprintf(bar, sizeof bar, " [%.*s%.*s] %3d%%", full, "====================", WIDTH - full,
-                 "                    ", percent);
+/* "1 to 3 s": a unit that both ends have alone is written once. */
+static void range_text(double low, double high, char *buf, size_t size) {
+    char least[32], most[32];
+    duration_text(low, least, sizeof least);
+    duration_text(high, most, sizeof most);
+    if (strcmp(least, most) == 0)
+        snprintf(buf, size, ", %s left", most);
+    else if (high < 60)
+        snprintf(buf, size, ", %ld to %s left", lround(low), most);
+    else
+        snprintf(buf, size, ", %s to %s left", least, most);
+}
+
+/* The fraction done, as a bar in what a text leaves of the line of a terminal, and the remaining time if it is known.
+ */
+static void progress_text(double fraction, double low, double high, int room, char *buf, size_t size) {
+    enum { WIDEST = 20 };
+    char bar[64] = "", left[80] = "";
+    const double done = fmin(fmax(fraction, 0), 1);
+    if (low >= 0 && high < 1e8)
+        range_text(low, high, left, sizeof left);
+    const int width = (int)fmin(WIDEST, fmax(0, room - (int)strlen(left) - 8)), full = (int)(done * width);
+    if (fraction >= 0 && width >= 4)
+        snprintf(bar, sizeof bar, " [%.*s%.*s] %3d%%", full, "====================", width - full,
+                 "                    ", (int)(100 * done));
     else if (fraction >= 0)
-        snprintf(bar, sizeof bar, ", %d%%", percent);
-    if (seconds_left >= 0 && seconds_left < 1e8) {
-        duration_text(seconds_left, duration, sizeof duration);
-        snprintf(left, sizeof left, ", %s left", duration);
-    }
+        snprintf(bar, sizeof bar, ", %d%%", (int)(100 * done));
     snprintf(buf, size, "%s%s", bar, left);
 }
 
 void cli_progress(const cli_common *common, const char *text, double fraction, double seconds_left) {
+    cli_progress_between(common, text, fraction, seconds_left, seconds_left);
+}
+
+void cli_progress_between(const cli_common *common, const char *text, double fraction, double low, double high) {
+    enum { LINE = 79 };
     static double shown_at, logged_at = -INFINITY;
     const double now = sp_clock_wall();
     char line[240], state[140];
@@ -96,14 +114,14 @@ void cli_progress(const cli_common *common, const char *text, double fraction, d
     const bool terminal = isatty(STDERR_FILENO);
     if (terminal ? progress_shown && now - shown_at < 0.1 : !common->verbose || now - logged_at < log_interval)
         return;
-    progress_text(fraction, seconds_left, terminal, state, sizeof state);
+    progress_text(fraction, low, high, terminal ? LINE - (int)strlen(text) : 0, state, sizeof state);
     snprintf(line, sizeof line, "%.90s%s", text, state);
     if (!terminal) {
         fprintf(stderr, "sonopack: %s\n", line);
         logged_at = now;
         return;
     }
-    fprintf(stderr, "\r\033[K%.79s", line);
+    fprintf(stderr, "\r\033[K%.*s", LINE, line);
     fflush(stderr);
     progress_shown = true;
     shown_at = now;

@@ -14,15 +14,9 @@
 
 extern void openblas_set_num_threads(int threads) __attribute__((weak));
 
-__attribute__((visibility("default"))) const char *argp_program_version = "sonopack " SONOPACK_VERSION;
-
 static int help(int argc, char **argv);
 
-static const struct command {
-    const char *name;
-    cli_command run;
-    const char *meaning;
-} commands[] = {
+static const cli_command_row commands[] = {
     {"pack", cmd_pack, "compress one packing of a scene"},
     {"check", cmd_check, "check packings: overlaps, balance of forces, Coulomb's condition, walls"},
     {"statics", cmd_statics, "densities, contacts, forces and stress of packings"},
@@ -40,11 +34,12 @@ static const struct command {
     {"plot", cmd_plot, "draw figures"},
     {"convert", cmd_convert, "import and export packings"},
     {"bench", cmd_bench, "measure each method's run time against its error"},
-    {"help", help, "explain a command, or `scene': the keys of scene files"},
-};
-enum { COMMANDS = sizeof commands / sizeof *commands };
+    {"completion", cmd_completion, "print the completions for a shell: bash, zsh or fish"},
+    {"help", NULL, "explain a command, a key of scenes (`friction'), or all of them (`scene')"},
+    {NULL, NULL, NULL}};
+enum { COMMANDS = sizeof commands / sizeof *commands - 1 };
 
-static const struct command *find(const char *name) {
+static const cli_command_row *find(const char *name) {
     for (int k = 0; k < COMMANDS; k++)
         if (strcmp(commands[k].name, name) == 0)
             return &commands[k];
@@ -71,18 +66,46 @@ static void overview(FILE *out) {
         out);
     for (int k = 0; k < COMMANDS; k++)
         fprintf(out, "  %-9s %s\n", commands[k].name, commands[k].meaning);
-    fputs("\n`sonopack help COMMAND' explains a command, `sonopack help scene' the scene files. `sonopack --version'\n"
-          "prints the version. Data go to stdout, messages and progress to stderr. Exit status: 0 success, 1 the "
-          "command\n"
-          "failed, 2 wrong usage or scene.\n",
-          out);
+    fputs(
+        "\n`sonopack help COMMAND' explains a command, `sonopack help scene' the scene files, `sonopack help KEY' one\n"
+        "of their keys. `sonopack --version' prints the version. Data go to stdout, messages and progress to stderr.\n"
+        "Exit status: 0 success, 1 the command failed, 2 wrong usage or scene.\n",
+        out);
 }
 
-static int run(const struct command *command, int argc, char **argv) {
+static int run(const cli_command_row *command, int argc, char **argv) {
     char name[64]; /* with which messages of argp begin */
     snprintf(name, sizeof name, "sonopack %s", command->name);
     argv[0] = name;
-    return command->run(argc, argv);
+    return command->run ? command->run(argc, argv) : help(argc, argv);
+}
+
+static int print_help(char *text) {
+    sp_error err = {0};
+    sp_status status = text ? cli_print(text, &err) : sp_fail_memory(&err, 1 << 14);
+    sp_free(text);
+    return status == SP_OK ? CLI_OK : cli_fail(&err);
+}
+
+/* Commands, keys, and keys without their group, in one list. */
+static const char *topic(int k, const void *unused) {
+    if (k < COMMANDS)
+        return command_name(k, unused);
+    const char *key = sp_scene_key((k - COMMANDS) / 2);
+    return key && k % 2 ? strchr(key, '.') + 1 : key;
+}
+
+/* Explains a key of scenes, where the word is no command. */
+static int help_key(const char *word) {
+    char *text = sp_scene_help_key(word);
+    if (!text || text[0])
+        return print_help(text);
+    sp_free(text);
+    const int near = cli_nearest(word, topic, NULL);
+    if (near >= 0)
+        return cli_usage("help %.60s: no command and no key of scenes: did you mean %s?", word, topic(near, NULL));
+    return cli_usage("help %.60s: no command and no key of scenes: see `sonopack help' and `sonopack help scene'",
+                     word);
 }
 
 static int help(int argc, char **argv) {
@@ -92,17 +115,12 @@ static int help(int argc, char **argv) {
     }
     if (argc > 2)
         return cli_usage("help %.60s %.60s: one command only", argv[1], argv[2]);
-    if (strcmp(argv[1], "scene") == 0) {
-        sp_error err = {0};
-        char *text = sp_scene_help();
-        sp_status status = text ? cli_print(text, &err) : sp_fail_memory(&err, 1 << 14);
-        sp_free(text);
-        return status == SP_OK ? CLI_OK : cli_fail(&err);
-    }
-    const struct command *command = find(argv[1]);
+    if (strcmp(argv[1], "scene") == 0)
+        return print_help(sp_scene_help());
+    const cli_command_row *command = find(argv[1]);
     if (!command)
-        return unknown(argv[1]);
-    if (command->run == help) {
+        return help_key(argv[1]);
+    if (!command->run) {
         overview(stdout);
         return CLI_OK;
     }
@@ -136,6 +154,7 @@ static void use_one_blas_thread(void) {
 }
 
 int main(int argc, char **argv) {
+    cli_commands = commands;
     keep_standard_files();
     if (!SONOPACK_LATE) /* else it is loaded so */
         sp_hdf5_exit_silently();
@@ -149,7 +168,7 @@ int main(int argc, char **argv) {
     }
     const char *word = argv[1];
     if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0) {
-        printf("%s\n", argp_program_version);
+        printf("sonopack %s\n", SONOPACK_VERSION);
         return CLI_OK;
     }
     if (strcmp(word, "--help") == 0 || strcmp(word, "-?") == 0 || strcmp(word, "-h") == 0) {
@@ -158,6 +177,6 @@ int main(int argc, char **argv) {
     }
     if (word[0] == '-')
         return cli_usage("option %.60s: the command comes first, as in `sonopack pack --quiet'", word);
-    const struct command *command = find(word);
+    const cli_command_row *command = find(word);
     return command ? run(command, argc - 1, argv + 1) : unknown(word);
 }

@@ -56,6 +56,8 @@ char *cli_list_words(const char *const *words, char *text, size_t size) {
     return text;
 }
 
+static const char *nth_word(int k, const void *words) { return ((const char *const *)words)[k]; }
+
 sp_status cli_choose(const char *option, const char *word, const char *const *words, int *out, sp_error *err) {
     char list[400];
     for (int k = 0; words[k]; k++)
@@ -63,7 +65,11 @@ sp_status cli_choose(const char *option, const char *word, const char *const *wo
             *out = k;
             return SP_OK;
         }
-    return sp_fail(err, SP_EINVAL, "%s %.60s: must be %s", option, word, cli_list_words(words, list, sizeof list));
+    const int near = cli_nearest(word, nth_word, words);
+    cli_list_words(words, list, sizeof list);
+    if (near >= 0)
+        return sp_fail(err, SP_EINVAL, "%s %.60s: did you mean %s? must be %s", option, word, words[near], list);
+    return sp_fail(err, SP_EINVAL, "%s %.60s: must be %s", option, word, list);
 }
 
 int cli_nearest(const char *word, const char *(*name)(int k, const void *user), const void *user) {

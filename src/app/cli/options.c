@@ -6,12 +6,13 @@
 
 #include <argp.h>
 #include <sched.h>
+#include <setjmp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-enum { FIRST_KEY = 0x1000, OPTIONS_MAX = 60, THREADS_MAX = 4096 };
+enum { FIRST_KEY = 0x1000, USAGE_KEY = 0x2000, OPTIONS_MAX = 60, THREADS_MAX = 4096 };
 
 /* ---- options of many commands ----------------------------------------------------------------------------------- */
 
@@ -87,6 +88,12 @@ static const cli_option common_options[] = {
     {"verbose", NULL, "Print more messages", .parse = set_verbose, .letter = 'v'},
     {0}};
 
+/* Instead of argp's own, which know no -h. */
+static const struct argp_option help_options[] = {{"help", 'h', NULL, 0, "Print this help", -1},
+                                                  {"usage", USAGE_KEY, NULL, 0, "Print the options in short", 0},
+                                                  {"version", 'V', NULL, 0, "Print the version", 0}};
+enum { HELP_OPTIONS = sizeof help_options / sizeof *help_options };
+
 /* Number of cores that this process may use. */
 static int cores(void) {
     cpu_set_t set;
@@ -104,9 +111,14 @@ typedef struct reading {
     const char *command; /* name */
     void *arguments;
     int count, rows;
-    const cli_option *option[OPTIONS_MAX];    /* [count] */
-    struct argp_option argp[2 * OPTIONS_MAX]; /* [rows], then one of zeros */
+    const cli_option *option[OPTIONS_MAX];        /* [count] */
+    struct argp_option argp[2 * OPTIONS_MAX + 4]; /* [rows], then one of zeros */
 } reading;
+
+static void add_help_options(reading *r) {
+    memcpy(r->argp + r->rows, help_options, sizeof help_options);
+    r->rows += HELP_OPTIONS;
+}
 
 static void add_options(reading *r, const cli_option *options, int first_group) {
     int group = first_group;
@@ -208,12 +220,91 @@ static sp_status check_arguments(const reading *r, sp_error *err) {
     return status;
 }
 
+/* ---- words of the command line before argp reads them ----------------------------------------------------------- */
+
+/* The row of argp whose long name a word is or begins, as argp takes it; -1: none, -2: several. */
+static int find_long(const reading *r, const char *word, size_t length) {
+    int found = -1;
+    for (int k = 0; k < r->rows; k++) {
+        const char *name = r->argp[k].name;
+        if (!name || strncmp(name, word, length) != 0)
+            continue;
+        if (strlen(name) == length)
+            return k;
+        found = found == -1 ? k : -2;
+    }
+    return found;
+}
+
+static const char *long_name(int k, const void *user) {
+    const reading *r = user;
+    static const char other[] = "\n"; /* headings have no name; no word is like this */
+    return k >= r->rows ? NULL : r->argp[k].name ? r->argp[k].name : other;
+}
+
+/* Whether the next word is the argument of this one. An alias has the argument of the row before it. */
+static bool takes_next(const reading *r, int row) {
+    while (row > 0 && r->argp[row].flags & OPTION_ALIAS)
+        row--;
+    return r->argp[row].arg != NULL;
+}
+
+static bool letter_takes_next(const reading *r, const char *word) {
+    for (int k = 0; k < r->rows && word[1] && !word[2]; k++)
+        if (r->argp[k].key == word[1])
+            return r->argp[k].arg != NULL;
+    return false;
+}
+
+static void refuse_option(const reading *r, const char *word, size_t length) {
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), word + 2);
+    const int near = cli_nearest(name, long_name, r);
+    if (near >= 0)
+        cli_usage("unknown option --%s of %s: did you mean --%s?", name, r->command, r->argp[near].name);
+    else
+        cli_usage("unknown option --%s: see `sonopack help %s'", name, r->command);
+    exit(CLI_USAGE);
+}
+
+/* Exits at the first long option that does not exist, with the one that is most like it. argp would not suggest any.
+ * -? becomes --help. */
+static void check_words(const reading *r, int argc, char **argv) {
+    static char help[] = "--help";
+    for (int k = 1; k < argc && strcmp(argv[k], "--") != 0; k++) {
+        const char *word = argv[k];
+        if (strcmp(word, "-?") == 0)
+            argv[k] = help;
+        if (strncmp(word, "--", 2) != 0) {
+            k += word[0] == '-' && letter_takes_next(r, word);
+            continue;
+        }
+        const size_t length = strcspn(word, "=");
+        const int row = find_long(r, word + 2, length - 2);
+        if (row == -1)
+            refuse_option(r, word, length);
+        k += row >= 0 && !word[length] && takes_next(r, row);
+    }
+}
+
+static void give_help(int key, struct argp_state *state) {
+    if (key == 'h')
+        argp_state_help(state, stdout, ARGP_HELP_STD_HELP);
+    if (key == USAGE_KEY)
+        argp_state_help(state, stdout, ARGP_HELP_USAGE | ARGP_HELP_EXIT_OK);
+    if (key == 'V') {
+        printf("sonopack %s\n", SONOPACK_VERSION);
+        exit(CLI_OK);
+    }
+}
+
 static error_t parse(int key, char *text, struct argp_state *state) {
     reading *r = state->input;
     cli_common *common = r->arguments;
     sp_error err = {0};
     sp_status status = SP_OK;
     const int found = find_option(r, key);
+    give_help(key, state);
     if (found >= 0) {
         common->given |= UINT64_C(1) << found;
         status = set_option(r->option[found], r->arguments, text, &err);
@@ -230,18 +321,53 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     return 0;
 }
 
+/* cli_syntax_of runs a command up to here, where it has done nothing yet, and jumps back. */
+static struct {
+    bool asked;
+    jmp_buf back;
+    const cli_syntax *syntax;
+} question;
+
+const cli_command_row *cli_commands;
+
+const cli_syntax *cli_syntax_of(const cli_command_row *command) {
+    char name[64], *arguments[] = {name, NULL};
+    snprintf(name, sizeof name, "sonopack %s", command->name);
+    question.syntax = NULL;
+    question.asked = true;
+    if (command->run && setjmp(question.back) == 0)
+        command->run(1, arguments);
+    question.asked = false;
+    return question.syntax;
+}
+
+const cli_option *cli_option_at(const cli_syntax *syntax, int k) {
+    const cli_option *const lists[] = {syntax->options, syntax->springs ? springs_options : NULL, common_options};
+    for (size_t l = 0; l < sizeof lists / sizeof *lists; l++)
+        for (const cli_option *o = lists[l]; o && (o->name || o->help); o++)
+            if (k-- == 0)
+                return o;
+    return NULL;
+}
+
 void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments) {
     cli_common *common = arguments;
+    if (question.asked) {
+        question.syntax = syntax;
+        longjmp(question.back, 1);
+    }
     reading r = {.syntax = syntax, .command = argv[0] + strlen("sonopack "), .arguments = arguments};
     add_options(&r, syntax->options, 0);
     if (syntax->springs)
         add_options(&r, springs_options, 50);
     add_options(&r, common_options, 90);
+    add_help_options(&r);
+    check_words(&r, argc, argv);
     common->threshold = -1;
     if (common->threads == 0)
         common->threads = cores();
     const struct argp argp = {r.argp, parse, syntax->usage, syntax->help, NULL, NULL, NULL};
-    argp_parse(&argp, argc, argv, 0, NULL, &r);
+    argp_parse(&argp, argc, argv, ARGP_NO_HELP, NULL, &r);
 }
 
 bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *name) {

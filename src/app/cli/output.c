@@ -134,7 +134,11 @@ static sp_status may_write(const cli_common *common, const char *path, bool mode
         return sp_fail(err, SP_EINVAL, "-o: the file name has %zu bytes, must have fewer than %d", strlen(path),
                        SP_PATH_MAX);
     snprintf(folder, sizeof folder, "%.*s", length, slash ? path : ".");
-    return sp_folder_probe(folder, err);
+    if (!common->dry_run)
+        return sp_folder_probe(folder, err);
+    if (access(folder, W_OK) == 0)
+        return SP_OK;
+    return sp_fail(err, SP_EIO, "cannot write in %s: %s", folder, strerror(errno));
 }
 
 sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err) {

@@ -17,16 +17,18 @@ typedef struct spectrum_arguments {
 
 spectrum_arguments spectrum_arguments_default(void); /* nothing given */
 
+enum { SPECTRUM_FREQUENCIES_MAX = 100000, SPECTRUM_FREQUENCIES = 20 }; /* of --at; the latter by default */
+
 extern const char *const spectrum_dos_methods[], *const spectrum_dos_norms[], *const spectrum_directions[];
 
 /* Adds the columns, comments and rows of one kind. */
-typedef sp_status (*spectrum_table)(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
-sp_status spectrum_dos(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
-sp_status spectrum_transmission(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
-sp_status spectrum_dispersion(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
-sp_status spectrum_participation(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
-sp_status spectrum_harmonic(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
-sp_status spectrum_continuum(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err);
+typedef sp_status (*spectrum_table)(const spectrum_arguments *a, cli_file *file, sp_table *t, sp_error *err);
+sp_status spectrum_dos(const spectrum_arguments *a, cli_file *file, sp_table *t, sp_error *err);
+sp_status spectrum_transmission(const spectrum_arguments *a, cli_file *file, sp_table *t, sp_error *err);
+sp_status spectrum_dispersion(const spectrum_arguments *a, cli_file *file, sp_table *t, sp_error *err);
+sp_status spectrum_participation(const spectrum_arguments *a, cli_file *file, sp_table *t, sp_error *err);
+sp_status spectrum_harmonic(const spectrum_arguments *a, cli_file *file, sp_table *t, sp_error *err);
+sp_status spectrum_continuum(const spectrum_arguments *a, cli_file *file, sp_table *t, sp_error *err);
 
 #define SPECTRUM_FREQUENCY "sqrt(E* / rho)/d"
 #define SPECTRUM_TIME      "d/sqrt(E* / rho)"

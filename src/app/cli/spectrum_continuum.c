@@ -10,7 +10,7 @@ static void add_columns(cli_writer *w) {
                 "", "overlap", "", NULL);
 }
 
-sp_status spectrum_continuum(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
+sp_status spectrum_continuum(const spectrum_arguments *a, cli_file *file, sp_table *t, sp_error *err) {
     const double threshold = 1e-4, margin = 3;
     sp_continuum c = sp_continuum_none();
     sp_statics s;

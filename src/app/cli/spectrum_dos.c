@@ -33,7 +33,7 @@ static void add_columns(sp_dos_norm norm, cli_writer *w) {
                 "smooth_err", unit, NULL);
 }
 
-sp_status spectrum_dos(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
+sp_status spectrum_dos(const spectrum_arguments *a, cli_file *file, sp_table *t, sp_error *err) {
     const sp_network *net = &file->network;
     const sp_dos_options o = options_of(a);
     sp_dos d = sp_dos_none();

@@ -3,8 +3,7 @@
 #include "cli/spectrum.h"
 
 #include <math.h>
-
-enum { FREQUENCIES_MAX = 100000, FREQUENCIES_DEFAULT = 20 };
+#include <stdio.h>
 
 static void add_responses(const sp_harmonic *h, cli_writer *w) {
     cli_columns(w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "magnitude", SPECTRUM_RESPONSE, "re", SPECTRUM_RESPONSE,
@@ -36,6 +35,7 @@ static void add_profile(const sp_harmonic *h, cli_writer *w) {
 static sp_status set_options(const spectrum_arguments *a, const sp_network *net, double *omega, sp_harmonic_options *o,
                              sp_error *err) {
     *o = sp_harmonic_options_default();
+    o->keep = true;
     o->source = (sp_source)a->source;
     o->omega = omega;
     if (a->damping >= 0)
@@ -49,23 +49,36 @@ static sp_status set_options(const spectrum_arguments *a, const sp_network *net,
         o->range[1] = a->range[1];
     }
     if (a->at)
-        return cli_frequencies(a->at, FREQUENCIES_MAX, &o->n, omega, err);
-    for (o->n = 0; o->n < FREQUENCIES_DEFAULT; o->n++)
-        omega[o->n] = sp_network_omega_bound(net) * (o->n + 1) / FREQUENCIES_DEFAULT;
+        return cli_frequencies(a->at, SPECTRUM_FREQUENCIES_MAX, &o->n, omega, err);
+    for (o->n = 0; o->n < SPECTRUM_FREQUENCIES; o->n++)
+        omega[o->n] = sp_network_omega_bound(net) * (o->n + 1) / SPECTRUM_FREQUENCIES;
     return SP_OK;
 }
 
 static bool lacks_a_fit(const sp_harmonic *h) {
     for (int32_t l = 0; l < h->n; l++)
-        if (isnan(h->fit[l].k))
+        if (isnan(h->fit[l].k) && !isnan(h->error[l]))
             return true;
     return false;
 }
 
-static sp_status add_rows(const spectrum_arguments *a, const cli_file *file, const sp_harmonic_options *o, sp_table *t,
+/* The rows of refused frequencies have nan; the command then fails, but only after the others are written. */
+static void report_refused(const sp_harmonic *h, cli_file *file, cli_writer *w) {
+    sp_error why = {.status = SP_EREFUSED};
+    if (h->refused == 0 || w->status != SP_OK)
+        return;
+    cli_comment(w, "refused = %d (their rows have nan: the first reason is %s)", h->refused, h->reason);
+    snprintf(why.text, sizeof why.text, "%s: %d of %d frequencies are refused: %s", file->path, h->refused, h->n,
+             h->reason);
+    cli_fail(&why);
+    file->failed = true;
+}
+
+static sp_status add_rows(const spectrum_arguments *a, cli_file *file, const sp_harmonic_options *o, sp_table *t,
                           sp_error *err) {
     sp_harmonic h = sp_harmonic_none();
     cli_writer w = {.table = t, .err = err, .status = sp_harmonic_make(&file->network, o, &h, err)};
+    report_refused(&h, file, &w);
     cli_comment(&w, "source = %s", cli_source_names[o->source]);
     cli_value(&w, "damping", o->damping);
     cli_value(&w, "height", sp_packing_height(&file->packing));
@@ -81,10 +94,10 @@ static sp_status add_rows(const spectrum_arguments *a, const cli_file *file, con
     return w.status;
 }
 
-sp_status spectrum_harmonic(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
+sp_status spectrum_harmonic(const spectrum_arguments *a, cli_file *file, sp_table *t, sp_error *err) {
     sp_harmonic_options o;
-    double *omega = sp_alloc(FREQUENCIES_MAX, sizeof *omega);
-    sp_status status = omega ? SP_OK : sp_fail_memory(err, FREQUENCIES_MAX * sizeof *omega);
+    double *omega = sp_alloc(SPECTRUM_FREQUENCIES_MAX, sizeof *omega);
+    sp_status status = omega ? SP_OK : sp_fail_memory(err, SPECTRUM_FREQUENCIES_MAX * sizeof *omega);
     if (status == SP_OK)
         status = set_options(a, &file->network, omega, &o, err);
     if (status == SP_OK)

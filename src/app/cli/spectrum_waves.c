@@ -29,7 +29,7 @@ static sp_status lines(const spectrum_arguments *a, const sp_network *net, sp_ta
     return w.status;
 }
 
-sp_status spectrum_transmission(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
+sp_status spectrum_transmission(const spectrum_arguments *a, cli_file *file, sp_table *t, sp_error *err) {
     sp_transmission_options o = sp_transmission_options_default();
     sp_transmission s = sp_transmission_none();
     if (a->lines && (a->bins >= 0 || a->until >= 0 || a->resolution >= 0))
@@ -100,7 +100,7 @@ static sp_status set_options(const spectrum_arguments *a, const cli_file *file, 
     return SP_OK;
 }
 
-sp_status spectrum_dispersion(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
+sp_status spectrum_dispersion(const spectrum_arguments *a, cli_file *file, sp_table *t, sp_error *err) {
     sp_dispersion_options o;
     sp_dispersion d = sp_dispersion_none();
     cli_writer w = {.table = t, .err = err, .status = set_options(a, file, &o, err)};
@@ -125,7 +125,7 @@ sp_status spectrum_dispersion(const spectrum_arguments *a, const cli_file *file,
 
 /* ---- participation ---------------------------------------------------------------------------------------------- */
 
-sp_status spectrum_participation(const spectrum_arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
+sp_status spectrum_participation(const spectrum_arguments *a, cli_file *file, sp_table *t, sp_error *err) {
     const sp_modes_options o = {.vectors = true, .solver = (sp_modes_solver)a->solver};
     const sp_modes_range all = sp_modes_range_all();
     const int32_t bins = a->bins >= 0 ? (int32_t)a->bins : 40;

@@ -32,6 +32,12 @@ static const blackmore_item items[SP_PAPER_COLUMN_ITEMS] = {
 static bool is_item(int item) { return item >= 0 && item < SP_PAPER_COLUMN_ITEMS; }
 const char *sp_paper_column_item_name(int item) { return is_item(item) ? items[item].name : NULL; }
 
+double sp_paper_column_item_seconds(int item, bool drawn) {
+    static const double seconds[SP_PAPER_COLUMN_ITEMS][2] = {{0, 0},    {0, 0.06},    {0.24, 0.8},
+                                                             {0, 0.01}, {2.62, 4.88}, {2.34, 2.34}};
+    return is_item(item) ? seconds[item][drawn] : 0;
+}
+
 sp_paper_column_options sp_paper_column_options_default(void) {
     return (sp_paper_column_options){.threads = 1, .figures = "svg"};
 }
@@ -47,6 +53,7 @@ static sp_status make_items(blackmore *p, sp_error *err) {
         if (!sp_blackmore_is_selected(p, item))
             continue;
         p->item_share = items[item].share / all;
+        p->step = items[item].name;
         status = sp_blackmore_progress(p, 0, err);
         if (status == SP_OK)
             status = items[item].make(p, err);

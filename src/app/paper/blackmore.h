@@ -55,6 +55,7 @@ struct blackmore {
     sp_paper_watch watch;
     void *user;
     double begun;               /* wall clock at the start */
+    const char *step;           /* name of the item that is made */
     double item_at, item_share; /* progress of the whole work: at the start of the item, and share of the item */
     int64_t rows;
     size_t capacity;

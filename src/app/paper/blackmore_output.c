@@ -11,7 +11,7 @@
 bool sp_blackmore_is_selected(const blackmore *p, int item) { return p->opt->items == 0 || p->opt->items >> item & 1; }
 
 sp_status sp_blackmore_progress(blackmore *p, double done, sp_error *err) {
-    sp_paper_progress progress = {.what = "the column",
+    sp_paper_progress progress = {.what = p->step,
                                   .fraction = p->item_at + p->item_share * done,
                                   .seconds = sp_clock_wall() - p->begun,
                                   .seconds_left = NAN};

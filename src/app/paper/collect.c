@@ -74,6 +74,23 @@ static sp_status collect_one(paper *p, stage *s, unsigned want, sp_error *err) {
     return status;
 }
 
+sp_status sp_paper_ensembles(const sp_paper_options *opt, sp_paper_visit visit, void *user, sp_error *err) {
+    const paper p = {.opt = opt};
+    sp_status status = SP_OK;
+    for (paper_ensemble e = PAPER_SQUARE; e < PAPER_ENSEMBLES && status == SP_OK; e++) {
+        sp_scene scene = sp_scene_default();
+        const unsigned want = wanted(&p, e);
+        if (!want)
+            continue;
+        status = sp_paper_ensemble_scene(e, opt->samples, opt->protocol, &scene, err);
+        scene.want = want;
+        if (status == SP_OK)
+            status = visit(sp_paper_ensemble_name(e), &scene, user, err);
+        sp_scene_free(&scene);
+    }
+    return status;
+}
+
 sp_status sp_paper_collect(paper *p, sp_error *err) {
     sp_status status = SP_OK;
     p->cost = 1; /* what is done with the samples */

@@ -39,6 +39,12 @@ typedef struct sp_paper_options {
 } sp_paper_options;
 sp_paper_options sp_paper_options_default(void); /* all items, 30 samples, one job, no folder, svg */
 
+/* Visits the ensembles that the wanted items need, as the scenes of studies. A status other than SP_OK ends it. */
+typedef sp_status (*sp_paper_visit)(const char *name, const sp_scene *scene, void *user, sp_error *err);
+sp_status sp_paper_ensembles(const sp_paper_options *opt, sp_paper_visit visit, void *user, sp_error *err);
+/* Expected CPU seconds of an item when its samples are there; drawn: with its figures. Measured on one machine. */
+double sp_paper_item_seconds(int item, bool drawn);
+
 /* Checks that a report can be written to a folder, and makes the folder. It must be new, empty, or have an unfinished
  * report; with `replace`, any report of ours. SP_EINVAL, SP_EIO. */
 sp_status sp_paper_check_folder(const char *folder, bool replace, sp_error *err);
@@ -58,6 +64,8 @@ sp_status sp_paper_reproduce(sp_store *store, const sp_paper_options *opt, sp_pa
 enum { SP_PAPER_COLUMN_ITEMS = 6 }; /* errata, fig1, fig2, symbols, chaos, claims */
 
 const char *sp_paper_column_item_name(int item); /* NULL for others */
+
+double sp_paper_column_item_seconds(int item, bool drawn); /* as sp_paper_item_seconds */
 
 typedef struct sp_paper_column_options {
     uint32_t items; /* bit k: item k; 0: all */

@@ -177,6 +177,18 @@ char *sp_number_text(double value, char text[SP_NUMBER_TEXT]) {
     return text;
 }
 
+char *sp_number_plain(double value, char text[SP_NUMBER_TEXT]) {
+    char *e = strchr(sp_number_text(value, text), 'e');
+    if (!e)
+        return text;
+    char *to = e + 1, *from = to;
+    if (*from == '-')
+        to++;
+    from += strspn(from, "+-0");
+    memmove(to, from, strlen(from) + 1);
+    return text;
+}
+
 static double seconds(clockid_t clock) {
     struct timespec now;
     clock_gettime(clock, &now);

@@ -38,6 +38,8 @@ SP_SHARED double sp_memory_limit(void);
 /* Writes the fewest digits (15 to 17) that read back as the same double; or "nan", "inf", "-inf". Returns text. */
 enum { SP_NUMBER_TEXT = 32 };
 SP_SHARED char *sp_number_text(double value, char text[SP_NUMBER_TEXT]);
+/* The same as people write it: 1e-6 where printf writes 1e-06. For messages and help. */
+SP_SHARED char *sp_number_plain(double value, char text[SP_NUMBER_TEXT]);
 
 SP_SHARED double sp_clock_cpu(void);  /* CPU time of this thread [s] */
 SP_SHARED double sp_clock_wall(void); /* monotonic clock [s] */

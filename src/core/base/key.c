@@ -34,7 +34,7 @@ bool sp_key_allows(const sp_key *key, double value) {
 
 static const char *limit_text(const sp_key *key, double limit, char text[SP_NUMBER_TEXT]) {
     if (key->type == SP_KEY_REAL || key->type == SP_KEY_REALS)
-        return sp_number_text(limit, text);
+        return sp_number_plain(limit, text);
     snprintf(text, SP_NUMBER_TEXT, "%lld", limit >= 0x1p63 ? (long long)INT64_MAX : (long long)limit);
     return text;
 }

@@ -15,14 +15,14 @@ typedef struct load {
     bool spatial;
 } load;
 
-static load load_of(const sp_network *net, const sp_signal_options *o) {
-    load l = {.n = (double)sp_network_dofs(net),
-              .springs = net->n_springs,
-              .x = sp_network_omega_bound(net) * o->until,
+static load load_of(const sp_signal_problem *p, const sp_signal_options *o) {
+    load l = {.n = p->dofs,
+              .springs = p->springs,
+              .x = p->omega * o->until,
               .points = o->points,
               .sources = o->from && o->sources > 0 ? o->sources : 1,
               .detectors = o->to && o->detectors > 0 ? o->detectors : 1,
-              .spatial = net->dim == 3};
+              .spatial = p->dim == 3};
     l.pairs = l.sources * l.detectors;
     return l;
 }
@@ -54,9 +54,9 @@ static double sparse_cost(const load *l) {
     return l->n * (950 * l->n + l->pairs * (11.2 * l->points + 3.3 * l->n));
 }
 
-double sp_signal_cost(sp_signal_method method, const sp_network *net, const sp_signal_options *o) {
-    const load l = load_of(net, o);
-    if (o->damping > 0 || o->front || net->carried)
+double sp_signal_problem_cost(sp_signal_method method, const sp_signal_problem *p, const sp_signal_options *o) {
+    const load l = load_of(p, o);
+    if (o->damping > 0 || o->front || p->carried)
         return method == (o->damping > 0 ? SP_SIGNAL_FABER : SP_SIGNAL_CHEBYSHEV) ? 1 : HUGE_VAL;
     switch (method) {
     case SP_SIGNAL_CHEBYSHEV: return chebyshev_cost(&l);
@@ -64,6 +64,15 @@ double sp_signal_cost(sp_signal_method method, const sp_network *net, const sp_s
     case SP_SIGNAL_SPARSE: return sparse_cost(&l);
     default: return HUGE_VAL;
     }
+}
+
+double sp_signal_cost(sp_signal_method method, const sp_network *net, const sp_signal_options *o) {
+    const sp_signal_problem p = {.dofs = (double)sp_network_dofs(net),
+                                 .springs = net->n_springs,
+                                 .omega = sp_network_omega_bound(net),
+                                 .dim = net->dim,
+                                 .carried = net->carried != NULL};
+    return sp_signal_problem_cost(method, &p, o);
 }
 
 int sp_signal_choose(const sp_network *net, const sp_signal_options *o, sp_signal_method choice[SIGNAL_CHOICES]) {

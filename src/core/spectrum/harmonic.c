@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <sonopack/spectrum.h>
+#include <stdio.h>
 
 enum { FREQUENCIES_MAX = 1000000, PLANES_MAX = 100000 };
 
@@ -205,6 +206,29 @@ static sp_status one_frequency(harmonic_solver *b, int32_t l, sp_harmonic *h, sp
     return check_errors(b, l, h, err);
 }
 
+static void forget(int32_t l, const sp_error *why, sp_harmonic *h) {
+    const sp_wave_fit none = {NAN, NAN, NAN, NAN, NAN};
+    if (h->refused++ == 0)
+        snprintf(h->reason, sizeof h->reason, "%.255s", why->text);
+    h->f[2 * l] = h->f[2 * l + 1] = h->error[l] = NAN;
+    h->fit[l] = none;
+    for (int64_t k = (int64_t)l * h->planes; k < (int64_t)(l + 1) * h->planes; k++)
+        h->flux[2 * k] = h->flux[2 * k + 1] = h->flux_error[k] = NAN;
+}
+
+/* One frequency; one that is refused may be kept without results. */
+static sp_status try_frequency(harmonic_solver *b, int32_t l, sp_harmonic *h, sp_error *err) {
+    sp_error why = {0};
+    const sp_status status = one_frequency(b, l, h, &why);
+    if (status == SP_EREFUSED && b->options->keep) {
+        forget(l, &why, h);
+        return SP_OK;
+    }
+    if (status != SP_OK && err)
+        *err = why;
+    return status;
+}
+
 sp_status sp_harmonic_make(const sp_network *net, const sp_harmonic_options *opt, sp_harmonic *out, sp_error *err) {
     sp_harmonic h = sp_harmonic_none();
     harmonic_solver b = {0};
@@ -215,7 +239,9 @@ sp_status sp_harmonic_make(const sp_network *net, const sp_harmonic_options *opt
         return status;
     status = make_solver(net, opt, &b, &h, err);
     for (int32_t l = 0; l < opt->n && status == SP_OK; l++)
-        status = one_frequency(&b, l, &h, err);
+        status = try_frequency(&b, l, &h, err);
+    if (status == SP_OK && h.refused == h.n)
+        status = sp_fail(err, SP_EREFUSED, "%s", h.reason);
     sp_driven_free(&b.d);
     sp_free(b.memory);
     if (status == SP_OK)

@@ -3,8 +3,7 @@
 
 #include "base/base.h"
 
-#include <math.h>
-#include <sonopack/modes.h>
+#include <sonopack/study/forecast.h>
 #include <stdlib.h>
 
 typedef struct ranked {
@@ -19,14 +18,10 @@ static int by_falling_cost(const void *a, const void *b) {
     return p->combination < q->combination ? -1 : p->combination > q->combination;
 }
 
-/* Expected work of a sample. Measured: a packing takes N^1.6 p^-0.2 for pressures of 1e-7 to 1e-4. All frequencies by
- * the dense solver take five times as long as the packing, for 600 grains in two dimensions. */
+/* CPU seconds of a sample on the machine of the laws: only ratios matter here. */
 static double expected_cost(const sp_scene *scene) {
-    static const int degrees[] = {1, 1, 3, 6}; /* of freedom of a grain, by the dimension */
-    const double freedom = (double)scene->pack.grains * degrees[scene->pack.dim & 3];
-    const bool all_modes = scene->want & SP_WANT_SPECTRUM && freedom <= SP_MODES_DENSE_MAX;
-    return pow((double)scene->pack.grains, 1.6) * pow(scene->pack.pressure, -0.2) +
-           (all_modes ? 1.5e-4 * pow(freedom, 3) : 0);
+    const sp_machine machine = sp_machine_reference();
+    return sp_sample_expect(scene, &machine);
 }
 
 static sp_status rank_combinations(const sp_scene *study, sp_order *o, sp_error *err) {

@@ -3,6 +3,7 @@
 /* The table of a scene's keys, and values going in and out of an sp_scene through it. */
 
 #include "base/key.h"
+#include "base/text.h"
 
 #include <sonopack/study/scene.h>
 #include <stdbool.h>
@@ -74,6 +75,9 @@ sp_status sp_field_check(const sp_field *f, const sp_number *number, sp_error *e
 sp_status sp_field_store(sp_scene *s, const sp_field *f, const sp_number *number, sp_error *err);
 /* The value of a numeric field. */
 sp_number sp_field_load(const sp_scene *s, const sp_field *f);
+
+/* Adds the value of a field in the syntax of a scene. */
+void sp_field_put(sp_text *t, const sp_scene *s, const sp_field *f);
 
 /* ---- lists ------------------------------------------------------------------------------------------------------ */
 

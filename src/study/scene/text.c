@@ -1,4 +1,4 @@
-/* Writes a scene as text, and the table of keys as help. */
+/* Writes a scene as text. */
 #include "base/text.h"
 #include "base/base.h"
 #include "scene/field.h"
@@ -67,7 +67,7 @@ static void put_name(sp_text *t, const char *name) {
     sp_text_add(t, "\"");
 }
 
-static void put_value(sp_text *t, const sp_scene *s, const sp_field *f) {
+void sp_field_put(sp_text *t, const sp_scene *s, const sp_field *f) {
     const char *place = (const char *)s + f->offset;
     const double *values;
     int32_t count;
@@ -124,53 +124,10 @@ char *sp_scene_text(const sp_scene *s, const char *group) {
             if (!sp_field_in_group(f, sp_groups[g]) || left_out(s, f, group))
                 continue;
             sp_text_add(&t, "  %s = ", sp_field_name(f));
-            put_value(&t, s, f);
+            sp_field_put(&t, s, f);
             sp_text_add(&t, ";\n");
         }
         sp_text_add(&t, "};\n");
     }
-    return finish(&t);
-}
-
-char *sp_scene_help(void) {
-    static const char head[] =
-        "A scene says what to make, in libconfig syntax:\n\n"
-        "  packing = { kind = \"piston\"; grains = 600; pressure = 1e-4; };\n"
-        "  study = { samples = 30; want = [\"ctof\", \"statics\"]; sweep = (\n"
-        "    { key = \"packing.pressure\"; values = [1e-7, 1e-6, 1e-5, 1e-4]; },\n"
-        "    { key = \"packing.grains\"; values = [200, 600]; } ); };\n\n"
-        "Every key may be left out; --set key=value overrides it. # begins a comment.\n"
-        "Lengths in mean grain diameters d, pressures in E*, times in d/sqrt(E* / rho). With a material, every key "
-        "with a\n"
-        "unit takes a number with an SI unit in quotes:\n\n"
-        "  material = { E = 70e9; nu = 0.22; rho = 2500; d = 1e-3; };\n"
-        "  packing = { pressure = \"100 kPa\"; width = \"20 mm\"; };\n\n"
-        "A study sweeps the keys of study.sweep, and every key with a list of values or a range in place of its "
-        "value.\n"
-        "It makes every combination:\n\n"
-        "  packing = { pressure = { from = 1e-7; to = 1e-4; count = 4; spacing = \"log\"; };\n"
-        "    friction = { from = 0; to = 0.5; step = 0.1; }; sizes = [\"uniform\", \"bidisperse\"]; };\n"
-        "  study = { sweep = ( { key = \"packing.grains\"; from = 200; to = 600; count = 3; },\n"
-        "    { key = \"packing.history\"; values = ( [], [1e-3], [1e-3, 1e-5] ); } ); };\n\n"
-        "A range has equal steps, or equal ratios (spacing = \"log\", which rounds integers), and includes both ends.\n"
-        "Keys that are lists themselves can be swept by study.sweep only. A study may sweep the keys that change its\n"
-        "samples: those of packing and network, but not packing.file, packing.content and packing.diameter_file; and\n"
-        "signal.source. Values of packing.seed must differ by at least study.samples. `sonopack pack' makes the "
-        "packing\n"
-        "with the first value of each list or range in place of a value. --set takes lists and ranges, too.\n\n"
-        "The group column is for `sonopack column' only, in cm, g and s. It is independent of the other groups.\n";
-    sp_text t = {0};
-    sp_scene s = sp_scene_default();
-    sp_text_add(&t, "%s", head);
-    for (int k = 0; k < SP_FIELDS; k++) {
-        const sp_field *f = &sp_fields[k];
-        char right[200];
-        sp_text_add(&t, "\n%s = ", f->key);
-        put_value(&t, &s, f);
-        sp_text_add(&t, "\n    %s\n", f->meaning);
-        if (f->type != SP_FIELD_SWEEP)
-            sp_text_add(&t, "    must be %s\n", sp_field_right(f, right, sizeof right));
-    }
-    sp_scene_free(&s);
     return finish(&t);
 }

@@ -1,0 +1,62 @@
+/* Prints what a command would make: --dry-run. */
+#include "cli/dry_run.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const double program = 15e6; /* bytes of a command that does next to nothing */
+
+sp_status cli_plan_begin(const cli_common *common, unsigned kernels, cli_plan *plan, sp_error *err) {
+    static const char *const names[SP_KERNELS] = {"step", "product", "dense", "sparse"};
+    *plan = (cli_plan){.common = common, .table = sp_table_none()};
+    plan->w = (cli_writer){.table = &plan->table, .err = err};
+    plan->w.status = sp_machine_measure(kernels, &plan->machine, err);
+    cli_comment(&plan->w, "dry run: nothing was made");
+    cli_comment(&plan->w, "threads = %d", common->threads);
+    for (int k = 0; k < SP_KERNELS; k++)
+        if (kernels >> k & 1)
+            cli_comment(&plan->w, "machine_%s = %.2f", names[k], plan->machine.slower[k]);
+    cli_comment(&plan->w, "machine: time of a kernel on this machine, now, over that on the machine of the laws");
+    cli_comment(&plan->w, "accuracy = 2 (factor of cpu_s and wall_s in nine cases of ten; wall_s on free cores)");
+    cli_columns(&plan->w, SP_CELL_TEXT, "what", "", NULL);
+    cli_columns(&plan->w, SP_CELL_INTEGER, "count", "", NULL);
+    cli_columns(&plan->w, SP_CELL_NUMBER, "cpu_s", "s", "wall_s", "s", "memory_MB", "MB", "disk_MB", "MB", NULL);
+    return plan->w.status;
+}
+
+/* Three digits: more would claim what is not known. */
+static double rounded(double value) {
+    char text[32];
+    snprintf(text, sizeof text, "%.3g", value);
+    return strtod(text, NULL);
+}
+
+static void add_row(cli_plan *plan, const char *what, int64_t count, sp_cost cost, double bytes) {
+    if (plan->w.status == SP_OK)
+        plan->w.status = sp_table_add_row(&plan->table, plan->w.err, what, count, rounded(cost.cpu), rounded(cost.wall),
+                                          rounded(1e-6 * (program + cost.memory)), rounded(1e-6 * bytes));
+}
+
+void cli_plan_add(cli_plan *plan, const char *what, int64_t count, sp_cost cost, double bytes) {
+    plan->total = sp_cost_add(plan->total, cost);
+    plan->bytes += bytes;
+    add_row(plan, what, count, cost, bytes);
+}
+
+void cli_plan_note(cli_plan *plan, const char *what, int64_t count) {
+    const sp_cost none = {.memory = -program};
+    add_row(plan, what, count, none, 0);
+}
+
+sp_status cli_plan_end(cli_plan *plan) {
+    cli_common print = *plan->common;
+    print.output = NULL;
+    plan->total.wall = fmax(plan->total.wall, plan->longest);
+    add_row(plan, "total", 1, plan->total, plan->bytes);
+    if (plan->w.status == SP_OK)
+        plan->w.status = cli_write_table(&print, &plan->table, plan->w.err);
+    return plan->w.status;
+}
+
+void cli_plan_free(cli_plan *plan) { sp_table_free(&plan->table); }

@@ -1,0 +1,249 @@
+"""What helps at the terminal: help of keys, suggestions, completions of three shells, warnings, lines of progress.
+
+usage: test_terminal.py COMMAND SOURCE_DIR
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+from common import PATIENCE, names_all
+
+COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
+N200 = SOURCE / "packings/reference/packing_N200_p1e-4.txt"
+
+
+def run(*words, status=0):
+    done = subprocess.run([COMMAND, *map(str, words)], text=True, capture_output=True, stdin=subprocess.DEVNULL,
+                          timeout=PATIENCE)
+    assert done.returncode == status, (words, done.returncode, done.stdout[-300:], done.stderr)
+    return done
+
+
+def commands():
+    return re.findall(r"^  ([a-z]+) ", run("help").stdout, re.M)
+
+
+def options(command):
+    text = run(command, "--help").stdout
+    return set(re.findall(r"^ +(?:-\w, )?(--[a-z][a-z0-9-]*)", text, re.M))
+
+
+def keys():
+    return re.findall(r"^(\w+\.\w+) = ", run("help", "scene").stdout, re.M)
+
+
+def test_help_of_keys():
+    assert len(keys()) > 60
+    for key in keys():
+        text = run("help", key).stdout
+        assert text.startswith(key + "\n"), text
+        for word in ("meaning", "unit", "range", "default", "source", "example"):
+            assert re.search(rf"^  {word} +\S", text, re.M), (key, word)
+        example = re.search(r"^  example +--set '(.*)'$", text, re.M).group(1)
+        assert example.startswith(key + "="), example
+    for key in run("help", "tolerance").stdout.split("\n\n"):
+        assert key.split("\n")[0] in ("packing.tolerance", "signal.tolerance", "column.tolerance")
+    scene = run("help", "scene").stdout
+    assert not re.search(r"\b\d+L\b|e[-+]0", scene), re.findall(r".*(?:\b\d+L\b|e[-+]0).*", scene)[:3]
+
+
+def test_examples_of_keys():
+    """The example of a key is one that scenes take (files, which are not there, and lists for other keys aside)."""
+    apart = {"packing.file", "packing.content", "packing.diameter_file", "packing.diameters", "study.sweep"}
+    needs = {"packing.sizes": ["packing.diameter_min=0.8", "packing.diameter_max=1.2"],
+             "packing.diameter_min": ["packing.diameter_max=1.2"], "packing.diameter_max": ["packing.diameter_min=0.8"], "packing.depth": ["packing.dimension=3"]}
+    glass = ["material.E=7e10", "material.nu=0.2", "material.rho=2500", "material.d=1e-3"]
+    needs.update({key: [other for other in glass if not other.startswith(key + "=")] for key in keys()
+                  if key.startswith("material.")})
+    for key in keys():
+        if key in apart or key.startswith("column."):
+            continue
+        example = re.search(r"--set '(.*)'$", run("help", key).stdout, re.M).group(1)
+        words = [word for setting in [*needs.get(key, []), example] for word in ("--set", setting)]
+        run("study", *words, "--store", "nowhere", "--dry-run")
+
+
+def test_h_is_help():
+    for command in commands():
+        if command != "help":
+            assert run(command, "-h").stdout == run(command, "--help").stdout == run(command, "-?").stdout
+    assert run("-h").stdout == run("help").stdout
+
+
+def test_suggestions():
+    for words, meant in ((["pak"], "pack"), (["pack", "--seeed", 3], "--seed"), (["signal", "--treshold=1", N200], "--threshold"),
+                         (["modes", "--lowst", 3, N200], "--lowest"), (["spectrum", "dso", N200], "dos"),
+                         (["table", "ctoff", "--store", "x"], "ctof"), (["plot", "netwrk", N200, "-o", "x.svg"], "network"),
+                         (["signal", N200, "--method", "chebishev"], "chebyshev"), (["help", "fricton"], "friction"),
+                         (["help", "packing.presure"], "packing.pressure"),
+                         (["pack", "--set", "packing.presure=1", "-o", "x.h5"], "packing.pressure"),
+                         (["completion", "bsh"], "bash"), (["reproduce", "somfai2006", "--store", "x"], "somfai2005")):
+        done = run(*words, status=2)
+        assert names_all(done.stderr.split("\n")[0], meant) and not done.stdout, (words, done.stderr)
+    for words in (["pack", "--frobnicate"], ["help", "zzzzzzzz"]):
+        assert "did you mean" not in run(*words, status=2).stderr
+    # what follows an option is its argument, whatever it looks like; beginnings of options are options
+    assert names_all(run("pack", "--set", "--foo", "-o", "x.h5", status=2).stderr, "--foo")
+    run("moduli", "--thresh", "1e-4", N200)
+
+
+def test_completions_know_everything():
+    """Structure: commands, options, kinds and keys are in the completions of every shell."""
+    texts = {shell: run("completion", shell).stdout for shell in ("bash", "zsh", "fish")}
+    for shell, text in texts.items():
+        for command in commands():
+            assert re.search(rf"\b{command}\b", text), (shell, command)
+        for key in keys():
+            assert re.search(rf"(?<![\w.]){re.escape(key)}(?![\w.])", text), (shell, key)
+        for word in "chebyshev lax-wendroff participation somfai2005 ctof network triangular".split():
+            assert re.search(rf"\b{word}\b", text), (shell, word)
+    for command in commands():
+        if command == "help":
+            continue
+        block = re.search(rf"^_sonopack_{command}\(\) {{$(.*?)^}}$", texts["zsh"], re.M | re.S).group(1)
+        line = re.search(rf"^    {command}\) echo '(.*)' ;;$", texts["bash"], re.M).group(1)
+        for option in options(command):
+            name = option[2:]
+            assert option in block and option in line.split(), (command, option)
+            if name not in ("usage", "version"):
+                assert re.search(rf"seen_subcommand_from {command}'.* -l {name}\b", texts["fish"]), (command, option)
+
+
+def shell_says(shell, *words):
+    done = subprocess.run([shell, *words], text=True, capture_output=True, stdin=subprocess.DEVNULL, timeout=PATIENCE)
+    assert done.returncode == 0 and not done.stderr, (shell, done.returncode, done.stderr)
+    return done.stdout
+
+
+def test_bash(folder):
+    def offers(*words):
+        line = " ".join(f"'{word}'" for word in ("sonopack", *words))
+        script = (f"source <('{COMMAND}' completion bash); COMP_WORDS=({line}); COMP_CWORD={len(words)}; "
+                  "_sonopack 2>/dev/null; printf '%s\\n' \"${COMPREPLY[@]}\"")
+        return set(shell_says("bash", "-c", script).split())
+    (folder / "zz.cfg").touch()
+    (folder / "zz.png").touch()
+    assert offers("pa") == {"pack"}
+    assert "--dry-run" in offers("pack", "--d")
+    assert offers("signal", "--method", "che") == {"chebyshev"}
+    assert offers("spectrum", "d") == {"dos", "dispersion"}
+    assert "packing.friction=" in offers("pack", "--set", "packing.fr")
+    assert offers("pack", "--set", "packing.kind=tri") == {"packing.kind=triangular"}
+    assert offers("pack", "--set", "packing.kind", "=", "tri") == {"triangular"}
+    assert offers("pack", "z") == {"zz.cfg"} and offers("pack", "-o", "z") == {"zz.cfg", "zz.png"}
+    assert "packing.friction" in offers("help", "packing.f")
+
+
+def test_zsh(folder):
+    if not shutil.which("zsh"):
+        return "zsh is not installed"
+    (folder / "_sonopack").write_text(run("completion", "zsh").stdout)
+    shell_says("zsh", "-n", folder / "_sonopack")
+    script = ("compdef() { }; _describe() { print -l -- ${(P)2} }; _arguments() { print -l -- \"$@\" }; "
+              "compadd() { print -l -- \"$@\" }; compset() { [[ $PREFIX == *=* ]] && { IPREFIX=${PREFIX%%=*}=; "
+              "PREFIX=${PREFIX#*=}; return 0; }; return 1 }; words=(sonopack %s); CURRENT=${#words}; PREFIX=$words[-1]; "
+              "source ./_sonopack; %s")
+    top = shell_says("zsh", "-fc", script % ("pa", "_sonopack"))
+    assert re.search("^pack:", top, re.M)
+    pack = shell_says("zsh", "-fc", script % ("pack --", "_sonopack"))
+    assert re.search(r"^\*--set=\[.*\]:KEY=VALUE:_sonopack_set$", pack, re.M) and "_files -g" in pack, pack
+    assert "packing.friction" in shell_says("zsh", "-fc", script % ("pack --set packing.f", "_sonopack_set"))
+    words = shell_says("zsh", "-fc", script % ("pack --set packing.kind=", "_sonopack_set")).split()
+    assert "triangular" in words, words
+    return None
+
+
+def test_fish(folder):
+    if not shutil.which("fish"):
+        return "fish is not installed"
+    (folder / "sonopack.fish").write_text(run("completion", "fish").stdout)
+    shell_says("fish", "-n", folder / "sonopack.fish")
+
+    def offers(line):
+        text = shell_says("fish", "-c", f"source sonopack.fish; complete -C '{line}'")
+        return {row.split("\t")[0] for row in text.splitlines()}
+    assert "pack" in offers("sonopack pa")
+    assert "--dry-run" in offers("sonopack pack --d")
+    assert "chebyshev" in offers("sonopack signal --method che")
+    assert "dos" in offers("sonopack spectrum d")
+    assert {"packing.kind=", "packing.kind=triangular"} <= offers("sonopack pack --set packing.ki")
+    assert "zz.cfg" in offers("sonopack pack z")
+    return None
+
+
+def test_defaults(folder):
+    """Without a scene and without --set all keys have their defaults."""
+    text = run("pack", "-o", "q.txt", "--dry-run").stdout
+    assert re.search(r"^packing\t1\t", text, re.M)
+    # the real thing, stopped by a limit that names the key: the work had begun with the defaults
+    assert names_all(run("pack", "-o", "q.txt", "--set", "packing.max_steps=10", status=1).stderr, "packing.max_steps")
+
+
+def test_low_boxes():
+    flat = ["--set", "packing.dimension=3"]
+    done = run("pack", *flat, "--dry-run", "-o", "q.h5")
+    assert len(done.stderr.splitlines()) == 1 and names_all(done.stderr, "packing.grains packing.width"), done.stderr
+    assert not run("pack", *flat, "--dry-run", "--quiet", "-o", "q.h5").stderr
+    # what it says would be right is right
+    grains, width = re.search(r"packing.grains = (\d+), or packing.width = ([\d.]+)", done.stderr).groups()
+    for key in (f"packing.grains={grains}", f"packing.width={width}"):
+        assert not run("pack", *flat, "--set", key, "--dry-run", "-o", "q.h5").stderr
+    low = ["--set", "packing.grains=60", "--set", "packing.width=16", "--set", 'packing.protocol="quick"']
+    run("pack", *low, "-o", "low.txt")
+    for command in (["signal"], ["front"], ["moduli"], ["modes", "--lowest", 3]):
+        done = run(*command, "low.txt")
+        assert names_all(done.stderr.splitlines()[0], "low.txt 6"), (command, done.stderr)
+        assert sum("warning" in line for line in done.stderr.splitlines()) == 1, (command, done.stderr)
+        assert not run(*command, N200).stderr and not run(*command, "low.txt", "--quiet").stderr
+
+
+def test_refused_frequencies():
+    modes = [line.split("\t") for line in run("modes", N200).stdout.splitlines() if not line.startswith("#")]
+    omega = next(row[1] for row in modes[100:])
+    done = run("spectrum", "harmonic", N200, "--at", f"0.05,{omega}", status=1)
+    rows = [line.split("\t") for line in done.stdout.splitlines() if not line.startswith("#")]
+    assert len(rows) == 3 and "nan" not in rows[1][1:5] and set(rows[2][1:]) == {"nan"}, rows
+    assert re.search("^# refused = 1 ", done.stdout, re.M) and len(done.stderr.splitlines()) == 1
+    assert not run("spectrum", "harmonic", N200, "--at", omega, status=1).stdout
+
+
+def test_errors_of_signals():
+    run("signal", N200, "--method", "sparse", "--modes", 20, "-o", "few.tsv")
+    assert names_all(run("front", "few.tsv", status=1).stderr, "few.tsv error")
+    run("signal", N200, "-o", "all.tsv")
+    text = pathlib.Path("all.tsv").read_text()
+    assert not run("front", "all.tsv").stderr
+    peak = float(run("front", "all.tsv").stdout.splitlines()[-1].split("\t")[5])
+    for part, status, lines in ((0.03, 0, 1), (0.3, 1, 1)):
+        pathlib.Path("error.tsv").write_text(re.sub(r"error .*|error = .*", lambda m: re.sub(
+            r"[\d.e+-]+$", repr(part * peak), m.group()), text))
+        assert len(run("front", "error.tsv", status=status).stderr.splitlines()) == lines, part
+
+
+def test_progress_in_a_file():
+    done = run("reproduce", "blackmore2011", "--only", "errata,fig1,symbols")
+    assert all(names_all(done.stderr, item) for item in ("errata", "fig1", "symbols")), done.stderr
+    assert not run("reproduce", "blackmore2011", "--only", "errata", "--quiet").stderr
+
+
+def main():
+    with tempfile.TemporaryDirectory(prefix="sonopack-terminal-") as name:
+        folder = pathlib.Path(name)
+        os.chdir(folder)
+        for test in (test_help_of_keys, test_examples_of_keys, test_h_is_help, test_suggestions,
+                     test_completions_know_everything, test_low_boxes, test_refused_frequencies, test_errors_of_signals,
+                     test_progress_in_a_file):
+            test()
+            print(test.__name__, "ok")
+        for test in (test_bash, test_zsh, test_fish, test_defaults):
+            reason = test(folder)
+            print(test.__name__, reason or "ok")
+        os.chdir(SOURCE)
+
+
+if __name__ == "__main__":
+    main()
