@@ -6,7 +6,7 @@ _sonopack_options() {
 
 _sonopack() {
     local program=${COMP_WORDS[0]} current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}
-    local commands='pack check statics moduli modes spectrum signal front wave study table reproduce chain column plot convert bench help'
+    local commands='pack check statics moduli modes spectrum signal front wave study table reproduce chain column plot view convert bench help'
     local command='' word
     COMPREPLY=()
     for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do

@@ -15,18 +15,6 @@ static void tell(const view_part *part, const char *what) {
         part->report->stage(part->report->user, what);
 }
 
-sp_status view_leave_out(view_json *j, const char *key, const view_part *part, bool needed, const sp_error *reason,
-                         sp_error *err) {
-    if (needed || reason->status == SP_ENOMEM)
-        return sp_fail(err, reason->status, "%s", reason->text);
-    if (part->report && part->report->missing)
-        part->report->missing(part->report->user, reason->text);
-    view_open(j, key, '{');
-    view_text(j, "reason", reason->text);
-    view_close(j, '}');
-    return SP_OK;
-}
-
 static void describe(view_json *j, const char *name, const sp_packing *p, const sp_network_options *network) {
     char number[24];
     view_text(j, "name", name);

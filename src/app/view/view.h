@@ -1,5 +1,5 @@
-#ifndef SP_VIEW_H
-#define SP_VIEW_H
+#ifndef SP_APP_VIEW_H
+#define SP_APP_VIEW_H
 /* The page of `sonopack view': one HTML file that shows packings, modes and waves in a browser. The page is
  * src/app/view/ web, made one text at build time; this room computes what it shows and writes it into the page. */
 

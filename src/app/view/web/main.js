@@ -86,7 +86,7 @@ class App {
   }
 
   factor() {
-    if (this.view !== 'wave') return 1;
+    if (this.view !== 'wave' || !this.has('wave')) return 1;
     return this.amplitude() / (quantile(Array.from(this.packing.wave.length).slice(1), 0.5) || 1);
   }
 
