@@ -276,6 +276,19 @@ def check_sizes(scratch):
     expect(size < 20e6 and shown["wave"]["u"].shape[0] >= 50, f"10^4 grains: {size} bytes")
 
 
+def check_material(scratch):
+    """A packing whose material is known carries it; the page opens in our own units."""
+    path = scratch / "glass.h5"
+    pack(path, kind='"chain"', grains=8)
+    must("convert", path, scratch / "glass.txt")
+    text = (scratch / "glass.txt").read_text()
+    page, (shown,) = view(scratch / "none.html", path, "--no-wave", "--no-modes")
+    expect(shown["material"] is None and data_of(page)["units"] == "own", "a material that nobody gave")
+    (scratch / "glass.txt").write_text(re.sub(r"(?m)^(N .*)$", r"\1 material E=70e9,nu=0.22,rho=2500,d=1e-3", text))
+    _, (shown,) = view(scratch / "glass.html", scratch / "glass.txt", "--no-wave", "--no-modes")
+    expect(shown["material"] == {"E": 70e9, "nu": 0.22, "rho": 2500, "d": 1e-3}, f"material {shown['material']}")
+
+
 def check_several(scratch):
     first, second = scratch / "plane.h5", scratch / "chain.h5"
     page, shown = view(scratch / "two.html", first, second, "--frames", 3, "--modes", "2:5")
@@ -366,6 +379,7 @@ def main():
         check_scenes(scratch)
         check_alone(scratch)
         check_sizes(scratch)
+        check_material(scratch)
         check_several(scratch)
         check_names(scratch)
         check_loose(scratch)

@@ -2,6 +2,7 @@
 #include "view/view.h"
 
 #include "base/base.h"
+#include "packing/geometry.h"
 #include "view/parts.h"
 #include "view/web.h"
 
@@ -13,6 +14,20 @@
 static void tell(const view_part *part, const char *what) {
     if (part->report && part->report->stage)
         part->report->stage(part->report->user, what);
+}
+
+/* In SI units: the page then shows numbers in these, if its reader or the command wants it. */
+static void describe_material(view_json *j, const sp_material *m) {
+    if (m->young == 0) {
+        view_text(j, "material", NULL);
+        return;
+    }
+    view_open(j, "material", '{');
+    view_number(j, "E", m->young);
+    view_number(j, "nu", m->poisson);
+    view_number(j, "rho", m->density);
+    view_number(j, "d", m->diameter);
+    view_close(j, '}');
 }
 
 static void describe(view_json *j, const char *name, const sp_packing *p, const sp_network_options *network) {
@@ -29,10 +44,10 @@ static void describe(view_json *j, const char *name, const sp_packing *p, const 
     view_number(j, "pressure", p->pressure);
     view_number(j, "friction", p->friction);
     view_number(j, "poisson", p->poisson);
-    view_text(j, "wall", p->wall == SP_WALL_GRAIN ? "grain" : "rigid");
+    view_text(j, "wall", sp_wall_names[p->wall]);
     view_number(j, "threshold", network->threshold);
     view_truth(j, "prestress", network->prestress);
-    view_text(j, "material", NULL); /* packings carry none yet: the page is dimensionless */
+    describe_material(j, &p->material);
     view_text(j, "scene", p->scene);
 }
 
@@ -91,7 +106,8 @@ static void add_escaped(sp_text *out, const char *text) {
 }
 
 static void add_data(sp_text *out, const view_page *page) {
-    sp_text_add(out, "{\"format\":\"sonopack-view\",\"version\":1,\"program\":\"%s\",\n\"packings\":[", sp_version());
+    sp_text_add(out, "{\"format\":\"sonopack-view\",\"version\":1,\"program\":\"%s\",\"units\":\"%s\",\n\"packings\":[",
+                sp_version(), page->si ? "si" : "own");
     sp_text_bytes(out, page->data.data, page->data.size);
     sp_text_add(out, "]}");
 }

@@ -33,6 +33,7 @@ typedef struct view_report {
 typedef struct view_page {
     sp_text data; /* the packings, as JSON */
     int packings;
+    bool si; /* opens in SI units, where the material of a packing is known */
 } view_page;
 
 /* Adds a packing to the page under this name. Messages do not name the file. SP_EINVAL for modes that do not exist,

@@ -19,6 +19,7 @@ export function writeAddress(app) {
   else if (app.view === 'wave') parts.set('wave', '');
   else parts.set('packing', app.number + 1);
   if (app.view !== 'packing') parts.set('t', Number(app.time.toPrecision(4)));
+  if (app.si && app.packing.material) parts.set('units', 'si');
   parts.set('colour', settings.colour);
   parts.set('chains', settings.chains ? 1 : 0);
   parts.set('size', settings.size);

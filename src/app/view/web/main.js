@@ -16,7 +16,9 @@ const PASSAGE = 24; // seconds that the whole wave takes
 
 class App {
   constructor() {
-    this.packings = readData(byId('sonopack-data')).packings;
+    const data = readData(byId('sonopack-data'));
+    this.packings = data.packings;
+    this.si = data.units === 'si';
     this.stage = new Stage(byId('picture'), () => this.request());
     this.plot = new SignalPlot(byId('signal'), (time) => this.setTime(time));
     this.playing = false;
@@ -34,7 +36,7 @@ class App {
   openPacking(number) {
     this.number = number;
     this.packing = this.packings[number];
-    this.units = new Units(this.packing.material);
+    this.units = new Units(this.si ? this.packing.material : null);
     this.motion = new Motion(this.packing);
     this.mode = 0;
     this.time = 0;
@@ -47,6 +49,15 @@ class App {
     this.stage.open(this.packing);
     this.plot.open(this.packing.wave && this.packing.wave.signal, this.units);
     this.setView(this.has(this.view) ? this.view : 'packing');
+  }
+
+  /* SI units need a material. */
+  setUnits(si) {
+    this.si = si;
+    this.units = new Units(si ? this.packing.material : null);
+    this.plot.open(this.packing.wave && this.packing.wave.signal, this.units);
+    this.panel.rebuild();
+    this.refresh();
   }
 
   /* Whether the packing has what a view shows. */
@@ -173,7 +184,7 @@ class App {
   }
 
   showLegend() {
-    const key = JSON.stringify([this.number, this.view, this.mode, this.settings, this.stage.pixel().toPrecision(3),
+    const key = JSON.stringify([this.number, this.view, this.mode, this.settings, this.si, this.stage.pixel().toPrecision(3),
       this.contacts.scale]);
     if (key === this.legend) return;
     this.legend = key;
@@ -233,6 +244,7 @@ class App {
     settings.rattlers = numberOf(address, 'rattlers', settings.rattlers ? 1 : 0) !== 0;
     for (const name of ['size', 'width', 'amplitude', 'speed', 'cut'])
       settings[name] = numberOf(address, name, settings[name]);
+    if (address.units) this.setUnits(address.units === 'si');
     if (address.turn) this.stage.resetCamera(...address.turn.split(',').map(Number));
     if ('t' in address) this.setTime(numberOf(address, 't', 0));
     this.showContacts();

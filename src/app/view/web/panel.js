@@ -23,6 +23,7 @@ export class Panel {
     this.app = app;
     for (const view of ['packing', 'mode', 'wave']) byId(`view-${view}`).onclick = () => app.setView(view);
     byId('packings').onchange = (event) => app.openPacking(Number(event.target.value));
+    byId('si').onchange = (event) => app.setUnits(event.target.checked);
     byId('modes').onchange = (event) => app.setMode(Number(event.target.value));
     byId('time').oninput = (event) => app.setTime(Number(event.target.value) * app.longest());
     byId('play').onclick = () => app.setPlaying(!app.playing);
@@ -118,6 +119,8 @@ export class Panel {
     fillSelect(byId('contact'), contactColourings(packing), settings.contact);
     for (const name of ['chains', 'rattlers']) byId(name).checked = settings[name];
     for (const name of ranges) byId(name).value = settings[name];
+    byId('si').checked = app.si;
+    byId('si').parentElement.hidden = !packing.material;
     byId('rattlers').parentElement.hidden = packing.rattlers === 0;
     this.listModes();
     this.showReason();
