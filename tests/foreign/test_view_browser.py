@@ -4,6 +4,7 @@ address asks for.
 usage: test_view_browser.py COMMAND SOURCE_DIR [FOLDER]      (with FOLDER the screenshots are kept there)
 Exit status 77: there is no Chromium.
 """
+import base64
 import pathlib
 import re
 import shutil
@@ -181,6 +182,24 @@ def check_missing(page):
     expect('data-state="ready"' in text, "no walls: the page does not start")
 
 
+def check_saved(page, folder):
+    """The picture that "Save PNG" saves is that of the page, with its legend and the signal."""
+    probe = folder / "probe.html"
+    probe.write_text(page.read_text().replace("</body>", """<script type="module">
+document.documentElement.dataset.saved = window.sonopack.picture().toDataURL('image/png');</script></body>"""))
+    text, console = browse(probe, "#wave&t=25", "--dump-dom")
+    found = re.search(r'data-saved="data:image/png;base64,([^"]+)"', text)
+    if not found:
+        faults.append(f"no picture is saved: {console[:3]}")
+        return
+    (folder / "saved.png").write_bytes(base64.b64decode(found.group(1)))
+    saved, shown = pixels(folder / "saved.png"), pixels(folder / "plane-wave-25.png")
+    top = next(row for row in range(20, 80) if share(shown[row:row + 100, 400:1000], saved[:100, 400:1000]) < 0.02)
+    common = min(len(saved), len(shown) - top)
+    part = share(shown[top:top + common, :saved.shape[1]], saved[:common])
+    expect(part < 0.03, f"the saved picture differs from the page in {100 * part:.1f}% of its pixels")
+
+
 def frames_a_second(page):
     rate = re.search(r'data-frames-per-second="([\d.]+)"', dom(page, "#wave&t=0&measure=5"))
     expect(rate and float(rate.group(1)) > 0, "no frames are counted")
@@ -209,6 +228,7 @@ def main():
         for name in ("plane", "smooth", "space", "chain"):
             check_words(name, folder / f"{name}.html")
         check_missing(folder / "loose.html")
+        check_saved(folder / "plane.html", folder)
         print("frames a second of 80 grains:", frames_a_second(folder / "plane.html"))
     print(*faults, sep="\n")
     sys.exit(1 if faults else 0)

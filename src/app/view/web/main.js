@@ -266,9 +266,14 @@ class App {
     this.changed = true;
   }
 
-  savePicture() {
+  /* What is shown now, with its legend, as a canvas. */
+  picture() {
     this.drawNow();
-    composePicture(byId('frame'), byId('picture'), byId('signal')).toBlob((blob) => {
+    return composePicture(byId('frame'), byId('picture'), byId('signal'));
+  }
+
+  savePicture() {
+    this.picture().toBlob((blob) => {
       const link = document.createElement('a');
       link.href = URL.createObjectURL(blob);
       link.download = `${this.packing.name.replace(/\.[^.]*$/, '')}-${this.view}.png`;
