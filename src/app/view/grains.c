@@ -137,9 +137,7 @@ sp_status view_add_grains(view_json *j, const sp_packing *p, double threshold, s
     return status;
 }
 
-sp_status view_add_network(view_json *j, const sp_network *net, sp_error *err) {
-    (void)err;
+void view_add_network(view_json *j, const sp_network *net) {
     view_integer(j, "dof", net->dof);
     view_array(j, "grain", VIEW_INT32, (int64_t[4]){net->n}, net->grain);
-    return SP_OK;
 }

@@ -53,25 +53,24 @@ static void describe(view_json *j, const char *name, const sp_packing *p, const 
 
 /* The grains of the network, and what moves on them. */
 static sp_status add_motion(view_json *j, view_part *part, sp_error *err) {
+    const view_options *o = part->options;
     sp_network net = sp_network_none();
     sp_error reason = {0};
-    sp_status status = SP_OK;
-    const view_options *o = part->options;
-    if (o->modes || o->wave)
-        status = sp_network_make(part->packing, &o->network, &net, &reason);
-    part->net = (o->modes || o->wave) && status == SP_OK ? &net : NULL;
+    if ((o->modes || o->wave) && sp_network_make(part->packing, &o->network, &net, &reason) == SP_OK)
+        part->net = &net;
     part->reason = &reason;
-    status = part->net ? view_add_network(j, &net, err) : SP_OK;
-    if (status == SP_OK && part->net && o->modes)
+    if (part->net)
+        view_add_network(j, &net);
+    if (part->net && o->modes)
         tell(part, "modes");
-    if (status == SP_OK)
-        status = view_add_modes(j, part, err);
+    sp_status status = view_add_modes(j, part, err);
     if (status == SP_OK && part->net && o->wave)
         tell(part, "wave");
     if (status == SP_OK)
         status = view_add_wave(j, part, err);
     sp_network_free(&net);
     part->net = NULL;
+    part->reason = NULL;
     return status;
 }
 

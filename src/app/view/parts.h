@@ -17,7 +17,7 @@ typedef struct view_part {
 /* Grains and contacts. */
 sp_status view_add_grains(view_json *j, const sp_packing *p, double threshold, sp_error *err);
 /* "grain": the grains of the network, to which the displacements belong. */
-sp_status view_add_network(view_json *j, const sp_network *net, sp_error *err);
+void view_add_network(view_json *j, const sp_network *net);
 /* "modes" and "wave": an object with the result, or with the `reason` for which there is none; or null, if not
  * wanted. */
 sp_status view_add_modes(view_json *j, const view_part *part, sp_error *err);

@@ -1,8 +1,20 @@
 /* The picture as it is saved: with its legend, and with the signal if this is shown. */
 
+function paintDisc(context, style, box) {
+  context.strokeStyle = style.borderTopColor;
+  context.beginPath();
+  context.arc(box.x + box.width / 2, box.y + box.height / 2, box.width / 2 - 0.5, 0, 7);
+  context.fill();
+  context.stroke();
+}
+
 function paintBox(context, node, box) {
   const style = getComputedStyle(node);
   context.fillStyle = style.backgroundColor;
+  if (style.borderTopLeftRadius === '50%') {
+    paintDisc(context, style, box);
+    return;
+  }
   context.fillRect(box.x, box.y, box.width, box.height);
   for (const side of ['Top', 'Right', 'Bottom', 'Left']) {
     const width = parseFloat(style[`border${side}Width`]);
