@@ -56,6 +56,7 @@ export function drawLegend(place, app) {
     const dot = element('span', { className: 'dot' });
     parts.push(element('div', {}, dot, `rattlers: ${app.packing.rattlers}, which carry no force`));
   }
+  if (app.stage.turned || app.packing.dimension === 1) parts.push(element('div', {}, 'the bottom wall is at the left'));
   parts.push(scaleBar(app, units));
   place.replaceChildren(...parts);
 }

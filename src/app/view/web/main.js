@@ -184,7 +184,7 @@ class App {
   }
 
   showLegend() {
-    const key = JSON.stringify([this.number, this.view, this.mode, this.settings, this.si, this.stage.pixel().toPrecision(3),
+    const key = JSON.stringify([this.number, this.view, this.mode, this.settings, this.si, this.stage.turned, this.stage.pixel().toPrecision(3),
       this.contacts.scale]);
     if (key === this.legend) return;
     this.legend = key;

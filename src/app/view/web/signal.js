@@ -48,7 +48,7 @@ export class SignalPlot {
     context.scale(ratio, ratio);
     context.font = '13px system-ui, sans-serif';
     this.palette = palettes[isDark() ? 'dark' : 'light'];
-    Object.assign(this, { left: 76, top: 22, width: wide - 92, height: high - 62 });
+    Object.assign(this, { left: 90, top: 22, width: wide - 106, height: high - 62 });
     this.drawAxes(context);
     this.drawCurve(context);
     this.drawMarks(context);
