@@ -285,8 +285,15 @@ def check_material(scratch):
     with h5py.File(path, "r+") as file:
         for name, value in (("young", 70e9), ("poisson", 0.22), ("density", 2500.0), ("diameter", 1e-3)):
             file[f"/sonopack/material/{name}"] = value
-    _, (shown,) = view(scratch / "glass.html", path, "--no-wave", "--no-modes")
-    expect(shown["material"] == {"E": 70e9, "nu": 0.22, "rho": 2500, "d": 1e-3}, f"material {shown['material']}")
+    glass = {"E": 70e9, "nu": 0.22, "rho": 2500, "d": 1e-3}
+    page, (shown,) = view(scratch / "glass.html", path, "--units", "si", "--until", "10 us", "--frames", 3, "--no-modes")
+    expect(shown["material"] == glass and data_of(page)["units"] == "si", f"material {shown['material']}")
+    time = 1e-3 / (70e9 / (1 - 0.22**2) / 2500) ** 0.5
+    expect(near(shown["wave"]["until"], 10e-6 / time, 1e-12), f"10 us are {shown['wave']['until']}")
+    _, (shown,) = view(scratch / "given.html", scratch / "plane.h5", "--material", "E=70e9,nu=0.22,rho=2500,d=1e-3",
+                       "--no-wave", "--no-modes")
+    expect(shown["material"] == glass, f"--material: {shown['material']}")
+    refused(scratch, 2, "--units plane.h5 --material", scratch / "plane.h5", "--units", "si")
 
 
 def check_several(scratch):

@@ -70,7 +70,7 @@ static const cli_option options[] = {
     {"frames", "N", "Number of frames of the wave (200, or fewer so that they take less than 12 MB of the page)",
      CLI_INTEGER, .field = offsetof(arguments, frames), .low = 2, .high = VIEW_FRAMES_MAX},
     {"until", "T", "Last time of the wave [d/sqrt(E* / rho)] ((8 H + 40) (p/1e-4)^(-1/6), after the first front)",
-     CLI_NUMBER, .field = offsetof(arguments, until), .low = 1e-9, .high = 1e9},
+     CLI_NUMBER, .field = offsetof(arguments, until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {"source", "KIND", "What the pulse imposes at the bottom wall: impulse, velocity or displacement (impulse)",
      CLI_CHOICE, .field = offsetof(arguments, source), .words = cli_source_names},
     {"no-wave", NULL, "Leave the wave out", CLI_FLAG, .field = offsetof(arguments, no_wave)},
@@ -89,12 +89,14 @@ static const cli_syntax syntax = {
         "The wave has N frames, equally spaced, between which the page interpolates. Positions, forces and modes are "
         "rounded to 24 bits and frames to 16 bits of the largest displacement in each, which is enough to look at: "
         "for numbers use `sonopack modes' and `sonopack signal'. If there are no modes or is no wave, the page says "
-        "why; it is an error where an option asks for them. --set takes keys of the groups network and signal.",
+        "why; it is an error where an option asks for them. With a material the page has a switch for SI units, and "
+        "opens in them with --units si. --set takes keys of the groups network and signal.",
     .options = options,
     .file_name = "packing",
     .files_min = 1,
     .files_max = FILES_MAX,
     .springs = true,
+    .finds_material = true,
     .check = check};
 
 static sp_status set_options(const arguments *a, const sp_scene *scene, view_options *out, sp_error *err) {
@@ -146,13 +148,25 @@ static const char *name_of(const char *path) {
     return slash && slash[1] ? slash + 1 : path;
 }
 
-static sp_status add_file(const arguments *a, const view_options *o, const char *path, view_page *page, sp_error *err) {
+/* The packing, and the options once its material is known: --until may have been given in SI units. */
+static sp_status read_file(arguments *a, const sp_scene *scene, const char *path, sp_packing *p, view_options *o,
+                           sp_error *err) {
+    sp_status status = sp_packing_read(path, p, err); /* names the file */
+    if (status == SP_OK)
+        status = cli_take_material(a, &p->material, path, err);
+    if (status == SP_OK && a->common.material.young > 0)
+        p->material = a->common.material;
+    return status == SP_OK ? set_options(a, scene, o, err) : status;
+}
+
+static sp_status add_file(arguments *a, const sp_scene *scene, const char *path, view_page *page, sp_error *err) {
     telling t = {.common = &a->common, .path = path};
     const view_report report = {.stage = say_stage, .missing = say_missing, .user = &t};
     sp_packing p = sp_packing_none();
-    sp_status status = sp_packing_read(path, &p, err); /* names the file */
+    view_options options = {0};
+    sp_status status = read_file(a, scene, path, &p, &options, err);
     if (status == SP_OK) {
-        status = view_add(page, name_of(path), &p, o, &report, err);
+        status = view_add(page, name_of(path), &p, &options, &report, err);
         cli_progress_end();
         if (status != SP_OK)
             sp_fail_prefix(err, "%s", path);
@@ -184,15 +198,12 @@ int cmd_view(int argc, char **argv) {
     cli_parse(&syntax, argc, argv, &a);
     sp_error err = {0};
     sp_scene scene = sp_scene_default();
-    view_options chosen;
-    view_page page = {0};
+    view_page page = {.si = a.common.units == CLI_UNITS_SI};
     sp_status status = cli_may_write(&a.common, a.common.output, &err);
     if (status == SP_OK)
         status = cli_scene_of_sets(&a.common, "network signal", &scene, &err);
-    if (status == SP_OK)
-        status = set_options(&a, &scene, &chosen, &err);
     for (int k = 0; k < a.common.files && status == SP_OK; k++)
-        status = add_file(&a, &chosen, a.common.file[k], &page, &err);
+        status = add_file(&a, &scene, a.common.file[k], &page, &err);
     if (status == SP_OK)
         status = write_page(&a, &page, &err);
     view_free(&page);
