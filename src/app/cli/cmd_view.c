@@ -163,10 +163,10 @@ static sp_status add_file(arguments *a, const sp_scene *scene, const char *path,
     telling t = {.common = &a->common, .path = path};
     const view_report report = {.stage = say_stage, .missing = say_missing, .user = &t};
     sp_packing p = sp_packing_none();
-    view_options options = {0};
-    sp_status status = read_file(a, scene, path, &p, &options, err);
+    view_options chosen = {0};
+    sp_status status = read_file(a, scene, path, &p, &chosen, err);
     if (status == SP_OK) {
-        status = view_add(page, name_of(path), &p, &options, &report, err);
+        status = view_add(page, name_of(path), &p, &chosen, &report, err);
         cli_progress_end();
         if (status != SP_OK)
             sp_fail_prefix(err, "%s", path);
