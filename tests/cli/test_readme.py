@@ -1,4 +1,4 @@
-"""The commands of the README and of the guide work as written: every line that begins with `$ ` in a ```console block,
+"""The commands of the README, of the guide and of other pages work as written: every line that begins with `$ ` in a ```console block,
 in the order of the page, in one scratch folder with the example scenes. Blocks marked ```console long are left out.
 
 usage: test_readme.py COMMAND SOURCE_DIR
@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 COMMAND, SOURCE = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-PAGES = ("README.md", "docs/guide.md", "docs/units.md")
+PAGES = ("README.md", "docs/guide.md", "docs/units.md", "docs/view.md")
 
 
 def console_commands(text):

@@ -136,6 +136,14 @@ def check_manual(prefix):
         expect("sonopack" in complaints.stdout, "an empty manual page")
 
 
+def check_page(prefix, scratch):
+    """The moved command writes a page: no file beside it is needed."""
+    run(prefix / "bin/sonopack", "pack", "-q", "--set", 'packing.kind="chain"', "--set", "packing.grains=8", "-o",
+        scratch / "chain.h5")
+    run(prefix / "bin/sonopack", "view", scratch / "chain.h5", "-o", scratch / "chain.html")
+    expect("sonopack-data" in (scratch / "chain.html").read_text(), "the installed command writes an empty page")
+
+
 def main():
     with tempfile.TemporaryDirectory(prefix="sonopack-package-") as folder:
         scratch = pathlib.Path(folder)
@@ -145,6 +153,7 @@ def main():
         check_files(prefix)
         version = run(prefix / "bin/sonopack", "--version")
         expect(public_version() in version, f"--version says {version}")
+        check_page(prefix, scratch)
         one = check_cmake_consumer(prefix, scratch)
         two = check_pkgconfig_consumer(prefix, scratch)
         print(one)

@@ -32,6 +32,7 @@ static const cli_command_row commands[] = {
     {"column", cmd_column, "tapped column of particles, discrete and as a continuum"},
     {"reproduce", cmd_reproduce, "compare the results of a paper with our own"},
     {"plot", cmd_plot, "draw figures"},
+    {"view", cmd_view, "write a page that shows packings, modes and waves in a browser"},
     {"convert", cmd_convert, "import and export packings"},
     {"bench", cmd_bench, "measure each method's run time against its error"},
     {"completion", cmd_completion, "print the completions for a shell: bash, zsh or fish"},

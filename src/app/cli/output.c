@@ -33,10 +33,11 @@ typedef enum file_kind {
 static const struct {
     const char *ending;
     file_kind kind;
-} endings[] = {{".h5", KIND_HDF5},    {".hdf5", KIND_HDF5},   {".png", KIND_PNG},   {".pdf", KIND_PDF},
-               {".svg", KIND_MARKUP}, {".vtp", KIND_MARKUP},  {".json", KIND_JSON}, {".tsv", KIND_TEXT},
-               {".csv", KIND_TEXT},   {".txt", KIND_PACKING}, {".xyz", KIND_TEXT},  {".extxyz", KIND_TEXT},
-               {".data", KIND_TEXT},  {".lammps", KIND_TEXT}, {".dump", KIND_TEXT}};
+} endings[] = {{".h5", KIND_HDF5},    {".hdf5", KIND_HDF5},   {".png", KIND_PNG},    {".pdf", KIND_PDF},
+               {".svg", KIND_MARKUP}, {".html", KIND_MARKUP}, {".htm", KIND_MARKUP}, {".vtp", KIND_MARKUP},
+               {".json", KIND_JSON},  {".tsv", KIND_TEXT},    {".csv", KIND_TEXT},   {".txt", KIND_PACKING},
+               {".xyz", KIND_TEXT},   {".extxyz", KIND_TEXT}, {".data", KIND_TEXT},  {".lammps", KIND_TEXT},
+               {".dump", KIND_TEXT}};
 
 static const char *ending_of(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
@@ -116,7 +117,7 @@ static sp_status may_write(const cli_common *common, const char *path, bool mode
     if (kind == KIND_UNKNOWN)
         return sp_fail(err, SP_EINVAL,
                        "%s: unknown ending \"%s\": must be .tsv, .csv or .json for a table, .h5 or .txt for a packing, "
-                       ".svg, .png or .pdf for a figure",
+                       ".svg, .png or .pdf for a figure, .html for a page",
                        path, ending_of(path));
     if (exists) {
         sp_status status = check_kind(path, kind, err);
