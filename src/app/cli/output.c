@@ -27,6 +27,8 @@ typedef enum file_kind {
     KIND_MARKUP,
     KIND_JSON,
     KIND_PACKING, /* as text */
+    KIND_MAT,
+    KIND_SAC,
     KIND_TEXT
 } file_kind;
 
@@ -36,7 +38,8 @@ static const struct {
 } endings[] = {{".h5", KIND_HDF5},    {".hdf5", KIND_HDF5},   {".png", KIND_PNG},   {".pdf", KIND_PDF},
                {".svg", KIND_MARKUP}, {".vtp", KIND_MARKUP},  {".json", KIND_JSON}, {".tsv", KIND_TEXT},
                {".csv", KIND_TEXT},   {".txt", KIND_PACKING}, {".xyz", KIND_TEXT},  {".extxyz", KIND_TEXT},
-               {".data", KIND_TEXT},  {".lammps", KIND_TEXT}, {".dump", KIND_TEXT}};
+               {".data", KIND_TEXT},  {".lammps", KIND_TEXT}, {".dump", KIND_TEXT}, {".pvd", KIND_MARKUP},
+               {".vtm", KIND_MARKUP}, {".mat", KIND_MAT},     {".sac", KIND_SAC},   {".slist", KIND_TEXT}};
 
 static const char *ending_of(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
@@ -52,17 +55,23 @@ static file_kind kind_by_ending(const char *path) {
     return KIND_UNKNOWN;
 }
 
+/* A SAC file has no signature, but a version at byte 304, in either byte order. */
+static bool is_sac(const char *head, size_t size) {
+    return size >= 632 && (memcmp(head + 304, "\6\0\0\0", 4) == 0 || memcmp(head + 304, "\0\0\0\6", 4) == 0);
+}
+
 /* head[size] must be 0. */
 static file_kind kind_by_content(const char *head, size_t size) {
     static const struct {
         const char *magic;
         file_kind kind;
-    } magics[] = {{"\211HDF\r\n\032\n", KIND_HDF5}, {"\211PNG\r\n\032\n", KIND_PNG}, {"%PDF-", KIND_PDF}};
+    } magics[] = {
+        {"\211HDF\r\n\032\n", KIND_HDF5}, {"\211PNG\r\n\032\n", KIND_PNG}, {"%PDF-", KIND_PDF}, {"MATLAB 5", KIND_MAT}};
     for (size_t k = 0; k < sizeof magics / sizeof *magics; k++)
         if (size >= strlen(magics[k].magic) && memcmp(head, magics[k].magic, strlen(magics[k].magic)) == 0)
             return magics[k].kind;
     if (memchr(head, 0, size))
-        return KIND_UNKNOWN;
+        return is_sac(head, size) ? KIND_SAC : KIND_UNKNOWN;
     if (sp_packing_text_looks(head))
         return KIND_PACKING;
     size_t first = 0;
@@ -101,8 +110,9 @@ static sp_status check_hdf5(const char *path, bool modes, sp_error *err) {
                    modes ? "no file of modes" : "a file of modes");
 }
 
-static sp_status may_write(const cli_common *common, const char *path, bool modes, sp_error *err) {
-    file_kind kind = kind_by_ending(path);
+/* as: an ending that says the kind. */
+static sp_status may_write(const cli_common *common, const char *path, const char *as, bool modes, sp_error *err) {
+    file_kind kind = kind_by_ending(as);
     struct stat info;
     if (path[0] == '\0')
         return sp_fail(err, SP_EINVAL, "-o: the file name is empty");
@@ -120,7 +130,7 @@ static sp_status may_write(const cli_common *common, const char *path, bool mode
                        path, ending_of(path));
     if (exists) {
         sp_status status = check_kind(path, kind, err);
-        if (status == SP_OK && info.st_size > 0 && cli_is_hdf5(path))
+        if (status == SP_OK && info.st_size > 0 && kind == KIND_HDF5)
             status = check_hdf5(path, modes, err);
         if (status == SP_OK && !common->force)
             status = sp_fail(err, SP_EINVAL, "%s: exists already: choose another name, or use --force", path);
@@ -138,11 +148,17 @@ static sp_status may_write(const cli_common *common, const char *path, bool mode
 }
 
 sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err) {
-    return may_write(common, path, false, err);
+    return may_write(common, path, path, false, err);
+}
+
+sp_status cli_may_write_as(const cli_common *common, const char *path, const char *ending, sp_error *err) {
+    char as[16] = "x"; /* a name, for an ending alone is none */
+    snprintf(as + 1, sizeof as - 1, "%s", ending);
+    return may_write(common, path, as, false, err);
 }
 
 sp_status cli_may_write_modes(const cli_common *common, const char *path, sp_error *err) {
-    return may_write(common, path, true, err);
+    return may_write(common, path, path, true, err);
 }
 
 sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err) {
