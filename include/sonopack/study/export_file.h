@@ -77,9 +77,8 @@ typedef struct sp_trace {
     const char *unit, *time_unit;    /* of the values and of the times; up to 8 characters each, no blanks */
     double step, begin;              /* interval and first time */
     int64_t n;
-    const double *value; /* [n] */
-    double
-        user[4]; /* NAN where unknown: the packing's pressure [E*]; the units of length [m], time [s] and force [N] */
+    const double *value;     /* [n] */
+    double pressure, height; /* of the packing: SAC's user0 and user1; NAN: unknown */
 } sp_trace;
 
 /* Writes a SAC file (version 6, little endian). Values, interval and times become single precision. SP_EINVAL for

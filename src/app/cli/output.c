@@ -1,5 +1,6 @@
 /* Writes tables to stdout or to files, and decides which files may be replaced. */
 #include "cli/output.h"
+#include "cli/traces.h"
 
 #include "base/base.h"
 #include "base/file.h"
@@ -173,7 +174,7 @@ sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err) {
 static sp_status table_format(const cli_common *common, sp_table_format *out, sp_error *err) {
     static const char *const names[] = {[SP_TSV] = ".tsv", [SP_CSV] = ".csv", [SP_JSON] = ".json"};
     *out = common->format;
-    if (!common->output)
+    if (!common->output || (cli_is_foreign_table(common->output) && !common->format_given))
         return SP_OK;
     for (unsigned k = 0; k < sizeof names / sizeof *names; k++) {
         if (!cli_has_ending(common->output, names[k]))
@@ -185,7 +186,9 @@ static sp_status table_format(const cli_common *common, sp_table_format *out, sp
         return SP_OK;
     }
     if (kind_by_ending(common->output) != KIND_UNKNOWN || !common->format_given)
-        return sp_fail(err, SP_EINVAL, "-o %s: the ending of a table must be .tsv, .csv or .json", common->output);
+        return sp_fail(err, SP_EINVAL,
+                       "-o %s: the ending of a table must be .tsv, .csv, .json or .mat, of signals also .sac or .slist",
+                       common->output);
     return SP_OK;
 }
 
@@ -205,11 +208,26 @@ sp_status cli_print(const char *text, sp_error *err) {
     return sp_fail(err, SP_EIO, "standard output: %s", strerror(errno));
 }
 
+/* The names of files beside common->output follow from the table, and are checked here. */
+static sp_status write_foreign(const cli_common *common, const sp_table *t, sp_error *err) {
+    char name[SP_EXPORT_PATH_MAX];
+    int files = 0;
+    sp_status status = cli_foreign_files(t, common->output, &files, err);
+    for (int k = 0; k < files && files > 1 && status == SP_OK; k++) {
+        status = cli_foreign_name(t, common->output, k, name, err);
+        if (status == SP_OK)
+            status = cli_may_write(common, name, err);
+    }
+    return status == SP_OK ? cli_foreign_write(t, common->output, err) : status;
+}
+
 sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) {
     sp_table_format format;
     sp_status status = table_format(common, &format, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "sonopack %s", SONOPACK_VERSION);
+    if (status == SP_OK && common->output && cli_is_foreign_table(common->output))
+        return write_foreign(common, t, err);
     if (status != SP_OK)
         return status;
     char *text = sp_table_text(t, format);
