@@ -17,6 +17,7 @@ def vtk_array(element):
     assert size == len(data) - 8, (element.get("Name"), size, len(data))
     array = np.frombuffer(data[8:], TYPES[element.get("type")])
     components = int(element.get("NumberOfComponents"))
+    assert len(array) == components * int(element.get("NumberOfTuples")), element.attrib  # VTK needs it in FieldData
     return array.reshape(-1, components) if components > 1 else array
 
 

@@ -6,6 +6,7 @@
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -81,7 +82,7 @@ static void copy_word(char *to, size_t size, const char *from, const char *stop)
     to[n] = '\0';
 }
 
-/* "F1 = from bottom:normal to plane:25:normal, error ..." gives the station plane25. */
+/* "F1 = from bottom:normal to plane:25:normal, error ..." gives the station h25. */
 static void name_trace(const sp_table *t, int column, signal_text *s) {
     const char *name = t->column[column].name, *how = sp_table_get_text(t, name);
     const char *to = how ? strstr(how, " to ") : NULL, *source = sp_table_get_text(t, "source");
@@ -92,6 +93,10 @@ static void name_trace(const sp_table *t, int column, signal_text *s) {
         char *last = strrchr(place, ':'); /* the component */
         if (last)
             *last = '\0';
+    }
+    if (strncmp(place, "plane:", 6) == 0) { /* a height in few digits: a name has 8 letters */
+        const double height = strtod(place + 6, NULL);
+        snprintf(place, sizeof place, "h%.5g", height);
     }
     copy_word(s->station, sizeof s->station, place, "");
     copy_word(s->component, sizeof s->component, name, "");

@@ -82,8 +82,9 @@ void sp_vtk_piece(sp_text *t, sp_vtk_cells cells, int64_t count) {
 void sp_vtk_array(sp_text *t, const char *name, sp_vtk_type type, int components, int64_t count, const void *data) {
     static const char *const names[] = {"Float64", "Int64", "Int32"};
     static const size_t sizes[] = {8, 8, 4};
-    sp_text_add(t, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"binary\">", names[type], name,
-                components);
+    sp_text_add(
+        t, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" NumberOfTuples=\"%lld\" format=\"binary\">",
+        names[type], name, components, (long long)count);
     add_base64(t, data, (size_t)count * (size_t)components * sizes[type]);
     sp_text_add(t, "</DataArray>\n");
 }

@@ -21,7 +21,8 @@ static const sp_h5_name name_inertia = {"/particles/grains/inertia", "rho d^5",
                                         "moments of inertia; absent for spheres of unit density"};
 static const sp_h5_name name_edges = {"/particles/grains/box/edges", "d",
                                       "lengths of the box; the last is the height between the walls"};
-static const sp_h5_name name_pairs = {"/connectivity/contacts", "1", "grains i < j of each contact of two, from 0"};
+static const sp_h5_name name_pairs = {"/connectivity/contacts", "1",
+                                      "grains i < j of each contact between grains, from 0"};
 static const sp_h5_name name_walls = {"/sonopack/walls/contacts", "1",
                                       "grain and wall of each contact with a wall, -1: bottom, -2: top"};
 static const sp_h5_name name_normal = {"/sonopack/contacts/normal", "1", "unit normals, from i to j"};
@@ -323,7 +324,8 @@ static sp_status get_grains(sp_h5 *h, sp_packing *p, sp_error *err) {
     return status;
 }
 
-/* Finds how many contacts there are between grains and with walls. Version 0.3.0 and earlier ones wrote all of them as pairs. */
+/* Finds how many contacts there are between grains and with walls. Version 0.3.0 and earlier ones wrote all of them as
+ * pairs. */
 static sp_status count_contacts(sp_h5 *h, int64_t *pairs, int64_t *walls, sp_error *err) {
     sp_h5_shape shape = {0};
     *walls = 0;
