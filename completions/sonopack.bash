@@ -27,6 +27,10 @@ _sonopack() {
         mapfile -t COMPREPLY < <(compgen -W 'tsv csv json' -- "$current")
         return
         ;;
+    --to)
+        mapfile -t COMPREPLY < <(compgen -W 'h5 txt vtp pvd lammps-data lammps-dump xyz csv mat' -- "$current")
+        return
+        ;;
     --source)
         mapfile -t COMPREPLY < <(compgen -W 'impulse velocity displacement' -- "$current")
         return
