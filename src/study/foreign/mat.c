@@ -19,7 +19,8 @@ static void add_element(sp_text *t, uint32_t type, const void *data, size_t size
     static const char zeros[8];
     const uint32_t tag[2] = {type, (uint32_t)size};
     sp_text_bytes(t, (const char *)tag, sizeof tag);
-    sp_text_bytes(t, data, size);
+    if (size > 0) /* without memory there are no data */
+        sp_text_bytes(t, data, size);
     sp_text_bytes(t, zeros, (8 - size % 8) % 8);
 }
 
