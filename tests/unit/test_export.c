@@ -56,7 +56,8 @@ static void what_is_not_finite_is_refused(void **state) {
     (void)state;
     sp_packing p = fixture_packing(3, 3, 12);
     double u[36] = {0}, w[36] = {0};
-    const sp_grain_vectors v = {u, w};
+    const sp_grain_vectors moved = {u, w};
+    const sp_export_options v = {.vectors = &moved};
     for (int k = 0; k < 4; k++) {
         sp_error err = {0};
         *(k & 1 ? &u[17] : &w[17]) = k & 2 ? NAN : INFINITY;
@@ -177,8 +178,11 @@ static void lack_of_memory_is_an_error(void **state) {
     sp_table t = some_table();
     double u[60] = {0}, value[4] = {0, 1, 2, 3};
     const double time[3] = {0, 1, 2};
-    const sp_grain_vectors v = {u, u};
-    const sp_export_series s = {.frames = 3, .time = time, .scale = 1, .frame = frame, .rotations = true, .user = &p.n};
+    const sp_grain_vectors moved = {u, u};
+    const sp_material glass = {.young = 7e10, .poisson = 0.2, .density = 2500, .diameter = 1e-3};
+    const sp_export_options v = {.vectors = &moved, .si = &glass}, plain = {.si = &glass};
+    const sp_export_series s = {
+        .frames = 3, .time = time, .scale = 1, .si = &glass, .frame = frame, .rotations = true, .user = &p.n};
     const sp_trace trace = trace_of(4, value);
     for (int action = 0; action < ACTIONS; action++) {
         sp_status status = SP_ENOMEM;
@@ -186,7 +190,7 @@ static void lack_of_memory_is_an_error(void **state) {
             sp_error err = {0};
             sp_alloc_fail_after(k);
             if (action < SERIES)
-                status = sp_export(&p, (sp_export_form)action, action == SP_EXPORT_LAMMPS_DATA ? NULL : &v,
+                status = sp_export(&p, (sp_export_form)action, action == SP_EXPORT_LAMMPS_DATA ? &plain : &v,
                                    fixture_path(folder, files[action]), &err);
             else if (action == SERIES)
                 status = sp_export_pvd(&p, &s, fixture_path(folder, "o.pvd"), &err);

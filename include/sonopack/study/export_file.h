@@ -39,9 +39,14 @@ typedef struct sp_grain_vectors {
 enum { SP_EXPORT_FILES_MAX = 4, SP_EXPORT_PATH_MAX = 4096 };
 /* How many files sp_export writes, and their names, the first of which is `path`. 0 if a name is too long. */
 SP_API int sp_export_files(sp_export_form form, const char *path, char name[SP_EXPORT_FILES_MAX][SP_EXPORT_PATH_MAX]);
-/* Writes a packing. vectors: NULL, or what CSV, MAT, dump, XYZ and VTP list beside the grains. SP_EINVAL for vectors
- * that are not finite and for a form that has no place for them, SP_EIO. After a failure no new file is left. */
-SP_API sp_status sp_export(const sp_packing *p, sp_export_form form, const sp_grain_vectors *vectors, const char *path,
+typedef struct sp_export_options {
+    const sp_grain_vectors *vectors; /* what CSV, MAT, dump, XYZ and VTP list beside the grains; NULL: none */
+    const sp_material *si; /* write SI units: m, kg, N, Pa of grains of this material; NULL: d, rho, E* as in the
+                              packing. The vectors are written as they are */
+} sp_export_options;
+/* Writes a packing. options: NULL for none. SP_EINVAL for vectors that are not finite, for a form that has no place for
+ * them and for a material that sp_material_check refuses, SP_EIO. After a failure no new file is left. */
+SP_API sp_status sp_export(const sp_packing *p, sp_export_form form, const sp_export_options *options, const char *path,
                            sp_error *err);
 
 /* ---- moving pictures -------------------------------------------------------------------------------------------- */
@@ -52,6 +57,7 @@ typedef struct sp_export_series {
     int frames;         /* 1 .. SP_EXPORT_FRAMES_MAX */
     const double *time; /* [frames] ascending */
     double scale;
+    const sp_material *si; /* centres and radii in m; NULL: in d. Times and displacements are written as they are */
     /* Writes the displacements of frame k to displacement[n][3] and, unless it is NULL, rotation[n][3]. */
     void (*frame)(void *user, int k, double *displacement, double *rotation);
     bool rotations;

@@ -213,7 +213,8 @@ static sp_status write_packing(const convert_out *o, const char *ending, const s
         return sp_fail_memory(err, 2 * size * sizeof *u);
     const sp_grain_vectors v = {.displacement = u, .rotation = turns ? u + size : NULL};
     spread(&m->net, m->u, 1, u, turns ? u + size : NULL);
-    const sp_status status = sp_export(p, form, &v, path, err);
+    const sp_export_options options = {.vectors = &v};
+    const sp_status status = sp_export(p, form, &options, path, err);
     sp_free(u);
     return status;
 }

@@ -98,23 +98,32 @@ static sp_status make_texts(const sp_export_data *e, sp_export_form form, sp_tex
     return status == SP_OK && failed ? sp_fail_memory(err, 2 * size) : status;
 }
 
-sp_status sp_export(const sp_packing *p, sp_export_form form, const sp_grain_vectors *vectors, const char *path,
-                    sp_error *err) {
+/* Derived numbers in the units of the file. The threshold of forces needs the packing's own units. */
+static sp_status derive(const sp_packing *p, const sp_export_units *u, sp_derived *d, sp_error *err) {
+    const sp_status status = sp_derive(p, d, err);
+    for (size_t i = 0; i < (size_t)p->n && status == SP_OK; i++) {
+        d->mass[i] *= u->mass;
+        d->pressure[i] *= u->stress;
+        for (int a = 0; a < 3; a++)
+            d->net[3 * i + (size_t)a] *= u->force;
+        for (int a = 0; a < 9; a++)
+            d->stress[9 * i + (size_t)a] *= u->stress;
+    }
+    return status;
+}
+
+/* Writes a packing that has been checked. */
+static sp_status write_packing(const sp_packing *p, sp_export_form form, const sp_export_options *o, const char *path,
+                               int files, char name[][SP_EXPORT_PATH_MAX], sp_error *err) {
+    const sp_export_units units = sp_export_units_of(o->si);
     sp_text text[SP_EXPORT_FILES_MAX] = {{0}};
+    sp_packing other = sp_packing_none();
     sp_derived derived = {0};
-    const sp_export_data e = {.packing = p, .derived = &derived, .vectors = vectors, .path = path};
-    char(*name)[SP_EXPORT_PATH_MAX] = sp_alloc(SP_EXPORT_FILES_MAX, sizeof *name);
-    const int files = name ? sp_export_files(form, path, name) : 0;
-    sp_status status = !name ? sp_fail_memory(err, SP_EXPORT_FILES_MAX * sizeof *name)
-                       : files == 0
-                           ? sp_fail(err, SP_EINVAL, "%.100s: not a form of export, or the name is too long", path)
-                           : sp_packing_check(p, err);
-    if (status == SP_OK && vectors && !forms[form].vectors)
-        status = sp_fail(err, SP_EINVAL, "%s: this form has no place for displacements", path);
-    if (status == SP_OK && vectors)
-        status = check_vectors(p, vectors, err);
-    if (status == SP_OK)
-        status = sp_derive(p, &derived, err);
+    const sp_export_data e = {
+        .packing = o->si ? &other : p, .derived = &derived, .units = &units, .vectors = o->vectors, .path = path};
+    sp_status status = derive(p, &units, &derived, err);
+    if (status == SP_OK && o->si)
+        status = sp_export_convert(p, &units, &other, err);
     if (status == SP_OK)
         status = make_texts(&e, form, text, err);
     if (status == SP_OK)
@@ -122,6 +131,32 @@ sp_status sp_export(const sp_packing *p, sp_export_form form, const sp_grain_vec
     for (int k = 0; k < SP_EXPORT_FILES_MAX; k++)
         sp_text_free(&text[k]);
     sp_derived_free(&derived);
+    sp_packing_free(&other);
+    return status;
+}
+
+static sp_status check_input(const sp_packing *p, sp_export_form form, const sp_export_options *o, const char *path,
+                             sp_error *err) {
+    sp_status status = sp_packing_check(p, err);
+    if (status == SP_OK && o->vectors && !forms[form].vectors)
+        status = sp_fail(err, SP_EINVAL, "%s: this form has no place for displacements", path);
+    if (status == SP_OK && o->vectors)
+        status = check_vectors(p, o->vectors, err);
+    return status == SP_OK && o->si ? sp_material_check(o->si, err) : status;
+}
+
+sp_status sp_export(const sp_packing *p, sp_export_form form, const sp_export_options *options, const char *path,
+                    sp_error *err) {
+    const sp_export_options none = {0}, *o = options ? options : &none;
+    char(*name)[SP_EXPORT_PATH_MAX] = sp_alloc(SP_EXPORT_FILES_MAX, sizeof *name);
+    if (!name)
+        return sp_fail_memory(err, SP_EXPORT_FILES_MAX * sizeof *name);
+    const int files = sp_export_files(form, path, name);
+    sp_status status = files > 0
+                           ? check_input(p, form, o, path, err)
+                           : sp_fail(err, SP_EINVAL, "%.100s: not a form of export, or the name is too long", path);
+    if (status == SP_OK)
+        status = write_packing(p, form, o, path, files, name, err);
     sp_free(name);
     return status;
 }

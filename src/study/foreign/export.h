@@ -4,13 +4,15 @@
 
 #include "base/text.h"
 #include "foreign/derived.h"
+#include "foreign/units.h"
 
 #include <sonopack/study/export_file.h>
 
 /* What a form writes. */
 typedef struct sp_export_data {
-    const sp_packing *packing;
+    const sp_packing *packing; /* in the units to be written */
     const sp_derived *derived;
+    const sp_export_units *units;
     const sp_grain_vectors *vectors; /* NULL: none */
     const char *path;                /* of the first file */
 } sp_export_data;

@@ -16,8 +16,9 @@ typedef struct bounds {
 
 /* LAMMPS knows two or three dimensions. Axes that the packing has not are periodic, and wide enough that no grain
  * touches its own image. */
-static void find_bounds(const sp_packing *p, bounds b[3]) {
-    double largest = 0.25; /* in 2D the layer is one diameter thick, as always */
+static void find_bounds(const sp_export_data *e, bounds b[3]) {
+    const sp_packing *p = e->packing;
+    double largest = 0.25 * e->units->length; /* in 2D the layer is one diameter thick, as always */
     for (int32_t i = 0; i < p->n && p->dim == 1; i++)
         largest = fmax(largest, p->r[i]);
     for (int a = 0; a < 3; a++)
@@ -25,8 +26,8 @@ static void find_bounds(const sp_packing *p, bounds b[3]) {
 }
 
 /* What the file cannot say otherwise, in its first line, which LAMMPS skips. */
-static void add_title(sp_text *t, const sp_packing *p) {
-    sp_text_add(t, "sonopack packing in d, E*, rho: dimension=%d pressure=", p->dim);
+static void add_title(sp_text *t, const sp_packing *p, const sp_export_units *u) {
+    sp_text_add(t, "sonopack packing in %s: dimension=%d pressure=", u->all, p->dim);
     sp_text_number(t, p->pressure);
     sp_text_add(t, " friction=");
     sp_text_number(t, p->friction);
@@ -37,7 +38,7 @@ static void add_title(sp_text *t, const sp_packing *p) {
 
 static void add_atom(sp_text *t, const sp_export_data *e, int32_t i) {
     const sp_packing *p = e->packing;
-    const double density = p->mass ? p->mass[i] / grain_mass(p->r[i]) : 1;
+    const double density = p->mass ? p->mass[i] / grain_mass(p->r[i]) : e->units->density;
     sp_text_add(t, "%d 1 ", i + 1);
     sp_text_number(t, 2 * p->r[i]);
     sp_text_add(t, " ");
@@ -54,8 +55,8 @@ sp_status sp_export_lammps_data(const sp_export_data *e, sp_text text[SP_EXPORT_
     sp_text *t = &text[0];
     bounds b[3];
     (void)err;
-    find_bounds(p, b);
-    add_title(t, p);
+    find_bounds(e, b);
+    add_title(t, p, e->units);
     sp_text_add(t, "\n%d atoms\n1 atom types\n\n", p->n);
     for (int a = 0; a < 3; a++) {
         sp_text_number(t, b[a].low);
@@ -99,7 +100,7 @@ sp_status sp_export_lammps_dump(const sp_export_data *e, sp_text text[SP_EXPORT_
     sp_text *t = &text[0];
     bounds b[3];
     (void)err;
-    find_bounds(e->packing, b);
+    find_bounds(e, b);
     sp_text_add(t, "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n%d\nITEM: BOX BOUNDS", e->packing->n);
     for (int a = 0; a < 3; a++)
         sp_text_add(t, " %s", b[a].periodic ? "pp" : "ff");

@@ -25,6 +25,7 @@ sp_status sp_export_mat(const sp_export_data *e, sp_text text[SP_EXPORT_FILES_MA
         sp_mat_number(&m, "friction", p->friction);
         sp_mat_number(&m, "poisson", p->poisson);
         sp_mat_text(&m, "wall", sp_wall_names[p->wall]);
+        sp_mat_text(&m, "units", e->units->all);
         if (p->scene)
             sp_mat_text(&m, "scene", p->scene);
         sp_mat_struct(&m, "grains", &grains);

@@ -8,7 +8,8 @@
 #include <stdio.h>
 #include <unistd.h>
 
-static const char note[] = "sonopack: lengths in d; the points are displaced by scale times displacement";
+static const char note_own[] = "sonopack: lengths in d; the points are displaced by scale times displacement",
+                  note_si[] = "sonopack: lengths in m; the points are displaced by scale times displacement";
 
 void sp_export_frame_name(const char *path, int k, char name[SP_EXPORT_PATH_MAX]) {
     char suffix[24];
@@ -21,7 +22,8 @@ void sp_export_frame_name(const char *path, int k, char name[SP_EXPORT_PATH_MAX]
 typedef struct frame {
     const sp_packing *packing;
     const sp_export_series *series;
-    double *displacement, *rotation, *points;
+    double length; /* unit of centres and radii */
+    double *displacement, *rotation, *points, *radius;
     int64_t *id;
 } frame;
 
@@ -35,8 +37,8 @@ static sp_status check_frame(const frame *f, int k, sp_error *err) {
 static void add_frame(const frame *f, int k, sp_text *t) {
     const sp_packing *p = f->packing;
     for (size_t i = 0; i < 3 * (size_t)p->n; i++)
-        f->points[i] = p->x[i] + f->series->scale * f->displacement[i];
-    sp_vtk_begin(t, note);
+        f->points[i] = f->length * p->x[i] + f->series->scale * f->displacement[i];
+    sp_vtk_begin(t, f->series->si ? note_si : note_own);
     sp_text_add(t, "<FieldData>\n");
     sp_vtk_array(t, "TimeValue", SP_VTK_F64, 1, 1, &f->series->time[k]);
     sp_vtk_array(t, "scale", SP_VTK_F64, 1, 1, &f->series->scale);
@@ -44,7 +46,7 @@ static void add_frame(const frame *f, int k, sp_text *t) {
     sp_vtk_piece(t, SP_VTK_VERTICES, p->n);
     sp_text_add(t, "<PointData Scalars=\"radius\" Vectors=\"displacement\">\n");
     sp_vtk_array(t, "id", SP_VTK_I64, 1, p->n, f->id);
-    sp_vtk_array(t, "radius", SP_VTK_F64, 1, p->n, p->r);
+    sp_vtk_array(t, "radius", SP_VTK_F64, 1, p->n, f->radius);
     sp_vtk_array(t, "displacement", SP_VTK_F64, 3, p->n, f->displacement);
     if (f->rotation)
         sp_vtk_array(t, "rotation", SP_VTK_F64, 3, p->n, f->rotation);
@@ -93,7 +95,8 @@ static sp_status check_series(const sp_packing *p, const sp_export_series *s, co
         return sp_fail(err, SP_EINVAL, "%d frames; must be 1 .. %d", s->frames, SP_EXPORT_FRAMES_MAX);
     if (!isfinite(s->scale) || !name[0])
         return sp_fail(err, SP_EINVAL, "%.100s: the scale is not finite, or the name is too long", path);
-    return sp_packing_check(p, err);
+    const sp_status status = s->si ? sp_material_check(s->si, err) : SP_OK;
+    return status == SP_OK ? sp_packing_check(p, err) : status;
 }
 
 /* Removes the frames 0 .. count - 1 that were not there before. */
@@ -127,21 +130,23 @@ sp_status sp_export_pvd(const sp_packing *p, const sp_export_series *series, con
     if (status != SP_OK)
         return status;
     const size_t n = (size_t)p->n;
-    frame f = {.packing = p, .series = series};
+    frame f = {.packing = p, .series = series, .length = sp_export_units_of(series->si).length};
     f.displacement = sp_alloc(3 * n, sizeof *f.displacement);
     f.rotation = series->rotations ? sp_alloc(3 * n, sizeof *f.rotation) : NULL;
     f.points = sp_alloc(3 * n, sizeof *f.points);
+    f.radius = sp_alloc(n, sizeof *f.radius);
     f.id = sp_alloc(n, sizeof *f.id);
     uint8_t *new = sp_alloc((size_t)series->frames, 1);
-    if (!f.displacement || (series->rotations && !f.rotation) || !f.points || !f.id || !new)
+    if (!f.displacement || (series->rotations && !f.rotation) || !f.points || !f.radius || !f.id || !new)
         status = sp_fail_memory(err, 10 * n * sizeof *f.points);
     for (size_t i = 0; i < n && status == SP_OK; i++)
-        f.id[i] = (int64_t)i;
+        f.id[i] = (int64_t)i, f.radius[i] = f.length * p->r[i];
     if (status == SP_OK)
         status = write_series(&f, path, new, err);
     sp_free(f.displacement);
     sp_free(f.rotation);
     sp_free(f.points);
+    sp_free(f.radius);
     sp_free(f.id);
     sp_free(new);
     return status;

@@ -42,16 +42,17 @@ static void add_row(adder *a, const double *row) {
 
 sp_status sp_export_grains_table(const sp_export_data *e, sp_table *t, sp_error *err) {
     const sp_packing *p = e->packing;
+    const sp_export_units *u = e->units;
     const sp_derived *d = e->derived;
     const sp_grain_vectors *v = e->vectors;
     adder a = {.table = t, .err = err};
     add_column(&a, "id", "", SP_CELL_INTEGER);
-    add_axes(&a, "", p->dim, "d");
-    add_column(&a, "radius", "d", SP_CELL_NUMBER);
-    add_column(&a, "mass", "rho d^3", SP_CELL_NUMBER);
+    add_axes(&a, "", p->dim, u->length_name);
+    add_column(&a, "radius", u->length_name, SP_CELL_NUMBER);
+    add_column(&a, "mass", u->mass_name, SP_CELL_NUMBER);
     add_column(&a, "contacts", "", SP_CELL_INTEGER);
     add_column(&a, "rattler", "", SP_CELL_INTEGER);
-    add_column(&a, "pressure", "E*", SP_CELL_NUMBER);
+    add_column(&a, "pressure", u->stress_name, SP_CELL_NUMBER);
     add_axes(&a, "u", v ? p->dim : 0, "");
     add_axes(&a, "r", v && v->rotation ? 3 : 0, "");
     for (size_t i = 0; i < (size_t)p->n && a.status == SP_OK; i++) {
@@ -74,15 +75,16 @@ sp_status sp_export_grains_table(const sp_export_data *e, sp_table *t, sp_error 
 
 sp_status sp_export_contacts_table(const sp_export_data *e, sp_table *t, sp_error *err) {
     const sp_packing *p = e->packing;
+    const sp_export_units *u = e->units;
     adder a = {.table = t, .err = err};
     add_column(&a, "i", "", SP_CELL_INTEGER);
     add_column(&a, "j", "", SP_CELL_INTEGER);
     add_axes(&a, "n", p->dim, "");
-    add_column(&a, "overlap", "d", SP_CELL_NUMBER);
-    add_column(&a, "Fn", "E* d^2", SP_CELL_NUMBER);
-    add_axes(&a, "Ft", p->dim, "E* d^2");
-    add_column(&a, "kn", "E* d", SP_CELL_NUMBER);
-    add_column(&a, "kt", "E* d", SP_CELL_NUMBER);
+    add_column(&a, "overlap", u->length_name, SP_CELL_NUMBER);
+    add_column(&a, "Fn", u->force_name, SP_CELL_NUMBER);
+    add_axes(&a, "Ft", p->dim, u->force_name);
+    add_column(&a, "kn", u->stiffness_name, SP_CELL_NUMBER);
+    add_column(&a, "kt", u->stiffness_name, SP_CELL_NUMBER);
     add_column(&a, "carrying", "", SP_CELL_INTEGER);
     for (int32_t c = 0; c < p->n_contacts && a.status == SP_OK; c++) {
         const sp_contact *k = &p->contacts[c];

@@ -4,11 +4,18 @@
 #include "foreign/vtk.h"
 #include "packing/contact.h"
 
+#include <stdio.h>
 #include <string.h>
 
-static const char note[] =
-    "sonopack: lengths in d, forces in E* d^2, stiffnesses in E* d, stresses in E*, masses in rho "
-    "d^3; n and force of a contact: from and on its grain id1";
+/* What units the numbers have, for who reads the file. */
+static void begin(sp_text *t, const sp_export_units *u) {
+    char note[300];
+    snprintf(note, sizeof note,
+             "sonopack: lengths in %s, forces in %s, stiffnesses in %s, stresses in %s, masses in %s; the normal of a "
+             "contact points from its grain id1, on which the force acts",
+             u->length_name, u->force_name, u->stiffness_name, u->stress_name, u->mass_name);
+    sp_vtk_begin(t, note);
+}
 
 static void add_number(sp_text *t, const char *name, int count, const double *value) {
     sp_vtk_array(t, name, SP_VTK_F64, count, 1, value);
@@ -41,7 +48,7 @@ static void add_ids(sp_text *t, int64_t n) {
 static void add_grains(const sp_export_data *e, sp_text *t) {
     const sp_packing *p = e->packing;
     const sp_derived *d = e->derived;
-    sp_vtk_begin(t, note);
+    begin(t, e->units);
     add_field(t, p);
     sp_vtk_piece(t, SP_VTK_VERTICES, p->n);
     sp_text_add(t, "<PointData Scalars=\"radius\">\n");
@@ -126,7 +133,7 @@ static void add_ends(const lines *l) {
  * another name. */
 static void add_contacts(const lines *l, bool walls) {
     sp_text *t = l->text;
-    sp_vtk_begin(t, note);
+    begin(t, l->e->units);
     add_field(t, l->e->packing);
     sp_vtk_piece(t, SP_VTK_LINES, l->count);
     sp_text_add(t, "<CellData Scalars=\"normal_force\">\n");

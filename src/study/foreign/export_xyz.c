@@ -28,7 +28,7 @@ static void add_head(sp_text *t, const sp_export_data *e) {
     add_key(t, "pressure", p->pressure);
     add_key(t, "friction", p->friction);
     add_key(t, "poisson", p->poisson);
-    sp_text_add(t, " wall=%s units=\"d, E*, rho\"\n", sp_wall_names[p->wall]);
+    sp_text_add(t, " wall=%s units=\"%s\"\n", sp_wall_names[p->wall], e->units->all);
 }
 
 static void add_numbers(sp_text *t, int count, const double *value) {
