@@ -31,6 +31,8 @@ class Vtp:
         data = root.find("PolyData")
         self.field = self.arrays(data.find("FieldData"))
         piece, = data.findall("Piece")
+        # OVITO tells grains, contacts and meshes apart by the first element alone, and contacts by the first of that
+        assert data[0] is piece and (piece[0].tag == "CellData" or piece.find("CellData") is None)
         count = {key: int(piece.get("NumberOf" + key)) for key in ("Points", "Verts", "Lines", "Strips", "Polys")}
         assert count["Strips"] == count["Polys"] == 0 and not (count["Verts"] and count["Lines"])
         self.points = self.arrays(piece.find("Points"))["Points"].reshape(-1, 3)

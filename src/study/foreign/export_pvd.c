@@ -39,10 +39,6 @@ static void add_frame(const frame *f, int k, sp_text *t) {
     for (size_t i = 0; i < 3 * (size_t)p->n; i++)
         f->points[i] = f->length * p->x[i] + f->series->scale * f->displacement[i];
     sp_vtk_begin(t, f->series->si ? note_si : note_own);
-    sp_text_add(t, "<FieldData>\n");
-    sp_vtk_array(t, "TimeValue", SP_VTK_F64, 1, 1, &f->series->time[k]);
-    sp_vtk_array(t, "scale", SP_VTK_F64, 1, 1, &f->series->scale);
-    sp_text_add(t, "</FieldData>\n");
     sp_vtk_piece(t, SP_VTK_VERTICES, p->n);
     sp_text_add(t, "<PointData Scalars=\"radius\" Vectors=\"displacement\">\n");
     sp_vtk_array(t, "id", SP_VTK_I64, 1, p->n, f->id);
@@ -51,7 +47,11 @@ static void add_frame(const frame *f, int k, sp_text *t) {
     if (f->rotation)
         sp_vtk_array(t, "rotation", SP_VTK_F64, 3, p->n, f->rotation);
     sp_text_add(t, "</PointData>\n");
-    sp_vtk_end(t, SP_VTK_VERTICES, p->n, f->points);
+    sp_vtk_points(t, SP_VTK_VERTICES, p->n, f->points);
+    sp_vtk_field(t);
+    sp_vtk_array(t, "TimeValue", SP_VTK_F64, 1, 1, &f->series->time[k]);
+    sp_vtk_array(t, "scale", SP_VTK_F64, 1, 1, &f->series->scale);
+    sp_vtk_end(t);
 }
 
 static sp_status write_frame(const frame *f, int k, const char *path, sp_error *err) {

@@ -24,13 +24,13 @@ static void add_number(sp_text *t, const char *name, int count, const double *va
 /* The numbers of the whole packing, which ParaView shows as field data. */
 static void add_field(sp_text *t, const sp_packing *p) {
     const int32_t dim = p->dim;
-    sp_text_add(t, "<FieldData>\n");
+    sp_vtk_field(t);
     sp_vtk_array(t, "dimension", SP_VTK_I32, 1, 1, &dim);
     add_number(t, "box", 3, p->box);
     add_number(t, "pressure", 1, &p->pressure);
     add_number(t, "friction", 1, &p->friction);
     add_number(t, "poisson", 1, &p->poisson);
-    sp_text_add(t, "</FieldData>\n");
+    sp_vtk_end(t);
 }
 
 /* ---- grains ----------------------------------------------------------------------------------------------------- */
@@ -49,7 +49,6 @@ static void add_grains(const sp_export_data *e, sp_text *t) {
     const sp_packing *p = e->packing;
     const sp_derived *d = e->derived;
     begin(t, e->units);
-    add_field(t, p);
     sp_vtk_piece(t, SP_VTK_VERTICES, p->n);
     sp_text_add(t, "<PointData Scalars=\"radius\">\n");
     add_ids(t, p->n);
@@ -65,7 +64,8 @@ static void add_grains(const sp_export_data *e, sp_text *t) {
     if (e->vectors && e->vectors->rotation)
         sp_vtk_array(t, "rotation", SP_VTK_F64, 3, p->n, e->vectors->rotation);
     sp_text_add(t, "</PointData>\n");
-    sp_vtk_end(t, SP_VTK_VERTICES, p->n, p->x);
+    sp_vtk_points(t, SP_VTK_VERTICES, p->n, p->x);
+    add_field(t, p);
 }
 
 /* ---- contacts --------------------------------------------------------------------------------------------------- */
@@ -126,7 +126,8 @@ static void add_ends(const lines *l) {
         memcpy(l->numbers + 6 * (size_t)k, p->x + 3 * (size_t)contact(l, k)->i, 3 * sizeof(double));
         sp_contact_end(p, contact(l, k), l->numbers + 6 * (size_t)k + 3);
     }
-    sp_vtk_end(l->text, SP_VTK_LINES, l->count, l->numbers);
+    sp_vtk_points(l->text, SP_VTK_LINES, l->count, l->numbers);
+    add_field(l->text, p);
 }
 
 /* OVITO takes a file of lines with id1 and id2 for the bonds of its particles. Walls are no particles: theirs is
@@ -134,7 +135,6 @@ static void add_ends(const lines *l) {
 static void add_contacts(const lines *l, bool walls) {
     sp_text *t = l->text;
     begin(t, l->e->units);
-    add_field(t, l->e->packing);
     sp_vtk_piece(t, SP_VTK_LINES, l->count);
     sp_text_add(t, "<CellData Scalars=\"normal_force\">\n");
     add_partner(l, "id1", false);

@@ -108,14 +108,18 @@ static void add_cells(sp_text *t, const char *element, int each, int64_t count) 
     sp_free(index);
 }
 
-void sp_vtk_end(sp_text *t, sp_vtk_cells cells, int64_t count, const double *points) {
+void sp_vtk_points(sp_text *t, sp_vtk_cells cells, int64_t count, const double *points) {
     const int each = cells == SP_VTK_LINES ? 2 : 1;
     sp_text_add(t, "<Points>\n");
     sp_vtk_array(t, "Points", SP_VTK_F64, 3, count * each, points);
     sp_text_add(t, "</Points>\n");
     add_cells(t, each == 2 ? "Lines" : "Verts", each, count);
-    sp_text_add(t, "</Piece>\n</PolyData>\n</VTKFile>\n");
+    sp_text_add(t, "</Piece>\n");
 }
+
+void sp_vtk_field(sp_text *t) { sp_text_add(t, "<FieldData>\n"); }
+
+void sp_vtk_end(sp_text *t) { sp_text_add(t, "</FieldData>\n</PolyData>\n</VTKFile>\n"); }
 
 void sp_vtk_escaped(sp_text *t, const char *name) {
     for (; *name; name++)

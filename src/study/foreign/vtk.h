@@ -13,8 +13,11 @@ void sp_vtk_begin(sp_text *t, const char *note);
 void sp_vtk_piece(sp_text *t, sp_vtk_cells cells, int64_t count);
 /* A named array of `count` tuples. */
 void sp_vtk_array(sp_text *t, const char *name, sp_vtk_type type, int components, int64_t count, const void *data);
-/* Points, after the data of points and cells: [count][3] vertices, or [count][2][3] ends of lines; then the end. */
-void sp_vtk_end(sp_text *t, sp_vtk_cells cells, int64_t count, const double *points);
+/* Points, after the data of points and cells: [count][3] vertices, or [count][2][3] ends of lines. */
+void sp_vtk_points(sp_text *t, sp_vtk_cells cells, int64_t count, const double *points);
+/* Arrays about the whole: between begin and end, after the piece, for OVITO looks for the piece first. */
+void sp_vtk_field(sp_text *t);
+void sp_vtk_end(sp_text *t);
 /* A file name within XML. */
 void sp_vtk_escaped(sp_text *t, const char *name);
 
