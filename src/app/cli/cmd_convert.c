@@ -159,6 +159,8 @@ static sp_status work(arguments *a, sp_error *err) {
         status = check_output(a, err);
     if (status == SP_OK)
         status = read_input(a, &p, err);
+    if (status == SP_OK && a->common.material.young > 0)
+        p.material = a->common.material;
     if (status == SP_OK)
         status = write_output(a, &p, err);
     if (status == SP_OK)
