@@ -370,6 +370,58 @@ def test_signals():
     run("signal", "2.h5", "-o", "notes.sac", "--force", status=2, says="notes.sac")
 
 
+# ---- SI ------------------------------------------------------------------------------------------------------------
+def test_si():
+    """Every number in m, kg, N, Pa and s, of glass beads of 1 mm."""
+    e, nu, rho, d = 70e9, 0.22, 2500, 1e-3
+    modulus = e / (1 - nu**2)
+    si = ["--units", "si", "--material", f"E={e},nu={nu},rho={rho},d={d}"]
+    run("convert", "2.h5", "o.vtp", "--units", "si", status=2, says="--material")
+    run("convert", "2.h5", "o.h5", *si, status=2, says="--units")
+    number, omega = moving_mode("2.h5")
+    force, length = modulus * d**2, d
+    factors = {"radius": length, "mass": rho * d**3, "pressure": modulus, "stress": modulus, "net_force": force,
+               "normal_force": force, "force": force, "tangential_force": force, "overlap": length, "kn": modulus * d,
+               "kt": modulus * d, "displacement": (rho * d**3)**-0.5, "rotation": (rho * d**5)**-0.5}
+    run("convert", "2.h5", "a.vtp", "--mode", number)
+    run("convert", "2.h5", "b.vtp", "--mode", number, *si)
+    for part in ("", "-contacts", "-walls"):
+        a, b = Vtp(path(f"a{part}.vtp")), Vtp(path(f"b{part}.vtp"))
+        expect(near(b.points, d * a.points), "points in m")
+        for own, other in ((a.point, b.point), (a.cell, b.cell)):
+            for name in own:
+                expect(near(other[name], factors.get(name, 1) * own[name], 1e-14), f"{name}{part} in SI")
+        expect(near(b.field["box"], d * a.field["box"]) & near(b.field["pressure"], modulus * a.field["pressure"]), "field")
+    for ending in ("data", "dump", "xyz", "csv", "mat"):
+        run("convert", "2.h5", "b." + ending, *si)
+    p = Packing("2.h5")
+    title, box, atoms = lammps_data(path("b.data"))
+    expect("SI" in title and near(atoms[:, 2] / 2, d * p.r) & (atoms[:, 3] == rho), "diameters and density")
+    expect(near(atoms[:, 4:], d * p.x), "centres in m")
+    expect(near(box[1, 1], d * p.box[1]) & near(box[2], np.array([-d / 2, d / 2])), "box in m")
+    expect(near(lammps_dump(path("b.dump"))[2]["mass"], rho * d**3 * p.mass), "masses in kg")
+    expect(extended_xyz(path("b.xyz"))[0]["units"] == "SI", "units of xyz")
+    contacts = np.genfromtxt(path("b-contacts.csv"), delimiter=",", names=True)
+    expect(near(contacts["Fn"], force * p.fn) & (contacts["carrying"] == p.carrying), "forces in N")
+    mat = scipy.io.loadmat(path("b.mat"), squeeze_me=True)
+    expect(mat["contacts_units"]["Fn"][()] == "N" and mat["grains_units"]["x"][()] == "m", "units of MAT")
+    tau = d * (rho / modulus)**0.5
+    run("convert", "2.h5", "s.pvd", "--mode", number, "--frames", 4, *si)
+    times, frames = series("s.pvd")
+    expect(near(times, tau * 2 * np.pi / omega * np.arange(4) / 4), "times in s")
+    moved = frames[0].points - d * p.x
+    expect(near(np.linalg.norm(moved, axis=1).max(), 0.25 * d, 1e-12), "the largest displacement shown is 0.25 d")
+    run("convert", "2.h5", "a.pvd", "--times", "0:20:3")
+    run("convert", "2.h5", "b.pvd", "--times", "0:20:3", *si)
+    (t1, f1), (t2, f2) = series("a.pvd"), series("b.pvd")
+    expect(near(t2, tau * np.array(t1)) & near(f2[2].points, d * f1[2].points, 1e-12), "the wave in SI")
+    run("signal", "2.h5", "--points", 51, "-o", "a.sac")
+    run("signal", "2.h5", "--points", 51, "-o", "b.sac", *si)
+    (own, f), (head, g) = sac(path("a.sac")), sac(path("b.sac"))
+    expect((head["kuser0"], head["kuser1"]) == ("N", "s"), f"SAC: {head}")
+    expect(abs(head["delta"] / (own["delta"] * tau) - 1) < 1e-6 and np.abs(g - force * f).max() < 1e-6 * np.abs(g).max(), "SAC")
+
+
 # ---- refusals --------------------------------------------------------------------------------------------------------
 def test_refusals():
     before = set(os.listdir(FOLDER))

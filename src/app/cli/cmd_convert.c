@@ -53,6 +53,7 @@ static const cli_syntax syntax = {
         ".pvd (ParaView: a series of snapshots, NAME-0000.vtp and so on), .data and .dump (LAMMPS), .xyz (extended "
         "XYZ), "
         ".csv (spreadsheets: also NAME-contacts.csv), .mat (MATLAB, Octave).",
+    .finds_material = true,
     .options = options,
     .file_name = "packing",
     .files_max = 2};
@@ -123,6 +124,10 @@ static sp_status check_output(arguments *a, sp_error *err) {
                        a->out);
     if (status == SP_OK && a->out)
         status = convert_out_check(&a->common, &a->to, a->ending, a->out, err);
+    if (status == SP_OK && a->common.units == CLI_UNITS_SI && (!convert_out_is_foreign(a->ending) || writes_tables(a)))
+        return sp_fail(err, SP_EINVAL,
+                       "--units si: packings are stored in d, E* and rho, in .h5, .txt and tables; files for other "
+                       "programs may be in SI");
     if (status == SP_OK && writes_tables(a))
         status = cli_may_write(&a->common, a->grains, err);
     if (status == SP_OK && writes_tables(a))
@@ -159,6 +164,10 @@ static sp_status work(arguments *a, sp_error *err) {
         status = check_output(a, err);
     if (status == SP_OK)
         status = read_input(a, &p, err);
+    if (status == SP_OK)
+        status = cli_take_material(a, &p.material, a->in ? a->in : a->grains, err);
+    if (status == SP_OK && a->common.material.young > 0)
+        p.material = a->common.material;
     if (status == SP_OK)
         status = write_output(a, &p, err);
     if (status == SP_OK)

@@ -149,10 +149,33 @@ sp_status convert_out_check(const cli_common *common, const convert_out *o, cons
     return status;
 }
 
+/* ---- units ------------------------------------------------------------------------------------------------------ */
+
+/* What displacements, rotations and times are multiplied by. */
+typedef struct factors {
+    const sp_material *si; /* of --units si; NULL: own units */
+    double length, time, displacement, rotation;
+} factors;
+
+/* A mode has |M^(1/2) u| = 1, so that its u is in 1/sqrt(rho d^3) and its rotations in 1/sqrt(rho d^5). */
+static factors find_factors(const cli_common *common, const sp_packing *p, bool mode) {
+    const sp_material *m = &p->material;
+    factors f = {NULL, 1, 1, 1, 1};
+    if (common->units != CLI_UNITS_SI)
+        return f;
+    f.si = m;
+    f.length = m->diameter;
+    f.time = m->diameter * sqrt(m->density / sp_material_modulus(m));
+    f.displacement = mode ? 1 / sqrt(m->density * pow(m->diameter, 3)) : m->diameter;
+    f.rotation = f.displacement / m->diameter;
+    return f;
+}
+
 /* ---- displacements ---------------------------------------------------------------------------------------------- */
 
 /* Spreads a vector of the network over the grains of the packing; rattlers do not move. */
-static void spread(const sp_network *net, const double *u, double factor, double *displacement, double *rotation) {
+static void spread(const sp_network *net, const double *u, double factor, const factors *f, double *displacement,
+                   double *rotation) {
     memset(displacement, 0, 3 * (size_t)net->n_all * sizeof *displacement);
     if (rotation)
         memset(rotation, 0, 3 * (size_t)net->n_all * sizeof *rotation);
@@ -161,9 +184,9 @@ static void spread(const sp_network *net, const double *u, double factor, double
         for (int a = 0; a < net->dof; a++) {
             const double value = factor * u[k * (size_t)net->dof + (size_t)a];
             if (a < net->dim)
-                displacement[i + (size_t)a] = value;
+                displacement[i + (size_t)a] = f->displacement * value;
             else if (rotation)
-                rotation[i + (size_t)(net->dim == 2 ? 2 : a - net->dim)] = value;
+                rotation[i + (size_t)(net->dim == 2 ? 2 : a - net->dim)] = f->rotation * value;
         }
     }
 }
@@ -201,19 +224,21 @@ static sp_status find_motion(const cli_common *common, const convert_out *o, con
     return status;
 }
 
-static sp_status write_packing(const convert_out *o, const char *ending, const sp_packing *p,
+static sp_status write_packing(const cli_common *common, const convert_out *o, const char *ending, const sp_packing *p,
                                const plot_motion_found *m, const char *path, sp_error *err) {
     const sp_export_form form = form_of(ending);
+    const factors f = find_factors(common, p, m->motion.mode);
+    sp_export_options options = {.si = f.si};
     if (!has_motion(o))
-        return sp_export(p, form, NULL, path, err);
+        return sp_export(p, form, &options, path, err);
     const bool turns = m->net.dof > m->net.dim;
     const size_t size = 3 * (size_t)p->n;
     double *u = sp_alloc(2 * size, sizeof *u);
     if (!u)
         return sp_fail_memory(err, 2 * size * sizeof *u);
     const sp_grain_vectors v = {.displacement = u, .rotation = turns ? u + size : NULL};
-    spread(&m->net, m->u, 1, u, turns ? u + size : NULL);
-    const sp_export_options options = {.vectors = &v};
+    spread(&m->net, m->u, 1, &f, u, turns ? u + size : NULL);
+    options.vectors = &v;
     const sp_status status = sp_export(p, form, &options, path, err);
     sp_free(u);
     return status;
@@ -227,13 +252,14 @@ typedef struct movie {
     const double *u;
     bool mode;
     int frames;
+    factors units;
 } movie;
 
 static void make_frame(void *user, int k, double *displacement, double *rotation) {
     const movie *m = user;
     const double phase = 2 * M_PI * k / m->frames;
-    spread(m->net, m->mode ? m->u : m->u + (int64_t)k * sp_network_dofs(m->net), m->mode ? cos(phase) : 1, displacement,
-           rotation);
+    spread(m->net, m->mode ? m->u : m->u + (int64_t)k * sp_network_dofs(m->net), m->mode ? cos(phase) : 1, &m->units,
+           displacement, rotation);
 }
 
 /* The largest displacement of a grain in `count` vectors of the network. */
@@ -249,11 +275,15 @@ static double largest(const sp_network *net, const double *u, int count) {
 }
 
 static sp_status write_movie(const cli_common *common, const convert_out *o, const sp_packing *p, const movie *m,
-                             const double *time, const char *path, sp_error *err) {
-    const double most = largest(m->net, m->u, m->mode ? 1 : m->frames);
+                             double *time, const char *path, sp_error *err) {
+    const double most = m->units.displacement * largest(m->net, m->u, m->mode ? 1 : m->frames);
+    const double shown = m->units.length * (o->amplitude >= 0 ? o->amplitude : AMPLITUDE);
+    for (int k = 0; k < m->frames; k++)
+        time[k] *= m->units.time;
     const sp_export_series series = {.frames = m->frames,
                                      .time = time,
-                                     .scale = most > 0 ? (o->amplitude >= 0 ? o->amplitude : AMPLITUDE) / most : 0,
+                                     .scale = most > 0 ? shown / most : 0,
+                                     .si = m->units.si,
                                      .frame = make_frame,
                                      .rotations = m->net->dof > m->net->dim,
                                      .user = (void *)m};
@@ -265,7 +295,11 @@ static sp_status write_movie(const cli_common *common, const convert_out *o, con
 
 static sp_status write_mode(const cli_common *common, const convert_out *o, const sp_packing *p,
                             const plot_motion_found *found, const char *path, sp_error *err) {
-    const movie m = {.net = &found->net, .u = found->u, .mode = true, .frames = count_frames(o)};
+    const movie m = {.net = &found->net,
+                     .u = found->u,
+                     .mode = true,
+                     .frames = count_frames(o),
+                     .units = find_factors(common, p, true)};
     if (!found->motion.mode)
         return sp_fail(err, SP_EINVAL, "%s: is a snapshot; a movie needs a mode, or --times LOW:HIGH:N", o->vectors);
     const double period = found->motion.omega > 0 ? 2 * M_PI / found->motion.omega : 1;
@@ -296,7 +330,7 @@ static sp_status write_wave(const cli_common *common, const convert_out *o, cons
     const sp_field_options field = {.times = n, .t = time, .threads = common->threads};
     if (status == SP_OK)
         status = sp_signal_field(&net, &field, u, NULL, err);
-    const movie m = {.net = &net, .u = u, .frames = n};
+    const movie m = {.net = &net, .u = u, .frames = n, .units = find_factors(common, p, false)};
     if (status == SP_OK)
         status = write_movie(common, o, p, &m, time, path, err);
     sp_free(u);
@@ -313,7 +347,7 @@ sp_status convert_out_write(const cli_common *common, const convert_out *o, cons
     sp_status status = has_motion(o) || is_series(ending) ? find_motion(common, o, in, &found, err) : SP_OK;
     if (status == SP_OK)
         status = is_series(ending) ? write_mode(common, o, p, &found, path, err)
-                                   : write_packing(o, ending, p, &found, path, err);
+                                   : write_packing(common, o, ending, p, &found, path, err);
     plot_motion_free(&found);
     return status;
 }
