@@ -73,6 +73,26 @@ def check_poisson(folder):
     assert poisson == [0] and names_all(note, "material.nu packing.poisson")
 
 
+def check_by_hand(folder):
+    """Hertz's law with a pocket calculator: a row of beads, and the load on the floor of a layer."""
+    d, force = 1e-3, 1e5 * 1e-6
+    overlap = (3 * force / (4 * MODULUS / 2 * math.sqrt(d / 4))) ** (2 / 3)
+    rate = math.sqrt(MODULUS * math.sqrt(d / 4 * overlap) / (math.pi / 6 * 2500 * d**3))
+    sonopack("pack", scene(folder, GROUP + CHAIN.replace("20", "100")), "-o", "row.h5", "-q", cwd=folder)
+    speed = row(sonopack("moduli", "row.h5", "--units=si", cwd=folder).stdout, "c_l")
+    # the density is that of the bulk, whose ends cut beads
+    assert abs(speed / ((100 * d - 101 * overlap) * rate / math.sqrt(100 * 101)) - 1) < 2e-5, speed
+    last = sonopack("modes", "row.h5", "--frequencies-only", "--units=si", cwd=folder).stdout.splitlines()[-1]
+    assert abs(float(last.split("\t")[1]) / (2 * rate * math.sin(50 * math.pi / 101)) - 1) < 1e-9, last
+    # two dimensions: the pressure times the width times d
+    text = "packing = { protocol = \"quick\"; grains = 60; width = \"8 mm\"; pressure = \"100 kPa\"; };\n"
+    sonopack("pack", scene(folder, GROUP + text), "-o", "layer.h5", "-q", cwd=folder)
+    sonopack("convert", "layer.h5", "layer.tsv", "--contact-table=load.tsv", cwd=folder)
+    rows = [line.split("\t") for line in (folder / "load.tsv").read_text().splitlines() if not line.startswith("#")]
+    load = sum(float(line[rows[0].index("Fn")]) for line in rows[1:] if line[1] == "bottom") * MODULUS * d**2
+    assert abs(load / (1e5 * 8e-3 * d) - 1) < 1e-5, load
+
+
 def check_stored(folder):
     """A packing keeps its material; numbers and names of samples do not depend on it."""
     sonopack("pack", scene(folder, GROUP + CHAIN), "-o", "a.h5", "--force", "-q", cwd=folder)
@@ -185,7 +205,7 @@ def check_refused(folder):
 def main():
     with tempfile.TemporaryDirectory(prefix="sonopack-material-") as name:
         folder = pathlib.Path(name)
-        for check in (check_units_of_keys, check_poisson, check_stored, check_names, check_options, check_figures, check_refused):
+        for check in (check_units_of_keys, check_poisson, check_by_hand, check_stored, check_names, check_options, check_figures, check_refused):
             check(folder)
     print("the material holds")
 
