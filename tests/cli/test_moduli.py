@@ -41,6 +41,8 @@ class Space:
             radius = file["/particles/grains/radius"][:]
             self.box = file["/particles/grains/box/edges"][:]
             ends = file["/connectivity/contacts"][:]
+            if "/sonopack/walls" in file:
+                ends = np.concatenate([ends, file["/sonopack/walls/contacts"][:]])
             normal, overlap = file["/sonopack/contacts/normal"][:], file["/sonopack/contacts/overlap"][:]
             force = file["/sonopack/contacts/normal_force"][:]
             friction = float(np.asarray(file["/sonopack/friction"][()]))

@@ -40,7 +40,10 @@ class Contacts:
             self.dim = int(f["sonopack/dimension"][()])
             friction = float(f["sonopack/friction"][()]) > 0 and self.dim > 1
             pressure = float(f["sonopack/pressure"][()])
-            pairs, normal = f["connectivity/contacts"][()], f["sonopack/contacts/normal"][()][:, :self.dim]
+            pairs = f["connectivity/contacts"][()]
+            if "sonopack/walls" in f:
+                pairs = np.concatenate([pairs, f["sonopack/walls/contacts"][()]])
+            normal = f["sonopack/contacts/normal"][()][:, :self.dim]
             carrying = f["sonopack/contacts/normal_force"][()] > 1e-4 * pressure
             self.radius, self.x = f["particles/grains/radius"][()], f["particles/grains/position/value"][0][:, :self.dim]
             self.box = f["particles/grains/box/edges"][()][:self.dim - 1]

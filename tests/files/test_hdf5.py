@@ -85,11 +85,12 @@ def test_layout():
         expect((r == grains[:, 2]).all(), "radii")
         expect(np.allclose(f["particles/grains/mass"], 4 / 3 * np.pi * r**3, rtol=1e-15), "masses")
         expect((f["sonopack/rattler"][:] == grains[:, 3]).all(), "rattlers")
-        pairs = f["connectivity/contacts"]
+        pairs, walls = f["connectivity/contacts"], f["sonopack/walls/contacts"]
         expect(f[pairs.attrs["particles_group"]].name == "/particles/grains", "reference to the particles")
         order = np.lexsort((contacts[:, 1], contacts[:, 0], -np.minimum(contacts[:, 1], 0)))
         contacts = contacts[order]
-        expect((pairs[:] == contacts[:, :2]).all(), "pairs")
+        expect(pairs[:].min() >= 0 and walls[:, 0].min() >= 0 and walls[:, 1].max() < 0, "walls are no particles")
+        expect((np.concatenate([pairs, walls]) == contacts[:, :2]).all(), "pairs, then contacts with walls")
         expect((f["sonopack/contacts/normal"][:] == contacts[:, 2:4]).all(), "normals")
         expect((f["sonopack/contacts/overlap"][:] == contacts[:, 4]).all(), "overlaps")
         expect((f["sonopack/contacts/normal_force"][:] == contacts[:, 5]).all(), "normal forces")
@@ -105,7 +106,8 @@ ARRAYS = ["particles/grains/position/value", "particles/grains/radius", "particl
           "sonopack/contacts/normal", "sonopack/contacts/overlap", "sonopack/contacts/normal_force",
           "sonopack/contacts/tangential_force"]
 NUMBERS = ["sonopack/pressure", "sonopack/friction", "sonopack/poisson", "sonopack/residual"]
-INTEGERS = ["sonopack/dimension", "sonopack/seed", "sonopack/steps", "connectivity/contacts"]
+INTEGERS = ["sonopack/dimension", "sonopack/seed", "sonopack/steps", "connectivity/contacts",
+            "sonopack/walls/contacts"]
 
 
 def replace(f, name, data, **options):
@@ -145,8 +147,9 @@ def set_element(name, index, value):
 
 
 def test_missing():
-    for name in ARRAYS + NUMBERS + INTEGERS + ["sonopack/wall"]:
+    for name in ARRAYS + NUMBERS + INTEGERS[:-1] + ["sonopack/wall"]:
         forgery(lambda f: f.pop(name), "/" + name)
+    forgery(lambda f: f.pop("sonopack/walls/contacts"), "/sonopack/contacts/normal")
     for group in ("sonopack", "connectivity", "particles", "particles/grains/box", "sonopack/contacts"):
         forgery(lambda f: f.pop(group), group.split("/")[0])
     forgery(lambda f: f["sonopack"].attrs.pop("format"), "format")
@@ -160,10 +163,10 @@ def test_types_and_shapes():
         forgery(lambda f: replace(f, name, np.zeros(f[name].shape, dtype="c16")), "/" + name)
     for name in INTEGERS:
         forgery(lambda f: replace(f, name, np.zeros(f[name].shape)), "/" + name)
-    for name in ARRAYS + ["connectivity/contacts"]:
+    for name in ARRAYS + ["connectivity/contacts", "sonopack/walls/contacts"]:
         forgery(lambda f: replace(f, name, f[name][()][..., np.newaxis]), "/" + name)
         forgery(lambda f: replace(f, name, f[name][()].ravel()[0]), "/" + name)
-        if name != "particles/grains/radius" and not name.startswith("conn"):
+        if name != "particles/grains/radius" and not name.endswith("/contacts"):
             forgery(lambda f: replace(f, name, np.concatenate([f[name]] * 2, axis=-1)), "/" + name)
     forgery(lambda f: replace(f, "connectivity/contacts", np.zeros((295, 3), "i4")), "/connectivity/contacts", "2")
     forgery(lambda f: replace(f, "particles/grains/radius", np.full(199, 0.5)), "/particles/grains/", "199")
@@ -194,6 +197,8 @@ def test_values():
     for value in (200, 2**31 - 1, -3):
         forgery(set_element("connectivity/contacts", (9, 1), value), "9")
         forgery(set_element("connectivity/contacts", (9, 0), value), "9")
+        forgery(set_element("sonopack/walls/contacts", (0, 0), value))
+        forgery(set_element("sonopack/walls/contacts", (0, 1), value))
     huge = lambda f: replace(f, "connectivity/contacts", f["connectivity/contacts"][()].astype("i8") + 2**40)
     forgery(huge, "0")
     forgery(set_element("sonopack/contacts/normal", (9, 0), 0.9), "9")
@@ -263,6 +268,10 @@ def test_harmless_changes():
     variation(lambda f: replace(f, name, f[name][()], compression="gzip", shuffle=True), "compressed")
     variation(lambda f: replace(f, name, f[name][()].astype(">f8")), "big endian")
     variation(lambda f: replace(f, "connectivity/contacts", f["connectivity/contacts"][()].astype("i8")), "64-bit indices")
+    def as_pairs(f):
+        replace(f, "connectivity/contacts", np.concatenate([f["connectivity/contacts"], f["sonopack/walls/contacts"]]))
+        del f["sonopack/walls"]
+    variation(as_pairs, "contacts with walls among the pairs, as in version 0.3.0")
     variation(lambda f: replace(f, "sonopack/wall", "rigid"), "text of variable length")
     variation(lambda f: replace(f, "sonopack/wall", np.bytes_("rigid")), "text of fixed length")
     variation(lambda f: f.create_dataset("notes", data="mine"), "a dataset of somebody else")

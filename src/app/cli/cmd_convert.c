@@ -1,5 +1,6 @@
 /* sonopack convert: imports and exports packings. */
 #include "base/base.h"
+#include "cli/convert_out.h"
 #include "cli/output.h"
 
 #include <string.h>
@@ -9,6 +10,8 @@ typedef struct arguments {
     cli_common common;
     const char *grains, *contacts; /* the two tables; NULL: none */
     const char *in, *out;          /* packing files as given; NULL: none */
+    convert_out to;
+    const char *ending; /* the form of OUT; NULL: unknown */
 } arguments;
 
 static const cli_option options[] = {
@@ -16,22 +19,41 @@ static const cli_option options[] = {
      .field = offsetof(arguments, grains), .alias = "grains"},
     {"contact-table", "FILE.tsv", "Table of contacts: i j nx ny [nz] overlap Fn Ft. --contacts is its older name",
      CLI_TEXT, .field = offsetof(arguments, contacts), .alias = "contacts"},
+    {.help = "Files for other programs:"},
+    {"to", "KIND", "Form of OUT, in place of its ending: h5, txt, vtp, pvd, lammps-data, lammps-dump, xyz, csv or mat",
+     CLI_TEXT, .field = offsetof(arguments, to.to)},
+    {"vectors", "FILE", "Displacements to write: a file of modes, or a table of displacements of this packing",
+     CLI_TEXT, .field = offsetof(arguments, to.vectors)},
+    {"mode", "N", "Displacements in mode N, of --vectors or computed", CLI_INTEGER,
+     .field = offsetof(arguments, to.mode), .low = 0, .high = 1e15},
+    {"times", "T|LOW:HIGH:N", "Displacements at these times after a pulse at the bottom wall; several need .pvd",
+     CLI_TEXT, .field = offsetof(arguments, to.times)},
+    {"frames", "N", ".pvd of a mode: snapshots of one period (24)", CLI_INTEGER,
+     .field = offsetof(arguments, to.frames), .low = 1, .high = SP_EXPORT_FRAMES_MAX},
+    {"amplitude", "D", ".pvd: largest displacement shown [d] (0.25)", CLI_NUMBER,
+     .field = offsetof(arguments, to.amplitude), .high = 1e6},
     {0}};
 
 static const cli_syntax syntax = {
     .usage = "IN OUT [--grain-table G.tsv --contact-table C.tsv]\nIN --grain-table G.tsv --contact-table C.tsv\n"
              "OUT --grain-table G.tsv --contact-table C.tsv",
     .help =
-        "Converts packings between HDF5 (.h5), a text file (.txt), and two tables.\v"
-        "The format of IN is recognised by its content, that of OUT by its ending, .h5 or .txt. With two tables and "
+        "Converts packings between HDF5 (.h5), a text file (.txt), two tables, and the files of other programs.\v"
+        "The format of IN is recognised by its content, that of OUT by its ending or --to. With two tables and "
         "one packing file, the existing one of the two is read and the other is written. A table of grains may also "
         "take the place of IN or OUT; then only the table of contacts needs an option:\n"
         "  sonopack convert grains.tsv P.h5 --contact-table contacts.tsv\n"
         "With IN, OUT and both tables the packing is written in both forms.\n"
         "Box and material of tables are in comment lines `# key = value' or in --set key=value: width, depth (3D), "
         "height, pressure, friction, poisson, wall, material, seed. Lengths are in mean grain diameters, pressures in "
-        "E*.",
-    .not_si = "it writes packings, which are stored in d, E* and rho; --material stores a material with them",
+        "E*.\n"
+        "\n"
+        "Endings of OUT for other programs: .vtp (ParaView, OVITO: also NAME-contacts.vtp, NAME-walls.vtp and "
+        "NAME.vtm), "
+        ".pvd (ParaView: a series of snapshots, NAME-0000.vtp and so on), .data and .dump (LAMMPS), .xyz (extended "
+        "XYZ), "
+        ".csv (spreadsheets: also NAME-contacts.csv), .mat (MATLAB, Octave).",
+    .finds_material = true,
     .options = options,
     .file_name = "packing",
     .files_max = 2};
@@ -80,7 +102,10 @@ static sp_status resolve_files(arguments *a, sp_error *err) {
         a->in = NULL;
     if (a->in && !a->out) {
         if (!a->grains)
-            return sp_fail(err, SP_EINVAL, "no OUT: must be a file name that ends in .h5 or .txt");
+            return sp_fail(
+                err, SP_EINVAL,
+                "no OUT: must be a file name that ends in .h5, .txt, .vtp, .pvd, .data, .dump, .xyz, .csv or "
+                ".mat");
         if (!two)
             return choose_direction(a, err);
     }
@@ -91,12 +116,18 @@ static sp_status resolve_files(arguments *a, sp_error *err) {
 
 static bool writes_tables(const arguments *a) { return a->in && a->grains; }
 
-static sp_status check_output(const arguments *a, sp_error *err) {
-    sp_status status = SP_OK;
-    if (a->out && !cli_is_hdf5(a->out) && !cli_has_ending(a->out, ".txt"))
-        return sp_fail(err, SP_EINVAL, "%s: its ending must be .h5 or .txt", a->out);
-    if (a->out)
-        status = cli_may_write(&a->common, a->out, err);
+static sp_status check_output(arguments *a, sp_error *err) {
+    sp_status status = a->out ? convert_out_ending(&a->to, a->out, &a->ending, err) : SP_OK;
+    if (status == SP_OK && a->out && !a->ending)
+        return sp_fail(err, SP_EINVAL,
+                       "%s: its ending must be .h5, .txt, .vtp, .pvd, .data, .dump, .xyz, .csv or .mat; or use --to",
+                       a->out);
+    if (status == SP_OK && a->out)
+        status = convert_out_check(&a->common, &a->to, a->ending, a->out, err);
+    if (status == SP_OK && a->common.units == CLI_UNITS_SI && (!convert_out_is_foreign(a->ending) || writes_tables(a)))
+        return sp_fail(err, SP_EINVAL,
+                       "--units si: packings are stored in d, E* and rho, in .h5, .txt and tables; files for other "
+                       "programs may be in SI");
     if (status == SP_OK && writes_tables(a))
         status = cli_may_write(&a->common, a->grains, err);
     if (status == SP_OK && writes_tables(a))
@@ -115,7 +146,9 @@ static sp_status read_input(const arguments *a, sp_packing *p, sp_error *err) {
 
 static sp_status write_output(const arguments *a, const sp_packing *p, sp_error *err) {
     sp_status status = SP_OK;
-    if (a->out && cli_has_ending(a->out, ".txt"))
+    if (convert_out_is_foreign(a->ending))
+        status = convert_out_write(&a->common, &a->to, a->ending, p, a->in, a->out, err);
+    else if (a->out && strcmp(a->ending, ".txt") == 0)
         status = sp_packing_save_text(p, a->out, err);
     else if (a->out)
         status = sp_packing_save(p, a->out, err);
@@ -131,6 +164,8 @@ static sp_status work(arguments *a, sp_error *err) {
         status = check_output(a, err);
     if (status == SP_OK)
         status = read_input(a, &p, err);
+    if (status == SP_OK)
+        status = cli_take_material(a, &p.material, a->in ? a->in : a->grains, err);
     if (status == SP_OK && a->common.material.young > 0)
         p.material = a->common.material;
     if (status == SP_OK)
@@ -143,7 +178,7 @@ static sp_status work(arguments *a, sp_error *err) {
 }
 
 int cmd_convert(int argc, char **argv) {
-    arguments a = {0};
+    arguments a = {.to = {.mode = -1, .amplitude = -1}};
     cli_parse(&syntax, argc, argv, &a);
     a.in = a.common.files > 0 ? a.common.file[0] : NULL;
     a.out = a.common.files > 1 ? a.common.file[1] : NULL;

@@ -1,5 +1,6 @@
 /* Writes tables to stdout or to files, and decides which files may be replaced. */
 #include "cli/output.h"
+#include "cli/traces.h"
 
 #include "base/base.h"
 #include "base/file.h"
@@ -27,6 +28,8 @@ typedef enum file_kind {
     KIND_MARKUP,
     KIND_JSON,
     KIND_PACKING, /* as text */
+    KIND_MAT,
+    KIND_SAC,
     KIND_TEXT
 } file_kind;
 
@@ -37,7 +40,8 @@ static const struct {
                {".svg", KIND_MARKUP}, {".html", KIND_MARKUP}, {".htm", KIND_MARKUP}, {".vtp", KIND_MARKUP},
                {".json", KIND_JSON},  {".tsv", KIND_TEXT},    {".csv", KIND_TEXT},   {".txt", KIND_PACKING},
                {".xyz", KIND_TEXT},   {".extxyz", KIND_TEXT}, {".data", KIND_TEXT},  {".lammps", KIND_TEXT},
-               {".dump", KIND_TEXT}};
+               {".dump", KIND_TEXT},  {".pvd", KIND_MARKUP},  {".vtm", KIND_MARKUP}, {".mat", KIND_MAT},
+               {".sac", KIND_SAC},    {".slist", KIND_TEXT}};
 
 static const char *ending_of(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
@@ -53,17 +57,23 @@ static file_kind kind_by_ending(const char *path) {
     return KIND_UNKNOWN;
 }
 
+/* A SAC file has no signature, but a version at byte 304, in either byte order. */
+static bool is_sac(const char *head, size_t size) {
+    return size >= 632 && (memcmp(head + 304, "\6\0\0\0", 4) == 0 || memcmp(head + 304, "\0\0\0\6", 4) == 0);
+}
+
 /* head[size] must be 0. */
 static file_kind kind_by_content(const char *head, size_t size) {
     static const struct {
         const char *magic;
         file_kind kind;
-    } magics[] = {{"\211HDF\r\n\032\n", KIND_HDF5}, {"\211PNG\r\n\032\n", KIND_PNG}, {"%PDF-", KIND_PDF}};
+    } magics[] = {
+        {"\211HDF\r\n\032\n", KIND_HDF5}, {"\211PNG\r\n\032\n", KIND_PNG}, {"%PDF-", KIND_PDF}, {"MATLAB 5", KIND_MAT}};
     for (size_t k = 0; k < sizeof magics / sizeof *magics; k++)
         if (size >= strlen(magics[k].magic) && memcmp(head, magics[k].magic, strlen(magics[k].magic)) == 0)
             return magics[k].kind;
     if (memchr(head, 0, size))
-        return KIND_UNKNOWN;
+        return is_sac(head, size) ? KIND_SAC : KIND_UNKNOWN;
     if (sp_packing_text_looks(head))
         return KIND_PACKING;
     size_t first = 0;
@@ -102,8 +112,9 @@ static sp_status check_hdf5(const char *path, bool modes, sp_error *err) {
                    modes ? "no file of modes" : "a file of modes");
 }
 
-static sp_status may_write(const cli_common *common, const char *path, bool modes, sp_error *err) {
-    file_kind kind = kind_by_ending(path);
+/* as: an ending that says the kind. */
+static sp_status may_write(const cli_common *common, const char *path, const char *as, bool modes, sp_error *err) {
+    file_kind kind = kind_by_ending(as);
     struct stat info;
     if (path[0] == '\0')
         return sp_fail(err, SP_EINVAL, "-o: the file name is empty");
@@ -121,7 +132,7 @@ static sp_status may_write(const cli_common *common, const char *path, bool mode
                        path, ending_of(path));
     if (exists) {
         sp_status status = check_kind(path, kind, err);
-        if (status == SP_OK && info.st_size > 0 && cli_is_hdf5(path))
+        if (status == SP_OK && info.st_size > 0 && kind == KIND_HDF5)
             status = check_hdf5(path, modes, err);
         if (status == SP_OK && !common->force)
             status = sp_fail(err, SP_EINVAL, "%s: exists already: choose another name, or use --force", path);
@@ -143,11 +154,17 @@ static sp_status may_write(const cli_common *common, const char *path, bool mode
 }
 
 sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err) {
-    return may_write(common, path, false, err);
+    return may_write(common, path, path, false, err);
+}
+
+sp_status cli_may_write_as(const cli_common *common, const char *path, const char *ending, sp_error *err) {
+    char as[16] = "x"; /* a name, for an ending alone is none */
+    snprintf(as + 1, sizeof as - 1, "%s", ending);
+    return may_write(common, path, as, false, err);
 }
 
 sp_status cli_may_write_modes(const cli_common *common, const char *path, sp_error *err) {
-    return may_write(common, path, true, err);
+    return may_write(common, path, path, true, err);
 }
 
 sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err) {
@@ -164,7 +181,7 @@ sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err) {
 static sp_status table_format(const cli_common *common, sp_table_format *out, sp_error *err) {
     static const char *const names[] = {[SP_TSV] = ".tsv", [SP_CSV] = ".csv", [SP_JSON] = ".json"};
     *out = common->format;
-    if (!common->output)
+    if (!common->output || (cli_is_foreign_table(common->output) && !common->format_given))
         return SP_OK;
     for (unsigned k = 0; k < sizeof names / sizeof *names; k++) {
         if (!cli_has_ending(common->output, names[k]))
@@ -176,7 +193,9 @@ static sp_status table_format(const cli_common *common, sp_table_format *out, sp
         return SP_OK;
     }
     if (kind_by_ending(common->output) != KIND_UNKNOWN || !common->format_given)
-        return sp_fail(err, SP_EINVAL, "-o %s: the ending of a table must be .tsv, .csv or .json", common->output);
+        return sp_fail(err, SP_EINVAL,
+                       "-o %s: the ending of a table must be .tsv, .csv, .json or .mat, of signals also .sac or .slist",
+                       common->output);
     return SP_OK;
 }
 
@@ -196,6 +215,19 @@ sp_status cli_print(const char *text, sp_error *err) {
     return sp_fail(err, SP_EIO, "standard output: %s", strerror(errno));
 }
 
+/* The names of files beside common->output follow from the table, and are checked here. */
+static sp_status write_foreign(const cli_common *common, const sp_table *t, sp_error *err) {
+    char name[SP_EXPORT_PATH_MAX];
+    int files = 0;
+    sp_status status = cli_foreign_files(t, common->output, &files, err);
+    for (int k = 0; k < files && files > 1 && status == SP_OK; k++) {
+        status = cli_foreign_name(t, common->output, k, name, err);
+        if (status == SP_OK)
+            status = cli_may_write(common, name, err);
+    }
+    return status == SP_OK ? cli_foreign_write(t, common->output, err) : status;
+}
+
 sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) {
     sp_table_format format;
     sp_status status = table_format(common, &format, err);
@@ -203,6 +235,8 @@ sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) 
         status = sp_table_add_comment(t, err, "sonopack %s", SONOPACK_VERSION);
     if (status == SP_OK)
         status = cli_convert_table(common, t, err);
+    if (status == SP_OK && common->output && cli_is_foreign_table(common->output))
+        return write_foreign(common, t, err);
     if (status != SP_OK)
         return status;
     char *text = sp_table_text(t, format);

@@ -209,3 +209,27 @@ sp_status plot_motion_file(const cli_common *common, const sp_scene *scene, cons
     sp_packing_free(&d.packing);
     return status;
 }
+
+/* ---- without a figure ------------------------------------------------------------------------------------------- */
+
+plot_motion_found plot_motion_none(void) {
+    return (plot_motion_found){.packing = sp_packing_none(), .net = sp_network_none()};
+}
+
+sp_status plot_motion_find(const cli_common *common, const sp_scene *scene, const plot_motion *what,
+                           plot_motion_found *out, sp_error *err) {
+    drawing d = {
+        .common = common, .scene = scene, .what = what, .packing = sp_packing_none(), .net = sp_network_none()};
+    const sp_status status = find_motion(&d, err);
+    *out = (plot_motion_found){.packing = d.packing, .net = d.net, .u = d.u, .motion = d.motion};
+    out->motion.packing = &out->packing;
+    out->motion.net = &out->net;
+    return status;
+}
+
+void plot_motion_free(plot_motion_found *found) {
+    sp_free(found->u);
+    sp_network_free(&found->net);
+    sp_packing_free(&found->packing);
+    *found = plot_motion_none();
+}

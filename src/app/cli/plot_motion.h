@@ -2,7 +2,7 @@
 #define SP_CLI_PLOT_MOTION_H
 /* Figures of displacements: a mode, or the motion at a time after a pulse. */
 
-#include "cli/cli.h"
+#include "cli/motion.h"
 
 typedef struct plot_motion {
     bool mode;      /* else a snapshot */
@@ -14,5 +14,18 @@ typedef struct plot_motion {
 } plot_motion;
 
 sp_status plot_motion_file(const cli_common *common, const sp_scene *scene, const plot_motion *what, sp_error *err);
+
+/* The same displacements without a figure. motion.packing, net and u point into this struct's own members. */
+typedef struct plot_motion_found {
+    sp_packing packing;
+    sp_network net;
+    double *u; /* [dofs of net] */
+    cli_motion motion;
+} plot_motion_found;
+plot_motion_found plot_motion_none(void);
+/* Free *out, even after a failure. */
+sp_status plot_motion_find(const cli_common *common, const sp_scene *scene, const plot_motion *what,
+                           plot_motion_found *out, sp_error *err);
+void plot_motion_free(plot_motion_found *found);
 
 #endif

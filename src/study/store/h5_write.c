@@ -34,9 +34,11 @@ sp_status sp_h5_group(sp_h5 *h, const char *path, sp_error *err) {
 
 /* ---- attributes ------------------------------------------------------------------------------------------------ */
 
-static hid_t text_type(size_t length) {
+/* Octave reads ASCII, but no UTF-8: most texts are both. */
+static hid_t text_type(size_t length, bool ascii) {
+    const H5T_cset_t set = ascii ? H5T_CSET_ASCII : H5T_CSET_UTF8;
     hid_t type = H5Tcopy(H5T_C_S1);
-    if (type >= 0 && (H5Tset_size(type, length ? length : 1) < 0 || H5Tset_cset(type, H5T_CSET_UTF8) < 0 ||
+    if (type >= 0 && (H5Tset_size(type, length ? length : 1) < 0 || H5Tset_cset(type, set) < 0 ||
                       H5Tset_strpad(type, H5T_STR_NULLPAD) < 0)) {
         H5Tclose(type);
         type = H5I_INVALID_HID;
@@ -69,7 +71,7 @@ sp_status sp_h5_attribute_texts(sp_h5 *h, const char *object, const char *name, 
         return sp_fail_memory(err, (size_t)texts * width);
     for (int k = 0; k < texts; k++)
         memcpy(packed + (size_t)k * width, text[k], strlen(text[k]));
-    hid_t type = text_type(width);
+    hid_t type = text_type(width, false);
     sp_status status = put_attribute(h, object, name, count, type, packed, err);
     H5Tclose(type);
     sp_free(packed);
@@ -169,8 +171,11 @@ sp_status sp_h5_put_rows(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, cons
 }
 
 sp_status sp_h5_put_text(sp_h5 *h, const sp_h5_name *name, const char *text, sp_error *err) {
-    size_t length = strlen(text);
-    hid_t type = text_type(length), space = H5Screate(H5S_SCALAR), dcpl = creation_list(0, NULL, type, length, false);
+    size_t length = strlen(text), ascii = 0;
+    while (ascii < length && (unsigned char)text[ascii] < 0x80)
+        ascii++;
+    hid_t type = text_type(length, ascii == length), space = H5Screate(H5S_SCALAR),
+          dcpl = creation_list(0, NULL, type, length, false);
     const hid_t types[2] = {type, type};
     sp_status status = put_dataset(h, name, types, space, dcpl, length ? text : "\0", err);
     H5Pclose(dcpl);

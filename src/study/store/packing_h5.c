@@ -22,7 +22,9 @@ static const sp_h5_name name_inertia = {"/particles/grains/inertia", "rho d^5",
 static const sp_h5_name name_edges = {"/particles/grains/box/edges", "d",
                                       "lengths of the box; the last is the height between the walls"};
 static const sp_h5_name name_pairs = {"/connectivity/contacts", "1",
-                                      "grains i, j of each contact, from 0; j = -1: bottom wall, -2: top wall"};
+                                      "grains i < j of each contact between grains, from 0"};
+static const sp_h5_name name_walls = {"/sonopack/walls/contacts", "1",
+                                      "grain and wall of each contact with a wall, -1: bottom, -2: top"};
 static const sp_h5_name name_normal = {"/sonopack/contacts/normal", "1", "unit normals, from i to j"};
 static const sp_h5_name name_overlap = {"/sonopack/contacts/overlap", "d",
                                         "R_i + R_j - r_ij, or R_i - distance to wall"};
@@ -175,21 +177,34 @@ static bool has_stiffnesses(const sp_packing *p) {
     return false;
 }
 
-static sp_status put_contacts(sp_h5 *h, const sp_packing *p, sp_error *err) {
-    const size_t n = (size_t)p->n_contacts, dim = (size_t)p->dim;
-    const sp_h5_shape pairs = {2, {p->n_contacts, 2}};
-    const bool stiffnesses = has_stiffnesses(p);
-    int32_t *ij = sp_alloc(2 * n, sizeof *ij);
-    double *buffer = sp_alloc(dim * n, sizeof *buffer);
-    sp_status status = ij && buffer ? SP_OK : sp_fail_memory(err, n * (2 * sizeof *ij + dim * sizeof *buffer));
+/* Who touches whom. H5MD's connectivity is between particles, and a wall is none. */
+static sp_status put_partners(sp_h5 *h, const sp_packing *p, sp_error *err) {
+    const size_t n = (size_t)p->n_contacts;
+    int32_t *ij = sp_alloc(2 * n, sizeof *ij), count = 0;
+    sp_status status = ij ? SP_OK : sp_fail_memory(err, 2 * n * sizeof *ij);
     for (size_t c = 0; status == SP_OK && c < n; c++) {
         ij[2 * c] = p->contacts[c].i;
         ij[2 * c + 1] = p->contacts[c].j;
+        count += p->contacts[c].j >= 0; /* pairs come first */
     }
+    const sp_h5_shape pairs = {2, {count, 2}}, walls = {2, {p->n_contacts - count, 2}};
     if (status == SP_OK)
         status = sp_h5_put(h, &name_pairs, SP_H5_I32, &pairs, ij, err);
     if (status == SP_OK)
         status = sp_h5_attribute_reference(h, name_pairs.path, "particles_group", "/particles/grains", err);
+    if (status == SP_OK && walls.dim[0] > 0)
+        status = sp_h5_group(h, "/sonopack/walls", err);
+    if (status == SP_OK && walls.dim[0] > 0)
+        status = sp_h5_put(h, &name_walls, SP_H5_I32, &walls, ij + 2 * (size_t)count, err);
+    sp_free(ij);
+    return status;
+}
+
+static sp_status put_contacts(sp_h5 *h, const sp_packing *p, sp_error *err) {
+    const size_t n = (size_t)p->n_contacts, dim = (size_t)p->dim;
+    const bool stiffnesses = has_stiffnesses(p);
+    double *buffer = sp_alloc(dim * n, sizeof *buffer);
+    sp_status status = buffer ? put_partners(h, p, err) : sp_fail_memory(err, n * dim * sizeof *buffer);
     for (size_t k = 0; status == SP_OK && k < sizeof part / sizeof *part; k++) {
         const size_t width = part[k].vector ? dim : 1;
         const sp_h5_shape shape = {part[k].vector ? 2 : 1, {p->n_contacts, p->dim}};
@@ -199,7 +214,6 @@ static sp_status put_contacts(sp_h5 *h, const sp_packing *p, sp_error *err) {
             memcpy(buffer + c * width, (const char *)&p->contacts[c] + part[k].offset, width * sizeof *buffer);
         status = sp_h5_put(h, part[k].name, SP_H5_F64, &shape, buffer, err);
     }
-    sp_free(ij);
     sp_free(buffer);
     return status;
 }
@@ -310,18 +324,42 @@ static sp_status get_grains(sp_h5 *h, sp_packing *p, sp_error *err) {
     return status;
 }
 
-static sp_status get_contacts(sp_h5 *h, sp_packing *p, sp_error *err) {
-    const size_t n = (size_t)p->n_contacts, dim = (size_t)p->dim;
-    const sp_h5_shape pairs = {2, {p->n_contacts, 2}};
+/* Finds how many contacts there are between grains and with walls. Version 0.3.0 and earlier ones wrote all of them as
+ * pairs. */
+static sp_status count_contacts(sp_h5 *h, int64_t *pairs, int64_t *walls, sp_error *err) {
+    sp_h5_shape shape = {0};
+    *walls = 0;
+    sp_status status = sp_h5_find(h, name_pairs.path, SP_H5_I32, 2, &shape, err);
+    *pairs = shape.dim[0];
+    if (status == SP_OK && sp_h5_has(h, name_walls.path)) {
+        status = sp_h5_find(h, name_walls.path, SP_H5_I32, 2, &shape, err);
+        *walls = shape.dim[0];
+    }
+    return status;
+}
+
+static sp_status get_partners(sp_h5 *h, sp_packing *p, sp_error *err) {
+    const size_t n = (size_t)p->n_contacts;
+    int64_t pairs = 0, walls = 0;
     int32_t *ij = sp_alloc(2 * n, sizeof *ij);
-    double *buffer = sp_alloc(dim * n, sizeof *buffer);
-    sp_status status = ij && buffer ? SP_OK : sp_fail_memory(err, n * (2 * sizeof *ij + dim * sizeof *buffer));
+    sp_status status = ij ? count_contacts(h, &pairs, &walls, err) : sp_fail_memory(err, 2 * n * sizeof *ij);
+    const sp_h5_shape first = {2, {pairs, 2}}, second = {2, {walls, 2}};
     if (status == SP_OK)
-        status = sp_h5_get(h, name_pairs.path, SP_H5_I32, &pairs, ij, err);
+        status = sp_h5_get(h, name_pairs.path, SP_H5_I32, &first, ij, err);
+    if (status == SP_OK && walls > 0)
+        status = sp_h5_get(h, name_walls.path, SP_H5_I32, &second, ij + 2 * pairs, err);
     for (size_t c = 0; status == SP_OK && c < n; c++) {
         p->contacts[c].i = ij[2 * c];
         p->contacts[c].j = ij[2 * c + 1];
     }
+    sp_free(ij);
+    return status;
+}
+
+static sp_status get_contacts(sp_h5 *h, sp_packing *p, sp_error *err) {
+    const size_t n = (size_t)p->n_contacts, dim = (size_t)p->dim;
+    double *buffer = sp_alloc(dim * n, sizeof *buffer);
+    sp_status status = buffer ? get_partners(h, p, err) : sp_fail_memory(err, n * dim * sizeof *buffer);
     for (size_t k = 0; status == SP_OK && k < sizeof part / sizeof *part; k++) {
         const size_t width = part[k].vector ? dim : 1;
         const sp_h5_shape shape = {part[k].vector ? 2 : 1, {p->n_contacts, p->dim}};
@@ -331,26 +369,26 @@ static sp_status get_contacts(sp_h5 *h, sp_packing *p, sp_error *err) {
         for (size_t c = 0; status == SP_OK && c < n; c++)
             memcpy((char *)&p->contacts[c] + part[k].offset, buffer + c * width, width * sizeof *buffer);
     }
-    sp_free(ij);
     sp_free(buffer);
     return status;
 }
 
 sp_status sp_packing_get(sp_h5 *h, sp_packing *out, sp_error *err) {
     sp_packing p = sp_packing_none();
-    sp_h5_shape grains, contacts;
+    sp_h5_shape grains;
+    int64_t pairs, walls;
     int32_t dim;
     sp_status status = get_head(h, &dim, err);
     if (status == SP_OK)
         status = sp_h5_find(h, name_radius.path, SP_H5_F64, 1, &grains, err);
     if (status == SP_OK)
-        status = sp_h5_find(h, name_pairs.path, SP_H5_I32, 2, &contacts, err);
+        status = count_contacts(h, &pairs, &walls, err);
     /* 32-bit products of counts and axes are safe below */
-    if (status == SP_OK && (grains.dim[0] > INT32_MAX / 4 || contacts.dim[0] > INT32_MAX / 4))
+    if (status == SP_OK && (grains.dim[0] > INT32_MAX / 4 || pairs > INT32_MAX / 8 || walls > INT32_MAX / 8))
         status = sp_h5_fail(h, err, SP_EFORMAT, "%lld grains, %lld contacts; at most %d", (long long)grains.dim[0],
-                            (long long)contacts.dim[0], INT32_MAX / 4);
+                            (long long)(pairs + walls), INT32_MAX / 8);
     if (status == SP_OK)
-        status = sp_packing_alloc(&p, dim, (int32_t)grains.dim[0], (int32_t)contacts.dim[0], err);
+        status = sp_packing_alloc(&p, dim, (int32_t)grains.dim[0], (int32_t)(pairs + walls), err);
     if (status == SP_OK)
         status = sp_h5_get_fields(h, FIELDS, field, &p, err);
     if (status == SP_OK)

@@ -1,0 +1,70 @@
+"""LAMMPS reads the data files of `sonopack convert`, and finds our normal forces to 1e-10 by the deck of docs/export.md.
+
+usage: test_export_lammps.py COMMAND SOURCE_DIR
+"""
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+LAMMPS = shutil.which("lmp")
+if not LAMMPS:
+    print("no lmp")
+    sys.exit(77)
+
+import h5py
+import numpy as np
+
+CASES = [("2D, rigid walls", "y", "2", {"grains": 200, "width": 12}),
+         ("3D, rigid walls", "z", "2", {"dimension": 3, "grains": 200, "width": 6, "depth": 5}),
+         ("3D, nu = 0.3", "z", "2", {"dimension": 3, "grains": 150, "width": 5, "depth": 5, "poisson": 0.3}),
+         ("chain, walls like grains", "x", "0.70710678118654757", {"kind": '"chain"', "dimension": 1, "grains": 10})]
+
+
+def run(folder, *words):
+    result = subprocess.run([str(word) for word in words], cwd=folder, text=True, capture_output=True, timeout=1200)
+    assert result.returncode == 0, f"{words}: {result.stdout[-2000:]} {result.stderr}"
+
+
+def rows(path):
+    return np.array([line.split() for line in path.read_text().split("\n")[9:-1]], float)
+
+
+def compare(name, up, modulus, keys, folder):
+    words = [word for key, value in keys.items() for word in ("--set", f"packing.{key}={value}")]
+    run(folder, COMMAND, "pack", "--quiet", *words, "-o", "P.h5")
+    run(folder, COMMAND, "convert", "P.h5", "P.data")
+    run(folder, LAMMPS, "-nocite", "-log", "none", "-in", "in.forces", "-var", "file", "P.data", "-var", "up", up, "-var",
+        "modulus", modulus)
+    with h5py.File(folder / "P.h5") as f:
+        pairs, walls = f["connectivity/contacts"][:], f["sonopack/walls/contacts"][:]
+        fn, n = f["sonopack/contacts/normal_force"][:], f["sonopack/contacts/normal"][:]
+        x, dim = f["particles/grains/position/value"][0], int(f["sonopack/dimension"][()])
+    theirs = {(int(min(a, b)) - 1, int(max(a, b)) - 1): force for _, a, b, force in rows(folder / "pairs.dump")}
+    assert set(theirs) == set(map(tuple, pairs)), f"{name}: other contacts"
+    error = max(abs(theirs[tuple(pair)] - force) for pair, force in zip(pairs, fn)) / fn.mean()
+    net = np.zeros((len(x), dim))
+    for (i, j), force, normal in zip(np.concatenate([pairs, walls]), fn, n):
+        net[i] -= force * normal
+        if j >= 0:
+            net[j] += force * normal
+    grains = rows(folder / "grains.dump")
+    sums = np.abs(grains[:, 5:5 + dim] - net).max() / fn.mean()
+    print(f"{name}: {len(pairs)} pairs, {len(walls)} at walls; forces differ by {error:.1e}, sums by {sums:.1e} of the mean")
+    assert (grains[:, 1:1 + dim] == x).all(), f"{name}: the positions are not those of the packing, bit for bit"
+    assert error < 1e-10 and sums < 1e-10, name
+
+
+def main():
+    deck = re.search(r"```lammps\n(.*?)```", (SOURCE / "docs/export.md").read_text(), re.S).group(1)
+    for case in CASES:
+        with tempfile.TemporaryDirectory(prefix="sonopack-lammps-") as name:
+            folder = pathlib.Path(name)
+            (folder / "in.forces").write_text(deck)
+            compare(*case, folder)
+
+
+main()
