@@ -62,6 +62,10 @@ SP_API void sp_packing_free(sp_packing *p);
 /* Sorts the contacts into the order of sp_packing.contacts. */
 SP_API void sp_packing_sort(sp_packing *p);
 
+/* Fills in the overlap or the normal force of contacts where it is NAN, from the other by Hertz's law. SP_EINVAL names
+ * the contact if both are NAN or one is negative, and if it joins no grains of the packing. */
+SP_API sp_status sp_packing_complete(sp_packing *p, sp_error *err);
+
 /* Area of a wall [d^2], and distance between the walls [d]. */
 SP_API double sp_packing_wall_area(const sp_packing *p);
 SP_API double sp_packing_height(const sp_packing *p);
