@@ -15,9 +15,9 @@ Numbers are those of the command `sonopack`, bit for bit. Arrays are views of th
 cannot be written to, and keep it alive. Long calls run without the interpreter's lock. Failures raise SonopackError.
 """
 from ._column import Column, ColumnRun
-from ._core import (FileError, Interrupted, InvalidInput, NoMemory, Refused, SonopackError, Status, lib as _lib,
-                    text_of as _text_of)
+from ._core import FileError, Interrupted, InvalidInput, NoMemory, Refused, SonopackError, Status, text_of as _text_of
 from ._modes import DampedModes, Modes
+from ._native import lib as _lib
 from ._network import SPRING, Network
 from ._packing import BOTTOM, CONTACT, TOP, Packing
 from ._place import Place

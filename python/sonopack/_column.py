@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _scene
-from ._core import Floats, Path, c_path, call, documented, ffi, lib
+from ._core import Floats, Path, c_path, call, documented
+from ._native import ffi, lib
 from ._records import TappedTap
 from ._table import Table
 from ._watch import Watch
@@ -34,7 +35,8 @@ class ColumnRun:
 class Column(_core.Owner):
     """A column of particles on a tapped floor, in cm, g and s.
 
-    Keys are those of the group column of `sonopack help scene`: Column(taps=8, output="strobe"). Column.read("file.cfg",
+    Keys are those of the group column of `sonopack help scene`: Column(taps=8, output="strobe"); from_ stands for from,
+    which Python keeps for itself. Column.read("file.cfg",
     taps=8) reads them from a scene file first.
     """
 
@@ -45,7 +47,7 @@ class Column(_core.Owner):
 
     def _load(self, path: Path | None, keys: dict[str, Any]) -> None:
         self._c = _core.new("sp_scene", lib.sp_scene_free, lib.sp_scene_default)
-        count, array, kept = _scene.overrides({f"column.{name}": value for name, value in keys.items()})
+        count, array, kept = _scene.overrides({f"column.{name.rstrip('_')}": value for name, value in keys.items()})
         call(lib.sp_scene_read_tapped, c_path(path) if path is not None else ffi.NULL, count, array, self._c)
         del kept
 

@@ -5,7 +5,8 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from . import _core
-from ._core import Array, Floats, Path, Value, c_path, call, documented, ffi, lib
+from ._core import Array, Floats, Path, Value, c_path, call, documented
+from ._native import ffi, lib
 from ._records import ParticipationBin, Stability, ZeroModes
 
 if TYPE_CHECKING:

@@ -8,10 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _place, _records
-from ._core import Array, Floats, Integers, Value, call, documented, ffi, lib
+from ._core import Array, Floats, Integers, Value, call, documented
+from ._native import ffi, lib
 from ._modes import DampedModes, Modes, Stability
 from ._place import Where
-from ._signal import Front, Pulse, Signal
+from ._signal import Pulse, Signal
 from ._spectra import Continuum, Dispersion, DensityOfStates, Harmonic, Transmission, WaveSection
 
 if TYPE_CHECKING:
@@ -183,11 +184,11 @@ class Network(_core.Owner):
                        "front": stop_at_front, "threads": threads})
 
     @documented("sp_network_front")
-    def front(self, *, source: str = "impulse", window: float = 0.0) -> Front:
+    def front(self, *, source: str = "impulse", window: float = 0.0) -> _records.Front:
         """The first wave front at the top wall."""
         out = ffi.new("sp_front *")
         call(lib.sp_network_front, self._c, _core.number_of("sp_source", source, "source"), window, out)
-        return _core.record(Front, out)
+        return _core.record(_records.Front, out)
 
     @documented("sp_signal_field")
     def field(self, times: npt.ArrayLike, *, source: str = "impulse", at: Where | None = None,

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _scene
-from ._core import Array, Floats, Path, Value, c_path, call, documented, ffi, lib
+from ._core import Array, Floats, Path, Value, c_path, call, documented
+from ._native import ffi, lib
 from ._network import Network
 from ._records import Audit, PackProgress, Statics
 from ._watch import Watch

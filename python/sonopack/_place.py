@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import _core
-from ._core import ffi
+from ._native import ffi
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._core import Path, c_path, call, ffi, lib, text_of
+from ._core import Path, c_path, call, text_of
+from ._native import ffi, lib
 
 Keys = Mapping[str, Any]
 
@@ -62,7 +63,7 @@ class Scene(_core.Owner):
     def __init__(self, *, packing: Keys | None = None, network: Keys | None = None, signal: Keys | None = None,
                  study: Keys | None = None) -> None:
         text = _text_of_groups({"packing": packing, "network": network, "signal": signal, "study": study})
-        self._load(None, text, "keywords", {})
+        self._load(None, text or None, "keywords", {})
 
     def _load(self, path: Path | None, text: str | None, name: str, keys: Keys) -> None:
         self._source = (path, text, name, dict(keys))
@@ -75,8 +76,8 @@ class Scene(_core.Owner):
         del kept
 
     @classmethod
-    def read(cls, path: Path, keys: Keys | None = None) -> Scene:
-        """The scene of a file. keys: {"packing.seed": 2, ...} overrides keys of the file, as --set does."""
+    def read(cls, path: Path | None, keys: Keys | None = None) -> Scene:
+        """The scene of a file; None: the defaults. keys: {"packing.seed": 2, ...} overrides keys of the file, as --set does."""
         scene = cls.__new__(cls)
         scene._load(path, None, "", keys or {})
         return scene
@@ -121,7 +122,7 @@ class Scene(_core.Owner):
     def __repr__(self) -> str:
         path, text, name, keys = self._source
         changed = f", {keys!r}" if keys else ""
-        if path is not None:
+        if text is None:
             return f"Scene.read({path!r}{changed})"
         return f"Scene.parse({text!r}{changed})"
 

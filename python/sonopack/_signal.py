@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _place
-from ._core import Array, Floats, Value, call, documented, ffi, lib
+from ._core import Array, Floats, Value, call, documented
+from ._native import ffi, lib
 from ._place import Where
 from ._records import Front
 
@@ -115,7 +116,7 @@ class Signal(_core.Owner):
     def F(self) -> Floats:
         """The force of a single signal [n], or f [sources][detectors][n] of several; a view."""
         f: Floats = self.f
-        return f[0, 0] if f.shape[:2] == (1, 1) else f
+        return f.reshape(-1) if f.shape[:2] == (1, 1) else f
 
     def front(self, source: int = 0, detector: int = 0, *, window: float | None = None) -> Front:
         """The first front of one of the signals, as `sonopack front` finds it in a table of `sonopack signal`."""

@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _place
-from ._core import Array, Floats, Value, call, documented, ffi, lib
+from ._core import Array, Floats, Value, call, documented
+from ._native import ffi, lib
 from ._place import Where
 from ._records import CoherentWave, Moduli, ZeroModes
 

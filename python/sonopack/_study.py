@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from . import _core
-from ._core import Floats, Path, c_path, call, documented, ffi, lib, text_of
+from ._core import Floats, Path, c_path, call, documented, text_of
+from ._native import ffi, lib
 from ._packing import Packing
 from ._records import Front, Moduli, ProbeModuli, Statics, StudyProgress
 from ._scene import Scene

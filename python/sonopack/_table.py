@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._core import Path, c_path, call, ffi, lib, text_of
+from ._core import Path, c_path, call, text_of
+from ._native import ffi, lib
 
 _FORMATS = {".tsv": lib.SP_TSV, ".csv": lib.SP_CSV, ".json": lib.SP_JSON}
 
@@ -69,8 +70,8 @@ class Table(Mapping[str, npt.NDArray[Any]]):
             raise KeyError(name)
         kind = self._c.column[column].kind
         if kind == lib.SP_CELL_TEXT:
-            cells = (self._c.cells[row * self._c.columns + column].text for row in range(self.rows))
-            return np.array([text_of(cell) for cell in cells], dtype=str)
+            texts = (self._c.cells[row * self._c.columns + column].text for row in range(self.rows))
+            return np.array([text_of(text) for text in texts], dtype=str)
         cells = _core.view(self._c, ffi.cast("double *", self._c.cells), (self.rows, int(self._c.columns)))
         if kind == lib.SP_CELL_INTEGER:
             cells = cells.view(np.int64)

@@ -258,10 +258,10 @@ static void test_complete(void **state) {
         assert_relative(q.contacts[c].overlap, p.contacts[c].overlap, 1e-13);
     }
     q.contacts[3].fn = q.contacts[3].overlap = NAN;
-    assert_int_equal(sp_packing_complete(&q, &err), SP_EINVAL);
+    assert_fails(sp_packing_complete(&q, &err), SP_EINVAL, "3 overlap");
     q.contacts[3] = p.contacts[3];
     q.contacts[4].j = q.n;
-    assert_int_equal(sp_packing_complete(&q, &err), SP_EINVAL);
+    assert_fails(sp_packing_complete(&q, &err), SP_EINVAL, "4");
     sp_packing_free(&p);
     sp_packing_free(&q);
 }
