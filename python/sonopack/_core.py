@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import enum
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Generic, TypeVar, overload
@@ -122,7 +123,7 @@ def words(enum_name: str) -> dict[int, str]:
         # some of them count the others
         start = _common([name for name in elements.values() if not name.endswith(("S_MAX", "IZATIONS", "SP_PROBES"))])
         _words[enum_name] = {number: name.removeprefix(start).lower().replace("_", "-")
-                             for number, name in elements.items()}
+                             for number, name in sorted(elements.items())}
     return _words[enum_name]
 
 
@@ -143,7 +144,7 @@ def value_of(ctype: Any, value: Any) -> Any:
     if ctype.kind == "enum":
         return words(ctype.cname).get(int(value), str(value))
     if ctype.kind == "struct":
-        return record(_records.RECORDS[ctype.cname], value)
+        return record(_records.RECORDS[ctype.cname.removeprefix("struct ")], value)
     if ctype.kind in ("array", "pointer"):
         return text_of(value)
     return value
@@ -230,7 +231,7 @@ class _Memory:
 def view(owner: Any, pointer: Any, shape: tuple[int, ...], c_name: str | None = None) -> npt.NDArray[Any]:
     """An array on memory of the library, without a copy. It cannot be written to, and keeps its owner alive."""
     kind = dtype_of(c_name or ffi.typeof(pointer).item.cname)
-    size = int(np.prod(shape, dtype=np.int64)) * kind.itemsize
+    size = math.prod(shape) * kind.itemsize
     if size == 0:
         return np.empty(shape, kind)
     memory = np.asarray(_Memory(owner, int(ffi.cast("uintptr_t", pointer)), size))
