@@ -1,6 +1,7 @@
 """The elastic network of a packing: springs, stiffness matrix, and what follows from them."""
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,11 @@ if TYPE_CHECKING:
 
 #: dtype of Network.springs
 SPRING = _core.dtype_of("sp_spring")
+
+
+def _scipy_sparse() -> Any:
+    """scipy is needed for K and M as its matrices only."""
+    return importlib.import_module("scipy.sparse")
 
 
 class Network(_core.Owner):
@@ -68,15 +74,11 @@ class Network(_core.Owner):
 
     def K(self) -> Any:
         """The stiffness matrix, a scipy.sparse.csc_matrix [dofs][dofs]."""
-        from scipy.sparse import csc_matrix  # type: ignore[import]
-
-        return csc_matrix(self.csc(), shape=(self.dofs, self.dofs))
+        return _scipy_sparse().csc_matrix(self.csc(), shape=(self.dofs, self.dofs))
 
     def M(self) -> Any:
         """The diagonal matrix of masses and moments of inertia, a scipy.sparse.csc_matrix [dofs][dofs]."""
-        from scipy.sparse import diags
-
-        return diags(self.mass.ravel(), format="csc")
+        return _scipy_sparse().diags(self.mass.ravel(), format="csc")
 
     def apply(self, u: npt.ArrayLike) -> Floats:
         """K u, for u [n][dof] or [dofs], without a matrix."""
