@@ -315,3 +315,12 @@ def floats(values: npt.ArrayLike, key: str, shape: tuple[int, ...] | None = None
 def pointer_to(array: npt.NDArray[Any], c_type: str = "double *") -> Any:
     """For one call; the caller keeps the array."""
     return ffi.cast(c_type, array.ctypes.data)
+
+
+def pair(values: Sequence[float], key: str) -> tuple[float, float]:
+    """Two numbers of the caller."""
+    try:
+        low, high = map(float, values)
+    except (TypeError, ValueError):
+        raise invalid(key, f"{values!r}: must be two numbers") from None
+    return low, high

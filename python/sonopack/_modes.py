@@ -77,7 +77,9 @@ class Modes(_core.Owner):
     @documented("sp_participation")
     def participation_bins(self, bins: int = 40, until: float = 0.0) -> list[ParticipationBin]:
         """Participation ratios in bins of frequency."""
-        out = ffi.new("sp_participation_bin[]", max(bins, 1))
+        if not 1 <= bins <= 1_000_000:
+            raise _core.invalid("bins", f"{bins}: must be 1 .. 1000000")
+        out = ffi.new("sp_participation_bin[]", bins)
         call(lib.sp_participation, self._c, bins, until, out)
         return [_core.record(ParticipationBin, out[k]) for k in range(bins)]
 

@@ -148,7 +148,7 @@ class Network(_core.Owner):
         if lowest is not None:
             span = lib.sp_modes_range_lowest(int(lowest))
         elif band is not None:
-            span = lib.sp_modes_range_band(float(band[0]), float(band[1]))
+            span = lib.sp_modes_range_band(*_core.pair(band, "band"))
         span.zero = zero
         return Modes(self, ffi.new("sp_modes_range *", span), vectors=vectors, source=source, solver=solver,
                      threads=threads)

@@ -69,6 +69,8 @@ Where = Place | str
 
 
 def place(where: Where) -> Place:
+    if not isinstance(where, (str, Place)):
+        raise _core.invalid("place", f"{where!r}: must be a Place or a text such as plane:5")
     return Place.parse(where) if isinstance(where, str) else where
 
 

@@ -135,7 +135,7 @@ class Harmonic(_core.Owner):
         _core.set_fields(options, {**values, "n": len(frequencies)})
         options.omega = _core.pointer_to(frequencies, "const double *")
         if heights is not None:
-            options.range = [float(heights[0]), float(heights[1])]
+            options.range = list(_core.pair(heights, "range"))
         _set_places(options, at, detector)
         self._c = _core.new("sp_harmonic", lib.sp_harmonic_free, lib.sp_harmonic_none)
         call(lib.sp_harmonic_make, network._c, options, self._c)

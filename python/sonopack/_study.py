@@ -1,6 +1,7 @@
 """Studies: the samples of a scene, kept in a store, and tables of them."""
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
@@ -62,12 +63,14 @@ class Sample:
     def packing(self) -> Packing:
         """Reads the packing of this sample."""
         out = _core.new("sp_packing", lib.sp_packing_free, lib.sp_packing_none)
-        call(lib.sp_store_read, self._store._c, self.name.encode(), out, ffi.NULL, ffi.NULL)
+        with self._store._lock:
+            call(lib.sp_store_read, self._store._c, self.name.encode(), out, ffi.NULL, ffi.NULL)
         return Packing(out)
 
     def _arrays(self) -> Any:
         out = _core.new("sp_sample_arrays", lib.sp_sample_arrays_free, lib.sp_sample_arrays_none)
-        call(lib.sp_store_read, self._store._c, self.name.encode(), ffi.NULL, ffi.NULL, out)
+        with self._store._lock:
+            call(lib.sp_store_read, self._store._c, self.name.encode(), ffi.NULL, ffi.NULL, out)
         return out
 
     def signal(self) -> tuple[Floats, Floats] | None:
@@ -96,6 +99,7 @@ class Store:
         call(lib.sp_store_open, c_path(folder), create, out)
         self._c = ffi.gc(out[0], lib.sp_store_close)
         self.folder = folder
+        self._lock = threading.Lock()  # the library leaves this to its callers
         #: reasons why files of the store could not be read, after samples()
         self.bad: list[str] = []
 
@@ -103,7 +107,8 @@ class Store:
         """All samples, or those of a scene."""
         count, array, bad = ffi.new("int64_t *"), ffi.new("sp_sample **"), ffi.new("int64_t *")
         err = ffi.new("sp_error *")
-        status = lib.sp_store_samples(self._c, count, array, bad, err)
+        with self._lock:
+            status = lib.sp_store_samples(self._c, count, array, bad, err)
         if status != lib.SP_OK:
             _core.check(status, err)
         self.bad = [text_of(err.text)] * min(int(bad[0]), 1)
@@ -176,7 +181,8 @@ def study(scene: Scene, store: Path | Store, *, jobs: int = 1, threads: int = 1,
     raises KeyboardInterrupt. Finished samples are kept either way, and the next call continues.
     """
     call(lib.sp_scene_check_sweeps, scene._c)
-    into = store if isinstance(store, Store) else Store(store, create=True)
+    # a handle of its own, so that the progress function and other threads may read the store meanwhile
+    into = Store(store.folder if isinstance(store, Store) else store, create=True)
     lib.sp_store_retry(into._c, retry)
     struct = ffi.new("sp_scene *", scene._c[0])
     options = ffi.new("sp_study_options *", {"jobs": jobs, "shard": shard[0], "shards": shard[1], "threads": threads})
@@ -189,6 +195,4 @@ def study(scene: Scene, store: Path | Store, *, jobs: int = 1, threads: int = 1,
     watch = Watch(progress)
     watch.run(lib.sp_study_run, struct, options, sink, lib.sonopack_study_watch, watch.handle,
               ffi.new("sp_study_progress *"))
-    return into
-
-
+    return store if isinstance(store, Store) else into

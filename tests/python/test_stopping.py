@@ -165,6 +165,26 @@ def test_threads():
         check(name == Packing.make(SMALL, seed=seed).hash, "packings differ", seed)
 
 
+def test_studies_side_by_side():
+    """Two threads fill one store, and read it meanwhile, as processes do; no sample is made twice."""
+    scene = Scene(packing={"grains": 40, "width": 8}, study={"samples": 16, "want": ["moduli"]})
+    store, computed, read = sonopack.Store("shared", create=True), [], []
+
+    def work():
+        last = []
+        sonopack.study(scene, store, progress=lambda p: (last.append(p), read.append(len(store.samples(scene))))[0])
+        computed.append(last[-1].computed)
+
+    threads = [threading.Thread(target=work) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    check(len(computed) == 2 and sum(computed) == 16, computed)
+    check(len(store) == 16 and read and max(read) <= 16, read)
+    check(store.table("moduli", scene).rows == 1 and not store.bad, store.bad)
+
+
 def test_interrupt_in_a_thread():
     """An exception in a thread's progress function is that thread's."""
     found = []
@@ -205,5 +225,6 @@ if __name__ == "__main__":
     with scratch() as folder:
         os.chdir(folder)
         run(test_progress, test_stopped, test_exceptions, test_ctrl_c, test_study_goes_on, test_ctrl_c_without_progress,
-            test_other_threads_run, test_threads, test_interrupt_in_a_thread, test_blas_threads)
+            test_other_threads_run, test_threads, test_studies_side_by_side,
+            test_interrupt_in_a_thread, test_blas_threads)
         os.chdir("/")
