@@ -21,8 +21,8 @@ from ._native import lib as _lib
 from ._network import SPRING, Network
 from ._packing import BOTTOM, CONTACT, TOP, Packing
 from ._place import Place
-from ._records import (Audit, CoherentWave, FiniteStrain, Front, Moduli, PackProgress, ParticipationBin, ProbeModuli,
-                       Stability, Statics, StudyProgress, TappedTap, ZeroModes)
+from ._records import (Audit, CoherentWave, FiniteStrain, Front, Material, Moduli, PackProgress, ParticipationBin,
+                       ProbeModuli, Stability, Statics, StudyProgress, TappedTap, ZeroModes)
 from ._scene import Scene, scene_help
 from ._signal import Pulse, Signal, front, signal_window
 from ._spectra import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, Continuum, DensityOfStates, Dispersion, Harmonic,
@@ -34,10 +34,10 @@ from ._table import Table
 __version__ = _text_of(_lib.sp_version())
 
 __all__ = [
-    "Audit", "BOTTOM", "CONTACT", "CONTINUUM_ROW", "CoherentWave", "Column", "ColumnRun", "Continuum", "DISPERSION_POINT",
-    "DampedModes", "DensityOfStates", "Dispersion", "FileError", "FiniteStrain", "Front", "Harmonic", "Interrupted",
-    "InvalidInput", "Modes", "Moduli", "Network", "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place",
-    "ProbeModuli", "Pulse", "Refused", "SPRING", "Sample", "Scene", "Signal", "SonopackError", "Stability", "Statics",
-    "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap", "Transmission", "WAVE_FIT", "WaveSection",
-    "ZeroModes", "front", "scene_help", "signal_window", "study",
+    "Audit", "BOTTOM", "CONTACT", "CONTINUUM_ROW", "CoherentWave", "Column", "ColumnRun", "Continuum",
+    "DISPERSION_POINT", "DampedModes", "DensityOfStates", "Dispersion", "FileError", "FiniteStrain", "Front",
+    "Harmonic", "Interrupted", "InvalidInput", "Material", "Modes", "Moduli", "Network", "NoMemory", "PackProgress",
+    "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse", "Refused", "SPRING", "Sample", "Scene", "Signal",
+    "SonopackError", "Stability", "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap",
+    "Transmission", "WAVE_FIT", "WaveSection", "ZeroModes", "front", "scene_help", "signal_window", "study",
 ]

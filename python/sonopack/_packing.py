@@ -1,6 +1,7 @@
 """Packings: grains at rest under pressure, and their contacts."""
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -12,12 +13,12 @@ from . import _core, _scene
 from ._core import Array, Floats, Path, Value, c_path, call, documented
 from ._native import ffi, lib
 from ._network import Network
-from ._records import Audit, PackProgress, Statics
+from ._records import Audit, Material, PackProgress, Statics
 from ._watch import Watch
 
 BOTTOM = int(lib.SP_BOTTOM)
 TOP = int(lib.SP_TOP)
-#: dtype of Packing.contacts: i, j, n, overlap, fn, ft
+#: dtype of Packing.contacts: i, j, n, overlap, fn, ft, kn, kt
 CONTACT = _core.dtype_of("sp_contact")
 
 
@@ -38,6 +39,7 @@ class Packing(_core.Owner):
     friction = Value[float]()
     poisson = Value[float]()
     wall = Value[str]()
+    material = Value[Material]()
     seed = Value[int]()
     steps = Value[int]()
     residual = Value[float]()
@@ -96,14 +98,17 @@ class Packing(_core.Owner):
 
     @classmethod
     def from_arrays(cls, x: npt.ArrayLike, r: npt.ArrayLike, contacts: Mapping[str, npt.ArrayLike] | npt.NDArray[Any],
-                    *, box: Sequence[float], pressure: float, friction: float, poisson: float = 0.0,
-                    wall: str = "rigid") -> Packing:
+                    *, box: Sequence[float], pressure: float, friction: float, poisson: float = 0.0, wall: str = "rigid",
+                    mass: npt.ArrayLike | None = None, inertia: npt.ArrayLike | None = None,
+                    material: Material | None = None) -> Packing:
         """A packing from arrays, which are copied and checked (InvalidInput names the first fault).
 
         x [n][dim] centres and r [n] radii [d]; box: the periods, the height last [d]. contacts: an array of dtype CONTACT
         (such as that of another packing), or a dictionary of arrays: i, j (BOTTOM, TOP for walls); if known n
         [contacts][dim], overlap, fn, and ft on i [contacts][dim] (or scalars in 2D: ft (-ny, nx)). What is left out
         follows: n from the positions, overlap and fn from each other by Hertz's law or from the positions; ft is 0.
+        Stiffnesses kn, kt of contacts of another law, and mass and inertia [n] of grains that are no spheres of unit
+        density, make a linear network.
         """
         radii = _core.floats(r, "r")
         places = _core.floats(x, "x")
@@ -120,6 +125,10 @@ class Packing(_core.Owner):
         _fill(out, places[:, :dim], radii, table)
         for axis in range(3):
             out.box[axis] = box[axis] if axis < dim else 1
+        _set_masses(out, mass, inertia)
+        if material is not None:
+            _set_material(out, material)
+            call(lib.sp_material_check, ffi.addressof(out, "material"))
         _core.set_fields(out, {"pressure": float(pressure), "friction": float(friction), "poisson": float(poisson),
                                "wall": wall, "residual": float("nan")})
         lib.sp_packing_sort(out)
@@ -147,6 +156,16 @@ class Packing(_core.Owner):
     def box(self) -> tuple[float, ...]:
         """The periods, then the height [d]."""
         return tuple(self._c.box[axis] for axis in range(self.dim))
+
+    @property
+    def mass(self) -> Floats | None:
+        """Masses [n]; None for spheres of unit density."""
+        return None if self._c.mass == ffi.NULL else _core.view(self._c, self._c.mass, (self.n,))
+
+    @property
+    def inertia(self) -> Floats | None:
+        """Moments of inertia [n]; None for spheres of unit density."""
+        return None if self._c.inertia == ffi.NULL else _core.view(self._c, self._c.inertia, (self.n,))
 
     @property
     def height(self) -> float:
@@ -209,8 +228,9 @@ class Packing(_core.Owner):
     def __reduce__(self) -> tuple[Any, ...]:
         values = {name: getattr(self, name)
                   for name in ("pressure", "friction", "poisson", "wall", "seed", "steps", "residual", "seconds")}
-        return _restored, (self.dim, np.array(self.x), np.array(self.r), np.array(self.contacts),
-                           list(self._c.box), values, self.scene)
+        masses = (None, None) if self.mass is None else (np.array(self.mass), np.array(self.inertia))
+        return _restored, (self.dim, np.array(self.x), np.array(self.r), np.array(self.contacts), masses,
+                           list(self._c.box), self.material, values, self.scene)
 
 
 def _none() -> Any:
@@ -225,11 +245,27 @@ def _fill(out: Any, x: npt.NDArray[Any], r: npt.NDArray[Any], contacts: npt.NDAr
     ffi.memmove(out.contacts, np.ascontiguousarray(contacts), contacts.nbytes)
 
 
-def _restored(dim: int, x: Any, r: Any, contacts: Any, box: list[float], values: dict[str, Any], scene: str) -> Packing:
+def _set_masses(out: Any, mass: npt.ArrayLike | None, inertia: npt.ArrayLike | None) -> None:
+    if mass is None and inertia is None:
+        return
+    call(lib.sp_packing_alloc_masses, out)
+    for pointer, values, key in ((out.mass, mass, "mass"), (out.inertia, inertia, "inertia")):
+        if values is not None:
+            ffi.memmove(pointer, _core.floats(values, key, (out.n,)), 8 * out.n)
+
+
+def _set_material(out: Any, material: Material) -> None:
+    _core.set_fields(out.material, dataclasses.asdict(material))
+
+
+def _restored(dim: int, x: Any, r: Any, contacts: Any, masses: tuple[Any, Any], box: list[float], material: Material,
+              values: dict[str, Any], scene: str) -> Packing:
     out = _none()
     call(lib.sp_packing_alloc, out, dim, len(r), len(contacts))
     _fill(out, x, r, contacts)
+    _set_masses(out, *masses)
     out.box[0], out.box[1], out.box[2] = box
+    _set_material(out, material)
     _core.set_fields(out, values)
     if scene:
         parsed = _scene.Scene.parse(scene)
@@ -262,7 +298,7 @@ def _geometry(x: Floats, r: Floats, i: npt.NDArray[Any], j: npt.NDArray[Any],
 
 def _contacts(x: npt.NDArray[Any], r: Floats, given: Mapping[str, npt.ArrayLike],
               box: Sequence[float]) -> npt.NDArray[Any]:
-    unknown = sorted(set(given) - {"i", "j", "n", "overlap", "fn", "ft"})
+    unknown = sorted(set(given) - {"i", "j", "n", "overlap", "fn", "ft", "kn", "kt"})
     missing = [name for name in ("i", "j") if name not in given]
     if unknown or missing:
         raise _core.invalid("contacts", f"unknown {', '.join(unknown)}" if unknown else f"no {', '.join(missing)}")
@@ -280,6 +316,8 @@ def _contacts(x: npt.NDArray[Any], r: Floats, given: Mapping[str, npt.ArrayLike]
     table["n"][:, :dim] = normals
     for name in ("overlap", "fn"):
         table[name] = _core.floats(given[name], name, (count,)) if name in given else np.nan
+    for name in ("kn", "kt"):
+        table[name] = _core.floats(given[name], name, (count,)) if name in given else np.nan if name == "kt" else 0
     if "overlap" not in given and "fn" not in given:
         table["overlap"] = overlaps
     if "ft" in given:

@@ -2,6 +2,7 @@
 
 usage: test_errors.py COMMAND SOURCE_DIR
 """
+import dataclasses
 import os
 import pathlib
 import pickle
@@ -127,6 +128,32 @@ def test_completed():
     check(np.allclose(bare.contacts["fn"], c["fn"], 1e-10, 0) and np.allclose(bare.contacts["n"], c["n"], 0, 1e-14), "forces")
 
 
+def test_other_laws():
+    """Contacts with stiffnesses of their own, grains with masses, a material: as from tables of text."""
+    packing = sonopack.Packing.make(Scene(packing={"grains": 60, "width": 8}))
+    c, glass = packing.contacts, sonopack.Material(young=70e9, poisson=0.22, density=2500.0, diameter=1e-3)
+    contacts = {"i": c["i"], "j": c["j"], "n": c["n"], "fn": c["fn"], "ft": c["ft"], "kn": np.full(len(c), 0.1)}
+    mass, inertia = 2 * packing.network().mass[0, 0] * np.ones(60), 0.1 * np.ones(60)
+    given = dict(box=packing.box, pressure=packing.pressure, friction=packing.friction, wall="elastic", material=glass)
+    made = sonopack.Packing.from_arrays(packing.x, packing.r, contacts, mass=mass, inertia=inertia, **given)
+    check(np.allclose(made.contacts["overlap"], c["fn"] / 0.1, 1e-14) and np.all(made.contacts["kt"] == 0.1), "springs")
+    check(made.wall == "elastic" and made.material == glass, made.material)
+    made.save_tables("g.tsv", "c.tsv")
+    again = sonopack.Packing.read_tables("g.tsv", "c.tsv")
+    check(np.array_equal(again.contacts, made.contacts) and np.array_equal(again.mass, mass), "through tables")
+    network = again.network()
+    check(np.all(network.mass[:, 0] == mass[0]) and np.all(network.springs["kn"] == 0.1), "in the network")
+    copied = pickle.loads(pickle.dumps(made))
+    check(np.array_equal(copied.inertia, inertia) and copied.material == glass and copied.hash == made.hash, "pickle")
+    check(packing.mass is None and packing.inertia is None and packing.material.young == 0, "spheres")
+    fails(Status.EINVAL, "mass", sonopack.Packing.from_arrays, packing.x, packing.r, contacts, mass=mass[1:], **given)
+    wrong = dataclasses.replace(glass, density=-1.0)
+    raised(InvalidInput, sonopack.Packing.from_arrays, packing.x, packing.r, c, **{**given, "material": wrong})
+    raised(Refused, network.signal, method="dynamics")
+    os.remove("g.tsv")
+    os.remove("c.tsv")
+
+
 def test_pickles():
     for fault in (raised(InvalidInput, Scene, packing={"pressure": -1}), raised(SonopackError, sonopack.Packing.read, "no.h5")):
         again = pickle.loads(pickle.dumps(fault))
@@ -161,6 +188,6 @@ def test_refused_table():
 if __name__ == "__main__":
     with scratch() as folder:
         os.chdir(folder)
-        run(test_scenes, test_scene_values, test_files, test_options, test_arrays, test_completed, test_pickles, test_tables,
+        run(test_scenes, test_scene_values, test_files, test_options, test_arrays, test_completed, test_other_laws, test_pickles, test_tables,
             test_refused_table)
         os.chdir("/")

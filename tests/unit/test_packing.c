@@ -257,6 +257,10 @@ static void test_complete(void **state) {
         assert_relative(q.contacts[c].fn, p.contacts[c].fn, 1e-13);
         assert_relative(q.contacts[c].overlap, p.contacts[c].overlap, 1e-13);
     }
+    q.contacts[5] = (sp_contact){.i = 1, .j = 2, .overlap = 0.01, .fn = NAN, .kn = 3, .kt = NAN}; /* a linear spring */
+    assert_ok(sp_packing_complete(&q, &err));
+    assert_relative(q.contacts[5].fn, 0.03, 1e-15);
+    assert_relative(q.contacts[5].kt, 3.0, 1e-15); /* Poisson's ratio is 0 */
     q.contacts[3].fn = q.contacts[3].overlap = NAN;
     assert_fails(sp_packing_complete(&q, &err), SP_EINVAL, "3 overlap");
     q.contacts[3] = p.contacts[3];

@@ -1,4 +1,4 @@
-/* Fills in forces or overlaps of contacts that were measured otherwise. */
+/* Fills in what is not known of contacts: overlap, force or tangential stiffness. */
 #include "base/base.h"
 #include "packing/contact.h"
 
@@ -9,11 +9,14 @@ static sp_status complete(const sp_packing *p, int32_t index, sp_contact *c, sp_
     if (c->overlap < 0 || c->fn < 0 || (isnan(c->overlap) && isnan(c->fn)))
         return sp_fail(err, SP_EINVAL, "contact %d has overlap %g, fn %g: must be >= 0, and one of them known", index,
                        c->overlap, c->fn);
-    const double e = c->j < 0 ? contact_wall_stiffness(p->r[c->i], p->wall) : contact_stiffness(p->r[c->i], p->r[c->j]);
+    const double e = contact_stiffness_in(p, c->i, c->j);
+    const bool spring = c->kn > 0;
     if (isnan(c->overlap))
-        c->overlap = contact_overlap(e, c->fn);
+        c->overlap = spring ? c->fn / c->kn : contact_overlap(e, c->fn);
     else if (isnan(c->fn))
-        c->fn = contact_force(e, c->overlap);
+        c->fn = spring ? c->kn * c->overlap : contact_force(e, c->overlap);
+    if (isnan(c->kt))
+        c->kt = spring ? contact_eta(p->poisson) * c->kn : 0;
     return SP_OK;
 }
 
