@@ -13,6 +13,7 @@ install(FILES completions/sonopack.bash RENAME sonopack
 install(FILES README.md CHANGELOG.md CONTRIBUTING.md CITATION.cff LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # with what their links lead to
 install(DIRECTORY docs packings examples DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN man EXCLUDE PATTERN api EXCLUDE)
+install(DIRECTORY python/examples DESTINATION ${CMAKE_INSTALL_DOCDIR}/python PATTERN __pycache__ EXCLUDE)
 install(FILES tests/package/consumer.c tests/package/consumer_all.c DESTINATION ${CMAKE_INSTALL_DOCDIR}/tests/package)
 
 # Command and shared libraries find each other wherever the tree is moved.

@@ -49,6 +49,5 @@ add_custom_target(sonopack_python_modules ALL DEPENDS ${native}/linked)
 
 install(TARGETS sonopack_python LIBRARY DESTINATION ${SONOPACK_PYTHON_DIR}/sonopack)
 install(FILES ${linked} DESTINATION ${SONOPACK_PYTHON_DIR}/sonopack)
-install(DIRECTORY python/examples DESTINATION ${CMAKE_INSTALL_DOCDIR}/python PATTERN __pycache__ EXCLUDE)
 # of the Debian package (cmake/package.cmake)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-cffi-backend, python3-numpy")

@@ -13,7 +13,7 @@ from . import _core, _scene
 from ._core import Array, Floats, Path, Value, c_path, call, documented
 from ._native import ffi, lib
 from ._network import Network
-from ._records import Audit, Material, PackProgress, Statics
+from ._records import Audit, Front, Material, PackProgress, Statics
 from ._watch import Watch
 
 BOTTOM = int(lib.SP_BOTTOM)
@@ -218,6 +218,11 @@ class Packing(_core.Owner):
     def network(self, *, threshold: float | None = None, prestress: bool = False, sliding_free: bool = False) -> Network:
         """The springs between the grains that carry force: from there to modes, signals, moduli and spectra."""
         return Network(self, threshold=threshold, prestress=prestress, sliding_free=sliding_free)
+
+    @documented("sp_network_front")
+    def front(self, *, source: str = "impulse", window: float = 0.0) -> Front:
+        """The first wave front at the top wall, as `sonopack front` finds it."""
+        return self.network().front(source=source, window=window)
 
     def __len__(self) -> int:
         return self.n

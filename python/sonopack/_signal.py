@@ -12,6 +12,7 @@ from ._core import Array, Floats, Value, call, documented
 from ._native import ffi, lib
 from ._place import Where
 from ._records import Front
+from ._table import Table
 
 if TYPE_CHECKING:
     from ._network import Network
@@ -95,7 +96,8 @@ class Signal(_core.Owner):
     def __init__(self, network: Network, pulse: Pulse | None, sources: Where | Iterable[Where] | None,
                  detectors: Where | Iterable[Where] | None, values: dict[str, Any]) -> None:
         options = ffi.new("sp_signal_options *", lib.sp_signal_options_default())
-        options.until = lib.sp_signal_window(network.packing.height, network.packing.pressure)
+        self._height, self._pressure = network.packing.height, network.packing.pressure
+        options.until = lib.sp_signal_window(self._height, self._pressure)
         if values["method"] == "dynamics" and values["tolerance"] is None:
             values = {**values, "tolerance": max(options.tolerance, DYNAMICS_TOLERANCE)}
         _core.set_fields(options, values)
@@ -104,8 +106,6 @@ class Signal(_core.Owner):
         setattr(options, "from", start)
         options.to = end
         self._c = _core.new("sp_signal", lib.sp_signal_free, lib.sp_signal_none)
-        self.window = float(options.until)
-        self._front_window = float(lib.sp_signal_window(network.packing.height, network.packing.pressure))
         if pulse is not None:
             call(lib.sp_signal_pulse, network._c, options, pulse._c, self._c)
         else:
@@ -120,7 +120,17 @@ class Signal(_core.Owner):
 
     def front(self, source: int = 0, detector: int = 0, *, window: float | None = None) -> Front:
         """The first front of one of the signals, as `sonopack front` finds it in a table of `sonopack signal`."""
-        return front(self.t, self.f[source, detector], window=self._front_window if window is None else window)
+        usual = signal_window(self._height, self._pressure)
+        return front(self.t, self.f[source, detector], window=usual if window is None else window)
+
+    def table(self) -> Table:
+        """Columns t and F (F1, F2, ... of several), with what `sonopack front` and `sonopack plot` need to know."""
+        forces = self.f.reshape(-1, self.n)
+        names = ["F"] if len(forces) == 1 else [f"F{k + 1}" for k in range(len(forces))]
+        units = {"t": "d/sqrt(E* / rho)", **{name: "E* d^2" for name in names}}
+        return Table.from_columns({"t": self.t, **dict(zip(names, forces))}, units,
+                                  {"method": self.method, "height": self._height, "pressure": self._pressure,
+                                   "error": self.error})
 
     def __len__(self) -> int:
         return self.n

@@ -89,6 +89,9 @@ def test_front():
     network = packing().network()
     names = ["t10", "t_peak", "t_zero", "amplitude", "width"]
     all_equal(table("front", "P.h5"), network.front(), names, "of a packing")
+    check(packing().front() == network.front(), "of a packing without a network")
+    network.signal().table().save("ours.tsv")
+    all_equal(table("front", "ours.tsv"), network.signal().front(), names, "of a table made here")
     table("signal", "P.h5")
     os.replace("table.tsv", "signal.tsv")
     read = table("front", "signal.tsv")

@@ -121,7 +121,8 @@ def test_completed():
     turned = {name: values[::-1] for name, values in turned.items()}
     made = sonopack.Packing.from_arrays(packing.x, packing.r, turned, **given)
     check(np.array_equal(made.contacts["i"], c["i"]) and np.array_equal(made.contacts["j"], c["j"]), "order")
-    check(np.array_equal(made.contacts["ft"], c["ft"]) and np.allclose(made.contacts["overlap"], c["overlap"], 1e-13, 0),
+    check(np.array_equal(made.contacts["n"], c["n"]) and np.array_equal(made.contacts["ft"], c["ft"]), "signs")
+    check(np.allclose(made.contacts["overlap"], c["overlap"], 1e-13, 0),
           "Hertz's law")
     bare = sonopack.Packing.from_arrays(packing.x, packing.r, {"i": c["i"], "j": c["j"]}, **given)
     check(np.allclose(bare.contacts["overlap"], c["overlap"], 1e-11, 0), "overlaps of positions")
