@@ -90,16 +90,17 @@ def field_comments(code):
     body = re.search(r"\{(.*)\}", code, re.S)
     if "typedef struct" not in code or not body:
         return {}
-    found, last, above = {}, [], ""
+    found, last, above, next_line = {}, [], "", True
     for part in re.finditer(r"/\*.*?\*/|[^;/]+(?:;|(?=/\*)|$)", body.group(1), re.S):
         text = part.group()
         if text.startswith("/*"):
-            if last and not found.get(last[-1]):
+            if not next_line and not found.get(last[-1]):
                 found.update({name: plain(text) for name in last})
             else:
                 above = plain(text)
             continue
         names = re.findall(r"(?:^|[\s*(])(\w+)\s*(?=\[[^;]*?\]\s*[,;]|[,;]|\)\s*\()", text)
+        next_line = next_line or "\n" in text if not names else text.endswith("\n")
         if not names:
             continue
         if last and not text.endswith(";"):  # one declaration, with a comment in its middle

@@ -2,8 +2,10 @@
 from __future__ import annotations
 
 import enum
+import inspect
 import math
 import os
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Generic, TypeVar, overload
 
@@ -178,7 +180,8 @@ def documented(c_name: str) -> Callable[[_T], _T]:
     def add(target: _T) -> _T:
         own, _ = COMMENTS.get(c_name, ("", {}))
         if own:
-            target.__doc__ = f"{target.__doc__ or ''}\n\n{c_name}: {own}"
+            text = textwrap.fill(f"{c_name}: {own}", 110)
+            target.__doc__ = f"{inspect.cleandoc(target.__doc__ or '')}\n\n{text}"
         return target
 
     return add

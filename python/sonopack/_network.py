@@ -135,7 +135,7 @@ class Network(_core.Owner):
 
     # ---- modes ------------------------------------------------------------------------------------------------------
 
-    @documented("sp_modes_make")
+    @documented("sp_modes_sparse")
     def modes(self, *, lowest: int | None = None, band: tuple[float, float] | None = None, zero: bool = False,
               vectors: bool = True, source: str = "impulse", solver: str = "auto", threads: int = 1) -> Modes:
         """Frequencies and eigenvectors: all of them, the `lowest` that are no zero modes, or those of a band.
@@ -167,7 +167,7 @@ class Network(_core.Owner):
 
     # ---- waves ------------------------------------------------------------------------------------------------------
 
-    @documented("sp_signal_dynamics")
+    @documented("sp_signal_make")
     def signal(self, *, until: float | None = None, points: int | None = None, method: str | None = None,
                tolerance: float | None = None, source: str | None = None, sources: Where | Iterable[Where] | None = None,
                detectors: Where | Iterable[Where] | None = None, damping: float | None = None,
@@ -246,7 +246,7 @@ class Network(_core.Owner):
         return DensityOfStates(self, {"method": method, "norm": norm, "bins": bins, "until": until,
                                       "resolution": resolution, "vectors": vectors, "seed": seed, "threads": threads})
 
-    @documented("sp_transmission_make")
+    @documented("sp_transmission")
     def transmission(self, *, source: str | None = None, at: Where | None = None, detector: Where | None = None,
                      points: int | None = None, until: float | None = None,
                      resolution: float | None = None) -> Transmission:

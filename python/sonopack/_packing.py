@@ -52,13 +52,13 @@ class Packing(_core.Owner):
     # ---- where packings come from -----------------------------------------------------------------------------------
 
     @classmethod
-    @documented("sp_packing_make_with")
+    @documented("sp_packing_make")
     def make(cls, scene: _scene.Scene, *, seed: int | None = None,
              progress: Callable[[PackProgress], object] | None = None, threads: int = 1,
              start: Packing | None = None) -> Packing:
         """Compresses a packing: the first one of the scene, bit for bit that of `sonopack pack`.
 
-        progress is called with a PackProgress many times a second; it may return False to stop, which raises
+        progress is called with a PackProgress several times a second; it may return False to stop, which raises
         Interrupted. Ctrl-C raises KeyboardInterrupt. start: the packing to begin with, in place of packing.file.
         """
         struct = scene.resolved()
@@ -189,7 +189,7 @@ class Packing(_core.Owner):
         call(lib.sp_packing_audit, self._c, threshold, out)
         return _core.record(Audit, out)
 
-    @documented("sp_statics_make")
+    @documented("sp_statics")
     def statics(self, threshold: float = 1e-4, margin: float = 3.0) -> Statics:
         """Densities, contacts, forces and stress, averaged over the bulk."""
         out = ffi.new("sp_statics *")

@@ -15,6 +15,7 @@ from common import SOURCE, check, command, raised, run, scratch
 import sonopack
 from sonopack import _core, _records
 from sonopack._native import ffi, lib
+from sonopack._reference import COMMENTS
 
 COMPILER = sys.argv[3]
 INCLUDE = SOURCE / "include"
@@ -103,8 +104,12 @@ def test_docstrings():
                                                                       "particles"):
                 bare.append(f"{name}.{member}")
     check(not bare, "no docstring:", bare)
+    named = [name for path in (SOURCE / "python/sonopack").glob("*.py") for name in re.findall(r'@documented\("(\w+)"\)', path.read_text())]
+    check(len(named) > 30 and all(COMMENTS.get(name, ("",))[0] for name in named), named)
     check("SP_EREFUSED" in sonopack.Network.moduli.__doc__, "from the header")
     check(inspect.getdoc(vars(sonopack.Packing)["r"]) == "[n] radii [d]", inspect.getdoc(vars(sonopack.Packing)["r"]))
+    packing = vars(sonopack.Packing)
+    check("provenance" in packing["seed"].__doc__ and "provenance" not in packing["material"].__doc__, "of the right field")
     check("first time at `rise` of the peak" in sonopack.Front.__doc__, sonopack.Front.__doc__)
 
 
