@@ -28,7 +28,7 @@ from ._signal import Pulse, Signal, front, signal_window
 from ._spectra import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, Continuum, DensityOfStates, Dispersion, Harmonic,
                        Transmission, WaveSection)
 from ._study import Sample, Store, study
-from ._table import Table
+from ._table import Table, quantity
 
 #: version of the library
 __version__ = _text_of(_lib.sp_version())
@@ -39,5 +39,5 @@ __all__ = [
     "Harmonic", "Interrupted", "InvalidInput", "Material", "Modes", "Moduli", "Network", "NoMemory", "PackProgress",
     "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse", "Refused", "SPRING", "Sample", "Scene", "Signal",
     "SonopackError", "Stability", "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap",
-    "Transmission", "WAVE_FIT", "WaveSection", "ZeroModes", "front", "scene_help", "signal_window", "study",
+    "Transmission", "WAVE_FIT", "WaveSection", "ZeroModes", "front", "quantity", "scene_help", "signal_window", "study",
 ]

@@ -68,6 +68,8 @@ class Packing(_core.Owner):
             start = cls.read(os.fsdecode(ffi.string(getattr(struct, "from"))))
         if start is not None:
             call(lib.sp_pack_spec_from, ffi.addressof(struct, "pack"), start._c)
+            if not struct.material.young > 0:
+                struct.material = start._c.material
         watch = Watch(progress)
         hooks = ffi.new("sp_pack_hooks *", {"watch": lib.sonopack_pack_watch, "user": watch.handle, "threads": threads})
         if start is not None:
@@ -76,6 +78,7 @@ class Packing(_core.Owner):
         watch.run(lib.sp_packing_make_with, ffi.addressof(struct, "pack"), hooks, out)
         if out.scene == ffi.NULL:
             out.scene = lib.sp_scene_text(struct, b"packing")
+        out.material = struct.material
         return cls(out)
 
     @classmethod

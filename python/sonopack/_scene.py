@@ -53,6 +53,7 @@ class Scene(_core.Owner):
 
         Scene(packing={"grains": 200, "pressure": 1e-4}, signal={"points": 401})
 
+    With a material={"E": 70e9, "nu": 0.22, "rho": 2500, "d": 1e-3}, in SI units, values may have units: "100 kPa".
     A list in place of a value, or study={"sweep": [...]}, makes a study. Scene.read("file.cfg", {"packing.seed": 2})
     reads a file and overrides keys; Scene.parse does so with a text. A wrong scene raises InvalidInput, whose `key` is
     the key at fault. Scenes do not change: replace() returns another one.
@@ -61,8 +62,9 @@ class Scene(_core.Owner):
     _type = "sp_scene"
 
     def __init__(self, *, packing: Keys | None = None, network: Keys | None = None, signal: Keys | None = None,
-                 study: Keys | None = None) -> None:
-        text = _text_of_groups({"packing": packing, "network": network, "signal": signal, "study": study})
+                 study: Keys | None = None, material: Keys | None = None) -> None:
+        text = _text_of_groups({"material": material, "packing": packing, "network": network, "signal": signal,
+                                "study": study})
         self._load(None, text or None, "keywords", {})
 
     def _load(self, path: Path | None, text: str | None, name: str, keys: Keys) -> None:

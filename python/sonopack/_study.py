@@ -190,6 +190,8 @@ def study(scene: Scene, store: Path | Store, *, jobs: int = 1, threads: int = 1,
     if struct.pack.kind == lib.SP_PACK_FILE:
         start = Packing.read(text_of(getattr(struct, "from")))
         call(lib.sp_pack_spec_from, ffi.addressof(struct, "pack"), start._c)
+        if not struct.material.young > 0:
+            struct.material = start._c.material
         setattr(options, "from", start._c)
     sink = ffi.new("sp_study_sink *", lib.sp_store_sink(into._c))
     watch = Watch(progress)

@@ -1,7 +1,9 @@
 """Tables: what every command prints, as numpy arrays."""
 from __future__ import annotations
 
+import dataclasses
 import os
+import tempfile
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -11,6 +13,7 @@ import numpy.typing as npt
 from . import _core
 from ._core import Path, c_path, call, text_of
 from ._native import ffi, lib
+from ._records import Material
 
 _FORMATS = {".tsv": lib.SP_TSV, ".csv": lib.SP_CSV, ".json": lib.SP_JSON}
 
@@ -109,6 +112,21 @@ class Table(Mapping[str, npt.NDArray[Any]]):
             raise KeyError(key)
         return float(out[0])
 
+    def si(self, material: Material | None = None) -> Table:
+        """This table in SI units, as the command prints it with --units si. material: that of the grains; by default
+        that of the table's comments."""
+        struct = ffi.new("sp_material *")
+        if material is not None:
+            _core.set_fields(struct, dataclasses.asdict(material))
+        elif "material" in self.metadata:
+            call(lib.sp_material_read, self.metadata["material"].encode(), struct)
+        with tempfile.TemporaryDirectory(prefix="sonopack-") as folder:
+            path = os.path.join(folder, "table.tsv")
+            self.save(path)
+            copy = Table.read(path)
+        call(lib.sp_table_to_si, copy._c, struct)
+        return copy
+
     # ---- text -------------------------------------------------------------------------------------------------------
 
     def text(self, format: str = "tsv") -> str:
@@ -133,6 +151,16 @@ class Table(Mapping[str, npt.NDArray[Any]]):
 
     def __repr__(self) -> str:
         return f"<Table: {self.rows} rows of {' '.join(self.names)}>"
+
+
+def quantity(text: str, unit: str, material: Material | None = None) -> float:
+    """A number with a unit in another unit: quantity("100 kPa", "E*", packing.material)."""
+    out, struct = ffi.new("double *"), ffi.NULL
+    if material is not None:
+        struct = ffi.new("sp_material *")
+        _core.set_fields(struct, dataclasses.asdict(material))
+    call(lib.sp_quantity_read, text.encode(), unit.encode(), struct, out)
+    return float(out[0])
 
 
 def _empty() -> Any:

@@ -186,6 +186,26 @@ def test_study():
         check(np.array_equal(sample.signal()[1], network.signal().F), "signal")
 
 
+def test_units():
+    """A scene in SI, and tables in SI: the command's numbers."""
+    keys = {"E": 70e9, "nu": 0.22, "rho": 2500, "d": 1e-3}
+    pathlib.Path("si.cfg").write_text("material = { E = 70e9; nu = 0.22; rho = 2500; d = 1e-3; };\n"
+                                      'packing = { grains = 60; width = 8; pressure = "100 kPa"; };\n')
+    command("pack", "si.cfg", "-o", "S.h5", "--quiet")
+    scene = sonopack.Scene(material=keys, packing={"grains": 60, "width": 8, "pressure": "100 kPa"})
+    made = sonopack.Packing.make(scene)
+    made.save("T.h5")
+    check(filecmp.cmp("S.h5", "T.h5", shallow=False), "the files differ")
+    check(made.material == sonopack.Material(70e9, 0.22, 2500.0, 1e-3), made.material)
+    check(sonopack.quantity("100 kPa", "E*", made.material) == made.pressure, made.pressure)
+    si, own = table("signal", "S.h5", "--units", "si"), table("signal", "S.h5").si(made.material)
+    check(si.units == own.units and si.units["F"] != "E* d^2", si.units, own.units)
+    for name in si:
+        equal(si, name, own[name], "SI")
+    started = sonopack.Packing.make(sonopack.Scene(packing={"kind": "file", "file": "S.h5", "pressure": 2e-6}))
+    check(started.material == made.material, started.material)
+
+
 def test_column():
     for output in ("trajectory", "strobe", "energy"):
         read = table("column", "--set", f"column.output={output}", "--set", "column.taps=3")
@@ -204,5 +224,5 @@ if __name__ == "__main__":
     with scratch() as folder:
         os.chdir(folder)
         run(test_packing, test_another_pressure, test_statics, test_signal, test_front, test_modes, test_moduli,
-            test_spectra, test_wave, test_study, test_column)
+            test_spectra, test_wave, test_study, test_units, test_column)
         os.chdir("/")
