@@ -26,6 +26,7 @@ install(FILES README.md CHANGELOG.md CONTRIBUTING.md CITATION.cff LICENSE DESTIN
 install(DIRECTORY docs packings examples DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN man EXCLUDE PATTERN api EXCLUDE)
 install(FILES third_party/three/README.md third_party/three/LICENSE third_party/three/SHA256SUMS
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/third_party/three)
+install(DIRECTORY python/examples DESTINATION ${CMAKE_INSTALL_DOCDIR}/python PATTERN __pycache__ EXCLUDE)
 install(FILES tests/package/consumer.c tests/package/consumer_all.c DESTINATION ${CMAKE_INSTALL_DOCDIR}/tests/package)
 
 # Command and shared libraries find each other wherever the tree is moved.

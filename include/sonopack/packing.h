@@ -86,6 +86,11 @@ SP_API sp_status sp_packing_alloc_masses(sp_packing *p, sp_error *err);
 /* Sorts the contacts into the order of sp_packing.contacts. */
 SP_API void sp_packing_sort(sp_packing *p);
 
+/* Fills in what is NAN in the contacts: the overlap or the normal force, each from the other by Hertz's law or as a
+ * linear spring of the stiffness kn; kt as Mindlin's part of kn. SP_EINVAL names the contact if both overlap and force
+ * are NAN or one is negative, and if it joins no grains of the packing. */
+SP_API sp_status sp_packing_complete(sp_packing *p, sp_error *err);
+
 /* Area of a wall [d^2], and distance between the walls [d]. */
 SP_API double sp_packing_wall_area(const sp_packing *p);
 SP_API double sp_packing_height(const sp_packing *p);

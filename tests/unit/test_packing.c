@@ -246,6 +246,30 @@ static void test_audit_finds(void **state) {
     sp_packing_free(&p);
 }
 
+/* Overlap and force follow from each other as in a packing that has both; what has neither is refused. */
+static void test_complete(void **state) {
+    (void)state;
+    sp_packing p = make_triangular(6, 6, 1e-4), q = make_triangular(6, 6, 1e-4);
+    for (int c = 0; c < q.n_contacts; c++)
+        *(c % 2 ? &q.contacts[c].fn : &q.contacts[c].overlap) = NAN;
+    assert_ok(sp_packing_complete(&q, &err));
+    for (int c = 0; c < q.n_contacts; c++) {
+        assert_relative(q.contacts[c].fn, p.contacts[c].fn, 1e-13);
+        assert_relative(q.contacts[c].overlap, p.contacts[c].overlap, 1e-13);
+    }
+    q.contacts[5] = (sp_contact){.i = 1, .j = 2, .overlap = 0.01, .fn = NAN, .kn = 3, .kt = NAN}; /* a linear spring */
+    assert_ok(sp_packing_complete(&q, &err));
+    assert_relative(q.contacts[5].fn, 0.03, 1e-15);
+    assert_relative(q.contacts[5].kt, 3.0, 1e-15); /* Poisson's ratio is 0 */
+    q.contacts[3].fn = q.contacts[3].overlap = NAN;
+    assert_fails(sp_packing_complete(&q, &err), SP_EINVAL, "3 overlap");
+    q.contacts[3] = p.contacts[3];
+    q.contacts[4].j = q.n;
+    assert_fails(sp_packing_complete(&q, &err), SP_EINVAL, "4");
+    sp_packing_free(&p);
+    sp_packing_free(&q);
+}
+
 static void test_statics(void **state) {
     (void)state;
     sp_packing p = make_triangular(60, 20, 1e-6);
@@ -363,9 +387,9 @@ static void test_spec_refuses(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_triangular), cmocka_unit_test(test_other_sizes),  cmocka_unit_test(test_chain),
-        cmocka_unit_test(test_rattlers),   cmocka_unit_test(test_check_finds),  cmocka_unit_test(test_audit_finds),
-        cmocka_unit_test(test_statics),    cmocka_unit_test(test_spec_refuses),
+        cmocka_unit_test(test_triangular), cmocka_unit_test(test_other_sizes), cmocka_unit_test(test_chain),
+        cmocka_unit_test(test_rattlers),   cmocka_unit_test(test_check_finds), cmocka_unit_test(test_audit_finds),
+        cmocka_unit_test(test_complete),   cmocka_unit_test(test_statics),     cmocka_unit_test(test_spec_refuses),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -91,6 +91,11 @@ typedef enum sp_stored { SP_STORED_NOT = 0, SP_STORED_ALL, SP_STORED_FAILED } sp
 /* The same of a sample with stored results, whose parts are those of sp_sample_parts. */
 SP_API sp_stored sp_sample_stored(const sp_scene *scene, const sp_sample *sample);
 
+/* The front of a network's signal over the times 0 .. window, on times that are dense enough for it: the front of
+ * SP_WANT_CTOF and of `sonopack front'. window <= 0 stands for sp_signal_window. Errors as sp_signal_make and
+ * sp_front_find. */
+SP_API sp_status sp_network_front(const sp_network *net, sp_source source, double window, sp_front *out, sp_error *err);
+
 /* Makes one sample: the packing unless it is given (n > 0), and every part in `want` that *sample lacks or that was
  * made otherwise than the scene says. Planes that are less than a diameter from a wall are left out. If a part fails
  * the others are made nevertheless; the first reason is returned, and stored in sample->reason. *arrays receives signal

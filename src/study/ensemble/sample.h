@@ -18,10 +18,6 @@ uint64_t sp_signal_keys(const sp_scene *scene);
 double sp_front_spacing(double pressure);
 /* Options for a signal over the times 0 .. window whose front is to be found. */
 sp_status sp_front_grid(const sp_network *net, sp_source source, double window, sp_signal_options *out, sp_error *err);
-/* The front of a network's signal over the times 0 .. window; window <= 0 stands for sp_signal_window. */
-SP_SHARED sp_status sp_network_front(const sp_network *net, sp_source source, double window, sp_front *out,
-                                     sp_error *err);
-
 /* sp_sample_make with hooks for the compression of the packing. */
 sp_status sp_sample_make_with(const sp_scene *scene, unsigned want, const sp_pack_hooks *hooks, sp_packing *packing,
                               sp_sample *sample, sp_sample_arrays *arrays, sp_error *err);

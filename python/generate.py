@@ -1,0 +1,219 @@
+"""Makes the generated parts of the Python package from the public headers.
+
+usage: generate.py INCLUDE_DIR NATIVE_HEADER OUTPUT_DIR
+
+_native.c      source of the extension module, written by cffi from the declarations of the headers
+_records.py    a frozen dataclass for each struct that holds numbers and words only
+_reference.py  the comments of the headers, from which docstrings are made
+
+Nothing is copied by hand: a change of a header changes all three, and the C compiler compares each struct with the
+header once more when it compiles _native.c.
+"""
+import keyword
+import pathlib
+import re
+import sys
+import textwrap
+
+import cffi
+
+# What the library calls back; implemented in sonopack/_watch.py.
+CALLBACKS = """
+extern "Python" {
+    bool sonopack_pack_watch(const sp_pack_progress *progress, void *user);
+    sp_status sonopack_pack_stage(const sp_packing *packing, int32_t index, void *user, sp_error *err);
+    bool sonopack_study_watch(const sp_study_progress *progress, void *user);
+    bool sonopack_tapped_watch(double share, void *user);
+    bool sonopack_tapped_stopped(void *user);
+    sp_status sonopack_tapped_row(double t, const double *y, const double *v, void *user, sp_error *err);
+}
+void sonopack_blas_begin(void);
+void sonopack_blas_end(void);
+"""
+# Structs of this kind are inputs of the library and no results.
+INPUTS = re.compile(r"_(options|spec|range|place|hooks|pulse|probe|watcher|made|counts|cell|column|sweep|error|chain|value|store_check|finding)$")
+
+
+def headers(include):
+    """The public headers in the order in which they include each other, but for the figures."""
+    found = []
+
+    def visit(path):
+        if path in found:
+            return
+        for name in re.findall(r"^#include <(sonopack/[^>]+)>", path.read_text(), re.M):
+            visit(include / name)
+        found.append(path)
+
+    for path in sorted((include / "sonopack").rglob("*.h")):
+        if path.parent.name != "figure":
+            visit(path)
+    return found
+
+
+def without_preprocessor(text):
+    """Declarations and comments alone: no directives, no `extern "C"`, no visibility, no attributes."""
+    text = re.sub(r"^#ifdef __cplusplus\n.*?^#endif\n", "", text, flags=re.S | re.M)
+    text = re.sub(r"^[ \t]*#(?:[^\n]*\\\n)*[^\n]*\n", "\n", text, flags=re.M)
+    text = re.sub(r"__attribute__\s*\(\((?:[^()]|\([^()]*\))*\)\)", "", text)
+    return re.sub(r"\bSP_(API|SHARED)\b", "", text)
+
+
+def without_comments(text):
+    return re.sub(r"/\*.*?\*/", " ", text, flags=re.S)
+
+
+# ---- comments -------------------------------------------------------------------------------------------------------
+
+def plain(comment):
+    """The sentences of a comment; "" for a line that only divides a header into parts."""
+    text = re.sub(r"\n[ \t]*\*?[ \t]*", "\n", comment[2:-2].strip("* \n"))
+    if re.match(r"-{3,}", text):
+        return ""
+    return re.sub(r"(?<!\n)\n(?!\n)", " ", text).strip()
+
+
+def name_of(code):
+    """What a declaration declares: a function, a type, or None for a bare enum."""
+    code = without_comments(code)
+    typedef = re.search(r"typedef\b.*\}\s*(\w+)\s*;$", code, re.S)
+    pointer = re.search(r"typedef[^{]*\(\s*\*\s*(\w+)\s*\)\s*\(", code)
+    function = re.match(r"[^({]*?(\w+)\s*\(", code)
+    for match in (typedef, pointer, function if "typedef" not in code else None):
+        if match:
+            return match.group(1)
+    return None
+
+
+def field_comments(code):
+    """{field: comment} of a struct: the comment that follows a field, or stands above it."""
+    body = re.search(r"\{(.*)\}", code, re.S)
+    if "typedef struct" not in code or not body:
+        return {}
+    found, last, above, next_line = {}, [], "", True
+    for part in re.finditer(r"/\*.*?\*/|[^;/]+(?:;|(?=/\*)|$)", body.group(1), re.S):
+        text = part.group()
+        if text.startswith("/*"):
+            if not next_line and not found.get(last[-1]):
+                found.update({name: plain(text) for name in last})
+            else:
+                above = plain(text)
+            continue
+        names = re.findall(r"(?:^|[\s*(])(\w+)\s*(?=\[[^;]*?\]\s*[,;]|[,;]|\)\s*\()", text)
+        next_line = next_line or "\n" in text if not names else text.endswith("\n")
+        if not names:
+            continue
+        if last and not text.endswith(";"):  # one declaration, with a comment in its middle
+            last = last + names
+        else:
+            last = names
+        found.update({name: above for name in names})
+        above = ""
+    return {name: text for name, text in found.items() if text}
+
+
+DECLARATION = re.compile(r"(?P<before>(?:/\*(?:(?!\*/).)*\*/\s*)*)"
+                         r"(?P<code>\s*(?:typedef\s+(?:struct|enum)\s+\w*\s*\{.*?\n?\}\s*\w+\s*;|[^;{}/]+;))"
+                         r"(?P<after>[ \t]*/\*.*?\*/)?", re.S)
+
+
+def comments_of(text, reference):
+    """Adds the comments of one header. A comment belongs to the declaration below it, and to those that follow without a
+    blank line; or to the one on whose last line it stands. One with a blank line below is about the file or a part of
+    it."""
+    above = ""
+    for match in DECLARATION.finditer(text):
+        before, code, after = match["before"], match["code"], match["after"]
+        comments = re.findall(r"/\*.*?\*/", before, re.S)
+        if comments:
+            above = "" if re.search(r"\n\s*\n\s*$", before) else plain(comments[-1])
+        elif "\n\n" in code[:len(code) - len(code.lstrip())]:
+            above = ""
+        own, fields = plain(after.strip()) if after else above, field_comments(code)
+        name = name_of(code)
+        if name and not name.endswith("_free") and (own or fields):
+            reference[name] = (own, fields)
+        if "{" in code:  # of a struct; the functions below it have comments of their own
+            above = ""
+
+
+# ---- records --------------------------------------------------------------------------------------------------------
+
+def python_name(c_name):
+    """sp_probe_moduli becomes ProbeModuli."""
+    return "".join(word.capitalize() for word in c_name.removeprefix("sp_").split("_"))
+
+
+def python_type(ffi, ctype, records):
+    if ctype.kind == "primitive":
+        if ctype.cname in ("double", "float"):
+            return "float"
+        return {"_Bool": "bool"}.get(ctype.cname, "int" if ctype.cname != "char" else None)
+    if ctype.kind == "enum":
+        return "str"
+    if ctype.kind == "array" and ctype.item.cname == "char":
+        return "str"
+    if ctype.kind == "pointer" and ctype.item.cname == "char":
+        return "str"
+    if ctype.kind == "struct" and ctype.cname in records:
+        return python_name(ctype.cname)
+    return None
+
+
+def doc_of(own, fields):
+    """Text of a docstring that is indented by four."""
+    lines = textwrap.wrap(own, 110) + [""]
+    for name, comment in fields:
+        lines += textwrap.wrap(f"{name}: {comment}", 110, subsequent_indent="    ")
+    text = "\n".join("    " + line if line else "" for line in lines).strip()
+    return text.replace("\\", "\\\\").replace('"""', "'''")
+
+
+def records_of(ffi, names, reference):
+    """Source of _records.py: structs all of whose fields are numbers, words, or such structs."""
+    records, blocks = {}, []
+    for name in names:
+        if INPUTS.search(name):
+            continue
+        ctype = ffi.typeof(name)
+        types = [(field, python_type(ffi, member.type, records)) for field, member in ctype.fields]
+        if not all(kind for _, kind in types):
+            continue
+        records[name] = True
+        own, fields = reference.get(name, ("", {}))
+        text = doc_of(own or f"The struct {name} of the C library.",
+                      [(field, fields[field]) for field, _ in types if field in fields])
+        body = "\n".join(f"    {field + '_' if keyword.iskeyword(field) else field}: {kind}" for field, kind in types)
+        blocks.append(f'@dataclass(frozen=True)\nclass {python_name(name)}:\n    """{text}\n    """\n\n{body}\n')
+    table = "".join(f'    "{name}": {python_name(name)},\n' for name in records)
+    return ('"""Results of the library as plain values. Generated from its headers."""\n'
+            "from dataclasses import dataclass\n\n\n" + "\n\n".join(blocks) +
+            f"\n\nRECORDS: dict[str, type] = {{\n{table}}}\n")
+
+
+def main():
+    include, native, output = map(pathlib.Path, sys.argv[1:4])
+    reference, code = {}, []
+    for path in headers(include):
+        text = without_preprocessor(path.read_text())
+        comments_of(text, reference)
+        code.append(without_comments(text))
+    declarations = "".join(code)
+    # cffi writes C that does not compile for a pointer to an array of constants; such fields are left out
+    declarations = re.sub(r"const \w+ \(\*\w+\)\[\w+\];", "...;", declarations)
+    ffi = cffi.FFI()
+    ffi.cdef(declarations + CALLBACKS)
+    names = re.findall(r"typedef struct (\w+) \{", declarations)
+    includes = "".join(f"#include <{path.relative_to(include)}>\n" for path in headers(include))
+    ffi.set_source("sonopack._native", includes + native.read_text())
+    output.mkdir(parents=True, exist_ok=True)
+    ffi.emit_c_code(str(output / "_native.c"))
+    (output / "_records.py").write_text(records_of(ffi, names, reference))
+    (output / "_reference.py").write_text(
+        '"""Comments of the C headers: {name: (comment, {field: comment})}. Generated."""\n'
+        f"COMMENTS: dict[str, tuple[str, dict[str, str]]] = {{\n"
+        + "".join(f"    {name!r}: {entry!r},\n" for name, entry in sorted(reference.items())) + "}\n")
+
+
+if __name__ == "__main__":
+    main()

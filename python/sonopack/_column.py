@@ -1,0 +1,128 @@
+"""The tapped column of particles (Blackmore et al. 2011)."""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core, _scene
+from ._core import Floats, Path, c_path, call, documented
+from ._native import ffi, lib
+from ._records import TappedTap
+from ._table import Table
+from ._watch import Watch
+
+
+@dataclass(frozen=True)
+class ColumnRun:
+    """Motion of a column: y and v [times][particles + 1], the floor first, in cm and cm/s; taps: one result each."""
+
+    t: Floats
+    y: Floats
+    v: Floats
+    taps: list[TappedTap]
+    initial_energy: float
+    violated_at: float
+    violated: int
+    events: int
+    steps: int
+    error: float
+
+
+class Column(_core.Owner):
+    """A column of particles on a tapped floor, in cm, g and s.
+
+    Keys are those of the group column of `sonopack help scene`: Column(taps=8, output="strobe"); from_ stands for from,
+    which Python keeps for itself. Column.read("file.cfg",
+    taps=8) reads them from a scene file first.
+    """
+
+    _type = "sp_scene"
+
+    def __init__(self, **keys: Any) -> None:
+        self._load(None, keys)
+
+    def _load(self, path: Path | None, keys: dict[str, Any]) -> None:
+        self._c = _core.new("sp_scene", lib.sp_scene_free, lib.sp_scene_default)
+        count, array, kept = _scene.overrides({f"column.{name.rstrip('_')}": value for name, value in keys.items()})
+        call(lib.sp_scene_read_tapped, c_path(path) if path is not None else ffi.NULL, count, array, self._c)
+        del kept
+
+    @classmethod
+    def read(cls, path: Path, **keys: Any) -> Column:
+        """The column of a scene file; keys override its keys."""
+        column = cls.__new__(cls)
+        column._load(path, keys)
+        return column
+
+    @property
+    def particles(self) -> int:
+        return int(self._c.tapped.particles)
+
+    @property
+    def taps(self) -> int:
+        """Number of periods of a run."""
+        return int(lib.sp_tapped_taps(self._spec()))
+
+    @property
+    def period(self) -> float:
+        """Time between taps [s]."""
+        return float(self._c.tapped.period)
+
+    @property
+    def stiffness(self) -> float:
+        """K [g/s^2]."""
+        return float(lib.sp_tapped_stiffness(self._spec()))
+
+    def _spec(self) -> Any:
+        """A struct that shares the lists of this column."""
+        return ffi.new("sp_tapped_spec *", self._c.tapped)
+
+    def rest(self) -> Floats:
+        """Heights of the particles at rest [particles]."""
+        out = np.empty(self.particles)
+        lib.sp_tapped_rest(self._spec(), _core.pointer_to(out))
+        return out
+
+    @documented("sp_tapped_table_watched")
+    def table(self, *, threads: int = 1, progress: Callable[[float], object] | None = None) -> Table:
+        """The table of the key `output`, as `sonopack column` prints it.
+
+        progress is called with the share of the work that is done; it may return False to stop (Interrupted).
+        """
+        watch = Watch(progress)
+        spec = self._spec()
+        spec.stopped, spec.user = lib.sonopack_tapped_stopped, watch.handle
+        watcher = ffi.new("sp_tapped_watcher *", {"watch": lib.sonopack_tapped_watch, "user": watch.handle})
+        table = _core.new("sp_table", lib.sp_table_free, lib.sp_table_none)
+        watch.run(lib.sp_tapped_table_watched, spec, threads, watcher[0], table)
+        return Table(table)
+
+    @documented("sp_tapped_run")
+    def run(self, times: npt.ArrayLike) -> ColumnRun:
+        """The motion at ascending times [s], over all taps."""
+        t = _core.floats(np.atleast_1d(np.asarray(times)), "times")
+        width = self.particles + 1
+        y, v = np.empty((len(t), width)), np.empty((len(t), width))
+        row = 0
+
+        def keep(_: float, positions: Any, velocities: Any) -> None:
+            nonlocal row
+            ffi.memmove(y[row], positions, 8 * width)
+            ffi.memmove(v[row], velocities, 8 * width)
+            row += 1
+
+        watch = Watch(None, row=keep)
+        spec = self._spec()
+        spec.stopped, spec.user = lib.sonopack_tapped_stopped, watch.handle
+        report = _core.new("sp_tapped_report", lib.sp_tapped_report_free)
+        watch.run(lib.sp_tapped_run, spec, len(t), _core.pointer_to(t), lib.sonopack_tapped_row, watch.handle, report)
+        taps = [_core.record(TappedTap, report.tap[k]) for k in range(report.taps)]
+        return ColumnRun(t, y, v, taps, float(report.initial_energy), float(report.violated_at), int(report.violated),
+                         int(report.events), int(report.steps), float(report.error))
+
+    def __repr__(self) -> str:
+        return f"<Column: {self.particles} particles, {self.taps} taps of {self.period:g} s>"

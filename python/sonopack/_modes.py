@@ -1,0 +1,117 @@
+"""Frequencies and eigenmodes."""
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+from . import _core
+from ._core import Array, Floats, Path, Value, c_path, call, documented
+from ._native import ffi, lib
+from ._records import ParticipationBin, Stability, ZeroModes
+
+if TYPE_CHECKING:
+    from ._network import Network
+
+__all__ = ["DampedModes", "Modes", "Stability"]
+
+_NO_VECTORS = "frequencies only: ask for modes(vectors=True)"
+
+
+class Modes(_core.Owner):
+    """Modes of a network, sorted by omega; rattlers' zero modes come first. Made by network.modes().
+
+    `vectors` [modes that are no rattlers'][n][dof] are weighted with the masses: displacement times sqrt(mass).
+    """
+
+    _type = "sp_modes"
+    n = Value[int]()
+    n_rattler = Value[int]()
+    n_zero = Value[int]()
+    zero = Value[ZeroModes]()
+    omega = Array("n")
+    error = Array("n")
+    a = Array("n", missing=_NO_VECTORS)
+    b = Array("n", missing=_NO_VECTORS)
+    participation = Array("n", missing=_NO_VECTORS)
+    residual = Value[float]()
+    orthogonality = Value[float]()
+    first = Value[int]()
+    solver = Value[str]()
+    certified_from = Value[float]()
+    certified_to = Value[float]()
+    on_edge = Value[int]()
+
+    def __init__(self, network: Network, span: Any, *, vectors: bool, source: str, solver: str, threads: int) -> None:
+        options = ffi.new("sp_modes_options *", lib.sp_modes_options_default())
+        _core.set_fields(options, {"vectors": vectors, "source": source, "solver": solver, "threads": threads})
+        self.network = network
+        self._options = options
+        self._c = _core.new("sp_modes", lib.sp_modes_free, lib.sp_modes_none)
+        call(lib.sp_modes_make, network._c, options, span, self._c)
+
+    @property
+    def ab(self) -> Floats:
+        """a b, the weight of each mode in the signal."""
+        return self.a * self.b  # type: ignore[no-any-return]
+
+    @property
+    def vectors(self) -> Floats:
+        """Eigenvectors [n - n_rattler][grains of the network][dof], weighted with the masses; a view."""
+        if self._c.vectors == ffi.NULL:
+            raise AttributeError(f"vectors: {_NO_VECTORS}")
+        return _core.view(self._c, self._c.vectors, (self.n - self.n_rattler, self.network.n, self.network.dof))
+
+    def displacement(self, row: int) -> Floats:
+        """Displacements [n][dof] in the mode of a row of omega: its vector over the square roots of the masses."""
+        if not self.n_rattler <= row < self.n:
+            raise _core.invalid("row", f"{row}: must be {self.n_rattler} .. {self.n - 1}")
+        return self.vectors[row - self.n_rattler] / self.network.mass**0.5  # type: ignore[no-any-return]
+
+    @documented("sp_modes_vector_error")
+    def vector_error(self, row: int) -> float:
+        """Bound of the error of the vector of a row."""
+        if not self.n_rattler <= row < self.n:
+            raise _core.invalid("row", f"{row}: must be {self.n_rattler} .. {self.n - 1}")
+        return float(lib.sp_modes_vector_error(self._c, self.network._c, row))
+
+    @documented("sp_participation")
+    def participation_bins(self, bins: int = 40, until: float = 0.0) -> list[ParticipationBin]:
+        """Participation ratios in bins of frequency."""
+        if not 1 <= bins <= 1_000_000:
+            raise _core.invalid("bins", f"{bins}: must be 1 .. 1000000")
+        out = ffi.new("sp_participation_bin[]", bins)
+        call(lib.sp_participation, self._c, bins, until, out)
+        return [_core.record(ParticipationBin, out[k]) for k in range(bins)]
+
+    @documented("sp_modes_save")
+    def save(self, path: Path) -> None:
+        """Writes modes and vectors to HDF5, as `sonopack modes --vectors FILE.h5` does."""
+        if os.path.splitext(os.fspath(path))[1] not in (".h5", ".hdf5"):
+            raise _core.invalid("", f"{os.fspath(path)}: the ending of a file of modes must be .h5")
+        made = ffi.new("sp_modes_made *", {"network": self.network._options[0], "source": self._options.source})
+        call(lib.sp_modes_save, self._c, self.network.packing._c, self.network._c, made, c_path(path))
+
+    def __len__(self) -> int:
+        return self.n
+
+    def __repr__(self) -> str:
+        if self.n == 0:
+            return "<Modes: none>"
+        return f"<Modes: {self.n}, {self.n_zero} of them zero modes, omega {self.omega[0]:.6g} .. {self.omega[-1]:.6g}>"
+
+
+class DampedModes(_core.Owner):
+    """Modes with dashpots at all contacts. Made by network.damped_modes()."""
+
+    _type = "sp_damped_modes"
+    n = Value[int]()
+    omega = Array("n")
+    decay = Array("n")
+    cosine = Array("n")
+    sine = Array("n")
+    error = Array("n")
+    residual = Value[float]()
+
+    def __init__(self, network: Network, zeta: float, source: str) -> None:
+        self._c = _core.new("sp_damped_modes", lib.sp_damped_modes_free, lib.sp_damped_modes_none)
+        call(lib.sp_damped_modes_make, network._c, zeta, _core.number_of("sp_source", source, "source"), self._c)

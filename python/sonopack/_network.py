@@ -1,0 +1,292 @@
+"""The elastic network of a packing: springs, stiffness matrix, and what follows from them."""
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core, _place, _records
+from ._core import Array, Floats, Integers, Value, call, documented
+from ._native import ffi, lib
+from ._modes import DampedModes, Modes, Stability
+from ._place import Where
+from ._signal import Pulse, Signal
+from ._spectra import Continuum, Dispersion, DensityOfStates, Harmonic, Transmission, WaveSection
+
+if TYPE_CHECKING:
+    from ._packing import Packing
+
+#: dtype of Network.springs
+SPRING = _core.dtype_of("sp_spring")
+
+
+def _scipy_sparse() -> Any:
+    """scipy is needed for K and M as its matrices only."""
+    return importlib.import_module("scipy.sparse")
+
+
+class Network(_core.Owner):
+    """The springs between the grains that carry force, with fixed walls: M u'' = -K u.
+
+    Made by packing.network(). Vectors over the network are [n][dof]. The arrays are views, as those of a Packing.
+    """
+
+    _type = "sp_network"
+    dim = Value[int]()
+    dof = Value[int]()
+    n = Value[int]()
+    n_bulk = Value[int]()
+    grain = Array("n")
+    mass = Array("n", "dof")
+    x = Array("n", 3)
+    r = Array("n")
+    springs = Array("n_springs")
+    length = Array("n_springs")
+    pressure = Value[float]()
+
+    def __init__(self, packing: Packing, *, threshold: float | None = None, prestress: bool = False,
+                 sliding_free: bool = False) -> None:
+        options = ffi.new("sp_network_options *", lib.sp_network_options_default())
+        _core.set_fields(options, {"threshold": threshold, "prestress": prestress, "sliding_free": sliding_free})
+        self._options = options
+        self._c = _core.new("sp_network", lib.sp_network_free, lib.sp_network_none)
+        call(lib.sp_network_make, packing._c, options, self._c)
+        self.packing = packing
+
+    # ---- the matrix -------------------------------------------------------------------------------------------------
+
+    @property
+    def dofs(self) -> int:
+        """Degrees of freedom: n x dof."""
+        return int(lib.sp_network_dofs(self._c))
+
+    @documented("sp_network_assemble_whole")
+    def csc(self) -> tuple[Floats, Integers, Integers]:
+        """K in compressed sparse columns: values, row indices, start of each column. Works without scipy."""
+        out = _core.new("sp_sparse", lib.sp_sparse_free)
+        call(lib.sp_network_assemble_whole, self._c, out)
+        entries = int(out.p[out.n])
+        return (_core.view(out, out.x, (entries,)), _core.view(out, out.i, (entries,)),
+                _core.view(out, out.p, (int(out.n) + 1,)))
+
+    def K(self) -> Any:
+        """The stiffness matrix, a scipy.sparse.csc_matrix [dofs][dofs]."""
+        return _scipy_sparse().csc_matrix(self.csc(), shape=(self.dofs, self.dofs))
+
+    def M(self) -> Any:
+        """The diagonal matrix of masses and moments of inertia, a scipy.sparse.csc_matrix [dofs][dofs]."""
+        return _scipy_sparse().diags(self.mass.ravel(), format="csc")
+
+    def apply(self, u: npt.ArrayLike) -> Floats:
+        """K u, for u [n][dof] or [dofs], without a matrix."""
+        return self._product(lib.sp_network_apply, u)
+
+    def apply_transposed(self, u: npt.ArrayLike) -> Floats:
+        """K^T u; the same as apply() if K is symmetric."""
+        return self._product(lib.sp_network_apply_transposed, u)
+
+    def _product(self, function: Any, u: npt.ArrayLike) -> Floats:
+        vector = self._vector(u)
+        out = np.empty_like(vector)
+        function(self._c, _core.pointer_to(vector), _core.pointer_to(out))
+        return out
+
+    def _vector(self, u: npt.ArrayLike) -> Floats:
+        vector = _core.floats(u, "u")
+        if vector.shape not in ((self.dofs,), (self.n, self.dof)):
+            raise _core.invalid("u", f"has the shape {vector.shape}, must have {(self.n, self.dof)} or {(self.dofs,)}")
+        return vector
+
+    @documented("sp_network_energy2")
+    def energy2(self, u: npt.ArrayLike) -> float:
+        """u^T K u."""
+        vector = self._vector(u)
+        return float(lib.sp_network_energy2(self._c, _core.pointer_to(vector)))
+
+    @property
+    def omega_bound(self) -> float:
+        """Upper bound of the largest frequency, a few percent above it."""
+        return float(lib.sp_network_omega_bound(self._c))
+
+    def spread(self, u: npt.ArrayLike, fill: float = np.nan) -> Floats:
+        """A vector over the network for all grains of the packing [packing.n][dof]; rattlers get `fill`."""
+        vector = self._vector(u).reshape(self.n, self.dof)
+        out = np.full((self.packing.n, self.dof), fill)
+        out[self.grain] = vector
+        return out
+
+    @documented("sp_network_source_at")
+    def source(self, kind: str = "impulse", at: Where = _place.Place()) -> Floats:
+        """The source vector [n][dof]."""
+        out = np.empty((self.n, self.dof))
+        number = _core.number_of("sp_source", kind, "source")
+        call(lib.sp_network_source_at, self._c, number, _place.one(at), _core.pointer_to(out))
+        return out
+
+    @documented("sp_network_source_at")
+    def detector(self, at: Where = _place.Place()) -> Floats:
+        """The detector row [n][dof]: the force on it is (row * u).sum()."""
+        out = np.empty((self.n, self.dof))
+        call(lib.sp_network_detector_at, self._c, _place.one(at), _core.pointer_to(out))
+        return out
+
+    # ---- modes ------------------------------------------------------------------------------------------------------
+
+    @documented("sp_modes_sparse")
+    def modes(self, *, lowest: int | None = None, band: tuple[float, float] | None = None, zero: bool = False,
+              vectors: bool = True, source: str = "impulse", solver: str = "auto", threads: int = 1) -> Modes:
+        """Frequencies and eigenvectors: all of them, the `lowest` that are no zero modes, or those of a band.
+
+        vectors=False: frequencies only, much faster. zero: with lowest, all zero modes too, in front of the others.
+        """
+        if lowest is not None and band is not None:
+            raise _core.invalid("band", "cannot be combined with lowest")
+        span = lib.sp_modes_range_all()
+        if lowest is not None:
+            span = lib.sp_modes_range_lowest(int(lowest))
+        elif band is not None:
+            span = lib.sp_modes_range_band(*_core.pair(band, "band"))
+        span.zero = zero
+        return Modes(self, ffi.new("sp_modes_range *", span), vectors=vectors, source=source, solver=solver,
+                     threads=threads)
+
+    @documented("sp_damped_modes_make")
+    def damped_modes(self, zeta: float, source: str = "impulse") -> DampedModes:
+        """Modes with dashpots at all contacts."""
+        return DampedModes(self, zeta, source)
+
+    @documented("sp_stability_make")
+    def stability(self) -> Stability:
+        """Whether any motion grows."""
+        out = ffi.new("sp_stability *")
+        call(lib.sp_stability_make, self.packing._c, self._c, out)
+        return _core.record(Stability, out)
+
+    # ---- waves ------------------------------------------------------------------------------------------------------
+
+    @documented("sp_signal_make")
+    def signal(self, *, until: float | None = None, points: int | None = None, method: str | None = None,
+               tolerance: float | None = None, source: str | None = None, sources: Where | Iterable[Where] | None = None,
+               detectors: Where | Iterable[Where] | None = None, damping: float | None = None,
+               amplitude: float | None = None, step: float | None = None, modes: int | None = None,
+               solver: str | None = None, stop_at_front: bool = False, pulse: Pulse | None = None,
+               threads: int = 1) -> Signal:
+        """The force on the top wall, minus its value at rest, after a pulse at the bottom wall.
+
+        until: the last of `points` equally spaced times, by default after the first front. method: auto, chebyshev,
+        dense, sparse, verlet, lax-wendroff, faber or dynamics (nonlinear). source: impulse, velocity or displacement.
+        sources, detectors: places, such as Place.plane(5) or "plane:5". pulse: the source against time.
+        """
+        return Signal(self, pulse, sources, detectors,
+                      {"until": until, "points": points, "method": method, "tolerance": tolerance, "source": source,
+                       "damping": damping, "amplitude": amplitude, "step": step, "modes": modes, "solver": solver,
+                       "front": stop_at_front, "threads": threads})
+
+    @documented("sp_network_front")
+    def front(self, *, source: str = "impulse", window: float = 0.0) -> _records.Front:
+        """The first wave front at the top wall."""
+        out = ffi.new("sp_front *")
+        call(lib.sp_network_front, self._c, _core.number_of("sp_source", source, "source"), window, out)
+        return _core.record(_records.Front, out)
+
+    @documented("sp_signal_field")
+    def field(self, times: npt.ArrayLike, *, source: str = "impulse", at: Where | None = None,
+              threads: int = 1) -> Floats:
+        """Displacements [times][n][dof] after the pulse."""
+        t = _core.floats(np.atleast_1d(np.asarray(times)), "times")
+        out = np.empty((len(t), self.n, self.dof))
+        place = ffi.NULL if at is None else _place.one(at)
+        spec = ffi.new("sp_field_options *", {"from": place, "times": len(t), "t": _core.pointer_to(t, "const double *"),
+                                              "threads": threads})
+        _core.set_fields(spec, {"source": source})
+        call(lib.sp_signal_field, self._c, spec, _core.pointer_to(out), ffi.NULL)
+        return out
+
+    # ---- elasticity -------------------------------------------------------------------------------------------------
+
+    def _density(self, margin: float) -> float:
+        return self.packing.statics(self._options.threshold, margin).phi3s
+
+    @documented("sp_moduli_make")
+    def moduli(self, margin: float = 3.0) -> _records.Moduli:
+        """Elastic moduli and speeds of long waves. margin: layers at the walls that do not count for the density."""
+        out = ffi.new("sp_moduli *")
+        call(lib.sp_moduli_make, self._c, self._density(margin), out)
+        return _core.record(_records.Moduli, out)
+
+    @documented("sp_moduli_probe")
+    def probes(self, probes: Sequence[tuple[str, int]], margin: float = 3.0) -> list[_records.ProbeModuli]:
+        """Apparent moduli of probes ("sine", n) or ("lines", n)."""
+        array = ffi.new("sp_probe[]", len(probes))
+        for k, (kind, n) in enumerate(probes):
+            _core.set_fields(array[k], {"kind": kind, "n": int(n)})
+        out = ffi.new("sp_probe_moduli[]", len(probes))
+        call(lib.sp_moduli_probe, self._c, self._density(margin), len(probes), array, ffi.NULL, out)
+        return [_core.record(_records.ProbeModuli, out[k]) for k in range(len(probes))]
+
+    @documented("sp_moduli_finite_strain")
+    def finite_strain(self, strain: float = 1e-6, *, turning: bool = True, margin: float = 3.0) -> _records.FiniteStrain:
+        """Moduli at a finite strain, with the full contact law."""
+        options = ffi.new("sp_finite_strain_options *", lib.sp_finite_strain_options_default())
+        _core.set_fields(options, {"strain": float(strain), "turning": turning})
+        out = ffi.new("sp_finite_strain *")
+        call(lib.sp_moduli_finite_strain, self.packing._c, self._c, self._density(margin), options, out)
+        return _core.record(_records.FiniteStrain, out)
+
+    # ---- spectra ----------------------------------------------------------------------------------------------------
+
+    @documented("sp_dos_make")
+    def dos(self, *, method: str | None = None, norm: str | None = None, bins: int | None = None,
+            until: float | None = None, resolution: float | None = None, vectors: int | None = None,
+            seed: int | None = None, threads: int = 1) -> DensityOfStates:
+        """The density of states: exact, by kernel polynomials (kpm), or counted in bins (count)."""
+        return DensityOfStates(self, {"method": method, "norm": norm, "bins": bins, "until": until,
+                                      "resolution": resolution, "vectors": vectors, "seed": seed, "threads": threads})
+
+    @documented("sp_transmission")
+    def transmission(self, *, source: str | None = None, at: Where | None = None, detector: Where | None = None,
+                     points: int | None = None, until: float | None = None,
+                     resolution: float | None = None) -> Transmission:
+        """Spectrum of the signal from wall to wall."""
+        return Transmission(self, at, detector, {"source": source, "points": points, "until": until,
+                                                 "resolution": resolution})
+
+    @documented("sp_dispersion_make")
+    def dispersion(self, *, up: bool | None = None, waves: int | None = None, node: float | None = None,
+                   resolution: float | None = None, profile: int | None = None) -> Dispersion:
+        """Frequencies of longitudinal, transverse and rotational waves."""
+        return Dispersion(self, {"up": up, "waves": waves, "node": node, "resolution": resolution, "profile": profile})
+
+    @documented("sp_harmonic_make")
+    def harmonic(self, omega: npt.ArrayLike, *, damping: float | None = None, source: str | None = None,
+                 at: Where | None = None, detector: Where | None = None, planes: int | None = None,
+                 range: tuple[float, float] | None = None, tolerance: float | None = None) -> Harmonic:
+        """Steady response to driving with exp(i omega t)."""
+        return Harmonic(self, omega, at, detector, range, {"damping": damping, "source": source, "planes": planes,
+                                                           "tolerance": tolerance})
+
+    @documented("sp_continuum_make")
+    def continuum(self, lowest: int = 12, *, solver: str = "auto", margin: float = 3.0) -> Continuum:
+        """The lowest modes compared with those of a homogeneous elastic strip."""
+        return Continuum(self, self._density(margin), lowest, solver)
+
+    @documented("sp_coherent_section_make")
+    def section(self, *, source: str | None = None, spacing: float | None = None, low: float | None = None,
+                part: float | None = None) -> WaveSection:
+        """Signals at planes one above the other, to which coherent waves are fitted."""
+        return WaveSection(self, {"source": source, "spacing": spacing, "low": low, "part": part})
+
+    @documented("sp_network_damping")
+    def damping(self, zeta: float) -> Network:
+        """The network of the dashpots: its K is the damping matrix C."""
+        other = Network.__new__(Network)
+        other._options, other.packing = self._options, self.packing
+        other._c = _core.new("sp_network", lib.sp_network_free, lib.sp_network_none)
+        call(lib.sp_network_damping, self._c, zeta, other._c)
+        return other
+
+    def __repr__(self) -> str:
+        return f"<Network: {self.n} grains, {len(self.springs)} springs, {self.dofs} degrees of freedom>"

@@ -1,0 +1,340 @@
+"""Packings: grains at rest under pressure, and their contacts."""
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core, _scene
+from ._core import Array, Floats, Path, Value, c_path, call, documented
+from ._native import ffi, lib
+from ._network import Network
+from ._records import Audit, Front, Material, PackProgress, Statics
+from ._watch import Watch
+
+BOTTOM = int(lib.SP_BOTTOM)
+TOP = int(lib.SP_TOP)
+#: dtype of Packing.contacts: i, j, n, overlap, fn, ft, kn, kt
+CONTACT = _core.dtype_of("sp_contact")
+
+
+class Packing(_core.Owner):
+    """Grains at rest under pressure, and their contacts.
+
+    Lengths are in mean grain diameters d, pressures in E*, forces in E* d^2, times in d / sqrt(E* / rho). The arrays are
+    views of the library's memory: they are not copied, cannot be written to, and keep it alive.
+    """
+
+    _type = "sp_packing"
+    dim = Value[int]()
+    n = Value[int]()
+    x = Array("n", 3)
+    r = Array("n")
+    contacts = Array("n_contacts")
+    pressure = Value[float]()
+    friction = Value[float]()
+    poisson = Value[float]()
+    wall = Value[str]()
+    material = Value[Material]()
+    seed = Value[int]()
+    steps = Value[int]()
+    residual = Value[float]()
+    seconds = Value[float]()
+    scene = Value[str]()
+
+    def __init__(self, struct: Any) -> None:
+        self._c = struct
+
+    # ---- where packings come from -----------------------------------------------------------------------------------
+
+    @classmethod
+    @documented("sp_packing_make")
+    def make(cls, scene: _scene.Scene, *, seed: int | None = None,
+             progress: Callable[[PackProgress], object] | None = None, threads: int = 1,
+             start: Packing | None = None) -> Packing:
+        """Compresses a packing: the first one of the scene, bit for bit that of `sonopack pack`.
+
+        progress is called with a PackProgress several times a second; it may return False to stop, which raises
+        Interrupted. Ctrl-C raises KeyboardInterrupt. start: the packing to begin with, in place of packing.file.
+        """
+        struct = scene.resolved()
+        if seed is not None:
+            _core.set_fields(struct.pack, {"seed": seed})
+        if start is None and struct.pack.kind == lib.SP_PACK_FILE:
+            start = cls.read(os.fsdecode(ffi.string(getattr(struct, "from"))))
+        if start is not None:
+            call(lib.sp_pack_spec_from, ffi.addressof(struct, "pack"), start._c)
+            if not struct.material.young > 0:
+                struct.material = start._c.material
+        watch = Watch(progress)
+        hooks = ffi.new("sp_pack_hooks *", {"watch": lib.sonopack_pack_watch, "user": watch.handle, "threads": threads})
+        if start is not None:
+            setattr(hooks, "from", start._c)
+        out = _none()
+        watch.run(lib.sp_packing_make_with, ffi.addressof(struct, "pack"), hooks, out)
+        if out.scene == ffi.NULL:
+            out.scene = lib.sp_scene_text(struct, b"packing")
+        out.material = struct.material
+        return cls(out)
+
+    @classmethod
+    @documented("sp_packing_read")
+    def read(cls, path: Path) -> Packing:
+        """Reads a packing from HDF5 or from text, and checks it."""
+        out = _none()
+        call(lib.sp_packing_read, c_path(path), out)
+        return cls(out)
+
+    @classmethod
+    @documented("sp_packing_read_tables")
+    def read_tables(cls, grains: Path, contacts: Path, keys: Mapping[str, Any] | None = None) -> Packing:
+        """Reads a table of grains and one of contacts. keys: {"pressure": 1e-4, ...}, in place of their comments."""
+        texts = [ffi.new("char[]", f"{key}={value}".encode()) for key, value in (keys or {}).items()]
+        array = ffi.new("char *[]", texts) if texts else ffi.NULL
+        out = _none()
+        call(lib.sp_packing_read_tables, c_path(grains), c_path(contacts), len(texts), array, out)
+        return cls(out)
+
+    @classmethod
+    def from_arrays(cls, x: npt.ArrayLike, r: npt.ArrayLike, contacts: Mapping[str, npt.ArrayLike] | npt.NDArray[Any],
+                    *, box: Sequence[float], pressure: float, friction: float, poisson: float = 0.0, wall: str = "rigid",
+                    mass: npt.ArrayLike | None = None, inertia: npt.ArrayLike | None = None,
+                    material: Material | None = None) -> Packing:
+        """A packing from arrays, which are copied and checked (InvalidInput names the first fault).
+
+        x [n][dim] centres and r [n] radii [d]; box: the periods, the height last [d]. contacts: an array of dtype CONTACT
+        (such as that of another packing), or a dictionary of arrays: i, j (BOTTOM, TOP for walls); if known n
+        [contacts][dim], overlap, fn, and ft on i [contacts][dim] (or scalars in 2D: ft (-ny, nx)). What is left out
+        follows: n from the positions, overlap and fn from each other by Hertz's law or from the positions; ft is 0.
+        Stiffnesses kn, kt of contacts of another law, and mass and inertia [n] of grains that are no spheres of unit
+        density, make a linear network.
+        """
+        radii = _core.floats(r, "r")
+        places = _core.floats(x, "x")
+        if radii.ndim != 1 or places.ndim != 2 or len(places) != len(radii) or places.shape[1] not in (1, 2, 3):
+            raise _core.invalid("x", f"has the shape {places.shape}, and r {radii.shape}: must be [n][dim] and [n]")
+        dim = len(box)
+        if not 1 <= dim <= places.shape[1]:
+            raise _core.invalid("box", f"has {dim} lengths: must have one for each of the dimensions")
+        table = contacts if isinstance(contacts, np.ndarray) else _contacts(places[:, :dim], radii, contacts, box)
+        if table.dtype != CONTACT:
+            raise _core.invalid("contacts", f"has the dtype {table.dtype}: must be sonopack.CONTACT")
+        out = _none()
+        call(lib.sp_packing_alloc, out, dim, len(radii), len(table))
+        _fill(out, places[:, :dim], radii, table)
+        for axis in range(3):
+            out.box[axis] = box[axis] if axis < dim else 1
+        _set_masses(out, mass, inertia)
+        if material is not None:
+            _set_material(out, material)
+            call(lib.sp_material_check, ffi.addressof(out, "material"))
+        _core.set_fields(out, {"pressure": float(pressure), "friction": float(friction), "poisson": float(poisson),
+                               "wall": wall, "residual": float("nan")})
+        lib.sp_packing_sort(out)
+        call(lib.sp_packing_complete, out)
+        call(lib.sp_packing_check, out)
+        return cls(out)
+
+    # ---- files ------------------------------------------------------------------------------------------------------
+
+    @documented("sp_packing_save")
+    def save(self, path: Path) -> None:
+        """Writes HDF5 (.h5, .hdf5) or text (.txt), as the ending says. A file of this name is replaced."""
+        ending = os.path.splitext(os.fspath(path))[1]
+        if ending not in (".h5", ".hdf5", ".txt"):
+            raise _core.invalid("", f"{os.fspath(path)}: the ending of a packing must be .h5 or .txt")
+        call(lib.sp_packing_save_text if ending == ".txt" else lib.sp_packing_save, self._c, c_path(path))
+
+    def save_tables(self, grains: Path, contacts: Path) -> None:
+        """Writes a table of grains and one of contacts."""
+        call(lib.sp_packing_save_tables, self._c, c_path(grains), c_path(contacts))
+
+    # ---- what it is like --------------------------------------------------------------------------------------------
+
+    @property
+    def box(self) -> tuple[float, ...]:
+        """The periods, then the height [d]."""
+        return tuple(self._c.box[axis] for axis in range(self.dim))
+
+    @property
+    def mass(self) -> Floats | None:
+        """Masses [n]; None for spheres of unit density."""
+        return None if self._c.mass == ffi.NULL else _core.view(self._c, self._c.mass, (self.n,))
+
+    @property
+    def inertia(self) -> Floats | None:
+        """Moments of inertia [n]; None for spheres of unit density."""
+        return None if self._c.inertia == ffi.NULL else _core.view(self._c, self._c.inertia, (self.n,))
+
+    @property
+    def height(self) -> float:
+        """Distance between the walls [d]."""
+        return float(lib.sp_packing_height(self._c))
+
+    @property
+    def wall_area(self) -> float:
+        """Area of a wall [d^2]."""
+        return float(lib.sp_packing_wall_area(self._c))
+
+    @property
+    def hash(self) -> int:
+        """A number of 63 bits that depends on grains, contacts and box."""
+        return int(lib.sp_packing_hash(self._c))
+
+    @documented("sp_packing_audit")
+    def audit(self, threshold: float = 1e-4) -> Audit:
+        """Checks the physics: balance of forces and torques, Coulomb's law, walls, contacts against positions."""
+        out = ffi.new("sp_audit *")
+        call(lib.sp_packing_audit, self._c, threshold, out)
+        return _core.record(Audit, out)
+
+    @documented("sp_statics")
+    def statics(self, threshold: float = 1e-4, margin: float = 3.0) -> Statics:
+        """Densities, contacts, forces and stress, averaged over the bulk."""
+        out = ffi.new("sp_statics *")
+        call(lib.sp_statics_make, self._c, threshold, margin, out)
+        return _core.record(Statics, out)
+
+    @documented("sp_packing_rattlers")
+    def rattlers(self, threshold: float = 1e-4) -> npt.NDArray[np.bool_]:
+        """Which grains are rattlers [n]."""
+        out = np.zeros(self.n, np.uint8)
+        self._rattlers(threshold, _core.pointer_to(out, "uint8_t *"), ffi.NULL)
+        return out.astype(np.bool_)
+
+    @documented("sp_packing_rattlers")
+    def carrying(self, threshold: float = 1e-4) -> npt.NDArray[np.bool_]:
+        """Which contacts carry force [contacts]."""
+        out = np.zeros(len(self.contacts), np.uint8)
+        self._rattlers(threshold, ffi.NULL, _core.pointer_to(out, "uint8_t *"))
+        return out.astype(np.bool_)
+
+    def _rattlers(self, threshold: float, rattler: Any, carrying: Any) -> None:
+        call(lib.sp_packing_rattlers, self._c, threshold, rattler, carrying, ffi.new("int32_t *"))
+
+    # ---- sound ------------------------------------------------------------------------------------------------------
+
+    def network(self, *, threshold: float | None = None, prestress: bool = False, sliding_free: bool = False) -> Network:
+        """The springs between the grains that carry force: from there to modes, signals, moduli and spectra."""
+        return Network(self, threshold=threshold, prestress=prestress, sliding_free=sliding_free)
+
+    @documented("sp_network_front")
+    def front(self, *, source: str = "impulse", window: float = 0.0) -> Front:
+        """The first wave front at the top wall, as `sonopack front` finds it."""
+        return self.network().front(source=source, window=window)
+
+    def __len__(self) -> int:
+        return self.n
+
+    def __repr__(self) -> str:
+        return f"<Packing: {self.n} grains, {self.dim}D, height {self.height:.6g} d, pressure {self.pressure:g} E*>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        values = {name: getattr(self, name)
+                  for name in ("pressure", "friction", "poisson", "wall", "seed", "steps", "residual", "seconds")}
+        masses = (None, None) if self.mass is None else (np.array(self.mass), np.array(self.inertia))
+        return _restored, (self.dim, np.array(self.x), np.array(self.r), np.array(self.contacts), masses,
+                           list(self._c.box), self.material, values, self.scene)
+
+
+def _none() -> Any:
+    return _core.new("sp_packing", lib.sp_packing_free, lib.sp_packing_none)
+
+
+def _fill(out: Any, x: npt.NDArray[Any], r: npt.NDArray[Any], contacts: npt.NDArray[Any]) -> None:
+    ffi.memmove(out.r, np.ascontiguousarray(r), 8 * len(r))
+    centres = np.zeros((len(r), 3))
+    centres[:, :x.shape[1]] = x
+    ffi.memmove(out.x, centres, centres.nbytes)
+    ffi.memmove(out.contacts, np.ascontiguousarray(contacts), contacts.nbytes)
+
+
+def _set_masses(out: Any, mass: npt.ArrayLike | None, inertia: npt.ArrayLike | None) -> None:
+    if mass is None and inertia is None:
+        return
+    call(lib.sp_packing_alloc_masses, out)
+    for pointer, values, key in ((out.mass, mass, "mass"), (out.inertia, inertia, "inertia")):
+        if values is not None:
+            ffi.memmove(pointer, _core.floats(values, key, (out.n,)), 8 * out.n)
+
+
+def _set_material(out: Any, material: Material) -> None:
+    _core.set_fields(out.material, dataclasses.asdict(material))
+
+
+def _restored(dim: int, x: Any, r: Any, contacts: Any, masses: tuple[Any, Any], box: list[float], material: Material,
+              values: dict[str, Any], scene: str) -> Packing:
+    out = _none()
+    call(lib.sp_packing_alloc, out, dim, len(r), len(contacts))
+    _fill(out, x, r, contacts)
+    _set_masses(out, *masses)
+    out.box[0], out.box[1], out.box[2] = box
+    _set_material(out, material)
+    _core.set_fields(out, values)
+    if scene:
+        parsed = _scene.Scene.parse(scene)
+        out.scene = lib.sp_scene_text(parsed._c, b"packing")
+    return Packing(out)
+
+
+def _axes(values: npt.ArrayLike, count: int, dim: int, key: str) -> npt.NDArray[np.float64]:
+    array = _core.floats(values, key)
+    if array.shape not in ((count, dim), (count, 3)):
+        raise _core.invalid(key, f"has the shape {array.shape}, must have {(count, dim)}")
+    return array[:, :dim]
+
+
+def _geometry(x: Floats, r: Floats, i: npt.NDArray[Any], j: npt.NDArray[Any],
+              box: Sequence[float]) -> tuple[Floats, Floats]:
+    """Unit vectors from i to j, across the periodic sides where that is shorter (to walls along the last axis), and
+    overlaps."""
+    up = x.shape[1] - 1
+    away: Floats = x[np.maximum(j, 0)] - x[i]
+    periods = np.asarray(box[:up], float)
+    away[:, :up] -= periods * np.round(away[:, :up] / periods)
+    away[j < 0] = 0
+    away[j == BOTTOM, up] = -x[i[j == BOTTOM], up]
+    away[j == TOP, up] = box[up] - x[i[j == TOP], up]
+    distance: Floats = np.linalg.norm(away, axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):  # coinciding centres are found by the check
+        return away / distance[:, None], r[i] + np.where(j < 0, 0, r[np.maximum(j, 0)]) - distance
+
+
+def _contacts(x: npt.NDArray[Any], r: Floats, given: Mapping[str, npt.ArrayLike],
+              box: Sequence[float]) -> npt.NDArray[Any]:
+    unknown = sorted(set(given) - {"i", "j", "n", "overlap", "fn", "ft", "kn", "kt"})
+    missing = [name for name in ("i", "j") if name not in given]
+    if unknown or missing:
+        raise _core.invalid("contacts", f"unknown {', '.join(unknown)}" if unknown else f"no {', '.join(missing)}")
+    i, j = (np.asarray(given[name]) for name in ("i", "j"))
+    if i.ndim != 1 or i.shape != j.shape or i.dtype.kind not in "iu" or j.dtype.kind not in "iu":
+        raise _core.invalid("contacts", "i and j must be arrays of integers of one length")
+    if len(i) and (i.min() < 0 or max(i.max(), j.max()) >= len(x) or j.min() < TOP):
+        raise _core.invalid("contacts", f"i must be 0 .. {len(x) - 1}, j too, or BOTTOM or TOP")
+    count, dim = len(i), x.shape[1]
+    table = np.zeros(count, CONTACT)
+    table["i"], table["j"] = i, j
+    normals, overlaps = _geometry(x, r, i, j, box)
+    if "n" in given:
+        normals = _axes(given["n"], count, dim, "n")
+    table["n"][:, :dim] = normals
+    for name in ("overlap", "fn"):
+        table[name] = _core.floats(given[name], name, (count,)) if name in given else np.nan
+    for name in ("kn", "kt"):
+        table[name] = _core.floats(given[name], name, (count,)) if name in given else np.nan if name == "kt" else 0
+    if "overlap" not in given and "fn" not in given:
+        table["overlap"] = overlaps
+    if "ft" in given:
+        ft = _core.floats(given["ft"], "ft")
+        if ft.ndim == 1 and dim == 2 and ft.shape == (count,):
+            ft = ft[:, None] * np.stack([-normals[:, 1], normals[:, 0]], axis=1)
+        table["ft"][:, :dim] = _axes(ft, count, dim, "ft")
+    swap = (j >= 0) & (j < i)  # the library has i < j; n and the force on i change their signs
+    table["i"][swap], table["j"][swap] = j[swap], i[swap]
+    table["n"][swap] *= -1
+    table["ft"][swap] *= -1
+    return table

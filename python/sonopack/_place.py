@@ -1,0 +1,91 @@
+"""Where sources and detectors are."""
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from . import _core
+from ._native import ffi
+
+
+@dataclass(frozen=True)
+class Place:
+    """Place of a source or detector: wall() (the bottom for a source, the top for a detector), part(from, to) of that
+    wall, grain(i), or plane(height), for detectors only. shear: along x in place of the normal."""
+
+    kind: str = "wall"
+    shear: bool = False
+    low: float = 0.0
+    high: float = 0.0
+    height: float = 0.0
+    index: int = 0
+
+    @classmethod
+    def wall(cls, shear: bool = False) -> Place:
+        return cls("wall", shear)
+
+    @classmethod
+    def part(cls, low: float, high: float, shear: bool = False) -> Place:
+        return cls("part", shear, low=low, high=high)
+
+    @classmethod
+    def grain(cls, index: int, shear: bool = False) -> Place:
+        return cls("grain", shear, index=index)
+
+    @classmethod
+    def plane(cls, height: float, shear: bool = False) -> Place:
+        return cls("plane", shear, height=height)
+
+    @classmethod
+    def parse(cls, text: str) -> Place:
+        """A place as the command writes it: top, bottom, part:X0:X1, grain:I, plane:Y, with :shear or :normal."""
+        kind, *numbers = text.split(":")
+        shear = numbers[-1:] == ["shear"]
+        if numbers[-1:] in (["shear"], ["normal"]):
+            numbers.pop()
+        try:
+            if kind in ("top", "bottom") and not numbers:
+                return cls.wall(shear)
+            if kind == "part" and len(numbers) == 2:
+                return cls.part(float(numbers[0]), float(numbers[1]), shear)
+            if kind == "grain" and len(numbers) == 1:
+                return cls.grain(int(numbers[0]), shear)
+            if kind == "plane" and len(numbers) == 1:
+                return cls.plane(float(numbers[0]), shear)
+        except ValueError:
+            pass
+        raise _core.invalid("place", f"{text!r}: must be top, bottom, part:X0:X1, grain:I or plane:Y, then :shear or not")
+
+    def write(self, to: Any) -> None:
+        _core.set_fields(to, {"kind": self.kind, "shear": self.shear, "height": float(self.height)})
+        setattr(to, "from", float(self.low))
+        to.to = float(self.high)
+        _core.set_fields(to, {"grain": int(self.index)})
+
+
+#: A place, as a Place or as the command writes it
+Where = Place | str
+
+
+def place(where: Where) -> Place:
+    if not isinstance(where, (str, Place)):
+        raise _core.invalid("place", f"{where!r}: must be a Place or a text such as plane:5")
+    return Place.parse(where) if isinstance(where, str) else where
+
+
+def one(where: Where) -> Any:
+    struct = ffi.new("sp_place *")
+    place(where).write(struct)
+    return struct
+
+
+def several(where: Where | Iterable[Where] | None) -> tuple[int, Any]:
+    """Number of places and their array; 0 and NULL for the whole wall."""
+    if where is None:
+        return 0, ffi.NULL
+    places: Sequence[Place] = [place(where)] if isinstance(where, (str, Place)) else [place(each) for each in where]
+    array = ffi.new("sp_place[]", len(places))
+    for k, each in enumerate(places):
+        each.write(array[k])
+    return len(places), array
