@@ -21,7 +21,7 @@ void sp_work_note(sp_work *w, const char *format, ...) {
 static const struct usual {
     const char *role, *names; /* separated by blanks */
 } usual[] = {
-    {"id", "id ID Id"},
+    {"id", "id ID Id c_sp_wall[3]"},
     {"type", "type matId species info mol element"},
     {"x", "x xu xs xsu X"},
     {"y", "y yu ys ysu Y"},
@@ -48,9 +48,9 @@ static const struct usual {
     {"fn_x", "fn_x c_sp_gran[7]"},
     {"fn_y", "fn_y c_sp_gran[8]"},
     {"fn_z", "fn_z c_sp_gran[9]"},
-    {"f_x", "f_x"},
-    {"f_y", "f_y"},
-    {"f_z", "f_z"},
+    {"f_x", "f_x c_sp_wall[4]"},
+    {"f_y", "f_y c_sp_wall[5]"},
+    {"f_z", "f_z c_sp_wall[6]"},
     {"p_x", "p_x"},
     {"p_y", "p_y"},
     {"p_z", "p_z"},

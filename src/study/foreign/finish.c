@@ -129,67 +129,94 @@ static void give_contacts(sp_work *w, sp_packing *p) {
     sp_packing_sort(p);
 }
 
-/* Sums the squares of the net forces on grains that carry force, and finds the largest. sign: of tangential forces. */
-static sp_status net_forces(const sp_work *w, const sp_packing *p, double sign, double *squares, double *largest,
-                            sp_error *err) {
-    double *net = sp_alloc((size_t)p->n * 3, sizeof *net);
-    uint8_t *rattler = sp_alloc((size_t)p->n, 1);
-    int32_t rattlers;
-    sp_status status = net && rattler ? sp_packing_rattlers(p, 1e-4, rattler, NULL, &rattlers, err)
-                                      : sp_fail_memory(err, (size_t)p->n * 25);
-    *squares = *largest = 0;
-    for (int32_t k = 0; status == SP_OK && k < p->n_contacts; k++) {
+/* Net forces and torques over R of all grains, six numbers each. sign: of tangential forces. */
+static void add_forces(const sp_packing *p, double sign, double *net) {
+    for (int32_t k = 0; k < p->n_contacts; k++) {
         const sp_contact *c = &p->contacts[k];
+        double turn[3];
+        cross3(c->n, c->ft, turn);
         for (int a = 0; a < 3; a++) {
             const double f = sign * c->ft[a] - c->fn * c->n[a];
-            net[3 * (size_t)c->i + (size_t)a] += f;
-            if (c->j >= 0)
-                net[3 * (size_t)c->j + (size_t)a] -= f;
+            net[6 * (size_t)c->i + (size_t)a] += f;
+            net[6 * (size_t)c->i + 3 + (size_t)a] += turn[a];
+            if (c->j < 0)
+                continue;
+            net[6 * (size_t)c->j + (size_t)a] -= f;
+            net[6 * (size_t)c->j + 3 + (size_t)a] += turn[a];
         }
     }
-    for (int32_t k = 0; status == SP_OK && k < p->n; k++) {
-        const double length = length3(net + 3 * (size_t)k);
+}
+
+/* What is not balanced: the largest net force and torque over R, and the sum of squares of the forces. */
+typedef struct imbalance {
+    double force, torque, squares;
+} imbalance;
+
+static sp_status find_imbalance(const sp_work *w, const sp_packing *p, double sign, const uint8_t *rattler,
+                                imbalance *out, sp_error *err) {
+    double *net = sp_alloc((size_t)p->n * 6, sizeof *net);
+    if (!net)
+        return sp_fail_memory(err, (size_t)p->n * 48);
+    add_forces(p, sign, net);
+    *out = (imbalance){0};
+    for (int32_t k = 0; k < p->n; k++) {
         if (rattler[k] || (w->grain[k].boundary && !w->o->walls))
             continue;
-        *squares += length * length;
-        *largest = fmax(*largest, length);
+        const double force = length3(net + 6 * (size_t)k);
+        out->squares += force * force;
+        out->force = fmax(out->force, force);
+        out->torque = fmax(out->torque, length3(net + 6 * (size_t)k + 3));
     }
     sp_free(net);
-    sp_free(rattler);
-    return status;
+    return SP_OK;
 }
 
 static sp_status check_balance(sp_work *w, const sp_packing *p, sp_error *err) {
-    double mean = 0, squares, turned, largest, other;
+    double mean = 0;
+    int32_t rattlers;
+    imbalance now, turned;
+    uint8_t *rattler = sp_alloc((size_t)p->n, 1);
     for (int32_t k = 0; k < p->n_contacts; k++)
         mean += p->contacts[k].fn / p->n_contacts;
-    sp_status status = net_forces(w, p, 1, &squares, &largest, err);
+    sp_status status =
+        rattler ? sp_packing_rattlers(p, 1e-4, rattler, NULL, &rattlers, err) : sp_fail_memory(err, (size_t)p->n);
     if (status == SP_OK)
-        status = net_forces(w, p, -1, &turned, &other, err);
-    w->report.balance = mean > 0 ? largest / mean : NAN;
-    if (status == SP_OK && turned < 0.25 * squares)
+        status = find_imbalance(w, p, 1, rattler, &now, err);
+    if (status == SP_OK)
+        status = find_imbalance(w, p, -1, rattler, &turned, err);
+    sp_free(rattler);
+    if (status != SP_OK)
+        return status;
+    w->report.balance = mean > 0 ? now.force / mean : NAN;
+    if (turned.squares < 0.25 * now.squares)
         sp_work_note(w,
                      "with the other sign of the tangential forces the grains balance better (%.2g of the mean force): "
                      "--columns ft_x=-COLUMN,... (or ft=-COLUMN) turns them",
-                     other / mean);
-    return status;
+                     turned.force / mean);
+    else if (now.force < 1e-3 * now.torque)
+        sp_work_note(
+            w,
+            "torques over R balance within %.2g of the mean force only: tangential forces act at the distance R "
+            "here, at R - overlap/2 in LAMMPS and LIGGGHTS",
+            now.torque / mean);
+    return SP_OK;
 }
 
-static sp_status audit(sp_work *w, const sp_packing *p, sp_error *err) {
-    sp_audit a;
-    sp_status status = sp_packing_audit(p, 1e-4, &a, err);
-    if (status != SP_OK)
-        return status;
-    if (a.missing > 0 && w->report.overlap_error < 0.01)
-        sp_work_note(w, "%d pairs overlap and are not listed as contacts", a.missing);
-    if (a.coulomb_excess > 1e-6 && p->friction > 0)
+/* ---- remarks --------------------------------------------------------------------------------------------------- */
+
+static void remark_friction(sp_work *w, const sp_packing *p) {
+    double excess = 0;
+    for (int32_t k = 0; k < p->n_contacts && p->friction > 0; k++) {
+        const sp_contact *c = &p->contacts[k];
+        if (c->fn > 1e-4 * p->pressure)
+            excess = fmax(excess, length3(c->ft) / (p->friction * c->fn));
+    }
+    if (excess > 1 + 1e-6)
         sp_work_note(w, "a tangential force is %.4g times friction times the normal force: is friction = %g right?",
-                     1 + a.coulomb_excess, p->friction);
-    if (a.force_residual < 1e-3 * a.torque_residual)
-        sp_work_note(w,
-                     "torques balance within %.2g p d^3 only, forces within %.2g p d^2: tangential forces act at the "
-                     "distance R here, at R - overlap/2 in LAMMPS and LIGGGHTS",
-                     a.torque_residual, a.force_residual);
+                     excess, p->friction);
+}
+
+static void remark_walls(sp_work *w, const sp_packing *p) {
     for (int side = 0; side < 2; side++) {
         bool any = false;
         for (int32_t k = 0; k < p->n_contacts; k++)
@@ -200,7 +227,19 @@ static sp_status audit(sp_work *w, const sp_packing *p, sp_error *err) {
                          : side                  ? "; --set top=PLACE moves it"
                                                  : "; --set bottom=PLACE moves it");
     }
-    return SP_OK;
+}
+
+/* Pairs that overlap by the positions and are not in the list of contacts. */
+static sp_status remark_missing(sp_work *w, sp_error *err) {
+    int64_t pairs, listed = 0;
+    if (!w->contacts.file || !(w->report.overlap_error < 0.01))
+        return SP_OK;
+    sp_status status = sp_touch_count(w, &pairs, err);
+    for (int32_t k = 0; k < w->found; k++)
+        listed += w->contact[k].j >= 0 && w->contact[k].depth > 0;
+    if (status == SP_OK && pairs > listed)
+        sp_work_note(w, "%lld pairs overlap and are not listed as contacts", (long long)(pairs - listed));
+    return status;
 }
 
 sp_status sp_finish(sp_work *w, sp_packing *out, sp_error *err) {
@@ -225,10 +264,12 @@ sp_status sp_finish(sp_work *w, sp_packing *out, sp_error *err) {
     if (status == SP_OK)
         status = check_balance(w, &p, err);
     if (status == SP_OK)
-        status = audit(w, &p, err);
-    if (status == SP_OK)
+        status = remark_missing(w, err);
+    if (status == SP_OK) {
+        remark_friction(w, &p);
+        remark_walls(w, &p);
         *out = p;
-    else
+    } else
         sp_packing_free(&p);
     return status;
 }

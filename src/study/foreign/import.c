@@ -143,7 +143,8 @@ static sp_status read_files(sp_work *w, sp_error *err) {
     const bool words = is_word(o->walls, "overlap") || is_word(o->walls, "none") || is_word(o->walls, "balance");
     if (status == SP_OK && o->walls && !words)
         status = sp_read_form(o->walls, w->form, true, same, &w->walls, err);
-    if (status == SP_OK && w->contacts.file && w->contacts.frame >= 0 && w->grains.frame >= 0 && w->contacts.frame != w->grains.frame)
+    if (status == SP_OK && w->contacts.file && w->contacts.frame >= 0 && w->grains.frame >= 0 &&
+        w->contacts.frame != w->grains.frame)
         status = sp_fail(err, SP_EINVAL, "%s is of frame %lld, %s of %lld; must be the same", w->path,
                          (long long)w->grains.frame, o->contacts, (long long)w->contacts.frame);
     return status;
@@ -219,7 +220,7 @@ sp_status sp_import(const char *path, const sp_import_options *o, sp_packing *ou
         return sp_fail_memory(err, sizeof *w);
     w->path = path;
     w->o = o;
-    w->force_place = w->report.hertz = w->report.hertz_spread = NAN;
+    w->force_place = w->report.hertz = w->report.hertz_spread = w->report.overlap_error = NAN;
     sp_locale locale = sp_locale_enter();
     sp_status status = run(w, &p, err);
     sp_locale_leave(&locale);

@@ -55,7 +55,7 @@ sp_status sp_read_mercury_data(sp_sheet *s, sp_cursor *at, sp_frame_choice choic
 /* ---- .fstat: frames begin with comment lines; rows of 16 numbers ------------------------------------------------- */
 
 sp_status sp_read_mercury_fstat(sp_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_error *err) {
-    static const char names[] = "time id1 id2 px py pz overlap stretch fn ft nx ny nz t_x t_y t_z";
+    static const char names[] = "time id1 id2 p_x p_y p_z overlap stretch fn ft nx ny nz t_x t_y t_z";
     sp_status status = sp_sheet_header(s, names, strlen(names), 1, err);
     size_t length;
     const char *line;

@@ -111,7 +111,8 @@ static bool goes_across(const sp_work *w, int32_t i, int32_t j) {
     return w->periodic[up] && fabs(w->grain[j].x[up] - w->grain[i].x[up]) > 0.5 * w->edge[up];
 }
 
-static sp_status touch_cell(sp_work *w, const lattice *l, int32_t i, int64_t cell, sp_error *err) {
+/* Adds the contacts of a grain in a cell, or only counts them. */
+static sp_status touch_cell(sp_work *w, const lattice *l, int32_t i, int64_t cell, int64_t *count, sp_error *err) {
     sp_status status = SP_OK;
     for (int32_t k = l->start[cell]; status == SP_OK && k < l->start[cell + 1]; k++) {
         const int32_t j = l->grain[k];
@@ -123,7 +124,9 @@ static sp_status touch_cell(sp_work *w, const lattice *l, int32_t i, int64_t cel
         sp_work_geometry(w, &c);
         if (!(c.depth > 0))
             continue;
-        if (goes_across(w, i, j))
+        if (count)
+            *count += !goes_across(w, i, j);
+        else if (goes_across(w, i, j))
             w->report.across++;
         else
             status = sp_work_add(w, &c, err);
@@ -131,7 +134,7 @@ static sp_status touch_cell(sp_work *w, const lattice *l, int32_t i, int64_t cel
     return status;
 }
 
-sp_status sp_touch_grains(sp_work *w, sp_error *err) {
+static sp_status touch(sp_work *w, int64_t *touching, sp_error *err) {
     lattice l = {0};
     sp_status status = fill_lattice(w, &l, err);
     for (int32_t i = 0; status == SP_OK && i < w->n; i++) {
@@ -142,12 +145,19 @@ sp_status sp_touch_grains(sp_work *w, sp_error *err) {
             for (int q = 0; q < count[1]; q++)
                 for (int r = 0; status == SP_OK && r < count[2]; r++) {
                     const int c[3] = {near[0][p], near[1][q], near[2][r]};
-                    status = touch_cell(w, &l, i, cell_of(&l, c), err);
+                    status = touch_cell(w, &l, i, cell_of(&l, c), touching, err);
                 }
     }
     sp_free(l.start);
     sp_free(l.grain);
     return status;
+}
+
+sp_status sp_touch_grains(sp_work *w, sp_error *err) { return touch(w, NULL, err); }
+
+sp_status sp_touch_count(sp_work *w, int64_t *pairs, sp_error *err) {
+    *pairs = 0;
+    return touch(w, pairs, err);
 }
 
 sp_status sp_touch_walls(sp_work *w, sp_error *err) {

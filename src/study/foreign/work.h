@@ -96,6 +96,8 @@ sp_status sp_work_add(sp_work *w, const sp_raw_contact *c, sp_error *err);
 void sp_work_geometry(const sp_work *w, sp_raw_contact *c);
 /* Finds all pairs of grains that overlap. */
 sp_status sp_touch_grains(sp_work *w, sp_error *err);
+/* Only counts them. */
+sp_status sp_touch_count(sp_work *w, int64_t *pairs, sp_error *err);
 /* Finds all grains that overlap the walls whose positions are known. */
 sp_status sp_touch_walls(sp_work *w, sp_error *err);
 
