@@ -44,6 +44,7 @@ typedef struct sp_import_options {
     int up;        /* axis of the walls' normal, 0 .. 2; -1: y in two dimensions, z in three */
     bool open;     /* no periods: the box is wider than the grains */
     bool cut;      /* leaves out contacts across a periodic edge on the axis up; otherwise they are an error */
+    bool exact;    /* the numbers of the file are exact, however few digits they have */
     bool rest;     /* brings the packing to rest under its pressure between rigid walls */
     double width, depth, bottom, top, height;
     double pressure, friction, poisson;
@@ -58,7 +59,7 @@ typedef struct sp_import_options {
 
 SP_API sp_import_options sp_import_options_default(void);
 /* Sets one value from "key=value" ("packing.key=value"): dimension, up, sides, across, width, depth, bottom, top,
- * height, pressure, friction, poisson, wall, first_id. SP_EINVAL for anything else. */
+ * height, pressure, friction, poisson, wall, digits, first_id. SP_EINVAL for anything else. */
 SP_API sp_status sp_import_set(sp_import_options *o, const char *text, sp_error *err);
 
 enum { SP_IMPORT_NOTES = 16, SP_IMPORT_NOTE = 400 };

@@ -3,18 +3,10 @@
 #include "base/vector.h"
 #include "foreign/work.h"
 #include "packing/contact.h"
+#include "store/exchange.h"
 
 #include <math.h>
 #include <string.h>
-
-static double into(double x, double period) {
-    if (x >= 0 && x < period)
-        return x + 0.0;
-    double inside = fmod(x, period);
-    if (inside < 0)
-        inside += period;
-    return inside < period ? inside + 0.0 : 0.0;
-}
 
 /* ---- masses ---------------------------------------------------------------------------------------------------- */
 
@@ -30,8 +22,8 @@ static sp_status give_masses(const sp_work *w, sp_packing *p, sp_error *err) {
         low = sphere ? fmin(low, density) : 0;
         high = fmax(high, density);
     }
-    const bool one = high - low <= 1e-6 * high;
-    if (one && (!(w->o->material.young > 0) || fabs(high - 1) < 1e-6))
+    const double place = 1e-6 + 10 * w->mass_place;
+    if (high - low <= place * high && (!(w->o->material.young > 0) || fabs(high - 1) < place))
         return SP_OK;
     sp_status status = sp_packing_alloc_masses(p, err);
     for (int32_t k = 0; status == SP_OK && k < w->n; k++) {
@@ -101,7 +93,7 @@ static sp_status give_grains(const sp_work *w, sp_packing *p, sp_error *err) {
         const sp_raw_grain *g = &w->grain[k];
         p->r[k] = g->r;
         for (int a = 0; a < w->dim; a++)
-            p->x[3 * (size_t)k + (size_t)a] = a < up || w->periodic[up] ? into(g->x[a], w->edge[a]) : g->x[a] + 0.0;
+            p->x[3 * (size_t)k + (size_t)a] = a < up || w->periodic[up] ? sp_wrap(g->x[a], w->edge[a]) : g->x[a] + 0.0;
         if (!(g->x[up] >= 0 && g->x[up] <= w->edge[up]) && !w->periodic[up])
             return sp_sheet_fail(
                 &w->grains, g->row,
@@ -121,6 +113,10 @@ static void give_contacts(sp_work *w, sp_packing *p) {
         for (int a = 0; a < 3; a++) {
             c->n[a] = r->n[a] + 0.0;
             c->ft[a] = w->friction > 0 ? r->ft[a] + 0.0 : 0;
+        }
+        if (w->dim == 2) { /* a vector that our tables give back with all bits */
+            const double along = sp_tangent_scalar(c->n, c->ft);
+            sp_tangent_vector(c->n, along, c->ft);
         }
         w->report.wall_contacts += r->j < 0;
     }

@@ -20,23 +20,6 @@ const char *const sp_form_names[] = {[SP_FORM_AUTO] = "auto",
                                      [SP_FORM_PHOTOELASTIC] = "photoelastic",
                                      NULL};
 
-/* ---- lines ----------------------------------------------------------------------------------------------------- */
-
-bool sp_begins(const char *line, size_t length, const char *text) {
-    const size_t n = strlen(text);
-    return length >= n && memcmp(line, text, n) == 0;
-}
-
-int sp_line_numbers(const char *line, size_t length, int count, double *out) {
-    char word[SP_SHEET_NAME];
-    const char *from = line;
-    int k = 0;
-    for (; k < count && sp_next_cell(&from, line + length, ' ', word); k++)
-        if (!sp_word_number(word, &out[k]) || !isfinite(out[k]))
-            return -1;
-    return k;
-}
-
 static bool contains(const char *line, size_t length, const char *text) {
     const size_t n = strlen(text);
     for (size_t k = 0; k + n <= length; k++)

@@ -21,9 +21,4 @@ sp_form_reader sp_read_lammps_data, sp_read_dump, sp_read_yade, sp_read_mercury_
 sp_status sp_read_form(const char *path, sp_form form, bool contacts, sp_frame_choice frame, sp_sheet *s,
                        sp_error *err);
 
-/* Whether a line, which need not end with a zero, begins with a text. */
-bool sp_begins(const char *line, size_t length, const char *text);
-/* Reads `count` numbers from a line. Returns how many there were; -1 if one is no finite number. */
-int sp_line_numbers(const char *line, size_t length, int count, double *out);
-
 #endif

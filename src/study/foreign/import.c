@@ -64,6 +64,10 @@ static sp_status set_word(sp_import_options *o, const char *name, const char *va
         o->cut = strcmp(value, "drop") == 0;
         if (!o->cut)
             return fail_key(name, value, "drop", err);
+    } else if (strcmp(name, "digits") == 0) {
+        o->exact = strcmp(value, "exact") == 0;
+        if (!o->exact)
+            return fail_key(name, value, "exact", err);
     } else if (strcmp(name, "wall") == 0) {
         if (!sp_wall_read(value, &wall))
             return fail_key(name, value, "rigid, grain or elastic", err);
@@ -80,7 +84,7 @@ static sp_status set_word(sp_import_options *o, const char *name, const char *va
         return sp_fail(
             err, SP_EINVAL,
             "'%.60s=%.60s': must be key=value with one of the keys dimension, up, sides, across, width, depth, "
-            "bottom, top, height, pressure, friction, poisson, wall, first_id",
+            "bottom, top, height, pressure, friction, poisson, wall, digits, first_id",
             name, value);
     }
     return SP_OK;

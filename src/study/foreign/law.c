@@ -157,10 +157,12 @@ static sp_status fail_digits(const sp_work *w, double mean, sp_error *err) {
         for (int a = 0; a < w->dim; a++)
             largest = fmax(largest, fabs(w->grain[k].x[a]));
     digits = (int)ceil(log10(largest / (1e-3 * mean))) + 1;
-    return sp_fail(err, SP_EREFUSED,
-                   "%s: positions have %d digits, which makes overlaps of %.3g d wrong by %.3g d; %d digits are needed "
-                   "(LAMMPS: dump_modify ID format float %%.17g), or contacts with their forces",
-                   w->path, w->grains.digits[x.index], mean, w->place, digits < 17 ? digits : 17);
+    return sp_fail(
+        err, SP_EREFUSED,
+        "%s: positions have %d digits, which makes overlaps of %.3g d wrong by %.3g d; %d digits are needed "
+        "(LAMMPS: dump_modify ID format float %%.17g), or contacts with their forces; --set digits=exact if the "
+        "numbers are exact",
+        w->path, w->grains.digits[x.index], mean, w->place, digits < 17 ? digits : 17);
 }
 
 /* ---- springs --------------------------------------------------------------------------------------------------- */

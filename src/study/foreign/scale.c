@@ -25,20 +25,25 @@ static sp_status check_diameter(const sp_work *w, double mean, sp_error *err) {
                    w->path, mean, w->o->material.diameter);
 }
 
-/* The error of an overlap from the rounding of two positions and two radii, evenly distributed. */
-static double digits_error(const sp_work *w) {
+/* The error of an overlap from the rounding of two positions and two radii, evenly distributed. All coordinates are
+ * written with as many digits as the longest of them. */
+static double digits_error(sp_work *w) {
     static const char *const name[3] = {"x", "y", "z"};
     const sp_sheet *s = &w->grains;
+    sp_place at[3];
+    int digits = 0;
     double place = 0;
     for (int a = 0; a < w->dim; a++) {
-        const sp_place at = sp_role_find((sp_work *)w, s, name[w->axis[a]]);
+        at[a] = sp_role_find(w, s, name[w->axis[a]]);
+        digits = s->digits[at[a].index] > digits ? s->digits[at[a].index] : digits;
+    }
+    for (int a = 0; a < w->dim; a++) {
         double largest = 0;
         for (int32_t k = 0; k < w->n; k++)
-            largest = fmax(largest, fabs(sp_sheet_value(s, w->grain[k].row, at.index)));
-        double one = sp_sheet_place(s, at.index, largest);
-        if (s->name[at.index][1] == 's') /* a fraction of the box */
-            one *= s->high[w->axis[a]] - s->low[w->axis[a]];
-        place = fmax(place, one);
+            largest = fmax(largest, fabs(sp_sheet_value(s, w->grain[k].row, at[a].index)));
+        const bool fraction = s->name[at[a].index][1] == 's'; /* of the box */
+        const double unit = fraction ? s->high[w->axis[a]] - s->low[w->axis[a]] : 1;
+        place = fmax(place, unit * sp_digits_place(digits, largest));
     }
     return 0.6 * place;
 }
@@ -56,7 +61,7 @@ sp_status sp_scale_grains(sp_work *w, sp_error *err) {
     w->scale = o->length_unit / d;
     w->force = o->force_unit / (modulus * d * d);
     w->stiffness = 1 / (modulus * d);
-    w->place = digits_error(w) * w->scale;
+    w->place = o->exact ? 0 : digits_error(w) * w->scale;
     const double mass = o->mass_unit / (rho * d * d * d);
     for (int32_t k = 0; k < w->n; k++) {
         sp_raw_grain *g = &w->grain[k];

@@ -95,6 +95,21 @@ bool sp_next_cell(const char **from, const char *end, char separator, char word[
     return true;
 }
 
+bool sp_begins(const char *line, size_t length, const char *text) {
+    const size_t n = strlen(text);
+    return length >= n && memcmp(line, text, n) == 0;
+}
+
+int sp_line_numbers(const char *line, size_t length, int count, double *out) {
+    char word[SP_SHEET_NAME];
+    const char *from = line;
+    int k = 0;
+    for (; k < count && sp_next_cell(&from, line + length, ' ', word); k++)
+        if (!sp_word_number(word, &out[k]) || !isfinite(out[k]))
+            return -1;
+    return k;
+}
+
 /* ---- numbers --------------------------------------------------------------------------------------------------- */
 
 /* Powers of ten that are exact. */
@@ -312,8 +327,6 @@ char *sp_sheet_names(const sp_sheet *s, char *text, size_t size) {
     return text;
 }
 
-double sp_sheet_place(const sp_sheet *s, int column, double largest) {
-    if (column < 0 || !(largest > 0))
-        return 0;
-    return pow(10, floor(log10(largest)) + 1 - fmin(s->digits[column], 17));
+double sp_digits_place(int digits, double largest) {
+    return largest > 0 ? pow(10, floor(log10(largest)) + 1 - fmin(digits, 17)) : 0;
 }

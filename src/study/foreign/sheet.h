@@ -46,6 +46,11 @@ const char *sp_cursor_words(sp_cursor *at, size_t *length);
 /* Copies the next cell from a line to `word` and moves on. False at the end of the line. */
 bool sp_next_cell(const char **from, const char *end, char separator, char word[SP_SHEET_NAME]);
 
+/* Whether a line, which need not end with a zero, begins with a text. */
+bool sp_begins(const char *line, size_t length, const char *text);
+/* Reads `count` numbers from a line. Returns how many there were; -1 if one is no finite number. */
+int sp_line_numbers(const char *line, size_t length, int count, double *out);
+
 /* Removes all rows, for another frame. */
 void sp_sheet_clear(sp_sheet *s);
 /* Adds a row. SP_EFORMAT unless it has as many cells as there are columns. */
@@ -69,7 +74,7 @@ sp_status sp_sheet_number(const sp_sheet *s, int64_t row, int column, double *ou
 sp_status sp_sheet_integer(const sp_sheet *s, int64_t row, int column, int64_t *out, sp_error *err);
 /* The names of all columns, for messages; cut with "..." if they are too long. Returns text. */
 char *sp_sheet_names(const sp_sheet *s, char *text, size_t size);
-/* The spacing of the numbers in a column of absolute values up to `largest`, by the digits they have. */
-double sp_sheet_place(const sp_sheet *s, int column, double largest);
+/* The spacing of numbers of so many digits and absolute values up to `largest`. */
+double sp_digits_place(int digits, double largest);
 
 #endif

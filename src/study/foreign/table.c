@@ -1,5 +1,6 @@
 /* Reads tables with a header row, also those of photoelastic experiments, and Yade's x_y_z_r. */
 #include "base/base.h"
+#include "base/text.h"
 #include "foreign/forms.h"
 
 #include <string.h>
@@ -56,7 +57,7 @@ sp_status sp_read_table(sp_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_e
     s->separator = separator_of(line, length);
     sp_status status = sp_sheet_header(s, line, length, at->number, err);
     double number;
-    if (status == SP_OK && sp_line_numbers(line, length, 1, &number) == 1)
+    if (status == SP_OK && sp_word_number(s->name[0], &number))
         status = sp_fail(err, SP_EFORMAT,
                          "%s:%lld: '%.*s': a row of numbers; must be a header row with the names of the columns",
                          s->file, (long long)at->number, length < 60 ? (int)length : 60, line);

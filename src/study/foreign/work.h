@@ -54,6 +54,7 @@ typedef struct sp_work {
     double scale, force, stiffness;   /* from units of the file to d, E* d^2; from units of the material to E* d */
     double place;                     /* error of an overlap from the digits of the positions [d] */
     double force_place;               /* relative error of forces from their digits; NAN: no forces */
+    double mass_place;                /* relative error of masses from their digits, and those of radii */
     bool has_forces, has_ft, springs; /* normal and tangential forces are given; stiffnesses are */
     sp_wall wall;
     double friction, poisson;
