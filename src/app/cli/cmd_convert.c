@@ -167,6 +167,8 @@ static sp_status work(arguments *a, sp_error *err) {
         status = check_output(a, err);
     if (status == SP_OK)
         status = foreign ? convert_import(a, &syntax, &p, err) : read_input(a, &p, err);
+    if (status == SP_OK && !foreign)
+        status = convert_give_material(a, &p, err);
     if (status == SP_OK)
         status = write_output(a, &p, err);
     if (status == SP_OK)

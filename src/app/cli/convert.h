@@ -25,6 +25,8 @@ sp_status convert_is_foreign(const convert_arguments *a, bool *foreign, sp_error
 sp_status convert_refuse_options(const convert_arguments *a, const cli_syntax *syntax, sp_error *err);
 /* Takes IN and OUT from the command line. `contacts` stays as it was given. */
 sp_status convert_take_files(convert_arguments *a, sp_error *err);
+/* Gives a packing of ours the material of --material, if that is given. */
+sp_status convert_give_material(const convert_arguments *a, sp_packing *p, sp_error *err);
 /* Reads IN, and prints what there is to say about it. */
 sp_status convert_import(const convert_arguments *a, const cli_syntax *syntax, sp_packing *p, sp_error *err);
 

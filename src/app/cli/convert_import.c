@@ -26,8 +26,8 @@ sp_status convert_is_foreign(const convert_arguments *a, bool *foreign, sp_error
 }
 
 sp_status convert_refuse_options(const convert_arguments *a, const cli_syntax *syntax, sp_error *err) {
-    static const char *const names[] = {"walls",      "columns",   "types", "frame",    "material",  "length-unit",
-                                        "force-unit", "mass-unit", "kn",    "kt-ratio", "thickness", "rest"};
+    static const char *const names[] = {"walls",     "columns", "types",    "frame",     "length-unit", "force-unit",
+                                        "mass-unit", "kn",      "kt-ratio", "thickness", "rest"};
     for (size_t k = 0; k < sizeof names / sizeof *names; k++)
         if (cli_given(syntax, &a->common, names[k]))
             return sp_fail(
@@ -100,6 +100,10 @@ static void print_report(const convert_arguments *a, const sp_import_report *r) 
         cli_note(&a->common, "%lld grains of other types are left out", (long long)r->left_out);
     for (int k = 0; k < r->notes; k++)
         cli_note(&a->common, "%s", r->note[k]);
+}
+
+sp_status convert_give_material(const convert_arguments *a, sp_packing *p, sp_error *err) {
+    return a->material ? sp_material_read(a->material, &p->material, err) : SP_OK;
 }
 
 sp_status convert_import(const convert_arguments *a, const cli_syntax *syntax, sp_packing *p, sp_error *err) {

@@ -154,6 +154,40 @@ static sp_status read_files(sp_work *w, sp_error *err) {
     return status;
 }
 
+/* ---- what the file says ---------------------------------------------------------------------------------------- */
+
+static bool is_open(const sp_import_options *o, const char *key) {
+    if (strcmp(key, "wall") == 0)
+        return o->wall < 0;
+    if (strcmp(key, "dimension") == 0)
+        return o->dim == 0;
+    for (size_t k = 0; k < sizeof number_keys / sizeof *number_keys; k++)
+        if (strcmp(number_keys[k].name, key) == 0)
+            return isnan(*(const double *)(const void *)((const char *)o + number_keys[k].field));
+    return false;
+}
+
+/* Keys in the head of a file, such as `# friction = 0.5' of a table or friction=0.5 of XYZ, count unless they are given
+ * by the options. */
+static sp_status take_keys(sp_work *w, sp_error *err) {
+    static const char *const keys[] = {"dimension", "width",    "depth",   "height", "bottom",
+                                       "top",       "friction", "poisson", "wall",   "pressure"};
+    char taken[200] = "", value[100], text[160];
+    size_t used = 0;
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
+        if (!is_open(&w->own, keys[k]) || !sp_sheet_said(&w->grains, keys[k], value, sizeof value))
+            continue;
+        snprintf(text, sizeof text, "%s=%s", keys[k], value);
+        if (sp_import_set(&w->own, text, err) != SP_OK)
+            return sp_fail_prefix(err, "%s", w->path);
+        used += (size_t)snprintf(taken + used, used < sizeof taken ? sizeof taken - used : 0, " %s", text);
+        used = used < sizeof taken ? used : sizeof taken - 1;
+    }
+    if (used > 0)
+        sp_work_note(w, "from the head of the file:%s", taken);
+    return SP_OK;
+}
+
 /* ---- options that need each other ------------------------------------------------------------------------------ */
 
 static sp_status check_options(const sp_work *w, sp_error *err) {
@@ -198,6 +232,8 @@ static sp_status run(sp_work *w, sp_packing *out, sp_error *err) {
     if (status == SP_OK)
         status = read_files(w, err);
     if (status == SP_OK)
+        status = take_keys(w, err);
+    if (status == SP_OK)
         status = sp_gather_grains(w, err);
     if (status == SP_OK)
         status = sp_scale_grains(w, err);
@@ -223,7 +259,8 @@ sp_status sp_import(const char *path, const sp_import_options *o, sp_packing *ou
     if (!w)
         return sp_fail_memory(err, sizeof *w);
     w->path = path;
-    w->o = o;
+    w->own = *o;
+    w->o = &w->own;
     w->force_place = w->report.hertz = w->report.hertz_spread = w->report.overlap_error = NAN;
     sp_locale locale = sp_locale_enter();
     sp_status status = run(w, &p, err);

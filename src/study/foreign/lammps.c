@@ -74,6 +74,8 @@ sp_status sp_read_lammps_data(sp_sheet *s, sp_cursor *at, sp_frame_choice frame,
     sp_status status = SP_OK;
     (void)frame;
     const char *line = sp_cursor_line(at, &length); /* a comment */
+    s->head = line;
+    s->head_length = length;
     while (status == SP_OK && (line = sp_cursor_words(at, &length))) {
         if (sp_begins(line, length, "Atoms")) {
             if (atoms == 0)

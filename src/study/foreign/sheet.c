@@ -6,6 +6,7 @@
 #include "base/text.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -271,6 +272,47 @@ sp_status sp_sheet_header(sp_sheet *s, const char *line, size_t length, int64_t 
         memcpy(s->name[s->columns++], word, SP_SHEET_NAME);
     }
     return SP_OK;
+}
+
+/* ---- keys ------------------------------------------------------------------------------------------------------ */
+
+bool sp_line_said(const char *line, size_t length, const char *key, char *value, size_t size) {
+    const size_t n = strlen(key);
+    for (size_t k = 0; k + n + 1 < length; k++) {
+        if ((k > 0 && line[k - 1] != ' ' && line[k - 1] != '\t') || memcmp(line + k, key, n) != 0 || line[k + n] != '=')
+            continue;
+        const char *from = line + k + n + 1, *end = line + length;
+        const char quote = *from == '"' ? '"' : ' ';
+        from += *from == '"';
+        size_t used = 0;
+        for (; from < end && *from != quote && used + 1 < size; from++)
+            value[used++] = *from;
+        value[used] = '\0';
+        return true;
+    }
+    return false;
+}
+
+/* "# key = value" */
+static bool comment_said(const char *line, size_t length, const char *key, char *value, size_t size) {
+    char word[SP_SHEET_NAME];
+    const char *from = line + 1, *end = line + length;
+    if (!sp_next_cell(&from, end, ' ', word) || strcmp(word, key) != 0 || !sp_next_cell(&from, end, ' ', word) ||
+        strcmp(word, "=") != 0 || !sp_next_cell(&from, end, ' ', word))
+        return false;
+    snprintf(value, size, "%s", word);
+    return true;
+}
+
+bool sp_sheet_said(const sp_sheet *s, const char *key, char *value, size_t size) {
+    if (s->head)
+        return sp_line_said(s->head, s->head_length, key, value, size);
+    sp_cursor at = {.next = s->text, .end = s->text + strlen(s->text)};
+    size_t length;
+    for (const char *line = sp_cursor_words(&at, &length); line && line[0] == '#'; line = sp_cursor_words(&at, &length))
+        if (comment_said(line, length, key, value, size))
+            return true;
+    return false;
 }
 
 /* ---- access ---------------------------------------------------------------------------------------------------- */

@@ -23,7 +23,9 @@ typedef struct sp_sheet {
     /* what the headers say */
     bool box[3]; /* whether edges are known */
     double low[3], high[3];
-    int periodic[3]; /* 1, 0; -1: unknown */
+    int periodic[3];  /* 1, 0; -1: unknown */
+    const char *head; /* a line of key=value in the text; NULL: none */
+    size_t head_length;
     int frames;
     int64_t frame; /* of the rows, as the file names it */
 } sp_sheet;
@@ -59,6 +61,12 @@ sp_status sp_sheet_row(sp_sheet *s, const char *line, size_t length, int64_t num
 sp_status sp_sheet_rows(sp_sheet *s, sp_cursor *at, int64_t count, const char *what, sp_error *err);
 /* Sets names and number of columns from a line. SP_EFORMAT for too many. */
 sp_status sp_sheet_header(sp_sheet *s, const char *line, size_t length, int64_t number, sp_error *err);
+
+/* Finds the value of a key that the file says: "key=value" or key="value" in its head, or a comment "# key = value"
+ * before the first row. */
+bool sp_sheet_said(const sp_sheet *s, const char *key, char *value, size_t size);
+/* The same in any line of key=value. */
+bool sp_line_said(const char *line, size_t length, const char *key, char *value, size_t size);
 
 int sp_sheet_find(const sp_sheet *s, const char *name); /* -1: no such column */
 static inline double sp_sheet_value(const sp_sheet *s, int64_t row, int column) {

@@ -36,7 +36,8 @@ typedef struct sp_raw_contact {
 
 typedef struct sp_work {
     const char *path;
-    const sp_import_options *o;
+    const sp_import_options *o; /* own */
+    sp_import_options own;      /* as given, and as the files say */
     sp_form form;
     int roles;
     sp_role role[SP_ROLES_MAX];

@@ -7,28 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Finds the value of a key in the comment line, in quotes or not. */
-static bool find_value(const char *line, size_t length, const char *key, char *value, size_t size) {
-    const size_t n = strlen(key);
-    for (size_t k = 0; k + n + 1 < length; k++) {
-        if ((k > 0 && line[k - 1] != ' ' && line[k - 1] != '\t') || memcmp(line + k, key, n) != 0 || line[k + n] != '=')
-            continue;
-        const char *from = line + k + n + 1, *end = line + length;
-        const char quote = *from == '"' ? '"' : ' ';
-        from += *from == '"';
-        size_t used = 0;
-        for (; from < end && *from != quote && used + 1 < size; from++)
-            value[used++] = *from;
-        value[used] = '\0';
-        return true;
-    }
-    return false;
-}
-
 static sp_status read_lattice(sp_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
     char text[1024];
     double v[9], origin[3] = {0, 0, 0};
-    if (!find_value(line, length, "Lattice", text, sizeof text))
+    if (!sp_line_said(line, length, "Lattice", text, sizeof text))
         return SP_OK;
     if (sp_line_numbers(text, strlen(text), 9, v) != 9)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: Lattice=\"%s\"; must be nine numbers", s->file, (long long)number,
@@ -37,14 +19,14 @@ static sp_status read_lattice(sp_sheet *s, const char *line, size_t length, int6
         if (k % 4 != 0 && v[k] != 0)
             return sp_fail(err, SP_EFORMAT, "%s:%lld: Lattice=\"%s\": a tilted box; must have right angles", s->file,
                            (long long)number, text);
-    if (find_value(line, length, "Origin", text, sizeof text))
+    if (sp_line_said(line, length, "Origin", text, sizeof text))
         sp_line_numbers(text, strlen(text), 3, origin);
     for (int a = 0; a < 3; a++) {
         s->box[a] = v[4 * a] > 0;
         s->low[a] = origin[a];
         s->high[a] = origin[a] + v[4 * a];
     }
-    if (find_value(line, length, "pbc", text, sizeof text)) {
+    if (sp_line_said(line, length, "pbc", text, sizeof text)) {
         int a = 0;
         for (const char *c = text; *c && a < 3; c++)
             if (strchr("TtFf01", *c))
@@ -62,7 +44,7 @@ static void add_column(sp_sheet *s, const char *name, const char *suffix) {
 static sp_status read_properties(sp_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
     static const char *const axis[3] = {"x", "y", "z"};
     char text[4096] = "species:S:1:pos:R:3", *rest = text;
-    find_value(line, length, "Properties", text, sizeof text);
+    sp_line_said(line, length, "Properties", text, sizeof text);
     s->columns = 0;
     s->room = 0;
     for (char *name; (name = strsep(&rest, ":"));) {
@@ -111,6 +93,8 @@ sp_status sp_read_xyz(sp_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_err
     if (!line)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: the file ends before the line of Lattice= and Properties=", s->file,
                        (long long)at->number);
+    s->head = line;
+    s->head_length = length;
     sp_status status = read_lattice(s, line, length, chosen.number, err);
     if (status == SP_OK)
         status = read_properties(s, line, length, chosen.number, err);
