@@ -10,6 +10,7 @@ install(DIRECTORY include/sonopack DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES
 install(FILES docs/man/sonopack.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES completions/sonopack.bash RENAME sonopack
   DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+install(DIRECTORY share/sonopack DESTINATION ${CMAKE_INSTALL_DATADIR}) # what other programs include
 install(FILES README.md CHANGELOG.md CONTRIBUTING.md CITATION.cff LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # with what their links lead to
 install(DIRECTORY docs packings examples DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN man EXCLUDE PATTERN api EXCLUDE)

@@ -27,6 +27,13 @@ _sonopack() {
         mapfile -t COMPREPLY < <(compgen -W 'tsv csv json' -- "$current")
         return
         ;;
+    --from)
+        if [ "$command" = convert ]; then
+            local forms='auto lammps-data lammps-dump liggghts yade mercury xyz csv photoelastic'
+            mapfile -t COMPREPLY < <(compgen -W "$forms" -- "$current")
+            return
+        fi
+        ;;
     --source)
         mapfile -t COMPREPLY < <(compgen -W 'impulse velocity displacement' -- "$current")
         return

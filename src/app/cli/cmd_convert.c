@@ -12,7 +12,9 @@ typedef convert_arguments arguments;
 static const cli_option options[] = {
     {"grain-table", "FILE.tsv", "Table of grains: id x y [z] radius. --grains is its older name", CLI_TEXT,
      .field = offsetof(arguments, grains), .alias = "grains"},
-    {"contact-table", "FILE.tsv", "Table of contacts: i j nx ny [nz] overlap Fn Ft. --contacts is its older name",
+    {"contact-table", "FILE.tsv",
+     "Table of contacts: i j nx ny [nz] overlap Fn Ft. --contacts is its older name, and that of files of other "
+     "programs",
      CLI_TEXT, .field = offsetof(arguments, contacts), .alias = "contacts"},
     {.help = "Packings of other programs:"},
     {"from", "FORM", "Form of IN: " CONVERT_FORMS " (auto)", CLI_CHOICE, .field = offsetof(arguments, from),
@@ -42,7 +44,8 @@ static const cli_option options[] = {
     {0}};
 
 static const cli_syntax syntax = {
-    .usage = "IN OUT [--grain-table G.tsv --contact-table C.tsv]\nIN --grain-table G.tsv --contact-table C.tsv\n"
+    .usage = "IN OUT [--grain-table G.tsv --contact-table C.tsv]\nIN OUT [--from FORM] [--contacts FILE|overlap]\nIN "
+             "--grain-table G.tsv --contact-table C.tsv\n"
              "OUT --grain-table G.tsv --contact-table C.tsv",
     .help =
         "Converts packings between HDF5 (.h5), a text file (.txt), and two tables.\v"
