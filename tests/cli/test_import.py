@@ -246,6 +246,42 @@ def test_rest():
     expect(check.returncode == 0, "the packing at rest is right: " + check.stdout + said)
 
 
+def test_axes():
+    """A layer that stands in another plane, or upside down, is the same packing."""
+    words = ["--walls", "none", *FRICTION, "--set", "pressure=1e-4"]
+    convert(sample("csv/grains.csv"), "a.txt", *words, "--set", "width=8", "--set", "bottom=0", "--set", "height=8.9")
+    text = open(sample("csv/grains.csv")).read().split("\n")
+    turned = ["id,z,x,y,radius"] + [f"{g[0]},{g[1]},{g[2]},7.5,{g[3]}" for g in (line.split(",") for line in text[1:] if line)]
+    write("t.csv", "\n".join(turned))
+    convert("t.csv", "b.txt", *words, "--set", "up=x", "--set", "width=8", "--set", "bottom=0", "--set", "height=8.9")
+    expect(numbers("a.txt") == numbers("b.txt"), "up=x")
+    convert(sample("csv/grains.csv"), "c.txt", *words, "--columns", "y=-y", "--set", "width=8", "--set", "bottom=-8.9",
+            "--set", "top=0")
+    for a, b in zip(numbers("a.txt")[1], numbers("c.txt")[1]):
+        expect(a[0] == b[0] and abs(a[1] + b[1] - 8.9) < 1e-12, "y downwards")
+    refuse("t.csv", *words, "--set", "up=y", "--set", "width=8", status=2, says="up")
+
+
+def test_own_stiffnesses_and_masses():
+    write("g.csv", "id,x,y,radius,mass,inertia\n1,1,0.499,0.5,0.5,0.05\n2,1.99,0.5,0.5,0.6,0.04\n# a comment\n\n")
+    write("c.csv", "id1,id2,fn,kn,kt,ft\n2,1,0.003,0.3,0.1,-0.0005\n")
+    convert("g.csv", "a.h5", "--contacts", "c.csv", "--walls", "none", *FRICTION, *EXACT, "--set", "sides=open", "--set",
+            "bottom=0", "--set", "top=1", "--set", "pressure=1e-3")
+    import h5py
+    with h5py.File(path("a.h5")) as f:
+        c = f["sonopack/contacts"]
+        expect(c["normal_stiffness"][0] == 0.3 and c["tangential_stiffness"][0] == 0.1, "kn and kt")
+        expect(c["normal_force"][0] == 0.003 and close(c["overlap"][0], 0.01, 1e-14), "overlap = Fn/kn")
+        expect(list(f["particles/grains/mass"][:].ravel()) == [0.5, 0.6], "masses")
+        expect(list(f["particles/grains/inertia"][:].ravel()) == [0.05, 0.04], "moments of inertia")
+    convert("a.h5", "--grain-table", "gg.tsv", "--contact-table", "cc.tsv")
+    row = dict(zip(*(line.split("\t") for line in open(path("cc.tsv")).read().split("\n")[-3:-1])))
+    # the force on grain 2 along t of n from 2 to 1 is that on grain 1 along t of n from 1 to 2
+    expect(float(row["Ft"]) == -0.0005, f"Ft turns with n: {row}")
+    write("c.csv", "id1,id2,fn,kn\n1,2,0.003,-1\n")
+    refuse("g.csv", "--contacts", "c.csv", *FRICTION, *EXACT, "--set", "sides=open", says="stiffness -1")
+
+
 # ---- what can be wrong ---------------------------------------------------------------------------------------------
 
 ROW = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS pp ff pp\n0 4\n0 1\n-0.5 0.5\n"

@@ -19,10 +19,10 @@ static sp_status give_masses(const sp_work *w, sp_packing *p, sp_error *err) {
             return SP_OK;
         const double density = g->mass / grain_mass(g->r);
         const bool sphere = isnan(g->inertia) || fabs(g->inertia / (0.4 * g->mass * g->r * g->r) - 1) < 1e-6;
-        low = sphere ? fmin(low, density) : 0;
+        low = sphere ? fmin(low, density) : -INFINITY;
         high = fmax(high, density);
     }
-    const double place = 1e-6 + 10 * w->mass_place;
+    const double place = 1e-6 + fmin(10 * w->mass_place, 1e-3);
     if (high - low <= place * high && (!(w->o->material.young > 0) || fabs(high - 1) < place))
         return SP_OK;
     sp_status status = sp_packing_alloc_masses(p, err);

@@ -184,7 +184,7 @@ static sp_status read_masses(sp_work *w, sp_error *err) {
     const sp_place mass = sp_role_find(w, s, "mass"), inertia = sp_role_find(w, s, "inertia");
     const sp_place density = sp_role_find(w, s, "density"), boundary = sp_role_find(w, s, "boundary");
     sp_status status = SP_OK;
-    if (mass.index >= 0 || density.index >= 0)
+    if ((mass.index >= 0 || density.index >= 0) && !w->o->exact)
         w->mass_place = pow(10, 1 - fmin(s->digits[mass.index >= 0 ? mass.index : density.index], 17));
     for (int32_t k = 0; status == SP_OK && k < w->n; k++) {
         sp_raw_grain *g = &w->grain[k];
