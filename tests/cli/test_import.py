@@ -278,6 +278,22 @@ def test_own_stiffnesses_and_masses():
     row = dict(zip(*(line.split("\t") for line in open(path("cc.tsv")).read().split("\n")[-3:-1])))
     # the force on grain 2 along t of n from 2 to 1 is that on grain 1 along t of n from 1 to 2
     expect(float(row["Ft"]) == -0.0005, f"Ft turns with n: {row}")
+    convert("g.csv", "a.h5", "--contacts", "overlap", "--kn", "0.2", "--kt-ratio", "0", *FRICTION, *EXACT, "--set",
+            "sides=open", "--set", "bottom=0", "--set", "top=1")
+    with h5py.File(path("a.h5")) as f:
+        c = f["sonopack/contacts"]
+        overlap, fn = c["overlap"][:], c["normal_force"][:]
+        found = sorted(overlap)
+        expect(len(found) == 2 and close(found[0], 0.001, 1e-12), f"springs by overlap, at the wall too: {found}")
+        expect(close(found[1], 1 - math.hypot(0.99, 0.001), 1e-12) and abs(fn / overlap - 0.2).max() < 1e-14, "F = kn overlap")
+    write("c.csv", "id1,id2,fn,ft_x,ft_y\n1,2,0.003,0,0\ntop,1,0.002,0.0001,0\n2,bottom,0.001,0,0\n")
+    convert("g.csv", "w.h5", "--contacts", "c.csv", "--kn", "0.2", *FRICTION, *EXACT, "--set", "sides=open", "--set",
+            "bottom=0", "--set", "top=1")
+    convert("w.h5", "--grain-table", "gw.tsv", "--contact-table", "cw.tsv")
+    walls = [line.split("\t") for line in open(path("cw.tsv")).read().split("\n") if "bottom" in line or "top" in line]
+    expect([w[:4] for w in walls] == [["1", "bottom", "0", "-1"], ["0", "top", "0", "1"]], f"walls by name: {walls}")
+    write("c.csv", "id1,id2,fn\nbottom,top,0.003\n")
+    refuse("g.csv", "--contacts", "c.csv", "--kn", "1", *FRICTION, *EXACT, "--set", "sides=open", says="c.csv:2 top")
     write("c.csv", "id1,id2,fn,kn\n1,2,0.003,-1\n")
     refuse("g.csv", "--contacts", "c.csv", *FRICTION, *EXACT, "--set", "sides=open", says="stiffness -1")
 

@@ -177,10 +177,12 @@ static sp_status complete_spring(sp_work *w, sp_raw_contact *c, sp_error *err) {
                        w->path, (long long)w->grain[c->i].id, c->kn);
     if (isnan(c->kt))
         c->kt = c->kn * (isnan(w->o->kt_ratio) ? contact_eta(w->poisson) : w->o->kt_ratio);
-    if (isnan(c->fn))
-        c->fn = c->kn * fmax(overlap_of(c), 0);
-    else if (isnan(c->overlap))
+    if (isnan(c->fn)) {
+        c->overlap = fmax(overlap_of(c), 0);
+        c->fn = c->kn * c->overlap;
+    } else if (isnan(c->overlap)) {
         c->overlap = c->fn / c->kn;
+    }
     return SP_OK;
 }
 

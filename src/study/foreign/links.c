@@ -36,18 +36,28 @@ static sp_status find_columns(sp_work *w, link_columns *c, sp_error *err) {
     return status;
 }
 
+enum { WALL_UNKNOWN = -3 };
+
 /* ---- rows ------------------------------------------------------------------------------------------------------ */
 
-/* Finds the grain of an id. *skip: it belongs to a type that was left out. Walls have negative ids in MercuryDPM. */
+/* Finds the grain of an id. *skip: it belongs to a type that was left out. Walls have negative ids in MercuryDPM (which
+ * of them is not known: WALL_UNKNOWN), and may be named bottom and top. */
 static sp_status find_grain(sp_work *w, int64_t row, sp_place at, int32_t *grain, bool *skip, sp_error *err) {
     int64_t id;
+    char word[SP_SHEET_NAME];
+    if (isnan(sp_sheet_value(&w->contacts, row, at.index))) {
+        sp_sheet_word(&w->contacts, row, at.index, word);
+        *grain = strcmp(word, "top") == 0 ? SP_TOP : SP_BOTTOM;
+        if (*grain == SP_TOP || strcmp(word, "bottom") == 0)
+            return SP_OK;
+    }
     sp_status status = sp_sheet_integer(&w->contacts, row, at.index, &id, err);
     if (status != SP_OK)
         return status;
     *grain = sp_grain_of_id(w, id);
     if (*grain >= 0)
         return SP_OK;
-    *grain = SP_BOTTOM;
+    *grain = WALL_UNKNOWN;
     *skip = w->report.left_out > 0;
     if (*skip || (id < 0 && w->form == SP_FORM_MERCURY))
         return SP_OK;
@@ -58,10 +68,6 @@ static sp_status find_grain(sp_work *w, int64_t row, sp_place at, int32_t *grain
 static sp_status place_at_wall(sp_work *w, const link_columns *column, sp_raw_contact *c, bool *skip, sp_error *err) {
     const int up = w->dim - 1;
     double p[3];
-    if (c->i < 0) {
-        c->i = c->j;
-        c->j = SP_BOTTOM;
-    }
     if (!column->has_point)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: a contact with a wall without the point of contact, p_x p_y",
                        w->contacts.file, (long long)w->contacts.number[c->row]);
@@ -130,7 +136,7 @@ static sp_status read_numbers(sp_work *w, const link_columns *column, sp_raw_con
 static sp_status read_row(sp_work *w, const link_columns *column, int64_t row, double *sense, int64_t *beside,
                           sp_error *err) {
     sp_raw_contact c = {.row = row, .overlap = NAN, .fn = NAN, .ft = {NAN, NAN, NAN}, .kn = NAN, .kt = NAN};
-    bool skip = false, wall = false;
+    bool skip = false;
     int32_t grain[2];
     sp_status status = find_grain(w, row, column->id1, &grain[0], &skip, err);
     if (status == SP_OK)
@@ -139,11 +145,12 @@ static sp_status read_row(sp_work *w, const link_columns *column, int64_t row, d
         return status;
     if (grain[0] == grain[1])
         return sp_sheet_fail(&w->contacts, row, column->id2.index, "another grain than the first", err);
+    if (grain[0] < 0 && grain[1] < 0)
+        return sp_sheet_fail(&w->contacts, row, column->id2.index, "a grain, if the first is a wall", err);
     const bool swap = grain[0] < 0 || (grain[1] >= 0 && grain[0] > grain[1]);
     c.i = grain[swap];
     c.j = grain[!swap];
-    wall = c.j < 0;
-    if (wall)
+    if (c.j == WALL_UNKNOWN)
         status = place_at_wall(w, column, &c, &skip, err);
     *beside += skip;
     if (status != SP_OK || skip)
