@@ -172,10 +172,11 @@ static sp_status check_balance(sp_work *w, const sp_packing *p, sp_error *err) {
     int32_t rattlers;
     imbalance now, turned;
     uint8_t *rattler = sp_alloc((size_t)p->n, 1);
+    if (!rattler)
+        return sp_fail_memory(err, (size_t)p->n);
     for (int32_t k = 0; k < p->n_contacts; k++)
         mean += p->contacts[k].fn / p->n_contacts;
-    sp_status status =
-        rattler ? sp_packing_rattlers(p, 1e-4, rattler, NULL, &rattlers, err) : sp_fail_memory(err, (size_t)p->n);
+    sp_status status = sp_packing_rattlers(p, 1e-4, rattler, NULL, &rattlers, err);
     if (status == SP_OK)
         status = find_imbalance(w, p, 1, rattler, &now, err);
     if (status == SP_OK)
@@ -251,10 +252,10 @@ sp_status sp_finish(sp_work *w, sp_packing *out, sp_error *err) {
         status = give_grains(w, &p, err);
     if (status == SP_OK)
         status = give_masses(w, &p, err);
-    if (status == SP_OK)
+    if (status == SP_OK) {
         give_contacts(w, &p);
-    if (status == SP_OK)
         status = find_pressure(w, &p, err);
+    }
     if (status == SP_OK && sp_packing_check(&p, err) != SP_OK)
         status = sp_fail_prefix(err, "%s", w->path);
     if (status == SP_OK)

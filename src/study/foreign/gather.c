@@ -65,7 +65,11 @@ int32_t sp_grain_of_id(const sp_work *w, int64_t id) {
 }
 
 /* Ids number the grains; without them the rows do. */
-static sp_status read_ids(sp_work *w, const uint8_t *wanted, sp_error *err) {
+static sp_status read_ids(sp_work *w, const uint8_t *wanted, int32_t count, sp_error *err) {
+    w->grain = sp_alloc((size_t)count, sizeof *w->grain);
+    if (!w->grain)
+        return sp_fail_memory(err, (size_t)count * sizeof *w->grain);
+    w->n = count;
     const sp_sheet *s = &w->grains;
     const sp_place id = sp_role_find(w, s, "id");
     const bool from_zero = w->form == SP_FORM_MERCURY || w->form == SP_FORM_YADE;
@@ -210,12 +214,11 @@ static sp_status read_masses(sp_work *w, sp_error *err) {
 sp_status sp_gather_grains(sp_work *w, sp_error *err) {
     uint8_t *wanted = sp_alloc((size_t)w->grains.rows, 1);
     int64_t count = 0;
-    sp_status status = wanted ? choose_rows(w, wanted, &count, err) : sp_fail_memory(err, (size_t)w->grains.rows);
-    w->n = (int32_t)count;
-    if (status == SP_OK && !(w->grain = sp_alloc((size_t)w->n, sizeof *w->grain)))
-        status = sp_fail_memory(err, (size_t)w->n * sizeof *w->grain);
+    if (!wanted)
+        return sp_fail_memory(err, (size_t)w->grains.rows);
+    sp_status status = choose_rows(w, wanted, &count, err);
     if (status == SP_OK)
-        status = read_ids(w, wanted, err);
+        status = read_ids(w, wanted, (int32_t)count, err);
     sp_free(wanted);
     if (status == SP_OK)
         status = read_positions(w, err);

@@ -237,8 +237,7 @@ static sp_status complete_all(sp_work *w, double *ratio, sp_error *err) {
                      noise);
     if (w->has_forces)
         status = check_grains(w, ratio, err);
-    if (status == SP_OK)
-        note_wall_forces(w);
+    note_wall_forces(w);
     if (status == SP_OK)
         status = choose_wall(w, ratio, err);
     for (int32_t k = 0; status == SP_OK && k < w->found; k++)

@@ -9,8 +9,8 @@
 
 /* The columns of a list of contacts. */
 typedef struct link_columns {
-    sp_place id1, id2, overlap, fn, ft, kn, kt, force[3], normal[3], tangent[3], along[3], point[3], n[3];
-    bool has_force, has_normal, has_tangent, has_along, has_point, has_n;
+    sp_place id1, id2, overlap, fn, ft, kn, kt, force[3], normal[3], tangent[3], along[3], point[3];
+    bool has_force, has_normal, has_tangent, has_along, has_point;
 } link_columns;
 
 static sp_status find_columns(sp_work *w, link_columns *c, sp_error *err) {
@@ -44,8 +44,8 @@ enum { WALL_UNKNOWN = -3 };
  * of them is not known: WALL_UNKNOWN), and may be named bottom and top. */
 static sp_status find_grain(sp_work *w, int64_t row, sp_place at, int32_t *grain, bool *skip, sp_error *err) {
     int64_t id;
-    char word[SP_SHEET_NAME];
     if (isnan(sp_sheet_value(&w->contacts, row, at.index))) {
+        char word[SP_SHEET_NAME];
         sp_sheet_word(&w->contacts, row, at.index, word);
         *grain = strcmp(word, "top") == 0 ? SP_TOP : SP_BOTTOM;
         if (*grain == SP_TOP || strcmp(word, "bottom") == 0)

@@ -38,9 +38,10 @@ const char *sp_cursor_line(sp_cursor *at, size_t *length) {
     stop = stop ? stop : at->end;
     at->next = stop + 1;
     at->number++;
-    *length = (size_t)(stop - line);
-    if (*length > 0 && line[*length - 1] == '\r')
-        --*length;
+    size_t n = (size_t)(stop - line);
+    if (n > 0 && line[n - 1] == '\r')
+        n--;
+    *length = n;
     return line;
 }
 
@@ -245,10 +246,9 @@ sp_status sp_sheet_row(sp_sheet *s, const char *line, size_t length, int64_t num
 }
 
 sp_status sp_sheet_rows(sp_sheet *s, sp_cursor *at, int64_t count, const char *what, sp_error *err) {
-    sp_status status = SP_OK;
     const int64_t before = s->rows, lines = (int64_t)(at->end - at->next) / (2 * s->columns) + 1;
-    if (status == SP_OK && count <= lines) /* a wrong count is not worth its memory */
-        status = make_room(s, before + count, err);
+    /* a wrong count is not worth its memory */
+    sp_status status = count <= lines ? make_room(s, before + count, err) : SP_OK;
     while (status == SP_OK && s->rows < before + count) {
         size_t length;
         const char *line = sp_cursor_words(at, &length);
