@@ -34,14 +34,15 @@ void sp_sheet_free(sp_sheet *s) {
 const char *sp_cursor_line(sp_cursor *at, size_t *length) {
     if (at->next >= at->end)
         return NULL;
-    const char *line = at->next, *stop = memchr(line, '\n', (size_t)(at->end - line));
-    stop = stop ? stop : at->end;
+    const char *line = at->next;
+    const char *stop = memchr(line, '\n', (size_t)(at->end - line));
+    if (!stop)
+        stop = at->end;
     at->next = stop + 1;
     at->number++;
-    size_t n = (size_t)(stop - line);
-    if (n > 0 && line[n - 1] == '\r')
-        n--;
-    *length = n;
+    if (stop > line && stop[-1] == '\r')
+        stop--;
+    *length = (size_t)(stop - line);
     return line;
 }
 
