@@ -259,6 +259,10 @@ def test_axes():
             "--set", "top=0")
     for a, b in zip(numbers("a.txt")[1], numbers("c.txt")[1]):
         expect(a[0] == b[0] and abs(a[1] + b[1] - 8.9) < 1e-12, "y downwards")
+    write("own.tsv", "# width = 8\n# friction = 0.5\n# pressure = 1e-4\n# height = 8.9\n# bottom = 0\n"
+          + open(sample("csv/grains.csv")).read().replace(",", "\t"))
+    convert("own.tsv", "d.txt", "--contacts", "overlap", "--walls", "none", says="friction=0.5")
+    expect(numbers("a.txt") == numbers("d.txt"), "a table of ours alone, with its keys, and contacts by overlap")
     refuse("t.csv", *words, "--set", "up=y", "--set", "width=8", status=2, says="up")
 
 

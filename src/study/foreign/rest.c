@@ -58,5 +58,8 @@ sp_status sp_bring_to_rest(sp_work *w, sp_packing *p, sp_error *err) {
     sp_packing_free(p);
     *p = rested;
     w->report.contacts = p->n_contacts;
+    w->report.wall_contacts = 0;
+    for (int32_t k = 0; k < p->n_contacts; k++)
+        w->report.wall_contacts += p->contacts[k].j < 0;
     return SP_OK;
 }
