@@ -26,8 +26,8 @@ static const cli_option options[] = {
     {"types", "T,...", "Only grains of these types", CLI_TEXT, .field = offsetof(arguments, types)},
     {"frame", "N", "Frame or time step N (the last)", CLI_INTEGER, .field = offsetof(arguments, frame), .low = 0,
      .high = 9e15},
-    {"material", "E=...,nu=...,rho=...,d=...", "Material of the grains in SI; IN is then in SI too", CLI_TEXT,
-     .field = offsetof(arguments, material)},
+    {"material", "E=...,nu=...,rho=...,d=...",
+     "Material of the grains in SI; files of other programs are then in SI too", .parse = convert_set_material},
     {"length-unit", "L", "Length unit of IN over that of the material (1)", CLI_NUMBER,
      .field = offsetof(arguments, length_unit), .low = 1e-30, .high = 1e30},
     {"force-unit", "F", "The same for forces", CLI_NUMBER, .field = offsetof(arguments, force_unit), .low = 1e-30,
@@ -64,6 +64,7 @@ static const cli_syntax syntax = {
         "Box and material of tables are in comment lines `# key = value' or in --set key=value: width, depth (3D), "
         "height, pressure, friction, poisson, wall, material, seed. Lengths are in mean grain diameters, pressures in "
         "E*.",
+    .not_si = "it writes packings, which are stored in d, E* and rho; --material stores a material with them",
     .options = options,
     .file_name = "packing",
     .files_max = 2};

@@ -13,12 +13,14 @@ typedef struct convert_arguments {
     const char *in, *out;          /* packing files as given; NULL: none */
     /* of other programs' files */
     int from; /* an sp_form */
-    const char *walls, *columns, *types, *material;
+    const char *walls, *columns, *types;
     int64_t frame;
     double length_unit, force_unit, mass_unit, kn, kt_ratio, thickness;
     bool rest;
 } convert_arguments;
 
+/* Reads --material. Without d= its diameter is 0: that of the file. */
+sp_status convert_set_material(void *arguments, const char *text, sp_error *err);
 /* Whether IN is a file of another program: --from says so, or its content. */
 sp_status convert_is_foreign(const convert_arguments *a, bool *foreign, sp_error *err);
 /* Refuses options of other programs' files where IN is none. */

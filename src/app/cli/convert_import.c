@@ -52,15 +52,15 @@ sp_status convert_take_files(convert_arguments *a, sp_error *err) {
 
 /* ---- import ----------------------------------------------------------------------------------------------------- */
 
-/* Without d= the diameter is that of the file: 0. */
-static sp_status read_material(const char *text, sp_material *out, sp_error *err) {
+sp_status convert_set_material(void *arguments, const char *text, sp_error *err) {
+    cli_common *common = arguments;
     char whole[SP_MATERIAL_TEXT];
     const bool has_d = strncmp(text, "d=", 2) == 0 || strstr(text, ",d=") || strstr(text, " d=");
     if ((size_t)snprintf(whole, sizeof whole, "%s%s", text, has_d ? "" : ",d=1") >= sizeof whole)
         return sp_fail(err, SP_EINVAL, "--material: longer than %zu characters", sizeof whole - 1);
-    sp_status status = sp_material_read(whole, out, err);
+    sp_status status = cli_set_material(arguments, whole, err);
     if (status == SP_OK && !has_d)
-        out->diameter = 0;
+        common->material.diameter = 0;
     return status;
 }
 
@@ -82,11 +82,10 @@ static sp_status fill_options(const convert_arguments *a, const cli_syntax *synt
     o->thickness = a->thickness;
     o->rest = a->rest;
     o->threads = a->common.threads;
+    o->material = a->common.material;
     sp_status status = SP_OK;
     for (int k = 0; status == SP_OK && k < a->common.sets; k++)
         status = sp_import_set(o, a->common.set[k], err);
-    if (status == SP_OK && a->material)
-        status = read_material(a->material, &o->material, err);
     return status;
 }
 
@@ -103,7 +102,13 @@ static void print_report(const convert_arguments *a, const sp_import_report *r) 
 }
 
 sp_status convert_give_material(const convert_arguments *a, sp_packing *p, sp_error *err) {
-    return a->material ? sp_material_read(a->material, &p->material, err) : SP_OK;
+    if (!(a->common.material.young > 0))
+        return SP_OK;
+    sp_status status = sp_material_check(&a->common.material, err);
+    if (status != SP_OK)
+        return sp_fail_prefix(err, "--material");
+    p->material = a->common.material;
+    return SP_OK;
 }
 
 sp_status convert_import(const convert_arguments *a, const cli_syntax *syntax, sp_packing *p, sp_error *err) {
