@@ -104,9 +104,9 @@ static void print_report(const convert_arguments *a, const sp_import_report *r) 
 sp_status convert_give_material(const convert_arguments *a, sp_packing *p, sp_error *err) {
     if (!(a->common.material.young > 0))
         return SP_OK;
-    sp_status status = sp_material_check(&a->common.material, err);
-    if (status != SP_OK)
-        return sp_fail_prefix(err, "--material");
+    if (!(a->common.material.diameter > 0))
+        return sp_fail_key(err, SP_EINVAL, "material.d",
+                           ": is missing in --material; only files of other programs give it by their mean diameter");
     p->material = a->common.material;
     return SP_OK;
 }
