@@ -321,6 +321,7 @@ def test_bad_dumps():
     for text, says in (
             (ATOMS[:ATOMS.index("3 1 2.4998")], "a.dump:11 2 of 3"),  # truncated between rows
             (ATOMS[:-8], "a.dump:12 cells 6"),  # and within one
+            (ATOMS[:-2], "a.dump:12 ends"),  # and within the last number
             (ROW, "a.dump:8"),
             (ATOMS.replace("1.4999 ", "nan "), "a.dump:11 x nan"),
             (ATOMS.replace("1.4999 ", "1.49.99 "), "a.dump:11 x 1.49.99"),

@@ -258,6 +258,9 @@ sp_status sp_sheet_rows(sp_sheet *s, sp_cursor *at, int64_t count, const char *w
                            s->file, (long long)at->number, (long long)(s->rows - before), (long long)count, what);
         status = sp_sheet_row(s, line, length, at->number, err);
     }
+    if (status == SP_OK && count > 0 && at->next > at->end) /* programs end every line: the last number may be cut */
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: the file ends inside of this line; must end with a line end", s->file,
+                       (long long)at->number);
     return status;
 }
 
