@@ -21,6 +21,7 @@ add_custom_target(sonopack_completions ALL
 install(FILES ${completions}/sonopack DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 install(FILES ${completions}/_sonopack DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
 install(FILES ${completions}/sonopack.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+install(DIRECTORY share/sonopack DESTINATION ${CMAKE_INSTALL_DATADIR}) # what other programs include
 install(FILES README.md CHANGELOG.md CONTRIBUTING.md CITATION.cff LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # with what their links lead to
 install(DIRECTORY docs packings examples DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN man EXCLUDE PATTERN api EXCLUDE)

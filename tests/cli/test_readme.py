@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 COMMAND, SOURCE = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-PAGES = ("README.md", "docs/guide.md", "docs/units.md", "docs/view.md", "docs/export.md")
+PAGES = ("README.md", "docs/guide.md", "docs/units.md", "docs/view.md", "docs/export.md", "docs/foreign.md")
 
 
 def console_commands(text):
@@ -44,6 +44,7 @@ def run_page(page):
     with tempfile.TemporaryDirectory(prefix="sonopack-readme-") as folder:
         scratch = pathlib.Path(folder)
         shutil.copytree(SOURCE / "packings", scratch / "packings")
+        shutil.copytree(SOURCE / "tests/foreign/samples", scratch / "samples")
         (scratch / "bin").mkdir()
         (scratch / "bin/sonopack").symlink_to(COMMAND)
         env = dict(os.environ, PATH=f"{scratch / 'bin'}:{os.environ['PATH']}", LC_ALL="C.UTF-8", HOME=folder)

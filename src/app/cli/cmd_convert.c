@@ -1,24 +1,46 @@
 /* sonopack convert: imports and exports packings. */
 #include "base/base.h"
-#include "cli/convert_out.h"
+#include "cli/convert.h"
 #include "cli/output.h"
 
+#include <math.h>
 #include <string.h>
 #include <unistd.h>
 
-typedef struct arguments {
-    cli_common common;
-    const char *grains, *contacts; /* the two tables; NULL: none */
-    const char *in, *out;          /* packing files as given; NULL: none */
-    convert_out to;
-    const char *ending; /* the form of OUT; NULL: unknown */
-} arguments;
+typedef convert_arguments arguments;
 
 static const cli_option options[] = {
     {"grain-table", "FILE.tsv", "Table of grains: id x y [z] radius. --grains is its older name", CLI_TEXT,
      .field = offsetof(arguments, grains), .alias = "grains"},
-    {"contact-table", "FILE.tsv", "Table of contacts: i j nx ny [nz] overlap Fn Ft. --contacts is its older name",
+    {"contact-table", "FILE.tsv",
+     "Table of contacts: i j nx ny [nz] overlap Fn Ft. --contacts is its older name, and that of files of other "
+     "programs",
      CLI_TEXT, .field = offsetof(arguments, contacts), .alias = "contacts"},
+    {.help = "Packings of other programs:"},
+    {"from", "FORM", "Form of IN: " CONVERT_FORMS " (auto)", CLI_CHOICE, .field = offsetof(arguments, from),
+     .words = sp_form_names},
+    {"walls", "FILE|overlap|balance|none", "Contacts with the walls (those that IN has, else overlap)", CLI_TEXT,
+     .field = offsetof(arguments, walls)},
+    {"columns", "ROLE=NAME,...", "Columns of IN and its contacts, as in id1=c_1[1],ft_x=c_2[5]", CLI_TEXT,
+     .field = offsetof(arguments, columns)},
+    {"types", "T,...", "Only grains of these types", CLI_TEXT, .field = offsetof(arguments, types)},
+    {"frame", "N", "Frame or time step N (the last)", CLI_INTEGER, .field = offsetof(arguments, frame), .low = 0,
+     .high = 9e15},
+    {"material", "E=...,nu=...,rho=...,d=...",
+     "Material of the grains in SI; files of other programs are then in SI too", .parse = convert_set_material},
+    {"length-unit", "L", "Length unit of IN over that of the material (1)", CLI_NUMBER,
+     .field = offsetof(arguments, length_unit), .low = 1e-30, .high = 1e30},
+    {"force-unit", "F", "The same for forces", CLI_NUMBER, .field = offsetof(arguments, force_unit), .low = 1e-30,
+     .high = 1e30},
+    {"mass-unit", "M", "The same for masses", CLI_NUMBER, .field = offsetof(arguments, mass_unit), .low = 1e-30,
+     .high = 1e30},
+    {"kn", "K", "Normal stiffness of all contacts, in units of the material (Hertz's law)", CLI_NUMBER,
+     .field = offsetof(arguments, kn), .low = 1e-300, .high = 1e300},
+    {"kt-ratio", "X", "Tangential over normal stiffness (Mindlin's)", CLI_NUMBER,
+     .field = offsetof(arguments, kt_ratio), .low = 0, .high = 100},
+    {"thickness", "H", "Grains are disks of this thickness, in units of the material", CLI_NUMBER,
+     .field = offsetof(arguments, thickness), .low = 1e-300, .high = 1e300},
+    {"rest", NULL, "Bring the grains to rest under their pressure", CLI_FLAG, .field = offsetof(arguments, rest)},
     {.help = "Files for other programs:"},
     {"to", "KIND", "Form of OUT, in place of its ending: h5, txt, vtp, pvd, lammps-data, lammps-dump, xyz, csv or mat",
      CLI_TEXT, .field = offsetof(arguments, to.to)},
@@ -35,7 +57,8 @@ static const cli_option options[] = {
     {0}};
 
 static const cli_syntax syntax = {
-    .usage = "IN OUT [--grain-table G.tsv --contact-table C.tsv]\nIN --grain-table G.tsv --contact-table C.tsv\n"
+    .usage = "IN OUT [--grain-table G.tsv --contact-table C.tsv]\nIN OUT [--from FORM] [--contacts FILE|overlap]\nIN "
+             "--grain-table G.tsv --contact-table C.tsv\n"
              "OUT --grain-table G.tsv --contact-table C.tsv",
     .help =
         "Converts packings between HDF5 (.h5), a text file (.txt), two tables, and the files of other programs.\v"
@@ -44,6 +67,13 @@ static const cli_syntax syntax = {
         "take the place of IN or OUT; then only the table of contacts needs an option:\n"
         "  sonopack convert grains.tsv P.h5 --contact-table contacts.tsv\n"
         "With IN, OUT and both tables the packing is written in both forms.\n"
+        "IN may also be a file of LAMMPS, LIGGGHTS, Yade or MercuryDPM, extended XYZ, or a table; its contacts are "
+        "then "
+        "in --contacts FILE or, with --contacts overlap, found by overlap:\n"
+        "  sonopack convert grains.dump P.h5 --contacts contacts.dump --set friction=0.5\n"
+        "--set then takes dimension, up, sides, across, width, depth, bottom, top, height, pressure, friction, "
+        "poisson, "
+        "wall, digits, first_id (docs/foreign.md). For our own tables:\n"
         "Box and material of tables are in comment lines `# key = value' or in --set key=value: width, depth (3D), "
         "height, pressure, friction, poisson, wall, material, seed. Lengths are in mean grain diameters, pressures in "
         "E*.\n"
@@ -159,15 +189,22 @@ static sp_status write_output(const arguments *a, const sp_packing *p, sp_error 
 
 static sp_status work(arguments *a, sp_error *err) {
     sp_packing p = sp_packing_none();
-    sp_status status = resolve_files(a, err);
+    bool foreign = false;
+    sp_status status = convert_is_foreign(a, &foreign, err);
+    if (status == SP_OK && !foreign)
+        status = convert_refuse_options(a, &syntax, err);
+    if (status == SP_OK && foreign)
+        status = convert_take_files(a, err);
+    else if (status == SP_OK)
+        status = resolve_files(a, err);
     if (status == SP_OK)
         status = check_output(a, err);
     if (status == SP_OK)
-        status = read_input(a, &p, err);
+        status = foreign ? convert_import(a, &syntax, &p, err) : read_input(a, &p, err);
     if (status == SP_OK)
         status = cli_take_material(a, &p.material, a->in ? a->in : a->grains, err);
-    if (status == SP_OK && a->common.material.young > 0)
-        p.material = a->common.material;
+    if (status == SP_OK && !foreign)
+        status = convert_give_material(a, &p, err);
     if (status == SP_OK)
         status = write_output(a, &p, err);
     if (status == SP_OK)
@@ -178,7 +215,13 @@ static sp_status work(arguments *a, sp_error *err) {
 }
 
 int cmd_convert(int argc, char **argv) {
-    arguments a = {.to = {.mode = -1, .amplitude = -1}};
+    arguments a = {.length_unit = 1,
+                   .force_unit = 1,
+                   .mass_unit = 1,
+                   .kn = NAN,
+                   .kt_ratio = NAN,
+                   .thickness = NAN,
+                   .to = {.mode = -1, .amplitude = -1}};
     cli_parse(&syntax, argc, argv, &a);
     a.in = a.common.files > 0 ? a.common.file[0] : NULL;
     a.out = a.common.files > 1 ? a.common.file[1] : NULL;

@@ -120,6 +120,14 @@ static void add_help_options(reading *r) {
     r->rows += HELP_OPTIONS;
 }
 
+static bool is_known(const reading *r, const char *name) {
+    for (int k = 0; k < r->count; k++)
+        if (strcmp(r->option[k]->name, name) == 0)
+            return true;
+    return false;
+}
+
+/* Adds options; one of the command's own takes the place of a common one of the same name. */
 static void add_options(reading *r, const cli_option *options, int first_group) {
     int group = first_group;
     for (; options && (options->name || options->help); options++) {
@@ -129,6 +137,8 @@ static void add_options(reading *r, const cli_option *options, int first_group) 
             r->argp[r->rows++] = (struct argp_option){.doc = options->help, .group = group};
             continue;
         }
+        if (is_known(r, options->name))
+            continue;
         r->option[r->count++] = options;
         r->argp[r->rows++] = (struct argp_option){options->name, key, options->argument, 0, options->help, group};
         if (options->alias)

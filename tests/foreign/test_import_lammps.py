@@ -1,0 +1,58 @@
+"""LAMMPS makes packings from the decks of samples/lammps, and sonopack reads what it writes: forces equal to 1e-10 those
+that follow from the overlaps. `python3 test_import_lammps.py COMMAND SOURCE_DIR`; 77 without lmp."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+COMMAND, SOURCE = sys.argv[1], sys.argv[2]
+SAMPLES = os.path.join(SOURCE, "tests", "foreign", "samples", "lammps")
+if not shutil.which("lmp"):
+    print("no lmp: skipped")
+    sys.exit(77)
+folder = tempfile.mkdtemp(prefix="sonopack-lammps-")
+
+
+def run(*words):
+    result = subprocess.run(words, capture_output=True, text=True, cwd=folder, timeout=3000)
+    assert result.returncode == 0, f"{words}: {result.stdout[-2000:]} {result.stderr}"
+    return result.stdout + result.stderr
+
+
+def make(deck):
+    shutil.copy(os.path.join(SAMPLES, deck), folder)
+    shutil.copy(os.path.join(SOURCE, "share", "sonopack", "lammps_dump.in"), folder)
+    return run("lmp", "-nocite", "-log", "none", "-in", deck)
+
+
+def agreement(said):
+    """How far the forces are from Hertz's at the overlaps."""
+    found = re.search(r"forces (\S+) times Hertz's within (\S+)", said)
+    return max(abs(float(found.group(1)) - 1), float(found.group(2)))
+
+
+def check(deck, data, *words):
+    printed = make(deck)
+    top = re.findall(r"^top (\S+)", printed, re.M)[-1]
+    options = ["--types", "1", "--set", "friction=0.5", *words]
+    said = run(COMMAND, "convert", "grains.dump", "a.h5", "--contacts", "contacts.dump", *options, "--force")
+    assert agreement(said) < 1e-10, said
+    said = run(COMMAND, "convert", data, "b.h5", "--contacts", "contacts.dump", *options, "--set", f"top={top}", "--force")
+    assert agreement(said) < 1e-10, said
+    # the signal, and the same packing by our own two tables: every number the same
+    run(COMMAND, "convert", "a.h5", "g.tsv", "--contact-table", "c.tsv", "--force")
+    run(COMMAND, "convert", "g.tsv", "c.h5", "--contact-table", "c.tsv", "--force")
+    rows = []
+    for name in ("a.h5", "c.h5"):
+        out = run(COMMAND, "signal", name, "--until", "30", "--points", "31", "--quiet")
+        rows.append([line for line in out.split("\n") if not line.startswith("#")])
+    assert rows[0] == rows[1] and len(rows[0]) > 31 and "nan" not in "".join(rows[0])
+    return said
+
+
+check("in.layer", "layer.data")
+check("in.beads", "beads.data", "--material", "E=1e9,nu=0.22,rho=2500")
+shutil.rmtree(folder)
+print("lammps: forces, tables and signals agree")
