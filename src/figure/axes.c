@@ -272,14 +272,31 @@ static void draw_ticks(const axes *a, canvas *c) {
     cairo_stroke(c->cr);
 }
 
-/* Draws an axis label. A label longer than `room` gets smaller letters, down to a readable size. */
-static void draw_label(canvas *c, const axis *a, double x, double y, double room, text_style style) {
-    const double least = 6.0, width = sp_figure_text_width(c, a->label, style.size);
-    if (!a->label[0])
-        return;
-    if (width > room)
-        style.size = fmax(least, style.size * room / width);
-    sp_figure_text_draw(c, a->label, x, y, style);
+/* The place on a line from `low' to `high' of the middle of a label: as near to `wish' as the label fits. */
+static double middle_of(double wish, double width, double low, double high) {
+    return high - low < width ? 0.5 * (low + high) : fmax(low + 0.5 * width, fmin(high - 0.5 * width, wish));
+}
+
+/* Size of the letters with which an axis label fits into `room': down to a readable size. */
+static double fitting(canvas *c, const axis *a, double size, double room) {
+    const double least = size < TEXT_LEGEND ? 5.0 : 6.0, width = sp_figure_text_width(c, a->label, size);
+    return width > room ? fmax(least, size * room / width) : size;
+}
+
+static void draw_labels(const axes *a, canvas *c, double left, double right, double bottom) {
+    const double size = letters(&a->x);
+    if (a->x.label[0]) {
+        const double own = fitting(c, &a->x, size, right - left - 4), width = sp_figure_text_width(c, a->x.label, own);
+        sp_figure_text_draw(c, a->x.label, middle_of(0.5 * (a->x.from + a->x.to), width, left + 2, right - 2),
+                            bottom - 0.55 * size, (text_style){own, 0.5, 0.0, 0.0});
+    }
+    if (a->y.label[0]) {
+        const double own = fitting(c, &a->y, size, bottom - a->top - 4),
+                     width = sp_figure_text_width(c, a->y.label, own);
+        sp_figure_text_draw(c, a->y.label, left + 3.0,
+                            middle_of(0.5 * (a->y.from + a->y.to), width, a->top + 2, bottom - 2),
+                            (text_style){own, 0.5, 1.0, 1.5707963267948966});
+    }
 }
 
 void sp_axes_draw(const axes *a, canvas *c) {
@@ -298,10 +315,5 @@ void sp_axes_draw(const axes *a, canvas *c) {
         if (a->y.tick[k].label[0])
             sp_figure_text_draw(c, a->y.tick[k].label, a->x.from - GAP, sp_axis_place(&a->y, a->y.tick[k].at),
                                 (text_style){size, 1.0, 0.5, 0.0});
-    draw_label(c, &a->x, 0.5 * (a->x.from + a->x.to), bottom - 0.55 * size,
-               2.0 * fmin(0.5 * (a->x.from + a->x.to) - left, right - 0.5 * (a->x.from + a->x.to)),
-               (text_style){size, 0.5, 0.0, 0.0});
-    draw_label(c, &a->y, left + 3.0, 0.5 * (a->y.from + a->y.to),
-               2.0 * fmin(0.5 * (a->y.from + a->y.to) - a->top, bottom - 0.5 * (a->y.from + a->y.to)) - 2.0,
-               (text_style){size, 0.5, 1.0, 1.5707963267948966});
+    draw_labels(a, c, left, right, bottom);
 }

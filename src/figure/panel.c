@@ -53,16 +53,23 @@ static int32_t place_inset(panel *p, raster *r) {
     return least;
 }
 
+/* In one column, or in two if only that is free. Returns how much it hides. */
 static int32_t place_legend(panel *p, raster *r) {
-    p->columns = 1;
-    p->legend = sp_legend_size(&p->figure, 1);
-    if (p->legend.height == 0)
-        return 0;
-    rectangle b = {.width = p->legend.width, .height = p->legend.height};
-    const int32_t covers = sp_raster_find(r, &b, FROM_FRAME, false);
-    p->legend.x = b.x;
-    p->legend.y = b.y;
-    return covers;
+    enum { COLUMNS_MOST = 2 };
+    int32_t least = INT32_MAX;
+    for (int columns = 1; columns <= COLUMNS_MOST && least > 0; columns++) {
+        const legend_box box = sp_legend_size(&p->figure, columns);
+        rectangle b = {.width = box.width, .height = box.height};
+        const int32_t covers = box.height == 0 ? 0 : sp_raster_find(r, &b, FROM_FRAME, false);
+        if (covers >= least)
+            continue;
+        least = covers;
+        p->columns = columns;
+        p->legend = box;
+        p->legend.x = b.x;
+        p->legend.y = b.y;
+    }
+    return least;
 }
 
 /* Puts the legend above the frame, where it hides nothing, in as many columns as fit. */

@@ -35,6 +35,7 @@ typedef struct sp_curve {
     bool open;    /* marks are filled with white */
     bool steps;   /* histogram: y[k] holds from x[k] to x[k+1]; the last y is not drawn */
     double width; /* line width [pt]; 0: 1 */
+    const double *bar_low, *bar_high; /* [n] ends of bars, both or none, instead of `error'; NAN: no bar */
 } sp_curve;
 
 typedef struct sp_axis {

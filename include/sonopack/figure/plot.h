@@ -14,10 +14,18 @@
 extern "C" {
 #endif
 
-/* Speeds c_tof, c_l and c_t with error bars against pressure, log-log, with the published c_tof = 0.26 (p/1e-4)^(1/6).
- * The power law of c_tof has the exponent in the metadata of the table, otherwise that of a fit through three or more
- * points. ctof: the table of sp_study_table("ctof"). */
+typedef struct sp_plot_table {
+    const char *label; /* legend entry; NULL or "": none */
+    const sp_table *table;
+    bool named; /* the label is the reader's: it goes before the settings in which tables differ */
+} sp_plot_table;
+
+/* Speeds c_tof, c_l and c_t with error bars against pressure, log-log. The power law of c_tof has the exponent in the
+ * metadata of the table, otherwise that of a fit through three or more points. The published c_tof = 0.26
+ * (p/1e-4)^(1/6) is drawn where all tables say dimension = 2 and have our units, unless the look says otherwise. ctof:
+ * the table of sp_study_table("ctof"). Several tables have one colour each and must have the same units (SP_EINVAL). */
 SP_API sp_status sp_plot_ctof(const sp_table *ctof, const char *path, sp_error *err);
+SP_API sp_status sp_plot_ctof_tables(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
 /* Run time against error, log-log, one symbol for each method. A line joins the methods that are fastest at their
  * error. bench: the table of `sonopack bench' (columns case, method, seconds, error). Methods of other programs, which
@@ -30,6 +38,7 @@ typedef struct sp_plot_trace {
     const double *t, *f;
     double t10, t_peak, t_zero;  /* times of the first front to mark; NAN: none */
     const char *t_unit, *f_unit; /* units of data from elsewhere, "" if unknown; t_unit NULL: the units of sp_signal */
+    const char *place;           /* of the detector, after the label: markup as in figure.h; NULL: none */
 } sp_plot_trace;
 /* Signals F(t). The axes name the units common to all of them. */
 SP_API sp_status sp_plot_signal(int traces, const sp_plot_trace *trace, const char *path, sp_error *err);
@@ -42,10 +51,6 @@ typedef enum sp_plot_links { SP_PLOT_FORCES = 0, SP_PLOT_STIFFNESS } sp_plot_lin
 SP_API sp_status sp_plot_network(const sp_packing *p, sp_plot_links links, double threshold, const char *path,
                                  sp_error *err);
 
-typedef struct sp_plot_table {
-    const char *label; /* legend entry; NULL or "": none */
-    const sp_table *table;
-} sp_plot_table;
 /* Tables of `sonopack spectrum' against frequency, all of one kind: density of states (also from a table of modes),
  * spectrum of the signal, harmonic response, or participation ratios. */
 SP_API sp_status sp_plot_spectrum(int tables, const sp_plot_table *table, const char *path, sp_error *err);
@@ -83,15 +88,18 @@ SP_API sp_status sp_plot_scaling(int tables, const sp_plot_table *table, const c
  * differ, otherwise by their labels. */
 SP_API sp_status sp_plot_ensemble(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
-/* Squared frequency and weight a b of each mode, from a table of `sonopack modes'. */
+/* Squared frequency and weight a b of each mode, from tables of `sonopack modes'. A line would hide what happens
+ * between the rows of a short table: it has marks and bars. */
 SP_API sp_status sp_plot_modes(const sp_table *modes, const char *path, sp_error *err);
+SP_API sp_status sp_plot_modes_tables(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
-/* Record section: each signal is drawn at its distance, scaled by its largest value. If all distances are NAN, the
- * signals are at 1, 2, ... */
+/* Record section: each signal is drawn at its distance, scaled by its largest value; the legend gives the range of
+ * these values. If all distances are NAN, the signals are at 1, 2, ... The units are those of the first record. */
 typedef struct sp_plot_record {
     double distance; /* distance of the detector from the source [d] */
     int64_t n;
     const double *t, *f;
+    const char *t_unit, *f_unit; /* units of data from elsewhere; NULL: those of sp_signal */
 } sp_plot_record;
 SP_API sp_status sp_plot_section(int records, const sp_plot_record *record, const char *path, sp_error *err);
 
