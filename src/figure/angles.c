@@ -11,7 +11,7 @@
 
 enum { CURVES = 3, ROWS_MOST = 100000 };
 #define PI       3.14159265358979323846
-#define MARGIN   21.0 /* around the circles, for their labels [pt] */
+#define MARGIN   24.0 /* around the circles, for their labels [pt] */
 #define LEGEND   46.0 /* below them [pt] */
 #define STRIDE   0.02 /* radians of a piece of arc */
 #define AXIS_INK ((colour){0.62, 0.62, 0.62})
@@ -167,6 +167,11 @@ static void draw_curve(const rose *r, int q) {
 }
 
 static void draw_legend(const rose *r) {
+    double dimension = 2;
+    sp_table_get_number(r->t, "dimension", &dimension);
+    sp_canvas_colour(r->c, sp_figure_ink(0));
+    if (dimension == 3)
+        sp_figure_text_draw(r->c, "angle above the walls", 4, 4, (text_style){TEXT_LEGEND, 0, 1, 0});
     double y = r->c->height - LEGEND + 10;
     for (int q = 0; q < CURVES; q++) {
         if (r->column[q] < 0)

@@ -110,7 +110,9 @@ static void open_surface(canvas *c) {
         c->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)(c->width * DPI / 72.0 + 0.5),
                                                 (int)((c->height + c->head) * DPI / 72.0 + 0.5));
         break;
-    case CANVAS_SVG: c->surface = cairo_svg_surface_create_for_stream(take, &c->file, c->width, c->height + c->head); break;
+    case CANVAS_SVG:
+        c->surface = cairo_svg_surface_create_for_stream(take, &c->file, c->width, c->height + c->head);
+        break;
     case CANVAS_PDF:
         c->surface = cairo_pdf_surface_create_for_stream(take, &c->file, c->width, c->height + c->head);
         cairo_pdf_surface_set_metadata(c->surface, CAIRO_PDF_METADATA_TITLE, c->title);

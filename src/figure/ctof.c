@@ -129,11 +129,11 @@ static void spread(double low, double high, double p[LINE]) {
 
 static power_law find_law(const speeds *s) {
     power_law law = {.exponent = NAN, .error = NAN};
-    double low = INFINITY, high = 0, sum[2] = {0, 0}, weights[2] = {0, 0}; /* weighted by the errors; with equal weights */
+    double low = INFINITY, high = 0, sum[2] = {0, 0},
+           weights[2] = {0, 0}; /* weighted by the errors; with equal weights */
     bool known = true;
     sp_table_get_number(s->table, "exponent_err", &law.error);
-    law.known =
-        sp_table_get_number(s->table, "exponent", &law.exponent) || fit_exponent(s, &law.exponent, &law.error);
+    law.known = sp_table_get_number(s->table, "exponent", &law.exponent) || fit_exponent(s, &law.exponent, &law.error);
     for (int64_t k = 0; k < s->n && law.known; k++) {
         const double off = log(s->c[S_TOF][k]) - law.exponent * log(s->p[k]), bar = s->error[S_TOF][k] / s->c[S_TOF][k];
         if (isnan(off))

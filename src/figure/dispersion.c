@@ -81,8 +81,7 @@ static sp_status draw(spectrum_drawing *d, const char *path, sp_error *err) {
                             .y = {.label = sp_unit_label("|\xcf\x89|", omega, y, sizeof y), .low = 0, .high = NAN},
                             .curves = d->curves,
                             .curve = d->curve};
-    const sp_sheet sheet = {
-        .title = "Dispersion of waves", .rows = 1, .columns = 1, .panel = &panel, .aspect = 0.78};
+    const sp_sheet sheet = {.title = "Dispersion of waves", .rows = 1, .columns = 1, .panel = &panel, .aspect = 0.78};
     return sp_plot_sheet(&sheet, path, err);
 }
 

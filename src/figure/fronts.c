@@ -195,12 +195,13 @@ static sp_status draw_arrivals(const front_groups *g, const sp_plot_trace *sampl
         if (sample)
             inset = sample_panel(sample, inner, point, inner_label);
         char x[AXIS_ROOM], y[AXIS_ROOM];
-        const sp_panel panel = {
-            .x = {.label = distance_label(g, x), .low = 0, .high = NAN},
-            .y = {.label = sp_unit_label("|t|", g->time_unit, y, sizeof y), .low = lowest(g) < 0 ? NAN : 0, .high = NAN},
-            .curves = a.curves,
-            .curve = a.curve,
-            .inset = sample ? &inset : NULL};
+        const sp_panel panel = {.x = {.label = distance_label(g, x), .low = 0, .high = NAN},
+                                .y = {.label = sp_unit_label("|t|", g->time_unit, y, sizeof y),
+                                      .low = lowest(g) < 0 ? NAN : 0,
+                                      .high = NAN},
+                                .curves = a.curves,
+                                .curve = a.curve,
+                                .inset = sample ? &inset : NULL};
         const sp_sheet sheet = {
             .title = "Arrival of the first front", .rows = 1, .columns = 1, .panel = &panel, .aspect = 0.85};
         status = sp_plot_sheet(&sheet, path, err);

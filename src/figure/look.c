@@ -6,7 +6,8 @@
 #include <math.h>
 
 static const sp_plot_look plain = {.x = {NAN, NAN}, .y = {NAN, NAN}};
-/* Passing a look through every function that draws would add an argument to each, which nearly all callers leave out. */
+/* Passing a look through every function that draws would add an argument to each, which nearly all callers leave out.
+ */
 static _Thread_local sp_plot_look wanted = {.x = {NAN, NAN}, .y = {NAN, NAN}};
 
 sp_plot_look sp_plot_look_default(void) { return plain; }

@@ -19,8 +19,8 @@ typedef struct panel {
     struct panel *inset; /* NULL: no inset */
 } panel;
 
-/* k: number of the panel in its sheet; < 0: it is an inset, which has smaller letters. name: the panel in error messages.
- * Call sp_panel_free after failure too. */
+/* k: number of the panel in its sheet; < 0: it is an inset, which has smaller letters. name: the panel in error
+ * messages. Call sp_panel_free after failure too. */
 sp_status sp_panel_make(panel *p, const sp_panel *source, int k, canvas *c, const char *name, sp_error *err);
 void sp_panel_free(panel *p);
 /* Finds places for the parts. The position and size of the axes must be set. */

@@ -19,8 +19,8 @@ typedef struct maker {
     panel *p;
     const char *name;
     bool asked_x, asked_y; /* the reader asked for this logarithmic axis */
-    limits x, y; /* ranges of the visible points */
-    bool marks;  /* a curve has markers: the axes extend beyond its points */
+    limits x, y;           /* ranges of the visible points */
+    bool marks;            /* a curve has markers: the axes extend beyond its points */
 } maker;
 
 /* ---- checks ----------------------------------------------------------------------------------------------------- */
@@ -313,8 +313,7 @@ sp_status sp_panel_make(panel *p, const sp_panel *source, int k, canvas *c, cons
     char inner[80];
     snprintf(inner, sizeof inner, "inset of %.60s", name);
     p->inset = sp_alloc(1, sizeof *p->inset);
-    return p->inset ? sp_panel_make(p->inset, source->inset, -1, c, inner, err)
-                    : sp_fail_memory(err, sizeof *p->inset);
+    return p->inset ? sp_panel_make(p->inset, source->inset, -1, c, inner, err) : sp_fail_memory(err, sizeof *p->inset);
 }
 
 void sp_panel_free(panel *p) {

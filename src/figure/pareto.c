@@ -1,8 +1,8 @@
 /* One point for each row, one symbol for each method, and the frontier of the fastest runs at each error. */
 #include "base/base.h"
 #include "figure/canvas.h"
-#include "figure/markup.h"
 #include "figure/marks.h"
+#include "figure/markup.h"
 
 #include <math.h>
 #include <sonopack/figure/figure.h>
@@ -170,8 +170,7 @@ static sp_status draw(clouds *c, const char *only, const char *path, sp_error *e
                             .y = {.label = "CPU time  [s]", .log = true},
                             .curves = 1 + c->methods,
                             .curve = all};
-    const sp_sheet sheet = {
-        .title = "Run time against error", .rows = 1, .columns = 1, .panel = &panel, .aspect = 0.9};
+    const sp_sheet sheet = {.title = "Run time against error", .rows = 1, .columns = 1, .panel = &panel, .aspect = 0.9};
     return sp_plot_sheet(&sheet, path, err);
 }
 

@@ -15,7 +15,7 @@ enum { RECORDS_MOST = 200, KEYS = 2, KEY_ROOM = 320 };
 typedef struct section {
     int records;
     const sp_plot_record *record;
-    bool numbered; /* the distances are unknown */
+    bool numbered;      /* the distances are unknown */
     double least, most; /* of the largest values of the signals */
     char key[KEYS][KEY_ROOM];
 } section;
@@ -99,11 +99,11 @@ sp_status sp_plot_section(int records, const sp_plot_record *record, const char 
         for (describe_scale(&s); keys < KEYS; keys++)
             curve[records + keys] = (sp_curve){.label = s.key[keys], .dash = SP_DASH_NONE};
     char time[UNIT_MARKUP + 16];
-    const sp_panel panel = {.x = {.label = sp_unit_label("|t|", record[0].t_unit ? record[0].t_unit : UNIT_TIME, time,
-                                                         sizeof time)},
-                            .y = {.label = s.numbered ? "number" : "distance  [|d|]"},
-                            .curves = records + keys,
-                            .curve = curve};
+    const sp_panel panel = {
+        .x = {.label = sp_unit_label("|t|", record[0].t_unit ? record[0].t_unit : UNIT_TIME, time, sizeof time)},
+        .y = {.label = s.numbered ? "number" : "distance  [|d|]"},
+        .curves = records + keys,
+        .curve = curve};
     const sp_sheet sheet = {.title = "Signals at several distances",
                             .rows = 1,
                             .columns = 1,

@@ -180,9 +180,8 @@ static sp_status find_units(int tables, const sp_plot_table *table, front_groups
     status = sp_unit_common(tables, table, "t10", "", &out->time_unit, err);
     if (status == SP_OK)
         status = sp_unit_common(tables, table, "amplitude", "", &out->amplitude_unit, err);
-    return status == SP_OK
-               ? sp_unit_common(tables, table, width ? names[Q_WIDTH] : "width", "", &out->width_unit, err)
-               : status;
+    return status == SP_OK ? sp_unit_common(tables, table, width ? names[Q_WIDTH] : "width", "", &out->width_unit, err)
+                           : status;
 }
 
 sp_status sp_front_groups_read(int tables, const sp_plot_table *table, front_groups *out, sp_error *err) {

@@ -7,7 +7,8 @@
 
 enum { SETTINGS_LABEL = 160 };
 
-/* Labels table j by its own label if the reader named it, otherwise by the settings that differ between the tables, as markup. Settings are the keys of a scene
+/* Labels table j by its own label if the reader named it, otherwise by the settings that differ between the tables, as
+ * markup. Settings are the keys of a scene
  * ("packing.friction = 0.5") and of the line "pressure = ..., friction = ..." that all tables have. If two tables have
  * the same settings, the label is that of the table, at most `most` characters long. */
 void sp_settings_label(int tables, const sp_plot_table *table, int j, int most, char out[SETTINGS_LABEL]);

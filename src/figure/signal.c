@@ -138,21 +138,18 @@ static sp_status draw(drawing *d, const char *path, sp_error *err) {
     add_traces(d);
     add_marks(d);
     const bool steady = d->low < d->high; /* one point has no range */
-    const sp_panel panel = {.x = {.label = sp_unit_label("|t|", common_unit(d, false), x, sizeof x),
-                                  .low = steady ? d->low : NAN,
-                                  .high = steady ? d->high : NAN},
-                            .y = {.label = sp_unit_label(are_ours(d) ? "|F|_{sig}" : "|F|", common_unit(d, true), y,
-                                                         sizeof y)},
-                            .curves = d->curves,
-                            .curve = d->curve,
-                            .zero_line = true};
+    const sp_panel panel = {
+        .x = {.label = sp_unit_label("|t|", common_unit(d, false), x, sizeof x),
+              .low = steady ? d->low : NAN,
+              .high = steady ? d->high : NAN},
+        .y = {.label = sp_unit_label(are_ours(d) ? "|F|_{sig}" : "|F|", common_unit(d, true), y, sizeof y)},
+        .curves = d->curves,
+        .curve = d->curve,
+        .zero_line = true};
     /* a long legend makes the figure taller */
     const double more = d->traces > 4 && d->traces <= LEGEND_MOST ? 0.04 * (d->traces - 4) : 0.0;
-    const sp_sheet sheet = {.title = "Signals: force on the top wall",
-                            .rows = 1,
-                            .columns = 1,
-                            .panel = &panel,
-                            .aspect = 0.66 + more};
+    const sp_sheet sheet = {
+        .title = "Signals: force on the top wall", .rows = 1, .columns = 1, .panel = &panel, .aspect = 0.66 + more};
     return sp_plot_sheet(&sheet, path, err);
 }
 

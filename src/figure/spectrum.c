@@ -305,15 +305,13 @@ static sp_status draw(const spectrum_drawing *d, const style *as, const char *pa
         status = label_y(d, as, y, sizeof y, err);
     if (status != SP_OK)
         return status;
-    const sp_panel panel = {.x = {.label = sp_unit_label("|" OMEGA "|", omega, x, sizeof x),
-                                  .low = lowest(d, true) < 0 ? NAN : 0,
-                                  .high = NAN},
-                            .y = {.label = y,
-                                  .log = as->log,
-                                  .low = as->log || lowest(d, false) < 0 ? NAN : 0,
-                                  .high = NAN},
-                            .curves = d->curves,
-                            .curve = d->curve};
+    const sp_panel panel = {
+        .x = {.label = sp_unit_label("|" OMEGA "|", omega, x, sizeof x),
+              .low = lowest(d, true) < 0 ? NAN : 0,
+              .high = NAN},
+        .y = {.label = y, .log = as->log, .low = as->log || lowest(d, false) < 0 ? NAN : 0, .high = NAN},
+        .curves = d->curves,
+        .curve = d->curve};
     const sp_sheet sheet = {.title = as->title, .rows = 1, .columns = 1, .panel = &panel, .aspect = 0.72};
     return sp_plot_sheet(&sheet, path, err);
 }

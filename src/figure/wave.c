@@ -146,11 +146,7 @@ static sp_status draw_wave(int tables, const sp_plot_table *table, double *memor
     if (!(k.low < k.high))
         return sp_fail(err, SP_EREFUSED, "nothing to draw: no row has a wave number");
     const sp_panel panel[2] = {
-        {.tag = "(a)",
-         .x = k,
-         .y = {.label = axis[1]},
-         .curves = tables,
-         .curve = speed},
+        {.tag = "(a)", .x = k, .y = {.label = axis[1]}, .curves = tables, .curve = speed},
         {.tag = "(b)", .x = k, .y = {.label = axis[2], .log = true}, .curves = curves, .curve = alpha}};
     const sp_sheet sheet = {.title = "Coherent wave", .rows = 2, .columns = 1, .panel = panel, .aspect = 0.62};
     return sp_plot_sheet(&sheet, path, err);

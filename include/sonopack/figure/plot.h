@@ -46,8 +46,8 @@ SP_API sp_status sp_plot_signal(int traces, const sp_plot_trace *trace, const ch
 /* Quantity shown by the widths of contact lines: the normal force, or the normal stiffness k_n = 2 E12 sqrt(R12
  * overlap). */
 typedef enum sp_plot_links { SP_PLOT_FORCES = 0, SP_PLOT_STIFFNESS } sp_plot_links;
-/* A packing in 1 or 2 dimensions: grains, rattlers in grey, walls, and a line for each contact that carries load.
- * Grains at periodic edges have images. threshold: as in sp_packing_rattlers. SP_EREFUSED in 3 dimensions. */
+/* A packing: grains, rattlers in grey, walls, and a line for each contact that carries load. Grains at periodic edges
+ * have images. In 3 dimensions three views show grains at half their size. threshold: as in sp_packing_rattlers. */
 SP_API sp_status sp_plot_network(const sp_packing *p, sp_plot_links links, double threshold, const char *path,
                                  sp_error *err);
 
@@ -60,16 +60,29 @@ SP_API sp_status sp_plot_harmonic(int tables, const sp_plot_table *table, const 
 /* Peak frequencies of the spectral functions against the wave number, with their half widths as bars. */
 SP_API sp_status sp_plot_dispersion(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
-/* One mode of a packing in 1 or 2 dimensions. u: displacements [degrees of freedom of net]. Arrows on the grains show
+/* One mode of a packing, in 3 dimensions in three views. u: displacements [degrees of freedom of net]. Arrows on the grains show
  * translations; the longest is 1.5 diameters. Tints show rotations. number and omega appear in the key. */
 SP_API sp_status sp_plot_mode(const sp_packing *p, const sp_network *net, const double *u, int64_t number, double omega,
                               const char *path, sp_error *err);
 
-/* Displacements of a packing in 1 or 2 dimensions at time t as arrows. u: as from sp_signal_field [degrees of freedom
+/* Displacements of a packing at time t as arrows, in 3 dimensions in three views. u: as from sp_signal_field [degrees of freedom
  * of net]. Grains near the source may move much farther than the wave. Their arrows are cut and have another colour.
  * The key gives the scale. */
 SP_API sp_status sp_plot_snapshot(const sp_packing *p, const sp_network *net, const double *u, double t,
                                   const char *path, sp_error *err);
+
+/* Frames of a movie: the same figures in a file each, with one scale for all. Frames that are written stay if a later
+ * one fails. */
+typedef struct sp_plot_frame {
+    double t;
+    const double *u; /* displacements [degrees of freedom of net] */
+    const char *path;
+} sp_plot_frame;
+SP_API sp_status sp_plot_snapshot_frames(const sp_packing *p, const sp_network *net, int frames,
+                                         const sp_plot_frame *frame, sp_error *err);
+/* A period of a mode in equal steps, cos(2 pi k/frames) u in frame k, with grains that move. path: [frames]. */
+SP_API sp_status sp_plot_mode_frames(const sp_packing *p, const sp_network *net, const double *u, int64_t number,
+                                     double omega, int frames, const char *const *path, sp_error *err);
 
 /* Polar histogram of contact directions from the table of sp_contact_angles_table; histograms of normal forces and
  * stiffnesses from the table of sp_contact_values_table. */

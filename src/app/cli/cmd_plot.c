@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "cli/cli.h"
 #include "cli/output.h"
+#include "cli/plot_frames.h"
 #include "cli/plot_input.h"
 #include "cli/plot_look.h"
 #include "cli/plot_motion.h"
@@ -50,6 +51,8 @@ struct arguments {
     bool surface;
     int64_t mode; /* < 0: not given */
     double time;  /* < 0: not given */
+    int64_t frames;
+    double from, to; /* < 0: not given */
     int files;
     char **file;
 };
@@ -127,11 +130,8 @@ static sp_status draw_pareto(const arguments *a, const sp_scene *scene, sp_error
 }
 
 static sp_status draw_spectra(const arguments *a, const sp_scene *scene, sp_error *err) {
-    const plot_spectra spectra = {.dispersion = a->kind->variant,
-                                  .column = a->column,
-                                  .look = &a->look,
-                                  .files = a->files,
-                                  .file = a->file};
+    const plot_spectra spectra = {
+        .dispersion = a->kind->variant, .column = a->column, .look = &a->look, .files = a->files, .file = a->file};
     return blame(plot_spectrum_files(&a->common, scene, &spectra, err), a->file[0], err);
 }
 
@@ -139,6 +139,9 @@ static sp_status draw_motion(const arguments *a, const sp_scene *scene, sp_error
     const plot_motion what = {.mode = a->kind->variant,
                               .number = a->mode,
                               .time = a->time,
+                              .frames = (int)a->frames,
+                              .from = a->from,
+                              .to = a->to,
                               .packing = a->file[0],
                               .given = a->files > 1 ? a->file[1] : NULL,
                               .table = a->table};
@@ -150,8 +153,7 @@ static sp_status draw_contacts(const arguments *a, const sp_scene *scene, sp_err
 }
 
 static sp_status draw_tables(const arguments *a, const sp_scene *scene, sp_error *err) {
-    const plot_tables_want want = {
-        .kind = (plot_tables_kind)a->kind->variant, .look = &a->look, .sample = a->sample};
+    const plot_tables_want want = {.kind = (plot_tables_kind)a->kind->variant, .look = &a->look, .sample = a->sample};
     return blame(plot_tables_files(&a->common, scene, &want, a->files, a->file, err), a->sample ? "" : a->file[0], err);
 }
 
@@ -208,6 +210,20 @@ static sp_status check_look(arguments *a, sp_error *err) {
     return plot_look_check(&a->look, a->store ? 1 : a->files, err);
 }
 
+static sp_status check_frames(const arguments *a, sp_error *err) {
+    if (a->frames == 0 && (a->from >= 0 || a->to >= 0))
+        return sp_fail(err, SP_EINVAL, "--%s: needs --frames", a->from >= 0 ? "from" : "to");
+    if (a->frames > 0 && (a->time >= 0 || a->table))
+        return sp_fail(err, SP_EINVAL, "--frames %lld: a movie takes no --%s", (long long)a->frames,
+                       a->table ? "table" : "time");
+    if (a->frames > 0 && a->files > 1 && a->kind->draw == draw_motion && !a->kind->variant)
+        return sp_fail(err, SP_EINVAL, "--frames %lld: the table %s has one time only", (long long)a->frames,
+                       a->file[1]);
+    if (a->from >= 0 && a->to >= 0 && a->from >= a->to)
+        return sp_fail(err, SP_EINVAL, "--from %g: must be below --to %g", a->from, a->to);
+    return SP_OK;
+}
+
 static sp_status check(void *user, sp_error *err) {
     arguments *a = user;
     const char *name = kind_names[a->common.kind];
@@ -226,7 +242,9 @@ static sp_status check(void *user, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "--set: no key of a scene changes a figure of %s", name);
     if (!a->common.output)
         return sp_fail(err, SP_EINVAL, "no -o FILE: must end in .svg, .png or .pdf");
-    const sp_status status = check_look(a, err);
+    sp_status status = check_look(a, err);
+    if (status == SP_OK)
+        status = check_frames(a, err);
     return status == SP_OK && a->column ? check_column(a, err) : status;
 }
 
@@ -247,8 +265,7 @@ static sp_status add_label(void *user, const char *text, sp_error *err) {
 }
 
 /* Kinds with axes, and kinds with a legend of files. */
-#define WITH_AXES                                                                                                      \
-    "ctof signal forces fronts scaling ensemble pareto spectrum dispersion wave column modes"
+#define WITH_AXES   "ctof signal forces fronts scaling ensemble pareto spectrum dispersion wave column modes"
 #define WITH_LABELS "ctof signal fronts scaling ensemble spectrum dispersion wave column modes"
 
 static const cli_option options[] = {
@@ -264,6 +281,13 @@ static const cli_option options[] = {
     {"time", "T",
      "snapshot: time after the pulse (3.2 H (p/1e-4)^(-1/6), with the wave about three quarters of the way)",
      CLI_NUMBER, .field = offsetof(arguments, time), .high = 1e9, .kinds = "snapshot"},
+    {"frames", "N",
+     "mode, snapshot: a movie of N numbered frames: FIGURE is wave-%04d.png, or wave.png for wave-0001.png, ...",
+     CLI_INTEGER, .field = offsetof(arguments, frames), .low = 2, .high = PLOT_FRAMES_MAX, .kinds = "mode snapshot"},
+    {"from", "T", "snapshot --frames: time of the first frame (0)", CLI_NUMBER, .field = offsetof(arguments, from),
+     .high = 1e9, .kinds = "snapshot"},
+    {"to", "T", "snapshot --frames: time of the last frame (4.3 H (p/1e-4)^(-1/6))", CLI_NUMBER,
+     .field = offsetof(arguments, to), .high = 1e9, .kinds = "snapshot"},
     {"table", "FILE", "mode, snapshot: write the displacements to this table too (.tsv, .csv, .json)", CLI_TEXT,
      .field = offsetof(arguments, table), .kinds = "mode snapshot"},
     {"signal", "FILE", "fronts: a signal or packing, drawn in an inset that explains the marks of the front", CLI_TEXT,
@@ -343,11 +367,11 @@ static sp_status may_write(const arguments *a, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "-o %s: the ending of a figure must be .svg, .png or .pdf", path);
     if (a->common.format_given)
         return sp_fail(err, SP_EINVAL, "--format: applies only to tables; a figure has the format of its ending");
-    return cli_may_write(&a->common, path, err);
+    return a->frames > 0 ? plot_frames_may_write(&a->common, a->frames, err) : cli_may_write(&a->common, path, err);
 }
 
 int cmd_plot(int argc, char **argv) {
-    arguments a = {.mode = -1, .time = -1, .look = plot_look_default()};
+    arguments a = {.mode = -1, .time = -1, .from = -1, .to = -1, .look = plot_look_default()};
     cli_parse(&syntax, argc, argv, &a);
     sp_plot_set_look(&a.look.look);
     sp_error err = {0};

@@ -89,7 +89,8 @@ static bool is_section(const drawing *d) {
     for (int k = 0; k < d->files; k++)
         for (int j = 0; j < d->read[k].n; j++) {
             const plot_signal *s = &d->read[k].signal[j];
-            alike = alike && *s->t_unit && strcmp(s->t_unit, first->t_unit) == 0 && strcmp(s->f_unit, first->f_unit) == 0;
+            alike =
+                alike && *s->t_unit && strcmp(s->t_unit, first->t_unit) == 0 && strcmp(s->f_unit, first->f_unit) == 0;
         }
     return alike;
 }

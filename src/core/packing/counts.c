@@ -176,8 +176,8 @@ sp_status sp_contact_angles_table(const sp_contact_counts *c, sp_table *out, sp_
     static const char *const names[] = {"angle", "all", "all_err", "strong", "strong_err", "weak", "weak_err"};
     const sp_angle_counts *of[] = {&c->all, &c->strong, &c->weak};
     if (c->packings > 0 && c->dim == 1)
-        return sp_fail(err, SP_EREFUSED, "directions of contacts are counted in 2 or 3 dimensions, the packings have %d",
-                       c->dim);
+        return sp_fail(err, SP_EREFUSED,
+                       "directions of contacts are counted in 2 or 3 dimensions, the packings have %d", c->dim);
     sp_table t = sp_table_none();
     sp_status status = begin(c, 7, names, &t, err);
     if (status == SP_OK)
