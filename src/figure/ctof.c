@@ -6,6 +6,7 @@
 #include "figure/settings.h"
 #include "figure/unit.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 
@@ -124,7 +125,7 @@ static bool fit_exponent(const speeds *s, double *exponent, double *error) {
 /* Pressures from low to high. A power law is straight on logarithmic axes only, so that it needs more than its ends. */
 static void spread(double low, double high, double p[LINE]) {
     for (int k = 0; k < LINE; k++)
-        p[k] = low * pow(high / low, (double)k / (LINE - 1));
+        p[k] = fmin(DBL_MAX, exp(log(low) + (log(high) - log(low)) * k / (LINE - 1)));
 }
 
 static power_law find_law(const speeds *s) {
@@ -163,8 +164,8 @@ static sp_status find_published(drawing *d, sp_error *err) {
                        UNIT_PRESSURE, UNIT_SPEED, d->p_unit, d->c_unit);
     d->published = wish == SP_PLOT_PUBLISHED_ALWAYS ||
                    (wish != SP_PLOT_PUBLISHED_NEVER && ours && sp_settings_dimension(d->tables, d->table) == 2);
-    const double beyond = pow(10, fmax(0.15, 0.5 - 0.5 * log10(d->high / d->low)));
-    spread(d->low / beyond, d->high * beyond, d->line_p);
+    const double beyond = pow(10, fmax(0.15, 0.5 - 0.5 * (log10(d->high) - log10(d->low))));
+    spread(fmax(d->low / beyond, DBL_TRUE_MIN), fmin(d->high * beyond, DBL_MAX), d->line_p);
     for (int k = 0; k < LINE; k++)
         d->line_c[k] = 0.26 * pow(d->line_p[k] / 1e-4, 1.0 / 6);
     return SP_OK;
@@ -241,12 +242,12 @@ static sp_status draw(drawing *d, const char *path, sp_error *err) {
     for (int j = 0; j < d->tables; j++)
         add_table(d, j);
     add_keys(d);
-    const double beyond = pow(10, fmax(0.25, 1 - 0.5 * log10(d->high / d->low)));
+    const double beyond = pow(10, fmax(0.25, 1 - 0.5 * (log10(d->high) - log10(d->low))));
     const bool linear = sp_look()->x_scale == SP_PLOT_SCALE_LINEAR;
     const sp_panel panel = {.x = {.label = sp_unit_label("|p|", d->p_unit, x, sizeof x),
                                   .log = true,
-                                  .low = linear ? 0 : d->low / beyond,
-                                  .high = linear ? NAN : d->high * beyond},
+                                  .low = linear ? 0 : fmax(d->low / beyond, DBL_TRUE_MIN),
+                                  .high = linear ? NAN : fmin(d->high * beyond, DBL_MAX)},
                             .y = {.label = sp_unit_label("|c|", d->c_unit, y, sizeof y), .log = true},
                             .curves = d->curves,
                             .curve = d->curve};

@@ -93,8 +93,8 @@ static void draw_key(const view *v, const motion *m) {
         snprintf(text + length, sizeof text - (size_t)length, ",  |t| = %.2f |T|", m->part);
     sp_canvas_colour(v->c, sp_figure_ink(0));
     sp_figure_text_draw(v->c, text, MARGIN, sp_view_line(v, 0), plain);
-    if (m->net->rattlers > 0)
-        sp_view_count_rattlers(v, 0, m->net->rattlers);
+    if (m->net->rattlers > 0) /* a text of the first line leaves no room in a movie of three dimensions */
+        sp_view_count_rattlers(v, m->net->dim == 3 ? 1 + (m->turn > 0) : 0, m->net->rattlers);
     if (!(m->turn > 0))
         return;
     static const char *const words[] = {"counterclockwise", "clockwise"};

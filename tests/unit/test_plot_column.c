@@ -95,7 +95,8 @@ static sp_table table_of(cells from) {
 }
 
 static sp_status plot(int tables, const sp_table *t, const sp_plot_column_options *o, const char *path, sp_error *err) {
-    sp_plot_table shown[8] = {{"first", &t[0]}, {"second", &t[tables > 1]}, {"third", &t[tables > 2 ? 2 : 0]}};
+    sp_plot_table shown[8] = {
+        {"first", &t[0], false}, {"second", &t[tables > 1], false}, {"third", &t[tables > 2 ? 2 : 0], false}};
     for (int k = 3; k < 8; k++)
         shown[k] = shown[0];
     return sp_plot_column(tables, shown, o, path, err);
