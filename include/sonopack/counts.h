@@ -42,10 +42,9 @@ SP_API sp_status sp_contact_counts_add(sp_contact_counts *c, const sp_packing *p
                                        sp_error *err);
 
 /* Tables of the means over packings with standard errors (nan for one packing). Angles: angle [degrees]
- * all all_err strong strong_err weak weak_err; in three dimensions those of elevation, from 0 to 165 degrees, where a and
- * 180 - a have the same contacts. Values: x forces forces_err stiffnesses stiffnesses_err, where
- * x is the centre of a bin, up to the last nonempty one. SP_EREFUSED without packings, or for angles in one
- * dimension. */
+ * all all_err strong strong_err weak weak_err; in three dimensions those of elevation, from 0 to 165 degrees, where a
+ * and 180 - a have the same contacts. Values: x forces forces_err stiffnesses stiffnesses_err, where x is the centre of
+ * a bin, up to the last nonempty one. SP_EREFUSED without packings, or for angles in one dimension. */
 SP_API sp_status sp_contact_angles_table(const sp_contact_counts *c, sp_table *out, sp_error *err);
 SP_API sp_status sp_contact_values_table(const sp_contact_counts *c, sp_table *out, sp_error *err);
 

@@ -1,6 +1,7 @@
 /* Contacts of packings: Figs. 1(c) and 2 of Somfai et al. 2005. */
 #include "figure/columns.h"
 #include "figure/figure.h"
+#include "figure/open.h"
 
 #include "base/base.h"
 
@@ -210,7 +211,7 @@ sp_status sp_plot_angles(const sp_table *angles, const char *path, sp_error *err
     r.merged = merge_of(angles);
     find_largest(&r);
     canvas c = {0};
-    status = sp_canvas_open(&c, path, "Directions of contacts", CANVAS_COLUMN, CANVAS_COLUMN + LEGEND, err);
+    status = sp_figure_open(&c, path, "Directions of contacts", CANVAS_COLUMN, CANVAS_COLUMN + LEGEND, err);
     if (status == SP_OK) {
         const double step = step_of(&r);
         r.c = &c;

@@ -2,8 +2,6 @@
 #include "figure/canvas.h"
 
 #include "base/base.h"
-#include "figure/look.h"
-#include "figure/text.h"
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
@@ -15,8 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define DPI  300.0
-#define HEAD 16.0 /* height of the title [pt] */
+#define DPI 300.0
 
 /* ---- bytes in memory ------------------------------------------------------------------------------------------ */
 
@@ -108,39 +105,19 @@ static void open_surface(canvas *c) {
     switch (c->kind) {
     case CANVAS_PNG:
         c->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)(c->width * DPI / 72.0 + 0.5),
-                                                (int)((c->height + c->head) * DPI / 72.0 + 0.5));
+                                                (int)(c->height * DPI / 72.0 + 0.5));
         break;
-    case CANVAS_SVG:
-        c->surface = cairo_svg_surface_create_for_stream(take, &c->file, c->width, c->height + c->head);
-        break;
+    case CANVAS_SVG: c->surface = cairo_svg_surface_create_for_stream(take, &c->file, c->width, c->height); break;
     case CANVAS_PDF:
-        c->surface = cairo_pdf_surface_create_for_stream(take, &c->file, c->width, c->height + c->head);
+        c->surface = cairo_pdf_surface_create_for_stream(take, &c->file, c->width, c->height);
         cairo_pdf_surface_set_metadata(c->surface, CAIRO_PDF_METADATA_TITLE, c->title);
         cairo_pdf_surface_set_metadata(c->surface, CAIRO_PDF_METADATA_CREATE_DATE, "");
         break;
     }
 }
 
-/* The reader's title, centred above the figure: with smaller letters, then shortened, if it is long. */
-static void draw_title(canvas *c) {
-    const double least = 6.0, room = c->width - 8.0;
-    char text[1024];
-    double size = TEXT_LABEL;
-    if (!(c->head > 0))
-        return;
-    for (int most = 200; most >= 10; most -= 2) {
-        sp_figure_text_escape(text, sizeof text, sp_look()->title, most);
-        const double width = sp_figure_text_width(c, text, TEXT_LABEL);
-        size = width > room ? TEXT_LABEL * room / width : TEXT_LABEL;
-        if (size >= least)
-            break;
-    }
-    sp_figure_text_draw(c, text, 0.5 * c->width, 0.5 * c->head + 1.0, (text_style){size, 0.5, 0.5, 0.0});
-}
-
 sp_status sp_canvas_open(canvas *c, const char *path, const char *title, double width, double height, sp_error *err) {
     *c = (canvas){.path = path, .title = title, .width = width, .height = height};
-    c->head = sp_look()->title ? HEAD : 0;
     c->plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (!c->plain)
         return sp_fail_memory(err, 0);
@@ -165,8 +142,6 @@ sp_status sp_canvas_open(canvas *c, const char *path, const char *title, double 
     cairo_paint(c->cr);
     sp_canvas_colour(c, (colour){0, 0, 0});
     cairo_set_line_join(c->cr, CAIRO_LINE_JOIN_ROUND);
-    draw_title(c);
-    cairo_translate(c->cr, 0, c->head);
     if (cairo_status(c->cr) != CAIRO_STATUS_SUCCESS)
         return cairo_failed(c, cairo_status(c->cr), err);
     return SP_OK;

@@ -20,8 +20,7 @@ typedef enum canvas_kind { CANVAS_PNG = 0, CANVAS_SVG, CANVAS_PDF } canvas_kind;
 typedef struct canvas {
     canvas_kind kind;
     const char *path, *title;
-    double width, height; /* of the figure, without the title [pt] */
-    double head;          /* height of the title above it; 0: none */
+    double width, height; /* pt */
     cairo_surface_t *surface;
     cairo_t *cr;
     bytes file;             /* content of the file */

@@ -11,8 +11,8 @@
 #define LONGEST  1.5 /* longest arrow [mean diameters] */
 #define FARTHEST 0.5 /* how far a grain moves in a movie, over the length of its arrow */
 
-/* Two inks whose tints show the direction of rotation. */
-static colour turn_ink(bool counterclockwise) { return sp_figure_ink(counterclockwise ? 5 : 6); }
+/* Two inks whose tints show the direction of rotation, a light and a dark one. */
+static colour turn_ink(bool counterclockwise) { return sp_figure_ink(counterclockwise ? 5 : 1); }
 
 typedef struct motion {
     const sp_network *net;

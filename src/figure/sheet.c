@@ -1,4 +1,5 @@
 /* Figures of curves in panels, from plain structs. */
+#include "figure/open.h"
 #include "figure/panel.h"
 
 #include "base/base.h"
@@ -90,7 +91,7 @@ static sp_status draw(sheet *s, const char *path, sp_error *err) {
     const int n = s->source->rows * s->source->columns;
     const char *title = s->source->title ? s->source->title : "Figure";
     sp_status status =
-        sp_canvas_open(&s->canvas, path, title, s->width * s->source->columns, s->height * s->source->rows, err);
+        sp_figure_open(&s->canvas, path, title, s->width * s->source->columns, s->height * s->source->rows, err);
     if (status == SP_OK)
         status = make_panels(s, err);
     if (status == SP_OK)

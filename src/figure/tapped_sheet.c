@@ -1,5 +1,6 @@
 /* Draws panels below each other, with two features that sp_plot_sheet lacks: ticks at whole numbers only, and a note.
  */
+#include "figure/open.h"
 #include "figure/panel.h"
 #include "figure/tapped_table.h"
 #include "figure/tapped_view.h"
@@ -89,7 +90,7 @@ static sp_status draw(sheet *s, const char *path, sp_error *err) {
     const char *note = s->source->note ? s->source->note : "";
     const double height = s->source->aspect * CANVAS_COLUMN, all = s->source->panels * height;
     canvas *c = &s->canvas;
-    sp_status status = sp_canvas_open(c, path, s->source->title, CANVAS_COLUMN, all + note_height(note), err);
+    sp_status status = sp_figure_open(c, path, s->source->title, CANVAS_COLUMN, all + note_height(note), err);
     if (status == SP_OK)
         status = make_panels(s, height, err);
     if (status == SP_OK)

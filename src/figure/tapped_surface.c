@@ -1,5 +1,6 @@
 /* Draws surfaces y(z, t) of the lattice and the continua side by side, as in Fig. 2 of Blackmore et al. 2011. The
  * colour shows what the height alone does not: the displacement from the first row, or the density. */
+#include "figure/open.h"
 #include "figure/tapped_table.h"
 #include "figure/tapped_view.h"
 
@@ -224,7 +225,7 @@ static sp_status draw_all(gallery *g, const char *path, sp_error *err) {
                  height = (across == 1 ? 0.80 : 0.74) * width + 20;
     const tapped_table *s = g->of[0].s;
     char label[TAPPED_LABEL];
-    sp_status status = sp_canvas_open(&g->canvas, path, "Solution surfaces of a tapped column", width * across,
+    sp_status status = sp_figure_open(&g->canvas, path, "Solution surfaces of a tapped column", width * across,
                                       height * down + BAR, err);
     if (status != SP_OK)
         return status;

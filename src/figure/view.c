@@ -1,5 +1,6 @@
 /* Draws the grains and walls of a packing. */
 #include "figure/view.h"
+#include "figure/open.h"
 
 #include "base/base.h"
 #include "figure/text.h"
@@ -63,7 +64,7 @@ static void draw_grains(const view *v, const colour *fill) {
 }
 
 sp_status sp_view_open(const view *v, const char *path, const char *title, sp_error *err) {
-    return sp_canvas_open(v->c, path, title, CANVAS_COLUMN, v->floor + WALL + v->below, err);
+    return sp_figure_open(v->c, path, title, CANVAS_COLUMN, v->floor + WALL + v->below, err);
 }
 
 void sp_view_begin(const view *v, const colour *fill) {

@@ -60,14 +60,14 @@ SP_API sp_status sp_plot_harmonic(int tables, const sp_plot_table *table, const 
 /* Peak frequencies of the spectral functions against the wave number, with their half widths as bars. */
 SP_API sp_status sp_plot_dispersion(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
-/* One mode of a packing, in 3 dimensions in three views. u: displacements [degrees of freedom of net]. Arrows on the grains show
- * translations; the longest is 1.5 diameters. Tints show rotations. number and omega appear in the key. */
+/* One mode of a packing, in 3 dimensions in three views. u: displacements [degrees of freedom of net]. Arrows on the
+ * grains show translations; the longest is 1.5 diameters. Tints show rotations. number and omega appear in the key. */
 SP_API sp_status sp_plot_mode(const sp_packing *p, const sp_network *net, const double *u, int64_t number, double omega,
                               const char *path, sp_error *err);
 
-/* Displacements of a packing at time t as arrows, in 3 dimensions in three views. u: as from sp_signal_field [degrees of freedom
- * of net]. Grains near the source may move much farther than the wave. Their arrows are cut and have another colour.
- * The key gives the scale. */
+/* Displacements of a packing at time t as arrows, in 3 dimensions in three views. u: as from sp_signal_field [degrees
+ * of freedom of net]. Grains near the source may move much farther than the wave. Their arrows are cut and have another
+ * colour. The key gives the scale. */
 SP_API sp_status sp_plot_snapshot(const sp_packing *p, const sp_network *net, const double *u, double t,
                                   const char *path, sp_error *err);
 
