@@ -44,24 +44,33 @@ bool sp_unit_same(const char *a, const char *b) {
     }
 }
 
-/* Copies a unit of another program: digits after ^ are raised, and u before a letter is micro. */
+static bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
+/* Whether the letter u at `at' stands for micro: it begins a word of a unit, as in us or um. */
+static bool is_micro(const char *unit, const char *at) {
+    return *at == 'u' && at[1] != '\0' && strchr("smNgPJ", at[1]) && (at == unit || !is_letter(at[-1])) &&
+           (at[1] == 'P' || !is_letter(at[2]));
+}
+
+/* Copies a unit of another program: numbers after ^ are raised, and u for micro becomes its letter. */
 static void foreign(const char *unit, char out[UNIT_MARKUP]) {
-    char plain[64], one[UNIT_MARKUP];
     size_t n = 0;
     out[0] = '\0';
     for (const char *s = unit; *s && n + 48 < UNIT_MARKUP;) {
         const size_t power = *s == '^' ? strspn(s + 1, "-0123456789") : 0;
+        const bool minus = power > 0 && s[1] == '-', micro = is_micro(unit, s);
+        size_t length = power > 0 ? power + 1 : 1;
+        char plain[64], one[UNIT_MARKUP];
         if (power > 0 && power < 20) {
-            n += (size_t)snprintf(out + n, UNIT_MARKUP - n, "^{%s%.*s}", s[1] == '-' ? MINUS : "",
-                                  (int)(power - (s[1] == '-')), s + 1 + (s[1] == '-'));
-            s += power + 1;
-            continue;
+            n += (size_t)snprintf(out + n, UNIT_MARKUP - n, "^{%s%.*s}", minus ? MINUS : "", (int)power - minus,
+                                  s + 1 + minus);
+        } else {
+            while (s[length] && s[length] != '^' && !is_micro(unit, s + length) && length < 40)
+                length++;
+            snprintf(plain, sizeof plain, "%.*s", (int)length - micro, s + micro);
+            sp_figure_text_escape(one, sizeof one, plain, 40);
+            n += (size_t)snprintf(out + n, UNIT_MARKUP - n, "%s%s", micro ? "\xc2\xb5" : "", one);
         }
-        const size_t length = *s == '^' ? 1 : strcspn(s, "^");
-        const bool micro = s[0] == 'u' && (s[1] == 's' || s[1] == 'm' || s[1] == 'N') && (s == unit || s[-1] != 'o');
-        snprintf(plain, sizeof plain, "%.*s", (int)(length < 40 ? length : 40) - micro, s + micro);
-        sp_figure_text_escape(one, sizeof one, plain, 30);
-        n += (size_t)snprintf(out + n, UNIT_MARKUP - n, "%s%s", micro ? "\xc2\xb5" : "", one);
         s += length;
     }
 }
