@@ -6,9 +6,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#define MAJOR 4.0 /* length of major ticks [pt] */
-#define MINOR 2.2
-#define GAP   3.0 /* between frame and tick labels [pt] */
+#define MAJOR        4.0 /* length of major ticks [pt] */
+#define MINOR        2.2
+#define GAP          3.0  /* between frame and tick labels [pt] */
+#define LEAST_DECADE 26.0 /* shorter ones have no minor ticks, which would run together [pt] */
 
 /* ---- ranges --------------------------------------------------------------------------------------------------- */
 
@@ -103,10 +104,12 @@ static void linear_ticks(axis *a, int count) {
     }
 }
 
-/* Ticks at decades. Every `stride`-th has a label. The values 2 to 9 between them are minor ticks if there is space. */
-static void decade_ticks(axis *a, int stride) {
+/* Ticks at decades. Every `stride`-th has a label. The values 2 to 9 between them are minor ticks if there is space, on
+ * an axis of this length [pt]. */
+static void decade_ticks(axis *a, int stride, double length) {
     double first = floor(a->low), last = ceil(a->high);
     int thin = (int)ceil((last - first) / 60.0);
+    const bool fine = stride == 1 && last - first <= 12.0 && length / (a->high - a->low) >= LEAST_DECADE;
     a->ticks = 0;
     for (double d = first; d <= last; d += 1.0) {
         char label[48], number[32];
@@ -115,7 +118,7 @@ static void decade_ticks(axis *a, int stride) {
         bool major = fmod(d, stride) == 0.0;
         if (major || fmod(d, thin) == 0.0)
             add_tick(a, d, major, major ? label : "");
-        for (int m = 2; m < 10 && stride == 1 && last - first <= 12.0; m++)
+        for (int m = 2; m < 10 && fine; m++)
             add_tick(a, d + log10(m), false, "");
     }
 }
@@ -193,12 +196,12 @@ static void log_ticks(axis *a, canvas *c, double length, bool across) {
     const double decades = floor(a->high + 1e-9) - ceil(a->low - 1e-9) + 1.0;
     if (decades >= 2.0) {
         for (int k = 0; k < 9; k++) {
-            decade_ticks(a, strides[k]);
+            decade_ticks(a, strides[k], length);
             if (crowd(a, c, across) <= length)
                 break;
         }
         if (labels(a) < 2) { /* one label does not show the scale: closer labels, as long as they do not touch */
-            decade_ticks(a, 1);
+            decade_ticks(a, 1, length);
             thin_labels(a, c, length, across);
         }
         return;

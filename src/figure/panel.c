@@ -9,8 +9,8 @@
 #define INSET_SIZE 7.0 /* letter size in an inset [pt] */
 #define GROW       0.05
 #define GROW_STEPS 14
-#define LEAST_WIDE 72.0 /* least size of an inset [pt] */
-#define LEAST_HIGH 50.0
+#define LEAST_WIDE 86.0 /* least size of an inset [pt] */
+#define LEAST_HIGH 58.0
 
 /* Sizes of an inset relative to the frame. The largest that hides nothing is used. */
 static const double inset_sizes[][2] = {{0.52, 0.52}, {0.48, 0.48}, {0.44, 0.46}, {0.40, 0.42}};
@@ -135,8 +135,8 @@ sp_status sp_panel_layout(panel *p, sp_error *err) {
     sp_raster_free(&r);
     if (status != SP_OK || !p->inset)
         return status;
-    if (!(p->inset_box.width > 0) || p->figure.axes.width < 1.8 * LEAST_WIDE ||
-        p->figure.axes.height < 1.8 * LEAST_HIGH)
+    if (!(p->inset_box.width > 0) || p->figure.axes.width < 1.5 * LEAST_WIDE ||
+        p->figure.axes.height < 1.5 * LEAST_HIGH)
         return sp_fail(err, SP_EINVAL, "a panel of %.0f x %.0f pt has no room for an inset, must be larger",
                        p->figure.axes.width, p->figure.axes.height);
     axes *a = &p->inset->figure.axes;

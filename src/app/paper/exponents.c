@@ -213,7 +213,7 @@ static sp_status draw(paper *p, int item, scaling part[2][SYSTEMS], sp_error *er
             .curve = main[k],
             .inset = &inset[k]};
     }
-    const sp_sheet sheet = {.title = "Effective exponents", .rows = 2, .columns = 1, .panel = panel};
+    const sp_sheet sheet = {.title = "Effective exponents", .rows = 2, .columns = 1, .panel = panel, .aspect = 0.95};
     return sp_paper_draw(
         p, item, "fig7", &sheet,
         "Local exponents of (a) the height A of the first peak and (b) its width W = t_zero - t10; insets: "
