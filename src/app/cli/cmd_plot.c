@@ -47,6 +47,7 @@ struct arguments {
     const kind *kind;
     plot_look look;
     bool linear, published, unpublished;
+    int log; /* index in plot_look_axes; < 0: not given */
     const char *store, *only, *column, *sample, *table;
     bool surface;
     int64_t mode; /* < 0: not given */
@@ -205,6 +206,7 @@ static sp_status check_look(arguments *a, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "--published and --no-published: must be one of them");
     if (a->published || a->unpublished)
         a->look.look.published = a->published ? SP_PLOT_PUBLISHED_ALWAYS : SP_PLOT_PUBLISHED_NEVER;
+    plot_look_log(&a->look, a->log);
     if (a->linear)
         plot_look_linear(&a->look);
     return plot_look_check(&a->look, a->store ? 1 : a->files, err);
@@ -256,10 +258,6 @@ static sp_status set_y(void *user, const char *text, sp_error *err) {
     return plot_look_range("--y", text, ((arguments *)user)->look.look.y, err);
 }
 
-static sp_status set_log(void *user, const char *text, sp_error *err) {
-    return plot_look_log(&((arguments *)user)->look, text, err);
-}
-
 static sp_status add_label(void *user, const char *text, sp_error *err) {
     return plot_look_label(&((arguments *)user)->look, text, err);
 }
@@ -300,7 +298,8 @@ static const cli_option options[] = {
      .parse = add_label, .kinds = WITH_LABELS},
     {"x", "LO:HI", "Limits of the x axis, or LO: or :HI", .parse = set_x, .kinds = WITH_AXES},
     {"y", "LO:HI", "Limits of the y axis, of several panels that of the first", .parse = set_y, .kinds = WITH_AXES},
-    {"log", "x|y|xy", "Make these axes logarithmic", .parse = set_log, .kinds = WITH_AXES},
+    {"log", "x|y|xy", "Make these axes logarithmic", CLI_CHOICE, .field = offsetof(arguments, log),
+     .words = plot_look_axes, .kinds = WITH_AXES},
     {"linear", NULL, "Make the axes linear that --log does not name", CLI_FLAG, .field = offsetof(arguments, linear),
      .kinds = WITH_AXES},
     {"published", NULL, "ctof: draw the published line even over data that do not say that they are two-dimensional",
@@ -313,15 +312,16 @@ static const cli_syntax syntax = {
     .usage = "KIND FILE... -o FIGURE\nctof --store DIR -o FIGURE",
     .help =
         "Draws figures one print column (86 mm) wide, as PNG (300 dpi), SVG or PDF by the ending of FIGURE.\v"
-        "ctof: speed against pressure, with the published c_tof = 0.26 (p/1e-4)^(1/6), from a table of `sonopack "
-        "table ctof' (TSV or CSV).\n"
+        "ctof: speed against pressure from tables of `sonopack table ctof' (TSV or CSV), with the published c_tof = "
+        "0.26 "
+        "(p/1e-4)^(1/6) where they say that they are of two dimensions.\n"
         "signal: F(t) of tables with columns t and F (or F1, F2, ...), or of packings, whose signal is computed. The "
         "first front is marked by a triangle at 10% of its peak, a circle at the peak, and a square at the zero "
         "crossing. More than ten signals are drawn one above the other, at their distances if these are known.\n"
         "network: a packing with its contacts as lines, whose width shows the normal force; rattlers are grey.\n"
         "stiffness: the same with the normal stiffness.\n"
         "angles: directions of the contacts of packings, at least 3 d from the walls: all, strong and weak contacts; "
-        "a circle of radius 1 is isotropic.\n"
+        "a circle of radius 1 is isotropic. In three dimensions angles are those above the walls.\n"
         "forces: histograms of normal forces and stiffnesses, divided by their means.\n"
         "snapshot: displacements of the grains at a time after the pulse. A second FILE, a table of --table, is drawn "
         "in place of computing them.\n"
@@ -343,8 +343,10 @@ static const cli_syntax syntax = {
         "mode: the displacements of a mode as arrows on the grains, tinted where they rotate. A second FILE, of "
         "`sonopack "
         "modes --vectors' (HDF5 or table) or a table of --table, is drawn in place of computing the mode.\n"
-        "In three dimensions mode and snapshot show two views, along y and along x; far grains are paler.\n"
-        "modes: omega^2 and a b against n, from a table of `sonopack modes'.\n"
+        "In three dimensions network, stiffness, mode and snapshot show three views: along y, along x and from above.\n"
+        "--frames makes a movie of a mode (one period) or of a wave, one numbered file a frame, all at one scale.\n"
+        "modes: omega^2 and a b against n, from tables of `sonopack modes'.\n"
+        "Axes have the units of the tables; tables of one figure must have the same.\n"
         "\n"
         "--set changes keys of network and signal.",
     .options = options,
@@ -371,7 +373,7 @@ static sp_status may_write(const arguments *a, sp_error *err) {
 }
 
 int cmd_plot(int argc, char **argv) {
-    arguments a = {.mode = -1, .time = -1, .from = -1, .to = -1, .look = plot_look_default()};
+    arguments a = {.mode = -1, .log = -1, .time = -1, .from = -1, .to = -1, .look = plot_look_default()};
     cli_parse(&syntax, argc, argv, &a);
     sp_plot_set_look(&a.look.look);
     sp_error err = {0};

@@ -27,15 +27,13 @@ sp_status plot_look_range(const char *option, const char *text, double limits[2]
     return status;
 }
 
-sp_status plot_look_log(plot_look *p, const char *text, sp_error *err) {
-    static const char *const words[] = {"x", "y", "xy", NULL};
-    int word;
-    const sp_status status = cli_choose("--log", text, words, &word, err);
-    if (status == SP_OK && word != 1)
+const char *const plot_look_axes[] = {"x", "y", "xy", NULL};
+
+void plot_look_log(plot_look *p, int axes) {
+    if (axes == 0 || axes == 2)
         p->look.x_scale = SP_PLOT_SCALE_LOG;
-    if (status == SP_OK && word != 0)
+    if (axes == 1 || axes == 2)
         p->look.y_scale = SP_PLOT_SCALE_LOG;
-    return status;
 }
 
 void plot_look_linear(plot_look *p) {

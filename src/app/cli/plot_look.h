@@ -15,8 +15,9 @@ typedef struct plot_look {
 plot_look plot_look_default(void);
 /* Limits "LO:HI", "LO:" or ":HI" of an option. */
 sp_status plot_look_range(const char *option, const char *text, double limits[2], sp_error *err);
-/* "x", "y" or "xy" of --log. */
-sp_status plot_look_log(plot_look *p, const char *text, sp_error *err);
+extern const char *const plot_look_axes[]; /* of --log: x, y, xy */
+/* Makes these axes logarithmic: an index of plot_look_axes, or < 0 for none. */
+void plot_look_log(plot_look *p, int axes);
 /* Axes that --log does not name are linear. */
 void plot_look_linear(plot_look *p);
 sp_status plot_look_label(plot_look *p, const char *text, sp_error *err);
