@@ -98,10 +98,11 @@ sp_status sp_plot_section(int records, const sp_plot_record *record, const char 
     if (s.most > 0)
         for (describe_scale(&s); keys < KEYS; keys++)
             curve[records + keys] = (sp_curve){.label = s.key[keys], .dash = SP_DASH_NONE};
-    char time[UNIT_MARKUP + 16];
+    char time[UNIT_MARKUP + 16], distance[UNIT_MARKUP + 16];
+    const char *length = record[0].distance_unit ? record[0].distance_unit : UNIT_LENGTH;
     const sp_panel panel = {
         .x = {.label = sp_unit_label("|t|", record[0].t_unit ? record[0].t_unit : UNIT_TIME, time, sizeof time)},
-        .y = {.label = s.numbered ? "number" : "distance  [|d|]"},
+        .y = {.label = s.numbered ? "number" : sp_unit_label("distance", length, distance, sizeof distance)},
         .curves = records + keys,
         .curve = curve};
     const sp_sheet sheet = {.title = "Signals at several distances",

@@ -230,11 +230,13 @@ static void test_ensemble_modes_section(void **state) {
     free(text);
     sp_table_free(&t);
     const double time[3] = {0, 1, 2}, force[3] = {0, 1, NAN}, nothing[3] = {0, 0, 0};
-    const sp_plot_record record[3] = {
-        {5, 3, time, force, NULL, NULL}, {10, 3, time, nothing, NULL, NULL}, {15, 0, time, force, NULL, NULL}};
+    const sp_plot_record record[3] = {{5, 3, time, force, NULL, NULL, NULL},
+                                      {10, 3, time, nothing, NULL, NULL, NULL},
+                                      {15, 0, time, force, NULL, NULL, NULL}};
     assert_ok(sp_plot_section(3, record, svg, &err));
     says((const char *[]){"\ndistance  [d]\n", "\n10\n", NULL});
-    const sp_plot_record numbered[2] = {{NAN, 3, time, force, NULL, NULL}, {NAN, 3, time, force, NULL, NULL}};
+    const sp_plot_record numbered[2] = {{NAN, 3, time, force, NULL, NULL, NULL},
+                                        {NAN, 3, time, force, NULL, NULL, NULL}};
     assert_ok(sp_plot_section(2, numbered, svg, &err));
     says((const char *[]){"\nnumber\n", NULL});
 }
@@ -320,11 +322,11 @@ static void test_refusals(void **state) {
     assert_fails(sp_plot_modes(&t, svg, &err), SP_EREFUSED, "");
     assert_fails(sp_plot_fronts(0, shown, NULL, svg, &err), SP_EINVAL, "0");
     sp_table_free(&t);
-    sp_plot_record record = {INFINITY, 0, NULL, NULL, NULL, NULL};
-    const sp_plot_record some[2] = {{1, 0, NULL, NULL, NULL, NULL}, {NAN, 0, NULL, NULL, NULL, NULL}};
+    sp_plot_record record = {INFINITY, 0, NULL, NULL, NULL, NULL, NULL};
+    const sp_plot_record some[2] = {{1, 0, NULL, NULL, NULL, NULL, NULL}, {NAN, 0, NULL, NULL, NULL, NULL, NULL}};
     assert_fails(sp_plot_section(1, &record, svg, &err), SP_EINVAL, "distance inf");
     assert_fails(sp_plot_section(2, some, svg, &err), SP_EINVAL, "2 0 points distance nan");
-    record = (sp_plot_record){1, 0, NULL, NULL, NULL, NULL};
+    record = (sp_plot_record){1, 0, NULL, NULL, NULL, NULL, NULL};
     assert_fails(sp_plot_section(1, &record, svg, &err), SP_EREFUSED, "1");
     assert_int_equal(access(svg, F_OK), -1);
 }

@@ -112,7 +112,7 @@ typedef struct sp_plot_record {
     double distance; /* distance of the detector from the source [d] */
     int64_t n;
     const double *t, *f;
-    const char *t_unit, *f_unit; /* units of data from elsewhere; NULL: those of sp_signal */
+    const char *t_unit, *f_unit, *distance_unit; /* units of data from elsewhere; NULL: ours; "": unknown */
 } sp_plot_record;
 SP_API sp_status sp_plot_section(int records, const sp_plot_record *record, const char *path, sp_error *err);
 

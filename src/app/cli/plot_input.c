@@ -253,7 +253,8 @@ static void name_signal(const sp_table *table, int k, bool several, plot_signal 
         out->distance = to.plane;
         if (several) {
             snprintf(out->name, sizeof out->name, "y = %.4g%s", to.plane, shear ? " shear" : "");
-            snprintf(out->place, sizeof out->place, "|y| = %.4g |d|%s", to.plane, shear ? ", shear" : "");
+            snprintf(out->place, sizeof out->place, "|y| = %.4g%s%s", to.plane, out->foreign ? "" : " |d|",
+                     shear ? ", shear" : "");
         }
         return;
     }

@@ -117,8 +117,13 @@ static sp_status draw_section(const drawing *d, sp_error *err) {
     for (int k = 0; k < d->files; k++)
         for (int j = 0; j < d->read[k].n; j++) {
             const plot_signal *s = &d->read[k].signal[j];
-            record[count++] = (sp_plot_record){
-                .distance = s->distance, .n = s->n, .t = s->t, .f = s->f, .t_unit = s->t_unit, .f_unit = s->f_unit};
+            record[count++] = (sp_plot_record){.distance = s->distance,
+                                               .n = s->n,
+                                               .t = s->t,
+                                               .f = s->f,
+                                               .t_unit = s->t_unit,
+                                               .f_unit = s->f_unit,
+                                               .distance_unit = s->foreign ? "" : "d"};
         }
     if (!are_distinct(d->traces, record))
         for (int k = 0; k < d->traces; k++)
