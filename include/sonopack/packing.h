@@ -26,12 +26,31 @@ typedef struct sp_contact {
     double overlap; /* R_i + R_j - r_ij, or R_i - distance to the wall [d] */
     double fn;      /* normal elastic force, >= 0 in compression [E* d^2] */
     double ft[3];   /* tangential elastic force on i [E* d^2] */
+    double kn, kt;  /* normal and tangential stiffness [E* d], where they are measured or belong to another law;
+                       kn = 0 (then kt = 0): Hertz's and Mindlin's at this overlap */
 } sp_contact;
 
 /* Contact law at the walls. RIGID: a rigid plane (Hertz with R = inf and E* of one grain). GRAIN: the wall responds
  * like a fixed grain identical to the one that touches it ("identical springs" of the 1D chain, Somfai et al. 2005,
- * App. C). */
-typedef enum sp_wall { SP_WALL_RIGID = 0, SP_WALL_GRAIN = 1 } sp_wall;
+ * App. C). ELASTIC: a plane of the grains' own material (R = inf and half of E*), as LAMMPS' and Yade's walls are. */
+typedef enum sp_wall { SP_WALL_RIGID = 0, SP_WALL_GRAIN = 1, SP_WALL_ELASTIC = 2 } sp_wall;
+
+/* The material of the grains in SI units, which turns dimensionless numbers into those of an experiment. It has no
+ * influence on them. */
+typedef struct sp_material {
+    double young;    /* Young's modulus E [Pa]; 0: the material is not known */
+    double poisson;  /* Poisson's ratio: E* = E/(1 - poisson^2) */
+    double density;  /* rho [kg/m^3] */
+    double diameter; /* mean grain diameter d [m] */
+} sp_material;
+/* SP_EINVAL names the value that is out of range: E, rho and d are positive, the ratio is 0 .. 0.5. */
+SP_API sp_status sp_material_check(const sp_material *m, sp_error *err);
+SP_API double sp_material_modulus(const sp_material *m); /* E* = E/(1 - nu^2) [Pa] */
+/* Reads "E=70e9,nu=0.22,rho=2500,d=1e-3", in any order, and checks the values. SP_EINVAL names the value at fault. */
+SP_API sp_status sp_material_read(const char *text, sp_material *out, sp_error *err);
+/* Writes a material in that form, with the digits that read back exactly. Returns text. */
+enum { SP_MATERIAL_TEXT = 160 };
+SP_API char *sp_material_text(const sp_material *m, char text[SP_MATERIAL_TEXT]);
 
 typedef struct sp_packing {
     int dim;   /* 1, 2 or 3 */
@@ -39,12 +58,15 @@ typedef struct sp_packing {
     int32_t n_contacts;
     double *x;            /* [n][3] centres, 0 on unused axes [d] */
     double *r;            /* [n] radii [d] */
+    double *mass;         /* [n] masses [rho d^3], or NULL: spheres of unit density. Both or neither: */
+    double *inertia;      /* [n] moments of inertia [rho d^5] */
     sp_contact *contacts; /* [n_contacts] sorted: pairs by (i, j), then bottom wall by i, then top wall by i */
     double box[3];        /* periods; box[dim-1] is the height; 1 on unused axes [d] */
     double pressure;      /* force on a wall over its area (2D: width x d; 1D: d^2) [E*] */
     double friction;      /* Coulomb coefficient mu; 0: no tangential forces, no rotations */
     double poisson;       /* Poisson's ratio nu of the grain material */
     sp_wall wall;
+    sp_material material;
     /* provenance; 0, NAN or NULL if unknown (imported packings) */
     uint64_t seed;
     int64_t steps;   /* time steps of the compression */
@@ -58,6 +80,8 @@ SP_API sp_packing sp_packing_none(void);
 /* Allocates zeroed arrays for n grains and n_contacts contacts. SP_EINVAL for a bad size, SP_ENOMEM. */
 SP_API sp_status sp_packing_alloc(sp_packing *p, int dim, int32_t n, int32_t n_contacts, sp_error *err);
 SP_API void sp_packing_free(sp_packing *p);
+/* Allocates mass and inertia, filled in as of spheres of unit density. SP_ENOMEM. */
+SP_API sp_status sp_packing_alloc_masses(sp_packing *p, sp_error *err);
 
 /* Sorts the contacts into the order of sp_packing.contacts. */
 SP_API void sp_packing_sort(sp_packing *p);
@@ -66,13 +90,19 @@ SP_API void sp_packing_sort(sp_packing *p);
 SP_API double sp_packing_wall_area(const sp_packing *p);
 SP_API double sp_packing_height(const sp_packing *p);
 
+/* Whether all grains are spheres of unit density, and all contacts follow the law of Hertz and Mindlin. Only such
+ * packings have forces away from rest; all others are known at rest, where they are linear networks. */
+SP_API bool sp_packing_hertzian(const sp_packing *p);
+/* SP_EREFUSED if it is not. `what` names what needs a contact law, such as "the nonlinear motion". */
+SP_API sp_status sp_packing_need_law(const sp_packing *p, const char *what, sp_error *err);
+
 /* Results of sp_packing_audit: relative errors, all 0 for a perfect packing. */
 typedef struct sp_audit {
     double force_residual;  /* largest net force on a force-carrying grain over p x (mean diameter)^2 */
     double torque_residual; /* largest net torque over R, in the same unit */
     double wall_residual;   /* largest | |F_wall| / (p A) - 1 | of the two walls */
     double law_residual;    /* largest relative difference between fn and Hertz's law at the stored overlap, beyond the
-                               rounding of a text file */
+                               rounding of a text file; contacts with a stiffness of their own are left out */
     double geometry_residual; /* largest |overlap - overlap from the positions| over the largest overlap */
     double coulomb_excess;    /* largest |ft|/(mu fn) - 1, or 0 if Coulomb's law holds everywhere */
     int32_t missing;          /* overlapping pairs that are not listed as contacts */

@@ -16,10 +16,7 @@
 static colour link_ink(sp_plot_links links) { return sp_figure_ink(links == SP_PLOT_FORCES ? 1 : 2); }
 
 static double contact_value(const sp_packing *p, const sp_contact *k, sp_plot_links links) {
-    if (links == SP_PLOT_FORCES)
-        return k->fn;
-    double e = k->j < 0 ? contact_wall_stiffness(p->r[k->i], p->wall) : contact_stiffness(p->r[k->i], p->r[k->j]);
-    return contact_normal_stiffness(e, fmax(k->overlap, 0.0));
+    return links == SP_PLOT_FORCES ? k->fn : contact_kn(p, k);
 }
 
 /* Draws a line from centre to centre, or to the wall, along the normal of the contact. A contact across the periodic

@@ -165,15 +165,18 @@ def try_tests(folder):
     result, log = box.run("test")
     check(set(TEST) <= set(log[1].split()), "test packages", log)
     check([line for line in log if line.startswith("ctest")][-1].split()[1:3] == ["--test-dir", "build/release"], log)
-    check(sum(line.startswith("ctest") for line in log) == 1 and "-LE long|slow" in log[-1], log)
+    check(sum(line.startswith("ctest") for line in log) == 1 and "-LE long|slow|foreign" in log[-1], log)
     check(result.stdout.splitlines()[-1].startswith("100% tests passed"), result)
     result, log = box.run("test-long")
-    check("-LE" not in log[-1], log)
+    check(log[-1].endswith("-LE foreign"), log)
+    result, log = box.run("test-foreign")
+    check({"lammps", "yade", "octave", "chromium", "python3-vtk9"} <= set(" ".join(log).split()), log)
+    check(log[-1].endswith("-L foreign"), log)
     result, log = box.run(script=".ci/run")
     check(result.returncode == 0, result, log)
     presets = [line.split()[2] for line in log if line.startswith("cmake --preset")]
     check(presets == ["clang", "sanitize", "release"] and "SONOPACK_WERROR=ON" in "".join(log), log)
-    check(log[-1].startswith("ctest --test-dir build/release") and log[-1].split()[-1] == "long", log)
+    check(log[-1].startswith("ctest --test-dir build/release") and log[-1].split()[-1] == "long|foreign", log)
     check(result.stdout.splitlines()[-1] == "100% tests passed, 0 tests failed out of 7", result)
 
 

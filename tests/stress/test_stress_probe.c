@@ -51,28 +51,6 @@ static bool has_nearly_floppy(const exact *x) {
     return false;
 }
 
-static void run_sine(stress_record *r, const char *network, const sp_network *net, const exact *x, int waves) {
-    const sp_probe probe = {SP_PROBE_SINE, waves};
-    sp_probe_moduli p;
-    sp_error err = {0};
-    char what[32];
-    snprintf(what, sizeof what, "sine %d", waves);
-    const sp_status status = sp_moduli_probe(net, 0.5, 1, &probe, NULL, &p, &err);
-    if (status != SP_OK) {
-        stress_refuse(r, network, "probe", what, status, &err);
-        return;
-    }
-    if (p.left_out > 0 && has_nearly_floppy(x))
-        return;
-    const quad along = exact_sine(net, x, waves, net->dim - 1);
-    stress_agree(r, network, "probe", what, (double)quad_abs(p.along - along), p.error_along, (double)along);
-    if (isnan(p.shear) || !grips(net)) /* smooth walls are sheared by a cosine */
-        return;
-    const quad shear = exact_sine(net, x, waves, 0);
-    snprintf(what, sizeof what, "sine %d, shear", waves);
-    stress_agree(r, network, "probe", what, (double)quad_abs(p.shear - shear), p.error_shear, (double)shear);
-}
-
 /* ---- lines ---------------------------------------------------------------------------------------------------- */
 
 /* Displacement between lines: those with an odd number move, by turns up and down. */
@@ -143,24 +121,30 @@ static quad exact_lines(const sp_network *net, int lines, int axis) {
     return height * whole / ((quad)(lines + 1) * (lines + 1) * area_of(net));
 }
 
-static void run_lines(stress_record *r, const char *network, const sp_network *net, int lines) {
-    const sp_probe probe = {SP_PROBE_LINES, lines};
+/* The exact modulus of motion along an axis. */
+static quad exact_probe(const sp_network *net, const exact *x, const sp_probe *probe, int axis) {
+    return probe->kind == SP_PROBE_SINE ? exact_sine(net, x, probe->n, axis) : exact_lines(net, probe->n, axis);
+}
+
+static void run_probe(stress_record *r, const char *network, const sp_network *net, const exact *x, sp_probe probe) {
+    const bool sine = probe.kind == SP_PROBE_SINE;
     sp_probe_moduli p;
     sp_error err = {0};
     char what[32];
-    snprintf(what, sizeof what, "lines %d", lines);
+    snprintf(what, sizeof what, "%s %d", sine ? "sine" : "lines", probe.n);
     const sp_status status = sp_moduli_probe(net, 0.5, 1, &probe, NULL, &p, &err);
     if (status != SP_OK) {
         stress_refuse(r, network, "probe", what, status, &err);
         return;
     }
-    const quad along = exact_lines(net, lines, net->dim - 1);
-    stress_agree(r, network, "probe", what, (double)quad_abs(p.along - along), p.error_along, (double)along);
-    if (isnan(p.shear))
+    if (sine && p.left_out > 0 && has_nearly_floppy(x))
         return;
-    const quad shear = exact_lines(net, lines, 0);
-    snprintf(what, sizeof what, "lines %d, shear", lines);
-    stress_agree(r, network, "probe", what, (double)quad_abs(p.shear - shear), p.error_shear, (double)shear);
+    const quad along = exact_probe(net, x, &probe, net->dim - 1);
+    stress_agree(r, network, "probe", what, (double)quad_abs(p.along - along), p.error_along, (double)along);
+    if (isnan(p.shear) || (sine && !grips(net))) /* smooth walls are sheared by a cosine */
+        return;
+    const quad shear = exact_probe(net, x, &probe, 0);
+    stress_agree(r, network, "probe, shear", what, (double)quad_abs(p.shear - shear), p.error_shear, (double)shear);
 }
 
 static void test_hard_networks(void **state) {
@@ -171,9 +155,9 @@ static void test_hard_networks(void **state) {
         sp_network net = c->make(c->value, 1);
         exact x = exact_solve(&net);
         for (int waves = 1; waves <= 3; waves++)
-            run_sine(&r, c->name, &net, &x, waves);
+            run_probe(&r, c->name, &net, &x, (sp_probe){SP_PROBE_SINE, waves});
         for (int lines = 1; lines <= 3; lines += 2)
-            run_lines(&r, c->name, &net, lines);
+            run_probe(&r, c->name, &net, &x, (sp_probe){SP_PROBE_LINES, lines});
         exact_free(&x);
         sp_network_free(&net);
     }

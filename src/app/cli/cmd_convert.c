@@ -29,7 +29,8 @@ static const cli_syntax syntax = {
         "  sonopack convert grains.tsv P.h5 --contact-table contacts.tsv\n"
         "With IN, OUT and both tables the packing is written in both forms.\n"
         "Box and material of tables are in comment lines `# key = value' or in --set key=value: width, depth (3D), "
-        "height, pressure, friction, poisson, wall, seed. Lengths are in mean grain diameters, pressures in E*.",
+        "height, pressure, friction, poisson, wall, material, seed. Lengths are in mean grain diameters, pressures in "
+        "E*.",
     .options = options,
     .file_name = "packing",
     .files_max = 2};

@@ -7,9 +7,6 @@
 #include <math.h>
 #include <sonopack/network.h>
 
-/* d^2/10 for a sphere. */
-static double inertia_over_mass(double r) { return 0.4 * r * r; }
-
 static sp_status make_grains(const sp_packing *p, const uint8_t *rattler, int32_t *row, sp_network *net,
                              sp_error *err) {
     const size_t n = (size_t)net->n, dof = (size_t)net->dof;
@@ -24,7 +21,8 @@ static sp_status make_grains(const sp_packing *p, const uint8_t *rattler, int32_
         row[i] = rattler[i] ? -1 : k;
         if (rattler[i])
             continue;
-        const double mass = grain_mass(p->r[i]), inertia = mass * inertia_over_mass(p->r[i]);
+        const double mass = p->mass ? p->mass[i] : grain_mass(p->r[i]);
+        const double inertia = p->mass ? p->inertia[i] : grain_inertia(p->r[i]);
         if (!isnormal(mass) || (net->dof > net->dim && !isnormal(inertia)))
             return sp_fail(err, SP_EFORMAT,
                            "grain %d: r = %g, mass or moment of inertia is beyond the range of numbers", i, p->r[i]);
@@ -44,16 +42,15 @@ static bool slides(const sp_packing *p, const sp_contact *c) {
     return length3(c->ft) >= p->friction * c->fn * (1 - 1e-2);
 }
 
-/* Stiffnesses by (A1), (A2), (A4). A wall has no lever arm, and its normal does not turn when a grain moves along
- * it. */
+/* Stiffnesses by (A1), (A2), (A4), or the contact's own. A wall has no lever arm, and its normal does not turn when a
+ * grain moves along it. */
 static sp_status make_spring(const sp_packing *p, const sp_network_options *opt, int32_t contact, const int32_t *row,
                              sp_network *net, sp_error *err) {
     const sp_contact *c = &p->contacts[contact];
     const bool wall = c->j < 0;
     const double ri = p->r[c->i], rj = wall ? 0 : p->r[c->j];
-    const double e = wall ? contact_wall_stiffness(ri, p->wall) : contact_stiffness(ri, rj);
-    const double length = ri + rj - c->overlap, kn = contact_normal_stiffness(e, c->overlap);
-    if (!(c->overlap > 0 && length > 0 && kn > 0 && isfinite(kn)))
+    const double length = ri + rj - c->overlap, kn = contact_kn(p, c);
+    if (!(length > 0 && kn > 0 && isfinite(kn)))
         return sp_fail(err, SP_EFORMAT,
                        "contact %d: overlap = %g, must be above 0 and below %g where a force is carried", contact,
                        c->overlap, ri + rj);
@@ -63,7 +60,7 @@ static sp_status make_spring(const sp_packing *p, const sp_network_options *opt,
     for (int a = 0; a < net->dim; a++)
         s->n[a] = c->n[a];
     if (net->dof > net->dim && !(opt->sliding_free && slides(p, c)))
-        s->kt = contact_eta(p->poisson) * kn;
+        s->kt = c->kn > 0 ? c->kt : contact_eta(p->poisson) * kn;
     if (opt->prestress && !wall && net->dim > 1) {
         s->kp = -c->fn / length;
         net->prestress = true;

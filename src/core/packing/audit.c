@@ -28,10 +28,6 @@ static double true_overlap(const sp_packing *p, const sp_contact *c, double *tur
     return p->r[c->i] + (c->j >= 0 ? p->r[c->j] : 0) - sqrt(r2);
 }
 
-static double stiffness_of(const sp_packing *p, const sp_contact *c) {
-    return c->j >= 0 ? contact_stiffness(p->r[c->i], p->r[c->j]) : contact_wall_stiffness(p->r[c->i], p->wall);
-}
-
 /* Errors of each contact by itself. */
 static void audit_contacts(const sp_packing *p, double small, sp_audit *a) {
     double deepest = 0;
@@ -40,7 +36,7 @@ static void audit_contacts(const sp_packing *p, double small, sp_audit *a) {
     for (int32_t c = 0; c < p->n_contacts; c++) {
         const sp_contact *k = &p->contacts[c];
         double turn, overlap = true_overlap(p, k, &turn);
-        double hertz = contact_force(stiffness_of(p, k), k->overlap);
+        double hertz = k->kn > 0 ? k->fn : contact_force(contact_stiffness_in(p, k->i, k->j), k->overlap);
         double ft = length3(k->ft);
         a->geometry_residual = fmax(a->geometry_residual, fmax(turn, fabs(overlap - k->overlap) / deepest));
         a->law_residual = fmax(a->law_residual, fabs(hertz - k->fn) / fmax(k->fn, small));

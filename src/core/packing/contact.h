@@ -8,9 +8,17 @@
 /* E12 sqrt(R12) of two grains, with 1/E12 = 1/E* + 1/E* and 1/R12 = 1/R1 + 1/R2. */
 static inline double contact_stiffness(double r1, double r2) { return 0.5 * sqrt(r1 * r2 / (r1 + r2)); }
 
-/* The same at a wall: a rigid plane (R = inf, E12 = E* of one grain), or a fixed identical grain. */
+/* The same at a wall: a rigid plane (R = inf, E12 = E* of one grain), a plane of the same material (E12 = half of E*),
+ * or a fixed identical grain. */
 static inline double contact_wall_stiffness(double r, sp_wall wall) {
-    return wall == SP_WALL_RIGID ? sqrt(r) : contact_stiffness(r, r);
+    if (wall == SP_WALL_GRAIN)
+        return contact_stiffness(r, r);
+    return wall == SP_WALL_RIGID ? sqrt(r) : 0.5 * sqrt(r);
+}
+
+/* E12 sqrt(R12) of a contact of a packing. */
+static inline double contact_stiffness_in(const sp_packing *p, int32_t i, int32_t j) {
+    return j < 0 ? contact_wall_stiffness(p->r[i], p->wall) : contact_stiffness(p->r[i], p->r[j]);
 }
 
 /* Hertz's law (A1), F_n = 4/3 E12 sqrt(R12) n^(3/2), for e = E12 sqrt(R12) and overlap n >= 0. */
@@ -25,7 +33,13 @@ static inline double contact_overlap(double e, double force) { return pow(0.75 *
 /* Stiffness ratio eta = k_t/k_n = (1 - nu)/(1 - nu/2), (A4). */
 static inline double contact_eta(double poisson) { return (1.0 - poisson) / (1.0 - 0.5 * poisson); }
 
+/* k_n of a contact at rest: its own, or Hertz's at its overlap. */
+static inline double contact_kn(const sp_packing *p, const sp_contact *c) {
+    return c->kn > 0 ? c->kn : contact_normal_stiffness(contact_stiffness_in(p, c->i, c->j), fmax(c->overlap, 0.0));
+}
+
 /* Mass m = pi d^3/6 at unit density. The moment of inertia is m d^2/10 = 0.4 m R^2. */
 static inline double grain_mass(double r) { return 4.0 / 3.0 * 3.14159265358979323846 * r * r * r; }
+static inline double grain_inertia(double r) { return grain_mass(r) * (0.4 * r * r); }
 
 #endif

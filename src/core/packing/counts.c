@@ -19,10 +19,6 @@ typedef struct own_counts {
     double force[SP_VALUE_BINS + 1], stiffness[SP_VALUE_BINS + 1]; /* last entry: beyond the bins */
 } own_counts;
 
-static double stiffness_of(const sp_packing *p, const sp_contact *k) {
-    return contact_normal_stiffness(contact_stiffness(p->r[k->i], p->r[k->j]), fmax(k->overlap, 0));
-}
-
 /* Whether the contact joins two grains and its point lies in the bulk. */
 static bool counts(const sp_packing *p, const sp_contact *k, double margin) {
     const int up = p->dim - 1;
@@ -64,12 +60,12 @@ static void count_all(const sp_packing *p, const uint8_t *carrying, double margi
             if (pass == 0) {
                 own->n += 1;
                 own->mean_force += k->fn;
-                own->mean_stiffness += stiffness_of(p, k);
+                own->mean_stiffness += contact_kn(p, k);
                 continue;
             }
             const bool strong = k->fn > EQUAL * own->mean_force;
             own->force[value_bin(k->fn, own->mean_force)] += 1;
-            own->stiffness[value_bin(stiffness_of(p, k), own->mean_stiffness)] += 1;
+            own->stiffness[value_bin(contact_kn(p, k), own->mean_stiffness)] += 1;
             own->strong += strong;
             if (p->dim == 1)
                 continue;

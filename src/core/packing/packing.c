@@ -1,5 +1,6 @@
 /* Memory, geometry, structure check and contact order of packings. */
 #include "base/base.h"
+#include "packing/contact.h"
 #include "packing/geometry.h"
 
 #include <math.h>
@@ -12,6 +13,8 @@ sp_packing sp_packing_none(void) { return (sp_packing){.residual = NAN, .seconds
 void sp_packing_free(sp_packing *p) {
     sp_free(p->x);
     sp_free(p->r);
+    sp_free(p->mass);
+    sp_free(p->inertia);
     sp_free(p->contacts);
     sp_free(p->scene);
     *p = sp_packing_none();
@@ -34,6 +37,40 @@ sp_status sp_packing_alloc(sp_packing *p, int dim, int32_t n, int32_t n_contacts
     }
     *p = q;
     return SP_OK;
+}
+
+sp_status sp_packing_alloc_masses(sp_packing *p, sp_error *err) {
+    const size_t n = (size_t)p->n;
+    p->mass = sp_alloc(n, sizeof *p->mass);
+    p->inertia = sp_alloc(n, sizeof *p->inertia);
+    if (!p->mass || !p->inertia) {
+        sp_free(p->mass);
+        sp_free(p->inertia);
+        p->mass = p->inertia = NULL;
+        return sp_fail_memory(err, 2 * n * sizeof *p->mass);
+    }
+    for (size_t i = 0; i < n; i++) {
+        p->mass[i] = grain_mass(p->r[i]);
+        p->inertia[i] = grain_inertia(p->r[i]);
+    }
+    return SP_OK;
+}
+
+bool sp_packing_hertzian(const sp_packing *p) {
+    for (int32_t c = 0; c < p->n_contacts; c++)
+        if (p->contacts[c].kn > 0)
+            return false;
+    return p->mass == NULL;
+}
+
+sp_status sp_packing_need_law(const sp_packing *p, const char *what, sp_error *err) {
+    if (sp_packing_hertzian(p))
+        return SP_OK;
+    return sp_fail(
+        err, SP_EREFUSED,
+        "%s needs the contact law: must be spheres of unit density in Hertz-Mindlin contact, and this packing "
+        "has %s",
+        what, p->mass ? "masses of its own" : "contacts whose stiffness is given");
 }
 
 double sp_packing_height(const sp_packing *p) { return p->box[p->dim - 1]; }
@@ -63,15 +100,20 @@ static sp_status check_globals(const sp_packing *p, sp_error *err) {
         return sp_fail(err, SP_EFORMAT, "friction %g: must be >= 0 and finite", p->friction);
     if (!(p->poisson >= 0 && p->poisson <= 0.5))
         return sp_fail(err, SP_EFORMAT, "Poisson ratio %g: must be in 0..0.5", p->poisson);
-    if (p->wall != SP_WALL_RIGID && p->wall != SP_WALL_GRAIN)
-        return sp_fail(err, SP_EFORMAT, "wall kind %d: must be 0 (rigid) or 1 (grain)", (int)p->wall);
-    return SP_OK;
+    if (p->wall != SP_WALL_RIGID && p->wall != SP_WALL_GRAIN && p->wall != SP_WALL_ELASTIC)
+        return sp_fail(err, SP_EFORMAT, "wall kind %d: must be 0 (rigid), 1 (grain) or 2 (elastic)", (int)p->wall);
+    if (!p->mass != !p->inertia)
+        return sp_fail(err, SP_EFORMAT, "masses and moments of inertia: must be given both, or neither");
+    return p->material.young != 0 ? sp_material_check(&p->material, err) : SP_OK;
 }
 
 static sp_status check_grains(const sp_packing *p, sp_error *err) {
     for (int32_t i = 0; i < p->n; i++) {
         if (!(p->r[i] > 0) || !isfinite(p->r[i]))
             return sp_fail(err, SP_EFORMAT, "grain %d: radius %g must be positive and finite", i, p->r[i]);
+        if (p->mass && !(p->mass[i] > 0 && isfinite(p->mass[i]) && p->inertia[i] > 0 && isfinite(p->inertia[i])))
+            return sp_fail(err, SP_EFORMAT, "grain %d: mass %g and moment of inertia %g must be positive and finite", i,
+                           p->mass[i], p->inertia[i]);
         if (p->r[i] > sp_packing_height(p))
             return sp_fail(err, SP_EFORMAT, "grain %d: radius %g must be below the height %g", i, p->r[i],
                            sp_packing_height(p));
@@ -112,6 +154,10 @@ static sp_status check_contact(const sp_packing *p, int32_t c, sp_error *err) {
         return sp_fail(err, SP_EFORMAT, "contact %d: normal force %g must be >= 0 and finite", c, k->fn);
     if (!isfinite(ft2) || !(fabs(along) <= 1e-6 * sqrt(ft2)))
         return sp_fail(err, SP_EFORMAT, "contact %d: the tangential force must be finite and normal to n", c);
+    if (!(k->kn >= 0 && k->kt >= 0) || !isfinite(k->kn) || !isfinite(k->kt) || (k->kt > 0 && !(k->kn > 0)))
+        return sp_fail(err, SP_EFORMAT,
+                       "contact %d: stiffnesses kn %g and kt %g must be finite and >= 0, and kn above 0 where kt is", c,
+                       k->kn, k->kt);
     double reach = k->j >= 0 ? p->r[k->i] + p->r[k->j] : p->r[k->i];
     if (!(k->overlap < reach))
         return sp_fail(err, SP_EFORMAT, "contact %d: overlap %g is not below the radii %g", c, k->overlap, reach);

@@ -21,9 +21,11 @@ static sp_status check_start(const sp_packing *from, sp_error *err) {
                        "packing.file: a chain (dimension 1): must have 2 or 3 dimensions; for a chain under another "
                        "pressure use packing.kind = \"chain\"");
     if (from->wall != SP_WALL_RIGID)
-        return sp_fail(
-            err, SP_EINVAL,
-            "packing.file: its walls respond like grains: must be rigid planes to be compressed by a piston");
+        return sp_fail(err, SP_EINVAL,
+                       "packing.file: its walls are no rigid planes, which they must be to be compressed by a piston");
+    if (!sp_packing_hertzian(from))
+        return sp_fail(err, SP_EINVAL,
+                       "packing.file: has masses or stiffnesses of its own; must be Hertzian spheres to be compressed");
     if (!(from->pressure >= 1e-10 && from->pressure <= 1e-2))
         return sp_fail(err, SP_EINVAL, "packing.file: its pressure = %g: must be 1e-10 .. 1e-2 E*", from->pressure);
     return SP_OK;

@@ -36,6 +36,12 @@ uint64_t sp_packing_hash(const sp_packing *p) {
         hash = add_integer(hash, (uint64_t)k->i << 32 | (uint32_t)k->j);
         for (int a = 0; a < 3; a++)
             hash = add_number(hash, k->ft[a] + 0.0);
+        if (k->kn > 0)
+            hash = add_number(add_number(hash, k->kn), k->kt);
+    }
+    if (p->mass) {
+        hash = sp_hash64_words(hash, p->mass, (size_t)p->n * sizeof *p->mass);
+        hash = sp_hash64_words(hash, p->inertia, (size_t)p->n * sizeof *p->inertia);
     }
     hash &= INT64_MAX;
     return hash ? hash : 1;

@@ -33,7 +33,7 @@ static void complete(const survey *s, touching *t) {
     const bool wall = t->j < 0;
     t->arm_i = ri;
     t->arm_j = wall ? 0 : p->r[t->j];
-    t->e = wall ? contact_wall_stiffness(ri, p->wall) : contact_stiffness(ri, t->arm_j);
+    t->e = contact_stiffness_in(p, t->i, t->j);
     t->m_eff = wall ? mi : mi / (mi + s->m->mass[2 * (int64_t)t->j]) * s->m->mass[2 * (int64_t)t->j];
     t->length = ri + t->arm_j - t->overlap;
     t->fn0 = t->overlap > 0 ? contact_force(t->e, t->overlap) : 0;
@@ -93,6 +93,9 @@ sp_status sp_vibration_make(const sp_packing *p, double damping, vibration *out,
     vibration m = {.dim = p->dim, .n = p->n, .damping = damping, .reach = INFINITY};
     survey s = {.p = p, .m = &m};
     const size_t n = (size_t)p->n;
+    sp_status status = sp_packing_need_law(p, "motion at a finite amplitude", err);
+    if (status != SP_OK)
+        return status;
     m.turns = p->dim > 1 && p->friction > 0;
     m.friction = m.turns ? p->friction : 0;
     m.eta = m.turns ? contact_eta(p->poisson) : 0;
@@ -108,7 +111,7 @@ sp_status sp_vibration_make(const sp_packing *p, double damping, vibration *out,
         m.mass[2 * i + 1] = 0.4 * m.mass[2 * i] * p->r[i] * p->r[i];
         m.reach = fmin(m.reach, REACH * p->r[i]);
     }
-    sp_status status = add_contacts(&s, err);
+    status = add_contacts(&s, err);
     if (status == SP_OK)
         status = sp_packing_sweep(p, m.reach, add_gap, &s, err);
     if (status == SP_OK) {

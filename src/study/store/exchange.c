@@ -81,6 +81,9 @@ static sp_status check_row(const sp_packing *p, const sp_contact_row *row, sp_er
                        row->unit_within);
     if (!isfinite(row->overlap) || row->overlap < 0 || !isfinite(row->fn) || row->fn < 0)
         return sp_fail(err, SP_EFORMAT, "overlap %g and Fn %g; must be finite and >= 0", row->overlap, row->fn);
+    if (!(row->kn >= 0 && row->kt >= 0) || !isfinite(row->kn) || !isfinite(row->kt) || (row->kt > 0 && !(row->kn > 0)))
+        return sp_fail(err, SP_EFORMAT, "kn %g and kt %g; must be finite and >= 0, and kn above 0 where kt is", row->kn,
+                       row->kt);
     return SP_OK;
 }
 
@@ -88,7 +91,7 @@ sp_status sp_contact_from_row(const sp_packing *p, const sp_contact_row *row, sp
     sp_status status = check_row(p, row, err);
     if (status != SP_OK)
         return status;
-    sp_contact c = {.i = row->i, .j = row->j, .overlap = row->overlap, .fn = row->fn};
+    sp_contact c = {.i = row->i, .j = row->j, .overlap = row->overlap, .fn = row->fn, .kn = row->kn, .kt = row->kt};
     double length2 = 0;
     for (int k = 0; k < p->dim; k++) {
         c.n[k] = row->n[k] + 0.0;

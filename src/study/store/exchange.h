@@ -11,6 +11,7 @@ typedef struct sp_contact_row {
     int32_t i, j; /* in any order; one of them may be a wall */
     double n[3];  /* from i to j */
     double overlap, fn;
+    double kn, kt;      /* 0: Hertz's and Mindlin's */
     double ft;          /* 2D: force on i along t = (-ny, nx) */
     double ft3[3];      /* force on i as a vector, if `vector` */
     bool vector;        /* ft3 counts, not ft */

@@ -5,6 +5,7 @@
 #include "base/base.h"
 #include "base/file.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 
 #include <sonopack/study/store.h>
 #include <sonopack/version.h>
@@ -15,7 +16,9 @@ static const sp_h5_name name_step = {"/particles/grains/position/step", "1", "st
 static const sp_h5_name name_time = {"/particles/grains/position/time", "d / sqrt(E* / rho)",
                                      "time; 0, for a packing is at rest"};
 static const sp_h5_name name_radius = {"/particles/grains/radius", "d", "radii of the grains"};
-static const sp_h5_name name_mass = {"/particles/grains/mass", "rho d^3", "masses: spheres of unit density"};
+static const sp_h5_name name_mass = {"/particles/grains/mass", "rho d^3", "masses"};
+static const sp_h5_name name_inertia = {"/particles/grains/inertia", "rho d^5",
+                                        "moments of inertia; absent for spheres of unit density"};
 static const sp_h5_name name_edges = {"/particles/grains/box/edges", "d",
                                       "lengths of the box; the last is the height between the walls"};
 static const sp_h5_name name_pairs = {"/connectivity/contacts", "1",
@@ -25,11 +28,16 @@ static const sp_h5_name name_overlap = {"/sonopack/contacts/overlap", "d",
                                         "R_i + R_j - r_ij, or R_i - distance to wall"};
 static const sp_h5_name name_fn = {"/sonopack/contacts/normal_force", "E* d^2", "normal elastic force, >= 0"};
 static const sp_h5_name name_ft = {"/sonopack/contacts/tangential_force", "E* d^2", "tangential elastic force on i"};
+static const sp_h5_name name_kn = {"/sonopack/contacts/normal_stiffness", "E* d",
+                                   "stiffnesses that are given; 0: Hertz's at the overlap"};
+static const sp_h5_name name_kt = {"/sonopack/contacts/tangential_stiffness", "E* d",
+                                   "stiffnesses that are given; 0 where the normal stiffness is 0: Mindlin's"};
 static const sp_h5_name name_rattler = {"/sonopack/rattler", "1",
                                         "1: fewer than the force-carrying contacts (F_n > 1e-4 p) that hold a grain"};
 static const sp_h5_name name_dim = {"/sonopack/dimension", "1", "dimension: 1, 2 or 3; the last axis is up"};
 static const sp_h5_name name_wall = {"/sonopack/wall", "1",
-                                     "walls are 'rigid' planes, or springs like those to a fixed identical 'grain'"};
+                                     "walls are 'rigid' planes, 'elastic' planes of the grains' material, or springs "
+                                     "like those to a fixed identical 'grain'"};
 static const sp_h5_name name_scene = {"/sonopack/scene", "1", "the scene that made the packing, with every value"};
 
 static const sp_h5_field field[] = {
@@ -43,6 +51,16 @@ static const sp_h5_field field[] = {
      offsetof(sp_packing, residual)},
 };
 enum { FIELDS = sizeof field / sizeof *field };
+
+static const sp_h5_field material_field[] = {
+    {{"/sonopack/material/young", "Pa", "Young's modulus E; E* = E/(1 - poisson^2)"},
+     SP_H5_F64,
+     offsetof(sp_material, young)},
+    {{"/sonopack/material/poisson", "1", "Poisson's ratio"}, SP_H5_F64, offsetof(sp_material, poisson)},
+    {{"/sonopack/material/density", "kg/m^3", "density rho of the grains"}, SP_H5_F64, offsetof(sp_material, density)},
+    {{"/sonopack/material/diameter", "m", "mean grain diameter d"}, SP_H5_F64, offsetof(sp_material, diameter)},
+};
+enum { MATERIAL_FIELDS = sizeof material_field / sizeof *material_field };
 
 sp_status sp_h5_put_fields(sp_h5 *h, int count, const sp_h5_field *f, const void *from, sp_error *err) {
     const sp_h5_shape single = {0};
@@ -66,7 +84,7 @@ sp_status sp_h5_get_fields(sp_h5 *h, int count, const sp_h5_field *f, void *to, 
 
 /* ---- writing --------------------------------------------------------------------------------------------------- */
 
-static sp_status put_groups(sp_h5 *h, int dim, sp_error *err) {
+static sp_status put_groups(sp_h5 *h, int dim, int32_t format, sp_error *err) {
     static const char *const group[] = {"/h5md",
                                         "/h5md/author",
                                         "/h5md/creator",
@@ -80,7 +98,7 @@ static sp_status put_groups(sp_h5 *h, int dim, sp_error *err) {
     const char *const version = SONOPACK_VERSION, *const us = "sonopack", *const unknown = "unknown";
     const char *boundary[3] = {"periodic", "periodic", "periodic"};
     boundary[dim - 1] = "none";
-    const int32_t h5md[2] = {1, 1}, format = SP_H5_FORMAT, dimension = dim;
+    const int32_t h5md[2] = {1, 1}, dimension = dim;
     /* in this order: texts, or else integers */
     const struct {
         const char *object, *name;
@@ -124,9 +142,11 @@ static sp_status put_grains(sp_h5 *h, const sp_packing *p, sp_error *err) {
     if (status == SP_OK)
         status = sp_h5_put(h, &name_radius, SP_H5_F64, &grains, p->r, err);
     for (int32_t i = 0; status == SP_OK && i < p->n; i++)
-        buffer[i] = grain_mass(p->r[i]);
+        buffer[i] = p->mass ? p->mass[i] : grain_mass(p->r[i]);
     if (status == SP_OK)
         status = sp_h5_put(h, &name_mass, SP_H5_F64, &grains, buffer, err);
+    if (status == SP_OK && p->mass)
+        status = sp_h5_put(h, &name_inertia, SP_H5_F64, &grains, p->inertia, err);
     if (status == SP_OK)
         status = sp_h5_put(h, &name_edges, SP_H5_F64, &edges, p->box, err);
     if (status == SP_OK)
@@ -142,15 +162,23 @@ static sp_status put_grains(sp_h5 *h, const sp_packing *p, sp_error *err) {
 static const struct contact_part {
     const sp_h5_name *name;
     size_t offset;
-    bool vector;
-} part[] = {{&name_normal, offsetof(sp_contact, n), true},
-            {&name_overlap, offsetof(sp_contact, overlap), false},
-            {&name_fn, offsetof(sp_contact, fn), false},
-            {&name_ft, offsetof(sp_contact, ft), true}};
+    bool vector, optional;
+} part[] = {
+    {&name_normal, offsetof(sp_contact, n), true, false}, {&name_overlap, offsetof(sp_contact, overlap), false, false},
+    {&name_fn, offsetof(sp_contact, fn), false, false},   {&name_ft, offsetof(sp_contact, ft), true, false},
+    {&name_kn, offsetof(sp_contact, kn), false, true},    {&name_kt, offsetof(sp_contact, kt), false, true}};
+
+static bool has_stiffnesses(const sp_packing *p) {
+    for (int32_t c = 0; c < p->n_contacts; c++)
+        if (p->contacts[c].kn > 0)
+            return true;
+    return false;
+}
 
 static sp_status put_contacts(sp_h5 *h, const sp_packing *p, sp_error *err) {
     const size_t n = (size_t)p->n_contacts, dim = (size_t)p->dim;
     const sp_h5_shape pairs = {2, {p->n_contacts, 2}};
+    const bool stiffnesses = has_stiffnesses(p);
     int32_t *ij = sp_alloc(2 * n, sizeof *ij);
     double *buffer = sp_alloc(dim * n, sizeof *buffer);
     sp_status status = ij && buffer ? SP_OK : sp_fail_memory(err, n * (2 * sizeof *ij + dim * sizeof *buffer));
@@ -165,6 +193,8 @@ static sp_status put_contacts(sp_h5 *h, const sp_packing *p, sp_error *err) {
     for (size_t k = 0; status == SP_OK && k < sizeof part / sizeof *part; k++) {
         const size_t width = part[k].vector ? dim : 1;
         const sp_h5_shape shape = {part[k].vector ? 2 : 1, {p->n_contacts, p->dim}};
+        if (part[k].optional && !stiffnesses)
+            continue;
         for (size_t c = 0; c < n; c++)
             memcpy(buffer + c * width, (const char *)&p->contacts[c] + part[k].offset, width * sizeof *buffer);
         status = sp_h5_put(h, part[k].name, SP_H5_F64, &shape, buffer, err);
@@ -176,14 +206,18 @@ static sp_status put_contacts(sp_h5 *h, const sp_packing *p, sp_error *err) {
 
 sp_status sp_packing_put(sp_h5 *h, const sp_packing *p, sp_error *err) {
     const sp_h5_shape single = {0};
-    const int32_t dim = p->dim;
-    sp_status status = put_groups(h, p->dim, err);
+    const int32_t dim = p->dim, format = p->mass || has_stiffnesses(p) ? SP_H5_FORMAT_OWN_LAW : SP_H5_FORMAT;
+    sp_status status = put_groups(h, p->dim, format, err);
     if (status == SP_OK)
         status = sp_h5_put(h, &name_dim, SP_H5_I32, &single, &dim, err);
     if (status == SP_OK)
         status = sp_h5_put_fields(h, FIELDS, field, p, err);
     if (status == SP_OK)
-        status = sp_h5_put_text(h, &name_wall, p->wall == SP_WALL_GRAIN ? "grain" : "rigid", err);
+        status = sp_h5_put_text(h, &name_wall, sp_wall_names[p->wall], err);
+    if (status == SP_OK && p->material.young > 0)
+        status = sp_h5_group(h, "/sonopack/material", err);
+    if (status == SP_OK && p->material.young > 0)
+        status = sp_h5_put_fields(h, MATERIAL_FIELDS, material_field, &p->material, err);
     if (status == SP_OK && p->scene)
         status = sp_h5_put_text(h, &name_scene, p->scene, err);
     if (status == SP_OK)
@@ -225,9 +259,9 @@ static sp_status get_head(sp_h5 *h, int32_t *dim, sp_error *err) {
     if (!sp_h5_has(h, "/sonopack"))
         return sp_h5_fail(h, err, SP_EFORMAT, "no group /sonopack: not a packing of sonopack");
     sp_status status = sp_h5_attribute_int(h, "/sonopack", "format", &format, err);
-    if (status == SP_OK && format != SP_H5_FORMAT)
-        status = sp_h5_fail(h, err, SP_EFORMAT, "format %lld of /sonopack; this version reads format %d",
-                            (long long)format, SP_H5_FORMAT);
+    if (status == SP_OK && (format < SP_H5_FORMAT || format > SP_H5_FORMAT_OWN_LAW))
+        status = sp_h5_fail(h, err, SP_EFORMAT, "format %lld of /sonopack; this version reads formats %d and %d",
+                            (long long)format, SP_H5_FORMAT, SP_H5_FORMAT_OWN_LAW);
     if (status == SP_OK)
         status = sp_h5_get(h, name_dim.path, SP_H5_I32, &single, dim, err);
     if (status == SP_OK && (*dim < 1 || *dim > 3))
@@ -243,12 +277,11 @@ static sp_status get_head(sp_h5 *h, int32_t *dim, sp_error *err) {
 static sp_status get_wall_and_scene(sp_h5 *h, sp_packing *p, sp_error *err) {
     char *wall = NULL;
     sp_status status = sp_h5_get_text(h, name_wall.path, &wall, err);
-    if (status == SP_OK) {
-        p->wall = strcmp(wall, "grain") == 0 ? SP_WALL_GRAIN : SP_WALL_RIGID;
-        if (p->wall == SP_WALL_RIGID && strcmp(wall, "rigid") != 0)
-            status = sp_h5_fail(h, err, SP_EFORMAT, "%s is '%.60s'; must be rigid or grain", name_wall.path, wall);
-    }
+    if (status == SP_OK && !sp_wall_read(wall, &p->wall))
+        status = sp_h5_fail(h, err, SP_EFORMAT, "%s is '%.60s'; must be rigid, grain or elastic", name_wall.path, wall);
     sp_free(wall);
+    if (status == SP_OK && sp_h5_has(h, material_field[0].name.path))
+        status = sp_h5_get_fields(h, MATERIAL_FIELDS, material_field, &p->material, err);
     if (status == SP_OK && sp_h5_has(h, name_scene.path))
         status = sp_h5_get_text(h, name_scene.path, &p->scene, err);
     return status;
@@ -265,6 +298,13 @@ static sp_status get_grains(sp_h5 *h, sp_packing *p, sp_error *err) {
     sp_free(buffer);
     if (status == SP_OK)
         status = sp_h5_get(h, name_radius.path, SP_H5_F64, &grains, p->r, err);
+    if (status == SP_OK && sp_h5_has(h, name_inertia.path)) {
+        status = sp_packing_alloc_masses(p, err);
+        if (status == SP_OK)
+            status = sp_h5_get(h, name_mass.path, SP_H5_F64, &grains, p->mass, err);
+        if (status == SP_OK)
+            status = sp_h5_get(h, name_inertia.path, SP_H5_F64, &grains, p->inertia, err);
+    }
     if (status == SP_OK)
         status = sp_h5_get(h, name_edges.path, SP_H5_F64, &edges, p->box, err);
     return status;
@@ -285,6 +325,8 @@ static sp_status get_contacts(sp_h5 *h, sp_packing *p, sp_error *err) {
     for (size_t k = 0; status == SP_OK && k < sizeof part / sizeof *part; k++) {
         const size_t width = part[k].vector ? dim : 1;
         const sp_h5_shape shape = {part[k].vector ? 2 : 1, {p->n_contacts, p->dim}};
+        if (part[k].optional && !sp_h5_has(h, part[k].name->path))
+            continue;
         status = sp_h5_get(h, part[k].name->path, SP_H5_F64, &shape, buffer, err);
         for (size_t c = 0; status == SP_OK && c < n; c++)
             memcpy((char *)&p->contacts[c] + part[k].offset, buffer + c * width, width * sizeof *buffer);

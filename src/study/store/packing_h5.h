@@ -7,7 +7,8 @@
 #include <sonopack/packing.h>
 
 /* Increased when older versions would misread the format. */
-enum { SP_H5_FORMAT = 1 };
+/* Format 2 has masses or stiffnesses that a reader of format 1 would not notice. Everything else is written as 1. */
+enum { SP_H5_FORMAT = 1, SP_H5_FORMAT_OWN_LAW = 2 };
 
 sp_status sp_packing_put(sp_h5 *h, const sp_packing *p, sp_error *err);
 /* Reads a packing, and checks it (sp_packing_check). */

@@ -2,6 +2,7 @@
  * and material are in comment lines '# key = value'. */
 #include "base/base.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 #include "store/exchange.h"
 #include "table/words.h"
 
@@ -16,8 +17,8 @@ static const char *const edge_key[3] = {"width", "depth", "height"};
 
 /* ---- keys ------------------------------------------------------------------------------------------------------ */
 
-static const char *const known_key[] = {"dimension", "width",   "depth", "height", "pressure",
-                                        "friction",  "poisson", "wall",  "seed"};
+static const char *const known_key[] = {"dimension", "width",   "depth", "height",   "pressure",
+                                        "friction",  "poisson", "wall",  "material", "seed"};
 
 typedef struct keys {
     const sp_word_table *grains, *contacts;
@@ -41,14 +42,14 @@ static sp_status check_given(const keys *k, sp_error *err) {
         if (!known)
             return sp_fail(err, SP_EINVAL,
                            "'%.100s': must be key=value with one of the keys dimension, width, depth (3D), height, "
-                           "pressure, friction, poisson, wall, seed",
+                           "pressure, friction, poisson, wall, material, seed",
                            k->given[g]);
     }
     return SP_OK;
 }
 
 /* Finds the first word of a key's value; false if it is not given. *where is where it was given, for messages. */
-static bool find_value(const keys *k, const char *name, char value[64], const char **where) {
+static bool find_value(const keys *k, const char *name, char value[SP_MATERIAL_TEXT], const char **where) {
     const char *text = NULL;
     for (int g = k->count - 1; g >= 0 && !text; g--)
         text = given_value(k->given[g], name);
@@ -60,18 +61,18 @@ static bool find_value(const keys *k, const char *name, char value[64], const ch
         *where = k->contacts->file;
     }
     if (text)
-        snprintf(value, 64, "%.*s", (int)strcspn(text, " \t"), text);
+        snprintf(value, SP_MATERIAL_TEXT, "%.*s", (int)strcspn(text, " \t"), text);
     return text != NULL;
 }
 
 static sp_status fail_value(const char *name, const char *value, const char *where, const char *rule, sp_error *err) {
-    return sp_fail(err, strcmp(where, "option") == 0 ? SP_EINVAL : SP_EFORMAT, "%s: %s is '%s'; must be %s", where,
+    return sp_fail(err, strcmp(where, "option") == 0 ? SP_EINVAL : SP_EFORMAT, "%s: %s is '%.60s'; must be %s", where,
                    name, value, rule);
 }
 
 /* Reads a numeric key. With fallback = NAN the key is required. */
 static sp_status number_key(const keys *k, const char *name, double fallback, double *out, sp_error *err) {
-    char value[64];
+    char value[SP_MATERIAL_TEXT];
     const char *where;
     if (!find_value(k, name, value, &where)) {
         *out = fallback;
@@ -103,7 +104,7 @@ static sp_status read_dimension(const keys *k, int *dim, sp_error *err) {
 }
 
 static sp_status read_box_and_material(const keys *k, sp_packing *p, sp_error *err) {
-    char value[64];
+    char value[SP_MATERIAL_TEXT];
     const char *where;
     sp_status status = SP_OK;
     for (int a = 0; status == SP_OK && a < p->dim; a++)
@@ -120,11 +121,12 @@ static sp_status read_box_and_material(const keys *k, sp_packing *p, sp_error *e
         status = number_key(k, "poisson", 0.0, &p->poisson, err);
     if (status == SP_OK && find_value(k, "seed", value, &where) && !sp_word_unsigned(value, &p->seed))
         status = fail_value("seed", value, where, "a whole number of 64 bits", err);
-    if (status == SP_OK && find_value(k, "wall", value, &where)) {
-        if (strcmp(value, "grain") == 0)
-            p->wall = SP_WALL_GRAIN;
-        else if (strcmp(value, "rigid") != 0)
-            status = fail_value("wall", value, where, "rigid or grain", err);
+    if (status == SP_OK && find_value(k, "wall", value, &where) && !sp_wall_read(value, &p->wall))
+        status = fail_value("wall", value, where, "rigid, grain or elastic", err);
+    if (status == SP_OK && find_value(k, "material", value, &where)) {
+        status = sp_material_read(value, &p->material, err);
+        if (status != SP_OK)
+            sp_fail_prefix(err, "%s", where);
     }
     return status;
 }
@@ -181,6 +183,26 @@ static sp_status read_ids(const sp_word_table *s, grain_id *id, sp_error *err) {
     return SP_OK;
 }
 
+/* Reads the masses of grains that are no spheres of unit density. */
+static sp_status read_masses(const sp_word_table *s, sp_packing *p, sp_error *err) {
+    const int mass = sp_word_table_find(s, "mass"), inertia = sp_word_table_find(s, "inertia");
+    if (mass < 0 && inertia < 0)
+        return SP_OK;
+    if (mass < 0 || inertia < 0)
+        return sp_fail(err, SP_EFORMAT, "%s: a column '%s' alone; must be both mass and inertia, or neither", s->file,
+                       mass < 0 ? "inertia" : "mass");
+    sp_status status = sp_packing_alloc_masses(p, err);
+    for (int32_t i = 0; status == SP_OK && i < p->n; i++) {
+        status = cell_number(s, i, mass, &p->mass[i], err);
+        if (status == SP_OK)
+            status = cell_number(s, i, inertia, &p->inertia[i], err);
+        if (status == SP_OK && !(p->mass[i] > 0 && p->inertia[i] > 0))
+            status = sp_fail(err, SP_EFORMAT, "%s:%lld: mass is %g and inertia %g; must be positive", s->file,
+                             (long long)s->line[i], p->mass[i], p->inertia[i]);
+    }
+    return status;
+}
+
 static sp_status read_grains(const sp_word_table *s, sp_packing *p, sp_error *err) {
     int column[4];
     sp_status status = need_column(s, "radius", &column[3], err);
@@ -199,13 +221,13 @@ static sp_status read_grains(const sp_word_table *s, sp_packing *p, sp_error *er
             status = sp_fail(err, SP_EFORMAT, "%s:%lld: radius is %g; must be positive", s->file, (long long)s->line[i],
                              p->r[i]);
     }
-    return status;
+    return status == SP_OK ? read_masses(s, p, err) : status;
 }
 
 /* ---- contacts -------------------------------------------------------------------------------------------------- */
 
 typedef struct contact_columns {
-    int i, j, n[3], overlap, fn, ft, ft3[3]; /* -1: missing */
+    int i, j, n[3], overlap, fn, ft, ft3[3], kn, kt; /* -1: missing */
 } contact_columns;
 
 static sp_status find_columns(const sp_word_table *s, int dim, contact_columns *c, sp_error *err) {
@@ -224,6 +246,10 @@ static sp_status find_columns(const sp_word_table *s, int dim, contact_columns *
     c->overlap = sp_word_table_find(s, "overlap");
     c->fn = sp_word_table_find(s, "Fn");
     c->ft = sp_word_table_find(s, "Ft");
+    c->kn = sp_word_table_find(s, "kn");
+    c->kt = sp_word_table_find(s, "kt");
+    if (c->kt >= 0 && c->kn < 0)
+        return sp_fail(err, SP_EFORMAT, "%s: a column 'kt' without 'kn'; must be both, or kn alone", s->file);
     if (c->overlap < 0 && c->fn < 0)
         return sp_fail(err, SP_EFORMAT, "%s: neither a column 'overlap' nor 'Fn' in the header row", s->file);
     if (vector != 0 && vector != dim)
@@ -258,7 +284,8 @@ static sp_status optional_number(const sp_word_table *s, int64_t row, int column
     return cell_number(s, row, column, out, err);
 }
 
-/* Computes overlap or normal force from the other by Hertz's law (A1 of docs/physics.md), if only one is given. */
+/* Computes overlap or normal force from the other, if only one is given: by Hertz's law (A1 of docs/physics.md), or as
+ * a linear spring where the stiffness is given. Without kt it is Mindlin's part of kn. */
 static sp_status complete(const sp_packing *p, sp_contact_row *row, sp_error *err) {
     if (isnan(row->overlap) && isnan(row->fn))
         return sp_fail(err, SP_EFORMAT, "neither overlap nor Fn");
@@ -267,12 +294,14 @@ static sp_status complete(const sp_packing *p, sp_contact_row *row, sp_error *er
     int32_t grain = row->i >= 0 ? row->i : row->j;
     if (grain < 0)
         return SP_OK; /* two walls: sp_contact_from_row refuses them */
-    bool wall = row->i < 0 || row->j < 0;
-    double e = wall ? contact_wall_stiffness(p->r[grain], p->wall) : contact_stiffness(p->r[row->i], p->r[row->j]);
+    const double e = contact_stiffness_in(p, grain, row->i < 0 || row->j < 0 ? SP_BOTTOM : row->j);
+    const bool spring = row->kn > 0;
     if (isnan(row->overlap))
-        row->overlap = contact_overlap(e, row->fn);
+        row->overlap = spring ? row->fn / row->kn : contact_overlap(e, row->fn);
     else if (isnan(row->fn))
-        row->fn = contact_force(e, row->overlap);
+        row->fn = spring ? row->kn * row->overlap : contact_force(e, row->overlap);
+    if (isnan(row->kt))
+        row->kt = spring ? contact_eta(p->poisson) * row->kn : 0;
     return SP_OK;
 }
 
@@ -291,6 +320,12 @@ static sp_status read_row(const sp_word_table *s, int64_t row, const contact_col
         status = optional_number(s, row, column->overlap, &out->overlap, err);
     if (status == SP_OK)
         status = optional_number(s, row, column->fn, &out->fn, err);
+    if (status == SP_OK)
+        status = optional_number(s, row, column->kn, &out->kn, err);
+    if (status == SP_OK)
+        status = optional_number(s, row, column->kt, &out->kt, err);
+    if (isnan(out->kn)) /* an empty cell */
+        out->kn = 0;
     return status;
 }
 

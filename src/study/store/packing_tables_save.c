@@ -1,5 +1,6 @@
 /* Writes a packing as two tables. */
 #include "base/base.h"
+#include "packing/geometry.h"
 #include "store/exchange.h"
 
 #include <sonopack/study/store.h>
@@ -21,17 +22,24 @@ static void add_grains(sp_text *t, const sp_packing *p) {
     for (int a = 0; a < p->dim; a++)
         sp_text_add(t, "# %s = %.17g\n", edge_key[a == p->dim - 1 ? 2 : a], p->box[a]);
     sp_text_add(t, "# pressure = %.17g\n# friction = %.17g\n# poisson = %.17g\n# wall = %s\n", p->pressure, p->friction,
-                p->poisson, p->wall == SP_WALL_GRAIN ? "grain" : "rigid");
+                p->poisson, sp_wall_names[p->wall]);
+    char material[SP_MATERIAL_TEXT];
+    if (p->material.young > 0)
+        sp_text_add(t, "# material = %s\n", sp_material_text(&p->material, material));
     if (p->seed)
         sp_text_add(t, "# seed = %llu\n", (unsigned long long)p->seed);
     sp_text_add(t, "id");
     for (int a = 0; a < p->dim; a++)
         sp_text_add(t, "\t%s", axis[a]);
-    sp_text_add(t, "\tradius\n");
+    sp_text_add(t, "\tradius%s\n", p->mass ? "\tmass\tinertia" : "");
     for (int32_t i = 0; i < p->n; i++) {
         sp_text_add(t, "%d", i);
         add_numbers(t, p->x + 3 * i, p->dim);
         add_numbers(t, &p->r[i], 1);
+        if (p->mass) {
+            add_numbers(t, &p->mass[i], 1);
+            add_numbers(t, &p->inertia[i], 1);
+        }
         sp_text_add(t, "\n");
     }
 }
@@ -39,11 +47,15 @@ static void add_grains(sp_text *t, const sp_packing *p) {
 static void add_contacts(sp_text *t, const sp_packing *p) {
     static const char *const header[4] = {"", "i\tj\tnx\toverlap\tFn", "i\tj\tnx\tny\toverlap\tFn\tFt",
                                           "i\tj\tnx\tny\tnz\toverlap\tFn\tFtx\tFty\tFtz"};
-    sp_text_add(t, "# n from i to j; overlap in d, forces in E* d^2%s\n%s\n",
+    bool stiffnesses = false;
+    for (int32_t c = 0; c < p->n_contacts; c++)
+        stiffnesses = stiffnesses || p->contacts[c].kn > 0;
+    sp_text_add(t, "# n from i to j; overlap in d, forces in E* d^2%s%s\n%s%s\n",
+                stiffnesses ? ", stiffnesses in E* d (0: Hertz and Mindlin)" : "",
                 p->dim == 1   ? ""
                 : p->dim == 2 ? "; Ft: force on i along t = (-ny, nx)"
                               : "; Ft: force on i",
-                header[p->dim]);
+                header[p->dim], stiffnesses ? "\tkn\tkt" : "");
     for (int32_t c = 0; c < p->n_contacts; c++) {
         const sp_contact *k = &p->contacts[c];
         sp_text_add(t, "%d\t", k->i);
@@ -57,6 +69,10 @@ static void add_contacts(sp_text *t, const sp_packing *p) {
         const double scalar = p->dim == 2 ? sp_tangent_scalar(k->n, k->ft) : 0.0;
         if (p->dim > 1)
             add_numbers(t, p->dim == 2 ? &scalar : k->ft, p->dim == 2 ? 1 : 3);
+        if (stiffnesses) {
+            add_numbers(t, &k->kn, 1);
+            add_numbers(t, &k->kt, 1);
+        }
         sp_text_add(t, "\n");
     }
 }

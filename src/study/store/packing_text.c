@@ -4,6 +4,7 @@
 #include "store/packing_text.h"
 
 #include "base/base.h"
+#include "packing/geometry.h"
 #include "store/exchange.h"
 
 #include <ctype.h>
@@ -115,10 +116,8 @@ static sp_status read_header(sp_lines *lines, header *h, sp_error *err) {
     *h = (header){.wall = SP_WALL_RIGID};
     if (value[KEY_SEED] && !sp_word_unsigned(value[KEY_SEED], &h->seed))
         return fail_key(lines, KEY_SEED, value[KEY_SEED], "a whole number of 64 bits", err);
-    if (value[KEY_WALL] && strcmp(value[KEY_WALL], "grain") == 0)
-        h->wall = SP_WALL_GRAIN;
-    else if (value[KEY_WALL] && strcmp(value[KEY_WALL], "rigid") != 0)
-        return fail_key(lines, KEY_WALL, value[KEY_WALL], "rigid or grain", err);
+    if (value[KEY_WALL] && !sp_wall_read(value[KEY_WALL], &h->wall))
+        return fail_key(lines, KEY_WALL, value[KEY_WALL], "rigid, grain or elastic", err);
     return header_numbers(lines, value, h, err);
 }
 
@@ -275,8 +274,8 @@ static void add_header(sp_text *t, const sp_packing *p) {
                 p->n_contacts - bottom - top, bottom, top);
     if (p->seed)
         sp_text_add(t, " seed %llu", (unsigned long long)p->seed);
-    if (p->wall == SP_WALL_GRAIN)
-        sp_text_add(t, " wall grain");
+    if (p->wall != SP_WALL_RIGID)
+        sp_text_add(t, " wall %s", sp_wall_names[p->wall]);
     sp_text_add(t, "\n");
 }
 
@@ -304,6 +303,10 @@ sp_status sp_packing_save_text(const sp_packing *p, const char *path, sp_error *
     sp_text text = {0};
     uint8_t *rattler = NULL;
     sp_status status = sp_packing_check(p, err);
+    if (status == SP_OK && !sp_packing_hertzian(p))
+        status =
+            sp_fail(err, SP_EINVAL,
+                    "%s: this form has no place for masses and stiffnesses of their own: write .h5, or tables", path);
     if (status != SP_OK)
         return status;
     rattler = sp_alloc((size_t)p->n, sizeof *rattler);

@@ -1,0 +1,35 @@
+# `cpack` (or `./run deb`): a Debian package of everything that is installed.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME sonopack)
+set(CPACK_PACKAGE_VENDOR sonopack)
+set(CPACK_PACKAGE_CONTACT "the sonopack project <sonopack@localhost>")
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR})
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Sound in compressed granular packings
+Compresses packings of frictional Hertz-Mindlin grains, reads those of other
+programs and of experiments, and gives the signal that a pulse at one wall
+makes at the other, speeds of sound, elastic moduli, eigenmodes and spectra,
+each with its error. With C libraries.")
+# what a program that is linked with the libraries needs
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS
+  "libsuitesparse-dev, libarpack2-dev, liblapacke-dev, libopenblas-dev, libhdf5-dev, libconfig-dev, libcairo2-dev")
+# dpkg-shlibdeps sees what the command is linked with, but not what it loads later: that is looked up here.
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+find_program(DPKG_QUERY dpkg-query)
+set(packages "")
+if(DPKG_QUERY AND late_files)
+  foreach(file ${late_files})
+    file(REAL_PATH ${file} file)
+    execute_process(COMMAND ${DPKG_QUERY} -S ${file} OUTPUT_VARIABLE found RESULT_VARIABLE code ERROR_QUIET)
+    if(code EQUAL 0)
+      string(REGEX REPLACE "^([^:, ]+).*" "\\1" name "${found}")
+      list(APPEND packages ${name})
+    endif()
+  endforeach()
+  list(REMOVE_DUPLICATES packages)
+endif()
+list(JOIN packages ", " CPACK_DEBIAN_PACKAGE_DEPENDS)
+include(CPack)

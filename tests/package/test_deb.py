@@ -1,0 +1,66 @@
+"""The Debian package: what it needs, what it holds, and that its command works out of the unpacked tree.
+
+usage: test_deb.py BUILD_DIR SOURCE_DIR CMAKE C_COMPILER
+"""
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+BUILD, SOURCE, CMAKE = sys.argv[1:4]
+
+
+def run(*command, **more):
+    result = subprocess.run([str(c) for c in command], text=True, capture_output=True, timeout=250, **more)
+    if result.returncode != 0:
+        sys.exit(f"{command[0]} ended with {result.returncode}:\n{result.stdout}{result.stderr}")
+    return result.stdout
+
+
+def expect(condition, message):
+    if not condition:
+        sys.exit(f"failed: {message}")
+
+
+def check_control(deb):
+    fields = dict(line.split(": ", 1) for line in run("dpkg-deb", "-f", deb).splitlines() if ": " in line[:40])
+    header = pathlib.Path(SOURCE, "include/sonopack/version.h").read_text()
+    expect(f'"{fields["Version"]}"' in header, f"version {fields['Version']} is not that of version.h")
+    needs = {name.split()[0] for name in fields["Depends"].split(", ")}
+    # what the command is linked with, and what it loads at the first call
+    for name in ("libc6", "libconfig9", "libcholmod3", "liblapacke", "libarpack2", "libcairo2"):
+        expect(name in needs, f"{name} is not among {needs}")
+    for part in ("hdf5", "openblas"):
+        expect(any(part in name for name in needs), f"no {part} among {needs}")
+
+
+def check_content(tree, scratch):
+    command = tree / "usr/bin/sonopack"
+    version = run(command, "--version")
+    expect("sonopack" in version, version)
+    run(command, "pack", tree / "usr/share/doc/sonopack/packings/single.cfg", "--set", "packing.grains=60", "--set",
+        "packing.width=8", "--set", "packing.tolerance=1e-8", "-q", "-o", scratch / "p.h5")
+    signal = run(command, "signal", scratch / "p.h5", "-q")
+    expect("\nt\tF\n" in signal, signal[:300])
+    run(command, "plot", "network", scratch / "p.h5", "-o", scratch / "n.png")
+    for file in ("share/man/man1/sonopack.1", "include/sonopack/packing.h", "share/doc/sonopack/LICENSE",
+                 "share/bash-completion/completions/sonopack"):
+        found = list((tree / "usr").glob(file + "*"))
+        expect(found, f"no {file}")
+
+
+def main():
+    if not (shutil.which("dpkg-deb") and shutil.which("dpkg-shlibdeps") and shutil.which("cpack")):
+        print("dpkg-dev or cpack is not installed")
+        sys.exit(77)
+    with tempfile.TemporaryDirectory() as folder:
+        scratch = pathlib.Path(folder)
+        run("cpack", "--config", pathlib.Path(BUILD, "CPackConfig.cmake"), "-G", "DEB", "-B", scratch / "deb")
+        deb, = (scratch / "deb").glob("*.deb")
+        check_control(deb)
+        run("dpkg-deb", "-x", deb, scratch / "tree")
+        check_content(scratch / "tree", scratch)
+
+
+main()
