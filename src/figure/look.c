@@ -33,9 +33,10 @@ static sp_status apply(sp_axis *a, const double limits[2], sp_plot_scale scale, 
         if (given[k] && limits[k] <= 0)
             return sp_fail(err, SP_EINVAL, "look.%c %g: must be above 0 on a logarithmic axis", which, limits[k]);
     /* a limit of the figure's own gives way: it was chosen for the other scale, or lies beyond that of the reader */
-    if (!given[0] && ((a->log && a->low <= 0) || (given[1] && a->low >= a->high)))
+    const bool turned = scale == SP_PLOT_SCALE_LOG;
+    if (!given[0] && ((turned && a->low <= 0) || (given[1] && a->low >= a->high)))
         a->low = NAN;
-    if (!given[1] && ((a->log && a->high <= 0) || (given[0] && a->low >= a->high)))
+    if (!given[1] && ((turned && a->high <= 0) || (given[0] && a->low >= a->high)))
         a->high = NAN;
     return SP_OK;
 }

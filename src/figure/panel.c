@@ -9,8 +9,10 @@
 #define INSET_SIZE 7.0 /* letter size in an inset [pt] */
 #define GROW       0.05
 #define GROW_STEPS 14
-#define LEAST_WIDE 86.0 /* least size of an inset [pt] */
-#define LEAST_HIGH 58.0
+#define LEAST_WIDE 72.0 /* least size of an inset [pt] */
+#define LEAST_HIGH 50.0
+#define ROOMY      1.18 /* that size is larger by this where it is no large part of the frame */
+#define LARGE      0.55
 
 /* Sizes of an inset relative to the frame. The largest that hides nothing is used. */
 static const double inset_sizes[][2] = {{0.52, 0.52}, {0.48, 0.48}, {0.44, 0.46}, {0.40, 0.42}};
@@ -35,14 +37,16 @@ static void place_tag(panel *p, raster *r) {
     p->tag.y = a->top + 2 + a->head;
 }
 
+static double least_side(double least, double frame) { return fmax(least, fmin(ROOMY * least, LARGE * frame)); }
+
 /* Returns how much it hides. */
 static int32_t place_inset(panel *p, raster *r) {
     int32_t least = INT32_MAX;
     if (!p->inset)
         return 0;
     for (int k = 0; k < INSET_SIZES && least > 0; k++) {
-        rectangle b = {.width = fmax(inset_sizes[k][0] * r->width, LEAST_WIDE),
-                       .height = fmax(inset_sizes[k][1] * r->height, LEAST_HIGH)};
+        rectangle b = {.width = fmax(inset_sizes[k][0] * r->width, least_side(LEAST_WIDE, r->width)),
+                       .height = fmax(inset_sizes[k][1] * r->height, least_side(LEAST_HIGH, r->height))};
         const int32_t covers = sp_raster_find(r, &b, 3.0, false);
         if (covers < least) {
             least = covers;
@@ -135,8 +139,8 @@ sp_status sp_panel_layout(panel *p, sp_error *err) {
     sp_raster_free(&r);
     if (status != SP_OK || !p->inset)
         return status;
-    if (!(p->inset_box.width > 0) || p->figure.axes.width < 1.5 * LEAST_WIDE ||
-        p->figure.axes.height < 1.5 * LEAST_HIGH)
+    if (!(p->inset_box.width > 0) || p->figure.axes.width < 1.8 * LEAST_WIDE ||
+        p->figure.axes.height < 1.8 * LEAST_HIGH)
         return sp_fail(err, SP_EINVAL, "a panel of %.0f x %.0f pt has no room for an inset, must be larger",
                        p->figure.axes.width, p->figure.axes.height);
     axes *a = &p->inset->figure.axes;

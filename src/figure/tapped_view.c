@@ -52,7 +52,7 @@ static colour along(int n, const unsigned char (*step)[3], double part) {
 
 colour sp_scene3_signed_colour(double part) {
     static const unsigned char step[5][3] = {
-        {0, 34, 78}, {66, 78, 108}, {140, 140, 134}, {203, 187, 104}, {254, 232, 56}};
+        {0, 34, 78}, {66, 78, 108}, {140, 140, 140}, {203, 187, 104}, {254, 232, 56}};
     return along(5, step, 0.5 + 0.5 * part);
 }
 

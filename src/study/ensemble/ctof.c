@@ -212,9 +212,6 @@ sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, double level, sp_ta
                                       "highest boxes of a pressure; c_peak, c_zero likewise with t_peak, "
                                       "t_zero; samples: with a front, of each of the two (the smaller "
                                       "number); c_l, c_t: means over the highest boxes");
-    if (status == SP_OK && n > 0) /* what figures of several tables tell them apart by */
-        status = sp_table_add_comment(t, err, "dimension = %d, friction = %.15g, width = %.15g", s[0]->dim,
-                                      s[0]->friction, s[0]->width);
     for (int64_t begin = 0, end; begin < n && status == SP_OK; begin = end) {
         end = sp_pressure_end(n, s, begin);
         status = add_pressure(end - begin, s + begin, level, t, err);
@@ -232,5 +229,8 @@ sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, double level, sp_ta
                                       "published%s: c_tof ~ p^0.166 (1/6), c_tof(1e-4) = 0.25..0.26 (Somfai et "
                                       "al., Phys. Rev. E 72, 021301, 2005)",
                                       n > 0 && s[0]->dim != 2 ? " for two dimensions" : "");
+    if (status == SP_OK && n > 0) /* what figures of several tables tell them apart by */
+        status = sp_table_add_comment(t, err, "dimension = %d, friction = %.15g, width = %.15g", s[0]->dim,
+                                      s[0]->friction, s[0]->width);
     return status;
 }
