@@ -123,7 +123,7 @@ static sp_status draw_section(const drawing *d, sp_error *err) {
                                                .f = s->f,
                                                .t_unit = s->t_unit,
                                                .f_unit = s->f_unit,
-                                               .distance_unit = s->foreign ? "" : "d"};
+                                               .distance_unit = s->length_unit};
         }
     if (!are_distinct(d->traces, record))
         for (int k = 0; k < d->traces; k++)
