@@ -67,8 +67,8 @@ static void describe_scale(section *s) {
     char unit[UNIT_MARKUP], least[48], most[48];
     const char *force = s->record[0].f_unit;
     sp_unit_markup(force ? force : UNIT_FORCE, unit);
-    sp_figure_text_number(least, sizeof least, s->least, 2);
-    sp_figure_text_number(most, sizeof most, s->most, 2);
+    sp_figure_text_number(least, sizeof least, s->least, 3);
+    sp_figure_text_number(most, sizeof most, s->most, 3);
     snprintf(s->key[0], KEY_ROOM, "each signal scaled to its largest \\||F|\\|:");
     snprintf(s->key[1], KEY_ROOM, "%s to %s %s", least, most, unit);
 }
