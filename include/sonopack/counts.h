@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-enum { SP_ANGLE_BINS = 36, SP_VALUE_BINS = 100 };
+enum { SP_ANGLE_BINS = 36, SP_ELEVATION_BINS = 12, SP_VALUE_BINS = 100 };
 
 /* Histogram of one quantity. Each packing contributes a density with integral 1; sums of the densities and of their
  * squares are kept. */
@@ -29,7 +29,8 @@ typedef struct sp_contact_counts {
     int64_t packings;
     double contacts;
     sp_angle_counts all, strong,
-        weak; /* bins around 0, 5, ... degrees from the x axis; n and -n are equivalent; isotropic: 1 */
+        weak; /* bins around 0, 5, ... degrees from the x axis; n and -n are equivalent; isotropic: 1. In three
+                 dimensions SP_ELEVATION_BINS bins around 0, 15, ..., 165 degrees of elevation above the walls */
     sp_value_counts force, stiffness; /* bins of width 0.1 of the value over its mean in the same packing */
 } sp_contact_counts;
 SP_API sp_contact_counts sp_contact_counts_none(void);
@@ -40,10 +41,10 @@ SP_API sp_contact_counts sp_contact_counts_none(void);
 SP_API sp_status sp_contact_counts_add(sp_contact_counts *c, const sp_packing *p, double threshold, double margin,
                                        sp_error *err);
 
-/* Tables of the means over packings with standard errors (nan for one packing). Angles, in two dimensions only: angle
- * [degrees] all all_err strong strong_err weak weak_err. Values: x forces forces_err stiffnesses stiffnesses_err, where
- * x is the centre of a bin, up to the last nonempty one. SP_EREFUSED without packings, or for angles in other
- * dimensions. */
+/* Tables of the means over packings with standard errors (nan for one packing). Angles: angle [degrees]
+ * all all_err strong strong_err weak weak_err; in three dimensions those of elevation, from 0 to 165 degrees, where a
+ * and 180 - a have the same contacts. Values: x forces forces_err stiffnesses stiffnesses_err, where x is the centre of
+ * a bin, up to the last nonempty one. SP_EREFUSED without packings, or for angles in one dimension. */
 SP_API sp_status sp_contact_angles_table(const sp_contact_counts *c, sp_table *out, sp_error *err);
 SP_API sp_status sp_contact_values_table(const sp_contact_counts *c, sp_table *out, sp_error *err);
 

@@ -32,7 +32,7 @@ typedef struct sp_contact {
 
 /* Contact law at the walls. RIGID: a rigid plane (Hertz with R = inf and E* of one grain). GRAIN: the wall responds
  * like a fixed grain identical to the one that touches it ("identical springs" of the 1D chain, Somfai et al. 2005,
- * App. C). ELASTIC: a plane of the grains' own material (R = inf and half of E*), as LAMMPS' and Yade's walls are. */
+ * App. C). ELASTIC: a plane of the grains' own material (R = inf and half of E*), as in DEM programs. */
 typedef enum sp_wall { SP_WALL_RIGID = 0, SP_WALL_GRAIN = 1, SP_WALL_ELASTIC = 2 } sp_wall;
 
 /* The material of the grains in SI units, which turns dimensionless numbers into those of an experiment. It has no

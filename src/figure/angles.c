@@ -1,6 +1,7 @@
 /* Contacts of packings: Figs. 1(c) and 2 of Somfai et al. 2005. */
 #include "figure/columns.h"
 #include "figure/figure.h"
+#include "figure/open.h"
 
 #include "base/base.h"
 
@@ -11,8 +12,8 @@
 
 enum { CURVES = 3, ROWS_MOST = 100000 };
 #define PI       3.14159265358979323846
-#define MARGIN   21.0 /* around the circles, for their labels [pt] */
-#define LEGEND   34.0 /* below them [pt] */
+#define MARGIN   24.0 /* around the circles, for their labels [pt] */
+#define LEGEND   46.0 /* below them [pt] */
 #define STRIDE   0.02 /* radians of a piece of arc */
 #define AXIS_INK ((colour){0.62, 0.62, 0.62})
 
@@ -31,32 +32,31 @@ typedef struct rose {
     double largest;
 } rose;
 
-/* Few contacts in narrow bins are noise: two or three rows become one bin. */
+/* Few contacts in narrow bins are noise: three rows become one bin, with the middle one in its middle. */
 static int64_t merge_of(const sp_table *t) {
     const double enough = 60;
-    double contacts = INFINITY;
-    int64_t merged = 1;
+    double contacts = INFINITY, dimension = 2;
     sp_table_get_number(t, "contacts", &contacts);
-    while (merged < 3 && contacts / (double)t->rows * (double)merged < enough)
-        merged++;
-    while (merged > 1 && (t->rows % merged != 0 || t->rows / merged < 4))
-        merged--;
-    return merged;
+    sp_table_get_number(t, "dimension", &dimension);
+    const bool few = contacts / (double)t->rows < enough && dimension == 2;
+    return few && t->rows % 3 == 0 && t->rows >= 12 ? 3 : 1;
 }
 
-/* Of bin k, in degrees; n bins further the same direction turned round. */
+/* Row q of bin k. The first bin begins before the first row, so that it stands around it. */
+static int64_t row_of(const rose *r, int64_t k, int64_t q) {
+    return (k * r->merged + q - r->merged / 2 + r->t->rows) % r->t->rows;
+}
+
+/* The middle of bin k, in degrees; n bins further the same direction turned round. */
 static double angle_of(const rose *r, int64_t k) {
-    const int64_t n = r->t->rows / r->merged;
-    double sum = 0;
-    for (int64_t q = 0; q < r->merged; q++)
-        sum += sp_table_number(r->t, (k + n) % n * r->merged + q, r->angle);
-    return sum / (double)r->merged + (k < 0 ? -180 : k >= n ? 180 : 0);
+    const int64_t n = r->t->rows / r->merged, turns = k < 0 ? -1 : k >= n ? 1 : 0;
+    return sp_table_number(r->t, (k - turns * n) * r->merged, r->angle) + 180.0 * (double)turns;
 }
 
 static double value_of(const rose *r, int64_t k, int column) {
     double sum = 0;
     for (int64_t q = 0; q < r->merged; q++) {
-        const double value = sp_table_number(r->t, k * r->merged + q, column);
+        const double value = sp_table_number(r->t, row_of(r, k, q), column);
         sum += isnan(value) ? 0 : value;
     }
     return sum / (double)r->merged;
@@ -89,10 +89,13 @@ static sp_status check_cells(rose *r, sp_error *err) {
     return SP_OK;
 }
 
+/* Between rings. */
+static double step_of(const rose *r) { return r->largest > 2.4 ? ceil(r->largest / 2.4) : 0.5; }
+
 /* Rings at 1 (thicker: isotropic) and at other round values, with their numbers; the walls' direction and up. */
 static void draw_rings(const rose *r) {
     cairo_t *cr = r->c->cr;
-    const double step = r->largest > 2.4 ? ceil(r->largest / 2.4) : 0.5, last = step * ceil(r->largest / step);
+    const double step = step_of(r), last = step * ceil(r->largest / step);
     sp_canvas_colour(r->c, AXIS_INK);
     for (double ring = step; ring <= last + 1e-9; ring += step) {
         cairo_new_path(cr);
@@ -117,20 +120,26 @@ static void draw_rings(const rose *r) {
     }
 }
 
-/* Above the curves, on white: along 75 degrees, between two spokes. */
-static void number_rings(const rose *r) {
-    const double step = r->largest > 2.4 ? ceil(r->largest / 2.4) : 0.5, last = step * ceil(r->largest / step);
-    for (double ring = step; ring <= last + 1e-9; ring += step) {
+/* The radii, on a scale below the circles: numbers beside the rings would hide the curves. */
+static void draw_scale(const rose *r) {
+    cairo_t *cr = r->c->cr;
+    const double step = step_of(r), last = step * ceil(r->largest / step), y = r->c->height - LEGEND + 12;
+    sp_canvas_colour(r->c, sp_figure_ink(0));
+    cairo_set_line_width(cr, 0.6);
+    cairo_move_to(cr, r->x, y);
+    cairo_rel_line_to(cr, last * r->scale, 0);
+    for (double ring = 0; ring <= last + 1e-9; ring += step) {
+        cairo_move_to(cr, r->x + ring * r->scale, y);
+        cairo_rel_line_to(cr, 0, -3);
+    }
+    cairo_stroke(cr);
+    for (double ring = 0; ring <= last + 1e-9; ring += step) {
         char number[32];
         sp_figure_text_number(number, sizeof number, ring, 3);
-        const double x = r->x + ring * r->scale * cos(PI / 12), y = r->y + ring * r->scale * sin(PI / 12);
-        const double half = 0.5 * sp_figure_text_width(r->c, number, TEXT_SCRIPT) + 1;
-        sp_canvas_colour(r->c, (colour){1, 1, 1});
-        cairo_rectangle(r->c->cr, x - half, y - 4, 2 * half, 8);
-        cairo_fill(r->c->cr);
-        sp_canvas_colour(r->c, sp_figure_ink(0));
-        sp_figure_text_draw(r->c, number, x, y, (text_style){TEXT_SCRIPT, 0.5, 0.5, 0});
+        sp_figure_text_draw(r->c, number, r->x + ring * r->scale, y + 3, (text_style){TEXT_SCRIPT, 0.5, 1, 0});
     }
+    sp_figure_text_draw(r->c, "density (isotropic: 1)", r->x + 0.5 * last * r->scale, y + 14,
+                        (text_style){TEXT_LEGEND, 0.5, 1, 0});
 }
 
 /* Bins as arcs; those of n and of -n. */
@@ -159,11 +168,16 @@ static void draw_curve(const rose *r, int q) {
 }
 
 static void draw_legend(const rose *r) {
-    double y = r->c->height - LEGEND + 7;
+    double dimension = 2;
+    sp_table_get_number(r->t, "dimension", &dimension);
+    sp_canvas_colour(r->c, sp_figure_ink(0));
+    if (dimension == 3)
+        sp_figure_text_draw(r->c, "angle above the walls", 4, 4, (text_style){TEXT_LEGEND, 0, 1, 0});
+    double y = r->c->height - LEGEND + 10;
     for (int q = 0; q < CURVES; q++) {
         if (r->column[q] < 0)
             continue;
-        const double x = 0.30 * r->c->width;
+        const double x = 4;
         sp_canvas_colour(r->c, sp_figure_ink(inks[q]));
         cairo_set_line_width(r->c->cr, widths[q]);
         sp_figure_dash(r->c, dashes[q]);
@@ -197,9 +211,9 @@ sp_status sp_plot_angles(const sp_table *angles, const char *path, sp_error *err
     r.merged = merge_of(angles);
     find_largest(&r);
     canvas c = {0};
-    status = sp_canvas_open(&c, path, "Directions of contacts", CANVAS_COLUMN, CANVAS_COLUMN + LEGEND, err);
+    status = sp_figure_open(&c, path, "Directions of contacts", CANVAS_COLUMN, CANVAS_COLUMN + LEGEND, err);
     if (status == SP_OK) {
-        const double step = r.largest > 2.4 ? ceil(r.largest / 2.4) : 0.5;
+        const double step = step_of(&r);
         r.c = &c;
         r.x = r.y = 0.5 * CANVAS_COLUMN;
         r.scale = (0.5 * CANVAS_COLUMN - MARGIN) / (step * ceil(r.largest / step));
@@ -207,7 +221,7 @@ sp_status sp_plot_angles(const sp_table *angles, const char *path, sp_error *err
         for (int q = 0; q < CURVES; q++)
             if (r.column[q] >= 0)
                 draw_curve(&r, q);
-        number_rings(&r);
+        draw_scale(&r);
         draw_legend(&r);
     }
     return sp_canvas_close(&c, status, err);

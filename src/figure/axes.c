@@ -6,9 +6,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#define MAJOR 4.0 /* length of major ticks [pt] */
-#define MINOR 2.2
-#define GAP   3.0 /* between frame and tick labels [pt] */
+#define MAJOR        4.0 /* length of major ticks [pt] */
+#define MINOR        2.2
+#define GAP          3.0  /* between frame and tick labels [pt] */
+#define LEAST_DECADE 26.0 /* shorter ones have no minor ticks, which would run together [pt] */
 
 /* ---- ranges --------------------------------------------------------------------------------------------------- */
 
@@ -103,10 +104,12 @@ static void linear_ticks(axis *a, int count) {
     }
 }
 
-/* Ticks at decades. Every `stride`-th has a label. The values 2 to 9 between them are minor ticks if there is space. */
-static void decade_ticks(axis *a, int stride) {
+/* Ticks at decades. Every `stride`-th has a label. The values 2 to 9 between them are minor ticks if there is space, on
+ * an axis of this length [pt]. */
+static void decade_ticks(axis *a, int stride, double length) {
     double first = floor(a->low), last = ceil(a->high);
     int thin = (int)ceil((last - first) / 60.0);
+    const bool fine = stride == 1 && last - first <= 12.0 && length / (a->high - a->low) >= LEAST_DECADE;
     a->ticks = 0;
     for (double d = first; d <= last; d += 1.0) {
         char label[48], number[32];
@@ -115,7 +118,7 @@ static void decade_ticks(axis *a, int stride) {
         bool major = fmod(d, stride) == 0.0;
         if (major || fmod(d, thin) == 0.0)
             add_tick(a, d, major, major ? label : "");
-        for (int m = 2; m < 10 && stride == 1 && last - first <= 12.0; m++)
+        for (int m = 2; m < 10 && fine; m++)
             add_tick(a, d + log10(m), false, "");
     }
 }
@@ -193,12 +196,12 @@ static void log_ticks(axis *a, canvas *c, double length, bool across) {
     const double decades = floor(a->high + 1e-9) - ceil(a->low - 1e-9) + 1.0;
     if (decades >= 2.0) {
         for (int k = 0; k < 9; k++) {
-            decade_ticks(a, strides[k]);
+            decade_ticks(a, strides[k], length);
             if (crowd(a, c, across) <= length)
                 break;
         }
         if (labels(a) < 2) { /* one label does not show the scale: closer labels, as long as they do not touch */
-            decade_ticks(a, 1);
+            decade_ticks(a, 1, length);
             thin_labels(a, c, length, across);
         }
         return;
@@ -272,14 +275,31 @@ static void draw_ticks(const axes *a, canvas *c) {
     cairo_stroke(c->cr);
 }
 
-/* Draws an axis label. A label longer than `room` gets smaller letters, down to a readable size. */
-static void draw_label(canvas *c, const axis *a, double x, double y, double room, text_style style) {
-    const double least = 6.0, width = sp_figure_text_width(c, a->label, style.size);
-    if (!a->label[0])
-        return;
-    if (width > room)
-        style.size = fmax(least, style.size * room / width);
-    sp_figure_text_draw(c, a->label, x, y, style);
+/* The place on a line from `low' to `high' of the middle of a label: as near to `wish' as the label fits. */
+static double middle_of(double wish, double width, double low, double high) {
+    return high - low < width ? 0.5 * (low + high) : fmax(low + 0.5 * width, fmin(high - 0.5 * width, wish));
+}
+
+/* Size of the letters with which an axis label fits into `room': down to a readable size. */
+static double fitting(canvas *c, const axis *a, double size, double room) {
+    const double least = size < TEXT_LEGEND ? 5.0 : 6.0, width = sp_figure_text_width(c, a->label, size);
+    return width > room ? fmax(least, size * room / width) : size;
+}
+
+static void draw_labels(const axes *a, canvas *c, double left, double right, double bottom) {
+    const double size = letters(&a->x);
+    if (a->x.label[0]) {
+        const double own = fitting(c, &a->x, size, right - left - 4), width = sp_figure_text_width(c, a->x.label, own);
+        sp_figure_text_draw(c, a->x.label, middle_of(0.5 * (a->x.from + a->x.to), width, left + 2, right - 2),
+                            bottom - 0.55 * size, (text_style){own, 0.5, 0.0, 0.0});
+    }
+    if (a->y.label[0]) {
+        const double own = fitting(c, &a->y, size, bottom - a->top - 4),
+                     width = sp_figure_text_width(c, a->y.label, own);
+        sp_figure_text_draw(c, a->y.label, left + 3.0,
+                            middle_of(0.5 * (a->y.from + a->y.to), width, a->top + 2, bottom - 2),
+                            (text_style){own, 0.5, 1.0, 1.5707963267948966});
+    }
 }
 
 void sp_axes_draw(const axes *a, canvas *c) {
@@ -298,10 +318,5 @@ void sp_axes_draw(const axes *a, canvas *c) {
         if (a->y.tick[k].label[0])
             sp_figure_text_draw(c, a->y.tick[k].label, a->x.from - GAP, sp_axis_place(&a->y, a->y.tick[k].at),
                                 (text_style){size, 1.0, 0.5, 0.0});
-    draw_label(c, &a->x, 0.5 * (a->x.from + a->x.to), bottom - 0.55 * size,
-               2.0 * fmin(0.5 * (a->x.from + a->x.to) - left, right - 0.5 * (a->x.from + a->x.to)),
-               (text_style){size, 0.5, 0.0, 0.0});
-    draw_label(c, &a->y, left + 3.0, 0.5 * (a->y.from + a->y.to),
-               2.0 * fmin(0.5 * (a->y.from + a->y.to) - a->top, bottom - 0.5 * (a->y.from + a->y.to)) - 2.0,
-               (text_style){size, 0.5, 1.0, 1.5707963267948966});
+    draw_labels(a, c, left, right, bottom);
 }

@@ -1,248 +1,322 @@
 /* Draws the speed of sound against pressure, with its power law. */
-#include "figure/figure.h"
-
 #include "base/base.h"
+#include "figure/canvas.h"
+#include "figure/look.h"
+#include "figure/markup.h"
+#include "figure/settings.h"
+#include "figure/unit.h"
 
+#include <float.h>
 #include <math.h>
-#include <sonopack/figure/plot.h>
 #include <stdio.h>
 
-/* Columns of the figure: log10 of the values, NAN for an empty cell. */
-enum { C_P = 0, C_TOF, C_L, C_T, C_LOW, C_HIGH = C_LOW + 3, C_COLUMNS = C_HIGH + 3, SPEEDS = 3 };
+enum { S_TOF = 0, S_L, S_T, SPEEDS, TABLES_MOST = 12, LABEL_MOST = 28, ENTRY = 256, LINE = 64 };
 
-typedef struct speeds {
-    int64_t n;
-    double *column[C_COLUMNS];
-    double *memory;
-    double low_p, high_p, low_c, high_c; /* ranges of the points, log10 */
-    int64_t points;
-} speeds;
-
-static double widen(double *low, double *high, double value) {
-    *low = fmin(*low, value);
-    *high = fmax(*high, value);
-    return value;
-}
-
-/* log10 of a cell, NAN for NAN. SP_EREFUSED for values that a logarithmic axis cannot show. */
-static sp_status cell_log(const sp_table *t, int64_t row, int column, double *out, sp_error *err) {
-    double value = sp_table_number(t, row, column);
-    *out = NAN;
-    if (isnan(value))
-        return SP_OK;
-    if (!(value > 0.0) || isinf(value))
-        return sp_fail(err, SP_EREFUSED, "row %lld, %s = %g: a logarithmic axis shows positive numbers only",
-                       (long long)row + 1, t->column[column].name, value);
-    *out = log10(value);
-    return SP_OK;
-}
-
-/* Ends of the error bar of speed k. A bar that reaches zero ends at the bottom of the figure. column: indices of the
- * speed and its error, -1 if absent. */
-static sp_status error_bar(const sp_table *t, int64_t row, int k, const int column[2], speeds *s, sp_error *err) {
-    double *low = &s->column[C_LOW + k][row], *high = &s->column[C_HIGH + k][row];
-    double error = column[1] < 0 ? NAN : sp_table_number(t, row, column[1]);
-    double value = column[0] < 0 ? NAN : sp_table_number(t, row, column[0]);
-    *low = *high = NAN;
-    if (isnan(error) || isnan(value) || isnan(s->column[C_P][row]))
-        return SP_OK;
-    if (error < 0.0 || isinf(error))
-        return sp_fail(err, SP_EREFUSED, "row %lld, %s = %g: an error is a number >= 0", (long long)row + 1,
-                       t->column[column[1]].name, error);
-    *high = widen(&s->low_c, &s->high_c, log10(value) + log1p(error / value) / M_LN10);
-    *low = error < value ? log10(value) + log1p(-error / value) / M_LN10 : -1e3;
-    if (error < 0.9 * value)
-        widen(&s->low_c, &s->high_c, *low);
-    return SP_OK;
-}
-
-static sp_status read_speeds(const sp_table *t, speeds *s, sp_error *err) {
-    static const char *const name[] = {"p", "c_tof", "c_l", "c_t"};
-    static const char *const errors[] = {"c_tof_err", "c_l_err", "c_t_err"};
-    int column[4];
-    for (int k = 0; k < 4; k++) {
-        column[k] = sp_table_find_column(t, name[k]);
-        if (column[k] < 0 && k < 2)
-            return sp_fail(err, SP_EINVAL, "the table has no column %s; a ctof table has p, c_tof, c_tof_err, c_l, c_t",
-                           name[k]);
-    }
-    for (int k = 0; k < 4; k++)
-        if (column[k] >= 0 && t->column[column[k]].kind == SP_CELL_TEXT)
-            return sp_fail(err, SP_EINVAL, "column %s holds text: must be numbers, nan where there is none", name[k]);
-    for (int64_t row = 0; row < t->rows; row++) {
-        for (int k = 0; k < 4; k++) {
-            double *to = &s->column[k][row];
-            *to = NAN;
-            if (column[k] < 0)
-                continue;
-            sp_status status = cell_log(t, row, column[k], to, err);
-            if (status != SP_OK)
-                return status;
-            if (k == 0 || isnan(*to) || isnan(s->column[C_P][row]))
-                continue;
-            widen(&s->low_c, &s->high_c, *to);
-            widen(&s->low_p, &s->high_p, s->column[C_P][row]);
-            s->points++;
-        }
-        for (int k = 0; k < SPEEDS; k++) {
-            const int bar[2] = {column[1 + k], sp_table_find_column(t, errors[k])};
-            sp_status status = error_bar(t, row, k, bar, s, err);
-            if (status != SP_OK)
-                return status;
-        }
-    }
-    if (s->points == 0)
-        return sp_fail(err, SP_EREFUSED, "nothing to draw: no row of %lld has a pressure and a speed",
-                       (long long)t->rows);
-    return SP_OK;
-}
-
-/* Least-squares slope of log c_tof against log p, and its standard error. False with fewer than three points or a
- * single pressure. */
-static bool fit_exponent(const speeds *s, double *exponent, double *error) {
-    double n = 0.0, mx = 0.0, my = 0.0, sxx = 0.0, sxy = 0.0, rest = 0.0;
-    const double *x = s->column[C_P], *y = s->column[C_TOF];
-    for (int pass = 0; pass < 3; pass++) {
-        for (int64_t k = 0; k < s->n; k++) {
-            if (isnan(x[k]) || isnan(y[k]))
-                continue;
-            if (pass == 0) {
-                n += 1.0;
-                mx += x[k];
-                my += y[k];
-            } else if (pass == 1) {
-                sxx += (x[k] - mx) * (x[k] - mx);
-                sxy += (x[k] - mx) * (y[k] - my);
-            } else {
-                double off = y[k] - my - *exponent * (x[k] - mx);
-                rest += off * off;
-            }
-        }
-        if (pass == 0 && n < 3.0)
-            return false;
-        if (pass == 0) {
-            mx /= n;
-            my /= n;
-        }
-        if (pass == 1) {
-            if (!(sxx > 1e-12))
-                return false;
-            *exponent = sxy / sxx;
-        }
-    }
-    *error = sqrt(rest / (n - 2.0) / sxx);
-    return true;
-}
+static const char *const names[SPEEDS] = {"c_tof", "c_l", "c_t"};
+static const char *const errors[SPEEDS] = {"c_tof_err", "c_l_err", "c_t_err"};
+static const char *const symbols[SPEEDS] = {"|c|_{tof}", "|c|_{l}", "|c|_{t}"};
+static const sp_mark marks[SPEEDS] = {SP_MARK_CIRCLE, SP_MARK_SQUARE, SP_MARK_TRIANGLE};
 
 /* The power law of c_tof. The exponent comes from the table or from a fit, the prefactor from the mean of the points
  * weighted by their errors. */
 typedef struct power_law {
     bool known;
     double exponent, error;
-    double x[2], y[2]; /* ends of the line, log10 */
+    double x[LINE], y[LINE];
 } power_law;
 
-static power_law find_law(const sp_table *t, const speeds *s) {
+/* The points of one table. NAN: no value. */
+typedef struct speeds {
+    const sp_table *table;
+    int64_t n;
+    double *p, *c[SPEEDS], *error[SPEEDS];
+    int64_t points[SPEEDS]; /* with a pressure and this speed */
+    power_law law;
+    char label[ENTRY];
+} speeds;
+
+typedef struct drawing {
+    int tables;
+    const sp_plot_table *table;
+    speeds speeds[TABLES_MOST];
+    double low, high; /* range of the pressures with a speed */
+    const char *p_unit, *c_unit;
+    bool published;
+    double line_p[LINE], line_c[LINE]; /* the published line */
+    sp_curve curve[TABLES_MOST * (2 + SPEEDS) + SPEEDS + 1];
+    int curves;
+} drawing;
+
+/* ---- reading ---------------------------------------------------------------------------------------------------- */
+
+static sp_status find_column(const sp_table *t, const char *name, bool needed, int *out, sp_error *err) {
+    *out = sp_table_find_column(t, name);
+    if (*out < 0 && needed)
+        return sp_fail(err, SP_EINVAL, "the table has no column %s; a ctof table has p, c_tof, c_tof_err, c_l, c_t",
+                       name);
+    if (*out >= 0 && t->column[*out].kind == SP_CELL_TEXT)
+        return sp_fail(err, SP_EINVAL, "column %s holds text: must be numbers, nan where there is none", name);
+    return SP_OK;
+}
+
+/* A pressure or a speed is positive, an error is not negative, and each may be missing. */
+static sp_status read_column(const sp_table *t, int column, bool is_error, double *to, sp_error *err) {
+    for (int64_t row = 0; row < t->rows; row++) {
+        to[row] = column < 0 ? NAN : sp_table_number(t, row, column);
+        if (isnan(to[row]))
+            continue;
+        if (isinf(to[row]) || to[row] < 0 || (to[row] == 0 && !is_error))
+            return sp_fail(err, SP_EREFUSED, "row %lld, %s = %g: must be %s", (long long)row + 1,
+                           t->column[column].name, to[row], is_error ? "a number >= 0, or nan" : "above 0, or nan");
+    }
+    return SP_OK;
+}
+
+static sp_status read_speeds(speeds *s, double *memory, sp_error *err) {
+    const sp_table *t = s->table;
+    int p, column, error;
+    s->n = t->rows;
+    s->p = memory;
+    sp_status status = find_column(t, "p", true, &p, err);
+    if (status == SP_OK)
+        status = find_column(t, "c_tof", true, &column, err);
+    if (status == SP_OK)
+        status = read_column(t, p, false, s->p, err);
+    for (int q = 0; q < SPEEDS && status == SP_OK; q++) {
+        s->c[q] = memory + (1 + 2 * q) * s->n;
+        s->error[q] = s->c[q] + s->n;
+        status = find_column(t, names[q], false, &column, err);
+        if (status == SP_OK)
+            status = find_column(t, errors[q], false, &error, err);
+        if (status == SP_OK)
+            status = read_column(t, column, false, s->c[q], err);
+        if (status == SP_OK)
+            status = read_column(t, error, true, s->error[q], err);
+        for (int64_t k = 0; k < s->n && status == SP_OK; k++)
+            s->points[q] += !isnan(s->p[k]) && !isnan(s->c[q][k]);
+    }
+    return status;
+}
+
+/* ---- the law ---------------------------------------------------------------------------------------------------- */
+
+/* Least-squares slope of log c_tof against log p, and its standard error. False with fewer than three points or a
+ * single pressure. */
+static bool fit_exponent(const speeds *s, double *exponent, double *error) {
+    double n = 0, mx = 0, my = 0, sxx = 0, sxy = 0, syy = 0;
+    for (int64_t k = 0; k < s->n; k++) {
+        if (isnan(s->p[k]) || isnan(s->c[S_TOF][k]))
+            continue;
+        const double x = log(s->p[k]), y = log(s->c[S_TOF][k]), dx = x - mx, dy = y - my;
+        n += 1;
+        mx += dx / n;
+        my += dy / n;
+        sxx += dx * (x - mx);
+        sxy += dx * (y - my);
+        syy += dy * (y - my);
+    }
+    if (n < 3 || !(sxx > 1e-12))
+        return false;
+    *exponent = sxy / sxx;
+    *error = sqrt(fmax(0, syy - *exponent * sxy) / (n - 2) / sxx);
+    return true;
+}
+
+/* Pressures from low to high. A power law is straight on logarithmic axes only, so that it needs more than its ends. */
+static void spread(double low, double high, double p[LINE]) {
+    for (int k = 0; k < LINE; k++)
+        p[k] = fmin(DBL_MAX, exp(log(low) + (log(high) - log(low)) * k / (LINE - 1)));
+}
+
+static power_law find_law(const speeds *s) {
     power_law law = {.exponent = NAN, .error = NAN};
-    sp_table_get_number(t, "exponent_err", &law.error);
-    law.known = sp_table_get_number(t, "exponent", &law.exponent) || fit_exponent(s, &law.exponent, &law.error);
-    double sum[2] = {0.0, 0.0}, weights[2] = {0.0, 0.0}; /* weighted by the errors; with equal weights */
-    bool errors = true;
-    law.x[0] = INFINITY;
-    law.x[1] = -INFINITY;
+    double low = INFINITY, high = 0, sum[2] = {0, 0},
+           weights[2] = {0, 0}; /* weighted by the errors; with equal weights */
+    bool known = true;
+    sp_table_get_number(s->table, "exponent_err", &law.error);
+    law.known = sp_table_get_number(s->table, "exponent", &law.exponent) || fit_exponent(s, &law.exponent, &law.error);
     for (int64_t k = 0; k < s->n && law.known; k++) {
-        const double x = s->column[C_P][k], y = s->column[C_TOF][k], off = y - law.exponent * x;
-        const double bar = s->column[C_HIGH][k] - y;
+        const double off = log(s->c[S_TOF][k]) - law.exponent * log(s->p[k]), bar = s->error[S_TOF][k] / s->c[S_TOF][k];
         if (isnan(off))
             continue;
-        widen(&law.x[0], &law.x[1], x);
-        errors = errors && bar > 0.0;
-        sum[0] += bar > 0.0 ? off / (bar * bar) : 0.0;
-        weights[0] += bar > 0.0 ? 1.0 / (bar * bar) : 0.0;
+        low = fmin(low, s->p[k]);
+        high = fmax(high, s->p[k]);
+        known = known && bar > 0;
+        sum[0] += bar > 0 ? off / (bar * bar) : 0;
+        weights[0] += bar > 0 ? 1 / (bar * bar) : 0;
         sum[1] += off;
-        weights[1] += 1.0;
+        weights[1] += 1;
     }
-    const double off = errors ? sum[0] / weights[0] : sum[1] / weights[1];
-    for (int k = 0; k < 2; k++)
-        law.y[k] = off + law.exponent * law.x[k];
-    law.known = law.known && law.x[0] < law.x[1] && isfinite(law.y[0]) && isfinite(law.y[1]);
+    const double off = known ? sum[0] / weights[0] : sum[1] / weights[1];
+    law.known = law.known && low < high && isfinite(off);
+    spread(low, high, law.x);
+    for (int k = 0; k < LINE; k++)
+        law.y[k] = exp(off + law.exponent * log(law.x[k]));
     return law;
 }
 
-static void tof_label(const power_law *law, char *label, size_t size) {
-    char number[64];
-    sp_figure_text_measured(number, sizeof number, law->exponent, law->error);
-    if (law->known)
-        snprintf(label, size, "|c|_{tof} ~ |p|^{%s}", number);
-    else
-        snprintf(label, size, "|c|_{tof}");
+/* c_tof = 0.26 (p/1e-4)^(1/6): Somfai et al. 2005, Secs. IV C and D, for two dimensions. */
+static sp_status find_published(drawing *d, sp_error *err) {
+    const sp_plot_published wish = sp_look()->published;
+    const bool ours = sp_unit_same(d->p_unit, UNIT_PRESSURE) && sp_unit_same(d->c_unit, UNIT_SPEED);
+    if (wish == SP_PLOT_PUBLISHED_ALWAYS && !ours)
+        return sp_fail(err, SP_EINVAL, "look.published: the line has p in %s and c in %s, the table in %s and %s",
+                       UNIT_PRESSURE, UNIT_SPEED, d->p_unit, d->c_unit);
+    d->published = wish == SP_PLOT_PUBLISHED_ALWAYS ||
+                   (wish != SP_PLOT_PUBLISHED_NEVER && ours && sp_settings_dimension(d->tables, d->table) == 2);
+    const double beyond = pow(10, fmax(0.15, 0.5 - 0.5 * (log10(d->high) - log10(d->low))));
+    spread(fmax(d->low / beyond, DBL_TRUE_MIN), fmin(d->high * beyond, DBL_MAX), d->line_p);
+    for (int k = 0; k < LINE; k++)
+        d->line_c[k] = 0.26 * pow(d->line_p[k] / 1e-4, 1.0 / 6);
+    return SP_OK;
 }
 
-/* Leaves the same margin on all sides of the points and the published line. */
-static void set_axes(figure *f, speeds *s, const double *line_y) {
-    widen(&s->low_c, &s->high_c, line_y[0]);
-    widen(&s->low_c, &s->high_c, line_y[1]);
-    double pad_p = fmax(0.25, 0.04 * (s->high_p - s->low_p)), pad_c = fmax(0.12, 0.06 * (s->high_c - s->low_c));
-    sp_axis_log(&f->axes.x, s->low_p - pad_p, s->high_p + pad_p, 2.0);
-    sp_axis_log(&f->axes.y, s->low_c - pad_c, s->high_c + pad_c, 0.5);
-    snprintf(f->axes.x.label, sizeof f->axes.x.label, "|p|  [|E|*]");
-    snprintf(f->axes.y.label, sizeof f->axes.y.label, "|c|  [(|E|*/|\xcf\x81|)^{1/2}]");
+/* ---- curves ----------------------------------------------------------------------------------------------------- */
+
+static sp_curve *add(drawing *d, sp_curve curve) {
+    d->curve[d->curves] = curve;
+    return &d->curve[d->curves++];
 }
 
-/* One column as a series. It has a legend entry if it has points. */
-static series points(const speeds *s, int column, int ink, marker shape, const char *label) {
-    series out = {.n = s->n, .x = s->column[C_P], .y = s->column[column], .ink = sp_figure_ink(ink), .dash = DASH_NONE};
-    out.marker = shape;
-    out.open = column != C_TOF;
-    out.group = column != C_TOF; /* two low legends may fit where one high legend would cover points */
-    out.low = s->column[column - C_TOF + C_LOW];
-    out.high = s->column[column - C_TOF + C_HIGH];
-    for (int64_t k = 0; k < s->n; k++)
-        if (!isnan(out.x[k]) && !isnan(out.y[k]))
-            out.label = label;
-    return out;
+/* "label: c_tof ~ p^0.166(4)", without label for a single table. */
+static void name_table(drawing *d, int j) {
+    speeds *s = &d->speeds[j];
+    char own[SETTINGS_LABEL] = "", exponent[64];
+    if (d->tables > 1 || d->table[j].named)
+        sp_settings_label(d->tables, d->table, j, LABEL_MOST, own);
+    sp_figure_text_measured(exponent, sizeof exponent, s->law.exponent, s->law.error);
+    snprintf(s->label, sizeof s->label, s->law.known ? "%s%s|c|_{tof} ~ |p|^{%s}" : "%s%s|c|_{tof}", own,
+             *own ? ": " : "", exponent);
 }
 
-static sp_status draw(const sp_table *t, speeds *s, const char *path, sp_error *err) {
-    canvas c;
-    sp_status status =
-        sp_canvas_open(&c, path, "Sound speeds against pressure", CANVAS_COLUMN, 0.78 * CANVAS_COLUMN, err);
-    if (status == SP_OK) {
-        char label[128];
-        const power_law law = find_law(t, s);
-        tof_label(&law, label, sizeof label);
-        /* c_tof = 0.26 (p/1e-4)^(1/6): Somfai et al. 2005, Secs. IV C and D */
-        const double beyond = fmax(0.15, 0.5 - 0.5 * (s->high_p - s->low_p));
-        const double line_x[2] = {s->low_p - beyond, s->high_p + beyond};
-        const double line_y[2] = {log10(0.26) + (line_x[0] + 4.0) / 6.0, log10(0.26) + (line_x[1] + 4.0) / 6.0};
-        series all[5] = {{.n = law.known ? 2 : 0, .x = law.x, .y = law.y, .ink = sp_figure_ink(1), .width = 0.6}};
-        all[0].key = MARKER_CIRCLE;
-        all[0].label = law.known ? label : NULL;
-        all[1] = (series){.n = 2, .x = line_x, .y = line_y, .ink = sp_figure_ink(0), .dash = DASH_DASHED, .width = 0.8};
-        all[1].label = "|p|^{1/6}, Somfai |et al.|";
-        all[2] = points(s, C_TOF, 1, MARKER_CIRCLE, law.known ? NULL : label);
-        all[3] = points(s, C_L, 2, MARKER_SQUARE, "|c|_{l}");
-        all[4] = points(s, C_T, 3, MARKER_TRIANGLE, "|c|_{t}");
-        figure f = {.canvas = &c, .n = 5, .series = all};
-        set_axes(&f, s, line_y);
-        sp_figure_draw(&f);
+static int ink_of(const drawing *d, int j, int q) { return d->tables == 1 ? q + 1 : j % 6 + 1; }
+
+/* Points, error bars and law of one table. One table has a colour for each speed, several have one each. */
+static void add_table(drawing *d, int j) {
+    speeds *s = &d->speeds[j];
+    const sp_dash dash = (sp_dash)(j % 4);
+    if (s->law.known)
+        add(d, (sp_curve){.n = LINE, .x = s->law.x, .y = s->law.y, .ink = ink_of(d, j, 0), .dash = dash, .width = 0.7});
+    for (int q = 0; q < SPEEDS; q++)
+        if (s->points[q] > 0)
+            add(d, (sp_curve){.n = s->n,
+                              .x = s->p,
+                              .y = s->c[q],
+                              .error = s->error[q],
+                              .ink = ink_of(d, j, q),
+                              .dash = SP_DASH_NONE,
+                              .mark = marks[q],
+                              .open = q != S_TOF});
+    name_table(d, j);
+    add(d, (sp_curve){.label = s->label,
+                      .ink = ink_of(d, j, 0),
+                      .dash = s->law.known ? dash : SP_DASH_NONE,
+                      .mark = marks[S_TOF],
+                      .width = 0.7});
+}
+
+/* Entries of the legend for the other speeds: in black if the colours belong to several tables. */
+static void add_keys(drawing *d) {
+    for (int q = S_L; q < SPEEDS; q++) {
+        int64_t points = 0;
+        for (int j = 0; j < d->tables; j++)
+            points += d->speeds[j].points[q];
+        if (points > 0)
+            add(d, (sp_curve){.label = symbols[q],
+                              .ink = d->tables == 1 ? q + 1 : 0,
+                              .dash = SP_DASH_NONE,
+                              .mark = marks[q],
+                              .open = true});
     }
-    return sp_canvas_close(&c, status, err);
+    if (d->published)
+        add(d, (sp_curve){.label = "|p|^{1/6}, Somfai |et al.|",
+                          .n = LINE,
+                          .x = d->line_p,
+                          .y = d->line_c,
+                          .dash = SP_DASH_DASHED,
+                          .width = 0.8});
+}
+
+static sp_status draw(drawing *d, const char *path, sp_error *err) {
+    char x[UNIT_MARKUP + 40], y[UNIT_MARKUP + 40];
+    for (int j = 0; j < d->tables; j++)
+        add_table(d, j);
+    add_keys(d);
+    const double beyond = pow(10, fmax(0.25, 1 - 0.5 * (log10(d->high) - log10(d->low))));
+    const bool linear = sp_look()->x_scale == SP_PLOT_SCALE_LINEAR;
+    const sp_panel panel = {.x = {.label = sp_unit_label("|p|", d->p_unit, x, sizeof x),
+                                  .log = true,
+                                  .low = linear ? 0 : fmax(d->low / beyond, DBL_TRUE_MIN),
+                                  .high = linear ? NAN : fmin(d->high * beyond, DBL_MAX)},
+                            .y = {.label = sp_unit_label("|c|", d->c_unit, y, sizeof y), .log = true},
+                            .curves = d->curves,
+                            .curve = d->curve};
+    const sp_sheet sheet = {.title = "Sound speeds against pressure",
+                            .rows = 1,
+                            .columns = 1,
+                            .panel = &panel,
+                            .aspect = 0.78 + 0.03 * (d->tables - 1)};
+    return sp_plot_sheet(&sheet, path, err);
+}
+
+/* ---- the figure ------------------------------------------------------------------------------------------------- */
+
+static void widen(drawing *d, const speeds *s) {
+    for (int64_t k = 0; k < s->n; k++)
+        for (int q = 0; q < SPEEDS; q++)
+            if (!isnan(s->p[k]) && !isnan(s->c[q][k])) {
+                d->low = fmin(d->low, s->p[k]);
+                d->high = fmax(d->high, s->p[k]);
+            }
+}
+
+static sp_status read_tables(drawing *d, double *memory, sp_error *err) {
+    sp_status status = SP_OK;
+    int64_t rows = 0;
+    for (int j = 0; j < d->tables && status == SP_OK; j++) {
+        speeds *s = &d->speeds[j];
+        s->table = d->table[j].table;
+        status = read_speeds(s, memory, err);
+        if (status != SP_OK)
+            return d->tables > 1 ? sp_fail_prefix(err, "table %d", j + 1) : status;
+        s->law = find_law(s);
+        widen(d, s);
+        memory += (1 + 2 * SPEEDS) * s->n;
+        rows += s->n;
+    }
+    if (!(d->low <= d->high))
+        return sp_fail(err, SP_EREFUSED, "nothing to draw: no row of %lld has a pressure and a speed", (long long)rows);
+    status = sp_unit_common(d->tables, d->table, "p", UNIT_PRESSURE, &d->p_unit, err);
+    return status == SP_OK ? sp_unit_common(d->tables, d->table, "c_tof", UNIT_SPEED, &d->c_unit, err) : status;
+}
+
+sp_status sp_plot_ctof_tables(int tables, const sp_plot_table *table, const char *path, sp_error *err) {
+    size_t room = 0;
+    sp_status status = sp_canvas_check(path, err);
+    if (status == SP_OK && (tables < 1 || tables > TABLES_MOST))
+        status = sp_fail(err, SP_EINVAL, "%d tables: a figure shows 1 to %d", tables, TABLES_MOST);
+    for (int j = 0; j < tables && status == SP_OK; j++)
+        room += (1 + 2 * SPEEDS) * (size_t)table[j].table->rows;
+    if (status != SP_OK)
+        return status;
+    drawing *d = sp_alloc(1, sizeof *d);
+    double *memory = sp_alloc(room, sizeof *memory);
+    if (d && memory) {
+        *d = (drawing){.tables = tables, .table = table, .low = INFINITY, .high = 0};
+        status = read_tables(d, memory, err);
+        if (status == SP_OK)
+            status = find_published(d, err);
+        if (status == SP_OK)
+            status = draw(d, path, err);
+    } else {
+        status = sp_fail_memory(err, room * sizeof *memory);
+    }
+    sp_free(memory);
+    sp_free(d);
+    return status;
 }
 
 sp_status sp_plot_ctof(const sp_table *ctof, const char *path, sp_error *err) {
-    speeds s = {.n = ctof->rows, .low_p = INFINITY, .high_p = -INFINITY, .low_c = INFINITY, .high_c = -INFINITY};
-    sp_status status = sp_canvas_check(path, err);
-    if (status != SP_OK)
-        return status;
-    s.memory = sp_alloc((size_t)s.n, C_COLUMNS * sizeof *s.memory);
-    if (!s.memory)
-        return sp_fail_memory(err, (size_t)s.n * C_COLUMNS * sizeof *s.memory);
-    for (int k = 0; k < C_COLUMNS; k++)
-        s.column[k] = s.memory + k * s.n;
-    status = read_speeds(ctof, &s, err);
-    if (status == SP_OK)
-        status = draw(ctof, &s, path, err);
-    sp_free(s.memory);
-    return status;
+    const sp_plot_table one = {.table = ctof};
+    return sp_plot_ctof_tables(1, &one, path, err);
 }

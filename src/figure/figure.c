@@ -1,7 +1,5 @@
-/* Draws series of points on axes, with a legend. */
+/* Draws series of points on axes. */
 #include "figure/figure.h"
-
-#include "figure/legend.h"
 
 #include <math.h>
 
@@ -160,12 +158,4 @@ void sp_figure_paint(const figure *f) {
             sp_figure_dots(f, &f->series[k]);
         else if (f->series[k].marker != MARKER_NONE)
             draw_markers(f, &f->series[k]);
-}
-
-void sp_figure_draw(figure *f) {
-    sp_axes_layout(&f->axes, f->canvas);
-    legend_box box[LEGEND_GROUPS];
-    sp_legend_place(f, box);
-    sp_figure_paint(f);
-    sp_legend_draw(f, box);
 }

@@ -1,13 +1,11 @@
 #ifndef SP_FIGURE_H
 #define SP_FIGURE_H
-/* Series of points on axes, with a legend where it hides no data. */
+/* Series of points on axes. */
 
 #include "figure/axes.h"
 #include "figure/marks.h"
 
 #include <stdint.h>
-
-enum { LEGEND_GROUPS = 2 };
 
 typedef struct series {
     int64_t n;
@@ -18,10 +16,8 @@ typedef struct series {
     int dash; /* DASH_NONE: no line */
     double width;
     marker marker;
-    marker key;        /* marker in the legend of a series without markers */
     bool open;         /* markers are filled with white */
     const char *label; /* legend entry, markup; NULL: none */
-    int group;         /* 0 to LEGEND_GROUPS-1: each group of legend entries gets its own corner */
 } series;
 
 typedef struct figure {
@@ -32,9 +28,6 @@ typedef struct figure {
     bool zero_line; /* draw a thin line at y = 0 */
     double legend;  /* letter size of the legend [pt]; 0: TEXT_LEGEND */
 } figure;
-
-/* Lays out and draws everything. If the legend finds no free corner, the y axis is extended upwards. */
-void sp_figure_draw(figure *f);
 
 /* Draws everything but the legend. The axes must be laid out. */
 void sp_figure_paint(const figure *f);

@@ -8,10 +8,11 @@
 #include <sonopack/figure/plot.h>
 #include <stdio.h>
 
-#define LONGEST 1.5 /* longest arrow [mean diameters] */
+#define LONGEST  1.5 /* longest arrow [mean diameters] */
+#define FARTHEST 0.5 /* how far a grain moves in a movie, over the length of its arrow */
 
-/* Two inks whose tints show the direction of rotation. */
-static colour turn_ink(bool counterclockwise) { return sp_figure_ink(counterclockwise ? 5 : 6); }
+/* Two inks whose tints show the direction of rotation, a light and a dark one. */
+static colour turn_ink(bool counterclockwise) { return sp_figure_ink(counterclockwise ? 5 : 1); }
 
 typedef struct motion {
     const sp_network *net;
@@ -19,6 +20,9 @@ typedef struct motion {
     double largest, turn; /* largest translation, and largest rotation times radius */
     int64_t number;
     double omega;
+    double swing;  /* u is shown times this */
+    double part;   /* of the period that has passed; < 0: no movie */
+    double *shift; /* [n_all][3] of grains that move [d]; NULL: they rest */
 } motion;
 
 static const double *of_grain(const motion *m, int32_t i) { return m->u + (int64_t)i * m->net->dof; }
@@ -47,7 +51,7 @@ static double turned(const motion *m, int32_t i) {
 
 /* White, tinted by the rotation relative to the largest translation or rotation. */
 static colour tint(const motion *m, const view *v, int32_t i) {
-    const double most = fmax(m->turn, m->largest), t = most > 0 ? turning(m, v, i) / most : 0;
+    const double most = fmax(m->turn, m->largest), t = most > 0 ? m->swing * turning(m, v, i) / most : 0;
     return sp_view_mix((colour){1, 1, 1}, turn_ink(t > 0), fmin(1, fabs(t)));
 }
 
@@ -61,7 +65,7 @@ static void choose_colours(const motion *m, const view *v, colour *fill) {
 /* Points for each unit of translation. */
 static double arrow_scale(const motion *m, const view *v) {
     const double longest = (m->net->dim == 1 ? 0.9 : LONGEST) * v->diameter * v->scale;
-    return m->largest > 0 ? longest / m->largest : 0;
+    return m->largest > 0 ? m->swing * longest / m->largest : 0;
 }
 
 /* An arrow is centred on its grain, so that it hides less of the neighbours. */
@@ -73,20 +77,24 @@ static void draw_arrows(const view *v, const motion *m) {
         const double *u = of_grain(m, i);
         const double dx = m->net->dim == 1 ? 0 : scale * u[0], dy = -scale * u[m->net->dim - 1];
         const int32_t grain = m->net->grain[i];
-        sp_view_arrow(v, sp_view_x(v, sp_view_across(v, grain)) - 0.5 * dx,
-                      sp_view_y(v, sp_view_up(v, grain)) - 0.5 * dy, dx, dy);
+        sp_view_arrow_inside(v, sp_view_x(v, sp_view_across(v, grain)) - 0.5 * dx,
+                             sp_view_y(v, sp_view_up(v, grain)) - 0.5 * dy, dx, dy);
     }
 }
 
 /* Key below the bottom wall: the mode, and on a line of its own the meaning of the tints. */
 static void draw_key(const view *v, const motion *m) {
     const text_style plain = {TEXT_LEGEND, 0.0, 0.5, 0.0};
-    char value[64], text[192];
+    char value[64], text[256];
     sp_figure_text_number(value, sizeof value, m->omega, 4);
-    snprintf(text, sizeof text, "|n| = %lld,  |\xcf\x89| = %s (|E|*/|\xcf\x81|)^{1/2}/|d|", (long long)m->number,
-             value);
+    const int length = snprintf(text, sizeof text, "|n| = %lld,  |\xcf\x89| = %s (|E|*/|\xcf\x81|)^{1/2}/|d|",
+                                (long long)m->number, value);
+    if (m->part >= 0)
+        snprintf(text + length, sizeof text - (size_t)length, ",  |t| = %.2f |T|", m->part);
     sp_canvas_colour(v->c, sp_figure_ink(0));
     sp_figure_text_draw(v->c, text, MARGIN, sp_view_line(v, 0), plain);
+    if (m->net->rattlers > 0) /* a text of the first line leaves no room in a movie of three dimensions */
+        sp_view_count_rattlers(v, m->net->dim == 3 ? 1 + (m->turn > 0) : 0, m->net->rattlers);
     if (!(m->turn > 0))
         return;
     static const char *const words[] = {"counterclockwise", "clockwise"};
@@ -123,40 +131,82 @@ static sp_status draw_solid(const view *v, const motion *m, sp_error *err) {
         mark[i] = (view_mark){.fill = RATTLER_GREY};
     for (int32_t i = 0; i < m->net->n; i++) {
         const double *u = of_grain(m, i);
-        mark[m->net->grain[i]] = (view_mark){
-            .fill = tint(m, v, i), .ink = sp_figure_ink(0), .dx = scale * u[v->axis], .dy = -scale * u[2], .from = 0.5};
+        mark[m->net->grain[i]] = (view_mark){.fill = tint(m, v, i),
+                                             .ink = sp_figure_ink(0),
+                                             .dx = scale * u[v->axis],
+                                             .dy = -scale * u[v->rise],
+                                             .from = 0.5};
     }
-    const sp_status status = sp_view_draw_solid(v, mark, err);
+    const sp_status status = sp_view_draw_solid(v, mark, 0, NULL, err);
     sp_free(mark);
     return status;
 }
 
+/* Moves the grains along their arrows. */
+static void move_grains(const view *v, const motion *m) {
+    const double scale = FARTHEST * arrow_scale(m, v) / v->scale;
+    for (int32_t i = 0; i < m->net->n; i++)
+        for (int a = 0; a < m->net->dim; a++)
+            m->shift[3 * m->net->grain[i] + a] = scale * of_grain(m, i)[a];
+}
+
 static sp_status draw(const sp_packing *p, const motion *m, const char *path, sp_error *err) {
     canvas c = {0};
-    view v[VIEWS] = {sp_view_make(p, m->turn > 0 ? 2 : 1)};
-    const int views = p->dim == 3 ? VIEWS : 1;
-    if (views > 1)
-        sp_view_make_solid(p, m->turn > 0 ? 2 : 1, v);
-    v[0].c = v[1].c = &c;
-    sp_status status = sp_view_open(&v[0], path, "Packing: displacements of a mode", err);
+    const bool solid = p->dim == 3;
+    const int views = solid ? VIEWS : 1, lines = 1 + (m->turn > 0) + solid;
+    view v[VIEWS] = {sp_view_make(p, lines)};
+    if (solid)
+        sp_view_make_solid(p, lines, v);
+    for (int k = 0; k < views; k++) {
+        v[k].c = &c;
+        v[k].shift = m->shift;
+    }
+    if (m->shift)
+        move_grains(&v[0], m);
+    sp_status status = sp_view_open(&v[views - 1], path, "Packing: displacements of a mode", err);
     for (int k = 0; k < views && status == SP_OK; k++)
-        status = views > 1 ? draw_solid(&v[k], m, err) : draw_flat(&v[k], m, err);
+        status = solid ? draw_solid(&v[k], m, err) : draw_flat(&v[k], m, err);
     if (status == SP_OK)
         draw_key(&v[0], m);
-    if (status == SP_OK && views > 1)
-        sp_view_explain_depth(&v[0]);
+    if (status == SP_OK && solid)
+        sp_view_explain_depth(&v[0], lines - 1);
     return sp_canvas_close(&c, status, err);
 }
 
-sp_status sp_plot_mode(const sp_packing *p, const sp_network *net, const double *u, int64_t number, double omega,
-                       const char *path, sp_error *err) {
-    motion m = {.net = net, .u = u, .number = number, .omega = omega};
-    const sp_status status = sp_view_check_field(p, net, u, " of the mode", path, err);
-    if (status != SP_OK)
-        return status;
+static motion begin(const sp_network *net, const double *u, int64_t number, double omega) {
+    motion m = {.net = net, .u = u, .number = number, .omega = omega, .swing = 1, .part = -1};
     for (int32_t i = 0; i < net->n; i++) {
         m.largest = fmax(m.largest, translation(&m, i));
         m.turn = fmax(m.turn, turned(&m, i));
     }
+    return m;
+}
+
+sp_status sp_plot_mode(const sp_packing *p, const sp_network *net, const double *u, int64_t number, double omega,
+                       const char *path, sp_error *err) {
+    const sp_status status = sp_view_check_field(p, net, u, " of the mode", path, err);
+    if (status != SP_OK)
+        return status;
+    const motion m = begin(net, u, number, omega);
     return draw(p, &m, path, err);
+}
+
+sp_status sp_plot_mode_frames(const sp_packing *p, const sp_network *net, const double *u, int64_t number, double omega,
+                              int frames, const char *const *path, sp_error *err) {
+    if (frames < 1)
+        return sp_fail(err, SP_EINVAL, "%d frames, must be 1 or more", frames);
+    sp_status status = sp_view_check_field(p, net, u, " of the mode", path[0], err);
+    if (status != SP_OK)
+        return status;
+    motion m = begin(net, u, number, omega);
+    m.shift = sp_alloc((size_t)p->n, 3 * sizeof *m.shift);
+    if (!m.shift)
+        return sp_fail_memory(err, (size_t)p->n * 3 * sizeof *m.shift);
+    for (int k = 0; k < frames && status == SP_OK; k++) {
+        m.part = (double)k / frames;
+        m.swing = cos(6.283185307179586 * m.part);
+        status = draw(p, &m, path[k], err);
+    }
+    sp_free(m.shift);
+    return status;
 }

@@ -11,6 +11,7 @@
 /* Line width of a contact of mean strength, and the largest line width [mean diameters]. */
 #define MEAN_WIDTH    0.10
 #define LARGEST_WIDTH 1.0
+#define SLENDER       0.4 /* in three dimensions, where many lines lie behind each other, relative to that */
 
 static colour link_ink(sp_plot_links links) { return sp_figure_ink(links == SP_PLOT_FORCES ? 1 : 2); }
 
@@ -37,96 +38,142 @@ static void draw_link(const view *v, const sp_contact *k, double width) {
     }
 }
 
-/* Draws lines of width proportional to the value, MEAN_WIDTH at the mean. Returns the mean; NAN without contacts. */
-static double draw_links(const view *v, sp_plot_links links, const uint8_t *carrying) {
-    const sp_packing *p = v->p;
+/* The contacts that carry load: their mean value, NAN without contacts, and how wide a line is. */
+typedef struct chains {
+    const sp_packing *p;
+    sp_plot_links links;
+    uint8_t *rattler, *carrying;
+    int32_t rattlers;
+    double mean;
+} chains;
+
+static double mean_of(const chains *s) {
     double sum = 0.0, count = 0.0;
-    for (int32_t k = 0; k < p->n_contacts; k++)
-        if (carrying[k]) {
-            sum += contact_value(p, &p->contacts[k], links);
+    for (int32_t k = 0; k < s->p->n_contacts; k++)
+        if (s->carrying[k]) {
+            sum += contact_value(s->p, &s->p->contacts[k], s->links);
             count += 1.0;
         }
-    if (!(sum > 0.0))
-        return NAN;
-    const double diameter = v->diameter * v->scale;
-    sp_canvas_colour(v->c, link_ink(links));
+    return sum > 0.0 ? sum / count : NAN;
+}
+
+/* The unit of widths [pt]. */
+static double mean_diameter(const view *v) { return v->diameter * v->scale * (v->p->dim == 3 ? SLENDER : 1.0); }
+
+/* Width proportional to the value, MEAN_WIDTH at the mean [pt]. */
+static double width_of(const chains *s, const view *v, int32_t k) {
+    const double part = contact_value(s->p, &s->p->contacts[k], s->links) / s->mean;
+    return fmin(MEAN_WIDTH * part, LARGEST_WIDTH) * mean_diameter(v);
+}
+
+static void draw_links(const view *v, const chains *s) {
+    sp_canvas_colour(v->c, link_ink(s->links));
     cairo_set_line_cap(v->c->cr, CAIRO_LINE_CAP_ROUND);
-    for (int32_t k = 0; k < p->n_contacts; k++)
-        if (carrying[k]) {
-            double part = contact_value(p, &p->contacts[k], links) / sum * count;
-            draw_link(v, &p->contacts[k], fmin(MEAN_WIDTH * part, LARGEST_WIDTH) * diameter);
-        }
+    for (int32_t k = 0; k < s->p->n_contacts && s->mean > 0.0; k++)
+        if (s->carrying[k])
+            draw_link(v, &s->p->contacts[k], width_of(s, v, k));
     cairo_set_line_cap(v->c->cr, CAIRO_LINE_CAP_BUTT);
-    return sum / count;
 }
 
 /* Key below the bottom wall: the value of a line of mean width, and the grey of rattlers. */
-static void draw_key(const view *v, sp_plot_links links, double mean, int32_t rattlers) {
+static void draw_key(const view *v, const chains *s) {
     cairo_t *cr = v->c->cr;
-    const text_style plain = {TEXT_LEGEND, 0.0, 0.5, 0.0};
-    double x = MARGIN, y = v->c->height - 0.5 * KEY;
+    const double x = MARGIN, y = sp_view_line(v, 0);
     char number[64], text[192];
-    if (mean > 0.0) {
-        sp_canvas_colour(v->c, link_ink(links));
-        cairo_set_line_width(cr, MEAN_WIDTH * v->diameter * v->scale);
+    if (s->mean > 0.0) {
+        sp_canvas_colour(v->c, link_ink(s->links));
+        cairo_set_line_width(cr, fmax(0.2, MEAN_WIDTH * mean_diameter(v)));
         cairo_move_to(cr, x, y);
         cairo_line_to(cr, x + 17.0, y);
         cairo_stroke(cr);
-        sp_figure_text_number(number, sizeof number, mean, 3);
+        sp_figure_text_number(number, sizeof number, s->mean, 3);
         snprintf(text, sizeof text,
-                 links == SP_PLOT_FORCES ? "mean |F|_{n} = %s |E|*|d|^{2}" : "mean |k|_{n} = %s |E|*|d|", number);
+                 s->links == SP_PLOT_FORCES ? "mean |F|_{n} = %s |E|*|d|^{2}" : "mean |k|_{n} = %s |E|*|d|", number);
         sp_canvas_colour(v->c, sp_figure_ink(0));
-        sp_figure_text_draw(v->c, text, x + 22.0, y, plain);
+        sp_figure_text_draw(v->c, text, x + 22.0, y, (text_style){TEXT_LEGEND, 0.0, 0.5, 0.0});
     }
-    snprintf(text, sizeof text, rattlers == 1 ? "%d rattler" : "%d rattlers", rattlers);
-    x = v->c->width - MARGIN - sp_figure_text_width(v->c, text, TEXT_LEGEND);
-    sp_canvas_colour(v->c, sp_figure_ink(0));
-    sp_figure_text_draw(v->c, text, x, y, plain);
-    cairo_arc(cr, x - 8.0, y, 3.2, 0.0, 6.283185307179586);
-    sp_canvas_colour(v->c, RATTLER_GREY);
-    cairo_fill_preserve(cr);
-    sp_canvas_colour(v->c, RIM_GREY);
-    cairo_set_line_width(cr, 0.4);
-    cairo_stroke(cr);
+    sp_view_count_rattlers(v, 0, s->rattlers);
 }
 
-static sp_status draw(const sp_packing *p, sp_plot_links links, double threshold, const char *path, sp_error *err) {
-    canvas c = {0};
-    int32_t rattlers;
-    uint8_t *rattler = sp_alloc((size_t)p->n, 1), *carrying = sp_alloc((size_t)p->n_contacts, 1);
-    colour *fill = sp_alloc((size_t)p->n, sizeof *fill);
-    sp_status status = SP_OK;
-    if (!rattler || !carrying || !fill)
-        status = sp_fail_memory(err, (size_t)p->n * (1 + sizeof *fill) + (size_t)p->n_contacts);
-    if (status == SP_OK)
-        status = sp_packing_rattlers(p, threshold, rattler, carrying, &rattlers, err);
-    if (status != SP_OK)
-        goto out;
-    for (int32_t i = 0; i < p->n; i++)
-        fill[i] = rattler[i] ? RATTLER_GREY : GRAIN_GREY;
-    view v = sp_view_make(p, 1);
-    v.c = &c;
-    status =
-        sp_view_open(&v, path, links == SP_PLOT_FORCES ? "Packing: normal forces" : "Packing: normal stiffnesses", err);
-    if (status != SP_OK)
-        goto out;
-    sp_view_begin(&v, fill);
-    const double mean = draw_links(&v, links, carrying);
-    sp_view_walls(&v);
-    sp_view_end(&v);
-    draw_key(&v, links, mean, rattlers);
-out:
-    status = sp_canvas_close(&c, status, err);
+static sp_status draw_flat(const view *v, const chains *s, sp_error *err) {
+    colour *fill = sp_alloc((size_t)s->p->n, sizeof *fill);
+    if (!fill)
+        return sp_fail_memory(err, (size_t)s->p->n * sizeof *fill);
+    for (int32_t i = 0; i < s->p->n; i++)
+        fill[i] = s->rattler[i] ? RATTLER_GREY : GRAIN_GREY;
+    sp_view_begin(v, fill);
+    draw_links(v, s);
+    sp_view_walls(v);
+    sp_view_end(v);
     sp_free(fill);
-    sp_free(rattler);
-    sp_free(carrying);
+    return SP_OK;
+}
+
+static int32_t make_links(const view *v, const chains *s, view_link *link) {
+    const sp_packing *p = s->p;
+    int32_t n = 0;
+    for (int32_t k = 0; k < p->n_contacts && s->mean > 0.0; k++) {
+        const sp_contact *c = &p->contacts[k];
+        const double reach = p->r[c->i] + (c->j < 0 ? 0.0 : p->r[c->j]) - c->overlap;
+        if (s->carrying[k])
+            link[n++] = (view_link){.grain = c->i,
+                                    .reach = {reach * c->n[0], reach * c->n[1], reach * c->n[2]},
+                                    .width = width_of(s, v, k),
+                                    .ink = link_ink(s->links)};
+    }
+    return n;
+}
+
+static sp_status draw_solid(const view *v, const chains *s, sp_error *err) {
+    view_mark *mark = sp_alloc((size_t)s->p->n, sizeof *mark);
+    view_link *link = sp_alloc((size_t)s->p->n_contacts, sizeof *link);
+    sp_status status = mark && link ? SP_OK : sp_fail_memory(err, (size_t)s->p->n_contacts * sizeof *link);
+    if (status == SP_OK) {
+        for (int32_t i = 0; i < s->p->n; i++)
+            mark[i] = (view_mark){.fill = s->rattler[i] ? RATTLER_GREY : GRAIN_GREY};
+        status = sp_view_draw_solid(v, mark, make_links(v, s, link), link, err);
+    }
+    sp_free(mark);
+    sp_free(link);
     return status;
 }
 
+static sp_status draw_views(const chains *s, const char *path, sp_error *err) {
+    static const char *const titles[] = {"Packing: normal forces", "Packing: normal stiffnesses"};
+    const bool solid = s->p->dim == 3;
+    const int views = solid ? VIEWS : 1, lines = 1 + solid;
+    canvas c = {0};
+    view v[VIEWS] = {sp_view_make(s->p, lines)};
+    if (solid)
+        sp_view_make_solid(s->p, lines, v);
+    for (int k = 0; k < views; k++)
+        v[k].c = &c;
+    sp_status status = sp_view_open(&v[views - 1], path, titles[s->links != SP_PLOT_FORCES], err);
+    for (int k = 0; k < views && status == SP_OK; k++)
+        status = solid ? draw_solid(&v[k], s, err) : draw_flat(&v[k], s, err);
+    if (status == SP_OK)
+        draw_key(&v[0], s);
+    if (status == SP_OK && solid)
+        sp_view_explain_depth(&v[0], 1);
+    return sp_canvas_close(&c, status, err);
+}
+
 sp_status sp_plot_network(const sp_packing *p, sp_plot_links links, double threshold, const char *path, sp_error *err) {
+    chains s = {.p = p, .links = links};
     sp_status status = sp_view_check(p, path, err);
-    if (status == SP_OK && p->dim == 3)
-        status =
-            sp_fail(err, SP_EREFUSED, "%s: a packing in 3 dimensions has no flat picture: must be in 1 or 2", path);
-    return status == SP_OK ? draw(p, links, threshold, path, err) : status;
+    if (status != SP_OK)
+        return status;
+    s.rattler = sp_alloc((size_t)p->n, 1);
+    s.carrying = sp_alloc((size_t)p->n_contacts, 1);
+    if (!s.rattler || !s.carrying)
+        status = sp_fail_memory(err, (size_t)p->n + (size_t)p->n_contacts);
+    if (status == SP_OK)
+        status = sp_packing_rattlers(p, threshold, s.rattler, s.carrying, &s.rattlers, err);
+    if (status == SP_OK) {
+        s.mean = mean_of(&s);
+        status = draw_views(&s, path, err);
+    }
+    sp_free(s.rattler);
+    sp_free(s.carrying);
+    return status;
 }

@@ -11,6 +11,8 @@
 #define GROW_STEPS 14
 #define LEAST_WIDE 72.0 /* least size of an inset [pt] */
 #define LEAST_HIGH 50.0
+#define ROOMY      1.18 /* that size is larger by this where it is no large part of the frame */
+#define LARGE      0.55
 
 /* Sizes of an inset relative to the frame. The largest that hides nothing is used. */
 static const double inset_sizes[][2] = {{0.52, 0.52}, {0.48, 0.48}, {0.44, 0.46}, {0.40, 0.42}};
@@ -35,14 +37,16 @@ static void place_tag(panel *p, raster *r) {
     p->tag.y = a->top + 2 + a->head;
 }
 
+static double least_side(double least, double frame) { return fmax(least, fmin(ROOMY * least, LARGE * frame)); }
+
 /* Returns how much it hides. */
 static int32_t place_inset(panel *p, raster *r) {
     int32_t least = INT32_MAX;
     if (!p->inset)
         return 0;
     for (int k = 0; k < INSET_SIZES && least > 0; k++) {
-        rectangle b = {.width = fmax(inset_sizes[k][0] * r->width, LEAST_WIDE),
-                       .height = fmax(inset_sizes[k][1] * r->height, LEAST_HIGH)};
+        rectangle b = {.width = fmax(inset_sizes[k][0] * r->width, least_side(LEAST_WIDE, r->width)),
+                       .height = fmax(inset_sizes[k][1] * r->height, least_side(LEAST_HIGH, r->height))};
         const int32_t covers = sp_raster_find(r, &b, 3.0, false);
         if (covers < least) {
             least = covers;
@@ -53,16 +57,23 @@ static int32_t place_inset(panel *p, raster *r) {
     return least;
 }
 
+/* In one column, or in two if only that is free. Returns how much it hides. */
 static int32_t place_legend(panel *p, raster *r) {
-    p->columns = 1;
-    p->legend = sp_legend_size(&p->figure, 1);
-    if (p->legend.height == 0)
-        return 0;
-    rectangle b = {.width = p->legend.width, .height = p->legend.height};
-    const int32_t covers = sp_raster_find(r, &b, FROM_FRAME, false);
-    p->legend.x = b.x;
-    p->legend.y = b.y;
-    return covers;
+    enum { COLUMNS_MOST = 2 };
+    int32_t least = INT32_MAX;
+    for (int columns = 1; columns <= COLUMNS_MOST && least > 0; columns++) {
+        const legend_box box = sp_legend_size(&p->figure, columns);
+        rectangle b = {.width = box.width, .height = box.height};
+        const int32_t covers = box.height == 0 ? 0 : sp_raster_find(r, &b, FROM_FRAME, false);
+        if (covers >= least)
+            continue;
+        least = covers;
+        p->columns = columns;
+        p->legend = box;
+        p->legend.x = b.x;
+        p->legend.y = b.y;
+    }
+    return least;
 }
 
 /* Puts the legend above the frame, where it hides nothing, in as many columns as fit. */

@@ -19,9 +19,9 @@ typedef struct panel {
     struct panel *inset; /* NULL: no inset */
 } panel;
 
-/* name: the panel in error messages. inset: the panel is an inset, which has smaller letters. Call sp_panel_free after
- * failure too. */
-sp_status sp_panel_make(panel *p, const sp_panel *source, canvas *c, bool inset, const char *name, sp_error *err);
+/* k: number of the panel in its sheet; < 0: it is an inset, which has smaller letters. name: the panel in error
+ * messages. Call sp_panel_free after failure too. */
+sp_status sp_panel_make(panel *p, const sp_panel *source, int k, canvas *c, const char *name, sp_error *err);
 void sp_panel_free(panel *p);
 /* Finds places for the parts. The position and size of the axes must be set. */
 sp_status sp_panel_layout(panel *p, sp_error *err);

@@ -2,6 +2,7 @@
 #include "figure/panel.h"
 
 #include "base/base.h"
+#include "figure/look.h"
 
 #include <float.h>
 #include <math.h>
@@ -17,8 +18,9 @@ typedef struct limits {
 typedef struct maker {
     panel *p;
     const char *name;
-    limits x, y; /* ranges of the visible points */
-    bool marks;  /* a curve has markers: the axes extend beyond its points */
+    bool asked_x, asked_y; /* the reader asked for this logarithmic axis */
+    limits x, y;           /* ranges of the visible points */
+    bool marks;            /* a curve has markers: the axes extend beyond its points */
 } maker;
 
 /* ---- checks ----------------------------------------------------------------------------------------------------- */
@@ -38,6 +40,9 @@ static sp_status check_curve(const maker *m, int j, sp_error *err) {
     if (k->n < 0 || (k->n > 0 && (!k->x || !k->y)))
         return sp_fail(err, SP_EINVAL, "%s, curve %d: %lld points%s", m->name, j + 1, (long long)k->n,
                        k->n > 0 ? " without x or y" : ", must be >= 0");
+    if (!k->bar_low != !k->bar_high || (k->bar_low && k->error))
+        return sp_fail(err, SP_EINVAL, "%s, curve %d: must have both ends of bars, or errors, or neither", m->name,
+                       j + 1);
     if (!k->lower != !k->upper)
         return sp_fail(err, SP_EINVAL, "%s, curve %d: one edge of a band, must be both or none", m->name, j + 1);
     if (k->ink < -1 || k->ink >= INKS || (int)k->dash < 0 || k->dash > SP_DASH_NONE || (int)k->mark < 0 ||
@@ -66,8 +71,18 @@ static sp_status check(const maker *m, sp_error *err) {
 static sp_status check_point(const maker *m, int j, int64_t k, sp_error *err) {
     const sp_panel *s = &m->p->source;
     const sp_curve *c = &s->curve[j];
+    if (c->x[k] < s->x.low || c->x[k] > s->x.high)
+        return SP_OK; /* outside the frame */
     const bool x = s->x.log && isfinite(c->x[k]) && c->x[k] <= 0;
-    if (x || (s->y.log && isfinite(c->y[k]) && c->y[k] <= 0))
+    const bool y = s->y.log && isfinite(c->y[k]) && c->y[k] <= 0 && !(c->steps && k == c->n - 1);
+    if ((x && m->asked_x) || (y && !x && m->asked_y)) { /* zeros lie below the frame */
+        const double value = x ? c->x[k] : c->y[k];
+        return value == 0 ? SP_OK
+                          : sp_fail(err, SP_EINVAL, "look.log %c: %s%s%.60s, point %lld: %c = %g is below 0",
+                                    x ? 'x' : 'y', m->name, c->label ? ", " : "", c->label ? c->label : "",
+                                    (long long)k + 1, x ? 'x' : 'y', value);
+    }
+    if (x || y)
         return sp_fail(err, SP_EREFUSED,
                        "%s, curve %d%s%.60s, point %lld: %c = %g, a logarithmic axis shows positive numbers only",
                        m->name, j + 1, c->label ? " " : "", c->label ? c->label : "", (long long)k + 1, x ? 'x' : 'y',
@@ -102,6 +117,11 @@ static void widen_point(maker *m, const sp_curve *c, int64_t k) {
         /* an error bar that nearly reaches zero would extend a logarithmic axis over decades */
         if (!s->y.log || c->error[k] < 0.9 * c->y[k])
             widen(&m->y, &s->y, c->y[k] - c->error[k]);
+    }
+    if (c->bar_low) {
+        widen(&m->y, &s->y, c->bar_high[k]);
+        if (!s->y.log || c->bar_low[k] > 0.1 * c->y[k])
+            widen(&m->y, &s->y, c->bar_low[k]);
     }
     if (c->lower) {
         widen(&m->y, &s->y, c->lower[k]);
@@ -205,6 +225,20 @@ static double place(const axis *a, double value) {
     return isfinite(value) ? sp_axis_unit(a, value) : NAN;
 }
 
+/* Ends of the error bar of a point in axis units, NAN without one. */
+static void bar_of(const sp_curve *c, int64_t k, const axis *a, double *low, double *high) {
+    *low = *high = NAN;
+    if (c->steps)
+        return;
+    if (c->error && isfinite(c->error[k])) {
+        *low = place(a, c->y[k] - c->error[k]);
+        *high = place(a, c->y[k] + c->error[k]);
+    } else if (c->bar_low) {
+        *low = place(a, c->bar_low[k]);
+        *high = place(a, c->bar_high[k]);
+    }
+}
+
 static void fill_series(const maker *m, const sp_curve *c, series *s, double *memory) {
     const axis *ax = &m->p->figure.axes.x, *ay = &m->p->figure.axes.y;
     const int64_t n = points_of(c);
@@ -213,17 +247,15 @@ static void fill_series(const maker *m, const sp_curve *c, series *s, double *me
         const int64_t k = c->steps ? q / 2 : q, at = c->steps ? (q + 1) / 2 : q;
         x[q] = place(ax, c->x[at]);
         y[q] = place(ay, c->y[k]);
-        const bool bar = c->error && !c->steps && isfinite(c->error[k]);
-        low[q] = bar ? place(ay, c->y[k] - c->error[k]) : NAN;
-        high[q] = bar ? place(ay, c->y[k] + c->error[k]) : NAN;
+        bar_of(c, k, ay, &low[q], &high[q]);
         fill_low[q] = c->lower ? place(ay, c->lower[k]) : NAN;
         fill_high[q] = c->lower ? place(ay, c->upper[k]) : NAN;
     }
     *s = (series){.n = n,
                   .x = x,
                   .y = y,
-                  .low = c->error && !c->steps ? low : NULL,
-                  .high = c->error && !c->steps ? high : NULL,
+                  .low = (c->error || c->bar_low) && !c->steps ? low : NULL,
+                  .high = (c->error || c->bar_low) && !c->steps ? high : NULL,
                   .fill_low = c->lower ? fill_low : NULL,
                   .fill_high = c->lower ? fill_high : NULL,
                   .ink = c->ink < 0 ? (colour){0.6, 0.6, 0.6} : sp_figure_ink(c->ink),
@@ -259,12 +291,14 @@ static void axis_of(sp_axis *a) {
         a->low = a->high = NAN;
 }
 
-sp_status sp_panel_make(panel *p, const sp_panel *source, canvas *c, bool inset, const char *name, sp_error *err) {
+sp_status sp_panel_make(panel *p, const sp_panel *source, int k, canvas *c, const char *name, sp_error *err) {
     *p = (panel){.source = *source, .columns = 1, .figure = {.canvas = c}};
     axis_of(&p->source.x);
     axis_of(&p->source.y);
     p->figure.zero_line = source->zero_line && !source->y.log;
     maker m = {.p = p, .name = name, .x = {INFINITY, -INFINITY}, .y = {INFINITY, -INFINITY}};
+    m.asked_x = k >= 0 && sp_look_is_log('x', k);
+    m.asked_y = k >= 0 && sp_look_is_log('y', k);
     sp_status status = check(&m, err);
     if (status == SP_OK)
         status = find_ranges(&m, err);
@@ -274,13 +308,12 @@ sp_status sp_panel_make(panel *p, const sp_panel *source, canvas *c, bool inset,
         status = make_series(&m, err);
     if (status != SP_OK || !source->inset)
         return status;
-    if (inset)
+    if (k < 0)
         return sp_fail(err, SP_EINVAL, "%s: an inset in an inset", name);
     char inner[80];
     snprintf(inner, sizeof inner, "inset of %.60s", name);
     p->inset = sp_alloc(1, sizeof *p->inset);
-    return p->inset ? sp_panel_make(p->inset, source->inset, c, true, inner, err)
-                    : sp_fail_memory(err, sizeof *p->inset);
+    return p->inset ? sp_panel_make(p->inset, source->inset, -1, c, inner, err) : sp_fail_memory(err, sizeof *p->inset);
 }
 
 void sp_panel_free(panel *p) {

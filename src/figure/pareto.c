@@ -1,8 +1,11 @@
 /* One point for each row, one symbol for each method, and the frontier of the fastest runs at each error. */
 #include "base/base.h"
-#include "figure/figure.h"
+#include "figure/canvas.h"
+#include "figure/marks.h"
+#include "figure/markup.h"
 
 #include <math.h>
+#include <sonopack/figure/figure.h>
 #include <sonopack/figure/plot.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,9 +13,9 @@
 
 enum { METHODS_MAX = 28 };
 /* Smaller errors are rounding errors. */
-#define LOG_LEAST (-17.0)
+#define LEAST 1e-17
 
-/* One row of the case: logarithms of error and time. */
+/* One row of the case. */
 typedef struct point {
     double error, seconds;
     int method;
@@ -83,7 +86,7 @@ static sp_status read_points(const sp_table *t, const char *only, clouds *c, sp_
             continue;
         status = method_of(c, cell[at.method].text, &method, err);
         if (status == SP_OK)
-            c->point[c->n++] = (point){fmax(log10(error), LOG_LEAST), log10(seconds), method};
+            c->point[c->n++] = (point){fmax(error, LEAST), seconds, method};
     }
     if (status == SP_OK && c->n == 0)
         status = sp_fail(err, SP_EREFUSED,
@@ -101,7 +104,7 @@ static void add_edge(clouds *c, double x, double y) {
 /* From the most accurate point to the fastest one, and on to the edge of the figure, where the legend has space above.
  */
 static void find_frontier(clouds *c) {
-    const double far = 400;
+    const double far = 1e300;
     double least = HUGE_VAL;
     for (int k = 0; k < c->n; k++) {
         const point *p = &c->point[k];
@@ -115,23 +118,22 @@ static void find_frontier(clouds *c) {
     add_edge(c, far, least);
 }
 
-/* One series for each method, its points joined. */
-static void make_series(clouds *c, char label[][64], series *all) {
-    static const marker shapes[] = {MARKER_CIRCLE, MARKER_SQUARE, MARKER_TRIANGLE, MARKER_DIAMOND};
+/* One curve for each method, its points joined. */
+static void make_curves(clouds *c, char label[][64], sp_curve *all) {
+    static const sp_mark marks[] = {SP_MARK_CIRCLE, SP_MARK_SQUARE, SP_MARK_TRIANGLE, SP_MARK_DIAMOND};
     int used = 0, count[2] = {0, 0};
     for (int m = 0; m < c->methods; m++) {
         const bool rival = is_rival(c->method[m]);
         const int k = count[rival]++;
         sp_figure_text_escape(label[m], sizeof label[m], c->method[m], 30);
-        all[m] = (series){.x = c->x + used,
-                          .y = c->y + used,
-                          .ink = sp_figure_ink(1 + k % (INKS - 1)),
-                          .dash = DASH_DOTTED,
-                          .width = 0.6,
-                          .marker = shapes[(k + k / 4) % 4],
-                          .open = rival,
-                          .label = label[m],
-                          .group = rival};
+        all[m] = (sp_curve){.x = c->x + used,
+                            .y = c->y + used,
+                            .ink = 1 + k % (INKS - 1),
+                            .dash = SP_DASH_DOTTED,
+                            .width = 0.6,
+                            .mark = marks[(k + k / 4) % 4],
+                            .open = rival,
+                            .label = label[m]};
         for (int q = 0; q < c->n; q++)
             if (c->point[q].method == m) {
                 c->x[used] = c->point[q].error;
@@ -141,46 +143,35 @@ static void make_series(clouds *c, char label[][64], series *all) {
     }
 }
 
-static void set_axes(figure *f, const clouds *c, const char *only) {
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+/* "relative error  (case)", with the name of the packing file without its ending. */
+static void label_error(const char *only, char *out, size_t size) {
     char name[128], plain[128];
-    for (int k = 0; k < c->n; k++) {
-        low[0] = fmin(low[0], c->point[k].error);
-        high[0] = fmax(high[0], c->point[k].error);
-        low[1] = fmin(low[1], c->point[k].seconds);
-        high[1] = fmax(high[1], c->point[k].seconds);
-    }
-    sp_axis_log(&f->axes.x, low[0] - 0.6, high[0] + 0.6, 2.0);
-    sp_axis_log(&f->axes.y, low[1] - 0.3, high[1] + 0.3, 2.0);
-    /* name of the packing file without its ending */
     const char *dot = strrchr(only, '.');
     const int length = (int)(dot && strchr(only, ':') && strlen(dot) <= 4 ? dot - only : (ptrdiff_t)strlen(only));
     snprintf(plain, sizeof plain, "%.*s", length, only);
-    for (int most = 40; most >= 6; most -= 2) {
-        sp_figure_text_escape(name, sizeof name, plain, most);
-        snprintf(f->axes.x.label, sizeof f->axes.x.label, "relative error  (%s)", name);
-        if (sp_figure_text_width(f->canvas, f->axes.x.label, TEXT_LABEL) < 0.8 * f->canvas->width)
-            break;
-    }
-    snprintf(f->axes.y.label, sizeof f->axes.y.label, "CPU time  [s]");
+    sp_figure_text_escape(name, sizeof name, plain, 32);
+    snprintf(out, size, "relative error  (%s)", name);
 }
 
 static sp_status draw(clouds *c, const char *only, const char *path, sp_error *err) {
-    canvas sheet;
-    char label[METHODS_MAX][64];
-    series all[METHODS_MAX + 1];
-    sp_status status = sp_canvas_open(&sheet, path, "Run time against error", CANVAS_COLUMN, 0.9 * CANVAS_COLUMN, err);
-    if (status == SP_OK) {
-        find_frontier(c);
-        all[0] = (series){
-            .n = c->edges, .x = c->edge_x, .y = c->edge_y, .ink = {0.55, 0.55, 0.55}, .dash = DASH_SOLID, .width = 0.8};
-        figure f = {.canvas = &sheet, .series = all};
-        make_series(c, label, all + 1);
-        f.n = 1 + c->methods;
-        set_axes(&f, c, only);
-        sp_figure_draw(&f);
+    char label[METHODS_MAX][64], x[160];
+    sp_curve all[METHODS_MAX + 1];
+    double low = INFINITY, high = 0;
+    find_frontier(c);
+    all[0] = (sp_curve){.n = c->edges, .x = c->edge_x, .y = c->edge_y, .ink = -1, .width = 0.8};
+    make_curves(c, label, all + 1);
+    label_error(only, x, sizeof x);
+    for (int k = 0; k < c->n; k++) {
+        low = fmin(low, c->point[k].error);
+        high = fmax(high, c->point[k].error);
     }
-    return sp_canvas_close(&sheet, status, err);
+    const double beyond = pow(10, fmax(0.6, 1 - 0.5 * log10(high / low)));
+    const sp_panel panel = {.x = {.label = x, .log = true, .low = low / beyond, .high = high * beyond},
+                            .y = {.label = "CPU time  [s]", .log = true},
+                            .curves = 1 + c->methods,
+                            .curve = all};
+    const sp_sheet sheet = {.title = "Run time against error", .rows = 1, .columns = 1, .panel = &panel, .aspect = 0.9};
+    return sp_plot_sheet(&sheet, path, err);
 }
 
 sp_status sp_plot_pareto(const sp_table *bench, const char *only, const char *path, sp_error *err) {

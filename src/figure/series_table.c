@@ -2,6 +2,7 @@
 #include "figure/series_table.h"
 
 #include "base/base.h"
+#include "figure/unit.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -137,41 +138,50 @@ static bool differs(const front_groups *g, int k, group_key key) {
 
 /* Labels each group by what differs: file, pressure, width, friction, number of grains. */
 static void label_groups(front_groups *g, const int *table_of, int tables, const sp_plot_table *table) {
-    static const char *const words[GROUP_KEYS] = {"|p| = %s", "width %s", "|\xce\xbc| = %s", "|N| = %s"};
+    static const char *const words[GROUP_KEYS] = {"|p| = %s%s", "width %s |d|%s", "|\xce\xbc| = %s%s", "|N| = %s%s"};
+    char pressure[UNIT_MARKUP + 1] = " ";
+    sp_unit_markup(g->pressure_unit, pressure + 1);
     bool differ[GROUP_KEYS] = {false};
     for (int q = 0; q < GROUP_KEYS; q++)
         for (int k = 1; k < g->n; k++)
             differ[q] = differ[q] || differs(g, k, (group_key)q);
     for (int k = 0; k < g->n; k++) {
         front_group *to = &g->group[k];
-        const char *file = table[table_of[k]].label;
+        const sp_plot_table *of = &table[table_of[k]];
         size_t used = 0;
-        if (tables > 1 && file)
-            sp_figure_text_escape(to->label, 96, file, LABEL_MOST);
+        if ((tables > 1 || of->named) && of->label)
+            sp_figure_text_escape(to->label, 96, of->label, of->named ? 40 : LABEL_MOST);
         for (int q = 0; q < GROUP_KEYS; q++) {
-            char value[40], part[64];
+            char value[40], part[96];
             if (!differ[q] || !isfinite(to->key[q]))
                 continue;
             sp_figure_text_number(value, sizeof value, to->key[q], q == G_GRAINS ? 9 : 3);
-            snprintf(part, sizeof part, words[q], value);
+            snprintf(part, sizeof part, words[q], value, q == G_PRESSURE ? pressure : "");
             used = strlen(to->label);
             snprintf(to->label + used, sizeof to->label - used, "%s%s", used > 0 ? ", " : "", part);
         }
     }
 }
 
-/* Combines the unit of the tables so far with that of one more table. */
-static void join_units(bool first, const char *unit, char joint[UNIT_ROOM]) {
-    if (first)
-        snprintf(joint, UNIT_ROOM, "%s", unit);
-    else if (strcmp(joint, unit) != 0)
-        joint[0] = '\0';
-}
-
-static void add_units(bool first, const reader *r, front_groups *out) {
-    const sp_table *t = r->from->table;
-    join_units(first, r->chain ? "d" : t->column[r->column[Q_DISTANCE]].unit, out->distance_unit);
-    join_units(first, t->column[r->column[Q_T10]].unit, out->time_unit);
+/* Distances of a chain count its grains and have no unit. Chains beside packings share no units but that. */
+static sp_status find_units(int tables, const sp_plot_table *table, front_groups *out, sp_error *err) {
+    const bool width = sp_table_find_column(table[0].table, names[Q_WIDTH]) >= 0; /* `width' is that of the box then */
+    int chains = 0;
+    for (int j = 0; j < tables; j++)
+        chains += sp_table_find_column(table[j].table, "distance") < 0;
+    out->chain = chains == tables;
+    out->mixed = chains > 0 && chains < tables;
+    out->time_unit = out->amplitude_unit = out->width_unit = "";
+    sp_status status = sp_unit_common(tables, table, "distance", "", &out->distance_unit, err);
+    if (status == SP_OK)
+        status = sp_unit_common(tables, table, "p", UNIT_PRESSURE, &out->pressure_unit, err);
+    if (out->mixed || status != SP_OK)
+        return status;
+    status = sp_unit_common(tables, table, "t10", "", &out->time_unit, err);
+    if (status == SP_OK)
+        status = sp_unit_common(tables, table, "amplitude", "", &out->amplitude_unit, err);
+    return status == SP_OK ? sp_unit_common(tables, table, width ? names[Q_WIDTH] : "width", "", &out->width_unit, err)
+                           : status;
 }
 
 sp_status sp_front_groups_read(int tables, const sp_plot_table *table, front_groups *out, sp_error *err) {
@@ -192,10 +202,8 @@ sp_status sp_front_groups_read(int tables, const sp_plot_table *table, front_gro
         reader r;
         const int before = out->n;
         status = find_columns(&table[j], &r, err);
-        if (status == SP_OK) {
-            add_units(j == 0, &r, out);
+        if (status == SP_OK)
             status = add_table(&r, out, &memory, err);
-        }
         for (int k = before; k < out->n; k++)
             table_of[k] = j;
         if (status != SP_OK && tables > 1)
@@ -203,6 +211,8 @@ sp_status sp_front_groups_read(int tables, const sp_plot_table *table, front_gro
     }
     if (status == SP_OK && out->n == 0)
         status = sp_fail(err, SP_EREFUSED, "nothing to draw: no row");
+    if (status == SP_OK)
+        status = find_units(tables, table, out, err);
     if (status == SP_OK)
         label_groups(out, table_of, tables, table);
     return status;

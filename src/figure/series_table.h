@@ -31,17 +31,16 @@ typedef struct front_group {
     const double *value[QUANTITIES]; /* [n] NAN: none */
     const double *error[QUANTITIES]; /* [n] NAN: none */
     char label[160];                 /* markup; "" for a single group */
-    bool chain;                      /* distances are in diameters of the balls of a chain */
+    bool chain;                      /* distances are numbers of grains of a chain */
 } front_group;
-
-enum { UNIT_ROOM = 64 };
 
 typedef struct front_groups {
     int n;
     front_group *group;
     double *memory;
-    char distance_unit[UNIT_ROOM],
-        time_unit[UNIT_ROOM]; /* common units of all tables; "" if they differ or have none */
+    /* common units of all tables; "" if they have none */
+    const char *distance_unit, *time_unit, *amplitude_unit, *width_unit, *pressure_unit;
+    bool chain, mixed; /* all tables are of chains, whose distances are numbers of grains; only some of them are */
 } front_groups;
 
 enum { GROUPS_MOST = 24 };

@@ -8,15 +8,17 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The key of a scene without its group: "friction" of "packing.friction" and of the list "pressure = ...,
- * friction = ..."; NULL for other metadata. */
+/* The key of a scene without its group: "friction" of "packing.friction" and of a list "pressure = ..., friction = ..."
+ * or "dimension = ..., friction = ..."; NULL for other metadata. */
 static const char *scene_key(const sp_table *t, int k) {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyz0123456789_";
     int first = k;
     while (first > 0 && t->value[first - 1].comment == t->value[k].comment)
         first--;
     const char *key = t->value[k].key, *point = key + strspn(key, letters);
-    const bool list = strcmp(t->value[first].key, "pressure") == 0;
+    const bool list = strcmp(t->value[first].key, "pressure") == 0 ||
+                      (strcmp(t->value[first].key, "dimension") == 0 && first + 1 < t->values &&
+                       t->value[first + 1].comment == t->value[first].comment);
     if (!list && *point != '.')
         return NULL;
     key = list ? key : point + 1;
@@ -46,18 +48,25 @@ static bool differs(int tables, const sp_plot_table *table, const char *key) {
 }
 
 static void add_part(const char *key, const sp_table_value *v, char out[SETTINGS_LABEL]) {
-    static const char *const symbols[][2] = {{"pressure", "|p|"}, {"friction", "|\xce\xbc|"}, {"grains", "|N|"}};
+    static const char *const symbols[][3] = {{"pressure", "|p|", " |E|*"},
+                                             {"friction", "|\xce\xbc|", ""},
+                                             {"grains", "|N|", ""},
+                                             {"width", "width", " |d|"},
+                                             {"dimension", "dimension", ""}};
     char name[96], value[128];
+    const char *unit = "";
     sp_figure_text_escape(name, sizeof name, key, 24);
     for (size_t k = 0; k < sizeof symbols / sizeof *symbols; k++)
-        if (strcmp(key, symbols[k][0]) == 0)
+        if (strcmp(key, symbols[k][0]) == 0) {
             snprintf(name, sizeof name, "%s", symbols[k][1]);
+            unit = v->kind != SP_CELL_TEXT ? symbols[k][2] : "";
+        }
     if (v->kind != SP_CELL_TEXT && isfinite(v->number))
         sp_figure_text_number(value, sizeof value, v->number, 9);
     else
         sp_figure_text_escape(value, sizeof value, v->text, 16);
     const size_t used = strlen(out);
-    snprintf(out + used, SETTINGS_LABEL - used, "%s%s = %s", used > 0 ? ", " : "", name, value);
+    snprintf(out + used, SETTINGS_LABEL - used, "%s%s = %s%s", used > 0 ? ", " : "", name, value, unit);
 }
 
 static void label_of(int tables, const sp_plot_table *table, int j, char out[SETTINGS_LABEL]) {
@@ -76,6 +85,10 @@ static void label_of(int tables, const sp_plot_table *table, int j, char out[SET
 
 void sp_settings_label(int tables, const sp_plot_table *table, int j, int most, char out[SETTINGS_LABEL]) {
     char own[SETTINGS_LABEL], other[SETTINGS_LABEL];
+    if (table[j].named) {
+        sp_figure_text_escape(out, SETTINGS_LABEL, table[j].label ? table[j].label : "", most > 40 ? most : 40);
+        return;
+    }
     label_of(tables, table, j, own);
     bool alone = own[0] != '\0';
     for (int k = 0; k < tables && alone; k++)
@@ -89,6 +102,19 @@ void sp_settings_label(int tables, const sp_plot_table *table, int j, int most, 
         label_of(tables, table, j, out);
     else if (table[j].label)
         sp_figure_text_escape(out, SETTINGS_LABEL, table[j].label, most);
+}
+
+int sp_settings_dimension(int tables, const sp_plot_table *table) {
+    int common = 0;
+    for (int j = 0; j < tables; j++) {
+        double dim = 0;
+        if (!sp_table_get_number(table[j].table, "dimension", &dim))
+            sp_table_get_number(table[j].table, "packing.dimension", &dim);
+        if ((dim != 1 && dim != 2 && dim != 3) || (common && dim != common))
+            return 0;
+        common = (int)dim;
+    }
+    return common;
 }
 
 void sp_settings_interval(const sp_table *t, char *out, size_t size) {

@@ -1,7 +1,9 @@
 /* Figures of curves in panels, from plain structs. */
+#include "figure/open.h"
 #include "figure/panel.h"
 
 #include "base/base.h"
+#include "figure/look.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -49,8 +51,11 @@ static sp_status make_panels(sheet *s, sp_error *err) {
     sp_status status = SP_OK;
     for (int k = 0; k < n && status == SP_OK; k++) {
         char name[64];
+        sp_panel one = s->source->panel[k];
         name_panel(s, k, name, sizeof name);
-        status = sp_panel_make(&s->panel[k], &s->source->panel[k], &s->canvas, false, name, err);
+        status = sp_look_apply(&one, k, err);
+        if (status == SP_OK)
+            status = sp_panel_make(&s->panel[k], &one, k, &s->canvas, name, err);
         axes *a = &s->panel[k].figure.axes;
         a->left = k % s->source->columns * s->width;
         a->top = (double)(k / s->source->columns) * s->height;
@@ -86,7 +91,7 @@ static sp_status draw(sheet *s, const char *path, sp_error *err) {
     const int n = s->source->rows * s->source->columns;
     const char *title = s->source->title ? s->source->title : "Figure";
     sp_status status =
-        sp_canvas_open(&s->canvas, path, title, s->width * s->source->columns, s->height * s->source->rows, err);
+        sp_figure_open(&s->canvas, path, title, s->width * s->source->columns, s->height * s->source->rows, err);
     if (status == SP_OK)
         status = make_panels(s, err);
     if (status == SP_OK)

@@ -34,25 +34,38 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Localized oscillations near the source are much larger than the wave, so the scale follows most of the grains. */
-static sp_status choose_scale(snapshot *s, double diameter, sp_error *err) {
-    double *length = sp_alloc((size_t)s->net->n, sizeof *length), largest = 0;
+/* Localized oscillations near the source are much larger than the wave, so the scale follows most of the grains, in all
+ * frames together. */
+static sp_status choose_scale(const sp_network *net, int frames, const sp_plot_frame *frame, double diameter,
+                              double *scale, sp_error *err) {
+    const size_t room = (size_t)net->n * (size_t)frames;
+    double *length = sp_alloc(room, sizeof *length), largest = 0;
+    size_t all = 0, moving = 0;
+    *scale = 0;
     if (!length)
-        return sp_fail_memory(err, (size_t)s->net->n * sizeof *length);
-    size_t moving = 0;
-    for (int32_t i = 0; i < s->net->n; i++)
-        largest = fmax(largest, length_of(s, i));
-    for (int32_t i = 0; i < s->net->n; i++)
-        if (largest > 0 && length_of(s, i) >= MOVING * largest)
-            length[moving++] = length_of(s, i);
+        return sp_fail_memory(err, room * sizeof *length);
+    for (int k = 0; k < frames; k++) {
+        const snapshot s = {.net = net, .u = frame[k].u};
+        for (int32_t i = 0; i < net->n; i++) {
+            length[all] = length_of(&s, i);
+            largest = fmax(largest, length[all++]);
+        }
+    }
+    for (size_t k = 0; k < all; k++)
+        if (largest > 0 && length[k] >= MOVING * largest)
+            length[moving++] = length[k];
     if (moving > 0) {
         qsort(length, moving, sizeof *length, ascending);
-        s->scale = LENGTH * diameter / length[(size_t)(TYPICAL * (double)(moving - 1) + 0.5)];
-        for (size_t k = 0; k < moving; k++)
-            s->cut += s->scale * length[k] > LONGEST * diameter;
+        *scale = LENGTH * diameter / length[(size_t)(TYPICAL * (double)(moving - 1) + 0.5)];
     }
     sp_free(length);
     return SP_OK;
+}
+
+static void count_cut(snapshot *s, double diameter) {
+    s->cut = 0;
+    for (int32_t i = 0; i < s->net->n; i++)
+        s->cut += s->scale * length_of(s, i) > LONGEST * diameter;
 }
 
 /* Points for each unit of a grain's displacement; arrows that are too long are cut. */
@@ -72,8 +85,8 @@ static void draw_arrows(const view *v, const snapshot *s) {
             bool cut;
             const double scale = arrow_scale(v, s, i, &cut);
             if (cut == (pass == 1))
-                sp_view_arrow(v, sp_view_x(v, sp_view_across(v, grain)), sp_view_y(v, sp_view_up(v, grain)),
-                              s->net->dim == 1 ? 0 : scale * u[0], -scale * u[s->net->dim - 1]);
+                sp_view_arrow_inside(v, sp_view_x(v, sp_view_across(v, grain)), sp_view_y(v, sp_view_up(v, grain)),
+                                     s->net->dim == 1 ? 0 : scale * u[0], -scale * u[s->net->dim - 1]);
         }
     }
 }
@@ -87,6 +100,8 @@ static void draw_key(const view *v, const snapshot *s) {
     snprintf(text, sizeof text, "|t| = %s |d| (|\xcf\x81|/|E|*)^{1/2}", number);
     sp_canvas_colour(v->c, sp_figure_ink(0));
     sp_figure_text_draw(v->c, text, MARGIN, sp_view_line(v, 0), plain);
+    if (s->net->rattlers > 0)
+        sp_view_count_rattlers(v, 0, s->net->rattlers);
     if (!(s->scale > 0))
         return;
     const double length = d * fmax(1, ceil(10 / d));
@@ -131,38 +146,55 @@ static sp_status draw_solid(const view *v, const snapshot *s, sp_error *err) {
         const double *u = s->u + (int64_t)i * s->net->dof;
         bool cut;
         const double scale = arrow_scale(v, s, i, &cut);
-        mark[s->net->grain[i]] = (view_mark){
-            .fill = GRAIN_GREY, .ink = sp_figure_ink(cut ? CUT : 0), .dx = scale * u[v->axis], .dy = -scale * u[2]};
+        mark[s->net->grain[i]] = (view_mark){.fill = GRAIN_GREY,
+                                             .ink = sp_figure_ink(cut ? CUT : 0),
+                                             .dx = scale * u[v->axis],
+                                             .dy = -scale * u[v->rise]};
     }
-    const sp_status status = sp_view_draw_solid(v, mark, err);
+    const sp_status status = sp_view_draw_solid(v, mark, 0, NULL, err);
     sp_free(mark);
     return status;
 }
 
 static sp_status draw(const sp_packing *p, snapshot *s, const char *path, sp_error *err) {
     canvas c = {0};
-    view v[VIEWS] = {sp_view_make(p, 2)};
-    const int views = p->dim == 3 ? VIEWS : 1;
-    if (views > 1)
-        sp_view_make_solid(p, 2, v);
-    v[0].c = v[1].c = &c;
-    sp_status status = choose_scale(s, v[0].diameter, err);
-    if (status == SP_OK)
-        status = sp_view_open(&v[0], path, "Packing: displacements after a pulse", err);
+    const bool solid = p->dim == 3;
+    const int views = solid ? VIEWS : 1, lines = 2 + solid;
+    view v[VIEWS] = {sp_view_make(p, lines)};
+    if (solid)
+        sp_view_make_solid(p, lines, v);
+    for (int k = 0; k < views; k++)
+        v[k].c = &c;
+    count_cut(s, v[0].diameter);
+    sp_status status = sp_view_open(&v[views - 1], path, "Packing: displacements after a pulse", err);
     for (int k = 0; k < views && status == SP_OK; k++)
-        status = views > 1 ? draw_solid(&v[k], s, err) : draw_flat(&v[k], s, err);
+        status = solid ? draw_solid(&v[k], s, err) : draw_flat(&v[k], s, err);
     if (status == SP_OK)
         draw_key(&v[0], s);
-    if (status == SP_OK && views > 1)
-        sp_view_explain_depth(&v[0]);
+    if (status == SP_OK && solid)
+        sp_view_explain_depth(&v[0], lines - 1);
     return sp_canvas_close(&c, status, err);
+}
+
+sp_status sp_plot_snapshot_frames(const sp_packing *p, const sp_network *net, int frames, const sp_plot_frame *frame,
+                                  sp_error *err) {
+    double scale = 0;
+    if (frames < 1)
+        return sp_fail(err, SP_EINVAL, "%d frames, must be 1 or more", frames);
+    sp_status status = SP_OK;
+    for (int k = 0; k < frames && status == SP_OK; k++)
+        status = sp_view_check_field(p, net, frame[k].u, "", frame[k].path, err);
+    if (status == SP_OK)
+        status = choose_scale(net, frames, frame, sp_view_make(p, 2).diameter, &scale, err);
+    for (int k = 0; k < frames && status == SP_OK; k++) {
+        snapshot s = {.net = net, .u = frame[k].u, .t = frame[k].t, .scale = scale};
+        status = draw(p, &s, frame[k].path, err);
+    }
+    return status;
 }
 
 sp_status sp_plot_snapshot(const sp_packing *p, const sp_network *net, const double *u, double t, const char *path,
                            sp_error *err) {
-    snapshot s = {.net = net, .u = u, .t = t};
-    const sp_status status = sp_view_check_field(p, net, u, "", path, err);
-    if (status != SP_OK)
-        return status;
-    return draw(p, &s, path, err);
+    const sp_plot_frame one = {.t = t, .u = u, .path = path};
+    return sp_plot_snapshot_frames(p, net, 1, &one, err);
 }

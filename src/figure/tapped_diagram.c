@@ -91,7 +91,7 @@ static void write_note(diagram *d) {
     if (!d->bifurcation || !d->lyapunov || strcmp(one, two) == 0)
         snprintf(d->note, sizeof d->note, "%s", *one ? one : two);
     else
-        snprintf(d->note, sizeof d->note, "%s%s%s%s%s", *one ? "(a): " : "", one, *one && *two ? "; (b): " : "",
+        snprintf(d->note, sizeof d->note, "%s%s%s%s%s", *one ? "(a): " : "", one, *one && *two ? "\n(b): " : "",
                  *one || !*two ? "" : "(b): ", two);
 }
 

@@ -1,16 +1,20 @@
 /* Draws panels below each other, with two features that sp_plot_sheet lacks: ticks at whole numbers only, and a note.
  */
+#include "figure/open.h"
 #include "figure/panel.h"
 #include "figure/tapped_table.h"
 #include "figure/tapped_view.h"
 
 #include "base/base.h"
+#include "figure/look.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 enum { PANELS_MOST = 4 };
-#define NOTE 12.0 /* height of the note [pt] */
+#define NOTE 10.0 /* height of a line of the note [pt] */
+#define EDGE 3.0  /* around the note [pt] */
 
 typedef struct sheet {
     const tapped_sheet *source;
@@ -23,7 +27,10 @@ static sp_status make_panels(sheet *s, double height, sp_error *err) {
     for (int k = 0; k < s->source->panels && status == SP_OK; k++) {
         char name[64];
         snprintf(name, sizeof name, "panel %d", k + 1);
-        status = sp_panel_make(&s->panel[k], &s->source->panel[k], &s->canvas, false, name, err);
+        sp_panel one = s->source->panel[k];
+        status = sp_look_apply(&one, k, err);
+        if (status == SP_OK)
+            status = sp_panel_make(&s->panel[k], &one, k, &s->canvas, name, err);
         axes *a = &s->panel[k].figure.axes;
         a->top = k * height;
         a->width = CANVAS_COLUMN;
@@ -57,11 +64,33 @@ static sp_status layout(sheet *s, sp_error *err) {
     return status;
 }
 
+static double note_height(const char *note) {
+    double height = *note ? NOTE + EDGE : 0;
+    for (; *note; note++)
+        height += *note == '\n' ? NOTE : 0;
+    return height;
+}
+
+/* Draws the lines of a note below each other, from the left edge; a line longer than the figure is wide gets smaller
+ * letters. */
+static void draw_note(canvas *c, const char *note, double top) {
+    sp_canvas_colour(c, (colour){0, 0, 0});
+    for (double y = top + NOTE - 2; *note; y += NOTE) {
+        char line[2 * TAPPED_LABEL];
+        const size_t length = strcspn(note, "\n");
+        snprintf(line, sizeof line, "%.*s", (int)length, note);
+        const double width = sp_figure_text_width(c, line, TEXT_SCRIPT), room = c->width - 2 * EDGE;
+        const double size = width > room ? TEXT_SCRIPT * room / width : TEXT_SCRIPT;
+        sp_figure_text_draw(c, line, EDGE, y, (text_style){size, 0.0, 0.0, 0.0});
+        note += length + (note[length] == '\n');
+    }
+}
+
 static sp_status draw(sheet *s, const char *path, sp_error *err) {
-    const bool note = s->source->note && *s->source->note;
+    const char *note = s->source->note ? s->source->note : "";
     const double height = s->source->aspect * CANVAS_COLUMN, all = s->source->panels * height;
     canvas *c = &s->canvas;
-    sp_status status = sp_canvas_open(c, path, s->source->title, CANVAS_COLUMN, all + (note ? NOTE : 0), err);
+    sp_status status = sp_figure_open(c, path, s->source->title, CANVAS_COLUMN, all + note_height(note), err);
     if (status == SP_OK)
         status = make_panels(s, height, err);
     if (status == SP_OK)
@@ -70,11 +99,7 @@ static sp_status draw(sheet *s, const char *path, sp_error *err) {
         return status;
     for (int k = 0; k < s->source->panels; k++)
         sp_panel_draw(&s->panel[k]);
-    if (note) {
-        const axis *x = &s->panel[0].figure.axes.x;
-        sp_canvas_colour(c, (colour){0, 0, 0});
-        sp_figure_text_draw(c, s->source->note, x->to, all + NOTE - 4, (text_style){TEXT_SCRIPT, 1.0, 0.0, 0.0});
-    }
+    draw_note(c, note, all);
     return sp_canvas_save(c, err);
 }
 

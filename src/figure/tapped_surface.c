@@ -1,9 +1,11 @@
 /* Draws surfaces y(z, t) of the lattice and the continua side by side, as in Fig. 2 of Blackmore et al. 2011. The
  * colour shows what the height alone does not: the displacement from the first row, or the density. */
+#include "figure/open.h"
 #include "figure/tapped_table.h"
 #include "figure/tapped_view.h"
 
 #include "base/base.h"
+#include "figure/look.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -98,9 +100,9 @@ static sp_status read_table(gallery *g, picture *p, sp_error *err) {
 static void name_table(const gallery *g, int k, char *out, size_t size) {
     static const char *const known[][2] = {{"longwave", "long wave"}, {"bsr", "BSR"}};
     const char *model = sp_table_get_text(g->of[k].s->table, "model");
-    char file[100], name[60];
+    char file[130], name[60];
     bool twice = false;
-    sp_figure_text_escape(file, sizeof file, g->of[k].s->label ? g->of[k].s->label : "", 24);
+    sp_figure_text_escape(file, sizeof file, g->of[k].s->label ? g->of[k].s->label : "", g->of[k].s->named ? 40 : 24);
     sp_figure_text_escape(name, sizeof name, model ? model : "", 24);
     for (size_t q = 0; model && q < sizeof known / sizeof *known; q++)
         if (strcmp(model, known[q][0]) == 0)
@@ -109,7 +111,9 @@ static void name_table(const gallery *g, int k, char *out, size_t size) {
         const char *other = sp_table_get_text(g->of[j].s->table, "model");
         twice = twice || (j != k && other && strcmp(other, model) == 0);
     }
-    if (model && !twice)
+    if (g->of[k].s->named)
+        snprintf(out, size, "%s", file);
+    else if (model && !twice)
         snprintf(out, size, "%s", name);
     else
         snprintf(out, size, "%s", g->tables > 1 ? file : name);
@@ -195,7 +199,7 @@ static void draw_panel(gallery *g, int k, double left, double top, double width,
     const tapped_table *s = g->of[k].s;
     const double size = TEXT_LEGEND, head = 1.6 * size;
     scene3 view = {.c = &g->canvas, .left = left, .top = top + head, .width = width, .height = height - head};
-    char title[140], name[120];
+    char title[160], name[140];
     view.letters = size;
     sp_axis_linear(&view.time, g->t.low, g->t.high);
     sp_axis_linear(&view.label, g->label.low, g->label.high);
@@ -221,7 +225,7 @@ static sp_status draw_all(gallery *g, const char *path, sp_error *err) {
                  height = (across == 1 ? 0.80 : 0.74) * width + 20;
     const tapped_table *s = g->of[0].s;
     char label[TAPPED_LABEL];
-    sp_status status = sp_canvas_open(&g->canvas, path, "Solution surfaces of a tapped column", width * across,
+    sp_status status = sp_figure_open(&g->canvas, path, "Solution surfaces of a tapped column", width * across,
                                       height * down + BAR, err);
     if (status != SP_OK)
         return status;
@@ -237,6 +241,8 @@ static sp_status draw_all(gallery *g, const char *path, sp_error *err) {
 
 sp_status sp_tapped_draw_surfaces(int tables, const tapped_table *s, const char *path, sp_error *err) {
     const limits none = {INFINITY, -INFINITY};
+    if (sp_look_has_axes())
+        return sp_fail(err, SP_EINVAL, "look.x, look.y, look.log: a surface has no flat axes to change");
     gallery *g = sp_alloc(1, sizeof *g);
     if (!g)
         return sp_fail_memory(err, sizeof *g);

@@ -66,7 +66,7 @@ static sp_status check(const tapped_table *s, int densities, sp_error *err) {
 
 sp_status sp_tapped_table_read(const sp_plot_table *from, tapped_table *out, sp_error *err) {
     int densities = 0;
-    tapped_table s = {.table = from->table, .label = from->label};
+    tapped_table s = {.table = from->table, .label = from->label, .named = from->named};
     for (int c = 0; c < from->table->columns; c++)
         if (from->table->column[c].kind == SP_CELL_TEXT)
             return sp_fail(err, SP_EINVAL, "column %s holds text: must be numbers", from->table->column[c].name);

@@ -20,6 +20,7 @@ typedef enum tapped_output {
 typedef struct tapped_table {
     const sp_table *table;
     const char *label;
+    bool named; /* the label is the reader's */
     tapped_output output;
     int particles; /* number of columns y1 .. yN; 0: none */
     int abscissa;  /* column t, tap or parameter */
@@ -59,7 +60,7 @@ typedef struct tapped_sheet {
     const sp_panel *panel; /* [panels] */
     double aspect;         /* height of a panel over its width */
     bool whole;            /* ticks of x at whole numbers only */
-    const char *note;      /* small print at the bottom, in markup; NULL or "": none */
+    const char *note;      /* lines of small print at the bottom, in markup; NULL or "": none */
 } tapped_sheet;
 sp_status sp_tapped_draw_sheet(const tapped_sheet *source, const char *path, sp_error *err);
 

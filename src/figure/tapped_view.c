@@ -43,22 +43,23 @@ static colour between(const unsigned char a[3], const unsigned char b[3], double
                     ((1 - f) * a[2] + f * b[2]) / 255};
 }
 
+/* The colour at a place of a list, between 0 and 1. */
+static colour along(int n, const unsigned char (*step)[3], double part) {
+    const double at = (n - 1) * fmin(1, fmax(0, part));
+    const int k = at < n - 1 ? (int)at : n - 2;
+    return between(step[k], step[k + 1], at - k);
+}
+
 colour sp_scene3_signed_colour(double part) {
-    static const unsigned char grey[3] = {242, 242, 240},
-                               step[2][3][3] = {{{146, 197, 222}, {40, 120, 184}, {5, 48, 97}},
-                                                {{250, 178, 128}, {213, 94, 0}, {103, 20, 10}}};
-    const double at = 3 * fmin(1, fabs(part));
-    const int k = at < 3 ? (int)at : 2;
-    const unsigned char(*side)[3] = step[part > 0];
-    return between(k == 0 ? grey : side[k - 1], side[k], at - k);
+    static const unsigned char step[5][3] = {
+        {0, 34, 78}, {66, 78, 108}, {140, 140, 140}, {203, 187, 104}, {254, 232, 56}};
+    return along(5, step, 0.5 + 0.5 * part);
 }
 
 colour sp_scene3_colour(double part) {
     static const unsigned char step[5][3] = {
         {255, 250, 215}, {190, 226, 182}, {80, 184, 190}, {40, 112, 178}, {18, 38, 100}};
-    const double at = 4 * fmin(1, fmax(0, part));
-    const int k = at < 4 ? (int)at : 3;
-    return between(step[k], step[k + 1], at - k);
+    return along(5, step, part);
 }
 
 /* ---- layout ----------------------------------------------------------------------------------------------------- */

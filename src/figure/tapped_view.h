@@ -29,8 +29,8 @@ void sp_scene3_layout(scene3 *s);
 void sp_scene3_draw(const scene3 *s, const surface *f);
 /* Removes the ticks that are not at whole numbers, or below low. */
 void sp_axis_keep_whole_ticks(axis *a, double low);
-/* Colours of a value. Signed: from blue at -1 over light grey at 0 to red at 1. Unsigned: from light yellow at 0 to
- * dark blue at 1. */
+/* Colours of a value, whose lightness tells them apart in grey too. Signed: from dark blue at -1 over grey at 0 to
+ * light yellow at 1. Unsigned: from light yellow at 0 to dark blue at 1. */
 colour sp_scene3_signed_colour(double part);
 colour sp_scene3_colour(double part);
 

@@ -1,24 +1,36 @@
 /* Draws the grains and walls of a packing. */
 #include "figure/view.h"
+#include "figure/open.h"
 
 #include "base/base.h"
+#include "figure/text.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #define TALLEST (22.0 / 2.54 * 72.0)
 
 double sp_view_across(const view *v, int32_t i) {
     double x = v->p->dim == 1 ? 0.0 : v->p->x[3 * i + v->axis];
+    if (v->shift && v->p->dim > 1)
+        x += v->shift[3 * i + v->axis];
     return v->periodic ? x - v->width * floor(x / v->width) : x;
 }
 
-double sp_view_up(const view *v, int32_t i) { return v->p->x[3 * i + v->p->dim - 1]; }
+double sp_view_up(const view *v, int32_t i) {
+    const double y = v->p->x[3 * i + v->rise] + (v->shift ? v->shift[3 * i + v->rise] : 0.0);
+    return v->above ? y - v->height * floor(y / v->height) : y;
+}
 
 double sp_view_x(const view *v, double x) { return v->left + (x - v->low) * v->scale; }
 double sp_view_y(const view *v, double y) { return v->floor - y * v->scale; }
 
 view sp_view_make(const sp_packing *p, int lines) {
-    view v = {.p = p, .periodic = p->dim > 1, .height = sp_packing_height(p), .below = KEY + (lines - 1) * LINE};
+    view v = {.p = p,
+              .periodic = p->dim > 1,
+              .height = sp_packing_height(p),
+              .rise = p->dim - 1,
+              .below = KEY + (lines - 1) * LINE};
     double largest = 0.0;
     for (int32_t i = 0; i < p->n; i++) {
         v.diameter += 2.0 * p->r[i] / p->n;
@@ -52,12 +64,12 @@ static void draw_grains(const view *v, const colour *fill) {
 }
 
 sp_status sp_view_open(const view *v, const char *path, const char *title, sp_error *err) {
-    return sp_canvas_open(v->c, path, title, CANVAS_COLUMN, v->floor + WALL + v->below, err);
+    return sp_figure_open(v->c, path, title, CANVAS_COLUMN, v->floor + WALL + v->below, err);
 }
 
 void sp_view_begin(const view *v, const colour *fill) {
     cairo_save(v->c->cr);
-    cairo_rectangle(v->c->cr, v->left, MARGIN, v->width * v->scale, v->floor + WALL - MARGIN);
+    cairo_rectangle(v->c->cr, v->left, sp_view_top(v), v->width * v->scale, v->floor + WALL - sp_view_top(v));
     cairo_clip(v->c->cr);
     draw_grains(v, fill);
 }
@@ -68,9 +80,11 @@ void sp_view_walls(const view *v) {
     cairo_t *cr = v->c->cr;
     double left = v->left, width = v->width * v->scale, top = sp_view_y(v, v->height);
     sp_canvas_colour(v->c, (colour){0.25, 0.25, 0.25});
-    cairo_rectangle(cr, left, top - WALL, width, WALL);
-    cairo_rectangle(cr, left, v->floor, width, WALL);
-    cairo_fill(cr);
+    if (!v->above) {
+        cairo_rectangle(cr, left, top - WALL, width, WALL);
+        cairo_rectangle(cr, left, v->floor, width, WALL);
+        cairo_fill(cr);
+    }
     if (!v->periodic)
         return;
     /* periodic edges */
@@ -81,6 +95,12 @@ void sp_view_walls(const view *v) {
     cairo_line_to(cr, left, v->floor);
     cairo_move_to(cr, left + width, top);
     cairo_line_to(cr, left + width, v->floor);
+    if (v->above) {
+        cairo_move_to(cr, left, top);
+        cairo_line_to(cr, left + width, top);
+        cairo_move_to(cr, left, v->floor);
+        cairo_line_to(cr, left + width, v->floor);
+    }
     cairo_stroke(cr);
     cairo_set_dash(cr, dash, 0, 0.0);
 }
@@ -99,6 +119,44 @@ void sp_view_arrow(const view *v, double x, double y, double dx, double dy) {
     cairo_line_to(c->cr, tip_x - head * ex + 0.42 * head * ey, tip_y - head * ey - 0.42 * head * ex);
     cairo_close_path(c->cr);
     cairo_fill(c->cr);
+}
+
+double sp_view_top(const view *v) { return sp_view_y(v, v->height) - (v->above ? 0.0 : WALL); }
+
+/* Whether a span of the canvas meets another. */
+static bool reaches(double a, double b, double low, double high) { return fmax(a, b) >= low && fmin(a, b) <= high; }
+
+void sp_view_repeat(const view *v, double x, double y, double dx, double dy, view_draw *draw) {
+    const double wide = v->width * v->scale, tall = v->height * v->scale, margin = 4.0;
+    for (int across = v->periodic ? -1 : 0; across <= v->periodic; across++)
+        for (int up = v->above ? -1 : 0; up <= v->above; up++) {
+            const double at = x + across * wide, high = y + up * tall;
+            const bool seen = reaches(at, at + dx, v->left - margin, v->left + wide + margin) &&
+                              (!v->above || reaches(high, high + dy, v->floor - tall - margin, v->floor + margin));
+            if ((across == 0 && up == 0) || seen)
+                draw(v, at, high, dx, dy);
+        }
+}
+
+void sp_view_arrow_inside(const view *v, double x, double y, double dx, double dy) {
+    const double top = sp_view_y(v, v->height), clear = 1.0;
+    if (!v->above) {
+        const double over = top + clear - fmin(y, y + dy), under = fmax(y, y + dy) - (v->floor - clear);
+        const double part = dy == 0 ? 0 : over > 0 ? over / dy : under > 0 ? -under / dy : 0;
+        y += part * dy;
+        x += part * dx;
+    }
+    sp_view_repeat(v, x, y, dx, dy, sp_view_arrow);
+}
+
+void sp_view_count_rattlers(const view *v, int line, int32_t rattlers) {
+    char text[40];
+    snprintf(text, sizeof text, rattlers == 1 ? "%d rattler" : "%d rattlers", rattlers);
+    const double x = v->c->width - MARGIN - sp_figure_text_width(v->c, text, TEXT_LEGEND), y = sp_view_line(v, line);
+    sp_canvas_colour(v->c, sp_figure_ink(0));
+    sp_figure_text_draw(v->c, text, x, y, (text_style){TEXT_LEGEND, 0.0, 0.5, 0.0});
+    sp_view_disc(v, x - 8.0, y, RATTLER_GREY);
+    sp_canvas_colour(v->c, sp_figure_ink(0));
 }
 
 double sp_view_line(const view *v, int line) {

@@ -1,6 +1,6 @@
 #ifndef SP_VIEW_H
 #define SP_VIEW_H
-/* A packing on the canvas: grains and walls. One in three dimensions is seen in two views (solid.c). */
+/* A packing on the canvas: grains and walls. One in three dimensions is seen in three views (solid.c). */
 
 #include "figure/figure.h"
 
@@ -15,8 +15,10 @@ typedef struct view {
     double low, width, height; /* lateral start and width, and height of the box [d] */
     double diameter;           /* mean diameter of the grains [d] */
     double below;              /* height of what is below the bottom wall [pt] */
-    int axis;                  /* the axis of the packing that runs across */
-    bool periodic;
+    int axis, rise;            /* the axes of the packing that run across and upwards */
+    bool periodic;             /* across */
+    const double *shift;       /* [p->n][3] of the grains from where the packing has them [d]; NULL: none */
+    bool above;                /* seen from above: periodic upwards too, without walls */
 } view;
 
 #define MARGIN 3.0  /* [pt] */
@@ -44,6 +46,12 @@ double sp_view_up(const view *v, int32_t i);
 double sp_view_x(const view *v, double across);
 double sp_view_y(const view *v, double up);
 void sp_view_walls(const view *v);
+/* The vertical axis of the canvas on which the frame begins, with its wall [pt]. */
+double sp_view_top(const view *v);
+/* Calls draw for a thing that spans from (x, y) to (x + dx, y + dy) on the canvas, and for its images at the periodic
+ * edges that reach into the frame. */
+typedef void view_draw(const view *v, double x, double y, double dx, double dy);
+void sp_view_repeat(const view *v, double x, double y, double dx, double dy, view_draw *draw);
 /* Opens the canvas for the view, with height for the key. */
 sp_status sp_view_open(const view *v, const char *path, const char *title, sp_error *err);
 /* Clips the canvas to the box and its walls, and draws the grains, with images at the periodic edges. fill[i]: colour
@@ -52,16 +60,21 @@ void sp_view_begin(const view *v, const colour *fill);
 void sp_view_end(const view *v);
 /* Draws an arrow from (x, y) to (x + dx, y + dy) [pt] in the current colour. Arrows too short to see are left out. */
 void sp_view_arrow(const view *v, double x, double y, double dx, double dy);
+/* The same within the frame: an arrow that would cross a wall is moved along it until it does not, and one that crosses
+ * a periodic edge comes in again at the other. */
+void sp_view_arrow_inside(const view *v, double x, double y, double dx, double dy);
+/* Says at the right of a line of the key how many rattlers there are. */
+void sp_view_count_rattlers(const view *v, int line, int32_t rattlers);
 /* A disc of the key. */
 void sp_view_disc(const view *v, double x, double y, colour ink);
 colour sp_view_mix(colour a, colour b, double part);
 
 /* ---- three dimensions (solid.c) --------------------------------------------------------------------------------- */
 
-enum { VIEWS = 2 };
+enum { VIEWS = 3 };
 
-/* Two views side by side at one scale: along y (x runs across), and along -x (y runs across); the up axis is vertical
- * in both. */
+/* Three views at one scale: along y (x runs across), beside it along -x (y runs across), and below the first from above
+ * (x runs across, y upwards). The last one ends lowest. */
 void sp_view_make_solid(const sp_packing *p, int lines, view v[VIEWS]);
 
 /* How a grain is drawn. */
@@ -70,11 +83,18 @@ typedef struct view_mark {
     double dx, dy;    /* arrow, y downwards [pt] */
     double from;      /* where the arrow's centre is on it: 0.5 in the middle, 0 at its start */
 } view_mark;
-/* Draws walls, grains and arrows from the farthest to the nearest, the far ones paler. Grains are drawn smaller than
- * they are, so that those behind them can be seen. mark: [p->n]. */
-sp_status sp_view_draw_solid(const view *v, const view_mark *mark, sp_error *err);
-/* Says at the right of the key's first line what paleness means. */
-void sp_view_explain_depth(const view *v);
+/* A line from the centre of a grain. */
+typedef struct view_link {
+    int32_t grain;
+    double reach[3]; /* to its other end [d] */
+    double width;    /* [pt] */
+    colour ink;
+} view_link;
+/* Draws walls, grains, links and arrows, each kind from the farthest to the nearest, the far ones paler. Grains are
+ * drawn smaller than they are, so that those behind them can be seen. mark: [p->n], link: [links]. */
+sp_status sp_view_draw_solid(const view *v, const view_mark *mark, int32_t links, const view_link *link, sp_error *err);
+/* Says at the left of a line of the key what paleness means. */
+void sp_view_explain_depth(const view *v, int line);
 /* Component of a vector towards the viewer: that of a rotation is positive counterclockwise. */
 double sp_view_towards(const view *v, const double *vector);
 

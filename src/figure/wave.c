@@ -1,6 +1,8 @@
 /* Draws phase speed and attenuation of coherent waves against the wave number. */
 #include "figure/canvas.h"
 #include "figure/markup.h"
+#include "figure/settings.h"
+#include "figure/unit.h"
 
 #include "base/base.h"
 
@@ -9,6 +11,7 @@
 #include <sonopack/figure/plot.h>
 #include <stdio.h>
 
+enum { LAW = 128 };
 enum { WAVES_MOST = 6, W_K = 0, W_SPEED, W_SPEED_ERR, W_ALPHA, W_ALPHA_ERR, WAVE_COLUMNS };
 
 static const char *const names[WAVE_COLUMNS] = {"k", "speed", "speed_err", "alpha", "alpha_err"};
@@ -37,24 +40,11 @@ static sp_status read_wave(const sp_table *t, double *memory, const double *colu
     return SP_OK;
 }
 
-/* The dimension common to all tables; 0 if there is none. */
-static int dimension_of(int tables, const sp_plot_table *table) {
-    int common = 0;
-    for (int j = 0; j < tables; j++) {
-        double dim = 0;
-        sp_table_get_number(table[j].table, "dimension", &dim);
-        if ((dim != 1 && dim != 2 && dim != 3) || (common && dim != common))
-            return 0;
-        common = (int)dim;
-    }
-    return common;
-}
-
 /* Fits Rayleigh's law alpha = a k^(dim + 1) to long waves: points whose mean free path exceeds 10/k. Points are
  * weighted by their errors. False with fewer than three points. */
 static bool rayleigh(int tables, const sp_plot_table *table, const double *const column[][WAVE_COLUMNS], double x[2],
                      double y[2]) {
-    const int power = dimension_of(tables, table) + 1;
+    const int power = sp_settings_dimension(tables, table) + 1;
     double sum = 0, weight = 0;
     int points = 0;
     x[0] = INFINITY;
@@ -80,22 +70,54 @@ static bool rayleigh(int tables, const sp_plot_table *table, const double *const
     return true;
 }
 
+/* The axes k, speed and attenuation, in the units of the tables. */
+static sp_status label_axes(int tables, const sp_plot_table *table, char label[3][UNIT_MARKUP + 40], sp_error *err) {
+    static const char *const column[] = {"k", "speed", "alpha"}, *const own[] = {UNIT_WAVE, UNIT_SPEED, UNIT_WAVE};
+    static const char *const symbol[] = {"|k|", "|\xcf\x89|/|k|", "|\xce\xb1|"};
+    for (int q = 0; q < 3; q++) {
+        const char *unit;
+        const sp_status status = sp_unit_common(tables, table, column[q], own[q], &unit, err);
+        if (status != SP_OK)
+            return status;
+        sp_unit_label(symbol[q], unit, label[q], sizeof label[q]);
+    }
+    return SP_OK;
+}
+
+/* "0.12 d^2 k^3", or "~ k^3" where the unit of the number is not ours. */
+static void name_law(double factor, int power, bool ours, char out[LAW]) {
+    char number[48], lengths[24] = "|d|";
+    sp_figure_text_number(number, sizeof number, factor, 2);
+    if (power > 2)
+        snprintf(lengths, sizeof lengths, "|d|^{%d}", power - 1);
+    if (ours)
+        snprintf(out, LAW, "%s %s |k|^{%d}", number, lengths, power);
+    else
+        snprintf(out, LAW, "~ |k|^{%d}", power);
+}
+
 static sp_status draw_wave(int tables, const sp_plot_table *table, double *memory, const char *path, sp_error *err) {
     static const sp_mark marks[] = {SP_MARK_CIRCLE, SP_MARK_SQUARE, SP_MARK_TRIANGLE, SP_MARK_DIAMOND};
     const double *column[WAVES_MOST][WAVE_COLUMNS];
-    char label[WAVES_MOST][96], law[64];
+    const char *unit;
+    char label[WAVES_MOST][SETTINGS_LABEL], law[LAW], axis[3][UNIT_MARKUP + 40];
     sp_curve speed[WAVES_MOST], alpha[WAVES_MOST + 1];
     double x[2], y[2];
     int curves = tables;
+    sp_status status = label_axes(tables, table, axis, err);
+    if (status == SP_OK)
+        status = sp_unit_common(tables, table, "k", UNIT_WAVE, &unit, err);
+    if (status != SP_OK)
+        return status;
     for (int j = 0; j < tables; j++) {
         const sp_table *t = table[j].table;
-        sp_status status = read_wave(t, memory, column[j], err);
+        status = read_wave(t, memory, column[j], err);
         if (status != SP_OK)
             return status;
         memory += WAVE_COLUMNS * t->rows;
         *label[j] = '\0';
-        if (tables > 1 && table[j].label)
-            sp_figure_text_escape(label[j], sizeof label[j], table[j].label, 30);
+        if (tables > 1 || table[j].named)
+            sp_settings_label(tables, table, j, 30, label[j]);
         speed[j] = (sp_curve){.label = *label[j] ? label[j] : NULL,
                               .n = t->rows,
                               .x = column[j][W_K],
@@ -111,11 +133,11 @@ static sp_status draw_wave(int tables, const sp_plot_table *table, double *memor
         alpha[j].error = column[j][W_ALPHA_ERR];
     }
     if (rayleigh(tables, table, (const double *const(*)[WAVE_COLUMNS])column, x, y)) {
-        const int power = dimension_of(tables, table) + 1;
-        snprintf(law, sizeof law, "%.2g |k|^{%d}", y[0] / pow(x[0], power), power);
+        const int power = sp_settings_dimension(tables, table) + 1;
+        name_law(y[0] / pow(x[0], power), power, sp_unit_same(unit, UNIT_WAVE), law);
         alpha[curves++] = (sp_curve){.label = law, .n = 2, .x = x, .y = y, .dash = SP_DASH_DASHED, .width = 0.8};
     }
-    sp_axis k = {.label = "|k|  [1/|d|]", .log = true, .low = INFINITY};
+    sp_axis k = {.label = axis[0], .log = true, .low = INFINITY};
     for (int j = 0; j < tables; j++)
         for (int64_t r = 0; r < table[j].table->rows; r++) { /* the same range for both panels */
             k.low = fmin(k.low, 0.8 * column[j][W_K][r]);
@@ -124,12 +146,8 @@ static sp_status draw_wave(int tables, const sp_plot_table *table, double *memor
     if (!(k.low < k.high))
         return sp_fail(err, SP_EREFUSED, "nothing to draw: no row has a wave number");
     const sp_panel panel[2] = {
-        {.tag = "(a)",
-         .x = k,
-         .y = {.label = "|\xcf\x89|/|k|  [(|E|*/|\xcf\x81|)^{1/2}]"},
-         .curves = tables,
-         .curve = speed},
-        {.tag = "(b)", .x = k, .y = {.label = "|\xce\xb1|  [1/|d|]", .log = true}, .curves = curves, .curve = alpha}};
+        {.tag = "(a)", .x = k, .y = {.label = axis[1]}, .curves = tables, .curve = speed},
+        {.tag = "(b)", .x = k, .y = {.label = axis[2], .log = true}, .curves = curves, .curve = alpha}};
     const sp_sheet sheet = {.title = "Coherent wave", .rows = 2, .columns = 1, .panel = panel, .aspect = 0.62};
     return sp_plot_sheet(&sheet, path, err);
 }

@@ -215,7 +215,7 @@ def check_refusals(scratch):
     refused(scratch, 2, "no kind", "-o", figure)
     refused(scratch, 2, "no file", "ctof", "-o", figure)
     refused(scratch, 2, "no -o", "ctof", table)
-    refused(scratch, 2, "2 files", "ctof", table, table, "-o", figure)
+    refused(scratch, 2, "13 files", "ctof", *[table] * 13, "-o", figure)
     refused(scratch, 2, ".svg, .png or .pdf", "ctof", table, "-o", scratch / "never.tsv")
     refused(scratch, 2, ".svg, .png or .pdf", "ctof", table, "-o", scratch / "never")
     refused(scratch, 2, "--format", "ctof", table, "--format", "csv", "-o", figure)

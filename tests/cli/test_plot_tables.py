@@ -63,13 +63,13 @@ def check_fronts(scratch):
     out, scaling = scratch / "a.svg", scratch / "scaling.tsv"
     scaling.write_text(SCALING)
     text = words(out, "fronts", scaling, "--signal", N200)
-    expect({"p = 10^\u22124", "p = 10^\u22125", "t_10", "t_zero"} <= set(text), f"fronts: {text}")
+    expect({"p = 10^\u22124 E*", "p = 10^\u22125 E*", "t_10", "t_zero"} <= set(text), f"fronts: {text}")
     expect(any(word.startswith("F_sig") for word in text), f"inset of fronts: {text}")
     text = words(out, "scaling", scaling)
     expect({"\u03b3_eff", "\u03b1_eff", "A", "W", "(a)", "(b)"} <= set(text), f"scaling: {text}")
     chain = table(scratch, "chain.tsv", "chain", "front", "--grains", "10,20,40")
     text = words(out, "scaling", scaling, chain)
-    expect("chain" in text and "scaling, p = 10^\u22124" in text, f"two tables: {text}")
+    expect("chain" in text and "scaling, p = 10^\u22124 E*" in text, f"two tables: {text}")
     words(out, "fronts", chain)
     fronts = table(scratch, "fronts.tsv", "front", N200, N600)
     text = words(out, "fronts", fronts)
@@ -102,7 +102,7 @@ def check_ensemble_and_modes(scratch):
     expect({"(a)", "(b)", "n"} <= set(text), f"modes: {text}")
     text = words(out, "modes", table(scratch, "bare.tsv", "modes", N200, "--frequencies-only"))
     expect("(b)" not in text and "n" in text, f"frequencies alone: {text}")
-    refused(scratch, 2, "2 files", "modes", modes, modes)
+    refused(scratch, 2, "7 files", "modes", *[modes] * 7)
     for name, content, reason in (("words.tsv", "t\tmean\trms\n0\tx\t1\n", ""), ("empty.tsv", "", "empty.tsv"),
                                   ("header.tsv", "t\tmean\trms\n", ""),
                                   ("nans.tsv", "t\tmean\trms\n0\tnan\tnan\n", ""),
@@ -117,7 +117,7 @@ def check_planes(scratch):
     """Planes are called by their heights; more than ten signals stand one above the other."""
     planes = table(scratch, "few.tsv", "signal", N600, "--planes", 4, "--until", 150, "--points", 200)
     text = words(scratch / "a.svg", "signal", planes)
-    expect({"y = 4.933", "y = 9.866", "y = 14.8"} <= set(text) and "F1" not in text, f"few planes: {text}")
+    expect({"y = 4.933 d", "y = 9.866 d", "y = 14.8 d"} <= set(text) and "F1" not in text, f"few planes: {text}")
     places = table(scratch, "places.tsv", "signal", N200, "--detector", "top", "--detector", "part:0:6", "--until", 80)
     text = words(scratch / "a.svg", "signal", places)
     expect({"top", "part:0:6"} <= set(text), f"places: {text}")

@@ -107,7 +107,8 @@ def main():
                     file.write(f"{0.2 * k}\t{k}\t0.2\t0.001\t{0.5 * k ** int(law or 3)}\t{1e-3 * k ** int(law or 3)}\n")
             run("plot", "wave", made, "-o", figure, "--force")
             words = open(figure).read()
-            assert (f"0.5 |k|^{{{law}}}" in words or f"0.5 k^{law}" in words or f"0.5 k{law}" in words) == bool(law), law
+            lengths = {2: "d", 3: "d^2", 4: "d^3"}.get(law)
+        assert (f"0.5 {lengths} k^{law}" in words) == bool(law), law
         flat = pack(os.path.join(folder, "flat.h5"), grains=100, width=24)
         spheres = pack(os.path.join(folder, "spheres.h5"), dimension=3, grains=100, width=5, friction=0, tolerance=1e-6)
         for arguments, status, text in (

@@ -176,6 +176,7 @@ static sp_table table_of(int rows, const double (*value)[COLUMNS]) {
 
 static sp_status plot_rows(int rows, const double (*value)[COLUMNS], const char *path, sp_error *err) {
     sp_table t = table_of(rows, value);
+    sp_table_add_comment(&t, NULL, "dimension = 2, friction = 0.5");
     sp_status status = sp_plot_ctof(&t, path, err);
     sp_table_free(&t);
     return status;
@@ -225,7 +226,7 @@ static void test_signal_follows_its_data(void **state) {
         t[k] = 0.1 * k;
         f[k] = 3e-3 * (1 - fabs(k - 500.0) / 500);
     }
-    const sp_plot_trace trace = {NULL, N, t, f, NAN, NAN, NAN, NULL, NULL};
+    const sp_plot_trace trace = {NULL, N, t, f, NAN, NAN, NAN, NULL, NULL, NULL};
     assert_ok(sp_plot_signal(1, &trace, in_folder("pulse.png"), &err));
     picture p = open_picture(in_folder("pulse.png"));
     frame at = find_frame(&p);
@@ -259,7 +260,7 @@ static void test_dense_signal_keeps_its_spikes(void **state) {
         t[k] = k;
         f[k] = k == N / 2 + 7 ? 1 : k == N / 4 + 3 ? -1 : 0;
     }
-    const sp_plot_trace trace = {NULL, N, t, f, NAN, NAN, NAN, NULL, NULL};
+    const sp_plot_trace trace = {NULL, N, t, f, NAN, NAN, NAN, NULL, NULL, NULL};
     assert_ok(sp_plot_signal(1, &trace, in_folder("spikes.png"), &err));
     free(t);
     picture p = open_picture(in_folder("spikes.png"));
@@ -413,7 +414,7 @@ static void test_units(void **state) {
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         sp_plot_trace trace[2];
         for (int j = 0; j < 2; j++)
-            trace[j] = (sp_plot_trace){"x", 3, t, f, 0.1, 1, 2, cases[k].unit[j][0], cases[k].unit[j][1]};
+            trace[j] = (sp_plot_trace){"x", 3, t, f, 0.1, 1, 2, cases[k].unit[j][0], cases[k].unit[j][1], NULL};
         assert_ok(sp_plot_signal(2, trace, in_folder("units.svg"), &err));
         size_t size;
         char *text = read_file(in_folder("units.svg"), &size);
@@ -436,7 +437,7 @@ static void test_hostile_labels(void **state) {
                                         "\xf0\x9d\x94\xbb"};
     sp_plot_trace trace[7];
     for (int k = 0; k < 7; k++)
-        trace[k] = (sp_plot_trace){label[k], 3, t, f, 0.1, 1, 2, NULL, NULL};
+        trace[k] = (sp_plot_trace){label[k], 3, t, f, 0.1, 1, 2, NULL, NULL, NULL};
     static const char *const name[] = {"odd.svg", "odd.png", "odd.pdf"};
     for (int k = 0; k < 3; k++)
         assert_ok(sp_plot_signal(7, trace, in_folder(name[k]), &err));
@@ -597,7 +598,8 @@ static void test_other_dimensions(void **state) {
     p.x[0] = p.x[1] = p.x[2] = 2;
     p.r[0] = 0.5;
     p.pressure = 1e-4;
-    assert_fails(sp_plot_network(&p, SP_PLOT_FORCES, 1e-4, in_folder("d3.png"), &err), SP_EREFUSED, "3");
+    assert_ok(sp_plot_network(&p, SP_PLOT_FORCES, 1e-4, in_folder("d3.png"), &err));
+    remove(in_folder("d3.png"));
     p.r[0] = NAN;
     assert_fails(sp_plot_network(&p, SP_PLOT_FORCES, 1e-4, in_folder("d3.png"), &err), SP_EFORMAT, "radius");
     sp_packing_free(&p);
@@ -628,7 +630,7 @@ static void test_refused_tables_leave_no_file(void **state) {
     assert_fails(sp_plot_ctof(&t, path, &err), SP_EINVAL, "c_tof");
     sp_table_free(&t);
     const double time[2] = {NAN, 1}, force[2] = {1, INFINITY};
-    sp_plot_trace trace = {"x", 2, time, force, NAN, NAN, NAN, NULL, NULL};
+    sp_plot_trace trace = {"x", 2, time, force, NAN, NAN, NAN, NULL, NULL, NULL};
     assert_fails(sp_plot_signal(1, &trace, path, &err), SP_EREFUSED, "1");
     trace.n = 0;
     assert_fails(sp_plot_signal(1, &trace, path, &err), SP_EREFUSED, "");
@@ -656,14 +658,14 @@ static void test_extreme_data_are_drawn(void **state) {
             f[i] = scale[k] * (i % 2 ? 1 : -1);
         }
         f[3] = NAN; /* a gap */
-        sp_plot_trace trace = {"x", 5, t, f, start[k] + 0.5, -INFINITY, 1e300, NULL, NULL};
+        sp_plot_trace trace = {"x", 5, t, f, start[k] + 0.5, -INFINITY, 1e300, NULL, NULL, NULL};
         assert_ok(sp_plot_signal(1, &trace, in_folder("extreme.svg"), &err));
     }
     for (size_t n = 1; n <= 40; n += 13) {
         sp_plot_trace many[40];
         const double t[2] = {0, 1}, f[2] = {1, 1};
         for (size_t k = 0; k < n; k++)
-            many[k] = (sp_plot_trace){"many", 2, t, f, 0.5, NAN, NAN, NULL, NULL};
+            many[k] = (sp_plot_trace){"many", 2, t, f, 0.5, NAN, NAN, NULL, NULL, NULL};
         assert_ok(sp_plot_signal((int)n, many, in_folder("many.png"), &err));
     }
 }
@@ -714,7 +716,7 @@ static sp_status draw_one(const work *w, int figure, const char *path, sp_error 
 static void test_lack_of_memory(void **state) {
     (void)state;
     const double t[3] = {0, 1, 2}, f[3] = {0, 1, 0};
-    const sp_plot_trace trace = {"x", 3, t, f, 0.1, 1, 2, NULL, NULL};
+    const sp_plot_trace trace = {"x", 3, t, f, 0.1, 1, 2, NULL, NULL, NULL};
     sp_table table = table_of(4, reference);
     sp_packing p = pair_across_the_edge();
     const work w = {&table, &trace, &p};

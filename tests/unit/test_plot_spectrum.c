@@ -46,14 +46,14 @@ static void test_kinds(void **state) {
     static const char *const columns[] = {"omega", "magnitude", "participation", "sd"};
     const char *const kinds[] = {"transmission", "harmonic", "participation"};
     sp_table one = dos_table(3), two = dos_table(5);
-    const sp_plot_table pair[] = {{"first", &one}, {"second", &two}};
+    const sp_plot_table pair[] = {{"first", &one, false}, {"second", &two, false}};
     assert_ok(sp_plot_spectrum(1, pair, figure, &err));
     assert_true(drawn("Density of states"));
     assert_ok(sp_plot_spectrum(2, pair, figure, &err));
     assert_true(drawn("second"));
     for (int k = 0; k < 3; k++) {
         sp_table t = table_of(kinds[k], columns, 4);
-        const sp_plot_table shown[] = {{"", &t}, {"first", &one}};
+        const sp_plot_table shown[] = {{"", &t, false}, {"first", &one, false}};
         for (int l = 1; l < 20; l++)
             assert_ok(sp_table_add_row(&t, &err, 0.1 * l, pow(10, -l), 0.5 / l, l == 3 ? NAN : 0.1 / l));
         assert_ok(sp_plot_spectrum(1, shown, figure, &err));
@@ -77,7 +77,7 @@ static void test_ensembles(void **state) {
         assert_ok(sp_table_add_row(&one, &err, w, w - 0.5, w + 0.5, g, g - off, g + off));
         assert_ok(sp_table_add_row(&bare, &err, w, w - 0.5, w + 0.5, g, NAN, NAN));
     }
-    const sp_plot_table shown[] = {{"first", &one}, {"second", &bare}, {"third", &two}};
+    const sp_plot_table shown[] = {{"first", &one, false}, {"second", &bare, false}, {"third", &two, false}};
     assert_ok(sp_plot_spectrum(1, shown, figure, &err));
     assert_true(drawn("Density of states"));
     assert_ok(sp_plot_spectrum(2, shown, figure, &err));
@@ -95,7 +95,7 @@ static void test_refusals(void **state) {
     (void)state;
     static const char *const columns[] = {"omega", "smooth"};
     sp_table t = table_of("dos", columns, 2), none = sp_table_none();
-    const sp_plot_table empty = {NULL, &t}, other = {NULL, &none};
+    const sp_plot_table empty = {NULL, &t, false}, other = {NULL, &none, false};
     assert_fails(sp_plot_spectrum(1, &empty, figure, &err), SP_EREFUSED, "");
     assert_fails(sp_plot_spectrum(1, &other, figure, &err), SP_EINVAL, "");
     assert_fails(sp_plot_spectrum(0, &empty, figure, &err), SP_EINVAL, "1 32");
@@ -108,7 +108,7 @@ static void test_refusals(void **state) {
 static void test_dispersion(void **state) {
     (void)state;
     sp_table t = sp_table_none();
-    const sp_plot_table shown[] = {{"a", &t}, {"b", &t}, {"c", &t}};
+    const sp_plot_table shown[] = {{"a", &t, false}, {"b", &t, false}, {"c", &t, false}};
     assert_ok(sp_table_add_column(&t, "polarization", "", SP_CELL_TEXT, &err));
     assert_ok(sp_table_add_column(&t, "k", "1/d", SP_CELL_NUMBER, &err));
     assert_ok(sp_table_add_column(&t, "peak", "", SP_CELL_NUMBER, &err));
@@ -141,9 +141,9 @@ static void test_mode(void **state) {
         assert_ok(sp_plot_mode(&all[q], &net, u, 7, 0.25, figure, &err));
         assert_true(drawn("\nclockwise\n") == (net.dof > net.dim));
         assert_ok(sp_plot_mode(&all[q], &net, u, 7, 0.25, figure, &err));
-        assert_true(drawn("\nfar grains pale\n") == (net.dim == 3));
+        assert_true(drawn("\ngrains at half their size, far ones pale\n") == (net.dim == 3));
         assert_ok(sp_plot_snapshot(&all[q], &net, u, 20, figure, &err));
-        assert_true(drawn("\nfar grains pale\n") == (net.dim == 3));
+        assert_true(drawn("\ngrains at half their size, far ones pale\n") == (net.dim == 3));
         memset(u, 0, (size_t)sp_network_dofs(&net) * sizeof *u); /* nothing moves: no arrows, and no trouble */
         assert_ok(sp_plot_mode(&all[q], &net, u, 7, 0.25, figure, &err));
         assert_false(drawn("clockwise"));
@@ -159,7 +159,7 @@ static void test_mode(void **state) {
 static void test_no_memory(void **state) {
     (void)state;
     sp_table t = dos_table(1);
-    const sp_plot_table shown = {"dos", &t};
+    const sp_plot_table shown = {"dos", &t, false};
     sp_status status = SP_ENOMEM;
     for (int64_t count = 0; status != SP_OK && count < 100; count++) {
         sp_error err = {0};

@@ -78,15 +78,15 @@ static void test_fronts(void **state) {
     (void)state;
     sp_table one = table_of(SCALING, 3, scaling[0]), two = table_of(SCALING, 6, scaling[0]);
     const double time[5] = {0, 1, 2, 3, 4}, force[5] = {0, 1, 2, 0, -1};
-    const sp_plot_trace sample = {NULL, 5, time, force, .2, 2, 3, NULL, NULL};
-    const sp_plot_table single = {"one", &one}, both[2] = {{"a", &two}, {"b", &one}};
+    const sp_plot_trace sample = {NULL, 5, time, force, .2, 2, 3, NULL, NULL, NULL};
+    const sp_plot_table single = {"one", &one, false}, both[2] = {{"a", &two, false}, {"b", &one, false}};
     assert_ok(sp_plot_fronts(1, &single, &sample, svg, &err));
-    says((const char *[]){"\nt_10,  c = 0.25\n", "\nt_peak,  c = 0.2", "\nF_sig\n", "\ndistance\n", NULL});
-    const sp_plot_table widths = {"two", &two};
+    says((const char *[]){"\nt_10,  c = 0.25\n", "\nt_peak,  c = 0.2", "\nF_sig  [E* d^2]\n", "\ndistance\n", NULL});
+    const sp_plot_table widths = {"two", &two, false};
     assert_ok(sp_plot_fronts(1, &widths, NULL, svg, &err));
-    says((const char *[]){"\nwidth 24\n", "\nwidth 48\n", "\nt_10\n", "\nt_zero\n", NULL});
+    says((const char *[]){"\nwidth 24 d\n", "\nwidth 48 d\n", "\nt_10\n", "\nt_zero\n", NULL});
     assert_ok(sp_plot_scaling(2, both, svg, &err));
-    says((const char *[]){"\na, width 24\n", "\nb, width 24\n", "\n(b)\n", "\xce\xb3_eff", "\xce\xb1_eff", "\nW\n",
+    says((const char *[]){"\na, width 24 d\n", "\nb, width 24 d\n", "\n(b)\n", "\xce\xb3_eff", "\xce\xb1_eff", "\nW\n",
                           NULL});
     sp_table_free(&one);
     sp_table_free(&two);
@@ -97,7 +97,7 @@ static void test_groups(void **state) {
     (void)state;
     const double cells[4][4] = {{5, 20, 200, 0.5}, {10, 40, 200, 0.5}, {5, 21, 400, 0.5}, {10, 42, 400, 0.5}};
     sp_table t = table_of("distance t10 grains friction", 4, cells[0]);
-    const sp_plot_table shown = {"planes", &t};
+    const sp_plot_table shown = {"planes", &t, false};
     assert_ok(sp_plot_fronts(1, &shown, NULL, svg, &err));
     says((const char *[]){"\nN = 200\n", "\nN = 400\n", NULL});
     t.cells[2 * 4 + 3].number = t.cells[3 * 4 + 3].number = 0;
@@ -107,7 +107,7 @@ static void test_groups(void **state) {
     sp_table_free(&t);
 }
 
-/* The unit of an axis is that of the tables, and none where they differ or say none. */
+/* The unit of an axis is that of the tables, and none where they say none; tables must agree. */
 static void test_units(void **state) {
     (void)state;
     const double cells[2][2] = {{5, 20}, {10, 40}};
@@ -120,15 +120,14 @@ static void test_units(void **state) {
         for (int k = 0; k < 2; k++)
             assert_ok(sp_table_add_numbers(&t[j], cells[k], &err));
     }
-    const sp_plot_table shown[3] = {{"a", &t[0]}, {"b", &t[1]}, {"c", &t[2]}};
+    const sp_plot_table shown[3] = {{"a", &t[0], false}, {"b", &t[1], false}, {"c", &t[2], false}};
     assert_ok(sp_plot_fronts(1, &shown[0], NULL, svg, &err));
     says((const char *[]){"\ndistance  [d]\n", "\nt  [d (", NULL});
     assert_ok(sp_plot_fronts(1, &shown[1], NULL, svg, &err));
-    says((const char *[]){"\ndistance  [mm]\n", "\nt  [us]\n", NULL});
+    says((const char *[]){"\ndistance  [mm]\n", "\nt  [\xc2\xb5s]\n", NULL});
     assert_ok(sp_plot_fronts(1, &shown[2], NULL, svg, &err));
     says((const char *[]){"\ndistance\n", "\nt\n", NULL});
-    assert_ok(sp_plot_fronts(2, shown, NULL, svg, &err));
-    says((const char *[]){"\ndistance\n", "\nt\n", NULL});
+    assert_fails(sp_plot_fronts(2, shown, NULL, svg, &err), SP_EINVAL, "distance d mm");
     for (int j = 0; j < 3; j++)
         sp_table_free(&t[j]);
 }
@@ -138,7 +137,7 @@ static void test_chain(void **state) {
     (void)state;
     const double cells[2][10] = {{10, 9, 11, 13, .5, 4, 2, .5, .3, .25}, {20, 19, 21, 24, .35, 5, 3, .55, .31, .28}};
     sp_table t = table_of("grains t10 t_peak t_zero amplitude width width_peak gamma alpha alpha_peak", 2, cells[0]);
-    const sp_plot_table shown = {"chain", &t};
+    const sp_plot_table shown = {"chain", &t, false};
     assert_ok(sp_plot_fronts(1, &shown, NULL, svg, &err));
     says((const char *[]){"\nt_10,  c = 1\n", NULL});
     assert_ok(sp_plot_scaling(1, &shown, svg, &err));
@@ -162,7 +161,7 @@ static void test_labels_of_ensembles(void **state) {
         assert_ok(sp_table_add_comment(&t[k], &err, "packing.friction = %s", friction[k]));
         assert_ok(sp_table_add_comment(&t[k], &err, "mean_err: error; low, high: its interval at level %s, by t",
                                        k < 2 ? "0.95" : "0.68"));
-        shown[k] = (sp_plot_table){names[k], &t[k]};
+        shown[k] = (sp_plot_table){names[k], &t[k], false};
     }
     assert_ok(sp_plot_ensemble(1, shown, svg, &err));
     says((const char *[]){"\nmean, 95% interval\n", NULL});
@@ -170,9 +169,9 @@ static void test_labels_of_ensembles(void **state) {
     says((const char *[]){"\n\xce\xbc = 0\n", "\n\xce\xbc = 0.5\n", "\nmean, 95% interval\n", NULL});
     assert_ok(sp_plot_ensemble(3, shown, svg, &err)); /* levels differ */
     says((const char *[]){"\np = 10^\xe2\x88\x92"
-                          "6, \xce\xbc = 0\n",
+                          "6 E*, \xce\xbc = 0\n",
                           "\np = 10^\xe2\x88\x92"
-                          "4, \xce\xbc = 0.5\n",
+                          "4 E*, \xce\xbc = 0.5\n",
                           "\nmean, interval\n", NULL});
     shown[2].table = &t[1]; /* twice the same: names */
     assert_ok(sp_plot_ensemble(3, shown, svg, &err));
@@ -192,7 +191,7 @@ static void test_range_of_ensembles(void **state) {
         cells[k][2] = 5e-4;
     }
     sp_table t = table_of("t mean rms", N, cells[0]);
-    const sp_plot_table shown[2] = {{"x", &t}, {"y", &t}};
+    const sp_plot_table shown[2] = {{"x", &t, false}, {"y", &t, false}};
     assert_ok(sp_plot_ensemble(2, shown, svg, &err));
     char *text = drawn();
     assert_non_null(strstr(text, "\n1.0\n"));
@@ -205,7 +204,7 @@ static void test_ensemble_modes_section(void **state) {
     (void)state;
     const double cells[3][3] = {{0, 0, 0}, {1, 1e-3, 2e-3}, {2, -1e-3, INFINITY}};
     sp_table t = table_of("t mean rms", 3, cells[0]);
-    const sp_plot_table shown[2] = {{"x", &t}, {"y", &t}};
+    const sp_plot_table shown[2] = {{"x", &t, false}, {"y", &t, false}};
     assert_ok(sp_plot_ensemble(1, shown, svg, &err));
     says((const char *[]){"\nmean\n", "\nrms deviation\n",
                           "\nF_sig  [10^\xe2\x88\x92"
@@ -231,10 +230,13 @@ static void test_ensemble_modes_section(void **state) {
     free(text);
     sp_table_free(&t);
     const double time[3] = {0, 1, 2}, force[3] = {0, 1, NAN}, nothing[3] = {0, 0, 0};
-    const sp_plot_record record[3] = {{5, 3, time, force}, {10, 3, time, nothing}, {15, 0, time, force}};
+    const sp_plot_record record[3] = {{5, 3, time, force, NULL, NULL, NULL},
+                                      {10, 3, time, nothing, NULL, NULL, NULL},
+                                      {15, 0, time, force, NULL, NULL, NULL}};
     assert_ok(sp_plot_section(3, record, svg, &err));
     says((const char *[]){"\ndistance  [d]\n", "\n10\n", NULL});
-    const sp_plot_record numbered[2] = {{NAN, 3, time, force}, {NAN, 3, time, force}};
+    const sp_plot_record numbered[2] = {{NAN, 3, time, force, NULL, NULL, NULL},
+                                        {NAN, 3, time, force, NULL, NULL, NULL}};
     assert_ok(sp_plot_section(2, numbered, svg, &err));
     says((const char *[]){"\nnumber\n", NULL});
 }
@@ -282,7 +284,7 @@ static void refuse_fronts(int column, double value, const char *reason) {
     memcpy(cells, scaling, sizeof cells);
     cells[1][column] = value;
     sp_table t = table_of(SCALING, 3, cells[0]);
-    const sp_plot_table shown = {"x", &t};
+    const sp_plot_table shown = {"x", &t, false};
     assert_fails(sp_plot_scaling(1, &shown, svg, &err), SP_EREFUSED, reason);
     sp_table_free(&t);
 }
@@ -296,7 +298,8 @@ static void test_refusals(void **state) {
     refuse_fronts(7, -1, "2 amplitude -1");
     const double cells[2][3] = {{1, 2, 3}, {2, -3, NAN}}, nans[2][3] = {{1, NAN, NAN}, {2, NAN, NAN}};
     sp_table t = table_of("a b c", 2, cells[0]);
-    const sp_plot_table shown[7] = {{"x", &t}, {"x", &t}, {"x", &t}, {"x", &t}, {"x", &t}, {"x", &t}, {"x", &t}};
+    const sp_plot_table shown[7] = {{"x", &t, false}, {"x", &t, false}, {"x", &t, false}, {"x", &t, false},
+                                    {"x", &t, false}, {"x", &t, false}, {"x", &t, false}};
     assert_fails(sp_plot_fronts(1, shown, NULL, svg, &err), SP_EINVAL, "distance grains");
     assert_fails(sp_plot_fronts(2, shown, NULL, svg, &err), SP_EINVAL, "1");
     assert_fails(sp_plot_ensemble(1, shown, svg, &err), SP_EINVAL, "t");
@@ -319,11 +322,11 @@ static void test_refusals(void **state) {
     assert_fails(sp_plot_modes(&t, svg, &err), SP_EREFUSED, "");
     assert_fails(sp_plot_fronts(0, shown, NULL, svg, &err), SP_EINVAL, "0");
     sp_table_free(&t);
-    sp_plot_record record = {INFINITY, 0, NULL, NULL};
-    const sp_plot_record some[2] = {{1, 0, NULL, NULL}, {NAN, 0, NULL, NULL}};
+    sp_plot_record record = {INFINITY, 0, NULL, NULL, NULL, NULL, NULL};
+    const sp_plot_record some[2] = {{1, 0, NULL, NULL, NULL, NULL, NULL}, {NAN, 0, NULL, NULL, NULL, NULL, NULL}};
     assert_fails(sp_plot_section(1, &record, svg, &err), SP_EINVAL, "distance inf");
     assert_fails(sp_plot_section(2, some, svg, &err), SP_EINVAL, "2 0 points distance nan");
-    record = (sp_plot_record){1, 0, NULL, NULL};
+    record = (sp_plot_record){1, 0, NULL, NULL, NULL, NULL, NULL};
     assert_fails(sp_plot_section(1, &record, svg, &err), SP_EREFUSED, "1");
     assert_int_equal(access(svg, F_OK), -1);
 }
@@ -351,7 +354,7 @@ static void test_memory(void **state) {
     (void)state;
     const double cells[2][3] = {{0, 0, 0}, {1, 1, 1}};
     sp_table t = table_of(SCALING, 6, scaling[0]), e = table_of("t mean rms", 2, cells[0]);
-    const sp_plot_table shown = {"x", &t}, ensemble = {"x", &e};
+    const sp_plot_table shown = {"x", &t, false}, ensemble = {"x", &e, false};
     /* every third, for time: what is kept of a figure of many bytes grows step by step */
     for (int64_t k = 0;; k += 3) {
         sp_alloc_fail_after(k);

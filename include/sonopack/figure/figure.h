@@ -32,9 +32,10 @@ typedef struct sp_curve {
     int ink;                     /* 0: black, 1 to 6: colours that colour-blind readers can distinguish, -1: grey */
     sp_dash dash;                /* SP_DASH_NONE: marks without a line */
     sp_mark mark;
-    bool open;    /* marks are filled with white */
-    bool steps;   /* histogram: y[k] holds from x[k] to x[k+1]; the last y is not drawn */
-    double width; /* line width [pt]; 0: 1 */
+    bool open;                        /* marks are filled with white */
+    bool steps;                       /* histogram: y[k] holds from x[k] to x[k+1]; the last y is not drawn */
+    double width;                     /* line width [pt]; 0: 1 */
+    const double *bar_low, *bar_high; /* [n] ends of bars, both or none, instead of `error'; NAN: no bar */
 } sp_curve;
 
 typedef struct sp_axis {

@@ -14,10 +14,18 @@
 extern "C" {
 #endif
 
-/* Speeds c_tof, c_l and c_t with error bars against pressure, log-log, with the published c_tof = 0.26 (p/1e-4)^(1/6).
- * The power law of c_tof has the exponent in the metadata of the table, otherwise that of a fit through three or more
- * points. ctof: the table of sp_study_table("ctof"). */
+typedef struct sp_plot_table {
+    const char *label; /* legend entry; NULL or "": none */
+    const sp_table *table;
+    bool named; /* the label is the reader's: it goes before the settings in which tables differ */
+} sp_plot_table;
+
+/* Speeds c_tof, c_l and c_t with error bars against pressure, log-log. The power law of c_tof has the exponent in the
+ * metadata of the table, otherwise that of a fit through three or more points. The published c_tof = 0.26
+ * (p/1e-4)^(1/6) is drawn where all tables say dimension = 2 and have our units, unless the look says otherwise. ctof:
+ * the table of sp_study_table("ctof"). Several tables have one colour each and must have the same units (SP_EINVAL). */
 SP_API sp_status sp_plot_ctof(const sp_table *ctof, const char *path, sp_error *err);
+SP_API sp_status sp_plot_ctof_tables(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
 /* Run time against error, log-log, one symbol for each method. A line joins the methods that are fastest at their
  * error. bench: the table of `sonopack bench' (columns case, method, seconds, error). Methods of other programs, which
@@ -30,6 +38,7 @@ typedef struct sp_plot_trace {
     const double *t, *f;
     double t10, t_peak, t_zero;  /* times of the first front to mark; NAN: none */
     const char *t_unit, *f_unit; /* units of data from elsewhere, "" if unknown; t_unit NULL: the units of sp_signal */
+    const char *place;           /* of the detector, after the label: markup as in figure.h; NULL: none */
 } sp_plot_trace;
 /* Signals F(t). The axes name the units common to all of them. */
 SP_API sp_status sp_plot_signal(int traces, const sp_plot_trace *trace, const char *path, sp_error *err);
@@ -37,15 +46,11 @@ SP_API sp_status sp_plot_signal(int traces, const sp_plot_trace *trace, const ch
 /* Quantity shown by the widths of contact lines: the normal force, or the normal stiffness k_n = 2 E12 sqrt(R12
  * overlap). */
 typedef enum sp_plot_links { SP_PLOT_FORCES = 0, SP_PLOT_STIFFNESS } sp_plot_links;
-/* A packing in 1 or 2 dimensions: grains, rattlers in grey, walls, and a line for each contact that carries load.
- * Grains at periodic edges have images. threshold: as in sp_packing_rattlers. SP_EREFUSED in 3 dimensions. */
+/* A packing: grains, rattlers in grey, walls, and a line for each contact that carries load. Grains at periodic edges
+ * have images. In 3 dimensions three views show grains at half their size. threshold: as in sp_packing_rattlers. */
 SP_API sp_status sp_plot_network(const sp_packing *p, sp_plot_links links, double threshold, const char *path,
                                  sp_error *err);
 
-typedef struct sp_plot_table {
-    const char *label; /* legend entry; NULL or "": none */
-    const sp_table *table;
-} sp_plot_table;
 /* Tables of `sonopack spectrum' against frequency, all of one kind: density of states (also from a table of modes),
  * spectrum of the signal, harmonic response, or participation ratios. */
 SP_API sp_status sp_plot_spectrum(int tables, const sp_plot_table *table, const char *path, sp_error *err);
@@ -55,16 +60,29 @@ SP_API sp_status sp_plot_harmonic(int tables, const sp_plot_table *table, const 
 /* Peak frequencies of the spectral functions against the wave number, with their half widths as bars. */
 SP_API sp_status sp_plot_dispersion(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
-/* One mode of a packing in 1 or 2 dimensions. u: displacements [degrees of freedom of net]. Arrows on the grains show
- * translations; the longest is 1.5 diameters. Tints show rotations. number and omega appear in the key. */
+/* One mode of a packing, in 3 dimensions in three views. u: displacements [degrees of freedom of net]. Arrows on the
+ * grains show translations; the longest is 1.5 diameters. Tints show rotations. number and omega appear in the key. */
 SP_API sp_status sp_plot_mode(const sp_packing *p, const sp_network *net, const double *u, int64_t number, double omega,
                               const char *path, sp_error *err);
 
-/* Displacements of a packing in 1 or 2 dimensions at time t as arrows. u: as from sp_signal_field [degrees of freedom
- * of net]. Grains near the source may move much farther than the wave. Their arrows are cut and have another colour.
- * The key gives the scale. */
+/* Displacements of a packing at time t as arrows, in 3 dimensions in three views. u: as from sp_signal_field [degrees
+ * of freedom of net]. Grains near the source may move much farther than the wave. Their arrows are cut and have another
+ * colour. The key gives the scale. */
 SP_API sp_status sp_plot_snapshot(const sp_packing *p, const sp_network *net, const double *u, double t,
                                   const char *path, sp_error *err);
+
+/* Frames of a movie: the same figures in a file each, with one scale for all. Frames that are written stay if a later
+ * one fails. */
+typedef struct sp_plot_frame {
+    double t;
+    const double *u; /* displacements [degrees of freedom of net] */
+    const char *path;
+} sp_plot_frame;
+SP_API sp_status sp_plot_snapshot_frames(const sp_packing *p, const sp_network *net, int frames,
+                                         const sp_plot_frame *frame, sp_error *err);
+/* A period of a mode in equal steps, cos(2 pi k/frames) u in frame k, with grains that move. path: [frames]. */
+SP_API sp_status sp_plot_mode_frames(const sp_packing *p, const sp_network *net, const double *u, int64_t number,
+                                     double omega, int frames, const char *const *path, sp_error *err);
 
 /* Polar histogram of contact directions from the table of sp_contact_angles_table; histograms of normal forces and
  * stiffnesses from the table of sp_contact_values_table. */
@@ -83,15 +101,18 @@ SP_API sp_status sp_plot_scaling(int tables, const sp_plot_table *table, const c
  * differ, otherwise by their labels. */
 SP_API sp_status sp_plot_ensemble(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
-/* Squared frequency and weight a b of each mode, from a table of `sonopack modes'. */
+/* Squared frequency and weight a b of each mode, from tables of `sonopack modes'. A line would hide what happens
+ * between the rows of a short table: it has marks and bars. */
 SP_API sp_status sp_plot_modes(const sp_table *modes, const char *path, sp_error *err);
+SP_API sp_status sp_plot_modes_tables(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
-/* Record section: each signal is drawn at its distance, scaled by its largest value. If all distances are NAN, the
- * signals are at 1, 2, ... */
+/* Record section: each signal is drawn at its distance, scaled by its largest value; the legend gives the range of
+ * these values. If all distances are NAN, the signals are at 1, 2, ... The units are those of the first record. */
 typedef struct sp_plot_record {
     double distance; /* distance of the detector from the source [d] */
     int64_t n;
     const double *t, *f;
+    const char *t_unit, *f_unit, *distance_unit; /* units of data from elsewhere; NULL: ours; "": unknown */
 } sp_plot_record;
 SP_API sp_status sp_plot_section(int records, const sp_plot_record *record, const char *path, sp_error *err);
 

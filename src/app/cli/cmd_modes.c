@@ -138,6 +138,8 @@ static void add_comments(const arguments *a, const cli_file *file, const sp_mode
     char from[SP_NUMBER_TEXT], to[SP_NUMBER_TEXT];
     cli_comment(w, "file = %s", file->path);
     cli_value(w, "pressure", file->packing.pressure);
+    cli_comment(w, "dimension = %d", net->dim);
+    cli_comment(w, "carrying = %d", net->n); /* grains without the rattlers */
     cli_zero_modes(w, &m->zero);
     if (!a->frequencies_only)
         cli_comment(w, "source = %s", sp_network_touches(net, SP_BOTTOM) ? cli_source_names[a->source] : "none");

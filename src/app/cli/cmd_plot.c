@@ -2,9 +2,12 @@
 #include "base/base.h"
 #include "cli/cli.h"
 #include "cli/output.h"
+#include "cli/plot_frames.h"
 #include "cli/plot_input.h"
+#include "cli/plot_look.h"
 #include "cli/plot_motion.h"
 #include "cli/plot_packing.h"
+#include "cli/plot_signals.h"
 #include "cli/plot_spectrum.h"
 #include "cli/plot_tables.h"
 #include "cli/plot_units.h"
@@ -43,10 +46,15 @@ typedef struct kind {
 struct arguments {
     cli_common common;
     const kind *kind;
+    plot_look look;
+    bool linear, published, unpublished;
+    int log; /* index in plot_look_axes; < 0: not given */
     const char *store, *only, *column, *sample, *table;
     bool surface;
     int64_t mode; /* < 0: not given */
     double time;  /* < 0: not given */
+    int64_t frames;
+    double from, to; /* < 0: not given */
     int files;
     char **file;
 };
@@ -56,7 +64,7 @@ struct arguments {
 /* If a figure cannot be drawn from a file, the error is the file's, not one of usage. Functions that read files name
  * them in their messages (SP_EFORMAT, SP_EIO); those that draw do not know the file, so it is named here. */
 static sp_status blame(sp_status status, const char *path, sp_error *err) {
-    if (status != SP_EINVAL && status != SP_EREFUSED)
+    if ((status != SP_EINVAL && status != SP_EREFUSED) || plot_look_blamed(err))
         return status;
     err->status = status == SP_EINVAL ? SP_EFORMAT : status;
     return *path ? sp_fail_prefix(err, "%s", path) : err->status;
@@ -84,126 +92,25 @@ static sp_status store_table(const arguments *a, sp_table *out, sp_error *err) {
     return status;
 }
 
-static sp_status draw_ctof(const arguments *a, const sp_scene *scene, sp_error *err) {
-    (void)scene;
+static sp_status draw_store(const arguments *a, sp_error *err) {
     sp_table t = sp_table_none();
-    sp_status status = a->store ? store_table(a, &t, err) : plot_read_table(a->file[0], &t, err);
+    const sp_plot_table shown = {.table = &t, .label = a->look.label[0], .named = a->look.labels > 0};
+    sp_status status = store_table(a, &t, err);
     if (status == SP_OK)
-        status = blame(sp_plot_ctof(&t, a->common.output, err), a->store ? a->store : a->file[0], err);
+        status = blame(sp_plot_ctof_tables(1, &shown, a->common.output, err), a->store, err);
     sp_table_free(&t);
     return status;
 }
 
-/* The label of a signal: the file name without folder and ending, and the column if the file has several signals. With
- * a single file the column alone is enough. */
-static char *label_of(const char *path, const char *column, bool files) {
-    enum { SIZE = 256 };
-    const char *slash = strrchr(path, '/'), *name = slash && slash[1] ? slash + 1 : path;
-    const char *dot = strrchr(name, '.');
-    const int length = (int)(dot && dot > name ? dot - name : (ptrdiff_t)strlen(name));
-    char *label = sp_alloc(SIZE, 1);
-    if (label && *column)
-        snprintf(label, SIZE, "%.*s%s%s", files ? length : 0, name, files ? " " : "", column);
-    else if (label)
-        snprintf(label, SIZE, "%.*s", length, name);
-    return label;
-}
-
-/* The trace points to the arrays and units of the signal. */
-static sp_status make_trace(const arguments *a, const char *path, const plot_signal *s, sp_plot_trace *out,
-                            sp_error *err) {
-    char *label = label_of(path, s->name, a->files > 1);
-    if (!label)
-        return sp_fail_memory(err, strlen(path));
-    sp_front front = {.t10 = NAN, .t_peak = NAN, .t_zero = NAN};
-    sp_front_options rule = sp_front_options_default();
-    sp_error reason = {0};
-    rule.window = s->window;
-    if (sp_front_find(s->n, s->t, s->f, &rule, &front, &reason) != SP_OK)
-        cli_note(&a->common, "%s%s%s: the first front is not marked: %s", path, *s->name ? ", " : "", s->name,
-                 reason.text);
-    *out = (sp_plot_trace){.label = label,
-                           .n = s->n,
-                           .t = s->t,
-                           .f = s->f,
-                           .t10 = front.t10,
-                           .t_peak = front.t_peak,
-                           .t_zero = front.t_zero,
-                           .t_unit = s->foreign ? s->t_unit : NULL,
-                           .f_unit = s->foreign ? s->f_unit : NULL};
-    return SP_OK;
-}
-
-/* Too many signals for a legend are drawn one above the other, up to the number that is still legible. */
-static bool is_section(const arguments *a, int traces, const plot_signals *read) {
-    enum { LEGEND_MAX = 10, SECTION_MAX = 60 };
-    bool ours = traces > LEGEND_MAX && traces <= SECTION_MAX;
-    for (int k = 0; k < a->files; k++)
-        for (int j = 0; j < read[k].n; j++)
-            ours = ours && !read[k].signal[j].foreign;
-    return ours;
-}
-
-/* Whether all distances are known and no two are nearly equal. */
-static bool are_distinct(int n, const sp_plot_record *record) {
-    double low = INFINITY, high = -INFINITY, least = INFINITY;
-    bool known = true;
-    for (int k = 0; k < n; k++) {
-        known = known && isfinite(record[k].distance);
-        low = fmin(low, record[k].distance);
-        high = fmax(high, record[k].distance);
-        for (int j = 0; j < k; j++)
-            least = fmin(least, fabs(record[k].distance - record[j].distance));
-    }
-    return known && least > 0.1 * (high - low) / (n - 1);
-}
-
-static sp_status draw_section(const arguments *a, int traces, const plot_signals *read, sp_error *err) {
-    int count = 0;
-    sp_plot_record *record = sp_alloc((size_t)traces, sizeof *record);
-    if (!record)
-        return sp_fail_memory(err, (size_t)traces * sizeof *record);
-    for (int k = 0; k < a->files; k++)
-        for (int j = 0; j < read[k].n; j++) {
-            const plot_signal *s = &read[k].signal[j];
-            record[count++] = (sp_plot_record){.distance = s->distance, .n = s->n, .t = s->t, .f = s->f};
-        }
-    if (!are_distinct(traces, record))
-        for (int k = 0; k < traces; k++)
-            record[k].distance = NAN;
-    const sp_status status = blame(sp_plot_section(traces, record, a->common.output, err), a->file[0], err);
-    sp_free(record);
-    return status;
+static sp_status draw_ctof(const arguments *a, const sp_scene *scene, sp_error *err) {
+    if (a->store)
+        return draw_store(a, err);
+    const plot_tables_want want = {.kind = PLOT_CTOF, .look = &a->look};
+    return blame(plot_tables_files(&a->common, scene, &want, a->files, a->file, err), a->file[0], err);
 }
 
 static sp_status draw_signal(const arguments *a, const sp_scene *scene, sp_error *err) {
-    plot_signals *read = sp_alloc((size_t)a->files, sizeof *read);
-    sp_plot_trace *trace = NULL;
-    int traces = 0, count = 0;
-    sp_status status = read ? SP_OK : sp_fail_memory(err, (size_t)a->files * sizeof *read);
-    for (int k = 0; k < a->files && status == SP_OK; k++) {
-        status = plot_read_signals(a->file[k], scene, &read[k], err);
-        traces += read[k].n;
-    }
-    const bool section = status == SP_OK && is_section(a, traces, read);
-    if (section)
-        status = draw_section(a, traces, read, err);
-    if (status == SP_OK && !section) {
-        trace = sp_alloc((size_t)traces, sizeof *trace);
-        status = trace ? SP_OK : sp_fail_memory(err, (size_t)traces * sizeof *trace);
-    }
-    for (int k = 0; k < a->files && status == SP_OK && trace; k++)
-        for (int j = 0; j < read[k].n && status == SP_OK; j++)
-            status = make_trace(a, a->file[k], &read[k].signal[j], &trace[count++], err);
-    if (status == SP_OK && trace)
-        status = blame(sp_plot_signal(traces, trace, a->common.output, err), a->file[0], err);
-    for (int j = 0; j < count; j++)
-        sp_free((void *)trace[j].label);
-    for (int k = 0; k < a->files && read; k++)
-        plot_signals_free(&read[k]);
-    sp_free(trace);
-    sp_free(read);
-    return status;
+    return blame(plot_signal_files(&a->common, scene, &a->look, a->files, a->file, err), a->file[0], err);
 }
 
 static sp_status draw_network(const arguments *a, const sp_scene *scene, sp_error *err) {
@@ -228,7 +135,7 @@ static sp_status draw_pareto(const arguments *a, const sp_scene *scene, sp_error
 
 static sp_status draw_spectra(const arguments *a, const sp_scene *scene, sp_error *err) {
     const plot_spectra spectra = {
-        .dispersion = a->kind->variant, .column = a->column, .files = a->files, .file = a->file};
+        .dispersion = a->kind->variant, .column = a->column, .look = &a->look, .files = a->files, .file = a->file};
     return blame(plot_spectrum_files(&a->common, scene, &spectra, err), a->file[0], err);
 }
 
@@ -236,6 +143,9 @@ static sp_status draw_motion(const arguments *a, const sp_scene *scene, sp_error
     const plot_motion what = {.mode = a->kind->variant,
                               .number = a->mode,
                               .time = a->time,
+                              .frames = (int)a->frames,
+                              .from = a->from,
+                              .to = a->to,
                               .packing = a->file[0],
                               .given = a->files > 1 ? a->file[1] : NULL,
                               .table = a->table};
@@ -247,15 +157,14 @@ static sp_status draw_contacts(const arguments *a, const sp_scene *scene, sp_err
 }
 
 static sp_status draw_tables(const arguments *a, const sp_scene *scene, sp_error *err) {
-    const plot_tables_kind of = (plot_tables_kind)a->kind->variant;
-    return blame(plot_tables_files(&a->common, scene, of, a->sample, a->files, a->file, err),
-                 a->sample ? "" : a->file[0], err);
+    const plot_tables_want want = {.kind = (plot_tables_kind)a->kind->variant, .look = &a->look, .sample = a->sample};
+    return blame(plot_tables_files(&a->common, scene, &want, a->files, a->file, err), a->sample ? "" : a->file[0], err);
 }
 
 static sp_status draw_column(const arguments *a, const sp_scene *scene, sp_error *err) {
     (void)scene;
     const sp_plot_column_options options = {.surface = a->surface, .column = a->column};
-    return blame(plot_column_files(&a->common, &options, a->files, a->file, err), a->file[0], err);
+    return blame(plot_column_files(&a->common, &options, &a->look, a->files, a->file, err), a->file[0], err);
 }
 
 static const char *const kind_names[] = {"ctof",       "signal", "network", "stiffness", "angles", "forces",
@@ -263,7 +172,7 @@ static const char *const kind_names[] = {"ctof",       "signal", "network", "sti
                                          "dispersion", "wave",   "column",  "mode",      "modes",  NULL};
 enum { ANY = 1 << 16 };
 /* in the order of their names */
-static const kind kinds[] = {{draw_ctof, 1, "", 0},
+static const kind kinds[] = {{draw_ctof, 12, "", 0},
                              {draw_signal, ANY, "network signal", 0},
                              {draw_network, 1, "network", SP_PLOT_FORCES},
                              {draw_network, 1, "network", SP_PLOT_STIFFNESS},
@@ -279,7 +188,7 @@ static const kind kinds[] = {{draw_ctof, 1, "", 0},
                              {draw_tables, 6, "", PLOT_WAVE},
                              {draw_column, 6, "", 0},
                              {draw_motion, 2, "network", true},
-                             {draw_tables, 1, "", PLOT_MODES}};
+                             {draw_tables, 6, "", PLOT_MODES}};
 
 /* ---- the command ------------------------------------------------------------------------------------------------ */
 
@@ -293,6 +202,31 @@ static sp_status check_column(const arguments *a, sp_error *err) {
     static const char *const words[] = {"alpha", "k", "speed", NULL};
     int word;
     return cli_choose("--column", c, words, &word, err);
+}
+
+static sp_status check_look(arguments *a, sp_error *err) {
+    if (a->published && a->unpublished)
+        return sp_fail(err, SP_EINVAL, "--published and --no-published: must be one of them");
+    if (a->published || a->unpublished)
+        a->look.look.published = a->published ? SP_PLOT_PUBLISHED_ALWAYS : SP_PLOT_PUBLISHED_NEVER;
+    plot_look_log(&a->look, a->log);
+    if (a->linear)
+        plot_look_linear(&a->look);
+    return plot_look_check(&a->look, a->store ? 1 : a->files, err);
+}
+
+static sp_status check_frames(const arguments *a, sp_error *err) {
+    if (a->frames == 0 && (a->from >= 0 || a->to >= 0))
+        return sp_fail(err, SP_EINVAL, "--%s: needs --frames", a->from >= 0 ? "from" : "to");
+    if (a->frames > 0 && (a->time >= 0 || a->table))
+        return sp_fail(err, SP_EINVAL, "--frames %lld: a movie takes no --%s", (long long)a->frames,
+                       a->table ? "table" : "time");
+    if (a->frames > 0 && a->files > 1 && a->kind->draw == draw_motion && !a->kind->variant)
+        return sp_fail(err, SP_EINVAL, "--frames %lld: the table %s has one time only", (long long)a->frames,
+                       a->file[1]);
+    if (a->from >= 0 && a->to >= 0 && a->from >= a->to)
+        return sp_fail(err, SP_EINVAL, "--from %g: must be below --to %g", a->from, a->to);
+    return SP_OK;
 }
 
 static sp_status check(void *user, sp_error *err) {
@@ -313,8 +247,27 @@ static sp_status check(void *user, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "--set: no key of a scene changes a figure of %s", name);
     if (!a->common.output)
         return sp_fail(err, SP_EINVAL, "no -o FILE: must end in .svg, .png or .pdf");
-    return a->column ? check_column(a, err) : SP_OK;
+    sp_status status = check_look(a, err);
+    if (status == SP_OK)
+        status = check_frames(a, err);
+    return status == SP_OK && a->column ? check_column(a, err) : status;
 }
+
+static sp_status set_x(void *user, const char *text, sp_error *err) {
+    return plot_look_range("--x", text, ((arguments *)user)->look.look.x, err);
+}
+
+static sp_status set_y(void *user, const char *text, sp_error *err) {
+    return plot_look_range("--y", text, ((arguments *)user)->look.look.y, err);
+}
+
+static sp_status add_label(void *user, const char *text, sp_error *err) {
+    return plot_look_label(&((arguments *)user)->look, text, err);
+}
+
+/* Kinds with axes, and kinds with a legend of files. */
+#define WITH_AXES   "ctof signal forces fronts scaling ensemble pareto spectrum dispersion wave column modes"
+#define WITH_LABELS "ctof signal fronts scaling ensemble spectrum dispersion wave column modes"
 
 static const cli_option options[] = {
     {"store", "DIR", "ctof: use the samples in this folder instead of a table", CLI_TEXT,
@@ -329,27 +282,49 @@ static const cli_option options[] = {
     {"time", "T",
      "snapshot: time after the pulse (3.2 H (p/1e-4)^(-1/6), with the wave about three quarters of the way)",
      CLI_NUMBER, .field = offsetof(arguments, time), .high = 1e9, .kinds = "snapshot", .unit = "d/sqrt(E* / rho)"},
+    {"frames", "N",
+     "mode, snapshot: a movie of N numbered frames: FIGURE is wave-%04d.png, or wave.png for wave-0001.png, ...",
+     CLI_INTEGER, .field = offsetof(arguments, frames), .low = 2, .high = PLOT_FRAMES_MAX, .kinds = "mode snapshot"},
+    {"from", "T", "snapshot --frames: time of the first frame (0)", CLI_NUMBER, .field = offsetof(arguments, from),
+     .high = 1e9, .kinds = "snapshot", .unit = "d/sqrt(E* / rho)"},
+    {"to", "T", "snapshot --frames: time of the last frame (4.3 H (p/1e-4)^(-1/6))", CLI_NUMBER,
+     .field = offsetof(arguments, to), .high = 1e9, .kinds = "snapshot", .unit = "d/sqrt(E* / rho)"},
     {"table", "FILE", "mode, snapshot: write the displacements to this table too (.tsv, .csv, .json)", CLI_TEXT,
      .field = offsetof(arguments, table), .kinds = "mode snapshot"},
     {"signal", "FILE", "fronts: a signal or packing, drawn in an inset that explains the marks of the front", CLI_TEXT,
      .field = offsetof(arguments, sample), .kinds = "fronts"},
     {"surface", NULL, "column: draw a trajectory or densities as a surface over particle and time", CLI_FLAG,
      .field = offsetof(arguments, surface), .kinds = "column"},
+    {.help = "Look:"},
+    {"title", "TEXT", "Title above the figure", CLI_TEXT, .field = offsetof(arguments, look.look.title)},
+    {"label", "TEXT", "Name of a file in the legend (repeatable: one for each file, in their order)",
+     .parse = add_label, .kinds = WITH_LABELS},
+    {"x", "LO:HI", "Limits of the x axis, or LO: or :HI", .parse = set_x, .kinds = WITH_AXES},
+    {"y", "LO:HI", "Limits of the y axis, of several panels that of the first", .parse = set_y, .kinds = WITH_AXES},
+    {"log", "x|y|xy", "Make these axes logarithmic", CLI_CHOICE, .field = offsetof(arguments, log),
+     .words = plot_look_axes, .kinds = WITH_AXES},
+    {"linear", NULL, "Make the axes linear that --log does not name", CLI_FLAG, .field = offsetof(arguments, linear),
+     .kinds = WITH_AXES},
+    {"published", NULL, "ctof: draw the published line even over data that do not say that they are two-dimensional",
+     CLI_FLAG, .field = offsetof(arguments, published), .kinds = "ctof"},
+    {"no-published", NULL, "ctof: leave out the published line", CLI_FLAG, .field = offsetof(arguments, unpublished),
+     .kinds = "ctof"},
     {0}};
 
 static const cli_syntax syntax = {
     .usage = "KIND FILE... -o FIGURE\nctof --store DIR -o FIGURE",
     .help =
         "Draws figures one print column (86 mm) wide, as PNG (300 dpi), SVG or PDF by the ending of FIGURE.\v"
-        "ctof: speed against pressure, with the published c_tof = 0.26 (p/1e-4)^(1/6), from a table of `sonopack "
-        "table ctof' (TSV or CSV).\n"
+        "ctof: speed against pressure from tables of `sonopack table ctof' (TSV or CSV), with the published c_tof = "
+        "0.26 "
+        "(p/1e-4)^(1/6) where they say that they are of two dimensions.\n"
         "signal: F(t) of tables with columns t and F (or F1, F2, ...), or of packings, whose signal is computed. The "
         "first front is marked by a triangle at 10% of its peak, a circle at the peak, and a square at the zero "
         "crossing. More than ten signals are drawn one above the other, at their distances if these are known.\n"
         "network: a packing with its contacts as lines, whose width shows the normal force; rattlers are grey.\n"
         "stiffness: the same with the normal stiffness.\n"
         "angles: directions of the contacts of packings, at least 3 d from the walls: all, strong and weak contacts; "
-        "a circle of radius 1 is isotropic.\n"
+        "a circle of radius 1 is isotropic. In three dimensions angles are those above the walls.\n"
         "forces: histograms of normal forces and stiffnesses, divided by their means.\n"
         "snapshot: displacements of the grains at a time after the pulse. A second FILE, a table of --table, is drawn "
         "in place of computing them.\n"
@@ -371,8 +346,10 @@ static const cli_syntax syntax = {
         "mode: the displacements of a mode as arrows on the grains, tinted where they rotate. A second FILE, of "
         "`sonopack "
         "modes --vectors' (HDF5 or table) or a table of --table, is drawn in place of computing the mode.\n"
-        "In three dimensions mode and snapshot show two views, along y and along x; far grains are paler.\n"
-        "modes: omega^2 and a b against n, from a table of `sonopack modes'.\n"
+        "In three dimensions network, stiffness, mode and snapshot show three views: along y, along x and from above.\n"
+        "--frames makes a movie of a mode (one period) or of a wave, one numbered file a frame, all at one scale.\n"
+        "modes: omega^2 and a b against n, from tables of `sonopack modes'.\n"
+        "Axes have the units of the tables; tables of one figure must have the same.\n"
         "\n"
         "--set changes keys of network and signal.",
     .finds_material = true,
@@ -396,7 +373,7 @@ static sp_status may_write(const arguments *a, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "-o %s: the ending of a figure must be .svg, .png or .pdf", path);
     if (a->common.format_given)
         return sp_fail(err, SP_EINVAL, "--format: applies only to tables; a figure has the format of its ending");
-    return cli_may_write(&a->common, path, err);
+    return a->frames > 0 ? plot_frames_may_write(&a->common, a->frames, err) : cli_may_write(&a->common, path, err);
 }
 
 /* Figures whose units are those of a table or a signal. */
@@ -405,8 +382,9 @@ static bool takes_si(const kind *k) {
 }
 
 int cmd_plot(int argc, char **argv) {
-    arguments a = {.mode = -1, .time = -1};
+    arguments a = {.mode = -1, .log = -1, .time = -1, .from = -1, .to = -1, .look = plot_look_default()};
     cli_parse(&syntax, argc, argv, &a);
+    sp_plot_set_look(&a.look.look);
     sp_error err = {0};
     sp_scene scene = sp_scene_default();
     sp_status status = may_write(&a, &err);

@@ -157,6 +157,7 @@ static void to_si(plot_signal *s) {
     }
     s->window *= time;
     s->distance *= length;
+    s->length_unit = "mm";
     s->foreign = true;
 }
 
@@ -180,6 +181,9 @@ static sp_status packing_signal(const char *path, const sp_scene *scene, plot_si
         memcpy(t + signal.n, signal.f, (size_t)signal.n * sizeof *t);
         *out = (plot_signal){.n = signal.n, .t = t, .f = t + signal.n, .window = window};
         out->distance = sp_packing_height(&p);
+        snprintf(out->t_unit, sizeof out->t_unit, "d/sqrt(E* / rho)");
+        snprintf(out->f_unit, sizeof out->f_unit, "E* d^2");
+        out->length_unit = "d";
         to_si(out);
     } else if (status == SP_OK) {
         status = sp_fail_memory(err, (size_t)signal.n * 2 * sizeof *t);
@@ -304,8 +308,12 @@ static void name_signal(const sp_table *table, int k, bool several, plot_signal 
     const bool shear = length > 6 && strcmp(to.word + length - 6, ":shear") == 0;
     if (isfinite(to.plane)) {
         out->distance = to.plane;
-        if (several)
+        if (several) {
             snprintf(out->name, sizeof out->name, "y = %.4g%s", to.plane, shear ? " shear" : "");
+            const char *unit = strcmp(out->length_unit, "d") == 0 ? "|d|" : out->length_unit;
+            snprintf(out->place, sizeof out->place, "|y| = %.4g%s%s%s", to.plane, *unit ? " " : "", unit,
+                     shear ? ", shear" : "");
+        }
         return;
     }
     if (several && length > normal)

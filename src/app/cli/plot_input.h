@@ -24,6 +24,7 @@ typedef struct plot_signal {
     double height;                                                                   /* of the packing; NAN: unknown */
     double distance; /* from the bottom wall to the detector; NAN: unknown */
     char name[64];   /* of one signal of several: "y = 25", the detector, or "F2"; else "" */
+    char place[64];  /* the same for a plane as markup with its unit; else "" */
 } plot_signal;
 
 /* The detector of a signal's column by the table's metadata, "F2 = from bottom:normal to plane:25:normal, ...". */

@@ -4,6 +4,7 @@
 #include "base/base.h"
 #include "cli/files.h"
 #include "cli/motion.h"
+#include "cli/plot_frames.h"
 #include "cli/plot_input.h"
 
 #include <math.h>
@@ -16,7 +17,8 @@ typedef struct drawing {
     const plot_motion *what;
     sp_packing packing;
     sp_network net;
-    double *u;
+    double *u; /* [frames, or 1][degrees of freedom] */
+    double *t; /* [frames] times of a movie of snapshots, else NULL */
     cli_motion motion;
 } drawing;
 
@@ -31,8 +33,10 @@ static sp_status make_network(drawing *d, const sp_network_options *options, sp_
     if (status != SP_OK)
         return status;
     d->motion.made = *options;
-    d->u = sp_alloc((size_t)sp_network_dofs(&d->net), sizeof *d->u);
-    return d->u ? SP_OK : sp_fail_memory(err, (size_t)sp_network_dofs(&d->net) * sizeof *d->u);
+    const size_t fields = d->what->frames > 0 && !d->what->mode ? (size_t)d->what->frames : 1;
+    const size_t room = (size_t)sp_network_dofs(&d->net) * sizeof *d->u;
+    d->u = sp_alloc(fields, room);
+    return d->u ? SP_OK : sp_fail_memory(err, fields * room);
 }
 
 /* ---- modes ------------------------------------------------------------------------------------------------------ */
@@ -130,13 +134,36 @@ static sp_status read_mode(drawing *d, sp_error *err) {
 
 /* ---- snapshots and tables --------------------------------------------------------------------------------------- */
 
+/* The displacements of all frames, in one pass. usual: when the wave is about three quarters of the way. */
+static sp_status compute_frames(drawing *d, double usual, sp_error *err) {
+    const int frames = d->what->frames;
+    const double from = fmax(0, d->what->from), to = d->what->to >= 0 ? d->what->to : usual / 0.75;
+    if (!(from < to))
+        return sp_fail(err, SP_EINVAL, "--from %g: must be before the last frame, at %g (--to)", from, to);
+    double *errors = sp_alloc((size_t)frames, sizeof *errors);
+    d->t = sp_alloc((size_t)frames, sizeof *d->t);
+    sp_status status = errors && d->t ? SP_OK : sp_fail_memory(err, (size_t)frames * sizeof *errors);
+    for (int k = 0; k < frames && status == SP_OK; k++)
+        d->t[k] = from + (to - from) * k / (frames - 1);
+    d->motion.source = d->scene->signal.source;
+    const sp_field_options spec = {
+        .source = d->motion.source, .times = frames, .t = d->t, .threads = d->common->threads};
+    if (status == SP_OK)
+        status = of_packing(d, sp_signal_field(&d->net, &spec, d->u, errors, err), err);
+    sp_free(errors);
+    return status;
+}
+
 static sp_status compute_snapshot(drawing *d, sp_error *err) {
     sp_status status = make_network(d, &d->scene->network, err);
     if (status != SP_OK)
         return status;
     /* 80 at a height of 25 and p = 1e-4, as in Fig. 3 of Somfai et al. 2005 */
     const double pressure = d->packing.pressure, height = sp_packing_height(&d->packing);
-    d->motion.t = d->what->time >= 0 ? d->what->time : 3.2 * height * pow(pressure / 1e-4, -1.0 / 6);
+    const double usual = 3.2 * height * pow(pressure / 1e-4, -1.0 / 6);
+    if (d->what->frames > 0)
+        return compute_frames(d, usual, err);
+    d->motion.t = d->what->time >= 0 ? d->what->time : usual;
     d->motion.source = d->scene->signal.source;
     const sp_field_options spec = {
         .source = d->motion.source, .times = 1, .t = &d->motion.t, .threads = d->common->threads};
@@ -187,8 +214,38 @@ static sp_status find_motion(drawing *d, sp_error *err) {
     return status;
 }
 
+static sp_status draw_snapshots(const drawing *d, char **path, sp_error *err) {
+    const int frames = d->what->frames;
+    const int64_t dofs = sp_network_dofs(&d->net);
+    sp_plot_frame *frame = sp_alloc((size_t)frames, sizeof *frame);
+    if (!frame)
+        return sp_fail_memory(err, (size_t)frames * sizeof *frame);
+    for (int k = 0; k < frames; k++)
+        frame[k] = (sp_plot_frame){.t = d->t[k], .u = d->u + k * dofs, .path = path[k]};
+    const sp_status status = sp_plot_snapshot_frames(&d->packing, &d->net, frames, frame, err);
+    sp_free(frame);
+    return status;
+}
+
+static sp_status draw_frames(const drawing *d, sp_error *err) {
+    const cli_motion *m = &d->motion;
+    char **path = NULL;
+    sp_status status = plot_frame_paths(d->common->output, d->what->frames, &path, err);
+    if (status != SP_OK)
+        return status;
+    if (m->mode)
+        status = sp_plot_mode_frames(m->packing, m->net, m->u, m->number, m->omega, d->what->frames,
+                                     (const char *const *)path, err);
+    else
+        status = draw_snapshots(d, path, err);
+    sp_free(path);
+    return of_packing(d, status, err);
+}
+
 static sp_status draw(const drawing *d, sp_error *err) {
     const cli_motion *m = &d->motion;
+    if (d->what->frames > 0)
+        return draw_frames(d, err);
     const char *path = d->common->output;
     sp_status status = d->what->table ? cli_motion_write(d->common, m, d->what->table, err) : SP_OK;
     if (status != SP_OK)
@@ -205,6 +262,7 @@ sp_status plot_motion_file(const cli_common *common, const sp_scene *scene, cons
     if (status == SP_OK)
         status = draw(&d, err);
     sp_free(d.u);
+    sp_free(d.t);
     sp_network_free(&d.net);
     sp_packing_free(&d.packing);
     return status;

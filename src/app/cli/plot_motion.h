@@ -10,6 +10,8 @@ typedef struct plot_motion {
     double time;    /* of the snapshot; < 0: when the front has travelled about three quarters of the height */
     const char *packing;
     const char *given; /* file of modes, or table of displacements, drawn instead of computing them; or NULL */
+    int frames;        /* of a movie; 0: one figure */
+    double from, to;   /* times of the first and the last frame of a snapshot; < 0: from the pulse, until it is there */
     const char *table; /* write the displacements to this table too; or NULL */
 } plot_motion;
 

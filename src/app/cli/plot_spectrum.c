@@ -33,6 +33,7 @@ sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, c
     plot_tables t;
     bool packing = false;
     sp_status status = plot_tables_alloc(spectra->files, spectra->file, &t, err);
+    plot_tables_name(&t, spectra->look);
     for (int k = 0; k < t.files && status == SP_OK; k++) {
         status = plot_is_packing(t.file[k], &packing, err);
         if (status == SP_OK)

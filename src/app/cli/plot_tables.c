@@ -1,4 +1,4 @@
-/* Draws tables of fronts, ensembles, modes, waves and the tapped column. */
+/* Draws tables of speeds, fronts, ensembles, modes, waves and the tapped column. */
 #include "cli/plot_tables.h"
 
 #include "base/base.h"
@@ -45,7 +45,8 @@ static sp_status draw(const cli_common *common, plot_tables_kind kind, int files
     case PLOT_FRONTS: return sp_plot_fronts(files, shown, NULL, common->output, err);
     case PLOT_SCALING: return sp_plot_scaling(files, shown, common->output, err);
     case PLOT_ENSEMBLE: return sp_plot_ensemble(files, shown, common->output, err);
-    case PLOT_MODES: return sp_plot_modes(shown[0].table, common->output, err);
+    case PLOT_MODES: return sp_plot_modes_tables(files, shown, common->output, err);
+    case PLOT_CTOF: return sp_plot_ctof_tables(files, shown, common->output, err);
     case PLOT_WAVE: return sp_plot_wave(files, shown, common->output, err);
     }
     return SP_EINVAL;
@@ -58,7 +59,7 @@ sp_status plot_tables_alloc(int files, char **file, plot_tables *out, sp_error *
     if (!out->table || !out->shown || !out->name)
         return sp_fail_memory(err, (size_t)files * (sizeof *out->table + sizeof *out->shown + sizeof *out->name));
     for (int k = 0; k < files; k++)
-        out->shown[k] = (sp_plot_table){plot_name(file[k], out->name[k]), &out->table[k]};
+        out->shown[k] = (sp_plot_table){.label = plot_name(file[k], out->name[k]), .table = &out->table[k]};
     return SP_OK;
 }
 
@@ -68,6 +69,13 @@ void plot_tables_free(plot_tables *t) {
     sp_free(t->table);
     sp_free(t->shown);
     sp_free(t->name);
+}
+
+void plot_tables_name(plot_tables *t, const plot_look *look) {
+    for (int k = 0; t->shown && k < t->files && k < look->labels; k++) {
+        t->shown[k].label = look->label[k];
+        t->shown[k].named = true;
+    }
 }
 
 static sp_status read_tables(int files, char **file, plot_tables *out, sp_error *err) {
@@ -83,21 +91,23 @@ static sp_status read_tables(int files, char **file, plot_tables *out, sp_error 
     return status;
 }
 
-sp_status plot_tables_files(const cli_common *common, const sp_scene *scene, plot_tables_kind kind, const char *sample,
-                            int files, char **file, sp_error *err) {
+sp_status plot_tables_files(const cli_common *common, const sp_scene *scene, const plot_tables_want *want, int files,
+                            char **file, sp_error *err) {
     plot_tables t;
     sp_status status = read_tables(files, file, &t, err);
+    plot_tables_name(&t, want->look);
     if (status == SP_OK)
-        status = sample ? draw_with_sample(common, scene, sample, files, t.shown, err)
-                        : draw(common, kind, files, t.shown, err);
+        status = want->sample ? draw_with_sample(common, scene, want->sample, files, t.shown, err)
+                              : draw(common, want->kind, files, t.shown, err);
     plot_tables_free(&t);
     return status;
 }
 
-sp_status plot_column_files(const cli_common *common, const sp_plot_column_options *options, int files, char **file,
-                            sp_error *err) {
+sp_status plot_column_files(const cli_common *common, const sp_plot_column_options *options, const plot_look *look,
+                            int files, char **file, sp_error *err) {
     plot_tables t;
     sp_status status = read_tables(files, file, &t, err);
+    plot_tables_name(&t, look);
     if (status == SP_OK)
         status = sp_plot_column(files, t.shown, options, common->output, err);
     plot_tables_free(&t);

@@ -53,7 +53,7 @@ static sp_status draw(damped *d, sp_error *err) {
                                  .dash = SP_DASH_DASHED,
                                  .width = 0.9};
         panel[k] = (sp_panel){.tag = tags[k],
-                              .x = {"time |t|", false, 0, until},
+                              .x = {PAPER_TIME_AXIS, false, 0, until},
                               .y = {"|F|_{sig} / first peak", false, NAN, NAN},
                               .curves = CURVES,
                               .curve = curve[k],

@@ -201,8 +201,8 @@ static sp_status draw(paper *p, int item, scaling part[2][SYSTEMS], sp_error *er
                 main[k][s].label = NULL; /* the panel above has the legend */
             system_curve(s, &part[k][s], false, &small[k][s]);
         }
-        inset[k] = (sp_panel){.x = {"|L|", true, NAN, NAN},
-                              .y = {k == 0 ? "|A|" : "|W|", true, NAN, NAN},
+        inset[k] = (sp_panel){.x = {"|L| [|d|]", true, NAN, NAN},
+                              .y = {k == 0 ? "|A|/|A|_{1}" : "|W|/|W|_{1}", true, NAN, NAN},
                               .curves = SYSTEMS,
                               .curve = small[k]};
         panel[k] = (sp_panel){
@@ -213,7 +213,7 @@ static sp_status draw(paper *p, int item, scaling part[2][SYSTEMS], sp_error *er
             .curve = main[k],
             .inset = &inset[k]};
     }
-    const sp_sheet sheet = {.title = "Effective exponents", .rows = 2, .columns = 1, .panel = panel};
+    const sp_sheet sheet = {.title = "Effective exponents", .rows = 2, .columns = 1, .panel = panel, .aspect = 0.95};
     return sp_paper_draw(
         p, item, "fig7", &sheet,
         "Local exponents of (a) the height A of the first peak and (b) its width W = t_zero - t10; insets: "

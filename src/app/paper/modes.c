@@ -120,17 +120,19 @@ static sp_status draw_spectrum(const paper_work *s, const sp_modes *m, const poi
                                  circles(PICKED, q->picked_n, q->picked_square)};
     const sp_curve weights[2] = {{.n = m->n, .x = q->n, .y = q->weight, .width = 0.5},
                                  circles(PICKED, q->picked_n, q->picked_weight)};
-    const sp_panel inset = {
-        .x = {"|n|", false, NAN, NAN}, .y = {"|ω|^{2}", false, 0, NAN}, .curves = 3, .curve = small};
+    const sp_panel inset = {.x = {"|n|", false, NAN, NAN},
+                            .y = {"|ω|^{2}  [|E|*/(|ρ d|^{2})]", false, 0, NAN},
+                            .curves = 3,
+                            .curve = small};
     const sp_panel panel[2] = {{.tag = "(a)",
                                 .x = {"mode |n|", false, 0, (double)m->n},
-                                .y = {"|ω|_{|n|}^{2}", false, 0, NAN},
+                                .y = {"|ω|_{|n|}^{2}  [|E|*/(|ρ d|^{2})]", false, 0, NAN},
                                 .curves = 2,
                                 .curve = squares,
                                 .inset = &inset},
                                {.tag = "(b)",
                                 .x = {"mode |n|", false, 0, (double)m->n},
-                                .y = {"|a|_{|n|} |b|_{|n|}", false, NAN, NAN},
+                                .y = {"|a|_{|n|} |b|_{|n|}  [|E|* |d|^{2}]", false, NAN, NAN},
                                 .curves = 2,
                                 .curve = weights,
                                 .zero_line = true}};

@@ -84,6 +84,10 @@ typedef sp_status (*paper_visit)(const sp_sample *s, const sp_packing *packing, 
 sp_status sp_paper_walk(paper *p, paper_ensemble e, double pressure, int32_t grains, int64_t most, paper_visit visit,
                         void *user, sp_error *err);
 
+/* ---- figures ---------------------------------------------------------------------------------------------------- */
+
+#define PAPER_TIME_AXIS "time |t|  [|d| (|ρ|/|E|*)^{1/2}]"
+
 /* ---- results ---------------------------------------------------------------------------------------------------- */
 
 /* Judges a row and adds it. */

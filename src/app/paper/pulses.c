@@ -68,7 +68,7 @@ sp_status sp_paper_make_fig4(paper *p, int item, sp_error *err) {
             break;
         sp_paper_signals_over(&s[k], sp_paper_signals_peak(&s[k]));
         panel[k] = (sp_panel){.tag = tags[k],
-                              .x = {"time |t|", false, 0, 400},
+                              .x = {PAPER_TIME_AXIS, false, 0, 400},
                               .y = {"|F|_{sig} / first peak of the mean", false, NAN, NAN},
                               .curves = fill_panel(k, &s[k], curve[k]),
                               .curve = curve[k],
@@ -118,7 +118,7 @@ sp_status sp_paper_make_fig5(paper *p, int item, sp_error *err) {
     const int first = n > 1 && d[0].grains == 100; /* its amplitude would dwarf the others */
     for (int k = first; k < n && status == SP_OK; k++) {
         status = coherent_curve(p, &d[k], curves, &s[k], &curve[curves], err);
-        snprintf(label[k], sizeof label[k], "|L| = %.1f", d[k].distance);
+        snprintf(label[k], sizeof label[k], "|L| = %.1f |d|", d[k].distance);
         curve[curves++].label = label[k];
     }
     double peak = 1;
@@ -127,8 +127,8 @@ sp_status sp_paper_make_fig5(paper *p, int item, sp_error *err) {
     for (int k = first; k < n; k++)
         if (s[k].t)
             sp_paper_signals_over(&s[k], peak);
-    const sp_panel panel = {.x = {"time |t|", false, 0, NAN},
-                            .y = {"mean |F|_{sig} / lowest box", false, NAN, NAN},
+    const sp_panel panel = {.x = {PAPER_TIME_AXIS, false, 0, NAN},
+                            .y = {"mean |F|_{sig} / peak of the lowest box", false, NAN, NAN},
                             .curves = curves,
                             .curve = curve,
                             .zero_line = true};
@@ -255,8 +255,10 @@ static sp_status draw_arrivals(paper *p, int item, const arrivals *a, sp_error *
     sp_status status = sp_paper_signals_make(p, PAPER_SQUARE, 0, 180, 721, &s, err);
     if (status != SP_OK)
         return status;
-    sp_panel inset = {
-        .x = {"|t|", false, 0, 180}, .y = {"|F|_{sig}", false, NAN, NAN}, .curve = small, .zero_line = true};
+    sp_panel inset = {.x = {"|t|  [|d| (|ρ|/|E|*)^{1/2}]", false, 0, 180},
+                      .y = {"|F|_{sig} / peak", false, NAN, NAN},
+                      .curve = small,
+                      .zero_line = true};
     if (sp_front_find(s.points, s.t, s.single, &rule, &front, NULL) == SP_OK) {
         for (int32_t k = 0; k < s.points; k++)
             s.single[k] /= front.amplitude;
@@ -265,7 +267,7 @@ static sp_status draw_arrivals(paper *p, int item, const arrivals *a, sp_error *
         inset.curves = MARKS + 1;
     }
     const sp_panel panel = {.x = {"distance |L| [|d|]", false, 0, NAN},
-                            .y = {"time |t|", false, NAN, NAN},
+                            .y = {PAPER_TIME_AXIS, false, NAN, NAN},
                             .curves = curves,
                             .curve = curve,
                             .inset = inset.curves > 0 ? &inset : NULL};

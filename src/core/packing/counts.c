@@ -26,10 +26,24 @@ static bool counts(const sp_packing *p, const sp_contact *k, double margin) {
     return k->j >= 0 && y >= margin && y <= sp_packing_height(p) - margin;
 }
 
-/* n and -n are equivalent. Bins are centred at 0, 5, ... degrees, where lattices have their bonds. */
-static int angle_bin(const sp_contact *k) {
-    const double angle = atan2(k->n[1], k->n[0]); /* -pi .. pi */
-    return (int)(floor(angle / PI * SP_ANGLE_BINS + 0.5) + SP_ANGLE_BINS) % SP_ANGLE_BINS;
+/* n and -n are equivalent. Bins are centred at 0, 5, ... degrees, where lattices have their bonds. In three dimensions
+ * the angle is that of elevation above the walls, and the bins are wider: few directions are nearly upright. */
+static int bins_of(int dim) { return dim == 3 ? SP_ELEVATION_BINS : SP_ANGLE_BINS; }
+
+static int angle_bin(const sp_packing *p, const sp_contact *k) {
+    const int bins = bins_of(p->dim);
+    const double angle = p->dim == 3 ? asin(fmin(1, fabs(k->n[2]))) : atan2(k->n[1], k->n[0]); /* -pi .. pi */
+    return (int)(floor(angle / PI * bins + 0.5) + bins) % bins;
+}
+
+/* Part of isotropic directions in a bin. In three dimensions bin b and bins - b are on both sides of the vertical and
+ * hold the same contacts. */
+static double isotropic_part(int dim, int b) {
+    if (dim != 3)
+        return 1.0 / SP_ANGLE_BINS;
+    const int to_level = b <= SP_ELEVATION_BINS / 2 ? b : SP_ELEVATION_BINS - b;
+    const double low = (to_level - 0.5) * PI / SP_ELEVATION_BINS, high = (to_level + 0.5) * PI / SP_ELEVATION_BINS;
+    return sin(fmin(high, 0.5 * PI)) - sin(fmax(low, 0));
 }
 
 static int value_bin(double value, double mean) {
@@ -53,10 +67,10 @@ static void count_all(const sp_packing *p, const uint8_t *carrying, double margi
             own->force[value_bin(k->fn, own->mean_force)] += 1;
             own->stiffness[value_bin(contact_kn(p, k), own->mean_stiffness)] += 1;
             own->strong += strong;
-            if (p->dim != 2)
+            if (p->dim == 1)
                 continue;
-            own->all[angle_bin(k)] += 1;
-            (strong ? own->strong_of : own->weak_of)[angle_bin(k)] += 1;
+            own->all[angle_bin(p, k)] += 1;
+            (strong ? own->strong_of : own->weak_of)[angle_bin(p, k)] += 1;
         }
         if (pass == 0 && own->n > 0) {
             own->mean_force /= own->n;
@@ -65,13 +79,17 @@ static void count_all(const sp_packing *p, const uint8_t *carrying, double margi
     }
 }
 
-static void add_angles(sp_angle_counts *to, double n, const double *bins) {
+static double counted(int dim, const double *bins, int b) {
+    return dim == 3 && b > SP_ELEVATION_BINS / 2 ? bins[SP_ELEVATION_BINS - b] : bins[b];
+}
+
+static void add_angles(sp_angle_counts *to, int dim, double n, const double *bins) {
     if (!(n > 0))
         return;
     to->packings++;
     to->contacts += n;
-    for (int b = 0; b < SP_ANGLE_BINS; b++) {
-        const double density = bins[b] * SP_ANGLE_BINS / n;
+    for (int b = 0; b < bins_of(dim); b++) {
+        const double density = counted(dim, bins, b) / (n * isotropic_part(dim, b));
         to->sum[b] += density;
         to->squares[b] += density * density;
     }
@@ -114,9 +132,9 @@ sp_status sp_contact_counts_add(sp_contact_counts *c, const sp_packing *p, doubl
         c->dim = p->dim;
         c->packings++;
         c->contacts += own->n;
-        add_angles(&c->all, own->n, own->all);
-        add_angles(&c->strong, own->strong, own->strong_of);
-        add_angles(&c->weak, own->n - own->strong, own->weak_of);
+        add_angles(&c->all, p->dim, own->n, own->all);
+        add_angles(&c->strong, p->dim, own->strong, own->strong_of);
+        add_angles(&c->weak, p->dim, own->n - own->strong, own->weak_of);
         add_values(&c->force, own->n, own->force);
         add_values(&c->stiffness, own->n, own->stiffness);
     }
@@ -153,19 +171,23 @@ static sp_status begin(const sp_contact_counts *c, int columns, const char *cons
 sp_status sp_contact_angles_table(const sp_contact_counts *c, sp_table *out, sp_error *err) {
     static const char *const names[] = {"angle", "all", "all_err", "strong", "strong_err", "weak", "weak_err"};
     const sp_angle_counts *of[] = {&c->all, &c->strong, &c->weak};
-    if (c->packings > 0 && c->dim != 2)
-        return sp_fail(err, SP_EREFUSED, "directions of contacts are counted in 2 dimensions, the packings have %d",
-                       c->dim);
+    if (c->packings > 0 && c->dim == 1)
+        return sp_fail(err, SP_EREFUSED,
+                       "directions of contacts are counted in 2 or 3 dimensions, the packings have %d", c->dim);
     sp_table t = sp_table_none();
     sp_status status = begin(c, 7, names, &t, err);
     if (status == SP_OK)
+        status = sp_table_add_comment(&t, err, "dimension = %d", c->dim);
+    if (status == SP_OK)
         status = sp_table_add_comment(&t, err,
-                                      "density of contact directions over that of isotropic ones; angle in "
-                                      "degrees from the walls, n and -n are the same");
+                                      "density of contact directions over that of isotropic ones; angle%s in "
+                                      "degrees from the walls, n and -n are the same",
+                                      c->dim == 3 ? " of elevation, whatever the direction along the walls," : "");
     if (status == SP_OK)
         status = sp_table_add_comment(&t, err, "strong_part = %.6g", c->strong.contacts / c->contacts);
-    for (int b = 0; b < SP_ANGLE_BINS && status == SP_OK; b++) {
-        double row[7] = {180.0 * b / SP_ANGLE_BINS};
+    const int bins = bins_of(c->dim);
+    for (int b = 0; b < bins && status == SP_OK; b++) {
+        double row[7] = {180.0 * b / bins};
         for (int k = 0; k < 3; k++) {
             row[1 + 2 * k] = mean_of(of[k]->sum[b], of[k]->packings);
             row[2 + 2 * k] = error_of(of[k]->sum[b], of[k]->squares[b], of[k]->packings);

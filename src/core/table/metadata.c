@@ -77,7 +77,8 @@ static sp_status index_sentence(sp_table *t, const char *line, sp_error *err) {
 /* Records the metadata in the last comment line, if there is any. */
 static sp_status index_comment(sp_table *t, sp_error *err) {
     const char *line = t->comment[t->comments - 1], *key = skip_blanks(line), *sign;
-    const bool list = strncmp(key, "pressure = ", 11) == 0; /* "pressure = 1e-4, grains = 1024, ..." */
+    /* "pressure = 1e-4, grains = 1024, ..." and "dimension = 2, friction = 0.5, ..." */
+    const bool list = strncmp(key, "pressure = ", 11) == 0 || strncmp(key, "dimension = ", 12) == 0;
     sp_status status = index_sentence(t, line, err);
     while (status == SP_OK && key && (sign = equals_sign(key)) != NULL && sign > key) {
         const char *text = skip_blanks(sign + 1), *comma = list ? strstr(text, ", ") : NULL;

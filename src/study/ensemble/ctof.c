@@ -226,7 +226,11 @@ sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, double level, sp_ta
         status = add_exponent(t, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err,
-                                      "published: c_tof ~ p^0.166 (1/6), c_tof(1e-4) = 0.25..0.26 (Somfai et "
-                                      "al., Phys. Rev. E 72, 021301, 2005)");
+                                      "published%s: c_tof ~ p^0.166 (1/6), c_tof(1e-4) = 0.25..0.26 (Somfai et "
+                                      "al., Phys. Rev. E 72, 021301, 2005)",
+                                      n > 0 && s[0]->dim != 2 ? " for two dimensions" : "");
+    if (status == SP_OK && n > 0) /* what figures of several tables tell them apart by */
+        status = sp_table_add_comment(t, err, "dimension = %d, friction = %.15g, width = %.15g", s[0]->dim,
+                                      s[0]->friction, s[0]->width);
     return status;
 }
