@@ -146,22 +146,44 @@ CLONES kernel_maxima sp_kernel_move_2d(const dynamics *d, double dt, int32_t fir
 /* ---- 3D ------------------------------------------------------------------------------------------------------ */
 
 typedef struct block3 {
-    double x[3][BLOCK], v[3][BLOCK]; /* of j minus i */
+    _Alignas(64) double x[3][BLOCK], v[3][BLOCK]; /* of j minus i */
     double w[3][BLOCK];              /* w_i + w_j */
     double turn[3][BLOCK];           /* sum of the angular velocities */
 } block3;
 
+/* Transposes four vectors of four numbers. */
+static ALWAYS_INLINE void transpose(v4 *a, v4 *b, v4 *c, v4 *d) {
+    const v4 ab0 = __builtin_shufflevector(*a, *b, 0, 4, 2, 6), ab1 = __builtin_shufflevector(*a, *b, 1, 5, 3, 7);
+    const v4 cd0 = __builtin_shufflevector(*c, *d, 0, 4, 2, 6), cd1 = __builtin_shufflevector(*c, *d, 1, 5, 3, 7);
+    *a = __builtin_shufflevector(ab0, cd0, 0, 1, 4, 5);
+    *b = __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5);
+    *c = __builtin_shufflevector(ab0, cd0, 2, 3, 6, 7);
+    *d = __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7);
+}
+
+/* Writes the first three numbers of four vectors to three planes. */
+static ALWAYS_INLINE void spread(double plane[3][BLOCK], int32_t k, v4 row[4]) {
+    transpose(&row[0], &row[1], &row[2], &row[3]);
+    for (int a = 0; a < 3; a++)
+        *(v4 *)&plane[a][k] = row[a];
+}
+
 static ALWAYS_INLINE void gather3(const dynamics *d, int32_t first, int32_t count, block3 *b) {
     const int32_t *restrict i = d->inner.at_i + first, *restrict j = d->inner.at_j + first;
     const double *restrict g = d->g;
-    for (int32_t k = 0; k < count; k++) {
-        const double *one = g + i[k], *two = g + j[k];
-        for (int a = 0; a < 3; a++) {
-            b->x[a][k] = two[a] - one[a];
-            b->v[a][k] = two[4 + a] - one[4 + a];
-            b->w[a][k] = one[8 + a] + two[8 + a];
-            b->turn[a][k] = one[8 + a] * one[14] + two[8 + a] * two[14];
+    for (int32_t k = 0; k < (count & -8); k += 4) {
+        v4 x[4], v[4], w[4], turn[4];
+        for (int l = 0; l < 4; l++) {
+            const v4 *one = (const v4 *)(g + i[k + l]), *two = (const v4 *)(g + j[k + l]);
+            x[l] = two[0] - one[0];
+            v[l] = two[1] - one[1];
+            w[l] = one[2] + two[2];
+            turn[l] = one[2] * one[3][2] + two[2] * two[3][2];
         }
+        spread(b->x, k, x);
+        spread(b->v, k, v);
+        spread(b->w, k, w);
+        spread(b->turn, k, turn);
     }
 }
 
@@ -236,15 +258,20 @@ static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int3
 }
 
 static ALWAYS_INLINE void rows3(const dynamics *d, int32_t first, int32_t count, const block3 *b) {
+    const v4 other = {-1.0, -1.0, -1.0, 1.0};
     double *on_i = d->rows.row + 8 * (int64_t)first, *on_j = d->rows.row + 8 * ((int64_t)d->rows.other + first);
-    for (int32_t k = 0; k < count; k++) {
-        const v4 force = {b->x[0][k], b->x[1][k], b->x[2][k], b->turn[0][k]};
-        const v4 turn = {b->w[0][k], b->w[1][k], b->w[2][k], 0};
-        const v4 other = {-1.0, -1.0, -1.0, 1.0};
-        *(v4 *)&on_i[8 * k] = force;
-        *(v4 *)&on_i[8 * k + 4] = turn;
-        *(v4 *)&on_j[8 * k] = other * force;
-        *(v4 *)&on_j[8 * k + 4] = turn;
+    for (int32_t k = 0; k < (count & -8); k += 4) {
+        v4 force[4] = {*(const v4 *)&b->x[0][k], *(const v4 *)&b->x[1][k], *(const v4 *)&b->x[2][k],
+                       *(const v4 *)&b->turn[0][k]};
+        v4 turn[4] = {*(const v4 *)&b->w[0][k], *(const v4 *)&b->w[1][k], *(const v4 *)&b->w[2][k], {0}};
+        transpose(&force[0], &force[1], &force[2], &force[3]);
+        transpose(&turn[0], &turn[1], &turn[2], &turn[3]);
+        for (int l = 0; l < 4; l++) {
+            *(v4 *)&on_i[8 * (k + l)] = force[l];
+            *(v4 *)&on_i[8 * (k + l) + 4] = turn[l];
+            *(v4 *)&on_j[8 * (k + l)] = other * force[l];
+            *(v4 *)&on_j[8 * (k + l) + 4] = turn[l];
+        }
     }
 }
 
