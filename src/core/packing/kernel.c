@@ -76,7 +76,8 @@ static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int3
         double viscous = two_zeta * s;
         double normal = elastic - viscous * (vx * nx + vy * ny);
         normal = normal > 0 ? normal : 0; /* no attraction */
-        if (!rough) {
+        if (!rough) {                     /* a packing that was made with friction may still bring tangential forces */
+            ft[k] = 0;
             fx[k] = -normal * nx;
             fy[k] = -normal * ny;
             turn[k] = 0;
@@ -230,6 +231,7 @@ static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int3
         double normal = elastic - viscous * vn;
         normal = normal > 0 ? normal : 0;
         if (!rough) {
+            tx[k] = ty[k] = tz[k] = 0;
             b->x[0][k] = -normal * nx;
             b->x[1][k] = -normal * ny;
             b->x[2][k] = -normal * nz;
