@@ -95,7 +95,7 @@ static dynamics make_moving(const dense *from, const conditions *c, bool plain) 
         double *g = dynamics_grain(&d, i);
         for (int a = 0; a < dim; a++)
             g[d.at.v + a] = 1e-3 * noise(1, (uint32_t)i, 0, (uint32_t)a);
-        for (int a = 0; a < planes; a++)
+        for (int a = 0; a < planes && c->friction > 0; a++) /* smooth grains never begin to turn */
             g[d.at.w + a] = 1e-3 * noise(2, (uint32_t)i, 0, (uint32_t)a);
     }
     d.piston_v = -2e-4;

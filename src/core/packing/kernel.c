@@ -51,8 +51,10 @@ static inline void distances2(const dynamics *d, int32_t first, int32_t count, b
     }
 }
 
-/* Appendix A of the paper for a block of pairs. Tangential springs stretch by the relative velocity times dt. */
-static inline void law2(const dynamics *d, double dt, int32_t first, int32_t count, block2 *b) {
+/* Appendix A of the paper for a block of pairs. Tangential springs stretch by the relative velocity times dt. `rough`:
+ * with friction. Smooth grains have no rotations and no tangential forces. */
+static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int32_t count, block2 *b,
+                               const bool rough) {
     const pair_list *p = &d->inner;
     const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
     const double *restrict dx = b->x, *restrict dy = b->y, *restrict distance = b->r;
@@ -73,7 +75,15 @@ static inline void law2(const dynamics *d, double dt, int32_t first, int32_t cou
         double elastic = (2.0 / 3.0) * kn * overlap;            /* (A1) */
         double viscous = two_zeta * s;
         double normal = elastic - viscous * (vx * nx + vy * ny);
-        normal = normal > 0 ? normal : 0;    /* no attraction */
+        normal = normal > 0 ? normal : 0; /* no attraction */
+        if (!rough) {                     /* a packing that was made with friction may still bring tangential forces */
+            ft[k] = 0;
+            fx[k] = -normal * nx;
+            fy[k] = -normal * ny;
+            turn[k] = 0;
+            stiff[k] = s;
+            continue;
+        }
         double cap = mu * elastic;           /* (A3), for the elastic spring */
         double t = ft[k] + eta_dt * kn * vt; /* (A2): k_t = eta k_n */
         t = t > cap ? cap : t;
@@ -112,7 +122,10 @@ CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first,
     block2 b;
     gather2(d, first, count, &b);
     distances2(d, first, count, &b);
-    law2(d, dt_past, first, count, &b);
+    if (d->law.friction > 0)
+        law2(d, dt_past, first, count, &b, true);
+    else
+        law2(d, dt_past, first, count, &b, false);
     rows2(d, first, count, &b);
 }
 
@@ -146,21 +159,47 @@ CLONES kernel_maxima sp_kernel_move_2d(const dynamics *d, double dt, int32_t fir
 /* ---- 3D ------------------------------------------------------------------------------------------------------ */
 
 typedef struct block3 {
-    double x[3][BLOCK], v[3][BLOCK]; /* of j minus i */
-    double w[3][BLOCK];              /* w_i + w_j */
-    double turn[3][BLOCK];           /* sum of the angular velocities */
+    _Alignas(64) double x[3][BLOCK], v[3][BLOCK]; /* of j minus i */
+    double w[3][BLOCK];                           /* w_i + w_j */
+    double turn[3][BLOCK];                        /* sum of the angular velocities */
 } block3;
 
-static ALWAYS_INLINE void gather3(const dynamics *d, int32_t first, int32_t count, block3 *b) {
+/* Transposes four vectors of four numbers. */
+static ALWAYS_INLINE void transpose(v4 *a, v4 *b, v4 *c, v4 *d) {
+    const v4 ab0 = __builtin_shufflevector(*a, *b, 0, 4, 2, 6), ab1 = __builtin_shufflevector(*a, *b, 1, 5, 3, 7);
+    const v4 cd0 = __builtin_shufflevector(*c, *d, 0, 4, 2, 6), cd1 = __builtin_shufflevector(*c, *d, 1, 5, 3, 7);
+    *a = __builtin_shufflevector(ab0, cd0, 0, 1, 4, 5);
+    *b = __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5);
+    *c = __builtin_shufflevector(ab0, cd0, 2, 3, 6, 7);
+    *d = __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7);
+}
+
+/* Writes the first three numbers of four vectors to three planes. */
+static ALWAYS_INLINE void spread(double plane[3][BLOCK], int32_t k, v4 row[4]) {
+    transpose(&row[0], &row[1], &row[2], &row[3]);
+    for (int a = 0; a < 3; a++)
+        *(v4 *)&plane[a][k] = row[a];
+}
+
+static ALWAYS_INLINE void gather3(const dynamics *d, int32_t first, int32_t count, block3 *b, const bool rough) {
     const int32_t *restrict i = d->inner.at_i + first, *restrict j = d->inner.at_j + first;
     const double *restrict g = d->g;
-    for (int32_t k = 0; k < count; k++) {
-        const double *one = g + i[k], *two = g + j[k];
-        for (int a = 0; a < 3; a++) {
-            b->x[a][k] = two[a] - one[a];
-            b->v[a][k] = two[4 + a] - one[4 + a];
-            b->w[a][k] = one[8 + a] + two[8 + a];
-            b->turn[a][k] = one[8 + a] * one[14] + two[8 + a] * two[14];
+    for (int32_t k = 0; k < (count & -8); k += 4) {
+        v4 x[4], v[4], w[4], turn[4];
+        for (int l = 0; l < 4; l++) {
+            const v4 *one = (const v4 *)(g + i[k + l]), *two = (const v4 *)(g + j[k + l]);
+            x[l] = two[0] - one[0];
+            v[l] = two[1] - one[1];
+            if (rough) {
+                w[l] = one[2] + two[2];
+                turn[l] = one[2] * one[3][2] + two[2] * two[3][2];
+            }
+        }
+        spread(b->x, k, x);
+        spread(b->v, k, v);
+        if (rough) {
+            spread(b->w, k, w);
+            spread(b->turn, k, turn);
         }
     }
 }
@@ -168,7 +207,8 @@ static ALWAYS_INLINE void gather3(const dynamics *d, int32_t first, int32_t coun
 /* As law2. The tangential force is a vector: it turns about the normal with the pair's mean rotation, follows the
  * direction of the normal, and keeps its length in both. Results overwrite the inputs: force in x, torque/R in w, s in
  * turn[0]. */
-static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b) {
+static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b,
+                               const bool rough) {
     const pair_list *p = &d->inner;
     const double *restrict ix = p->image + first, *restrict iy = ix + p->capacity;
     const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
@@ -190,6 +230,14 @@ static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int3
         double vn = vx * nx + vy * ny + vz * nz;
         double normal = elastic - viscous * vn;
         normal = normal > 0 ? normal : 0;
+        if (!rough) {
+            tx[k] = ty[k] = tz[k] = 0;
+            b->x[0][k] = -normal * nx;
+            b->x[1][k] = -normal * ny;
+            b->x[2][k] = -normal * nz;
+            b->turn[0][k] = s;
+            continue;
+        }
         double wx = b->w[0][k], wy = b->w[1][k], wz = b->w[2][k];
         double gx = vx - vn * nx - (wy * nz - wz * ny); /* slip velocity */
         double gy = vy - vn * ny - (wz * nx - wx * nz);
@@ -235,48 +283,66 @@ static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int3
     }
 }
 
-static ALWAYS_INLINE void rows3(const dynamics *d, int32_t first, int32_t count, const block3 *b) {
+/* The torques in the rows of smooth grains are never written, and 0 from the start. */
+static ALWAYS_INLINE void rows3(const dynamics *d, int32_t first, int32_t count, const block3 *b, const bool rough) {
+    const v4 other = {-1.0, -1.0, -1.0, 1.0};
     double *on_i = d->rows.row + 8 * (int64_t)first, *on_j = d->rows.row + 8 * ((int64_t)d->rows.other + first);
-    for (int32_t k = 0; k < count; k++) {
-        const v4 force = {b->x[0][k], b->x[1][k], b->x[2][k], b->turn[0][k]};
-        const v4 turn = {b->w[0][k], b->w[1][k], b->w[2][k], 0};
-        const v4 other = {-1.0, -1.0, -1.0, 1.0};
-        *(v4 *)&on_i[8 * k] = force;
-        *(v4 *)&on_i[8 * k + 4] = turn;
-        *(v4 *)&on_j[8 * k] = other * force;
-        *(v4 *)&on_j[8 * k + 4] = turn;
+    for (int32_t k = 0; k < (count & -8); k += 4) {
+        v4 force[4] = {*(const v4 *)&b->x[0][k], *(const v4 *)&b->x[1][k], *(const v4 *)&b->x[2][k],
+                       *(const v4 *)&b->turn[0][k]};
+        transpose(&force[0], &force[1], &force[2], &force[3]);
+        for (int l = 0; l < 4; l++) {
+            *(v4 *)&on_i[8 * (k + l)] = force[l];
+            *(v4 *)&on_j[8 * (k + l)] = other * force[l];
+        }
+        if (!rough)
+            continue;
+        v4 turn[4] = {*(const v4 *)&b->w[0][k], *(const v4 *)&b->w[1][k], *(const v4 *)&b->w[2][k], {0}};
+        transpose(&turn[0], &turn[1], &turn[2], &turn[3]);
+        for (int l = 0; l < 4; l++) {
+            *(v4 *)&on_i[8 * (k + l) + 4] = turn[l];
+            *(v4 *)&on_j[8 * (k + l) + 4] = turn[l];
+        }
     }
 }
 
 CLONES void sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
     block3 b;
-    gather3(d, first, count, &b);
-    law3(d, dt_past, first, count, &b);
-    rows3(d, first, count, &b);
+    if (d->law.friction > 0) {
+        gather3(d, first, count, &b, true);
+        law3(d, dt_past, first, count, &b, true);
+        rows3(d, first, count, &b, true);
+    } else {
+        gather3(d, first, count, &b, false);
+        law3(d, dt_past, first, count, &b, false);
+        rows3(d, first, count, &b, false);
+    }
 }
 
-CLONES kernel_maxima sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last) {
+static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t first, int32_t last, const bool rough) {
     const double keep = 1.0 - d->drag * dt, strain[3] = {d->strain_rate[0] * dt, d->strain_rate[1] * dt, 0};
     const double *restrict row = d->rows.row;
     double v2 = 0, rate = 0;
     for (int32_t i = first; i < last; i++) {
         const int32_t *s = d->rows.slot + SLOTS * (int64_t)i;
         v4 f = {0, 0, 0, 0}, q = {0, 0, 0, 0};
-        const int32_t direct = d->rows.count[i] < SLOTS ? d->rows.count[i] : SLOTS;
-        for (int32_t k = 0; k < direct; k++) {
+        for (int32_t k = 0; k < SLOTS; k++) { /* unused slots lead to a row of zeros */
             f += *(const v4 *)(row + s[k]);
-            q += *(const v4 *)(row + s[k] + 4);
+            if (rough)
+                q += *(const v4 *)(row + s[k] + 4);
         }
         for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[2 * (int64_t)c + 1]) {
             f += *(const v4 *)(row + d->rows.chain[2 * (int64_t)c]);
-            q += *(const v4 *)(row + d->rows.chain[2 * (int64_t)c] + 4);
+            if (rough)
+                q += *(const v4 *)(row + d->rows.chain[2 * (int64_t)c] + 4);
         }
         double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], square = 0;
         for (int a = 0; a < 3; a++) {
             double v = keep * g[4 + a] + kick * f[a];
             g[a] += dt * v + strain[a] * g[a];
             g[4 + a] = v;
-            g[8 + a] = keep * g[8 + a] + 2.5 * kick * q[a];
+            if (rough)
+                g[8 + a] = keep * g[8 + a] + 2.5 * kick * q[a];
             square += v * v;
         }
         double fast = g[13] * f[3];
@@ -284,4 +350,8 @@ CLONES kernel_maxima sp_kernel_move_3d(const dynamics *d, double dt, int32_t fir
         rate = fast > rate ? fast : rate;
     }
     return (kernel_maxima){v2, rate};
+}
+
+CLONES kernel_maxima sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last) {
+    return d->law.friction > 0 ? move3(d, dt, first, last, true) : move3(d, dt, first, last, false);
 }
