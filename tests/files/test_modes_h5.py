@@ -149,7 +149,7 @@ def spheres():
         worst = np.abs(u @ k - omega[:, None] ** 2 * (u * mass)).max() / omega[-1] ** 2
     assert worst < 1e-12, worst
     run("plot", "mode", packing, path, "-o", figure)
-    assert "clockwise" in figure.read_text() and "far grains pale" in figure.read_text()
+    assert "clockwise" in figure.read_text() and "rattler" in figure.read_text()
     print(f"spheres: K u = omega^2 M u within {worst:.1g}")
 
 
