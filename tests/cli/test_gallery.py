@@ -9,7 +9,9 @@ FILE is also what `sonopack FILE` printed (front.out), the second time front2.ou
 math. VALUE is as the page writes it, which the test looks for; of 0.119(2) the second number is that of the column with _err at
 its end. A number with a point or an exponent may differ by one in its last digit, any other by nothing.
 
-With --pictures the pictures in docs/gallery are made anew, from what the commands drew, reduced to be small (Pillow).
+Blocks of ```console python run where the Python package is built, those of ```console chromium only with --pictures. This
+makes the pictures in docs/gallery anew, from what the commands drew, reduced to be small (Pillow; build with
+SONOPACK_PYTHON=ON, and install matplotlib and chromium).
 """
 import itertools
 import math
@@ -18,7 +20,7 @@ import re
 import sys
 import tempfile
 
-from test_readme import SOURCE, check_links, run_page
+from test_readme import COMMAND, SOURCE, check_links, console_commands, run_page
 
 FOLDER = SOURCE / "docs/gallery"
 PAGES = sorted(FOLDER.glob("[0-9][0-9]-*.md"))
@@ -135,17 +137,29 @@ def reduce_picture(drawn, target):
             break
 
 
+def fences_of(pictures):
+    """Which blocks of commands run: those that need the Python package where it is built."""
+    fences = ["```console"]
+    if (COMMAND.parent / "python/sonopack").exists():
+        fences.append("```console python")
+    return fences + ["```console chromium"] * pictures
+
+
 def check_page(page, before, after, pictures):
+    text, fences = page.read_text(), fences_of(pictures)
+    others = set(re.findall(r"^```console (?!long)\w+$", text, re.M))
+
     def look(scratch, outputs):
         keep_outputs(outputs, scratch)
-        drawn = scratch / picture_of(page.read_text())
-        faults = check_numbers(page.read_text(), scratch)
-        if drawn.read_bytes()[:8] != b"\x89PNG\r\n\x1a\n":
-            faults.append(f"draws no {drawn.name}")
-        elif pictures:
+        drawn = scratch / picture_of(text)
+        faults = check_numbers(text, scratch)
+        if drawn.exists() and pictures:
             reduce_picture(drawn, FOLDER / drawn.name)
+        elif not others and not drawn.read_bytes().startswith(b"\x89PNG\r\n\x1a\n"):
+            faults.append(f"draws no {drawn.name}")
         return faults
-    faults = run_page(page.relative_to(SOURCE), look)
+
+    faults = run_page(page.relative_to(SOURCE), look, fences) if console_commands(text, fences) or not others else []
     faults = [faults] if isinstance(faults, str) else faults
     return [f"{page.name}: {fault}" for fault in faults + check_form(page, before, after)]
 

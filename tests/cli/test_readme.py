@@ -57,7 +57,8 @@ def run_page(page, then=lambda scratch, outputs: None, fences=("```console",)):
         (scratch / "bin/python3").symlink_to(sys.executable)  # which has what the tests need
         for name, content in files_of(text):
             (scratch / name).write_text(content)
-        env = dict(os.environ, PATH=f"{scratch / 'bin'}:{os.environ['PATH']}", LC_ALL="C.UTF-8", HOME=folder)
+        env = dict(os.environ, PATH=f"{scratch / 'bin'}:{os.environ['PATH']}", LC_ALL="C.UTF-8", HOME=folder,
+                   PYTHONPATH=str(COMMAND.parent / "python"))
         outputs = []
         for number, command in commands:
             print(f"{page}:{number}: $ {command}", flush=True)
