@@ -23,6 +23,10 @@ _sonopack() {
         return
     fi
     case $previous in
+    --units)
+        mapfile -t COMPREPLY < <(compgen -W 'own si' -- "$current")
+        return
+        ;;
     --format)
         mapfile -t COMPREPLY < <(compgen -W 'tsv csv json' -- "$current")
         return

@@ -17,5 +17,6 @@
 #include <sonopack/spectrum.h>
 #include <sonopack/status.h>
 #include <sonopack/table.h>
+#include <sonopack/units.h>
 #include <sonopack/version.h>
 #endif

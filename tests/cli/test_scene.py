@@ -18,7 +18,7 @@ KEYS = """packing.kind packing.file packing.content packing.dimension packing.gr
     packing.diameter_max packing.large_fraction packing.size_spread packing.diameters packing.diameter_file
     packing.compression packing.protocol packing.reference packing.seed packing.tolerance packing.damping
     packing.piston_mass packing.gas_fraction packing.time_step packing.calm packing.drag packing.calm_damping
-    packing.viscous_limit packing.max_steps network.threshold network.prestress network.sliding_free
+    packing.viscous_limit packing.max_steps material.E material.nu material.rho material.d network.threshold network.prestress network.sliding_free
     signal.method signal.source signal.until signal.points signal.tolerance signal.planes study.samples
     study.want study.sweep column.particles column.frequency column.period column.taps column.amplitude column.e
     column.stiffness column.gravity column.drop column.mass column.radius column.model column.method column.bsr

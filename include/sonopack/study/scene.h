@@ -40,7 +40,8 @@ enum { SP_SWEEPS_MAX = 8, SP_FROM_MAX = 1024, SP_PLANES_MAX = 32 };
 
 typedef struct sp_scene {
     sp_pack_spec pack;
-    double height; /* packing.height [d], from which sp_scene_resolve finds pack.grains; 0: not given */
+    double height;        /* packing.height [d], from which sp_scene_resolve finds pack.grains; 0: not given */
+    sp_material material; /* the group material; young = 0: not known. No sample depends on it */
     sp_network_options network;
     sp_signal_options signal; /* until = 0 stands for sp_signal_window() */
     int32_t samples;          /* study.samples: each combination has the seeds pack.seed .. pack.seed + samples - 1 */
@@ -90,9 +91,9 @@ SP_API sp_status sp_scene_set_swept(sp_scene *s, const sp_sweep *sweep, int k, s
  * size. Returns buf, which is empty if there is no such key or value. */
 SP_API const char *sp_sweep_text(const sp_sweep *sweep, int k, char *buf, size_t size);
 
-/* All keys of a group ("packing", "network", "signal", "study" or "column") as the text of a scene file; with NULL all
- * groups but "column", on which no sample depends. Reading the text gives the same values, bit for bit. The caller
- * frees it with sp_free. NULL: no memory. */
+/* All keys of a group ("packing", "material", "network", "signal", "study" or "column") as the text of a scene file;
+ * with NULL all groups but "column", on which no sample depends, and "material" only if it is known. Reading the text
+ * gives the same values, bit for bit. The caller frees it with sp_free. NULL: no memory. */
 SP_API char *sp_scene_text(const sp_scene *s, const char *group);
 /* The table of keys as text, for `sonopack help scene`. The caller frees it with sp_free. */
 SP_API char *sp_scene_help(void);

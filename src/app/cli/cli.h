@@ -9,6 +9,13 @@
 
 enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2 };
 
+/* An option whose number has a unit, "50 us": it waits for the material, which may be that of a file. */
+typedef struct cli_quantity {
+    const struct cli_option *option;
+    const char *text;
+} cli_quantity;
+enum { CLI_QUANTITIES_MAX = 16 };
+
 /* The first member of the arguments of every command. cli_parse fills it in. */
 typedef struct cli_common {
     bool quiet, verbose, force;
@@ -20,6 +27,14 @@ typedef struct cli_common {
     char *set[256];   /* KEY=VALUE of each --set */
     double threshold; /* --threshold; < 0: not given */
     bool prestress;
+    int units;            /* --units: CLI_UNITS_OWN or CLI_UNITS_SI */
+    sp_material material; /* --material; young = 0: not given */
+    sp_material found;    /* of the first file, or of the scene, that has one */
+    const char *found_in; /* its name */
+    bool mixed;           /* files have different ones */
+    bool converted;       /* an option got its value from a material */
+    int quantities;
+    cli_quantity quantity[CLI_QUANTITIES_MAX];
     uint64_t given; /* see cli_given */
     int kind;       /* index of the word KIND */
     int files;      /* the other arguments */
@@ -73,6 +88,7 @@ typedef struct cli_option {
     const char *kinds; /* the words KIND that take the option, separated by blanks; NULL: all */
     const char *alias; /* an older name */
     int letter;        /* short option */
+    const char *unit;  /* of a number: it may be given with another unit of the same dimension */
 } cli_option;
 
 /* The command line of one command. */
@@ -85,6 +101,8 @@ typedef struct cli_syntax {
     const char *file_name;    /* what a file is, for messages: "packing", "scene" */
     int files_min, files_max; /* how many */
     bool springs;             /* takes --threshold and --prestress */
+    bool finds_material;      /* calls cli_take_material */
+    const char *not_si;       /* why the command has no --units si; NULL: it has */
     sp_status (*check)(void *arguments, sp_error *err); /* called after everything has been read; may be NULL */
 } cli_syntax;
 
@@ -113,6 +131,31 @@ sp_status cli_frequencies(const char *text, int32_t capacity, int32_t *n, double
 /* A scene from --set, --threshold and --prestress, for commands that read packings. `groups` names the groups of keys
  * that --set takes, as in "network signal". Free with sp_scene_free. */
 sp_status cli_scene_of_sets(const cli_common *common, const char *groups, sp_scene *out, sp_error *err);
+
+/* ---- units (material.c) ----------------------------------------------------------------------------------------- */
+
+enum { CLI_UNITS_OWN = 0, CLI_UNITS_SI };
+/* Reads --material: E=...,nu=...,rho=...,d=..., whose values may have units. */
+sp_status cli_set_material(void *arguments, const char *text, sp_error *err);
+/* Keeps an option whose text is a number with a unit until the material is known. False for any other text. */
+bool cli_keep_quantity(cli_common *common, const cli_option *option, const char *text);
+/* Gives the kept options their values. SP_EINVAL names the option. */
+sp_status cli_set_quantities(void *arguments, const sp_material *m, sp_error *err);
+/* The material of a file or of the scene, which may be unknown (young = 0); --material is stronger. Sets the options
+ * that wait for it. SP_EINVAL if one of them, or --units si, needs a material and there is none, or not the same one in
+ * all files. `arguments` begin with a cli_common. */
+sp_status cli_take_material(void *arguments, const sp_material *m, const char *from, sp_error *err);
+/* The same of a table's comment "material = ...". */
+sp_status cli_take_table_material(void *arguments, const sp_table *t, const char *from, sp_error *err);
+/* What counts: --material, else the one that was found; NULL if it is not known. */
+const sp_material *cli_material(const cli_common *common);
+/* Converts a table with --units si; otherwise it only gets the comment "material = ...", if the material is known and
+ * the table has units that it explains. */
+sp_status cli_convert_table(const cli_common *common, sp_table *t, sp_error *err);
+/* sp_scene_read with the overrides of --set, and with the material of --material. */
+sp_status cli_read_scene(const cli_common *common, const char *path, sp_scene *out, sp_error *err);
+/* Notes on stderr what is odd about a scene's material. */
+void cli_note_material(const cli_common *common, const sp_scene *scene);
 
 /* ---- messages on stderr ----------------------------------------------------------------------------------------- */
 

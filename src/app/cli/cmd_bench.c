@@ -81,6 +81,7 @@ static const cli_syntax syntax = {
         "for the relative error of a frequency; for moduli, the bound for C22; for packings, the largest "
         "acceleration over p (five seeds). parameter: the tolerance, the time step of verlet and lax-wendroff, or p. "
         "memory_MB: growth of the resident memory. `sonopack plot pareto' draws the table.",
+    .not_si = "it measures run times and errors, which have no units of a packing",
     .options = options,
     .file_name = "case",
     .files_max = CLI_ANY_NUMBER,

@@ -37,6 +37,10 @@ static sp_status check(void *user, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "--set %.60s: this command uses no scene", a->common.set[0]);
     if (!a->grains && a->common.kind != KIND_FRONT)
         return sp_fail(err, SP_EINVAL, "no --grains: must be the number of balls");
+    if (a->common.units == CLI_UNITS_SI && isnan(a->pressure))
+        return sp_fail(err, SP_EINVAL, "--units si: only front and signal with --pressure have units of a material");
+    if (a->common.units == CLI_UNITS_SI && !(a->common.material.young > 0))
+        return sp_fail(err, SP_EINVAL, "--units si: no material: must be --material E=70e9,nu=0.22,rho=2500,d=1e-3");
     return SP_OK;
 }
 

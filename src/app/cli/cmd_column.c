@@ -33,6 +33,7 @@ static const cli_syntax syntax = {
         "  sonopack column packings/column.cfg -o column.tsv\n"
         "  sonopack column --set column.output=strobe\n"
         "  sonopack column packings/column-bifurcation.cfg -o b.tsv",
+    .not_si = "the tapped column has units of its own, cm, g and s",
     .file_name = "scene",
     .files_max = 1};
 

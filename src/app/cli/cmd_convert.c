@@ -31,6 +31,7 @@ static const cli_syntax syntax = {
         "Box and material of tables are in comment lines `# key = value' or in --set key=value: width, depth (3D), "
         "height, pressure, friction, poisson, wall, material, seed. Lengths are in mean grain diameters, pressures in "
         "E*.",
+    .not_si = "it writes packings, which are stored in d, E* and rho; --material stores a material with them",
     .options = options,
     .file_name = "packing",
     .files_max = 2};
@@ -130,6 +131,8 @@ static sp_status work(arguments *a, sp_error *err) {
         status = check_output(a, err);
     if (status == SP_OK)
         status = read_input(a, &p, err);
+    if (status == SP_OK && a->common.material.young > 0)
+        p.material = a->common.material;
     if (status == SP_OK)
         status = write_output(a, &p, err);
     if (status == SP_OK)

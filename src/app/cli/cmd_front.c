@@ -9,18 +9,57 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A number in the unit of a file, which may be that of a laboratory, or a text of a number and its unit. */
+typedef struct measure {
+    double number;    /* NAN: not given */
+    const char *text; /* NULL: a number */
+} measure;
+
 typedef struct arguments {
     cli_common common;
-    double window, distance; /* NAN: not given */
+    measure window, distance;
     const char *column;
     int source; /* sp_source; -1: not given */
 } arguments;
 
+static const char *const time_unit = "d/sqrt(E* / rho)"; /* of packings and their signals */
+
+static bool is_given(const measure *m) { return m->text || !isnan(m->number); }
+
+static sp_status read_measure(const char *option, const char *text, const char *unit, double low, measure *out,
+                              sp_error *err) {
+    const sp_material any = {1, 0, 1, 1}; /* the unit is checked, the value follows with the file */
+    double value;
+    if (text[strspn(text, "0123456789+-.eE")] == '\0')
+        return cli_number(option, text, low, 1e12, &out->number, err);
+    sp_status status = sp_quantity_read(text, unit, &any, &value, err);
+    if (status == SP_OK && !(value > 0))
+        status = sp_fail(err, SP_EINVAL, "%.40s: must be above 0", text);
+    if (status != SP_OK)
+        return sp_fail_prefix(err, "%s", option);
+    out->text = text;
+    return SP_OK;
+}
+
+static sp_status set_window(void *user, const char *text, sp_error *err) {
+    return read_measure("--window", text, time_unit, 1e-9, &((arguments *)user)->window, err);
+}
+
+static sp_status set_distance(void *user, const char *text, sp_error *err) {
+    return read_measure("--distance", text, "d", 0, &((arguments *)user)->distance, err);
+}
+
+/* The measure in the unit of a file. */
+static sp_status in_unit(const arguments *a, const measure *m, const char *unit, double *out, sp_error *err) {
+    if (m->text)
+        return sp_quantity_read(m->text, unit, cli_material(&a->common), out, err);
+    *out = m->number;
+    return SP_OK;
+}
+
 static const cli_option options[] = {
-    {"window", "T", "Search for the front only up to time T", CLI_NUMBER, .field = offsetof(arguments, window),
-     .low = 1e-9, .high = 1e12},
-    {"distance", "D", "Distance from source to detector (the height)", CLI_NUMBER,
-     .field = offsetof(arguments, distance), .high = 1e12},
+    {"window", "T", "Search for the front only up to time T", .parse = set_window},
+    {"distance", "D", "Distance from source to detector (the height)", .parse = set_distance},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall, for packings (impulse)", CLI_CHOICE,
      .field = offsetof(arguments, source), .words = cli_source_names},
     {"column", "NAME|N",
@@ -41,6 +80,7 @@ static const cli_syntax syntax = {
         "columns F1, F2, ... gives one row for each; the distance of a plane is its height. A speed needs two "
         "distances: (D2 - D1)/(t10_2 - t10_1). One distance over its time is biased. A unit is shown only if all "
         "files have the same one.",
+    .finds_material = true,
     .options = options,
     .file_name = "packing or trace",
     .files_min = 1,
@@ -53,19 +93,23 @@ typedef struct arrival {
     char length[sizeof((sp_column *)0)->unit], time[sizeof((sp_column *)0)->unit], force[sizeof((sp_column *)0)->unit];
 } arrival;
 
-static const char *const time_unit = "d/sqrt(E* / rho)"; /* of packings and their signals */
-
 /* ---- packings --------------------------------------------------------------------------------------------------- */
 
-static sp_status packing_front(const arguments *a, const cli_file *file, arrival *out, sp_error *err) {
+static sp_status packing_front(arguments *a, const cli_file *file, arrival *out, sp_error *err) {
     sp_packing p;
     sp_network net;
     sp_status status = cli_read_network(file->path, &file->scene->network, &p, &net, err);
+    if (status == SP_OK)
+        status = cli_take_material(a, &p.material, file->path, err);
     if (status == SP_OK) {
         *out = (arrival){.distance = sp_packing_height(&p), .length = "d", .force = "E* d^2"};
         snprintf(out->time, sizeof out->time, "%s", time_unit);
-        status = sp_network_front(&net, a->source >= 0 ? (sp_source)a->source : file->scene->signal.source,
-                                  isnan(a->window) ? 0 : a->window, &out->front, err);
+        double window = 0;
+        if (is_given(&a->window))
+            status = in_unit(a, &a->window, time_unit, &window, err);
+        if (status == SP_OK)
+            status = sp_network_front(&net, a->source >= 0 ? (sp_source)a->source : file->scene->signal.source, window,
+                                      &out->front, err);
         if (status != SP_OK)
             sp_fail_prefix(err, "%s", file->path);
     }
@@ -121,12 +165,15 @@ static sp_status trace_front(const arguments *a, const char *path, const sp_tabl
     if (status != SP_OK)
         return status;
     sp_front_options rule = sp_front_options_default();
-    rule.window = isnan(a->window) ? s.window : a->window;
+    rule.window = s.window;
+    if (is_given(&a->window))
+        status = in_unit(a, &a->window, s.t_unit, &rule.window, err);
     *out = (arrival){.distance = distance_of(t, t->column[force].name, s.height)};
     snprintf(out->time, sizeof out->time, "%s", s.t_unit);
     snprintf(out->force, sizeof out->force, "%s", s.f_unit);
-    snprintf(out->length, sizeof out->length, "%s", s.foreign ? "" : "d");
-    status = sp_front_find(s.n, s.t, s.f, &rule, &out->front, err);
+    snprintf(out->length, sizeof out->length, "%s", s.length_unit);
+    if (status == SP_OK)
+        status = sp_front_find(s.n, s.t, s.f, &rule, &out->front, err);
     if (status != SP_OK)
         sp_fail_prefix(err, "%s", path);
     sp_free(s.t);
@@ -172,13 +219,43 @@ static void add_notes(const arguments *a, const char *path, bool packing, const 
             path, (long long)f->crossings);
 }
 
+/* Converts a number and its unit, if the unit is ours. */
+static void to_si(const sp_material *m, double *value, char unit[SP_UNIT_TEXT]) {
+    double factor;
+    char si[SP_UNIT_TEXT];
+    if (sp_unit_is_ours(unit) && sp_unit_to_si(unit, m, &factor, si, NULL) == SP_OK) {
+        *value *= factor;
+        snprintf(unit, SP_UNIT_TEXT, "%s", si);
+    }
+}
+
+/* Each file by itself: some may be in SI already, and a column has one unit. */
+static void arrival_to_si(const sp_material *m, arrival *one) {
+    double *const time[] = {&one->front.t10, &one->front.t_peak, &one->front.t_zero, &one->front.width};
+    for (size_t k = 0; k < sizeof time / sizeof *time; k++) {
+        char unit[SP_UNIT_TEXT];
+        snprintf(unit, sizeof unit, "%s", one->time);
+        to_si(m, time[k], unit);
+        if (k + 1 == sizeof time / sizeof *time)
+            snprintf(one->time, sizeof one->time, "%s", unit);
+    }
+    to_si(m, &one->front.amplitude, one->force);
+    to_si(m, &one->distance, one->length);
+}
+
 static sp_status add_front(const arguments *a, const char *name, bool packing, arrival *m, sp_table *t, sp_error *err) {
-    if (!isnan(a->distance))
-        m->distance = a->distance;
+    sp_status status = SP_OK;
+    if (a->distance.text && !m->length[0])
+        snprintf(m->length, sizeof m->length, "mm");
+    if (is_given(&a->distance))
+        status = in_unit(a, &a->distance, m->length, &m->distance, err);
+    if (status != SP_OK)
+        return sp_fail_prefix(err, "%s", name);
+    if (a->common.units == CLI_UNITS_SI && cli_material(&a->common))
+        arrival_to_si(cli_material(&a->common), m);
     const sp_front *f = &m->front;
     add_notes(a, name, packing, f);
-    const sp_status status =
-        sp_table_add_row(t, err, name, m->distance, f->t10, f->t_peak, f->t_zero, f->amplitude, f->width);
+    status = sp_table_add_row(t, err, name, m->distance, f->t10, f->t_peak, f->t_zero, f->amplitude, f->width);
     if (status == SP_OK)
         merge_units(t, m);
     return status;
@@ -209,7 +286,7 @@ static sp_status add_signals(const arguments *a, cli_file *file, const sp_table 
 }
 
 static sp_status add_file(void *user, cli_file *file, sp_table *t, sp_error *err) {
-    const arguments *a = user;
+    arguments *a = user;
     sp_table read = sp_table_none();
     arrival m;
     bool packing = false;
@@ -221,6 +298,8 @@ static sp_status add_file(void *user, cli_file *file, sp_table *t, sp_error *err
     if (status == SP_OK)
         status = sp_table_read(file->path, &read, err);
     if (status == SP_OK)
+        status = cli_take_table_material(a, &read, file->path, err);
+    if (status == SP_OK)
         status = add_signals(a, file, &read, t, err);
     sp_table_free(&read);
     return status;
@@ -228,7 +307,7 @@ static sp_status add_file(void *user, cli_file *file, sp_table *t, sp_error *err
 
 int cmd_front(int argc, char **argv) {
     static const cli_files command = {.groups = "network signal", .begin = add_columns, .add = add_file};
-    arguments a = {.window = NAN, .distance = NAN, .source = -1};
+    arguments a = {.window = {.number = NAN}, .distance = {.number = NAN}, .source = -1};
     cli_parse(&syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

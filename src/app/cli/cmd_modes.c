@@ -123,6 +123,7 @@ static const cli_syntax syntax = {
         "\n"
         "With --damping, F(t) = sum of exp(-decay t) (cosine cos(omega t) + sine sin(omega t)). Each conjugate pair "
         "has one row, each overdamped mode a row with omega = 0; n starts at 0 without rattlers.",
+    .finds_material = true,
     .options = options,
     .file_name = "packing",
     .files_min = 1,
@@ -160,7 +161,8 @@ static void add_columns(bool vectors, cli_writer *w) {
     cli_columns(w, SP_CELL_INTEGER, "n", "", NULL);
     cli_columns(w, SP_CELL_NUMBER, "omega", MODES_FREQUENCY, NULL);
     if (vectors)
-        cli_columns(w, SP_CELL_NUMBER, "a", "", "b", "", "ab", "E* d^2", "participation", "", NULL);
+        cli_columns(w, SP_CELL_NUMBER, "a", "d sqrt(rho d^3)", "b", "E* d/sqrt(rho d^3)", "ab", "E* d^2",
+                    "participation", "", NULL);
     cli_columns(w, SP_CELL_NUMBER, "error", MODES_FREQUENCY, NULL);
 }
 

@@ -75,6 +75,7 @@ static const cli_syntax syntax = {
         "smaller scales, and their ratios to those of the global strain. With --strain it has changes of stress "
         "divided by the strain, for packings that are brought back to equilibrium, and counts the contacts that "
         "slide or open. --set takes keys of the group network.",
+    .finds_material = true,
     .options = options,
     .file_name = "packing",
     .files_min = 1,

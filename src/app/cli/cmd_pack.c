@@ -112,6 +112,7 @@ static sp_status save_stage(const sp_packing *stage, int32_t index, void *user, 
     char path[SP_PATH_MAX];
     sp_scene scene = *c->scene;
     sp_packing p = *stage;
+    p.material = scene.material;
     scene.pack.pressure = stage->pressure;
     scene.pack.history_count = index;
     p.scene = sp_scene_text(&scene, "packing");
@@ -190,6 +191,7 @@ static sp_status compress(compression *c, const sp_packing *from, sp_packing *p,
                            c->state.path);
         return sp_fail(err, SP_EINTERRUPTED, "stopped before the packing was at rest, and nothing was saved");
     }
+    p->material = c->scene->material;
     if (status != SP_OK || p->scene)
         return status;
     p->scene = sp_scene_text(c->scene, "packing");
@@ -211,7 +213,7 @@ static sp_status make_and_save(compression *c, const sp_packing *from, sp_packin
     return status;
 }
 
-static sp_status work(const arguments *a, sp_scene *scene, sp_packing *p, sp_error *err) {
+static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *err) {
     const char *path = a->common.output;
     if (!cli_has_ending(path, ".txt") && !cli_is_hdf5(path))
         return sp_fail(err, SP_EINVAL, "-o %s: the ending of a packing must be .h5 or .txt", path);
@@ -219,8 +221,7 @@ static sp_status work(const arguments *a, sp_scene *scene, sp_packing *p, sp_err
         sp_hdf5_load();
     sp_status status = cli_may_write(&a->common, path, err);
     if (status == SP_OK)
-        status =
-            sp_scene_read(a->common.files > 0 ? a->common.file[0] : NULL, a->common.sets, a->common.set, scene, err);
+        status = cli_read_scene(&a->common, a->common.files > 0 ? a->common.file[0] : NULL, scene, err);
     if (status == SP_OK)
         status = sp_scene_resolve(scene, err);
     if (status != SP_OK)
@@ -233,6 +234,9 @@ static sp_status work(const arguments *a, sp_scene *scene, sp_packing *p, sp_err
     compression c = {.arguments = a, .scene = scene};
     if (scene->pack.kind == SP_PACK_FILE)
         status = cli_load_start(scene, &from, err);
+    if (status == SP_OK)
+        status = cli_take_material(a, &scene->material, a->common.files > 0 ? a->common.file[0] : "the scene", err);
+    cli_note_material(&a->common, scene);
     if (status == SP_OK)
         status = make_and_save(&c, &from, p, err);
     sp_packing_free(&from);

@@ -7,6 +7,7 @@
 #include "cli/plot_packing.h"
 #include "cli/plot_spectrum.h"
 #include "cli/plot_tables.h"
+#include "cli/plot_units.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -76,6 +77,8 @@ static sp_status store_table(const arguments *a, sp_table *out, sp_error *err) {
         cli_note(&a->common, "%lld files of the store are not used: %s", (long long)bad, reason.text);
     if (status == SP_OK)
         status = blame(sp_study_table("ctof", n, samples, NULL, out, err), a->store, err);
+    if (status == SP_OK)
+        status = plot_units_convert(out, err);
     sp_free(samples);
     sp_store_close(store);
     return status;
@@ -325,7 +328,7 @@ static const cli_option options[] = {
      .field = offsetof(arguments, mode), .high = 1000000000, .kinds = "mode"},
     {"time", "T",
      "snapshot: time after the pulse (3.2 H (p/1e-4)^(-1/6), with the wave about three quarters of the way)",
-     CLI_NUMBER, .field = offsetof(arguments, time), .high = 1e9, .kinds = "snapshot"},
+     CLI_NUMBER, .field = offsetof(arguments, time), .high = 1e9, .kinds = "snapshot", .unit = "d/sqrt(E* / rho)"},
     {"table", "FILE", "mode, snapshot: write the displacements to this table too (.tsv, .csv, .json)", CLI_TEXT,
      .field = offsetof(arguments, table), .kinds = "mode snapshot"},
     {"signal", "FILE", "fronts: a signal or packing, drawn in an inset that explains the marks of the front", CLI_TEXT,
@@ -372,6 +375,7 @@ static const cli_syntax syntax = {
         "modes: omega^2 and a b against n, from a table of `sonopack modes'.\n"
         "\n"
         "--set changes keys of network and signal.",
+    .finds_material = true,
     .options = options,
     .kinds = kind_names,
     .kind_name = "kind of figure",
@@ -395,6 +399,11 @@ static sp_status may_write(const arguments *a, sp_error *err) {
     return cli_may_write(&a->common, path, err);
 }
 
+/* Figures whose units are those of a table or a signal. */
+static bool takes_si(const kind *k) {
+    return k->draw != draw_network && k->draw != draw_motion && k->draw != draw_column && k->draw != draw_pareto;
+}
+
 int cmd_plot(int argc, char **argv) {
     arguments a = {.mode = -1, .time = -1};
     cli_parse(&syntax, argc, argv, &a);
@@ -405,6 +414,8 @@ int cmd_plot(int argc, char **argv) {
         status = may_write_table(&a, &err);
     if (status == SP_OK)
         status = cli_scene_of_sets(&a.common, a.kind->sets, &scene, &err);
+    if (status == SP_OK)
+        status = plot_units_choose(&a, takes_si(a.kind), kind_names[a.common.kind], &err);
     if (status == SP_OK)
         status = a.kind->draw(&a, &scene, &err);
     sp_scene_free(&scene);

@@ -119,6 +119,7 @@ static const cli_syntax syntax = {
         "  sonopack reproduce somfai2005 --store results/somfai2005 -o results/report\n"
         "  sonopack reproduce somfai2005 --only table2,fig8 --samples 4 --store results/somfai2005\n"
         "  sonopack reproduce blackmore2011 --only errata",
+    .not_si = "the report is in the units of the paper",
     .options = options,
     .kinds = papers,
     .kind_name = "paper",

@@ -63,7 +63,7 @@ static sp_status add_detector(void *user, const char *word, sp_error *err) {
 
 static const cli_option options[] = {
     {"until", "T", "Last time [d/sqrt(E* / rho)] ((8 H + 40) (p/1e-4)^(-1/6), after the first front)", CLI_NUMBER,
-     .field = offsetof(arguments, until), .low = 1e-9, .high = 1e9},
+     .field = offsetof(arguments, until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {"points", "N", "Number of equally spaced times from 0 to T (801)", CLI_INTEGER,
      .field = offsetof(arguments, points), .key = "signal.points"},
     {"method", "METHOD", "How to compute the signal; see below (auto)", .parse = set_method},
@@ -85,7 +85,7 @@ static const cli_option options[] = {
     {"amplitude", "A", "dynamics: initial displacement, relative to the mean overlap (0.001)", CLI_NUMBER,
      .field = offsetof(arguments, amplitude), .low = 1e-12, .high = 1000},
     {"step", "DT", "verlet, lax-wendroff and dynamics: time step, regardless of the error (chosen from the tolerance)",
-     CLI_NUMBER, .field = offsetof(arguments, step), .low = 1e-12, .high = 1e9},
+     CLI_NUMBER, .field = offsetof(arguments, step), .low = 1e-12, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {.help = "Sources and detectors:"},
     {"source", "KIND[:PLACE]",
      "What the source imposes on a grain at the bottom wall, in proportion to the stiffness of its contact: impulse, "
@@ -122,6 +122,7 @@ static const cli_syntax syntax = {
         "Pulses: gauss (standard deviation WIDTH) and square have unit integral; ricker and sine (under a Hann "
         "window) have the angular frequency OMEGA and the amplitude 1. gauss and ricker are centred at t = 0. A file "
         "has columns of times and strengths, which are interpolated linearly.",
+    .finds_material = true,
     .options = options,
     .file_name = "packing",
     .files_min = 1,

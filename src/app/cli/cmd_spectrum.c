@@ -88,6 +88,7 @@ static const cli_syntax syntax = {
         "  continuum      lowest modes compared with those of a homogeneous elastic strip\v"
         "All frequencies are angular frequencies, in sqrt(E* / rho)/d. Comments give the method, the resolution, and "
         "what is left out. --set takes keys of the group network.",
+    .finds_material = true,
     .options = options,
     .kinds = kinds,
     .kind_name = "kind of spectrum",

@@ -7,7 +7,7 @@ typedef struct arguments {
 } arguments;
 
 static const cli_option options[] = {{"margin", "D", "Leave out layers of this thickness at both walls [d] (3)",
-                                      CLI_NUMBER, .field = offsetof(arguments, margin), .high = 1e6},
+                                      CLI_NUMBER, .field = offsetof(arguments, margin), .high = 1e6, .unit = "d"},
                                      {0}};
 
 static const cli_syntax syntax = {
@@ -30,6 +30,7 @@ static const cli_syntax syntax = {
             "nan means that the packing is too low to have a bulk (see --margin), or that the quantity is not defined "
             "(s32_over_s2 in two dimensions, mobilised without friction). --set network.threshold=T sets the smallest "
             "force of a contact.",
+    .finds_material = true,
     .options = options,
     .file_name = "packing",
     .files_min = 1,

@@ -172,14 +172,18 @@ static sp_status report(const arguments *a, sp_status status, const sp_study_pro
 
 /* Reads the scene, and the packing that it starts from, if it names one. */
 static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
-    sp_status status =
-        sp_scene_read(a->common.files > 0 ? a->common.file[0] : NULL, a->common.sets, a->common.set, scene, err);
+    const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
+    sp_status status = cli_read_scene(&a->common, path, scene, err);
     if (status == SP_OK)
         status = sp_scene_check_sweeps(scene, err);
     if (status == SP_OK && scene->pack.kind == SP_PACK_FILE) {
         status = cli_load_start(scene, from, err);
         a->study.from = from;
     }
+    if (status == SP_OK)
+        status = cli_take_material(a, &scene->material, path ? path : "the scene", err);
+    if (status == SP_OK)
+        cli_note_material(&a->common, scene);
     return status;
 }
 

@@ -64,6 +64,7 @@ static const cli_syntax syntax = {
         "signal and spectrum have one table for each value of a swept key. A store may hold several ensembles: "
         "samples that differ in more than pressure and size are not averaged. --width, --grains, --pressure and "
         "--friction select among them.",
+    .finds_material = true,
     .options = options,
     .kinds = cli_table_names,
     .kind_name = "table",
@@ -71,11 +72,36 @@ static const cli_syntax syntax = {
     .files_max = 1,
     .check = check};
 
-static sp_status work(const arguments *a, sp_scene *scene, sp_store **store, sp_error *err) {
+/* The material of the samples, which must be one: different studies may have shared the store. */
+static sp_status find_material(arguments *a, sp_store *store, sp_error *err) {
+    int64_t n = 0, bad = 0;
+    sp_sample *sample = NULL;
+    sp_status status = sp_store_samples(store, &n, &sample, &bad, err);
+    for (int64_t k = 0; k < n && status == SP_OK; k++) {
+        sp_packing p = sp_packing_none();
+        if (!sample[k].failed)
+            status = sp_store_read(store, sample[k].name, &p, NULL, NULL, err);
+        if (status == SP_OK && !sample[k].failed)
+            status = cli_take_material(a, &p.material, k == 0 ? "a sample of the store" : "another sample", err);
+        sp_packing_free(&p);
+    }
+    sp_free(sample);
+    return status;
+}
+
+/* That of --material, of the scene, or of the samples: these are read only if it is needed. */
+static sp_status take_material(arguments *a, const sp_scene *scene, sp_store *store, sp_error *err) {
+    if (a->common.material.young > 0 || scene->material.young > 0)
+        return cli_take_material(a, &scene->material, "the scene", err);
+    const bool needed = a->common.units == CLI_UNITS_SI || a->common.quantities > 0;
+    return needed ? find_material(a, store, err) : SP_OK;
+}
+
+static sp_status work(arguments *a, sp_scene *scene, sp_store **store, sp_error *err) {
     const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
     sp_status status = SP_OK;
     if (path)
-        status = sp_scene_read(path, a->common.sets, a->common.set, scene, err);
+        status = cli_read_scene(&a->common, path, scene, err);
     if (status == SP_OK)
         status = sp_scene_check_sweeps(scene, err);
     cli_tables tables = {.common = &a->common,
@@ -90,6 +116,9 @@ static sp_status work(const arguments *a, sp_scene *scene, sp_store **store, sp_
         status = cli_tables_may_write(&tables, err);
     if (status == SP_OK)
         status = sp_store_open(a->store, false, store, err);
+    if (status == SP_OK)
+        status = take_material(a, scene, *store, err);
+    tables.filter = a->filter;
     return status == SP_OK ? cli_tables_write(&tables, *store, err) : status;
 }
 

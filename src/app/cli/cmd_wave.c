@@ -50,6 +50,7 @@ static const cli_syntax syntax = {
         "is scattered waves. samples: number of packings for which the fit succeeded. k_shift and alpha_shift: "
         "change of the means when only the first half of the record is used, which is usually more than the effect "
         "of the end of the record. The packings should have the same material and pressure.",
+    .finds_material = true,
     .options = options,
     .file_name = "packing",
     .files_min = 1,

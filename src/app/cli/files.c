@@ -24,6 +24,8 @@ static sp_status add_file(const cli_files *command, void *arguments, cli_file *f
         status = cli_read_network(f->path, &f->scene->network, &f->packing, &f->network, err);
     else if (command->contents == CLI_PACKING)
         status = sp_packing_read(f->path, &f->packing, err);
+    if (status == SP_OK && command->contents != CLI_PATH)
+        status = cli_take_material(arguments, &f->packing.material, f->path, err);
     if (status == SP_OK) {
         status = command->add(arguments, f, t, err);
         /* of a single file SP_EINVAL is about an option, and needs no file name */
@@ -62,6 +64,8 @@ int cli_run_files(const cli_files *command, void *arguments) {
     sp_status status = cli_may_write_table(common, &err);
     if (status == SP_OK)
         status = cli_scene_of_sets(common, command->groups, &scene, &err);
+    if (status == SP_OK && scene.material.young > 0)
+        status = cli_take_material(arguments, &scene.material, "--set", &err);
     if (status == SP_OK && command->begin)
         status = command->begin(arguments, &t, &err);
     if (status == SP_OK)

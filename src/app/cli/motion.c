@@ -44,7 +44,8 @@ static void add_comments(const cli_motion *m, cli_writer *w) {
         cli_value(w, "t", m->t);
         cli_comment(w, "source = %s", cli_source_names[m->source]);
         cli_value(w, "error", m->error);
-        cli_comment(w, "displacements after a pulse of unit strength; error is a bound for every component");
+        cli_comment(w, "displacements after a pulse of unit strength; error is a bound of all of them, and over d of "
+                       "all rotations");
     }
     cli_comment(w, "rattlers = %d, which are left out", m->net->rattlers);
 }
@@ -95,6 +96,10 @@ static sp_status check_origin(const char *path, const sp_packing *p, const sp_ta
     const char *motion = sp_table_get_text(t, "motion"), *packing = sp_table_get_text(t, "packing");
     char own[20];
     snprintf(own, sizeof own, "%016" PRIx64, sp_packing_hash(p));
+    const int radius = sp_table_find_column(t, "radius");
+    if (radius >= 0 && t->column[radius].unit[0] && strcmp(t->column[radius].unit, "d") != 0)
+        return sp_fail(err, SP_EFORMAT, "%s: its lengths are in %s, must be in d: a table without --units si", path,
+                       t->column[radius].unit);
     if (!motion || !packing)
         return sp_fail(err, SP_EFORMAT, "%s: no comments `motion' and `packing', must be a table of displacements",
                        path);

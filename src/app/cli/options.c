@@ -58,6 +58,11 @@ static sp_status add_set(void *arguments, const char *text, sp_error *err) {
     return SP_OK;
 }
 
+static sp_status set_units(void *arguments, const char *text, sp_error *err) {
+    static const char *const words[] = {[CLI_UNITS_OWN] = "own", [CLI_UNITS_SI] = "si", NULL};
+    return cli_choose("--units", text, words, &((cli_common *)arguments)->units, err);
+}
+
 static const cli_option springs_options[] = {
     {.help = "Springs:"},
     {"threshold", "F", "Use only contacts with a normal force above F p d^2 (1e-4)", CLI_NUMBER,
@@ -73,6 +78,10 @@ static const cli_option common_options[] = {
     {"format", "tsv|csv|json", "Format of the table (tsv)", .parse = set_format},
     {"force", NULL, "Replace an existing file of the same kind", CLI_FLAG, .field = offsetof(cli_common, force)},
     {"set", "KEY=VALUE", "Override a key of the scene (repeatable; see `sonopack help scene')", .parse = add_set},
+    {"units", "own|si", "Units of tables: own, in d, E* and rho, or SI, for which a material is needed (own)",
+     .parse = set_units},
+    {"material", "E=..,nu=..,rho=..,d=..",
+     "Material of the grains, in Pa, kg/m^3 and m, instead of that of scene or file", .parse = cli_set_material},
     {"threads", "N", "Number of threads (one per core)", .parse = set_threads},
     {"quiet", NULL, "Print no messages and no progress", .parse = set_quiet, .letter = 'q'},
     {"verbose", NULL, "Print more messages", .parse = set_verbose, .letter = 'v'},
@@ -131,7 +140,10 @@ static sp_status set_option(const cli_option *o, void *arguments, const char *te
     switch (o->kind) {
     case CLI_FLAG: *(bool *)field = true; break;
     case CLI_TEXT: *(const char **)field = text; break;
-    case CLI_NUMBER: return cli_number(name, text, low, high, field, err);
+    case CLI_NUMBER:
+        if (cli_keep_quantity(arguments, o, text))
+            return SP_OK;
+        return cli_number(name, text, low, high, field, err);
     case CLI_INTEGER: return cli_integer(name, text, (int64_t)low, high < 9e18 ? (int64_t)high : INT64_MAX, field, err);
     case CLI_CHOICE: return cli_choose(name, text, o->words, field, err);
     case CLI_PARSED: return o->parse(arguments, text, err);
@@ -180,6 +192,10 @@ static sp_status check_arguments(const reading *r, sp_error *err) {
     const cli_syntax *s = r->syntax;
     cli_common *common = r->arguments;
     sp_status status = s->kinds ? check_kind(r, common, err) : SP_OK;
+    if (status == SP_OK && s->not_si && common->units == CLI_UNITS_SI)
+        status = sp_fail(err, SP_EINVAL, "--units si: %s", s->not_si);
+    if (status == SP_OK && (common->material.young > 0 || !s->finds_material))
+        status = cli_set_quantities(common, &common->material, err);
     if (status == SP_OK && s->check && common->files >= s->files_min && common->files <= s->files_max)
         return s->check(r->arguments, err);
     if (status == SP_OK && common->files < s->files_min)
@@ -240,10 +256,11 @@ bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *n
 
 sp_status cli_scene_of_sets(const cli_common *common, const char *groups, sp_scene *out, sp_error *err) {
     for (int k = 0; k < common->sets; k++)
-        if (!has_word(groups, common->set[k], strcspn(common->set[k], ".")))
+        if (strncmp(common->set[k], "material.", 9) != 0 &&
+            !has_word(groups, common->set[k], strcspn(common->set[k], ".")))
             return sp_fail(err, SP_EINVAL, "--set %.60s: this command takes only keys of the group %s", common->set[k],
                            groups);
-    sp_status status = sp_scene_read(NULL, common->sets, common->set, out, err);
+    sp_status status = cli_read_scene(common, NULL, out, err);
     if (status == SP_OK && common->threshold >= 0)
         out->network.threshold = common->threshold;
     if (status == SP_OK && common->prestress)

@@ -149,6 +149,8 @@ sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err) {
     sp_status status = sp_packing_read(scene->from, from, err);
     if (status != SP_OK)
         return sp_fail_prefix(err, "packing.file");
+    if (!(scene->material.young > 0))
+        scene->material = from->material;
     return sp_pack_spec_from(&scene->pack, from, err);
 }
 
@@ -194,6 +196,8 @@ sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) 
     sp_status status = table_format(common, &format, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "sonopack %s", SONOPACK_VERSION);
+    if (status == SP_OK)
+        status = cli_convert_table(common, t, err);
     if (status != SP_OK)
         return status;
     char *text = sp_table_text(t, format);

@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "cli/output.h"
+#include "cli/plot_units.h"
 #include "store/packing_text.h"
 
 #include <errno.h>
@@ -112,7 +113,15 @@ static sp_status read_csv(const char *path, sp_table *out, sp_error *err) {
 }
 
 sp_status plot_read_table(const char *path, sp_table *out, sp_error *err) {
-    return cli_has_ending(path, ".csv") ? read_csv(path, out, err) : sp_table_read(path, out, err);
+    sp_table t = sp_table_none();
+    sp_status status = cli_has_ending(path, ".csv") ? read_csv(path, &t, err) : sp_table_read(path, &t, err);
+    if (status == SP_OK)
+        status = plot_units_convert(&t, err);
+    if (status == SP_OK)
+        *out = t;
+    else
+        sp_table_free(&t);
+    return status;
 }
 
 /* ---- signals ---------------------------------------------------------------------------------------------------- */
@@ -131,6 +140,24 @@ sp_status plot_is_packing(const char *path, bool *yes, sp_error *err) {
     head[size] = '\0';
     *yes = strlen(head) < size || sp_packing_text_looks(head);
     return SP_OK;
+}
+
+/* Where figures are in SI, turns the signal of a packing into SI too. */
+static void to_si(plot_signal *s) {
+    const sp_material *m = plot_units_material();
+    double time, force, length;
+    char unit[SP_UNIT_TEXT];
+    if (!m || sp_unit_to_si("d/sqrt(E* / rho)", m, &time, s->t_unit, NULL) != SP_OK ||
+        sp_unit_to_si("E* d^2", m, &force, s->f_unit, NULL) != SP_OK ||
+        sp_unit_to_si("d", m, &length, unit, NULL) != SP_OK)
+        return;
+    for (int64_t k = 0; k < s->n; k++) {
+        s->t[k] *= time;
+        s->f[k] *= force;
+    }
+    s->window *= time;
+    s->distance *= length;
+    s->foreign = true;
 }
 
 static sp_status packing_signal(const char *path, const sp_scene *scene, plot_signal *out, sp_error *err) {
@@ -153,6 +180,7 @@ static sp_status packing_signal(const char *path, const sp_scene *scene, plot_si
         memcpy(t + signal.n, signal.f, (size_t)signal.n * sizeof *t);
         *out = (plot_signal){.n = signal.n, .t = t, .f = t + signal.n, .window = window};
         out->distance = sp_packing_height(&p);
+        to_si(out);
     } else if (status == SP_OK) {
         status = sp_fail_memory(err, (size_t)signal.n * 2 * sizeof *t);
     } else {
@@ -200,6 +228,34 @@ int plot_count_signals(const sp_table *t, int first) {
     return n > 1 ? n - 1 : 1;
 }
 
+/* A number of the metadata in our unit: in a table in SI its unit stands behind it. */
+static double own_number(const sp_table *t, const char *key, const char *unit, const sp_material *m) {
+    const char *text = sp_table_get_text(t, key);
+    double value;
+    const bool si = text && m->young > 0 && sp_quantity_read(text, unit, m, &value, NULL) == SP_OK;
+    return si && value > 0.0 ? value : positive_number(t, key);
+}
+
+/* The window of the first front, in the unit of the times. A table of ours in SI says of which material. */
+static void find_window(const sp_table *table, plot_signal *s) {
+    const char *text = sp_table_get_text(table, "material");
+    sp_material m = {0};
+    char si[SP_UNIT_TEXT] = "";
+    double factor = 1.0;
+    s->foreign = strcmp(s->t_unit, "d/sqrt(E* / rho)") != 0;
+    s->length_unit = s->foreign ? "" : "d";
+    if (text && sp_material_read(text, &m, NULL) == SP_OK)
+        sp_unit_to_si("d/sqrt(E* / rho)", &m, &factor, si, NULL);
+    const bool ours_in_si = si[0] && strcmp(si, s->t_unit) == 0;
+    if (ours_in_si)
+        s->length_unit = "mm";
+    else
+        m = (sp_material){0};
+    const double height = own_number(table, "height", "d", &m), pressure = own_number(table, "pressure", "E*", &m);
+    s->window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
+    s->window *= ours_in_si ? factor : 1.0;
+}
+
 sp_status plot_column_signal(const sp_table *table, int time, int force, plot_signal *out, sp_error *err) {
     const int64_t n = table->rows;
     double *t = sp_alloc((size_t)n, 2 * sizeof *t);
@@ -209,12 +265,11 @@ sp_status plot_column_signal(const sp_table *table, int time, int force, plot_si
         t[k] = sp_table_number(table, k, time);
         t[n + k] = sp_table_number(table, k, force);
     }
-    const double height = positive_number(table, "height"), pressure = positive_number(table, "pressure");
+    const double height = positive_number(table, "height");
     *out = (plot_signal){.n = n, .t = t, .f = t + n, .height = height > 0 ? height : NAN, .distance = NAN};
-    out->window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
-    out->foreign = strcmp(table->column[time].unit, "d/sqrt(E* / rho)") != 0;
     snprintf(out->t_unit, sizeof out->t_unit, "%s", table->column[time].unit);
     snprintf(out->f_unit, sizeof out->f_unit, "%s", table->column[force].unit);
+    find_window(table, out);
     return SP_OK;
 }
 
@@ -226,7 +281,7 @@ bool plot_find_detector(const sp_table *t, const char *column, plot_detector *ou
     snprintf(out->word, sizeof out->word, "%.*s", (int)strcspn(to + 4, ","), to + 4);
     if (strncmp(out->word, "plane:", 6) == 0) {
         char number[sizeof out->word];
-        snprintf(number, sizeof number, "%.*s", (int)strcspn(out->word + 6, ":"), out->word + 6);
+        snprintf(number, sizeof number, "%.*s", (int)strspn(out->word + 6, "0123456789.eE+-"), out->word + 6);
         sp_word_number(number, &out->plane);
     }
     return true;

@@ -16,9 +16,10 @@ sp_status plot_is_packing(const char *path, bool *yes, sp_error *err);
 
 typedef struct plot_signal {
     int64_t n;
-    double *t, *f; /* one block, t its start */
-    double window; /* the first front is searched for up to this time; 0: everywhere */
-    bool foreign;  /* the times are not in d/sqrt(E* / rho) */
+    double *t, *f;           /* one block, t its start */
+    double window;           /* the first front is searched for up to this time; 0: everywhere */
+    bool foreign;            /* the times are not in d/sqrt(E* / rho) */
+    const char *length_unit; /* of height and distance; "": unknown */
     char t_unit[sizeof((sp_column *)0)->unit], f_unit[sizeof((sp_column *)0)->unit]; /* "": unknown */
     double height;                                                                   /* of the packing; NAN: unknown */
     double distance; /* from the bottom wall to the detector; NAN: unknown */
@@ -28,7 +29,7 @@ typedef struct plot_signal {
 /* The detector of a signal's column by the table's metadata, "F2 = from bottom:normal to plane:25:normal, ...". */
 typedef struct plot_detector {
     char word[100]; /* "plane:25:normal" */
-    double plane;   /* its height [d]; NAN if it is not a plane */
+    double plane;   /* its height, in the unit of the table's height; NAN if it is not a plane */
 } plot_detector;
 /* False if the metadata does not name the detector. */
 bool plot_find_detector(const sp_table *t, const char *column, plot_detector *out);

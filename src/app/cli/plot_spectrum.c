@@ -4,6 +4,7 @@
 #include "base/base.h"
 #include "cli/plot_input.h"
 #include "cli/plot_tables.h"
+#include "cli/plot_units.h"
 #include "cli/spectrum.h"
 
 #include <math.h>
@@ -20,6 +21,8 @@ static sp_status packing_table(const char *path, const sp_scene *scene, bool dis
     cli_comment(&w, "spectrum = %s", dispersion ? "dispersion" : "dos");
     if (w.status == SP_OK)
         w.status = dispersion ? spectrum_dispersion(&a, &file, t, err) : spectrum_dos(&a, &file, t, err);
+    if (w.status == SP_OK)
+        w.status = plot_units_convert(t, err);
     sp_network_free(&file.network);
     sp_packing_free(&file.packing);
     return w.status;

@@ -58,6 +58,7 @@ sp_status sp_sample_make_with(const sp_scene *given, unsigned want, const sp_pac
         sample->have = 0;
         sample->height = NAN;
         status = sp_packing_make_with(&scene->pack, hooks, packing, &reason);
+        packing->material = scene->material;
     }
     if (status == SP_OK && !packing->scene && !(packing->scene = sp_scene_text(scene, NULL)))
         status = sp_fail_memory(&reason, 4096);

@@ -20,6 +20,28 @@ static bool is_swept(const sp_scene *s, const char *key) { return is_listed(s, s
 
 static int given_by(const sp_reader *r, const char *key) { return r->given[sp_field_index(sp_field_find(key))]; }
 
+sp_status sp_reader_check_material(sp_reader *r) {
+    static const char *const keys[] = {"material.E", "material.nu", "material.rho", "material.d"};
+    enum { KEYS = sizeof keys / sizeof *keys };
+    int given = 0;
+    for (int k = 0; k < KEYS; k++)
+        given += given_by(r, keys[k]) != 0;
+    const sp_material *m = &r->scene.material;
+    const bool named = m->young != 0 || m->poisson != 0 || m->density != 0 || m->diameter != 0;
+    if (given == 0 || (given == KEYS && !named)) /* all 0, as `sonopack help scene' has them: not known */
+        return SP_OK;
+    for (int k = 0; k < KEYS; k++)
+        if (given_by(r, keys[k]) == 0)
+            return sp_fail_key(
+                r->err, SP_EINVAL, keys[k],
+                ": is missing: a material is { E = 70e9; nu = 0.22; rho = 2500; d = 1e-3; } (Pa, kg/m^3, "
+                "m)");
+    sp_status status = sp_material_check(m, r->err);
+    if (status == SP_OK)
+        r->scene.pack.poisson = m->poisson; /* unless packing.poisson follows */
+    return status;
+}
+
 /* ---- combinations ----------------------------------------------------------------------------------------------- */
 
 /* Checks the packing of every combination of swept values. */

@@ -98,6 +98,16 @@ const sp_field sp_fields[] = {
 #undef KEY
 #undef LIST
 
+    {"material.E", SP_FIELD_REAL, AT(material.young), NULL,
+     LIMITS("material.E", REAL, material.young, 0, "Pa", 1, 1e15, true),
+     "Young's modulus of the grains; the material turns numbers into SI units, and changes no packing; 0: not known"},
+    {"material.nu", SP_FIELD_REAL, AT(material.poisson), NULL,
+     LIMITS("material.nu", REAL, material.poisson, 0, "", 0, 0.5, false),
+     "Poisson's ratio of the grains, which packing.poisson has too where it is not given"},
+    {"material.rho", SP_FIELD_REAL, AT(material.density), NULL,
+     LIMITS("material.rho", REAL, material.density, 0, "kg/m^3", 1e-3, 1e6, true), "density of the grains"},
+    {"material.d", SP_FIELD_REAL, AT(material.diameter), NULL,
+     LIMITS("material.d", REAL, material.diameter, 0, "m", 1e-10, 1e3, true), "mean diameter of the grains"},
     {"network.threshold", SP_FIELD_REAL, AT(network.threshold), NULL,
      LIMITS("network.threshold", REAL, network.threshold, 0, "p d^2", 0, 1, false),
      "contacts with a larger normal force carry force"},
@@ -169,7 +179,7 @@ const sp_field sp_fields[] = {
 
 _Static_assert(sizeof sp_fields / sizeof *sp_fields == SP_FIELDS, "the table is complete");
 
-const char *const sp_groups[SP_GROUPS] = {"packing", "network", "signal", "study", "column"};
+const char *const sp_groups[SP_GROUPS] = {"packing", "material", "network", "signal", "study", "column"};
 
 int sp_field_index(const sp_field *f) { return (int)(f - sp_fields); }
 
@@ -211,6 +221,8 @@ bool sp_field_is_number(const sp_field *f) {
     return f->type == SP_FIELD_REAL || f->type == SP_FIELD_INT || f->type == SP_FIELD_INT64;
 }
 
+bool sp_field_is_material(const sp_field *f) { return sp_field_in_group(f, "material"); }
+
 bool sp_field_is_planes(const sp_field *f) { return f->offset == AT(plane); }
 
 bool sp_field_is_tapped(const sp_field *f) { return sp_field_in_group(f, "column"); }
@@ -238,6 +250,8 @@ bool sp_field_is_scalar(const sp_field *f) {
 const char *sp_field_not_swept(const sp_field *f) {
     if (sp_field_is_tapped(f))
         return "its diagrams vary column.parameter, from column.from to column.to";
+    if (sp_field_is_material(f))
+        return "it changes no sample, only the units of tables";
     if (f->type == SP_FIELD_PATH)
         return "all samples of a study start from the same packing";
     if (f->type == SP_FIELD_FILE)

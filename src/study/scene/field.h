@@ -43,7 +43,7 @@ typedef struct sp_number {
     double real; /* also set for integers */
 } sp_number;
 
-enum { SP_FIELDS = 71, SP_GROUPS = 5 };
+enum { SP_FIELDS = 75, SP_GROUPS = 6 };
 extern const sp_field sp_fields[SP_FIELDS];
 extern const char *const sp_groups[SP_GROUPS];
 int sp_field_index(const sp_field *f);
@@ -60,6 +60,7 @@ bool sp_field_is_number(const sp_field *f);
 /* Whether the field has a single value: a number, a word or a boolean. */
 bool sp_field_is_scalar(const sp_field *f);
 bool sp_field_is_tapped(const sp_field *f); /* a key of the tapped column */
+bool sp_field_is_material(const sp_field *f);
 bool sp_field_is_planes(const sp_field *f); /* signal.planes, the one list that sp_scene holds in itself */
 /* Why a study may not sweep the key; NULL if it may. */
 const char *sp_field_not_swept(const sp_field *f);

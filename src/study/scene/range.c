@@ -65,10 +65,14 @@ static sp_status read_count(sp_reader *r, range *g, const config_setting_t *sett
     return SP_OK;
 }
 
-static sp_status read_step(sp_reader *r, range *g, const config_setting_t *setting) {
+static sp_status read_step(sp_reader *r, const sp_field *f, range *g, const config_setting_t *setting) {
     sp_number number;
     r->line = config_setting_source_line(setting);
-    if (!sp_reader_number(setting, &number) || !isfinite(number.real) || !(fabs(number.real) > 0))
+    const bool text = config_setting_type(setting) == CONFIG_TYPE_STRING;
+    sp_status status = text ? sp_reader_quantity(r, f, setting, &number) : SP_OK;
+    if (status != SP_OK)
+        return status;
+    if ((!text && !sp_reader_number(setting, &number)) || !isfinite(number.real) || !(fabs(number.real) > 0))
         return sp_fail_key(r->err, SP_EINVAL, g->key, ": step of a range must be a number other than 0");
     if (g->log)
         return sp_fail_key(r->err, SP_EINVAL, g->key, ": a range with spacing = \"log\" must have a count, not a step");
@@ -116,7 +120,7 @@ static sp_status read_members(sp_reader *r, const sp_field *f, const config_sett
     if (g->log && !(g->from > 0 && g->to > 0))
         return sp_fail_key(r->err, SP_EINVAL, g->key, ": a range from %g to %g with spacing = \"log\": must be above 0",
                            g->from, g->to);
-    return member[COUNT] ? read_count(r, g, member[COUNT]) : read_step(r, g, member[STEP]);
+    return member[COUNT] ? read_count(r, g, member[COUNT]) : read_step(r, f, g, member[STEP]);
 }
 
 /* Removes rounding errors: a value within 1e-14 of a number of 12 digits becomes that number, so that decades are

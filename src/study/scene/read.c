@@ -24,6 +24,7 @@ static sp_status read_list(sp_reader *r, const sp_field *f, const config_setting
 }
 
 static sp_status read_field(sp_reader *r, const sp_field *f, const config_setting_t *setting) {
+    sp_status status;
     sp_number number;
     const sp_word *word;
     char *place = (char *)&r->scene + f->offset;
@@ -36,8 +37,8 @@ static sp_status read_field(sp_reader *r, const sp_field *f, const config_settin
     case SP_FIELD_REAL:
     case SP_FIELD_INT:
     case SP_FIELD_INT64:
-        return sp_reader_number(setting, &number) ? sp_field_store(&r->scene, f, &number, r->err)
-                                                  : sp_reader_wrong(r, f, setting);
+        status = sp_reader_quantity(r, f, setting, &number);
+        return status == SP_OK ? sp_field_store(&r->scene, f, &number, r->err) : status;
     case SP_FIELD_BOOL:
         if (config_setting_type(setting) != CONFIG_TYPE_BOOL)
             return sp_reader_wrong(r, f, setting);
@@ -76,7 +77,7 @@ static sp_status unknown_key(const sp_reader *r, const char *group, const char *
 
 static sp_status unknown_group(const sp_reader *r, const char *name) {
     return unknown(r, "group", name, sp_nearest_word(name, SP_GROUPS, sp_groups),
-                   "packing, network, signal, study or column");
+                   "packing, material, network, signal, study or column");
 }
 
 static sp_status read_key(sp_reader *r, const char *group, const config_setting_t *setting) {
@@ -113,7 +114,24 @@ static sp_status read_group(sp_reader *r, const config_setting_t *group) {
     return status;
 }
 
-static sp_status read_text(sp_reader *r, const char *text) {
+static bool is_material(const config_setting_t *group) {
+    return config_setting_name(group) && strcmp(config_setting_name(group), "material") == 0;
+}
+
+static sp_status read_groups(sp_reader *r, const config_setting_t *root, bool material) {
+    sp_status status = SP_OK;
+    for (int k = 0; k < config_setting_length(root) && status == SP_OK; k++) {
+        const config_setting_t *group = config_setting_get_elem(root, (unsigned)k);
+        if (is_material(group) == material)
+            status = read_group(r, group);
+    }
+    return status;
+}
+
+static sp_status read_material_overrides(sp_reader *r, int overrides, char *const *override);
+
+/* The material comes first, wherever it stands: other groups may have numbers in SI units. */
+static sp_status read_text(sp_reader *r, const char *text, int overrides, char *const *override) {
     char *clean = NULL;
     sp_status status = sp_source_clean(text, r->name, &clean, r->err);
     if (status != SP_OK)
@@ -126,11 +144,14 @@ static sp_status read_text(sp_reader *r, const char *text) {
         goto out;
     }
     const config_setting_t *root = config_root_setting(&config);
-    const int groups = config_setting_length(root);
-    if (groups == 0)
+    if (config_setting_length(root) == 0)
         status = sp_fail(r->err, SP_EINVAL, "%s: an empty scene: must hold at least packing = { ... };", r->name);
-    for (int k = 0; k < groups && status == SP_OK; k++)
-        status = read_group(r, config_setting_get_elem(root, (unsigned)k));
+    if (status == SP_OK)
+        status = read_groups(r, root, true);
+    if (status == SP_OK)
+        status = read_material_overrides(r, overrides, override);
+    if (status == SP_OK)
+        status = read_groups(r, root, false);
 out:
     config_destroy(&config);
     sp_free(clean);
@@ -168,9 +189,19 @@ static char *quoted_words(const char *list) {
     return text;
 }
 
+/* Whether a value is a number with a unit, as in 100 kPa, which libconfig takes as a string only. */
+static bool is_quantity(const char *value) {
+    const size_t number = strspn(value, "0123456789+-.eE");
+    const char *unit = value + number + strspn(value + number, " ");
+    return number > 0 && *unit && *unit != 'L' && *unit != 'x' && strspn(value, "+-.eE") < number &&
+           (isalpha((unsigned char)*unit) || (unit > value + number && *unit == '1')) && !strpbrk(value, "\"\\;{}[]=");
+}
+
 /* A value of --set in the syntax of a scene. In --set, words need no quotes and lists of numbers no brackets. */
 static char *override_text(const sp_field *f, const char *value) {
     if ((f->type == SP_FIELD_FILE || f->type == SP_FIELD_PATH) && value[0] != '"')
+        return quoted(value);
+    if ((sp_field_is_number(f) || f->type == SP_FIELD_REALS) && is_quantity(value))
         return quoted(value);
     if (f->type == SP_FIELD_WORD && (value[0] == '[' || value[0] == '('))
         return quoted_words(value);
@@ -240,6 +271,10 @@ static sp_status read_override(sp_reader *r, const char *override) {
     return read_override_value(r, f, equals + 1);
 }
 
+static bool of_material(const char *override) {
+    return strncmp(override, "material.", 9) == 0 || strncmp(override, "material=", 9) == 0;
+}
+
 /* Prepends to a reason where the key at fault was given. */
 static sp_status locate(const sp_reader *r, sp_status status) {
     if (status != SP_EINVAL)
@@ -253,6 +288,30 @@ static sp_status locate(const sp_reader *r, sp_status status) {
     return r->name ? sp_fail_prefix(r->err, "%s", r->name) : status;
 }
 
+/* "material=E=...,nu=...": what --material gives. Unlike the group it leaves packing.poisson alone, and so all samples
+ * keep their names. */
+static sp_status read_whole_material(sp_reader *r, const char *override) {
+    return sp_material_read(override + strlen("material="), &r->scene.material, r->err);
+}
+
+/* Reads the overrides of the material, and completes what the group has given. */
+static sp_status read_material_overrides(sp_reader *r, int overrides, char *const *override) {
+    sp_status status = SP_OK;
+    for (int whole = 0; whole < 2 && status == SP_OK; whole++) {
+        for (int k = 0; k < overrides && status == SP_OK; k++) {
+            if (strncmp(override[k], whole ? "material=" : "material.", 9) != 0)
+                continue;
+            status = whole ? read_whole_material(r, override[k]) : read_override(r, override[k]);
+            if (status == SP_EINVAL)
+                sp_fail_prefix(r->err, "--set");
+        }
+        if (status == SP_OK && !whole)
+            status = locate(r, sp_reader_check_material(r));
+    }
+    r->overrides = false;
+    return status;
+}
+
 /* A check of the finished scene. */
 typedef sp_status (*scene_check)(sp_reader *r);
 
@@ -260,8 +319,11 @@ static sp_status read_all(const char *text, const char *name, int overrides, cha
                           sp_scene *out, sp_error *err) {
     sp_error own = {0}; /* decisions here need the key at fault, even if the caller passes no err */
     sp_reader r = {.scene = sp_scene_default(), .name = text && !name ? "scene" : name, .err = err ? err : &own};
-    sp_status status = text ? read_text(&r, text) : SP_OK;
+    sp_status status =
+        text ? read_text(&r, text, overrides, override) : read_material_overrides(&r, overrides, override);
     for (int k = 0; k < overrides && status == SP_OK; k++) {
+        if (of_material(override[k]))
+            continue;
         status = read_override(&r, override[k]);
         if (status == SP_EINVAL)
             sp_fail_prefix(r.err, "--set");

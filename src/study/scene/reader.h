@@ -29,6 +29,9 @@ typedef struct sp_reader {
 sp_status sp_reader_wrong(const sp_reader *r, const sp_field *f, const config_setting_t *setting);
 /* False for a setting that is no number. */
 bool sp_reader_number(const config_setting_t *setting, sp_number *out);
+/* A number, or a string with a number and a unit, which becomes a number in the unit of the field. Fails with the key
+ * for other settings. */
+sp_status sp_reader_quantity(const sp_reader *r, const sp_field *f, const config_setting_t *setting, sp_number *out);
 /* A number in the range of its field. */
 sp_status sp_reader_checked_number(sp_reader *r, const sp_field *f, const config_setting_t *setting, sp_number *out);
 /* A number for a sweep of its field, which must fit into a double. */
@@ -67,6 +70,8 @@ sp_status sp_read_range(sp_reader *r, const sp_field *f, const config_setting_t 
 
 /* ---- checks ----------------------------------------------------------------------------------------------------- */
 
+/* Checks the material, once it has been read: before all other groups, whose numbers may have SI units. */
+sp_status sp_reader_check_material(sp_reader *r);
 /* Checks the finished scene as a whole. */
 sp_status sp_reader_check(sp_reader *r);
 /* Checks the tapped column alone. */

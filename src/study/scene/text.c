@@ -109,10 +109,15 @@ static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
            (strcmp(f->key, "packing.grains") == 0 && s->height > 0);
 }
 
+/* Groups that a stored scene does not need. */
+static bool is_apart(const sp_scene *s, const char *group) {
+    return strcmp(group, "column") == 0 || (strcmp(group, "material") == 0 && !(s->material.young > 0));
+}
+
 char *sp_scene_text(const sp_scene *s, const char *group) {
     sp_text t = {0};
     for (int g = 0; g < SP_GROUPS; g++) {
-        if (group ? strcmp(group, sp_groups[g]) != 0 : strcmp(sp_groups[g], "column") == 0)
+        if (group ? strcmp(group, sp_groups[g]) != 0 : is_apart(s, sp_groups[g]))
             continue;
         sp_text_add(&t, "%s = {\n", sp_groups[g]);
         for (const sp_field *f = sp_fields; f < sp_fields + SP_FIELDS; f++) {
@@ -135,7 +140,11 @@ char *sp_scene_help(void) {
         "    { key = \"packing.pressure\"; values = [1e-7, 1e-6, 1e-5, 1e-4]; },\n"
         "    { key = \"packing.grains\"; values = [200, 600]; } ); };\n\n"
         "Every key may be left out; --set key=value overrides it. # begins a comment.\n"
-        "Lengths in mean grain diameters d, pressures in E*, times in d/sqrt(E* / rho).\n\n"
+        "Lengths in mean grain diameters d, pressures in E*, times in d/sqrt(E* / rho). With a material, every key "
+        "with a\n"
+        "unit takes a number with an SI unit in quotes:\n\n"
+        "  material = { E = 70e9; nu = 0.22; rho = 2500; d = 1e-3; };\n"
+        "  packing = { pressure = \"100 kPa\"; width = \"20 mm\"; };\n\n"
         "A study sweeps the keys of study.sweep, and every key with a list of values or a range in place of its "
         "value.\n"
         "It makes every combination:\n\n"

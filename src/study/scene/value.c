@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "scene/reader.h"
 
+#include <sonopack/units.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -38,9 +39,23 @@ bool sp_reader_number(const config_setting_t *setting, sp_number *out) {
     return true;
 }
 
+sp_status sp_reader_quantity(const sp_reader *r, const sp_field *f, const config_setting_t *setting, sp_number *out) {
+    if (sp_reader_number(setting, out))
+        return SP_OK;
+    const sp_key *limits = sp_field_limits(f);
+    const bool text = config_setting_type(setting) == CONFIG_TYPE_STRING;
+    if (!text || !limits || !limits->unit[0] || !strpbrk(config_setting_get_string(setting), "0123456789"))
+        return sp_reader_wrong(r, f, setting);
+    *out = (sp_number){0};
+    sp_status status =
+        sp_quantity_read(config_setting_get_string(setting), limits->unit, &r->scene.material, &out->real, r->err);
+    return status == SP_OK ? status : sp_fail_prefix_key(r->err, f->key);
+}
+
 sp_status sp_reader_checked_number(sp_reader *r, const sp_field *f, const config_setting_t *setting, sp_number *out) {
     r->line = config_setting_source_line(setting);
-    return sp_reader_number(setting, out) ? sp_field_check(f, out, r->err) : sp_reader_wrong(r, f, setting);
+    sp_status status = sp_reader_quantity(r, f, setting, out);
+    return status == SP_OK ? sp_field_check(f, out, r->err) : status;
 }
 
 sp_status sp_reader_swept_number(sp_reader *r, const sp_field *f, const config_setting_t *setting, double *out) {
