@@ -1,5 +1,6 @@
-"""The commands of the README, of the guide and of other pages work as written: every line that begins with `$ ` in a ```console block,
-in the order of the page, in one scratch folder with the example scenes. Blocks marked ```console long are left out.
+"""The commands of the README, of the guide and of other pages work as written: every line that begins with `$ ` in a
+```console block, in the order of the page, in one scratch folder with the example scenes. Blocks marked ```console long
+are left out. A block such as ```python draw.py is a file of that name.
 
 usage: test_readme.py COMMAND SOURCE_DIR
 """
@@ -15,12 +16,12 @@ COMMAND, SOURCE = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
 PAGES = ("README.md", "docs/guide.md", "docs/units.md", "docs/view.md", "docs/export.md", "docs/foreign.md")
 
 
-def console_commands(text):
-    """(line number, command) of the console blocks; a trailing backslash continues a command."""
+def console_commands(text, fences=("```console",)):
+    """(line number, command) of the blocks that begin so; a trailing backslash continues a command."""
     commands, inside, pending = [], False, None
     for number, line in enumerate(text.split("\n"), 1):
         if line.startswith("```"):
-            inside = line.strip() == "```console"
+            inside = line.strip() in fences
             pending = None
         elif inside and pending:
             pending = (pending[0], pending[1][:-1] + line)
@@ -32,29 +33,42 @@ def console_commands(text):
     return commands
 
 
+def files_of(text):
+    """(name, content) of the blocks that begin with a language and the name of a file: ```python draw.py"""
+    return re.findall(r"^```\w+ ([\w-]+\.\w+)\n(.*?)^```$", text, re.M | re.S)
+
+
 def check_the_reader():
     text = "```console\n$ one\noutput $ no\n$ two \\\n  more\n```\n```console long\n$ never\n```\n$ never\n```sh\n$ never\n```\n"
     found = console_commands(text)
     assert found == [(2, "one"), (4, "two   more")], found
+    assert files_of("```python a.py\nx = 1\n```\n```python\ny\n```\n") == [("a.py", "x = 1\n")]
 
 
-def run_page(page):
-    """All commands of a page in a fresh folder; the fault, or None."""
-    commands = console_commands((SOURCE / page).read_text())
+def run_page(page, then=lambda scratch, outputs: None, fences=("```console",)):
+    """All commands of a page in a fresh folder; the fault, or what `then` finds there and in [(command, its output)]."""
+    text = (SOURCE / page).read_text()
+    commands = console_commands(text, fences)
     with tempfile.TemporaryDirectory(prefix="sonopack-readme-") as folder:
         scratch = pathlib.Path(folder)
         shutil.copytree(SOURCE / "packings", scratch / "packings")
         shutil.copytree(SOURCE / "tests/foreign/samples", scratch / "samples")
         (scratch / "bin").mkdir()
         (scratch / "bin/sonopack").symlink_to(COMMAND)
-        env = dict(os.environ, PATH=f"{scratch / 'bin'}:{os.environ['PATH']}", LC_ALL="C.UTF-8", HOME=folder)
+        (scratch / "bin/python3").symlink_to(sys.executable)  # which has what the tests need
+        for name, content in files_of(text):
+            (scratch / name).write_text(content)
+        env = dict(os.environ, PATH=f"{scratch / 'bin'}:{os.environ['PATH']}", LC_ALL="C.UTF-8", HOME=folder,
+                   PYTHONPATH=str(COMMAND.parent / "python"))
+        outputs = []
         for number, command in commands:
             print(f"{page}:{number}: $ {command}", flush=True)
             result = subprocess.run(["bash", "-o", "pipefail", "-c", command], cwd=scratch, env=env, text=True,
                                     capture_output=True, stdin=subprocess.DEVNULL, timeout=1200)
             if result.returncode:
                 return f"{page}:{number}: {command}: exit status {result.returncode}\n{result.stdout}{result.stderr}"
-    return None if commands else f"{page}: no commands found"
+            outputs.append((command, result.stdout))
+        return then(scratch, outputs) if commands else f"{page}: no commands found"
 
 
 def check_links(page):
