@@ -4,7 +4,7 @@
 
 #include <sonopack/export.h>
 
-#define SONOPACK_VERSION "0.3.0"
+#define SONOPACK_VERSION "0.4.0"
 /* Increased whenever the same scene and seed would give other numbers; part of a sample's name. */
 #define SONOPACK_ALGORITHM 3
 
