@@ -24,7 +24,8 @@ typedef struct sp_moduli {
 
 /* Moduli of the linear springs. One sparse Cholesky factorization serves all strains. Strains along the walls act
  * through the periodic images, all others by displacing the top wall. The walls' contact points follow the strain
- * affinely, so C12 = C21. phi3s: Phi3* of sp_statics; NAN: no speeds. Floppy parts carry no stress and do no harm.
+ * affinely, so C12 = C21. phi3s: sp_packing_density, which is Phi3* of sp_statics for
+ * spheres of unit density; NAN: no speeds. Floppy parts carry no stress and do no harm.
  * With prestress and friction the free spin of a sphere with two contacts is left out, and a turn of 1 is part of the
  * errors. A modulus C11 .. C66 on the diagonal is set to 0 if it is within its error of 0. Shear moduli are NAN if the
  * walls have no friction. SP_EREFUSED for a packing without walls, if no chain of springs connects the walls, if the

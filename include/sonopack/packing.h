@@ -151,6 +151,9 @@ typedef struct sp_statics {
 } sp_statics;
 
 SP_API sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err);
+/* Mass over volume of the grains that are no rattlers [rho], in the same bulk: the density that long waves feel. For
+ * spheres of unit density it is phi3s. NAN if the bulk is empty. SP_ENOMEM. */
+SP_API sp_status sp_packing_density(const sp_packing *p, double threshold, double margin, double *out, sp_error *err);
 
 /* ---- compression -------------------------------------------------------------------------------------------- */
 

@@ -208,7 +208,9 @@ class Network(_core.Owner):
     # ---- elasticity -------------------------------------------------------------------------------------------------
 
     def _density(self, margin: float) -> float:
-        return self.packing.statics(self._options.threshold, margin).phi3s
+        out = ffi.new("double *")
+        call(lib.sp_packing_density, self.packing._c, self._options.threshold, float(margin), out)
+        return float(out[0])
 
     @documented("sp_moduli_make")
     def moduli(self, margin: float = 3.0) -> _records.Moduli:
@@ -224,7 +226,8 @@ class Network(_core.Owner):
         for k, (kind, n) in enumerate(probes):
             _core.set_fields(array[k], {"kind": kind, "n": int(n)})
         out = ffi.new("sp_probe_moduli[]", len(probes))
-        call(lib.sp_moduli_probe, self._c, self._density(margin), len(probes), array, ffi.NULL, out)
+        phi3s = self.packing.statics(self._options.threshold, margin).phi3s
+        call(lib.sp_moduli_probe, self._c, phi3s, len(probes), array, ffi.NULL, out)
         return [_core.record(_records.ProbeModuli, out[k]) for k in range(len(probes))]
 
     @documented("sp_moduli_finite_strain")

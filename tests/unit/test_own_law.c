@@ -104,10 +104,17 @@ static void network_takes_them(void **state) {
     for (int32_t k = 0; k < same.n_springs; k++)
         assert_same_bits("springs", &hertz.springs[k].kn, &same.springs[k].kn, 2);
     assert_same_bits("masses", hertz.mass, same.mass, sp_network_dofs(&same));
+    sp_statics statics;
+    double density, heavier;
+    assert_ok(sp_statics_make(&p, opt.threshold, 1, &statics, &err));
+    assert_ok(sp_packing_density(&p, opt.threshold, 1, &density, &err));
+    assert_true(density > 0.4 && density == statics.phi3s); /* spheres of unit density */
     for (int32_t i = 0; i < p.n; i++) {
         p.mass[i] *= 4;
         p.inertia[i] *= 4;
     }
+    assert_ok(sp_packing_density(&p, opt.threshold, 1, &heavier, &err));
+    assert_true(heavier == 4 * density); /* the speeds of long waves halve */
     for (int32_t c = 0; c < p.n_contacts; c++)
         p.contacts[c].kt = 0; /* frictionless contacts in a frictional packing */
     assert_ok(sp_network_make(&p, &opt, &scaled, &err));

@@ -163,7 +163,11 @@ static sp_status add_rows(void *arguments, cli_file *file, sp_table *t, sp_error
         return status;
     if (a->strains > 0)
         return moduli_strained_rows(a, file, t, err);
-    return has_probes(a) ? moduli_probe_rows(a, file, s.phi3s, t, err) : global_row(a, file, s.phi3s, t, err);
+    if (has_probes(a))
+        return moduli_probe_rows(a, file, s.phi3s, t, err);
+    double density;
+    status = sp_packing_density(&file->packing, file->scene->network.threshold, a->margin, &density, err);
+    return status == SP_OK ? global_row(a, file, density, t, err) : status;
 }
 
 int cmd_moduli(int argc, char **argv) {

@@ -15,8 +15,11 @@ sp_status spectrum_continuum(const spectrum_arguments *a, cli_file *file, sp_tab
     sp_continuum c = sp_continuum_none();
     sp_statics s;
     cli_writer w = {.table = t, .err = err, .status = sp_statics_make(&file->packing, threshold, margin, &s, err)};
+    double density;
     if (w.status == SP_OK)
-        w.status = sp_continuum_make(&file->network, s.phi3s, a->lowest < 0 ? 12 : (int32_t)a->lowest,
+        w.status = sp_packing_density(&file->packing, threshold, margin, &density, err);
+    if (w.status == SP_OK)
+        w.status = sp_continuum_make(&file->network, density, a->lowest < 0 ? 12 : (int32_t)a->lowest,
                                      (sp_modes_solver)a->solver, &c, err);
     if (w.status != SP_OK)
         return w.status;

@@ -41,6 +41,23 @@ static void sum_fractions(const sp_packing *p, const bulk *b, const uint8_t *rat
     s->phi3s = carrying / base;
 }
 
+sp_status sp_packing_density(const sp_packing *p, double threshold, double margin, double *out, sp_error *err) {
+    const bulk b = {.low = margin, .high = sp_packing_height(p) - margin, .up = p->dim - 1};
+    uint8_t *rattler = sp_alloc((size_t)p->n, 1);
+    sp_status status =
+        rattler ? sp_packing_rattlers(p, threshold, rattler, NULL, NULL, err) : sp_fail_memory(err, (size_t)p->n);
+    double mass = 0;
+    for (int32_t i = 0; status == SP_OK && i < p->n; i++) {
+        const double r = p->r[i], y = p->x[3 * (size_t)i + (size_t)b.up];
+        const double all = p->mass ? p->mass[i] : grain_mass(r);
+        mass += rattler[i] ? 0 : all * (ball_below(b.high, y, r) - ball_below(b.low, y, r));
+    }
+    if (status == SP_OK)
+        *out = b.high > b.low ? mass / (sp_packing_wall_area(p) * (b.high - b.low)) : NAN;
+    sp_free(rattler);
+    return status;
+}
+
 /* Averages over grains with centres in the bulk, wherever their contacts are. */
 static sp_status sum_coordination(const sp_packing *p, const bulk *b, const uint8_t *rattler, const uint8_t *carrying,
                                   sp_statics *s, sp_error *err) {
