@@ -184,7 +184,12 @@ static sp_status check_balance(sp_work *w, const sp_packing *p, sp_error *err) {
     sp_free(rattler);
     if (status != SP_OK)
         return status;
-    w->report.balance = mean > 0 ? now.force / mean : NAN;
+    w->report.balance = mean > 0 && rattlers < p->n ? now.force / mean : NAN;
+    if (rattlers == p->n)
+        sp_work_note(w, "all grains are rattlers: no balance of forces can be told%s",
+                     p->friction > 0 ? "" : " (friction = 0)");
+    else if (now.force > mean)
+        sp_work_note(w, "forces do not balance: is the file cut short, or are periods, units or signs wrong?");
     if (turned.squares < 0.25 * now.squares)
         sp_work_note(w,
                      "with the other sign of the tangential forces the grains balance better (%.2g of the mean force): "
@@ -234,6 +239,11 @@ static sp_status remark_missing(sp_work *w, sp_error *err) {
     sp_status status = sp_touch_count(w, &pairs, err);
     for (int32_t k = 0; k < w->found; k++)
         listed += w->contact[k].j >= 0 && w->contact[k].depth > 0;
+    if (status == SP_OK && pairs - listed > pairs / 10)
+        return sp_fail(err, SP_EFORMAT,
+                       "%s: lists %lld of the %lld pairs that overlap; must list all: is it cut short, or are the "
+                       "periods wrong?",
+                       w->contacts.file, (long long)listed, (long long)pairs);
     if (status == SP_OK && pairs > listed)
         sp_work_note(w, "%lld pairs overlap and are not listed as contacts", (long long)(pairs - listed));
     return status;
