@@ -414,6 +414,8 @@ def test_own_csv():
         convert(f"{name}.h5", "--grain-table", path(f"{name}-g.tsv"), "--contact-table", path(f"{name}-c.tsv"))
         tables.append([line.split("\t")[:2] for line in open(path(f"{name}-c.tsv")) if not line.startswith("#")])
     expect(tables[0] == tables[1], "contacts of our own CSV are those of the packing")
+    columns = [line.split() for line in open(path("Q-c.tsv")) if not line.startswith("#")][0]
+    expect("kn" not in columns, "Hertz's stiffnesses are no stiffnesses of their own")
 
 
 def test_sense():

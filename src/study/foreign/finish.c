@@ -125,6 +125,27 @@ static void give_contacts(sp_work *w, sp_packing *p) {
     sp_packing_sort(p);
 }
 
+static bool is_near(double a, double b) { return fabs(a - b) <= 1e-12 * fabs(b); }
+
+/* Stiffnesses and masses that are those of Hertzian spheres anyway, as in our own CSV, say nothing new. */
+static void forget_usual(sp_packing *p) {
+    bool spheres = p->mass != NULL, hertz = true;
+    for (int32_t i = 0; i < p->n && spheres; i++)
+        spheres = is_near(p->mass[i], grain_mass(p->r[i])) && is_near(p->inertia[i], grain_inertia(p->r[i]));
+    if (spheres) {
+        sp_free(p->mass);
+        sp_free(p->inertia);
+        p->mass = p->inertia = NULL;
+    }
+    for (int32_t k = 0; k < p->n_contacts && hertz; k++) {
+        const sp_contact *c = &p->contacts[k];
+        const double kn = contact_normal_stiffness(contact_stiffness_in(p, c->i, c->j), c->overlap);
+        hertz = c->kn > 0 && is_near(c->kn, kn) && (is_near(c->kt, contact_eta(p->poisson) * kn) || !(p->friction > 0));
+    }
+    for (int32_t k = 0; k < p->n_contacts && hertz; k++)
+        p->contacts[k].kn = p->contacts[k].kt = 0;
+}
+
 /* Net forces and torques over R of all grains, six numbers each. sign: of tangential forces. */
 static void add_forces(const sp_packing *p, double sign, double *net) {
     for (int32_t k = 0; k < p->n_contacts; k++) {
@@ -264,6 +285,7 @@ sp_status sp_finish(sp_work *w, sp_packing *out, sp_error *err) {
         status = give_masses(w, &p, err);
     if (status == SP_OK) {
         give_contacts(w, &p);
+        forget_usual(&p);
         status = find_pressure(w, &p, err);
     }
     if (status == SP_OK && sp_packing_check(&p, err) != SP_OK)
