@@ -168,7 +168,8 @@ def test_other_laws():
     copied = pickle.loads(pickle.dumps(made))
     check(np.array_equal(copied.inertia, inertia) and copied.material == glass and copied.hash == made.hash, "pickle")
     check(packing.mass is None and packing.inertia is None and packing.material.young == 0, "spheres")
-    fails(Status.EINVAL, "mass", sonopack.Packing.from_arrays, packing.x, packing.r, contacts, mass=mass[1:], inertia=mass, **given)
+    fails(Status.EINVAL, "mass", sonopack.Packing.from_arrays, packing.x, packing.r, contacts, mass=mass[1:],
+          inertia=inertia, **given)
     wrong = dataclasses.replace(glass, density=-1.0)
     raised(InvalidInput, sonopack.Packing.from_arrays, packing.x, packing.r, c, **{**given, "material": wrong})
     raised(Refused, network.signal, method="dynamics")
