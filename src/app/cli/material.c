@@ -147,6 +147,10 @@ sp_status cli_take_table_material(void *arguments, const sp_table *t, const char
     bool ours = false; /* a table in SI, or of a laboratory, needs none */
     for (int c = 0; c < t->columns; c++)
         ours = ours || sp_unit_is_ours(t->column[c].unit);
+    const cli_common *common = arguments;
+    if (text && !ours && is_known(&common->material) && !is_same(&m, &common->material))
+        return sp_fail(err, SP_EINVAL, "%s: is in SI units already, of the material %s; --material must be this one",
+                       from, text);
     return text || ours ? cli_take_material(arguments, &m, from, err) : SP_OK;
 }
 
