@@ -138,6 +138,8 @@ def check_signals(scratch):
                         ("ours", ["t  [d (\u03c1/E*)^1/2]", "F_sig  [10^\u22123 E* d^2]"])):
         text = words(drawn(scratch, f"{name}.svg", "signal", scratch / f"{name}.tsv"))
         expect(set(label) <= set(text), f"signal: {label} not in {text}")
+    for pair in ((volts, ours), (ours, volts), (trace, ours, volts)):  # a trace without units fits beside any
+        refused(scratch, 1, "t in", "signal", *pair, "-o", scratch / "no.svg")
     png(drawn(scratch, "signal.png", "signal", trace))
     flat = scratch / "flat.tsv"
     flat.write_text("t\tF\n0\t0\n1\t0\n2\t0\n")

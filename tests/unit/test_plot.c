@@ -407,8 +407,8 @@ static void test_units(void **state) {
         const char *x, *y;
     } cases[] = {{{{NULL, NULL}, {NULL, NULL}}, "\nt  [d (", "\nF_sig  [E"},
                  {{{"s", "N"}, {"s", "N"}}, "\nt  [s]\n", "\nF  [N]\n"},
-                 {{{"s", "N"}, {"s", "V"}}, "\nt  [s]\n", "\nF\n"},
-                 {{{"s", "N"}, {NULL, NULL}}, "\nt\n", "\nF\n"},
+                 {{{"s", "N"}, {"s", ""}}, "\nt  [s]\n", "\nF\n"},
+                 {{{"", ""}, {NULL, NULL}}, "\nt\n", "\nF\n"},
                  {{{"", ""}, {"", ""}}, "\nt\n", "\nF\n"},
                  {{{"|m|^_{s}", ""}, {"|m|^_{s}", ""}}, "\nt  [|m|^_{s}]\n", "\nF\n"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
@@ -421,6 +421,22 @@ static void test_units(void **state) {
         if (!strstr(text, cases[k].x) || !strstr(text, cases[k].y))
             fail_msg("case %zu: %.400s", k, text);
         free(text);
+    }
+}
+
+/* Signals in different known units have no common axis. */
+static void test_mixed_units(void **state) {
+    (void)state;
+    const double t[3] = {0, 1, 2}, f[3] = {0, 1, 0};
+    static const char *const unit[][2] = {{"us", "N"}, {NULL, NULL}, {"s", "N"}, {"us", "V"}};
+    for (int k = 1; k < 4; k++) {
+        sp_error err = {0};
+        const sp_plot_trace trace[3] = {{"x", 3, t, f, 0.1, 1, 2, "", "", NULL},
+                                        {"y", 3, t, f, 0.1, 1, 2, unit[0][0], unit[0][1], NULL},
+                                        {"z", 3, t, f, 0.1, 1, 2, unit[k][0], unit[k][1], NULL}};
+        assert_int_equal(sp_plot_signal(3, trace, in_folder("mixed.svg"), &err), SP_EINVAL);
+        assert_non_null(strstr(err.text, k == 3 ? "F in N" : "t in us"));
+        assert_null(fopen(in_folder("mixed.svg"), "rb"));
     }
 }
 
@@ -774,6 +790,7 @@ int main(void) {
         cmocka_unit_test_teardown(test_bars_of_long_waves, clear),
         cmocka_unit_test_teardown(test_exponent_is_fitted, clear),
         cmocka_unit_test_teardown(test_units, clear),
+        cmocka_unit_test_teardown(test_mixed_units, clear),
         cmocka_unit_test_teardown(test_hostile_labels, clear),
         cmocka_unit_test_teardown(test_markup_of_numbers, clear),
         cmocka_unit_test_teardown(test_contact_across_the_periodic_edge, clear),
