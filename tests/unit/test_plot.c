@@ -424,22 +424,6 @@ static void test_units(void **state) {
     }
 }
 
-/* Signals in different known units have no common axis. */
-static void test_mixed_units(void **state) {
-    (void)state;
-    const double t[3] = {0, 1, 2}, f[3] = {0, 1, 0};
-    static const char *const unit[][2] = {{"us", "N"}, {NULL, NULL}, {"s", "N"}, {"us", "V"}};
-    for (int k = 1; k < 4; k++) {
-        sp_error err = {0};
-        const sp_plot_trace trace[3] = {{"x", 3, t, f, 0.1, 1, 2, "", "", NULL},
-                                        {"y", 3, t, f, 0.1, 1, 2, unit[0][0], unit[0][1], NULL},
-                                        {"z", 3, t, f, 0.1, 1, 2, unit[k][0], unit[k][1], NULL}};
-        assert_int_equal(sp_plot_signal(3, trace, in_folder("mixed.svg"), &err), SP_EINVAL);
-        assert_non_null(strstr(err.text, k == 3 ? "F in N" : "t in us"));
-        assert_null(fopen(in_folder("mixed.svg"), "rb"));
-    }
-}
-
 /* File names of any bytes in the legend: still well-formed, shortened, signs of markup and XML kept. */
 static void test_hostile_labels(void **state) {
     (void)state;
@@ -790,7 +774,6 @@ int main(void) {
         cmocka_unit_test_teardown(test_bars_of_long_waves, clear),
         cmocka_unit_test_teardown(test_exponent_is_fitted, clear),
         cmocka_unit_test_teardown(test_units, clear),
-        cmocka_unit_test_teardown(test_mixed_units, clear),
         cmocka_unit_test_teardown(test_hostile_labels, clear),
         cmocka_unit_test_teardown(test_markup_of_numbers, clear),
         cmocka_unit_test_teardown(test_contact_across_the_periodic_edge, clear),
