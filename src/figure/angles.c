@@ -14,6 +14,7 @@ enum { CURVES = 3, ROWS_MOST = 100000 };
 #define PI       3.14159265358979323846
 #define MARGIN   24.0 /* around the circles, for their labels [pt] */
 #define LEGEND   46.0 /* below them [pt] */
+#define SCALE    14.0 /* room for the radii below a quarter [pt] */
 #define STRIDE   0.02 /* radians of a piece of arc */
 #define AXIS_INK ((colour){0.62, 0.62, 0.62})
 
@@ -28,6 +29,7 @@ typedef struct rose {
     canvas *c;
     int angle, column[CURVES]; /* < 0: not in the table */
     int64_t merged;            /* rows that are drawn as one bin */
+    bool quarter;              /* angles above the walls, 0 to 90 degrees: of directions in space */
     double x, y, scale;        /* centre, and radius of 1 [pt] */
     double largest;
 } rose;
@@ -92,6 +94,9 @@ static sp_status check_cells(rose *r, sp_error *err) {
 /* Between rings. */
 static double step_of(const rose *r) { return r->largest > 2.4 ? ceil(r->largest / 2.4) : 0.5; }
 
+/* Every 30 degrees. */
+static int spokes_of(const rose *r) { return r->quarter ? 4 : 12; }
+
 /* Rings at 1 (thicker: isotropic) and at other round values, with their numbers; the walls' direction and up. */
 static void draw_rings(const rose *r) {
     cairo_t *cr = r->c->cr;
@@ -99,19 +104,19 @@ static void draw_rings(const rose *r) {
     sp_canvas_colour(r->c, AXIS_INK);
     for (double ring = step; ring <= last + 1e-9; ring += step) {
         cairo_new_path(cr);
-        cairo_arc(cr, r->x, r->y, ring * r->scale, 0, 2 * PI);
+        cairo_arc(cr, r->x, r->y, ring * r->scale, r->quarter ? -0.5 * PI : 0, r->quarter ? 0 : 2 * PI);
         cairo_set_line_width(cr, fabs(ring - 1) < 1e-9 ? 1.0 : 0.4);
         cairo_stroke(cr);
     }
     cairo_set_line_width(cr, 0.4);
-    for (int k = 0; k < 6; k++) {
-        const double cx = cos(k * PI / 6), cy = sin(k * PI / 6), length = last * r->scale;
-        cairo_move_to(cr, r->x - length * cx, r->y - length * cy);
-        cairo_line_to(cr, r->x + length * cx, r->y + length * cy);
+    for (int k = 0; k < spokes_of(r); k++) {
+        const double length = last * r->scale;
+        cairo_move_to(cr, r->x, r->y);
+        cairo_rel_line_to(cr, length * cos(k * PI / 6), -length * sin(k * PI / 6));
         cairo_stroke(cr);
     }
     sp_canvas_colour(r->c, sp_figure_ink(0));
-    for (int k = 0; k < 12; k++) {
+    for (int k = 0; k < spokes_of(r); k++) {
         char text[16];
         const double a = k * PI / 6, reach = last * r->scale + 3;
         snprintf(text, sizeof text, "%d\xc2\xb0", 30 * k);
@@ -123,7 +128,8 @@ static void draw_rings(const rose *r) {
 /* The radii, on a scale below the circles: numbers beside the rings would hide the curves. */
 static void draw_scale(const rose *r) {
     cairo_t *cr = r->c->cr;
-    const double step = step_of(r), last = step * ceil(r->largest / step), y = r->c->height - LEGEND + 12;
+    const double step = step_of(r), last = step * ceil(r->largest / step);
+    const double y = r->quarter ? r->y + 9 : r->c->height - LEGEND + 12;
     sp_canvas_colour(r->c, sp_figure_ink(0));
     cairo_set_line_width(cr, 0.6);
     cairo_move_to(cr, r->x, y);
@@ -142,10 +148,14 @@ static void draw_scale(const rose *r) {
                         (text_style){TEXT_LEGEND, 0.5, 1, 0});
 }
 
-/* Bins as arcs; those of n and of -n. */
+/* Bins as arcs; those of n and of -n. A quarter shows each once. */
 static void draw_curve(const rose *r, int q) {
     cairo_t *cr = r->c->cr;
     const int64_t n = r->t->rows / r->merged;
+    cairo_save(cr);
+    cairo_rectangle(cr, r->x, 0, r->c->width, r->y);
+    if (r->quarter)
+        cairo_clip(cr);
     cairo_new_path(cr);
     for (int turn = 0; turn < 2; turn++)
         for (int64_t k = 0; k < n; k++) {
@@ -165,13 +175,12 @@ static void draw_curve(const rose *r, int q) {
     sp_figure_dash(r->c, dashes[q]);
     cairo_stroke(cr);
     sp_figure_dash(r->c, DASH_SOLID);
+    cairo_restore(cr);
 }
 
 static void draw_legend(const rose *r) {
-    double dimension = 2;
-    sp_table_get_number(r->t, "dimension", &dimension);
     sp_canvas_colour(r->c, sp_figure_ink(0));
-    if (dimension == 3)
+    if (r->quarter)
         sp_figure_text_draw(r->c, "angle above the walls", 4, 4, (text_style){TEXT_LEGEND, 0, 1, 0});
     double y = r->c->height - LEGEND + 10;
     for (int q = 0; q < CURVES; q++) {
@@ -189,6 +198,20 @@ static void draw_legend(const rose *r) {
         sp_figure_text_draw(r->c, labels[q], x + 22, y, (text_style){TEXT_LEGEND, 0, 0.5, 0});
         y += 11;
     }
+}
+
+/* Opens the page and places the circles, or the quarter of them. */
+static sp_status open_page(rose *r, canvas *c, const char *path, sp_error *err) {
+    const double step = step_of(r), last = step * ceil(r->largest / step), side = CANVAS_COLUMN - 2 * MARGIN;
+    double dimension = 2;
+    sp_table_get_number(r->t, "dimension", &dimension);
+    r->quarter = dimension == 3;
+    r->c = c;
+    r->x = r->quarter ? MARGIN : 0.5 * CANVAS_COLUMN;
+    r->y = r->quarter ? MARGIN + side : 0.5 * CANVAS_COLUMN;
+    r->scale = (r->quarter ? side : 0.5 * side) / last;
+    return sp_figure_open(c, path, "Directions of contacts", CANVAS_COLUMN,
+                          CANVAS_COLUMN + LEGEND + (r->quarter ? SCALE : 0), err);
 }
 
 sp_status sp_plot_angles(const sp_table *angles, const char *path, sp_error *err) {
@@ -211,12 +234,8 @@ sp_status sp_plot_angles(const sp_table *angles, const char *path, sp_error *err
     r.merged = merge_of(angles);
     find_largest(&r);
     canvas c = {0};
-    status = sp_figure_open(&c, path, "Directions of contacts", CANVAS_COLUMN, CANVAS_COLUMN + LEGEND, err);
+    status = open_page(&r, &c, path, err);
     if (status == SP_OK) {
-        const double step = step_of(&r);
-        r.c = &c;
-        r.x = r.y = 0.5 * CANVAS_COLUMN;
-        r.scale = (0.5 * CANVAS_COLUMN - MARGIN) / (step * ceil(r.largest / step));
         draw_rings(&r);
         for (int q = 0; q < CURVES; q++)
             if (r.column[q] >= 0)

@@ -3,6 +3,7 @@
 
 #include "base/base.h"
 #include "figure/canvas.h"
+#include "figure/look.h"
 #include "figure/unit.h"
 
 #include <math.h>
@@ -83,6 +84,9 @@ typedef struct arrivals {
     char unit[UNIT_MARKUP + 40];
 } arrivals;
 
+/* A line through points is no line on a logarithmic axis, and may pass below zero. */
+static bool is_bent(void) { return sp_look_is_log('x', 0) || sp_look_is_log('y', 0); }
+
 /* Adds the points of one group. A single group has one colour for each mark and shows the speed of its line; several
  * groups have one colour each. */
 static void add_group(arrivals *a, int k) {
@@ -93,7 +97,7 @@ static void add_group(arrivals *a, int k) {
         char *label = a->label[TIMES * k + m];
         const int ink = alone ? m + 1 : sp_group_ink(a->g, k);
         const bool fitted = fit_line(g, times[m], l);
-        if (fitted)
+        if (fitted && !is_bent())
             a->curve[a->curves++] =
                 (sp_curve){.n = 2, .x = l->x, .y = l->y, .ink = ink, .dash = time_dashes[m], .width = 0.7};
         if (alone && fitted && isfinite(l->speed)) {

@@ -42,29 +42,44 @@ static void draw_entry(const figure *f, const series *s, double sample, double x
     sp_figure_text_draw(c, s->label, x + sample + BESIDE, y, (text_style){size, 0.0, 0.5, 0.0});
 }
 
-legend_box sp_legend_size(const figure *f, int columns) {
-    legend_box box = {0};
+static int entries_of(const figure *f) {
     int entries = 0;
     for (int k = 0; k < f->n; k++)
-        if (f->series[k].label) {
-            entries++;
-            box.width = fmax(box.width, sp_figure_text_width(f->canvas, f->series[k].label, letters(f)));
-        }
+        entries += f->series[k].label != NULL;
+    return entries;
+}
+
+/* Each column is as wide as its own longest text, so that one long name does not widen the others. */
+static double column_width(const figure *f, int rows, int column) {
+    double width = 0;
+    int entry = 0;
+    for (int k = 0; k < f->n; k++)
+        if (f->series[k].label && entry++ / rows == column)
+            width = fmax(width, sp_figure_text_width(f->canvas, f->series[k].label, letters(f)));
+    return width + sample_of(f) + BESIDE;
+}
+
+legend_box sp_legend_size(const figure *f, int columns) {
+    legend_box box = {0};
+    const int entries = entries_of(f), rows = (entries + columns - 1) / columns;
     if (entries == 0)
         return box;
-    box.width = columns * (box.width + sample_of(f) + BESIDE) + (columns - 1) * APART;
-    box.height = (entries + columns - 1) / columns * LINE * letters(f) / TEXT_LEGEND;
+    for (int c = 0; c * rows < entries; c++)
+        box.width += column_width(f, rows, c) + (c > 0 ? APART : 0);
+    box.height = rows * LINE * letters(f) / TEXT_LEGEND;
     return box;
 }
 
 void sp_legend_draw_box(const figure *f, const legend_box *box, int columns) {
-    const double line = LINE * letters(f) / TEXT_LEGEND, step = (box->width + APART) / columns;
-    const double sample = sample_of(f);
-    const int rows = (int)lround(box->height / line);
+    const double line = LINE * letters(f) / TEXT_LEGEND, sample = sample_of(f);
+    const int rows = (entries_of(f) + columns - 1) / columns;
+    double x = box->x;
     int entry = 0;
     for (int k = 0; k < f->n; k++)
         if (f->series[k].label) { /* from top to bottom, then from left to right */
-            draw_entry(f, &f->series[k], sample, box->x + entry / rows * step, box->y + (entry % rows + 0.5) * line);
+            if (entry > 0 && entry % rows == 0)
+                x += column_width(f, rows, entry / rows - 1) + APART;
+            draw_entry(f, &f->series[k], sample, x, box->y + (entry % rows + 0.5) * line);
             entry++;
         }
 }

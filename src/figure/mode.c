@@ -82,6 +82,17 @@ static void draw_arrows(const view *v, const motion *m) {
     }
 }
 
+/* Writes the mode, in smaller letters where the number of rattlers stands on the same line. */
+static void draw_name(const view *v, const char *text, int32_t rattlers) {
+    char count[40];
+    snprintf(count, sizeof count, "%d rattlers", rattlers);
+    const double taken = rattlers > 0 ? sp_figure_text_width(v->c, count, TEXT_LEGEND) + 20.0 : 0.0;
+    const double room = v->c->width - 2 * MARGIN - taken, wide = sp_figure_text_width(v->c, text, TEXT_LEGEND);
+    sp_canvas_colour(v->c, sp_figure_ink(0));
+    sp_figure_text_draw(v->c, text, MARGIN, sp_view_line(v, 0),
+                        (text_style){TEXT_LEGEND * fmin(1.0, fmax(0.7, room / wide)), 0.0, 0.5, 0.0});
+}
+
 /* Key below the bottom wall: the mode, and on a line of its own the meaning of the tints. */
 static void draw_key(const view *v, const motion *m) {
     const text_style plain = {TEXT_LEGEND, 0.0, 0.5, 0.0};
@@ -91,8 +102,7 @@ static void draw_key(const view *v, const motion *m) {
                                 (long long)m->number, value);
     if (m->part >= 0)
         snprintf(text + length, sizeof text - (size_t)length, ",  |t| = %.2f |T|", m->part);
-    sp_canvas_colour(v->c, sp_figure_ink(0));
-    sp_figure_text_draw(v->c, text, MARGIN, sp_view_line(v, 0), plain);
+    draw_name(v, text, m->net->dim < 3 ? m->net->rattlers : 0);
     if (m->net->rattlers > 0) /* a text of the first line leaves no room in a movie of three dimensions */
         sp_view_count_rattlers(v, m->net->dim == 3 ? 1 + (m->turn > 0) : 0, m->net->rattlers);
     if (!(m->turn > 0))

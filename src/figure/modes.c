@@ -109,7 +109,7 @@ static void add_curves(drawing *d, int j) {
 }
 
 static sp_status draw(drawing *d, const char *path, sp_error *err) {
-    char square[UNIT_MARKUP], upper[UNIT_MARKUP + 40], inner[UNIT_MARKUP + 40], lower[UNIT_MARKUP + 40];
+    char square[UNIT_MARKUP], upper[UNIT_MARKUP + 40], lower[UNIT_MARKUP + 40];
     const char *omega, *ab;
     const spectrum *one = &d->of[0];
     sp_status status = sp_unit_common(d->tables, d->table, "omega", UNIT_FREQUENCY, &omega, err);
@@ -119,7 +119,6 @@ static sp_status draw(drawing *d, const char *path, sp_error *err) {
         return status;
     sp_unit_square(omega, square);
     snprintf(upper, sizeof upper, "|\xcf\x89|_{|n|}^{2}  [%s]", square);
-    snprintf(inner, sizeof inner, "%s", upper);
     sp_unit_label("|a|_{|n|} |b|_{|n|}", ab, lower, sizeof lower);
     const int64_t from = one->first > 3 ? one->first - 3 : 0; /* including the last zero modes */
     const sp_curve low = {.n = one->end - from,
@@ -129,8 +128,9 @@ static sp_status draw(drawing *d, const char *path, sp_error *err) {
                           .dash = SP_DASH_NONE,
                           .mark = SP_MARK_CIRCLE,
                           .open = true};
+    /* the unit is that of the panel: beside it the label would be longer than the inset is high */
     const sp_panel inset = {
-        .x = {.label = "|n|"}, .y = {.label = inner}, .curves = 1, .curve = &low, .zero_line = true};
+        .x = {.label = "|n|"}, .y = {.label = "|\xcf\x89|_{|n|}^{2}"}, .curves = 1, .curve = &low, .zero_line = true};
     const bool closer = d->tables == 1 && one->rows > FEW && one->end - one->first > 1 && one->end < one->rows;
     const sp_panel panel[2] = {{.tag = d->weighted ? "(a)" : NULL,
                                 .x = {.label = "|n|"},

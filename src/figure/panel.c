@@ -76,16 +76,33 @@ static int32_t place_legend(panel *p, raster *r) {
     return least;
 }
 
+/* Smaller letters, if two columns fit with them: one column above the frame takes its height. */
+static void narrow_legend(panel *p, double room) {
+    const double least = 6.0, size = p->figure.legend;
+    for (double smaller = size; smaller >= least; smaller -= 0.25) {
+        p->figure.legend = smaller;
+        if (sp_legend_size(&p->figure, 2).width <= room) {
+            p->columns = 2;
+            return;
+        }
+    }
+    p->figure.legend = size;
+}
+
 /* Puts the legend above the frame, where it hides nothing, in as many columns as fit. */
 static void legend_above(panel *p) {
     axes *a = &p->figure.axes;
+    const double room = a->width - 2 * FROM_FRAME; /* of the panel: beside the frame there is space too */
     p->columns = 1;
-    while (p->columns < 4 && sp_legend_size(&p->figure, p->columns + 1).width <= a->x.to - a->x.from)
+    while (p->columns < 4 && sp_legend_size(&p->figure, p->columns + 1).width <= room)
         p->columns++;
+    if (p->columns == 1)
+        narrow_legend(p, room);
     p->legend = sp_legend_size(&p->figure, p->columns);
     a->head = p->legend.height + 2;
     sp_axes_layout(a, p->figure.canvas);
-    p->legend.x = a->x.from + 0.5 * fmax(0, a->x.to - a->x.from - p->legend.width);
+    const double centred = 0.5 * (a->x.from + a->x.to - p->legend.width);
+    p->legend.x = fmax(a->left + FROM_FRAME, fmin(centred, a->left + FROM_FRAME + room - p->legend.width));
     p->legend.y = a->y.to - p->legend.height - 2;
 }
 

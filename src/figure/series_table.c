@@ -21,6 +21,7 @@ typedef struct reader {
     const sp_plot_table *from;
     int column[Q_BETWEEN], error[Q_BETWEEN]; /* < 0: not in the table */
     int key[GROUP_KEYS];
+    int file; /* the column of `sonopack front' with the files of the rows; < 0: none */
     bool chain;
 } reader;
 
@@ -29,9 +30,25 @@ static int number_column(const sp_table *t, const char *name) {
     return column >= 0 && t->column[column].kind != SP_CELL_TEXT ? column : -1;
 }
 
+/* No column for the figure: a signal becomes a table of fronts by another command. */
+static sp_status fail_column(const sp_table *t, const char *column, sp_error *err) {
+    const bool force = sp_table_find_column(t, "F") >= 0 || sp_table_find_column(t, "F1") >= 0;
+    if (force && sp_table_find_column(t, "t") >= 0)
+        return sp_fail(
+            err, SP_EINVAL,
+            "is a table of signals, without distances: run `sonopack front' on it first, and draw its table");
+    return sp_fail(err, SP_EINVAL,
+                   "the table has no column of numbers %s; must be of `sonopack table scaling' or `planes', `chain "
+                   "front' or `front'",
+                   column);
+}
+
 static sp_status find_columns(const sp_plot_table *from, reader *r, sp_error *err) {
     const sp_table *t = from->table;
     *r = (reader){.from = from};
+    r->file = sp_table_find_column(t, "file");
+    if (r->file >= 0 && t->column[r->file].kind != SP_CELL_TEXT)
+        r->file = -1;
     r->key[G_PRESSURE] = number_column(t, "p");
     r->key[G_FRICTION] = number_column(t, "friction");
     r->key[G_WIDTH] = -1;
@@ -51,10 +68,7 @@ static sp_status find_columns(const sp_plot_table *from, reader *r, sp_error *er
     }
     r->key[G_GRAINS] = r->chain ? -1 : number_column(t, "grains");
     if (r->column[Q_DISTANCE] < 0 || r->column[Q_T10] < 0)
-        return sp_fail(err, SP_EINVAL,
-                       "the table has no column of numbers %s; must be of `sonopack table scaling' or `planes', `chain "
-                       "front' or `front'",
-                       r->column[Q_DISTANCE] < 0 ? "distance or grains" : "t10");
+        return fail_column(t, r->column[Q_DISTANCE] < 0 ? "distance or grains" : "t10", err);
     return SP_OK;
 }
 
@@ -64,10 +78,34 @@ static double number(const sp_table *t, int64_t row, int column) {
 
 static bool same(double a, double b) { return a == b || (isnan(a) && isnan(b)); }
 
+/* The file of a row of `sonopack front', without the ":F2" of one signal of several. Sets whether it had that. */
+static size_t file_length(const char *name, bool *several) {
+    const char *colon = strrchr(name, ':');
+    *several = colon && colon[1] == 'F' && colon[2] && colon[2 + strspn(colon + 2, "0123456789")] == '\0';
+    return *several ? (size_t)(colon - name) : strlen(name);
+}
+
+static const char *file_of(const reader *r, int64_t row) {
+    const sp_table *t = r->from->table;
+    const char *name = t->cells[row * t->columns + r->file].text;
+    return name ? name : "";
+}
+
+/* Signals of one file belong together, and so do files with one signal each, in whatever order. */
+static bool of_one_file(const reader *r, int64_t row) {
+    bool several, before;
+    const char *name = file_of(r, row), *last = file_of(r, row - 1);
+    const size_t length = file_length(name, &several);
+    return length == file_length(last, &before) && several && before ? strncmp(name, last, length) == 0
+                                                                     : !several && !before;
+}
+
 /* Rows of one group are consecutive, with increasing distances. */
 static bool joined(const reader *r, int64_t row) {
     const sp_table *t = r->from->table;
     bool like = row > 0;
+    if (like && r->file >= 0)
+        return of_one_file(r, row);
     for (int k = 0; k < G_GRAINS && like; k++)
         like = same(number(t, row, r->key[k]), number(t, row - 1, r->key[k]));
     return like && !(number(t, row, r->column[Q_DISTANCE]) <= number(t, row - 1, r->column[Q_DISTANCE]));
@@ -85,6 +123,23 @@ static sp_status check_row(const sp_table *t, const reader *r, int64_t row, sp_e
                            t->column[r->error[q]].name, error);
     }
     return SP_OK;
+}
+
+/* The file of a group, without its folder and ending. Several files with one signal each have no name in common. */
+static void name_group(const reader *r, int64_t first, front_group *g) {
+    bool several;
+    const char *name = file_of(r, first);
+    const size_t length = file_length(name, &several);
+    char raw[128];
+    if (!several && g->n > 1) {
+        snprintf(g->file, sizeof g->file, "single signals");
+        return;
+    }
+    snprintf(raw, sizeof raw, "%.*s", (int)fmin((double)length, sizeof raw - 1), name);
+    char *slash = strrchr(raw, '/'), *base = slash && slash[1] ? slash + 1 : raw, *dot = strrchr(base, '.');
+    if (dot && dot > base)
+        *dot = '\0';
+    sp_figure_text_escape(g->file, sizeof g->file, base, LABEL_MOST);
 }
 
 /* Copies the rows of a group into its arrays, [QUANTITIES][2][n]. */
@@ -110,6 +165,8 @@ static void fill_group(const reader *r, int64_t first, front_group *g, double *m
                 g->key[q] = NAN;
     }
     g->chain = r->chain;
+    if (r->file >= 0)
+        name_group(r, first, g);
 }
 
 static sp_status add_table(const reader *r, front_groups *out, double **memory, sp_error *err) {
@@ -136,6 +193,14 @@ static bool differs(const front_groups *g, int k, group_key key) {
     return isfinite(g->group[k].key[key]) && !same(g->group[k].key[key], g->group[0].key[key]);
 }
 
+/* Whether the table of a group has other groups too, so that only its file tells it apart. */
+static bool is_split(const front_groups *g, const int *table_of, int k) {
+    bool split = false;
+    for (int j = 0; j < g->n; j++)
+        split = split || (j != k && table_of[j] == table_of[k]);
+    return split && g->group[k].file[0];
+}
+
 /* Labels each group by what differs: file, pressure, width, friction, number of grains. */
 static void label_groups(front_groups *g, const int *table_of, int tables, const sp_plot_table *table) {
     static const char *const words[GROUP_KEYS] = {"|p| = %s%s", "width %s |d|%s", "|\xce\xbc| = %s%s", "|N| = %s%s"};
@@ -151,6 +216,10 @@ static void label_groups(front_groups *g, const int *table_of, int tables, const
         size_t used = 0;
         if ((tables > 1 || of->named) && of->label)
             sp_figure_text_escape(to->label, 96, of->label, of->named ? 40 : LABEL_MOST);
+        if (is_split(g, table_of, k)) {
+            used = strlen(to->label);
+            snprintf(to->label + used, sizeof to->label - used, "%s%s", used > 0 ? ", " : "", to->file);
+        }
         for (int q = 0; q < GROUP_KEYS; q++) {
             char value[40], part[96];
             if (!differ[q] || !isfinite(to->key[q]))

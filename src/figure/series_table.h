@@ -31,6 +31,7 @@ typedef struct front_group {
     const double *value[QUANTITIES]; /* [n] NAN: none */
     const double *error[QUANTITIES]; /* [n] NAN: none */
     char label[160];                 /* markup; "" for a single group */
+    char file[96];                   /* the file of its rows, as markup; "" if the table does not name it */
     bool chain;                      /* distances are numbers of grains of a chain */
 } front_group;
 

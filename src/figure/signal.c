@@ -31,18 +31,35 @@ typedef struct drawing {
 
 static bool finite_point(const sp_plot_trace *t, int64_t k) { return isfinite(t->t[k]) && isfinite(t->f[k]); }
 
-/* The unit that all traces have; "" if they differ. Traces without units have those of sp_signal. */
+/* Traces without units have those of sp_signal. */
+static const char *unit_of(const sp_plot_trace *t, bool force) {
+    const char *unit = !t->t_unit ? (force ? UNIT_FORCE : UNIT_TIME) : force ? t->f_unit : t->t_unit;
+    return unit ? unit : "";
+}
+
+/* The unit that all traces have; "" if that of one is unknown. */
 static const char *common_unit(const drawing *d, bool force) {
-    const char *common = NULL;
-    for (int j = 0; j < d->traces; j++) {
-        const sp_plot_trace *t = &d->trace[j];
-        const char *unit = !t->t_unit ? (force ? UNIT_FORCE : UNIT_TIME) : force ? t->f_unit : t->t_unit;
-        unit = unit ? unit : "";
-        if (common && !sp_unit_same(unit, common))
+    for (int j = 0; j < d->traces; j++)
+        if (!*unit_of(&d->trace[j], force))
             return "";
-        common = unit;
+    return unit_of(&d->trace[0], force);
+}
+
+/* Curves in two units on one axis would look comparable. */
+static sp_status check_units(const drawing *d, bool force, sp_error *err) {
+    const char *unit = "";
+    int first = 0;
+    for (int j = 0; j < d->traces; j++) {
+        const char *other = unit_of(&d->trace[j], force);
+        if (*unit && *other && !sp_unit_same(unit, other))
+            return sp_fail(err, SP_EINVAL, "signal %d has %s in %s, signal %d in %s: must be the same unit", first + 1,
+                           force ? "F" : "t", unit, j + 1, other);
+        if (!*unit && *other) {
+            unit = other;
+            first = j;
+        }
     }
-    return common ? common : "";
+    return SP_OK;
 }
 
 static bool are_ours(const drawing *d) {
@@ -163,7 +180,11 @@ sp_status sp_plot_signal(int traces, const sp_plot_trace *trace, const char *pat
     for (int j = 0; j < traces; j++)
         if (trace[j].n < 0)
             return sp_fail(err, SP_EINVAL, "signal %d has %lld points", j + 1, (long long)trace[j].n);
-    status = find_times(&d, err);
+    status = check_units(&d, false, err);
+    if (status == SP_OK)
+        status = check_units(&d, true, err);
+    if (status == SP_OK)
+        status = find_times(&d, err);
     if (status != SP_OK)
         return status;
     d.place = sp_alloc((size_t)traces, 2 * MARKS * sizeof *d.place);

@@ -24,6 +24,7 @@ static const spelling spellings[] = {
     {UNIT_TIME, "|d| (" RHO "/|E|*)^{1/2}", NULL, "(|E|*/" RHO ")^{1/2}/|d|"},
     {"modes d/sqrt(E* / rho)", "modes |d| (" RHO "/|E|*)^{1/2}", NULL, NULL},
     {UNIT_FREQUENCY, "(|E|*/" RHO ")^{1/2}/|d|", "|E|*/(" RHO " |d|^{2})", "|d| (" RHO "/|E|*)^{1/2}"},
+    {"rad/s", "rad/s", NULL, "s"}, /* a density of states is in s, or us: a radian has no unit */
     {"E* d^3/sqrt(E* / rho)", "|E|* |d|^{3} (" RHO "/|E|*)^{1/2}", NULL, NULL},
     {"l/c", "|\xe2\x84\x93|/|c|", NULL, NULL},
     {"K l", "|K| |\xe2\x84\x93|", NULL, NULL}};

@@ -138,6 +138,8 @@ def check_signals(scratch):
                         ("ours", ["t  [d (\u03c1/E*)^1/2]", "F_sig  [10^\u22123 E* d^2]"])):
         text = words(drawn(scratch, f"{name}.svg", "signal", scratch / f"{name}.tsv"))
         expect(set(label) <= set(text), f"signal: {label} not in {text}")
+    for pair in ((volts, ours), (ours, volts), (trace, ours, volts)):  # a trace without units fits beside any
+        refused(scratch, 1, "t in", "signal", *pair, "-o", scratch / "no.svg")
     png(drawn(scratch, "signal.png", "signal", trace))
     flat = scratch / "flat.tsv"
     flat.write_text("t\tF\n0\t0\n1\t0\n2\t0\n")
@@ -163,6 +165,10 @@ def check_several(scratch):
     soft.write_text("n\tomega\n" + "".join(f"{k}\t{0.001 * k}\n" for k in range(30)))
     text = words(drawn(scratch, "soft.svg", "spectrum", soft))
     expect("\u03c9  [10^\u22122 (E*/\u03c1)^1/2/d]" in text, f"soft modes: {text}")
+    si = scratch / "soft-si.tsv"
+    si.write_text("# units: omega [rad/s]\n" + soft.read_text())
+    text = words(drawn(scratch, "soft-si.svg", "spectrum", si))
+    expect(any(word.startswith("g(") and word.endswith("s]") and "rad" not in word for word in text), f"density of modes in SI: {text}")
     refused(scratch, 1, "needs columns", "signal", soft, "-o", scratch / "no.svg")
     harmonic.write_text("# spectrum = harmonic\nomega\tmagnitude\talpha\talpha_err\n"
                         + "".join(f"{k / 10}\t{2.0 ** -k}\t{k * k / 50}\t0.01\n" for k in range(1, 8)))

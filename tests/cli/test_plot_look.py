@@ -200,9 +200,15 @@ def check_packings(scratch):
         expect(words.count("x") == 2 and words.count("z") == 2, f"{kind}: not three views: {words}")
         drawn(scratch, kind, N200)
     has(drawn(scratch, "forces", solid), "normal force")
-    has(drawn(scratch, "angles", solid), "angle above the walls", "90\u00b0", "density (isotropic: 1)")
-    drawn(scratch, "angles", N200)
+    words = drawn(scratch, "angles", solid)
+    has(words, "angle above the walls", "0\u00b0", "90\u00b0", "density (isotropic: 1)")
+    expect("120\u00b0" not in words, f"angles above a wall beyond 90 degrees: {words}")
+    has(drawn(scratch, "angles", N200), "120\u00b0", "330\u00b0")
     drawn(scratch, "signal", solid, "--title", "three dimensions")
+    planes = scratch / "solid-planes.tsv"
+    made = run("signal", solid, "--detector", "plane:1", "--detector", "plane:2", "--until", 20, "-o", planes)
+    expect(made.returncode == 0, made.stderr)
+    has(drawn(scratch, "signal", planes), "z = 1 d", "z = 2 d")
 
 
 def png_size(path):

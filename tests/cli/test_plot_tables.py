@@ -74,6 +74,24 @@ def check_fronts(scratch):
     fronts = table(scratch, "fronts.tsv", "front", N200, N600)
     text = words(out, "fronts", fronts)
     expect(any(word.startswith("t_10,  c = 0.2") for word in text), f"two heights: {text}")
+    # rows of any order are one line; signals of two files are two, with their names
+    single = table(scratch, "single.tsv", "front", N600, N200)
+    text = words(out, "fronts", single)
+    expect(any(word.startswith("t_10,  c = 0.2") for word in text), f"two heights, the higher first: {text}")
+    head, *rows = [line for line in single.read_text().split("\n") if line and line[0] != "#"]
+    cells = [row.split("\t", 1)[1] for row in reversed(rows)]
+    several = scratch / "several.tsv"
+    several.write_text(head + "\n" + "".join(f"in/{name}.tsv:F{k + 1}\t{cells[k]}\n" for name in "ab" for k in (0, 1)))
+    text = words(out, "fronts", several)
+    expect(text.count("a") == text.count("b") == 1, f"two files of signals: {text}")
+    bent = scratch / "bent.tsv"
+    bent.write_text("distance\tt10\tt_peak\tt_zero\n1\t1\t1.2\t1.4\n2\t2\t2.2\t2.4\n10\t40\t41\t42\n")
+    expect("t_10,  c = 0.2" in " ".join(words(out, "fronts", bent, "--log", "xy")), "a line that begins below zero")
+    text = words(out, "fronts", single, fronts, "--label", "one", "--label", "two")
+    expect(text.count("one") == text.count("two") == 1, f"a label for each table: {text}")
+    signal = table(scratch, "signal.tsv", "signal", N200, "--detector", "plane:3", "--detector", "top", "--until", 60)
+    for kind in ("fronts", "scaling"):
+        refused(scratch, 1, "sonopack front", kind, signal)
     refused(scratch, 1, "gamma and alpha", "scaling", fronts)
     refused(scratch, 1, "scaling.tsv", "fronts", scaling, "--signal", scaling)
     refused(scratch, 1, "missing.txt", "fronts", scaling, "--signal", scratch / "missing.txt")

@@ -407,8 +407,8 @@ static void test_units(void **state) {
         const char *x, *y;
     } cases[] = {{{{NULL, NULL}, {NULL, NULL}}, "\nt  [d (", "\nF_sig  [E"},
                  {{{"s", "N"}, {"s", "N"}}, "\nt  [s]\n", "\nF  [N]\n"},
-                 {{{"s", "N"}, {"s", "V"}}, "\nt  [s]\n", "\nF\n"},
-                 {{{"s", "N"}, {NULL, NULL}}, "\nt\n", "\nF\n"},
+                 {{{"s", "N"}, {"s", ""}}, "\nt  [s]\n", "\nF\n"},
+                 {{{"", ""}, {NULL, NULL}}, "\nt\n", "\nF\n"},
                  {{{"", ""}, {"", ""}}, "\nt\n", "\nF\n"},
                  {{{"|m|^_{s}", ""}, {"|m|^_{s}", ""}}, "\nt  [|m|^_{s}]\n", "\nF\n"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {

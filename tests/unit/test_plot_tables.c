@@ -368,11 +368,29 @@ static void test_memory(void **state) {
     sp_table_free(&e);
 }
 
+/* Signals in different known units have no common axis. */
+static void test_mixed_signals(void **state) {
+    (void)state;
+    const double t[3] = {0, 1, 2}, f[3] = {0, 1, 0};
+    remove(svg);
+    static const char *const unit[][2] = {{"us", "N"}, {NULL, NULL}, {"s", "N"}, {"us", "V"}};
+    for (int k = 1; k < 4; k++) {
+        sp_error err = {0};
+        const sp_plot_trace trace[3] = {{"x", 3, t, f, 0.1, 1, 2, "", "", NULL},
+                                        {"y", 3, t, f, 0.1, 1, 2, unit[0][0], unit[0][1], NULL},
+                                        {"z", 3, t, f, 0.1, 1, 2, unit[k][0], unit[k][1], NULL}};
+        assert_int_equal(sp_plot_signal(3, trace, svg, &err), SP_EINVAL);
+        assert_non_null(strstr(err.text, k == 3 ? "F in N" : "t in us"));
+        assert_int_not_equal(access(svg, F_OK), 0);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_fronts),
                                        cmocka_unit_test(test_chain),
                                        cmocka_unit_test(test_groups),
                                        cmocka_unit_test(test_units),
+                                       cmocka_unit_test(test_mixed_signals),
                                        cmocka_unit_test(test_labels_of_ensembles),
                                        cmocka_unit_test(test_range_of_ensembles),
                                        cmocka_unit_test(test_ensemble_modes_section),

@@ -40,7 +40,7 @@ typedef struct sp_plot_trace {
     const char *t_unit, *f_unit; /* units of data from elsewhere, "" if unknown; t_unit NULL: the units of sp_signal */
     const char *place;           /* of the detector, after the label: markup as in figure.h; NULL: none */
 } sp_plot_trace;
-/* Signals F(t). The axes name the units common to all of them. */
+/* Signals F(t). The axes name the units common to all of them; SP_EINVAL if two signals have different known units. */
 SP_API sp_status sp_plot_signal(int traces, const sp_plot_trace *trace, const char *path, sp_error *err);
 
 /* Quantity shown by the widths of contact lines: the normal force, or the normal stiffness k_n = 2 E12 sqrt(R12

@@ -236,6 +236,8 @@ static sp_status add_signal(const arguments *a, const cli_file *file, const sp_s
     cli_comment(&w, "file = %s", file->path);
     cli_comment(&w, "method = %s", sp_signal_method_name(s->method));
     cli_comment(&w, "source = %s", cli_source_names[o->source]);
+    if (file->packing.dim == 3) /* heights are z then */
+        cli_comment(&w, "dimension = 3");
     if (a->pulse.word)
         cli_comment(&w, "pulse = %s", a->pulse.word);
     for (size_t k = 0; k < sizeof comments / sizeof *comments; k++)

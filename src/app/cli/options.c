@@ -190,10 +190,11 @@ static sp_status check_option(const reading *r, const cli_option *o, const char 
     size_t used = 0;
     if (!o->kinds || has_word(o->kinds, kind, strlen(kind)))
         return SP_OK;
-    for (const char *at = o->kinds; *at && used < sizeof list; at++)
-        used += (size_t)snprintf(list + used, sizeof list - used, "%s", *at == ' ' ? " or " : (char[]){*at, '\0'});
-    return sp_fail(err, SP_EINVAL, "--%s: is no option of %s %s; only %s %s can use it", o->name, r->command, kind,
-                   r->command, list);
+    for (const char *at = o->kinds; *at && used < sizeof list; at++) {
+        const char *between = strchr(at + 1, ' ') ? ", " : " or ";
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s", *at == ' ' ? between : (char[]){*at, '\0'});
+    }
+    return sp_fail(err, SP_EINVAL, "--%s: not for %s %s, only for %s %s", o->name, r->command, kind, r->command, list);
 }
 
 static sp_status check_kind(const reading *r, cli_common *common, sp_error *err) {

@@ -291,6 +291,17 @@ bool plot_find_detector(const sp_table *t, const char *column, plot_detector *ou
     return true;
 }
 
+/* Names a plane by its height, which is z in three dimensions. */
+static void name_plane(const sp_table *table, double plane, bool shear, plot_signal *out) {
+    double dimension = 2;
+    sp_table_get_number(table, "dimension", &dimension);
+    const char axis = dimension == 3 ? 'z' : 'y';
+    const char *unit = strcmp(out->length_unit, "d") == 0 ? "|d|" : out->length_unit;
+    snprintf(out->name, sizeof out->name, "%c = %.4g%s", axis, plane, shear ? " shear" : "");
+    snprintf(out->place, sizeof out->place, "|%c| = %.4g%s%s%s", axis, plane, *unit ? " " : "", unit,
+             shear ? ", shear" : "");
+}
+
 /* Names one signal of several by its detector: "y = 25", "top", "part:0:3"; without metadata "F2". */
 static void name_signal(const sp_table *table, int k, bool several, plot_signal *out) {
     char key[16];
@@ -308,12 +319,8 @@ static void name_signal(const sp_table *table, int k, bool several, plot_signal 
     const bool shear = length > 6 && strcmp(to.word + length - 6, ":shear") == 0;
     if (isfinite(to.plane)) {
         out->distance = to.plane;
-        if (several) {
-            snprintf(out->name, sizeof out->name, "y = %.4g%s", to.plane, shear ? " shear" : "");
-            const char *unit = strcmp(out->length_unit, "d") == 0 ? "|d|" : out->length_unit;
-            snprintf(out->place, sizeof out->place, "|y| = %.4g%s%s%s", to.plane, *unit ? " " : "", unit,
-                     shear ? ", shear" : "");
-        }
+        if (several)
+            name_plane(table, to.plane, shear, out);
         return;
     }
     if (several && length > normal)
