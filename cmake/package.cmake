@@ -8,8 +8,8 @@ set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR})
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Sound in compressed granular packings
-Compresses packings of frictional Hertz-Mindlin grains, reads those of other
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}") # the first line, which cpack puts before these
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Compresses packings of frictional Hertz-Mindlin grains, reads those of other
 programs and of experiments, and gives the signal that a pulse at one wall
 makes at the other, speeds of sound, elastic moduli, eigenmodes and spectra,
 each with its error. With C libraries.")

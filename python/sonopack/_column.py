@@ -104,7 +104,7 @@ class Column(_core.Owner):
     @documented("sp_tapped_run")
     def run(self, times: npt.ArrayLike) -> ColumnRun:
         """The motion at ascending times [s], over all taps."""
-        t = _core.floats(np.atleast_1d(np.asarray(times)), "times")
+        t = _core.row(times, "times")
         width = self.particles + 1
         y, v = np.empty((len(t), width)), np.empty((len(t), width))
         row = 0

@@ -315,6 +315,14 @@ def floats(values: npt.ArrayLike, key: str, shape: tuple[int, ...] | None = None
     return array
 
 
+def row(values: npt.ArrayLike, key: str) -> Floats:
+    """A number, or a row of them."""
+    array = floats(np.atleast_1d(np.asarray(values)), key)
+    if array.ndim != 1:
+        raise invalid(key, f"has the shape {array.shape}, must be a row of numbers")
+    return array
+
+
 def pointer_to(array: npt.NDArray[Any], c_type: str = "double *") -> Any:
     """For one call; the caller keeps the array."""
     return ffi.cast(c_type, array.ctypes.data)

@@ -196,7 +196,7 @@ class Network(_core.Owner):
     def field(self, times: npt.ArrayLike, *, source: str = "impulse", at: Where | None = None,
               threads: int = 1) -> Floats:
         """Displacements [times][n][dof] after the pulse."""
-        t = _core.floats(np.atleast_1d(np.asarray(times)), "times")
+        t = _core.row(times, "times")
         out = np.empty((len(t), self.n, self.dof))
         place = ffi.NULL if at is None else _place.one(at)
         spec = ffi.new("sp_field_options *", {"from": place, "times": len(t), "t": _core.pointer_to(t, "const double *"),

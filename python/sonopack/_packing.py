@@ -59,7 +59,8 @@ class Packing(_core.Owner):
         """Compresses a packing: the first one of the scene, bit for bit that of `sonopack pack`.
 
         progress is called with a PackProgress several times a second; it may return False to stop, which raises
-        Interrupted. Ctrl-C raises KeyboardInterrupt. start: the packing to begin with, in place of packing.file.
+        Interrupted. Ctrl-C raises KeyboardInterrupt. start: the packing to begin with, in place of packing.kind =
+        "file" and packing.file.
         """
         struct = scene.resolved()
         if seed is not None:
@@ -67,6 +68,7 @@ class Packing(_core.Owner):
         if start is None and struct.pack.kind == lib.SP_PACK_FILE:
             start = cls.read(os.fsdecode(ffi.string(getattr(struct, "from"))))
         if start is not None:
+            struct.pack.kind = lib.SP_PACK_FILE
             call(lib.sp_pack_spec_from, ffi.addressof(struct, "pack"), start._c)
             if not struct.material.young > 0:
                 struct.material = start._c.material
@@ -123,6 +125,10 @@ class Packing(_core.Owner):
         table = contacts if isinstance(contacts, np.ndarray) else _contacts(places[:, :dim], radii, contacts, box)
         if table.dtype != CONTACT:
             raise _core.invalid("contacts", f"has the dtype {table.dtype}: must be sonopack.CONTACT")
+        if table.ndim != 1:
+            raise _core.invalid("contacts", f"has the shape {table.shape}: must be one row of contacts")
+        if (mass is None) != (inertia is None):
+            raise _core.invalid("mass" if mass is None else "inertia", "is missing: must be both mass and inertia, or neither")
         out = _none()
         call(lib.sp_packing_alloc, out, dim, len(radii), len(table))
         _fill(out, places[:, :dim], radii, table)

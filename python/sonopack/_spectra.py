@@ -130,7 +130,7 @@ class Harmonic(_core.Owner):
 
     def __init__(self, network: Network, omega: npt.ArrayLike, at: Where | None, detector: Where | None,
                  heights: tuple[float, float] | None, values: dict[str, Any]) -> None:
-        frequencies = _core.floats(np.atleast_1d(np.asarray(omega)), "omega")
+        frequencies = _core.row(omega, "omega")
         options = ffi.new("sp_harmonic_options *", lib.sp_harmonic_options_default())
         _core.set_fields(options, {**values, "n": len(frequencies)})
         options.omega = _core.pointer_to(frequencies, "const double *")

@@ -128,8 +128,8 @@ static bool reaches(double a, double b, double low, double high) { return fmax(a
 
 void sp_view_repeat(const view *v, double x, double y, double dx, double dy, view_draw *draw) {
     const double wide = v->width * v->scale, tall = v->height * v->scale, margin = 4.0;
-    for (int across = v->periodic ? -1 : 0; across <= v->periodic; across++)
-        for (int up = v->above ? -1 : 0; up <= v->above; up++) {
+    for (int across = v->periodic ? -1 : 0; across <= (v->periodic ? 1 : 0); across++)
+        for (int up = v->above ? -1 : 0; up <= (v->above ? 1 : 0); up++) {
             const double at = x + across * wide, high = y + up * tall;
             const bool seen = reaches(at, at + dx, v->left - margin, v->left + wide + margin) &&
                               (!v->above || reaches(high, high + dy, v->floor - tall - margin, v->floor + margin));

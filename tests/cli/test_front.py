@@ -140,6 +140,15 @@ def units_and_notes(folder):
     assert units(ours) == units(packing, ours) == units(packing)
     write(lab, pulse, "# units: t [ms] F [N]\n")
     assert units(lab) == units(lab, lab) == "# units: " + times.format("ms") + " amplitude [N] width [ms]"
+    # a column has one unit: files of different units are refused, and so is another material of what is in SI already
+    seen = run("front", lab, ours, status=1)
+    assert names_all(seen.stderr, f"{ours} ms") and len(seen.stdout.splitlines()) == 4, seen
+    material = "E=70e9,nu=0.22,rho=2500,d=1e-3"
+    run("signal", packing, "--units", "si", "--material", material, "-o", noisy)
+    assert "# material" in run("front", noisy, "--units", "si", "--material", material).stdout
+    assert names_all(run("front", noisy, "--units", "si", "--material", "E=200e9,nu=0.3,rho=7800,d=1e-3", status=1).stderr,
+                     f"{noisy}")
+    noisy.unlink()
     # options that are for the other kind of file
     for args, reasons in ((["--source", "velocity"], ["--source"]),
                           (["--set", "signal.source=velocity"], ["--set"]), ([], [])):

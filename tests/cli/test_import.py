@@ -433,6 +433,44 @@ def test_bad_contacts():
     refuse("a.dump", "--contacts", "none.dump", *FRICTION, says="none.dump")
 
 
+def test_lists_that_cannot_be():
+    """Columns of an axis that a plane does not have may be named; lists without pairs, or with far too few, are refused."""
+    grains, contacts = sample("lammps/layer_grains.dump"), sample("lammps/layer_contacts.dump")
+    words = (grains, "--types", "1", *FRICTION)
+    named = "id1=c_sp_id[1],id2=c_sp_id[2],fn=c_sp_contact[2]," + ",".join(
+        f"ft_{axis}=c_sp_contact[{k}]" for axis, k in zip("xyz", (3, 4, 5)))
+    convert(*words, "--contacts", contacts, "--columns", named, "-o", "named.txt")
+    convert(*words, "--contacts", contacts, "-o", "usual.txt")
+    expect(numbers("named.txt") == numbers("usual.txt"), "columns by name and by usual names")
+    text = open(contacts).read()
+    head = text[:text.index("\n", text.index("ITEM: ENTRIES")) + 1]
+    rows = text[len(head):].splitlines(keepends=True)
+    few = head.replace(f"\n{len(rows)}\n", "\n40\n") + "".join(rows[:40])
+    none = head.replace(f"\n{len(rows)}\n", "\n0\n")
+    refuse(*words, "--contacts", write("few.dump", few), says="few.dump pairs")
+    refuse(*words, "--contacts", write("none_listed.dump", none), says="none_listed.dump overlap")
+    said = convert(grains, "--types", "1", "--set", "friction=0", "--contacts", contacts, "-o", "smooth.h5")
+    expect(names_all(said, "nan rattlers"), f"no balance where all grains are rattlers: {said}")
+
+
+def test_own_csv():
+    """What convert writes as CSV comes back with the contacts of the walls."""
+    convert(sample("lammps/layer_grains.dump"), "--contacts", sample("lammps/layer_contacts.dump"), "--types", "1",
+            *FRICTION, "-o", "P.h5")
+    convert("P.h5", "-o", "q.csv")
+    convert("P.h5", "-o", "P.txt")
+    edge = numbers("P.txt")[0]
+    convert("q.csv", "--contacts", "q-contacts.csv", *FRICTION, "--set", f"width={edge['Lx']}", "--set", "bottom=0", "--set",
+            f"top={edge['Ly']}", "--set", "wall=elastic", "-o", "Q.h5")
+    tables = []
+    for name in ("P", "Q"):
+        convert(f"{name}.h5", "--grain-table", path(f"{name}-g.tsv"), "--contact-table", path(f"{name}-c.tsv"))
+        tables.append([line.split("\t")[:2] for line in open(path(f"{name}-c.tsv")) if not line.startswith("#")])
+    expect(tables[0] == tables[1], "contacts of our own CSV are those of the packing")
+    columns = [line.split() for line in open(path("Q-c.tsv")) if not line.startswith("#")][0]
+    expect("kn" not in columns, "Hertz's stiffnesses are no stiffnesses of their own")
+
+
 def test_sense():
     """Force vectors on the second grain are turned by the positions; turned tangential forces are pointed out."""
     contacts = open(sample("csv/contacts.csv")).read().split("\n")

@@ -91,6 +91,22 @@ def test_empty():
     assert compare(FOLDER / "none-contacts.vtp").GetNumberOfLines() == 0
 
 
+def picture(screen, name):
+    """The shares of a picture that are white, tubes and arrows, and how much of its width or height is filled."""
+    run(*screen, sys.executable, SOURCE / "examples/vtk_picture.py", name, "p.png")
+    image = read(vtk.vtkPNGReader(), FOLDER / "p.png")
+    red, green, blue = vtk_to_numpy(image.GetPointData().GetScalars()).astype(int)[:, :3].T
+    white = (red > 250) & (green > 250) & (blue > 250)
+    tubes, arrows = (red > green + 60) & (red > blue + 60), (blue > red + 40) & (blue > green + 30)
+    size = image.GetDimensions()
+    drawn = np.nonzero(~white.reshape(size[1], size[0]))
+    filled = max(np.ptp(where) / size[0] for where in drawn)
+    result = [float(np.mean(part)) for part in (white, tubes, arrows)] + [float(filled)]
+    print(name, "picture: white, tubes, arrows, filled:", *(f"{share:.4f}" for share in result))
+    assert 0.1 < result[0] < 0.95 and 0.9 < filled < 0.99, result
+    return result
+
+
 def test_picture():
     screen = [] if os.environ.get("DISPLAY") else ["xvfb-run", "-a"]
     if screen and not shutil.which("xvfb-run"):
@@ -98,14 +114,18 @@ def test_picture():
         return
     for name in ("2.h5", "3.h5"):
         run(COMMAND, "convert", name, "p.vtp", "--times", 20, "--force")
-        run(*screen, sys.executable, SOURCE / "examples/vtk_picture.py", "p.vtp", "p.png")
-        image = read(vtk.vtkPNGReader(), FOLDER / "p.png")
-        red, green, blue = vtk_to_numpy(image.GetPointData().GetScalars()).astype(int)[:, :3].T
-        white = (red > 250) & (green > 250) & (blue > 250)
-        tubes, arrows = (red > green + 60) & (red > blue + 60), (blue > red + 40) & (blue > green + 30)
-        shares = [float(np.mean(part)) for part in (white, ~white, tubes, arrows)]
-        print(name, "picture: white, drawn, tubes, arrows:", *(f"{share:.4f}" for share in shares))
-        assert shares[0] > 0.1 and shares[1] > 0.1 and shares[2] > 0.003 and shares[3] > 0.0003, shares
+        own = picture(screen, "p.vtp")
+        assert own[1] > 0.003 and own[2] > 0.0003, own
+        # the same picture in metres
+        run(COMMAND, "convert", name, "si.vtp", "--times", 20, "--force", "--units", "si", "--material",
+            "E=70 GPa,nu=0.22,rho=2500,d=1 mm")
+        assert np.allclose(picture(screen, "si.vtp"), own, atol=0.005)
+        # a frame: neither contacts nor box
+        run(COMMAND, "convert", name, "wave.pvd", "--times", "0:20:3", "--force")
+        frame = picture(screen, "wave-0002.vtp")
+        assert frame[1] == 0 and frame[2] > 0.0003, frame
+    run(COMMAND, "convert", "1.h5", "p.vtp", "--force")
+    assert picture(screen, "p.vtp")[1] > 0.003
 
 
 try:

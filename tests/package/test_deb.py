@@ -2,7 +2,9 @@
 
 usage: test_deb.py BUILD_DIR SOURCE_DIR CMAKE C_COMPILER
 """
+import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -25,6 +27,8 @@ def expect(condition, message):
 
 def check_control(deb):
     fields = dict(line.split(": ", 1) for line in run("dpkg-deb", "-f", deb).splitlines() if ": " in line[:40])
+    lines = run("dpkg-deb", "-f", deb, "Description").splitlines()
+    expect(len(lines) > 1 and lines[0].strip() not in map(str.strip, lines[1:]), f"the description repeats itself: {lines}")
     header = pathlib.Path(SOURCE, "include/sonopack/version.h").read_text()
     expect(f'"{fields["Version"]}"' in header, f"version {fields['Version']} is not that of version.h")
     needs = {name.split()[0] for name in fields["Depends"].split(", ")}
@@ -50,6 +54,28 @@ def check_content(tree, scratch):
         expect(found, f"no {file}")
 
 
+def check_pages(doc):
+    """The links of the installed pages lead to installed files, and the samples that they use are there."""
+    dead = [f"{page.relative_to(doc)}: {target}" for page in doc.rglob("*.md")
+            for target in re.findall(r"\]\(([^)#\s]+)", page.read_text())
+            if not re.match(r"\w+:", target) and not (page.parent / target).exists()]
+    expect(not dead, f"dead links: {dead}")
+    for sample in pathlib.Path(SOURCE, "tests/foreign/samples").rglob("*"):
+        expect((doc / sample.relative_to(SOURCE)).exists() or "__pycache__" in sample.parts, f"{sample.name} is not there")
+
+
+def check_python(tree):
+    """Where it is built, the Python module is in the package."""
+    cache = pathlib.Path(BUILD, "CMakeCache.txt").read_text()
+    if not re.search(r"^SONOPACK_PYTHON:BOOL=(ON|1|TRUE)$", cache, re.M):
+        print("no Python module is built")
+        return
+    folder = tree / "usr" / re.search(r"^SONOPACK_PYTHON_DIR:\w+=(.*)$", cache, re.M).group(1)
+    where = run(sys.executable, "-B", "-c", "import sonopack; print(sonopack.__file__)",
+                env=dict(os.environ, PYTHONPATH=str(folder)))
+    expect(where.startswith(str(folder)), f"imported from {where}")
+
+
 def main():
     if not (shutil.which("dpkg-deb") and shutil.which("dpkg-shlibdeps") and shutil.which("cpack")):
         print("dpkg-dev or cpack is not installed")
@@ -61,6 +87,8 @@ def main():
         check_control(deb)
         run("dpkg-deb", "-x", deb, scratch / "tree")
         check_content(scratch / "tree", scratch)
+        check_pages(scratch / "tree/usr/share/doc/sonopack")
+        check_python(scratch / "tree")
 
 
 main()

@@ -47,6 +47,27 @@ def test_scene_values():
     fails(Status.EIO, "", sonopack.Packing.make, Scene(packing={"kind": "file", "file": name}))
 
 
+def test_shapes():
+    """Arrays of another shape are refused: they were cut, or read beyond their end."""
+    packing = sonopack.Packing.make(Scene(packing={"grains": 60, "width": 6, "seed": 2, "tolerance": 1e-8}))
+    net, contacts = packing.network(), np.array(packing.contacts)
+    size = len(contacts) // 2
+    rest = {"box": packing.box, "pressure": 1e-4, "friction": 0.5}
+    make = sonopack.Packing.from_arrays
+    fails(Status.EINVAL, "contacts", make, packing.x[:, :2], packing.r, contacts[:2 * size].reshape(-1, 2), **rest)
+    fails(Status.EINVAL, "inertia", make, packing.x[:, :2], packing.r, contacts, mass=packing.r, **rest)
+    fails(Status.EINVAL, "mass", make, packing.x[:, :2], packing.r, contacts, inertia=packing.r, **rest)
+    fails(Status.EINVAL, "times", net.field, [[0, 1], [2, 3]])
+    fails(Status.EINVAL, "omega", net.harmonic, [[0.1, 0.2], [0.3, 0.4]], damping=0.01)
+    fails(Status.EINVAL, "times", sonopack.Column(particles=3, taps=2).run, [[0, 0.1], [0.2, 0.3]])
+    # a packing to start from is the start, whatever the scene says of gases
+    packing.save("start.h5")
+    again = {"pressure": 2e-4, "tolerance": 1e-8}
+    one = sonopack.Packing.make(Scene(packing=dict(again, kind="file", file="start.h5")))
+    two = sonopack.Packing.make(Scene(packing=dict(again, grains=60, width=6)), start=packing)
+    check(one.height == two.height and np.array_equal(one.r, packing.r) and np.array_equal(two.r, packing.r), one, two)
+
+
 def test_files():
     fault = fails(Status.EIO, "", sonopack.Packing.read, "no-such.h5")
     check(isinstance(fault, OSError) and "no-such.h5" in str(fault), fault)
@@ -147,7 +168,8 @@ def test_other_laws():
     copied = pickle.loads(pickle.dumps(made))
     check(np.array_equal(copied.inertia, inertia) and copied.material == glass and copied.hash == made.hash, "pickle")
     check(packing.mass is None and packing.inertia is None and packing.material.young == 0, "spheres")
-    fails(Status.EINVAL, "mass", sonopack.Packing.from_arrays, packing.x, packing.r, contacts, mass=mass[1:], **given)
+    fails(Status.EINVAL, "mass", sonopack.Packing.from_arrays, packing.x, packing.r, contacts, mass=mass[1:],
+          inertia=inertia, **given)
     wrong = dataclasses.replace(glass, density=-1.0)
     raised(InvalidInput, sonopack.Packing.from_arrays, packing.x, packing.r, c, **{**given, "material": wrong})
     raised(Refused, network.signal, method="dynamics")

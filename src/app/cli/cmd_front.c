@@ -282,6 +282,10 @@ static sp_status add_front(const arguments *a, const char *name, bool packing, a
     if (a->common.units == CLI_UNITS_SI && cli_material(&a->common))
         arrival_to_si(cli_material(&a->common), m);
     const sp_front *f = &m->front;
+    const char *before = t->rows > 0 ? t->column[2].unit : "";
+    if (*before && m->time[0] && strcmp(before, m->time) != 0)
+        return sp_fail(err, SP_EINVAL, "%s: its times are in %s, those of the files before it in %s; must be the same",
+                       name, m->time, before);
     add_notes(a, name, packing, f);
     status = sp_table_add_row(t, err, name, m->distance, f->t10, f->t_peak, f->t_zero, f->amplitude, f->width);
     if (status == SP_OK)

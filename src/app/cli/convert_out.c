@@ -339,6 +339,22 @@ static sp_status write_wave(const cli_common *common, const convert_out *o, cons
     return status;
 }
 
+/* Says what a form that only knows grains leaves out. */
+static void note_losses(const cli_common *common, const char *ending, const sp_packing *p, const char *path) {
+    static const char *const walls[] = {"rigid", "grain", "elastic"};
+    const bool dump = strcmp(ending, ".dump") == 0, data = strcmp(ending, ".data") == 0;
+    if (!dump && !data && strcmp(ending, ".xyz") != 0)
+        return;
+    bool stiff = false;
+    for (int32_t c = 0; c < p->n_contacts; c++)
+        stiff = stiff || p->contacts[c].kn > 0;
+    if (stiff)
+        cli_note(common, "%s: has no place for the stiffnesses of contacts, which are left out", path);
+    if (dump)
+        cli_note(common, "%s: has no place for walls and friction: to read it again, --set wall=%s --set friction=%g",
+                 path, walls[p->wall], p->friction);
+}
+
 sp_status convert_out_write(const cli_common *common, const convert_out *o, const char *ending, const sp_packing *p,
                             const char *in, const char *path, sp_error *err) {
     if (is_series(ending) && o->times)
@@ -349,5 +365,7 @@ sp_status convert_out_write(const cli_common *common, const convert_out *o, cons
         status = is_series(ending) ? write_mode(common, o, p, &found, path, err)
                                    : write_packing(common, o, ending, p, &found, path, err);
     plot_motion_free(&found);
+    if (status == SP_OK)
+        note_losses(common, ending, p, path);
     return status;
 }

@@ -1,6 +1,8 @@
 /* Prints what a command would make: --dry-run. */
 #include "cli/dry_run.h"
 
+#include "base/base.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -54,6 +56,9 @@ sp_status cli_plan_end(cli_plan *plan) {
     print.output = NULL;
     plan->total.wall = fmax(plan->total.wall, plan->longest);
     add_row(plan, "total", 1, plan->total, plan->bytes);
+    if (program + plan->total.memory > 0.5 * sp_memory_limit()) /* what is expected is within a factor of 2 */
+        cli_comment(&plan->w, "warning: there are %.3g MB of memory, which may be too little",
+                    1e-6 * sp_memory_limit());
     if (plan->w.status == SP_OK)
         plan->w.status = cli_write_table(&print, &plan->table, plan->w.err);
     return plan->w.status;

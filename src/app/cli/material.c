@@ -72,7 +72,7 @@ sp_status cli_set_quantities(void *arguments, const sp_material *m, sp_error *er
         if (status != SP_OK)
             return sp_fail_prefix(err, "%s", name);
         status = cli_number(name, sp_number_text(value, number), range ? range->low : o->low,
-                            range ? range->high : o->high, (double *)((char *)arguments + o->field), err);
+                            range ? range->high : o->high, (double *)(void *)((char *)arguments + o->field), err);
         if (status != SP_OK)
             return sp_fail_prefix(err, "%s", common->quantity[k].text);
     }
@@ -85,7 +85,10 @@ sp_status cli_set_quantities(void *arguments, const sp_material *m, sp_error *er
 
 static bool is_known(const sp_material *m) { return m->young > 0; }
 
-static bool is_same(const sp_material *a, const sp_material *b) { return memcmp(a, b, sizeof *a) == 0; }
+static bool is_same(const sp_material *a, const sp_material *b) {
+    char one[SP_MATERIAL_TEXT], other[SP_MATERIAL_TEXT];
+    return strcmp(sp_material_text(a, one), sp_material_text(b, other)) == 0; /* with all digits */
+}
 
 const sp_material *cli_material(const cli_common *common) {
     if (is_known(&common->material))
@@ -147,6 +150,10 @@ sp_status cli_take_table_material(void *arguments, const sp_table *t, const char
     bool ours = false; /* a table in SI, or of a laboratory, needs none */
     for (int c = 0; c < t->columns; c++)
         ours = ours || sp_unit_is_ours(t->column[c].unit);
+    const cli_common *common = arguments;
+    if (text && !ours && is_known(&common->material) && !is_same(&m, &common->material))
+        return sp_fail(err, SP_EINVAL, "%s: is in SI units already, of the material %s; --material must be this one",
+                       from, text);
     return text || ours ? cli_take_material(arguments, &m, from, err) : SP_OK;
 }
 

@@ -254,9 +254,10 @@ static const char *long_name(int k, const void *user) {
 
 /* Whether the next word is the argument of this one. An alias has the argument of the row before it. */
 static bool takes_next(const reading *r, int row) {
-    while (row > 0 && r->argp[row].flags & OPTION_ALIAS)
-        row--;
-    return r->argp[row].arg != NULL;
+    const struct argp_option *o = &r->argp[row];
+    while (o > r->argp && o->flags & OPTION_ALIAS)
+        o--;
+    return o->arg != NULL;
 }
 
 static bool letter_takes_next(const reading *r, const char *word) {

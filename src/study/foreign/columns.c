@@ -190,6 +190,11 @@ sp_status sp_role_vector(sp_work *w, const sp_sheet *s, const char *role, sp_pla
             out[a].sign *= sp_axis_sign(w, w->axis[a]);
         count += out[a].index >= 0;
     }
+    for (int a = 0; a < 3; a++) { /* those of axes that the packing does not have are named all the same */
+        char name[24];
+        snprintf(name, sizeof name, "%.20s_%c", role, "xyz"[a]);
+        sp_role_find(w, s, name);
+    }
     *given = count == w->dim;
     if (count > 0 && !*given)
         return sp_fail(err, SP_EFORMAT, "%s: %d of %d columns of %s_x, %s_y%s; must be all or none", s->file, count,

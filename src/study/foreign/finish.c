@@ -148,6 +148,27 @@ static void give_contacts(sp_work *w, sp_packing *p) {
     sp_packing_sort(p);
 }
 
+static bool is_near(double a, double b) { return fabs(a - b) <= 1e-12 * fabs(b); }
+
+/* Stiffnesses and masses that are those of Hertzian spheres anyway, as in our own CSV, say nothing new. */
+static void forget_usual(sp_packing *p) {
+    bool spheres = p->mass != NULL, hertz = true;
+    for (int32_t i = 0; i < p->n && spheres; i++)
+        spheres = is_near(p->mass[i], grain_mass(p->r[i])) && is_near(p->inertia[i], grain_inertia(p->r[i]));
+    if (spheres) {
+        sp_free(p->mass);
+        sp_free(p->inertia);
+        p->mass = p->inertia = NULL;
+    }
+    for (int32_t k = 0; k < p->n_contacts && hertz; k++) {
+        const sp_contact *c = &p->contacts[k];
+        const double kn = contact_normal_stiffness(contact_stiffness_in(p, c->i, c->j), c->overlap);
+        hertz = c->kn > 0 && is_near(c->kn, kn) && (is_near(c->kt, contact_eta(p->poisson) * kn) || !(p->friction > 0));
+    }
+    for (int32_t k = 0; k < p->n_contacts && hertz; k++)
+        p->contacts[k].kn = p->contacts[k].kt = 0;
+}
+
 /* Net forces and torques over R of all grains, six numbers each. sign: of tangential forces. */
 static void add_forces(const sp_packing *p, double sign, double *net) {
     for (int32_t k = 0; k < p->n_contacts; k++) {
@@ -207,7 +228,12 @@ static sp_status check_balance(sp_work *w, const sp_packing *p, sp_error *err) {
     sp_free(rattler);
     if (status != SP_OK)
         return status;
-    w->report.balance = mean > 0 ? now.force / mean : NAN;
+    w->report.balance = mean > 0 && rattlers < p->n ? now.force / mean : NAN;
+    if (rattlers == p->n)
+        sp_work_note(w, "all grains are rattlers: no balance of forces can be told%s",
+                     p->friction > 0 ? "" : " (friction = 0)");
+    else if (now.force > mean)
+        sp_work_note(w, "forces do not balance: is the file cut short, or are periods, units or signs wrong?");
     if (turned.squares < 0.25 * now.squares)
         sp_work_note(w,
                      "with the other sign of the tangential forces the grains balance better (%.2g of the mean force): "
@@ -257,6 +283,11 @@ static sp_status remark_missing(sp_work *w, sp_error *err) {
     sp_status status = sp_touch_count(w, &pairs, err);
     for (int32_t k = 0; k < w->found; k++)
         listed += w->contact[k].j >= 0 && w->contact[k].depth > 0;
+    if (status == SP_OK && pairs - listed > pairs / 10)
+        return sp_fail(err, SP_EFORMAT,
+                       "%s: lists %lld of the %lld pairs that overlap; must list all: is it cut short, or are the "
+                       "periods wrong?",
+                       w->contacts.file, (long long)listed, (long long)pairs);
     if (status == SP_OK && pairs > listed)
         sp_work_note(w, "%lld pairs overlap and are not listed as contacts", (long long)(pairs - listed));
     return status;
@@ -277,6 +308,7 @@ sp_status sp_finish(sp_work *w, sp_packing *out, sp_error *err) {
         status = give_masses(w, &p, err);
     if (status == SP_OK) {
         give_contacts(w, &p);
+        forget_usual(&p);
         status = find_pressure(w, &p, err);
     }
     if (status == SP_OK && sp_packing_check(&p, err) != SP_OK)

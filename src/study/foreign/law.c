@@ -267,6 +267,8 @@ sp_status sp_law_complete(sp_work *w, sp_error *err) {
     sp_free(ratio);
     for (int32_t k = 0; status == SP_OK && k < w->found; k++)
         clean_tangent(&w->contact[k]);
+    if (status == SP_OK && w->has_ft && !(w->friction > 0))
+        sp_work_note(w, "tangential forces are left out, for friction = 0");
     if (status == SP_OK && !w->has_ft && w->friction > 0)
         sp_work_note(w, "tangential forces are not known: 0");
     return status;

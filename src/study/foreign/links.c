@@ -59,6 +59,10 @@ static sp_status find_grain(sp_work *w, int64_t row, sp_place at, int32_t *grain
     *grain = sp_grain_of_id(w, id);
     if (*grain >= 0)
         return SP_OK;
+    if (w->form == SP_FORM_CSV && (id == SP_BOTTOM || id == SP_TOP)) { /* our own */
+        *grain = (int32_t)id;
+        return SP_OK;
+    }
     *grain = WALL_UNKNOWN;
     *skip = w->report.left_out > 0;
     if (*skip || (id < 0 && w->form == SP_FORM_MERCURY))
@@ -225,6 +229,13 @@ static sp_status turn_sense(sp_work *w, double sense, sp_error *err) {
     return SP_OK;
 }
 
+static bool has_pairs(const sp_work *w) {
+    for (int32_t k = 0; k < w->found; k++)
+        if (w->contact[k].j >= 0)
+            return true;
+    return false;
+}
+
 sp_status sp_read_links(sp_work *w, sp_error *err) {
     link_columns column = {0};
     double sense = 0;
@@ -232,6 +243,9 @@ sp_status sp_read_links(sp_work *w, sp_error *err) {
     sp_status status = find_columns(w, &column, err);
     for (int64_t row = 0; status == SP_OK && row < w->contacts.rows; row++)
         status = read_row(w, &column, row, &sense, &beside, err);
+    if (status == SP_OK && !has_pairs(w))
+        return sp_fail(err, SP_EFORMAT, "%s: lists no contact between two grains of %s; --contacts overlap finds them",
+                       w->contacts.file, w->path);
     if (status == SP_OK)
         status = turn_sense(w, sense, err);
     if (status == SP_OK)
