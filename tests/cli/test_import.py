@@ -152,7 +152,8 @@ def test_si():
     """Beads in SI: walls of this LAMMPS are 1 + nu times as stiff as elastic ones, and keep their own stiffness."""
     words = [sample("lammps/beads_grains.dump"), "--contacts", sample("lammps/beads_contacts.dump"), "--types", "1",
              *FRICTION, "--material", "E=1e9,nu=0.22,rho=2500"]
-    said = convert(*words, "a.h5", says="1.22 times")
+    said = convert(*words, "a.h5", says="1.22 times kPa")
+    expect("replaces" not in said and "warning" not in said, "the material is the file's, with its diameter: " + said)
     import h5py  # as the other tests of files do
     with h5py.File(path("a.h5")) as f:
         m = f["sonopack/material"]
@@ -239,9 +240,35 @@ def test_photoelastic():
     refuse(*words[:3], "--frame", "3", *words[5:], status=2, says="frame 3 2")
 
 
+def test_mirror():
+    """An image with y downwards is mirrored: Ft, which is a number along t, changes its sign with the axis."""
+    words = [sample("photoelastic/particles.csv"), "--contacts", sample("photoelastic/contacts.csv"), "--frame", "1",
+             "--material", "E=4e6,nu=0.5,rho=1060", "--length-unit", "0.05e-3", "--kn", "5e4", "--kt-ratio", "0.5",
+             "--thickness", "6e-3", *FRICTION]
+    balance = [float(convert(*words, *columns, "-o", name).split("net force ")[1].split()[0]) for name, columns in (
+        ("a.h5", ()), ("b.h5", ("--columns", "y=-y")), ("c.h5", ("--columns", "y=-y,ft=-Ft")),
+        ("d.h5", ("--columns", "y=-y,ft=Ft")))]
+    expect(balance[0] == balance[1] == balance[2] < balance[3], f"net forces {balance}")
+    expect(open(path("b.h5"), "rb").read() == open(path("c.h5"), "rb").read(), "a sign that is given for Ft is the one taken")
+    # vectors
+    rows = [sample("csv/grains.csv"), "--contacts", sample("csv/contacts.csv"), "--walls", sample("csv/walls.csv"),
+            "--set", "width=8", *FRICTION]
+    convert(*rows, "-o", "a.txt", "--set", "bottom=0", "--set", f"top={TOP!r}")
+    convert(*rows, "-o", "b.txt", "--columns", "y=-y", "--set", f"bottom={-TOP!r}", "--set", "top=0")
+    a, b = numbers("a.txt"), numbers("b.txt")
+    expect(close(float(a[0]["p"]), float(b[0]["p"]), 1e-14) and len(a[2]) == len(b[2]), "the same pressure")
+    other = {(int(c[0]), int(c[1])): c for c in b[2]}
+    for c in a[2]:
+        m = other[int(c[0]), int(c[1]) if c[1] >= 0 else -3 - int(c[1])]
+        expect(abs(c[2] - m[2]) < 1e-9 and abs(c[3] + m[3]) < 1e-9 and close(c[5], m[5], 1e-9) and
+               abs(c[6] + m[6]) < 1e-13, f"mirrored: {c} {m}")
+
+
 def test_rest():
     said = convert(sample("lammps/layer.data"), "a.h5", "--contacts", "overlap", "--types", "1", "--set", f"top={TOP!r}",
                    *FRICTION, "--rest", says="at rest rigid height")
+    convert(sample("lammps/layer.data"), "b.h5", "--contacts", "overlap", "--types", "1", "--set", f"top={TOP!r}",
+            *FRICTION, "--rest", "--material", "E=1e9,nu=0,rho=1,d=1", says="E* kPa mm")
     check = subprocess.run([COMMAND, "check", "a.h5"], capture_output=True, text=True, cwd=FOLDER)
     expect(check.returncode == 0, "the packing at rest is right: " + check.stdout + said)
 
@@ -352,6 +379,32 @@ def test_bad_dumps():
     refuse(*words, "--columns", "mass=weight", status=2, says="weight columns")
     refuse(*words, "--from", "vtk", status=2, says="vtk lammps-data")
     refuse(*words, "--material", "E=1e9", status=2, says="nu")
+
+
+def test_loose_grains():
+    """Nothing touches the walls of fix wall/gran: their points of contact, zeros, are no places of walls."""
+    names = " ".join(f"f_{fix}[{k}]" for fix in ("floor", "roof") for k in range(1, 8))
+    none, floor = " 0" * 7, " 1 0 1e-5 0 0.5 0 0"
+    text = ATOMS.replace("radius\n", f"radius {names}\n").replace("ff", "pp")
+    lines = text.split("\n")
+    for flags in ((none + none,) * 3, (floor + none, none + none, none + none)):
+        at = next(k for k, line in enumerate(lines) if line.startswith("ITEM: ATOMS"))
+        rows = lines[:at + 1] + [line + flag for line, flag in zip(lines[at + 1:at + 4], flags)]
+        write("l.dump", "\n".join(rows).replace("pp pp pp", "pp ff pp") + "\n")
+        said = convert("l.dump", "-o", "l.h5", *FRICTION, *EXACT, "--set", "wall=rigid", says="upper")
+        expect("inf" not in said and "outside" not in said, "the box gives the place of the wall: " + said)
+    write("a.dump", ATOMS.replace("1 1 0.5 0.4999 0 0.5", "1 1 0.5 1.6999 0 0.5"))
+    refuse("a.dump", *FRICTION, *EXACT, says="a.dump:10 y 1.6999 between the walls 0 1 1 of 3 touch")
+
+
+def test_help():
+    """Options stand under the heading of their direction."""
+    text = subprocess.run([COMMAND, "help", "convert"], capture_output=True, text=True).stdout
+    before, after = text.index("Packings of other programs:"), text.index("Files for other programs:")
+    for option in ("--from", "--walls", "--columns", "--rest", "--thickness"):
+        expect(before < text.index(f" {option}", before) < after, f"{option} is of the import")
+    for option in ("--to", "--vectors", "--times"):
+        expect(after < text.index(f" {option}=", after), f"{option} is of the export")
 
 
 def test_bad_contacts():

@@ -4,6 +4,7 @@
 #include "cli/output.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -13,8 +14,8 @@ static const cli_option options[] = {
     {"grain-table", "FILE.tsv", "Table of grains: id x y [z] radius. --grains is its older name", CLI_TEXT,
      .field = offsetof(arguments, grains), .alias = "grains"},
     {"contact-table", "FILE.tsv",
-     "Table of contacts: i j nx ny [nz] overlap Fn Ft. --contacts is its older name, and that of files of other "
-     "programs",
+     "Table of contacts: i j nx ny [nz] overlap Fn Ft. Its older name is --contacts, which with files of other "
+     "programs names their list of contacts, or is overlap: all pairs that overlap",
      CLI_TEXT, .field = offsetof(arguments, contacts), .alias = "contacts"},
     {.help = "Packings of other programs:"},
     {"from", "FORM", "Form of IN: " CONVERT_FORMS " (auto)", CLI_CHOICE, .field = offsetof(arguments, from),
@@ -57,9 +58,8 @@ static const cli_option options[] = {
     {0}};
 
 static const cli_syntax syntax = {
-    .usage = "IN OUT [--grain-table G.tsv --contact-table C.tsv]\nIN OUT [--from FORM] [--contacts FILE|overlap]\nIN "
-             "--grain-table G.tsv --contact-table C.tsv\n"
-             "OUT --grain-table G.tsv --contact-table C.tsv",
+    .usage = "IN OUT [--contacts FILE|overlap]\n"
+             "IN|OUT --grain-table G.tsv --contact-table C.tsv",
     .help =
         "Converts packings between HDF5 (.h5), a text file (.txt), two tables, and the files of other programs.\v"
         "The format of IN is recognised by its content, that of OUT by its ending or --to. With two tables and "
@@ -187,6 +187,14 @@ static sp_status write_output(const arguments *a, const sp_packing *p, sp_error 
     return status;
 }
 
+static void print_result(const arguments *a, const sp_packing *p) {
+    char si[64] = "";
+    if (p->material.young > 0)
+        snprintf(si, sizeof si, " E* (%.6g kPa)", 1e-3 * p->pressure * sp_material_modulus(&p->material));
+    cli_note(&a->common, "%s -> %s: %d grains, %d contacts in %dD at p = %g%s", a->in ? a->in : a->grains,
+             a->out ? a->out : a->grains, p->n, p->n_contacts, p->dim, p->pressure, si);
+}
+
 static sp_status work(arguments *a, sp_error *err) {
     sp_packing p = sp_packing_none();
     bool foreign = false;
@@ -201,6 +209,8 @@ static sp_status work(arguments *a, sp_error *err) {
         status = check_output(a, err);
     if (status == SP_OK)
         status = foreign ? convert_import(a, &syntax, &p, err) : read_input(a, &p, err);
+    if (status == SP_OK && foreign && a->common.material.young > 0)
+        a->common.material = p.material; /* that of the option, with the diameter of the file */
     if (status == SP_OK)
         status = cli_take_material(a, &p.material, a->in ? a->in : a->grains, err);
     if (status == SP_OK && !foreign)
@@ -208,8 +218,7 @@ static sp_status work(arguments *a, sp_error *err) {
     if (status == SP_OK)
         status = write_output(a, &p, err);
     if (status == SP_OK)
-        cli_note(&a->common, "%s -> %s: %d grains, %d contacts in %dD at p = %g", a->in ? a->in : a->grains,
-                 a->out ? a->out : a->grains, p.n, p.n_contacts, p.dim, p.pressure);
+        print_result(a, &p);
     sp_packing_free(&p);
     return status;
 }

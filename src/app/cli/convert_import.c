@@ -94,11 +94,13 @@ static sp_status fill_options(const convert_arguments *a, const cli_syntax *synt
 static void print_report(const convert_arguments *a, const sp_import_report *r) {
     char hertz[120] = "";
     if (isfinite(r->hertz))
-        snprintf(hertz, sizeof hertz, ", forces %.8g times Hertz's within %.1e", r->hertz, r->hertz_spread);
+        snprintf(hertz, sizeof hertz, "; normal forces follow Hertz's law within %.1e",
+                 fabs(r->hertz - 1) + r->hertz * r->hertz_spread);
     cli_note(&a->common, "%s: %s, %d grains, %d contacts, %d of them with walls; largest net force %.2g of the mean%s",
              a->in, sp_form_names[r->form], r->grains, r->contacts, r->wall_contacts, r->balance, hertz);
     if (r->left_out > 0)
-        cli_note(&a->common, "%lld grains of other types are left out", (long long)r->left_out);
+        cli_note(&a->common, "%lld grain%s of other types %s left out", (long long)r->left_out,
+                 r->left_out > 1 ? "s" : "", r->left_out > 1 ? "are" : "is");
     for (int k = 0; k < r->notes; k++)
         cli_note(&a->common, "%s", r->note[k]);
 }

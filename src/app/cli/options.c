@@ -133,7 +133,7 @@ static void add_options(reading *r, const cli_option *options, int first_group) 
     for (; options && (options->name || options->help); options++) {
         const int key = options->letter ? options->letter : FIRST_KEY + r->count;
         if (!options->name) {
-            group = group > 0 ? group : 10;
+            group = group > 0 ? group + 1 : 10; /* argp sorts the options of one group */
             r->argp[r->rows++] = (struct argp_option){.doc = options->help, .group = group};
             continue;
         }

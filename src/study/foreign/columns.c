@@ -7,6 +7,24 @@
 #include <stdio.h>
 #include <string.h>
 
+char *sp_work_pressure(const sp_work *w, double pressure, char text[SP_WORK_TEXT]) {
+    const sp_material *m = &w->report.material;
+    if (m->young > 0)
+        snprintf(text, SP_WORK_TEXT, "%.6g E* (%.6g kPa)", pressure, 1e-3 * pressure * sp_material_modulus(m));
+    else
+        snprintf(text, SP_WORK_TEXT, "%.6g", pressure);
+    return text;
+}
+
+char *sp_work_length(const sp_work *w, double length, char text[SP_WORK_TEXT]) {
+    const sp_material *m = &w->report.material;
+    if (m->young > 0)
+        snprintf(text, SP_WORK_TEXT, "%.6g d (%.6g mm)", length, 1e3 * length * m->diameter);
+    else
+        snprintf(text, SP_WORK_TEXT, "%.6g", length);
+    return text;
+}
+
 void sp_work_note(sp_work *w, const char *format, ...) {
     if (w->report.notes == SP_IMPORT_NOTES)
         return;
@@ -127,6 +145,21 @@ sp_place sp_role_find(sp_work *w, const sp_sheet *s, const char *role) {
     return (sp_place){-1, 1};
 }
 
+bool sp_role_is_named(const sp_work *w, const char *role) {
+    for (int k = 0; k < w->roles; k++)
+        if (strcmp(w->role[k].role, role) == 0)
+            return true;
+    return false;
+}
+
+double sp_axis_sign(const sp_work *w, int axis) {
+    const char name[2] = {"xyz"[axis], '\0'};
+    for (int k = 0; k < w->roles; k++)
+        if (strcmp(w->role[k].role, name) == 0)
+            return w->role[k].sign;
+    return 1;
+}
+
 sp_status sp_role_need(sp_work *w, const sp_sheet *s, const char *role, sp_place *out, sp_error *err) {
     *out = sp_role_find(w, s, role);
     if (out->index >= 0)
@@ -153,6 +186,8 @@ sp_status sp_role_vector(sp_work *w, const sp_sheet *s, const char *role, sp_pla
         char name[24];
         snprintf(name, sizeof name, "%.20s_%c", role, "xyz"[w->axis[a]]);
         out[a] = sp_role_find(w, s, name);
+        if (!sp_role_is_named(w, name))
+            out[a].sign *= sp_axis_sign(w, w->axis[a]);
         count += out[a].index >= 0;
     }
     for (int a = 0; a < 3; a++) { /* those of axes that the packing does not have are named all the same */

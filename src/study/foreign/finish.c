@@ -6,6 +6,7 @@
 #include "store/exchange.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* ---- masses ---------------------------------------------------------------------------------------------------- */
@@ -55,6 +56,7 @@ static double stress(const sp_work *w, const sp_packing *p) {
 static sp_status find_pressure(sp_work *w, sp_packing *p, sp_error *err) {
     const double area = sp_packing_wall_area(p), given = w->o->pressure * w->force / (w->scale * w->scale);
     double wall[2] = {0, 0};
+    char text[2][SP_WORK_TEXT];
     const int up = w->dim - 1;
     for (int32_t k = 0; k < w->found; k++) {
         const sp_raw_contact *c = &w->contact[k];
@@ -74,18 +76,44 @@ static sp_status find_pressure(sp_work *w, sp_packing *p, sp_error *err) {
             "pressure=P",
             w->found);
     if (!isfinite(given) && !isfinite(walls))
-        sp_work_note(w, "no contact with a wall: the pressure %.6g is the stress along %c from the contacts",
-                     p->pressure, "xyz"[w->axis[w->dim - 1]]);
+        sp_work_note(w, "no contact with a wall: the pressure %s is the stress along %c from the contacts",
+                     sp_work_pressure(w, p->pressure, text[0]), "xyz"[w->axis[w->dim - 1]]);
     if (fabs(low / high - 1) > 1e-3)
-        sp_work_note(w,
-                     "the pressures on the walls differ: %.6g below, %.6g above (weight, motion, or contacts missing)",
-                     low, high);
+        sp_work_note(w, "the pressures on the walls differ: %s below, %s above (weight, motion, or contacts missing)",
+                     sp_work_pressure(w, low, text[0]), sp_work_pressure(w, high, text[1]));
     if (isfinite(given) && fabs(walls / given - 1) > 1e-2)
-        sp_work_note(w, "the pressure on the walls is %.6g, not the given %.6g", walls, given);
+        sp_work_note(w, "the pressure on the walls is %s, not the given %s", sp_work_pressure(w, walls, text[0]),
+                     sp_work_pressure(w, given, text[1]));
     return SP_OK;
 }
 
 /* ---- the packing ----------------------------------------------------------------------------------------------- */
+
+static bool is_outside(const sp_work *w, const sp_raw_grain *g) {
+    const int up = w->dim - 1;
+    return !w->periodic[up] && !(g->x[up] >= 0 && g->x[up] <= w->edge[up]);
+}
+
+/* Says where the walls are taken to be, and whether anything touches them: loose grains have no walls to find. */
+static sp_status fail_outside(const sp_work *w, const sp_raw_grain *g, sp_error *err) {
+    const int up = w->dim - 1;
+    const char axis[2] = {"xyz"[w->axis[up]], '\0'};
+    const double low = w->low[up] / w->scale, high = (w->low[up] + w->edge[up]) / w->scale;
+    int32_t outside = 0, touching[2] = {0, 0};
+    char rule[400];
+    for (int32_t k = 0; k < w->n; k++)
+        outside += is_outside(w, &w->grain[k]);
+    for (int32_t k = 0; k < w->found; k++)
+        if (w->contact[k].j < 0)
+            touching[w->contact[k].j == SP_TOP]++;
+    snprintf(rule, sizeof rule,
+             "between the walls, which are taken to be at %.8g and %.8g. Outside of them are %d of %d grains, and %d "
+             "touch the lower wall, %d the upper: %s",
+             low, high, outside, w->n, touching[0], touching[1],
+             touching[0] + touching[1] <= 2 ? "is this packing under pressure? If so, give --set bottom= and top="
+                                            : "give --set bottom=, top=, or --types");
+    return sp_sheet_fail(&w->grains, g->row, sp_role_find((sp_work *)w, &w->grains, axis).index, rule, err);
+}
 
 static sp_status give_grains(const sp_work *w, sp_packing *p, sp_error *err) {
     const int up = w->dim - 1;
@@ -94,13 +122,8 @@ static sp_status give_grains(const sp_work *w, sp_packing *p, sp_error *err) {
         p->r[k] = g->r;
         for (int a = 0; a < w->dim; a++)
             p->x[3 * (size_t)k + (size_t)a] = a < up || w->periodic[up] ? sp_wrap(g->x[a], w->edge[a]) : g->x[a] + 0.0;
-        if (!(g->x[up] >= 0 && g->x[up] <= w->edge[up]) && !w->periodic[up])
-            return sp_sheet_fail(
-                &w->grains, g->row,
-                sp_role_find((sp_work *)w, &w->grains, "id").index >= 0
-                    ? sp_role_find((sp_work *)w, &w->grains, "id").index
-                    : 0,
-                "between the walls: its centre is outside of them; give --set bottom=, top=, or --types", err);
+        if (is_outside(w, g))
+            return fail_outside(w, g, err);
     }
     return SP_OK;
 }

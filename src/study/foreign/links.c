@@ -31,6 +31,8 @@ static sp_status find_columns(sp_work *w, link_columns *c, sp_error *err) {
     c->overlap = sp_role_find(w, s, "overlap");
     c->fn = sp_role_find(w, s, "fn");
     c->ft = sp_role_find(w, s, "ft");
+    if (!c->has_along && w->dim == 2 && !sp_role_is_named(w, "ft")) /* t turns when one axis does */
+        c->ft.sign *= sp_axis_sign(w, w->axis[0]) * sp_axis_sign(w, w->axis[1]);
     c->kn = sp_role_find(w, s, "kn");
     c->kt = sp_role_find(w, s, "kt");
     return status;

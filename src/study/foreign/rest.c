@@ -29,6 +29,7 @@ static void make_rigid(sp_work *w, sp_packing *p) {
 
 sp_status sp_bring_to_rest(sp_work *w, sp_packing *p, sp_error *err) {
     double before, after;
+    char pressure[SP_WORK_TEXT], height[2][SP_WORK_TEXT];
     sp_packing rested = sp_packing_none();
     sp_pack_spec spec = sp_pack_spec_default();
     const sp_pack_hooks hooks = {.threads = w->o->threads, .from = p};
@@ -51,9 +52,9 @@ sp_status sp_bring_to_rest(sp_work *w, sp_packing *p, sp_error *err) {
         return sp_fail_prefix(err, "%s, coming to rest", w->path);
     }
     sp_work_note(w,
-                 "at rest under p = %.6g between rigid walls: height %.6g -> %.6g, contacts per carrying grain %.3g -> "
-                 "%.3g",
-                 p->pressure, sp_packing_height(p), sp_packing_height(&rested), before, after);
+                 "at rest under p = %s between rigid walls: height %s -> %s, contacts per carrying grain %.3g -> %.3g",
+                 sp_work_pressure(w, p->pressure, pressure), sp_work_length(w, sp_packing_height(p), height[0]),
+                 sp_work_length(w, sp_packing_height(&rested), height[1]), before, after);
     rested.material = p->material;
     sp_packing_free(p);
     *p = rested;

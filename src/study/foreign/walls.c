@@ -69,8 +69,9 @@ static bool find_fix(const sp_work *w, const char *name, fix_columns *c) {
         return false;
     c->touches = (sp_place){index[1], 1};
     for (int a = 0; a < 3; a++) {
-        c->force[a] = a < w->dim ? (sp_place){index[2 + w->axis[a]], 1} : (sp_place){-1, 1};
-        c->point[a] = a < w->dim ? (sp_place){index[5 + w->axis[a]], 1} : (sp_place){-1, 1};
+        const double sign = a < w->dim ? sp_axis_sign(w, w->axis[a]) : 1;
+        c->force[a] = a < w->dim ? (sp_place){index[2 + w->axis[a]], sign} : (sp_place){-1, 1};
+        c->point[a] = a < w->dim ? (sp_place){index[5 + w->axis[a]], sign} : (sp_place){-1, 1};
         if (a < w->dim && index[2 + w->axis[a]] < 0)
             return false;
     }
@@ -116,7 +117,8 @@ static sp_status place_wall(sp_work *w, const fix_columns *c, int side, sp_error
         low = touches ? fmin(low, f.point[up] * w->scale) : low;
         high = touches ? fmax(high, f.point[up] * w->scale) : high;
     }
-    if (status != SP_OK || isfinite(given) || !(high - low <= 1e-6) || isfinite(w->o->height))
+    const bool plane = high >= low && high - low <= 1e-6; /* high < low: no grain touches it */
+    if (status != SP_OK || isfinite(given) || !plane || isfinite(w->o->height))
         return status;
     const double other = side == 0 ? w->low[up] + w->edge[up] : w->low[up], move = side == 0 ? low - w->low[up] : 0;
     w->low[up] = side == 0 ? low : other;

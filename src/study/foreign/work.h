@@ -62,6 +62,11 @@ typedef struct sp_work {
     sp_import_report report;
 } sp_work;
 
+enum { SP_WORK_TEXT = 64 };
+/* Pressures and lengths for the report: "9.4e-05 E* (98.4 kPa)" and "7.2 d (7.06 mm)"; without a material as they are.
+ * Return text. */
+char *sp_work_pressure(const sp_work *w, double pressure, char text[SP_WORK_TEXT]);
+char *sp_work_length(const sp_work *w, double length, char text[SP_WORK_TEXT]);
 /* Adds a line to the report. */
 void sp_work_note(sp_work *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
@@ -73,7 +78,12 @@ sp_place sp_role_find(sp_work *w, const sp_sheet *s, const char *role);
 sp_status sp_role_need(sp_work *w, const sp_sheet *s, const char *role, sp_place *out, sp_error *err);
 /* A number in a place, with its sign; NAN if there is no column. */
 sp_status sp_place_number(const sp_sheet *s, int64_t row, sp_place at, double *out, sp_error *err);
-/* Three components, role_x, role_y, role_z, along the axes of the packing; *given tells whether there are columns. */
+/* -1 if the option turns this axis of the file, as y=-y does; else 1. */
+double sp_axis_sign(const sp_work *w, int axis);
+/* Whether the option names the column of a role. */
+bool sp_role_is_named(const sp_work *w, const char *role);
+/* Three components, role_x, role_y, role_z, along the axes of the packing; *given tells whether there are columns.
+ * Components along an axis that is turned change their signs, unless the option names their own columns. */
 sp_status sp_role_vector(sp_work *w, const sp_sheet *s, const char *role, sp_place out[3], bool *given, sp_error *err);
 sp_status sp_place_vector(const sp_sheet *s, int64_t row, const sp_place at[3], double out[3], sp_error *err);
 /* Refuses roles of the option that no sheet has. */
