@@ -108,7 +108,8 @@ class Packing(_core.Owner):
                     material: Material | None = None) -> Packing:
         """A packing from arrays, which are copied and checked (InvalidInput names the first fault).
 
-        x [n][dim] centres and r [n] radii [d]; box: the periods, the height last [d]. contacts: an array of dtype CONTACT
+        x [n][dim] centres and r [n] radii [d]; columns of x beyond the lengths of box must be 0. box: the periods, the
+        height last [d]. contacts: an array of dtype CONTACT
         (such as that of another packing), or a dictionary of arrays: i, j (BOTTOM, TOP for walls); if known n
         [contacts][dim], overlap, fn, and ft on i [contacts][dim] (or scalars in 2D: ft (-ny, nx)). What is left out
         follows: n from the positions, overlap and fn from each other by Hertz's law or from the positions; ft is 0.
@@ -122,6 +123,9 @@ class Packing(_core.Owner):
         dim = len(box)
         if not 1 <= dim <= places.shape[1]:
             raise _core.invalid("box", f"has {dim} lengths: must have one for each of the dimensions")
+        if np.any(places[:, dim:]):  # the rows of a packing have three columns in any dimension, the last ones 0
+            raise _core.invalid("box", f"has {dim} lengths, but x has numbers in column {dim + 1}: it must have one for each "
+                                       "dimension")
         table = contacts if isinstance(contacts, np.ndarray) else _contacts(places[:, :dim], radii, contacts, box)
         if table.dtype != CONTACT:
             raise _core.invalid("contacts", f"has the dtype {table.dtype}: must be sonopack.CONTACT")

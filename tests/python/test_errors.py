@@ -122,10 +122,14 @@ def test_arrays():
     wrong("fn", contacts={**contacts, "fn": contacts["fn"][1:]})
     wrong("n", contacts={**contacts, "n": contacts["n"][:, :1]})
     wrong("box", box=[1, 2, 3, 4])
+    wrong("box", box=packing.box[1:])  # the second column would be lost
+    filled = np.column_stack([packing.x[:, :2], np.linspace(0, 1, 600)])
+    for z in (filled, np.where(filled == filled[:, 2:], np.nan, filled)):  # and so would the third
+        wrong("box", x=z)
     wrong("wall", wall="soft")
     wrong("", contacts={**contacts, "fn": -contacts["fn"]})
     wrong("", r=np.where(np.arange(600) == 5, np.nan, packing.r), status=Status.EFORMAT)
-    wrong("", x=np.where(np.arange(600)[:, None] == 5, np.nan, packing.x), status=Status.EFORMAT)
+    wrong("", x=np.where(np.arange(600)[:, None] == 5, np.nan, packing.x[:, :2]), status=Status.EFORMAT)
     wrong("", pressure=-1, status=Status.EFORMAT)
 
 

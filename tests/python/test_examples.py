@@ -129,6 +129,9 @@ def test_page():
     check(blocks >= 12, blocks)
     check(len(space["found"].contacts) == len(space["own"].contacts), "overlapping pairs", space["found"])
     check(abs(space["own"].network().front().t10 / space["front"].t10 - 1) < 0.01, "own arrays")
+    layer, beads = space["layer"], space["beads"]
+    check(abs(layer.network().front().t10 / beads.network().front().t10 - 1) < 1e-9, "arrays in SI", layer)
+    check(abs(layer.pressure / beads.pressure - 1) < 1e-12 and layer.material == beads.material, "pressure in SI")
     if DRAWS:
         check(all(pathlib.Path(name).stat().st_size > 1000 for name in ("front.png", "mode.png")), "figures")
     check_recipes(space["read"])

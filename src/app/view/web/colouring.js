@@ -97,7 +97,7 @@ export function contactColourings(packing) {
     low: 0, high: force.high, clipped: force.largest > force.high * 1.0001, mean: force.mean,
     value: (c) => packing.fn[c] }];
   if (packing.friction > 0)
-    list.push({ key: 'mobilised', title: 'Friction used, |F_t|/(µ F_n)', kind: 'number', scale: 'sequence', low: 0,
+    list.push({ key: 'mobilised', title: 'Friction used, |Fₜ|/(µ Fₙ)', kind: 'number', scale: 'sequence', low: 0,
       high: 1, mean: force.mean, value: (c) => packing.ft[c] / (packing.friction * packing.fn[c] || 1) });
   return list;
 }

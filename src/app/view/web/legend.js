@@ -31,7 +31,7 @@ function line(pixels, text) {
 function widths(app, units) {
   const { mean } = app.contactColouring();
   const pixels = (force) => app.lineWidth(force) / app.stage.pixel();
-  return element('div', { className: 'widths' }, line(pixels(mean), `F_n = ${units.text(mean, 'force')} (mean)`),
+  return element('div', { className: 'widths' }, line(pixels(mean), `Fₙ = ${units.text(mean, 'force')} (mean)`),
     line(pixels(3 * mean), '3 × mean'));
 }
 

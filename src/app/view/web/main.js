@@ -306,7 +306,8 @@ function start() {
   } catch (error) {
     document.documentElement.dataset.state = 'failed';
     byId('failure').hidden = false;
-    byId('failure').append(` ${error.message}`);
+    const canDraw = document.createElement('canvas').getContext('webgl2');
+    if (canDraw) byId('failure').textContent = `The page has failed: ${error.message}`; // not for want of WebGL
     throw error;
   }
 }

@@ -136,7 +136,7 @@ export class Panel {
     byId('name').hidden = packings.length > 1;
     text('name', packing.name);
     const share = packing.rattlers / packing.grains;
-    const words = [`${packing.grains} grains${packing.dimension === 3 ? '' : ` in ${packing.dimension}D`}`,
+    const words = [`${packing.grains} grains in ${packing.dimension}D`,
       `height ${units.text(packing.box[packing.dimension - 1], 'length')}`];
     if (packing.dimension > 1)
       words.push(`width ${units.text(packing.box[0], 'length')}`);
@@ -151,7 +151,7 @@ export class Panel {
 
   precision() {
     const { wave } = this.app.packing;
-    const words = ['Places, forces and modes are rounded to 24 bits (relative error 6×10⁻⁸).'];
+    const words = ['Positions, forces and modes are floats of 32 bits (relative error 6×10⁻⁸).'];
     if (wave && wave.u) {
       const step = this.app.units.text(wave.until / (wave.t.length - 1), 'time');
       words.push(`The wave has ${wave.t.length} frames, ${step} apart, rounded to 16 bits of the largest displacement ` +
