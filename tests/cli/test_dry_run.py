@@ -91,6 +91,9 @@ def test_study():
     many = plan("study", *keys, *sets("study.samples=1000000"), "--store", "store")
     assert many["samples"]["count"] == 1000000
     run(*words, "--dry-run", "--verify", status=2)
+    for wrong in ("t.xyz", "no/t.tsv"):  # what the study could not write
+        refused = run(*words, "-o", wrong, "--dry-run", status=2 if "/" not in wrong else 1)
+        assert names_all(refused, wrong.split("/")[0]), refused
 
 
 def test_networks():

@@ -189,9 +189,21 @@ static void share_threads(arguments *a) {
     a->study.threads = a->common.threads;
 }
 
+/* The tables that the scene wants, and whether -o may be written. */
+static sp_status choose_tables(arguments *a, const sp_scene *scene, cli_tables *out, sp_error *err) {
+    *out = tables_of(&a->common, scene);
+    out->level = a->level;
+    if (a->common.output && out->count == 0)
+        return sp_fail(err, SP_EINVAL, "-o %s: study.want names no table", a->common.output);
+    return cli_tables_may_write(out, err);
+}
+
 static sp_status plan(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
     cli_plan plan;
+    cli_tables tables;
     sp_status status = read_scene(a, scene, from, err);
+    if (status == SP_OK)
+        status = choose_tables(a, scene, &tables, err);
     if (status != SP_OK)
         return status;
     share_threads(a);
@@ -262,14 +274,8 @@ static sp_status make(arguments *a, sp_scene *scene, sp_packing *from, sp_store 
     sp_study_progress done = {0};
     cli_tables tables = {0};
     sp_status status = read_scene(a, scene, from, err);
-    if (status == SP_OK) {
-        tables = tables_of(&a->common, scene);
-        tables.level = a->level;
-        if (a->common.output && tables.count == 0)
-            status = sp_fail(err, SP_EINVAL, "-o %s: study.want names no table", a->common.output);
-    }
     if (status == SP_OK)
-        status = cli_tables_may_write(&tables, err);
+        status = choose_tables(a, scene, &tables, err);
     if (status == SP_OK)
         status = sp_store_open(a->store, true, store, err);
     if (status == SP_OK)
