@@ -5,6 +5,7 @@
 #include "cli/output.h"
 #include "cli/plot_input.h"
 #include "cli/plot_motion.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -341,18 +342,14 @@ static sp_status write_wave(const cli_common *common, const convert_out *o, cons
 
 /* Says what a form that only knows grains leaves out. */
 static void note_losses(const cli_common *common, const char *ending, const sp_packing *p, const char *path) {
-    static const char *const walls[] = {"rigid", "grain", "elastic"};
     const bool dump = strcmp(ending, ".dump") == 0, data = strcmp(ending, ".data") == 0;
     if (!dump && !data && strcmp(ending, ".xyz") != 0)
         return;
-    bool stiff = false;
-    for (int32_t c = 0; c < p->n_contacts; c++)
-        stiff = stiff || p->contacts[c].kn > 0;
-    if (stiff)
+    if (sp_packing_has_stiffnesses(p))
         cli_note(common, "%s: has no place for the stiffnesses of contacts, which are left out", path);
     if (dump)
         cli_note(common, "%s: has no place for walls and friction: to read it again, --set wall=%s --set friction=%g",
-                 path, walls[p->wall], p->friction);
+                 path, sp_wall_names[p->wall], p->friction);
 }
 
 sp_status convert_out_write(const cli_common *common, const convert_out *o, const char *ending, const sp_packing *p,

@@ -14,6 +14,9 @@ typedef sp_status sp_pair_visit(int32_t i, int32_t j, void *user, sp_error *err)
  * grain with j = SP_BOTTOM and SP_TOP. Returns the first error of a visit, or SP_ENOMEM. */
 sp_status sp_packing_sweep(const sp_packing *p, double gap, sp_pair_visit *visit, void *user, sp_error *err);
 
+/* Whether some contact has a stiffness of its own. */
+SP_SHARED bool sp_packing_has_stiffnesses(const sp_packing *p);
+
 /* Names of walls, by sp_wall; ended by NULL. */
 SP_SHARED extern const char *const sp_wall_names[];
 /* The wall of this name. False for any other word. */

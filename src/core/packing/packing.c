@@ -56,12 +56,14 @@ sp_status sp_packing_alloc_masses(sp_packing *p, sp_error *err) {
     return SP_OK;
 }
 
-bool sp_packing_hertzian(const sp_packing *p) {
+bool sp_packing_has_stiffnesses(const sp_packing *p) {
     for (int32_t c = 0; c < p->n_contacts; c++)
         if (p->contacts[c].kn > 0)
-            return false;
-    return p->mass == NULL;
+            return true;
+    return false;
 }
+
+bool sp_packing_hertzian(const sp_packing *p) { return p->mass == NULL && !sp_packing_has_stiffnesses(p); }
 
 sp_status sp_packing_need_law(const sp_packing *p, const char *what, sp_error *err) {
     if (sp_packing_hertzian(p))

@@ -170,13 +170,6 @@ static const struct contact_part {
     {&name_fn, offsetof(sp_contact, fn), false, false},   {&name_ft, offsetof(sp_contact, ft), true, false},
     {&name_kn, offsetof(sp_contact, kn), false, true},    {&name_kt, offsetof(sp_contact, kt), false, true}};
 
-static bool has_stiffnesses(const sp_packing *p) {
-    for (int32_t c = 0; c < p->n_contacts; c++)
-        if (p->contacts[c].kn > 0)
-            return true;
-    return false;
-}
-
 /* Who touches whom. H5MD's connectivity is between particles, and a wall is none. */
 static sp_status put_partners(sp_h5 *h, const sp_packing *p, sp_error *err) {
     const size_t n = (size_t)p->n_contacts;
@@ -202,7 +195,7 @@ static sp_status put_partners(sp_h5 *h, const sp_packing *p, sp_error *err) {
 
 static sp_status put_contacts(sp_h5 *h, const sp_packing *p, sp_error *err) {
     const size_t n = (size_t)p->n_contacts, dim = (size_t)p->dim;
-    const bool stiffnesses = has_stiffnesses(p);
+    const bool stiffnesses = sp_packing_has_stiffnesses(p);
     double *buffer = sp_alloc(dim * n, sizeof *buffer);
     sp_status status = buffer ? put_partners(h, p, err) : sp_fail_memory(err, n * dim * sizeof *buffer);
     for (size_t k = 0; status == SP_OK && k < sizeof part / sizeof *part; k++) {
@@ -220,7 +213,7 @@ static sp_status put_contacts(sp_h5 *h, const sp_packing *p, sp_error *err) {
 
 sp_status sp_packing_put(sp_h5 *h, const sp_packing *p, sp_error *err) {
     const sp_h5_shape single = {0};
-    const int32_t dim = p->dim, format = p->mass || has_stiffnesses(p) ? SP_H5_FORMAT_OWN_LAW : SP_H5_FORMAT;
+    const int32_t dim = p->dim, format = p->mass || sp_packing_has_stiffnesses(p) ? SP_H5_FORMAT_OWN_LAW : SP_H5_FORMAT;
     sp_status status = put_groups(h, p->dim, format, err);
     if (status == SP_OK)
         status = sp_h5_put(h, &name_dim, SP_H5_I32, &single, &dim, err);

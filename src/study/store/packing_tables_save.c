@@ -47,9 +47,7 @@ static void add_grains(sp_text *t, const sp_packing *p) {
 static void add_contacts(sp_text *t, const sp_packing *p) {
     static const char *const header[4] = {"", "i\tj\tnx\toverlap\tFn", "i\tj\tnx\tny\toverlap\tFn\tFt",
                                           "i\tj\tnx\tny\tnz\toverlap\tFn\tFtx\tFty\tFtz"};
-    bool stiffnesses = false;
-    for (int32_t c = 0; c < p->n_contacts; c++)
-        stiffnesses = stiffnesses || p->contacts[c].kn > 0;
+    const bool stiffnesses = sp_packing_has_stiffnesses(p);
     sp_text_add(t, "# n from i to j; overlap in d, forces in E* d^2%s%s\n%s%s\n",
                 stiffnesses ? ", stiffnesses in E* d (0: Hertz and Mindlin)" : "",
                 p->dim == 1   ? ""
