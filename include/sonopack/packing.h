@@ -5,8 +5,9 @@
  * Units: lengths in mean grain diameters d; pressures in E*, the modified Young modulus E/(1-nu^2) of a grain; grains
  * have unit density rho. Hence forces are in E* d^2 and times in d / sqrt(E* / rho).
  *
- * Grains are spheres in any dimension. The up axis, from the bottom wall at 0 to the top wall at the height, is axis
- * dim-1: x in 1D, y in 2D, z in 3D. The other axes are periodic. */
+ * Grains are spheres in any dimension. The up axis is axis dim-1: x in 1D, y in 2D, z in 3D. Under the piston it leads
+ * from the bottom wall at 0 to the top wall at the height, and the other axes are periodic. Other cells are periodic
+ * along all axes, or have walls on all sides (sp_boundary). */
 
 #include <sonopack/status.h>
 #include <stdbool.h>
@@ -17,11 +18,13 @@
 extern "C" {
 #endif
 
-enum { SP_BOTTOM = -1, SP_TOP = -2 }; /* contact partners that are walls */
+/* Contact partners that are walls: two across the up axis, two across x (2D and 3D), two across y (3D). The second of
+ * each pair lies at the end of the box edge. */
+enum { SP_BOTTOM = -1, SP_TOP = -2, SP_LEFT = -3, SP_RIGHT = -4, SP_FRONT = -5, SP_BACK = -6 };
 
 /* A contact. For two grains i < j. In 2D ft = Ft (-ny, nx), where Ft is the scalar in text files. */
 typedef struct sp_contact {
-    int32_t i, j;   /* grain indices; j may be SP_BOTTOM or SP_TOP */
+    int32_t i, j;   /* grain indices; j may be a wall: SP_BOTTOM .. SP_BACK */
     double n[3];    /* unit normal from i to j */
     double overlap; /* R_i + R_j - r_ij, or R_i - distance to the wall [d] */
     double fn;      /* normal elastic force, >= 0 in compression [E* d^2] */
@@ -34,6 +37,10 @@ typedef struct sp_contact {
  * like a fixed grain identical to the one that touches it ("identical springs" of the 1D chain, Somfai et al. 2005,
  * App. C). ELASTIC: a plane of the grains' own material (R = inf and half of E*), as in DEM programs. */
 typedef enum sp_wall { SP_WALL_RIGID = 0, SP_WALL_GRAIN = 1, SP_WALL_ELASTIC = 2 } sp_wall;
+
+/* What bounds the grains. PISTON: walls at the bottom and the top, periodic sideways. PERIODIC: no walls, periodic
+ * along all axes. BOX: walls on all sides. */
+typedef enum sp_boundary { SP_CELL_PISTON = 0, SP_CELL_PERIODIC, SP_CELL_BOX } sp_boundary;
 
 /* The material of the grains in SI units, which turns dimensionless numbers into those of an experiment. It has no
  * influence on them. */
@@ -60,11 +67,17 @@ typedef struct sp_packing {
     double *r;            /* [n] radii [d] */
     double *mass;         /* [n] masses [rho d^3], or NULL: spheres of unit density. Both or neither: */
     double *inertia;      /* [n] moments of inertia [rho d^5] */
-    sp_contact *contacts; /* [n_contacts] sorted: pairs by (i, j), then bottom wall by i, then top wall by i */
-    double box[3];        /* periods; box[dim-1] is the height; 1 on unused axes [d] */
-    double pressure;      /* force on a wall over its area (2D: width x d; 1D: d^2) [E*] */
-    double friction;      /* Coulomb coefficient mu; 0: no tangential forces, no rotations */
-    double poisson;       /* Poisson's ratio nu of the grain material */
+    sp_contact *contacts; /* [n_contacts] sorted: pairs by (i, j), then the walls in the order of SP_BOTTOM .. SP_BACK,
+                             each by i */
+    sp_boundary cell;
+    double box[3];  /* edges: periods, or distances of walls; box[dim-1] is the height; 1 on unused axes [d] */
+    double tilt[3]; /* PERIODIC: xy, xz, yz of the lattice vectors (box[0], 0, 0), (xy, box[1], 0), (xz, yz, box[2]), at
+                       most half of the edge in their direction; 0 for the other cells and on unused axes [d] */
+    double pressure; /* force on the top wall over its area (2D: width x d; 1D: d^2); without a piston the mean of the
+                        normal stresses [E*] */
+    double gravity;  /* acceleration against the up axis [E* / (rho d)] */
+    double friction; /* Coulomb coefficient mu; 0: no tangential forces, no rotations */
+    double poisson;  /* Poisson's ratio nu of the grain material */
     sp_wall wall;
     sp_material material;
     /* provenance; 0, NAN or NULL if unknown (imported packings) */
@@ -91,9 +104,17 @@ SP_API void sp_packing_sort(sp_packing *p);
  * are NAN or one is negative, and if it joins no grains of the packing. */
 SP_API sp_status sp_packing_complete(sp_packing *p, sp_error *err);
 
-/* Area of a wall [d^2], and distance between the walls [d]. */
+/* Area across the up axis [d^2], edge along the up axis [d], and their product [d^3]. */
 SP_API double sp_packing_wall_area(const sp_packing *p);
 SP_API double sp_packing_height(const sp_packing *p);
+SP_API double sp_packing_volume(const sp_packing *p);
+/* Whether the packing repeats along an axis 0 .. dim-1. */
+SP_API bool sp_packing_periodic(const sp_packing *p, int axis);
+/* Whether the packing has this wall, SP_BOTTOM .. SP_BACK. */
+SP_API bool sp_packing_has_wall(const sp_packing *p, int32_t wall);
+/* The axis across a wall, and the direction of its outer normal along this axis, -1 or 1. */
+SP_API int sp_packing_wall_axis(const sp_packing *p, int32_t wall);
+SP_API double sp_packing_wall_side(int32_t wall);
 
 /* Whether all grains are spheres of unit density, and all contacts follow the law of Hertz and Mindlin. Only such
  * packings have forces away from rest; all others are known at rest, where they are linear networks. */
@@ -105,9 +126,10 @@ SP_API sp_status sp_packing_need_law(const sp_packing *p, const char *what, sp_e
 typedef struct sp_audit {
     double force_residual;  /* largest net force on a force-carrying grain over p x (mean diameter)^2 */
     double torque_residual; /* largest net torque over R, in the same unit */
-    double wall_residual;   /* largest | |F_wall| / (p A) - 1 | of the two walls */
-    double law_residual;    /* largest relative difference between fn and Hertz's law at the stored overlap, beyond the
-                               rounding of a text file; contacts with a stiffness of their own are left out */
+    double wall_residual; /* piston: largest difference between the force on a wall and its load, over p A. Other cells:
+                             | mean pressure / p - 1 |, and imbalance of opposite walls over p A */
+    double law_residual;  /* largest relative difference between fn and Hertz's law at the stored overlap, beyond the
+                             rounding of a text file; contacts with a stiffness of their own are left out */
     double geometry_residual; /* largest |overlap - overlap from the positions| over the largest overlap */
     double coulomb_excess;    /* largest |ft|/(mu fn) - 1, or 0 if Coulomb's law holds everywhere */
     int32_t missing;          /* overlapping pairs that are not listed as contacts */

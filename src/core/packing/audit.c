@@ -12,15 +12,12 @@
 
 /* Overlap from the positions, and the largest deviation of the stored normal from theirs. */
 static double true_overlap(const sp_packing *p, const sp_contact *c, double *turn) {
-    const int up = p->dim - 1;
     double d[3] = {0, 0, 0}, r2 = 0;
     *turn = 0;
-    if (c->j >= 0) {
+    if (c->j >= 0)
         sp_packing_separation(p, c->i, c->j, d);
-    } else {
-        double y = p->x[3 * (size_t)c->i + (size_t)up];
-        d[up] = c->j == SP_BOTTOM ? -y : p->box[up] - y;
-    }
+    else
+        d[sp_packing_wall_axis(p, c->j)] = sp_packing_wall_side(c->j) * sp_packing_wall_distance(p, c->i, c->j);
     for (int a = 0; a < 3; a++)
         r2 += d[a] * d[a];
     for (int a = 0; a < 3; a++)
@@ -44,8 +41,19 @@ static void audit_contacts(const sp_packing *p, double small, sp_audit *a) {
     }
 }
 
+/* Sums over all contacts: on each wall, and of force times branch vector. */
+typedef struct sums {
+    double wall[6], trace;
+} sums;
+
+static double weight(const sp_packing *p, int32_t i) {
+    return p->gravity * (p->mass ? p->mass[i] : grain_mass(p->r[i]));
+}
+
 /* force[6 i ..]: net force on grain i, then the sum of n x ft, which is the net torque over R. */
-static void sum_on_grains(const sp_packing *p, double *force, double wall[2]) {
+static void sum_on_grains(const sp_packing *p, double *force, sums *s) {
+    for (int32_t i = 0; i < p->n && p->gravity != 0; i++)
+        force[6 * (size_t)i + (size_t)p->dim - 1] = -weight(p, i);
     for (int32_t c = 0; c < p->n_contacts; c++) {
         const sp_contact *k = &p->contacts[c];
         double turn[3];
@@ -60,23 +68,39 @@ static void sum_on_grains(const sp_packing *p, double *force, double wall[2]) {
             }
         }
         if (k->j < 0)
-            wall[k->j == SP_BOTTOM ? 0 : 1] += k->fn;
+            s->wall[-1 - k->j] += k->fn;
+        s->trace += k->fn * (p->r[k->i] - k->overlap + (k->j >= 0 ? p->r[k->j] : 0));
     }
 }
 
+/* Walls under a piston: each carries the pressure, and the bottom the weight of the grains too. Other cells: the mean
+ * pressure in the grains, and the balance of opposite walls. */
+static double wall_residual(const sp_packing *p, const sums *s) {
+    const double load = p->pressure * sp_packing_wall_area(p);
+    double grains = 0;
+    for (int32_t i = 0; i < p->n && p->gravity != 0; i++)
+        grains += weight(p, i);
+    if (p->cell == SP_CELL_PISTON)
+        return fmax(fabs(s->wall[1] / load - 1), fabs((s->wall[0] - grains) / load - 1));
+    double worst = fabs(s->trace / (p->dim * p->pressure * sp_packing_volume(p)) - 1);
+    for (int a = 0; a < 3 && p->cell == SP_CELL_BOX; a++)
+        worst = fmax(worst, fabs(s->wall[2 * a] - s->wall[2 * a + 1] - (a == 0 ? grains : 0)) / load);
+    return worst;
+}
+
 static sp_status audit_balance(const sp_packing *p, const uint8_t *rattler, double unit, sp_audit *a, sp_error *err) {
-    double *force = sp_alloc((size_t)p->n * 6, sizeof *force), wall[2] = {0, 0};
+    sums s = {.trace = 0};
+    double *force = sp_alloc((size_t)p->n * 6, sizeof *force);
     if (!force)
         return sp_fail_memory(err, (size_t)p->n * 6 * sizeof *force);
-    sum_on_grains(p, force, wall);
+    sum_on_grains(p, force, &s);
     for (size_t i = 0; i < (size_t)p->n; i++) {
         if (rattler[i])
             continue;
         a->force_residual = fmax(a->force_residual, length3(force + 6 * i) / unit);
         a->torque_residual = fmax(a->torque_residual, length3(force + 6 * i + 3) / unit);
     }
-    for (int side = 0; side < 2; side++)
-        a->wall_residual = fmax(a->wall_residual, fabs(wall[side] / (p->pressure * sp_packing_wall_area(p)) - 1.0));
+    a->wall_residual = wall_residual(p, &s);
     sp_free(force);
     return SP_OK;
 }
@@ -142,7 +166,7 @@ static const struct measure {
     {offsetof(sp_audit, force_residual), "forces on a grain do not balance"},
     {offsetof(sp_audit, torque_residual), "torques on a grain do not balance"},
     {offsetof(sp_audit, coulomb_excess), "a tangential force is above friction times the normal force"},
-    {offsetof(sp_audit, wall_residual), "the force on a wall is not pressure times area"},
+    {offsetof(sp_audit, wall_residual), "the pressure in the grains is not that of the packing"},
 };
 
 double sp_audit_worst(const sp_audit *audit, double tolerance, char *reason, size_t size) {

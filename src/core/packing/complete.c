@@ -3,7 +3,7 @@
 #include "packing/contact.h"
 
 static sp_status complete(const sp_packing *p, int32_t index, sp_contact *c, sp_error *err) {
-    if (c->i < 0 || c->i >= p->n || c->j < SP_TOP || c->j >= p->n)
+    if (c->i < 0 || c->i >= p->n || c->j < SP_BACK || c->j >= p->n)
         return sp_fail(err, SP_EINVAL, "contact %d joins %d and %d: must be grains 0 .. %d, or a grain and a wall",
                        index, c->i, c->j, p->n - 1);
     if (c->overlap < 0 || c->fn < 0 || (isnan(c->overlap) && isnan(c->fn)))

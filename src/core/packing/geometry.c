@@ -6,12 +6,52 @@
 #include <math.h>
 #include <stdlib.h>
 
-void sp_packing_separation(const sp_packing *p, int32_t i, int32_t j, double d[3]) {
-    for (int a = 0; a < 3; a++) {
-        d[a] = p->x[3 * (size_t)j + (size_t)a] - p->x[3 * (size_t)i + (size_t)a];
-        if (a < p->dim - 1)
-            d[a] -= p->box[a] * nearbyint(d[a] / p->box[a]);
+/* Subtracts a multiple of the lattice vector of an axis. */
+static void shift(const sp_packing *p, int axis, double periods, double d[3]) {
+    d[axis] -= p->box[axis] * periods;
+    if (axis >= 1)
+        d[0] -= p->tilt[axis == 1 ? 0 : 1] * periods;
+    if (axis == 2)
+        d[1] -= p->tilt[2] * periods;
+}
+
+void sp_packing_nearest(const sp_packing *p, double d[3]) {
+    for (int a = p->dim - 1; a >= 0; a--) {
+        const double periods = sp_packing_periodic(p, a) ? nearbyint(d[a] / p->box[a]) : 0;
+        if (periods != 0)
+            shift(p, a, periods, d);
     }
+}
+
+void sp_packing_fractions(const sp_packing *p, const double x[3], double s[3]) {
+    s[2] = x[2] / p->box[2];
+    s[1] = (x[1] - p->tilt[2] * s[2]) / p->box[1];
+    s[0] = (x[0] - p->tilt[0] * s[1] - p->tilt[1] * s[2]) / p->box[0];
+}
+
+void sp_packing_wrap(const sp_packing *p, double x[3]) {
+    for (int a = p->dim - 1; a >= 0; a--) {
+        double s[3];
+        sp_packing_fractions(p, x, s);
+        const double periods = sp_packing_periodic(p, a) ? floor(s[a]) : 0;
+        if (periods != 0)
+            shift(p, a, periods, x);
+        sp_packing_fractions(p, x, s);
+        if (sp_packing_periodic(p, a) && s[a] >= 1) /* a tiny negative coordinate rounds to the far end */
+            shift(p, a, 1, x);
+    }
+}
+
+void sp_packing_separation(const sp_packing *p, int32_t i, int32_t j, double d[3]) {
+    for (int a = 0; a < 3; a++)
+        d[a] = p->x[3 * (size_t)j + (size_t)a] - p->x[3 * (size_t)i + (size_t)a];
+    sp_packing_nearest(p, d);
+}
+
+double sp_packing_wall_distance(const sp_packing *p, int32_t i, int32_t wall) {
+    const int axis = sp_packing_wall_axis(p, wall);
+    const double x = p->x[3 * (size_t)i + (size_t)axis];
+    return sp_packing_wall_side(wall) < 0 ? x : p->box[axis] - x;
 }
 
 typedef struct elevated {
@@ -26,19 +66,25 @@ static int by_height(const void *a, const void *b) {
     return x->i < y->i ? -1 : x->i > y->i;
 }
 
-/* Visits the pairs of grain k of the sorted list with higher grains, and the walls. */
+/* Visits the pairs of grain k of the sorted list with higher grains, and the walls. In a periodic cell the lowest
+ * grains follow the highest. */
 static sp_status visit_above(const sp_packing *p, const elevated *sorted, int32_t k, double range, sp_pair_visit *visit,
                              void *user, sp_error *err) {
     const int32_t i = sorted[k].i;
-    const double far = sorted[k].y + p->r[i] + range;
+    const double far = sorted[k].y + p->r[i] + range, height = sp_packing_height(p);
+    const int32_t last = sp_packing_periodic(p, p->dim - 1) ? k + p->n : p->n;
     sp_status status = SP_OK;
-    for (int32_t q = k + 1; q < p->n && sorted[q].y <= far && status == SP_OK; q++) {
-        const int32_t j = sorted[q].i;
-        status = visit(i < j ? i : j, i < j ? j : i, user, err);
+    for (int32_t q = k + 1; q < last && status == SP_OK; q++) {
+        const bool around = q >= p->n;
+        const elevated *other = &sorted[around ? q - p->n : q];
+        if (other->y + (around ? height : 0) > far)
+            break;
+        status = visit(i < other->i ? i : other->i, i < other->i ? other->i : i, user, err);
     }
-    if (status == SP_OK)
-        status = visit(i, SP_BOTTOM, user, err);
-    return status == SP_OK ? visit(i, SP_TOP, user, err) : status;
+    for (int32_t wall = SP_BOTTOM; wall >= SP_BACK && status == SP_OK; wall--)
+        if (sp_packing_has_wall(p, wall))
+            status = visit(i, wall, user, err);
+    return status;
 }
 
 sp_status sp_packing_sweep(const sp_packing *p, double gap, sp_pair_visit *visit, void *user, sp_error *err) {

@@ -89,6 +89,8 @@ char *sp_material_text(const sp_material *m, char text[SP_MATERIAL_TEXT]) {
 }
 
 const char *const sp_wall_names[] = {"rigid", "grain", "elastic", NULL};
+const char *const sp_side_names[] = {"bottom", "top", "left", "right", "front", "back", NULL};
+const char *const sp_cell_names[] = {"piston", "periodic", "box", NULL};
 
 bool sp_wall_read(const char *word, sp_wall *out) {
     for (int k = 0; sp_wall_names[k]; k++)

@@ -84,7 +84,41 @@ double sp_packing_wall_area(const sp_packing *p) {
     return area;
 }
 
+double sp_packing_volume(const sp_packing *p) { return sp_packing_wall_area(p) * sp_packing_height(p); }
+
+bool sp_packing_periodic(const sp_packing *p, int axis) {
+    return p->cell == SP_CELL_PERIODIC || (p->cell == SP_CELL_PISTON && axis < p->dim - 1);
+}
+
+int sp_packing_wall_axis(const sp_packing *p, int32_t wall) {
+    return wall >= SP_TOP ? p->dim - 1 : wall >= SP_RIGHT ? 0 : 1;
+}
+
+double sp_packing_wall_side(int32_t wall) { return wall % 2 == 0 ? 1 : -1; }
+
+bool sp_packing_has_wall(const sp_packing *p, int32_t wall) {
+    if (wall >= SP_TOP)
+        return p->cell != SP_CELL_PERIODIC;
+    return p->cell == SP_CELL_BOX && sp_packing_wall_axis(p, wall) < p->dim - 1;
+}
+
 /* ---- structure ------------------------------------------------------------------------------------------------- */
+
+/* Two grains may touch only once, so a periodic cell is wider than a grain and its two neighbours' halves. */
+static sp_status check_cell(const sp_packing *p, sp_error *err) {
+    static const int along[3] = {0, 0, 1}, of[3] = {1, 2, 2};
+    if (p->cell < SP_CELL_PISTON || p->cell > SP_CELL_BOX)
+        return sp_fail(err, SP_EFORMAT, "cell %d: must be 0 (piston), 1 (periodic) or 2 (box)", (int)p->cell);
+    for (int k = 0; k < 3; k++) {
+        const bool tilted = p->cell == SP_CELL_PERIODIC && of[k] < p->dim;
+        if (!(fabs(p->tilt[k]) <= (tilted ? 0.5 * p->box[along[k]] * (1 + 1e-12) : 0)))
+            return sp_fail(err, SP_EFORMAT, "tilt %d is %g: must be %s", k, p->tilt[k],
+                           tilted ? "at most half of the edge along it" : "0 in this cell");
+    }
+    if (!isfinite(p->gravity))
+        return sp_fail(err, SP_EFORMAT, "gravity %g: must be finite", p->gravity);
+    return SP_OK;
+}
 
 static sp_status check_globals(const sp_packing *p, sp_error *err) {
     if (p->dim < 1 || p->dim > 3)
@@ -106,7 +140,8 @@ static sp_status check_globals(const sp_packing *p, sp_error *err) {
         return sp_fail(err, SP_EFORMAT, "wall kind %d: must be 0 (rigid), 1 (grain) or 2 (elastic)", (int)p->wall);
     if (!p->mass != !p->inertia)
         return sp_fail(err, SP_EFORMAT, "masses and moments of inertia: must be given both, or neither");
-    return p->material.young != 0 ? sp_material_check(&p->material, err) : SP_OK;
+    sp_status status = check_cell(p, err);
+    return status == SP_OK && p->material.young != 0 ? sp_material_check(&p->material, err) : status;
 }
 
 static sp_status check_grains(const sp_packing *p, sp_error *err) {
@@ -119,11 +154,18 @@ static sp_status check_grains(const sp_packing *p, sp_error *err) {
         if (p->r[i] > sp_packing_height(p))
             return sp_fail(err, SP_EFORMAT, "grain %d: radius %g must be below the height %g", i, p->r[i],
                            sp_packing_height(p));
+        double s[3] = {0, 0, 0};
+        if (p->cell == SP_CELL_PERIODIC)
+            sp_packing_fractions(p, p->x + 3 * (int64_t)i, s);
         for (int k = 0; k < p->dim; k++) {
-            double x = p->x[3 * i + k];
-            if (!(x >= 0 && x <= p->box[k]))
+            const double x = p->x[3 * (int64_t)i + k];
+            if (p->cell != SP_CELL_PERIODIC && !(x >= 0 && x <= p->box[k]))
                 return sp_fail(err, SP_EFORMAT, "grain %d: coordinate %d is %.17g, outside the box 0..%.17g", i, k, x,
                                p->box[k]);
+            if (!(s[k] >= -1e-12 && s[k] <= 1 + 1e-12)) /* rounding */
+                return sp_fail(err, SP_EFORMAT,
+                               "grain %d: coordinate %d is %.17g, outside the cell: %.17g lattice vectors", i, k, x,
+                               s[k]);
         }
     }
     return SP_OK;
@@ -135,10 +177,13 @@ static const double FORCE_MAX = 1e6;
 
 static sp_status check_contact(const sp_packing *p, int32_t c, sp_error *err) {
     const sp_contact *k = &p->contacts[c];
-    if (k->i < 0 || k->i >= p->n || k->j < SP_TOP || k->j >= p->n || (k->j >= 0 && k->j <= k->i))
+    if (k->i < 0 || k->i >= p->n || k->j < SP_BACK || k->j >= p->n || (k->j >= 0 && k->j <= k->i))
         return sp_fail(err, SP_EFORMAT,
-                       "contact %d: grains %d and %d; must be 0 <= i < j < %d, or j = %d (bottom) or %d (top)", c, k->i,
-                       k->j, p->n, SP_BOTTOM, SP_TOP);
+                       "contact %d: grains %d and %d; must be 0 <= i < j < %d, or j a wall, %d (bottom) .. %d (back)",
+                       c, k->i, k->j, p->n, SP_BOTTOM, SP_BACK);
+    if (k->j < 0 && !sp_packing_has_wall(p, k->j))
+        return sp_fail(err, SP_EFORMAT, "contact %d: grain %d touches wall %d, which this cell does not have", c, k->i,
+                       k->j);
     double length2 = 0, ft2 = 0, along = 0;
     for (int a = 0; a < 3; a++) {
         length2 += k->n[a] * k->n[a];
@@ -169,7 +214,7 @@ static sp_status check_contact(const sp_packing *p, int32_t c, sp_error *err) {
     return SP_OK;
 }
 
-/* Pairs by (i, j), then the bottom wall, then the top wall. */
+/* Pairs by (i, j), then the walls from SP_BOTTOM to SP_BACK. */
 static int compare_contacts(const void *a, const void *b) {
     const sp_contact *p = a, *q = b;
     int wall_p = p->j < 0 ? -p->j : 0, wall_q = q->j < 0 ? -q->j : 0;
@@ -197,8 +242,9 @@ static sp_status check_contacts(const sp_packing *p, sp_error *err) {
         if (order == 0)
             return sp_fail(err, SP_EFORMAT, "contact %d: grains %d and %d touch twice", c, b->i, b->j);
         if (order > 0)
-            return sp_fail(err, SP_EFORMAT,
-                           "contact %d is out of order: pairs by (i, j), then bottom wall, then top wall", c);
+            return sp_fail(
+                err, SP_EFORMAT,
+                "contact %d is out of order: pairs by (i, j), then bottom wall, then top wall, then the sides", c);
     }
     return SP_OK;
 }

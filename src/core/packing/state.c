@@ -29,6 +29,10 @@ uint64_t sp_packing_hash(const sp_packing *p) {
     for (int a = 0; a < 3; a++)
         hash = add_number(hash, p->box[a]);
     hash = add_number(hash, p->pressure);
+    if (p->cell != SP_CELL_PISTON)
+        hash = sp_hash64_words(add_integer(hash, (uint64_t)p->cell), p->tilt, sizeof p->tilt);
+    if (p->gravity != 0)
+        hash = add_number(hash, p->gravity);
     hash = sp_hash64_words(hash, p->x, 3 * (size_t)p->n * sizeof *p->x);
     hash = sp_hash64_words(hash, p->r, (size_t)p->n * sizeof *p->r);
     for (int32_t c = 0; c < p->n_contacts; c++) {
