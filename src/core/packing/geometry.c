@@ -6,52 +6,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Subtracts a multiple of the lattice vector of an axis. */
-static void shift(const sp_packing *p, int axis, double periods, double d[3]) {
-    d[axis] -= p->box[axis] * periods;
-    if (axis >= 1)
-        d[0] -= p->tilt[axis == 1 ? 0 : 1] * periods;
-    if (axis == 2)
-        d[1] -= p->tilt[2] * periods;
-}
-
-void sp_packing_nearest(const sp_packing *p, double d[3]) {
-    for (int a = p->dim - 1; a >= 0; a--) {
-        const double periods = sp_packing_periodic(p, a) ? nearbyint(d[a] / p->box[a]) : 0;
-        if (periods != 0)
-            shift(p, a, periods, d);
-    }
-}
-
-void sp_packing_fractions(const sp_packing *p, const double x[3], double s[3]) {
-    s[2] = x[2] / p->box[2];
-    s[1] = (x[1] - p->tilt[2] * s[2]) / p->box[1];
-    s[0] = (x[0] - p->tilt[0] * s[1] - p->tilt[1] * s[2]) / p->box[0];
-}
-
-void sp_packing_wrap(const sp_packing *p, double x[3]) {
-    for (int a = p->dim - 1; a >= 0; a--) {
-        double s[3];
-        sp_packing_fractions(p, x, s);
-        const double periods = sp_packing_periodic(p, a) ? floor(s[a]) : 0;
-        if (periods != 0)
-            shift(p, a, periods, x);
-        sp_packing_fractions(p, x, s);
-        if (sp_packing_periodic(p, a) && s[a] >= 1) /* a tiny negative coordinate rounds to the far end */
-            shift(p, a, 1, x);
-    }
-}
-
 void sp_packing_separation(const sp_packing *p, int32_t i, int32_t j, double d[3]) {
     for (int a = 0; a < 3; a++)
         d[a] = p->x[3 * (size_t)j + (size_t)a] - p->x[3 * (size_t)i + (size_t)a];
     sp_packing_nearest(p, d);
-}
-
-double sp_packing_wall_distance(const sp_packing *p, int32_t i, int32_t wall) {
-    const int axis = sp_packing_wall_axis(p, wall);
-    const double x = p->x[3 * (size_t)i + (size_t)axis];
-    return sp_packing_wall_side(wall) < 0 ? x : p->box[axis] - x;
 }
 
 typedef struct elevated {

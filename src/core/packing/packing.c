@@ -75,33 +75,6 @@ sp_status sp_packing_need_law(const sp_packing *p, const char *what, sp_error *e
         what, p->mass ? "masses of its own" : "contacts whose stiffness is given");
 }
 
-double sp_packing_height(const sp_packing *p) { return p->box[p->dim - 1]; }
-
-double sp_packing_wall_area(const sp_packing *p) {
-    double area = 1.0;
-    for (int k = 0; k < p->dim - 1; k++)
-        area *= p->box[k];
-    return area;
-}
-
-double sp_packing_volume(const sp_packing *p) { return sp_packing_wall_area(p) * sp_packing_height(p); }
-
-bool sp_packing_periodic(const sp_packing *p, int axis) {
-    return p->cell == SP_CELL_PERIODIC || (p->cell == SP_CELL_PISTON && axis < p->dim - 1);
-}
-
-int sp_packing_wall_axis(const sp_packing *p, int32_t wall) {
-    return wall >= SP_TOP ? p->dim - 1 : wall >= SP_RIGHT ? 0 : 1;
-}
-
-double sp_packing_wall_side(int32_t wall) { return wall % 2 == 0 ? 1 : -1; }
-
-bool sp_packing_has_wall(const sp_packing *p, int32_t wall) {
-    if (wall >= SP_TOP)
-        return p->cell != SP_CELL_PERIODIC;
-    return p->cell == SP_CELL_BOX && sp_packing_wall_axis(p, wall) < p->dim - 1;
-}
-
 /* ---- structure ------------------------------------------------------------------------------------------------- */
 
 /* Two grains may touch only once, so a periodic cell is wider than a grain and its two neighbours' halves. */
