@@ -270,9 +270,9 @@ static void bulk_of_a_box(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(packings_are_at_rest),         cmocka_unit_test(translations_are_free),
+        cmocka_unit_test(packings_are_at_rest),       cmocka_unit_test(translations_are_free),
         cmocka_unit_test(boxes_hold_and_pieces_turn), cmocka_unit_test(momentum_is_balanced),
-        cmocka_unit_test(planes_are_sources),           cmocka_unit_test(walls_are_refused),
-        cmocka_unit_test(statics_of_the_cell),          cmocka_unit_test(bulk_of_a_box)};
+        cmocka_unit_test(planes_are_sources),         cmocka_unit_test(walls_are_refused),
+        cmocka_unit_test(statics_of_the_cell),        cmocka_unit_test(bulk_of_a_box)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,6 +3,7 @@
 #include "cli/files.h"
 #include "cli/places.h"
 #include "cli/pulse.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -243,6 +244,8 @@ static sp_status add_signal(const arguments *a, const cli_file *file, const sp_s
     cli_comment(&w, "source = %s", cli_source_names[o->source]);
     if (file->packing.dim == 3) /* heights are z then */
         cli_comment(&w, "dimension = 3");
+    if (file->packing.cell != SP_CELL_PISTON)
+        cli_comment(&w, "cell = %s", sp_cell_names[file->packing.cell]);
     if (a->pulse.word)
         cli_comment(&w, "pulse = %s", a->pulse.word);
     for (size_t k = 0; k < sizeof comments / sizeof *comments; k++)
