@@ -30,7 +30,9 @@ double sp_view_up(const view *v, int32_t i) {
     return v->tiled ? y - v->height * floor(y / v->height) : y;
 }
 
-double sp_view_tilt(const sp_packing *p, int across, int rise) { return rise > across ? p->tilt[across + rise - 1] : 0.0; }
+double sp_view_tilt(const sp_packing *p, int across, int rise) {
+    return rise > across ? p->tilt[across + rise - 1] : 0.0;
+}
 
 double sp_view_x(const view *v, double x) { return v->left + (x - v->low) * v->scale; }
 double sp_view_y(const view *v, double y) { return v->floor - y * v->scale; }
@@ -117,9 +119,10 @@ void sp_view_walls(const view *v) {
     cairo_t *cr = v->c->cr;
     double left = v->left, width = v->width * v->scale, top = sp_view_y(v, v->height);
     sp_canvas_colour(v->c, (colour){0.25, 0.25, 0.25});
+    const double beside = v->boxed ? WALL : 0.0; /* walls overlap at the corners, so that no seam shows */
     if (!v->tiled) {
-        cairo_rectangle(cr, left, top - WALL, width, WALL);
-        cairo_rectangle(cr, left, v->floor, width, WALL);
+        cairo_rectangle(cr, left - beside, top - WALL, width + 2.0 * beside, WALL);
+        cairo_rectangle(cr, left - beside, v->floor, width + 2.0 * beside, WALL);
         cairo_fill(cr);
     }
     if (v->boxed) {

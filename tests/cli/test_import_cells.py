@@ -1,6 +1,7 @@
 """sonopack convert on files of other programs in periodic cells, tilted ones, and boxes with walls on all sides."""
 import itertools
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -303,6 +304,32 @@ def test_box_refusals():
     refuse("a.csv", says="a.csv x between 3")
 
 
+# ---- files of LAMMPS -------------------------------------------------------------------------------------------------
+SAMPLES = os.path.join(sys.argv[2], "tests", "foreign", "samples", "lammps")
+BALANCE = re.compile(r"largest net force (\S+) of the mean; normal forces follow Hertz's law within (\S+)")
+
+
+def lammps(grains, contacts, *words):
+    result = run("convert", os.path.join(SAMPLES, grains), "--contacts", os.path.join(SAMPLES, contacts), "--force", "-o",
+                 "l.h5", "--set", "friction=0.5", *words)
+    found = BALANCE.search(result.stderr)
+    expect(found and float(found[1]) < 1e-6 and float(found[2]) < 1e-10, f"{grains}: {result.stderr}")
+    with h5py.File(path("l.h5")) as f:
+        return f["sonopack/cell"][()].decode(), f["sonopack/pressure"][()], len(f["sonopack/contacts/overlap"])
+
+
+def test_lammps_samples():
+    """The pressure that LAMMPS printed is the mean of the normal stresses."""
+    for name in ("sheared_grains.dump", "sheared.data"):
+        cell, pressure, contacts = lammps(name, "sheared_contacts.dump")
+        expect(cell == "periodic" and contacts == 238 and abs(pressure / 0.0038357194 - 1) < 1e-7, f"{name}: {pressure}")
+    cell, pressure, contacts = lammps("box_grains.dump", "box_contacts.dump")
+    expect(cell == "box" and contacts == 86, f"box: {cell} {contacts}")
+    said = run("check", "l.h5", "--tolerance", "0.03")
+    expect(said.returncode == 0, f"box: friction at walls balances: {said.stdout} {said.stderr}")
+
+
+# ---- gravity ---------------------------------------------------------------------------------------------------------
 def test_gravity():
     """A column of grains under its own weight, held by a floor and a light lid: each contact carries what lies above."""
     from cells import hertz, wall_overlap
