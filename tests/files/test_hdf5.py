@@ -181,7 +181,8 @@ def test_types_and_shapes():
     forgery(group_for_dataset, "/sonopack/pressure")
     for value in ("1", 1.0, [1, 1]):
         forgery(lambda f: f["sonopack"].attrs.__setitem__("format", value), "format")
-    forgery(lambda f: f["sonopack"].attrs.__setitem__("format", 3), "format 3")
+    forgery(lambda f: f["sonopack"].attrs.__setitem__("format", 4), "format 4")
+    forgery(lambda f: f["sonopack"].attrs.__setitem__("format", 3), "/sonopack/cell")
     boundary = [b"periodic", b"periodic"]
     forgery(lambda f: f["particles/grains/box"].attrs.__setitem__("boundary", boundary), "boundary", "periodic none")
 

@@ -5,6 +5,7 @@
 #include "test.h"
 
 #include "base/base.h"
+#include "packing/geometry.h"
 
 #include <dirent.h>
 #include <sonopack/study/store.h>
@@ -136,6 +137,35 @@ static inline sp_packing fixture_packing(uint64_t seed, int dim, int32_t n) {
     return p;
 }
 
+/* The same in a cell of another kind, with gravity: a tilted periodic one, or one with contacts at all walls. */
+static inline sp_packing fixture_cell(uint64_t seed, int dim, int32_t n, sp_boundary cell) {
+    sp_packing p = fixture_packing(seed, dim, n);
+    uint64_t state = ~seed;
+    p.cell = cell;
+    p.gravity = seed % 3 ? 1e-6 * fixture_uniform(&state) : 0;
+    for (int k = 0; cell == SP_CELL_PERIODIC && seed % 5 && k < (dim == 3 ? 3 : dim - 1); k++)
+        p.tilt[k] = (fixture_uniform(&state) - 0.5) * p.box[k == 2];
+    for (int32_t i = 0; i < n; i++) /* positions were fractions of the edges */
+        for (int a = 1; a < dim; a++)
+            for (int b = 0; b < a; b++)
+                p.x[3 * i + b] += p.x[3 * i + a] / p.box[a] * p.tilt[a == 1 ? 0 : 1 + b];
+    for (int32_t i = 0; i < n; i++)
+        if (cell == SP_CELL_PERIODIC)
+            sp_packing_wrap(&p, p.x + 3 * i);
+    int32_t kept = 0;
+    for (int32_t c = 0; c < p.n_contacts; c++) {
+        const bool bottom = p.contacts[c].j == SP_BOTTOM;
+        p.contacts[kept] = p.contacts[c];
+        if (cell == SP_CELL_BOX && bottom)
+            p.contacts[kept].j = -1 - p.contacts[c].i % (2 * dim);
+        kept += p.contacts[c].j >= 0 || (cell == SP_CELL_BOX && bottom);
+    }
+    p.n_contacts = kept;
+    sp_packing_sort(&p);
+    assert_ok(sp_packing_check(&p, &err));
+    return p;
+}
+
 static inline void assert_same_bits(const char *what, const double *a, const double *b, int64_t count) {
     for (int64_t k = 0; k < count; k++)
         if (memcmp(&a[k], &b[k], sizeof *a) != 0)
@@ -157,6 +187,9 @@ static inline void assert_same_packing(const sp_packing *a, const sp_packing *b)
     assert_int_equal(a->n, b->n);
     assert_int_equal(a->n_contacts, b->n_contacts);
     assert_int_equal(a->wall, b->wall);
+    assert_int_equal(a->cell, b->cell);
+    assert_same_bits("tilt", a->tilt, b->tilt, 3);
+    assert_same_bits("gravity", &a->gravity, &b->gravity, 1);
     assert_true(a->seed == b->seed);
     assert_same_bits("x", a->x, b->x, 3 * a->n);
     assert_same_bits("r", a->r, b->r, a->n);

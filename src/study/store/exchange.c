@@ -2,8 +2,10 @@
 #include "store/exchange.h"
 
 #include "base/base.h"
+#include "packing/geometry.h"
 
 #include <math.h>
+#include <string.h>
 
 /* ---- the tangential force in 2D -------------------------------------------------------------------------------- */
 
@@ -65,14 +67,54 @@ double sp_wrap(double x, double period) {
     return inside < period ? inside + 0.0 : 0.0;
 }
 
+void sp_wrap_grain(const sp_packing *p, double x[3]) {
+    double s[3] = {0, 0, 0};
+    bool outside = false;
+    for (int k = 0; k < p->dim; k++)
+        x[k] = p->cell == SP_CELL_PISTON && k < p->dim - 1 ? sp_wrap(x[k], p->box[k]) : x[k] + 0.0;
+    if (p->cell != SP_CELL_PERIODIC)
+        return;
+    sp_packing_fractions(p, x, s);
+    for (int k = 0; k < p->dim; k++)
+        outside = outside || !(s[k] >= -1e-12 && s[k] <= 1 + 1e-12); /* what sp_packing_check allows */
+    if (outside)
+        sp_packing_wrap(p, x);
+}
+
+static int find_word(const char *const *list, const char *word) {
+    for (int k = 0; list[k]; k++)
+        if (strcmp(list[k], word) == 0)
+            return k;
+    return -1;
+}
+
+bool sp_cell_read(const char *word, sp_boundary *out) {
+    const int k = find_word(sp_cell_names, word);
+    if (k >= 0)
+        *out = (sp_boundary)k;
+    return k >= 0;
+}
+
+bool sp_side_read(const char *word, int32_t *wall) {
+    const int k = find_word(sp_side_names, word);
+    if (k >= 0)
+        *wall = SP_BOTTOM - k;
+    return k >= 0;
+}
+
+static bool is_wall(const sp_packing *p, int32_t j) { return j < 0 && j >= SP_BACK && sp_packing_has_wall(p, j); }
+
 static sp_status check_row(const sp_packing *p, const sp_contact_row *row, sp_error *err) {
-    bool wall_i = row->i == SP_BOTTOM || row->i == SP_TOP, wall_j = row->j == SP_BOTTOM || row->j == SP_TOP;
+    bool wall_i = is_wall(p, row->i), wall_j = is_wall(p, row->j);
     bool grain_i = row->i >= 0 && row->i < p->n, grain_j = row->j >= 0 && row->j < p->n;
     if (!(grain_i && grain_j && row->i != row->j) && !(grain_i && wall_j) && !(wall_i && grain_j))
         return sp_fail(
             err, SP_EFORMAT,
-            "a contact of %d and %d; must be two grains of 0..%d, or a grain and a wall, %d (bottom) or %d (top)",
-            row->i, row->j, p->n - 1, SP_BOTTOM, SP_TOP);
+            "a contact of %d and %d; must be two grains of 0..%d, or a grain and a wall of the cell, which is a %s",
+            row->i, row->j, p->n - 1,
+            p->cell == SP_CELL_PERIODIC ? "periodic one and has none"
+            : p->cell == SP_CELL_BOX    ? "box: -1 bottom, -2 top, -3 left, -4 right, -5 front, -6 back (3D)"
+                                        : "piston's: -1 bottom, -2 top");
     double length2 = 0;
     for (int k = 0; k < p->dim; k++)
         length2 += row->n[k] * row->n[k];

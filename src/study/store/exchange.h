@@ -33,6 +33,13 @@ void sp_tangent_vector(const double n[3], double scalar, double ft[3]);
 /* Moves a coordinate along a periodic axis into [0, period). A coordinate inside remains the same, bit for bit. */
 double sp_wrap(double x, double period);
 
+/* Moves a grain that lies outside into the cell along the periodic axes. One inside remains the same, bit for bit. */
+void sp_wrap_grain(const sp_packing *p, double x[3]);
+
+/* The cell, or the wall, of this name. False for any other word. */
+bool sp_cell_read(const char *word, sp_boundary *out);
+bool sp_side_read(const char *word, int32_t *wall);
+
 /* Converts words to finite numbers. SP_EFORMAT with the file, the line and the word. name[k] is what word k means. */
 sp_status sp_finite_numbers(const sp_lines *at, int count, char *const *word, const char *const *name, double *out,
                             sp_error *err);

@@ -19,12 +19,13 @@ static const sp_h5_name name_radius = {"/particles/grains/radius", "d", "radii o
 static const sp_h5_name name_mass = {"/particles/grains/mass", "rho d^3", "masses"};
 static const sp_h5_name name_inertia = {"/particles/grains/inertia", "rho d^5",
                                         "moments of inertia; absent for spheres of unit density"};
-static const sp_h5_name name_edges = {"/particles/grains/box/edges", "d",
-                                      "lengths of the box; the last is the height between the walls"};
 static const sp_h5_name name_pairs = {"/connectivity/contacts", "1",
                                       "grains i < j of each contact between grains, from 0"};
 static const sp_h5_name name_walls = {"/sonopack/walls/contacts", "1",
                                       "grain and wall of each contact with a wall, -1: bottom, -2: top"};
+static const sp_h5_name name_sides = {"/sonopack/walls/contacts", "1",
+                                      "grain and wall of each contact with a wall, -1: bottom, -2: top, -3: left, "
+                                      "-4: right, -5: front, -6: back"};
 static const sp_h5_name name_normal = {"/sonopack/contacts/normal", "1", "unit normals, from i to j"};
 static const sp_h5_name name_overlap = {"/sonopack/contacts/overlap", "d",
                                         "R_i + R_j - r_ij, or R_i - distance to wall"};
@@ -40,10 +41,11 @@ static const sp_h5_name name_dim = {"/sonopack/dimension", "1", "dimension: 1, 2
 static const sp_h5_name name_wall = {"/sonopack/wall", "1",
                                      "walls are 'rigid' planes, 'elastic' planes of the grains' material, or springs "
                                      "like those to a fixed identical 'grain'"};
+static const sp_h5_name name_pressure = {"/sonopack/pressure", "E*", "force on a wall over its area"};
+static const sp_h5_name name_mean = {"/sonopack/pressure", "E*", "mean of the normal stresses in the grains"};
 static const sp_h5_name name_scene = {"/sonopack/scene", "1", "the scene that made the packing, with every value"};
 
 static const sp_h5_field field[] = {
-    {{"/sonopack/pressure", "E*", "force on a wall over its area"}, SP_H5_F64, offsetof(sp_packing, pressure)},
     {{"/sonopack/friction", "1", "Coulomb's coefficient mu"}, SP_H5_F64, offsetof(sp_packing, friction)},
     {{"/sonopack/poisson", "1", "Poisson ratio of the grain material"}, SP_H5_F64, offsetof(sp_packing, poisson)},
     {{"/sonopack/seed", "1", "seed of the random streams; 0 if unknown"}, SP_H5_U64, offsetof(sp_packing, seed)},
@@ -86,7 +88,14 @@ sp_status sp_h5_get_fields(sp_h5 *h, int count, const sp_h5_field *f, void *to, 
 
 /* ---- writing --------------------------------------------------------------------------------------------------- */
 
-static sp_status put_groups(sp_h5 *h, int dim, int32_t format, sp_error *err) {
+/* The lowest format whose readers understand this packing. */
+static int32_t format_of(const sp_packing *p) {
+    if (sp_packing_needs_cell(p))
+        return SP_H5_FORMAT_CELL;
+    return sp_packing_hertzian(p) ? SP_H5_FORMAT : SP_H5_FORMAT_OWN_LAW;
+}
+
+static sp_status put_groups(sp_h5 *h, const sp_packing *p, sp_error *err) {
     static const char *const group[] = {"/h5md",
                                         "/h5md/author",
                                         "/h5md/creator",
@@ -98,9 +107,9 @@ static sp_status put_groups(sp_h5 *h, int dim, int32_t format, sp_error *err) {
                                         "/sonopack",
                                         "/sonopack/contacts"};
     const char *const version = SONOPACK_VERSION, *const us = "sonopack", *const unknown = "unknown";
-    const char *boundary[3] = {"periodic", "periodic", "periodic"};
-    boundary[dim - 1] = "none";
-    const int32_t h5md[2] = {1, 1}, dimension = dim;
+    const char *boundary[3];
+    sp_cell_boundary(p, boundary);
+    const int32_t h5md[2] = {1, 1}, dimension = p->dim, format = format_of(p);
     /* in this order: texts, or else integers */
     const struct {
         const char *object, *name;
@@ -112,7 +121,7 @@ static sp_status put_groups(sp_h5 *h, int dim, int32_t format, sp_error *err) {
                      {"/h5md/creator", "name", 0, &us, NULL},
                      {"/h5md/creator", "version", 0, &version, NULL},
                      {"/particles/grains/box", "dimension", 0, NULL, &dimension},
-                     {"/particles/grains/box", "boundary", dim, boundary, NULL},
+                     {"/particles/grains/box", "boundary", p->dim, boundary, NULL},
                      {"/sonopack", "format", 0, NULL, &format},
                      {"/sonopack", "version", 0, &version, NULL}};
     sp_status status = SP_OK;
@@ -128,7 +137,7 @@ static sp_status put_groups(sp_h5 *h, int dim, int32_t format, sp_error *err) {
 }
 
 static sp_status put_grains(sp_h5 *h, const sp_packing *p, sp_error *err) {
-    const sp_h5_shape position = {3, {1, p->n, p->dim}}, one = {1, {1}}, grains = {1, {p->n}}, edges = {1, {p->dim}};
+    const sp_h5_shape position = {3, {1, p->n, p->dim}}, one = {1, {1}}, grains = {1, {p->n}};
     const double time = 0;
     double *buffer = sp_alloc((size_t)p->n * (size_t)p->dim, sizeof *buffer);
     uint8_t *rattler = sp_alloc((size_t)p->n, 1);
@@ -150,7 +159,7 @@ static sp_status put_grains(sp_h5 *h, const sp_packing *p, sp_error *err) {
     if (status == SP_OK && p->mass)
         status = sp_h5_put(h, &name_inertia, SP_H5_F64, &grains, p->inertia, err);
     if (status == SP_OK)
-        status = sp_h5_put(h, &name_edges, SP_H5_F64, &edges, p->box, err);
+        status = sp_cell_put(h, p, err);
     if (status == SP_OK)
         status = sp_packing_rattlers(p, 1e-4, rattler, NULL, NULL, err);
     if (status == SP_OK)
@@ -188,7 +197,8 @@ static sp_status put_partners(sp_h5 *h, const sp_packing *p, sp_error *err) {
     if (status == SP_OK && walls.dim[0] > 0)
         status = sp_h5_group(h, "/sonopack/walls", err);
     if (status == SP_OK && walls.dim[0] > 0)
-        status = sp_h5_put(h, &name_walls, SP_H5_I32, &walls, ij + 2 * (size_t)count, err);
+        status = sp_h5_put(h, p->cell == SP_CELL_BOX ? &name_sides : &name_walls, SP_H5_I32, &walls,
+                           ij + 2 * (size_t)count, err);
     sp_free(ij);
     return status;
 }
@@ -213,10 +223,13 @@ static sp_status put_contacts(sp_h5 *h, const sp_packing *p, sp_error *err) {
 
 sp_status sp_packing_put(sp_h5 *h, const sp_packing *p, sp_error *err) {
     const sp_h5_shape single = {0};
-    const int32_t dim = p->dim, format = p->mass || sp_packing_has_stiffnesses(p) ? SP_H5_FORMAT_OWN_LAW : SP_H5_FORMAT;
-    sp_status status = put_groups(h, p->dim, format, err);
+    const int32_t dim = p->dim;
+    sp_status status = put_groups(h, p, err);
     if (status == SP_OK)
         status = sp_h5_put(h, &name_dim, SP_H5_I32, &single, &dim, err);
+    if (status == SP_OK)
+        status = sp_h5_put(h, p->cell == SP_CELL_PISTON ? &name_pressure : &name_mean, SP_H5_F64, &single, &p->pressure,
+                           err);
     if (status == SP_OK)
         status = sp_h5_put_fields(h, FIELDS, field, p, err);
     if (status == SP_OK)
@@ -259,25 +272,18 @@ sp_status sp_packing_save(const sp_packing *p, const char *path, sp_error *err) 
 
 /* ---- reading --------------------------------------------------------------------------------------------------- */
 
-static sp_status get_head(sp_h5 *h, int32_t *dim, sp_error *err) {
-    static const char *const periodic = "periodic", *const none = "none";
+static sp_status get_head(sp_h5 *h, int64_t *format, int32_t *dim, sp_error *err) {
     const sp_h5_shape single = {0};
-    int64_t format;
     if (!sp_h5_has(h, "/sonopack"))
         return sp_h5_fail(h, err, SP_EFORMAT, "no group /sonopack: not a packing of sonopack");
-    sp_status status = sp_h5_attribute_int(h, "/sonopack", "format", &format, err);
-    if (status == SP_OK && (format < SP_H5_FORMAT || format > SP_H5_FORMAT_OWN_LAW))
-        status = sp_h5_fail(h, err, SP_EFORMAT, "format %lld of /sonopack; this version reads formats %d and %d",
-                            (long long)format, SP_H5_FORMAT, SP_H5_FORMAT_OWN_LAW);
+    sp_status status = sp_h5_attribute_int(h, "/sonopack", "format", format, err);
+    if (status == SP_OK && (*format < SP_H5_FORMAT || *format > SP_H5_FORMAT_CELL))
+        status = sp_h5_fail(h, err, SP_EFORMAT, "format %lld of /sonopack; this version reads formats %d to %d",
+                            (long long)*format, SP_H5_FORMAT, SP_H5_FORMAT_CELL);
     if (status == SP_OK)
         status = sp_h5_get(h, name_dim.path, SP_H5_I32, &single, dim, err);
     if (status == SP_OK && (*dim < 1 || *dim > 3))
         status = sp_h5_fail(h, err, SP_EFORMAT, "%s is %d; must be 1, 2 or 3", name_dim.path, *dim);
-    if (status == SP_OK) {
-        const char *boundary[3] = {periodic, periodic, periodic};
-        boundary[*dim - 1] = none;
-        status = sp_h5_check_texts(h, "/particles/grains/box", "boundary", *dim, boundary, err);
-    }
     return status;
 }
 
@@ -295,7 +301,7 @@ static sp_status get_wall_and_scene(sp_h5 *h, sp_packing *p, sp_error *err) {
 }
 
 static sp_status get_grains(sp_h5 *h, sp_packing *p, sp_error *err) {
-    const sp_h5_shape position = {3, {1, p->n, p->dim}}, grains = {1, {p->n}}, edges = {1, {p->dim}};
+    const sp_h5_shape position = {3, {1, p->n, p->dim}}, grains = {1, {p->n}};
     double *buffer = sp_alloc((size_t)p->n * (size_t)p->dim, sizeof *buffer);
     if (!buffer)
         return sp_fail_memory(err, (size_t)p->n * 8);
@@ -312,8 +318,6 @@ static sp_status get_grains(sp_h5 *h, sp_packing *p, sp_error *err) {
         if (status == SP_OK)
             status = sp_h5_get(h, name_inertia.path, SP_H5_F64, &grains, p->inertia, err);
     }
-    if (status == SP_OK)
-        status = sp_h5_get(h, name_edges.path, SP_H5_F64, &edges, p->box, err);
     return status;
 }
 
@@ -369,9 +373,10 @@ static sp_status get_contacts(sp_h5 *h, sp_packing *p, sp_error *err) {
 sp_status sp_packing_get(sp_h5 *h, sp_packing *out, sp_error *err) {
     sp_packing p = sp_packing_none();
     sp_h5_shape grains;
-    int64_t pairs, walls;
+    const sp_h5_shape single = {0};
+    int64_t pairs, walls, format;
     int32_t dim;
-    sp_status status = get_head(h, &dim, err);
+    sp_status status = get_head(h, &format, &dim, err);
     if (status == SP_OK)
         status = sp_h5_find(h, name_radius.path, SP_H5_F64, 1, &grains, err);
     if (status == SP_OK)
@@ -382,6 +387,10 @@ sp_status sp_packing_get(sp_h5 *h, sp_packing *out, sp_error *err) {
                             (long long)(pairs + walls), INT32_MAX / 8);
     if (status == SP_OK)
         status = sp_packing_alloc(&p, dim, (int32_t)grains.dim[0], (int32_t)(pairs + walls), err);
+    if (status == SP_OK)
+        status = sp_cell_get(h, format, &p, err);
+    if (status == SP_OK)
+        status = sp_h5_get(h, name_pressure.path, SP_H5_F64, &single, &p.pressure, err);
     if (status == SP_OK)
         status = sp_h5_get_fields(h, FIELDS, field, &p, err);
     if (status == SP_OK)

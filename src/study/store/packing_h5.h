@@ -7,12 +7,22 @@
 #include <sonopack/packing.h>
 
 /* Increased when older versions would misread the format. */
-/* Format 2 has masses or stiffnesses that a reader of format 1 would not notice. Everything else is written as 1. */
-enum { SP_H5_FORMAT = 1, SP_H5_FORMAT_OWN_LAW = 2 };
+/* Format 2 has masses or stiffnesses that a reader of format 1 would not notice, format 3 another cell than a piston's,
+ * or gravity. Everything else is written as 1. */
+enum { SP_H5_FORMAT = 1, SP_H5_FORMAT_OWN_LAW = 2, SP_H5_FORMAT_CELL = 3 };
 
 sp_status sp_packing_put(sp_h5 *h, const sp_packing *p, sp_error *err);
 /* Reads a packing, and checks it (sp_packing_check). */
 sp_status sp_packing_get(sp_h5 *h, sp_packing *out, sp_error *err);
+
+/* Whether the file needs the kind of the cell and gravity (cell_h5.c). */
+bool sp_packing_needs_cell(const sp_packing *p);
+/* H5MD's word for each axis, "periodic" or "none". */
+void sp_cell_boundary(const sp_packing *p, const char *boundary[3]);
+/* The edges, the kind of the cell and gravity. */
+sp_status sp_cell_put(sp_h5 *h, const sp_packing *p, sp_error *err);
+/* The same and the boundary. p: allocated, with a piston. */
+sp_status sp_cell_get(sp_h5 *h, int64_t format, sp_packing *p, sp_error *err);
 
 /* Closes the file, and writes it to path if status is SP_OK. Returns status, or the error of writing. */
 sp_status sp_h5_finish(sp_h5 *h, sp_status status, const char *path, sp_error *err);

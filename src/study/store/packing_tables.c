@@ -17,8 +17,8 @@ static const char *const edge_key[3] = {"width", "depth", "height"};
 
 /* ---- keys ------------------------------------------------------------------------------------------------------ */
 
-static const char *const known_key[] = {"dimension", "width",   "depth", "height",   "pressure",
-                                        "friction",  "poisson", "wall",  "material", "seed"};
+static const char *const known_key[] = {"dimension", "width",    "depth",    "height",  "cell", "xy",       "xz",  "yz",
+                                        "gravity",   "pressure", "friction", "poisson", "wall", "material", "seed"};
 
 typedef struct keys {
     const sp_word_table *grains, *contacts;
@@ -42,7 +42,7 @@ static sp_status check_given(const keys *k, sp_error *err) {
         if (!known)
             return sp_fail(err, SP_EINVAL,
                            "'%.100s': must be key=value with one of the keys dimension, width, depth (3D), height, "
-                           "pressure, friction, poisson, wall, material, seed",
+                           "cell, xy, xz, yz, gravity, pressure, friction, poisson, wall, material, seed",
                            k->given[g]);
     }
     return SP_OK;
@@ -103,10 +103,23 @@ static sp_status read_dimension(const keys *k, int *dim, sp_error *err) {
     return SP_OK;
 }
 
+/* The kind of the cell, its tilt and gravity: those of a piston where they are not given. */
+static sp_status read_cell(const keys *k, sp_packing *p, sp_error *err) {
+    static const char *const tilt[3] = {"xy", "xz", "yz"};
+    char value[SP_MATERIAL_TEXT];
+    const char *where;
+    sp_status status = number_key(k, "gravity", 0.0, &p->gravity, err);
+    for (int a = 0; status == SP_OK && a < 3; a++)
+        status = number_key(k, tilt[a], 0.0, &p->tilt[a], err);
+    if (status == SP_OK && find_value(k, "cell", value, &where) && !sp_cell_read(value, &p->cell))
+        status = fail_value("cell", value, where, "piston, periodic or box", err);
+    return status;
+}
+
 static sp_status read_box_and_material(const keys *k, sp_packing *p, sp_error *err) {
     char value[SP_MATERIAL_TEXT];
     const char *where;
-    sp_status status = SP_OK;
+    sp_status status = read_cell(k, p, err);
     for (int a = 0; status == SP_OK && a < p->dim; a++)
         status = number_key(k, edge_key[a == p->dim - 1 ? 2 : a], NAN, &p->box[a], err);
     for (int a = 0; status == SP_OK && a < p->dim; a++)
@@ -164,16 +177,22 @@ static sp_status cell_number(const sp_word_table *s, int64_t row, int column, do
     return SP_OK;
 }
 
-static sp_status read_ids(const sp_word_table *s, grain_id *id, sp_error *err) {
+/* The wall of a name. Under a piston left, right, front and back are free for grains. */
+static bool is_wall(const sp_packing *p, const char *word, int32_t *wall) {
+    return sp_side_read(word, wall) && (*wall >= SP_TOP || sp_packing_has_wall(p, *wall));
+}
+
+static sp_status read_ids(const sp_word_table *s, const sp_packing *p, grain_id *id, sp_error *err) {
+    int32_t wall;
     int column;
     sp_status status = need_column(s, "id", &column, err);
     if (status != SP_OK)
         return status;
     for (int64_t row = 0; row < s->rows; row++) {
         id[row] = (grain_id){sp_word_table_cell(s, row, column), (int32_t)row};
-        if (!*id[row].word || strcmp(id[row].word, "bottom") == 0 || strcmp(id[row].word, "top") == 0)
-            return sp_fail(err, SP_EFORMAT, "%s:%lld: id is '%s'; must be a number or word, not bottom or top", s->file,
-                           (long long)s->line[row], id[row].word);
+        if (!*id[row].word || is_wall(p, id[row].word, &wall))
+            return sp_fail(err, SP_EFORMAT, "%s:%lld: id is '%s'; must be a number or word, not the name of a wall",
+                           s->file, (long long)s->line[row], id[row].word);
     }
     qsort(id, (size_t)s->rows, sizeof *id, compare_ids_then_rows);
     for (int64_t k = 1; k < s->rows; k++)
@@ -209,12 +228,10 @@ static sp_status read_grains(const sp_word_table *s, sp_packing *p, sp_error *er
     for (int a = 0; status == SP_OK && a < p->dim; a++)
         status = need_column(s, axis[a], &column[a], err);
     for (int32_t i = 0; status == SP_OK && i < p->n; i++) {
-        for (int a = 0; status == SP_OK && a < p->dim; a++) {
-            double x;
-            status = cell_number(s, i, column[a], &x, err);
-            if (status == SP_OK)
-                p->x[3 * i + a] = a < p->dim - 1 ? sp_wrap(x, p->box[a]) : x + 0.0;
-        }
+        for (int a = 0; status == SP_OK && a < p->dim; a++)
+            status = cell_number(s, i, column[a], &p->x[3 * i + a], err);
+        if (status == SP_OK)
+            sp_wrap_grain(p, p->x + 3 * i);
         if (status == SP_OK)
             status = cell_number(s, i, column[3], &p->r[i], err);
         if (status == SP_OK && !(p->r[i] > 0))
@@ -261,17 +278,16 @@ static sp_status find_columns(const sp_word_table *s, int dim, contact_columns *
     return SP_OK;
 }
 
-static sp_status find_grain(const sp_word_table *s, int64_t row, int column, const grain_id *id, int32_t n,
+static sp_status find_grain(const sp_word_table *s, int64_t row, int column, const grain_id *id, const sp_packing *p,
                             int32_t *out, sp_error *err) {
     const char *word = sp_word_table_cell(s, row, column);
-    if (strcmp(word, "bottom") == 0 || strcmp(word, "top") == 0) {
-        *out = *word == 'b' ? SP_BOTTOM : SP_TOP;
+    if (is_wall(p, word, out))
         return SP_OK;
-    }
-    const grain_id key = {word, 0}, *found = bsearch(&key, id, (size_t)n, sizeof *id, compare_ids);
+    const grain_id key = {word, 0}, *found = bsearch(&key, id, (size_t)p->n, sizeof *id, compare_ids);
     if (!found)
-        return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is '%.60s'; must be the id of a grain, bottom or top", s->file,
-                       (long long)s->line[row], s->name[column], word);
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is '%.60s'; must be the id of a grain, or a wall: bottom, top%s",
+                       s->file, (long long)s->line[row], s->name[column], word,
+                       p->cell == SP_CELL_BOX ? ", left, right, front, back" : "");
     *out = found->index;
     return SP_OK;
 }
@@ -335,9 +351,9 @@ static sp_status read_contacts(const sp_word_table *s, const grain_id *id, sp_pa
     for (int32_t c = 0; status == SP_OK && c < p->n_contacts; c++) {
         /* measured normals have few digits, and are normalised */
         sp_contact_row row = {.unit_within = 1e-3};
-        status = find_grain(s, c, column.i, id, p->n, &row.i, err);
+        status = find_grain(s, c, column.i, id, p, &row.i, err);
         if (status == SP_OK)
-            status = find_grain(s, c, column.j, id, p->n, &row.j, err);
+            status = find_grain(s, c, column.j, id, p, &row.j, err);
         if (status == SP_OK)
             status = read_row(s, c, &column, &row, p->dim, err);
         if (status != SP_OK)
@@ -364,7 +380,7 @@ static sp_status check_sizes(const sp_word_table *grains, const sp_word_table *c
 static sp_status read_sheets(const keys *k, grain_id *id, sp_packing *p, sp_error *err) {
     sp_status status = read_box_and_material(k, p, err);
     if (status == SP_OK)
-        status = read_ids(k->grains, id, err);
+        status = read_ids(k->grains, p, id, err);
     if (status == SP_OK)
         status = read_grains(k->grains, p, err);
     if (status == SP_OK)

@@ -17,10 +17,23 @@ static void add_numbers(sp_text *t, const double *value, int count) {
     }
 }
 
+/* Nothing for a piston without gravity, as in all versions before there were other cells. */
+static void add_cell(sp_text *t, const sp_packing *p) {
+    static const char *const tilt[3] = {"xy", "xz", "yz"};
+    if (p->cell != SP_CELL_PISTON || p->gravity != 0)
+        sp_text_add(t, "# cell = %s\n", sp_cell_names[p->cell]);
+    for (int k = 0; k < 3; k++)
+        if (p->tilt[k] != 0)
+            sp_text_add(t, "# %s = %.17g\n", tilt[k], p->tilt[k]);
+    if (p->gravity != 0)
+        sp_text_add(t, "# gravity = %.17g\n", p->gravity);
+}
+
 static void add_grains(sp_text *t, const sp_packing *p) {
     sp_text_add(t, "# lengths in mean grain diameters d, pressure in E*\n# dimension = %d\n", p->dim);
     for (int a = 0; a < p->dim; a++)
         sp_text_add(t, "# %s = %.17g\n", edge_key[a == p->dim - 1 ? 2 : a], p->box[a]);
+    add_cell(t, p);
     sp_text_add(t, "# pressure = %.17g\n# friction = %.17g\n# poisson = %.17g\n# wall = %s\n", p->pressure, p->friction,
                 p->poisson, sp_wall_names[p->wall]);
     char material[SP_MATERIAL_TEXT];
@@ -60,7 +73,7 @@ static void add_contacts(sp_text *t, const sp_packing *p) {
         if (k->j >= 0)
             sp_text_add(t, "%d", k->j);
         else
-            sp_text_add(t, "%s", k->j == SP_BOTTOM ? "bottom" : "top");
+            sp_text_add(t, "%s", sp_side_names[-1 - k->j]);
         add_numbers(t, k->n, p->dim);
         add_numbers(t, &k->overlap, 1);
         add_numbers(t, &k->fn, 1);

@@ -12,10 +12,31 @@
 #include <sonopack/study/store.h>
 #include <string.h>
 
-enum { HEADER_KEYS = 12, WORDS_MAX = 64 };
-static const char *const header_key[HEADER_KEYS] = {"N",  "Lx",       "Ly",     "Lz",  "p",    "mu",
-                                                    "nu", "contacts", "bottom", "top", "seed", "wall"};
-enum { KEY_N, KEY_LX, KEY_LY, KEY_LZ, KEY_P, KEY_MU, KEY_NU, KEY_CONTACTS, KEY_BOTTOM, KEY_TOP, KEY_SEED, KEY_WALL };
+enum {
+    KEY_N,
+    KEY_LX,
+    KEY_LY,
+    KEY_LZ,
+    KEY_P,
+    KEY_MU,
+    KEY_NU,
+    KEY_CONTACTS,
+    KEY_BOTTOM,
+    KEY_TOP,
+    KEY_SEED,
+    KEY_WALL,
+    KEY_CELL,
+    KEY_XY,
+    KEY_XZ,
+    KEY_YZ,
+    KEY_GRAVITY,
+    KEY_WALLS,
+    HEADER_KEYS,
+    WORDS_MAX = 64
+};
+static const char *const header_key[HEADER_KEYS] = {"N",    "Lx",       "Ly",     "Lz",  "p",       "mu",
+                                                    "nu",   "contacts", "bottom", "top", "seed",    "wall",
+                                                    "cell", "xy",       "xz",     "yz",  "gravity", "walls"};
 
 static const char *const axis[3] = {"x", "y", "z"};
 
@@ -34,10 +55,11 @@ bool sp_packing_text_looks(const char *text) {
 
 typedef struct header {
     int dim;
-    int64_t grains, pairs, bottom, top;
-    double edge[3], pressure, friction, poisson;
+    int64_t grains, pairs, bottom, top, walls; /* walls: of all of them, where the header has a cell */
+    double edge[3], tilt[3], pressure, friction, poisson, gravity;
     uint64_t seed;
     sp_wall wall;
+    sp_boundary cell;
 } header;
 
 static sp_status fail_key(const sp_lines *at, int key, const char *value, const char *rule, sp_error *err) {
@@ -65,18 +87,43 @@ static sp_status header_count(const sp_lines *at, char *const *value, int key, i
     return SP_OK;
 }
 
+/* A header with a cell has the number of all contacts with walls; versions that do not know cells miss the other two.
+ */
+static sp_status header_counts(const sp_lines *at, char *const *value, header *h, sp_error *err) {
+    const int64_t bytes = at->end - at->next, most = bytes / 4 < INT32_MAX / 4 ? bytes / 4 : INT32_MAX / 4;
+    sp_status status = header_count(at, value, KEY_N, most, &h->grains, err);
+    if (status == SP_OK)
+        status = header_count(at, value, KEY_CONTACTS, most, &h->pairs, err);
+    if (status == SP_OK && value[KEY_CELL])
+        return header_count(at, value, KEY_WALLS, most, &h->walls, err);
+    if (status == SP_OK)
+        status = header_count(at, value, KEY_BOTTOM, most, &h->bottom, err);
+    if (status == SP_OK)
+        status = header_count(at, value, KEY_TOP, most, &h->top, err);
+    h->walls = h->bottom + h->top;
+    return status;
+}
+
+/* The kind of the cell, its tilt and gravity: where the header has a cell, else those of a piston. */
+static sp_status header_cell(const sp_lines *at, char *const *value, header *h, sp_error *err) {
+    double *const number[] = {&h->tilt[0], &h->tilt[1], &h->tilt[2], &h->gravity};
+    sp_status status = SP_OK;
+    if (!value[KEY_CELL])
+        return SP_OK;
+    if (!sp_cell_read(value[KEY_CELL], &h->cell))
+        return fail_key(at, KEY_CELL, value[KEY_CELL], "piston, periodic or box", err);
+    for (int k = 0; status == SP_OK && k < 4; k++)
+        if (value[KEY_XY + k])
+            status = header_number(at, value, KEY_XY + k, number[k], err);
+    return status;
+}
+
 static sp_status header_numbers(const sp_lines *at, char *const *value, header *h, sp_error *err) {
-    int64_t bytes = at->end - at->next;
-    const struct {
-        int key;
-        int64_t *out;
-    } count[] = {{KEY_N, &h->grains}, {KEY_CONTACTS, &h->pairs}, {KEY_BOTTOM, &h->bottom}, {KEY_TOP, &h->top}};
-    for (size_t k = 0; k < sizeof count / sizeof *count; k++) {
-        sp_status status = header_count(at, value, count[k].key, bytes / 4 < INT32_MAX / 4 ? bytes / 4 : INT32_MAX / 4,
-                                        count[k].out, err);
-        if (status != SP_OK)
-            return status;
-    }
+    sp_status counts = header_counts(at, value, h, err);
+    if (counts == SP_OK)
+        counts = header_cell(at, value, h, err);
+    if (counts != SP_OK)
+        return counts;
     h->dim = value[KEY_LZ] ? 3 : value[KEY_LY] ? 2 : 1;
     for (int k = 0; k < 3; k++)
         h->edge[k] = 1.0;
@@ -152,7 +199,8 @@ static sp_status read_grain(sp_lines *lines, sp_packing *p, int32_t i, sp_error 
     if (status != SP_OK)
         return status;
     for (int k = 0; k < p->dim; k++)
-        p->x[3 * i + k] = k < p->dim - 1 ? sp_wrap(number[k], p->box[k]) : number[k] + 0.0;
+        p->x[3 * i + k] = number[k];
+    sp_wrap_grain(p, p->x + 3 * i);
     p->r[i] = number[p->dim];
     if (!(p->r[i] > 0))
         return sp_fail(err, SP_EFORMAT, "%s:%lld: R is %g; must be positive", lines->file, (long long)lines->number,
@@ -172,10 +220,11 @@ static sp_status read_contact(sp_lines *lines, sp_packing *p, int32_t c, sp_erro
     sp_status status = next_words(lines, "contact", numbers + 2, numbers + 2, word, err);
     if (status != SP_OK)
         return status;
-    if (!sp_word_integer(word[0], &i) || !sp_word_integer(word[1], &j) || i < SP_TOP || j < SP_TOP || i >= p->n ||
+    if (!sp_word_integer(word[0], &i) || !sp_word_integer(word[1], &j) || i < SP_BACK || j < SP_BACK || i >= p->n ||
         j >= p->n)
-        return sp_fail(err, SP_EFORMAT, "%s:%lld: contact of '%.30s' and '%.30s'; must be grains 0..%d, or -1, -2",
-                       lines->file, (long long)lines->number, word[0], word[1], p->n - 1);
+        return sp_fail(err, SP_EFORMAT,
+                       "%s:%lld: contact of '%.30s' and '%.30s'; must be grains 0..%d, or walls, -1..-6", lines->file,
+                       (long long)lines->number, word[0], word[1], p->n - 1);
     status = sp_finite_numbers(lines, numbers, word + 2, names[dim], number, err);
     if (status != SP_OK)
         return status;
@@ -193,13 +242,19 @@ static sp_status read_contact(sp_lines *lines, sp_packing *p, int32_t c, sp_erro
     return status;
 }
 
-/* Compares the numbers of contacts at the bottom and at the top with the header. */
+/* Compares the numbers of contacts at the walls with the header. */
 static sp_status check_counts(const char *path, const header *h, const sp_packing *p, sp_error *err) {
-    int64_t bottom = 0, top = 0;
+    int64_t bottom = 0, top = 0, walls = 0;
     for (int32_t c = 0; c < p->n_contacts; c++) {
         bottom += p->contacts[c].j == SP_BOTTOM;
         top += p->contacts[c].j == SP_TOP;
+        walls += p->contacts[c].j < 0;
     }
+    if (walls != h->walls)
+        return sp_fail(err, SP_EFORMAT, "%s: %lld contacts with walls; the header says %lld", path, (long long)walls,
+                       (long long)h->walls);
+    if (h->bottom + h->top == 0 && h->walls > 0) /* a header with a cell */
+        return SP_OK;
     if (bottom != h->bottom || top != h->top)
         return sp_fail(err, SP_EFORMAT,
                        "%s: %lld contacts at the bottom and %lld at the top; the header says %lld and %lld", path,
@@ -214,9 +269,12 @@ sp_status sp_packing_text_parse(const char *path, char *text, size_t size, sp_pa
     sp_locale locale = sp_locale_enter();
     sp_status status = read_header(&lines, &h, err);
     if (status == SP_OK)
-        status = sp_packing_alloc(&p, h.dim, (int32_t)h.grains, (int32_t)(h.pairs + h.bottom + h.top), err);
+        status = sp_packing_alloc(&p, h.dim, (int32_t)h.grains, (int32_t)(h.pairs + h.walls), err);
     if (status == SP_OK) {
         memcpy(p.box, h.edge, sizeof p.box);
+        memcpy(p.tilt, h.tilt, sizeof p.tilt);
+        p.cell = h.cell;
+        p.gravity = h.gravity;
         p.pressure = h.pressure;
         p.friction = h.friction;
         p.poisson = h.poisson;
@@ -258,20 +316,44 @@ static const char *const centre[3] = {"x", "x y", "x y z"}, *const normal[3] = {
 static const char *const columns[3] = {"", " Ft", " Ftx Fty Ftz"};
 static const char *const meaning[3] = {"", "; Ft = force on i along t=(-ny,nx)", "; Ft = force on i"};
 
+static const char *wall_words(const sp_packing *p) {
+    switch (p->cell) {
+    case SP_CELL_PERIODIC: return "no walls";
+    case SP_CELL_BOX: return "walls: j=-1 bottom, -2 top, -3 left, -4 right, -5 front, -6 back";
+    default: return "j=-1 bottom wall, j=-2 top wall";
+    }
+}
+
+/* The cell, in place of the numbers of contacts at the bottom and at the top. */
+static void add_cell(sp_text *t, const sp_packing *p, int32_t walls) {
+    static const char *const tilt[3] = {"xy", "xz", "yz"};
+    sp_text_add(t, " walls %d cell %s", walls, sp_cell_names[p->cell]);
+    for (int k = 0; k < 3; k++)
+        if (p->tilt[k] != 0)
+            sp_text_add(t, " %s %.17g", tilt[k], p->tilt[k]);
+    if (p->gravity != 0)
+        sp_text_add(t, " gravity %.17g", p->gravity);
+}
+
 static void add_header(sp_text *t, const sp_packing *p) {
-    int32_t bottom = 0, top = 0;
+    int32_t bottom = 0, top = 0, walls = 0;
     for (int32_t c = 0; c < p->n_contacts; c++) {
         bottom += p->contacts[c].j == SP_BOTTOM;
         top += p->contacts[c].j == SP_TOP;
+        walls += p->contacts[c].j < 0;
     }
     sp_text_add(t,
-                "# packing: header, then N grain lines '%s R rattler', then contact lines 'i j %s overlap Fn%s' (j=-1 "
-                "bottom wall, j=-2 top wall; n from i to j%s)\nN %d ",
-                centre[p->dim - 1], normal[p->dim - 1], columns[p->dim - 1], meaning[p->dim - 1], p->n);
+                "# packing: header, then N grain lines '%s R rattler', then contact lines 'i j %s overlap Fn%s' (%s; n "
+                "from i to j%s)\nN %d ",
+                centre[p->dim - 1], normal[p->dim - 1], columns[p->dim - 1], wall_words(p), meaning[p->dim - 1], p->n);
     for (int k = 0; k < p->dim; k++)
         sp_text_add(t, "L%s %.17g ", axis[k], p->box[k]);
-    sp_text_add(t, "p %.17g mu %.17g nu %.17g contacts %d bottom %d top %d", p->pressure, p->friction, p->poisson,
-                p->n_contacts - bottom - top, bottom, top);
+    sp_text_add(t, "p %.17g mu %.17g nu %.17g contacts %d", p->pressure, p->friction, p->poisson,
+                p->n_contacts - walls);
+    if (p->cell != SP_CELL_PISTON || p->gravity != 0)
+        add_cell(t, p, walls);
+    else
+        sp_text_add(t, " bottom %d top %d", bottom, top);
     if (p->seed)
         sp_text_add(t, " seed %llu", (unsigned long long)p->seed);
     if (p->wall != SP_WALL_RIGID)
