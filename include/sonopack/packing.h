@@ -127,7 +127,7 @@ typedef struct sp_audit {
     double force_residual;  /* largest net force on a force-carrying grain over p x (mean diameter)^2 */
     double torque_residual; /* largest net torque over R, in the same unit */
     double wall_residual; /* piston: largest difference between the force on a wall and its load, over p A. Other cells:
-                             | mean pressure / p - 1 |, and imbalance of opposite walls over p A */
+                             | mean pressure / p - 1 |, and in a box the net force of all walls over p A */
     double law_residual;  /* largest relative difference between fn and Hertz's law at the stored overlap, beyond the
                              rounding of a text file; contacts with a stiffness of their own are left out */
     double geometry_residual; /* largest |overlap - overlap from the positions| over the largest overlap */
