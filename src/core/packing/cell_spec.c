@@ -31,7 +31,7 @@ static double mean_stress(const sp_pack_spec *s) {
 void sp_cell_spec_resolve(sp_pack_spec *s) {
     if (s->cell == SP_CELL_PISTON || (s->dim != 2 && s->dim != 3) || s->grains < 1)
         return;
-    if (s->stress_count == sp_stress_components(s->dim) && s->stress)
+    if (s->stress_count == sp_stress_components(s->dim) && s->stress && mean_stress(s) > 0)
         s->pressure = mean_stress(s);
     if (s->kind == SP_PACK_PISTON && s->width == sp_pack_spec_default().width)
         s->width = s->dim == 2    ? sqrt(solid_volume(s))
