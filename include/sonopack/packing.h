@@ -208,9 +208,10 @@ typedef struct sp_pack_spec {
     sp_boundary cell; /* what bounds the grains; not PISTON: for kinds PISTON (a gas) and FILE */
     int dim;
     int32_t grains;
-    double width;    /* period along x [d] */
+    double width;    /* period along x [d]; without a piston about the edge along x of the packing, where the default
+                        value means equal edges */
     double depth;    /* period along y in 3D [d]; 0: the width */
-    double pressure; /* [E*] */
+    double pressure; /* [E*]; with a stress its mean normal stress, or the default */
     double friction; /* Coulomb coefficient mu */
     double poisson;  /* Poisson's ratio nu */
     sp_sizes sizes;
@@ -240,7 +241,11 @@ typedef struct sp_pack_spec {
     int64_t max_steps;     /* fail after this many; 0: a bound from the pressure and the height */
     const double *history; /* pressures [E*] to be equilibrated at first, in this order */
     int32_t history_count;
-    double gravity;   /* PISTON: acceleration against the up axis [E* / (rho d)] */
+    const double *stress; /* target of cells without a piston: xx, yy, xy in 2D, xx, yy, zz, yz, xz, xy in 3D,
+                             compression positive [E*]; the cell takes the shape that holds it. NULL: the mean normal
+                             stress is the pressure, and the cell keeps its shape */
+    int32_t stress_count;
+    double gravity;   /* cell PISTON: acceleration against the up axis [E* / (rho d)] */
     uint64_t content; /* SP_PACK_FILE: required sp_packing_hash of the initial packing; 0: any */
 } sp_pack_spec;
 

@@ -4,6 +4,7 @@
 #include "test.h"
 
 #include "base/base.h"
+#include "base/pool.h"
 #include "packing/contact.h"
 #include "packing/deform.h"
 #include "packing/dynamics.h"
@@ -328,6 +329,28 @@ static void test_grains_follow_the_cell(void **state) {
     }
 }
 
+/* Bytes after some hundred steps of a deforming cell, alone and with threads. */
+static void test_threads(void **state) {
+    (void)state;
+    for (int k = 0; k < SCENES; k++) {
+        dynamics d[2] = {make(&scenes[k], false, nowhere), make(&scenes[k], false, nowhere)};
+        assert_ok(sp_pool_make(3, &d[1].pool, &err));
+        for (int t = 0; t < 2; t++) {
+            stir(&d[t]);
+            for (int step = 0; step < 200; step++) {
+                assert_ok(sp_neighbours_refresh(&d[t], &err));
+                sp_dynamics_forces(&d[t], 0.05);
+                sp_dynamics_advance(&d[t], 0.05);
+            }
+        }
+        assert_memory_equal(d[0].g, d[1].g, (size_t)(d[0].n * d[0].at.stride) * sizeof *d[0].g);
+        assert_memory_equal(d[0].tilt, d[1].tilt, sizeof d[0].tilt);
+        assert_memory_equal(d[0].wall_force, d[1].wall_force, sizeof d[0].wall_force);
+        sp_dynamics_free(&d[1]);
+        sp_dynamics_free(&d[0]);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_forces_are_all_images),
@@ -336,6 +359,7 @@ int main(void) {
         cmocka_unit_test(test_kernel_equals_plain),
         cmocka_unit_test(test_stress_is_derivative),
         cmocka_unit_test(test_grains_follow_the_cell),
+        cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

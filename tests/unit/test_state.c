@@ -117,6 +117,17 @@ static void every_start_goes_on(void **state) {
         assert_resumes("file", &f, &from);
         sp_packing_free(&from);
     }
+    for (int k = 0; k < 4; k++) { /* periodic and box, with a stress too */
+        static const double stress[] = {1e-5, 1.1e-5, 1e-6};
+        sp_pack_spec s = small(2 + k % 2);
+        s.cell = k < 2 ? SP_CELL_PERIODIC : SP_CELL_BOX;
+        s.grains = k % 2 ? 150 : 60;
+        s.width = sp_pack_spec_default().width;
+        s.pressure = k == 0 ? sp_pack_spec_default().pressure : 1e-5;
+        s.stress = k == 0 ? stress : NULL;
+        s.stress_count = k == 0 ? 3 : 0;
+        assert_resumes(k < 2 ? "periodic" : "box", &s, NULL);
+    }
     sp_pack_spec s = small(2);
     s.reference = true;
     s.grains = 30;

@@ -53,6 +53,7 @@ typedef struct sp_scene {
     bool dimension_given;          /* if not, and packing.kind is swept, each kind has its own dimension */
     double *diameters;             /* owned by this scene; pack.diameters points to it. NULL: not owned */
     double *history;               /* likewise of pack.history */
+    double *stress;                /* likewise of pack.stress */
     sp_tapped_spec tapped;         /* the group column: the tapped column, which has nothing to do with packings */
     double *masses, *radii;        /* owned lists of the tapped column, likewise */
     char from[SP_FROM_MAX];        /* packing.file, relative to the current folder; "": none. The caller reads it */

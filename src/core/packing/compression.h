@@ -20,10 +20,11 @@ typedef struct compression {
     double r_min;
     int32_t *id; /* [n] index of each grain in the packing */
     double start_height, start_period[2];
-    double period_end[2]; /* periods to reach before the pressure alone controls them; 0: none */
-    int32_t lateral_free; /* isotropic: the grains have settled under the piston, and the periods may change */
-    double ramp_time;     /* time in which the pressure changes by a factor e between stages */
-    double past;          /* length of the last step */
+    double period_end[2];   /* periods to reach before the pressure alone controls them; 0: none */
+    int32_t lateral_free;   /* isotropic: the grains have settled under the piston, and the periods may change */
+    double flow, flow_rate; /* without a piston: shear strain of the cell so far, and its present rate */
+    double ramp_time;       /* time in which the pressure changes by a factor e between stages */
+    double past;            /* length of the last step */
     int64_t steps, max_steps;
     int32_t stage;   /* current stage, 0 .. history_count */
     int rest_checks; /* consecutive checks that found equilibrium */

@@ -1,5 +1,6 @@
 /* Loading: the pressure, which approaches that of the stage slowly, and the lateral strain rates. */
 #include "packing/compression.h"
+#include "packing/squeeze.h"
 
 #include <math.h>
 
@@ -68,6 +69,10 @@ static void follow_pressure(compression *run, int a, double dt) {
 }
 
 void sp_compression_drive(compression *run, double dt) {
+    if (run->d.cell != SP_CELL_PISTON) {
+        sp_squeeze_drive(run, dt);
+        return;
+    }
     ramp_pressure(run, dt);
     for (int a = 0; a < run->d.dim - 1; a++) {
         if (run->period_end[a] > 0)
@@ -84,6 +89,8 @@ bool sp_compression_pressed(const compression *run) {
 bool sp_compression_driven(const compression *run) {
     if (!sp_compression_pressed(run))
         return false;
+    if (run->d.cell != SP_CELL_PISTON)
+        return run->wall_imbalance < 0.05 * run->spec->pressure;
     return run->spec->compression == SP_COMPRESSION_PISTON ||
            (run->lateral_free && run->lateral_imbalance < 0.05 * run->spec->pressure);
 }

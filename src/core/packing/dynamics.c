@@ -254,6 +254,8 @@ void sp_dynamics_advance(dynamics *d, double dt) {
     d->piston_y += dt * d->piston_v;
     d->v_max = fmax(d->v_max, fabs(d->piston_v));
     const double strain = sp_deform_cell(d, dt);
+    if (d->affine) /* the next step must not carry grains into each other either */
+        d->v_max = fmax(d->v_max, strain);
     d->inner_travel += (2 * d->v_max + strain) * dt;
     d->outer_travel += (2 * d->v_max + strain) * dt;
     d->outer_strain += strain * dt;

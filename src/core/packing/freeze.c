@@ -2,6 +2,7 @@
 #include "base/vector.h"
 #include "packing/compression.h"
 #include "packing/contact.h"
+#include "packing/deform.h"
 #include "packing/geometry.h"
 
 #include <math.h>
@@ -50,18 +51,28 @@ static void add_pair(const compression *run, const pair_list *list, int32_t k, s
 static void add_wall(const compression *run, int side, int32_t at, sp_packing *p, int32_t *count) {
     const dynamics *d = &run->d;
     const int32_t i = run->id[at];
-    const int up = d->dim - 1;
-    const double y = p->x[3 * (size_t)i + (size_t)up], *ft = d->wall_ft[side] + (int64_t)up * at;
-    double overlap = p->r[i] - (side == 0 ? y : d->piston_y - y);
+    const wall_frame frame = dynamics_wall(d, side);
+    const double *ft = d->wall_ft[side] + (int64_t)(d->dim - 1) * at;
+    double overlap = p->r[i] - sp_packing_wall_distance(p, i, -1 - side);
     if (!(overlap > 0))
         return;
-    sp_contact c = {.i = i, .j = side == 0 ? SP_BOTTOM : SP_TOP, .overlap = overlap};
+    sp_contact c = {.i = i, .j = -1 - side, .overlap = overlap};
     c.fn = contact_force(contact_wall_stiffness(p->r[i], p->wall), overlap);
-    c.n[up] = side == 0 ? -1 : 1;
-    for (int a = 0; a < up; a++)
-        c.ft[a] = ft[a];
+    c.n[frame.axis] = frame.sign;
+    for (int a = 0; a < d->dim - 1; a++)
+        c.ft[frame.along[a]] = ft[a];
     finish_contact(d, &c);
     p->contacts[(*count)++] = c;
+}
+
+/* The tilts may have grown beyond half of the edges since the lists were built. */
+static void set_cell(const dynamics *d, sp_packing *p) {
+    dynamics now = *d;
+    sp_deform_reduce(&now);
+    const sp_packing cell = sp_dynamics_cell(&now);
+    p->cell = cell.cell;
+    memcpy(p->box, cell.box, sizeof cell.box);
+    memcpy(p->tilt, cell.tilt, sizeof cell.tilt);
 }
 
 sp_status sp_compression_freeze(const compression *run, sp_packing *out, sp_error *err) {
@@ -69,12 +80,14 @@ sp_status sp_compression_freeze(const compression *run, sp_packing *out, sp_erro
     const sp_pack_spec *spec = run->spec;
     const pair_list *list = dynamics_pairs(d);
     sp_packing p = sp_packing_none();
-    sp_status status = sp_packing_alloc(&p, d->dim, d->n, list->n + d->wall[0].n + d->wall[1].n, err);
+    int32_t walls = 0;
+    for (int side = 0; side < d->walls; side++)
+        walls += d->wall[side].n;
+    sp_status status = sp_packing_alloc(&p, d->dim, d->n, list->n + walls, err);
     if (status != SP_OK)
         return status;
-    for (int a = 0; a < d->dim - 1; a++)
-        p.box[a] = d->period[a];
-    p.box[d->dim - 1] = d->piston_y;
+    set_cell(d, &p);
+    p.gravity = spec->gravity;
     p.pressure = spec->pressure;
     p.friction = spec->friction;
     p.poisson = spec->poisson;
@@ -87,7 +100,9 @@ sp_status sp_compression_freeze(const compression *run, sp_packing *out, sp_erro
         p.r[run->id[at]] = g[d->at.r];
         for (int a = 0; a < d->dim; a++)
             x[a] = g[a];
-        for (int a = 0; a < d->dim - 1; a++) {
+        if (p.cell == SP_CELL_PERIODIC)
+            sp_packing_wrap(&p, x);
+        for (int a = 0; a < d->dim - 1 && p.cell == SP_CELL_PISTON; a++) {
             x[a] -= d->period[a] * floor(x[a] / d->period[a]);
             x[a] = x[a] < d->period[a] ? x[a] : 0;
         }
@@ -95,7 +110,7 @@ sp_status sp_compression_freeze(const compression *run, sp_packing *out, sp_erro
     int32_t count = 0;
     for (int32_t k = 0; k < list->n; k++)
         add_pair(run, list, k, &p, &count);
-    for (int side = 0; side < 2; side++)
+    for (int side = 0; side < d->walls; side++)
         for (int32_t k = 0; k < d->wall[side].n; k++)
             add_wall(run, side, d->wall[side].i[k], &p, &count);
     p.n_contacts = count;

@@ -22,7 +22,7 @@ static inline double distance2(const cells *c, const int dim, const double *a, c
     double sum = 0;
     for (int k = 0; k < dim; k++) {
         double d = a[k] - b[k];
-        if (k < dim - 1)
+        if (c->periodic[k])
             d -= c->box[k] * nearbyint(d / c->box[k]);
         sum += d * d;
     }
@@ -62,7 +62,7 @@ static sp_status place(gas *g, sp_random *stream, int octave, int32_t i, sp_erro
                            g->spec->gas_fraction, i);
         for (int k = 0; k <= up; k++) {
             const double u = sp_random_uniform(stream);
-            x[k] = k < up ? box[k] * u : g->r[i] + (box[k] - 2 * g->r[i]) * u;
+            x[k] = g->cells.periodic[k] ? box[k] * u : g->r[i] + (box[k] - 2 * g->r[i]) * u;
         }
     } while (overlaps(g, octave, i));
     sp_cells_enter(&g->cells, octave, i, x);
@@ -102,6 +102,8 @@ sp_status sp_gas_make(const sp_pack_spec *spec, const double *r, double *x, doub
     sp_status status = sp_cells_make(spec->dim, spec->grains, r_max, &g.cells, err);
     if (status != SP_OK)
         return status;
+    for (int a = 0; a < spec->dim && spec->cell != SP_CELL_PISTON; a++)
+        g.cells.periodic[a] = spec->cell == SP_CELL_PERIODIC;
     double *box = g.cells.box;
     box[0] = spec->width;
     box[1] = spec->depth;

@@ -101,7 +101,7 @@ typedef struct dynamics {
     double outer_strain;                   /* part of outer_travel due to the strain */
     double *listed;                        /* [n][dim] positions when the outer list was built */
     double listed_edge[3], listed_tilt[3]; /* and the cell at that time */
-    double v_max;                          /* largest speed of a grain or the piston */
+    double v_max; /* largest speed of a grain or the piston, or that the strain of an affine cell gives a pair */
     double rate;  /* last largest sum of sqrt(m_eff k_n)/m over the contacts of a grain; 1/5 of the largest viscous rate
                      at critical damping (measured, within 5%) */
     double k_max; /* reference code: largest stiffness */

@@ -5,6 +5,7 @@
 #include "packing/compression.h"
 #include "packing/neighbours.h"
 #include "packing/prepare.h"
+#include "packing/squeeze.h"
 
 #include <math.h>
 
@@ -101,8 +102,8 @@ static bool at_rest(const compression *run) {
     bool balanced = run->wall_imbalance < run->spec->tolerance;
     bool settled = run->phase == PHASE_EQUILIBRATION || run->spec->calm == 0;
     /* a slowly changing period has no acceleration either */
-    bool driven = sp_compression_driven(run) && run->d.strain_rate[0] == 0 && run->d.strain_rate[1] == 0 &&
-                  run->lateral_imbalance < 1e-3 * run->spec->pressure;
+    bool still_sides = (run->d.strain_rate[0] == 0 && run->d.strain_rate[1] == 0) || run->d.cell != SP_CELL_PISTON;
+    bool driven = sp_compression_driven(run) && still_sides && run->lateral_imbalance < 1e-3 * run->spec->pressure;
     return driven && settled && still && balanced && run->residual < run->spec->tolerance;
 }
 
@@ -138,6 +139,12 @@ static sp_status fail_insane(const compression *run, sp_error *err) {
 static sp_status check_periods(const compression *run, sp_error *err) {
     const dynamics *d = &run->d;
     const double narrowest = sp_neighbours_narrowest(d);
+    for (int a = 0; a < d->dim && d->cell != SP_CELL_PISTON; a++)
+        if (!(dynamics_edge(d, a) > narrowest))
+            return sp_fail_key(err, SP_EFAILED, "packing.grains",
+                               " = %d: too few for this cell: an edge has become %.3g, must stay above %.3g (two of "
+                               "the largest grains and the gaps around them)",
+                               d->n, dynamics_edge(d, a), narrowest);
     for (int a = 0; a < d->dim - 1; a++)
         if (!(d->period[a] > narrowest) && run->period_end[a] == 0 && run->lateral_free)
             return sp_fail(
@@ -162,7 +169,9 @@ static void estimate_progress(compression *run, double from, double to, double x
 static void estimate_from_residual(compression *run) {
     const double grains =
         run->d.n * (run->d.dim == 2 ? sp_sizes_mean_area(run->whole) : sp_sizes_mean_volume(run->whole));
-    if (run->phase == PHASE_FLIGHT) {
+    if (run->phase == PHASE_FLIGHT && run->d.cell != SP_CELL_PISTON) {
+        estimate_progress(run, 0, FLIGHT_PART, sp_squeeze_progress(run));
+    } else if (run->phase == PHASE_FLIGHT) {
         const double end = grains / (run->d.area * (run->d.dim == 2 ? 0.8 : 0.6));
         estimate_progress(run, 0, FLIGHT_PART, (run->start_height - run->d.piston_y) / (run->start_height - end));
     }
@@ -201,21 +210,27 @@ static sp_status report_progress(compression *run, sp_error *err) {
 static sp_status inspect(compression *run, bool *done, sp_error *err) {
     if (!sp_dynamics_sane(&run->d))
         return fail_insane(run, err);
-    if (run->phase == PHASE_FLIGHT && run->d.wall_force[1] > 0.5 * run->d.pressure * run->d.area)
+    const bool carried = run->d.cell == SP_CELL_PISTON ? run->d.wall_force[1] > 0.5 * run->d.pressure * run->d.area
+                                                       : sp_squeeze_carried(run);
+    if (run->phase == PHASE_FLIGHT && carried)
         run->phase = PHASE_COMPACTION;
     sp_status status = check_periods(run, err);
+    if (status == SP_OK)
+        status = sp_squeeze_check(run, err);
     if (status == SP_OK)
         status = sp_dynamics_residual(&run->d, &run->residual, &run->wall_imbalance, err);
     if (status != SP_OK)
         return status;
     find_lateral_imbalance(run);
+    if (run->d.cell != SP_CELL_PISTON)
+        run->wall_imbalance = sp_squeeze_imbalance(run);
     ease_drag(run);
     estimate_from_residual(run);
     run->rest_checks = at_rest(run) ? run->rest_checks + 1 : 0;
     *done = run->rest_checks >= REST_STEPS / CHECK_STEPS;
     if (!*done && run->steps >= run->max_steps)
         return sp_fail(err, SP_EFAILED,
-                       "seed %llu: not at rest after %lld steps: largest acceleration %.3g, pressure on the piston off "
+                       "seed %llu: not at rest after %lld steps: largest acceleration %.3g, pressure off "
                        "by %.3g: both must be below packing.tolerance = %.3g before packing.max_steps = %lld",
                        (unsigned long long)run->spec->seed, (long long)run->steps, run->residual, run->wall_imbalance,
                        run->spec->tolerance, (long long)run->max_steps);

@@ -8,6 +8,16 @@
  * tolerance, and the values set by the protocol. Resolving a spec twice changes nothing. */
 sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given);
 
+/* Cells without a piston (cell_spec.c). The number of components of packing.stress; the target stress, xx yy zz yz xz
+ * xy, which is p along the diagonal without one; the rows of the resolve and the check; and the spec of the gas, with
+ * longer edges. */
+int sp_stress_components(int dim);
+void sp_stress_target(const sp_pack_spec *s, double target[6]);
+void sp_cell_spec_resolve(sp_pack_spec *s);
+/* s is `given`, resolved. For all cells: SP_EINVAL names what does not go with the cell. */
+sp_status sp_cell_spec_check(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err);
+sp_pack_spec sp_cell_spec_gas(const sp_pack_spec *s);
+
 /* Ordered packings, exact in closed form. These and all functions below expect a checked and resolved spec. */
 sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err);
 /* For equal diameters only. */

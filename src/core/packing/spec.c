@@ -40,6 +40,8 @@ static sp_status check_lists(const sp_pack_spec *s, sp_error *err) {
     if (s->history_count < 0 || s->history_count > SP_HISTORY_MAX || (s->history_count > 0 && !s->history))
         return sp_fail_key(err, SP_EINVAL, "packing.history", " = (%d pressures): must be at most %d", s->history_count,
                            SP_HISTORY_MAX);
+    if (s->stress_count < 0 || s->stress_count > 6)
+        return sp_fail_key(err, SP_EINVAL, "packing.stress", " = (%d numbers): must be at most 6", s->stress_count);
     return SP_OK;
 }
 
@@ -115,7 +117,7 @@ static sp_status check_scale(const sp_pack_spec *s, sp_error *err) {
                            " = %g: must be at most 100 times packing.diameter_min = %g", s->diameter_max,
                            s->diameter_min);
     const double sides[] = {s->width, s->depth};
-    for (int k = 0; k < s->dim - 1; k++)
+    for (int k = 0; k < s->dim - 1 && s->cell == SP_CELL_PISTON; k++)
         if (sides[k] < 4 * s->diameter_max)
             return sp_fail_key(
                 err, SP_EINVAL, k == 0 ? "packing.width" : "packing.depth",
@@ -233,7 +235,7 @@ static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
                            "random jam at %g",
                            s->gas_fraction, densest, s->dim, s->dim == 2 ? 0.547 : 0.38);
     status = check_layer(s, err);
-    if (status == SP_OK)
+    if (status == SP_OK && s->cell == SP_CELL_PISTON)
         status = check_load(s, err);
     return status == SP_OK ? check_motion(s, err) : status;
 }
@@ -251,6 +253,7 @@ static const double LATTICE_STEP = 0.5;
 sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     sp_pack_spec s = *given;
     sp_sizes_limits(given, &s.diameter_min, &s.diameter_max);
+    sp_cell_spec_resolve(&s);
     if (s.dim == 3 && s.depth == 0)
         s.depth = s.width;
     if (s.tolerance == 0)
@@ -287,6 +290,9 @@ sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
     status = check_sizes(given, s, err);
     if (status != SP_OK)
         return status;
+    status = sp_cell_spec_check(given, s, err);
+    if (status != SP_OK)
+        return status;
     if (s->dim != 3 && s->depth != 0)
         return sp_fail_key(err, SP_EINVAL, "packing.depth", " = %g: must be 0 (not given) in packing.dimension = %d",
                            s->depth, s->dim);
@@ -302,7 +308,8 @@ sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
 sp_status sp_pack_spec_fill(const sp_pack_spec *given, double height, int32_t *grains, sp_error *err) {
     /* measured: 0.795 .. 0.822 over whole boxes 24 wide and 8 .. 400 d high at p = 1e-4, largest in the highest */
     const double disks = 0.815, spheres = 0.6;
-    if (given->kind != SP_PACK_PISTON || given->compression != SP_COMPRESSION_PISTON || given->dim < 2)
+    if (given->kind != SP_PACK_PISTON || given->compression != SP_COMPRESSION_PISTON || given->dim < 2 ||
+        given->cell != SP_CELL_PISTON)
         return sp_fail_key(err, SP_EINVAL, "packing.height",
                            " = %g: must be 0 (packing.grains determines it) except for packing.kind = \"piston\" with "
                            "packing.compression = \"piston\"",

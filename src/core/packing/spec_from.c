@@ -53,6 +53,8 @@ sp_status sp_pack_spec_from(sp_pack_spec *spec, const sp_packing *from, sp_error
     const taken all[] = {{"dimension", spec->dim, usual.dim, from->dim},
                          {"grains", spec->grains, usual.grains, from->n},
                          {"width", spec->width, usual.width, from->box[0]},
+                         {"cell", (double)spec->cell, (double)usual.cell, (double)from->cell},
+                         {"gravity", spec->gravity, usual.gravity, from->gravity},
                          {"depth", spec->depth, usual.depth, from->dim == 3 ? from->box[1] : 0},
                          {"diameter_min", spec->diameter_min, usual.diameter_min, low},
                          {"diameter_max", spec->diameter_max, usual.diameter_max, high}};
@@ -66,6 +68,8 @@ sp_status sp_pack_spec_from(sp_pack_spec *spec, const sp_packing *from, sp_error
                        "packing.content = %llu: packing.file has changed, its number is %llu: must be this number, "
                        "or 0 for any",
                        (unsigned long long)spec->content, (unsigned long long)content);
+    spec->cell = from->cell;
+    spec->gravity = from->gravity;
     spec->dim = from->dim;
     spec->grains = from->n;
     spec->width = from->box[0];

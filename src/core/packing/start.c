@@ -96,8 +96,9 @@ sp_status sp_compression_place(compression *run, const sp_pack_spec *spec, const
 static sp_status start_gas(compression *run, double *r, double *x, sp_error *err) {
     double height = 0;
     sp_radii_draw(run->spec, r);
-    sp_status status = sp_gas_make(run->spec, r, x, &height, err);
-    return status == SP_OK ? sp_compression_place(run, run->spec, r, x, height, err) : status;
+    const sp_pack_spec gas = sp_cell_spec_gas(run->spec);
+    sp_status status = sp_gas_make(&gas, r, x, &height, err);
+    return status == SP_OK ? sp_compression_place(run, &gas, r, x, height, err) : status;
 }
 
 static sp_status start_lattice(compression *run, double *r, double *x, sp_error *err) {
@@ -124,8 +125,10 @@ static sp_status set_forces(compression *run, const sp_packing *from, sp_error *
     for (int32_t c = 0; c < from->n_contacts; c++) {
         const sp_contact *k = &from->contacts[c];
         if (k->j < 0) {
-            double *ft = d->wall_ft[k->j == SP_BOTTOM ? 0 : 1] + (int64_t)(d->dim - 1) * at[k->i];
-            memcpy(ft, k->ft, (size_t)(d->dim - 1) * sizeof *ft);
+            const wall_frame frame = dynamics_wall(d, -1 - k->j);
+            double *ft = d->wall_ft[-1 - k->j] + (int64_t)(d->dim - 1) * at[k->i];
+            for (int a = 0; a < d->dim - 1; a++)
+                ft[a] = k->ft[frame.along[a]];
             continue;
         }
         pair_force *f = &force[count++];
@@ -160,7 +163,8 @@ static sp_status start_packing(compression *run, sp_error *err) {
         status = set_forces(run, from, err);
     if (status != SP_OK)
         return status;
-    run->d.pressure = from->pressure;
+    run->d.pressure = from->cell == SP_CELL_PISTON ? from->pressure : run->spec->pressure;
+    memcpy(run->d.tilt, from->tilt, sizeof from->tilt);
     run->phase = PHASE_COMPACTION;
     run->lateral_free = run->spec->compression == SP_COMPRESSION_ISOTROPIC;
     return measure_step(run, err);
@@ -189,7 +193,8 @@ static sp_status start_new(compression *run, sp_error *err) {
     }
     if (status == SP_OK && run->spec->kind != SP_PACK_FILE) {
         run->d.dt = sp_compression_first_step(run);
-        run->d.pressure = fmin(run->d.pressure, gentle_pressure(run));
+        if (run->d.cell == SP_CELL_PISTON)
+            run->d.pressure = fmin(run->d.pressure, gentle_pressure(run));
     }
 out:
     sp_free(x);

@@ -145,6 +145,13 @@ static void pass_run(stream *s, compression *run) {
     int32_t phase = (int32_t)run->phase, rest_checks = run->rest_checks;
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         pass(s, numbers[k], sizeof **numbers);
+    if (run->whole->cell != SP_CELL_PISTON) {
+        pass(s, d->tilt, sizeof d->tilt);
+        pass(s, d->strain_rate, sizeof d->strain_rate);
+        pass(s, d->shear_rate, sizeof d->shear_rate);
+        pass(s, &run->flow, sizeof run->flow);
+        pass(s, &run->flow_rate, sizeof run->flow_rate);
+    }
     pass(s, &run->steps, sizeof run->steps);
     pass(s, &run->stall_step, sizeof run->stall_step);
     pass(s, &run->stage, sizeof run->stage);
@@ -179,7 +186,7 @@ static void write_pairs(stream *s, const dynamics *d) {
 }
 
 static void pass_walls(stream *s, dynamics *d) {
-    for (int side = 0; side < 2; side++)
+    for (int side = 0; side < d->walls; side++)
         pass(s, d->wall_ft[side], (size_t)d->n * (size_t)(d->dim - 1) * sizeof(double));
 }
 

@@ -7,6 +7,7 @@
 
 static const sp_example examples[] = {
     {"packing.kind", "triangular", PAPER},
+    {"packing.cell", "periodic", PAPER},
     {"packing.file", "P.h5", "none: only kind = file needs it"},
     {"packing.content", "0", "none: any packing"},
     {"packing.dimension", "3", PAPER ": disks in the plane"},
@@ -15,6 +16,8 @@ static const sp_example examples[] = {
     {"packing.depth", "10", "physics.md, Preparation: a square base"},
     {"packing.height", "25", "none: packing.grains decides"},
     {"packing.pressure", "1e-6", "the largest of the four pressures of Somfai et al. 2005"},
+    {"packing.stress", "[1e-4, 1.2e-4, 1e-5]", "none: packing.pressure decides"},
+    {"packing.gravity", "1e-6", PAPER},
     {"packing.history", "[1e-3, 1e-5]", "none: a single pressure"},
     {"packing.friction", "0.3", PAPER},
     {"packing.poisson", "0.3", PAPER ": k_t = k_n at nu = 0"},

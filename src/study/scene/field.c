@@ -13,6 +13,8 @@ static const sp_word pack_kinds[] = {{"piston", SP_PACK_PISTON},
                                      {"chain", SP_PACK_CHAIN},
                                      {"file", SP_PACK_FILE},
                                      {NULL, 0}};
+static const sp_word pack_cells[] = {
+    {"piston", SP_CELL_PISTON}, {"periodic", SP_CELL_PERIODIC}, {"box", SP_CELL_BOX}, {NULL, 0}};
 static const sp_word laws[] = {{"uniform", SP_SIZES_UNIFORM},
                                {"bidisperse", SP_SIZES_BIDISPERSE},
                                {"lognormal", SP_SIZES_LOGNORMAL},
@@ -228,6 +230,8 @@ bool sp_field_is_planes(const sp_field *f) { return f->offset == AT(plane); }
 bool sp_field_is_tapped(const sp_field *f) { return sp_field_in_group(f, "column"); }
 
 int sp_field_list_max(const sp_field *f) {
+    if (f->offset == AT(pack.stress) && f->type == SP_FIELD_REALS)
+        return 6;
     return sp_field_is_planes(f) ? SP_PLANES_MAX : f->offset == AT(pack.history) ? SP_HISTORY_MAX : SP_DIAMETERS_MAX;
 }
 
@@ -288,9 +292,10 @@ const char *sp_field_right(const sp_field *f, char *buf, size_t size) {
         break;
     case SP_FIELD_REALS:
         snprintf(buf, size, "%sa list [%s, ...] of numbers %s", sp_field_is_tapped(f) ? "one number or " : "",
-                 f->offset == AT(pack.history) ? "1e-3, 1e-5"
-                 : sp_field_is_planes(f)       ? "12.5, 25"
-                                               : "0.9, 1.1",
+                 f->offset == AT(pack.history)  ? "1e-3, 1e-5"
+                 : f->offset == AT(pack.stress) ? "1e-4, 1e-4, 1e-5"
+                 : sp_field_is_planes(f)        ? "12.5, 25"
+                                                : "0.9, 1.1",
                  sp_key_range(sp_field_limits(f), text, sizeof text));
         break;
     case SP_FIELD_PATH:

@@ -30,6 +30,7 @@ static double **owner_of(sp_scene *s, const sp_field *f) {
         double **owner;
     } owners[] = {{"packing.diameters", &s->diameters},
                   {"packing.history", &s->history},
+                  {"packing.stress", &s->stress},
                   {"column.mass", &s->masses},
                   {"column.radius", &s->radii}};
     for (size_t k = 0; k < sizeof owners / sizeof *owners; k++)

@@ -1,0 +1,139 @@
+/* Specs of packings without a piston: their shape, their stress, and what cannot be. */
+#include "base/base.h"
+#include "packing/prepare.h"
+
+#include <math.h>
+
+/* Typical fractions of packings, to estimate their size before they exist. */
+static const double DISKS = 0.83, SPHERES = 0.62;
+
+static double solid_volume(const sp_pack_spec *s) {
+    return s->grains * (s->dim == 2 ? sp_sizes_mean_area(s) / DISKS : sp_sizes_mean_volume(s) / SPHERES);
+}
+
+int sp_stress_components(int dim) { return dim == 2 ? 3 : 6; }
+
+void sp_stress_target(const sp_pack_spec *s, double target[6]) {
+    static const int plane[3] = {0, 1, 5}; /* xx, yy, xy */
+    for (int c = 0; c < 6; c++)
+        target[c] = s->stress_count == 0 && c < s->dim ? s->pressure : 0;
+    for (int c = 0; c < s->stress_count; c++)
+        target[s->dim == 2 ? plane[c] : c] = s->stress[c];
+}
+
+static double mean_stress(const sp_pack_spec *s) {
+    double sum = 0;
+    for (int a = 0; a < s->dim; a++)
+        sum += s->stress[a];
+    return sum / s->dim;
+}
+
+void sp_cell_spec_resolve(sp_pack_spec *s) {
+    if (s->cell == SP_CELL_PISTON || (s->dim != 2 && s->dim != 3) || s->grains < 1)
+        return;
+    if (s->stress_count == sp_stress_components(s->dim) && s->stress && mean_stress(s) > 0)
+        s->pressure = mean_stress(s);
+    if (s->kind == SP_PACK_PISTON && s->width == sp_pack_spec_default().width)
+        s->width = s->dim == 2    ? sqrt(solid_volume(s))
+                   : s->depth > 0 ? sqrt(solid_volume(s) / s->depth)
+                                  : cbrt(solid_volume(s));
+}
+
+sp_pack_spec sp_cell_spec_gas(const sp_pack_spec *s) {
+    sp_pack_spec gas = *s;
+    const double grow = pow((s->dim == 2 ? DISKS : SPHERES) / s->gas_fraction, 1.0 / s->dim);
+    if (s->cell != SP_CELL_PISTON) {
+        gas.width *= grow;
+        gas.depth *= grow;
+    }
+    return gas;
+}
+
+/* Whether a symmetric matrix has only positive eigenvalues (Sylvester). */
+static bool positive(const double t[6]) {
+    const double xx = t[0], yy = t[1], zz = t[2], yz = t[3], xz = t[4], xy = t[5];
+    return xx > 0 && xx * yy - xy * xy > 0 &&
+           xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz) > 0;
+}
+
+static sp_status check_stress(const sp_pack_spec *given, sp_error *err) {
+    const int count = sp_stress_components(given->dim);
+    double t[6];
+    if (given->stress_count != count || !given->stress)
+        return sp_fail_key(err, SP_EINVAL, "packing.stress",
+                           " = (%d numbers): must be %s in packing.dimension = %d, or no numbers", given->stress_count,
+                           count == 3 ? "xx, yy, xy" : "xx, yy, zz, yz, xz, xy", given->dim);
+    const double mean = mean_stress(given), p = given->pressure;
+    sp_stress_target(given, t);
+    if (given->dim == 2)
+        t[2] = 1;
+    if (!positive(t))
+        return sp_fail_key(err, SP_EINVAL, "packing.stress",
+                           " = (%g, %g, ...): must be compressive along every direction, grains without cohesion "
+                           "hold no other (all eigenvalues of the tensor positive)",
+                           t[0], t[1]);
+    if (mean < 1e-10)
+        return sp_fail_key(err, SP_EINVAL, "packing.stress", ": its mean normal stress = %g: must be at least 1e-10 E*",
+                           mean);
+    if (p != sp_pack_spec_default().pressure && fabs(p / mean - 1) > 1e-9)
+        return sp_fail_key(err, SP_EINVAL, "packing.pressure",
+                           " = %g: must be the mean normal stress of packing.stress, %g, or not given", p, mean);
+    if (given->cell == SP_CELL_BOX && (t[3] != 0 || t[4] != 0 || t[5] != 0))
+        return sp_fail_key(err, SP_EINVAL, "packing.stress",
+                           ": its shear stress must be 0 for packing.cell = \"box\", whose walls do not tilt");
+    return SP_OK;
+}
+
+static sp_status check_edges(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err) {
+    const bool equal = given->width == sp_pack_spec_default().width;
+    const double least = 4 * s->diameter_max, up = solid_volume(s) / (s->width * (s->dim == 3 ? s->depth : 1));
+    if (!equal && s->width < least)
+        return sp_fail_key(err, SP_EINVAL, "packing.width",
+                           " = %g: must be at least four of the largest diameters (%g)", s->width, least);
+    if (s->dim == 3 && given->depth > 0 && s->depth < least)
+        return sp_fail_key(err, SP_EINVAL, "packing.depth",
+                           " = %g: must be at least four of the largest diameters (%g)", s->depth, least);
+    const double shortest = fmin(up, fmin(s->width, s->dim == 3 ? s->depth : s->width));
+    if (shortest < least)
+        return sp_fail_key(err, SP_EINVAL, "packing.grains",
+                           " = %d: too few for this cell, whose shortest edge would be about %.3g: must be at least "
+                           "four of the largest diameters (%g), or grains would touch their own images",
+                           s->grains, shortest, least);
+    return SP_OK;
+}
+
+/* What only cells without a piston have. */
+static sp_status check_piston_cell(const sp_pack_spec *s, sp_error *err) {
+    const bool compressed = s->kind == SP_PACK_PISTON || s->kind == SP_PACK_FILE;
+    if (s->stress_count > 0)
+        return sp_fail_key(err, SP_EINVAL, "packing.stress",
+                           " = (%d numbers): must be empty for packing.cell = \"piston\", whose pressure is "
+                           "packing.pressure",
+                           s->stress_count);
+    if (s->gravity != 0 && (!compressed || s->compression != SP_COMPRESSION_PISTON))
+        return sp_fail_key(err, SP_EINVAL, "packing.gravity",
+                           " = %g: must be 0 except for random grains under a piston whose sides do not move",
+                           s->gravity);
+    return SP_OK;
+}
+
+sp_status sp_cell_spec_check(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err) {
+    static const char *const names[] = {"piston", "periodic", "box"};
+    if (given->cell == SP_CELL_PISTON)
+        return check_piston_cell(given, err);
+    if (given->kind != SP_PACK_PISTON && given->kind != SP_PACK_FILE)
+        return sp_fail_key(err, SP_EINVAL, "packing.cell", " = \"%s\": must be \"piston\" for ordered packings",
+                           names[given->cell]);
+    if (given->dim != 2 && given->dim != 3)
+        return sp_fail_key(err, SP_EINVAL, "packing.dimension", " = %d: must be 2 or 3 for packing.cell = \"%s\"",
+                           given->dim, names[given->cell]);
+    if (given->compression != SP_COMPRESSION_PISTON)
+        return sp_fail_key(err, SP_EINVAL, "packing.compression",
+                           " = \"isotropic\": must not be given for packing.cell = \"%s\", whose edges all move",
+                           names[given->cell]);
+    if (given->gravity != 0)
+        return sp_fail_key(err, SP_EINVAL, "packing.gravity", " = %g: must be 0 for packing.cell = \"%s\"",
+                           given->gravity, names[given->cell]);
+    sp_status status = given->stress_count != 0 ? check_stress(given, err) : SP_OK;
+    return status == SP_OK && given->kind == SP_PACK_PISTON ? check_edges(given, s, err) : status;
+}

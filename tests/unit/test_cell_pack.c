@@ -1,0 +1,219 @@
+/* Packings in cells without a piston, and under gravity: they are at rest at their pressure or stress; and what cannot
+ * be is refused. */
+#include "test.h"
+
+#include "base/base.h"
+#include "packing/contact.h"
+
+static sp_pack_spec small(int dim, sp_boundary cell, double friction) {
+    sp_pack_spec s = sp_pack_spec_default();
+    s.dim = dim;
+    s.cell = cell;
+    s.grains = dim == 2 ? 80 : 160;
+    s.friction = friction;
+    s.seed = 5;
+    return s;
+}
+
+static sp_packing make(const sp_pack_spec *s, const sp_packing *from) {
+    sp_packing p = sp_packing_none();
+    sp_audit audit;
+    char reason[200];
+    const sp_pack_hooks hooks = {.from = from};
+    assert_ok(sp_packing_make_with(s, &hooks, &p, &err));
+    assert_ok(sp_packing_check(&p, &err));
+    assert_ok(sp_packing_audit(&p, 1e-4, &audit, &err));
+    if (!(sp_audit_worst(&audit, 1e-5, reason, sizeof reason) < 1e-5))
+        fail_msg("%s", reason);
+    return p;
+}
+
+/* Stress from the contacts alone: xx yy zz yz xz xy. */
+static void stress_of(const sp_packing *p, double stress[6]) {
+    static const int row[6] = {0, 1, 2, 1, 0, 0}, column[6] = {0, 1, 2, 2, 2, 1};
+    memset(stress, 0, 6 * sizeof *stress);
+    for (int32_t c = 0; c < p->n_contacts; c++) {
+        const sp_contact *k = &p->contacts[c];
+        const double length = p->r[k->i] - k->overlap + (k->j >= 0 ? p->r[k->j] : 0);
+        for (int m = 0; m < 6; m++) { /* of both orders, as friction is not along the branch */
+            const int a = row[m], b = column[m];
+            const double one = k->fn * k->n[a] * k->n[b] - k->ft[a] * k->n[b];
+            const double two = k->fn * k->n[a] * k->n[b] - k->ft[b] * k->n[a];
+            stress[m] += 0.5 * (one + two) * length / sp_packing_volume(p);
+        }
+    }
+}
+
+/* The mean pressure of cells that keep their shape, at high and low pressure, with and without friction. */
+static void test_pressure(void **state) {
+    (void)state;
+    for (int k = 0; k < 8; k++) {
+        sp_pack_spec s = small(2 + k % 2, k < 4 ? SP_CELL_PERIODIC : SP_CELL_BOX, k / 2 % 2 ? 0.5 : 0);
+        s.pressure = k % 4 == 0 ? 1e-5 : 1e-4;
+        sp_packing p = make(&s, NULL);
+        double stress[6];
+        stress_of(&p, stress);
+        assert_int_equal(p.cell, s.cell);
+        assert_relative((stress[0] + stress[1] + stress[2]) / s.dim, s.pressure, 2e-6);
+        assert_relative(p.box[s.dim - 1], p.box[0], 0.05); /* equal edges */
+        assert_true(p.tilt[0] == 0 && p.tilt[1] == 0 && p.tilt[2] == 0);
+        sp_packing_free(&p);
+    }
+}
+
+/* Every component that the cell controls; with shear stress the cell is tilted. */
+static void test_stress(void **state) {
+    (void)state;
+    static const double plane[] = {1e-4, 1.2e-4, 1e-5}, flat[] = {1e-4, 1.2e-4, 0},
+                        space[] = {1e-4, 1.2e-4, 1.1e-4, -5e-6, 1e-5, 5e-6};
+    for (int k = 0; k < 3; k++) {
+        sp_pack_spec s = small(k == 1 ? 3 : 2, k == 2 ? SP_CELL_BOX : SP_CELL_PERIODIC, 0.5);
+        const double *target = k == 0 ? plane : k == 1 ? space : flat;
+        s.stress = target;
+        s.stress_count = k == 1 ? 6 : 3;
+        sp_packing p = make(&s, NULL);
+        double stress[6];
+        stress_of(&p, stress);
+        const double mean = k == 1 ? 1.1e-4 : 1.1e-4;
+        assert_relative(p.pressure, mean, 1e-12);
+        for (int c = 0; c < s.stress_count; c++)
+            if (k < 2 || c < 2)
+                assert_close(stress[s.dim == 2 && c == 2 ? 5 : c], target[c], 3e-6 * mean);
+        assert_true((p.tilt[0] != 0) == (k < 2));
+        sp_packing_free(&p);
+    }
+}
+
+/* A packing from a file goes on from its own contacts: at its own pressure nothing moves, and a history passes through
+ * other ones. */
+static void test_file(void **state) {
+    (void)state;
+    static const double history[] = {1e-3};
+    for (int k = 0; k < 4; k++) {
+        sp_pack_spec s = small(2 + k % 2, k < 2 ? SP_CELL_PERIODIC : SP_CELL_BOX, 0.5);
+        sp_packing first = make(&s, NULL);
+        sp_pack_spec again = sp_pack_spec_default();
+        again.kind = SP_PACK_FILE;
+        again.friction = s.friction;
+        sp_packing same = make(&again, &first);
+        assert_int_equal(same.cell, s.cell);
+        assert_int_equal(same.n_contacts, first.n_contacts);
+        for (int a = 0; a < s.dim; a++)
+            assert_relative(same.box[a], first.box[a], 1e-7);
+        again.history = history;
+        again.history_count = 1;
+        again.pressure = 2e-4;
+        sp_packing other = make(&again, &first);
+        assert_true(other.box[0] < first.box[0]);
+        assert_relative(other.pressure, 2e-4, 1e-12);
+        sp_packing_free(&other);
+        sp_packing_free(&same);
+        sp_packing_free(&first);
+    }
+}
+
+/* The kernel and the plain path make different packings, but the same mean density and coordination. */
+static void test_reference(void **state) {
+    (void)state;
+    double height[2];
+    for (int plain = 0; plain < 2; plain++) {
+        sp_pack_spec s = small(2, SP_CELL_PERIODIC, 0);
+        s.pressure = 1e-3;
+        s.tolerance = 1e-8;
+        s.reference = plain;
+        sp_packing p = make(&s, NULL);
+        height[plain] = sp_packing_height(&p);
+        sp_packing_free(&p);
+    }
+    assert_relative(height[1], height[0], 0.02);
+}
+
+/* The bottom carries the piston and the weight, and the pressure grows with the depth. */
+static void test_gravity(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        sp_pack_spec s = small(dim, SP_CELL_PISTON, 0.5);
+        s.width = 6;
+        s.gravity = 3e-5;
+        sp_packing p = make(&s, NULL);
+        double walls[2] = {0, 0}, weight = 0;
+        for (int32_t c = 0; c < p.n_contacts; c++)
+            if (p.contacts[c].j < 0)
+                walls[-1 - p.contacts[c].j] += p.contacts[c].fn;
+        for (int32_t i = 0; i < p.n; i++)
+            weight += s.gravity * grain_mass(p.r[i]);
+        assert_true(weight > 0.5 * s.pressure * sp_packing_wall_area(&p));
+        assert_relative(walls[1], s.pressure * sp_packing_wall_area(&p), 1e-5);
+        assert_relative(walls[0] - walls[1], weight, 1e-5);
+        assert_true(p.gravity == s.gravity);
+        sp_packing_free(&p);
+    }
+}
+
+/* ---- what cannot be ------------------------------------------------------------------------------------------ */
+
+static void assert_refuses(const sp_pack_spec *s, sp_status expected, const char *key) {
+    sp_packing p = sp_packing_none();
+    sp_error why = {0};
+    const sp_status status = sp_packing_make(s, NULL, NULL, &p, &why);
+    if (status != expected || strcmp(why.key, key) != 0)
+        fail_msg("%s, key \"%s\": %s", sp_status_name(status), why.key, why.text);
+}
+
+static void test_bad_stress(void **state) {
+    (void)state;
+    static const double wrong[][3] = {{1e-4, 1e-4, 1.1e-4}, {-1e-4, 1e-4, 0}, {1e-4, 0, 0}};
+    sp_pack_spec s = small(2, SP_CELL_PERIODIC, 0.5);
+    s.stress_count = 3;
+    for (int k = 0; k < 3; k++) {
+        s.stress = wrong[k];
+        assert_refuses(&s, SP_EINVAL, "packing.stress");
+    }
+    static const double sheared[] = {1e-4, 1e-4, 1e-5}, strong[] = {1e-4, 1e-4, 7e-5};
+    s.stress = sheared;
+    s.stress_count = 2;
+    assert_refuses(&s, SP_EINVAL, "packing.stress");
+    s.stress_count = 3;
+    s.pressure = 2e-4;
+    assert_refuses(&s, SP_EINVAL, "packing.pressure");
+    s.pressure = sp_pack_spec_default().pressure;
+    s.cell = SP_CELL_BOX;
+    assert_refuses(&s, SP_EINVAL, "packing.stress");
+    s.cell = SP_CELL_PISTON;
+    assert_refuses(&s, SP_EINVAL, "packing.stress");
+    s.cell = SP_CELL_PERIODIC;
+    s.stress = strong; /* more than grains without friction carry */
+    s.friction = 0;
+    assert_refuses(&s, SP_EFAILED, "packing.stress");
+}
+
+static void test_bad_cells(void **state) {
+    (void)state;
+    sp_pack_spec s = small(2, SP_CELL_PERIODIC, 0.5);
+    s.grains = 20;
+    assert_refuses(&s, SP_EINVAL, "packing.grains");
+    s.grains = 80;
+    s.width = 4;
+    assert_refuses(&s, SP_EINVAL, "packing.width");
+    s = small(2, SP_CELL_BOX, 0.5);
+    s.gravity = 1e-5;
+    assert_refuses(&s, SP_EINVAL, "packing.gravity");
+    s.gravity = 0;
+    s.compression = SP_COMPRESSION_ISOTROPIC;
+    assert_refuses(&s, SP_EINVAL, "packing.compression");
+    s.compression = SP_COMPRESSION_PISTON;
+    s.kind = SP_PACK_TRIANGULAR;
+    assert_refuses(&s, SP_EINVAL, "packing.cell");
+    s.kind = SP_PACK_PISTON;
+    s.dim = 1;
+    assert_refuses(&s, SP_EINVAL, "packing.dimension");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_pressure),  cmocka_unit_test(test_stress),  cmocka_unit_test(test_file),
+        cmocka_unit_test(test_reference), cmocka_unit_test(test_gravity), cmocka_unit_test(test_bad_stress),
+        cmocka_unit_test(test_bad_cells),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
