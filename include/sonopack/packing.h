@@ -155,8 +155,9 @@ SP_API double sp_audit_worst(const sp_audit *audit, double tolerance, char *reas
 SP_API sp_status sp_packing_rattlers(const sp_packing *p, double threshold, uint8_t *rattler, uint8_t *carrying,
                                      int32_t *n_rattlers, sp_error *err);
 
-/* Averages of Table I of Somfai et al. 2005 over the bulk: layers of thickness `margin` (usually 3 d) at both walls are
- * left out, and spheres that reach into them count in part. NAN if the bulk is empty. */
+/* Averages of Table I of Somfai et al. 2005 over the bulk: layers of thickness `margin` (usually 3 d) at all walls are
+ * left out, and spheres that reach into them count in part. Without walls the bulk is the whole cell. NAN if it is
+ * empty. */
 typedef struct sp_statics {
     double phi2, phi3,
         phi3s;         /* area fraction; volume fraction of a layer one diameter thick; the same without rattlers */
@@ -170,6 +171,9 @@ typedef struct sp_statics {
     double s12_over_s2, s32_over_s2;
     double
         mobilised; /* fraction of carrying contacts, walls included, with |F_t| >= 0.99 mu F_n; NAN without friction */
+    /* Mean stress of the whole packing, from all carrying contacts, walls included; positive in compression [E*]. NAN
+     * on axes that the packing does not have. */
+    double s_xx, s_yy, s_zz, s_yz, s_xz, s_xy;
 } sp_statics;
 
 SP_API sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err);
@@ -201,6 +205,7 @@ typedef enum sp_protocol { SP_PROTOCOL_DEFAULT = 0, SP_PROTOCOL_SOMFAI2005, SP_P
  * the arrays `diameters` and `history`; whoever allocated these keeps them until the last copy is unused. */
 typedef struct sp_pack_spec {
     sp_pack_kind kind;
+    sp_boundary cell; /* what bounds the grains; not PISTON: for kinds PISTON (a gas) and FILE */
     int dim;
     int32_t grains;
     double width;    /* period along x [d] */
@@ -235,6 +240,7 @@ typedef struct sp_pack_spec {
     int64_t max_steps;     /* fail after this many; 0: a bound from the pressure and the height */
     const double *history; /* pressures [E*] to be equilibrated at first, in this order */
     int32_t history_count;
+    double gravity;   /* PISTON: acceleration against the up axis [E* / (rho d)] */
     uint64_t content; /* SP_PACK_FILE: required sp_packing_hash of the initial packing; 0: any */
 } sp_pack_spec;
 

@@ -1,0 +1,278 @@
+/* Cells without a piston: zero modes, places of sources and detectors, statics. */
+#include "base/base.h"
+#include "cells.h"
+#include "packing/bulk.h"
+
+#include <sonopack/counts.h>
+#include <sonopack/modes.h>
+
+static const double tilted[3] = {0.3, -0.2, 0.4};
+
+static sp_network network_of(const sp_packing *p, bool prestress) {
+    sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    o.prestress = prestress;
+    assert_ok(sp_network_make(p, &o, &net, &err));
+    return net;
+}
+
+/* Four packings: both dimensions, with and without friction, in tilted cells. */
+enum { PACKINGS = 4 };
+static sp_packing packing(int k) {
+    return cells_packing(SP_CELL_PERIODIC, 2 + k / 2, k < 2 ? 40 : 48, k < 2 ? 0.9 : 0.7,
+                         k < 2 ? (double[3]){0.3} : tilted, k % 2 ? 0.3 : 0, 1 + (unsigned)k);
+}
+
+static void packings_are_at_rest(void **state) {
+    (void)state;
+    for (int k = 0; k < PACKINGS; k++) {
+        sp_packing p = packing(k);
+        sp_audit a;
+        assert_ok(sp_packing_audit(&p, 1e-4, &a, &err));
+        assert_true(a.force_residual < 1e-9 && a.wall_residual < 1e-12 && a.missing == 0);
+        sp_packing_free(&p);
+    }
+}
+
+/* ---- zero modes ------------------------------------------------------------------------------------------------- */
+
+/* Translations of the cell are all that springs do not resist: with friction no rotation is free, since the cell cannot
+ * turn. Dense and sparse solvers, counts and null motions agree. */
+static void translations_are_free(void **state) {
+    (void)state;
+    for (int k = 0; k < 2 * PACKINGS; k++) {
+        sp_packing p = packing(k / 2);
+        sp_network net = network_of(&p, k % 2);
+        const sp_modes_options o = sp_modes_options_default();
+        const sp_modes_range all = sp_modes_range_all(), few = sp_modes_range_lowest(4);
+        sp_modes dense = sp_modes_none(), sparse = sp_modes_none(), low = sp_modes_none();
+        sp_zero_modes z;
+        assert_ok(sp_zero_modes_count(&net, &z, &err));
+        assert_int_equal(z.rigid, p.dim);
+        assert_int_equal(z.mechanisms, 0);
+        assert_int_equal(z.spins, 0);
+        assert_ok(sp_modes_dense(&net, &o, &dense, &err));
+        assert_ok(sp_modes_sparse(&net, &o, &all, &sparse, &err));
+        assert_ok(sp_modes_sparse(&net, &o, &few, &low, &err));
+        assert_int_equal(dense.n_zero, z.total);
+        assert_int_equal(sparse.n_zero, z.total);
+        assert_int_equal(low.first, z.total);
+        for (int q = 0; q < 4; q++) {
+            const double omega = dense.omega[dense.n_zero + q];
+            assert_true(omega > 1e-3);
+            assert_close(low.omega[q], omega, 1e-9);
+            assert_close(sparse.omega[sparse.n_zero + q], omega, 1e-9);
+        }
+        assert_true(isnan(dense.a[0]) && isnan(dense.b[0])); /* no walls */
+        sp_modes_free(&low);
+        sp_modes_free(&sparse);
+        sp_modes_free(&dense);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* A box holds its grains. A piece of a lattice that floats in a periodic cell turns, too. */
+static void boxes_hold_and_pieces_turn(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        sp_packing box = cells_packing(SP_CELL_BOX, dim, 40, dim == 2 ? 0.95 : 0.75, NULL, 0, 5);
+        sp_packing piece = dim == 2 ? cells_triangular(5, 6, 0.01, 0) : cells_fcc(3, 0.01, 0);
+        sp_network net = network_of(&box, false);
+        sp_zero_modes z;
+        assert_true(net.n_springs - net.n_bulk > 2 * dim);
+        assert_ok(sp_zero_modes_count(&net, &z, &err));
+        assert_int_equal(z.rigid + z.mechanisms + z.spins, 0);
+        sp_network_free(&net);
+        for (int a = 0; a < dim; a++)
+            piece.box[a] *= 2; /* far from its images, across which the piece is cut */
+        cells_touch(&piece);
+        net = network_of(&piece, false);
+        assert_ok(sp_zero_modes_count(&net, &z, &err));
+        assert_int_equal(z.rigid, dim == 2 ? 3 : 6);
+        for (int i = 0; i < piece.n; i++) { /* the cut goes through it */
+            piece.x[3 * i] -= 2;
+            sp_packing_wrap(&piece, piece.x + 3 * (size_t)i);
+        }
+        cells_touch(&piece);
+        sp_network_free(&net);
+        net = network_of(&piece, false);
+        assert_ok(sp_zero_modes_count(&net, &z, &err));
+        assert_int_equal(z.rigid, dim == 2 ? 3 : 6);
+        sp_network_free(&net);
+        sp_packing_free(&piece);
+        sp_packing_free(&box);
+    }
+}
+
+/* ---- places ----------------------------------------------------------------------------------------------------- */
+
+static double seen(const sp_network *net, const sp_place *at, const double *u) {
+    double *row = malloc((size_t)sp_network_dofs(net) * sizeof *row), sum = 0;
+    assert_ok(sp_network_detector_at(net, at, row, &err));
+    for (int64_t k = 0; k < sp_network_dofs(net); k++)
+        sum += row[k] * u[k];
+    free(row);
+    return sum;
+}
+
+/* What comes through one plane less what goes through a higher one is the force on the grains between them. */
+static void momentum_is_balanced(void **state) {
+    (void)state;
+    for (int k = 0; k < 2 * PACKINGS; k++) {
+        sp_packing p = packing(k / 2);
+        sp_network net = network_of(&p, k % 2);
+        const int64_t n = sp_network_dofs(&net);
+        const int up = p.dim - 1;
+        double *u = malloc((size_t)n * sizeof *u), *ku = malloc((size_t)n * sizeof *ku);
+        srand(7);
+        for (int64_t q = 0; q < n; q++)
+            u[q] = rand() / (double)RAND_MAX - 0.5;
+        sp_network_apply(&net, u, ku);
+        for (int shear = 0; shear < 2; shear++) {
+            const sp_place low = {.kind = SP_PLACE_PLANE, .shear = shear};
+            const double base = seen(&net, &low, u);
+            for (int part = 1; part < 8; part++) {
+                const sp_place high = {.kind = SP_PLACE_PLANE, .shear = shear, .height = part * p.box[up] / 8};
+                double force = 0;
+                for (int32_t i = 0; i < net.n; i++)
+                    if (net.x[3 * i + up] <= high.height)
+                        force -= ku[(int64_t)i * net.dof + (shear ? 0 : up)];
+                assert_close(base - seen(&net, &high, u), force, 1e-12);
+                const double crossed = sp_network_plane_height(&net, high.height);
+                assert_close(crossed, high.height, 0.5);
+            }
+        }
+        free(ku);
+        free(u);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* A plane moves the grains of its layer, across the period, and nothing else; in every kind of cell. */
+static void planes_are_sources(void **state) {
+    (void)state;
+    for (int cell = 0; cell < 3; cell++) {
+        sp_packing p = cells_packing((sp_boundary)cell, 2, 40, 0.95, NULL, 0.3, 6);
+        sp_network net = network_of(&p, false);
+        const int64_t n = sp_network_dofs(&net);
+        double *out = malloc((size_t)n * sizeof *out);
+        for (int kind = SP_SOURCE_IMPULSE; kind <= SP_SOURCE_DISPLACEMENT; kind++) {
+            const sp_place at = {.kind = SP_PLACE_PLANE, .height = 0.2};
+            int moved = 0, around = 0;
+            assert_ok(sp_network_source_at(&net, (sp_source)kind, &at, out, &err));
+            for (int64_t k = 0; k < n; k++) {
+                const double y = net.x[3 * (k / net.dof) + 1];
+                const bool above = y >= 0.2 - 0.5 && y < 0.7, image = p.cell == SP_CELL_PERIODIC && y >= p.box[1] - 0.3;
+                const bool in = k % net.dof == 1 && (above || image);
+                assert_close(out[k], !in ? 0 : kind == SP_SOURCE_VELOCITY ? net.mass[k] : 1, 0);
+                moved += in;
+                around += in && image;
+            }
+            assert_true(moved > 2 && (around > 0) == (p.cell == SP_CELL_PERIODIC));
+        }
+        free(out);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+static void walls_are_refused(void **state) {
+    (void)state;
+    sp_packing p = packing(1);
+    sp_network net = network_of(&p, false);
+    double *out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
+    const sp_place places[] = {{.kind = SP_PLACE_WALL}, {.kind = SP_PLACE_PART, .to = 1}};
+    for (int k = 0; k < 2; k++) {
+        assert_fails(sp_network_source_at(&net, SP_SOURCE_IMPULSE, &places[k], out, &err), SP_EREFUSED,
+                     "bottom plane:Y");
+        assert_fails(sp_network_detector_at(&net, &places[k], out, &err), SP_EREFUSED, "top plane:Y");
+    }
+    const double heights[] = {-0.1, NAN, INFINITY, p.box[1]};
+    for (int k = 0; k < 4; k++) {
+        const sp_place at = {.kind = SP_PLACE_PLANE, .height = heights[k]};
+        assert_fails(sp_network_detector_at(&net, &at, out, &err), SP_EINVAL, "plane 0");
+        assert_fails(sp_network_source_at(&net, SP_SOURCE_IMPULSE, &at, out, &err), SP_EINVAL, "plane 0");
+    }
+    free(out);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+    sp_packing thin = cells_square(5, 8, 0, 1e-4, 0); /* rows at 0.25, 1.25, ... */
+    thin.box[1] *= 2;                                 /* a gap above them */
+    cells_touch(&thin);
+    net = network_of(&thin, false);
+    out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
+    const sp_place gap = {.kind = SP_PLACE_PLANE, .height = 12};
+    assert_fails(sp_network_source_at(&net, SP_SOURCE_IMPULSE, &gap, out, &err), SP_EREFUSED, "12");
+    free(out);
+    sp_network_free(&net);
+    sp_packing_free(&thin);
+}
+
+/* ---- statics ---------------------------------------------------------------------------------------------------- */
+
+/* Nothing is left out of a periodic cell; its stress has the pressure as its mean. */
+static void statics_of_the_cell(void **state) {
+    (void)state;
+    for (int k = 0; k < PACKINGS; k++) {
+        sp_packing p = packing(k);
+        sp_statics s, wide;
+        assert_ok(sp_statics_make(&p, 1e-4, 3, &s, &err));
+        assert_ok(sp_statics_make(&p, 1e-4, 1e3, &wide, &err));
+        assert_true(s.phi3 == wide.phi3 && s.zs == wide.zs);
+        assert_relative(p.dim == 2 ? s.phi2 : s.phi3, p.dim == 2 ? 0.9 : 0.7, 1e-12);
+        assert_relative(s.s_xx + s.s_yy + (p.dim == 3 ? s.s_zz : 0), p.dim * p.pressure, 1e-9);
+        assert_true(p.dim == 3 || (isnan(s.s_zz) && isnan(s.s_yz) && isnan(s.s_xz)));
+        assert_relative(s.s12_over_s2, (p.dim == 3 ? s.s_xz : s.s_xy) / (p.dim == 3 ? s.s_zz : s.s_yy), 1e-9);
+        assert_true(s.zs > (p.friction > 0 ? 2 : 2 * p.dim) && s.zs < 4 * p.dim);
+        int bonds = 0, rattlers = 0;
+        uint8_t *carrying = malloc((size_t)p.n_contacts);
+        assert_ok(sp_packing_rattlers(&p, 1e-4, NULL, carrying, &rattlers, &err));
+        for (int c = 0; c < p.n_contacts; c++)
+            bonds += carrying[c];
+        assert_relative(s.zs, 2.0 * bonds / (p.n - rattlers), 1e-12);
+        free(carrying);
+        sp_contact_counts counts = sp_contact_counts_none();
+        assert_ok(sp_contact_counts_add(&counts, &p, 1e-4, 3, &err));
+        assert_close(counts.contacts, bonds, 0);
+        sp_packing_free(&p);
+    }
+}
+
+/* Shares of grains at the edges and corners of the bulk of a box: halves of halves by symmetry, else by Monte Carlo. */
+static void bulk_of_a_box(void **state) {
+    (void)state;
+    sp_packing p = cells_packing(SP_CELL_BOX, 3, 20, 0.6, NULL, 0, 8);
+    const bulk b = sp_bulk_of(&p, 0.5);
+    const double r = 0.4, edge = p.box[0] - 1, middle = 0.5 * p.box[0];
+    assert_relative(b.volume, edge * edge * edge, 1e-12);
+    const double places[][3] = {{0.5, 0.5, 0.5}, {0.5, middle, 0.5}, {middle, middle, 0.5}, {middle, middle, middle}};
+    const double parts[] = {0.125, 0.25, 0.5, 1};
+    for (int k = 0; k < 4; k++)
+        assert_close(sp_bulk_ball(&b, places[k], r), parts[k], 1e-3 * parts[k]);
+    const double off[3] = {0.6, 0.45, 0.7};
+    int inside = 0, all = 0;
+    srand(9);
+    for (int k = 0; k < 400000; k++) {
+        double x[3], square = 0;
+        for (int a = 0; a < 3; a++) {
+            x[a] = r * (2.0 * rand() / RAND_MAX - 1);
+            square += x[a] * x[a];
+            x[a] += off[a];
+        }
+        all += square < r * r;
+        inside += square < r * r && sp_bulk_has(&b, x);
+    }
+    assert_close(sp_bulk_ball(&b, off, r), inside / (double)all, 4e-3);
+    sp_packing_free(&p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(packings_are_at_rest),       cmocka_unit_test(translations_are_free),
+        cmocka_unit_test(boxes_hold_and_pieces_turn), cmocka_unit_test(momentum_is_balanced),
+        cmocka_unit_test(planes_are_sources),         cmocka_unit_test(walls_are_refused),
+        cmocka_unit_test(statics_of_the_cell),        cmocka_unit_test(bulk_of_a_box)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
