@@ -95,10 +95,14 @@ def arrows(grains, longest):
     return glyph
 
 
-def box_lines(box):
-    """The box, in which a contact across a periodic edge ends outside."""
+def box_lines(box, tilt):
+    """The box, tilted or not, in which a contact across a periodic edge ends outside."""
     outline = vtk.vtkOutlineSource()
-    outline.SetBounds(0, box.GetComponent(0, 0), 0, box.GetComponent(0, 1), 0, box.GetComponent(0, 2))
+    x, y, z = (box.GetComponent(0, k) for k in range(3))
+    xy, xz, yz = (tilt.GetComponent(0, k) for k in range(3)) if tilt else (0, 0, 0)
+    corners = [(a * x + b * xy + c * xz, b * y + c * yz, c * z) for c in (0, 1) for b in (0, 1) for a in (0, 1)]
+    outline.SetBoxTypeToOriented()
+    outline.SetCorners([number for corner in corners for number in corner])
     return outline
 
 
@@ -112,7 +116,7 @@ def actors(name):
     if grains.GetPointData().HasArray("displacement"):
         drawn.append(actor(arrows(grains, 1.5 * diameter), (0.05, 0.25, 0.60)))
     if box:
-        drawn.append(actor(box_lines(box), (0.4, 0.4, 0.4)))
+        drawn.append(actor(box_lines(box, grains.GetFieldData().GetArray("tilt")), (0.4, 0.4, 0.4)))
     return drawn, is_flat(grains)
 
 

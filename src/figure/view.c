@@ -130,7 +130,7 @@ void sp_view_walls(const view *v) {
         cairo_rectangle(cr, left + width, top - WALL, WALL, v->floor - top + 2.0 * WALL);
         cairo_fill(cr);
     }
-    if (!v->periodic)
+    if (!v->periodic && !v->tiled)
         return;
     /* periodic edges */
     const double dash[2] = {2.0, 2.0};
@@ -142,10 +142,12 @@ void sp_view_walls(const view *v) {
         cairo_set_dash(cr, dash, 0, 0.0);
         return;
     }
-    cairo_move_to(cr, left, top);
-    cairo_line_to(cr, left, v->floor);
-    cairo_move_to(cr, left + width, top);
-    cairo_line_to(cr, left + width, v->floor);
+    if (v->periodic) {
+        cairo_move_to(cr, left, top);
+        cairo_line_to(cr, left, v->floor);
+        cairo_move_to(cr, left + width, top);
+        cairo_line_to(cr, left + width, v->floor);
+    }
     if (v->tiled) {
         cairo_move_to(cr, left, top);
         cairo_line_to(cr, left + width, top);

@@ -11,6 +11,8 @@ import tempfile
 import h5py
 import numpy as np
 
+from cells import box_of_disks, lattice, write_packing
+
 COMMAND = sys.argv[1]
 FOLDER = tempfile.mkdtemp(prefix="sonopack-h5md-")
 
@@ -143,8 +145,17 @@ def check_the_checker(good):
         assert faults, "the checker misses a fault"
 
 
+def rewritten(name, packing):
+    """A cell of another kind, as convert writes it."""
+    path = os.path.join(FOLDER, name)
+    result = subprocess.run([COMMAND, "convert", write_packing(path + ".made.h5", packing), path], capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    return path
+
+
 paths = [make("2.h5", grains=60, width=8), make("1.h5", kind='"chain"', dimension=1, grains=5),
-         make("3.h5", dimension=3, grains=120, width=5, depth=5)]
+         make("3.h5", dimension=3, grains=120, width=5, depth=5),
+         rewritten("tilted.h5", lattice(2, 0.3)), rewritten("sheared.h5", lattice(3, 0.2, cells=4)), rewritten("box.h5", box_of_disks())]
 check_the_checker(paths[0])
 faults = [f"{os.path.basename(path)}: {fault}" for path in paths for fault in Checker(path).faults]
 print(*faults, sep="\n")
