@@ -195,6 +195,13 @@ def new(c_name: str, free: Callable[[Any], None], none: Callable[[], Any] | None
     return ffi.gc(struct, free)
 
 
+def options_of(c_name: str, values: Mapping[str, Any]) -> Any:
+    """Options of the library, with those values that are not its own."""
+    options = ffi.new(c_name + " *", getattr(lib, c_name + "_default")())
+    set_fields(options, values)
+    return options
+
+
 # ---- arrays ---------------------------------------------------------------------------------------------------------
 
 _NUMBERS = {"double": np.float64, "int32_t": np.int32, "int64_t": np.int64, "uint64_t": np.uint64, "uint8_t": np.uint8,
@@ -250,6 +257,11 @@ class Owner:
     def __init_subclass__(cls) -> None:
         if cls._type and COMMENTS.get(cls._type, ("", {}))[0]:
             documented(cls._type)(cls)
+
+    def _make(self, *given: Any) -> None:
+        """Makes the struct from what its sp_..._make takes before it."""
+        self._c = new(self._type, getattr(lib, f"{self._type}_free"), getattr(lib, f"{self._type}_none"))
+        call(getattr(lib, f"{self._type}_make"), *given, self._c)
 
 
 class _Field:

@@ -42,12 +42,11 @@ class Modes(_core.Owner):
     on_edge = Value[int]()
 
     def __init__(self, network: Network, span: Any, *, vectors: bool, source: str, solver: str, threads: int) -> None:
-        options = ffi.new("sp_modes_options *", lib.sp_modes_options_default())
-        _core.set_fields(options, {"vectors": vectors, "source": source, "solver": solver, "threads": threads})
+        options = _core.options_of(
+            "sp_modes_options", {"vectors": vectors, "source": source, "solver": solver, "threads": threads})
         self.network = network
         self._options = options
-        self._c = _core.new("sp_modes", lib.sp_modes_free, lib.sp_modes_none)
-        call(lib.sp_modes_make, network._c, options, span, self._c)
+        self._make(network._c, options, span)
 
     @property
     def ab(self) -> Floats:
@@ -113,5 +112,4 @@ class DampedModes(_core.Owner):
     residual = Value[float]()
 
     def __init__(self, network: Network, zeta: float, source: str) -> None:
-        self._c = _core.new("sp_damped_modes", lib.sp_damped_modes_free, lib.sp_damped_modes_none)
-        call(lib.sp_damped_modes_make, network._c, zeta, _core.number_of("sp_source", source, "source"), self._c)
+        self._make(network._c, zeta, _core.number_of("sp_source", source, "source"))

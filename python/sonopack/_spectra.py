@@ -42,10 +42,8 @@ class DensityOfStates(_core.Owner):
     vectors = Value[int]()
 
     def __init__(self, network: Network, values: dict[str, Any]) -> None:
-        options = ffi.new("sp_dos_options *", lib.sp_dos_options_default())
-        _core.set_fields(options, values)
-        self._c = _core.new("sp_dos", lib.sp_dos_free, lib.sp_dos_none)
-        call(lib.sp_dos_make, network._c, options, self._c)
+        options = _core.options_of("sp_dos_options", values)
+        self._make(network._c, options)
 
     @property
     def omega(self) -> Floats:
@@ -69,11 +67,9 @@ class Transmission(_core.Owner):
     moments = Value[int]()
 
     def __init__(self, network: Network, at: Where | None, detector: Where | None, values: dict[str, Any]) -> None:
-        options = ffi.new("sp_transmission_options *", lib.sp_transmission_options_default())
-        _core.set_fields(options, values)
+        options = _core.options_of("sp_transmission_options", values)
         _set_places(options, at, detector)
-        self._c = _core.new("sp_transmission", lib.sp_transmission_free, lib.sp_transmission_none)
-        call(lib.sp_transmission_make, network._c, options, self._c)
+        self._make(network._c, options)
 
     @property
     def F(self) -> npt.NDArray[np.complex128]:
@@ -102,12 +98,11 @@ class Dispersion(_core.Owner):
     moments = Value[int]()
 
     def __init__(self, network: Network, values: dict[str, Any]) -> None:
-        options = ffi.new("sp_dispersion_options *", lib.sp_dispersion_options_default())
         up = network.dim == 1 if values["up"] is None else values["up"]
         behind = 0.5 if up and network.packing.wall == "grain" else 0.0  # the centre of the grain behind the wall
-        _core.set_fields(options, {**values, "up": up, "node": behind if values["node"] is None else values["node"]})
-        self._c = _core.new("sp_dispersion", lib.sp_dispersion_free, lib.sp_dispersion_none)
-        call(lib.sp_dispersion_make, network._c, options, self._c)
+        node = behind if values["node"] is None else values["node"]
+        options = _core.options_of("sp_dispersion_options", {**values, "up": up, "node": node})
+        self._make(network._c, options)
 
     def polarization(self, row: int) -> str:
         """longitudinal, transverse or rotational, for a row of `wave`."""
@@ -131,14 +126,12 @@ class Harmonic(_core.Owner):
     def __init__(self, network: Network, omega: npt.ArrayLike, at: Where | None, detector: Where | None,
                  heights: tuple[float, float] | None, values: dict[str, Any]) -> None:
         frequencies = _core.row(omega, "omega")
-        options = ffi.new("sp_harmonic_options *", lib.sp_harmonic_options_default())
-        _core.set_fields(options, {**values, "n": len(frequencies)})
+        options = _core.options_of("sp_harmonic_options", {**values, "n": len(frequencies)})
         options.omega = _core.pointer_to(frequencies, "const double *")
         if heights is not None:
             options.range = list(_core.pair(heights, "range"))
         _set_places(options, at, detector)
-        self._c = _core.new("sp_harmonic", lib.sp_harmonic_free, lib.sp_harmonic_none)
-        call(lib.sp_harmonic_make, network._c, options, self._c)
+        self._make(network._c, options)
 
     @property
     def F(self) -> npt.NDArray[np.complex128]:
@@ -175,10 +168,8 @@ class WaveSection(_core.Owner):
     highest = Value[float]()
 
     def __init__(self, network: Network, values: dict[str, Any]) -> None:
-        options = ffi.new("sp_coherent_section_options *", lib.sp_coherent_section_options_default())
-        _core.set_fields(options, values)
-        self._c = _core.new("sp_coherent_section", lib.sp_coherent_section_free, lib.sp_coherent_section_none)
-        call(lib.sp_coherent_section_make, network._c, options, self._c)
+        options = _core.options_of("sp_coherent_section_options", values)
+        self._make(network._c, options)
 
     @documented("sp_coherent_fit")
     def wave(self, omega: float) -> CoherentWave:

@@ -1,10 +1,29 @@
-"""What tests of the command share: what a message names, and waiting for what happens, not for a time."""
+"""What tests of the command share: faults that are counted, what a message names, and waiting for what happens, not for
+a time."""
 import pathlib
 import re
 import signal
 import time
 
+# three equal grains in a ring that touches no wall
+LOOSE = """# packing: three grains
+N 3 Lx 4 Ly 5 p 1e-4 mu 0.5 nu 0 contacts 3 bottom 0 top 0 seed 1
+1 1 0.5 0
+1.998 1 0.5 0
+1.499 1.8643 0.5 0
+0 1 1 0 0.002 2.98e-05 0
+0 2 0.5 0.8660254037844386 0.002 2.98e-05 0
+1 2 -0.5 0.8660254037844386 0.002 2.98e-05 0
+"""
 PATIENCE = 600  # seconds until what never happens is a failure; nothing is measured by it
+
+
+faults = []  # of tests that go on after the first
+
+
+def expect(good, what):
+    if not good:
+        faults.append(what)
 
 
 def names_all(text, words):

@@ -1,7 +1,15 @@
 """The network of a reference packing, built from its file in the plainest way, contact by contact, and solved dense by
 numpy and scipy: what the command's answers are held against."""
+import functools
+
 import numpy as np
 import scipy.linalg
+
+
+@functools.lru_cache
+def network(path, prestress=False):
+    """One for all tests of a program that ask for it."""
+    return Network(path, prestress)
 
 
 class Network:
@@ -83,17 +91,32 @@ class Network:
         self.turned = self.matrix.copy()  # what is not symmetric
         for tilt, normal, across, _, _ in self.tilts:
             self.turned += tilt * np.outer(normal, across)
+
+    @functools.cached_property
+    def modes(self):
         root = np.sqrt(self.mass)
-        self.squares, self.vectors = scipy.linalg.eigh(self.matrix / np.outer(root, root))
+        return scipy.linalg.eigh(self.matrix / np.outer(root, root))
+
+    @property
+    def squares(self):
+        return self.modes[0]
+
+    @property
+    def vectors(self):
+        return self.modes[1]
 
     def frequencies(self):
         """Rayleigh quotients as sums of squares: soft modes keep their digits."""
         u = self.vectors / np.sqrt(self.mass)[:, None]
         return np.sqrt(self.k @ (self.b @ u) ** 2)
 
+    @functools.cached_property
+    def turned_modes(self):
+        return scipy.linalg.eig(self.turned / self.mass[:, None])
+
     def turned_signal(self, source, t):
         """By the eigenvectors of the matrix that is not symmetric, right and left."""
-        squares, vectors = scipy.linalg.eig(self.turned / self.mass[:, None])
+        squares, vectors = self.turned_modes
         omega = np.sqrt(squares)
         sent = np.linalg.solve(vectors, self.source / (self.mass if source == "impulse" else 1))
         seen = self.detector @ vectors

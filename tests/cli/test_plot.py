@@ -12,7 +12,7 @@ import zlib
 
 import numpy
 
-from common import names_all
+from common import expect, faults, names_all
 
 COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 CTOF = """# exponent = nan (it needs 3 pressures with c_tof)
@@ -33,12 +33,6 @@ N 2 Lx 4 Ly 0.998 p 1e-4 mu 0.5 nu 0 contacts 1 bottom 2 top 2 seed 1
 0 -2 0 1 0.001 2.981423969999720e-05 0
 1 -2 0 1 0.001 2.981423969999720e-05 0
 """
-faults = []
-
-
-def expect(good, what):
-    if not good:
-        faults.append(what)
 
 
 def plot(*arguments):

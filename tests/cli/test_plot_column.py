@@ -7,17 +7,11 @@ import pathlib
 import subprocess
 import sys
 import tempfile
-import xml.etree.ElementTree as ElementTree
 
-from common import names_all
+import svg_ink
+from common import expect, faults, names_all
 
 COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
-faults = []
-
-
-def expect(good, what):
-    if not good:
-        faults.append(what)
 
 
 def run(*arguments):
@@ -32,9 +26,9 @@ def words(scratch, *arguments):
     expect(result.returncode == 0 and not result.stdout and not result.stderr, f"{arguments}: {result}")
     if not path.exists():
         return []
-    description = ElementTree.parse(path).getroot().find("{http://www.w3.org/2000/svg}desc")
+    found = svg_ink.texts(path)
     path.unlink()
-    return (description.text or "").split("\n")
+    return found
 
 
 def refused(scratch, status, reason, *arguments):

@@ -9,17 +9,11 @@ import sys
 import tempfile
 
 import svg_ink
-from common import names_all
+from common import expect, faults, names_all
 
 COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 N200 = SOURCE / "packings" / "reference" / "packing_N200_p1e-4.txt"
 MINUS = "\u2212"
-faults = []
-
-
-def expect(good, what):
-    if not good:
-        faults.append(what)
 
 
 def run(*arguments):

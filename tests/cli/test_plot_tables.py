@@ -6,9 +6,9 @@ import pathlib
 import subprocess
 import sys
 import tempfile
-import xml.etree.ElementTree as ElementTree
 
-from common import names_all
+import svg_ink
+from common import expect, faults, names_all
 
 COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 N200 = SOURCE / "packings" / "reference" / "packing_N200_p1e-4.txt"
@@ -19,12 +19,6 @@ SCALING = """p\twidth\tdistance\tsamples\tt10\tt10_err\tt_peak\tt_zero\tamplitud
 1e-5\t24\t8\t10\t47\t1\t59\t67\t1\t20\t1.4\t0.1\t0.8\t0.1
 1e-5\t24\t25\t10\t147\t2\t162\t191\t0.3\t44\tnan\tnan\tnan\tnan
 """
-faults = []
-
-
-def expect(good, what):
-    if not good:
-        faults.append(what)
 
 
 def run(*arguments):
@@ -38,9 +32,9 @@ def words(path, *arguments):
     expect(result.returncode == 0 and not result.stdout and not result.stderr, f"{arguments}: {result}")
     if not path.exists():
         return []
-    description = ElementTree.parse(path).getroot().find("{http://www.w3.org/2000/svg}desc")
+    found = svg_ink.texts(path)
     path.unlink()
-    return (description.text or "").split("\n")
+    return found
 
 
 def refused(scratch, status, reason, *arguments):

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 
-from common import names_all
+from common import expect, faults, names_all
 
 COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 SMALL = ["--set", "packing.grains=20", "--set", "packing.width=6"]
@@ -58,12 +58,6 @@ WRONG = [  # a scene, and what its reason must say
     ("a = " + "(" * 100000, "SCENE"),
     ("packing\0", "SCENE"),
 ]
-faults = []
-
-
-def expect(good, what):
-    if not good:
-        faults.append(what)
 
 
 def pack(*arguments):

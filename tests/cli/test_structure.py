@@ -133,13 +133,14 @@ def objects_of(build):
 def calls_of(objects):
     """{source: {sources whose global symbols it uses: one of these symbols}}"""
     defined, wanted = {}, {}
-    for source, path in objects.items():
-        listing = subprocess.run(["nm", "-g", path], text=True, capture_output=True, check=True).stdout
-        for words in (line.split() for line in listing.splitlines()):
-            if words[0] == "U":
-                wanted.setdefault(source, set()).add(words[1])
-            elif len(words) == 3:
-                defined[words[2]] = source
+    source_of = {str(path): source for source, path in objects.items()}
+    listing = subprocess.run(["nm", "-A", "-g", *source_of], text=True, capture_output=True, check=True).stdout
+    for path, words in (line.split(":", 1) for line in listing.splitlines()):
+        source, words = source_of[path], words.split()
+        if words[0] == "U":
+            wanted.setdefault(source, set()).add(words[1])
+        elif len(words) == 3:
+            defined[words[2]] = source
     return {source: {defined[name]: name for name in sorted(names) if defined.get(name, source) != source}
             for source, names in wanted.items()}
 

@@ -9,7 +9,7 @@ import tempfile
 
 from streams import COMMAND
 
-FEW, MANY = 60, 1200
+FEW, MANY = 60, 720
 A_SAMPLE = 4.0     # kB: sp_sample is 2.7
 CONSTANT = 4096.0  # kB: what the allocator and the libraries keep or not
 LARGEST = 200000   # kB: that a study may take at all

@@ -17,27 +17,11 @@ import h5py
 import numpy
 
 from cells import box_of_disks, lattice, matrix_of, write_packing
-from common import names_all
+from common import LOOSE, expect, faults, names_all
 
 COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 TYPES = {"uint8": "u1", "int8": "i1", "int16": "<i2", "uint16": "<u2", "int32": "<i4", "float32": "<f4"}
 FLOAT = 6e-8  # relative rounding of a float of 32 bits
-# three equal grains in a ring that touches no wall
-LOOSE = """# packing: three grains
-N 3 Lx 4 Ly 5 p 1e-4 mu 0.5 nu 0 contacts 3 bottom 0 top 0 seed 1
-1 1 0.5 0
-1.998 1 0.5 0
-1.499 1.8643 0.5 0
-0 1 1 0 0.002 2.98e-05 0
-0 2 0.5 0.8660254037844386 0.002 2.98e-05 0
-1 2 -0.5 0.8660254037844386 0.002 2.98e-05 0
-"""
-faults = []
-
-
-def expect(good, what):
-    if not good:
-        faults.append(what)
 
 
 def run(*arguments):

@@ -203,8 +203,8 @@ def lame(path, share, rng):
 
 def packings(folder, rng):
     seen = dict.fromkeys(KEYS, 0)
-    scenes = [("2D", 2, 0.5, 90, 12), ("2D without friction", 2, 0, 150, 12), ("2D, large", 2, 0.5, 260, 16),
-              ("3D", 3, 0.5, 70, 4), ("3D, large", 3, 0.5, 130, 5), ("3D without friction", 3, 0, 160, 5)]
+    scenes = [("2D", 2, 0.5, 90, 12), ("2D without friction", 2, 0, 110, 10), ("2D, large", 2, 0.5, 170, 13),
+              ("3D", 3, 0.5, 70, 4), ("3D, large", 3, 0.5, 100, 4.5), ("3D without friction", 3, 0, 120, 4.5)]
     for label, dim, friction, grains, width in scenes:
         for share in (0, 0.1, 0.5):
             path = folder / f"{label}-{share}.h5"

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import zlib
 
 import h5py
 import numpy as np
@@ -224,7 +225,18 @@ def set_one(name, at, value):
     return change
 
 
+def packed_zeros(size):
+    """The zlib stream of so many zeros (a multiple of a megabyte), without going through them."""
+    piece = bytes(2 ** 20)
+    pack = zlib.compressobj()
+    first = pack.compress(piece) + pack.flush(zlib.Z_FULL_FLUSH)
+    again = pack.compress(piece) + pack.flush(zlib.Z_FULL_FLUSH)  # the same each time: a full flush forgets
+    end = pack.flush()[:-4] + (size % 65521 << 16 | 1).to_bytes(4, "big")  # Adler's sum of zeros
+    return first + again * (size // len(piece) - 1) + end
+
+
 def forgeries():
+    assert zlib.decompress(packed_zeros(3 << 20)) == bytes(3 << 20)
     with h5py.File(GOOD) as f:
         g = {name: d[()] for name, d in f["modes"].items()}
     n, dofs, rows = len(g["omega"]), len(g["mass"]), len(g["vector"])
@@ -252,12 +264,17 @@ def forgeries():
         if name not in ("column", "rattler", "vector_error"):  # these are for readers; ours derives them
             forge(lambda f, name=name: f.__delitem__(name), f"/modes/{name}")
     # claims: data that are not there, and chunks that memory cannot hold
-    def claim(g, chunks, shape=(rows, dofs)):
+    def claim(g, chunks, shape, fill):
         del g["vector"]
-        g.create_dataset("vector", shape=shape, chunks=chunks, maxshape=(None, None), dtype="f8", compression="gzip")
-        g["vector"][80 - 75, :5] = 1.0
-    forge(lambda g: claim(g, (rows * 40, dofs * 40)), "/modes/vector")
-    forge(lambda g: claim(g, (1, dofs), (2 ** 31 - 1, dofs)), "/modes/vector")
+        fill(g.create_dataset("vector", shape=shape, chunks=chunks, maxshape=(None, None), dtype="f8", compression="gzip"))
+
+    def one_chunk(vector):
+        vector.id.write_direct_chunk((0, 0), packed_zeros(3 << 30))
+
+    def one_row(vector):
+        vector[80 - 75, :5] = 1.0
+    forge(lambda g: claim(g, (3 << 13, 1 << 14), (rows, dofs), one_chunk), "/modes/vector")
+    forge(lambda g: claim(g, (1, dofs), (2 ** 31 - 1, dofs), one_row), "/modes/vector")
     # other layouts are read
     copy = FOLDER / "changed.h5"
     for options in ({"chunks": (rows, dofs), "compression": "gzip"}, {}, {"dtype": ">f8"}):

@@ -16,26 +16,14 @@ import zlib
 
 import numpy
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "cli"))
+from common import LOOSE, expect, faults  # noqa: E402
+
 COMMAND = str(pathlib.Path(sys.argv[1]).resolve())
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 OPTIONS = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
            "--enable-unsafe-swiftshader", "--hide-scrollbars", "--host-resolver-rules=MAP * ~NOTFOUND",
            "--enable-logging=stderr"]
-LOOSE = """# packing: three grains
-N 3 Lx 4 Ly 5 p 1e-4 mu 0.5 nu 0 contacts 3 bottom 0 top 0 seed 1
-1 1 0.5 0
-1.998 1 0.5 0
-1.499 1.8643 0.5 0
-0 1 1 0 0.002 2.98e-05 0
-0 2 0.5 0.8660254037844386 0.002 2.98e-05 0
-1 2 -0.5 0.8660254037844386 0.002 2.98e-05 0
-"""
-faults = []
-
-
-def expect(good, what):
-    if not good:
-        faults.append(what)
 
 
 def sonopack(*arguments):

@@ -7,7 +7,7 @@ import sys
 from scenes import campaign, known
 
 SEED = int(sys.argv[3]) if len(sys.argv) > 3 else 20050202
-CASES = int(sys.argv[4]) if len(sys.argv) > 4 else 40
+CASES = int(sys.argv[4]) if len(sys.argv) > 4 else 24
 GRAINS = int(sys.argv[5]) if len(sys.argv) > 5 else 30
 
 counts, faults = campaign(sys.argv[1], SEED, CASES, GRAINS, 60)

@@ -17,7 +17,7 @@ from common import SOURCE, check, raised, run, scratch
 import sonopack
 from sonopack import Column, Interrupted, Packing, Scene
 
-SCENE = Scene(packing={"grains": 400, "width": 12})
+SCENE = Scene(packing={"grains": 200, "width": 12})
 SMALL = Scene(packing={"grains": 60, "width": 8})
 DIAGRAM = dict(output="bifurcation", from_=0.5, to=1.2, points=40, taps=40, transient=100)
 

@@ -90,7 +90,7 @@ static sp_signal_method run_method(stress_record *r, const char *network, const 
 #ifdef STRESS_LONG
 enum { STRESS_WORK = 1000000, STRESS_MILLION = 1 };
 #else
-enum { STRESS_WORK = 60000, STRESS_MILLION = 5 };
+enum { STRESS_WORK = 20000, STRESS_MILLION = 13 };
 #endif
 static bool worthwhile(sp_signal_method method, const asked *a, int index) {
     switch (method) {

@@ -62,8 +62,7 @@ static recorded record(const sp_pack_spec *spec) {
 static void test_remaining_never_grows(void **state) {
     (void)state;
     const sp_pack_spec specs[] = {small(2, 1e-4, 0.5, SP_PROTOCOL_DEFAULT), small(2, 1e-6, 0.5, SP_PROTOCOL_DEFAULT),
-                                  small(2, 1e-3, 0, SP_PROTOCOL_DEFAULT), small(3, 1e-4, 0.5, SP_PROTOCOL_DEFAULT),
-                                  small(2, 1e-4, 0.5, SP_PROTOCOL_SOMFAI2005)};
+                                  small(2, 1e-3, 0, SP_PROTOCOL_DEFAULT), small(3, 1e-4, 0.5, SP_PROTOCOL_DEFAULT)};
     for (size_t k = 0; k < sizeof specs / sizeof *specs; k++) {
         const recorded r = record(&specs[k]);
         const double right = r.total - r.steps_at_third;

@@ -138,7 +138,7 @@ static void test_error_bound(void **state) {
         for (size_t k = q < 5 ? 0 : 2; k < (q < 5 ? sizeof damping / sizeof *damping : 3); k++) {
             if (q < 5)
                 check_bound(all[q].name, &net, damping[k], 0.5);
-            check_bound(all[q].name, &net, damping[k], q < 2 ? 150 : 4);
+            check_bound(all[q].name, &net, damping[k], q < 2 ? 150 : q < 5 ? 2.5 : 1);
         }
         sp_network_free(&net);
         sp_packing_free(&p);

@@ -5,20 +5,6 @@
 #include <sonopack/study/export_file.h>
 #include <sys/stat.h>
 
-static char *folder;
-
-static int make_folder(void **state) {
-    (void)state;
-    folder = fixture_folder();
-    return 0;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    fixture_remove(folder);
-    return 0;
-}
-
 static void names_and_endings(void **state) {
     (void)state;
     assert_int_equal(sp_export_form_of("a/b.vtp"), SP_EXPORT_VTP);

@@ -7,20 +7,6 @@
 #include <sonopack/network.h>
 #include <sonopack/signal.h>
 
-static char *folder;
-
-static int make_folder(void **state) {
-    (void)state;
-    folder = fixture_folder();
-    return 0;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    fixture_remove(folder);
-    return 0;
-}
-
 /* Gives every contact the stiffnesses that Hertz and Mindlin give it, and every grain a sphere's mass, times factors.
  */
 static void state_own_law(sp_packing *p, double mass, double kn, double kt) {

@@ -219,7 +219,7 @@ static void check_parts(sp_modes_solver by) {
     const unsigned seed = 11;
     print_message("seed %u\n", seed);
     srand(seed);
-    for (int k = 0; k < SHAPES; k++) {
+    for (int k = 0; k < SHAPES; k += by == SP_SOLVER_ARPACK ? 2 : 1) {
         sp_network net = shape(k);
         sp_modes all = dense_of(&net);
         const double top = all.omega[all.n - 1];
@@ -228,7 +228,7 @@ static void check_parts(sp_modes_solver by) {
         check_lowest(&net, &all, 60, !(k % 2), false);
         check_lowest(&net, &all, 210, k % 2, k % 3 == 0);
         check_all(&net, &all, k % 2);
-        for (int q = 0; q < 5; q++) {
+        for (int q = 0; q < 3; q++) {
             const double x = 1.05 * top * rand() / RAND_MAX, y = x + 0.2 * top * rand() / RAND_MAX + 1e-9;
             check_band(&net, &all, x, y, q % 2);
         }

@@ -9,20 +9,6 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-static char *folder;
-
-static int make_folder(void **state) {
-    (void)state;
-    folder = fixture_folder();
-    return 0;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    fixture_remove(folder);
-    return 0;
-}
-
 static void assert_holds(const char *path, const char *expected) {
     char *text;
     size_t size;

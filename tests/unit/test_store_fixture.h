@@ -59,6 +59,21 @@ static inline void fixture_remove(const char *folder) {
     rmdir(folder);
 }
 
+/* The folder of a test: set up before it, removed after it. */
+static char *folder;
+
+static inline int make_folder(void **state) {
+    (void)state;
+    folder = fixture_folder();
+    return 0;
+}
+
+static inline int remove_folder(void **state) {
+    (void)state;
+    fixture_remove(folder);
+    return 0;
+}
+
 static inline void fixture_write(const char *path, const char *text) {
     FILE *f = fopen(path, "wb");
     assert_non_null(f);

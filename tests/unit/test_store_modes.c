@@ -6,20 +6,6 @@
 #include <sonopack/study/modes_file.h>
 #include <sys/resource.h>
 
-static char *folder;
-
-static int make_folder(void **state) {
-    (void)state;
-    folder = fixture_folder();
-    return 0;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    fixture_remove(folder);
-    return 0;
-}
-
 /* A packing, its network, and modes of it. */
 typedef struct made {
     sp_packing p;

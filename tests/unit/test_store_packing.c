@@ -5,20 +5,6 @@
 
 #include <hdf5.h>
 
-static char *folder;
-
-static int make_folder(void **state) {
-    (void)state;
-    folder = fixture_folder();
-    return 0;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    fixture_remove(folder);
-    return 0;
-}
-
 /* ---- round trips ----------------------------------------------------------------------------------------------- */
 
 static void hdf5_keeps_every_bit(void **state) {

@@ -8,20 +8,6 @@
 /* that a store keeps */
 enum { FRONT_NUMBERS = offsetof(sp_front, crossings) / 8, MODULI_NUMBERS = offsetof(sp_moduli, error11) / 8 };
 
-static char *folder;
-
-static int make_folder(void **state) {
-    (void)state;
-    folder = fixture_folder();
-    return 0;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    fixture_remove(folder);
-    return 0;
-}
-
 static sp_sample example(unsigned have, uint64_t seed) {
     uint64_t random = seed;
     sp_sample s = {.dim = 2, .grains = 20, .width = 24, .pressure = 1e-4, .friction = 0.5, .height = 8.7, .have = have};

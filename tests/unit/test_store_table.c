@@ -3,20 +3,6 @@
 
 #include <locale.h>
 
-static char *folder;
-
-static int make_folder(void **state) {
-    (void)state;
-    folder = fixture_folder();
-    return 0;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    fixture_remove(folder);
-    return 0;
-}
-
 static sp_table example(void) {
     sp_table t = sp_table_none();
     assert_ok(sp_table_add_column(&t, "file", "", SP_CELL_TEXT, &err));

@@ -3,20 +3,6 @@
 
 #include <sys/stat.h>
 
-static char *folder;
-
-static int make_folder(void **state) {
-    (void)state;
-    folder = fixture_folder();
-    return 0;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    fixture_remove(folder);
-    return 0;
-}
-
 enum { SAMPLES = 4 };
 
 /* A store of chains, which are made in no time and hold to rounding. */

@@ -118,8 +118,8 @@ static void test_space(void **state) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.dim = 3;
     spec.protocol = SP_PROTOCOL_QUICK;
-    spec.grains = 200;
-    spec.width = 5;
+    spec.grains = 130;
+    spec.width = 4.8;
     spec.pressure = 1e-3;
     spec.friction = 0.4;
     spec.seed = 2;
@@ -185,7 +185,7 @@ static void test_spins(void **state) {
 static void test_spheres(void **state) {
     (void)state;
     int32_t sliding = 0;
-    for (uint64_t seed = 1; seed <= 6; seed++) {
+    for (uint64_t seed = 5; seed <= 6; seed++) {
         sp_pack_spec spec = sp_pack_spec_default();
         spec.dim = 3;
         spec.protocol = SP_PROTOCOL_QUICK;
@@ -209,10 +209,12 @@ static void test_spheres(void **state) {
             assert_close(small[q], smaller[q], 0.03 * springs[2]);
             assert_close(small[q], springs[q], 0.15 * springs[2]); /* sliding softens */
         }
+        print_message("seed %d: %d contacts slide\n", (int)seed, one.sliding);
         sliding += one.sliding;
         sp_network_free(&net);
         sp_packing_free(&p);
     }
+    print_message("%d contacts slide\n", sliding);
     assert_true(sliding > 8);
 }
 

@@ -11,7 +11,7 @@
 
 extern void openblas_set_num_threads(int threads) __attribute__((weak));
 
-enum { JOBS = 8, THREADS = 8, ROUNDS = 2 };
+enum { JOBS = 8, THREADS = 4, ROUNDS = 2 };
 
 /* Every number that a job makes, as bytes. */
 typedef struct outcome {

@@ -87,8 +87,9 @@ static sp_network usual_network(const sp_packing *p) {
 static void test_signals(void **state) {
     (void)state;
     enum { POINTS = 9, PLACES = 3 };
-    for (int q = 0; q < 8; q++) {
-        const int dim = 2 + q % 2;
+    static const int halves[] = {0, 3, 5, 6}; /* of the eight: each value of the three as often as the other */
+    for (int h = 0; h < 4; h++) {
+        const int q = halves[h], dim = 2 + q % 2;
         const sp_source source = q & 4 ? SP_SOURCE_DISPLACEMENT : SP_SOURCE_IMPULSE;
         sp_packing p = packed(dim, q & 2 ? 1e-2 : 1e-4, 11 + (unsigned)q);
         sp_network net = usual_network(&p);

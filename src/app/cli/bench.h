@@ -14,7 +14,8 @@ typedef struct bench_subject {
     const cli_common *common;
     const char *name; /* of the network */
     const sp_network *net;
-    double until; /* last time of the signals */
+    double until;   /* last time of the signals */
+    double seconds; /* CPU time that is spent on a row; the first run may take longer */
     sp_table *table;
 } bench_subject;
 
@@ -25,8 +26,8 @@ typedef struct bench_row {
     sp_status (*run)(const void *job, double *error, sp_error *err);
     const void *job;
 } bench_row;
-/* Adds a row with the median time of 15 or more runs (1 run if it takes a second), and the memory that the first one
- * needs. A method that refuses gets a message instead of a row. */
+/* Adds a row with the median time of 15 or more runs (fewer where these take too long), and the memory that the first
+ * one needs. A method that refuses gets a message instead of a row. */
 sp_status bench_measure(const bench_subject *s, const bench_row *row, sp_error *err);
 
 /* Short signals with all methods and parameters; long ones, up to 10^6 over Omega; many sources and detectors. */

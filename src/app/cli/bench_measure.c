@@ -24,14 +24,15 @@ static double largest_resident(void) {
     return (double)usage.ru_maxrss / 1024;
 }
 
-/* Measures the memory of the first run and the time of all: 15 runs, fewer if they are long, and more if they are
- * short, so that other work of the machine averages out. */
-static void run_all(const bench_row *row, outcome *o) {
+/* Measures the memory of the first run and the time of all: 15 runs, fewer if they take longer than is given, and more
+ * if they are short, so that other work of the machine averages out. */
+static void run_all(const bench_row *row, double seconds, outcome *o) {
     double each[REPEATS_MAX], total = 0;
     int count = 0;
     memset(o, 0, sizeof *o);
     const double before = largest_resident();
-    while (o->status == SP_OK && (count == 0 || (count < REPEATS_MAX && total < 1 && (count < 15 || total < 0.4)))) {
+    while (o->status == SP_OK &&
+           (count == 0 || (count < REPEATS_MAX && total < seconds && (count < 15 || total < 0.4 * seconds)))) {
         const double start = sp_clock_cpu();
         o->status = row->run(row->job, &o->error, &o->reason);
         each[count] = sp_clock_cpu() - start;
@@ -56,13 +57,13 @@ static bool read_all(int end, void *to, size_t size) {
 
 /* Runs in a child process, because memory that an earlier run has freed would hide the growth. If there can be no
  * child, it runs here, and the memory is NAN. */
-static void run_apart(const bench_row *row, outcome *o) {
+static void run_apart(const bench_row *row, double seconds, outcome *o) {
     int ends[2];
     bool received = false;
     if (pipe(ends) == 0) {
         const pid_t child = fork();
         if (child == 0) {
-            run_all(row, o);
+            run_all(row, seconds, o);
             _exit(write(ends[1], o, sizeof *o) == (ssize_t)sizeof *o ? 0 : 1);
         }
         close(ends[1]);
@@ -72,7 +73,7 @@ static void run_apart(const bench_row *row, outcome *o) {
             waitpid(child, NULL, 0);
     }
     if (!received) {
-        run_all(row, o);
+        run_all(row, seconds, o);
         o->megabytes = NAN;
     }
 }
@@ -81,7 +82,7 @@ sp_status bench_measure(const bench_subject *s, const bench_row *row, sp_error *
     char name[256];
     outcome o;
     snprintf(name, sizeof name, "%s:%s", row->name, s->name);
-    run_apart(row, &o);
+    run_apart(row, s->seconds, &o);
     if (o.status == SP_EREFUSED) {
         cli_note(s->common, "%s, %s %g: %s", name, row->method, row->parameter, o.reason.text);
         return SP_OK;

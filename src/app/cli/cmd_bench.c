@@ -12,7 +12,7 @@ typedef struct arguments {
     cli_common common;
     int packings;
     const char *packing[PACKINGS_MAX];
-    double until;
+    double until, seconds;
     unsigned cases; /* bits of the cases that run on a network */
     bool pack;      /* measure the compression of packings */
 } arguments;
@@ -68,6 +68,8 @@ static const cli_option options[] = {
     {"packing", "FILE", "Packing to measure, instead of the four (repeatable)", .parse = add_packing},
     {"until", "T", "Last time of the signals (400)", CLI_NUMBER, .field = offsetof(arguments, until), .low = 1e-9,
      .high = 1e9},
+    {"seconds", "S", "CPU time that is spent on a row; less is less exact (1)", CLI_NUMBER,
+     .field = offsetof(arguments, seconds), .low = 0.01, .high = 1e4},
     {0}};
 
 static const cli_syntax syntax = {
@@ -99,7 +101,7 @@ static sp_status add_columns(sp_table *t, sp_error *err) {
 
 static sp_status bench_network(const arguments *a, const char *name, const sp_network *net, sp_table *t,
                                sp_error *err) {
-    const bench_subject s = {&a->common, name, net, a->until, t};
+    const bench_subject s = {&a->common, name, net, a->until, a->seconds, t};
     sp_status status = SP_OK;
     for (unsigned k = 0; k < CASES && status == SP_OK; k++) {
         if (!(a->cases & 1u << k))
@@ -162,7 +164,7 @@ static sp_status work(const arguments *a, sp_error *err) {
 }
 
 int cmd_bench(int argc, char **argv) {
-    arguments a = {.until = 400};
+    arguments a = {.until = 400, .seconds = 1};
     cli_parse(&syntax, argc, argv, &a);
     sp_error err = {0};
     return work(&a, &err) == SP_OK ? CLI_OK : cli_fail(&err);

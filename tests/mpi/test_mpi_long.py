@@ -1,6 +1,6 @@
 """test_mpi.py with every number of ranks and every way in which a job ends.
 
-usage: test_mpi_slow.py COMMAND SOURCE_DIR MPI_COMMAND
+usage: test_mpi_long.py COMMAND SOURCE_DIR MPI_COMMAND
 """
 import test_mpi
 
