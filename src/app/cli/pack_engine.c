@@ -159,12 +159,15 @@ static sp_status run(const pack_engine *e, cli_common *common, const sp_scene *s
 
 sp_status pack_engine_make(const pack_engine *e, const cli_common *common, sp_scene *scene, sp_packing *out,
                            sp_error *err) {
-    char folder[SP_PATH_MAX];
+    char folder[SP_PATH_MAX], found[2][SP_PATH_MAX];
     cli_common shown = *common;
     sp_status status = run_folder(common, folder, err);
     if (status != SP_OK)
         return status;
+    const sp_engine_run lammps = {.program = e->lammps, .ranks = (int)e->ranks};
     if (!e->collect)
+        status = sp_engine_find(&lammps, found[0], found[1], err);
+    if (status == SP_OK && !e->collect)
         status = prepare(common, scene, folder, err);
     if (status != SP_OK)
         return status;

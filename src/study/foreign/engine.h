@@ -2,6 +2,7 @@
 #define SP_FOREIGN_ENGINE_H
 /* Packings that LAMMPS makes: the files of a run, the run itself, and what comes out. */
 
+#include "base/file.h"
 #include "base/text.h"
 
 #include <sonopack/packing.h>
@@ -65,6 +66,9 @@ typedef struct sp_engine_run {
     void *user;
 } sp_engine_run;
 
+/* The absolute paths of LAMMPS and, for several ranks, of mpirun. SP_EIO says which is missing. */
+SP_SHARED sp_status sp_engine_find(const sp_engine_run *run, char lammps[SP_PATH_MAX], char launcher[SP_PATH_MAX],
+                                   sp_error *err);
 /* Runs LAMMPS on the files of the folder and waits for it; *seconds is the CPU time of all ranks. However this ends, no
  * process is left, and the files are. SP_EFAILED with LAMMPS' own reason, SP_EINTERRUPTED, SP_EIO. */
 SP_SHARED sp_status sp_engine_execute(const sp_engine_run *run, double *seconds, sp_error *err);

@@ -62,14 +62,21 @@ static sp_status forget(const char *folder, sp_error *err) {
     return status;
 }
 
-sp_status sp_engine_execute(const sp_engine_run *run, double *seconds, sp_error *err) {
-    char lammps[SP_PATH_MAX], launcher[SP_PATH_MAX], ranks[16];
-    sp_child_end end;
-    sp_status status = sp_child_find(run->program ? run->program : "lmp", lammps, err);
-    if (status != SP_OK)
+sp_status sp_engine_find(const sp_engine_run *run, char lammps[SP_PATH_MAX], char launcher[SP_PATH_MAX],
+                         sp_error *err) {
+    if (sp_child_find(run->program ? run->program : "lmp", lammps, err) != SP_OK)
         return sp_fail_prefix(err, "LAMMPS (Debian: apt install lammps; another program: --lammps PATH)");
     if (run->ranks > 1 && sp_child_find("mpirun", launcher, err) != SP_OK)
         return sp_fail_prefix(err, "--ranks %d", run->ranks);
+    return SP_OK;
+}
+
+sp_status sp_engine_execute(const sp_engine_run *run, double *seconds, sp_error *err) {
+    char lammps[SP_PATH_MAX], launcher[SP_PATH_MAX], ranks[16];
+    sp_child_end end;
+    sp_status status = sp_engine_find(run, lammps, launcher, err);
+    if (status != SP_OK)
+        return status;
     snprintf(ranks, sizeof ranks, "%d", run->ranks);
     const char *const words[] = {launcher,
                                  "-n",
