@@ -1,8 +1,10 @@
 /* sonopack pack: compresses one packing of a scene and saves it. */
 #include "base/base.h"
+#include "base/file.h"
 #include "cli/dry_run.h"
 #include "cli/low_box.h"
 #include "cli/output.h"
+#include "cli/pack_engine.h"
 #include "cli/pack_state.h"
 #include "cost/remaining.h"
 
@@ -15,11 +17,15 @@ typedef struct arguments {
     cli_common common;
     int64_t seed; /* -1: not given */
     double every;
+    pack_engine engine;
 } arguments;
 
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
-    if (!a->common.output)
+    sp_status status = pack_engine_check(&a->engine, &a->common, a->seed >= 0, err);
+    if (status != SP_OK)
+        return status;
+    if (!a->common.output && !a->engine.prepare)
         return sp_fail(err, SP_EINVAL, "no output: must be -o FILE.h5 or -o FILE.txt");
     return SP_OK;
 }
@@ -28,11 +34,23 @@ static const cli_option options[] = {
     {"seed", "S", "Seed of the random numbers", CLI_INTEGER, .field = offsetof(arguments, seed), .high = 9.3e18},
     {"state-every", "SECONDS", "Save the state of the compression this often (10)", CLI_NUMBER,
      .field = offsetof(arguments, every), .high = 1e9},
+    {.help = "Packings that LAMMPS makes (docs/cluster.md):"},
+    {"engine", "sonopack|lammps", "Program that compresses the packing (sonopack)", CLI_CHOICE,
+     .field = offsetof(arguments, engine.engine), .words = pack_engine_words},
+    {"ranks", "N", "Run LAMMPS on N ranks, by mpirun -n N", CLI_INTEGER, .field = offsetof(arguments, engine.ranks),
+     .low = 1, .high = 1000000},
+    {"lammps", "PATH", "The program LAMMPS (lmp)", CLI_TEXT, .field = offsetof(arguments, engine.lammps)},
+    {"prepare", "DIR", "Only write the input of LAMMPS to a folder", CLI_TEXT,
+     .field = offsetof(arguments, engine.prepare)},
+    {"collect", "DIR", "Only read what LAMMPS has made of the files of --prepare, and bring it to rest", CLI_TEXT,
+     .field = offsetof(arguments, engine.collect)},
     CLI_DRY_RUN,
     {0}};
 
 static const cli_syntax syntax = {
-    .usage = "[SCENE] -o FILE",
+    .usage = "[SCENE] -o FILE\n"
+             "[SCENE] --engine lammps --prepare DIR\n"
+             "--engine lammps --collect DIR -o FILE",
     .help =
         "Compresses one packing of a scene, saves it, and prints a summary.\v"
         "FILE ends in .h5 (HDF5) or .txt (text). Without SCENE all keys have their defaults, except those of --set. A "
@@ -42,7 +60,11 @@ static const cli_syntax syntax = {
         "\n"
         "  sonopack pack packings/single.cfg --seed 7 -o P.h5\n"
         "  sonopack pack --set packing.grains=200 --set packing.pressure=1e-5 -o P.txt\n"
-        "  sonopack pack --dry-run packings/spheres.cfg -o P.h5",
+        "  sonopack pack --dry-run packings/spheres.cfg -o P.h5\n"
+        "\n"
+        "With --engine lammps the grains are compressed by LAMMPS (pair_style granular), for packings that need more "
+        "than "
+        "one machine, and come to rest here. Its files are in FILE.lammps, and stay there if something fails.",
     .options = options,
     .file_name = "scene",
     .files_max = 1,
@@ -249,17 +271,56 @@ static sp_status plan(const arguments *a, const sp_scene *scene, sp_error *err) 
     return status;
 }
 
-static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *err) {
+/* ---- LAMMPS ----------------------------------------------------------------------------------------------------- */
+
+static sp_status make_by_lammps(const arguments *a, sp_scene *scene, sp_packing *p, sp_error *err) {
+    if (a->engine.prepare)
+        return pack_engine_prepare(&a->engine, &a->common, scene, err);
+    sp_status status = pack_engine_make(&a->engine, &a->common, scene, p, err);
+    if (status == SP_OK)
+        status = save_packing(p, a->common.output, err);
+    if (status == SP_OK)
+        pack_engine_clean(&a->engine, &a->common);
+    return status;
+}
+
+/* ---- all together ----------------------------------------------------------------------------------------------- */
+
+static sp_status may_write_output(const arguments *a, sp_error *err) {
     const char *path = a->common.output;
+    if (!path)
+        return SP_OK;
     if (!cli_has_ending(path, ".txt") && !cli_is_hdf5(path))
         return sp_fail(err, SP_EINVAL, "-o %s: the ending of a packing must be .h5 or .txt", path);
     if (!cli_has_ending(path, ".txt"))
         sp_hdf5_load();
-    sp_status status = cli_may_write(&a->common, path, err);
+    return cli_may_write(&a->common, path, err);
+}
+
+static sp_status read_scene(const arguments *a, sp_scene *scene, sp_error *err) {
+    char collected[SP_PATH_MAX];
+    const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
+    sp_status status = SP_OK;
+    if (a->engine.collect) {
+        status = pack_engine_scene(&a->engine, collected, err);
+        path = collected;
+    }
     if (status == SP_OK)
-        status = cli_read_scene(&a->common, a->common.files > 0 ? a->common.file[0] : NULL, scene, err);
+        status = cli_read_scene(&a->common, path, scene, err);
+    return status == SP_OK ? sp_scene_resolve(scene, err) : status;
+}
+
+static sp_status make(arguments *a, sp_scene *scene, const sp_packing *from, sp_packing *p, sp_error *err) {
+    compression c = {.arguments = a, .scene = scene};
+    if (a->common.dry_run)
+        return plan(a, scene, err);
+    return a->engine.engine == PACK_ENGINE_LAMMPS ? make_by_lammps(a, scene, p, err) : make_and_save(&c, from, p, err);
+}
+
+static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *err) {
+    sp_status status = may_write_output(a, err);
     if (status == SP_OK)
-        status = sp_scene_resolve(scene, err);
+        status = read_scene(a, scene, err);
     if (status != SP_OK)
         return status;
     if (a->seed >= 0)
@@ -267,7 +328,6 @@ static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *er
     if (scene->sweeps > 0)
         cli_note(&a->common, "the scene has sweeps, but only one packing is made: see `sonopack help study'");
     sp_packing from = sp_packing_none();
-    compression c = {.arguments = a, .scene = scene};
     if (scene->pack.kind == SP_PACK_FILE)
         status = cli_load_start(scene, &from, err);
     if (status == SP_OK)
@@ -276,9 +336,9 @@ static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *er
     if (status == SP_OK)
         cli_warn_low_box(&a->common, &scene->pack);
     if (status == SP_OK)
-        status = a->common.dry_run ? plan(a, scene, err) : make_and_save(&c, &from, p, err);
+        status = make(a, scene, &from, p, err);
     sp_packing_free(&from);
-    return status == SP_OK && !a->common.dry_run ? summarise(a, scene, p, err) : status;
+    return status == SP_OK && !a->common.dry_run && !a->engine.prepare ? summarise(a, scene, p, err) : status;
 }
 
 int cmd_pack(int argc, char **argv) {

@@ -6,7 +6,7 @@
 
 /* Returns the spec with all open values filled in: limits of the diameters (for a list: its extremes), depth,
  * tolerance, and the values set by the protocol. Resolving a spec twice changes nothing. */
-sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given);
+SP_SHARED sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given);
 
 /* Cells without a piston (cell_spec.c). The number of components of packing.stress; the target stress, xx yy zz yz xz
  * xy, which is p along the diagonal without one; the rows of the resolve and the check; and the spec of the gas, with
@@ -48,12 +48,12 @@ double sp_sizes_mean_volume(const sp_pack_spec *spec);
 /* Whether the grains are so similar that they may form a lattice. */
 bool sp_sizes_alike(const sp_pack_spec *spec);
 /* Radii r [n] of all grains, drawn from the stream SP_STREAM_DIAMETERS. */
-void sp_radii_draw(const sp_pack_spec *spec, double *r);
+SP_SHARED void sp_radii_draw(const sp_pack_spec *spec, double *r);
 
 /* ---- gas ------------------------------------------------------------------------------------------------------- */
 
 /* Places grains at random without overlap at the gas fraction of the spec, between walls at 0 and *height (2D and 3D).
  * x is [n][3]; unused axes are not written. SP_EFAILED if a grain finds no free place. */
-sp_status sp_gas_make(const sp_pack_spec *spec, const double *r, double *x, double *height, sp_error *err);
+SP_SHARED sp_status sp_gas_make(const sp_pack_spec *spec, const double *r, double *x, double *height, sp_error *err);
 
 #endif
