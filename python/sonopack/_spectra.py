@@ -104,7 +104,9 @@ class Dispersion(_core.Owner):
     def __init__(self, network: Network, values: dict[str, Any]) -> None:
         options = ffi.new("sp_dispersion_options *", lib.sp_dispersion_options_default())
         up = network.dim == 1 if values["up"] is None else values["up"]
-        behind = 0.5 if up and network.packing.wall == "grain" else 0.0  # the centre of the grain behind the wall
+        # the centre of the grain behind the wall, if the waves stand between walls
+        standing = network.cell == "box" or (bool(up) and network.cell == "piston")
+        behind = 0.5 if standing and network.packing.wall == "grain" else 0.0
         _core.set_fields(options, {**values, "up": up, "node": behind if values["node"] is None else values["node"]})
         self._c = _core.new("sp_dispersion", lib.sp_dispersion_free, lib.sp_dispersion_none)
         call(lib.sp_dispersion_make, network._c, options, self._c)
