@@ -127,7 +127,7 @@ typedef struct sp_audit {
     double force_residual;  /* largest net force on a force-carrying grain over p x (mean diameter)^2 */
     double torque_residual; /* largest net torque over R, in the same unit */
     double wall_residual; /* piston: largest difference between the force on a wall and its load, over p A. Other cells:
-                             | mean pressure / p - 1 |, and imbalance of opposite walls over p A */
+                             | mean pressure / p - 1 |, and in a box the sum of all walls' forces over p A */
     double law_residual;  /* largest relative difference between fn and Hertz's law at the stored overlap, beyond the
                              rounding of a text file; contacts with a stiffness of their own are left out */
     double geometry_residual; /* largest |overlap - overlap from the positions| over the largest overlap */
@@ -205,6 +205,7 @@ typedef enum sp_protocol { SP_PROTOCOL_DEFAULT = 0, SP_PROTOCOL_SOMFAI2005, SP_P
  * the arrays `diameters` and `history`; whoever allocated these keeps them until the last copy is unused. */
 typedef struct sp_pack_spec {
     sp_pack_kind kind;
+    sp_boundary cell; /* what bounds the grains; not PISTON: for kinds PISTON (a gas) and FILE */
     int dim;
     int32_t grains;
     double width;    /* period along x [d] */
@@ -239,6 +240,7 @@ typedef struct sp_pack_spec {
     int64_t max_steps;     /* fail after this many; 0: a bound from the pressure and the height */
     const double *history; /* pressures [E*] to be equilibrated at first, in this order */
     int32_t history_count;
+    double gravity;   /* PISTON: acceleration against the up axis [E* / (rho d)] */
     uint64_t content; /* SP_PACK_FILE: required sp_packing_hash of the initial packing; 0: any */
 } sp_pack_spec;
 
