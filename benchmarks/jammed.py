@@ -8,7 +8,7 @@ import dataclasses
 
 import numpy as np
 from scipy.sparse import coo_matrix, identity
-from scipy.sparse.linalg import eigsh, splu
+from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
 
@@ -152,6 +152,15 @@ def newton(cell, p, goal, most=30):
     return False
 
 
+def factor(k, shift):
+    """Factors of k + shift without exchange of rows, and how many eigenvalues of that are negative (Sylvester)."""
+    lu = splu((k + shift * identity(k.shape[0])).tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0,
+              options={"SymmetricMode": True})
+    if not np.array_equal(lu.perm_r, lu.perm_c):
+        raise RuntimeError("rows were exchanged")
+    return lu, (lu.U.diagonal() < 0).sum()
+
+
 def downhill(cell):
     """The motion [n, dim] of the lowest stiffness, where Newton's method ended at a saddle; None at a minimum."""
     n, dim = cell.x.shape
@@ -159,14 +168,22 @@ def downhill(cell):
     held = np.flatnonzero(np.bincount(np.concatenate([c.i, c.j]), minlength=n))
     dofs = (dim * held[:, None] + np.arange(dim)).ravel()
     k = stiffness(cell, c)[dofs][:, dofs]
-    unit = c.stiffness.max()
-    start = np.random.default_rng(1).standard_normal(len(dofs))
-    values, vectors = eigsh(k, dim + 1, sigma=-1e-3 * unit, v0=start)
-    if values.min() > -1e-9 * unit:
+    low, high = 1e-8 * c.stiffness.max(), 10 * c.stiffness.max()
+    if factor(k, low)[1] == 0:
         return None
+    while high > 1.01 * low:  # the lowest eigenvalue lies between -high and -low
+        middle = np.sqrt(low * high)
+        if factor(k, middle)[1] > 0:
+            low = middle
+        else:
+            high = middle
+    lu, v = factor(k, high)[0], np.random.default_rng(1).standard_normal(len(dofs))
+    for _ in range(20):
+        v = lu.solve(v)
+        v /= np.abs(v).max()
     out = np.zeros(n * dim)
-    out[dofs] = vectors[:, values.argmin()]
-    return out.reshape(n, dim) / np.abs(out).max()
+    out[dofs] = v
+    return out.reshape(n, dim)
 
 
 def settle(cell, p, goal):

@@ -28,8 +28,22 @@ def _scipy_sparse() -> Any:
     return importlib.import_module("scipy.sparse")
 
 
+class Elasticity:
+    """The stiffness tensor of a network. Made by network.elasticity(). c, error [strains][strains]: the tensor in Voigt's
+    notation and bounds of its errors [E*]; bulk, shear, anisotropy: of its isotropic part, each with an error."""
+
+    def __init__(self, c: Any) -> None:
+        strains = int(c.strains)
+        self.c: Floats = np.array([list(row) for row in c.c])[:strains, :strains]
+        self.error: Floats = np.array([list(row) for row in c.error])[:strains, :strains]
+        self.bulk, self.bulk_error = float(c.bulk), float(c.bulk_error)
+        self.shear, self.shear_error = float(c.shear), float(c.shear_error)
+        self.anisotropy, self.anisotropy_error = float(c.anisotropy), float(c.anisotropy_error)
+        self.residual = float(c.residual)
+
+
 class Network(_core.Owner):
-    """The springs between the grains that carry force, with fixed walls: M u'' = -K u.
+    """The springs between the grains that carry force, with fixed walls or in a periodic cell: M u'' = -K u.
 
     Made by packing.network(). Vectors over the network are [n][dof]. The arrays are views, as those of a Packing.
     """
@@ -46,6 +60,7 @@ class Network(_core.Owner):
     springs = Array("n_springs")
     length = Array("n_springs")
     pressure = Value[float]()
+    cell = Value[str]()
 
     def __init__(self, packing: Packing, *, threshold: float | None = None, prestress: bool = False,
                  sliding_free: bool = False) -> None:
@@ -219,6 +234,13 @@ class Network(_core.Owner):
         call(lib.sp_moduli_make, self._c, self._density(margin), out)
         return _core.record(_records.Moduli, out)
 
+    @documented("sp_elasticity_make")
+    def elasticity(self, margin: float = 3.0) -> Elasticity:
+        """The whole stiffness tensor, with the bulk and shear modulus of its isotropic part."""
+        out = ffi.new("sp_elasticity *")
+        call(lib.sp_elasticity_make, self._c, self._density(margin), ffi.NULL, out)
+        return Elasticity(out)
+
     @documented("sp_moduli_probe")
     def probes(self, probes: Sequence[tuple[str, int]], margin: float = 3.0) -> list[_records.ProbeModuli]:
         """Apparent moduli of probes ("sine", n) or ("lines", n)."""
@@ -259,9 +281,10 @@ class Network(_core.Owner):
 
     @documented("sp_dispersion_make")
     def dispersion(self, *, up: bool | None = None, waves: int | None = None, node: float | None = None,
-                   resolution: float | None = None, profile: int | None = None) -> Dispersion:
+                   resolution: float | None = None, profile: int | None = None, along_y: bool = False) -> Dispersion:
         """Frequencies of longitudinal, transverse and rotational waves."""
-        return Dispersion(self, {"up": up, "waves": waves, "node": node, "resolution": resolution, "profile": profile})
+        return Dispersion(self, {"up": up, "waves": waves, "node": node, "resolution": resolution, "profile": profile,
+                                 "along_y": along_y})
 
     @documented("sp_harmonic_make")
     def harmonic(self, omega: npt.ArrayLike, *, damping: float | None = None, source: str | None = None,

@@ -99,7 +99,9 @@ class Dispersion(_core.Owner):
 
     def __init__(self, network: Network, values: dict[str, Any]) -> None:
         up = network.dim == 1 if values["up"] is None else values["up"]
-        behind = 0.5 if up and network.packing.wall == "grain" else 0.0  # the centre of the grain behind the wall
+        # the centre of the grain behind the wall, if the waves stand between walls
+        standing = network.cell == "box" or (bool(up) and network.cell == "piston")
+        behind = 0.5 if standing and network.packing.wall == "grain" else 0.0
         node = behind if values["node"] is None else values["node"]
         options = _core.options_of("sp_dispersion_options", {**values, "up": up, "node": node})
         self._make(network._c, options)
