@@ -2,6 +2,7 @@
 #include "packing/dynamics.h"
 
 #include "base/base.h"
+#include "base/clones.h"
 #include "base/vector.h"
 #include "packing/contact.h"
 #include "packing/deform.h"
@@ -341,7 +342,7 @@ double sp_dynamics_acceleration(const dynamics *d) {
 /* ---- how far from rest --------------------------------------------------------------------------------------- */
 
 /* Vector from grain i to grain j of a pair; returns its length. */
-static double separation(const dynamics *d, const pair_list *p, int32_t k, double x[3]) {
+static ALWAYS_INLINE double separation(const dynamics *d, const pair_list *p, int32_t k, double x[3]) {
     const double *g = dynamics_grain(d, p->i[k]), *h = dynamics_grain(d, p->j[k]);
     x[2] = 0;
     for (int a = 0; a < d->dim; a++)
@@ -356,7 +357,7 @@ static double separation(const dynamics *d, const pair_list *p, int32_t k, doubl
 }
 
 /* Elastic force on i of a pair, and its torque/R. False for an open pair. */
-static bool elastic_pair(const dynamics *d, const pair_list *p, int32_t k, double force[3], double turn[3]) {
+static ALWAYS_INLINE bool elastic_pair(const dynamics *d, const pair_list *p, int32_t k, double force[3], double turn[3]) {
     double x[3], r = separation(d, p, k, x), overlap = p->reach[k] - r, t[3] = {0, 0, 0};
     if (!(overlap > 0))
         return false;
@@ -427,8 +428,9 @@ static void balance_part(void *data, int part, int parts) {
     const pair_list *p = dynamics_pairs(d);
     const int32_t first = sp_pool_share(d->n, part, parts), last = sp_pool_share(d->n, part + 1, parts);
     for (int32_t b = 0; SPAN * b < p->n; b++)
-        for (int32_t k = SPAN * b; k < p->n && k < SPAN * (b + 1) && sp_rows_may_touch(p, b, first, last); k++)
-            add_elastic_pair(d, p, k, first, last, work->f);
+        if (parts == 1 || sp_rows_may_touch(p, b, first, last))
+            for (int32_t k = SPAN * b; k < p->n && k < SPAN * (b + 1); k++)
+                add_elastic_pair(d, p, k, first, last, work->f);
     for (int side = 0; side < d->walls; side++)
         for (int32_t k = 0; k < d->wall[side].n; k++)
             if (d->wall[side].i[k] >= first && d->wall[side].i[k] < last)
@@ -504,7 +506,7 @@ double sp_dynamics_lateral_pressure(const dynamics *d, int a) {
     return sum / (d->area * d->piston_y);
 }
 
-static bool grain_is_sane(const dynamics *d, int32_t i) {
+static ALWAYS_INLINE bool grain_is_sane(const dynamics *d, int32_t i) {
     const double *g = dynamics_grain(d, i), r = g[d->at.r];
     if (!(d->piston_y > r))
         return false;

@@ -45,6 +45,24 @@ static void find_spans(void *data, int part, int parts) {
     }
 }
 
+/* The rows of the pairs [from, to) that belong to grains [first, last). */
+static void assign_pairs(force_rows *f, const pair_list *p, int32_t from, int32_t to, int32_t size, int32_t first,
+                         int32_t last) {
+    for (int32_t k = from; k < to; k++) {
+        if (p->i[k] >= first && p->i[k] < last)
+            add_row(f, p->i[k], k, size);
+        if (p->j[k] >= first && p->j[k] < last)
+            add_row(f, p->j[k], f->other + k, size);
+    }
+}
+
+static void assign_all_pairs(force_rows *f, const pair_list *p, int32_t size) {
+    for (int32_t k = 0; k < p->n; k++) {
+        add_row(f, p->i[k], k, size);
+        add_row(f, p->j[k], f->other + k, size);
+    }
+}
+
 static void assign_part(void *data, int part, int parts) {
     dynamics *d = data;
     force_rows *f = &d->rows;
@@ -56,13 +74,11 @@ static void assign_part(void *data, int part, int parts) {
         f->further[i] = -1;
     for (int64_t s = SLOTS * (int64_t)first; s < SLOTS * (int64_t)last; s++)
         f->slot[s] = size * f->zero;
-    for (int32_t b = 0; b < blocks; b++)
-        for (int32_t k = SPAN * b; k < p->n && k < SPAN * (b + 1) && sp_rows_may_touch(p, b, first, last); k++) {
-            if (p->i[k] >= first && p->i[k] < last)
-                add_row(f, p->i[k], k, size);
-            if (p->j[k] >= first && p->j[k] < last)
-                add_row(f, p->j[k], f->other + k, size);
-        }
+    for (int32_t b = 0; b < blocks && parts > 1; b++)
+        if (sp_rows_may_touch(p, b, first, last))
+            assign_pairs(f, p, SPAN * b, SPAN * (b + 1) < p->n ? SPAN * (b + 1) : p->n, size, first, last);
+    if (parts == 1)
+        assign_all_pairs(f, p, size);
     for (int side = 0; side < d->walls; side++)
         for (int32_t k = 0; k < d->wall[side].n; k++)
             if (d->wall[side].i[k] >= first && d->wall[side].i[k] < last)
@@ -87,7 +103,8 @@ sp_status sp_rows_assign(dynamics *d, sp_error *err) {
         f->zero += d->wall[side].n;
     }
     memset(f->row + (int64_t)f->zero * d->at.row, 0, (size_t)d->at.row * sizeof *f->row);
-    sp_pool_run(d->pool, find_spans, d);
+    if (d->pool)
+        sp_pool_run(d->pool, find_spans, d);
     sp_pool_run(d->pool, assign_part, d);
     return SP_OK;
 }
