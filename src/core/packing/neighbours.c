@@ -94,8 +94,8 @@ static void choose_part(void *data, int part, int parts) {
         work->pairs[part] = d->dim == 2 ? choose_near(d, work->gap, first, last, 2, false)
                                         : choose_near(d, work->gap, first, last, 3, false);
     for (int side = 0; side < d->walls; side++)
-        work->at_wall[side][part] = choose_at_wall(d, side, work->gap, sp_pool_share(d->n, part, parts),
-                                                   sp_pool_share(d->n, part + 1, parts));
+        work->at_wall[side][part] =
+            choose_at_wall(d, side, work->gap, sp_pool_share(d->n, part, parts), sp_pool_share(d->n, part + 1, parts));
 }
 
 /* Copies pairs of the outer list to the inner one. near: their indices. Compiled for both dimensions. */
