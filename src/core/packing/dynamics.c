@@ -2,6 +2,7 @@
 #include "packing/dynamics.h"
 
 #include "base/base.h"
+#include "base/clones.h"
 #include "base/vector.h"
 #include "packing/contact.h"
 #include "packing/deform.h"
@@ -58,6 +59,9 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
                   .piston_mass = spec->cell == SP_CELL_PISTON ? spec->piston_mass * spec->width * depth : INFINITY,
                   .m_min = INFINITY,
                   .outer_travel = INFINITY};
+    if (d.dim == 3 && !(spec->friction > 0))
+        d.at.row = d.at.turn; /* smooth grains have no torques */
+    d.rows.both = d.dim == 2 && d.n <= BOTH_MOST;
     d.law.friction = spec->friction;
     d.law.eta = spec->friction > 0 ? contact_eta(spec->poisson) : 0;
     d.law.sqrt_eta = sqrt(d.law.eta);
@@ -178,7 +182,8 @@ static void wall_pair(const dynamics *d, int side, int32_t k, double dt) {
     for (int a = 0; a < up; a++)
         row[frame.along[a]] = size > limit ? t[a] * (limit / size) : t[a];
     row[frame.axis] = -sign * normal;
-    turn_at_wall(d, &frame, row);
+    if (d->at.turn < d->at.row)
+        turn_at_wall(d, &frame, row);
     row[3] = s;
     push[0] = normal;
     push[1] = kn;
@@ -264,11 +269,12 @@ void sp_dynamics_advance(dynamics *d, double dt) {
 
 /* ---- what acts on a grain ------------------------------------------------------------------------------------ */
 
-static void add_row(const dynamics *d, int64_t at, double force[3], double turn[3]) {
-    const double *row = d->rows.row + at;
+/* slot: as in force_rows */
+static void add_row(const dynamics *d, int64_t slot, double force[3], double turn[3]) {
+    const double *row = d->rows.row + (slot & ~(int64_t)1), sign = slot & 1 ? -1 : 1;
     for (int a = 0; a < d->dim; a++)
-        force[a] += row[a];
-    for (int a = 0; a < (d->dim == 3 ? 3 : 1); a++)
+        force[a] += sign * row[a];
+    for (int a = 0; a < (d->dim == 3 ? 3 : 1) && d->at.turn < d->at.row; a++)
         turn[a] += row[d->at.turn + a];
 }
 
@@ -285,7 +291,7 @@ void sp_dynamics_force_on(const dynamics *d, int32_t i, double force[3], double 
     for (int s = 0; s < SLOTS && s < rows->count[i]; s++)
         add_row(d, rows->slot[SLOTS * (int64_t)i + s], force, turn);
     for (int32_t c = rows->further[i]; c >= 0; c = rows->chain[c])
-        add_row(d, (int64_t)d->at.row * c, force, turn);
+        add_row(d, (int64_t)d->at.row * (c >> 1) + (c & 1), force, turn);
 }
 
 static double acceleration(const dynamics *d, int32_t i, const double force[3], const double turn[3]) {
@@ -343,7 +349,7 @@ double sp_dynamics_acceleration(const dynamics *d) {
 /* ---- how far from rest --------------------------------------------------------------------------------------- */
 
 /* Vector from grain i to grain j of a pair; returns its length. */
-static double separation(const dynamics *d, const pair_list *p, int32_t k, double x[3]) {
+static ALWAYS_INLINE double separation(const dynamics *d, const pair_list *p, int32_t k, double x[3]) {
     const double *g = dynamics_grain(d, p->i[k]), *h = dynamics_grain(d, p->j[k]);
     x[2] = 0;
     for (int a = 0; a < d->dim; a++)
@@ -358,7 +364,8 @@ static double separation(const dynamics *d, const pair_list *p, int32_t k, doubl
 }
 
 /* Elastic force on i of a pair, and its torque/R. False for an open pair. */
-static bool elastic_pair(const dynamics *d, const pair_list *p, int32_t k, double force[3], double turn[3]) {
+static ALWAYS_INLINE bool elastic_pair(const dynamics *d, const pair_list *p, int32_t k, double force[3],
+                                       double turn[3]) {
     double x[3], r = separation(d, p, k, x), overlap = p->reach[k] - r, t[3] = {0, 0, 0};
     if (!(overlap > 0))
         return false;
@@ -422,15 +429,17 @@ static void add_elastic_wall(const dynamics *d, int side, int32_t i, double *f) 
         on[3 + a] += row[d->at.turn + a];
 }
 
-/* Each thread adds the forces on its grains in the order of the list; pairs at the edge of a part are computed twice. */
+/* Each thread adds the forces on its grains in the order of the list; pairs at the edge of a part are computed twice.
+ */
 static void balance_part(void *data, int part, int parts) {
     measure *work = data;
     const dynamics *d = work->d;
     const pair_list *p = dynamics_pairs(d);
     const int32_t first = sp_pool_share(d->n, part, parts), last = sp_pool_share(d->n, part + 1, parts);
     for (int32_t b = 0; SPAN * b < p->n; b++)
-        for (int32_t k = SPAN * b; k < p->n && k < SPAN * (b + 1) && sp_rows_may_touch(p, b, first, last); k++)
-            add_elastic_pair(d, p, k, first, last, work->f);
+        if (parts == 1 || sp_rows_may_touch(p, b, first, last))
+            for (int32_t k = SPAN * b; k < p->n && k < SPAN * (b + 1); k++)
+                add_elastic_pair(d, p, k, first, last, work->f);
     for (int side = 0; side < d->walls; side++)
         for (int32_t k = 0; k < d->wall[side].n; k++)
             if (d->wall[side].i[k] >= first && d->wall[side].i[k] < last)
@@ -506,7 +515,7 @@ double sp_dynamics_lateral_pressure(const dynamics *d, int a) {
     return sum / (d->area * d->piston_y);
 }
 
-static bool grain_is_sane(const dynamics *d, int32_t i) {
+static ALWAYS_INLINE bool grain_is_sane(const dynamics *d, int32_t i) {
     const double *g = dynamics_grain(d, i), r = g[d->at.r];
     if (!(d->piston_y > r))
         return false;

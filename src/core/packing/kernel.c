@@ -13,6 +13,9 @@ typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
  * of both. */
 static const double NO_OVERLAP = 1e-40;
 
+/* Position and sign of a row in the linked list, as in a slot. size: of a row */
+static ALWAYS_INLINE int32_t row_position(int32_t size, int32_t c) { return size * (c >> 1) + (c & 1); }
+
 /* ---- 2D ------------------------------------------------------------------------------------------------------ */
 
 typedef struct block2 {
@@ -108,8 +111,8 @@ static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int3
     }
 }
 
-/* Writes the forces of a block to the rows of i, and the opposite forces with the same torque to those of j. */
-static inline void rows2(const dynamics *d, int32_t first, int32_t count, const block2 *b) {
+/* Writes the forces of a block to its rows; `both`: also the opposite forces with the same torque to those of j. */
+static ALWAYS_INLINE void rows2(const dynamics *d, int32_t first, int32_t count, const block2 *b, const bool both) {
     const v4 other = {-1.0, -1.0, 1.0, 1.0};
     double *on_i = d->rows.row + 4 * (int64_t)first, *on_j = d->rows.row + 4 * ((int64_t)d->rows.other + first);
     for (int32_t k = 0; k < count; k += 4) {
@@ -122,9 +125,20 @@ static inline void rows2(const dynamics *d, int32_t first, int32_t count, const 
                            __builtin_shufflevector(xy1, ts1, 2, 3, 6, 7)};
         for (int l = 0; l < 4; l++) {
             *(v4 *)&on_i[4 * (k + l)] = row[l];
-            *(v4 *)&on_j[4 * (k + l)] = other * row[l];
+            if (both)
+                *(v4 *)&on_j[4 * (k + l)] = other * row[l];
         }
     }
+}
+
+/* What the row of a pair is multiplied with, for its i and its j: the force on j is opposite, the torque/R the same. */
+static const double SIGN2[2][4] __attribute__((aligned(32))) = {{1, 1, 1, 1}, {-1, -1, 1, 1}};
+
+static ALWAYS_INLINE void read2(const double *row, int32_t slot, const bool both, v4 *f) {
+    if (both)
+        *f = *(const v4 *)(row + slot);
+    else
+        *f = *(const v4 *)SIGN2[slot & 1] * *(const v4 *)(row + (slot & ~1));
 }
 
 CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
@@ -138,10 +152,14 @@ CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first,
         law2(d, dt_past, first, count, &b, true);
     else
         law2(d, dt_past, first, count, &b, false);
-    rows2(d, first, count, &b);
+    if (d->rows.both)
+        rows2(d, first, count, &b, true);
+    else
+        rows2(d, first, count, &b, false);
 }
 
-static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t first, int32_t last, const bool affine) {
+static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t first, int32_t last, const bool affine,
+                                         const bool both) {
     const double keep = 1.0 - d->drag * dt, strain = d->strain_rate[0] * dt, fall = d->gravity * dt;
     const double rise = d->strain_rate[1] * dt, shear = d->shear_rate[0] * dt;
     const double *restrict row = d->rows.row;
@@ -149,14 +167,18 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
     double v2 = 0, rate = 0;
     for (int32_t i = first; i < last; i++) {
         const int32_t *s = slot + SLOTS * (int64_t)i;
-        v4 f = ((*(const v4 *)(row + s[0]) + *(const v4 *)(row + s[1])) +
-                (*(const v4 *)(row + s[2]) + *(const v4 *)(row + s[3]))) +
-               (*(const v4 *)(row + s[4]) + *(const v4 *)(row + s[5]));
+        v4 one[SLOTS];
+        for (int k = 0; k < SLOTS; k++) /* unused slots lead to a row of zeros */
+            read2(row, s[k], both, &one[k]);
+        v4 f = ((one[0] + one[1]) + (one[2] + one[3])) + (one[4] + one[5]);
         if (count[i] > SLOTS)
-            for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[c])
-                f += *(const v4 *)(row + 4 * (int64_t)c);
+            for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[c]) {
+                read2(row, row_position(4, c), both, &one[0]);
+                f += one[0];
+            }
         double *g = d->g + 8 * (int64_t)i, kick = dt * g[6];
-        double vx = keep * g[2] + kick * f[0], vy = keep * g[3] + kick * f[1] - fall;
+        double vx = keep * g[2] + kick * f[0], vy = keep * g[3] + kick * f[1];
+        vy -= affine ? fall : 0;
         g[0] += dt * vx + (affine ? strain * g[0] + shear * g[1] : strain * g[0]);
         g[1] += affine ? dt * vy + rise * g[1] : dt * vy;
         g[2] = vx;
@@ -169,16 +191,24 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
     return (kernel_maxima){v2, rate};
 }
 
+/* Cells without strain, but with gravity, take the slower loop. */
 CLONES kernel_maxima sp_kernel_move_2d(const dynamics *d, double dt, int32_t first, int32_t last) {
-    return d->affine ? move2(d, dt, first, last, true) : move2(d, dt, first, last, false);
+    if (d->affine || d->gravity != 0)
+        return d->rows.both ? move2(d, dt, first, last, true, true) : move2(d, dt, first, last, true, false);
+    return d->rows.both ? move2(d, dt, first, last, false, true) : move2(d, dt, first, last, false, false);
 }
 
 /* ---- 3D ------------------------------------------------------------------------------------------------------ */
 
+/* A block is passed in pieces whose numbers fit in the nearest cache beside those of the pairs. Planes of PLANE numbers
+ * do not begin at the same place of the cache. */
+enum { PIECE = 32, PLANE = PIECE + 8 };
+
 typedef struct block3 {
-    _Alignas(64) double x[3][BLOCK], v[3][BLOCK]; /* of j minus i */
-    double w[3][BLOCK];                           /* w_i + w_j */
-    double turn[3][BLOCK];                        /* sum of the angular velocities */
+    _Alignas(64) double x[3][PLANE], v[3][PLANE]; /* of j minus i; later the normal and the slip velocity */
+    double w[3][PLANE];                           /* w_i + w_j; later the torque/R */
+    double turn[3][PLANE];                        /* sum of the angular velocities; later the tangential force */
+    double along[PLANE], normal[PLANE], elastic[PLANE], stretch[PLANE], s[PLANE];
 } block3;
 
 /* Transposes four vectors of four numbers. */
@@ -192,7 +222,7 @@ static ALWAYS_INLINE void transpose(v4 *a, v4 *b, v4 *c, v4 *d) {
 }
 
 /* Writes the first three numbers of four vectors to three planes. */
-static ALWAYS_INLINE void spread(double plane[3][BLOCK], int32_t k, v4 row[4]) {
+static ALWAYS_INLINE void spread(double plane[3][PLANE], int32_t k, v4 row[4]) {
     transpose(&row[0], &row[1], &row[2], &row[3]);
     for (int a = 0; a < 3; a++)
         *(v4 *)&plane[a][k] = row[a];
@@ -221,11 +251,10 @@ static ALWAYS_INLINE void gather3(const dynamics *d, int32_t first, int32_t coun
     }
 }
 
-/* As law2. The tangential force is a vector: it turns about the normal with the pair's mean rotation, follows the
- * direction of the normal, and keeps its length in both. Results overwrite the inputs: force in x, torque/R in w, s in
- * turn[0]. */
-static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b, const bool rough,
-                               const bool affine) {
+/* Distances, normals and normal forces. Smooth grains are done then: their forces overwrite x, and tangential forces
+ * that a packing brings are dropped. */
+static ALWAYS_INLINE void normals3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b,
+                                   const bool rough, const bool affine) {
     const pair_list *p = &d->inner;
     const double *restrict ix = p->image + first, *restrict iy = ix + p->capacity, *restrict iz = iy + p->capacity;
     const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
@@ -233,8 +262,7 @@ static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int3
     const double sx = d->period[0], sy = d->period[1], sz = d->piston_y, xy = d->tilt[0], xz = d->tilt[1];
     const double yz = d->tilt[2], rx = d->strain_rate[0], ry = d->strain_rate[1], rz = d->strain_rate[2];
     const double gxy = d->shear_rate[0], gxz = d->shear_rate[1], gyz = d->shear_rate[2];
-    const double mu = d->law.friction, eta_dt = d->law.eta * dt, sqrt_eta = d->law.sqrt_eta, half_dt = 0.5 * dt;
-    const double two_zeta = 2.0 * d->law.damping, mu_viscous = mu * d->law.viscous_limit;
+    const double two_zeta = 2.0 * d->law.damping, eta_dt = d->law.eta * dt;
 #pragma GCC ivdep
     for (int32_t k = 0; k < (count & -8); k++) {
         double x = b->x[0][k] + ix[k] * sx, y = b->x[1][k] + iy[k] * sy, z = b->x[2][k];
@@ -259,99 +287,155 @@ static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int3
         double vn = vx * nx + vy * ny + vz * nz;
         double normal = elastic - viscous * vn;
         normal = normal > 0 ? normal : 0;
+        b->s[k] = s;
+        b->x[0][k] = rough ? nx : -normal * nx;
+        b->x[1][k] = rough ? ny : -normal * ny;
+        b->x[2][k] = rough ? nz : -normal * nz;
         if (!rough) {
             tx[k] = ty[k] = tz[k] = 0;
-            b->x[0][k] = -normal * nx;
-            b->x[1][k] = -normal * ny;
-            b->x[2][k] = -normal * nz;
-            b->turn[0][k] = s;
             continue;
         }
-        double wx = b->w[0][k], wy = b->w[1][k], wz = b->w[2][k];
-        double gx = vx - vn * nx - (wy * nz - wz * ny); /* slip velocity */
-        double gy = vy - vn * ny - (wz * nx - wx * nz);
-        double gz = vz - vn * nz - (wx * ny - wy * nx);
-        double twist = half_dt * (b->turn[0][k] * nx + b->turn[1][k] * ny + b->turn[2][k] * nz);
-        double ox = tx[k], oy = ty[k], oz = tz[k], old2 = ox * ox + oy * oy + oz * oz;
+        b->v[0][k] = vx;
+        b->v[1][k] = vy;
+        b->v[2][k] = vz;
+        b->along[k] = vn;
+        b->normal[k] = normal;
+        b->elastic[k] = elastic;
+        b->stretch[k] = eta_dt * kn;
+    }
+}
+
+/* Tangential springs: each turns about the normal with the pair's mean rotation, follows the direction of the normal,
+ * keeps its length in both, and stretches by the slip. This and what follows have loops of their own because the chain
+ * of all roots and quotients is so long that a processor would begin few pairs before others are done. */
+static ALWAYS_INLINE void springs3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b) {
+    const pair_list *p = &d->inner;
+    const double *restrict tx = p->ft + first, *restrict ty = tx + p->capacity, *restrict tz = ty + p->capacity;
+    const double half_dt = 0.5 * dt;
+#pragma GCC ivdep
+    for (int32_t k = 0; k < (count & -8); k++) {
+        const double nx = b->x[0][k], ny = b->x[1][k], nz = b->x[2][k], vn = b->along[k];
+        const double wx = b->w[0][k], wy = b->w[1][k], wz = b->w[2][k];
+        const double gx = b->v[0][k] - vn * nx - (wy * nz - wz * ny); /* slip velocity */
+        const double gy = b->v[1][k] - vn * ny - (wz * nx - wx * nz);
+        const double gz = b->v[2][k] - vn * nz - (wx * ny - wy * nx);
+        const double twist = half_dt * (b->turn[0][k] * nx + b->turn[1][k] * ny + b->turn[2][k] * nz);
+        const double ox = tx[k], oy = ty[k], oz = tz[k], old2 = ox * ox + oy * oy + oz * oz;
         double fx = ox + twist * (ny * oz - nz * oy), fy = oy + twist * (nz * ox - nx * oz);
         double fz = oz + twist * (nx * oy - ny * ox), fn = fx * nx + fy * ny + fz * nz;
         fx -= fn * nx;
         fy -= fn * ny;
         fz -= fn * nz;
-        double new2 = fx * fx + fy * fy + fz * fz, same = sqrt(old2 / (new2 + 1e-300));
-        double stretch = eta_dt * kn;
-        fx = same * fx + stretch * gx;
-        fy = same * fy + stretch * gy;
-        fz = same * fz + stretch * gz;
-        double cap = mu * elastic, size = sqrt(fx * fx + fy * fy + fz * fz);
-        double keep = cap / ((size > cap ? size : cap) + 1e-300);
+        const double new2 = fx * fx + fy * fy + fz * fz, same = sqrt(old2 / (new2 + 1e-300));
+        const double stretch = b->stretch[k];
+        b->v[0][k] = gx;
+        b->v[1][k] = gy;
+        b->v[2][k] = gz;
+        b->turn[0][k] = same * fx + stretch * gx;
+        b->turn[1][k] = same * fy + stretch * gy;
+        b->turn[2][k] = same * fz + stretch * gz;
+    }
+}
+
+/* Limits the springs by sliding, stores them, and adds the dashpots. */
+static ALWAYS_INLINE void limits3(const dynamics *d, int32_t first, int32_t count, block3 *b) {
+    const pair_list *p = &d->inner;
+    double *restrict tx = p->ft + first, *restrict ty = tx + p->capacity, *restrict tz = ty + p->capacity;
+    const double mu = d->law.friction, two_zeta = 2.0 * d->law.damping, sqrt_eta = d->law.sqrt_eta;
+#pragma GCC ivdep
+    for (int32_t k = 0; k < (count & -8); k++) {
+        double fx = b->turn[0][k], fy = b->turn[1][k], fz = b->turn[2][k];
+        const double cap = mu * b->elastic[k], size = sqrt(fx * fx + fy * fy + fz * fz);
+        const double keep = cap / ((size > cap ? size : cap) + 1e-300), c = two_zeta * b->s[k] * sqrt_eta;
         fx *= keep;
         fy *= keep;
         fz *= keep;
         tx[k] = fx;
         ty[k] = fy;
         tz[k] = fz;
-        double c = viscous * sqrt_eta, limit = mu_viscous * normal;
-        fx += c * gx;
-        fy += c * gy;
-        fz += c * gz;
-        double total = sqrt(fx * fx + fy * fy + fz * fz);
-        double cut = limit / ((total > limit ? total : limit) + 1e-300);
-        fx *= cut;
-        fy *= cut;
-        fz *= cut;
-        double qx = ny * fz - nz * fy, qy = nz * fx - nx * fz, qz = nx * fy - ny * fx;
-        double px = fx - normal * nx, py = fy - normal * ny, pz = fz - normal * nz;
-        b->x[0][k] = px;
-        b->x[1][k] = py;
-        b->x[2][k] = pz;
-        b->w[0][k] = qx;
-        b->w[1][k] = qy;
-        b->w[2][k] = qz;
-        b->turn[0][k] = s;
+        b->turn[0][k] = fx + c * b->v[0][k];
+        b->turn[1][k] = fy + c * b->v[1][k];
+        b->turn[2][k] = fz + c * b->v[2][k];
     }
 }
 
-/* The torques in the rows of smooth grains are never written, and 0 from the start. */
+/* Limits the whole tangential forces. Forces overwrite x. */
+static ALWAYS_INLINE void forces3(const dynamics *d, int32_t count, block3 *b) {
+    const double mu_viscous = d->law.friction * d->law.viscous_limit;
+#pragma GCC ivdep
+    for (int32_t k = 0; k < (count & -8); k++) {
+        const double nx = b->x[0][k], ny = b->x[1][k], nz = b->x[2][k], normal = b->normal[k];
+        double fx = b->turn[0][k], fy = b->turn[1][k], fz = b->turn[2][k];
+        const double limit = mu_viscous * normal, total = sqrt(fx * fx + fy * fy + fz * fz);
+        const double cut = limit / ((total > limit ? total : limit) + 1e-300);
+        fx *= cut;
+        fy *= cut;
+        fz *= cut;
+        b->w[0][k] = ny * fz - nz * fy;
+        b->w[1][k] = nz * fx - nx * fz;
+        b->w[2][k] = nx * fy - ny * fx;
+        b->x[0][k] = fx - normal * nx;
+        b->x[1][k] = fy - normal * ny;
+        b->x[2][k] = fz - normal * nz;
+    }
+}
+
+/* Smooth grains have rows without torques. */
 static ALWAYS_INLINE void rows3(const dynamics *d, int32_t first, int32_t count, const block3 *b, const bool rough) {
-    const v4 other = {-1.0, -1.0, -1.0, 1.0};
-    double *on_i = d->rows.row + 8 * (int64_t)first, *on_j = d->rows.row + 8 * ((int64_t)d->rows.other + first);
+    const int32_t size = rough ? 8 : 4;
+    double *to = d->rows.row + size * (int64_t)first;
     for (int32_t k = 0; k < (count & -8); k += 4) {
         v4 force[4] = {*(const v4 *)&b->x[0][k], *(const v4 *)&b->x[1][k], *(const v4 *)&b->x[2][k],
-                       *(const v4 *)&b->turn[0][k]};
+                       *(const v4 *)&b->s[k]};
         transpose(&force[0], &force[1], &force[2], &force[3]);
-        for (int l = 0; l < 4; l++) {
-            *(v4 *)&on_i[8 * (k + l)] = force[l];
-            *(v4 *)&on_j[8 * (k + l)] = other * force[l];
-        }
+        for (int l = 0; l < 4; l++)
+            *(v4 *)&to[size * (k + l)] = force[l];
         if (!rough)
             continue;
         v4 turn[4] = {*(const v4 *)&b->w[0][k], *(const v4 *)&b->w[1][k], *(const v4 *)&b->w[2][k], {0}};
         transpose(&turn[0], &turn[1], &turn[2], &turn[3]);
-        for (int l = 0; l < 4; l++) {
-            *(v4 *)&on_i[8 * (k + l) + 4] = turn[l];
-            *(v4 *)&on_j[8 * (k + l) + 4] = turn[l];
-        }
+        for (int l = 0; l < 4; l++)
+            *(v4 *)&to[size * (k + l) + 4] = turn[l];
     }
 }
 
-static ALWAYS_INLINE void pairs3(const dynamics *d, double dt, int32_t first, int32_t count, const bool rough,
+/* Appendix A of the paper for a block of pairs, as law2, with a vector for the tangential force. */
+static ALWAYS_INLINE void pairs3(const dynamics *d, double dt, int32_t start, int32_t all, const bool rough,
                                  const bool affine) {
     block3 b;
-    gather3(d, first, count, &b, rough);
-    law3(d, dt, first, count, &b, rough, affine);
-    rows3(d, first, count, &b, rough);
+    for (int32_t first = start; first < start + all; first += PIECE) {
+        const int32_t left = start + all - first, count = left < PIECE ? left : PIECE;
+        gather3(d, first, count, &b, rough);
+        normals3(d, dt, first, count, &b, rough, affine);
+        if (rough) {
+            springs3(d, dt, first, count, &b);
+            limits3(d, first, count, &b);
+            forces3(d, count, &b);
+        }
+        rows3(d, first, count, &b, rough);
+    }
 }
 
+/* Whether the grains have rotations, and rows with torques. */
+static ALWAYS_INLINE bool turning(const dynamics *d) { return d->at.row > d->at.turn; }
+
 CLONES void sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
-    if (d->affine && d->law.friction > 0)
+    if (d->affine && turning(d))
         pairs3(d, dt_past, first, count, true, true);
     else if (d->affine)
         pairs3(d, dt_past, first, count, false, true);
-    else if (d->law.friction > 0)
+    else if (turning(d))
         pairs3(d, dt_past, first, count, true, false);
     else
         pairs3(d, dt_past, first, count, false, false);
+}
+
+static const double SIGN3[2][4] __attribute__((aligned(32))) = {{1, 1, 1, 1}, {-1, -1, -1, 1}};
+
+static ALWAYS_INLINE void add3(const double *row, int32_t slot, const bool rough, v4 *f, v4 *q) {
+    *f += *(const v4 *)SIGN3[slot & 1] * *(const v4 *)(row + (slot & ~1));
+    if (rough)
+        *q += *(const v4 *)(row + (slot & ~1) + 4);
 }
 
 static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t first, int32_t last, const bool rough,
@@ -364,21 +448,15 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
     for (int32_t i = first; i < last; i++) {
         const int32_t *s = d->rows.slot + SLOTS * (int64_t)i;
         v4 f = {0, 0, 0, 0}, q = {0, 0, 0, 0};
-        for (int32_t k = 0; k < SLOTS; k++) { /* unused slots lead to a row of zeros */
-            f += *(const v4 *)(row + s[k]);
-            if (rough)
-                q += *(const v4 *)(row + s[k] + 4);
-        }
-        for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[c]) {
-            f += *(const v4 *)(row + 8 * (int64_t)c);
-            if (rough)
-                q += *(const v4 *)(row + 8 * (int64_t)c + 4);
-        }
+        for (int32_t k = 0; k < SLOTS; k++) /* unused slots lead to a row of zeros */
+            add3(row, s[k], rough, &f, &q);
+        for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[c])
+            add3(row, row_position(rough ? 8 : 4, c), rough, &f, &q);
         double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], square = 0;
         const double carried[3] = {strain[0] * g[0] + shear[0] * g[1] + shear[1] * g[2],
                                    strain[1] * g[1] + shear[2] * g[2], rise * g[2]};
         for (int a = 0; a < 3; a++) {
-            double v = keep * g[4 + a] + kick * f[a] - fall[a];
+            double v = keep * g[4 + a] + kick * f[a] - (affine ? fall[a] : 0);
             g[a] += dt * v + (affine ? carried[a] : strain[a] * g[a]);
             g[4 + a] = v;
             if (rough)
@@ -393,7 +471,7 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
 }
 
 CLONES kernel_maxima sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last) {
-    if (d->affine)
-        return d->law.friction > 0 ? move3(d, dt, first, last, true, true) : move3(d, dt, first, last, false, true);
-    return d->law.friction > 0 ? move3(d, dt, first, last, true, false) : move3(d, dt, first, last, false, false);
+    if (d->affine || d->gravity != 0)
+        return turning(d) ? move3(d, dt, first, last, true, true) : move3(d, dt, first, last, false, true);
+    return turning(d) ? move3(d, dt, first, last, true, false) : move3(d, dt, first, last, false, false);
 }

@@ -94,34 +94,45 @@ static void choose_part(void *data, int part, int parts) {
         work->pairs[part] = d->dim == 2 ? choose_near(d, work->gap, first, last, 2, false)
                                         : choose_near(d, work->gap, first, last, 3, false);
     for (int side = 0; side < d->walls; side++)
-        work->at_wall[side][part] = choose_at_wall(d, side, work->gap, sp_pool_share(d->n, part, parts),
-                                                   sp_pool_share(d->n, part + 1, parts));
+        work->at_wall[side][part] =
+            choose_at_wall(d, side, work->gap, sp_pool_share(d->n, part, parts), sp_pool_share(d->n, part + 1, parts));
 }
 
-/* Copies the pairs that a part has chosen to the inner list, after those of the parts before it. */
-static void fill_part(void *data, int part, int parts) {
-    const refill_work *work = data;
-    const dynamics *d = work->d;
+/* Copies pairs of the outer list to the inner one. near: their indices. Compiled for both dimensions. */
+static inline void copy_pairs(const dynamics *d, const int32_t *near, int32_t first, int32_t last, const int dim,
+                              const int images) {
     const pair_list *inner = &d->inner, *outer = &d->outer;
-    const int32_t *near = outer->near + sp_pool_share(outer->n, part, parts);
-    int32_t at = 0;
-    for (int before = 0; before < part; before++)
-        at += work->pairs[before];
-    for (int32_t n = at; n < at + work->pairs[part]; n++) {
-        const int32_t k = near[n - at];
+    const int32_t stride = dim == 2 ? 8 : 16;
+    for (int32_t n = first; n < last; n++) {
+        const int32_t k = near[n - first];
         inner->i[n] = outer->i[k];
         inner->j[n] = outer->j[k];
-        inner->at_i[n] = d->at.stride * outer->i[k];
-        inner->at_j[n] = d->at.stride * outer->j[k];
+        inner->at_i[n] = stride * outer->i[k];
+        inner->at_j[n] = stride * outer->j[k];
         inner->from[n] = k;
         inner->reach[n] = outer->reach[k];
         inner->e2[n] = outer->e2[k];
         inner->sm[n] = outer->sm[k];
-        for (int a = 0; a < (d->affine ? d->dim : d->dim - 1); a++)
+        for (int a = 0; a < images; a++)
             inner->image[n + (int64_t)a * inner->capacity] = outer->image[k + (int64_t)a * outer->capacity];
-        for (int a = 0; a < d->at.forces; a++)
+        for (int a = 0; a < (dim == 2 ? 1 : 3); a++)
             inner->ft[n + (int64_t)a * inner->capacity] = outer->ft[k + (int64_t)a * outer->capacity];
     }
+}
+
+/* Fills the inner list with the pairs that a part has chosen, after those of the parts before it. */
+static void fill_part(void *data, int part, int parts) {
+    const refill_work *work = data;
+    const dynamics *d = work->d;
+    const int32_t *near = d->outer.near + sp_pool_share(d->outer.n, part, parts);
+    int32_t first = 0;
+    for (int before = 0; before < part; before++)
+        first += work->pairs[before];
+    const int32_t last = first + work->pairs[part];
+    if (d->dim == 2)
+        d->affine ? copy_pairs(d, near, first, last, 2, 2) : copy_pairs(d, near, first, last, 2, 1);
+    else
+        d->affine ? copy_pairs(d, near, first, last, 3, 3) : copy_pairs(d, near, first, last, 3, 2);
 }
 
 /* Fills the last vector of the inner list with dummy pairs. */
