@@ -4,6 +4,7 @@
 #include "base/base.h"
 #include "base/vector.h"
 #include "packing/contact.h"
+#include "packing/inertia.h"
 #include "packing/kernel.h"
 #include "packing/pairs.h"
 #include "packing/plain.h"
@@ -45,6 +46,7 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
                   .area = spec->width * depth,
                   .pressure = spec->pressure,
                   .plain = spec->reference,
+                  .long_steps = spec->time_step > SP_LONG_STEP && !spec->reference,
                   .piston_y = height,
                   .piston_mass = spec->piston_mass * spec->width * depth,
                   .m_min = INFINITY,

@@ -2,6 +2,7 @@
 #include "packing/kernel.h"
 #include "base/clones.h"
 
+#include "packing/inertia.h"
 #include "packing/roots.h"
 
 #include <math.h>
@@ -129,20 +130,31 @@ CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first,
     rows2(d, first, count, &b);
 }
 
-CLONES kernel_maxima sp_kernel_move_2d(const dynamics *d, double dt, int32_t first, int32_t last) {
-    const double keep = 1.0 - d->drag * dt, strain = d->strain_rate[0] * dt;
+static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t first, int32_t last, const bool rough,
+                                         const bool long_steps) {
+    const double full = 1.0 - d->drag * dt, strain = d->strain_rate[0] * dt, zeta = d->law.damping;
     const double *restrict row = d->rows.row;
     const int32_t *restrict slot = d->rows.slot, *restrict count = d->rows.count;
     double v2 = 0, rate = 0;
     for (int32_t i = first; i < last; i++) {
         const int32_t *s = slot + SLOTS * (int64_t)i;
-        v4 f = ((*(const v4 *)(row + s[0]) + *(const v4 *)(row + s[1])) +
-                (*(const v4 *)(row + s[2]) + *(const v4 *)(row + s[3]))) +
-               (*(const v4 *)(row + s[4]) + *(const v4 *)(row + s[5]));
+        const v4 *one[SLOTS];
+        for (int k = 0; k < SLOTS; k++)
+            one[k] = (const v4 *)(row + s[k]);
+        v4 f = ((*one[0] + *one[1]) + (*one[2] + *one[3])) + (*one[4] + *one[5]), squares = {0, 0, 0, 0};
+        for (int k = 0; k < SLOTS && long_steps; k++)
+            squares += *one[k] * *one[k];
         if (count[i] > SLOTS)
-            for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[2 * (int64_t)c + 1])
-                f += *(const v4 *)(row + d->rows.chain[2 * (int64_t)c]);
-        double *g = d->g + 8 * (int64_t)i, kick = dt * g[6];
+            for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[2 * (int64_t)c + 1]) {
+                const v4 more = *(const v4 *)(row + d->rows.chain[2 * (int64_t)c]);
+                f += more;
+                squares += more * more;
+            }
+        double *g = d->g + 8 * (int64_t)i, kick = dt * g[6], keep = full;
+        if (long_steps) {
+            keep = f[0] * g[2] + f[1] * g[3] + f[2] * g[4] > 0 ? 1 : full;
+            kick /= inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 2, rough);
+        }
         double vx = keep * g[2] + kick * f[0], vy = keep * g[3] + kick * f[1];
         g[0] += dt * vx + strain * g[0];
         g[1] += dt * vy;
@@ -154,6 +166,14 @@ CLONES kernel_maxima sp_kernel_move_2d(const dynamics *d, double dt, int32_t fir
         rate = fast > rate ? fast : rate;
     }
     return (kernel_maxima){v2, rate};
+}
+
+CLONES kernel_maxima sp_kernel_move_2d(const dynamics *d, double dt, int32_t first, int32_t last) {
+    if (!d->long_steps)
+        return move2(d, dt, first, last, true, false);
+    if (d->law.friction > 0)
+        return move2(d, dt, first, last, true, true);
+    return move2(d, dt, first, last, false, true);
 }
 
 /* ---- 3D ------------------------------------------------------------------------------------------------------ */
@@ -319,24 +339,36 @@ CLONES void sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first,
     }
 }
 
-static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t first, int32_t last, const bool rough) {
-    const double keep = 1.0 - d->drag * dt, strain[3] = {d->strain_rate[0] * dt, d->strain_rate[1] * dt, 0};
+static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t first, int32_t last, const bool rough,
+                                         const bool long_steps) {
+    const double full = 1.0 - d->drag * dt, zeta = d->law.damping;
+    const double strain[3] = {d->strain_rate[0] * dt, d->strain_rate[1] * dt, 0};
     const double *restrict row = d->rows.row;
     double v2 = 0, rate = 0;
     for (int32_t i = first; i < last; i++) {
         const int32_t *s = d->rows.slot + SLOTS * (int64_t)i;
-        v4 f = {0, 0, 0, 0}, q = {0, 0, 0, 0};
+        v4 f = {0, 0, 0, 0}, q = f, squares = f;
         for (int32_t k = 0; k < SLOTS; k++) { /* unused slots lead to a row of zeros */
-            f += *(const v4 *)(row + s[k]);
+            const v4 one = *(const v4 *)(row + s[k]);
+            f += one;
+            squares += one * one;
             if (rough)
                 q += *(const v4 *)(row + s[k] + 4);
         }
         for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[2 * (int64_t)c + 1]) {
-            f += *(const v4 *)(row + d->rows.chain[2 * (int64_t)c]);
+            const v4 one = *(const v4 *)(row + d->rows.chain[2 * (int64_t)c]);
+            f += one;
+            squares += one * one;
             if (rough)
                 q += *(const v4 *)(row + d->rows.chain[2 * (int64_t)c] + 4);
         }
-        double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], square = 0;
+        double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], keep = full, square = 0;
+        if (long_steps) {
+            const double push = f[0] * g[4] + f[1] * g[5] + f[2] * g[6];
+            const double spin = rough ? q[0] * g[8] + q[1] * g[9] + q[2] * g[10] : 0;
+            keep = push + spin > 0 ? 1 : full;
+            kick /= inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 3, rough);
+        }
         for (int a = 0; a < 3; a++) {
             double v = keep * g[4 + a] + kick * f[a];
             g[a] += dt * v + strain[a] * g[a];
@@ -353,5 +385,7 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
 }
 
 CLONES kernel_maxima sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last) {
-    return d->law.friction > 0 ? move3(d, dt, first, last, true) : move3(d, dt, first, last, false);
+    if (d->long_steps)
+        return d->law.friction > 0 ? move3(d, dt, first, last, true, true) : move3(d, dt, first, last, false, true);
+    return d->law.friction > 0 ? move3(d, dt, first, last, true, false) : move3(d, dt, first, last, false, false);
 }
