@@ -6,6 +6,7 @@
 #include "base/vector.h"
 #include "packing/contact.h"
 #include "packing/deform.h"
+#include "packing/inertia.h"
 #include "packing/kernel.h"
 #include "packing/pairs.h"
 #include "packing/plain.h"
@@ -55,6 +56,7 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
                   .area = spec->width * depth,
                   .pressure = spec->pressure,
                   .plain = spec->reference,
+                  .long_steps = spec->time_step > SP_LONG_STEP && !spec->reference,
                   .piston_y = height,
                   .piston_mass = spec->cell == SP_CELL_PISTON ? spec->piston_mass * spec->width * depth : INFINITY,
                   .m_min = INFINITY,

@@ -109,6 +109,7 @@ typedef struct dynamics {
     double k_max; /* reference code: largest stiffness */
     double piston_k; /* sum of the stiffnesses that act on the piston */
     double drag;     /* rate of the global damping; 0 at first */
+    bool long_steps; /* steps may be too long for the stiffest grains (see inertia.h) */
     double dt;       /* length of the last step */
     int64_t rebuilds, refills;
     cells cells;   /* of the outer list */

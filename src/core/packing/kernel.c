@@ -2,6 +2,7 @@
 #include "packing/kernel.h"
 #include "base/clones.h"
 
+#include "packing/inertia.h"
 #include "packing/roots.h"
 
 #include <math.h>
@@ -158,25 +159,35 @@ CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first,
         rows2(d, first, count, &b, false);
 }
 
+/* long_steps: see inertia.h. */
 static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t first, int32_t last, const bool affine,
-                                         const bool both) {
-    const double keep = 1.0 - d->drag * dt, strain = d->strain_rate[0] * dt, fall = d->gravity * dt;
-    const double rise = d->strain_rate[1] * dt, shear = d->shear_rate[0] * dt;
+                                         const bool both, const bool long_steps) {
+    const double full = 1.0 - d->drag * dt, strain = d->strain_rate[0] * dt, fall = d->gravity * dt;
+    const double rise = d->strain_rate[1] * dt, shear = d->shear_rate[0] * dt, zeta = d->law.damping;
+    const bool rough = d->law.friction > 0;
     const double *restrict row = d->rows.row;
     const int32_t *restrict slot = d->rows.slot, *restrict count = d->rows.count;
     double v2 = 0, rate = 0;
     for (int32_t i = first; i < last; i++) {
         const int32_t *s = slot + SLOTS * (int64_t)i;
-        v4 one[SLOTS];
-        for (int k = 0; k < SLOTS; k++) /* unused slots lead to a row of zeros */
+        v4 one[SLOTS], squares = {0, 0, 0, 0};
+        for (int k = 0; k < SLOTS; k++) { /* unused slots lead to a row of zeros */
             read2(row, s[k], both, &one[k]);
+            if (long_steps)
+                squares += one[k] * one[k];
+        }
         v4 f = ((one[0] + one[1]) + (one[2] + one[3])) + (one[4] + one[5]);
         if (count[i] > SLOTS)
             for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[c]) {
                 read2(row, row_position(4, c), both, &one[0]);
                 f += one[0];
+                squares += one[0] * one[0];
             }
-        double *g = d->g + 8 * (int64_t)i, kick = dt * g[6];
+        double *g = d->g + 8 * (int64_t)i, kick = dt * g[6], keep = full;
+        if (long_steps) {
+            keep = f[0] * g[2] + f[1] * g[3] + f[2] * g[4] > 0 ? 1 : full;
+            kick /= inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 2, rough);
+        }
         double vx = keep * g[2] + kick * f[0], vy = keep * g[3] + kick * f[1];
         vy -= affine ? fall : 0;
         g[0] += dt * vx + (affine ? strain * g[0] + shear * g[1] : strain * g[0]);
@@ -191,11 +202,16 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
     return (kernel_maxima){v2, rate};
 }
 
-/* Cells without strain, but with gravity, take the slower loop. */
+/* Cells without strain, but with gravity, take the slower loop, and so do long steps. */
 CLONES kernel_maxima sp_kernel_move_2d(const dynamics *d, double dt, int32_t first, int32_t last) {
+    if (d->long_steps)
+        return d->rows.both ? move2(d, dt, first, last, true, true, true)
+                            : move2(d, dt, first, last, true, false, true);
     if (d->affine || d->gravity != 0)
-        return d->rows.both ? move2(d, dt, first, last, true, true) : move2(d, dt, first, last, true, false);
-    return d->rows.both ? move2(d, dt, first, last, false, true) : move2(d, dt, first, last, false, false);
+        return d->rows.both ? move2(d, dt, first, last, true, true, false)
+                            : move2(d, dt, first, last, true, false, false);
+    return d->rows.both ? move2(d, dt, first, last, false, true, false)
+                        : move2(d, dt, first, last, false, false, false);
 }
 
 /* ---- 3D ------------------------------------------------------------------------------------------------------ */
@@ -432,27 +448,39 @@ CLONES void sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first,
 
 static const double SIGN3[2][4] __attribute__((aligned(32))) = {{1, 1, 1, 1}, {-1, -1, -1, 1}};
 
-static ALWAYS_INLINE void add3(const double *row, int32_t slot, const bool rough, v4 *f, v4 *q) {
-    *f += *(const v4 *)SIGN3[slot & 1] * *(const v4 *)(row + (slot & ~1));
+/* squares: of the rows' components, for long steps only. */
+static ALWAYS_INLINE void add3(const double *row, int32_t slot, const bool rough, const bool long_steps, v4 *f, v4 *q,
+                               v4 *squares) {
+    const v4 one = *(const v4 *)(row + (slot & ~1));
+    *f += *(const v4 *)SIGN3[slot & 1] * one;
+    if (long_steps)
+        *squares += one * one;
     if (rough)
         *q += *(const v4 *)(row + (slot & ~1) + 4);
 }
 
 static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t first, int32_t last, const bool rough,
-                                         const bool affine) {
-    const double keep = 1.0 - d->drag * dt, strain[3] = {d->strain_rate[0] * dt, d->strain_rate[1] * dt, 0};
+                                         const bool affine, const bool long_steps) {
+    const double full = 1.0 - d->drag * dt, zeta = d->law.damping;
+    const double strain[3] = {d->strain_rate[0] * dt, d->strain_rate[1] * dt, 0};
     const double rise = d->strain_rate[2] * dt, fall[3] = {0, 0, d->gravity * dt};
     const double shear[3] = {d->shear_rate[0] * dt, d->shear_rate[1] * dt, d->shear_rate[2] * dt};
     const double *restrict row = d->rows.row;
     double v2 = 0, rate = 0;
     for (int32_t i = first; i < last; i++) {
         const int32_t *s = d->rows.slot + SLOTS * (int64_t)i;
-        v4 f = {0, 0, 0, 0}, q = {0, 0, 0, 0};
+        v4 f = {0, 0, 0, 0}, q = f, squares = f;
         for (int32_t k = 0; k < SLOTS; k++) /* unused slots lead to a row of zeros */
-            add3(row, s[k], rough, &f, &q);
+            add3(row, s[k], rough, long_steps, &f, &q, &squares);
         for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[c])
-            add3(row, row_position(rough ? 8 : 4, c), rough, &f, &q);
-        double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], square = 0;
+            add3(row, row_position(rough ? 8 : 4, c), rough, long_steps, &f, &q, &squares);
+        double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], keep = full, square = 0;
+        if (long_steps) {
+            const double push = f[0] * g[4] + f[1] * g[5] + f[2] * g[6];
+            const double spin = rough ? q[0] * g[8] + q[1] * g[9] + q[2] * g[10] : 0;
+            keep = push + spin > 0 ? 1 : full;
+            kick /= inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 3, rough);
+        }
         const double carried[3] = {strain[0] * g[0] + shear[0] * g[1] + shear[1] * g[2],
                                    strain[1] * g[1] + shear[2] * g[2], rise * g[2]};
         for (int a = 0; a < 3; a++) {
@@ -471,7 +499,14 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
 }
 
 CLONES kernel_maxima sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last) {
-    if (d->affine || d->gravity != 0)
-        return turning(d) ? move3(d, dt, first, last, true, true) : move3(d, dt, first, last, false, true);
-    return turning(d) ? move3(d, dt, first, last, true, false) : move3(d, dt, first, last, false, false);
+    const bool affine = d->affine || d->gravity != 0;
+    if (d->long_steps && affine)
+        return turning(d) ? move3(d, dt, first, last, true, true, true) : move3(d, dt, first, last, false, true, true);
+    if (d->long_steps)
+        return turning(d) ? move3(d, dt, first, last, true, false, true)
+                          : move3(d, dt, first, last, false, false, true);
+    if (affine)
+        return turning(d) ? move3(d, dt, first, last, true, true, false)
+                          : move3(d, dt, first, last, false, true, false);
+    return turning(d) ? move3(d, dt, first, last, true, false, false) : move3(d, dt, first, last, false, false, false);
 }

@@ -20,11 +20,16 @@ static double stable_step(double zeta) {
     return sqrt(viscous * viscous + 4) - viscous;
 }
 
+/* The same during equilibration if steps are long (see inertia.h). */
+static const double LONG_CALM_STEP = 1.45;
+
 /* Fraction of the stable step. While the packing forms, 0.7 of it makes the packing slightly denser (Phi2 by 0.2
  * standard deviations). During equilibration steps only need to be stable, which 0.7 is not in lattices of equal
  * disks. */
 static double step_fraction(const compression *run) {
     const sp_pack_spec *spec = run->spec;
+    if (run->d.long_steps)
+        return run->phase == PHASE_EQUILIBRATION ? LONG_CALM_STEP : spec->time_step;
     const double longer = fmax(spec->time_step, fmin(0.7, 1.4 * spec->time_step));
     return run->phase == PHASE_EQUILIBRATION && !sp_sizes_alike(spec) ? longer : spec->time_step;
 }
@@ -40,7 +45,8 @@ static double stable_pair(const contact_law *law) {
  * would have after a step at the largest speed, and with a looser factor, because it is only one step. */
 static double next_step(const compression *run) {
     const dynamics *d = &run->d;
-    const double factor = fmin(step_fraction(run) * stable_step(d->law.damping), 0.95 * stable_pair(&d->law));
+    const double fraction = step_fraction(run) * stable_step(d->law.damping);
+    const double factor = d->long_steps ? fraction : fmin(fraction, 0.95 * stable_pair(&d->law));
     const double past = d->dt;
     double soon = 2.0 * sqrt(run->r_min * 2.0 * d->v_max * past); /* k_n = 2 E* sqrt(R n) at a wall, n = 2 v dt */
     double rate = fmax(d->rate, 0.5 * sqrt(soon / d->m_min));

@@ -1,6 +1,7 @@
 /* Defaults, checks and resolved values of a packing's spec. */
 #include "base/base.h"
 #include "packing/contact.h"
+#include "packing/inertia.h"
 #include "packing/keys.h"
 #include "packing/prepare.h"
 
@@ -10,15 +11,17 @@
 /* Values that a protocol sets if the spec leaves them open. */
 typedef struct protocol {
     double damping, piston_mass;
-    double gas_fraction[4]; /* by dimension */
-    double time_step, calm, drag, viscous_limit, calm_damping;
+    double gas_fraction[4];                    /* by dimension */
+    double time_step, rough_step, smooth_step; /* in 2D, and in 3D with and without friction */
+    double calm, drag[4], viscous_limit, calm_damping;
 } protocol;
 
 /* DEFAULT is as SOMFAI2005 until the global damping starts: a different motion would give a different material. */
 static const protocol protocols[] = {
-    [SP_PROTOCOL_DEFAULT] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 0.01, 0.01, 1e6, 0.2},
-    [SP_PROTOCOL_SOMFAI2005] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 0.01, 0.01, 1e6, 0.8},
-    [SP_PROTOCOL_QUICK] = {0.5, 2, {0.45, 0.45, 0.45, 0.25}, 0.5, 3, 0.01, 1, 0.2},
+    [SP_PROTOCOL_DEFAULT] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 1.8, 3.1, 0.01, {0.01, 0.01, 0.01, 0.02}, 1e6, 0.2},
+    [SP_PROTOCOL_SOMFAI2005] =
+        {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 0.7, 0.7, 0.01, {0.01, 0.01, 0.01, 0.01}, 1e6, 0.8},
+    [SP_PROTOCOL_QUICK] = {0.5, 2, {0.45, 0.45, 0.45, 0.25}, 0.5, 0.5, 0.5, 3, {0.01, 0.01, 0.01, 0.01}, 1, 0.2},
 };
 enum { PROTOCOLS = sizeof protocols / sizeof *protocols };
 _Static_assert(PROTOCOLS == SP_PROTOCOL_QUICK + 1, "the range of packing.protocol covers all protocols");
@@ -250,6 +253,13 @@ static sp_status check_file(const sp_pack_spec *s, sp_error *err) {
  * packings. It grows above 0.65 of their stable step. */
 static const double LATTICE_STEP = 0.5;
 
+static double own_step(const protocol *own, const sp_pack_spec *s) {
+    if (s->dim == 3)
+        return s->friction > 0 ? own->rough_step : own->smooth_step;
+    const bool lattice = s->dim == 2 && sp_sizes_alike(s) && own->time_step <= SP_LONG_STEP;
+    return lattice ? fmin(own->time_step, LATTICE_STEP) : own->time_step;
+}
+
 sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     sp_pack_spec s = *given;
     sp_sizes_limits(given, &s.diameter_min, &s.diameter_max);
@@ -268,11 +278,11 @@ sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     if (s.gas_fraction == 0)
         s.gas_fraction = own->gas_fraction[s.dim];
     if (s.time_step == 0)
-        s.time_step = s.dim == 2 && sp_sizes_alike(&s) ? fmin(own->time_step, LATTICE_STEP) : own->time_step;
+        s.time_step = own_step(own, &s);
     if (s.calm < 0)
         s.calm = own->calm;
     if (s.drag < 0)
-        s.drag = own->drag;
+        s.drag = own->drag[s.dim];
     if (s.calm_damping == 0)
         s.calm_damping = own->calm_damping;
     if (s.viscous_limit == 0)
