@@ -1,20 +1,6 @@
 /* Files of packings in other cells than under a piston: every bit comes back, and forged files have their reasons. */
 #include "test_store_fixture.h"
 
-static char *folder;
-
-static int make_folder(void **state) {
-    (void)state;
-    folder = fixture_folder();
-    return 0;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    fixture_remove(folder);
-    return 0;
-}
-
 typedef sp_status round_trip(const sp_packing *p, sp_packing *q, sp_error *err);
 
 static sp_status through_hdf5(const sp_packing *p, sp_packing *q, sp_error *err) {
