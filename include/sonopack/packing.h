@@ -278,7 +278,7 @@ SP_API sp_status sp_packing_make(const sp_pack_spec *spec, sp_pack_watch watch, 
 typedef struct sp_pack_hooks {
     sp_pack_watch watch; /* may be NULL */
     void *user;          /* passed to watch, save and stage */
-    int threads;         /* used for packings of 5000 grains or more; 0 or 1: the caller's thread only */
+    int threads;         /* used from 5000 disks or 3000 spheres on; 0 or 1: the caller's thread only */
     /* Called now and then with the complete state, to be kept until the next call; may be NULL. An error ends the
      * run. */
     sp_status (*save)(const void *state, size_t size, void *user, sp_error *err);

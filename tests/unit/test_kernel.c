@@ -212,39 +212,130 @@ static void test_kernel_equals_plain(void **state) {
     }
 }
 
-/* The state after some hundred steps, as bytes. */
+static void assert_same_list(const pair_list *one, const pair_list *two, int dim) {
+    const size_t n = (size_t)one->n;
+    assert_int_equal(one->n, two->n);
+    assert_memory_equal(one->i, two->i, n * sizeof *one->i);
+    assert_memory_equal(one->j, two->j, n * sizeof *one->j);
+    assert_memory_equal(one->reach, two->reach, n * sizeof *one->reach);
+    assert_memory_equal(one->sm, two->sm, n * sizeof *one->sm);
+    for (int64_t a = 0; a < dim - 1; a++)
+        assert_memory_equal(one->image + a * one->capacity, two->image + a * two->capacity, n * sizeof(double));
+    for (int64_t a = 0; a < (dim == 2 ? 1 : 3); a++)
+        assert_memory_equal(one->ft + a * one->capacity, two->ft + a * two->capacity, n * sizeof(double));
+}
+
+static void assert_same_bits(dynamics *one, dynamics *two) {
+    double rest[2][2];
+    assert_memory_equal(one->g, two->g, (size_t)(one->n * one->at.stride) * sizeof *one->g);
+    assert_same_list(&one->outer, &two->outer, one->dim);
+    assert_same_list(&one->inner, &two->inner, one->dim);
+    for (int side = 0; side < 2; side++) {
+        assert_int_equal(one->wall[side].n, two->wall[side].n);
+        assert_memory_equal(one->wall[side].i, two->wall[side].i, (size_t)one->wall[side].n * sizeof(int32_t));
+        assert_memory_equal(&one->wall_force[side], &two->wall_force[side], sizeof(double));
+    }
+    assert_memory_equal(&one->piston_y, &two->piston_y, sizeof one->piston_y);
+    assert_memory_equal(&one->piston_k, &two->piston_k, sizeof one->piston_k);
+    assert_memory_equal(&one->v_max, &two->v_max, sizeof one->v_max);
+    assert_memory_equal(&one->rate, &two->rate, sizeof one->rate);
+    assert_true(one->v_max < 1 && sp_dynamics_sane(one) == sp_dynamics_sane(two));
+    assert_ok(sp_dynamics_residual(one, &rest[0][0], &rest[0][1], &err));
+    assert_ok(sp_dynamics_residual(two, &rest[1][0], &rest[1][1], &err));
+    assert_memory_equal(rest[0], rest[1], sizeof rest[0]);
+    assert_true(rest[0][0] > 0 && sp_dynamics_acceleration(one) == sp_dynamics_acceleration(two));
+}
+
+/* New lists now and then, as if the grains had gone far. */
+static void run_steps(dynamics *d, int steps, double dt) {
+    for (int step = 0; step < steps; step++) {
+        if (step % 30 == 0)
+            *(step % 60 == 0 ? &d->outer_travel : &d->inner_travel) = INFINITY;
+        assert_ok(sp_neighbours_refresh(d, &err));
+        sp_dynamics_forces(d, dt);
+        sp_dynamics_advance(d, dt);
+    }
+}
+
+static const int THREADS[] = {2, 3, 5};
+
 static void test_threads(void **state) {
     (void)state;
     const conditions c = {0.5, 1e6, 0.1};
     for (int k = 0; k < 4; k++) {
         dynamics alone = make_moving(&states[k], &c, false);
-        for (int threads = 1; threads <= 3; threads++) {
+        run_steps(&alone, 300, 0.1);
+        assert_true(alone.refills >= 5 && alone.rebuilds >= 5);
+        for (int q = 0; q < 3; q++) {
             dynamics d = make_moving(&states[k], &c, false);
-            assert_ok(sp_pool_make(threads, &d.pool, &err));
-            assert_true((d.pool != NULL) == (threads > 1));
-            dynamics *run = threads == 1 ? &alone : &d;
-            for (int step = 0; step < 300; step++) {
-                if (step % 30 == 0) /* new lists now and then, as if the grains had gone far */
-                    *(step % 60 == 0 ? &run->outer_travel : &run->inner_travel) = INFINITY;
-                assert_ok(sp_neighbours_refresh(run, &err));
-                sp_dynamics_forces(run, 0.1);
-                sp_dynamics_advance(run, 0.1);
-            }
-            if (run == &d) {
-                const size_t lines = (size_t)(d.n * d.at.stride), planes = d.dim == 2 ? 1 : 3;
-                assert_memory_equal(d.g, alone.g, lines * sizeof *d.g);
-                assert_int_equal(d.inner.n, alone.inner.n);
-                for (size_t a = 0; a < planes; a++)
-                    assert_memory_equal(tangential(&d.inner, 0, (int)a), tangential(&alone.inner, 0, (int)a),
-                                        (size_t)d.inner.n * sizeof(double));
-                assert_memory_equal(&d.piston_y, &alone.piston_y, sizeof d.piston_y);
-                assert_memory_equal(&d.v_max, &alone.v_max, sizeof d.v_max);
-                assert_memory_equal(&d.rate, &alone.rate, sizeof d.rate);
-            }
+            assert_ok(sp_pool_make(THREADS[q], &d.pool, &err));
+            assert_int_equal(sp_pool_parts(d.pool), THREADS[q]);
+            run_steps(&d, 300, 0.1);
+            assert_same_bits(&d, &alone);
             sp_dynamics_free(&d);
         }
-        assert_true(alone.refills >= 5 && alone.rebuilds >= 5);
         sp_dynamics_free(&alone);
+    }
+}
+
+/* A dense gas that collides, so large that its lists have many spans. */
+static dynamics make_crowd(int dim, bool wide) {
+    sp_pack_spec spec = dense_spec(dim, wide);
+    double *r, *x, height = 0;
+    dynamics d;
+    spec.grains = 3000;
+    spec.gas_fraction = dim == 2 ? 0.4 : 0.25;
+    spec.width = dim == 2 ? 40 : 16;
+    spec.friction = 0.5;
+    spec = sp_pack_spec_resolve(&spec);
+    spec.depth = spec.width;
+    r = sp_alloc((size_t)spec.grains, sizeof *r);
+    x = sp_alloc(3 * (size_t)spec.grains, sizeof *x);
+    sp_radii_draw(&spec, r);
+    assert_ok(sp_gas_make(&spec, r, x, &height, &err));
+    assert_ok(sp_dynamics_make(&spec, r, x, height, &d, &err));
+    for (int32_t i = 0; i < d.n; i++)
+        for (int a = 0; a < dim; a++)
+            dynamics_grain(&d, i)[d.at.v + a] = 0.05 * noise(5, (uint32_t)i, 0, (uint32_t)a);
+    d.v_max = 0.1;
+    d.dt = 0.1;
+    sp_free(x);
+    sp_free(r);
+    return d;
+}
+
+static void test_lists_of_threads(void **state) {
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        dynamics alone = make_crowd(2 + k / 2, k % 2);
+        run_steps(&alone, 100, k % 2 ? 0.01 : 0.1);
+        assert_true(alone.outer.n > 2 * SPAN && (k % 2 == 1 || (alone.inner.n > 2 * SPAN && alone.wall[0].n > 3)));
+        for (int q = 0; q < 3; q++) {
+            dynamics d = make_crowd(2 + k / 2, k % 2);
+            assert_ok(sp_pool_make(THREADS[q], &d.pool, &err));
+            run_steps(&d, 100, k % 2 ? 0.01 : 0.1);
+            assert_same_bits(&d, &alone);
+            sp_dynamics_free(&d);
+        }
+        sp_dynamics_free(&alone);
+    }
+}
+
+/* Disks with a row of forces for both grains of a pair, and with one that they share. */
+static void test_shared_rows(void **state) {
+    (void)state;
+    const conditions c = {0.5, 1e6, 0.1};
+    for (int k = 0; k < 2; k++) {
+        dynamics both = make_moving(&states[k], &c, false), shared = make_moving(&states[k], &c, false);
+        assert_true(both.rows.both);
+        shared.rows.both = false;
+        shared.inner_travel = both.inner_travel = INFINITY;
+        run_steps(&both, 300, 0.1);
+        run_steps(&shared, 300, 0.1);
+        assert_true(shared.rows.other == 0 && both.rows.other > 0);
+        assert_same_bits(&both, &shared);
+        sp_dynamics_free(&shared);
+        sp_dynamics_free(&both);
     }
 }
 
@@ -268,8 +359,8 @@ static void test_fourth_root(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernel_equals_plain),
-        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_kernel_equals_plain), cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_lists_of_threads),    cmocka_unit_test(test_shared_rows),
         cmocka_unit_test(test_fourth_root),
     };
     return cmocka_run_group_tests(tests, make_states, free_states);
