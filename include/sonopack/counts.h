@@ -36,7 +36,7 @@ typedef struct sp_contact_counts {
 SP_API sp_contact_counts sp_contact_counts_none(void);
 
 /* Adds the force-carrying contacts between grains (threshold as in sp_packing_rattlers) at a distance of at least
- * `margin` [d] from both walls. Strong contacts have a normal force above the mean of these contacts; the others are
+ * `margin` [d] from all walls. Strong contacts have a normal force above the mean of these contacts; the others are
  * weak. SP_EREFUSED if there are no such contacts, SP_EINVAL if the dimension differs from that of earlier packings. */
 SP_API sp_status sp_contact_counts_add(sp_contact_counts *c, const sp_packing *p, double threshold, double margin,
                                        sp_error *err);

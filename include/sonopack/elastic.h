@@ -9,9 +9,9 @@
 extern "C" {
 #endif
 
-/* Axes as in the paper. In 2D, 1 is along the walls and 2 from wall to wall; C33 is the shear modulus. In 3D, 1 and 2
- * are along the walls and 3 from wall to wall; C33 is the longitudinal modulus from wall to wall, and C44 (23), C55
- * (13), C66 (12) are the shear moduli in Voigt's notation. */
+/* Axes as in the paper; without walls read "along the up axis" for "from wall to wall". In 2D, 1 is along the walls and
+ * 2 from wall to wall; C33 is the shear modulus. In 3D, 1 and 2 are along the walls and 3 from wall to wall; C33 is the
+ * longitudinal modulus from wall to wall, and C44 (23), C55 (13), C66 (12) are the shear moduli in Voigt's notation. */
 typedef struct sp_moduli {
     double c11, c12, c22, c33;      /* c33: 2D shear, 3D longitudinal [E*]; NAN where not computed */
     double c13, c23, c44, c55, c66; /* 3D only [E*]; NAN in 2D */
@@ -23,15 +23,38 @@ typedef struct sp_moduli {
 } sp_moduli;
 
 /* Moduli of the linear springs. One sparse Cholesky factorization serves all strains. Strains along the walls act
- * through the periodic images, all others by displacing the top wall. The walls' contact points follow the strain
- * affinely, so C12 = C21. phi3s: sp_packing_density, which is Phi3* of sp_statics for
- * spheres of unit density; NAN: no speeds. Floppy parts carry no stress and do no harm.
- * With prestress and friction the free spin of a sphere with two contacts is left out, and a turn of 1 is part of the
- * errors. A modulus C11 .. C66 on the diagonal is set to 0 if it is within its error of 0. Shear moduli are NAN if the
- * walls have no friction. SP_EREFUSED for a packing without walls, if no chain of springs connects the walls, if the
- * network as a whole is floppy or unstable, and if a strain does work on a motion that nothing resists (only with
- * prestress): the moduli do not exist then, and the reason names grains that move. */
+ * through the periodic images, all others by displacing the top wall. Without walls all strains act
+ * through the periodic images; between walls on all sides, all walls take part. The walls' contact points follow the
+ * strain affinely, so C12 = C21. phi3s: sp_packing_density, which is Phi3* of sp_statics for spheres of unit density;
+ * NAN: no speeds. Floppy parts carry no stress and do no harm. With prestress and friction the free spin of a sphere
+ * with two contacts is left out, and a turn of 1 is part of the errors. A modulus C11 .. C66 on the diagonal is set to
+ * 0 if it is within its error of 0. With prestress it may be negative: the grains resist every displacement, but the
+ * packing gives way to the strain; a speed that needs it is NAN. Shear moduli under a piston are NAN if the walls have
+ * no friction. SP_EREFUSED for a piston or box without contacts at the walls, if no chain of springs connects the
+ * walls, if the network as a whole is floppy or unstable, and if a strain does work on a motion that nothing resists
+ * (only with prestress): the moduli do not exist then, and the reason names grains that move. */
 SP_API sp_status sp_moduli_make(const sp_network *net, double phi3s, sp_moduli *out, sp_error *err);
+
+enum { SP_STRAINS_MAX = 6 };
+
+/* The whole stiffness tensor in Voigt's notation: strains and stresses 11, 22, 12 in 2D, and 11, 22, 33, 23, 13, 12 in
+ * 3D; a shear strain is 2 e_12 = du_1/dx_2. The last axis is the up axis; a chain has one strain. c is symmetric to
+ * rounding if K is. With prestress, c is the second derivative of the energy by the displacement gradients, over the
+ * volume. bulk is -V dp/dV; then it is (dim - 1)/dim p more than the average of c, because areas change, too. */
+typedef struct sp_elasticity {
+    int strains;                              /* 1, 3 or 6 */
+    double c[SP_STRAINS_MAX][SP_STRAINS_MAX]; /* stress a due to strain b [E*]; NAN where undefined, as in sp_moduli */
+    double error[SP_STRAINS_MAX][SP_STRAINS_MAX]; /* bounds of the errors of c [E*] */
+    double bulk, bulk_error;                      /* Voigt's average: that of the tensor over all directions, K [E*] */
+    double shear, shear_error;                    /* the same for the shear modulus G [E*] */
+    double anisotropy, anisotropy_error; /* |c - isotropic part| over |c|, as norms of tensors: 0 if isotropic */
+    double residual;                     /* as in sp_moduli */
+} sp_elasticity;
+
+/* The whole tensor by the strains of sp_moduli_make. moduli: the same with its names, as from sp_moduli_make; may be
+ * NULL. bulk, shear and anisotropy are NAN in 1D, and where parts of c are. Fails as sp_moduli_make does. */
+SP_API sp_status sp_elasticity_make(const sp_network *net, double phi3s, sp_moduli *moduli, sp_elasticity *out,
+                                    sp_error *err);
 
 typedef enum sp_probe_kind {
     SP_PROBE_SINE = 0, /* body force f0 sin(n pi y/L), walls fixed; Eqs. (B1), (B2) */
@@ -57,7 +80,7 @@ typedef struct sp_probe_moduli {
  * probes share its factorization where possible. Grains on a line take the displacement of the continuum at their
  * centres; their rotations are free. The lines at the walls are the walls. Walls without friction are sheared by cos(n
  * pi y/L) in place of the sine, which has the same energy (B2). SP_EINVAL for an invalid n. SP_EREFUSED for a probe
- * finer than the grains, for a sine without phi3s, and as sp_moduli_make. */
+ * finer than the grains, for a sine without phi3s, for cells other than the piston's, and as sp_moduli_make. */
 SP_API sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, const sp_probe *probe,
                                  sp_moduli *global, sp_probe_moduli *out, sp_error *err);
 

@@ -1,7 +1,8 @@
 #ifndef SONOPACK_NETWORK_H
 #define SONOPACK_NETWORK_H
 /* The elastic network: springs between the grains that are not rattlers, and its stiffness matrix K. The equation of
- * motion is M u'' = -K u (Eq. (1) of Somfai et al. 2005), with both walls fixed.
+ * motion is M u'' = -K u (Eq. (1) of Somfai et al. 2005), with all walls fixed. A cell without walls can be translated
+ * as a whole: K then has dim zero modes of its own.
  *
  * With prestress, K is the full derivative of the contact forces, including the rotation of the forces at rest. The
  * normal forces add a symmetric part. Tangential forces add a part that is not symmetric and has no energy. */
@@ -23,7 +24,7 @@ SP_API sp_network_options sp_network_options_default(void);
 
 /* A spring. The relative displacement at the contact point is B u = (u_j - u_i) - (rotations times lever arms). */
 typedef struct sp_spring {
-    int32_t i, j;    /* grains of the network (0 .. n-1); j may be SP_BOTTOM or SP_TOP (fixed) */
+    int32_t i, j;    /* grains of the network (0 .. n-1); j may be a wall, SP_BOTTOM .. SP_BACK (fixed) */
     int32_t contact; /* its index in the packing */
     double n[3];     /* unit normal from i to j */
     double kn, kt;   /* normal and tangential stiffness [E* d] */
@@ -60,6 +61,8 @@ typedef struct sp_network {
     sp_carried *carried; /* [n_springs], or NULL if K is symmetric (no prestress, or no tangential forces at rest) */
     double skew;         /* result of sp_network_skew */
     double soft;         /* result of sp_network_soft */
+    sp_boundary cell;
+    double tilt[3]; /* as in sp_packing [d] */
 } sp_network;
 
 SP_API sp_network sp_network_none(void);
@@ -98,8 +101,10 @@ typedef enum sp_place_kind {
     SP_PLACE_PART,     /* part of that wall: grains with centres in from <= x < to */
     SP_PLACE_GRAIN,    /* one grain: its share of what WALL would give. A grain without a contact to that wall gets unit
                           momentum, velocity or displacement, and is detected by the net force on it. */
-    SP_PLACE_PLANE /* detectors only: momentum flux through a horizontal plane, the force of all grains centred below it
-                      on those above */
+    SP_PLACE_PLANE /* detector: momentum flux through a horizontal plane, the force of all grains centred below it on
+                      those above. In a periodic cell this is the plane in the cell, which its images cross again at
+                      every period. Source: each grain whose centre is at most half a mean diameter (0.5 d) below the
+                      plane, or less than that above it, gets unit momentum, velocity or displacement */
 } sp_place_kind;
 typedef struct sp_place {
     sp_place_kind kind;
@@ -116,8 +121,8 @@ SP_API bool sp_network_touches(const sp_network *net, int32_t wall);
 /* Source vector [n][dof]: momenta (impulse, velocity) or displacements. Detector row [n][dof]: the force on the wall is
  * det . u. At a wall every contact acts along its own normal (shear: across it), so that a packing that is turned as a
  * whole has the same signal; between level walls this is the up axis (x). SP_EINVAL for an invalid place, SP_EREFUSED
- * for one without springs, and for one that the axes of the box describe (a plane, a part, a grain that touches no
- * wall, shear in 3D) where a wall is inclined to them. */
+ * for a wall or part of it in a cell without walls, for a place without springs or grains, and for one that the axes of
+ * the box describe (a plane, a part, a grain that touches no wall, shear in 3D) where a wall is inclined to them. */
 SP_API sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp_place *at, double *out,
                                       sp_error *err);
 SP_API sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, double *out, sp_error *err);

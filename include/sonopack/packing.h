@@ -127,7 +127,7 @@ typedef struct sp_audit {
     double force_residual;  /* largest net force on a force-carrying grain over p x (mean diameter)^2 */
     double torque_residual; /* largest net torque over R, in the same unit */
     double wall_residual; /* piston: largest difference between the force on a wall and its load, over p A. Other cells:
-                             | mean pressure / p - 1 |, and in a box the net force of all walls over p A */
+                             | mean pressure / p - 1 |, and in a box the sum of all walls' forces over p A */
     double law_residual;  /* largest relative difference between fn and Hertz's law at the stored overlap, beyond the
                              rounding of a text file; contacts with a stiffness of their own are left out */
     double geometry_residual; /* largest |overlap - overlap from the positions| over the largest overlap */
@@ -155,8 +155,9 @@ SP_API double sp_audit_worst(const sp_audit *audit, double tolerance, char *reas
 SP_API sp_status sp_packing_rattlers(const sp_packing *p, double threshold, uint8_t *rattler, uint8_t *carrying,
                                      int32_t *n_rattlers, sp_error *err);
 
-/* Averages of Table I of Somfai et al. 2005 over the bulk: layers of thickness `margin` (usually 3 d) at both walls are
- * left out, and spheres that reach into them count in part. NAN if the bulk is empty. */
+/* Averages of Table I of Somfai et al. 2005 over the bulk: layers of thickness `margin` (usually 3 d) at all walls are
+ * left out, and spheres that reach into them count in part. Without walls the bulk is the whole cell. NAN if it is
+ * empty. */
 typedef struct sp_statics {
     double phi2, phi3,
         phi3s;         /* area fraction; volume fraction of a layer one diameter thick; the same without rattlers */
@@ -170,6 +171,9 @@ typedef struct sp_statics {
     double s12_over_s2, s32_over_s2;
     double
         mobilised; /* fraction of carrying contacts, walls included, with |F_t| >= 0.99 mu F_n; NAN without friction */
+    /* Mean stress of the whole packing, from all carrying contacts, walls included; positive in compression [E*]. NAN
+     * on axes that the packing does not have. */
+    double s_xx, s_yy, s_zz, s_yz, s_xz, s_xy;
 } sp_statics;
 
 SP_API sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err);

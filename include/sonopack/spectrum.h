@@ -104,18 +104,21 @@ SP_API void sp_transmission_free(sp_transmission *t);
 
 typedef enum sp_polarization {
     SP_LONGITUDINAL = 0, /* displacements along k */
-    SP_TRANSVERSE,       /* displacements across k: vertical for waves along x, along x for vertical waves */
-    SP_ROTATIONAL,       /* rotations (3D: about y) */
+    SP_TRANSVERSE,       /* displacements across k: vertical for waves along x or y, along x for vertical waves; in a
+                            tilted cell what of these directions is across k */
+    SP_ROTATIONAL,       /* rotations (3D: about y, for waves along y about x) */
     SP_POLARIZATIONS
 } sp_polarization;
 
 typedef struct sp_dispersion_options {
-    bool up; /* standing waves between the walls, sin(k (h + node)), k = n pi/(H + 2 node); false: plane waves along x,
-                k = 2 pi n/width */
+    bool up;       /* along the up axis; false: along x. Where the network is periodic these are plane waves whose wave
+                      vectors are n times 2 pi and the reciprocal lattice vector of that axis: k = 2 pi n/width where it is
+                      not tilted. Between walls they are standing, sin(k (h + node)), k = n pi/(H + 2 node) */
     int32_t waves; /* wave numbers n = 1 .. waves; 8 */
     double node;   /* distance of the nodes behind the walls [d]; 0. Half a grain if the walls respond like grains */
     double resolution; /* standard deviation of the kernel at omega = 0; 0: Omega/200 */
     int32_t profile;   /* number of frequencies of S(k, omega); 0: none */
+    bool along_y;      /* in 3D: along y. up is false then */
 } sp_dispersion_options;
 SP_API sp_dispersion_options sp_dispersion_options_default(void);
 
@@ -124,7 +127,7 @@ SP_API sp_dispersion_options sp_dispersion_options_default(void);
 typedef struct sp_dispersion_point {
     sp_polarization polarization;
     int32_t n;
-    double k;      /* wave number [1/d] */
+    double k;      /* wave number, the length of the wave vector [1/d] */
     double rms;    /* sqrt(<omega^2>) = sqrt(q . A q), exact */
     double spread; /* standard deviation of omega^2 over 2 rms, sqrt(|A q|^2 - rms^4)/(2 rms), exact */
     double peak; /* frequency of the maximum of the smoothed S cos(psi), sin(psi) = omega/Omega. The kernel has the same

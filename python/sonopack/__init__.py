@@ -19,7 +19,7 @@ from ._core import FileError, Interrupted, InvalidInput, NoMemory, Refused, Sono
 from ._modes import DampedModes, Modes
 from ._native import lib as _lib
 from ._network import SPRING, Network
-from ._packing import BOTTOM, CONTACT, TOP, Packing
+from ._packing import BACK, BOTTOM, CONTACT, FRONT, LEFT, RIGHT, TOP, Packing
 from ._place import Place
 from ._records import (Audit, CoherentWave, FiniteStrain, Front, Material, Moduli, PackProgress, ParticipationBin,
                        ProbeModuli, Stability, Statics, StudyProgress, TappedTap, ZeroModes)
@@ -34,10 +34,11 @@ from ._table import Table, quantity
 __version__ = _text_of(_lib.sp_version())
 
 __all__ = [
-    "Audit", "BOTTOM", "CONTACT", "CONTINUUM_ROW", "CoherentWave", "Column", "ColumnRun", "Continuum",
-    "DISPERSION_POINT", "DampedModes", "DensityOfStates", "Dispersion", "FileError", "FiniteStrain", "Front",
-    "Harmonic", "Interrupted", "InvalidInput", "Material", "Modes", "Moduli", "Network", "NoMemory", "PackProgress",
-    "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse", "Refused", "SPRING", "Sample", "Scene", "Signal",
-    "SonopackError", "Stability", "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap",
-    "Transmission", "WAVE_FIT", "WaveSection", "ZeroModes", "front", "quantity", "scene_help", "signal_window", "study",
+    "Audit", "BACK", "BOTTOM", "CONTACT", "CONTINUUM_ROW", "CoherentWave", "Column", "ColumnRun", "Continuum",
+    "DISPERSION_POINT", "DampedModes", "DensityOfStates", "Dispersion", "FRONT", "FileError", "FiniteStrain",
+    "Front", "Harmonic", "Interrupted", "InvalidInput", "LEFT", "Material", "Modes", "Moduli", "Network",
+    "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse", "RIGHT", "Refused",
+    "SPRING", "Sample", "Scene", "Signal", "SonopackError", "Stability", "Statics", "Status", "Store",
+    "StudyProgress", "TOP", "Table", "TappedTap", "Transmission", "WAVE_FIT", "WaveSection", "ZeroModes", "front",
+    "quantity", "scene_help", "signal_window", "study",
 ]

@@ -18,6 +18,10 @@ from ._watch import Watch
 
 BOTTOM = int(lib.SP_BOTTOM)
 TOP = int(lib.SP_TOP)
+LEFT = int(lib.SP_LEFT)
+RIGHT = int(lib.SP_RIGHT)
+FRONT = int(lib.SP_FRONT)
+BACK = int(lib.SP_BACK)
 #: dtype of Packing.contacts: i, j, n, overlap, fn, ft, kn, kt
 CONTACT = _core.dtype_of("sp_contact")
 
@@ -35,6 +39,8 @@ class Packing(_core.Owner):
     x = Array("n", 3)
     r = Array("n")
     contacts = Array("n_contacts")
+    cell = Value[str]()
+    gravity = Value[float]()
     pressure = Value[float]()
     friction = Value[float]()
     poisson = Value[float]()
@@ -105,12 +111,15 @@ class Packing(_core.Owner):
     def from_arrays(cls, x: npt.ArrayLike, r: npt.ArrayLike, contacts: Mapping[str, npt.ArrayLike] | npt.NDArray[Any],
                     *, box: Sequence[float], pressure: float, friction: float, poisson: float = 0.0, wall: str = "rigid",
                     mass: npt.ArrayLike | None = None, inertia: npt.ArrayLike | None = None,
-                    material: Material | None = None) -> Packing:
+                    material: Material | None = None, cell: str = "piston", tilt: Sequence[float] = (0.0, 0.0, 0.0),
+                    gravity: float = 0.0) -> Packing:
         """A packing from arrays, which are copied and checked (InvalidInput names the first fault).
 
-        x [n][dim] centres and r [n] radii [d]; columns of x beyond the lengths of box must be 0. box: the periods, the
-        height last [d]. contacts: an array of dtype CONTACT
-        (such as that of another packing), or a dictionary of arrays: i, j (BOTTOM, TOP for walls); if known n
+        x [n][dim] centres and r [n] radii [d]; columns of x beyond the lengths of box must be 0. box: the edges, the
+        height last [d]. cell: "piston" (walls at the bottom and the top, periodic sideways), "periodic" along all axes,
+        with the lattice vectors (box[0], 0, 0), (xy, box[1], 0), (xz, yz, box[2]) of tilt = (xy, xz, yz), or "box" (walls
+        on all sides). contacts: an array of dtype CONTACT
+        (such as that of another packing), or a dictionary of arrays: i, j (BOTTOM, TOP, ... for walls); if known n
         [contacts][dim], overlap, fn, and ft on i [contacts][dim] (or scalars in 2D: ft (-ny, nx)). What is left out
         follows: n from the positions, overlap and fn from each other by Hertz's law or from the positions; ft is 0.
         Stiffnesses kn, kt of contacts of another law, and mass and inertia [n] of grains that are no spheres of unit
@@ -126,7 +135,12 @@ class Packing(_core.Owner):
         if np.any(places[:, dim:]):  # the rows of a packing have three columns in any dimension, the last ones 0
             raise _core.invalid("box", f"has {dim} lengths, but x has numbers in column {dim + 1}: it must have one for each "
                                        "dimension")
-        table = contacts if isinstance(contacts, np.ndarray) else _contacts(places[:, :dim], radii, contacts, box)
+        if cell not in ("piston", "periodic", "box"):
+            raise _core.invalid("cell", f"is {cell!r}: must be 'piston', 'periodic' or 'box'")
+        if len(tilt) != 3:
+            raise _core.invalid("tilt", f"has {len(tilt)} numbers: must be xy, xz and yz")
+        shape = _Cell(cell, [float(edge) for edge in box], [float(step) for step in tilt])
+        table = contacts if isinstance(contacts, np.ndarray) else _contacts(places[:, :dim], radii, contacts, shape)
         if table.dtype != CONTACT:
             raise _core.invalid("contacts", f"has the dtype {table.dtype}: must be sonopack.CONTACT")
         if table.ndim != 1:
@@ -138,12 +152,13 @@ class Packing(_core.Owner):
         _fill(out, places[:, :dim], radii, table)
         for axis in range(3):
             out.box[axis] = box[axis] if axis < dim else 1
+            out.tilt[axis] = tilt[axis]
         _set_masses(out, mass, inertia)
         if material is not None:
             _set_material(out, material)
             call(lib.sp_material_check, ffi.addressof(out, "material"))
         _core.set_fields(out, {"pressure": float(pressure), "friction": float(friction), "poisson": float(poisson),
-                               "wall": wall, "residual": float("nan")})
+                               "wall": wall, "cell": cell, "gravity": float(gravity), "residual": float("nan")})
         lib.sp_packing_sort(out)
         call(lib.sp_packing_complete, out)
         call(lib.sp_packing_check, out)
@@ -167,8 +182,13 @@ class Packing(_core.Owner):
 
     @property
     def box(self) -> tuple[float, ...]:
-        """The periods, then the height [d]."""
+        """The edges, the height last [d]: periods, or distances of walls."""
         return tuple(self._c.box[axis] for axis in range(self.dim))
+
+    @property
+    def tilt(self) -> tuple[float, float, float]:
+        """xy, xz and yz of the lattice vectors (box[0], 0, 0), (xy, box[1], 0), (xz, yz, box[2]) of a periodic cell [d]."""
+        return self._c.tilt[0], self._c.tilt[1], self._c.tilt[2]
 
     @property
     def mass(self) -> Floats | None:
@@ -182,13 +202,18 @@ class Packing(_core.Owner):
 
     @property
     def height(self) -> float:
-        """Distance between the walls [d]."""
+        """Edge along the last axis, under a piston the distance between the walls [d]."""
         return float(lib.sp_packing_height(self._c))
 
     @property
     def wall_area(self) -> float:
-        """Area of a wall [d^2]."""
+        """Area of the cell across the last axis [d^2]."""
         return float(lib.sp_packing_wall_area(self._c))
+
+    @property
+    def volume(self) -> float:
+        """Volume of the cell [d^3]; in two dimensions its area times d."""
+        return float(lib.sp_packing_volume(self._c))
 
     @property
     def hash(self) -> int:
@@ -245,10 +270,10 @@ class Packing(_core.Owner):
 
     def __reduce__(self) -> tuple[Any, ...]:
         values = {name: getattr(self, name)
-                  for name in ("pressure", "friction", "poisson", "wall", "seed", "steps", "residual", "seconds")}
+                  for name in ("cell", "gravity", "pressure", "friction", "poisson", "wall", "seed", "steps", "residual", "seconds")}
         masses = (None, None) if self.mass is None else (np.array(self.mass), np.array(self.inertia))
         return _restored, (self.dim, np.array(self.x), np.array(self.r), np.array(self.contacts), masses,
-                           list(self._c.box), self.material, values, self.scene)
+                           list(self._c.box) + list(self._c.tilt), self.material, values, self.scene)
 
 
 def _none() -> Any:
@@ -282,7 +307,8 @@ def _restored(dim: int, x: Any, r: Any, contacts: Any, masses: tuple[Any, Any], 
     call(lib.sp_packing_alloc, out, dim, len(r), len(contacts))
     _fill(out, x, r, contacts)
     _set_masses(out, *masses)
-    out.box[0], out.box[1], out.box[2] = box
+    out.box[0], out.box[1], out.box[2] = box[:3]
+    out.tilt[0], out.tilt[1], out.tilt[2] = box[3:] or (0, 0, 0)
     _set_material(out, material)
     _core.set_fields(out, values)
     if scene:
@@ -298,24 +324,49 @@ def _axes(values: npt.ArrayLike, count: int, dim: int, key: str) -> npt.NDArray[
     return array[:, :dim]
 
 
-def _geometry(x: Floats, r: Floats, i: npt.NDArray[Any], j: npt.NDArray[Any],
-              box: Sequence[float]) -> tuple[Floats, Floats]:
-    """Unit vectors from i to j, across the periodic sides where that is shorter (to walls along the last axis), and
-    overlaps."""
-    up = x.shape[1] - 1
+@dataclasses.dataclass
+class _Cell:
+    """What bounds the grains: the kind, the edges and the tilt."""
+
+    kind: str
+    box: list[float]
+    tilt: list[float]
+
+    def periodic(self, axis: int) -> bool:
+        return self.kind == "periodic" or (self.kind == "piston" and axis < len(self.box) - 1)
+
+    def vector(self, axis: int) -> Floats:
+        """The lattice vector of an axis."""
+        xy, xz, yz = self.tilt
+        rows = ([], [xy], [xz, yz])
+        return np.array([*rows[axis], self.box[axis], 0.0, 0.0][:len(self.box)])
+
+    def walls(self) -> dict[int, tuple[int, float]]:
+        """The axis across each wall, and where on it the wall is."""
+        up = len(self.box) - 1
+        found = {} if self.kind == "periodic" else {BOTTOM: (up, 0.0), TOP: (up, self.box[up])}
+        if self.kind == "box":
+            for axis, (low, high) in enumerate(((LEFT, RIGHT), (FRONT, BACK))[:up]):
+                found |= {low: (axis, 0.0), high: (axis, self.box[axis])}
+        return found
+
+
+def _geometry(x: Floats, r: Floats, i: npt.NDArray[Any], j: npt.NDArray[Any], cell: _Cell) -> tuple[Floats, Floats]:
+    """Unit vectors from i to j, across the periodic sides where that is shorter (to walls straight), and overlaps."""
     away: Floats = x[np.maximum(j, 0)] - x[i]
-    periods = np.asarray(box[:up], float)
-    away[:, :up] -= periods * np.round(away[:, :up] / periods)
+    for axis in reversed(range(x.shape[1])):
+        if cell.periodic(axis):
+            away -= np.round(away[:, axis] / cell.box[axis])[:, None] * cell.vector(axis)
     away[j < 0] = 0
-    away[j == BOTTOM, up] = -x[i[j == BOTTOM], up]
-    away[j == TOP, up] = box[up] - x[i[j == TOP], up]
+    for wall, (axis, place) in cell.walls().items():
+        away[j == wall, axis] = place - x[i[j == wall], axis]
     distance: Floats = np.linalg.norm(away, axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):  # coinciding centres are found by the check
         return away / distance[:, None], r[i] + np.where(j < 0, 0, r[np.maximum(j, 0)]) - distance
 
 
 def _contacts(x: npt.NDArray[Any], r: Floats, given: Mapping[str, npt.ArrayLike],
-              box: Sequence[float]) -> npt.NDArray[Any]:
+              cell: _Cell) -> npt.NDArray[Any]:
     unknown = sorted(set(given) - {"i", "j", "n", "overlap", "fn", "ft", "kn", "kt"})
     missing = [name for name in ("i", "j") if name not in given]
     if unknown or missing:
@@ -323,12 +374,15 @@ def _contacts(x: npt.NDArray[Any], r: Floats, given: Mapping[str, npt.ArrayLike]
     i, j = (np.asarray(given[name]) for name in ("i", "j"))
     if i.ndim != 1 or i.shape != j.shape or i.dtype.kind not in "iu" or j.dtype.kind not in "iu":
         raise _core.invalid("contacts", "i and j must be arrays of integers of one length")
-    if len(i) and (i.min() < 0 or max(i.max(), j.max()) >= len(x) or j.min() < TOP):
-        raise _core.invalid("contacts", f"i must be 0 .. {len(x) - 1}, j too, or BOTTOM or TOP")
+    walls = cell.walls()
+    if len(i) and (i.min() < 0 or max(i.max(), j.max()) >= len(x) or not set(j[j < 0].tolist()) <= set(walls)):
+        names = {BOTTOM: "BOTTOM", TOP: "TOP", LEFT: "LEFT", RIGHT: "RIGHT", FRONT: "FRONT", BACK: "BACK"}
+        raise _core.invalid("contacts", f"i must be 0 .. {len(x) - 1}, j too"
+                                        + (f", or {', '.join(names[wall] for wall in walls)}" if walls else ""))
     count, dim = len(i), x.shape[1]
     table = np.zeros(count, CONTACT)
     table["i"], table["j"] = i, j
-    normals, overlaps = _geometry(x, r, i, j, box)
+    normals, overlaps = _geometry(x, r, i, j, cell)
     if "n" in given:
         normals = _axes(given["n"], count, dim, "n")
     table["n"][:, :dim] = normals

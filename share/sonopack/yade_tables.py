@@ -5,7 +5,8 @@
 
 Then `sonopack convert grains.tsv P.h5 --contact-table contacts.tsv`. Spheres are grains. Boxes, walls and facets that
 spheres touch are the walls at the bottom and the top of the packing, by the side from which they push along the axis
-`up`. Contacts are those of ScGeom with forces normalForce and shearForce, such as MindlinPhys and FrictPhys. Lengths are
+`up`. Where spheres touch none of these in a periodic cell, the packing is periodic along all axes, sheared or not.
+Contacts are those of ScGeom with forces normalForce and shearForce, such as MindlinPhys and FrictPhys. Lengths are
 divided by the mean diameter d, forces by E* d^2 with E* = E/(1 - nu^2), both from the spheres' material, whose density
 is the unit of density. The material itself goes into the tables when its numbers are in SI units.
 """
@@ -23,10 +24,29 @@ def _check(spheres):
         m = b.material
         if (m.young, m.poisson, m.density) != (first.young, first.poisson, first.density):
             raise ValueError(f"sphere {b.id} is of another material than sphere {spheres[0].id}: must be one material")
-    if hasattr(O, "cell") and O.periodic and any(abs(O.cell.hSize[a, b]) > 1e-12 * O.cell.hSize[a, a]
-                                                  for a in range(3) for b in range(3) if a != b):
-        raise ValueError("the periodic cell is sheared: must have right angles")
     return first
+
+
+def _tilt():
+    """xy, xz and yz: components of the second and third lattice vector, which are columns of Yade's matrix."""
+    h = O.cell.hSize
+    if any(abs(h[a, b]) > 1e-12 * h[b, b] for a, b in ((1, 0), (2, 0), (2, 1))):
+        raise ValueError("the first vector of the cell must lie along x, the second in the plane of x and y")
+    return [h[a, b] if abs(h[a, b]) > 1e-12 * h[a, a] else 0.0 for a, b in ((0, 1), (0, 2), (1, 2))]
+
+
+def _periodic_box(axes, rows, spheres, d):
+    """The keys of a cell without walls: edges, tilt, and the mean of the normal stresses, sum of F.r over dim V."""
+    dimension, tilt = len(axes), _tilt()
+    if axes != sorted(axes) and any(tilt):
+        raise ValueError("a sheared cell needs the last axis up")
+    edges = [O.cell.hSize[a, a] / d for a in axes]
+    radius = {b.id: b.shape.radius / d for b in spheres}
+    pushed = sum(r[3 + dimension] * (radius[r[0]] + radius[r[1]] - r[2 + dimension]) for r in rows)
+    box = dict(zip(("width", "depth", "height") if dimension == 3 else ("width", "height"), edges))
+    steps = tilt if dimension == 3 else tilt[:1]
+    box.update((name, value / d) for name, value in zip(("xy", "xz", "yz"), steps) if value)
+    return {"cell": "periodic", **box, "pressure": pushed / (dimension * math.prod(edges))}
 
 
 def _stiffness(phys, hertz):
@@ -69,6 +89,14 @@ def write_tables(grains, contacts, friction, up=2, dimension=3, si=False, bottom
             kind.append(fn / star if star > 0 else 0)
         rows.append([first, name] + n + [depth / d, fn / force] + ft
                     + [k / (modulus * d) for k in _stiffness(i.phys, hertz)])
+    walled = any(r[1] in ("bottom", "top") for r in rows)
+    if walled and O.periodic and any(_tilt()):
+        raise ValueError("the periodic cell is sheared: must have right angles between walls")
+    if not walled and O.periodic and bottom is None and top is None:
+        head = {"dimension": dimension, **_periodic_box(axes, rows, spheres, d), "friction": friction,
+                "poisson": material.poisson}
+        _write(grains, contacts, head, rows, spheres, axes, 0.0, d, hertz, material if si else None)
+        return
     low = bottom if bottom is not None else min(faces["bottom"], default=min(b.state.pos[up] - b.shape.radius for b in spheres))
     high = top if top is not None else max(faces["top"], default=max(b.state.pos[up] + b.shape.radius for b in spheres))
     area, box = 1.0, {}
@@ -89,16 +117,22 @@ def write_tables(grains, contacts, friction, up=2, dimension=3, si=False, bottom
     wall = "grain" if kind and abs(sorted(kind)[len(kind) // 2] - 0.35355) < 0.01 else "elastic"
     head = {"dimension": dimension, **box, "height": (high - low) / d, "pressure": sum(push) / len(push) / area,
             "friction": friction, "poisson": material.poisson, "wall": wall}
+    _write(grains, contacts, head, rows, spheres, axes, low, d, hertz, material if si else None)
+
+
+def _write(grains, contacts, head, rows, spheres, axes, low, d, hertz, material):
+    """The two tables. low: where the axis up begins; material: with its numbers in SI, or None."""
+    dimension = len(axes)
     names = ["x", "y", "z"][:dimension]
     with open(grains, "w") as out:
         for key, value in head.items():
             out.write(f"# {key} = {value if isinstance(value, str) else repr(value)}\n")
-        if si:
+        if material:
             out.write(f"# material = E={material.young!r},nu={material.poisson!r},rho={material.density!r},d={d!r}\n")
         out.write("\t".join(["id"] + names + ["radius"]) + "\n")
         for b in spheres:
             x = [b.state.pos[a] / d for a in axes]
-            x[-1] = (b.state.pos[up] - low) / d
+            x[-1] = (b.state.pos[axes[-1]] - low) / d
             out.write("\t".join([str(b.id)] + [repr(float(v)) for v in x + [b.shape.radius / d]]) + "\n")
     with open(contacts, "w") as out:
         tangent = ["Ftx", "Fty", "Ftz"][:dimension]

@@ -19,7 +19,7 @@ static double contact_value(const sp_packing *p, const sp_contact *k, sp_plot_li
     return links == SP_PLOT_FORCES ? k->fn : contact_kn(p, k);
 }
 
-/* Draws a line from centre to centre, or to the wall, along the normal of the contact. A contact across the periodic
+/* Draws a line from centre to centre, or to the wall, along the normal of the contact. A contact across a periodic
  * edge is drawn at both sides. */
 static void draw_link(const view *v, const sp_contact *k, double width) {
     cairo_t *cr = v->c->cr;
@@ -27,15 +27,19 @@ static void draw_link(const view *v, const sp_contact *k, double width) {
     double reach = p->r[k->i] + (k->j < 0 ? 0.0 : p->r[k->j]) - k->overlap;
     double nx = p->dim == 1 ? 0.0 : k->n[0], ny = k->n[p->dim - 1];
     double x = sp_view_across(v, k->i), y = sp_view_up(v, k->i), ex = x + nx * reach, ey = y + ny * reach;
+    const int across = v->periodic ? 1 : 0, up = v->tiled ? 1 : 0;
     cairo_set_line_width(cr, width);
-    for (int image = -1; image <= 1; image++) {
-        double shift = image * v->width;
-        if (image != 0 && (!v->periodic || (fmax(x, ex) + shift < 0.0 || fmin(x, ex) + shift > v->width)))
-            continue;
-        cairo_move_to(cr, sp_view_x(v, x + shift), sp_view_y(v, y));
-        cairo_line_to(cr, sp_view_x(v, ex + shift), sp_view_y(v, ey));
-        cairo_stroke(cr);
-    }
+    for (int b = -up; b <= up; b++)
+        for (int a = -across; a <= across; a++) {
+            const double shift = a * v->width + b * v->slant, rise = b * v->height;
+            const bool beside = fmax(x, ex) + shift < v->low || fmin(x, ex) + shift > v->low + v->span;
+            const bool beyond = fmax(y, ey) + rise < 0.0 || fmin(y, ey) + rise > v->height;
+            if ((a != 0 || b != 0) && (beside || (v->tiled && beyond)))
+                continue;
+            cairo_move_to(cr, sp_view_x(v, x + shift), sp_view_y(v, y + rise));
+            cairo_line_to(cr, sp_view_x(v, ex + shift), sp_view_y(v, ey + rise));
+            cairo_stroke(cr);
+        }
 }
 
 /* The contacts that carry load: their mean value, NAN without contacts, and how wide a line is. */

@@ -3,6 +3,7 @@
 
 #include "base/base.h"
 #include "figure/text.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,26 +15,39 @@
 
 #define TALLEST (22.0 / 2.54 * 72.0)
 
+/* The axes of a view, the part of the box that it shows, and how tilted that looks. */
+static void show_axes(view *v, int across, int rise) {
+    v->axis = across;
+    v->rise = rise;
+    v->above = rise == 1;
+    v->tiled = v->p->cell == SP_CELL_PERIODIC || (v->above && v->p->cell == SP_CELL_PISTON);
+    v->width = v->p->box[across];
+    v->height = v->p->box[rise];
+    v->slant = sp_view_tilt(v->p, across, rise);
+    v->low = fmin(0.0, v->slant);
+    v->span = v->width + fabs(v->slant);
+}
+
 void sp_view_make_solid(const sp_packing *p, int lines, view v[VIEWS]) {
-    const double room = CANVAS_COLUMN - 2.0 * MARGIN - GAP, width = p->box[0] + p->box[1];
     view one = sp_view_make(p, lines);
+    const double sides = one.boxed ? 2.0 * WALL : 0.0; /* of one view */
+    const double room = CANVAS_COLUMN - 2.0 * MARGIN - GAP - 2.0 * sides;
     one.below += STRIP;
-    const double around = 2.0 * MARGIN + 3.0 * WALL + STRIP + GAP + one.below;
-    one.scale = fmin(room / width, (TALLEST - around) / (one.height + p->box[1]));
-    one.low = 0.0;
-    one.floor = MARGIN + WALL + one.height * one.scale;
-    one.left = 0.5 * (CANVAS_COLUMN - width * one.scale - GAP);
+    const double around = 2.0 * MARGIN + 3.0 * WALL + STRIP + GAP + one.below + 0.5 * sides;
     for (int k = 0; k < VIEWS; k++)
         v[k] = one;
-    v[0].axis = v[2].axis = 0;
-    v[1].axis = 1;
-    v[0].width = v[2].width = p->box[0];
-    v[1].width = p->box[1];
-    v[1].left += p->box[0] * one.scale + GAP;
-    v[2].above = true;
-    v[2].rise = 1;
-    v[2].height = p->box[1];
-    v[2].floor += WALL + STRIP + GAP + p->box[1] * one.scale;
+    show_axes(&v[0], 0, 2);
+    show_axes(&v[1], 1, 2);
+    show_axes(&v[2], 0, 1);
+    const double width = v[0].span + v[1].span;
+    const double scale = fmin(room / fmax(width, v[2].span), (TALLEST - around) / (one.height + p->box[1]));
+    for (int k = 0; k < VIEWS; k++) {
+        v[k].scale = scale;
+        v[k].floor = MARGIN + WALL + one.height * scale;
+        v[k].left = 0.5 * (CANVAS_COLUMN - width * scale - GAP - sides);
+    }
+    v[1].left += v[0].span * scale + GAP + sides;
+    v[2].floor += WALL + STRIP + GAP + p->box[1] * scale + 0.5 * sides;
 }
 
 /* With x to the right and z up, y points away from the viewer; with y to the right, x points to the viewer; with y up,
@@ -52,7 +66,13 @@ typedef struct distant {
 static double distance_of(const view *v, int32_t i, double along) {
     const int away = 3 - v->axis - v->rise;
     const double period = away == 2 ? sp_packing_height(v->p) : v->p->box[away], x = v->p->x[3 * i + away] + along;
-    const double part = away == 2 ? fmax(0, fmin(1, x / period)) : x / period - floor(x / period);
+    double place[3] = {0, 0, 0}, s[3];
+    for (int a = 0; a < 3; a++)
+        place[a] = v->p->x[3 * i + a];
+    sp_packing_fractions(v->p, place, s);
+    const bool walls = !sp_packing_periodic(v->p, away);
+    const double deep = v->p->cell == SP_CELL_PERIODIC ? s[away] + along / period : x / period;
+    const double part = walls ? fmax(0, fmin(1, deep)) : deep - floor(deep);
     return away == 1 ? part : 1 - part;
 }
 
@@ -114,7 +134,7 @@ static void draw_link(const view *v, double far, const view_link *k) {
 static void name_axes(const view *v) {
     static const char *const names[] = {"|x|", "|y|", "|z|"};
     const text_style plain = {TEXT_LEGEND, 0.0, 0.5, 0.0};
-    const double x = v->left, y = v->floor + (v->above ? 0.0 : WALL) + STRIP - 1.5, arm = 12.0;
+    const double x = v->left, y = v->floor + (v->tiled ? 0.0 : WALL) + STRIP - 1.5, arm = 12.0;
     sp_canvas_colour(v->c, sp_figure_ink(0));
     cairo_set_line_width(v->c->cr, 0.6);
     sp_view_arrow(v, x + 1.0, y, arm, 0.0);
@@ -146,10 +166,8 @@ sp_status sp_view_draw_solid(const view *v, const view_mark *mark, int32_t links
     distant *order = sp_alloc((size_t)most, sizeof *order);
     if (!order)
         return sp_fail_memory(err, (size_t)most * sizeof *order);
-    const double top = sp_view_top(v);
     cairo_save(v->c->cr);
-    cairo_rectangle(v->c->cr, v->left, top, v->width * v->scale, v->floor + (v->above ? 0.0 : WALL) - top);
-    cairo_clip(v->c->cr);
+    sp_view_clip(v);
     for (int32_t i = 0; i < n; i++)
         order[i] = (distant){distance_of(v, i, 0), i};
     qsort(order, (size_t)n, sizeof *order, farthest_first);

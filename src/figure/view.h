@@ -11,14 +11,17 @@ typedef struct view {
     canvas *c;
     const sp_packing *p;
     double scale;              /* points per diameter d */
-    double left, floor;        /* lower left corner of the box [pt] */
-    double low, width, height; /* lateral start and width, and height of the box [d] */
+    double left, floor;        /* lower left corner of the frame [pt] */
+    double low, width, height; /* lateral start of the frame, width and height of the box [d] */
+    double slant, span;        /* how far the top of a tilted box lies to the right; width of the frame [d] */
     double diameter;           /* mean diameter of the grains [d] */
     double below;              /* height of what is below the bottom wall [pt] */
     int axis, rise;            /* the axes of the packing that run across and upwards */
     bool periodic;             /* across */
     const double *shift;       /* [p->n][3] of the grains from where the packing has them [d]; NULL: none */
-    bool above;                /* seen from above: periodic upwards too, without walls */
+    bool tiled;                /* periodic upwards too, without walls */
+    bool boxed;                /* with walls at the sides */
+    bool above;                /* seen from above */
 } view;
 
 #define MARGIN 3.0  /* [pt] */
@@ -46,6 +49,10 @@ double sp_view_up(const view *v, int32_t i);
 double sp_view_x(const view *v, double across);
 double sp_view_y(const view *v, double up);
 void sp_view_walls(const view *v);
+/* Clips the canvas to the box and its walls. cairo_restore removes the clip. */
+void sp_view_clip(const view *v);
+/* The shift along an axis for a step along another of the lattice vectors of a tilted cell [d]. */
+double sp_view_tilt(const sp_packing *p, int across, int rise);
 /* The vertical axis of the canvas on which the frame begins, with its wall [pt]. */
 double sp_view_top(const view *v);
 /* Calls draw for a thing that spans from (x, y) to (x + dx, y + dy) on the canvas, and for its images at the periodic

@@ -357,7 +357,8 @@ def test_bad_dumps():
             (ATOMS.replace("radius", "q"), "a.dump radius columns"),
             (ATOMS.replace(" 0.5\n2", " -0.5\n2"), "a.dump:10 radius -0.5 positive"),
             (ATOMS.replace("0 4\n", "4 0\n"), "a.dump:6 4 0"),
-            (ATOMS.replace("pp ff pp", "xy xz yz pp ff pp").replace("0 4\n", "0 4 0\n"), "a.dump:5 tilted"),
+            (ATOMS.replace("pp ff pp", "xy xz yz pp ff pp").replace("0 4\n", "0 4 0\n"), "a.dump:7 tilt"),
+            (ATOMS.replace("pp ff pp", "abc origin pp ff pp"), "a.dump:5 xy xz yz"),
             (ATOMS.replace("NUMBER OF ATOMS\n3", "NUMBER OF ATOMS\n1000000000"), "a.dump:12 3 of 1000000000"),
             (ATOMS.replace(" 1 0.5 0.4999", ",1,0.5,0.4999"), "a.dump:10 commas"),
             (ATOMS.replace("0.4999 0 0.5", "1.7 0 0.5"), "a.dump:10 between the walls"),
@@ -365,7 +366,8 @@ def test_bad_dumps():
         write("a.dump", text)
         refuse(*words, says=says)
     write("a.dump", ATOMS.replace("pp ff pp", "pp pp pp"))
-    refuse(*words, status=2, says="periodic across=drop")
+    refuse(*words, status=2, says="height two")  # a period that is too small
+    refuse(*words, "--set", "cell=piston", status=2, says="periodic across=drop")
     write("a.dump", "\x00\x01\x02")
     refuse("a.dump", says="a.dump")
     write("a.dump", ATOMS)
@@ -516,13 +518,15 @@ def test_bad_data():
 
 
 def test_fully_periodic():
-    """A box that is periodic on all axes is cut where asked, and the cut contacts are counted."""
+    """A box that is periodic on all axes is a periodic cell, or cut where asked, and the cut contacts are counted."""
     text = ("ITEM: TIMESTEP\n1\nITEM: NUMBER OF ATOMS\n16\nITEM: BOX BOUNDS pp pp pp\n0 3.996\n0 3.996\n-1 1\n"
             "ITEM: ATOMS id type xs ys zs radius\n")
     for k in range(16):
         text += f"{k + 1} 1 {(k % 4 + 0.5) / 4:.17g} {(k // 4 + 0.5) / 4:.17g} 0.5 0.5\n"
     write("p.dump", text)
-    refuse("p.dump", *FRICTION, *EXACT, status=2, says="across=drop up=")
+    refuse("p.dump", *FRICTION, *EXACT, "--set", "cell=piston", status=2, says="across=drop up=")
+    convert("p.dump", "a.txt", *FRICTION, *EXACT)
+    expect(numbers("a.txt")[0]["cell"] == "periodic" and len(numbers("a.txt")[2]) == 32, "all 32 contacts")
     convert("p.dump", "a.txt", *FRICTION, *EXACT, "--set", "across=drop", says="4 contacts across")
     expect(len(numbers("a.txt")[2]) == 28, "of 32 contacts 28 are left")
 
@@ -538,7 +542,7 @@ def test_other_files():
     write("a.xyz", "3\nLattice=\"4 0 0 0 1 0 0 0 1\" Properties=pos:R:3:radius:R:1\n0.5 0.5 0 0.5\n")
     refuse("a.xyz", *FRICTION, says="a.xyz:3 1 of 3")
     write("a.xyz", "1\nLattice=\"4 1 0 0 1 0 0 0 1\" Properties=pos:R:3:radius:R:1\n0.5 0.5 0 0.5\n")
-    refuse("a.xyz", *FRICTION, says="a.xyz:2 tilted")
+    refuse("a.xyz", *FRICTION, says="a.xyz:2 Lattice x")
     write("m.data", "2 0 0 0 0 4 1 1\n0.5 0.5 0 0 0 0 0.5 0 0 0 0 0 0 0\n")
     refuse("m.data", *FRICTION, says="m.data:2 1 of 2")
 

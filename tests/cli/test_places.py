@@ -136,7 +136,7 @@ def test_refusals():
                           (["--detector", "grain:1.5"], "grain"), (["--detector", "grain:200"], "0 199"),
                           (["--detector", "bottom"], "top"), (["--detector", ""], "top"),
                           (["--detector", "top:shear:shear"], "top"), (["--detector", "x" * 500], "top"),
-                          (["--from", "plane:3"], "bottom"), (["--from", "top"], "bottom"),
+                          (["--from", "plane:0"], "0"), (["--from", "top"], "bottom"),
                           (["--source", "impulse:"], "bottom"), (["--source", "drum:shear"], "impulse"),
                           (["--source", "impulse", "--source", "velocity"], ""),
                           (["--component", "up"], "normal shear"), (["--planes", "0"], "--planes 0"),

@@ -16,6 +16,7 @@ import tempfile
 import h5py
 import numpy
 
+from cells import box_of_disks, lattice, matrix_of, write_packing
 from common import names_all
 
 COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
@@ -146,7 +147,8 @@ def check_grains(scratch, name, path, shown):
     rows = [line.split("\t") for line in tables[1].read_text().splitlines() if not line.startswith("#")]
     head, rows = rows[0], rows[1:]
     column = {key: [row[k] for row in rows] for k, key in enumerate(head)}
-    walls = {"bottom": -1, "top": -2}
+    walls = {"bottom": -1, "top": -2, "left": -3, "right": -4, "front": -5, "back": -6}
+    edges = matrix_of(shown["box"], shown.get("tilt", [0, 0, 0])) if dim > 1 else numpy.diag(shown["box"])
     i = numpy.array([int(x) for x in column["i"]])
     j = numpy.array([walls[x] if x in walls else int(x) for x in column["j"]])
     n = numpy.array([[float(x) for x in column[f"n{axis}"]] for axis in "xyz"[:dim]]).T
@@ -158,12 +160,13 @@ def check_grains(scratch, name, path, shown):
     expect(near(shown["fn"], fn), f"{name}: forces")
     pairs = j >= 0
     length = (r[i] + numpy.where(pairs, r[j], 0) - overlap)[:, None] * n
-    reached = x[j[pairs]] + shown["image"][pairs] * numpy.array(shown["box"])
+    reached = x[j[pairs]] + shown["image"][pairs] @ edges
     expect(near(x[i[pairs]] + length[pairs], reached, absolute=1e-9), f"{name}: copies of the box")
     points = x[i[~pairs]] + length[~pairs]
     expect(near(shown["wall_point"], points, absolute=1e-5) and len(points) == (~pairs).sum(), f"{name}: points at walls")
-    wall = {-1: 0.0, -2: shown["box"][dim - 1]}
-    expect(all(abs(p[dim - 1] - wall[k]) < 1e-6 for p, k in zip(points, j[~pairs])), f"{name}: walls")
+    wall = {-1: (dim - 1, 0), -2: (dim - 1, 1), -3: (0, 0), -4: (0, 1), -5: (1, 0), -6: (1, 1)}
+    expect(all(abs(p[wall[k][0]] - wall[k][1] * shown["box"][wall[k][0]]) < 1e-6 for p, k in zip(points, j[~pairs])),
+           f"{name}: walls")
     # the pressures of the grains, weighted with their volumes, are the trace of the stress over the dimension
     volume = [None, 2 * r, numpy.pi * r**2, 4 / 3 * numpy.pi * r**3][dim]
     total = (fn * (r[i] + numpy.where(pairs, r[j], 0))).sum()
@@ -238,6 +241,15 @@ def check_scenes(scratch):
             check_wave(scratch, name, path, shown)
         expect(shown["wave"]["u"].shape[0] == 9 and len(shown["modes"]["rows"]) == 4, f"{name}: modes and frames")
     return made
+
+
+def check_cells(scratch):
+    """Periodic cells, tilted ones, and boxes: places, contacts and copies of the cell."""
+    for name, packing in (("tilted", lattice(2, 0.3)), ("sheared", lattice(3, -0.2, cells=4)), ("box", box_of_disks())):
+        path = pathlib.Path(write_packing(str(scratch / f"{name}.h5"), packing))
+        _, (shown,) = view(scratch / f"{name}.html", path, "--no-modes", "--no-wave")
+        expect(shown["cell"] == packing["cell"] and near(shown["tilt"], packing["tilt"], 1e-15), f"{name}: cell, tilt")
+        check_grains(scratch, name, path, shown)
 
 
 # ---- the file -------------------------------------------------------------------------------------------------------
@@ -384,6 +396,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="sonopack-view-") as folder:
         scratch = pathlib.Path(folder)
         check_scenes(scratch)
+        check_cells(scratch)
         check_alone(scratch)
         check_sizes(scratch)
         check_material(scratch)

@@ -51,6 +51,38 @@ def check(deck, data, *words):
     return said
 
 
+def make_cell(deck):
+    shutil.copy(os.path.join(SOURCE, "share", "sonopack", "lammps_dump_periodic.in"), folder)
+    return make(deck)
+
+
+def is_balanced(said, within):
+    """The grains, and the pressure: LAMMPS takes the virial of all forces, sonopack normal forces times branches."""
+    assert float(re.search(r"largest net force (\S+) of the mean", said).group(1)) < within, said
+    return float(re.search(r"at p = (\S+)", said).group(1))
+
+
+def check_sheared():
+    """A tilted cell without walls: by the dump, and by the data file, which has its tilt and no boundaries."""
+    printed = make_cell("in.sheared")
+    pressure = float(re.findall(r"^\s*\d+ +\S+ +(\S+) *$", printed, re.M)[-1])
+    for name in ("grains.dump", "sheared.data"):
+        said = run(COMMAND, "convert", name, "s.h5", "--contacts", "contacts.dump", "--set", "friction=0.5", "--force")
+        assert agreement(said) < 1e-10 and "periodic along all axes, tilted by" in said, said
+        assert abs(is_balanced(said, 1e-6) / pressure - 1) < 1e-5, (said, pressure)
+
+
+def check_box():
+    """Walls on four sides, each with the forces of its fix."""
+    make("in.box")
+    said = run(COMMAND, "convert", "grains.dump", "w.h5", "--contacts", "contacts.dump", "--set", "friction=0.5", "--force")
+    assert agreement(said) < 1e-10 and "walls on all sides" in said and "walls: elastic" in said, said
+    is_balanced(said, 1e-6)
+    run(COMMAND, "check", "w.h5", "--tolerance", "0.1")
+
+
+check_sheared()
+check_box()
 check("in.layer", "layer.data")
 check("in.beads", "beads.data", "--material", "E=1e9,nu=0.22,rho=2500")
 shutil.rmtree(folder)

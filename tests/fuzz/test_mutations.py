@@ -75,6 +75,8 @@ def prepare(folder):
                       ["signal", "good.h5", "--points", "100", "-o", "trace.tsv"]):
         result = run(arguments, folder)
         assert result.returncode == 0, (arguments, result)
+    cell = ["convert", str(SOURCE / "tests/foreign/samples/lammps/sheared.data"), "cell.txt", "--set", "friction=0.5"]
+    assert run(cell, folder).returncode == 0, cell
     scene = (SOURCE / "packings/chain.cfg").read_bytes() + (
         b'network = { prestress = [true, false]; threshold = { from = 1e-5; to = 1e-3; count = 3; spacing = "log"; }; };\n'
         b'study = { samples = 2; want = ["ctof"]; sweep = ( { key = "packing.pressure"; values = [1e-6, 1e-4]; },\n'
@@ -86,6 +88,7 @@ def prepare(folder):
     small = ["--set", "packing.kind=chain", "--set", "packing.dimension=1", "--set", "packing.grains=3",
              "--set", "packing.friction=0"]
     return [("good.txt", ["signal", "damaged.txt", "--points", "20", "--until", "20"]), ("good.txt", ["check", "damaged.txt"]),
+            ("cell.txt", ["plot", "network", "damaged.txt", "-o", "out.svg", "--force"]),
             ("good.h5", ["check", "damaged.h5"]), ("trace.tsv", ["front", "damaged.tsv"]),
             ("grains.tsv", ["convert", "--force", "out.h5", "--grains", "damaged.tsv", "--contacts", "contacts.tsv"]),
             ("contacts.tsv", ["convert", "--force", "out.h5", "--grains", "grains.tsv", "--contacts", "damaged.tsv"]),

@@ -1,365 +1,278 @@
-/* The motion of grains in cells that are periodic along all axes, tilted too, or have walls on all sides: forces
- * against brute force over all images, the kernel against the plain path, what mechanics conserves, and the stress
- * against the derivative of the elastic energy. */
-#include "test.h"
-
+/* Cells without a piston: zero modes, places of sources and detectors, statics. */
 #include "base/base.h"
-#include "base/pool.h"
-#include "packing/contact.h"
-#include "packing/deform.h"
-#include "packing/dynamics.h"
-#include "packing/geometry.h"
-#include "packing/neighbours.h"
-#include "packing/prepare.h"
+#include "cells.h"
+#include "packing/bulk.h"
 
-typedef struct scene {
-    int dim;
-    sp_boundary cell;
-    double edge[3], tilt[3];
-    double friction;
-} scene;
+#include <sonopack/counts.h>
+#include <sonopack/modes.h>
 
-enum { PER_EDGE = 6 };
+static const double tilted[3] = {0.3, -0.2, 0.4};
 
-static const scene scenes[] = {
-    {2, SP_CELL_PERIODIC, {6, 5.8, 1}, {0, 0, 0}, 0.5},
-    {2, SP_CELL_PERIODIC, {6, 5.8, 1}, {2.7, 0, 0}, 0.5},
-    {2, SP_CELL_BOX, {6, 5.8, 1}, {0, 0, 0}, 0.5},
-    {3, SP_CELL_PERIODIC, {6, 5.8, 6.1}, {0, 0, 0}, 0.5},
-    {3, SP_CELL_PERIODIC, {6, 5.8, 6.1}, {-2.2, 2.9, 1.7}, 0.5},
-    {3, SP_CELL_BOX, {6, 5.8, 6.1}, {0, 0, 0}, 0.5},
-};
-enum { SCENES = sizeof scenes / sizeof *scenes };
-
-/* In (-1, 1), different for each k. */
-static double noise(int32_t k) { return sin(12.9898 * k + 0.7 * sin(78.233 * k)); }
-
-/* Grains near the points of a grid, dense enough that each touches several. `shift` moves all of them. */
-static dynamics make(const scene *s, bool plain, const double shift[3]) {
-    const int32_t n = s->dim == 2 ? PER_EDGE * PER_EDGE : PER_EDGE * PER_EDGE * PER_EDGE;
-    sp_pack_spec spec = sp_pack_spec_default();
-    spec.dim = s->dim;
-    spec.cell = s->cell;
-    spec.grains = n;
-    spec.width = s->edge[0];
-    spec.depth = s->edge[1];
-    spec.friction = s->friction;
-    spec.reference = plain;
-    spec = sp_pack_spec_resolve(&spec);
-    sp_packing cell = {.dim = s->dim, .cell = s->cell, .n = n};
-    memcpy(cell.box, s->edge, sizeof cell.box);
-    memcpy(cell.tilt, s->tilt, sizeof cell.tilt);
-    double *r = sp_alloc((size_t)n, 8), *x = sp_alloc(3 * (size_t)n, 8);
-    for (int32_t i = 0; i < n; i++) {
-        double f[3], *at = x + 3 * (size_t)i;
-        r[i] = 0.53 + 0.04 * noise(i);
-        for (int a = 0, m = i; a < 3; a++, m /= PER_EDGE)
-            f[a] = a < s->dim ? (m % PER_EDGE + 0.5 + 0.15 * noise(3 * i + a + 1000)) / PER_EDGE : 0;
-        at[0] = f[0] * s->edge[0] + f[1] * s->tilt[0] + f[2] * s->tilt[1] + shift[0];
-        at[1] = f[1] * s->edge[1] + f[2] * s->tilt[2] + shift[1];
-        at[2] = f[2] * s->edge[2] + (s->dim == 3 ? shift[2] : 0);
-        if (s->cell == SP_CELL_PERIODIC)
-            sp_packing_wrap(&cell, at);
-    }
-    dynamics d;
-    assert_ok(sp_dynamics_make(&spec, r, x, s->edge[s->dim - 1], &d, &err));
-    memcpy(d.tilt, s->tilt, sizeof d.tilt);
-    assert_ok(sp_neighbours_refresh(&d, &err));
-    sp_free(x);
-    sp_free(r);
-    return d;
+static sp_network network_of(const sp_packing *p, bool prestress) {
+    sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    o.prestress = prestress;
+    assert_ok(sp_network_make(p, &o, &net, &err));
+    return net;
 }
 
-static const double nowhere[3] = {0, 0, 0};
-
-/* Gives the grains velocities and spins, and the cell a velocity gradient. */
-static void stir(dynamics *d) {
-    for (int32_t i = 0; i < d->n; i++) {
-        double *g = dynamics_grain(d, i);
-        for (int a = 0; a < d->dim; a++)
-            g[d->at.v + a] = 1e-2 * noise(3 * i + a + 5000);
-        for (int a = 0; a < (d->dim == 3 ? 3 : 1); a++)
-            g[d->at.w + a] = 1e-2 * noise(3 * i + a + 9000);
-    }
-    for (int a = 0; a < d->dim; a++)
-        d->strain_rate[a] = 1e-3 * (a + 1);
-    for (int a = 0; a < (d->dim == 3 ? 3 : 1) && d->cell == SP_CELL_PERIODIC; a++)
-        d->shear_rate[a] = 2e-3 * (2 - a);
+/* Four packings: both dimensions, with and without friction, in tilted cells. */
+enum { PACKINGS = 4 };
+static sp_packing packing(int k) {
+    return cells_packing(SP_CELL_PERIODIC, 2 + k / 2, k < 2 ? 40 : 48, k < 2 ? 0.9 : 0.7,
+                         k < 2 ? (double[3]){0.3} : tilted, k % 2 ? 0.3 : 0, 1 + (unsigned)k);
 }
 
-/* ---- forces -------------------------------------------------------------------------------------------------- */
+static void packings_are_at_rest(void **state) {
+    (void)state;
+    for (int k = 0; k < PACKINGS; k++) {
+        sp_packing p = packing(k);
+        sp_audit a;
+        assert_ok(sp_packing_audit(&p, 1e-4, &a, &err));
+        assert_true(a.force_residual < 1e-9 && a.wall_residual < 1e-12 && a.missing == 0);
+        sp_packing_free(&p);
+    }
+}
 
-/* Elastic energy, and the normal forces on all grains, from all images: f is [n][3] or NULL. */
-static double brute_energy(const dynamics *d, double *f) {
-    const int reach = d->cell == SP_CELL_PERIODIC ? 2 : 0;
-    double sum = 0;
-    for (int32_t i = 0; i < d->n; i++)
-        for (int32_t j = i + 1; j < d->n; j++)
-            for (int k = 0; k < 125; k++) {
-                const int m[3] = {k % 5 - 2, k / 5 % 5 - 2, k / 25 - 2};
-                if (abs(m[0]) > reach || abs(m[1]) > reach || abs(m[2]) > (d->dim == 3 ? reach : 0))
-                    continue;
-                const double *g = dynamics_grain(d, i), *h = dynamics_grain(d, j);
-                double x[3] = {h[0] - g[0] + m[0] * d->period[0] + m[1] * d->tilt[0] + m[2] * d->tilt[1],
-                               h[1] - g[1] + m[1] * dynamics_edge(d, 1) + m[2] * d->tilt[2],
-                               d->dim == 3 ? h[2] - g[2] + m[2] * d->piston_y : 0};
-                const double r = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]), overlap = g[d->at.r] + h[d->at.r] - r;
-                if (!(overlap > 0))
-                    continue;
-                const double normal = contact_force(contact_stiffness(g[d->at.r], h[d->at.r]), overlap);
-                sum += 0.4 * normal * overlap; /* integral of Hertz's law */
-                for (int a = 0; a < 3 && f; a++) {
-                    f[3 * i + a] -= normal * x[a] / r;
-                    f[3 * j + a] += normal * x[a] / r;
-                }
-            }
-    for (int side = 0; side < d->walls; side++)
-        for (int32_t i = 0; i < d->n; i++) {
-            const wall_frame frame = dynamics_wall(d, side);
-            const double *g = dynamics_grain(d, i), overlap = g[d->at.r] - dynamics_wall_distance(d, side, g);
-            const double normal = overlap > 0 ? contact_force(sqrt(g[d->at.r]), overlap) : 0;
-            sum += 0.4 * normal * overlap;
-            if (f)
-                f[3 * i + frame.axis] -= frame.sign * normal;
+/* ---- zero modes ------------------------------------------------------------------------------------------------- */
+
+/* Translations of the cell are all that springs do not resist: with friction no rotation is free, since the cell cannot
+ * turn. Dense and sparse solvers, counts and null motions agree. */
+static void translations_are_free(void **state) {
+    (void)state;
+    for (int k = 0; k < 2 * PACKINGS; k++) {
+        sp_packing p = packing(k / 2);
+        sp_network net = network_of(&p, k % 2);
+        const sp_modes_options o = sp_modes_options_default();
+        const sp_modes_range all = sp_modes_range_all(), few = sp_modes_range_lowest(4);
+        sp_modes dense = sp_modes_none(), sparse = sp_modes_none(), low = sp_modes_none();
+        sp_zero_modes z;
+        assert_ok(sp_zero_modes_count(&net, &z, &err));
+        assert_int_equal(z.rigid, p.dim);
+        assert_int_equal(z.mechanisms, 0);
+        assert_int_equal(z.spins, 0);
+        assert_ok(sp_modes_dense(&net, &o, &dense, &err));
+        assert_ok(sp_modes_sparse(&net, &o, &all, &sparse, &err));
+        assert_ok(sp_modes_sparse(&net, &o, &few, &low, &err));
+        assert_int_equal(dense.n_zero, z.total);
+        assert_int_equal(sparse.n_zero, z.total);
+        assert_int_equal(low.first, z.total);
+        for (int q = 0; q < 4; q++) {
+            const double omega = dense.omega[dense.n_zero + q];
+            assert_true(omega > 1e-3);
+            assert_close(low.omega[q], omega, 1e-9);
+            assert_close(sparse.omega[sparse.n_zero + q], omega, 1e-9);
         }
+        assert_true(isnan(dense.a[0]) && isnan(dense.b[0])); /* no walls */
+        sp_modes_free(&low);
+        sp_modes_free(&sparse);
+        sp_modes_free(&dense);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+}
+
+/* A box holds its grains. A piece of a lattice that floats in a periodic cell turns, too. */
+static void boxes_hold_and_pieces_turn(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        sp_packing box = cells_packing(SP_CELL_BOX, dim, 40, dim == 2 ? 0.95 : 0.75, NULL, 0, 5);
+        sp_packing piece = dim == 2 ? cells_triangular(5, 6, 0.01, 0) : cells_fcc(3, 0.01, 0);
+        sp_network net = network_of(&box, false);
+        sp_zero_modes z;
+        assert_true(net.n_springs - net.n_bulk > 2 * dim);
+        assert_ok(sp_zero_modes_count(&net, &z, &err));
+        assert_int_equal(z.rigid + z.mechanisms + z.spins, 0);
+        sp_network_free(&net);
+        for (int a = 0; a < dim; a++)
+            piece.box[a] *= 2; /* far from its images, across which the piece is cut */
+        cells_touch(&piece);
+        net = network_of(&piece, false);
+        assert_ok(sp_zero_modes_count(&net, &z, &err));
+        assert_int_equal(z.rigid, dim == 2 ? 3 : 6);
+        for (int i = 0; i < piece.n; i++) { /* the cut goes through it */
+            piece.x[3 * i] -= 2;
+            sp_packing_wrap(&piece, piece.x + 3 * (size_t)i);
+        }
+        cells_touch(&piece);
+        sp_network_free(&net);
+        net = network_of(&piece, false);
+        assert_ok(sp_zero_modes_count(&net, &z, &err));
+        assert_int_equal(z.rigid, dim == 2 ? 3 : 6);
+        sp_network_free(&net);
+        sp_packing_free(&piece);
+        sp_packing_free(&box);
+    }
+}
+
+/* ---- places ----------------------------------------------------------------------------------------------------- */
+
+static double seen(const sp_network *net, const sp_place *at, const double *u) {
+    double *row = malloc((size_t)sp_network_dofs(net) * sizeof *row), sum = 0;
+    assert_ok(sp_network_detector_at(net, at, row, &err));
+    for (int64_t k = 0; k < sp_network_dofs(net); k++)
+        sum += row[k] * u[k];
+    free(row);
     return sum;
 }
 
-static void test_forces_are_all_images(void **state) {
+/* What comes through one plane less what goes through a higher one is the force on the grains between them. */
+static void momentum_is_balanced(void **state) {
     (void)state;
-    for (int k = 0; k < SCENES; k++)
-        for (int plain = 0; plain < 2; plain++) {
-            scene smooth = scenes[k];
-            smooth.friction = 0;
-            dynamics d = make(&smooth, plain, nowhere);
-            double *f = sp_alloc(3 * (size_t)d.n, sizeof *f), largest = 0;
-            assert_true(brute_energy(&d, f) > 0);
-            sp_dynamics_forces(&d, 0);
-            for (int32_t i = 0; i < d.n; i++) {
-                double force[3], turn[3];
-                sp_dynamics_force_on(&d, i, force, turn);
-                for (int a = 0; a < d.dim; a++) {
-                    assert_close(force[a], f[3 * i + a], 1e-14);
-                    largest = fmax(largest, fabs(force[a]));
-                }
-            }
-            assert_true(largest > 1e-3);
-            sp_free(f);
-            sp_dynamics_free(&d);
-        }
-}
-
-/* Moving all grains by a vector moves some of them through the faces, and changes no force. */
-static void test_translation(void **state) {
-    (void)state;
-    const double shift[3] = {3.1, -8.7, 14.2};
-    for (int k = 0; k < SCENES; k++) {
-        if (scenes[k].cell != SP_CELL_PERIODIC)
-            continue;
-        dynamics here = make(&scenes[k], false, nowhere), there = make(&scenes[k], false, shift);
-        stir(&here);
-        stir(&there);
-        sp_dynamics_forces(&here, 0.5);
-        sp_dynamics_forces(&there, 0.5);
-        for (int32_t i = 0; i < here.n; i++) {
-            double f[2][3], t[2][3];
-            sp_dynamics_force_on(&here, i, f[0], t[0]);
-            sp_dynamics_force_on(&there, i, f[1], t[1]);
-            for (int a = 0; a < 3; a++) {
-                assert_close(f[0][a], f[1][a], 1e-13);
-                assert_close(t[0][a], t[1][a], 1e-13);
+    for (int k = 0; k < 2 * PACKINGS; k++) {
+        sp_packing p = packing(k / 2);
+        sp_network net = network_of(&p, k % 2);
+        const int64_t n = sp_network_dofs(&net);
+        const int up = p.dim - 1;
+        double *u = malloc((size_t)n * sizeof *u), *ku = malloc((size_t)n * sizeof *ku);
+        srand(7);
+        for (int64_t q = 0; q < n; q++)
+            u[q] = rand() / (double)RAND_MAX - 0.5;
+        sp_network_apply(&net, u, ku);
+        for (int shear = 0; shear < 2; shear++) {
+            const sp_place low = {.kind = SP_PLACE_PLANE, .shear = shear};
+            const double base = seen(&net, &low, u);
+            for (int part = 1; part < 8; part++) {
+                const sp_place high = {.kind = SP_PLACE_PLANE, .shear = shear, .height = part * p.box[up] / 8};
+                double force = 0;
+                for (int32_t i = 0; i < net.n; i++)
+                    if (net.x[3 * i + up] <= high.height)
+                        force -= ku[(int64_t)i * net.dof + (shear ? 0 : up)];
+                assert_close(base - seen(&net, &high, u), force, 1e-12);
+                const double crossed = sp_network_plane_height(&net, high.height);
+                assert_close(crossed, high.height, 0.5);
             }
         }
-        sp_dynamics_free(&there);
-        sp_dynamics_free(&here);
+        free(ku);
+        free(u);
+        sp_network_free(&net);
+        sp_packing_free(&p);
     }
 }
 
-/* Newton's third law, with friction and viscosity: without walls the forces sum to 0, with walls to what these give. */
-static void test_momentum(void **state) {
+/* A plane moves the grains of its layer, across the period, and nothing else; in every kind of cell. */
+static void planes_are_sources(void **state) {
     (void)state;
-    for (int k = 0; k < SCENES; k++) {
-        dynamics d = make(&scenes[k], false, nowhere);
-        double sum[3] = {0, 0, 0}, scale = 0;
-        stir(&d);
-        sp_dynamics_forces(&d, 0.5);
-        for (int32_t i = 0; i < d.n; i++) {
-            double force[3], turn[3];
-            sp_dynamics_force_on(&d, i, force, turn);
-            for (int a = 0; a < d.dim; a++) {
-                sum[a] += force[a];
-                scale += fabs(force[a]);
+    for (int cell = 0; cell < 3; cell++) {
+        sp_packing p = cells_packing((sp_boundary)cell, 2, 40, 0.95, NULL, 0.3, 6);
+        sp_network net = network_of(&p, false);
+        const int64_t n = sp_network_dofs(&net);
+        double *out = malloc((size_t)n * sizeof *out);
+        for (int kind = SP_SOURCE_IMPULSE; kind <= SP_SOURCE_DISPLACEMENT; kind++) {
+            const sp_place at = {.kind = SP_PLACE_PLANE, .height = 0.2};
+            int moved = 0, around = 0;
+            assert_ok(sp_network_source_at(&net, (sp_source)kind, &at, out, &err));
+            for (int64_t k = 0; k < n; k++) {
+                const double y = net.x[3 * (k / net.dof) + 1];
+                const bool above = y >= 0.2 - 0.5 && y < 0.7, image = p.cell == SP_CELL_PERIODIC && y >= p.box[1] - 0.3;
+                const bool in = k % net.dof == 1 && (above || image);
+                assert_close(out[k], !in ? 0 : kind == SP_SOURCE_VELOCITY ? net.mass[k] : 1, 0);
+                moved += in;
+                around += in && image;
             }
+            assert_true(moved > 2 && (around > 0) == (p.cell == SP_CELL_PERIODIC));
         }
-        for (int side = 0; side < d.walls; side++)
-            for (int32_t q = 0; q < d.wall[side].n; q++)
-                for (int a = 0; a < d.dim; a++)
-                    sum[a] -= d.rows.row[d.at.row * (d.rows.wall[side] + q) + a];
-        assert_true(scale > 0.01);
-        for (int a = 0; a < d.dim; a++)
-            assert_close(sum[a], 0, 1e-14 * scale);
-        sp_dynamics_free(&d);
+        free(out);
+        sp_network_free(&net);
+        sp_packing_free(&p);
     }
 }
 
-static void test_kernel_equals_plain(void **state) {
+static void walls_are_refused(void **state) {
     (void)state;
-    for (int k = 0; k < SCENES; k++) {
-        dynamics d[2] = {make(&scenes[k], false, nowhere), make(&scenes[k], true, nowhere)};
-        for (int step = 0; step < 3; step++) { /* the later ones have tangential forces, and another cell */
-            for (int plain = 0; plain < 2; plain++) {
-                if (step == 0)
-                    stir(&d[plain]);
-                assert_ok(sp_neighbours_refresh(&d[plain], &err));
-                sp_dynamics_forces(&d[plain], 0.3);
-            }
-            for (int32_t i = 0; i < d[0].n; i++) {
-                double f[2][3], t[2][3];
-                for (int plain = 0; plain < 2; plain++)
-                    sp_dynamics_force_on(&d[plain], i, f[plain], t[plain]);
-                for (int a = 0; a < 3; a++) {
-                    assert_close(f[0][a], f[1][a], 1e-13);
-                    assert_close(t[0][a], t[1][a], 1e-13);
-                }
-            }
-            for (int side = 0; side < d[0].walls; side++)
-                assert_relative(d[0].wall_force[side], d[1].wall_force[side], 1e-13);
-            sp_dynamics_advance(&d[0], 0.3);
-            sp_dynamics_advance(&d[1], 0.3);
-            for (int32_t i = 0; i < d[0].n; i++)
-                for (int a = 0; a < d[0].at.stride; a++)
-                    assert_close(dynamics_grain(&d[0], i)[a], dynamics_grain(&d[1], i)[a], 1e-12);
-        }
-        sp_dynamics_free(&d[1]);
-        sp_dynamics_free(&d[0]);
+    sp_packing p = packing(1);
+    sp_network net = network_of(&p, false);
+    double *out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
+    const sp_place places[] = {{.kind = SP_PLACE_WALL}, {.kind = SP_PLACE_PART, .to = 1}};
+    for (int k = 0; k < 2; k++) {
+        assert_fails(sp_network_source_at(&net, SP_SOURCE_IMPULSE, &places[k], out, &err), SP_EREFUSED,
+                     "bottom plane:Y");
+        assert_fails(sp_network_detector_at(&net, &places[k], out, &err), SP_EREFUSED, "top plane:Y");
+    }
+    const double heights[] = {-0.1, NAN, INFINITY, p.box[1]};
+    for (int k = 0; k < 4; k++) {
+        const sp_place at = {.kind = SP_PLACE_PLANE, .height = heights[k]};
+        assert_fails(sp_network_detector_at(&net, &at, out, &err), SP_EINVAL, "plane 0");
+        assert_fails(sp_network_source_at(&net, SP_SOURCE_IMPULSE, &at, out, &err), SP_EINVAL, "plane 0");
+    }
+    free(out);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+    sp_packing thin = cells_square(5, 8, 0, 1e-4, 0); /* rows at 0.25, 1.25, ... */
+    thin.box[1] *= 2;                                 /* a gap above them */
+    cells_touch(&thin);
+    net = network_of(&thin, false);
+    out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
+    const sp_place gap = {.kind = SP_PLACE_PLANE, .height = 12};
+    assert_fails(sp_network_source_at(&net, SP_SOURCE_IMPULSE, &gap, out, &err), SP_EREFUSED, "12");
+    free(out);
+    sp_network_free(&net);
+    sp_packing_free(&thin);
+}
+
+/* ---- statics ---------------------------------------------------------------------------------------------------- */
+
+/* Nothing is left out of a periodic cell; its stress has the pressure as its mean. */
+static void statics_of_the_cell(void **state) {
+    (void)state;
+    for (int k = 0; k < PACKINGS; k++) {
+        sp_packing p = packing(k);
+        sp_statics s, wide;
+        assert_ok(sp_statics_make(&p, 1e-4, 3, &s, &err));
+        assert_ok(sp_statics_make(&p, 1e-4, 1e3, &wide, &err));
+        assert_true(s.phi3 == wide.phi3 && s.zs == wide.zs);
+        assert_relative(p.dim == 2 ? s.phi2 : s.phi3, p.dim == 2 ? 0.9 : 0.7, 1e-12);
+        assert_relative(s.s_xx + s.s_yy + (p.dim == 3 ? s.s_zz : 0), p.dim * p.pressure, 1e-9);
+        assert_true(p.dim == 3 || (isnan(s.s_zz) && isnan(s.s_yz) && isnan(s.s_xz)));
+        assert_relative(s.s12_over_s2, (p.dim == 3 ? s.s_xz : s.s_xy) / (p.dim == 3 ? s.s_zz : s.s_yy), 1e-9);
+        assert_true(s.zs > (p.friction > 0 ? 2 : 2 * p.dim) && s.zs < 4 * p.dim);
+        int bonds = 0, rattlers = 0;
+        uint8_t *carrying = malloc((size_t)p.n_contacts);
+        assert_ok(sp_packing_rattlers(&p, 1e-4, NULL, carrying, &rattlers, &err));
+        for (int c = 0; c < p.n_contacts; c++)
+            bonds += carrying[c];
+        assert_relative(s.zs, 2.0 * bonds / (p.n - rattlers), 1e-12);
+        free(carrying);
+        sp_contact_counts counts = sp_contact_counts_none();
+        assert_ok(sp_contact_counts_add(&counts, &p, 1e-4, 3, &err));
+        assert_close(counts.contacts, bonds, 0);
+        sp_packing_free(&p);
     }
 }
 
-/* ---- stress -------------------------------------------------------------------------------------------------- */
-
-/* Energy after the cell and its grains are strained in one component: x' = x + h x_b along a. */
-static double strained_energy(const scene *s, int a, int b, double h) {
-    dynamics d = make(s, false, nowhere);
-    if (a == b)
-        d.strain_rate[a] = 1;
-    else
-        d.shear_rate[a + b - 1] = 1;
-    for (int32_t i = 0; i < d.n; i++)
-        dynamics_grain(&d, i)[a] += h * dynamics_grain(&d, i)[b];
-    sp_deform_cell(&d, h);
-    const double energy = brute_energy(&d, NULL);
-    sp_dynamics_free(&d);
-    return energy;
-}
-
-static double stress_error(const scene *s, int a, int b, double measured, double h) {
-    const double volume = s->edge[0] * s->edge[1] * s->edge[2];
-    return (strained_energy(s, a, b, -h) - strained_energy(s, a, b, h)) / (2 * h * volume) - measured;
-}
-
-/* Stress is -dE / (V d strain): central differences miss it by h^2. */
-static void test_stress_is_derivative(void **state) {
+/* Shares of grains at the edges and corners of the bulk of a box: halves of halves by symmetry, else by Monte Carlo. */
+static void bulk_of_a_box(void **state) {
     (void)state;
-    for (int k = 0; k < SCENES; k++) {
-        scene smooth = scenes[k];
-        smooth.friction = 0;
-        dynamics d = make(&smooth, false, nowhere);
-        double stress[6];
-        sp_dynamics_stress(&d, stress);
-        sp_dynamics_free(&d);
-        for (int a = 0; a < smooth.dim; a++)
-            for (int b = a; b < (smooth.cell == SP_CELL_PERIODIC ? smooth.dim : a + 1); b++) {
-                const double measured = stress[a == b ? a : 6 - a - b];
-                const double coarse = stress_error(&smooth, a, b, measured, 2e-5);
-                const double fine = stress_error(&smooth, a, b, measured, 1e-5);
-                assert_true(fabs(measured) > 1e-5);
-                assert_close(coarse, 0, 1e-4 * fabs(measured) + 1e-8);
-                assert_close(fine, 0, 0.5 * fabs(coarse) + 1e-10);
-            }
+    sp_packing p = cells_packing(SP_CELL_BOX, 3, 20, 0.6, NULL, 0, 8);
+    const bulk b = sp_bulk_of(&p, 0.5);
+    const double r = 0.4, edge = p.box[0] - 1, middle = 0.5 * p.box[0];
+    assert_relative(b.volume, edge * edge * edge, 1e-12);
+    const double places[][3] = {{0.5, 0.5, 0.5}, {0.5, middle, 0.5}, {middle, middle, 0.5}, {middle, middle, middle}};
+    const double parts[] = {0.125, 0.25, 0.5, 1};
+    for (int k = 0; k < 4; k++)
+        assert_close(sp_bulk_ball(&b, places[k], r), parts[k], 1e-3 * parts[k]);
+    const double off[3] = {0.6, 0.45, 0.7};
+    int inside = 0, all = 0;
+    srand(9);
+    for (int k = 0; k < 400000; k++) {
+        double x[3], square = 0;
+        for (int a = 0; a < 3; a++) {
+            x[a] = r * (2.0 * rand() / RAND_MAX - 1);
+            square += x[a] * x[a];
+            x[a] += off[a];
+        }
+        all += square < r * r;
+        inside += square < r * r && sp_bulk_has(&b, x);
     }
-}
-
-/* ---- deformation --------------------------------------------------------------------------------------------- */
-
-/* One step of x' = L x, as the grains take it. */
-static void flow(const dynamics *d, double dt, double x[3]) {
-    x[0] += dt * (d->strain_rate[0] * x[0] + d->shear_rate[0] * x[1] + d->shear_rate[1] * x[2]);
-    x[1] += dt * (d->strain_rate[1] * x[1] + d->shear_rate[2] * x[2]);
-    x[2] += dt * d->strain_rate[2] * x[2];
-}
-
-/* Grains that nothing can push are carried by the cell, except for lattice vectors: the strain is so large that the
- * cell takes other ones. */
-static void test_grains_follow_the_cell(void **state) {
-    (void)state;
-    for (int k = 0; k < SCENES; k++) {
-        dynamics d = make(&scenes[k], false, nowhere);
-        double *x = sp_alloc(3 * (size_t)d.n, sizeof *x), turned = d.tilt[0];
-        stir(&d);
-        for (int32_t i = 0; i < d.n; i++) {
-            double *g = dynamics_grain(&d, i);
-            memcpy(x + 3 * (size_t)i, g, (size_t)d.dim * sizeof *x);
-            memset(g + d.at.v, 0, (size_t)d.dim * sizeof *g);
-            g[d.at.inv_m] = 1e-40;
-        }
-        for (int step = 0; step < 400; step++) {
-            assert_ok(sp_neighbours_refresh(&d, &err));
-            sp_dynamics_forces(&d, 1);
-            for (int32_t i = 0; i < d.n; i++)
-                flow(&d, 1, x + 3 * (size_t)i);
-            sp_dynamics_advance(&d, 1);
-        }
-        d.outer_travel = INFINITY;
-        assert_ok(sp_neighbours_refresh(&d, &err));
-        const sp_packing cell = sp_dynamics_cell(&d);
-        for (int32_t i = 0; i < d.n; i++) {
-            double apart[3] = {0, 0, 0};
-            for (int a = 0; a < d.dim; a++)
-                apart[a] = dynamics_grain(&d, i)[a] - x[3 * i + a];
-            sp_packing_nearest(&cell, apart);
-            for (int a = 0; a < d.dim; a++)
-                assert_close(apart[a], 0, 1e-11);
-        }
-        for (int a = 0; a < d.dim; a++)
-            assert_relative(cell.box[a], scenes[k].edge[a] * pow(1 + 1e-3 * (a + 1), 400), 1e-12);
-        assert_true(fabs(d.tilt[0]) <= 0.5 * d.period[0] && d.rebuilds >= 2);
-        assert_true((d.tilt[0] != turned) == (d.cell == SP_CELL_PERIODIC));
-        sp_free(x);
-        sp_dynamics_free(&d);
-    }
-}
-
-/* Bytes after some hundred steps of a deforming cell, alone and with threads. */
-static void test_threads(void **state) {
-    (void)state;
-    for (int k = 0; k < SCENES; k++) {
-        dynamics d[2] = {make(&scenes[k], false, nowhere), make(&scenes[k], false, nowhere)};
-        assert_ok(sp_pool_make(3, &d[1].pool, &err));
-        for (int t = 0; t < 2; t++) {
-            stir(&d[t]);
-            for (int step = 0; step < 200; step++) {
-                assert_ok(sp_neighbours_refresh(&d[t], &err));
-                sp_dynamics_forces(&d[t], 0.05);
-                sp_dynamics_advance(&d[t], 0.05);
-            }
-        }
-        assert_memory_equal(d[0].g, d[1].g, (size_t)(d[0].n * d[0].at.stride) * sizeof *d[0].g);
-        assert_memory_equal(d[0].tilt, d[1].tilt, sizeof d[0].tilt);
-        assert_memory_equal(d[0].wall_force, d[1].wall_force, sizeof d[0].wall_force);
-        sp_dynamics_free(&d[1]);
-        sp_dynamics_free(&d[0]);
-    }
+    assert_close(sp_bulk_ball(&b, off, r), inside / (double)all, 4e-3);
+    sp_packing_free(&p);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_forces_are_all_images),
-        cmocka_unit_test(test_translation),
-        cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_kernel_equals_plain),
-        cmocka_unit_test(test_stress_is_derivative),
-        cmocka_unit_test(test_grains_follow_the_cell),
-        cmocka_unit_test(test_threads),
-    };
+        cmocka_unit_test(packings_are_at_rest),       cmocka_unit_test(translations_are_free),
+        cmocka_unit_test(boxes_hold_and_pieces_turn), cmocka_unit_test(momentum_is_balanced),
+        cmocka_unit_test(planes_are_sources),         cmocka_unit_test(walls_are_refused),
+        cmocka_unit_test(statics_of_the_cell),        cmocka_unit_test(bulk_of_a_box)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -130,7 +130,7 @@ static void test_refusals(void **state) {
     assert_fails(sp_signal_field(&net, &spec, u, NULL, &err), SP_EINVAL, "0");
     spec = (sp_field_options){.times = 1, .t = &late};
     assert_fails(sp_signal_field(&net, &spec, u, NULL, &err), SP_EREFUSED, "1e+12 20000000");
-    const sp_place nowhere = {.kind = SP_PLACE_PLANE, .height = 3};
+    const sp_place nowhere = {.kind = SP_PLACE_PLANE, .height = -3};
     spec = (sp_field_options){.times = 1, .t = &good, .from = &nowhere};
     assert_int_not_equal(sp_signal_field(&net, &spec, u, NULL, NULL), SP_OK);
     int64_t k = 0;

@@ -385,11 +385,38 @@ static void test_spec_refuses(void **state) {
     REFUSED((s.kind = SP_PACK_TRIANGULAR, s.grains = 601), "24");
 }
 
+/* The walls of a box balance together: friction at the bottom holds what the left wall pushes more than the right. */
+static void test_audit_box(void **state) {
+    (void)state;
+    sp_packing p;
+    sp_audit a;
+    const double f = 1e-4, slip = 1e-5, normal[4][2] = {{0, -1}, {0, 1}, {-1, 0}, {1, 0}};
+    assert_ok(sp_packing_alloc(&p, 2, 1, 4, &err));
+    p.cell = SP_CELL_BOX;
+    p.box[0] = p.box[1] = 1;
+    p.x[0] = p.x[1] = p.r[0] = 0.5;
+    p.friction = 0.5;
+    for (int k = 0; k < 4; k++) {
+        p.contacts[k] = (sp_contact){.i = 0, .j = SP_BOTTOM - k, .fn = f + (k == 2 ? slip : 0)};
+        memcpy(p.contacts[k].n, normal[k], sizeof normal[k]);
+    }
+    p.contacts[0].ft[0] = -slip;
+    p.pressure = 0.5 * (4 * f + slip) / 2; /* sum of F R over dim V */
+    assert_ok(sp_packing_check(&p, &err));
+    assert_ok(sp_packing_audit(&p, 1e-4, &a, &err));
+    assert_close(a.wall_residual, 0, 1e-12);
+    p.contacts[0].ft[0] = 0;
+    assert_ok(sp_packing_audit(&p, 1e-4, &a, &err));
+    assert_close(a.wall_residual, slip / p.pressure, 1e-12);
+    sp_packing_free(&p);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_triangular), cmocka_unit_test(test_other_sizes), cmocka_unit_test(test_chain),
         cmocka_unit_test(test_rattlers),   cmocka_unit_test(test_check_finds), cmocka_unit_test(test_audit_finds),
         cmocka_unit_test(test_complete),   cmocka_unit_test(test_statics),     cmocka_unit_test(test_spec_refuses),
+        cmocka_unit_test(test_audit_box),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -151,8 +151,6 @@ static void wrong_places(void **state) {
         const sp_place at = {.kind = SP_PLACE_PLANE, .height = heights[k]};
         assert_fails(sp_network_detector_at(&net, &at, out, &err), SP_EINVAL, "0");
     }
-    const sp_place plane = {.kind = SP_PLACE_PLANE, .height = 1};
-    assert_fails(sp_network_source_at(&net, SP_SOURCE_IMPULSE, &plane, out, &err), SP_EINVAL, "source");
     const sp_place bad[] = {{SP_PLACE_PART, false, 2, 1, 0, 0},
                             {SP_PLACE_PART, false, NAN, 1, 0, 0},
                             {SP_PLACE_PART, false, -1, 1, 0, 0},

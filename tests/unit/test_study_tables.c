@@ -27,7 +27,20 @@ static sp_sample made_up(double p, int grains, int seed, double offset) {
     s.front.t_zero = 15 / c + 1.5 * s.height / c;
     s.front.amplitude = 1 / s.height;
     s.front.width = s.front.t_zero - s.front.t10;
-    s.statics = (sp_statics){0.81, 0.55, 0.5, 3.2 + offset, 10, 1.2, 1.5, 2.8, 0.52, 0.56, 0.8, 0.01, NAN, 0.1};
+    s.statics = (sp_statics){.phi2 = 0.81,
+                             .phi3 = 0.55,
+                             .phi3s = 0.5,
+                             .zs = 3.2 + offset,
+                             .f0 = 10,
+                             .n_over_p = 1.2,
+                             .z2 = 1.5,
+                             .z3 = 2.8,
+                             .f2 = 0.52,
+                             .f2s = 0.56,
+                             .s1_over_s2 = 0.8,
+                             .s12_over_s2 = 0.01,
+                             .s32_over_s2 = NAN,
+                             .mobilised = 0.1};
     s.moduli = (sp_moduli){.c11 = 1,
                            .c12 = 2,
                            .c22 = 3,

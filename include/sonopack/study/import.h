@@ -46,7 +46,11 @@ typedef struct sp_import_options {
     bool cut;      /* leaves out contacts across a periodic edge on the axis up; otherwise they are an error */
     bool exact;    /* the numbers of the file are exact, however few digits they have */
     bool rest;     /* brings the packing to rest under its pressure between rigid walls */
+    int cell;      /* an sp_boundary; -1: the one that the file says, else that of a piston */
     double width, depth, bottom, top, height;
+    double side[4]; /* places of the walls of a box: left, right, front, back */
+    double tilt[3]; /* xy, xz, yz of a periodic cell */
+    double gravity; /* acceleration against the axis up; NAN: 0 */
     double pressure, friction, poisson;
     int wall; /* an sp_wall; -1: the one that forces and overlaps fit */
     sp_material material;
@@ -58,8 +62,9 @@ typedef struct sp_import_options {
 } sp_import_options;
 
 SP_API sp_import_options sp_import_options_default(void);
-/* Sets one value from "key=value" ("packing.key=value"): dimension, up, sides, across, width, depth, bottom, top,
- * height, pressure, friction, poisson, wall, digits, first_id. SP_EINVAL for anything else. */
+/* Sets one value from "key=value" ("packing.key=value"): dimension, up, cell, sides, across, width, depth, bottom, top,
+ * height, left, right, front, back, xy, xz, yz, gravity, pressure, friction, poisson, wall, digits, first_id. SP_EINVAL
+ * for anything else. */
 SP_API sp_status sp_import_set(sp_import_options *o, const char *text, sp_error *err);
 
 enum { SP_IMPORT_NOTES = 16, SP_IMPORT_NOTE = 400 };

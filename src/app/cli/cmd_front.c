@@ -150,14 +150,17 @@ static sp_status find_columns(const arguments *a, const sp_table *t, const char 
     return SP_OK;
 }
 
-/* The height of the detector, if the table says "F2 = from PLACE to PLACE, ..." of the column; else the packing's. */
+/* How far the detector is from the source, if the table says "F2 = from PLACE to PLACE, ..." of the column; else the
+ * packing's. */
 static double distance_of(const sp_table *t, const char *column, double height) {
     plot_detector detector;
     if (!plot_find_detector(t, column, &detector))
         return height;
     if (strstr(sp_table_get_text(t, column), "grain:"))
         return NAN;
-    return isfinite(detector.plane) ? detector.plane : height;
+    return isfinite(height) || isfinite(detector.plane)
+               ? plot_way(t, &detector, isfinite(detector.plane) ? detector.plane : height)
+               : NAN;
 }
 
 /* The error of a signal by its table: "F2 = ..., error E" of the column, or else "error = E"; 0 if it says nothing. */

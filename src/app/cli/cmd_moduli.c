@@ -50,7 +50,7 @@ static sp_status check(void *arguments, sp_error *err) {
 }
 
 static const cli_option options[] = {
-    {"margin", "D", "Leave layers of this thickness at both walls out of the density [d] (3)", CLI_NUMBER,
+    {"margin", "D", "Leave layers of this thickness at all walls out of the density [d] (3)", CLI_NUMBER,
      .field = offsetof(moduli_arguments, margin), .high = 1e6},
     {"probe", "KIND",
      "Apparent moduli (repeatable): sine:N, a body force with N half waves between the walls; lines:N, N displaced "
@@ -74,7 +74,14 @@ static const cli_syntax syntax = {
         "where the packing is too low to have a bulk (see --margin). With --probe the table has apparent moduli on "
         "smaller scales, and their ratios to those of the global strain. With --strain it has changes of stress "
         "divided by the strain, for packings that are brought back to equilibrium, and counts the contacts that "
-        "slide or open. --set takes keys of the group network.",
+        "slide or open. --set takes keys of the group network.\n"
+        "\n"
+        "A periodic cell is strained itself, and a box by all of its walls; read \"along the up axis\" for \"from wall "
+        "to "
+        "wall\". Their tables have further columns: the rest of the stiffness tensor in Voigt's notation (in two "
+        "dimensions 3 is the shear, so C13 and C23 couple it to the axes), the bulk modulus K and the shear modulus G "
+        "of its isotropic part (Voigt's averages), the anisotropy |C - isotropic part|/|C|, and bounds of the errors: "
+        "K_err, G_err, anisotropy_err, and C_err of all components.",
     .finds_material = true,
     .options = options,
     .file_name = "packing",
@@ -83,16 +90,20 @@ static const cli_syntax syntax = {
     .springs = true,
     .check = check};
 
-/* Notes which strains the network does not resist. */
+/* Notes which strains the network does not resist, or even helps. */
 static void explain_mechanisms(const moduli_arguments *a, const char *path, const sp_moduli *m) {
     const struct {
         const char *name;
         double value;
     } each[] = {{"C11", m->c11}, {"C22", m->c22}, {"C33", m->c33}, {"C44", m->c44}, {"C55", m->c55}, {"C66", m->c66}};
-    for (size_t k = 0; k < sizeof each / sizeof *each; k++)
+    for (size_t k = 0; k < sizeof each / sizeof *each; k++) {
         if (each[k].value == 0)
             cli_note(&a->common, "%s: %s is 0: the grains can follow this strain without deforming a contact", path,
                      each[k].name);
+        if (each[k].value < 0)
+            cli_note(&a->common, "%s: %s is below 0: at its prestress the packing gives way to this strain", path,
+                     each[k].name);
+    }
 }
 
 /* Notes why values of the row are nan. */
@@ -117,10 +128,13 @@ static sp_status global_row(const moduli_arguments *a, const cli_file *file, dou
                             sp_error *err) {
     const double pressure = file->packing.pressure;
     sp_moduli m;
-    sp_status status = sp_moduli_make(&file->network, density, &m, err);
+    sp_elasticity whole;
+    sp_status status = sp_elasticity_make(&file->network, density, &m, &whole, err);
     if (status != SP_OK)
         return status;
     explain(a, file, density, &m);
+    if (a->whole)
+        return moduli_whole_row(file->path, pressure, &m, &whole, t, err);
     if (file->packing.dim == 3)
         return sp_table_add_row(t, err, file->path, pressure, m.c11, m.c12, m.c13, m.c22, m.c23, m.c33, m.c44, m.c55,
                                 m.c66, m.c_l, m.c_t);
@@ -140,6 +154,8 @@ static sp_status add_columns(const moduli_arguments *a, int dim, sp_table *t, sp
     } else {
         moduli_columns(&w, dim);
         cli_columns(&w, SP_CELL_NUMBER, "c_l", "sqrt(E* / rho)", "c_t", "sqrt(E* / rho)", NULL);
+        if (a->whole)
+            moduli_whole_columns(&w, dim);
     }
     return w.status;
 }
@@ -148,6 +164,7 @@ static sp_status add_columns(const moduli_arguments *a, int dim, sp_table *t, sp
 static sp_status add_rows(void *arguments, cli_file *file, sp_table *t, sp_error *err) {
     moduli_arguments *a = arguments;
     const int dim = file->packing.dim;
+    const bool whole = dim > 1 && file->packing.cell != SP_CELL_PISTON;
     sp_statics s;
     sp_status status = sp_statics_make(&file->packing, file->scene->network.threshold, a->margin, &s, err);
     if (status == SP_OK && a->dim != 0 && (dim == 3) != (a->dim == 3))
@@ -155,7 +172,14 @@ static sp_status add_rows(void *arguments, cli_file *file, sp_table *t, sp_error
                          "a packing in %d dimensions after one in %d: their moduli have different names, so they must "
                          "be in separate tables",
                          dim, a->dim);
+    if (status == SP_OK && a->dim != 0 && whole != a->whole)
+        status =
+            sp_fail(err, SP_EREFUSED,
+                    "a packing %s a piston after one %s: the table of a periodic cell or a box has more columns, so "
+                    "they must be in separate tables",
+                    whole ? "without" : "with", whole ? "with" : "without");
     if (status == SP_OK && a->dim == 0) {
+        a->whole = whole;
         status = add_columns(a, dim, t, err);
         a->dim = dim;
     }

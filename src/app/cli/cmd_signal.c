@@ -3,6 +3,7 @@
 #include "cli/files.h"
 #include "cli/places.h"
 #include "cli/pulse.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -93,7 +94,7 @@ static const cli_option options[] = {
      "What the source imposes on a grain at the bottom wall, in proportion to the stiffness of its contact: impulse, "
      "velocity or displacement (impulse)",
      .parse = set_source, .words = cli_source_names},
-    {"from", "PLACE", "Source at bottom, part:X0:X1 or grain:I (bottom); repeatable", .parse = add_source},
+    {"from", "PLACE", "Source at bottom, part:X0:X1, plane:Y or grain:I (bottom); repeatable", .parse = add_source},
     {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1 or grain:I (top); repeatable", .parse = add_detector},
     {"component", "normal|shear", "Component at every PLACE without :normal or :shear at its end (normal)", CLI_CHOICE,
      .field = offsetof(arguments, component), .words = cli_component_names},
@@ -118,7 +119,12 @@ static const cli_syntax syntax = {
         "With several sources or detectors there is a column F1, F2, ... for each pair, explained by a comment. A "
         "plane measures the momentum flux through it. part:X0:X1 consists of the grains at the wall whose centres "
         "are at X0 <= x < X1. grain:I (from 0) is measured by its contact with the wall, or by the net force on it "
-        "if it does not touch the wall.\n"
+        "if it does not touch the wall. As a source a plane gives unit momentum (impulse), velocity or displacement to "
+        "each grain whose centre is within half a mean diameter of it, and grain:I to a grain that does not touch the "
+        "wall.\n"
+        "\n"
+        "A periodic cell has no walls: give --from and --detector as plane:Y or grain:I. A pulse then travels both up "
+        "and down from its plane, and meets itself after a period.\n"
         "\n"
         "Methods: chebyshev (polynomial expansion with matrix products), dense (sum over all modes), sparse (sum "
         "over the lowest modes, as many as the tolerance needs), verlet and lax-wendroff (time steps of second and "
@@ -238,6 +244,8 @@ static sp_status add_signal(const arguments *a, const cli_file *file, const sp_s
     cli_comment(&w, "source = %s", cli_source_names[o->source]);
     if (file->packing.dim == 3) /* heights are z then */
         cli_comment(&w, "dimension = 3");
+    if (file->packing.cell != SP_CELL_PISTON)
+        cli_comment(&w, "cell = %s", sp_cell_names[file->packing.cell]);
     if (a->pulse.word)
         cli_comment(&w, "pulse = %s", a->pulse.word);
     for (size_t k = 0; k < sizeof comments / sizeof *comments; k++)

@@ -54,7 +54,9 @@ static const cli_option options[] = {
      CLI_CHOICE, FIELD(source), .words = cli_source_names, .kinds = "transmission harmonic"},
     {"lines", NULL, "transmission: print the weight of every mode instead (computes all modes)", CLI_FLAG, FIELD(lines),
      .kinds = "transmission"},
-    {"direction", "x|up", "dispersion: plane waves along x, or standing waves between the walls (x; chains: up)",
+    {"direction", "x|up|y",
+     "dispersion: plane waves along x, or standing waves between the walls (x; chains: up); y in three dimensions. "
+     "Waves are plane where the cell is periodic, and stand where it has walls",
      CLI_CHOICE, FIELD(direction), .words = spectrum_directions, .kinds = "dispersion"},
     {"waves", "N", "dispersion: the N longest waves (8)", CLI_INTEGER, FIELD(waves), .low = 1, .high = 100000,
      .kinds = "dispersion"},

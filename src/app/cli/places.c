@@ -27,8 +27,8 @@ static bool read_component(const char *word, cli_component *out) {
 
 static sp_status wrong_place(const cli_places *p, const char *option, const char *word, sp_error *err) {
     return sp_fail(err, SP_EINVAL,
-                   "%s %.60s: must be %s, part:X0:X1%s or grain:I, optionally followed by :normal or :shear", option,
-                   word, wall_of(p->sources), p->sources ? "" : ", plane:Y");
+                   "%s %.60s: must be %s, part:X0:X1, plane:Y or grain:I, optionally followed by :normal or :shear",
+                   option, word, wall_of(p->sources));
 }
 
 static sp_status add(cli_places *p, sp_place at, cli_component component, sp_error *err) {
@@ -77,7 +77,7 @@ sp_status cli_places_add(cli_places *p, const char *option, const char *word, sp
     if (count == 0 || (count == 1 && strcmp(words[0], wall_of(p->sources)) == 0))
         return add(p, at, component, err);
     for (int k = SP_PLACE_PART; k < KINDS; k++)
-        if (strcmp(words[0], kinds[k]) == 0 && count == 1 + numbers[k] && !(k == SP_PLACE_PLANE && p->sources)) {
+        if (strcmp(words[0], kinds[k]) == 0 && count == 1 + numbers[k]) {
             at.kind = (sp_place_kind)k;
             sp_status status = read_numbers(option, words + 1, &at, err);
             return status == SP_OK ? add(p, at, component, err) : status;

@@ -277,18 +277,32 @@ sp_status plot_column_signal(const sp_table *table, int time, int force, plot_si
     return SP_OK;
 }
 
+/* The height in "plane:25:normal"; NAN if the place is not a plane. */
+static double plane_of(const char *place) {
+    char number[100];
+    double height = NAN;
+    if (strncmp(place, "plane:", 6) != 0)
+        return NAN;
+    snprintf(number, sizeof number, "%.*s", (int)strspn(place + 6, "0123456789.eE+-"), place + 6);
+    sp_word_number(number, &height);
+    return height;
+}
+
 bool plot_find_detector(const sp_table *t, const char *column, plot_detector *out) {
     const char *text = sp_table_get_text(t, column), *to = text ? strstr(text, " to ") : NULL;
     if (!to)
         return false;
-    *out = (plot_detector){.plane = NAN};
+    *out = (plot_detector){.plane = plane_of(to + 4)};
     snprintf(out->word, sizeof out->word, "%.*s", (int)strcspn(to + 4, ","), to + 4);
-    if (strncmp(out->word, "plane:", 6) == 0) {
-        char number[sizeof out->word];
-        snprintf(number, sizeof number, "%.*s", (int)strspn(out->word + 6, "0123456789.eE+-"), out->word + 6);
-        sp_word_number(number, &out->plane);
-    }
+    const double source = strncmp(text, "from ", 5) == 0 ? plane_of(text + 5) : NAN;
+    out->source = isfinite(source) ? source : 0;
     return true;
+}
+
+double plot_way(const sp_table *t, const plot_detector *detector, double at) {
+    const char *cell = sp_table_get_text(t, "cell");
+    const double height = positive_number(t, "height"), way = fabs(at - detector->source);
+    return cell && strcmp(cell, "periodic") == 0 && height > way ? fmin(way, height - way) : way;
 }
 
 /* Names a plane by its height, which is z in three dimensions. */
@@ -318,7 +332,7 @@ static void name_signal(const sp_table *table, int k, bool several, plot_signal 
               normal = length > 7 && strcmp(to.word + length - 7, ":normal") == 0 ? 7 : 0;
     const bool shear = length > 6 && strcmp(to.word + length - 6, ":shear") == 0;
     if (isfinite(to.plane)) {
-        out->distance = to.plane;
+        out->distance = plot_way(table, &to, to.plane);
         if (several)
             name_plane(table, to.plane, shear, out);
         return;
@@ -326,7 +340,7 @@ static void name_signal(const sp_table *table, int k, bool several, plot_signal 
     if (several && length > normal)
         snprintf(out->name, sizeof out->name, "%.*s", length - normal < 40 ? length - normal : 40, to.word);
     if (strncmp(to.word, "top", 3) == 0 && height > 0)
-        out->distance = height;
+        out->distance = plot_way(table, &to, height);
 }
 
 static sp_status begin_signals(int n, plot_signals *out, sp_error *err) {

@@ -22,7 +22,7 @@ typedef struct plot_signal {
     const char *length_unit; /* of height and distance; "": unknown */
     char t_unit[sizeof((sp_column *)0)->unit], f_unit[sizeof((sp_column *)0)->unit]; /* "": unknown */
     double height;                                                                   /* of the packing; NAN: unknown */
-    double distance; /* from the bottom wall to the detector; NAN: unknown */
+    double distance; /* from the bottom wall, or the plane of the source, to the detector; NAN: unknown */
     char name[64];   /* of one signal of several: "y = 25", the detector, or "F2"; else "" */
     char place[64];  /* the same for a plane as markup with its unit; else "" */
 } plot_signal;
@@ -31,9 +31,13 @@ typedef struct plot_signal {
 typedef struct plot_detector {
     char word[100]; /* "plane:25:normal" */
     double plane;   /* its height, in the unit of the table's height; NAN if it is not a plane */
+    double source;  /* the same of the source; 0 if that is not a plane */
 } plot_detector;
 /* False if the metadata does not name the detector. */
 bool plot_find_detector(const sp_table *t, const char *column, plot_detector *out);
+/* How far a detector at a height is from the source: in a periodic cell by the shorter way, in the unit of the heights.
+ */
+double plot_way(const sp_table *t, const plot_detector *detector, double at);
 
 /* Number of columns F1, F2, ... from column `first` on; 1 if that has another name. */
 int plot_count_signals(const sp_table *t, int first);

@@ -59,7 +59,7 @@ sp_status spectrum_transmission(const spectrum_arguments *a, cli_file *file, sp_
 
 /* ---- dispersion ------------------------------------------------------------------------------------------------- */
 
-const char *const spectrum_directions[] = {"x", "up", NULL};
+const char *const spectrum_directions[] = {"x", "up", "y", NULL};
 static const char *const polarizations[] = {"longitudinal", "transverse", "rotational"};
 
 static void add_waves(const sp_dispersion *d, cli_writer *w) {
@@ -83,10 +83,14 @@ static void add_profile(const sp_dispersion *d, cli_writer *w) {
 
 static sp_status set_options(const spectrum_arguments *a, const cli_file *file, sp_dispersion_options *o,
                              sp_error *err) {
+    enum { UP = 1, ALONG_Y = 2 };
     *o = sp_dispersion_options_default();
-    o->up = a->direction >= 0 ? a->direction == 1 : file->network.dim == 1;
-    if (!o->up && a->node >= 0)
-        return sp_fail(err, SP_EINVAL, "--node applies only to --direction up");
+    o->up = a->direction >= 0 ? a->direction == UP : file->network.dim == 1;
+    o->along_y = a->direction == ALONG_Y;
+    const bool standing = file->packing.cell == SP_CELL_BOX || (o->up && file->packing.cell == SP_CELL_PISTON);
+    if (!standing && a->node >= 0)
+        return sp_fail(err, SP_EINVAL, "--node applies only to waves between walls%s",
+                       file->packing.cell == SP_CELL_PISTON ? ", --direction up" : "");
     if (!a->profile && a->bins >= 0)
         return sp_fail(err, SP_EINVAL, "--bins applies only to --profile");
     if (a->waves >= 0)
@@ -96,7 +100,7 @@ static sp_status set_options(const spectrum_arguments *a, const cli_file *file, 
     if (a->profile)
         o->profile = a->bins >= 0 ? (int32_t)a->bins : 400;
     /* a wall that is like a fixed grain has that grain's centre behind it */
-    o->node = a->node >= 0 ? a->node : o->up && file->packing.wall == SP_WALL_GRAIN ? 0.5 : 0;
+    o->node = a->node >= 0 ? a->node : standing && file->packing.wall == SP_WALL_GRAIN ? 0.5 : 0;
     return SP_OK;
 }
 
@@ -110,8 +114,8 @@ sp_status spectrum_dispersion(const spectrum_arguments *a, cli_file *file, sp_ta
         return w.status;
     cli_columns(&w, SP_CELL_TEXT, "polarization", "", NULL);
     cli_columns(&w, SP_CELL_INTEGER, "n", "", NULL);
-    cli_comment(&w, "direction = %s", spectrum_directions[o.up]);
-    if (o.up)
+    cli_comment(&w, "direction = %s", spectrum_directions[o.along_y ? 2 : o.up]);
+    if (o.up && file->packing.cell != SP_CELL_PERIODIC)
         cli_value(&w, "node", o.node);
     cli_value(&w, "omega_max", d.omega_max);
     cli_value(&w, "moments", (double)d.moments);

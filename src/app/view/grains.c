@@ -54,12 +54,17 @@ static void place_grains(const sp_packing *p, arrays *a) {
     }
 }
 
-/* In which copy of the box the grain j lies that i touches. Along an axis that is not periodic this is 0. */
+/* In which copy of the box the grain j lies that i touches. Along an axis that is not periodic this is 0. In a tilted
+ * box a step along an axis leads along the axes before it too. */
 static void find_image(const sp_packing *p, const sp_contact *c, int8_t *image) {
     const double length = p->r[c->i] + p->r[c->j] - c->overlap;
-    for (int k = 0; k < p->dim; k++) {
-        const double shift = p->x[3 * (int64_t)c->i + k] + length * c->n[k] - p->x[3 * (int64_t)c->j + k];
-        image[k] = (int8_t)fmax(-100, fmin(100, round(shift / p->box[k])));
+    double shift[3] = {0, 0, 0};
+    for (int k = 0; k < p->dim; k++)
+        shift[k] = p->x[3 * (int64_t)c->i + k] + length * c->n[k] - p->x[3 * (int64_t)c->j + k];
+    for (int k = p->dim - 1; k >= 0; k--) {
+        image[k] = (int8_t)fmax(-100, fmin(100, round(shift[k] / p->box[k])));
+        for (int a = 0; a < k; a++)
+            shift[a] -= image[k] * p->tilt[k + a - 1];
     }
 }
 

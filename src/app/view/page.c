@@ -41,6 +41,11 @@ static void describe(view_json *j, const char *name, const sp_packing *p, const 
     view_integer(j, "grains", p->n);
     view_integer(j, "contacts", p->n_contacts);
     view_numbers(j, "box", p->dim, p->box);
+    if (p->cell != SP_CELL_PISTON || p->gravity != 0) {
+        view_text(j, "cell", sp_cell_names[p->cell]);
+        view_numbers(j, "tilt", 3, p->tilt);
+        view_number(j, "gravity", p->gravity);
+    }
     view_number(j, "pressure", p->pressure);
     view_number(j, "friction", p->friction);
     view_number(j, "poisson", p->poisson);

@@ -9,7 +9,7 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
-enum { POOL_MAX = 256, SPINS = 40000, SPINS_A_YIELD = 256 };
+enum { SPINS = 40000, SPINS_A_YIELD = 256 };
 
 typedef struct member {
     sp_pool *pool;
@@ -89,7 +89,7 @@ static void start_members(sp_pool *pool, int threads) {
 
 sp_status sp_pool_make(int threads, sp_pool **out, sp_error *err) {
     *out = NULL;
-    threads = threads > POOL_MAX ? POOL_MAX : threads;
+    threads = threads > SP_POOL_MOST ? SP_POOL_MOST : threads;
     if (threads <= 1)
         return SP_OK;
     sp_pool *pool = sp_alloc(1, sizeof *pool);
@@ -126,6 +126,8 @@ void sp_pool_run(sp_pool *pool, sp_pool_work work, void *data) {
         pthread_mutex_unlock(&pool->lock);
     }
 }
+
+int sp_pool_parts(const sp_pool *pool) { return pool ? pool->parts : 1; }
 
 void sp_pool_free(sp_pool *pool) {
     if (!pool)

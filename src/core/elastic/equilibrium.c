@@ -1,4 +1,4 @@
-/* Factors the stiffness of a network between fixed walls. */
+/* Factors the stiffness of a network between fixed walls, or in a periodic cell. */
 #include "elastic/equilibrium.h"
 
 #include "base/base.h"
@@ -46,7 +46,7 @@ static sp_status check_connected(const sp_network *net, sp_error *err) {
         more = false;
         for (int32_t pass = 0; pass < 2 * net->n_springs; pass++) {
             const sp_spring *s = &net->springs[pass < net->n_springs ? pass : 2 * net->n_springs - 1 - pass];
-            if (s->kn == 0)
+            if (s->kn == 0 || s->j < SP_TOP) /* walls at the sides lead nowhere */
                 continue;
             if (s->j == SP_TOP) {
                 top = top || reached[s->i];
@@ -64,6 +64,8 @@ static sp_status check_connected(const sp_network *net, sp_error *err) {
 }
 
 static sp_status check_network(const sp_network *net, sp_error *err) {
+    if (net->cell == SP_CELL_PERIODIC)
+        return SP_OK;
     const int32_t bottom = support_of(net, SP_BOTTOM).springs, top = support_of(net, SP_TOP).springs;
     if (bottom == 0 || top == 0)
         return sp_fail(err, SP_EREFUSED, "moduli need carrying contacts at both walls, there are %d and %d", bottom,
@@ -81,7 +83,8 @@ static double largest_diagonal(const sp_sparse *k) {
 }
 
 /* Fixes degrees of freedom that no strain can move, which changes no force: rotations without any tangential spring,
- * and, between walls without friction, the sideways position of the network, at its first grain. */
+ * and the position of the network, at its first grain, sideways between walls without friction, along all axes without
+ * walls. */
 static void fix_free_motions(const sp_equilibrium *e, sp_sparse *k) {
     const sp_network *net = e->net;
     const double largest = largest_diagonal(k);
@@ -90,7 +93,7 @@ static void fix_free_motions(const sp_equilibrium *e, sp_sparse *k) {
         if (d % net->dof >= net->dim && *diagonal(k, c) == 0)
             *diagonal(k, c) = largest;
     }
-    for (int a = 0; a < net->dim - 1 && e->slips && !e->free_dofs; a++)
+    for (int a = 0; a < e->loose && !e->free_dofs; a++)
         *diagonal(k, a) += largest;
 }
 
@@ -258,8 +261,10 @@ sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_err
     if (status != SP_OK)
         return status;
     const double bottom = support_of(net, SP_BOTTOM).tangential, top = support_of(net, SP_TOP).tangential;
-    e.slips = net->dim > 1 && bottom == 0 && top == 0;
-    e.grips = bottom > 0 && top > 0;
+    const bool piston = net->cell == SP_CELL_PISTON;
+    e.slips = piston && net->dim > 1 && bottom == 0 && top == 0;
+    e.grips = !piston || (bottom > 0 && top > 0);
+    e.loose = net->cell == SP_CELL_PERIODIC ? net->dim : e.slips ? net->dim - 1 : 0;
     status = sp_network_assemble(net, &e.k, err);
     if (status == SP_OK)
         status = allocate(&e, err);
@@ -331,7 +336,7 @@ static sp_status extract_free(const sp_sparse *k, const uint8_t *fixed, sp_equil
 
 sp_status sp_equilibrium_restrict(const sp_equilibrium *whole, const uint8_t *fixed, sp_equilibrium *out,
                                   sp_error *err) {
-    sp_equilibrium e = {.net = whole->net, .slips = whole->slips, .grips = whole->grips};
+    sp_equilibrium e = {.net = whole->net, .slips = whole->slips, .grips = whole->grips, .loose = whole->loose};
     sp_status status = extract_free(&whole->k, fixed, &e, err);
     if (status == SP_OK)
         status = allocate(&e, err);

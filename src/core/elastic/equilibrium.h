@@ -1,8 +1,8 @@
 #ifndef SP_EQUILIBRIUM_H
 #define SP_EQUILIBRIUM_H
-/* Solves K u = f for the displacements of grains between fixed walls, with all or some degrees of freedom free. The
- * symmetric part of K is factored by Cholesky, with a shift where parts of the network are floppy. If that is not K
- * itself, it preconditions GMRES, which also solves with K^T. */
+/* Solves K u = f for the displacements of grains between fixed walls or in a periodic cell, with all or some degrees of
+ * freedom free. The symmetric part of K is factored by Cholesky, with a shift where parts of the network are floppy. If
+ * that is not K itself, it preconditions GMRES, which also solves with K^T. */
 
 #include "elastic/stiffness.h"
 #include "linalg/cholesky.h"
@@ -33,7 +33,8 @@ typedef struct sp_equilibrium {
     double shift;       /* the fraction of the diagonal, or multiple of M, that was added */
     double lift;        /* a further multiple of M, where the symmetric part of K is indefinite */
     bool slips;         /* neither wall has friction: the whole network can move sideways */
-    bool grips;         /* both walls have friction */
+    bool grips;         /* both walls have friction, or all sides of the cell take part in a strain */
+    int loose;          /* the whole network can move along this many of the first axes */
     int64_t count;      /* number of free degrees of freedom */
     int64_t *free_dofs; /* [count] the free degrees of freedom, ascending; NULL: all */
     int32_t spins;
@@ -43,7 +44,8 @@ typedef struct sp_equilibrium {
 } sp_equilibrium;
 
 sp_equilibrium sp_equilibrium_none(void);
-/* SP_EREFUSED if a wall has no springs, if no chain of springs leads from wall to wall, and if the network is unstable.
+/* SP_EREFUSED if the bottom or top wall has no springs, if no chain of springs leads from wall to wall, and if the
+ * network is unstable.
  */
 sp_status sp_equilibrium_make(const sp_network *net, sp_equilibrium *out, sp_error *err);
 /* Factors the same floppy K again with this shift; 0: the smallest that serves. */

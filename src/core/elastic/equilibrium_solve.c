@@ -1,4 +1,4 @@
-/* Solves for the static equilibrium of a network between fixed walls. */
+/* Solves for the static equilibrium of a network between fixed walls, or in a periodic cell. */
 #include "base/base.h"
 #include "elastic/equilibrium.h"
 #include "elastic/strain.h"

@@ -87,16 +87,20 @@ static sp_status strain_all(sp_equilibrium *e, double *work, sp_stiffness *out, 
     return SP_OK;
 }
 
-/* A modulus on the diagonal that is 0 within its error belongs to a mechanism. If that is the longitudinal modulus from
- * wall to wall, the springs there carry nothing. */
+/* A modulus on the diagonal that is 0 within its error belongs to a mechanism. One below 0 is that of prestress that
+ * the cell as a whole does not resist, although the grains in it do. If that is the longitudinal modulus along the up
+ * axis, the springs carry nothing from wall to wall, or around the cell. */
 static sp_status find_mechanisms(const sp_network *net, sp_stiffness *c, sp_error *err) {
     const int up = net->dim == 3 ? STRAIN_33_3D : STRAIN_22;
+    if (c->c[up][up] < -c->error[up][up])
+        return sp_fail(err, SP_EREFUSED, "the network is unstable under its prestress: its modulus %s is %.2g",
+                       net->cell == SP_CELL_PERIODIC ? "along the up axis" : "from wall to wall", c->c[up][up]);
     if (!(c->c[up][up] > c->error[up][up]))
-        return sp_fail(err, SP_EREFUSED,
-                       "the network is floppy: its modulus from wall to wall, %.2g, is 0 within an error of %.2g",
-                       c->c[up][up], c->error[up][up]);
+        return sp_fail(err, SP_EREFUSED, "the network is floppy: its modulus %s, %.2g, is 0 within an error of %.2g",
+                       net->cell == SP_CELL_PERIODIC ? "along the up axis" : "from wall to wall", c->c[up][up],
+                       c->error[up][up]);
     for (int a = 0; a < STRAINS_3D; a++)
-        if (c->c[a][a] <= c->error[a][a])
+        if (fabs(c->c[a][a]) <= c->error[a][a])
             c->c[a][a] = 0;
     return SP_OK;
 }
@@ -126,11 +130,8 @@ sp_status sp_stiffness_make(const sp_network *net, sp_stiffness *out, sp_error *
     return status;
 }
 
-/* A modulus below zero belongs to a mechanism and is zero up to rounding, since the Cholesky factorization refuses
- * unstable networks. */
-static double speed(double modulus, double density) {
-    return density > 0 ? sqrt((modulus < 0 ? 0 : modulus) / density) : NAN;
-}
+/* NAN if the packing gives way to the wave: a modulus below 0. */
+static double speed(double modulus, double density) { return density > 0 ? sqrt(modulus / density) : NAN; }
 
 void sp_moduli_from_stiffness(const sp_network *net, double phi3s, const sp_stiffness *s, sp_moduli *out) {
     const bool space = net->dim == 3;
@@ -160,6 +161,18 @@ sp_status sp_moduli_of(sp_equilibrium *e, double phi3s, sp_moduli *out, sp_error
     if (status == SP_OK)
         sp_moduli_from_stiffness(e->net, phi3s, &s, out);
     return status;
+}
+
+sp_status sp_elasticity_make(const sp_network *net, double phi3s, sp_moduli *moduli, sp_elasticity *out,
+                             sp_error *err) {
+    sp_stiffness s;
+    sp_status status = sp_stiffness_make(net, &s, err);
+    if (status != SP_OK)
+        return status;
+    if (moduli)
+        sp_moduli_from_stiffness(net, phi3s, &s, moduli);
+    sp_elasticity_from_stiffness(net, &s, out);
+    return SP_OK;
 }
 
 sp_status sp_moduli_make(const sp_network *net, double phi3s, sp_moduli *out, sp_error *err) {

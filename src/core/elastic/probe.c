@@ -377,6 +377,10 @@ sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, co
     sp_status status = SP_OK;
     if (count < 0)
         return sp_fail(err, SP_EINVAL, "%d probes, must be 0 or more", count);
+    if (net->cell != SP_CELL_PISTON)
+        return sp_fail(err, SP_EREFUSED,
+                       "a probe is a standing wave between two walls, with periodic sides: it needs a cell of the kind "
+                       "piston; the imposed strain serves in every cell");
     for (int32_t k = 0; k < count && status == SP_OK; k++)
         status = check_probe(net, phi3s, &probe[k], err);
     if (status != SP_OK)

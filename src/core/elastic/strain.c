@@ -1,4 +1,4 @@
-/* Loads and stresses of imposed affine strains. */
+/* Loads and stresses of imposed affine strains. Without walls the cell takes the strain: the images of grains move. */
 #include "elastic/strain.h"
 
 #include "base/vector.h"
@@ -120,7 +120,7 @@ void sp_strain_stresses(const sp_network *net, int strain, const double *u, sp_s
     }
     for (int b = 0; b < strains; b++)
         out->c[b][strain] = sum[b] / sp_strain_volume(net);
-    out->wall[strain] = wall / sp_strain_area(net);
+    out->wall[strain] = net->cell == SP_CELL_PERIODIC ? NAN : wall / sp_strain_area(net);
 }
 
 void sp_strain_rounding(const sp_network *net, int strain, const double *u, double *size, double *sum) {

@@ -4,10 +4,11 @@
 
 #include "elastic/stiffness.h"
 
-/* Number of strains in this dimension, and whether a strain exists and is possible; grips: both walls have friction. */
+/* Number of strains in this dimension, and whether a strain exists and is possible; grips: the packing can be sheared
+ * across the up axis. */
 int sp_strain_count(const sp_network *net);
 bool sp_strain_allowed(const sp_network *net, int strain, bool grips);
-/* Area of a wall and volume between the walls [d]. */
+/* Area across the up axis and volume of the cell [d]. */
 double sp_strain_area(const sp_network *net);
 double sp_strain_volume(const sp_network *net);
 

@@ -143,8 +143,11 @@ sp_status sp_network_make(const sp_packing *p, const sp_network_options *opt, sp
     net.n_all = p->n;
     net.n = p->n - net.rattlers;
     net.pressure = p->pressure;
-    for (int a = 0; a < 3; a++)
+    net.cell = p->cell;
+    for (int a = 0; a < 3; a++) {
         net.box[a] = p->box[a];
+        net.tilt[a] = p->tilt[a];
+    }
     if (net.n == 0) {
         status = sp_fail(err, SP_EREFUSED, "no grain carries: all %d are rattlers above %g p", p->n, opt->threshold);
         goto out;

@@ -2,6 +2,7 @@
 #include "network/null_motions.h"
 #include "base/base.h"
 #include "base/vector.h"
+#include "network/cell.h"
 #include "network/rows.h"
 #include "network/triangle.h"
 
@@ -20,7 +21,7 @@ static const double DEPENDENT = 1e-6;
 typedef struct part {
     int32_t grains;
     int64_t first;                  /* its first vector */
-    bool wraps;                     /* around the periodic box, so that it cannot rotate */
+    bool wraps;                     /* around the periodic cell, so that it cannot rotate */
     double centre[3];               /* mean place */
     int count;                      /* independent motions as a rigid body */
     double coefficient[DOFS][DOFS]; /* of each: translations, then rotations */
@@ -31,7 +32,7 @@ typedef struct maker {
     const sp_network *net;
     sp_null_motions *out;
     int32_t *root;       /* [n] another grain of the same part, or itself */
-    int32_t (*shift)[2]; /* [n] periods by which the grain is to be moved next to that one */
+    int32_t (*shift)[3]; /* [n] periods by which the grain is to be moved next to that one */
     int32_t *size;       /* [n] grains of a root's part; 0 for others */
     bool *wraps;         /* [n] of roots */
     int32_t *number;     /* [n] part of each grain */
@@ -125,7 +126,7 @@ static sp_status find_spins(maker *k, sp_error *err) {
 static int32_t root_of(maker *k, int32_t i) {
     while (k->root[i] != k->root[k->root[i]]) { /* shortens the way, for next time */
         const int32_t up = k->root[i];
-        for (int a = 0; a < 2; a++)
+        for (int a = 0; a < 3; a++)
             k->shift[i][a] += k->shift[up][a];
         k->root[i] = k->root[up];
     }
@@ -133,42 +134,43 @@ static int32_t root_of(maker *k, int32_t i) {
 }
 
 /* Periods that bring grain i next to its root, along springs. */
-static void shift_of(maker *k, int32_t i, int32_t shift[2]) {
-    shift[0] = shift[1] = 0;
+static void shift_of(maker *k, int32_t i, int32_t shift[3]) {
+    shift[0] = shift[1] = shift[2] = 0;
     for (; k->root[i] != i; i = k->root[i])
-        for (int a = 0; a < 2; a++)
+        for (int a = 0; a < 3; a++)
             shift[a] += k->shift[i][a];
 }
 
-static void join(maker *k, const sp_spring *s, double length) {
-    const sp_network *net = k->net;
-    int32_t from[2], to[2], step[2] = {0, 0};
-    for (int a = 0; a < net->dim - 1; a++) /* to the image of j that touches i */
-        step[a] = (int32_t)lround((net->x[3 * s->i + a] + length * s->n[a] - net->x[3 * s->j + a]) / net->box[a]);
+static void join(maker *k, int32_t spring) {
+    const sp_spring *s = &k->net->springs[spring];
+    int32_t from[3], to[3], step[3];
+    sp_network_image(k->net, spring, step);
     const int32_t i = root_of(k, s->i), j = root_of(k, s->j);
     shift_of(k, s->i, from);
     shift_of(k, s->j, to);
     if (i == j) {
-        if (to[0] != from[0] + step[0] || to[1] != from[1] + step[1])
-            k->wraps[i] = true;
+        for (int a = 0; a < 3; a++)
+            k->wraps[i] = k->wraps[i] || to[a] != from[a] + step[a];
         return;
     }
     const bool under = k->size[i] < k->size[j];
     const int32_t high = under ? j : i, low = under ? i : j;
     k->root[low] = high;
-    for (int a = 0; a < 2; a++)
+    for (int a = 0; a < 3; a++)
         k->shift[low][a] = (under ? -1 : 1) * (from[a] + step[a] - to[a]);
     k->size[high] += k->size[low];
     k->size[low] = 0;
     k->wraps[high] = k->wraps[high] || k->wraps[low];
 }
 
-/* Centre of grain i as seen from its part's root, around the periodic box. */
+/* Centre of grain i as seen from its part's root, around the periodic cell. */
 static void place_of(maker *k, int32_t i, double x[3]) {
-    int32_t shift[2];
+    int32_t shift[3];
     shift_of(k, i, shift);
     for (int a = 0; a < 3; a++)
-        x[a] = k->net->x[3 * i + a] + (a < k->net->dim - 1 ? shift[a] * k->net->box[a] : 0);
+        x[a] = k->net->x[3 * i + a];
+    for (int a = 0; a < k->net->dim; a++)
+        sp_network_move(k->net, a, shift[a], x);
 }
 
 static int motions_of(const sp_network *net, const part *p) {
@@ -355,7 +357,7 @@ static sp_status find_parts(maker *k, sp_error *err) {
     }
     for (int32_t q = 0; q < net->n_springs; q++)
         if (net->springs[q].j >= 0 && (net->springs[q].kn > 0 || net->springs[q].kt > 0))
-            join(k, &net->springs[q], net->length[q]);
+            join(k, q);
     for (int32_t i = 0; i < net->n; i++)
         if (k->size[i] > 0)
             k->number[i] = k->count++;

@@ -2,7 +2,9 @@
 #include "network/place.h"
 
 #include "base/base.h"
+#include "network/cell.h"
 #include "network/rows.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 
@@ -10,14 +12,15 @@ sp_place sp_place_wall(void) { return (sp_place){.kind = SP_PLACE_WALL}; }
 
 static int axis_of(const sp_network *net, const sp_place *at) { return at->shear ? 0 : net->dim - 1; }
 
-/* Largest horizontal component of a wall's normal that counts as rounding: normals may come in single precision. */
+/* Largest component along a wall of its normal that counts as rounding: normals may come in single precision. */
 static const double LEVEL = 1e-7;
 
 static bool is_level(const sp_network *net, const sp_spring *s) {
-    for (int a = 0; a < net->dim - 1; a++)
-        if (!(fabs(s->n[a]) <= LEVEL))
+    const int across = s->j >= SP_TOP ? net->dim - 1 : s->j >= SP_RIGHT ? 0 : 1;
+    for (int a = 0; a < net->dim; a++)
+        if (a != across && !(fabs(s->n[a]) <= LEVEL))
             return false;
-    return s->j == SP_BOTTOM ? s->n[net->dim - 1] < 0 : s->n[net->dim - 1] > 0;
+    return sp_packing_wall_side(s->j) * s->n[across] > 0;
 }
 
 /* The way of a wall at a contact with normal n: along n into the packing at the bottom, out of it at the top, which is
@@ -39,7 +42,7 @@ sp_status sp_network_need_level_walls(const sp_network *net, const char *what, s
             return sp_fail(err, SP_EREFUSED,
                            "contact %d has the normal %.6g %.6g %.6g, of an inclined %s wall: %s needs a bottom wall "
                            "below and a top wall above, with vertical normals; turn the packing",
-                           s->contact, s->n[0], s->n[1], s->n[2], s->j == SP_BOTTOM ? "bottom" : "top", what);
+                           s->contact, s->n[0], s->n[1], s->n[2], sp_side_names[-1 - s->j], what);
     }
     return SP_OK;
 }
@@ -77,10 +80,10 @@ static void add_wall_spring(const sp_network *net, int32_t k, bool shear, double
         add_row(net, s, net->dof, rows.k[q], rows.b[q], gap_along(net, rows.gap[q], way), out);
 }
 
-/* x of a grain's centre, in [0, period). */
+/* x of a grain's centre, in [0, period) where the network is periodic. */
 static double wrapped(const sp_network *net, int32_t grain) {
     const double period = net->box[0], x = net->x[3 * (int64_t)grain];
-    return x - period * floor(x / period);
+    return sp_network_periodic(net, 0) ? x - period * floor(x / period) : x;
 }
 
 static bool belongs(const sp_network *net, const sp_place *at, const sp_spring *s) {
@@ -116,18 +119,40 @@ static sp_status find_grain(const sp_network *net, const sp_place *at, int32_t *
     return sp_fail(err, SP_EREFUSED, "grain %d is a rattler: it carries no sound", at->grain);
 }
 
-/* Checks the place, sets out to 0, and finds the row of a grain (otherwise *row = -1). */
-static sp_status begin(const sp_network *net, const sp_place *at, double *out, int32_t *row, sp_error *err) {
+static sp_status check_plane(const sp_network *net, const sp_place *at, sp_error *err) {
     const double height = net->box[net->dim - 1];
+    const bool around = sp_network_periodic(net, net->dim - 1);
+    if ((at->height > 0 || (around && at->height == 0)) && at->height < height)
+        return SP_OK;
+    return sp_fail(err, SP_EINVAL, "plane at %g, must be %s 0 and below the height %.6g", at->height,
+                   around ? "at or above" : "above", height);
+}
+
+static sp_status check_walls(const sp_network *net, const sp_place *at, bool source, sp_error *err) {
+    if (net->cell != SP_CELL_PERIODIC || at->kind == SP_PLACE_PLANE || at->kind == SP_PLACE_GRAIN)
+        return SP_OK;
+    return sp_fail(
+        err, SP_EREFUSED,
+        "the cell is periodic and has no %s wall: the %s must be plane:Y, a plane at the height Y, or grain:I",
+        source ? "bottom" : "top", source ? "source" : "detector");
+}
+
+/* Checks the place, sets out to 0, and finds the row of a grain (otherwise *row = -1). */
+static sp_status begin(const sp_network *net, const sp_place *at, bool source, double *out, int32_t *row,
+                       sp_error *err) {
     if (at->shear && net->dim < 2)
         return sp_fail(err, SP_EINVAL, "shear in one dimension, must be normal");
-    if (at->kind == SP_PLACE_PLANE && !(at->height > 0 && at->height < height))
-        return sp_fail(err, SP_EINVAL, "plane at %g, must be above 0 and below the height %.6g", at->height, height);
+    sp_status status = check_walls(net, at, source, err);
+    if (status == SP_OK && at->kind == SP_PLACE_PLANE)
+        status = check_plane(net, at, err);
+    if (status != SP_OK)
+        return status;
     if (at->kind == SP_PLACE_PART && !(net->dim > 1 && at->from >= 0 && at->from < at->to && at->to <= net->box[0]))
         return sp_fail(err, SP_EINVAL, "part %g .. %g of a wall, must be an interval in 0 .. %.6g", at->from, at->to,
                        net->dim > 1 ? net->box[0] : 0);
     *row = -1;
-    sp_status status = at->kind == SP_PLACE_GRAIN ? find_grain(net, at, row, err) : SP_OK;
+    if (at->kind == SP_PLACE_GRAIN)
+        status = find_grain(net, at, row, err);
     if (status == SP_OK && at->kind == SP_PLACE_PLANE)
         status = sp_network_need_level_walls(net, "a plane", err);
     if (status == SP_OK && at->kind == SP_PLACE_PART)
@@ -144,17 +169,38 @@ static sp_status nothing_there(const sp_place *at, const char *wall, const char 
                    at->shear ? " with friction" : "", wall, at->kind == SP_PLACE_PART ? " in this part" : "", what);
 }
 
+/* Half the thickness of the layer of grains that a plane moves: half a mean diameter. */
+static const double LAYER = 0.5;
+
+/* Moves the grains of the layer at a plane, across the period of the cell. Returns their number. */
+static int32_t add_layer(const sp_network *net, const sp_place *at, double *out) {
+    const int up = net->dim - 1;
+    int32_t count = 0;
+    for (int32_t i = 0; i < net->n; i++) {
+        double above = net->x[3 * (int64_t)i + up] - at->height;
+        if (sp_network_periodic(net, up))
+            above -= net->box[up] * floor((above + LAYER) / net->box[up]);
+        if (!(above >= -LAYER && above < LAYER))
+            continue;
+        out[(int64_t)i * net->dof + axis_of(net, at)] = 1;
+        count++;
+    }
+    return count;
+}
+
 sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp_place *at, double *out,
                                sp_error *err) {
     if (source != SP_SOURCE_IMPULSE && source != SP_SOURCE_VELOCITY && source != SP_SOURCE_DISPLACEMENT)
         return sp_fail(err, SP_EINVAL, "source %d, must be impulse, velocity or displacement", (int)source);
-    if (at->kind == SP_PLACE_PLANE)
-        return sp_fail(err, SP_EINVAL, "a plane is no source, must be a wall, a part of it or a grain");
     int32_t row;
-    sp_status status = begin(net, at, out, &row, err);
+    sp_status status = begin(net, at, true, out, &row, err);
     if (status != SP_OK)
         return status;
-    if (add_wall(net, at, SP_BOTTOM, out) == 0) {
+    if (at->kind == SP_PLACE_PLANE) {
+        if (add_layer(net, at, out) == 0)
+            return sp_fail(err, SP_EREFUSED, "no grain that carries is within %g d of the plane at %g", LAYER,
+                           at->height);
+    } else if (add_wall(net, at, SP_BOTTOM, out) == 0) {
         if (row < 0)
             return nothing_there(at, "bottom", "sent in", err);
         status = sp_network_need_level_walls(net, "a grain that does not touch the bottom wall", err);
@@ -180,20 +226,42 @@ static void add_force(const sp_network *net, int32_t k, int end, int axis, doubl
         add_row(net, s, turns.width, 1, turns.right[q], end == 0 ? turns.left[q][axis] : turns.left_gap[q][axis], out);
 }
 
-static double height_of(const sp_network *net, int32_t grain) {
-    if (grain == SP_BOTTOM)
-        return -HUGE_VAL;
-    return grain == SP_TOP ? HUGE_VAL : net->x[3 * (int64_t)grain + net->dim - 1];
+/* How many of the planes at `height` + m periods a centre is above, counted from the plane m = 0; between walls that is
+ * the only one. */
+static int32_t level_of(const sp_network *net, double y, double height) {
+    const int up = net->dim - 1;
+    return sp_network_periodic(net, up) ? (int32_t)ceil((y - height) / net->box[up]) : y > height;
+}
+
+int sp_place_crossing(const sp_network *net, double height, double y, double rise, int32_t j, double other,
+                      int32_t *low) {
+    const int up = net->dim - 1;
+    const int32_t from = level_of(net, y, height);
+    int32_t to = from;
+    if (j >= 0)
+        to = level_of(net, other, height);
+    else if (j >= SP_TOP)
+        to = j == SP_TOP;
+    if (j >= 0 && sp_network_periodic(net, up))
+        to += (int32_t)lround((y + rise - other) / net->box[up]);
+    *low = from < to ? from : to;
+    return to - from;
+}
+
+static int crossing(const sp_network *net, int32_t k, double height, int32_t *low) {
+    const sp_spring *s = &net->springs[k];
+    const int up = net->dim - 1;
+    const double other = s->j >= 0 ? net->x[3 * (int64_t)s->j + up] : 0;
+    return sp_place_crossing(net, height, net->x[3 * (int64_t)s->i + up], net->length[k] * s->n[up], s->j, other, low);
 }
 
 static int32_t add_plane(const sp_network *net, const sp_place *at, double *out) {
-    int32_t count = 0;
+    int32_t count = 0, low;
     for (int32_t k = 0; k < net->n_springs; k++) {
-        const sp_spring *s = &net->springs[k];
-        const bool above = height_of(net, s->i) > at->height;
-        if (above == (height_of(net, s->j) > at->height))
+        const int up = crossing(net, k, at->height, &low);
+        if (up == 0)
             continue;
-        add_force(net, k, above ? 0 : 1, axis_of(net, at), out);
+        add_force(net, k, up < 0 ? 0 : 1, axis_of(net, at), out);
         count++;
     }
     return count;
@@ -202,21 +270,22 @@ static int32_t add_plane(const sp_network *net, const sp_place *at, double *out)
 double sp_network_plane_height(const sp_network *net, double height) {
     const int up = net->dim - 1;
     double weight = 0, sum = 0;
+    int32_t low;
     for (int32_t k = 0; k < net->n_springs; k++) {
         const sp_spring *s = &net->springs[k];
-        if ((height_of(net, s->i) > height) == (height_of(net, s->j) > height))
+        if (crossing(net, k, height, &low) == 0)
             continue;
         const double rise = s->n[up] * net->length[k], part = s->n[up] * s->n[up];
         const double w = (part * s->kn + (1 - part) * s->kt) * fabs(rise);
         weight += w;
-        sum += w * (net->x[3 * (int64_t)s->i + up] + 0.5 * rise);
+        sum += w * (net->x[3 * (int64_t)s->i + up] + 0.5 * rise - low * net->box[up]);
     }
     return weight > 0 ? sum / weight : NAN;
 }
 
 sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, double *out, sp_error *err) {
     int32_t row;
-    sp_status status = begin(net, at, out, &row, err);
+    sp_status status = begin(net, at, false, out, &row, err);
     if (status != SP_OK)
         return status;
     if (at->kind == SP_PLACE_PLANE) {

@@ -41,9 +41,9 @@ static void audit_contacts(const sp_packing *p, double small, sp_audit *a) {
     }
 }
 
-/* Sums over all contacts: on each wall, and of force times branch vector. */
+/* Sums over all contacts: on each wall, of all walls on the grains, and of force times branch vector. */
 typedef struct sums {
-    double wall[6], trace, net[3]; /* net: force of all walls on the grains */
+    double wall[6], push[3], trace;
 } sums;
 
 static double weight(const sp_packing *p, int32_t i) {
@@ -62,7 +62,8 @@ static void sum_on_grains(const sp_packing *p, double *force, sums *s) {
             const double f = k->ft[a] - k->fn * k->n[a];
             force[6 * (size_t)k->i + (size_t)a] += f;
             force[6 * (size_t)k->i + 3 + (size_t)a] += turn[a];
-            s->net[a] += k->j < 0 ? f : 0;
+            if (k->j < 0)
+                s->push[a] += f;
             if (k->j >= 0) {
                 force[6 * (size_t)k->j + (size_t)a] -= f;
                 force[6 * (size_t)k->j + 3 + (size_t)a] += turn[a];
@@ -75,7 +76,7 @@ static void sum_on_grains(const sp_packing *p, double *force, sums *s) {
 }
 
 /* Walls under a piston: each carries the pressure, and the bottom the weight of the grains too. Other cells: the mean
- * pressure in the grains, and in a box the sum of the forces of all walls. */
+ * pressure in the grains, and the balance of all walls: friction at one pair of them bears on the other too. */
 static double wall_residual(const sp_packing *p, const sums *s) {
     const double load = p->pressure * sp_packing_wall_area(p);
     double grains = 0;
@@ -84,8 +85,8 @@ static double wall_residual(const sp_packing *p, const sums *s) {
     if (p->cell == SP_CELL_PISTON)
         return fmax(fabs(s->wall[1] / load - 1), fabs((s->wall[0] - grains) / load - 1));
     double worst = fabs(s->trace / (p->dim * p->pressure * sp_packing_volume(p)) - 1);
-    for (int a = 0; a < 3 && p->cell == SP_CELL_BOX; a++) /* with friction: opposite walls share it with the others */
-        worst = fmax(worst, fabs(s->net[a] - (a == p->dim - 1 ? grains : 0)) / load);
+    for (int a = 0; a < 3 && p->cell == SP_CELL_BOX; a++)
+        worst = fmax(worst, fabs(s->push[a] - (a == p->dim - 1 ? grains : 0)) / load);
     return worst;
 }
 

@@ -8,12 +8,17 @@
 sp_status sp_cells_make(int dim, int32_t n, double r_max, cells *out, sp_error *err) {
     *out = (cells){.dim = dim, .r_max = r_max, .box = {1, 1, 1}, .periodic = {dim > 1, dim > 2, false}};
     out->next = sp_alloc((size_t)n, sizeof *out->next);
-    return out->next ? SP_OK : sp_fail_memory(err, (size_t)n * sizeof *out->next);
+    out->at = sp_alloc((size_t)n, sizeof *out->at);
+    if (out->next && out->at)
+        return SP_OK;
+    sp_cells_free(out);
+    return sp_fail_memory(err, (size_t)n * (sizeof *out->next + sizeof *out->at));
 }
 
 void sp_cells_free(cells *c) {
     sp_free(c->head);
     sp_free(c->next);
+    sp_free(c->at);
     *c = (cells){0};
 }
 
@@ -51,6 +56,7 @@ sp_status sp_cells_reset(cells *c, const int64_t population[SP_OCTAVES], double 
         c->grid[o].first = count;
         count += c->grid[o].used ? c->grid[o].n[0] * c->grid[o].n[1] * c->grid[o].n[2] : 0;
     }
+    c->count = count;
     if (count > c->capacity) {
         sp_free(c->head);
         c->head = sp_alloc((size_t)count, sizeof *c->head);
@@ -70,13 +76,27 @@ static int64_t place_of(const cell_grid *grid, int a, double x) {
     return place >= (double)grid->n[a] ? grid->n[a] - 1 : place > 0 ? (int64_t)place : 0;
 }
 
-void sp_cells_enter(cells *c, int octave, int32_t i, const double *x) {
+static int64_t cell_of(const cells *c, int octave, const double *x) {
     const cell_grid *grid = &c->grid[octave];
     int64_t cell = 0;
     for (int a = c->dim - 1; a >= 0; a--)
         cell = cell * grid->n[a] + place_of(grid, a, x[a]);
-    c->next[i] = c->head[grid->first + cell];
-    c->head[grid->first + cell] = i;
+    return grid->first + cell;
+}
+
+static void enter(cells *c, int32_t i, int64_t cell) {
+    c->next[i] = c->head[cell];
+    c->head[cell] = i;
+}
+
+void sp_cells_enter(cells *c, int octave, int32_t i, const double *x) { enter(c, i, cell_of(c, octave, x)); }
+
+void sp_cells_locate(cells *c, int octave, int32_t i, const double *x) { c->at[i] = cell_of(c, octave, x); }
+
+void sp_cells_enter_located(cells *c, int32_t n, int64_t first, int64_t last) {
+    for (int32_t i = n - 1; i >= 0; i--)
+        if (c->at[i] >= first && c->at[i] < last)
+            enter(c, i, c->at[i]);
 }
 
 int sp_cells_near(const cells *c, int octave, const double *x, int64_t cell[SP_CELLS_NEAR]) {

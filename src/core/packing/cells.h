@@ -23,9 +23,10 @@ typedef struct cells {
     double box[3]; /* periods, or distances of walls */
     bool periodic[3];
     cell_grid grid[SP_OCTAVES];
-    int64_t capacity; /* of head */
-    int32_t *head;    /* first grain of each cell; -1: none */
-    int32_t *next;    /* [n] next grain in the cell; -1: none */
+    int64_t count, capacity; /* of head: in use, and memory */
+    int32_t *head;           /* first grain of each cell; -1: none */
+    int32_t *next;           /* [n] next grain in the cell; -1: none */
+    int64_t *at;             /* [n] cell of each grain, if it was found by sp_cells_locate */
 } cells;
 
 /* Allocates cells for n grains. SP_ENOMEM. */
@@ -38,6 +39,10 @@ int sp_cells_octave(const cells *c, double r);
 sp_status sp_cells_reset(cells *c, const int64_t population[SP_OCTAVES], double gap, sp_error *err);
 /* Enters grain i at x. */
 void sp_cells_enter(cells *c, int octave, int32_t i, const double *x);
+/* The same in two steps, which threads can share. First the cell of each grain is found. Then the grains of the cells
+ * [first, last) are entered, in ascending order within a cell. */
+void sp_cells_locate(cells *c, int octave, int32_t i, const double *x);
+void sp_cells_enter_located(cells *c, int32_t n, int64_t first, int64_t last);
 /* Lists the cells of an octave that can hold neighbours of a grain at x, each once. Returns their number. */
 int sp_cells_near(const cells *c, int octave, const double *x, int64_t cell[SP_CELLS_NEAR]);
 

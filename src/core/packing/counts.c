@@ -1,5 +1,6 @@
 /* Histograms of contacts: Figs. 1(c) and 2 of Somfai et al. 2005. */
 #include "base/base.h"
+#include "packing/bulk.h"
 #include "packing/contact.h"
 
 #include <math.h>
@@ -20,10 +21,8 @@ typedef struct own_counts {
 } own_counts;
 
 /* Whether the contact joins two grains and its point lies in the bulk. */
-static bool counts(const sp_packing *p, const sp_contact *k, double margin) {
-    const int up = p->dim - 1;
-    const double y = p->x[3 * (size_t)k->i + (size_t)up] + k->n[up] * (p->r[k->i] - 0.5 * k->overlap);
-    return k->j >= 0 && y >= margin && y <= sp_packing_height(p) - margin;
+static bool counts(const sp_packing *p, const sp_contact *k, const bulk *b) {
+    return k->j >= 0 && sp_bulk_has_contact(b, p, k);
 }
 
 /* n and -n are equivalent. Bins are centred at 0, 5, ... degrees, where lattices have their bonds. In three dimensions
@@ -52,10 +51,11 @@ static int value_bin(double value, double mean) {
 }
 
 static void count_all(const sp_packing *p, const uint8_t *carrying, double margin, own_counts *own) {
+    const bulk b = sp_bulk_of(p, margin);
     for (int pass = 0; pass < 2; pass++) {
         for (int32_t c = 0; c < p->n_contacts; c++) {
             const sp_contact *k = &p->contacts[c];
-            if (!carrying[c] || !counts(p, k, margin))
+            if (!carrying[c] || !counts(p, k, &b))
                 continue;
             if (pass == 0) {
                 own->n += 1;
@@ -105,10 +105,10 @@ static void add_values(sp_value_counts *to, double n, const double *bins) {
 }
 
 static sp_status refuse(const sp_packing *p, double margin, sp_error *err) {
-    const double height = sp_packing_height(p);
-    if (height <= 2 * margin)
-        return sp_fail(err, SP_EREFUSED, "height %g is too small for a bulk %g from both walls, must be above %g",
-                       height, margin, 2 * margin);
+    for (int a = p->dim - 1; a >= 0; a--)
+        if (!sp_packing_periodic(p, a) && p->box[a] <= 2 * margin)
+            return sp_fail(err, SP_EREFUSED, "%s %g is too small for a bulk %g from both walls, must be above %g",
+                           a == p->dim - 1 ? "height" : "width", p->box[a], margin, 2 * margin);
     return sp_fail(err, SP_EREFUSED, "no contact between grains carries a force at least %g from both walls", margin);
 }
 

@@ -8,6 +8,7 @@
 #include "packing/kernel.h"
 #include "packing/pairs.h"
 #include "packing/plain.h"
+#include "packing/rows.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,7 +25,8 @@ static bool alloc_arrays(dynamics *d) {
     for (int side = 0; side < d->walls; side++) {
         d->wall_ft[side] = sp_alloc(n * (size_t)(d->dim - 1), sizeof(double));
         d->wall[side].i = sp_alloc(n, sizeof(int32_t));
-        ok = ok && d->wall_ft[side] && d->wall[side].i;
+        d->wall[side].push = sp_alloc(2 * n, sizeof(double));
+        ok = ok && d->wall_ft[side] && d->wall[side].i && d->wall[side].push;
     }
     return ok;
 }
@@ -91,9 +93,11 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
 void sp_dynamics_free(dynamics *d) {
     sp_pair_list_free(&d->outer);
     sp_pair_list_free(&d->inner);
+    sp_pair_list_free(&d->spare);
     for (int side = 0; side < MOST_WALLS; side++) {
         sp_free(d->wall_ft[side]);
         sp_free(d->wall[side].i);
+        sp_free(d->wall[side].push);
     }
     sp_free(d->rows.row);
     sp_free(d->rows.slot);
@@ -134,7 +138,9 @@ static void turn_at_wall(const dynamics *d, const wall_frame *f, double *row) {
 }
 
 /* A wall is a non-rotating grain of infinite radius with E12 = E*. */
-static void wall_pair(dynamics *d, int side, int32_t i, double *row, double dt) {
+static void wall_pair(const dynamics *d, int side, int32_t k, double dt) {
+    const int32_t i = d->wall[side].i[k];
+    double *row = d->rows.row + (int64_t)d->at.row * (d->rows.wall[side] + k), *push = d->wall[side].push + 2 * k;
     const contact_law *law = &d->law;
     const int up = d->dim - 1; /* number of directions along the wall */
     const wall_frame frame = dynamics_wall(d, side);
@@ -142,6 +148,7 @@ static void wall_pair(dynamics *d, int side, int32_t i, double *row, double dt) 
     const double overlap = g[d->at.r] - distance;
     double *ft = d->wall_ft[side] + (int64_t)up * i, t[2] = {0, 0}, slip[2], old = 0, new = 0, size = 0;
     memset(row, 0, (size_t)d->at.row * sizeof *row);
+    push[0] = push[1] = 0;
     if (!(overlap > 0)) {
         memset(ft, 0, (size_t)up * sizeof *ft);
         return;
@@ -173,27 +180,23 @@ static void wall_pair(dynamics *d, int side, int32_t i, double *row, double dt) 
     row[frame.axis] = -sign * normal;
     turn_at_wall(d, &frame, row);
     row[3] = s;
-    d->wall_force[side] += normal;
-    d->piston_k += side == 1 ? kn : 0;
+    push[0] = normal;
+    push[1] = kn;
 }
 
 typedef struct step_work {
     dynamics *d;
     double dt;
-    kernel_maxima seen[256];
+    kernel_maxima seen[SP_POOL_MOST];
 } step_work;
 
 static void forces_part(void *data, int part, int parts) {
-    step_work *work = data;
-    dynamics *d = work->d;
-    if (part == 0) {
-        memset(d->wall_force, 0, sizeof d->wall_force);
-        d->piston_k = 0;
-        for (int side = 0; side < d->walls; side++)
-            for (int32_t k = 0; k < d->wall[side].n; k++)
-                wall_pair(d, side, d->wall[side].i[k], d->rows.row + (int64_t)d->at.row * (d->rows.wall[side] + k),
-                          work->dt);
-    }
+    const step_work *work = data;
+    const dynamics *d = work->d;
+    for (int side = 0; side < d->walls; side++)
+        for (int32_t k = sp_pool_share(d->wall[side].n, part, parts);
+             k < sp_pool_share(d->wall[side].n, part + 1, parts); k++)
+            wall_pair(d, side, k, work->dt);
     const int64_t blocks = (d->inner.padded + BLOCK - 1) / BLOCK;
     for (int64_t b = blocks * part / parts; b < blocks * (part + 1) / parts; b++) {
         const int32_t first = (int32_t)(b * BLOCK), left = d->inner.padded - first;
@@ -201,12 +204,25 @@ static void forces_part(void *data, int part, int parts) {
     }
 }
 
+/* Adds what the grains push on the walls, always in the same order. */
+static void add_pushes(dynamics *d) {
+    memset(d->wall_force, 0, sizeof d->wall_force);
+    d->piston_k = 0;
+    for (int side = 0; side < d->walls; side++)
+        for (int32_t k = 0; k < d->wall[side].n; k++) {
+            d->wall_force[side] += d->wall[side].push[2 * k];
+            d->piston_k += side == 1 ? d->wall[side].push[2 * k + 1] : 0;
+        }
+}
+
 void sp_dynamics_forces(dynamics *d, double dt_past) {
     step_work work = {.d = d, .dt = dt_past};
-    if (d->plain)
+    if (d->plain) {
         sp_plain_forces(d, dt_past);
-    else
-        sp_pool_run(d->pool, forces_part, &work);
+        return;
+    }
+    sp_pool_run(d->pool, forces_part, &work);
+    add_pushes(d);
 }
 
 static void move_part(void *data, int part, int parts) {
@@ -268,8 +284,8 @@ void sp_dynamics_force_on(const dynamics *d, int32_t i, double force[3], double 
     const force_rows *rows = &d->rows;
     for (int s = 0; s < SLOTS && s < rows->count[i]; s++)
         add_row(d, rows->slot[SLOTS * (int64_t)i + s], force, turn);
-    for (int32_t c = rows->further[i]; c >= 0; c = rows->chain[2 * (int64_t)c + 1])
-        add_row(d, rows->chain[2 * (int64_t)c], force, turn);
+    for (int32_t c = rows->further[i]; c >= 0; c = rows->chain[c])
+        add_row(d, (int64_t)d->at.row * c, force, turn);
 }
 
 static double acceleration(const dynamics *d, int32_t i, const double force[3], const double turn[3]) {
@@ -292,16 +308,36 @@ static bool supported(const dynamics *d) {
     return !(fabs(force - load) > 0.5 * load);
 }
 
+/* What threads measure, each on its part. */
+typedef struct measure {
+    const dynamics *d;
+    double *f;                  /* [n][6] force and torque/R */
+    double worst[SP_POOL_MOST]; /* largest acceleration of each part; or 1: something is wrong */
+} measure;
+
+static double largest(const measure *work) {
+    double worst = 0;
+    for (int part = 0; part < sp_pool_parts(work->d->pool); part++)
+        worst = fmax(worst, work->worst[part]);
+    return worst;
+}
+
+static void accelerate_part(void *data, int part, int parts) {
+    measure *work = data;
+    const dynamics *d = work->d;
+    for (int32_t i = sp_pool_share(d->n, part, parts); i < sp_pool_share(d->n, part + 1, parts); i++) {
+        double force[3], turn[3];
+        sp_dynamics_force_on(d, i, force, turn);
+        work->worst[part] = fmax(work->worst[part], acceleration(d, i, force, turn));
+    }
+}
+
 double sp_dynamics_acceleration(const dynamics *d) {
     if (!supported(d))
         return INFINITY;
-    double worst = fabs(d->wall_force[1] - d->pressure * d->area) / d->piston_mass;
-    for (int32_t i = 0; i < d->n; i++) {
-        double force[3], turn[3];
-        sp_dynamics_force_on(d, i, force, turn);
-        worst = fmax(worst, acceleration(d, i, force, turn));
-    }
-    return worst;
+    measure work = {.d = d};
+    sp_pool_run(d->pool, accelerate_part, &work);
+    return fmax(largest(&work), fabs(d->wall_force[1] - d->pressure * d->area) / d->piston_mass);
 }
 
 /* ---- how far from rest --------------------------------------------------------------------------------------- */
@@ -359,49 +395,63 @@ static double elastic_wall(const dynamics *d, int side, int32_t i, double row[8]
     return normal;
 }
 
-/* Adds the elastic forces of a wall to f: [n][6] force and torque/R. Returns the total normal force on the wall. */
-static double add_elastic_walls(const dynamics *d, int side, double *f) {
-    double sum = 0, row[8];
-    for (int32_t k = 0; k < d->wall[side].n; k++) {
-        const int32_t i = d->wall[side].i[k];
-        const double normal = elastic_wall(d, side, i, row);
-        double *on = f + 6 * (int64_t)i;
-        for (int a = 0; a < d->dim && normal > 0; a++)
-            on[a] += row[a];
-        for (int a = 0; a < (d->dim == 3 ? 3 : 1) && normal > 0; a++)
-            on[3 + a] += row[d->at.turn + a];
-        sum += normal;
+/* Adds the elastic force on i of a pair to f: [n][6] force and torque/R, for its grains among [first, last). */
+static void add_elastic_pair(const dynamics *d, const pair_list *p, int32_t k, int32_t first, int32_t last, double *f) {
+    double force[3], turn[3];
+    const bool i_is_here = p->i[k] >= first && p->i[k] < last, j_is_here = p->j[k] >= first && p->j[k] < last;
+    if (!(i_is_here || j_is_here) || !elastic_pair(d, p, k, force, turn))
+        return;
+    double *on_i = f + 6 * (int64_t)p->i[k], *on_j = f + 6 * (int64_t)p->j[k];
+    for (int a = 0; a < 3 && i_is_here; a++) {
+        on_i[a] += force[a];
+        on_i[3 + a] += turn[a];
     }
-    return sum;
+    for (int a = 0; a < 3 && j_is_here; a++) {
+        on_j[a] -= force[a];
+        on_j[3 + a] += turn[a];
+    }
+}
+
+static void add_elastic_wall(const dynamics *d, int side, int32_t i, double *f) {
+    double row[8], *on = f + 6 * (int64_t)i;
+    if (!(elastic_wall(d, side, i, row) > 0))
+        return;
+    for (int a = 0; a < d->dim; a++)
+        on[a] += row[a];
+    for (int a = 0; a < (d->dim == 3 ? 3 : 1); a++)
+        on[3 + a] += row[d->at.turn + a];
+}
+
+/* Each thread adds the forces on its grains in the order of the list; pairs at the edge of a part are computed twice. */
+static void balance_part(void *data, int part, int parts) {
+    measure *work = data;
+    const dynamics *d = work->d;
+    const pair_list *p = dynamics_pairs(d);
+    const int32_t first = sp_pool_share(d->n, part, parts), last = sp_pool_share(d->n, part + 1, parts);
+    for (int32_t b = 0; SPAN * b < p->n; b++)
+        for (int32_t k = SPAN * b; k < p->n && k < SPAN * (b + 1) && sp_rows_may_touch(p, b, first, last); k++)
+            add_elastic_pair(d, p, k, first, last, work->f);
+    for (int side = 0; side < d->walls; side++)
+        for (int32_t k = 0; k < d->wall[side].n; k++)
+            if (d->wall[side].i[k] >= first && d->wall[side].i[k] < last)
+                add_elastic_wall(d, side, d->wall[side].i[k], work->f);
+    for (int32_t i = first; i < last; i++) {
+        const double *f = work->f + 6 * (int64_t)i;
+        work->worst[part] = fmax(work->worst[part], acceleration(d, i, f, f + 3));
+    }
 }
 
 sp_status sp_dynamics_residual(const dynamics *d, double *residual, double *wall_imbalance, sp_error *err) {
-    const pair_list *p = dynamics_pairs(d);
-    double *f = sp_alloc((size_t)d->n * 6, sizeof *f), worst = 0;
-    if (!f)
-        return sp_fail_memory(err, (size_t)d->n * 6 * sizeof *f);
-    for (int32_t k = 0; k < p->n; k++) {
-        double force[3], turn[3];
-        if (!elastic_pair(d, p, k, force, turn))
-            continue;
-        double *on_i = f + 6 * (int64_t)p->i[k], *on_j = f + 6 * (int64_t)p->j[k];
-        for (int a = 0; a < 3; a++) {
-            on_i[a] += force[a];
-            on_j[a] -= force[a];
-            on_i[3 + a] += turn[a];
-            on_j[3 + a] += turn[a];
-        }
-    }
-    double top = 0;
-    for (int side = 0; side < d->walls; side++) {
-        const double normal = add_elastic_walls(d, side, f);
-        top = side == 1 ? normal : top;
-    }
-    for (int32_t i = 0; i < d->n; i++)
-        worst = fmax(worst, acceleration(d, i, f + 6 * (int64_t)i, f + 6 * (int64_t)i + 3));
-    sp_free(f);
+    measure work = {.d = d, .f = sp_alloc((size_t)d->n * 6, sizeof *work.f)};
+    double top = 0, row[8];
+    if (!work.f)
+        return sp_fail_memory(err, (size_t)d->n * 6 * sizeof *work.f);
+    sp_pool_run(d->pool, balance_part, &work);
+    for (int32_t k = 0; d->walls > 1 && k < d->wall[1].n; k++)
+        top += elastic_wall(d, 1, d->wall[1].i[k], row);
+    sp_free(work.f);
     *wall_imbalance = d->cell == SP_CELL_PISTON ? fabs(top / d->area - d->pressure) : 0;
-    *residual = fmax(worst, fabs(top - d->pressure * d->area) / d->piston_mass);
+    *residual = fmax(largest(&work), fabs(top - d->pressure * d->area) / d->piston_mass);
     return SP_OK;
 }
 
@@ -456,25 +506,37 @@ double sp_dynamics_lateral_pressure(const dynamics *d, int a) {
     return sum / (d->area * d->piston_y);
 }
 
+static bool grain_is_sane(const dynamics *d, int32_t i) {
+    const double *g = dynamics_grain(d, i), r = g[d->at.r];
+    if (!(d->piston_y > r))
+        return false;
+    for (int side = 0; side < d->walls; side++)
+        if (!(dynamics_wall_distance(d, side, g) > 0.2 * r))
+            return false;
+    for (int a = 0; a < d->at.r; a++)
+        if (!isfinite(g[a]))
+            return false;
+    return true;
+}
+
+static void check_part(void *data, int part, int parts) {
+    measure *work = data;
+    const dynamics *d = work->d;
+    const pair_list *p = dynamics_pairs(d);
+    bool sane = true;
+    for (int32_t i = sp_pool_share(d->n, part, parts); i < sp_pool_share(d->n, part + 1, parts); i++)
+        sane = sane && grain_is_sane(d, i);
+    for (int32_t k = sp_pool_share(p->n, part, parts); k < sp_pool_share(p->n, part + 1, parts) && sane; k++) {
+        double x[3], smaller = fmin(dynamics_radius(d, p->i[k]), dynamics_radius(d, p->j[k]));
+        sane = !(separation(d, p, k, x) < p->reach[k] - 0.8 * smaller);
+    }
+    work->worst[part] = !sane;
+}
+
 bool sp_dynamics_sane(const dynamics *d) {
+    measure work = {.d = d};
     if (!isfinite(d->piston_y) || !isfinite(d->v_max))
         return false;
-    for (int32_t i = 0; i < d->n; i++) {
-        const double *g = dynamics_grain(d, i), r = g[d->at.r];
-        if (!(d->piston_y > r))
-            return false;
-        for (int side = 0; side < d->walls; side++)
-            if (!(dynamics_wall_distance(d, side, g) > 0.2 * r))
-                return false;
-        for (int a = 0; a < d->at.r; a++)
-            if (!isfinite(g[a]))
-                return false;
-    }
-    const pair_list *p = dynamics_pairs(d);
-    for (int32_t k = 0; k < p->n; k++) {
-        double x[3], smaller = fmin(dynamics_radius(d, p->i[k]), dynamics_radius(d, p->j[k]));
-        if (separation(d, p, k, x) < p->reach[k] - 0.8 * smaller)
-            return false;
-    }
-    return true;
+    sp_pool_run(d->pool, check_part, &work);
+    return largest(&work) == 0;
 }

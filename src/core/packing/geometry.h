@@ -9,12 +9,12 @@ void sp_packing_separation(const sp_packing *p, int32_t i, int32_t j, double d[3
 /* Distance from the centre of grain i to a wall of the packing. */
 double sp_packing_wall_distance(const sp_packing *p, int32_t i, int32_t wall);
 /* Coordinates of a point in multiples of the lattice vectors: 0 .. 1 within the cell. */
-void sp_packing_fractions(const sp_packing *p, const double x[3], double s[3]);
+SP_SHARED void sp_packing_fractions(const sp_packing *p, const double x[3], double s[3]);
 /* Moves a point into the cell along the periodic axes: its fractions become 0 <= s < 1. */
-void sp_packing_wrap(const sp_packing *p, double x[3]);
+SP_SHARED void sp_packing_wrap(const sp_packing *p, double x[3]);
 /* Replaces a vector by its shortest image: adds lattice vectors along the periodic axes. Exact for vectors whose image
  * is shorter than half of the shortest edge. */
-void sp_packing_nearest(const sp_packing *p, double d[3]);
+SP_SHARED void sp_packing_nearest(const sp_packing *p, double d[3]);
 /* Whether i < j, or i and a wall, are listed as a contact. The contacts are sorted. */
 bool sp_packing_has_contact(const sp_packing *p, int32_t i, int32_t j);
 

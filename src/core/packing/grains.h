@@ -29,6 +29,8 @@ typedef struct pair_list {
     int32_t *i, *j;
     int32_t *at_i, *at_j; /* inner: position of the grains' rows in g */
     int32_t *from;        /* inner: index in outer */
+    int32_t *near;        /* outer: scratch of the choice of an inner list */
+    int32_t *span;        /* inner: [blocks of SPAN pairs][2] lowest and highest grain; threads skip blocks by it */
     double *image;        /* [dim] lattice vectors to add to x_j - x_i; 0 along axes with walls */
     double *reach;        /* R_i + R_j */
     double *ft;           /* elastic tangential force on i: 2D along (-ny, nx); 3D [3] */
@@ -36,10 +38,13 @@ typedef struct pair_list {
     double *sm;           /* sqrt(m_eff 2 E12 sqrt(R12)) */
 } pair_list;
 
+enum { SPAN = 256 }; /* pairs */
+
 /* Grains near a wall, in ascending order. */
 typedef struct wall_list {
     int32_t n;
     int32_t *i;
+    double *push; /* [n][2] normal force and stiffness of each, at the last forces */
 } wall_list;
 
 /* Where to find the forces on each grain. There is a row for i and one for j of each pair, one for each grain at a
@@ -51,9 +56,8 @@ typedef struct force_rows {
     double *row;      /* [rows][layout.row] force, torque/R (2D: fx fy t s; 3D: fx fy fz s, q, 0) */
     int32_t *slot;    /* [n][SLOTS] positions of rows */
     int32_t *count;   /* [n] number of rows */
-    int32_t *further; /* [n] head of the linked list, or -1 */
-    int32_t *chain;   /* [2 capacity] list nodes: position of the row, next node */
-    int32_t chained;
+    int32_t *further; /* [n] index of the first row of the linked list, or -1 */
+    int32_t *chain;   /* [capacity] index of the next row of the list, or -1 */
     int32_t other, wall[MOST_WALLS], zero; /* index of the first row of the j, of the walls, and of the zero row */
 } force_rows;
 
@@ -88,6 +92,7 @@ typedef struct dynamics {
     double *wall_ft[MOST_WALLS];   /* [n][dim-1] elastic tangential force on grains at each wall; see wall_frame */
     wall_list wall[MOST_WALLS];
     pair_list outer, inner;
+    pair_list spare; /* memory for the next outer list */
     force_rows rows;
     double r_max, m_min;
     double scale;                          /* the power of two nearest to the mean diameter */

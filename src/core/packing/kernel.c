@@ -153,8 +153,8 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
                 (*(const v4 *)(row + s[2]) + *(const v4 *)(row + s[3]))) +
                (*(const v4 *)(row + s[4]) + *(const v4 *)(row + s[5]));
         if (count[i] > SLOTS)
-            for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[2 * (int64_t)c + 1])
-                f += *(const v4 *)(row + d->rows.chain[2 * (int64_t)c]);
+            for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[c])
+                f += *(const v4 *)(row + 4 * (int64_t)c);
         double *g = d->g + 8 * (int64_t)i, kick = dt * g[6];
         double vx = keep * g[2] + kick * f[0], vy = keep * g[3] + kick * f[1] - fall;
         g[0] += dt * vx + (affine ? strain * g[0] + shear * g[1] : strain * g[0]);
@@ -369,10 +369,10 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
             if (rough)
                 q += *(const v4 *)(row + s[k] + 4);
         }
-        for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[2 * (int64_t)c + 1]) {
-            f += *(const v4 *)(row + d->rows.chain[2 * (int64_t)c]);
+        for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[c]) {
+            f += *(const v4 *)(row + 8 * (int64_t)c);
             if (rough)
-                q += *(const v4 *)(row + d->rows.chain[2 * (int64_t)c] + 4);
+                q += *(const v4 *)(row + 8 * (int64_t)c + 4);
         }
         double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], square = 0;
         const double carried[3] = {strain[0] * g[0] + shear[0] * g[1] + shear[1] * g[2],

@@ -1,23 +1,45 @@
-/* The inner neighbour list, the force rows, and when the lists are rebuilt. */
+/* The inner neighbour list, and when the lists are rebuilt. */
 #include "packing/neighbours.h"
 
 #include "base/base.h"
 #include "packing/deform.h"
 #include "packing/pairs.h"
+#include "packing/rows.h"
 
 #include <math.h>
 #include <string.h>
 
 /* ---- inner list ---------------------------------------------------------------------------------------------- */
 
-static void refill_walls(dynamics *d, double gap) {
+/* What the threads of a refill share: each chooses from a part of the outer list and of the grains. */
+typedef struct refill_work {
+    dynamics *d;
+    double gap;
+    int32_t pairs[SP_POOL_MOST]; /* number chosen by each part */
+    int32_t at_wall[MOST_WALLS][SP_POOL_MOST];
+} refill_work;
+
+/* Lists the grains of a part that are near a wall, at the place of its first grain. */
+static int32_t choose_at_wall(dynamics *d, int side, double gap, int32_t first, int32_t last) {
+    int32_t *i_near = d->wall[side].i + first, n = 0;
+    for (int32_t i = first; i < last; i++) {
+        const double *g = dynamics_grain(d, i);
+        if (dynamics_wall_distance(d, side, g) - g[d->at.r] < gap)
+            i_near[n++] = i;
+    }
+    return n;
+}
+
+/* Moves the lists of all parts together. */
+static void join_walls(const refill_work *work, int parts) {
+    dynamics *d = work->d;
     for (int side = 0; side < d->walls; side++) {
         wall_list *wall = &d->wall[side];
         wall->n = 0;
-        for (int32_t i = 0; i < d->n; i++) {
-            const double *g = dynamics_grain(d, i);
-            if (dynamics_wall_distance(d, side, g) - g[d->at.r] < gap)
-                wall->i[wall->n++] = i;
+        for (int part = 0; part < parts; part++) {
+            const int32_t count = work->at_wall[side][part];
+            memmove(wall->i + wall->n, wall->i + sp_pool_share(d->n, part, parts), (size_t)count * sizeof *wall->i);
+            wall->n += count;
         }
     }
 }
@@ -33,16 +55,16 @@ static inline void add_tilt(const dynamics *d, const pair_list *p, int32_t k, co
     }
 }
 
-/* Copies the pairs of the outer list that are closer than the gap. Compiled for both dimensions, and for cells with
- * images along all axes. */
-static inline int32_t select_near(dynamics *d, double gap, const int dim, const bool affine) {
-    pair_list *inner = &d->inner;
+/* Lists the pairs [first, last) of the outer list that are closer than the gap, at the place of the first. Compiled for
+ * both dimensions, and for cells with images along all axes. */
+static inline int32_t choose_near(const dynamics *d, double gap, int32_t first, int32_t last, const int dim,
+                                  const bool affine) {
     const pair_list *outer = &d->outer;
-    const int stride = dim == 2 ? 8 : 16, forces = dim == 2 ? 1 : 3;
-    int32_t n = 0;
-    for (int32_t k = 0; k < outer->n; k++) {
-        const int32_t i = stride * outer->i[k], j = stride * outer->j[k];
-        const double *g = d->g + i, *h = d->g + j, range = outer->reach[k] + gap;
+    const int stride = dim == 2 ? 8 : 16;
+    int32_t *near = outer->near + first, n = 0;
+    for (int32_t k = first; k < last; k++) {
+        const double *g = d->g + stride * (int64_t)outer->i[k], *h = d->g + stride * (int64_t)outer->j[k];
+        const double range = outer->reach[k] + gap;
         double x[3], square = 0;
         for (int a = 0; a < dim; a++) {
             x[a] = h[a] - g[a];
@@ -53,32 +75,58 @@ static inline int32_t select_near(dynamics *d, double gap, const int dim, const 
             add_tilt(d, outer, k, dim, x);
         for (int a = 0; a < dim; a++)
             square += x[a] * x[a];
-        if (square >= range * range)
-            continue;
-        inner->i[n] = outer->i[k];
-        inner->j[n] = outer->j[k];
-        inner->at_i[n] = i;
-        inner->at_j[n] = j;
-        inner->from[n] = k;
-        inner->reach[n] = outer->reach[k];
-        inner->e2[n] = outer->e2[k];
-        inner->sm[n] = outer->sm[k];
-        for (int a = 0; a < (affine ? dim : dim - 1); a++)
-            inner->image[n + (int64_t)a * inner->capacity] = outer->image[k + (int64_t)a * outer->capacity];
-        for (int a = 0; a < forces; a++)
-            inner->ft[n + (int64_t)a * inner->capacity] = outer->ft[k + (int64_t)a * outer->capacity];
-        n++;
+        near[n] = k; /* without a branch, which would often be mispredicted */
+        n += !(square >= range * range);
     }
     return n;
 }
 
-/* Fills the inner list, and its last vector with dummy pairs. */
-static void select_pairs(dynamics *d, double gap) {
-    pair_list *inner = &d->inner;
+/* Also stores the tangential forces of the old inner list, before `fill_part` reads them. */
+static void choose_part(void *data, int part, int parts) {
+    refill_work *work = data;
+    dynamics *d = work->d;
+    const int32_t first = sp_pool_share(d->outer.n, part, parts), last = sp_pool_share(d->outer.n, part + 1, parts);
+    sp_pairs_store_part(d, part, parts);
     if (d->affine)
-        inner->n = d->dim == 2 ? select_near(d, gap, 2, true) : select_near(d, gap, 3, true);
+        work->pairs[part] = d->dim == 2 ? choose_near(d, work->gap, first, last, 2, true)
+                                        : choose_near(d, work->gap, first, last, 3, true);
     else
-        inner->n = d->dim == 2 ? select_near(d, gap, 2, false) : select_near(d, gap, 3, false);
+        work->pairs[part] = d->dim == 2 ? choose_near(d, work->gap, first, last, 2, false)
+                                        : choose_near(d, work->gap, first, last, 3, false);
+    for (int side = 0; side < d->walls; side++)
+        work->at_wall[side][part] = choose_at_wall(d, side, work->gap, sp_pool_share(d->n, part, parts),
+                                                   sp_pool_share(d->n, part + 1, parts));
+}
+
+/* Copies the pairs that a part has chosen to the inner list, after those of the parts before it. */
+static void fill_part(void *data, int part, int parts) {
+    const refill_work *work = data;
+    const dynamics *d = work->d;
+    const pair_list *inner = &d->inner, *outer = &d->outer;
+    const int32_t *near = outer->near + sp_pool_share(outer->n, part, parts);
+    int32_t at = 0;
+    for (int before = 0; before < part; before++)
+        at += work->pairs[before];
+    for (int32_t n = at; n < at + work->pairs[part]; n++) {
+        const int32_t k = near[n - at];
+        inner->i[n] = outer->i[k];
+        inner->j[n] = outer->j[k];
+        inner->at_i[n] = d->at.stride * outer->i[k];
+        inner->at_j[n] = d->at.stride * outer->j[k];
+        inner->from[n] = k;
+        inner->reach[n] = outer->reach[k];
+        inner->e2[n] = outer->e2[k];
+        inner->sm[n] = outer->sm[k];
+        for (int a = 0; a < (d->affine ? d->dim : d->dim - 1); a++)
+            inner->image[n + (int64_t)a * inner->capacity] = outer->image[k + (int64_t)a * outer->capacity];
+        for (int a = 0; a < d->at.forces; a++)
+            inner->ft[n + (int64_t)a * inner->capacity] = outer->ft[k + (int64_t)a * outer->capacity];
+    }
+}
+
+/* Fills the last vector of the inner list with dummy pairs. */
+static void pad(dynamics *d) {
+    pair_list *inner = &d->inner;
     inner->padded = (inner->n + 7) / 8 * 8;
     for (int32_t k = inner->n; k < inner->padded; k++) {
         inner->i[k] = inner->j[k] = d->n;
@@ -92,95 +140,63 @@ static void select_pairs(dynamics *d, double gap) {
     }
 }
 
-/* row: its position in rows.row */
-static void add_row(force_rows *f, int32_t i, int32_t row) {
-    if (f->count[i] < SLOTS) {
-        f->slot[SLOTS * (int64_t)i + f->count[i]++] = row;
-        return;
-    }
-    f->count[i]++;
-    f->chain[2 * (int64_t)f->chained] = row;
-    f->chain[2 * (int64_t)f->chained + 1] = f->further[i];
-    f->further[i] = f->chained++;
-}
-
-static sp_status rows_alloc(dynamics *d, int64_t rows, sp_error *err) {
-    force_rows *f = &d->rows;
-    if (rows <= f->capacity)
+/* Memory for all pairs of the outer list. */
+static sp_status inner_alloc(dynamics *d, sp_error *err) {
+    pair_list more;
+    if (d->inner.capacity >= d->outer.n + 8)
         return SP_OK;
-    const int64_t capacity = rows + rows / 4;
-    sp_free(f->row);
-    sp_free(f->chain);
-    f->row = sp_alloc((size_t)(capacity * d->at.row), sizeof *f->row);
-    f->chain = sp_alloc((size_t)(2 * capacity), sizeof *f->chain);
-    f->capacity = f->row && f->chain ? capacity : 0;
-    return f->capacity ? SP_OK : sp_fail_memory(err, (size_t)capacity * 8 * (size_t)(d->at.row + 1));
-}
-
-/* Assigns the force rows of all grains. */
-static sp_status assign_rows(dynamics *d, sp_error *err) {
-    force_rows *f = &d->rows;
-    const pair_list *p = &d->inner;
-    const int32_t size = d->at.row;
-    int64_t rows = 2 * (int64_t)p->padded + 1;
-    for (int side = 0; side < d->walls; side++)
-        rows += d->wall[side].n;
-    if (rows > INT32_MAX / d->at.row)
-        return sp_fail(err, SP_ENOMEM, "%d pairs of neighbours: more than a list can number", p->n);
-    sp_status status = rows_alloc(d, rows, err);
+    sp_status status = sp_pair_list_alloc(&more, d->dim, d->outer.n + d->outer.n / 4 + 8, true, err);
     if (status != SP_OK)
         return status;
-    f->other = p->padded;
-    f->zero = 2 * p->padded;
-    for (int side = 0; side < d->walls; side++) {
-        f->wall[side] = f->zero;
-        f->zero += d->wall[side].n;
-    }
-    memset(f->row + (int64_t)f->zero * d->at.row, 0, (size_t)d->at.row * sizeof *f->row);
-    memset(f->count, 0, (size_t)d->n * sizeof *f->count);
-    f->chained = 0;
-    for (int32_t i = 0; i < d->n; i++)
-        f->further[i] = -1;
-    for (int64_t s = 0; s < SLOTS * (int64_t)d->n; s++)
-        f->slot[s] = size * f->zero;
-    for (int32_t k = 0; k < p->n; k++) {
-        add_row(f, p->i[k], size * k);
-        add_row(f, p->j[k], size * (f->other + k));
-    }
-    for (int side = 0; side < d->walls; side++)
-        for (int32_t k = 0; k < d->wall[side].n; k++)
-            add_row(f, d->wall[side].i[k], size * (f->wall[side] + k));
+    sp_pair_list_free(&d->inner);
+    d->inner = more;
     return SP_OK;
 }
 
 /* Selects the inner list, the walls' lists and the force rows. */
 static sp_status refill(dynamics *d, double gap, sp_error *err) {
-    sp_pairs_store_forces(d);
-    if (d->inner.capacity < d->outer.n + 8) {
-        pair_list more;
-        sp_status status = sp_pair_list_alloc(&more, d->dim, d->outer.n + d->outer.n / 4 + 8, true, err);
-        if (status != SP_OK)
-            return status;
-        sp_pair_list_free(&d->inner);
-        d->inner = more;
-    }
-    select_pairs(d, gap);
-    refill_walls(d, gap);
+    refill_work work = {.d = d, .gap = gap};
+    const int parts = sp_pool_parts(d->pool);
+    sp_pool_run(d->pool, choose_part, &work);
+    sp_status status = inner_alloc(d, err);
+    if (status != SP_OK)
+        return status;
+    sp_pool_run(d->pool, fill_part, &work);
+    d->inner.n = 0;
+    for (int part = 0; part < parts; part++)
+        d->inner.n += work.pairs[part];
+    pad(d);
+    join_walls(&work, parts);
     d->inner_gap = gap;
     d->inner_travel = 0;
     d->refills++;
-    return assign_rows(d, err);
+    return sp_rows_assign(d, err);
+}
+
+/* Lists the grains at walls alone. */
+static void refill_walls(dynamics *d, double gap) {
+    refill_work work = {.d = d};
+    for (int side = 0; side < d->walls; side++)
+        work.at_wall[side][0] = choose_at_wall(d, side, gap, 0, d->n);
+    join_walls(&work, 1);
 }
 
 /* Number of steps that an inner list should last; gaps in units of `scale`. */
 enum { REFILL_STEPS = 10 };
 static const double OUTER_GAP = 0.4, INNER_GAP_MIN = 2e-3, INNER_GAP_MAX = 0.15;
 
+typedef struct displacements {
+    const dynamics *d;
+    double square[SP_POOL_MOST]; /* largest of each part */
+} displacements;
+
 /* Bound of the relative displacement since the outer list was built, from the positions: oscillating grains travel far
  * but stay near. What a deforming cell carries along moves together. */
-static double displacement(const dynamics *d) {
+static void displace_part(void *data, int part, int parts) {
+    displacements *work = data;
+    const dynamics *d = work->d;
     double worst = 0;
-    for (int32_t i = 0; i < d->n; i++) {
+    for (int32_t i = sp_pool_share(d->n, part, parts); i < sp_pool_share(d->n, part + 1, parts); i++) {
         const double *g = dynamics_grain(d, i);
         double from[3] = {0, 0, 0}, square = 0;
         memcpy(from, d->listed + (int64_t)d->dim * i, (size_t)d->dim * sizeof *from);
@@ -190,6 +206,15 @@ static double displacement(const dynamics *d) {
             square += (g[a] - from[a]) * (g[a] - from[a]);
         worst = square > worst ? square : worst;
     }
+    work->square[part] = worst;
+}
+
+static double displacement(const dynamics *d) {
+    displacements work = {.d = d};
+    double worst = 0;
+    sp_pool_run(d->pool, displace_part, &work);
+    for (int part = 0; part < SP_POOL_MOST; part++)
+        worst = fmax(worst, work.square[part]);
     return 2 * sqrt(worst) + d->outer_strain;
 }
 

@@ -20,7 +20,7 @@ void sp_pair_list_free(pair_list *p) {
 static int real_planes(int dim) { return 3 + dim + grain_layout_of(dim).forces; }
 
 sp_status sp_pair_list_alloc(pair_list *p, int dim, int32_t capacity, bool inner, sp_error *err) {
-    const size_t n = ((size_t)capacity + 15) / 16 * 16, integers = inner ? 5 : 2, reals = (size_t)real_planes(dim);
+    const size_t n = ((size_t)capacity + 15) / 16 * 16, integers = inner ? 6 : 3, reals = (size_t)real_planes(dim);
     pair_list q = {.capacity = (int32_t)n};
     q.integers = n <= INT32_MAX ? sp_alloc(integers * n, sizeof *q.integers) : NULL;
     q.reals = n <= INT32_MAX ? sp_alloc(reals * n, sizeof *q.reals) : NULL;
@@ -34,6 +34,9 @@ sp_status sp_pair_list_alloc(pair_list *p, int dim, int32_t capacity, bool inner
         q.at_i = q.j + n;
         q.at_j = q.at_i + n;
         q.from = q.at_j + n;
+        q.span = q.from + n;
+    } else {
+        q.near = q.j + n;
     }
     q.reach = q.reals;
     q.e2 = q.reach + n;
@@ -44,32 +47,17 @@ sp_status sp_pair_list_alloc(pair_list *p, int dim, int32_t capacity, bool inner
     return SP_OK;
 }
 
-/* Doubles the capacity of an outer list. */
-static sp_status grow(pair_list *p, int dim, sp_error *err) {
-    pair_list more;
-    sp_status status = sp_pair_list_alloc(&more, dim, 2 * p->capacity, false, err);
-    if (status != SP_OK)
-        return status;
-    for (int64_t k = 0; k < 2; k++)
-        memcpy(more.integers + k * more.capacity, p->integers + k * p->capacity, (size_t)p->n * sizeof *p->integers);
-    for (int64_t k = 0; k < real_planes(dim); k++)
-        memcpy(more.reals + k * more.capacity, p->reals + k * p->capacity, (size_t)p->n * sizeof *p->reals);
-    more.n = p->n;
-    sp_pair_list_free(p);
-    *p = more;
-    return SP_OK;
-}
-
-void sp_pairs_store_forces(dynamics *d) {
-    if (d->inner.n == 0)
-        return; /* the arrays may not exist yet */
+void sp_pairs_store_part(dynamics *d, int part, int parts) {
+    const int32_t n = d->inner.n; /* 0: the arrays may not exist yet */
     for (int a = 0; a < d->at.forces; a++) {
-        const double *from = d->inner.ft + (int64_t)a * d->inner.capacity;
-        double *to = d->outer.ft + (int64_t)a * d->outer.capacity;
-        for (int32_t k = 0; k < d->inner.n; k++)
+        const double *from = n > 0 ? d->inner.ft + (int64_t)a * d->inner.capacity : NULL;
+        double *to = n > 0 ? d->outer.ft + (int64_t)a * d->outer.capacity : NULL;
+        for (int32_t k = sp_pool_share(n, part, parts); k < sp_pool_share(n, part + 1, parts); k++)
             to[d->inner.from[k]] = from[k];
     }
 }
+
+void sp_pairs_store_forces(dynamics *d) { sp_pairs_store_part(d, 0, 1); }
 
 /* ---- outer list ---------------------------------------------------------------------------------------------- */
 
@@ -83,33 +71,6 @@ static void wrap(const dynamics *d, const sp_packing *cell, double *g) {
         for (int a = 0; a < d->dim - 1; a++)
             g[a] -= d->period[a] * floor(g[a] / d->period[a]);
     }
-}
-
-static sp_status sort_into_cells(dynamics *d, double gap, sp_error *err) {
-    int64_t population[SP_OCTAVES] = {0};
-    cells *c = &d->cells;
-    for (int32_t i = 0; i < d->n; i++)
-        population[sp_cells_octave(c, dynamics_radius(d, i))]++;
-    sp_deform_reduce(d);
-    sp_deform_box(d, c->box);
-    const sp_packing cell = sp_dynamics_cell(d);
-    sp_status status = sp_cells_reset(c, population, gap, err);
-    for (int32_t i = d->n - 1; i >= 0 && status == SP_OK; i--) {
-        double *g = dynamics_grain(d, i), place[3];
-        wrap(d, &cell, g);
-        sp_cells_enter(c, sp_cells_octave(c, g[d->at.r]), i, sp_deform_place(d, g, place));
-    }
-    return status;
-}
-
-/* Copies tangential forces from the old list, whose pairs are sorted by i. */
-static void carry_forces(const dynamics *d, const int32_t *row, pair_list *p, int32_t first) {
-    const pair_list *old = &d->outer;
-    for (int32_t k = first; k < p->n; k++)
-        for (int32_t q = row[p->i[k]]; q < row[p->i[k] + 1]; q++)
-            if (old->j[q] == p->j[k])
-                for (int a = 0; a < d->at.forces; a++)
-                    p->ft[k + (int64_t)a * p->capacity] = old->ft[q + (int64_t)a * old->capacity];
 }
 
 /* The search decides which grain of a pair is i, so each pair is entered both ways. */
@@ -145,26 +106,69 @@ out:
     return status;
 }
 
-/* Appends a pair. */
-static sp_status push_pair(const dynamics *d, int32_t i, int32_t j, const double image[3], pair_list *p,
-                           sp_error *err) {
-    const double *g = dynamics_grain(d, i), *h = dynamics_grain(d, j);
-    sp_status status = p->n == p->capacity ? grow(p, d->dim, err) : SP_OK;
+/* What the threads of a rebuild share. Each has a range of grains; the pairs of all ranges, one after the other, are in
+ * the order in which one thread would find them. */
+typedef struct found_pairs {
+    int32_t *j;
+    size_t n, capacity;
+    bool failed; /* memory was short */
+} found_pairs;
+
+typedef struct search {
+    dynamics *d;
+    sp_packing cell;
+    double gap, inverse[3]; /* inverse: of the periods, 0 along axes with walls */
+    int64_t population[SP_POOL_MOST][SP_OCTAVES];
+    int32_t *count; /* [n] pairs of each grain */
+    found_pairs found[SP_POOL_MOST];
+    pair_list to;
+} search;
+
+static void wrap_part(void *data, int part, int parts) {
+    search *s = data;
+    dynamics *d = s->d;
+    sp_pairs_store_part(d, part, parts);
+    for (int32_t i = sp_pool_share(d->n, part, parts); i < sp_pool_share(d->n, part + 1, parts); i++) {
+        wrap(d, &s->cell, dynamics_grain(d, i));
+        s->population[part][sp_cells_octave(&d->cells, dynamics_radius(d, i))]++;
+    }
+}
+
+static void locate_part(void *data, int part, int parts) {
+    const search *s = data;
+    dynamics *d = s->d;
+    for (int32_t i = sp_pool_share(d->n, part, parts); i < sp_pool_share(d->n, part + 1, parts); i++) {
+        double place[3];
+        const double *g = dynamics_grain(d, i);
+        sp_cells_locate(&d->cells, sp_cells_octave(&d->cells, g[d->at.r]), i, sp_deform_place(d, g, place));
+    }
+}
+
+static void enter_part(void *data, int part, int parts) {
+    const search *s = data;
+    cells *c = &s->d->cells;
+    sp_cells_enter_located(c, s->d->n, c->count * part / parts, c->count * (part + 1) / parts);
+}
+
+static sp_status sort_into_cells(search *s, sp_error *err) {
+    dynamics *d = s->d;
+    int64_t population[SP_OCTAVES] = {0};
+    sp_deform_reduce(d);
+    s->cell = sp_dynamics_cell(d);
+    sp_pool_run(d->pool, wrap_part, s);
+    for (int part = 0; part < sp_pool_parts(d->pool); part++)
+        for (int o = 0; o < SP_OCTAVES; o++)
+            population[o] += s->population[part][o];
+    sp_deform_box(d, d->cells.box);
+    sp_status status = sp_cells_reset(&d->cells, population, s->gap, err);
     if (status != SP_OK)
         return status;
-    const int32_t k = p->n++;
-    p->i[k] = i;
-    p->j[k] = j;
-    p->reach[k] = g[d->at.r] + h[d->at.r];
-    p->e2[k] = 2.0 * contact_stiffness(g[d->at.r], h[d->at.r]);
-    p->sm[k] = sqrt(p->e2[k] / (g[d->at.inv_m] + h[d->at.inv_m])); /* 1/m_eff = 1/m_i + 1/m_j */
-    for (int a = 0; a < d->dim; a++)
-        p->image[k + (int64_t)a * p->capacity] = image[a];
+    sp_pool_run(d->pool, locate_part, s);
+    sp_pool_run(d->pool, enter_part, s);
     return SP_OK;
 }
 
-/* Replaces x by its shortest image in a cell that may have walls or lattice vectors along any axis. inverse: of the
- * periods, 0 along axes with walls. */
+/* Replaces x by its shortest image in a cell that may have walls or lattice vectors along any axis. */
 static inline void nearest(const dynamics *d, const int dim, const double inverse[3], double x[3], double image[3]) {
     for (int a = dim - 1; a >= 0; a--) {
         image[a] = -nearbyint(x[a] * inverse[a]);
@@ -176,96 +180,196 @@ static inline void nearest(const dynamics *d, const int dim, const double invers
     }
 }
 
-/* Appends the pairs of grain i in one cell that are closer than the gap. same: the cell is of i's own octave, where a
- * pair belongs to the lower index. Compiled for both dimensions, and for the piston (inverse NULL). */
-static inline sp_status pairs_in_cell(const dynamics *d, int64_t cell, double gap, int32_t i, bool same,
-                                      const double *inverse, pair_list *p, const int dim, sp_error *err) {
-    const double *g = dynamics_grain(d, i), r = g[d->at.r] + gap;
+/* The shortest vector from grain i to grain j and its image; returns the square of its length. piston: both lie in
+ * [0, period) of the horizontal axes. */
+static inline double shortest(const search *s, const double *g, const double *h, double image[3], const int dim,
+                              const bool piston) {
+    const dynamics *d = s->d;
+    double x[3], square = 0;
+    for (int a = 0; a < dim; a++) {
+        x[a] = h[a] - g[a];
+        image[a] = 0;
+        if (piston && a < dim - 1) {
+            image[a] = x[a] > 0.5 * d->period[a] ? -1 : x[a] < -0.5 * d->period[a] ? 1 : 0;
+            x[a] += image[a] * d->period[a];
+        }
+    }
+    if (!piston)
+        nearest(d, dim, s->inverse, x, image);
+    for (int a = 0; a < dim; a++)
+        square += x[a] * x[a];
+    return square;
+}
+
+/* Lists the neighbours of grain i in one cell that are closer than the gap. same: the cell is of i's own octave, where
+ * a pair belongs to the lower index. Compiled for both dimensions, and for the piston. */
+static inline void neighbours_in_cell(const search *s, int64_t cell, int32_t i, bool same, found_pairs *to,
+                                      const int dim, const bool piston) {
+    const dynamics *d = s->d;
+    const double *g = dynamics_grain(d, i), r = g[d->at.r] + s->gap;
     for (int32_t j = d->cells.head[cell]; j >= 0; j = d->cells.next[j]) {
         if (same && j <= i)
             continue;
         const double *h = dynamics_grain(d, j), range = r + h[d->at.r];
-        double x[3], image[3] = {0, 0, 0}, square = 0;
-        for (int a = 0; a < dim; a++) {
-            x[a] = h[a] - g[a];
-            if (!inverse && a < dim - 1) { /* both lie in [0, period) */
-                image[a] = x[a] > 0.5 * d->period[a] ? -1 : x[a] < -0.5 * d->period[a] ? 1 : 0;
-                x[a] += image[a] * d->period[a];
-            }
+        double image[3];
+        if (!(shortest(s, g, h, image, dim, piston) < range * range))
+            continue;
+        if (to->n == to->capacity) {
+            int32_t *more = sp_grow(to->j, to->n + 1, &to->capacity, sizeof *more);
+            to->failed = !more;
+            if (!more)
+                return;
+            to->j = more;
         }
-        if (inverse)
-            nearest(d, dim, inverse, x, image);
-        for (int a = 0; a < dim; a++)
-            square += x[a] * x[a];
-        sp_status status = square < range * range ? push_pair(d, i, j, image, p, err) : SP_OK;
+        to->j[to->n++] = j;
+    }
+}
+
+static void neighbours_of(const search *s, int32_t i, found_pairs *to) {
+    const dynamics *d = s->d;
+    const int octave = sp_cells_octave(&d->cells, dynamics_radius(d, i));
+    const bool piston = d->cell == SP_CELL_PISTON;
+    double place[3];
+    const double *at = sp_deform_place(d, dynamics_grain(d, i), place);
+    for (int o = octave; o >= 0; o--) {
+        int64_t cell[SP_CELLS_NEAR];
+        const int count = d->cells.grid[o].used ? sp_cells_near(&d->cells, o, at, cell) : 0;
+        for (int k = 0; k < count && !to->failed; k++)
+            if (piston && d->dim == 2)
+                neighbours_in_cell(s, cell[k], i, o == octave, to, 2, true);
+            else if (piston)
+                neighbours_in_cell(s, cell[k], i, o == octave, to, 3, true);
+            else if (d->dim == 2)
+                neighbours_in_cell(s, cell[k], i, o == octave, to, 2, false);
+            else
+                neighbours_in_cell(s, cell[k], i, o == octave, to, 3, false);
+    }
+}
+
+static void find_part(void *data, int part, int parts) {
+    search *s = data;
+    found_pairs *to = &s->found[part];
+    for (int32_t i = sp_pool_share(s->d->n, part, parts); i < sp_pool_share(s->d->n, part + 1, parts); i++) {
+        const size_t before = to->n;
+        neighbours_of(s, i, to);
+        s->count[i] = (int32_t)(to->n - before);
+    }
+}
+
+static void set_pair(const search *s, int32_t k, int32_t i, int32_t j) {
+    const dynamics *d = s->d;
+    const pair_list *p = &s->to;
+    const double *g = dynamics_grain(d, i), *h = dynamics_grain(d, j);
+    double image[3];
+    shortest(s, g, h, image, d->dim, d->cell == SP_CELL_PISTON);
+    p->i[k] = i;
+    p->j[k] = j;
+    p->reach[k] = g[d->at.r] + h[d->at.r];
+    p->e2[k] = 2.0 * contact_stiffness(g[d->at.r], h[d->at.r]);
+    p->sm[k] = sqrt(p->e2[k] / (g[d->at.inv_m] + h[d->at.inv_m])); /* 1/m_eff = 1/m_i + 1/m_j */
+    for (int a = 0; a < d->dim; a++)
+        p->image[k + (int64_t)a * p->capacity] = image[a];
+}
+
+/* Copies the tangential force of a pair from the old list, in which the pairs of i are [first, last). */
+static void carry_force(const search *s, int32_t k, int32_t first, int32_t last) {
+    const pair_list *old = &s->d->outer, *p = &s->to;
+    for (int a = 0; a < s->d->at.forces; a++)
+        p->ft[k + (int64_t)a * p->capacity] = 0;
+    for (int32_t q = first; q < last; q++)
+        if (old->j[q] == p->j[k])
+            for (int a = 0; a < s->d->at.forces; a++)
+                p->ft[k + (int64_t)a * p->capacity] = old->ft[q + (int64_t)a * old->capacity];
+}
+
+/* First pair of a list, which is sorted by i, that belongs to grain i or a higher one. */
+static int32_t first_of(const pair_list *p, int32_t i) {
+    int32_t low = 0, high = p->n;
+    while (low < high) {
+        const int32_t middle = low + (high - low) / 2;
+        if (p->i[middle] < i)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static void list_part(void *data, int part, int parts) {
+    search *s = data;
+    dynamics *d = s->d;
+    const pair_list *old = &d->outer;
+    const int32_t start = sp_pool_share(d->n, part, parts), *j = s->found[part].j;
+    int32_t k = 0, first = first_of(old, start);
+    for (int before = 0; before < part; before++)
+        k += (int32_t)s->found[before].n;
+    for (int32_t i = start; i < sp_pool_share(d->n, part + 1, parts); i++) {
+        int32_t last = first;
+        while (last < old->n && old->i[last] == i)
+            last++;
+        for (int32_t m = 0; m < s->count[i]; m++, k++) {
+            set_pair(s, k, i, *j++);
+            carry_force(s, k, first, last);
+        }
+        first = last;
+        memcpy(d->listed + (int64_t)d->dim * i, dynamics_grain(d, i), (size_t)d->dim * sizeof *d->listed);
+    }
+}
+
+/* Memory for the pairs that were found: that of the list before the last, if it is large enough. */
+static sp_status list_alloc(search *s, sp_error *err) {
+    const int parts = sp_pool_parts(s->d->pool);
+    int64_t n = 0;
+    for (int part = 0; part < parts; part++) {
+        if (s->found[part].failed)
+            return sp_fail_memory(err, s->found[part].n * sizeof *s->found[part].j);
+        n += (int64_t)s->found[part].n;
+    }
+    if (n > INT32_MAX - INT32_MAX / 4)
+        return sp_fail(err, SP_ENOMEM, "%lld pairs of neighbours: more than a list can number", (long long)n);
+    s->to = s->d->spare;
+    s->d->spare = (pair_list){0};
+    if (n >= s->to.capacity) {
+        sp_pair_list_free(&s->to);
+        sp_status status = sp_pair_list_alloc(&s->to, s->d->dim, (int32_t)(n + n / 8 + 16), false, err);
         if (status != SP_OK)
             return status;
     }
+    s->to.n = (int32_t)n;
     return SP_OK;
 }
 
-static sp_status pairs_near(const dynamics *d, int64_t cell, double gap, int32_t i, bool same, const double *inverse,
-                            pair_list *p, sp_error *err) {
-    if (d->cell == SP_CELL_PISTON)
-        return d->dim == 2 ? pairs_in_cell(d, cell, gap, i, same, NULL, p, 2, err)
-                           : pairs_in_cell(d, cell, gap, i, same, NULL, p, 3, err);
-    return d->dim == 2 ? pairs_in_cell(d, cell, gap, i, same, inverse, p, 2, err)
-                       : pairs_in_cell(d, cell, gap, i, same, inverse, p, 3, err);
-}
-
-static sp_status find_pairs(dynamics *d, double gap, const int32_t *row, pair_list *p, sp_error *err) {
-    sp_status status = SP_OK;
-    double inverse[3] = {0, 0, 0};
+static sp_status search_pairs(search *s, sp_error *err) {
+    dynamics *d = s->d;
+    s->count = sp_alloc((size_t)d->n, sizeof *s->count);
+    if (!s->count)
+        return sp_fail_memory(err, (size_t)d->n * sizeof *s->count);
+    sp_status status = sort_into_cells(s, err);
     for (int a = 0; a < d->dim && d->cell == SP_CELL_PERIODIC; a++)
-        inverse[a] = 1 / dynamics_edge(d, a);
-    for (int32_t i = 0; i < d->n && status == SP_OK; i++) {
-        const int octave = sp_cells_octave(&d->cells, dynamics_radius(d, i));
-        const int32_t first = p->n;
-        for (int o = octave; o >= 0; o--) {
-            int64_t cell[SP_CELLS_NEAR];
-            double place[3];
-            const double *at = sp_deform_place(d, dynamics_grain(d, i), place);
-            const int count = d->cells.grid[o].used ? sp_cells_near(&d->cells, o, at, cell) : 0;
-            for (int k = 0; k < count && status == SP_OK; k++)
-                status = pairs_near(d, cell[k], gap, i, o == octave, inverse, p, err);
-        }
-        carry_forces(d, row, p, first);
+        s->inverse[a] = 1 / dynamics_edge(d, a);
+    if (status == SP_OK) {
+        sp_pool_run(d->pool, find_part, s);
+        status = list_alloc(s, err);
     }
+    if (status == SP_OK)
+        sp_pool_run(d->pool, list_part, s);
     return status;
 }
 
 sp_status sp_pairs_rebuild(dynamics *d, double gap, sp_error *err) {
-    pair_list p = {0};
-    sp_pairs_store_forces(d);
-    int32_t *row = sp_alloc((size_t)d->n + 1, sizeof *row);
-    sp_status status = row ? SP_OK : sp_fail_memory(err, (size_t)d->n * sizeof *row);
-    if (status == SP_OK)
-        status = sort_into_cells(d, gap, err);
+    search s = {.d = d, .gap = gap};
+    sp_status status = search_pairs(&s, err);
     if (status == SP_OK) {
-        const int32_t likely = d->outer.n + d->outer.n / 8 + 16, usual = 4 * d->n + 16;
-        status = sp_pair_list_alloc(&p, d->dim, likely > usual ? likely : usual, false, err);
+        d->spare = d->outer;
+        d->outer = s.to;
+        d->inner.n = 0;
+        d->outer_gap = gap;
+        d->outer_travel = d->outer_strain = 0;
+        sp_deform_keep(d);
+        d->rebuilds++;
     }
-    if (status != SP_OK)
-        goto out;
-    for (int32_t k = 0; k < d->outer.n; k++)
-        row[d->outer.i[k] + 1]++;
-    for (int32_t i = 0; i < d->n; i++)
-        row[i + 1] += row[i];
-    status = find_pairs(d, gap, row, &p, err);
-    if (status != SP_OK)
-        goto out;
-    sp_pair_list_free(&d->outer);
-    d->outer = p;
-    p = (pair_list){0};
-    d->inner.n = 0;
-    d->outer_gap = gap;
-    d->outer_travel = d->outer_strain = 0;
-    sp_deform_keep(d);
-    for (int32_t i = 0; i < d->n; i++)
-        memcpy(d->listed + (int64_t)d->dim * i, dynamics_grain(d, i), (size_t)d->dim * sizeof *d->listed);
-    d->rebuilds++;
-out:
-    sp_pair_list_free(&p);
-    sp_free(row);
+    for (int part = 0; part < SP_POOL_MOST; part++)
+        sp_free(s.found[part].j);
+    sp_free(s.count);
     return status;
 }

@@ -17,7 +17,8 @@ typedef struct pair_force {
 /* Sets the tangential forces of a new dynamics, before its lists are first built. Each pair at most once, in either
  * order. SP_ENOMEM. */
 sp_status sp_pairs_set_forces(dynamics *d, const pair_force *force, int32_t count, sp_error *err);
-/* Copies the tangential forces of the inner list to the outer one. */
+/* Copies the tangential forces of the inner list to the outer one; _part: a thread's part of them. */
 void sp_pairs_store_forces(dynamics *d);
+void sp_pairs_store_part(dynamics *d, int part, int parts);
 
 #endif

@@ -1,6 +1,7 @@
 /* Bulk averages of Table I of Somfai et al. 2005. */
 #include "base/base.h"
 #include "base/vector.h"
+#include "packing/bulk.h"
 #include "packing/contact.h"
 
 #include <math.h>
@@ -8,52 +9,32 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* Fraction of a disc or ball of radius r at height y that lies below a level. */
-static double disc_below(double level, double y, double r) {
-    double s = fmax(-1, fmin(1, (level - y) / r));
-    return 0.5 + (asin(s) + s * sqrt(1 - s * s)) / PI;
-}
-
-static double ball_below(double level, double y, double r) {
-    double s = fmax(-1, fmin(1, (level - y) / r));
-    return 0.25 * (2 + 3 * s - s * s * s);
-}
-
-typedef struct bulk {
-    double low, high; /* heights of its boundaries */
-    int up;
-} bulk;
-
-static bool in_bulk(const bulk *b, double y) { return y >= b->low && y <= b->high; }
-
 static void sum_fractions(const sp_packing *p, const bulk *b, const uint8_t *rattler, sp_statics *s) {
     double area = 0, volume = 0, carrying = 0;
     for (int32_t i = 0; i < p->n; i++) {
-        double r = p->r[i], y = p->x[3 * (size_t)i + (size_t)b->up];
-        double ball = grain_mass(r) * (ball_below(b->high, y, r) - ball_below(b->low, y, r));
-        area += PI * r * r * (disc_below(b->high, y, r) - disc_below(b->low, y, r));
+        const double r = p->r[i], *x = p->x + 3 * (size_t)i;
+        const double ball = grain_mass(r) * sp_bulk_ball(b, x, r);
+        area += p->dim == 2 ? PI * r * r * sp_bulk_disc(b, x, r) : 0;
         volume += ball;
         carrying += rattler[i] ? 0 : ball;
     }
-    const double base = sp_packing_wall_area(p) * (b->high - b->low);
-    s->phi2 = p->dim == 2 ? area / base : NAN;
-    s->phi3 = volume / base;
-    s->phi3s = carrying / base;
+    s->phi2 = p->dim == 2 ? area / b->volume : NAN;
+    s->phi3 = volume / b->volume;
+    s->phi3s = carrying / b->volume;
 }
 
 sp_status sp_packing_density(const sp_packing *p, double threshold, double margin, double *out, sp_error *err) {
-    const bulk b = {.low = margin, .high = sp_packing_height(p) - margin, .up = p->dim - 1};
+    const bulk b = sp_bulk_of(p, margin);
     uint8_t *rattler = sp_alloc((size_t)p->n, 1);
     sp_status status =
         rattler ? sp_packing_rattlers(p, threshold, rattler, NULL, NULL, err) : sp_fail_memory(err, (size_t)p->n);
     double mass = 0;
     for (int32_t i = 0; status == SP_OK && i < p->n; i++) {
-        const double r = p->r[i], y = p->x[3 * (size_t)i + (size_t)b.up];
-        const double all = p->mass ? p->mass[i] : grain_mass(r);
-        mass += rattler[i] ? 0 : all * (ball_below(b.high, y, r) - ball_below(b.low, y, r));
+        const double r = p->r[i], all = p->mass ? p->mass[i] : grain_mass(r);
+        mass += rattler[i] ? 0 : all * sp_bulk_ball(&b, p->x + 3 * (size_t)i, r);
     }
     if (status == SP_OK)
-        *out = b.high > b.low ? mass / (sp_packing_wall_area(p) * (b.high - b.low)) : NAN;
+        *out = b.volume > 0 ? mass / b.volume : NAN;
     sp_free(rattler);
     return status;
 }
@@ -73,7 +54,7 @@ static sp_status sum_coordination(const sp_packing *p, const bulk *b, const uint
     }
     double grains = 0, loose = 0, contacts = 0;
     for (int32_t i = 0; i < p->n; i++) {
-        if (!in_bulk(b, p->x[3 * (size_t)i + (size_t)b->up]))
+        if (!sp_bulk_has(b, p->x + 3 * (size_t)i))
             continue;
         grains += 1;
         loose += rattler[i];
@@ -85,20 +66,15 @@ static sp_status sum_coordination(const sp_packing *p, const bulk *b, const uint
     return SP_OK;
 }
 
-/* Height of a contact point. */
-static double contact_height(const sp_packing *p, const sp_contact *c, int up) {
-    return p->x[3 * (size_t)c->i + (size_t)up] + c->n[up] * (p->r[c->i] - 0.5 * c->overlap);
-}
-
 /* Moments (5) and fabric (6) over the carrying contacts of the bulk. */
 static void sum_forces(const sp_packing *p, const bulk *b, const uint8_t *carrying, sp_statics *s) {
     double n = 0, f1 = 0, f2 = 0, f3 = 0, fabric = 0, strong = 0, strong_fabric = 0;
     for (int pass = 0; pass < 2; pass++)
         for (int32_t c = 0; c < p->n_contacts; c++) {
             const sp_contact *k = &p->contacts[c];
-            if (!carrying[c] || !in_bulk(b, contact_height(p, k, b->up)))
+            if (!carrying[c] || !sp_bulk_has_contact(b, p, k))
                 continue;
-            const double ny2 = k->n[b->up] * k->n[b->up];
+            const double ny2 = k->n[p->dim - 1] * k->n[p->dim - 1];
             if (pass == 0) {
                 n += 1;
                 f1 += k->fn;
@@ -118,11 +94,9 @@ static void sum_forces(const sp_packing *p, const bulk *b, const uint8_t *carryi
     s->f2s = strong_fabric / strong;
 }
 
-/* sigma_ab = 1/V sum F_a r_b over all carrying contacts, walls included, positive in compression. F is the force of i
- * on j and r points from i to j. Besides the diagonal only b = up is needed: the force on a horizontal plane. */
-static void sum_stress(const sp_packing *p, const uint8_t *carrying, sp_statics *s) {
-    double diagonal[3] = {0}, on_plane[3] = {0};
-    const int up = p->dim - 1;
+/* sum of F_a r_b over all carrying contacts, walls included, positive in compression. F is the force of i on j and r
+ * points from i to j. */
+static void sum_moments(const sp_packing *p, const uint8_t *carrying, double sum[3][3]) {
     for (int32_t c = 0; c < p->n_contacts; c++) {
         const sp_contact *k = &p->contacts[c];
         if (!carrying[c])
@@ -130,18 +104,33 @@ static void sum_stress(const sp_packing *p, const uint8_t *carrying, sp_statics 
         double branch = p->r[k->i] - k->overlap + (k->j >= 0 ? p->r[k->j] : 0);
         for (int a = 0; a < p->dim; a++) {
             const double force = k->fn * k->n[a] - k->ft[a];
-            diagonal[a] += force * branch * k->n[a];
-            on_plane[a] += force * branch * k->n[up];
+            for (int b = 0; b < p->dim; b++)
+                sum[a][b] += force * branch * k->n[b];
         }
     }
+}
+
+/* sigma_ab = 1/V sum F_a r_b; off the diagonal the mean of ab and ba, which are equal where torques balance. The ratios
+ * have the force on a horizontal plane. */
+static void sum_stress(const sp_packing *p, const uint8_t *carrying, sp_statics *s) {
+    double sum[3][3] = {{0}}, sideways = 0;
+    const int up = p->dim - 1;
+    const struct {
+        double *to;
+        int a, b;
+    } each[] = {{&s->s_xx, 0, 0}, {&s->s_yy, 1, 1}, {&s->s_zz, 2, 2},
+                {&s->s_yz, 1, 2}, {&s->s_xz, 0, 2}, {&s->s_xy, 0, 1}};
+    sum_moments(p, carrying, sum);
+    for (size_t k = 0; k < sizeof each / sizeof *each; k++)
+        if (each[k].b < p->dim)
+            *each[k].to = 0.5 * (sum[each[k].a][each[k].b] + sum[each[k].b][each[k].a]) / sp_packing_volume(p);
     if (up == 0)
         return;
-    double sideways = 0;
     for (int a = 0; a < up; a++)
-        sideways += diagonal[a] / up;
-    s->s1_over_s2 = sideways / diagonal[up];
-    s->s12_over_s2 = on_plane[0] / diagonal[up];
-    s->s32_over_s2 = up == 2 ? on_plane[1] / diagonal[up] : NAN;
+        sideways += sum[a][a] / up;
+    s->s1_over_s2 = sideways / sum[up][up];
+    s->s12_over_s2 = sum[0][up] / sum[up][up];
+    s->s32_over_s2 = up == 2 ? sum[1][up] / sum[up][up] : NAN;
 }
 
 /* Sliding contacts relax a little below Coulomb's limit. */
@@ -161,13 +150,13 @@ static double mobilised(const sp_packing *p, const uint8_t *carrying) {
 }
 
 sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err) {
-    const bulk b = {.low = margin, .high = sp_packing_height(p) - margin, .up = p->dim - 1};
-    sp_statics s = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+    const bulk b = sp_bulk_of(p, margin);
+    sp_statics s = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     uint8_t *rattler = sp_alloc((size_t)p->n, 1), *carrying = sp_alloc((size_t)p->n_contacts, 1);
     sp_status status = rattler && carrying ? SP_OK : sp_fail_memory(err, (size_t)p->n + (size_t)p->n_contacts);
     if (status == SP_OK)
         status = sp_packing_rattlers(p, threshold, rattler, carrying, NULL, err);
-    if (status == SP_OK && b.high > b.low) {
+    if (status == SP_OK && b.volume > 0) {
         sum_fractions(p, &b, rattler, &s);
         sum_forces(p, &b, carrying, &s);
         status = sum_coordination(p, &b, rattler, carrying, &s, err);

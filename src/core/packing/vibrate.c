@@ -24,6 +24,7 @@ typedef struct survey {
     const sp_packing *p;
     vibration *m;
     size_t capacity; /* of m->touch */
+    bool narrow;     /* the sweep may visit a pair twice: it reaches half around a periodic cell */
 } survey;
 
 /* Fills in everything that follows from i, j and the overlap. */
@@ -65,23 +66,35 @@ static sp_status add_contacts(survey *s, sp_error *err) {
     return status;
 }
 
+static bool is_watched(const survey *s, int32_t i, int32_t j) {
+    for (int32_t k = s->p->n_contacts; s->narrow && k < s->m->count; k++)
+        if (s->m->touch[k].i == i && s->m->touch[k].j == j)
+            return true;
+    return false;
+}
+
+static bool is_narrow(const sp_packing *p, double reach) {
+    double largest = 0;
+    for (int32_t i = 0; i < p->n; i++)
+        largest = fmax(largest, p->r[i]);
+    return p->cell == SP_CELL_PERIODIC && sp_packing_height(p) <= 4 * largest + 2 * reach;
+}
+
 /* Adds a pair, or a grain and a wall, that is no contact but closer than the watched gap. */
 static sp_status add_gap(int32_t i, int32_t j, void *user, sp_error *err) {
     survey *s = user;
     const sp_packing *p = s->p;
-    const int up = p->dim - 1;
     touching t = {.i = i, .j = j};
     double r = 1;
     if (j < 0) {
-        const double y = p->x[3 * (int64_t)i + up];
-        t.overlap = p->r[i] - (j == SP_BOTTOM ? y : sp_packing_height(p) - y);
-        t.n0[up] = j == SP_BOTTOM ? -1 : 1;
+        t.overlap = p->r[i] - sp_packing_wall_distance(p, i, j);
+        t.n0[sp_packing_wall_axis(p, j)] = sp_packing_wall_side(j);
     } else {
         sp_packing_separation(p, i, j, t.n0);
         r = length3(t.n0);
         t.overlap = p->r[i] + p->r[j] - r;
     }
-    if (!(t.overlap > -s->m->reach && r > 0) || sp_packing_has_contact(p, i, j))
+    if (!(t.overlap > -s->m->reach && r > 0) || sp_packing_has_contact(p, i, j) || is_watched(s, i, j))
         return SP_OK;
     t.overlap = fmin(t.overlap, 0); /* an unlisted pair is open at rest */
     for (int a = 0; a < 3 && j >= 0; a++)
@@ -111,6 +124,7 @@ sp_status sp_vibration_make(const sp_packing *p, double damping, vibration *out,
         m.mass[2 * i + 1] = 0.4 * m.mass[2 * i] * p->r[i] * p->r[i];
         m.reach = fmin(m.reach, REACH * p->r[i]);
     }
+    s.narrow = is_narrow(p, m.reach);
     status = add_contacts(&s, err);
     if (status == SP_OK)
         status = sp_packing_sweep(p, m.reach, add_gap, &s, err);

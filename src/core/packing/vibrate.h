@@ -9,7 +9,7 @@
 
 /* A pair, or a grain and a wall, that touches or may touch. Vectors have 3 components in every dimension. */
 typedef struct touching {
-    int32_t i, j;           /* j may be SP_BOTTOM or SP_TOP */
+    int32_t i, j;           /* j may be a wall */
     double n0[3], n[3];     /* normal from i to j, at rest and now */
     double length, overlap; /* distance of the centres and overlap at rest; a negative overlap is a gap */
     double e, m_eff;        /* E12 sqrt(R12); 1/(1/m_i + 1/m_j) */

@@ -42,12 +42,6 @@ static void simulation_free(simulation *s) {
 
 /* ---- detectors ----------------------------------------------------------------------------------------------- */
 
-static double height_of(const sp_packing *p, int32_t grain) {
-    if (grain < 0)
-        return grain == SP_BOTTOM ? -HUGE_VAL : HUGE_VAL;
-    return p->x[3 * (int64_t)grain + p->dim - 1];
-}
-
 /* Whether a grain is detected by its contact with the top wall, as in sp_network_detector_at. */
 static bool at_wall(const sp_network *net, const sp_place *at) {
     for (int32_t k = net->n_bulk; k < net->n_springs; k++) {
@@ -61,7 +55,8 @@ static bool at_wall(const sp_network *net, const sp_place *at) {
 /* Sign of a contact in a detector; 0: it does not count. */
 static double sign_of(const simulation *s, const sp_place *at, bool wall, const touching *t) {
     const sp_packing *p = s->job->packing;
-    const double x = p->x[3 * (int64_t)t->i], y = x - p->box[0] * floor(x / p->box[0]);
+    const double x = p->x[3 * (int64_t)t->i];
+    const double y = sp_packing_periodic(p, 0) ? x - p->box[0] * floor(x / p->box[0]) : x;
     switch (at->kind) {
     case SP_PLACE_WALL: return t->j == SP_TOP ? -1 : 0;
     case SP_PLACE_PART: return t->j == SP_TOP && y >= at->from && y < at->to ? -1 : 0;
@@ -71,8 +66,11 @@ static double sign_of(const simulation *s, const sp_place *at, bool wall, const 
         return t->i == at->grain ? 1 : t->j == at->grain ? -1 : 0;
     case SP_PLACE_PLANE: break;
     }
-    const bool above = height_of(p, t->i) > at->height;
-    return above == (height_of(p, t->j) > at->height) ? 0 : above ? 1 : -1;
+    const int up = p->dim - 1;
+    const double other = t->j >= 0 ? p->x[3 * (int64_t)t->j + up] : 0;
+    int32_t low;
+    return -sp_place_crossing(s->job->net, at->height, p->x[3 * (int64_t)t->i + up], t->length * t->n0[up], t->j, other,
+                              &low);
 }
 
 static sp_status make_sensors(simulation *s, sp_error *err) {
@@ -113,6 +111,22 @@ static double read_sensor(const vibration *m, const sensor *e) {
 
 /* ---- motion -------------------------------------------------------------------------------------------------- */
 
+/* Velocity of the centre of mass that momenta give to a network without walls; 0 between walls. No force depends on it,
+ * so it is left out: otherwise all grains would drift ever farther. */
+static void find_drift(const sp_network *net, const double *momenta, double drift[3]) {
+    double mass = 0;
+    drift[0] = drift[1] = drift[2] = 0;
+    if (net->cell != SP_CELL_PERIODIC)
+        return;
+    for (int32_t i = 0; i < net->n; i++) {
+        mass += net->mass[(int64_t)i * net->dof];
+        for (int a = 0; a < net->dim; a++)
+            drift[a] += momenta[(int64_t)i * net->dof + a];
+    }
+    for (int a = 0; a < net->dim; a++)
+        drift[a] /= mass;
+}
+
 /* Starts a source. Returns its factor, chosen so that the largest displacement, or velocity over Omega, of a grain is
  * `amplitude` times the mean overlap. */
 static double start_source(simulation *s, int32_t source) {
@@ -131,12 +145,14 @@ static double start_source(simulation *s, int32_t source) {
         largest = fmax(largest, square);
     }
     const double factor = s->job->options->amplitude * s->overlap / sqrt(largest);
-    double *to = momenta ? s->m.v : s->m.u;
+    double *to = momenta ? s->m.v : s->m.u, drift[3];
+    find_drift(net, vector, drift);
     for (int32_t i = 0; i < net->n; i++)
         for (int a = 0; a < net->dof; a++) {
             const int64_t k = (int64_t)i * net->dof + a;
             const int at = a < net->dim ? a : net->dim == 2 ? 5 : a;
-            to[6 * (int64_t)net->grain[i] + at] = factor * (momenta ? vector[k] / net->mass[k] : vector[k]);
+            to[6 * (int64_t)net->grain[i] + at] =
+                factor * (momenta ? vector[k] / net->mass[k] - (a < net->dim ? drift[a] : 0) : vector[k]);
         }
     sp_vibration_begin(&s->m);
     return factor;

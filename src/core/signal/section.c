@@ -1,5 +1,6 @@
 /* Record sections of packings: signals at planes one above the other. */
 #include "base/base.h"
+#include "network/cell.h"
 #include "network/largest.h"
 
 #include <math.h>
@@ -116,6 +117,8 @@ sp_status sp_coherent_section_make(const sp_network *net, const sp_coherent_sect
     double t10 = 0;
     int32_t planes = 0;
     sp_status status = check(opt, height, &planes, err);
+    if (status == SP_OK)
+        status = sp_network_need_walls(net, "a wave that leaves a wall", err);
     if (status == SP_OK)
         status = arrival(net, opt, height, &t10, err);
     if (status == SP_OK)

@@ -250,6 +250,11 @@ static sp_status check_continuum(const sp_network *net, double phi3s, int32_t lo
         return sp_fail(err, SP_EINVAL, "the %d lowest modes, must be 1 or more", lowest);
     if (net->dim != 2)
         return sp_fail(err, SP_EREFUSED, "continuum modes of a packing in %d dimensions, must be in 2", net->dim);
+    if (net->cell != SP_CELL_PISTON)
+        return sp_fail(
+            err, SP_EREFUSED,
+            "continuum modes are those of a strip between two walls with periodic sides: they need a cell of "
+            "the kind piston");
     if (!(phi3s > 0))
         return sp_fail(err, SP_EREFUSED,
                        "continuum modes need Phi3*, which is undefined in a packing %.3g d high: too low to leave out "

@@ -1,10 +1,13 @@
 /* Dispersion relation of plane and standing waves, from moments of their spectral functions. */
 #include "base/base.h"
+#include "base/vector.h"
 #include "linalg/arrays.h"
+#include "network/cell.h"
 #include "spectrum/moments.h"
 
 #include <math.h>
 #include <sonopack/spectrum.h>
+#include <string.h>
 
 #define PI 3.14159265358979323846
 
@@ -21,11 +24,21 @@ void sp_dispersion_free(sp_dispersion *d) {
     *d = sp_dispersion_none();
 }
 
+/* The axis of the waves. */
+static int axis_of(const sp_network *net, const sp_dispersion_options *o) {
+    return o->up ? net->dim - 1 : o->along_y ? 1 : 0;
+}
+
 static sp_status check(const sp_network *net, const sp_dispersion_options *o, sp_error *err) {
     if (o->waves < 1 || o->waves > WAVES_MAX)
         return sp_fail(err, SP_EINVAL, "waves = %d, must be 1 .. %d", o->waves, WAVES_MAX);
     if (!o->up && net->dim < 2)
         return sp_fail(err, SP_EINVAL, "waves along x in one dimension, must be up");
+    if (o->along_y && (o->up || net->dim < 3))
+        return sp_fail(err, SP_EINVAL, "waves along y%s, must be in three dimensions, where z is up",
+                       o->up ? " and up" : "");
+    if (o->node > 0 && sp_network_periodic(net, axis_of(net, o)))
+        return sp_fail(err, SP_EINVAL, "node = %g, but there are no walls across these waves", o->node);
     if (!(o->node >= 0 && isfinite(o->node)))
         return sp_fail(err, SP_EINVAL, "node = %g, must be a distance behind the walls, 0 or more", o->node);
     if (!(o->resolution >= 0 && isfinite(o->resolution)))
@@ -41,38 +54,80 @@ static sp_status check(const sp_network *net, const sp_dispersion_options *o, sp
     return SP_OK;
 }
 
-/* The degree of freedom that a polarization moves; -1: the network does not have it. */
-static int component(const sp_network *net, bool up, sp_polarization p) {
-    const int vertical = net->dim - 1;
+/* Removes from v its part along the direction of w, and scales it to 1. */
+static void turn_away(const double w[3], double v[3]) {
+    const double part = dot3(v, w) / dot3(w, w);
+    for (int a = 0; a < 3; a++)
+        v[a] -= part * w[a];
+    const double size = length3(v);
+    for (int a = 0; a < 3; a++)
+        v[a] /= size;
+}
+
+/* The degrees of freedom that a polarization moves, as a vector of unit length. False: the network has none. The
+ * lattice vectors of a tilted cell are not upright on each other, but displacements are along k, or across it. */
+static bool direction(const sp_network *net, const sp_dispersion_options *o, sp_polarization p, double moved[6]) {
+    const int axis = axis_of(net, o), vertical = net->dim - 1;
+    double k[3];
+    memset(moved, 0, 6 * sizeof *moved);
+    sp_network_reciprocal(net, axis, k);
     switch (p) {
-    case SP_LONGITUDINAL: return up ? vertical : 0;
-    case SP_TRANSVERSE: return net->dim < 2 ? -1 : up ? 0 : vertical;
-    default: return net->dof == net->dim ? -1 : net->dim == 2 ? 2 : net->dim + 1;
+    case SP_LONGITUDINAL:
+        for (int a = 0; a < 3; a++)
+            moved[a] = k[a] / length3(k);
+        return true;
+    case SP_TRANSVERSE:
+        if (net->dim < 2)
+            return false;
+        moved[axis == vertical ? 0 : vertical] = 1;
+        turn_away(k, moved);
+        return true;
+    default:
+        if (net->dof == net->dim)
+            return false;
+        moved[net->dim == 2 ? 2 : net->dim + (axis == 1 ? 0 : 1)] = 1;
+        return true;
     }
+}
+
+/* Wave vector of wave n, 0 on other axes: it fits between the walls, with nodes there, or into the period. */
+static void wave_vector(const sp_network *net, const sp_dispersion_options *o, int32_t n, double k[3]) {
+    const int axis = axis_of(net, o);
+    sp_network_reciprocal(net, axis, k);
+    for (int a = 0; a < 3; a++)
+        k[a] *= 2 * PI * n;
+    if (sp_network_periodic(net, axis))
+        k[axis] = 2 * PI * n / net->box[axis];
+    else
+        k[axis] = PI * n / (net->box[axis] + 2 * o->node);
 }
 
 /* The wave as displacements: the cosine and sine of a plane wave, which form a complex wave, or a single standing wave;
  * scaled to |q| = 1. */
-static sp_status make_wave(const sp_network *net, const sp_dispersion_options *o, int at, sp_dispersion_point *w,
-                           double *start, sp_error *err) {
-    double norm = 0, all = 0;
-    const int vertical = net->dim - 1;
-    w->k = o->up ? PI * w->n / (net->box[vertical] + 2 * o->node) : 2 * PI * w->n / net->box[0];
-    for (int64_t k = 0; k < 2 * sp_network_dofs(net); k++)
-        start[k] = 0;
+static sp_status make_wave(const sp_network *net, const sp_dispersion_options *o, const double moved[6],
+                           sp_dispersion_point *w, double *start, sp_error *err) {
+    const int axis = axis_of(net, o);
+    const bool standing = !sp_network_periodic(net, axis);
+    double norm = 0, all = 0, wave[3];
+    wave_vector(net, o, w->n, wave);
+    w->k = length3(wave);
     for (int32_t i = 0; i < net->n; i++) {
-        const int64_t k = (int64_t)i * net->dof + at;
-        const double x = net->x[3 * (int64_t)i + (o->up ? vertical : 0)], phase = w->k * (x + (o->up ? o->node : 0));
-        start[2 * k] = o->up ? sin(phase) : cos(phase);
-        start[2 * k + 1] = o->up ? 0 : sin(phase);
-        norm += net->mass[k] * (start[2 * k] * start[2 * k] + start[2 * k + 1] * start[2 * k + 1]);
-        all += net->mass[k];
+        double x[3];
+        for (int a = 0; a < 3; a++)
+            x[a] = net->x[3 * (int64_t)i + a] + (standing && a == axis ? o->node : 0);
+        const double phase = dot3(wave, x);
+        for (int a = 0; a < net->dof; a++) {
+            const int64_t k = (int64_t)i * net->dof + a;
+            start[2 * k] = moved[a] * (standing ? sin(phase) : cos(phase));
+            start[2 * k + 1] = standing ? 0 : moved[a] * sin(phase);
+            norm += net->mass[k] * (start[2 * k] * start[2 * k] + start[2 * k + 1] * start[2 * k + 1]);
+            all += net->mass[k] * moved[a] * moved[a];
+        }
     }
     if (!(norm > 1e-20 * all))
         return sp_fail(err, SP_EREFUSED, "wave %d moves no grain: all grains are at its nodes", w->n);
-    for (int32_t i = 0; i < net->n; i++)
-        for (int lane = 0; lane < 2; lane++)
-            start[2 * ((int64_t)i * net->dof + at) + lane] /= sqrt(norm);
+    for (int64_t k = 0; k < 2 * sp_network_dofs(net); k++)
+        start[k] /= sqrt(norm);
     return SP_OK;
 }
 
@@ -166,7 +221,9 @@ static sp_status one_wave(const sp_network *net, const sp_dispersion_options *o,
                           const scratch *x, sp_dispersion *d, sp_error *err) {
     sp_dispersion_point w = {.polarization = p, .n = n};
     moment_set m = {0};
-    sp_status status = make_wave(net, o, component(net, o->up, p), &w, x->start, err);
+    double moved[6];
+    direction(net, o, p, moved);
+    sp_status status = make_wave(net, o, moved, &w, x->start, err);
     if (status == SP_OK)
         status = sp_moments_make(net, d->moments, x->start, &m, err);
     if (status != SP_OK)
@@ -217,9 +274,12 @@ sp_status sp_dispersion_make(const sp_network *net, const sp_dispersion_options 
     if (status != SP_OK)
         return status;
     status = allocate(net, opt, &x, &d, err);
-    for (int p = 0; p < SP_POLARIZATIONS; p++)
-        for (int32_t n = 1; n <= opt->waves && component(net, opt->up, (sp_polarization)p) >= 0 && status == SP_OK; n++)
+    for (int p = 0; p < SP_POLARIZATIONS; p++) {
+        double moved[6];
+        const bool exists = direction(net, opt, (sp_polarization)p, moved);
+        for (int32_t n = 1; n <= opt->waves && exists && status == SP_OK; n++)
             status = one_wave(net, opt, (sp_polarization)p, n, &x, &d, err);
+    }
     sp_free(x.memory);
     if (status == SP_OK)
         *out = d;

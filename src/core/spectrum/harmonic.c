@@ -1,6 +1,7 @@
 /* Response to harmonic driving, one sparse solve per frequency, at a detector and through planes. */
 #include "base/base.h"
 #include "linalg/arrays.h"
+#include "network/cell.h"
 #include "spectrum/driven.h"
 
 #include <math.h>
@@ -233,6 +234,8 @@ sp_status sp_harmonic_make(const sp_network *net, const sp_harmonic_options *opt
     sp_harmonic h = sp_harmonic_none();
     harmonic_solver b = {0};
     sp_status status = check(net, opt, err);
+    if (status == SP_OK)
+        status = sp_network_need_walls(net, "harmonic driving", err);
     if (status == SP_OK)
         status = sp_network_need_symmetry(net, "harmonic driving", err);
     if (status != SP_OK)

@@ -4,6 +4,7 @@
  * and for displacements 1/(Omega cos psi) [t_0 + 2 sum_k g_2k t_k exp(i 2k psi)], t_k = <b|T_k|a>. g: Jackson's factors
  * of twice the order. */
 #include "base/base.h"
+#include "network/cell.h"
 #include "spectrum/moments.h"
 
 #include <float.h>
@@ -45,6 +46,8 @@ static sp_status make_start(const sp_network *net, const sp_transmission_options
     const size_t n = (size_t)sp_network_dofs(net);
     double *start = sp_alloc(2 * n, sizeof *start), *source = sp_alloc(2 * n, sizeof *source);
     sp_status status = start && source ? SP_OK : sp_fail_memory(err, 4 * n * sizeof *source);
+    if (status == SP_OK && (o->from.kind == SP_PLACE_WALL || o->to.kind == SP_PLACE_WALL))
+        status = sp_network_need_walls(net, "transmission from wall to wall", err);
     double *detector = source + n;
     if (status == SP_OK)
         status = sp_network_source_at(net, o->source, &o->from, source, err);

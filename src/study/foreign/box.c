@@ -5,10 +5,17 @@
 #include <math.h>
 
 void sp_work_separation(const sp_work *w, int32_t i, int32_t j, double d[3]) {
-    for (int a = 0; a < 3; a++) {
+    for (int a = 0; a < 3; a++)
         d[a] = w->grain[j].x[a] - w->grain[i].x[a];
-        if (a < w->dim && w->periodic[a])
-            d[a] -= w->edge[a] * nearbyint(d[a] / w->edge[a]);
+    for (int a = w->dim - 1; a >= 0; a--) {
+        const double periods = w->periodic[a] ? nearbyint(d[a] / w->edge[a]) : 0;
+        d[a] -= w->edge[a] * periods;
+        if (a == 1)
+            d[0] -= w->tilt[0] * periods;
+        if (a == 2) {
+            d[0] -= w->tilt[1] * periods;
+            d[1] -= w->tilt[2] * periods;
+        }
     }
 }
 
@@ -29,7 +36,7 @@ static void open_side(sp_work *w, int a) {
     extent(w, a, &low, &high);
     w->low[a] = low - 0.25;
     w->edge[a] = high - low + 0.5;
-    w->periodic[a] = true;
+    w->periodic[a] = w->open[a] = true;
 }
 
 static sp_status find_period(sp_work *w, int a, sp_error *err) {
@@ -86,7 +93,7 @@ static void find_wall(sp_work *w, int side, double *place) {
         w->has_wall[side] = false;
 }
 
-sp_status sp_box_find(sp_work *w, sp_error *err) {
+static sp_status find_piston(sp_work *w, sp_error *err) {
     const int up = w->dim - 1, f = w->axis[up];
     const sp_sheet *s = &w->grains;
     const bool turned = s->periodic[f] == 1 && !isfinite(w->o->bottom) && !isfinite(w->o->top);
@@ -98,8 +105,9 @@ sp_status sp_box_find(sp_work *w, sp_error *err) {
     if (turned && !w->o->cut)
         return sp_fail_key(
             err, SP_EINVAL, "across",
-            ": %s is periodic along %c too, where walls must be: --set across=drop cuts it at the face of "
-            "the box and leaves out the contacts across, --set up=AXIS takes another axis",
+            ": %s is periodic along %c too, where a piston has walls: --set across=drop cuts it at the face of "
+            "the box and leaves out the contacts across, --set up=AXIS takes another axis, --set cell=periodic "
+            "keeps it",
             w->path, "xyz"[f]);
     double place[2] = {0, 0}, low, high;
     find_wall(w, 0, &place[0]);
@@ -118,11 +126,20 @@ sp_status sp_box_find(sp_work *w, sp_error *err) {
     }
     w->low[up] = place[0];
     w->edge[up] = place[1] - place[0];
-    w->periodic[up] = turned;
+    w->periodic[up] = w->cut = turned;
     if (!(w->edge[up] > 0))
         return sp_fail_key(err, SP_EINVAL, "top", ": the upper wall at %g lies below the lower at %g",
                            place[1] / w->scale, place[0] / w->scale);
     for (int32_t k = 0; k < w->n; k++)
         w->grain[k].x[up] -= w->low[up];
     return SP_OK;
+}
+
+sp_status sp_box_find(sp_work *w, sp_error *err) {
+    sp_status status = sp_cell_choose(w, err);
+    if (status == SP_OK)
+        status = w->cell == SP_CELL_PERIODIC ? sp_cell_find_periods(w, err)
+                 : w->cell == SP_CELL_BOX    ? sp_cell_find_walls(w, err)
+                                             : find_piston(w, err);
+    return status == SP_OK ? sp_cell_check_periods(w, err) : status;
 }

@@ -1,6 +1,7 @@
 /* Which column of a file means what. */
 #include "base/base.h"
 #include "foreign/work.h"
+#include "store/exchange.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -52,6 +53,10 @@ static const struct usual {
     {"boundary", "boundary"},
     {"bottom", ""},
     {"top", ""},
+    {"left", ""},
+    {"right", ""},
+    {"front", ""},
+    {"back", ""},
     {"id1", "id1 i patom1 c_sp_id[1] c_sp_gran[1]"},
     {"id2", "id2 j patom2 c_sp_id[2] c_sp_gran[2]"},
     {"overlap", "overlap penetrationDepth c_sp_gran[13]"},
@@ -214,7 +219,8 @@ sp_status sp_place_vector(const sp_sheet *s, int64_t row, const sp_place at[3], 
 
 sp_status sp_roles_check(const sp_work *w, sp_error *err) {
     for (int k = 0; k < w->roles; k++) {
-        const bool prefix = strcmp(w->role[k].role, "bottom") == 0 || strcmp(w->role[k].role, "top") == 0;
+        int32_t wall;
+        const bool prefix = sp_side_read(w->role[k].role, &wall);
         if (w->used[k] || prefix)
             continue;
         char names[500];

@@ -3,6 +3,7 @@
 
 #include "base/base.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 
@@ -17,16 +18,37 @@ double sp_contact_kt(const sp_packing *p, const sp_contact *c) {
     return p->friction > 0 && p->dim > 1 ? contact_eta(p->poisson) * contact_kn(p, c) : 0;
 }
 
+/* The image of j that lies beside the point `there`, in a periodic cell. */
+static bool nearest_image(const sp_packing *p, const double there[3], int32_t j, double end[3]) {
+    const double *x = p->x + 3 * (size_t)j;
+    double apart[3], rest[3];
+    bool crosses = false;
+    for (int a = 0; a < 3; a++)
+        apart[a] = rest[a] = there[a] - x[a];
+    sp_packing_nearest(p, rest);
+    for (int a = 0; a < 3; a++) {
+        crosses = crosses || rest[a] != apart[a];
+        end[a] = x[a] + (apart[a] - rest[a]);
+    }
+    return crosses;
+}
+
 bool sp_contact_end(const sp_packing *p, const sp_contact *c, double end[3]) {
     const double *from = p->x + 3 * (size_t)c->i, reach = p->r[c->i] - c->overlap;
     bool crosses = false;
+    if (c->j >= 0 && p->cell == SP_CELL_PERIODIC) {
+        double there[3];
+        for (int a = 0; a < 3; a++)
+            there[a] = from[a] + (reach + p->r[c->j]) * c->n[a];
+        return nearest_image(p, there, c->j, end);
+    }
     for (int a = 0; a < 3; a++) {
         if (c->j < 0) {
             end[a] = from[a] + reach * c->n[a];
             continue;
         }
         const double to = p->x[3 * (size_t)c->j + (size_t)a], there = from[a] + (reach + p->r[c->j]) * c->n[a];
-        const double images = a < p->dim - 1 ? rint((there - to) / p->box[a]) : 0;
+        const double images = a < p->dim && sp_packing_periodic(p, a) ? rint((there - to) / p->box[a]) : 0;
         end[a] = to + images * p->box[a];
         crosses = crosses || images != 0;
     }

@@ -22,7 +22,8 @@ static void find_bounds(const sp_export_data *e, bounds b[3]) {
     for (int32_t i = 0; i < p->n && p->dim == 1; i++)
         largest = fmax(largest, p->r[i]);
     for (int a = 0; a < 3; a++)
-        b[a] = a < p->dim ? (bounds){0, p->box[a], a < p->dim - 1} : (bounds){-2 * largest, 2 * largest, true};
+        b[a] =
+            a < p->dim ? (bounds){0, p->box[a], sp_packing_periodic(p, a)} : (bounds){-2 * largest, 2 * largest, true};
 }
 
 /* What the file cannot say otherwise, in its first line, which LAMMPS skips. */
@@ -33,7 +34,22 @@ static void add_title(sp_text *t, const sp_packing *p, const sp_export_units *u)
     sp_text_number(t, p->friction);
     sp_text_add(t, " poisson=");
     sp_text_number(t, p->poisson);
-    sp_text_add(t, " wall=%s\n", sp_wall_names[p->wall]);
+    sp_text_add(t, " wall=%s", sp_wall_names[p->wall]);
+    if (p->cell != SP_CELL_PISTON || p->gravity != 0) {
+        sp_text_add(t, " cell=%s gravity=", sp_cell_names[p->cell]);
+        sp_text_number(t, p->gravity);
+    }
+    sp_text_add(t, "\n");
+}
+
+static bool is_tilted(const sp_packing *p) { return p->tilt[0] != 0 || p->tilt[1] != 0 || p->tilt[2] != 0; }
+
+static void add_tilt(sp_text *t, const sp_packing *p) {
+    for (int k = 0; k < 3; k++) {
+        sp_text_number(t, p->tilt[k]);
+        sp_text_add(t, " ");
+    }
+    sp_text_add(t, "xy xz yz\n");
 }
 
 static void add_atom(sp_text *t, const sp_export_data *e, int32_t i) {
@@ -64,6 +80,8 @@ sp_status sp_export_lammps_data(const sp_export_data *e, sp_text text[SP_EXPORT_
         sp_text_number(t, b[a].high);
         sp_text_add(t, " %clo %chi\n", axis_name[a], axis_name[a]);
     }
+    if (is_tilted(p))
+        add_tilt(t, p);
     sp_text_add(t, "\nAtoms # sphere\n\n");
     for (int32_t i = 0; i < p->n; i++)
         add_atom(t, e, i);
@@ -96,12 +114,25 @@ static void add_row(sp_text *t, const sp_export_data *e, size_t i) {
     sp_text_add(t, "\n");
 }
 
+/* The bounds of a tilted box in a dump are those of the smallest box with right angles around it. */
+static void widen(const sp_packing *p, bounds b[3]) {
+    const double *t = p->tilt;
+    b[0].low += fmin(fmin(0, t[0]), fmin(t[1], t[0] + t[1]));
+    b[0].high += fmax(fmax(0, t[0]), fmax(t[1], t[0] + t[1]));
+    b[1].low += fmin(0, t[2]);
+    b[1].high += fmax(0, t[2]);
+}
+
 sp_status sp_export_lammps_dump(const sp_export_data *e, sp_text text[SP_EXPORT_FILES_MAX], sp_error *err) {
     sp_text *t = &text[0];
     bounds b[3];
     (void)err;
     find_bounds(e, b);
-    sp_text_add(t, "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n%d\nITEM: BOX BOUNDS", e->packing->n);
+    const sp_packing *p = e->packing;
+    const bool tilted = is_tilted(p);
+    if (tilted)
+        widen(p, b);
+    sp_text_add(t, "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n%d\nITEM: BOX BOUNDS%s", p->n, tilted ? " xy xz yz" : "");
     for (int a = 0; a < 3; a++)
         sp_text_add(t, " %s", b[a].periodic ? "pp" : "ff");
     sp_text_add(t, "\n");
@@ -109,7 +140,11 @@ sp_status sp_export_lammps_dump(const sp_export_data *e, sp_text text[SP_EXPORT_
         sp_text_number(t, b[a].low);
         sp_text_add(t, " ");
         sp_text_number(t, b[a].high);
-        sp_text_add(t, "\n");
+        sp_text_add(t, tilted ? " " : "\n");
+        if (tilted) {
+            sp_text_number(t, p->tilt[a]);
+            sp_text_add(t, "\n");
+        }
     }
     sp_text_add(t, "ITEM: ATOMS id type x y z radius mass fx fy fz contacts rattler%s%s\n",
                 e->vectors ? " ux uy uz" : "", e->vectors && e->vectors->rotation ? " rx ry rz" : "");

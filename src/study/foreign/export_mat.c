@@ -21,6 +21,11 @@ sp_status sp_export_mat(const sp_export_data *e, sp_text text[SP_EXPORT_FILES_MA
         sp_mat_begin(&m, &text[0]);
         sp_mat_number(&m, "dimension", p->dim);
         sp_mat_matrix(&m, "box", 1, p->dim, p->box);
+        if (p->cell != SP_CELL_PISTON || p->gravity != 0) {
+            sp_mat_text(&m, "cell", sp_cell_names[p->cell]);
+            sp_mat_matrix(&m, "tilt", 1, 3, p->tilt);
+            sp_mat_number(&m, "gravity", p->gravity);
+        }
         sp_mat_number(&m, "pressure", p->pressure);
         sp_mat_number(&m, "friction", p->friction);
         sp_mat_number(&m, "poisson", p->poisson);

@@ -30,6 +30,12 @@ static void add_field(sp_text *t, const sp_packing *p) {
     add_number(t, "pressure", 1, &p->pressure);
     add_number(t, "friction", 1, &p->friction);
     add_number(t, "poisson", 1, &p->poisson);
+    if (p->cell != SP_CELL_PISTON || p->gravity != 0) {
+        const int32_t cell = (int32_t)p->cell;
+        sp_vtk_array(t, "cell", SP_VTK_I32, 1, 1, &cell);
+        add_number(t, "tilt", 3, p->tilt);
+        add_number(t, "gravity", 1, &p->gravity);
+    }
     sp_vtk_end(t);
 }
 

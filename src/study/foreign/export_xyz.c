@@ -8,6 +8,10 @@ static void add_key(sp_text *t, const char *key, double value) {
     sp_text_number(t, value);
 }
 
+static char is_periodic(const sp_packing *p, int axis) {
+    return axis < p->dim && sp_packing_periodic(p, axis) ? 'T' : 'F';
+}
+
 /* The lattice has three vectors in any dimension; an axis that the packing has not is 1 long and not periodic. */
 static void add_head(sp_text *t, const sp_export_data *e) {
     const sp_packing *p = e->packing;
@@ -17,17 +21,23 @@ static void add_head(sp_text *t, const sp_export_data *e) {
             sp_text_add(t, " ");
         if (a % 4 == 0)
             sp_text_number(t, p->box[a / 4]);
+        else if (a / 3 > a % 3) /* rows of lattice vectors: xy, xz, yz are entries 3, 6, 7 */
+            sp_text_number(t, p->tilt[a == 3 ? 0 : a - 5]);
         else
             sp_text_add(t, "0");
     }
     sp_text_add(t,
-                "\" pbc=\"%c %c F\" Properties=species:S:1:pos:R:3:id:I:1:radius:R:1:mass:R:1:forces:R:3:contacts:I:1:"
+                "\" pbc=\"%c %c %c\" Properties=species:S:1:pos:R:3:id:I:1:radius:R:1:mass:R:1:forces:R:3:contacts:I:1:"
                 "rattler:I:1%s%s dimension=%d",
-                p->dim > 1 ? 'T' : 'F', p->dim > 2 ? 'T' : 'F', e->vectors ? ":displacement:R:3" : "",
+                is_periodic(p, 0), is_periodic(p, 1), is_periodic(p, 2), e->vectors ? ":displacement:R:3" : "",
                 e->vectors && e->vectors->rotation ? ":rotation:R:3" : "", p->dim);
     add_key(t, "pressure", p->pressure);
     add_key(t, "friction", p->friction);
     add_key(t, "poisson", p->poisson);
+    if (p->cell != SP_CELL_PISTON || p->gravity != 0) {
+        sp_text_add(t, " cell=%s", sp_cell_names[p->cell]);
+        add_key(t, "gravity", p->gravity);
+    }
     sp_text_add(t, " wall=%s units=\"%s\"\n", sp_wall_names[p->wall], e->units->all);
 }
 

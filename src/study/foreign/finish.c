@@ -3,6 +3,7 @@
 #include "base/vector.h"
 #include "foreign/work.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 #include "store/exchange.h"
 
 #include <math.h>
@@ -53,9 +54,44 @@ static double stress(const sp_work *w, const sp_packing *p) {
     return sum / (sp_packing_wall_area(p) * sp_packing_height(p));
 }
 
+/* Mean of the normal stresses, as sp_packing_audit has it: sum of F.r over the volume and the dimension. */
+static double mean_stress(const sp_packing *p) {
+    double sum = 0;
+    for (int32_t k = 0; k < p->n_contacts; k++) {
+        const sp_contact *c = &p->contacts[k];
+        sum += c->fn * (p->r[c->i] - c->overlap + (c->j >= 0 ? p->r[c->j] : 0));
+    }
+    return sum / (p->dim * sp_packing_volume(p));
+}
+
+static double weight_of(const sp_packing *p, int32_t i) {
+    return p->gravity * (p->mass ? p->mass[i] : grain_mass(p->r[i]));
+}
+
+static sp_status fail_pressure(const sp_work *w, sp_error *err) {
+    return sp_fail_key(
+        err, SP_EINVAL, "pressure",
+        ": there is no force on the walls and none between grains (%d contacts); must be given: --set pressure=P",
+        w->found);
+}
+
+/* The pressure in a periodic cell or a box. */
+static sp_status find_mean_pressure(sp_work *w, sp_packing *p, sp_error *err) {
+    const double given = w->o->pressure * w->force / (w->scale * w->scale), mean = mean_stress(p);
+    char text[2][SP_WORK_TEXT];
+    w->report.bottom_pressure = w->report.top_pressure = NAN;
+    p->pressure = isfinite(given) ? given : mean;
+    if (!(p->pressure > 0))
+        return fail_pressure(w, err);
+    if (isfinite(given) && fabs(mean / given - 1) > 1e-2)
+        sp_work_note(w, "the mean of the normal stresses is %s, not the given %s", sp_work_pressure(w, mean, text[0]),
+                     sp_work_pressure(w, given, text[1]));
+    return SP_OK;
+}
+
 static sp_status find_pressure(sp_work *w, sp_packing *p, sp_error *err) {
     const double area = sp_packing_wall_area(p), given = w->o->pressure * w->force / (w->scale * w->scale);
-    double wall[2] = {0, 0};
+    double wall[2] = {0, 0}, weight = 0;
     char text[2][SP_WORK_TEXT];
     const int up = w->dim - 1;
     for (int32_t k = 0; k < w->found; k++) {
@@ -66,15 +102,13 @@ static sp_status find_pressure(sp_work *w, sp_packing *p, sp_error *err) {
     }
     w->report.bottom_pressure = wall[0] > 0 ? wall[0] / area : NAN;
     w->report.top_pressure = wall[1] > 0 ? wall[1] / area : NAN;
-    const double low = w->report.bottom_pressure, high = w->report.top_pressure;
+    for (int32_t i = 0; i < p->n && p->gravity != 0; i++)
+        weight += weight_of(p, i);
+    const double low = w->report.bottom_pressure - weight / area, high = w->report.top_pressure;
     const double walls = isfinite(low) && isfinite(high) ? 0.5 * (low + high) : isfinite(low) ? low : high;
     p->pressure = isfinite(given) ? given : isfinite(walls) ? walls : stress(w, p);
     if (!(p->pressure > 0))
-        return sp_fail_key(
-            err, SP_EINVAL, "pressure",
-            ": there is no force on the walls and none between grains (%d contacts); must be given: --set "
-            "pressure=P",
-            w->found);
+        return fail_pressure(w, err);
     if (!isfinite(given) && !isfinite(walls))
         sp_work_note(w, "no contact with a wall: the pressure %s is the stress along %c from the contacts",
                      sp_work_pressure(w, p->pressure, text[0]), "xyz"[w->axis[w->dim - 1]]);
@@ -89,40 +123,45 @@ static sp_status find_pressure(sp_work *w, sp_packing *p, sp_error *err) {
 
 /* ---- the packing ----------------------------------------------------------------------------------------------- */
 
-static bool is_outside(const sp_work *w, const sp_raw_grain *g) {
-    const int up = w->dim - 1;
-    return !w->periodic[up] && !(g->x[up] >= 0 && g->x[up] <= w->edge[up]);
+/* The axis on which a grain lies outside of the walls; -1: none. */
+static int axis_outside(const sp_work *w, const sp_raw_grain *g) {
+    for (int a = w->dim - 1; a >= 0; a--)
+        if (!w->periodic[a] && !(g->x[a] >= 0 && g->x[a] <= w->edge[a]))
+            return a;
+    return -1;
 }
 
 /* Says where the walls are taken to be, and whether anything touches them: loose grains have no walls to find. */
 static sp_status fail_outside(const sp_work *w, const sp_raw_grain *g, sp_error *err) {
-    const int up = w->dim - 1;
+    const int up = axis_outside(w, g);
     const char axis[2] = {"xyz"[w->axis[up]], '\0'};
     const double low = w->low[up] / w->scale, high = (w->low[up] + w->edge[up]) / w->scale;
+    const int32_t first = sp_work_wall(w, up, -1);
+    const char *const *name = &sp_side_names[-1 - first];
     int32_t outside = 0, touching[2] = {0, 0};
     char rule[400];
     for (int32_t k = 0; k < w->n; k++)
-        outside += is_outside(w, &w->grain[k]);
+        outside += axis_outside(w, &w->grain[k]) == up;
     for (int32_t k = 0; k < w->found; k++)
-        if (w->contact[k].j < 0)
-            touching[w->contact[k].j == SP_TOP]++;
+        if (w->contact[k].j == first || w->contact[k].j == first - 1)
+            touching[w->contact[k].j != first]++;
     snprintf(rule, sizeof rule,
              "between the walls, which are taken to be at %.8g and %.8g. Outside of them are %d of %d grains, and %d "
-             "touch the lower wall, %d the upper: %s",
-             low, high, outside, w->n, touching[0], touching[1],
-             touching[0] + touching[1] <= 2 ? "is this packing under pressure? If so, give --set bottom= and top="
-                                            : "give --set bottom=, top=, or --types");
+             "touch the %s wall, %d the %s: %sgive --set %s= and %s=, or --types",
+             low, high, outside, w->n, touching[0], name[0], touching[1], name[1],
+             touching[0] + touching[1] <= 2 ? "is this packing under pressure? If so, " : "", name[0], name[1]);
     return sp_sheet_fail(&w->grains, g->row, sp_role_find((sp_work *)w, &w->grains, axis).index, rule, err);
 }
 
 static sp_status give_grains(const sp_work *w, sp_packing *p, sp_error *err) {
-    const int up = w->dim - 1;
     for (int32_t k = 0; k < w->n; k++) {
         const sp_raw_grain *g = &w->grain[k];
         p->r[k] = g->r;
         for (int a = 0; a < w->dim; a++)
-            p->x[3 * (size_t)k + (size_t)a] = a < up || w->periodic[up] ? sp_wrap(g->x[a], w->edge[a]) : g->x[a] + 0.0;
-        if (is_outside(w, g))
+            p->x[3 * (size_t)k + (size_t)a] =
+                w->periodic[a] && w->cell == SP_CELL_PISTON ? sp_wrap(g->x[a], w->edge[a]) : g->x[a] + 0.0;
+        sp_wrap_grain(p, p->x + 3 * (size_t)k);
+        if (axis_outside(w, g) >= 0)
             return fail_outside(w, g, err);
     }
     return SP_OK;
@@ -198,6 +237,8 @@ static sp_status find_imbalance(const sp_work *w, const sp_packing *p, double si
     if (!net)
         return sp_fail_memory(err, (size_t)p->n * 48);
     add_forces(p, sign, net);
+    for (int32_t k = 0; k < p->n && p->gravity != 0; k++)
+        net[6 * (size_t)k + (size_t)p->dim - 1] -= weight_of(p, k);
     *out = (imbalance){0};
     for (int32_t k = 0; k < p->n; k++) {
         if (rattler[k] || (w->grain[k].boundary && !w->o->walls))
@@ -263,15 +304,15 @@ static void remark_friction(sp_work *w, const sp_packing *p) {
 }
 
 static void remark_walls(sp_work *w, const sp_packing *p) {
-    for (int side = 0; side < 2; side++) {
-        bool any = false;
+    for (int side = 0; side < 6; side++) {
+        bool any = !sp_packing_has_wall(p, SP_BOTTOM - side) || sp_work_wall_axis(w, SP_BOTTOM - side) >= w->dim;
         for (int32_t k = 0; k < p->n_contacts; k++)
             any = any || p->contacts[k].j == SP_BOTTOM - side;
-        if (!any)
-            sp_work_note(w, "no grain touches the %s wall%s", side ? "upper" : "lower",
-                         w->periodic[w->dim - 1] ? ""
-                         : side                  ? "; --set top=PLACE moves it"
-                                                 : "; --set bottom=PLACE moves it");
+        const char *name = side == 0 ? "lower" : side == 1 ? "upper" : sp_side_names[side];
+        if (!any && w->cut)
+            sp_work_note(w, "no grain touches the %s wall", name);
+        else if (!any)
+            sp_work_note(w, "no grain touches the %s wall; --set %s=PLACE moves it", name, sp_side_names[side]);
     }
 }
 
@@ -298,6 +339,9 @@ sp_status sp_finish(sp_work *w, sp_packing *out, sp_error *err) {
     sp_status status = sp_packing_alloc(&p, w->dim, w->n, w->found, err);
     for (int a = 0; status == SP_OK && a < w->dim; a++)
         p.box[a] = w->edge[a];
+    memcpy(p.tilt, w->tilt, sizeof p.tilt);
+    p.cell = w->cell;
+    p.gravity = w->gravity;
     p.friction = w->friction;
     p.poisson = w->poisson;
     p.wall = w->wall;
@@ -309,7 +353,7 @@ sp_status sp_finish(sp_work *w, sp_packing *out, sp_error *err) {
     if (status == SP_OK) {
         give_contacts(w, &p);
         forget_usual(&p);
-        status = find_pressure(w, &p, err);
+        status = p.cell == SP_CELL_PISTON ? find_pressure(w, &p, err) : find_mean_pressure(w, &p, err);
     }
     if (status == SP_OK && sp_packing_check(&p, err) != SP_OK)
         status = sp_fail_prefix(err, "%s", w->path);

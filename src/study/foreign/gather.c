@@ -109,9 +109,26 @@ static sp_status unscale(const sp_work *w, const char *column, int axis, double 
     return SP_OK;
 }
 
+/* In a tilted box the fractions along y and z move a grain along x too, those along z also along y. */
+static void shear(const sp_work *w, const bool scaled[3]) {
+    const sp_sheet *s = &w->grains;
+    if (s->tilt[0] == 0 && s->tilt[1] == 0 && s->tilt[2] == 0)
+        return;
+    for (int32_t k = 0; k < w->n; k++) {
+        double *x = w->grain[k].x, y = 0, z = 0;
+        if (scaled[1])
+            y = (x[1] - s->low[1]) / (s->high[1] - s->low[1]);
+        if (scaled[2])
+            z = (x[2] - s->low[2]) / (s->high[2] - s->low[2]);
+        x[0] += s->tilt[0] * y + s->tilt[1] * z;
+        x[1] += s->tilt[2] * z;
+    }
+}
+
 static sp_status read_positions(sp_work *w, sp_error *err) {
     static const char *const name[3] = {"x", "y", "z"};
     const sp_sheet *s = &w->grains;
+    bool scaled[3] = {false};
     sp_status status = SP_OK;
     for (int a = 0; a < 3 && status == SP_OK; a++) {
         sp_place at = sp_role_find(w, s, name[a]);
@@ -122,7 +139,10 @@ static sp_status read_positions(sp_work *w, sp_error *err) {
             if (status == SP_OK)
                 status = unscale(w, s->name[at.index], a, &w->grain[k].x[a], err);
         }
+        scaled[a] = at.index >= 0 && s->name[at.index][0] != '\0' && s->name[at.index][1] == 's';
     }
+    if (status == SP_OK)
+        shear(w, scaled);
     return status;
 }
 

@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "foreign/work.h"
 #include "packing/geometry.h"
+#include "store/exchange.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,6 +18,10 @@ sp_import_options sp_import_options_default(void) {
                                .bottom = NAN,
                                .top = NAN,
                                .height = NAN,
+                               .cell = -1,
+                               .side = {NAN, NAN, NAN, NAN},
+                               .tilt = {NAN, NAN, NAN},
+                               .gravity = NAN,
                                .pressure = NAN,
                                .friction = NAN,
                                .poisson = NAN,
@@ -40,6 +45,14 @@ static const struct number_key {
     {"height", offsetof(sp_import_options, height), 0, INFINITY},
     {"bottom", offsetof(sp_import_options, bottom), -INFINITY, INFINITY},
     {"top", offsetof(sp_import_options, top), -INFINITY, INFINITY},
+    {"left", offsetof(sp_import_options, side[0]), -INFINITY, INFINITY},
+    {"right", offsetof(sp_import_options, side[1]), -INFINITY, INFINITY},
+    {"front", offsetof(sp_import_options, side[2]), -INFINITY, INFINITY},
+    {"back", offsetof(sp_import_options, side[3]), -INFINITY, INFINITY},
+    {"xy", offsetof(sp_import_options, tilt[0]), -INFINITY, INFINITY},
+    {"xz", offsetof(sp_import_options, tilt[1]), -INFINITY, INFINITY},
+    {"yz", offsetof(sp_import_options, tilt[2]), -INFINITY, INFINITY},
+    {"gravity", offsetof(sp_import_options, gravity), -INFINITY, INFINITY},
     {"pressure", offsetof(sp_import_options, pressure), 0, INFINITY},
     {"friction", offsetof(sp_import_options, friction), 0, 1e6},
     {"poisson", offsetof(sp_import_options, poisson), 0, 0.5},
@@ -52,7 +65,12 @@ static sp_status fail_key(const char *name, const char *value, const char *rule,
 static sp_status set_word(sp_import_options *o, const char *name, const char *value, sp_error *err) {
     int64_t whole;
     sp_wall wall;
-    if (strcmp(name, "up") == 0) {
+    sp_boundary cell;
+    if (strcmp(name, "cell") == 0) {
+        if (!sp_cell_read(value, &cell))
+            return fail_key(name, value, "piston, periodic or box", err);
+        o->cell = (int)cell;
+    } else if (strcmp(name, "up") == 0) {
         if (strlen(value) != 1 || value[0] < 'x' || value[0] > 'z')
             return fail_key(name, value, "x, y or z", err);
         o->up = value[0] - 'x';
@@ -83,8 +101,9 @@ static sp_status set_word(sp_import_options *o, const char *name, const char *va
     } else {
         return sp_fail(
             err, SP_EINVAL,
-            "'%.60s=%.60s': must be key=value with one of the keys dimension, up, sides, across, width, depth, "
-            "bottom, top, height, pressure, friction, poisson, wall, digits, first_id",
+            "'%.60s=%.60s': must be key=value with one of the keys dimension, up, cell, sides, across, width, "
+            "depth, bottom, top, height, left, right, front, back, xy, xz, yz, gravity, pressure, friction, poisson, "
+            "wall, digits, first_id",
             name, value);
     }
     return SP_OK;
@@ -161,6 +180,8 @@ static bool is_open(const sp_import_options *o, const char *key) {
         return o->wall < 0;
     if (strcmp(key, "dimension") == 0)
         return o->dim == 0;
+    if (strcmp(key, "cell") == 0)
+        return o->cell < 0;
     for (size_t k = 0; k < sizeof number_keys / sizeof *number_keys; k++)
         if (strcmp(number_keys[k].name, key) == 0)
             return isnan(*(const double *)(const void *)((const char *)o + number_keys[k].field));
@@ -170,9 +191,10 @@ static bool is_open(const sp_import_options *o, const char *key) {
 /* Keys in the head of a file, such as `# friction = 0.5' of a table or friction=0.5 of XYZ, count unless they are given
  * by the options. */
 static sp_status take_keys(sp_work *w, sp_error *err) {
-    static const char *const keys[] = {"dimension", "width",    "depth",   "height", "bottom",
-                                       "top",       "friction", "poisson", "wall",   "pressure"};
-    char taken[200] = "", value[100], text[160];
+    static const char *const keys[] = {"dimension", "cell",     "width",   "depth", "height",  "bottom", "top",
+                                       "left",      "right",    "front",   "back",  "xy",      "xz",     "yz",
+                                       "gravity",   "friction", "poisson", "wall",  "pressure"};
+    char taken[400] = "", value[100], text[160];
     size_t used = 0;
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
         if (!is_open(&w->own, keys[k]) || !sp_sheet_said(&w->grains, keys[k], value, sizeof value))

@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "foreign/forms.h"
 
+#include <math.h>
 #include <string.h>
 
 /* ---- data files ------------------------------------------------------------------------------------------------ */
@@ -30,9 +31,12 @@ static sp_status read_header_line(sp_sheet *s, const char *line, size_t length, 
             s->low[a] = value[0];
             s->high[a] = value[1];
         }
-    if (ends_with(line, length, "xy xz yz") &&
-        (sp_line_numbers(line, length, 3, value) != 3 || value[0] != 0 || value[1] != 0 || value[2] != 0))
-        return sp_fail(err, SP_EFORMAT, "%s:%lld: '%.*s': a tilted box; must have right angles", s->file,
+    if (ends_with(line, length, "xy xz yz") && sp_line_numbers(line, length, 3, s->tilt) != 3)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: '%.*s'; must be three numbers before xy xz yz", s->file,
+                       (long long)number, (int)length, line);
+    if (ends_with(line, length, " avec") || ends_with(line, length, " bvec") || ends_with(line, length, " cvec"))
+        return sp_fail(err, SP_EFORMAT,
+                       "%s:%lld: '%.*s': a box of any direction; must be given by xlo xhi ... xy xz yz", s->file,
                        (long long)number, (int)length, line);
     if (ends_with(line, length, " atoms")) {
         if (sp_line_numbers(line, length, 1, value) != 1 || !(value[0] >= 1 && value[0] < 1e9))
@@ -98,7 +102,7 @@ sp_status sp_read_lammps_data(sp_sheet *s, sp_cursor *at, sp_frame_choice frame,
 typedef struct dump_frame {
     double step, count;
     bool box[3];
-    double low[3], high[3];
+    double low[3], high[3], tilt[3];
     int periodic[3];
     const char *names; /* of the columns */
     size_t names_length;
@@ -106,29 +110,48 @@ typedef struct dump_frame {
     sp_cursor rows;
 } dump_frame;
 
+/* Bounds of a tilted box are those of the smallest box with right angles around it. */
+static sp_status straighten(const sp_sheet *s, const sp_cursor *at, dump_frame *f, sp_error *err) {
+    const double *t = f->tilt;
+    f->low[0] -= fmin(fmin(0, t[0]), fmin(t[1], t[0] + t[1]));
+    f->high[0] -= fmax(fmax(0, t[0]), fmax(t[1], t[0] + t[1]));
+    f->low[1] -= fmin(0, t[2]);
+    f->high[1] -= fmax(0, t[2]);
+    for (int a = 0; a < 2; a++)
+        if (!(f->high[a] > f->low[a]))
+            return sp_fail(err, SP_EFORMAT, "%s:%lld: the bounds along %c leave nothing of the box at these tilts",
+                           s->file, (long long)at->number, "xyz"[a]);
+    return SP_OK;
+}
+
 static sp_status read_bounds(const sp_sheet *s, sp_cursor *at, const char *line, size_t length, dump_frame *f,
                              sp_error *err) {
     const char *from = line + strlen("ITEM: BOX BOUNDS");
     char word[SP_SHEET_NAME];
+    bool tilted = false;
     for (int a = 0; sp_next_cell(&from, line + length, ' ', word);) {
-        if (strcmp(word, "xy") == 0)
-            return sp_fail(err, SP_EFORMAT, "%s:%lld: a tilted box (xy xz yz); must have right angles", s->file,
-                           (long long)at->number);
-        if (a < 3)
+        if (strcmp(word, "abc") == 0)
+            return sp_fail(err, SP_EFORMAT, "%s:%lld: a box of any direction (abc origin); must be given by xy xz yz",
+                           s->file, (long long)at->number);
+        tilted = tilted || strcmp(word, "xy") == 0;
+        if (a < 3 && strlen(word) == 2 && !strchr("xyz", word[0]))
             f->periodic[a++] = strcmp(word, "pp") == 0;
     }
     for (int a = 0; a < 3; a++) {
-        double value[2];
+        double value[3];
         size_t n;
         const char *row = sp_cursor_line(at, &n);
-        if (!row || sp_line_numbers(row, n, 2, value) != 2 || !(value[1] > value[0]))
-            return sp_fail(err, SP_EFORMAT, "%s:%lld: '%.*s'; must be two growing numbers, the box along %c", s->file,
-                           (long long)at->number, row ? (int)n : 0, row ? row : "", "xyz"[a]);
+        const int numbers = tilted ? 3 : 2;
+        if (!row || sp_line_numbers(row, n, numbers, value) != numbers || !(value[1] > value[0]))
+            return sp_fail(err, SP_EFORMAT, "%s:%lld: '%.*s'; must be two growing numbers%s, the box along %c", s->file,
+                           (long long)at->number, row ? (int)n : 0, row ? row : "", tilted ? " and the tilt" : "",
+                           "xyz"[a]);
         f->box[a] = true;
         f->low[a] = value[0];
         f->high[a] = value[1];
+        f->tilt[a] = tilted ? value[2] : 0;
     }
-    return SP_OK;
+    return tilted ? straighten(s, at, f, err) : SP_OK;
 }
 
 static sp_status read_single(const sp_sheet *s, sp_cursor *at, const char *what, double *out, sp_error *err) {
@@ -186,6 +209,7 @@ static sp_status take_frame(sp_sheet *s, const dump_frame *f, sp_error *err) {
         s->low[a] = f->low[a];
         s->high[a] = f->high[a];
         s->periodic[a] = f->periodic[a];
+        s->tilt[a] = f->tilt[a];
     }
     s->frame = (int64_t)f->step;
     sp_cursor rows = f->rows;

@@ -132,7 +132,7 @@ static sp_status choose_wall(sp_work *w, double *ratio, sp_error *err) {
             w->path, c.low, c.high);
     if (c.count > 0)
         keep_stiffness(w, c.median);
-    else
+    else if (w->cell != SP_CELL_PERIODIC)
         sp_work_note(w, "walls: %s (--set wall=rigid|grain|elastic chooses)", sp_wall_names[w->wall]);
     return SP_OK;
 }

@@ -2,6 +2,8 @@
 #include "base/base.h"
 #include "base/vector.h"
 #include "foreign/work.h"
+#include "packing/geometry.h"
+#include "store/exchange.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -38,19 +40,23 @@ static sp_status find_columns(sp_work *w, link_columns *c, sp_error *err) {
     return status;
 }
 
-enum { WALL_UNKNOWN = -3 };
+enum { WALL_UNKNOWN = -100 }; /* far from the numbers of walls */
+
+static bool is_wall(const sp_work *w, int64_t wall) {
+    const sp_packing cell = sp_work_cell(w);
+    return wall < 0 && wall >= SP_BACK && sp_packing_has_wall(&cell, (int32_t)wall);
+}
 
 /* ---- rows ------------------------------------------------------------------------------------------------------ */
 
 /* Finds the grain of an id. *skip: it belongs to a type that was left out. Walls have negative ids in MercuryDPM (which
- * of them is not known: WALL_UNKNOWN), and may be named bottom and top. */
+ * of them is not known: WALL_UNKNOWN), and may be named: bottom, top, left, ... */
 static sp_status find_grain(sp_work *w, int64_t row, sp_place at, int32_t *grain, bool *skip, sp_error *err) {
     int64_t id;
     if (isnan(sp_sheet_value(&w->contacts, row, at.index))) {
         char word[SP_SHEET_NAME];
         sp_sheet_word(&w->contacts, row, at.index, word);
-        *grain = strcmp(word, "top") == 0 ? SP_TOP : SP_BOTTOM;
-        if (*grain == SP_TOP || strcmp(word, "bottom") == 0)
+        if (sp_side_read(word, grain) && is_wall(w, *grain))
             return SP_OK;
     }
     sp_status status = sp_sheet_integer(&w->contacts, row, at.index, &id, err);
@@ -59,7 +65,7 @@ static sp_status find_grain(sp_work *w, int64_t row, sp_place at, int32_t *grain
     *grain = sp_grain_of_id(w, id);
     if (*grain >= 0)
         return SP_OK;
-    if (w->form == SP_FORM_CSV && (id == SP_BOTTOM || id == SP_TOP)) { /* our own */
+    if (w->form == SP_FORM_CSV && is_wall(w, id)) { /* our own */
         *grain = (int32_t)id;
         return SP_OK;
     }
@@ -73,6 +79,7 @@ static sp_status find_grain(sp_work *w, int64_t row, sp_place at, int32_t *grain
 /* A contact with a wall that the list has: which one, by where the contact lies. */
 static sp_status place_at_wall(sp_work *w, const link_columns *column, sp_raw_contact *c, bool *skip, sp_error *err) {
     const int up = w->dim - 1;
+    int axis = up;
     double p[3];
     if (!column->has_point)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: a contact with a wall without the point of contact, p_x p_y",
@@ -80,8 +87,10 @@ static sp_status place_at_wall(sp_work *w, const link_columns *column, sp_raw_co
     sp_status status = sp_place_vector(&w->contacts, c->row, column->point, p, err);
     for (int a = 0; a < 3; a++)
         p[a] = a < w->dim ? p[a] * w->scale - w->low[a] - w->grain[c->i].x[a] : 0;
-    *skip = fabs(p[up]) < 0.7 * length3(p); /* a side wall */
-    c->j = p[up] < 0 ? SP_BOTTOM : SP_TOP;
+    for (int a = 0; a < up && w->cell == SP_CELL_BOX; a++)
+        axis = fabs(p[a]) > fabs(p[axis]) ? a : axis;
+    *skip = fabs(p[axis]) < 0.7 * length3(p); /* a side wall, or an edge */
+    c->j = sp_work_wall(w, axis, p[axis]);
     return status;
 }
 
@@ -170,7 +179,7 @@ static sp_status read_row(sp_work *w, const link_columns *column, int64_t row, d
     const bool none = c.fn == 0 && !(c.depth > 0);
     if (none || (isnan(c.fn) && !(c.depth > 0) && !(c.overlap > 0)))
         return SP_OK; /* a pair of neighbours that do not touch */
-    const bool across = c.j >= 0 && w->periodic[w->dim - 1] &&
+    const bool across = c.j >= 0 && w->cut &&
                         fabs(w->grain[c.j].x[w->dim - 1] - w->grain[c.i].x[w->dim - 1]) > 0.5 * w->edge[w->dim - 1];
     w->report.across += across;
     return across ? SP_OK : sp_work_add(w, &c, err);

@@ -33,6 +33,10 @@ sp_status sp_bring_to_rest(sp_work *w, sp_packing *p, sp_error *err) {
     sp_packing rested = sp_packing_none();
     sp_pack_spec spec = sp_pack_spec_default();
     const sp_pack_hooks hooks = {.threads = w->o->threads, .from = p};
+    if (p->cell != SP_CELL_PISTON || p->gravity != 0)
+        return sp_fail(err, SP_EREFUSED,
+                       "%s, --rest: grains come to rest under a piston without gravity only; this is another cell",
+                       w->path);
     spec.kind = SP_PACK_FILE;
     spec.pressure = p->pressure;
     spec.friction = p->friction;

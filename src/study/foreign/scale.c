@@ -63,6 +63,7 @@ sp_status sp_scale_grains(sp_work *w, sp_error *err) {
     w->stiffness = 1 / (modulus * d);
     w->place = o->exact ? 0 : digits_error(w) * w->scale;
     const double mass = o->mass_unit / (rho * d * d * d);
+    w->gravity = isfinite(o->gravity) ? o->gravity * w->force / mass : 0;
     for (int32_t k = 0; k < w->n; k++) {
         sp_raw_grain *g = &w->grain[k];
         for (int a = 0; a < 3; a++)

@@ -23,6 +23,7 @@ typedef struct sp_sheet {
     /* what the headers say */
     bool box[3]; /* whether edges are known */
     double low[3], high[3];
+    double tilt[3];   /* xy, xz, yz */
     int periodic[3];  /* 1, 0; -1: unknown */
     const char *head; /* a line of key=value in the text; NULL: none */
     size_t head_length;

@@ -1,6 +1,7 @@
 /* Finds what overlaps. */
 #include "base/base.h"
 #include "foreign/work.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,13 +20,13 @@ sp_status sp_work_add(sp_work *w, const sp_raw_contact *c, sp_error *err) {
 }
 
 void sp_work_geometry(const sp_work *w, sp_raw_contact *c) {
-    const int up = w->dim - 1;
     if (c->j < 0) {
-        const bool top = c->j == SP_TOP;
-        const double height = w->grain[c->i].x[up];
+        const int axis = sp_work_wall_axis(w, c->j);
+        const bool far = sp_packing_wall_side(c->j) > 0;
+        const double place = w->grain[c->i].x[axis];
         memset(c->n, 0, sizeof c->n);
-        c->n[up] = top ? 1 : -1;
-        c->depth = w->has_wall[top] ? w->grain[c->i].r - (top ? w->edge[up] - height : height) : NAN;
+        c->n[axis] = far ? 1 : -1;
+        c->depth = w->has_wall[-1 - c->j] ? w->grain[c->i].r - (far ? w->edge[axis] - place : place) : NAN;
         return;
     }
     double d[3];
@@ -43,6 +44,7 @@ static const sp_raw_contact unknown = {
 
 /* The grains sorted into cells as wide as the largest grain. */
 typedef struct lattice {
+    sp_packing cell;
     int n[3];
     int32_t *start, *grain; /* cell c holds grain[start[c] .. start[c+1]-1] */
 } lattice;
@@ -50,22 +52,35 @@ typedef struct lattice {
 static int cell_along(const sp_work *w, const lattice *l, int32_t i, int a) {
     if (a >= w->dim)
         return 0;
-    double x = w->grain[i].x[a] / w->edge[a];
+    double s[3];
+    sp_packing_fractions(&l->cell, w->grain[i].x, s);
     if (w->periodic[a])
-        x -= floor(x);
-    const int c = (int)(fmin(fmax(x, 0), 1) * l->n[a]);
+        s[a] -= floor(s[a]);
+    const int c = (int)(fmin(fmax(s[a], 0), 1) * l->n[a]);
     return c < l->n[a] ? c : l->n[a] - 1;
 }
 
 static int64_t cell_of(const lattice *l, const int c[3]) { return ((int64_t)c[2] * l->n[1] + c[1]) * l->n[0] + c[0]; }
+
+/* Distance between the faces of the box on an axis. */
+static double thickness(const sp_work *w, int a) {
+    const double *e = w->edge, *t = w->tilt;
+    if (a == 0)
+        return w->dim == 2   ? e[0] * e[1] / hypot(e[1], t[0])
+               : w->dim == 3 ? e[0] * e[1] * e[2] /
+                                   sqrt(pow(e[1] * e[2], 2) + pow(t[0] * e[2], 2) + pow(t[0] * t[2] - e[1] * t[1], 2))
+                             : e[0];
+    return a == 1 && w->dim == 3 ? e[1] * e[2] / hypot(e[2], t[2]) : e[a];
+}
 
 static sp_status fill_lattice(const sp_work *w, lattice *l, sp_error *err) {
     double r = 0, most = pow(8.0 * w->n + 64, 1.0 / w->dim);
     for (int32_t k = 0; k < w->n; k++)
         r = fmax(r, w->grain[k].r);
     int64_t cells = 1;
+    l->cell = sp_work_cell(w);
     for (int a = 0; a < 3; a++) {
-        l->n[a] = a < w->dim ? (int)fmax(1, fmin(floor(w->edge[a] / (2.0001 * r)), most)) : 1;
+        l->n[a] = a < w->dim ? (int)fmax(1, fmin(floor(thickness(w, a) / (2.0001 * r)), most)) : 1;
         cells *= l->n[a];
     }
     l->start = sp_alloc((size_t)cells + 2, sizeof *l->start);
@@ -108,7 +123,7 @@ static int near_along(const sp_work *w, const lattice *l, int c, int a, int out[
 
 static bool goes_across(const sp_work *w, int32_t i, int32_t j) {
     const int up = w->dim - 1;
-    return w->periodic[up] && fabs(w->grain[j].x[up] - w->grain[i].x[up]) > 0.5 * w->edge[up];
+    return w->cut && fabs(w->grain[j].x[up] - w->grain[i].x[up]) > 0.5 * w->edge[up];
 }
 
 /* Adds the contacts of a grain in a cell, or only counts them. */
@@ -162,11 +177,11 @@ sp_status sp_touch_count(sp_work *w, int64_t *pairs, sp_error *err) {
 
 sp_status sp_touch_walls(sp_work *w, sp_error *err) {
     sp_status status = SP_OK;
-    for (int side = 0; side < 2; side++)
+    for (int side = 0; side < 6; side++)
         for (int32_t i = 0; status == SP_OK && i < w->n && w->has_wall[side]; i++) {
             sp_raw_contact c = unknown;
             c.i = i;
-            c.j = side == 0 ? SP_BOTTOM : SP_TOP;
+            c.j = SP_BOTTOM - side;
             sp_work_geometry(w, &c);
             if (c.depth > 0)
                 status = sp_work_add(w, &c, err);

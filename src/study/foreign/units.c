@@ -63,6 +63,10 @@ sp_status sp_export_convert(const sp_packing *p, const sp_export_units *u, sp_pa
         q.contacts[c] = convert_contact(p, &p->contacts[c], u);
     for (int a = 0; a < 3; a++)
         q.box[a] = p->box[a] * u->length;
+    for (int a = 0; a < 3; a++)
+        q.tilt[a] = p->tilt[a] * u->length;
+    q.cell = p->cell;
+    q.gravity = p->gravity * u->stress / (u->density * u->length);
     q.pressure = p->pressure * u->stress;
     q.friction = p->friction;
     q.poisson = p->poisson;

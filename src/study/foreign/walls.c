@@ -3,6 +3,7 @@
 #include "base/base.h"
 #include "base/vector.h"
 #include "foreign/work.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -15,27 +16,43 @@ typedef struct wall_force {
     double force[3], point[3]; /* point: NAN if it is not known */
 } wall_force;
 
+/* The wall that pushes a grain. In a box it is the nearest of those that push in the direction of the force. */
+static int32_t pushing_wall(const sp_work *w, const wall_force *f) {
+    const sp_raw_grain *g = &w->grain[f->grain];
+    int32_t best = f->force[w->dim - 1] > 0 ? SP_BOTTOM : SP_TOP;
+    double nearest = INFINITY;
+    for (int a = 0; a < w->dim && w->cell == SP_CELL_BOX; a++) {
+        const int32_t wall = sp_work_wall(w, a, -f->force[a]);
+        const double distance = f->force[a] > 0 ? g->x[a] : w->edge[a] - g->x[a];
+        if (f->force[a] != 0 && distance < nearest) {
+            nearest = distance;
+            best = wall;
+        }
+    }
+    return best;
+}
+
 static sp_status add_force(sp_work *w, const wall_force *f, int side, int64_t *beside, sp_error *err) {
-    const int up = w->dim - 1;
     const sp_raw_grain *g = &w->grain[f->grain];
     sp_raw_contact c = {.i = f->grain,
-                        .j = side < 0 ? (f->force[up] > 0 ? SP_BOTTOM : SP_TOP) : SP_BOTTOM - side,
+                        .j = side < 0 ? pushing_wall(w, f) : SP_BOTTOM - side,
                         .row = f->row,
                         .overlap = NAN,
                         .kn = NAN,
                         .kt = NAN};
+    const int axis = sp_work_wall_axis(w, c.j);
     double d[3] = {0, 0, 0};
     for (int a = 0; a < w->dim; a++)
         d[a] = f->point[a] * w->scale - w->low[a] - g->x[a];
     sp_work_geometry(w, &c);
     if (isfinite(d[0]) && length3(d) > 0) { /* the normal points to the point of contact */
-        for (int a = 0; a < up; a++)
+        for (int a = 0; a < w->dim - 1 && w->periodic[a]; a++)
             d[a] -= w->edge[a] * nearbyint(d[a] / w->edge[a]);
-        if (fabs(d[up]) < 0.7 * length3(d)) {
+        if (fabs(d[axis]) < 0.7 * length3(d)) {
             ++*beside;
             return SP_OK;
         }
-        if (fabs(d[up]) < (1 - 1e-12) * length3(d))
+        if (fabs(d[axis]) < (1 - 1e-12) * length3(d))
             for (int a = 0; a < 3; a++)
                 c.n[a] = d[a] / length3(d);
         if (isnan(c.depth))
@@ -79,10 +96,14 @@ static bool find_fix(const sp_work *w, const char *name, fix_columns *c) {
 }
 
 static bool find_side(const sp_work *w, int side, fix_columns *c) {
-    static const char *const role[2] = {"bottom", "top"};
-    static const char *const usual[2][3] = {{"f_floor", "f_bottom", NULL}, {"f_roof", "f_top", NULL}};
+    static const char *const usual[6][3] = {{"f_floor", "f_bottom", NULL},
+                                            {"f_roof", "f_top", NULL},
+                                            {"f_left", NULL},
+                                            {"f_right", NULL},
+                                            {"f_front", NULL},
+                                            {"f_back", NULL}};
     for (int k = 0; k < w->roles; k++)
-        if (strcmp(w->role[k].role, role[side]) == 0)
+        if (strcmp(w->role[k].role, sp_side_names[side]) == 0)
             return find_fix(w, w->role[k].column, c);
     for (int k = 0; usual[side][k]; k++)
         if (find_fix(w, usual[side][k], c))
@@ -106,36 +127,38 @@ static sp_status read_fix_row(sp_work *w, const fix_columns *c, int32_t k, wall_
 
 /* Takes the position of a wall from its points of contact, if these lie in a plane, and moves the box to it. */
 static sp_status place_wall(sp_work *w, const fix_columns *c, int side, sp_error *err) {
-    const int up = w->dim - 1;
+    const int axis = sp_work_wall_axis(w, SP_BOTTOM - side);
+    const bool far = sp_packing_wall_side(SP_BOTTOM - side) > 0;
     double low = INFINITY, high = -INFINITY;
-    const double given = side == 0 ? w->o->bottom : w->o->top;
+    const double given = sp_work_wall_given(w, SP_BOTTOM - side);
+    const double size = axis == w->dim - 1 ? w->o->height : axis == 0 ? w->o->width : w->o->depth;
     sp_status status = SP_OK;
-    for (int32_t k = 0; status == SP_OK && k < w->n && c->point[up].index >= 0; k++) {
+    for (int32_t k = 0; status == SP_OK && k < w->n && c->point[axis].index >= 0; k++) {
         wall_force f;
         bool touches;
         status = read_fix_row(w, c, k, &f, &touches, err);
-        low = touches ? fmin(low, f.point[up] * w->scale) : low;
-        high = touches ? fmax(high, f.point[up] * w->scale) : high;
+        low = touches ? fmin(low, f.point[axis] * w->scale) : low;
+        high = touches ? fmax(high, f.point[axis] * w->scale) : high;
     }
     const bool plane = high >= low && high - low <= 1e-6; /* high < low: no grain touches it */
-    if (status != SP_OK || isfinite(given) || !plane || isfinite(w->o->height))
+    if (status != SP_OK || isfinite(given) || !plane || isfinite(size))
         return status;
-    const double other = side == 0 ? w->low[up] + w->edge[up] : w->low[up], move = side == 0 ? low - w->low[up] : 0;
-    w->low[up] = side == 0 ? low : other;
-    w->edge[up] = side == 0 ? other - low : low - other;
+    const double other = far ? w->low[axis] : w->low[axis] + w->edge[axis], move = far ? 0 : low - w->low[axis];
+    w->low[axis] = far ? other : low;
+    w->edge[axis] = far ? low - other : other - low;
     w->has_wall[side] = true;
     for (int32_t k = 0; k < w->n; k++)
-        w->grain[k].x[up] -= move;
+        w->grain[k].x[axis] -= move;
     return SP_OK;
 }
 
-static sp_status read_fixes(sp_work *w, const bool given[2], const fix_columns fix[2], sp_error *err) {
+static sp_status read_fixes(sp_work *w, const bool given[6], const fix_columns fix[6], sp_error *err) {
     int64_t beside = 0;
     sp_status status = SP_OK;
-    for (int side = 0; status == SP_OK && side < 2; side++)
+    for (int side = 0; status == SP_OK && side < 6; side++)
         if (given[side])
             status = place_wall(w, &fix[side], side, err);
-    for (int side = 0; status == SP_OK && side < 2; side++)
+    for (int side = 0; status == SP_OK && side < 6; side++)
         for (int32_t k = 0; status == SP_OK && given[side] && k < w->n; k++) {
             wall_force f;
             bool touches;
@@ -175,7 +198,8 @@ static sp_status read_wall_file(sp_work *w, sp_error *err) {
         if (status == SP_OK && has_point)
             status = sp_place_vector(s, row, point, f.point, err);
         const double along = length3(f.force);
-        if (status == SP_OK && !has_point && fabs(f.force[w->dim - 1]) < 0.5 * along)
+        const bool from_side = w->cell == SP_CELL_PISTON && fabs(f.force[w->dim - 1]) < 0.5 * along;
+        if (status == SP_OK && !has_point && from_side)
             beside++;
         else if (status == SP_OK && along > 0 && add_force(w, &f, -1, &beside, err) != SP_OK)
             status = sp_fail_prefix(err, "%s:%lld", s->file, (long long)s->number[row]);
@@ -220,13 +244,15 @@ static sp_status balance_walls(sp_work *w, sp_error *err) {
         inner += !w->grain[k].boundary;
         if (!w->grain[k].boundary)
             continue;
-        const bool top = lack[up] > 0; /* the others push it up: what holds it is above */
-        if (fabs(lack[up]) < 0.5 * length) {
+        int axis = up;
+        for (int a = 0; a < up && w->cell == SP_CELL_BOX; a++)
+            axis = fabs(lack[a]) > fabs(lack[axis]) ? a : axis;
+        if (fabs(lack[axis]) < 0.5 * length) {
             beside++;
             continue;
         }
-        sp_raw_contact c = {.i = k,
-                            .j = top ? SP_TOP : SP_BOTTOM,
+        sp_raw_contact c = {.i = k, /* the others push it up: what holds it is above */
+                            .j = sp_work_wall(w, axis, lack[axis]),
                             .row = -1,
                             .depth = NAN,
                             .overlap = NAN,
@@ -265,17 +291,28 @@ static sp_status overlap_walls(sp_work *w, sp_error *err) {
 
 sp_status sp_read_walls(sp_work *w, sp_error *err) {
     const char *walls = w->o->walls;
-    fix_columns fix[2];
-    const bool given[2] = {find_side(w, 0, &fix[0]), find_side(w, 1, &fix[1])};
+    fix_columns fix[6];
+    bool given[6] = {false}, any = false;
     if (walls && strcmp(walls, "none") == 0)
         return SP_OK;
+    if (walls && w->cell == SP_CELL_PERIODIC)
+        return sp_fail(err, SP_EINVAL,
+                       "--walls %s: the cell of %s is periodic along all axes and has no walls: --set cell=piston or "
+                       "box, if it should have",
+                       walls, w->path);
+    if (w->cell == SP_CELL_PERIODIC)
+        return SP_OK;
+    for (int side = 0; side < 2 * (w->cell == SP_CELL_BOX ? w->dim : 1); side++) {
+        given[side] = find_side(w, side, &fix[side]);
+        any = any || given[side];
+    }
     if (walls && strcmp(walls, "overlap") == 0)
         return overlap_walls(w, err);
     if (walls && strcmp(walls, "balance") == 0)
         return balance_walls(w, err);
     if (walls)
         return read_wall_file(w, err);
-    if (given[0] || given[1])
+    if (any)
         return read_fixes(w, given, fix, err);
     return w->form == SP_FORM_PHOTOELASTIC || has_wall_contacts(w) ? SP_OK : overlap_walls(w, err);
 }

@@ -27,7 +27,7 @@ typedef struct sp_raw_grain {
 
 /* A contact. Numbers that are not known are NAN. */
 typedef struct sp_raw_contact {
-    int32_t i, j; /* j may be SP_BOTTOM or SP_TOP */
+    int32_t i, j; /* j may be a wall of the cell */
     int64_t row;  /* of the sheet; -1: found by its overlap */
     double n[3];  /* from i to j, by the positions */
     double depth; /* overlap by the positions; NAN: no position of the wall */
@@ -49,9 +49,14 @@ typedef struct sp_work {
     int32_t found;
     int64_t room;
     sp_raw_contact *contact; /* [found] */
-    double low[3], edge[3];  /* origin and lengths of the box; the last axis is between the walls */
+    sp_boundary cell;
+    double low[3], edge[3]; /* origin and lengths of the box; the last axis is up */
+    double tilt[3];
     bool periodic[3];
-    bool has_wall[2];                 /* whether the positions of bottom and top are known */
+    bool open[3];                     /* a period wider than all grains, since there is none in the file */
+    bool cut;                         /* contacts across the face of the box on the axis up are left out */
+    bool has_wall[6];                 /* whether the positions of bottom, top, left, ... are known */
+    double gravity;                   /* [E* / (rho d)] */
     double scale, force, stiffness;   /* from units of the file to d, E* d^2; from units of the material to E* d */
     double place;                     /* error of an overlap from the digits of the positions [d] */
     double force_place;               /* relative error of forces from their digits; NAN: no forces */
@@ -96,6 +101,23 @@ int32_t sp_grain_of_id(const sp_work *w, int64_t id);
 
 /* scale.c */
 sp_status sp_scale_grains(sp_work *w, sp_error *err);
+
+/* cell.c */
+/* The axis across a wall. */
+int sp_work_wall_axis(const sp_work *w, int32_t wall);
+/* The wall on this axis that lies in the direction of `sign`. */
+int32_t sp_work_wall(const sp_work *w, int axis, double sign);
+/* The place that an option gives to a wall, in units of the file; NAN: none. */
+double sp_work_wall_given(const sp_work *w, int32_t wall);
+/* The cell alone, for sp_packing_nearest and the like: dimension, kind, edges and tilt. */
+sp_packing sp_work_cell(const sp_work *w);
+/* Decides which kind of cell the file and the options mean. */
+sp_status sp_cell_choose(sp_work *w, sp_error *err);
+/* Find the box of a periodic cell, or one with walls on all sides, and move the grains to it. */
+sp_status sp_cell_find_periods(sp_work *w, sp_error *err);
+sp_status sp_cell_find_walls(sp_work *w, sp_error *err);
+/* Refuses periods in which two grains could touch twice. */
+sp_status sp_cell_check_periods(const sp_work *w, sp_error *err);
 
 /* box.c */
 sp_status sp_box_find(sp_work *w, sp_error *err);

@@ -15,10 +15,13 @@ static sp_status read_lattice(sp_sheet *s, const char *line, size_t length, int6
     if (sp_line_numbers(text, strlen(text), 9, v) != 9)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: Lattice=\"%s\"; must be nine numbers", s->file, (long long)number,
                        text);
-    for (int k = 0; k < 9; k++)
-        if (k % 4 != 0 && v[k] != 0)
-            return sp_fail(err, SP_EFORMAT, "%s:%lld: Lattice=\"%s\": a tilted box; must have right angles", s->file,
-                           (long long)number, text);
+    if (v[1] != 0 || v[2] != 0 || v[5] != 0)
+        return sp_fail(err, SP_EFORMAT,
+                       "%s:%lld: Lattice=\"%s\": the first vector must lie along x, the second in the plane of x and y",
+                       s->file, (long long)number, text);
+    s->tilt[0] = v[3];
+    s->tilt[1] = v[6];
+    s->tilt[2] = v[7];
     if (sp_line_said(line, length, "Origin", text, sizeof text))
         sp_line_numbers(text, strlen(text), 3, origin);
     for (int a = 0; a < 3; a++) {

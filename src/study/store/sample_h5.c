@@ -103,6 +103,12 @@ static const sp_h5_field stress_field[] = {
     STATICS(s12_over_s2, "1", "shear over vertical stress, on a horizontal plane along x"),
     STATICS(s32_over_s2, "1", "the same along y, in three dimensions"),
     STATICS(mobilised, "1", "fraction of the carrying contacts with |Ft| >= 0.99 mu Fn"),
+    STATICS(s_xx, "E*", "mean stress of the packing, positive in compression"),
+    STATICS(s_yy, "E*", "mean stress of the packing"),
+    STATICS(s_zz, "E*", "mean stress of the packing"),
+    STATICS(s_yz, "E*", "mean stress of the packing"),
+    STATICS(s_xz, "E*", "mean stress of the packing"),
+    STATICS(s_xy, "E*", "mean stress of the packing"),
 };
 static const sp_h5_field share_field[] = {
     SHARES(SP_SINE_1, "sine_1"),

@@ -56,7 +56,10 @@ export function drawLegend(place, app) {
     const dot = element('span', { className: 'dot' });
     parts.push(element('div', {}, dot, `rattlers: ${app.packing.rattlers}, which carry no force`));
   }
-  if (app.stage.turned || app.packing.dimension === 1) parts.push(element('div', {}, 'the bottom wall is at the left'));
+  if (app.stage.turned || app.packing.dimension === 1) {
+    const words = app.packing.cell === 'periodic' ? 'up is to the right' : 'the bottom wall is at the left';
+    parts.push(element('div', {}, words));
+  }
   parts.push(scaleBar(app, units));
   place.replaceChildren(...parts);
 }

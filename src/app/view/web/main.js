@@ -128,11 +128,11 @@ class App {
   /* Fills the textures of the stage. */
   paint() {
     const { packing, stage, motion, settings } = this;
-    const { x, r, rattler, dimension: dim, box } = packing;
+    const { x, r, rattler, dimension: dim } = packing;
     const { place, look } = stage;
     const colour = this.grainColouring();
     const factor = this.factor();
-    const below = settings.cut * (dim === 3 ? box[1] : 0);
+    const below = dim === 3 ? stage.low[1] + settings.cut * stage.extent[1] : 0;
     for (let i = 0; i < packing.grains; i++) {
       for (let a = 0; a < 3; a++) place[4 * i + a] = (a < dim ? x[i * dim + a] : 0) + factor * motion.shift[3 * i + a];
       place[4 * i + 3] = r[i];

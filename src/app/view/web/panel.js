@@ -140,6 +140,13 @@ export class Panel {
       `height ${units.text(packing.box[packing.dimension - 1], 'length')}`];
     if (packing.dimension > 1)
       words.push(`width ${units.text(packing.box[0], 'length')}`);
+    const { cell, tilt = [0, 0, 0] } = packing;
+    if (cell === 'periodic') words.push('periodic along all axes');
+    if (cell === 'box') words.push('walls on all sides');
+    if (tilt.some((step) => step !== 0)) {
+      const steps = packing.dimension === 2 ? tilt.slice(0, 1) : tilt;
+      words.push(`tilted by ${steps.map((step) => units.text(step, 'length')).join(', ')}`);
+    }
     words.push(`pressure ${units.text(packing.pressure, 'pressure')}`,
       packing.friction > 0 ? `friction ${plainNumber(packing.friction)}` : 'no friction',
       packing.rattlers > 0 ? `${packing.rattlers} rattlers (${plainNumber(100 * share, 2)}%)` : 'no rattlers');

@@ -36,9 +36,16 @@ function squares(count) {
   return geometry;
 }
 
+/* The vectors along the three edges of the box; 0 along axes that the packing does not have. */
+export function edgesOf({ box, tilt = [0, 0, 0] }) {
+  const [xy, xz, yz] = tilt;
+  return [[box[0], 0, 0], [xy, box[1] || 0, 0], [xz, yz, box[2] || 0]];
+}
+
 /* Contacts as they are drawn: one that passes through the side of the box is drawn as two halves. */
 export function layOutContacts(packing) {
-  const { contact, image, fn, carrying, wall_point: points, dimension: dim, box } = packing;
+  const { contact, image, fn, carrying, wall_point: points, dimension: dim } = packing;
+  const edges = edgesOf(packing);
   const drawn = { of: [], links: [] }; // the contact that each belongs to; two texels each
   const add = (c, i, j, shift, share) => {
     drawn.of.push(c);
@@ -52,7 +59,8 @@ export function layOutContacts(packing) {
       wall++;
       continue;
     }
-    const shift = box.map((period, a) => period * image[c * dim + a]);
+    const shift = [0, 1, 2].map((axis) => edges.slice(0, dim)
+      .reduce((sum, edge, a) => sum + edge[axis] * image[c * dim + a], 0));
     if (shift.every((x) => x === 0)) add(c, i, j, shift, 1);
     else {
       add(c, i, j, shift, 0.5);
@@ -86,7 +94,9 @@ export class Stage {
     }
     this.packing = packing;
     this.dim = packing.dimension;
-    this.extent = this.dim === 3 ? packing.box : this.dim === 2 ? [...packing.box, 0] : [packing.box[0], 0, 0];
+    this.edges = edgesOf(packing);
+    this.low = [0, 1, 2].map((axis) => this.edges.reduce((sum, edge) => sum + Math.min(0, edge[axis]), 0));
+    this.extent = [0, 1, 2].map((axis) => this.edges.reduce((sum, edge) => sum + Math.abs(edge[axis]), 0));
     this.makeTextures(packing.grains);
     this.makeGrains(packing.grains);
     this.makeContacts(packing);
@@ -145,14 +155,19 @@ export class Stage {
 
   /* Edges of the box; a chain has a line at each wall. */
   makeBox() {
-    const [x, y, z] = this.extent;
+    const [x] = this.extent;
     const points = [];
-    const line = (...ends) => points.push(...ends);
-    if (this.dim === 1) line(0, -1, 0, 0, 1, 0, x, -1, 0, x, 1, 0);
-    else if (this.dim === 2) line(0, 0, 0, x, 0, 0, 0, y, 0, x, y, 0, 0, 0, 0, 0, y, 0, x, 0, 0, x, y, 0);
-    else
-      for (const [a, b] of [[0, 0], [0, 1], [1, 0], [1, 1]])
-        line(0, a * y, b * z, x, a * y, b * z, a * x, 0, b * z, a * x, y, b * z, a * x, b * y, 0, a * x, b * y, z);
+    const corner = (...steps) => [0, 1, 2].map((axis) =>
+      this.edges.reduce((sum, edge, a) => sum + (steps[a] || 0) * edge[axis], 0));
+    const line = (from, to) => points.push(...corner(...from), ...corner(...to));
+    if (this.dim === 1) points.push(0, -1, 0, 0, 1, 0, x, -1, 0, x, 1, 0);
+    for (const a of this.dim === 1 ? [] : [0, 1]) {
+      for (const b of this.dim === 2 ? [0] : [0, 1]) {
+        line([0, a, b], [1, a, b]);
+        line([a, 0, b], [a, 1, b]);
+        if (this.dim === 3) line([a, b, 0], [a, b, 1]);
+      }
+    }
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(points), 3));
     this.box = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: 0x808080 }));
@@ -172,7 +187,7 @@ export class Stage {
   }
 
   resetCamera(azimuth = -60, elevation = 18) {
-    const [x, y, z] = this.extent.map((length) => length / 2);
+    const [x, y, z] = this.extent.map((length, axis) => this.low[axis] + length / 2);
     const reach = 2 * Math.hypot(...this.extent) + 10;
     const [a, e] = [azimuth, elevation].map((angle) => angle * Math.PI / 180);
     const away = this.dim === 3 ? [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)] : [0, 0, 1];

@@ -1,0 +1,73 @@
+"""Packings in periodic cells, tilted ones, and boxes from arrays: the numbers of the files, and every fault has its key.
+
+usage: test_cells.py COMMAND SOURCE_DIR
+"""
+import copy
+import os
+import pickle
+import sys
+
+import numpy as np
+from common import SOURCE, check, command, raised, run, scratch
+
+import sonopack
+
+sys.path.insert(0, os.path.join(SOURCE, "tests", "cli"))
+from cells import box_of_disks, lattice, write_packing  # noqa: E402
+
+CELLS = {"square": lattice(2), "tilted": lattice(2, 0.3), "sheared": lattice(3, -0.2, cells=4), "box": box_of_disks()}
+
+
+def made(p, **changes):
+    given = {"contacts": {"i": p["pairs"][:, 0], "j": p["pairs"][:, 1]}, "box": p["box"], "cell": p["cell"],
+             "tilt": p["tilt"], "pressure": p["pressure"], "friction": 0.0, "gravity": p["gravity"], **changes}
+    return sonopack.Packing.from_arrays(p["x"], p["r"], given.pop("contacts"), **given)
+
+
+def test_arrays():
+    """Normals, overlaps and forces follow from the positions, through the faces of a tilted cell too."""
+    for name, p in CELLS.items():
+        packing = made(p)
+        check((packing.cell, packing.tilt) == (p["cell"], tuple(p["tilt"])), name, packing.cell, packing.tilt)
+        check(np.array_equal(packing.contacts["j"], p["pairs"][:, 1]), name, "contacts")
+        check(np.allclose(packing.contacts["n"][:, :p["dim"]], p["normal"], atol=1e-12), name, "normals")
+        check(np.allclose(packing.contacts["overlap"], p["overlap"], atol=1e-12), name, "overlaps")
+        audit = packing.audit()
+        check(max(audit.force_residual, audit.wall_residual, audit.geometry_residual) < 1e-6, name, audit)
+        check(np.isclose(packing.volume, np.prod(p["box"])), name, "volume")
+
+
+def test_files():
+    """What a file says, and what is written again, is the same to the bit; so are copies."""
+    for name, p in CELLS.items():
+        write_packing("C.h5", {**p, "gravity": 1e-6})
+        packing = sonopack.Packing.read("C.h5")
+        check((packing.cell, packing.gravity) == (p["cell"], 1e-6), name, packing.cell, packing.gravity)
+        packing.save("D.h5")
+        command("convert", "C.h5", "E.h5", "--force")
+        check(open("D.h5", "rb").read() == open("E.h5", "rb").read(), name, "not the file of the command")
+        for twin in (pickle.loads(pickle.dumps(packing)), copy.deepcopy(packing)):
+            twin.save("F.h5")
+            check(open("D.h5", "rb").read() == open("F.h5", "rb").read(), name, "a copy differs")
+
+
+def test_faults():
+    p, box = CELLS["tilted"], CELLS["box"]
+    walls = {"i": [0], "j": [sonopack.BOTTOM]}
+    for key, packing, changes in (("cell", p, {"cell": "round"}), ("tilt", p, {"tilt": [1.0]}),
+                                  ("contacts", p, {"contacts": walls}),
+                                  ("contacts", box, {"contacts": {"i": [0], "j": [sonopack.BACK]}}),
+                                  ("contacts", {**box, "cell": "piston"}, {"contacts": {"i": [0], "j": [sonopack.LEFT]}})):
+        error = raised(sonopack.InvalidInput, made, packing, **changes)
+        check(error.key == key, key, error)
+    empty = {"i": np.zeros(0, int), "j": np.zeros(0, int)}
+    for changes in ({"tilt": (40.0, 0, 0)}, {"tilt": (0.0, 1.0, 0)}, {"cell": "piston"}, {"gravity": float("nan")}):
+        error = raised(sonopack.SonopackError, made, p, contacts=empty, **changes)
+        check(error.status == sonopack.Status.EFORMAT, changes, error)
+
+
+if __name__ == "__main__":
+    with scratch() as folder:
+        os.chdir(folder)
+        run(test_arrays, test_files, test_faults)
+        os.chdir("/")
