@@ -13,8 +13,8 @@ from common import expect, faults, names_all
 
 COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 SMALL = ["--set", "packing.grains=20", "--set", "packing.width=6"]
-KEYS = """packing.kind packing.file packing.content packing.dimension packing.grains packing.width packing.depth
-    packing.height packing.pressure packing.history packing.friction packing.poisson packing.sizes packing.diameter_min
+KEYS = """packing.kind packing.cell packing.file packing.content packing.dimension packing.grains packing.width packing.depth
+    packing.height packing.pressure packing.stress packing.gravity packing.history packing.friction packing.poisson packing.sizes packing.diameter_min
     packing.diameter_max packing.large_fraction packing.size_spread packing.diameters packing.diameter_file
     packing.compression packing.protocol packing.reference packing.seed packing.tolerance packing.damping
     packing.piston_mass packing.gas_fraction packing.time_step packing.calm packing.drag packing.calm_damping
@@ -36,6 +36,11 @@ WRONG = [  # a scene, and what its reason must say
     ("packing = { grains = 1.5; };", "packing.grains 1.5"),
     ("packing = { grains = \"many\"; };", "packing.grains many"),
     ("packing = { width = 2; };", "SCENE:1 packing.width 2"),
+    ("packing = { cell = \"torus\"; };", "packing.cell piston periodic box"),
+    ("packing = { cell = \"periodic\"; stress = [1e-4, 1e-4, 2e-4]; };", "packing.stress"),
+    ("packing = { cell = \"periodic\"; grains = 20; };", "packing.grains 20"),
+    ("packing = { stress = [1e-4, 1e-4, 0.0]; };", "packing.stress piston"),
+    ("packing = { cell = \"box\"; gravity = 1e-5; };", "packing.gravity box"),
     ("packing = { kind = \"box\"; };", "piston triangular chain"),
     ("packing = { kind = \"chain\"; dimension = 2; };", "packing.dimension 2"),
     ("packing = { poisson = 0.6; };", "packing.poisson 0.6"),

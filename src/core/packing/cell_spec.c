@@ -7,6 +7,14 @@
 /* Typical fractions of packings, to estimate their size before they exist. */
 static const double DISKS = 0.83, SPHERES = 0.62;
 
+/* The defaults, which count as not given. */
+#define KEY(name, type, member, value, ...)           .member = value,
+#define LIST(name, member, value, count, values, ...) .member = value, .count = values,
+#define SCENE_KEY(...)
+static const sp_pack_spec usual = {
+#include "packing/keys.inc"
+};
+
 static double solid_volume(const sp_pack_spec *s) {
     return s->grains * (s->dim == 2 ? sp_sizes_mean_area(s) / DISKS : sp_sizes_mean_volume(s) / SPHERES);
 }
@@ -33,7 +41,7 @@ void sp_cell_spec_resolve(sp_pack_spec *s) {
         return;
     if (s->stress_count == sp_stress_components(s->dim) && s->stress && mean_stress(s) > 0)
         s->pressure = mean_stress(s);
-    if (s->kind == SP_PACK_PISTON && s->width == sp_pack_spec_default().width)
+    if (s->kind == SP_PACK_PISTON && s->width == usual.width)
         s->width = s->dim == 2    ? sqrt(solid_volume(s))
                    : s->depth > 0 ? sqrt(solid_volume(s) / s->depth)
                                   : cbrt(solid_volume(s));
@@ -75,7 +83,7 @@ static sp_status check_stress(const sp_pack_spec *given, sp_error *err) {
     if (mean < 1e-10)
         return sp_fail_key(err, SP_EINVAL, "packing.stress", ": its mean normal stress = %g: must be at least 1e-10 E*",
                            mean);
-    if (p != sp_pack_spec_default().pressure && fabs(p / mean - 1) > 1e-9)
+    if (p != usual.pressure && fabs(p / mean - 1) > 1e-9)
         return sp_fail_key(err, SP_EINVAL, "packing.pressure",
                            " = %g: must be the mean normal stress of packing.stress, %g, or not given", p, mean);
     if (given->cell == SP_CELL_BOX && (t[3] != 0 || t[4] != 0 || t[5] != 0))
@@ -85,7 +93,7 @@ static sp_status check_stress(const sp_pack_spec *given, sp_error *err) {
 }
 
 static sp_status check_edges(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err) {
-    const bool equal = given->width == sp_pack_spec_default().width;
+    const bool equal = given->width == usual.width;
     const double least = 4 * s->diameter_max, up = solid_volume(s) / (s->width * (s->dim == 3 ? s->depth : 1));
     if (!equal && s->width < least)
         return sp_fail_key(err, SP_EINVAL, "packing.width",

@@ -99,7 +99,7 @@ void sp_field_put(sp_text *t, const sp_scene *s, const sp_field *f) {
 }
 
 /* Of packing.grains and packing.height only the one that counts is written, so that equal packings have equal texts.
- * Stored scenes name cell, stress and gravity where they are not those of a piston without weight.
+ * Scenes name cell, stress and gravity where they are not those of a piston without weight.
  * The dimension is not written where packing.kind is swept and each kind has its own. */
 static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
     if (strcmp(f->key, "packing.dimension") == 0 && !group && !s->dimension_given)
@@ -109,7 +109,7 @@ static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
     if ((strcmp(f->key, "packing.cell") == 0 && s->pack.cell == SP_CELL_PISTON) ||
         (strcmp(f->key, "packing.gravity") == 0 && s->pack.gravity == 0) ||
         (strcmp(f->key, "packing.stress") == 0 && s->pack.stress_count == 0))
-        return !group;
+        return true;
     return (strcmp(f->key, "packing.height") == 0 && !(s->height > 0)) ||
            (strcmp(f->key, "packing.grains") == 0 && s->height > 0);
 }
