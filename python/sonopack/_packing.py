@@ -338,7 +338,7 @@ class _Cell:
     def vector(self, axis: int) -> Floats:
         """The lattice vector of an axis."""
         xy, xz, yz = self.tilt
-        rows = ([], [xy], [xz, yz])
+        rows: tuple[list[float], ...] = ([], [xy], [xz, yz])
         return np.array([*rows[axis], self.box[axis], 0.0, 0.0][:len(self.box)])
 
     def walls(self) -> dict[int, tuple[int, float]]:
