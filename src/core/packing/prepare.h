@@ -8,6 +8,9 @@
  * tolerance, and the values set by the protocol. Resolving a spec twice changes nothing. */
 sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given);
 
+/* Peak memory of making the packing of a resolved spec, beside what the program has anyway [byte]. */
+double sp_pack_memory(const sp_pack_spec *spec);
+
 /* Ordered packings, exact in closed form. These and all functions below expect a checked and resolved spec. */
 sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err);
 /* For equal diameters only. */
