@@ -49,6 +49,34 @@ def plan(*words):
     return rows
 
 
+# The peak of a process counts what it was before exec: a small parent starts the command.
+PARENT = """import os, sys
+child = os.posix_spawn(sys.argv[1], sys.argv[1:], os.environ,
+                       file_actions=[(os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)])
+_, status, usage = os.wait4(child, 0)
+print(os.waitstatus_to_exitcode(status), usage.ru_maxrss)
+"""
+
+
+def test_memory():
+    """Resident memory of making spheres against what is foretold, beyond that of a command that makes next to nothing."""
+    def peak(*words):
+        done = subprocess.run([sys.executable, "-I", "-S", "-c", PARENT, COMMAND, "pack", "-q", "--threads", "1", *words],
+                              text=True, capture_output=True, check=True)
+        status, size = map(int, done.stdout.split())
+        assert status == 0, done
+        return 1.024e-3 * size
+
+    if "libasan" in subprocess.run(["ldd", COMMAND], capture_output=True, text=True).stdout:
+        return  # the sanitizers keep memory of their own
+    little = sets('packing.kind="chain"', "packing.grains=10", "packing.friction=0")
+    keys = sets("packing.dimension=3", "packing.grains=3000", "packing.width=16", "packing.pressure=1e-2",
+                'packing.protocol="quick"', "packing.tolerance=1e-5")
+    foretold = plan("pack", *keys, "-o", "M.h5")["total"]["memory_MB"] - plan("pack", *little, "-o", "M1.h5")["total"]["memory_MB"]
+    measured = peak(*keys, "-o", "M.h5") - peak(*little, "-o", "M1.h5")
+    assert measured / 1.5 < foretold < 1.5 * measured, (foretold, measured)
+
+
 def test_pack():
     keys = sets("packing.grains=100", "packing.width=10", 'packing.protocol="quick"')
     total = plan("pack", *keys, "-o", "P.h5")["total"]
@@ -133,7 +161,7 @@ def test_speed():
 
 with tempfile.TemporaryDirectory(prefix="sonopack-dry-run-") as name:
     os.chdir(name)
-    for test in (test_pack, test_study, test_networks, test_papers, test_speed):
+    for test in (test_memory, test_pack, test_study, test_networks, test_papers, test_speed):
         test()
         print(test.__name__, "ok")
     text = run("pack", "--help")

@@ -1,4 +1,5 @@
 /* The cost model and the remaining times, on compressions whose clock is their steps: no test waits for a clock. */
+#include "base/base.h"
 #include "cost/remaining.h"
 
 #include "test.h"
@@ -130,6 +131,24 @@ static void test_laws(void **state) {
     assert_int_equal(method, SP_SIGNAL_CHEBYSHEV);
 }
 
+/* Every compression has a law, and the memory that is foretold is that by which one is refused. */
+static void test_every_compression(void **state) {
+    (void)state;
+    const sp_machine one = sp_machine_reference();
+    for (int k = 0; k < 12; k++) {
+        sp_pack_spec spec = small(2 + k % 2, 1e-4, k / 2 % 2 ? 0.5 : 0, (sp_protocol)(k / 4));
+        const sp_packing_forecast f = sp_packing_expect(&spec, 1, &one);
+        assert_true(f.steps > 100 && f.steps < 1e6 && f.cost.cpu > 0);
+        assert_true(f.cost.memory > 200.0 * spec.grains && f.cost.memory < 2e4 * spec.grains);
+        spec.grains = 100000000;
+        spec.width = spec.dim == 3 ? 464 : 10000;
+        const double have = sp_memory_limit(), need = sp_packing_expect(&spec, 1, &one).cost.memory;
+        sp_packing p = sp_packing_none();
+        if (need > have)
+            assert_fails(sp_packing_make(&spec, NULL, NULL, &p, &err), SP_ENOMEM, "packing.grains");
+    }
+}
+
 /* The kernels do their work; how fast is not asked. */
 static void test_machine(void **state) {
     (void)state;
@@ -172,6 +191,7 @@ int main(void) {
                                        cmocka_unit_test(test_steps),
                                        cmocka_unit_test(test_surprises),
                                        cmocka_unit_test(test_laws),
+                                       cmocka_unit_test(test_every_compression),
                                        cmocka_unit_test(test_machine),
                                        cmocka_unit_test(test_study)};
     return cmocka_run_group_tests(tests, NULL, NULL);

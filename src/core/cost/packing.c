@@ -1,5 +1,5 @@
-/* What a compression will take. Its steps follow from height, pressure, friction and protocol; the time of a step from
- * the grains and their contacts. Measured on 90 packings, most of them within a factor of 1.5 of the seeds' scatter. */
+/* What a compression will take. Its steps follow from height, pressure, friction and protocol (packing.inc), the time
+ * of a step from the grains and their contacts (laws.inc), the memory from packing/make.c, which refuses by it. */
 #include "cost/laws.h"
 #include "packing/prepare.h"
 
@@ -54,18 +54,45 @@ static double rattlers_of(const sp_pack_spec *s, double height) {
 
 /* ---- steps ------------------------------------------------------------------------------------------------------ */
 
+typedef enum protocol_kind { DEFAULT, QUICK } protocol_kind;
+typedef enum grains_kind { ROUGH, SMOOTH } grains_kind;
+
+typedef struct steps_law {
+    int dim;
+    sp_boundary cell;
+    protocol_kind protocol;
+    grains_kind grains;
+    double steps, height, pressure; /* powers */
+} steps_law;
+
+static const steps_law laws[] = {
+#define STEPS(dim, cell, protocol, grains, steps, a, b) {dim, SP_CELL_##cell, protocol, grains, steps, a, b},
+#include "cost/packing.inc"
+#undef STEPS
+};
+
+/* The row of a compression in a cell; of the piston, where the cell has none. */
+static const steps_law *law_of(const sp_pack_spec *s, sp_boundary cell) {
+    const protocol_kind protocol = s->protocol == SP_PROTOCOL_QUICK ? QUICK : DEFAULT;
+    const grains_kind grains = s->friction > 0 ? ROUGH : SMOOTH;
+    const int dim = s->dim == 3 ? 3 : 2;
+    for (size_t k = 0; k < sizeof laws / sizeof *laws; k++)
+        if (laws[k].dim == dim && laws[k].cell == cell && laws[k].protocol == protocol && laws[k].grains == grains)
+            return &laws[k];
+    return cell == SP_CELL_PISTON ? NULL : law_of(s, SP_CELL_PISTON);
+}
+
 /* At small pressures contacts are soft and tolerances small, at large ones grains soon stop each other. */
 static double pressure_factor(const sp_pack_spec *s) {
     if (s->protocol == SP_PROTOCOL_QUICK)
-        return pressed(s, -0.32);
-    const double slow = pressed(s, s->dim == 3 ? -0.17 : -0.12) * (1 + pow(1e-8 / s->pressure, 0.4));
-    return slow / (1 + 0.7 * pow(s->pressure / 1e-2, 0.6)) / 0.985;
+        return 1;
+    return (1 + pow(1e-8 / s->pressure, 0.4)) / (1 + 0.7 * pow(s->pressure / 1e-2, 0.6)) / 0.985;
 }
 
-/* Fast without tangential forces that hold; slow where grains roll for long. */
+/* Slow where grains roll for long. */
 static double friction_factor(const sp_pack_spec *s) {
     if (!(s->friction > 0))
-        return s->dim == 3 ? 1.15 : 1.3;
+        return 1;
     return fmax(0.6, pow(fmin(s->friction, 10) / 0.5, 0.4 * fmin(1, pressed(s, 0.1))));
 }
 
@@ -84,12 +111,8 @@ static double lattice_factor(const sp_pack_spec *s) {
 }
 
 static double stage_steps(const sp_pack_spec *s, double height) {
-    const bool spheres = s->dim == 3, quick = s->protocol == SP_PROTOCOL_QUICK;
-    double steps;
-    if (quick)
-        steps = spheres ? 2400 * pow(height, 0.92) : 900 * pow(height, 0.92);
-    else
-        steps = spheres ? 14000 * pow(height, 0.75) : 5430 * pow(height, 0.93);
+    const steps_law *law = law_of(s, SP_CELL_PISTON);
+    double steps = law->steps * pow(height, law->height) * pressed(s, law->pressure);
     if (s->protocol == SP_PROTOCOL_SOMFAI2005)
         steps *= 1.15;
     if (s->kind == SP_PACK_TRIANGULAR)
@@ -132,7 +155,7 @@ sp_packing_forecast sp_packing_expect(const sp_pack_spec *given, int threads, co
     const double height = height_of(&s);
     sp_packing_forecast f = {
         .height = height, .contacts = contacts_of(&s, height), .rattlers = rattlers_of(&s, height)};
-    f.cost.memory = s.grains * (s.dim == 3 ? 2000.0 : 800.0);
+    f.cost.memory = sp_pack_memory(&s);
     if (is_ordered(&s)) {
         f.cost.cpu = f.cost.wall = 1e-6 * s.grains * machine->slower[SP_KERNEL_STEP];
         return f;

@@ -10,17 +10,19 @@ static bool is_compressed(const sp_pack_spec *s) {
            (s->kind == SP_PACK_TRIANGULAR && s->diameter_min < s->diameter_max);
 }
 
-/* Peak memory in bytes. Sorting needs a copy of the contacts. Compressed grains have neighbour lists, two of them
- * during a rebuild, and the gas has cells. */
-static double peak_memory(const sp_pack_spec *s) {
+/* Sorting needs a copy of the contacts. Compressed grains have neighbour lists, two of them during a rebuild, and the
+ * gas has cells: bytes a grain, as benchmarks/fit_cost measures them. */
+static const double DISK_BYTES = 1200, SPHERE_BYTES = 3300;
+
+double sp_pack_memory(const sp_pack_spec *s) {
     const double n = s->grains;
     if (!is_compressed(s))
         return n * (32 + (s->kind == SP_PACK_CHAIN ? 2 : 6) * (double)sizeof(sp_contact));
-    return (s->dim == 3 ? 6000 : 1500) * n;
+    return (s->dim == 3 ? SPHERE_BYTES : DISK_BYTES) * n;
 }
 
 static sp_status check_memory(const sp_pack_spec *s, sp_error *err) {
-    const double need = peak_memory(s), have = sp_memory_limit();
+    const double need = sp_pack_memory(s), have = sp_memory_limit();
     if (need <= have)
         return SP_OK;
     return sp_fail(err, SP_ENOMEM, "packing.grains = %d: needs %.3g GB, there are %.3g GB: %.2g grains fit", s->grains,

@@ -18,6 +18,9 @@ void sp_cell_spec_resolve(sp_pack_spec *s);
 sp_status sp_cell_spec_check(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err);
 sp_pack_spec sp_cell_spec_gas(const sp_pack_spec *s);
 
+/* Peak memory of making the packing of a resolved spec, beside what the program has anyway [byte]. */
+double sp_pack_memory(const sp_pack_spec *spec);
+
 /* Ordered packings, exact in closed form. These and all functions below expect a checked and resolved spec. */
 sp_status sp_chain_make(const sp_pack_spec *spec, sp_packing *out, sp_error *err);
 /* For equal diameters only. */
