@@ -1,8 +1,9 @@
-/* pack --engine lammps: the folder of a run, progress, and what is saved. */
+/* What `pack --engine lammps' does: the folder of a run, progress, and what is saved. */
 #include "cli/pack_engine.h"
 #include "base/base.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "cli/pack_run.h"
 #include "foreign/engine.h"
 
 #include <errno.h>

@@ -1,6 +1,6 @@
 #ifndef SP_FOREIGN_ENGINE_H
 #define SP_FOREIGN_ENGINE_H
-/* Packings that LAMMPS makes: the files of a run, the run itself, and what comes out. */
+/* Packings that LAMMPS makes: the files of a run, and what comes out (the command runs it). */
 
 #include "base/file.h"
 #include "base/text.h"
@@ -54,24 +54,6 @@ SP_SHARED double sp_engine_restitution(double alpha);
 void sp_engine_add_deck(sp_text *t, const sp_engine_deck *d);
 /* Writes gas and input script to a folder, which exists. SP_EINVAL, SP_EFAILED (no room for the gas), SP_EIO. */
 SP_SHARED sp_status sp_engine_write(const sp_pack_spec *spec, const char *folder, sp_error *err);
-
-/* ---- running (engine_run.c, child.c) ---------------------------------------------------------------------------- */
-
-typedef struct sp_engine_run {
-    const char *program; /* NULL: lmp */
-    int ranks;           /* more than 1: started by mpirun */
-    const char *folder;
-    /* Called several times a second with what the log says; returns false to end the run. May be NULL. */
-    sp_pack_watch watch;
-    void *user;
-} sp_engine_run;
-
-/* The absolute paths of LAMMPS and, for several ranks, of mpirun. SP_EIO says which is missing. */
-SP_SHARED sp_status sp_engine_find(const sp_engine_run *run, char lammps[SP_PATH_MAX], char launcher[SP_PATH_MAX],
-                                   sp_error *err);
-/* Runs LAMMPS on the files of the folder and waits for it; *seconds is the CPU time of all ranks. However this ends, no
- * process is left, and the files are. SP_EFAILED with LAMMPS' own reason, SP_EINTERRUPTED, SP_EIO. */
-SP_SHARED sp_status sp_engine_execute(const sp_engine_run *run, double *seconds, sp_error *err);
 
 /* ---- reading (engine_log.c, engine_collect.c) -------------------------------------------------------------------- */
 

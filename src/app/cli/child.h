@@ -1,5 +1,5 @@
-#ifndef SP_FOREIGN_CHILD_H
-#define SP_FOREIGN_CHILD_H
+#ifndef SP_CLI_CHILD_H
+#define SP_CLI_CHILD_H
 /* Runs another program, without a shell, and waits for it. */
 
 #include <sonopack/status.h>

@@ -1,5 +1,5 @@
 /* Runs another program. */
-#include "foreign/child.h"
+#include "cli/child.h"
 #include "base/base.h"
 #include "base/file.h"
 

@@ -1,7 +1,7 @@
 /* Runs LAMMPS, and says why it failed. */
+#include "cli/pack_run.h"
 #include "base/base.h"
-#include "base/file.h"
-#include "foreign/child.h"
+#include "cli/child.h"
 #include "foreign/engine.h"
 
 #include <stdio.h>
