@@ -201,6 +201,7 @@ typedef enum sp_protocol { SP_PROTOCOL_DEFAULT = 0, SP_PROTOCOL_SOMFAI2005, SP_P
  * the arrays `diameters` and `history`; whoever allocated these keeps them until the last copy is unused. */
 typedef struct sp_pack_spec {
     sp_pack_kind kind;
+    sp_boundary cell; /* what bounds the grains; not PISTON: for kinds PISTON (a gas) and FILE */
     int dim;
     int32_t grains;
     double width;    /* period along x [d] */
@@ -235,6 +236,7 @@ typedef struct sp_pack_spec {
     int64_t max_steps;     /* fail after this many; 0: a bound from the pressure and the height */
     const double *history; /* pressures [E*] to be equilibrated at first, in this order */
     int32_t history_count;
+    double gravity;   /* PISTON: acceleration against the up axis [E* / (rho d)] */
     uint64_t content; /* SP_PACK_FILE: required sp_packing_hash of the initial packing; 0: any */
 } sp_pack_spec;
 

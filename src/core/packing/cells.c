@@ -6,7 +6,7 @@
 #include <math.h>
 
 sp_status sp_cells_make(int dim, int32_t n, double r_max, cells *out, sp_error *err) {
-    *out = (cells){.dim = dim, .r_max = r_max, .box = {1, 1, 1}};
+    *out = (cells){.dim = dim, .r_max = r_max, .box = {1, 1, 1}, .periodic = {dim > 1, dim > 2, false}};
     out->next = sp_alloc((size_t)n, sizeof *out->next);
     return out->next ? SP_OK : sp_fail_memory(err, (size_t)n * sizeof *out->next);
 }
@@ -85,7 +85,7 @@ int sp_cells_near(const cells *c, int octave, const double *x, int64_t cell[SP_C
     int found = 0;
     for (int a = 0; a < c->dim; a++) {
         const int64_t n = grid->n[a], place = place_of(grid, a, x[a]);
-        const bool periodic = a < c->dim - 1;
+        const bool periodic = c->periodic[a];
         int64_t next = place > 0 ? place - 1 : periodic ? n - 1 : 0;
         count[a] = !periodic ? (place + 1 < n ? place + 1 : n - 1) - next + 1 : n < 3 ? n : 3;
         for (int64_t k = 0; k < count[a]; k++, next = next + 1 < n ? next + 1 : 0)

@@ -1,6 +1,6 @@
 #ifndef SP_CELLS_H
 #define SP_CELLS_H
-/* Cells that find the grains near a point, in a box that is periodic on all axes but the last.
+/* Cells that find the grains near a point, in a box with periodic axes; unless told otherwise all but the last.
  *
  * There is one grid for each octave of grain sizes, so that a cell holds a few grains for any range of sizes. A pair
  * belongs to the octave of its smaller grain, which searches the grids of its own octave and of larger grains. */
@@ -20,7 +20,8 @@ typedef struct cell_grid {
 typedef struct cells {
     int dim;
     double r_max;  /* of all grains */
-    double box[3]; /* periods and height */
+    double box[3]; /* periods, or distances of walls */
+    bool periodic[3];
     cell_grid grid[SP_OCTAVES];
     int64_t capacity; /* of head */
     int32_t *head;    /* first grain of each cell; -1: none */

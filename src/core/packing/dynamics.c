@@ -4,6 +4,7 @@
 #include "base/base.h"
 #include "base/vector.h"
 #include "packing/contact.h"
+#include "packing/deform.h"
 #include "packing/inertia.h"
 #include "packing/kernel.h"
 #include "packing/pairs.h"
@@ -21,7 +22,7 @@ static bool alloc_arrays(dynamics *d) {
     d->rows.further = sp_alloc(n, sizeof *d->rows.further);
     d->plain_f = d->plain ? sp_alloc(6 * n, sizeof *d->plain_f) : NULL;
     bool ok = d->g && d->listed && d->rows.slot && d->rows.count && d->rows.further && (d->plain_f || !d->plain);
-    for (int side = 0; side < 2; side++) {
+    for (int side = 0; side < d->walls; side++) {
         d->wall_ft[side] = sp_alloc(n * (size_t)(d->dim - 1), sizeof(double));
         d->wall[side].i = sp_alloc(n, sizeof(int32_t));
         ok = ok && d->wall_ft[side] && d->wall[side].i;
@@ -42,13 +43,19 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
     dynamics d = {.dim = spec->dim,
                   .at = grain_layout_of(spec->dim),
                   .n = spec->grains,
+                  .cell = spec->cell,
+                  .affine = spec->cell != SP_CELL_PISTON,
+                  .walls = spec->cell == SP_CELL_PERIODIC ? 0
+                           : spec->cell == SP_CELL_BOX    ? 2 * spec->dim
+                                                          : 2,
                   .period = {spec->width, depth},
+                  .gravity = spec->gravity,
                   .area = spec->width * depth,
                   .pressure = spec->pressure,
                   .plain = spec->reference,
                   .long_steps = spec->time_step > SP_LONG_STEP && !spec->reference,
                   .piston_y = height,
-                  .piston_mass = spec->piston_mass * spec->width * depth,
+                  .piston_mass = spec->cell == SP_CELL_PISTON ? spec->piston_mass * spec->width * depth : INFINITY,
                   .m_min = INFINITY,
                   .outer_travel = INFINITY};
     d.law.friction = spec->friction;
@@ -74,6 +81,8 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
     }
     d.scale = power_of_two(2 * sum / d.n);
     sp_status status = sp_cells_make(d.dim, d.n, d.r_max, &d.cells, err);
+    for (int a = 0; a < d.dim && d.cell != SP_CELL_PISTON; a++)
+        d.cells.periodic[a] = d.cell == SP_CELL_PERIODIC;
     if (status == SP_OK)
         *out = d;
     else
@@ -84,7 +93,7 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
 void sp_dynamics_free(dynamics *d) {
     sp_pair_list_free(&d->outer);
     sp_pair_list_free(&d->inner);
-    for (int side = 0; side < 2; side++) {
+    for (int side = 0; side < MOST_WALLS; side++) {
         sp_free(d->wall_ft[side]);
         sp_free(d->wall[side].i);
     }
@@ -103,13 +112,37 @@ void sp_dynamics_free(dynamics *d) {
 
 /* ---- one step ------------------------------------------------------------------------------------------------ */
 
-/* A wall is a non-rotating grain of infinite radius with E12 = E*. Its normal is (0, sign) or (0, 0, sign). */
+/* Velocity of the grain's surface along a wall, reversed: slip of the wall on the grain, -v - W x n, W = R omega. */
+static void slip_at_wall(const dynamics *d, const wall_frame *f, const double *g, double slip[2]) {
+    const double *v = g + d->at.v, *w = g + d->at.w;
+    if (d->dim == 2) {
+        slip[0] = -v[f->along[0]] + (f->axis == 1 ? f->sign : -f->sign) * w[0];
+        slip[1] = 0;
+    } else {
+        slip[0] = -v[f->along[0]] - f->sign * w[f->along[1]];
+        slip[1] = -v[f->along[1]] + f->sign * w[f->along[0]];
+    }
+}
+
+/* n x f_t, into the row of a grain at a wall. */
+static void turn_at_wall(const dynamics *d, const wall_frame *f, double *row) {
+    double *turn = row + d->at.turn;
+    if (d->dim == 2) {
+        turn[0] = (f->axis == 1 ? -f->sign : f->sign) * row[f->along[0]];
+    } else {
+        turn[f->along[0]] = -f->sign * row[f->along[1]];
+        turn[f->along[1]] = f->sign * row[f->along[0]];
+    }
+}
+
+/* A wall is a non-rotating grain of infinite radius with E12 = E*. */
 static void wall_pair(dynamics *d, int side, int32_t i, double *row, double dt) {
     const contact_law *law = &d->law;
-    const int up = d->dim - 1;
-    const double sign = side == 0 ? -1 : 1, *g = dynamics_grain(d, i), *v = g + d->at.v, *w = g + d->at.w;
-    const double overlap = g[d->at.r] - (side == 0 ? g[up] : d->piston_y - g[up]);
-    double *ft = d->wall_ft[side] + (int64_t)up * i, t[2] = {0, 0}, old = 0, new = 0, size = 0;
+    const int up = d->dim - 1; /* number of directions along the wall */
+    const wall_frame frame = dynamics_wall(d, side);
+    const double sign = frame.sign, *g = dynamics_grain(d, i), distance = dynamics_wall_distance(d, side, g);
+    const double overlap = g[d->at.r] - distance;
+    double *ft = d->wall_ft[side] + (int64_t)up * i, t[2] = {0, 0}, slip[2], old = 0, new = 0, size = 0;
     memset(row, 0, (size_t)d->at.row * sizeof *row);
     if (!(overlap > 0)) {
         memset(ft, 0, (size_t)up * sizeof *ft);
@@ -117,10 +150,10 @@ static void wall_pair(dynamics *d, int side, int32_t i, double *row, double dt) 
     }
     const double kn = contact_normal_stiffness(sqrt(g[d->at.r]), overlap), elastic = 2.0 / 3.0 * kn * overlap;
     const double s = sqrt(kn / g[d->at.inv_m]), viscous = 2.0 * law->damping * s, cap = law->friction * elastic;
-    const double normal = fmax(0, elastic - viscous * sign * ((side == 0 ? 0 : d->piston_v) - v[up]));
-    /* slip velocity -v - W x n, W = R omega */
-    const double slip[2] = {-v[0] - sign * (up == 2 ? w[1] : -w[0]), up == 2 ? -v[1] + sign * w[0] : 0};
-    const double twist = up == 2 ? 0.5 * dt * sign * w[2] * g[d->at.inv_m + 1] : 0;
+    const double apart = (side == 1 ? d->piston_v : 0) - g[d->at.v + frame.axis]; /* the wall moves with the cell too */
+    const double normal = fmax(0, elastic - viscous * (sign * apart + d->strain_rate[frame.axis] * distance));
+    slip_at_wall(d, &frame, g, slip);
+    const double twist = up == 2 ? 0.5 * dt * sign * g[d->at.w + frame.axis] * g[d->at.inv_m + 1] : 0;
     for (int a = 0; a < up; a++) {
         t[a] = ft[a] + (up == 2 ? sign * twist * (a == 0 ? -ft[1] : ft[0]) : 0);
         old += ft[a] * ft[a];
@@ -138,14 +171,9 @@ static void wall_pair(dynamics *d, int side, int32_t i, double *row, double dt) 
     size = sqrt(t[0] * t[0] + t[1] * t[1]);
     const double limit = law->friction * law->viscous_limit * normal;
     for (int a = 0; a < up; a++)
-        row[a] = size > limit ? t[a] * (limit / size) : t[a];
-    row[up] = -sign * normal;
-    if (up == 1) { /* n x f_t */
-        row[2] = -sign * row[0];
-    } else {
-        row[4] = -sign * row[1];
-        row[5] = sign * row[0];
-    }
+        row[frame.along[a]] = size > limit ? t[a] * (limit / size) : t[a];
+    row[frame.axis] = -sign * normal;
+    turn_at_wall(d, &frame, row);
     row[3] = s;
     d->wall_force[side] += normal;
     d->piston_k += side == 1 ? kn : 0;
@@ -161,8 +189,9 @@ static void forces_part(void *data, int part, int parts) {
     step_work *work = data;
     dynamics *d = work->d;
     if (part == 0) {
-        d->wall_force[0] = d->wall_force[1] = d->piston_k = 0;
-        for (int side = 0; side < 2; side++)
+        memset(d->wall_force, 0, sizeof d->wall_force);
+        d->piston_k = 0;
+        for (int side = 0; side < d->walls; side++)
             for (int32_t k = 0; k < d->wall[side].n; k++)
                 wall_pair(d, side, d->wall[side].i[k], d->rows.row + (int64_t)d->at.row * (d->rows.wall[side] + k),
                           work->dt);
@@ -210,13 +239,7 @@ void sp_dynamics_advance(dynamics *d, double dt) {
     d->piston_v = keep * d->piston_v + dt * (d->wall_force[1] - d->pressure * d->area) / d->piston_mass;
     d->piston_y += dt * d->piston_v;
     d->v_max = fmax(d->v_max, fabs(d->piston_v));
-    double strain = 0;
-    for (int a = 0; a < d->dim - 1; a++) {
-        d->period[a] *= 1 + d->strain_rate[a] * dt;
-        strain += fabs(d->strain_rate[a]) * d->period[a];
-    }
-    if (strain > 0)
-        d->area = d->period[0] * d->period[1];
+    const double strain = sp_deform_cell(d, dt);
     d->inner_travel += (2 * d->v_max + strain) * dt;
     d->outer_travel += (2 * d->v_max + strain) * dt;
     d->outer_strain += strain * dt;
@@ -250,14 +273,29 @@ void sp_dynamics_force_on(const dynamics *d, int32_t i, double force[3], double 
 }
 
 static double acceleration(const dynamics *d, int32_t i, const double force[3], const double turn[3]) {
-    return dynamics_grain(d, i)[d->at.inv_m] * fmax(length3(force), 2.5 * length3(turn));
+    double net[3] = {force[0], force[1], force[2]};
+    const double inv_m = dynamics_grain(d, i)[d->at.inv_m];
+    if (d->gravity != 0)
+        net[d->dim - 1] -= d->gravity / inv_m;
+    return inv_m * fmax(length3(net), 2.5 * length3(turn));
+}
+
+/* Whether the grains carry about the load. A heavy piston in free fall has a small acceleration but is not supported.
+ */
+static bool supported(const dynamics *d) {
+    double stress[6], load = d->pressure * d->area, force = d->wall_force[1];
+    if (d->cell != SP_CELL_PISTON) {
+        sp_dynamics_stress(d, stress);
+        force = (stress[0] + stress[1] + stress[2]) / d->dim;
+        load = d->pressure;
+    }
+    return !(fabs(force - load) > 0.5 * load);
 }
 
 double sp_dynamics_acceleration(const dynamics *d) {
-    const double load = d->pressure * d->area, imbalance = fabs(d->wall_force[1] - load);
-    if (imbalance > 0.5 * load) /* a heavy piston in free fall has a small acceleration but is not supported */
+    if (!supported(d))
         return INFINITY;
-    double worst = imbalance / d->piston_mass;
+    double worst = fabs(d->wall_force[1] - d->pressure * d->area) / d->piston_mass;
     for (int32_t i = 0; i < d->n; i++) {
         double force[3], turn[3];
         sp_dynamics_force_on(d, i, force, turn);
@@ -274,6 +312,12 @@ static double separation(const dynamics *d, const pair_list *p, int32_t k, doubl
     x[2] = 0;
     for (int a = 0; a < d->dim; a++)
         x[a] = h[a] - g[a] + (a < d->dim - 1 ? p->image[k + (int64_t)a * p->capacity] * d->period[a] : 0);
+    if (d->affine) {
+        const double up = p->image[k + (int64_t)(d->dim - 1) * p->capacity];
+        x[d->dim - 1] += up * d->piston_y;
+        x[0] += p->image[k + p->capacity] * d->tilt[0] + (d->dim == 3 ? up * d->tilt[1] : 0);
+        x[1] += d->dim == 3 ? up * d->tilt[2] : 0;
+    }
     return length3(x);
 }
 
@@ -299,28 +343,33 @@ static bool elastic_pair(const dynamics *d, const pair_list *p, int32_t k, doubl
     return true;
 }
 
+/* Elastic force of a wall on grain i, as a row of force_rows. Returns its normal part, 0 for an open contact. */
+static double elastic_wall(const dynamics *d, int side, int32_t i, double row[8]) {
+    const wall_frame frame = dynamics_wall(d, side);
+    const double *g = dynamics_grain(d, i), *t = d->wall_ft[side] + (int64_t)(d->dim - 1) * i;
+    const double overlap = g[d->at.r] - dynamics_wall_distance(d, side, g);
+    memset(row, 0, 8 * sizeof *row);
+    if (!(overlap > 0))
+        return 0;
+    const double normal = contact_force(sqrt(g[d->at.r]), overlap);
+    for (int a = 0; a < d->dim - 1; a++)
+        row[frame.along[a]] = t[a];
+    row[frame.axis] = -frame.sign * normal;
+    turn_at_wall(d, &frame, row);
+    return normal;
+}
+
 /* Adds the elastic forces of a wall to f: [n][6] force and torque/R. Returns the total normal force on the wall. */
 static double add_elastic_walls(const dynamics *d, int side, double *f) {
-    const int up = d->dim - 1;
-    const double sign = side == 0 ? -1 : 1;
-    double sum = 0;
+    double sum = 0, row[8];
     for (int32_t k = 0; k < d->wall[side].n; k++) {
         const int32_t i = d->wall[side].i[k];
-        const double *g = dynamics_grain(d, i), *t = d->wall_ft[side] + (int64_t)up * i;
-        const double overlap = g[d->at.r] - (side == 0 ? g[up] : d->piston_y - g[up]);
-        if (!(overlap > 0))
-            continue;
-        const double normal = contact_force(sqrt(g[d->at.r]), overlap);
+        const double normal = elastic_wall(d, side, i, row);
         double *on = f + 6 * (int64_t)i;
-        for (int a = 0; a < up; a++)
-            on[a] += t[a];
-        on[up] -= sign * normal;
-        if (up == 1) {
-            on[3] -= sign * t[0];
-        } else {
-            on[3] -= sign * t[1];
-            on[4] += sign * t[0];
-        }
+        for (int a = 0; a < d->dim && normal > 0; a++)
+            on[a] += row[a];
+        for (int a = 0; a < (d->dim == 3 ? 3 : 1) && normal > 0; a++)
+            on[3 + a] += row[d->at.turn + a];
         sum += normal;
     }
     return sum;
@@ -343,14 +392,55 @@ sp_status sp_dynamics_residual(const dynamics *d, double *residual, double *wall
             on_j[3 + a] += turn[a];
         }
     }
-    add_elastic_walls(d, 0, f);
-    const double top = add_elastic_walls(d, 1, f);
+    double top = 0;
+    for (int side = 0; side < d->walls; side++) {
+        const double normal = add_elastic_walls(d, side, f);
+        top = side == 1 ? normal : top;
+    }
     for (int32_t i = 0; i < d->n; i++)
         worst = fmax(worst, acceleration(d, i, f + 6 * (int64_t)i, f + 6 * (int64_t)i + 3));
     sp_free(f);
-    *wall_imbalance = fabs(top / d->area - d->pressure);
+    *wall_imbalance = d->cell == SP_CELL_PISTON ? fabs(top / d->area - d->pressure) : 0;
     *residual = fmax(worst, fabs(top - d->pressure * d->area) / d->piston_mass);
     return SP_OK;
+}
+
+/* Adds what the walls contribute to the sum of force times branch vector: force is what acts on the grain. */
+static void add_walls_stress(const dynamics *d, double sum[3][3]) {
+    double row[8];
+    for (int side = 0; side < d->walls; side++) {
+        const wall_frame frame = dynamics_wall(d, side);
+        for (int32_t k = 0; k < d->wall[side].n; k++) {
+            const int32_t i = d->wall[side].i[k];
+            const double branch = frame.sign * dynamics_wall_distance(d, side, dynamics_grain(d, i));
+            if (elastic_wall(d, side, i, row) > 0)
+                for (int a = 0; a < d->dim; a++)
+                    sum[a][frame.axis] -= row[a] * branch;
+        }
+    }
+}
+
+void sp_dynamics_stress(const dynamics *d, double stress[6]) {
+    const pair_list *p = dynamics_pairs(d);
+    const double volume = d->area * d->piston_y;
+    double sum[3][3] = {{0}};
+    for (int32_t k = 0; k < p->n; k++) {
+        double x[3], force[3], turn[3];
+        if (!elastic_pair(d, p, k, force, turn))
+            continue;
+        separation(d, p, k, x);
+        for (int a = 0; a < 3; a++)
+            for (int b = 0; b < 3; b++)
+                sum[a][b] -= force[a] * x[b];
+    }
+    add_walls_stress(d, sum);
+    for (int c = 0; c < 6; c++)
+        stress[c] = 0;
+    for (int a = 0; a < d->dim; a++)
+        stress[a] = sum[a][a] / volume;
+    for (int a = 0; a < d->dim; a++) /* yz, xz, xy: the two halves are equal at rest */
+        for (int b = a + 1; b < d->dim; b++)
+            stress[6 - a - b] = 0.5 * (sum[a][b] + sum[b][a]) / volume;
 }
 
 double sp_dynamics_lateral_pressure(const dynamics *d, int a) {
@@ -367,13 +457,15 @@ double sp_dynamics_lateral_pressure(const dynamics *d, int a) {
 }
 
 bool sp_dynamics_sane(const dynamics *d) {
-    const int up = d->dim - 1;
     if (!isfinite(d->piston_y) || !isfinite(d->v_max))
         return false;
     for (int32_t i = 0; i < d->n; i++) {
         const double *g = dynamics_grain(d, i), r = g[d->at.r];
-        if (!(g[up] > 0.2 * r) || !(d->piston_y - g[up] > 0.2 * r) || !(d->piston_y > r))
+        if (!(d->piston_y > r))
             return false;
+        for (int side = 0; side < d->walls; side++)
+            if (!(dynamics_wall_distance(d, side, g) > 0.2 * r))
+                return false;
         for (int a = 0; a < d->at.r; a++)
             if (!isfinite(g[a]))
                 return false;

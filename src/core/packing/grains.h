@@ -29,7 +29,7 @@ typedef struct pair_list {
     int32_t *i, *j;
     int32_t *at_i, *at_j; /* inner: position of the grains' rows in g */
     int32_t *from;        /* inner: index in outer */
-    double *image;        /* [dim-1] periods to add to x_j - x_i */
+    double *image;        /* [dim] lattice vectors to add to x_j - x_i; 0 along axes with walls */
     double *reach;        /* R_i + R_j */
     double *ft;           /* elastic tangential force on i: 2D along (-ny, nx); 3D [3] */
     double *e2;           /* 2 E12 sqrt(R12) */
@@ -45,7 +45,7 @@ typedef struct wall_list {
 /* Where to find the forces on each grain. There is a row for i and one for j of each pair, one for each grain at a
  * wall, and a row of zeros that fills unused slots. Rows of grains with more than SLOTS neighbours continue in a linked
  * list. */
-enum { SLOTS = 6 };
+enum { SLOTS = 6, MOST_WALLS = 6 };
 typedef struct force_rows {
     int64_t capacity;
     double *row;      /* [rows][layout.row] force, torque/R (2D: fx fy t s; 3D: fx fy fz s, q, 0) */
@@ -54,7 +54,7 @@ typedef struct force_rows {
     int32_t *further; /* [n] head of the linked list, or -1 */
     int32_t *chain;   /* [2 capacity] list nodes: position of the row, next node */
     int32_t chained;
-    int32_t other, wall[2], zero; /* index of the first row of the j, of the walls, and of the zero row */
+    int32_t other, wall[MOST_WALLS], zero; /* index of the first row of the j, of the walls, and of the zero row */
 } force_rows;
 
 /* Contact parameters. */
@@ -67,26 +67,36 @@ typedef struct dynamics {
     int dim;
     grain_layout at;
     int32_t n;
-    double period[2];      /* periods of the horizontal axes */
-    double strain_rate[2]; /* their strain rates */
+    sp_boundary cell;
+    /* Whether the cell deforms as a whole along all axes, and the grains with it. If not, only the horizontal axes are
+     * strained, without shear. True from the start in cells without a piston. Whoever changes it under a piston sets
+     * outer_travel to infinity. */
+    bool affine;
+    double period[3];      /* edges of the horizontal axes: periods, or distances of walls; [2] is not used */
+    double tilt[3];        /* PERIODIC: xy, xz, yz of the lattice vectors, as in sp_packing */
+    double strain_rate[3]; /* rates d v_a / d x_a of the cell's deformation; walls at the ends of edges follow it too */
+    double shear_rate[3];  /* PERIODIC: d v_x / d y, d v_x / d z, d v_y / d z */
+    double gravity;        /* acceleration against the up axis */
     double area, pressure;
     contact_law law;
-    bool plain;      /* reference code (plain.c) */
-    double *g;       /* [n + 1][stride] grains; the last one is a dummy */
-    double *plain_f; /* [n][6] forces of the reference code */
-    double piston_y, piston_v, piston_mass;
-    double wall_force[2]; /* last normal force on the bottom and top wall */
-    double *wall_ft[2];   /* [n][dim-1] elastic tangential force on grains at the bottom and top wall */
-    wall_list wall[2];
+    bool plain;                             /* reference code (plain.c) */
+    double *g;                              /* [n + 1][stride] grains; the last one is a dummy */
+    double *plain_f;                        /* [n][6] forces of the reference code */
+    double piston_y, piston_v, piston_mass; /* piston_y is the edge along the up axis in every cell */
+    int walls;                     /* number of walls, in the order of SP_BOTTOM .. SP_BACK; PISTON: bottom and top */
+    double wall_force[MOST_WALLS]; /* last normal force on each wall */
+    double *wall_ft[MOST_WALLS];   /* [n][dim-1] elastic tangential force on grains at each wall; see wall_frame */
+    wall_list wall[MOST_WALLS];
     pair_list outer, inner;
     force_rows rows;
     double r_max, m_min;
-    double scale;                      /* the power of two nearest to the mean diameter */
-    double outer_gap, inner_gap;       /* pairs are listed up to these gaps */
-    double outer_travel, inner_travel; /* bounds of the relative displacement since the lists were built */
-    double outer_strain;               /* part of outer_travel due to the lateral strain */
-    double *listed;                    /* [n][dim] positions when the outer list was built */
-    double v_max;                      /* largest speed of a grain or the piston */
+    double scale;                          /* the power of two nearest to the mean diameter */
+    double outer_gap, inner_gap;           /* pairs are listed up to these gaps */
+    double outer_travel, inner_travel;     /* bounds of the relative displacement since the lists were built */
+    double outer_strain;                   /* part of outer_travel due to the strain */
+    double *listed;                        /* [n][dim] positions when the outer list was built */
+    double listed_edge[3], listed_tilt[3]; /* and the cell at that time */
+    double v_max;                          /* largest speed of a grain or the piston */
     double rate;  /* last largest sum of sqrt(m_eff k_n)/m over the contacts of a grain; 1/5 of the largest viscous rate
                      at critical damping (measured, within 5%) */
     double k_max; /* reference code: largest stiffness */
@@ -109,6 +119,32 @@ static inline grain_layout grain_layout_of(int dim) {
 
 static inline double *dynamics_grain(const dynamics *d, int32_t i) { return d->g + (int64_t)d->at.stride * i; }
 static inline double dynamics_radius(const dynamics *d, int32_t i) { return dynamics_grain(d, i)[d->at.r]; }
+
+/* Edge of the cell along an axis: a period, or the distance of its walls. */
+static inline double dynamics_edge(const dynamics *d, int axis) {
+    return axis == d->dim - 1 ? d->piston_y : d->period[axis];
+}
+/* The cell as a packing without grains, for packing/geometry.h. */
+sp_packing sp_dynamics_cell(const dynamics *d);
+
+/* The axis across wall 0 .. walls - 1, the sign of its outer normal, and the axes along it. With these, in this order,
+ * (along, normal) is right-handed in 3D; wall_ft holds components along them. */
+typedef struct wall_frame {
+    int axis, along[2];
+    double sign;
+} wall_frame;
+static inline wall_frame dynamics_wall(const dynamics *d, int side) {
+    const int axis = side < 2 ? d->dim - 1 : side / 2 - 1;
+    wall_frame f = {.axis = axis, .along = {(axis + 1) % 3, (axis + 2) % 3}, .sign = side % 2 ? 1 : -1};
+    if (d->dim == 2)
+        f.along[0] = f.along[1] = 1 - axis;
+    return f;
+}
+/* Distance from the centre of a grain to a wall. */
+static inline double dynamics_wall_distance(const dynamics *d, int side, const double *g) {
+    const int axis = side < 2 ? d->dim - 1 : side / 2 - 1;
+    return side % 2 ? dynamics_edge(d, axis) - g[axis] : g[axis];
+}
 
 /* The list that holds the current tangential forces. */
 static inline const pair_list *dynamics_pairs(const dynamics *d) { return d->plain ? &d->outer : &d->inner; }

@@ -34,21 +34,30 @@ static inline void gather2(const dynamics *d, int32_t first, int32_t count, bloc
 }
 
 /* Distances. They have a loop of their own because processors execute two short dependency chains faster than one long
- * chain. */
-static inline void distances2(const dynamics *d, int32_t first, int32_t count, block2 *b) {
+ * chain. `affine`: images and strains along all axes. */
+static ALWAYS_INLINE void distances2(const dynamics *d, int32_t first, int32_t count, block2 *b, const bool affine) {
     const pair_list *p = &d->inner;
-    const double *restrict image = p->image + first, *restrict diff = b->d;
+    const double *restrict image = p->image + first, *restrict above = image + p->capacity, *restrict diff = b->d;
     double *restrict x_out = b->x, *restrict y_out = b->y, *restrict r_out = b->r;
     double *restrict vx_out = b->vx, *restrict vy_out = b->vy;
-    const double side = d->period[0], strain_rate = d->strain_rate[0];
+    const double side = d->period[0], height = d->piston_y, tilt = d->tilt[0];
+    const double strain_rate = d->strain_rate[0], rise = d->strain_rate[1], shear = d->shear_rate[0];
 #pragma GCC ivdep
     for (int32_t k = 0; k < (count & -8); k++) {
         double x = diff[4 * k + 0] + image[k] * side, y = diff[4 * k + 1];
+        if (affine) {
+            x += above[k] * tilt;
+            y += above[k] * height;
+        }
         x_out[k] = x;
         y_out[k] = y;
         r_out[k] = sqrt(x * x + y * y);
         vx_out[k] = diff[4 * k + 2] + strain_rate * x;
         vy_out[k] = diff[4 * k + 3];
+        if (affine) {
+            vx_out[k] += shear * y;
+            vy_out[k] += rise * y;
+        }
     }
 }
 
@@ -122,7 +131,10 @@ static inline void rows2(const dynamics *d, int32_t first, int32_t count, const 
 CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
     block2 b;
     gather2(d, first, count, &b);
-    distances2(d, first, count, &b);
+    if (d->affine)
+        distances2(d, first, count, &b, true);
+    else
+        distances2(d, first, count, &b, false);
     if (d->law.friction > 0)
         law2(d, dt_past, first, count, &b, true);
     else
@@ -130,9 +142,11 @@ CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first,
     rows2(d, first, count, &b);
 }
 
+/* long_steps: see inertia.h. `squares` is not computed otherwise. */
 static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t first, int32_t last, const bool rough,
-                                         const bool long_steps) {
+                                         const bool affine, const bool long_steps) {
     const double full = 1.0 - d->drag * dt, strain = d->strain_rate[0] * dt, zeta = d->law.damping;
+    const double rise = d->strain_rate[1] * dt, shear = d->shear_rate[0] * dt;
     const double *restrict row = d->rows.row;
     const int32_t *restrict slot = d->rows.slot, *restrict count = d->rows.count;
     double v2 = 0, rate = 0;
@@ -150,14 +164,17 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
                 f += more;
                 squares += more * more;
             }
-        double *g = d->g + 8 * (int64_t)i, kick = dt * g[6], keep = full;
+        double *g = d->g + 8 * (int64_t)i, kick = dt * g[6], keep = full, fall = d->gravity * dt;
         if (long_steps) {
-            keep = f[0] * g[2] + f[1] * g[3] + f[2] * g[4] > 0 ? 1 : full;
-            kick /= inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 2, rough);
+            const double factor = inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 2, rough);
+            const double power = f[0] * g[2] + (f[1] - d->gravity / g[6]) * g[3] + f[2] * g[4];
+            keep = power > 0 ? 1 : full;
+            kick /= factor;
+            fall /= factor;
         }
-        double vx = keep * g[2] + kick * f[0], vy = keep * g[3] + kick * f[1];
-        g[0] += dt * vx + strain * g[0];
-        g[1] += dt * vy;
+        double vx = keep * g[2] + kick * f[0], vy = keep * g[3] + kick * f[1] - fall;
+        g[0] += dt * vx + (affine ? strain * g[0] + shear * g[1] : strain * g[0]);
+        g[1] += affine ? dt * vy + rise * g[1] : dt * vy;
         g[2] = vx;
         g[3] = vy;
         g[4] = keep * g[4] + 2.5 * kick * f[2]; /* I = 0.4 m R^2 */
@@ -169,11 +186,12 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
 }
 
 CLONES kernel_maxima sp_kernel_move_2d(const dynamics *d, double dt, int32_t first, int32_t last) {
+    const bool rough = d->law.friction > 0;
     if (!d->long_steps)
-        return move2(d, dt, first, last, true, false);
-    if (d->law.friction > 0)
-        return move2(d, dt, first, last, true, true);
-    return move2(d, dt, first, last, false, true);
+        return d->affine ? move2(d, dt, first, last, true, true, false) : move2(d, dt, first, last, true, false, false);
+    if (d->affine)
+        return rough ? move2(d, dt, first, last, true, true, true) : move2(d, dt, first, last, false, true, true);
+    return rough ? move2(d, dt, first, last, true, false, true) : move2(d, dt, first, last, false, false, true);
 }
 
 /* ---- 3D ------------------------------------------------------------------------------------------------------ */
@@ -227,19 +245,31 @@ static ALWAYS_INLINE void gather3(const dynamics *d, int32_t first, int32_t coun
 /* As law2. The tangential force is a vector: it turns about the normal with the pair's mean rotation, follows the
  * direction of the normal, and keeps its length in both. Results overwrite the inputs: force in x, torque/R in w, s in
  * turn[0]. */
-static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b,
-                               const bool rough) {
+static ALWAYS_INLINE void law3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b, const bool rough,
+                               const bool affine) {
     const pair_list *p = &d->inner;
-    const double *restrict ix = p->image + first, *restrict iy = ix + p->capacity;
+    const double *restrict ix = p->image + first, *restrict iy = ix + p->capacity, *restrict iz = iy + p->capacity;
     const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
     double *restrict tx = p->ft + first, *restrict ty = tx + p->capacity, *restrict tz = ty + p->capacity;
-    const double sx = d->period[0], sy = d->period[1], rx = d->strain_rate[0], ry = d->strain_rate[1];
+    const double sx = d->period[0], sy = d->period[1], sz = d->piston_y, xy = d->tilt[0], xz = d->tilt[1];
+    const double yz = d->tilt[2], rx = d->strain_rate[0], ry = d->strain_rate[1], rz = d->strain_rate[2];
+    const double gxy = d->shear_rate[0], gxz = d->shear_rate[1], gyz = d->shear_rate[2];
     const double mu = d->law.friction, eta_dt = d->law.eta * dt, sqrt_eta = d->law.sqrt_eta, half_dt = 0.5 * dt;
     const double two_zeta = 2.0 * d->law.damping, mu_viscous = mu * d->law.viscous_limit;
 #pragma GCC ivdep
     for (int32_t k = 0; k < (count & -8); k++) {
         double x = b->x[0][k] + ix[k] * sx, y = b->x[1][k] + iy[k] * sy, z = b->x[2][k];
+        if (affine) {
+            x += iy[k] * xy + iz[k] * xz;
+            y += iz[k] * yz;
+            z += iz[k] * sz;
+        }
         double vx = b->v[0][k] + rx * x, vy = b->v[1][k] + ry * y, vz = b->v[2][k];
+        if (affine) {
+            vx += gxy * y + gxz * z;
+            vy += gyz * z;
+            vz += rz * z;
+        }
         double r = sqrt(x * x + y * y + z * z), inverse = 1.0 / r;
         double nx = x * inverse, ny = y * inverse, nz = z * inverse, gap = reach[k] - r;
         double overlap = 0.5 * (gap + fabs(gap)) + NO_OVERLAP;
@@ -326,23 +356,30 @@ static ALWAYS_INLINE void rows3(const dynamics *d, int32_t first, int32_t count,
     }
 }
 
-CLONES void sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
+static ALWAYS_INLINE void pairs3(const dynamics *d, double dt, int32_t first, int32_t count, const bool rough,
+                                 const bool affine) {
     block3 b;
-    if (d->law.friction > 0) {
-        gather3(d, first, count, &b, true);
-        law3(d, dt_past, first, count, &b, true);
-        rows3(d, first, count, &b, true);
-    } else {
-        gather3(d, first, count, &b, false);
-        law3(d, dt_past, first, count, &b, false);
-        rows3(d, first, count, &b, false);
-    }
+    gather3(d, first, count, &b, rough);
+    law3(d, dt, first, count, &b, rough, affine);
+    rows3(d, first, count, &b, rough);
+}
+
+CLONES void sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
+    if (d->affine && d->law.friction > 0)
+        pairs3(d, dt_past, first, count, true, true);
+    else if (d->affine)
+        pairs3(d, dt_past, first, count, false, true);
+    else if (d->law.friction > 0)
+        pairs3(d, dt_past, first, count, true, false);
+    else
+        pairs3(d, dt_past, first, count, false, false);
 }
 
 static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t first, int32_t last, const bool rough,
-                                         const bool long_steps) {
-    const double full = 1.0 - d->drag * dt, zeta = d->law.damping;
-    const double strain[3] = {d->strain_rate[0] * dt, d->strain_rate[1] * dt, 0};
+                                         const bool affine, const bool long_steps) {
+    const double full = 1.0 - d->drag * dt, zeta = d->law.damping, weight = d->gravity;
+    const double strain[3] = {d->strain_rate[0] * dt, d->strain_rate[1] * dt, 0}, rise = d->strain_rate[2] * dt;
+    const double shear[3] = {d->shear_rate[0] * dt, d->shear_rate[1] * dt, d->shear_rate[2] * dt};
     const double *restrict row = d->rows.row;
     double v2 = 0, rate = 0;
     for (int32_t i = first; i < last; i++) {
@@ -362,16 +399,20 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
             if (rough)
                 q += *(const v4 *)(row + d->rows.chain[2 * (int64_t)c] + 4);
         }
-        double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], keep = full, square = 0;
+        double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], keep = full, fall[3] = {0, 0, weight * dt}, square = 0;
+        const double carried[3] = {strain[0] * g[0] + shear[0] * g[1] + shear[1] * g[2],
+                                   strain[1] * g[1] + shear[2] * g[2], rise * g[2]};
         if (long_steps) {
-            const double push = f[0] * g[4] + f[1] * g[5] + f[2] * g[6];
+            const double factor = inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 3, rough);
+            const double push = f[0] * g[4] + f[1] * g[5] + (f[2] - weight / g[13]) * g[6];
             const double spin = rough ? q[0] * g[8] + q[1] * g[9] + q[2] * g[10] : 0;
             keep = push + spin > 0 ? 1 : full;
-            kick /= inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 3, rough);
+            kick /= factor;
+            fall[2] /= factor;
         }
         for (int a = 0; a < 3; a++) {
-            double v = keep * g[4 + a] + kick * f[a];
-            g[a] += dt * v + strain[a] * g[a];
+            double v = keep * g[4 + a] + kick * f[a] - fall[a];
+            g[a] += dt * v + (affine ? carried[a] : strain[a] * g[a]);
             g[4 + a] = v;
             if (rough)
                 g[8 + a] = keep * g[8 + a] + 2.5 * kick * q[a];
@@ -384,8 +425,16 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
     return (kernel_maxima){v2, rate};
 }
 
+static ALWAYS_INLINE kernel_maxima move3_any(const dynamics *d, double dt, int32_t first, int32_t last,
+                                             const bool rough, const bool affine) {
+    return d->long_steps ? move3(d, dt, first, last, rough, affine, true)
+                         : move3(d, dt, first, last, rough, affine, false);
+}
+
 CLONES kernel_maxima sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last) {
-    if (d->long_steps)
-        return d->law.friction > 0 ? move3(d, dt, first, last, true, true) : move3(d, dt, first, last, false, true);
-    return d->law.friction > 0 ? move3(d, dt, first, last, true, false) : move3(d, dt, first, last, false, false);
+    if (d->affine)
+        return d->law.friction > 0 ? move3_any(d, dt, first, last, true, true)
+                                   : move3_any(d, dt, first, last, false, true);
+    return d->law.friction > 0 ? move3_any(d, dt, first, last, true, false)
+                               : move3_any(d, dt, first, last, false, false);
 }

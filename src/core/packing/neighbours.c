@@ -2,6 +2,7 @@
 #include "packing/neighbours.h"
 
 #include "base/base.h"
+#include "packing/deform.h"
 #include "packing/pairs.h"
 
 #include <math.h>
@@ -10,21 +11,31 @@
 /* ---- inner list ---------------------------------------------------------------------------------------------- */
 
 static void refill_walls(dynamics *d, double gap) {
-    const int up = d->dim - 1;
-    for (int side = 0; side < 2; side++) {
+    for (int side = 0; side < d->walls; side++) {
         wall_list *wall = &d->wall[side];
         wall->n = 0;
         for (int32_t i = 0; i < d->n; i++) {
             const double *g = dynamics_grain(d, i);
-            double distance = side == 0 ? g[up] : d->piston_y - g[up];
-            if (distance - g[d->at.r] < gap)
+            if (dynamics_wall_distance(d, side, g) - g[d->at.r] < gap)
                 wall->i[wall->n++] = i;
         }
     }
 }
 
-/* Copies the pairs of the outer list that are closer than the gap. Compiled for both dimensions. */
-static inline int32_t select_near(dynamics *d, double gap, const int dim) {
+/* Adds to x the lattice vectors of pair k, beyond the period of each horizontal axis alone. */
+static inline void add_tilt(const dynamics *d, const pair_list *p, int32_t k, const int dim, double x[3]) {
+    const double up = p->image[k + (int64_t)(dim - 1) * p->capacity];
+    x[dim - 1] += up * d->piston_y;
+    x[0] += (dim == 2 ? up : p->image[k + p->capacity]) * d->tilt[0];
+    if (dim == 3) {
+        x[0] += up * d->tilt[1];
+        x[1] += up * d->tilt[2];
+    }
+}
+
+/* Copies the pairs of the outer list that are closer than the gap. Compiled for both dimensions, and for cells with
+ * images along all axes. */
+static inline int32_t select_near(dynamics *d, double gap, const int dim, const bool affine) {
     pair_list *inner = &d->inner;
     const pair_list *outer = &d->outer;
     const int stride = dim == 2 ? 8 : 16, forces = dim == 2 ? 1 : 3;
@@ -32,13 +43,16 @@ static inline int32_t select_near(dynamics *d, double gap, const int dim) {
     for (int32_t k = 0; k < outer->n; k++) {
         const int32_t i = stride * outer->i[k], j = stride * outer->j[k];
         const double *g = d->g + i, *h = d->g + j, range = outer->reach[k] + gap;
-        double square = 0;
+        double x[3], square = 0;
         for (int a = 0; a < dim; a++) {
-            double x = h[a] - g[a];
+            x[a] = h[a] - g[a];
             if (a < dim - 1)
-                x += outer->image[k + (int64_t)a * outer->capacity] * d->period[a];
-            square += x * x;
+                x[a] += outer->image[k + (int64_t)a * outer->capacity] * d->period[a];
         }
+        if (affine)
+            add_tilt(d, outer, k, dim, x);
+        for (int a = 0; a < dim; a++)
+            square += x[a] * x[a];
         if (square >= range * range)
             continue;
         inner->i[n] = outer->i[k];
@@ -49,7 +63,7 @@ static inline int32_t select_near(dynamics *d, double gap, const int dim) {
         inner->reach[n] = outer->reach[k];
         inner->e2[n] = outer->e2[k];
         inner->sm[n] = outer->sm[k];
-        for (int a = 0; a < dim - 1; a++)
+        for (int a = 0; a < (affine ? dim : dim - 1); a++)
             inner->image[n + (int64_t)a * inner->capacity] = outer->image[k + (int64_t)a * outer->capacity];
         for (int a = 0; a < forces; a++)
             inner->ft[n + (int64_t)a * inner->capacity] = outer->ft[k + (int64_t)a * outer->capacity];
@@ -61,7 +75,10 @@ static inline int32_t select_near(dynamics *d, double gap, const int dim) {
 /* Fills the inner list, and its last vector with dummy pairs. */
 static void select_pairs(dynamics *d, double gap) {
     pair_list *inner = &d->inner;
-    inner->n = d->dim == 2 ? select_near(d, gap, 2) : select_near(d, gap, 3);
+    if (d->affine)
+        inner->n = d->dim == 2 ? select_near(d, gap, 2, true) : select_near(d, gap, 3, true);
+    else
+        inner->n = d->dim == 2 ? select_near(d, gap, 2, false) : select_near(d, gap, 3, false);
     inner->padded = (inner->n + 7) / 8 * 8;
     for (int32_t k = inner->n; k < inner->padded; k++) {
         inner->i[k] = inner->j[k] = d->n;
@@ -105,16 +122,20 @@ static sp_status assign_rows(dynamics *d, sp_error *err) {
     force_rows *f = &d->rows;
     const pair_list *p = &d->inner;
     const int32_t size = d->at.row;
-    const int64_t rows = 2 * (int64_t)p->padded + d->wall[0].n + d->wall[1].n + 1;
+    int64_t rows = 2 * (int64_t)p->padded + 1;
+    for (int side = 0; side < d->walls; side++)
+        rows += d->wall[side].n;
     if (rows > INT32_MAX / d->at.row)
         return sp_fail(err, SP_ENOMEM, "%d pairs of neighbours: more than a list can number", p->n);
     sp_status status = rows_alloc(d, rows, err);
     if (status != SP_OK)
         return status;
     f->other = p->padded;
-    f->wall[0] = 2 * p->padded;
-    f->wall[1] = f->wall[0] + d->wall[0].n;
-    f->zero = f->wall[1] + d->wall[1].n;
+    f->zero = 2 * p->padded;
+    for (int side = 0; side < d->walls; side++) {
+        f->wall[side] = f->zero;
+        f->zero += d->wall[side].n;
+    }
     memset(f->row + (int64_t)f->zero * d->at.row, 0, (size_t)d->at.row * sizeof *f->row);
     memset(f->count, 0, (size_t)d->n * sizeof *f->count);
     f->chained = 0;
@@ -126,7 +147,7 @@ static sp_status assign_rows(dynamics *d, sp_error *err) {
         add_row(f, p->i[k], size * k);
         add_row(f, p->j[k], size * (f->other + k));
     }
-    for (int side = 0; side < 2; side++)
+    for (int side = 0; side < d->walls; side++)
         for (int32_t k = 0; k < d->wall[side].n; k++)
             add_row(f, d->wall[side].i[k], size * (f->wall[side] + k));
     return SP_OK;
@@ -156,12 +177,15 @@ enum { REFILL_STEPS = 10 };
 static const double OUTER_GAP = 0.4, INNER_GAP_MIN = 2e-3, INNER_GAP_MAX = 0.15;
 
 /* Bound of the relative displacement since the outer list was built, from the positions: oscillating grains travel far
- * but stay near. */
+ * but stay near. What a deforming cell carries along moves together. */
 static double displacement(const dynamics *d) {
     double worst = 0;
     for (int32_t i = 0; i < d->n; i++) {
-        const double *g = dynamics_grain(d, i), *from = d->listed + (int64_t)d->dim * i;
-        double square = 0;
+        const double *g = dynamics_grain(d, i);
+        double from[3] = {0, 0, 0}, square = 0;
+        memcpy(from, d->listed + (int64_t)d->dim * i, (size_t)d->dim * sizeof *from);
+        if (d->affine)
+            sp_deform_carry(d, from);
         for (int a = 0; a < d->dim; a++)
             square += (g[a] - from[a]) * (g[a] - from[a]);
         worst = square > worst ? square : worst;

@@ -66,14 +66,29 @@ static void add_force(dynamics *d, int32_t i, double sign, vector force, vector 
     f[5] += turn.z;
 }
 
+/* The sum of the lattice vectors that lead to the image. */
+static vector image_of(const dynamics *d, int32_t k) {
+    const double *image = d->outer.image + k, *tilt = d->tilt;
+    const int64_t plane = d->outer.capacity;
+    vector x = {image[0] * d->period[0], 0, 0};
+    x = add(x, image[plane], (vector){tilt[0], dynamics_edge(d, 1), 0});
+    return d->dim == 3 ? add(x, image[2 * plane], (vector){tilt[1], tilt[2], d->piston_y}) : x;
+}
+
+/* Where the cell's deformation carries x within a time. */
+static vector flow(const dynamics *d, vector x, double time) {
+    const double *rate = d->strain_rate, *shear = d->shear_rate;
+    return (vector){rate[0] * time * x.x + shear[0] * time * x.y + shear[1] * time * x.z,
+                    rate[1] * time * x.y + shear[2] * time * x.z, rate[2] * time * x.z};
+}
+
 static void plain_pair(dynamics *d, int32_t k, double dt) {
     const pair_list *p = &d->outer;
     const int32_t i = p->i[k], j = p->j[k];
     const double *g = dynamics_grain(d, i), *h = dynamics_grain(d, j);
     const int64_t plane = p->capacity;
     vector x = add(read3(d, h), -1, read3(d, g));
-    x.x += p->image[k] * d->period[0];
-    x.y += d->dim == 3 ? p->image[k + plane] * d->period[1] : 0;
+    x = add(x, 1, image_of(d, k));
     const double r = sqrt(dot(x, x)), overlap = g[d->at.r] + h[d->at.r] - r;
     if (!(overlap > 0)) {
         for (int a = 0; a < (d->dim == 3 ? 3 : 1); a++)
@@ -82,8 +97,7 @@ static void plain_pair(dynamics *d, int32_t k, double dt) {
     }
     touch c = {.n = add((vector){0, 0, 0}, 1 / r, x), .overlap = overlap};
     c.v = add(read3(d, h + d->at.v), -1, read3(d, g + d->at.v));
-    c.v.x += d->strain_rate[0] * x.x;
-    c.v.y += d->strain_rate[1] * x.y;
+    c.v = add(c.v, 1, flow(d, x, 1));
     c.w = add(spin_of(d, i), 1, spin_of(d, j));
     c.twist = add(add((vector){0, 0, 0}, 1 / g[d->at.r], spin_of(d, i)), 1 / h[d->at.r], spin_of(d, j));
     c.e = contact_stiffness(g[d->at.r], h[d->at.r]);
@@ -102,27 +116,32 @@ static void plain_pair(dynamics *d, int32_t k, double dt) {
 }
 
 static void plain_wall(dynamics *d, int side, int32_t i, double dt) {
-    const int up = d->dim - 1;
-    const double *g = dynamics_grain(d, i), sign = side == 0 ? -1 : 1;
-    double *ft = d->wall_ft[side] + (int64_t)up * i;
-    const double overlap = g[d->at.r] - (side == 0 ? g[up] : d->piston_y - g[up]);
+    const int forces = d->dim - 1;
+    const wall_frame frame = dynamics_wall(d, side);
+    const double *g = dynamics_grain(d, i), distance = dynamics_wall_distance(d, side, g);
+    double *ft = d->wall_ft[side] + (int64_t)forces * i, normal[3] = {0, 0, 0}, old[3] = {0, 0, 0};
+    const double overlap = g[d->at.r] - distance;
     if (!(overlap > 0)) {
-        for (int a = 0; a < up; a++)
+        for (int a = 0; a < forces; a++)
             ft[a] = 0;
         return;
     }
-    touch c = {.n = d->dim == 3 ? (vector){0, 0, sign} : (vector){0, sign, 0}, .overlap = overlap};
+    normal[frame.axis] = frame.sign;
+    for (int a = 0; a < forces; a++)
+        old[frame.along[a]] = ft[a];
+    touch c = {.n = {normal[0], normal[1], normal[2]}, .overlap = overlap};
     c.v = add((vector){0, 0, 0}, -1, read3(d, g + d->at.v));
-    c.v = add(c.v, side == 0 ? 0 : sign * d->piston_v, c.n);
+    c.v = add(c.v, side == 1 ? d->piston_v : 0, c.n);
+    c.v = add(c.v, d->strain_rate[frame.axis] * distance, c.n);
     c.w = spin_of(d, i);
     c.twist = add((vector){0, 0, 0}, 1 / g[d->at.r], c.w);
     c.e = sqrt(g[d->at.r]);
     c.m_eff = 1 / g[d->at.inv_m];
-    vector t = {ft[0], d->dim == 3 ? ft[1] : 0, 0}, force, turn;
+    vector t = {old[0], old[1], old[2]}, force, turn;
     law(d, &c, dt, &t, &force, &turn);
-    ft[0] = t.x;
-    if (d->dim == 3)
-        ft[1] = t.y;
+    const double new[3] = {t.x, t.y, t.z};
+    for (int a = 0; a < forces; a++)
+        ft[a] = new[frame.along[a]];
     add_force(d, i, 1, force, turn);
     d->wall_force[side] += -dot(force, c.n);
     const double kn = contact_normal_stiffness(c.e, overlap);
@@ -132,10 +151,11 @@ static void plain_wall(dynamics *d, int side, int32_t i, double dt) {
 
 void sp_plain_forces(dynamics *d, double dt_past) {
     memset(d->plain_f, 0, (size_t)d->n * 6 * sizeof *d->plain_f);
-    d->wall_force[0] = d->wall_force[1] = d->piston_k = d->k_max = 0;
+    memset(d->wall_force, 0, sizeof d->wall_force);
+    d->piston_k = d->k_max = 0;
     for (int32_t k = 0; k < d->outer.n; k++)
         plain_pair(d, k, dt_past);
-    for (int side = 0; side < 2; side++)
+    for (int side = 0; side < d->walls; side++)
         for (int32_t k = 0; k < d->wall[side].n; k++)
             plain_wall(d, side, d->wall[side].i[k], dt_past);
 }
@@ -146,11 +166,13 @@ void sp_plain_advance(dynamics *d, double dt) {
     for (int32_t i = 0; i < d->n; i++) {
         double *g = dynamics_grain(d, i);
         const double *f = d->plain_f + 6 * (int64_t)i, kick = dt * g[d->at.inv_m];
+        const vector u = flow(d, read3(d, g), dt);
+        const double carried[3] = {u.x, u.y, u.z};
         double square = 0;
         for (int a = 0; a < d->dim; a++) {
             double *v = g + d->at.v + a;
-            *v = keep * *v + kick * f[a];
-            g[a] += dt * *v + (a < d->dim - 1 ? d->strain_rate[a] * dt * g[a] : 0);
+            *v = keep * *v + kick * f[a] - (a == d->dim - 1 ? d->gravity * dt : 0);
+            g[a] += dt * *v + carried[a];
             square += *v * *v;
         }
         for (int a = 0; a < (d->dim == 3 ? 3 : 1); a++) /* I = 0.4 m R^2 */
