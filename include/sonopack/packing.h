@@ -198,8 +198,15 @@ typedef enum sp_compression { SP_COMPRESSION_PISTON = 0, SP_COMPRESSION_ISOTROPI
 
 /* Sets the damping, piston mass, gas fraction and time step that the spec leaves open. DEFAULT and SOMFAI2005 are
  * identical until the grains are nearly at rest. QUICK dissipates earlier and needs 1/8 to 2/5 of the steps, but gives
- * a different material, especially in tall boxes (docs/physics.md, Preparation). */
-typedef enum sp_protocol { SP_PROTOCOL_DEFAULT = 0, SP_PROTOCOL_SOMFAI2005, SP_PROTOCOL_QUICK } sp_protocol;
+ * a different material, especially in tall boxes. AFFINE compresses the gas by a homogeneous strain until the walls
+ * carry the pressure, which takes hardly more steps in tall boxes; another material again (docs/physics.md,
+ * Preparation). */
+typedef enum sp_protocol {
+    SP_PROTOCOL_DEFAULT = 0,
+    SP_PROTOCOL_SOMFAI2005,
+    SP_PROTOCOL_QUICK,
+    SP_PROTOCOL_AFFINE
+} sp_protocol;
 
 /* Everything that determines a packing. sp_pack_spec_default() fills in the defaults of docs/physics.md. Copies share
  * the arrays `diameters` and `history`; whoever allocated these keeps them until the last copy is unused. */

@@ -57,9 +57,6 @@ static void test_stiff_grains_are_stable(void **state) {
         for (double length = 0.3; length < 1.6; length *= 1.5)
             for (int rough = 0; rough < 2; rough++)
                 assert_true(speed_after(dim, rough ? 1e6 : 0, true, length) < bound);
-    for (double length = 0.3; length < 1.6; length *= 1.5)
-        printf("steps of %.2g: speeds %.3g and %.3g with the grains' own inertia, bound %.3g\n", length,
-               speed_after(2, 1e6, false, length), speed_after(3, 1e6, false, length), bound);
     assert_true(speed_after(2, 1e6, false, 1) > bound);
     assert_true(speed_after(3, 1e6, false, 1) > bound);
 }

@@ -99,6 +99,10 @@ static void every_start_goes_on(void **state) {
     for (int dim = 2; dim <= 3; dim++) {
         sp_pack_spec s = small(dim);
         assert_resumes("gas", &s, NULL);
+        sp_pack_spec slow = s; /* so slow that states are saved during the homogeneous strain as well */
+        slow.protocol = SP_PROTOCOL_AFFINE;
+        slow.pressure = 1e-8;
+        assert_resumes("affine", &slow, NULL);
         s.compression = SP_COMPRESSION_ISOTROPIC;
         assert_resumes("isotropic", &s, NULL);
         s.compression = SP_COMPRESSION_PISTON;

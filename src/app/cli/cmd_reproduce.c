@@ -102,7 +102,8 @@ static const cli_option options[] = {
      .words = figure_formats},
     {"protocol", "NAME",
      "somfai2005: how packings are compressed, as packing.protocol: default; somfai2005, the same motion, damped until "
-     "the end; or quick, with another material, several times faster. Lattices of unequal balls always use the default",
+     "the end; or quick and affine, with other materials, several times faster. Lattices of unequal balls always use "
+     "the default",
      .parse = set_protocol, .key = "packing.protocol"},
     CLI_DRY_RUN,
     {0}};

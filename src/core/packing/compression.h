@@ -21,6 +21,7 @@ typedef struct compression {
     int32_t *id; /* [n] index of each grain in the packing */
     double start_height, start_period[2];
     double period_end[2];   /* periods to reach before the pressure alone controls them; 0: none */
+    bool squeezed;          /* affine protocol: the gas is compressed by a homogeneous strain, not by the piston */
     int32_t lateral_free;   /* isotropic: the grains have settled under the piston, and the periods may change */
     double flow, flow_rate; /* without a piston: shear strain of the cell so far, and its present rate */
     double ramp_time;       /* time in which the pressure changes by a factor e between stages */
@@ -53,8 +54,10 @@ sp_status sp_compression_place(compression *run, const sp_pack_spec *spec, const
 double sp_compression_stage_pressure(const sp_pack_spec *spec, int32_t stage);
 /* Sets the pressure and tolerance of stage run->stage. */
 void sp_compression_set_stage(compression *run);
-/* Called before each step of length dt: moves the pressure towards that of the stage, and sets the lateral strain
- * rates. */
+/* Starts the homogeneous compression of the affine protocol, or continues it in a run that was saved meanwhile. */
+void sp_compression_squeeze(compression *run);
+/* Called before each step of length dt: ends the homogeneous compression at the pressure, moves the pressure towards
+ * that of the stage, and sets the lateral strain rates. */
 void sp_compression_drive(compression *run, double dt);
 /* Whether the pressure is that of the stage, and the periods have reached their required start. */
 bool sp_compression_pressed(const compression *run);

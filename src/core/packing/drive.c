@@ -68,11 +68,38 @@ static void follow_pressure(compression *run, int a, double dt) {
     d->strain_rate[a] = settled && fabs(excess) < stop ? 0 : rate * fmax(-1, fmin(1, excess));
 }
 
+/* Inertial number of the homogeneous compression, the rate over sqrt(p / rho)/d. Of 0.1 and 0.3 the packings of the
+ * second are the nearer to those of Somfai et al. 2005 (docs/physics.md, Preparation). */
+static const double INERTIAL_NUMBER = 0.3;
+
+void sp_compression_squeeze(compression *run) {
+    dynamics *d = &run->d;
+    const sp_pack_spec *spec = run->whole;
+    if (spec->protocol != SP_PROTOCOL_AFFINE || spec->kind != SP_PACK_PISTON || spec->cell != SP_CELL_PISTON ||
+        run->phase != PHASE_FLIGHT)
+        return;
+    run->squeezed = d->affine = true;
+    d->strain_rate[d->dim - 1] = -INERTIAL_NUMBER * sqrt(d->pressure);
+}
+
+/* Once both walls carry the pressure, the piston takes over at rest. What the strain carried along then stops with it
+ * all at once, without a wave: only the velocities beyond the strain are there. */
+static void end_squeeze(compression *run) {
+    dynamics *d = &run->d;
+    if (!run->squeezed || fmin(d->wall_force[0], d->wall_force[1]) < d->pressure * d->area)
+        return;
+    run->squeezed = d->affine = false;
+    d->strain_rate[d->dim - 1] = 0;
+    d->outer_travel = INFINITY; /* displacements in the lists are those within the strained cell */
+    run->phase = PHASE_COMPACTION;
+}
+
 void sp_compression_drive(compression *run, double dt) {
     if (run->d.cell != SP_CELL_PISTON) {
         sp_squeeze_drive(run, dt);
         return;
     }
+    end_squeeze(run);
     ramp_pressure(run, dt);
     for (int a = 0; a < run->d.dim - 1; a++) {
         if (run->period_end[a] > 0)

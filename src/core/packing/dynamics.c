@@ -257,7 +257,8 @@ void sp_dynamics_advance(dynamics *d, double dt) {
     else
         move_grains(d, dt);
     const double keep = 1.0 - d->drag * dt;
-    d->piston_v = keep * d->piston_v + dt * (d->wall_force[1] - d->pressure * d->area) / d->piston_mass;
+    if (d->strain_rate[d->dim - 1] == 0) /* else the piston follows the strain */
+        d->piston_v = keep * d->piston_v + dt * (d->wall_force[1] - d->pressure * d->area) / d->piston_mass;
     d->piston_y += dt * d->piston_v;
     d->v_max = fmax(d->v_max, fabs(d->piston_v));
     const double strain = sp_deform_cell(d, dt);

@@ -162,8 +162,8 @@ CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first,
 /* long_steps: see inertia.h. */
 static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t first, int32_t last, const bool affine,
                                          const bool both, const bool long_steps) {
-    const double full = 1.0 - d->drag * dt, strain = d->strain_rate[0] * dt, fall = d->gravity * dt;
-    const double rise = d->strain_rate[1] * dt, shear = d->shear_rate[0] * dt, zeta = d->law.damping;
+    const double full = 1.0 - d->drag * dt, strain = d->strain_rate[0] * dt, zeta = d->law.damping;
+    const double rise = d->strain_rate[1] * dt, shear = d->shear_rate[0] * dt;
     const bool rough = d->law.friction > 0;
     const double *restrict row = d->rows.row;
     const int32_t *restrict slot = d->rows.slot, *restrict count = d->rows.count;
@@ -183,13 +183,15 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
                 f += one[0];
                 squares += one[0] * one[0];
             }
-        double *g = d->g + 8 * (int64_t)i, kick = dt * g[6], keep = full;
+        double *g = d->g + 8 * (int64_t)i, kick = dt * g[6], keep = full, fall = d->gravity * dt;
         if (long_steps) {
-            keep = f[0] * g[2] + f[1] * g[3] + f[2] * g[4] > 0 ? 1 : full;
-            kick /= inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 2, rough);
+            const double factor = inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 2, rough);
+            const double power = f[0] * g[2] + (f[1] - d->gravity / g[6]) * g[3] + f[2] * g[4];
+            keep = power > 0 ? 1 : full;
+            kick /= factor;
+            fall /= factor;
         }
-        double vx = keep * g[2] + kick * f[0], vy = keep * g[3] + kick * f[1];
-        vy -= affine ? fall : 0;
+        double vx = keep * g[2] + kick * f[0], vy = keep * g[3] + kick * f[1] - fall;
         g[0] += dt * vx + (affine ? strain * g[0] + shear * g[1] : strain * g[0]);
         g[1] += affine ? dt * vy + rise * g[1] : dt * vy;
         g[2] = vx;
@@ -202,12 +204,11 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
     return (kernel_maxima){v2, rate};
 }
 
-/* Cells without strain, but with gravity, take the slower loop, and so do long steps. */
 CLONES kernel_maxima sp_kernel_move_2d(const dynamics *d, double dt, int32_t first, int32_t last) {
     if (d->long_steps)
         return d->rows.both ? move2(d, dt, first, last, true, true, true)
                             : move2(d, dt, first, last, true, false, true);
-    if (d->affine || d->gravity != 0)
+    if (d->affine)
         return d->rows.both ? move2(d, dt, first, last, true, true, false)
                             : move2(d, dt, first, last, true, false, false);
     return d->rows.both ? move2(d, dt, first, last, false, true, false)
@@ -461,9 +462,8 @@ static ALWAYS_INLINE void add3(const double *row, int32_t slot, const bool rough
 
 static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t first, int32_t last, const bool rough,
                                          const bool affine, const bool long_steps) {
-    const double full = 1.0 - d->drag * dt, zeta = d->law.damping;
-    const double strain[3] = {d->strain_rate[0] * dt, d->strain_rate[1] * dt, 0};
-    const double rise = d->strain_rate[2] * dt, fall[3] = {0, 0, d->gravity * dt};
+    const double full = 1.0 - d->drag * dt, zeta = d->law.damping, weight = d->gravity;
+    const double strain[3] = {d->strain_rate[0] * dt, d->strain_rate[1] * dt, 0}, rise = d->strain_rate[2] * dt;
     const double shear[3] = {d->shear_rate[0] * dt, d->shear_rate[1] * dt, d->shear_rate[2] * dt};
     const double *restrict row = d->rows.row;
     double v2 = 0, rate = 0;
@@ -474,17 +474,19 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
             add3(row, s[k], rough, long_steps, &f, &q, &squares);
         for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[c])
             add3(row, row_position(rough ? 8 : 4, c), rough, long_steps, &f, &q, &squares);
-        double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], keep = full, square = 0;
-        if (long_steps) {
-            const double push = f[0] * g[4] + f[1] * g[5] + f[2] * g[6];
-            const double spin = rough ? q[0] * g[8] + q[1] * g[9] + q[2] * g[10] : 0;
-            keep = push + spin > 0 ? 1 : full;
-            kick /= inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 3, rough);
-        }
+        double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], keep = full, fall[3] = {0, 0, weight * dt}, square = 0;
         const double carried[3] = {strain[0] * g[0] + shear[0] * g[1] + shear[1] * g[2],
                                    strain[1] * g[1] + shear[2] * g[2], rise * g[2]};
+        if (long_steps) {
+            const double factor = inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 3, rough);
+            const double push = f[0] * g[4] + f[1] * g[5] + (f[2] - weight / g[13]) * g[6];
+            const double spin = rough ? q[0] * g[8] + q[1] * g[9] + q[2] * g[10] : 0;
+            keep = push + spin > 0 ? 1 : full;
+            kick /= factor;
+            fall[2] /= factor;
+        }
         for (int a = 0; a < 3; a++) {
-            double v = keep * g[4 + a] + kick * f[a] - (affine ? fall[a] : 0);
+            double v = keep * g[4 + a] + kick * f[a] - fall[a];
             g[a] += dt * v + (affine ? carried[a] : strain[a] * g[a]);
             g[4 + a] = v;
             if (rough)
@@ -498,15 +500,14 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
     return (kernel_maxima){v2, rate};
 }
 
+static ALWAYS_INLINE kernel_maxima move3_any(const dynamics *d, double dt, int32_t first, int32_t last,
+                                             const bool rough, const bool affine) {
+    return d->long_steps ? move3(d, dt, first, last, rough, affine, true)
+                         : move3(d, dt, first, last, rough, affine, false);
+}
+
 CLONES kernel_maxima sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last) {
-    const bool affine = d->affine || d->gravity != 0;
-    if (d->long_steps && affine)
-        return turning(d) ? move3(d, dt, first, last, true, true, true) : move3(d, dt, first, last, false, true, true);
-    if (d->long_steps)
-        return turning(d) ? move3(d, dt, first, last, true, false, true)
-                          : move3(d, dt, first, last, false, false, true);
-    if (affine)
-        return turning(d) ? move3(d, dt, first, last, true, true, false)
-                          : move3(d, dt, first, last, false, true, false);
-    return turning(d) ? move3(d, dt, first, last, true, false, false) : move3(d, dt, first, last, false, false, false);
+    if (d->affine)
+        return turning(d) ? move3_any(d, dt, first, last, true, true) : move3_any(d, dt, first, last, false, true);
+    return turning(d) ? move3_any(d, dt, first, last, true, false) : move3_any(d, dt, first, last, false, false);
 }

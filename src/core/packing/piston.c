@@ -48,7 +48,8 @@ static double next_step(const compression *run) {
     const double fraction = step_fraction(run) * stable_step(d->law.damping);
     const double factor = d->long_steps ? fraction : fmin(fraction, 0.95 * stable_pair(&d->law));
     const double past = d->dt;
-    double soon = 2.0 * sqrt(run->r_min * 2.0 * d->v_max * past); /* k_n = 2 E* sqrt(R n) at a wall, n = 2 v dt */
+    const double fast = d->v_max + fabs(d->strain_rate[d->dim - 1]) * 2 * d->r_max; /* of grains that may touch */
+    double soon = 2.0 * sqrt(run->r_min * 2.0 * fast * past); /* k_n = 2 E* sqrt(R n) at a wall, n = 2 v dt */
     double rate = fmax(d->rate, 0.5 * sqrt(soon / d->m_min));
     double dt = rate > 0 ? factor / rate : INFINITY;
     if (d->piston_k > 0) /* a light piston on many grains */
@@ -59,7 +60,8 @@ static double next_step(const compression *run) {
 /* Step of the reference code: a small fraction of the period of the lightest grain at the stiffest contact. */
 static double plain_step(const compression *run) {
     const dynamics *d = &run->d;
-    const double factor = 0.05, past = d->dt, soon = 2.0 * sqrt(d->r_max * 2.0 * d->v_max * past);
+    const double factor = 0.05, past = d->dt, fast = d->v_max + fabs(d->strain_rate[d->dim - 1]) * 2 * d->r_max;
+    const double soon = 2.0 * sqrt(d->r_max * 2.0 * fast * past);
     double dt = factor * sqrt(d->m_min / fmax(d->k_max, 0.16 * soon));
     if (d->piston_k > 0)
         dt = fmin(dt, factor * sqrt(d->piston_mass / d->piston_k));
@@ -201,7 +203,7 @@ static sp_status report_progress(compression *run, sp_error *err) {
     static const char *const names[] = {"flight", "compaction", "equilibration"};
     if (!run->hooks->watch || run->steps % watch_steps(run->d.n) != 0)
         return SP_OK;
-    const sp_pack_progress progress = {.phase = names[run->phase],
+    const sp_pack_progress progress = {.phase = names[run->squeezed ? PHASE_COMPACTION : run->phase],
                                        .steps = run->steps,
                                        .height = run->d.piston_y,
                                        .strain = 1 - run->d.piston_y / run->start_height,
@@ -218,7 +220,7 @@ static sp_status inspect(compression *run, bool *done, sp_error *err) {
         return fail_insane(run, err);
     const bool carried = run->d.cell == SP_CELL_PISTON ? run->d.wall_force[1] > 0.5 * run->d.pressure * run->d.area
                                                        : sp_squeeze_carried(run);
-    if (run->phase == PHASE_FLIGHT && carried)
+    if (run->phase == PHASE_FLIGHT && !run->squeezed && carried)
         run->phase = PHASE_COMPACTION;
     sp_status status = check_periods(run, err);
     if (status == SP_OK)

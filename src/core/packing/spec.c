@@ -22,9 +22,10 @@ static const protocol protocols[] = {
     [SP_PROTOCOL_SOMFAI2005] =
         {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 0.7, 0.7, 0.01, {0.01, 0.01, 0.01, 0.01}, 1e6, 0.8},
     [SP_PROTOCOL_QUICK] = {0.5, 2, {0.45, 0.45, 0.45, 0.25}, 0.5, 0.5, 0.5, 3, {0.01, 0.01, 0.01, 0.01}, 1, 0.2},
+    [SP_PROTOCOL_AFFINE] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 1.8, 1.8, 3.1, 3, {0.02, 0.02, 0.02, 0.02}, 1e6, 0.2},
 };
 enum { PROTOCOLS = sizeof protocols / sizeof *protocols };
-_Static_assert(PROTOCOLS == SP_PROTOCOL_QUICK + 1, "the range of packing.protocol covers all protocols");
+_Static_assert(PROTOCOLS == SP_PROTOCOL_AFFINE + 1, "the range of packing.protocol covers all protocols");
 
 sp_pack_spec sp_pack_spec_default(void) {
 #define KEY(name, type, member, value, ...)           .member = value,

@@ -206,6 +206,8 @@ sp_status sp_compression_start(compression *run, sp_error *err) {
     const sp_pack_spec *spec = run->whole;
     sp_compression_set_stage(run);
     sp_status status = run->hooks->state ? sp_state_load(run, err) : start_new(run, err);
+    if (status == SP_OK)
+        sp_compression_squeeze(run);
     if (status == SP_OK && spec->grains >= (spec->dim == 3 ? 3000 : 5000))
         status = sp_pool_make(run->hooks->threads, &run->d.pool, err);
     run->r_min = 0.5 * spec->diameter_min;

@@ -22,8 +22,11 @@ static const sp_word laws[] = {{"uniform", SP_SIZES_UNIFORM},
                                {NULL, 0}};
 static const sp_word compressions[] = {
     {"piston", SP_COMPRESSION_PISTON}, {"isotropic", SP_COMPRESSION_ISOTROPIC}, {NULL, 0}};
-static const sp_word protocols[] = {
-    {"default", SP_PROTOCOL_DEFAULT}, {"somfai2005", SP_PROTOCOL_SOMFAI2005}, {"quick", SP_PROTOCOL_QUICK}, {NULL, 0}};
+static const sp_word protocols[] = {{"default", SP_PROTOCOL_DEFAULT},
+                                    {"somfai2005", SP_PROTOCOL_SOMFAI2005},
+                                    {"quick", SP_PROTOCOL_QUICK},
+                                    {"affine", SP_PROTOCOL_AFFINE},
+                                    {NULL, 0}};
 static const sp_word methods[] = {
     {"auto", SP_SIGNAL_AUTO},     {"chebyshev", SP_SIGNAL_CHEBYSHEV},       {"dense", SP_SIGNAL_DENSE},
     {"verlet", SP_SIGNAL_VERLET}, {"lax-wendroff", SP_SIGNAL_LAX_WENDROFF}, {"faber", SP_SIGNAL_FABER},

@@ -1,0 +1,95 @@
+/* The affine protocol: a homogeneous strain compresses the gas at a fixed inertial number, then the piston takes over.
+ */
+#include "test.h"
+
+#include <sonopack/packing.h>
+#include <string.h>
+
+static sp_pack_spec affine(int dim, int32_t grains) {
+    sp_pack_spec spec = sp_pack_spec_default();
+    spec.protocol = SP_PROTOCOL_AFFINE;
+    spec.dim = dim;
+    spec.grains = grains;
+    spec.width = 5;
+    return spec;
+}
+
+static sp_packing make(const sp_pack_spec *spec, sp_pack_watch watch, void *user) {
+    sp_packing p = sp_packing_none();
+    assert_ok(sp_packing_make(spec, watch, user, &p, &err));
+    return p;
+}
+
+static void test_rest(void **state) {
+    (void)state;
+    for (int k = 0; k < 6; k++) {
+        sp_pack_spec spec = affine(k % 2 ? 3 : 2, 80);
+        spec.friction = k == 2 || k == 3 ? 0 : 0.5;
+        spec.pressure = k < 4 ? 1e-4 : 1e-2;
+        if (k == 4) /* a lattice of disks, which all turn in the same sense */
+            spec.diameter_min = spec.diameter_max = 1;
+        sp_packing p = make(&spec, NULL, NULL);
+        sp_audit audit;
+        char reason[200];
+        assert_ok(sp_packing_audit(&p, 1e-4, &audit, &err));
+        assert_true(sp_audit_worst(&audit, 1e-3, reason, sizeof reason) < 1e-3);
+        sp_packing_free(&p);
+    }
+}
+
+/* Heights as a run goes on, until the piston takes over. */
+typedef struct heights {
+    double height[2000];
+    int count;
+} heights;
+
+static bool note(const sp_pack_progress *progress, void *user) {
+    heights *h = user;
+    assert_true(strcmp(progress->phase, "flight") != 0); /* nothing flies freely */
+    if (h->count < 2000)
+        h->height[h->count++] = progress->height;
+    return true;
+}
+
+/* Nothing but the strain moves the walls: the height shrinks steadily down to that of the packing, whereas a piston
+ * rebounds. */
+static void test_no_rebound(void **state) {
+    (void)state;
+    sp_pack_spec spec = affine(2, 400);
+    heights h = {.count = 0};
+    double rise = 0;
+    sp_packing p = make(&spec, note, &h);
+    for (int i = 1; i < h.count; i++)
+        rise = fmax(rise, h.height[i] / h.height[i - 1] - 1);
+    assert_true(h.count > 3 && h.height[0] > 2 * sp_packing_height(&p));
+    assert_true(rise < 0.01);
+    sp_packing_free(&p);
+}
+
+static double steps_of(sp_protocol protocol, int32_t grains) {
+    sp_pack_spec spec = affine(2, grains);
+    spec.protocol = protocol;
+    spec.tolerance = 1e-8;
+    sp_packing p = make(&spec, NULL, NULL);
+    const double steps = (double)p.steps;
+    sp_packing_free(&p);
+    return steps;
+}
+
+/* A box four times as high takes fewer steps than the piston takes in the low one. */
+static void test_steps_and_height(void **state) {
+    (void)state;
+    const double low = steps_of(SP_PROTOCOL_AFFINE, 150), high = steps_of(SP_PROTOCOL_AFFINE, 600);
+    const double piston = steps_of(SP_PROTOCOL_DEFAULT, 150);
+    printf("affine: %g and %g steps, piston: %g\n", low, high, piston);
+    assert_true(low < 0.3 * piston && high < 0.6 * piston);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_rest),
+        cmocka_unit_test(test_no_rebound),
+        cmocka_unit_test(test_steps_and_height),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
