@@ -6,10 +6,10 @@
 #include "base/vector.h"
 #include "packing/contact.h"
 #include "packing/deform.h"
+#include "packing/force_rows.h"
 #include "packing/kernel.h"
 #include "packing/pairs.h"
 #include "packing/plain.h"
-#include "packing/rows.h"
 
 #include <math.h>
 #include <string.h>
