@@ -6,11 +6,11 @@
 #include "base/vector.h"
 #include "packing/contact.h"
 #include "packing/deform.h"
+#include "packing/force_rows.h"
 #include "packing/inertia.h"
 #include "packing/kernel.h"
 #include "packing/pairs.h"
 #include "packing/plain.h"
-#include "packing/rows.h"
 
 #include <math.h>
 #include <string.h>
@@ -243,7 +243,7 @@ static void move_grains(dynamics *d, double dt) {
     step_work work = {.d = d, .dt = dt};
     kernel_maxima all = {0, 0};
     sp_pool_run(d->pool, move_part, &work);
-    for (int part = 0; part < (int)(sizeof work.seen / sizeof *work.seen); part++) {
+    for (int part = 0; part < sp_pool_parts(d->pool); part++) {
         all.v2 = work.seen[part].v2 > all.v2 ? work.seen[part].v2 : all.v2;
         all.rate = work.seen[part].rate > all.rate ? work.seen[part].rate : all.rate;
     }

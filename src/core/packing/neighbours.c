@@ -3,8 +3,8 @@
 
 #include "base/base.h"
 #include "packing/deform.h"
+#include "packing/force_rows.h"
 #include "packing/pairs.h"
-#include "packing/rows.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Layout of the rows of forces. Threads share the grains: each finds the rows of its own in ascending order, and skips
  * blocks of pairs that are not near. */
-#include "packing/rows.h"
+#include "packing/force_rows.h"
 
 #include "base/base.h"
 

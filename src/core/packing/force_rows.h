@@ -1,5 +1,5 @@
-#ifndef SP_ROWS_H
-#define SP_ROWS_H
+#ifndef SP_FORCE_ROWS_H
+#define SP_FORCE_ROWS_H
 /* Layout of the rows of forces: which rows each grain adds up. */
 #include "packing/grains.h"
 
