@@ -55,7 +55,8 @@ def test_examples_of_keys():
     """The example of a key is one that scenes take (files, which are not there, and lists for other keys aside)."""
     apart = {"packing.file", "packing.content", "packing.diameter_file", "packing.diameters", "study.sweep"}
     needs = {"packing.sizes": ["packing.diameter_min=0.8", "packing.diameter_max=1.2"],
-             "packing.diameter_min": ["packing.diameter_max=1.2"], "packing.diameter_max": ["packing.diameter_min=0.8"], "packing.depth": ["packing.dimension=3"]}
+             "packing.diameter_min": ["packing.diameter_max=1.2"], "packing.diameter_max": ["packing.diameter_min=0.8"], "packing.depth": ["packing.dimension=3"],
+             "packing.stress": ["packing.cell=\"periodic\""]}
     glass = ["material.E=7e10", "material.nu=0.2", "material.rho=2500", "material.d=1e-3"]
     needs.update({key: [other for other in glass if not other.startswith(key + "=")] for key in keys()
                   if key.startswith("material.")})

@@ -238,9 +238,10 @@ static sp_status inspect(compression *run, bool *done, sp_error *err) {
     *done = run->rest_checks >= REST_STEPS / CHECK_STEPS;
     if (!*done && run->steps >= run->max_steps)
         return sp_fail(err, SP_EFAILED,
-                       "seed %llu: not at rest after %lld steps: largest acceleration %.3g, pressure off "
+                       "seed %llu: not at rest after %lld steps: largest acceleration %.3g, %s off "
                        "by %.3g: both must be below packing.tolerance = %.3g before packing.max_steps = %lld",
-                       (unsigned long long)run->spec->seed, (long long)run->steps, run->residual, run->wall_imbalance,
+                       (unsigned long long)run->spec->seed, (long long)run->steps, run->residual,
+                       run->d.cell == SP_CELL_PISTON ? "pressure on the piston" : "stress", run->wall_imbalance,
                        run->spec->tolerance, (long long)run->max_steps);
     return report_progress(run, err);
 }
