@@ -37,6 +37,24 @@ def test_arrays():
         check(np.isclose(packing.volume, np.prod(p["box"])), name, "volume")
 
 
+def test_elasticity():
+    """The whole tensor is that of the command; plane waves along all axes, and planes as sources, in these cells."""
+    for name in ("tilted", "sheared"):
+        p = CELLS[name]
+        write_packing("C.h5", {**p, "friction": 0.3})
+        network = sonopack.Packing.read("C.h5").network()
+        lines = [line for line in command("moduli", "C.h5").splitlines() if not line.startswith("#")]
+        row = dict(zip(lines[0].split("\t"), lines[1].split("\t")))
+        e = network.elasticity()
+        for key, value in (("K", e.bulk), ("G_err", e.shear_error), ("anisotropy", e.anisotropy), ("C12", e.c[0, 1]),
+                           ("C_err", e.error.max())):
+            check(float(row[key]) == value, name, key, row[key], value)
+        check(network.cell == "periodic" and e.c.shape == (3 * (p["dim"] - 1),) * 2, name, e.c.shape)
+        for along in ({}, {"up": True}, {"along_y": True})[:p["dim"]]:
+            check((network.dispersion(waves=1, **along).wave["rms"] > 0).all(), name, along)
+        check(network.signal(sources=["plane:1"], detectors=["plane:2"], until=5.0, points=5).f.size == 5, name)
+
+
 def test_files():
     """What a file says, and what is written again, is the same to the bit; so are copies."""
     for name, p in CELLS.items():
@@ -69,5 +87,5 @@ def test_faults():
 if __name__ == "__main__":
     with scratch() as folder:
         os.chdir(folder)
-        run(test_arrays, test_files, test_faults)
+        run(test_arrays, test_elasticity, test_files, test_faults)
         os.chdir("/")
