@@ -45,7 +45,7 @@ WRONG = [  # a scene, and what its reason must say
     ("packing = { kind = \"chain\"; dimension = 2; };", "packing.dimension 2"),
     ("packing = { poisson = 0.6; };", "packing.poisson 0.6"),
     ("packing = { friction = -0.1; };", "packing.friction -0.1"),
-    ("packing = { time_step = 0.81; };", "packing.time_step 0.81"),
+    ("packing = { time_step = 4.01; };", "packing.time_step 4.01"),
     ("packing = { seed = 3; seed = 4; };", "SCENE:1"),
     ("packing = {\n\n presure = 1e-4; };", "SCENE:3 packing.presure packing.pressure"),
     ("paking = { pressure = 1e-4; };", "packing"),
