@@ -25,6 +25,13 @@ sp_status sp_engine_check(const sp_pack_spec *given, sp_error *err) {
     const sp_pack_spec s = sp_pack_spec_resolve(given);
     if (s.kind != SP_PACK_PISTON)
         return sp_fail_key(err, SP_EINVAL, "packing.kind", ": must be \"piston\" for --engine lammps");
+    if (s.cell != SP_CELL_PISTON)
+        return sp_fail_key(err, SP_EINVAL, "packing.cell", ": must be \"piston\" for --engine lammps");
+    if (s.gravity != 0)
+        return sp_fail_key(err, SP_EINVAL, "packing.gravity", " = %g: must be 0 for --engine lammps", s.gravity);
+    if (s.protocol == SP_PROTOCOL_AFFINE)
+        return sp_fail_key(err, SP_EINVAL, "packing.protocol",
+                           " = \"affine\": must be another for --engine lammps, which pushes with a piston");
     if (s.compression != SP_COMPRESSION_PISTON)
         return sp_fail_key(err, SP_EINVAL, "packing.compression", ": must be \"piston\" for --engine lammps");
     if (s.history_count > 0)
