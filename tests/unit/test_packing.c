@@ -312,7 +312,7 @@ static void test_spec_refuses(void **state) {
     REFUSED(s.pressure = NAN, "packing.pressure");
     REFUSED(s.friction = -0.1, "packing.friction");
     REFUSED(s.poisson = 0.51, "packing.poisson");
-    REFUSED(s.time_step = 0.85, "packing.time_step 0.85 0.001 0.8");
+    REFUSED(s.time_step = 4.5, "packing.time_step 4.5 0.001 4");
     REFUSED(s.time_step = 5e-4, "packing.time_step");
     REFUSED(s.dim = 1, "packing.dimension 1 2 3");
     REFUSED(s.dim = 4, "packing.dimension");
@@ -330,7 +330,7 @@ static void test_spec_refuses(void **state) {
     REFUSED(s.calm = NAN, "packing.calm");
     REFUSED(s.drag = 0.2, "packing.drag");
     REFUSED(s.sizes = (sp_sizes)4, "packing.sizes");
-    REFUSED(s.protocol = (sp_protocol)3, "packing.protocol");
+    REFUSED(s.protocol = (sp_protocol)4, "packing.protocol");
     REFUSED(s.compression = (sp_compression)7, "packing.compression");
     REFUSED(s.large_fraction = 1.1, "packing.large_fraction");
     REFUSED(s.size_spread = -0.1, "packing.size_spread");

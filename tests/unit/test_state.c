@@ -102,6 +102,7 @@ static void every_start_goes_on(void **state) {
         sp_pack_spec slow = s; /* so slow that states are saved during the homogeneous strain as well */
         slow.protocol = SP_PROTOCOL_AFFINE;
         slow.pressure = 1e-8;
+        slow.tolerance = 1e-11;
         assert_resumes("affine", &slow, NULL);
         s.compression = SP_COMPRESSION_ISOTROPIC;
         assert_resumes("isotropic", &s, NULL);
