@@ -31,7 +31,7 @@ void sp_sample_name(const sp_scene *scene, char name[SP_NAME_MAX]) {
     if (packing && network) {
         char tail[64];
         snprintf(tail, sizeof tail, "signal.source = %d\nalgorithm = %d\n", (int)scene->signal.source,
-                 SONOPACK_ALGORITHM);
+                 scene->pack.dim == 3 ? SONOPACK_ALGORITHM_3D : SONOPACK_ALGORITHM);
         size_t size = strlen(packing) + strlen(network) + strlen(tail) + 1;
         char *text = sp_alloc(size, 1);
         if (text) {
