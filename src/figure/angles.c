@@ -29,7 +29,7 @@ typedef struct rose {
     canvas *c;
     int angle, column[CURVES]; /* < 0: not in the table */
     int64_t merged;            /* rows that are drawn as one bin */
-    bool quarter;              /* angles above the walls, 0 to 90 degrees: of directions in space */
+    bool quarter;              /* angles above the horizontal, 0 to 90 degrees: of directions in space */
     double x, y, scale;        /* centre, and radius of 1 [pt] */
     double largest;
 } rose;
@@ -181,7 +181,7 @@ static void draw_curve(const rose *r, int q) {
 static void draw_legend(const rose *r) {
     sp_canvas_colour(r->c, sp_figure_ink(0));
     if (r->quarter)
-        sp_figure_text_draw(r->c, "angle above the walls", 4, 4, (text_style){TEXT_LEGEND, 0, 1, 0});
+        sp_figure_text_draw(r->c, "angle above the horizontal", 4, 4, (text_style){TEXT_LEGEND, 0, 1, 0});
     double y = r->c->height - LEGEND + 10;
     for (int q = 0; q < CURVES; q++) {
         if (r->column[q] < 0)

@@ -31,6 +31,7 @@ def path(name):
 def convert(*words):
     result = subprocess.run([COMMAND, "convert", *words, "--force"], capture_output=True, text=True, timeout=600, cwd=FOLDER)
     expect(result.returncode == 0, f"{words}: {result.stderr}")
+    return result.stderr
 
 
 def same(name, p, what, tolerance=1e-12):
@@ -57,7 +58,8 @@ def test_lammps():
             expect([float(v) for v in line.split()[:3]] == list(p["tilt"]), f"{name} data: tilt")
         convert("o.data", "b.h5", "--set", "digits=exact")
         same("b.h5", p, f"{name} data again")
-        convert(name + ".h5", "o.dump")
+        said = convert(name + ".h5", "o.dump")
+        expect("--set friction=" in said and ("--set wall=" in said) == (p["cell"] != "periodic"), f"{name} dump: {said}")
         lines = open(path("o.dump")).read().split("\n")
         words = lines[4].split()[3:]
         periodic = "ff" if name == "box" else "pp"

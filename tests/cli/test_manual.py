@@ -65,6 +65,9 @@ def main():
     for option in sorted(set(re.findall(r"--[a-z][a-z0-9-]*", page)) - {"--help", "--version"}):
         if not any(option in options(command) for command in COMMANDS):
             faults.append(f"the manual page names {option}, which no command has")
+    own, lammps = output("pack", "--help").split("Packings that LAMMPS makes")
+    if "--dry-run" not in own or "--dry-run" in lammps.split("Common options:")[0]:
+        faults.append("the help of pack has --dry-run among the options of LAMMPS")
     version = output("--version").split()[-1]
     if version not in page.split("\n")[0] + page:
         faults.append(f"the manual page is not of version {version}")

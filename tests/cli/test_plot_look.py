@@ -195,7 +195,7 @@ def check_packings(scratch):
         drawn(scratch, kind, N200)
     has(drawn(scratch, "forces", solid), "normal force")
     words = drawn(scratch, "angles", solid)
-    has(words, "angle above the walls", "0\u00b0", "90\u00b0", "density (isotropic: 1)")
+    has(words, "angle above the horizontal", "0\u00b0", "90\u00b0", "density (isotropic: 1)")
     expect("120\u00b0" not in words, f"angles above a wall beyond 90 degrees: {words}")
     has(drawn(scratch, "angles", N200), "120\u00b0", "330\u00b0")
     drawn(scratch, "signal", solid, "--title", "three dimensions")

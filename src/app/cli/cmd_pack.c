@@ -34,6 +34,7 @@ static const cli_option options[] = {
     {"seed", "S", "Seed of the random numbers", CLI_INTEGER, .field = offsetof(arguments, seed), .high = 9.3e18},
     {"state-every", "SECONDS", "Save the state of the compression this often (10)", CLI_NUMBER,
      .field = offsetof(arguments, every), .high = 1e9},
+    CLI_DRY_RUN,
     {.help = "Packings that LAMMPS makes (docs/cluster.md):"},
     {"engine", "sonopack|lammps", "Program that compresses the packing (sonopack)", CLI_CHOICE,
      .field = offsetof(arguments, engine.engine), .words = pack_engine_words},
@@ -44,7 +45,6 @@ static const cli_option options[] = {
      .field = offsetof(arguments, engine.prepare)},
     {"collect", "DIR", "Only read what LAMMPS has made of the files of --prepare, and bring it to rest", CLI_TEXT,
      .field = offsetof(arguments, engine.collect)},
-    CLI_DRY_RUN,
     {0}};
 
 static const cli_syntax syntax = {
@@ -60,6 +60,7 @@ static const cli_syntax syntax = {
         "\n"
         "  sonopack pack packings/single.cfg --seed 7 -o P.h5\n"
         "  sonopack pack --set packing.grains=200 --set packing.pressure=1e-5 -o P.txt\n"
+        "  sonopack pack --set packing.cell=periodic --set packing.friction=0 -o cell.h5\n"
         "  sonopack pack --dry-run packings/spheres.cfg -o P.h5\n"
         "\n"
         "With --engine lammps the grains are compressed by LAMMPS (pair_style granular), for packings that need more "

@@ -347,7 +347,9 @@ static void note_losses(const cli_common *common, const char *ending, const sp_p
         return;
     if (sp_packing_has_stiffnesses(p))
         cli_note(common, "%s: has no place for the stiffnesses of contacts, which are left out", path);
-    if (dump)
+    if (dump && p->cell == SP_CELL_PERIODIC)
+        cli_note(common, "%s: has no place for friction: to read it again, --set friction=%g", path, p->friction);
+    else if (dump)
         cli_note(common, "%s: has no place for walls and friction: to read it again, --set wall=%s --set friction=%g",
                  path, sp_wall_names[p->wall], p->friction);
 }

@@ -26,7 +26,7 @@ static bool counts(const sp_packing *p, const sp_contact *k, const bulk *b) {
 }
 
 /* n and -n are equivalent. Bins are centred at 0, 5, ... degrees, where lattices have their bonds. In three dimensions
- * the angle is that of elevation above the walls, and the bins are wider: few directions are nearly upright. */
+ * the angle is that of elevation above the horizontal, and the bins are wider: few directions are nearly upright. */
 static int bins_of(int dim) { return dim == 3 ? SP_ELEVATION_BINS : SP_ANGLE_BINS; }
 
 static int angle_bin(const sp_packing *p, const sp_contact *k) {

@@ -273,6 +273,8 @@ static sp_status check_balance(sp_work *w, const sp_packing *p, sp_error *err) {
     if (rattlers == p->n)
         sp_work_note(w, "all grains are rattlers: no balance of forces can be told%s",
                      p->friction > 0 ? "" : " (friction = 0)");
+    else if (now.force > mean && !w->has_ft && w->friction > 0)
+        sp_work_note(w, "forces do not balance, perhaps because the tangential forces are missing");
     else if (now.force > mean)
         sp_work_note(w, "forces do not balance: is the file cut short, or are periods, units or signs wrong?");
     if (turned.squares < 0.25 * now.squares)

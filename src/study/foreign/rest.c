@@ -35,7 +35,8 @@ sp_status sp_bring_to_rest(sp_work *w, sp_packing *p, sp_error *err) {
     const sp_pack_hooks hooks = {.threads = w->o->threads, .from = p};
     if (p->cell != SP_CELL_PISTON || p->gravity != 0)
         return sp_fail(err, SP_EREFUSED,
-                       "%s, --rest: grains come to rest under a piston without gravity only; this is another cell",
+                       "%s, --rest: grains come to rest under a piston without gravity only; read this cell "
+                       "without --rest, and pack it with packing.kind = \"file\"",
                        w->path);
     spec.kind = SP_PACK_FILE;
     spec.pressure = p->pressure;
