@@ -7,7 +7,7 @@
 #define SONOPACK_VERSION "0.5.0"
 /* Increased whenever the same scene and seed would give other numbers; part of a sample's name. Packings in three
  * dimensions have a number of their own. */
-#define SONOPACK_ALGORITHM 3
+#define SONOPACK_ALGORITHM    3
 #define SONOPACK_ALGORITHM_3D 4
 
 #ifdef __cplusplus
