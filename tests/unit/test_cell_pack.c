@@ -212,11 +212,20 @@ static void test_bad_cells(void **state) {
     assert_refuses(&s, SP_EINVAL, "packing.dimension");
 }
 
+/* Grains that their own weight pushes through each other: the reason is the gravity, not the pressure. */
+static void test_huge_gravity(void **state) {
+    (void)state;
+    sp_pack_spec s = small(2, SP_CELL_PISTON, 0.5);
+    s.width = 6;
+    s.gravity = 1e-2;
+    assert_refuses(&s, SP_EFAILED, "packing.gravity");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pressure),  cmocka_unit_test(test_stress),  cmocka_unit_test(test_file),
-        cmocka_unit_test(test_reference), cmocka_unit_test(test_gravity), cmocka_unit_test(test_bad_stress),
-        cmocka_unit_test(test_bad_cells),
+        cmocka_unit_test(test_pressure),  cmocka_unit_test(test_stress),       cmocka_unit_test(test_file),
+        cmocka_unit_test(test_reference), cmocka_unit_test(test_gravity),      cmocka_unit_test(test_bad_stress),
+        cmocka_unit_test(test_bad_cells), cmocka_unit_test(test_huge_gravity),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -121,10 +121,27 @@ static int64_t watch_steps(int32_t grains) {
     return (int64_t)CHECK_STEPS * (checks > 100 ? 100 : checks > 1 ? checks : 1);
 }
 
-static sp_status fail_insane(const compression *run, sp_error *err) {
+/* Pressure that the weight of all grains adds at the bottom. */
+static double weight_pressure(const compression *run) {
+    const dynamics *d = &run->d;
+    double mass = 0;
+    for (int32_t i = 0; i < d->n && d->gravity != 0; i++)
+        mass += 1 / dynamics_grain(d, i)[d->at.inv_m];
+    return d->gravity * mass / d->area;
+}
+
+/* What is the most likely to have pushed grains through each other. */
+static void name_cause(const compression *run, sp_error *err) {
     const sp_pack_spec *s = run->spec;
     const double layer = run->d.area / (s->dim == 2 ? sp_sizes_moment(s, 1) : sp_sizes_moment(s, 2));
-    if (run->d.n < layer)
+    const double weight = weight_pressure(run);
+    if (weight > s->pressure)
+        sp_fail_key(
+            err, SP_EFAILED, "packing.gravity",
+            " = %g: the weight of the grains, a pressure of %.3g on the bottom, is too much for them or arrives "
+            "too fast, or packing.time_step = %g is too large",
+            s->gravity, weight, s->time_step);
+    else if (run->d.n < layer)
         sp_fail(err, SP_EFAILED,
                 "packing.grains = %d are less than a layer, %.3g, of this box, and each carries more than "
                 "packing.pressure = %g",
@@ -139,8 +156,12 @@ static sp_status fail_insane(const compression *run, sp_error *err) {
                 "packing.pressure = %g is too much for it or arrives too fast (a larger packing.piston_mass is "
                 "slower), or packing.time_step = %g is too large",
                 s->pressure, s->time_step);
+}
+
+static sp_status fail_insane(const compression *run, sp_error *err) {
+    name_cause(run, err);
     return sp_fail_prefix(err, "seed %llu: a grain went through a wall or another grain at step %lld",
-                          (unsigned long long)s->seed, (long long)run->steps);
+                          (unsigned long long)run->spec->seed, (long long)run->steps);
 }
 
 /* Isotropic: if too few grains hold the box open, it collapses. */
@@ -256,8 +277,11 @@ static sp_status save_state(compression *run, sp_error *err) {
 }
 
 /* Looks for the start of equilibration, at the forces of this step. The acceleration includes viscous forces because
- * during creep these balance the elastic ones. */
+ * during creep these balance the elastic ones. Not while a homogeneous strain compresses the gas: then a few grains may
+ * happen to carry the wall. */
 static void look_for_equilibration(compression *run) {
+    if (run->squeezed)
+        return;
     const double acceleration = sp_dynamics_acceleration(&run->d), end = run->spec->calm * run->spec->pressure;
     const bool isotropic = run->spec->compression == SP_COMPRESSION_ISOTROPIC;
     if (run->steps > 0 && acceleration < end && sp_compression_driven(run))
