@@ -133,7 +133,9 @@ def signals(cells, folder):
     for path in cells:
         for words in ((), ("--from", "plane:2"), ("--detector", "plane:2"), ("--from", "part:0:1")):
             assert names_all(run("signal", path, *words, status=1), "plane:Y")
-        assert names_all(run("front", path, status=1), "plane:Y")
+        for words in (("front", path), ("modes", path, "--damping", 0.1), ("plot", "snapshot", path, "-o", folder / "s.svg"),
+                      ("convert", path, folder / "s.pvd", "--times", "0:9:3")):  # none of them has these options itself
+            assert names_all(run(*words, status=1), "signal --from --detector plane:Y"), words
         comments, rows = table("signal", path, "--from", "plane:2:shear", "--detector", "plane:3.2", "--until", 20,
                                "--points", 41)
         assert comments["F"].startswith("from plane:2:shear to plane:3.2:normal")
@@ -169,6 +171,28 @@ def boxes(folder):
     assert float(comments.get("omega_max", 0)) > 0 and np.isfinite(float(rows[0]["peak"]))
 
 
+def low_cells(folder):
+    """A cell without walls is not told that its walls decide; a box is."""
+    for cell, lines in (("periodic", 0), ("box", 1)):
+        path = triangular(folder / f"low_{cell}.h5", 8, 4, 0.3, cell)
+        done = subprocess.run([COMMAND, "modes", path, "--lowest", "3"], capture_output=True, text=True, check=True)
+        assert len(done.stderr.splitlines()) == lines, (cell, done.stderr)
+
+
+def studies(folder):
+    """What needs walls is refused before any packing is made."""
+    store, words = folder / "store", ["--set", "packing.grains=60", "--set", "study.samples=1", "--set"]
+    for cell, wants, status in (("periodic", "ctof scaling signal planes probes", 2), ("box", "probes", 2),
+                                ("periodic", "statics moduli spectrum", 0), ("box", "ctof signal moduli", 0)):
+        for want in wants.split():
+            args = [*words, f'study.want=["{want}"]', "--set", "packing.cell=" + cell, "--store", store]
+            if want == "planes":
+                args += ["--set", "signal.planes=2"]
+            said = run("study", *args, *(() if status else ("--dry-run",)), status=status)
+            assert names_all(said, "study.want packing.cell" if status else "packings"), (cell, want, said)
+            assert not store.exists(), (cell, want)
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -180,6 +204,8 @@ def main():
         waves(cells)
         signals(cells, folder)
         boxes(folder)
+        low_cells(folder)
+        studies(folder)
 
 
 main()

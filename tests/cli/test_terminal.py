@@ -56,7 +56,8 @@ def test_examples_of_keys():
     apart = {"packing.file", "packing.content", "packing.diameter_file", "packing.diameters", "study.sweep"}
     needs = {"packing.sizes": ["packing.diameter_min=0.8", "packing.diameter_max=1.2"],
              "packing.diameter_min": ["packing.diameter_max=1.2"], "packing.diameter_max": ["packing.diameter_min=0.8"], "packing.depth": ["packing.dimension=3"],
-             "packing.stress": ["packing.cell=\"periodic\""]}
+             "packing.cell": ["study.want=[\"moduli\"]"],  # fronts need walls
+             "packing.stress": ["study.want=[\"moduli\"]", "packing.cell=\"periodic\""]}
     glass = ["material.E=7e10", "material.nu=0.2", "material.rho=2500", "material.d=1e-3"]
     needs.update({key: [other for other in glass if not other.startswith(key + "=")] for key in keys()
                   if key.startswith("material.")})

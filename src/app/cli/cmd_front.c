@@ -107,7 +107,8 @@ static sp_status packing_front(arguments *a, const cli_file *file, arrival *out,
         *out = (arrival){.distance = sp_packing_height(&p), .length = "d", .force = "E* d^2"};
         snprintf(out->time, sizeof out->time, "%s", time_unit);
         double window = 0;
-        if (is_given(&a->window))
+        status = cli_need_walls(&p, "a front", err);
+        if (status == SP_OK && is_given(&a->window))
             status = in_unit(a, &a->window, time_unit, &window, err);
         if (status == SP_OK)
             status = sp_network_front(&net, a->source >= 0 ? (sp_source)a->source : file->scene->signal.source, window,

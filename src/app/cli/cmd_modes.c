@@ -201,6 +201,8 @@ static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err
         return undamped(a, file, t, err);
     cli_writer w = {.table = t, .err = err};
     cli_comment(&w, "file = %s", file->path);
+    if (w.status == SP_OK && !a->stability)
+        w.status = cli_need_walls(&file->packing, "the pulse of damped modes", err);
     if (w.status != SP_OK)
         return w.status;
     return a->stability ? modes_stability(&file->packing, &file->network, t, err)

@@ -167,12 +167,35 @@ static sp_status announce(const arguments *a, const sp_scene *scene, sp_error *e
     return status;
 }
 
+/* Refuses before the work what no sample could have: most results of the command lead from wall to wall, and probes
+ * need the sides to be periodic too. Packings from files say it themselves. */
+static sp_status check_cell(const sp_scene *scene, sp_error *err) {
+    static const struct {
+        unsigned part;
+        const char *word;
+    } wall[] = {{SP_WANT_CTOF, "ctof"},
+                {SP_WANT_SCALING, "scaling"},
+                {SP_WANT_PLANES, "planes"},
+                {SP_WANT_SIGNAL, "signal"},
+                {SP_WANT_PROBES, "probes"}};
+    if (scene->pack.kind != SP_PACK_PISTON || scene->pack.cell == SP_CELL_PISTON)
+        return SP_OK;
+    for (size_t k = 0; k < sizeof wall / sizeof *wall; k++)
+        if (scene->want & wall[k].part && (scene->pack.cell == SP_CELL_PERIODIC || wall[k].part == SP_WANT_PROBES))
+            return sp_fail_key(err, SP_EINVAL, "study.want",
+                               ": %s needs packing.cell = \"piston\"%s; cells take statics, moduli and spectrum",
+                               wall[k].word, wall[k].part == SP_WANT_PROBES ? "" : " or \"box\"");
+    return SP_OK;
+}
+
 /* Reads the scene, and the packing that it starts from, if it names one. */
 static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
     const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
     sp_status status = cli_read_scene(&a->common, path, scene, err);
     if (status == SP_OK)
         status = sp_scene_check_sweeps(scene, err);
+    if (status == SP_OK)
+        status = check_cell(scene, err);
     if (status == SP_OK && scene->pack.kind == SP_PACK_FILE) {
         status = cli_load_start(scene, from, err);
         a->study.from = from;

@@ -2,6 +2,7 @@
 #include "cli/convert_out.h"
 
 #include "base/base.h"
+#include "cli/files.h"
 #include "cli/output.h"
 #include "cli/plot_input.h"
 #include "cli/plot_motion.h"
@@ -320,7 +321,9 @@ static sp_status write_wave(const cli_common *common, const convert_out *o, cons
     sp_network net = sp_network_none();
     double *time = NULL, *u = NULL;
     int n = 0;
-    sp_status status = read_times(o->times, &n, &time, err);
+    sp_status status = cli_need_walls(p, "the pulse of --times", err);
+    if (status == SP_OK)
+        status = read_times(o->times, &n, &time, err);
     if (status == SP_OK)
         status = sp_network_make(p, &options, &net, err);
     if (status == SP_OK) {

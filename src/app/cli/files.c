@@ -4,6 +4,16 @@
 
 #include "base/base.h"
 
+sp_status cli_need_walls(const sp_packing *p, const char *what, sp_error *err) {
+    if (p->cell != SP_CELL_PERIODIC)
+        return SP_OK;
+    return sp_fail(
+        err, SP_EREFUSED,
+        "the cell is periodic and has no walls, between which %s passes: `sonopack signal' sends pulses from "
+        "plane to plane (--from plane:Y --detector plane:Z)",
+        what);
+}
+
 sp_status cli_read_network(const char *path, const sp_network_options *opt, sp_packing *p, sp_network *net,
                            sp_error *err) {
     *p = sp_packing_none();

@@ -32,6 +32,9 @@ typedef struct cli_files {
 /* Runs the command on common->file[] and writes the table. Returns the exit status. */
 int cli_run_files(const cli_files *command, void *arguments);
 
+/* SP_EREFUSED for a packing in a periodic cell. `what`, such as "a front", begins at a wall. */
+sp_status cli_need_walls(const sp_packing *p, const char *what, sp_error *err);
+
 /* Reads a packing and makes its network. The message names the file. Free both, even after a failure. */
 sp_status cli_read_network(const char *path, const sp_network_options *opt, sp_packing *p, sp_network *net,
                            sp_error *err);

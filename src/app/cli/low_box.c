@@ -40,7 +40,7 @@ void cli_warn_packing(const cli_common *common, const char *path, const sp_packi
     if (2 * net->n < net->n_all)
         cli_note(common, "%s: warning: %d of %d grains are rattlers, which carry nothing: results are those of a few",
                  path, net->rattlers, net->n_all);
-    else if (height < lowest)
+    else if (height < lowest && p->cell != SP_CELL_PERIODIC) /* which has no walls that could decide */
         cli_note(common, "%s: warning: the box is %.3g diameters high, less than %g: results are those of the walls",
                  path, height, lowest);
 }

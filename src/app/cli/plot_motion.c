@@ -156,6 +156,8 @@ static sp_status compute_frames(drawing *d, double usual, sp_error *err) {
 
 static sp_status compute_snapshot(drawing *d, sp_error *err) {
     sp_status status = make_network(d, &d->scene->network, err);
+    if (status == SP_OK)
+        status = of_packing(d, cli_need_walls(&d->packing, "the pulse of a snapshot", err), err);
     if (status != SP_OK)
         return status;
     /* 80 at a height of 25 and p = 1e-4, as in Fig. 3 of Somfai et al. 2005 */
