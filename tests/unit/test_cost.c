@@ -40,7 +40,7 @@ static bool watch(const sp_pack_progress *p, void *user) {
 static sp_pack_spec small(int dim, double pressure, double friction, sp_protocol protocol) {
     sp_pack_spec s = sp_pack_spec_default();
     s.dim = dim;
-    s.grains = dim == 3 ? 100 : 150;
+    s.grains = dim == 3 ? 160 : 150;
     s.width = dim == 3 ? 5 : 12;
     s.pressure = pressure;
     s.friction = friction;
@@ -59,7 +59,8 @@ static recorded record(const sp_pack_spec *spec) {
     return r;
 }
 
-/* Unlike compressions: what is said never grows, is right within 2 at a third, and is small at the end. */
+/* Unlike compressions: what is said never grows, is right within 2 at a third, and is small at the end: the third of
+ * them all where a third more steps were expected. */
 static void test_remaining_never_grows(void **state) {
     (void)state;
     const sp_pack_spec specs[] = {small(2, 1e-4, 0.5, SP_PROTOCOL_DEFAULT), small(2, 1e-6, 0.5, SP_PROTOCOL_DEFAULT),
@@ -69,15 +70,31 @@ static void test_remaining_never_grows(void **state) {
         const double right = r.total - r.steps_at_third;
         assert_true(r.said > 3 && r.grown == 0 && !r.fraction_fell);
         assert_true(r.at_third > right / 2 && r.at_third < 2 * right);
-        assert_true(r.last < 0.3 * r.total && r.last > 0);
+        assert_true(r.last < 0.4 * r.total && r.last > 0);
     }
 }
 
-/* The steps that are expected are those that are taken, within 2. */
+static sp_pack_spec in_cell(sp_boundary cell, int dim, double pressure, double friction, sp_protocol protocol) {
+    sp_pack_spec s = small(dim, pressure, friction, protocol);
+    s.cell = cell;
+    s.width = sp_pack_spec_default().width; /* equal edges */
+    return s;
+}
+
+/* The steps that are expected are those that are taken, within 2. A cell at 1e-3 takes a fifth of those of a piston, an
+ * affine compression a third: their own laws are what is tested. */
 static void test_steps(void **state) {
     (void)state;
-    const sp_pack_spec specs[] = {small(2, 1e-5, 0.3, SP_PROTOCOL_DEFAULT), small(2, 1e-4, 0.5, SP_PROTOCOL_QUICK),
-                                  small(3, 1e-3, 0, SP_PROTOCOL_DEFAULT)};
+    const sp_pack_spec specs[] = {small(2, 1e-5, 0.3, SP_PROTOCOL_DEFAULT),
+                                  small(2, 1e-4, 0.5, SP_PROTOCOL_QUICK),
+                                  small(3, 1e-3, 0, SP_PROTOCOL_DEFAULT),
+                                  small(2, 1e-4, 0.5, SP_PROTOCOL_AFFINE),
+                                  small(3, 1e-4, 0, SP_PROTOCOL_AFFINE),
+                                  in_cell(SP_CELL_PERIODIC, 2, 1e-3, 0.5, SP_PROTOCOL_DEFAULT),
+                                  in_cell(SP_CELL_PERIODIC, 2, 1e-6, 0, SP_PROTOCOL_AFFINE),
+                                  in_cell(SP_CELL_PERIODIC, 3, 1e-4, 0.5, SP_PROTOCOL_DEFAULT),
+                                  in_cell(SP_CELL_BOX, 2, 1e-3, 0, SP_PROTOCOL_QUICK),
+                                  in_cell(SP_CELL_BOX, 3, 1e-3, 0.5, SP_PROTOCOL_DEFAULT)};
     for (size_t k = 0; k < sizeof specs / sizeof *specs; k++) {
         const recorded r = record(&specs[k]);
         assert_true(r.expected > r.total / 2 && r.expected < 2 * r.total);
@@ -135,8 +152,9 @@ static void test_laws(void **state) {
 static void test_every_compression(void **state) {
     (void)state;
     const sp_machine one = sp_machine_reference();
-    for (int k = 0; k < 12; k++) {
-        sp_pack_spec spec = small(2 + k % 2, 1e-4, k / 2 % 2 ? 0.5 : 0, (sp_protocol)(k / 4));
+    for (int k = 0; k < 48; k++) {
+        sp_pack_spec spec = small(2 + k % 2, 1e-4, k / 2 % 2 ? 0.5 : 0, (sp_protocol)(k / 4 % 4));
+        spec.cell = (sp_boundary)(k / 16);
         const sp_packing_forecast f = sp_packing_expect(&spec, 1, &one);
         assert_true(f.steps > 100 && f.steps < 1e6 && f.cost.cpu > 0);
         assert_true(f.cost.memory > 200.0 * spec.grains && f.cost.memory < 2e4 * spec.grains);
