@@ -8,7 +8,8 @@ import numpy as np
 import scipy.linalg
 
 from common import names_all
-from test_signal import N200, N600, Network, columns, run, table
+from network_oracle import Network
+from test_signal import N200, N600, columns, run, table
 
 
 class Waves(Network):

@@ -58,7 +58,7 @@ static sp_status read_properties(sp_sheet *s, const char *line, size_t length, i
             return sp_fail(err, SP_EFORMAT, "%s:%lld: Properties: '%.60s' must be followed by its type and count",
                            s->file, (long long)number, name);
         for (int k = 0; k < n; k++) {
-            char suffix[8] = "";
+            char suffix[16] = "";
             if (n == 3)
                 snprintf(suffix, sizeof suffix, "_%s", axis[k]);
             else if (n > 1)
