@@ -207,7 +207,7 @@ sp_status sp_role_vector(sp_work *w, const sp_sheet *s, const char *role, sp_pla
     return SP_OK;
 }
 
-sp_status sp_place_vector(const sp_sheet *s, int64_t row, const sp_place at[3], double out[3], sp_error *err) {
+sp_status sp_place_vector(const sp_sheet *s, int64_t row, const sp_place *at, double *out, sp_error *err) {
     sp_status status = SP_OK;
     for (int a = 0; a < 3 && status == SP_OK; a++) {
         out[a] = 0; /* axes that the packing does not have */

@@ -90,7 +90,7 @@ bool sp_role_is_named(const sp_work *w, const char *role);
 /* Three components, role_x, role_y, role_z, along the axes of the packing; *given tells whether there are columns.
  * Components along an axis that is turned change their signs, unless the option names their own columns. */
 sp_status sp_role_vector(sp_work *w, const sp_sheet *s, const char *role, sp_place out[3], bool *given, sp_error *err);
-sp_status sp_place_vector(const sp_sheet *s, int64_t row, const sp_place at[3], double out[3], sp_error *err);
+sp_status sp_place_vector(const sp_sheet *s, int64_t row, const sp_place *at, double *out, sp_error *err);
 /* Refuses roles of the option that no sheet has. */
 sp_status sp_roles_check(const sp_work *w, sp_error *err);
 
