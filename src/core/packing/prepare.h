@@ -45,7 +45,7 @@ void sp_sizes_limits(const sp_pack_spec *spec, double *low, double *high);
 /* Fraction of the unrestricted lognormal distribution within the limits. */
 double sp_sizes_within(const sp_pack_spec *spec);
 /* Moment <d^k>, k >= 0, of the distribution (of a list: of its entries), and quantities derived from it. */
-double sp_sizes_moment(const sp_pack_spec *spec, int k);
+SP_SHARED double sp_sizes_moment(const sp_pack_spec *spec, int k);
 double sp_sizes_mean_area(const sp_pack_spec *spec);
 double sp_sizes_mean_volume(const sp_pack_spec *spec);
 /* Whether the grains are so similar that they may form a lattice. */
