@@ -49,9 +49,9 @@ sp_status sp_pair_list_alloc(pair_list *p, int dim, int32_t capacity, bool inner
 
 void sp_pairs_store_part(dynamics *d, int part, int parts) {
     const int32_t n = d->inner.n; /* 0: the arrays may not exist yet */
-    for (int a = 0; a < d->at.forces; a++) {
-        const double *from = n > 0 ? d->inner.ft + (int64_t)a * d->inner.capacity : NULL;
-        double *to = n > 0 ? d->outer.ft + (int64_t)a * d->outer.capacity : NULL;
+    for (int a = 0; a < d->at.forces && n > 0; a++) {
+        const double *from = d->inner.ft + (int64_t)a * d->inner.capacity;
+        double *to = d->outer.ft + (int64_t)a * d->outer.capacity;
         for (int32_t k = sp_pool_share(n, part, parts); k < sp_pool_share(n, part + 1, parts); k++)
             to[d->inner.from[k]] = from[k];
     }
