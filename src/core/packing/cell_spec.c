@@ -1,5 +1,6 @@
 /* Specs of packings without a piston: their shape, their stress, and what cannot be. */
 #include "base/base.h"
+#include "packing/geometry.h"
 #include "packing/prepare.h"
 
 #include <math.h>
@@ -126,22 +127,21 @@ static sp_status check_piston_cell(const sp_pack_spec *s, sp_error *err) {
 }
 
 sp_status sp_cell_spec_check(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err) {
-    static const char *const names[] = {"piston", "periodic", "box"};
     if (given->cell == SP_CELL_PISTON)
         return check_piston_cell(given, err);
     if (given->kind != SP_PACK_PISTON && given->kind != SP_PACK_FILE)
         return sp_fail_key(err, SP_EINVAL, "packing.cell", " = \"%s\": must be \"piston\" for ordered packings",
-                           names[given->cell]);
+                           sp_cell_names[given->cell]);
     if (given->dim != 2 && given->dim != 3)
         return sp_fail_key(err, SP_EINVAL, "packing.dimension", " = %d: must be 2 or 3 for packing.cell = \"%s\"",
-                           given->dim, names[given->cell]);
+                           given->dim, sp_cell_names[given->cell]);
     if (given->compression != SP_COMPRESSION_PISTON)
         return sp_fail_key(err, SP_EINVAL, "packing.compression",
                            " = \"isotropic\": must not be given for packing.cell = \"%s\", whose edges all move",
-                           names[given->cell]);
+                           sp_cell_names[given->cell]);
     if (given->gravity != 0)
         return sp_fail_key(err, SP_EINVAL, "packing.gravity", " = %g: must be 0 for packing.cell = \"%s\"",
-                           given->gravity, names[given->cell]);
+                           given->gravity, sp_cell_names[given->cell]);
     sp_status status = given->stress_count != 0 ? check_stress(given, err) : SP_OK;
     return status == SP_OK && given->kind == SP_PACK_PISTON ? check_edges(given, s, err) : status;
 }

@@ -16,16 +16,13 @@ void sp_compression_set_stage(compression *run) {
     run->spec = &run->now;
 }
 
-/* Stiffness of a packing in its box. Measured: 0.2 .. 0.35 p^(1/3), largest for frictionless grains. */
-static double stiffness(double pressure) { return 0.3 * cbrt(pressure); }
-
 /* Period of the piston's oscillation on the packing, over 2 pi. */
 static double swing_time(const compression *run) {
     const dynamics *d = &run->d;
     double mass = 0;
     for (int32_t i = 0; i < d->n; i++)
         mass += 1 / dynamics_grain(d, i)[d->at.inv_m];
-    return sqrt((d->piston_mass + 0.5 * mass) / d->area * d->piston_y / stiffness(d->pressure));
+    return sqrt((d->piston_mass + 0.5 * mass) / d->area * d->piston_y / compression_stiffness(d->pressure));
 }
 
 /* Changes the pressure slowly compared with the oscillation; after a jump the piston would rebound and open the
@@ -63,7 +60,7 @@ static void follow_pressure(compression *run, int a, double dt) {
     dynamics *d = &run->d;
     const double p = d->pressure, excess = sp_dynamics_lateral_pressure(d, a) / p - 1;
     const double stop = d->strain_rate[a] == 0 ? 3e-4 : 1e-5;
-    const double rate = fmin(gentle_rate(p), p / (stiffness(p) * 6 * LATERAL_STEPS * dt));
+    const double rate = fmin(gentle_rate(p), p / (compression_stiffness(p) * 6 * LATERAL_STEPS * dt));
     const bool settled = run->phase == PHASE_EQUILIBRATION && d->pressure == run->spec->pressure;
     d->strain_rate[a] = settled && fabs(excess) < stop ? 0 : rate * fmax(-1, fmin(1, excess));
 }

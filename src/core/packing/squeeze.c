@@ -14,9 +14,6 @@ static const double UPDATES = 6;
 /* Shear strain after which a stress counts as one that the grains do not carry. */
 static const double MOST_FLOW = 0.5;
 
-/* Stiffness of a packing in its cell against the strain of one edge, about as under a piston (drive.c). */
-static double stiffness(double pressure) { return 0.3 * cbrt(pressure); }
-
 /* Target stress of this stage: the whole tensor scales with the pressure. */
 static void target_now(const compression *run, double target[6]) {
     sp_stress_target(run->whole, target);
@@ -74,7 +71,8 @@ void sp_squeeze_drive(compression *run, double dt) {
     double stress[6], target[6], excess[6];
     sp_dynamics_stress(d, stress);
     target_now(run, target);
-    const double rate = fmin(INERTIAL * sqrt(p), p / (d->dim * stiffness(p) * UPDATES * LATERAL_STEPS * dt));
+    const double rate =
+        fmin(INERTIAL * sqrt(p), p / (d->dim * compression_stiffness(p) * UPDATES * LATERAL_STEPS * dt));
     const double average = fmax(-1, fmin(1, mean(d, stress) / p - 1));
     for (int c = 0; c < 6; c++)
         excess[c] = fmax(-1, fmin(1, (stress[c] - target[c]) / p));
