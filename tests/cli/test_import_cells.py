@@ -10,18 +10,11 @@ import h5py
 import numpy as np
 
 from cells import box_of_disks, lattice, matrix_of
-from common import names_all
+from common import expect, faults, names_all
 
 COMMAND = sys.argv[1]
 FOLDER = tempfile.mkdtemp(prefix="sonopack-import-cells-")
 FRICTION, RIGID, EXACT = ("--set", "friction=0"), ("--set", "wall=rigid"), ("--set", "digits=exact")
-failures = []
-
-
-def expect(condition, what):
-    if not condition:
-        failures.append(what)
-        print("FAILED:", what)
 
 
 def path(name):
@@ -351,8 +344,9 @@ def test_gravity():
 
 
 for test in [value for name, value in list(globals().items()) if name.startswith("test_")]:
-    before = len(failures)
+    before = len(faults)
     test()
-    print("ok" if len(failures) == before else "FAILED", test.__name__)
-print(f"{len(failures)} failures" if failures else "import of cells: all fine")
-sys.exit(1 if failures else 0)
+    print("ok" if len(faults) == before else "FAILED", test.__name__)
+print(f"{len(faults)} faults" if faults else "import of cells: all fine")
+print(*faults, sep="\n")
+sys.exit(1 if faults else 0)

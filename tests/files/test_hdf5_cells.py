@@ -11,17 +11,10 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cli"))
 from cells import box_of_disks, lattice, write_packing  # noqa: E402
-from common import names_all  # noqa: E402
+from common import expect, faults, names_all  # noqa: E402
 
 COMMAND = sys.argv[1]
 FOLDER = tempfile.mkdtemp(prefix="sonopack-hdf5-cells-")
-failures = []
-
-
-def expect(condition, what):
-    if not condition:
-        failures.append(what)
-        print("FAILED:", what)
 
 
 def path(name):
@@ -145,8 +138,9 @@ def test_forgeries():
 
 for name, test in list(globals().items()):
     if name.startswith("test_"):
-        before = len(failures)
+        before = len(faults)
         test()
-        print("ok" if len(failures) == before else "FAILED", name)
+        print("ok" if len(faults) == before else "FAILED", name)
 shutil.rmtree(FOLDER)
-sys.exit(1 if failures else 0)
+print(*faults, sep="\n")
+sys.exit(1 if faults else 0)
