@@ -5,6 +5,7 @@
  * slows down on its way. */
 
 #include <sonopack/network.h>
+#include <stdbool.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -30,6 +31,8 @@ typedef struct sp_coherent_section_options {
     double spacing; /* distance between planes [d]; 1 */
     double low;     /* height of the first plane [d]; 4, beyond the influence of the wall's springs */
     double part;    /* the last plane is at this fraction of the height; 0.6, above which the echo arrives soon */
+    bool shear;     /* the transverse wave: the bottom wall moves along x, and planes record the momentum along x that
+                       crosses them; false */
 } sp_coherent_section_options;
 SP_API sp_coherent_section_options sp_coherent_section_options_default(void);
 /* The momentum flux through planes of a packing after a pulse at its bottom wall. The flux is the same for all planes
