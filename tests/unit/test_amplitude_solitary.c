@@ -99,7 +99,7 @@ static void put_wave(motion *s, double peak, double overlap, double sound) {
 /* After the time of 50 balls every contact has the overlap that the one 50 below it had. */
 static void test_travels(void **state) {
     (void)state;
-    enum { N = 100, FAR = 50, STEPS = 20000 };
+    enum { N = 100, FAR = 50, STEPS = 60000 };
     const double peaks[] = {0.5, 20};
     sp_packing p = chain_packing(N, 1e-6);
     sp_network net = carried_network(&p);
@@ -120,7 +120,7 @@ static void test_travels(void **state) {
             sp_motion_step(&s, FAR / (wave.speed * sound) / STEPS, shift);
         for (int i = 0; i < N - 1; i++) {
             const double now = s.m.u[6 * i] - s.m.u[6 * (i + 1)], right = i >= FAR ? before[i - FAR] : 0;
-            assert_close(now / overlap / peaks[q], right / overlap / peaks[q], 5e-6);
+            assert_close(now / overlap / peaks[q], right / overlap / peaks[q], 2e-6);
         }
     }
     sp_motion_free(&s);
