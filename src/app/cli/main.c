@@ -28,6 +28,7 @@ static const cli_command_row commands[] = {
     {"study", cmd_study, "compute an ensemble of packings and their results; can be interrupted"},
     {"table", cmd_table, "tables of a finished or running study"},
     {"wave", cmd_wave, "phase speed and attenuation of the coherent wave inside packings"},
+    {"amplitude", cmd_amplitude, "speed and shape of the front as the pulse grows loud"},
     {"chain", cmd_chain, "chain of equal balls in closed form, of any length"},
     {"column", cmd_column, "tapped column of particles, discrete and as a continuum"},
     {"reproduce", cmd_reproduce, "compare the results of a paper with our own"},
