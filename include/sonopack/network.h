@@ -15,10 +15,22 @@
 extern "C" {
 #endif
 
+/* Tangential stiffness of a spring, with q = |F_t|/(mu F_n) at rest (Mindlin and Deresiewicz 1953; docs/physics.md,
+ * Loading history). A motion that goes back and forth feels that of CONSTANT in the limit of small amplitudes, since
+ * the stick is full after each reversal. LOADING is felt by motion that goes on along F_t of a first loading. LOWEST is
+ * the least that any history leaves, for either sense. In 3D the factors count along F_t and across, where the theory
+ * has full stick: the networks are then too soft, and still bounds. */
+typedef enum sp_springs {
+    SP_SPRINGS_CONSTANT = 0, /* k_t of full stick, as in the paper */
+    SP_SPRINGS_LOADING,      /* (1 - q)^(1/3) of it */
+    SP_SPRINGS_LOWEST        /* ((1 - q)/2)^(1/3) of it */
+} sp_springs;
+
 typedef struct sp_network_options {
-    double threshold;  /* contacts with fn > threshold x p d^2 carry force; 1e-4 */
-    bool prestress;    /* include the rotation of the forces at rest; false as in the paper */
-    bool sliding_free; /* k_t = 0 at contacts within 1% of the Coulomb limit; false as in the paper */
+    double threshold;      /* contacts with fn > threshold x p d^2 carry force; 1e-4 */
+    bool prestress;        /* include the rotation of the forces at rest; false as in the paper */
+    bool sliding_free;     /* k_t = 0 at contacts within 1% of the Coulomb limit; false as in the paper */
+    sp_springs tangential; /* CONSTANT as in the paper; the others refuse packings with stiffnesses of their own */
 } sp_network_options;
 SP_API sp_network_options sp_network_options_default(void);
 

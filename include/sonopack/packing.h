@@ -208,6 +208,11 @@ typedef enum sp_protocol {
     SP_PROTOCOL_AFFINE
 } sp_protocol;
 
+/* Tangential stiffness while a packing forms. CONSTANT: that of full stick up to Coulomb's limit, as in the paper.
+ * HISTORY: it falls as the slip spreads over the contact, and recovers at each reversal (Mindlin and Deresiewicz 1953;
+ * docs/physics.md, Loading history); in 2D only. */
+typedef enum sp_tangential { SP_TANGENTIAL_CONSTANT = 0, SP_TANGENTIAL_HISTORY } sp_tangential;
+
 /* Everything that determines a packing. sp_pack_spec_default() fills in the defaults of docs/physics.md. Copies share
  * the arrays `diameters` and `history`; whoever allocated these keeps them until the last copy is unused. */
 typedef struct sp_pack_spec {
@@ -252,7 +257,8 @@ typedef struct sp_pack_spec {
                              compression positive [E*]; the cell takes the shape that holds it. NULL: the mean normal
                              stress is the pressure, and the cell keeps its shape */
     int32_t stress_count;
-    double gravity;   /* cell PISTON: acceleration against the up axis [E* / (rho d)] */
+    double gravity; /* cell PISTON: acceleration against the up axis [E* / (rho d)] */
+    sp_tangential tangential;
     uint64_t content; /* SP_PACK_FILE: required sp_packing_hash of the initial packing; 0: any */
 } sp_pack_spec;
 

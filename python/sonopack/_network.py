@@ -63,9 +63,10 @@ class Network(_core.Owner):
     cell = Value[str]()
 
     def __init__(self, packing: Packing, *, threshold: float | None = None, prestress: bool = False,
-                 sliding_free: bool = False) -> None:
+                 sliding_free: bool = False, tangential: str | None = None) -> None:
         options = ffi.new("sp_network_options *", lib.sp_network_options_default())
-        _core.set_fields(options, {"threshold": threshold, "prestress": prestress, "sliding_free": sliding_free})
+        _core.set_fields(options, {"threshold": threshold, "prestress": prestress, "sliding_free": sliding_free,
+                                   "tangential": tangential})
         self._options = options
         self._c = _core.new("sp_network", lib.sp_network_free, lib.sp_network_none)
         call(lib.sp_network_make, packing._c, options, self._c)

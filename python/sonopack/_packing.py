@@ -253,9 +253,13 @@ class Packing(_core.Owner):
 
     # ---- sound ------------------------------------------------------------------------------------------------------
 
-    def network(self, *, threshold: float | None = None, prestress: bool = False, sliding_free: bool = False) -> Network:
-        """The springs between the grains that carry force: from there to modes, signals, moduli and spectra."""
-        return Network(self, threshold=threshold, prestress=prestress, sliding_free=sliding_free)
+    def network(self, *, threshold: float | None = None, prestress: bool = False, sliding_free: bool = False,
+                tangential: str | None = None) -> Network:
+        """The springs between the grains that carry force: from there to modes, signals, moduli and spectra.
+
+        tangential: "constant", "loading" or "lowest", the stiffness that Mindlin's loading history leaves.
+        """
+        return Network(self, threshold=threshold, prestress=prestress, sliding_free=sliding_free, tangential=tangential)
 
     @documented("sp_network_front")
     def front(self, *, source: str = "impulse", window: float = 0.0) -> Front:

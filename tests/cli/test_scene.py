@@ -14,11 +14,11 @@ from common import expect, faults, names_all
 COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 SMALL = ["--set", "packing.grains=20", "--set", "packing.width=6"]
 KEYS = """packing.kind packing.cell packing.file packing.content packing.dimension packing.grains packing.width packing.depth
-    packing.height packing.pressure packing.stress packing.gravity packing.history packing.friction packing.poisson packing.sizes packing.diameter_min
+    packing.height packing.pressure packing.stress packing.gravity packing.history packing.friction packing.tangential packing.poisson packing.sizes packing.diameter_min
     packing.diameter_max packing.large_fraction packing.size_spread packing.diameters packing.diameter_file
     packing.compression packing.protocol packing.reference packing.seed packing.tolerance packing.damping
     packing.piston_mass packing.gas_fraction packing.time_step packing.calm packing.drag packing.calm_damping
-    packing.viscous_limit packing.max_steps material.E material.nu material.rho material.d network.threshold network.prestress network.sliding_free
+    packing.viscous_limit packing.max_steps material.E material.nu material.rho material.d network.threshold network.prestress network.sliding_free network.tangential
     signal.method signal.source signal.until signal.points signal.tolerance signal.planes study.samples
     study.want study.sweep column.particles column.frequency column.period column.taps column.amplitude column.e
     column.stiffness column.gravity column.drop column.mass column.radius column.model column.method column.bsr

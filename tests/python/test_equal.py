@@ -124,6 +124,8 @@ def test_modes():
 def test_moduli():
     network = packing().network()
     all_equal(table("moduli", "P.h5"), network.moduli(), ["C11=c11", "C12=c12", "C22=c22", "C33=c33", "c_l", "c_t"], "moduli")
+    all_equal(table("moduli", "P.h5", "--set", "network.tangential=loading"),
+              packing().network(tangential="loading").moduli(), ["C22=c22", "c_t"], "loading history")
     read, probe = table("moduli", "P.h5", "--probe", "sine:1"), network.probes([("sine", 1)])[0]
     all_equal(read, probe, ["C22=along", "C33=shear"], "probe")
     strained = network.finite_strain(1e-5).moduli

@@ -62,6 +62,7 @@ static double noise(uint32_t what, uint32_t i, uint32_t j, uint32_t axis) {
 
 typedef struct conditions {
     double friction, viscous_limit, dt;
+    bool history; /* of contacts (mindlin.h) */
 } conditions;
 
 static double separation(const dynamics *d, int32_t i, int32_t j) {
@@ -87,6 +88,7 @@ static dynamics make_moving(const dense *from, const conditions *c, bool plain) 
     spec.viscous_limit = c->viscous_limit;
     spec.poisson = 0.3;
     spec.reference = plain;
+    spec.tangential = c->history ? SP_TANGENTIAL_HISTORY : SP_TANGENTIAL_CONSTANT;
     spec.width = from->p.box[0];
     assert_ok(sp_dynamics_make(&spec, from->p.r, from->p.x, sp_packing_height(&from->p), &d, &err));
     d.v_max = 0.01; /* lists with many open pairs */
@@ -197,7 +199,7 @@ static void test_kernel_equals_plain(void **state) {
     (void)state;
     const double friction[] = {0, 0.5, 1e6}, limit[] = {1, 1e6}, dt[] = {0, 0.01, 0.3, 1};
     for (int k = 0; k < 4 * 3 * 2 * 4; k++) {
-        const conditions c = {friction[k / 8 % 3], limit[k / 4 % 2], dt[k % 4]};
+        const conditions c = {friction[k / 8 % 3], limit[k / 4 % 2], dt[k % 4], false};
         dynamics fast = make_moving(&states[k / 24], &c, false), plain = make_moving(&states[k / 24], &c, true);
         if (k % 3 == 0) /* sides that shrink */
             for (int a = 0; a < fast.dim - 1; a++)
@@ -208,6 +210,30 @@ static void test_kernel_equals_plain(void **state) {
         assert_same_tangential(&fast, &plain);
         fast.drag = plain.drag = 0.01;
         assert_same_motion(&fast, &plain, 0.3);
+        sp_dynamics_free(&plain);
+        sp_dynamics_free(&fast);
+    }
+}
+
+/* The same with the history of contacts, over steps back and forth, so that contacts remember reversals. */
+static void test_history_equals_plain(void **state) {
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        const conditions c = {0.5, k / 2 ? 1 : 1e6, 0.1, true};
+        dynamics fast = make_moving(&states[k % 2], &c, false), plain = make_moving(&states[k % 2], &c, true);
+        double turns = 0;
+        for (int step = 0; step < 6; step++) {
+            for (int64_t a = 0; a < (int64_t)fast.n * fast.at.stride && step > 0; a++)
+                if (a % fast.at.stride >= fast.at.v && a % fast.at.stride < fast.at.r)
+                    plain.g[a] = fast.g[a] = -0.8 * fast.g[a];
+            sp_dynamics_forces(&fast, c.dt);
+            sp_dynamics_forces(&plain, c.dt);
+            assert_same_forces(&fast, &plain);
+            assert_same_tangential(&fast, &plain);
+        }
+        for (int32_t q = 0; q < fast.inner.n; q++)
+            turns = fmax(turns, fabs(*tangential(&fast.inner, q, 1)) - 1);
+        assert_true(turns >= 3);
         sp_dynamics_free(&plain);
         sp_dynamics_free(&fast);
     }
@@ -262,8 +288,8 @@ static const int THREADS[] = {2, 3, 5};
 
 static void test_threads(void **state) {
     (void)state;
-    const conditions c = {0.5, 1e6, 0.1};
     for (int k = 0; k < 4; k++) {
+        const conditions c = {0.5, 1e6, 0.1, k == 1};
         dynamics alone = make_moving(&states[k], &c, false);
         run_steps(&alone, 300, 0.1);
         assert_true(alone.refills >= 5 && alone.rebuilds >= 5);
@@ -325,7 +351,7 @@ static void test_lists_of_threads(void **state) {
 /* Disks with a row of forces for both grains of a pair, and with one that they share. */
 static void test_shared_rows(void **state) {
     (void)state;
-    const conditions c = {0.5, 1e6, 0.1};
+    const conditions c = {0.5, 1e6, 0.1, false};
     for (int k = 0; k < 2; k++) {
         dynamics both = make_moving(&states[k], &c, false), shared = make_moving(&states[k], &c, false);
         assert_true(both.rows.both);
@@ -360,8 +386,11 @@ static void test_fourth_root(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernel_equals_plain), cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_lists_of_threads),    cmocka_unit_test(test_shared_rows),
+        cmocka_unit_test(test_kernel_equals_plain),
+        cmocka_unit_test(test_history_equals_plain),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_lists_of_threads),
+        cmocka_unit_test(test_shared_rows),
         cmocka_unit_test(test_fourth_root),
     };
     return cmocka_run_group_tests(tests, make_states, free_states);

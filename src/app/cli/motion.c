@@ -64,6 +64,9 @@ static sp_status add_grain(const cli_motion *m, int32_t i, sp_table *t, sp_error
 
 sp_status cli_motion_table(const cli_motion *m, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err, .status = SP_OK};
+    if (m->made.tangential != SP_SPRINGS_CONSTANT)
+        return sp_fail_key(err, SP_EREFUSED, "network.tangential",
+                           ": must be \"constant\" for a table of displacements, which cannot say otherwise");
     add_columns(m, &w);
     add_comments(m, &w);
     for (int32_t i = 0; i < m->net->n && w.status == SP_OK; i++)

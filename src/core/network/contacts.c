@@ -42,6 +42,14 @@ static bool slides(const sp_packing *p, const sp_contact *c) {
     return length3(c->ft) >= p->friction * c->fn * (1 - 1e-2);
 }
 
+/* What the slip at the edge of a contact leaves of its tangential stiffness. */
+static double slip_factor(const sp_packing *p, const sp_network_options *opt, const sp_contact *c) {
+    if (opt->tangential == SP_SPRINGS_CONSTANT)
+        return 1;
+    const double q = fmin(1, length3(c->ft) / (p->friction * c->fn));
+    return cbrt(opt->tangential == SP_SPRINGS_LOADING ? 1 - q : 0.5 * (1 - q));
+}
+
 /* Stiffnesses by (A1), (A2), (A4), or the contact's own. A wall has no lever arm, and its normal does not turn when a
  * grain moves along it. */
 static sp_status make_spring(const sp_packing *p, const sp_network_options *opt, int32_t contact, const int32_t *row,
@@ -60,7 +68,7 @@ static sp_status make_spring(const sp_packing *p, const sp_network_options *opt,
     for (int a = 0; a < net->dim; a++)
         s->n[a] = c->n[a];
     if (net->dof > net->dim && !(opt->sliding_free && slides(p, c)))
-        s->kt = c->kn > 0 ? c->kt : contact_eta(p->poisson) * kn;
+        s->kt = (c->kn > 0 ? c->kt : contact_eta(p->poisson) * kn) * slip_factor(p, opt, c);
     if (opt->prestress && !wall && net->dim > 1) {
         s->kp = -c->fn / length;
         net->prestress = true;
@@ -119,6 +127,13 @@ static int degrees_of_freedom(const sp_packing *p) {
     return p->dim == 2 ? 3 : 6;
 }
 
+static sp_status check_tangential(const sp_packing *p, const sp_network_options *opt, sp_error *err) {
+    if (opt->tangential != SP_SPRINGS_LOADING && opt->tangential != SP_SPRINGS_LOWEST)
+        return sp_fail(err, SP_EINVAL, "tangential stiffness %d, must be constant, loading or lowest",
+                       (int)opt->tangential);
+    return sp_packing_need_law(p, "tangential stiffness by loading history", err);
+}
+
 sp_status sp_network_make(const sp_packing *p, const sp_network_options *opt, sp_network *out, sp_error *err) {
     sp_network net = sp_network_none();
     uint8_t *rattler = NULL, *carrying = NULL;
@@ -128,6 +143,11 @@ sp_status sp_network_make(const sp_packing *p, const sp_network_options *opt, sp
         return sp_fail(err, SP_EINVAL, "threshold = %g, must be a fraction of the pressure, 0 or more", opt->threshold);
     if (p->dim < 1 || p->dim > 3)
         return sp_fail(err, SP_EINVAL, "packing of dimension %d, must be 1, 2 or 3", p->dim);
+    if (opt->tangential != SP_SPRINGS_CONSTANT) {
+        status = check_tangential(p, opt, err);
+        if (status != SP_OK)
+            return status;
+    }
     rattler = sp_alloc((size_t)p->n, 1);
     carrying = sp_alloc((size_t)p->n_contacts, 1);
     row = sp_alloc((size_t)p->n, sizeof *row);

@@ -7,6 +7,7 @@
 #include "packing/contact.h"
 #include "packing/deform.h"
 #include "packing/force_rows.h"
+#include "packing/history_pairs.h"
 #include "packing/inertia.h"
 #include "packing/kernel.h"
 #include "packing/pairs.h"
@@ -28,7 +29,8 @@ static bool alloc_arrays(dynamics *d) {
         d->wall_ft[side] = sp_alloc(n * (size_t)(d->dim - 1), sizeof(double));
         d->wall[side].i = sp_alloc(n, sizeof(int32_t));
         d->wall[side].push = sp_alloc(2 * n, sizeof(double));
-        ok = ok && d->wall_ft[side] && d->wall[side].i && d->wall[side].push;
+        d->wall_past[side] = d->at.past > 0 ? sp_alloc(n * (size_t)d->at.past, sizeof(double)) : NULL;
+        ok = ok && d->wall_ft[side] && d->wall[side].i && d->wall[side].push && (d->wall_past[side] || !d->at.past);
     }
     return ok;
 }
@@ -63,6 +65,8 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
                   .outer_travel = INFINITY};
     if (d.dim == 3 && !(spec->friction > 0))
         d.at.row = d.at.turn; /* smooth grains have no torques */
+    if (spec->tangential == SP_TANGENTIAL_HISTORY && spec->friction > 0)
+        d.at.past = MINDLIN_NUMBERS;
     d.rows.both = d.dim == 2 && d.n <= BOTH_MOST;
     d.law.friction = spec->friction;
     d.law.eta = spec->friction > 0 ? contact_eta(spec->poisson) : 0;
@@ -102,6 +106,7 @@ void sp_dynamics_free(dynamics *d) {
     sp_pair_list_free(&d->spare);
     for (int side = 0; side < MOST_WALLS; side++) {
         sp_free(d->wall_ft[side]);
+        sp_free(d->wall_past[side]);
         sp_free(d->wall[side].i);
         sp_free(d->wall[side].push);
     }
@@ -153,10 +158,12 @@ static void wall_pair(const dynamics *d, int side, int32_t k, double dt) {
     const double sign = frame.sign, *g = dynamics_grain(d, i), distance = dynamics_wall_distance(d, side, g);
     const double overlap = g[d->at.r] - distance;
     double *ft = d->wall_ft[side] + (int64_t)up * i, t[2] = {0, 0}, slip[2], old = 0, new = 0, size = 0;
+    double *past = d->at.past > 0 ? d->wall_past[side] + (int64_t)d->at.past * i : ft;
     memset(row, 0, (size_t)d->at.row * sizeof *row);
     push[0] = push[1] = 0;
     if (!(overlap > 0)) {
         memset(ft, 0, (size_t)up * sizeof *ft);
+        memset(past, 0, (size_t)d->at.past * sizeof(double));
         return;
     }
     const double kn = contact_normal_stiffness(sqrt(g[d->at.r]), overlap), elastic = 2.0 / 3.0 * kn * overlap;
@@ -172,6 +179,8 @@ static void wall_pair(const dynamics *d, int side, int32_t k, double dt) {
     }
     for (int a = 0; a < up; a++) {
         t[a] = (up == 2 && new > 0 ? sqrt(old / new) : 1) * t[a] + law->eta * dt * kn * slip[a];
+        if (d->at.past > 0)
+            t[a] = sp_mindlin_slip(past, 1, ft[a], cap, law->eta * kn, slip[a] * dt);
         size += t[a] * t[a];
     }
     size = sqrt(size);
@@ -207,7 +216,11 @@ static void forces_part(void *data, int part, int parts) {
     const int64_t blocks = (d->inner.padded + BLOCK - 1) / BLOCK;
     for (int64_t b = blocks * part / parts; b < blocks * (part + 1) / parts; b++) {
         const int32_t first = (int32_t)(b * BLOCK), left = d->inner.padded - first;
-        (d->dim == 2 ? sp_kernel_pairs_2d : sp_kernel_pairs_3d)(d, work->dt, first, left < BLOCK ? left : BLOCK);
+        const int32_t count = left < BLOCK ? left : BLOCK;
+        if (d->at.past > 0)
+            sp_history_pairs(d, work->dt, first, count);
+        else
+            (d->dim == 2 ? sp_kernel_pairs_2d : sp_kernel_pairs_3d)(d, work->dt, first, count);
     }
 }
 

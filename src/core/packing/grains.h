@@ -16,6 +16,7 @@ typedef struct grain_layout {
     int stride, v, w, r, inv_m;
     int row, turn; /* doubles of a force row, and position of its torque/R */
     int forces;    /* components of a pair's tangential force */
+    int past;      /* numbers of its history behind them (mindlin.h); 0 without */
 } grain_layout;
 
 /* Pairs that may touch. There are two lists. `outer` holds all pairs closer than a wide gap, and stores the tangential
@@ -33,9 +34,9 @@ typedef struct pair_list {
     int32_t *span;        /* inner: [blocks of SPAN pairs][2] lowest and highest grain; threads skip blocks by it */
     double *image;        /* [dim] lattice vectors to add to x_j - x_i; 0 along axes with walls */
     double *reach;        /* R_i + R_j */
-    double *ft;           /* elastic tangential force on i: 2D along (-ny, nx); 3D [3] */
-    double *e2;           /* 2 E12 sqrt(R12) */
-    double *sm;           /* sqrt(m_eff 2 E12 sqrt(R12)) */
+    double *ft; /* elastic tangential force on i: 2D along (-ny, nx); 3D [3]; then the planes of its history */
+    double *e2; /* 2 E12 sqrt(R12) */
+    double *sm; /* sqrt(m_eff 2 E12 sqrt(R12)) */
 } pair_list;
 
 enum { SPAN = 256 }; /* pairs */
@@ -92,6 +93,7 @@ typedef struct dynamics {
     int walls;                     /* number of walls, in the order of SP_BOTTOM .. SP_BACK; PISTON: bottom and top */
     double wall_force[MOST_WALLS]; /* last normal force on each wall */
     double *wall_ft[MOST_WALLS];   /* [n][dim-1] elastic tangential force on grains at each wall; see wall_frame */
+    double *wall_past[MOST_WALLS]; /* [n][at.past] their history; NULL without */
     wall_list wall[MOST_WALLS];
     pair_list outer, inner;
     pair_list spare; /* memory for the next outer list */
@@ -126,6 +128,9 @@ static inline grain_layout grain_layout_of(int dim) {
 
 static inline double *dynamics_grain(const dynamics *d, int32_t i) { return d->g + (int64_t)d->at.stride * i; }
 static inline double dynamics_radius(const dynamics *d, int32_t i) { return dynamics_grain(d, i)[d->at.r]; }
+
+/* Numbers of a pair that outlast a rebuild of the lists, from ft on. */
+static inline int dynamics_kept(const dynamics *d) { return d->at.forces + d->at.past; }
 
 /* Edge of the cell along an axis: a period, or the distance of its walls. */
 static inline double dynamics_edge(const dynamics *d, int axis) {

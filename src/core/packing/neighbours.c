@@ -117,6 +117,8 @@ static inline void copy_pairs(const dynamics *d, const int32_t *near, int32_t fi
             inner->image[n + (int64_t)a * inner->capacity] = outer->image[k + (int64_t)a * outer->capacity];
         for (int a = 0; a < (dim == 2 ? 1 : 3); a++)
             inner->ft[n + (int64_t)a * inner->capacity] = outer->ft[k + (int64_t)a * outer->capacity];
+        for (int a = d->at.forces; a < dynamics_kept(d); a++)
+            inner->ft[n + (int64_t)a * inner->capacity] = outer->ft[k + (int64_t)a * outer->capacity];
     }
 }
 
@@ -146,7 +148,7 @@ static void pad(dynamics *d) {
         inner->e2[k] = inner->sm[k] = 0;
         for (int a = 0; a < d->dim - 1; a++)
             inner->image[k + (int64_t)a * inner->capacity] = 1;
-        for (int a = 0; a < d->at.forces; a++)
+        for (int a = 0; a < dynamics_kept(d); a++)
             inner->ft[k + (int64_t)a * inner->capacity] = 0;
     }
 }
@@ -156,7 +158,7 @@ static sp_status inner_alloc(dynamics *d, sp_error *err) {
     pair_list more;
     if (d->inner.capacity >= d->outer.n + 8)
         return SP_OK;
-    sp_status status = sp_pair_list_alloc(&more, d->dim, d->outer.n + d->outer.n / 4 + 8, true, err);
+    sp_status status = sp_pair_list_alloc(&more, d, d->outer.n + d->outer.n / 4 + 8, true, err);
     if (status != SP_OK)
         return status;
     sp_pair_list_free(&d->inner);

@@ -17,10 +17,9 @@ void sp_pair_list_free(pair_list *p) {
     *p = (pair_list){0};
 }
 
-static int real_planes(int dim) { return 3 + dim + grain_layout_of(dim).forces; }
-
-sp_status sp_pair_list_alloc(pair_list *p, int dim, int32_t capacity, bool inner, sp_error *err) {
-    const size_t n = ((size_t)capacity + 15) / 16 * 16, integers = inner ? 6 : 3, reals = (size_t)real_planes(dim);
+sp_status sp_pair_list_alloc(pair_list *p, const dynamics *d, int32_t capacity, bool inner, sp_error *err) {
+    const size_t n = ((size_t)capacity + 15) / 16 * 16, integers = inner ? 6 : 3;
+    const size_t reals = (size_t)(3 + d->dim + dynamics_kept(d));
     pair_list q = {.capacity = (int32_t)n};
     q.integers = n <= INT32_MAX ? sp_alloc(integers * n, sizeof *q.integers) : NULL;
     q.reals = n <= INT32_MAX ? sp_alloc(reals * n, sizeof *q.reals) : NULL;
@@ -42,14 +41,14 @@ sp_status sp_pair_list_alloc(pair_list *p, int dim, int32_t capacity, bool inner
     q.e2 = q.reach + n;
     q.sm = q.e2 + n;
     q.image = q.sm + n;
-    q.ft = q.image + (size_t)dim * n;
+    q.ft = q.image + (size_t)d->dim * n;
     *p = q;
     return SP_OK;
 }
 
 void sp_pairs_store_part(dynamics *d, int part, int parts) {
     const int32_t n = d->inner.n; /* 0: the arrays may not exist yet */
-    for (int a = 0; a < d->at.forces && n > 0; a++) {
+    for (int a = 0; a < dynamics_kept(d) && n > 0; a++) {
         const double *from = d->inner.ft + (int64_t)a * d->inner.capacity;
         double *to = d->outer.ft + (int64_t)a * d->outer.capacity;
         for (int32_t k = sp_pool_share(n, part, parts); k < sp_pool_share(n, part + 1, parts); k++)
@@ -76,12 +75,12 @@ static void wrap(const dynamics *d, const sp_packing *cell, double *g) {
 /* The search decides which grain of a pair is i, so each pair is entered both ways. */
 sp_status sp_pairs_set_forces(dynamics *d, const pair_force *force, int32_t count, sp_error *err) {
     const int32_t n = 2 * count;
-    const int forces = d->at.forces;
+    const int kept = dynamics_kept(d);
     pair_list p = {0};
     int32_t *next = sp_alloc((size_t)d->n + 1, sizeof *next);
     sp_status status = next ? SP_OK : sp_fail_memory(err, (size_t)d->n * sizeof *next);
     if (status == SP_OK)
-        status = sp_pair_list_alloc(&p, d->dim, n + 1, false, err);
+        status = sp_pair_list_alloc(&p, d, n + 1, false, err);
     if (status != SP_OK)
         goto out;
     for (int32_t k = 0; k < n; k++)
@@ -94,7 +93,7 @@ sp_status sp_pairs_set_forces(dynamics *d, const pair_force *force, int32_t coun
         const int32_t at = next[k % 2 ? f->j : f->i]++;
         p.i[at] = k % 2 ? f->j : f->i;
         p.j[at] = k % 2 ? f->i : f->j;
-        for (int a = 0; a < forces; a++)
+        for (int a = 0; a < kept; a++)
             p.ft[at + (int64_t)a * p.capacity] = sign * f->ft[a];
     }
     p.n = n;
@@ -274,11 +273,11 @@ static void set_pair(const search *s, int32_t k, int32_t i, int32_t j) {
 /* Copies the tangential force of a pair from the old list, in which the pairs of i are [first, last). */
 static void carry_force(const search *s, int32_t k, int32_t first, int32_t last) {
     const pair_list *old = &s->d->outer, *p = &s->to;
-    for (int a = 0; a < s->d->at.forces; a++)
+    for (int a = 0; a < dynamics_kept(s->d); a++)
         p->ft[k + (int64_t)a * p->capacity] = 0;
     for (int32_t q = first; q < last; q++)
         if (old->j[q] == p->j[k])
-            for (int a = 0; a < s->d->at.forces; a++)
+            for (int a = 0; a < dynamics_kept(s->d); a++)
                 p->ft[k + (int64_t)a * p->capacity] = old->ft[q + (int64_t)a * old->capacity];
 }
 
@@ -331,7 +330,7 @@ static sp_status list_alloc(search *s, sp_error *err) {
     s->d->spare = (pair_list){0};
     if (n >= s->to.capacity) {
         sp_pair_list_free(&s->to);
-        sp_status status = sp_pair_list_alloc(&s->to, s->d->dim, (int32_t)(n + n / 8 + 16), false, err);
+        sp_status status = sp_pair_list_alloc(&s->to, s->d, (int32_t)(n + n / 8 + 16), false, err);
         if (status != SP_OK)
             return status;
     }

@@ -2,6 +2,7 @@
 #include "packing/plain.h"
 
 #include "packing/contact.h"
+#include "packing/mindlin.h"
 
 #include <math.h>
 #include <string.h>
@@ -33,7 +34,17 @@ typedef struct touch {
     vector n, v;     /* normal from i to j; velocity of j relative to i */
     vector w, twist; /* sum of the R omega; sum of the omega */
     double e, overlap, m_eff;
+    vector along; /* history: direction of the scalar force */
+    double *past; /* history, with its stride; NULL without */
+    int64_t stride;
 } touch;
+
+/* The elastic tangential force after the slip of a step, with history. */
+static vector remembered(const touch *c, vector ft, double limit, double stiffness, vector slip, double dt) {
+    const double force =
+        sp_mindlin_slip(c->past, c->stride, dot(ft, c->along), limit, stiffness, dot(slip, c->along) * dt);
+    return add((vector){0, 0, 0}, force, c->along);
+}
 
 /* Appendix A of the paper for one closed contact: force on i and torque/R, n x f_t. Advances *ft by dt. */
 static void law(const dynamics *d, const touch *c, double dt, vector *ft, vector *force, vector *turn) {
@@ -48,7 +59,10 @@ static void law(const dynamics *d, const touch *c, double dt, vector *ft, vector
     const double after = sqrt(dot(t, t));
     if (d->dim == 3 && after > 0)
         t = add((vector){0, 0, 0}, before / after, t);
-    t = limited(add(t, law->eta * kn * dt, slip), law->friction * elastic);
+    if (c->past)
+        t = remembered(c, *ft, law->friction * elastic, law->eta * kn, slip, dt);
+    else
+        t = limited(add(t, law->eta * kn * dt, slip), law->friction * elastic);
     *ft = t;
     t = add(t, viscous * law->sqrt_eta, slip);
     t = limited(t, law->friction * law->viscous_limit * normal);
@@ -91,11 +105,13 @@ static void plain_pair(dynamics *d, int32_t k, double dt) {
     x = add(x, 1, image_of(d, k));
     const double r = sqrt(dot(x, x)), overlap = g[d->at.r] + h[d->at.r] - r;
     if (!(overlap > 0)) {
-        for (int a = 0; a < (d->dim == 3 ? 3 : 1); a++)
+        for (int a = 0; a < dynamics_kept(d); a++)
             p->ft[k + a * plane] = 0;
         return;
     }
-    touch c = {.n = add((vector){0, 0, 0}, 1 / r, x), .overlap = overlap};
+    touch c = {.n = add((vector){0, 0, 0}, 1 / r, x), .overlap = overlap, .stride = plane};
+    c.past = d->at.past > 0 ? p->ft + k + d->at.forces * plane : NULL;
+    c.along = (vector){-c.n.y, c.n.x, 0};
     c.v = add(read3(d, h + d->at.v), -1, read3(d, g + d->at.v));
     c.v = add(c.v, 1, flow(d, x, 1));
     c.w = add(spin_of(d, i), 1, spin_of(d, j));
@@ -121,15 +137,19 @@ static void plain_wall(dynamics *d, int side, int32_t i, double dt) {
     const double *g = dynamics_grain(d, i), distance = dynamics_wall_distance(d, side, g);
     double *ft = d->wall_ft[side] + (int64_t)forces * i, normal[3] = {0, 0, 0}, old[3] = {0, 0, 0};
     const double overlap = g[d->at.r] - distance;
+    double *past = d->at.past > 0 ? d->wall_past[side] + (int64_t)d->at.past * i : NULL;
     if (!(overlap > 0)) {
         for (int a = 0; a < forces; a++)
             ft[a] = 0;
+        for (int a = 0; a < d->at.past; a++)
+            past[a] = 0;
         return;
     }
     normal[frame.axis] = frame.sign;
     for (int a = 0; a < forces; a++)
         old[frame.along[a]] = ft[a];
-    touch c = {.n = {normal[0], normal[1], normal[2]}, .overlap = overlap};
+    touch c = {.n = {normal[0], normal[1], normal[2]}, .overlap = overlap, .past = past, .stride = 1};
+    c.along = (vector){frame.along[0] == 0, frame.along[0] == 1, 0};
     c.v = add((vector){0, 0, 0}, -1, read3(d, g + d->at.v));
     c.v = add(c.v, side == 1 ? d->piston_v : 0, c.n);
     c.v = add(c.v, d->strain_rate[frame.axis] * distance, c.n);

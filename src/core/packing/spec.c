@@ -307,6 +307,11 @@ sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
     if (s->dim != 3 && s->depth != 0)
         return sp_fail_key(err, SP_EINVAL, "packing.depth", " = %g: must be 0 (not given) in packing.dimension = %d",
                            s->depth, s->dim);
+    if (s->tangential == SP_TANGENTIAL_HISTORY && s->dim != 2)
+        return sp_fail_key(err, SP_EINVAL, "packing.tangential",
+                           " = \"history\": must be \"constant\" in packing.dimension = %d, since the law of loading "
+                           "history is for a force along one line",
+                           s->dim);
     switch (s->kind) {
     case SP_PACK_CHAIN:
     case SP_PACK_TRIANGULAR: return check_ordered(s, err);

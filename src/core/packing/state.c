@@ -60,13 +60,18 @@ static uint64_t add_list(uint64_t hash, const sp_key *key, const sp_pack_spec *s
     return sp_hash64_words(hash, values, (size_t)count * sizeof *values);
 }
 
+/* A state without history belongs to the spec it always belonged to. */
+static bool left_out(const sp_key *key, const sp_pack_spec *s) {
+    return key->offset == offsetof(sp_pack_spec, tangential) && s->tangential == SP_TANGENTIAL_CONSTANT;
+}
+
 /* Hash of everything that determines the packing: all keys of the table, first integers and words, then real numbers,
  * then lists. s is resolved. */
 static uint64_t spec_hash(const sp_pack_spec *s) {
     uint64_t hash = sp_hash64_words(SP_HASH64_BEGIN, SONOPACK_VERSION, sizeof SONOPACK_VERSION);
     hash = add_integer(hash, (uint64_t)SONOPACK_ALGORITHM);
     for (const sp_key *key = sp_pack_keys; key->name; key++)
-        if (key->type != SP_KEY_REAL && key->type != SP_KEY_REALS)
+        if (key->type != SP_KEY_REAL && key->type != SP_KEY_REALS && !left_out(key, s))
             hash = add_integer(hash, sp_key_integer(key, s));
     for (const sp_key *key = sp_pack_keys; key->name; key++)
         if (key->type == SP_KEY_REAL)
@@ -165,20 +170,20 @@ static void pass_run(stream *s, compression *run) {
 /* Writes the pairs with a tangential force; all others are recomputed. */
 static void write_pairs(stream *s, const dynamics *d) {
     const pair_list *p = &d->outer;
-    const int forces = d->at.forces;
+    const int kept = dynamics_kept(d);
     const size_t place = s->at;
     int32_t count = 0;
     pass(s, &count, sizeof count);
     for (int32_t k = 0; k < p->n; k++) {
         bool stretched = false;
-        for (int a = 0; a < forces; a++)
+        for (int a = 0; a < kept; a++)
             stretched = stretched || p->ft[k + (int64_t)a * p->capacity] != 0;
         if (!stretched)
             continue;
         count++;
         pass(s, &p->i[k], sizeof *p->i);
         pass(s, &p->j[k], sizeof *p->j);
-        for (int a = 0; a < forces; a++)
+        for (int a = 0; a < kept; a++)
             pass(s, &p->ft[k + (int64_t)a * p->capacity], sizeof *p->ft);
     }
     if (s->to)
@@ -188,6 +193,8 @@ static void write_pairs(stream *s, const dynamics *d) {
 static void pass_walls(stream *s, dynamics *d) {
     for (int side = 0; side < d->walls; side++)
         pass(s, d->wall_ft[side], (size_t)d->n * (size_t)(d->dim - 1) * sizeof(double));
+    for (int side = 0; side < d->walls && d->at.past > 0; side++)
+        pass(s, d->wall_past[side], (size_t)d->n * (size_t)d->at.past * sizeof(double));
 }
 
 static size_t write_all(compression *run, unsigned char *to, size_t size) {
@@ -303,9 +310,9 @@ out:
 
 static sp_status read_pairs(stream *s, dynamics *d, sp_error *err) {
     int32_t count = 0;
-    const int forces = d->at.forces;
+    const int kept = dynamics_kept(d);
     pass(s, &count, sizeof count);
-    const size_t one = 2 * sizeof(int32_t) + (size_t)forces * sizeof(double);
+    const size_t one = 2 * sizeof(int32_t) + (size_t)kept * sizeof(double);
     if (s->short_of || count < 0 || (size_t)count > (s->size - s->at) / one)
         return damaged(err, "contacts are missing");
     pair_force *force = sp_alloc((size_t)count, sizeof *force);
@@ -317,7 +324,7 @@ static sp_status read_pairs(stream *s, dynamics *d, sp_error *err) {
         pass(s, &f->i, sizeof f->i);
         pass(s, &f->j, sizeof f->j);
         good = good && f->i >= 0 && f->i < d->n && f->j >= 0 && f->j < d->n && f->i != f->j;
-        for (int a = 0; a < forces; a++) {
+        for (int a = 0; a < kept; a++) {
             pass(s, &f->ft[a], sizeof f->ft[a]);
             good = good && isfinite(f->ft[a]);
         }

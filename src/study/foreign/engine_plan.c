@@ -27,6 +27,8 @@ sp_status sp_engine_check(const sp_pack_spec *given, sp_error *err) {
         return sp_fail_key(err, SP_EINVAL, "packing.kind", ": must be \"piston\" for --engine lammps");
     if (s.cell != SP_CELL_PISTON)
         return sp_fail_key(err, SP_EINVAL, "packing.cell", ": must be \"piston\" for --engine lammps");
+    if (s.tangential != SP_TANGENTIAL_CONSTANT)
+        return sp_fail_key(err, SP_EINVAL, "packing.tangential", ": must be \"constant\" for --engine lammps");
     if (s.gravity != 0)
         return sp_fail_key(err, SP_EINVAL, "packing.gravity", " = %g: must be 0 for --engine lammps", s.gravity);
     if (s.protocol == SP_PROTOCOL_AFFINE)

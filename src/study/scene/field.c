@@ -22,6 +22,10 @@ static const sp_word laws[] = {{"uniform", SP_SIZES_UNIFORM},
                                {NULL, 0}};
 static const sp_word compressions[] = {
     {"piston", SP_COMPRESSION_PISTON}, {"isotropic", SP_COMPRESSION_ISOTROPIC}, {NULL, 0}};
+static const sp_word tangentials[] = {
+    {"constant", SP_TANGENTIAL_CONSTANT}, {"history", SP_TANGENTIAL_HISTORY}, {NULL, 0}};
+static const sp_word springs[] = {
+    {"constant", SP_SPRINGS_CONSTANT}, {"loading", SP_SPRINGS_LOADING}, {"lowest", SP_SPRINGS_LOWEST}, {NULL, 0}};
 static const sp_word protocols[] = {{"default", SP_PROTOCOL_DEFAULT},
                                     {"somfai2005", SP_PROTOCOL_SOMFAI2005},
                                     {"quick", SP_PROTOCOL_QUICK},
@@ -128,6 +132,13 @@ const sp_field sp_fields[] = {
      NULL,
      {0},
      "no tangential stiffness at contacts on the Coulomb limit"},
+    {"network.tangential",
+     SP_FIELD_WORD,
+     AT(network.tangential),
+     springs,
+     {0},
+     "tangential stiffness: of full stick; as Mindlin's law has it for further first loading; or the lowest after any "
+     "history"},
     {"signal.method", SP_FIELD_WORD, AT(signal.method), methods, {0}, "how the force on the top wall is computed"},
     {"signal.source",
      SP_FIELD_WORD,

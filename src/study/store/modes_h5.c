@@ -199,6 +199,9 @@ sp_status sp_modes_save(const sp_modes *m, const sp_packing *p, const sp_network
     sp_draft draft;
     sp_h5 h;
     sp_status status = check(m, p, net, err);
+    if (status == SP_OK && made->network.tangential != SP_SPRINGS_CONSTANT)
+        status = sp_fail_key(err, SP_EREFUSED, "network.tangential",
+                             ": must be \"constant\" for a file of modes, which cannot say otherwise");
     if (status == SP_OK)
         status = sp_draft_begin(path, &draft, err);
     if (status != SP_OK)

@@ -66,7 +66,8 @@ static sp_status get_head(sp_h5 *h, const sp_packing *p, sp_modes_file *f, sp_er
     f->dof = numbers.dof;
     f->modes.solver = (sp_modes_solver)solver;
     f->made.source = (sp_source)source;
-    f->made.network = (sp_network_options){numbers.threshold, numbers.prestress != 0, numbers.sliding_free != 0};
+    f->made.network = (sp_network_options){
+        .threshold = numbers.threshold, .prestress = numbers.prestress != 0, .sliding_free = numbers.sliding_free != 0};
     return check_packing(h, f, p, err);
 }
 
