@@ -15,15 +15,16 @@ def first_front(t, f):
     return crossing(start, level), t[peak], crossing(zero, 0), f[peak]
 
 
-def fronts(w, k, alpha, distances, lowest, window, exponent=3):
+def fronts(w, k, alpha, distances, lowest, window, exponent=3, points=6000):
     """Fronts of Re int -i w e^(i k y - alpha y - i w t) dw at the distances, from tables of k and alpha at the
     frequencies w: the speed of the lowest frequencies, the factor of k^exponent, and first_front of each distance.
     Below `lowest', for which the boxes are too short, k = w/c and alpha = a k^exponent continue the waves just above.
-    window(y): first and last time at the distance y."""
+    window(y): first and last time at the distance y;
+    points: number of times and frequencies."""
     low = (w >= lowest) & (w <= 2 * lowest)
     factor = np.mean(alpha[low] / k[low]**exponent)
     speed = np.mean(w[w <= lowest] / k[w <= lowest])
-    fine = np.arange(1, 6001) * (w[-1] / 6000)
+    fine = np.arange(1, points + 1) * (w[-1] / points)
     kk, aa = np.interp(fine, w, k), np.interp(fine, w, np.maximum(alpha, 0))
     below = fine < lowest
     kk[below] = fine[below] * (kk[~below][0] / fine[~below][0])
@@ -31,7 +32,7 @@ def fronts(w, k, alpha, distances, lowest, window, exponent=3):
     source = -1j * fine * np.exp(-(fine / (0.75 * w[-1]))**4)  # ends smoothly where the table does
     out = []
     for y in distances:
-        t = np.linspace(*window(y), 6000)
+        t = np.linspace(*window(y), points)
         spectrum = source * np.exp((1j * kk - aa) * y)
         f = np.concatenate([np.real(np.exp(-1j * np.outer(part, fine)) @ spectrum) for part in np.array_split(t, 20)])
         out.append(first_front(t, f * (fine[1] - fine[0])))

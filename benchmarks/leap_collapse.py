@@ -111,7 +111,7 @@ def least_squares(designs, values, covariance, extra=0.0):
     weights = [np.linalg.inv(c + extra**2 * np.eye(len(c))) for c in covariance]
     for p, y, w in zip(designs, values, weights):
         normal, right = normal + p.T @ w @ p, right + p.T @ w @ y
-    factors = np.linalg.solve(normal, right)
+    factors = np.linalg.pinv(normal, rcond=1e-10, hermitian=True) @ right  # without lengths, planes are few points
     left = [y - p @ factors for p, y in zip(designs, values)]
     return factors, sum(r @ w @ r for r, w in zip(left, weights))
 
@@ -130,57 +130,61 @@ def scatter_of(designs, values, covariance, freedom):
     return high
 
 
-def collapse(series, degree=3):
+def collapse(series, degree=3, with_scatter=True):
     """One polynomial in ln(distance/length) through all series, by least squares with all correlations."""
     x = [scaled(s) for s in series]
     ends = min(a.min() for a in x), max(a.max() for a in x)
     both = [basis(a, ends, degree) for a in x]
     designs, values = [b[0] for b in both], [s.value for s in series]
     factors, count = np.zeros(degree + 1), max(len(s.value) for s in series)
-    for _ in range(6):  # the effect of errors of the lengths depends on the slope of the curve
+    for _ in range(4):  # the effect of errors of the lengths depends on the slope of the curve
         covariance = covariances(series, [b[1] @ factors for b in both], count)
         factors, chi2 = least_squares(designs, values, covariance)
-    freedom = sum(len(v) for v in values) - degree - 1
-    return Curve(chi2, freedom, scatter_of(designs, values, covariance, freedom), ends, factors, covariance)
+    freedom = sum(len(v) for v in values) - np.linalg.matrix_rank(np.concatenate(designs))
+    scatter = scatter_of(designs, values, covariance, freedom) if with_scatter else np.nan
+    return Curve(chi2, freedom, scatter, ends, factors, covariance)
 
 
 # ---- the best length -------------------------------------------------------------------------------------------------
 
-def own_chi2(curves, group, step):
-    """chi^2 of one series, of which `group' has several quantities, if its length were larger by e^step."""
+STEPS = np.linspace(-0.5, 0.5, 101)
+
+
+def own_chi2(curves, group):
+    """chi^2 of one series, of which `group' has several quantities, if its length were larger by e^STEPS."""
     total = 0
     for (curve, k), s in zip(curves, group):
-        left = s.value - curve.at(scaled(s) - step)
-        total += left @ np.linalg.solve(curve.covariance[k], left)
+        x = np.clip(scaled(s)[:, None] - STEPS, *curve.ends)  # polynomials are wild beyond the points
+        left = s.value[:, None] - curve.at(x.ravel()).reshape(x.shape)
+        total = total + (left * np.linalg.solve(curve.covariance[k], left)).sum(0)
     return total
 
 
-def best_step(curves, group, reach=0.5):
+def best_step(curves, group):
     """The step in ln length with the least chi^2, and its error: from where chi^2 is larger by 1."""
-    steps = np.linspace(-reach, reach, 201)
-    values = np.array([own_chi2(curves, group, s) for s in steps])
+    values = own_chi2(curves, group)
     low = values.argmin()
-    inside = steps[values <= values[low] + 1]
-    return steps[low], max(0.5 * (inside[-1] - inside[0]), steps[1] - steps[0])
+    inside = STEPS[values <= values[low] + 1]
+    return STEPS[low], max(0.5 * (inside[-1] - inside[0]), STEPS[1] - STEPS[0])
 
 
-def best_lengths(quantities, degree=3, rounds=60):
+def best_lengths(quantities, degree=3, rounds=30):
     """`quantities': lists of series, of the same packings in the same order. Lengths, one for each series and common to
     the quantities, that bring them nearest to one curve of each quantity; their geometric mean stays what it was.
     Returns lengths, errors of their logarithms, and the curves."""
     quantities = [[dataclasses.replace(s, length_pull=0 * s.length_pull) for s in series] for series in quantities]
-    held = np.mean([np.log(s.length) for s in quantities[0]])
-    for turn in range(rounds):
-        curves = [collapse(series, degree) for series in quantities]
-        steps = [best_step([(c, k) for c in curves], [series[k] for series in quantities])
-                 for k in range(len(quantities[0]))]
-        if turn == rounds - 1:
-            break
-        lengths = np.log([s.length for s in quantities[0]]) + 0.5 * np.array([s[0] for s in steps])
-        lengths += held - lengths.mean()
-        quantities = [[dataclasses.replace(s, length=np.exp(v)) for s, v in zip(series, lengths)]
-                      for series in quantities]
-    return np.array([s.length for s in quantities[0]]), np.array([s[1] for s in steps]), curves
+    lengths = np.log([s.length for s in quantities[0]])
+    held = lengths.mean()
+    for turn in range(rounds + 1):
+        curves = [collapse(series, degree, with_scatter=turn == rounds) for series in quantities]
+        steps = np.array([best_step([(c, k) for c in curves], [series[k] for series in quantities])
+                          for k in range(len(lengths))])
+        if turn < rounds:
+            lengths = lengths + 0.5 * steps[:, 0]
+            lengths += held - lengths.mean()
+            quantities = [[dataclasses.replace(s, length=np.exp(v)) for s, v in zip(series, lengths)]
+                          for series in quantities]
+    return np.exp(lengths), steps[:, 1], curves
 
 
 def line(x, y, error):
