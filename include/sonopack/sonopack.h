@@ -18,6 +18,7 @@
 #include <sonopack/spectrum.h>
 #include <sonopack/status.h>
 #include <sonopack/table.h>
+#include <sonopack/uncertainty.h>
 #include <sonopack/units.h>
 #include <sonopack/version.h>
 #endif

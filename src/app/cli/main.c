@@ -27,6 +27,7 @@ static const cli_command_row commands[] = {
     {"front", cmd_front, "arrival, peak and width of the first wave front"},
     {"study", cmd_study, "compute an ensemble of packings and their results; can be interrupted"},
     {"table", cmd_table, "tables of a finished or running study"},
+    {"uncertainty", cmd_uncertainty, "errors of the sound of a measured packing, from those of its grains"},
     {"wave", cmd_wave, "phase speed and attenuation of the coherent wave inside packings"},
     {"chain", cmd_chain, "chain of equal balls in closed form, of any length"},
     {"column", cmd_column, "tapped column of particles, discrete and as a continuum"},
@@ -66,7 +67,7 @@ static void overview(FILE *out) {
         "pulse at the bottom wall, and derives the speed of sound from it.\n\nCommands:\n",
         out);
     for (int k = 0; k < COMMANDS; k++)
-        fprintf(out, "  %-9s %s\n", commands[k].name, commands[k].meaning);
+        fprintf(out, "  %-11s %s\n", commands[k].name, commands[k].meaning);
     fputs(
         "\n`sonopack help COMMAND' explains a command, `sonopack help scene' the scene files, `sonopack help KEY' one\n"
         "of their keys. `sonopack --version' prints the version. Data go to stdout, messages and progress to stderr.\n"
