@@ -68,13 +68,13 @@ static const cli_syntax syntax = {
         "curvatures. With --from overlaps positions and radii decide which grains touch, and stiffnesses follow from "
         "the overlaps: errors must then be far below the mean overlap, which a comment tells.\n"
         "\n"
-        "sd_first is the standard deviation to first order, from exact derivatives, and shift_first the shift of the "
-        "mean by false contacts. The columns share_ are the parts of the kinds of errors in its square. sd and bias "
-        "are the standard deviation of the packings that were drawn, and their mean minus the value; sd_err and "
-        "bias_err are their standard errors. linear is no where both ways differ by more than these errors: believe "
-        "sd and bias then. It is also no if more than one in a hundred of the drawn packings has no sound, for these "
-        "are missing in sd and bias. A comment tells how many they are, and why the first of them has none. nan: no "
-        "derivatives, as of missing contacts.",
+        "sd_first: standard deviation to first order, from exact derivatives. shift_first: shift of the mean by false "
+        "contacts, to first order. share_...: parts of the kinds of errors in the square of sd_first. sd, bias: "
+        "standard deviation of the drawn packings, and their mean minus the value. sd_err, bias_err: their standard "
+        "errors. linear: whether both ways agree. If it is no, they differ by more than these errors, and sd and bias "
+        "count. It is also no if more than one in a hundred of the drawn packings has no sound, since sd and bias do "
+        "not know of these. A comment tells how many they are, and why the first of them has none. nan: there are no "
+        "derivatives, as with missing contacts.",
     .finds_material = true,
     .options = options,
     .file_name = "packing",
