@@ -13,6 +13,7 @@
 #include <sonopack/packing.h>
 #include <sonopack/pulse.h>
 #include <sonopack/scaling.h>
+#include <sonopack/sensitivity.h>
 #include <sonopack/signal.h>
 #include <sonopack/sparse.h>
 #include <sonopack/spectrum.h>

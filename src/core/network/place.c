@@ -306,6 +306,37 @@ sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, doub
     return SP_OK;
 }
 
+/* Whether a spring is one of those of a wall that a place acts through. */
+static bool acts(const sp_network *net, const sp_place *at, int32_t wall, int32_t k) {
+    const sp_spring *s = &net->springs[k];
+    return at->kind != SP_PLACE_PLANE && s->j == wall && belongs(net, at, s) && !(at->shear && s->kt == 0);
+}
+
+/* The end of a spring on which a detector without a wall sees the force: -1 for i, 1 for the far end, 0 for none. */
+static int seen_end(const sp_network *net, const sp_place *at, int32_t k) {
+    const sp_spring *s = &net->springs[k];
+    int32_t low;
+    if (at->kind == SP_PLACE_PLANE)
+        return crossing(net, k, at->height, &low) < 0 ? -1 : crossing(net, k, at->height, &low) > 0;
+    if (net->grain[s->i] == at->grain)
+        return -1;
+    return s->j >= 0 && net->grain[s->j] == at->grain;
+}
+
+void sp_place_gaps(const sp_network *net, const sp_place *at, bool source, double *gap) {
+    const int32_t wall = source ? SP_BOTTOM : SP_TOP;
+    bool walls = false;
+    for (int64_t k = 0; k < 3 * (int64_t)net->n_springs; k++)
+        gap[k] = 0;
+    for (int32_t k = net->n_bulk; k < net->n_springs; k++)
+        if (acts(net, at, wall, k)) {
+            set_way(net, wall, at->shear, net->springs[k].n, gap + 3 * (int64_t)k);
+            walls = true;
+        }
+    for (int32_t k = 0; k < net->n_springs && !walls && !source; k++)
+        gap[3 * (int64_t)k + axis_of(net, at)] = seen_end(net, at, k);
+}
+
 bool sp_network_touches(const sp_network *net, int32_t wall) {
     for (int32_t k = net->n_bulk; k < net->n_springs; k++)
         if (net->springs[k].j == wall)

@@ -15,4 +15,11 @@ sp_status sp_network_need_level_walls(const sp_network *net, const char *what, s
 int sp_place_crossing(const sp_network *net, double height, double y, double rise, int32_t j, double other,
                       int32_t *low);
 
+/* The springs through which a place acts: its row of sp_network_source_at (source) or sp_network_detector_at is minus
+ * the sum over springs of E(gap, u), where E is the bilinear form of the spring's energy and gap [springs][3] a
+ * displacement of its far end, 0 for springs that have no part in it. A source of velocities has this row times the
+ * masses. A place that acts on grains, and not through springs, has none. The place must be one that these functions
+ * accept. */
+void sp_place_gaps(const sp_network *net, const sp_place *at, bool source, double *gap);
+
 #endif

@@ -1,0 +1,457 @@
+/* Runs the recurrence of a signal backwards with its adjoint. */
+#include "sensitivity/reverse.h"
+
+#include "base/base.h"
+#include "base/clones.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { DOF_MAX = 6, NORMS_EVERY = 16 };
+
+static int kinds_of(const sp_operator *op) { return op->kind.rotations ? 2 : 1; }
+
+static size_t vector_size(const sp_operator *op) { return ((size_t)op->n + 1) * (size_t)op->row; }
+
+void sp_reverse_free(reverse *r) {
+    sp_pool_free(r->pool);
+    for (int q = 0; q < 2; q++) {
+        if (r->of[q].next != r->of[q].u)
+            sp_free(r->of[q].next);
+        sp_free(r->of[q].u);
+        sp_free(r->of[q].v);
+    }
+    sp_free(r->first);
+    sp_free(r->spring);
+    sp_free(r->at);
+    sp_free(r->weight);
+    sp_free(r->force);
+    sp_free(r->density);
+    sp_free(r->active);
+    *r = (reverse){0};
+}
+
+static int32_t chunk_of(const sp_operator *op, int32_t row) {
+    int32_t low = 0, high = op->chunk[op->blocks] - 1;
+    while (low < high) {
+        const int32_t middle = low + (high - low + 1) / 2;
+        if (op->chunk_row[middle] <= row)
+            low = middle;
+        else
+            high = middle - 1;
+    }
+    return low;
+}
+
+static int32_t block_of_chunk(const sp_operator *op, int32_t chunk) {
+    int32_t b = 0;
+    while (op->chunk[b + 1] <= chunk)
+        b++;
+    return b;
+}
+
+/* The chunk that has a spring: of the lower of its rows in a block, so that its products are taken before these rows
+ * move; of i if it leads to another block. */
+static int32_t home_of(const sp_operator *op, const sp_spring *s) {
+    const int32_t i = op->row_of[s->i], j = s->j < 0 ? i : op->row_of[s->j];
+    const int32_t ci = chunk_of(op, i), cj = chunk_of(op, j);
+    return block_of_chunk(op, ci) == block_of_chunk(op, cj) && cj < ci ? cj : ci;
+}
+
+static sp_status sort_springs(reverse *r, sp_error *err) {
+    const sp_operator *op = r->op;
+    const size_t chunks = (size_t)op->chunk[op->blocks], springs = (size_t)r->net->n_springs;
+    int32_t *home = sp_alloc(springs, sizeof *home);
+    r->first = sp_alloc(chunks + 2, sizeof *r->first);
+    r->spring = sp_alloc(springs, sizeof *r->spring);
+    if (!home || !r->first || !r->spring) {
+        sp_free(home);
+        return sp_fail_memory(err, springs * sizeof *r->spring);
+    }
+    for (size_t k = 0; k < springs; k++)
+        r->first[(home[k] = home_of(op, &r->net->springs[k])) + 2]++;
+    for (size_t c = 2; c < chunks + 2; c++)
+        r->first[c] += r->first[c - 1];
+    for (size_t k = 0; k < springs; k++) {
+        const sp_spring *s = &r->net->springs[k];
+        reverse_spring *to = &r->spring[r->first[home[k] + 1]++];
+        *to = (reverse_spring){.i = op->row_of[s->i] * op->row,
+                               .j = (s->j < 0 ? op->n : op->row_of[s->j]) * op->row,
+                               .index = (int32_t)k,
+                               .n = {s->n[0], s->n[1], s->n[2]}};
+    }
+    sp_free(home);
+    return SP_OK;
+}
+
+static void set_weights(reverse *r) {
+    const sp_operator *op = r->op;
+    const int kinds = kinds_of(op);
+    for (int64_t k = 0; k < op->n; k++)
+        for (int q = 0; q < kinds; q++) {
+            const int a = q == 1 ? op->kind.dim : 0;
+            const double scale = op->scale[k * op->dof + a];
+            const double m = r->net->mass[(int64_t)op->grain[k] * op->dof + a] / (scale * scale);
+            r->weight[2 * kinds * k + q] = m;
+            r->weight[2 * kinds * k + kinds + q] = 4 / (r->omega * r->omega * m);
+        }
+}
+
+static sp_status allocate(reverse *r, int threads, sp_error *err) {
+    const sp_operator *op = r->op;
+    const size_t size = vector_size(op), parts = (size_t)threads;
+    bool fits = true;
+    for (int q = 0; q < 2; q++) {
+        reverse_pair *p = &r->of[q];
+        p->u = sp_alloc(size, sizeof *p->u);
+        p->v = sp_alloc(size, sizeof *p->v);
+        p->next = op->blocks == 1 ? p->u : sp_alloc(size, sizeof *p->next);
+        fits = fits && p->u && p->v && p->next;
+    }
+    r->at = sp_alloc((size_t)r->net->n_springs, (size_t)r->width * sizeof *r->at);
+    r->weight = sp_alloc((size_t)op->n, 2 * (size_t)kinds_of(op) * sizeof *r->weight);
+    r->force = sp_alloc(parts, (size_t)op->largest * (size_t)op->row * sizeof *r->force);
+    r->density = sp_alloc(r->masses ? size / 2 : 1, sizeof *r->density);
+    r->active = sp_alloc((size_t)op->blocks, sizeof *r->active);
+    if (!fits || !r->at || !r->weight || !r->force || !r->density || !r->active)
+        return sp_fail_memory(err, 6 * size * sizeof(double));
+    return SP_OK;
+}
+
+sp_status sp_reverse_make(const reverse_plan *plan, reverse *out, sp_error *err) {
+    const int size = plan->net->dof, blocks = plan->op->blocks;
+    const int threads = plan->threads < 1 ? 1 : plan->threads < blocks ? plan->threads : blocks;
+    reverse r = {.op = plan->op,
+                 .net = plan->net,
+                 .omega = plan->omega,
+                 .whole = plan->whole,
+                 .masses = plan->masses,
+                 .width = plan->whole ? size * (size + 1) / 2 : 2};
+    r.of[0] = (reverse_pair){.lane = 0, .since = plan->since[0], .second = plan->velocity};
+    r.of[1] = (reverse_pair){.lane = 1, .since = plan->since[1]};
+    sp_status status = allocate(&r, threads, err);
+    if (status == SP_OK)
+        status = sort_springs(&r, err);
+    if (status == SP_OK)
+        status = sp_pool_make(threads, &r.pool, err);
+    if (status != SP_OK) {
+        sp_reverse_free(&r);
+        return status;
+    }
+    set_weights(&r);
+    *out = r;
+    return SP_OK;
+}
+
+void sp_reverse_start(reverse *r, const double *u, const double *v) {
+    const size_t size = vector_size(r->op), springs = (size_t)r->net->n_springs;
+    for (int q = 0; q < 2; q++) {
+        reverse_pair *p = &r->of[q];
+        for (size_t k = 0; k < size; k++) {
+            const bool field = (int)(k % 2) == p->lane;
+            p->u[k] = field ? u[k] - v[k] : 0;
+            p->v[k] = field ? -v[k] : 0;
+        }
+        if (p->next != p->u)
+            memset(p->next, 0, size * sizeof *p->next);
+    }
+    memset(r->at, 0, springs * (size_t)r->width * sizeof *r->at);
+    if (r->masses)
+        memset(r->density, 0, size / 2 * sizeof *r->density);
+    r->rough = 0;
+}
+
+/* ---- products of a chunk -------------------------------------------------------------------------------------- */
+
+static ALWAYS_INLINE void local_of(int dim, int rotations, const double *u, const reverse_spring *s, pair *x) {
+    const pair_memory *ui = (const pair_memory *)(u + s->i), *uj = (const pair_memory *)(u + s->j);
+    for (int a = 0; a < dim + rotations; a++) {
+        const int at = quad_component(a) / 2;
+        x[a] = a < dim ? uj[at] - ui[at] : uj[at] + ui[at];
+    }
+}
+
+static ALWAYS_INLINE void add_whole(int size, const pair *x, double share, double *at) {
+    for (int a = 0; a < size; a++)
+        for (int b = a; b < size; b++)
+            *at++ += share * (0.5 * (x[a][0] * x[b][1] + x[a][1] * x[b][0]));
+}
+
+/* Products of the stretches along n and of those across it. */
+static ALWAYS_INLINE void add_stretches(int dim, int rotations, const double *n, const pair *x, double share,
+                                        double *at) {
+    pair along = n[0] * x[0];
+    for (int a = 1; a < dim; a++)
+        along += n[a] * x[a];
+    at[0] += share * (along[0] * along[1]);
+    if (rotations == 1) {
+        const pair side = n[0] * x[1] - n[1] * x[0] - x[2];
+        at[1] += share * (side[0] * side[1]);
+    } else if (rotations == 3) {
+        double sum = 0;
+        for (int a = 0; a < 3; a++) {
+            const int b = (a + 1) % 3, c = (a + 2) % 3;
+            const pair side = x[a] - along * n[a] - (x[3 + b] * n[c] - x[3 + c] * n[b]);
+            sum += side[0] * side[1];
+        }
+        at[1] += share * sum;
+    }
+}
+
+static ALWAYS_INLINE void multiply(int dim, int rotations, bool whole, const double *u, const reverse_spring *s,
+                                   const reverse_spring *end, double share, double *at) {
+    const int size = dim + rotations, width = whole ? size * (size + 1) / 2 : 2;
+    for (; s < end; s++, at += width) {
+        pair x[DOF_MAX];
+        local_of(dim, rotations, u, s, x);
+        if (whole)
+            add_whole(size, x, share, at);
+        else
+            add_stretches(dim, rotations, s->n, x, share, at);
+    }
+}
+
+CLONES static void multiply_chunk(int kind, bool whole, const double *u, const reverse_spring *s,
+                                  const reverse_spring *end, double share, double *at) {
+    switch (kind + 100 * whole) {
+    case 11: multiply(1, 0, false, u, s, end, share, at); break;
+    case 22: multiply(2, 0, false, u, s, end, share, at); break;
+    case 23: multiply(2, 1, false, u, s, end, share, at); break;
+    case 33: multiply(3, 0, false, u, s, end, share, at); break;
+    case 36: multiply(3, 3, false, u, s, end, share, at); break;
+    case 111: multiply(1, 0, true, u, s, end, share, at); break;
+    case 122: multiply(2, 0, true, u, s, end, share, at); break;
+    case 123: multiply(2, 1, true, u, s, end, share, at); break;
+    case 133: multiply(3, 0, true, u, s, end, share, at); break;
+    default: multiply(3, 3, true, u, s, end, share, at); break;
+    }
+}
+
+/* ---- rows of a chunk ------------------------------------------------------------------------------------------ */
+
+/* What the rows of a chunk need, from the first one on. */
+typedef struct rows {
+    const double *u, *weight, *other_u, *other_v;
+    double *v, *next, *force, *density;
+    ptrdiff_t count;
+    int lane;
+    struct step step;
+} rows;
+
+/* Takes the forces and clears them. The adjoint gets p u - q v of the other pair. */
+static ALWAYS_INLINE void advance_rows(int dim, int dof, int lane, bool masses, rows of) {
+    const int kinds = dof > dim ? 2 : 1, row = quad_row(dof);
+    const pair adjoint = {lane == 1, lane == 0}, p = of.step.p * adjoint, q = of.step.q * adjoint;
+    for (ptrdiff_t k = 0; k < of.count; k++, of.weight += 2 * kinds)
+        for (int a = 0; a < dof; a++) {
+            const ptrdiff_t at = k * row + quad_component(a);
+            const pair old = *(const pair_memory *)(of.u + at), other = *(const pair_memory *)(of.other_u + at);
+            const pair pull = of.weight[kinds + (a >= dim)] * *(const pair_memory *)(of.force + at);
+            const pair push =
+                *(const pair_memory *)(of.v + at) - pull + (p * other - q * *(const pair_memory *)(of.other_v + at));
+            *(pair_memory *)(of.force + at) = (pair){0, 0};
+            *(pair_memory *)(of.v + at) = push;
+            *(pair_memory *)(of.next + at) = old + push;
+            if (masses)
+                of.density[at / 2] +=
+                    of.step.share * old[1 - lane] * pull[lane] + of.step.d * old[lane] * other[1 - lane];
+        }
+}
+
+static ALWAYS_INLINE void advance_kind(int dim, int dof, bool masses, rows of) {
+    if (masses)
+        of.lane == 0 ? advance_rows(dim, dof, 0, true, of) : advance_rows(dim, dof, 1, true, of);
+    else
+        of.lane == 0 ? advance_rows(dim, dof, 0, false, of) : advance_rows(dim, dof, 1, false, of);
+}
+
+CLONES static void advance(int dim, int dof, bool masses, rows of) {
+    switch (10 * dim + dof) {
+    case 11: advance_kind(1, 1, masses, of); break;
+    case 22: advance_kind(2, 2, masses, of); break;
+    case 23: advance_kind(2, 3, masses, of); break;
+    case 33: advance_kind(3, 3, masses, of); break;
+    default: advance_kind(3, 6, masses, of); break;
+    }
+}
+
+/* ---- steps ---------------------------------------------------------------------------------------------------- */
+
+static void advance_chunk(const reverse *r, int32_t chunk, double *force) {
+    const sp_operator *op = r->op;
+    const reverse_pair *p = &r->of[r->step.pair], *other = &r->of[1 - r->step.pair];
+    const ptrdiff_t at = (ptrdiff_t)op->chunk_row[chunk] * op->row;
+    const rows of = {.u = p->u + at,
+                     .other_u = other->u + at,
+                     .other_v = other->v + at,
+                     .weight = r->weight + (ptrdiff_t)op->chunk_row[chunk] * 2 * kinds_of(op),
+                     .v = p->v + at,
+                     .next = p->next + at,
+                     .force = force,
+                     .density = r->masses ? r->density + at / 2 : NULL,
+                     .count = op->chunk_row[chunk + 1] - op->chunk_row[chunk],
+                     .lane = p->lane,
+                     .step = r->step};
+    advance(op->kind.dim, op->dof, r->masses, of);
+}
+
+static void visit_blocks(void *data, int part, int parts) {
+    const reverse *r = data;
+    const sp_operator *op = r->op;
+    const double *u = r->of[r->step.pair].u;
+    double *force = r->force + (size_t)part * (size_t)op->largest * (size_t)op->row;
+    const int kind = 10 * op->kind.dim + op->dof;
+    for (int32_t k = sp_pool_share(r->n_active, part, parts); k < sp_pool_share(r->n_active, part + 1, parts); k++) {
+        const int32_t b = r->active[k];
+        for (int32_t c = op->chunk[b]; c < op->chunk[b + 1]; c++) {
+            const int64_t first = r->first[c];
+            if (r->step.has_adjoint)
+                multiply_chunk(kind, r->whole, u, r->spring + first, r->spring + r->first[c + 1], r->step.share,
+                               r->at + first * r->width);
+            sp_operator_force(op, b, c, u, force);
+            advance_chunk(r, c, force + (ptrdiff_t)(op->chunk_row[c] - op->first[b]) * op->row);
+        }
+    }
+}
+
+static void clear_rows(const reverse *r, double *x, int32_t block, bool one_lane, int lane) {
+    const sp_operator *op = r->op;
+    const ptrdiff_t end = (ptrdiff_t)op->first[block + 1] * op->row;
+    for (ptrdiff_t k = (ptrdiff_t)op->first[block] * op->row; k < end; k++)
+        if (!one_lane || k % 2 == lane)
+            x[k] = 0;
+}
+
+/* After the step from k to k - 1. A field that has not reached a block is 0 there. Its adjoint is still needed in the
+ * next step, and then no more. */
+static void retire_blocks(const reverse *r, int64_t k) {
+    const reverse_pair *p = &r->of[r->step.pair];
+    for (int32_t b = 0; b < r->op->blocks; b++) {
+        if (p->since[b] == k) {
+            clear_rows(r, p->u, b, true, p->lane);
+            clear_rows(r, p->v, b, true, p->lane);
+        } else if (p->since[b] == k + 1) {
+            clear_rows(r, p->u, b, false, 0);
+            clear_rows(r, p->v, b, false, 0);
+            clear_rows(r, p->next, b, false, 0);
+        }
+    }
+}
+
+static void find_active(reverse *r, int64_t k) {
+    r->n_active = 0;
+    for (int32_t b = 0; b < r->op->blocks; b++)
+        if (r->of[r->step.pair].since[b] <= k)
+            r->active[r->n_active++] = b;
+}
+
+/* Squares of the norms of both lanes in the metric of the masses. */
+static pair squares_of(const reverse *r, const double *u) {
+    const sp_operator *op = r->op;
+    const int kinds = kinds_of(op);
+    pair sum = {0, 0};
+    for (int64_t k = 0; k < op->n; k++)
+        for (int a = 0; a < op->dof; a++) {
+            const pair x = *(const pair_memory *)(u + k * op->row + quad_component(a));
+            sum += r->weight[2 * kinds * k + (a >= op->kind.dim)] * (x * x);
+        }
+    return sum;
+}
+
+static void add_rough(reverse *r, int64_t k) {
+    for (int q = 0; q < 2; q++) {
+        const pair squares = squares_of(r, r->of[q].u);
+        r->rough += NORMS_EVERY * sqrt(1 + (double)k) * sqrt(squares[0]) * sqrt(squares[1]);
+    }
+}
+
+static void step(reverse *r, int64_t k) {
+    reverse_pair *p = &r->of[r->step.pair];
+    find_active(r, k);
+    sp_pool_run(r->pool, visit_blocks, r);
+    double *old = p->u;
+    p->u = p->next;
+    p->next = old;
+    retire_blocks(r, k);
+}
+
+static void step_both(reverse *r, int64_t k, int64_t last, const double *d, const double *e) {
+    const double dk = k <= last ? d[k] : 0, ek = k <= last ? e[k] : 0, up = k < last ? e[k + 1] : 0;
+    if (k % NORMS_EVERY == 0)
+        add_rough(r, k);
+    for (int q = 0; q < 2; q++) {
+        r->step = (struct step){.pair = q,
+                                .p = dk + (q == 0 ? up : ek),
+                                .q = q == 0 ? up : dk,
+                                .d = q == 0 ? dk : ek,
+                                .share = k > 0 || r->of[q].second ? 1 : 0.5,
+                                .has_adjoint = k <= last};
+        step(r, k);
+    }
+}
+
+/* ---- the end -------------------------------------------------------------------------------------------------- */
+
+/* Copies the lane of a vector to one over the network. */
+static void take_lane(const reverse *r, const double *u, int lane, double *out) {
+    const sp_operator *op = r->op;
+    for (int64_t k = 0; k < op->n; k++)
+        for (int a = 0; a < op->dof; a++)
+            out[(int64_t)op->grain[k] * op->dof + a] =
+                u[k * op->row + quad_component(a) + lane] / op->scale[k * op->dof + a];
+}
+
+/* The derivative by the first vector. In the last step the recurrence gives x = y + 2X alpha_1 - alpha_2, y being what
+ * the other pair adds. For W, whose A_1 = (2X + 1) A_0, it is x + alpha_1; for T, whose A_1 = X A_0, it is y + X
+ * alpha_1
+ * - alpha_2 = (x + y - alpha_2)/2. before: u - v of the adjoint before the step, alpha_2; added: y. */
+static void end_adjoint(int64_t n, bool second, const double *x, const double *one, const double *two,
+                        const double *added, double *out) {
+    for (int64_t k = 0; k < n; k++)
+        out[k] = second ? x[k] + one[k] : 0.5 * (x[k] + added[k] - two[k]);
+}
+
+typedef struct ending {
+    double *one[2], *two[2], *x, *added;
+} ending;
+
+/* Fields and adjoints at k = 0. The adjoints of the last step need what came before it. */
+static void end(reverse *r, const double *d, const double *e, int64_t last, ending *w, double *out[2],
+                double *const first[2]) {
+    const int64_t n = sp_network_dofs(r->net);
+    const double up = last > 0 ? e[1] : 0;
+    double *previous = w->x; /* v of the adjoint */
+    for (int q = 0; q < 2; q++) {
+        const reverse_pair *p = &r->of[q];
+        take_lane(r, p->u, p->lane, first[q]);
+        take_lane(r, p->u, 1 - p->lane, w->one[q]);
+        take_lane(r, p->v, 1 - p->lane, previous);
+        for (int64_t k = 0; k < n; k++)
+            w->two[q][k] = w->one[q][k] - previous[k];
+    }
+    take_lane(r, r->of[1].v, r->of[1].lane, w->added); /* B_0 - B_1 */
+    for (int64_t k = 0; k < n; k++)
+        w->added[k] = (d[0] + up) * first[1][k] - up * w->added[k];
+    step_both(r, 0, last, d, e);
+    for (int q = 0; q < 2; q++) {
+        const reverse_pair *p = &r->of[q];
+        take_lane(r, p->u, 1 - p->lane, w->x);
+        for (int64_t k = 0; k < n && q == 1; k++)
+            w->added[k] = d[0] * first[0][k];
+        end_adjoint(n, p->second, w->x, w->one[q], w->two[q], w->added, out[q]);
+    }
+}
+
+sp_status sp_reverse_run(reverse *r, int64_t m, int64_t last, const double *d, const double *e, double *alpha,
+                         double *beta, double *a0, double *b0, sp_error *err) {
+    const size_t n = (size_t)sp_network_dofs(r->net);
+    double *work = sp_alloc(6 * n, sizeof *work), *out[2] = {alpha, beta}, *const first[2] = {a0, b0};
+    if (!work)
+        return sp_fail_memory(err, 6 * n * sizeof *work);
+    ending w = {{work, work + n}, {work + 2 * n, work + 3 * n}, work + 4 * n, work + 5 * n};
+    for (int64_t k = m - 1; k > 0; k--)
+        step_both(r, k, last, d, e);
+    end(r, d, e, last, &w, out, first);
+    sp_free(work);
+    return SP_OK;
+}

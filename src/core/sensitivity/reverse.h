@@ -1,0 +1,80 @@
+#ifndef SP_REVERSE_H
+#define SP_REVERSE_H
+/* The recurrence of a signal run backwards together with its adjoint, which gives the derivatives of a functional
+ * J = sum_k C_k b^T P_k a of its moments.
+ *
+ * Forwards, the doubled pass of a signal has A_k = P_k M^-1 a and B_k = T_k M^-1 b, and each step two moments. So
+ *
+ *   J = sum_k E_k B_k.M A_(k-1) + D_k B_k.M A_k.
+ *
+ * Backwards, A and B come from the same three-term recurrence, and the adjoint vectors from
+ *
+ *   alpha_k = D_k B_k + E_(k+1) B_(k+1) + 2 X alpha_(k+1) - alpha_(k+2),
+ *   beta_k  = D_k A_k + E_k A_(k-1)     + 2 X beta_(k+1)  - beta_(k+2).
+ *
+ * One product with K serves a field and its adjoint, which are the two lanes of a vector. A spring's stiffness has the
+ * derivative dJ = -(4/Omega^2) sum_k (alpha_(k+1).dK A_k + beta_(k+1).dK B_k). */
+
+#include "base/pool.h"
+#include "network/operator.h"
+#include "sensitivity/products.h"
+
+/* Two lanes: a field and its adjoint. */
+typedef struct reverse_pair {
+    double *u, *v, *next; /* [n + 1][row] */
+    int lane;             /* of the field; the adjoint has the other one */
+    const int32_t *since; /* [blocks] first k with the field in this block */
+    bool second;          /* the field is of the second kind (W): its first step is a whole one */
+} reverse_pair;
+
+/* A spring in the order of the operator. */
+typedef struct reverse_spring {
+    int32_t i, j, index; /* places of its rows; its index in the network */
+    double n[3];
+} reverse_spring;
+
+typedef struct reverse {
+    const sp_operator *op;
+    const sp_network *net;
+    sp_pool *pool;
+    double omega;
+    bool whole, masses;
+    reverse_pair of[2];     /* A with alpha in lanes 0 and 1, B with beta in lanes 1 and 0 */
+    int64_t *first;         /* [chunks + 1] springs of each chunk */
+    reverse_spring *spring; /* [springs] */
+    int width;
+    double *at;      /* [springs][width] sums of products */
+    double *weight;  /* [n][2 kinds] masses and 4/(Omega^2 m) as in signal/recurrence.h */
+    double *force;   /* [threads][rows of the largest block][row] */
+    double *density; /* [n + 1][row/2] masses: sums for dJ/dm of each component */
+    int32_t *active, n_active;
+    double rough; /* sum of k^(1/2) |adjoint| |field| over the steps taken */
+    struct step {
+        int pair;         /* which pair moves */
+        double p, q;      /* what is added to its adjoint: p u - q v of the other pair */
+        double d;         /* factor of the products of both fields for masses */
+        double share;     /* 1, or one half in the first step of T */
+        bool has_adjoint; /* the adjoint is not 0 */
+    } step;
+} reverse;
+
+typedef struct reverse_plan {
+    const sp_network *net;
+    const sp_operator *op;
+    double omega;
+    bool velocity; /* A is of the second kind, else of the first as B */
+    bool whole, masses;
+    int threads;
+    const int32_t *since[2]; /* of A and of B, [blocks] */
+} reverse_plan;
+
+sp_status sp_reverse_make(const reverse_plan *plan, reverse *out, sp_error *err);
+void sp_reverse_free(reverse *r);
+/* Starts behind step m of a doubled pass with its vectors u and v (lane 0: A, lane 1: B). */
+void sp_reverse_start(reverse *r, const double *u, const double *v);
+/* Runs from k = m - 1 to 0. d, e: D_k and E_k for k <= last, 0 beyond. alpha, beta: [dofs] the derivatives of J by
+ * A_0 and B_0 in the metric of the masses, and a0, b0: these vectors, over the network. */
+sp_status sp_reverse_run(reverse *r, int64_t m, int64_t last, const double *d, const double *e, double *alpha,
+                         double *beta, double *a0, double *b0, sp_error *err);
+
+#endif
