@@ -6,6 +6,7 @@
 #include <sonopack/coherent.h>
 #include <sonopack/cost.h>
 #include <sonopack/counts.h>
+#include <sonopack/design.h>
 #include <sonopack/elastic.h>
 #include <sonopack/front.h>
 #include <sonopack/modes.h>

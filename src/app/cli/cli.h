@@ -51,6 +51,7 @@ int cmd_check(int argc, char **argv);
 int cmd_column(int argc, char **argv);
 int cmd_completion(int argc, char **argv);
 int cmd_convert(int argc, char **argv);
+int cmd_design(int argc, char **argv);
 int cmd_front(int argc, char **argv);
 int cmd_modes(int argc, char **argv);
 int cmd_moduli(int argc, char **argv);
