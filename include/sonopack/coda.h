@@ -1,7 +1,7 @@
 #ifndef SONOPACK_CODA_H
 #define SONOPACK_CODA_H
-/* Coda-wave interferometry: where a small change of stiffness happened, from the change of signals, most of all of their
- * late part (the coda), which has passed every place many times.
+/* Coda-wave interferometry: where a small change of stiffness happened, from the change of signals, most of all of
+ * their late part (the coda), which has passed every place many times.
  *
  * The kernel of a grain is the exact derivative of the signal at all times by the logarithm of the stiffness of all its
  * contacts. A change in one place is sought as the grain whose kernel, times one amplitude, fits the change best. */
@@ -43,8 +43,8 @@ typedef struct sp_coda_candidate {
 } sp_coda_candidate;
 
 /* Fits a change [pairs][times] of the signals by each grain alone. out [n], the most probable first. noise: standard
- * deviation of each value of the change; 0: what the best fit leaves. SP_EREFUSED for a change of 0, and where no kernel
- * differs from 0; SP_EINVAL for numbers that are not finite. */
+ * deviation of each value of the change; 0: what the best fit leaves. SP_EREFUSED for a change of 0, and where no
+ * kernel differs from 0; SP_EINVAL for numbers that are not finite. */
 SP_API sp_status sp_coda_locate(const sp_coda *c, const double *change, double noise, sp_coda_candidate *out,
                                 sp_error *err);
 
@@ -56,8 +56,8 @@ SP_API sp_status sp_coda_signal(const sp_network *net, const sp_coda_options *op
 
 /* Relative change of speed that stretches `before` to `before + change` [times], by least squares to first order, and
  * its standard error. NAN where `before` does not change with time. */
-SP_API void sp_coda_stretch(int32_t times, const double *t, const double *before, const double *change,
-                            double *stretch, double *error);
+SP_API void sp_coda_stretch(int32_t times, const double *t, const double *before, const double *change, double *stretch,
+                            double *error);
 
 #ifdef __cplusplus
 }

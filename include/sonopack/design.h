@@ -27,7 +27,7 @@ typedef struct sp_design_options {
     bool free;        /* the total need not be kept. false: the total mass of the grains that carry force, the sum of
                          moduli, or to first order the total volume stays what it was */
     double band_low, band_high; /* of BAND [sqrt(E* / rho)/d] */
-    double until;     /* of BAND: length of the signal; 0: sp_signal_window [d/sqrt(E* / rho)] */
+    double until;               /* of BAND: length of the signal; 0: sp_signal_window [d/sqrt(E* / rho)] */
     sp_network_options network;
     sp_source source;
     int32_t iterations; /* at most; 50 */
@@ -38,21 +38,22 @@ SP_API sp_design_options sp_design_options_default(void);
 
 /* One point of the way. */
 typedef struct sp_design_step {
-    double value;     /* t_10, or the energy in the band over that of the start */
-    double error;     /* upper bound of its error */
-    double predicted; /* what the gradient of the step before, times the change of the factors, promised; NAN at first */
-    int64_t bound;    /* factors at a limit */
+    double value; /* t_10, or the energy in the band over that of the start */
+    double error; /* upper bound of its error */
+    double
+        predicted; /* what the gradient of the step before, times the change of the factors, promised; NAN at first */
+    int64_t bound; /* factors at a limit */
 } sp_design_step;
 
 typedef struct sp_design {
-    int32_t n;       /* grains of the packing */
-    double *factor;  /* [n]; 1 for rattlers */
+    int32_t n;      /* grains of the packing */
+    double *factor; /* [n]; 1 for rattlers */
     int32_t steps;
-    sp_design_step *step; /* [steps], the first is the packing as it was */
-    double linear_predicted; /* value promised by the first gradient for the best factors within the limits */
+    sp_design_step *step;        /* [steps], the first is the packing as it was */
+    double linear_predicted;     /* value promised by the first gradient for the best factors within the limits */
     double linear, linear_error; /* value that these factors really have, with an upper bound of its error */
-    double effective;  /* number of grains that share the first gradient: (sum |g|)^2 / sum g^2 over deviations from the
-                          multiplier of the total */
+    double effective; /* number of grains that share the first gradient: (sum |g|)^2 / sum g^2 over deviations from the
+                         multiplier of the total */
     sp_packing packing; /* the packing made of these grains: `signal` and all other commands take it */
 } sp_design;
 

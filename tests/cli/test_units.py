@@ -35,12 +35,12 @@ PLAIN = re.compile(r"""file|probe|reason|verdict|branch|polarization|ok|failed|n
     n|n1|n2|made|lost|sliding|rattlers|negative|flutter|zero|z_star|friction|strain|part|participation|share|min|max|sd|misfit|
     overlap|ratio|alpha|alpha_err|alpha_peak|alpha_peak_err|gamma|gamma_err|speed_over_c_l|C\d\d_((sine|lines)\d_)?ratio(_\w+)?|
     (Phi2|Phi3s?|zs|f0|N_over_p|Z2|Z3|F2S?|s1_over_s2|s[13]2_over_s2|mobilised)(_(sd|err|low|high))?|
-    force|torque|walls|law|geometry|coulomb|residual""".replace("\n    ", ""))
+    force|torque|walls|law|geometry|coulomb|residual|step|factor|at_limit|energy(_err)?|predicted|found|rank|probability|change(_err)?""".replace("\n    ", ""))
 NUMBER = r"[-+]?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan)"
 PLAIN_COMMENTS = [re.compile(pattern) for pattern in (
     r"(file|method|source|detector|solver|spectrum|norm|direction|motion|packing|verdict|error_kind|material|prestress|sliding_free|"
-    r"packing\.(sizes|kind|protocol|compression)|pulse|measured) = .*",
-    rf"(force|stiffness|calibration|false|missing|seed|candidates|contacts_ratio(_err)?) = {NUMBER}",
+    r"packing\.(sizes|kind|protocol|compression)|pulse|measured|goal|vary|total) = .*",
+    rf"(force|stiffness|calibration|false|missing|seed|candidates|contacts_ratio(_err)?|effective|factor_(low|high)|\w+_ratio|pairs|times|noise|change|grain|found(_err)?) = {NUMBER}",
     r"(grains|carrying|n|zero_modes|rattler_modes|free_spins|rigid_motions|mechanisms|factors|solves|on_edge|degrees_of_freedom|products|"
     r"modes|moments|vectors|planes|dof|packings|dimension|samples|failed|mode|tolerance|residual|orthogonality|damping|"
     rf"amplitude|factor|threshold|vector_error|wall|Phi3s|mean_\w+|gamma_limit|alpha_limit|exponent(_err)?|packing\.friction|"
@@ -164,7 +164,8 @@ def check_commands(folder):
             "signal P.h5 --method sparse --modes 30 --until 60 --points 30",
             "spectrum transmission P.h5", "spectrum participation P.h5", "spectrum continuum P.h5 --lowest 3",
             "spectrum dispersion P.h5 --waves 2", "spectrum dispersion P.h5 --direction up --waves 2", "spectrum harmonic P.h5 --damping 0.1 --at 0.1:0.3:3",
-            "spectrum dos P.h5 --method kpm", "wave W.h5"):
+            "spectrum dos P.h5 --method kpm", "wave W.h5", "design P.h5 --goal delay --iterations 2",
+            "design P.h5 --goal band:0.1:0.2 --iterations 1 --rows grains"):
         check_command(folder, *line.split())
     check_command(folder, "check", "P.h5", units=False)
     check_command(folder, "front", "K.h5", f"--material={MATERIAL}")

@@ -64,10 +64,10 @@ static void test_distributions(void **state) {
             const double l = log(q.contacts[k].fn / p.contacts[m].fn);
             force += l;
             force_square += l * l;
-            assert_relative(q.contacts[k].fn,
-                            contact_force(contact_stiffness_in(&q, q.contacts[k].i, q.contacts[k].j),
-                                          q.contacts[k].overlap),
-                            1e-12);
+            assert_relative(
+                q.contacts[k].fn,
+                contact_force(contact_stiffness_in(&q, q.contacts[k].i, q.contacts[k].j), q.contacts[k].overlap),
+                1e-12);
         }
         listed += p.n_contacts;
         sp_packing_free(&q);
@@ -175,8 +175,8 @@ static void test_refuses(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact),   cmocka_unit_test(test_distributions),
-                                       cmocka_unit_test(test_nested),  cmocka_unit_test(test_missing),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact),    cmocka_unit_test(test_distributions),
+                                       cmocka_unit_test(test_nested),   cmocka_unit_test(test_missing),
                                        cmocka_unit_test(test_overlaps), cmocka_unit_test(test_refuses)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

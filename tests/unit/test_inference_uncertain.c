@@ -28,7 +28,8 @@ static void test_calibration(void **state) {
     const struct {
         const char *name;
         double power;
-    } each[] = {{"t10", -0.5}, {"t_peak", -0.5}, {"width", -0.5}, {"c", 0.5}, {"C22", 1}, {"c_l", 0.5}, {"omega_1", 0.5}};
+    } each[] = {{"t10", -0.5}, {"t_peak", -0.5}, {"width", -0.5}, {"c", 0.5},
+                {"C22", 1},    {"c_l", 0.5},     {"omega_1", 0.5}};
     o.errors.calibration = 0.2;
     o.samples = 400;
     o.modes = 2;
@@ -216,9 +217,9 @@ static void test_memory(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_calibration), cmocka_unit_test(test_chain),   cmocka_unit_test(test_loose),
-        cmocka_unit_test(test_agreement),   cmocka_unit_test(test_reproducible), cmocka_unit_test(test_departs),
-        cmocka_unit_test(test_refuses),     cmocka_unit_test(test_memory)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_calibration),  cmocka_unit_test(test_chain),
+                                       cmocka_unit_test(test_loose),        cmocka_unit_test(test_agreement),
+                                       cmocka_unit_test(test_reproducible), cmocka_unit_test(test_departs),
+                                       cmocka_unit_test(test_refuses),      cmocka_unit_test(test_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

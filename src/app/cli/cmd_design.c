@@ -90,15 +90,16 @@ static const cli_syntax syntax = {
     .help =
         "Which grains to make heavier, stiffer or larger so that the front arrives late or early, or little passes in "
         "a band of frequencies: by projected gradients, from exact derivatives.\v"
-        "mass: masses do not enter the balance of forces, so that the packing at rest is the same. modulus: the "
-        "stiffness of contacts follows by Hertz's law at the forces that they have. radius: every candidate is "
-        "compressed again from the packing. The total mass, sum of moduli or (to first order) volume of the grains "
-        "that carry force is kept, unless --free is given.\n"
+        "mass: masses do not enter the balance of forces, so that the packing at rest stays the same. modulus: the "
+        "stiffness of a contact follows by Hertz's law at the force that it has. radius: every candidate is compressed "
+        "again, from the packing. The total mass, the sum of moduli or, to first order, the volume of the grains that "
+        "carry force is kept, unless --free is given.\n"
         "\n"
-        "The first step is the packing as it is. predicted: what the gradient of the step before promised for this "
-        "one. at_limit: factors at a limit. Comments tell what the first gradient promises for the best factors "
-        "within the limits (linear_predicted), what these factors really give (linear), and how many grains share the "
-        "first gradient (effective). The result is a local optimum: other starts may end elsewhere.",
+        "The first row is the packing as it is. predicted: what the gradient of the step before promises for this one. "
+        "at_limit: factors at a limit. The comments give the ratio of the last value to the first one, the ratio that "
+        "the first gradient promises for the best factors within the limits (linear_predicted_ratio), and the one that "
+        "these factors really have (linear_ratio). effective: number of grains that share the first gradient. The "
+        "result is a local optimum; others may be better.",
     .finds_material = true,
     .options = options,
     .file_name = "packing",

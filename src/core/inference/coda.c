@@ -46,8 +46,7 @@ static void weigh(const sp_coda *c, double square, double variance, sp_coda_cand
         out[k].probability /= sum;
 }
 
-sp_status sp_coda_locate(const sp_coda *c, const double *change, double noise, sp_coda_candidate *out,
-                         sp_error *err) {
+sp_status sp_coda_locate(const sp_coda *c, const double *change, double noise, sp_coda_candidate *out, sp_error *err) {
     double square;
     bool any = false;
     if (!(noise >= 0 && isfinite(noise)))

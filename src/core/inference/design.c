@@ -29,8 +29,8 @@ void sp_design_free(sp_design *d) {
 
 static sp_status check_options(const sp_packing *p, const sp_design_options *o, sp_error *err) {
     if (!(o->low > 0 && o->low <= 1 && o->high >= 1 && o->high <= 1e3 && o->low >= 1e-3 && o->low < o->high))
-        return sp_fail_key(err, SP_EINVAL, "limits", " = %g:%g: must be LOW:HIGH with 0.001 <= LOW <= 1 <= HIGH <= 1000",
-                           o->low, o->high);
+        return sp_fail_key(err, SP_EINVAL, "limits",
+                           " = %g:%g: must be LOW:HIGH with 0.001 <= LOW <= 1 <= HIGH <= 1000", o->low, o->high);
     if (o->goal == SP_DESIGN_BAND && !(o->band_low >= 0 && o->band_low < o->band_high && isfinite(o->band_high)))
         return sp_fail_key(err, SP_EINVAL, "goal", " = band:%g:%g: must be band:W1:W2 with 0 <= W1 < W2", o->band_low,
                            o->band_high);
@@ -99,8 +99,7 @@ static double promised(const sp_design_problem *d, const point *a, double gain) 
     return a->at.value * exp(d->opt->goal == SP_DESIGN_DELAY ? gain : -gain);
 }
 
-static sp_status add_step(const sp_design_problem *d, const point *p, double predicted, sp_design *out,
-                          sp_error *err) {
+static sp_status add_step(const sp_design_problem *d, const point *p, double predicted, sp_design *out, sp_error *err) {
     size_t capacity = (size_t)out->steps;
     sp_design_step *more = sp_grow(out->step, (size_t)out->steps + 1, &capacity, sizeof *more);
     if (!more)

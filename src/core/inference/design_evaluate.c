@@ -30,7 +30,7 @@ static sp_status front_value(const sp_design_problem *d, const sp_packing *made,
                              sp_gradient *g, sp_design_value *out, sp_error *err) {
     const sp_sensitivity_options o = options_of(d, made, net);
     sp_front_gradient found;
-    sp_status status = sp_sensitivity_front(net, &o, slopes ? SP_FRONT_T10 : 0, &found, err);
+    sp_status status = sp_sensitivity_front(net, &o, SP_FRONT_T10, &found, err);
     if (status != SP_OK)
         return status;
     out->value = found.found.t10;

@@ -14,8 +14,8 @@ static double shifted_total(const sp_design_problem *d, const double *factor, do
     return sum;
 }
 
-/* The nearest point: factors shifted along the weights, clamped. The total falls with the shift, so that bisection finds
- * it. */
+/* The nearest point: factors shifted along the weights, clamped. The total falls with the shift, so that bisection
+ * finds it. */
 void sp_design_project(const sp_design_problem *d, double *factor) {
     double low = 0, high = 0, largest = 0, least = INFINITY;
     for (int32_t i = 0; i < d->p->n; i++)
@@ -48,8 +48,8 @@ static double total_above(const sp_design_problem *d, const double *g, double le
     return sum;
 }
 
-/* A linear programme with one constraint: the grains of the largest gain per weight are at the upper limit, the others at
- * the lower one, and those at the level share the rest. */
+/* A linear programme with one constraint: the grains of the largest gain per weight are at the upper limit, the others
+ * at the lower one, and those at the level share the rest. */
 double sp_design_extreme(const sp_design_problem *d, const double *g, double *factor) {
     double low = 0, high = 0, rest = 0, at_level = 0;
     for (int32_t i = 0; i < d->p->n && !d->opt->free; i++)
@@ -69,8 +69,10 @@ double sp_design_extreme(const sp_design_problem *d, const double *g, double *fa
     for (int32_t i = 0; i < d->p->n; i++) {
         const double level = d->weight[i] > 0 ? g[i] / d->weight[i] : 0;
         const bool between = !d->opt->free && level > low && level <= high;
-        factor[i] = d->weight[i] == 0 ? 1 : between ? NAN : level > high || (d->opt->free && level > 0) ? d->opt->high
-                                                                                                         : d->opt->low;
+        factor[i] = d->weight[i] == 0                             ? 1
+                    : between                                     ? NAN
+                    : level > high || (d->opt->free && level > 0) ? d->opt->high
+                                                                  : d->opt->low;
         rest += between ? 0 : d->weight[i] * factor[i];
         at_level += between ? d->weight[i] : 0;
     }

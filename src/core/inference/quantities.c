@@ -100,8 +100,8 @@ static sp_status measure_modes(const sp_quantities *q, const sp_network *net, do
     sp_modes_options o = sp_modes_options_default();
     const sp_modes_range range = sp_modes_range_lowest(q->modes);
     sp_modes m = sp_modes_none();
-    /* Samples are computed side by side, and ARPACK allows one search at a time. Lanczos needs a larger space than that of
-     * the wanted modes. */
+    /* Samples are computed side by side, and ARPACK allows one search at a time. Lanczos needs a larger space than that
+     * of the wanted modes. */
     o.solver = sp_network_dofs(net) < 10 * (int64_t)q->modes + 100 ? SP_SOLVER_DENSE : SP_SOLVER_LANCZOS;
     sp_status status = sp_modes_make(net, &o, &range, &m, err);
     for (int32_t k = 0; k < q->modes && status == SP_OK; k++)

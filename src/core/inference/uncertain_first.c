@@ -123,8 +123,8 @@ static sp_status add_front(const first_order *f, const sp_packing *measured, sp_
     o.points = (int32_t)fmax(ceil(f->q->window / sp_inference_spacing(f->net.pressure)) + 1, 3);
     o.packing = &f->packing;
     o.threads = f->q->opt->threads;
-    sp_status status = sp_sensitivity_front(
-        &f->net, &o, SP_FRONT_T10 | SP_FRONT_T_PEAK | SP_FRONT_PEAK | SP_FRONT_WIDTH, &g, &reason);
+    sp_status status =
+        sp_sensitivity_front(&f->net, &o, SP_FRONT_T10 | SP_FRONT_T_PEAK | SP_FRONT_PEAK | SP_FRONT_WIDTH, &g, &reason);
     if (status != SP_OK)
         return forgive(status, &reason, err);
     const sp_gradient *const each[SP_FRONT_MARKS] = {&g.t10, &g.t_peak, &g.peak, &g.width, &g.t10};
