@@ -3,6 +3,7 @@
 /* sonopack: sound in compressed granular packings. All headers of libsonopack. Those of the libraries that stand on it
  * are in folders of their names: study/ (scenes, studies, files), figure/, tapped/ (the tapped column of particles). */
 #include <sonopack/chain.h>
+#include <sonopack/coda.h>
 #include <sonopack/coherent.h>
 #include <sonopack/cost.h>
 #include <sonopack/counts.h>

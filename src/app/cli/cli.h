@@ -48,6 +48,7 @@ typedef int (*cli_command)(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
 int cmd_chain(int argc, char **argv);
 int cmd_check(int argc, char **argv);
+int cmd_coda(int argc, char **argv);
 int cmd_column(int argc, char **argv);
 int cmd_completion(int argc, char **argv);
 int cmd_convert(int argc, char **argv);

@@ -28,6 +28,7 @@ static const cli_command_row commands[] = {
     {"study", cmd_study, "compute an ensemble of packings and their results; can be interrupted"},
     {"table", cmd_table, "tables of a finished or running study"},
     {"uncertainty", cmd_uncertainty, "errors of the sound of a measured packing, from those of its grains"},
+    {"coda", cmd_coda, "where a packing has changed, from the change of late signals"},
     {"design", cmd_design, "which grains to change so that a front is late, or a band is left out"},
     {"wave", cmd_wave, "phase speed and attenuation of the coherent wave inside packings"},
     {"chain", cmd_chain, "chain of equal balls in closed form, of any length"},
