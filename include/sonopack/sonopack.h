@@ -4,9 +4,11 @@
  * are in folders of their names: study/ (scenes, studies, files), figure/, tapped/ (the tapped column of particles). */
 #include <sonopack/amplitude.h>
 #include <sonopack/chain.h>
+#include <sonopack/coda.h>
 #include <sonopack/coherent.h>
 #include <sonopack/cost.h>
 #include <sonopack/counts.h>
+#include <sonopack/design.h>
 #include <sonopack/elastic.h>
 #include <sonopack/front.h>
 #include <sonopack/modes.h>
@@ -21,6 +23,7 @@
 #include <sonopack/status.h>
 #include <sonopack/table.h>
 #include <sonopack/transport.h>
+#include <sonopack/uncertainty.h>
 #include <sonopack/units.h>
 #include <sonopack/version.h>
 #endif

@@ -16,6 +16,7 @@ cannot be written to, and keep it alive. Long calls run without the interpreter'
 """
 from ._column import Column, ColumnRun
 from ._core import FileError, Interrupted, InvalidInput, NoMemory, Refused, SonopackError, Status, text_of as _text_of
+from ._inference import CODA_CANDIDATE, DESIGN_STEP, Coda, Design, Uncertain, Uncertainty, design, uncertainty
 from ._modes import DampedModes, Modes
 from ._native import lib as _lib
 from ._network import SPRING, Network
@@ -34,11 +35,12 @@ from ._table import Table, quantity
 __version__ = _text_of(_lib.sp_version())
 
 __all__ = [
-    "Audit", "BACK", "BOTTOM", "CONTACT", "CONTINUUM_ROW", "CoherentWave", "Column", "ColumnRun", "Continuum",
-    "DISPERSION_POINT", "DampedModes", "DensityOfStates", "Dispersion", "FRONT", "FileError", "FiniteStrain",
-    "Front", "Harmonic", "Interrupted", "InvalidInput", "LEFT", "Material", "Modes", "Moduli", "Network",
-    "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse", "RIGHT", "Refused",
-    "SPRING", "Sample", "Scene", "Signal", "SonopackError", "Stability", "Statics", "Status", "Store",
-    "StudyProgress", "TOP", "Table", "TappedTap", "Transmission", "WAVE_FIT", "WaveSection", "ZeroModes", "front",
-    "quantity", "scene_help", "signal_window", "study",
+    "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Coda", "CoherentWave", "Column",
+    "ColumnRun", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes", "DensityOfStates", "Design",
+    "Dispersion", "FRONT", "FileError", "FiniteStrain", "Front", "Harmonic", "Interrupted", "InvalidInput", "LEFT",
+    "Material", "Modes", "Moduli", "Network", "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place",
+    "ProbeModuli", "Pulse", "RIGHT", "Refused", "SPRING", "Sample", "Scene", "Signal", "SonopackError", "Stability",
+    "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap", "Transmission", "Uncertain",
+    "Uncertainty", "WAVE_FIT", "WaveSection", "ZeroModes", "design", "front", "quantity", "scene_help",
+    "signal_window", "study", "uncertainty",
 ]

@@ -38,11 +38,12 @@ PLAIN = re.compile(r"""file|probe|reason|verdict|branch|polarization|ok|failed|n
     (Phi2|Phi3s?|zs|f0|N_over_p|Z2|Z3|F2S?|s1_over_s2|s[13]2_over_s2|mobilised)(_(sd|err|low|high))?|
     force|torque|walls|law|geometry|coulomb|residual|Q(_err)?|
     (speed|peak|width)_ratio(_err)?|amplitude|overpressure(_err)?|packings|carrying|slid|opened|closed|kinetic|normal|tangential|
-    rubbed|released|balance|pressure(_err)?""".replace("\n    ", ""))
+    rubbed|released|balance|pressure(_err)?|step|factor|at_limit|energy(_err)?|predicted|found|rank|probability|change(_err)?""".replace("\n    ", ""))
 NUMBER = r"[-+]?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan)"
 PLAIN_COMMENTS = [re.compile(pattern) for pattern in (
     r"(file|method|source|quantity|axis|detector|solver|spectrum|norm|direction|motion|packing|verdict|error_kind|material|prestress|sliding_free|"
-    r"packing\.(sizes|kind|protocol|compression)|pulse) = .*",
+    r"packing\.(sizes|kind|protocol|compression)|pulse|measured|goal|vary|total) = .*",
+    rf"(force|stiffness|calibration|false|missing|seed|candidates|contacts_ratio(_err)?|effective|factor_(low|high)|\w+_ratio|pairs|times|noise|change|grain|found(_err)?) = {NUMBER}",
     r"(grains|carrying|n|zero_modes|rattler_modes|free_spins|rigid_motions|mechanisms|factors|solves|on_edge|degrees_of_freedom|products|"
     r"modes|moments|vectors|planes|dof|packings|dimension|samples|failed|mode|tolerance|residual|orthogonality|damping|"
     rf"amplitude|factor|threshold|vector_error|wall|Phi3s|mean_\w+|gamma_limit|alpha_limit|exponent(_err)?|packing\.friction|"
@@ -169,7 +170,8 @@ def check_commands(folder):
             "spectrum dos P.h5 --method kpm", "wave W.h5", "amplitude P.h5 K.h5 --amplitudes 0.01,0.3",
             "amplitude P.h5 --amplitudes 0.1 --mean", "amplitude K.h5 --amplitudes 0.1 --planes 2",
             "transport P.h5 --at 0.5 --axis x --until 90",
-            "transport P.h5 --quantity kubo --at 0.3:0.5:2", "transport W.h5 --quantity coherent --at 0.1:0.3:3"):
+            "transport P.h5 --quantity kubo --at 0.3:0.5:2", "transport W.h5 --quantity coherent --at 0.1:0.3:3",
+            "design P.h5 --goal delay --iterations 2", "design P.h5 --goal band:0.1:0.2 --iterations 1 --rows grains"):
         check_command(folder, *line.split())
     check_command(folder, "check", "P.h5", units=False)
     check_command(folder, "front", "K.h5", f"--material={MATERIAL}")

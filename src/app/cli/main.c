@@ -28,6 +28,9 @@ static const cli_command_row commands[] = {
     {"study", cmd_study, "compute an ensemble of packings and their results; can be interrupted"},
     {"table", cmd_table, "tables of a finished or running study"},
     {"transport", cmd_transport, "diffusivity of sound's energy and mean free paths of its waves"},
+    {"uncertainty", cmd_uncertainty, "errors of the sound of a measured packing, from those of its grains"},
+    {"coda", cmd_coda, "where a packing has changed, from the change of late signals"},
+    {"design", cmd_design, "which grains to change so that a front is late, or a band is left out"},
     {"wave", cmd_wave, "phase speed and attenuation of the coherent wave inside packings"},
     {"amplitude", cmd_amplitude, "speed and shape of the front as the pulse grows loud"},
     {"chain", cmd_chain, "chain of equal balls in closed form, of any length"},
@@ -68,7 +71,7 @@ static void overview(FILE *out) {
         "pulse at the bottom wall, and derives the speed of sound from it.\n\nCommands:\n",
         out);
     for (int k = 0; k < COMMANDS; k++)
-        fprintf(out, "  %-9s %s\n", commands[k].name, commands[k].meaning);
+        fprintf(out, "  %-11s %s\n", commands[k].name, commands[k].meaning);
     fputs(
         "\n`sonopack help COMMAND' explains a command, `sonopack help scene' the scene files, `sonopack help KEY' one\n"
         "of their keys. `sonopack --version' prints the version. Data go to stdout, messages and progress to stderr.\n"

@@ -1,0 +1,302 @@
+/* The work of the command coda: signals, noise, and the search. */
+#include "cli/coda.h"
+
+#include "base/base.h"
+#include "cli/plot_input.h"
+#include "numeric/random.h"
+#include "packing/geometry.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Signals on the times of the window. */
+typedef struct signals {
+    int32_t times, pairs;
+    double *t;              /* [times] */
+    double *before, *change; /* [pairs][times] */
+    double noise;           /* standard deviation of each value of the change; 0: unknown */
+} signals;
+
+static void free_signals(signals *s) {
+    sp_free(s->t);
+    sp_free(s->before);
+    sp_free(s->change);
+}
+
+static sp_status alloc_signals(signals *s, sp_error *err) {
+    const size_t values = (size_t)s->pairs * (size_t)s->times;
+    s->t = sp_alloc((size_t)s->times, sizeof *s->t);
+    s->before = sp_alloc(values, sizeof *s->before);
+    s->change = sp_alloc(values, sizeof *s->change);
+    return s->t && s->before && s->change ? SP_OK : sp_fail_memory(err, 2 * values * sizeof *s->before);
+}
+
+/* ---- measured signals ------------------------------------------------------------------------------------------- */
+
+static sp_status find_columns(const sp_table *t, const char *path, int32_t pairs, int *time, int *force,
+                              sp_error *err) {
+    *time = sp_table_find_column(t, "t");
+    *force = sp_table_find_column(t, pairs > 1 ? "F1" : "F");
+    if (*force < 0)
+        *force = sp_table_find_column(t, "F1");
+    if (*time < 0 || *force < 0 || *force + pairs > t->columns)
+        return sp_fail(err, SP_EFORMAT,
+                       "%s: must have the columns t and %s, one for each pair of a source and a detector", path,
+                       pairs > 1 ? "F1, F2, ..." : "F");
+    return SP_OK;
+}
+
+/* Rows of a table within the window. */
+static int32_t first_row(const sp_table *t, int time, double low, double high, int32_t *count) {
+    int32_t first = 0;
+    *count = 0;
+    for (int64_t row = 0; row < t->rows; row++) {
+        const double at = sp_table_number(t, row, time);
+        if (!(at >= low && at <= high))
+            continue;
+        if ((*count)++ == 0)
+            first = (int32_t)row;
+    }
+    return first;
+}
+
+static void copy_columns(const sp_table *t, int32_t first, int time, int force, signals *s, bool after) {
+    for (int32_t l = 0; l < s->times; l++) {
+        s->t[l] = sp_table_number(t, first + l, time);
+        for (int32_t k = 0; k < s->pairs; k++) {
+            const size_t at = (size_t)k * (size_t)s->times + (size_t)l;
+            const double f = sp_table_number(t, first + l, force + k);
+            if (after)
+                s->change[at] = f - s->before[at];
+            else
+                s->before[at] = f;
+        }
+    }
+}
+
+static sp_status same_times(const sp_table *a, const sp_table *b, int time_a, int time_b, const char *path,
+                            sp_error *err) {
+    for (int64_t row = 0; row < a->rows && a->rows == b->rows; row++) {
+        const double x = sp_table_number(a, row, time_a), y = sp_table_number(b, row, time_b);
+        if (!(fabs(x - y) <= 1e-9 * fabs(x)))
+            return sp_fail(err, SP_EINVAL, "%s: row %lld is at t = %g, must be at %g as before the change", path,
+                           (long long)row + 1, y, x);
+    }
+    return a->rows == b->rows ? SP_OK
+                              : sp_fail(err, SP_EINVAL, "%s: has %lld rows, must have %lld as before the change", path,
+                                        (long long)b->rows, (long long)a->rows);
+}
+
+static sp_status read_signals(const coda_arguments *a, signals *s, sp_error *err) {
+    sp_table before = sp_table_none(), after = sp_table_none();
+    int time = 0, force = 0, time_after = 0, force_after = 0;
+    sp_status status = plot_read_table(a->before, &before, err);
+    if (status == SP_OK)
+        status = plot_read_table(a->after, &after, err);
+    if (status == SP_OK)
+        status = find_columns(&before, a->before, s->pairs, &time, &force, err);
+    if (status == SP_OK)
+        status = find_columns(&after, a->after, s->pairs, &time_after, &force_after, err);
+    if (status == SP_OK)
+        status = same_times(&before, &after, time, time_after, a->after, err);
+    if (status == SP_OK) {
+        const int32_t first = first_row(&before, time, a->low, a->high, &s->times);
+        if (s->times < 10)
+            status = sp_fail(err, SP_EINVAL, "%s: has %d rows in the window %g:%g, must have at least 10", a->before,
+                             s->times, a->low, a->high);
+        if (status == SP_OK)
+            status = alloc_signals(s, err);
+        if (status == SP_OK) {
+            copy_columns(&before, first, time, force, s, false);
+            copy_columns(&after, first, time_after, force_after, s, true);
+        }
+    }
+    sp_table_free(&after);
+    sp_table_free(&before);
+    return status;
+}
+
+/* ---- computed signals ------------------------------------------------------------------------------------------- */
+
+static double root_mean_square(const signals *s) {
+    const int64_t values = (int64_t)s->pairs * s->times;
+    double sum = 0;
+    for (int64_t k = 0; k < values; k++)
+        sum += s->before[k] * s->before[k];
+    return sqrt(sum / (double)values);
+}
+
+static double normal_deviate(sp_random *r) {
+    const double radius = sqrt(-2 * log1p(-sp_random_uniform(r)));
+    return radius * cos(2 * M_PI * sp_random_uniform(r));
+}
+
+/* change = after - before, with independent noise in both: sqrt(2) times that of one. */
+static sp_status change_grain(const coda_arguments *a, const sp_network *net, const sp_coda_options *o, int32_t grain,
+                              sp_random *random, signals *s, sp_error *err) {
+    sp_status status = sp_coda_signal(net, o, grain, a->change, s->change, err);
+    for (int64_t k = 0; k < (int64_t)s->pairs * s->times && status == SP_OK; k++)
+        s->change[k] += s->noise * normal_deviate(random) - s->before[k];
+    return status;
+}
+
+/* ---- the tables ------------------------------------------------------------------------------------------------- */
+
+static double distance(const sp_packing *p, int32_t i, int32_t j) {
+    double d[3];
+    for (int a = 0; a < 3; a++)
+        d[a] = p->x[3 * (size_t)j + (size_t)a] - p->x[3 * (size_t)i + (size_t)a];
+    sp_packing_nearest(p, d);
+    return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+static sp_status add_candidates(const coda_arguments *a, const sp_packing *p, const sp_coda *c,
+                                const sp_coda_candidate *found, sp_table *t, sp_error *err) {
+    sp_status status = SP_OK;
+    for (int32_t k = 0; k < c->n && k < a->rows && status == SP_OK; k++) {
+        const double *x = p->x + 3 * (size_t)found[k].grain;
+        status = sp_table_add_row(t, err, (int64_t)found[k].grain, x[0], x[1], x[2], found[k].probability,
+                                  found[k].change, found[k].error, found[k].misfit);
+    }
+    return status;
+}
+
+static int64_t rank_of(const sp_coda *c, const sp_coda_candidate *found, int32_t grain) {
+    int32_t k = 0;
+    while (k < c->n && found[k].grain != grain)
+        k++;
+    return k + 1;
+}
+
+/* Sums over trials. */
+typedef struct tally {
+    double n, distance, square, hits;
+} tally;
+
+static sp_status add_trial(const sp_packing *p, const sp_coda *c, const sp_coda_candidate *found, int32_t grain,
+                           tally *sum, sp_table *t, sp_error *err) {
+    const double away = distance(p, grain, found[0].grain);
+    sum->n++;
+    sum->distance += away;
+    sum->square += away * away;
+    sum->hits += found[0].grain == grain;
+    return sp_table_add_row(t, err, (int64_t)grain, (int64_t)found[0].grain, rank_of(c, found, grain), away,
+                            found[0].probability, found[0].change, found[0].error, found[0].misfit);
+}
+
+static void add_tally(const coda_arguments *a, const tally *s, cli_writer *w) {
+    const double mean = s->distance / s->n, part = s->hits / s->n;
+    cli_value(w, "change", a->change);
+    cli_value(w, "distance", mean);
+    cli_value(w, "distance_err", sqrt(fmax(s->square / s->n - mean * mean, 0) / fmax(s->n - 1, 1)));
+    cli_value(w, "found", part);
+    cli_value(w, "found_err", sqrt(part * (1 - part) / s->n));
+}
+
+static sp_status search_trials(const coda_arguments *a, const cli_file *file, const sp_coda *c,
+                               const sp_coda_options *o, signals *s, sp_coda_candidate *found, sp_table *t,
+                               sp_error *err) {
+    sp_random random = sp_random_make((uint64_t)a->seed, 1 << 16);
+    cli_writer w = {.table = t, .err = err};
+    tally sum = {0};
+    sp_status status = SP_OK;
+    for (int64_t k = 0; k < a->trials && status == SP_OK; k++) {
+        const int32_t grain = c->grain[sp_random_below(&random, (uint64_t)c->n)];
+        status = change_grain(a, &file->network, o, grain, &random, s, err);
+        if (status == SP_OK)
+            status = sp_coda_locate(c, s->change, s->noise, found, err);
+        if (status == SP_OK)
+            status = add_trial(&file->packing, c, found, grain, &sum, t, err);
+    }
+    if (status == SP_OK)
+        add_tally(a, &sum, &w);
+    return status == SP_OK ? w.status : status;
+}
+
+static sp_status search_one(const coda_arguments *a, const cli_file *file, const sp_coda *c, const sp_coda_options *o,
+                            signals *s, sp_coda_candidate *found, sp_table *t, sp_error *err) {
+    sp_random random = sp_random_make((uint64_t)a->seed, 1 << 16);
+    cli_writer w = {.table = t, .err = err};
+    double stretch, error;
+    sp_status status = SP_OK;
+    if (a->grain >= 0)
+        status = change_grain(a, &file->network, o, (int32_t)a->grain, &random, s, err);
+    if (status == SP_OK)
+        status = sp_coda_locate(c, s->change, s->noise, found, err);
+    if (status != SP_OK)
+        return status;
+    sp_coda_stretch(s->times, s->t, s->before, s->change, &stretch, &error);
+    cli_comment(&w, "stretch = %.6g, error %.2g (of the first signal)", stretch, error);
+    if (a->grain >= 0) {
+        cli_value(&w, "change", a->change);
+        cli_comment(&w, "grain = %lld", (long long)a->grain);
+        cli_value(&w, "distance", distance(&file->packing, (int32_t)a->grain, found[0].grain));
+    }
+    return w.status == SP_OK ? add_candidates(a, &file->packing, c, found, t, err) : w.status;
+}
+
+/* ---- all of it -------------------------------------------------------------------------------------------------- */
+
+static sp_status prepare(coda_arguments *a, const cli_file *file, signals *s, sp_coda_options *o, sp_error *err) {
+    const double usual = sp_signal_window(sp_packing_height(&file->packing), file->packing.pressure);
+    sp_status status = cli_places_set_component(&a->sources, a->component == 1, err);
+    if (status == SP_OK)
+        status = cli_places_set_component(&a->detectors, a->component == 1, err);
+    if (status != SP_OK)
+        return status;
+    if (isnan(a->low)) {
+        a->low = 0.5 * usual;
+        a->high = 2 * usual;
+    }
+    s->pairs = a->sources.n * a->detectors.n;
+    s->times = (int32_t)a->points;
+    *o = (sp_coda_options){.source = (sp_source)a->source,
+                           .sources = a->sources.n,
+                           .detectors = a->detectors.n,
+                           .from = a->sources.at,
+                           .to = a->detectors.at,
+                           .threads = a->common.threads};
+    status = a->before ? read_signals(a, s, err) : alloc_signals(s, err);
+    o->times = s->times;
+    o->t = s->t;
+    if (status != SP_OK || a->before)
+        return status;
+    for (int32_t l = 0; l < s->times; l++)
+        s->t[l] = a->low + (a->high - a->low) * l / (s->times - 1);
+    return sp_coda_signal(&file->network, o, -1, 0, s->before, err);
+}
+
+static void describe(const coda_arguments *a, const cli_file *file, const sp_coda *c, cli_writer *w) {
+    cli_comment(w, "file = %s", file->path);
+    cli_value(w, "window_low", a->low);
+    cli_value(w, "window_high", a->high);
+    cli_comment(w, "pairs = %d", c->pairs);
+    cli_comment(w, "times = %d", c->times);
+    if (a->noise > 0)
+        cli_value(w, "noise", a->noise);
+}
+
+sp_status coda_rows(void *arguments, cli_file *file, sp_table *t, sp_error *err) {
+    coda_arguments *a = arguments;
+    signals s = {0};
+    sp_coda c = sp_coda_none();
+    sp_coda_options o;
+    sp_coda_candidate *found = NULL;
+    cli_writer w = {.table = t, .err = err};
+    sp_status status = prepare(a, file, &s, &o, err);
+    if (status == SP_OK)
+        status = sp_coda_make(&file->network, &o, &c, err);
+    if (status == SP_OK) {
+        found = sp_alloc((size_t)c.n, sizeof *found);
+        s.noise = sqrt(2) * a->noise * root_mean_square(&s);
+        describe(a, file, &c, &w);
+        status = found ? w.status : sp_fail_memory(err, (size_t)c.n * sizeof *found);
+    }
+    if (status == SP_OK)
+        status = (a->trials > 0 ? search_trials : search_one)(a, file, &c, &o, &s, found, t, err);
+    sp_free(found);
+    sp_coda_free(&c);
+    free_signals(&s);
+    return status;
+}

@@ -1,0 +1,256 @@
+/* Design by projected gradients. */
+#include "inference/design.h"
+
+#include "base/base.h"
+#include "packing/contact.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ITERATIONS_MOST = 100000, HALVINGS = 12 };
+
+sp_design_options sp_design_options_default(void) {
+    return (sp_design_options){.low = 0.5,
+                               .high = 2,
+                               .network = sp_network_options_default(),
+                               .iterations = 50,
+                               .tolerance = 1e-3,
+                               .threads = 1};
+}
+
+sp_design sp_design_none(void) { return (sp_design){.packing = sp_packing_none()}; }
+
+void sp_design_free(sp_design *d) {
+    sp_free(d->factor);
+    sp_free(d->step);
+    sp_packing_free(&d->packing);
+    *d = sp_design_none();
+}
+
+static sp_status check_options(const sp_packing *p, const sp_design_options *o, sp_error *err) {
+    if (!(o->low > 0 && o->low <= 1 && o->high >= 1 && o->high <= 1e3 && o->low >= 1e-3 && o->low < o->high))
+        return sp_fail_key(err, SP_EINVAL, "limits",
+                           " = %g:%g: must be LOW:HIGH with 0.001 <= LOW <= 1 <= HIGH <= 1000", o->low, o->high);
+    if (o->goal == SP_DESIGN_BAND && !(o->band_low >= 0 && o->band_low < o->band_high && isfinite(o->band_high)))
+        return sp_fail_key(err, SP_EINVAL, "goal", " = band:%g:%g: must be band:W1:W2 with 0 <= W1 < W2", o->band_low,
+                           o->band_high);
+    if (!(o->iterations >= 0 && o->iterations <= ITERATIONS_MOST))
+        return sp_fail_key(err, SP_EINVAL, "iterations", " = %d: must be 0 .. %d", o->iterations, ITERATIONS_MOST);
+    if (!(o->tolerance >= 0 && o->tolerance < 1))
+        return sp_fail_key(err, SP_EINVAL, "tolerance", " = %g: must be 0 .. 1", o->tolerance);
+    if (o->vary == SP_DESIGN_RADIUS && p->cell != SP_CELL_PISTON)
+        return sp_fail(err, SP_EREFUSED, "radii are designed under a piston only, whose load is known");
+    return o->vary == SP_DESIGN_RADIUS ? sp_packing_need_law(p, "a design of radii", err) : SP_OK;
+}
+
+/* Mass, 1, or volume of the grains that carry force. */
+static sp_status set_weights(sp_design_problem *d, sp_error *err) {
+    const sp_packing *p = d->p;
+    uint8_t *rattler = sp_alloc((size_t)p->n, 1);
+    d->weight = sp_alloc((size_t)p->n, sizeof *d->weight);
+    sp_status status = rattler && d->weight ? SP_OK : sp_fail_memory(err, 9 * (size_t)p->n);
+    if (status == SP_OK)
+        status = sp_packing_rattlers(p, d->opt->network.threshold, rattler, NULL, NULL, err);
+    for (int32_t i = 0; i < p->n && status == SP_OK; i++) {
+        const double mass = p->mass && d->opt->vary == SP_DESIGN_MASS ? p->mass[i] : grain_mass(p->r[i]);
+        d->weight[i] = rattler[i] ? 0 : d->opt->vary == SP_DESIGN_MODULUS ? 1 : mass;
+        d->total += d->weight[i];
+    }
+    sp_free(rattler);
+    return status;
+}
+
+/* ---- the way ---------------------------------------------------------------------------------------------------- */
+
+/* A point with its gradient. */
+typedef struct point {
+    double *factor, *gradient; /* [n] */
+    sp_design_value at;
+    sp_packing made;
+} point;
+
+static sp_status new_point(int32_t n, point *out, sp_error *err) {
+    *out = (point){.made = sp_packing_none()};
+    out->factor = sp_alloc(2 * (size_t)n, sizeof *out->factor);
+    out->gradient = out->factor ? out->factor + n : NULL;
+    return out->factor ? SP_OK : sp_fail_memory(err, 2 * (size_t)n * sizeof *out->factor);
+}
+
+static void free_point(point *p) {
+    sp_free(p->factor);
+    sp_packing_free(&p->made);
+    *p = (point){.made = sp_packing_none()};
+}
+
+static sp_status evaluate(const sp_design_problem *d, point *p, sp_error *err) {
+    sp_packing_free(&p->made);
+    return sp_design_evaluate(d, p->factor, p->gradient, &p->at, &p->made, err);
+}
+
+static double gain_to(const sp_design_problem *d, const point *a, const point *b) {
+    double sum = 0;
+    for (int32_t i = 0; i < d->p->n; i++)
+        sum += a->gradient[i] * (b->factor[i] - a->factor[i]);
+    return sum;
+}
+
+/* The value that the objective of a, increased by a gain, stands for. */
+static double promised(const sp_design_problem *d, const point *a, double gain) {
+    return a->at.value * exp(d->opt->goal == SP_DESIGN_DELAY ? gain : -gain);
+}
+
+static sp_status add_step(const sp_design_problem *d, const point *p, double predicted, sp_design *out, sp_error *err) {
+    size_t capacity = (size_t)out->steps;
+    sp_design_step *more = sp_grow(out->step, (size_t)out->steps + 1, &capacity, sizeof *more);
+    if (!more)
+        return sp_fail_memory(err, capacity * sizeof *more);
+    out->step = more;
+    sp_design_step *s = &out->step[out->steps++];
+    *s = (sp_design_step){.value = p->at.value, .error = p->at.error, .predicted = predicted};
+    for (int32_t i = 0; i < d->p->n; i++)
+        s->bound += d->weight[i] > 0 && (p->factor[i] <= d->opt->low || p->factor[i] >= d->opt->high);
+    return SP_OK;
+}
+
+/* A step that no signal follows ends the search in this direction, and is no failure. */
+static bool is_fatal(sp_status status) { return status == SP_ENOMEM || status == SP_EINTERRUPTED; }
+
+/* Tries shorter and shorter steps along the gradient until one gains a fair part of what it promised. *better tells. */
+static sp_status search(const sp_design_problem *d, const point *now, double step, point *next, bool *better,
+                        sp_error *err) {
+    *better = false;
+    for (int k = 0; k < HALVINGS && !*better; k++, step *= 0.5) {
+        sp_error reason = {0};
+        for (int32_t i = 0; i < d->p->n; i++)
+            next->factor[i] = now->factor[i] + step * now->gradient[i];
+        sp_design_project(d, next->factor);
+        const double gain = gain_to(d, now, next);
+        if (!(gain > 0))
+            return SP_OK;
+        const sp_status status = evaluate(d, next, &reason);
+        if (is_fatal(status))
+            return sp_fail(err, status, "%s", reason.text);
+        *better = status == SP_OK && next->at.objective >= now->at.objective + 0.1 * gain;
+    }
+    return SP_OK;
+}
+
+/* Barzilai and Borwein's step: the inverse curvature along the last one. */
+static double next_step(const sp_design_problem *d, const point *a, const point *b, double step) {
+    double ss = 0, sy = 0;
+    for (int32_t i = 0; i < d->p->n; i++) {
+        const double s = b->factor[i] - a->factor[i];
+        ss += s * s;
+        sy += s * (b->gradient[i] - a->gradient[i]);
+    }
+    return sy < 0 ? fmin(-ss / sy, 100 * step) : 2 * step;
+}
+
+static double first_step(const sp_design_problem *d, const point *p) {
+    double largest = 0;
+    for (int32_t i = 0; i < d->p->n; i++)
+        largest = fmax(largest, fabs(p->gradient[i]));
+    return largest > 0 ? 0.2 * (d->opt->high - d->opt->low) / largest : 0;
+}
+
+static sp_status climb(const sp_design_problem *d, double start, point *now, point *next, sp_design *out,
+                       sp_error *err) {
+    double step = first_step(d, now);
+    for (int32_t k = 0; k < d->opt->iterations && step > 0; k++) {
+        bool better;
+        sp_status status = search(d, now, step, next, &better, err);
+        if (status == SP_OK && better)
+            status = add_step(d, next, promised(d, now, gain_to(d, now, next)), out, err);
+        if (status != SP_OK)
+            return status;
+        if (!better)
+            return SP_OK;
+        const double gain = next->at.objective - now->at.objective;
+        step = next_step(d, now, next, step);
+        const point other = *now;
+        *now = *next;
+        *next = other;
+        if (gain < d->opt->tolerance * (now->at.objective - start))
+            return SP_OK;
+    }
+    return SP_OK;
+}
+
+/* What the first gradient promises within the limits, and what comes of it; the way goes on from there if it is better.
+ */
+static sp_status try_extreme(const sp_design_problem *d, point *now, point *next, sp_design *out, sp_error *err) {
+    sp_error reason = {0};
+    double first = 0, second = 0;
+    const double multiplier = sp_design_extreme(d, now->gradient, next->factor), gain = gain_to(d, now, next);
+    for (int32_t i = 0; i < d->p->n; i++) {
+        const double g = now->gradient[i] - multiplier * d->weight[i];
+        first += d->weight[i] > 0 ? fabs(g) : 0;
+        second += d->weight[i] > 0 ? g * g : 0;
+    }
+    out->effective = first * first / second;
+    out->linear_predicted = promised(d, now, gain);
+    const sp_status status = evaluate(d, next, &reason);
+    if (is_fatal(status))
+        return sp_fail(err, status, "%s", reason.text);
+    if (status != SP_OK) {
+        out->linear = out->linear_error = NAN;
+        return SP_OK;
+    }
+    out->linear = next->at.value;
+    out->linear_error = next->at.error;
+    if (!(next->at.objective > now->at.objective))
+        return SP_OK;
+    const point other = *now;
+    *now = *next;
+    *next = other;
+    return add_step(d, now, out->linear_predicted, out, err);
+}
+
+static sp_status search_all(sp_design_problem *d, point *now, point *next, sp_design *out, sp_error *err) {
+    for (int32_t i = 0; i < d->p->n; i++)
+        now->factor[i] = 1;
+    sp_status status = evaluate(d, now, err);
+    if (status == SP_OK && d->opt->goal == SP_DESIGN_BAND) { /* values are relative to that of the start */
+        d->scale = now->at.value;
+        now->at = (sp_design_value){0, 1, now->at.error / d->scale};
+    }
+    if (status == SP_OK)
+        status = add_step(d, now, NAN, out, err);
+    const double start = status == SP_OK ? now->at.objective : 0;
+    if (status == SP_OK)
+        status = try_extreme(d, now, next, out, err);
+    if (status == SP_OK)
+        status = climb(d, start, now, next, out, err);
+    return status;
+}
+
+sp_status sp_design_make(const sp_packing *p, const sp_design_options *opt, sp_design *out, sp_error *err) {
+    sp_design_problem d = {.p = p, .opt = opt, .scale = 1};
+    sp_design made = sp_design_none();
+    point now = {.made = sp_packing_none()}, next = now;
+    sp_status status = check_options(p, opt, err);
+    if (status == SP_OK)
+        status = set_weights(&d, err);
+    if (status == SP_OK)
+        status = new_point(p->n, &now, err);
+    if (status == SP_OK)
+        status = new_point(p->n, &next, err);
+    made.factor = status == SP_OK ? sp_alloc((size_t)p->n, sizeof *made.factor) : NULL;
+    if (status == SP_OK && !made.factor)
+        status = sp_fail_memory(err, (size_t)p->n * sizeof *made.factor);
+    if (status == SP_OK)
+        status = search_all(&d, &now, &next, &made, err);
+    if (status == SP_OK) {
+        made.n = p->n;
+        memcpy(made.factor, now.factor, (size_t)p->n * sizeof *made.factor);
+        made.packing = now.made;
+        now.made = sp_packing_none();
+        *out = made;
+    } else {
+        sp_design_free(&made);
+    }
+    free_point(&now);
+    free_point(&next);
+    sp_free(d.weight);
+    return status;
+}

@@ -1,0 +1,278 @@
+/* Errors of a packing's sound to first order, from exact derivatives. All kinds of errors are independent, so that the
+ * variance is a sum of squares. */
+#include "inference/uncertain.h"
+
+#include "base/base.h"
+#include "packing/bulk.h"
+#include "packing/contact.h"
+
+#include <math.h>
+#include <sonopack/sensitivity.h>
+#include <string.h>
+
+/* What the gradients refer to: the network, and a packing whose contacts keep their stiffness where positions do not
+ * decide it. */
+typedef struct first_order {
+    const sp_quantities *q;
+    const sp_errors *errors;
+    sp_packing packing; /* borrows all arrays but its contacts */
+    sp_network net;
+    double density;
+    double *density_slope; /* [n of the packing][4] derivatives of the density by the radius and the centre */
+} first_order;
+
+static const unsigned PARAMETERS = SP_BY_KN | SP_BY_KT | SP_BY_RADIUS | SP_BY_POSITION;
+
+/* ---- what the derivatives are multiplied by --------------------------------------------------------------------- */
+
+/* d ln(k_n)/d ln(R) at a fixed force, for the grain of radius r: k_n ~ (R12 F)^(1/3), where R12 is the radius at a
+ * wall. */
+static double by_own_radius(double r, double other) { return (1 - (other > 0 ? r / (r + other) : 0)) / (3 * r); }
+
+/* Derivative of Q with respect to the logarithm of the stiffness of a spring. */
+static double by_log_stiffness(const sp_network *net, const sp_gradient *g, int32_t k) {
+    const sp_spring *s = &net->springs[k];
+    return s->kn * g->kn.d[k] + (g->kt.n > 0 ? s->kt * g->kt.d[k] : 0);
+}
+
+/* Whether the stiffness of a contact follows from its force. */
+static bool follows_force(const first_order *f, const sp_packing *measured, int32_t contact) {
+    return f->errors->measured == SP_MEASURED_FORCES && !(measured->contacts[contact].kn > 0);
+}
+
+/* Adds to by_radius [grains of the network] what radii do to stiffnesses that follow from forces. */
+static void add_curvatures(const first_order *f, const sp_packing *measured, const sp_gradient *g, double *by_radius) {
+    for (int32_t k = 0; k < f->net.n_springs; k++) {
+        const sp_spring *s = &f->net.springs[k];
+        if (!follows_force(f, measured, s->contact))
+            continue;
+        const double slope = by_log_stiffness(&f->net, g, k), ri = f->net.r[s->i];
+        const double rj = s->j >= 0 ? f->net.r[s->j] : 0;
+        by_radius[s->i] += slope * by_own_radius(ri, rj);
+        if (s->j >= 0)
+            by_radius[s->j] += slope * by_own_radius(rj, ri);
+    }
+}
+
+/* ---- one quantity ----------------------------------------------------------------------------------------------- */
+
+/* Squares of the standard deviations by kind. density_part: dQ/d(density), for speeds; else 0. */
+static sp_status variances(const first_order *f, const sp_packing *measured, const sp_gradient *g, double density_part,
+                           double *by_radius, sp_uncertain *out) {
+    const sp_errors *e = f->errors;
+    const sp_network *net = &f->net;
+    double v[SP_ERROR_KINDS] = {0}, sum = 0, whole = 0;
+    for (int32_t i = 0; i < net->n; i++)
+        by_radius[i] = g->radius.d[i];
+    add_curvatures(f, measured, g, by_radius);
+    for (int32_t i = 0; i < net->n; i++) {
+        const double *slope = f->density_slope + 4 * (size_t)net->grain[i];
+        const double radius = by_radius[i] + density_part * slope[0];
+        v[SP_ERROR_RADIUS] += radius * radius * e->radius * e->radius;
+        for (int a = 0; a < net->dim; a++) {
+            const double x = g->position.d[3 * (size_t)i + (size_t)a] + density_part * slope[1 + a];
+            v[SP_ERROR_POSITION] += x * x * e->position * e->position;
+        }
+    }
+    for (int32_t k = 0; k < net->n_springs; k++) {
+        const double slope = by_log_stiffness(net, g, k);
+        if (follows_force(f, measured, net->springs[k].contact))
+            v[SP_ERROR_FORCE] += slope * slope / 9 * e->force * e->force;
+        v[SP_ERROR_STIFFNESS] += slope * slope * e->stiffness * e->stiffness;
+        v[SP_ERROR_FALSE] += slope * slope * e->false_part * (1 - e->false_part);
+        whole += slope;
+    }
+    v[SP_ERROR_CALIBRATION] = whole * whole * e->calibration * e->calibration;
+    out->shift = -e->false_part * whole;
+    for (int k = 0; k < SP_ERROR_KINDS; k++)
+        sum += v[k];
+    out->first_order = sqrt(sum);
+    for (int k = 0; k < SP_ERROR_KINDS; k++)
+        out->share[k] = sum > 0 ? v[k] / sum : NAN;
+    return SP_OK;
+}
+
+/* Where the derivatives of a quantity are the gradient g times `scale`. */
+static sp_status add_quantity(const first_order *f, const sp_packing *measured, const sp_gradient *g, double scale,
+                              double density_part, sp_uncertain *out, sp_error *err) {
+    double *by_radius = sp_alloc((size_t)f->net.n, sizeof *by_radius);
+    if (!by_radius)
+        return sp_fail_memory(err, (size_t)f->net.n * sizeof *by_radius);
+    variances(f, measured, g, density_part / scale, by_radius, out);
+    out->first_order *= fabs(scale);
+    out->shift *= scale;
+    sp_free(by_radius);
+    return SP_OK;
+}
+
+/* A quantity without derivatives stays NAN; only memory that is missing ends all. */
+static sp_status forgive(sp_status status, const sp_error *reason, sp_error *err) {
+    if (status != SP_ENOMEM)
+        return SP_OK;
+    return sp_fail(err, SP_ENOMEM, "%s", reason->text);
+}
+
+/* t10, t_peak, peak, width and c = H/t10. */
+static sp_status add_front(const first_order *f, const sp_packing *measured, sp_uncertain *out, sp_error *err) {
+    sp_sensitivity_options o = sp_sensitivity_options_default();
+    sp_front_gradient g;
+    sp_error reason = {0};
+    o.parameters = PARAMETERS;
+    o.source = f->q->opt->source;
+    o.until = f->q->window;
+    o.points = (int32_t)fmax(ceil(f->q->window / sp_inference_spacing(f->net.pressure)) + 1, 3);
+    o.packing = &f->packing;
+    o.threads = f->q->opt->threads;
+    sp_status status =
+        sp_sensitivity_front(&f->net, &o, SP_FRONT_T10 | SP_FRONT_T_PEAK | SP_FRONT_PEAK | SP_FRONT_WIDTH, &g, &reason);
+    if (status != SP_OK)
+        return forgive(status, &reason, err);
+    const sp_gradient *const each[SP_FRONT_MARKS] = {&g.t10, &g.t_peak, &g.peak, &g.width, &g.t10};
+    for (int k = 0; k < SP_FRONT_MARKS && status == SP_OK; k++) {
+        const double scale = k == SP_FRONT_MARKS - 1 ? -out[k].value / g.found.t10 : 1;
+        status = add_quantity(f, measured, each[k], scale, 0, &out[k], err);
+    }
+    sp_front_gradient_free(&g);
+    return status;
+}
+
+static int modulus_of(const char *name) {
+    static const char *const names[SP_MODULUS_COUNT] = {"C11", "C12", "C22", "C33", "C13", "C23",
+                                                        "C44", "C55", "C66", "c_l", "c_t"};
+    for (int k = 0; k < SP_MODULUS_COUNT; k++)
+        if (strcmp(names[k], name) == 0)
+            return k;
+    return -1;
+}
+
+/* `count` moduli and speeds. Those that the packing does not have are left out. */
+static sp_status add_moduli(const first_order *f, const sp_packing *measured, int count, sp_uncertain *out,
+                            sp_error *err) {
+    sp_modulus of[SP_MODULUS_COUNT];
+    sp_gradient g[SP_MODULUS_COUNT];
+    sp_uncertain *to[SP_MODULUS_COUNT];
+    sp_error reason = {0};
+    int n = 0;
+    for (int k = 0; k < count; k++)
+        if (isfinite(out[k].value)) {
+            of[n] = (sp_modulus)modulus_of(out[k].name);
+            to[n++] = &out[k];
+        }
+    if (n == 0)
+        return SP_OK;
+    sp_status status = sp_sensitivity_moduli(&f->net, f->density, n, of, PARAMETERS, &f->packing, g, &reason);
+    if (status != SP_OK)
+        return forgive(status, &reason, err);
+    for (int k = 0; k < n; k++) {
+        const bool speed = of[k] == SP_MODULUS_CL || of[k] == SP_MODULUS_CT;
+        const double density_part = speed ? -0.5 * to[k]->value / f->density : 0;
+        if (status == SP_OK)
+            status = add_quantity(f, measured, &g[k], 1, density_part, to[k], err);
+        sp_gradient_free(&g[k]);
+    }
+    return status;
+}
+
+/* Modes that coincide have no derivatives of their own, and stay NAN. */
+static sp_status add_modes(const first_order *f, const sp_packing *measured, sp_uncertain *out, sp_error *err) {
+    sp_modes_options o = sp_modes_options_default();
+    const sp_modes_range range = sp_modes_range_lowest(f->q->modes);
+    sp_modes m = sp_modes_none();
+    sp_error reason = {0};
+    o.vectors = true;
+    sp_status status = sp_modes_make(&f->net, &o, &range, &m, &reason);
+    if (status != SP_OK)
+        return forgive(status, &reason, err);
+    for (int32_t k = 0; k < f->q->modes && status == SP_OK; k++) {
+        sp_gradient g;
+        status = sp_sensitivity_modes(&f->net, &m, k, 1, PARAMETERS, &f->packing, &g, &reason);
+        if (status != SP_OK) {
+            status = forgive(status, &reason, err);
+            continue;
+        }
+        status = add_quantity(f, measured, &g, 0.5 / m.omega[k], 0, &out[k], err);
+        sp_gradient_free(&g);
+    }
+    sp_modes_free(&m);
+    return status;
+}
+
+/* ---- the packing that is differentiated ------------------------------------------------------------------------- */
+
+/* Contacts by their own stiffness: neither positions nor radii change it. */
+static void fix_stiffnesses(sp_packing *p) {
+    for (int32_t k = 0; k < p->n_contacts; k++) {
+        sp_contact *c = &p->contacts[k];
+        if (c->kn > 0)
+            continue;
+        c->kn = contact_kn(p, c);
+        c->kt = contact_eta(p->poisson) * c->kn;
+    }
+}
+
+/* Mass of a grain in the bulk. */
+static double bulk_mass(const sp_packing *p, const bulk *b, int32_t i, const double x[3], double r) {
+    return (p->mass ? p->mass[i] : grain_mass(r)) * sp_bulk_ball(b, x, r);
+}
+
+/* Derivatives of the density that a grain contributes to, by central differences: only grains that a layer at a wall
+ * cuts have any by their position. */
+static void density_slopes(first_order *f, const sp_packing *p) {
+    const bulk b = sp_bulk_of(p, f->q->opt->margin);
+    const double h = 1e-5;
+    for (int32_t k = 0; k < f->net.n && b.volume > 0; k++) {
+        const int32_t i = f->net.grain[k];
+        double *slope = f->density_slope + 4 * (size_t)i, x[3];
+        memcpy(x, p->x + 3 * (size_t)i, sizeof x);
+        slope[0] = (bulk_mass(p, &b, i, x, p->r[i] + h) - bulk_mass(p, &b, i, x, p->r[i] - h)) / (2 * h * b.volume);
+        for (int a = 0; a < p->dim; a++) {
+            const double at = x[a];
+            x[a] = at + h;
+            slope[1 + a] = bulk_mass(p, &b, i, x, p->r[i]);
+            x[a] = at - h;
+            slope[1 + a] = (slope[1 + a] - bulk_mass(p, &b, i, x, p->r[i])) / (2 * h * b.volume);
+            x[a] = at;
+        }
+    }
+}
+
+static sp_status prepare(first_order *f, const sp_packing *p, sp_error *err) {
+    const sp_uncertainty_options *o = f->q->opt;
+    f->packing = *p;
+    f->packing.contacts = sp_alloc((size_t)p->n_contacts, sizeof *p->contacts);
+    f->density_slope = sp_alloc(4 * (size_t)p->n, sizeof *f->density_slope);
+    if (!f->packing.contacts || !f->density_slope)
+        return sp_fail_memory(err, (size_t)p->n_contacts * sizeof *p->contacts);
+    memcpy(f->packing.contacts, p->contacts, (size_t)p->n_contacts * sizeof *p->contacts);
+    if (f->errors->measured == SP_MEASURED_FORCES)
+        fix_stiffnesses(&f->packing);
+    sp_status status = sp_packing_density(p, o->network.threshold, o->margin, &f->density, err);
+    return status == SP_OK ? sp_network_make(&f->packing, &o->network, &f->net, err) : status;
+}
+
+/* A missing contact has no stiffness from which to differentiate, and prestress adds forces that are held here. */
+static bool differentiable(const sp_errors *e, const sp_uncertainty_options *o) {
+    return e->missing == 0 && !o->network.prestress;
+}
+
+sp_status sp_uncertain_first_order(const sp_quantities *q, const sp_drawing *d, const sp_packing *p,
+                                   sp_uncertainty *out, sp_error *err) {
+    first_order f = {.q = q, .errors = d->errors};
+    if (!differentiable(d->errors, q->opt))
+        return SP_OK;
+    const int fronts = q->front ? SP_FRONT_MARKS : 0, moduli = q->n - fronts - q->modes;
+    sp_status status = prepare(&f, p, err);
+    if (status == SP_OK) {
+        density_slopes(&f, p);
+        if (fronts > 0)
+            status = add_front(&f, p, out->quantity, err);
+    }
+    if (status == SP_OK && moduli > 0)
+        status = add_moduli(&f, p, moduli, out->quantity + fronts, err);
+    if (status == SP_OK && q->modes > 0)
+        status = add_modes(&f, p, out->quantity + fronts + moduli, err);
+    sp_network_free(&f.net);
+    sp_free(f.packing.contacts);
+    sp_free(f.density_slope);
+    return status;
+}
