@@ -25,6 +25,7 @@ static const cli_command_row commands[] = {
     {"spectrum", cmd_spectrum, "density of states, transmission, dispersion, harmonic driving"},
     {"signal", cmd_signal, "force on the top wall after a short pulse at the bottom wall"},
     {"front", cmd_front, "arrival, peak and width of the first wave front"},
+    {"sensitivity", cmd_sensitivity, "what each contact and grain does to the arrival, frequencies, moduli"},
     {"study", cmd_study, "compute an ensemble of packings and their results; can be interrupted"},
     {"table", cmd_table, "tables of a finished or running study"},
     {"wave", cmd_wave, "phase speed and attenuation of the coherent wave inside packings"},
@@ -66,7 +67,7 @@ static void overview(FILE *out) {
         "pulse at the bottom wall, and derives the speed of sound from it.\n\nCommands:\n",
         out);
     for (int k = 0; k < COMMANDS; k++)
-        fprintf(out, "  %-9s %s\n", commands[k].name, commands[k].meaning);
+        fprintf(out, "  %-11s %s\n", commands[k].name, commands[k].meaning);
     fputs(
         "\n`sonopack help COMMAND' explains a command, `sonopack help scene' the scene files, `sonopack help KEY' one\n"
         "of their keys. `sonopack --version' prints the version. Data go to stdout, messages and progress to stderr.\n"
