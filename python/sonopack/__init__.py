@@ -24,6 +24,7 @@ from ._place import Place
 from ._records import (Audit, CoherentWave, FiniteStrain, Front, Material, Moduli, PackProgress, ParticipationBin,
                        ProbeModuli, Stability, Statics, StudyProgress, TappedTap, ZeroModes)
 from ._scene import Scene, scene_help
+from ._sensitivity import Gradient
 from ._signal import Pulse, Signal, front, signal_window
 from ._spectra import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, Continuum, DensityOfStates, Dispersion, Harmonic,
                        Transmission, WaveSection)
@@ -36,7 +37,7 @@ __version__ = _text_of(_lib.sp_version())
 __all__ = [
     "Audit", "BACK", "BOTTOM", "CONTACT", "CONTINUUM_ROW", "CoherentWave", "Column", "ColumnRun", "Continuum",
     "DISPERSION_POINT", "DampedModes", "DensityOfStates", "Dispersion", "FRONT", "FileError", "FiniteStrain",
-    "Front", "Harmonic", "Interrupted", "InvalidInput", "LEFT", "Material", "Modes", "Moduli", "Network",
+    "Front", "Gradient", "Harmonic", "Interrupted", "InvalidInput", "LEFT", "Material", "Modes", "Moduli", "Network",
     "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse", "RIGHT", "Refused",
     "SPRING", "Sample", "Scene", "Signal", "SonopackError", "Stability", "Statics", "Status", "Store",
     "StudyProgress", "TOP", "Table", "TappedTap", "Transmission", "WAVE_FIT", "WaveSection", "ZeroModes", "front",
