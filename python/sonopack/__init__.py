@@ -18,11 +18,12 @@ from ._column import Column, ColumnRun
 from ._core import FileError, Interrupted, InvalidInput, NoMemory, Refused, SonopackError, Status, text_of as _text_of
 from ._modes import DampedModes, Modes
 from ._native import lib as _lib
-from ._network import SPRING, Network
+from ._network import ENERGY, FLUX, SPRING, Network
 from ._packing import BACK, BOTTOM, CONTACT, FRONT, LEFT, RIGHT, TOP, Packing
 from ._place import Place
-from ._records import (Audit, CoherentWave, FiniteStrain, Front, Material, Moduli, PackProgress, ParticipationBin,
-                       ProbeModuli, Stability, Statics, StudyProgress, TappedTap, ZeroModes)
+from ._records import (Audit, CoherentWave, Energy, FiniteStrain, Front, Kubo, Material, Moduli, PackProgress,
+                       ParticipationBin, ProbeModuli, Split, Spread, Stability, Statics, StudyProgress, TappedTap,
+                       ZeroModes)
 from ._scene import Scene, scene_help
 from ._signal import Pulse, Signal, front, signal_window
 from ._spectra import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, Continuum, DensityOfStates, Dispersion, Harmonic,
@@ -35,10 +36,10 @@ __version__ = _text_of(_lib.sp_version())
 
 __all__ = [
     "Audit", "BACK", "BOTTOM", "CONTACT", "CONTINUUM_ROW", "CoherentWave", "Column", "ColumnRun", "Continuum",
-    "DISPERSION_POINT", "DampedModes", "DensityOfStates", "Dispersion", "FRONT", "FileError", "FiniteStrain",
-    "Front", "Harmonic", "Interrupted", "InvalidInput", "LEFT", "Material", "Modes", "Moduli", "Network",
+    "DISPERSION_POINT", "DampedModes", "DensityOfStates", "Dispersion", "ENERGY", "Energy", "FLUX", "FRONT", "FileError", "FiniteStrain",
+    "Front", "Harmonic", "Interrupted", "InvalidInput", "Kubo", "LEFT", "Material", "Modes", "Moduli", "Network",
     "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse", "RIGHT", "Refused",
-    "SPRING", "Sample", "Scene", "Signal", "SonopackError", "Stability", "Statics", "Status", "Store",
+    "SPRING", "Sample", "Scene", "Signal", "SonopackError", "Split", "Spread", "Stability", "Statics", "Status", "Store",
     "StudyProgress", "TOP", "Table", "TappedTap", "Transmission", "WAVE_FIT", "WaveSection", "ZeroModes", "front",
     "quantity", "scene_help", "signal_window", "study",
 ]
