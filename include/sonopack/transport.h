@@ -120,6 +120,52 @@ typedef struct sp_kubo {
 SP_API sp_status sp_kubo_make(const sp_network *net, const sp_modes *modes, int32_t n, const double *omega,
                               const sp_kubo_options *opt, sp_kubo *out, sp_error *err);
 
+/* ---- split of the energy ------------------------------------------------------------------------------------------
+ */
+
+typedef struct sp_split_options {
+    double width;    /* of the band, over omega; 0.1 */
+    int32_t sources; /* number of random motions, 2 .. 1000; 6 */
+    uint64_t seed;   /* of the random motions; 1 */
+    double from;     /* first time after the pulse; 0: 100 periods of omega. The last is twice that. */
+} sp_split_options;
+SP_API sp_split_options sp_split_options_default(void);
+
+/* Parts of the energy, which add up to 1. */
+typedef struct sp_split {
+    double omega;
+    sp_energy rest, rest_err; /* of random motions of all grains in the band about omega: each mode has the same energy
+                                 (that of modes falls off as in sp_spread_options). Standard errors over the motions */
+    sp_energy pulse, pulse_err; /* of the motion after an impulse at the bottom wall, filtered to the band: means over
+                                   the times, and standard errors from 8 parts of them. NAN without a bottom wall */
+    double from, until;
+} sp_split;
+/* SP_EINVAL for invalid options or a frequency that is not positive, SP_EREFUSED if K is not symmetric, if no mode is
+ * near the frequency, and for an unstable network. */
+SP_API sp_status sp_split_make(const sp_network *net, double omega, const sp_split_options *opt, sp_split *out,
+                               sp_error *err);
+
+/* ---- localisation in a chain ------------------------------------------------------------------------------------- */
+
+/* Growth of the solution of -omega^2 m_j u_j = k_j (u_(j+1) - u_j) - k_(j-1) (u_j - u_(j-1)) from a fixed end, u_0 = 0.
+ * Waves in a chain with disorder decay as exp(-gamma j); the localisation length is 1/gamma masses. */
+typedef struct sp_localisation {
+    double omega;
+    double gamma;     /* mean growth of ln(|motion|) for each mass */
+    double gamma_err; /* its standard error, from 32 parts of the chain */
+    double log_end;   /* ln |u_(n+1)/u_1|: the response of one end to the other is k_0 .. k_(n-1)/(k_0 |u_(n+1)/u_1|) */
+} sp_localisation;
+/* Chain of n masses between two walls with n + 1 springs, the first and the last to the walls. SP_EINVAL for fewer than
+ * 320 masses, values that are not positive, and a frequency that is not. */
+SP_API sp_status sp_localisation_chain(int64_t n, const double *mass, const double *stiffness, double omega,
+                                       sp_localisation *out, sp_error *err);
+/* gamma of equal springs k and independent masses of this mean and variance for small omega (Matsuda and Ishii 1970):
+ * omega^2 variance/(8 k mean). */
+SP_API double sp_localisation_law(double omega, double mean, double variance, double k);
+/* Masses of mean 1 and standard deviation `disorder`, uniform and independent, out [n]. SP_EINVAL unless disorder is in
+ * 0 .. 0.577, where the masses are positive. */
+SP_API sp_status sp_localisation_masses(int64_t n, double disorder, uint64_t seed, double *out, sp_error *err);
+
 #ifdef __cplusplus
 }
 #endif

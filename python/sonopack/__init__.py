@@ -19,11 +19,12 @@ from ._core import FileError, Interrupted, InvalidInput, NoMemory, Refused, Sono
 from ._inference import CODA_CANDIDATE, DESIGN_STEP, Coda, Design, Uncertain, Uncertainty, design, uncertainty
 from ._modes import DampedModes, Modes
 from ._native import lib as _lib
-from ._network import SPRING, Network
+from ._network import ENERGY, FLUX, SPRING, Network
 from ._packing import BACK, BOTTOM, CONTACT, FRONT, LEFT, RIGHT, TOP, Packing
 from ._place import Place
-from ._records import (Audit, CoherentWave, FiniteStrain, Front, Material, Moduli, PackProgress, ParticipationBin,
-                       ProbeModuli, Stability, Statics, StudyProgress, TappedTap, ZeroModes)
+from ._records import (Audit, CoherentWave, Energy, FiniteStrain, Front, Kubo, Material, Moduli, PackProgress,
+                       ParticipationBin, ProbeModuli, Split, Spread, Stability, Statics, StudyProgress, TappedTap,
+                       ZeroModes)
 from ._scene import Scene, scene_help
 from ._sensitivity import Gradient
 from ._signal import Pulse, Signal, front, signal_window
@@ -38,10 +39,11 @@ __version__ = _text_of(_lib.sp_version())
 __all__ = [
     "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Coda", "CoherentWave", "Column",
     "ColumnRun", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes", "DensityOfStates", "Design",
-    "Dispersion", "FRONT", "FileError", "FiniteStrain", "Front", "Gradient", "Harmonic", "Interrupted",
-    "InvalidInput", "LEFT", "Material", "Modes", "Moduli", "Network", "NoMemory", "PackProgress", "Packing",
-    "ParticipationBin", "Place", "ProbeModuli", "Pulse", "RIGHT", "Refused", "SPRING", "Sample", "Scene", "Signal",
-    "SonopackError", "Stability", "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap",
-    "Transmission", "Uncertain", "Uncertainty", "WAVE_FIT", "WaveSection", "ZeroModes", "design", "front",
-    "quantity", "scene_help", "signal_window", "study", "uncertainty",
+    "Dispersion", "ENERGY", "Energy", "FLUX", "FRONT", "FileError", "FiniteStrain", "Front", "Gradient", "Harmonic",
+    "Interrupted", "InvalidInput", "Kubo", "LEFT", "Material", "Modes", "Moduli", "Network", "NoMemory",
+    "PackProgress", "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse", "RIGHT", "Refused", "SPRING",
+    "Sample", "Scene", "Signal", "SonopackError", "Split", "Spread", "Stability", "Statics", "Status", "Store",
+    "StudyProgress", "TOP", "Table", "TappedTap", "Transmission", "Uncertain", "Uncertainty", "WAVE_FIT",
+    "WaveSection", "ZeroModes", "design", "front", "quantity", "scene_help", "signal_window", "study",
+    "uncertainty",
 ]

@@ -20,8 +20,10 @@ from ._spectra import Continuum, Dispersion, DensityOfStates, Harmonic, Transmis
 if TYPE_CHECKING:
     from ._packing import Packing
 
-#: dtype of Network.springs
+#: dtypes of Network.springs, Network.energy() and Network.flux()
 SPRING = _core.dtype_of("sp_spring")
+ENERGY = _core.dtype_of("sp_energy")
+FLUX = _core.dtype_of("sp_flux")
 
 
 def _scipy_sparse() -> Any:
@@ -331,9 +333,75 @@ class Network(_core.Owner):
 
     @documented("sp_coherent_section_make")
     def section(self, *, source: str | None = None, spacing: float | None = None, low: float | None = None,
+<<<<<<< HEAD
                 part: float | None = None, damping: float | str | None = None) -> WaveSection:
         """Signals at planes one above the other, to which coherent waves are fitted."""
         return WaveSection(self, {"source": source, "spacing": spacing, "low": low, "part": part, "damping": damping})
+=======
+                part: float | None = None, shear: bool | None = None) -> WaveSection:
+        """Signals at planes one above the other, to which coherent waves are fitted."""
+        return WaveSection(self, {"source": source, "spacing": spacing, "low": low, "part": part, "shear": shear})
+
+    # ---- transport of energy ----------------------------------------------------------------------------------------
+
+    def _motion(self, values: npt.ArrayLike, name: str) -> Floats:
+        out = np.array(values, dtype=float, order="C")
+        if out.shape != (self.n, self.dof):
+            raise ValueError(f"{name} has the shape {out.shape}, must be {(self.n, self.dof)}")
+        return out
+
+    @documented("sp_transport_energy")
+    def energy(self, u: npt.ArrayLike, v: npt.ArrayLike) -> npt.NDArray[Any]:
+        """Energies of the grains [n] of a motion, with the fields along, across, rotation, normal and tangential."""
+        one, two, out = self._motion(u, "u"), self._motion(v, "v"), np.empty(self.n, ENERGY)
+        call(lib.sp_transport_energy, self._c, _core.pointer_to(one), _core.pointer_to(two),
+             _core.pointer_to(out, "sp_energy *"))
+        return out
+
+    @documented("sp_transport_flux")
+    def flux(self, u: npt.ArrayLike, v: npt.ArrayLike, heights: npt.ArrayLike) -> npt.NDArray[Any]:
+        """Fluxes of energy through planes, with the fields normal, sideways and rotation."""
+        one, two, y = self._motion(u, "u"), self._motion(v, "v"), _core.row(heights, "heights")
+        out = np.empty(len(y), FLUX)
+        call(lib.sp_transport_flux, self._c, _core.pointer_to(one), _core.pointer_to(two), len(y),
+             _core.pointer_to(y, "const double *"), _core.pointer_to(out, "sp_flux *"))
+        return out
+
+    @documented("sp_transport_advance")
+    def advance(self, t: float, u: npt.ArrayLike, v: npt.ArrayLike) -> tuple[Floats, Floats]:
+        """Displacements and velocities after the time t, as new arrays."""
+        one, two = self._motion(u, "u"), self._motion(v, "v")
+        call(lib.sp_transport_advance, self._c, t, _core.pointer_to(one), _core.pointer_to(two), ffi.NULL)
+        return one, two
+
+    @documented("sp_spread_make")
+    def spread(self, omega: float, *, axis: int | None = None, width: float | None = None, waves: int | None = None,
+               sources: int | None = None, seed: int | None = None, until: float | None = None) -> _records.Spread:
+        """The diffusivity of energy from the spreading of random motions."""
+        out = ffi.new("sp_spread *")
+        call(lib.sp_spread_make, self._c, omega,
+             _core.options_of("sp_spread_options", {"axis": axis, "width": width, "waves": waves, "sources": sources,
+                                                    "seed": seed, "until": until}), out)
+        return _core.record(_records.Spread, out)
+
+    @documented("sp_kubo_make")
+    def kubo(self, modes: Modes, omega: float, *, axis: int | None = None, width: float | None = None,
+             smear: float | None = None) -> _records.Kubo:
+        """The diffusivity of energy from all modes of the network, with vectors."""
+        out = ffi.new("sp_kubo *")
+        call(lib.sp_kubo_make, self._c, modes._c, 1, ffi.new("double *", omega),
+             _core.options_of("sp_kubo_options", {"axis": axis, "width": width, "smear": smear}), out)
+        return _core.record(_records.Kubo, out)
+
+    @documented("sp_split_make")
+    def split(self, omega: float, *, width: float | None = None, sources: int | None = None, seed: int | None = None,
+              start: float | None = None) -> _records.Split:
+        """The split of the energy in equilibrium and after a pulse. start: the first time after the pulse."""
+        out = ffi.new("sp_split *")
+        call(lib.sp_split_make, self._c, omega,
+             _core.options_of("sp_split_options", {"width": width, "sources": sources, "seed": seed, "from": start}), out)
+        return _core.record(_records.Split, out)
+>>>>>>> C
 
     @documented("sp_network_dashpots")
     def damping(self, damping: float | str) -> Network:

@@ -74,9 +74,50 @@ def test_coherent(other):
             assert close(t["path_low"][l], 0.5 / (max(0, alpha) + 2 * error))
             assert math.isnan(path) == (alpha <= 2 * error)
             assert math.isnan(path) or close(path, 0.5 / alpha) and close(t["k_path"][l], t["k"][l] * path)
+    # the frequency of Ioffe and Regel lies between the rows about it
+    comments, t = rows(N600, other, "--quantity", "coherent", "--at", "0.06:0.3:9")
+    if "ioffe_regel" in comments:
+        w, error = float(comments["ioffe_regel"]), float(comments["ioffe_regel_err"])
+        l = next(l for l in range(1, 9) if t["k_path"][l] <= math.pi < t["k_path"][l - 1])
+        assert t["omega"][l - 1] <= w <= t["omega"][l] and error > 0, (w, t)
+    else:
+        assert not any(a > math.pi >= b for a, b in zip(t["k_path"], t["k_path"][1:])), t
     # the transverse wave is slower
     shear = rows(N600, "--quantity", "coherent", "--at", "0.05", "--shear")[1]
     assert math.isnan(shear["k"][0]) or shear["k"][0] > one["k"][0]
+
+
+def test_split(other):
+    names = ("along", "across", "rotation", "normal", "tangential")
+    options = ["--quantity", "split", "--at", "0.2,0.5"]
+    one, _, _ = mean_of_files(options, [*names, *("pulse_" + name for name in names)], (N600, other))
+    for prefix in "", "pulse_":
+        for l in range(2):
+            assert close(sum(one[prefix + name][l] for name in names), 1, 1e-9), (prefix, one)
+            kinetic = sum(one[prefix + name][l] for name in names[:3])
+            assert abs(kinetic - 0.5) < 0.06, (prefix, kinetic)
+
+
+def test_chain():
+    """Random masses: the closed form where the frequency is low, a bound where nothing decays."""
+    comments, t = chain("--at", "0.1,0.2,1.5", "--disorder", "0.4", "--grains", "2000000")
+    for l in range(2):
+        assert abs(t["gamma"][l] - t["law"][l]) < 4 * t["gamma_err"][l] + 0.05 * t["law"][l], t
+        assert close(t["length"][l], 1 / t["gamma"][l]) and close(t["law"][l], t["omega"][l] ** 2 * 0.4 ** 2 / 8)
+    assert t["gamma"][2] > 1.3 * t["law"][2]
+    _, equal = chain("--at", "0.5", "--disorder", "0", "--grains", "10000")
+    assert math.isnan(equal["length"][0]) and equal["length_low"][0] > 1000 and equal["law"][0] == 0, equal
+    _, other = chain("--at", "1", "--grains", "10000", "--seed", "2")
+    _, first = chain("--at", "1", "--grains", "10000")
+    assert other["gamma"] != first["gamma"]
+    for arguments in (["--disorder", "0.6"], ["--grains", "100"], ["--at", "0"], ["--seed", "x"], ["--units", "si"]):
+        reason = run("chain", "localisation", *arguments, status=2)
+        assert names_all(reason, arguments[0]), (arguments, reason)
+
+
+def chain(*arguments):
+    comments, header, cells = table(run("chain", "localisation", *arguments))
+    return comments, {name: [float(cell[c]) for cell in cells] for c, name in enumerate(header)}
 
 
 def test_lattice(folder):
@@ -112,5 +153,7 @@ with tempfile.TemporaryDirectory() as folder:
     test_spread(other)
     test_kubo()
     test_coherent(other)
+    test_split(other)
+    test_chain()
     test_lattice(folder)
     test_refused()

@@ -1,6 +1,6 @@
 /* sonopack chain: prints fronts, signals and modes of a chain of equal balls, in closed form. */
 #include "base/base.h"
-#include "cli/cli.h"
+#include "cli/chain_localised.h"
 #include "packing/contact.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { LENGTHS_MAX = 1000, GRAINS_MAX = 100000000, MODES_MAX = 1000000 };
+enum { LENGTHS_MAX = 1000, GRAINS_MAX = 100000000, MODES_MAX = 1000000, RANDOM_MAX = 10000000 };
 
 /* Values of Bessel functions take 0.5 ns for each order. Computations of more than about ten minutes are refused. */
 static const double work_max = 1e12;
@@ -19,7 +19,9 @@ typedef struct arguments {
     int initial;                  /* sp_chain_source */
     double from, until, pressure; /* NAN: not given */
     double wall;
-    int64_t points;
+    int64_t points, seed;
+    double disorder;
+    const char *at;
 } arguments;
 
 /* The units of the table, in those of chain.h. */
@@ -28,15 +30,24 @@ typedef struct units {
     const char *time_name, *force_name;
 } units;
 
+<<<<<<< HEAD
 enum { KIND_FRONT, KIND_SIGNAL, KIND_MODES, KIND_SOLITON };
 static const char *const kinds[] = {"front", "signal", "modes", "soliton", NULL};
+=======
+enum { KIND_FRONT, KIND_SIGNAL, KIND_MODES, KIND_LOCALISATION };
+static const char *const kinds[] = {"front", "signal", "modes", "localisation", NULL};
+>>>>>>> C
 static const char *const initial_names[] = {[SP_CHAIN_VELOCITY] = "A", [SP_CHAIN_DISPLACEMENT] = "B", NULL};
 
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
     if (a->common.sets > 0)
         return sp_fail(err, SP_EINVAL, "--set %.60s: this command uses no scene", a->common.set[0]);
+<<<<<<< HEAD
     if (!a->grains && a->common.kind != KIND_FRONT && a->common.kind != KIND_SOLITON)
+=======
+    if (!a->grains && a->common.kind != KIND_FRONT && a->common.kind != KIND_LOCALISATION)
+>>>>>>> C
         return sp_fail(err, SP_EINVAL, "no --grains: must be the number of balls");
     if (a->common.units == CLI_UNITS_SI && isnan(a->pressure))
         return sp_fail(err, SP_EINVAL, "--units si: only front and signal with --pressure have units of a material");
@@ -66,6 +77,12 @@ static const cli_option options[] = {
      CLI_NUMBER, .field = offsetof(arguments, pressure), .low = 1e-12, .high = 1e-2, .kinds = "front signal"},
     {"wall", "RATIO", "signal: stiffness of the contacts with the walls, relative to the others (1)", CLI_NUMBER,
      .field = offsetof(arguments, wall), .low = 1e-6, .high = 1.999, .kinds = "signal"},
+    {"disorder", "S", "localisation: standard deviation of the masses over their mean, 0 to 0.577 (0.3)", CLI_NUMBER,
+     .field = offsetof(arguments, disorder), .high = 0.577, .kinds = "localisation"},
+    {"at", "W1,W2,...|LOW:HIGH:N", "localisation: frequencies [c/l] (0.1:1.9:19)", CLI_TEXT,
+     .field = offsetof(arguments, at), .kinds = "localisation"},
+    {"seed", "N", "localisation: seed of the masses (1)", CLI_INTEGER, .field = offsetof(arguments, seed), .high = 1e15,
+     .kinds = "localisation"},
     {0}};
 
 static const cli_syntax syntax = {
@@ -76,12 +93,17 @@ static const cli_syntax syntax = {
         "  front   the first front, and its local exponents against length\n"
         "  signal  force on the wall, and the front of an infinitely long chain\n"
         "  modes   frequencies and amplitudes\n"
+<<<<<<< HEAD
         "  soliton speed and width of solitary waves of any strength\v"
+=======
+        "  localisation  decay of waves where the masses are random, as in exp(-gamma j)\v"
+>>>>>>> C
         "Lengths are in units of the distance l between two balls, times in l/c, forces in K l, where c is the speed "
         "of long waves and K the stiffness of a contact. The first ball has the speed c (A), or is displaced by l "
         "(B). With --pressure the units are those of packings, and the signal is that of `sonopack signal' for "
         "packing.kind = chain, from an impulse (A) or a displacement (B).\n"
         "\n"
+<<<<<<< HEAD
         "A solitary wave of Hertzian balls keeps its form without walls. Its peak is its largest additional overlap "
         "over "
         "the overlap delta0 at rest, force its largest force over that at rest, speed is in c, velocity the largest of "
@@ -90,6 +112,11 @@ static const cli_syntax syntax = {
         "and weak waves (Korteweg and de Vries), nesterenko is the speed of long waves of any strength. speed_at_peak "
         "and velocity_at_peak are the same in units of a chain that rests with the overlap of the peak; with the peak "
         "inf only these are finite.",
+=======
+        "localisation: gamma with its standard error from 32 parts of the chain (of 10^6 balls without --grains), "
+        "length = 1/gamma, and law = omega^2 <dm^2>/(8 K <m>), which holds for low frequencies (Matsuda and Ishii "
+        "1970). If gamma is not above twice its error, length is nan and length_low is a lower bound.",
+>>>>>>> C
     .options = options,
     .kinds = kinds,
     .kind_name = "kind of table",
@@ -308,26 +335,52 @@ static units units_of(double pressure, sp_chain_source source) {
     return (units){1 / rate, k * (source == SP_CHAIN_VELOCITY ? rate : k), "d/sqrt(E* / rho)", "E* d^2"};
 }
 
+static sp_status localisation_table(const arguments *a, cli_writer *w) {
+    chain_localised of = {.grains = 1000000, .seed = a->seed, .disorder = a->disorder, .at = a->at};
+    if (a->grains)
+        w->status = cli_integer("--grains", a->grains, 1000, RANDOM_MAX, &of.grains, w->err);
+    return w->status == SP_OK ? chain_localised_table(&of, w) : w->status;
+}
+
 static sp_status work(const arguments *a, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err, .status = cli_may_write_table(&a->common, err)};
     const units u = units_of(a->pressure, (sp_chain_source)a->initial);
+<<<<<<< HEAD
     if (a->common.kind == KIND_SOLITON)
         cli_comment(&w, "chain of equal balls, solitary waves");
+=======
+    if (a->common.kind == KIND_LOCALISATION)
+        cli_comment(&w, "chain of equal springs K and random masses of mean m");
+>>>>>>> C
     else
         cli_comment(&w, "chain of equal balls, initial condition %s",
                     a->initial == SP_CHAIN_VELOCITY ? "A: velocity" : "B: displacement");
     if (!isnan(a->pressure))
         cli_value(&w, "pressure", a->pressure);
     if (w.status == SP_OK)
+<<<<<<< HEAD
         w.status = a->common.kind == KIND_FRONT     ? front_table(a, &u, &w)
                    : a->common.kind == KIND_SIGNAL  ? signal_table(a, &u, &w)
                    : a->common.kind == KIND_SOLITON ? soliton_table(a, &w)
                                                     : modes_table(a, &w);
+=======
+        w.status = a->common.kind == KIND_FRONT          ? front_table(a, &u, &w)
+                   : a->common.kind == KIND_SIGNAL       ? signal_table(a, &u, &w)
+                   : a->common.kind == KIND_LOCALISATION ? localisation_table(a, &w)
+                                                         : modes_table(a, &w);
+>>>>>>> C
     return w.status == SP_OK ? cli_write_table(&a->common, t, err) : w.status;
 }
 
 int cmd_chain(int argc, char **argv) {
-    arguments a = {.initial = SP_CHAIN_VELOCITY, .from = NAN, .until = NAN, .pressure = NAN, .wall = 1, .points = 1001};
+    arguments a = {.initial = SP_CHAIN_VELOCITY,
+                   .from = NAN,
+                   .until = NAN,
+                   .pressure = NAN,
+                   .wall = 1,
+                   .points = 1001,
+                   .disorder = 0.3,
+                   .seed = 1};
     cli_parse(&syntax, argc, argv, &a);
     sp_error err = {0};
     sp_table t = sp_table_none();

@@ -2,13 +2,13 @@
 #include "base/base.h"
 #include "cli/transport.h"
 
-static const char *const quantity_names[] = {"diffusivity", "kubo", "coherent", NULL};
+static const char *const quantity_names[] = {"diffusivity", "kubo", "coherent", "split", NULL};
 static const char *const axis_names[] = {"up", "x", "y", NULL};
 
 static const cli_option options[] = {
-    {"quantity", "diffusivity|kubo|coherent",
+    {"quantity", "diffusivity|kubo|coherent|split",
      "What to compute: the diffusivity of energy, from its spreading (diffusivity, the default) or from eigenmodes "
-     "(kubo), or the mean free path of the coherent wave (coherent)",
+     "(kubo), the mean free path of the coherent wave (coherent), or the parts of the energy (split)",
      CLI_CHOICE, .field = offsetof(transport_arguments, quantity), .words = quantity_names},
     {"at", "W1,W2,...|LOW:HIGH:N",
      "Frequencies (10, from 0.05 to 0.6 of the upper bound of the spectrum of the first packing)", CLI_TEXT,
@@ -17,13 +17,13 @@ static const cli_option options[] = {
      "diffusivity, kubo: the axis along which energy moves, y in 3D only (up; for kubo the mean over the axes without "
      "walls)",
      CLI_CHOICE, .field = offsetof(transport_arguments, axis), .words = axis_names},
-    {"width", "W", "diffusivity, kubo: width of the band about each frequency, over the frequency (0.1)", CLI_NUMBER,
+    {"width", "W", "All but coherent: width of the band about each frequency, over the frequency (0.1)", CLI_NUMBER,
      .field = offsetof(transport_arguments, width), .low = 0.001, .high = 0.2},
     {"waves", "N", "diffusivity: how many waves of the energy's density the packing holds (1)", CLI_INTEGER,
      .field = offsetof(transport_arguments, waves), .low = 1, .high = 1000},
-    {"sources", "N", "diffusivity: number of random motions of each packing (6)", CLI_INTEGER,
+    {"sources", "N", "diffusivity, split: number of random motions of each packing (6)", CLI_INTEGER,
      .field = offsetof(transport_arguments, sources), .low = 2, .high = 1000},
-    {"seed", "N", "diffusivity: seed of the random motions (1)", CLI_INTEGER,
+    {"seed", "N", "diffusivity, split: seed of the random motions (1)", CLI_INTEGER,
      .field = offsetof(transport_arguments, seed), .high = 1e15},
     {"until", "T", "diffusivity: last time [d/sqrt(E* / rho)] (300 periods)", CLI_NUMBER,
      .field = offsetof(transport_arguments, until), .low = 1e-6, .high = 1e12, .unit = "d/sqrt(E* / rho)"},
@@ -43,8 +43,8 @@ static sp_status check(void *user, sp_error *err) {
     const transport_arguments *a = user;
     if (a->section.shear && a->quantity != TRANSPORT_COHERENT)
         return sp_fail(err, SP_EINVAL, "--shear: only with --quantity=coherent");
-    if (a->axis > 0 && a->quantity == TRANSPORT_COHERENT)
-        return sp_fail(err, SP_EINVAL, "--axis: not with --quantity=coherent, whose wave goes up");
+    if (a->axis > 0 && a->quantity >= TRANSPORT_COHERENT)
+        return sp_fail(err, SP_EINVAL, "--axis: only with --quantity=diffusivity or kubo");
     return SP_OK;
 }
 
@@ -67,10 +67,17 @@ static const cli_syntax syntax = {
         "delta function is half as wide. Needs an axis without walls.\n"
         "\n"
         "coherent: k and alpha of the wave as in `wave', path = 1/(2 alpha), the scattering mean free path, and k_path "
-        "= k path, which is 1 at the frequency of Ioffe and Regel. If alpha is not above twice its error, path and "
+        "= k path. The comment ioffe_regel is the frequency at which k_path falls to pi, where the mean free path is "
+        "half "
+        "a wavelength. If alpha is not above twice its error, path and "
         "k_path are nan and path_low is a lower bound, two errors away. All are nan where the wave accounts for less "
         "than "
-        "half of the squared flux in more than half of the packings.",
+        "half of the squared flux in more than half of the packings.\n"
+        "\n"
+        "split: parts of the energy in the band: kinetic of translation along the up axis (along), along the others "
+        "(across) and of rotation, potential of normal and of tangential springs. They are those of random motions, in "
+        "which all modes have the same energy; pulse_ are those of the motion after an impulse at the bottom wall, 100 "
+        "to 200 periods later.",
     .finds_material = true,
     .options = options,
     .file_name = "packing",
@@ -118,7 +125,7 @@ static sp_status add_rows(void *user, sp_table *t, sp_error *err) {
     cli_comment(&w, "quantity = %s", quantity_names[a->quantity]);
     if (a->quantity == TRANSPORT_COHERENT)
         cli_comment(&w, "motion = %s", a->section.shear ? "shear" : "compression");
-    else
+    else if (a->quantity != TRANSPORT_SPLIT)
         cli_comment(&w, "axis = %s", a->quantity == TRANSPORT_KUBO && a->axis == 0 ? "mean" : axis_names[a->axis]);
     transport_print(a, &w);
     return w.status;

@@ -4,6 +4,7 @@
 #include "base/base.h"
 
 #include <math.h>
+#include <stdio.h>
 
 /* ---- means ------------------------------------------------------------------------------------------------------ */
 
@@ -31,6 +32,7 @@ double transport_error(const transport_mean *m) {
 enum { SPREAD_D = 0, SPREAD_SHIFT, SPREAD_HALF, SPREAD_FROM, SPREAD_TO };
 enum { KUBO_D = 0, KUBO_SHIFT, KUBO_SPEED, KUBO_PATH };
 enum { COHERENT_K = 0, COHERENT_ALPHA, COHERENT_PART };
+enum { SPLIT_PULSE = 5, SPLIT_KINDS = 10 };
 
 static transport_mean *means_at(const transport_arguments *a, int32_t l) {
     return a->mean + (int64_t)l * TRANSPORT_VALUES;
@@ -109,10 +111,36 @@ static sp_status measure_coherent(transport_arguments *a, const sp_network *net,
     return status;
 }
 
+static void add_energy(const sp_energy *e, const sp_energy *error, transport_mean *m) {
+    transport_add(&m[0], e->along, error->along);
+    transport_add(&m[1], e->across, error->across);
+    transport_add(&m[2], e->rotation, error->rotation);
+    transport_add(&m[3], e->normal, error->normal);
+    transport_add(&m[4], e->tangential, error->tangential);
+}
+
+static sp_status measure_split(transport_arguments *a, const sp_network *net, sp_error *err) {
+    sp_split_options o = sp_split_options_default();
+    sp_status status = SP_OK;
+    o.width = a->width;
+    o.sources = (int32_t)a->sources;
+    o.seed = (uint64_t)a->seed;
+    for (int32_t l = 0; l < a->n && status == SP_OK; l++) {
+        sp_split s;
+        status = sp_split_make(net, a->omega[l], &o, &s, err);
+        if (status != SP_OK)
+            continue;
+        add_energy(&s.rest, &s.rest_err, means_at(a, l));
+        add_energy(&s.pulse, &s.pulse_err, means_at(a, l) + SPLIT_PULSE);
+    }
+    return status;
+}
+
 sp_status transport_measure(transport_arguments *a, const sp_network *net, sp_error *err) {
     switch (a->quantity) {
     case TRANSPORT_KUBO: return measure_kubo(a, net, err);
     case TRANSPORT_COHERENT: return measure_coherent(a, net, err);
+    case TRANSPORT_SPLIT: return measure_split(a, net, err);
     default: return measure_spread(a, net, err);
     }
 }
@@ -165,7 +193,23 @@ static free_path path_of(const transport_mean *m) {
     return p;
 }
 
+/* Where the mean free path has fallen to half a wavelength, k path = pi (Ioffe and Regel), between two frequencies of
+ * the table. */
+static void note_ioffe_regel(const transport_arguments *a, cli_writer *w) {
+    for (int32_t l = 1; l < a->n; l++) {
+        const free_path one = path_of(means_at(a, l - 1)), two = path_of(means_at(a, l));
+        if (!(one.k_path > M_PI && two.k_path <= M_PI))
+            continue;
+        const double part = (one.k_path - M_PI) / (one.k_path - two.k_path), step = a->omega[l] - a->omega[l - 1];
+        const double error = hypot((1 - part) * one.k_path_err, part * two.k_path_err);
+        cli_value(w, "ioffe_regel", a->omega[l - 1] + part * step);
+        cli_value(w, "ioffe_regel_err", error * step / (one.k_path - two.k_path));
+        return;
+    }
+}
+
 static void print_coherent(const transport_arguments *a, cli_writer *w) {
+    note_ioffe_regel(a, w);
     cli_columns(w, SP_CELL_NUMBER, "omega", "sqrt(E* / rho)/d", "k", "1/d", "k_err", "1/d", "alpha", "1/d", "alpha_err",
                 "1/d", "path", "d", "path_err", "d", "path_low", "d", "k_path", "", "k_path_err", "", "part", "", NULL);
     cli_columns(w, SP_CELL_INTEGER, "samples", "", NULL);
@@ -182,10 +226,35 @@ static void print_coherent(const transport_arguments *a, cli_writer *w) {
     }
 }
 
+static void print_split(const transport_arguments *a, cli_writer *w) {
+    static const char *const names[SPLIT_KINDS] = {"along",        "across",          "rotation",     "normal",
+                                                   "tangential",   "pulse_along",     "pulse_across", "pulse_rotation",
+                                                   "pulse_normal", "pulse_tangential"};
+    double row[2 * SPLIT_KINDS + 2];
+    char error[40];
+    cli_columns(w, SP_CELL_NUMBER, "omega", "sqrt(E* / rho)/d", NULL);
+    for (int k = 0; k < SPLIT_KINDS; k++) {
+        snprintf(error, sizeof error, "%s_err", names[k]);
+        cli_columns(w, SP_CELL_NUMBER, names[k], "", error, "", NULL);
+    }
+    cli_columns(w, SP_CELL_INTEGER, "samples", "", NULL);
+    for (int32_t l = 0; l < a->n && w->status == SP_OK; l++) {
+        const transport_mean *m = means_at(a, l);
+        row[0] = a->omega[l];
+        for (int k = 0; k < SPLIT_KINDS; k++) {
+            row[1 + 2 * k] = transport_value(&m[k]);
+            row[2 + 2 * k] = transport_error(&m[k]);
+        }
+        row[2 * SPLIT_KINDS + 1] = (double)m->n;
+        w->status = sp_table_add_numbers(w->table, row, w->err);
+    }
+}
+
 void transport_print(transport_arguments *a, cli_writer *w) {
     switch (a->quantity) {
     case TRANSPORT_KUBO: print_kubo(a, w); break;
     case TRANSPORT_COHERENT: print_coherent(a, w); break;
+    case TRANSPORT_SPLIT: print_split(a, w); break;
     default: print_spread(a, w); break;
     }
 }

@@ -7,9 +7,14 @@
 #include <sonopack/coherent.h>
 #include <sonopack/transport.h>
 
-typedef enum transport_quantity { TRANSPORT_DIFFUSIVITY = 0, TRANSPORT_KUBO, TRANSPORT_COHERENT } transport_quantity;
+typedef enum transport_quantity {
+    TRANSPORT_DIFFUSIVITY = 0,
+    TRANSPORT_KUBO,
+    TRANSPORT_COHERENT,
+    TRANSPORT_SPLIT
+} transport_quantity;
 
-enum { TRANSPORT_FREQUENCIES_MAX = 1000, TRANSPORT_FREQUENCIES = 10, TRANSPORT_VALUES = 6 };
+enum { TRANSPORT_FREQUENCIES_MAX = 1000, TRANSPORT_FREQUENCIES = 10, TRANSPORT_VALUES = 10 };
 
 /* A mean over packings. The error is the standard error of the mean; with one packing it is what that packing gave. */
 typedef struct transport_mean {
