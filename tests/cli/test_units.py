@@ -37,7 +37,7 @@ PLAIN = re.compile(r"""file|probe|reason|verdict|branch|polarization|ok|failed|n
     (Phi2|Phi3s?|zs|f0|N_over_p|Z2|Z3|F2S?|s1_over_s2|s[13]2_over_s2|mobilised)(_(sd|err|low|high))?|
     force|torque|walls|law|geometry|coulomb|residual|
     (speed|peak|width)_ratio(_err)?|amplitude|overpressure(_err)?|packings|carrying|slid|opened|closed|kinetic|normal|tangential|
-    rubbed|released|balance|pressure(_err)?""".replace("\n    ", ""))
+    rubbed|released|balance|pressure(_err)?|F[0-3](_err)?|beta(_delta)?(_err)?|beta_field|ratio_err""".replace("\n    ", ""))
 NUMBER = r"[-+]?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan)"
 PLAIN_COMMENTS = [re.compile(pattern) for pattern in (
     r"(file|method|source|detector|solver|spectrum|norm|direction|motion|packing|verdict|error_kind|material|prestress|sliding_free|"
@@ -166,7 +166,8 @@ def check_commands(folder):
             "spectrum transmission P.h5", "spectrum participation P.h5", "spectrum continuum P.h5 --lowest 3",
             "spectrum dispersion P.h5 --waves 2", "spectrum dispersion P.h5 --direction up --waves 2", "spectrum harmonic P.h5 --damping 0.1 --at 0.1:0.3:3",
             "spectrum dos P.h5 --method kpm", "wave W.h5", "amplitude P.h5 K.h5 --amplitudes 0.01,0.3",
-            "amplitude P.h5 --amplitudes 0.1 --mean", "amplitude K.h5 --amplitudes 0.1 --planes 2"):
+            "amplitude P.h5 --amplitudes 0.1 --mean", "amplitude K.h5 --amplitudes 0.1 --planes 2",
+            "amplitude K.h5 --amplitudes 0.01 --omega 0.15 --cycles 3", "amplitude K.h5 --amplitudes 0.01 --omega 0.15 --planes 2 --cycles 3"):
         check_command(folder, *line.split())
     check_command(folder, "check", "P.h5", units=False)
     check_command(folder, "front", "K.h5", f"--material={MATERIAL}")

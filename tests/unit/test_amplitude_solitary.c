@@ -134,7 +134,7 @@ static void test_knock(void **state) {
     sp_packing p = chain_packing(100, 1e-9);
     sp_amplitude_options o = sp_amplitude_options_default();
     sp_amplitude_plane a[2];
-    sp_amplitude_pulse top;
+    sp_amplitude_front top;
     const double heights[] = {50, 80}, twice[] = {50, 50.1}, outside[] = {50, 120};
     o.tolerance = 1e-4;
     assert_ok(sp_amplitude_planes(&p, &o, 300, 2, heights, a, &top, &err));
