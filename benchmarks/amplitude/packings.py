@@ -20,16 +20,17 @@ LOUD = {1e-2: QUIET, 1e-3: QUIET + [3], 1e-4: QUIET + [3, 10], 1e-5: QUIET + [3,
         1e-6: QUIET + [3, 10, 30, 100]}
 PRESSURES = sorted(LOUD, reverse=True)
 
+SOME = [1e-3, 1e-2, 0.1, 0.3, 1, 3, 10]
+
 # name: keys of the packings, seeds, pressures, frictions, amplitudes or None for LOUD
 CASES = {
     "disks": (DISKS, range(1, 13), PRESSURES, (0, 0.5), None),
-    "spheres": (SPHERES, range(1, 11), PRESSURES[1:], (0, 0.5), None),
-    # is it the protocol, the box, the number of grains?
-    "default": ({**DISKS, "protocol": "default"}, range(1, 13), [1e-4], (0.5,), None),
-    "wide": ({**DISKS, "grains": 1200, "width": 48}, range(1, 13), [1e-4], (0.5,), None),
-    "narrow": ({**DISKS, "grains": 300, "width": 12}, range(1, 13), [1e-4], (0.5,), None),
-    "high": ({**DISKS, "grains": 1200, "width": 24}, range(1, 13), [1e-4], (0.5,), [1e-3, 0.1, 1, 10]),
-    "others": (DISKS, range(101, 113), [1e-4], (0.5,), None),
+    "spheres": (SPHERES, range(1, 9), [1e-3, 1e-4, 1e-6], (0, 0.5), None),
+    # is it the protocol, the box, the number of grains, or chance?
+    "default": ({**DISKS, "protocol": "default"}, range(1, 13), [1e-4], (0.5,), SOME),
+    "narrow": ({**DISKS, "grains": 300, "width": 12}, range(1, 13), [1e-4], (0.5,), SOME),
+    "high": ({**DISKS, "grains": 600, "width": 12}, range(1, 13), [1e-4], (0.5,), SOME),
+    "others": (DISKS, range(101, 113), [1e-4], (0.5,), SOME),
 }
 
 
