@@ -14,23 +14,22 @@ COMMAND, FOLDER = sys.argv[1], pathlib.Path(sys.argv[2])
 QUICK = {"protocol": "quick"}
 DISKS = {"grains": 600, "width": 24, **QUICK}
 SPHERES = {"dimension": 3, "grains": 500, "width": 6, **QUICK}
-QUIET = [1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.3, 1]
+QUIET = [1e-3, 1e-2, 0.1, 0.3, 1]
 # up to amplitudes that carry grains by a fraction of their size
-LOUD = {1e-2: QUIET, 1e-3: QUIET + [3], 1e-4: QUIET + [3, 10], 1e-5: QUIET + [3, 10, 30],
-        1e-6: QUIET + [3, 10, 30, 100]}
+LOUD = {1e-2: QUIET, 1e-3: QUIET + [3], 1e-4: QUIET + [3, 10], 1e-6: QUIET + [3, 10, 30, 100]}
 PRESSURES = sorted(LOUD, reverse=True)
 
-SOME = [1e-3, 1e-2, 0.1, 0.3, 1, 3, 10]
+SOME = [1e-3, 0.1, 1, 10]
 
 # name: keys of the packings, seeds, pressures, frictions, amplitudes or None for LOUD
 CASES = {
-    "disks": (DISKS, range(1, 13), PRESSURES, (0, 0.5), None),
+    "disks": (DISKS, range(1, 11), PRESSURES, (0, 0.5), None),
     "spheres": (SPHERES, range(1, 9), [1e-3, 1e-4, 1e-6], (0, 0.5), None),
     # is it the protocol, the box, the number of grains, or chance?
-    "default": ({**DISKS, "protocol": "default"}, range(1, 13), [1e-4], (0.5,), SOME),
-    "narrow": ({**DISKS, "grains": 300, "width": 12}, range(1, 13), [1e-4], (0.5,), SOME),
-    "high": ({**DISKS, "grains": 600, "width": 12}, range(1, 13), [1e-4], (0.5,), SOME),
-    "others": (DISKS, range(101, 113), [1e-4], (0.5,), SOME),
+    "default": ({**DISKS, "protocol": "default"}, range(1, 11), [1e-4], (0.5,), SOME),
+    "narrow": ({**DISKS, "grains": 300, "width": 12}, range(1, 11), [1e-4], (0.5,), SOME),
+    "high": ({**DISKS, "grains": 600, "width": 12}, range(1, 11), [1e-4], (0.5,), SOME),
+    "others": (DISKS, range(101, 111), [1e-4], (0.5,), SOME),
 }
 
 
@@ -44,8 +43,10 @@ def packing(case, keys, seed, pressure, friction):
 
 
 def table(paths, amplitudes):
-    text = subprocess.run([COMMAND, "amplitude", *paths, "--mean", "--amplitudes", ",".join(map(str, amplitudes))],
-                          check=True, capture_output=True, text=True).stdout.splitlines()
+    done = subprocess.run([COMMAND, "amplitude", *paths, "--mean", "--amplitudes", ",".join(map(str, amplitudes))],
+                          capture_output=True, text=True)
+    sys.stderr.write(done.stderr)  # packings that fail, because grains fly out of reach, do not count
+    text = done.stdout.splitlines()
     comments = [line for line in text if line.startswith("#")]
     rows = [line for line in text if not line.startswith("#")]
     return comments, rows[0], rows[1:]

@@ -15,6 +15,7 @@
 #define WORK_MAX 3e9
 /* A front is higher than this fraction of the linear one, or of the largest force. */
 #define WEAKEST 1e-3
+#define LONG    1.5
 
 enum { ATTEMPTS = 9, PARTS = 48, POINTS_MAX = 10000000 };
 
@@ -80,14 +81,15 @@ static sp_status find_fronts(experiment *e, int32_t n, const double *f, sp_front
 }
 
 /* Whether the front has passed in the first n times of a record. What arrives before it is many powers of ten weaker
- * (`least` tells them apart), and a fifth of its time more shows that no other peak was meant. The force may stay above
- * that at rest to the end of the record: t_zero is NAN then. */
+ * (`least` tells them apart), and a fifth of its time more shows that no other peak was meant. Behind a loud front the
+ * force may stay above that at rest: LONG times the time of the peak is then enough, and t_zero is NAN. */
 static bool has_passed(experiment *e, int32_t n, const double *f, double least, sp_front out[2]) {
     sp_error none = {0};
     if (n <= 4 || find_fronts(e, n, f, out, &none) != SP_OK || out[0].amplitude < least)
         return false;
-    return n == e->n || n == e->used ||
-           (isfinite(out[0].t_zero) && isfinite(out[1].t_zero) && e->t[n - 1] >= 1.2 * out[0].t_zero);
+    const bool fell = isfinite(out[0].t_zero) && isfinite(out[1].t_zero);
+    return n == e->n || n == e->used || e->t[n - 1] >= LONG * out[0].t_peak ||
+           (fell && e->t[n - 1] >= 1.2 * out[0].t_zero);
 }
 
 /* Times after which a record is looked at. */
