@@ -112,7 +112,7 @@ def fourth(folder):
     highest = 2 * np.sqrt(0.5 * np.cbrt(3e-6) / (np.pi / 6))
     length = 1 - np.cbrt(3e-6) ** 2
     print("4. 300 balls, p = 1e-6, A = 0.01: omega/omega_max, cycles, height, F2/F1^2, its error, over second order - 1")
-    for part, cycles in ((0.1, 4), (0.2, 6), (0.2, 12), (0.3, 12)):
+    for part, cycles in ((0.1, 4), (0.2, 6), (0.2, 12)):
         found = table("amplitude", chain(folder, 1e-6, 300), "--amplitudes", 0.01, "--omega", part * highest, "--cycles",
                       cycles, "--planes", 4)
         for k in (0, 3):
