@@ -281,18 +281,26 @@ static void follow(vibration *m, const double *path, double h, double shifted) {
     }
 }
 
+/* Coefficient of the normal dashpot of a closed contact. */
+static double dashpot(const vibration *m, const touching *t) {
+    if (m->damping_kind == SP_DAMPING_ZETA)
+        return 2 * m->damping * sqrt(t->m_eff * t->kn);
+    return m->damping_kind == SP_DAMPING_MASS ? m->damping * t->m_eff : m->damping;
+}
+
 /* Change of the force on i, including dashpots. The total normal force is never attractive; the viscous tangential
  * force has no limit. `side` is the change of the total tangential force. */
 static void press(const vibration *m, touching *t, double side[3]) {
     double normal = t->fn, v[3], turn[3], arm[3];
     memcpy(side, t->ft, sizeof t->ft);
     if (m->damping > 0 && t->kn > 0) {
-        const double c = 2 * m->damping * sqrt(t->m_eff * t->kn), ct = c * sqrt(m->eta);
+        const double c = dashpot(m, t), ct = c * (m->damping_kind == SP_DAMPING_ZETA ? sqrt(m->eta) : m->damping_ratio);
+        const bool sides = m->turns || (m->damping_kind != SP_DAMPING_ZETA && m->dim > 1);
         relative(t, m->now, v, turn);
         const double along = dot3(v, t->n);
         cross3(turn, t->n, arm);
         normal = fmax(-t->fn0, t->fn - c * along);
-        for (int a = 0; a < 3 && m->turns; a++)
+        for (int a = 0; a < 3 && sides; a++)
             side[a] += ct * (v[a] - along * t->n[a] - arm[a]);
     }
     for (int a = 0; a < 3; a++)

@@ -5,6 +5,7 @@
  * large numbers, so the small residual forces of the packing have no effect. Walls and periodic images can be displaced
  * to impose strains. */
 
+#include <sonopack/network.h>
 #include <sonopack/packing.h>
 
 /* A pair, or a grain and a wall, that touches or may touch. Vectors have 3 components in every dimension. */
@@ -39,8 +40,10 @@ typedef struct vibration {
     double *a;       /* [n][6] acceleration */
     double *now;     /* [n][6] velocity at the dashpots */
     double friction, eta, damping;
-    bool turns;        /* grains can rotate */
-    bool straight;     /* normals stay fixed, as for springs without prestress */
+    sp_damping_kind damping_kind; /* ZETA at first; of another kind damping is its value, as for networks */
+    double damping_ratio;         /* c_t/c_n of the other kinds */
+    bool turns;                   /* grains can rotate */
+    bool straight;                /* normals stay fixed, as for springs without prestress */
     spring_work *work; /* [count] is kept if it is not NULL, for which the owner provides and frees the memory */
     double reach;      /* gaps up to this width are watched; no grain may move by more than half of it */
 } vibration;
