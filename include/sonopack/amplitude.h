@@ -14,9 +14,9 @@ extern "C" {
 #endif
 
 /* A result with its error, an estimate from steps of twice the length and from every second time. */
-typedef struct sp_amplitude_value {
+typedef struct sp_amplitude_number {
     double value, error;
-} sp_amplitude_value;
+} sp_amplitude_number;
 
 typedef struct sp_amplitude_options {
     sp_source source;
@@ -40,22 +40,22 @@ typedef struct sp_amplitude_energy {
 } sp_amplitude_energy;
 
 /* The front at the top wall after a pulse of one amplitude at the bottom wall. */
-typedef struct sp_amplitude_pulse {
+typedef struct sp_amplitude_front {
     double amplitude;
     double factor;              /* of the source: F is the change of the force on the top wall over it */
     double step;                /* time step of the finer run */
     sp_front front;             /* of F */
-    sp_amplitude_value t10;     /* [d/sqrt(E* / rho)] */
-    sp_amplitude_value speed;   /* t10 of the linear signal over t10: H/t10 over its linear limit */
-    sp_amplitude_value peak;    /* largest F of the front over that of the linear signal */
-    sp_amplitude_value width;   /* t_zero - t10 over that of the linear signal */
+    sp_amplitude_number t10;    /* [d/sqrt(E* / rho)] */
+    sp_amplitude_number speed;  /* t10 of the linear signal over t10: H/t10 over its linear limit */
+    sp_amplitude_number peak;   /* largest F of the front over that of the linear signal */
+    sp_amplitude_number width;  /* t_zero - t10 over that of the linear signal */
     double overpressure;        /* largest change of the force on the top wall over the force at rest */
     double until;               /* end of the run, behind the front: the time of the counts and of the energies */
     int32_t carrying;           /* contacts that carry a force at rest; of these */
     int32_t slid, opened, lost; /* slid; were open at some time; are open at the end */
     int32_t closed;             /* gaps that closed at some time */
     sp_amplitude_energy energy;
-} sp_amplitude_pulse;
+} sp_amplitude_front;
 
 /* Computes the fronts of `count` amplitudes, and that of the linear signal (all contacts, with prestress, by
  * Chebyshev expansion), which is their limit.
@@ -63,23 +63,62 @@ typedef struct sp_amplitude_pulse {
  * SP_EREFUSED for a packing without level walls at bottom and top, without a front, or where the tolerance takes too
  * many steps; SP_EFAILED if a grain moves farther than the search for contacts allows. */
 SP_API sp_status sp_amplitude_pulses(const sp_packing *p, const sp_amplitude_options *opt, int32_t count,
-                                     const double *amplitude, sp_amplitude_pulse *out, sp_front *linear, sp_error *err);
+                                     const double *amplitude, sp_amplitude_front *out, sp_front *linear, sp_error *err);
 
 /* The front at a plane: the flux of momentum through it, as in SP_PLACE_PLANE. */
 typedef struct sp_amplitude_plane {
-    double height;               /* of the contacts that carry the flux (sp_network_plane_height) [d] */
-    sp_amplitude_value t10;      /* [d/sqrt(E* / rho)] */
-    sp_amplitude_value t_peak;   /* [d/sqrt(E* / rho)] */
-    sp_amplitude_value pressure; /* largest flux over the force at rest */
+    double height;                /* of the contacts that carry the flux (sp_network_plane_height) [d] */
+    sp_amplitude_number t10;      /* [d/sqrt(E* / rho)] */
+    sp_amplitude_number t_peak;   /* [d/sqrt(E* / rho)] */
+    sp_amplitude_number pressure; /* largest flux over the force at rest */
     /* Speeds from the plane before, from t10 and from t_peak; at the first plane NAN [sqrt(E* / rho)] */
-    sp_amplitude_value speed, speed_peak;
+    sp_amplitude_number speed, speed_peak;
 } sp_amplitude_plane;
 /* The fronts of one pulse at planes of these heights, ascending, inside the packing. plane: [n]; pulse: that at the top
  * wall, may be NULL. As sp_amplitude_pulses; SP_EINVAL for a height that no contact crosses, and for two planes that
  * the same contacts cross. */
 SP_API sp_status sp_amplitude_planes(const sp_packing *p, const sp_amplitude_options *opt, double amplitude, int32_t n,
-                                     const double *height, sp_amplitude_plane *plane, sp_amplitude_pulse *pulse,
+                                     const double *height, sp_amplitude_plane *plane, sp_amplitude_front *pulse,
                                      sp_error *err);
+
+/* A burst sin(omega t) (1 - cos(omega t/cycles))/2, 0 < t < 2 pi cycles/omega, of the height of the bottom wall. */
+typedef struct sp_amplitude_burst {
+    double amplitude; /* height of the wall over the mean overlap of the carrying contacts */
+    double omega;     /* [sqrt(E* / rho)/d] */
+    int32_t cycles;   /* >= 3 */
+} sp_amplitude_burst;
+
+/* Harmonics of the flux of momentum through a plane, over the force at rest: the amplitudes below the envelopes w, w^2
+ * and w^3 that a wave of the envelope w = (1 - cos)/2 gives to them. The flux is that of two bursts of opposite sign:
+ * half their sum has what is even in the amplitude (mean, second), half their difference what is odd. */
+typedef struct sp_amplitude_harmonics {
+    double height; /* as in sp_amplitude_plane [d] */
+    double until;  /* end of the record, before the front comes back from the top wall */
+    sp_amplitude_number first, second, third, mean;
+    sp_amplitude_number phase; /* of the first, falls with height, continuous from plane to plane */
+    sp_amplitude_number ratio; /* second/first^2 */
+} sp_amplitude_harmonics;
+
+/* What the planes tell together. */
+typedef struct sp_amplitude_second {
+    sp_amplitude_number k;     /* wave number of the first harmonic [1/d] */
+    sp_amplitude_number speed; /* omega/k [sqrt(E* / rho)] */
+    sp_amplitude_number slope; /* of second/first^2 against height [1/d] */
+    /* Coefficient of u_tt = c^2 u_xx (1 - beta u_x), 4 density speed^3 slope/(omega p). A chain has beta delta0/d =
+     * 1/2.
+     */
+    sp_amplitude_number beta;
+    sp_amplitude_energy energy; /* of the burst upwards at its end; input: work of the wall. defect: over the largest */
+    double step;
+} sp_amplitude_second;
+
+/* Sends a burst through the packing. plane: [n], at heights as in sp_amplitude_planes, or with NULL at equal distances
+ * up to the highest plane that can be; second may be NULL, and needs 3 planes. Errors have a third part: what a record
+ * shorter by a tenth would give. SP_EREFUSED where the burst, or a plane, is so long, or so high, that the front comes
+ * back before the burst has passed. */
+SP_API sp_status sp_amplitude_bursts(const sp_packing *p, const sp_amplitude_options *opt,
+                                     const sp_amplitude_burst *burst, int32_t n, const double *height,
+                                     sp_amplitude_harmonics *plane, sp_amplitude_second *second, sp_error *err);
 
 /* A solitary wave of a chain of equal balls (Hertz's law, no walls). Balls are counted along the chain, so lengths
  * along it are numbers of balls; c is the speed of long waves of the chain at rest, delta0 its overlap. */

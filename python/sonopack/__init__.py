@@ -14,6 +14,7 @@ Column is the tapped column. Lengths are in mean grain diameters d, pressures in
 Numbers are those of the command `sonopack`, bit for bit. Arrays are views of the library's memory: they are not copied,
 cannot be written to, and keep it alive. Long calls run without the interpreter's lock. Failures raise SonopackError.
 """
+from ._amplitude import solitary
 from ._column import Column, ColumnRun
 from ._core import FileError, Interrupted, InvalidInput, NoMemory, Refused, SonopackError, Status, text_of as _text_of
 from ._inference import CODA_CANDIDATE, DESIGN_STEP, Coda, Design, Uncertain, Uncertainty, design, uncertainty
@@ -22,9 +23,7 @@ from ._native import lib as _lib
 from ._network import ENERGY, FLUX, SPRING, Network
 from ._packing import BACK, BOTTOM, CONTACT, FRONT, LEFT, RIGHT, TOP, Packing
 from ._place import Place
-from ._records import (Audit, CoherentWave, Energy, FiniteStrain, Front, Kubo, Material, Moduli, PackProgress,
-                       ParticipationBin, ProbeModuli, Split, Spread, Stability, Statics, StudyProgress, TappedTap,
-                       ZeroModes)
+    ,
 from ._scene import Scene, scene_help
 from ._sensitivity import Gradient
 from ._signal import Pulse, Signal, front, signal_window
@@ -37,13 +36,14 @@ from ._table import Table, quantity
 __version__ = _text_of(_lib.sp_version())
 
 __all__ = [
-    "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Coda", "CoherentWave", "Column",
-    "ColumnRun", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes", "DensityOfStates", "Design",
-    "Dispersion", "ENERGY", "Energy", "FLUX", "FRONT", "FileError", "FiniteStrain", "Front", "Gradient", "Harmonic",
-    "Interrupted", "InvalidInput", "Kubo", "LEFT", "Material", "Modes", "Moduli", "Network", "NoMemory",
-    "PackProgress", "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse", "RIGHT", "Refused", "SPRING",
-    "Sample", "Scene", "Signal", "SonopackError", "Split", "Spread", "Stability", "Statics", "Status", "Store",
-    "StudyProgress", "TOP", "Table", "TappedTap", "Transmission", "Uncertain", "Uncertainty", "WAVE_FIT",
-    "WaveSection", "ZeroModes", "design", "front", "quantity", "scene_help", "signal_window", "study",
-    "uncertainty",
+    "AmplitudeEnergy", "AmplitudeFront", "AmplitudeHarmonics", "AmplitudeNumber", "AmplitudePlane",
+    "AmplitudeSecond", "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Coda",
+    "CoherentWave", "Column", "ColumnRun", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes",
+    "DensityOfStates", "Design", "Dispersion", "ENERGY", "Energy", "FLUX", "FRONT", "FileError", "FiniteStrain",
+    "Front", "Gradient", "Harmonic", "Interrupted", "InvalidInput", "Kubo", "LEFT", "Material", "Modes", "Moduli",
+    "Network", "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse", "RIGHT",
+    "Refused", "SPRING", "Sample", "Scene", "Signal", "Solitary", "SonopackError", "Split", "Spread", "Stability",
+    "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap", "Transmission", "Uncertain",
+    "Uncertainty", "WAVE_FIT", "WaveSection", "ZeroModes", "design", "front", "quantity", "scene_help",
+    "signal_window", "solitary", "study", "uncertainty",
 ]

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _scene
+from . import _amplitude, _core, _scene
 from ._core import Array, Floats, Path, Value, c_path, call, documented
 from ._native import ffi, lib
 from ._network import Network
-from ._records import Audit, Front, Material, PackProgress, Statics
+from ._records import (AmplitudeFront, AmplitudeHarmonics, AmplitudePlane, AmplitudeSecond, Audit, Front, Material,
+                       PackProgress, Statics)
 from ._watch import Watch
 
 BOTTOM = int(lib.SP_BOTTOM)
@@ -265,6 +266,25 @@ class Packing(_core.Owner):
     def front(self, *, source: str = "impulse", window: float = 0.0) -> Front:
         """The first wave front at the top wall, as `sonopack front` finds it."""
         return self.network().front(source=source, window=window)
+
+    @documented("sp_amplitude_pulses")
+    def loud_fronts(self, amplitudes: npt.ArrayLike, *, source: str | None = None, until: float | None = None,
+                    tolerance: float | None = None) -> list[AmplitudeFront]:
+        """The front at the top wall after pulses of these amplitudes, as `sonopack amplitude` finds it."""
+        return _amplitude.fronts(self, amplitudes, source=source, until=until, tolerance=tolerance)
+
+    @documented("sp_amplitude_planes")
+    def loud_planes(self, amplitude: float, heights: npt.ArrayLike, *, source: str | None = None,
+                    until: float | None = None, tolerance: float | None = None) -> list[AmplitudePlane]:
+        """The fronts of one pulse at planes of these heights, ascending."""
+        return _amplitude.planes(self, amplitude, heights, source=source, until=until, tolerance=tolerance)
+
+    @documented("sp_amplitude_bursts")
+    def loud_burst(self, amplitude: float, omega: float, cycles: int = 6, *, planes: int = 10,
+                   heights: npt.ArrayLike | None = None,
+                   tolerance: float | None = None) -> tuple[list[AmplitudeHarmonics], AmplitudeSecond]:
+        """The harmonics of a burst at planes, `planes` equal distances or these heights, and what they tell together."""
+        return _amplitude.burst(self, amplitude, omega, cycles, planes, heights, tolerance=tolerance)
 
     def __len__(self) -> int:
         return self.n

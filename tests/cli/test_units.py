@@ -169,6 +169,8 @@ def check_commands(folder):
             "spectrum dispersion P.h5 --waves 2", "spectrum dispersion P.h5 --direction up --waves 2", "spectrum harmonic P.h5 --damping 0.1 --at 0.1:0.3:3",
             "spectrum dos P.h5 --method kpm", "wave W.h5", "amplitude P.h5 K.h5 --amplitudes 0.01,0.3",
             "amplitude P.h5 --amplitudes 0.1 --mean", "amplitude K.h5 --amplitudes 0.1 --planes 2",
+            "amplitude K.h5 --amplitudes 0.01 --omega 0.15 --cycles 3",
+            "amplitude K.h5 --amplitudes 0.01 --omega 0.15 --planes 2 --cycles 3",
             "transport P.h5 --at 0.5 --axis x --until 90",
             "transport P.h5 --quantity kubo --at 0.3:0.5:2", "transport W.h5 --quantity coherent --at 0.1:0.3:3",
             "design P.h5 --goal delay --iterations 2", "design P.h5 --goal band:0.1:0.2 --iterations 1 --rows grains"):

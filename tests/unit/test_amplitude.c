@@ -18,7 +18,7 @@ static double *source_of(const sp_network *net) {
 }
 
 /* Largest defect of the balance in a run with steps h, and what happened to contacts. */
-static double defect_of(const sp_packing *p, double amplitude, double until, int steps, sp_amplitude_pulse *counts) {
+static double defect_of(const sp_packing *p, double amplitude, double until, int steps, sp_amplitude_front *counts) {
     sp_network net = carried_network(p);
     motion s;
     double *a = source_of(&net), worst = 0;
@@ -44,7 +44,7 @@ static void test_balance(void **state) {
     sp_packing flat = reference_packing(DISKS);
     for (int q = 0; q < 3; q++) {
         const double amplitude = (const double[]){1e-5, 0.1, 1}[q];
-        sp_amplitude_pulse c[3];
+        sp_amplitude_front c[3];
         double defect[3];
         for (int k = 0; k < 3; k++)
             defect[k] = defect_of(&flat, amplitude, 30, 400 << k, &c[k]);
@@ -64,7 +64,7 @@ static void test_balance_elsewhere(void **state) {
     (void)state;
     for (int q = 0; q < 2; q++) {
         sp_packing p = q == 0 ? carried_packing(3, 3, 0.2, 5) : scattered_packing(2, 5, 0, 3);
-        sp_amplitude_pulse c;
+        sp_amplitude_front c;
         const double one = defect_of(&p, 0.3, 20, 800, &c), two = defect_of(&p, 0.3, 20, 1600, &c);
         assert_true(two < 1e-3 && two < 0.5 * one);
         assert_true(q == 0 ? c.slid > 0 : c.energy.tangential == 0 && c.energy.slid == 0 && c.energy.released == 0);
@@ -84,7 +84,7 @@ static void test_reversal(void **state) {
     assert_ok(sp_motion_make(&p, &net, SP_MOTION_NEAR, 0, NULL, &s, &err));
     sp_motion_kick(&s, a, true, 5);
     const double v = s.m.v[0];
-    sp_amplitude_pulse c;
+    sp_amplitude_front c;
     for (int way = 0; way < 2; way++) {
         for (int k = 0; k < STEPS; k++)
             sp_motion_step(&s, 0.01, 0);
@@ -153,7 +153,7 @@ static void test_linear_limit(void **state) {
     for (int q = 0; q < 3; q++) {
         sp_packing p = q == 0 ? reference_packing(DISKS) : q == 1 ? chain_packing(30, 1e-4) : lattice_packing();
         sp_amplitude_options o = sp_amplitude_options_default();
-        sp_amplitude_pulse a[3];
+        sp_amplitude_front a[3];
         sp_front linear;
         o.tolerance = q == 0 ? 1e-4 : 1e-6;
         assert_ok(sp_amplitude_pulses(&p, &o, q == 0 ? 1 : 3, amplitude, a, &linear, &err));
@@ -177,7 +177,7 @@ static void test_errors(void **state) {
     const double amplitude[] = {0.01, 0.3, 2};
     sp_packing p = reference_packing(DISKS);
     sp_amplitude_options o = sp_amplitude_options_default(), fine = o;
-    sp_amplitude_pulse a[3], b[3];
+    sp_amplitude_front a[3], b[3];
     fine.tolerance = 3e-6;
     assert_ok(sp_amplitude_pulses(&p, &o, 3, amplitude, a, NULL, &err));
     assert_ok(sp_amplitude_pulses(&p, &fine, 3, amplitude, b, NULL, &err));
@@ -193,7 +193,7 @@ static void test_errors(void **state) {
 static void test_bad_input(void **state) {
     (void)state;
     sp_packing p = reference_packing(DISKS);
-    sp_amplitude_pulse a;
+    sp_amplitude_front a;
     sp_amplitude_options o = sp_amplitude_options_default();
     const double bad[] = {0, -1, 1e-10, 1e7, NAN, INFINITY}, good = 0.01, loud = 1e4;
     for (int k = 0; k < 6; k++)

@@ -71,14 +71,14 @@ static void test_form(void **state) {
     free(v);
 }
 
-/* Puts the wave into a chain, its middle at the contact of balls 20 and 21. The balls behind it have been moved on. */
+/* Puts the wave into a chain, its middle at the contact of balls 50 and 51. The balls behind it have been moved on. */
 static void put_wave(motion *s, double peak, double overlap, double sound) {
-    enum { N = 100 };
+    enum { N = 160 };
     double x[N + 1], r[N + 1], v[N + 1], ball[N + 1], unused[N + 1], moved = 0;
     sp_solitary wave;
     assert_ok(sp_solitary_make(peak, &wave, &err));
     for (int k = 0; k <= N; k++) {
-        x[k] = k - 20.5; /* of contact k, below ball k; the ball is half a step above */
+        x[k] = k - 50.5; /* of contact k, below ball k; the ball is half a step above */
         ball[k] = x[k] + 0.5;
     }
     assert_ok(sp_solitary_form(peak, N + 1, x, r, unused, &err));
@@ -96,17 +96,17 @@ static void put_wave(motion *s, double peak, double overlap, double sound) {
     sp_vibration_begin(&s->m);
 }
 
-/* After the time of 50 balls every contact has the overlap that the one 50 below it had. */
+/* After the time of 60 balls every contact has the overlap that the one 60 below it had. */
 static void test_travels(void **state) {
     (void)state;
-    enum { N = 100, FAR = 50, STEPS = 60000 };
-    const double peaks[] = {0.5, 20};
+    enum { N = 160, FAR = 60, STEPS = 60000 };
+    const double peaks[] = {0.1, 0.5, 20};
     sp_packing p = chain_packing(N, 1e-6);
     sp_network net = carried_network(&p);
     const double overlap = p.contacts[0].overlap, sound = sqrt(net.springs[0].kn / grain_mass(0.5));
     motion s;
     assert_ok(sp_motion_make(&p, &net, SP_MOTION_NEAR, 0, NULL, &s, &err));
-    for (int q = 0; q < 2; q++) {
+    for (int q = 0; q < 3; q++) {
         sp_solitary wave;
         double before[N];
         assert_ok(sp_solitary_make(peaks[q], &wave, &err));
@@ -120,7 +120,7 @@ static void test_travels(void **state) {
             sp_motion_step(&s, FAR / (wave.speed * sound) / STEPS, shift);
         for (int i = 0; i < N - 1; i++) {
             const double now = s.m.u[6 * i] - s.m.u[6 * (i + 1)], right = i >= FAR ? before[i - FAR] : 0;
-            assert_close(now / overlap / peaks[q], right / overlap / peaks[q], 2e-6);
+            assert_close(now / overlap / peaks[q], right / overlap / peaks[q], 3e-6);
         }
     }
     sp_motion_free(&s);
@@ -134,7 +134,7 @@ static void test_knock(void **state) {
     sp_packing p = chain_packing(100, 1e-9);
     sp_amplitude_options o = sp_amplitude_options_default();
     sp_amplitude_plane a[2];
-    sp_amplitude_pulse top;
+    sp_amplitude_front top;
     const double heights[] = {50, 80}, twice[] = {50, 50.1}, outside[] = {50, 120};
     o.tolerance = 1e-4;
     assert_ok(sp_amplitude_planes(&p, &o, 300, 2, heights, a, &top, &err));

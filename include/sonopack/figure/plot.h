@@ -127,6 +127,11 @@ SP_API sp_status sp_plot_section(int records, const sp_plot_record *record, cons
  * k^(dimension + 1) fitted to the long waves. Values that a logarithmic axis cannot show are left out. */
 SP_API sp_status sp_plot_wave(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
+/* Tables of `sonopack amplitude'. Of fronts: their speed over its linear limit, and the shares of contacts that opened
+ * and slid, against the amplitude, with a curve for each pressure, friction and dimension. Of bursts at planes: F2/F1^2
+ * against the height. SP_EREFUSED for more than 18 curves. */
+SP_API sp_status sp_plot_amplitude(int tables, const sp_plot_table *table, const char *path, sp_error *err);
+
 typedef struct sp_plot_column_options {
     bool surface;       /* draw a trajectory or densities as a surface over particle and time, as for several tables */
     const char *column; /* column of a bifurcation table: "y1", "y2", ...; NULL: y1 */

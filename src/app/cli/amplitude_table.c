@@ -6,29 +6,29 @@
 
 #define TIME "d/sqrt(E* / rho)"
 
-static sp_amplitude_value exact(double value) { return (sp_amplitude_value){value, 0}; }
+static sp_amplitude_number exact(double value) { return (sp_amplitude_number){value, 0}; }
 
-static sp_amplitude_value t10(const sp_amplitude_pulse *a) { return a->t10; }
-static sp_amplitude_value speed(const sp_amplitude_pulse *a) { return a->speed; }
-static sp_amplitude_value peak(const sp_amplitude_pulse *a) { return a->peak; }
-static sp_amplitude_value width(const sp_amplitude_pulse *a) { return a->width; }
-static sp_amplitude_value overpressure(const sp_amplitude_pulse *a) {
-    return (sp_amplitude_value){a->overpressure, a->overpressure * a->peak.error / a->peak.value};
+static sp_amplitude_number t10(const sp_amplitude_front *a) { return a->t10; }
+static sp_amplitude_number speed(const sp_amplitude_front *a) { return a->speed; }
+static sp_amplitude_number peak(const sp_amplitude_front *a) { return a->peak; }
+static sp_amplitude_number width(const sp_amplitude_front *a) { return a->width; }
+static sp_amplitude_number overpressure(const sp_amplitude_front *a) {
+    return (sp_amplitude_number){a->overpressure, a->overpressure * a->peak.error / a->peak.value};
 }
-static sp_amplitude_value carrying(const sp_amplitude_pulse *a) { return exact(a->carrying); }
-static sp_amplitude_value slid(const sp_amplitude_pulse *a) { return exact(a->slid); }
-static sp_amplitude_value opened(const sp_amplitude_pulse *a) { return exact(a->opened); }
-static sp_amplitude_value lost(const sp_amplitude_pulse *a) { return exact(a->lost); }
-static sp_amplitude_value closed(const sp_amplitude_pulse *a) { return exact(a->closed); }
-static sp_amplitude_value kinetic(const sp_amplitude_pulse *a) { return exact(a->energy.kinetic / a->energy.input); }
-static sp_amplitude_value normal(const sp_amplitude_pulse *a) { return exact(a->energy.normal / a->energy.input); }
-static sp_amplitude_value tangential(const sp_amplitude_pulse *a) {
+static sp_amplitude_number carrying(const sp_amplitude_front *a) { return exact(a->carrying); }
+static sp_amplitude_number slid(const sp_amplitude_front *a) { return exact(a->slid); }
+static sp_amplitude_number opened(const sp_amplitude_front *a) { return exact(a->opened); }
+static sp_amplitude_number lost(const sp_amplitude_front *a) { return exact(a->lost); }
+static sp_amplitude_number closed(const sp_amplitude_front *a) { return exact(a->closed); }
+static sp_amplitude_number kinetic(const sp_amplitude_front *a) { return exact(a->energy.kinetic / a->energy.input); }
+static sp_amplitude_number normal(const sp_amplitude_front *a) { return exact(a->energy.normal / a->energy.input); }
+static sp_amplitude_number tangential(const sp_amplitude_front *a) {
     return exact(a->energy.tangential / a->energy.input);
 }
-static sp_amplitude_value rubbed(const sp_amplitude_pulse *a) { return exact(a->energy.slid / a->energy.input); }
-static sp_amplitude_value released(const sp_amplitude_pulse *a) { return exact(a->energy.released / a->energy.input); }
-static sp_amplitude_value balance(const sp_amplitude_pulse *a) { return exact(a->energy.defect); }
-static sp_amplitude_value step(const sp_amplitude_pulse *a) { return exact(a->step); }
+static sp_amplitude_number rubbed(const sp_amplitude_front *a) { return exact(a->energy.slid / a->energy.input); }
+static sp_amplitude_number released(const sp_amplitude_front *a) { return exact(a->energy.released / a->energy.input); }
+static sp_amplitude_number balance(const sp_amplitude_front *a) { return exact(a->energy.defect); }
+static sp_amplitude_number step(const sp_amplitude_front *a) { return exact(a->step); }
 
 const amplitude_quantity amplitude_quantities[AMPLITUDE_QUANTITIES + 1] = {
     {"t10", TIME, "t10_err", t10},
@@ -67,9 +67,9 @@ sp_status amplitude_add_columns(sp_table *t, sp_error *err) {
     return w.status;
 }
 
-sp_status amplitude_add_row(const char *path, double pressure, const sp_amplitude_pulse *a, sp_table *t,
+sp_status amplitude_add_row(const char *path, double pressure, const sp_amplitude_front *a, sp_table *t,
                             sp_error *err) {
-    const sp_amplitude_value over = overpressure(a);
+    const sp_amplitude_number over = overpressure(a);
     return sp_table_add_row(t, err, path, pressure, a->amplitude, a->t10.value, a->t10.error, a->speed.value,
                             a->speed.error, a->peak.value, a->peak.error, a->width.value, a->width.error, over.value,
                             over.error, (double)a->carrying, (double)a->slid, (double)a->opened, (double)a->lost,
@@ -94,13 +94,13 @@ static amplitude_group *group_of(amplitude_means *m, const sp_packing *p, double
     return &grown[m->n++];
 }
 
-sp_status amplitude_add_mean(amplitude_means *m, const sp_packing *p, const sp_amplitude_pulse *pulse, sp_error *err) {
+sp_status amplitude_add_mean(amplitude_means *m, const sp_packing *p, const sp_amplitude_front *pulse, sp_error *err) {
     amplitude_group *g = group_of(m, p, pulse->amplitude);
     if (!g)
         return sp_fail_memory(err, ((size_t)m->n + 1) * sizeof *g);
     g->n++;
     for (int q = 0; q < AMPLITUDE_QUANTITIES; q++) {
-        const sp_amplitude_value v = amplitude_quantities[q].of(pulse);
+        const sp_amplitude_number v = amplitude_quantities[q].of(pulse);
         g->sum[q] += v.value;
         g->squares[q] += v.value * v.value;
         g->errors[q] += v.error;

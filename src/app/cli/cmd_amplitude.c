@@ -4,15 +4,19 @@
 
 #include <string.h>
 
+enum { CYCLES = 6 };
+
 typedef struct arguments {
     cli_common common;
     double until, tolerance; /* until < 0: not given */
-    int source;              /* sp_source */
+    double omega;            /* 0: pulses */
+    int64_t cycles;
+    int source; /* sp_source */
     bool mean;
     int64_t planes; /* 0: the front at the top wall */
     int32_t n;
     double amplitude[AMPLITUDES_MAX];
-    sp_amplitude_pulse pulse[AMPLITUDES_MAX];
+    sp_amplitude_front pulse[AMPLITUDES_MAX];
     amplitude_means means;
 } arguments;
 
@@ -34,6 +38,10 @@ static sp_status set_amplitudes(void *user, const char *text, sp_error *err) {
 
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
+    if (a->omega > 0 && (a->mean || a->until > 0 || a->source != SP_SOURCE_IMPULSE))
+        return sp_fail(err, SP_EINVAL, "--omega cannot be combined with --mean, --until or --source");
+    if (a->cycles > 0 && !(a->omega > 0))
+        return sp_fail(err, SP_EINVAL, "--cycles: applies only to a burst, --omega");
     if (a->planes > 0 && a->mean)
         return sp_fail(err, SP_EINVAL, "--planes and --mean cannot be combined: planes lie at other heights in others");
     if (a->common.sets > 0)
@@ -49,6 +57,10 @@ static const cli_option options[] = {
      CLI_FLAG, .field = offsetof(arguments, mean)},
     {"planes", "N", "Print the fronts at N planes that divide the height into equal layers, and speeds between them",
      CLI_INTEGER, .field = offsetof(arguments, planes), .low = 1, .high = PLANES_MAX},
+    {"omega", "W", "Send bursts of this frequency instead of pulses, and print their harmonics [sqrt(E* / rho)/d]",
+     CLI_NUMBER, .field = offsetof(arguments, omega), .low = 1e-9, .high = 1e9, .unit = "sqrt(E* / rho)/d"},
+    {"cycles", "N", "With --omega: length of the burst in periods (6)", CLI_INTEGER,
+     .field = offsetof(arguments, cycles), .low = 3, .high = 10000},
     {"until", "T", "Last time; a run ends behind the front [d/sqrt(E* / rho)] ((8 H + 40) (p/1e-4)^(-1/6))", CLI_NUMBER,
      .field = offsetof(arguments, until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {"tolerance", "EPS", "Largest relative error of the speed and of the balance of energy (0.001)", CLI_NUMBER,
@@ -80,6 +92,13 @@ static const cli_syntax syntax = {
         "at rest, speed that from the plane below by t10, speed_peak by t_peak. For a chain of equal balls solitary is "
         "the speed of a solitary wave of this peak, kdv and nesterenko are those of long waves (see `chain soliton').\n"
         "\n"
+        "With --omega the bottom wall moves as A delta sin(omega t) (1 - cos(omega t/N))/2, where delta is the mean "
+        "overlap. F1, F2, F3, F0: harmonics and mean of the flux of momentum over that at rest. ratio: F2/F1^2. k and "
+        "speed: of the first harmonic. slope: growth of F2/F1^2 with distance. beta: the coefficient of u_tt = c^2 "
+        "u_xx "
+        "(1 - beta u_x) that it means, and beta_delta times delta; beta_field: M/(3 p), what M ~ p^(1/3) would give, "
+        "with M = density speed^2. With --planes there is a row for each plane, else one for ten.\n"
+        "\n"
         "Errors (_err) are estimated from steps of twice the length and from every second time; with --mean they are "
         "standard errors over packings, plus the mean of these (nan for one packing).",
     .finds_material = true,
@@ -94,7 +113,9 @@ static sp_status begin(void *user, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
     cli_comment(&w, "source = %s", cli_source_names[a->source]);
     cli_value(&w, "tolerance", a->tolerance);
-    if (w.status == SP_OK && a->planes > 0)
+    if (w.status == SP_OK && a->omega > 0)
+        w.status = amplitude_burst_columns(a->planes > 0, t, err);
+    else if (w.status == SP_OK && a->planes > 0)
         w.status = amplitude_plane_columns(t, err);
     else if (w.status == SP_OK && !a->mean)
         w.status = amplitude_add_columns(t, err);
@@ -108,6 +129,13 @@ static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err
     o.tolerance = a->tolerance;
     o.until = a->until > 0 ? a->until : 0;
     sp_status status = SP_OK;
+    if (a->omega > 0) {
+        for (int32_t k = 0; k < a->n && status == SP_OK; k++) {
+            const sp_amplitude_burst b = {a->amplitude[k], a->omega, a->cycles > 0 ? (int32_t)a->cycles : CYCLES};
+            status = amplitude_burst_rows(file, &o, &b, (int32_t)a->planes, t, err);
+        }
+        return status;
+    }
     if (a->planes > 0) {
         for (int32_t k = 0; k < a->n && status == SP_OK; k++)
             status = amplitude_plane_rows(file, &o, a->amplitude[k], (int32_t)a->planes, t, err);

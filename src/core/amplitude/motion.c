@@ -77,7 +77,7 @@ double sp_motion_force(const motion *s, int32_t sensor) {
 
 /* ---- making ----------------------------------------------------------------------------------------------------- */
 
-static sp_status need_walls(const sp_network *net, sp_error *err) {
+sp_status sp_motion_need_walls(const sp_network *net, sp_error *err) {
     if (net->cell == SP_CELL_PERIODIC)
         return sp_fail(err, SP_EREFUSED, "the cell is periodic and has no walls, between which a loud pulse passes");
     if (!sp_network_touches(net, SP_BOTTOM) || !sp_network_touches(net, SP_TOP))
@@ -101,7 +101,7 @@ bool sp_motion_can_widen(const motion *s) { return s->radii < most_reach(s->pack
 sp_status sp_motion_make(const sp_packing *p, const sp_network *net, double radii, int32_t planes, const double *height,
                          motion *out, sp_error *err) {
     motion s = {.packing = p, .net = net, .radii = fmin(radii, fmax(SP_MOTION_NEAR, most_reach(p)))};
-    sp_status status = need_walls(net, err);
+    sp_status status = sp_motion_need_walls(net, err);
     if (status == SP_OK)
         status = sp_vibration_make_wide(p, 0, s.radii, &s.m, err);
     if (status == SP_OK) {
@@ -229,7 +229,7 @@ sp_status sp_motion_check(const motion *s, double amplitude, sp_error *err) {
                        amplitude, s->time, s->m.reach);
 }
 
-void sp_motion_count(const motion *s, sp_amplitude_pulse *out) {
+void sp_motion_count(const motion *s, sp_amplitude_front *out) {
     out->carrying = out->slid = out->opened = out->lost = out->closed = 0;
     for (int32_t k = 0; k < s->m.count; k++) {
         const touching *t = &s->m.touch[k];

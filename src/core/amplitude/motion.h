@@ -31,6 +31,8 @@ typedef struct motion {
     double time;
 } motion;
 
+/* SP_EREFUSED without level walls at bottom and top. */
+sp_status sp_motion_need_walls(const sp_network *net, sp_error *err);
 /* radii: gaps up to so many smallest radii are watched, SP_MOTION_NEAR at least. Planes: heights [n]; with 0 planes the
  * only sensor is the top wall. Free with motion_free, after a failure too. */
 sp_status sp_motion_make(const sp_packing *p, const sp_network *net, double radii, int32_t planes, const double *height,
@@ -52,6 +54,6 @@ sp_status sp_motion_check(const motion *s, double amplitude, sp_error *err);
 
 /* Energies now; defect: of now. */
 sp_amplitude_energy sp_motion_energy(const motion *s);
-void sp_motion_count(const motion *s, sp_amplitude_pulse *out);
+void sp_motion_count(const motion *s, sp_amplitude_front *out);
 
 #endif

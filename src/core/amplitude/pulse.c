@@ -15,6 +15,7 @@
 #define WORK_MAX 3e9
 /* A front is higher than this fraction of the linear one, or of the largest force. */
 #define WEAKEST 1e-3
+#define LONG    1.5
 
 enum { ATTEMPTS = 9, PARTS = 48, POINTS_MAX = 10000000 };
 
@@ -39,7 +40,7 @@ typedef struct outcome {
     double factor;
     sp_front front[2];
     sp_front *plane;           /* [planes][2] */
-    sp_amplitude_pulse counts; /* counts and energies */
+    sp_amplitude_front counts; /* counts and energies */
 } outcome;
 
 sp_amplitude_options sp_amplitude_options_default(void) {
@@ -80,14 +81,15 @@ static sp_status find_fronts(experiment *e, int32_t n, const double *f, sp_front
 }
 
 /* Whether the front has passed in the first n times of a record. What arrives before it is many powers of ten weaker
- * (`least` tells them apart), and a fifth of its time more shows that no other peak was meant. The force may stay above
- * that at rest to the end of the record: t_zero is NAN then. */
+ * (`least` tells them apart), and a fifth of its time more shows that no other peak was meant. Behind a loud front the
+ * force may stay above that at rest: LONG times the time of the peak is then enough, and t_zero is NAN. */
 static bool has_passed(experiment *e, int32_t n, const double *f, double least, sp_front out[2]) {
     sp_error none = {0};
     if (n <= 4 || find_fronts(e, n, f, out, &none) != SP_OK || out[0].amplitude < least)
         return false;
-    return n == e->n || n == e->used ||
-           (isfinite(out[0].t_zero) && isfinite(out[1].t_zero) && e->t[n - 1] >= 1.2 * out[0].t_zero);
+    const bool fell = isfinite(out[0].t_zero) && isfinite(out[1].t_zero);
+    return n == e->n || n == e->used || e->t[n - 1] >= LONG * out[0].t_peak ||
+           (fell && e->t[n - 1] >= 1.2 * out[0].t_zero);
 }
 
 /* Times after which a record is looked at. */
@@ -168,7 +170,7 @@ static sp_status run(experiment *e, double amplitude, int64_t substeps, outcome 
         status = no_front(err, e->t[e->n - 1]);
     if (status == SP_OK)
         status = find_at_planes(e, out->plane, err);
-    out->counts = (sp_amplitude_pulse){.until = e->motion.time, .energy = sp_motion_energy(&e->motion)};
+    out->counts = (sp_amplitude_front){.until = e->motion.time, .energy = sp_motion_energy(&e->motion)};
     out->counts.energy.defect = defect;
     sp_motion_count(&e->motion, &out->counts);
     return status;
@@ -187,22 +189,22 @@ static double t10_of(const sp_front *f, const sp_front *linear) {
 }
 
 /* Of values from the finer and the coarser run, and from every second time. */
-static sp_amplitude_value compare(double value, double step, double times) {
-    return (sp_amplitude_value){value, fabs(value - step) + fabs(value - times) / 3};
+static sp_amplitude_number compare(double value, double step, double times) {
+    return (sp_amplitude_number){value, fabs(value - step) + fabs(value - times) / 3};
 }
 
 /* The error of the steps is below the difference from steps twice as long, that of the times is of second order in
  * their spacing, so a third of the difference. */
-static sp_amplitude_value value_of(const experiment *e, const outcome *now, const outcome *before,
-                                   measure_function of) {
+static sp_amplitude_number value_of(const experiment *e, const outcome *now, const outcome *before,
+                                    measure_function of) {
     const double value = of(&now->front[0], &e->linear[0]), step = of(&before->front[0], &e->linear[0]),
                  times = of(&now->front[1], &e->linear[1]);
     return compare(value, step, times);
 }
 
-static void fill(const experiment *e, const outcome *now, const outcome *before, sp_amplitude_pulse *out) {
+static void fill(const experiment *e, const outcome *now, const outcome *before, sp_amplitude_front *out) {
     const double load = e->net.pressure * sp_packing_wall_area(e->motion.packing);
-    const sp_amplitude_pulse kept = *out;
+    const sp_amplitude_front kept = *out;
     *out = now->counts;
     out->amplitude = kept.amplitude;
     out->step = kept.step;
@@ -215,7 +217,7 @@ static void fill(const experiment *e, const outcome *now, const outcome *before,
     out->overpressure = now->front[0].amplitude * now->factor / load;
 }
 
-static sp_amplitude_value speed_between(double rise, double a, double b, const double step[2], const double times[2]) {
+static sp_amplitude_number speed_between(double rise, double a, double b, const double step[2], const double times[2]) {
     return compare(rise / (b - a), rise / (step[1] - step[0]), rise / (times[1] - times[0]));
 }
 
@@ -227,7 +229,7 @@ static void fill_planes(const experiment *e, const outcome *now, const outcome *
         o->t10 = compare(f->t10, step->t10, times->t10);
         o->t_peak = compare(f->t_peak, step->t_peak, times->t_peak);
         o->pressure = compare(unit * f->amplitude, unit * step->amplitude, unit * times->amplitude);
-        o->speed = o->speed_peak = (sp_amplitude_value){NAN, NAN};
+        o->speed = o->speed_peak = (sp_amplitude_number){NAN, NAN};
         if (b == 0)
             continue;
         const double rise = o->height - plane[b - 1].height;
@@ -244,7 +246,7 @@ static double step_error(const experiment *e, const outcome *now, const outcome 
                 now->counts.energy.defect);
 }
 
-static sp_status converge(experiment *e, sp_amplitude_pulse *out, sp_amplitude_plane *plane, sp_error *err) {
+static sp_status converge(experiment *e, sp_amplitude_front *out, sp_amplitude_plane *plane, sp_error *err) {
     outcome before = {.plane = e->plane}, now = {.plane = e->plane + 2 * e->planes};
     int64_t substeps = 1;
     e->used = 0;
@@ -292,7 +294,7 @@ static sp_status make_records(experiment *e, double amplitude, sp_error *err) {
 }
 
 /* Where grains fly farther than gaps are watched, wider gaps are watched. */
-static sp_status measure(experiment *e, sp_amplitude_pulse *out, sp_amplitude_plane *plane, sp_error *err) {
+static sp_status measure(experiment *e, sp_amplitude_front *out, sp_amplitude_plane *plane, sp_error *err) {
     sp_status status = make_records(e, out->amplitude, err);
     if (status == SP_OK)
         status = find_linear(e, err);
@@ -342,13 +344,13 @@ static sp_status prepare(experiment *e, const sp_packing *p, sp_error *err) {
 }
 
 sp_status sp_amplitude_pulses(const sp_packing *p, const sp_amplitude_options *opt, int32_t count,
-                              const double *amplitude, sp_amplitude_pulse *out, sp_front *linear, sp_error *err) {
+                              const double *amplitude, sp_amplitude_front *out, sp_front *linear, sp_error *err) {
     experiment e = {.options = opt, .net = sp_network_none()};
     sp_status status = check(opt, count, amplitude, err);
     if (status == SP_OK)
         status = prepare(&e, p, err);
     for (int32_t k = 0; k < count && status == SP_OK; k++) {
-        out[k] = (sp_amplitude_pulse){.amplitude = amplitude[k]};
+        out[k] = (sp_amplitude_front){.amplitude = amplitude[k]};
         status = measure(&e, &out[k], NULL, err);
     }
     if (status == SP_OK && linear)
@@ -372,10 +374,10 @@ static sp_status find_heights(const experiment *e, sp_amplitude_plane *out, sp_e
 }
 
 sp_status sp_amplitude_planes(const sp_packing *p, const sp_amplitude_options *opt, double amplitude, int32_t n,
-                              const double *height, sp_amplitude_plane *plane, sp_amplitude_pulse *pulse,
+                              const double *height, sp_amplitude_plane *plane, sp_amplitude_front *pulse,
                               sp_error *err) {
     experiment e = {.options = opt, .net = sp_network_none(), .planes = n, .height = height};
-    sp_amplitude_pulse top = {.amplitude = amplitude};
+    sp_amplitude_front top = {.amplitude = amplitude};
     sp_status status = check(opt, 1, &amplitude, err);
     if (status == SP_OK)
         status = prepare(&e, p, err);
