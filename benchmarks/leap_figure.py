@@ -6,7 +6,7 @@ import numpy as np
 COLOURS = {1e-6: "#0072b2", 1e-5: "#56b4e9", 1e-4: "#009e73", 1e-3: "#e69f00", 1e-2: "#d55e00"}
 MARKS = {0.0: "o", 0.1: "s", 0.5: "^"}
 ROWS = (("loss", r"$\alpha/k$", "wave"), ("speed", r"$c/c_\ell$", "planes"), ("gamma", r"$\gamma$", "planes"),
-        ("alpha", r"width exponent", "planes"))
+        ("alpha", r"$\alpha$ of the width", "planes"))
 COLUMNS = ((2, False, "2D"), (2, True, r"2D, in $\ell_s$"), (3, True, r"3D, in $\ell_s$"))
 
 
@@ -35,45 +35,49 @@ def usual(series):
     return {kind(r): r for r in own if r["grains"] == most[key(r)]}
 
 
-def points(rows, quantity, length, first):
+def points(rows, quantity, length, first, end=1e9):
     """x, y and errors: of the wave over k times the length, of the front over the distance in the length."""
     if quantity == "loss":
-        near = [r for r in rows if 0.06 < r["k"] < 1.2][::2]
+        near = [r for r in rows if 0.06 < r["k"] < 1.2][::2] if first > 8 else []
         return [(r["k"] * length, r["alpha"] / r["k"], r["alpha_err"] / r["k"]) for r in near]
-    return [(r["between"] / length, r[quantity], r[quantity + "_err"]) for r in rows if r["from"] >= first]
+    return [(r["between"] / length, r[quantity], r[quantity + "_err"]) for r in rows
+            if first <= r["from"] < end]
 
 
 def curve(axis, curves, dim, quantity):
     own = [c for c in curves if c["dimension"] == dim and c["quantity"] == quantity]
     x = np.array([c["over_l_s"] for c in own])
-    axis.plot(1 / x if quantity == "loss" else x, [c["value"] for c in own], "-", lw=0.8, color="0.4", zorder=1)
+    axis.plot(x, [c["value"] for c in own], "-", lw=0.8, color="0.4", zorder=1)
 
 
 def panel(axis, data, series, quantity, source, dim, scaled):
     for own, row in series.items():
         if own[0] != dim:
             continue
-        found = points([r for r in data[source] if kind(r) == own], quantity, row["l_s"] if scaled else 1.0, 8)
-        x, y, error = np.array(found).T
-        axis.errorbar(x, y, error, fmt=MARKS[own[1]], ms=2.6, lw=0.6, mew=0.5, color=COLOURS[own[2]],
-                      mfc="white" if own[1] == 0 else None)
-    if scaled:
+        mine, length = [r for r in data[source] if kind(r) == own], row["l_s"] if scaled else 1.0
+        for found, solid in ((points(mine, quantity, length, 8, 16), 0.3), (points(mine, quantity, length, 16), 1)):
+            if found:
+                x, y, error = np.array(found).T
+                axis.errorbar(x, y, error, fmt=MARKS[own[1]], ms=2.6, lw=0.6, mew=0.5, color=COLOURS[own[2]], alpha=solid,
+                              mfc="white" if own[1] == 0 else None)
+    if scaled and quantity != "loss":
         curve(axis, data["curves"], dim, quantity)
-    letter = {False: "", True: r"/\ell_s"}[scaled]
-    axis.set(xscale="log", xlabel=(r"$k\,\ell_s$" if scaled else r"$k\,d$") if quantity == "loss" else
-             (f"$L{letter}$" if scaled else "$L/d$"))
+    unit = r"\ell_s" if scaled else "d"
+    axis.set(xscale="log", xlabel=f"$k\\,{unit}$" if quantity == "loss" else f"$L/{unit}$")
     axis.grid(True, which="major", lw=0.3)
 
 
 def limits(axes):
-    for row, bounds in zip(axes, ((1.5e-3, 0.5), (1.0, 1.65), (0.4, 2.2), (0.25, 1.4))):
-        for axis in row:
+    for k, (row, bounds) in enumerate(zip(axes, ((-0.02, 0.34), (1.0, 1.65), (0.4, 2.2), (0.25, 1.4)))):
+        for column, axis in enumerate(row):
             axis.set_ylim(*bounds)
-            axis.label_outer()
-            axis.xaxis.set_tick_params(labelbottom=True)
-        if row is axes[0]:
-            for axis in row:
-                axis.set_yscale("log")
+            axis.minorticks_off()
+            if k == 0:
+                axis.set_xlim(0.055, 1.3) if column == 0 else axis.set_xlim(0.15, 15)
+            else:
+                axis.set_xlim(8, 130) if column == 0 else axis.set_xlim(0.7, 90)
+            if column > 0:
+                axis.set_yticklabels([])
 
 
 def legend(figure, plt):

@@ -120,14 +120,14 @@ def slopes(x, y, factors):
 
 
 def predicted(samples, planes, first):
-    """Speed over c_l, gamma and alpha from plane to plane of the front of this wave alone, from the plane `first' on:
-    nearer to the source waves count that are shorter than those of the table."""
+    """Speed over c_l, gamma and alpha from plane to plane, one after the other, of the front of this wave alone, from
+    the plane `first' on: nearer to the source waves count that are shorter than those of the table."""
     w, k, alpha, _ = mean_wave(samples)
     c_l, dim = np.mean([s["c_l"] for s in samples]), samples[0]["kind"][0]
     near = np.full(np.count_nonzero(np.array(planes) < first), np.nan)
     y = np.array(planes)[len(near):]
-    _, _, marks = coherent_front.fronts(w, k, alpha, y, 0.1 * c_l, lambda y: (0.3 * y / c_l, (1.4 * y + 12) / c_l),
-                                        dim + 1, points=1500)
+    window = lambda y: ((0.45 * y - 6) / c_l, (1.3 * y + 12) / c_l)
+    _, _, marks = coherent_front.fronts(w, k, alpha, y, 0.1 * c_l, window, dim + 1, points=800)
     found = (np.diff(y) / np.diff(marks[:, 0]) / c_l, -leap_collapse.exponents(y, marks[:, 3]),
              leap_collapse.exponents(y, marks[:, 2] - marks[:, 0]))
-    return [np.concatenate([near, f]) for f in found]
+    return np.concatenate([np.concatenate([near, f]) for f in found])
