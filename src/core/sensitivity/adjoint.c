@@ -54,13 +54,17 @@ static void take_springs(const adjoint_plan *plan, const reverse *r, sp_products
     const forward *f = plan->f;
     const double factor = 4 / (f->omega * f->omega), rounding = ROUNDING * DBL_EPSILON * r->rough;
     const double error = factor * (rounding + 0.5 * plan->weights->steep * f->norm_a * f->norm_b);
-    for (int64_t k = 0; k < f->net->n_springs; k++) {
-        const int32_t index = r->spring[k].index;
-        const sp_spring *s = &f->net->springs[index];
+    const int64_t places = 4 * r->first[f->op.chunk[f->op.blocks]];
+    for (int64_t place = 0; place < places; place++) {
+        const int32_t k = r->index[place];
+        if (k < 0)
+            continue;
+        double *at = out->at + (int64_t)k * out->width;
+        sp_reverse_products(r, place, at);
         for (int a = 0; a < out->width; a++)
-            out->at[(int64_t)index * out->width + a] = -factor * r->at[k * r->width + a];
+            at[a] *= -factor;
         for (int t = 0; t < 2; t++)
-            out->error[2 * (int64_t)index + t] = error * sp_products_mobility(f->net, s, t == 1);
+            out->error[2 * (int64_t)k + t] = error * sp_products_mobility(f->net, &f->net->springs[k], t == 1);
     }
 }
 

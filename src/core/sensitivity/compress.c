@@ -64,24 +64,25 @@ static void set_change(const sp_network *net, const double *u, double modulus, d
     }
 }
 
-sp_status sp_gradient_compress(const sp_network *net, double **change, double *error, sp_error *err) {
+sp_status sp_gradient_compress(const sp_network *net, sp_compression_response *out, sp_error *err) {
     const size_t n = (size_t)sp_network_dofs(net);
     sp_equilibrium e = sp_equilibrium_none();
-    double *work = sp_alloc(3 * n, sizeof *work), stress;
-    *change = sp_alloc((size_t)net->n_springs, 3 * sizeof **change);
-    sp_status status = work && *change ? SP_OK : sp_fail_memory(err, 3 * n * sizeof *work);
+    double *work = sp_alloc(3 * n, sizeof *work), *change = sp_alloc((size_t)net->n_springs, 3 * sizeof *change),
+           stress;
+    double residual;
+    sp_status status = work && change ? SP_OK : sp_fail_memory(err, 3 * n * sizeof *work);
     if (status == SP_OK)
         status = sp_equilibrium_make(net, &e, err);
     if (status == SP_OK)
-        status = respond(&e, work, work + n, work + 2 * n, &stress, error, err);
+        status = respond(&e, work, work + n, work + 2 * n, &stress, &residual, err);
     if (status == SP_OK && !(stress > 0))
         status = sp_fail(err, SP_EREFUSED, "the modulus of the compression is %.3g, must be above 0", stress);
     if (status == SP_OK) {
-        set_change(net, work + 2 * n, stress, *change);
-        *error = *error * 1e3 + 1e-12;
+        set_change(net, work + 2 * n, stress, change);
+        *out =
+            (sp_compression_response){change, -(end_strain(net) - first_strain(net)) / stress, 1e3 * residual + 1e-12};
     } else {
-        sp_free(*change);
-        *change = NULL;
+        sp_free(change);
     }
     sp_free(work);
     sp_equilibrium_free(&e);

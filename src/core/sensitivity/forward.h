@@ -8,7 +8,7 @@
 
 #include <sonopack/sensitivity.h>
 
-enum { FORWARD_SNAPSHOTS = 8, FORWARD_STRIDE = 8 };
+enum { FORWARD_SNAPSHOTS = 4, FORWARD_STRIDE = 4 };
 
 typedef struct forward {
     const sp_network *net;

@@ -70,12 +70,13 @@ static void separate(const sp_products *p, const sp_packing *packing, int32_t k,
     const sp_stiffness_partials q = sp_products_stiffness(p, k);
     const double length = net->length[k];
     const double along = -(d.kn * q.kn + d.kt * q.kt + d.kp * q.kp) + d.length_kp * q.kp;
+    const double *pull = p->pull + 3 * (int64_t)k, pulled = dot3(pull, s->n);
     double turn[3] = {0, 0, 0};
     if (s->j >= 0)
         sp_products_turn(p, k, turn);
     const double off = dot3(turn, s->n);
     for (int a = 0; a < 3; a++)
-        out[a] = along * s->n[a] + (turn[a] - off * s->n[a]) / length + p->pull[3 * (int64_t)k + a];
+        out[a] = along * s->n[a] + (turn[a] - off * s->n[a]) / length + (s->j < 0 ? pulled * s->n[a] : pull[a]);
     const double stiff = 2 * (s->kn + s->kt + fabs(s->kp)) / length;
     *error = error_of(p, k, fabs(d.kn) + stiff, fabs(d.kt) + stiff, fabs(d.kp) + fabs(d.length_kp) + stiff);
 }

@@ -110,18 +110,21 @@ static sp_status set_positions(const sp_products *p, const double *separation, c
 static sp_status set_pressure(const sp_products *p, const double *separation, const double *error, sp_gradient *g,
                               sp_error *err) {
     const int64_t n = 3 * (int64_t)p->net->n_springs;
-    double *change = NULL, relative = 0, size = 0;
+    sp_compression_response r = {0};
+    double size = 0;
     sp_status status = sp_partials_make(1, &g->pressure, err);
     if (status == SP_OK)
-        status = sp_gradient_compress(p->net, &change, &relative, err);
+        status = sp_gradient_compress(p->net, &r, err);
     for (int64_t k = 0; k < n && status == SP_OK; k++) {
-        g->pressure.d[0] += separation[k] * change[k];
-        g->pressure.error[0] += error[k / 3] * fabs(change[k]);
-        size += fabs(separation[k] * change[k]);
+        g->pressure.d[0] += separation[k] * r.separation[k];
+        g->pressure.error[0] += error[k / 3] * fabs(r.separation[k]);
+        size += fabs(separation[k] * r.separation[k]);
     }
-    if (status == SP_OK)
-        g->pressure.error[0] += relative * size;
-    sp_free(change);
+    if (status == SP_OK) {
+        g->pressure.d[0] += p->by_volume * r.volume;
+        g->pressure.error[0] += r.error * (size + fabs(p->by_volume * r.volume));
+    }
+    sp_free(r.separation);
     return status;
 }
 

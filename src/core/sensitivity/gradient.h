@@ -25,7 +25,12 @@ sp_status sp_gradient_separations(const sp_products *p, const sp_packing *packin
                                   sp_error *err);
 /* Derivatives by the radii at fixed centres. */
 sp_status sp_gradient_radii(const sp_products *p, const sp_packing *packing, sp_partials *out, sp_error *err);
-/* The change of the separations with the pressure, [springs][3], by the linear response of the network. */
-sp_status sp_gradient_compress(const sp_network *net, double **change, double *error, sp_error *err);
+/* The linear response of the network to its pressure. */
+typedef struct sp_compression_response {
+    double *separation; /* [springs][3] change of the separations */
+    double volume;      /* change of ln V */
+    double error;       /* relative */
+} sp_compression_response;
+sp_status sp_gradient_compress(const sp_network *net, sp_compression_response *out, sp_error *err);
 
 #endif

@@ -38,8 +38,7 @@ void sp_products_local(const sp_network *net, const sp_spring *s, const double *
     }
 }
 
-/* Tangential stretch, one component in 2D. */
-static void tangential(const sp_network *net, const double n[3], const double x[SP_LOCAL_MAX], double out[3]) {
+void sp_products_across(const sp_network *net, const double n[3], const double x[SP_LOCAL_MAX], double out[3]) {
     out[0] = out[1] = out[2] = 0;
     if (net->dof == net->dim)
         return;
@@ -54,7 +53,7 @@ static void tangential(const sp_network *net, const double n[3], const double x[
         out[a] = x[a] - along * n[a] - turn[a];
 }
 
-static double normal(const sp_network *net, const double n[3], const double x[SP_LOCAL_MAX]) {
+double sp_products_along(const sp_network *net, const double n[3], const double x[SP_LOCAL_MAX]) {
     double sum = 0;
     for (int a = 0; a < net->dim; a++)
         sum += n[a] * x[a];
@@ -72,9 +71,9 @@ void sp_products_add(sp_products *p, int32_t k, double weight, const double x[SP
         return;
     }
     double tx[3], ty[3];
-    tangential(p->net, n, x, tx);
-    tangential(p->net, n, y, ty);
-    at[0] += weight * normal(p->net, n, x) * normal(p->net, n, y);
+    sp_products_across(p->net, n, x, tx);
+    sp_products_across(p->net, n, y, ty);
+    at[0] += weight * sp_products_along(p->net, n, x) * sp_products_along(p->net, n, y);
     at[1] += weight * dot3(tx, ty);
 }
 

@@ -20,6 +20,7 @@ typedef struct sp_products {
     double *error; /* [springs][2] bounds of the errors of dQ/dk_n and dQ/dk_t */
     double *mass;  /* [n] dQ/d ln m, the moment of inertia in proportion */
     double *mass_error; /* [n] */
+    double by_volume;   /* dQ/d ln V, beside what the separations do */
     double *pull;       /* [springs][3] further derivatives by the separation of the centres; whole only */
 } sp_products;
 
@@ -28,6 +29,9 @@ void sp_products_free(sp_products *p);
 
 /* Displacements of a spring in a field over the network. */
 void sp_products_local(const sp_network *net, const sp_spring *s, const double *u, double out[SP_LOCAL_MAX]);
+/* The stretch along n, and the tangential one; in 2D it has one component. */
+double sp_products_along(const sp_network *net, const double n[3], const double x[SP_LOCAL_MAX]);
+void sp_products_across(const sp_network *net, const double n[3], const double x[SP_LOCAL_MAX], double out[3]);
 /* Adds weight times the products of two sets of displacements of spring k. */
 void sp_products_add(sp_products *p, int32_t k, double weight, const double x[SP_LOCAL_MAX],
                      const double y[SP_LOCAL_MAX]);

@@ -2,12 +2,13 @@
 #include "sensitivity/reverse.h"
 
 #include "base/base.h"
-#include "base/clones.h"
+#include "sensitivity/multiply.h"
+#include "sensitivity/reverse_rows.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { DOF_MAX = 6, NORMS_EVERY = 16 };
+enum { NORMS_EVERY = 16 };
 
 static int kinds_of(const sp_operator *op) { return op->kind.rotations ? 2 : 1; }
 
@@ -22,8 +23,9 @@ void sp_reverse_free(reverse *r) {
         sp_free(r->of[q].v);
     }
     sp_free(r->first);
-    sp_free(r->spring);
-    sp_free(r->at);
+    sp_free(r->quads);
+    sp_free(r->index);
+    sp_free(r->sums);
     sp_free(r->weight);
     sp_free(r->force);
     sp_free(r->density);
@@ -58,30 +60,71 @@ static int32_t home_of(const sp_operator *op, const sp_spring *s) {
     return block_of_chunk(op, ci) == block_of_chunk(op, cj) && cj < ci ? cj : ci;
 }
 
-static sp_status sort_springs(reverse *r, sp_error *err) {
+/* Numbers of springs of the chunks in next[chunk + 1] become the places of their first springs in next[chunk]. Each
+ * chunk begins with a quad of its own. */
+static void number_quads(int32_t chunks, int64_t *next, int64_t *first) {
+    int64_t at = 0;
+    for (int32_t c = 0; c < chunks; c++) {
+        first[c] = at;
+        next[c] = 4 * at;
+        at += (next[c + 1] + 3) / 4;
+    }
+    first[chunks] = at;
+}
+
+/* Fills the last quad of each chunk with springs from a row to itself, whose sums nobody reads. */
+static void fill_up(reverse *r, int32_t chunk) {
     const sp_operator *op = r->op;
-    const size_t chunks = (size_t)op->chunk[op->blocks], springs = (size_t)r->net->n_springs;
-    int32_t *home = sp_alloc(springs, sizeof *home);
-    r->first = sp_alloc(chunks + 2, sizeof *r->first);
-    r->spring = sp_alloc(springs, sizeof *r->spring);
-    if (!home || !r->first || !r->spring) {
-        sp_free(home);
-        return sp_fail_memory(err, springs * sizeof *r->spring);
+    for (int64_t q = r->first[chunk]; q < r->first[chunk + 1]; q++) {
+        quad_rows *rows = (quad_rows *)(r->quads + q * multiply_quad(op->kind.dim) + 4 * op->kind.dim);
+        for (int s = 0; s < 4; s++) {
+            rows[s] = rows[4 + s] = op->chunk_row[chunk] * op->row;
+            r->index[4 * q + s] = -1;
+        }
     }
-    for (size_t k = 0; k < springs; k++)
-        r->first[(home[k] = home_of(op, &r->net->springs[k])) + 2]++;
-    for (size_t c = 2; c < chunks + 2; c++)
-        r->first[c] += r->first[c - 1];
-    for (size_t k = 0; k < springs; k++) {
-        const sp_spring *s = &r->net->springs[k];
-        reverse_spring *to = &r->spring[r->first[home[k] + 1]++];
-        *to = (reverse_spring){.i = op->row_of[s->i] * op->row,
-                               .j = (s->j < 0 ? op->n : op->row_of[s->j]) * op->row,
-                               .index = (int32_t)k,
-                               .n = {s->n[0], s->n[1], s->n[2]}};
+}
+
+static void put_spring(reverse *r, int32_t k, int64_t place) {
+    const sp_operator *op = r->op;
+    const sp_spring *s = &r->net->springs[k];
+    double *numbers = r->quads + place / 4 * multiply_quad(op->kind.dim) + place % 4;
+    quad_rows *rows = (quad_rows *)(r->quads + place / 4 * multiply_quad(op->kind.dim) + 4 * op->kind.dim) + place % 4;
+    for (int a = 0; a < op->kind.dim; a++)
+        numbers[4 * (ptrdiff_t)a] = s->n[a];
+    rows[0] = op->row_of[s->i] * op->row;
+    rows[4] = (s->j < 0 ? op->n : op->row_of[s->j]) * op->row;
+    r->index[place] = k;
+}
+
+static sp_status sort_springs(reverse *r, sp_error *err) {
+    const int32_t chunks = r->op->chunk[r->op->blocks], springs = r->net->n_springs;
+    int32_t *home = sp_alloc((size_t)springs, sizeof *home);
+    int64_t *next = sp_alloc((size_t)chunks + 1, sizeof *next);
+    r->first = sp_alloc((size_t)chunks + 1, sizeof *r->first);
+    bool fits = home && next && r->first;
+    for (int32_t k = 0; k < springs && fits; k++)
+        next[(home[k] = home_of(r->op, &r->net->springs[k])) + 1]++;
+    if (fits) {
+        number_quads(chunks, next, r->first);
+        const size_t quads = (size_t)r->first[chunks];
+        r->quads = sp_alloc(quads, (size_t)multiply_quad(r->op->kind.dim) * sizeof *r->quads);
+        r->index = sp_alloc(quads, 4 * sizeof *r->index);
+        r->sums = sp_alloc(quads, 8 * (size_t)r->width * sizeof *r->sums);
+        fits = r->quads && r->index && r->sums;
     }
+    for (int32_t c = 0; c < chunks && fits; c++)
+        fill_up(r, c);
+    for (int32_t k = 0; k < springs && fits; k++)
+        put_spring(r, k, next[home[k]]++);
     sp_free(home);
-    return SP_OK;
+    sp_free(next);
+    return fits ? SP_OK : sp_fail_memory(err, (size_t)springs * (size_t)r->width * 2 * sizeof *r->sums);
+}
+
+void sp_reverse_products(const reverse *r, int64_t place, double *out) {
+    const double *sums = r->sums + place / 4 * 8 * r->width + 2 * (place % 4);
+    for (int a = 0; a < r->width; a++)
+        out[a] = 0.5 * (sums[8 * (ptrdiff_t)a] + sums[8 * (ptrdiff_t)a + 1]);
 }
 
 static void set_weights(reverse *r) {
@@ -108,12 +151,11 @@ static sp_status allocate(reverse *r, int threads, sp_error *err) {
         p->next = op->blocks == 1 ? p->u : sp_alloc(size, sizeof *p->next);
         fits = fits && p->u && p->v && p->next;
     }
-    r->at = sp_alloc((size_t)r->net->n_springs, (size_t)r->width * sizeof *r->at);
     r->weight = sp_alloc((size_t)op->n, 2 * (size_t)kinds_of(op) * sizeof *r->weight);
     r->force = sp_alloc(parts, (size_t)op->largest * (size_t)op->row * sizeof *r->force);
     r->density = sp_alloc(r->masses ? size / 2 : 1, sizeof *r->density);
     r->active = sp_alloc((size_t)op->blocks, sizeof *r->active);
-    if (!fits || !r->at || !r->weight || !r->force || !r->density || !r->active)
+    if (!fits || !r->weight || !r->force || !r->density || !r->active)
         return sp_fail_memory(err, 6 * size * sizeof(double));
     return SP_OK;
 }
@@ -144,7 +186,7 @@ sp_status sp_reverse_make(const reverse_plan *plan, reverse *out, sp_error *err)
 }
 
 void sp_reverse_start(reverse *r, const double *u, const double *v) {
-    const size_t size = vector_size(r->op), springs = (size_t)r->net->n_springs;
+    const size_t size = vector_size(r->op), quads = (size_t)r->first[r->op->chunk[r->op->blocks]];
     for (int q = 0; q < 2; q++) {
         reverse_pair *p = &r->of[q];
         for (size_t k = 0; k < size; k++) {
@@ -155,144 +197,47 @@ void sp_reverse_start(reverse *r, const double *u, const double *v) {
         if (p->next != p->u)
             memset(p->next, 0, size * sizeof *p->next);
     }
-    memset(r->at, 0, springs * (size_t)r->width * sizeof *r->at);
+    memset(r->sums, 0, quads * 8 * (size_t)r->width * sizeof *r->sums);
     if (r->masses)
         memset(r->density, 0, size / 2 * sizeof *r->density);
     r->rough = 0;
 }
 
-/* ---- products of a chunk -------------------------------------------------------------------------------------- */
-
-static ALWAYS_INLINE void local_of(int dim, int rotations, const double *u, const reverse_spring *s, pair *x) {
-    const pair_memory *ui = (const pair_memory *)(u + s->i), *uj = (const pair_memory *)(u + s->j);
-    for (int a = 0; a < dim + rotations; a++) {
-        const int at = quad_component(a) / 2;
-        x[a] = a < dim ? uj[at] - ui[at] : uj[at] + ui[at];
-    }
-}
-
-static ALWAYS_INLINE void add_whole(int size, const pair *x, double share, double *at) {
-    for (int a = 0; a < size; a++)
-        for (int b = a; b < size; b++)
-            *at++ += share * (0.5 * (x[a][0] * x[b][1] + x[a][1] * x[b][0]));
-}
-
-/* Products of the stretches along n and of those across it. */
-static ALWAYS_INLINE void add_stretches(int dim, int rotations, const double *n, const pair *x, double share,
-                                        double *at) {
-    pair along = n[0] * x[0];
-    for (int a = 1; a < dim; a++)
-        along += n[a] * x[a];
-    at[0] += share * (along[0] * along[1]);
-    if (rotations == 1) {
-        const pair side = n[0] * x[1] - n[1] * x[0] - x[2];
-        at[1] += share * (side[0] * side[1]);
-    } else if (rotations == 3) {
-        double sum = 0;
-        for (int a = 0; a < 3; a++) {
-            const int b = (a + 1) % 3, c = (a + 2) % 3;
-            const pair side = x[a] - along * n[a] - (x[3 + b] * n[c] - x[3 + c] * n[b]);
-            sum += side[0] * side[1];
-        }
-        at[1] += share * sum;
-    }
-}
-
-static ALWAYS_INLINE void multiply(int dim, int rotations, bool whole, const double *u, const reverse_spring *s,
-                                   const reverse_spring *end, double share, double *at) {
-    const int size = dim + rotations, width = whole ? size * (size + 1) / 2 : 2;
-    for (; s < end; s++, at += width) {
-        pair x[DOF_MAX];
-        local_of(dim, rotations, u, s, x);
-        if (whole)
-            add_whole(size, x, share, at);
-        else
-            add_stretches(dim, rotations, s->n, x, share, at);
-    }
-}
-
-CLONES static void multiply_chunk(int kind, bool whole, const double *u, const reverse_spring *s,
-                                  const reverse_spring *end, double share, double *at) {
-    switch (kind + 100 * whole) {
-    case 11: multiply(1, 0, false, u, s, end, share, at); break;
-    case 22: multiply(2, 0, false, u, s, end, share, at); break;
-    case 23: multiply(2, 1, false, u, s, end, share, at); break;
-    case 33: multiply(3, 0, false, u, s, end, share, at); break;
-    case 36: multiply(3, 3, false, u, s, end, share, at); break;
-    case 111: multiply(1, 0, true, u, s, end, share, at); break;
-    case 122: multiply(2, 0, true, u, s, end, share, at); break;
-    case 123: multiply(2, 1, true, u, s, end, share, at); break;
-    case 133: multiply(3, 0, true, u, s, end, share, at); break;
-    default: multiply(3, 3, true, u, s, end, share, at); break;
-    }
-}
-
-/* ---- rows of a chunk ------------------------------------------------------------------------------------------ */
-
-/* What the rows of a chunk need, from the first one on. */
-typedef struct rows {
-    const double *u, *weight, *other_u, *other_v;
-    double *v, *next, *force, *density;
-    ptrdiff_t count;
-    int lane;
-    struct step step;
-} rows;
-
-/* Takes the forces and clears them. The adjoint gets p u - q v of the other pair. */
-static ALWAYS_INLINE void advance_rows(int dim, int dof, int lane, bool masses, rows of) {
-    const int kinds = dof > dim ? 2 : 1, row = quad_row(dof);
-    const pair adjoint = {lane == 1, lane == 0}, p = of.step.p * adjoint, q = of.step.q * adjoint;
-    for (ptrdiff_t k = 0; k < of.count; k++, of.weight += 2 * kinds)
-        for (int a = 0; a < dof; a++) {
-            const ptrdiff_t at = k * row + quad_component(a);
-            const pair old = *(const pair_memory *)(of.u + at), other = *(const pair_memory *)(of.other_u + at);
-            const pair pull = of.weight[kinds + (a >= dim)] * *(const pair_memory *)(of.force + at);
-            const pair push =
-                *(const pair_memory *)(of.v + at) - pull + (p * other - q * *(const pair_memory *)(of.other_v + at));
-            *(pair_memory *)(of.force + at) = (pair){0, 0};
-            *(pair_memory *)(of.v + at) = push;
-            *(pair_memory *)(of.next + at) = old + push;
-            if (masses)
-                of.density[at / 2] +=
-                    of.step.share * old[1 - lane] * pull[lane] + of.step.d * old[lane] * other[1 - lane];
-        }
-}
-
-static ALWAYS_INLINE void advance_kind(int dim, int dof, bool masses, rows of) {
-    if (masses)
-        of.lane == 0 ? advance_rows(dim, dof, 0, true, of) : advance_rows(dim, dof, 1, true, of);
-    else
-        of.lane == 0 ? advance_rows(dim, dof, 0, false, of) : advance_rows(dim, dof, 1, false, of);
-}
-
-CLONES static void advance(int dim, int dof, bool masses, rows of) {
-    switch (10 * dim + dof) {
-    case 11: advance_kind(1, 1, masses, of); break;
-    case 22: advance_kind(2, 2, masses, of); break;
-    case 23: advance_kind(2, 3, masses, of); break;
-    case 33: advance_kind(3, 3, masses, of); break;
-    default: advance_kind(3, 6, masses, of); break;
-    }
-}
-
 /* ---- steps ---------------------------------------------------------------------------------------------------- */
 
-static void advance_chunk(const reverse *r, int32_t chunk, double *force) {
+static void advance_chunk(const reverse *r, int32_t block, int32_t chunk, double *force) {
     const sp_operator *op = r->op;
     const reverse_pair *p = &r->of[r->step.pair], *other = &r->of[1 - r->step.pair];
     const ptrdiff_t at = (ptrdiff_t)op->chunk_row[chunk] * op->row;
-    const rows of = {.u = p->u + at,
-                     .other_u = other->u + at,
-                     .other_v = other->v + at,
-                     .weight = r->weight + (ptrdiff_t)op->chunk_row[chunk] * 2 * kinds_of(op),
-                     .v = p->v + at,
-                     .next = p->next + at,
-                     .force = force,
-                     .density = r->masses ? r->density + at / 2 : NULL,
-                     .count = op->chunk_row[chunk + 1] - op->chunk_row[chunk],
-                     .lane = p->lane,
-                     .step = r->step};
-    advance(op->kind.dim, op->dof, r->masses, of);
+    const reverse_rows of = {.u = p->u + at,
+                             .other_u = other->u + at,
+                             .other_v = other->v + at,
+                             .weight = r->weight + (ptrdiff_t)op->chunk_row[chunk] * 2 * kinds_of(op),
+                             .v = p->v + at,
+                             .next = p->next + at,
+                             .force = force,
+                             .density = r->masses ? r->density + at / 2 : NULL,
+                             .count = op->chunk_row[chunk + 1] - op->chunk_row[chunk],
+                             .alone = other->since[block] > r->k,
+                             .lane = p->lane,
+                             .step = r->step};
+    sp_reverse_advance(op->kind.dim, op->dof, &of);
+}
+
+static void multiply_chunk(const reverse *r, int32_t chunk) {
+    const sp_operator *op = r->op;
+    const int64_t first = r->first[chunk];
+    const multiply_job job = {.dim = op->kind.dim,
+                              .rotations = op->kind.rotations,
+                              .whole = r->whole,
+                              .quads = r->quads + first * multiply_quad(op->kind.dim),
+                              .count = r->first[chunk + 1] - first,
+                              .share = r->step.share,
+                              .sums = r->sums + first * 8 * r->width};
+    if (op->wide)
+        sp_multiply_wide(&job, r->of[r->step.pair].u);
+    else
+        sp_multiply(&job, r->of[r->step.pair].u);
 }
 
 static void visit_blocks(void *data, int part, int parts) {
@@ -300,16 +245,13 @@ static void visit_blocks(void *data, int part, int parts) {
     const sp_operator *op = r->op;
     const double *u = r->of[r->step.pair].u;
     double *force = r->force + (size_t)part * (size_t)op->largest * (size_t)op->row;
-    const int kind = 10 * op->kind.dim + op->dof;
     for (int32_t k = sp_pool_share(r->n_active, part, parts); k < sp_pool_share(r->n_active, part + 1, parts); k++) {
         const int32_t b = r->active[k];
         for (int32_t c = op->chunk[b]; c < op->chunk[b + 1]; c++) {
-            const int64_t first = r->first[c];
             if (r->step.has_adjoint)
-                multiply_chunk(kind, r->whole, u, r->spring + first, r->spring + r->first[c + 1], r->step.share,
-                               r->at + first * r->width);
+                multiply_chunk(r, c);
             sp_operator_force(op, b, c, u, force);
-            advance_chunk(r, c, force + (ptrdiff_t)(op->chunk_row[c] - op->first[b]) * op->row);
+            advance_chunk(r, b, c, force + (ptrdiff_t)(op->chunk_row[c] - op->first[b]) * op->row);
         }
     }
 }
@@ -367,6 +309,7 @@ static void add_rough(reverse *r, int64_t k) {
 
 static void step(reverse *r, int64_t k) {
     reverse_pair *p = &r->of[r->step.pair];
+    r->k = k;
     find_active(r, k);
     sp_pool_run(r->pool, visit_blocks, r);
     double *old = p->u;
@@ -380,12 +323,12 @@ static void step_both(reverse *r, int64_t k, int64_t last, const double *d, cons
     if (k % NORMS_EVERY == 0)
         add_rough(r, k);
     for (int q = 0; q < 2; q++) {
-        r->step = (struct step){.pair = q,
-                                .p = dk + (q == 0 ? up : ek),
-                                .q = q == 0 ? up : dk,
-                                .d = q == 0 ? dk : ek,
-                                .share = k > 0 || r->of[q].second ? 1 : 0.5,
-                                .has_adjoint = k <= last};
+        r->step = (reverse_step){.pair = q,
+                                 .p = dk + (q == 0 ? up : ek),
+                                 .q = q == 0 ? up : dk,
+                                 .d = q == 0 ? dk : ek,
+                                 .share = k > 0 || r->of[q].second ? 1 : 0.5,
+                                 .has_adjoint = k <= last};
         step(r, k);
     }
 }

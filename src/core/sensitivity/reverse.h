@@ -18,6 +18,7 @@
 #include "base/pool.h"
 #include "network/operator.h"
 #include "sensitivity/products.h"
+#include "sensitivity/reverse_rows.h"
 
 /* Two lanes: a field and its adjoint. */
 typedef struct reverse_pair {
@@ -27,35 +28,25 @@ typedef struct reverse_pair {
     bool second;          /* the field is of the second kind (W): its first step is a whole one */
 } reverse_pair;
 
-/* A spring in the order of the operator. */
-typedef struct reverse_spring {
-    int32_t i, j, index; /* places of its rows; its index in the network */
-    double n[3];
-} reverse_spring;
-
 typedef struct reverse {
     const sp_operator *op;
     const sp_network *net;
     sp_pool *pool;
     double omega;
     bool whole, masses;
-    reverse_pair of[2];     /* A with alpha in lanes 0 and 1, B with beta in lanes 1 and 0 */
-    int64_t *first;         /* [chunks + 1] springs of each chunk */
-    reverse_spring *spring; /* [springs] */
+    reverse_pair of[2]; /* A with alpha in lanes 0 and 1, B with beta in lanes 1 and 0 */
+    int64_t *first;     /* [chunks + 1] first quad of springs of each chunk (multiply.h) */
+    double *quads;
+    int32_t *index; /* [quads][4] the spring in the network; -1 for those that fill up a quad */
     int width;
-    double *at;      /* [springs][width] sums of products */
+    double *sums;    /* [quads][width][4][2] sums of products */
     double *weight;  /* [n][2 kinds] masses and 4/(Omega^2 m) as in signal/recurrence.h */
     double *force;   /* [threads][rows of the largest block][row] */
     double *density; /* [n + 1][row/2] masses: sums for dJ/dm of each component */
     int32_t *active, n_active;
+    int64_t k;    /* of the step: from k to k - 1 */
     double rough; /* sum of k^(1/2) |adjoint| |field| over the steps taken */
-    struct step {
-        int pair;         /* which pair moves */
-        double p, q;      /* what is added to its adjoint: p u - q v of the other pair */
-        double d;         /* factor of the products of both fields for masses */
-        double share;     /* 1, or one half in the first step of T */
-        bool has_adjoint; /* the adjoint is not 0 */
-    } step;
+    reverse_step step;
 } reverse;
 
 typedef struct reverse_plan {
@@ -70,6 +61,8 @@ typedef struct reverse_plan {
 
 sp_status sp_reverse_make(const reverse_plan *plan, reverse *out, sp_error *err);
 void sp_reverse_free(reverse *r);
+/* Sums of products of a spring, [width], given its place in the quads. */
+void sp_reverse_products(const reverse *r, int64_t place, double *out);
 /* Starts behind step m of a doubled pass with its vectors u and v (lane 0: A, lane 1: B). */
 void sp_reverse_start(reverse *r, const double *u, const double *v);
 /* Runs from k = m - 1 to 0. d, e: D_k and E_k for k <= last, 0 beyond. alpha, beta: [dofs] the derivatives of J by

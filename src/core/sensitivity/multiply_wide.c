@@ -1,0 +1,27 @@
+/* Products at springs in vectors of eight: four springs, two lanes. */
+#include "sensitivity/multiply.h"
+
+#include <stddef.h>
+
+#if defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&     \
+    defined(__x86_64__)
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v4,prefer-vector-width=512")
+
+#include "network/wide_loads.h"
+
+static ALWAYS_INLINE vec swap(vec x) { return __builtin_shufflevector(x, x, 1, 0, 3, 2, 5, 4, 7, 6); }
+
+#include "sensitivity/multiply_quads.h"
+
+void sp_multiply_wide(const multiply_job *job, const double *u) {
+    if (job->whole)
+        multiply_all(true, job, u);
+    else
+        multiply_all(false, job, u);
+}
+
+#pragma GCC pop_options
+#else
+void sp_multiply_wide(const multiply_job *job, const double *u) { (void)job, (void)u; }
+#endif
