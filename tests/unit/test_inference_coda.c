@@ -13,9 +13,7 @@ static void fill_times(double *t, double low, double high) {
         t[l] = low + (high - low) * l / (TIMES - 1);
 }
 
-static sp_coda_options options_of(const double *t) {
-    return (sp_coda_options){.times = TIMES, .t = t, .threads = 1};
-}
+static sp_coda_options options_of(const double *t) { return (sp_coda_options){.times = TIMES, .t = t, .threads = 1}; }
 
 /* The kernel of a grain is the derivative of the signal by the logarithm of its stiffness: the error of a central
  * difference falls with the square of the step. */
@@ -116,7 +114,7 @@ static void test_probabilities(void **state) {
     sp_coda_candidate *found = calloc((size_t)net.n, sizeof *found);
     assert_ok(sp_coda_make(&net, &o, &c, &err));
     assert_ok(sp_coda_signal(&net, &o, -1, 0, before, &err));
-    const double noise = 2e-3 * peak_of(TIMES, before);
+    const double noise = 5e-2 * peak_of(TIMES, before);
     enum { TRIALS = 200 };
     int covered = 0, exact = 0;
     srand(11);
@@ -250,9 +248,9 @@ static void test_memory(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernels), cmocka_unit_test(test_signal),  cmocka_unit_test(test_locate),
-        cmocka_unit_test(test_probabilities), cmocka_unit_test(test_pairs), cmocka_unit_test(test_stretch),
-        cmocka_unit_test(test_refuses), cmocka_unit_test(test_memory)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_kernels), cmocka_unit_test(test_signal),
+                                       cmocka_unit_test(test_locate),  cmocka_unit_test(test_probabilities),
+                                       cmocka_unit_test(test_pairs),   cmocka_unit_test(test_stretch),
+                                       cmocka_unit_test(test_refuses), cmocka_unit_test(test_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -13,9 +13,9 @@
 /* Signals on the times of the window. */
 typedef struct signals {
     int32_t times, pairs;
-    double *t;              /* [times] */
+    double *t;               /* [times] */
     double *before, *change; /* [pairs][times] */
-    double noise;           /* standard deviation of each value of the change; 0: unknown */
+    double noise;            /* standard deviation of each value of the change; 0: unknown */
 } signals;
 
 static void free_signals(signals *s) {
