@@ -40,7 +40,7 @@ NUMBER = r"[-+]?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan)"
 PLAIN_COMMENTS = [re.compile(pattern) for pattern in (
     r"(file|method|source|detector|solver|spectrum|norm|direction|motion|packing|verdict|error_kind|material|prestress|sliding_free|"
     r"packing\.(sizes|kind|protocol|compression)|pulse|measured|goal|vary|total) = .*",
-    rf"(force|stiffness|calibration|false|missing|seed|candidates|contacts_ratio(_err)?|effective|factor_(low|high)|\w+_ratio|pairs|times|noise|change|grain|found(_err)?) = {NUMBER}",
+    rf"(force|stiffness|calibration|false|missing|seed|candidates|contacts_ratio(_err)?|effective|factor_(low|high)|\w+_ratio|pairs|times|noise|change|grain|found(_err)?|stretch(_err)?) = {NUMBER}",
     r"(grains|carrying|n|zero_modes|rattler_modes|free_spins|rigid_motions|mechanisms|factors|solves|on_edge|degrees_of_freedom|products|"
     r"modes|moments|vectors|planes|dof|packings|dimension|samples|failed|mode|tolerance|residual|orthogonality|damping|"
     rf"amplitude|factor|threshold|vector_error|wall|Phi3s|mean_\w+|gamma_limit|alpha_limit|exponent(_err)?|packing\.friction|"
@@ -165,7 +165,8 @@ def check_commands(folder):
             "spectrum transmission P.h5", "spectrum participation P.h5", "spectrum continuum P.h5 --lowest 3",
             "spectrum dispersion P.h5 --waves 2", "spectrum dispersion P.h5 --direction up --waves 2", "spectrum harmonic P.h5 --damping 0.1 --at 0.1:0.3:3",
             "spectrum dos P.h5 --method kpm", "wave W.h5", "design P.h5 --goal delay --iterations 2",
-            "design P.h5 --goal band:0.1:0.2 --iterations 1 --rows grains"):
+            "design P.h5 --goal band:0.1:0.2 --iterations 1 --rows grains",
+            "coda P.h5 --trials 3 --noise 0.1", "coda P.h5 --detector part:0:4 --grain 40 --rows 4"):
         check_command(folder, *line.split())
     check_command(folder, "check", "P.h5", units=False)
     check_command(folder, "front", "K.h5", f"--material={MATERIAL}")

@@ -110,7 +110,7 @@ static void test_agreement(void **state) {
         o.errors.radius = kind == 0 ? 1e-3 : 1e-6;
         o.errors.force = kind == 0 ? 0.02 : 0;
         o.errors.stiffness = kind == 0 ? 0.005 : 5e-4;
-        o.samples = 300;
+        o.samples = 200;
         o.modes = 3;
         o.threads = 2;
         sp_uncertainty u = made(&p, &o);

@@ -227,7 +227,8 @@ static sp_status search_one(const coda_arguments *a, const cli_file *file, const
     if (status != SP_OK)
         return status;
     sp_coda_stretch(s->times, s->t, s->before, s->change, &stretch, &error);
-    cli_comment(&w, "stretch = %.6g, error %.2g (of the first signal)", stretch, error);
+    cli_value(&w, "stretch", stretch); /* of the first signal */
+    cli_value(&w, "stretch_err", error);
     if (a->grain >= 0) {
         cli_value(&w, "change", a->change);
         cli_comment(&w, "grain = %lld", (long long)a->grain);
