@@ -19,9 +19,7 @@ static double contact_value(const sp_packing *p, const sp_contact *k, sp_plot_li
     return links == SP_PLOT_FORCES ? k->fn : contact_kn(p, k);
 }
 
-/* Draws a line from centre to centre, or to the wall, along the normal of the contact. A contact across a periodic
- * edge is drawn at both sides. */
-static void draw_link(const view *v, const sp_contact *k, double width) {
+void sp_view_link(const view *v, const sp_contact *k, double width) {
     cairo_t *cr = v->c->cr;
     const sp_packing *p = v->p;
     double reach = p->r[k->i] + (k->j < 0 ? 0.0 : p->r[k->j]) - k->overlap;
@@ -75,7 +73,7 @@ static void draw_links(const view *v, const chains *s) {
     cairo_set_line_cap(v->c->cr, CAIRO_LINE_CAP_ROUND);
     for (int32_t k = 0; k < s->p->n_contacts && s->mean > 0.0; k++)
         if (s->carrying[k])
-            draw_link(v, &s->p->contacts[k], width_of(s, v, k));
+            sp_view_link(v, &s->p->contacts[k], width_of(s, v, k));
     cairo_set_line_cap(v->c->cr, CAIRO_LINE_CAP_BUTT);
 }
 

@@ -38,12 +38,12 @@ PLAIN = re.compile(r"""file|probe|reason|verdict|branch|polarization|ok|failed|n
     force|torque|walls|law|geometry|coulomb|residual|step|factor|at_limit|energy(_err)?|predicted|found|rank|probability|change(_err)?""".replace("\n    ", ""))
 NUMBER = r"[-+]?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan)"
 PLAIN_COMMENTS = [re.compile(pattern) for pattern in (
-    r"(file|method|source|detector|solver|spectrum|norm|direction|motion|packing|verdict|error_kind|material|prestress|sliding_free|"
+    r"(file|method|source|detector|solver|spectrum|norm|direction|motion|packing|verdict|error_kind|quantity|material|prestress|sliding_free|"
     r"packing\.(sizes|kind|protocol|compression)|pulse|measured|goal|vary|total) = .*",
     rf"(force|stiffness|calibration|false|missing|seed|candidates|contacts_ratio(_err)?|effective|factor_(low|high)|\w+_ratio|pairs|times|noise|change|grain|found(_err)?|stretch(_err)?) = {NUMBER}",
     r"(grains|carrying|n|zero_modes|rattler_modes|free_spins|rigid_motions|mechanisms|factors|solves|on_edge|degrees_of_freedom|products|"
     r"modes|moments|vectors|planes|dof|packings|dimension|samples|failed|mode|tolerance|residual|orthogonality|damping|"
-    rf"amplitude|factor|threshold|vector_error|wall|Phi3s|mean_\w+|gamma_limit|alpha_limit|exponent(_err)?|packing\.friction|"
+    rf"amplitude|factor|threshold|homogeneity|half_share|vector_error|wall|Phi3s|mean_\w+|gamma_limit|alpha_limit|exponent(_err)?|packing\.friction|"
     rf"packing\.poisson|network\.threshold) = {NUMBER}",
     r"exponent = nan \(.*", r"(missing|loose|lacking) = \d+ samples .*", r"without_\w+ = \d+ \(.*", r"rattlers = \d+, which .*",
     r"sonopack [\d.]+", r"exponents? (are local|and its error).*", r"c_tof = \(<H2> .*", r"_(err|low|ratio|low, _high): .*",

@@ -51,6 +51,13 @@ typedef enum sp_plot_links { SP_PLOT_FORCES = 0, SP_PLOT_STIFFNESS } sp_plot_lin
 SP_API sp_status sp_plot_network(const sp_packing *p, sp_plot_links links, double threshold, const char *path,
                                  sp_error *err);
 
+/* A packing with its contacts as lines, whose width and colour show what each does to a quantity when it becomes
+ * stiffer: the sum of by_kn and by_kt in a table of `sonopack sensitivity', which has the columns contact and one or
+ * both of these. Orange: the quantity grows, blue: it shrinks. Widths are those of the sizes, up to the largest one.
+ * SP_EREFUSED if all are 0. */
+SP_API sp_status sp_plot_sensitivity(const sp_packing *p, const sp_table *t, double threshold, const char *path,
+                                     sp_error *err);
+
 /* Tables of `sonopack spectrum' against frequency, all of one kind: density of states (also from a table of modes),
  * spectrum of the signal, harmonic response, or participation ratios. */
 SP_API sp_status sp_plot_spectrum(int tables, const sp_plot_table *table, const char *path, sp_error *err);

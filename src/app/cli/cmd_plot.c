@@ -7,6 +7,7 @@
 #include "cli/plot_look.h"
 #include "cli/plot_motion.h"
 #include "cli/plot_packing.h"
+#include "cli/plot_sensitivity.h"
 #include "cli/plot_signals.h"
 #include "cli/plot_spectrum.h"
 #include "cli/plot_tables.h"
@@ -123,6 +124,10 @@ static sp_status draw_network(const arguments *a, const sp_scene *scene, sp_erro
     return status;
 }
 
+static sp_status draw_sensitivity(const arguments *a, const sp_scene *scene, sp_error *err) {
+    return blame(plot_sensitivity(&a->common, scene, a->files, a->file, err), a->file[a->files - 1], err);
+}
+
 static sp_status draw_pareto(const arguments *a, const sp_scene *scene, sp_error *err) {
     (void)scene;
     sp_table t = sp_table_none();
@@ -167,9 +172,10 @@ static sp_status draw_column(const arguments *a, const sp_scene *scene, sp_error
     return blame(plot_column_files(&a->common, &options, &a->look, a->files, a->file, err), a->file[0], err);
 }
 
-static const char *const kind_names[] = {"ctof",       "signal", "network", "stiffness", "angles", "forces",
-                                         "snapshot",   "fronts", "scaling", "ensemble",  "pareto", "spectrum",
-                                         "dispersion", "wave",   "column",  "mode",      "modes",  NULL};
+static const char *const kind_names[] = {"ctof",   "signal",   "network",     "stiffness", "angles",
+                                         "forces", "snapshot", "fronts",      "scaling",   "ensemble",
+                                         "pareto", "spectrum", "dispersion",  "wave",      "column",
+                                         "mode",   "modes",    "sensitivity", NULL};
 enum { ANY = 1 << 16 };
 /* in the order of their names */
 static const kind kinds[] = {{draw_ctof, 12, "", 0},
@@ -188,7 +194,8 @@ static const kind kinds[] = {{draw_ctof, 12, "", 0},
                              {draw_tables, 6, "", PLOT_WAVE},
                              {draw_column, 6, "", 0},
                              {draw_motion, 2, "network", true},
-                             {draw_tables, 6, "", PLOT_MODES}};
+                             {draw_tables, 6, "", PLOT_MODES},
+                             {draw_sensitivity, 2, "network", 0}};
 
 /* ---- the command ------------------------------------------------------------------------------------------------ */
 
@@ -347,9 +354,14 @@ static const cli_syntax syntax = {
         "mode: the displacements of a mode as arrows on the grains, tinted where they rotate. A second FILE, of "
         "`sonopack "
         "modes --vectors' (HDF5 or table) or a table of --table, is drawn in place of computing the mode.\n"
-        "In three dimensions network, stiffness, mode and snapshot show three views: along y, along x and from above.\n"
+        "In three dimensions network, stiffness, sensitivity, mode and snapshot show three views: along y, along x and "
+        "from above.\n"
         "--frames makes a movie of a mode (one period) or of a wave, one numbered file a frame, all at one scale.\n"
         "modes: omega^2 and a b against n, from tables of `sonopack modes'.\n"
+        "sensitivity: a packing with what each contact does to the arrival t10 when it becomes stiffer, as the width "
+        "of "
+        "its line (growing as the root) and its colour: orange, the arrival is later; blue, it is earlier. A second "
+        "FILE, a table of `sonopack sensitivity --by kn,kt', is drawn in place of computing that of t10.\n"
         "Axes have the units of the tables; tables of one figure must have the same.\n"
         "\n"
         "--set changes keys of network and signal.",
@@ -379,7 +391,8 @@ static sp_status may_write(const arguments *a, sp_error *err) {
 
 /* Figures whose units are those of a table or a signal. */
 static bool takes_si(const kind *k) {
-    return k->draw != draw_network && k->draw != draw_motion && k->draw != draw_column && k->draw != draw_pareto;
+    return k->draw != draw_network && k->draw != draw_motion && k->draw != draw_column && k->draw != draw_pareto &&
+           k->draw != draw_sensitivity;
 }
 
 int cmd_plot(int argc, char **argv) {

@@ -25,6 +25,7 @@ static const cli_command_row commands[] = {
     {"spectrum", cmd_spectrum, "density of states, transmission, dispersion, harmonic driving"},
     {"signal", cmd_signal, "force on the top wall after a short pulse at the bottom wall"},
     {"front", cmd_front, "arrival, peak and width of the first wave front"},
+    {"sensitivity", cmd_sensitivity, "what each contact and grain does to the arrival, frequencies, moduli"},
     {"study", cmd_study, "compute an ensemble of packings and their results; can be interrupted"},
     {"table", cmd_table, "tables of a finished or running study"},
     {"uncertainty", cmd_uncertainty, "errors of the sound of a measured packing, from those of its grains"},

@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""sensitivity: derivatives against differences of other commands, sums that Euler's theorem knows, figures, and what it
+refuses.
+Usage: test_sensitivity.py COMMAND SOURCE_DIR"""
+import math
+import os
+import tempfile
+
+from test_signal import N200, columns, run, table
+
+from common import names_all
+
+
+def sensitivity(path, *words):
+    comments, found = columns(run("sensitivity", path, *words))
+    return comments, found
+
+
+def cell(text, name):
+    """A cell of a table of one row, which begins with a file name."""
+    _, header, (row,) = table(text)
+    return float(row[header.index(name)])
+
+
+def number(comments, key):
+    return float(comments[key].split()[0])
+
+
+def total(found, *names):
+    return math.fsum(x for name in names for x in found[name])
+
+
+def main():
+    # springs that are stiffer by a factor s: times shorten by sqrt(s), forces grow by s^(3/2), omega^2 and moduli by s
+    for of, power in (("t10", -0.5), ("t_peak", -0.5), ("peak", 1.5), ("t_zero", -0.5), ("width", -0.5), ("omega:100", 1),
+                      ("omega:100-103", 1), ("cl", 0.5), ("ct", 0.5), ("C22", 1), ("C12", 1)):
+        comments, found = sensitivity(N200, "--of", of)
+        value = number(comments, "value")
+        assert abs(total(found, "by_kn", "by_kt") - power * value) < 1e-9 * abs(value), of
+        assert abs(number(comments, "homogeneity")) < 1e-10 and 0 < number(comments, "half_share") < 0.5, of
+        assert comments["quantity"] == of and number(comments, "value_err") < 1e-9 * abs(value), of
+        errors, sizes = found["by_kn_err"], found["by_kn"]
+        assert all(e >= 0 for e in errors) and max(errors) < 1e-6 * max(map(abs, sizes)), of
+    # the values are those of the other commands
+    assert abs(number(sensitivity(N200, "--of", "t10")[0], "value") - cell(run("front", N200), "t10")) < 0.02
+    assert abs(number(sensitivity(N200, "--of", "cl")[0], "value") / cell(run("moduli", N200), "c_l") - 1) < 1e-12
+    omega = columns(run("modes", N200))[1]["omega"][100]
+    assert abs(number(sensitivity(N200, "--of", "omega:100")[0], "value") / omega**2 - 1) < 1e-11
+    # masses: all grains heavier by s make times longer by sqrt(s)
+    comments, found = sensitivity(N200, "--by", "mass,radius,position")
+    assert abs(total(found, "by_mass") - 0.5 * number(comments, "value")) < 1e-9 * number(comments, "value")
+    # a packing that moves as a whole along the walls sounds the same
+    assert abs(total(found, "by_x")) < 1e-7 * total({"x": map(abs, found["by_x"])}, "x")
+    assert "by_radius" in found and "by_position_err" in found and "by_kn" not in found
+    comments, found = sensitivity(N200, "--by", "pressure")
+    # Hertz: about (p'/p)^(-1/6)
+    assert -0.3 < found["by_p"][0] / number(comments, "value") < -0.08
+    # F at a time
+    assert number(sensitivity(N200, "--of", "F", "--at", "60")[0], "t") == 60
+    narrow = number(sensitivity(N200, "--pulse", "gauss:0.05")[0], "value")
+    assert abs(narrow - number(sensitivity(N200)[0], "value")) < 0.02
+    with tempfile.TemporaryDirectory() as folder:
+        saved, picture = os.path.join(folder, "s.tsv"), os.path.join(folder, "s.svg")
+        run("sensitivity", N200, "--of", "peak", "-o", saved)
+        run("plot", "sensitivity", N200, saved, "-o", picture)
+        text = open(picture).read()
+        assert text.startswith("<?xml") and len(text) > 20000
+        assert names_all(run("plot", "sensitivity", N200, N200, "-o", picture, "--force", status=1), "")
+    for words, key in ((("--of", "t11"), "--of t11"), (("--by", "kn,mass"), "--by kn,mass"), (("--of", "F"), "--at"),
+                       (("--at", "3"), "--at"), (("--of", "cl", "--pulse", "gauss:1"), "--pulse"), (("--by", "k"), "--by k")):
+        assert names_all(run("sensitivity", N200, *words, status=2), key), words
+    for words, key, status in ((("--of", "C44"), "", 2), (("--prestress",), "prestress", 1), (("--of", "omega:0"), "modes", 2),
+                               (("--of", "omega:100000"), "modes", 2), (("--pulse", "square:3"), "pulse", 2),
+                               (("--detector", "grain:100000"), "grain", 2)):
+        assert names_all(run("sensitivity", N200, *words, status=status), key), words
+
+
+if __name__ == "__main__":
+    main()
