@@ -16,8 +16,8 @@ typedef enum sp_design_goal { SP_DESIGN_DELAY = 0, SP_DESIGN_ADVANCE, SP_DESIGN_
 /* What a grain's factor multiplies. MASS: its mass and moment of inertia; masses do not enter the balance of forces, so
  * that the packing at rest stays as it is. MODULUS: the modulus E* of its material; k_n ~ E12^(2/3) F^(1/3) of its
  * contacts follows by Hertz's law at the forces that they have, which the packing made of such grains need not have.
- * RADIUS: its radius; each candidate is compressed again from the packing, so that forces and contacts are those of a
- * packing at rest. */
+ * RADIUS: its radius; each candidate is compressed again, from the best one so far, so that forces and contacts are
+ * those of a packing at rest. */
 typedef enum sp_design_variable { SP_DESIGN_MASS = 0, SP_DESIGN_MODULUS, SP_DESIGN_RADIUS } sp_design_variable;
 
 typedef struct sp_design_options {
@@ -59,8 +59,9 @@ typedef struct sp_design {
 
 SP_API sp_design sp_design_none(void);
 SP_API void sp_design_free(sp_design *d);
-/* Climbs from the packing by projected gradients: a local optimum. SP_EINVAL for options out of range. SP_EREFUSED
- * where the signal has no front or its derivatives are refused; for RADIUS, where the packing cannot be compressed. */
+/* Climbs by projected gradients, once from the packing and once from the factors that the first gradient makes best,
+ * and keeps the better end: a local optimum. SP_EINVAL for options out of range. SP_EREFUSED where the signal has no
+ * front or its derivatives are refused; for RADIUS, where the packing cannot be compressed. */
 SP_API sp_status sp_design_make(const sp_packing *p, const sp_design_options *opt, sp_design *out, sp_error *err);
 
 #ifdef __cplusplus

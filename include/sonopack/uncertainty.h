@@ -101,7 +101,8 @@ SP_API void sp_uncertainty_free(sp_uncertainty *u);
 SP_API sp_status sp_uncertainty_make(const sp_packing *p, const sp_uncertainty_options *opt, sp_uncertainty *out,
                                      sp_error *err);
 
-/* A packing drawn with errors, as sample number `sample` (from 0) of a seed; sample < 0: without errors. Free it. */
+/* A packing drawn with errors, as sample number `sample` (from 0) of a seed; sample < 0: without errors. With FORCES
+ * every contact has a stiffness of its own, and its grains need not overlap. Free it. */
 SP_API sp_status sp_packing_perturb(const sp_packing *p, const sp_errors *errors, uint64_t seed, int64_t sample,
                                     sp_packing *out, sp_error *err);
 

@@ -97,39 +97,44 @@ static void test_loose(void **state) {
     sp_packing_free(&p);
 }
 
-/* Small errors of all kinds, of both ways of measuring: the standard deviations of first order and of samples agree, by
- * chi^2 over all quantities. */
+/* Small errors of each kind by itself, of both ways of measuring: the standard deviations of first order and of samples
+ * agree, by chi^2 over all quantities. */
+static void check_agreement(const sp_packing *p, const sp_errors *errors) {
+    sp_uncertainty_options o = sp_uncertainty_options_default();
+    double chi2 = 0;
+    o.errors = *errors;
+    o.samples = 100;
+    o.modes = 2;
+    o.threads = 2;
+    sp_uncertainty u = made(p, &o);
+    for (int k = 0; k < u.n; k++) {
+        const sp_uncertain *q = &u.quantity[k];
+        double shares = 0;
+        for (int e = 0; e < SP_ERROR_KINDS; e++)
+            shares += q->share[e];
+        assert_relative(shares, 1.0, 1e-12);
+        assert_true(q->first_order > 0 && q->sd > 0);
+        if (fabs(q->sd - q->first_order) > 4 * q->sd_error)
+            print_message("%s: first %g, sd %g +- %g\n", q->name, q->first_order, q->sd, q->sd_error);
+        chi2 += pow((q->sd - q->first_order) / q->sd_error, 2);
+    }
+    assert_int_equal(u.loose, 0);
+    /* the quantities are correlated, so that the sum scatters more than that of independent ones */
+    assert_true(chi2 < 3 * u.n);
+    sp_uncertainty_free(&u);
+}
+
 static void test_agreement(void **state) {
     (void)state;
+    const sp_errors each[] = {{.position = 1e-3},
+                              {.radius = 1e-3},
+                              {.force = 0.02},
+                              {.stiffness = 0.005},
+                              {.measured = SP_MEASURED_OVERLAPS, .position = 1e-6},
+                              {.measured = SP_MEASURED_OVERLAPS, .radius = 1e-6}};
     sp_packing p = reference_packing(SMALL);
-    for (int kind = 0; kind < 2; kind++) {
-        sp_uncertainty_options o = sp_uncertainty_options_default();
-        double chi2 = 0;
-        o.errors.measured = kind == 0 ? SP_MEASURED_FORCES : SP_MEASURED_OVERLAPS;
-        o.errors.position = kind == 0 ? 1e-3 : 1e-6;
-        o.errors.radius = kind == 0 ? 1e-3 : 1e-6;
-        o.errors.force = kind == 0 ? 0.02 : 0;
-        o.errors.stiffness = kind == 0 ? 0.005 : 5e-4;
-        o.samples = 300;
-        o.modes = 3;
-        o.threads = 2;
-        sp_uncertainty u = made(&p, &o);
-        for (int k = 0; k < u.n; k++) {
-            const sp_uncertain *q = &u.quantity[k];
-            double shares = 0;
-            for (int e = 0; e < SP_ERROR_KINDS; e++)
-                shares += q->share[e];
-            assert_relative(shares, 1.0, 1e-12);
-            assert_true(q->first_order > 0 && q->sd > 0);
-            if (fabs(q->sd - q->first_order) > 4 * q->sd_error)
-                print_message("%d %s: first %g, sd %g +- %g\n", kind, q->name, q->first_order, q->sd, q->sd_error);
-            chi2 += pow((q->sd - q->first_order) / q->sd_error, 2);
-        }
-        assert_int_equal(u.loose, 0);
-        /* the quantities are correlated, so that the sum scatters more than that of independent ones */
-        assert_true(chi2 < 3 * u.n);
-        sp_uncertainty_free(&u);
-    }
+    for (size_t k = 0; k < sizeof each / sizeof *each; k++)
+        check_agreement(&p, &each[k]);
     sp_packing_free(&p);
 }
 

@@ -51,6 +51,12 @@ typedef enum sp_plot_links { SP_PLOT_FORCES = 0, SP_PLOT_STIFFNESS } sp_plot_lin
 SP_API sp_status sp_plot_network(const sp_packing *p, sp_plot_links links, double threshold, const char *path,
                                  sp_error *err);
 
+/* A packing whose grains are coloured by a table with the column grain and one of: factor (of `sonopack design --rows
+ * grains', around 1), probability (of `coda', from 0), by_mass or by_radius (of `sensitivity', around 0). Orange is
+ * above, blue below; rattlers are grey. SP_EREFUSED if all grains are alike. */
+SP_API sp_status sp_plot_grains(const sp_packing *p, const sp_table *t, double threshold, const char *path,
+                                sp_error *err);
+
 /* A packing with its contacts as lines, whose width and colour show what each does to a quantity when it becomes
  * stiffer: the sum of by_kn and by_kt in a table of `sonopack sensitivity', which has the columns contact and one or
  * both of these. Orange: the quantity grows, blue: it shrinks. Widths are those of the sizes, up to the largest one.

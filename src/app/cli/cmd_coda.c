@@ -85,6 +85,9 @@ static const cli_syntax syntax = {
         "grain is equally likely beforehand. The packing must be that of the measurement, and tables of measured "
         "signals have one column for each pair of a source and a detector, detectors running fastest.\n"
         "\n"
+        "stretch: relative change of speed that stretches the first signal to that after the change, by least "
+        "squares.\n"
+        "\n"
         "With --grain a change is computed and sought, with noise of the given level in both signals. With --trials "
         "there is a row for each of several grains: where it was found, at which distance, with which probability.",
     .finds_material = true,

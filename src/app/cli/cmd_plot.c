@@ -128,6 +128,20 @@ static sp_status draw_sensitivity(const arguments *a, const sp_scene *scene, sp_
     return blame(plot_sensitivity(&a->common, scene, a->files, a->file, err), a->file[a->files - 1], err);
 }
 
+static sp_status draw_grains(const arguments *a, const sp_scene *scene, sp_error *err) {
+    sp_packing p = sp_packing_none();
+    sp_table t = sp_table_none();
+    sp_status status = a->files == 2 ? sp_packing_read(a->file[0], &p, err)
+                                     : sp_fail(err, SP_EINVAL, "grains: needs a packing and a table of its grains");
+    if (status == SP_OK)
+        status = plot_read_table(a->file[1], &t, err);
+    if (status == SP_OK)
+        status = blame(sp_plot_grains(&p, &t, scene->network.threshold, a->common.output, err), a->file[1], err);
+    sp_table_free(&t);
+    sp_packing_free(&p);
+    return status;
+}
+
 static sp_status draw_pareto(const arguments *a, const sp_scene *scene, sp_error *err) {
     (void)scene;
     sp_table t = sp_table_none();
@@ -176,12 +190,16 @@ static sp_status draw_column(const arguments *a, const sp_scene *scene, sp_error
 static const char *const kind_names[] = {"ctof",   "signal",   "network",     "stiffness", "angles",
                                          "forces", "snapshot", "fronts",      "scaling",   "ensemble",
                                          "pareto", "spectrum", "dispersion",  "wave",      "column",
+<<<<<<< HEAD
                                          "mode",   "modes",    "sensitivity", NULL};
 =======
 static const char *const kind_names[] = {
     "ctof",   "signal",   "network",    "stiffness", "angles",    "forces", "snapshot", "fronts", "scaling", "ensemble",
     "pareto", "spectrum", "dispersion", "wave",      "amplitude", "column", "mode",     "modes",  NULL};
 >>>>>>> D
+=======
+                                         "mode",   "modes",    "sensitivity", "grains",    NULL};
+>>>>>>> B
 enum { ANY = 1 << 16 };
 /* in the order of their names */
 static const kind kinds[] = {{draw_ctof, 12, "", 0},
@@ -202,7 +220,8 @@ static const kind kinds[] = {{draw_ctof, 12, "", 0},
                              {draw_column, 6, "", 0},
                              {draw_motion, 2, "network", true},
                              {draw_tables, 6, "", PLOT_MODES},
-                             {draw_sensitivity, 2, "network", 0}};
+                             {draw_sensitivity, 2, "network", 0},
+                             {draw_grains, 2, "network", 0}};
 
 /* ---- the command ------------------------------------------------------------------------------------------------ */
 
@@ -371,6 +390,9 @@ static const cli_syntax syntax = {
         "of "
         "its line (growing as the root) and its colour: orange, the arrival is later; blue, it is earlier. A second "
         "FILE, a table of `sonopack sensitivity --by kn,kt', is drawn in place of computing that of t10.\n"
+        "grains: a packing whose grains are coloured by a table, the second FILE, with the column grain and one of "
+        "factor (sonopack design --rows grains), probability (coda), by_mass or by_radius (sensitivity): orange above, "
+        "blue below.\n"
         "Axes have the units of the tables; tables of one figure must have the same.\n"
         "\n"
         "--set changes keys of network and signal.",
@@ -401,7 +423,7 @@ static sp_status may_write(const arguments *a, sp_error *err) {
 /* Figures whose units are those of a table or a signal. */
 static bool takes_si(const kind *k) {
     return k->draw != draw_network && k->draw != draw_motion && k->draw != draw_column && k->draw != draw_pareto &&
-           k->draw != draw_sensitivity;
+           k->draw != draw_sensitivity && k->draw != draw_grains;
 }
 
 int cmd_plot(int argc, char **argv) {

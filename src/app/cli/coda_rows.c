@@ -13,9 +13,9 @@
 /* Signals on the times of the window. */
 typedef struct signals {
     int32_t times, pairs;
-    double *t;              /* [times] */
+    double *t;               /* [times] */
     double *before, *change; /* [pairs][times] */
-    double noise;           /* standard deviation of each value of the change; 0: unknown */
+    double noise;            /* standard deviation of each value of the change; 0: unknown */
 } signals;
 
 static void free_signals(signals *s) {
@@ -227,7 +227,8 @@ static sp_status search_one(const coda_arguments *a, const cli_file *file, const
     if (status != SP_OK)
         return status;
     sp_coda_stretch(s->times, s->t, s->before, s->change, &stretch, &error);
-    cli_comment(&w, "stretch = %.6g, error %.2g (of the first signal)", stretch, error);
+    cli_value(&w, "stretch", stretch); /* of the first signal */
+    cli_value(&w, "stretch_err", error);
     if (a->grain >= 0) {
         cli_value(&w, "change", a->change);
         cli_comment(&w, "grain = %lld", (long long)a->grain);

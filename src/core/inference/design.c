@@ -82,6 +82,12 @@ static void free_point(point *p) {
     *p = (point){.made = sp_packing_none()};
 }
 
+static void exchange(point *a, point *b) {
+    const point other = *a;
+    *a = *b;
+    *b = other;
+}
+
 static sp_status evaluate(const sp_design_problem *d, point *p, sp_error *err) {
     sp_packing_free(&p->made);
     return sp_design_evaluate(d, p->factor, p->gradient, &p->at, &p->made, err);
@@ -116,9 +122,9 @@ static sp_status add_step(const sp_design_problem *d, const point *p, double pre
 static bool is_fatal(sp_status status) { return status == SP_ENOMEM || status == SP_EINTERRUPTED; }
 
 /* Tries shorter and shorter steps along the gradient until one gains a fair part of what it promised. *better tells. */
-static sp_status search(const sp_design_problem *d, const point *now, double step, point *next, bool *better,
-                        sp_error *err) {
+static sp_status search(sp_design_problem *d, const point *now, double step, point *next, bool *better, sp_error *err) {
     *better = false;
+    d->from = &now->made;
     for (int k = 0; k < HALVINGS && !*better; k++, step *= 0.5) {
         sp_error reason = {0};
         for (int32_t i = 0; i < d->p->n; i++)
@@ -146,15 +152,17 @@ static double next_step(const sp_design_problem *d, const point *a, const point 
     return sy < 0 ? fmin(-ss / sy, 100 * step) : 2 * step;
 }
 
+/* A fifth of the range. Radii begin with changes below the overlaps: beyond, other contacts decide than those that the
+ * gradient knows. */
 static double first_step(const sp_design_problem *d, const point *p) {
+    const double overlap = 2e-3, fifth = 0.2 * (d->opt->high - d->opt->low);
     double largest = 0;
     for (int32_t i = 0; i < d->p->n; i++)
         largest = fmax(largest, fabs(p->gradient[i]));
-    return largest > 0 ? 0.2 * (d->opt->high - d->opt->low) / largest : 0;
+    return largest > 0 ? (d->opt->vary == SP_DESIGN_RADIUS ? fmin(fifth, overlap) : fifth) / largest : 0;
 }
 
-static sp_status climb(const sp_design_problem *d, double start, point *now, point *next, sp_design *out,
-                       sp_error *err) {
+static sp_status climb(sp_design_problem *d, double start, point *now, point *next, sp_design *out, sp_error *err) {
     double step = first_step(d, now);
     for (int32_t k = 0; k < d->opt->iterations && step > 0; k++) {
         bool better;
@@ -167,90 +175,114 @@ static sp_status climb(const sp_design_problem *d, double start, point *now, poi
             return SP_OK;
         const double gain = next->at.objective - now->at.objective;
         step = next_step(d, now, next, step);
-        const point other = *now;
-        *now = *next;
-        *next = other;
+        exchange(now, next);
         if (gain < d->opt->tolerance * (now->at.objective - start))
             return SP_OK;
     }
     return SP_OK;
 }
 
-/* What the first gradient promises within the limits, and what comes of it; the way goes on from there if it is better.
- */
-static sp_status try_extreme(const sp_design_problem *d, point *now, point *next, sp_design *out, sp_error *err) {
+/* The factors that the first gradient makes largest within the limits, and what comes of them. *better: than the start;
+ * then they are `now`. */
+static sp_status try_extreme(const sp_design_problem *d, point *now, point *next, sp_design *out, bool *better,
+                             sp_error *err) {
     sp_error reason = {0};
     double first = 0, second = 0;
     const double multiplier = sp_design_extreme(d, now->gradient, next->factor), gain = gain_to(d, now, next);
     for (int32_t i = 0; i < d->p->n; i++) {
-        const double g = now->gradient[i] - multiplier * d->weight[i];
-        first += d->weight[i] > 0 ? fabs(g) : 0;
-        second += d->weight[i] > 0 ? g * g : 0;
+        const double g = d->weight[i] > 0 ? now->gradient[i] - multiplier * d->weight[i] : 0;
+        first += fabs(g);
+        second += g * g;
     }
     out->effective = first * first / second;
     out->linear_predicted = promised(d, now, gain);
+    out->linear = out->linear_error = NAN;
     const sp_status status = evaluate(d, next, &reason);
+    *better = status == SP_OK && next->at.objective > now->at.objective;
     if (is_fatal(status))
         return sp_fail(err, status, "%s", reason.text);
-    if (status != SP_OK) {
-        out->linear = out->linear_error = NAN;
-        return SP_OK;
+    if (status == SP_OK) {
+        out->linear = next->at.value;
+        out->linear_error = next->at.error;
     }
-    out->linear = next->at.value;
-    out->linear_error = next->at.error;
-    if (!(next->at.objective > now->at.objective))
-        return SP_OK;
-    const point other = *now;
-    *now = *next;
-    *next = other;
-    return add_step(d, now, out->linear_predicted, out, err);
+    if (*better)
+        exchange(now, next);
+    return SP_OK;
 }
 
-static sp_status search_all(sp_design_problem *d, point *now, point *next, sp_design *out, sp_error *err) {
+/* One way: from the packing, or with a first step to the limits. Without a gain by that step it ends there. */
+static sp_status walk(sp_design_problem *d, bool to_limits, point *now, point *next, sp_design *out, sp_error *err) {
+    bool better = true;
+    d->from = NULL;
     for (int32_t i = 0; i < d->p->n; i++)
         now->factor[i] = 1;
     sp_status status = evaluate(d, now, err);
-    if (status == SP_OK && d->opt->goal == SP_DESIGN_BAND) { /* values are relative to that of the start */
+    if (status == SP_OK && d->opt->goal == SP_DESIGN_BAND && d->scale == 1) { /* values are relative to the start's */
         d->scale = now->at.value;
         now->at = (sp_design_value){0, 1, now->at.error / d->scale};
     }
+    if (status != SP_OK)
+        return status;
+    const double start = now->at.objective;
+    status = add_step(d, now, NAN, out, err);
+    if (status == SP_OK && to_limits)
+        status = try_extreme(d, now, next, out, &better, err);
+    if (status == SP_OK && to_limits && better)
+        status = add_step(d, now, out->linear_predicted, out, err);
+    return status == SP_OK && better ? climb(d, start, now, next, out, err) : status;
+}
+
+/* The way, with its own points. */
+static sp_status make_way(sp_design_problem *d, bool to_limits, sp_design *out, double *objective, sp_error *err) {
+    const size_t n = (size_t)d->p->n;
+    point now = {.made = sp_packing_none()}, next = now;
+    sp_status status = new_point(d->p->n, &now, err);
     if (status == SP_OK)
-        status = add_step(d, now, NAN, out, err);
-    const double start = status == SP_OK ? now->at.objective : 0;
+        status = new_point(d->p->n, &next, err);
+    out->factor = status == SP_OK ? sp_alloc(n, sizeof *out->factor) : NULL;
+    if (status == SP_OK && !out->factor)
+        status = sp_fail_memory(err, n * sizeof *out->factor);
     if (status == SP_OK)
-        status = try_extreme(d, now, next, out, err);
-    if (status == SP_OK)
-        status = climb(d, start, now, next, out, err);
+        status = walk(d, to_limits, &now, &next, out, err);
+    if (status == SP_OK) {
+        out->n = d->p->n;
+        memcpy(out->factor, now.factor, n * sizeof *out->factor);
+        out->packing = now.made;
+        now.made = sp_packing_none();
+        *objective = now.at.objective;
+    }
+    free_point(&now);
+    free_point(&next);
     return status;
+}
+
+/* What the first gradient tells belongs to both ways. */
+static void keep_better(sp_design *direct, sp_design *limits, bool first, sp_design *out) {
+    *out = first ? *direct : *limits;
+    out->linear_predicted = limits->linear_predicted;
+    out->linear = limits->linear;
+    out->linear_error = limits->linear_error;
+    out->effective = limits->effective;
+    sp_design_free(first ? limits : direct);
 }
 
 sp_status sp_design_make(const sp_packing *p, const sp_design_options *opt, sp_design *out, sp_error *err) {
     sp_design_problem d = {.p = p, .opt = opt, .scale = 1};
-    sp_design made = sp_design_none();
-    point now = {.made = sp_packing_none()}, next = now;
+    sp_design direct = sp_design_none(), limits = sp_design_none();
+    double objective[2];
     sp_status status = check_options(p, opt, err);
     if (status == SP_OK)
         status = set_weights(&d, err);
     if (status == SP_OK)
-        status = new_point(p->n, &now, err);
+        status = make_way(&d, false, &direct, &objective[0], err);
     if (status == SP_OK)
-        status = new_point(p->n, &next, err);
-    made.factor = status == SP_OK ? sp_alloc((size_t)p->n, sizeof *made.factor) : NULL;
-    if (status == SP_OK && !made.factor)
-        status = sp_fail_memory(err, (size_t)p->n * sizeof *made.factor);
-    if (status == SP_OK)
-        status = search_all(&d, &now, &next, &made, err);
+        status = make_way(&d, true, &limits, &objective[1], err);
     if (status == SP_OK) {
-        made.n = p->n;
-        memcpy(made.factor, now.factor, (size_t)p->n * sizeof *made.factor);
-        made.packing = now.made;
-        now.made = sp_packing_none();
-        *out = made;
+        keep_better(&direct, &limits, objective[0] >= objective[1], out);
     } else {
-        sp_design_free(&made);
+        sp_design_free(&direct);
+        sp_design_free(&limits);
     }
-    free_point(&now);
-    free_point(&next);
     sp_free(d.weight);
     return status;
 }

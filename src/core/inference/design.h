@@ -9,9 +9,10 @@
 typedef struct sp_design_problem {
     const sp_packing *p;
     const sp_design_options *opt;
-    double *weight; /* [n] of the grains in the total that is kept; 0: rattlers, which stay as they are */
-    double total;   /* sum of the weights */
-    double scale;   /* BAND: energy of the start */
+    double *weight;         /* [n] of the grains in the total that is kept; 0: rattlers, which stay as they are */
+    double total;           /* sum of the weights */
+    double scale;           /* BAND: energy of the start */
+    const sp_packing *from; /* RADIUS: where a compression begins; NULL: p */
 } sp_design_problem;
 
 /* The packing of these factors [n]. Free it. */

@@ -56,22 +56,23 @@ static void apply_moduli(const double *factor, sp_packing *q) {
     }
 }
 
-/* Compresses the packing of larger and smaller grains again, from the places that they had. */
-static sp_status compress(const sp_packing *p, const sp_design_options *o, const double *factor, sp_packing *out,
-                          sp_error *err) {
+/* Compresses the packing of larger and smaller grains again, from the places that they had in the best packing so far:
+ * contacts then change as little as they can. */
+static sp_status compress(const sp_design_problem *d, const double *factor, sp_packing *out, sp_error *err) {
+    const sp_packing *p = d->p;
     sp_packing from;
     sp_pack_spec spec = sp_pack_spec_default();
-    sp_status status = copy_all(p, &from, err);
+    sp_status status = copy_all(d->from ? d->from : p, &from, err);
     if (status != SP_OK)
         return status;
     for (int32_t i = 0; i < p->n; i++)
-        from.r[i] *= factor[i];
+        from.r[i] = p->r[i] * factor[i];
     spec.kind = SP_PACK_FILE;
     spec.pressure = p->pressure;
     spec.friction = p->friction;
     spec.poisson = p->poisson;
     status = sp_pack_spec_from(&spec, &from, err);
-    const sp_pack_hooks hooks = {.threads = o->threads, .from = &from};
+    const sp_pack_hooks hooks = {.threads = d->opt->threads, .from = &from};
     if (status == SP_OK)
         status = sp_packing_make_with(&spec, &hooks, out, err);
     sp_packing_free(&from);
@@ -80,7 +81,7 @@ static sp_status compress(const sp_packing *p, const sp_design_options *o, const
 
 sp_status sp_design_apply(const sp_design_problem *d, const double *factor, sp_packing *out, sp_error *err) {
     if (d->opt->vary == SP_DESIGN_RADIUS)
-        return compress(d->p, d->opt, factor, out, err);
+        return compress(d, factor, out, err);
     sp_packing q;
     sp_status status = copy_all(d->p, &q, err);
     if (status != SP_OK)

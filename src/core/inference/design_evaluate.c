@@ -26,11 +26,34 @@ static sp_sensitivity_options options_of(const sp_design_problem *d, const sp_pa
 
 /* ---- t_10 ------------------------------------------------------------------------------------------------------- */
 
+/* The first peak must be the first one by a third less and half as much again of its usual prominence, too: else a
+ * design would win by a precursor that just passes for a front. */
+static sp_status check_distinct(const sp_design_problem *d, const sp_network *net, double window, sp_error *err) {
+    const double factor[2] = {1 / 1.5, 1.5};
+    sp_signal s = sp_signal_none();
+    sp_front found[2];
+    sp_status status = sp_inference_signal(net, d->opt->source, window, &s, err);
+    for (int k = 0; k < 2 && status == SP_OK; k++) {
+        sp_front_options rule = sp_front_options_default();
+        rule.prominence *= factor[k];
+        status = sp_front_find(s.n, s.t, s.f, &rule, &found[k], err);
+    }
+    sp_signal_free(&s);
+    if (status == SP_OK && found[0].t_peak != found[1].t_peak)
+        return sp_fail(err, SP_EREFUSED,
+                       "the first peak is not distinct: one at t = %.6g has between %.2g and %.2g of "
+                       "the largest force",
+                       found[0].t_peak, 0.2 / 1.5, 0.2 * 1.5);
+    return status;
+}
+
 static sp_status front_value(const sp_design_problem *d, const sp_packing *made, const sp_network *net, bool slopes,
                              sp_gradient *g, sp_design_value *out, sp_error *err) {
     const sp_sensitivity_options o = options_of(d, made, net);
     sp_front_gradient found;
-    sp_status status = sp_sensitivity_front(net, &o, SP_FRONT_T10, &found, err);
+    sp_status status = check_distinct(d, net, o.until, err);
+    if (status == SP_OK)
+        status = sp_sensitivity_front(net, &o, SP_FRONT_T10, &found, err);
     if (status != SP_OK)
         return status;
     out->value = found.found.t10;

@@ -223,15 +223,21 @@ static void carry_tangential(const sp_contact *from, double scale, sp_contact *c
         c->ft[a] = scale * (from->ft[a] - off * c->n[a]);
 }
 
-/* A listed contact by its force: the positions give the normal. */
+/* A contact by its force. The positions give the normal, and the distance over which it acts; the stiffness is its own,
+ * as the force has it. */
 static void add_by_force(const sp_contact *from, double force_factor, double times, sp_packing *q) {
     sp_contact c = at_positions(q, from->i, from->j);
     c.kn = from->kn;
     c.kt = from->kt;
     c.fn = force_factor * from->fn;
-    c.overlap = from->kn > 0 ? c.fn / c.kn : contact_overlap(contact_stiffness_in(q, c.i, c.j), c.fn);
+    if (!(from->kn > 0)) {
+        const double e = contact_stiffness_in(q, c.i, c.j);
+        c.kn = contact_normal_stiffness(e, contact_overlap(e, c.fn));
+        c.kt = contact_eta(q->poisson) * c.kn;
+    }
+    c.kn *= times;
+    c.kt *= times;
     carry_tangential(from, force_factor, &c);
-    multiply_stiffness(q, &c, times);
     q->contacts[q->n_contacts++] = c;
 }
 

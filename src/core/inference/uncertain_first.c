@@ -10,12 +10,12 @@
 #include <sonopack/sensitivity.h>
 #include <string.h>
 
-/* What the gradients refer to: the network, and a packing whose contacts keep their stiffness where positions do not
- * decide it. */
+/* What the gradients refer to. Where forces were measured, each contact of the packing has a stiffness of its own,
+ * which neither positions nor radii change: what radii do to it is added here. */
 typedef struct first_order {
     const sp_quantities *q;
     const sp_errors *errors;
-    sp_packing packing; /* borrows all arrays but its contacts */
+    const sp_packing *packing;
     sp_network net;
     double density;
     double *density_slope; /* [n of the packing][4] derivatives of the density by the radius and the centre */
@@ -121,7 +121,7 @@ static sp_status add_front(const first_order *f, const sp_packing *measured, sp_
     o.source = f->q->opt->source;
     o.until = f->q->window;
     o.points = (int32_t)fmax(ceil(f->q->window / sp_inference_spacing(f->net.pressure)) + 1, 3);
-    o.packing = &f->packing;
+    o.packing = f->packing;
     o.threads = f->q->opt->threads;
     sp_status status =
         sp_sensitivity_front(&f->net, &o, SP_FRONT_T10 | SP_FRONT_T_PEAK | SP_FRONT_PEAK | SP_FRONT_WIDTH, &g, &reason);
@@ -160,7 +160,7 @@ static sp_status add_moduli(const first_order *f, const sp_packing *measured, in
         }
     if (n == 0)
         return SP_OK;
-    sp_status status = sp_sensitivity_moduli(&f->net, f->density, n, of, PARAMETERS, &f->packing, g, &reason);
+    sp_status status = sp_sensitivity_moduli(&f->net, f->density, n, of, PARAMETERS, f->packing, g, &reason);
     if (status != SP_OK)
         return forgive(status, &reason, err);
     for (int k = 0; k < n; k++) {
@@ -185,7 +185,7 @@ static sp_status add_modes(const first_order *f, const sp_packing *measured, sp_
         return forgive(status, &reason, err);
     for (int32_t k = 0; k < f->q->modes && status == SP_OK; k++) {
         sp_gradient g;
-        status = sp_sensitivity_modes(&f->net, &m, k, 1, PARAMETERS, &f->packing, &g, &reason);
+        status = sp_sensitivity_modes(&f->net, &m, k, 1, PARAMETERS, f->packing, &g, &reason);
         if (status != SP_OK) {
             status = forgive(status, &reason, err);
             continue;
@@ -198,17 +198,6 @@ static sp_status add_modes(const first_order *f, const sp_packing *measured, sp_
 }
 
 /* ---- the packing that is differentiated ------------------------------------------------------------------------- */
-
-/* Contacts by their own stiffness: neither positions nor radii change it. */
-static void fix_stiffnesses(sp_packing *p) {
-    for (int32_t k = 0; k < p->n_contacts; k++) {
-        sp_contact *c = &p->contacts[k];
-        if (c->kn > 0)
-            continue;
-        c->kn = contact_kn(p, c);
-        c->kt = contact_eta(p->poisson) * c->kn;
-    }
-}
 
 /* Mass of a grain in the bulk. */
 static double bulk_mass(const sp_packing *p, const bulk *b, int32_t i, const double x[3], double r) {
@@ -238,16 +227,12 @@ static void density_slopes(first_order *f, const sp_packing *p) {
 
 static sp_status prepare(first_order *f, const sp_packing *p, sp_error *err) {
     const sp_uncertainty_options *o = f->q->opt;
-    f->packing = *p;
-    f->packing.contacts = sp_alloc((size_t)p->n_contacts, sizeof *p->contacts);
+    f->packing = p;
     f->density_slope = sp_alloc(4 * (size_t)p->n, sizeof *f->density_slope);
-    if (!f->packing.contacts || !f->density_slope)
-        return sp_fail_memory(err, (size_t)p->n_contacts * sizeof *p->contacts);
-    memcpy(f->packing.contacts, p->contacts, (size_t)p->n_contacts * sizeof *p->contacts);
-    if (f->errors->measured == SP_MEASURED_FORCES)
-        fix_stiffnesses(&f->packing);
+    if (!f->density_slope)
+        return sp_fail_memory(err, 4 * (size_t)p->n * sizeof *f->density_slope);
     sp_status status = sp_packing_density(p, o->network.threshold, o->margin, &f->density, err);
-    return status == SP_OK ? sp_network_make(&f->packing, &o->network, &f->net, err) : status;
+    return status == SP_OK ? sp_network_make(p, &o->network, &f->net, err) : status;
 }
 
 /* A missing contact has no stiffness from which to differentiate, and prestress adds forces that are held here. */
@@ -265,14 +250,13 @@ sp_status sp_uncertain_first_order(const sp_quantities *q, const sp_drawing *d, 
     if (status == SP_OK) {
         density_slopes(&f, p);
         if (fronts > 0)
-            status = add_front(&f, p, out->quantity, err);
+            status = add_front(&f, d->p, out->quantity, err);
     }
     if (status == SP_OK && moduli > 0)
-        status = add_moduli(&f, p, moduli, out->quantity + fronts, err);
+        status = add_moduli(&f, d->p, moduli, out->quantity + fronts, err);
     if (status == SP_OK && q->modes > 0)
-        status = add_modes(&f, p, out->quantity + fronts + moduli, err);
+        status = add_modes(&f, d->p, out->quantity + fronts + moduli, err);
     sp_network_free(&f.net);
-    sp_free(f.packing.contacts);
     sp_free(f.density_slope);
     return status;
 }
