@@ -333,14 +333,11 @@ class Network(_core.Owner):
 
     @documented("sp_coherent_section_make")
     def section(self, *, source: str | None = None, spacing: float | None = None, low: float | None = None,
-<<<<<<< HEAD
-                part: float | None = None, damping: float | str | None = None) -> WaveSection:
+                 part: float | None = None, damping: float | str | None = None,
+                 shear: bool | None = None) -> WaveSection:
         """Signals at planes one above the other, to which coherent waves are fitted."""
-        return WaveSection(self, {"source": source, "spacing": spacing, "low": low, "part": part, "damping": damping})
-=======
-                part: float | None = None, shear: bool | None = None) -> WaveSection:
-        """Signals at planes one above the other, to which coherent waves are fitted."""
-        return WaveSection(self, {"source": source, "spacing": spacing, "low": low, "part": part, "shear": shear})
+        return WaveSection(self, {"source": source, "spacing": spacing, "low": low, "part": part, "damping": damping,
+                                  "shear": shear})
 
     # ---- transport of energy ----------------------------------------------------------------------------------------
 
@@ -401,7 +398,6 @@ class Network(_core.Owner):
         call(lib.sp_split_make, self._c, omega,
              _core.options_of("sp_split_options", {"width": width, "sources": sources, "seed": seed, "from": start}), out)
         return _core.record(_records.Split, out)
->>>>>>> C
 
     @documented("sp_network_dashpots")
     def damping(self, damping: float | str) -> Network:

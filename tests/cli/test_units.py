@@ -25,8 +25,9 @@ FACTORS = {"d": ("mm", D * 1e3), "1/d": ("1/mm", 1e-3 / D), "E*": ("kPa", MODULU
            "E* d^2": ("N", MODULUS * D**2), "sqrt(E* / rho)": ("m/s", SPEED), "d/sqrt(E* / rho)": ("us", TIME * 1e6),
            "sqrt(E* / rho)/d": ("rad/s", 1 / TIME), "E* / (rho d)": ("m/s^2", MODULUS / RHO / D),
            "E* / (rho d^2)": ("rad^2/s^2", MODULUS / RHO / D**2), "modes d/sqrt(E* / rho)": ("modes us", TIME * 1e6),
-           "E* d^3/sqrt(E* / rho)": ("N us", MODULUS * D**2 * TIME * 1e6), "E* d^2/sqrt(E* / rho)": ("N s/m", MODULUS * D**2 / SPEED), "1/sqrt(rho d^3)": ("1/sqrt(mg)", (MASS * 1e6) ** -0.5),
-            "d sqrt(E* / rho)": ("m^2/s", D * SPEED),
+           "E* d^3/sqrt(E* / rho)": ("N us", MODULUS * D**2 * TIME * 1e6), "E* d^2/sqrt(E* / rho)": ("N s/m", MODULUS * D**2 / SPEED),
+           "1/sqrt(rho d^3)": ("1/sqrt(mg)", (MASS * 1e6) ** -0.5),
+           "d sqrt(E* / rho)": ("m^2/s", D * SPEED),
            "1/sqrt(rho d^5)": ("1/(sqrt(mg) mm)", (MASS * 1e6) ** -0.5 / (D * 1e3)),
            "d sqrt(rho d^3)": ("mm sqrt(mg)", D * 1e3 * (MASS * 1e6) ** 0.5),
            "E* d/sqrt(rho d^3)": ("N/(m sqrt(mg))", MODULUS * D * (MASS * 1e6) ** -0.5)}
@@ -38,12 +39,13 @@ PLAIN = re.compile(r"""file|probe|reason|verdict|branch|polarization|ok|failed|n
     (Phi2|Phi3s?|zs|f0|N_over_p|Z2|Z3|F2S?|s1_over_s2|s[13]2_over_s2|mobilised)(_(sd|err|low|high))?|
     force|torque|walls|law|geometry|coulomb|residual|Q(_err)?|
     (speed|peak|width)_ratio(_err)?|amplitude|overpressure(_err)?|packings|carrying|slid|opened|closed|kinetic|normal|tangential|
-    rubbed|released|balance|pressure(_err)?|step|factor|at_limit|energy(_err)?|predicted|found|rank|probability|change(_err)?""".replace("\n    ", ""))
+    rubbed|released|balance|pressure(_err)?|step|factor|at_limit|energy(_err)?|predicted|found|rank|probability|change(_err)?|
+    F[0-3](_err)?|beta(_delta)?(_err)?|beta_field|ratio_err""".replace("\n    ", ""))
 NUMBER = r"[-+]?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan)"
 PLAIN_COMMENTS = [re.compile(pattern) for pattern in (
     r"(file|method|source|quantity|axis|detector|solver|spectrum|norm|direction|motion|packing|verdict|error_kind|material|prestress|sliding_free|"
     r"packing\.(sizes|kind|protocol|compression)|pulse|measured|goal|vary|total) = .*",
-    rf"(force|stiffness|calibration|false|missing|seed|candidates|contacts_ratio(_err)?|effective|factor_(low|high)|\w+_ratio|pairs|times|noise|change|grain|found(_err)?) = {NUMBER}",
+    rf"(force|stiffness|calibration|false|missing|seed|candidates|contacts_ratio(_err)?|effective|factor_(low|high)|\w+_ratio|pairs|times|noise|change|grain|found(_err)?|stretch(_err)?) = {NUMBER}",
     r"(grains|carrying|n|zero_modes|rattler_modes|free_spins|rigid_motions|mechanisms|factors|solves|on_edge|degrees_of_freedom|products|"
     r"modes|moments|vectors|planes|dof|packings|dimension|samples|failed|mode|tolerance|residual|orthogonality|damping|"
     rf"amplitude|factor|threshold|homogeneity|half_share|vector_error|wall|Phi3s|mean_\w+|gamma_limit|alpha_limit|exponent(_err)?|packing\.friction|"
@@ -173,7 +175,9 @@ def check_commands(folder):
             "amplitude K.h5 --amplitudes 0.01 --omega 0.15 --planes 2 --cycles 3",
             "transport P.h5 --at 0.5 --axis x --until 90",
             "transport P.h5 --quantity kubo --at 0.3:0.5:2", "transport W.h5 --quantity coherent --at 0.1:0.3:3",
-            "design P.h5 --goal delay --iterations 2", "design P.h5 --goal band:0.1:0.2 --iterations 1 --rows grains"):
+            "design P.h5 --goal delay --iterations 2", "design P.h5 --goal band:0.1:0.2 --iterations 1 --rows grains",
+            "coda P.h5 --trials 3 --noise 0.1", "coda P.h5 --detector part:0:4 --grain 40 --rows 4",
+            "transport P.h5 --quantity split --at 0.3"):
         check_command(folder, *line.split())
     check_command(folder, "check", "P.h5", units=False)
     check_command(folder, "front", "K.h5", f"--material={MATERIAL}")

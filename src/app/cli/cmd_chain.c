@@ -30,24 +30,15 @@ typedef struct units {
     const char *time_name, *force_name;
 } units;
 
-<<<<<<< HEAD
-enum { KIND_FRONT, KIND_SIGNAL, KIND_MODES, KIND_SOLITON };
-static const char *const kinds[] = {"front", "signal", "modes", "soliton", NULL};
-=======
-enum { KIND_FRONT, KIND_SIGNAL, KIND_MODES, KIND_LOCALISATION };
-static const char *const kinds[] = {"front", "signal", "modes", "localisation", NULL};
->>>>>>> C
+enum { KIND_FRONT, KIND_SIGNAL, KIND_MODES, KIND_SOLITON, KIND_LOCALISATION };
+static const char *const kinds[] = {"front", "signal", "modes", "soliton", "localisation", NULL};
 static const char *const initial_names[] = {[SP_CHAIN_VELOCITY] = "A", [SP_CHAIN_DISPLACEMENT] = "B", NULL};
 
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
     if (a->common.sets > 0)
         return sp_fail(err, SP_EINVAL, "--set %.60s: this command uses no scene", a->common.set[0]);
-<<<<<<< HEAD
-    if (!a->grains && a->common.kind != KIND_FRONT && a->common.kind != KIND_SOLITON)
-=======
-    if (!a->grains && a->common.kind != KIND_FRONT && a->common.kind != KIND_LOCALISATION)
->>>>>>> C
+    if (!a->grains && (a->common.kind == KIND_SIGNAL || a->common.kind == KIND_MODES))
         return sp_fail(err, SP_EINVAL, "no --grains: must be the number of balls");
     if (a->common.units == CLI_UNITS_SI && isnan(a->pressure))
         return sp_fail(err, SP_EINVAL, "--units si: only front and signal with --pressure have units of a material");
@@ -93,17 +84,13 @@ static const cli_syntax syntax = {
         "  front   the first front, and its local exponents against length\n"
         "  signal  force on the wall, and the front of an infinitely long chain\n"
         "  modes   frequencies and amplitudes\n"
-<<<<<<< HEAD
-        "  soliton speed and width of solitary waves of any strength\v"
-=======
+        "  soliton speed and width of solitary waves of any strength\n"
         "  localisation  decay of waves where the masses are random, as in exp(-gamma j)\v"
->>>>>>> C
         "Lengths are in units of the distance l between two balls, times in l/c, forces in K l, where c is the speed "
         "of long waves and K the stiffness of a contact. The first ball has the speed c (A), or is displaced by l "
         "(B). With --pressure the units are those of packings, and the signal is that of `sonopack signal' for "
         "packing.kind = chain, from an impulse (A) or a displacement (B).\n"
         "\n"
-<<<<<<< HEAD
         "A solitary wave of Hertzian balls keeps its form without walls. Its peak is its largest additional overlap "
         "over "
         "the overlap delta0 at rest, force its largest force over that at rest, speed is in c, velocity the largest of "
@@ -111,12 +98,10 @@ static const cli_syntax syntax = {
         "ball in c delta0/l, width the balls between the places of half the peak. kdv and kdv_width are those of long "
         "and weak waves (Korteweg and de Vries), nesterenko is the speed of long waves of any strength. speed_at_peak "
         "and velocity_at_peak are the same in units of a chain that rests with the overlap of the peak; with the peak "
-        "inf only these are finite.",
-=======
+        "inf only these are finite. "
         "localisation: gamma with its standard error from 32 parts of the chain (of 10^6 balls without --grains), "
         "length = 1/gamma, and law = omega^2 <dm^2>/(8 K <m>), which holds for low frequencies (Matsuda and Ishii "
         "1970). If gamma is not above twice its error, length is nan and length_low is a lower bound.",
->>>>>>> C
     .options = options,
     .kinds = kinds,
     .kind_name = "kind of table",
@@ -345,30 +330,21 @@ static sp_status localisation_table(const arguments *a, cli_writer *w) {
 static sp_status work(const arguments *a, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err, .status = cli_may_write_table(&a->common, err)};
     const units u = units_of(a->pressure, (sp_chain_source)a->initial);
-<<<<<<< HEAD
     if (a->common.kind == KIND_SOLITON)
         cli_comment(&w, "chain of equal balls, solitary waves");
-=======
-    if (a->common.kind == KIND_LOCALISATION)
+    else if (a->common.kind == KIND_LOCALISATION)
         cli_comment(&w, "chain of equal springs K and random masses of mean m");
->>>>>>> C
     else
         cli_comment(&w, "chain of equal balls, initial condition %s",
                     a->initial == SP_CHAIN_VELOCITY ? "A: velocity" : "B: displacement");
     if (!isnan(a->pressure))
         cli_value(&w, "pressure", a->pressure);
     if (w.status == SP_OK)
-<<<<<<< HEAD
-        w.status = a->common.kind == KIND_FRONT     ? front_table(a, &u, &w)
-                   : a->common.kind == KIND_SIGNAL  ? signal_table(a, &u, &w)
-                   : a->common.kind == KIND_SOLITON ? soliton_table(a, &w)
-                                                    : modes_table(a, &w);
-=======
         w.status = a->common.kind == KIND_FRONT          ? front_table(a, &u, &w)
                    : a->common.kind == KIND_SIGNAL       ? signal_table(a, &u, &w)
+                   : a->common.kind == KIND_SOLITON      ? soliton_table(a, &w)
                    : a->common.kind == KIND_LOCALISATION ? localisation_table(a, &w)
                                                          : modes_table(a, &w);
->>>>>>> C
     return w.status == SP_OK ? cli_write_table(&a->common, t, err) : w.status;
 }
 

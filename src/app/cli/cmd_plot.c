@@ -186,20 +186,10 @@ static sp_status draw_column(const arguments *a, const sp_scene *scene, sp_error
     return blame(plot_column_files(&a->common, &options, &a->look, a->files, a->file, err), a->file[0], err);
 }
 
-<<<<<<< HEAD
-static const char *const kind_names[] = {"ctof",   "signal",   "network",     "stiffness", "angles",
-                                         "forces", "snapshot", "fronts",      "scaling",   "ensemble",
-                                         "pareto", "spectrum", "dispersion",  "wave",      "column",
-<<<<<<< HEAD
-                                         "mode",   "modes",    "sensitivity", NULL};
-=======
-static const char *const kind_names[] = {
-    "ctof",   "signal",   "network",    "stiffness", "angles",    "forces", "snapshot", "fronts", "scaling", "ensemble",
-    "pareto", "spectrum", "dispersion", "wave",      "amplitude", "column", "mode",     "modes",  NULL};
->>>>>>> D
-=======
-                                         "mode",   "modes",    "sensitivity", "grains",    NULL};
->>>>>>> B
+static const char *const kind_names[] = {"ctof",        "signal", "network",   "stiffness", "angles", "forces",
+                                         "snapshot",    "fronts", "scaling",   "ensemble",  "pareto", "spectrum",
+                                         "dispersion",  "wave",   "amplitude", "column",    "mode",   "modes",
+                                         "sensitivity", "grains", NULL};
 enum { ANY = 1 << 16 };
 /* in the order of their names */
 static const kind kinds[] = {{draw_ctof, 12, "", 0},
