@@ -23,7 +23,10 @@ from ._native import lib as _lib
 from ._network import ENERGY, FLUX, SPRING, Network
 from ._packing import BACK, BOTTOM, CONTACT, FRONT, LEFT, RIGHT, TOP, Packing
 from ._place import Place
-    ,
+from ._records import (AmplitudeEnergy, AmplitudeFront, AmplitudeHarmonics, AmplitudeNumber, AmplitudePlane,
+                       AmplitudeSecond, Audit, CoherentWave, Energy, FiniteStrain, Front, Kubo, Material, Moduli,
+                       PackProgress, ParticipationBin, ProbeModuli, Solitary, Split, Spread, Stability, Statics,
+                       StudyProgress, TappedTap, ZeroModes)
 from ._scene import Scene, scene_help
 from ._sensitivity import Gradient
 from ._signal import Pulse, Signal, front, signal_window
