@@ -65,6 +65,46 @@ typedef struct sp_amplitude_pulse {
 SP_API sp_status sp_amplitude_pulses(const sp_packing *p, const sp_amplitude_options *opt, int32_t count,
                                      const double *amplitude, sp_amplitude_pulse *out, sp_front *linear, sp_error *err);
 
+/* The front at a plane: the flux of momentum through it, as in SP_PLACE_PLANE. */
+typedef struct sp_amplitude_plane {
+    double height;               /* of the contacts that carry the flux (sp_network_plane_height) [d] */
+    sp_amplitude_value t10;      /* [d/sqrt(E* / rho)] */
+    sp_amplitude_value t_peak;   /* [d/sqrt(E* / rho)] */
+    sp_amplitude_value pressure; /* largest flux over the force at rest */
+    /* Speeds from the plane before, from t10 and from t_peak; at the first plane NAN [sqrt(E* / rho)] */
+    sp_amplitude_value speed, speed_peak;
+} sp_amplitude_plane;
+/* The fronts of one pulse at planes of these heights, ascending, inside the packing. plane: [n]; pulse: that at the top
+ * wall, may be NULL. As sp_amplitude_pulses; SP_EINVAL for a height that no contact crosses, and for two planes that
+ * the same contacts cross. */
+SP_API sp_status sp_amplitude_planes(const sp_packing *p, const sp_amplitude_options *opt, double amplitude, int32_t n,
+                                     const double *height, sp_amplitude_plane *plane, sp_amplitude_pulse *pulse,
+                                     sp_error *err);
+
+/* A solitary wave of a chain of equal balls (Hertz's law, no walls). Balls are counted along the chain, so lengths
+ * along it are numbers of balls; c is the speed of long waves of the chain at rest, delta0 its overlap. */
+typedef struct sp_solitary {
+    double peak;       /* largest additional overlap over delta0; INFINITY: the chain at rest bears no force */
+    double force;      /* largest force over that at rest, (1 + peak)^(3/2) */
+    double speed;      /* over c */
+    double velocity;   /* largest velocity of a ball over c delta0 */
+    double width;      /* where the additional overlap is above half of its peak [balls] */
+    double kdv;        /* speed of the long and weak wave over c, sqrt(1 + peak/6); */
+    double kdv_width;  /* its width, of sech^2(x sqrt(peak/2)) */
+    double nesterenko; /* speed of the long wave of any strength over c (Nesterenko 2001, ch. 1) */
+    /* The same over what belongs to a chain that rests with the overlap of the peak. These stay finite without force at
+     * rest, where `speed', `velocity' and `nesterenko' are INFINITY. */
+    double speed_at_peak, velocity_at_peak, nesterenko_at_peak;
+    double error; /* of speed, velocity and width, relative: an estimate from half the points */
+} sp_solitary;
+/* Solves the equation of a wave of constant form, V^2 R = tent * (F(R) - F(0)), to rounding errors. SP_EINVAL for a
+ * peak that is not in 1e-4 .. 1e9 or INFINITY. */
+SP_API sp_status sp_solitary_make(double peak, sp_solitary *out, sp_error *err);
+/* Its form: additional overlap over the peak, and velocity of the ball over its largest, at the distances x [n] from
+ * the middle of the wave [balls]; the overlap is that of two balls whose middle is at x, the ball is at x. */
+SP_API sp_status sp_solitary_form(double peak, int64_t n, const double *x, double *overlap, double *velocity,
+                                  sp_error *err);
+
 #ifdef __cplusplus
 }
 #endif

@@ -5,6 +5,7 @@
  * slows down on its way. */
 
 #include <sonopack/network.h>
+#include <stdbool.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -33,6 +34,8 @@ typedef struct sp_coherent_section_options {
     double damping; /* dashpots of the contacts, as in sp_signal_options; 0: none */
     sp_damping_kind damping_kind;
     double damping_ratio; /* 1 */
+    bool shear; /* the transverse wave: the bottom wall moves along x, and planes record the momentum along x that
+                   crosses them; false */
 } sp_coherent_section_options;
 SP_API sp_coherent_section_options sp_coherent_section_options_default(void);
 /* The momentum flux through planes of a packing after a pulse at its bottom wall. The flux is the same for all planes

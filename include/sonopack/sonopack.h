@@ -19,6 +19,7 @@
 #include <sonopack/spectrum.h>
 #include <sonopack/status.h>
 #include <sonopack/table.h>
+#include <sonopack/transport.h>
 #include <sonopack/units.h>
 #include <sonopack/version.h>
 #endif

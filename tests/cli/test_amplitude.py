@@ -61,11 +61,28 @@ def test_means(folder):
     assert one["packings"][0] == 1 and math.isnan(one["speed_ratio_err"][0])
 
 
+def test_chains(folder):
+    """A hard knock makes a solitary wave, whose speed `chain soliton' gives; long-wave theory is 1% off."""
+    chain = os.path.join(folder, "chain.h5")
+    run("pack", "-q", "--set", "packing.kind=chain", "--set", "packing.grains=80", "--set", "packing.pressure=1e-8",
+        "-o", chain)
+    found = rows(chain, "--amplitudes", "300", "--planes", "3", "--tolerance", "1e-4")
+    for k in (1, 2):
+        assert abs(found["speed_peak"][k] / found["solitary"][k] - 1) < 1e-3, found
+        assert 5e-3 < abs(found["nesterenko"][k] / found["solitary"][k] - 1) < 2e-2, found
+    assert math.isnan(found["speed"][0]) and math.isnan(rows(N200, "--planes", "2", "--amplitudes", "0.1")["kdv"][0])
+    solitons = numbers(run("chain", "soliton", "--peaks", "0.01,1,inf"))
+    assert abs(solitons["speed"][0] - 1 - 0.01 / 12) < 2e-6 and math.isinf(solitons["speed"][2])
+    assert abs(solitons["force"][1] - 2 ** 1.5) < 1e-12 and max(solitons["relative_error"]) < 1e-7
+    for word in ("0", "x", "1,,2", "1e10"):
+        assert names_all(run("chain", "soliton", "--peaks", word, status=2), "--peaks")
+
+
 def test_refusals(folder):
     for arguments, status, words in ((("--amplitudes", "0"), 2, "--amplitudes"), (("--amplitudes", "1e-10"), 2, "--amplitudes"),
                                      (("--amplitudes", "1,,2"), 2, "--amplitudes"), (("--amplitudes", "x"), 2, "--amplitudes"),
                                      (("--amplitudes", "1e5"), 1, "amplitude"), (("--tolerance", "1"), 2, "--tolerance"),
-                                     (("--until", "3"), 1, "until"), (("--set", "signal.points=3"), 2, "--set")):
+                                     (("--until", "3"), 1, "until"), (("--planes", "3", "--mean"), 2, "--planes --mean"), (("--set", "signal.points=3"), 2, "--set")):
         reason = run("amplitude", N200, *arguments, status=status)
         assert names_all(reason, words), (arguments, reason)
     cell = os.path.join(folder, "cell.h5")
@@ -78,6 +95,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         test_limit(folder)
         test_means(folder)
+        test_chains(folder)
         test_refusals(folder)
 
 

@@ -6,7 +6,7 @@
 
 #include <sonopack/amplitude.h>
 
-enum { AMPLITUDES_MAX = 200 };
+enum { AMPLITUDES_MAX = 200, PLANES_MAX = 1000 };
 
 /* A number that is averaged; error: its column of errors, "" for none. */
 typedef struct amplitude_quantity {
@@ -34,5 +34,10 @@ sp_status amplitude_add_row(const char *path, double pressure, const sp_amplitud
                             sp_error *err);
 sp_status amplitude_add_mean(amplitude_means *m, const sp_packing *p, const sp_amplitude_pulse *pulse, sp_error *err);
 sp_status amplitude_mean_rows(const amplitude_means *m, sp_table *t, sp_error *err);
+
+/* Fronts at planes. */
+sp_status amplitude_plane_columns(sp_table *t, sp_error *err);
+sp_status amplitude_plane_rows(const cli_file *file, const sp_amplitude_options *o, double amplitude, int32_t planes,
+                               sp_table *t, sp_error *err);
 
 #endif

@@ -9,6 +9,7 @@ typedef struct arguments {
     double until, tolerance; /* until < 0: not given */
     int source;              /* sp_source */
     bool mean;
+    int64_t planes; /* 0: the front at the top wall */
     int32_t n;
     double amplitude[AMPLITUDES_MAX];
     sp_amplitude_pulse pulse[AMPLITUDES_MAX];
@@ -33,6 +34,8 @@ static sp_status set_amplitudes(void *user, const char *text, sp_error *err) {
 
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
+    if (a->planes > 0 && a->mean)
+        return sp_fail(err, SP_EINVAL, "--planes and --mean cannot be combined: planes lie at other heights in others");
     if (a->common.sets > 0)
         return sp_fail(err, SP_EINVAL, "--set %.60s: no key changes a loud pulse", a->common.set[0]);
     return SP_OK;
@@ -44,6 +47,8 @@ static const cli_option options[] = {
      .parse = set_amplitudes},
     {"mean", NULL, "Print means over packings of the same pressure, friction and dimension, with standard errors",
      CLI_FLAG, .field = offsetof(arguments, mean)},
+    {"planes", "N", "Print the fronts at N planes that divide the height into equal layers, and speeds between them",
+     CLI_INTEGER, .field = offsetof(arguments, planes), .low = 1, .high = PLANES_MAX},
     {"until", "T", "Last time; a run ends behind the front [d/sqrt(E* / rho)] ((8 H + 40) (p/1e-4)^(-1/6))", CLI_NUMBER,
      .field = offsetof(arguments, until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {"tolerance", "EPS", "Largest relative error of the speed and of the balance of energy (0.001)", CLI_NUMBER,
@@ -71,6 +76,10 @@ static const cli_syntax syntax = {
         "balance: largest deviation from this on the way. It is the error of the time steps, and goes as their "
         "square.\n"
         "\n"
+        "With --planes the table has the fronts at planes instead: pressure is the largest flux of momentum over that "
+        "at rest, speed that from the plane below by t10, speed_peak by t_peak. For a chain of equal balls solitary is "
+        "the speed of a solitary wave of this peak, kdv and nesterenko are those of long waves (see `chain soliton').\n"
+        "\n"
         "Errors (_err) are estimated from steps of twice the length and from every second time; with --mean they are "
         "standard errors over packings, plus the mean of these (nan for one packing).",
     .finds_material = true,
@@ -85,7 +94,9 @@ static sp_status begin(void *user, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
     cli_comment(&w, "source = %s", cli_source_names[a->source]);
     cli_value(&w, "tolerance", a->tolerance);
-    if (w.status == SP_OK && !a->mean)
+    if (w.status == SP_OK && a->planes > 0)
+        w.status = amplitude_plane_columns(t, err);
+    else if (w.status == SP_OK && !a->mean)
         w.status = amplitude_add_columns(t, err);
     return w.status;
 }
@@ -96,7 +107,13 @@ static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err
     o.source = (sp_source)a->source;
     o.tolerance = a->tolerance;
     o.until = a->until > 0 ? a->until : 0;
-    sp_status status = sp_amplitude_pulses(&file->packing, &o, a->n, a->amplitude, a->pulse, NULL, err);
+    sp_status status = SP_OK;
+    if (a->planes > 0) {
+        for (int32_t k = 0; k < a->n && status == SP_OK; k++)
+            status = amplitude_plane_rows(file, &o, a->amplitude[k], (int32_t)a->planes, t, err);
+        return status;
+    }
+    status = sp_amplitude_pulses(&file->packing, &o, a->n, a->amplitude, a->pulse, NULL, err);
     for (int32_t k = 0; k < a->n && status == SP_OK; k++)
         status = a->mean ? amplitude_add_mean(&a->means, &file->packing, &a->pulse[k], err)
                          : amplitude_add_row(file->path, file->packing.pressure, &a->pulse[k], t, err);

@@ -27,6 +27,7 @@ static const cli_command_row commands[] = {
     {"front", cmd_front, "arrival, peak and width of the first wave front"},
     {"study", cmd_study, "compute an ensemble of packings and their results; can be interrupted"},
     {"table", cmd_table, "tables of a finished or running study"},
+    {"transport", cmd_transport, "diffusivity of sound's energy and mean free paths of its waves"},
     {"wave", cmd_wave, "phase speed and attenuation of the coherent wave inside packings"},
     {"amplitude", cmd_amplitude, "speed and shape of the front as the pulse grows loud"},
     {"chain", cmd_chain, "chain of equal balls in closed form, of any length"},

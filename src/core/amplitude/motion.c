@@ -55,14 +55,14 @@ static sp_status make_sensor(const motion *s, const double *height, motion_senso
 }
 
 static sp_status make_sensors(motion *s, int32_t planes, const double *height, sp_error *err) {
-    const int32_t n = planes > 0 ? planes : 1;
+    const int32_t n = planes + 1;
     s->sensors = sp_alloc((size_t)n, sizeof *s->sensors);
     if (!s->sensors)
         return sp_fail_memory(err, (size_t)n * sizeof *s->sensors);
     s->n_sensors = n;
     sp_status status = SP_OK;
     for (int32_t b = 0; b < n && status == SP_OK; b++)
-        status = make_sensor(s, planes > 0 ? &height[b] : NULL, &s->sensors[b], err);
+        status = make_sensor(s, b > 0 ? &height[b - 1] : NULL, &s->sensors[b], err);
     return status;
 }
 

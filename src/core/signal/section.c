@@ -30,8 +30,11 @@ static sp_status arrival(const sp_network *net, const sp_coherent_section_option
     const sp_front_options rule = sp_front_options_default();
     set_damping(opt, &o);
     o.source = opt->source;
-    o.until = sp_signal_window(height, net->pressure);
+    o.until = (opt->shear ? 2 : 1) * sp_signal_window(height, net->pressure); /* shear takes up to twice as long */
     o.points = (int32_t)ceil(20 * height) + 200;
+    const sp_place wall = {.kind = SP_PLACE_WALL, .shear = opt->shear};
+    o.sources = o.detectors = 1;
+    o.from = o.to = &wall;
     sp_status status = sp_signal_make(net, &o, &signal, err);
     if (status == SP_OK)
         status = sp_front_find(signal.n, signal.t, signal.f, &rule, &front, err);
@@ -80,7 +83,7 @@ static sp_status place_planes(const sp_network *net, const sp_coherent_section_o
         s->y[j] = y;
         s->arrival[j] = t10 * y / height;
         s->until[j] = 2 * t10 - s->arrival[j];
-        place[j] = (sp_place){.kind = SP_PLACE_PLANE, .height = plane};
+        place[j] = (sp_place){.kind = SP_PLACE_PLANE, .shear = opt->shear, .height = plane};
         s->planes++;
     }
     return s->planes >= LEAST_PLANES
@@ -105,6 +108,9 @@ static sp_status record(const sp_network *net, const sp_coherent_section_options
     o.points = (int32_t)points;
     o.detectors = s->planes;
     o.to = place;
+    const sp_place wall = {.kind = SP_PLACE_WALL, .shear = opt->shear};
+    o.sources = 1;
+    o.from = &wall;
     sp_status status = sp_signal_make(net, &o, &signal, err);
     if (status == SP_OK) {
         s->n = signal.n;
