@@ -131,6 +131,10 @@ static void test_laws(void **state) {
     assert_true(fabs(sp_packing_expect(&spec, 1, &slow).cost.cpu / packing.cost.cpu - 3) < 1e-9);
     spec.grains = 1200;
     assert_true(sp_packing_expect(&spec, 1, &one).cost.cpu > 2.5 * packing.cost.cpu);
+    sp_pack_spec remembers = spec;
+    remembers.tangential = SP_TANGENTIAL_HISTORY;
+    assert_true(sp_packing_expect(&remembers, 1, &one).cost.cpu > 4 * sp_packing_expect(&spec, 1, &one).cost.cpu);
+    assert_true(sp_packing_expect(&remembers, 1, &one).cost.memory > sp_packing_expect(&spec, 1, &one).cost.memory);
     spec.grains = 600;
     const sp_network_size net = sp_network_size_expect(&spec, &packing);
     assert_true(fabs(net.dofs / 1659 - 1) < 0.1 && fabs(net.omega / 1.375 - 1) < 0.1);

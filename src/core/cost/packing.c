@@ -158,9 +158,11 @@ static double seconds_of(const sp_pack_spec *s, double steps, const sp_machine *
                          : s->dim == 2     ? SP_WORK_STEP_DISKS
                          : s->friction > 0 ? SP_WORK_STEP_SPHERES
                                            : SP_WORK_STEP_SMOOTH_SPHERES;
+    /* contacts one by one: 5.3 times the CPU time of 600 disks at 1e-4, 4.6 times at 1e-6, in 1.02 times the steps */
+    const double history = s->tangential == SP_TANGENTIAL_HISTORY && s->friction > 0 && !s->reference ? 5 : 1;
     const double overhead = s->grains < 300 ? 1 + 20.0 / s->grains : 1;
     const steps_law *law = law_of(s);
-    return sp_law_seconds(work, s->grains, steps, machine) * law->time * pressed(s, law->slower) * overhead;
+    return sp_law_seconds(work, s->grains, steps, machine) * law->time * pressed(s, law->slower) * overhead * history;
 }
 
 sp_packing_forecast sp_packing_expect(const sp_pack_spec *given, int threads, const sp_machine *machine) {
