@@ -167,9 +167,9 @@ static sp_status draw_column(const arguments *a, const sp_scene *scene, sp_error
     return blame(plot_column_files(&a->common, &options, &a->look, a->files, a->file, err), a->file[0], err);
 }
 
-static const char *const kind_names[] = {"ctof",       "signal", "network", "stiffness", "angles", "forces",
-                                         "snapshot",   "fronts", "scaling", "ensemble",  "pareto", "spectrum",
-                                         "dispersion", "wave",   "column",  "mode",      "modes",  NULL};
+static const char *const kind_names[] = {
+    "ctof",   "signal",   "network",    "stiffness", "angles", "forces", "snapshot", "fronts",    "scaling", "ensemble",
+    "pareto", "spectrum", "dispersion", "wave",      "column", "mode",   "modes",    "transport", NULL};
 enum { ANY = 1 << 16 };
 /* in the order of their names */
 static const kind kinds[] = {{draw_ctof, 12, "", 0},
@@ -188,7 +188,8 @@ static const kind kinds[] = {{draw_ctof, 12, "", 0},
                              {draw_tables, 6, "", PLOT_WAVE},
                              {draw_column, 6, "", 0},
                              {draw_motion, 2, "network", true},
-                             {draw_tables, 6, "", PLOT_MODES}};
+                             {draw_tables, 6, "", PLOT_MODES},
+                             {draw_tables, 6, "", PLOT_TRANSPORT}};
 
 /* ---- the command ------------------------------------------------------------------------------------------------ */
 
@@ -266,8 +267,8 @@ static sp_status add_label(void *user, const char *text, sp_error *err) {
 }
 
 /* Kinds with axes, and kinds with a legend of files. */
-#define WITH_AXES   "ctof signal forces fronts scaling ensemble pareto spectrum dispersion wave column modes"
-#define WITH_LABELS "ctof signal fronts scaling ensemble spectrum dispersion wave column modes"
+#define WITH_AXES   "ctof signal forces fronts scaling ensemble pareto spectrum dispersion wave column modes transport"
+#define WITH_LABELS "ctof signal fronts scaling ensemble spectrum dispersion wave column modes transport"
 
 static const cli_option options[] = {
     {"store", "DIR", "ctof: use the samples in this folder instead of a table", CLI_TEXT,
@@ -341,6 +342,7 @@ static const cli_syntax syntax = {
         "dispersion: a table of `sonopack spectrum dispersion', or a packing; bars are half widths.\n"
         "wave: phase speed and attenuation against wave number from tables of `sonopack wave', and Rayleigh's alpha "
         "= a k^(dimension + 1) through the points with alpha below k/10.\n"
+        "transport: D and mean free path against frequency from tables of `sonopack transport'.\n"
         "column: a table of `sonopack column' (trajectory, strobe, lyapunov, bifurcation, compare, density or "
         "energy); trajectories of lattice, longwave and bsr are drawn as surfaces side by side, two columns of print "
         "wide, and a bifurcation above a table of lyapunov.\n"

@@ -13,6 +13,7 @@ typedef enum plot_tables_kind {
     PLOT_ENSEMBLE,
     PLOT_MODES,
     PLOT_WAVE,
+    PLOT_TRANSPORT,
     PLOT_CTOF
 } plot_tables_kind;
 
