@@ -17,10 +17,12 @@ void transport_add(transport_mean *m, double value, double error) {
     m->own = error;
 }
 
-double transport_value(const transport_mean *m) { return m->n > 0 ? m->sum / (double)m->n : NAN; }
+double transport_value(const transport_mean *m) { return m->n > 0 && !m->few ? m->sum / (double)m->n : NAN; }
 
 double transport_error(const transport_mean *m) {
     const double n = (double)m->n;
+    if (m->few)
+        return NAN;
     if (m->n == 1)
         return m->own;
     return m->n > 1 ? sqrt(fmax(0, m->squares - m->sum * m->sum / n) / (n - 1) / n) : NAN;
@@ -262,15 +264,12 @@ static void print_coherent(const transport_arguments *a, cli_writer *w) {
                 "1/d", "path", "d", "path_err", "d", "path_low", "d", "k_path", "", "k_path_err", "", "part", "", NULL);
     cli_columns(w, SP_CELL_INTEGER, "samples", "", NULL);
     for (int32_t l = 0; l < a->n && w->status == SP_OK; l++) {
-        static const transport_mean nothing[TRANSPORT_VALUES];
-        /* a wave that few of the packings have is none of the material */
-        const bool found = 2 * means_at(a, l)->n >= a->common.files;
-        const transport_mean *m = found ? means_at(a, l) : nothing;
+        const transport_mean *m = means_at(a, l);
         const free_path p = path_of(m);
         w->status = sp_table_add_row(w->table, w->err, a->omega[l], transport_value(&m[COHERENT_K]),
                                      transport_error(&m[COHERENT_K]), transport_value(&m[COHERENT_ALPHA]),
                                      transport_error(&m[COHERENT_ALPHA]), p.path, p.path_err, p.low, p.k_path,
-                                     p.k_path_err, transport_value(&m[COHERENT_PART]), means_at(a, l)->n);
+                                     p.k_path_err, transport_value(&m[COHERENT_PART]), m[COHERENT_K].n);
     }
 }
 
@@ -325,6 +324,8 @@ static void print_energy(const transport_arguments *a, cli_writer *w) {
 }
 
 void transport_print(transport_arguments *a, cli_writer *w) {
+    for (int32_t k = 0; k < TRANSPORT_FREQUENCIES_MAX * TRANSPORT_VALUES; k++)
+        a->mean[k].few = 2 * a->mean[k].n < a->common.files;
     switch (a->quantity) {
     case TRANSPORT_KUBO: print_kubo(a, w); break;
     case TRANSPORT_COHERENT: print_coherent(a, w); break;

@@ -17,8 +17,10 @@ typedef enum transport_quantity {
 
 enum { TRANSPORT_FREQUENCIES_MAX = 1000, TRANSPORT_FREQUENCIES = 10, TRANSPORT_VALUES = 10 };
 
-/* A mean over packings. The error is the standard error of the mean; with one packing it is what that packing gave. */
+/* A mean over packings. The error is the standard error of the mean; with one packing it is what that packing gave. A
+ * value that only `few` of the packings gave would be a mean over chosen packings: nan. */
 typedef struct transport_mean {
+    bool few;
     int64_t n;
     double sum, squares, own;
 } transport_mean;
