@@ -29,6 +29,7 @@ static const cli_command_row commands[] = {
     {"table", cmd_table, "tables of a finished or running study"},
     {"transport", cmd_transport, "diffusivity of sound's energy and mean free paths of its waves"},
     {"wave", cmd_wave, "phase speed and attenuation of the coherent wave inside packings"},
+    {"amplitude", cmd_amplitude, "speed and shape of the front as the pulse grows loud"},
     {"chain", cmd_chain, "chain of equal balls in closed form, of any length"},
     {"column", cmd_column, "tapped column of particles, discrete and as a continuum"},
     {"reproduce", cmd_reproduce, "compare the results of a paper with our own"},
