@@ -54,6 +54,21 @@ SP_API sp_status sp_transport_current(const sp_network *net, const double *u, co
 SP_API sp_status sp_transport_advance(const sp_network *net, double t, double *u, double *v, double *drift,
                                       sp_error *err);
 
+/* The energy after an impulse at the bottom wall, filtered to a band as in sp_spread_options; its energy is then 1. */
+typedef struct sp_burst_options {
+    double omega; /* above 0 */
+    double width; /* of the band, over omega; 0.1 */
+    int32_t times;
+    const double *t; /* [times] ascending, >= 0: after the middle of the burst */
+    int32_t planes;
+    const double *height; /* [planes] */
+} sp_burst_options;
+/* below [times][planes]: energy of the grains below each plane; flux [times][planes]. *drift, or NULL: largest relative
+ * change of the whole energy, which bounds the rounding errors. SP_EINVAL for invalid options, SP_EREFUSED without a
+ * bottom wall, if K is not symmetric, if no mode is near the frequency, and for an unstable network. */
+SP_API sp_status sp_burst_make(const sp_network *net, const sp_burst_options *opt, double *below, sp_flux *flux,
+                               double *drift, sp_error *err);
+
 /* ---- diffusivity from the spreading of energy -------------------------------------------------------------------- */
 
 /* A random motion of all grains is limited to a band about omega: the energy of its modes falls off like

@@ -22,6 +22,7 @@ static const spelling spellings[] = {
     {"E* d", "|E|* |d|", NULL, NULL},
     {UNIT_SPEED, "(|E|*/" RHO ")^{1/2}", NULL, NULL},
     {UNIT_TIME, "|d| (" RHO "/|E|*)^{1/2}", NULL, "(|E|*/" RHO ")^{1/2}/|d|"},
+    {"d sqrt(E* / rho)", "|d| (|E|*/" RHO ")^{1/2}", NULL, NULL},
     {"modes d/sqrt(E* / rho)", "modes |d| (" RHO "/|E|*)^{1/2}", NULL, NULL},
     {UNIT_FREQUENCY, "(|E|*/" RHO ")^{1/2}/|d|", "|E|*/(" RHO " |d|^{2})", "|d| (" RHO "/|E|*)^{1/2}"},
     {"rad/s", "rad/s", NULL, "s"}, /* a density of states is in s, or us: a radian has no unit */

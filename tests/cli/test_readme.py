@@ -83,7 +83,7 @@ def check_links(page):
 def main():
     check_the_reader()
     faults = [fault for page in PAGES for fault in [run_page(page)] if fault]
-    for page in [*PAGES, "docs/physics.md", "docs/reproduction.md", "docs/DESIGN.md", "CHANGELOG.md"]:
+    for page in [*PAGES, "docs/physics.md", "docs/reproduction.md", "docs/transport.md", "docs/DESIGN.md", "CHANGELOG.md"]:
         faults += check_links(page)
     print(*faults, sep="\n")
     sys.exit(1 if faults else 0)

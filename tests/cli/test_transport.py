@@ -98,6 +98,19 @@ def test_split(other):
             assert abs(kinetic - 0.5) < 0.06, (prefix, kinetic)
 
 
+def test_energy(other):
+    options = ["--quantity", "energy", "--at", "0.1", "--until", "200"]
+    one, two, both = mean_of_files(options, ["below", "flux", "flux_normal", "flux_rotation"], (N600, other))
+    assert len(one["t"]) == 72 and one["t"][-1] == 200 and set(one["plane"]) == {0.25, 0.5, 0.75}
+    for t in one, two:
+        assert all(abs(a) < 1e-9 for a in t["below_err"]), "errors of rounding"
+        for k in range(0, 72, 3): # the order of the planes, and what the flux consists of
+            assert 0 <= t["below"][k] <= t["below"][k + 1] <= t["below"][k + 2] <= 1 + 1e-9
+            assert abs(t["flux"][k] - t["flux_normal"][k] - t["flux_sideways"][k] - t["flux_rotation"][k]) < 1e-12
+        assert t["below"][0] > t["below"][-3] + 0.1, "it has gone up"
+    assert names_all(run("transport", N600, "--quantity", "energy", "--at", "0.1:0.5:40", status=2), "--at 40")
+
+
 def test_chain():
     """Random masses: the closed form where the frequency is low, a bound where nothing decays."""
     comments, t = chain("--at", "0.1,0.2,1.5", "--disorder", "0.4", "--grains", "2000000")
@@ -120,6 +133,24 @@ def chain(*arguments):
     return comments, {name: [float(cell[c]) for cell in cells] for c, name in enumerate(header)}
 
 
+def test_figure(folder):
+    tables = [os.path.join(folder, name + ".tsv") for name in ("kubo", "coherent", "split")]
+    figure = os.path.join(folder, "transport.svg")
+    run("transport", N600, "--quantity", "kubo", "--at", "0.2:0.5:4", "-o", tables[0])
+    run("transport", N600, "--quantity", "coherent", "--at", "0.06:0.3:4", "-o", tables[1])
+    run("transport", N200, "--quantity", "split", "--at", "0.3", "-o", tables[2])
+    run("plot", "transport", *tables[:2], "-o", figure)
+    both = open(figure).read()
+    assert "(a)" in both and "(b)" in both and "mean free path" in both
+    run("plot", "transport", tables[1], "-o", figure, "--force")
+    one = open(figure).read()
+    assert "(a)" not in one and "mean free path" in one
+    assert names_all(run("plot", "transport", tables[2], "-o", figure, "--force", status=1), "D path")
+    with open(tables[2], "w") as file:
+        file.write("D\tD_err\n1\t0.1\n")
+    assert names_all(run("plot", "transport", tables[2], "-o", figure, "--force", status=1), "omega")
+
+
 def test_lattice(folder):
     """In a lattice nothing is scattered: a bound for the mean free path, no diffusivity."""
     scene = os.path.join(folder, "lattice.cfg")
@@ -129,6 +160,17 @@ def test_lattice(folder):
     run("pack", scene, "-o", lattice)
     wave = rows(lattice, "--quantity", "coherent", "--at", "0.2,0.3")[1]
     assert all(map(math.isnan, wave["path"])) and all(v > 30 for v in wave["path_low"]), wave
+    # long waves of both kinds have the speeds of the moduli, if there is friction to hold the rows together
+    with open(scene, "w") as file:
+        file.write('packing = { kind = "triangular"; grains = 480; width = 8; friction = 0.5; };\n')
+    rough = os.path.join(folder, "rough.h5")
+    run("pack", scene, "-o", rough)
+    _, header, cells = table(run("moduli", rough))
+    for speed, more in (("c_l", ()), ("c_t", ("--shear",))):
+        c = float(cells[0][header.index(speed)])
+        t = rows(rough, "--quantity", "coherent", "--at", "0.05,0.1", *more)[1]
+        assert all(close(w / k, c, 0.02) for w, k in zip(t["omega"], t["k"])), (speed, c, t)
+        assert all(map(math.isnan, t["path"])) and all(v > 300 for v in t["path_low"]), t
     spread = rows(lattice, "--at", "0.3,0.6")[1]
     assert all(map(math.isnan, spread["D"])), spread
 
@@ -154,6 +196,8 @@ with tempfile.TemporaryDirectory() as folder:
     test_kubo()
     test_coherent(other)
     test_split(other)
+    test_energy(other)
     test_chain()
     test_lattice(folder)
+    test_figure(folder)
     test_refused()

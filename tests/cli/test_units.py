@@ -35,7 +35,7 @@ SI = {si: factor for si, factor in FACTORS.values()}
 # columns and comments of numbers that have no dimension, and of texts
 PLAIN = re.compile(r"""file|probe|reason|verdict|branch|polarization|ok|failed|name|seed|dimension|grains?|samples|left_out|modes|steps|
     n|n1|n2|made|lost|sliding|rattlers|negative|flutter|zero|z_star|friction|strain|part|participation|share|min|max|sd|misfit|
-    overlap|ratio|alpha|alpha_err|alpha_peak|alpha_peak_err|gamma|gamma_err|speed_over_c_l|k_path(_err)?|(pulse_)?(along|across|rotation|normal|tangential)(_err)?|C\d\d_((sine|lines)\d_)?ratio(_\w+)?|
+    overlap|ratio|alpha|alpha_err|alpha_peak|alpha_peak_err|gamma|gamma_err|speed_over_c_l|k_path(_err)?|plane|below(_err)?|(pulse_)?(along|across|rotation|normal|tangential)(_err)?|C\d\d_((sine|lines)\d_)?ratio(_\w+)?|
     (Phi2|Phi3s?|zs|f0|N_over_p|Z2|Z3|F2S?|s1_over_s2|s[13]2_over_s2|mobilised)(_(sd|err|low|high))?|
     force|torque|walls|law|geometry|coulomb|residual|Q(_err)?|
     (speed|peak|width)_ratio(_err)?|amplitude|overpressure(_err)?|packings|carrying|slid|opened|closed|kinetic|normal|tangential|
@@ -177,7 +177,7 @@ def check_commands(folder):
             "transport P.h5 --quantity kubo --at 0.3:0.5:2", "transport W.h5 --quantity coherent --at 0.1:0.3:3",
             "design P.h5 --goal delay --iterations 2", "design P.h5 --goal band:0.1:0.2 --iterations 1 --rows grains",
             "coda P.h5 --trials 3 --noise 0.1", "coda P.h5 --detector part:0:4 --grain 40 --rows 4",
-            "transport P.h5 --quantity split --at 0.3"):
+            "transport P.h5 --quantity split --at 0.3", "transport P.h5 --quantity energy --at 0.3"):
         check_command(folder, *line.split())
     check_command(folder, "check", "P.h5", units=False)
     check_command(folder, "front", "K.h5", f"--material={MATERIAL}")

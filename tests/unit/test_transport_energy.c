@@ -179,6 +179,56 @@ static void test_advance(void **state) {
     sp_packing_free(&p);
 }
 
+/* What a burst carries through a plane is what leaves the grains below it; all of it begins near the bottom. */
+static void test_burst(void **state) {
+    (void)state;
+    enum { TIMES = 2001, PLANES = 2 };
+    sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N600_p1e-4.txt");
+    sp_network net = network_of(&p, false);
+    double *t = calloc(TIMES, sizeof *t), *below = calloc(TIMES * PLANES, sizeof *below), drift = 1;
+    sp_flux *flux = calloc(TIMES * PLANES, sizeof *flux);
+    const double planes[PLANES] = {8, 16}, h = 0.1;
+    assert_true(t && below && flux);
+    for (int l = 0; l < TIMES; l++)
+        t[l] = h * l;
+    sp_burst_options o = {.omega = 0.15, .width = 0.2, .times = TIMES, .t = t, .planes = PLANES, .height = planes};
+    assert_ok(sp_burst_make(&net, &o, below, flux, &drift, &err));
+    assert_true(drift < 1e-10);
+    for (int q = 0; q < PLANES; q++) {
+        double flow = 0;
+        for (int l = 0; l < TIMES; l++) /* Simpson */
+            flow += h / 3 * (l == 0 || l == TIMES - 1 ? 1 : l % 2 ? 4 : 2) * sp_flux_sum(&flux[l * PLANES + q]);
+        assert_true(below[q] > 0.3 && below[q] <= 1 + 1e-9);
+        assert_true(flow > 0.02);
+        assert_close(below[q] - below[(TIMES - 1) * PLANES + q], flow, 1e-6);
+    }
+    o.t = planes; /* 8, 16 */
+    o.times = 2;
+    double few[4];
+    assert_ok(sp_burst_make(&net, &o, few, flux, NULL, &err));
+    assert_close(few[0], below[80 * PLANES], 1e-11);
+    assert_close(few[3], below[160 * PLANES + 1], 1e-11);
+    o.omega = 90;
+    o.width = 0.05;
+    assert_fails(sp_burst_make(&net, &o, few, flux, NULL, &err), SP_EREFUSED, "90");
+    o.omega = 0;
+    assert_fails(sp_burst_make(&net, &o, few, flux, NULL, &err), SP_EINVAL, "0");
+    o = (sp_burst_options){
+        .omega = 0.4, .width = 0.2, .times = 2, .t = (double[]){4, 3}, .planes = 1, .height = planes};
+    assert_fails(sp_burst_make(&net, &o, few, flux, NULL, &err), SP_EINVAL, "3");
+    sp_packing periodic = cells_square(6, 6, 0, 1e-3, 0.5);
+    sp_network cell = network_of(&periodic, false);
+    o.t = t;
+    assert_fails(sp_burst_make(&cell, &o, few, flux, NULL, &err), SP_EREFUSED, "walls");
+    sp_network_free(&cell);
+    sp_packing_free(&periodic);
+    free(t);
+    free(below);
+    free(flux);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
 /* Forces at rest that turn with their contacts have no energy. */
 static void test_no_energy(void **state) {
     (void)state;
@@ -198,8 +248,8 @@ static void test_no_energy(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_sum_is_the_energy), cmocka_unit_test(test_balance),
-                                       cmocka_unit_test(test_group_velocity), cmocka_unit_test(test_advance),
-                                       cmocka_unit_test(test_no_energy)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_sum_is_the_energy), cmocka_unit_test(test_balance), cmocka_unit_test(test_group_velocity),
+        cmocka_unit_test(test_advance),           cmocka_unit_test(test_burst),   cmocka_unit_test(test_no_energy)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -132,6 +132,9 @@ SP_API sp_status sp_plot_section(int records, const sp_plot_record *record, cons
 /* Phase speed and attenuation against the wave number from tables of `sonopack wave', with Rayleigh's law alpha ~
  * k^(dimension + 1) fitted to the long waves. Values that a logarithmic axis cannot show are left out. */
 SP_API sp_status sp_plot_wave(int tables, const sp_plot_table *table, const char *path, sp_error *err);
+/* Diffusivity and mean free path against frequency, with their errors, from tables of `sonopack transport': a panel for
+ * each of the columns D and path that any table has. 1 to 6 tables. */
+SP_API sp_status sp_plot_transport(int tables, const sp_plot_table *table, const char *path, sp_error *err);
 
 /* Tables of `sonopack amplitude'. Of fronts: their speed over its linear limit, and the shares of contacts that opened
  * and slid, against the amplitude, with a curve for each pressure, friction and dimension. Of bursts at planes: F2/F1^2

@@ -38,7 +38,8 @@ static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
     if (a->common.sets > 0)
         return sp_fail(err, SP_EINVAL, "--set %.60s: this command uses no scene", a->common.set[0]);
-    if (!a->grains && (a->common.kind == KIND_SIGNAL || a->common.kind == KIND_MODES))
+    const bool lengths = a->common.kind == KIND_SIGNAL || a->common.kind == KIND_MODES;
+    if (!a->grains && lengths)
         return sp_fail(err, SP_EINVAL, "no --grains: must be the number of balls");
     if (a->common.units == CLI_UNITS_SI && isnan(a->pressure))
         return sp_fail(err, SP_EINVAL, "--units si: only front and signal with --pressure have units of a material");
@@ -50,7 +51,7 @@ static sp_status check(void *user, sp_error *err) {
 static const cli_option options[] = {
     {"grains", "N|N1,N2,...|FROM:TO:FACTOR",
      "Number of balls; front: several lengths, or a range with a constant factor (10:1000000:2)", CLI_TEXT,
-     .field = offsetof(arguments, grains), .kinds = "front signal modes"},
+     .field = offsetof(arguments, grains), .kinds = "front signal modes localisation"},
     {"peaks", "P1,P2,...",
      "soliton: largest additional overlap over that at rest, or inf for a chain that bears no force at rest "
      "(0.001,0.01,0.1,1,10,100,1000,inf)",
@@ -98,7 +99,8 @@ static const cli_syntax syntax = {
         "ball in c delta0/l, width the balls between the places of half the peak. kdv and kdv_width are those of long "
         "and weak waves (Korteweg and de Vries), nesterenko is the speed of long waves of any strength. speed_at_peak "
         "and velocity_at_peak are the same in units of a chain that rests with the overlap of the peak; with the peak "
-        "inf only these are finite. "
+        "inf only these are finite.\n"
+        "\n"
         "localisation: gamma with its standard error from 32 parts of the chain (of 10^6 balls without --grains), "
         "length = 1/gamma, and law = omega^2 <dm^2>/(8 K <m>), which holds for low frequencies (Matsuda and Ishii "
         "1970). If gamma is not above twice its error, length is nan and length_low is a lower bound.",
@@ -330,10 +332,10 @@ static sp_status localisation_table(const arguments *a, cli_writer *w) {
 static sp_status work(const arguments *a, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err, .status = cli_may_write_table(&a->common, err)};
     const units u = units_of(a->pressure, (sp_chain_source)a->initial);
-    if (a->common.kind == KIND_SOLITON)
-        cli_comment(&w, "chain of equal balls, solitary waves");
-    else if (a->common.kind == KIND_LOCALISATION)
+    if (a->common.kind == KIND_LOCALISATION)
         cli_comment(&w, "chain of equal springs K and random masses of mean m");
+    else if (a->common.kind == KIND_SOLITON)
+        cli_comment(&w, "chain of equal balls, solitary waves");
     else
         cli_comment(&w, "chain of equal balls, initial condition %s",
                     a->initial == SP_CHAIN_VELOCITY ? "A: velocity" : "B: displacement");

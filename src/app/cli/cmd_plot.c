@@ -189,7 +189,7 @@ static sp_status draw_column(const arguments *a, const sp_scene *scene, sp_error
 static const char *const kind_names[] = {"ctof",        "signal", "network",   "stiffness", "angles", "forces",
                                          "snapshot",    "fronts", "scaling",   "ensemble",  "pareto", "spectrum",
                                          "dispersion",  "wave",   "amplitude", "column",    "mode",   "modes",
-                                         "sensitivity", "grains", NULL};
+                                         "sensitivity", "grains", "transport", NULL};
 enum { ANY = 1 << 16 };
 /* in the order of their names */
 static const kind kinds[] = {{draw_ctof, 12, "", 0},
@@ -211,7 +211,8 @@ static const kind kinds[] = {{draw_ctof, 12, "", 0},
                              {draw_motion, 2, "network", true},
                              {draw_tables, 6, "", PLOT_MODES},
                              {draw_sensitivity, 2, "network", 0},
-                             {draw_grains, 2, "network", 0}};
+                             {draw_grains, 2, "network", 0},
+                             {draw_tables, 6, "", PLOT_TRANSPORT}};
 
 /* ---- the command ------------------------------------------------------------------------------------------------ */
 
@@ -289,8 +290,9 @@ static sp_status add_label(void *user, const char *text, sp_error *err) {
 }
 
 /* Kinds with axes, and kinds with a legend of files. */
-#define WITH_AXES   "ctof signal forces fronts scaling ensemble pareto spectrum dispersion wave amplitude column modes"
-#define WITH_LABELS "ctof signal fronts scaling ensemble spectrum dispersion wave amplitude column modes"
+#define WITH_AXES                                                                                                      \
+    "ctof signal forces fronts scaling ensemble pareto spectrum dispersion wave amplitude column modes transport"
+#define WITH_LABELS "ctof signal fronts scaling ensemble spectrum dispersion wave amplitude column modes transport"
 
 static const cli_option options[] = {
     {"store", "DIR", "ctof: use the samples in this folder instead of a table", CLI_TEXT,
@@ -366,6 +368,7 @@ static const cli_syntax syntax = {
         "= a k^(dimension + 1) through the points with alpha below k/10.\n"
         "amplitude: speed over its linear limit and shares of contacts that opened and slid against amplitude, from "
         "tables of `sonopack amplitude'; with --omega and --planes F2/F1^2 against height.\n"
+        "transport: D and mean free path against frequency from tables of `sonopack transport'.\n"
         "column: a table of `sonopack column' (trajectory, strobe, lyapunov, bifurcation, compare, density or "
         "energy); trajectories of lattice, longwave and bsr are drawn as surfaces side by side, two columns of print "
         "wide, and a bifurcation above a table of lyapunov.\n"

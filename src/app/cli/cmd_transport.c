@@ -2,13 +2,14 @@
 #include "base/base.h"
 #include "cli/transport.h"
 
-static const char *const quantity_names[] = {"diffusivity", "kubo", "coherent", "split", NULL};
+static const char *const quantity_names[] = {"diffusivity", "kubo", "coherent", "split", "energy", NULL};
 static const char *const axis_names[] = {"up", "x", "y", NULL};
 
 static const cli_option options[] = {
-    {"quantity", "diffusivity|kubo|coherent|split",
+    {"quantity", "diffusivity|kubo|coherent|split|energy",
      "What to compute: the diffusivity of energy, from its spreading (diffusivity, the default) or from eigenmodes "
-     "(kubo), the mean free path of the coherent wave (coherent), or the parts of the energy (split)",
+     "(kubo), the mean free path of the coherent wave (coherent), the parts of the energy (split), or its flux after a "
+     "burst (energy)",
      CLI_CHOICE, .field = offsetof(transport_arguments, quantity), .words = quantity_names},
     {"at", "W1,W2,...|LOW:HIGH:N",
      "Frequencies (10, from 0.05 to 0.6 of the upper bound of the spectrum of the first packing)", CLI_TEXT,
@@ -25,8 +26,10 @@ static const cli_option options[] = {
      .field = offsetof(transport_arguments, sources), .low = 2, .high = 1000},
     {"seed", "N", "diffusivity, split: seed of the random motions (1)", CLI_INTEGER,
      .field = offsetof(transport_arguments, seed), .high = 1e15},
-    {"until", "T", "diffusivity: last time [d/sqrt(E* / rho)] (300 periods)", CLI_NUMBER,
-     .field = offsetof(transport_arguments, until), .low = 1e-6, .high = 1e12, .unit = "d/sqrt(E* / rho)"},
+    {"until", "T",
+     "diffusivity, energy: last time [d/sqrt(E* / rho)] (300 periods; energy: the window of `signal' of the first "
+     "packing)",
+     CLI_NUMBER, .field = offsetof(transport_arguments, until), .low = 1e-6, .high = 1e12, .unit = "d/sqrt(E* / rho)"},
     {"smear", "W", "kubo: width of the delta function, over the frequency (0.1)", CLI_NUMBER,
      .field = offsetof(transport_arguments, smear), .low = 0.001, .high = 0.2},
     {"spacing", "D", "coherent: distance between planes [d] (1)", CLI_NUMBER,
@@ -54,7 +57,8 @@ static const cli_syntax syntax = {
         "How the energy of sound moves through packings: diffusivity and mean free paths at each frequency.\v"
         "The table has the means over the packings and their standard errors; for a single packing the errors are "
         "those over its random motions or modes. samples: number of packings that gave a value. nan: the quantity "
-        "does not exist there, for example because the energy crosses the packing before it is scattered.\n"
+        "does not exist in more than half of the packings, for example because energy crosses them before it is "
+        "scattered.\n"
         "\n"
         "diffusivity: random motions in a band about omega, with more energy on one side of the packing than on the "
         "other. The difference decays like exp(-D q^2 t) from 0.7 to 0.2 of its value at the start, between the times "
@@ -70,14 +74,19 @@ static const cli_syntax syntax = {
         "= k path. The comment ioffe_regel is the frequency at which k_path falls to pi, where the mean free path is "
         "half "
         "a wavelength. If alpha is not above twice its error, path and "
-        "k_path are nan and path_low is a lower bound, two errors away. All are nan where the wave accounts for less "
-        "than "
-        "half of the squared flux in more than half of the packings.\n"
+        "k_path are nan and path_low is a lower bound, two errors away. A fit that accounts for less "
+        "than half of the squared flux is left out.\n"
         "\n"
         "split: parts of the energy in the band: kinetic of translation along the up axis (along), along the others "
         "(across) and of rotation, potential of normal and of tangential springs. They are those of random motions, in "
         "which all modes have the same energy; pulse_ are those of the motion after an impulse at the bottom wall, 100 "
-        "to 200 periods later.",
+        "to 200 periods later.\n"
+        "\n"
+        "energy: an impulse at the bottom wall, filtered to the band; its energy is 1. below: the part of it that is "
+        "in "
+        "the grains below the plane at this fraction of the height, flux: what passes the plane, and of it the work of "
+        "normal forces, of tangential forces on the translation of the grains (sideways), and of their torques. For a "
+        "single packing the errors are those of rounding.",
     .finds_material = true,
     .options = options,
     .file_name = "packing",
@@ -125,7 +134,7 @@ static sp_status add_rows(void *user, sp_table *t, sp_error *err) {
     cli_comment(&w, "quantity = %s", quantity_names[a->quantity]);
     if (a->quantity == TRANSPORT_COHERENT)
         cli_comment(&w, "motion = %s", a->section.shear ? "shear" : "compression");
-    else if (a->quantity != TRANSPORT_SPLIT)
+    else if (a->quantity <= TRANSPORT_KUBO)
         cli_comment(&w, "axis = %s", a->quantity == TRANSPORT_KUBO && a->axis == 0 ? "mean" : axis_names[a->axis]);
     transport_print(a, &w);
     return w.status;

@@ -48,6 +48,7 @@ static sp_status draw(const cli_common *common, plot_tables_kind kind, int files
     case PLOT_MODES: return sp_plot_modes_tables(files, shown, common->output, err);
     case PLOT_CTOF: return sp_plot_ctof_tables(files, shown, common->output, err);
     case PLOT_AMPLITUDE: return sp_plot_amplitude(files, shown, common->output, err);
+    case PLOT_TRANSPORT: return sp_plot_transport(files, shown, common->output, err);
     case PLOT_WAVE: return sp_plot_wave(files, shown, common->output, err);
     }
     return SP_EINVAL;

@@ -14,6 +14,7 @@ typedef enum plot_tables_kind {
     PLOT_MODES,
     PLOT_WAVE,
     PLOT_AMPLITUDE,
+    PLOT_TRANSPORT,
     PLOT_CTOF
 } plot_tables_kind;
 

@@ -17,10 +17,12 @@ void transport_add(transport_mean *m, double value, double error) {
     m->own = error;
 }
 
-double transport_value(const transport_mean *m) { return m->n > 0 ? m->sum / (double)m->n : NAN; }
+double transport_value(const transport_mean *m) { return m->n > 0 && !m->few ? m->sum / (double)m->n : NAN; }
 
 double transport_error(const transport_mean *m) {
     const double n = (double)m->n;
+    if (m->few)
+        return NAN;
     if (m->n == 1)
         return m->own;
     return m->n > 1 ? sqrt(fmax(0, m->squares - m->sum * m->sum / n) / (n - 1) / n) : NAN;
@@ -136,11 +138,59 @@ static sp_status measure_split(transport_arguments *a, const sp_network *net, sp
     return status;
 }
 
+/* Planes at quarters of the height, and equally spaced times up to a.until, which the first packing sets. */
+enum { BURST_TIMES = 24, BURST_PLANES = 3, BURST_VALUES = 5 };
+static const double ROUNDING = 1e-11; /* of parts of the energy, by tests; the drift is that of all of it */
+enum { BURST_BELOW = 0, BURST_FLUX, BURST_NORMAL, BURST_SIDEWAYS, BURST_ROTATION };
+static const int burst_most =
+    TRANSPORT_FREQUENCIES_MAX * TRANSPORT_VALUES / (BURST_TIMES * BURST_PLANES * BURST_VALUES);
+
+static transport_mean *burst_means(const transport_arguments *a, int32_t l, int row) {
+    return a->mean + ((int64_t)l * BURST_TIMES * BURST_PLANES + row) * BURST_VALUES;
+}
+
+static double burst_time(const transport_arguments *a, int k) { return a->until * (k + 1) / BURST_TIMES; }
+
+/* The flux of an energy 1 is at most about the highest frequency, and so are its rounding errors beside those of the
+ * energy. */
+static void add_burst(const double *below, const sp_flux *flux, double drift, double highest, transport_mean *m) {
+    const double error = highest * drift;
+    transport_add(&m[BURST_BELOW], *below, drift);
+    transport_add(&m[BURST_FLUX], sp_flux_sum(flux), error);
+    transport_add(&m[BURST_NORMAL], flux->normal, error);
+    transport_add(&m[BURST_SIDEWAYS], flux->sideways, error);
+    transport_add(&m[BURST_ROTATION], flux->rotation, error);
+}
+
+static sp_status measure_energy(transport_arguments *a, const sp_network *net, sp_error *err) {
+    double t[BURST_TIMES], height[BURST_PLANES], below[BURST_TIMES * BURST_PLANES], drift = 0;
+    sp_flux flux[BURST_TIMES * BURST_PLANES];
+    sp_status status = SP_OK;
+    const double top = net->box[net->dim - 1];
+    if (a->n > burst_most)
+        return sp_fail(err, SP_EINVAL, "--at: %d frequencies, energy takes at most %d", a->n, burst_most);
+    if (!(a->until > 0))
+        a->until = sp_signal_window(top, net->pressure);
+    for (int k = 0; k < BURST_TIMES; k++)
+        t[k] = burst_time(a, k);
+    for (int k = 0; k < BURST_PLANES; k++)
+        height[k] = top * (k + 1) / (BURST_PLANES + 1);
+    for (int32_t l = 0; l < a->n && status == SP_OK; l++) {
+        const sp_burst_options o = {a->omega[l], a->width, BURST_TIMES, t, BURST_PLANES, height};
+        status = sp_burst_make(net, &o, below, flux, &drift, err);
+        drift += ROUNDING;
+        for (int row = 0; row < BURST_TIMES * BURST_PLANES && status == SP_OK; row++)
+            add_burst(&below[row], &flux[row], drift, sp_network_omega_bound(net), burst_means(a, l, row));
+    }
+    return status;
+}
+
 sp_status transport_measure(transport_arguments *a, const sp_network *net, sp_error *err) {
     switch (a->quantity) {
     case TRANSPORT_KUBO: return measure_kubo(a, net, err);
     case TRANSPORT_COHERENT: return measure_coherent(a, net, err);
     case TRANSPORT_SPLIT: return measure_split(a, net, err);
+    case TRANSPORT_ENERGY: return measure_energy(a, net, err);
     default: return measure_spread(a, net, err);
     }
 }
@@ -214,15 +264,12 @@ static void print_coherent(const transport_arguments *a, cli_writer *w) {
                 "1/d", "path", "d", "path_err", "d", "path_low", "d", "k_path", "", "k_path_err", "", "part", "", NULL);
     cli_columns(w, SP_CELL_INTEGER, "samples", "", NULL);
     for (int32_t l = 0; l < a->n && w->status == SP_OK; l++) {
-        static const transport_mean nothing[TRANSPORT_VALUES];
-        /* a wave that few of the packings have is none of the material */
-        const bool found = 2 * means_at(a, l)->n >= a->common.files;
-        const transport_mean *m = found ? means_at(a, l) : nothing;
+        const transport_mean *m = means_at(a, l);
         const free_path p = path_of(m);
         w->status = sp_table_add_row(w->table, w->err, a->omega[l], transport_value(&m[COHERENT_K]),
                                      transport_error(&m[COHERENT_K]), transport_value(&m[COHERENT_ALPHA]),
                                      transport_error(&m[COHERENT_ALPHA]), p.path, p.path_err, p.low, p.k_path,
-                                     p.k_path_err, transport_value(&m[COHERENT_PART]), means_at(a, l)->n);
+                                     p.k_path_err, transport_value(&m[COHERENT_PART]), m[COHERENT_K].n);
     }
 }
 
@@ -250,11 +297,40 @@ static void print_split(const transport_arguments *a, cli_writer *w) {
     }
 }
 
+static void print_energy(const transport_arguments *a, cli_writer *w) {
+    static const char *const names[BURST_VALUES] = {"below", "flux", "flux_normal", "flux_sideways", "flux_rotation"};
+    double row[2 * BURST_VALUES + 4];
+    char error[40];
+    cli_columns(w, SP_CELL_NUMBER, "omega", "sqrt(E* / rho)/d", "t", "d/sqrt(E* / rho)", "plane", "", NULL);
+    for (int k = 0; k < BURST_VALUES; k++) {
+        const char *unit = k == BURST_BELOW ? "" : "sqrt(E* / rho)/d";
+        snprintf(error, sizeof error, "%s_err", names[k]);
+        cli_columns(w, SP_CELL_NUMBER, names[k], unit, error, unit, NULL);
+    }
+    cli_columns(w, SP_CELL_INTEGER, "samples", "", NULL);
+    for (int32_t q = 0; q < a->n * BURST_TIMES * BURST_PLANES && w->status == SP_OK; q++) {
+        const int32_t l = q / (BURST_TIMES * BURST_PLANES), at = q % (BURST_TIMES * BURST_PLANES);
+        const transport_mean *m = burst_means(a, l, at);
+        row[0] = a->omega[l];
+        row[1] = burst_time(a, at / BURST_PLANES);
+        row[2] = (at % BURST_PLANES + 1.0) / (BURST_PLANES + 1);
+        for (int k = 0; k < BURST_VALUES; k++) {
+            row[3 + 2 * k] = transport_value(&m[k]);
+            row[4 + 2 * k] = transport_error(&m[k]);
+        }
+        row[2 * BURST_VALUES + 3] = (double)m->n;
+        w->status = sp_table_add_numbers(w->table, row, w->err);
+    }
+}
+
 void transport_print(transport_arguments *a, cli_writer *w) {
+    for (int32_t k = 0; k < TRANSPORT_FREQUENCIES_MAX * TRANSPORT_VALUES; k++)
+        a->mean[k].few = 2 * a->mean[k].n < a->common.files;
     switch (a->quantity) {
     case TRANSPORT_KUBO: print_kubo(a, w); break;
     case TRANSPORT_COHERENT: print_coherent(a, w); break;
     case TRANSPORT_SPLIT: print_split(a, w); break;
+    case TRANSPORT_ENERGY: print_energy(a, w); break;
     default: print_spread(a, w); break;
     }
 }

@@ -11,13 +11,16 @@ typedef enum transport_quantity {
     TRANSPORT_DIFFUSIVITY = 0,
     TRANSPORT_KUBO,
     TRANSPORT_COHERENT,
-    TRANSPORT_SPLIT
+    TRANSPORT_SPLIT,
+    TRANSPORT_ENERGY
 } transport_quantity;
 
 enum { TRANSPORT_FREQUENCIES_MAX = 1000, TRANSPORT_FREQUENCIES = 10, TRANSPORT_VALUES = 10 };
 
-/* A mean over packings. The error is the standard error of the mean; with one packing it is what that packing gave. */
+/* A mean over packings. The error is the standard error of the mean; with one packing it is what that packing gave. A
+ * value that only `few` of the packings gave would be a mean over chosen packings: nan. */
 typedef struct transport_mean {
+    bool few;
     int64_t n;
     double sum, squares, own;
 } transport_mean;
