@@ -186,6 +186,9 @@ static void test_errors(void **state) {
         assert_close(a[k].speed.value, b[k].speed.value, a[k].speed.error + b[k].speed.error);
         assert_close(a[k].peak.value, b[k].peak.value, a[k].peak.error + b[k].peak.error);
         assert_close(a[k].width.value, b[k].width.value, a[k].width.error + b[k].width.error);
+        sp_amplitude_front one; /* does not depend on the amplitudes before it */
+        assert_ok(sp_amplitude_pulses(&p, &o, 1, &amplitude[k], &one, NULL, &err));
+        assert_true(one.speed.value == a[k].speed.value && one.energy.slid == a[k].energy.slid);
     }
     sp_packing_free(&p);
 }

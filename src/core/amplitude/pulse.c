@@ -285,6 +285,7 @@ static sp_status make_records(experiment *e, double amplitude, sp_error *err) {
     if (!(points * (e->planes + 1) <= POINTS_MAX))
         return sp_fail_key(err, SP_EREFUSED, "until", " = %g: takes more than %d numbers", e->until, POINTS_MAX);
     free_records(e);
+    e->used = 0;
     e->n = points > PARTS ? (int32_t)points : PARTS;
     const size_t n = (size_t)e->n, all = n * ((size_t)e->planes + 1);
     e->t = sp_alloc(n, sizeof *e->t);
