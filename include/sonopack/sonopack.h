@@ -2,6 +2,7 @@
 #define SONOPACK_SONOPACK_H
 /* sonopack: sound in compressed granular packings. All headers of libsonopack. Those of the libraries that stand on it
  * are in folders of their names: study/ (scenes, studies, files), figure/, tapped/ (the tapped column of particles). */
+#include <sonopack/amplitude.h>
 #include <sonopack/chain.h>
 #include <sonopack/coda.h>
 #include <sonopack/coherent.h>
@@ -22,6 +23,7 @@
 #include <sonopack/status.h>
 #include <sonopack/table.h>
 #include <sonopack/uncertainty.h>
+#include <sonopack/transport.h>
 #include <sonopack/units.h>
 #include <sonopack/version.h>
 #endif
