@@ -66,8 +66,8 @@ int cmd_spectrum(int argc, char **argv);
 int cmd_statics(int argc, char **argv);
 int cmd_study(int argc, char **argv);
 int cmd_table(int argc, char **argv);
-int cmd_transport(int argc, char **argv);
 int cmd_uncertainty(int argc, char **argv);
+int cmd_transport(int argc, char **argv);
 int cmd_view(int argc, char **argv);
 int cmd_wave(int argc, char **argv);
 
