@@ -98,9 +98,9 @@ typedef struct sp_spread {
 /* Part of the wave at which the fit begins; before it the motion is ballistic. */
 #define SP_SPREAD_HIGH 0.7
 /* d and what belongs to it are NAN if f is above 0.5 at the last time, or if d_shift or d_half exceeds a third of d by
- * more than twice its error: the energy does not diffuse over this distance. SP_EINVAL for invalid options or a
- * frequency that is not positive, SP_EREFUSED if K is not symmetric, if no mode is near the frequency, and for an
- * unstable network. */
+ * more than twice its error, or two thirds: the energy does not diffuse over this distance. SP_EINVAL for invalid
+ * options or a frequency that is not positive, SP_EREFUSED if K is not symmetric, if no mode is near the frequency, and
+ * for an unstable network. */
 SP_API sp_status sp_spread_make(const sp_network *net, double omega, const sp_spread_options *opt, sp_spread *out,
                                 sp_error *err);
 

@@ -11,10 +11,11 @@
 
 enum { SOURCES_MAX = 1000, WAVES_MAX = 1000, POINTS_MAX = 1200, STEPS_BEFORE_DOUBLING = 24 };
 
-static const double FIT_END = 0.2;     /* of f: below, what is left of the wave is not far above its noise */
-static const double END_NEEDED = 0.5;  /* a fit needs f to fall at least to this */
-static const double SHIFT_MOST = 0.33; /* of d; for a ballistic motion the shift exceeds d */
-static const double FIRST_STEP = 0.25; /* of a period of omega */
+static const double FIT_END = 0.2;        /* of f: below, what is left of the wave is not far above its noise */
+static const double END_NEEDED = 0.5;     /* a fit needs f to fall at least to this */
+static const double SHIFT_MOST = 1 / 3.0; /* of d, beyond twice its error; for a ballistic motion it exceeds d */
+static const double SHIFT_EVER = 2 / 3.0; /* of d */
+static const double FIRST_STEP = 0.25;    /* of a period of omega */
 /* Over the time at which the fit begins: a decay that is exponential ends at 4.5, and one that has not ended here will
  * be refused. */
 static const double PATIENCE = 12;
@@ -235,6 +236,12 @@ static rates rates_of(const spreading *s, int32_t without, double low) {
     return (rates){fall / (to - from), late - early, from, to};
 }
 
+/* Whether a shift of d contradicts diffusion: it is resolved and not small, or so large that its error excuses nothing.
+ * A shift that is not a number does. */
+static bool contradicts(double shift, double error, double d) {
+    return !(fabs(shift) - 2 * error <= SHIFT_MOST * d && fabs(shift) <= SHIFT_EVER * d);
+}
+
 static double jackknife(int32_t n, const double *value) { return (n - 1) * sp_standard_error(n, value); }
 
 static sp_status evaluate(const spreading *s, sp_spread *out, sp_error *err) {
@@ -260,7 +267,7 @@ static sp_status evaluate(const spreading *s, sp_spread *out, sp_error *err) {
                        .low = out->low,
                        .drift = s->drift};
     const double shift_err = jackknife(n, shift);
-    if (!(out->low <= END_NEEDED) || !(fabs(all.shift) - 2 * shift_err <= SHIFT_MOST * all.d))
+    if (!(out->low <= END_NEEDED) || contradicts(all.shift, shift_err, all.d))
         out->d = out->d_err = out->d_shift = NAN;
     sp_free(d);
     return SP_OK;
@@ -302,7 +309,7 @@ sp_status sp_spread_make(const sp_network *net, double omega, const sp_spread_op
     *out = long_wave;
     out->drift = fmax(long_wave.drift, short_wave.drift);
     out->d_half = short_wave.d - long_wave.d;
-    if (!(fabs(out->d_half) - 2 * hypot(long_wave.d_err, short_wave.d_err) <= SHIFT_MOST * long_wave.d))
+    if (contradicts(out->d_half, hypot(long_wave.d_err, short_wave.d_err), long_wave.d))
         out->d = out->d_err = out->d_shift = out->d_half = NAN;
     return SP_OK;
 }
