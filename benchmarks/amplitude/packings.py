@@ -4,7 +4,7 @@
 usage: packings.py COMMAND FOLDER [CASE...]
 
 Makes packings in FOLDER (those that are there are kept), runs `sonopack amplitude --mean' on each set of them, and writes
-FOLDER/CASE.tsv. All cases take some fifteen minutes of processor time.
+FOLDER/CASE.tsv. All cases take some six minutes of processor time.
 """
 import pathlib
 import subprocess

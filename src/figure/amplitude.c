@@ -152,21 +152,25 @@ static sp_status read_groups(int tables, const sp_plot_table *table, groups *g, 
 
 /* ---- drawing ---------------------------------------------------------------------------------------------------- */
 
-/* Pressures have colours, frictions marks, so that curves of both can be told apart. */
+/* The place of a group's key among the different values of this key. */
+static int rank_of(const groups *g, int j, int key) {
+    int rank = 0;
+    for (int i = 0; i < g->n; i++) {
+        bool first = true;
+        for (int k = 0; k < i; k++)
+            first = first && !same(g->group[k].key[key], g->group[i].key[key]);
+        if (same(g->group[i].key[key], g->group[j].key[key]))
+            return rank;
+        rank += first;
+    }
+    return rank;
+}
+
+/* Pressures (of bursts amplitudes) have colours, frictions marks, so that curves of both can be told apart. */
 static void dress(const groups *g, int j, sp_curve *c) {
     static const sp_mark marks[] = {SP_MARK_CIRCLE, SP_MARK_SQUARE, SP_MARK_TRIANGLE, SP_MARK_DIAMOND};
-    const int divides = g->layout == &fronts ? 2 : KEYS - 1;
-    int ink = 0, mark = 0;
-    for (int i = 0; i < j; i++) {
-        bool new_ink = true, new_mark = true;
-        for (int k = 0; k < i; k++) {
-            new_ink = new_ink && !same(g->group[k].key[divides], g->group[i].key[divides]);
-            new_mark = new_mark && !same(g->group[k].key[1], g->group[i].key[1]);
-        }
-        ink += new_ink && !same(g->group[i].key[divides], g->group[j].key[divides]);
-        mark += new_mark && !same(g->group[i].key[1], g->group[j].key[1]);
-    }
-    c->ink = ink % 6 + 1;
+    const int mark = rank_of(g, j, 1);
+    c->ink = rank_of(g, j, g->layout == &fronts ? 2 : KEYS - 1) % 6 + 1;
     c->mark = marks[mark % 4];
     c->open = mark % 2 == 1;
 }
