@@ -5,6 +5,7 @@
  * slows down on its way. */
 
 #include <sonopack/network.h>
+#include <stdbool.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -30,6 +31,11 @@ typedef struct sp_coherent_section_options {
     double spacing; /* distance between planes [d]; 1 */
     double low;     /* height of the first plane [d]; 4, beyond the influence of the wall's springs */
     double part;    /* the last plane is at this fraction of the height; 0.6, above which the echo arrives soon */
+    double damping; /* dashpots of the contacts, as in sp_signal_options; 0: none */
+    sp_damping_kind damping_kind;
+    double damping_ratio; /* 1 */
+    bool shear; /* the transverse wave: the bottom wall moves along x, and planes record the momentum along x that
+                   crosses them; false */
 } sp_coherent_section_options;
 SP_API sp_coherent_section_options sp_coherent_section_options_default(void);
 /* The momentum flux through planes of a packing after a pulse at its bottom wall. The flux is the same for all planes
@@ -43,7 +49,7 @@ SP_API sp_status sp_coherent_section_make(const sp_network *net, const sp_cohere
 typedef struct sp_coherent_wave {
     double omega;
     double k;     /* wave number [1/d] */
-    double alpha; /* attenuation of the amplitude [1/d]; without damping it is due to scattering */
+    double alpha; /* attenuation of the amplitude [1/d]; without dashpots it is due to scattering */
     double part;  /* fraction of the weighted squared spectra of the planes that the wave explains, 0 .. 1 */
     double k_shift,
         alpha_shift; /* changes of k and alpha if only half the time after the arrival of the wave is used */

@@ -115,7 +115,7 @@ SP_API double sp_modes_vector_error(const sp_modes *m, const sp_network *net, in
 
 enum { SP_DAMPED_MODES_MAX = 2000 }; /* largest problem, in degrees of freedom */
 
-/* Modes u exp(lambda t) of M u'' + C u' + K u = 0, with the dashpots C of sp_network_damping. One row for each pair
+/* Modes u exp(lambda t) of M u'' + C u' + K u = 0, with the dashpots C of sp_network_dashpots. One row for each pair
  * lambda = -decay +- i omega and for each real lambda (omega = 0), in ascending order of omega, then decay. Rattlers
  * are excluded. If no two lambda coincide, the signal is F(t) = sum exp(-decay t) (cosine cos(omega t) + sine sin(omega
  * t)): the force of springs and dashpots on the top wall after a pulse at the whole bottom wall. */
@@ -132,6 +132,12 @@ SP_API sp_damped_modes sp_damped_modes_none(void);
  * degrees of freedom. zeta > 0: fraction of critical damping of a contact. SP_EREFUSED above that size. */
 SP_API sp_status sp_damped_modes_make(const sp_network *net, double zeta, sp_source source, sp_damped_modes *out,
                                       sp_error *err);
+/* The same with dashpots of any kind. */
+SP_API sp_status sp_damped_modes_with(const sp_network *net, const sp_damping *law, sp_source source,
+                                      sp_damped_modes *out, sp_error *err);
+/* Quality factor Q = |lambda|/(2 decay) of a mode, 2 pi times its energy over the loss in a period for weak damping,
+ * and a bound of its error. Both NAN for an overdamped mode; INFINITY if the decay is not above its error. */
+SP_API void sp_damped_modes_quality(const sp_damped_modes *m, int64_t k, double *q, double *q_error);
 SP_API void sp_damped_modes_free(sp_damped_modes *m);
 
 enum { SP_STABILITY_MAX = 6000 }; /* largest nonsymmetric problem, in degrees of freedom */

@@ -134,9 +134,27 @@ SP_API double sp_network_plane_height(const sp_network *net, double height);
 SP_API sp_status sp_network_source(const sp_network *net, sp_source source, double *out, sp_error *err);
 SP_API sp_status sp_network_detector(const sp_network *net, double *out, sp_error *err);
 
-/* Network of the contacts' dashpots: its K is the damping matrix C of M u'' + C u' + K u = 0. A contact has the
- * fraction zeta > 0 of critical damping: c = 2 zeta sqrt(m_eff k) for k = k_n and k_t, with 1/m_eff = 1/m_i + 1/m_j (at
- * a wall: the grain's mass). SP_EINVAL, SP_ENOMEM. */
+/* How the dashpot of a contact follows from its spring and its grains. 1/m_eff = 1/m_i + 1/m_j; at a wall it is the
+ * grain's mass. c_n acts on the relative velocity along the normal. c_t acts on the rest of it at the contact point,
+ * with the rotations; in a network without rotations on that of the centres (zeta: not at all). */
+typedef enum sp_damping_kind {
+    SP_DAMPING_ZETA =
+        0,            /* a fraction of critical damping: c_n = 2 value sqrt(m_eff k_n), c_t = 2 value sqrt(m_eff k_t) */
+    SP_DAMPING_GAMMA, /* the same at all contacts: c_n = value [E* d^2/sqrt(E* / rho)], c_t = ratio c_n */
+    SP_DAMPING_MASS   /* in proportion to mass: c_n = value m_eff, value in [sqrt(E* / rho)/d], c_t = ratio c_n */
+} sp_damping_kind;
+typedef struct sp_damping {
+    sp_damping_kind kind;
+    double value;
+    double ratio; /* c_t/c_n of GAMMA and MASS */
+} sp_damping;
+/* Reads "0.1" (ZETA), "gamma:0.1", "mass:0.1", and "gamma:0.1:0.05", "mass:0.1:0.05" with a tangential value of its
+ * own. Without it ratio is 1. SP_EINVAL. */
+SP_API sp_status sp_damping_read(const char *text, sp_damping *out, sp_error *err);
+/* Network of the contacts' dashpots: its K is the damping matrix C of M u'' + C u' + K u = 0. value > 0, ratio >= 0.
+ * SP_EINVAL, SP_ENOMEM. */
+SP_API sp_status sp_network_dashpots(const sp_network *net, const sp_damping *law, sp_network *out, sp_error *err);
+/* The same of kind ZETA. */
 SP_API sp_status sp_network_damping(const sp_network *net, double zeta, sp_network *out, sp_error *err);
 
 /* Assembles K: the lower triangle of its symmetric part, diagonal first; or the whole matrix. SP_ENOMEM. */

@@ -31,8 +31,9 @@ typedef struct sp_signal_options {
     /* Places of sources and detectors. NULL: the whole wall, normal component. All signals are computed in one pass. */
     int32_t sources, detectors; /* number of places; 0 or 1 with NULL */
     const sp_place *from, *to;
-    double damping; /* zeta, the fraction of critical damping of a contact (sp_network_damping). The motion is M u'' + C
-                       u' + K u = 0, and dashpots contribute to the force on a detector. 0: none */
+    double damping;   /* zeta, the fraction of critical damping of a contact, or the value of another damping_kind
+                         (sp_network_dashpots). The motion is M u'' + C u' + K u = 0, and dashpots contribute to the force
+                         on a detector. 0: none */
     double amplitude; /* dynamics: largest initial displacement of a grain, or velocity over omega_max, over the mean
                          overlap of the carrying contacts; 0.001 */
     double step; /* time stepping: upper limit of the time step, shortened so that it divides the spacing of the points;
@@ -45,9 +46,12 @@ typedef struct sp_signal_options {
     bool front;
     int64_t modes; /* sparse: number of lowest modes to sum; the error bound may then exceed the tolerance. 0: chosen
                       from the tolerance */
-    sp_modes_solver solver; /* sparse: of these modes */
+    sp_modes_solver solver;       /* sparse: of these modes */
+    sp_damping_kind damping_kind; /* ZETA */
+    double damping_ratio;         /* c_t/c_n of the other kinds; 1 */
 } sp_signal_options;
 SP_API sp_signal_options sp_signal_options_default(void);
+SP_API sp_damping sp_signal_damping(const sp_signal_options *opt); /* the law of its dashpots */
 
 typedef struct sp_signal {
     int32_t n;

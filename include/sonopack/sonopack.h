@@ -2,6 +2,7 @@
 #define SONOPACK_SONOPACK_H
 /* sonopack: sound in compressed granular packings. All headers of libsonopack. Those of the libraries that stand on it
  * are in folders of their names: study/ (scenes, studies, files), figure/, tapped/ (the tapped column of particles). */
+#include <sonopack/amplitude.h>
 #include <sonopack/chain.h>
 #include <sonopack/coherent.h>
 #include <sonopack/cost.h>
@@ -19,6 +20,7 @@
 #include <sonopack/spectrum.h>
 #include <sonopack/status.h>
 #include <sonopack/table.h>
+#include <sonopack/transport.h>
 #include <sonopack/units.h>
 #include <sonopack/version.h>
 #endif

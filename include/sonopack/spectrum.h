@@ -167,7 +167,7 @@ SP_API sp_status sp_participation(const sp_modes *modes, int32_t bins, double un
 /* ---- harmonic driving ------------------------------------------------------------------------------------------- */
 
 typedef struct sp_harmonic_options {
-    double damping;      /* fraction of critical damping of each contact; 0: none */
+    double damping;      /* fraction of critical damping of each contact, or the value of another kind; 0: none */
     sp_source source;    /* impulse or velocity; the momenta of the pulse are the amplitudes of the driving forces */
     sp_place from, to;   /* source and detector; default: the whole walls, normal component */
     int32_t n;           /* number of frequencies */
@@ -177,6 +177,8 @@ typedef struct sp_harmonic_options {
     double tolerance;    /* allowed error of F relative to |F|, or to 1e-6 of the largest force at a plane if |F| is
                             smaller; at planes relative to that largest force. 1e-8 */
     bool keep;           /* frequencies that miss the tolerance are kept, with NAN in place of all results; false */
+    sp_damping_kind damping_kind; /* ZETA; see sp_network_dashpots */
+    double damping_ratio;         /* c_t/c_n of the other kinds; 1 */
 } sp_harmonic_options;
 SP_API sp_harmonic_options sp_harmonic_options_default(void);
 
@@ -189,6 +191,10 @@ typedef struct sp_wave_fit {
     double alpha, alpha_err; /* attenuation of the amplitude [1/d]; the decay length is 1/alpha */
     double misfit;           /* sum of squared deviations over the sum of squared forces */
 } sp_wave_fit;
+
+/* Quality factor Q = |k|/(2 alpha) of a wave that decays, and its standard error to first order. Both NAN unless alpha
+ * is above three errors of its own; a NAN among the errors makes only *q_err NAN, and then alpha > 0 is enough. */
+SP_API void sp_wave_quality(double k, double k_err, double alpha, double alpha_err, double *q, double *q_err);
 
 /* Steady response to driving with exp(i omega t): (K - omega^2 M + i omega C) u = p. F is the force of springs and
  * dashpots on the detector. It is the Fourier integral of F(t) exp(-i omega t) over t > 0 of the damped signal. */

@@ -198,8 +198,27 @@ def new(c_name: str, free: Callable[[Any], None], none: Callable[[], Any] | None
 def options_of(c_name: str, values: Mapping[str, Any]) -> Any:
     """Options of the library, with those values that are not its own."""
     options = ffi.new(c_name + " *", getattr(lib, c_name + "_default")())
-    set_fields(options, values)
+    set_fields(options, with_damping(values))
     return options
+
+
+def damping_law(damping: float | str) -> Any:
+    """Dashpots: a fraction of critical damping, or words such as "gamma:0.01", "mass:0.1:0.05"."""
+    law = ffi.new("sp_damping *", {"value": 0.0, "ratio": 1.0})
+    if isinstance(damping, str):
+        call(lib.sp_damping_read, damping.encode(), law)
+    else:
+        set_fields(law, {"value": damping})
+    return law
+
+
+def with_damping(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Options with the three fields of dashpots in place of "damping"."""
+    out = dict(values)
+    if isinstance(out.get("damping"), str):
+        law = damping_law(out["damping"])
+        out.update(damping=law.value, damping_ratio=law.ratio, damping_kind=words("sp_damping_kind")[int(law.kind)])
+    return out
 
 
 # ---- arrays ---------------------------------------------------------------------------------------------------------

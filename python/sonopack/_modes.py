@@ -4,6 +4,8 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from . import _core
 from ._core import Array, Floats, Path, Value, c_path, call, documented
 from ._native import ffi, lib
@@ -111,5 +113,16 @@ class DampedModes(_core.Owner):
     error = Array("n")
     residual = Value[float]()
 
-    def __init__(self, network: Network, zeta: float, source: str) -> None:
-        self._make(network._c, zeta, _core.number_of("sp_source", source, "source"))
+    def __init__(self, network: Network, damping: float | str, source: str) -> None:
+        law = _core.damping_law(damping)
+        self._c = _core.new("sp_damped_modes", lib.sp_damped_modes_free, lib.sp_damped_modes_none)
+        call(lib.sp_damped_modes_with, network._c, law, _core.number_of("sp_source", source, "source"), self._c)
+
+    @documented("sp_damped_modes_quality")
+    def quality(self) -> tuple[Floats, Floats]:
+        """Quality factors [n] and bounds of their errors [n]."""
+        q, error, pair = np.empty(self.n), np.empty(self.n), ffi.new("double[2]")
+        for k in range(self.n):
+            lib.sp_damped_modes_quality(self._c, k, pair, pair + 1)
+            q[k], error[k] = pair[0], pair[1]
+        return q, error

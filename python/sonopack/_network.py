@@ -170,9 +170,9 @@ class Network(_core.Owner):
                      threads=threads)
 
     @documented("sp_damped_modes_make")
-    def damped_modes(self, zeta: float, source: str = "impulse") -> DampedModes:
-        """Modes with dashpots at all contacts."""
-        return DampedModes(self, zeta, source)
+    def damped_modes(self, damping: float | str, source: str = "impulse") -> DampedModes:
+        """Modes with dashpots at all contacts: a fraction of critical damping, or words such as "gamma:0.01"."""
+        return DampedModes(self, damping, source)
 
     @documented("sp_stability_make")
     def stability(self) -> Stability:
@@ -186,7 +186,7 @@ class Network(_core.Owner):
     @documented("sp_signal_make")
     def signal(self, *, until: float | None = None, points: int | None = None, method: str | None = None,
                tolerance: float | None = None, source: str | None = None, sources: Where | Iterable[Where] | None = None,
-               detectors: Where | Iterable[Where] | None = None, damping: float | None = None,
+               detectors: Where | Iterable[Where] | None = None, damping: float | str | None = None,
                amplitude: float | None = None, step: float | None = None, modes: int | None = None,
                solver: str | None = None, stop_at_front: bool = False, pulse: Pulse | None = None,
                threads: int = 1) -> Signal:
@@ -194,7 +194,8 @@ class Network(_core.Owner):
 
         until: the last of `points` equally spaced times, by default after the first front. method: auto, chebyshev,
         dense, sparse, verlet, lax-wendroff, faber or dynamics (nonlinear). source: impulse, velocity or displacement.
-        sources, detectors: places, such as Place.plane(5) or "plane:5". pulse: the source against time.
+        sources, detectors: places, such as Place.plane(5) or "plane:5". pulse: the source against time. damping: a
+        fraction of critical damping, "gamma:C[:CT]" or "mass:RATE[:RATET]".
         """
         return Signal(self, pulse, sources, detectors,
                       {"until": until, "points": points, "method": method, "tolerance": tolerance, "source": source,
@@ -315,7 +316,7 @@ class Network(_core.Owner):
                                  "along_y": along_y})
 
     @documented("sp_harmonic_make")
-    def harmonic(self, omega: npt.ArrayLike, *, damping: float | None = None, source: str | None = None,
+    def harmonic(self, omega: npt.ArrayLike, *, damping: float | str | None = None, source: str | None = None,
                  at: Where | None = None, detector: Where | None = None, planes: int | None = None,
                  range: tuple[float, float] | None = None, tolerance: float | None = None) -> Harmonic:
         """Steady response to driving with exp(i omega t)."""
@@ -329,17 +330,17 @@ class Network(_core.Owner):
 
     @documented("sp_coherent_section_make")
     def section(self, *, source: str | None = None, spacing: float | None = None, low: float | None = None,
-                part: float | None = None) -> WaveSection:
+                part: float | None = None, damping: float | str | None = None) -> WaveSection:
         """Signals at planes one above the other, to which coherent waves are fitted."""
-        return WaveSection(self, {"source": source, "spacing": spacing, "low": low, "part": part})
+        return WaveSection(self, {"source": source, "spacing": spacing, "low": low, "part": part, "damping": damping})
 
-    @documented("sp_network_damping")
-    def damping(self, zeta: float) -> Network:
+    @documented("sp_network_dashpots")
+    def damping(self, damping: float | str) -> Network:
         """The network of the dashpots: its K is the damping matrix C."""
         other = Network.__new__(Network)
         other._options, other.packing = self._options, self.packing
         other._c = _core.new("sp_network", lib.sp_network_free, lib.sp_network_none)
-        call(lib.sp_network_damping, self._c, zeta, other._c)
+        call(lib.sp_network_dashpots, self._c, _core.damping_law(damping), other._c)
         return other
 
     def __repr__(self) -> str:

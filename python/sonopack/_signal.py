@@ -100,7 +100,7 @@ class Signal(_core.Owner):
         options.until = lib.sp_signal_window(self._height, self._pressure)
         if values["method"] == "dynamics" and values["tolerance"] is None:
             values = {**values, "tolerance": max(options.tolerance, DYNAMICS_TOLERANCE)}
-        _core.set_fields(options, values)
+        _core.set_fields(options, _core.with_damping(values))
         options.sources, start = _place.several(sources)
         options.detectors, end = _place.several(detectors)
         setattr(options, "from", start)

@@ -8,7 +8,8 @@ import subprocess
 import sys
 
 COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
-COMMANDS = "completion pack check statics moduli modes spectrum signal front wave sensitivity study table reproduce chain column plot view convert bench".split()
+COMMANDS = """completion pack check statics moduli modes spectrum signal front amplitude transport wave sensitivity study table
+    reproduce chain column plot view convert bench""".split()
 
 
 def output(*arguments):

@@ -105,7 +105,7 @@ def test_damping(network):
     rates = np.linalg.eigvals(network.motion(0.1))
     rates = rates[rates.imag >= 0]
     lines = [line for line in run("modes", N200, "--damping", 0.1).splitlines() if not line.startswith("#")]
-    assert lines[0].split("\t") == ["n", "omega", "decay", "cosine", "sine", "error"]
+    assert lines[0].split("\t") == ["n", "omega", "decay", "cosine", "sine", "error", "Q", "Q_err"]
     ours = np.array([line.split("\t") for line in lines[1:]], dtype=float)
     assert len(ours) == len(rates)
     for rate in rates:

@@ -25,7 +25,8 @@ FACTORS = {"d": ("mm", D * 1e3), "1/d": ("1/mm", 1e-3 / D), "E*": ("kPa", MODULU
            "E* d^2": ("N", MODULUS * D**2), "E* d": ("N/m", MODULUS * D), "rho d^3": ("mg", MASS * 1e6), "sqrt(E* / rho)": ("m/s", SPEED), "d/sqrt(E* / rho)": ("us", TIME * 1e6),
            "sqrt(E* / rho)/d": ("rad/s", 1 / TIME), "E* / (rho d)": ("m/s^2", MODULUS / RHO / D),
            "E* / (rho d^2)": ("rad^2/s^2", MODULUS / RHO / D**2), "modes d/sqrt(E* / rho)": ("modes us", TIME * 1e6),
-           "E* d^3/sqrt(E* / rho)": ("N us", MODULUS * D**2 * TIME * 1e6), "1/sqrt(rho d^3)": ("1/sqrt(mg)", (MASS * 1e6) ** -0.5),
+           "E* d^3/sqrt(E* / rho)": ("N us", MODULUS * D**2 * TIME * 1e6), "E* d^2/sqrt(E* / rho)": ("N s/m", MODULUS * D**2 / SPEED), "1/sqrt(rho d^3)": ("1/sqrt(mg)", (MASS * 1e6) ** -0.5),
+            "d sqrt(E* / rho)": ("m^2/s", D * SPEED),
            "1/sqrt(rho d^5)": ("1/(sqrt(mg) mm)", (MASS * 1e6) ** -0.5 / (D * 1e3)),
            "d sqrt(rho d^3)": ("mm sqrt(mg)", D * 1e3 * (MASS * 1e6) ** 0.5),
            "E* d/sqrt(rho d^3)": ("N/(m sqrt(mg))", MODULUS * D * (MASS * 1e6) ** -0.5)}
@@ -33,12 +34,14 @@ SI = {si: factor for si, factor in FACTORS.values()}
 # columns and comments of numbers that have no dimension, and of texts
 PLAIN = re.compile(r"""file|contact|i|j|probe|reason|verdict|branch|polarization|ok|failed|name|seed|dimension|grains?|samples|left_out|modes|steps|
     n|n1|n2|made|lost|sliding|rattlers|negative|flutter|zero|z_star|friction|strain|part|participation|share|min|max|sd|misfit|
-    overlap|ratio|alpha|alpha_err|alpha_peak|alpha_peak_err|gamma|gamma_err|speed_over_c_l|C\d\d_((sine|lines)\d_)?ratio(_\w+)?|
+    overlap|ratio|alpha|alpha_err|alpha_peak|alpha_peak_err|gamma|gamma_err|speed_over_c_l|k_path(_err)?|C\d\d_((sine|lines)\d_)?ratio(_\w+)?|
     (Phi2|Phi3s?|zs|f0|N_over_p|Z2|Z3|F2S?|s1_over_s2|s[13]2_over_s2|mobilised)(_(sd|err|low|high))?|
-    force|torque|walls|law|geometry|coulomb|residual""".replace("\n    ", ""))
+    force|torque|walls|law|geometry|coulomb|residual|Q(_err)?|
+    (speed|peak|width)_ratio(_err)?|amplitude|overpressure(_err)?|packings|carrying|slid|opened|closed|kinetic|normal|tangential|
+    rubbed|released|balance|pressure(_err)?""".replace("\n    ", ""))
 NUMBER = r"[-+]?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan)"
 PLAIN_COMMENTS = [re.compile(pattern) for pattern in (
-    r"(file|method|source|detector|solver|spectrum|norm|direction|motion|packing|verdict|error_kind|quantity|material|prestress|sliding_free|"
+    r"(file|method|source|quantity|axis|detector|solver|spectrum|norm|direction|motion|packing|verdict|error_kind|material|prestress|sliding_free|"
     r"packing\.(sizes|kind|protocol|compression)|pulse) = .*",
     r"(grains|carrying|n|zero_modes|rattler_modes|free_spins|rigid_motions|mechanisms|factors|solves|on_edge|degrees_of_freedom|products|"
     r"modes|moments|vectors|planes|dof|packings|dimension|samples|failed|mode|tolerance|residual|orthogonality|damping|"
@@ -155,7 +158,7 @@ def check_commands(folder):
             "sensitivity P.h5", "sensitivity S.h5 --of peak --by mass,radius,position",
             "sensitivity P.h5 --of F --at 60 --by pressure", "sensitivity P.h5 --of C22", "sensitivity P.h5 --of omega:100",
             "statics P.h5 S.h5", "moduli P.h5", "moduli S.h5", "moduli P.h5 --probe sine:1 --probe lines:1", "moduli P.h5 --strain 1e-6",
-            "modes P.h5", "modes P.h5 --band 0.1:0.2", "modes S.h5 --lowest 3", "modes P.h5 --damping 0.1 ",
+            "modes P.h5", "modes P.h5 --band 0.1:0.2", "modes S.h5 --lowest 3", "modes P.h5 --damping 0.1 ", "modes P.h5 --damping gamma:0.02:0.01", "signal P.h5 --damping mass:0.1 --until 60 --points 30",
             "modes P.h5 --stability --prestress", "modes P.h5 --frequencies-only", "signal P.h5", "signal S.h5 --planes 2",
             "signal P.h5 --detector part:0:4 --detector grain:5:shear --from part:1:5 --until 60", "signal K.h5 --points 50",
             "signal P.h5 --pulse gauss:2 --until 60 --points 30", "signal P.h5 --pulse ricker:0.5 --until 60 --points 30",
@@ -165,7 +168,10 @@ def check_commands(folder):
             "signal P.h5 --method sparse --modes 30 --until 60 --points 30",
             "spectrum transmission P.h5", "spectrum participation P.h5", "spectrum continuum P.h5 --lowest 3",
             "spectrum dispersion P.h5 --waves 2", "spectrum dispersion P.h5 --direction up --waves 2", "spectrum harmonic P.h5 --damping 0.1 --at 0.1:0.3:3",
-            "spectrum dos P.h5 --method kpm", "wave W.h5"):
+            "spectrum dos P.h5 --method kpm", "wave W.h5", "amplitude P.h5 K.h5 --amplitudes 0.01,0.3",
+            "amplitude P.h5 --amplitudes 0.1 --mean", "amplitude K.h5 --amplitudes 0.1 --planes 2",
+            "transport P.h5 --at 0.5 --axis x --until 90",
+            "transport P.h5 --quantity kubo --at 0.3:0.5:2", "transport W.h5 --quantity coherent --at 0.1:0.3:3"):
         check_command(folder, *line.split())
     check_command(folder, "check", "P.h5", units=False)
     check_command(folder, "front", "K.h5", f"--material={MATERIAL}")

@@ -75,7 +75,8 @@ def test_signal():
     for words, options in (((), {}), (("--method", "dense", "--points", 101), {"method": "dense", "points": 101}),
                            (("--method", "dynamics", "--until", 30), {"method": "dynamics", "until": 30}),
                            (("--pulse", "gauss:2"), {"pulse": sonopack.Pulse.gauss(2)}),
-                           (("--damping", 0.05, "--source", "displacement"), {"damping": 0.05, "source": "displacement"})):
+                           (("--damping", 0.05, "--source", "displacement"), {"damping": 0.05, "source": "displacement"}),
+                           (("--damping", "gamma:0.05:0.01"), {"damping": "gamma:0.05:0.01"})):
         read, signal = table("signal", "P.h5", *words), network.signal(**options)
         all_equal(read, signal, ["t", "F"], words)
         check(read.number("error") == signal.error, words, "error")
@@ -111,6 +112,10 @@ def test_modes():
     check(read.number("zero_modes") == modes.zero.total, "zero modes")
     all_equal(table("modes", "P.h5", "--damping", 0.1), network.damped_modes(0.1),
               ["omega", "decay", "cosine", "sine", "error"], "damped")
+    read, modes = table("modes", "P.h5", "--damping", "gamma:0.02"), network.damped_modes("gamma:0.02")
+    all_equal(read, modes, ["omega", "decay"], "gamma")
+    for name, ours in zip(("Q", "Q_err"), modes.quality()):
+        check(np.array_equal(read[name], ours, equal_nan=True), name, "gamma")
     command("modes", "P.h5", "--lowest", 5, "--vectors", "V.h5", "--quiet", "-o", "v.tsv")
     network.modes(lowest=5).save("W.h5")
     check(filecmp.cmp("V.h5", "W.h5", shallow=False), "the files of vectors differ")

@@ -36,6 +36,8 @@ static void every_unit_of_tables_and_files(void **state) {
                      {"E* / (rho d^2)", "rad^2/s^2", e / rho / (d * d)},
                      {"modes d/sqrt(E* / rho)", "modes us", d / c * 1e6},
                      {"E* d^3/sqrt(E* / rho)", "N us", e * d * d * (d / c) * 1e6},
+                     {"E* d^2/sqrt(E* / rho)", "N s/m", e * d * d / c},
+                     {"d sqrt(E* / rho)", "m^2/s", d * c},
                      {"rho d^3", "mg", mass * 1e6},
                      {"rho d^5", "mg mm^2", mass * d * d * 1e12},
                      {"rho d", "mg/mm^2", rho * d},

@@ -45,6 +45,7 @@ typedef struct cli_common {
 
 /* argv[0] is "sonopack NAME". Returns the exit status. */
 typedef int (*cli_command)(int argc, char **argv);
+int cmd_amplitude(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
 int cmd_chain(int argc, char **argv);
 int cmd_check(int argc, char **argv);
@@ -63,6 +64,7 @@ int cmd_spectrum(int argc, char **argv);
 int cmd_statics(int argc, char **argv);
 int cmd_study(int argc, char **argv);
 int cmd_table(int argc, char **argv);
+int cmd_transport(int argc, char **argv);
 int cmd_view(int argc, char **argv);
 int cmd_wave(int argc, char **argv);
 

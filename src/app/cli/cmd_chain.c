@@ -4,6 +4,7 @@
 #include "packing/contact.h"
 
 #include <math.h>
+#include <sonopack/amplitude.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -14,7 +15,7 @@ static const double work_max = 1e12;
 
 typedef struct arguments {
     cli_common common;
-    const char *grains;
+    const char *grains, *peaks;
     int initial;                  /* sp_chain_source */
     double from, until, pressure; /* NAN: not given */
     double wall;
@@ -27,15 +28,15 @@ typedef struct units {
     const char *time_name, *force_name;
 } units;
 
-enum { KIND_FRONT, KIND_SIGNAL, KIND_MODES };
-static const char *const kinds[] = {"front", "signal", "modes", NULL};
+enum { KIND_FRONT, KIND_SIGNAL, KIND_MODES, KIND_SOLITON };
+static const char *const kinds[] = {"front", "signal", "modes", "soliton", NULL};
 static const char *const initial_names[] = {[SP_CHAIN_VELOCITY] = "A", [SP_CHAIN_DISPLACEMENT] = "B", NULL};
 
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
     if (a->common.sets > 0)
         return sp_fail(err, SP_EINVAL, "--set %.60s: this command uses no scene", a->common.set[0]);
-    if (!a->grains && a->common.kind != KIND_FRONT)
+    if (!a->grains && a->common.kind != KIND_FRONT && a->common.kind != KIND_SOLITON)
         return sp_fail(err, SP_EINVAL, "no --grains: must be the number of balls");
     if (a->common.units == CLI_UNITS_SI && isnan(a->pressure))
         return sp_fail(err, SP_EINVAL, "--units si: only front and signal with --pressure have units of a material");
@@ -47,9 +48,13 @@ static sp_status check(void *user, sp_error *err) {
 static const cli_option options[] = {
     {"grains", "N|N1,N2,...|FROM:TO:FACTOR",
      "Number of balls; front: several lengths, or a range with a constant factor (10:1000000:2)", CLI_TEXT,
-     .field = offsetof(arguments, grains)},
+     .field = offsetof(arguments, grains), .kinds = "front signal modes"},
+    {"peaks", "P1,P2,...",
+     "soliton: largest additional overlap over that at rest, or inf for a chain that bears no force at rest "
+     "(0.001,0.01,0.1,1,10,100,1000,inf)",
+     CLI_TEXT, .field = offsetof(arguments, peaks), .kinds = "soliton"},
     {"initial", "A|B", "Initial condition: the first ball has a velocity (A) or is displaced (B) (A)", CLI_CHOICE,
-     .field = offsetof(arguments, initial), .words = initial_names},
+     .field = offsetof(arguments, initial), .words = initial_names, .kinds = "front signal modes"},
     {"start", "T", "signal: first time (0). --from is its older name", CLI_NUMBER, .field = offsetof(arguments, from),
      .high = 1e12, .kinds = "signal", .alias = "from"},
     {"until", "T", "signal: last time (twice the travel time from wall to wall)", CLI_NUMBER,
@@ -70,11 +75,21 @@ static const cli_syntax syntax = {
         "C). KIND is one of:\n"
         "  front   the first front, and its local exponents against length\n"
         "  signal  force on the wall, and the front of an infinitely long chain\n"
-        "  modes   frequencies and amplitudes\v"
+        "  modes   frequencies and amplitudes\n"
+        "  soliton speed and width of solitary waves of any strength\v"
         "Lengths are in units of the distance l between two balls, times in l/c, forces in K l, where c is the speed "
         "of long waves and K the stiffness of a contact. The first ball has the speed c (A), or is displaced by l "
         "(B). With --pressure the units are those of packings, and the signal is that of `sonopack signal' for "
-        "packing.kind = chain, from an impulse (A) or a displacement (B).",
+        "packing.kind = chain, from an impulse (A) or a displacement (B).\n"
+        "\n"
+        "A solitary wave of Hertzian balls keeps its form without walls. Its peak is its largest additional overlap "
+        "over "
+        "the overlap delta0 at rest, force its largest force over that at rest, speed is in c, velocity the largest of "
+        "a "
+        "ball in c delta0/l, width the balls between the places of half the peak. kdv and kdv_width are those of long "
+        "and weak waves (Korteweg and de Vries), nesterenko is the speed of long waves of any strength. speed_at_peak "
+        "and velocity_at_peak are the same in units of a chain that rests with the overlap of the peak; with the peak "
+        "inf only these are finite.",
     .options = options,
     .kinds = kinds,
     .kind_name = "kind of table",
@@ -248,6 +263,41 @@ static sp_status modes_table(const arguments *a, cli_writer *w) {
     return w->status;
 }
 
+static sp_status soliton_row(const char *text, size_t length, cli_writer *w) {
+    char word[64] = "";
+    double peak = INFINITY;
+    sp_solitary s;
+    if (length < sizeof word)
+        memcpy(word, text, length);
+    if (strcmp(word, "inf") != 0)
+        w->status = cli_number("--peaks", word, 1e-4, 1e9, &peak, w->err);
+    if (w->status == SP_OK)
+        w->status = sp_solitary_make(peak, &s, w->err);
+    if (w->status == SP_OK)
+        w->status =
+            sp_table_add_row(w->table, w->err, s.peak, s.force, s.speed, s.kdv, s.nesterenko, s.velocity, s.width,
+                             s.kdv_width, s.speed_at_peak, s.nesterenko_at_peak, s.velocity_at_peak, s.error);
+    return w->status;
+}
+
+static sp_status soliton_table(const arguments *a, cli_writer *w) {
+    const char *text = a->peaks ? a->peaks : "0.001,0.01,0.1,1,10,100,1000,inf";
+    cli_comment(w, "relative_error: of speed, velocity and width, an estimate");
+    cli_columns(w, SP_CELL_NUMBER, "peak", "", "force", "", "speed", "c", "kdv", "c", "nesterenko", "c", "velocity",
+                "c delta0/l", "width", "l", "kdv_width", "l", "speed_at_peak", "", "nesterenko_at_peak", "",
+                "velocity_at_peak", "", "relative_error", "", NULL);
+    for (int rows = 0; w->status == SP_OK; rows++) {
+        const size_t length = strcspn(text, ",");
+        if (rows == LENGTHS_MAX)
+            return sp_fail(w->err, SP_EINVAL, "--peaks: at most %d numbers", LENGTHS_MAX);
+        soliton_row(text, length, w);
+        if (text[length] == '\0')
+            break;
+        text += length + 1;
+    }
+    return w->status;
+}
+
 /* The units of a chain that packing.kind = chain makes. `impulse' gives its first ball the impulse K, and
  * `displacement' displaces it by K. */
 static units units_of(double pressure, sp_chain_source source) {
@@ -261,14 +311,18 @@ static units units_of(double pressure, sp_chain_source source) {
 static sp_status work(const arguments *a, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err, .status = cli_may_write_table(&a->common, err)};
     const units u = units_of(a->pressure, (sp_chain_source)a->initial);
-    cli_comment(&w, "chain of equal balls, initial condition %s",
-                a->initial == SP_CHAIN_VELOCITY ? "A: velocity" : "B: displacement");
+    if (a->common.kind == KIND_SOLITON)
+        cli_comment(&w, "chain of equal balls, solitary waves");
+    else
+        cli_comment(&w, "chain of equal balls, initial condition %s",
+                    a->initial == SP_CHAIN_VELOCITY ? "A: velocity" : "B: displacement");
     if (!isnan(a->pressure))
         cli_value(&w, "pressure", a->pressure);
     if (w.status == SP_OK)
-        w.status = a->common.kind == KIND_FRONT    ? front_table(a, &u, &w)
-                   : a->common.kind == KIND_SIGNAL ? signal_table(a, &u, &w)
-                                                   : modes_table(a, &w);
+        w.status = a->common.kind == KIND_FRONT     ? front_table(a, &u, &w)
+                   : a->common.kind == KIND_SIGNAL  ? signal_table(a, &u, &w)
+                   : a->common.kind == KIND_SOLITON ? soliton_table(a, &w)
+                                                    : modes_table(a, &w);
     return w.status == SP_OK ? cli_write_table(&a->common, t, err) : w.status;
 }
 

@@ -1,5 +1,6 @@
 /* sonopack modes: prints eigenfrequencies and eigenmodes of a packing, all of them or a part. */
 #include "base/base.h"
+#include "cli/dashpots.h"
 #include "cli/modes.h"
 
 #include <math.h>
@@ -11,9 +12,9 @@ typedef struct arguments {
     bool frequencies_only, stability, zero;
     int source, solver; /* sp_source, sp_modes_solver */
     sp_modes_range range;
-    bool part;      /* --lowest or --band */
-    int ranges;     /* how many of --lowest and --band */
-    double damping; /* 0: none */
+    bool part;          /* --lowest or --band */
+    int ranges;         /* how many of --lowest and --band */
+    sp_damping damping; /* value 0: none */
     const char *vectors;
     int64_t mode; /* < 0: not given */
 } arguments;
@@ -41,6 +42,10 @@ static sp_status set_band(void *user, const char *text, sp_error *err) {
     return SP_OK;
 }
 
+static sp_status set_damping(void *user, const char *text, sp_error *err) {
+    return cli_damping_read(text, 1e-12, 100, &((arguments *)user)->damping, err);
+}
+
 static sp_status add_all(void *user, const char *text, sp_error *err) {
     arguments *a = user;
     (void)text, (void)err;
@@ -50,7 +55,7 @@ static sp_status add_all(void *user, const char *text, sp_error *err) {
 
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
-    if (a->vectors && (a->frequencies_only || a->stability || a->damping > 0))
+    if (a->vectors && (a->frequencies_only || a->stability || a->damping.value > 0))
         return sp_fail(err, SP_EINVAL,
                        "--vectors cannot be combined with --frequencies-only, --stability or --damping");
     if (a->vectors && a->common.output && strcmp(a->vectors, a->common.output) == 0)
@@ -65,11 +70,11 @@ static sp_status check(void *user, sp_error *err) {
             "none");
     if (a->ranges > 1)
         return sp_fail(err, SP_EINVAL, "--all, --lowest and --band: only one of them may be given, once");
-    if (a->solver != SP_SOLVER_AUTO && (a->damping > 0 || a->stability))
+    if (a->solver != SP_SOLVER_AUTO && (a->damping.value > 0 || a->stability))
         return sp_fail(err, SP_EINVAL, "--solver cannot be combined with --damping or --stability");
-    if (a->damping > 0 && (a->part || a->frequencies_only))
+    if (a->damping.value > 0 && (a->part || a->frequencies_only))
         return sp_fail(err, SP_EINVAL, "--damping cannot be combined with --lowest, --band or --frequencies-only");
-    if (a->stability && (a->part || a->frequencies_only || a->damping > 0))
+    if (a->stability && (a->part || a->frequencies_only || a->damping.value > 0))
         return sp_fail(err, SP_EINVAL,
                        "--stability cannot be combined with --lowest, --band, --frequencies-only or --damping");
     return SP_OK;
@@ -83,10 +88,10 @@ static const cli_option options[] = {
      .parse = set_band},
     {"frequencies-only", NULL, "Print only the columns n, omega and error: no amplitudes, no participation ratio",
      CLI_FLAG, .field = offsetof(arguments, frequencies_only)},
-    {"damping", "ZETA",
-     "Add dashpots with the fraction ZETA of critical damping: columns n, omega, decay, cosine, sine, error (at most "
-     "2000 degrees of freedom)",
-     CLI_NUMBER, .field = offsetof(arguments, damping), .low = 1e-12, .high = 100},
+    {"damping", CLI_DAMPING,
+     "Add dashpots, as in signal: columns n, omega, decay, cosine, sine, error, Q, Q_err (at most 2000 degrees of "
+     "freedom)",
+     .parse = set_damping},
     {"solver", CLI_SOLVERS, "Solver: block Lanczos, ARPACK, LAPACK, or the fastest of them (auto)", CLI_CHOICE,
      .field = offsetof(arguments, solver), .words = cli_solver_names},
     {"stability", NULL,
@@ -124,7 +129,9 @@ static const cli_syntax syntax = {
         "others). A mode is a zero mode if omega < zero_below.\n"
         "\n"
         "With --damping, F(t) = sum of exp(-decay t) (cosine cos(omega t) + sine sin(omega t)). Each conjugate pair "
-        "has one row, each overdamped mode a row with omega = 0; n starts at 0 without rattlers.",
+        "has one row, each overdamped mode a row with omega = 0; n starts at 0 without rattlers. Q = |lambda|/(2 "
+        "decay) with "
+        "lambda = -decay + i omega is the quality factor (nan for an overdamped mode), Q_err a bound of its error.",
     .finds_material = true,
     .options = options,
     .file_name = "packing",
@@ -197,7 +204,7 @@ static sp_status undamped(const arguments *a, const cli_file *file, sp_table *t,
 
 static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err) {
     const arguments *a = user;
-    if (!a->stability && !(a->damping > 0))
+    if (!a->stability && !(a->damping.value > 0))
         return undamped(a, file, t, err);
     cli_writer w = {.table = t, .err = err};
     cli_comment(&w, "file = %s", file->path);
@@ -206,7 +213,7 @@ static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err
     if (w.status != SP_OK)
         return w.status;
     return a->stability ? modes_stability(&file->packing, &file->network, t, err)
-                        : modes_damped(&file->packing, &file->network, a->damping, (sp_source)a->source, t, err);
+                        : modes_damped(&file->packing, &file->network, &a->damping, (sp_source)a->source, t, err);
 }
 
 static sp_status begin(void *user, sp_table *t, sp_error *err) {
@@ -229,7 +236,7 @@ static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *e
         .vectors = !a->frequencies_only, .solver = (sp_modes_solver)a->solver, .threads = a->common.threads};
     const double modes = fmax(0, expected_modes(a, &net));
     sp_cost cost = sp_cost_modes(&net, &o, &a->range, modes, &p->machine);
-    if (a->stability || a->damping > 0) {
+    if (a->stability || a->damping.value > 0) {
         cost.cpu = cost.wall = NAN;
         cli_comment(&p->w, "nan: there is no law for --stability and --damping");
     }

@@ -1,5 +1,6 @@
 /* sonopack signal: prints the force on the top wall after a short pulse at the bottom wall. */
 #include "base/base.h"
+#include "cli/dashpots.h"
 #include "cli/files.h"
 #include "cli/places.h"
 #include "cli/pulse.h"
@@ -16,8 +17,9 @@ enum { NOT_GIVEN = -1, SIGNALS_MAX = 1000 /* in one table */ };
 
 typedef struct arguments {
     cli_common common;
-    double until, tolerance, step, damping, amplitude; /* < 0: not given */
-    int64_t points, planes, modes;                     /* points -1: not given */
+    double until, tolerance, step, amplitude; /* < 0: not given */
+    sp_damping damping;                       /* value < 0: not given */
+    int64_t points, planes, modes;            /* points -1: not given */
     bool front;
     int solver;                    /* sp_modes_solver */
     int method, source, component; /* NOT_GIVEN, or sp_signal_method, sp_source, 1 for shear */
@@ -60,6 +62,10 @@ static sp_status add_source(void *user, const char *word, sp_error *err) {
     return cli_places_add(&((arguments *)user)->sources, "--from", word, err);
 }
 
+static sp_status set_damping(void *user, const char *word, sp_error *err) {
+    return cli_damping_read(word, 0, 100, &((arguments *)user)->damping, err);
+}
+
 static sp_status add_detector(void *user, const char *word, sp_error *err) {
     return cli_places_add(&((arguments *)user)->detectors, "--detector", word, err);
 }
@@ -83,8 +89,10 @@ static const cli_option options[] = {
      .field = offsetof(arguments, solver), .words = cli_solver_names},
     {"stop-at-front", NULL, "Stop soon after the first front of every signal; there may be fewer than N points",
      CLI_FLAG, .field = offsetof(arguments, front)},
-    {"damping", "ZETA", "Add dashpots to all contacts, with the fraction ZETA of critical damping (0)", CLI_NUMBER,
-     .field = offsetof(arguments, damping), .high = 100},
+    {"damping", CLI_DAMPING,
+     "Add dashpots to all contacts: the fraction ZETA of critical damping, the same coefficient C at every contact, or "
+     "RATE times the reduced mass; CT and RATET are the tangential ones (0)",
+     .parse = set_damping},
     {"amplitude", "A", "dynamics: initial displacement, relative to the mean overlap (0.001)", CLI_NUMBER,
      .field = offsetof(arguments, amplitude), .low = 1e-12, .high = 1000},
     {"step", "DT", "verlet, lax-wendroff and dynamics: time step, regardless of the error (chosen from the tolerance)",
@@ -158,8 +166,11 @@ static sp_status set_options(arguments *a, const sp_scene *scene, const sp_packi
     if (o.solver != SP_SOLVER_AUTO && a->method != SP_SIGNAL_SPARSE)
         return sp_fail(err, SP_EINVAL, "--solver: applies only to --method sparse");
     o.front = o.front || a->front;
-    if (a->damping >= 0)
-        o.damping = a->damping;
+    if (a->damping.value >= 0) {
+        o.damping = a->damping.value;
+        o.damping_kind = a->damping.kind;
+        o.damping_ratio = a->damping.ratio;
+    }
     if (a->amplitude >= 0)
         o.amplitude = a->amplitude;
     if (a->method != NOT_GIVEN)
@@ -248,8 +259,11 @@ static sp_status add_signal(const arguments *a, const cli_file *file, const sp_s
         cli_comment(&w, "cell = %s", sp_cell_names[file->packing.cell]);
     if (a->pulse.word)
         cli_comment(&w, "pulse = %s", a->pulse.word);
+    const sp_damping law = sp_signal_damping(o);
     for (size_t k = 0; k < sizeof comments / sizeof *comments; k++)
-        if (k < ALWAYS || comments[k].value != 0)
+        if (strcmp(comments[k].key, "damping") == 0 && law.value > 0)
+            cli_damping_comment(&w, &law);
+        else if (k < ALWAYS || comments[k].value != 0)
             cli_value(&w, comments[k].key, comments[k].value);
     if (s->method == SP_SIGNAL_DYNAMICS || a->pulse.word) /* else a bound */
         cli_comment(&w, "error_kind = estimate");
@@ -311,7 +325,7 @@ int cmd_signal(int argc, char **argv) {
                                       .kernels =
                                           1U << SP_KERNEL_STEP | 1U << SP_KERNEL_PRODUCT | 1U << SP_KERNEL_DENSE};
     arguments a = {.points = -1, .method = NOT_GIVEN, .source = NOT_GIVEN, .sources = {.sources = true}};
-    a.until = a.tolerance = a.step = a.damping = a.amplitude = -1;
+    a.until = a.tolerance = a.step = a.damping.value = a.amplitude = -1;
     cli_parse(&syntax, argc, argv, &a);
     const int status = cli_run_files(&command, &a);
     cli_pulse_free(&a.pulse);

@@ -1,5 +1,6 @@
 /* sonopack spectrum: prints spectra of a packing, its response to driving, and the dispersion of its waves. */
 #include "base/base.h"
+#include "cli/dashpots.h"
 #include "cli/spectrum.h"
 
 #include <math.h>
@@ -14,7 +15,7 @@ static const spectrum_table tables[] = {spectrum_dos,      spectrum_transmission
 spectrum_arguments spectrum_arguments_default(void) {
     spectrum_arguments a = {.method = -1, .norm = -1, .direction = -1, .range = {NAN, NAN}};
     a.bins = a.vectors = a.seed = a.waves = a.layers = a.lowest = -1;
-    a.until = a.resolution = a.damping = a.node = a.tolerance = -1;
+    a.until = a.resolution = a.damping.value = a.node = a.tolerance = -1;
     return a;
 }
 
@@ -27,6 +28,10 @@ static sp_status set_range(void *user, const char *text, sp_error *err) {
     snprintf(low, sizeof low, "%.*s", (int)(colon - text), text);
     sp_status status = cli_number("--range", low, 0, 1e9, &a->range[0], err);
     return status == SP_OK ? cli_number("--range", colon + 1, 1e-9, 1e9, &a->range[1], err) : status;
+}
+
+static sp_status set_damping(void *user, const char *text, sp_error *err) {
+    return cli_damping_read(text, 0, 1e6, &((spectrum_arguments *)user)->damping, err);
 }
 
 #define FIELD(name) .field = offsetof(spectrum_arguments, name)
@@ -66,8 +71,8 @@ static const cli_option options[] = {
      CLI_FLAG, FIELD(profile), .kinds = "dispersion harmonic"},
     {"at", "W1,W2,...|LOW:HIGH:N", "harmonic: frequencies (20 up to the upper bound of the spectrum)", CLI_TEXT,
      FIELD(at), .kinds = "harmonic"},
-    {"damping", "ZETA", "harmonic: damping of every contact, as a fraction of critical damping (0)", CLI_NUMBER,
-     FIELD(damping), .high = 1e6, .kinds = "harmonic"},
+    {"damping", CLI_DAMPING, "harmonic: dashpots of the contacts, as in signal (0)", .parse = set_damping,
+     .kinds = "harmonic"},
     {"layers", "N", "harmonic: number of equal layers, with planes between them (one per diameter)", CLI_INTEGER,
      FIELD(layers), .low = 2, .high = 100000, .kinds = "harmonic"},
     {"range", "LOW:HIGH", "harmonic: fit the wave between these heights [d] (up to 2 d from the walls)",

@@ -1,5 +1,6 @@
 /* sonopack wave: prints phase speed and attenuation of the coherent wave inside packings. */
 #include "base/base.h"
+#include "cli/dashpots.h"
 #include "cli/files.h"
 
 #include <math.h>
@@ -24,6 +25,18 @@ typedef struct arguments {
     sums *sum;
 } arguments;
 
+static sp_status set_damping(void *user, const char *text, sp_error *err) {
+    arguments *a = user;
+    sp_damping law;
+    sp_status status = cli_damping_read(text, 0, 100, &law, err);
+    if (status != SP_OK)
+        return status;
+    a->section.damping = law.value;
+    a->section.damping_kind = law.kind;
+    a->section.damping_ratio = law.ratio;
+    return SP_OK;
+}
+
 static const cli_option options[] = {
     {"at", "W1,W2,...|LOW:HIGH:N",
      "Frequencies (24, from four periods in the record to 0.3 of the upper bound of the spectrum)", CLI_TEXT,
@@ -34,6 +47,7 @@ static const cli_option options[] = {
      .high = 1e6},
     {"part", "F", "Place planes up to this fraction of the height (0.6)", CLI_NUMBER,
      .field = offsetof(arguments, section.part), .low = 0.01, .high = 1},
+    {"damping", CLI_DAMPING, "Dashpots of the contacts, as in signal (0)", .parse = set_damping},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall, as in signal (impulse)", CLI_CHOICE,
      .field = offsetof(arguments, source), .words = cli_source_names},
     {0}};
@@ -46,7 +60,8 @@ static const cli_syntax syntax = {
         "For each packing and each frequency, A e^(i k y - alpha y) is fitted by least squares to the momentum flux "
         "through horizontal planes, recorded until the echo from the top wall arrives. The table has the means over "
         "the packings and their standard errors (nan for a single packing). alpha: attenuation of the amplitude, "
-        "which is due to scattering alone. part: fraction of the squared flux that the wave accounts for; the rest "
+        "which is due to scattering alone unless --damping is given. Q = k/(2 alpha) is the quality factor (nan where "
+        "alpha is within three errors of 0). part: fraction of the squared flux that the wave accounts for; the rest "
         "is scattered waves. samples: number of packings for which the fit succeeded. k_shift and alpha_shift: "
         "change of the means when only the first half of the record is used, which is usually more than the effect "
         "of the end of the record. The packings should have the same material and pressure.",
@@ -136,16 +151,22 @@ static sp_status add_rows(void *user, sp_table *t, sp_error *err) {
     cli_comment(&w, "packings = %d", a->common.files);
     cli_comment(&w, "dimension = %d", a->dim);
     cli_comment(&w, "source = %s", cli_source_names[a->source]);
+    const sp_damping law = {a->section.damping_kind, a->section.damping, a->section.damping_ratio};
+    if (law.value > 0)
+        cli_damping_comment(&w, &law);
     cli_columns(&w, SP_CELL_NUMBER, "omega", "sqrt(E* / rho)/d", "k", "1/d", "k_err", "1/d", "speed", "sqrt(E* / rho)",
                 "speed_err", "sqrt(E* / rho)", "alpha", "1/d", "alpha_err", "1/d", "part", "", NULL);
     cli_columns(&w, SP_CELL_INTEGER, "samples", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "k_shift", "1/d", "alpha_shift", "1/d", NULL);
+    cli_columns(&w, SP_CELL_NUMBER, "k_shift", "1/d", "alpha_shift", "1/d", "Q", "", "Q_err", "", NULL);
     for (int32_t l = 0; l < a->n && w.status == SP_OK; l++) {
         const sums *s = &a->sum[l];
-        const double k = mean(s->k, s->n), k_err = error_of_mean(s->k, s->kk, s->n), speed = a->omega[l] / k;
-        w.status = sp_table_add_row(t, err, a->omega[l], k, k_err, speed, speed * k_err / k, mean(s->alpha, s->n),
-                                    error_of_mean(s->alpha, s->aa, s->n), mean(s->part, s->n), s->n,
-                                    mean(s->k_shift, s->n), mean(s->alpha_shift, s->n));
+        const double k = mean(s->k, s->n), k_err = error_of_mean(s->k, s->kk, s->n), speed = a->omega[l] / k,
+                     alpha = mean(s->alpha, s->n), alpha_err = error_of_mean(s->alpha, s->aa, s->n);
+        double q, q_err;
+        sp_wave_quality(k, k_err, alpha, alpha_err, &q, &q_err);
+        w.status =
+            sp_table_add_row(t, err, a->omega[l], k, k_err, speed, speed * k_err / k, alpha, alpha_err,
+                             mean(s->part, s->n), s->n, mean(s->k_shift, s->n), mean(s->alpha_shift, s->n), q, q_err);
     }
     return w.status;
 }

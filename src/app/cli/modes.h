@@ -7,8 +7,8 @@
 
 #include <sonopack/modes.h>
 
-/* The table of --damping ZETA. */
-sp_status modes_damped(const sp_packing *p, const sp_network *net, double zeta, sp_source source, sp_table *t,
+/* The table of --damping. */
+sp_status modes_damped(const sp_packing *p, const sp_network *net, const sp_damping *law, sp_source source, sp_table *t,
                        sp_error *err);
 /* The table of --stability. */
 sp_status modes_stability(const sp_packing *p, const sp_network *net, sp_table *t, sp_error *err);

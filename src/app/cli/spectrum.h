@@ -9,7 +9,8 @@ typedef struct spectrum_arguments {
     int method, norm, direction;                        /* index of the word; -1: not given */
     int source, solver;                                 /* sp_source, sp_modes_solver */
     int64_t bins, vectors, seed, waves, layers, lowest; /* -1: not given */
-    double until, resolution, damping, node, tolerance; /* < 0: not given */
+    double until, resolution, node, tolerance;          /* < 0: not given */
+    sp_damping damping;                                 /* value < 0: not given */
     double range[2];                                    /* heights of the fit; NAN: not given */
     const char *at;                                     /* frequencies; NULL: not given */
     bool lines, profile;

@@ -1,5 +1,6 @@
 /* Fills the table of sonopack spectrum harmonic: the response to harmonic driving. */
 #include "base/base.h"
+#include "cli/dashpots.h"
 #include "cli/spectrum.h"
 
 #include <math.h>
@@ -8,15 +9,17 @@
 static void add_responses(const sp_harmonic *h, cli_writer *w) {
     cli_columns(w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "magnitude", SPECTRUM_RESPONSE, "re", SPECTRUM_RESPONSE,
                 "im", SPECTRUM_RESPONSE, "error", SPECTRUM_RESPONSE, "k", "1/d", "k_err", "1/d", "speed",
-                "sqrt(E* / rho)", "speed_err", "sqrt(E* / rho)", "alpha", "1/d", "alpha_err", "1/d", "misfit", "",
-                NULL);
+                "sqrt(E* / rho)", "speed_err", "sqrt(E* / rho)", "alpha", "1/d", "alpha_err", "1/d", "misfit", "", "Q",
+                "", "Q_err", "", NULL);
     for (int32_t l = 0; l < h->n && w->status == SP_OK; l++) {
         const sp_wave_fit *fit = &h->fit[l];
         const bool travels = fit->k > 3 * fit->k_err; /* else it only decays, and has no speed */
         const double *f = h->f + 2 * l, speed = travels ? h->omega[l] / fit->k : NAN;
-        w->status =
-            sp_table_add_row(w->table, w->err, h->omega[l], hypot(f[0], f[1]), f[0], f[1], h->error[l], fit->k,
-                             fit->k_err, speed, speed * fit->k_err / fit->k, fit->alpha, fit->alpha_err, fit->misfit);
+        double q, q_err;
+        sp_wave_quality(fit->k, fit->k_err, fit->alpha, fit->alpha_err, &q, &q_err);
+        w->status = sp_table_add_row(w->table, w->err, h->omega[l], hypot(f[0], f[1]), f[0], f[1], h->error[l], fit->k,
+                                     fit->k_err, speed, speed * fit->k_err / fit->k, fit->alpha, fit->alpha_err,
+                                     fit->misfit, q, q_err);
     }
 }
 
@@ -38,8 +41,11 @@ static sp_status set_options(const spectrum_arguments *a, const sp_network *net,
     o->keep = true;
     o->source = (sp_source)a->source;
     o->omega = omega;
-    if (a->damping >= 0)
-        o->damping = a->damping;
+    if (a->damping.value >= 0) {
+        o->damping = a->damping.value;
+        o->damping_kind = a->damping.kind;
+        o->damping_ratio = a->damping.ratio;
+    }
     if (a->layers >= 0)
         o->planes = (int32_t)a->layers - 1;
     if (a->tolerance >= 0)
@@ -78,9 +84,10 @@ static sp_status add_rows(const spectrum_arguments *a, cli_file *file, const sp_
                           sp_error *err) {
     sp_harmonic h = sp_harmonic_none();
     cli_writer w = {.table = t, .err = err, .status = sp_harmonic_make(&file->network, o, &h, err)};
+    const sp_damping law = {.kind = o->damping_kind, .value = o->damping, .ratio = o->damping_ratio};
     report_refused(&h, file, &w);
     cli_comment(&w, "source = %s", cli_source_names[o->source]);
-    cli_value(&w, "damping", o->damping);
+    cli_damping_comment(&w, &law);
     cli_value(&w, "height", sp_packing_height(&file->packing));
     cli_value(&w, "planes", h.planes);
     cli_value(&w, "tolerance", o->tolerance);

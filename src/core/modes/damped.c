@@ -189,6 +189,21 @@ static sp_status collect(const damped *d, sp_damped_modes *out, sp_error *err) {
 
 sp_status sp_damped_modes_make(const sp_network *net, double zeta, sp_source source, sp_damped_modes *out,
                                sp_error *err) {
+    const sp_damping law = {.kind = SP_DAMPING_ZETA, .value = zeta};
+    return sp_damped_modes_with(net, &law, source, out, err);
+}
+
+void sp_damped_modes_quality(const sp_damped_modes *m, int64_t k, double *q, double *q_error) {
+    const double decay = m->decay[k], error = m->error[k], size = hypot(m->omega[k], decay);
+    *q = *q_error = NAN;
+    if (!(m->omega[k] > 0))
+        return;
+    *q = decay > error ? size / (2 * decay) : INFINITY;
+    *q_error = decay > error ? (size + error) / (2 * (decay - error)) - *q : INFINITY;
+}
+
+sp_status sp_damped_modes_with(const sp_network *net, const sp_damping *law, sp_source source, sp_damped_modes *out,
+                               sp_error *err) {
     damped d = {.net = net, .dashpots = sp_network_none(), .source = source, .n = sp_network_dofs(net)};
     sp_damped_modes m = sp_damped_modes_none();
     if (d.n > SP_DAMPED_MODES_MAX)
@@ -196,7 +211,7 @@ sp_status sp_damped_modes_make(const sp_network *net, double zeta, sp_source sou
                        SP_DAMPED_MODES_MAX);
     sp_status status = sp_network_need_symmetry(net, "a table of damped modes", err);
     if (status == SP_OK)
-        status = sp_network_damping(net, zeta, &d.dashpots, err);
+        status = sp_network_dashpots(net, law, &d.dashpots, err);
     if (status == SP_OK)
         status = allocate(&d, err);
     if (status == SP_OK)

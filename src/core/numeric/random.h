@@ -17,7 +17,8 @@ enum {
     SP_STREAM_TRACE = 4,
     SP_STREAM_PROBE = 5,
     SP_STREAM_POISSON = 6,
-    SP_STREAM_LARGEST = 7
+    SP_STREAM_LARGEST = 7,
+    SP_STREAM_SPREAD = 20
 };
 
 static inline sp_random sp_random_make(uint64_t seed, uint64_t stream) { return (sp_random){seed, stream, 0}; }

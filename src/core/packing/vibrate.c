@@ -103,6 +103,10 @@ static sp_status add_gap(int32_t i, int32_t j, void *user, sp_error *err) {
 }
 
 sp_status sp_vibration_make(const sp_packing *p, double damping, vibration *out, sp_error *err) {
+    return sp_vibration_make_wide(p, damping, REACH, out, err);
+}
+
+sp_status sp_vibration_make_wide(const sp_packing *p, double damping, double radii, vibration *out, sp_error *err) {
     vibration m = {.dim = p->dim, .n = p->n, .damping = damping, .reach = INFINITY};
     survey s = {.p = p, .m = &m};
     const size_t n = (size_t)p->n;
@@ -122,7 +126,7 @@ sp_status sp_vibration_make(const sp_packing *p, double damping, vibration *out,
     for (size_t i = 0; i < n; i++) {
         m.mass[2 * i] = grain_mass(p->r[i]);
         m.mass[2 * i + 1] = 0.4 * m.mass[2 * i] * p->r[i] * p->r[i];
-        m.reach = fmin(m.reach, REACH * p->r[i]);
+        m.reach = fmin(m.reach, radii * p->r[i]);
     }
     s.narrow = is_narrow(p, m.reach);
     status = add_contacts(&s, err);
@@ -142,6 +146,8 @@ void sp_vibration_rest(vibration *m) {
     memset(m->u, 0, bytes);
     memset(m->v, 0, bytes);
     memset(m->a, 0, bytes);
+    if (m->work)
+        memset(m->work, 0, (size_t)m->count * sizeof *m->work);
     for (int32_t k = 0; k < m->count; k++) {
         touching *t = &m->touch[k];
         memcpy(t->n, t->n0, sizeof t->n);
@@ -198,9 +204,22 @@ static bool place(const vibration *m, touching *t, double change[3]) {
     return true;
 }
 
+/* Work over a step in which the tangential force was `before` and would have become `whole` without sliding; s is the
+ * tangential displacement. The mean of the forces at both ends is of second order in the step. */
+static void keep_work(const touching *t, spring_work *w, const double before[3], const double whole[3],
+                      const double s[3], double kt) {
+    for (int a = 0; a < 3; a++) {
+        const double force = 0.5 * (before[a] + t->held * whole[a]);
+        const double slide = kt > 0 ? (1 - t->held) * whole[a] / kt : 0;
+        w->whole += force * s[a];
+        w->slid += force * slide;
+        w->carried += t->ft0[a] * (s[a] - slide);
+    }
+}
+
 /* Tangential spring over a step: turns with the contact, stretches by the slip `moved` (relative displacement and
  * rotation), and slides at Coulomb's limit. */
-static void drag(const vibration *m, touching *t, double kn_old, const double change[3], const double moved[3],
+static void drag(vibration *m, touching *t, double kn_old, const double change[3], const double moved[3],
                  const double turn[3], double twist) {
     double n[3], arm[3], whole[3], side[3], off = 0, size = 0;
     for (int a = 0; a < 3; a++) {
@@ -221,6 +240,14 @@ static void drag(const vibration *m, touching *t, double kn_old, const double ch
     size = sqrt(size);
     const double limit = m->friction * (t->fn0 + t->fn);
     t->held = size > limit ? limit / size : 1;
+    if (m->work) {
+        double s[3], free[3];
+        for (int a = 0; a < 3; a++) {
+            s[a] = moved[a] - along * n[a] - arm[a];
+            free[a] = t->ft0[a] + t->ft[a];
+        }
+        keep_work(t, &m->work[t - m->touch], whole, free, s, kt);
+    }
     if (size > limit)
         for (int a = 0; a < 3; a++)
             t->ft[a] = t->ft[a] * (limit / size) + t->ft0[a] * (limit / size - 1);
@@ -254,18 +281,26 @@ static void follow(vibration *m, const double *path, double h, double shifted) {
     }
 }
 
+/* Coefficient of the normal dashpot of a closed contact. */
+static double dashpot(const vibration *m, const touching *t) {
+    if (m->damping_kind == SP_DAMPING_ZETA)
+        return 2 * m->damping * sqrt(t->m_eff * t->kn);
+    return m->damping_kind == SP_DAMPING_MASS ? m->damping * t->m_eff : m->damping;
+}
+
 /* Change of the force on i, including dashpots. The total normal force is never attractive; the viscous tangential
  * force has no limit. `side` is the change of the total tangential force. */
 static void press(const vibration *m, touching *t, double side[3]) {
     double normal = t->fn, v[3], turn[3], arm[3];
     memcpy(side, t->ft, sizeof t->ft);
     if (m->damping > 0 && t->kn > 0) {
-        const double c = 2 * m->damping * sqrt(t->m_eff * t->kn), ct = c * sqrt(m->eta);
+        const double c = dashpot(m, t), ct = c * (m->damping_kind == SP_DAMPING_ZETA ? sqrt(m->eta) : m->damping_ratio);
+        const bool sides = m->turns || (m->damping_kind != SP_DAMPING_ZETA && m->dim > 1);
         relative(t, m->now, v, turn);
         const double along = dot3(v, t->n);
         cross3(turn, t->n, arm);
         normal = fmax(-t->fn0, t->fn - c * along);
-        for (int a = 0; a < 3 && m->turns; a++)
+        for (int a = 0; a < 3 && sides; a++)
             side[a] += ct * (v[a] - along * t->n[a] - arm[a]);
     }
     for (int a = 0; a < 3; a++)

@@ -5,6 +5,7 @@
  * large numbers, so the small residual forces of the packing have no effect. Walls and periodic images can be displaced
  * to impose strains. */
 
+#include <sonopack/network.h>
 #include <sonopack/packing.h>
 
 /* A pair, or a grain and a wall, that touches or may touch. Vectors have 3 components in every dimension. */
@@ -23,6 +24,13 @@ typedef struct touching {
     double force[3];        /* change of the whole force on i */
 } touching;
 
+/* Work at the tangential spring of a contact since rest, for balances of energy. */
+typedef struct spring_work {
+    double whole;   /* integral of (ft0 + ft) . ds over the tangential displacement s at the contact */
+    double slid;    /* the part of it that was rubbed away: the integral over the sliding */
+    double carried; /* integral of ft0 . ds without the sliding */
+} spring_work;
+
 typedef struct vibration {
     int dim;
     int32_t n, count;
@@ -32,13 +40,19 @@ typedef struct vibration {
     double *a;       /* [n][6] acceleration */
     double *now;     /* [n][6] velocity at the dashpots */
     double friction, eta, damping;
-    bool turns;    /* grains can rotate */
-    bool straight; /* normals stay fixed, as for springs without prestress */
-    double reach;  /* gaps up to this width are watched; no grain may move by more than half of it */
+    sp_damping_kind damping_kind; /* ZETA at first; of another kind damping is its value, as for networks */
+    double damping_ratio;         /* c_t/c_n of the other kinds */
+    bool turns;                   /* grains can rotate */
+    bool straight;                /* normals stay fixed, as for springs without prestress */
+    spring_work *work; /* [count] is kept if it is not NULL, for which the owner provides and frees the memory */
+    double reach;      /* gaps up to this width are watched; no grain may move by more than half of it */
 } vibration;
 
 /* Creates a packing at rest, u = v = 0. damping: zeta of the dashpots, 0 for none. SP_ENOMEM. */
 sp_status sp_vibration_make(const sp_packing *p, double damping, vibration *out, sp_error *err);
+/* The same with gaps watched up to `radii` times the smallest radius instead of 0.4: grains may move farther, and more
+ * pairs take more time. Without a wall the gaps must stay below a quarter of the period. */
+sp_status sp_vibration_make_wide(const sp_packing *p, double damping, double radii, vibration *out, sp_error *err);
 void sp_vibration_free(vibration *m);
 /* Returns to rest. The caller then sets u and v and calls sp_vibration_begin. */
 void sp_vibration_rest(vibration *m);

@@ -394,14 +394,14 @@ static sp_status prepare(damped *d, sp_error *err) {
 }
 
 sp_status sp_signal_by_faber(const signal_job *job, sp_signal *s, sp_error *err) {
-    const double zeta = job->options->damping;
+    const sp_damping law = sp_signal_damping(job->options);
     damped d = {.job = job,
                 .dashpots = sp_network_none(),
-                .has_dashpots = zeta > 0,
+                .has_dashpots = law.value > 0,
                 .omega = sp_network_omega_bound(job->net),
                 .until = job->options->until};
-    sp_status status = zeta > 0 ? sp_network_damping(job->net, zeta, &d.dashpots, err) : SP_OK;
-    if (status == SP_OK && zeta > 0)
+    sp_status status = d.has_dashpots ? sp_network_dashpots(job->net, &law, &d.dashpots, err) : SP_OK;
+    if (status == SP_OK && d.has_dashpots)
         d.rate = sp_network_omega_bound(&d.dashpots) * sp_network_omega_bound(&d.dashpots);
     if (status == SP_OK)
         status = prepare(&d, err);

@@ -237,11 +237,12 @@ static sp_status converge(simulation *s, sp_signal *out, double longest, sp_erro
 
 /* The decay rate of the stiffest dashpots limits the step too. */
 static sp_status longest_step(const signal_job *job, double *longest, sp_error *err) {
-    const double omega = sp_network_omega_bound(job->net), zeta = job->options->damping;
+    const double omega = sp_network_omega_bound(job->net);
+    const sp_damping law = sp_signal_damping(job->options);
     double rate = 0;
-    if (zeta > 0) {
+    if (law.value > 0) {
         sp_network dashpots = sp_network_none();
-        sp_status status = sp_network_damping(job->net, zeta, &dashpots, err);
+        sp_status status = sp_network_dashpots(job->net, &law, &dashpots, err);
         if (status != SP_OK)
             return status;
         rate = sp_network_omega_bound(&dashpots) * sp_network_omega_bound(&dashpots);
@@ -263,6 +264,8 @@ sp_status sp_signal_by_dynamics(const signal_job *job, sp_signal *s, sp_error *e
         status = longest_step(job, &longest, err);
     if (status == SP_OK)
         status = sp_vibration_make(job->packing, job->options->damping, &k.m, err);
+    k.m.damping_kind = job->options->damping_kind;
+    k.m.damping_ratio = job->options->damping_ratio;
     if (status == SP_OK)
         status = make_sensors(&k, err);
     if (status == SP_OK) {

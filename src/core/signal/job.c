@@ -5,6 +5,10 @@
 #include <math.h>
 #include <string.h>
 
+sp_damping sp_signal_damping(const sp_signal_options *opt) {
+    return (sp_damping){.kind = opt->damping_kind, .value = opt->damping, .ratio = opt->damping_ratio};
+}
+
 void sp_job_free(signal_job *job) {
     signal_rows *all[] = {&job->from, &job->to};
     for (int k = 0; k < 2; k++) {

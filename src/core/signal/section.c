@@ -11,7 +11,14 @@
 enum { LEAST_PLANES = 8, MOST_PLANES = 100000 };
 
 sp_coherent_section_options sp_coherent_section_options_default(void) {
-    return (sp_coherent_section_options){.spacing = 1, .low = 4, .part = 0.6};
+    return (sp_coherent_section_options){.spacing = 1, .low = 4, .part = 0.6, .damping_ratio = 1};
+}
+
+static void set_damping(const sp_coherent_section_options *opt, sp_signal_options *o) {
+    o->method = opt->damping > 0 ? SP_SIGNAL_FABER : SP_SIGNAL_CHEBYSHEV;
+    o->damping = opt->damping;
+    o->damping_kind = opt->damping_kind;
+    o->damping_ratio = opt->damping_ratio;
 }
 
 /* t10 at the top wall, as in the table of fronts. */
@@ -21,10 +28,13 @@ static sp_status arrival(const sp_network *net, const sp_coherent_section_option
     sp_signal signal = sp_signal_none();
     sp_front front;
     const sp_front_options rule = sp_front_options_default();
-    o.method = SP_SIGNAL_CHEBYSHEV;
+    set_damping(opt, &o);
     o.source = opt->source;
-    o.until = sp_signal_window(height, net->pressure);
+    o.until = (opt->shear ? 2 : 1) * sp_signal_window(height, net->pressure); /* shear takes up to twice as long */
     o.points = (int32_t)ceil(20 * height) + 200;
+    const sp_place wall = {.kind = SP_PLACE_WALL, .shear = opt->shear};
+    o.sources = o.detectors = 1;
+    o.from = o.to = &wall;
     sp_status status = sp_signal_make(net, &o, &signal, err);
     if (status == SP_OK)
         status = sp_front_find(signal.n, signal.t, signal.f, &rule, &front, err);
@@ -73,7 +83,7 @@ static sp_status place_planes(const sp_network *net, const sp_coherent_section_o
         s->y[j] = y;
         s->arrival[j] = t10 * y / height;
         s->until[j] = 2 * t10 - s->arrival[j];
-        place[j] = (sp_place){.kind = SP_PLACE_PLANE, .height = plane};
+        place[j] = (sp_place){.kind = SP_PLACE_PLANE, .shear = opt->shear, .height = plane};
         s->planes++;
     }
     return s->planes >= LEAST_PLANES
@@ -92,12 +102,15 @@ static sp_status record(const sp_network *net, const sp_coherent_section_options
     const double points = ceil(until / (M_PI / 3 / sp_network_omega_bound(net))) + 1;
     if (!(points * s->planes < 1e9))
         return sp_fail(err, SP_EREFUSED, "section: %d planes of %g times; at most 1e9 numbers", s->planes, points);
-    o.method = SP_SIGNAL_CHEBYSHEV;
+    set_damping(opt, &o);
     o.source = opt->source;
     o.until = until;
     o.points = (int32_t)points;
     o.detectors = s->planes;
     o.to = place;
+    const sp_place wall = {.kind = SP_PLACE_WALL, .shear = opt->shear};
+    o.sources = 1;
+    o.from = &wall;
     sp_status status = sp_signal_make(net, &o, &signal, err);
     if (status == SP_OK) {
         s->n = signal.n;

@@ -31,6 +31,7 @@ sp_signal_options sp_signal_options_default(void) {
                                .points = 801,
                                .tolerance = 1e-10,
                                .amplitude = 1e-3,
+                               .damping_ratio = 1,
                                .threads = 1};
 }
 
@@ -62,8 +63,9 @@ static sp_status check_options(const sp_signal_options *o, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "step = %g, must be a time, or 0 for one found from the tolerance", o->step);
     if (!sp_signal_method_name(o->method))
         return sp_fail(err, SP_EINVAL, "signal method %d, must be one of sp_signal_method", (int)o->method);
-    if (!(o->damping >= 0 && o->damping <= 100))
-        return sp_fail(err, SP_EINVAL, "damping = %g, must be a fraction of critical damping, 0 .. 100", o->damping);
+    if (!(o->damping >= 0 && (o->damping <= 100 || (o->damping_kind != SP_DAMPING_ZETA && isfinite(o->damping)))))
+        return sp_fail(err, SP_EINVAL, "damping = %g, must be %s", o->damping,
+                       o->damping_kind == SP_DAMPING_ZETA ? "a fraction of critical damping, 0 .. 100" : "0 or more");
     if (!(o->amplitude > 0 && isfinite(o->amplitude)))
         return sp_fail(err, SP_EINVAL, "amplitude = %g, must be above 0", o->amplitude);
     if (o->damping > 0 && o->method != SP_SIGNAL_AUTO && o->method != SP_SIGNAL_FABER &&

@@ -158,3 +158,11 @@ void sp_driven_fit(int32_t n, const double *y, const double *f, sp_wave_fit *out
                          .alpha_err = error,
                          .misfit = p.rest / all};
 }
+
+void sp_wave_quality(double k, double k_err, double alpha, double alpha_err, double *q, double *q_err) {
+    *q = *q_err = NAN;
+    if (!(alpha > 0) || alpha <= 3 * alpha_err || !isfinite(k))
+        return;
+    *q = fabs(k) / (2 * alpha);
+    *q_err = hypot(0.5 * k_err / alpha, *q * alpha_err / alpha);
+}

@@ -11,8 +11,11 @@
 enum { FREQUENCIES_MAX = 1000000, PLANES_MAX = 100000 };
 
 sp_harmonic_options sp_harmonic_options_default(void) {
-    return (sp_harmonic_options){
-        .source = SP_SOURCE_IMPULSE, .from = sp_place_wall(), .to = sp_place_wall(), .tolerance = 1e-8};
+    return (sp_harmonic_options){.source = SP_SOURCE_IMPULSE,
+                                 .from = sp_place_wall(),
+                                 .to = sp_place_wall(),
+                                 .tolerance = 1e-8,
+                                 .damping_ratio = 1};
 }
 
 sp_harmonic sp_harmonic_none(void) { return (sp_harmonic){0}; }
@@ -26,7 +29,8 @@ void sp_harmonic_free(sp_harmonic *h) {
 static sp_status check(const sp_network *net, const sp_harmonic_options *o, sp_error *err) {
     const double height = net->box[net->dim - 1];
     if (!(o->damping >= 0 && isfinite(o->damping)))
-        return sp_fail(err, SP_EINVAL, "damping = %g, must be a fraction of critical damping, 0 or more", o->damping);
+        return sp_fail(err, SP_EINVAL, "damping = %g, must be %s, 0 or more", o->damping,
+                       o->damping_kind == SP_DAMPING_ZETA ? "a fraction of critical damping" : "a coefficient");
     if (o->source != SP_SOURCE_IMPULSE && o->source != SP_SOURCE_VELOCITY)
         return sp_fail(err, SP_EINVAL, "harmonic driving by a source of displacements, must be impulse or velocity");
     if (o->n < 1 || o->n > FREQUENCIES_MAX || !o->omega)
@@ -115,6 +119,7 @@ static sp_status make_detectors(const harmonic_solver *b, const sp_network *net,
 static sp_status make_solver(const sp_network *net, const sp_harmonic_options *o, harmonic_solver *b, sp_harmonic *h,
                              sp_error *err) {
     sp_network dashpots = sp_network_none();
+    const sp_damping law = {.kind = o->damping_kind, .value = o->damping, .ratio = o->damping_ratio};
     const int64_t dofs = sp_network_dofs(net);
     b->net = net;
     b->options = o;
@@ -126,7 +131,7 @@ static sp_status make_solver(const sp_network *net, const sp_harmonic_options *o
     if (status == SP_OK)
         status = make_detectors(b, net, h, b->spring_rows, err);
     if (status == SP_OK && o->damping > 0)
-        status = sp_network_damping(net, o->damping, &dashpots, err);
+        status = sp_network_dashpots(net, &law, &dashpots, err);
     if (status == SP_OK && o->damping > 0)
         status = make_detectors(b, &dashpots, h, b->dashpot_rows, err);
     if (status == SP_OK)

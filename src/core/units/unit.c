@@ -201,7 +201,8 @@ double sp_unit_convert(double value, const sp_unit *a, const sp_unit *b, const s
 static const char *const si_units[] = {
     "mm",      "us",      "m/s",        "rad/s",           "N",           "kPa",
     "mg",      "1/mm",    "m/s^2",      "rad^2/s^2",       "N/m",         "N us",
-    "mg mm^2", "mg/mm^2", "1/sqrt(mg)", "1/(sqrt(mg) mm)", "mm sqrt(mg)", "N/(m sqrt(mg))"};
+    "mg mm^2", "mg/mm^2", "1/sqrt(mg)", "1/(sqrt(mg) mm)", "mm sqrt(mg)", "N/(m sqrt(mg))",
+    "N s/m",   "m^2/s"};
 
 const char *sp_unit_si(const sp_unit *u) {
     sp_unit si;

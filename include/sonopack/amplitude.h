@@ -1,0 +1,111 @@
+#ifndef SONOPACK_AMPLITUDE_H
+#define SONOPACK_AMPLITUDE_H
+/* What becomes of the sound of a packing when it is loud: the nonlinear motion between fixed walls, with Hertz's law,
+ * sliding, and contacts that open and close, beside the linear signal (docs/amplitude.md).
+ *
+ * Amplitudes are those of sp_signal_options: the largest initial displacement of a grain, or velocity over omega_max,
+ * over the mean overlap of the carrying contacts. */
+
+#include <sonopack/front.h>
+#include <sonopack/network.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A result with its error, an estimate from steps of twice the length and from every second time. */
+typedef struct sp_amplitude_value {
+    double value, error;
+} sp_amplitude_value;
+
+typedef struct sp_amplitude_options {
+    sp_source source;
+    double until;     /* last time; 0: sp_signal_window */
+    double tolerance; /* largest relative error of the arrival and of the balance of energy; 1e-3 */
+} sp_amplitude_options;
+SP_API sp_amplitude_options sp_amplitude_options_default(void);
+
+/* The balance of energy at the end of the run [E* d^3]. Energies are beyond those at rest and beyond the work of the
+ * forces at rest, which is none in a packing in equilibrium:
+ *     kinetic + normal + tangential + slid - released = input. */
+typedef struct sp_amplitude_energy {
+    double input;   /* of the source */
+    double kinetic; /* of translations and rotations */
+    double normal;  /* of the normal springs (Hertz) */
+    double
+        tangential;  /* work of the tangential springs without sliding; Mindlin's springs have no energy of their own */
+    double slid;     /* what sliding rubbed away */
+    double released; /* what of it the forces at rest have done: sliding lets go of stresses of the packing */
+    double defect;   /* largest | left side - right side | / input on the way: the error of the time steps */
+} sp_amplitude_energy;
+
+/* The front at the top wall after a pulse of one amplitude at the bottom wall. */
+typedef struct sp_amplitude_pulse {
+    double amplitude;
+    double factor;              /* of the source: F is the change of the force on the top wall over it */
+    double step;                /* time step of the finer run */
+    sp_front front;             /* of F */
+    sp_amplitude_value t10;     /* [d/sqrt(E* / rho)] */
+    sp_amplitude_value speed;   /* t10 of the linear signal over t10: H/t10 over its linear limit */
+    sp_amplitude_value peak;    /* largest F of the front over that of the linear signal */
+    sp_amplitude_value width;   /* t_zero - t10 over that of the linear signal */
+    double overpressure;        /* largest change of the force on the top wall over the force at rest */
+    double until;               /* end of the run, behind the front: the time of the counts and of the energies */
+    int32_t carrying;           /* contacts that carry a force at rest; of these */
+    int32_t slid, opened, lost; /* slid; were open at some time; are open at the end */
+    int32_t closed;             /* gaps that closed at some time */
+    sp_amplitude_energy energy;
+} sp_amplitude_pulse;
+
+/* Computes the fronts of `count` amplitudes, and that of the linear signal (all contacts, with prestress, by
+ * Chebyshev expansion), which is their limit.
+ * SP_EINVAL for an amplitude that is not in 1e-9 .. 1e6: below, rounding errors of the motion exceed the tolerance.
+ * SP_EREFUSED for a packing without level walls at bottom and top, without a front, or where the tolerance takes too
+ * many steps; SP_EFAILED if a grain moves farther than the search for contacts allows. */
+SP_API sp_status sp_amplitude_pulses(const sp_packing *p, const sp_amplitude_options *opt, int32_t count,
+                                     const double *amplitude, sp_amplitude_pulse *out, sp_front *linear, sp_error *err);
+
+/* The front at a plane: the flux of momentum through it, as in SP_PLACE_PLANE. */
+typedef struct sp_amplitude_plane {
+    double height;               /* of the contacts that carry the flux (sp_network_plane_height) [d] */
+    sp_amplitude_value t10;      /* [d/sqrt(E* / rho)] */
+    sp_amplitude_value t_peak;   /* [d/sqrt(E* / rho)] */
+    sp_amplitude_value pressure; /* largest flux over the force at rest */
+    /* Speeds from the plane before, from t10 and from t_peak; at the first plane NAN [sqrt(E* / rho)] */
+    sp_amplitude_value speed, speed_peak;
+} sp_amplitude_plane;
+/* The fronts of one pulse at planes of these heights, ascending, inside the packing. plane: [n]; pulse: that at the top
+ * wall, may be NULL. As sp_amplitude_pulses; SP_EINVAL for a height that no contact crosses, and for two planes that
+ * the same contacts cross. */
+SP_API sp_status sp_amplitude_planes(const sp_packing *p, const sp_amplitude_options *opt, double amplitude, int32_t n,
+                                     const double *height, sp_amplitude_plane *plane, sp_amplitude_pulse *pulse,
+                                     sp_error *err);
+
+/* A solitary wave of a chain of equal balls (Hertz's law, no walls). Balls are counted along the chain, so lengths
+ * along it are numbers of balls; c is the speed of long waves of the chain at rest, delta0 its overlap. */
+typedef struct sp_solitary {
+    double peak;       /* largest additional overlap over delta0; INFINITY: the chain at rest bears no force */
+    double force;      /* largest force over that at rest, (1 + peak)^(3/2) */
+    double speed;      /* over c */
+    double velocity;   /* largest velocity of a ball over c delta0 */
+    double width;      /* where the additional overlap is above half of its peak [balls] */
+    double kdv;        /* speed of the long and weak wave over c, sqrt(1 + peak/6); */
+    double kdv_width;  /* its width, of sech^2(x sqrt(peak/2)) */
+    double nesterenko; /* speed of the long wave of any strength over c (Nesterenko 2001, ch. 1) */
+    /* The same over what belongs to a chain that rests with the overlap of the peak. These stay finite without force at
+     * rest, where `speed', `velocity' and `nesterenko' are INFINITY. */
+    double speed_at_peak, velocity_at_peak, nesterenko_at_peak;
+    double error; /* of speed, velocity and width, relative: an estimate from half the points */
+} sp_solitary;
+/* Solves the equation of a wave of constant form, V^2 R = tent * (F(R) - F(0)), to rounding errors. SP_EINVAL for a
+ * peak that is not in 1e-4 .. 1e9 or INFINITY. */
+SP_API sp_status sp_solitary_make(double peak, sp_solitary *out, sp_error *err);
+/* Its form: additional overlap over the peak, and velocity of the ball over its largest, at the distances x [n] from
+ * the middle of the wave [balls]; the overlap is that of two balls whose middle is at x, the ball is at x. */
+SP_API sp_status sp_solitary_form(double peak, int64_t n, const double *x, double *overlap, double *velocity,
+                                  sp_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,130 @@
+/* The diffusivity of energy in two independent ways, and where it must not be given. */
+#include "cells.h"
+#include "signals.h"
+
+#include <sonopack/transport.h>
+
+static sp_modes modes_of(const sp_network *net) {
+    const sp_modes_options o = sp_modes_options_default();
+    sp_modes m = sp_modes_none();
+    assert_ok(sp_modes_dense(net, &o, &m, &err));
+    return m;
+}
+
+/* Means over packings of the diffusivity in both ways: the energy of random motions spreads as the eigenmodes say. In
+ * cells of 15 diameters in the plane modes are not quite extended, and energy spreads by some 20% more slowly
+ * (docs/transport.md). */
+static void test_two_ways(void **state) {
+    (void)state;
+    enum { PACKINGS = 4 };
+    double spread = 0, squares = 0, kubo = 0;
+    for (unsigned seed = 1; seed <= PACKINGS; seed++) {
+        sp_packing p = cells_packing(SP_CELL_PERIODIC, 2, 300, 0.9, NULL, 0, seed);
+        sp_network net = network_of(&p, false);
+        sp_modes modes = modes_of(&net);
+        const double omega = 0.35 * modes.omega[modes.n - 1];
+        double mean = 0;
+        sp_kubo_options ko = sp_kubo_options_default();
+        sp_spread_options so = sp_spread_options_default();
+        sp_kubo k;
+        assert_ok(sp_kubo_make(&net, &modes, 1, &omega, &ko, &k, &err));
+        for (so.axis = 0; so.axis < 2; so.axis++) {
+            sp_spread s;
+            assert_ok(sp_spread_make(&net, omega, &so, &s, &err));
+            assert_true(s.drift < 1e-10);
+            assert_true(s.d > 0 && s.d_err > 0 && s.to > s.from);
+            mean += 0.5 * s.d;
+        }
+        assert_true(k.d_err > 0 && k.d_err < 0.3 * k.d);
+        spread += mean / PACKINGS;
+        squares += mean * mean / PACKINGS;
+        kubo += k.d / PACKINGS;
+        sp_modes_free(&modes);
+        sp_network_free(&net);
+        sp_packing_free(&p);
+    }
+    const double error = sqrt((squares - spread * spread) / (PACKINGS - 1));
+    assert_true(error < 0.2 * spread);
+    assert_true(spread > 0.5 * kubo - 2 * error && spread < 1.1 * kubo + 2 * error);
+}
+
+/* The spread of energy in a lattice is ballistic: no diffusivity from either way. The speed is that of the groups: in
+ * the square lattice of smooth grains half of the modes move along y, with omega = w sin(k a/2). */
+static void test_lattice(void **state) {
+    (void)state;
+    enum { ROWS = 40 };
+    sp_packing p = cells_square(6, ROWS, 0, 1e-3, 0);
+    sp_network net = network_of(&p, false);
+    sp_modes modes = modes_of(&net);
+    sp_kubo_options ko = sp_kubo_options_default();
+    const sp_spread_options so = sp_spread_options_default();
+    const double a = net.length[0], top = 2 * sqrt(net.springs[0].kn / net.mass[0]);
+    for (double part = 0.3; part < 0.8; part += 0.2) {
+        const double omega = part * top;
+        double squares = 0, weights = 0;
+        sp_kubo k;
+        sp_spread s;
+        for (int q = 1; q < ROWS; q++) { /* u_y */
+            const double w = top * sin(M_PI * q / ROWS), v = 0.5 * top * a * cos(M_PI * q / ROWS);
+            const double g = 6 * exp(-0.5 * (w / omega - 1) * (w / omega - 1) / (ko.width * ko.width));
+            squares += g * v * v;
+            weights += g;
+        }
+        for (int q = 1; q < 6; q++) /* u_x, which nothing moves along y */
+            weights += ROWS * exp(-0.5 * pow((top * sin(M_PI * q / 6) / omega - 1) / ko.width, 2));
+        ko.axis = 1;
+        assert_ok(sp_kubo_make(&net, &modes, 1, &omega, &ko, &k, &err));
+        assert_true(isnan(k.d) && isnan(k.d_err) && isnan(k.d_shift));
+        assert_relative(k.speed, sqrt(2 * squares / weights), 0.1); /* a part of the modes */
+        assert_ok(sp_spread_make(&net, omega, &so, &s, &err));
+        assert_true(isnan(s.d) && isnan(s.d_err) && isnan(s.d_shift));
+    }
+    sp_modes_free(&modes);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+static void test_bad_input(void **state) {
+    (void)state;
+    sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
+    sp_network net = network_of(&p, false), turning = network_of(&p, true);
+    sp_modes modes = modes_of(&net), none = sp_modes_none();
+    sp_spread_options so = sp_spread_options_default();
+    sp_kubo_options ko = sp_kubo_options_default();
+    const double bad = NAN, good = 0.3, high = 50;
+    sp_spread s;
+    sp_kubo k;
+    assert_fails(sp_spread_make(&net, bad, &so, &s, &err), SP_EINVAL, "nan");
+    assert_fails(sp_spread_make(&net, high, &so, &s, &err), SP_EREFUSED, "50");
+    assert_fails(sp_spread_make(&turning, good, &so, &s, &err), SP_EREFUSED, "");
+    so.axis = 2;
+    assert_fails(sp_spread_make(&net, good, &so, &s, &err), SP_EINVAL, "2");
+    so = sp_spread_options_default();
+    so.sources = 1;
+    assert_fails(sp_spread_make(&net, good, &so, &s, &err), SP_EINVAL, "1");
+    so = sp_spread_options_default();
+    so.width = 0.7;
+    assert_fails(sp_spread_make(&net, good, &so, &s, &err), SP_EINVAL, "0.7");
+    so = sp_spread_options_default();
+    so.waves = 0;
+    assert_fails(sp_spread_make(&net, good, &so, &s, &err), SP_EINVAL, "0");
+    assert_fails(sp_kubo_make(&net, &modes, 1, &bad, &ko, &k, &err), SP_EINVAL, "nan");
+    assert_fails(sp_kubo_make(&net, &none, 1, &good, &ko, &k, &err), SP_EINVAL, "modes");
+    ko.axis = 1;
+    assert_fails(sp_kubo_make(&net, &modes, 1, &good, &ko, &k, &err), SP_EREFUSED, "1");
+    ko.axis = 5;
+    assert_fails(sp_kubo_make(&net, &modes, 1, &good, &ko, &k, &err), SP_EINVAL, "5");
+    ko = sp_kubo_options_default();
+    ko.smear = 0;
+    assert_fails(sp_kubo_make(&net, &modes, 1, &good, &ko, &k, &err), SP_EINVAL, "0");
+    sp_modes_free(&modes);
+    sp_network_free(&turning);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_two_ways), cmocka_unit_test(test_lattice),
+                                       cmocka_unit_test(test_bad_input)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
