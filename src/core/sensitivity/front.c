@@ -1,12 +1,15 @@
 /* Gradients of the first front, on the continuous signal. */
 #include "base/base.h"
 #include "sensitivity/functional.h"
+#include "signal/expansion.h"
 
 #include <float.h>
 #include <math.h>
 
 /* parts of the time in which a front is sought; steps of a search for a root */
 enum { PARTS = 48, STEPS_MAX = 200 };
+/* Remainder of the series at the points, as of a signal with the default tolerance. */
+#define TAIL 1e-18
 
 void sp_front_gradient_free(sp_front_gradient *g) {
     sp_gradient *all[] = {&g->t10, &g->t_peak, &g->peak, &g->t_zero, &g->width};
@@ -40,8 +43,10 @@ static sp_status evaluate(search *s, double t, int order, double *value, double 
 
 static sp_status append_points(search *s, double *t, double *f, int32_t first, int32_t end, sp_error *err) {
     double error;
-    const int64_t terms = sp_functional_terms(s->f.omega, t[end - 1]);
-    sp_status status = sp_forward_extend(&s->f, terms - 32, err);
+    int64_t terms = 0;
+    sp_status status = sp_expansion_terms(s->f.net, t[end - 1], s->f.velocity, TAIL, &terms, err);
+    if (status == SP_OK)
+        status = sp_forward_extend(&s->f, terms, err);
     if (status != SP_OK)
         return status;
     return sp_pass_sum(&s->f.p, s->f.omega, end - first, t + first, end - first, f + first, &error, err);
@@ -272,7 +277,7 @@ sp_status sp_sensitivity_front(const sp_network *net, const sp_sensitivity_optio
     if (opt->pulse)
         sp_pulse_span(opt->pulse, &first, &last);
     const int64_t terms = sp_functional_terms(sp_network_omega_bound(net), s.until + 4 * s.spacing - fmin(first, 0));
-    status = sp_forward_make(net, opt, terms, terms / 2 / PARTS, &s.f, err);
+    status = sp_forward_make(net, opt, terms, terms / PARTS, &s.f, err);
     if (status == SP_OK)
         status = sample(&s, &g.sampled, err);
     if (status == SP_OK)
