@@ -22,8 +22,8 @@
 #include <sonopack/spectrum.h>
 #include <sonopack/status.h>
 #include <sonopack/table.h>
-#include <sonopack/uncertainty.h>
 #include <sonopack/transport.h>
+#include <sonopack/uncertainty.h>
 #include <sonopack/units.h>
 #include <sonopack/version.h>
 #endif
