@@ -1,8 +1,8 @@
 /* What a gradient of the arrival costs, in signals:
  *     sensitivity_cost PACKING [REPEATS]
- * One line: grains, contacts; milliseconds of user CPU for the signal up to its first front, for the gradient of t_10 by k_n
- * and k_t of all contacts (with that signal), and the ratio of both; then the ratios of gradients by masses too, and by
- * everything. Each is the median over alternating runs. */
+ * One line: grains, contacts; milliseconds of user CPU for the signal up to its first front, for the gradient of t_10
+ * by k_n and k_t of all contacts (with that signal), and the ratio of both; then the ratios of gradients by masses too,
+ * and by everything. Each is the median over alternating runs. */
 #include "base/base.h"
 
 #include <sonopack/sensitivity.h>
@@ -75,8 +75,8 @@ int main(int count, char **word) {
         status = sp_network_make(&p, &options, &net, &err);
     for (int r = 0; r < repeats && status == SP_OK; r++)
         for (int k = 0; k < KINDS && status == SP_OK; k++)
-            status = k == 0 ? signal_once(&net, &seconds[0][r], &err)
-                            : gradient_once(&net, &p, by[k], &seconds[k][r], &err);
+            status =
+                k == 0 ? signal_once(&net, &seconds[0][r], &err) : gradient_once(&net, &p, by[k], &seconds[k][r], &err);
     if (status == SP_OK) {
         double m[KINDS];
         for (int k = 0; k < KINDS; k++)

@@ -25,6 +25,7 @@ from ._place import Place
 from ._records import (Audit, CoherentWave, FiniteStrain, Front, Material, Moduli, PackProgress, ParticipationBin,
                        ProbeModuli, Stability, Statics, StudyProgress, TappedTap, ZeroModes)
 from ._scene import Scene, scene_help
+from ._sensitivity import Gradient
 from ._signal import Pulse, Signal, front, signal_window
 from ._spectra import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, Continuum, DensityOfStates, Dispersion, Harmonic,
                        Transmission, WaveSection)
@@ -37,10 +38,10 @@ __version__ = _text_of(_lib.sp_version())
 __all__ = [
     "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Coda", "CoherentWave", "Column",
     "ColumnRun", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes", "DensityOfStates", "Design",
-    "Dispersion", "FRONT", "FileError", "FiniteStrain", "Front", "Harmonic", "Interrupted", "InvalidInput", "LEFT",
-    "Material", "Modes", "Moduli", "Network", "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place",
-    "ProbeModuli", "Pulse", "RIGHT", "Refused", "SPRING", "Sample", "Scene", "Signal", "SonopackError", "Stability",
-    "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap", "Transmission", "Uncertain",
-    "Uncertainty", "WAVE_FIT", "WaveSection", "ZeroModes", "design", "front", "quantity", "scene_help",
-    "signal_window", "study", "uncertainty",
+    "Dispersion", "FRONT", "FileError", "FiniteStrain", "Front", "Gradient", "Harmonic", "Interrupted",
+    "InvalidInput", "LEFT", "Material", "Modes", "Moduli", "Network", "NoMemory", "PackProgress", "Packing",
+    "ParticipationBin", "Place", "ProbeModuli", "Pulse", "RIGHT", "Refused", "SPRING", "Sample", "Scene", "Signal",
+    "SonopackError", "Stability", "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap",
+    "Transmission", "Uncertain", "Uncertainty", "WAVE_FIT", "WaveSection", "ZeroModes", "design", "front",
+    "quantity", "scene_help", "signal_window", "study", "uncertainty",
 ]

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _place, _records
+from . import _core, _place, _records, _sensitivity
 from ._core import Array, Floats, Integers, Value, call, documented
 from ._native import ffi, lib
 from ._modes import DampedModes, Modes, Stability
 from ._place import Where
+from ._sensitivity import Gradient
 from ._signal import Pulse, Signal
 from ._spectra import Continuum, Dispersion, DensityOfStates, Harmonic, Transmission, WaveSection
 
@@ -261,6 +262,33 @@ class Network(_core.Owner):
         out = ffi.new("sp_finite_strain *")
         call(lib.sp_moduli_finite_strain, self.packing._c, self._c, self._density(margin), options, out)
         return _core.record(_records.FiniteStrain, out)
+
+    # ---- sensitivities ----------------------------------------------------------------------------------------------
+
+    @documented("sp_sensitivity_front")
+    def sensitivity(self, of: str = "t10", by: str | Sequence[str] = ("kn", "kt"), *, t: float | None = None,
+                    source: str | None = None, at: Where | None = None, detector: Where | None = None,
+                    pulse: Pulse | None = None, until: float | None = None, points: int | None = None,
+                    margin: float = 3.0, threads: int = 1) -> Gradient:
+        """Exact derivatives of a quantity: t10, t_peak, peak, t_zero or width of the first front, F (the signal at the
+        time t), C11, C12, ..., cl or ct (at a fixed density). by: kn, kt, mass, radius, position, pressure."""
+        wave = {"source": source, "at": at, "detector": detector, "pulse": pulse, "until": until, "points": points,
+                "threads": threads}
+        return _sensitivity.sensitivity(self, of, by, t, wave, margin)
+
+    @documented("sp_sensitivity_modes")
+    def mode_sensitivity(self, modes: Modes, first: int, count: int = 1,
+                         by: str | Sequence[str] = ("kn", "kt")) -> Gradient:
+        """Derivatives of the mean omega^2 of rows first .. first + count - 1 of modes with vectors."""
+        return _sensitivity.of_modes(self, modes, first, count, by)
+
+    @documented("sp_sensitivity_times")
+    def signal_sensitivity(self, t: npt.ArrayLike, springs: npt.ArrayLike | None = None, *, source: str | None = None,
+                           at: Where | None = None, detector: Where | None = None) -> tuple[Floats, Floats, Floats]:
+        """dF/dk_n and dF/dk_t [springs][times] of chosen springs at all times t, and bounds of their errors [springs][2]."""
+        wave = {"source": source, "at": at, "detector": detector, "pulse": None, "until": None, "points": None,
+                "threads": 1}
+        return _sensitivity.of_times(self, t, springs, wave)
 
     # ---- spectra ----------------------------------------------------------------------------------------------------
 

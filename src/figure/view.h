@@ -72,8 +72,8 @@ void sp_view_arrow(const view *v, double x, double y, double dx, double dy);
 void sp_view_arrow_inside(const view *v, double x, double y, double dx, double dy);
 /* Says at the right of a line of the key how many rattlers there are. */
 void sp_view_count_rattlers(const view *v, int line, int32_t rattlers);
-/* Draws a line of this width [pt] from centre to centre, or to the wall, along the normal of a contact of a packing in 1
- * or 2 dimensions. A contact across a periodic edge is drawn at both sides. */
+/* Draws a line of this width [pt] from centre to centre, or to the wall, along the normal of a contact of a packing in
+ * 1 or 2 dimensions. A contact across a periodic edge is drawn at both sides. */
 void sp_view_link(const view *v, const sp_contact *k, double width);
 /* A disc of the key. */
 void sp_view_disc(const view *v, double x, double y, colour ink);

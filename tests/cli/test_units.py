@@ -22,7 +22,7 @@ TIME = D / SPEED
 MASS = RHO * D**3
 # our units: unit in SI, and its factor in m, kg and s over that of the SI unit
 FACTORS = {"d": ("mm", D * 1e3), "1/d": ("1/mm", 1e-3 / D), "E*": ("kPa", MODULUS / 1e3),
-           "E* d^2": ("N", MODULUS * D**2), "sqrt(E* / rho)": ("m/s", SPEED), "d/sqrt(E* / rho)": ("us", TIME * 1e6),
+           "E* d^2": ("N", MODULUS * D**2), "E* d": ("N/m", MODULUS * D), "rho d^3": ("mg", MASS * 1e6), "sqrt(E* / rho)": ("m/s", SPEED), "d/sqrt(E* / rho)": ("us", TIME * 1e6),
            "sqrt(E* / rho)/d": ("rad/s", 1 / TIME), "E* / (rho d)": ("m/s^2", MODULUS / RHO / D),
            "E* / (rho d^2)": ("rad^2/s^2", MODULUS / RHO / D**2), "modes d/sqrt(E* / rho)": ("modes us", TIME * 1e6),
            "E* d^3/sqrt(E* / rho)": ("N us", MODULUS * D**2 * TIME * 1e6), "E* d^2/sqrt(E* / rho)": ("N s/m", MODULUS * D**2 / SPEED), "1/sqrt(rho d^3)": ("1/sqrt(mg)", (MASS * 1e6) ** -0.5),
@@ -32,7 +32,7 @@ FACTORS = {"d": ("mm", D * 1e3), "1/d": ("1/mm", 1e-3 / D), "E*": ("kPa", MODULU
            "E* d/sqrt(rho d^3)": ("N/(m sqrt(mg))", MODULUS * D * (MASS * 1e6) ** -0.5)}
 SI = {si: factor for si, factor in FACTORS.values()}
 # columns and comments of numbers that have no dimension, and of texts
-PLAIN = re.compile(r"""file|probe|reason|verdict|branch|polarization|ok|failed|name|seed|dimension|grains?|samples|left_out|modes|steps|
+PLAIN = re.compile(r"""file|contact|i|j|probe|reason|verdict|branch|polarization|ok|failed|name|seed|dimension|grains?|samples|left_out|modes|steps|
     n|n1|n2|made|lost|sliding|rattlers|negative|flutter|zero|z_star|friction|strain|part|participation|share|min|max|sd|misfit|
     overlap|ratio|alpha|alpha_err|alpha_peak|alpha_peak_err|gamma|gamma_err|speed_over_c_l|k_path(_err)?|C\d\d_((sine|lines)\d_)?ratio(_\w+)?|
     (Phi2|Phi3s?|zs|f0|N_over_p|Z2|Z3|F2S?|s1_over_s2|s[13]2_over_s2|mobilised)(_(sd|err|low|high))?|
@@ -156,6 +156,8 @@ def check_commands(folder):
         sonopack("pack", f"{name}.cfg", "-o", f"{name}.h5", "-q", cwd=folder)
     (folder / "pulse.txt").write_text("0 0\n1 1\n4 0\n")
     for line in (
+            "sensitivity P.h5", "sensitivity S.h5 --of peak --by mass,radius,position",
+            "sensitivity P.h5 --of F --at 60 --by pressure", "sensitivity P.h5 --of C22", "sensitivity P.h5 --of omega:100",
             "statics P.h5 S.h5", "moduli P.h5", "moduli S.h5", "moduli P.h5 --probe sine:1 --probe lines:1", "moduli P.h5 --strain 1e-6",
             "modes P.h5", "modes P.h5 --band 0.1:0.2", "modes S.h5 --lowest 3", "modes P.h5 --damping 0.1 ", "modes P.h5 --damping gamma:0.02:0.01", "signal P.h5 --damping mass:0.1 --until 60 --points 30",
             "modes P.h5 --stability --prestress", "modes P.h5 --frequencies-only", "signal P.h5", "signal S.h5 --planes 2",

@@ -211,6 +211,31 @@ def test_units():
     check(started.material == made.material, started.material)
 
 
+def test_sensitivity():
+    made = packing()
+    network = made.network()
+    kn, kt = network.springs["kn"], network.springs["kt"]
+    for of in ("t10", "peak", "width", "C22", "cl"):
+        read, found = table("sensitivity", "P.h5", "--of", of), network.sensitivity(of)
+        check(read.number("value") == found.value, of)
+        equal(read, "by_kn", kn * found.kn, of)
+        equal(read, "by_kt", kt * found.kt, of)
+        equal(read, "by_kn_err", kn * found.errors["kn"], of)
+    read = table("sensitivity", "P.h5", "--by", "mass,radius,position", "--of", "F", "--at", 60)
+    found = network.sensitivity("F", "mass,radius,position", t=60)
+    equal(read, "by_radius", network.r * found.radius, "radius")
+    equal(read, "by_y", found.position[:, 1], "position")
+    modes = network.modes()
+    first = modes.zero.total
+    read = table("sensitivity", "P.h5", "--of", f"omega:{first}-{first + 3}")
+    equal(read, "by_kn", kn * network.mode_sensitivity(modes, first, 4).kn, "modes")
+    pressure = network.sensitivity("t10", "pressure").pressure
+    equal(table("sensitivity", "P.h5", "--by", "pressure"), "by_p", made.pressure * pressure, "pressure")
+    at_once, _, error = network.signal_sensitivity([60.0, 20.0], [5, 7])
+    one = network.sensitivity("F", "kn", t=60)
+    check(np.all(np.abs(at_once[:, 0] - one.kn[[5, 7]]) <= error[:, 0] + one.errors["kn"][[5, 7]]), "all times")
+
+
 def test_column():
     for output in ("trajectory", "strobe", "energy"):
         read = table("column", "--set", f"column.output={output}", "--set", "column.taps=3")
@@ -229,5 +254,5 @@ if __name__ == "__main__":
     with scratch() as folder:
         os.chdir(folder)
         run(test_packing, test_another_pressure, test_statics, test_signal, test_front, test_modes, test_moduli,
-            test_spectra, test_wave, test_study, test_units, test_column)
+            test_spectra, test_wave, test_study, test_units, test_column, test_sensitivity)
         os.chdir("/")

@@ -306,10 +306,76 @@ static void test_fronts(void **state) {
     sp_packing_free(&p);
 }
 
+static void test_refusals(void **state) {
+    (void)state;
+    sp_pack_spec spec = sp_pack_spec_default();
+    spec.grains = 40;
+    spec.width = 5;
+    sp_packing p = make_packing(&spec);
+    sp_network net = network_of(&p, false), held = network_of(&p, true);
+    const double t[1] = {30}, back[1] = {-1}, one[1] = {1};
+    const int high[1] = {3};
+    const sp_functional good = {1, t, one, NULL}, none = {0, t, one, NULL}, early = {1, back, one, NULL};
+    const sp_functional steep = {1, t, one, high};
+    sp_sensitivity_options o = sp_sensitivity_options_default();
+    sp_gradient g = sp_gradient_none();
+    sp_front_gradient f;
+    sp_error reason;
+    assert_int_equal(sp_sensitivity_signal(&net, &o, 1, &none, &g, &reason), SP_EINVAL);
+    assert_int_equal(sp_sensitivity_signal(&net, &o, 1, &early, &g, &reason), SP_EINVAL);
+    assert_int_equal(sp_sensitivity_signal(&net, &o, 1, &steep, &g, &reason), SP_EINVAL);
+    assert_int_equal(sp_sensitivity_signal(&net, &o, 0, &good, &g, &reason), SP_EINVAL);
+    assert_int_equal(sp_sensitivity_signal(&held, &o, 1, &good, &g, &reason), SP_EREFUSED);
+    o.parameters = 64;
+    assert_int_equal(sp_sensitivity_signal(&net, &o, 1, &good, &g, &reason), SP_EINVAL);
+    o.parameters = SP_BY_RADIUS; /* without the packing */
+    assert_int_equal(sp_sensitivity_signal(&net, &o, 1, &good, &g, &reason), SP_EINVAL);
+    o.parameters = SP_BY_KN;
+    assert_int_equal(sp_sensitivity_front(&net, &o, 0, &f, &reason), SP_EINVAL);
+    o.until = 5; /* before the peak */
+    assert_int_equal(sp_sensitivity_front(&net, &o, SP_FRONT_T10, &f, &reason), SP_EREFUSED);
+    const sp_pulse square = {.kind = SP_PULSE_SQUARE, .width = 3};
+    o.pulse = &square;
+    assert_int_equal(sp_sensitivity_signal(&net, &o, 1, &good, &g, &reason), SP_EINVAL);
+    sp_network_free(&net);
+    sp_network_free(&held);
+    sp_packing_free(&p);
+}
+
+/* Every allocation fails once: the reason is told, and nothing is left behind (the checks of memory see that). */
+static void test_memory(void **state) {
+    (void)state;
+    sp_pack_spec spec = sp_pack_spec_default();
+    spec.grains = 30;
+    spec.width = 5;
+    sp_packing p = make_packing(&spec);
+    sp_network net = network_of(&p, false);
+    sp_sensitivity_options o = sp_sensitivity_options_default();
+    sp_status status = SP_ENOMEM;
+    o.packing = &p;
+    o.parameters = SP_BY_KN | SP_BY_KT | SP_BY_MASS | SP_BY_RADIUS | SP_BY_POSITION;
+    o.points = 100;
+    int count = 0;
+    for (; status != SP_OK; count += count < 60 ? 1 : 7) {
+        sp_front_gradient g;
+        sp_error reason = {0};
+        sp_alloc_fail_after(count);
+        status = sp_sensitivity_front(&net, &o, SP_FRONT_T10, &g, &reason);
+        sp_alloc_fail_after(-1);
+        assert_true(status == SP_OK || status == SP_ENOMEM);
+        if (status == SP_OK)
+            sp_front_gradient_free(&g);
+    }
+    assert_true(count > 50);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_disks),  cmocka_unit_test(test_spheres), cmocka_unit_test(test_prestress),
-        cmocka_unit_test(test_chain),  cmocka_unit_test(test_places),  cmocka_unit_test(test_pulses),
-        cmocka_unit_test(test_values), cmocka_unit_test(test_blocks),  cmocka_unit_test(test_fronts)};
+        cmocka_unit_test(test_disks),    cmocka_unit_test(test_spheres), cmocka_unit_test(test_prestress),
+        cmocka_unit_test(test_chain),    cmocka_unit_test(test_places),  cmocka_unit_test(test_pulses),
+        cmocka_unit_test(test_values),   cmocka_unit_test(test_blocks),  cmocka_unit_test(test_fronts),
+        cmocka_unit_test(test_refusals), cmocka_unit_test(test_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,9 +10,6 @@ static sp_status wave_options(const sensitivity_arguments *a, const cli_file *fi
             return status;
     }
     o.parameters = a->by;
-    /* the check by Euler's theorem needs both stiffnesses */
-    if (a->by & (SP_BY_KN | SP_BY_KT))
-        o.parameters |= SP_BY_KN | SP_BY_KT;
     o.source = (sp_source)a->source;
     o.from = a->sources.n > 0 ? a->sources.at : NULL;
     o.to = a->detectors.n > 0 ? a->detectors.at : NULL;

@@ -89,7 +89,8 @@ sp_status sensitivity_read_parameters(const char *word, unsigned *out, sp_error 
                        "--by %.60s: contacts (kn, kt), grains (mass, radius, position) and the pressure have tables of "
                        "their own: one of them at a time",
                        word);
-    *out = by;
+    /* Euler's theorem, the check of the table, needs both */
+    *out = by & CONTACTS ? by | CONTACTS : by;
     return SP_OK;
 }
 

@@ -300,10 +300,12 @@ static pair squares_of(const reverse *r, const double *u) {
     return sum;
 }
 
+/* Rounding errors of k steps grow as their root, and that of the phase Omega t as k, with a smaller factor. */
 static void add_rough(reverse *r, int64_t k) {
+    const double weight = sqrt(1 + (double)k) + 0.2 * (double)k;
     for (int q = 0; q < 2; q++) {
         const pair squares = squares_of(r, r->of[q].u);
-        r->rough += NORMS_EVERY * sqrt(1 + (double)k) * sqrt(squares[0]) * sqrt(squares[1]);
+        r->rough += NORMS_EVERY * weight * sqrt(squares[0]) * sqrt(squares[1]);
     }
 }
 

@@ -45,7 +45,7 @@ typedef struct reverse {
     double *density; /* [n + 1][row/2] masses: sums for dJ/dm of each component */
     int32_t *active, n_active;
     int64_t k;    /* of the step: from k to k - 1 */
-    double rough; /* sum of k^(1/2) |adjoint| |field| over the steps taken */
+    double rough; /* sum of |adjoint| |field| over the steps taken, weighted with the errors of k steps */
     reverse_step step;
 } reverse;
 
