@@ -103,8 +103,8 @@ static void check_agreement(const sp_packing *p, const sp_errors *errors) {
     sp_uncertainty_options o = sp_uncertainty_options_default();
     double chi2 = 0;
     o.errors = *errors;
-    o.samples = 100;
-    o.modes = 2;
+    o.samples = 250;
+    o.modes = errors->stiffness > 0 || errors->radius > 0 ? 1 : 0; /* they take most of the time */
     o.threads = 2;
     sp_uncertainty u = made(p, &o);
     for (int k = 0; k < u.n; k++) {
@@ -120,7 +120,8 @@ static void check_agreement(const sp_packing *p, const sp_errors *errors) {
     }
     assert_int_equal(u.loose, 0);
     /* the quantities are correlated, so that the sum scatters more than that of independent ones */
-    assert_true(chi2 < 3 * u.n);
+    if (!(chi2 < 3 * u.n))
+        fail_msg("chi^2 = %g of %d quantities", chi2, u.n);
     sp_uncertainty_free(&u);
 }
 
