@@ -372,8 +372,9 @@ class Network(_core.Owner):
         return one, two
 
     @documented("sp_spread_make")
-    def spread(self, omega: float, *, axis: int | None = None, width: float | None = None, waves: int | None = None,
-               sources: int | None = None, seed: int | None = None, until: float | None = None) -> _records.Spread:
+    def diffusivity(self, omega: float, *, axis: int | None = None, width: float | None = None,
+                    waves: int | None = None, sources: int | None = None, seed: int | None = None,
+                    until: float | None = None) -> _records.Spread:
         """The diffusivity of energy from the spreading of random motions."""
         out = ffi.new("sp_spread *")
         call(lib.sp_spread_make, self._c, omega,

@@ -27,7 +27,7 @@ def same(read, name, value):
 
 def test_command():
     net = network()
-    t, s = table("--at", "0.4", "--axis", "x"), net.spread(0.4, axis=0)
+    t, s = table("--at", "0.4", "--axis", "x"), net.diffusivity(0.4, axis=0)
     for name, value in (("D", s.d), ("D_err", s.d_err), ("shift", s.d_shift), ("half", s.d_half)):
         same(t, name, value if not np.isnan(s.d) else np.nan)
     t, k = table("--at", "0.4", "--quantity", "kubo"), net.kubo(net.modes(solver="dense"), 0.4)
