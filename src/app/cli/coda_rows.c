@@ -197,7 +197,7 @@ static void add_tally(const coda_arguments *a, const tally *s, cli_writer *w) {
 static sp_status search_trials(const coda_arguments *a, const cli_file *file, const sp_coda *c,
                                const sp_coda_options *o, signals *s, sp_coda_candidate *found, sp_table *t,
                                sp_error *err) {
-    sp_random random = sp_random_make((uint64_t)a->seed, 1 << 16);
+    sp_random random = sp_random_make((uint64_t)a->seed, SP_STREAM_TRIALS);
     cli_writer w = {.table = t, .err = err};
     tally sum = {0};
     sp_status status = SP_OK;
@@ -216,7 +216,7 @@ static sp_status search_trials(const coda_arguments *a, const cli_file *file, co
 
 static sp_status search_one(const coda_arguments *a, const cli_file *file, const sp_coda *c, const sp_coda_options *o,
                             signals *s, sp_coda_candidate *found, sp_table *t, sp_error *err) {
-    sp_random random = sp_random_make((uint64_t)a->seed, 1 << 16);
+    sp_random random = sp_random_make((uint64_t)a->seed, SP_STREAM_TRIALS);
     cli_writer w = {.table = t, .err = err};
     double stretch, error;
     sp_status status = SP_OK;

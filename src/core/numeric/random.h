@@ -3,6 +3,7 @@
 /* Counter-based random streams (Philox4x32-10; Salmon et al., SC 2011). Number k of stream s of a seed depends on
  * (seed, s, k) alone, so results do not depend on threads, order or interruptions. */
 
+#include <sonopack/status.h>
 #include <stdint.h>
 
 typedef struct sp_random {
@@ -19,13 +20,14 @@ enum {
     SP_STREAM_POISSON = 6,
     SP_STREAM_LARGEST = 7,
     SP_STREAM_SPREAD = 20,
-    SP_STREAM_MASSES = 21
+    SP_STREAM_MASSES = 21,
+    SP_STREAM_TRIALS = 1 << 16
 };
 
 static inline sp_random sp_random_make(uint64_t seed, uint64_t stream) { return (sp_random){seed, stream, 0}; }
 uint64_t sp_random_bits(sp_random *r);
-double sp_random_uniform(sp_random *r); /* uniform in [0, 1), 53 bits */
+SP_SHARED double sp_random_uniform(sp_random *r); /* uniform in [0, 1), 53 bits */
 /* Uniform in 0 .. n-1 without bias; n >= 1. */
-uint64_t sp_random_below(sp_random *r, uint64_t n);
+SP_SHARED uint64_t sp_random_below(sp_random *r, uint64_t n);
 
 #endif
