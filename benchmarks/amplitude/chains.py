@@ -86,7 +86,7 @@ def second(folder):
     for pressure, amplitude in ((1e-6, 3), (1e-6, 10), (1e-6, 30), (1e-6, 100), (1e-9, 1000), (1e-10, 10000)):
         found = table("amplitude", chain(folder, pressure, 200), "--amplitudes", amplitude, "--planes", 4,
                       "--tolerance", "1e-4")
-        peak = (1 + numbers(found, "pressure")[3]) ** (2 / 3) - 1
+        peak = (1 + numbers(found, "overpressure")[3]) ** (2 / 3) - 1
         right, speed, error = (numbers(found, name)[3] for name in ("solitary", "speed_peak", "speed_peak_err"))
         print(f"   A = {amplitude:<6g} {peak:10.4g} {speed / right - 1:10.1e} {error / right:8.1e} "
               f"{numbers(found, 'kdv')[3] / right - 1:10.2e} {numbers(found, 'nesterenko')[3] / right - 1:10.2e}")

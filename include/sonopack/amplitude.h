@@ -67,10 +67,10 @@ SP_API sp_status sp_amplitude_pulses(const sp_packing *p, const sp_amplitude_opt
 
 /* The front at a plane: the flux of momentum through it, as in SP_PLACE_PLANE. */
 typedef struct sp_amplitude_plane {
-    double height;                /* of the contacts that carry the flux (sp_network_plane_height) [d] */
-    sp_amplitude_number t10;      /* [d/sqrt(E* / rho)] */
-    sp_amplitude_number t_peak;   /* [d/sqrt(E* / rho)] */
-    sp_amplitude_number pressure; /* largest flux over the force at rest */
+    double height;                    /* of the contacts that carry the flux (sp_network_plane_height) [d] */
+    sp_amplitude_number t10;          /* [d/sqrt(E* / rho)] */
+    sp_amplitude_number t_peak;       /* [d/sqrt(E* / rho)] */
+    sp_amplitude_number overpressure; /* largest change of the flux of momentum, over the force at rest */
     /* Speeds from the plane before, from t10 and from t_peak; at the first plane NAN [sqrt(E* / rho)] */
     sp_amplitude_number speed, speed_peak;
 } sp_amplitude_plane;

@@ -8,8 +8,8 @@ import subprocess
 import sys
 
 COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
-COMMANDS = """completion pack check statics moduli modes spectrum signal front amplitude transport wave uncertainty coda
-    design study table reproduce chain column plot view convert bench sensitivity""".split()
+COMMANDS = """pack check statics moduli modes spectrum signal front wave transport amplitude chain sensitivity uncertainty
+    coda design study table reproduce column plot view convert bench completion""".split()
 
 
 def output(*arguments):

@@ -3,6 +3,7 @@
 Usage: test_transport.py COMMAND SOURCE_DIR"""
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -74,6 +75,15 @@ def test_coherent(other):
             assert close(t["path_low"][l], 0.5 / (max(0, alpha) + 2 * error))
             assert math.isnan(path) == (alpha <= 2 * error)
             assert math.isnan(path) or close(path, 0.5 / alpha) and close(t["k_path"][l], t["k"][l] * path)
+    # in one packing, what the wave does not explain leaves its k and alpha uncertain, even if they do not change with time
+    height = float(re.search(r"^# height = (\S+)", run("signal", N600, "--points", "2"), re.M).group(1))
+    span = 0.6 * height - 4
+    alone = rows(N600, "--quantity", "coherent", "--at", "0.1:0.9:17")[1]
+    fits = [l for l in range(17) if alone["samples"][l] == 1]
+    assert len(fits) > 4 and all(alone["part"][l] >= 0.5 for l in fits), alone
+    for l in fits:  # at least as much as if the planes spread the weight as far apart as they can
+        least = math.sqrt((1 - alone["part"][l]) / (2 * alone["part"][l] * (1 + span))) / (span / 2)
+        assert alone["k_err"][l] > 0.99 * least and alone["alpha_err"][l] > 0.99 * least, (l, least, alone)
     # the frequency of Ioffe and Regel lies between the rows about it
     comments, t = rows(N600, other, "--quantity", "coherent", "--at", "0.06:0.3:9")
     if "ioffe_regel" in comments:

@@ -39,7 +39,7 @@ PLAIN = re.compile(r"""file|contact|i|j|probe|reason|verdict|branch|polarization
     (Phi2|Phi3s?|zs|f0|N_over_p|Z2|Z3|F2S?|s1_over_s2|s[13]2_over_s2|mobilised)(_(sd|err|low|high))?|
     force|torque|walls|law|geometry|coulomb|residual|Q(_err)?|
     (speed|peak|width)_ratio(_err)?|amplitude|overpressure(_err)?|packings|carrying|slid|opened|closed|kinetic|normal|tangential|
-    rubbed|released|balance|pressure(_err)?|step|factor|at_limit|energy(_err)?|predicted|found|rank|probability|change(_err)?|
+    rubbed|released|balance|step|factor|at_limit|energy(_err)?|predicted|found|rank|probability|change(_err)?|
     F[0-3](_err)?|beta(_delta)?(_err)?|beta_field|ratio_err""".replace("\n    ", ""))
 NUMBER = r"[-+]?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan)"
 PLAIN_COMMENTS = [re.compile(pattern) for pattern in (

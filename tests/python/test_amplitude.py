@@ -43,7 +43,7 @@ def test_planes():
     read = table("amplitude", "chain.h5", "--amplitudes", "2", "--planes", "3")
     found = packing.loud_planes(2, heights)
     equal(read, "speed_peak", [plane.speed_peak.value for plane in found])
-    equal(read, "pressure_err", [plane.pressure.error for plane in found])
+    equal(read, "overpressure_err", [plane.overpressure.error for plane in found])
 
 
 def test_bursts():

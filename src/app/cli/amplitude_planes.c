@@ -20,8 +20,8 @@ static bool is_equal_chain(const sp_packing *p) {
     return sp_packing_hertzian(p) && p->contacts[0].j >= 0;
 }
 
-static sp_status expect(const sp_packing *p, double pressure, expected *out, sp_error *err) {
-    const double peak = pow(1 + pressure, 2.0 / 3.0) - 1;
+static sp_status expect(const sp_packing *p, double overpressure, expected *out, sp_error *err) {
+    const double peak = pow(1 + overpressure, 2.0 / 3.0) - 1;
     sp_solitary s;
     *out = (expected){NAN, NAN, NAN};
     if (!is_equal_chain(p) || !(peak > 1e-4 && peak < 1e9))
@@ -38,7 +38,7 @@ sp_status amplitude_plane_columns(sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
     cli_columns(&w, SP_CELL_TEXT, "file", "", NULL);
     cli_columns(&w, SP_CELL_NUMBER, "p", "E*", "amplitude", "", "y", "d", "t10", TIME, "t10_err", TIME, "t_peak", TIME,
-                "t_peak_err", TIME, "pressure", "", "pressure_err", "", "speed", SPEED, "speed_err", SPEED,
+                "t_peak_err", TIME, "overpressure", "", "overpressure_err", "", "speed", SPEED, "speed_err", SPEED,
                 "speed_peak", SPEED, "speed_peak_err", SPEED, "solitary", SPEED, "kdv", SPEED, "nesterenko", SPEED,
                 NULL);
     return w.status;
@@ -47,13 +47,13 @@ sp_status amplitude_plane_columns(sp_table *t, sp_error *err) {
 static sp_status add_plane(const cli_file *file, double amplitude, const sp_amplitude_plane *a, sp_table *t,
                            sp_error *err) {
     expected e;
-    const sp_status status = expect(&file->packing, a->pressure.value, &e, err);
+    const sp_status status = expect(&file->packing, a->overpressure.value, &e, err);
     if (status != SP_OK)
         return status;
     return sp_table_add_row(t, err, file->path, file->packing.pressure, amplitude, a->height, a->t10.value,
-                            a->t10.error, a->t_peak.value, a->t_peak.error, a->pressure.value, a->pressure.error,
-                            a->speed.value, a->speed.error, a->speed_peak.value, a->speed_peak.error, e.solitary, e.kdv,
-                            e.nesterenko);
+                            a->t10.error, a->t_peak.value, a->t_peak.error, a->overpressure.value,
+                            a->overpressure.error, a->speed.value, a->speed.error, a->speed_peak.value,
+                            a->speed_peak.error, e.solitary, e.kdv, e.nesterenko);
 }
 
 sp_status amplitude_plane_rows(const cli_file *file, const sp_amplitude_options *o, double amplitude, int32_t planes,

@@ -91,7 +91,7 @@ static const cli_option options[] = {
      CLI_FLAG, .field = offsetof(arguments, front)},
     {"damping", CLI_DAMPING,
      "Add dashpots to all contacts: the fraction ZETA of critical damping, the same coefficient C at every contact, or "
-     "RATE times the reduced mass; CT and RATET are the tangential ones (0)",
+     "RATE times the reduced mass; CT and RATET are the tangential ones (C and RATE)",
      .parse = set_damping},
     {"amplitude", "A", "dynamics: initial displacement, relative to the mean overlap (0.001)", CLI_NUMBER,
      .field = offsetof(arguments, amplitude), .low = 1e-12, .high = 1000},

@@ -95,7 +95,23 @@ static sp_status measure_kubo(transport_arguments *a, const sp_network *net, sp_
     return status;
 }
 
-/* The own errors of a fit are what half of the time after the front changes. */
+/* The error of k and of alpha, in one packing, from what the wave does not explain: that of a least-squares fit to
+ * fluxes that are independent at planes a diameter apart. The weight of a plane in it is the square of the wave. */
+static double fit_error(const sp_coherent_section *s, const sp_coherent_wave *c) {
+    const double low = s->y[0], span = s->y[s->planes - 1] - low;
+    double sum = 0, first = 0, second = 0;
+    for (int32_t b = 0; b < s->planes; b++) {
+        const double y = s->y[b] - low, weight = exp(-2 * c->alpha * y);
+        sum += weight;
+        first += weight * y;
+        second += weight * y * y;
+    }
+    const double variance = second / sum - first * first / (sum * sum), count = fmin(s->planes, 1 + span);
+    return sqrt((1 - c->part) / (2 * c->part * count * variance));
+}
+
+/* The own errors of a fit are what half of the time after the front changes, and what scattered waves do. Below
+ * omega = 0.4 they agree with the standard deviation over 12 packings within a factor of two (docs/transport.md). */
 static sp_status measure_coherent(transport_arguments *a, const sp_network *net, sp_error *err) {
     sp_coherent_section s = sp_coherent_section_none();
     sp_status status = sp_coherent_section_make(net, &a->section, &s, err);
@@ -103,10 +119,11 @@ static sp_status measure_coherent(transport_arguments *a, const sp_network *net,
         transport_mean *m = means_at(a, l);
         sp_coherent_wave c;
         status = sp_coherent_fit(&s, a->omega[l], &c, err);
-        if (status != SP_OK || !(c.part >= 0.5)) /* most of the motion is scattered */
+        if (status != SP_OK || isnan(c.k) || !(c.part >= 0.5)) /* most of the motion is scattered */
             continue;
-        transport_add(&m[COHERENT_K], c.k, fabs(c.k_shift));
-        transport_add(&m[COHERENT_ALPHA], c.alpha, fabs(c.alpha_shift));
+        const double error = fit_error(&s, &c);
+        transport_add(&m[COHERENT_K], c.k, hypot(c.k_shift, error));
+        transport_add(&m[COHERENT_ALPHA], c.alpha, hypot(c.alpha_shift, error));
         transport_add(&m[COHERENT_PART], c.part, NAN);
     }
     sp_coherent_section_free(&s);

@@ -228,7 +228,7 @@ static void fill_planes(const experiment *e, const outcome *now, const outcome *
         sp_amplitude_plane *o = &plane[b];
         o->t10 = compare(f->t10, step->t10, times->t10);
         o->t_peak = compare(f->t_peak, step->t_peak, times->t_peak);
-        o->pressure = compare(unit * f->amplitude, unit * step->amplitude, unit * times->amplitude);
+        o->overpressure = compare(unit * f->amplitude, unit * step->amplitude, unit * times->amplitude);
         o->speed = o->speed_peak = (sp_amplitude_number){NAN, NAN};
         if (b == 0)
             continue;
