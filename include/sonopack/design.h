@@ -23,7 +23,7 @@ typedef enum sp_design_variable { SP_DESIGN_MASS = 0, SP_DESIGN_MODULUS, SP_DESI
 typedef struct sp_design_options {
     sp_design_goal goal;
     sp_design_variable vary;
-    double low, high; /* limits of the factors, low <= 1 <= high; 0.5, 2 */
+    double low, high; /* limits of the factors, low <= 1 <= high, neither 1 while the total is kept; 0.5, 2 */
     bool free;        /* the total need not be kept. false: the total mass of the grains that carry force, the sum of
                          moduli, or to first order the total volume stays what it was */
     double band_low, band_high; /* of BAND [sqrt(E* / rho)/d] */
@@ -61,7 +61,8 @@ SP_API sp_design sp_design_none(void);
 SP_API void sp_design_free(sp_design *d);
 /* Climbs by projected gradients, once from the packing and once from the factors that the first gradient makes best,
  * and keeps the better end: a local optimum. SP_EINVAL for options out of range. SP_EREFUSED where the signal has no
- * front or its derivatives are refused; for RADIUS, where the packing cannot be compressed. */
+ * front or its derivatives are refused; for BAND, where the band is above all frequencies or its energy is not above
+ * the error; for RADIUS, where the packing cannot be compressed. */
 SP_API sp_status sp_design_make(const sp_packing *p, const sp_design_options *opt, sp_design *out, sp_error *err);
 
 #ifdef __cplusplus

@@ -78,6 +78,26 @@ def test_files():
     run("coda", "before.h5", "--before=before.tsv", "--after=after.tsv", *places, "--detector=top", status=1)
 
 
+def test_doubt():
+    """What no grain explains is no white noise: signals of other packings, also with a noise that is far too small, and
+    changes beyond the first order leave doubt. White noise as given leaves probabilities as they are."""
+    run("signal", N200, "--set=signal.until=230", "--set=signal.points=900", "-o", "s0.tsv")
+    for seed in (2, 3, 4, 5):
+        run("pack", os.path.join(SOURCE, "packings/single.cfg"), "--set=packing.grains=200", f"--set=packing.seed={seed}",
+            '--set=packing.protocol="quick"', "-o", f"other{seed}.h5")
+        run("signal", f"other{seed}.h5", "--set=signal.until=230", "--set=signal.points=900", "-o", f"s{seed}.tsv")
+    for noise in ([], ["--noise=0.01"]):
+        best = [float(table("coda", N200, f"--before={b}.tsv", f"--after={a}.tsv", *noise)[0][0]["probability"])
+                for b, a in (("s0", "s2"), ("s0", "s3"), ("s0", "s4"), ("s0", "s5"), ("s2", "s3"), ("s4", "s5"))]
+        assert max(best) < 0.95, best
+    rows, comments = table("coda", N200, "--trials=40", "--change=1")
+    assert float(comments["found"]) < 0.3 and np.mean([float(row["probability"]) for row in rows]) < 0.8
+    one, _ = table("coda", N200, "--grain=78", "--noise=0.01", "--points=200")
+    two, _ = table("coda", N200, "--grain=78", "--noise=0.01", "--points=400")
+    ratio = float(one[0]["change_err"]) / float(two[0]["change_err"])
+    assert abs(ratio / 2**0.5 - 1) < 0.05, ratio
+
+
 def test_refuses():
     for words, named in (([], "--grain"), (["--grain=3", "--trials=2"], "--trials"), (["--before=x.tsv"], "--after"),
                          (["--grain=100000"], "100000"), (["--grain=3", "--window=5"], "--window 5"), (["--grain=3", "--window=9:5"], "--window 9:5"),
@@ -86,6 +106,6 @@ def test_refuses():
         assert names_all(done.stderr, named) and not done.stdout, (words, done.stderr)
 
 
-for test in (test_one, test_trials, test_files, test_refuses):
+for test in (test_one, test_trials, test_files, test_doubt, test_refuses):
     test()
 print("changes are found again")

@@ -92,15 +92,26 @@ def test_refuses():
     for words, named in (([], "--goal"), (["--goal=late"], "--goal late"), (["--goal=band"], "--goal band"),
                          (["--goal=band:2:1"], "goal"), (["--goal=delay:1"], "--goal delay:1"), (["--goal=delay", "--limits=2"], "--limits 2"),
                          (["--goal=delay", "--limits=1.5:2"], "limits 1.5:2"), (["--goal=delay", "--packing=x.tsv"], "--packing x.tsv"),
-                         (["--goal=delay", "--vary=colour"], "--vary colour")):
+                         (["--goal=delay", "--vary=colour"], "--vary colour"), (["--goal=delay", "--limits=1:2"], "limits 1:2"),
+                         (["--goal=advance", "--limits=0.5:1"], "limits 0.5:1")):
         done = run("design", N200, *words, status=2)
         assert names_all(done.stderr, named) and not done.stdout, (words, done.stderr)
     run("design", N200, "--goal=delay", "--iterations=1", "--packing=once.h5")
     run("design", N200, "--goal=delay", "--iterations=1", "--packing=once.h5", status=2)
     run("design", N200, "--goal=delay", "--iterations=1", "--packing=once.h5", "--force")
     run("design", "heavy.h5", "--goal=delay", "--vary=radius", status=1)  # masses of its own
+    # above all frequencies of the packing, and of a signal without length
+    for goal in (["--goal=band:100:200"], ["--goal=band:1e8:1e9"], ["--goal=band:0.1:0.2", "--until=1e-9"]):
+        assert not run("design", N200, *goal, "--iterations=1", status=1).stdout
 
 
-for test in (test_mass, test_modulus, test_radius, test_figure, test_refuses):
+def test_all_frequencies():
+    """The energy over all frequencies is the same wherever the band ends above the spectrum: a sampled signal has no
+    frequencies that its points cannot tell."""
+    high, higher = (table("design", N200, f"--goal=band:0:{end}", "--iterations=1")[0][-1] for end in ("40", "1e9"))
+    assert high == higher, (high, higher)
+
+
+for test in (test_mass, test_modulus, test_radius, test_figure, test_refuses, test_all_frequencies):
     test()
 print("designs are heard as they were promised")

@@ -4,11 +4,14 @@ refuses.
 Usage: test_sensitivity.py COMMAND SOURCE_DIR"""
 import math
 import os
+import sys
 import tempfile
 
 from test_signal import N200, columns, run, table
 
 from common import names_all
+
+SOURCE = os.path.abspath(sys.argv[2])
 
 
 def sensitivity(path, *words):
@@ -28,6 +31,21 @@ def number(comments, key):
 
 def total(found, *names):
     return math.fsum(x for name in names for x in found[name])
+
+
+def check_shared_grains(folder):
+    """Source and detector that share a grain. One ball between both walls swings with omega^2 = (k1 + k2)/m, and each
+    of its two equal springs has half of the derivative by both."""
+    ball = os.path.join(folder, "ball.h5")
+    run("pack", os.path.join(SOURCE, "packings/chain.cfg"), "--set", "packing.grains=1", "-o", ball)
+    comments, found = sensitivity(ball)
+    stiffness, t10 = total(found, "kn"), number(comments, "value")
+    assert abs(t10 / (math.asin(0.1) / math.sqrt(stiffness / (math.pi / 6))) - 1) < 1e-9
+    assert all(abs(d / (-t10 / 4) - 1) < 1e-10 for d in found["by_kn"]), found
+    for words in (("--detector", "grain:78"), ("--detector", "grain:78", "--source", "displacement"), ("--detector", "plane:4")):
+        source = "plane:4" if words[1] == "plane:4" else "grain:78"
+        comments, _ = sensitivity(N200, "--of", "F", "--at", "9", "--from", source, *words)
+        assert abs(number(comments, "homogeneity")) < 1e-10, (words, comments)
 
 
 def main():
@@ -60,6 +78,7 @@ def main():
     narrow = number(sensitivity(N200, "--pulse", "gauss:0.05")[0], "value")
     assert abs(narrow - number(sensitivity(N200)[0], "value")) < 0.02
     with tempfile.TemporaryDirectory() as folder:
+        check_shared_grains(folder)
         saved, picture = os.path.join(folder, "s.tsv"), os.path.join(folder, "s.svg")
         run("sensitivity", N200, "--of", "peak", "-o", saved)
         run("plot", "sensitivity", N200, saved, "-o", picture)

@@ -5,6 +5,8 @@
 #include <sonopack/coda.h>
 #include <stdlib.h>
 
+enum { LAGS_MOST = 1000 };
+
 static int by_probability(const void *one, const void *two) {
     const sp_coda_candidate *a = one, *b = two;
     if (a->misfit != b->misfit)
@@ -32,6 +34,52 @@ static sp_status square_of(const sp_coda *c, const double *change, double *squar
         return sp_fail(err, SP_EINVAL, "the change of the signals has numbers that are not finite");
     if (!(*square > 0))
         return sp_fail(err, SP_EREFUSED, "the signals do not differ: there is no change to find");
+    return SP_OK;
+}
+
+/* ---- noise ------------------------------------------------------------------------------------------------------ */
+
+/* Sum of x(t) x(t + lag) over the times of all pairs; x [pairs], `stride` apart. */
+static double lagged(const sp_coda *c, const double *x, size_t stride, int32_t lag) {
+    double sum = 0;
+    for (int32_t pair = 0; pair < c->pairs; pair++)
+        for (int32_t l = 0; l + lag < c->times; l++)
+            sum += x[(size_t)pair * stride + (size_t)l] * x[(size_t)pair * stride + (size_t)(l + lag)];
+    return sum;
+}
+
+/* What a fit leaves of the change is a signal, too, unless it is noise: its values at neighbouring times are alike, and
+ * so are those of the kernel. Their scalar product then varies more than that of white noise, by this factor: the sum
+ * over all lags of the product of both correlations. At least 1. */
+static double correlated(const sp_coda *c, const double *left, const double *kernel) {
+    const size_t times = (size_t)c->times;
+    const int32_t lags = c->times / 4 < LAGS_MOST ? c->times / 4 : LAGS_MOST;
+    const double own = lagged(c, left, times, 0), other = lagged(c, kernel, (size_t)c->n * times, 0);
+    double sum = 1;
+    for (int32_t lag = 1; lag <= lags && own > 0 && other > 0; lag++)
+        sum += 2 * lagged(c, left, times, lag) / own * (lagged(c, kernel, (size_t)c->n * times, lag) / other);
+    return fmax(sum, 1);
+}
+
+/* Variance of the noise, as it counts in sums over kernels: what was given, if the best fit leaves no more than that;
+ * else what it leaves, with its correlation. Three standard errors of a variance decide. */
+static sp_status noise_variance(const sp_coda *c, const double *change, double square, double noise,
+                                const sp_coda_candidate *best, double *variance, sp_error *err) {
+    const size_t times = (size_t)c->times, values = (size_t)c->pairs * times;
+    const double rest = best->misfit * square / fmax((double)values - 1, 1);
+    *variance = noise * noise;
+    if (noise > 0 && rest <= noise * noise * (1 + 3 * sqrt(2.0 / (double)values)))
+        return SP_OK;
+    int32_t g = 0;
+    while (c->grain[g] != best->grain)
+        g++;
+    double *left = sp_alloc(values, sizeof *left);
+    if (!left)
+        return sp_fail_memory(err, values * sizeof *left);
+    for (size_t k = 0; k < values; k++)
+        left[k] = change[k] - best->change * c->kernel[(k / times * (size_t)c->n + (size_t)g) * times + k % times];
+    *variance = fmax(rest * correlated(c, left, c->kernel + (size_t)g * times), 1e-30 * square);
+    sp_free(left);
     return SP_OK;
 }
 
@@ -63,13 +111,13 @@ sp_status sp_coda_locate(const sp_coda *c, const double *change, double noise, s
     if (!any)
         return sp_fail(err, SP_EREFUSED, "no grain has any influence on the signals in this window");
     qsort(out, (size_t)c->n, sizeof *out, by_probability);
-    const double values = (double)c->pairs * c->times;
-    const double left = out[0].misfit * square / fmax(values - 1, 1);
-    const double variance = fmax(noise > 0 ? noise * noise : left, 1e-30 * square);
-    for (int32_t g = 0; g < c->n; g++)
+    double variance;
+    status = noise_variance(c, change, square, noise, &out[0], &variance, err);
+    for (int32_t g = 0; g < c->n && status == SP_OK; g++)
         out[g].error = out[g].error > 0 ? sqrt(variance / out[g].error) : INFINITY;
-    weigh(c, square, variance, out);
-    return SP_OK;
+    if (status == SP_OK)
+        weigh(c, square, variance, out);
+    return status;
 }
 
 /* before((1 + e) t) = before + e t dF/dt. */

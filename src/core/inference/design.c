@@ -31,6 +31,9 @@ static sp_status check_options(const sp_packing *p, const sp_design_options *o, 
     if (!(o->low > 0 && o->low <= 1 && o->high >= 1 && o->high <= 1e3 && o->low >= 1e-3 && o->low < o->high))
         return sp_fail_key(err, SP_EINVAL, "limits",
                            " = %g:%g: must be LOW:HIGH with 0.001 <= LOW <= 1 <= HIGH <= 1000", o->low, o->high);
+    if (!o->free && (o->low == 1 || o->high == 1))
+        return sp_fail_key(err, SP_EINVAL, "limits", " = %g:%g: no grain can change while the total is kept", o->low,
+                           o->high);
     if (o->goal == SP_DESIGN_BAND && !(o->band_low >= 0 && o->band_low < o->band_high && isfinite(o->band_high)))
         return sp_fail_key(err, SP_EINVAL, "goal", " = band:%g:%g: must be band:W1:W2 with 0 <= W1 < W2", o->band_low,
                            o->band_high);

@@ -6,6 +6,8 @@
 
 #include <math.h>
 
+static const double PI = 3.14159265358979323846;
+
 static unsigned parameters_of(sp_design_variable vary) {
     static const unsigned each[] = {[SP_DESIGN_MASS] = SP_BY_MASS,
                                     [SP_DESIGN_MODULUS] = SP_BY_KN | SP_BY_KT,
@@ -76,26 +78,42 @@ static sp_status band_gradient(const sp_design_problem *d, const sp_packing *mad
     return sp_sensitivity_signal(net, &o, 1, &one, g, err);
 }
 
+/* No frequency of the network is above its bound: what a record has there comes from its end and from rounding. */
+static sp_status check_band(const sp_design_options *o, const sp_network *net, sp_error *err) {
+    const double most = sp_network_omega_bound(net);
+    return o->band_low < most
+               ? SP_OK
+               : sp_fail(err, SP_EREFUSED, "nothing passes from %g to %g: all frequencies are below %.4g", o->band_low,
+                         o->band_high, most);
+}
+
 static sp_status band_value(const sp_design_problem *d, const sp_packing *made, const sp_network *net, bool slopes,
                             sp_gradient *g, sp_design_value *out, sp_error *err) {
     const sp_design_options *o = d->opt;
     const double window = o->until > 0 ? o->until : sp_signal_window(net->box[net->dim - 1], net->pressure);
     sp_signal s = sp_signal_none();
     double *work = NULL, off = 0;
-    sp_status status = sp_inference_signal(net, o->source, window, &s, err);
+    sp_status status = check_band(o, net, err);
+    if (status == SP_OK)
+        status = sp_inference_signal(net, o->source, window, &s, err);
     if (status == SP_OK)
         work = sp_alloc(2 * (size_t)s.n, sizeof *work);
     if (status == SP_OK && !work)
         status = sp_fail_memory(err, 2 * (size_t)s.n * sizeof *work);
     if (status == SP_OK) {
         double *weight = work + s.n;
-        const double energy = sp_design_band(s.n, s.t[1] - s.t[0], s.f, o->band_low, o->band_high, work, weight);
+        const double spacing = s.t[1] - s.t[0], high = fmin(o->band_high, PI / spacing); /* points know no more */
+        const double energy = sp_design_band(s.n, spacing, s.f, o->band_low, high, work, weight);
         for (int32_t l = 0; l < s.n; l++)
             off += fabs(weight[l]);
         out->value = energy / d->scale;
         out->error = off * s.error / d->scale;
         out->objective = -log(out->value);
-        if (slopes)
+        if (!(out->value > out->error))
+            status =
+                sp_fail(err, SP_EREFUSED, "the energy from %g to %g is not above its error in a signal up to t = %g",
+                        o->band_low, o->band_high, window);
+        if (status == SP_OK && slopes)
             status = band_gradient(d, made, net, &s, weight, g, err);
     }
     sp_free(work);

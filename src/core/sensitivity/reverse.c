@@ -265,9 +265,12 @@ static void clear_rows(const reverse *r, double *x, int32_t block, bool one_lane
 }
 
 /* After the step from k to k - 1. A field that has not reached a block is 0 there. Its adjoint is still needed in the
- * next step, and then no more. */
+ * next step, and then no more. After the last step of the first field the other one still takes it up: where source and
+ * detector share a grain, that is a part of the derivative. */
 static void retire_blocks(const reverse *r, int64_t k) {
     const reverse_pair *p = &r->of[r->step.pair];
+    if (k == 0)
+        return;
     for (int32_t b = 0; b < r->op->blocks; b++) {
         if (p->since[b] == k) {
             clear_rows(r, p->u, b, true, p->lane);
