@@ -127,17 +127,12 @@ static double root_mean_square(const signals *s) {
     return sqrt(sum / (double)values);
 }
 
-static double normal_deviate(sp_random *r) {
-    const double radius = sqrt(-2 * log1p(-sp_random_uniform(r)));
-    return radius * cos(2 * M_PI * sp_random_uniform(r));
-}
-
 /* change = after - before, with independent noise in both: sqrt(2) times that of one. */
 static sp_status change_grain(const coda_arguments *a, const sp_network *net, const sp_coda_options *o, int32_t grain,
                               sp_random *random, signals *s, sp_error *err) {
     sp_status status = sp_coda_signal(net, o, grain, a->change, s->change, err);
     for (int64_t k = 0; k < (int64_t)s->pairs * s->times && status == SP_OK; k++)
-        s->change[k] += s->noise * normal_deviate(random) - s->before[k];
+        s->change[k] += s->noise * sp_random_normal(random) - s->before[k];
     return status;
 }
 

@@ -141,14 +141,9 @@ void sp_drawing_free(sp_drawing *d) {
 
 /* ---- one draw --------------------------------------------------------------------------------------------------- */
 
-static double normal_deviate(sp_random *r) {
-    const double radius = sqrt(-2 * log1p(-sp_random_uniform(r)));
-    return radius * cos(2 * 3.14159265358979323846 * sp_random_uniform(r));
-}
-
 /* A factor of median 1 whose logarithm has this standard deviation. */
 static double factor(sp_random *r, double sd, bool exact) {
-    const double z = normal_deviate(r);
+    const double z = sp_random_normal(r);
     return exact ? 1 : exp(sd * z);
 }
 
@@ -183,10 +178,10 @@ static sp_status copy_packing(const sp_packing *p, int32_t contacts, sp_packing 
 static void move_grains(const sp_errors *e, bool exact, sp_random *r, sp_packing *q) {
     for (int32_t i = 0; i < q->n; i++) {
         for (int a = 0; a < q->dim; a++) {
-            const double z = normal_deviate(r);
+            const double z = sp_random_normal(r);
             q->x[3 * (size_t)i + (size_t)a] += exact ? 0 : e->position * z;
         }
-        const double z = normal_deviate(r);
+        const double z = sp_random_normal(r);
         q->r[i] = exact ? q->r[i] : fmax(q->r[i] + e->radius * z, 0.1 * q->r[i]);
     }
 }

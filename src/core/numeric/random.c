@@ -2,6 +2,7 @@
 #include "numeric/random.h"
 
 #include <Random123/philox.h>
+#include <math.h>
 
 uint64_t sp_random_bits(sp_random *r) {
     philox4x32_ctr_t counter = {
@@ -13,6 +14,12 @@ uint64_t sp_random_bits(sp_random *r) {
 }
 
 double sp_random_uniform(sp_random *r) { return (double)(sp_random_bits(r) >> 11) * 0x1p-53; }
+
+/* 1 - u is never 0, u may be. */
+double sp_random_normal(sp_random *r) {
+    const double radius = sqrt(-2 * log1p(-sp_random_uniform(r)));
+    return radius * cos(2 * M_PI * sp_random_uniform(r));
+}
 
 uint64_t sp_random_below(sp_random *r, uint64_t n) {
     uint64_t limit = UINT64_MAX - UINT64_MAX % n; /* a multiple of n: larger numbers would favour small results */

@@ -3,7 +3,7 @@
 /* Counter-based random streams (Philox4x32-10; Salmon et al., SC 2011). Number k of stream s of a seed depends on
  * (seed, s, k) alone, so results do not depend on threads, order or interruptions. */
 
-#include <sonopack/status.h>
+#include <sonopack/export.h>
 #include <stdint.h>
 
 typedef struct sp_random {
@@ -27,6 +27,8 @@ enum {
 static inline sp_random sp_random_make(uint64_t seed, uint64_t stream) { return (sp_random){seed, stream, 0}; }
 uint64_t sp_random_bits(sp_random *r);
 SP_SHARED double sp_random_uniform(sp_random *r); /* uniform in [0, 1), 53 bits */
+/* Normal, of mean 0 and standard deviation 1. Takes two uniform numbers and keeps none, so that a count tells all. */
+SP_SHARED double sp_random_normal(sp_random *r);
 /* Uniform in 0 .. n-1 without bias; n >= 1. */
 SP_SHARED uint64_t sp_random_below(sp_random *r, uint64_t n);
 

@@ -1,15 +1,12 @@
 /* Gradients of the first front, on the continuous signal. */
 #include "base/base.h"
 #include "sensitivity/functional.h"
-#include "signal/expansion.h"
 
 #include <float.h>
 #include <math.h>
 
 /* parts of the time in which a front is sought; steps of a search for a root */
 enum { PARTS = 48, STEPS_MAX = 200 };
-/* Remainder of the series at the points, as of a signal with the default tolerance. */
-#define TAIL 1e-18
 
 void sp_front_gradient_free(sp_front_gradient *g) {
     sp_gradient *all[] = {&g->t10, &g->t_peak, &g->peak, &g->t_zero, &g->width};
@@ -41,37 +38,10 @@ static sp_status evaluate(search *s, double t, int order, double *value, double 
 
 /* ---- the points ----------------------------------------------------------------------------------------------- */
 
-static sp_status append_points(search *s, double *t, double *f, int32_t first, int32_t end, sp_error *err) {
-    double error;
-    int64_t terms = 0;
-    sp_status status = sp_expansion_terms(s->f.net, t[end - 1], s->f.velocity, TAIL, &terms, err);
-    if (status == SP_OK)
-        status = sp_forward_extend(&s->f, terms, err);
-    if (status != SP_OK)
-        return status;
-    return sp_pass_sum(&s->f.p, s->f.omega, end - first, t + first, end - first, f + first, &error, err);
-}
-
-/* The front of the points, which are computed until it has its zero crossing. */
-static sp_status sample_short(search *s, int32_t points, double *t, double *f, sp_front *out, sp_error *err) {
-    const int32_t more = points / PARTS > 8 ? points / PARTS : 8;
-    sp_status status = SP_OK;
-    for (int32_t known = 0; known < points && status == SP_OK;) {
-        const int32_t end = points - known < more ? points : known + more;
-        status = append_points(s, t, f, known, end, err);
-        known = end;
-        if (status != SP_OK || (known < points && known < 3))
-            continue;
-        const bool found = sp_front_find(known, t, f, &s->opt->front, out, known < points ? NULL : err) == SP_OK;
-        if (found && isfinite(out->t_zero) && out->amplitude > 1e-6 * s->f.norm_a * s->f.norm_b / s->f.omega)
-            return SP_OK;
-        if (known == points && !found)
-            return SP_EREFUSED;
-    }
-    return status;
-}
-
-static sp_status sample_pulse(const search *s, int32_t points, sp_front *out, sp_error *err) {
+/* All of the window, though the gradient ends at the front: which peak counts depends on the largest value, and a
+ * precursor with a zero crossing of its own looks like a front until that has come. */
+static sp_status sample(const search *s, sp_front *out, sp_error *err) {
+    const sp_pulse *pulse = s->opt->pulse;
     sp_signal signal = sp_signal_none();
     sp_signal_options o = sp_signal_options_default();
     o.method = SP_SIGNAL_CHEBYSHEV;
@@ -79,27 +49,13 @@ static sp_status sample_pulse(const search *s, int32_t points, sp_front *out, sp
     o.from = s->opt->from;
     o.to = s->opt->to;
     o.until = s->until;
-    o.points = points;
+    o.points = s->opt->points;
     o.threads = s->opt->threads > 0 ? s->opt->threads : 1;
-    sp_status status = sp_signal_pulse(s->f.net, &o, s->opt->pulse, &signal, err);
+    sp_status status = pulse && pulse->kind != SP_PULSE_DELTA ? sp_signal_pulse(s->f.net, &o, pulse, &signal, err)
+                                                              : sp_signal_make(s->f.net, &o, &signal, err);
     if (status == SP_OK)
         status = sp_front_find(signal.n, signal.t, signal.f, &s->opt->front, out, err);
     sp_signal_free(&signal);
-    return status;
-}
-
-static sp_status sample(search *s, sp_front *out, sp_error *err) {
-    const int32_t points = s->opt->points;
-    if (s->opt->pulse && s->opt->pulse->kind != SP_PULSE_DELTA)
-        return sample_pulse(s, points, out, err);
-    double *t = sp_alloc((size_t)points, sizeof *t), *f = sp_alloc((size_t)points, sizeof *f);
-    sp_status status = t && f ? SP_OK : sp_fail_memory(err, 2 * (size_t)points * sizeof *t);
-    for (int32_t k = 0; k < points && status == SP_OK; k++)
-        t[k] = s->until * k / (points - 1);
-    if (status == SP_OK)
-        status = sample_short(s, points, t, f, out, err);
-    sp_free(t);
-    sp_free(f);
     return status;
 }
 

@@ -1,6 +1,7 @@
 /* Gradients of frequencies. With the modes e of a group and u = M^-1/2 e, the mean of omega^2 has the derivative
  * mean of u.dK u - omega^2 u.dM u: it does not depend on which basis of the group's space the modes are. */
 #include "base/base.h"
+#include "modes/table.h"
 #include "sensitivity/gradient.h"
 
 #include <float.h>
@@ -10,24 +11,6 @@
 #define ANGLE_MAX 1e-3
 
 static double square(double x) { return x * x; }
-
-/* Distance in omega^2 between a group and all other eigenvalues, listed or beyond the certified ends. */
-static double gap_of(const sp_modes *m, int64_t first, int64_t last) {
-    const double low = square(fmax(0, m->omega[first] - m->error[first]));
-    const double high = square(m->omega[last] + m->error[last]);
-    double below = -HUGE_VAL, above = HUGE_VAL;
-    if (first > m->n_rattler)
-        below = square(m->omega[first - 1] + m->error[first - 1]);
-    else if (m->certified_from > 0)
-        below = square(m->certified_from);
-    else if (m->first > 0)
-        below = square(m->zero.below);
-    if (last + 1 < m->n)
-        above = square(fmax(0, m->omega[last + 1] - m->error[last + 1]));
-    else if (isfinite(m->certified_to))
-        above = square(m->certified_to);
-    return fmin(low - below, above - high);
-}
 
 static sp_status check(const sp_network *net, const sp_modes *m, int64_t first, int64_t count, sp_error *err) {
     if (!m->vectors || m->dofs != sp_network_dofs(net))
@@ -41,7 +24,7 @@ static sp_status check(const sp_network *net, const sp_modes *m, int64_t first, 
 /* The angle between the spaces, by Davis and Kahan. */
 static sp_status find_angle(const sp_network *net, const sp_modes *m, int64_t first, int64_t count, double *angle,
                             sp_error *err) {
-    const double top = square(sp_network_omega_bound(net)), gap = gap_of(m, first, first + count - 1);
+    const double top = square(sp_network_omega_bound(net)), gap = sp_modes_gap(m, first, first + count - 1);
     const double residual = (m->residual + 8 * DBL_EPSILON) * top * sqrt((double)count);
     *angle = gap > 0 ? residual / gap : HUGE_VAL;
     if (*angle <= ANGLE_MAX)
