@@ -167,7 +167,7 @@ SP_API sp_status sp_split_make(const sp_network *net, double omega, const sp_spl
 typedef struct sp_localisation {
     double omega;
     double gamma;     /* mean growth of ln(|motion|) for each mass */
-    double gamma_err; /* its standard error, from 32 parts of the chain */
+    double gamma_err; /* its standard error, from 32 parts of the chain; at least 1/n */
     double log_end;   /* ln |u_(n+1)/u_1|: the response of one end to the other is k_0 .. k_(n-1)/(k_0 |u_(n+1)/u_1|) */
 } sp_localisation;
 /* Chain of n masses between two walls with n + 1 springs, the first and the last to the walls. SP_EINVAL for fewer than

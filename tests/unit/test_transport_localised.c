@@ -81,6 +81,10 @@ static void test_bad_input(void **state) {
     assert_fails(sp_localisation_masses(400, 0.6, 1, mass, &err), SP_EINVAL, "0.6");
     assert_fails(sp_localisation_chain(319, mass, k, 1, &l, &err), SP_EINVAL, "319");
     assert_fails(sp_localisation_chain(400, mass, k, 0, &l, &err), SP_EINVAL, "0");
+    /* waves longer than the chain: no growth is seen, but that does not exclude one of 1/N */
+    assert_ok(sp_localisation_chain(400, mass, k, 1e-12, &l, &err));
+    assert_true(l.gamma_err >= 1.0 / 400);
+    assert_fails(sp_localisation_chain(400, mass, k, 1e30, &l, &err), SP_EREFUSED, "1e+30");
     k[400] = 0;
     assert_fails(sp_localisation_chain(400, mass, k, 1, &l, &err), SP_EINVAL, "400");
 }

@@ -101,7 +101,8 @@ static const cli_syntax syntax = {
         "and velocity_at_peak are the same in units of a chain that rests with the overlap of the peak; with the peak "
         "inf only these are finite.\n"
         "\n"
-        "localisation: gamma with its standard error from 32 parts of the chain (of 10^6 balls without --grains), "
+        "localisation: gamma with its standard error from 32 parts of the chain (of 10^6 balls without --grains), at "
+        "least 1/N, "
         "length = 1/gamma, and law = omega^2 <dm^2>/(8 K <m>), which holds for low frequencies (Matsuda and Ishii "
         "1970). If gamma is not above twice its error, length is nan and length_low is a lower bound.",
     .options = options,

@@ -59,9 +59,12 @@ sp_status sp_localisation_chain(int64_t n, const double *mass, const double *sti
         growth[part] = (t.log - before) / (double)(to - from);
         before = t.log;
     }
+    if (!isfinite(t.log) || !isfinite(t.u))
+        return sp_fail(err, SP_EREFUSED, "localisation: frequency %g, too far above those of the chain", omega);
+    /* what the ends of the chain add to the logarithm is about 1, also where the parts are too short to show it */
     *out = (sp_localisation){.omega = omega,
                              .gamma = t.log / (double)n,
-                             .gamma_err = sp_standard_error(PARTS, growth),
+                             .gamma_err = fmax(sp_standard_error(PARTS, growth), 1 / (double)n),
                              .log_end = t.log + log(fabs(t.u))};
     return SP_OK;
 }
