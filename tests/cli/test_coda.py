@@ -46,6 +46,10 @@ def test_trials():
         assert len(rows) == 40
         found[name] = float(comments["found"])
         assert (float(comments["distance"]) == 0) == (found[name] == 1)
+        assert float(comments["found_err"]) > 0.01
+        if name == "quiet":  # without noise the error is that of first order
+            off = [(float(row["change"]) - 0.01) / float(row["change_err"]) for row in rows]
+            assert max(map(abs, off)) < 2 and max(map(abs, off)) > 0.5, off
     assert found["quiet"] == 1 and found["loud"] < 0.7 and found["many"] > found["loud"], found
 
 

@@ -59,6 +59,11 @@ def test_samples():
     assert rows["t10"]["linear"] == "no" and int(rows["t10"]["samples"]) <= 30
     assert comments["measured"] == "overlaps" and float(comments["overlap"]) > 1e-3
     assert float(comments["contacts_ratio"]) < 1
+    rows, comments = table(N200, "--from=overlaps", "--position=0.05", "--samples=10", "--front-only")
+    few = rows["t10"]  # most draws have no sound: of few samples the standard deviation has a large error, and not none
+    assert 2 <= int(few["samples"]) <= 5 and few["linear"] == "no", few
+    assert float(few["sd_err"]) > 0.2 * float(few["sd"]), few
+    assert not any(row["shift_first"].startswith("-") for row in rows.values())
     rows, comments = table(N200, "--missing=0.2", "--samples=20", "--front-only")
     assert rows["t10"]["sd_first"] == "nan" and float(rows["t10"]["sd"]) > 0
     assert int(comments["candidates"]) > 10 and "C11" not in rows and float(comments["contacts_ratio"]) > 1
@@ -92,6 +97,8 @@ def test_refuses():
                          (["--samples=0", "--sampled-only"], "samples 0"), (["--from=guess"], "--from guess")):
         done = run("uncertainty", N200, *words, status=2)
         assert names_all(done.stderr, named) and not done.stdout, (words, done.stderr)
+    done = run("uncertainty", N200, "--samples=10", status=2)  # no error of the packing: nothing to tell
+    assert names_all(done.stderr, "position") and not done.stdout, done.stderr
     run("uncertainty", N200, N200, status=2)
     run("uncertainty", "absent.h5", status=1)
 

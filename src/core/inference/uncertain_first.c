@@ -83,7 +83,7 @@ static sp_status variances(const first_order *f, const sp_packing *measured, con
         whole += slope;
     }
     v[SP_ERROR_CALIBRATION] = whole * whole * e->calibration * e->calibration;
-    out->shift = -e->false_part * whole;
+    out->shift = 0 - e->false_part * whole; /* no -0 */
     for (int k = 0; k < SP_ERROR_KINDS; k++)
         sum += v[k];
     out->first_order = sqrt(sum);
