@@ -83,7 +83,7 @@ static sp_status variances(const first_order *f, const sp_packing *measured, con
         whole += slope;
     }
     v[SP_ERROR_CALIBRATION] = whole * whole * e->calibration * e->calibration;
-    out->shift = 0 - e->false_part * whole; /* no -0 */
+    out->shift = -e->false_part * whole;
     for (int k = 0; k < SP_ERROR_KINDS; k++)
         sum += v[k];
     out->first_order = sqrt(sum);
@@ -100,7 +100,7 @@ static sp_status add_quantity(const first_order *f, const sp_packing *measured, 
         return sp_fail_memory(err, (size_t)f->net.n * sizeof *by_radius);
     variances(f, measured, g, density_part / scale, by_radius, out);
     out->first_order *= fabs(scale);
-    out->shift *= scale;
+    out->shift = out->shift * scale + 0; /* no -0 */
     sp_free(by_radius);
     return SP_OK;
 }
