@@ -80,6 +80,8 @@ def test_files():
     run("signal", "after.h5", "--until=400", "--points=900", *places, "-o", "other.tsv")
     run("coda", "before.h5", "--before=before.tsv", "--after=other.tsv", *places, status=2)
     run("coda", "before.h5", "--before=before.tsv", "--after=after.tsv", *places, "--detector=top", status=1)
+    run("coda", "before.h5", "--before=before.tsv", "--after=after.tsv", *places[:1], status=1)  # a column without a place
+    run("coda", "before.h5", "--before=before.tsv", "--after=after.tsv", status=1)
 
 
 def test_refuses():

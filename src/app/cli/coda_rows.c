@@ -7,6 +7,7 @@
 #include "packing/geometry.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -42,6 +43,7 @@ static sp_status alloc_signals(signals *s, sp_error *err) {
 
 static sp_status find_columns(const sp_table *t, const char *path, int32_t pairs, int *time, int *force,
                               sp_error *err) {
+    char next[16];
     *time = sp_table_find_column(t, "t");
     *force = sp_table_find_column(t, pairs > 1 ? "F1" : "F");
     if (*force < 0)
@@ -50,6 +52,12 @@ static sp_status find_columns(const sp_table *t, const char *path, int32_t pairs
         return sp_fail(err, SP_EFORMAT,
                        "%s: must have the columns t and %s, one for each pair of a source and a detector", path,
                        pairs > 1 ? "F1, F2, ..." : "F");
+    snprintf(next, sizeof next, "F%d", pairs + 1);
+    if (sp_table_find_column(t, next) >= 0)
+        return sp_fail(err, SP_EFORMAT,
+                       "%s: has a column %s, but sources and detectors are only %d pair%s: --from and --detector must "
+                       "name them all",
+                       path, next, pairs, pairs > 1 ? "s" : "");
     return SP_OK;
 }
 
