@@ -75,7 +75,7 @@ def test_files():
     rows, comments = table("coda", "before.h5", "--before=before.tsv", "--after=after.tsv", "--window=50:400", *places)
     assert int(rows[0]["grain"]) == 50 and abs(float(rows[0]["change"]) / 0.02 - 1) < 0.1, rows[0]
     assert comments["pairs"] == "2"
-    run("coda", "before.h5", "--before=before.tsv", "--after=after.tsv", "--window=500:600", status=2)
+    run("coda", "before.h5", "--before=before.tsv", "--after=after.tsv", "--window=500:600", *places, status=2)
     run("coda", "before.h5", "--before=before.tsv", "--after=before.tsv", *places, status=1)
     run("signal", "after.h5", "--until=400", "--points=900", *places, "-o", "other.tsv")
     run("coda", "before.h5", "--before=before.tsv", "--after=other.tsv", *places, status=2)
