@@ -37,7 +37,8 @@ SP_API sp_status sp_coda_make(const sp_network *net, const sp_coda_options *opt,
 /* One grain as the place of the change. */
 typedef struct sp_coda_candidate {
     int32_t grain;        /* index in the packing */
-    double change, error; /* relative change of the stiffness of its contacts that fits best, and its standard error */
+    double change, error; /* relative change of the stiffness of its contacts that fits best, and its standard error, of
+                           * noise alone: the kernel is of first order, and sp_coda_signal tells how far it holds */
     double misfit;        /* part of the squared change of the signals that it leaves unexplained */
     double probability;   /* of being the place, for white noise, if each grain is equally likely beforehand */
 } sp_coda_candidate;

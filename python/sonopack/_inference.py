@@ -172,7 +172,10 @@ class Coda(_core.Owner):
 
     @documented("sp_coda_locate")
     def locate(self, change: npt.ArrayLike, noise: float = 0.0) -> npt.NDArray[Any]:
-        """The grains as places of a change [pairs][times] of the signals, the most probable first."""
+        """The grains as places of a change [pairs][times] of the signals, the most probable first.
+
+        error knows of noise alone. signal(grain, change) tells how far the kernel, which is of first order, holds.
+        """
         values = _core.floats(np.atleast_2d(np.asarray(change)), "change", (self.pairs, self.times))
         out = ffi.new("sp_coda_candidate[]", self.n)
         call(lib.sp_coda_locate, self._c, _core.pointer_to(values, "const double *"), float(noise), out)

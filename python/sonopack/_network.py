@@ -274,7 +274,7 @@ class Network(_core.Owner):
                     pulse: Pulse | None = None, until: float | None = None, points: int | None = None,
                     margin: float = 3.0, threads: int = 1) -> Gradient:
         """Exact derivatives of a quantity: t10, t_peak, peak, t_zero or width of the first front, F (the signal at the
-        time t), C11, C12, ..., cl or ct (at a fixed density). by: kn, kt, mass, radius, position, pressure."""
+        time t), C11, C12, ..., c_l or c_t (at a fixed density). by: kn, kt, mass, radius, position, pressure."""
         wave = {"source": source, "at": at, "detector": detector, "pulse": pulse, "until": until, "points": points,
                 "threads": threads}
         return _sensitivity.sensitivity(self, of, by, t, wave, margin)

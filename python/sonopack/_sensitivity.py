@@ -24,7 +24,8 @@ MODULI = ("C11", "C12", "C22", "C33", "C13", "C23", "C44", "C55", "C66", "cl", "
 
 class Gradient:
     """Derivatives of one quantity. Made by network.sensitivity(). kn, kt: by the stiffness of each spring; mass, radius,
-    position [n][3]: of each grain of the network; pressure [1]. Those not asked for are None. errors: bounds of their
+    position [n][3]: of each grain of the network; pressure [1]. They are by the parameter itself: the command's by_kn is
+    by its logarithm, kn times this. Those not asked for are None. errors: bounds of their
     errors, by the same names. homogeneity: what Euler's theorem leaves, which is 0 but for rounding."""
 
     def __init__(self, c: Any) -> None:
@@ -104,6 +105,7 @@ def _modulus(network: Network, of: str, by: int, margin: float) -> Gradient:
 def sensitivity(network: Network, of: str, by: str | Sequence[str], t: float | None, wave: dict[str, Any],
                 margin: float) -> Gradient:
     mask = _mask(by)
+    of = {"c_l": "cl", "c_t": "ct"}.get(of, of)  # as network.moduli() names them
     if (of == "F") != (t is not None):
         raise _core.invalid("t", "the time of F: needed for it, and only for it")
     if of in FRONTS:

@@ -46,6 +46,10 @@ def test_trials():
         assert len(rows) == 40
         found[name] = float(comments["found"])
         assert (float(comments["distance"]) == 0) == (found[name] == 1)
+        assert float(comments["found_err"]) > 0.01
+        if name == "quiet":  # without noise the error is that of first order
+            off = [(float(row["change"]) - 0.01) / float(row["change_err"]) for row in rows]
+            assert max(map(abs, off)) < 2 and max(map(abs, off)) > 0.5, off
     assert found["quiet"] == 1 and found["loud"] < 0.7 and found["many"] > found["loud"], found
 
 
@@ -71,11 +75,13 @@ def test_files():
     rows, comments = table("coda", "before.h5", "--before=before.tsv", "--after=after.tsv", "--window=50:400", *places)
     assert int(rows[0]["grain"]) == 50 and abs(float(rows[0]["change"]) / 0.02 - 1) < 0.1, rows[0]
     assert comments["pairs"] == "2"
-    run("coda", "before.h5", "--before=before.tsv", "--after=after.tsv", "--window=500:600", status=2)
+    run("coda", "before.h5", "--before=before.tsv", "--after=after.tsv", "--window=500:600", *places, status=2)
     run("coda", "before.h5", "--before=before.tsv", "--after=before.tsv", *places, status=1)
     run("signal", "after.h5", "--until=400", "--points=900", *places, "-o", "other.tsv")
     run("coda", "before.h5", "--before=before.tsv", "--after=other.tsv", *places, status=2)
     run("coda", "before.h5", "--before=before.tsv", "--after=after.tsv", *places, "--detector=top", status=1)
+    run("coda", "before.h5", "--before=before.tsv", "--after=after.tsv", *places[:1], status=1)  # a column without a place
+    run("coda", "before.h5", "--before=before.tsv", "--after=after.tsv", status=1)
 
 
 def test_doubt():

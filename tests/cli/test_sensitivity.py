@@ -61,6 +61,7 @@ def main():
         assert all(e >= 0 for e in errors) and max(errors) < 1e-6 * max(map(abs, sizes)), of
     # the values are those of the other commands
     assert abs(number(sensitivity(N200, "--of", "t10")[0], "value") - cell(run("front", N200), "t10")) < 0.02
+    assert number(sensitivity(N200, "--of", "c_l")[0], "value") == number(sensitivity(N200, "--of", "cl")[0], "value")
     assert abs(number(sensitivity(N200, "--of", "cl")[0], "value") / cell(run("moduli", N200), "c_l") - 1) < 1e-12
     omega = columns(run("modes", N200))[1]["omega"][100]
     assert abs(number(sensitivity(N200, "--of", "omega:100")[0], "value") / omega**2 - 1) < 1e-11

@@ -40,6 +40,21 @@ def test_values():
         assert abs(float(rows[name]["value"]) / expected - 1) < 1e-9, name
 
 
+def test_photoelastic():
+    """A measured packing whose contacts are not where its positions say: pixels, and oblique forces on walls."""
+    samples = os.path.join(SOURCE, "tests/foreign/samples/photoelastic")
+    run("convert", f"{samples}/particles.csv", "disks.h5", "--frame=1", f"--contacts={samples}/contacts.csv",
+        "--material=E=4e6,nu=0.5,rho=1060", "--length-unit=0.05e-3", "--kn=5e4", "--kt-ratio=0.5", "--thickness=6e-3",
+        "--walls=balance", "--set=friction=0.5")
+    rows, _ = table("disks.h5", "--position=0.003", "--force=0.1", "--samples=40")
+    for command, names in (("front", {"t10": "t10", "peak": "amplitude"}), ("moduli", {"C22": "C22", "c_l": "c_l"})):
+        lines = [line.split("\t") for line in run(command, "disks.h5").stdout.splitlines() if not line.startswith("#")]
+        for name, column in names.items():
+            expected = float(lines[1][lines[0].index(column)])
+            assert abs(float(rows[name]["value"]) / expected - 1) < 1e-9, (name, rows[name], expected)
+            assert rows[name]["linear"] == "yes", rows[name]
+
+
 def test_first_order():
     """All stiffnesses together by 1%: t10 by 0.5%, moduli by 1%, and shares that add up."""
     rows, _ = table(N200, "--calibration=0.01", "--samples=0", "--modes=2")
@@ -59,6 +74,11 @@ def test_samples():
     assert rows["t10"]["linear"] == "no" and int(rows["t10"]["samples"]) <= 30
     assert comments["measured"] == "overlaps" and float(comments["overlap"]) > 1e-3
     assert float(comments["contacts_ratio"]) < 1
+    rows, comments = table(N200, "--from=overlaps", "--position=0.05", "--samples=10", "--front-only")
+    few = rows["t10"]  # most draws have no sound: of few samples the standard deviation has a large error, and not none
+    assert 2 <= int(few["samples"]) <= 5 and few["linear"] == "no", few
+    assert float(few["sd_err"]) > 0.2 * float(few["sd"]), few
+    assert not any(row["shift_first"].startswith("-") for row in rows.values())
     rows, comments = table(N200, "--missing=0.2", "--samples=20", "--front-only")
     assert rows["t10"]["sd_first"] == "nan" and float(rows["t10"]["sd"]) > 0
     assert int(comments["candidates"]) > 10 and "C11" not in rows and float(comments["contacts_ratio"]) > 1
@@ -92,10 +112,12 @@ def test_refuses():
                          (["--samples=0", "--sampled-only"], "samples 0"), (["--from=guess"], "--from guess")):
         done = run("uncertainty", N200, *words, status=2)
         assert names_all(done.stderr, named) and not done.stdout, (words, done.stderr)
+    done = run("uncertainty", N200, "--samples=10", status=2)  # no error of the packing: nothing to tell
+    assert names_all(done.stderr, "position") and not done.stdout, done.stderr
     run("uncertainty", N200, N200, status=2)
     run("uncertainty", "absent.h5", status=1)
 
 
-for test in (test_values, test_first_order, test_samples, test_units, test_formats, test_refuses):
+for test in (test_values, test_photoelastic, test_first_order, test_samples, test_units, test_formats, test_refuses):
     test()
 print("errors of measured packings are told")

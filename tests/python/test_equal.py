@@ -234,6 +234,7 @@ def test_sensitivity():
     pressure = network.sensitivity("t10", "pressure").pressure
     equal(table("sensitivity", "P.h5", "--by", "pressure"), "by_p", made.pressure * pressure, "pressure")
     at_once, _, error = network.signal_sensitivity([60.0, 20.0], [5, 7])
+    check(network.sensitivity("c_l").value == network.sensitivity("cl").value, "both names of a speed")
     one = network.sensitivity("F", "kn", t=60)
     check(np.all(np.abs(at_once[:, 0] - one.kn[[5, 7]]) <= error[:, 0] + one.errors["kn"][[5, 7]]), "all times")
 

@@ -82,14 +82,18 @@ static const cli_syntax syntax = {
         "The kernel of a grain is the derivative of the signal by the logarithm of the stiffness of all its contacts. "
         "Each grain alone, with the change that fits best, is compared with the change of the signals. misfit: part of "
         "the squared change that it leaves unexplained. probability: of being the place, if noise is white and each "
-        "grain is equally likely beforehand. The packing must be that of the measurement, and tables of measured "
+        "grain is equally likely beforehand. change: of the stiffness, relative to it. change_err: its standard error, "
+        "from the noise and from what the kernel leaves out, which knows changes to first order. The packing must be "
+        "that of the measurement, and tables of measured "
         "signals have one column for each pair of a source and a detector, detectors running fastest.\n"
         "\n"
         "stretch: relative change of speed that stretches the first signal to that after the change, by least "
         "squares.\n"
         "\n"
         "With --grain a change is computed and sought, with noise of the given level in both signals. With --trials "
-        "there is a row for each of several grains: where it was found, at which distance, with which probability.",
+        "there is a row for each of several grains: where it was found, at which distance d, with which probability; "
+        "rank: how many grains are as probable as the right one or more. The comments found and distance are the "
+        "fraction that was found exactly and the mean distance.",
     .finds_material = true,
     .options = options,
     .file_name = "packing",

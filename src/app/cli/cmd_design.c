@@ -96,8 +96,11 @@ static const cli_syntax syntax = {
         "grains that "
         "carry force is kept, unless --free is given.\n"
         "\n"
-        "The first row is the packing as it is. predicted: what the gradient of the step before promises for this one. "
-        "at_limit: factors at a limit. The comments give the ratio of the last value to the first one, the ratio that "
+        "The first row is the packing as it is. predicted: what the gradient of the step before promises for this one, "
+        "by the logarithm of the value. energy: over that of the packing as it is. at_limit: number of grains whose "
+        "factor is at a limit. t10_err and energy_err are "
+        "numerical. factor: by what the mass, modulus or radius of the grain is multiplied. The comments give the "
+        "ratio of the last value to the first one, the ratio that "
         "the first gradient promises for the best factors within the limits (linear_predicted_ratio), and the one that "
         "these factors really have (linear_ratio). effective: number of grains that share the first gradient. The "
         "result is a local optimum; others may be better.",

@@ -28,7 +28,7 @@ static sp_status set_detector(void *user, const char *word, sp_error *err) {
 static const cli_option options[] = {
     {"of", "QUANTITY",
      "What to differentiate: t10, t_peak, peak, t_zero or width of the first front; F, the signal at --at; omega:N or "
-     "omega:N-M, the mean omega^2 of modes; cl, ct, C11, C12, ... (t10)",
+     "omega:N-M, the mean omega^2 of modes; c_l, c_t (or cl, ct), C11, C12, ... (t10)",
      .parse = set_quantity},
     {"by", "LIST", "Parameters: kn,kt of the contacts; mass,radius,position of the grains; or pressure (kn,kt)",
      .parse = set_parameters},
@@ -36,7 +36,7 @@ static const cli_option options[] = {
      .unit = "d/sqrt(E* / rho)"},
     {"until", "T", "Last time at which the front is sought [d/sqrt(E* / rho)] (as of signal)", CLI_NUMBER,
      .field = offsetof(sensitivity_arguments, until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
-    {"margin", "D", "cl, ct: leave layers of this thickness at all walls out of the density [d] (3)", CLI_NUMBER,
+    {"margin", "D", "c_l, c_t: leave layers of this thickness at all walls out of the density [d] (3)", CLI_NUMBER,
      .field = offsetof(sensitivity_arguments, margin), .high = 1e6},
     {"pulse", "PULSE", "Strength of the source against time: delta, gauss:WIDTH or ricker:OMEGA (delta)",
      .parse = set_pulse},
@@ -65,18 +65,21 @@ static const cli_syntax syntax = {
         "stiffness of each contact, by the mass, radius and position of each grain, and by the pressure.\v"
         "Each row is a contact or a grain that carries force. by_X is the derivative of the quantity by the logarithm "
         "of X: the change for a small relative change of X alone, over that change; by_x, by_y and by_z are "
-        "derivatives by the position of the centre. by_X_err are bounds of their errors. The momentum of a source at "
+        "derivatives by the position of the centre in mean diameters d, in all units. by_X_err are bounds of their "
+        "errors, by_position_err of each of by_x, by_y and by_z. The momentum of a source at "
         "the wall and the force on a detector change with the stiffness of their contacts. With radius and position "
         "the overlaps, and with them the stiffnesses, follow the contact law, and with radius the mass too; no "
         "contact is made or lost. With pressure the packing follows the load by its linear response, and no contact "
         "slides.\n"
         "\n"
-        "Comments give the quantity and a bound of its error; homogeneity, the sum over all contacts, which Euler's "
+        "Comments give the quantity (value; of modes omega^2) and a bound of its error (value_err); homogeneity, the "
+        "sum over all contacts, which Euler's "
         "theorem knows (if all springs are stiffer by a factor s, times shorten by sqrt(s)), minus what it should "
         "be, over the sum of absolute values; and half_share, the fraction of the contacts (the largest ones) that "
         "have half of the sum of |by_kn| + |by_kt|. A "
         "front is that of the continuous signal. A group of modes of one frequency has a derivative only as a whole: "
-        "omega:N-M. n counts as in modes. cl and ct have a fixed density. K must be symmetric: with friction "
+        "omega:N-M. N counts as the column n of modes, zero modes first. c_l and c_t have a fixed density. K must be "
+        "symmetric: with friction "
         "--prestress is refused. --set takes keys of the group network.",
     .finds_material = true,
     .options = options,

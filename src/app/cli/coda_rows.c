@@ -7,6 +7,7 @@
 #include "packing/geometry.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,6 +16,7 @@ typedef struct signals {
     int32_t times, pairs;
     double *t;               /* [times] */
     double *before, *change; /* [pairs][times] */
+    double *base, *model;    /* [pairs][times] computed signals, without the change and with a change that was found */
     double noise;            /* standard deviation of each value of the change; 0: unknown */
 } signals;
 
@@ -22,6 +24,8 @@ static void free_signals(signals *s) {
     sp_free(s->t);
     sp_free(s->before);
     sp_free(s->change);
+    sp_free(s->base);
+    sp_free(s->model);
 }
 
 static sp_status alloc_signals(signals *s, sp_error *err) {
@@ -29,13 +33,17 @@ static sp_status alloc_signals(signals *s, sp_error *err) {
     s->t = sp_alloc((size_t)s->times, sizeof *s->t);
     s->before = sp_alloc(values, sizeof *s->before);
     s->change = sp_alloc(values, sizeof *s->change);
-    return s->t && s->before && s->change ? SP_OK : sp_fail_memory(err, 2 * values * sizeof *s->before);
+    s->base = sp_alloc(values, sizeof *s->base);
+    s->model = sp_alloc(values, sizeof *s->model);
+    return s->t && s->before && s->change && s->base && s->model ? SP_OK
+                                                                 : sp_fail_memory(err, 4 * values * sizeof *s->before);
 }
 
 /* ---- measured signals ------------------------------------------------------------------------------------------- */
 
 static sp_status find_columns(const sp_table *t, const char *path, int32_t pairs, int *time, int *force,
                               sp_error *err) {
+    char next[16];
     *time = sp_table_find_column(t, "t");
     *force = sp_table_find_column(t, pairs > 1 ? "F1" : "F");
     if (*force < 0)
@@ -44,6 +52,12 @@ static sp_status find_columns(const sp_table *t, const char *path, int32_t pairs
         return sp_fail(err, SP_EFORMAT,
                        "%s: must have the columns t and %s, one for each pair of a source and a detector", path,
                        pairs > 1 ? "F1, F2, ..." : "F");
+    snprintf(next, sizeof next, "F%d", pairs + 1);
+    if (sp_table_find_column(t, next) >= 0)
+        return sp_fail(err, SP_EFORMAT,
+                       "%s: has a column %s, but sources and detectors are only %d pair%s: --from and --detector must "
+                       "name them all",
+                       path, next, pairs, pairs > 1 ? "s" : "");
     return SP_OK;
 }
 
@@ -136,6 +150,42 @@ static sp_status change_grain(const coda_arguments *a, const sp_network *net, co
     return status;
 }
 
+/* ---- what first order leaves out -------------------------------------------------------------------------------- */
+
+static int32_t place_of(const sp_coda *c, int32_t grain) {
+    int32_t g = 0;
+    while (g + 1 < c->n && c->grain[g] != grain)
+        g++;
+    return g;
+}
+
+/* The change that a grain's kernel finds in the computed signal of the packing with the change. */
+static double change_in_model(const sp_coda *c, const signals *s, int32_t g) {
+    const size_t times = (size_t)s->times;
+    double sum = 0;
+    for (size_t pair = 0; pair < (size_t)s->pairs; pair++) {
+        const double *kernel = c->kernel + (pair * (size_t)c->n + (size_t)g) * times;
+        for (size_t l = 0; l < times; l++)
+            sum += kernel[l] * (s->model[pair * times + l] - s->base[pair * times + l]);
+    }
+    return c->square[g] > 0 ? sum / c->square[g] : NAN;
+}
+
+/* The error of a change knows of noise alone, but kernels are of first order, which without noise is the larger error.
+ * A signal with the change that was found tells how far off the kernel is. */
+static sp_status add_first_order_error(const cli_file *file, const sp_coda *c, const sp_coda_options *o, signals *s,
+                                       sp_coda_candidate *found, sp_error *err) {
+    double off = found->change; /* of changes that no signal can have nothing is known */
+    if (found->change > -1 && found->change <= 10) {
+        const sp_status status = sp_coda_signal(&file->network, o, found->grain, found->change, s->model, err);
+        if (status != SP_OK)
+            return status;
+        off = change_in_model(c, s, place_of(c, found->grain)) - found->change;
+    }
+    found->error = hypot(found->error, isnan(off) ? INFINITY : off);
+    return SP_OK;
+}
+
 /* ---- the tables ------------------------------------------------------------------------------------------------- */
 
 static double distance(const sp_packing *p, int32_t i, int32_t j) {
@@ -146,13 +196,16 @@ static double distance(const sp_packing *p, int32_t i, int32_t j) {
     return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 }
 
-static sp_status add_candidates(const coda_arguments *a, const sp_packing *p, const sp_coda *c,
-                                const sp_coda_candidate *found, sp_table *t, sp_error *err) {
+static sp_status add_candidates(const coda_arguments *a, const cli_file *file, const sp_coda *c,
+                                const sp_coda_options *o, signals *s, sp_coda_candidate *found, sp_table *t,
+                                sp_error *err) {
     sp_status status = SP_OK;
     for (int32_t k = 0; k < c->n && k < a->rows && status == SP_OK; k++) {
-        const double *x = p->x + 3 * (size_t)found[k].grain;
-        status = sp_table_add_row(t, err, (int64_t)found[k].grain, x[0], x[1], x[2], found[k].probability,
-                                  found[k].change, found[k].error, found[k].misfit);
+        const double *x = file->packing.x + 3 * (size_t)found[k].grain;
+        status = add_first_order_error(file, c, o, s, &found[k], err);
+        if (status == SP_OK)
+            status = sp_table_add_row(t, err, (int64_t)found[k].grain, x[0], x[1], x[2], found[k].probability,
+                                      found[k].change, found[k].error, found[k].misfit);
     }
     return status;
 }
@@ -182,11 +235,12 @@ static sp_status add_trial(const sp_packing *p, const sp_coda *c, const sp_coda_
 
 static void add_tally(const coda_arguments *a, const tally *s, cli_writer *w) {
     const double mean = s->distance / s->n, part = s->hits / s->n;
+    const double likely = (s->hits + 1) / (s->n + 2); /* with none or all found, the error is not 0 */
     cli_value(w, "change", a->change);
     cli_value(w, "distance", mean);
     cli_value(w, "distance_err", sqrt(fmax(s->square / s->n - mean * mean, 0) / fmax(s->n - 1, 1)));
     cli_value(w, "found", part);
-    cli_value(w, "found_err", sqrt(part * (1 - part) / s->n));
+    cli_value(w, "found_err", sqrt(likely * (1 - likely) / s->n));
 }
 
 static sp_status search_trials(const coda_arguments *a, const cli_file *file, const sp_coda *c,
@@ -201,6 +255,8 @@ static sp_status search_trials(const coda_arguments *a, const cli_file *file, co
         status = change_grain(a, &file->network, o, grain, &random, s, err);
         if (status == SP_OK)
             status = sp_coda_locate(c, s->change, s->noise, found, err);
+        if (status == SP_OK)
+            status = add_first_order_error(file, c, o, s, &found[0], err);
         if (status == SP_OK)
             status = add_trial(&file->packing, c, found, grain, &sum, t, err);
     }
@@ -229,7 +285,7 @@ static sp_status search_one(const coda_arguments *a, const cli_file *file, const
         cli_comment(&w, "grain = %lld", (long long)a->grain);
         cli_value(&w, "distance", distance(&file->packing, (int32_t)a->grain, found[0].grain));
     }
-    return w.status == SP_OK ? add_candidates(a, &file->packing, c, found, t, err) : w.status;
+    return w.status == SP_OK ? add_candidates(a, file, c, o, s, found, t, err) : w.status;
 }
 
 /* ---- all of it -------------------------------------------------------------------------------------------------- */
@@ -286,8 +342,10 @@ sp_status coda_rows(void *arguments, cli_file *file, sp_table *t, sp_error *err)
     if (status == SP_OK) {
         found = sp_alloc((size_t)c.n, sizeof *found);
         s.noise = sqrt(2) * a->noise * root_mean_square(&s);
+        status = sp_coda_signal(&file->network, &o, -1, 0, s.base, err);
         describe(a, file, &c, &w);
-        status = found ? w.status : sp_fail_memory(err, (size_t)c.n * sizeof *found);
+        if (status == SP_OK)
+            status = found ? w.status : sp_fail_memory(err, (size_t)c.n * sizeof *found);
     }
     if (status == SP_OK)
         status = (a->trials > 0 ? search_trials : search_one)(a, file, &c, &o, &s, found, t, err);

@@ -17,9 +17,16 @@ static const char *const moduli[SP_MODULUS_COUNT] = {"C11", "C12", "C22", "C33",
                                                      "C44", "C55", "C66", "cl",  "ct"};
 static const char *const parameters[] = {"kn", "kt", "mass", "radius", "position", "pressure"};
 
+/* The names of the table of moduli, c_l and c_t, serve as well. */
+static bool is_modulus(const char *word, int k) {
+    const char *const name = moduli[k];
+    return strcmp(word, name) == 0 ||
+           (name[0] == 'c' && strncmp(word, "c_", 2) == 0 && strcmp(word + 2, name + 1) == 0);
+}
+
 static sp_status wrong(const char *word, sp_error *err) {
     return sp_fail(err, SP_EINVAL,
-                   "--of %.60s: must be t10, t_peak, peak, t_zero, width, F, omega:N, omega:N-M, cl, ct or a modulus "
+                   "--of %.60s: must be t10, t_peak, peak, t_zero, width, F, omega:N, omega:N-M, c_l, c_t or a modulus "
                    "such as C22",
                    word);
 }
@@ -49,7 +56,7 @@ sp_status sensitivity_read_quantity(const char *word, sensitivity_quantity *out,
             return SP_OK;
         }
     for (int k = 0; k < SP_MODULUS_COUNT; k++)
-        if (strcmp(word, moduli[k]) == 0) {
+        if (is_modulus(word, k)) {
             q.kind = SENSITIVITY_MODULUS;
             q.modulus = (sp_modulus)k;
             *out = q;

@@ -218,10 +218,22 @@ static void carry_tangential(const sp_contact *from, double scale, sp_contact *c
         c->ft[a] = scale * (from->ft[a] - off * c->n[a]);
 }
 
-/* A contact by its force. The positions give the normal, and the distance over which it acts; the stiffness is its own,
- * as the force has it. */
-static void add_by_force(const sp_contact *from, double force_factor, double times, sp_packing *q) {
+/* A contact of a measured packing p need not lie where its positions say: pictures do not resolve overlaps, and the
+ * force on a wall that a balance needs may be oblique. What the errors change is added to what was measured. */
+static sp_contact moved(const sp_packing *p, const sp_packing *q, const sp_contact *from) {
+    const sp_contact was = at_positions(p, from->i, from->j);
     sp_contact c = at_positions(q, from->i, from->j);
+    c.overlap += from->overlap - was.overlap;
+    for (int a = 0; a < 3; a++)
+        c.n[a] += from->n[a] - was.n[a];
+    const double length = length3(c.n);
+    for (int a = 0; a < 3 && length > 0; a++)
+        c.n[a] /= length;
+    return c;
+}
+
+/* The contact c by the force of `from`; the stiffness is its own, as the force has it. */
+static void add_by_force(sp_contact c, const sp_contact *from, double force_factor, double times, sp_packing *q) {
     c.kn = from->kn;
     c.kt = from->kt;
     c.fn = force_factor * from->fn;
@@ -241,14 +253,14 @@ static void draw_by_forces(const sp_drawing *d, bool exact, double common, sp_ra
     for (int32_t k = 0; k < d->p->n_contacts; k++) {
         const double force = factor(r, e->force, exact), times = factor(r, e->stiffness, exact);
         if (sp_random_uniform(r) >= e->false_part || exact)
-            add_by_force(&d->p->contacts[k], force, common * times, q);
+            add_by_force(moved(d->p, q, &d->p->contacts[k]), &d->p->contacts[k], force, common * times, q);
     }
     for (int32_t k = 0; k < d->candidates; k++) {
         const bool carries = sp_random_uniform(r) < e->missing && !exact;
         sp_contact missed = {.i = d->candidate[k].i, .j = d->candidate[k].j};
         missed.fn = e->missing_force * d->mean_force * sp_random_uniform(r);
         if (carries && missed.fn > 0)
-            add_by_force(&missed, 1, common, q);
+            add_by_force(at_positions(q, missed.i, missed.j), &missed, 1, common, q);
     }
 }
 

@@ -25,6 +25,11 @@ void sp_uncertainty_free(sp_uncertainty *u) {
     *u = sp_uncertainty_none();
 }
 
+static bool has_errors(const sp_errors *e) {
+    return e->position > 0 || e->radius > 0 || e->force > 0 || e->stiffness > 0 || e->calibration > 0 ||
+           e->false_part > 0 || e->missing > 0;
+}
+
 static sp_status check_options(const sp_uncertainty_options *o, sp_error *err) {
     if (o->samples != 0 && !(o->samples >= SAMPLES_LEAST && o->samples <= SAMPLES_MOST))
         return sp_fail_key(err, SP_EINVAL, "samples", " = %d: must be 0, or %d .. %d", o->samples, SAMPLES_LEAST,
@@ -35,7 +40,10 @@ static sp_status check_options(const sp_uncertainty_options *o, sp_error *err) {
         return sp_fail_key(err, SP_EINVAL, "margin", " = %g: must be 0 or more", o->margin);
     if (o->samples == 0 && !o->first_order)
         return sp_fail_key(err, SP_EINVAL, "samples", " = 0: without first order there must be samples");
-    return sp_errors_check(&o->errors, err);
+    const sp_status status = sp_errors_check(&o->errors, err);
+    if (status == SP_OK && !has_errors(&o->errors))
+        return sp_fail(err, SP_EINVAL, "no error of the packing is given: position, radius, force, ... are all 0");
+    return status;
 }
 
 static double mean_overlap(const sp_packing *p, const sp_network *net) {

@@ -100,7 +100,7 @@ static sp_status add_quantity(const first_order *f, const sp_packing *measured, 
         return sp_fail_memory(err, (size_t)f->net.n * sizeof *by_radius);
     variances(f, measured, g, density_part / scale, by_radius, out);
     out->first_order *= fabs(scale);
-    out->shift *= scale;
+    out->shift = out->shift * scale + 0; /* no -0 */
     sp_free(by_radius);
     return SP_OK;
 }

@@ -64,9 +64,13 @@ static moments moments_of(int32_t n, const double *value, size_t stride) {
     return m;
 }
 
-/* The error of a standard deviation s of n samples, from the fourth moment m: var(s^2) = (m - s^4)/n. */
+/* The error of a standard deviation s of n samples, from the fourth moment m: var(s^2) = (m - s^4 (n - 3)/(n - 1))/n,
+ * which matters where most samples have no sound and few are left. */
 static double error_of_sd(const moments *m) {
-    const double spread = fmax(m->fourth - m->variance * m->variance, 0);
+    if (m->n < 2)
+        return NAN;
+    const double few = (m->n - 3.0) / (m->n - 1);
+    const double spread = fmax(m->fourth - few * m->variance * m->variance, 0);
     return m->variance > 0 ? 0.5 * sqrt(spread / m->n / m->variance) : 0;
 }
 
