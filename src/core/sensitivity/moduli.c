@@ -178,8 +178,12 @@ static sp_status differentiate(responses *r, const sp_moduli *m, double density,
     value_of(m, which, density, &value, &error);
     const bool speed = which >= SP_MODULUS_CL;
     if (!isfinite(value) || (speed && !(value > 0)))
-        return sp_fail(err, SP_EREFUSED, "modulus or speed %d is %g for this packing: it has no derivative", (int)which,
-                       value);
+        return sp_fail(err, SP_EREFUSED, "%s is %g for this packing: it has no derivative%s",
+                       which == SP_MODULUS_CL ? "c_l"
+                       : speed                ? "c_t"
+                                              : "the modulus",
+                       value,
+                       speed && !isfinite(density) ? "; the margin leaves nothing of the box for its density" : "");
     const double weight = (speed ? 1 / (2 * density * value) : 1) * (of.other < 0 ? 1 : 0.5);
     sp_status status = respond(r, of.a, err);
     if (status == SP_OK)
