@@ -191,6 +191,10 @@ def test_refused():
             ([N200, "--quantity", "x"], 2, "--quantity"), ([N200, "--axis", "y"], 2, "--axis"),
             ([N200, "--shear"], 2, "--shear"), ([N200, "--width", "0"], 2, "--width"),
             ([N200, "--quantity", "coherent", "--axis", "x"], 2, "--axis"),
+            ([N200, "--smear", "0.05"], 2, "--smear"), ([N200, "--quantity", "kubo", "--waves", "2"], 2, "--waves"),
+            ([N200, "--quantity", "kubo", "--sources", "4"], 2, "--sources"),
+            ([N200, "--quantity", "coherent", "--width", "0.1"], 2, "--width"),
+            ([N200, "--quantity", "split", "--until", "9"], 2, "--until"),
             ([N200, "--sources", "1"], 2, "--sources"), ([N200, "--waves", "0"], 2, "--waves"),
             ([N200, "--at", "1e3"], 1, ""), ([N200, "--prestress", "--at", "0.2"], 1, "N200")):
         done = subprocess.run([COMMAND, "transport", *map(str, arguments)], capture_output=True, text=True)

@@ -42,10 +42,32 @@ static const cli_option options[] = {
      .field = offsetof(transport_arguments, section.shear)},
     {0}};
 
+static const cli_syntax syntax;
+
+#define FOR(quantity) (1U << (quantity))
+
+/* An option that would do nothing is a mistake of the user's. */
 static sp_status check(void *user, sp_error *err) {
+    static const struct {
+        const char *name;
+        unsigned used;
+        const char *where;
+    } only[] = {
+        {"width", ~FOR(TRANSPORT_COHERENT), "all but coherent"},
+        {"waves", FOR(TRANSPORT_DIFFUSIVITY), "diffusivity"},
+        {"sources", FOR(TRANSPORT_DIFFUSIVITY) | FOR(TRANSPORT_SPLIT), "diffusivity or split"},
+        {"seed", FOR(TRANSPORT_DIFFUSIVITY) | FOR(TRANSPORT_SPLIT), "diffusivity or split"},
+        {"until", FOR(TRANSPORT_DIFFUSIVITY) | FOR(TRANSPORT_ENERGY), "diffusivity or energy"},
+        {"smear", FOR(TRANSPORT_KUBO), "kubo"},
+        {"spacing", FOR(TRANSPORT_COHERENT), "coherent"},
+        {"low", FOR(TRANSPORT_COHERENT), "coherent"},
+        {"part", FOR(TRANSPORT_COHERENT), "coherent"},
+        {"shear", FOR(TRANSPORT_COHERENT), "coherent"},
+    };
     const transport_arguments *a = user;
-    if (a->section.shear && a->quantity != TRANSPORT_COHERENT)
-        return sp_fail(err, SP_EINVAL, "--shear: only with --quantity=coherent");
+    for (size_t k = 0; k < sizeof only / sizeof *only; k++)
+        if (!(only[k].used & FOR(a->quantity)) && cli_given(&syntax, &a->common, only[k].name))
+            return sp_fail(err, SP_EINVAL, "--%s: only with --quantity=%s", only[k].name, only[k].where);
     if (a->axis > 0 && a->quantity >= TRANSPORT_COHERENT)
         return sp_fail(err, SP_EINVAL, "--axis: only with --quantity=diffusivity or kubo");
     return SP_OK;

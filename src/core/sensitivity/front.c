@@ -5,7 +5,8 @@
 #include <float.h>
 #include <math.h>
 
-/* parts of the time in which a front is sought; steps of a search for a root */
+/* snapshots of the forward pass in a window: the reverse pass begins at the one behind the front; steps of a search for
+ * a root */
 enum { PARTS = 48, STEPS_MAX = 200 };
 
 void sp_front_gradient_free(sp_front_gradient *g) {
