@@ -80,6 +80,8 @@ static sp_status find_fronts(experiment *e, int32_t n, const double *f, sp_front
     return status;
 }
 
+static bool has_fallen(const sp_front front[2]) { return isfinite(front[0].t_zero) && isfinite(front[1].t_zero); }
+
 /* Whether the front has passed in the first n times of a record. What arrives before it is many powers of ten weaker
  * (`least` tells them apart), and a fifth of its time more shows that no other peak was meant. Behind a loud front the
  * force may stay above that at rest: LONG times the time of the peak is then enough, and t_zero is NAN. */
@@ -87,9 +89,9 @@ static bool has_passed(experiment *e, int32_t n, const double *f, double least, 
     sp_error none = {0};
     if (n <= 4 || find_fronts(e, n, f, out, &none) != SP_OK || out[0].amplitude < least)
         return false;
-    const bool fell = isfinite(out[0].t_zero) && isfinite(out[1].t_zero);
-    return n == e->n || n == e->used || e->t[n - 1] >= LONG * out[0].t_peak ||
-           (fell && e->t[n - 1] >= 1.2 * out[0].t_zero);
+    const bool alike = isfinite(out[0].t_zero) == isfinite(out[1].t_zero); /* else the width would have no error */
+    return n == e->n || n == e->used || (alike && e->t[n - 1] >= LONG * out[0].t_peak) ||
+           (has_fallen(out) && e->t[n - 1] >= 1.2 * out[0].t_zero);
 }
 
 /* Times after which a record is looked at. */
@@ -99,6 +101,8 @@ static sp_status no_front(sp_error *err, double until) {
     return sp_fail_key(err, SP_EREFUSED, "until", " = %g: the front has not passed the top wall by then", until);
 }
 
+/* A quiet front falls back to 0, in low packings later than LONG times its peak: the widths are measured against this
+ * time, so that the search goes on until it is there. */
 static sp_status find_linear(experiment *e, sp_error *err) {
     const double until = e->until;
     sp_signal_options o = sp_signal_options_default();
@@ -116,8 +120,8 @@ static sp_status find_linear(experiment *e, sp_error *err) {
         largest = fmax(largest, s.f[l]);
     for (int32_t n = part_of(e); n <= e->n && status == SP_OK && !found;
          n = n < e->n && n + part_of(e) > e->n ? e->n : n + part_of(e))
-        found = has_passed(e, n, s.f, WEAKEST * largest, e->linear);
-    if (status == SP_OK && !(found && isfinite(e->linear[0].t_zero)))
+        found = has_passed(e, n, s.f, WEAKEST * largest, e->linear) && has_fallen(e->linear);
+    if (status == SP_OK && !found)
         status = no_front(err, until);
     sp_signal_free(&s);
     return status;
@@ -183,18 +187,22 @@ typedef double (*measure_function)(const sp_front *front, const sp_front *linear
 static double speed_of(const sp_front *f, const sp_front *linear) { return linear->t10 / f->t10; }
 static double peak_of(const sp_front *f, const sp_front *linear) { return f->amplitude / linear->amplitude; }
 static double width_of(const sp_front *f, const sp_front *linear) { return f->width / linear->width; }
-static double t10_of(const sp_front *f, const sp_front *linear) {
-    (void)linear;
-    return f->t10;
-}
 
 /* Of values from the finer and the coarser run, and from every second time. */
 static sp_amplitude_number compare(double value, double step, double times) {
     return (sp_amplitude_number){value, fabs(value - step) + fabs(value - times) / 3};
 }
 
+/* Of a time at which the force passes a value, or of what follows from such times. It is interpolated by a straight
+ * line, whose error depends on where between two times it lies: every second time changes it by that error at least (to
+ * second order of the spacing), but not always by three times that. */
+static sp_amplitude_number compare_passage(double value, double step, double times) {
+    return (sp_amplitude_number){value, fabs(value - step) + fabs(value - times)};
+}
+
 /* The error of the steps is below the difference from steps twice as long, that of the times is of second order in
- * their spacing, so a third of the difference. */
+ * their spacing, so a third of the difference: of a ratio to the linear front, with passages at nearly the same place
+ * between the times, this holds for passages, too. */
 static sp_amplitude_number value_of(const experiment *e, const outcome *now, const outcome *before,
                                     measure_function of) {
     const double value = of(&now->front[0], &e->linear[0]), step = of(&before->front[0], &e->linear[0]),
@@ -210,15 +218,18 @@ static void fill(const experiment *e, const outcome *now, const outcome *before,
     out->step = kept.step;
     out->factor = now->factor;
     out->front = now->front[0];
-    out->t10 = value_of(e, now, before, t10_of);
+    out->t10 = compare_passage(now->front[0].t10, before->front[0].t10, now->front[1].t10);
     out->speed = value_of(e, now, before, speed_of);
     out->peak = value_of(e, now, before, peak_of);
     out->width = value_of(e, now, before, width_of);
     out->overpressure = now->front[0].amplitude * now->factor / load;
 }
 
-static sp_amplitude_number speed_between(double rise, double a, double b, const double step[2], const double times[2]) {
-    return compare(rise / (b - a), rise / (step[1] - step[0]), rise / (times[1] - times[0]));
+typedef sp_amplitude_number (*compare_function)(double value, double step, double times);
+
+static sp_amplitude_number speed_between(compare_function by, double rise, double a, double b, const double step[2],
+                                         const double times[2]) {
+    return by(rise / (b - a), rise / (step[1] - step[0]), rise / (times[1] - times[0]));
 }
 
 static void fill_planes(const experiment *e, const outcome *now, const outcome *before, sp_amplitude_plane *plane) {
@@ -226,16 +237,16 @@ static void fill_planes(const experiment *e, const outcome *now, const outcome *
     for (int32_t b = 0; b < e->planes; b++) {
         const sp_front *f = &now->plane[2 * b], *step = &before->plane[2 * b], *times = f + 1;
         sp_amplitude_plane *o = &plane[b];
-        o->t10 = compare(f->t10, step->t10, times->t10);
+        o->t10 = compare_passage(f->t10, step->t10, times->t10);
         o->t_peak = compare(f->t_peak, step->t_peak, times->t_peak);
         o->overpressure = compare(unit * f->amplitude, unit * step->amplitude, unit * times->amplitude);
         o->speed = o->speed_peak = (sp_amplitude_number){NAN, NAN};
         if (b == 0)
             continue;
         const double rise = o->height - plane[b - 1].height;
-        o->speed = speed_between(rise, f[-2].t10, f->t10, (double[]){step[-2].t10, step->t10},
+        o->speed = speed_between(compare_passage, rise, f[-2].t10, f->t10, (double[]){step[-2].t10, step->t10},
                                  (double[]){times[-2].t10, times->t10});
-        o->speed_peak = speed_between(rise, f[-2].t_peak, f->t_peak, (double[]){step[-2].t_peak, step->t_peak},
+        o->speed_peak = speed_between(compare, rise, f[-2].t_peak, f->t_peak, (double[]){step[-2].t_peak, step->t_peak},
                                       (double[]){times[-2].t_peak, times->t_peak});
     }
 }
