@@ -44,8 +44,8 @@ typedef struct sp_coda_candidate {
 } sp_coda_candidate;
 
 /* Fits a change [pairs][times] of the signals by each grain alone. out [n], the most probable first. noise: standard
- * deviation of each value of the change; 0: what the best fit leaves. SP_EREFUSED for a change of 0, and where no
- * kernel differs from 0; SP_EINVAL for numbers that are not finite. */
+ * deviation of each value of the change; 0, or where the best fit leaves more: what it leaves, with its correlation.
+ * SP_EREFUSED for a change of 0, and where no kernel differs from 0; SP_EINVAL for numbers that are not finite. */
 SP_API sp_status sp_coda_locate(const sp_coda *c, const double *change, double noise, sp_coda_candidate *out,
                                 sp_error *err);
 
