@@ -50,14 +50,24 @@ static sp_status add_file(const cli_files *command, void *arguments, cli_file *f
     return status;
 }
 
+/* Says which file comes next, unless all goes fast. */
+static void tell(const cli_common *common, int next, double begun) {
+    const double spent = sp_clock_wall() - begun, share = (double)next / common->files;
+    if (next > 0 && spent > 1)
+        cli_progress(common, common->file[next], share, spent * (1 - share) / share);
+}
+
 static sp_status add_files(const cli_files *command, void *arguments, const sp_scene *scene, sp_table *t, bool *failed,
                            sp_error *err) {
     const cli_common *common = arguments;
+    const double begun = sp_clock_wall();
     for (int k = 0; k < common->files; k++) {
+        tell(common, k, begun);
         cli_file f = {.path = common->file[k], .scene = scene};
         sp_error reason = {0};
         const sp_status status = add_file(command, arguments, &f, t, &reason);
         if (status != SP_OK && command->stop) {
+            cli_progress_end();
             *err = reason;
             return status;
         }
@@ -65,6 +75,7 @@ static sp_status add_files(const cli_files *command, void *arguments, const sp_s
             cli_fail(&reason);
         *failed = *failed || f.failed || status != SP_OK;
     }
+    cli_progress_end();
     return SP_OK;
 }
 
