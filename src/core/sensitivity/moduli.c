@@ -168,21 +168,19 @@ static void value_of(const sp_moduli *m, sp_modulus which, double density, doubl
     *error = off / (2 * density * *value);
 }
 
+static const char *const names[] = {"C11", "C12", "C22", "C33", "C13", "C23", "C44", "C55", "C66", "c_l", "c_t"};
+
 static sp_status differentiate(responses *r, const sp_moduli *m, double density, sp_modulus which, unsigned parameters,
                                const sp_packing *packing, sp_gradient *out, sp_error *err) {
     component of;
     sp_products p = {0};
     double value, error;
     if (!component_of(r->net, which, &of))
-        return sp_fail(err, SP_EINVAL, "modulus %d does not exist in %d dimensions", (int)which, r->net->dim);
+        return sp_fail(err, SP_EINVAL, "%s does not exist in %d dimensions", names[which], r->net->dim);
     value_of(m, which, density, &value, &error);
     const bool speed = which >= SP_MODULUS_CL;
     if (!isfinite(value) || (speed && !(value > 0)))
-        return sp_fail(err, SP_EREFUSED, "%s is %g for this packing: it has no derivative%s",
-                       which == SP_MODULUS_CL ? "c_l"
-                       : speed                ? "c_t"
-                                              : "the modulus",
-                       value,
+        return sp_fail(err, SP_EREFUSED, "%s is %g for this packing: it has no derivative%s", names[which], value,
                        speed && !isfinite(density) ? "; the margin leaves nothing of the box for its density" : "");
     const double weight = (speed ? 1 / (2 * density * value) : 1) * (of.other < 0 ? 1 : 0.5);
     sp_status status = respond(r, of.a, err);
