@@ -30,9 +30,10 @@ sp_status chain_localised_table(const chain_localised *of, cli_writer *w) {
     w->status = cli_frequencies(of->at ? of->at : "0.1:1.9:19", FREQUENCIES_MAX, &n, omega, w->err);
     if (w->status != SP_OK)
         return w->status;
-    double *mass = sp_alloc(2 * grains + 1, sizeof *mass), *spring = mass + grains;
+    double *mass = sp_alloc(2 * grains + 1, sizeof *mass);
     if (!mass)
         return sp_fail_memory(w->err, (2 * grains + 1) * sizeof *mass);
+    double *spring = mass + grains;
     w->status = sp_localisation_masses(of->grains, of->disorder, (uint64_t)of->seed, mass, w->err);
     for (size_t j = 0; j <= grains; j++)
         spring[j] = 1;

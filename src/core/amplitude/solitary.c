@@ -83,7 +83,7 @@ static double iterate(wave *w, double power) {
         w->g[j] = beyond(w, w->r[j]);
     transform(w, w->g, 2.0 / w->n, w->gk);
     for (int k = 0; k <= w->n; k++) {
-        const double weight = k % w->n ? 1 : 0.25, tent = sinc(0.5 * wave_number(w, k));
+        const double weight = k > 0 && k < w->n ? 1 : 0.25, tent = sinc(0.5 * wave_number(w, k));
         w->gk[k] *= tent * tent;
         has += weight * left(w, k) * w->rk[k] * w->rk[k];
         gets += weight * w->gk[k] * w->rk[k];

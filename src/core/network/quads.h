@@ -52,8 +52,13 @@ static ALWAYS_INLINE int quad_component(int a) { return a < 3 ? 2 * a : 2 * (a +
 static ALWAYS_INLINE int quad_size(quad_kind s) { return 4 * quad_fields_of(s).count + 4; }
 
 /* i[4] of a quad; j[4] follow. */
+/* The rows of a quad behind its fields of four. */
+static ALWAYS_INLINE const quad_rows *quad_rows_behind(int fields, const double *quad) {
+    return (const quad_rows *)(quad + 4 * fields);
+}
+
 static ALWAYS_INLINE const quad_rows *quad_rows_of(quad_kind s, const double *quad) {
-    return (const quad_rows *)(quad + 4 * quad_fields_of(s).count);
+    return quad_rows_behind(quad_fields_of(s).count, quad);
 }
 
 #endif

@@ -122,9 +122,9 @@ static sp_status set_geometry(const sp_products *p, unsigned parameters, const s
     sp_status status = SP_OK;
     if (parameters & (SP_BY_POSITION | SP_BY_PRESSURE))
         status = sp_gradient_separations(p, packing, &separation, &error, err);
-    if (status == SP_OK && (parameters & SP_BY_POSITION))
+    if (status == SP_OK && separation && (parameters & SP_BY_POSITION))
         status = set_positions(p, separation, error, g, err);
-    if (status == SP_OK && (parameters & SP_BY_PRESSURE))
+    if (status == SP_OK && separation && (parameters & SP_BY_PRESSURE))
         status = set_pressure(p, separation, error, g, err);
     if (status == SP_OK && (parameters & SP_BY_RADIUS))
         status = sp_gradient_radii(p, packing, &g->radius, err);

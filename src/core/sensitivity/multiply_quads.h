@@ -44,7 +44,7 @@ static ALWAYS_INLINE void multiply_kind(int dim, int rotations, bool whole, cons
     const double share = job->share;
     for (int64_t k = 0; k < job->count; k++, sums += 8 * width) {
         const double *q = job->quads + k * multiply_quad(dim);
-        const quad_rows *i = (const quad_rows *)(q + 4 * dim), *j = i + 4;
+        const quad_rows *i = quad_rows_behind(dim, q), *j = i + 4;
         for (int s = 0; s < 4; s += AT_ONCE) {
             vec x[SIZE_MAX_OF_SPRING];
             load(kind, u, i + s, j + s, x);

@@ -76,7 +76,7 @@ static void number_quads(int32_t chunks, int64_t *next, int64_t *first) {
 static void fill_up(reverse *r, int32_t chunk) {
     const sp_operator *op = r->op;
     for (int64_t q = r->first[chunk]; q < r->first[chunk + 1]; q++) {
-        quad_rows *rows = (quad_rows *)(r->quads + q * multiply_quad(op->kind.dim) + 4 * op->kind.dim);
+        quad_rows *rows = (quad_rows *)quad_rows_behind(op->kind.dim, r->quads + q * multiply_quad(op->kind.dim));
         for (int s = 0; s < 4; s++) {
             rows[s] = rows[4 + s] = op->chunk_row[chunk] * op->row;
             r->index[4 * q + s] = -1;
@@ -88,7 +88,8 @@ static void put_spring(reverse *r, int32_t k, int64_t place) {
     const sp_operator *op = r->op;
     const sp_spring *s = &r->net->springs[k];
     double *numbers = r->quads + place / 4 * multiply_quad(op->kind.dim) + place % 4;
-    quad_rows *rows = (quad_rows *)(r->quads + place / 4 * multiply_quad(op->kind.dim) + 4 * op->kind.dim) + place % 4;
+    quad_rows *rows =
+        (quad_rows *)quad_rows_behind(op->kind.dim, r->quads + place / 4 * multiply_quad(op->kind.dim)) + place % 4;
     for (int a = 0; a < op->kind.dim; a++)
         numbers[4 * (ptrdiff_t)a] = s->n[a];
     rows[0] = op->row_of[s->i] * op->row;

@@ -247,9 +247,10 @@ static double jackknife(int32_t n, const double *value) { return (n - 1) * sp_st
 static sp_status evaluate(const spreading *s, sp_spread *out, sp_error *err) {
     const int32_t n = s->opt->sources;
     const double last = left_of_wave(s, -1, s->points - 1);
-    double *d = sp_alloc((size_t)n, 2 * sizeof *d), *shift = d + n;
+    double *d = sp_alloc((size_t)n, 2 * sizeof *d);
     if (!d)
         return sp_fail_memory(err, (size_t)n * 2 * sizeof *d);
+    double *shift = d + n;
     out->low = fmax(FIT_END, 1.05 * last);
     const rates all = rates_of(s, -1, out->low);
     for (int32_t l = 0; l < n; l++) {
