@@ -3,6 +3,7 @@
 
 #include "base/base.h"
 #include "numeric/bessel.h"
+#include "signal/convolve.h"
 
 #include <math.h>
 
@@ -55,12 +56,6 @@ static const double RULE_WEIGHT[RULE / 2] = {0.1894506104550684963, 0.1826034150
                                              0.1495959888165767321, 0.1246289712555338720, 0.0951585116824927848,
                                              0.0622535239386478929, 0.0271524594117540949};
 
-/* The longest panel on which pulse and response are smooth for this rule. */
-static double panel_of(const sp_pulse *p, double limit) {
-    const double response = 4 / limit;
-    return fmin(response, p->kind == SP_PULSE_GAUSS ? p->width : 1.5 / p->omega);
-}
-
 /* ds/dt of a gauss or ricker pulse. */
 static double pulse_slope(const sp_pulse *p, double t) {
     if (p->kind == SP_PULSE_GAUSS)
@@ -87,7 +82,7 @@ sp_status sp_nodes_add(sp_nodes *nodes, const sp_pulse *pulse, double limit, dou
     sp_pulse_span(pulse, &first, &last);
     last = fmin(last, t);
     const double length = last - first;
-    const int64_t panels = length > 0 ? (int64_t)ceil(length / panel_of(pulse, limit)) : 0;
+    const int64_t panels = length > 0 ? (int64_t)ceil(length / sp_pulse_panel(pulse, limit)) : 0;
     sp_status status = SP_OK;
     for (int64_t k = 0; k < panels && status == SP_OK; k++)
         for (int q = 0; q < RULE && status == SP_OK; q++) {

@@ -134,3 +134,13 @@ sp_status sp_convolve(const sp_response *g, const sp_pulse *pulse, const sp_quad
         f[l] = at_time(&c, t[l]);
     return SP_OK;
 }
+
+double sp_pulse_panel(const sp_pulse *p, double omega) {
+    const double response = 4 / omega;
+    switch (p->kind) {
+    case SP_PULSE_GAUSS: return fmin(response, p->width);
+    case SP_PULSE_RICKER: return fmin(response, 1.5 / p->omega);
+    case SP_PULSE_SINE: return fmin(response, 3 / p->omega / fmax(1, 1 / p->cycles));
+    default: return response; /* linear between the points, where panels end */
+    }
+}

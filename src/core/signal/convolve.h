@@ -19,6 +19,9 @@ typedef struct sp_quadrature {
     double panel;
 } sp_quadrature;
 
+/* Length of a panel in which both the pulse and a response with frequencies up to omega are smooth for Gauss's rule. */
+double sp_pulse_panel(const sp_pulse *p, double omega);
+
 /* F at n times. The response must reach from 0 to t minus the start of the pulse. */
 sp_status sp_convolve(const sp_response *g, const sp_pulse *pulse, const sp_quadrature *rule, int32_t n,
                       const double *t, double *f, sp_error *err);

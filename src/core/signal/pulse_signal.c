@@ -11,17 +11,6 @@ enum { FINE_POINTS = 16, COARSE_POINTS = 14, TIMES_MAX = 50000000 };
 /* Time step of the response over 1/Omega: 50 steps in the shortest period. */
 #define FINE_STEP 0.125
 
-/* Length of a panel in which both the response and the pulse are smooth for Gauss's rule. */
-static double panel_of(const sp_pulse *p, double omega) {
-    const double response = 4 / omega;
-    switch (p->kind) {
-    case SP_PULSE_GAUSS: return fmin(response, p->width);
-    case SP_PULSE_RICKER: return fmin(response, 1.5 / p->omega);
-    case SP_PULSE_SINE: return fmin(response, 3 / p->omega / fmax(1, 1 / p->cycles));
-    default: return response; /* linear between the points, where panels end */
-    }
-}
-
 /* Largest |s| and integral of |s| before `until`. */
 static void pulse_bounds(const sp_pulse *p, double until, double *most, double *integral) {
     enum { STEPS = 20000 };
@@ -60,7 +49,7 @@ static double response_error(const sp_pulse *p, const sp_response *g, double unt
  * the error of the fine one. */
 static sp_status convolve_pair(const sp_response *g, const sp_pulse *pulse, double omega, double response_bound,
                                const sp_signal *s, double *f, double *error, sp_error *err) {
-    const double panel = panel_of(pulse, omega);
+    const double panel = sp_pulse_panel(pulse, omega);
     const sp_quadrature fine = {1, FINE_POINTS, 16, panel}, coarse = {2, COARSE_POINTS, 12, panel};
     double *check = sp_alloc((size_t)s->n, sizeof *check), worst = 0;
     sp_status status = check ? SP_OK : sp_fail_memory(err, (size_t)s->n * sizeof *check);
