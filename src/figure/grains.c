@@ -69,12 +69,7 @@ static sp_status read_values(tints *s, const sp_table *t, sp_error *err) {
 /* ---- drawing -------------------------------------------------------------------------------------------------- */
 
 /* From the light grey of grains to orange above, to blue below. */
-static colour tint(double value) {
-    const colour full = sp_figure_ink(value > 0 ? 2 : 1), none = GRAIN_GREY;
-    const double part = fabs(value);
-    return (colour){none.r + part * (full.r - none.r), none.g + part * (full.g - none.g),
-                    none.b + part * (full.b - none.b)};
-}
+static colour tint(double value) { return sp_view_mix(GRAIN_GREY, sp_figure_ink(value > 0 ? 2 : 1), fabs(value)); }
 
 static colour fill_of(const tints *s, int32_t i) {
     if (s->rattler[i])
@@ -83,7 +78,8 @@ static colour fill_of(const tints *s, int32_t i) {
 }
 
 /* Squares from the lowest tint to the highest one, and what the ends mean. */
-static void draw_key(const view *v, const tints *s) {
+static void draw_key(const view *v, const void *user) {
+    const tints *s = user;
     enum { STEPS = 9 };
     cairo_t *cr = v->c->cr;
     char low[64], high[64], text[192];
@@ -127,23 +123,16 @@ static sp_status draw_solid(const view *v, const tints *s, sp_error *err) {
     return status;
 }
 
+static sp_status draw_view(const view *v, const void *user, sp_error *err) {
+    return v->p->dim == 3 ? draw_solid(v, user, err) : draw_flat(v, user, err);
+}
+
 static sp_status draw_views(const tints *s, const char *path, sp_error *err) {
-    const bool solid = s->p->dim == 3;
-    const int views = solid ? VIEWS : 1, lines = 2 + solid;
     canvas c = {0};
-    view v[VIEWS] = {sp_view_make(s->p, lines)};
-    if (solid)
-        sp_view_make_solid(s->p, lines, v);
-    for (int k = 0; k < views; k++)
-        v[k].c = &c;
-    sp_status status = sp_view_open(&v[views - 1], path, "Packing: its grains by a column of a table", err);
-    for (int k = 0; k < views && status == SP_OK; k++)
-        status = solid ? draw_solid(&v[k], s, err) : draw_flat(&v[k], s, err);
-    if (status == SP_OK)
-        draw_key(&v[0], s);
-    if (status == SP_OK && solid)
-        sp_view_explain_depth(&v[0], 2);
-    return sp_canvas_close(&c, status, err);
+    view v[VIEWS] = {0};
+    const view_figure what = {"Packing: its grains by a column of a table", 2, draw_view, draw_key, s};
+    sp_view_make_all(s->p, what.lines, &c, v);
+    return sp_view_draw_all(v, &what, path, err);
 }
 
 sp_status sp_plot_grains(const sp_packing *p, const sp_table *t, double threshold, const char *path, sp_error *err) {

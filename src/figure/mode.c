@@ -94,7 +94,8 @@ static void draw_name(const view *v, const char *text, int32_t rattlers) {
 }
 
 /* Key below the bottom wall: the mode, and on a line of its own the meaning of the tints. */
-static void draw_key(const view *v, const motion *m) {
+static void draw_key(const view *v, const void *user) {
+    const motion *m = user;
     const text_style plain = {TEXT_LEGEND, 0.0, 0.5, 0.0};
     char value[64], text[256];
     sp_figure_text_number(value, sizeof value, m->omega, 4);
@@ -160,27 +161,20 @@ static void move_grains(const view *v, const motion *m) {
             m->shift[3 * m->net->grain[i] + a] = scale * of_grain(m, i)[a];
 }
 
+static sp_status draw_view(const view *v, const void *user, sp_error *err) {
+    return v->p->dim == 3 ? draw_solid(v, user, err) : draw_flat(v, user, err);
+}
+
 static sp_status draw(const sp_packing *p, const motion *m, const char *path, sp_error *err) {
     canvas c = {0};
-    const bool solid = p->dim == 3;
-    const int views = solid ? VIEWS : 1, lines = 1 + (m->turn > 0) + solid;
-    view v[VIEWS] = {sp_view_make(p, lines)};
-    if (solid)
-        sp_view_make_solid(p, lines, v);
-    for (int k = 0; k < views; k++) {
-        v[k].c = &c;
+    view v[VIEWS] = {0};
+    const view_figure what = {"Packing: displacements of a mode", 1 + (m->turn > 0), draw_view, draw_key, m};
+    sp_view_make_all(p, what.lines, &c, v);
+    for (int k = 0; k < VIEWS; k++)
         v[k].shift = m->shift;
-    }
     if (m->shift)
         move_grains(&v[0], m);
-    sp_status status = sp_view_open(&v[views - 1], path, "Packing: displacements of a mode", err);
-    for (int k = 0; k < views && status == SP_OK; k++)
-        status = solid ? draw_solid(&v[k], m, err) : draw_flat(&v[k], m, err);
-    if (status == SP_OK)
-        draw_key(&v[0], m);
-    if (status == SP_OK && solid)
-        sp_view_explain_depth(&v[0], lines - 1);
-    return sp_canvas_close(&c, status, err);
+    return sp_view_draw_all(v, &what, path, err);
 }
 
 static motion begin(const sp_network *net, const double *u, int64_t number, double omega) {

@@ -78,7 +78,8 @@ static void draw_links(const view *v, const chains *s) {
 }
 
 /* Key below the bottom wall: the value of a line of mean width, and the grey of rattlers. */
-static void draw_key(const view *v, const chains *s) {
+static void draw_key(const view *v, const void *user) {
+    const chains *s = user;
     cairo_t *cr = v->c->cr;
     const double x = MARGIN, y = sp_view_line(v, 0);
     char number[64], text[192];
@@ -114,15 +115,9 @@ static sp_status draw_flat(const view *v, const chains *s, sp_error *err) {
 static int32_t make_links(const view *v, const chains *s, view_link *link) {
     const sp_packing *p = s->p;
     int32_t n = 0;
-    for (int32_t k = 0; k < p->n_contacts && s->mean > 0.0; k++) {
-        const sp_contact *c = &p->contacts[k];
-        const double reach = p->r[c->i] + (c->j < 0 ? 0.0 : p->r[c->j]) - c->overlap;
+    for (int32_t k = 0; k < p->n_contacts && s->mean > 0.0; k++)
         if (s->carrying[k])
-            link[n++] = (view_link){.grain = c->i,
-                                    .reach = {reach * c->n[0], reach * c->n[1], reach * c->n[2]},
-                                    .width = width_of(s, v, k),
-                                    .ink = link_ink(s->links)};
-    }
+            link[n++] = sp_view_link_of(p, &p->contacts[k], width_of(s, v, k), link_ink(s->links));
     return n;
 }
 
@@ -140,24 +135,17 @@ static sp_status draw_solid(const view *v, const chains *s, sp_error *err) {
     return status;
 }
 
+static sp_status draw_view(const view *v, const void *user, sp_error *err) {
+    return v->p->dim == 3 ? draw_solid(v, user, err) : draw_flat(v, user, err);
+}
+
 static sp_status draw_views(const chains *s, const char *path, sp_error *err) {
     static const char *const titles[] = {"Packing: normal forces", "Packing: normal stiffnesses"};
-    const bool solid = s->p->dim == 3;
-    const int views = solid ? VIEWS : 1, lines = 1 + solid;
     canvas c = {0};
-    view v[VIEWS] = {sp_view_make(s->p, lines)};
-    if (solid)
-        sp_view_make_solid(s->p, lines, v);
-    for (int k = 0; k < views; k++)
-        v[k].c = &c;
-    sp_status status = sp_view_open(&v[views - 1], path, titles[s->links != SP_PLOT_FORCES], err);
-    for (int k = 0; k < views && status == SP_OK; k++)
-        status = solid ? draw_solid(&v[k], s, err) : draw_flat(&v[k], s, err);
-    if (status == SP_OK)
-        draw_key(&v[0], s);
-    if (status == SP_OK && solid)
-        sp_view_explain_depth(&v[0], 1);
-    return sp_canvas_close(&c, status, err);
+    view v[VIEWS] = {0};
+    const view_figure what = {titles[s->links != SP_PLOT_FORCES], 1, draw_view, draw_key, s};
+    sp_view_make_all(s->p, what.lines, &c, v);
+    return sp_view_draw_all(v, &what, path, err);
 }
 
 sp_status sp_plot_network(const sp_packing *p, sp_plot_links links, double threshold, const char *path, sp_error *err) {

@@ -103,7 +103,8 @@ static double key_line(const view *v, double x, double y, double width, double v
 }
 
 /* Below the bottom wall: which colour is which, and the size of the widest line. */
-static void draw_key(const view *v, const strengths *s) {
+static void draw_key(const view *v, const void *user) {
+    const strengths *s = user;
     char number[64], text[192];
     const char *of = sp_table_get_text(s->t, "quantity");
     const double wide = fmin(width_of(s, v, s->largest), 5.0);
@@ -137,12 +138,8 @@ static sp_status draw_solid(const view *v, const strengths *s, sp_error *err) {
     for (int32_t i = 0; i < s->p->n && status == SP_OK; i++)
         mark[i] = (view_mark){.fill = s->rattler[i] ? RATTLER_GREY : GRAIN_GREY};
     for (int32_t q = 0; q < s->drawn && status == SP_OK; q++) {
-        const sp_contact *c = &s->p->contacts[s->order[q]];
-        const double reach = s->p->r[c->i] + (c->j < 0 ? 0.0 : s->p->r[c->j]) - c->overlap;
-        link[q] = (view_link){.grain = c->i,
-                              .reach = {reach * c->n[0], reach * c->n[1], reach * c->n[2]},
-                              .width = width_of(s, v, s->value[s->order[q]]),
-                              .ink = ink_of(s->value[s->order[q]])};
+        const int32_t k = s->order[q];
+        link[q] = sp_view_link_of(s->p, &s->p->contacts[k], width_of(s, v, s->value[k]), ink_of(s->value[k]));
     }
     if (status == SP_OK)
         status = sp_view_draw_solid(v, mark, s->drawn, link, err);
@@ -151,23 +148,16 @@ static sp_status draw_solid(const view *v, const strengths *s, sp_error *err) {
     return status;
 }
 
+static sp_status draw_view(const view *v, const void *user, sp_error *err) {
+    return v->p->dim == 3 ? draw_solid(v, user, err) : draw_flat(v, user, err);
+}
+
 static sp_status draw_views(const strengths *s, const char *path, sp_error *err) {
-    const bool solid = s->p->dim == 3;
-    const int views = solid ? VIEWS : 1, lines = 2 + solid;
     canvas c = {0};
-    view v[VIEWS] = {sp_view_make(s->p, lines)};
-    if (solid)
-        sp_view_make_solid(s->p, lines, v);
-    for (int k = 0; k < views; k++)
-        v[k].c = &c;
-    sp_status status = sp_view_open(&v[views - 1], path, "Packing: sensitivity of its contacts", err);
-    for (int k = 0; k < views && status == SP_OK; k++)
-        status = solid ? draw_solid(&v[k], s, err) : draw_flat(&v[k], s, err);
-    if (status == SP_OK)
-        draw_key(&v[0], s);
-    if (status == SP_OK && solid)
-        sp_view_explain_depth(&v[0], 2);
-    return sp_canvas_close(&c, status, err);
+    view v[VIEWS] = {0};
+    const view_figure what = {"Packing: sensitivity of its contacts", 2, draw_view, draw_key, s};
+    sp_view_make_all(s->p, what.lines, &c, v);
+    return sp_view_draw_all(v, &what, path, err);
 }
 
 sp_status sp_plot_sensitivity(const sp_packing *p, const sp_table *t, double threshold, const char *path,

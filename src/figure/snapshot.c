@@ -92,7 +92,8 @@ static void draw_arrows(const view *v, const snapshot *s) {
 }
 
 /* Key: the time; on a line of its own the length of an arrow, and the colour of arrows that were cut. */
-static void draw_key(const view *v, const snapshot *s) {
+static void draw_key(const view *v, const void *user) {
+    const snapshot *s = user;
     const text_style plain = {TEXT_LEGEND, 0.0, 0.5, 0.0};
     const double d = v->diameter * v->scale, y = sp_view_line(v, 1);
     char number[64], text[160];
@@ -156,24 +157,17 @@ static sp_status draw_solid(const view *v, const snapshot *s, sp_error *err) {
     return status;
 }
 
+static sp_status draw_view(const view *v, const void *user, sp_error *err) {
+    return v->p->dim == 3 ? draw_solid(v, user, err) : draw_flat(v, user, err);
+}
+
 static sp_status draw(const sp_packing *p, snapshot *s, const char *path, sp_error *err) {
     canvas c = {0};
-    const bool solid = p->dim == 3;
-    const int views = solid ? VIEWS : 1, lines = 2 + solid;
-    view v[VIEWS] = {sp_view_make(p, lines)};
-    if (solid)
-        sp_view_make_solid(p, lines, v);
-    for (int k = 0; k < views; k++)
-        v[k].c = &c;
+    view v[VIEWS] = {0};
+    const view_figure what = {"Packing: displacements after a pulse", 2, draw_view, draw_key, s};
+    sp_view_make_all(p, what.lines, &c, v);
     count_cut(s, v[0].diameter);
-    sp_status status = sp_view_open(&v[views - 1], path, "Packing: displacements after a pulse", err);
-    for (int k = 0; k < views && status == SP_OK; k++)
-        status = solid ? draw_solid(&v[k], s, err) : draw_flat(&v[k], s, err);
-    if (status == SP_OK)
-        draw_key(&v[0], s);
-    if (status == SP_OK && solid)
-        sp_view_explain_depth(&v[0], lines - 1);
-    return sp_canvas_close(&c, status, err);
+    return sp_view_draw_all(v, &what, path, err);
 }
 
 sp_status sp_plot_snapshot_frames(const sp_packing *p, const sp_network *net, int frames, const sp_plot_frame *frame,

@@ -182,3 +182,35 @@ sp_status sp_view_draw_solid(const view *v, const view_mark *mark, int32_t links
     sp_free(order);
     return SP_OK;
 }
+
+view_link sp_view_link_of(const sp_packing *p, const sp_contact *k, double width, colour ink) {
+    const double reach = p->r[k->i] + (k->j < 0 ? 0.0 : p->r[k->j]) - k->overlap;
+    return (view_link){
+        .grain = k->i, .reach = {reach * k->n[0], reach * k->n[1], reach * k->n[2]}, .width = width, .ink = ink};
+}
+
+/* ---- figures ---------------------------------------------------------------------------------------------------- */
+
+static int views_of(const sp_packing *p) { return p->dim == 3 ? VIEWS : 1; }
+
+void sp_view_make_all(const sp_packing *p, int lines, canvas *c, view v[VIEWS]) {
+    const int views = views_of(p);
+    if (views > 1)
+        sp_view_make_solid(p, lines + 1, v);
+    else
+        v[0] = sp_view_make(p, lines);
+    for (int k = 0; k < views; k++)
+        v[k].c = c;
+}
+
+sp_status sp_view_draw_all(const view v[VIEWS], const view_figure *f, const char *path, sp_error *err) {
+    const int views = views_of(v->p);
+    sp_status status = sp_view_open(&v[views - 1], path, f->title, err);
+    for (int k = 0; k < views && status == SP_OK; k++)
+        status = f->draw(&v[k], f->user, err);
+    if (status == SP_OK)
+        f->draw_key(&v[0], f->user);
+    if (status == SP_OK && views > 1)
+        sp_view_explain_depth(&v[0], f->lines);
+    return sp_canvas_close(v->c, status, err);
+}

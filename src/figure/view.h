@@ -105,6 +105,21 @@ typedef struct view_link {
 sp_status sp_view_draw_solid(const view *v, const view_mark *mark, int32_t links, const view_link *link, sp_error *err);
 /* Says at the left of a line of the key what paleness means. */
 void sp_view_explain_depth(const view *v, int line);
+/* The line of a contact. */
+view_link sp_view_link_of(const sp_packing *p, const sp_contact *k, double width, colour ink);
+
+/* A figure of a packing: one view, or three in three dimensions, and a key below the first. */
+typedef struct view_figure {
+    const char *title;
+    int lines; /* of the key, without that which explains depth */
+    sp_status (*draw)(const view *v, const void *user, sp_error *err);
+    void (*draw_key)(const view *v, const void *user);
+    const void *user;
+} view_figure;
+/* The views of such a figure; those that it does not have are 0. */
+void sp_view_make_all(const sp_packing *p, int lines, canvas *c, view v[VIEWS]);
+/* Opens the canvas of these views, draws and closes it. */
+sp_status sp_view_draw_all(const view v[VIEWS], const view_figure *f, const char *path, sp_error *err);
 /* Component of a vector towards the viewer: that of a rotation is positive counterclockwise. */
 double sp_view_towards(const view *v, const double *vector);
 
