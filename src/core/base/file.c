@@ -131,13 +131,15 @@ static void folder_of(const char *path, char folder[SP_PATH_MAX]) {
         snprintf(folder, SP_PATH_MAX, "%.*s", slash == path ? 1 : (int)(slash - path), path);
 }
 
-/* Locks the file. False if another process has locked it, or has already removed it as a leftover. Where the file
- * system has no locks, this returns true and nothing is removed. */
-static bool own(int fd) {
+/* Locks a new file. EWOULDBLOCK if another process has locked it, or has already removed it as a leftover; another code
+ * if that cannot be told. Where the file system has no locks, this returns 0 and nothing is removed. */
+static int own(int fd) {
     struct stat info;
     if (flock(fd, LOCK_EX | LOCK_NB) != 0)
-        return errno != EWOULDBLOCK;
-    return fstat(fd, &info) == 0 && info.st_nlink > 0;
+        return errno == EWOULDBLOCK ? errno : 0;
+    if (fstat(fd, &info) != 0)
+        return errno;
+    return info.st_nlink > 0 ? 0 : EWOULDBLOCK;
 }
 
 /* Prefix of this machine's temporary files. It contains the host because some file systems only lock within a
@@ -164,10 +166,16 @@ static int open_temporary(const char *folder, char name[SP_PATH_MAX]) {
         int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (fd < 0 && errno != EEXIST)
             return fd;
-        if (fd >= 0 && own(fd))
+        const int code = fd < 0 ? EEXIST : own(fd);
+        if (code == 0)
             return fd;
         if (fd >= 0)
             close(fd);
+        if (code != EEXIST && code != EWOULDBLOCK) {
+            unlink(name);
+            errno = code;
+            return -1;
+        }
     }
     return -1;
 }
