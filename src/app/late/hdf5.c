@@ -56,7 +56,11 @@ HDF5(hid_t, H5Pcreate, (hid_t a), (a))
 HDF5(const void *, H5Pget_driver_info, (hid_t a), (a))
 HDF5(int, H5Pget_external_count, (hid_t a), (a))
 HDF5(int, H5Pget_chunk, (hid_t a, int b, hsize_t c[]), (a, b, c))
+HDF5(H5Z_filter_t, H5Pget_filter2,
+     (hid_t a, unsigned b, unsigned *c, size_t *d, unsigned *e, size_t f, char *g, unsigned *i),
+     (a, b, c, d, e, f, g, i))
 HDF5(H5D_layout_t, H5Pget_layout, (hid_t a), (a))
+HDF5(int, H5Pget_nfilters, (hid_t a), (a))
 HDF5(herr_t, H5Pset_chunk, (hid_t a, int b, const hsize_t c[]), (a, b, c))
 HDF5(herr_t, H5Pset_driver, (hid_t a, hid_t b, const void *c), (a, b, c))
 HDF5(herr_t, H5Pset_fapl_core, (hid_t a, size_t b, hbool_t c), (a, b, c))

@@ -72,9 +72,13 @@ bool sp_h5_has(sp_h5 *h, const char *path);
 /* The extents of a dataset, which must have this type and rank. SP_EFORMAT if its data are larger than the file can
  * hold. */
 sp_status sp_h5_find(sp_h5 *h, const char *path, sp_h5_type type, int rank, sp_h5_shape *shape, sp_error *err);
-/* Reads a dataset, whose extents must be as expected. */
+/* Reads a dataset, whose extents must be as expected. data: NULL to check it only. */
 sp_status sp_h5_get(sp_h5 *h, const char *path, sp_h5_type type, const sp_h5_shape *expected, void *data,
                     sp_error *err);
+/* Checks how an open dataset of these extents is stored, element bytes each: in the file, with known filters, in chunks
+ * that are neither too large nor too many, and no larger than what the file holds can be. */
+sp_status sp_h5_check_layout(sp_h5 *h, hid_t set, const char *path, const sp_h5_shape *shape, size_t element,
+                             sp_error *err);
 /* Reads rows first .. first + count - 1 of an array of two axes with these extents. */
 sp_status sp_h5_get_rows(sp_h5 *h, const char *path, sp_h5_type type, const sp_h5_shape *expected, int64_t first,
                          int64_t count, void *data, sp_error *err);
