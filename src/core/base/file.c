@@ -88,6 +88,21 @@ sp_status sp_file_read(const char *path, char **data, size_t *size, sp_error *er
     return read_file(path, true, data, size, err);
 }
 
+int64_t sp_file_read_at(int fd, void *data, size_t size, int64_t at) {
+    size_t used = 0;
+    while (used < size) {
+        const ssize_t got = pread(fd, (char *)data + used, size - used, (off_t)at + (off_t)used);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            return -1;
+        if (got == 0)
+            break;
+        used += (size_t)got;
+    }
+    return (int64_t)used;
+}
+
 sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err) {
     enum { CHUNK = 1 << 16 };
     unsigned char buffer[CHUNK];
