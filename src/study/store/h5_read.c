@@ -3,6 +3,7 @@
 #include "base/base.h"
 #include "store/h5.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -22,8 +23,10 @@ static bool path_exists(sp_h5 *h, const char *path) {
 
 bool sp_h5_has(sp_h5 *h, const char *path) {
     bool has = path_exists(h, path);
+    if (!has && h->code == 0 && sp_h5_short_of_memory())
+        h->code = ENOMEM;
     H5Eclear2(H5E_DEFAULT);
-    return has;
+    return has || h->code != 0;
 }
 
 static const char *type_name(H5T_class_t class) {

@@ -344,6 +344,8 @@ static sp_status get_partners(sp_h5 *h, sp_packing *p, sp_error *err) {
     int32_t *ij = sp_alloc(2 * n, sizeof *ij);
     sp_status status = ij ? count_contacts(h, &pairs, &walls, err) : sp_fail_memory(err, 2 * n * sizeof *ij);
     const sp_h5_shape first = {2, {pairs, 2}}, second = {2, {walls, 2}};
+    if (status == SP_OK && pairs + walls != p->n_contacts) /* as many as were counted before */
+        status = sp_h5_fail(h, err, SP_EFORMAT, "%lld contacts; must be %d", (long long)(pairs + walls), p->n_contacts);
     if (status == SP_OK)
         status = sp_h5_get(h, name_pairs.path, SP_H5_I32, &first, ij, err);
     if (status == SP_OK && walls > 0)
