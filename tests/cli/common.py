@@ -4,6 +4,7 @@ import pathlib
 import re
 import signal
 import time
+import zlib
 
 # three equal grains in a ring that touches no wall
 LOOSE = """# packing: three grains
@@ -82,3 +83,13 @@ def sleeps(process, looks=30):
                 return False
         time.sleep(0.01)
     return True
+
+
+def packed_zeros(size):
+    """The zlib stream of so many zeros (a multiple of a megabyte), without going through them."""
+    piece = bytes(2 ** 20)
+    pack = zlib.compressobj()
+    first = pack.compress(piece) + pack.flush(zlib.Z_FULL_FLUSH)
+    again = pack.compress(piece) + pack.flush(zlib.Z_FULL_FLUSH)  # the same each time: a full flush forgets
+    end = pack.flush()[:-4] + (size % 65521 << 16 | 1).to_bytes(4, "big")  # Adler's sum of zeros
+    return first + again * (size // len(piece) - 1) + end

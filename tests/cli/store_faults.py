@@ -163,14 +163,14 @@ def stopped_at_random(reference, folder, signals, moments, seed):
 # ---- calls that fail ----------------------------------------------------------------------------------------------
 
 
-def shim(folder):
-    """The compiled faults.c; None: there is no compiler, or the command has the sanitizers, which are to be first."""
+def shim(folder, source=pathlib.Path(__file__).with_name("faults.c")):
+    """The compiled faults.c, or another file; None: there is no compiler, or the command has the sanitizers, which are
+    to be first."""
     compiler = shutil.which("cc")
     if not compiler or "libasan" in subprocess.run(["ldd", COMMAND], capture_output=True, text=True).stdout:
         return None
-    library = folder / "faults.so"
-    subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library, pathlib.Path(__file__).with_name("faults.c"),
-                    "-ldl"], check=True)
+    library = folder / f"{source.stem}.so"
+    subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library, source, "-ldl"], check=True)
     return library
 
 

@@ -134,6 +134,9 @@ const cli_syntax *cli_syntax_of(const cli_command_row *command);
 const cli_option *cli_option_at(const cli_syntax *syntax, int k);
 /* Whether the command line has this option, or its alias. */
 bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *name);
+/* SP_EINVAL if this option is given and not used: it would do nothing without `other`, for the message. */
+sp_status cli_need(const cli_syntax *syntax, const cli_common *common, const char *name, bool used, const char *other,
+                   sp_error *err);
 
 extern const char *const cli_source_names[]; /* by sp_source */
 extern const char *const cli_solver_names[]; /* by sp_modes_solver */
@@ -195,6 +198,10 @@ void cli_progress(const cli_common *common, const char *text, double fraction, d
 void cli_progress_between(const cli_common *common, const char *text, double fraction, double low, double high);
 /* Clears the progress line. */
 void cli_progress_end(void);
+/* From here to cli_watch_end a line tells the time and the memory so far while no message and no progress is told: on a
+ * terminal after two seconds, with --verbose after half a minute and every minute. */
+void cli_watch(const cli_common *common, const char *command);
+void cli_watch_end(void); /* before data are printed, which a pager may show on the same terminal */
 
 /* ---- signals (stop.c) ------------------------------------------------------------------------------------------- */
 

@@ -174,8 +174,16 @@ static void use_one_blas_thread(void) {
         openblas_set_num_threads(1);
 }
 
+/* A file may name a filter of HDF5 that is a library to be loaded. Files of others do not choose what we run, unless
+ * the user has said where such libraries are. */
+static void load_no_filters(void) {
+    if (!getenv("HDF5_PLUGIN_PATH"))
+        setenv("HDF5_PLUGIN_PRELOAD", "::", 1);
+}
+
 int main(int argc, char **argv) {
     cli_commands = commands;
+    load_no_filters();
     keep_standard_files();
     if (!has_stack())
         return CLI_FAILED;

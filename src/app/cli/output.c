@@ -209,6 +209,7 @@ static bool output_failed; /* and the failure has been reported */
 
 sp_status cli_print(const char *text, sp_error *err) {
     const size_t size = strlen(text);
+    cli_watch_end();
     if (fwrite(text, 1, size, stdout) == size && fflush(stdout) == 0)
         return SP_OK;
     output_failed = true;
@@ -249,6 +250,7 @@ sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) 
 
 void cli_close_stdout(void) {
     const bool before = ferror(stdout) != 0;
+    cli_watch_end();
     errno = 0;
     if (fclose(stdout) == 0 && !before)
         return;

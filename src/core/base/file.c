@@ -88,6 +88,21 @@ sp_status sp_file_read(const char *path, char **data, size_t *size, sp_error *er
     return read_file(path, true, data, size, err);
 }
 
+int64_t sp_file_read_at(int fd, void *data, size_t size, int64_t at) {
+    size_t used = 0;
+    while (used < size) {
+        const ssize_t got = pread(fd, (char *)data + used, size - used, (off_t)at + (off_t)used);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            return -1;
+        if (got == 0)
+            break;
+        used += (size_t)got;
+    }
+    return (int64_t)used;
+}
+
 sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err) {
     enum { CHUNK = 1 << 16 };
     unsigned char buffer[CHUNK];
@@ -131,13 +146,15 @@ static void folder_of(const char *path, char folder[SP_PATH_MAX]) {
         snprintf(folder, SP_PATH_MAX, "%.*s", slash == path ? 1 : (int)(slash - path), path);
 }
 
-/* Locks the file. False if another process has locked it, or has already removed it as a leftover. Where the file
- * system has no locks, this returns true and nothing is removed. */
-static bool own(int fd) {
+/* Locks a new file. EWOULDBLOCK if another process has locked it, or has already removed it as a leftover; another code
+ * if that cannot be told. Where the file system has no locks, this returns 0 and nothing is removed. */
+static int own(int fd) {
     struct stat info;
     if (flock(fd, LOCK_EX | LOCK_NB) != 0)
-        return errno != EWOULDBLOCK;
-    return fstat(fd, &info) == 0 && info.st_nlink > 0;
+        return errno == EWOULDBLOCK ? errno : 0;
+    if (fstat(fd, &info) != 0)
+        return errno;
+    return info.st_nlink > 0 ? 0 : EWOULDBLOCK;
 }
 
 /* ---- temporary files -------------------------------------------------------------------------------------------- */
@@ -202,11 +219,17 @@ static int open_temporary(const char *folder, char name[SP_PATH_MAX]) {
             return fd;
         if (fd >= 0)
             remember(name);
-        if (fd >= 0 && own(fd))
+        const int code = fd < 0 ? EEXIST : own(fd);
+        if (code == 0)
             return fd;
         forget(name);
         if (fd >= 0)
             close(fd);
+        if (code != EEXIST && code != EWOULDBLOCK) {
+            unlink(name);
+            errno = code;
+            return -1;
+        }
     }
     return -1;
 }

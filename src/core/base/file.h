@@ -17,6 +17,10 @@ SP_SHARED sp_status sp_file_read_text(const char *path, char **text, size_t *siz
 /* The same for any file; zero bytes are allowed. */
 SP_SHARED sp_status sp_file_read(const char *path, char **data, size_t *size, sp_error *err);
 
+/* Reads bytes of an open file at a place: their number, which is below `size` at the end of the file only, or -1 with
+ * errno. */
+SP_SHARED int64_t sp_file_read_at(int fd, void *data, size_t size, int64_t at);
+
 /* sp_hash64 of a file's bytes. SP_EIO if it cannot be read. */
 SP_SHARED sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err);
 
