@@ -279,7 +279,7 @@ SP_API sp_status sp_pack_spec_fill(const sp_pack_spec *spec, double height, int3
 
 /* Progress of a compression. The callback returns false to stop it (SP_EINTERRUPTED). */
 typedef struct sp_pack_progress {
-    const char *phase; /* "flight" (of the gas), "compaction" or "equilibration" */
+    const char *phase; /* "placing" (of many grains), "flight" (of the gas), "compaction" or "equilibration" */
     int64_t steps;
     double height, strain; /* strain: 1 - height / initial height */
     double residual;       /* current largest elastic acceleration, compared with the tolerance */
