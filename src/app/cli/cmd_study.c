@@ -257,7 +257,9 @@ static sp_status run(arguments *a, const sp_scene *scene, sp_store *store, sp_st
     left = sp_remaining_begin(1, 0, 1);
     side_by_side = a->study.jobs * a->ranks.size;
     sp_status status = announce(a, scene, err);
-    cli_catch_signals();
+    cli_catch_signals(&a->common);
+    if (a->ranks.size > 1) /* all ranks end together */
+        cli_stop_with_status();
     return status == SP_OK ? sp_study_run(scene, &a->study, &sink, watch, &a->common, done, err) : status;
 }
 

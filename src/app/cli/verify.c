@@ -95,7 +95,7 @@ sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *
     if (status == SP_OK)
         status = sp_store_open(dir, false, &store, err);
     if (status == SP_OK) {
-        cli_catch_signals();
+        cli_catch_signals(common);
         status = verify(&v, store, scene, tolerance, recompute, err);
         cli_progress_end();
     }
