@@ -24,6 +24,8 @@ SCENES = {  # one sample each, with every part that it can have
              'study.want=["statics","moduli","spectrum"]'),
     "prestress": ("packing.grains=60", "packing.width=8", "network.prestress=true",
                   'study.want=["statics","moduli","ctof"]'),
+    "still": ('packing.kind="chain"', "packing.grains=30", "signal.until=40", "signal.points=41",
+              'study.want=["signal"]'),  # it ends before the wave arrives
     "short": ("packing.grains=60", "packing.width=8", "signal.until=30", "signal.points=51", "signal.method=verlet",
               "signal.tolerance=1e-3", 'study.want=["ctof","signal"]'),
 }
