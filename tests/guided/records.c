@@ -61,6 +61,7 @@ static void try_line(const uint8_t *data, size_t size) {
     sp_text_add(&sealed, "\t%016llx", (unsigned long long)sp_hash64(sp_hash64(SP_HASH64_BEGIN, data, size), "\t", 1));
     must(!sealed.failed);
     if (get_copy(sealed.data, sealed.size, &line)) {
+        must(line.sample.dim >= 1 && line.sample.dim <= 3 && line.sample.kind >= 0 && line.sample.grains >= 1);
         sp_manifest_put(&second, &line);
         must(!second.failed && get_copy(second.data, second.size - 1, &again));
         sp_manifest_put(&third, &again);

@@ -220,10 +220,15 @@ static bool get_line(char *line, sp_manifest_line *l) {
     return true;
 }
 
+/* What tables count with. All other numbers are those of the file, which was checked. */
+static bool possible(const sp_sample *s) {
+    return s->dim >= 1 && s->dim <= 3 && s->kind >= SP_PACK_PISTON && s->kind <= SP_PACK_FILE && s->grains >= 1;
+}
+
 bool sp_manifest_get(char *line, sp_manifest_line *out) {
     sp_manifest_line l = {0};
     sp_locale locale = sp_locale_enter();
-    const bool good = get_line(line, &l) && !sp_sample_fault(&l.sample);
+    const bool good = get_line(line, &l) && possible(&l.sample);
     sp_locale_leave(&locale);
     if (good)
         *out = l;
