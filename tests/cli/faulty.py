@@ -251,6 +251,8 @@ class Faulty:
                  and not path.endswith(".state.h5")]
         if changed:
             return "inputs", "inputs have changed"
+        if kind == "foreign" and (done.status < 0 or done.status == 255) and not wrong:
+            return "ended by a library", None  # HDF5, libconfig and fontconfig do not stand every lack of memory
         if done.status < 0:
             return signal.Signals(-done.status).name, f"ended by signal {-done.status}: {done.err[-200:]}"
         if left and kind not in ("unlink",):

@@ -17,7 +17,8 @@ EVERY = [
     ("statics-tall", "read", errno.EIO, 1),  # of what is optional too
     ("statics-tall", "read", errno.EINTR, 3),
     ("statics-tall", "read", "SHORT", 3),
-    ("study-again", "read", errno.EIO, 4),  # no good sample is put aside
+    ("study-again", "read", errno.EIO, 4),
+    ("study-verify", "read", errno.EIO, 7),  # no good sample is put aside
     ("study-again", "open", errno.EMFILE, 1),
     ("study-again", "stat", errno.ESTALE, 3),
     ("table", "list", errno.EIO, 1),  # no sample is left out
@@ -26,6 +27,9 @@ EVERY = [
     ("convert-text", "stat", errno.ESTALE, 1),  # no temporary is left
     ("statics", "own", errno.ENOMEM, 1),  # no row without its name
     ("column-bifurcation", "own", errno.ENOMEM, 1),  # no point becomes nan
+    ("chain-modes", "foreign", errno.ENOMEM, 1),  # not done, and no word of it
+    ("study", "foreign", errno.ENOMEM, 5000),  # the first: OpenBLAS on one thread
+    ("study-verify", "foreign", errno.ENOMEM, 331),  # HDF5 begins by half
     ("convert-text", "write", errno.ENOSPC, 1),
 ]
 
