@@ -79,8 +79,9 @@ typedef struct sp_modes {
 } sp_modes;
 
 SP_API sp_modes sp_modes_none(void);
-/* All modes, with LAPACK. Memory: 16 (n dof)^2 bytes. SP_EREFUSED above SP_MODES_DENSE_MAX degrees of freedom, and for
- * an unstable network, and if it cannot be decided whether a mode is a zero mode. */
+/* All modes, with LAPACK. Memory: 24 (n dof)^2 bytes, half of it without vectors; SP_ENOMEM where the machine has less.
+ * SP_EREFUSED above SP_MODES_DENSE_MAX degrees of freedom, for an unstable network, and if it cannot be decided whether
+ * a mode is a zero mode. */
 SP_API sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_modes *out, sp_error *err);
 
 /* Which modes to compute. */

@@ -134,6 +134,9 @@ const cli_syntax *cli_syntax_of(const cli_command_row *command);
 const cli_option *cli_option_at(const cli_syntax *syntax, int k);
 /* Whether the command line has this option, or its alias. */
 bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *name);
+/* SP_EINVAL if this option is given and not used: it would do nothing without `other`, for the message. */
+sp_status cli_need(const cli_syntax *syntax, const cli_common *common, const char *name, bool used, const char *other,
+                   sp_error *err);
 
 extern const char *const cli_source_names[]; /* by sp_source */
 extern const char *const cli_solver_names[]; /* by sp_modes_solver */
@@ -195,10 +198,26 @@ void cli_progress(const cli_common *common, const char *text, double fraction, d
 void cli_progress_between(const cli_common *common, const char *text, double fraction, double low, double high);
 /* Clears the progress line. */
 void cli_progress_end(void);
+/* From here to cli_watch_end a line tells the time and the memory so far while no message and no progress is told: on a
+ * terminal after two seconds, with --verbose after half a minute and every minute. */
+void cli_watch(const cli_common *common, const char *command);
+void cli_watch_end(void); /* before data are printed, which a pager may show on the same terminal */
 
-/* The first Ctrl-C or SIGTERM makes cli_stopped() true; a second one ends the process. */
-void cli_catch_signals(void);
+/* ---- signals (stop.c) ------------------------------------------------------------------------------------------- */
+
+/* From here on SIGINT, SIGTERM, SIGHUP, SIGXCPU and SIGPIPE end the process as they do by default, but leave no
+ * temporary file. SIGXFSZ is ignored: what cannot be written is an error. */
+void cli_signals_begin(void);
+/* From here on the first of these (without SIGPIPE) makes cli_stopped() true and is acknowledged on stderr; a second
+ * one ends the process, and so does a second of work after the first. */
+void cli_catch_signals(const cli_common *common);
 bool cli_stopped(void);
+/* Call when the stop has been seen, or may take long: only a second signal ends the process from here on. */
+void cli_stop_patiently(void);
+/* The same, and the process ends with the status that it returns: for ranks, which end together. */
+void cli_stop_with_status(void);
+/* Ends a process that a signal has stopped by this signal, as its caller expects, unless it has succeeded. */
+void cli_end_if_stopped(int status);
 
 /* ---- output ----------------------------------------------------------------------------------------------------- */
 

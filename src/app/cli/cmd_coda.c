@@ -64,6 +64,8 @@ static const cli_option options[] = {
      .low = 1, .high = INT32_MAX},
     {0}};
 
+static const cli_syntax syntax;
+
 static sp_status check(void *user, sp_error *err) {
     const coda_arguments *a = user;
     const bool measured = a->before || a->after;
@@ -71,7 +73,11 @@ static sp_status check(void *user, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "--before and --after: must be given both");
     if (measured + (a->grain >= 0) + (a->trials > 0) != 1)
         return sp_fail(err, SP_EINVAL, "one of --grain I, --trials N, and --before with --after must be given");
-    return SP_OK;
+    sp_status status = cli_need(&syntax, &a->common, "rows", a->trials == 0, "--grain, or --before and --after", err);
+    static const char *const computed[] = {"change", "points", "seed"};
+    for (size_t k = 0; k < sizeof computed / sizeof *computed && status == SP_OK; k++)
+        status = cli_need(&syntax, &a->common, computed[k], !measured, "--grain or --trials", err);
+    return status;
 }
 
 static const cli_syntax syntax = {

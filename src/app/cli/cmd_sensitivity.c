@@ -46,6 +46,8 @@ static const cli_option options[] = {
     {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1 or grain:I (top)", .parse = set_detector},
     {0}};
 
+static const cli_syntax syntax;
+
 static sp_status check(void *user, sp_error *err) {
     const sensitivity_arguments *a = user;
     const bool wave = a->of.kind == SENSITIVITY_FRONT || a->of.kind == SENSITIVITY_SIGNAL;
@@ -55,7 +57,12 @@ static sp_status check(void *user, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "--from and --detector: one place each");
     if (!wave && (a->sources.n > 0 || a->detectors.n > 0 || a->pulse.word))
         return sp_fail(err, SP_EINVAL, "--from, --detector and --pulse: only for a front or for F");
-    return SP_OK;
+    sp_status status = cli_need(&syntax, &a->common, "source", wave, "a front or F", err);
+    if (status == SP_OK)
+        status = cli_need(&syntax, &a->common, "until", a->of.kind == SENSITIVITY_FRONT, "a front", err);
+    return status == SP_OK
+               ? cli_need(&syntax, &a->common, "margin", a->of.kind == SENSITIVITY_MODULUS, "c_l or c_t", err)
+               : status;
 }
 
 static const cli_syntax syntax = {

@@ -56,6 +56,19 @@ static const cli_option options[] = {
      .field = offsetof(arguments, source), .words = cli_source_names},
     {0}};
 
+static const cli_syntax syntax;
+
+static sp_status check(void *user, sp_error *err) {
+    const arguments *a = user;
+    const bool missing = a->o.errors.missing > 0;
+    sp_status status = cli_need(&syntax, &a->common, "gap", missing, "--missing", err);
+    if (status == SP_OK)
+        status = cli_need(&syntax, &a->common, "missing-force", missing, "--missing", err);
+    return status == SP_OK
+               ? cli_need(&syntax, &a->common, "margin", !a->front_only, "moduli, which --front-only leaves out", err)
+               : status;
+}
+
 static const cli_syntax syntax = {
     .usage = "FILE",
     .help =
@@ -86,7 +99,8 @@ static const cli_syntax syntax = {
     .file_name = "packing",
     .files_min = 1,
     .files_max = 1,
-    .springs = true};
+    .springs = true,
+    .check = check};
 
 static sp_status add_columns(void *user, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};

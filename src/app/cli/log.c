@@ -1,19 +1,24 @@
-/* Prints messages and progress on stderr, and handles Ctrl-C. */
+/* Prints messages and progress on stderr. */
 #include "cli/cli.h"
 
 #include "base/base.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <time.h>
 #include <unistd.h>
 
 static const double log_interval = 60; /* seconds between progress lines when stderr is no terminal */
 
+/* Of the thread that says what a command does which tells nothing itself, and of all others. */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static bool progress_shown; /* a progress line is on the terminal */
+static double told_at;      /* when it was written, or a message */
 
 static void clear_progress(void) {
     if (progress_shown)
@@ -21,16 +26,26 @@ static void clear_progress(void) {
     progress_shown = false;
 }
 
-static void say(const char *format, va_list args) {
+/* One line, without the control characters of names and of texts from files: a terminal would obey them. */
+static void print_line(char *line) {
+    sp_one_line(line);
+    pthread_mutex_lock(&lock);
     clear_progress();
-    fputs("sonopack: ", stderr);
-    vfprintf(stderr, format, args);
-    fputc('\n', stderr);
+    fprintf(stderr, "sonopack: %s\n", line);
+    told_at = sp_clock_wall();
+    pthread_mutex_unlock(&lock);
+}
+
+static void say(const char *format, va_list args) {
+    char line[8192]; /* room for two names of files */
+    vsnprintf(line, sizeof line, format, args);
+    print_line(line);
 }
 
 int cli_fail(const sp_error *err) {
-    clear_progress();
-    fprintf(stderr, "sonopack: %s\n", err->text[0] ? err->text : sp_status_name(err->status));
+    char line[sizeof err->text];
+    snprintf(line, sizeof line, "%s", err->text[0] ? err->text : sp_status_name(err->status));
+    print_line(line);
     return err->status == SP_EINVAL ? CLI_USAGE : CLI_FAILED;
 }
 
@@ -104,6 +119,15 @@ void cli_progress(const cli_common *common, const char *text, double fraction, d
     cli_progress_between(common, text, fraction, seconds_left, seconds_left);
 }
 
+/* A line in place of the one before on a terminal; elsewhere a line. The lock is held. */
+static void show(const char *line, bool terminal) {
+    enum { LINE = 79 };
+    told_at = sp_clock_wall();
+    progress_shown = terminal;
+    fprintf(stderr, terminal ? "\r\033[K%.*s" : "sonopack: %.*s\n", terminal ? LINE : 240, line);
+    fflush(stderr);
+}
+
 void cli_progress_between(const cli_common *common, const char *text, double fraction, double low, double high) {
     enum { LINE = 79 };
     static double shown_at, logged_at = -INFINITY;
@@ -116,37 +140,74 @@ void cli_progress_between(const cli_common *common, const char *text, double fra
         return;
     progress_text(fraction, low, high, terminal ? LINE - (int)strlen(text) : 0, state, sizeof state);
     snprintf(line, sizeof line, "%.90s%s", text, state);
-    if (!terminal) {
-        fprintf(stderr, "sonopack: %s\n", line);
-        logged_at = now;
+    sp_one_line(line);
+    pthread_mutex_lock(&lock);
+    show(line, terminal);
+    pthread_mutex_unlock(&lock);
+    shown_at = logged_at = now;
+}
+
+void cli_progress_end(void) {
+    pthread_mutex_lock(&lock);
+    clear_progress();
+    pthread_mutex_unlock(&lock);
+}
+
+/* ---- commands that tell nothing themselves ---------------------------------------------------------------------- */
+
+static bool watching; /* under the lock */
+
+static void tell_time(const char *command, double begun) {
+    char line[120], time[32];
+    struct rusage used = {0};
+    duration_text(sp_clock_wall() - begun, time, sizeof time);
+    getrusage(RUSAGE_SELF, &used);
+    snprintf(line, sizeof line, "%s: %s so far, %.2g GB of memory", command, time, (double)used.ru_maxrss * 1.024e-6);
+    show(line, isatty(STDERR_FILENO));
+}
+
+/* A second after the other, until the command prints what it has computed. A line is written where nothing else was
+ * for so long that one may ask whether the program still works. */
+static void *watch(void *command) {
+    const double begun = sp_clock_wall(), silence = isatty(STDERR_FILENO) ? 2 : log_interval / 2;
+    const struct timespec second = {.tv_sec = 1};
+    double next = begun + silence;
+    for (bool on = true; on; nanosleep(&second, NULL)) {
+        pthread_mutex_lock(&lock);
+        on = watching;
+        const double now = sp_clock_wall();
+        if (on && now >= fmax(next, told_at + silence)) {
+            tell_time(command, begun);
+            next = now + (isatty(STDERR_FILENO) ? 1 : log_interval);
+            told_at = now - silence; /* what comes from here is no reason to wait */
+        }
+        pthread_mutex_unlock(&lock);
+    }
+    return NULL;
+}
+
+void cli_watch(const cli_common *common, const char *command) {
+    static char name[64];
+    pthread_t thread;
+    pthread_attr_t small;
+    sigset_t all, before;
+    if (common->quiet || (!isatty(STDERR_FILENO) && !common->verbose) || pthread_attr_init(&small) != 0)
         return;
-    }
-    fprintf(stderr, "\r\033[K%.*s", LINE, line);
-    fflush(stderr);
-    progress_shown = true;
-    shown_at = now;
+    snprintf(name, sizeof name, "%s", command);
+    sigfillset(&all); /* signals are for the thread that works */
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    pthread_attr_setdetachstate(&small, PTHREAD_CREATE_DETACHED);
+    pthread_attr_setstacksize(&small, 1 << 17);
+    pthread_mutex_lock(&lock);
+    watching = pthread_create(&thread, &small, watch, name) == 0;
+    pthread_mutex_unlock(&lock);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    pthread_attr_destroy(&small);
 }
 
-void cli_progress_end(void) { clear_progress(); }
-
-static atomic_bool stopped;
-
-static void stop(int signal_number) {
-    if (atomic_exchange(&stopped, true)) {
-        signal(signal_number, SIG_DFL);
-        raise(signal_number);
-    }
+void cli_watch_end(void) {
+    pthread_mutex_lock(&lock);
+    watching = false;
+    clear_progress();
+    pthread_mutex_unlock(&lock);
 }
-
-void cli_catch_signals(void) {
-    static const int signals[] = {SIGINT, SIGTERM};
-    for (size_t k = 0; k < sizeof signals / sizeof *signals; k++) {
-        struct sigaction before, action = {.sa_handler = stop, .sa_flags = SA_RESTART};
-        sigemptyset(&action.sa_mask);
-        /* a signal that the caller has us ignore (nohup, a background job) stays ignored */
-        if (sigaction(signals[k], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
-            sigaction(signals[k], &action, NULL);
-    }
-}
-
-bool cli_stopped(void) { return atomic_load(&stopped); }

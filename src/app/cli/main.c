@@ -76,7 +76,8 @@ static void overview(FILE *out) {
     fputs(
         "\n`sonopack help COMMAND' explains a command, `sonopack help scene' the scene files, `sonopack help KEY' one\n"
         "of their keys. `sonopack --version' prints the version. Data go to stdout, messages and progress to stderr.\n"
-        "Exit status: 0 success, 1 the command failed, 2 wrong usage or scene.\n",
+        "Exit status: 0 success, 1 the command failed, 2 wrong usage or scene; 130 or 143 stopped by Ctrl-C or "
+        "SIGTERM.\n",
         out);
 }
 
@@ -142,13 +143,26 @@ static void keep_standard_files(void) {
             _Exit(CLI_FAILED);
 }
 
-/* If the address space is limited, OpenBLAS cannot start its threads, and would wait for them for ever when the process
- * ends. All files are closed by now. */
+/* Ends by the signal that has stopped the command. If the address space is limited, OpenBLAS cannot start its threads,
+ * and would wait for them for ever when the process ends. All files are closed by now. */
 static void leave(int status, void *nothing) {
     struct rlimit space;
     (void)nothing;
+    sp_drafts_abandon(); /* of other threads, if one has ended the process */
+    cli_end_if_stopped(status);
     if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
         _exit(status);
+}
+
+/* Without a message the process would end by SIGSEGV. Its threads get a stack of this size too. */
+static bool has_stack(void) {
+    const rlim_t least = 256 << 10;
+    struct rlimit stack;
+    if (getrlimit(RLIMIT_STACK, &stack) != 0 || stack.rlim_cur >= least)
+        return true;
+    fprintf(stderr, "sonopack: the stack is limited to %lu kB, must have %lu kB or more (see ulimit -s)\n",
+            (unsigned long)stack.rlim_cur >> 10, (unsigned long)least >> 10);
+    return false;
 }
 
 /* OpenBLAS on one thread: its sums then do not depend on the number of cores, and samples that are computed side by
@@ -160,9 +174,20 @@ static bool use_one_blas_thread(void) {
     return setenv("OPENBLAS_NUM_THREADS", "1", 1) == 0;
 }
 
+/* A file may name a filter of HDF5 that is a library to be loaded. Files of others do not choose what we run, unless
+ * the user has said where such libraries are. */
+static void load_no_filters(void) {
+    if (!getenv("HDF5_PLUGIN_PATH"))
+        setenv("HDF5_PLUGIN_PRELOAD", "::", 1);
+}
+
 int main(int argc, char **argv) {
     cli_commands = commands;
+    load_no_filters();
     keep_standard_files();
+    if (!has_stack())
+        return CLI_FAILED;
+    cli_signals_begin();
     if (!SONOPACK_LATE) /* else it is loaded so */
         sp_hdf5_exit_silently();
     if (!use_one_blas_thread() || on_exit(leave, NULL) != 0 ||

@@ -383,6 +383,7 @@ void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments)
         const sp_error err = {.status = SP_ENOMEM, .text = "no memory for the options"};
         exit(cli_fail(&err));
     }
+    cli_watch(common, r.command);
 }
 
 bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *name) {
@@ -393,6 +394,13 @@ bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *n
         k += o->name != NULL;
     }
     return false;
+}
+
+sp_status cli_need(const cli_syntax *syntax, const cli_common *common, const char *name, bool used, const char *other,
+                   sp_error *err) {
+    if (used || !cli_given(syntax, common, name))
+        return SP_OK;
+    return sp_fail(err, SP_EINVAL, "--%s: only with %s", name, other);
 }
 
 sp_status cli_scene_of_sets(const cli_common *common, const char *groups, sp_scene *out, sp_error *err) {

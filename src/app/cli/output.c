@@ -147,7 +147,7 @@ static sp_status may_write(const cli_common *common, const char *path, const cha
                        SP_PATH_MAX);
     snprintf(folder, sizeof folder, "%.*s", length, slash ? path : ".");
     if (!common->dry_run)
-        return sp_folder_probe(folder, err);
+        return sp_file_probe(path, err);
     if (access(folder, W_OK) == 0)
         return SP_OK;
     return sp_fail(err, SP_EIO, "cannot write in %s: %s", folder, strerror(errno));
@@ -209,6 +209,7 @@ static bool output_failed; /* and the failure has been reported */
 
 sp_status cli_print(const char *text, sp_error *err) {
     const size_t size = strlen(text);
+    cli_watch_end();
     if (fwrite(text, 1, size, stdout) == size && fflush(stdout) == 0)
         return SP_OK;
     output_failed = true;
@@ -249,6 +250,7 @@ sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) 
 
 void cli_close_stdout(void) {
     const bool before = ferror(stdout) != 0;
+    cli_watch_end();
     errno = 0;
     if (fclose(stdout) == 0 && !before)
         return;

@@ -43,6 +43,23 @@ static transport_mean *means_at(const transport_arguments *a, int32_t l) {
 /* The axis of the core's options: -1 stands for the default. */
 static int axis_of(const transport_arguments *a) { return a->axis - 1; }
 
+/* What becomes of a frequency that is refused, such as one without modes: it has no value, but others may. The reason
+ * counts if it is that of all. */
+static sp_status pass_over(const transport_arguments *a, int32_t l, int32_t *left, sp_status status, sp_error *err) {
+    if (status != SP_EREFUSED || --*left == 0)
+        return status;
+    cli_note(&a->common, "omega = %g has no value: %s", a->omega[l], err->text);
+    return SP_OK;
+}
+
+static void add_spread(const sp_spread *s, transport_mean *m) {
+    transport_add(&m[SPREAD_D], s->d, s->d_err);
+    transport_add(&m[SPREAD_SHIFT], s->d_shift, NAN);
+    transport_add(&m[SPREAD_HALF], s->d_half, NAN);
+    transport_add(&m[SPREAD_FROM], s->from, NAN);
+    transport_add(&m[SPREAD_TO], s->to, NAN);
+}
+
 static sp_status measure_spread(transport_arguments *a, const sp_network *net, sp_error *err) {
     sp_spread_options o = sp_spread_options_default();
     sp_status status = SP_OK;
@@ -52,17 +69,14 @@ static sp_status measure_spread(transport_arguments *a, const sp_network *net, s
     o.sources = (int32_t)a->sources;
     o.seed = (uint64_t)a->seed;
     o.until = a->until;
-    for (int32_t l = 0; l < a->n && status == SP_OK; l++) {
+    for (int32_t l = 0, left = a->n; l < a->n && status == SP_OK; l++) {
         transport_mean *m = means_at(a, l);
         sp_spread s;
         status = sp_spread_make(net, a->omega[l], &o, &s, err);
-        if (status != SP_OK || isnan(s.d))
-            continue;
-        transport_add(&m[SPREAD_D], s.d, s.d_err);
-        transport_add(&m[SPREAD_SHIFT], s.d_shift, NAN);
-        transport_add(&m[SPREAD_HALF], s.d_half, NAN);
-        transport_add(&m[SPREAD_FROM], s.from, NAN);
-        transport_add(&m[SPREAD_TO], s.to, NAN);
+        if (status != SP_OK)
+            status = pass_over(a, l, &left, status, err);
+        else if (!isnan(s.d))
+            add_spread(&s, m);
     }
     return status;
 }
@@ -144,11 +158,13 @@ static sp_status measure_split(transport_arguments *a, const sp_network *net, sp
     o.width = a->width;
     o.sources = (int32_t)a->sources;
     o.seed = (uint64_t)a->seed;
-    for (int32_t l = 0; l < a->n && status == SP_OK; l++) {
+    for (int32_t l = 0, left = a->n; l < a->n && status == SP_OK; l++) {
         sp_split s;
         status = sp_split_make(net, a->omega[l], &o, &s, err);
-        if (status != SP_OK)
+        if (status != SP_OK) {
+            status = pass_over(a, l, &left, status, err);
             continue;
+        }
         add_energy(&s.rest, &s.rest_err, means_at(a, l));
         add_energy(&s.pulse, &s.pulse_err, means_at(a, l) + SPLIT_PULSE);
     }
@@ -192,11 +208,15 @@ static sp_status measure_energy(transport_arguments *a, const sp_network *net, s
         t[k] = burst_time(a, k);
     for (int k = 0; k < BURST_PLANES; k++)
         height[k] = top * (k + 1) / (BURST_PLANES + 1);
-    for (int32_t l = 0; l < a->n && status == SP_OK; l++) {
+    for (int32_t l = 0, left = a->n; l < a->n && status == SP_OK; l++) {
         const sp_burst_options o = {a->omega[l], a->width, BURST_TIMES, t, BURST_PLANES, height};
         status = sp_burst_make(net, &o, below, flux, &drift, err);
+        if (status != SP_OK) {
+            status = pass_over(a, l, &left, status, err);
+            continue;
+        }
         drift += ROUNDING;
-        for (int row = 0; row < BURST_TIMES * BURST_PLANES && status == SP_OK; row++)
+        for (int row = 0; row < BURST_TIMES * BURST_PLANES; row++)
             add_burst(&below[row], &flux[row], drift, sp_network_omega_bound(net), burst_means(a, l, row));
     }
     return status;

@@ -176,6 +176,15 @@ static sp_status count_zeros(const sp_network *net, const sp_ritz *ritz, sp_mode
     return status;
 }
 
+/* The matrix, and what LAPACK needs beside it: as core/cost foretells. */
+static sp_status check_memory(int64_t n, bool vectors, sp_error *err) {
+    const double need = (vectors ? 24.0 : 12.0) * (double)n * (double)n, have = 0.8 * sp_memory_limit();
+    if (need <= have)
+        return SP_OK;
+    return sp_fail(err, SP_ENOMEM, "all modes of %lld degrees of freedom need %.3g GB of memory, at most %.3g GB here",
+                   (long long)n, 1e-9 * need, 1e-9 * have);
+}
+
 sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_modes *out, sp_error *err) {
     double *a = NULL;
     sp_ritz *ritz = NULL;
@@ -184,6 +193,8 @@ sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_
         return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom, must be at most %d for the dense solver",
                        (long long)n, SP_MODES_DENSE_MAX);
     sp_status status = sp_network_need_symmetry(net, "a table of modes", err);
+    if (status == SP_OK)
+        status = check_memory(n, opt->vectors, err);
     if (status == SP_OK)
         status = dense_matrix(net, &a, err);
     if (status != SP_OK)

@@ -131,6 +131,9 @@ static void keep(forward *f) {
     memcpy(to->v, f->p.r.v, size * sizeof *to->v);
 }
 
+/* As many matrix products as a signal may take; beyond, the moments alone would be gigabytes. */
+static const int64_t terms_most = 40000000;
+
 sp_status sp_forward_make(const sp_network *net, const sp_sensitivity_options *opt, int64_t terms, int64_t every,
                           forward *out, sp_error *err) {
     forward f = {.net = net,
@@ -139,6 +142,9 @@ sp_status sp_forward_make(const sp_network *net, const sp_sensitivity_options *o
                  .capacity = terms + 2 * FORWARD_STRIDE + 4,
                  .every = every < FORWARD_STRIDE ? FORWARD_STRIDE : every,
                  .source = opt->source};
+    if (terms > terms_most)
+        return sp_fail(err, SP_EREFUSED, "the last time needs %.3g matrix products, must be at most %.3g",
+                       0.5 * (double)terms, 0.5 * (double)terms_most);
     sp_status status = sp_operator_make(net, &f.op, err);
     if (status == SP_OK)
         status = make_places(&f, opt, err);
@@ -217,6 +223,9 @@ double sp_forward_sum(const forward *f, const sp_moment_weights *w, double last,
 }
 
 sp_status sp_forward_check(const forward *f, sp_error *err) {
+    if (!(f->norm_a > 0 && f->norm_b > 0)) /* shear at smooth contacts across the plane */
+        return sp_fail(err, SP_EREFUSED, "the %s meets no spring that acts along it: its signal is 0 whatever changes",
+                       f->norm_a > 0 ? "detector" : "source");
     if (!sp_pass_bounded(&f->p))
         return sp_fail(err, SP_EREFUSED, "the motion grows without bound: the network is unstable (prestress)");
     return SP_OK;

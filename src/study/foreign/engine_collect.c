@@ -7,11 +7,21 @@
 #include <math.h>
 #include <sonopack/study/import.h>
 #include <stdio.h>
+#include <sys/stat.h>
 
 /* Above this acceleration over the pressure the grains of LAMMPS still move: it has taken all its steps. */
 static const double MOVING = 0.05;
 /* Tolerance and threshold of `sonopack check'. */
 static const double TOLERANCE = 2e-5, THRESHOLD = 1e-4;
+
+/* A pipe in a folder of someone else's would keep us waiting. */
+static sp_status look_at(const char *folder, sp_engine_file file, char *path, sp_error *err) {
+    struct stat info;
+    sp_status status = sp_engine_path(folder, file, path, err);
+    if (status == SP_OK && stat(path, &info) == 0 && !S_ISREG(info.st_mode))
+        return sp_fail(err, SP_EFORMAT, "%s: must be a regular file", path);
+    return status;
+}
 
 static sp_status read_result(const sp_pack_spec *spec, const char *folder, sp_engine_result *r, sp_error *err) {
     char path[SP_PATH_MAX], *text = NULL;
@@ -19,7 +29,7 @@ static sp_status read_result(const sp_pack_spec *spec, const char *folder, sp_en
     long long steps;
     int used = 0;
     sp_engine_log log;
-    sp_status status = sp_engine_path(folder, SP_ENGINE_RESULT, path, err);
+    sp_status status = look_at(folder, SP_ENGINE_RESULT, path, err);
     if (status == SP_OK && sp_file_read_text(path, &text, &size, err) != SP_OK)
         return sp_fail(err, SP_EFORMAT, "%s: is missing or cannot be read: LAMMPS did not come to its end", path);
     if (status != SP_OK)
@@ -66,9 +76,9 @@ static sp_status import(const sp_pack_spec *spec, const char *folder, const sp_e
     o.pressure = sp_engine_pressure(spec);
     o.friction = spec->friction;
     o.poisson = spec->poisson;
-    sp_status status = sp_engine_path(folder, SP_ENGINE_GRAINS, grains, err);
+    sp_status status = look_at(folder, SP_ENGINE_GRAINS, grains, err);
     if (status == SP_OK)
-        status = sp_engine_path(folder, SP_ENGINE_CONTACTS, contacts, err);
+        status = look_at(folder, SP_ENGINE_CONTACTS, contacts, err);
     if (status != SP_OK)
         return status;
     status = sp_import(grains, &o, out, NULL, err);
@@ -95,6 +105,17 @@ static sp_status check_grains(const sp_pack_spec *spec, const sp_packing *p, sp_
     return sp_fail(err, SP_EFORMAT,
                    "%s: grain %d has the diameter %.17g, must have %.17g: is this of another scene or seed?",
                    sp_engine_names[SP_ENGINE_GRAINS], k, 2 * p->r[k], 2 * wanted);
+}
+
+/* The upper wall must rest on grains. From a height that a file has made up it would fall for ever. */
+static sp_status check_top(const sp_packing *p, double top, sp_error *err) {
+    double highest = 0;
+    for (int32_t i = 0; i < p->n; i++)
+        highest = fmax(highest, p->x[3 * (size_t)i + (size_t)p->dim - 1] + p->r[i]);
+    if (fabs(highest - top) <= 0.1)
+        return SP_OK;
+    return sp_fail(err, SP_EFORMAT, "%s: top %g, but the grains reach up to %g", sp_engine_names[SP_ENGINE_RESULT], top,
+                   highest);
 }
 
 /* The spec that starts from a packing: what the grains are follows from it. */
@@ -153,6 +174,8 @@ sp_status sp_engine_collect(const sp_pack_spec *given, const char *folder, const
         status = import(&spec, folder, &r, &raw, err);
     if (status == SP_OK)
         status = check_grains(&spec, &raw, err);
+    if (status == SP_OK)
+        status = check_top(&raw, r.height, err);
     sp_locale_leave(&locale);
     if (status == SP_OK)
         status = come_to_rest(&spec, &raw, hooks, &p, err);

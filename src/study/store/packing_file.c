@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "store/packing_h5.h"
 #include "store/packing_text.h"
+#include "store/stated.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -73,4 +74,16 @@ sp_status sp_packing_read(const char *path, sp_packing *out, sp_error *err) {
     if (status != SP_OK)
         return status;
     return hdf5 ? read_hdf5(path, out, err) : read_text(path, out, err);
+}
+
+sp_status sp_packing_check_stated(const char *path, const sp_packing *p, const sp_audit *audit, sp_error *err) {
+    bool hdf5;
+    sp_status status = is_hdf5(path, &hdf5, err);
+    if (status == SP_OK)
+        status = sp_stated_scene(p, err);
+    if (status == SP_OK)
+        status = sp_stated_residual(p, audit, err);
+    if (status == SP_OK && hdf5)
+        status = sp_stated_unread(path, p, err);
+    return status;
 }
