@@ -212,7 +212,7 @@ static double time_of(const sp_signal_options *o, int k) {
     return k < o->points - 1 ? o->until * k / (o->points - 1) : o->until;
 }
 
-static void check_methods(claims *c, const sp_network *net, const ends *e, sp_signal_options o) {
+static void check_methods(claims *c, const sp_network *net, bool stable, const ends *e, sp_signal_options o) {
     static const sp_signal_method methods[] = {SP_SIGNAL_CHEBYSHEV,    SP_SIGNAL_DENSE, SP_SIGNAL_VERLET,
                                                SP_SIGNAL_LAX_WENDROFF, SP_SIGNAL_FABER, SP_SIGNAL_SPARSE};
     sp_network dashpots = sp_network_none();
@@ -238,6 +238,9 @@ static void check_methods(claims *c, const sp_network *net, const ends *e, sp_si
         sp_signal s = sp_signal_none();
         o.method = methods[k];
         o.step = k == 2 || k == 3 ? 0.05 / net->omega_bound : 0; /* its bound is told, whatever the tolerance */
+        /* its estimate of rounding does not count that errors grow with a motion too small to be noticed */
+        if (!stable && o.method == SP_SIGNAL_CHEBYSHEV)
+            continue;
         if ((o.damping > 0 && o.method != SP_SIGNAL_FABER) ||
             !claims_served(c, sp_signal_method_name(o.method), sp_signal_make(net, &o, &s, &why), &why))
             continue;
@@ -333,7 +336,7 @@ static double decay_of(const sp_network *net, sp_damping_kind kind, double ratio
     return rate;
 }
 
-static void check_signals(claims *c, const sp_network *net, sp_random *draw) {
+static void check_signals(claims *c, const sp_network *net, bool stable, sp_random *draw) {
     static const double lengths[] = {1, 3, 10, 30, 100, 300};
     sp_signal_options o = sp_signal_options_default();
     sp_signal s = sp_signal_none();
@@ -355,7 +358,7 @@ static void check_signals(claims *c, const sp_network *net, sp_random *draw) {
     o.from = &e.from;
     o.to = &e.to;
     o.sources = o.detectors = 1;
-    check_methods(c, net, &e, o);
+    check_methods(c, net, stable, &e, o);
     o.damping = 0;
     if (claims_served(c, "signal", sp_signal_make(net, &o, &s, &why), &why))
         check_causality(c, net, &e, &o, &s);
@@ -612,7 +615,7 @@ static void run(claims *c, sp_random *draw) {
         check_stiffness(c, &net, draw);
         const bool stable = check_modes(c, &net, small ? &x : NULL);
         check_density(c, &net);
-        check_signals(c, &net, draw);
+        check_signals(c, &net, stable || net.carried, draw);
         check_motion(c, &net, stable, draw);
         if (stable) {
             check_driven(c, &net, draw);
