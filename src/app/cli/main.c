@@ -160,16 +160,9 @@ static void use_one_blas_thread(void) {
         openblas_set_num_threads(1);
 }
 
-/* A file may name a filter of HDF5 that is a library to be loaded. Files of others do not choose what we run, unless
- * the user has said where such libraries are. */
-static void load_no_filters(void) {
-    if (!getenv("HDF5_PLUGIN_PATH"))
-        setenv("HDF5_PLUGIN_PRELOAD", "::", 1);
-}
-
 int main(int argc, char **argv) {
     cli_commands = commands;
-    load_no_filters();
+    setenv("HDF5_PLUGIN_PRELOAD", "::", 1); /* no file may ask for a filter that is a library to be loaded */
     keep_standard_files();
     if (!SONOPACK_LATE) /* else it is loaded so */
         sp_hdf5_exit_silently();
