@@ -124,7 +124,8 @@ SP_API sp_status sp_packing_need_law(const sp_packing *p, const char *what, sp_e
 
 /* Results of sp_packing_audit: relative errors, all 0 for a perfect packing. */
 typedef struct sp_audit {
-    double force_residual;  /* largest net force on a force-carrying grain over p x (mean diameter)^2 */
+    double force_residual;  /* largest net force on a grain over p x (mean diameter)^2; of a rattler what exceeds the
+                               threshold of a carrying contact */
     double torque_residual; /* largest net torque over R, in the same unit */
     double wall_residual; /* piston: largest difference between the force on a wall and its load, over p A. Other cells:
                              | mean pressure / p - 1 |, and in a box the sum of all walls' forces over p A */
@@ -132,9 +133,13 @@ typedef struct sp_audit {
                              rounding of a text file; contacts with a stiffness of their own are left out */
     double geometry_residual; /* largest |overlap - overlap from the positions| over the largest overlap */
     double coulomb_excess;    /* largest |ft|/(mu fn) - 1, or 0 if Coulomb's law holds everywhere */
-    int32_t missing;          /* overlapping pairs that are not listed as contacts */
+    int32_t missing;          /* overlaps that are not listed as contacts: of pairs, of grains and walls, and of grains
+                                 with a second image of another or an image of themselves, which cannot be listed */
     int32_t carrying;         /* force-carrying contacts */
     int32_t rattlers;
+    double inertia_excess; /* largest I/(m R^2) - 1, or 0: no mass lies outside of its grain */
+    double
+        acceleration; /* largest of a grain (angular: times R) [E* / (rho d)]: sp_packing.residual without the cell */
 } sp_audit;
 
 /* Checks the structure of a packing: sizes, indices, finite numbers, unit normals, positive radii, grains inside the

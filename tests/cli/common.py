@@ -4,6 +4,7 @@ import pathlib
 import re
 import signal
 import time
+import zlib
 
 # three equal grains in a ring that touches no wall
 LOOSE = """# packing: three grains
@@ -53,10 +54,11 @@ def wait_until(condition, what, every=0.01):
         time.sleep(every)
 
 
-def catches(process, number=signal.SIGINT):
-    """Whether a process has said what a signal does (before, the signal would simply end it)."""
+def catches(process):
+    """Whether a process stops in its own time when a signal asks for it (before, the signal simply ends it): only then
+    does it catch the alarm that ends it if it does not."""
     status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
-    return int(re.search(r"SigCgt:\s*(\w+)", status).group(1), 16) >> (number - 1) & 1
+    return int(re.search(r"SigCgt:\s*(\w+)", status).group(1), 16) >> (signal.SIGALRM - 1) & 1
 
 
 def worked(process):
@@ -65,9 +67,9 @@ def worked(process):
     return (int(fields[11]) + int(fields[12])) / 100
 
 
-def wait_for_work(process, seconds, number=signal.SIGINT):
-    """Until a process catches a signal and has worked for so long since it began."""
-    wait_until(lambda: process.poll() is not None or (catches(process, number) and worked(process) >= seconds),
+def wait_for_work(process, seconds):
+    """Until a process stops in its own time and has worked for so long since it began."""
+    wait_until(lambda: process.poll() is not None or (catches(process) and worked(process) >= seconds),
                f"{seconds} s of work")
     assert process.poll() is None, "it ended before it could be stopped"
 
@@ -81,3 +83,13 @@ def sleeps(process, looks=30):
                 return False
         time.sleep(0.01)
     return True
+
+
+def packed_zeros(size):
+    """The zlib stream of so many zeros (a multiple of a megabyte), without going through them."""
+    piece = bytes(2 ** 20)
+    pack = zlib.compressobj()
+    first = pack.compress(piece) + pack.flush(zlib.Z_FULL_FLUSH)
+    again = pack.compress(piece) + pack.flush(zlib.Z_FULL_FLUSH)  # the same each time: a full flush forgets
+    end = pack.flush()[:-4] + (size % 65521 << 16 | 1).to_bytes(4, "big")  # Adler's sum of zeros
+    return first + again * (size // len(piece) - 1) + end

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cli"))
-from common import names_all  # noqa: E402
+from common import names_all, packed_zeros  # noqa: E402
 
 COMMAND, SOURCE = sys.argv[1], sys.argv[2]
 REFERENCE = os.path.join(SOURCE, "packings", "reference", "packing_N200_p1e-4.txt")
@@ -262,6 +262,50 @@ def test_sizes_nobody_has():
         f["particles/grains/radius"][:1024] = 0.5
     forgery(one_chunk_of_many, "/particles/grains/radius")
     forgery(lambda f: replace(f, "particles/grains/radius", np.zeros(0)))
+
+
+def test_layouts_that_cost_too_much():
+    """Files of a few MB that would take gigabytes or many seconds, were the layout not judged before the data."""
+    radius, pairs, kind = "particles/grains/radius", "connectivity/contacts", np.arange(2, dtype="i4")
+
+    def anew(name, shape, chunks, fill, dtype="f8", **options):
+        def forge(f):
+            del f[name]
+            fill(f.create_dataset(name, shape, dtype, chunks=chunks, **options))
+        return forge
+
+    def first(data):
+        return lambda dataset: dataset.__setitem__(slice(0, len(data)), data)
+
+    def packed(size):
+        return lambda dataset: dataset.id.write_direct_chunk((0,), packed_zeros(size))
+    entries = 2**29 - 2**17  # the largest number of grains that is allowed, but for what makes it whole megabytes
+    forgery(anew(radius, (entries,), (entries,), packed(8 * entries), compression="gzip"), radius, "chunks")
+    forgery(anew(radius, (200,), (2**24,), first(np.full(200, 0.5)), maxshape=(None,), compression="gzip"), radius, "chunks")
+    # in chunks of 64 MB: other arrays have fewer entries
+    forgery(anew(radius, (2**28,), (2**23,), lambda d: [d.id.write_direct_chunk((k * 2**23,), packed_zeros(2**26))
+                                                       for k in range(32)], compression="gzip"), "position", str(2**28))
+    forgery(anew(pairs, (60000, 2), (1, 2), first(np.tile(kind, (60000, 1))), "i4"), pairs, "chunks")
+    forgery(anew(pairs, (2**27, 2), (2**20, 2), first(kind[np.newaxis]), "i4"), pairs, "hold")
+    # more contacts than pairs of grains
+    forgery(anew(pairs, (2**21, 2), None, first(np.tile(kind, (2**21, 1))), "i4"), "contacts", "200")
+
+
+def test_filters():
+    """Only those that are needed: for any other HDF5 would look for a plugin on the machine and run it."""
+    radius = "particles/grains/radius"
+    for filters in ([(32000, ())], [(h5py.h5z.FILTER_SCALEOFFSET, (0, 3))], [(h5py.h5z.FILTER_DEFLATE, (9,))] * 2):
+        def forge(f):
+            data = f[radius][()]
+            del f[radius]
+            plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+            plist.set_chunk((200,))
+            for code, values in filters:
+                plist.set_filter(code, h5py.h5z.FLAG_OPTIONAL, values)
+            space = h5py.h5s.create_simple((200,))
+            h5py.h5d.create(f.id, radius.encode(), h5py.h5t.IEEE_F64LE, space, plist)
+            f[radius].id.write_direct_chunk((0,), data.tobytes(), 2**len(filters) - 1)
+        forgery(forge, radius, "filter")
 
 
 def test_harmless_changes():

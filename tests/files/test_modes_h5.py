@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
-from common import names_all  # noqa: E402
+from common import names_all, packed_zeros  # noqa: E402
 from network_oracle import Network  # noqa: E402
 
 COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
@@ -223,16 +223,6 @@ def set_one(name, at, value):
     def change(g):
         g[name][at] = value
     return change
-
-
-def packed_zeros(size):
-    """The zlib stream of so many zeros (a multiple of a megabyte), without going through them."""
-    piece = bytes(2 ** 20)
-    pack = zlib.compressobj()
-    first = pack.compress(piece) + pack.flush(zlib.Z_FULL_FLUSH)
-    again = pack.compress(piece) + pack.flush(zlib.Z_FULL_FLUSH)  # the same each time: a full flush forgets
-    end = pack.flush()[:-4] + (size % 65521 << 16 | 1).to_bytes(4, "big")  # Adler's sum of zeros
-    return first + again * (size // len(piece) - 1) + end
 
 
 def forgeries():

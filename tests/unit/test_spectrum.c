@@ -48,6 +48,28 @@ static void test_exact_chain(void **state) {
     sp_packing_free(&p);
 }
 
+/* From the bound of the spectrum on there is nothing, with every method: there the density per phi, which is not 0, is
+ * divided by a slope that has vanished. */
+static void test_above_spectrum(void **state) {
+    (void)state;
+    sp_packing p = scattered_packing(2, 5, 0.5, 2);
+    sp_network net = default_network(&p);
+    sp_dos_options o = sp_dos_options_default();
+    o.bins = 41;
+    o.until = 2 * sp_network_omega_bound(&net); /* the bound is the middle of a bin */
+    for (int method = 0; method < 3; method++) {
+        sp_dos d = sp_dos_none();
+        o.method = (sp_dos_method[]){SP_DOS_EXACT, SP_DOS_KPM, SP_DOS_COUNT}[method];
+        assert_ok(sp_dos_make(&net, &o, &d, &err));
+        assert_true(0.5 * (d.edge[20] + d.edge[21]) == d.omega_max);
+        for (int b = 20; b < o.bins; b++)
+            assert_true(d.smooth[b] == 0 && d.smooth_error[b] == 0);
+        sp_dos_free(&d);
+    }
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
 /* The stochastic trace agrees with the exact density, smoothed by the same kernel, within its errors: of many
  * deviations over their errors the mean square is near 1. Signs of one vector are shared by all frequencies, so that
  * values of neighbours move together; those here are several widths of the kernel apart. */
@@ -552,6 +574,7 @@ static void test_refusals(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_exact_chain),
+        cmocka_unit_test(test_above_spectrum),
         cmocka_unit_test(test_kpm),
         cmocka_unit_test(test_count),
         cmocka_unit_test(test_transmission),

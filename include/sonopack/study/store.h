@@ -17,6 +17,10 @@ SP_API sp_status sp_packing_save(const sp_packing *p, const char *path, sp_error
 /* Reads a packing from HDF5 or from the text form in one file, whichever the file contains, and checks it
  * (sp_packing_check). */
 SP_API sp_status sp_packing_read(const char *path, sp_packing *out, sp_error *err);
+/* Compares what the file of a packing says beside grains and contacts with these: its scene, the residual, and the
+ * masses, rattlers and steps of an HDF5 file. audit: of the packing. SP_EFAILED with the field at fault in err->key,
+ * its value and what it must be; SP_EIO, SP_EFORMAT and SP_ENOMEM. */
+SP_API sp_status sp_packing_check_stated(const char *path, const sp_packing *p, const sp_audit *audit, sp_error *err);
 /* Writes the text form in one file ('packing_*.txt'). */
 SP_API sp_status sp_packing_save_text(const sp_packing *p, const char *path, sp_error *err);
 /* Reads the text form in two tables. keys: "key=value" texts that override the comment lines (pressure, friction,
@@ -54,6 +58,7 @@ typedef struct sp_store_finding {
     const char *file; /* name within the folder */
     sp_verdict verdict;
     const char *reason;  /* of the verdict; of a sound record, why the sample failed; else "" */
+    const char *field;   /* the dataset or key at fault; "" if the reason is about more than one */
     bool record;         /* the file is NAME.failed */
     bool aside;          /* the file was renamed to NAME.bad, so that a study makes the sample again */
     int64_t done, names; /* samples checked so far, with this one, and samples in all */
@@ -63,15 +68,19 @@ typedef struct sp_store_check {
     int64_t names;                   /* how many names; negative: check all samples of the store */
     const char (*name)[SP_NAME_MAX]; /* samples to check; names that are not in the store are ignored */
     double tolerance;                /* of the audit (sp_audit_worst) */
+    int recompute; /* samples at a time whose results are computed again from the packing; 0: none is */
     bool (*found)(const sp_store_finding *finding, void *user); /* called after each file; false stops the check */
     void *user;
 } sp_store_check;
 
 /* Checks the files of samples. Reads packing, results, signal and scene. Compares the name inside with the file's name,
  * and with the hash of the scene if this version can read that scene. Checks the structure of the packing
- * (sp_packing_check), its audit, and that results are finite where they must be. Computes nothing again. Renames
- * damaged files to NAME.bad, and updates the index, if the folder can be written to. SP_EINTERRUPTED if found returned
- * false. */
+ * (sp_packing_check), its audit and what is stated of it (sp_packing_check_stated); that every result is a possible
+ * value; and what is stored more than once or follows from the rest at little cost: the keys of the scene, the averages
+ * of the packing, speeds from moduli, the front of the stored signal. With recompute all results are computed again
+ * from the stored packing, which takes as long as the study without its packings. Renames damaged files to NAME.bad,
+ * and updates the index, if the folder can be written to. Faulty files stay. SP_EINTERRUPTED if found returned false.
+ */
 SP_API sp_status sp_store_verify(sp_store *store, const sp_store_check *check, sp_error *err);
 
 /* Disables HDF5's clean-up at exit, which prints to stderr after a damaged file. For programs that have closed all HDF5

@@ -59,6 +59,7 @@ sp_status sp_child_find(const char *name, char *out, sp_error *err) {
 /* In the child: only calls that are safe after fork. Sends errno through `pipe' if the program does not start. */
 static void become(const char *const *words, const char *folder, const char *printed, pid_t parent, int pipe_end) {
     setpgid(0, 0);
+    signal(SIGXFSZ, SIG_DFL); /* what is ignored would stay so */
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     const bool there = getppid() == parent && chdir(folder) == 0;
     const int in = open("/dev/null", O_RDONLY), out = there ? open(printed, O_WRONLY | O_CREAT | O_TRUNC, 0666) : -1;

@@ -27,6 +27,8 @@ static const cli_syntax syntax = {
             "law: normal forces against Hertz's law.\n"
             "geometry: overlaps against positions.\n"
             "coulomb: the largest excess of a tangential force over friction times the normal force.\n"
+            "missing: overlaps of grains, walls and periodic images that no contact lists.\n"
+            "A field of the file that is at odds with its scene or its contacts fails too.\n"
             "\n"
             "The exit status is 1 if any file fails. A packing that was made with a larger packing.tolerance, or that "
             "was read from a file with few digits, may need a larger EPS.",
@@ -42,7 +44,7 @@ static sp_status add_columns(void *user, sp_table *t, sp_error *err) {
     cli_columns(&w, SP_CELL_NUMBER, "residual", "", NULL);
     cli_columns(&w, SP_CELL_TEXT, "reason", "", NULL);
     cli_columns(&w, SP_CELL_NUMBER, "force", "", "torque", "", "walls", "", "law", "", "geometry", "", "coulomb", "",
-                NULL);
+                "missing", "", NULL);
     return w.status;
 }
 
@@ -51,7 +53,7 @@ static sp_status check_file(void *user, cli_file *file, sp_table *t, sp_error *e
     const arguments *a = user;
     const char *path = file->path;
     sp_packing p = sp_packing_none();
-    sp_audit audit = {NAN, NAN, NAN, NAN, NAN, NAN, 0, 0, 0};
+    sp_audit audit = {NAN, NAN, NAN, NAN, NAN, NAN, 0, 0, 0, NAN, NAN};
     sp_error fault = {0};
     char reason[SP_ERROR_TEXT] = "";
     double residual = NAN;
@@ -60,7 +62,9 @@ static sp_status check_file(void *user, cli_file *file, sp_table *t, sp_error *e
         status = sp_packing_audit(&p, file->scene->network.threshold, &audit, &fault);
     if (status == SP_OK)
         residual = sp_audit_worst(&audit, a->tolerance, reason, sizeof reason);
-    else
+    if (status == SP_OK && !*reason)
+        status = sp_packing_check_stated(path, &p, &audit, &fault);
+    if (status != SP_OK)
         snprintf(reason, sizeof reason, "%s", fault.text);
     file->failed = status != SP_OK || *reason;
     if (file->failed) {
@@ -71,7 +75,8 @@ static sp_status check_file(void *user, cli_file *file, sp_table *t, sp_error *e
     sp_packing_free(&p);
     return sp_table_add_row(t, err, path, file->failed ? "no" : "yes", residual, file->failed ? reason : "-",
                             audit.force_residual, audit.torque_residual, audit.wall_residual, audit.law_residual,
-                            audit.geometry_residual, audit.coulomb_excess);
+                            audit.geometry_residual, audit.coulomb_excess,
+                            isnan(audit.law_residual) ? NAN : (double)audit.missing);
 }
 
 int cmd_check(int argc, char **argv) {

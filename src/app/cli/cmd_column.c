@@ -58,7 +58,7 @@ static void warn(const arguments *a, const sp_table *t) {
 }
 
 static sp_status compute(arguments *a, sp_scene *scene, sp_table *t, sp_error *err) {
-    cli_catch_signals();
+    cli_catch_signals(&a->common);
     scene->tapped.stopped = stopped;
     a->begun = sp_clock_wall();
     sp_status status =

@@ -122,7 +122,10 @@ static bool watch(const sp_pack_progress *progress, void *user) {
         c->phase = progress->phase;
         c->logged_at = now;
     }
-    return !cli_stopped() || !may_stop(c);
+    if (!cli_stopped())
+        return true;
+    cli_stop_patiently(); /* the state is to be saved */
+    return !may_stop(c);
 }
 
 static sp_status save_state(const void *state, size_t size, void *user, sp_error *err) {
@@ -214,7 +217,7 @@ static sp_status compress(compression *c, const sp_packing *from, sp_packing *p,
                                  .state_size = c->state.found_size,
                                  .from = from,
                                  .stage = save_stage};
-    cli_catch_signals();
+    cli_catch_signals(common);
     c->begun = sp_clock_wall();
     sp_status status = sp_packing_make_with(&c->scene->pack, &hooks, p, err);
     cli_progress_end();

@@ -247,7 +247,7 @@ static sp_status work_column(arguments *a, sp_table *t, sp_error *err) {
     for (int k = 0; k < 3; k++)
         if (cli_given(&syntax, &a->common, unused[k]))
             cli_note(&a->common, "--%s has no effect: blackmore2011 needs no packings", unused[k]);
-    cli_catch_signals();
+    cli_catch_signals(&a->common);
     status = sp_paper_column_reproduce(&o, watch, a, t, err);
     cli_progress_end();
     if (status == SP_EINTERRUPTED)
@@ -270,7 +270,7 @@ static sp_status work(arguments *a, sp_store **store, sp_table *t, sp_error *err
         status = sp_store_open(a->store, true, store, err);
     if (status != SP_OK)
         return status;
-    cli_catch_signals();
+    cli_catch_signals(&a->common);
     status = sp_paper_reproduce(*store, &o, watch, a, t, err);
     cli_progress_end();
     if (status == SP_EINTERRUPTED)

@@ -1,4 +1,4 @@
-/* Prints messages and progress on stderr, and handles Ctrl-C. */
+/* Prints messages and progress on stderr. */
 #include "cli/cli.h"
 
 #include "base/base.h"
@@ -7,7 +7,6 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -212,25 +211,3 @@ void cli_watch_end(void) {
     clear_progress();
     pthread_mutex_unlock(&lock);
 }
-
-static atomic_bool stopped;
-
-static void stop(int signal_number) {
-    if (atomic_exchange(&stopped, true)) {
-        signal(signal_number, SIG_DFL);
-        raise(signal_number);
-    }
-}
-
-void cli_catch_signals(void) {
-    static const int signals[] = {SIGINT, SIGTERM};
-    for (size_t k = 0; k < sizeof signals / sizeof *signals; k++) {
-        struct sigaction before, action = {.sa_handler = stop, .sa_flags = SA_RESTART};
-        sigemptyset(&action.sa_mask);
-        /* a signal that the caller has us ignore (nohup, a background job) stays ignored */
-        if (sigaction(signals[k], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
-            sigaction(signals[k], &action, NULL);
-    }
-}
-
-bool cli_stopped(void) { return atomic_load(&stopped); }

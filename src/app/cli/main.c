@@ -76,7 +76,8 @@ static void overview(FILE *out) {
     fputs(
         "\n`sonopack help COMMAND' explains a command, `sonopack help scene' the scene files, `sonopack help KEY' one\n"
         "of their keys. `sonopack --version' prints the version. Data go to stdout, messages and progress to stderr.\n"
-        "Exit status: 0 success, 1 the command failed, 2 wrong usage or scene.\n",
+        "Exit status: 0 success, 1 the command failed, 2 wrong usage or scene; 130 or 143 stopped by Ctrl-C or "
+        "SIGTERM.\n",
         out);
 }
 
@@ -142,11 +143,12 @@ static void keep_standard_files(void) {
             _Exit(CLI_FAILED);
 }
 
-/* If the address space is limited, OpenBLAS cannot start its threads, and would wait for them for ever when the process
- * ends. All files are closed by now. */
+/* Ends by the signal that has stopped the command. If the address space is limited, OpenBLAS cannot start its threads,
+ * and would wait for them for ever when the process ends. All files are closed by now. */
 static void leave(int status, void *nothing) {
     struct rlimit space;
     (void)nothing;
+    cli_end_if_stopped(status);
     if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
         _exit(status);
 }
@@ -164,6 +166,7 @@ int main(int argc, char **argv) {
     cli_commands = commands;
     setenv("HDF5_PLUGIN_PRELOAD", "::", 1); /* no file may ask for a filter that is a library to be loaded */
     keep_standard_files();
+    cli_signals_begin();
     if (!SONOPACK_LATE) /* else it is loaded so */
         sp_hdf5_exit_silently();
     use_one_blas_thread();

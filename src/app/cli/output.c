@@ -147,7 +147,7 @@ static sp_status may_write(const cli_common *common, const char *path, const cha
                        SP_PATH_MAX);
     snprintf(folder, sizeof folder, "%.*s", length, slash ? path : ".");
     if (!common->dry_run)
-        return sp_folder_probe(folder, err);
+        return sp_file_probe(path, err);
     if (access(folder, W_OK) == 0)
         return SP_OK;
     return sp_fail(err, SP_EIO, "cannot write in %s: %s", folder, strerror(errno));

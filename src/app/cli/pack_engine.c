@@ -118,6 +118,8 @@ static bool watch(const sp_pack_progress *progress, void *user) {
     snprintf(text, sizeof text, "%s: %lld steps, residual %.2g", progress->phase, (long long)progress->steps,
              progress->residual);
     cli_progress(user, text, -1, 0.0 / 0.0);
+    if (cli_stopped())
+        cli_stop_patiently(); /* LAMMPS needs some seconds to end */
     return !cli_stopped();
 }
 
@@ -172,7 +174,7 @@ sp_status pack_engine_make(const pack_engine *e, const cli_common *common, sp_sc
         status = prepare(common, scene, folder, err);
     if (status != SP_OK)
         return status;
-    cli_catch_signals();
+    cli_catch_signals(common);
     status = run(e, &shown, scene, e->collect ? e->collect : folder, out, err);
     if (status != SP_OK) {
         status = sp_fail_prefix(err, "the files are in %s", e->collect ? e->collect : folder);

@@ -39,7 +39,8 @@ static bool found(const sp_store_finding *f, void *user) {
     }
     char reason[SP_ERROR_TEXT + 16];
     snprintf(reason, sizeof reason, "%s%s", sound && f->record ? "failed: " : "", *f->reason ? f->reason : "-");
-    v->status = sp_table_add_row(&v->table, &v->error, f->file, sound ? "yes" : "no", reason);
+    v->status =
+        sp_table_add_row(&v->table, &v->error, f->file, sound ? "yes" : "no", reason, *f->field ? f->field : "-");
     snprintf(text, sizeof text, "%lld/%lld samples checked", (long long)f->done, (long long)f->names);
     cli_progress(v->common, text, fraction, seconds * (1 / fraction - 1));
     return v->status == SP_OK && !cli_stopped();
@@ -65,11 +66,12 @@ static sp_status scene_names(const sp_scene *scene, sp_store_check *check, char 
     return SP_OK;
 }
 
-static sp_status verify(verification *v, sp_store *store, const sp_scene *scene, double tolerance, sp_error *err) {
-    sp_store_check check = {.names = -1, .tolerance = tolerance, .found = found, .user = v};
+static sp_status verify(verification *v, sp_store *store, const sp_scene *scene, double tolerance, int recompute,
+                        sp_error *err) {
+    sp_store_check check = {.names = -1, .tolerance = tolerance, .recompute = recompute, .found = found, .user = v};
     char(*name)[SP_NAME_MAX] = NULL;
     cli_writer w = {.table = &v->table, .err = err};
-    cli_columns(&w, SP_CELL_TEXT, "file", "", "ok", "", "reason", "", NULL);
+    cli_columns(&w, SP_CELL_TEXT, "file", "", "ok", "", "reason", "", "field", "", NULL);
     sp_status status = w.status;
     if (status == SP_OK && scene)
         status = scene_names(scene, &check, &name, err);
@@ -85,16 +87,16 @@ static sp_status verify(verification *v, sp_store *store, const sp_scene *scene,
     return status;
 }
 
-sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *scene, double tolerance, bool *good,
-                     sp_error *err) {
+sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *scene, double tolerance, int recompute,
+                     bool *good, sp_error *err) {
     verification v = {.common = common, .table = sp_table_none(), .begun = sp_clock_wall()};
     sp_store *store = NULL;
     sp_status status = cli_may_write_table(common, err);
     if (status == SP_OK)
         status = sp_store_open(dir, false, &store, err);
     if (status == SP_OK) {
-        cli_catch_signals();
-        status = verify(&v, store, scene, tolerance, err);
+        cli_catch_signals(common);
+        status = verify(&v, store, scene, tolerance, recompute, err);
         cli_progress_end();
     }
     if (status == SP_OK)

@@ -6,9 +6,10 @@
 
 /* The identifiers behind H5T_NATIVE_DOUBLE and its like are variables, which nothing can load when they are read. But
  * the macros call H5open() before they read them: by then these have been filled. */
-hid_t H5P_CLS_DATASET_CREATE_ID_g, H5P_CLS_FILE_ACCESS_ID_g, H5P_CLS_FILE_CREATE_ID_g, H5P_CLS_GROUP_CREATE_ID_g,
-    H5T_C_S1_g, H5T_IEEE_F64LE_g, H5T_NATIVE_DOUBLE_g, H5T_NATIVE_INT32_g, H5T_NATIVE_INT64_g, H5T_NATIVE_UINT64_g,
-    H5T_NATIVE_UINT8_g, H5T_STD_I32LE_g, H5T_STD_I64LE_g, H5T_STD_REF_OBJ_g, H5T_STD_U64LE_g, H5T_STD_U8LE_g;
+hid_t H5E_RESOURCE_g, H5P_CLS_DATASET_CREATE_ID_g, H5P_CLS_FILE_ACCESS_ID_g, H5P_CLS_FILE_CREATE_ID_g,
+    H5P_CLS_GROUP_CREATE_ID_g, H5T_C_S1_g, H5T_IEEE_F64LE_g, H5T_NATIVE_DOUBLE_g, H5T_NATIVE_INT32_g,
+    H5T_NATIVE_INT64_g, H5T_NATIVE_UINT64_g, H5T_NATIVE_UINT8_g, H5T_STD_I32LE_g, H5T_STD_I64LE_g, H5T_STD_REF_OBJ_g,
+    H5T_STD_U64LE_g, H5T_STD_U8LE_g;
 
 static void fill_identifiers(void);
 
@@ -56,7 +57,11 @@ HDF5(hid_t, H5Pcreate, (hid_t a), (a))
 HDF5(const void *, H5Pget_driver_info, (hid_t a), (a))
 HDF5(int, H5Pget_external_count, (hid_t a), (a))
 HDF5(int, H5Pget_chunk, (hid_t a, int b, hsize_t c[]), (a, b, c))
+HDF5(H5Z_filter_t, H5Pget_filter2,
+     (hid_t a, unsigned b, unsigned *c, size_t *d, unsigned *e, size_t f, char *g, unsigned *i),
+     (a, b, c, d, e, f, g, i))
 HDF5(H5D_layout_t, H5Pget_layout, (hid_t a), (a))
+HDF5(int, H5Pget_nfilters, (hid_t a), (a))
 HDF5(herr_t, H5Pset_chunk, (hid_t a, int b, const hsize_t c[]), (a, b, c))
 HDF5(herr_t, H5Pset_driver, (hid_t a, hid_t b, const void *c), (a, b, c))
 HDF5(herr_t, H5Pset_fapl_core, (hid_t a, size_t b, hbool_t c), (a, b, c))
@@ -96,7 +101,8 @@ static void fill_identifiers(void) {
     static const struct {
         hid_t *ours;
         const char *name;
-    } identifier[] = {{&H5P_CLS_DATASET_CREATE_ID_g, "H5P_CLS_DATASET_CREATE_ID_g"},
+    } identifier[] = {{&H5E_RESOURCE_g, "H5E_RESOURCE_g"},
+                      {&H5P_CLS_DATASET_CREATE_ID_g, "H5P_CLS_DATASET_CREATE_ID_g"},
                       {&H5P_CLS_FILE_ACCESS_ID_g, "H5P_CLS_FILE_ACCESS_ID_g"},
                       {&H5P_CLS_FILE_CREATE_ID_g, "H5P_CLS_FILE_CREATE_ID_g"},
                       {&H5P_CLS_GROUP_CREATE_ID_g, "H5P_CLS_GROUP_CREATE_ID_g"},

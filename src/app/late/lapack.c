@@ -7,8 +7,8 @@
 static late_library lapacke = {LATE_LAPACKE, NULL, PTHREAD_RECURSIVE_MUTEX_INITIALIZER_NP, NULL};
 static late_library blas = {LATE_BLAS, NULL, PTHREAD_RECURSIVE_MUTEX_INITIALIZER_NP, NULL};
 
-#define LAPACKE(type, name, parameters, arguments) LATE_FUNCTION(&lapacke, type, name, parameters, arguments)
-#define BLAS(type, name, parameters, arguments)    LATE_FUNCTION(&blas, type, name, parameters, arguments)
+#define LAPACKE(type, name, parameters, arguments) LATE_BLAS_FUNCTION(&lapacke, type, name, parameters, arguments)
+#define BLAS(type, name, parameters, arguments)    LATE_BLAS_FUNCTION(&blas, type, name, parameters, arguments)
 
 LAPACKE(lapack_int, LAPACKE_dgeev_work,
         (int a, char b, char c, lapack_int d, double *e, lapack_int f, double *g, double *h, double *i, lapack_int j,

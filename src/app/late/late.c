@@ -18,8 +18,13 @@ static void *load(late_library *library) {
     return handle;
 }
 
+void *late_look(late_library *library, const char *name) {
+    void *handle = load(library);
+    return handle ? dlsym(handle, name) : NULL;
+}
+
 void *late_find(late_library *library, const char *name) {
-    void *handle = load(library), *found = handle ? dlsym(handle, name) : NULL;
+    void *found = late_look(library, name);
     if (!found) {
         const char *reason = dlerror();
         fprintf(stderr, "sonopack: cannot load %s: %s\n", library->file, reason ? reason : "no reason given");

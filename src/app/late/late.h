@@ -21,8 +21,22 @@ typedef struct late_library {
 /* The address of a function or variable. Without the library the process ends: exit status 1 and a line on stderr. */
 void *late_find(late_library *library, const char *name);
 
+/* The same, but NULL if the library has no such function. */
+void *late_look(late_library *library, const char *name);
+
+/* Of a thread that calls OpenBLAS: makes sure that it finds a buffer there. Ends the process as late_find does. */
+int late_blas_enter(late_library *library);
+void late_blas_leave(const int *entered);
+
 /* A function of `library` under its own name. */
 #define LATE_FUNCTION(library, type, name, parameters, arguments)                                                      \
+    LATE_CALL(library, type, name, parameters, arguments, )
+/* One that calls BLAS. */
+#define LATE_BLAS_FUNCTION(library, type, name, parameters, arguments)                                                 \
+    LATE_CALL(library, type, name, parameters, arguments,                                                              \
+              __attribute__((cleanup(late_blas_leave), unused)) const int entered = late_blas_enter(library);)
+
+#define LATE_CALL(library, type, name, parameters, arguments, before)                                                  \
     type name parameters {                                                                                             \
         static _Atomic(__typeof__(&name)) found;                                                                       \
         __typeof__(&name) call = atomic_load_explicit(&found, memory_order_acquire);                                   \
@@ -30,7 +44,7 @@ void *late_find(late_library *library, const char *name);
             call = (__typeof__(&name))late_find(library, #name);                                                       \
             atomic_store_explicit(&found, call, memory_order_release);                                                 \
         }                                                                                                              \
-        return call arguments;                                                                                         \
+        before return call arguments;                                                                                  \
     }
 
 #endif

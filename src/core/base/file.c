@@ -88,6 +88,21 @@ sp_status sp_file_read(const char *path, char **data, size_t *size, sp_error *er
     return read_file(path, true, data, size, err);
 }
 
+int64_t sp_file_read_at(int fd, void *data, size_t size, int64_t at) {
+    size_t used = 0;
+    while (used < size) {
+        const ssize_t got = pread(fd, (char *)data + used, size - used, (off_t)at + (off_t)used);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            return -1;
+        if (got == 0)
+            break;
+        used += (size_t)got;
+    }
+    return (int64_t)used;
+}
+
 sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err) {
     enum { CHUNK = 1 << 16 };
     unsigned char buffer[CHUNK];
@@ -131,13 +146,51 @@ static void folder_of(const char *path, char folder[SP_PATH_MAX]) {
         snprintf(folder, SP_PATH_MAX, "%.*s", slash == path ? 1 : (int)(slash - path), path);
 }
 
-/* Locks the file. False if another process has locked it, or has already removed it as a leftover. Where the file
- * system has no locks, this returns true and nothing is removed. */
-static bool own(int fd) {
+/* Locks a new file. EWOULDBLOCK if another process has locked it, or has already removed it as a leftover; another code
+ * if that cannot be told. Where the file system has no locks, this returns 0 and nothing is removed. */
+static int own(int fd) {
     struct stat info;
     if (flock(fd, LOCK_EX | LOCK_NB) != 0)
-        return errno != EWOULDBLOCK;
-    return fstat(fd, &info) == 0 && info.st_nlink > 0;
+        return errno == EWOULDBLOCK ? errno : 0;
+    if (fstat(fd, &info) != 0)
+        return errno;
+    return info.st_nlink > 0 ? 0 : EWOULDBLOCK;
+}
+
+/* ---- temporary files -------------------------------------------------------------------------------------------- */
+
+/* Names of temporary files that are being written, for sp_drafts_abandon. */
+enum { REMEMBERED = 64 };
+static _Atomic(const char *) temporaries[REMEMBERED];
+
+static void remember(const char *name) {
+    for (int k = 0; k < REMEMBERED; k++) {
+        const char *none = NULL;
+        if (atomic_compare_exchange_strong(&temporaries[k], &none, name))
+            return;
+    }
+}
+
+/* Call before the name changes or goes. */
+static void forget(const char *name) {
+    for (int k = 0; k < REMEMBERED; k++) {
+        const char *same = name;
+        if (atomic_compare_exchange_strong(&temporaries[k], &same, NULL))
+            return;
+    }
+}
+
+void sp_drafts_abandon(void) {
+    for (int k = 0; k < REMEMBERED; k++) {
+        char name[SP_PATH_MAX];
+        const char *seen = atomic_load(&temporaries[k]);
+        if (!seen)
+            continue;
+        strncpy(name, seen, sizeof name - 1);
+        name[sizeof name - 1] = '\0';
+        if (atomic_compare_exchange_strong(&temporaries[k], &seen, NULL)) /* else the copy may be of something else */
+            unlink(name);
+    }
 }
 
 /* Prefix of this machine's temporary files. It contains the host because some file systems only lock within a
@@ -164,10 +217,19 @@ static int open_temporary(const char *folder, char name[SP_PATH_MAX]) {
         int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (fd < 0 && errno != EEXIST)
             return fd;
-        if (fd >= 0 && own(fd))
+        if (fd >= 0)
+            remember(name);
+        const int code = fd < 0 ? EEXIST : own(fd);
+        if (code == 0)
             return fd;
+        forget(name);
         if (fd >= 0)
             close(fd);
+        if (code != EEXIST && code != EWOULDBLOCK) {
+            unlink(name);
+            errno = code;
+            return -1;
+        }
     }
     return -1;
 }
@@ -195,6 +257,7 @@ void sp_draft_drop(sp_draft *d) {
     if (d->fd < 0)
         return;
     unlink(d->temporary);
+    forget(d->temporary);
     close(d->fd);
     d->fd = -1;
 }
@@ -212,6 +275,7 @@ sp_status sp_draft_commit(sp_draft *d, sp_error *err) {
         sp_draft_drop(d);
         return fail_errno(err, "write", d->path, code);
     }
+    forget(d->temporary);
     close(d->fd); /* fsync has succeeded, so close cannot lose data */
     d->fd = -1;
     folder_of(d->path, folder);
@@ -290,6 +354,17 @@ sp_status sp_draft_begin(const char *path, sp_draft *d, sp_error *err) {
     return begin_draft(kind ? target : path, kind ? &info : NULL, d, err);
 }
 
+sp_status sp_file_probe(const char *path, sp_error *err) {
+    struct stat info;
+    char target[PATH_MAX], folder[SP_PATH_MAX];
+    mode_t kind;
+    sp_status status = find_target(path, target, &info, &kind, err);
+    if (status != SP_OK || (kind != 0 && kind != S_IFREG))
+        return status;
+    folder_of(kind ? target : path, folder);
+    return sp_folder_probe(folder, err);
+}
+
 sp_status sp_text_save(const char *path, const char *text, size_t size, sp_error *err) {
     return sp_file_write(path, text, size, err);
 }
@@ -329,5 +404,6 @@ sp_status sp_folder_probe(const char *folder, sp_error *err) {
         return fail_errno(err, "write in", folder, errno);
     close(fd);
     unlink(temporary);
+    forget(temporary);
     return SP_OK;
 }

@@ -17,6 +17,10 @@ SP_SHARED sp_status sp_file_read_text(const char *path, char **text, size_t *siz
 /* The same for any file; zero bytes are allowed. */
 SP_SHARED sp_status sp_file_read(const char *path, char **data, size_t *size, sp_error *err);
 
+/* Reads bytes of an open file at a place: their number, which is below `size` at the end of the file only, or -1 with
+ * errno. */
+SP_SHARED int64_t sp_file_read_at(int fd, void *data, size_t size, int64_t at);
+
 /* sp_hash64 of a file's bytes. SP_EIO if it cannot be read. */
 SP_SHARED sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err);
 
@@ -36,8 +40,16 @@ SP_SHARED sp_status sp_draft_begin(const char *path, sp_draft *d, sp_error *err)
 SP_SHARED sp_status sp_draft_commit(sp_draft *d, sp_error *err);
 SP_SHARED void sp_draft_drop(sp_draft *d);
 
+/* Removes all temporary files that this process is writing. For a handler of signals that ends the process: it calls
+ * nothing that is unsafe there. */
+SP_SHARED void sp_drafts_abandon(void);
+
 /* Checks that a file can be created in the folder, by creating a temporary one and removing it. SP_EIO if not. */
 SP_SHARED sp_status sp_folder_probe(const char *folder, sp_error *err);
+
+/* Checks that sp_file_write could write the file, as far as this shows before: SP_EIO for a link to nothing, a file
+ * that must not be written, a folder in which none can be created. */
+SP_SHARED sp_status sp_file_probe(const char *path, sp_error *err);
 
 /* Removes temporary files of processes that were killed while writing. */
 SP_SHARED void sp_folder_clean(const char *folder);

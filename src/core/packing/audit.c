@@ -20,8 +20,10 @@ static double true_overlap(const sp_packing *p, const sp_contact *c, double *tur
         d[sp_packing_wall_axis(p, c->j)] = sp_packing_wall_side(c->j) * sp_packing_wall_distance(p, c->i, c->j);
     for (int a = 0; a < 3; a++)
         r2 += d[a] * d[a];
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3 && r2 > 0; a++)
         *turn = fmax(*turn, fabs(d[a] / sqrt(r2) - c->n[a]));
+    if (!(r2 > 0)) /* centres that coincide have no normal */
+        *turn = 1;
     return p->r[c->i] + (c->j >= 0 ? p->r[c->j] : 0) - sqrt(r2);
 }
 
@@ -90,40 +92,94 @@ static double wall_residual(const sp_packing *p, const sums *s) {
     return worst;
 }
 
-static sp_status audit_balance(const sp_packing *p, const uint8_t *rattler, double unit, sp_audit *a, sp_error *err) {
+/* A rattler may press on others like any grain, and has to be in balance then. What is left of it may be as large as a
+ * contact that does not count as carrying. As all contacts push, a group of grains in balance reaches from wall to
+ * wall, or around a periodic cell. */
+static sp_status audit_balance(const sp_packing *p, const uint8_t *rattler, double threshold, double unit, sp_audit *a,
+                               sp_error *err) {
     sums s = {.trace = 0};
     double *force = sp_alloc((size_t)p->n * 6, sizeof *force);
     if (!force)
         return sp_fail_memory(err, (size_t)p->n * 6 * sizeof *force);
     sum_on_grains(p, force, &s);
     for (size_t i = 0; i < (size_t)p->n; i++) {
-        if (rattler[i])
-            continue;
-        a->force_residual = fmax(a->force_residual, length3(force + 6 * i) / unit);
-        a->torque_residual = fmax(a->torque_residual, length3(force + 6 * i + 3) / unit);
+        const double slack = rattler[i] ? threshold : 0, r = p->r[i], mass = p->mass ? p->mass[i] : grain_mass(r);
+        const double spin = r * r / (p->inertia ? p->inertia[i] : grain_inertia(r));
+        const double linear = length3(force + 6 * i) / mass, turning = length3(force + 6 * i + 3) * spin;
+        a->acceleration = fmax(a->acceleration, fmax(linear, turning));
+        if (p->mass)
+            a->inertia_excess = fmax(a->inertia_excess, 1 / (spin * mass) - 1);
+        a->force_residual = fmax(a->force_residual, length3(force + 6 * i) / unit - slack);
+        a->torque_residual = fmax(a->torque_residual, length3(force + 6 * i + 3) / unit - slack);
     }
     a->wall_residual = wall_residual(p, &s);
     sp_free(force);
     return SP_OK;
 }
 
-/* ---- pairs that overlap but are not listed ------------------------------------------------------------------ */
+/* ---- what overlaps but is not listed -------------------------------------------------------------------------- */
 
 typedef struct search {
     const sp_packing *p;
     double slack;
+    bool narrow; /* a grain may touch more than one image of another, or of itself */
     int32_t missing;
 } search;
 
+/* Whether some period is shorter than two of the largest grains side by side. */
+static bool is_narrow(const sp_packing *p) {
+    double largest = 0, shortest = INFINITY;
+    for (int32_t i = 0; i < p->n; i++)
+        largest = fmax(largest, p->r[i]);
+    for (int a = 0; a < p->dim; a++)
+        if (sp_packing_periodic(p, a))
+            shortest = fmin(shortest, p->box[a]);
+    return shortest < 4 * largest;
+}
+
+/* How many images of a grain at d are closer than reach. The lattice vectors are nearly reduced (tilts are at most half
+ * of the edges), so that few multiples of each do. */
+static int images_within(const sp_packing *p, const double d[3], double reach, bool narrow) {
+    int most[3], found = 0;
+    for (int a = 0; a < 3; a++)
+        most[a] = narrow && sp_packing_periodic(p, a) ? 3 : 0;
+    for (int u = -most[0]; u <= most[0]; u++)
+        for (int v = -most[1]; v <= most[1]; v++)
+            for (int w = -most[2]; w <= most[2]; w++) {
+                const double e[3] = {d[0] + u * p->box[0] + v * p->tilt[0] + w * p->tilt[1],
+                                     d[1] + v * p->box[1] + w * p->tilt[2], d[2] + w * p->box[2]};
+                found += length3(e) < reach;
+            }
+    return found;
+}
+
 static sp_status check_listed(int32_t i, int32_t j, void *user, sp_error *err) {
     search *s = user;
+    const sp_packing *p = s->p;
     double d[3];
+    int overlapping;
     (void)err;
-    if (j < 0)
-        return SP_OK;
-    sp_packing_separation(s->p, i, j, d);
-    s->missing += length3(d) < s->p->r[i] + s->p->r[j] - s->slack && !sp_packing_has_contact(s->p, i, j);
+    if (j >= 0) {
+        sp_packing_separation(p, i, j, d);
+        overlapping = images_within(p, d, p->r[i] + p->r[j] - s->slack, s->narrow);
+    } else {
+        overlapping = sp_packing_wall_distance(p, i, j) < p->r[i] - s->slack;
+    }
+    if (overlapping > 0) /* a contact stands for one image */
+        s->missing += overlapping - sp_packing_has_contact(p, i, j);
     return SP_OK;
+}
+
+/* Counts what overlaps beyond rounding and is not listed: pairs, grains and walls, second images, and images of a grain
+ * itself, which cannot be listed. */
+static sp_status audit_missing(const sp_packing *p, double slack, int32_t *out, sp_error *err) {
+    static const double here[3] = {0, 0, 0};
+    search s = {.p = p, .slack = slack, .narrow = is_narrow(p)};
+    for (int32_t i = 0; i < p->n && s.narrow; i++)
+        s.missing += images_within(p, here, 2 * p->r[i] - slack, true) > 1;
+    sp_status status = sp_packing_sweep(p, 0, check_listed, &s, err);
+    *out = s.missing;
+    return status;
 }
 
 sp_status sp_packing_audit(const sp_packing *p, double threshold, sp_audit *out, sp_error *err) {
@@ -143,11 +199,9 @@ sp_status sp_packing_audit(const sp_packing *p, double threshold, sp_audit *out,
     for (int32_t c = 0; c < p->n_contacts; c++)
         a.carrying += carrying[c];
     audit_contacts(p, threshold * unit, &a);
-    status = audit_balance(p, rattler, unit, &a, err);
-    search missing = {.p = p, .slack = 1e-6 * deepest + 1e-12 * diameter};
+    status = audit_balance(p, rattler, threshold, unit, &a, err);
     if (status == SP_OK)
-        status = sp_packing_sweep(p, 0, check_listed, &missing, err);
-    a.missing = missing.missing;
+        status = audit_missing(p, 1e-6 * deepest + 1e-12 * diameter, &a.missing, err);
     if (status == SP_OK)
         *out = a;
 out:
@@ -168,6 +222,7 @@ static const struct measure {
     {offsetof(sp_audit, force_residual), "forces on a grain do not balance"},
     {offsetof(sp_audit, torque_residual), "torques on a grain do not balance"},
     {offsetof(sp_audit, coulomb_excess), "a tangential force is above friction times the normal force"},
+    {offsetof(sp_audit, inertia_excess), "a moment of inertia is above mass times squared radius"},
     {offsetof(sp_audit, wall_residual), "the pressure in the grains is not that of the packing"},
 };
 
@@ -175,7 +230,8 @@ double sp_audit_worst(const sp_audit *audit, double tolerance, char *reason, siz
     double largest = 0;
     *reason = '\0';
     if (audit->missing > 0)
-        snprintf(reason, size, "%d pairs overlap that are not listed as contacts: must be 0", audit->missing);
+        snprintf(reason, size, "%d overlaps of grains, walls or images are not listed as contacts: must be 0",
+                 audit->missing);
     for (size_t k = 0; k < sizeof measures / sizeof *measures; k++) {
         double value;
         memcpy(&value, (const char *)audit + measures[k].offset, sizeof value);

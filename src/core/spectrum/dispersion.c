@@ -5,6 +5,7 @@
 #include "network/cell.h"
 #include "spectrum/moments.h"
 
+#include <float.h>
 #include <math.h>
 #include <sonopack/spectrum.h>
 #include <string.h>
@@ -156,7 +157,8 @@ typedef struct spectral {
     const double *g, *mu;
 } spectral;
 
-static double value(const spectral *s, double frequency) {
+static double value(const spectral *s, double at) {
+    const double frequency = fmin(at, s->omega * (1 - DBL_EPSILON)); /* the limit at Omega */
     return sp_moments_density(s->omega, s->n, s->g, s->mu, frequency) *
            cos(0.5 * sp_moments_phase(s->omega, frequency));
 }

@@ -165,7 +165,7 @@ static double clenshaw(int64_t n, const double *g, const double *mu, bool over_k
 
 double sp_moments_density(double omega, int64_t n, const double *g, const double *mu, double frequency) {
     const double phi = sp_moments_phase(omega, frequency), slope = 0.5 * omega * cos(0.5 * phi);
-    if (!(slope > 0) || frequency < 0)
+    if (!(frequency < omega) || frequency < 0) /* no modes there; above Omega the slope is a rounding error of 0 */
         return 0;
     double cosines;
     clenshaw(n, g, mu, false, phi, &cosines);

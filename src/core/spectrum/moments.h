@@ -31,8 +31,8 @@ void sp_moments_jackson(int64_t n, double *g);
 
 /* phi of a frequency; above Omega: that of Omega. */
 double sp_moments_phase(double omega, double frequency);
-/* Density in omega, (1/pi) [g_0 mu_0 + 2 sum g_k mu_k cos(k phi)] dphi/domega. g NULL: mu holds the products g_k
- * mu_k. */
+/* Density in omega, (1/pi) [g_0 mu_0 + 2 sum g_k mu_k cos(k phi)] dphi/domega; 0 from Omega on. g NULL: mu holds the
+ * products g_k mu_k. */
 double sp_moments_density(double omega, int64_t n, const double *g, const double *mu, double frequency);
 /* Its integral from 0 to the frequency. */
 double sp_moments_integral(double omega, int64_t n, const double *g, const double *mu, double frequency);

@@ -16,7 +16,7 @@ void sp_sample_arrays_free(sp_sample_arrays *a) {
     *a = sp_sample_arrays_none();
 }
 
-static sp_status describe(const sp_scene *scene, sp_sample *sample, sp_error *err) {
+sp_status sp_sample_describe(const sp_scene *scene, sp_sample *sample, sp_error *err) {
     sp_sample_name(scene, sample->name);
     if (sample->name[0] == '\0')
         return sp_fail_memory(err, 4096);
@@ -46,7 +46,7 @@ sp_status sp_sample_make_with(const sp_scene *given, unsigned want, const sp_pac
     sp_scene resolved = *given, *scene = &resolved;
     sp_status status = sp_scene_resolve(scene, err);
     if (status == SP_OK)
-        status = describe(scene, sample, err);
+        status = sp_sample_describe(scene, sample, err);
     if (status != SP_OK)
         return status;
     want = sp_want_parts(want);

@@ -14,6 +14,9 @@ SP_SHARED sp_status sp_study_sample(const sp_scene *study, int64_t k, sp_scene *
 /* Hash of the scene's keys of the group signal, by which one signal of a sample differs from another. 0: no memory. */
 uint64_t sp_signal_keys(const sp_scene *scene);
 
+/* Fills in the name and the keys of a sample. scene: resolved. SP_ENOMEM. */
+sp_status sp_sample_describe(const sp_scene *scene, sp_sample *sample, sp_error *err);
+
 /* Spacing of the times at which a signal is sampled for its front. */
 double sp_front_spacing(double pressure);
 /* Options for a signal over the times 0 .. window whose front is to be found. */

@@ -23,7 +23,10 @@ void sp_store_path(const sp_store *store, const char *name, const char *ending, 
 bool sp_store_holds(const sp_store *store, const char *name, const char *ending) {
     char path[SP_PATH_MAX];
     sp_store_path(store, name, ending, path);
-    return access(path, F_OK) == 0;
+    if (access(path, F_OK) == 0)
+        return true;
+    /* if the file system does not answer, reading the file will tell */
+    return errno != ENOENT && errno != ENOTDIR && errno != ELOOP && errno != EACCES && errno != ENAMETOOLONG;
 }
 
 /* Whether anything has this path, even a link that leads nowhere. */
@@ -108,8 +111,12 @@ sp_status sp_store_names(const sp_store *store, sp_name_list *list, sp_error *er
     if (!folder)
         return sp_fail(err, SP_EIO, "cannot read the store %s: %s", store->dir, strerror(errno));
     sp_status status = SP_OK;
-    for (struct dirent *entry; status == SP_OK && (entry = readdir(folder));) {
+    for (;;) {
         char name[SP_NAME_MAX];
+        errno = 0;
+        const struct dirent *entry = status == SP_OK ? readdir(folder) : NULL;
+        if (!entry)
+            break;
         snprintf(name, sizeof name, "%.32s", entry->d_name);
         if (!sp_store_is_name(name))
             continue;
@@ -117,6 +124,8 @@ sp_status sp_store_names(const sp_store *store, sp_name_list *list, sp_error *er
         if (strcmp(ending, ".h5") == 0 || strcmp(ending, ".failed") == 0)
             status = add_name(list, name, err);
     }
+    if (status == SP_OK && errno != 0) /* the list would be shorter than the folder */
+        status = sp_fail(err, SP_EIO, "cannot read the store %s: %s", store->dir, strerror(errno));
     closedir(folder);
     if (status != SP_OK || list->count == 0)
         return status;

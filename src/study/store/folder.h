@@ -60,12 +60,30 @@ sp_status sp_store_check_bytes(const sp_store *store, const char *name, sp_error
 /* Adds the sample's file to the manifest. */
 void sp_store_enter(const sp_store *store, const sp_sample *sample);
 
+/* ---- possible.c, follows.c, recompute.c -------------------------------------------------------------------------- */
+
+/* Whether a sample's numbers, and its arrays, are values that such results can have. SP_EFAILED with the dataset at
+ * fault in err->key. */
+sp_status sp_sample_possible(const sp_sample *s, sp_error *err);
+sp_status sp_arrays_possible(const sp_sample *s, const sp_sample_arrays *a, sp_error *err);
+/* Compares the keys of a sample with its scene. SP_EFAILED as above, SP_ENOMEM. */
+sp_status sp_record_scene(const sp_record *r, const sp_scene *scene, const sp_packing *p, sp_error *err);
+/* Compares results with what follows from packing, scene and other results at little cost. The same errors. */
+sp_status sp_record_follows(const sp_record *r, const sp_scene *scene, const sp_packing *p, sp_error *err);
+/* Compares all results with new ones from the packing. The same errors. May run in several threads. */
+sp_status sp_record_recompute(const sp_record *r, const sp_scene *scene, const sp_packing *p, sp_error *err);
+
 /* ---- check.c ---------------------------------------------------------------------------------------------------- */
 
-/* Checks a sample. SP_OK: it is sound, and in the manifest now. SP_EFORMAT: its file is damaged. SP_EFAILED: its file
- * can be read, but its content is wrong. SP_EIO and SP_ENOMEM. */
-sp_status sp_store_check_sample(const sp_store *store, const char *name, double tolerance, sp_error *err);
-/* A sample that is safe to use: either the manifest has an up-to-date line of it, or it passes sp_store_check_sample.
+/* Checks a sample, and reads it into *r (empty before) and *p. SP_OK: it is sound, and in the manifest now. SP_EFORMAT:
+ * its file is damaged. SP_EFAILED: its file can be read, but its content is wrong. SP_EIO and SP_ENOMEM. The caller
+ * frees both after any status. */
+sp_status sp_store_examine(const sp_store *store, const char *name, double tolerance, sp_record *r, sp_packing *p,
+                           sp_error *err);
+/* Computes the results of a record again, if this version can read its scene (sp_record_recompute). */
+sp_status sp_record_again(const sp_record *r, const sp_packing *p, sp_error *err);
+/* A sample that is safe to use: either the manifest has an up-to-date line of it, or it passes sp_store_examine with
+ * an infinite tolerance.
  * That check allows any imbalance of forces, because the scene decides how good the balance is. */
 sp_status sp_store_trusted(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
 

@@ -7,6 +7,7 @@
 #include <sonopack/study/store.h>
 
 #include <errno.h>
+#include <fcntl.h>
 #include <pthread.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -20,7 +21,7 @@ static pthread_mutex_t library = PTHREAD_MUTEX_INITIALIZER;
 
 static void enter(sp_h5 *h, const char *path) {
     pthread_mutex_lock(&library);
-    *h = (sp_h5){.file = H5I_INVALID_HID, .driver = H5I_INVALID_HID, .path = path};
+    *h = (sp_h5){.file = H5I_INVALID_HID, .driver = H5I_INVALID_HID, .fd = -1, .path = path};
     H5Eget_auto2(H5E_DEFAULT, &h->handler, &h->handler_data);
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
 }
@@ -30,9 +31,12 @@ void sp_h5_close(sp_h5 *h) {
         H5Fclose(h->file); /* closes what is still open in it; the data were flushed and checked before */
     if (h->driver >= 0)
         H5FDunregister(h->driver);
+    if (h->fd >= 0)
+        close(h->fd);
     H5Eclear2(H5E_DEFAULT);
     H5Eset_auto2(H5E_DEFAULT, h->handler, h->handler_data);
     h->file = h->driver = H5I_INVALID_HID;
+    h->fd = -1;
     pthread_mutex_unlock(&library);
 }
 
@@ -43,14 +47,29 @@ static herr_t innermost(unsigned n, const H5E_error2_t *entry, void *out) {
     return 0;
 }
 
+static herr_t look_for_memory(unsigned n, const H5E_error2_t *entry, void *found) {
+    (void)n;
+    *(bool *)found = *(bool *)found || entry->maj_num == H5E_RESOURCE;
+    return 0;
+}
+
+bool sp_h5_short_of_memory(void) {
+    bool found = false;
+    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, look_for_memory, &found);
+    return found;
+}
+
 sp_status sp_h5_fail(const sp_h5 *h, sp_error *err, sp_status status, const char *format, ...) {
     char what[600], reason[200] = "";
     va_list args;
     va_start(args, format);
     vsnprintf(what, sizeof what, format, args);
     va_end(args);
+    const int code = h->fd < 0 ? 0 : h->code == 0 && sp_h5_short_of_memory() ? ENOMEM : h->code;
     H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, innermost, reason);
     H5Eclear2(H5E_DEFAULT);
+    if (code)
+        return sp_fail(err, code == ENOMEM ? SP_ENOMEM : SP_EIO, "cannot read %s: %s", h->path, strerror(code));
     if (*reason)
         return sp_fail(err, status, "%s: %s (HDF5: %s)", h->path, what, reason);
     return sp_fail(err, status, "%s: %s", h->path, what);
@@ -135,9 +154,9 @@ void sp_hdf5_load(void) {
 }
 
 /* A file that cannot be opened is not damaged. Reading a pipe or a device might never end. */
-static sp_status look_at_file(const char *path, sp_error *err) {
+static sp_status open_file(const char *path, int *fd, sp_error *err) {
     struct stat info;
-    if (stat(path, &info) != 0 || (S_ISREG(info.st_mode) && access(path, R_OK) != 0))
+    if (stat(path, &info) != 0 || (S_ISREG(info.st_mode) && (*fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC)) < 0))
         return sp_fail(err, SP_EIO, "cannot read %s: %s", path, strerror(errno));
     if (!S_ISREG(info.st_mode))
         return sp_fail(err, SP_EFORMAT, "%s: not a regular file, which an HDF5 file must be", path);
@@ -146,14 +165,14 @@ static sp_status look_at_file(const char *path, sp_error *err) {
 
 sp_status sp_h5_open(sp_h5 *h, const char *path, sp_error *err) {
     enter(h, path);
-    sp_status seen = look_at_file(path, err);
-    if (seen != SP_OK)
-        return seen;
+    sp_status status = open_file(path, &h->fd, err);
+    if (status != SP_OK)
+        return status;
     hid_t fapl = file_access(false, false);
     hsize_t size = 0;
-    if (fapl >= 0)
+    h->driver = fapl >= 0 ? sp_h5_set_draft(fapl, h->fd, &h->code) : H5I_INVALID_HID;
+    if (h->driver >= 0)
         h->file = H5Fopen(path, H5F_ACC_RDONLY, fapl);
-    sp_status status = SP_OK;
     if (h->file < 0 || H5Fget_filesize(h->file, &size) < 0)
         status = sp_h5_fail(h, err, SP_EFORMAT, "not an intact HDF5 file");
     H5Pclose(fapl); /* not earlier, because it clears the reason */

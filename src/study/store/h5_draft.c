@@ -1,10 +1,13 @@
-/* HDF5 files that are written to the disk at once, by a driver of our own. Where the disk is full, HDF5's own driver
- * makes H5Fclose fail, and HDF5 1.10 then crashes at exit. This one notes the error and lets HDF5 finish. */
+/* A driver of our own, for HDF5 files that are read, or written to the disk at once. It notes the first error: a file
+ * that cannot be read at the moment is told from one that is damaged. Where the disk is full, HDF5's own driver makes
+ * H5Fclose fail, and HDF5 1.10 then crashes at exit; this one lets HDF5 finish. */
 #include "base/base.h"
+#include "base/file.h"
 #include "store/h5.h"
 
 #include <errno.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* What the driver is given: an open file, and where to note the first error. */
@@ -15,7 +18,8 @@ typedef struct target {
 typedef struct draft_file {
     H5FD_t common; /* HDF5's part comes first */
     target to;
-    haddr_t end, used; /* of the space that HDF5 has laid out, and of what was written */
+    bool whole;        /* the file is only read */
+    haddr_t end, used; /* of the space that HDF5 has laid out, and of what was written, or is there to be read */
 } draft_file;
 
 static const haddr_t farthest = ((haddr_t)1 << 62) - 1;
@@ -23,9 +27,15 @@ static const haddr_t farthest = ((haddr_t)1 << 62) - 1;
 static H5FD_t *open_draft(const char *name, unsigned flags, hid_t fapl, haddr_t most) {
     const target *to = H5Pget_driver_info(fapl);
     draft_file *f = to ? sp_alloc(1, sizeof *f) : NULL;
-    (void)name, (void)flags, (void)most;
+    struct stat info = {0};
+    (void)name, (void)most;
+    if (to && (!f || fstat(to->fd, &info) != 0)) {
+        *to->code = f ? errno : ENOMEM;
+        sp_free(f);
+        return NULL;
+    }
     if (f)
-        f->to = *to;
+        *f = (draft_file){.to = *to, .whole = !(flags & H5F_ACC_RDWR), .used = (haddr_t)info.st_size};
     return (H5FD_t *)f;
 }
 
@@ -55,27 +65,19 @@ static herr_t set_end(H5FD_t *file, H5FD_mem_t type, haddr_t end) {
 static haddr_t get_used(const H5FD_t *file, H5FD_mem_t type) {
     const draft_file *f = (const draft_file *)file;
     (void)type;
-    return f->used > f->end ? f->used : f->end;
+    return f->whole || f->used > f->end ? f->used : f->end;
 }
 
-/* Bytes that were never written are 0. */
+/* Bytes that were never written are 0. A file that has become shorter since it was opened is not damaged by that. */
 static herr_t read_draft(H5FD_t *file, H5FD_mem_t type, hid_t dxpl, haddr_t at, size_t size, void *buffer) {
     const draft_file *f = (const draft_file *)file;
     (void)type, (void)dxpl;
-    for (char *to = buffer; size > 0;) {
-        const ssize_t got = pread(f->to.fd, to, size, (off_t)at);
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got < 0)
-            return -1;
-        if (got == 0) {
-            memset(to, 0, size);
-            break;
-        }
-        to += got;
-        at += (haddr_t)got;
-        size -= (size_t)got;
-    }
+    const int64_t got = *f->to.code ? -1 : sp_file_read_at(f->to.fd, buffer, size, (int64_t)at);
+    if (*f->to.code == 0 && (got < 0 || ((size_t)got < size && at + (haddr_t)got < f->used)))
+        *f->to.code = got < 0 ? errno : EIO;
+    if (*f->to.code)
+        return -1;
+    memset((char *)buffer + got, 0, size - (size_t)got);
     return 0;
 }
 

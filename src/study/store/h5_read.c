@@ -1,13 +1,11 @@
 /* Reads HDF5 files. The type and the extents of every dataset are checked, and no size is accepted that exceeds what
- * the file can hold. */
+ * the file can hold (h5_layout.c). */
 #include "base/base.h"
 #include "store/h5.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
-
-/* Deflate compresses zeros 1032 to 1, so no valid dataset has more data per byte of its file. */
-static const uint64_t packing_limit = 1100;
 
 /* Whether a path exists. Every part of it must be a hard link, so that no link leads into another file. */
 static bool path_exists(sp_h5 *h, const char *path) {
@@ -25,8 +23,10 @@ static bool path_exists(sp_h5 *h, const char *path) {
 
 bool sp_h5_has(sp_h5 *h, const char *path) {
     bool has = path_exists(h, path);
+    if (!has && h->code == 0 && sp_h5_short_of_memory())
+        h->code = ENOMEM;
     H5Eclear2(H5E_DEFAULT);
-    return has;
+    return has || h->code != 0;
 }
 
 static const char *type_name(H5T_class_t class) {
@@ -41,48 +41,6 @@ static sp_status check_type(sp_h5 *h, hid_t set, const char *path, H5T_class_t c
     if (type >= 0)
         H5Tclose(type);
     return good ? SP_OK : sp_h5_fail(h, err, SP_EFORMAT, "%s has the wrong type; must be %s", path, type_name(class));
-}
-
-/* To read a single number HDF5 takes memory for the whole chunk, which may be far larger than the data. */
-static const uint64_t chunk_limit = (uint64_t)1 << 26;
-
-/* Bytes of a chunk; UINT64_MAX if there are more than a number can count. */
-static uint64_t chunk_bytes(hid_t dcpl, uint64_t bytes) {
-    hsize_t chunk[SP_H5_RANK] = {0};
-    const int rank = H5Pget_chunk(dcpl, SP_H5_RANK, chunk);
-    for (int k = 0; k < rank && k < SP_H5_RANK; k++)
-        if (__builtin_mul_overflow(bytes, (uint64_t)chunk[k], &bytes))
-            return UINT64_MAX;
-    return bytes;
-}
-
-/* least: bytes that a chunk may have however large that is. */
-static sp_status check_chunks(sp_h5 *h, hid_t set, const char *path, size_t size, uint64_t least, sp_error *err) {
-    hid_t dcpl = H5Dget_create_plist(set);
-    const bool chunked = dcpl >= 0 && H5Pget_layout(dcpl) == H5D_CHUNKED;
-    const uint64_t bytes = chunked ? chunk_bytes(dcpl, size) : 0, most = least > chunk_limit ? least : chunk_limit;
-    if (dcpl >= 0)
-        H5Pclose(dcpl);
-    if (bytes > most)
-        return sp_h5_fail(h, err, SP_EFORMAT, "%s has chunks of %.3g MB; must be at most %.3g", path,
-                          (double)bytes * 1e-6, (double)most * 1e-6);
-    return SP_OK;
-}
-
-/* Checks that the data are in this file, and not larger than it can hold. */
-static sp_status check_storage(sp_h5 *h, hid_t set, const char *path, uint64_t bytes, sp_error *err) {
-    hid_t dcpl = H5Dget_create_plist(set);
-    H5D_layout_t layout = dcpl >= 0 ? H5Pget_layout(dcpl) : H5D_LAYOUT_ERROR;
-    bool inside = layout == H5D_COMPACT || layout == H5D_CHUNKED ||
-                  (layout == H5D_CONTIGUOUS && H5Pget_external_count(dcpl) == 0);
-    if (dcpl >= 0)
-        H5Pclose(dcpl);
-    if (!inside)
-        return sp_h5_fail(h, err, SP_EFORMAT, "%s keeps its data elsewhere; must be in the file itself", path);
-    if (bytes > 0 && (H5Dget_storage_size(set) == 0 || bytes / packing_limit > h->size))
-        return sp_h5_fail(h, err, SP_EFORMAT, "%s claims %.3g MB, which the file does not hold", path,
-                          (double)bytes * 1e-6);
-    return SP_OK;
 }
 
 static sp_status read_shape(sp_h5 *h, hid_t set, const char *path, int rank, sp_h5_shape *shape, sp_error *err) {
@@ -113,6 +71,14 @@ static sp_status open_dataset(sp_h5 *h, const char *path, hid_t *set, sp_error *
     return *set >= 0 ? SP_OK : sp_h5_fail(h, err, SP_EFORMAT, "%s is no intact dataset", path);
 }
 
+static size_t disk_size(hid_t set) {
+    hid_t type = H5Dget_type(set);
+    const size_t size = type >= 0 ? H5Tget_size(type) : 0;
+    if (type >= 0)
+        H5Tclose(type);
+    return size;
+}
+
 /* Checks type, rank and storage of an open dataset. */
 static sp_status look_at(sp_h5 *h, hid_t set, const char *path, sp_h5_type type, sp_h5_shape *shape, sp_error *err) {
     sp_status status = check_type(h, set, path, class_of(type), err);
@@ -124,8 +90,7 @@ static sp_status look_at(sp_h5 *h, hid_t set, const char *path, sp_h5_type type,
     for (int k = 0; k < shape->rank; k++)
         if (__builtin_mul_overflow(bytes, (uint64_t)shape->dim[k], &bytes))
             return sp_h5_fail(h, err, SP_EFORMAT, "%s is larger than memory can be", path);
-    status = check_chunks(h, set, path, sp_h5_type_size(type), bytes, err);
-    return status == SP_OK ? check_storage(h, set, path, bytes, err) : status;
+    return sp_h5_check_layout(h, set, path, shape, disk_size(set), err);
 }
 
 sp_status sp_h5_find(sp_h5 *h, const char *path, sp_h5_type type, int rank, sp_h5_shape *shape, sp_error *err) {
@@ -158,7 +123,7 @@ sp_status sp_h5_get(sp_h5 *h, const char *path, sp_h5_type type, const sp_h5_sha
     status = look_at(h, set, path, type, &shape, err);
     if (status == SP_OK)
         status = check_extents(h, path, &shape, expected, err);
-    if (status == SP_OK && H5Dread(set, sp_h5_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+    if (status == SP_OK && data && H5Dread(set, sp_h5_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
         status = sp_h5_fail(h, err, SP_EFORMAT, "%s cannot be read", path);
     H5Dclose(set);
     return status;
@@ -186,10 +151,6 @@ sp_status sp_h5_get_rows(sp_h5 *h, const char *path, sp_h5_type type, const sp_h
     status = look_at(h, set, path, type, &shape, err);
     if (status == SP_OK)
         status = check_extents(h, path, &shape, expected, err);
-    if (status == SP_OK) {
-        const size_t size = sp_h5_type_size(type);
-        status = check_chunks(h, set, path, size, (uint64_t)shape.dim[1] * size, err);
-    }
     if (status == SP_OK && count > 0 && !read_rows(set, type, shape.dim[1], first, count, data))
         status = sp_h5_fail(h, err, SP_EFORMAT, "%s cannot be read", path);
     H5Dclose(set);
@@ -200,10 +161,7 @@ sp_status sp_h5_get_rows(sp_h5 *h, const char *path, sp_h5_type type, const sp_h
 
 /* Texts have a fixed length; Python writes texts of variable length. */
 static sp_status read_fixed(sp_h5 *h, hid_t set, hid_t type, const char *path, char **text, sp_error *err) {
-    size_t size = H5Tget_size(type);
-    sp_status status = check_storage(h, set, path, size, err);
-    if (status != SP_OK)
-        return status;
+    const size_t size = H5Tget_size(type);
     char *buffer = sp_alloc(size + 1, 1);
     if (!buffer)
         return sp_fail_memory(err, size);
@@ -238,6 +196,8 @@ sp_status sp_h5_get_text(sp_h5 *h, const char *path, char **text, sp_error *err)
     status = check_type(h, set, path, H5T_STRING, err);
     if (status == SP_OK)
         status = read_shape(h, set, path, 0, &shape, err);
+    if (status == SP_OK)
+        status = sp_h5_check_layout(h, set, path, &shape, disk_size(set), err);
     if (status == SP_OK) {
         hid_t type = H5Dget_type(set);
         status = H5Tis_variable_str(type) > 0 ? read_variable(h, set, type, path, text, err)

@@ -55,20 +55,24 @@ sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *ou
     const bool made = find_file(store, name, "h5", &file);
     if (!made && !find_file(store, name, "failed", &file))
         return sp_fail(err, SP_EIO, "no sample %s in the store %s", name, store->dir);
-    if (recall(store, name, !made, &file, out))
+    if (recall(store, name, !made, &file, out) && sp_sample_possible(out, NULL) == SP_OK)
         return SP_OK;
     sp_status status =
         made ? sp_store_get(store, name, NULL, false, &r, err) : sp_failure_read(file.path, name, out, err);
     if (status == SP_OK && made) {
         *out = r.sample;
         sp_record_free(&r);
+        status = sp_sample_possible(out, err);
     }
+    if (status == SP_EFAILED)
+        sp_fail_prefix(err, "%s", file.path);
     return status;
 }
 
 bool sp_store_recall(const sp_store *store, const char *name, bool failed, sp_sample *out) {
     place file;
-    return find_file(store, name, failed ? "failed" : "h5", &file) && recall(store, name, failed, &file, out);
+    return find_file(store, name, failed ? "failed" : "h5", &file) && recall(store, name, failed, &file, out) &&
+           sp_sample_possible(out, NULL) == SP_OK;
 }
 
 bool sp_store_has_failed(const sp_store *store, const char *name) {

@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "store/packing_h5.h"
 #include "store/packing_text.h"
+#include "store/stated.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -11,13 +12,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* HDF5's signature is at the start, or after a user block of 512, 1024, 2048, ... bytes. */
-static bool has_signature(int fd, int64_t size) {
-    char head[8];
-    for (int64_t at = 0; at + 8 <= size; at = at ? 2 * at : 512)
-        if (pread(fd, head, sizeof head, at) == (ssize_t)sizeof head && memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0)
-            return true;
-    return false;
+/* HDF5's signature is at the start, or after a user block of 512, 1024, 2048, ... bytes. Returns an error number. */
+static int find_signature(int fd, int64_t size, bool *found) {
+    char head[8] = "";
+    for (int64_t at = 0; at + 8 <= size && !*found; at = at ? 2 * at : 512) {
+        if (sp_file_read_at(fd, head, sizeof head, at) < 0)
+            return errno;
+        *found = memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0;
+    }
+    return 0;
 }
 
 static sp_status is_hdf5(const char *path, bool *yes, sp_error *err) {
@@ -26,8 +29,7 @@ static sp_status is_hdf5(const char *path, bool *yes, sp_error *err) {
     *yes = false;
     if (code == 0 && S_ISREG(info.st_mode)) { /* a pipe can be read only once, and is taken for text */
         fd = open(path, O_RDONLY | O_CLOEXEC);
-        code = fd < 0 ? errno : 0;
-        *yes = fd >= 0 && has_signature(fd, info.st_size);
+        code = fd < 0 ? errno : find_signature(fd, info.st_size, yes);
     }
     if (fd >= 0)
         close(fd);
@@ -72,4 +74,16 @@ sp_status sp_packing_read(const char *path, sp_packing *out, sp_error *err) {
     if (status != SP_OK)
         return status;
     return hdf5 ? read_hdf5(path, out, err) : read_text(path, out, err);
+}
+
+sp_status sp_packing_check_stated(const char *path, const sp_packing *p, const sp_audit *audit, sp_error *err) {
+    bool hdf5;
+    sp_status status = is_hdf5(path, &hdf5, err);
+    if (status == SP_OK)
+        status = sp_stated_scene(p, err);
+    if (status == SP_OK)
+        status = sp_stated_residual(p, audit, err);
+    if (status == SP_OK && hdf5)
+        status = sp_stated_unread(path, p, err);
+    return status;
 }

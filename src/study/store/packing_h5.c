@@ -321,18 +321,21 @@ static sp_status get_grains(sp_h5 *h, sp_packing *p, sp_error *err) {
     return status;
 }
 
+/* The number of rows of an array of two columns. */
+static sp_status count_rows(sp_h5 *h, const char *path, int64_t *rows, sp_error *err) {
+    sp_h5_shape shape = {0};
+    sp_status status = sp_h5_find(h, path, SP_H5_I32, 2, &shape, err);
+    *rows = shape.dim[0];
+    shape.dim[1] = 2;
+    return status == SP_OK ? sp_h5_get(h, path, SP_H5_I32, &shape, NULL, err) : status;
+}
+
 /* Finds how many contacts there are between grains and with walls. Version 0.3.0 and earlier ones wrote all of them as
  * pairs. */
 static sp_status count_contacts(sp_h5 *h, int64_t *pairs, int64_t *walls, sp_error *err) {
-    sp_h5_shape shape = {0};
     *walls = 0;
-    sp_status status = sp_h5_find(h, name_pairs.path, SP_H5_I32, 2, &shape, err);
-    *pairs = shape.dim[0];
-    if (status == SP_OK && sp_h5_has(h, name_walls.path)) {
-        status = sp_h5_find(h, name_walls.path, SP_H5_I32, 2, &shape, err);
-        *walls = shape.dim[0];
-    }
-    return status;
+    sp_status status = count_rows(h, name_pairs.path, pairs, err);
+    return status == SP_OK && sp_h5_has(h, name_walls.path) ? count_rows(h, name_walls.path, walls, err) : status;
 }
 
 static sp_status get_partners(sp_h5 *h, sp_packing *p, sp_error *err) {
@@ -341,6 +344,8 @@ static sp_status get_partners(sp_h5 *h, sp_packing *p, sp_error *err) {
     int32_t *ij = sp_alloc(2 * n, sizeof *ij);
     sp_status status = ij ? count_contacts(h, &pairs, &walls, err) : sp_fail_memory(err, 2 * n * sizeof *ij);
     const sp_h5_shape first = {2, {pairs, 2}}, second = {2, {walls, 2}};
+    if (status == SP_OK && pairs + walls != p->n_contacts) /* as many as were counted before */
+        status = sp_h5_fail(h, err, SP_EFORMAT, "%lld contacts; must be %d", (long long)(pairs + walls), p->n_contacts);
     if (status == SP_OK)
         status = sp_h5_get(h, name_pairs.path, SP_H5_I32, &first, ij, err);
     if (status == SP_OK && walls > 0)
@@ -370,6 +375,23 @@ static sp_status get_contacts(sp_h5 *h, sp_packing *p, sp_error *err) {
     return status;
 }
 
+/* Checks the extents of all arrays, before memory is taken for any of them. No two grains touch twice, and there are
+ * six walls at most. */
+static sp_status check_sizes(sp_h5 *h, int32_t dim, int64_t n, int64_t contacts, sp_error *err) {
+    const sp_h5_shape position = {3, {1, n, dim}};
+    /* 32-bit products of counts and axes are safe below */
+    if (n > INT32_MAX / 4 || contacts > INT32_MAX / 8 || contacts > n * (n - 1) / 2 + 6 * n)
+        return sp_h5_fail(h, err, SP_EFORMAT, "%lld grains, %lld contacts; at most %d, and each pair once",
+                          (long long)n, (long long)contacts, INT32_MAX / 8);
+    sp_status status = sp_h5_get(h, name_position.path, SP_H5_F64, &position, NULL, err);
+    for (size_t k = 0; status == SP_OK && k < sizeof part / sizeof *part; k++) {
+        const sp_h5_shape shape = {part[k].vector ? 2 : 1, {contacts, dim}};
+        if (!part[k].optional || sp_h5_has(h, part[k].name->path))
+            status = sp_h5_get(h, part[k].name->path, SP_H5_F64, &shape, NULL, err);
+    }
+    return status;
+}
+
 sp_status sp_packing_get(sp_h5 *h, sp_packing *out, sp_error *err) {
     sp_packing p = sp_packing_none();
     sp_h5_shape grains;
@@ -381,10 +403,8 @@ sp_status sp_packing_get(sp_h5 *h, sp_packing *out, sp_error *err) {
         status = sp_h5_find(h, name_radius.path, SP_H5_F64, 1, &grains, err);
     if (status == SP_OK)
         status = count_contacts(h, &pairs, &walls, err);
-    /* 32-bit products of counts and axes are safe below */
-    if (status == SP_OK && (grains.dim[0] > INT32_MAX / 4 || pairs > INT32_MAX / 8 || walls > INT32_MAX / 8))
-        status = sp_h5_fail(h, err, SP_EFORMAT, "%lld grains, %lld contacts; at most %d", (long long)grains.dim[0],
-                            (long long)(pairs + walls), INT32_MAX / 8);
+    if (status == SP_OK)
+        status = check_sizes(h, dim, grains.dim[0], pairs + walls, err);
     if (status == SP_OK)
         status = sp_packing_alloc(&p, dim, (int32_t)grains.dim[0], (int32_t)(pairs + walls), err);
     if (status == SP_OK)

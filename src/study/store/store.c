@@ -88,6 +88,16 @@ sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, 
     sp_status status = sp_store_get(store, name, packing, arrays != NULL, &r, err);
     if (status != SP_OK)
         return status;
+    status = sp_sample_possible(&r.sample, err);
+    if (status == SP_OK && arrays)
+        status = sp_arrays_possible(&r.sample, &r.arrays, err);
+    if (status != SP_OK) {
+        sp_fail_prefix(err, "%s/%s.h5", store->dir, name);
+        if (packing)
+            sp_packing_free(packing);
+        sp_record_free(&r);
+        return status;
+    }
     if (sample)
         *sample = r.sample;
     if (arrays) {

@@ -1,0 +1,133 @@
+/* What a file says of its packing beside grains and contacts, compared with these. */
+#include "store/stated.h"
+
+#include "base/base.h"
+#include "packing/contact.h"
+#include "store/packing_h5.h"
+
+#include <math.h>
+#include <string.h>
+
+sp_status sp_at_odds(sp_error *err, const char *field, double stored, double expected) {
+    char one[SP_NUMBER_TEXT], other[SP_NUMBER_TEXT];
+    return sp_fail_key(err, SP_EFAILED, field, " = %s: must be %s", sp_number_text(stored, one),
+                       sp_number_text(expected, other));
+}
+
+/* ---- the scene ------------------------------------------------------------------------------------------------- */
+
+/* Periods that nothing changes while the piston comes down. */
+static bool keeps_width(const sp_pack_spec *s) {
+    return s->kind == SP_PACK_PISTON && s->cell == SP_CELL_PISTON && s->compression == SP_COMPRESSION_PISTON;
+}
+
+static sp_status check_spec(const sp_packing *p, const sp_pack_spec *s, sp_error *err) {
+    const double depth = s->depth > 0 ? s->depth : s->width;
+    const struct {
+        const char *field;
+        double stored, expected;
+        bool applies;
+    } pair[] = {
+        {"/sonopack/dimension", p->dim, s->dim, true},
+        {"grains", p->n, s->grains, true},
+        {"cell", p->cell, s->cell, true},
+        {"/sonopack/friction", p->friction, s->friction, true},
+        {"/sonopack/poisson", p->poisson, s->poisson, true},
+        {"/sonopack/seed", (double)p->seed, (double)s->seed, p->seed != s->seed},
+        {"gravity", p->gravity, s->gravity, true},
+        {"width", p->box[0], s->width, keeps_width(s)},
+        {"depth", p->box[1], depth, keeps_width(s) && p->dim == 3},
+    };
+    for (size_t k = 0; k < sizeof pair / sizeof *pair; k++)
+        if (pair[k].applies && !(fabs(pair[k].stored - pair[k].expected) <= 1e-12 * fabs(pair[k].expected)))
+            return sp_at_odds(err, pair[k].field, pair[k].stored, pair[k].expected);
+    return SP_OK;
+}
+
+/* The pressure of the scene, or of a stage of its history; a mean of stresses reaches its aim to the tolerance of the
+ * compression. */
+static sp_status check_pressure(const sp_packing *p, const sp_pack_spec *s, sp_error *err) {
+    const double exact = p->cell == SP_CELL_PISTON ? 1e-12 : 1e-3;
+    bool found = fabs(p->pressure - s->pressure) <= exact * s->pressure;
+    for (int32_t k = 0; k < s->history_count && !found; k++)
+        found = fabs(p->pressure - s->history[k]) <= exact * s->history[k];
+    return found || s->stress_count > 0 ? SP_OK : sp_at_odds(err, "/sonopack/pressure", p->pressure, s->pressure);
+}
+
+sp_status sp_stated_scene(const sp_packing *p, sp_error *err) {
+    sp_scene scene = sp_scene_default();
+    sp_status status = p->scene ? sp_scene_parse(p->scene, "scene", 0, NULL, &scene, err) : SP_EINVAL;
+    if (status == SP_OK)
+        status = sp_scene_resolve(&scene, err);
+    if (status != SP_OK) /* none, or one with keys of another version */
+        return status == SP_ENOMEM ? status : SP_OK;
+    status = check_spec(p, &scene.pack, err);
+    if (status == SP_OK)
+        status = check_pressure(p, &scene.pack, err);
+    sp_scene_free(&scene);
+    return status;
+}
+
+/* The residual is the largest acceleration at the end, which a reader takes for the quality of the packing. Those of
+ * lattices are 0, where rounding is not. */
+sp_status sp_stated_residual(const sp_packing *p, const sp_audit *audit, sp_error *err) {
+    const double stated = p->residual, found = audit->acceleration;
+    if (isnan(stated) || (stated >= 0 && found <= 1.01 * stated + 1e-9 * p->pressure))
+        return SP_OK;
+    return sp_at_odds(err, "/sonopack/residual", stated, found);
+}
+
+/* ---- numbers that no reader of packings uses --------------------------------------------------------------------- */
+
+static sp_status check_masses(sp_h5 *h, const sp_packing *p, double *buffer, sp_error *err) {
+    static const char *const path = "/particles/grains/mass";
+    if (p->mass || !sp_h5_has(h, path))
+        return SP_OK;
+    sp_status status = sp_h5_get(h, path, SP_H5_F64, &(sp_h5_shape){1, {p->n}}, buffer, err);
+    for (int32_t i = 0; status == SP_OK && i < p->n; i++)
+        if (!(fabs(buffer[i] - grain_mass(p->r[i])) <= 1e-9 * grain_mass(p->r[i])))
+            status = sp_at_odds(err, path, buffer[i], grain_mass(p->r[i]));
+    return status;
+}
+
+static sp_status check_rattlers(sp_h5 *h, const sp_packing *p, uint8_t *stated, uint8_t *found, sp_error *err) {
+    static const char *const path = "/sonopack/rattler";
+    if (!sp_h5_has(h, path))
+        return SP_OK;
+    sp_status status = sp_h5_get(h, path, SP_H5_U8, &(sp_h5_shape){1, {p->n}}, stated, err);
+    if (status == SP_OK)
+        status = sp_packing_rattlers(p, 1e-4, found, NULL, NULL, err);
+    for (int32_t i = 0; status == SP_OK && i < p->n; i++)
+        if (stated[i] != found[i])
+            status = sp_at_odds(err, path, stated[i], found[i]);
+    return status;
+}
+
+static sp_status check_steps(sp_h5 *h, const sp_packing *p, sp_error *err) {
+    static const char *const path = "/particles/grains/position/step";
+    int64_t step = 0;
+    if (!sp_h5_has(h, path))
+        return SP_OK;
+    sp_status status = sp_h5_get(h, path, SP_H5_I64, &(sp_h5_shape){1, {1}}, &step, err);
+    return status == SP_OK && step != p->steps ? sp_at_odds(err, path, (double)step, (double)p->steps) : status;
+}
+
+sp_status sp_stated_unread(const char *path, const sp_packing *p, sp_error *err) {
+    sp_h5 h;
+    double *masses = sp_alloc((size_t)p->n, sizeof *masses);
+    uint8_t *rattler = sp_alloc(2 * (size_t)p->n, 1);
+    sp_status status = masses && rattler ? SP_OK : sp_fail_memory(err, (size_t)p->n * 10);
+    if (status == SP_OK) {
+        status = sp_h5_open(&h, path, err);
+        if (status == SP_OK)
+            status = check_masses(&h, p, masses, err);
+        if (status == SP_OK)
+            status = check_rattlers(&h, p, rattler, rattler + p->n, err);
+        if (status == SP_OK)
+            status = check_steps(&h, p, err);
+        sp_h5_close(&h);
+    }
+    sp_free(rattler);
+    sp_free(masses);
+    return status;
+}
