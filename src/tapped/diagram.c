@@ -96,7 +96,7 @@ static void work(void *data, int part, int parts) {
     for (int32_t point; !atomic_load(&d->stop) && (point = atomic_fetch_add(&d->next, 1)) < d->points;) {
         sp_error err = {0};
         d->status[point] = make_point(d, point, &err);
-        if (d->status[point] == SP_EINTERRUPTED) {
+        if (d->status[point] == SP_EINTERRUPTED || d->status[point] == SP_ENOMEM) {
             atomic_store(&d->stop, true);
             return;
         }
@@ -198,6 +198,9 @@ static sp_status run_points(diagram *d, int threads, sp_error *err) {
         return status;
     sp_pool_run(pool, work, d);
     sp_pool_free(pool);
+    for (int32_t k = 0; k < d->points; k++)
+        if (d->status[k] == SP_ENOMEM) /* says nothing about the point */
+            return sp_fail_memory(err, 0);
     if (atomic_load(&d->stop))
         return sp_fail(err, SP_EINTERRUPTED, "stopped after %d of %d points", atomic_load(&d->done), d->points);
     if (atomic_load(&d->failed) == d->points) {

@@ -7,7 +7,7 @@
  *   FAULTY_DO     ONCE, or ON: all later calls fail as well
  *   FAULTY_ERROR  a number of errno.h; else SHORT: a part of the bytes (read, write), DONE: done, but an error is
  *                 returned (rename, close, sync), BACK and AHEAD: an hour and a year off (clock)
- *   FAULTY_COUNT  a file that gets the number of calls at a usual end
+ *   FAULTY_COUNT  a file that gets the number of calls of each kind at a usual end
  */
 #define _GNU_SOURCE
 #include <dirent.h>
@@ -39,7 +39,11 @@ static bool counting;                                 /* not before the program 
 static long at;
 static bool once;
 static int what;
-static atomic_long calls;
+static const char *const kinds[] = {"own",    "foreign", "read",   "write",    "open",   "close", "stat",
+                                    "sync",   "rename",  "lock",   "truncate", "unlink", "mkdir", "list",
+                                    "thread", "clock",   "locale", "load",     "stdio"};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+static atomic_long calls[KINDS];
 static uintptr_t program, program_end; /* its code */
 
 static int range_of(struct dl_phdr_info *info, size_t size, void *nothing) {
@@ -71,21 +75,23 @@ __attribute__((constructor)) static void begin(void) {
 
 __attribute__((destructor)) static void end(void) {
     const char *path = getenv("FAULTY_COUNT");
-    const long number = atomic_load(&calls);
     counting = false;
     FILE *file = path ? fopen(path, "w") : NULL;
-    if (!file)
-        return;
-    fprintf(file, "%ld\n", number);
-    fclose(file);
+    for (int k = 0; file && k < KINDS; k++)
+        fprintf(file, "%s %ld\n", kinds[k], atomic_load(&calls[k]));
+    if (file)
+        fclose(file);
 }
 
 /* A call of a kind: true if it is to fail. */
 static bool hit(const char *kind) {
-    if (!counting || strcmp(kind, call) != 0)
+    int k = 0;
+    while (k < KINDS && strcmp(kind, kinds[k]) != 0)
+        k++;
+    if (!counting || k == KINDS)
         return false;
-    const long number = atomic_fetch_add(&calls, 1) + 1;
-    return at > 0 && (once ? number == at : number >= at);
+    const long number = atomic_fetch_add(&calls[k], 1) + 1;
+    return at > 0 && strcmp(kind, call) == 0 && (once ? number == at : number >= at);
 }
 
 static bool fails(const char *kind) {

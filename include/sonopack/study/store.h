@@ -42,7 +42,8 @@ SP_API sp_study_sink sp_store_sink(sp_store *store);
  * 0 or modes = 0. SP_EIO if there is no such sample. */
 SP_API sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, sp_sample *sample,
                                sp_sample_arrays *arrays, sp_error *err);
-/* Reads all samples. *bad counts files that cannot be read; *err then has the reason of the first. */
+/* Reads all samples. *bad counts files that are damaged, or gone by now; *err then has the reason of the first. SP_EIO
+ * if a file of the store cannot be read although it is there: its sample would be missing. */
 SP_API sp_status sp_store_samples(sp_store *store, int64_t *n, sp_sample **samples, int64_t *bad, sp_error *err);
 /* Whether the sink makes samples again that are recorded as failed (by default not). A success removes the record. */
 SP_API void sp_store_retry(sp_store *store, bool retry);

@@ -148,9 +148,21 @@ static void keep_standard_files(void) {
 static void leave(int status, void *nothing) {
     struct rlimit space;
     (void)nothing;
+    sp_drafts_abandon(); /* of other threads, if one has ended the process */
     cli_end_if_stopped(status);
     if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
         _exit(status);
+}
+
+/* Without a message the process would end by SIGSEGV. Its threads get a stack of this size too. */
+static bool has_stack(void) {
+    const rlim_t least = 256 << 10;
+    struct rlimit stack;
+    if (getrlimit(RLIMIT_STACK, &stack) != 0 || stack.rlim_cur >= least)
+        return true;
+    fprintf(stderr, "sonopack: the stack is limited to %lu kB, must have %lu kB or more (see ulimit -s)\n",
+            (unsigned long)stack.rlim_cur >> 10, (unsigned long)least >> 10);
+    return false;
 }
 
 /* OpenBLAS on one thread: its sums then do not depend on the number of cores, and samples that are computed side by
@@ -166,6 +178,8 @@ int main(int argc, char **argv) {
     cli_commands = commands;
     setenv("HDF5_PLUGIN_PRELOAD", "::", 1); /* no file may ask for a filter that is a library to be loaded */
     keep_standard_files();
+    if (!has_stack())
+        return CLI_FAILED;
     cli_signals_begin();
     if (!SONOPACK_LATE) /* else it is loaded so */
         sp_hdf5_exit_silently();

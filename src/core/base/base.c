@@ -150,6 +150,8 @@ char *sp_strdup(const char *text) {
 }
 
 sp_status sp_fail_memory(sp_error *err, size_t bytes) {
+    if (bytes < 1000) /* or not known */
+        return sp_fail(err, SP_ENOMEM, "no memory");
     return sp_fail(err, SP_ENOMEM, "no memory for %.3g MB", (double)bytes / 1e6);
 }
 

@@ -164,7 +164,8 @@ sp_status sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double 
 }
 
 /* The spring that holds a spin is about as stiff as the others of the sphere, whose diagonal entries weigh the
- * components of the motion: push = D motion/sqrt(motion . D motion). weight: [width], D. */
+ * components of the motion: push = D motion/sqrt(motion . D motion). weight: [width], D. Where prestress makes that
+ * stiffness negative nothing is added, and the factorization finds the instability. */
 static void set_push(const double *weight, equilibrium_spin *spin) {
     double stiffness = 0;
     for (int a = 0; a < spin->width; a++) {
@@ -172,7 +173,7 @@ static void set_push(const double *weight, equilibrium_spin *spin) {
         stiffness += spin->push[a] * spin->motion[a];
     }
     for (int a = 0; a < spin->width; a++)
-        spin->push[a] /= sqrt(stiffness);
+        spin->push[a] = stiffness > 0 ? spin->push[a] / sqrt(stiffness) : 0;
 }
 
 /* The unit rotation about an axis through a contact point `at` moves the centre by at x axis. */

@@ -66,3 +66,18 @@ sp_status sp_counter_below(const counter *c, double limit, int64_t *least, int64
     sp_status status = count_beside(c, limit, -1, least, err);
     return status == SP_OK ? count_beside(c, limit, 1, most, err) : status;
 }
+
+sp_status sp_need_bounded(const sp_network *net, double until, sp_error *err) {
+    counter c = {0};
+    int64_t growing = 0;
+    if (!net->prestress)
+        return SP_OK;
+    sp_status status = sp_counter_make(net, &c, err);
+    if (status == SP_OK)
+        status = count_beside(&c, -1e-4 / (until * until), -1, &growing, err);
+    sp_counter_free(&c);
+    if (status == SP_OK && growing > 0)
+        status =
+            sp_fail(err, SP_EREFUSED, "%lld motions grow: the network is unstable (prestress)", (long long)growing);
+    return status;
+}

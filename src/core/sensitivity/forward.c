@@ -223,6 +223,9 @@ double sp_forward_sum(const forward *f, const sp_moment_weights *w, double last,
 }
 
 sp_status sp_forward_check(const forward *f, sp_error *err) {
+    if (!(f->norm_a > 0 && f->norm_b > 0)) /* shear at smooth contacts across the plane */
+        return sp_fail(err, SP_EREFUSED, "the %s meets no spring that acts along it: its signal is 0 whatever changes",
+                       f->norm_a > 0 ? "detector" : "source");
     if (!sp_pass_bounded(&f->p))
         return sp_fail(err, SP_EREFUSED, "the motion grows without bound: the network is unstable (prestress)");
     return SP_OK;

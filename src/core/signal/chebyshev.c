@@ -71,10 +71,22 @@ static void passes_free(passes *a) {
     sp_operator_free(&a->op);
 }
 
+/* Whether a source may push motions that nothing resists, such as a free grain. Their displacements grow with time, and
+ * their rounding errors with these; a detector, which is a force, has no part of them. The normals of wall contacts
+ * have none either. */
+static bool may_drift(const signal_job *job) {
+    bool drifts = false;
+    for (int32_t k = 0; k < job->sources && job->options->from; k++) {
+        const sp_place *p = &job->options->from[k];
+        drifts = drifts || p->shear || p->kind == SP_PLACE_GRAIN || p->kind == SP_PLACE_PLANE;
+    }
+    return drifts && job_has_momenta(job);
+}
+
 static sp_status passes_make(const signal_job *job, double omega, int64_t terms, passes *a, sp_error *err) {
     *a = (passes){.job = job, .omega = omega, .terms = terms};
     a->doubled = job->sources == 1 && job->detectors == 1 && !job->net->carried;
-    a->reversed = job->detectors < job->sources;
+    a->reversed = job->detectors < job->sources || (job->detectors <= 2 && may_drift(job));
     const int32_t propagated = a->reversed ? job->detectors : job->sources,
                   observers = a->reversed ? job->sources : job->detectors;
     a->n = (propagated + 1) / 2;

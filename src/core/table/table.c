@@ -93,7 +93,10 @@ sp_status sp_table_add_row(sp_table *t, sp_error *err, ...) {
         }
     }
     va_end(args);
-    t->rows++; /* counts after failure too: a missing text is NULL, which sp_free accepts */
+    for (int c = 0; status != SP_OK && c < t->columns; c++)
+        if (t->column[c].kind == SP_CELL_TEXT)
+            sp_free(row[c].text);
+    t->rows += status == SP_OK; /* no row without its texts */
     return status;
 }
 

@@ -181,7 +181,7 @@ sp_status sp_transport_advance(const sp_network *net, double t, double *u, doubl
         interleave(s.n, u, v, motion);
         const double before = sp_packet_energy(&s, motion);
         sp_packet_apply(&s, &m, motion);
-        const double change = before > 0 ? fabs(sp_packet_energy(&s, motion) / before - 1) : 0;
+        const double change = before != 0 ? fabs(sp_packet_energy(&s, motion) / before - 1) : 0;
         if (!(change < 1e-6))
             status =
                 sp_fail(err, SP_EREFUSED, "the energy of the motion changes by %.3g: the network is unstable", change);

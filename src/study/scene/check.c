@@ -156,8 +156,8 @@ static sp_status check_swept_seeds(const sp_scene *s, sp_error *err) {
 }
 
 static sp_status check_seeds(const sp_scene *s, sp_error *err) {
-    if (s->pack.seed > (uint64_t)(INT64_MAX - s->samples))
-        return sp_fail_key(err, SP_EINVAL, "packing.seed", " = %llu: the seeds of %d samples must stay below %lld",
+    if (s->pack.seed > (uint64_t)(INT64_MAX - (s->samples - 1)))
+        return sp_fail_key(err, SP_EINVAL, "packing.seed", " = %llu: the seeds of %d samples must not exceed %lld",
                            (unsigned long long)s->pack.seed, s->samples, (long long)INT64_MAX);
     return check_swept_seeds(s, err);
 }

@@ -3,6 +3,7 @@
 #include "store/failure.h"
 #include "store/folder.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -15,6 +16,7 @@ typedef struct place {
 
 static bool find_file(const sp_store *store, const char *name, const char *ending, place *out) {
     sp_store_path(store, name, ending, out->path);
+    out->info = (struct stat){0};
     return stat(out->path, &out->info) == 0;
 }
 
@@ -52,7 +54,8 @@ static bool recall(const sp_store *store, const char *name, bool failed, const p
 sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
     place file;
     sp_record r;
-    const bool made = find_file(store, name, "h5", &file);
+    /* if the file system does not answer, reading the file will tell */
+    const bool made = find_file(store, name, "h5", &file) || errno != ENOENT;
     if (!made && !find_file(store, name, "failed", &file))
         return sp_fail(err, SP_EIO, "no sample %s in the store %s", name, store->dir);
     if (recall(store, name, !made, &file, out) && sp_sample_possible(out, NULL) == SP_OK)

@@ -121,7 +121,7 @@ sp_status sp_store_samples(sp_store *store, int64_t *n, sp_sample **samples, int
         sp_status one = sp_store_sample(store, list.name[k], &all[good], &reason);
         if (one == SP_OK) {
             good++;
-        } else if (one == SP_ENOMEM) {
+        } else if (one == SP_ENOMEM || (one == SP_EIO && sp_store_holds(store, list.name[k], "h5"))) {
             status = sp_fail(err, one, "%s", reason.text);
         } else if (damaged++ == 0) {
             first = reason;

@@ -1,0 +1,75 @@
+"""A call that fails anywhere in a command (of memory, files, locks, threads, clocks) ends it with one clear line, or
+changes nothing: no other output, no part of a file, no temporary left, and a store as whole as before.
+
+usage: test_faulty_commands.py COMMAND SOURCE_DIR
+"""
+import collections
+import errno
+import pathlib
+import sys
+import tempfile
+
+from common import expect, faults
+from faulty import COMMANDS, KINDS, Faulty, library, made_inputs
+
+# every call, or every few calls, of these fails once: (command, kind, error, step)
+EVERY = [
+    ("statics-tall", "read", errno.EIO, 1),  # of what is optional too
+    ("statics-tall", "read", errno.EINTR, 3),
+    ("statics-tall", "read", "SHORT", 3),
+    ("study-again", "read", errno.EIO, 4),  # no good sample is put aside
+    ("study-again", "open", errno.EMFILE, 1),
+    ("study-again", "stat", errno.ESTALE, 3),
+    ("table", "list", errno.EIO, 1),  # no sample is left out
+    ("table", "stat", errno.ESTALE, 1),
+    ("table", "read", errno.ESTALE, 1),
+    ("convert-text", "stat", errno.ESTALE, 1),  # no temporary is left
+    ("statics", "own", errno.ENOMEM, 1),  # no row without its name
+    ("column-bifurcation", "own", errno.ENOMEM, 1),  # no point becomes nan
+    ("convert-text", "write", errno.ENOSPC, 1),
+]
+
+
+def every_call(tried):
+    for name, kind, error, step in EVERY:
+        calls = tried.count(name, kind)
+        expect(calls > 0, f"{name} makes no call of {kind}")
+        for at in range(1, calls + 1, step):
+            fault = tried.judge(name, kind, "ONCE", error, at)[1]
+            expect(not fault, f"{name}, call {at} of {kind}, {error}: {fault}")
+        print(f"{name}: of {calls} calls of {kind} every {step}. has failed with {error}")
+
+
+def some_calls(tried):
+    """One call of each command, of one kind after another; kinds that a command does not use are passed over."""
+    kinds, tally = [kind for kind in KINDS if kind != "foreign"], collections.Counter()
+    for turn, name in enumerate(COMMANDS):
+        used = [kind for kind in kinds if tried.count(name, kind) > 0]
+        if not used:  # --version
+            continue
+        kind = min(used, key=lambda kind: (tally[kind], kinds.index(kind)))
+        how, error = KINDS[kind][turn % len(KINDS[kind])]
+        at = 1 + tried.count(name, kind) * (turn % 7) // 7
+        fault = tried.judge(name, kind, how, error, at)[1]
+        expect(not fault, f"{name}, call {at} of {kind}, {how} {error}: {fault}")
+        tally[kind] += 1
+    print(f"one call of each of {len(COMMANDS)} commands has failed: {dict(tally)}")
+
+
+def main():
+    with tempfile.TemporaryDirectory(prefix="sonopack-faulty-") as folder:
+        root = pathlib.Path(folder)
+        preload = library(root)
+        if not preload:
+            print("no cc, or a build with sanitizers")
+            sys.exit(77)
+        made_inputs(root / "in", pathlib.Path(sys.argv[2]))
+        tried = Faulty(preload, root / "in", root / "work")
+        every_call(tried)
+        some_calls(tried)
+    print(*faults, sep="\n")
+    sys.exit(1 if faults else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,183 @@
+"""What signals do: every command ends soon and leaves no temporary file; those that have something to keep acknowledge
+the signal; what cannot be written is an error.
+
+usage: test_signals_caught.py COMMAND SOURCE_DIR
+"""
+import os
+import pathlib
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+
+from common import PATIENCE, catches, expect, faults, names_all, sleeps, wait_for_work, wait_until, worked
+
+COMMAND = str(pathlib.Path(sys.argv[1]).resolve())
+SMALL = ["--set", "packing.grains=60", "--set", "packing.width=8"]
+LONG = ["--set", "packing.grains=3000", "--set", "packing.pressure=1e-8"]  # minutes, if nobody stopped it
+PLACING = ["--set", "packing.grains=2000000", "--set", "packing.width=1000"]  # half a minute until the first step
+# one sample that is packed at once, and whose signal takes ten seconds
+SIGNAL = ["--set", "packing.grains=300", "--set", 'study.want=["signal"]', "--set", "signal.until=1.5e6", "--set",
+          "signal.method=verlet"]
+SOON = 3  # seconds of CPU time: one, and what a busy machine may add
+
+
+def defaults():
+    """As of a shell: the runner of the tests may ignore what a user does not."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGXFSZ, signal.SIGPIPE):
+        signal.signal(number, signal.SIG_DFL)
+
+
+def start(*words, before=None, **options):
+    def prepare():
+        defaults()
+        if before:
+            before()
+    return subprocess.Popen([COMMAND, *map(str, words)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, text=True, preexec_fn=prepare, **options)
+
+
+def run(*words, **options):
+    process = start(*words, **options)
+    out, err = process.communicate(timeout=PATIENCE)
+    return subprocess.CompletedProcess(process.args, process.returncode, out, err)
+
+
+def temporaries(folder):
+    return [str(path) for path in folder.rglob(".sonopack*.tmp")]
+
+
+def phases_that_do_not_look(folder):
+    """A second of work after the signal a process is ended, wherever it is, and has acknowledged the signal before."""
+    for name, words, work in (("placing", ["pack", *PLACING, "-o", folder / "placing.h5"], 0.3),
+                              ("signal", ["study", *SIGNAL, "--store", folder / "long", "--jobs", 1], 1)):
+        process = start(*words)
+        wait_for_work(process, work)
+        before = worked(process)
+        process.send_signal(signal.SIGTERM)
+        told = process.stderr.readline()
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        used = usage.ru_utime + usage.ru_stime - before
+        process.stdout.close()
+        process.stderr.close()
+        expect(process.returncode == -signal.SIGTERM and used < SOON, f"{name}: {process.returncode}, {used:.1f} s")
+        expect(told.startswith("sonopack: "), f"{name}: no acknowledgement, but {told!r}")
+        expect(not temporaries(folder), f"{name} leaves {temporaries(folder)}")
+
+
+def waiting_for_a_pipe(folder):
+    """The open of a pipe that nobody reads never returns: the signal ends it."""
+    pipe = folder / "pipe.txt"
+    os.mkfifo(pipe)
+    process = start("pack", *SMALL, "-o", pipe)
+    wait_until(lambda: process.poll() is not None or (catches(process) and sleeps(process)),
+               "the open of the pipe")
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=PATIENCE)
+    expect(process.returncode == -signal.SIGINT, f"a pipe: {process.returncode}, {out!r}, {err!r}")
+    pipe.unlink()
+
+
+def twice(folder):
+    """The second signal ends the process where it is."""
+    process = start("pack", *LONG, "--quiet", "-o", folder / "twice.h5")
+    wait_for_work(process, 0)
+    process.send_signal(signal.SIGSTOP)  # both arrive before it has said anything of the first
+    process.send_signal(signal.SIGINT)
+    process.send_signal(signal.SIGTERM)
+    process.send_signal(signal.SIGCONT)
+    _, err = process.communicate(timeout=PATIENCE)
+    expect(process.returncode in (-signal.SIGINT, -signal.SIGTERM) and not err, f"twice: {process.returncode} {err!r}")
+    expect(not temporaries(folder), f"twice leaves {temporaries(folder)}")
+
+
+def in_the_middle_of_a_write(folder, library):
+    """A signal during the write of a result: the old file stays, and no temporary one."""
+    packing = folder / "P.h5"
+    assert run("pack", *SMALL, "-o", packing).returncode == 0
+    for name, words in (("w.h5", ["pack", *SMALL]), ("w.txt", ["convert", packing]), ("w.tsv", ["statics", packing]),
+                        ("w.svg", ["plot", "network", packing]), ("w.html", ["view", packing])):
+        path = folder / "writes" / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("")
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE):
+            # pack, which may have a state to save, goes on after the first signal
+            done = run(*words, "--force", "-o", path, env={**os.environ, "LD_PRELOAD": str(library), "RAISING_AT": "1",
+                                                          "RAISING_SIGNAL": str(number.value)})
+            if words[0] != "pack":
+                expect(done.returncode == -number and path.read_text() == "", f"{name}, {number!r}: {done}")
+            expect(not temporaries(path.parent), f"{name}, {number!r} leaves {temporaries(path.parent)}")
+
+
+def hang_up(folder):
+    """A terminal that goes away stops a compression, unless it was started by nohup."""
+    for ignored in (False, True):
+        path = folder / f"hangup{ignored}.h5"
+        process = start("pack", *LONG, "-o", path,
+                        before=(lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)) if ignored else None)
+        wait_for_work(process, 0.2)
+        process.send_signal(signal.SIGHUP)
+        if ignored:
+            process.send_signal(signal.SIGTERM)
+        _, err = process.communicate(timeout=PATIENCE)
+        expect(process.returncode == -(signal.SIGTERM if ignored else signal.SIGHUP), f"{ignored}: {process.returncode}")
+        expect(names_all(err, f"{path}.state") and pathlib.Path(f"{path}.state").exists(), f"hang-up: {err}")
+
+
+def processor_time(folder):
+    """ulimit -t: the state is kept."""
+    path = folder / "time.h5"
+    done = run("pack", *LONG, "-o", path, before=lambda: resource.setrlimit(resource.RLIMIT_CPU, (1, 20)))
+    expect(done.returncode == -signal.SIGXCPU and names_all(done.stderr, f"{path}.state"), f"SIGXCPU: {done}")
+
+
+def large_files(folder):
+    """ulimit -f: an error like others, nothing is left."""
+    packing, place = folder / "P.h5", folder / "limited"
+    place.mkdir()
+    for name, words in (("f.h5", ["pack", *SMALL]), ("f.vtp", ["convert", packing]), ("f.tsv", ["signal", packing]),
+                        ("f.html", ["view", packing]), ("m.h5", ["modes", packing, "--vectors"])):
+        path = place / name
+        out = [path] if words[-1] == "--vectors" else ["-o", path]
+        done = run(*words, *out, before=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000)))
+        expect(done.returncode == 1 and names_all(done.stderr.splitlines()[-1], name), f"{name}: {done}")
+        left = {path.name for path in place.iterdir()}
+        expect(left <= {"f.h5.state"}, f"{name} leaves {left}")
+
+
+def links_to_nothing(folder):
+    """Refused before the work: minutes would be lost."""
+    path = folder / "link.h5"
+    path.symlink_to(folder / "nowhere" / "there.h5")
+    process = start("pack", *LONG, "-o", path)
+    _, err = process.communicate(timeout=PATIENCE)
+    used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    expect(process.returncode == 1 and names_all(err, path), f"a link to nothing: {err}")
+    return used
+
+
+def main():
+    with tempfile.TemporaryDirectory(prefix="sonopack-signals-") as name:
+        folder = pathlib.Path(name)
+        phases_that_do_not_look(folder)
+        waiting_for_a_pipe(folder)
+        twice(folder)
+        compiler = shutil.which("cc")
+        if compiler and "libasan" not in subprocess.run(["ldd", COMMAND], capture_output=True, text=True).stdout:
+            library = folder / "raising.so"
+            subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library,
+                            pathlib.Path(__file__).with_name("raising.c"), "-ldl"], check=True)
+            in_the_middle_of_a_write(folder, library)
+        hang_up(folder)
+        processor_time(folder)
+        large_files(folder)
+        links_to_nothing(folder)
+    print("\n".join(faults) or "ok")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
