@@ -31,9 +31,9 @@ const char *sp_status_name(sp_status status) {
     return "unknown";
 }
 
-void sp_one_line(char *text) {
+void sp_text_tame(char *text, const char *but) {
     for (unsigned char *c = (unsigned char *)text; *c; c++)
-        if (*c < ' ' || *c == 127)
+        if ((*c < ' ' || *c == 127) && !strchr(but, *c))
             *c = ' ';
         else if (*c == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0) /* U+0080 .. U+009F */
             c[0] = c[1] = ' ';
@@ -56,7 +56,7 @@ static void set_reason(sp_error *err, sp_status status, const char *key, const c
     memcpy(err->text, err->key, used);
     memcpy(err->text + used, reason, rest);
     err->text[used + rest] = '\0';
-    sp_one_line(err->text);
+    sp_text_tame(err->text, "");
 }
 
 sp_status sp_fail(sp_error *err, sp_status status, const char *format, ...) {
@@ -93,7 +93,7 @@ sp_status sp_fail_prefix(sp_error *err, const char *format, ...) {
     size_t length = strnlen(old, room - 1);
     memcpy(err->text + used, old, length);
     err->text[(size_t)used + length] = '\0';
-    sp_one_line(err->text);
+    sp_text_tame(err->text, "");
     return err->status;
 }
 
