@@ -16,7 +16,6 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 /* Limit for text files, so that an endless device cannot fill the memory. */
@@ -389,11 +388,12 @@ sp_status sp_text_save(const char *path, const char *text, size_t size, sp_error
 }
 
 /* Whether nobody writes the file any more. For this machine's files a free lock is enough. Locks of other machines may
- * be invisible here, so their files must also be a day old. */
-static bool is_left_behind(int fd, bool own_machine) {
-    struct stat info;
-    return flock(fd, LOCK_EX | LOCK_NB) == 0 &&
-           (own_machine || (fstat(fd, &info) == 0 && time(NULL) - info.st_mtime > 86400));
+ * be invisible here, so their files must also be a day older than the last change of the folder: the clock of the file
+ * system wrote both times, and that of this machine may be wrong. */
+static bool is_left_behind(int fd, bool own_machine, int folder) {
+    struct stat info, around;
+    return flock(fd, LOCK_EX | LOCK_NB) == 0 && (own_machine || (fstat(fd, &info) == 0 && fstat(folder, &around) == 0 &&
+                                                                 around.st_mtime - info.st_mtime > 86400));
 }
 
 void sp_folder_clean(const char *folder) {
@@ -407,7 +407,7 @@ void sp_folder_clean(const char *folder) {
             (size_t)snprintf(path, sizeof path, "%s/%s", folder, name) >= sizeof path)
             continue;
         const int fd = open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-        if (fd >= 0 && is_left_behind(fd, strncmp(name, prefix, strlen(prefix)) == 0))
+        if (fd >= 0 && is_left_behind(fd, strncmp(name, prefix, strlen(prefix)) == 0, dirfd(all)))
             unlink(path);
         if (fd >= 0)
             close(fd);
