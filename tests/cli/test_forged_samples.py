@@ -140,7 +140,7 @@ IMPOSSIBLE = [
     ("disks", entry(L + "amplitude", 0, lambda a: -1), L + "amplitude"),
     ("disks", to(W + "zero_modes", -4), W + "zero_modes"),
     ("disks", to(W + "omega_max", np.nan), W + "omega_max"),
-    ("disks", kind(9), OF + "kind"),
+    ("disks", kind(9), None),
 ]
 
 # at odds with the rest of the file

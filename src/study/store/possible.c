@@ -83,9 +83,11 @@ static sp_status check_ranges(const sp_sample *s, sp_error *err) {
         memcpy(&x, (const char *)s + r->offset, sizeof x);
         if (!(s->have & r->want) || (x >= r->low && x <= r->high && isfinite(x)) || (isnan(x) && r->maybe_nan))
             continue;
+        if (isinf(r->low))
+            return sp_fail_key(err, SP_EFAILED, path_of(r->offset), " = %g: must be finite", x);
         if (isinf(r->high))
-            return sp_fail_key(err, SP_EFAILED, path_of(r->offset), " = %g: must be finite%s", x,
-                               r->low >= 0 ? ", and not negative" : "");
+            return sp_fail_key(err, SP_EFAILED, path_of(r->offset), " = %g: must be finite, and at least %g", x,
+                               r->low);
         return sp_fail_key(err, SP_EFAILED, path_of(r->offset), " = %g: must be %g .. %g", x, r->low, r->high);
     }
     return SP_OK;
@@ -160,8 +162,6 @@ static sp_status check_counts(const sp_sample *s, sp_error *err) {
                            SP_WANT_PLANES | SP_WANT_SPECTRUM;
     const sp_spectrum_made *m = &s->spectrum;
     const int most = s->dim == 1 ? 1 : s->dim == 2 ? 3 : 6;
-    if (s->kind < SP_PACK_PISTON || s->kind > SP_PACK_FILE)
-        return sp_fail_key(err, SP_EFAILED, "/results/sample/kind", " = %d: must be 0 .. 3", s->kind);
     if (s->lacks & ~parts)
         return sp_fail_key(err, SP_EFAILED, "/results/sample/lacks", " = %u: must be a sum of parts", s->lacks);
     if (!(s->have & SP_WANT_SPECTRUM))
