@@ -39,6 +39,8 @@ CASES = [
     ("signal P.h5 --until 5e-324", 2, "--until"),
     ("signal P.h5 --until 1e-9", 0, ""),
     ("signal P.h5 --points 2", 0, ""),
+    ("signal P.h5 --planes 1000 --points 100000", 1, "100000 1000"),  # 5 GB
+    ("signal P.h5 --planes 1000 --points 100000 --dry-run", 1, "100000 1000"),
     ("signal P.h5 --threads 10000", 2, "--threads"),
     ("signal P.h5 --threads 4096", 0, ""),
     ("signal P.h5 --from part:5:1", 2, "--from"),

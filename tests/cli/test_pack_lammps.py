@@ -162,6 +162,19 @@ dumps(contacts="1 1 2 1 1e-5\n")
 collect_fails("contacts.dump")
 dumps(radius=lambda k, d: d / 2 * (1.001 if k == 5 else 1))
 collect_fails("d")
+# two grains that touch by Hertz's law, below a wall that would fall for minutes
+one, two = (row.split() for row in rows[:2])
+radii, near = [float(grain[2]) / 2 for grain in (one, two)], [(float(one[4]) + 0.9) % 6, 1.5 + max(float(row.split()[5]) for row in rows)]
+overlap = sum(radii) - 0.9
+force = 2 / 3 * (radii[0] * radii[1] / sum(radii)) ** 0.5 * overlap ** 1.5
+rows[0] = " ".join([*one[:5], repr(near[1]), one[6]])
+rows[1] = " ".join([*two[:4], repr(near[0]), repr(near[1]), two[6]])
+dumps(contacts=f"1 {one[0]} {two[0]} 0.9 {force!r} 0 0 0\n")
+(folder / "d" / "result.txt").write_text(GOOD.replace("7.0", "1e9") + "\n")
+collect_fails("result.txt 1e+09")
+(folder / "d" / "grains.dump").unlink()
+os.mkfifo(folder / "d" / "grains.dump")  # which nobody ever opens to write
+collect_fails("grains.dump")
 r = pack("--engine", "lammps", "--collect", "nowhere", "-o", "C.h5")
 assert r.returncode in (1, 2) and names_all(r.stderr, "nowhere/scene.cfg"), r
 

@@ -81,6 +81,12 @@ static sp_pack_spec in_cell(sp_boundary cell, int dim, double pressure, double f
     return s;
 }
 
+static sp_pack_spec tall(void) {
+    sp_pack_spec s = small(3, 1e-6, 0.5, SP_PROTOCOL_AFFINE);
+    s.grains = 551; /* 20 d high */
+    return s;
+}
+
 /* The steps that are expected are those that are taken, within 2. A cell at 1e-3 takes a fifth of those of a piston, an
  * affine compression a third: their own laws are what is tested. */
 static void test_steps(void **state) {
@@ -90,6 +96,7 @@ static void test_steps(void **state) {
                                   small(3, 1e-3, 0, SP_PROTOCOL_DEFAULT),
                                   small(2, 1e-4, 0.5, SP_PROTOCOL_AFFINE),
                                   small(3, 1e-4, 0, SP_PROTOCOL_AFFINE),
+                                  tall(),
                                   in_cell(SP_CELL_PERIODIC, 2, 1e-3, 0.5, SP_PROTOCOL_DEFAULT),
                                   in_cell(SP_CELL_PERIODIC, 2, 1e-6, 0, SP_PROTOCOL_AFFINE),
                                   in_cell(SP_CELL_PERIODIC, 3, 1e-4, 0.5, SP_PROTOCOL_DEFAULT),

@@ -276,11 +276,25 @@ static sp_status open_pulse(void *user, sp_table *t, sp_error *err) {
     return cli_pulse_open(&((arguments *)user)->pulse, err);
 }
 
+/* The options, and whether their table fits into memory: a value takes 8 bytes in the signal, twice that in the table
+ * and about 24 in its text. */
+static sp_status set_and_check(arguments *a, const cli_file *file, sp_signal_options *o, sp_error *err) {
+    const sp_status status = set_options(a, file->scene, &file->packing, o, err);
+    if (status != SP_OK)
+        return status;
+    const double pairs = (o->sources > 0 ? o->sources : 1.0) * (o->detectors > 0 ? o->detectors : 1.0);
+    const double bytes = 48 * o->points * (1 + pairs), most = 0.5 * sp_memory_limit();
+    if (bytes <= most)
+        return SP_OK;
+    return sp_fail(err, SP_ENOMEM, "%d points of %.0f signals need about %.3g GB of memory, the limit is %.3g GB",
+                   o->points, pairs, 1e-9 * bytes, 1e-9 * most);
+}
+
 static sp_status compute(void *user, cli_file *file, sp_table *t, sp_error *err) {
     arguments *a = user;
     sp_signal s = sp_signal_none();
     sp_signal_options o;
-    sp_status status = set_options(a, file->scene, &file->packing, &o, err);
+    sp_status status = set_and_check(a, file, &o, err);
     if (status == SP_OK)
         status = a->pulse.word ? sp_signal_pulse(&file->network, &o, &a->pulse.pulse, &s, err)
                                : sp_signal_dynamics(&file->packing, &file->network, &o, &s, err);
@@ -299,7 +313,7 @@ static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *e
     sp_signal_method method = SP_SIGNAL_AUTO;
     double products = 0;
     char what[64];
-    sp_status status = set_options(a, file->scene, &file->packing, &o, err);
+    sp_status status = set_and_check(a, file, &o, err);
     if (status != SP_OK)
         return status;
     const sp_network_size net = sp_network_size_of(&file->network, sp_packing_height(&file->packing));

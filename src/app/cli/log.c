@@ -28,7 +28,7 @@ static void clear_progress(void) {
 
 /* One line, without the control characters of names and of texts from files: a terminal would obey them. */
 static void print_line(char *line) {
-    sp_one_line(line);
+    sp_text_tame(line, "");
     pthread_mutex_lock(&lock);
     clear_progress();
     fprintf(stderr, "sonopack: %s\n", line);
@@ -140,7 +140,7 @@ void cli_progress_between(const cli_common *common, const char *text, double fra
         return;
     progress_text(fraction, low, high, terminal ? LINE - (int)strlen(text) : 0, state, sizeof state);
     snprintf(line, sizeof line, "%.90s%s", text, state);
-    sp_one_line(line);
+    sp_text_tame(line, "");
     pthread_mutex_lock(&lock);
     show(line, terminal);
     pthread_mutex_unlock(&lock);

@@ -174,16 +174,9 @@ static bool use_one_blas_thread(void) {
     return setenv("OPENBLAS_NUM_THREADS", "1", 1) == 0;
 }
 
-/* A file may name a filter of HDF5 that is a library to be loaded. Files of others do not choose what we run, unless
- * the user has said where such libraries are. */
-static void load_no_filters(void) {
-    if (!getenv("HDF5_PLUGIN_PATH"))
-        setenv("HDF5_PLUGIN_PRELOAD", "::", 1);
-}
-
 int main(int argc, char **argv) {
     cli_commands = commands;
-    load_no_filters();
+    setenv("HDF5_PLUGIN_PRELOAD", "::", 1); /* no file may ask for a filter that is a library to be loaded */
     keep_standard_files();
     if (!has_stack())
         return CLI_FAILED;

@@ -207,10 +207,21 @@ sp_status cli_may_write_table(const cli_common *common, sp_error *err) {
 
 static bool output_failed; /* and the failure has been reported */
 
-sp_status cli_print(const char *text, sp_error *err) {
+/* A terminal obeys control characters, which names of files and texts in files may have; a file gets them as they are.
+ */
+static bool put(const char *text) {
+    char *tame = isatty(STDOUT_FILENO) ? sp_strdup(text) : NULL;
+    if (tame)
+        sp_text_tame(tame, "\n\t");
     const size_t size = strlen(text);
+    const bool done = fwrite(tame ? tame : text, 1, size, stdout) == size && fflush(stdout) == 0;
+    sp_free(tame);
+    return done;
+}
+
+sp_status cli_print(const char *text, sp_error *err) {
     cli_watch_end();
-    if (fwrite(text, 1, size, stdout) == size && fflush(stdout) == 0)
+    if (put(text))
         return SP_OK;
     output_failed = true;
     return sp_fail(err, SP_EIO, "standard output: %s", strerror(errno));

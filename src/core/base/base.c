@@ -1,5 +1,6 @@
 /* Status and error text, allocation, memory limit, number text and clocks. */
 #include "base/base.h"
+#include "base/text.h"
 
 #include <sonopack/version.h>
 
@@ -30,25 +31,32 @@ const char *sp_status_name(sp_status status) {
     return "unknown";
 }
 
-void sp_one_line(char *text) {
+void sp_text_tame(char *text, const char *but) {
     for (unsigned char *c = (unsigned char *)text; *c; c++)
-        if (*c < ' ' || *c == 127)
+        if ((*c < ' ' || *c == 127) && !strchr(but, *c))
             *c = ' ';
         else if (*c == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0) /* U+0080 .. U+009F */
             c[0] = c[1] = ' ';
 }
 
+/* vsnprintf with a decimal point in every locale: reasons get into files. */
+static void print_plain(char *text, size_t size, const char *format, va_list args) {
+    sp_locale locale = sp_locale_enter();
+    vsnprintf(text, size, format, args);
+    sp_locale_leave(&locale);
+}
+
 /* The key at fault, then the reason. */
 static void set_reason(sp_error *err, sp_status status, const char *key, const char *format, va_list args) {
     char reason[SP_ERROR_TEXT];
-    vsnprintf(reason, sizeof reason, format, args);
+    print_plain(reason, sizeof reason, format, args);
     err->status = status;
     snprintf(err->key, sizeof err->key, "%s", key);
     const size_t used = strnlen(key, sizeof err->key - 1), rest = strnlen(reason, sizeof reason - used - 1);
     memcpy(err->text, err->key, used);
     memcpy(err->text + used, reason, rest);
     err->text[used + rest] = '\0';
-    sp_one_line(err->text);
+    sp_text_tame(err->text, "");
 }
 
 sp_status sp_fail(sp_error *err, sp_status status, const char *format, ...) {
@@ -77,7 +85,7 @@ sp_status sp_fail_prefix(sp_error *err, const char *format, ...) {
     char old[SP_ERROR_TEXT], prefix[SP_ERROR_TEXT / 2];
     va_list args;
     va_start(args, format);
-    vsnprintf(prefix, sizeof prefix, format, args);
+    print_plain(prefix, sizeof prefix, format, args);
     va_end(args);
     memcpy(old, err->text, sizeof old);
     int used = snprintf(err->text, sizeof err->text, "%s: ", prefix);
@@ -85,7 +93,7 @@ sp_status sp_fail_prefix(sp_error *err, const char *format, ...) {
     size_t length = strnlen(old, room - 1);
     memcpy(err->text + used, old, length);
     err->text[(size_t)used + length] = '\0';
-    sp_one_line(err->text);
+    sp_text_tame(err->text, "");
     return err->status;
 }
 

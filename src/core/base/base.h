@@ -30,8 +30,8 @@ SP_SHARED void *sp_grow(void *array, size_t need, size_t *capacity, size_t size)
 SP_SHARED char *sp_strdup(const char *text); /* free with sp_free */
 /* For tests: lets `count` more allocations succeed and then fails one. A negative count disables this. */
 void sp_alloc_fail_after(int64_t count);
-/* Makes a text one line that no terminal obeys: control characters, of names and of hostile files, become blanks. */
-SP_SHARED void sp_one_line(char *text);
+/* Control characters, of names and of hostile files, become blanks, but those of `but`: no terminal obeys the text. */
+SP_SHARED void sp_text_tame(char *text, const char *but);
 SP_SHARED sp_status sp_fail_memory(sp_error *err, size_t bytes);
 /* Memory available to this process in bytes: the machine's memory or a lower limit set by ulimit -v. An allocation
  * beyond it usually succeeds at first; the process then swaps or is killed. */

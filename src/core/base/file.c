@@ -161,6 +161,7 @@ static int own(int fd) {
 /* Names of temporary files that are being written, for sp_drafts_abandon. */
 enum { REMEMBERED = 64 };
 static _Atomic(const char *) temporaries[REMEMBERED];
+static atomic_bool abandoned; /* no more of them */
 
 static void remember(const char *name) {
     for (int k = 0; k < REMEMBERED; k++) {
@@ -179,16 +180,29 @@ static void forget(const char *name) {
     }
 }
 
-void sp_drafts_abandon(void) {
+/* Removes what can be removed now. Returns whether a file is still being written. */
+static bool remove_temporaries(void) {
+    bool any = false;
     for (int k = 0; k < REMEMBERED; k++) {
         char name[SP_PATH_MAX];
         const char *seen = atomic_load(&temporaries[k]);
         if (!seen)
             continue;
+        any = true;
         strncpy(name, seen, sizeof name - 1);
         name[sizeof name - 1] = '\0';
-        if (atomic_compare_exchange_strong(&temporaries[k], &seen, NULL)) /* else the copy may be of something else */
+        if (atomic_load(&temporaries[k]) == seen) /* else the copy may be of something else */
             unlink(name);
+    }
+    return any;
+}
+
+void sp_drafts_abandon(void) {
+    const struct timespec moment = {.tv_nsec = 2000000};
+    atomic_store(&abandoned, true);
+    if (remove_temporaries()) { /* another thread may be just creating one */
+        nanosleep(&moment, NULL);
+        remove_temporaries();
     }
 }
 
@@ -198,6 +212,14 @@ static void own_prefix(char prefix[32]) {
     char host[256] = "";
     gethostname(host, sizeof host - 1);
     snprintf(prefix, 32, ".sonopack-%08x-", (unsigned)sp_hash64(SP_HASH64_BEGIN, host, strlen(host)));
+}
+
+/* -1 with errno if there is such a file, or if none may be made any more. */
+static int create(const char *name) {
+    if (!atomic_load(&abandoned))
+        return open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    errno = EINTR;
+    return -1;
 }
 
 /* Opens a new temporary file in the folder. The name is unique (machine, process, counter), and short enough to fit
@@ -213,19 +235,16 @@ static int open_temporary(const char *folder, char name[SP_PATH_MAX]) {
             errno = ENAMETOOLONG;
             return -1;
         }
-        int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (fd < 0 && errno != EEXIST)
-            return fd;
-        if (fd >= 0)
-            remember(name);
-        const int code = fd < 0 ? EEXIST : own(fd);
+        remember(name); /* before it is there: a signal may come in between */
+        const int fd = create(name), code = fd < 0 ? errno : own(fd);
         if (code == 0)
             return fd;
         forget(name);
         if (fd >= 0)
             close(fd);
         if (code != EEXIST && code != EWOULDBLOCK) {
-            unlink(name);
+            if (fd >= 0)
+                unlink(name);
             errno = code;
             return -1;
         }

@@ -29,7 +29,7 @@ static const struct range {
     {SP_WANT_STATICS, AT(statics.z3), 1 - 1e-9, HUGE_VAL, true},
     {SP_WANT_STATICS, AT(statics.f2), 0, 1 + 1e-9, true},
     {SP_WANT_STATICS, AT(statics.f2s), 0, 1 + 1e-9, true},
-    {SP_WANT_STATICS, AT(statics.s1_over_s2), 0, HUGE_VAL, true},
+    {SP_WANT_STATICS, AT(statics.s1_over_s2), -HUGE_VAL, HUGE_VAL, true},
     {SP_WANT_STATICS, AT(statics.s12_over_s2), -HUGE_VAL, HUGE_VAL, true},
     {SP_WANT_STATICS, AT(statics.s32_over_s2), -HUGE_VAL, HUGE_VAL, true},
     {SP_WANT_STATICS, AT(statics.mobilised), 0, 1, true},
