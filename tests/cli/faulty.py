@@ -259,7 +259,8 @@ class Faulty:
             return signal.Signals(-done.status).name, f"ended by signal {-done.status}: {done.err[-200:]}"
         if left and kind not in ("unlink",):
             return "left", f"left {left}: {done.err[-200:]}"
-        if wrong and done.status == 0 and kind in FONTS and all(path.endswith((".svg", ".png", ".pdf")) for path in wrong):
+        figures = all(path.endswith((".svg", ".png", ".pdf")) for path in wrong)
+        if wrong and figures and done.status == 0 and kind in FONTS:
             return "other fonts", None  # cairo and fontconfig go on with what they could read
         if wrong:
             return "wrong", f"status {done.status}, wrong files {wrong}: {done.err[-200:]}"
