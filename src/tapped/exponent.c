@@ -60,6 +60,9 @@ static sp_status find_multiplier(const sp_tapped_spec *c, sp_tapped_state *s, in
     return status;
 }
 
+/* Two rounds may agree by chance: the least error of an exponent, some hundred roundings of each tap. */
+static const double rounding = 1e-13;
+
 static sp_status exponent_of_cycle(const sp_tapped_spec *c, sp_tapped_state *s, int32_t cycle, sp_tapped_exponent *out,
                                    sp_error *err) {
     double first, second;
@@ -69,7 +72,7 @@ static sp_status exponent_of_cycle(const sp_tapped_spec *c, sp_tapped_state *s, 
     if (status != SP_OK)
         return status;
     out->lambda = log(second) / cycle;
-    out->error = first > 0 && second > 0 ? fabs(log(first / second)) / cycle : 0;
+    out->error = first > 0 && second > 0 ? fmax(fabs(log(first / second)) / cycle, rounding) : 0;
     out->cycle = cycle;
     return SP_OK;
 }

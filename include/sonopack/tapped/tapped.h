@@ -204,8 +204,8 @@ SP_API void sp_tapped_positions(const sp_tapped_spec *c, const sp_tapped_state *
  * of one tangent over c->taps taps (Benettin et al., Meccanica 15, 1980). -INFINITY where tangents vanish. */
 typedef struct sp_tapped_exponent {
     double lambda;
-    double error;  /* cycle: difference from the next round; else from the average over the first half of the taps, or
-                      in chaos the standard error of block means if that is larger */
+    double error;  /* cycle: difference from the next round, and at least 1e-13; else from the average over the first
+                      half of the taps, or  in chaos the standard error of block means if that is larger */
     int32_t cycle; /* length in taps; 0: none */
     bool violated; /* ordering (1), during the transient or the search for a cycle */
 } sp_tapped_exponent;

@@ -10,20 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-sp_locale sp_locale_enter(void) {
-    sp_locale l = {.plain = newlocale(LC_ALL_MASK, "C", (locale_t)0)};
-    if (l.plain != (locale_t)0)
-        l.before = uselocale(l.plain);
-    return l;
-}
-
-void sp_locale_leave(sp_locale *l) {
-    if (l->plain != (locale_t)0) {
-        uselocale(l->before);
-        freelocale(l->plain);
-    }
-}
-
 /* ---- writing --------------------------------------------------------------------------------------------------- */
 
 static bool reserve(sp_text *t, size_t more) {

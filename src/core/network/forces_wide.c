@@ -1,10 +1,10 @@
 /* Forces of the springs of a chunk in vectors of eight: four springs, two lanes. */
+#include "base/clones.h"
 #include "network/operator.h"
 
 #include <stddef.h>
 
-#if defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&     \
-    defined(__x86_64__)
+#ifdef MACHINES
 #pragma GCC push_options
 #pragma GCC target("arch=x86-64-v4,prefer-vector-width=512")
 

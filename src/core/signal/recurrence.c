@@ -165,8 +165,7 @@ CLONES static void advance(int dim, int dof, rows of, recurrence_products *sum) 
     }
 }
 
-#if defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&     \
-    defined(__x86_64__)
+#ifdef MACHINES
 #pragma GCC push_options
 #pragma GCC target("arch=x86-64-v4,prefer-vector-width=512")
 typedef double v8 __attribute__((vector_size(64), aligned(64), may_alias));
