@@ -33,8 +33,9 @@ typedef struct sp_front {
  * below 0 after the peak. Negative swings and everything after t_zero are ignored.
  *
  * SP_EINVAL unless t ascends strictly, n >= 3 and all numbers are finite. SP_EREFUSED if there is no front: if the
- * signal is never positive, has no maximum inside the window, or starts at or above rise x amplitude (subtract its
- * offset first). */
+ * signal is never positive, has no maximum inside the window, starts at or above rise x amplitude (subtract its
+ * offset first), or falls so fast beside its first peak that the vertex is above twice the largest point, or before
+ * t10. */
 SP_API sp_status sp_front_find(int64_t n, const double *t, const double *f, const sp_front_options *opt, sp_front *out,
                                sp_error *err);
 

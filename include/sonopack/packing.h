@@ -153,8 +153,8 @@ SP_API sp_status sp_packing_audit(const sp_packing *p, double threshold, sp_audi
  * above the tolerance. reason is "" if there is none. */
 SP_API double sp_audit_worst(const sp_audit *audit, double tolerance, char *reason, size_t size);
 
-/* Finds rattlers: grains with fewer than 2 force-carrying contacts (without friction: fewer than dim + 1), walls
- * included. They are removed repeatedly until none is left. Outputs, either of which may be NULL: rattler[n], and
+/* Finds rattlers: grains with fewer than 2 force-carrying contacts (without friction: fewer than dim + 1, or with a
+ * weight dim, on which a grain rests), walls included. They are removed repeatedly until none is left. Outputs, either of which may be NULL: rattler[n], and
  * carrying[n_contacts], which tells whether a contact belongs to the force network. threshold: force of a carrying
  * contact over p d^2; usually 1e-4. SP_ENOMEM. */
 SP_API sp_status sp_packing_rattlers(const sp_packing *p, double threshold, uint8_t *rattler, uint8_t *carrying,
@@ -279,7 +279,7 @@ SP_API sp_status sp_pack_spec_fill(const sp_pack_spec *spec, double height, int3
 
 /* Progress of a compression. The callback returns false to stop it (SP_EINTERRUPTED). */
 typedef struct sp_pack_progress {
-    const char *phase; /* "flight" (of the gas), "compaction" or "equilibration" */
+    const char *phase; /* "placing" (of many grains), "flight" (of the gas), "compaction" or "equilibration" */
     int64_t steps;
     double height, strain; /* strain: 1 - height / initial height */
     double residual;       /* current largest elastic acceleration, compared with the tolerance */

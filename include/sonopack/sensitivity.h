@@ -95,7 +95,8 @@ typedef struct sp_functional {
 
 /* Values and gradients of `count` functionals of the signal of this network: out [count]. The expansion runs forward
  * once for all of them, and back once for each. Errors: remainder of the series and estimates of rounding, as those of
- * signals. SP_EINVAL, SP_EREFUSED for an unstable network, SP_ENOMEM. */
+ * signals. SP_EINVAL, SP_EREFUSED for an unstable network and for a source or detector that meets no spring along it,
+ * whose signal is 0, SP_ENOMEM. */
 SP_API sp_status sp_sensitivity_signal(const sp_network *net, const sp_sensitivity_options *opt, int32_t count,
                                        const sp_functional *functional, sp_gradient *out, sp_error *err);
 

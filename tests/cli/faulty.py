@@ -249,15 +249,19 @@ class Faulty:
         changed = identities(self.inputs) != self.before
         wrong = [path for path in done.files if path not in left and done.files[path] != good.files.get(path)
                  and not path.endswith(".state.h5")]
+        if done.status != 0:  # the report tells how far the work is
+            wrong = [path for path in wrong if not path.startswith("report/report.")]
         if changed:
             return "inputs", "inputs have changed"
+        if kind == "foreign" and (done.status < 0 or done.status == 255) and not wrong:
+            return "ended by a library", None  # HDF5, libconfig and fontconfig do not stand every lack of memory
         if done.status < 0:
             return signal.Signals(-done.status).name, f"ended by signal {-done.status}: {done.err[-200:]}"
         if left and kind not in ("unlink",):
             return "left", f"left {left}: {done.err[-200:]}"
         if wrong and done.status == 0 and kind in FONTS and all(path.endswith((".svg", ".png", ".pdf")) for path in wrong):
             return "other fonts", None  # cairo and fontconfig go on with what they could read
-        if wrong and name != "reproduce-report":  # the report says what is done so far
+        if wrong:
             return "wrong", f"status {done.status}, wrong files {wrong}: {done.err[-200:]}"
         if done.status == 0:
             missing = [path for path in good.files if path not in done.files]

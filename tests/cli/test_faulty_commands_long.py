@@ -22,9 +22,7 @@ def sweep(tried, name, kind, most):
         for at in places:
             outcome, fault = tried.judge(name, kind, how, error, at)
             tally[outcome] += 1
-            # a foreign library may end the process by itself, but nothing may be damaged or lost
-            allowed = kind == "foreign" and outcome in ("SIGABRT", "SIGSEGV", "unclear", "status 127")
-            expect(not fault or allowed, f"{name}, call {at} of {kind}, {how} {error}: {fault}")
+            expect(not fault, f"{name}, call {at} of {kind}, {how} {error}: {fault}")
     return tally
 
 

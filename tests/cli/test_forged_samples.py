@@ -11,7 +11,7 @@ import tempfile
 import h5py
 import numpy as np
 
-from common import expect, faults
+from common import expect, faults, names_all
 from streams import COMMAND, run, tables
 
 SCENES = {  # one sample each, with every part that it can have
@@ -24,6 +24,8 @@ SCENES = {  # one sample each, with every part that it can have
              'study.want=["statics","moduli","spectrum"]'),
     "prestress": ("packing.grains=60", "packing.width=8", "network.prestress=true",
                   'study.want=["statics","moduli","ctof"]'),
+    "still": ('packing.kind="chain"', "packing.grains=30", "signal.until=40", "signal.points=41",
+              'study.want=["signal"]'),  # it ends before the wave arrives
     "short": ("packing.grains=60", "packing.width=8", "signal.until=30", "signal.points=51", "signal.method=verlet",
               "signal.tolerance=1e-3", 'study.want=["ctof","signal"]'),
 }
@@ -240,11 +242,46 @@ def in_a_table(store, path):
     return path.stem in done.stdout
 
 
+def checksum(line):
+    """FNV-1a of 64 bits, as each line of the manifest ends with one."""
+    value = 0xcbf29ce484222325
+    for byte in line.encode():
+        value = (value ^ byte) * 0x100000001b3 % 2**64
+    return f"{value:016x}"
+
+
+def forged_index(folder):
+    """A line of the index whose checksum is right, with a number that the file does not have: found, and mended."""
+    index = folder / "disks" / "manifest.tsv"
+    whole = index.read_text()
+    *before, head, line = whole.rstrip("\n").split("\n")
+    cells = line.split("\t")
+    assert checksum("\t".join(cells[:-1]) + "\t") == cells[-1]
+    for name, value in (("statics/phi2", "0.5"), ("front/t10", "12"), ("sample/friction", "0.1"), ("signal", "7 2 5 nan")):
+        cells = line.split("\t")
+        cells[head.split("\t").index(name)] = value
+        cells[-1] = checksum("\t".join(cells[:-1]) + "\t")
+        index.write_text("\n".join([*before, head, "\t".join(cells)]) + "\n")
+        (row,) = verify(folder / "disks", status=1)
+        expect(row["field"] == "manifest.tsv" and names_all(row["reason"], name), row)
+        (row,) = verify(folder / "disks", status=0)
+    # one that no result can have is not believed at all
+    cells = line.split("\t")
+    cells[head.split("\t").index("front/t10")] = "-12"
+    cells[-1] = checksum("\t".join(cells[:-1]) + "\t")
+    index.write_text("\n".join([*before, head, "\t".join(cells)]) + "\n")
+    sample = cells[head.split("\t").index("name")]
+    done = run("table", "ensemble", "--store", folder / "disks")
+    ((_, names, rows),) = tables(done.stdout)
+    expect(rows[0][names.index("name")] == sample and float(rows[0][names.index("t10")]) > 0, rows)
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         make(folder)
         honest(folder)
+        forged_index(folder)
         for which in IMPOSSIBLE + AT_ODDS:
             store, path = forged(folder, which, folder / "false")
             expect(in_a_table(store, path) == (which in AT_ODDS), ("in a table", which))

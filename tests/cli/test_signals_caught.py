@@ -112,6 +112,17 @@ def in_the_middle_of_a_write(folder, library):
             expect(not temporaries(path.parent), f"{name}, {number!r} leaves {temporaries(path.parent)}")
 
 
+def storm(folder):
+    """A study that is stopped and continued again and again prints the same table; no read or write is cut short."""
+    words = ["study", *SMALL, "--set", "study.samples=6", "--quiet", "--jobs", 2, "--store"]
+    want, process = run(*words, folder / "calm"), start(*words, folder / "storm")
+    while process.poll() is None:
+        for number in (signal.SIGWINCH, signal.SIGSTOP, signal.SIGCONT, signal.SIGURG):
+            process.send_signal(number)
+    out, err = process.communicate(timeout=PATIENCE)
+    expect(process.returncode == 0 and out == want.stdout and not err, f"a storm of signals: {process.returncode} {err}")
+
+
 def hang_up(folder):
     """A terminal that goes away stops a compression, unless it was started by nohup."""
     for ignored in (False, True):
@@ -171,6 +182,7 @@ def main():
             subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library,
                             pathlib.Path(__file__).with_name("raising.c"), "-ldl"], check=True)
             in_the_middle_of_a_write(folder, library)
+        storm(folder)
         hang_up(folder)
         processor_time(folder)
         large_files(folder)

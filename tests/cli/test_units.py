@@ -37,7 +37,7 @@ PLAIN = re.compile(r"""file|contact|i|j|probe|reason|verdict|branch|polarization
     n|n1|n2|made|lost|sliding|rattlers|negative|flutter|zero|z_star|friction|strain|part|participation|share|min|max|sd|misfit|
     overlap|ratio|alpha|alpha_err|alpha_peak|alpha_peak_err|gamma|gamma_err|speed_over_c_l|k_path(_err)?|plane|below(_err)?|(pulse_)?(along|across|rotation|normal|tangential)(_err)?|C\d\d_((sine|lines)\d_)?ratio(_\w+)?|
     (Phi2|Phi3s?|zs|f0|N_over_p|Z2|Z3|F2S?|s1_over_s2|s[13]2_over_s2|mobilised)(_(sd|err|low|high))?|
-    force|torque|walls|law|geometry|coulomb|residual|Q(_err)?|
+    force|torque|walls|law|geometry|coulomb|missing|residual|Q(_err)?|
     (speed|peak|width)_ratio(_err)?|amplitude|overpressure(_err)?|packings|carrying|slid|opened|closed|kinetic|normal|tangential|
     rubbed|released|balance|step|factor|at_limit|energy(_err)?|predicted|found|rank|probability|change(_err)?|
     F[0-3](_err)?|beta(_delta)?(_err)?|beta_field|ratio_err""".replace("\n    ", ""))

@@ -206,7 +206,7 @@ def check_audit(folder):
     expect_status(0, "pack", *SMALL, "-o", good)
     result = expect_status(0, "check", good)
     (row,) = rows(result.stdout)
-    measures = "force torque walls law geometry coulomb".split()
+    measures = "force torque walls law geometry coulomb missing".split()
     expect(list(row) == "file ok residual reason".split() + measures, f"columns {list(row)}")
     expect(max(float(row[name]) for name in measures) == float(row["residual"]), f"measures {row}")
     expect(float(row["force"]) > 0 and float(row["coulomb"]) >= 0, f"measures {row}")

@@ -100,6 +100,15 @@ static inline void claims_scenes(claims *c, uint64_t usual, void (*scene)(claims
     }
 }
 
+/* Runs the scenes that found something: it must stay mended. */
+static inline void claims_known(claims *c, int count, const uint64_t *known, void (*scene)(claims *, sp_random *)) {
+    for (int k = 0; k < count; k++) {
+        sp_random draw = sp_random_make(c->scene = known[k], 0);
+        c->words = "";
+        scene(c, &draw);
+    }
+}
+
 static inline bool chance(sp_random *draw, double p) { return sp_random_uniform(draw) < p; }
 static inline double between(sp_random *draw, double low, double high) {
     return low + (high - low) * sp_random_uniform(draw);

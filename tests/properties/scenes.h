@@ -71,6 +71,14 @@ static inline void scene_crumb(sp_random *draw, sp_packing *p) {
     cells_touch(p);
 }
 
+static inline void scene_across(int dim, const double *n, double *t) {
+    double along = 0;
+    for (int a = 0; a < dim; a++)
+        along += t[a] * n[a];
+    for (int a = 0; a < dim; a++)
+        t[a] -= along * n[a];
+}
+
 /* Leaves out contacts, and gives the others tangential forces, laws of their own, or no force. */
 static inline void scene_forces(sp_random *draw, sp_packing *p) {
     static const double keeps[] = {1, 1, 1, 0.8, 0.5}, shares[] = {0, 0.1, 0.9, 0.995};
@@ -79,15 +87,13 @@ static inline void scene_forces(sp_random *draw, sp_packing *p) {
     int kept = 0;
     for (int k = 0; k < p->n_contacts; k++) {
         sp_contact c = p->contacts[k];
-        double t[3] = {0}, along = 0, size = 0;
-        for (int a = 0; a < p->dim; a++) {
+        double t[3] = {0}, size = 0;
+        for (int a = 0; a < p->dim; a++)
             t[a] = between(draw, -1, 1);
-            along += t[a] * c.n[a];
-        }
-        for (int a = 0; a < p->dim; a++) {
-            t[a] -= along * c.n[a];
+        scene_across(p->dim, c.n, t);
+        scene_across(p->dim, c.n, t); /* twice is enough */
+        for (int a = 0; a < p->dim; a++)
             size += t[a] * t[a];
-        }
         if (zero && chance(draw, 0.2))
             c.fn = c.overlap = 0;
         for (int a = 0; a < p->dim && size > 0; a++)

@@ -5,6 +5,7 @@
 #include "properties/scenes.h"
 #include "stress/exact.h"
 
+#include <complex.h>
 #include <float.h>
 #include <sonopack/elastic.h>
 #include <sonopack/modes.h>
@@ -211,7 +212,7 @@ static double time_of(const sp_signal_options *o, int k) {
     return k < o->points - 1 ? o->until * k / (o->points - 1) : o->until;
 }
 
-static void check_methods(claims *c, const sp_network *net, const ends *e, sp_signal_options o) {
+static void check_methods(claims *c, const sp_network *net, bool stable, const ends *e, sp_signal_options o) {
     static const sp_signal_method methods[] = {SP_SIGNAL_CHEBYSHEV,    SP_SIGNAL_DENSE, SP_SIGNAL_VERLET,
                                                SP_SIGNAL_LAX_WENDROFF, SP_SIGNAL_FABER, SP_SIGNAL_SPARSE};
     sp_network dashpots = sp_network_none();
@@ -237,6 +238,9 @@ static void check_methods(claims *c, const sp_network *net, const ends *e, sp_si
         sp_signal s = sp_signal_none();
         o.method = methods[k];
         o.step = k == 2 || k == 3 ? 0.05 / net->omega_bound : 0; /* its bound is told, whatever the tolerance */
+        /* its estimate of rounding does not count that errors grow with a motion too small to be noticed */
+        if (!stable && o.method == SP_SIGNAL_CHEBYSHEV)
+            continue;
         if ((o.damping > 0 && o.method != SP_SIGNAL_FABER) ||
             !claims_served(c, sp_signal_method_name(o.method), sp_signal_make(net, &o, &s, &why), &why))
             continue;
@@ -332,7 +336,7 @@ static double decay_of(const sp_network *net, sp_damping_kind kind, double ratio
     return rate;
 }
 
-static void check_signals(claims *c, const sp_network *net, sp_random *draw) {
+static void check_signals(claims *c, const sp_network *net, bool stable, sp_random *draw) {
     static const double lengths[] = {1, 3, 10, 30, 100, 300};
     sp_signal_options o = sp_signal_options_default();
     sp_signal s = sp_signal_none();
@@ -354,12 +358,108 @@ static void check_signals(claims *c, const sp_network *net, sp_random *draw) {
     o.from = &e.from;
     o.to = &e.to;
     o.sources = o.detectors = 1;
-    check_methods(c, net, &e, o);
+    check_methods(c, net, stable, &e, o);
     o.damping = 0;
     if (claims_served(c, "signal", sp_signal_make(net, &o, &s, &why), &why))
         check_causality(c, net, &e, &o, &s);
     sp_signal_free(&s);
     free(e.sent);
+}
+
+/* ---- steady driving, and fields --------------------------------------------------------------------------------- */
+
+/* F = (d + i omega c) . (K - omega^2 M + i omega C)^-1 p by elimination in extended precision; dash, c: NULL for none.
+ */
+static complex long double driven(const sp_network *net, const sp_network *dash, const double *det,
+                                  const double *dot_det, const double *push, double omega) {
+    const int n = (int)sp_network_dofs(net);
+    extended *k = motion_matrix(net), *c = dash ? motion_matrix(dash) : NULL;
+    complex long double *a = calloc((size_t)(n * (n + 1)), sizeof *a), sum = 0;
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++)
+            a[i * (n + 1) + j] = k[i * n + j] + (c ? I * omega * c[i * n + j] : 0);
+        a[i * (n + 1) + i] -= (extended)omega * omega;
+        a[i * (n + 1) + n] = push[i] / sqrtl((extended)net->mass[i]);
+    }
+    for (int p = 0; p < n; p++) {
+        int best = p;
+        for (int i = p + 1; i < n; i++)
+            best = cabsl(a[i * (n + 1) + p]) > cabsl(a[best * (n + 1) + p]) ? i : best;
+        for (int j = p; j <= n && best != p; j++) {
+            const complex long double kept = a[p * (n + 1) + j];
+            a[p * (n + 1) + j] = a[best * (n + 1) + j];
+            a[best * (n + 1) + j] = kept;
+        }
+        for (int i = 0; i < n; i++) {
+            const complex long double part = i == p ? 0 : a[i * (n + 1) + p] / a[p * (n + 1) + p];
+            for (int j = p; j <= n && part != 0; j++)
+                a[i * (n + 1) + j] -= part * a[p * (n + 1) + j];
+        }
+    }
+    for (int i = 0; i < n; i++)
+        sum += (det[i] + (dot_det ? I * omega * dot_det[i] : 0)) / sqrtl((extended)net->mass[i]) * a[i * (n + 1) + n] /
+               a[i * (n + 1) + i];
+    free(a);
+    free(c);
+    free(k);
+    return sum;
+}
+
+static void check_driven(claims *c, const sp_network *net, sp_random *draw) {
+    const double omega[3] = {net->omega_bound * between(draw, 0.01, 0.2), net->omega_bound * between(draw, 0.2, 0.9),
+                             net->omega_bound * between(draw, 1, 2)};
+    sp_harmonic_options o = sp_harmonic_options_default();
+    sp_harmonic h = sp_harmonic_none();
+    sp_network dashpots = sp_network_none();
+    double *dash = NULL;
+    sp_error why = {0};
+    ends e;
+    if (net->carried || !some_ends(c, net, draw, SP_SOURCE_IMPULSE, &e))
+        return;
+    o.from = e.from;
+    o.to = e.to;
+    o.n = 3;
+    o.omega = omega;
+    o.planes = 1;
+    o.keep = true;
+    if (chance(draw, 0.6)) {
+        const sp_damping law = {SP_DAMPING_ZETA, o.damping = pow(10, between(draw, -3, 0)), 1};
+        dash = calloc((size_t)sp_network_dofs(net), sizeof *dash);
+        assert_ok(sp_network_dashpots(net, &law, &dashpots, &err));
+        assert_ok(sp_network_detector_at(&dashpots, &e.to, dash, &err));
+    }
+    if (claims_served(c, "driven", sp_harmonic_make(net, &o, &h, &why), &why))
+        for (int k = 0; k < 3; k++) {
+            const complex long double f = driven(net, dash ? &dashpots : NULL, e.seen, dash, e.sent, omega[k]);
+            if (!isnan(h.f[2 * k]))
+                claims_check(c, "driven", (double)cabsl(h.f[2 * k] + I * h.f[2 * k + 1] - f), h.error[k]);
+        }
+    sp_harmonic_free(&h);
+    sp_network_free(&dashpots);
+    free(dash);
+    free(e.sent);
+}
+
+static void check_field(claims *c, const sp_network *net, sp_random *draw) {
+    const size_t n = (size_t)sp_network_dofs(net);
+    const double t = between(draw, 0.1, 60) / net->omega_bound;
+    double *u = calloc(n, sizeof *u), error = 0, worst = 0;
+    sp_error why = {0};
+    ends e;
+    const sp_source source = (sp_source)whole(draw, 0, 2);
+    if (some_ends(c, net, draw, source, &e)) {
+        const sp_field_options o = {.source = source, .from = &e.from, .times = 1, .t = &t, .threads = 1};
+        if (claims_served(c, "field", sp_signal_field(net, &o, u, &error, &why), &why)) {
+            motion m = motion_begin(net, NULL, e.sent, source != SP_SOURCE_DISPLACEMENT);
+            motion_advance(&m, t);
+            for (size_t k = 0; k < n; k++)
+                worst = fmax(worst, (double)fabsl(u[k] - m.y[k] / sqrtl((extended)net->mass[k])));
+            motion_end(&m);
+            claims_check(c, "field", worst, error);
+        }
+        free(e.sent);
+    }
+    free(u);
 }
 
 /* ---- motion: there and back, and the energy --------------------------------------------------------------------- */
@@ -515,8 +615,12 @@ static void run(claims *c, sp_random *draw) {
         check_stiffness(c, &net, draw);
         const bool stable = check_modes(c, &net, small ? &x : NULL);
         check_density(c, &net);
-        check_signals(c, &net, draw);
+        check_signals(c, &net, stable || net.carried, draw);
         check_motion(c, &net, stable, draw);
+        if (stable) {
+            check_driven(c, &net, draw);
+            check_field(c, &net, draw);
+        }
         check_moduli(c, &net);
         check_sensitivity(c, &net, draw);
         exact_free(&x);
@@ -532,7 +636,18 @@ static void test_networks(void **state) {
     claims_close(&c);
 }
 
+/* Moduli of an unstable spin, the error nan of a signal that is 0, chebyshev where a free grain or the whole cell
+ * drifts, dense where a zero mode is left out, time steps and faber where a motion grows, chebyshev with unequal
+ * masses. */
+static void test_known(void **state) {
+    static const uint64_t known[] = {25, 115, 31, 80, 1148, 1418, 621, 1915, 612, 10362, 10527, 22311};
+    claims c = {0};
+    (void)state;
+    claims_known(&c, sizeof known / sizeof *known, known, run);
+    claims_close(&c);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_networks)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_known), cmocka_unit_test(test_networks)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -292,6 +292,20 @@ static void traces_without_a_front(void **state) {
     free(w);
 }
 
+static void peaks_that_the_points_do_not_resolve(void **state) {
+    (void)state;
+    /* the parabola follows the fall after the highest point: its vertex is 1e18 times as high */
+    const double t[] = {0, 7.25, 21.76, 22}, f[] = {0, 4, -6e19, -6e19}, steep[] = {0, 1, -6, -6};
+    sp_front_options o = sp_front_options_default();
+    sp_front front = {0};
+    assert_fails(sp_front_find(4, t, f, &o, &front, &err), SP_EREFUSED, "4 7.25");
+    const double even[] = {0, 1, 2, 3};
+    assert_ok(sp_front_find(4, even, steep, &o, &front, &err));
+    assert_close(front.amplitude, 1.5625, 1e-14);
+    o.rise = 0.9; /* reached at the point itself, after the vertex */
+    assert_fails(sp_front_find(4, even, steep, &o, &front, &err), SP_EREFUSED, "1.5625 0.625");
+}
+
 static void wrong_input(void **state) {
     (void)state;
     trace *w = sampled(0, 100, 0.1);
@@ -361,6 +375,7 @@ int main(void) {
                                        cmocka_unit_test(uneven_times),
                                        cmocka_unit_test(negative_first_swing),
                                        cmocka_unit_test(traces_without_a_front),
+                                       cmocka_unit_test(peaks_that_the_points_do_not_resolve),
                                        cmocka_unit_test(wrong_input),
                                        cmocka_unit_test(any_unit_of_force)};
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -31,7 +31,7 @@ static void write_text(const char *name, const char *text) {
 /* ---- numbers --------------------------------------------------------------------------------------------------- */
 
 static double parse_one(const char *text, int *digits) {
-    sp_sheet s = {.file = "x", .separator = ' ', .columns = 1, .name = {"a"}};
+    sp_number_sheet s = {.file = "x", .separator = ' ', .columns = 1, .name = {"a"}};
     assert_int_equal(sp_sheet_row(&s, text, strlen(text), 1, NULL), SP_OK);
     const double value = sp_sheet_value(&s, 0, 0);
     *digits = s.digits[0];

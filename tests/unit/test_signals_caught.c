@@ -4,6 +4,8 @@
 #include "linalg/supernodes.h"
 #include "test.h"
 
+#include <sonopack/packing.h>
+
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
@@ -84,8 +86,26 @@ static void drafts_are_abandoned(void **state) {
     assert_int_equal(rmdir(folder), 0); /* nothing else is there */
 }
 
+static bool refuse(const sp_pack_progress *progress, void *user) {
+    *(int64_t *)user = progress->steps;
+    return false;
+}
+
+static void placing_can_be_stopped(void **state) {
+    (void)state;
+    sp_pack_spec spec = sp_pack_spec_default();
+    sp_packing p = sp_packing_none();
+    sp_error err = {0};
+    int64_t steps = -1;
+    spec.grains = 10000;
+    spec.width = 100;
+    assert_int_equal(sp_packing_make(&spec, refuse, &steps, &p, &err), SP_EINTERRUPTED);
+    assert_int_equal(steps, 0); /* before the grains have moved */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(orderings_leave_handlers_alone),
-                                       cmocka_unit_test(drafts_are_abandoned)};
+                                       cmocka_unit_test(drafts_are_abandoned),
+                                       cmocka_unit_test(placing_can_be_stopped)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

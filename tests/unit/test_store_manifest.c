@@ -130,7 +130,8 @@ static sp_manifest *open_manifest(bool adding) {
 static void speaks_of_files_as_they_are(void **state) {
     (void)state;
     const sp_sample s = example(SP_WANT_CTOF | SP_WANT_SIGNAL, 5);
-    sp_sample changed = s, back, failed = {.failed = true, .pressure = 1e-4, .reason = "no\trest"};
+    sp_sample changed = s, back,
+              failed = {.failed = true, .dim = 2, .grains = 20, .pressure = 1e-4, .reason = "no\trest"};
     memcpy(failed.name, example(0, 9).name, SP_NAME_MAX);
     const struct stat file = file_of(1000, 50), longer = file_of(1001, 50), later = file_of(1000, 51);
     sp_manifest *m = open_manifest(true), *other = open_manifest(false);

@@ -10,7 +10,7 @@ enum { FRONT_NUMBERS = offsetof(sp_front, crossings) / 8, MODULI_NUMBERS = offse
 
 static sp_sample example(unsigned have, uint64_t seed) {
     uint64_t random = seed;
-    sp_sample s = {.dim = 2, .grains = 20, .width = 24, .pressure = 1e-4, .friction = 0.5, .height = 8.7, .have = have};
+    sp_sample s = {.dim = 2, .grains = 20, .width = 24, .pressure = 1e-4, .friction = 0.5, .height = 40, .have = have};
     snprintf(s.name, sizeof s.name, "%016llx%016llx", (unsigned long long)fixture_next(&random),
              (unsigned long long)fixture_next(&random));
     s.seed = fixture_next(&random);
@@ -19,7 +19,17 @@ static sp_sample example(unsigned have, uint64_t seed) {
     for (int part = 0; part < 3; part++)
         for (size_t k = 0; k < counts[part]; k++)
             if (have & (1u << part))
-                parts[part][k] = k == 2 ? NAN : fixture_uniform(&random);
+                parts[part][k] = k == (part < 2 ? 2 : 5) ? NAN : fixture_uniform(&random);
+    if (have & SP_WANT_CTOF) { /* what such results can be */
+        s.front.t_peak += s.front.t10;
+        s.front.width = NAN;
+    }
+    if (have & SP_WANT_STATICS) {
+        s.statics.z2 += 1;
+        s.statics.z3 += 1;
+    }
+    if (have & SP_WANT_MODULI)
+        s.moduli.c_l = s.moduli.c_t = NAN;
     return s;
 }
 
@@ -102,7 +112,7 @@ static void newer_parts_are_kept(void **state) {
         s.plane[k] = k + fixture_uniform(&random);
         double *front = &s.plane_front[k].t10;
         for (int i = 0; i < FRONT_NUMBERS; i++)
-            front[i] = k == 3 ? NAN : fixture_uniform(&random);
+            front[i] = k == 3 || i == 2 || i == 4 ? NAN : i + fixture_uniform(&random);
     }
     for (int k = 0; k < SP_PROBES; k++)
         s.probe[k] = (sp_probe_moduli){.along = fixture_uniform(&random),
@@ -111,7 +121,7 @@ static void newer_parts_are_kept(void **state) {
                                        .left_out = k == 1 ? NAN : 0.5};
     s.signal = (sp_signal_made){.points = 3, .method = SP_SIGNAL_DENSE, .until = 2, .tolerance = 1e-7};
     double t[3] = {0, 1, 2}, f[3] = {0, 0.5, -0.25};
-    double omega[6] = {0, 0.25, 0.5, 1e-300, 0.1, 0.7}; /* a store keeps them as they are */
+    double omega[6] = {0, 1e-300, 0.1, 0.25, 0.5, 0.7};
     const sp_sample_arrays arrays = {
         .signal = {.n = 3, .t = t, .f = f, .method = SP_SIGNAL_DENSE}, .modes = 6, .omega = omega};
     s.spectrum = (sp_spectrum_made){.carrying = 2, .dof = 3, .zero_modes = 1, .omega_max = 0.7};

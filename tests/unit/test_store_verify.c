@@ -103,7 +103,12 @@ static void records_and_retries(void **state) {
     sp_store *store;
     assert_ok(sp_store_open(folder, true, &store, &err));
     sp_study_sink sink = sp_store_sink(store);
-    sp_sample s = {.name = "0123456789abcdef0123456789abcdef", .dim = 2, .grains = 20, .width = 24, .failed = true};
+    sp_sample s = {.name = "0123456789abcdef0123456789abcdef",
+                   .dim = 2,
+                   .grains = 20,
+                   .width = 24,
+                   .pressure = 1e-4,
+                   .failed = true};
     snprintf(s.reason, sizeof s.reason, "no equilibrium");
     assert_ok(sink.save(sink.user, NULL, &s, NULL, NULL, &err));
     notes n = verify(store, -1, NULL);

@@ -1,6 +1,7 @@
 /* Density and flux of energy: what leaves one side of a plane arrives on the other, and waves of lattices carry their
  * energy with the group velocity. */
 #include "cells.h"
+#include "network/bound.h"
 #include "numeric/random.h"
 #include "signals.h"
 
@@ -247,9 +248,31 @@ static void test_no_energy(void **state) {
     sp_packing_free(&p);
 }
 
+/* A motion whose energy is below 0 grows, and is told like any other that does. */
+static void test_growth(void **state) {
+    (void)state;
+    sp_packing p = without_tangential(scattered_packing(2, 4, 0.5, 5));
+    sp_network net = network_of(&p, true);
+    motion m = random_motion(&net, 5);
+    for (int32_t k = 0; k < net.n_springs; k++)
+        net.springs[k].kp *= 1e3;
+    for (int64_t k = 0; k < sp_network_dofs(&net); k++)
+        m.v[k] = 0;
+    assert_ok(sp_network_find_bounds(&net, &err));
+    assert_true(sp_network_energy2(&net, m.u) < 0);
+    assert_fails(sp_transport_advance(&net, 3, m.u, m.v, NULL, &err), SP_EREFUSED, "unstable");
+    motion_free(&m);
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sum_is_the_energy), cmocka_unit_test(test_balance), cmocka_unit_test(test_group_velocity),
-        cmocka_unit_test(test_advance),           cmocka_unit_test(test_burst),   cmocka_unit_test(test_no_energy)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_sum_is_the_energy),
+                                       cmocka_unit_test(test_balance),
+                                       cmocka_unit_test(test_group_velocity),
+                                       cmocka_unit_test(test_advance),
+                                       cmocka_unit_test(test_burst),
+                                       cmocka_unit_test(test_no_energy),
+                                       cmocka_unit_test(test_growth)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

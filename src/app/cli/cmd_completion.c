@@ -5,6 +5,7 @@
 #include "cli/output.h"
 
 #include <string.h>
+#include <sys/stat.h>
 
 typedef struct arguments {
     cli_common common;
@@ -26,13 +27,23 @@ static const cli_syntax syntax = {.usage = "SHELL",
                                   .kinds = shells,
                                   .kind_name = "shell"};
 
+/* Nothing in a file tells that it has completions, so none is replaced. */
+static sp_status write_text(const cli_common *common, const sp_text *text, sp_error *err) {
+    struct stat info;
+    if (!common->output)
+        return cli_print(text->data, err);
+    if (stat(common->output, &info) == 0 && S_ISREG(info.st_mode))
+        return sp_fail(err, SP_EINVAL, "%s: exists already: choose another name", common->output);
+    return sp_text_save(common->output, text->data, text->size, err);
+}
+
 int cmd_completion(int argc, char **argv) {
     arguments a = {{0}};
     sp_text text = {0};
     sp_error err = {0};
     cli_parse(&syntax, argc, argv, &a);
     writers[a.common.kind](&text);
-    sp_status status = text.failed ? sp_fail_memory(&err, 1 << 16) : cli_print(text.data, &err);
+    sp_status status = text.failed ? sp_fail_memory(&err, 1 << 16) : write_text(&a.common, &text, &err);
     sp_text_free(&text);
     return status == SP_OK ? CLI_OK : cli_fail(&err);
 }

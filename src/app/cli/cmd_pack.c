@@ -122,7 +122,7 @@ static bool watch(const sp_pack_progress *progress, void *user) {
         c->phase = progress->phase;
         c->logged_at = now;
     }
-    if (!cli_stopped())
+    if (!cli_stopped() || progress->steps == 0) /* while grains are placed there is nothing to keep, nor to wait for */
         return true;
     cli_stop_patiently(); /* the state is to be saved */
     return !may_stop(c);

@@ -281,25 +281,31 @@ static sp_status report(const arguments *a, sp_status status, const sp_study_pro
     return status;
 }
 
-/* Checks that rank 0 sees the samples of all ranks: on other machines --store might be another folder. */
+/* Checks that what was finished is still there, before the tables leave it out: somebody may have removed or damaged it
+ * meanwhile, and for ranks on other machines --store might be another folder. */
 static sp_status check_complete(const arguments *a, const sp_scene *scene, sp_store *store, sp_error *err) {
     const sp_study_sink sink = sp_store_sink(store);
-    const int64_t count = a->ranks.size > 1 && a->ranks.rank == 0 ? sp_study_count(scene) : 0;
+    const int64_t count = a->ranks.rank == 0 ? sp_study_count(scene) : 0;
     int64_t missing = 0;
     sp_status status = SP_OK;
+    sp_store_retry(store, false); /* those that have failed again are there too */
     for (int64_t k = a->study.shard - 1; k < count && status == SP_OK; k += a->study.shards) {
         sp_scene one;
         char name[SP_NAME_MAX];
         status = sp_study_sample(scene, k, &one, name, err);
         missing += status == SP_OK && sink.has(sink.user, &one, name) == SP_STORED_NOT;
     }
-    if (status == SP_OK && missing > 0 && !a->retry)
-        status =
-            sp_fail(err, SP_EIO,
-                    "rank 0 does not see %lld of the computed samples in %s: --store must be one folder that all ranks "
-                    "share",
-                    (long long)missing, a->store);
-    return status;
+    if (status != SP_OK || missing == 0)
+        return status;
+    if (a->ranks.size > 1)
+        return sp_fail(err, SP_EIO,
+                       "rank 0 does not see %lld of the computed samples in %s: --store must be one folder that all "
+                       "ranks share",
+                       (long long)missing, a->store);
+    return sp_fail(
+        err, SP_EIO,
+        "%lld of the finished samples are gone from %s, or cannot be read: the same command makes them again",
+        (long long)missing, a->store);
 }
 
 /* Computes the samples, then writes their tables. All ranks call cli_ranks_join, even after a failure, so that all of

@@ -168,10 +168,10 @@ static bool has_stack(void) {
 /* OpenBLAS on one thread: its sums then do not depend on the number of cores, and samples that are computed side by
  * side do not take each other's cores. It reads the variable when it is loaded; where it is loaded already, the call
  * counts. */
-static void use_one_blas_thread(void) {
-    setenv("OPENBLAS_NUM_THREADS", "1", 1);
+static bool use_one_blas_thread(void) {
     if (openblas_set_num_threads)
         openblas_set_num_threads(1);
+    return setenv("OPENBLAS_NUM_THREADS", "1", 1) == 0;
 }
 
 int main(int argc, char **argv) {
@@ -183,9 +183,11 @@ int main(int argc, char **argv) {
     cli_signals_begin();
     if (!SONOPACK_LATE) /* else it is loaded so */
         sp_hdf5_exit_silently();
-    use_one_blas_thread();
-    if (on_exit(leave, NULL) != 0 || atexit(cli_close_stdout) != 0) /* called in reverse order */
+    if (!use_one_blas_thread() || on_exit(leave, NULL) != 0 ||
+        atexit(cli_close_stdout) != 0) { /* called in reverse order */
+        fputs("sonopack: no memory\n", stderr);
         return CLI_FAILED;
+    }
     argp_err_exit_status = CLI_USAGE;
     if (argc < 2) {
         overview(stderr);

@@ -379,7 +379,10 @@ void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments)
     if (common->threads == 0)
         common->threads = cores();
     const struct argp argp = {r.argp, parse, syntax->usage, syntax->help, NULL, NULL, NULL};
-    argp_parse(&argp, argc, argv, ARGP_NO_HELP, NULL, &r);
+    if (argp_parse(&argp, argc, argv, ARGP_NO_HELP, NULL, &r) != 0) { /* wrong usage ends the program in `parse' */
+        const sp_error err = {.status = SP_ENOMEM, .text = "no memory for the options"};
+        exit(cli_fail(&err));
+    }
     cli_watch(common, r.command);
 }
 

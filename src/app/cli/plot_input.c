@@ -45,8 +45,8 @@ static bool csv_number(const char *cell, double *out) {
     return !*cell || (end > cell && end[strspn(end, " ")] == '\0');
 }
 
-/* Adds the columns, and allocates `rows` rows. */
-static sp_status csv_header(const char *path, char *text, int64_t rows, sp_table *t, sp_error *err) {
+/* Adds the columns, and allocates a row. */
+static sp_status csv_header(const char *path, char *text, double **row, sp_table *t, sp_error *err) {
     for (char *cell; (cell = csv_cell(&text)) != NULL;) {
         sp_status status = sp_table_add_column(t, cell, "", SP_CELL_NUMBER, err);
         if (status != SP_OK) {
@@ -54,29 +54,28 @@ static sp_status csv_header(const char *path, char *text, int64_t rows, sp_table
             return status;
         }
     }
-    t->cells = sp_alloc((size_t)rows, (size_t)t->columns * sizeof *t->cells);
-    t->capacity = rows;
-    return t->cells ? SP_OK : sp_fail_memory(err, (size_t)rows * (size_t)t->columns * sizeof *t->cells);
+    *row = sp_alloc((size_t)t->columns, sizeof **row);
+    return *row ? SP_OK : sp_fail_memory(err, (size_t)t->columns * sizeof **row);
 }
 
-static sp_status csv_row(const char *path, int64_t line, char *text, sp_table *t, sp_error *err) {
-    sp_cell *row = t->cells + t->rows * t->columns;
+/* row: of so many numbers as there are columns, to work in. */
+static sp_status csv_row(const char *path, int64_t line, char *text, double *row, sp_table *t, sp_error *err) {
     int count = 0;
     for (char *cell; (cell = csv_cell(&text)) != NULL; count++) {
-        if (count < t->columns && !csv_number(cell, &row[count].number))
+        if (count < t->columns && !csv_number(cell, &row[count]))
             return sp_fail(err, SP_EFORMAT, "%s:%lld: %s = \"%.40s\": must be a number or empty", path, (long long)line,
                            t->column[count].name, cell);
     }
     if (count != t->columns)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: %d cells where there are %d columns", path, (long long)line, count,
                        t->columns);
-    t->rows++;
-    return SP_OK;
+    return sp_table_add_numbers(t, row, err);
 }
 
 /* Reads comments after '#', a header, and rows. */
-static sp_status csv_lines(const char *path, char *text, int64_t lines, sp_table *t, sp_error *err) {
+static sp_status csv_lines(const char *path, char *text, sp_table *t, sp_error *err) {
     sp_status status = SP_OK;
+    double *row = NULL;
     char *rest = text;
     for (int64_t number = 1; rest && status == SP_OK; number++) {
         char *line = strsep(&rest, "\n");
@@ -84,12 +83,13 @@ static sp_status csv_lines(const char *path, char *text, int64_t lines, sp_table
         if (*line == '#')
             status = sp_table_add_comment(t, err, "%s", line + 1 + (line[1] == ' '));
         else if (*line && t->columns == 0)
-            status = csv_header(path, line, lines, t, err);
+            status = csv_header(path, line, &row, t, err);
         else if (*line)
-            status = csv_row(path, number, line, t, err);
+            status = csv_row(path, number, line, row, t, err);
     }
     if (status == SP_OK && t->columns == 0)
         status = sp_fail(err, SP_EFORMAT, "%s: is no table: it has no header", path);
+    sp_free(row);
     return status;
 }
 
@@ -100,10 +100,7 @@ static sp_status read_csv(const char *path, sp_table *out, sp_error *err) {
     sp_status status = sp_file_read_text(path, &text, &size, err);
     if (status != SP_OK)
         return status;
-    int64_t lines = 1;
-    for (const char *c = text; *c; c++)
-        lines += *c == '\n';
-    status = csv_lines(path, text, lines, &t, err);
+    status = csv_lines(path, text, &t, err);
     sp_free(text);
     if (status == SP_OK)
         *out = t;

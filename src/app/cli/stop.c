@@ -18,7 +18,7 @@ static const double PATIENCE = 0.9;
 static const double ASLEEP = 1e-3;
 
 static atomic_int stop_signal; /* the first one; 0: none */
-static atomic_bool catching, quiet, patient, keeps_status;
+static atomic_bool catching, quiet, terminal, patient, keeps_status;
 static double begun, looked; /* CPU times of the stop and of the last look at it; of the handlers alone */
 
 /* ---- handlers: only calls that are safe there -------------------------------------------------------------------- */
@@ -30,7 +30,12 @@ static double cpu_time(void) {
 }
 
 static void say(const char *line) {
-    const ssize_t put = atomic_load(&quiet) ? 0 : write(STDERR_FILENO, line, strlen(line));
+    static const char clear[] = "\r\033[K"; /* the line of progress */
+    ssize_t put = 0;
+    if (!atomic_load(&quiet) && atomic_load(&terminal))
+        put = write(STDERR_FILENO, clear, strlen(clear));
+    if (!atomic_load(&quiet))
+        put = write(STDERR_FILENO, line, strlen(line));
     (void)put; /* nothing is left to do if nobody reads it */
 }
 
@@ -97,6 +102,7 @@ void cli_signals_begin(void) {
 
 void cli_catch_signals(const cli_common *common) {
     atomic_store(&quiet, common->quiet);
+    atomic_store(&terminal, isatty(STDERR_FILENO) != 0);
     catch (SIGALRM, look);
     atomic_store(&catching, true);
 }

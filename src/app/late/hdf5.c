@@ -3,6 +3,8 @@
 
 #include <hdf5.h>
 #include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 /* The identifiers behind H5T_NATIVE_DOUBLE and its like are variables, which nothing can load when they are read. But
  * the macros call H5open() before they read them: by then these have been filled. */
@@ -119,7 +121,10 @@ static void fill_identifiers(void) {
                       {&H5T_STD_U64LE_g, "H5T_STD_U64LE_g"},
                       {&H5T_STD_U8LE_g, "H5T_STD_U8LE_g"}};
     H5dont_atexit();
-    H5open();
+    if (H5open() < 0) { /* half of it would call sound files damaged */
+        fputs("sonopack: HDF5 cannot begin: no memory\n", stderr);
+        exit(EXIT_FAILURE);
+    }
     for (size_t k = 0; k < sizeof identifier / sizeof *identifier; k++)
         *identifier[k].ours = *(const hid_t *)late_find(&hdf5, identifier[k].name);
 }

@@ -1,5 +1,6 @@
 /* Status and error text, allocation, memory limit, number text and clocks. */
 #include "base/base.h"
+#include "base/text.h"
 
 #include <sonopack/version.h>
 
@@ -38,10 +39,17 @@ void sp_text_tame(char *text, const char *but) {
             c[0] = c[1] = ' ';
 }
 
+/* vsnprintf with a decimal point in every locale: reasons get into files. */
+static void print_plain(char *text, size_t size, const char *format, va_list args) {
+    sp_locale locale = sp_locale_enter();
+    vsnprintf(text, size, format, args);
+    sp_locale_leave(&locale);
+}
+
 /* The key at fault, then the reason. */
 static void set_reason(sp_error *err, sp_status status, const char *key, const char *format, va_list args) {
     char reason[SP_ERROR_TEXT];
-    vsnprintf(reason, sizeof reason, format, args);
+    print_plain(reason, sizeof reason, format, args);
     err->status = status;
     snprintf(err->key, sizeof err->key, "%s", key);
     const size_t used = strnlen(key, sizeof err->key - 1), rest = strnlen(reason, sizeof reason - used - 1);
@@ -77,7 +85,7 @@ sp_status sp_fail_prefix(sp_error *err, const char *format, ...) {
     char old[SP_ERROR_TEXT], prefix[SP_ERROR_TEXT / 2];
     va_list args;
     va_start(args, format);
-    vsnprintf(prefix, sizeof prefix, format, args);
+    print_plain(prefix, sizeof prefix, format, args);
     va_end(args);
     memcpy(old, err->text, sizeof old);
     int used = snprintf(err->text, sizeof err->text, "%s: ", prefix);

@@ -16,7 +16,6 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 /* Limit for text files, so that an endless device cannot fill the memory. */
@@ -162,6 +161,7 @@ static int own(int fd) {
 /* Names of temporary files that are being written, for sp_drafts_abandon. */
 enum { REMEMBERED = 64 };
 static _Atomic(const char *) temporaries[REMEMBERED];
+static atomic_bool abandoned; /* no more of them */
 
 static void remember(const char *name) {
     for (int k = 0; k < REMEMBERED; k++) {
@@ -180,16 +180,29 @@ static void forget(const char *name) {
     }
 }
 
-void sp_drafts_abandon(void) {
+/* Removes what can be removed now. Returns whether a file is still being written. */
+static bool remove_temporaries(void) {
+    bool any = false;
     for (int k = 0; k < REMEMBERED; k++) {
         char name[SP_PATH_MAX];
         const char *seen = atomic_load(&temporaries[k]);
         if (!seen)
             continue;
+        any = true;
         strncpy(name, seen, sizeof name - 1);
         name[sizeof name - 1] = '\0';
-        if (atomic_compare_exchange_strong(&temporaries[k], &seen, NULL)) /* else the copy may be of something else */
+        if (atomic_load(&temporaries[k]) == seen) /* else the copy may be of something else */
             unlink(name);
+    }
+    return any;
+}
+
+void sp_drafts_abandon(void) {
+    const struct timespec moment = {.tv_nsec = 2000000};
+    atomic_store(&abandoned, true);
+    if (remove_temporaries()) { /* another thread may be just creating one */
+        nanosleep(&moment, NULL);
+        remove_temporaries();
     }
 }
 
@@ -199,6 +212,14 @@ static void own_prefix(char prefix[32]) {
     char host[256] = "";
     gethostname(host, sizeof host - 1);
     snprintf(prefix, 32, ".sonopack-%08x-", (unsigned)sp_hash64(SP_HASH64_BEGIN, host, strlen(host)));
+}
+
+/* -1 with errno if there is such a file, or if none may be made any more. */
+static int create(const char *name) {
+    if (!atomic_load(&abandoned))
+        return open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    errno = EINTR;
+    return -1;
 }
 
 /* Opens a new temporary file in the folder. The name is unique (machine, process, counter), and short enough to fit
@@ -214,19 +235,16 @@ static int open_temporary(const char *folder, char name[SP_PATH_MAX]) {
             errno = ENAMETOOLONG;
             return -1;
         }
-        int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (fd < 0 && errno != EEXIST)
-            return fd;
-        if (fd >= 0)
-            remember(name);
-        const int code = fd < 0 ? EEXIST : own(fd);
+        remember(name); /* before it is there: a signal may come in between */
+        const int fd = create(name), code = fd < 0 ? errno : own(fd);
         if (code == 0)
             return fd;
         forget(name);
         if (fd >= 0)
             close(fd);
         if (code != EEXIST && code != EWOULDBLOCK) {
-            unlink(name);
+            if (fd >= 0)
+                unlink(name);
             errno = code;
             return -1;
         }
@@ -370,11 +388,12 @@ sp_status sp_text_save(const char *path, const char *text, size_t size, sp_error
 }
 
 /* Whether nobody writes the file any more. For this machine's files a free lock is enough. Locks of other machines may
- * be invisible here, so their files must also be a day old. */
-static bool is_left_behind(int fd, bool own_machine) {
-    struct stat info;
-    return flock(fd, LOCK_EX | LOCK_NB) == 0 &&
-           (own_machine || (fstat(fd, &info) == 0 && time(NULL) - info.st_mtime > 86400));
+ * be invisible here, so their files must also be a day older than the last change of the folder: the clock of the file
+ * system wrote both times, and that of this machine may be wrong. */
+static bool is_left_behind(int fd, bool own_machine, int folder) {
+    struct stat info, around;
+    return flock(fd, LOCK_EX | LOCK_NB) == 0 && (own_machine || (fstat(fd, &info) == 0 && fstat(folder, &around) == 0 &&
+                                                                 around.st_mtime - info.st_mtime > 86400));
 }
 
 void sp_folder_clean(const char *folder) {
@@ -388,7 +407,7 @@ void sp_folder_clean(const char *folder) {
             (size_t)snprintf(path, sizeof path, "%s/%s", folder, name) >= sizeof path)
             continue;
         const int fd = open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-        if (fd >= 0 && is_left_behind(fd, strncmp(name, prefix, strlen(prefix)) == 0))
+        if (fd >= 0 && is_left_behind(fd, strncmp(name, prefix, strlen(prefix)) == 0, dirfd(all)))
             unlink(path);
         if (fd >= 0)
             close(fd);

@@ -40,8 +40,8 @@ SP_SHARED sp_status sp_draft_begin(const char *path, sp_draft *d, sp_error *err)
 SP_SHARED sp_status sp_draft_commit(sp_draft *d, sp_error *err);
 SP_SHARED void sp_draft_drop(sp_draft *d);
 
-/* Removes all temporary files that this process is writing. For a handler of signals that ends the process: it calls
- * nothing that is unsafe there. */
+/* Removes all temporary files that this process is writing, and lets it make no more. For a handler of signals that
+ * ends the process: it calls nothing that is unsafe there. */
 SP_SHARED void sp_drafts_abandon(void);
 
 /* Checks that a file can be created in the folder, by creating a temporary one and removing it. SP_EIO if not. */

@@ -124,6 +124,34 @@ static void polish(int32_t n, const double *y, const double complex *z, search s
     }
 }
 
+/* Newton's steps to where the derivatives of log |S|^2/W by k and alpha vanish, with S = sum z conj(e) and W = sum
+ * |e|^2: a search that compares misfits stops at the root of their rounding. A step beyond `reach` is not taken: there
+ * is no minimum so near, as at a limit of alpha. */
+static void sharpen(int32_t n, const double *y, const double complex *z, double reach, double *k, double *alpha) {
+    for (int turn = 0; turn < 3; turn++) {
+        double complex s[3] = {0};
+        double w[3] = {0};
+        for (int32_t j = 0; j < n; j++) {
+            const double x = y[j] - y[0];
+            const double complex e = cexp((I * *k - *alpha) * x), part = z[j] * conj(e);
+            for (int m = 0; m < 3; m++) {
+                s[m] += pow(x, m) * part;
+                w[m] += pow(x, m) * creal(e * conj(e));
+            }
+        }
+        const double complex mean = s[1] / s[0], curve = s[2] / s[0] - mean * mean;
+        const double middle = w[1] / w[0], spread = w[2] / w[0] - middle * middle;
+        /* Im mean = re dk + im da, Re mean - middle = -im dk + (re - 2 spread) da */
+        const double re = creal(curve), im = cimag(curve), low = re - 2 * spread, by_k = cimag(mean);
+        const double by_alpha = creal(mean) - middle, det = re * low + im * im;
+        const double dk = (by_k * low - im * by_alpha) / det, da = (re * by_alpha + im * by_k) / det;
+        if (!(hypot(dk, da) <= reach))
+            return;
+        *k += dk;
+        *alpha += da;
+    }
+}
+
 /* A fitted wave; `part` is NAN if there is none. */
 typedef struct wave {
     double k, alpha, part;
@@ -144,6 +172,7 @@ static wave polish_from(const integrals *in, const bounds *b, wave start) {
     wave w = start;
     polish(in->n, in->y, in->z, (search){fmax(b->dk, 0.5 * w.alpha), fmax(b->a_first, 0.5 * w.alpha), b->a_least}, &w.k,
            &w.alpha);
+    sharpen(in->n, in->y, in->z, 1e-5 * b->dk, &w.k, &w.alpha);
     w.part = 1 - misfit(in->n, in->y, in->z, w.k, w.alpha);
     return w;
 }

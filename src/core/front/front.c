@@ -10,6 +10,10 @@
  * (peak to valley 8e-3 at four standard deviations) then makes no maxima. */
 static const double confirm = 0.01;
 
+/* The parabola through the points of a peak may exceed the highest of them by this factor, and no more: it then follows
+ * a fall that lies between two points, and not the peak. A resolved peak exceeds them by an eighth at most. */
+static const double unresolved = 2;
+
 sp_front_options sp_front_options_default(void) {
     return (sp_front_options){.window = 0, .rise = 0.1, .prominence = 0.2};
 }
@@ -121,6 +125,12 @@ sp_status sp_front_find(int64_t n, const double *t, const double *f, const sp_fr
     front.width = front.t_zero - front.t10;
     if (!isfinite(front.t10) || !isfinite(front.t_peak) || !isfinite(front.amplitude))
         return sp_fail(err, SP_EREFUSED, "no front: the values of the signal, up to %g, are too large", largest);
+    if (front.amplitude > unresolved * f[first] || front.t_peak < front.t10)
+        return sp_fail(
+            err, SP_EREFUSED,
+            "no front: the first peak is not resolved: its highest point is F = %g at t = %g, and the parabola "
+            "through that point and its neighbours has its vertex at F = %g, t = %g",
+            f[first], t[first], front.amplitude, front.t_peak);
     *out = front;
     return SP_OK;
 }

@@ -74,7 +74,7 @@ sp_status sp_need_bounded(const sp_network *net, double until, sp_error *err) {
         return SP_OK;
     sp_status status = sp_counter_make(net, &c, err);
     if (status == SP_OK)
-        status = count_beside(&c, -1e-4 / (until * until), -1, &growing, err);
+        status = count_beside(&c, -1 / (until * until), -1, &growing, err);
     sp_counter_free(&c);
     if (status == SP_OK && growing > 0)
         status =

@@ -19,8 +19,8 @@ void sp_counter_free(counter *c);
  * just above the limit. */
 sp_status sp_counter_below(const counter *c, double limit, int64_t *least, int64_t *most, sp_error *err);
 
-/* SP_EREFUSED if prestress makes a motion grow noticeably within this time: its omega^2 is below -1e-4/until^2, and
- * below 0 by more than rounding. One factorization with prestress, nothing without. */
+/* SP_EREFUSED if prestress makes a motion grow by more than half within this time: its omega^2 is below -1/until^2,
+ * and below 0 by more than rounding. One factorization with prestress, nothing without. */
 sp_status sp_need_bounded(const sp_network *net, double until, sp_error *err);
 
 #endif

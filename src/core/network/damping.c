@@ -1,5 +1,6 @@
 /* The dashpots of the contacts as a network whose K is the damping matrix C. */
 #include "base/base.h"
+#include "base/text.h"
 #include "network/bound.h"
 
 #include <math.h>
@@ -92,7 +93,9 @@ sp_status sp_network_damping(const sp_network *net, double zeta, sp_network *out
 static bool read_number(const char **text, double *out) {
     const size_t length = strspn(*text, "0123456789+-.eE");
     char *end = NULL;
+    sp_locale locale = sp_locale_enter();
     *out = length > 0 ? strtod(*text, &end) : NAN;
+    sp_locale_leave(&locale);
     if (!end || end != *text + length || (*end != '\0' && *end != ':') || !isfinite(*out))
         return false;
     *text = *end == ':' ? end + 1 : end;

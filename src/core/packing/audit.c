@@ -1,5 +1,6 @@
 /* Checks the physics of a packing, from positions, radii and the contact law alone. */
 #include "base/base.h"
+#include "base/text.h"
 #include "base/vector.h"
 #include "packing/contact.h"
 #include "packing/geometry.h"
@@ -229,6 +230,7 @@ static const struct measure {
 double sp_audit_worst(const sp_audit *audit, double tolerance, char *reason, size_t size) {
     double largest = 0;
     *reason = '\0';
+    sp_locale locale = sp_locale_enter(); /* the reason gets into tables */
     if (audit->missing > 0)
         snprintf(reason, size, "%d overlaps of grains, walls or images are not listed as contacts: must be 0",
                  audit->missing);
@@ -241,5 +243,6 @@ double sp_audit_worst(const sp_audit *audit, double tolerance, char *reason, siz
             snprintf(reason, size, "%s: relative error %.3g, must be at most %.3g", measures[k].fault, value,
                      tolerance);
     }
+    sp_locale_leave(&locale);
     return largest;
 }

@@ -12,9 +12,11 @@ enum { MOST_TRIES = 1000000, MOST_ATTEMPTS = 10 };
 
 typedef struct gas {
     const sp_pack_spec *spec;
+    const sp_pack_hooks *hooks; /* may be NULL */
     const double *r;
     double *x;
     cells cells;
+    int32_t placed;
 } gas;
 
 /* Squared distance with periodic boundaries. */
@@ -66,7 +68,19 @@ static sp_status place(gas *g, sp_random *stream, int octave, int32_t i, sp_erro
         }
     } while (overlaps(g, octave, i));
     sp_cells_enter(&g->cells, octave, i, x);
+    g->placed++;
     return SP_OK;
+}
+
+/* Every some thousand grains: millions take half a minute. */
+static sp_status report(const gas *g, sp_error *err) {
+    const sp_pack_hooks *hooks = g->hooks;
+    if (!hooks || !hooks->watch || g->placed % 8192 != 0)
+        return SP_OK;
+    const sp_pack_progress progress = {.phase = "placing", .height = g->cells.box[g->cells.dim - 1]};
+    if (hooks->watch(&progress, hooks->user))
+        return SP_OK;
+    return sp_fail(err, SP_EINTERRUPTED, "stopped after %d grains had been placed", g->placed);
 }
 
 /* Height at the gas fraction, but enough for the largest grain if there are few. */
@@ -82,23 +96,32 @@ static double gas_height(const sp_pack_spec *spec, const double *r, double r_max
 /* Places all grains, larger octaves first, because small grains would leave no space for large ones. */
 static sp_status fill(gas *g, sp_random *stream, sp_error *err) {
     const int32_t n = g->spec->grains;
+    g->placed = 0;
     int64_t population[SP_OCTAVES] = {0};
     for (int32_t i = 0; i < n; i++)
         population[sp_cells_octave(&g->cells, g->r[i])]++;
     sp_status status = sp_cells_reset(&g->cells, population, 0, err);
     for (int o = 0; o < SP_OCTAVES; o++)
         for (int32_t i = 0; i < n && population[o] > 0 && status == SP_OK; i++)
-            if (sp_cells_octave(&g->cells, g->r[i]) == o)
+            if (sp_cells_octave(&g->cells, g->r[i]) == o) {
                 status = place(g, stream, o, i, err);
+                if (status == SP_OK)
+                    status = report(g, err);
+            }
     return status;
 }
 
 sp_status sp_gas_make(const sp_pack_spec *spec, const double *r, double *x, double *height, sp_error *err) {
+    return sp_gas_make_watched(spec, NULL, r, x, height, err);
+}
+
+sp_status sp_gas_make_watched(const sp_pack_spec *spec, const sp_pack_hooks *hooks, const double *r, double *x,
+                              double *height, sp_error *err) {
     const int up = spec->dim - 1;
     double r_max = 0;
     for (int32_t i = 0; i < spec->grains; i++)
         r_max = fmax(r_max, r[i]);
-    gas g = {.spec = spec, .r = r, .x = x};
+    gas g = {.spec = spec, .hooks = hooks, .r = r, .x = x};
     sp_status status = sp_cells_make(spec->dim, spec->grains, r_max, &g.cells, err);
     if (status != SP_OK)
         return status;

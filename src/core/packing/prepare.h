@@ -58,5 +58,8 @@ SP_SHARED void sp_radii_draw(const sp_pack_spec *spec, double *r);
 /* Places grains at random without overlap at the gas fraction of the spec, between walls at 0 and *height (2D and 3D).
  * x is [n][3]; unused axes are not written. SP_EFAILED if a grain finds no free place. */
 SP_SHARED sp_status sp_gas_make(const sp_pack_spec *spec, const double *r, double *x, double *height, sp_error *err);
+/* The same; the watch of the hooks may stop it (SP_EINTERRUPTED). */
+sp_status sp_gas_make_watched(const sp_pack_spec *spec, const sp_pack_hooks *hooks, const double *r, double *x,
+                              double *height, sp_error *err);
 
 #endif

@@ -5,8 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Contacts needed to carry force: 2 with friction or in 1D, dim + 1 without friction. */
-static int32_t contacts_needed(const sp_packing *p) { return p->dim == 1 || p->friction > 0 ? 2 : p->dim + 1; }
+/* Contacts needed to carry force: 2 with friction or in 1D, dim + 1 without friction; with a weight dim, on which a
+ * grain rests. */
+static int32_t contacts_needed(const sp_packing *p) {
+    return p->dim == 1 || p->friction > 0 ? 2 : p->dim + (p->gravity > 0 ? 0 : 1);
+}
 
 /* Lists the carrying contacts of each grain i at list[start[i] .. start[i+1]-1]. */
 static void list_contacts(const sp_packing *p, const uint8_t *carrying, int32_t *start, int32_t *list) {

@@ -100,7 +100,7 @@ static sp_status start_gas(compression *run, double *r, double *x, sp_error *err
     double height = 0;
     sp_radii_draw(run->spec, r);
     const sp_pack_spec gas = sp_cell_spec_gas(run->spec);
-    sp_status status = sp_gas_make(&gas, r, x, &height, err);
+    sp_status status = sp_gas_make_watched(&gas, run->hooks, r, x, &height, err);
     return status == SP_OK ? sp_compression_place(run, &gas, r, x, height, err) : status;
 }
 

@@ -249,6 +249,8 @@ static sp_status check_header(const sp_pack_spec *spec, const void *state, size_
     memcpy(&sum, (const unsigned char *)state + size - sizeof sum, sizeof sum);
     if (sum != sp_hash64_words(SP_HASH64_BEGIN, state, size - sizeof sum))
         return damaged(err, "its checksum is wrong");
+    if (h.steps < 0)
+        return damaged(err, "its numbers are impossible");
     if (h.spec != spec_hash(spec))
         return sp_fail(err, SP_EFORMAT, "the state belongs to another packing or another version");
     *out = h;

@@ -11,6 +11,7 @@
 #include "linalg/vector.h"
 #include "numeric/random.h"
 #include "signal/job.h"
+#include "signal/recurrence.h"
 
 #include <float.h>
 #include <math.h>
@@ -296,8 +297,10 @@ static void find_errors(const damped *d, sp_signal *out, int32_t source) {
             two += dashpot_rows[k] * dashpot_rows[k] / mass[k];
         }
         const double largest = sp_largest(out->n, f);
+        /* what a component takes from larger neighbours; in many terms this is rare */
+        const double least = n <= SIGNAL_FEW_DOFS ? 0.1 * DBL_EPSILON * sp_job_scale(d->job, source, b) : 0;
         out->errors[source * out->detectors + b] =
-            sqrt(one) * (d->error_u + until * d->error_energy) + sqrt(two) * d->error_energy +
+            least + sqrt(one) * (d->error_u + until * d->error_energy) + sqrt(two) * d->error_energy +
             DBL_EPSILON * (MOMENT_ROUNDING * sqrt(d->square[b]) +
                            PHASE_ROUNDING * (1 + d->omega * until + d->e.re * d->h) * largest);
     }

@@ -62,6 +62,13 @@ sp_status sp_pass_make(const pass_plan *plan, pass *out, sp_error *err) {
     return SP_OK;
 }
 
+static int64_t dofs_of(const pass *p) { return (int64_t)p->r.op->n * p->r.op->dof; }
+
+/* Of both lanes, where signal_size asks for them. */
+static pair squares_of(const pass *p) {
+    return dofs_of(p) <= SIGNAL_FEW_DOFS ? sp_recurrence_squares(&p->r) : (pair){0, 0};
+}
+
 /* b^T T_m W_k a = b^T (W_(k+m) + W_(k-m)) a/2, W_(-k-1) = -W_k, and T_m T_k = (T_(k+m) + T_|m-k|)/2, for m = k + 1 and
  * for both at k + 1. */
 static void extend_doubled(pass *p) {
@@ -70,22 +77,26 @@ static void extend_doubled(pass *p) {
     double back = p->velocity ? p->first : -p->mu[1];
     if (k == 0 && !p->velocity)
         back = -of.dot[0];
+    const pair squares = squares_of(p);
+    const double norms = sqrt(squares[0]) * sqrt(squares[1]);
     p->mu[2 * k + 1] = 2 * of.dot[0] + back;
-    p->size[2 * k + 1] = 2 * of.size[0];
+    p->size[2 * k + 1] = 2 * signal_size(dofs_of(p), of.size[0], norms);
     p->mu[2 * k + 2] = 2 * of.dot[1] - p->first;
-    p->size[2 * k + 2] = 2 * of.size[1];
+    p->size[2 * k + 2] = 2 * signal_size(dofs_of(p), of.size[1], norms);
     p->n += 2;
 }
 
 static void extend_plainly(pass *p) {
     sp_recurrence_step(&p->r);
+    const pair squares = squares_of(p);
     double *mu = p->mu + p->n * p->columns, *size = p->size + p->n * p->columns;
     for (int32_t q = 0; q < p->observer_count; q++) {
         pair magnitude;
         const pair sum = sp_recurrence_product(&p->r, &p->observers[q], &magnitude);
         for (int32_t lane = 0; lane < p->lanes; lane++) {
             mu[lane * p->observer_count + q] = sum[lane];
-            size[lane * p->observer_count + q] = magnitude[lane];
+            const double seen = p->norms[lane * p->observer_count + q] / sqrt(p->r.start[lane]);
+            size[lane * p->observer_count + q] = signal_size(dofs_of(p), magnitude[lane], seen * sqrt(squares[lane]));
         }
     }
     p->n++;

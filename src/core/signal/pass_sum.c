@@ -10,13 +10,10 @@
 /* Factors of rounding(). */
 #define MOMENT_ROUNDING 5.0
 #define PHASE_ROUNDING  5.0
-/* With few modes the errors of the moments are in step: up to this many degrees of freedom they count more. */
-enum { FEW_DOFS = 200, FEW_ROUNDING = 4 };
 
 /* Accumulated rounding. Moment k carries the independent errors of about k/2 steps (k without doubling), each a few
  * DBL_EPSILON of its terms. Omega t has the relative error DBL_EPSILON. The factors are 5 times the errors observed. */
 static double rounding(const pass *p, int64_t column, double x, int64_t n, const double *j) {
-    const double few = (int64_t)p->r.op->n * p->r.op->dof <= FEW_DOFS ? FEW_ROUNDING : 1;
     double moments = 0, signal = 0;
     for (int64_t k = 0; k < n && k < p->n; k++) {
         const double size = p->size[k * p->columns + column], mu = p->mu[k * p->columns + column];
@@ -24,7 +21,7 @@ static double rounding(const pass *p, int64_t column, double x, int64_t n, const
         moments += own * own;
         signal += term * term;
     }
-    return DBL_EPSILON * (few * MOMENT_ROUNDING * sqrt(moments) + PHASE_ROUNDING * (1 + x) * sqrt(signal));
+    return DBL_EPSILON * (MOMENT_ROUNDING * sqrt(moments) + PHASE_ROUNDING * (1 + x) * sqrt(signal));
 }
 
 static sp_status find_errors(const pass *p, double omega, double last, double *errors, sp_error *err) {

@@ -51,6 +51,13 @@ recurrence_products sp_recurrence_step(recurrence *r);
 double sp_recurrence_dropped(const recurrence *r, int64_t terms);
 /* row . U_k of both lanes; *size: sums of the absolute values of the terms. */
 pair sp_recurrence_product(const recurrence *r, const sparse_row *row, pair *size);
+/* The size of the terms of a product, for its rounding errors, from the sum of their absolute values and the product of
+ * the norms. A component may have errors of the size of its neighbours, which are larger by far where masses differ.
+ * In many terms that is rare; in networks of few degrees of freedom, whose modes are few, the norms count. */
+enum { SIGNAL_FEW_DOFS = 200, SIGNAL_FEW_ROUNDING = 3 };
+static inline double signal_size(int64_t dofs, double terms, double norms) {
+    return dofs <= SIGNAL_FEW_DOFS && terms > 0 ? SIGNAL_FEW_ROUNDING * norms : terms;
+}
 /* Norm of M^-1 row in the metric of the masses. */
 double sp_recurrence_norm(const recurrence *r, const sparse_row *row);
 /* Squared norms of both lanes in the metric of the masses. */

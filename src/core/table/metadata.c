@@ -92,9 +92,11 @@ static sp_status index_comment(sp_table *t, sp_error *err) {
 sp_status sp_table_add_comment(sp_table *t, sp_error *err, const char *format, ...) {
     char line[2048];
     va_list args;
+    sp_locale locale = sp_locale_enter();
     va_start(args, format);
     vsnprintf(line, sizeof line, format, args);
     va_end(args);
+    sp_locale_leave(&locale);
     sp_status status = sp_table_add_line(t, line, err);
     return status == SP_OK ? index_comment(t, err) : status;
 }

@@ -279,6 +279,9 @@ sp_status sp_quantity_read(const char *text, const char *unit, const sp_material
                            text);
         m = &none;
     }
-    *out = sp_unit_convert(value, &given, &ours, m);
+    value = sp_unit_convert(value, &given, &ours, m);
+    if (!isfinite(value))
+        return sp_fail(err, SP_EINVAL, "\"%.40s\": is too large: must be as in %s", text, example);
+    *out = value;
     return SP_OK;
 }

@@ -1,6 +1,7 @@
 /* Makes the tables scaling and planes: fronts over distance, from wall to wall in boxes of several heights, or at
  * planes inside tall boxes. */
 #include "base/base.h"
+#include "base/text.h"
 #include "ensemble/groups.h"
 #include "ensemble/speed.h"
 
@@ -254,6 +255,7 @@ static sp_status add_fits(const fronts *f, const sp_scaling *s, sp_table *t, sp_
                 {"speed", &s->speed}};
     const sp_sample *one = f->first[0];
     char where[160], chi2[80];
+    sp_locale locale = sp_locale_enter(); /* for the comments */
     int length =
         snprintf(where, sizeof where, "p=%.6g, width=%.6g, friction=%.6g", one->pressure, one->width, one->friction);
     if (one->kind == SP_PACK_TRIANGULAR || one->kind == SP_PACK_CHAIN)
@@ -274,6 +276,7 @@ static sp_status add_fits(const fronts *f, const sp_scaling *s, sp_table *t, sp_
         status = sp_table_add_comment(t, err, "%s(%s) = %.6g, error %.2g, %s", fits[k].name, where, fit->value.value,
                                       fit->value.error, chi2);
     }
+    sp_locale_leave(&locale);
     return status;
 }
 

@@ -40,7 +40,7 @@ static void open_side(sp_work *w, int a) {
 }
 
 static sp_status find_period(sp_work *w, int a, sp_error *err) {
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     const double given = a == 0 ? w->o->width : w->o->depth;
     const int f = w->axis[a];
     static const char *const key[2] = {"width", "depth"};
@@ -81,7 +81,7 @@ static sp_status find_period(sp_work *w, int a, sp_error *err) {
 
 /* The position of a wall: from the options, or a face of the box. */
 static void find_wall(sp_work *w, int side, double *place) {
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     const int f = w->axis[w->dim - 1];
     const double given = side == 0 ? w->o->bottom : w->o->top;
     w->has_wall[side] = true;
@@ -95,7 +95,7 @@ static void find_wall(sp_work *w, int side, double *place) {
 
 static sp_status find_piston(sp_work *w, sp_error *err) {
     const int up = w->dim - 1, f = w->axis[up];
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     const bool turned = s->periodic[f] == 1 && !isfinite(w->o->bottom) && !isfinite(w->o->top);
     sp_status status = SP_OK;
     for (int a = 0; status == SP_OK && a < up; a++)

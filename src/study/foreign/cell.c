@@ -47,7 +47,7 @@ static bool is_wall(const sp_work *w, int a, double place, double sign) {
 
 /* MercuryDPM lists contacts with walls as those with negative numbers, and where they are. */
 static bool lists_wall(sp_work *w, int a, double place) {
-    const sp_sheet *s = &w->contacts;
+    const sp_number_sheet *s = &w->contacts;
     const sp_place id1 = sp_role_find(w, s, "id1"), id2 = sp_role_find(w, s, "id2");
     sp_place point[3];
     bool given = false;
@@ -63,7 +63,7 @@ static bool lists_wall(sp_work *w, int a, double place) {
 }
 
 static bool has_walls(sp_work *w, int a) {
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     const int f = w->axis[a];
     if (!s->box[f] || s->periodic[f] == 1)
         return false;
@@ -74,7 +74,7 @@ static bool has_walls(sp_work *w, int a) {
 }
 
 static bool is_tilted(const sp_work *w) {
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     for (int k = 0; k < 3; k++)
         if (isfinite(w->o->tilt[k]) ? w->o->tilt[k] != 0 : s->tilt[k] != 0)
             return true;
@@ -117,7 +117,7 @@ sp_status sp_cell_choose(sp_work *w, sp_error *err) {
 /* The edge along an axis: from the options, or the box of the file. */
 static sp_status find_edge(sp_work *w, int a, sp_error *err) {
     static const char *const key[3] = {"width", "depth", "height"};
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     const int up = w->dim - 1, f = w->axis[a];
     const double given = a == up ? w->o->height : a == 0 ? w->o->width : w->o->depth;
     if (!isfinite(given) && !s->box[f])
@@ -198,7 +198,7 @@ sp_status sp_cell_check_periods(const sp_work *w, sp_error *err) {
 /* The two walls of an axis: from the options, or the faces of the box. Photoelastic disks have neither: the walls are
  * then where the outermost disks end, and their overlaps are not known. */
 static sp_status find_walls(sp_work *w, int a, sp_error *err) {
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     const int f = w->axis[a];
     const double size = a == w->dim - 1 ? w->o->height : a == 0 ? w->o->width : w->o->depth;
     double place[2] = {INFINITY, -INFINITY};

@@ -130,7 +130,7 @@ sp_status sp_roles_read(sp_work *w, sp_error *err) {
     return status;
 }
 
-sp_place sp_role_find(sp_work *w, const sp_sheet *s, const char *role) {
+sp_place sp_role_find(sp_work *w, const sp_number_sheet *s, const char *role) {
     for (int k = 0; k < w->roles; k++) {
         if (strcmp(w->role[k].role, role) != 0)
             continue;
@@ -165,7 +165,7 @@ double sp_axis_sign(const sp_work *w, int axis) {
     return 1;
 }
 
-sp_status sp_role_need(sp_work *w, const sp_sheet *s, const char *role, sp_place *out, sp_error *err) {
+sp_status sp_role_need(sp_work *w, const sp_number_sheet *s, const char *role, sp_place *out, sp_error *err) {
     *out = sp_role_find(w, s, role);
     if (out->index >= 0)
         return SP_OK;
@@ -174,7 +174,7 @@ sp_status sp_role_need(sp_work *w, const sp_sheet *s, const char *role, sp_place
                    s->file, role, sp_sheet_names(s, names, sizeof names), role);
 }
 
-sp_status sp_place_number(const sp_sheet *s, int64_t row, sp_place at, double *out, sp_error *err) {
+sp_status sp_place_number(const sp_number_sheet *s, int64_t row, sp_place at, double *out, sp_error *err) {
     *out = NAN;
     if (at.index < 0)
         return SP_OK;
@@ -183,7 +183,8 @@ sp_status sp_place_number(const sp_sheet *s, int64_t row, sp_place at, double *o
     return status;
 }
 
-sp_status sp_role_vector(sp_work *w, const sp_sheet *s, const char *role, sp_place out[3], bool *given, sp_error *err) {
+sp_status sp_role_vector(sp_work *w, const sp_number_sheet *s, const char *role, sp_place out[3], bool *given,
+                         sp_error *err) {
     int count = 0;
     for (int a = 0; a < 3; a++)
         out[a] = (sp_place){-1, 1};
@@ -207,7 +208,7 @@ sp_status sp_role_vector(sp_work *w, const sp_sheet *s, const char *role, sp_pla
     return SP_OK;
 }
 
-sp_status sp_place_vector(const sp_sheet *s, int64_t row, const sp_place *at, double *out, sp_error *err) {
+sp_status sp_place_vector(const sp_number_sheet *s, int64_t row, const sp_place *at, double *out, sp_error *err) {
     sp_status status = SP_OK;
     for (int a = 0; a < 3 && status == SP_OK; a++) {
         out[a] = 0; /* axes that the packing does not have */
@@ -224,7 +225,7 @@ sp_status sp_roles_check(const sp_work *w, sp_error *err) {
         if (w->used[k] || prefix)
             continue;
         char names[500];
-        const sp_sheet *s =
+        const sp_number_sheet *s =
             w->contacts.file && find_role(w->role[k].role) >= find_role("id1") ? &w->contacts : &w->grains;
         return sp_fail(err, SP_EINVAL, "--columns %s=%s: %s has no such column; its columns are: %s", w->role[k].role,
                        w->role[k].column, s->file, sp_sheet_names(s, names, sizeof names));

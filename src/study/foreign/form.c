@@ -144,11 +144,11 @@ static sp_status form_of_contacts(const char *path, sp_form *form, sp_error *err
     return status;
 }
 
-sp_status sp_read_form(const char *path, sp_form form, bool contacts, sp_frame_choice frame, sp_sheet *s,
+sp_status sp_read_form(const char *path, sp_form form, bool contacts, sp_frame_choice frame, sp_number_sheet *s,
                        sp_error *err) {
     sp_cursor at;
     sp_status status = contacts ? form_of_contacts(path, &form, err) : SP_OK;
-    *s = (sp_sheet){0};
+    *s = (sp_number_sheet){0};
     if (status == SP_OK)
         status = sp_sheet_open(path, s, &at, err);
     if (status == SP_OK)

@@ -23,7 +23,7 @@ static bool in_list(const char *list, const char *word) {
 
 /* Marks the rows of the types wanted. */
 static sp_status choose_rows(sp_work *w, uint8_t *wanted, int64_t *count, sp_error *err) {
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     sp_place type = {-1, 1};
     sp_status status = w->o->types ? sp_role_need(w, s, "type", &type, err) : SP_OK;
     *count = 0;
@@ -70,7 +70,7 @@ static sp_status read_ids(sp_work *w, const uint8_t *wanted, int32_t count, sp_e
     if (!w->grain)
         return sp_fail_memory(err, (size_t)count * sizeof *w->grain);
     w->n = count;
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     const sp_place id = sp_role_find(w, s, "id");
     const bool from_zero = w->form == SP_FORM_MERCURY || w->form == SP_FORM_YADE;
     const int64_t first = w->o->first_id >= 0 ? w->o->first_id : from_zero ? 0 : 1;
@@ -102,7 +102,7 @@ static sp_status read_ids(sp_work *w, const uint8_t *wanted, int32_t count, sp_e
 static sp_status unscale(const sp_work *w, const char *column, int axis, double *x, sp_error *err) {
     if (column[0] == '\0' || column[1] != 's')
         return SP_OK;
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     if (!s->box[axis])
         return sp_fail(err, SP_EFORMAT, "%s: scaled coordinates %s without a box; must be x y z", s->file, column);
     *x = s->low[axis] + *x * (s->high[axis] - s->low[axis]);
@@ -111,7 +111,7 @@ static sp_status unscale(const sp_work *w, const char *column, int axis, double 
 
 /* In a tilted box the fractions along y and z move a grain along x too, those along z also along y. */
 static void shear(const sp_work *w, const bool scaled[3]) {
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     if (s->tilt[0] == 0 && s->tilt[1] == 0 && s->tilt[2] == 0)
         return;
     for (int32_t k = 0; k < w->n; k++) {
@@ -127,7 +127,7 @@ static void shear(const sp_work *w, const bool scaled[3]) {
 
 static sp_status read_positions(sp_work *w, sp_error *err) {
     static const char *const name[3] = {"x", "y", "z"};
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     bool scaled[3] = {false};
     sp_status status = SP_OK;
     for (int a = 0; a < 3 && status == SP_OK; a++) {
@@ -189,7 +189,7 @@ static sp_status choose_axes(sp_work *w, sp_error *err) {
 /* ---- sizes and masses ------------------------------------------------------------------------------------------ */
 
 static sp_status read_sizes(sp_work *w, sp_error *err) {
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     sp_place radius = sp_role_find(w, s, "radius"), diameter = sp_role_find(w, s, "diameter");
     sp_status status = radius.index < 0 && diameter.index < 0 ? sp_role_need(w, s, "radius", &radius, err) : SP_OK;
     const sp_place at = radius.index >= 0 ? radius : diameter;
@@ -204,7 +204,7 @@ static sp_status read_sizes(sp_work *w, sp_error *err) {
 }
 
 static sp_status read_masses(sp_work *w, sp_error *err) {
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     const sp_place mass = sp_role_find(w, s, "mass"), inertia = sp_role_find(w, s, "inertia");
     const sp_place density = sp_role_find(w, s, "density"), boundary = sp_role_find(w, s, "boundary");
     sp_status status = SP_OK;

@@ -18,7 +18,7 @@ static bool ends_with(const char *line, size_t length, const char *text) {
 }
 
 /* Reads a line of the header. */
-static sp_status read_header_line(sp_sheet *s, const char *line, size_t length, int64_t number, int64_t *atoms,
+static sp_status read_header_line(sp_number_sheet *s, const char *line, size_t length, int64_t number, int64_t *atoms,
                                   sp_error *err) {
     static const char *const edge[3] = {"xlo xhi", "ylo yhi", "zlo zhi"};
     double value[3];
@@ -48,7 +48,7 @@ static sp_status read_header_line(sp_sheet *s, const char *line, size_t length, 
 }
 
 /* Refuses other atom styles than sphere. */
-static sp_status check_style(const sp_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
+static sp_status check_style(const sp_number_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
     char style[SP_SHEET_NAME] = "";
     const char *hash = memchr(line, '#', length), *from = hash ? hash + 1 : line + length;
     if (sp_next_cell(&from, line + length, ' ', style) && strcmp(style, "sphere") != 0)
@@ -58,7 +58,7 @@ static sp_status check_style(const sp_sheet *s, const char *line, size_t length,
     return SP_OK;
 }
 
-static sp_status read_atoms(sp_sheet *s, sp_cursor *at, int64_t atoms, sp_error *err) {
+static sp_status read_atoms(sp_number_sheet *s, sp_cursor *at, int64_t atoms, sp_error *err) {
     static const char plain[] = "id type diameter density x y z", images[] = "id type diameter density x y z ix iy iz";
     sp_cursor ahead = *at;
     size_t length;
@@ -72,7 +72,7 @@ static sp_status read_atoms(sp_sheet *s, sp_cursor *at, int64_t atoms, sp_error 
     return status == SP_OK ? sp_sheet_rows(s, at, atoms, "atoms", err) : status;
 }
 
-sp_status sp_read_lammps_data(sp_sheet *s, sp_cursor *at, sp_frame_choice frame, sp_error *err) {
+sp_status sp_read_lammps_data(sp_number_sheet *s, sp_cursor *at, sp_frame_choice frame, sp_error *err) {
     int64_t atoms = 0;
     size_t length;
     sp_status status = SP_OK;
@@ -111,7 +111,7 @@ typedef struct dump_frame {
 } dump_frame;
 
 /* Bounds of a tilted box are those of the smallest box with right angles around it. */
-static sp_status straighten(const sp_sheet *s, const sp_cursor *at, dump_frame *f, sp_error *err) {
+static sp_status straighten(const sp_number_sheet *s, const sp_cursor *at, dump_frame *f, sp_error *err) {
     const double *t = f->tilt;
     f->low[0] -= fmin(fmin(0, t[0]), fmin(t[1], t[0] + t[1]));
     f->high[0] -= fmax(fmax(0, t[0]), fmax(t[1], t[0] + t[1]));
@@ -124,7 +124,7 @@ static sp_status straighten(const sp_sheet *s, const sp_cursor *at, dump_frame *
     return SP_OK;
 }
 
-static sp_status read_bounds(const sp_sheet *s, sp_cursor *at, const char *line, size_t length, dump_frame *f,
+static sp_status read_bounds(const sp_number_sheet *s, sp_cursor *at, const char *line, size_t length, dump_frame *f,
                              sp_error *err) {
     const char *from = line + strlen("ITEM: BOX BOUNDS");
     char word[SP_SHEET_NAME];
@@ -154,7 +154,7 @@ static sp_status read_bounds(const sp_sheet *s, sp_cursor *at, const char *line,
     return tilted ? straighten(s, at, f, err) : SP_OK;
 }
 
-static sp_status read_single(const sp_sheet *s, sp_cursor *at, const char *what, double *out, sp_error *err) {
+static sp_status read_single(const sp_number_sheet *s, sp_cursor *at, const char *what, double *out, sp_error *err) {
     size_t length;
     const char *line = sp_cursor_line(at, &length);
     if (!line || sp_line_numbers(line, length, 1, out) != 1 || !(*out >= 0))
@@ -164,7 +164,7 @@ static sp_status read_single(const sp_sheet *s, sp_cursor *at, const char *what,
 }
 
 /* Reads the header of a frame. Leaves names = NULL at the end of the file. */
-static sp_status read_frame(const sp_sheet *s, sp_cursor *at, dump_frame *f, sp_error *err) {
+static sp_status read_frame(const sp_number_sheet *s, sp_cursor *at, dump_frame *f, sp_error *err) {
     sp_status status = SP_OK;
     size_t length;
     const char *line;
@@ -198,12 +198,12 @@ static sp_status read_frame(const sp_sheet *s, sp_cursor *at, dump_frame *f, sp_
     return status;
 }
 
-static sp_status fail_frame(const sp_sheet *s, int64_t wanted, int64_t last, sp_error *err) {
+static sp_status fail_frame(const sp_number_sheet *s, int64_t wanted, int64_t last, sp_error *err) {
     return sp_fail(err, SP_EINVAL, "%s: no frame of step %lld; it has %d, the last of step %lld", s->file,
                    (long long)wanted, s->frames, (long long)last);
 }
 
-static sp_status take_frame(sp_sheet *s, const dump_frame *f, sp_error *err) {
+static sp_status take_frame(sp_number_sheet *s, const dump_frame *f, sp_error *err) {
     for (int a = 0; a < 3; a++) {
         s->box[a] = f->box[a];
         s->low[a] = f->low[a];
@@ -219,7 +219,7 @@ static sp_status take_frame(sp_sheet *s, const dump_frame *f, sp_error *err) {
     return status == SP_OK ? sp_sheet_rows(s, &rows, (int64_t)f->count, "rows", err) : status;
 }
 
-sp_status sp_read_dump(sp_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_error *err) {
+sp_status sp_read_dump(sp_number_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_error *err) {
     dump_frame f, chosen = {0};
     sp_status status = SP_OK;
     int64_t last = -1;

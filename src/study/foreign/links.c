@@ -16,7 +16,7 @@ typedef struct link_columns {
 } link_columns;
 
 static sp_status find_columns(sp_work *w, link_columns *c, sp_error *err) {
-    const sp_sheet *s = &w->contacts;
+    const sp_number_sheet *s = &w->contacts;
     sp_status status = sp_role_need(w, s, "id1", &c->id1, err);
     if (status == SP_OK)
         status = sp_role_need(w, s, "id2", &c->id2, err);
@@ -97,7 +97,7 @@ static sp_status place_at_wall(sp_work *w, const link_columns *column, sp_raw_co
 /* The vectors of a row, turned to act on grain i. Normal forces are taken along n, whatever their sense. */
 static sp_status read_vectors(sp_work *w, const link_columns *column, sp_raw_contact *c, double turn, double *sense,
                               sp_error *err) {
-    const sp_sheet *s = &w->contacts;
+    const sp_number_sheet *s = &w->contacts;
     double f[3];
     sp_status status = SP_OK;
     if (column->has_normal || column->has_force) {
@@ -132,7 +132,7 @@ static sp_status read_vectors(sp_work *w, const link_columns *column, sp_raw_con
 }
 
 static sp_status read_numbers(sp_work *w, const link_columns *column, sp_raw_contact *c, sp_error *err) {
-    const sp_sheet *s = &w->contacts;
+    const sp_number_sheet *s = &w->contacts;
     const double spring = w->force / w->scale;
     sp_status status = sp_place_number(s, c->row, column->overlap, &c->overlap, err);
     if (status == SP_OK)

@@ -7,7 +7,7 @@
 
 /* ---- .data: for each frame a line 'N time xmin ymin [zmin] xmax ymax [zmax]', then N rows ------------------------ */
 
-static sp_status take_frame(sp_sheet *s, sp_cursor *at, const double head[8], int dim, sp_error *err) {
+static sp_status take_frame(sp_number_sheet *s, sp_cursor *at, const double head[8], int dim, sp_error *err) {
     static const char flat[] = "x y vx vy radius angle omega info",
                       solid[] = "x y z vx vy vz radius qx qy qz wx wy wz info";
     const char *names = dim == 2 ? flat : solid;
@@ -21,7 +21,7 @@ static sp_status take_frame(sp_sheet *s, sp_cursor *at, const double head[8], in
     return status == SP_OK ? sp_sheet_rows(s, at, (int64_t)head[0], "grains", err) : status;
 }
 
-sp_status sp_read_mercury_data(sp_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_error *err) {
+sp_status sp_read_mercury_data(sp_number_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_error *err) {
     size_t length;
     const char *line;
     double head[9], chosen[9];
@@ -54,7 +54,7 @@ sp_status sp_read_mercury_data(sp_sheet *s, sp_cursor *at, sp_frame_choice choic
 
 /* ---- .fstat: frames begin with comment lines; rows of 16 numbers ------------------------------------------------- */
 
-sp_status sp_read_mercury_fstat(sp_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_error *err) {
+sp_status sp_read_mercury_fstat(sp_number_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_error *err) {
     static const char names[] = "time id1 id2 p_x p_y p_z overlap stretch fn ft nx ny nz t_x t_y t_z";
     sp_status status = sp_sheet_header(s, names, strlen(names), 1, err);
     size_t length;

@@ -29,7 +29,7 @@ static sp_status check_diameter(const sp_work *w, double mean, sp_error *err) {
  * written with as many digits as the longest of them. */
 static double digits_error(sp_work *w) {
     static const char *const name[3] = {"x", "y", "z"};
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     sp_place at[3];
     int digits = 0;
     double place = 0;

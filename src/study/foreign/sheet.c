@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-sp_status sp_sheet_open(const char *path, sp_sheet *s, sp_cursor *at, sp_error *err) {
-    *s = (sp_sheet){.file = path, .separator = ' ', .frame = -1, .periodic = {-1, -1, -1}};
+sp_status sp_sheet_open(const char *path, sp_number_sheet *s, sp_cursor *at, sp_error *err) {
+    *s = (sp_number_sheet){.file = path, .separator = ' ', .frame = -1, .periodic = {-1, -1, -1}};
     size_t size;
     sp_status status = sp_file_read_text(path, &s->text, &size, err);
     if (status != SP_OK)
@@ -21,12 +21,12 @@ sp_status sp_sheet_open(const char *path, sp_sheet *s, sp_cursor *at, sp_error *
     return SP_OK;
 }
 
-void sp_sheet_free(sp_sheet *s) {
+void sp_sheet_free(sp_number_sheet *s) {
     sp_free(s->text);
     sp_free(s->value);
     sp_free(s->line);
     sp_free(s->number);
-    *s = (sp_sheet){0};
+    *s = (sp_number_sheet){0};
 }
 
 /* ---- lines and cells ------------------------------------------------------------------------------------------- */
@@ -184,7 +184,7 @@ static double parse(const char *cell, const char *stop, int *digits) {
 
 /* ---- rows ------------------------------------------------------------------------------------------------------ */
 
-void sp_sheet_clear(sp_sheet *s) {
+void sp_sheet_clear(sp_number_sheet *s) {
     s->rows = 0;
     memset(s->digits, 0, sizeof s->digits);
 }
@@ -198,7 +198,7 @@ static void *enlarge(void *old, size_t used, size_t room, size_t size) {
     return new;
 }
 
-static sp_status make_room(sp_sheet *s, int64_t rows, sp_error *err) {
+static sp_status make_room(sp_number_sheet *s, int64_t rows, sp_error *err) {
     if (rows <= s->room)
         return SP_OK;
     const size_t room = (size_t)(rows < 2 * s->room ? 2 * s->room : rows < 64 ? 64 : rows), used = (size_t)s->rows;
@@ -215,7 +215,7 @@ static sp_status make_room(sp_sheet *s, int64_t rows, sp_error *err) {
     return SP_OK;
 }
 
-static sp_status fail_cells(const sp_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
+static sp_status fail_cells(const sp_number_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
     int cells = 0;
     const char *from = line, *cell, *stop;
     while (next_cell(&from, line + length, s->separator, &cell, &stop))
@@ -227,7 +227,7 @@ static sp_status fail_cells(const sp_sheet *s, const char *line, size_t length, 
                    sp_sheet_names(s, names, sizeof names));
 }
 
-sp_status sp_sheet_row(sp_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
+sp_status sp_sheet_row(sp_number_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
     sp_status status = make_room(s, s->rows + 1, err);
     if (status != SP_OK)
         return status;
@@ -246,7 +246,7 @@ sp_status sp_sheet_row(sp_sheet *s, const char *line, size_t length, int64_t num
     return SP_OK;
 }
 
-sp_status sp_sheet_rows(sp_sheet *s, sp_cursor *at, int64_t count, const char *what, sp_error *err) {
+sp_status sp_sheet_rows(sp_number_sheet *s, sp_cursor *at, int64_t count, const char *what, sp_error *err) {
     const int64_t before = s->rows, lines = (int64_t)(at->end - at->next) / (2 * s->columns) + 1;
     /* a wrong count is not worth its memory */
     sp_status status = count <= lines ? make_room(s, before + count, err) : SP_OK;
@@ -264,7 +264,7 @@ sp_status sp_sheet_rows(sp_sheet *s, sp_cursor *at, int64_t count, const char *w
     return status;
 }
 
-sp_status sp_sheet_header(sp_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
+sp_status sp_sheet_header(sp_number_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
     char word[SP_SHEET_NAME];
     const char *from = line;
     s->columns = 0;
@@ -308,7 +308,7 @@ static bool comment_said(const char *line, size_t length, const char *key, char 
     return true;
 }
 
-bool sp_sheet_said(const sp_sheet *s, const char *key, char *value, size_t size) {
+bool sp_sheet_said(const sp_number_sheet *s, const char *key, char *value, size_t size) {
     if (s->head)
         return sp_line_said(s->head, s->head_length, key, value, size);
     sp_cursor at = {.next = s->text, .end = s->text + strlen(s->text)};
@@ -321,14 +321,14 @@ bool sp_sheet_said(const sp_sheet *s, const char *key, char *value, size_t size)
 
 /* ---- access ---------------------------------------------------------------------------------------------------- */
 
-int sp_sheet_find(const sp_sheet *s, const char *name) {
+int sp_sheet_find(const sp_number_sheet *s, const char *name) {
     for (int c = 0; c < s->columns; c++)
         if (strcmp(s->name[c], name) == 0)
             return c;
     return -1;
 }
 
-char *sp_sheet_word(const sp_sheet *s, int64_t row, int column, char word[SP_SHEET_NAME]) {
+char *sp_sheet_word(const sp_number_sheet *s, int64_t row, int column, char word[SP_SHEET_NAME]) {
     const char *from = s->line[row], *end = from + strcspn(from, "\r\n");
     word[0] = '\0';
     for (int c = 0; c <= column; c++)
@@ -337,18 +337,18 @@ char *sp_sheet_word(const sp_sheet *s, int64_t row, int column, char word[SP_SHE
     return word;
 }
 
-sp_status sp_sheet_fail(const sp_sheet *s, int64_t row, int column, const char *rule, sp_error *err) {
+sp_status sp_sheet_fail(const sp_number_sheet *s, int64_t row, int column, const char *rule, sp_error *err) {
     char word[SP_SHEET_NAME];
     return sp_fail(err, SP_EFORMAT, "%s:%lld: column %s is '%s'; must be %s", s->file, (long long)s->number[row],
                    s->name[column], sp_sheet_word(s, row, column, word), rule);
 }
 
-sp_status sp_sheet_number(const sp_sheet *s, int64_t row, int column, double *out, sp_error *err) {
+sp_status sp_sheet_number(const sp_number_sheet *s, int64_t row, int column, double *out, sp_error *err) {
     *out = sp_sheet_value(s, row, column);
     return isfinite(*out) ? SP_OK : sp_sheet_fail(s, row, column, "a finite number", err);
 }
 
-sp_status sp_sheet_integer(const sp_sheet *s, int64_t row, int column, int64_t *out, sp_error *err) {
+sp_status sp_sheet_integer(const sp_number_sheet *s, int64_t row, int column, int64_t *out, sp_error *err) {
     const double value = sp_sheet_value(s, row, column);
     if (!(fabs(value) < 9e15) || value != trunc(value))
         return sp_sheet_fail(s, row, column, "a whole number", err);
@@ -356,7 +356,7 @@ sp_status sp_sheet_integer(const sp_sheet *s, int64_t row, int column, int64_t *
     return SP_OK;
 }
 
-char *sp_sheet_names(const sp_sheet *s, char *text, size_t size) {
+char *sp_sheet_names(const sp_number_sheet *s, char *text, size_t size) {
     size_t used = 0;
     text[0] = '\0';
     for (int c = 0; c < s->columns; c++) {

@@ -22,7 +22,7 @@ static const char *find_header(sp_cursor *at, size_t *length) {
 }
 
 /* Keeps the rows of one frame: the given one, or the last. */
-static sp_status choose_frame(sp_sheet *s, sp_frame_choice choice, sp_error *err) {
+static sp_status choose_frame(sp_number_sheet *s, sp_frame_choice choice, sp_error *err) {
     const int column = sp_sheet_find(s, "frame");
     s->frames = 1;
     if (column < 0 || s->rows == 0)
@@ -49,7 +49,7 @@ static sp_status choose_frame(sp_sheet *s, sp_frame_choice choice, sp_error *err
     return status;
 }
 
-sp_status sp_read_table(sp_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_error *err) {
+sp_status sp_read_table(sp_number_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_error *err) {
     size_t length;
     const char *line = find_header(at, &length);
     if (!line)
@@ -70,7 +70,7 @@ sp_status sp_read_table(sp_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_e
 /* ---- Yade ------------------------------------------------------------------------------------------------------ */
 
 /* '#format x_y_z_r', or id_x_y_z_r_matId and the like: the names of the columns between underscores. */
-sp_status sp_read_yade(sp_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_error *err) {
+sp_status sp_read_yade(sp_number_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_error *err) {
     char names[1024] = "x y z r";
     size_t length;
     sp_status status = SP_OK;

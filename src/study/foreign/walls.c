@@ -113,7 +113,7 @@ static bool find_side(const sp_work *w, int side, fix_columns *c) {
 
 static sp_status read_fix_row(sp_work *w, const fix_columns *c, int32_t k, wall_force *f, bool *touches,
                               sp_error *err) {
-    const sp_sheet *s = &w->grains;
+    const sp_number_sheet *s = &w->grains;
     double flag;
     *f = (wall_force){.grain = k, .row = -1, .point = {NAN, NAN, NAN}};
     sp_status status = sp_place_number(s, w->grain[k].row, c->touches, &flag, err);
@@ -172,7 +172,7 @@ static sp_status read_fixes(sp_work *w, const bool given[6], const fix_columns f
 /* ---- a file ---------------------------------------------------------------------------------------------------- */
 
 static sp_status read_wall_file(sp_work *w, sp_error *err) {
-    const sp_sheet *s = &w->walls;
+    const sp_number_sheet *s = &w->walls;
     sp_place id, force[3], point[3];
     bool has_force = false, has_point = false;
     int64_t beside = 0;

@@ -42,8 +42,8 @@ typedef struct sp_work {
     int roles;
     sp_role role[SP_ROLES_MAX];
     bool used[SP_ROLES_MAX];
-    sp_sheet grains, contacts, walls; /* rows = 0: none */
-    int dim, axis[3];                 /* axis[a] of the file is axis a of the packing */
+    sp_number_sheet grains, contacts, walls; /* rows = 0: none */
+    int dim, axis[3];                        /* axis[a] of the file is axis a of the packing */
     int32_t n;
     sp_raw_grain *grain; /* [n] by id */
     int32_t found;
@@ -78,19 +78,20 @@ void sp_work_note(sp_work *w, const char *format, ...) __attribute__((format(pri
 /* columns.c */
 sp_status sp_roles_read(sp_work *w, sp_error *err);
 /* The column of a role in a sheet: by the option, or by one of its usual names. */
-sp_place sp_role_find(sp_work *w, const sp_sheet *s, const char *role);
+sp_place sp_role_find(sp_work *w, const sp_number_sheet *s, const char *role);
 /* The same; SP_EFORMAT names the columns that there are, if there is none. */
-sp_status sp_role_need(sp_work *w, const sp_sheet *s, const char *role, sp_place *out, sp_error *err);
+sp_status sp_role_need(sp_work *w, const sp_number_sheet *s, const char *role, sp_place *out, sp_error *err);
 /* A number in a place, with its sign; NAN if there is no column. */
-sp_status sp_place_number(const sp_sheet *s, int64_t row, sp_place at, double *out, sp_error *err);
+sp_status sp_place_number(const sp_number_sheet *s, int64_t row, sp_place at, double *out, sp_error *err);
 /* -1 if the option turns this axis of the file, as y=-y does; else 1. */
 double sp_axis_sign(const sp_work *w, int axis);
 /* Whether the option names the column of a role. */
 bool sp_role_is_named(const sp_work *w, const char *role);
 /* Three components, role_x, role_y, role_z, along the axes of the packing; *given tells whether there are columns.
  * Components along an axis that is turned change their signs, unless the option names their own columns. */
-sp_status sp_role_vector(sp_work *w, const sp_sheet *s, const char *role, sp_place out[3], bool *given, sp_error *err);
-sp_status sp_place_vector(const sp_sheet *s, int64_t row, const sp_place *at, double *out, sp_error *err);
+sp_status sp_role_vector(sp_work *w, const sp_number_sheet *s, const char *role, sp_place out[3], bool *given,
+                         sp_error *err);
+sp_status sp_place_vector(const sp_number_sheet *s, int64_t row, const sp_place *at, double *out, sp_error *err);
 /* Refuses roles of the option that no sheet has. */
 sp_status sp_roles_check(const sp_work *w, sp_error *err);
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static sp_status read_lattice(sp_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
+static sp_status read_lattice(sp_number_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
     char text[1024];
     double v[9], origin[3] = {0, 0, 0};
     if (!sp_line_said(line, length, "Lattice", text, sizeof text))
@@ -38,13 +38,13 @@ static sp_status read_lattice(sp_sheet *s, const char *line, size_t length, int6
     return SP_OK;
 }
 
-static void add_column(sp_sheet *s, const char *name, const char *suffix) {
+static void add_column(sp_number_sheet *s, const char *name, const char *suffix) {
     if (s->columns < SP_SHEET_COLUMNS)
         snprintf(s->name[s->columns++], SP_SHEET_NAME, "%.50s%s", name, suffix);
 }
 
 /* Names the columns by Properties=name:type:count:... Positions become x y z, other vectors name_x ... */
-static sp_status read_properties(sp_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
+static sp_status read_properties(sp_number_sheet *s, const char *line, size_t length, int64_t number, sp_error *err) {
     static const char *const axis[3] = {"x", "y", "z"};
     char text[4096] = "species:S:1:pos:R:3", *rest = text;
     sp_line_said(line, length, "Properties", text, sizeof text);
@@ -70,7 +70,7 @@ static sp_status read_properties(sp_sheet *s, const char *line, size_t length, i
     return SP_OK;
 }
 
-sp_status sp_read_xyz(sp_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_error *err) {
+sp_status sp_read_xyz(sp_number_sheet *s, sp_cursor *at, sp_frame_choice choice, sp_error *err) {
     size_t length;
     const char *line;
     sp_cursor chosen = {0};

@@ -1,5 +1,6 @@
 /* Reads lists of numbers from a scene, and the list of diameters from a file of its own. */
 #include "base/base.h"
+#include "base/text.h"
 #include "scene/reader.h"
 #include "scene/source.h"
 
@@ -133,7 +134,9 @@ static bool number_of_line(const char *line, const char *end, double *out) {
     char *rest;
     if (word[strspn(word, "0123456789+-.eE")] != '\0')
         return false;
+    sp_locale locale = sp_locale_enter();
     *out = strtod(word, &rest);
+    sp_locale_leave(&locale);
     return *rest == '\0';
 }
 

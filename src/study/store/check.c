@@ -60,8 +60,11 @@ sp_status sp_store_examine(const sp_store *store, const char *name, double toler
     if (status != SP_OK)
         return status;
     status = check_content(path, r, p, tolerance, err);
-    if (status == SP_OK)
-        sp_store_enter(store, &r->sample);
+    if (status == SP_OK) {
+        if (isfinite(tolerance))
+            status = sp_store_check_line(store, &r->sample, err);
+        sp_store_enter(store, &r->sample); /* which replaces a line that is wrong */
+    }
     if (status != SP_OK && status != SP_ENOMEM)
         status = SP_EFAILED; /* the file can be read, so it is not damaged, and stays */
     return status;

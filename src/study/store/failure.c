@@ -4,6 +4,7 @@
 #include "base/base.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "store/sample_h5.h"
 
 #include <math.h>
 #include <sonopack/study/store.h>
@@ -101,6 +102,9 @@ sp_status sp_failure_read(const char *path, const char *name, sp_sample *out, sp
     status = parse(&lines, &s, err);
     sp_locale_leave(&locale);
     sp_free(text);
+    const char *bad = status == SP_OK ? sp_sample_fault(&s) : NULL;
+    if (bad)
+        return sp_fail(err, SP_EFORMAT, "%s: %s is no value of a sample", path, bad);
     if (status == SP_OK)
         *out = s;
     return status;

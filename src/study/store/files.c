@@ -64,6 +64,9 @@ sp_status sp_store_get(const sp_store *store, const char *name, sp_packing *pack
     sp_packing p = sp_packing_none();
     sp_h5 h;
     sp_status status = sp_h5_open(&h, path, err);
+    int64_t format;
+    if (status == SP_OK)
+        status = sp_packing_get_format(&h, &format, err);
     if (status == SP_OK)
         status = sp_record_get(&h, with_arrays, &r, err);
     if (status == SP_OK && strcmp(r.sample.name, name) != 0)

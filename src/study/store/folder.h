@@ -59,6 +59,8 @@ bool sp_store_has_failed(const sp_store *store, const char *name);
 sp_status sp_store_check_bytes(const sp_store *store, const char *name, sp_error *err);
 /* Adds the sample's file to the manifest. */
 void sp_store_enter(const sp_store *store, const sp_sample *sample);
+/* SP_EFAILED if the manifest has an up-to-date line of the sample with other numbers than its file. SP_ENOMEM. */
+sp_status sp_store_check_line(const sp_store *store, const sp_sample *s, sp_error *err);
 
 /* ---- possible.c, follows.c, recompute.c -------------------------------------------------------------------------- */
 

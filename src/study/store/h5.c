@@ -19,11 +19,15 @@ static pthread_mutex_t library = PTHREAD_MUTEX_INITIALIZER;
 
 /* ---- enter, leave, and reasons --------------------------------------------------------------------------------- */
 
-static void enter(sp_h5 *h, const char *path) {
+/* SP_ENOMEM if HDF5 could not begin: with half of it sound files seem damaged. */
+static sp_status enter(sp_h5 *h, const char *path, sp_error *err) {
+    static bool broken;
     pthread_mutex_lock(&library);
+    broken = broken || H5open() < 0;
     *h = (sp_h5){.file = H5I_INVALID_HID, .driver = H5I_INVALID_HID, .fd = -1, .path = path};
     H5Eget_auto2(H5E_DEFAULT, &h->handler, &h->handler_data);
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    return broken ? sp_fail(err, SP_ENOMEM, "%s: HDF5 cannot begin: no memory", path) : SP_OK;
 }
 
 void sp_h5_close(sp_h5 *h) {
@@ -120,13 +124,17 @@ static void create(sp_h5 *h, hid_t fapl) {
 }
 
 sp_status sp_h5_create(sp_h5 *h, const char *path, sp_error *err) {
-    enter(h, path);
+    sp_status status = enter(h, path, err);
+    if (status != SP_OK)
+        return status;
     create(h, file_access(true, true));
     return h->file >= 0 ? SP_OK : sp_h5_fail(h, err, SP_ENOMEM, "no memory: cannot make an HDF5 file there");
 }
 
 sp_status sp_h5_create_draft(sp_h5 *h, int fd, const char *path, sp_error *err) {
-    enter(h, path);
+    sp_status status = enter(h, path, err);
+    if (status != SP_OK)
+        return status;
     hid_t fapl = file_access(true, false);
     h->driver = fapl >= 0 ? sp_h5_set_draft(fapl, fd, &h->code) : H5I_INVALID_HID;
     if (h->driver >= 0)
@@ -164,8 +172,9 @@ static sp_status open_file(const char *path, int *fd, sp_error *err) {
 }
 
 sp_status sp_h5_open(sp_h5 *h, const char *path, sp_error *err) {
-    enter(h, path);
-    sp_status status = open_file(path, &h->fd, err);
+    sp_status status = enter(h, path, err);
+    if (status == SP_OK)
+        status = open_file(path, &h->fd, err);
     if (status != SP_OK)
         return status;
     hid_t fapl = file_access(false, false);

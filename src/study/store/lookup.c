@@ -105,3 +105,39 @@ sp_status sp_store_check_bytes(const sp_store *store, const char *name, sp_error
             sp_fail(err, SP_EFORMAT, "%s: other bytes than were written there, with the same size and time", file.path);
     return status;
 }
+
+/* The name of the first column in which two lines of the manifest differ. */
+static void name_column(const char *head, const char *a, const char *b, char *name, size_t size) {
+    while (*a && *a == *b) {
+        if (*a == '\t')
+            head += strcspn(head, "\t") + 1;
+        a++;
+        b++;
+    }
+    snprintf(name, size, "%.*s", (int)strcspn(head, "\t\n"), head);
+}
+
+sp_status sp_store_check_line(const sp_store *store, const sp_sample *s, sp_error *err) {
+    place file;
+    sp_manifest_line line;
+    sp_text stored = {0}, expected = {0}, head = {0};
+    char column[80];
+    if (!find_file(store, s->name, "h5", &file) ||
+        !sp_manifest_find(store->manifest, s->name, false, &file.info, &line) || line.bytes != file.info.st_size ||
+        line.modified != sp_manifest_time(&file.info))
+        return SP_OK;
+    sp_manifest_head(&head);
+    sp_manifest_put(&stored, &line);
+    line.sample = *s;
+    sp_manifest_put(&expected, &line);
+    const bool failed = stored.failed || expected.failed || head.failed;
+    sp_status status = failed ? sp_fail_memory(err, stored.capacity + expected.capacity + head.capacity) : SP_OK;
+    if (status == SP_OK && strcmp(stored.data, expected.data) != 0) {
+        name_column(head.data, stored.data, expected.data, column, sizeof column);
+        status = sp_fail_key(err, SP_EFAILED, "manifest.tsv", ": %s is not that of the file", column);
+    }
+    sp_text_free(&stored);
+    sp_text_free(&expected);
+    sp_text_free(&head);
+    return status;
+}

@@ -157,8 +157,8 @@ static bool get_signal(char *cell, sp_sample *s) {
     double number[4];
     if (strcmp(cell, "-") == 0)
         return !(s->have & SP_WANT_SIGNAL);
-    if (!get_numbers(cell, 4, number) ||
-        !(number[0] >= 0 && number[0] <= INT32_MAX && number[1] >= 0 && number[1] < 99))
+    if (!get_numbers(cell, 4, number) || !(number[0] >= 0 && number[0] <= INT32_MAX && number[1] >= 0 &&
+                                           number[1] < 99 && sp_signal_method_name((sp_signal_method)(int)number[1])))
         return false;
     s->signal = (sp_signal_made){.points = (int32_t)number[0],
                                  .method = (sp_signal_method)(int)number[1],
@@ -220,10 +220,15 @@ static bool get_line(char *line, sp_manifest_line *l) {
     return true;
 }
 
+/* What tables count with. All other numbers are those of the file, which was checked. */
+static bool possible(const sp_sample *s) {
+    return s->dim >= 1 && s->dim <= 3 && s->kind >= SP_PACK_PISTON && s->kind <= SP_PACK_FILE && s->grains >= 1;
+}
+
 bool sp_manifest_get(char *line, sp_manifest_line *out) {
     sp_manifest_line l = {0};
     sp_locale locale = sp_locale_enter();
-    const bool good = get_line(line, &l);
+    const bool good = get_line(line, &l) && possible(&l.sample);
     sp_locale_leave(&locale);
     if (good)
         *out = l;

@@ -272,14 +272,21 @@ sp_status sp_packing_save(const sp_packing *p, const char *path, sp_error *err) 
 
 /* ---- reading --------------------------------------------------------------------------------------------------- */
 
-static sp_status get_head(sp_h5 *h, int64_t *format, int32_t *dim, sp_error *err) {
-    const sp_h5_shape single = {0};
+sp_status sp_packing_get_format(sp_h5 *h, int64_t *format, sp_error *err) {
     if (!sp_h5_has(h, "/sonopack"))
         return sp_h5_fail(h, err, SP_EFORMAT, "no group /sonopack: not a packing of sonopack");
     sp_status status = sp_h5_attribute_int(h, "/sonopack", "format", format, err);
     if (status == SP_OK && (*format < SP_H5_FORMAT || *format > SP_H5_FORMAT_CELL))
-        status = sp_h5_fail(h, err, SP_EFORMAT, "format %lld of /sonopack; this version reads formats %d to %d",
-                            (long long)*format, SP_H5_FORMAT, SP_H5_FORMAT_CELL);
+        status = sp_h5_fail(h, err, *format > SP_H5_FORMAT_CELL ? SP_EIO : SP_EFORMAT,
+                            "format %lld of /sonopack; this version reads formats %d to %d%s", (long long)*format,
+                            SP_H5_FORMAT, SP_H5_FORMAT_CELL,
+                            *format > SP_H5_FORMAT_CELL ? ": a newer version made the file" : "");
+    return status;
+}
+
+static sp_status get_head(sp_h5 *h, int64_t *format, int32_t *dim, sp_error *err) {
+    const sp_h5_shape single = {0};
+    sp_status status = sp_packing_get_format(h, format, err);
     if (status == SP_OK)
         status = sp_h5_get(h, name_dim.path, SP_H5_I32, &single, dim, err);
     if (status == SP_OK && (*dim < 1 || *dim > 3))

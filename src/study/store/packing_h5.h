@@ -12,6 +12,8 @@
 enum { SP_H5_FORMAT = 1, SP_H5_FORMAT_OWN_LAW = 2, SP_H5_FORMAT_CELL = 3 };
 
 sp_status sp_packing_put(sp_h5 *h, const sp_packing *p, sp_error *err);
+/* The format of the file's packing. SP_EIO if a newer version made it: it is not damaged. */
+sp_status sp_packing_get_format(sp_h5 *h, int64_t *format, sp_error *err);
 /* Reads a packing, and checks it (sp_packing_check). */
 sp_status sp_packing_get(sp_h5 *h, sp_packing *out, sp_error *err);
 

@@ -318,9 +318,13 @@ static sp_status get_part(sp_h5 *h, const struct part *of, sp_sample *s, sp_erro
 static sp_status get_method(sp_h5 *h, sp_signal_method *method, sp_error *err) {
     char *text = NULL;
     sp_status status = sp_h5_get_text(h, name_method.path, &text, err);
-    for (int k = 0; status == SP_OK && sp_signal_method_name((sp_signal_method)k); k++)
-        if (strcmp(text, sp_signal_method_name((sp_signal_method)k)) == 0)
-            *method = (sp_signal_method)k;
+    int k = 0;
+    while (status == SP_OK && sp_signal_method_name((sp_signal_method)k) &&
+           strcmp(text, sp_signal_method_name((sp_signal_method)k)) != 0)
+        k++;
+    if (status == SP_OK && !sp_signal_method_name((sp_signal_method)k))
+        status = sp_h5_fail(h, err, SP_EFORMAT, "%s is '%.60s'", name_method.path, text);
+    *method = (sp_signal_method)k;
     sp_free(text);
     return status;
 }
@@ -412,22 +416,25 @@ static sp_status get_lacks(sp_h5 *h, sp_sample *s, sp_error *err) {
     return status;
 }
 
-/* Checks the numbers that tables sort and divide by. */
-static sp_status check_sample(sp_h5 *h, const sp_sample *s, sp_error *err) {
-    const char *bad = s->dim < 1 || s->dim > 3                                    ? "dim"
-                      : s->grains < 1                                             ? "grains"
-                      : !(s->width > 0 && isfinite(s->width))                     ? "width"
-                      : !(s->pressure > 0 && isfinite(s->pressure))               ? "pressure"
-                      : !(s->friction >= 0 && isfinite(s->friction))              ? "friction"
-                      : !(s->height >= 0 || isnan(s->height)) || isinf(s->height) ? "height"
-                                                                                  : NULL;
-    if (bad)
-        return sp_h5_fail(h, err, SP_EFORMAT, "/results/sample/%s is no value of a sample", bad);
-    for (int32_t k = 0; k < s->planes; k++)
+const char *sp_sample_fault(const sp_sample *s) {
+    const bool rising = s->planes >= 0 && s->planes <= SP_PLANES_MAX;
+    for (int32_t k = 0; rising && k < s->planes; k++)
         if (!(s->plane[k] > (k ? s->plane[k - 1] : 0)) || !isfinite(s->plane[k]))
-            return sp_h5_fail(h, err, SP_EFORMAT, "%s: %g of plane %d must be above 0 and above the one before",
-                              plane_field[0].name.path, s->plane[k], k);
-    return SP_OK;
+            return "plane";
+    return s->dim < 1 || s->dim > 3                                                    ? "dim"
+           : s->kind < SP_PACK_PISTON || s->kind > SP_PACK_FILE                        ? "kind"
+           : s->grains < 1                                                             ? "grains"
+           : !(s->width > 0 && isfinite(s->width))                                     ? "width"
+           : !(s->pressure > 0 && isfinite(s->pressure))                               ? "pressure"
+           : !(s->friction >= 0 && isfinite(s->friction))                              ? "friction"
+           : !rising                                                                   ? "planes"
+           : !s->failed && (!(s->height >= 0 || isnan(s->height)) || isinf(s->height)) ? "height"
+                                                                                       : NULL;
+}
+
+static sp_status check_sample(sp_h5 *h, const sp_sample *s, sp_error *err) {
+    const char *bad = sp_sample_fault(s);
+    return bad ? sp_h5_fail(h, err, SP_EFORMAT, "%s of /results is no value of a sample", bad) : SP_OK;
 }
 
 sp_sample sp_sample_blank(void) {

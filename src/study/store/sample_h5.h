@@ -19,6 +19,8 @@ sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err);
 /* Without with_arrays, neither the arrays nor the scene are read. */
 sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out, sp_error *err);
 
+/* Which of the numbers that tables sort and divide by, or count with, is none that a sample can have; NULL: none. */
+const char *sp_sample_fault(const sp_sample *s);
 /* A sample before anything was read into it. Numbers that are not stored are NAN. */
 sp_sample sp_sample_blank(void);
 

@@ -1,0 +1,87 @@
+/* Files that change while they are read, and memory that is short then: the disk and the memory are named as the
+ * reason, and the file is not called damaged. */
+#include "test_store_fixture.h"
+
+#include "store/h5.h"
+#include "store/packing_h5.h"
+
+#include <sonopack/table.h>
+
+static const char *saved_packing(void) {
+    sp_packing p = fixture_packing(3, 2, 4000);
+    const char *path = fixture_path(folder, "p.h5");
+    assert_ok(sp_packing_save(&p, path, &err));
+    sp_packing_free(&p);
+    return path;
+}
+
+/* A file that ends early was damaged before it was opened, or has been shortened since. */
+static void shortened_while_read(void **state) {
+    (void)state;
+    const char *path = saved_packing();
+    sp_packing p = sp_packing_none();
+    sp_h5 h;
+    assert_ok(sp_h5_open(&h, path, &err));
+    const off_t size = (off_t)h.size;
+    assert_int_equal(truncate(path, size / 2), 0);
+    assert_fails(sp_packing_get(&h, &p, &err), SP_EIO, path);
+    sp_h5_close(&h);
+    assert_fails(sp_packing_read(path, &p, &err), SP_EFORMAT, path);
+}
+
+/* Whatever is longer than the file was is not looked at. */
+static void grown_while_read(void **state) {
+    (void)state;
+    const char *path = saved_packing();
+    sp_packing p = sp_packing_none();
+    sp_h5 h;
+    assert_ok(sp_h5_open(&h, path, &err));
+    FILE *file = fopen(path, "a");
+    assert_non_null(file);
+    fputs("more", file);
+    fclose(file);
+    assert_ok(sp_packing_get(&h, &p, &err));
+    sp_h5_close(&h);
+    assert_int_equal(p.n, 4000);
+    sp_packing_free(&p);
+}
+
+static void no_memory_to_open(void **state) {
+    (void)state;
+    const char *path = saved_packing();
+    sp_packing p = sp_packing_none();
+    sp_h5 h;
+    sp_alloc_fail_after(0);
+    assert_fails(sp_h5_open(&h, path, &err), SP_ENOMEM, path);
+    sp_alloc_fail_after(-1);
+    sp_h5_close(&h);
+    assert_ok(sp_packing_read(path, &p, &err));
+    sp_packing_free(&p);
+}
+
+/* A row whose text finds no memory is no row. */
+static void no_memory_for_a_row(void **state) {
+    (void)state;
+    sp_table t = sp_table_none();
+    assert_ok(sp_table_add_column(&t, "file", "", SP_CELL_TEXT, &err));
+    assert_ok(sp_table_add_column(&t, "x", "", SP_CELL_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "reason", "", SP_CELL_TEXT, &err));
+    assert_ok(sp_table_add_row(&t, &err, "a", 1.0, "-"));
+    for (int fails = 0; fails < 2; fails++) {
+        sp_alloc_fail_after(fails);
+        assert_fails(sp_table_add_row(&t, &err, "b", 2.0, "-"), SP_ENOMEM, "");
+        sp_alloc_fail_after(-1);
+        assert_int_equal(t.rows, 1);
+    }
+    assert_ok(sp_table_add_row(&t, &err, "c", 3.0, "-"));
+    assert_int_equal(t.rows, 2);
+    sp_table_free(&t);
+}
+
+#define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {TEST(shortened_while_read), TEST(grown_while_read), TEST(no_memory_to_open),
+                                       TEST(no_memory_for_a_row)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
