@@ -134,7 +134,7 @@ def run(command, words, folder, seconds):
 def judge(status, text):
     """What is wrong with how a command ended, or nothing."""
     if status == -signal.SIGXCPU or status == -signal.SIGKILL:
-        return None if re.search(r"\d%|left", text) else "no progress"
+        return None if re.search(r"\d%|left|so far", text) else "no progress"
     if status not in (0, 1, 2):
         return f"exit status {status}"
     first = text.split("\n")[0]

@@ -2,6 +2,7 @@
 4 GB do not hold without saying so, and what fails says why.
 
 usage: test_absurd_long.py COMMAND SOURCE_DIR [COUNT [SEED [SECONDS]]]
+SECONDS of CPU time are more than 30: by then work has told of itself.
 """
 import collections
 import os
