@@ -296,7 +296,7 @@ def check_interruption(folder):
         wait_for_work(process, 0.3)
         process.send_signal(kind)
         output, error = process.communicate(timeout=PATIENCE)
-        expect(process.returncode == -kind and not output, f"{kind!r}: exit status {process.returncode}, {output!r}")
+        expect(process.returncode == 1 and not output, f"{kind!r}: exit status {process.returncode}, {output!r}")
         expect(error.count("\n") == 2 and names_all(error, place / "p.h5.state"), f"{kind!r}: {error!r}")
         left = {path.name for path in place.iterdir()}
         expect(left == {"p.h5.state"}, f"{kind!r} leaves {left}")
@@ -307,7 +307,7 @@ def check_interruption(folder):
     process.send_signal(signal.SIGINT)
     _, status, usage = os.wait4(process.pid, 0)
     used = usage.ru_utime + usage.ru_stime - before
-    expect(os.waitstatus_to_exitcode(status) == -signal.SIGINT, "a large packing is stopped")
+    expect(os.waitstatus_to_exitcode(status) == 1, "a large packing is stopped")
     expect(used < 20, f"{used:.1f} s of work to stop a large packing")
 
 

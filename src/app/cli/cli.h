@@ -209,15 +209,12 @@ void cli_watch_end(void); /* before data are printed, which a pager may show on 
  * temporary file. SIGXFSZ is ignored: what cannot be written is an error. */
 void cli_signals_begin(void);
 /* From here on the first of these (without SIGPIPE) makes cli_stopped() true and is acknowledged on stderr; a second
- * one ends the process, and so does a second of work after the first. */
+ * one ends the process as by default. A second of work after the first ends it with CLI_FAILED, if it does not by
+ * itself. */
 void cli_catch_signals(const cli_common *common);
 bool cli_stopped(void);
 /* Call when the stop has been seen, or may take long: only a second signal ends the process from here on. */
 void cli_stop_patiently(void);
-/* The same, and the process ends with the status that it returns: for ranks, which end together. */
-void cli_stop_with_status(void);
-/* Ends a process that a signal has stopped by this signal, as its caller expects, unless it has succeeded. */
-void cli_end_if_stopped(int status);
 
 /* ---- output ----------------------------------------------------------------------------------------------------- */
 

@@ -259,7 +259,7 @@ static sp_status run(arguments *a, const sp_scene *scene, sp_store *store, sp_st
     sp_status status = announce(a, scene, err);
     cli_catch_signals(&a->common);
     if (a->ranks.size > 1) /* all ranks end together */
-        cli_stop_with_status();
+        cli_stop_patiently();
     return status == SP_OK ? sp_study_run(scene, &a->study, &sink, watch, &a->common, done, err) : status;
 }
 

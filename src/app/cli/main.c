@@ -76,8 +76,7 @@ static void overview(FILE *out) {
     fputs(
         "\n`sonopack help COMMAND' explains a command, `sonopack help scene' the scene files, `sonopack help KEY' one\n"
         "of their keys. `sonopack --version' prints the version. Data go to stdout, messages and progress to stderr.\n"
-        "Exit status: 0 success, 1 the command failed, 2 wrong usage or scene; 130 or 143 stopped by Ctrl-C or "
-        "SIGTERM.\n",
+        "Exit status: 0 success, 1 the command failed, 2 wrong usage or scene.\n",
         out);
 }
 
@@ -143,13 +142,12 @@ static void keep_standard_files(void) {
             _Exit(CLI_FAILED);
 }
 
-/* Ends by the signal that has stopped the command. If the address space is limited, OpenBLAS cannot start its threads,
+/* If the address space is limited, OpenBLAS cannot start its threads,
  * and would wait for them for ever when the process ends. All files are closed by now. */
 static void leave(int status, void *nothing) {
     struct rlimit space;
     (void)nothing;
     sp_drafts_abandon(); /* of other threads, if one has ended the process */
-    cli_end_if_stopped(status);
     if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
         _exit(status);
 }

@@ -18,7 +18,7 @@ static const double PATIENCE = 0.9;
 static const double ASLEEP = 1e-3;
 
 static atomic_int stop_signal; /* the first one; 0: none */
-static atomic_bool catching, quiet, terminal, patient, keeps_status;
+static atomic_bool catching, quiet, terminal, patient;
 static double begun, looked; /* CPU times of the stop and of the last look at it; of the handlers alone */
 
 /* ---- handlers: only calls that are safe there -------------------------------------------------------------------- */
@@ -68,15 +68,16 @@ static void stop(int number) {
 
 /* A second after the stop, and after each look at it. */
 static void look(int number) {
-    const int kept = errno, by = atomic_load(&stop_signal);
+    const int kept = errno;
     const double now = cpu_time();
-    if (by == 0)
+    if (!cli_stopped())
         end_by(number);
     if (atomic_load(&patient))
         return;
     if (now - begun >= PATIENCE || now - looked < ASLEEP) {
         say("sonopack: ended in the midst of its work; finished files are kept\n");
-        end_by(by);
+        sp_drafts_abandon();
+        _exit(CLI_FAILED);
     }
     looked = now;
     alarm(1);
@@ -112,15 +113,4 @@ bool cli_stopped(void) { return atomic_load(&stop_signal) != 0; }
 void cli_stop_patiently(void) {
     atomic_store(&patient, true);
     alarm(0);
-}
-
-void cli_stop_with_status(void) {
-    cli_stop_patiently();
-    atomic_store(&keeps_status, true);
-}
-
-void cli_end_if_stopped(int status) {
-    const int by = atomic_load(&stop_signal);
-    if (by != 0 && status == CLI_FAILED && !atomic_load(&keeps_status))
-        end_by(by);
 }
