@@ -4,7 +4,7 @@
 
 #include <sonopack/export.h>
 
-#define SONOPACK_VERSION "0.6.0"
+#define SONOPACK_VERSION "0.7.0"
 /* Increased whenever the same scene and seed would give other numbers; part of a sample's name. Packings in three
  * dimensions have a number of their own. */
 #define SONOPACK_ALGORITHM    3
