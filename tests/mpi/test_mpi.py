@@ -139,7 +139,7 @@ def stopped(folder, slow, scene, text, expected):
         out, err = job.communicate(timeout=PATIENCE)
         assert job.returncode != 0 and out == "", (name, job.returncode, out)
         if told:
-            assert len(ours(err)) == 1 and names_all(ours(err)[0], f"{LONGER_SAMPLES} {store}"), (name, err)
+            assert [names_all(line, f"{LONGER_SAMPLES} {store}") for line in ours(err)].count(True) == 1, (name, err)
         wait_until(lambda: not processes(store), f"the ranks to end ({name})")
         kept = modified(store)
         assert before.items() <= kept.items() and len(kept) < LONGER_SAMPLES, (name, len(before), len(kept))
