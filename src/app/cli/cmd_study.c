@@ -42,6 +42,10 @@ static sp_status set_shard(void *user, const char *text, sp_error *err) {
 
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
+    if (a->recompute && !a->verify)
+        return sp_fail(err, SP_EINVAL, "--recompute applies only to --verify");
+    if (!a->verify && !isnan(a->tolerance))
+        return sp_fail(err, SP_EINVAL, "--tolerance applies only to --verify");
     if (a->common.files == 0 && a->common.sets == 0 && !a->verify)
         return sp_fail(err, SP_EINVAL, "no scene: must be a scene file, or --set KEY=VALUE");
     if (!a->store)
@@ -54,10 +58,6 @@ static sp_status check(void *user, sp_error *err) {
         return sp_fail(err, SP_EINVAL,
                        "--verify cannot be combined with --retry or --shard, nor with --jobs but for "
                        "--recompute");
-    if (a->recompute && !a->verify)
-        return sp_fail(err, SP_EINVAL, "--recompute applies only to --verify");
-    if (!a->verify && !isnan(a->tolerance))
-        return sp_fail(err, SP_EINVAL, "--tolerance applies only to --verify");
     if (a->verify && a->ranks.size > 1)
         return sp_fail(err, SP_EINVAL, "--verify: must run as one process, not as %d ranks", a->ranks.size);
     return cli_ranks_check(&a->ranks, a->study.shards, err);
