@@ -159,9 +159,7 @@ static sp_status check_front(const sp_record *r, sp_error *err) {
     sp_status status = sp_front_find(signal->n, signal->t, signal->f, &rule, &found, err);
     if (status != SP_OK)
         return status == SP_ENOMEM ? status
-                                   : sp_fail_key(err, SP_EFAILED, "/signal/F",
-                                                 ": has no front, and /results "
-                                                 "has one");
+                                   : sp_fail_key(err, SP_EFAILED, "/signal/F", ": has no front, and /results has one");
     if (!(fabs(found.t10 - s->front.t10) <= step))
         return sp_at_odds(err, "/results/front/t10", s->front.t10, found.t10);
     if (!(fabs(found.t_peak - s->front.t_peak) <= step))

@@ -432,11 +432,6 @@ const char *sp_sample_fault(const sp_sample *s) {
                                                                                        : NULL;
 }
 
-static sp_status check_sample(sp_h5 *h, const sp_sample *s, sp_error *err) {
-    const char *bad = sp_sample_fault(s);
-    return bad ? sp_h5_fail(h, err, SP_EFORMAT, "/results/%s is no value of a sample", bad) : SP_OK;
-}
-
 sp_sample sp_sample_blank(void) {
     sp_sample s = {.moduli = {.error11 = NAN,
                               .error12 = NAN,
@@ -488,8 +483,9 @@ sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out, sp_error *er
         status = get_planes(h, &r.sample, err);
         r.sample.have |= SP_WANT_PLANES;
     }
-    if (status == SP_OK)
-        status = check_sample(h, &r.sample, err);
+    const char *bad = status == SP_OK ? sp_sample_fault(&r.sample) : NULL;
+    if (bad)
+        status = sp_h5_fail(h, err, SP_EFORMAT, "/results/%s is no value of a sample", bad);
     if (status == SP_OK && sp_h5_has(h, "/signal")) {
         r.sample.have |= SP_WANT_SIGNAL;
         status = get_made(h, &r.sample.signal, err);

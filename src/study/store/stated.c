@@ -33,11 +33,13 @@ static sp_status check_spec(const sp_packing *p, const sp_pack_spec *s, sp_error
         {"cell", p->cell, s->cell, true},
         {"/sonopack/friction", p->friction, s->friction, true},
         {"/sonopack/poisson", p->poisson, s->poisson, true},
-        {"/sonopack/seed", (double)p->seed, (double)s->seed, p->seed != s->seed},
         {"gravity", p->gravity, s->gravity, true},
         {"width", p->box[0], s->width, keeps_width(s)},
         {"depth", p->box[1], depth, keeps_width(s) && p->dim == 3},
     };
+    if (p->seed != s->seed)
+        return sp_fail_key(err, SP_EFAILED, "/sonopack/seed", " = %llu: must be %llu", (unsigned long long)p->seed,
+                           (unsigned long long)s->seed);
     for (size_t k = 0; k < sizeof pair / sizeof *pair; k++)
         if (pair[k].applies && !(fabs(pair[k].stored - pair[k].expected) <= 1e-12 * fabs(pair[k].expected)))
             return sp_at_odds(err, pair[k].field, pair[k].stored, pair[k].expected);
