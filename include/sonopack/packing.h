@@ -138,8 +138,8 @@ typedef struct sp_audit {
     int32_t carrying;         /* force-carrying contacts */
     int32_t rattlers;
     double inertia_excess; /* largest I/(m R^2) - 1, or 0: no mass lies outside of its grain */
-    double
-        acceleration; /* largest of a grain (angular: times R) [E* / (rho d)]: sp_packing.residual without the cell */
+    double acceleration;   /* largest of a grain [E* / (rho d)], angular ones times R: sp_packing.residual without that
+                              of the cell */
 } sp_audit;
 
 /* Checks the structure of a packing: sizes, indices, finite numbers, unit normals, positive radii, grains inside the

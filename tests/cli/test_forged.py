@@ -27,8 +27,10 @@ HONEST = {
                 "packing.diameter_max=1"),
     "history": (*SMALL, "packing.history=[1e-3]"),
     "rows": ('packing.kind="triangular"', "packing.grains=15", "packing.width=3"),
-    "chain": ('packing.kind="chain"', "packing.grains=5"),
+    "chain": ('packing.kind="chain"', "packing.grains=5", f"packing.seed={10**15}"),
     "lognormal": (*SMALL, "packing.sizes=lognormal", "packing.protocol=quick"),
+    # accelerations 1.2 times as large as the residual says
+    "sliding": ("packing.grains=40", "packing.width=6", "packing.protocol=quick", "packing.seed=3"),
 }
 PATHS = {"x": "/particles/grains/position/value", "r": "/particles/grains/radius", "m": "/particles/grains/mass",
          "pairs": "/connectivity/contacts", "walls": "/sonopack/walls/contacts", "n": "/sonopack/contacts/normal",
@@ -284,6 +286,7 @@ FORGED = [
     ("less friction", "piston", state("friction", 0.01), "coulomb"),
     ("Poisson's ratio", "piston", state("poisson", 0.3), "/sonopack/poisson"),
     ("seed", "piston", state("seed", 12), "/sonopack/seed"),
+    ("large seed", "chain", state("seed", 10**15 + 1), "/sonopack/seed"),  # 1e-15 away
     ("wall", "piston", lambda d: d.update(wall=np.bytes_("grain")), "law"),
     ("residual", "faint", state("residual", 1e-20), "/sonopack/residual"),
     ("negative residual", "piston", state("residual", -1.0), "/sonopack/residual"),

@@ -14,7 +14,23 @@ COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
 SEED = int(sys.argv[3]) if len(sys.argv) > 3 else 20050201
 CASES = int(sys.argv[4]) if len(sys.argv) > 4 else 40
 HOSTILE = [b"nan", b"inf", b"-inf", b"-1", b"0", b"1e308", b"-1e-320", b"99999999999999999999", b"2147483648", b"0x1p3",
-           b"", b"1,5", b"top", b"\x00", b"\xff\xfe", b"%s%n", b"(" * 2000, b"9" * 5000, b"bottom", b'"', b"}", b"/*"]
+           b"", b"1,5", b"top", b"\x00", b"\xff\xfe", b"%s%n", b"(" * 2000, b"9" * 5000, b"bottom", b'"', b"}", b"/*",
+           b"=", b"#", b"ITEM: ATOMS id", b"3 0 0 0 0 1 1 1\n"]
+SAMPLES = SOURCE.resolve() / "tests/foreign/samples"
+# files of other programs, and what is said beside them; where that names `damaged', contacts of sound grains
+IMPORTS = [
+    ("lammps/layer_grains.dump", "--contacts lammps/layer_contacts.dump --types 1"),
+    ("lammps/layer_contacts.dump", "lammps/layer_grains.dump --contacts damaged --types 1"),
+    ("lammps/layer.data", "--contacts overlap --types 1"),
+    ("lammps/sheared_grains.dump", "--contacts lammps/sheared_contacts.dump"),
+    ("lammps/sheared.data", "--contacts overlap"),
+    ("lammps/box_grains.dump", "--contacts lammps/box_contacts.dump"),
+    ("yade/packing_id.txt", "--set width=4 --set depth=4 --set bottom=5 --set top=8.92966"),
+    ("mercury/layer.data", "--contacts mercury/layer.fstat"),
+    ("xyz/layer.xyz", "--contacts csv/contacts.csv --walls csv/walls.csv"),
+    ("photoelastic/particles.csv", "--contacts photoelastic/contacts.csv --material E=4e6,nu=0.5,rho=1060 "
+                                   "--length-unit 5e-5 --kn 5e4 --walls balance"),
+]
 
 
 def mutate(data, rng):
@@ -67,6 +83,13 @@ def fault_of(result):
     return None
 
 
+def imports():
+    for name, words in IMPORTS:
+        words = [str(SAMPLES / word) if "/" in word else word for word in words.split()]
+        first = [] if "damaged" in words else ["damaged"]
+        yield SAMPLES / name, ["convert", *first, *words, "--set", "friction=0.5", "--force", "-o", "out.h5"]
+
+
 def prepare(folder):
     """The sound files, and the commands that read them."""
     chain = ["--set", "packing.kind=chain", "--set", "packing.grains=12", "--set", "packing.friction=0"]
@@ -92,7 +115,7 @@ def prepare(folder):
             ("good.h5", ["check", "damaged.h5"]), ("trace.tsv", ["front", "damaged.tsv"]),
             ("grains.tsv", ["convert", "--force", "out.h5", "--grains", "damaged.tsv", "--contacts", "contacts.tsv"]),
             ("contacts.tsv", ["convert", "--force", "out.h5", "--grains", "grains.tsv", "--contacts", "damaged.tsv"]),
-            ("scene.cfg", ["pack", "damaged.cfg", *small, "--force", "-o", "out.h5"])]
+            ("scene.cfg", ["pack", "damaged.cfg", *small, "--force", "-o", "out.h5"]), *imports()]
 
 
 def main():
@@ -103,12 +126,16 @@ def main():
         for number, (good, arguments) in enumerate(prepare(folder)):
             data = (folder / good).read_bytes()
             damaged = folder / next(word for word in arguments if word.startswith("damaged"))
+            damaged.write_bytes(data)
+            assert run(arguments, folder).returncode == 0, arguments
             for case in range(CASES):
                 damaged.write_bytes(mutate(data, random.Random(f"{SEED} {number} {case}")))
                 (folder / "out.h5").unlink(missing_ok=True)
                 result = run(arguments, folder)
                 ended[result.returncode] = ended.get(result.returncode, 0) + 1
                 fault = fault_of(result)
+                if "out.h5" in arguments and (folder / "out.h5").exists() != (result.returncode == 0):
+                    fault = f"{fault or ''}, status {result.returncode}, and the file is not as it should be"
                 if fault:
                     faults.append(f"seed {SEED}, {' '.join(arguments)}, case {case}: {fault}")
             damaged.unlink()

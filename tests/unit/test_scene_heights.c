@@ -93,6 +93,15 @@ static void names_stay(void **state) {
     assert_string_not_equal(name, "0c24f645c2d19e7ecd1f7e1692b391fa");
     assert_string_equal(name, "0c24f6433cd19e7ecd1f7e1692b1fab1");
     sp_scene_free(&s);
+    s = parsed("packing = { grains = 100; gravity = 1e-6; seed = 5; };", NULL);
+    sp_sample_name(&s, name);
+    assert_string_equal(name, "dca81f572cab79bdd25623e898e34f46");
+    sp_scene_free(&s);
+    /* smooth grains with a weight have other rattlers than up to version 0.6.0, where this was the name */
+    s = parsed("packing = { grains = 100; gravity = 1e-6; friction = 0; seed = 5; };", NULL);
+    sp_sample_name(&s, name);
+    assert_string_not_equal(name, "733b777e8dc6e9a343ed401951e54145");
+    sp_scene_free(&s);
 }
 
 static void heights_and_widths_are_swept_together(void **state) {

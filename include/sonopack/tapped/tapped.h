@@ -205,7 +205,7 @@ SP_API void sp_tapped_positions(const sp_tapped_spec *c, const sp_tapped_state *
 typedef struct sp_tapped_exponent {
     double lambda;
     double error;  /* cycle: difference from the next round, and at least 1e-13; else from the average over the first
-                      half of the taps, or  in chaos the standard error of block means if that is larger */
+                      half of the taps, or in chaos the standard error of block means if that is larger */
     int32_t cycle; /* length in taps; 0: none */
     bool violated; /* ordering (1), during the transient or the search for a cycle */
 } sp_tapped_exponent;

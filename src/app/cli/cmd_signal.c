@@ -283,7 +283,7 @@ static sp_status set_and_check(arguments *a, const cli_file *file, sp_signal_opt
     if (status != SP_OK)
         return status;
     const double pairs = (o->sources > 0 ? o->sources : 1.0) * (o->detectors > 0 ? o->detectors : 1.0);
-    const double bytes = 48 * o->points * (1 + pairs), most = 0.5 * sp_memory_limit();
+    const double bytes = 48.0 * o->points * (1 + pairs), most = 0.5 * sp_memory_limit();
     if (bytes <= most)
         return SP_OK;
     return sp_fail(err, SP_ENOMEM, "%d points of %.0f signals need about %.3g GB of memory, the limit is %.3g GB",

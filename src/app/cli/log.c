@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 static const double log_interval = 60; /* seconds between progress lines when stderr is no terminal */
+enum { LINE = 79 };                    /* columns of a progress line on a terminal */
 
 /* Of the thread that says what a command does which tells nothing itself, and of all others. */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
@@ -121,7 +122,6 @@ void cli_progress(const cli_common *common, const char *text, double fraction, d
 
 /* A line in place of the one before on a terminal; elsewhere a line. The lock is held. */
 static void show(const char *line, bool terminal) {
-    enum { LINE = 79 };
     told_at = sp_clock_wall();
     progress_shown = terminal;
     fprintf(stderr, terminal ? "\r\033[K%.*s" : "sonopack: %.*s\n", terminal ? LINE : 240, line);
@@ -129,7 +129,6 @@ static void show(const char *line, bool terminal) {
 }
 
 void cli_progress_between(const cli_common *common, const char *text, double fraction, double low, double high) {
-    enum { LINE = 79 };
     static double shown_at, logged_at = -INFINITY;
     const double now = sp_clock_wall();
     char line[240], state[140];

@@ -142,8 +142,8 @@ static void keep_standard_files(void) {
             _Exit(CLI_FAILED);
 }
 
-/* If the address space is limited, OpenBLAS cannot start its threads,
- * and would wait for them for ever when the process ends. All files are closed by now. */
+/* If the address space is limited, OpenBLAS cannot start its threads, and would wait for them for ever when the process
+ * ends. All files are closed by now. */
 static void leave(int status, void *nothing) {
     struct rlimit space;
     (void)nothing;

@@ -68,7 +68,6 @@ static void stop(int number) {
 
 /* A second after the stop, and after each look at it. */
 static void look(int number) {
-    const int kept = errno;
     const double now = cpu_time();
     if (!cli_stopped())
         end_by(number);
@@ -81,7 +80,6 @@ static void look(int number) {
     }
     looked = now;
     alarm(1);
-    errno = kept;
 }
 
 /* ---- for the commands -------------------------------------------------------------------------------------------- */

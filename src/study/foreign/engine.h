@@ -88,5 +88,8 @@ SP_SHARED sp_status sp_engine_collect(const sp_pack_spec *spec, const char *fold
 
 /* The path of a file in a folder; SP_EINVAL if it is too long. out has SP_PATH_MAX bytes. */
 SP_SHARED sp_status sp_engine_path(const char *folder, sp_engine_file file, char *out, sp_error *err);
+/* The same, and SP_EFORMAT if there is something else than a regular file: a pipe in a folder of someone else's would
+ * keep us waiting. */
+sp_status sp_engine_look(const char *folder, sp_engine_file file, char *out, sp_error *err);
 
 #endif

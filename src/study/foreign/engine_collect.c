@@ -7,21 +7,11 @@
 #include <math.h>
 #include <sonopack/study/import.h>
 #include <stdio.h>
-#include <sys/stat.h>
 
 /* Above this acceleration over the pressure the grains of LAMMPS still move: it has taken all its steps. */
 static const double MOVING = 0.05;
 /* Tolerance and threshold of `sonopack check'. */
 static const double TOLERANCE = 2e-5, THRESHOLD = 1e-4;
-
-/* A pipe in a folder of someone else's would keep us waiting. */
-static sp_status look_at(const char *folder, sp_engine_file file, char *path, sp_error *err) {
-    struct stat info;
-    sp_status status = sp_engine_path(folder, file, path, err);
-    if (status == SP_OK && stat(path, &info) == 0 && !S_ISREG(info.st_mode))
-        return sp_fail(err, SP_EFORMAT, "%s: must be a regular file", path);
-    return status;
-}
 
 static sp_status read_result(const sp_pack_spec *spec, const char *folder, sp_engine_result *r, sp_error *err) {
     char path[SP_PATH_MAX], *text = NULL;
@@ -29,7 +19,7 @@ static sp_status read_result(const sp_pack_spec *spec, const char *folder, sp_en
     long long steps;
     int used = 0;
     sp_engine_log log;
-    sp_status status = look_at(folder, SP_ENGINE_RESULT, path, err);
+    sp_status status = sp_engine_look(folder, SP_ENGINE_RESULT, path, err);
     if (status == SP_OK && sp_file_read_text(path, &text, &size, err) != SP_OK)
         return sp_fail(err, SP_EFORMAT, "%s: is missing or cannot be read: LAMMPS did not come to its end", path);
     if (status != SP_OK)
@@ -76,9 +66,9 @@ static sp_status import(const sp_pack_spec *spec, const char *folder, const sp_e
     o.pressure = sp_engine_pressure(spec);
     o.friction = spec->friction;
     o.poisson = spec->poisson;
-    sp_status status = look_at(folder, SP_ENGINE_GRAINS, grains, err);
+    sp_status status = sp_engine_look(folder, SP_ENGINE_GRAINS, grains, err);
     if (status == SP_OK)
-        status = look_at(folder, SP_ENGINE_CONTACTS, contacts, err);
+        status = sp_engine_look(folder, SP_ENGINE_CONTACTS, contacts, err);
     if (status != SP_OK)
         return status;
     status = sp_import(grains, &o, out, NULL, err);

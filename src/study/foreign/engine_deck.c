@@ -5,6 +5,7 @@
 
 #include <sonopack/version.h>
 #include <stdio.h>
+#include <sys/stat.h>
 
 const char *const sp_engine_names[SP_ENGINE_FILES] = {"gas.data",   "in.pack",     "scene.cfg",     "printed.txt",
                                                       "log.lammps", "grains.dump", "contacts.dump", "result.txt"};
@@ -14,6 +15,14 @@ sp_status sp_engine_path(const char *folder, sp_engine_file file, char *out, sp_
     return length > 0 && length < SP_PATH_MAX
                ? SP_OK
                : sp_fail(err, SP_EINVAL, "the name of the folder has %d bytes, must have fewer", length);
+}
+
+sp_status sp_engine_look(const char *folder, sp_engine_file file, char *out, sp_error *err) {
+    struct stat info;
+    sp_status status = sp_engine_path(folder, file, out, err);
+    if (status == SP_OK && stat(out, &info) == 0 && !S_ISREG(info.st_mode))
+        return sp_fail(err, SP_EFORMAT, "%s: must be a regular file", out);
+    return status;
 }
 
 /* "name = value" as LAMMPS' variable. */

@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { PART = 65536 };
 
@@ -15,10 +14,7 @@ enum { PART = 65536 };
 static void read_part(const char *folder, sp_engine_file file, bool end, char text[PART + 1]) {
     char path[SP_PATH_MAX];
     size_t got = 0;
-    struct stat info; /* a pipe would keep us waiting */
-    const bool regular =
-        sp_engine_path(folder, file, path, NULL) == SP_OK && stat(path, &info) == 0 && S_ISREG(info.st_mode);
-    FILE *f = regular ? fopen(path, "re") : NULL;
+    FILE *f = sp_engine_look(folder, file, path, NULL) == SP_OK ? fopen(path, "re") : NULL;
     if (f && end && fseek(f, 0, SEEK_END) == 0) {
         const long size = ftell(f);
         fseek(f, size > PART ? size - PART : 0, SEEK_SET);

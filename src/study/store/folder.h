@@ -84,9 +84,8 @@ sp_status sp_store_examine(const sp_store *store, const char *name, double toler
                            sp_error *err);
 /* Computes the results of a record again, if this version can read its scene (sp_record_recompute). */
 sp_status sp_record_again(const sp_record *r, const sp_packing *p, sp_error *err);
-/* A sample that is safe to use: either the manifest has an up-to-date line of it, or it passes sp_store_examine with
- * an infinite tolerance.
- * That check allows any imbalance of forces, because the scene decides how good the balance is. */
+/* A sample that is safe to use: either the manifest has an up-to-date line of it, or it passes sp_store_examine with an
+ * infinite tolerance, which allows any imbalance of forces: the scene decides how good the balance is. */
 sp_status sp_store_trusted(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
 
 #endif

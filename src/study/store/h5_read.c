@@ -84,13 +84,7 @@ static sp_status look_at(sp_h5 *h, hid_t set, const char *path, sp_h5_type type,
     sp_status status = check_type(h, set, path, class_of(type), err);
     if (status == SP_OK)
         status = read_shape(h, set, path, shape->rank, shape, err);
-    if (status != SP_OK)
-        return status;
-    uint64_t bytes = sp_h5_type_size(type);
-    for (int k = 0; k < shape->rank; k++)
-        if (__builtin_mul_overflow(bytes, (uint64_t)shape->dim[k], &bytes))
-            return sp_h5_fail(h, err, SP_EFORMAT, "%s is larger than memory can be", path);
-    return sp_h5_check_layout(h, set, path, shape, disk_size(set), err);
+    return status == SP_OK ? sp_h5_check_layout(h, set, path, shape, disk_size(set), err) : status;
 }
 
 sp_status sp_h5_find(sp_h5 *h, const char *path, sp_h5_type type, int rank, sp_h5_shape *shape, sp_error *err) {

@@ -420,21 +420,16 @@ const char *sp_sample_fault(const sp_sample *s) {
     const bool rising = s->planes >= 0 && s->planes <= SP_PLANES_MAX;
     for (int32_t k = 0; rising && k < s->planes; k++)
         if (!(s->plane[k] > (k ? s->plane[k - 1] : 0)) || !isfinite(s->plane[k]))
-            return "plane";
-    return s->dim < 1 || s->dim > 3                                                    ? "dim"
-           : s->kind < SP_PACK_PISTON || s->kind > SP_PACK_FILE                        ? "kind"
-           : s->grains < 1                                                             ? "grains"
-           : !(s->width > 0 && isfinite(s->width))                                     ? "width"
-           : !(s->pressure > 0 && isfinite(s->pressure))                               ? "pressure"
-           : !(s->friction >= 0 && isfinite(s->friction))                              ? "friction"
-           : !rising                                                                   ? "planes"
-           : !s->failed && (!(s->height >= 0 || isnan(s->height)) || isinf(s->height)) ? "height"
+            return "planes/height";
+    return s->dim < 1 || s->dim > 3                                                    ? "sample/dim"
+           : s->kind < SP_PACK_PISTON || s->kind > SP_PACK_FILE                        ? "sample/kind"
+           : s->grains < 1                                                             ? "sample/grains"
+           : !(s->width > 0 && isfinite(s->width))                                     ? "sample/width"
+           : !(s->pressure > 0 && isfinite(s->pressure))                               ? "sample/pressure"
+           : !(s->friction >= 0 && isfinite(s->friction))                              ? "sample/friction"
+           : !rising                                                                   ? "planes/height"
+           : !s->failed && (!(s->height >= 0 || isnan(s->height)) || isinf(s->height)) ? "sample/height"
                                                                                        : NULL;
-}
-
-static sp_status check_sample(sp_h5 *h, const sp_sample *s, sp_error *err) {
-    const char *bad = sp_sample_fault(s);
-    return bad ? sp_h5_fail(h, err, SP_EFORMAT, "%s of /results is no value of a sample", bad) : SP_OK;
 }
 
 sp_sample sp_sample_blank(void) {
@@ -488,8 +483,9 @@ sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out, sp_error *er
         status = get_planes(h, &r.sample, err);
         r.sample.have |= SP_WANT_PLANES;
     }
-    if (status == SP_OK)
-        status = check_sample(h, &r.sample, err);
+    const char *bad = status == SP_OK ? sp_sample_fault(&r.sample) : NULL;
+    if (bad)
+        status = sp_h5_fail(h, err, SP_EFORMAT, "/results/%s is no value of a sample", bad);
     if (status == SP_OK && sp_h5_has(h, "/signal")) {
         r.sample.have |= SP_WANT_SIGNAL;
         status = get_made(h, &r.sample.signal, err);
