@@ -21,6 +21,11 @@ void sp_hash128(const void *data, size_t size, char text[SP_NAME_MAX]) {
     snprintf(text, SP_NAME_MAX, "%016llx%016llx", (unsigned long long)(hash >> 64), (unsigned long long)hash);
 }
 
+static int algorithm(const sp_pack_spec *s) {
+    const bool resting = s->gravity > 0 && s->friction == 0 && s->dim > 1; /* see version.h */
+    return (s->dim == 3 ? SONOPACK_ALGORITHM_3D : SONOPACK_ALGORITHM) + (resting ? 1 : 0);
+}
+
 void sp_sample_name(const sp_scene *scene, char name[SP_NAME_MAX]) {
     name[0] = '\0';
     sp_scene nameless = *scene;
@@ -31,7 +36,7 @@ void sp_sample_name(const sp_scene *scene, char name[SP_NAME_MAX]) {
     if (packing && network) {
         char tail[64];
         snprintf(tail, sizeof tail, "signal.source = %d\nalgorithm = %d\n", (int)scene->signal.source,
-                 scene->pack.dim == 3 ? SONOPACK_ALGORITHM_3D : SONOPACK_ALGORITHM);
+                 algorithm(&scene->pack));
         size_t size = strlen(packing) + strlen(network) + strlen(tail) + 1;
         char *text = sp_alloc(size, 1);
         if (text) {

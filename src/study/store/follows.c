@@ -174,12 +174,11 @@ static sp_status check_front(const sp_record *r, sp_error *err) {
 sp_status sp_record_follows(const sp_record *r, const sp_scene *scene, const sp_packing *p, sp_error *err) {
     const unsigned have = r->sample.have;
     sp_status status = SP_OK;
-    const bool network = !sp_stated_other_rattlers(p);
-    if (have & SP_WANT_STATICS && network)
+    if (have & SP_WANT_STATICS)
         status = check_statics(r, p, scene->network.threshold, err);
     if (status == SP_OK && have & SP_WANT_MODULI && !scene->network.prestress)
         status = check_signs(&r->sample, err);
-    if (status == SP_OK && have & SP_WANT_SPECTRUM && network)
+    if (status == SP_OK && have & SP_WANT_SPECTRUM)
         status = check_spectrum(r, p, scene, err);
     if (status == SP_OK && r->arrays.signal.n > 1)
         status = check_times(&r->arrays.signal, err);
