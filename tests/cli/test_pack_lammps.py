@@ -204,7 +204,7 @@ def running(pid):
         return False
 
 
-assert names_all(child_of("I.h5", signal.SIGINT, -2), "I.h5.lammps")
+assert names_all(child_of("I.h5", signal.SIGINT, 1), "I.h5.lammps")
 assert names_all(child_of("T.h5", signal.SIGTERM, -15), "T.h5.lammps")
 child_of("K.h5", signal.SIGKILL, -9)
 

@@ -93,11 +93,13 @@ static sp_status check_masses(sp_h5 *h, const sp_packing *p, double *buffer, sp_
     return status;
 }
 
-bool sp_stated_other_rattlers(const sp_packing *p) { return p->gravity > 0 && p->friction == 0 && p->dim > 1; }
+/* Versions up to 0.6.0 found other rattlers in such a packing: smooth grains that rest by their weight. Their files are
+ * not false. */
+static bool had_other_rattlers(const sp_packing *p) { return p->gravity > 0 && p->friction == 0 && p->dim > 1; }
 
 static sp_status check_rattlers(sp_h5 *h, const sp_packing *p, uint8_t *stated, uint8_t *found, sp_error *err) {
     static const char *const path = "/sonopack/rattler";
-    if (!sp_h5_has(h, path) || sp_stated_other_rattlers(p))
+    if (!sp_h5_has(h, path) || had_other_rattlers(p))
         return SP_OK;
     sp_status status = sp_h5_get(h, path, SP_H5_U8, &(sp_h5_shape){1, {p->n}}, stated, err);
     if (status == SP_OK)

@@ -8,9 +8,6 @@
 /* Fails with this text. */
 sp_status sp_at_odds(sp_error *err, const char *field, double stored, double expected);
 
-/* Whether versions up to 0.6.0 found other rattlers in such a packing: smooth grains that rest by their weight. What
- * depends on them is not compared, since their files are not false. */
-bool sp_stated_other_rattlers(const sp_packing *p);
 /* The keys of the packing's own scene. A scene that this version cannot read is left out. SP_ENOMEM. */
 sp_status sp_stated_scene(const sp_packing *p, sp_error *err);
 /* The residual, against the forces. */
