@@ -216,6 +216,37 @@ def check_lammps():
     expect(texts[0] == texts[1] and "shell" not in texts[1][0], "a scene changes the words of LAMMPS' input")
 
 
+def largest_memory(*words):
+    """Bytes that a command took at the most, or those of this process when it started it, if they were more."""
+    done = subprocess.Popen([COMMAND, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, use = os.wait4(done.pid, 0)
+    done.returncode = os.waitstatus_to_exitcode(status)
+    expect(done.returncode in (1, 2), f"{words}: status {done.returncode}")
+    return 1024 * use.ru_maxrss
+
+
+def check_memory():
+    """Memory over the size of the file, for files that take the most."""
+    usual = 13 << 20  # of a command without work
+    pathlib.Path("list.cfg").write_text(f"packing = {{ history = [{','.join(['1'] * 1500000)}]; }};")
+    pathlib.Path("rows.csv").write_text("x,y,r\n" + "1,1,1\n" * 1000000)
+    pathlib.Path("rows.tsv").write_text("t\tF\n" + "1\t1\n" * 1500000)
+    with h5py.File("zeros.h5", "w") as file:
+        with h5py.File("P.h5") as honest:
+            for part in honest:
+                honest.copy(part, file)
+        grains = {"radius": (2000000,), "mass": (2000000,), "position/value": (1, 2000000, 2)}
+        for name, shape in grains.items():
+            del file["particles/grains/" + name]
+            file.create_dataset("particles/grains/" + name, shape, "f8", np.zeros(shape), chunks=True, compression=9)
+    for times, name, words in ((60, "list.cfg", ("pack", "list.cfg", "-o", "Q.h5")),
+                               (25, "rows.csv", ("convert", "rows.csv", "Q.h5")),
+                               (25, "rows.tsv", ("front", "rows.tsv")),
+                               (2600, "zeros.h5", ("check", "zeros.h5"))):
+        took = (largest_memory(*words) - usual) / os.path.getsize(name)
+        expect(times / 5 < took < times, f"{name}: {took:.1f} times its size, promised {times}")
+
+
 def check_symbols():
     """No shell is ever asked: the one call that starts a program is execv, for --engine lammps."""
     tool = shutil.which("nm")
@@ -230,7 +261,8 @@ def main():
     os.chdir(folder)
     try:
         make("pack", "--set", "packing.grains=60", "--set", "packing.width=8", "-o", "P.h5")
-        for check in (check_messages, check_pages, check_hdf5, check_store, check_temporaries, check_lammps, check_symbols):
+        for check in (check_messages, check_pages, check_hdf5, check_store, check_temporaries, check_lammps, check_memory,
+                      check_symbols):
             check()
     finally:
         os.chdir("/")

@@ -136,9 +136,9 @@ def signals(cells, folder):
         for words in (("front", path), ("modes", path, "--damping", 0.1), ("plot", "snapshot", path, "-o", folder / "s.svg"),
                       ("convert", path, folder / "s.pvd", "--times", "0:9:3")):  # none of them has these options itself
             assert names_all(run(*words, status=1), "signal --from --detector plane:Y"), words
-        comments, rows = table("signal", path, "--from", "plane:2:shear", "--detector", "plane:3.2", "--until", 20,
+        comments, rows = table("signal", path, "--from", "plane:2:shear", "--detector", "plane:3.2:shear", "--until", 20,
                                "--points", 41)
-        assert comments["F"].startswith("from plane:2:shear to plane:3.2:normal")
+        assert comments["F"].startswith("from plane:2:shear to plane:3.2:shear")
         assert len(rows) == 41 and float(rows[0]["F"]) == 0
         one = table("signal", path, "--source", "velocity:plane:2", "--detector", "plane:4", "--until", 20)[1]
         two = table("signal", path, "--source", "impulse:plane:2", "--detector", "plane:4", "--until", 20)[1]

@@ -155,7 +155,7 @@ def test_refusals():
     convert("old.txt", "P.h5", status=2, says="--force")
     convert("P.h5", "P.h5", "--force")
     expect(read("P.h5") == before, "a file onto itself")
-    convert("P.h5", "no/Q.h5", status=1, says="no/")
+    convert("P.h5", "absent/Q.h5", status=1, says="absent")
     convert("nowhere.h5", "Q.h5", status=1, says="nowhere.h5")
     convert("g.tsv", "Q.h5", "--contacts", "nowhere.tsv", status=1, says="nowhere.tsv")
     write("bad.tsv", GRAINS.replace("1.9", "nan"))

@@ -29,6 +29,8 @@ HONEST = {
     "rows": ('packing.kind="triangular"', "packing.grains=15", "packing.width=3"),
     "chain": ('packing.kind="chain"', "packing.grains=5", f"packing.seed={10**15}"),
     "lognormal": (*SMALL, "packing.sizes=lognormal", "packing.protocol=quick"),
+    # accelerations 1.2 times as large as the residual says
+    "sliding": ("packing.grains=40", "packing.width=6", "packing.protocol=quick", "packing.seed=3"),
 }
 PATHS = {"x": "/particles/grains/position/value", "r": "/particles/grains/radius", "m": "/particles/grains/mass",
          "pairs": "/connectivity/contacts", "walls": "/sonopack/walls/contacts", "n": "/sonopack/contacts/normal",

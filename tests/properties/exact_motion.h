@@ -11,9 +11,10 @@ typedef long double extended;
 
 typedef struct motion {
     int n;
-    extended *k, *c; /* [n][n] M^-1/2 K M^-1/2, and with dashpots the same of C, or NULL */
-    extended *y;     /* [2 n] mass-weighted displacements and velocities; behind it scratch of [4 n] */
-    extended rate;   /* bound of the rates */
+    extended *k, *c;     /* [n][n] M^-1/2 K M^-1/2, and with dashpots the same of C, or NULL */
+    int32_t *first, *at; /* row a has entries in the columns at[first[a]] .. */
+    extended *y;         /* [2 n] mass-weighted displacements and velocities; behind it scratch of [4 n] */
+    extended rate;       /* bound of the rates */
 } motion;
 
 static inline size_t motion_place(const sp_network *net, const sp_spring *s, int entry) {
@@ -60,11 +61,24 @@ static inline extended motion_norm(int n, const extended *k) {
     return sqrtl(rows * columns);
 }
 
+/* Where k or c has entries. */
+static inline void motion_columns(motion *m) {
+    m->first = calloc((size_t)m->n + 1, sizeof *m->first);
+    m->at = calloc((size_t)m->n * (size_t)m->n, sizeof *m->at);
+    for (int a = 0, used = 0; a < m->n; a++) {
+        for (int b = 0; b < m->n; b++)
+            if (m->k[a * m->n + b] != 0 || (m->c && m->c[a * m->n + b] != 0))
+                m->at[used++] = b;
+        m->first[a + 1] = used;
+    }
+}
+
 /* sent: momenta, or displacements without `velocity`. */
 static inline motion motion_begin(const sp_network *net, const sp_network *dashpots, const double *sent,
                                   bool velocity) {
     motion m = {.n = (int)sp_network_dofs(net), .k = motion_matrix(net)};
     m.c = dashpots ? motion_matrix(dashpots) : NULL;
+    motion_columns(&m);
     m.y = calloc(6 * (size_t)m.n, sizeof *m.y);
     m.rate = sqrtl(motion_norm(m.n, m.k)) + (m.c ? motion_norm(m.n, m.c) : 0);
     for (int a = 0; a < m.n; a++) {
@@ -77,6 +91,8 @@ static inline motion motion_begin(const sp_network *net, const sp_network *dashp
 static inline void motion_end(motion *m) {
     free(m->k);
     free(m->c);
+    free(m->first);
+    free(m->at);
     free(m->y);
 }
 
@@ -85,10 +101,10 @@ static inline void motion_rates(const motion *m, const extended *y, extended *ou
     const int n = m->n;
     for (int a = 0; a < n; a++) {
         extended sum = 0;
-        for (int b = 0; b < n; b++)
-            sum -= m->k[a * n + b] * y[b];
-        for (int b = 0; b < n && m->c; b++)
-            sum -= m->c[a * n + b] * y[n + b];
+        for (int32_t q = m->first[a]; q < m->first[a + 1]; q++) {
+            const int b = m->at[q];
+            sum -= m->k[a * n + b] * y[b] + (m->c ? m->c[a * n + b] * y[n + b] : 0);
+        }
         out[a] = y[n + a];
         out[n + a] = sum;
     }

@@ -12,10 +12,10 @@ typedef struct scene {
 } scene;
 
 static inline void scene_cell(sp_random *draw, sp_packing *p, const int per[3], double spacing) {
-    p->cell = (sp_boundary)whole(draw, 0, 2);
+    p->cell = (sp_boundary)whole(draw, 0, p->dim == 1 ? 1 : 2); /* a chain is no box */
     for (int a = 0; a < 3; a++)
         p->box[a] = a < p->dim ? per[a] * spacing : 1;
-    if (p->cell != SP_CELL_PERIODIC || chance(draw, 0.5))
+    if (p->cell != SP_CELL_PERIODIC || p->dim == 1 || chance(draw, 0.5))
         return;
     p->tilt[0] = between(draw, -0.5, 0.5) * p->box[0];
     for (int a = 1; a < 3 && p->dim == 3; a++)
@@ -121,16 +121,16 @@ static inline void scene_masses(sp_random *draw, sp_packing *p) {
     }
 }
 
-/* most: grains, about. */
-static inline scene scene_draw(sp_random *draw, int most) {
+/* most: grains, about; edge: of grains along an edge in 1, 2 and 3 dimensions at most, 0: none of this dimension. */
+static inline scene scene_draw_of(sp_random *draw, int most, const int edge[4]) {
     static const double frictions[] = {0, 0, 0.1, 0.5, 0.5, 1e6}, ratios[] = {0, 0.2, 0.3, 0.5};
     scene s = {.p = sp_packing_none(), .how = sp_network_options_default()};
     sp_packing *p = &s.p;
-    const int dim = whole(draw, 2, 3);
+    const int dim = whole(draw, edge[1] ? 1 : 2, 3);
     const double spacing = between(draw, 0.85, 0.99);
     int per[3] = {1, 1, 1}, n = 1;
     for (int a = 0; a < dim; a++) {
-        per[a] = whole(draw, 1, dim == 2 ? 5 : 3);
+        per[a] = whole(draw, 1, edge[dim]);
         while (n * per[a] > most)
             per[a]--;
         n *= per[a];
@@ -160,6 +160,29 @@ static inline scene scene_draw(sp_random *draw, int most) {
              (int)p->cell, p->n, per[0], per[1], per[2], p->n_contacts, p->friction, s.how.prestress, s.how.threshold,
              p->mass ? ", masses" : "");
     return s;
+}
+
+static inline scene scene_draw(sp_random *draw, int most) {
+    static const int edge[4] = {0, 0, 5, 3};
+    return scene_draw_of(draw, most, edge);
+}
+
+static inline sp_place scene_spot(const sp_network *net, sp_random *draw) {
+    const int kind = whole(draw, 0, 5);
+    sp_place p = sp_place_wall();
+    p.shear = net->dim > 1 && chance(draw, 0.3);
+    if (kind >= 4) {
+        p.kind = SP_PLACE_PLANE;
+        p.height = net->box[net->dim - 1] * between(draw, 0.1, 0.9);
+    } else if (kind >= 2) {
+        p.kind = SP_PLACE_GRAIN;
+        p.grain = net->grain[whole(draw, 0, net->n - 1)];
+    } else if (kind == 1 && net->dim > 1) {
+        p.kind = SP_PLACE_PART;
+        p.from = 0;
+        p.to = net->box[0] * between(draw, 0.3, 1);
+    }
+    return p;
 }
 
 #endif

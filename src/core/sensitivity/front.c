@@ -1,5 +1,6 @@
 /* Gradients of the first front, on the continuous signal. */
 #include "base/base.h"
+#include "modes/count.h"
 #include "sensitivity/functional.h"
 
 #include <float.h>
@@ -234,7 +235,9 @@ sp_status sp_sensitivity_front(const sp_network *net, const sp_sensitivity_optio
     if (opt->pulse)
         sp_pulse_span(opt->pulse, &first, &last);
     const int64_t terms = sp_functional_terms(sp_network_omega_bound(net), s.until + 4 * s.spacing - fmin(first, 0));
-    status = sp_forward_make(net, opt, terms, terms / PARTS, &s.f, err);
+    status = sp_need_bounded(net, s.until, err);
+    if (status == SP_OK)
+        status = sp_forward_make(net, opt, terms, terms / PARTS, &s.f, err);
     if (status == SP_OK)
         status = sample(&s, &g.sampled, err);
     if (status == SP_OK)

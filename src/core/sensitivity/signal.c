@@ -1,5 +1,6 @@
 /* Gradients of linear functionals of a signal. */
 #include "base/base.h"
+#include "modes/count.h"
 #include "sensitivity/adjoint.h"
 #include "sensitivity/functional.h"
 #include "sensitivity/gradient.h"
@@ -106,6 +107,8 @@ sp_status sp_sensitivity_signal(const sp_network *net, const sp_sensitivity_opti
         last = fmax(last, sp_nodes_last(&nodes[k]));
     }
     const int64_t terms = sp_functional_terms(sp_network_omega_bound(net), last);
+    if (status == SP_OK && last > 0)
+        status = sp_need_bounded(net, last, err);
     if (status == SP_OK)
         status = sp_forward_make(net, opt, terms, terms / 2 / FORWARD_SNAPSHOTS, &f, err);
     for (int32_t k = 0; k < count && status == SP_OK; k++)

@@ -1,6 +1,7 @@
 /* Derivatives of the signal at all times. With A_j = P_j M^-1 a and V_i = U_i M^-1 b, moment k changes by -(4/Omega^2)
  * sum over i + j = k - 1 of V_i.dK A_j: the stretches of a spring in both expansions give it by a convolution. */
 #include "base/base.h"
+#include "modes/count.h"
 #include "network/place.h"
 #include "numeric/bessel.h"
 #include "sensitivity/forward.h"
@@ -225,8 +226,13 @@ sp_status sp_sensitivity_times(const sp_network *net, const sp_sensitivity_optio
                                double *error, sp_error *err) {
     sp_status status = sp_gradient_check(net, SP_BY_KN, NULL, err);
     forward f = {0};
+    double last = 0;
     if (status == SP_OK)
         status = check(net, opt, springs, spring, times, t, err);
+    for (int32_t l = 0; l < times && status == SP_OK; l++)
+        last = fmax(last, t[l]);
+    if (status == SP_OK && last > 0)
+        status = sp_need_bounded(net, last, err);
     if (status == SP_OK)
         status = sp_forward_make(net, opt, 16, 16, &f, err);
     if (status != SP_OK)

@@ -1,5 +1,6 @@
 /* Displacements of all grains at given times. */
 #include "base/base.h"
+#include "modes/count.h"
 #include "numeric/bessel.h"
 #include "signal/expansion.h"
 #include "signal/recurrence.h"
@@ -188,6 +189,8 @@ sp_status sp_signal_field(const sp_network *net, const sp_field_options *spec, d
     double until = 0;
     f.omega = sp_network_omega_bound(net);
     sp_status status = check(spec, f.omega, &until, err);
+    if (status == SP_OK && !net->carried)
+        status = sp_need_bounded(net, until, err);
     if (status == SP_OK)
         status = make(&f, until, err);
     if (status == SP_OK)

@@ -14,7 +14,7 @@ static const struct {
     bool sparse;  /* uses only sparse rows for places */
     bool bounded; /* its error bound holds for motions that do not grow, and a small one that does is not noticed */
 } methods[] = {[SP_SIGNAL_AUTO] = {"auto", NULL, false, false},
-               [SP_SIGNAL_CHEBYSHEV] = {"chebyshev", sp_signal_by_chebyshev, true, false},
+               [SP_SIGNAL_CHEBYSHEV] = {"chebyshev", sp_signal_by_chebyshev, true, true},
                [SP_SIGNAL_DENSE] = {"dense", sp_signal_by_modes, false, false},
                [SP_SIGNAL_VERLET] = {"verlet", sp_signal_by_verlet, false, true},
                [SP_SIGNAL_LAX_WENDROFF] = {"lax-wendroff", sp_signal_by_lax_wendroff, false, true},
@@ -123,7 +123,7 @@ static sp_status run_method(sp_signal_method method, const sp_packing *p, const 
         snprintf(what, sizeof what, "method %s", methods[method].name);
         status = sp_network_need_symmetry(net, what, err);
     }
-    if (status == SP_OK && methods[method].bounded)
+    if (status == SP_OK && methods[method].bounded && !net->carried)
         status = sp_need_bounded(net, opt->until, err);
     if (status == SP_OK)
         status = sp_job_make(net, opt, !methods[method].sparse, &job, err);

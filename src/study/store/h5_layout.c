@@ -5,8 +5,9 @@
 /* Deflate compresses zeros 1032 to 1, so no valid dataset has more data per byte of its file. */
 static const uint64_t packing_limit = 1100;
 
-/* To read a single number HDF5 takes memory for the whole chunk, which may be far larger than the data. */
-static const uint64_t chunk_limit = (uint64_t)1 << 26;
+/* To read a single number HDF5 takes memory for the whole chunk, which may be far larger than the data. Other programs
+ * write one chunk a frame: it may be larger if the file holds a good part of it. */
+static const uint64_t chunk_limit = (uint64_t)1 << 26, chunk_packing = 16;
 
 /* HDF5 spends up to 0.2 ms on a chunk however small it is. A dataset may have so many, and one more for every so many
  * bytes. That allows for vectors of modes, which have a chunk a row and no more rows than columns. */
@@ -21,7 +22,8 @@ typedef struct layout {
     uint64_t bytes;   /* of all elements */
     uint64_t chunk;   /* bytes of a chunk; UINT64_MAX: more than a number can count */
     uint64_t chunks;
-    uint64_t row; /* bytes of what no chunk can divide but by columns */
+    uint64_t row;  /* bytes of what no chunk can divide but by columns */
+    uint64_t held; /* bytes in the file */
 } layout;
 
 static uint64_t product(uint64_t a, uint64_t b) { return __builtin_mul_overflow(a, b, &a) ? UINT64_MAX : a; }
@@ -54,7 +56,7 @@ static void judge_filters(hid_t dcpl, layout *l) {
     }
 }
 
-static layout layout_of(hid_t set, const sp_h5_shape *shape, size_t element) {
+static layout layout_of(sp_h5 *h, hid_t set, const sp_h5_shape *shape, size_t element) {
     hid_t dcpl = H5Dget_create_plist(set);
     layout l = {.kind = dcpl >= 0 ? H5Pget_layout(dcpl) : H5D_LAYOUT_ERROR, .element = element, .bytes = element};
     l.inside = l.kind == H5D_COMPACT || l.kind == H5D_CHUNKED ||
@@ -65,6 +67,8 @@ static layout layout_of(hid_t set, const sp_h5_shape *shape, size_t element) {
         l.row = split ? product(l.row, (uint64_t)shape->dim[k]) : l.row;
         split = split || shape->dim[k] != 1;
     }
+    const hsize_t kept = l.bytes > 0 ? H5Dget_storage_size(set) : 0;
+    l.held = kept < h->size ? kept : h->size;
     if (l.kind == H5D_CHUNKED) {
         judge_chunks(dcpl, shape, &l);
         judge_filters(dcpl, &l);
@@ -75,7 +79,8 @@ static layout layout_of(hid_t set, const sp_h5_shape *shape, size_t element) {
 }
 
 static sp_status check_chunks(sp_h5 *h, const char *path, const layout *l, sp_error *err) {
-    const uint64_t most = l->row > chunk_limit ? l->row : chunk_limit, many = CHUNKS_OF_ANY + l->bytes / BYTES_OF_CHUNK;
+    const uint64_t many = CHUNKS_OF_ANY + l->bytes / BYTES_OF_CHUNK, held = product(chunk_packing, l->held);
+    const uint64_t least = l->row > chunk_limit ? l->row : chunk_limit, most = held > least ? held : least;
     if (l->foreign)
         return sp_h5_fail(h, err, SP_EFORMAT,
                           "%s uses a filter that is unknown here, or one twice; must be deflate (gzip), shuffle and "
@@ -92,14 +97,13 @@ static sp_status check_chunks(sp_h5 *h, const char *path, const layout *l, sp_er
 
 sp_status sp_h5_check_layout(sp_h5 *h, hid_t set, const char *path, const sp_h5_shape *shape, size_t element,
                              sp_error *err) {
-    const layout l = layout_of(set, shape, element);
+    const layout l = layout_of(h, set, shape, element);
     if (!l.inside)
         return sp_h5_fail(h, err, SP_EFORMAT, "%s keeps its data elsewhere; must be in the file itself", path);
     sp_status status = l.kind == H5D_CHUNKED ? check_chunks(h, path, &l, err) : SP_OK;
     if (status != SP_OK)
         return status;
-    const hsize_t kept = l.bytes > 0 ? H5Dget_storage_size(set) : 0, held = kept < h->size ? kept : h->size;
-    if (l.bytes / (l.deflated ? packing_limit : 1) > held || (l.bytes > 0 && held == 0))
+    if (l.bytes / (l.deflated ? packing_limit : 1) > l.held || (l.bytes > 0 && l.held == 0))
         return sp_h5_fail(h, err, SP_EFORMAT, "%s claims %.3g MB, which the file does not hold", path,
                           (double)l.bytes * 1e-6);
     return SP_OK;
