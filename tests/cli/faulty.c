@@ -10,8 +10,9 @@
  *   FAULTY_COUNT  a file that gets the number of calls of each kind at a usual end
  */
 #define _GNU_SOURCE
+#include "preload.h"
+
 #include <dirent.h>
-#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -101,11 +102,6 @@ static bool fails(const char *kind) {
     return failed;
 }
 
-#define REAL(type, name, ...)                                                                                          \
-    static type (*real)(__VA_ARGS__);                                                                                  \
-    if (!real)                                                                                                         \
-    *(void **)&real = dlsym(RTLD_NEXT, name)
-
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
 static bool from_program(const void *caller) { return (uintptr_t)caller >= program && (uintptr_t)caller < program_end; }
@@ -172,25 +168,9 @@ int fflush(FILE *file) {
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
-#define OPEN(name)                                                                                                     \
-    int name(const char *path, int flags, ...) {                                                                       \
-        REAL(int, #name, const char *, int, ...);                                                                      \
-        va_list rest;                                                                                                  \
-        va_start(rest, flags);                                                                                         \
-        mode_t mode = va_arg(rest, mode_t);                                                                            \
-        va_end(rest);                                                                                                  \
-        return fails("open") ? -1 : real(path, flags, mode);                                                           \
-    }
-OPEN(open)
-OPEN(open64)
+OPEN(fails("open"))
 
-#define FOPEN(name)                                                                                                    \
-    FILE *name(const char *path, const char *mode) {                                                                   \
-        REAL(FILE *, #name, const char *, const char *);                                                               \
-        return fails("open") ? NULL : real(path, mode);                                                                \
-    }
-FOPEN(fopen)
-FOPEN(fopen64)
+FOPEN(fails("open"))
 
 /* A call after which the file is as it should be, where an error is returned all the same. */
 #define ENDS(kind, name, parameters, arguments, ...)                                                                   \
@@ -227,19 +207,7 @@ char *realpath(const char *restrict path, char *restrict out) {
     return fails("stat") ? NULL : real(path, out);
 }
 
-#define FCNTL(name)                                                                                                    \
-    int name(int fd, int command, ...) {                                                                               \
-        REAL(int, #name, int, int, ...);                                                                               \
-        va_list rest;                                                                                                  \
-        va_start(rest, command);                                                                                       \
-        void *argument = va_arg(rest, void *);                                                                         \
-        va_end(rest);                                                                                                  \
-        const bool lock =                                                                                              \
-            command == F_SETLK || command == F_SETLKW || command == F_OFD_SETLK || command == F_OFD_SETLKW;            \
-        return lock && fails("lock") ? -1 : real(fd, command, argument);                                               \
-    }
-FCNTL(fcntl)
-FCNTL(fcntl64)
+FCNTL(fails("lock"))
 
 DIR *opendir(const char *path) {
     REAL(DIR *, "opendir", const char *);

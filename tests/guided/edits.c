@@ -58,20 +58,17 @@ edited_file edited_read(const char *path) {
 
 /* A number as it is in memory of type double or int64_t. */
 static void set_number(hid_t set, hid_t memory, size_t at, size_t count, double number) {
-    const hid_t native = memory;
-    const hid_t space = H5Dget_space(set);
     uint64_t *data = calloc(count + 1, sizeof *data);
     must(data != NULL);
-    if (count > 0 && H5Dread(set, native, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0) {
+    if (count > 0 && H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0) {
         const int64_t whole = fabs(number) < 9e18 ? (int64_t)number : number > 0 ? INT64_MAX : INT64_MIN;
-        if (native == H5T_NATIVE_DOUBLE)
+        if (memory == H5T_NATIVE_DOUBLE)
             memcpy(&data[at % count], &number, sizeof number);
         else
             memcpy(&data[at % count], &whole, sizeof whole);
-        H5Dwrite(set, native, H5S_ALL, H5S_ALL, H5P_DEFAULT, data);
+        H5Dwrite(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data);
     }
     free(data);
-    H5Sclose(space);
 }
 
 static void change_value(hid_t file, const edit *e) {
@@ -92,7 +89,6 @@ static void change_value(hid_t file, const edit *e) {
 
 /* A data type that readers must expect: of any class, and of any size. */
 static hid_t any_type(const edit *e) {
-    static const int members = 2;
     hid_t type = H5I_INVALID_HID;
     switch (e->c % 12) {
     case 0: return H5Tcopy(H5T_IEEE_F32BE);
@@ -123,7 +119,6 @@ static hid_t any_type(const edit *e) {
         H5Tset_precision(type, 1 + e->d % 64);
         return type;
     }
-    return members ? type : H5I_INVALID_HID;
 }
 
 /* Layout of a dataset that replaces another. */
@@ -270,7 +265,7 @@ uint8_t *edited_apply(const edited_file *of, const uint8_t *data, size_t size, s
     H5Fclose(file);
     H5Eclear2(H5E_DEFAULT);
     for (size_t k = 0; k < edits; k++)
-        if (data[8 * k] % 8 == 7) { /* a byte of the image; 255: cut off there */
+        if (data[8 * k] % 8 == 7) { /* a byte of the image */
             const size_t at =
                 ((size_t)data[8 * k + 3] << 16 | (size_t)data[8 * k + 4] << 8 | data[8 * k + 5]) % (size_t)length;
             image[at] ^= data[8 * k + 6];

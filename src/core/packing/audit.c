@@ -104,7 +104,8 @@ static sp_status audit_balance(const sp_packing *p, const uint8_t *rattler, doub
         return sp_fail_memory(err, (size_t)p->n * 6 * sizeof *force);
     sum_on_grains(p, force, &s);
     for (size_t i = 0; i < (size_t)p->n; i++) {
-        const double slack = rattler[i] ? threshold : 0, r = p->r[i], mass = p->mass ? p->mass[i] : grain_mass(r);
+        const double slack = rattler[i] ? threshold * p->pressure / unit : 0, r = p->r[i],
+                     mass = p->mass ? p->mass[i] : grain_mass(r);
         const double spin = r * r / (p->inertia ? p->inertia[i] : grain_inertia(r));
         const double linear = length3(force + 6 * i) / mass, turning = length3(force + 6 * i + 3) * spin;
         a->acceleration = fmax(a->acceleration, fmax(linear, turning));
