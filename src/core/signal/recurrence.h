@@ -54,7 +54,7 @@ pair sp_recurrence_product(const recurrence *r, const sparse_row *row, pair *siz
 /* The size of the terms of a product, for its rounding errors, from the sum of their absolute values and the product of
  * the norms. A component may have errors of the size of its neighbours, which are larger by far where masses differ.
  * In many terms that is rare; in networks of few degrees of freedom, whose modes are few, the norms count. */
-enum { SIGNAL_FEW_DOFS = 200, SIGNAL_FEW_ROUNDING = 3 };
+enum { SIGNAL_FEW_DOFS = 100, SIGNAL_FEW_ROUNDING = 3 };
 static inline double signal_size(int64_t dofs, double terms, double norms) {
     return dofs <= SIGNAL_FEW_DOFS && terms > 0 ? SIGNAL_FEW_ROUNDING * norms : terms;
 }
