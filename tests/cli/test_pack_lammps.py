@@ -205,7 +205,7 @@ def running(pid):
 
 
 assert names_all(child_of("I.h5", signal.SIGINT, 1), "I.h5.lammps")
-assert names_all(child_of("T.h5", signal.SIGTERM, -15), "T.h5.lammps")
+assert names_all(child_of("T.h5", signal.SIGTERM, 1), "T.h5.lammps")
 child_of("K.h5", signal.SIGKILL, -9)
 
 # a folder of an earlier run is not replaced
