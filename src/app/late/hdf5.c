@@ -8,7 +8,7 @@
 
 /* The identifiers behind H5T_NATIVE_DOUBLE and its like are variables, which nothing can load when they are read. But
  * the macros call H5open() before they read them: by then these have been filled. */
-hid_t H5E_RESOURCE_g, H5P_CLS_DATASET_CREATE_ID_g, H5P_CLS_FILE_ACCESS_ID_g, H5P_CLS_FILE_CREATE_ID_g,
+hid_t H5E_PLIST_g, H5E_RESOURCE_g, H5P_CLS_DATASET_CREATE_ID_g, H5P_CLS_FILE_ACCESS_ID_g, H5P_CLS_FILE_CREATE_ID_g,
     H5P_CLS_GROUP_CREATE_ID_g, H5T_C_S1_g, H5T_IEEE_F64LE_g, H5T_NATIVE_DOUBLE_g, H5T_NATIVE_INT32_g,
     H5T_NATIVE_INT64_g, H5T_NATIVE_UINT64_g, H5T_NATIVE_UINT8_g, H5T_STD_I32LE_g, H5T_STD_I64LE_g, H5T_STD_REF_OBJ_g,
     H5T_STD_U64LE_g, H5T_STD_U8LE_g;
@@ -103,7 +103,8 @@ static void fill_identifiers(void) {
     static const struct {
         hid_t *ours;
         const char *name;
-    } identifier[] = {{&H5E_RESOURCE_g, "H5E_RESOURCE_g"},
+    } identifier[] = {{&H5E_PLIST_g, "H5E_PLIST_g"},
+                      {&H5E_RESOURCE_g, "H5E_RESOURCE_g"},
                       {&H5P_CLS_DATASET_CREATE_ID_g, "H5P_CLS_DATASET_CREATE_ID_g"},
                       {&H5P_CLS_FILE_ACCESS_ID_g, "H5P_CLS_FILE_ACCESS_ID_g"},
                       {&H5P_CLS_FILE_CREATE_ID_g, "H5P_CLS_FILE_CREATE_ID_g"},

@@ -51,9 +51,10 @@ static herr_t innermost(unsigned n, const H5E_error2_t *entry, void *out) {
     return 0;
 }
 
+/* Lists of properties are in memory, and of no file: HDF5 loses them when it finds none. */
 static herr_t look_for_memory(unsigned n, const H5E_error2_t *entry, void *found) {
     (void)n;
-    *(bool *)found = *(bool *)found || entry->maj_num == H5E_RESOURCE;
+    *(bool *)found = *(bool *)found || entry->maj_num == H5E_RESOURCE || entry->maj_num == H5E_PLIST;
     return 0;
 }
 

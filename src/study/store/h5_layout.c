@@ -98,6 +98,8 @@ static sp_status check_chunks(sp_h5 *h, const char *path, const layout *l, sp_er
 sp_status sp_h5_check_layout(sp_h5 *h, hid_t set, const char *path, const sp_h5_shape *shape, size_t element,
                              sp_error *err) {
     const layout l = layout_of(h, set, shape, element);
+    if (l.kind == H5D_LAYOUT_ERROR) /* of a dataset that is open: HDF5 has found no memory for its properties */
+        return sp_h5_fail(h, err, SP_ENOMEM, "no memory: cannot read the layout of %s", path);
     if (!l.inside)
         return sp_h5_fail(h, err, SP_EFORMAT, "%s keeps its data elsewhere; must be in the file itself", path);
     sp_status status = l.kind == H5D_CHUNKED ? check_chunks(h, path, &l, err) : SP_OK;
