@@ -91,6 +91,7 @@ static sp_pack_spec tall(void) {
  * affine compression a third: their own laws are what is tested. */
 static void test_steps(void **state) {
     (void)state;
+    SKIP_SANITIZED();
     const sp_pack_spec specs[] = {small(2, 1e-5, 0.3, SP_PROTOCOL_DEFAULT),
                                   small(2, 1e-4, 0.5, SP_PROTOCOL_QUICK),
                                   small(3, 1e-3, 0, SP_PROTOCOL_DEFAULT),

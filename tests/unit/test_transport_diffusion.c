@@ -16,6 +16,7 @@ static sp_modes modes_of(const sp_network *net) {
  * (docs/transport.md). */
 static void test_two_ways(void **state) {
     (void)state;
+    SKIP_SANITIZED();
     enum { PACKINGS = 4 };
     double spread = 0, squares = 0, kubo = 0;
     for (unsigned seed = 1; seed <= PACKINGS; seed++) {
