@@ -9,7 +9,10 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
+import tempfile
 
+from common import faults
 from store_faults import shim
 from streams import COMMAND
 
@@ -277,3 +280,17 @@ class Faulty:
         if name not in ("check", "study-verify") and not good.out.startswith(done.out):  # they go on with the next
             return "printed", f"status {done.status} after it printed something else"
         return "refused", None
+
+
+def try_all(test):
+    """Runs test(Faulty) in a new folder, and ends with what it found: exit status 0, 1, or 77 where it cannot run."""
+    with tempfile.TemporaryDirectory(prefix="sonopack-faulty-") as folder:
+        root = pathlib.Path(folder)
+        preload = library(root)
+        if not preload:
+            print("no cc, or a build with sanitizers")
+            sys.exit(77)
+        made_inputs(root / "in", pathlib.Path(sys.argv[2]))
+        test(Faulty(preload, root / "in", root / "work"))
+    print(*faults, sep="\n")
+    sys.exit(1 if faults else 0)

@@ -5,13 +5,11 @@ usage: test_faulty_commands_long.py COMMAND SOURCE_DIR [MOST [COMMANDS [KINDS]]]
     MOST: how many calls of a kind fail, one run each (6); COMMANDS, KINDS: regular expressions
 """
 import collections
-import pathlib
 import re
 import sys
-import tempfile
 
-from common import expect, faults
-from faulty import COMMANDS, KINDS, Faulty, library, made_inputs
+from common import expect
+from faulty import COMMANDS, KINDS, try_all
 
 
 def sweep(tried, name, kind, most):
@@ -26,28 +24,18 @@ def sweep(tried, name, kind, most):
     return tally
 
 
-def main():
+def main(tried):
     words = dict(enumerate(sys.argv[3:]))
     most, commands, kinds = int(words.get(0, 6)), words.get(1, ".*"), words.get(2, ".*")
     total = collections.Counter()
-    with tempfile.TemporaryDirectory(prefix="sonopack-faulty-") as folder:
-        root = pathlib.Path(folder)
-        preload = library(root)
-        if not preload:
-            print("no cc, or a build with sanitizers")
-            sys.exit(77)
-        made_inputs(root / "in", pathlib.Path(sys.argv[2]))
-        tried = Faulty(preload, root / "in", root / "work")
-        for name in (name for name in COMMANDS if re.fullmatch(commands, name)):
-            for kind in (kind for kind in KINDS if re.fullmatch(kinds, kind)):
-                tally = sweep(tried, name, kind, most)
-                total += tally
-                if tally:
-                    print(name, kind, tried.count(name, kind), dict(tally), sep="\t", flush=True)
+    for name in (name for name in COMMANDS if re.fullmatch(commands, name)):
+        for kind in (kind for kind in KINDS if re.fullmatch(kinds, kind)):
+            tally = sweep(tried, name, kind, most)
+            total += tally
+            if tally:
+                print(name, kind, tried.count(name, kind), dict(tally), sep="\t", flush=True)
     print(f"{sum(total.values())} runs: {dict(total)}")
-    print(*faults, sep="\n")
-    sys.exit(1 if faults else 0)
 
 
 if __name__ == "__main__":
-    main()
+    try_all(main)

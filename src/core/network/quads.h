@@ -51,8 +51,7 @@ static ALWAYS_INLINE int quad_component(int a) { return a < 3 ? 2 * a : 2 * (a +
 /* Doubles per quad: four numbers a field, and eight integers. */
 static ALWAYS_INLINE int quad_size(quad_kind s) { return 4 * quad_fields_of(s).count + 4; }
 
-/* i[4] of a quad; j[4] follow. */
-/* The rows of a quad behind its fields of four. */
+/* The rows of a quad, i[4] and j[4], behind its fields of four. */
 static ALWAYS_INLINE const quad_rows *quad_rows_behind(int fields, const double *quad) {
     return (const quad_rows *)(quad + 4 * fields);
 }
