@@ -1,19 +1,15 @@
 # The Python package: `import sonopack` from python/ of the build folder, and from SONOPACK_PYTHON_DIR of an
-# installation. Debian's Python comes first, since its numpy and h5py use the same OpenBLAS and HDF5.
-find_program(SONOPACK_PYTHON_COMMAND python3 HINTS /usr/bin REQUIRED)
-set(Python3_EXECUTABLE ${SONOPACK_PYTHON_COMMAND})
-find_package(Python3 REQUIRED COMPONENTS Interpreter Development.Module)
-execute_process(COMMAND ${Python3_EXECUTABLE} -c "import cffi" RESULT_VARIABLE no_cffi OUTPUT_QUIET ERROR_QUIET)
-if(no_cffi)
-  message(FATAL_ERROR "SONOPACK_PYTHON needs cffi (python3-cffi) for ${Python3_EXECUTABLE}")
+# installation.
+if(NOT Python3_FOUND)
+  message(FATAL_ERROR "SONOPACK_PYTHON needs libpython3-dev, python3-cffi and python3-numpy for ${Python3_EXECUTABLE}")
 endif()
 set(SONOPACK_PYTHON_DIR lib/python3/dist-packages CACHE STRING "Folder of the Python package below the prefix")
 
 set(package ${PROJECT_BINARY_DIR}/python/sonopack)
 set(python_source ${PROJECT_SOURCE_DIR}/python)
 file(GLOB_RECURSE python_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/*.h)
-file(GLOB python_modules CONFIGURE_DEPENDS ${python_source}/sonopack/*.py ${python_source}/sonopack/*.pyi
-  ${python_source}/sonopack/py.typed)
+file(GLOB_RECURSE python_files RELATIVE ${python_source}/sonopack CONFIGURE_DEPENDS ${python_source}/sonopack/*)
+list(FILTER python_files EXCLUDE REGEX "__pycache__")
 set(native ${PROJECT_BINARY_DIR}/python-source)
 add_custom_command(OUTPUT ${native}/_native.c ${native}/_records.py ${native}/_reference.py
   COMMAND ${Python3_EXECUTABLE} -B ${python_source}/generate.py ${PROJECT_SOURCE_DIR}/include ${python_source}/native.h
@@ -37,17 +33,34 @@ else()
 endif()
 
 # Links, so that a change of a module needs no build.
-set(linked ${native}/_records.py ${native}/_reference.py ${python_modules})
 set(commands "")
-foreach(module ${linked})
-  get_filename_component(name ${module} NAME)
-  list(APPEND commands COMMAND ${CMAKE_COMMAND} -E create_symlink ${module} ${package}/${name})
+foreach(file _records.py _reference.py)
+  list(APPEND commands COMMAND ${CMAKE_COMMAND} -E create_symlink ${native}/${file} ${package}/${file})
+endforeach()
+foreach(file ${python_files})
+  get_filename_component(folder ${package}/${file} DIRECTORY)
+  list(APPEND commands COMMAND ${CMAKE_COMMAND} -E make_directory ${folder}
+    COMMAND ${CMAKE_COMMAND} -E create_symlink ${python_source}/sonopack/${file} ${package}/${file})
 endforeach()
 add_custom_command(OUTPUT ${native}/linked ${commands} COMMAND ${CMAKE_COMMAND} -E touch ${native}/linked
-  DEPENDS ${native}/_records.py ${linked} VERBATIM)
+  DEPENDS ${native}/_records.py ${CMAKE_CURRENT_LIST_FILE} VERBATIM)
 add_custom_target(sonopack_python_modules ALL DEPENDS ${native}/linked)
 
+# The commands that the package runs: beside the command in the build folder, in libexec of an installation.
+set(SONOPACK_PROGRAMS plot view convert reproduce)
+set(libexec ${CMAKE_INSTALL_LIBEXECDIR}/sonopack)
+foreach(program ${SONOPACK_PROGRAMS})
+  set(program_to_package python)
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/program.py.in ${PROJECT_BINARY_DIR}/sonopack-${program} @ONLY
+    FILE_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+  file(RELATIVE_PATH program_to_package /${libexec} /${SONOPACK_PYTHON_DIR})
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/program.py.in ${native}/sonopack-${program} @ONLY)
+  install(PROGRAMS ${native}/sonopack-${program} DESTINATION ${libexec})
+endforeach()
+
 install(TARGETS sonopack_python LIBRARY DESTINATION ${SONOPACK_PYTHON_DIR}/sonopack)
-install(FILES ${linked} DESTINATION ${SONOPACK_PYTHON_DIR}/sonopack)
+install(FILES ${native}/_records.py ${native}/_reference.py DESTINATION ${SONOPACK_PYTHON_DIR}/sonopack)
+install(DIRECTORY ${python_source}/sonopack DESTINATION ${SONOPACK_PYTHON_DIR} PATTERN __pycache__ EXCLUDE)
 # of the Debian package (cmake/package.cmake)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-cffi-backend, python3-numpy")
+string(CONCAT CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-cffi-backend, python3-numpy, python3-matplotlib, "
+  "python3-scipy, python3-pandas, python3-h5py, python3-meshio")

@@ -13,10 +13,16 @@ from ._native import ffi, lib
 Keys = Mapping[str, Any]
 
 
+class SceneText(str):
+    """A value that is in the syntax of scene files already."""
+
+
 def scene_value(value: object) -> str:
     """A Python value in the syntax of scene files."""
     if isinstance(value, np.generic):
         value = value.item()
+    if isinstance(value, SceneText):
+        return str(value)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int):

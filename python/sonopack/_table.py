@@ -163,6 +163,21 @@ def quantity(text: str, unit: str, material: Material | None = None) -> float:
     return float(out[0])
 
 
+def material_of(text: str) -> Material:
+    """The material of "E=70e9,nu=0.22,rho=2500,d=1e-3", in SI units; values may name others: "E=70 GPa,d=1 mm"."""
+    units = {"E": "Pa", "rho": "kg/m^3", "d": "m"}
+    plain = []
+    for pair in text.split(","):
+        key, _, value = pair.partition("=")
+        if key.strip() in units and not value.strip(" 0123456789+-.eE") == "":
+            value = repr(quantity(value.strip(), units[key.strip()]))
+        plain.append(f"{key}={value}")
+    struct = ffi.new("sp_material *")
+    call(lib.sp_material_read, ",".join(plain).encode(), struct)
+    material: Material = _core.record(Material, struct)
+    return material
+
+
 def _empty() -> Any:
     return _core.new("sp_table", lib.sp_table_free, lib.sp_table_none)
 

@@ -16,7 +16,6 @@ from common import PATIENCE, expect, faults, names_all
 
 COMMAND = str(pathlib.Path(sys.argv[1]).resolve())
 SMALL = ["--set", "packing.grains=60", "--set", "packing.width=8"]
-MB = 1000000
 
 
 def run(*words, limits=(), closed=(), **options):
@@ -29,25 +28,6 @@ def run(*words, limits=(), closed=(), **options):
             os.close(file)
     return subprocess.run([COMMAND, *map(str, words)], preexec_fn=prepare, text=True, timeout=PATIENCE,
                           **{"capture_output": True, **options})
-
-
-def address_space(packing, folder):
-    """OpenBLAS asks for its buffers for ever where there is no room: the command asks before, for each thread."""
-    whole = {}
-    study = ["study", *SMALL, "--set", "study.samples=2", "--set", 'study.want=["moduli","spectrum"]', "--jobs", 2, "-q"]
-    for name, words in (("dense", ["modes", packing, "--solver", "dense"]),
-                        ("arpack", ["modes", packing, "--solver", "arpack", "--lowest", 5]),
-                        ("study", [*study, "--store"])):
-        refused = 0
-        for size in (60, 100, 140, 180, 220, 260, 300, 400, 1000, None):
-            last = [folder / f"store{size}"] if name == "study" else []
-            done = run(*words, *last, limits=[(resource.RLIMIT_AS, size * MB)] if size else [])
-            whole[name] = done.stdout
-            refused += "OpenBLAS" in done.stderr
-            expect(done.returncode in (0, 1) and (done.returncode == 0 or done.stderr.startswith("sonopack: ")),
-                   f"{name} in {size} MB: {done.returncode} {done.stderr}")
-            expect(not list(folder.rglob(".sonopack*.tmp")), f"{name} in {size} MB leaves a temporary file")
-        expect(done.returncode == 0 and refused > 0, f"{name}: {refused} refused, {done.returncode} without a limit")
 
 
 def stack(packing):
@@ -94,7 +74,6 @@ def main():
         folder = pathlib.Path(name)
         packing = folder / "P.h5"
         assert run("pack", *SMALL, "-o", packing).returncode == 0
-        address_space(packing, folder)
         stack(packing)
         open_files(packing, folder)
         closed_files(packing, folder)

@@ -16,15 +16,15 @@ RANKS = {"core/base": 0, "core/table": 1, "core/numeric": 1, "core/linalg": 1, "
          "core/packing": 3, "core/network": 4, "core/units": 4, "core/modes": 5, "core/elastic": 5, "core/spectrum": 6,
          "core/signal": 6, "core/cost": 7, "core/amplitude": 7, "core/transport": 7, "core/sensitivity": 7,
          "core/inference": 8, "tapped": 7, "figure": 7, "study/scene": 8, "study/ensemble": 9, "study/store": 10,
-         "study/foreign": 11, "app/paper": 12, "app/view": 12, "app/cli": 13, "app/late": 13}
+         "study/foreign": 11, "app/paper": 12, "app/view": 12, "app/cli": 13}
 # what stands beside a room, not below it
 BESIDE = {"tapped": {"core/base", "core/table", "core/numeric", "core/linalg"},
           "figure": {room for room in RANKS if room.startswith("core/")}}
 # headers of other libraries, and the rooms that may see them
-FOREIGN = [(r"hdf5(_hl)?\.h|H5\w*\.h|zlib\.h", {"study/store", "app/late"}),
-           (r"(suitesparse/)?(cholmod|SuiteSparse\w*|amd|umfpack)\.h", {"core/linalg", "app/late"}),
-           (r"(lapacke|lapack|cblas|openblas\w*|f77blas|arpack)\.h", {"core/linalg", "app/late"}),
-           (r"libconfig\.h", {"study/scene"}), (r"(cairo/)?cairo[\w-]*\.h", {"figure", "app/late"}), (r"argp\.h|getopt\.h|mpi\.h", {"app/cli"}),
+FOREIGN = [(r"hdf5(_hl)?\.h|H5\w*\.h|zlib\.h", {"study/store"}),
+           (r"(suitesparse/)?(cholmod|SuiteSparse\w*|amd|umfpack)\.h", {"core/linalg"}),
+           (r"(lapacke|lapack|cblas|openblas\w*|f77blas|arpack)\.h", {"core/linalg"}),
+           (r"libconfig\.h", {"study/scene"}), (r"(cairo/)?cairo[\w-]*\.h", {"figure"}), (r"argp\.h|getopt\.h|mpi\.h", {"app/cli"}),
            (r"gsl/.*|Random123/.*", {"core/numeric"})]
 LIBC = set("""assert complex ctype errno fcntl fenv float inttypes limits locale math pthread setjmp signal stdalign stdarg
     stdatomic stdbool stddef stdint stdio stdlib string strings tgmath threads time unistd dirent dlfcn ftw libgen sched
@@ -124,12 +124,11 @@ def check_includes(root):
 
 
 def objects_of(build):
-    """{source below src/: its object file} of a build. app/late stands in for the libraries of others."""
+    """{source below src/: its object file} of a build."""
     found = {}
     for path in pathlib.Path(build, "CMakeFiles").glob("*.dir/src/**/*.o"):
         source = path.relative_to(build).as_posix().split("/src/", 1)[1].removesuffix(".o")
-        if not source.startswith("app/late/"):
-            found[source] = path
+        found[source] = path
     return found
 
 
@@ -187,7 +186,7 @@ def check_calls(root, build):
 def check_speech(root):
     faults = []
     for path in sorted((root / "src").rglob("*.[ch]")):
-        if room_of(path.relative_to(root / "src")) in ("app/cli", "app/late"):
+        if room_of(path.relative_to(root / "src")) in ("app/cli"):
             continue
         for number, line in enumerate(without_comments(path.read_text()).split("\n"), 1):
             match = SPEECH.search(line)

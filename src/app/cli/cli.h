@@ -54,6 +54,7 @@ int cmd_column(int argc, char **argv);
 int cmd_completion(int argc, char **argv);
 int cmd_convert(int argc, char **argv);
 int cmd_design(int argc, char **argv);
+int cmd_dispatch(int argc, char **argv); /* executes `sonopack-NAME' of the Python package */
 int cmd_front(int argc, char **argv);
 int cmd_modes(int argc, char **argv);
 int cmd_moduli(int argc, char **argv);

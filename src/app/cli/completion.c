@@ -9,7 +9,7 @@
 
 const cli_command_row *completion_command(int k, const cli_syntax **syntax) {
     for (const cli_command_row *row = cli_commands; row->name; row++) {
-        if (!row->run || k-- > 0)
+        if (!row->run || row->run == cmd_dispatch || k-- > 0)
             continue;
         *syntax = cli_syntax_of(row);
         return row;

@@ -12,7 +12,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-extern void openblas_set_num_threads(int threads) __attribute__((weak));
+extern void openblas_set_num_threads(int threads) __attribute__((weak)); /* other BLAS do not have it */
 
 static int help(int argc, char **argv);
 
@@ -164,12 +164,10 @@ static bool has_stack(void) {
 }
 
 /* OpenBLAS on one thread: its sums then do not depend on the number of cores, and samples that are computed side by
- * side do not take each other's cores. It reads the variable when it is loaded; where it is loaded already, the call
- * counts. */
-static bool use_one_blas_thread(void) {
+ * side do not take each other's cores. */
+static void use_one_blas_thread(void) {
     if (openblas_set_num_threads)
         openblas_set_num_threads(1);
-    return setenv("OPENBLAS_NUM_THREADS", "1", 1) == 0;
 }
 
 int main(int argc, char **argv) {
@@ -179,10 +177,9 @@ int main(int argc, char **argv) {
     if (!has_stack())
         return CLI_FAILED;
     cli_signals_begin();
-    if (!SONOPACK_LATE) /* else it is loaded so */
-        sp_hdf5_exit_silently();
-    if (!use_one_blas_thread() || on_exit(leave, NULL) != 0 ||
-        atexit(cli_close_stdout) != 0) { /* called in reverse order */
+    sp_hdf5_exit_silently();
+    use_one_blas_thread();
+    if (on_exit(leave, NULL) != 0 || atexit(cli_close_stdout) != 0) { /* called in reverse order */
         fputs("sonopack: no memory\n", stderr);
         return CLI_FAILED;
     }

@@ -1,0 +1,267 @@
+"""What the commands in Python share: options, scenes, units, messages, files that appear whole, exit statuses.
+
+`sonopack plot`, `view`, `convert` and `reproduce` execute `sonopack-NAME`, which calls start(NAME). Each is a package with a
+module `command` that has parser(), which returns a Parser, and run(arguments), which does the work.
+"""
+from __future__ import annotations
+
+import argparse
+import contextlib
+import importlib
+import os
+import pathlib
+import re
+import signal
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NoReturn
+
+from . import __version__
+from ._core import SonopackError, Status, invalid
+from ._records import Material
+from ._scene import Scene, SceneText
+from ._table import Table, material_of
+
+DONE, FAILED, USAGE = 0, 1, 2
+
+#: the package of each command
+PACKAGES = {"plot": "plot", "view": "view", "convert": "formats", "reproduce": "papers"}
+
+#: which Debian package brings a module
+DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py",
+          "meshio": "python3-meshio"}
+
+
+class Failed(SonopackError):
+    """The work failed (exit status 1): a file or a value at fault, and what would be right."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text, Status.EFAILED)
+
+
+def usage(text: str) -> SonopackError:
+    """The command line is wrong (exit status 2)."""
+    return invalid("", text)
+
+
+# ---- options --------------------------------------------------------------------------------------------------------
+
+class Parser(argparse.ArgumentParser):
+    """Options of one command, the common ones included. groups: those of a scene's keys that --set may change."""
+
+    def __init__(self, name: str, groups: str = "", **words: Any) -> None:
+        super().__init__(prog=f"sonopack {name}", formatter_class=argparse.RawDescriptionHelpFormatter, add_help=False,
+                         **words)
+        self.command = name
+        common = self.add_argument_group("Common options")
+        common.add_argument("-o", "--output", metavar="FILE", help="write to FILE; its ending sets the format")
+        common.add_argument("--force", action="store_true", help="replace an existing file of the same kind")
+        common.add_argument("--format", choices=("tsv", "csv", "json"), help="format of the table (tsv)")
+        common.add_argument("--set", metavar="KEY=VALUE", action="append", default=[],
+                            help="override a key of the scene (repeatable; see `sonopack help scene')")
+        common.add_argument("--threads", metavar="N", type=whole(0, 1024), default=0,
+                            help="number of threads (one per core)")
+        common.add_argument("--units", choices=("own", "si"), default="own",
+                            help="own, in d, E* and rho, or SI, for which a material is needed (own)")
+        common.add_argument("--material", metavar="E=..,nu=..,rho=..,d=..", type=option(material_of),
+                            help="material of the grains, in Pa, kg/m^3 and m, instead of that of scene or file")
+        common.add_argument("-q", "--quiet", action="store_true", help="print no messages and no progress")
+        common.add_argument("-v", "--verbose", action="store_true", help="print more messages")
+        common.add_argument("-h", "-?", "--help", action="help", help="print this help")
+        common.add_argument("--usage", action=_Usage, nargs=0, help="print the options in short")
+        common.add_argument("-V", "--version", action="version", version=f"sonopack {__version__}",
+                            help="print the version")
+        common.add_argument("--words", action=_Words, nargs=0, help=argparse.SUPPRESS)
+        self.groups = groups.split()
+
+    def error(self, message: str) -> NoReturn:
+        raise usage(message)
+
+    def scene(self, arguments: argparse.Namespace) -> Scene:
+        """The scene of --set, in which keys may stand without the name of their group."""
+        return Scene.read(None, self.keys(arguments))
+
+    def keys(self, arguments: argparse.Namespace) -> dict[str, Any]:
+        if arguments.set and not self.groups:
+            raise usage("--set: no key of a scene changes anything here")
+        return dict(_setting(text, self.groups) for text in arguments.set)
+
+
+class _Usage(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        parser.print_usage()
+        parser.exit()
+
+
+class _Words(argparse.Action):
+    """The words that completion offers, one a line: options, then what the first argument may be."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        for action in parser._actions:
+            if action.help is argparse.SUPPRESS:
+                continue
+            words = [word for word in action.option_strings if word.startswith("--")] or action.choices or ()
+            print(*words, sep="\n", end="\n" if words else "")
+        parser.exit()
+
+
+def option(read: Callable[[str], Any]) -> Callable[[str], Any]:
+    """The type of an option whose text a function of the library reads, so that its reason is told."""
+    def convert(text: str) -> Any:
+        try:
+            return read(text)
+        except SonopackError as fault:
+            raise argparse.ArgumentTypeError(str(fault)) from None
+    return convert
+
+
+def whole(low: int, high: int) -> Callable[[str], int]:
+    """The type of an option that takes an integer between two."""
+    def read(text: str) -> int:
+        if not re.fullmatch(r"[+-]?\d+", text) or not low <= int(text) <= high:
+            raise argparse.ArgumentTypeError(f"{text:.60}: must be an integer {low} .. {high}")
+        return int(text)
+    return read
+
+
+def number(low: float, high: float) -> Callable[[str], float]:
+    """The type of an option that takes a finite number between two."""
+    def read(text: str) -> float:
+        if not re.fullmatch(r"[0-9+\-.eE]+", text):
+            raise argparse.ArgumentTypeError(f"{text:.60}: must be a number {low:g} .. {high:g}")
+        try:
+            value = float(text)
+        except ValueError:
+            value = float("nan")
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text:.60}: must be a number {low:g} .. {high:g}")
+        return value
+    return read
+
+
+def _setting(text: str, groups: Sequence[str]) -> tuple[str, Any]:
+    key, equals, value = text.partition("=")
+    if not equals or not key:
+        raise usage(f"--set {text:.60}: must be KEY=VALUE")
+    if "." in key and key.split(".")[0] not in groups:
+        raise usage(f"--set {text:.60}: must be a key of {' or '.join(groups)}")
+    return key.strip(), SceneText(value.strip())
+
+
+# ---- messages -------------------------------------------------------------------------------------------------------
+
+def note(arguments: argparse.Namespace, text: str) -> None:
+    """A message on stderr, unless --quiet is given."""
+    if not arguments.quiet:
+        print(f"sonopack: {text}", file=sys.stderr)
+
+
+def start(name: str) -> NoReturn:
+    """Runs the command NAME with the arguments of the process, and ends the process with its status."""
+    status = FAILED
+    try:
+        module = importlib.import_module(f"sonopack.{PACKAGES[name]}.command")
+        parser = module.parser()
+        status = module.run(parser.parse_intermixed_args(sys.argv[1:])) or DONE
+        sys.stdout.flush()
+    except SonopackError as fault:
+        print(f"sonopack: {_tame(str(fault))}", file=sys.stderr)
+        status = USAGE if fault.status == Status.EINVAL else FAILED
+    except ModuleNotFoundError as fault:
+        package = DEBIAN.get(str(fault.name).split(".")[0], f"the Python module {fault.name}")
+        print(f"sonopack: {name} needs {package}, which is not installed", file=sys.stderr)
+    except BrokenPipeError:
+        _end_by(signal.SIGPIPE)
+    except KeyboardInterrupt:
+        _end_by(signal.SIGINT)
+    except MemoryError:
+        print("sonopack: out of memory", file=sys.stderr)
+    except OSError as fault:
+        place = f"{fault.filename}: " if fault.filename else ""
+        print(f"sonopack: {_tame(place + (fault.strerror or str(fault)))}", file=sys.stderr)
+    sys.stderr.flush()
+    os._exit(status) # the library's threads and the drafts of stdout have nothing left to say
+
+
+def _end_by(number: signal.Signals) -> None:
+    """Ends the process as the signal does by default, so that a shell sees it."""
+    signal.signal(number, signal.SIG_DFL)
+    os.kill(os.getpid(), number)
+
+
+def _tame(text: str) -> str:
+    """A terminal obeys control characters, which names of files may have."""
+    return "".join(c if c.isprintable() else "?" for c in text.encode(errors="replace").decode())
+
+
+# ---- files ----------------------------------------------------------------------------------------------------------
+
+_HEADS = {".h5": b"\211HDF\r\n\032\n", ".hdf5": b"\211HDF\r\n\032\n", ".png": b"\211PNG\r\n\032\n", ".pdf": b"%PDF-",
+          ".mat": b"MATLAB 5"}
+_MARKUP = (".svg", ".html", ".htm", ".vtp", ".pvd", ".vtm")
+
+
+def _is_kind(head: bytes, ending: str) -> bool:
+    if ending in _HEADS:
+        return head.startswith(_HEADS[ending])
+    if any(head.startswith(magic) for magic in _HEADS.values()):
+        return False
+    text = head.lstrip()[:1]
+    return text == b"<" if ending in _MARKUP else text in b"{[" if ending == ".json" else text != b"<"
+
+
+def may_write(arguments: argparse.Namespace, path: str, kinds: Sequence[str]) -> None:
+    """Refuses a file whose ending is none of `kinds`, which exists without --force, or is of another kind than its ending
+    says. Call before the work."""
+    ending = os.path.splitext(path)[1].lower()
+    if not path:
+        raise usage("-o: the file name is empty")
+    if ending not in kinds:
+        raise usage(f"-o {path}: the ending must be {' or '.join(filter(None, (', '.join(kinds[:-1]), kinds[-1])))}")
+    place = pathlib.Path(path)
+    if place.is_dir():
+        raise usage(f"{path}: is a folder, must be a file")
+    if place.is_file():
+        with open(place, "rb") as file:
+            head = file.read(4096)
+        if head and not _is_kind(head, ending):
+            raise usage(f"{path}: is a file of another kind than its ending says, and is not replaced: choose another name")
+        if not arguments.force:
+            raise usage(f"{path}: exists already: choose another name, or use --force")
+    if not os.access(place.parent, os.W_OK | os.X_OK):
+        raise Failed(f"cannot write in {place.parent}: no such folder, or no permission")
+
+
+@contextlib.contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[str]:
+    """A name to write to, in the folder of `path`. At the end the file gets its own name; after a failure it is gone."""
+    place = pathlib.Path(path)
+    if place.exists() and not place.is_file():  # a device or a pipe
+        yield str(place)
+        return
+    handle, draft = tempfile.mkstemp(prefix=f".{place.name[:100]}.", suffix=place.suffix, dir=place.parent)
+    os.close(handle)
+    try:
+        yield draft
+        with open(draft, "rb+") as file:
+            os.fsync(file.fileno())
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(draft, 0o666 & ~mask)
+        os.replace(draft, place)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(draft)
+        raise
+
+
+def write_table(arguments: argparse.Namespace, table: Table, material: Material | None = None) -> None:
+    """Prints a table, or writes it to -o in the format of its ending; in SI units where asked for."""
+    if arguments.units == "si":
+        table = table.si(arguments.material or material)
+    if arguments.output:
+        table.save(arguments.output)
+    else:
+        sys.stdout.write(table.text(arguments.format or "tsv"))
+
