@@ -19,7 +19,7 @@ from .._records import Material
 from .._scene import Scene
 from .._signal import Signal
 from .._table import Table, material_of
-from ._units import is_ours, plain, refuse, same_unit
+from ._units import is_ours, number, plain, refuse, same_unit
 
 
 class Input:
@@ -171,8 +171,9 @@ def _settings(table: Table) -> dict[str, str]:
 
 def _setting_text(key: str, value: str) -> str:
     symbol, unit = _SYMBOLS.get(key, (plain(key), ""))
-    is_number = re.fullmatch(r"[0-9+\-.eE]+", value) is not None
-    return f"{symbol} = {plain(value)}{unit if is_number else ''}"
+    if re.fullmatch(r"[0-9+\-.eE]+", value):
+        return f"{symbol} = {number(float(value), 9)}{unit}"
+    return f"{symbol} = {plain(value)}"
 
 
 # ---- reading --------------------------------------------------------------------------------------------------------
