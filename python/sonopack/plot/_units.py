@@ -86,6 +86,8 @@ def is_ours(unit: str) -> bool:
 def number(value: float, digits: int = 4) -> str:
     """A number in a text: 0.25, 3 10^-5."""
     text = f"{value:.{digits}g}"
+    if 0 < abs(value) < 1e-3 and "e" not in text:
+        text = re.sub(r"\.?0*e", "e", f"{value:.{digits - 1}e}")
     mantissa, e, exponent = text.partition("e")
     if not e:
         return text.replace("-", "\N{MINUS SIGN}")
