@@ -230,7 +230,7 @@ class View:
         start = start[k] + step
         return self._add(self.ax.quiver(
             start[:, 0], start[:, 1], delta[k, 0], delta[k, 1], angles="xy", scale_units="xy", scale=1, units="inches",
-            width=width / 72, headwidth=3.6, headlength=4, headaxislength=3.6, minlength=0.1,
+            width=width / 72, headwidth=3.6, headlength=4, headaxislength=3.6, minlength=0.1, minshaft=2,
             color=_pale(np.array([to_rgb(colour)]), far[order[k]]), zorder=3))
 
     def _inside(self, start: Floats, delta: Floats) -> Floats:
@@ -295,10 +295,11 @@ def _lay_out(found: Sequence[View]) -> None:
         view.ax = fig.add_subplot(grid[place], label="panel", anchor="C" if len(found) == 1 else "SW")
 
 
-def _arrow_key(_: Any, arrow: FancyArrow, x: float, y: float, width: float, height: float, size: float) -> FancyArrow:
+def _true_arrow(*, orig_handle: FancyArrow, height: float, **_: Any) -> FancyArrow:
     """The arrow of an entry at its true length."""
-    return FancyArrow(0, 0.5 * height, arrow._dx, 0, width=arrow._width, length_includes_head=True,
-                      head_width=3.6 * arrow._width, head_length=4 * arrow._width)
+    width = orig_handle._width
+    return FancyArrow(0, 0.5 * height, orig_handle._dx, 0, width=width, length_includes_head=True, head_width=3.6 * width,
+                      head_length=4 * width)
 
 
 def arrow_key(points: float, width: float, colour: str, text: str) -> FancyArrow:
@@ -306,17 +307,17 @@ def arrow_key(points: float, width: float, colour: str, text: str) -> FancyArrow
     return FancyArrow(0, 0, points, 0, width=width, fc=colour, lw=0, label=text)
 
 
-def add_key(found: Sequence[View], entries: Iterable[Any]) -> None:
+def add_key(found: Sequence[View], entries: Iterable[Any], title: str = "") -> None:
     """The key below a picture, for which its figure grows; on Axes that were given below these. In two columns if they
     fit."""
     ax, fig, entries = found[0].ax, found[0].ax.figure, list(entries)
     if found[0].solid:
-        entries.append(key(ls="none", label="half-size grains, far ones pale"))
+        title = "\n".join(filter(None, (title, "grains at half their size, far ones pale")))
     own = fig.get_label() == "picture"
     longest = max((one._dx for one in entries if isinstance(one, FancyArrow)), default=0)
     words: dict[str, Any] = {
-        "handles": entries, "fontsize": 7, "borderaxespad": 0.2, "handlelength": max(2.2, longest / 7),
-        "handler_map": {FancyArrow: HandlerPatch(_arrow_key)}, "bbox_to_anchor": (0, 0),
+        "handles": entries, "title": title or None, "title_fontsize": 7, "alignment": "left", "fontsize": 7, "borderaxespad": 0.2, "handlelength": max(2.2, longest / 7),
+        "handler_map": {FancyArrow: HandlerPatch(_true_arrow)}, "bbox_to_anchor": (0, 0),
         "loc": "lower left" if own else "upper left"}
     for columns in (2, 1):
         box = (fig if own else ax).legend(**words, ncol=columns)
