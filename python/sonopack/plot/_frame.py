@@ -63,6 +63,16 @@ def label_decades(ax: Axes) -> None:
             axis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
 
 
+def new_figure(size: tuple[float, float]) -> Figure:
+    """A figure of this size [in]."""
+    if "matplotlib.pyplot" in sys.modules:
+        made: Figure = sys.modules["matplotlib.pyplot"].figure(figsize=size)
+        return made
+    made = Figure(figsize=size)
+    FigureCanvasAgg(made)
+    return made
+
+
 def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0.75, width: float | None = None,
            **words: Any) -> npt.NDArray[Any]:
     """Axes [rows, columns] of a new figure, or those given as `ax`. aspect: height of a panel over its width. width: of
@@ -73,12 +83,7 @@ def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0
             raise invalid("ax", f"{given.size} Axes: this figure has {rows * columns} panels")
         return given.reshape(rows, columns)
     width = width or WIDTH * columns
-    size = (width, width / columns * aspect * rows)
-    if "matplotlib.pyplot" in sys.modules:
-        fig = sys.modules["matplotlib.pyplot"].figure(figsize=size)
-    else:
-        fig = Figure(figsize=size)
-        FigureCanvasAgg(fig)
+    fig = new_figure((width, width / columns * aspect * rows))
     axes: npt.NDArray[Any] = fig.subplots(rows, columns, squeeze=False, **words)
     for one in axes.flat:
         one.set_label("panel")

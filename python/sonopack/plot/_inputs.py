@@ -238,10 +238,13 @@ def _number(cell: str, place: str) -> float:
 
 def network_of(packing: Packing, scene: Scene | None = None) -> Network:
     """The network of a packing, with the keys of the group network of a scene."""
-    if scene is None:
-        return packing.network()
+    return network_with(packing, ffi.new("sp_network_options *", scene._c.network)) if scene else packing.network()
+
+
+def network_with(packing: Packing, options: Any) -> Network:
+    """The network of a packing with these sp_network_options."""
     network = Network.__new__(Network)
-    network._options = ffi.new("sp_network_options *", scene._c.network)
+    network._options = options
     network._c = new("sp_network", lib.sp_network_free, lib.sp_network_none)
     call(lib.sp_network_make, packing._c, network._options, network._c)
     network.packing = packing
