@@ -221,6 +221,7 @@ def dispersion(*data: Any, labels: Sequence[str] | None = None, material: Materi
         return drawn
     ax = panels(ax=ax, aspect=0.78)[0, 0]
     entries = _waves(ax, given)
+    ax.margins(x=0.04)
     two = [(name, j) for j, name in enumerate(names(given)) if name]
     entries += [key(marker="o", color="black", mfc="white" if j else "black", ls="none", label=name) for name, j in two]
     ax.set_xlim(left=0)
