@@ -268,7 +268,7 @@ class Look:
 
     def apply(self, fig: Figure) -> None:
         if self.title:
-            fig.suptitle(plain(self.title))
+            fig.suptitle("\n".join(textwrap.wrap(plain(self.title), int(13 * fig.get_figwidth()))))
         for k, ax in enumerate(one for one in fig.axes if one.get_label() == "panel"):
             self._axis(ax, "x", self.x)
             if k == 0:
@@ -281,6 +281,8 @@ class Look:
     def _axis(self, ax: Axes, which: str, limits: Limits | None) -> None:
         scale = "log" if which in self.log else "linear" if self.linear else None
         set_limits, get_limits = getattr(ax, f"set_{which}lim"), getattr(ax, f"get_{which}lim")
+        if scale == "log":
+            _check_positive(ax, which)
         if scale and scale != getattr(ax, f"get_{which}scale")():
             getattr(ax, f"set_{which}scale")(scale, **({"nonpositive": "clip"} if scale == "log" else {}))
             set_limits(auto=True)
@@ -291,6 +293,15 @@ class Look:
                 raise usage(f"--{which} {low:g}: must be above 0 on a logarithmic axis")
             low, high = get_limits()
             set_limits(limits[0] if limits[0] is not None else low, limits[1] if limits[1] is not None else high)
+
+
+def _check_positive(ax: Axes, which: str) -> None:
+    """A negative number has no logarithm; zeros lie below the frame."""
+    for line in (line for line in ax.lines if line.get_transform() == ax.transData):
+        values = np.asarray(getattr(line, f"get_{which}data")(), float)
+        if np.any(values < 0):
+            k = int(np.argmax(values < 0))
+            raise usage(f"--log {which}: point {k + 1}: {which} = {values[k]:g} is below 0")
 
 
 # ---- files ----------------------------------------------------------------------------------------------------------

@@ -37,7 +37,7 @@ static const cli_command_row commands[] = {
     {"table", cmd_table, "tables of a finished or running study"},
     {"reproduce", cmd_reproduce, "compare the results of a paper with our own"},
     {"column", cmd_column, "tapped column of particles, discrete and as a continuum"},
-    {"plot", cmd_plot, "draw figures"},
+    {"plot", cmd_dispatch, "draw figures"},
     {"view", cmd_dispatch, "write a page that shows packings, modes and waves in a browser"},
     {"convert", cmd_convert, "import and export packings"},
     {"bench", cmd_bench, "measure each method's run time against its error"},
