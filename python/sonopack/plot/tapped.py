@@ -273,7 +273,7 @@ def _bifurcation(ax: Axes, s: Tapped, x: Floats, column: str) -> None:
         raise usage(f"--column {column:.40}: the table has no such positions, must be y1 to y{s.particles}")
     if not any_finite(s[column]):
         raise refuse(s.one.name, "nothing to draw: no position is finite")
-    ax.plot(x, s[column], ls="none", marker=".", ms=1.2, mew=0, color=ink(1), rasterized=len(x) > 20000)
+    ax.plot(x, s[column], ls="none", marker=".", ms=1.6, mew=0, color=ink(1), rasterized=len(x) > 20000)
     ax.set_ylabel(s.label(f"$y_{{{column[1:]}}}$ after a tap", column))
 
 
