@@ -3,9 +3,6 @@
 usage: test_reproduce_claims_long.py COMMAND SOURCE_DIR
 """
 import pathlib
-import re
-import subprocess
-import sys
 import tempfile
 
 from test_reproduce import check_counts, check_report, check_rows, rows_of, run
