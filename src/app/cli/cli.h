@@ -102,7 +102,6 @@ typedef struct cli_option {
     const char *const *words; /* ended by NULL */
     sp_status (*parse)(void *arguments, const char *text, sp_error *err);
     const char *kinds;          /* the words KIND that take the option, separated by blanks; NULL: all */
-    const char *alias;          /* an older name */
     int letter;                 /* short option */
     const char *unit;           /* of a number: it may be given with another unit of the same dimension */
     const char *(*word)(int k); /* CLI_PARSED: words that it takes, for completion; NULL after the last */
@@ -132,7 +131,7 @@ void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments)
  * last. For completion. */
 const cli_syntax *cli_syntax_of(const cli_command_row *command);
 const cli_option *cli_option_at(const cli_syntax *syntax, int k);
-/* Whether the command line has this option, or its alias. */
+/* Whether the command line has this option. */
 bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *name);
 /* SP_EINVAL if this option is given and not used: it would do nothing without `other`, for the message. */
 sp_status cli_need(const cli_syntax *syntax, const cli_common *common, const char *name, bool used, const char *other,

@@ -111,8 +111,8 @@ typedef struct reading {
     const char *command; /* name */
     void *arguments;
     int count, rows;
-    const cli_option *option[OPTIONS_MAX];        /* [count] */
-    struct argp_option argp[2 * OPTIONS_MAX + 4]; /* [rows], then one of zeros */
+    const cli_option *option[OPTIONS_MAX];     /* [count] */
+    struct argp_option argp[OPTIONS_MAX + 12]; /* [rows], then one of zeros */
 } reading;
 
 static void add_help_options(reading *r) {
@@ -141,8 +141,6 @@ static void add_options(reading *r, const cli_option *options, int first_group) 
             continue;
         r->option[r->count++] = options;
         r->argp[r->rows++] = (struct argp_option){options->name, key, options->argument, 0, options->help, group};
-        if (options->alias)
-            r->argp[r->rows++] = (struct argp_option){.name = options->alias, .flags = OPTION_ALIAS, .group = group};
     }
 }
 
@@ -158,7 +156,7 @@ static sp_status set_option(const cli_option *o, void *arguments, const char *te
     void *field = (char *)arguments + o->field;
     const sp_key *range = o->key ? sp_field_limits(sp_field_find(o->key)) : NULL;
     const double low = range ? range->low : o->low, high = range ? range->high : o->high;
-    snprintf(name, sizeof name, o->alias ? "--%s (--%s)" : "--%s", o->name, o->alias);
+    snprintf(name, sizeof name, "--%s", o->name);
     switch (o->kind) {
     case CLI_FLAG: *(bool *)field = true; break;
     case CLI_TEXT: *(const char **)field = text; break;
@@ -253,14 +251,6 @@ static const char *long_name(int k, const void *user) {
     return k >= r->rows ? NULL : r->argp[k].name ? r->argp[k].name : other;
 }
 
-/* Whether the next word is the argument of this one. An alias has the argument of the row before it. */
-static bool takes_next(const reading *r, int row) {
-    const struct argp_option *o = &r->argp[row];
-    while (o > r->argp && o->flags & OPTION_ALIAS)
-        o--;
-    return o->arg != NULL;
-}
-
 static bool letter_takes_next(const reading *r, const char *word) {
     for (int k = 0; k < r->rows && word[1] && !word[2]; k++)
         if (r->argp[k].key == word[1])
@@ -295,7 +285,7 @@ static void check_words(const reading *r, int argc, char **argv) {
         const int row = find_long(r, word + 2, length - 2);
         if (row == -1)
             refuse_option(r, word, length);
-        k += row >= 0 && !word[length] && takes_next(r, row);
+        k += row >= 0 && !word[length] && r->argp[row].arg;
     }
 }
 
