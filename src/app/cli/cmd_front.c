@@ -2,7 +2,7 @@
 #include "base/base.h"
 #include "cli/files.h"
 #include "cli/low_box.h"
-#include "cli/plot_input.h"
+#include "cli/trace.h"
 #include "ensemble/sample.h"
 
 #include <math.h>
@@ -154,13 +154,13 @@ static sp_status find_columns(const arguments *a, const sp_table *t, const char 
 /* How far the detector is from the source, if the table says "F2 = from PLACE to PLACE, ..." of the column; else the
  * packing's. */
 static double distance_of(const sp_table *t, const char *column, double height) {
-    plot_detector detector;
-    if (!plot_find_detector(t, column, &detector))
+    cli_detector detector;
+    if (!cli_find_detector(t, column, &detector))
         return height;
     if (strstr(sp_table_get_text(t, column), "grain:"))
         return NAN;
     return isfinite(height) || isfinite(detector.plane)
-               ? plot_way(t, &detector, isfinite(detector.plane) ? detector.plane : height)
+               ? cli_way(t, &detector, isfinite(detector.plane) ? detector.plane : height)
                : NAN;
 }
 
@@ -190,8 +190,8 @@ static sp_status check_error(const arguments *a, const char *path, double error,
 
 static sp_status trace_front(const arguments *a, const char *path, const sp_table *t, int time, int force, arrival *out,
                              sp_error *err) {
-    plot_signal s;
-    sp_status status = plot_column_signal(t, time, force, &s, err);
+    cli_trace s;
+    sp_status status = cli_trace_of(t, time, force, &s, err);
     if (status != SP_OK)
         return status;
     sp_front_options rule = sp_front_options_default();
@@ -301,7 +301,7 @@ static sp_status add_front(const arguments *a, const char *name, bool packing, a
 static sp_status add_signals(const arguments *a, cli_file *file, const sp_table *read, sp_table *t, sp_error *err) {
     int time = 0, force = 0;
     sp_status status = find_columns(a, read, file->path, &time, &force, err);
-    const int signals = status == SP_OK && !a->column ? plot_count_signals(read, force) : 1;
+    const int signals = status == SP_OK && !a->column ? cli_count_signals(read, force) : 1;
     const size_t size = strlen(file->path) + 16;
     char *name = sp_alloc(size, 1);
     if (status == SP_OK && !name)
@@ -326,7 +326,7 @@ static sp_status add_file(void *user, cli_file *file, sp_table *t, sp_error *err
     sp_table read = sp_table_none();
     arrival m;
     bool packing = false;
-    sp_status status = plot_is_packing(file->path, &packing, err);
+    sp_status status = cli_is_packing(file->path, &packing, err);
     if (status == SP_OK && packing) {
         status = packing_front(a, file, &m, err);
         return status == SP_OK ? add_front(a, file->path, true, &m, t, err) : status;

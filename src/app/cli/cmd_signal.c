@@ -1,9 +1,7 @@
 /* sonopack signal: prints the force on the top wall after a short pulse at the bottom wall. */
 #include "base/base.h"
-#include "cli/dashpots.h"
+#include "cli/excitation.h"
 #include "cli/files.h"
-#include "cli/places.h"
-#include "cli/pulse.h"
 #include "packing/geometry.h"
 
 #include <math.h>
@@ -185,12 +183,10 @@ static sp_status set_options(arguments *a, const sp_scene *scene, const sp_packi
         o.until = sp_signal_window(sp_packing_height(p), p->pressure);
     o.threads = a->common.threads;
     sp_status status = cli_places_add_planes(&a->detectors, a->planes, sp_packing_height(p), err);
-    if (status == SP_OK)
-        status = cli_places_set_component(&a->sources, a->component == 1, err);
-    if (status == SP_OK)
-        status = cli_places_set_component(&a->detectors, a->component == 1, err);
     if (status != SP_OK)
         return status;
+    cli_places_set_component(&a->sources, a->component == 1);
+    cli_places_set_component(&a->detectors, a->component == 1);
     if ((int64_t)a->sources.n * a->detectors.n > SIGNALS_MAX)
         return sp_fail(err, SP_EINVAL, "%d sources and %d detectors: a table has at most %d signals", a->sources.n,
                        a->detectors.n, SIGNALS_MAX);
@@ -204,12 +200,12 @@ static sp_status set_options(arguments *a, const sp_scene *scene, const sp_packi
 
 /* Adds the columns; a comment for each names its source, its detector and its error. */
 static void name_columns(const arguments *a, const sp_signal *s, cli_writer *w) {
-    char from[CLI_PLACE_TEXT], to[CLI_PLACE_TEXT], error[SP_NUMBER_TEXT], name[16] = "F";
+    char from[SP_PLACE_TEXT], to[SP_PLACE_TEXT], error[SP_NUMBER_TEXT], name[16] = "F";
     const int32_t pairs = s->sources * s->detectors;
     cli_columns(w, SP_CELL_NUMBER, "t", "d/sqrt(E* / rho)", NULL);
     for (int32_t k = 0; k < pairs && w->status == SP_OK; k++) {
-        cli_place_text(&a->sources.at[k / s->detectors], true, from);
-        cli_place_text(&a->detectors.at[k % s->detectors], false, to);
+        sp_place_text(&a->sources.at[k / s->detectors], true, from);
+        sp_place_text(&a->detectors.at[k % s->detectors], false, to);
         if (pairs > 1)
             snprintf(name, sizeof name, "F%d", k + 1);
         cli_columns(w, SP_CELL_NUMBER, name, "E* d^2", NULL);

@@ -1,6 +1,6 @@
 /* sonopack spectrum: prints spectra of a packing, its response to driving, and the dispersion of its waves. */
 #include "base/base.h"
-#include "cli/dashpots.h"
+#include "cli/excitation.h"
 #include "cli/spectrum.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* sonopack wave: prints phase speed and attenuation of the coherent wave inside packings. */
 #include "base/base.h"
-#include "cli/dashpots.h"
+#include "cli/excitation.h"
 #include "cli/files.h"
 
 #include <math.h>

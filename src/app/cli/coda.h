@@ -3,7 +3,7 @@
 /* What the parts of the command coda share. */
 
 #include "cli/files.h"
-#include "cli/places.h"
+#include "cli/excitation.h"
 
 typedef struct coda_arguments {
     cli_common common;

@@ -2,7 +2,7 @@
 #include "cli/coda.h"
 
 #include "base/base.h"
-#include "cli/plot_input.h"
+#include "cli/trace.h"
 #include "numeric/random.h"
 #include "packing/geometry.h"
 
@@ -105,9 +105,9 @@ static sp_status same_times(const sp_table *a, const sp_table *b, int time_a, in
 static sp_status read_signals(const coda_arguments *a, signals *s, sp_error *err) {
     sp_table before = sp_table_none(), after = sp_table_none();
     int time = 0, force = 0, time_after = 0, force_after = 0;
-    sp_status status = plot_read_table(a->before, &before, err);
+    sp_status status = cli_read_table(a->before, &before, err);
     if (status == SP_OK)
-        status = plot_read_table(a->after, &after, err);
+        status = cli_read_table(a->after, &after, err);
     if (status == SP_OK)
         status = find_columns(&before, a->before, s->pairs, &time, &force, err);
     if (status == SP_OK)
@@ -292,11 +292,9 @@ static sp_status search_one(const coda_arguments *a, const cli_file *file, const
 
 static sp_status prepare(coda_arguments *a, const cli_file *file, signals *s, sp_coda_options *o, sp_error *err) {
     const double usual = sp_signal_window(sp_packing_height(&file->packing), file->packing.pressure);
-    sp_status status = cli_places_set_component(&a->sources, a->component == 1, err);
-    if (status == SP_OK)
-        status = cli_places_set_component(&a->detectors, a->component == 1, err);
-    if (status != SP_OK)
-        return status;
+    sp_status status;
+    cli_places_set_component(&a->sources, a->component == 1);
+    cli_places_set_component(&a->detectors, a->component == 1);
     if (isnan(a->low)) {
         a->low = 0.5 * usual;
         a->high = 2 * usual;
