@@ -16,7 +16,7 @@ typedef struct signals {
     int32_t times, pairs;
     double *t;               /* [times] */
     double *before, *change; /* [pairs][times] */
-    double *base, *model;    /* [pairs][times] computed signals, without the change and with a change that was found */
+    double *base;            /* [pairs][times] computed signals without the change */
     double noise;            /* standard deviation of each value of the change; 0: unknown */
 } signals;
 
@@ -25,7 +25,6 @@ static void free_signals(signals *s) {
     sp_free(s->before);
     sp_free(s->change);
     sp_free(s->base);
-    sp_free(s->model);
 }
 
 static sp_status alloc_signals(signals *s, sp_error *err) {
@@ -34,9 +33,7 @@ static sp_status alloc_signals(signals *s, sp_error *err) {
     s->before = sp_alloc(values, sizeof *s->before);
     s->change = sp_alloc(values, sizeof *s->change);
     s->base = sp_alloc(values, sizeof *s->base);
-    s->model = sp_alloc(values, sizeof *s->model);
-    return s->t && s->before && s->change && s->base && s->model ? SP_OK
-                                                                 : sp_fail_memory(err, 4 * values * sizeof *s->before);
+    return s->t && s->before && s->change && s->base ? SP_OK : sp_fail_memory(err, 4 * values * sizeof *s->before);
 }
 
 /* ---- measured signals ------------------------------------------------------------------------------------------- */
@@ -150,42 +147,6 @@ static sp_status change_grain(const coda_arguments *a, const sp_network *net, co
     return status;
 }
 
-/* ---- what first order leaves out -------------------------------------------------------------------------------- */
-
-static int32_t place_of(const sp_coda *c, int32_t grain) {
-    int32_t g = 0;
-    while (g + 1 < c->n && c->grain[g] != grain)
-        g++;
-    return g;
-}
-
-/* The change that a grain's kernel finds in the computed signal of the packing with the change. */
-static double change_in_model(const sp_coda *c, const signals *s, int32_t g) {
-    const size_t times = (size_t)s->times;
-    double sum = 0;
-    for (size_t pair = 0; pair < (size_t)s->pairs; pair++) {
-        const double *kernel = c->kernel + (pair * (size_t)c->n + (size_t)g) * times;
-        for (size_t l = 0; l < times; l++)
-            sum += kernel[l] * (s->model[pair * times + l] - s->base[pair * times + l]);
-    }
-    return c->square[g] > 0 ? sum / c->square[g] : NAN;
-}
-
-/* The error of a change knows of noise alone, but kernels are of first order, which without noise is the larger error.
- * A signal with the change that was found tells how far off the kernel is. */
-static sp_status add_first_order_error(const cli_file *file, const sp_coda *c, const sp_coda_options *o, signals *s,
-                                       sp_coda_candidate *found, sp_error *err) {
-    double off = found->change; /* of changes that no signal can have nothing is known */
-    if (found->change > -1 && found->change <= 10) {
-        const sp_status status = sp_coda_signal(&file->network, o, found->grain, found->change, s->model, err);
-        if (status != SP_OK)
-            return status;
-        off = change_in_model(c, s, place_of(c, found->grain)) - found->change;
-    }
-    found->error = hypot(found->error, isnan(off) ? INFINITY : off);
-    return SP_OK;
-}
-
 /* ---- the tables ------------------------------------------------------------------------------------------------- */
 
 static double distance(const sp_packing *p, int32_t i, int32_t j) {
@@ -202,7 +163,7 @@ static sp_status add_candidates(const coda_arguments *a, const cli_file *file, c
     sp_status status = SP_OK;
     for (int32_t k = 0; k < c->n && k < a->rows && status == SP_OK; k++) {
         const double *x = file->packing.x + 3 * (size_t)found[k].grain;
-        status = add_first_order_error(file, c, o, s, &found[k], err);
+        status = sp_coda_first_order(&file->network, o, c, s->base, &found[k], err);
         if (status == SP_OK)
             status = sp_table_add_row(t, err, (int64_t)found[k].grain, x[0], x[1], x[2], found[k].probability,
                                       found[k].change, found[k].error, found[k].misfit);
@@ -256,7 +217,7 @@ static sp_status search_trials(const coda_arguments *a, const cli_file *file, co
         if (status == SP_OK)
             status = sp_coda_locate(c, s->change, s->noise, found, err);
         if (status == SP_OK)
-            status = add_first_order_error(file, c, o, s, &found[0], err);
+            status = sp_coda_first_order(&file->network, o, c, s->base, &found[0], err);
         if (status == SP_OK)
             status = add_trial(&file->packing, c, found, grain, &sum, t, err);
     }
