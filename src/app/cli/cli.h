@@ -2,6 +2,8 @@
 #define SP_CLI_H
 /* What the commands share: common options, exit statuses, messages and output. Only src/app prints or exits. */
 
+#include "table/quantity.h"
+
 #include <sonopack/sonopack.h>
 #include <sonopack/study/store.h>
 #include <stdbool.h>
@@ -227,12 +229,15 @@ sp_status cli_may_write_table(const cli_common *common, sp_error *err);
 /* Prints the table, or writes it to common->output in the format of that ending. Adds a comment with the version. */
 sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err);
 
-/* Adds columns and comments to a table. After a failure the calls do nothing, so that a caller may make several and
- * check `status` once. */
+/* Adds columns, comments and rows to a table. After a failure the calls do nothing, so that a caller may make several
+ * and check `status` once. */
+enum { CLI_CELLS_MAX = 64 };
 typedef struct cli_writer {
     sp_table *table;
     sp_error *err;
     sp_status status; /* SP_OK at the start */
+    int cells;        /* of the row that is being made */
+    sp_cell cell[CLI_CELLS_MAX];
 } cli_writer;
 
 /* Columns of one kind: pairs of name and unit, ended by NULL. */
@@ -240,5 +245,13 @@ void cli_columns(cli_writer *w, sp_cell_kind kind, ...) __attribute__((sentinel)
 void cli_comment(cli_writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* The comment "key = value", with all digits of the value. */
 void cli_value(cli_writer *w, const char *key, double value);
+/* Columns of the quantities of a result, whose symbols stand between blanks. */
+void cli_quantity_columns(cli_writer *w, const sp_quantity *all, const char *symbols);
+/* The next cell of a row: a number, as the kind of its column has it, or a text, which lives until cli_end_row; those
+ * of the quantities of a result. */
+void cli_put(cli_writer *w, double number);
+void cli_put_text(cli_writer *w, const char *text);
+void cli_put_quantities(cli_writer *w, const sp_quantity *all, const char *symbols, const void *of);
+void cli_end_row(cli_writer *w);
 
 #endif
