@@ -20,7 +20,6 @@ typedef struct arguments {
     cli_common common;
     measure window, distance;
     const char *column;
-    int source; /* sp_source; -1: not given */
 } arguments;
 
 static const char *const time_unit = "d/sqrt(E* / rho)"; /* of packings and their signals */
@@ -62,7 +61,7 @@ static const cli_option options[] = {
     {"window", "T", "Search for the front only up to time T", .parse = set_window},
     {"distance", "D", "Distance from source to detector (the height)", .parse = set_distance},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall, for packings (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, source), .words = cli_source_names},
+     .scene = true, .key = "signal.source"},
     {"column", "NAME|N",
      "Column of the trace, by name or by number from 1 (F; else all of F1, F2, ...; else the second column of numbers)",
      CLI_TEXT, .field = offsetof(arguments, column)},
@@ -111,8 +110,7 @@ static sp_status packing_front(arguments *a, const cli_file *file, arrival *out,
         if (status == SP_OK && is_given(&a->window))
             status = in_unit(a, &a->window, time_unit, &window, err);
         if (status == SP_OK)
-            status = sp_network_front(&net, a->source >= 0 ? (sp_source)a->source : file->scene->signal.source, window,
-                                      &out->front, err);
+            status = sp_network_front(&net, file->scene->signal.source, window, &out->front, err);
         if (status != SP_OK)
             sp_fail_prefix(err, "%s", file->path);
     }
@@ -239,7 +237,7 @@ static void merge_units(sp_table *t, const arrival *m) {
 static void add_notes(const arguments *a, const char *path, bool packing, const sp_front *f) {
     if (packing && a->column)
         cli_note(&a->common, "%s: is a packing: --column is not used", path);
-    if (!packing && a->source >= 0)
+    if (!packing && cli_given(&syntax, &a->common, "source"))
         cli_note(&a->common, "%s: is a trace: --source is not used", path);
     if (!packing && a->common.sets > 0)
         cli_note(&a->common, "%s: is a trace: --set is not used", path);
@@ -343,7 +341,7 @@ static sp_status add_file(void *user, cli_file *file, sp_table *t, sp_error *err
 
 int cmd_front(int argc, char **argv) {
     static const cli_files command = {.groups = "network signal", .begin = add_columns, .add = add_file};
-    arguments a = {.window = {.number = NAN}, .distance = {.number = NAN}, .source = -1};
+    arguments a = {.window = {.number = NAN}, .distance = {.number = NAN}};
     cli_parse(&syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }
