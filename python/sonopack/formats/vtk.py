@@ -25,10 +25,10 @@ _SIZES = {"Float64": "<f8", "Int64": "<i8", "Int32": "<i4"}
 
 def _array(name: str, values: Any, kind: str = "f8") -> str:
     data = np.ascontiguousarray(values, dtype="<" + kind)
-    rows = data.reshape(len(data), -1) if data.ndim else data.reshape(1, 1)
+    count, wide = (data.shape + (1,))[:2] if data.ndim else (1, 1)
     text = base64.b64encode(struct.pack("<Q", data.nbytes) + data.tobytes()).decode()
-    return (f'<DataArray type="{_TYPES[kind]}" Name="{name}" NumberOfComponents="{max(1, rows.shape[1])}" '
-            f'NumberOfTuples="{rows.shape[0]}" format="binary">{text}</DataArray>\n')
+    return (f'<DataArray type="{_TYPES[kind]}" Name="{name}" NumberOfComponents="{wide}" '
+            f'NumberOfTuples="{count}" format="binary">{text}</DataArray>\n')
 
 
 def _field(arrays: str) -> str:
