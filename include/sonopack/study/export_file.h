@@ -1,6 +1,6 @@
 #ifndef SONOPACK_STUDY_EXPORT_FILE_H
 #define SONOPACK_STUDY_EXPORT_FILE_H
-/* Tables and signals in the files of other programs: MATLAB and Octave, SAC, ObsPy. docs/export.md says what each file
+/* Tables and signals in the files of other programs: MATLAB and Octave, SAC, ObsPy. docs/formats.md says what each file
  * contains. Every file is written under a temporary name and renamed. */
 
 #include <sonopack/table.h>

@@ -39,7 +39,7 @@ _OPTIONS = ("contacts", "walls", "columns", "types", "frame", "length_unit", "fo
 # ---- reading --------------------------------------------------------------------------------------------------------
 
 def read(path: Path, *, form: str = "auto", material: Material | None = None, **words: Any) -> Packing:
-    """The packing of a file of another program (docs/foreign.md).
+    """The packing of a file of another program (docs/formats.md).
 
     words: contacts, walls (files, or words as of --contacts and --walls), columns={role: name}, types, frame, length_unit,
     force_unit, mass_unit, kn, kt_ratio, thickness, rest; and the keys of --set: friction=0.5, top=8.9, wall="elastic".
@@ -203,7 +203,7 @@ def content(packing: Packing, form: str, path: str, *, si: Material | None = Non
 
 def save(packing: Packing, path: Path, *, form: str | None = None, si: bool = False, displacement: Floats | None = None,
          rotation: Floats | None = None) -> None:
-    """Writes a packing for another program (docs/export.md): all files, or none. form: one of ENDINGS' values, by default
+    """Writes a packing for another program (docs/formats.md): all files, or none. form: one of ENDINGS' values, by default
     that of the ending, which .gz may follow. si: in SI units, of the packing's material. displacement, rotation [n][3] are
     listed as they are."""
     name = os.fspath(path)

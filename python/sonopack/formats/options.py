@@ -33,7 +33,7 @@ SAID = ("dimension", "cell", "width", "depth", "height", *SIDES, "xy", "xz", "yz
 
 @dataclasses.dataclass
 class Options:
-    """What is None or missing in `keys` follows from the files; docs/foreign.md says how. Lengths and forces of the files
+    """What is None or missing in `keys` follows from the files; docs/formats.md says how. Lengths and forces of the files
     are multiplied by the units, and are then in the units of the material; without a material they must be in d and
     E* d^2. Keys are in the units of the files; kn and thickness in those of the material."""
 
