@@ -55,7 +55,6 @@ int cmd_check(int argc, char **argv);
 int cmd_coda(int argc, char **argv);
 int cmd_column(int argc, char **argv);
 int cmd_completion(int argc, char **argv);
-int cmd_convert(int argc, char **argv);
 int cmd_design(int argc, char **argv);
 int cmd_dispatch(int argc, char **argv); /* executes `sonopack-NAME' of the Python package */
 int cmd_front(int argc, char **argv);

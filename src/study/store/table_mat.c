@@ -1,9 +1,10 @@
-/* Writes MATLAB 5 MAT-files. Each element has a type, a size and data, filled up to 8 bytes. */
-#include "foreign/mat.h"
-
+/* Writes tables as MATLAB 5 MAT-files: a header, and then one matrix after another. Each element has a type, a size and
+ * data, filled up to 8 bytes. */
 #include "base/base.h"
+#include "base/text.h"
 
 #include <ctype.h>
+#include <sonopack/study/export_file.h>
 #include <sonopack/version.h>
 #include <stdio.h>
 #include <string.h>
@@ -12,6 +13,12 @@ enum { INT8 = 1, UINT16 = 4, INT32 = 5, UINT32 = 6, DOUBLE = 9, MATRIX = 14 }; /
 enum { CELL_CLASS = 1, STRUCT_CLASS = 2, CHAR_CLASS = 4, DOUBLE_CLASS = 6 };   /* of matrices */
 enum { NAME_MAX_LENGTH = 63, FIELD_LENGTH = 64 };
 static const size_t element_limit = 0x7fffffff;
+
+/* Failures other than of memory, which sets text->failed, are kept until the end. */
+typedef struct sp_mat {
+    sp_text *text;
+    bool large; /* a variable exceeds the 2 GB of the format */
+} sp_mat;
 
 /* ---- elements --------------------------------------------------------------------------------------------------- */
 
@@ -136,51 +143,48 @@ static void add_fields(sp_text *t, const char *name, const sp_table *from) {
 
 /* ---- the file --------------------------------------------------------------------------------------------------- */
 
-void sp_mat_begin(sp_mat *m, sp_text *text) {
+static void begin(sp_text *text) {
     char head[124];
     const uint16_t version[2] = {0x0100, 'M' << 8 | 'I'};
     memset(head, ' ', sizeof head);
     const int length = snprintf(head, sizeof head, "MATLAB 5.0 MAT-file, written by sonopack " SONOPACK_VERSION);
     head[length] = ' ';
     memset(head + 116, 0, 8); /* no data of subsystems */
-    *m = (sp_mat){.text = text};
     sp_text_bytes(text, head, sizeof head);
     sp_text_bytes(text, (const char *)version, sizeof version);
 }
 
-void sp_mat_number(sp_mat *m, const char *name, double value) { add_doubles(m, m->text, name, 1, 1, &value); }
-
-void sp_mat_text(sp_mat *m, const char *name, const char *text) { add_characters(m, m->text, name, text); }
-
-void sp_mat_matrix(sp_mat *m, const char *name, int64_t rows, int64_t columns, const double *value) {
-    add_doubles(m, m->text, name, rows, columns, value);
-}
-
-void sp_mat_columns(sp_mat *m, const sp_table *t) {
-    for (int c = 0; c < t->columns; c++)
-        add_column(m, m->text, t->column[c].name, t, c);
-}
-
-void sp_mat_struct(sp_mat *m, const char *name, const sp_table *t) {
+/* The units of the columns as a struct of texts. */
+static void add_units(sp_mat *m, const sp_table *t) {
     sp_text body = {0};
-    add_fields(&body, name, t);
-    for (int c = 0; c < t->columns; c++)
-        add_column(m, &body, "", t, c);
-    add_matrix(m, m->text, &body);
-}
-
-void sp_mat_units(sp_mat *m, const char *name, const sp_table *t) {
-    sp_text body = {0};
-    add_fields(&body, name, t);
+    add_fields(&body, "units", t);
     for (int c = 0; c < t->columns; c++)
         add_characters(m, &body, "", t->column[c].unit);
     add_matrix(m, m->text, &body);
 }
 
-void sp_mat_comments(sp_mat *m, const char *name, const sp_table *t) {
+static void add_comments(sp_mat *m, const sp_table *t) {
     sp_text body = {0};
-    add_head(&body, CELL_CLASS, t->comments, t->comments > 0 ? 1 : 0, name);
+    add_head(&body, CELL_CLASS, t->comments, t->comments > 0 ? 1 : 0, "comments");
     for (int k = 0; k < t->comments; k++)
         add_characters(m, &body, "", t->comment[k]);
     add_matrix(m, m->text, &body);
+}
+
+sp_status sp_table_save_mat(const sp_table *t, const char *path, sp_error *err) {
+    sp_text text = {0};
+    sp_mat m = {.text = &text};
+    begin(&text);
+    for (int c = 0; c < t->columns; c++)
+        add_column(&m, &text, t->column[c].name, t, c);
+    add_units(&m, t);
+    add_comments(&m, t);
+    sp_status status =
+        m.large ? sp_fail(err, SP_EREFUSED, "a variable has more than 2 GB, the limit of a MAT-file") : SP_OK;
+    if (status == SP_OK && text.failed)
+        status = sp_fail_memory(err, text.capacity);
+    if (status == SP_OK)
+        status = sp_text_save(path, text.data, text.size, err);
+    sp_text_free(&text);
+    return status;
 }
