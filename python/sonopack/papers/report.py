@@ -4,6 +4,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from .. import __version__
+from .._table import Table
 from .page import Page
 from .work import Work
 
@@ -14,6 +15,9 @@ class Paper(Protocol):
     TITLE: str
     OPENING: str
     FILES: str  #: what the files of the folder are
+
+    def table(self, work: Work) -> Table:
+        """All rows as a table."""
 
     def summary(self, work: Work, page: Page) -> None:
         """Counts of the verdicts, the rows that need attention, and how to read them."""

@@ -127,6 +127,9 @@ class Report:
     FILES = ("The rows of each item are in a file of its name: errata.tsv, fig1.tsv; the numbers behind each figure in files "
              "whose names begin with that of the item.")
 
+    def table(self, work: Work) -> Table:
+        return table(work.rows)
+
     def summary(self, work: Work, page: Page) -> None:
         found = [row.verdict for row in work.rows]
         claims = sum(found.count(verdict) for verdict in ("holds", "contradicted", "undecided"))

@@ -100,6 +100,6 @@ def _sheet(k: Floats, growth: Floats, squares: Floats) -> Sheet:
     shown = np.where(growth > 0, growth, np.nan)  # a logarithmic axis cannot show others
     rates = [Curve(k, shown[j], labels[j], **looks[j]) for j in range(2)]
     speeds = [Curve(k, squares[j], labels[j] if j > 1 else "", **looks[j]) for j in range(4)]
-    return Sheet([Panel(rates, "$k$ [1/cm]", "growth rate [1/s]", tag="(a)", log="xy", x=(0.01, 316), y=(1, 5e7)),
-                  Panel(speeds, "$k$ [1/cm]", "$c^2/(K h^2/m)$", tag="(b)", log="x", x=(0.01, 316), y=(-8, 8),
+    return Sheet([Panel(rates, "|k| [1/cm]", "growth rate [1/s]", tag="(a)", log="xy", x=(0.01, 316), y=(1, 5e7)),
+                  Panel(speeds, "|k| [1/cm]", "|c|^{2}/(|K| |h|^{2}/|m|)", tag="(b)", log="x", x=(0.01, 316), y=(-8, 8),
                         zero=True)], columns=2)
