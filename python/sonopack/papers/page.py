@@ -96,23 +96,22 @@ class Page:
         for k, text in enumerate(texts):
             self.paragraph(text, "" if k else lead)
 
-    def table(self, head: Sequence[str], rows: Sequence[tuple[str, Sequence[str]]], sentence: int = -1) -> None:
-        """rows: style and cells of each. sentence: the cell that holds a sentence and may be broken into lines."""
+    def table(self, head: Sequence[str], rows: Sequence[tuple[str, Sequence[str]]], sentence: bool = False) -> None:
+        """rows: style and cells of each. sentence: the last cell holds a sentence and may be broken into lines."""
         if not rows:
             return
-        self.html.append('<div class="wide"><table>\n<tr>' + self._cells("th", head, -1))
+        self.html.append('<div class="wide"><table>\n<tr>' + self._cells("th", head))
         self.markdown.append(self._row(head) + "|" + "---|" * len(head) + "\n")
         for style, cells in rows:
-            self.html.append(f'<tr class="{style}">' + self._cells("td", cells, sentence % len(cells) if sentence else -1))
+            self.html.append(f'<tr class="{style}">' + self._cells("td", cells, len(cells) - 1 if sentence else -1))
             self.markdown.append(self._row(cells))
         self.html.append("</table></div>\n")
         self.markdown.append("\n")
 
     @staticmethod
-    def _cells(tag: str, cells: Sequence[str], sentence: int) -> str:
-        words = (f'<{tag}{" class=" + chr(34) + "sentence" + chr(34) if k == sentence else ""}>{_html(cell)}</{tag}>'
-                 for k, cell in enumerate(cells))
-        return "".join(words) + "</tr>\n"
+    def _cells(tag: str, cells: Sequence[str], sentence: int = -1) -> str:
+        style = [' class="sentence"' if k == sentence else "" for k in range(len(cells))]
+        return "".join(f"<{tag}{words}>{_html(cell)}</{tag}>" for words, cell in zip(style, cells)) + "</tr>\n"
 
     @staticmethod
     def _row(cells: Sequence[str]) -> str:

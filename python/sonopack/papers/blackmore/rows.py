@@ -139,7 +139,7 @@ class Report:
             f"deviate, {found.count('erratum')} are errata, and {found.count('not given')} are not given there; of {claims} "
             f"claims {found.count('holds')} hold, {found.count('contradicted')} are contradicted and "
             f"{found.count('undecided')} are undecided.{' What deviates or does not hold:' if faults else ''}")
-        page.table(_HEAD, [(row.verdict, _cells(row)) for row in faults], -1)
+        page.table(_HEAD, [(row.verdict, _cells(row)) for row in faults], True)
         page.paragraph(
             "Paper: what is printed, with the precision of the print, or what follows from a printed equation or claim. Ours: "
             "with a bound of our error where it is not rounding alone. Agrees: within both. Deviates: not so. Erratum: the "
@@ -149,7 +149,7 @@ class Report:
 
     def tables(self, work: Work, page: Page, item: str) -> None:
         shown = [row for row in work.rows if row.item == item and not row.detail]
-        page.table(_HEAD[1:], [(row.verdict, _cells(row)[1:]) for row in shown], -1)
+        page.table(_HEAD[1:], [(row.verdict, _cells(row)[1:]) for row in shown], True)
 
     def save_rows(self, work: Work, item: str) -> None:
         work.save_table(item, table([row for row in work.rows if row.item == item]))
