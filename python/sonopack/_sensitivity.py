@@ -23,12 +23,13 @@ MODULI = ("C11", "C12", "C22", "C33", "C13", "C23", "C44", "C55", "C66", "cl", "
 
 
 class Gradient:
-    """Derivatives of one quantity. Made by network.sensitivity(). kn, kt: by the stiffness of each spring; mass, radius,
+    """Derivatives of one quantity. Made by network.sensitivity(). of: the quantity. kn, kt: by the stiffness of each spring; mass, radius,
     position [n][3]: of each grain of the network; pressure [1]. They are by the parameter itself: the command's by_kn is
     by its logarithm, kn times this. Those not asked for are None. errors: bounds of their
     errors, by the same names. homogeneity: what Euler's theorem leaves, which is 0 but for rounding."""
 
-    def __init__(self, c: Any) -> None:
+    def __init__(self, c: Any, of: str = "") -> None:
+        self.of = of
         self.value, self.error = float(c.value), float(c.error)
         self.homogeneity, self.homogeneity_size = float(c.homogeneity), float(c.homogeneity_size)
         self.errors: dict[str, Floats] = {}
@@ -84,7 +85,7 @@ def _front(network: Network, of: str, wave: _Wave) -> Gradient:
     moved = _gradient()
     moved[0] = getattr(out, of)
     setattr(out, of, lib.sp_gradient_none())
-    return Gradient(moved)
+    return Gradient(moved, of)
 
 
 def _signal(network: Network, t: float, wave: _Wave) -> Gradient:
@@ -92,14 +93,14 @@ def _signal(network: Network, t: float, wave: _Wave) -> Gradient:
     functional = ffi.new("sp_functional *", {"n": 1, "t": time, "weight": weight})
     out = _gradient()
     call(lib.sp_sensitivity_signal, network._c, wave.c, 1, functional, out)
-    return Gradient(out)
+    return Gradient(out, "F")
 
 
 def _modulus(network: Network, of: str, by: int, margin: float) -> Gradient:
     which = ffi.new("sp_modulus[]", [MODULI.index(of)])
     out = _gradient()
     call(lib.sp_sensitivity_moduli, network._c, network._density(margin), 1, which, by, network.packing._c, out)
-    return Gradient(out)
+    return Gradient(out, of)
 
 
 def sensitivity(network: Network, of: str, by: str | Sequence[str], t: float | None, wave: dict[str, Any],
@@ -120,7 +121,7 @@ def sensitivity(network: Network, of: str, by: str | Sequence[str], t: float | N
 def of_modes(network: Network, modes: Modes, first: int, count: int, by: str | Sequence[str]) -> Gradient:
     out = _gradient()
     call(lib.sp_sensitivity_modes, network._c, modes._c, int(first), int(count), _mask(by), network.packing._c, out)
-    return Gradient(out)
+    return Gradient(out, "omega")
 
 
 def of_times(network: Network, t: npt.ArrayLike, springs: npt.ArrayLike | None, wave: dict[str, Any]) -> tuple[Floats, Floats, Floats]:

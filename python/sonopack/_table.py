@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import os
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -153,6 +154,10 @@ class Table(Mapping[str, npt.NDArray[Any]]):
             raise _core.invalid("", f"{os.fspath(path)}: the ending of a table must be .tsv, .csv or .json")
         text = os.fsencode(self.text(ending[1:]))
         call(lib.sp_text_save, c_path(path), text, len(text))
+
+    def plot(self, kind: str, **words: Any) -> Any:
+        """Draws a figure of a kind of sonopack.plot, such as "ctof", and returns its Axes."""
+        return getattr(importlib.import_module("sonopack.plot"), kind)(self, **words)
 
     def __repr__(self) -> str:
         return f"<Table: {self.rows} rows of {' '.join(self.names)}>"

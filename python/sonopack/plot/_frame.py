@@ -2,13 +2,15 @@
 every run."""
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import functools
+import io
 import os
 import pathlib
 import sys
 import textwrap
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
 import matplotlib
@@ -20,16 +22,19 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator
+from matplotlib.transforms import Bbox
 
 from .._command import usage, whole_file
 from .._core import Floats, invalid
+from ._units import number, plain
 
 #: the style of all figures: matplotlib.style.use(sonopack.plot.STYLE)
 STYLE = str(pathlib.Path(__file__).with_name("sonopack.mplstyle"))
 WIDTH = 86 / 25.4  # of a print column [in]
 INKS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.4)), (0, (5, 1.6, 1, 1.6)))
-MARKS = "osD^vP"
+MARKS = "os^DvP"
 MARKS_OF_FRONT = {"t10": "^", "t_peak": "o", "t_zero": "s"}  # as in Fig. 6 of Somfai et al. 2005
 GREY = "#8c8c8c"
 
@@ -41,8 +46,31 @@ def styled(draw: _F) -> _F:
     @functools.wraps(draw)
     def with_style(*given: Any, **words: Any) -> Any:
         with matplotlib.style.context(STYLE):
-            return draw(*given, **words)
+            drawn = draw(*given, **words)
+            for ax in np.ravel(np.asarray(drawn, object)) if not isinstance(drawn, Iterator) else ():
+                label_decades(ax)
+            return drawn
     return with_style  # type: ignore[return-value]
+
+
+def label_decades(ax: Axes) -> None:
+    """A logarithmic axis of few decades has numbers at 1, 2 and 5, too."""
+    for axis in (axis for one in (ax, *ax.child_axes) for axis in (one.xaxis, one.yaxis) if axis.get_scale() == "log"):
+        low, high = sorted(axis.get_view_interval())
+        if low > 0 and high / low < (60 if axis.axes is ax else 25):
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
+            axis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
+
+
+def new_figure(size: tuple[float, float]) -> Figure:
+    """A figure of this size [in]."""
+    if "matplotlib.pyplot" in sys.modules:
+        made: Figure = sys.modules["matplotlib.pyplot"].figure(figsize=size)
+        return made
+    made = Figure(figsize=size)
+    FigureCanvasAgg(made)
+    return made
 
 
 def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0.75, width: float | None = None,
@@ -55,12 +83,7 @@ def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0
             raise invalid("ax", f"{given.size} Axes: this figure has {rows * columns} panels")
         return given.reshape(rows, columns)
     width = width or WIDTH * columns
-    size = (width, width / columns * aspect * rows)
-    if "matplotlib.pyplot" in sys.modules:
-        fig = sys.modules["matplotlib.pyplot"].figure(figsize=size)
-    else:
-        fig = Figure(figsize=size)
-        FigureCanvasAgg(fig)
+    fig = new_figure((width, width / columns * aspect * rows))
     axes: npt.NDArray[Any] = fig.subplots(rows, columns, squeeze=False, **words)
     for one in axes.flat:
         one.set_label("panel")
@@ -125,12 +148,37 @@ def _place_legend(ax: Axes) -> Legend:
     with matplotlib.style.context(STYLE):
         ax.figure.draw_without_rendering()
         frame = ax.get_window_extent()
-        box = ax.legend(handles=entries, loc="best", **words)
-        box.set_in_layout(False)
-        size = _size(box)
-        if size[0] <= 0.95 * frame.width and size[1] <= 0.6 * frame.height and _fits(ax, box):
-            return box
-        return _above(ax, entries, words, frame.width)
+        return _inside(ax, entries, words, frame) or _above(ax, entries, words, frame.width)
+
+
+_PLACES = ("upper right", "upper left", "lower right", "lower left", "center right", "center left", "upper center",
+           "lower center")
+
+
+def _inside(ax: Axes, entries: list[Any], words: dict[str, Any], frame: Any) -> Legend | None:
+    """The legend where it hides no data, with the y axis grown by up to half; None if there is no such place. Limits that
+    were asked for stay as they are."""
+    limits, asked = ax.get_ylim(), getattr(ax, "_sonopack_limits", (None, None))[1] is not None
+    for grow in (0.0,) if asked else (0.0, 0.1, 0.2, 0.3, 0.4):
+        _raise_top(ax, limits, grow)
+        for columns in (1, 2) if len(entries) > 3 else (1,):
+            box = ax.legend(handles=entries, loc="upper right", ncol=columns, **words)
+            box.set_in_layout(False)
+            size = _size(box)
+            fits = size[0] <= 0.97 * frame.width and size[1] <= 0.6 * frame.height
+            for place in _PLACES if fits else ():
+                box._set_loc(box.codes[place])
+                if not hides(ax, box.get_window_extent().padded(1.0)):
+                    return box
+    ax.set_ylim(limits)
+    return None
+
+
+def _raise_top(ax: Axes, limits: tuple[float, float], share: float) -> None:
+    """Raises the upper limit of y by a share of the axis."""
+    turn = ax.yaxis.get_transform()
+    a, b = turn.transform(np.array(limits))
+    ax.set_ylim(limits[0], float(turn.inverted().transform(b + share * (b - a))) if share else limits[1])
 
 
 def _size(box: Legend) -> tuple[float, float]:
@@ -138,46 +186,68 @@ def _size(box: Legend) -> tuple[float, float]:
     return extent.width, extent.height
 
 
-def _fits(ax: Axes, box: Legend) -> bool:
-    """Whether the legend hides no data where it is, or after the y axis grew by up to half. Limits that were asked for
-    stay as they are."""
-    low, high = ax.get_ylim()
-    turn = ax.yaxis.get_transform()
-    a, b = turn.transform([low, high])
-    asked = getattr(ax, "_sonopack_limits", (None, None))[1] is not None
-    for grow in (0.0,) if asked else (0.0, 0.1, 0.2, 0.3, 0.4, 0.5):
-        ax.set_ylim(low, float(turn.inverted().transform(b + grow * (b - a))))
-        ax.figure.draw_without_rendering()
-        if not _hides(ax, box):
+def hides(ax: Axes, lies: Any) -> bool:
+    """Whether a box [pixels] covers any line, mark, band, text or inset."""
+    others = [text for text in ax.texts if text.get_text()]
+    if any(lies.overlaps(one.get_window_extent()) for one in others):
+        return True
+    if any(lies.overlaps(one.get_tightbbox(ax.figure.canvas.get_renderer())) for one in ax.child_axes):
+        return True
+    paths = [line.get_transform().transform_path(line.get_path()) for line in ax.lines]
+    for patch in ax.patches:
+        paths.append(patch.get_transform().transform_path(patch.get_path()))
+    for many in ax.collections:
+        turn, offsets = many.get_transform(), many.get_offset_transform().transform(many.get_offsets())
+        if len(offsets) and lies.count_contains(np.atleast_2d(offsets)):
             return True
-    ax.set_ylim(low, high)
-    return False
+        paths += [turn.transform_path(path) for path in many.get_paths()] if len(many.get_paths()) < 5000 else []
+    return any(len(path.vertices) and (lies.count_contains(path.vertices) or path.intersects_bbox(lies, filled=False))
+               for path in paths)
 
 
-def _hides(ax: Axes, box: Legend) -> bool:
-    lies = box.get_window_extent().padded(1.0)
-    boxes, lines, offsets = (list(found) for found in box._auto_legend_data()[:3])
-    boxes += [text.get_window_extent() for text in ax.texts if text.get_visible() and text.get_text()]
-    return (any(path.intersects_bbox(lies, filled=False) or lies.count_contains(path.vertices) for path in lines)
-            or any(lies.overlaps(one) for one in boxes)
-            or lies.count_contains(np.asarray(offsets).reshape(-1, 2)) > 0)
+def inset(ax: Axes, width: float = 0.46, height: float = 0.46) -> Axes:
+    """Axes within others, of this share of them with its labels, where they hide no data; the y axis grows for them."""
+    ax.figure.draw_without_rendering()
+    limits, frame = ax.get_ylim(), ax.get_window_extent()
+    for grow in (0.0, 0.15, 0.3, 0.45, 0.6):
+        _raise_top(ax, limits, grow)
+        for x, y in ((x, y) for y in np.linspace(0.02, 0.98 - height, 6) for x in np.linspace(0.02, 0.98 - width, 6)):
+            lies = Bbox.from_bounds(frame.x0 + x * frame.width, frame.y0 + y * frame.height, width * frame.width,
+                                    height * frame.height)
+            if not hides(ax, lies):
+                return _inner(ax, x, y, width, height)
+    return _inner(ax, 0.98 - width, 0.98 - height, width, height)
+
+
+def _inner(ax: Axes, x: float, y: float, width: float, height: float) -> Axes:
+    inner = ax.inset_axes([x + 0.14, y + 0.13, width - 0.16, height - 0.15])
+    inner.tick_params(labelsize=5.5, which="both", length=2)
+    inner.ticklabel_format(scilimits=(-1, 3))
+    inner.xaxis.label.set_fontsize(6)
+    inner.yaxis.label.set_fontsize(6)
+    inner.xaxis.labelpad = inner.yaxis.labelpad = 0.5
+    return inner
 
 
 def _above(ax: Axes, entries: list[Any], words: dict[str, Any], room: float) -> Legend:
     """Above the frame, in as many columns as fit, and the figure grows by it. room: the width of the frame [pixels]."""
     words = {name: value for name, value in words.items() if name not in ("loc", "ncol", "bbox_to_anchor")}
+    fig, left = ax.figure, ax.get_window_extent().x0
     for columns, width in ((4, 0), (3, 0), (2, 0), (1, 0), (1, 60), (1, 44), (1, 32), (1, 24)):
         if columns > len(entries):
             continue
         texts = ["\n".join(textwrap.wrap(one.get_label(), width)) if width else one.get_label() for one in entries]
         box = ax.legend(handles=entries, labels=texts, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=columns,
                         **words)
-        if _size(box)[0] <= 1.02 * room:
+        wide = _size(box)[0]
+        if wide > 1.02 * room and wide < 0.98 * fig.bbox.width:  # it may begin left of the frame
+            box.set_bbox_to_anchor(((room - wide + 0.01 * fig.bbox.width) / room, 1.0), transform=ax.transAxes)
+        if wide < 0.98 * fig.bbox.width and wide - room < left:
             break
     if not getattr(ax, "_sonopack_grown", False):
         ax._sonopack_grown = True
-        width, height = ax.figure.get_size_inches()
-        ax.figure.set_size_inches(width, height + _size(box)[1] / ax.figure.dpi)
+        width, height = fig.get_size_inches()
+        fig.set_size_inches(width, height + _size(box)[1] / fig.dpi)
     return box
 
 
@@ -198,12 +268,12 @@ class Look:
 
     def apply(self, fig: Figure) -> None:
         if self.title:
-            from ._units import plain
             fig.suptitle(plain(self.title))
         for k, ax in enumerate(one for one in fig.axes if one.get_label() == "panel"):
             self._axis(ax, "x", self.x)
             if k == 0:
                 self._axis(ax, "y", self.y)
+            label_decades(ax)
             if hasattr(ax, "_sonopack_legend"):
                 ax._sonopack_limits = (self.x, self.y if k == 0 else None)
                 _place_legend(ax)
@@ -236,5 +306,41 @@ def save(fig: Figure, path: str | os.PathLike[str]) -> None:
     ending = os.path.splitext(os.fspath(path))[1].lower()
     if ending not in _METADATA:
         raise usage(f"-o {os.fspath(path)}: the ending of a figure must be .svg, .png or .pdf")
-    with matplotlib.style.context(STYLE), whole_file(path) as draft:
-        fig.savefig(draft, format=ending[1:], dpi=300, metadata=_METADATA[ending])
+    with whole_file(path) as draft:
+        _write(fig, draft, ending)
+
+
+def _write(fig: Figure, to: Any, ending: str, dpi: int = 300) -> None:
+    with matplotlib.style.context(STYLE), _powers_in_labels(fig):
+        fig.savefig(to, format=ending[1:], dpi=dpi, metadata=_METADATA[ending])
+
+
+def picture(axes: Any) -> bytes:
+    """The PNG of Axes that nobody else has, for notebooks."""
+    fig, out = np.ravel(np.asarray(axes, object))[0].figure, io.BytesIO()
+    _write(fig, out, ".png", 150)
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close(fig)
+    return out.getvalue()
+
+
+@contextlib.contextmanager
+def _powers_in_labels(fig: Figure) -> Iterator[None]:
+    """Powers of ten that the numbers of an axis lack stand with its unit while the figure is written: beside the axis they
+    would cover tags and insets."""
+    fig.draw_without_rendering()
+    moved = []
+    for axis in (axis for ax in [*fig.axes, *(inner for ax in fig.axes for inner in ax.child_axes)]
+                 for axis in (ax.xaxis, ax.yaxis)):
+        order, text = getattr(axis.get_major_formatter(), "orderOfMagnitude", 0), axis.get_label_text()
+        if order and text and not axis.get_major_formatter().offset:
+            moved.append((axis, text))
+            power = f"$10^{{{order}}}$"
+            axis.set_label_text(text.replace("  [", f"  [{power} ") if "  [" in text else f"{text}  [{power}]")
+            axis.offsetText.set_visible(False)
+    try:
+        yield
+    finally:
+        for axis, text in moved:
+            axis.set_label_text(text)
+            axis.offsetText.set_visible(True)

@@ -19,7 +19,7 @@ from .._records import Material
 from .._scene import Scene
 from .._signal import Signal
 from .._table import Table, material_of
-from ._units import is_ours, plain, refuse, same_unit
+from ._units import is_ours, number, plain, refuse, same_unit
 
 
 class Input:
@@ -171,8 +171,9 @@ def _settings(table: Table) -> dict[str, str]:
 
 def _setting_text(key: str, value: str) -> str:
     symbol, unit = _SYMBOLS.get(key, (plain(key), ""))
-    is_number = re.fullmatch(r"[0-9+\-.eE]+", value) is not None
-    return f"{symbol} = {plain(value)}{unit if is_number else ''}"
+    if re.fullmatch(r"[0-9+\-.eE]+", value):
+        return f"{symbol} = {number(float(value), 9)}{unit}"
+    return f"{symbol} = {plain(value)}"
 
 
 # ---- reading --------------------------------------------------------------------------------------------------------
@@ -237,10 +238,13 @@ def _number(cell: str, place: str) -> float:
 
 def network_of(packing: Packing, scene: Scene | None = None) -> Network:
     """The network of a packing, with the keys of the group network of a scene."""
-    if scene is None:
-        return packing.network()
+    return network_with(packing, ffi.new("sp_network_options *", scene._c.network)) if scene else packing.network()
+
+
+def network_with(packing: Packing, options: Any) -> Network:
+    """The network of a packing with these sp_network_options."""
     network = Network.__new__(Network)
-    network._options = ffi.new("sp_network_options *", scene._c.network)
+    network._options = options
     network._c = new("sp_network", lib.sp_network_free, lib.sp_network_none)
     call(lib.sp_network_make, packing._c, network._options, network._c)
     network.packing = packing

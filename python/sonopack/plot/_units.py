@@ -1,6 +1,7 @@
 """Units of tables as text of figures, and factors to SI."""
 from __future__ import annotations
 
+import math
 import re
 
 from .._command import Failed
@@ -86,18 +87,21 @@ def is_ours(unit: str) -> bool:
 def number(value: float, digits: int = 4) -> str:
     """A number in a text: 0.25, 3 10^-5."""
     text = f"{value:.{digits}g}"
+    if 0 < abs(value) < 9.99e-4 and "e" not in text:
+        text = re.sub(r"\.?0*e", "e", f"{value:.{digits - 1}e}")
     mantissa, e, exponent = text.partition("e")
     if not e:
         return text.replace("-", "\N{MINUS SIGN}")
     power = f"10^{{{int(exponent)}}}"
-    return f"${power}$" if mantissa == "1" else rf"${mantissa}\times {power}$"
+    return f"${power}$" if mantissa == "1" else rf"${mantissa}\times{power}$"
 
 
 def measured(value: float, error: float) -> str:
-    """A value with its standard error in the last digits, for formulas: 0.166(4)."""
-    if not 0 < error < float("inf"):
+    """A value with its standard error in the last digits, for formulas: 0.166(4), 0.152(17)."""
+    if not 0 < error < 1e300:
         return f"{value:.3g}"
-    places = max(0, -int(f"{error:.0e}".partition("e")[2]))
+    places = -math.floor(math.log10(error))
+    places = max(places + (round(error * 10**places) < 3), 0)
     return f"{value:.{places}f}({round(error * 10**places)})"
 
 

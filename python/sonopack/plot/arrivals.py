@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from .._core import Floats
 from .._records import Material
 from .._scene import Scene
-from ._frame import MARKS_OF_FRONT, dash, ink, key, legend, mark, panels, points, styled, tag
+from ._frame import MARKS_OF_FRONT, dash, ink, inset, key, legend, mark, panels, points, styled, tag
 from ._inputs import Input, common_unit, inputs
 from ._units import LENGTH, PRESSURE, SPEED, TIME, label, number, plain, refuse, same_unit, unit_text
 from .signals import FRONT_NAMES, traces_of
@@ -170,9 +170,9 @@ def fronts(*data: Any, labels: Sequence[str] | None = None, material: Material |
         ax.set_ylim(bottom=0)
     ax.set_xlabel(distance_label(given))
     ax.set_ylabel(label("$t$", units[1]))
+    legend(ax, entries)
     if signal is not None:
         _inset(ax, Input(signal, material=material), scene)
-    legend(ax, entries)
     return ax
 
 
@@ -220,8 +220,7 @@ def _inset(ax: Axes, source: Input, scene: Scene | None) -> None:
     found = trace.front()
     if found is None or not np.isfinite(found.t_zero):
         raise refuse(source.name, "the signal ends before its first front does")
-    ax.set_ylim(top=1.5 * ax.get_ylim()[1])
-    inner = ax.inset_axes([0.62, 0.12, 0.36, 0.32])
+    inner = inset(ax)
     there = trace.t <= 2 * found.t_zero
     inner.plot(trace.t[there], trace.f[there], color="black", lw=0.8)
     for q, (name, shape) in enumerate(MARKS_OF_FRONT.items()):
@@ -229,9 +228,8 @@ def _inset(ax: Axes, source: Input, scene: Scene | None) -> None:
         inner.plot(time, np.interp(time, trace.t, trace.f), marker=shape, color=ink(q + 1),
                    mfc=ink(q + 1) if name == "t_peak" else "white", ls="none")
     inner.axhline(0, color="black", lw=0.4)
-    inner.tick_params(labelsize=5)
-    inner.set_xlabel(label("$t$", trace.t_unit), fontsize=5.5, labelpad=1)
-    inner.set_ylabel(label(r"$F_\mathrm{sig}$", trace.f_unit), fontsize=5.5, labelpad=1)
+    inner.set_xlabel(label("$t$", trace.t_unit))
+    inner.set_ylabel(label(r"$F_\mathrm{sig}$", trace.f_unit))
 
 
 # ---- exponents ------------------------------------------------------------------------------------------------------
@@ -280,25 +278,9 @@ def _curve(ax: Axes, group: Group, k: int, count: int, x: Floats, name: str, **w
 def _sizes(ax: Axes, groups: Sequence[Group], name: str, symbol: str, given: Sequence[Input]) -> None:
     """An inset of amplitude or width against distance, where it hides least."""
     column = "width10" if name == "width" and "width10" in given[0].table else name
-    inner = ax.inset_axes(_free_corner(ax))
+    inner = inset(ax)
     for k, group in enumerate(groups):
         _curve(inner, group, k, len(groups), group.values["distance"], name, ms=2)
     inner.set(xscale="log", yscale="log")
-    inner.tick_params(labelsize=5, which="both")
-    across = "grains" if is_chain(given[0]) else label("$L$", common_unit(given, "distance"))
-    inner.set_xlabel(across, fontsize=5.5, labelpad=0)
-    inner.set_ylabel(label(f"${symbol}$", common_unit(given, column)), fontsize=5.5, labelpad=0)
-
-
-def _free_corner(ax: Axes) -> list[float]:
-    """The place of an inset [axes]: of four corners the one with the fewest points; the y axis grows to leave it free."""
-    places = [[0.2, 0.2], [0.62, 0.2], [0.2, 0.62], [0.62, 0.62]]
-    low, high = ax.get_ylim()
-    seen = np.concatenate([ax.transData.transform(np.column_stack(line.get_data())) for line in ax.lines])
-    inside = ax.transAxes.inverted().transform(seen[np.all(np.isfinite(seen), axis=1)])
-    hidden = [np.sum(np.all((inside > np.array(p) - 0.17) & (inside < np.array(p) + [0.4, 0.4]), axis=1)) for p in places]
-    best = int(np.argmin(hidden))
-    if hidden[best]:
-        ax.set_ylim(low, high + 0.7 * (high - low))
-        best = 3 if hidden[3] <= hidden[2] else 2
-    return [*places[best], 0.35, 0.33]
+    inner.set_xlabel("grains" if is_chain(given[0]) else label("$L$", common_unit(given, "distance")))
+    inner.set_ylabel(label(f"${symbol}$", common_unit(given, column)))

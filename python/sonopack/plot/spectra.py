@@ -15,7 +15,7 @@ from .._core import Floats
 from .._records import Material
 from .._scene import Scene
 from .._table import Table
-from ._frame import GREY, dash, ink, key, legend, mark, panels, points, styled, tag
+from ._frame import GREY, dash, ink, inset, key, legend, mark, panels, points, styled, tag
 from ._inputs import Input, common_unit, inputs, names, network_of
 from ._units import FORCE, FREQUENCY, SPEED, TIME, WAVE, inverse, label, number, refuse, square, unit_text, worded
 
@@ -221,6 +221,7 @@ def dispersion(*data: Any, labels: Sequence[str] | None = None, material: Materi
         return drawn
     ax = panels(ax=ax, aspect=0.78)[0, 0]
     entries = _waves(ax, given)
+    ax.margins(x=0.04)
     two = [(name, j) for j, name in enumerate(names(given)) if name]
     entries += [key(marker="o", color="black", mfc="white" if j else "black", ls="none", label=name) for name, j in two]
     ax.set_xlim(left=0)
@@ -311,9 +312,8 @@ def _first_modes(ax: Axes, n: Floats, omega: Floats) -> None:
     rows = slice(max(first - 3, 0), min(first + 25, len(n)))
     if rows.stop == len(n):
         return
-    inner = ax.inset_axes([0.22, 0.5, 0.36, 0.4])
+    inner = inset(ax)
     inner.plot(n[rows], squares[rows], "o", color=ink(1), mfc="white", ms=2.2)
     inner.axhline(0, color="black", lw=0.4)
-    inner.tick_params(labelsize=5)
-    inner.set_xlabel("$n$", fontsize=5.5, labelpad=0)
-    inner.set_ylabel(r"$\omega_n^2$", fontsize=5.5, labelpad=0)
+    inner.set_xlabel("$n$")
+    inner.set_ylabel(r"$\omega_n^2$")
