@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from .._core import Floats
 from .._table import Table
-from ..plot._frame import GREY, dash, ink, legend, panels, save, styled, tag
+from ..plot._frame import GREY, dash, ink, inset, legend, panels, save, styled, tag
 
 __all__ = ["Curve", "Panel", "Sheet", "save"]
 
@@ -74,8 +74,8 @@ class Curve:
 
 @dataclasses.dataclass
 class Panel:
-    """Axes with curves. log: "x", "y" or "xy". zero: a thin line at y = 0. place: of an inset, as parts of the panel around
-    it: left, bottom, width, height."""
+    """Axes with curves. log: "x", "y" or "xy". zero: a thin line at y = 0. room: width and height of an inset, as parts of
+    the panel around it."""
 
     curves: list[Curve]
     xlabel: str
@@ -86,7 +86,7 @@ class Panel:
     y: Limits = (None, None)
     zero: bool = False
     inset: Panel | None = None
-    place: tuple[float, float, float, float] = (0.58, 0.12, 0.4, 0.36)
+    room: tuple[float, float] = (0.46, 0.46)
 
     def draw(self, ax: Axes) -> None:
         if "x" in self.log:
@@ -102,12 +102,7 @@ class Panel:
         ax.set_xlim(*self.x)
         ax.set_ylim(*self.y)
         if self.inset is not None:
-            small = ax.inset_axes(self.place)
-            self.inset.draw(small)
-            small.tick_params(labelsize=5.5, pad=1.5)
-            small.xaxis.label.set_size(6)
-            small.yaxis.label.set_size(6)
-            small.xaxis.labelpad = small.yaxis.labelpad = 1
+            self.inset.draw(inset(ax, *self.room))
 
     def rows(self, name: str) -> tuple[list[tuple[str, int, str]], list[list[Floats]]]:
         """Panel, number and label of each point, and its numbers; those of the inset follow."""
@@ -130,16 +125,20 @@ class Sheet:
     aspect: float = 0.75
     width: float | None = None
 
-    @styled
     def draw(self) -> Figure:
+        """The figure of all panels."""
+        figure: Figure = self._axes()[0].figure
+        return figure
+
+    @styled
+    def _axes(self) -> Any:
         axes = panels(len(self.panels) // self.columns, self.columns, aspect=self.aspect, width=self.width).ravel()
         for ax, panel in zip(axes, self.panels):
             panel.draw(ax)
             if panel.tag:
                 tag(ax, formula(panel.tag))
             legend(ax)
-        figure: Figure = axes[0].figure
-        return figure
+        return axes
 
     def table(self) -> Table:
         """The points of all curves."""

@@ -162,7 +162,7 @@ def _inside(ax: Axes, entries: list[Any], words: dict[str, Any], frame: Any) -> 
     for grow in (0.0,) if asked else (0.0, 0.1, 0.2, 0.3, 0.4):
         _raise_top(ax, limits, grow)
         for columns in (1, 2) if len(entries) > 3 else (1,):
-            box = ax.legend(handles=entries, loc="upper right", ncol=columns, **words)
+            box = ax.legend(handles=entries, loc="upper right", **{"ncol": columns, **words})
             box.set_in_layout(False)
             size = _size(box)
             fits = size[0] <= 0.97 * frame.width and size[1] <= 0.6 * frame.height

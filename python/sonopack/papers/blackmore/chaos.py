@@ -116,7 +116,7 @@ def _exponents(work: Work, scan: Scan, table: Table) -> None:
 
 
 def _show(work: Work, scan: Scan, exponents: Table) -> None:
-    from .pictures import column_figure
+    from ..pictures import column as column_figure
 
     orbits = scan.table(work, "bifurcation", points=POINTS, transient=100, taps=SHOWN)
     violated = next((line for line in orbits.comments if line.startswith("warning: ordering (1) violated")), "")

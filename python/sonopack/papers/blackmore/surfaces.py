@@ -71,7 +71,7 @@ def _collapse(work: Work) -> None:
 
 
 def _show(work: Work, fine: dict[str, Table]) -> None:
-    from .pictures import column_figure
+    from ..pictures import column as column_figure
 
     work.draw("fig2", "fig2-surfaces",
               "y over particle and time: lattice, long wave and BSR, ten particles at 9.5 Hz, T = 1 s, in one scale.",

@@ -60,7 +60,7 @@ def _show(work: Work, n: int, f: float, tables: dict[str, Table]) -> None:
     for name, output in (("trajectories", "trajectory"), ("strobe", "strobe"), ("energy", "energy")):
         work.save_table(f"fig1-n{n}-{name}", tables[output])
     if work.folder:
-        from .pictures import column_figure
+        from ..pictures import column as column_figure
 
         work.draw("fig1", f"fig1-n{n}-trajectories",
                   f"Trajectories of {n} particles, f = {f:g} Hz, T = 1 s, four taps; the floor below, ticks where taps begin.",

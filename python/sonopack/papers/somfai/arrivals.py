@@ -49,7 +49,7 @@ def _draw(work: SomfaiWork, item: str, found: Sequence[Distance], lines: Sequenc
             x = np.array([0, 1.05 * some[-1].distance])
             curves.append(Curve(x, own.intercept + own.slope * x, f"slope 1/{1 / own.slope:.3f}, |L| to {name}", dash=dash,
                                 width=0.7))
-    panel = Panel(curves, "distance |L| [|d|]", TIME_AXIS, x=(0, None), inset=_inset(work), place=(0.6, 0.13, 0.38, 0.33))
+    panel = Panel(curves, "distance |L| [|d|]", TIME_AXIS, x=(0, None), inset=_inset(work))
     work.draw_sheet(item, "fig6",
                     "Times of arrival, peak and zero crossing against the distance, means of boxes 24 wide at p = 1e-4; inset: "
                     "the three marks on the signal of the packing of Fig. 1.", Sheet([panel], aspect=0.9))

@@ -59,7 +59,7 @@ def _lattice(work: SomfaiWork) -> Lattice:
 
 def _chain(n: int, x: Floats, wall: float = 1.0) -> Floats:
     """The front of a chain, scaled."""
-    return chain_signal(n, n + x * _cube(n), wall=wall) * _cube(n) * _cube(n)
+    return chain_signal(n, n + x * _cube(n), wall=wall) * (_cube(n) * _cube(n))
 
 
 def make(work: SomfaiWork, item: str) -> None:
@@ -84,7 +84,7 @@ def make(work: SomfaiWork, item: str) -> None:
 def _draw(work: SomfaiWork, item: str, l: Lattice) -> None:
     x = np.array([LOW + (HIGH - LOW) * k / 400 for k in range(401)])
     far = 1000000000
-    curves = [Curve(x, chain_airy(far, far + x * _cube(far)) * _cube(far) * _cube(far), "Airy, Eq. (16)", width=1.8)]
+    curves = [Curve(x, chain_airy(far, far + x * _cube(far)) * (_cube(far) * _cube(far)), "Airy, Eq. (16)", width=1.8)]
     curves += [Curve(x, _chain(n, x), f"chain, |N| = {n}", ink=k + 1, dash=(2, 3, 1)[k]) for k, n in enumerate(BALLS)]
     curves.append(Curve(x, _chain(ROWS, x, l.wall / l.spring), ink=1, width=0.7))
     curves.append(Curve(l.x, l.y, "lattice, 20 rows", ink=1, dash=None, mark="o", open=True))

@@ -57,7 +57,7 @@ def _spectrum(work: SomfaiWork, item: str, sample: Sample, network: Network, m: 
     inset = Panel([Curve(numbers[lowest], squares[lowest], dash=None, mark="s", open=True), circles(squares, 2),
                    Curve(*bodies, ink=1, dash=None, mark="D")], "|n|", _SQUARE, y=(0, None))
     panels = [Panel([Curve(numbers, squares), circles(squares)], "mode |n|", "|ω|_{|n|}^{2}  [|E|*/(|ρ d|^{2})]", tag="(a)",
-                    x=(0, m.n), y=(0, None), inset=inset, place=(0.16, 0.4, 0.5, 0.48)),
+                    x=(0, m.n), y=(0, None), inset=inset),
               Panel([Curve(numbers, weights, width=0.5), circles(weights)], "mode |n|", "|a|_{|n|} |b|_{|n|}  [|E|* |d|^{2}]",
                     tag="(b)", x=(0, m.n), zero=True)]
     work.draw_sheet(item, "fig9",
@@ -90,7 +90,7 @@ def _six(work: SomfaiWork, item: str, packing: Packing, network: Network, m: Mod
     for letter, why, n in zip("abcdef", _WHY, picked):
         work.draw(item, f"fig10{letter}",
                   f"({letter}) Mode n = {n}, omega = {m.omega[n]:.4f}, participation ratio {m.participation[n]:.3f}: {why}.",
-                  pictures.mode(packing, network, m, n))
+                  pictures.mode(m, n))
     work.save_table("fig10", _displacements(packing, network, m, picked))
     weight = np.abs(m.ab[m.n_zero:])
     part = [float(m.participation[n]) for n in picked]

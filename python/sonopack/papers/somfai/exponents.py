@@ -105,7 +105,7 @@ def _panel(k: int, systems: Sequence[Scaling]) -> Panel:
                            error=None if plain else s.err / s.value[0]))
     inset = Panel(small, "|L| [|d|]", _AXES[k][0], log="xy")
     return Panel(main, "distance |L| [|d|]", _AXES[k][1], tag="(a)(b)"[3 * k:3 * k + 3], log="x", x=(3, 1000), y=(0, None),
-                 inset=inset, place=((0.53, 0.6, 0.45, 0.36), (0.5, 0.58, 0.48, 0.38))[k])
+                 inset=inset)
 
 
 def _figure(work: SomfaiWork, item: str) -> None:

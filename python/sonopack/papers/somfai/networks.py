@@ -102,7 +102,7 @@ def _three(work: SomfaiWork, item: str) -> None:
     _, packing, network = next(work.walk("square", 1e-4, most=1))
     u = network.field([TIME])[0]
     work.draw(item, "fig3", "Displacements of the grains of the packing of Fig. 1 at t = 80 after the pulse at the bottom wall, "
-                            "magnified; rattlers grey.", pictures.snapshot(packing, network, u, TIME))
+                            "magnified; rattlers grey.", pictures.snapshot(network, u, TIME))
     work.save_table("fig3", _field_table(packing, network, u))
     y = packing.x[network.grain, 1]
     quarter = np.clip(np.floor(4 * y / packing.height), 0, 3)
